@@ -1,0 +1,46 @@
+// Baking: a scene and probe positions become a field file. Part of liboctalux-bake.
+#ifndef OCTALUX_BAKE_H
+#define OCTALUX_BAKE_H
+
+#include <octalux/field.h>
+#include <octalux/scene.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct olx_bake_settings {
+  olx_grid grid;            // light field probes; set by olx_bake_settings_default to the scene's grid
+  olx_grid irradiance_grid; // irradiance probes; likewise
+  uint32_t radiance_size;   // texels along a side: a power of two, 8 to 2048; default 1024
+  uint32_t irradiance_size; // a power of two, 8 to 256; default 128
+  uint32_t samples;         // radiance samples along a texel's side, 1 to 8; default 2 (four a texel)
+  uint32_t light_samples;   // shadow rays a radiance sample sends to each area light, 1 to 64; default 4
+  uint32_t bounces;         // further bounces after direct light, 0 to 64; default 3
+  uint32_t threads;         // 0: as many as the machine has; the result does not depend on it
+  bool measure_embree;      // also time Embree alone on the primary rays, for stats.embree_seconds; default false
+} olx_bake_settings;
+
+olx_bake_settings olx_bake_settings_default(const olx_scene *scene);
+
+typedef struct olx_bake_stats {
+  uint64_t rays;         // primary, shadow and bounce rays together
+  uint64_t primary_rays; // of the light field probes
+  double seconds;        // everything but writing the file
+  double write_seconds;
+  double embree_seconds; // the same primary rays with nothing but ray casting; 0 unless measured
+  uint64_t peak_memory_bytes;
+  uint64_t file_bytes;
+  uint32_t buried, irradiance_buried;
+} olx_bake_stats;
+
+// Bake and write `path`: beside, synced, renamed, so that a failure or a kill at any moment leaves the old file or the new
+// one. The bytes depend on the scene and the settings alone, not on threads or runs. stats may be NULL.
+olx_result olx_bake(const olx_scene *scene, const olx_bake_settings *settings, const char *path,
+                    const olx_progress *progress, olx_bake_stats *stats);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

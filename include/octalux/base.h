@@ -1,0 +1,89 @@
+// Octalux: results, vectors, hooks and progress, shared by every other public header.
+//
+// Threads: every function of Octalux may be called from any thread. A handle (olx_field, olx_scene, ...) that is not
+// being created or destroyed may be read by any number of threads at once. The last message is kept per thread.
+#ifndef OCTALUX_BASE_H
+#define OCTALUX_BASE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define OLX_VERSION_MAJOR 0
+#define OLX_VERSION_MINOR 1
+#define OLX_VERSION_PATCH 0
+
+// Version of the library that is linked, as "major.minor.patch". Never NULL; static storage.
+const char *olx_version(void);
+
+// What every fallible call returns. Anything that comes from outside (files, memory, settings) is answered with one of
+// these; programming mistakes (NULL handles, indices out of range) assert in debug builds.
+typedef enum olx_result {
+  OLX_OK = 0,
+  OLX_ERROR_ARGUMENT = 1,    // a setting outside its documented range
+  OLX_ERROR_MEMORY = 2,      // an allocation failed
+  OLX_ERROR_FILE = 3,        // a file could not be found, read, or written
+  OLX_ERROR_FORMAT = 4,      // a file is not what its name or header says, or contradicts itself
+  OLX_ERROR_VERSION = 5,     // a file was written by another, incompatible version
+  OLX_ERROR_CHECKSUM = 6,    // stored and computed checksum differ
+  OLX_ERROR_UNSUPPORTED = 7, // well formed, but not something this build can do
+  OLX_ERROR_EMPTY = 8,       // a scene or field without anything to work on
+  OLX_ERROR_CANCELLED = 9,   // the progress callback asked to stop
+  OLX_ERROR_GPU = 10         // the graphics device refused or was lost
+} olx_result;
+
+// A short English name of the result ("out of memory"). Never NULL; static storage.
+const char *olx_result_name(olx_result result);
+
+// The message of the last failed call on this thread, saying what failed and where; "" when none failed yet. Valid until
+// the next failing call on the same thread.
+const char *olx_last_error(void);
+
+typedef struct olx_vec2 {
+  float x, y;
+} olx_vec2;
+
+typedef struct olx_vec3 {
+  float x, y, z;
+} olx_vec3;
+
+typedef enum olx_log_level { OLX_LOG_INFO = 0, OLX_LOG_WARNING = 1, OLX_LOG_ERROR = 2 } olx_log_level;
+
+// Hooks by which a host takes over what a library otherwise takes from the system. A NULL member keeps the default.
+typedef struct olx_hooks {
+  void *user; // handed to every hook
+
+  // Memory, aligned to 64 bytes. `allocate` returns NULL when there is none. Default: aligned_alloc and free.
+  void *(*allocate)(void *user, size_t size_bytes);
+  void (*release)(void *user, void *memory);
+
+  // Messages, one line without newline. Default: warnings and errors to standard error.
+  void (*log)(void *user, olx_log_level level, const char *message);
+
+  // Run job(job_user, i) for every i in [0, count), in any order and on any threads, and return when all have finished.
+  // Default: POSIX threads. `threads` is the caller's wish (0: as many as the machine has).
+  void (*parallel_for)(void *user, uint32_t count, uint32_t threads, void (*job)(void *job_user, uint32_t index),
+                       void *job_user);
+} olx_hooks;
+
+// Install hooks for the whole process; NULL restores the defaults. Call it before anything else, never while another
+// call is running.
+void olx_set_hooks(const olx_hooks *hooks);
+
+// Progress of long work. `report` may be NULL. It is called from one thread at a time, at most some ten times a second,
+// with a short name of the stage and the share of the whole that is done, 0..1; returning false cancels the work, which
+// then returns OLX_ERROR_CANCELLED and leaves no partial output.
+typedef struct olx_progress {
+  bool (*report)(void *user, const char *stage, float done);
+  void *user;
+} olx_progress;
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,77 @@
+// A baked light field: opening, describing and checking the .olx file (docs/format.md).
+//
+// A field holds light field probes (radiance, normal and distance for every direction; McGuire et al. 2017, section 3)
+// that rays are traced through, and irradiance probes (prefiltered irradiance and distance moments; section 5.2) that
+// diffuse light is interpolated from. It is immutable.
+#ifndef OCTALUX_FIELD_H
+#define OCTALUX_FIELD_H
+
+#include <octalux/base.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct olx_field olx_field;
+
+// How the probes that answer for a point, or next for a ray, are found. More than one may be baked into a field.
+typedef enum olx_select {
+  OLX_SELECT_CAGE = 0 // McGuire et al., section 4.1: the corners of the grid cell, in the order (i + 3) mod 8
+} olx_select;
+
+// A regular grid of probes. Probe (x, y, z) has index x + count[0] * (y + count[1] * z) and stands at
+// origin + (x, y, z) * spacing. spacing is 0 along an axis with one probe.
+typedef struct olx_grid {
+  olx_vec3 origin;
+  olx_vec3 spacing;
+  uint32_t count[3]; // each at least 1
+} olx_grid;
+
+// What is in a field. Sizes in texels are those of the square octahedral maps without their one-texel border.
+typedef struct olx_field_info {
+  uint32_t probe_count;            // light field probes, at least 1
+  uint32_t irradiance_probe_count; // irradiance probes, at least 1
+  uint32_t buried_count;           // light field probes found inside geometry, never asked
+  uint32_t irradiance_buried_count;
+  bool has_grid;               // light field probes stand on `grid`
+  olx_grid grid;               // valid when has_grid
+  olx_grid irradiance_grid;    // where the irradiance probes stand
+  uint32_t radiance_size;      // texels along a side of a light field map: a power of two, 8 to 2048
+  uint32_t irradiance_size;    // texels along a side of an irradiance map: a power of two, 8 to 256
+  uint32_t select_mask;        // bit (1 << olx_select) for each structure that is baked in
+  float distance_scale_metres; // stored distances times this are metres
+  olx_vec3 scene_min, scene_max;
+  uint32_t bounces;    // --bounces of the bake: light in the maps is direct light and this many further bounces
+  uint32_t samples;    // radiance samples along a texel's side (2: four samples a texel)
+  uint64_t scene_hash; // of geometry, materials, textures, lights and environment
+  uint64_t file_bytes;
+  uint64_t radiance_bytes, normal_bytes, distance_bytes, pyramid_bytes, irradiance_bytes, moments_bytes,
+      selector_bytes;
+} olx_field_info;
+
+// Map a field file into memory and check its structure: every offset and size, but not the checksums (olx_field_verify).
+// On success *field is the caller's to close; on failure it is NULL. Takes milliseconds for any size.
+olx_result olx_field_open(const char *path, olx_field **field);
+
+// The same for a file that already lies in memory, 64-byte aligned; `data` must outlive the field.
+olx_result olx_field_open_memory(const void *data, size_t size_bytes, olx_field **field);
+
+// NULL is allowed.
+void olx_field_close(olx_field *field);
+
+olx_field_info olx_field_describe(const olx_field *field);
+
+// Position in metres of a light field probe, index < probe_count.
+olx_vec3 olx_field_probe_position(const olx_field *field, uint32_t index);
+// Whether that probe was found inside geometry at bake time.
+bool olx_field_probe_buried(const olx_field *field, uint32_t index);
+
+// Read every byte: checksums, zero padding, and the content of the maps (no NaN, distances not negative, moments
+// possible). OLX_OK, or what is wrong and where in olx_last_error.
+olx_result olx_field_verify(const olx_field *field);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,9 @@
+// The runtime of Octalux: everything that a program needs to light itself from a baked field on the CPU.
+#ifndef OCTALUX_OCTALUX_H
+#define OCTALUX_OCTALUX_H
+
+#include <octalux/base.h>
+#include <octalux/field.h>
+#include <octalux/sample.h>
+
+#endif

@@ -1,0 +1,139 @@
+// Whole images on the CPU, and measuring them: the field renderer, the path tracer that judges it, image files, metrics
+// and the audit of a field. Part of liboctalux-bake.
+#ifndef OCTALUX_RENDER_H
+#define OCTALUX_RENDER_H
+
+#include <octalux/sample.h>
+#include <octalux/scene.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+// Layers of an image, in this order. Light layers are outgoing radiance towards the eye:
+// beauty = emission seen directly + direct + indirect_diffuse + indirect_glossy.
+typedef enum olx_layer {
+  OLX_LAYER_BEAUTY = 0,
+  OLX_LAYER_DIRECT,           // emitter to surface with nothing in between, through every lobe
+  OLX_LAYER_INDIRECT_DIFFUSE, // at least one surface between emitter and shaded surface, through the diffuse lobe
+  OLX_LAYER_INDIRECT_GLOSSY,  // the same through the specular lobe
+  OLX_LAYER_ALBEDO,           // diffuse reflectance: base colour * (1 - metallic)
+  OLX_LAYER_NORMAL,           // shading normal, world space; 0 where nothing is seen
+  OLX_LAYER_DEPTH,            // distance along the viewing axis in metres, one channel (others 0); infinite for the sky
+  OLX_LAYER_STANDARD_ERROR,   // of beauty's mean; only when asked for
+  OLX_LAYER_COUNT
+} olx_layer;
+
+// The layer's name in files and reports ("beauty", "indirect_diffuse", ...).
+const char *olx_layer_name(olx_layer layer);
+
+// An image of float layers. Pixel (x, y) of a layer, y down, is layers[layer][x + width * y]; absent layers are NULL.
+typedef struct olx_image {
+  uint32_t width, height;
+  olx_vec3 *layers[OLX_LAYER_COUNT];
+} olx_image;
+
+// Allocate an image with the layers whose bits (1 << olx_layer) are set, filled with zero.
+olx_result olx_image_create(uint32_t width, uint32_t height, uint32_t layer_mask, olx_image *image);
+// Release the layers; the struct itself is the caller's.
+void olx_image_free(olx_image *image);
+
+// Write `path`, by its ending: .exr (all layers, linear float) or .png (beauty, tone-mapped). Beside, synced, renamed.
+olx_result olx_image_save(const olx_image *image, const char *path);
+// Write one layer, tone-mapped with `exposure` (1 keeps it), as .png.
+olx_result olx_image_save_layer_png(const olx_image *image, olx_layer layer, float exposure, const char *path);
+// Read an .exr that olx_image_save wrote, or any scanline EXR with channels R G B. *image is the caller's to free.
+olx_result olx_image_load(const char *path, olx_image *image);
+
+typedef enum olx_method {
+  OLX_METHOD_FIELD = 0, // indirect light from a field
+  OLX_METHOD_PATH = 1   // path tracing, the reference
+} olx_method;
+
+typedef enum olx_diffuse {
+  OLX_DIFFUSE_IRRADIANCE = 0, // from irradiance probes (McGuire et al. section 5.2)
+  OLX_DIFFUSE_TRACED = 1      // by cosine rays traced through the field (section 5, naive renderer)
+} olx_diffuse;
+
+#define OLX_BOUNCES_INFINITE UINT32_MAX
+
+typedef struct olx_render_settings {
+  uint32_t width, height;    // 1 to 16384; default 1280 x 720
+  uint32_t spp;              // camera samples a pixel, 1 to 2^20; 1 shoots through pixel centres; default 64 for path, 4 for field
+  uint32_t bounces;          // path: indirect bounces (0: direct light only), or OLX_BOUNCES_INFINITE (the default)
+  olx_method method;
+  olx_diffuse diffuse;       // field; default OLX_DIFFUSE_IRRADIANCE
+  uint32_t diffuse_samples;  // field, traced: rays a camera sample, 1 to 4096; default 64
+  uint32_t glossy_samples;   // field: rays a camera sample on glossy surfaces, 1 to 4096; default 4 (1 when smooth)
+  bool standard_error;       // also fill OLX_LAYER_STANDARD_ERROR
+  uint32_t threads;          // 0: as many as the machine has; the image does not depend on it
+  olx_sample_settings sample; // field: tracer, selector, visibility
+} olx_render_settings;
+
+olx_render_settings olx_render_settings_default(olx_method method);
+
+typedef struct olx_render_stats {
+  double seconds;
+  double primary_seconds, direct_seconds, diffuse_seconds, glossy_seconds; // of worker time, summed over threads
+  uint64_t rays;            // cast with Embree
+  uint64_t field_rays;      // traced through the field
+  uint64_t field_unresolved;
+} olx_render_stats;
+
+// Render `scene` from `camera`. `field` is needed by OLX_METHOD_FIELD and may be NULL otherwise; one baked from another scene
+// is warned about. On success the image is the caller's to free. stats may be NULL.
+olx_result olx_render(const olx_scene *scene, const olx_field *field, const olx_camera *camera,
+                      const olx_render_settings *settings, const olx_progress *progress, olx_image *image,
+                      olx_render_stats *stats);
+
+// Error of `a` against the reference `b` over one layer (MATH: relative MSE is sum (a-b)^2 / sum b^2, bias is
+// sum (a-b) / sum b, over pixels and channels). PSNR is in dB over the reference's maximum.
+typedef struct olx_metrics {
+  double mse, relative_mse, psnr, bias, max;
+} olx_metrics;
+
+// OLX_ERROR_ARGUMENT when sizes differ or either image lacks the layer.
+olx_result olx_compare(const olx_image *a, const olx_image *b, olx_layer layer, olx_metrics *metrics);
+// Write a picture of |a - b| over the reference's mean, black to yellow, with the scale said beside it.
+olx_result olx_compare_heatmap(const olx_image *a, const olx_image *b, olx_layer layer, const char *path);
+
+typedef struct olx_audit_settings {
+  uint32_t rays;   // default 200,000
+  uint32_t points; // default 2,000
+  uint32_t spp;    // paths a point for the reference irradiance; default 1024
+  uint32_t seed;
+  uint32_t threads;
+  const char *camera; // name of the camera whose surfaces are judged; NULL: all of them
+  olx_sample_settings sample;
+} olx_audit_settings;
+
+olx_audit_settings olx_audit_settings_default(void);
+
+// The field judged against ray casting and path tracing; see docs/results.md for what each number means.
+typedef struct olx_audit_rays {
+  uint64_t count;
+  double unresolved, wrong, unseen;           // shares of all rays
+  double unresolved_seen, wrong_seen;         // shares of the rays whose true hit at least one probe sees
+  double distance_error_median, distance_error_p99; // relative to the ray's length, over rays that were resolved
+  double steps_mean, probes_mean;
+} olx_audit_rays;
+
+typedef struct olx_audit_points {
+  uint64_t count;
+  double relative_mse, bias, leak;
+} olx_audit_points;
+
+typedef struct olx_audit {
+  olx_audit_rays rays;        // both kinds
+  olx_audit_rays cosine, mirror; // each kind alone
+  olx_audit_points points;
+} olx_audit;
+
+olx_result olx_audit_field(const olx_scene *scene, const olx_field *field, const olx_audit_settings *settings,
+                           const olx_progress *progress, olx_audit *audit);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

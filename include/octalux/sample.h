@@ -1,0 +1,75 @@
+// Sampling a baked field on the CPU: rays, irradiance and glossy light. No call allocates or fails; any number of
+// threads may sample one field.
+#ifndef OCTALUX_SAMPLE_H
+#define OCTALUX_SAMPLE_H
+
+#include <octalux/base.h>
+#include <octalux/field.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum olx_tracer {
+  OLX_TRACER_TEXEL = 0,    // visits every texel on the ray's path: slow, the referee
+  OLX_TRACER_TWO_LEVEL = 1 // McGuire et al. section 4.1: skips blocks of texels by their smallest distance; same answers
+} olx_tracer;
+
+typedef enum olx_visibility {
+  OLX_VISIBILITY_NONE = 0,     // trilinear interpolation alone: leaks, the baseline
+  OLX_VISIBILITY_CHEBYSHEV = 1 // McGuire et al. section 5.2 with the refinements that docs/results.md measures
+} olx_visibility;
+
+typedef struct olx_sample_settings {
+  olx_tracer tracer;         // default OLX_TRACER_TWO_LEVEL
+  olx_select select;         // default OLX_SELECT_CAGE
+  olx_visibility visibility; // default OLX_VISIBILITY_CHEBYSHEV
+  uint32_t max_probes;       // probes a ray may ask before it gives up; default 4096: as many as there are
+  bool keep_buried;          // also ask probes inside geometry (the published failure, Fig. 10); default false
+  bool emitters;             // count light that comes straight from an emitter or the sky; default false, because
+                             // direct lighting samples those already (docs/maths.md, "layers")
+} olx_sample_settings;
+
+olx_sample_settings olx_sample_settings_default(void);
+
+typedef enum olx_trace_status {
+  OLX_TRACE_MISS = 0,   // the ray leaves the scene or reaches t_max
+  OLX_TRACE_HIT = 1,    // a surface that a probe sees
+  OLX_TRACE_UNKNOWN = 2 // no probe sees where the ray goes; the values are those of the last occluder
+} olx_trace_status;
+
+typedef struct olx_trace_hit {
+  olx_trace_status status;
+  float distance_metres; // along the ray; infinite for a miss to the sky
+  olx_vec3 position;
+  olx_vec3 normal;    // of the surface, towards the probe that saw it
+  olx_vec3 radiance;  // linear Rec.709, W/(sr m^2); of the sky for a miss
+  bool emitter;       // the radiance comes straight from an emitter or the sky
+  uint32_t probe;     // that answered, or UINT32_MAX
+  float footprint_metres; // of the texel that answered: stored distance times the root of its solid angle
+  uint32_t texel_steps;   // texels whose distance was read, over all probes
+  uint32_t probes_tried;
+} olx_trace_hit;
+
+// What does the ray from `origin` (metres) along the unit vector `direction` see first, within t_max_metres (INFINITY
+// for no limit)? McGuire et al. section 4, Listing 1.
+olx_trace_hit olx_trace(const olx_field *field, const olx_sample_settings *settings, olx_vec3 origin,
+                        olx_vec3 direction, float t_max_metres);
+
+// Indirect irradiance in W/m^2 on a surface at `position` with unit normal `normal`, seen from the direction `view`
+// (unit, from the surface to the eye; pass the normal where there is no eye). Diffuse light leaving the surface is
+// albedo * irradiance / pi. McGuire et al. section 5.2.
+olx_vec3 olx_irradiance(const olx_field *field, const olx_sample_settings *settings, olx_vec3 position, olx_vec3 normal,
+                        olx_vec3 view);
+
+// One ray's estimate of the light that a GGX lobe of the given roughness (perceptual, 0..1; 0 is a mirror) gathers:
+// traces the reflection drawn by `random` (two numbers in [0, 1)) and returns its radiance; *weight receives the
+// BRDF times cosine over the pdf for Fresnel reflectance 1, and *half_cosine the angle for Fresnel (view . half).
+olx_vec3 olx_glossy(const olx_field *field, const olx_sample_settings *settings, olx_vec3 position, olx_vec3 normal,
+                    olx_vec3 view, float roughness, olx_vec2 random, float *weight, float *half_cosine);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,1 @@
+#include <octalux/bake.h>

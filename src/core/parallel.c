@@ -1,0 +1,95 @@
+#include "core/parallel.h"
+
+#include "core/hooks.h"
+#include "core/result.h"
+
+#include <time.h>
+#include <unistd.h>
+
+enum { MAX_THREADS = 256, REPORT_INTERVAL_MS = 100 };
+
+double olx_seconds(void) {
+  struct timespec now;
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+uint32_t olx_processor_count(void) {
+  const long count = sysconf(_SC_NPROCESSORS_ONLN);
+  return count < 1 ? 1 : count > MAX_THREADS ? MAX_THREADS : (uint32_t)count;
+}
+
+void olx_task_begin(olx_task *task, const olx_progress *progress, const char *stage, uint64_t total_units) {
+  task->progress = progress;
+  task->stage = stage;
+  task->total_units = total_units ? total_units : 1;
+  atomic_init(&task->done_units, 0);
+  atomic_init(&task->cancelled, false);
+  atomic_init(&task->last_report_ms, 0);
+  pthread_mutex_init(&task->report_lock, NULL);
+}
+
+void olx_task_stage(olx_task *task, const char *stage) { task->stage = stage; }
+
+void olx_task_end(olx_task *task) { pthread_mutex_destroy(&task->report_lock); }
+
+static void advance(olx_task *task, uint64_t units) {
+  const uint64_t done = atomic_fetch_add(&task->done_units, units) + units;
+  if (!task->progress || !task->progress->report) return;
+  const uint64_t now = (uint64_t)(olx_seconds() * 1e3);
+  const bool last = done >= task->total_units;
+  if (!last && now - atomic_load(&task->last_report_ms) < REPORT_INTERVAL_MS) return;
+  if (pthread_mutex_trylock(&task->report_lock) != 0) return;
+  atomic_store(&task->last_report_ms, now);
+  const float share = (float)((double)done / (double)task->total_units);
+  if (!task->progress->report(task->progress->user, task->stage, share > 1 ? 1 : share)) {
+    atomic_store(&task->cancelled, true);
+  }
+  pthread_mutex_unlock(&task->report_lock);
+}
+
+typedef struct loop {
+  olx_job job;
+  void *user;
+  olx_task *task;
+  uint64_t units;
+  uint32_t count;
+  atomic_uint next;
+} loop;
+
+static void run_index(void *user, uint32_t index) {
+  loop *l = user;
+  if (l->task && atomic_load_explicit(&l->task->cancelled, memory_order_relaxed)) return;
+  l->job(l->user, index);
+  if (l->task) advance(l->task, l->units);
+}
+
+static void *run_thread(void *user) {
+  loop *l = user;
+  for (;;) {
+    const uint32_t index = atomic_fetch_add(&l->next, 1);
+    if (index >= l->count) return NULL;
+    run_index(l, index);
+  }
+}
+
+olx_result olx_parallel_for(uint32_t count, uint32_t threads, olx_job job, void *user, olx_task *task, uint64_t units) {
+  loop l = {.job = job, .user = user, .task = task, .units = units, .count = count};
+  atomic_init(&l.next, 0);
+  const olx_hooks *hooks = olx_get_hooks();
+  if (hooks->parallel_for) {
+    hooks->parallel_for(hooks->user, count, threads, run_index, &l);
+  } else {
+    uint32_t wanted = threads ? threads : olx_processor_count();
+    if (wanted > MAX_THREADS) wanted = MAX_THREADS;
+    if (wanted > count) wanted = count;
+    pthread_t handles[MAX_THREADS];
+    uint32_t started = 0;
+    // A thread that cannot be started is no failure: this one does its share.
+    while (started + 1 < wanted && pthread_create(&handles[started], NULL, run_thread, &l) == 0) started++;
+    run_thread(&l);
+    for (uint32_t i = 0; i < started; i++) pthread_join(handles[i], NULL);
+  }
+  if (task && atomic_load(&task->cancelled)) return olx_fail(OLX_ERROR_CANCELLED, "cancelled during %s", task->stage);
+  return OLX_OK;
+}

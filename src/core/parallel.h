@@ -1,0 +1,39 @@
+// The one parallel loop. Results must not depend on which thread runs which index, or in what order.
+#ifndef OLX_CORE_PARALLEL_H
+#define OLX_CORE_PARALLEL_H
+
+#include <octalux/base.h>
+
+#include <pthread.h>
+#include <stdatomic.h>
+
+// Progress of one long piece of work that runs several loops. The loops advance `done` from 0 to `total` units.
+typedef struct olx_task {
+  const olx_progress *progress; // may be NULL
+  const char *stage;
+  uint64_t total_units;
+  atomic_uint_fast64_t done_units;
+  atomic_bool cancelled;
+  atomic_uint_fast64_t last_report_ms;
+  pthread_mutex_t report_lock;
+} olx_task;
+
+void olx_task_begin(olx_task *task, const olx_progress *progress, const char *stage, uint64_t total_units);
+// Change the name of the stage; between loops only.
+void olx_task_stage(olx_task *task, const char *stage);
+void olx_task_end(olx_task *task);
+
+typedef void (*olx_job)(void *user, uint32_t index);
+
+// Run job(user, i) for every i in [0, count) on `threads` threads (0: as many as the machine has) and wait for all. With a
+// task, every finished index adds `units` to its progress; when the task is cancelled the remaining indices are skipped
+// and OLX_ERROR_CANCELLED is returned. task may be NULL.
+olx_result olx_parallel_for(uint32_t count, uint32_t threads, olx_job job, void *user, olx_task *task, uint64_t units);
+
+// Processors this process may use, at least 1.
+uint32_t olx_processor_count(void);
+
+// Seconds of a monotonic clock.
+double olx_seconds(void);
+
+#endif

@@ -1,0 +1,23 @@
+// Failing with a message: every fallible function returns olx_fail(...) or forwards with OLX_TRY.
+#ifndef OLX_CORE_RESULT_H
+#define OLX_CORE_RESULT_H
+
+#include <octalux/base.h>
+
+// Remember a printf-style message as this thread's last error and return `result`.
+olx_result olx_fail(olx_result result, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+#define OLX_TRY(call)                                                                                                  \
+  do {                                                                                                                 \
+    const olx_result olx_try_result_ = (call);                                                                         \
+    if (olx_try_result_ != OLX_OK) return olx_try_result_;                                                             \
+  } while (0)
+
+// As OLX_TRY, but jump to a clean-up label; `result` must be a local variable named so.
+#define OLX_TRY_GOTO(call, label)                                                                                      \
+  do {                                                                                                                 \
+    result = (call);                                                                                                   \
+    if (result != OLX_OK) goto label;                                                                                  \
+  } while (0)
+
+#endif

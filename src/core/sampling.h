@@ -1,0 +1,72 @@
+// Deterministic random numbers and the distributions drawn from them.
+#ifndef OLX_CORE_SAMPLING_H
+#define OLX_CORE_SAMPLING_H
+
+#include "core/vec.h"
+
+// A well-mixed 32-bit hash (the output permutation of PCG over a multiply chain).
+static inline uint32_t olx_hash(uint32_t x) {
+  x = x * 747796405u + 2891336453u;
+  x = ((x >> ((x >> 28) + 4u)) ^ x) * 277803737u;
+  return (x >> 22) ^ x;
+}
+static inline uint32_t olx_hash2(uint32_t a, uint32_t b) { return olx_hash(a ^ (olx_hash(b) + 0x9E3779B9u)); }
+static inline uint32_t olx_hash3(uint32_t a, uint32_t b, uint32_t c) { return olx_hash2(olx_hash2(a, b), c); }
+
+// 24 bits to [0, 1).
+static inline float olx_unit_float(uint32_t bits) { return (float)(bits >> 8) * 0x1p-24f; }
+
+static inline uint32_t olx_reverse_bits(uint32_t x) {
+  x = (x >> 16) | (x << 16);
+  x = ((x & 0x00FF00FFu) << 8) | ((x & 0xFF00FF00u) >> 8);
+  x = ((x & 0x0F0F0F0Fu) << 4) | ((x & 0xF0F0F0F0u) >> 4);
+  x = ((x & 0x33333333u) << 2) | ((x & 0xCCCCCCCCu) >> 2);
+  return ((x & 0x55555555u) << 1) | ((x & 0xAAAAAAAAu) >> 1);
+}
+
+static inline olx_vec2 olx_hammersley(uint32_t i, uint32_t count) {
+  return (olx_vec2){((float)i + 0.5f) / (float)count, olx_unit_float(olx_reverse_bits(i))};
+}
+
+// Owen scrambling by hashing (Laine and Karras 2011), on reversed bits.
+static inline uint32_t olx_owen_scramble(uint32_t x, uint32_t seed) {
+  x = olx_reverse_bits(x);
+  x += seed;
+  x ^= x * 0x6C50B47Cu;
+  x ^= x * 0xB82F1E52u;
+  x ^= x * 0xC7AFE638u;
+  x ^= x * 0x8D22F6E6u;
+  return olx_reverse_bits(x);
+}
+
+// Point i of an Owen-scrambled, shuffled (0, 2)-sequence: stratified over every power of two of points, and independent of
+// other seeds. One seed for each pair of dimensions of a pixel or texel.
+static inline olx_vec2 olx_stratified2(uint32_t i, uint32_t seed) {
+  const uint32_t index = olx_owen_scramble(i, olx_hash(seed));
+  uint32_t sobol = 0;
+  for (uint32_t bits = index, v = 0x80000000u; bits; bits >>= 1, v ^= v >> 1) {
+    if (bits & 1u) sobol ^= v;
+  }
+  return (olx_vec2){olx_unit_float(olx_owen_scramble(olx_reverse_bits(index), olx_hash(seed + 1u))),
+                    olx_unit_float(olx_owen_scramble(sobol, olx_hash(seed + 2u)))};
+}
+
+// Cosine-distributed direction around +z; pdf = cos / pi.
+static inline olx_vec3 olx_sample_cosine(olx_vec2 random) {
+  const float r = sqrtf(random.x), phi = 2.0f * OLX_PI * random.y;
+  return olx_v3(r * cosf(phi), r * sinf(phi), sqrtf(olx_max(0.0f, 1.0f - random.x)));
+}
+
+// Uniform direction on the sphere; pdf = 1 / (4 pi).
+static inline olx_vec3 olx_sample_sphere(olx_vec2 random) {
+  const float z = 1.0f - 2.0f * random.x, r = sqrtf(olx_max(0.0f, 1.0f - z * z)), phi = 2.0f * OLX_PI * random.y;
+  return olx_v3(r * cosf(phi), r * sinf(phi), z);
+}
+
+// Barycentric coordinates (of the second and third corner), uniform over a triangle.
+static inline olx_vec2 olx_sample_triangle(olx_vec2 random) {
+  const float s = sqrtf(random.x);
+  return (olx_vec2){s * (1.0f - random.y), s * random.y};
+}
+
+#endif

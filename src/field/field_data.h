@@ -1,0 +1,47 @@
+// A field in memory: pointers into the mapped file, ready for the runtime's inner loops. docs/format.md describes the file.
+#ifndef OLX_FIELD_FIELD_DATA_H
+#define OLX_FIELD_FIELD_DATA_H
+
+#include "core/pack.h"
+
+#include <octalux/field.h>
+
+// Light field maps carry a one-texel border, so that filtering across the map's edges is exact: texel (x, y) of a probe,
+// x and y from -1 to n, lies at (y + 1) * (n + 2) + x + 1.
+//
+// Distances are divided by distance_scale. The sign bit marks texels that see an emitter; +infinity is the sky.
+struct olx_field {
+  const void *data; // the file
+  size_t size_bytes;
+  bool mapped;      // by us, to be unmapped
+  olx_field_info info;
+
+  const olx_vec3 *probe_positions;
+  const uint8_t *probe_flags; // OLX_PROBE_*
+  const olx_vec3 *irradiance_positions;
+  const uint8_t *irradiance_flags;
+
+  uint32_t n, stride;       // radiance_size and n + 2
+  size_t texels;            // a light field map: stride * stride
+  const uint32_t *radiance; // R11G11B10F, `texels` a probe
+  const uint16_t *normal;   // olx_normal_pack, the surface's normal on the probe's side
+  const uint16_t *distance; // half
+
+  uint32_t block;          // texels along the side of a block of the coarse map: olx_block_size(n)
+  uint32_t coarse_n;       // n / block, no border
+  const uint16_t *coarse;  // half: smallest |distance| in each block, coarse_n^2 a probe
+
+  uint32_t irradiance_n, irradiance_stride;
+  size_t irradiance_texels;
+  const uint32_t *irradiance; // R11G11B10F, W/m^2, indirect light only: emitters and sky left out
+  const uint32_t *moments;    // two halves: mean distance (low 16 bits), mean squared distance; sky counts as 1
+
+  float distance_scale;
+};
+
+enum { OLX_PROBE_BURIED = 1 };
+
+// The side of the blocks of the two-level pyramid: 16 texels as in the paper, fewer on maps too small for it.
+static inline uint32_t olx_block_size(uint32_t n) { return n >= 64 ? 16 : n / 4; }
+
+#endif

@@ -1,0 +1,32 @@
+// Writing a field file piece by piece, so that a bake never holds a whole field in memory.
+#ifndef OLX_FIELD_FIELD_WRITER_H
+#define OLX_FIELD_FIELD_WRITER_H
+
+#include "field/field_data.h"
+
+typedef struct olx_field_writer olx_field_writer;
+
+// What must be known before the first map: everything in olx_field_info that is not a count of bytes, and positions.
+typedef struct olx_field_header {
+  olx_field_info info; // *_bytes and buried counts are filled in by the writer
+  const olx_vec3 *probe_positions, *irradiance_positions;
+} olx_field_header;
+
+// Lays the file out and creates it beside `path`. The header's arrays are copied.
+olx_result olx_field_writer_create(const char *path, const olx_field_header *header, olx_field_writer **writer);
+
+// The maps of one light field probe, in order of index, without border (n * n texels, row by row); borders and coarse map
+// are made here, from the stored values.
+olx_result olx_field_writer_probe(olx_field_writer *writer, uint32_t index, uint8_t flags, const uint32_t *radiance,
+                                  const uint16_t *normal, const uint16_t *distance);
+
+// The maps of one irradiance probe, in order of index, without border.
+olx_result olx_field_writer_irradiance(olx_field_writer *writer, uint32_t index, uint8_t flags,
+                                       const uint32_t *irradiance, const uint32_t *moments);
+
+// Checksums, sync, rename. Frees the writer whatever comes back. All probes must have been written.
+olx_result olx_field_writer_commit(olx_field_writer *writer, uint64_t *file_bytes);
+// Throw the file away. NULL is allowed.
+void olx_field_writer_discard(olx_field_writer *writer);
+
+#endif

@@ -1,0 +1,30 @@
+// Casting rays against the scene's triangles (Embree). Masked-out parts of alpha-masked surfaces are passed through.
+#ifndef OLX_SCENE_BVH_H
+#define OLX_SCENE_BVH_H
+
+#include "scene/scene_data.h"
+
+#define OLX_NO_HIT UINT32_MAX
+
+typedef struct olx_ray {
+  olx_vec3 origin, direction; // direction need not be unit; distances are in its length
+  float t_min, t_max;
+} olx_ray;
+
+typedef struct olx_ray_hit {
+  uint32_t triangle; // OLX_NO_HIT for a miss
+  float t, u, v;     // barycentric weights of the second and third corner
+} olx_ray_hit;
+
+olx_result olx_bvh_create(const olx_scene *scene, olx_bvh **bvh);
+void olx_bvh_free(olx_bvh *bvh);
+
+olx_ray_hit olx_bvh_intersect(const olx_bvh *bvh, const olx_ray *ray);
+bool olx_bvh_occluded(const olx_bvh *bvh, const olx_ray *ray);
+
+// Many rays at once, in packets of 16. `coherent` promises that neighbours in the array start and go much alike.
+void olx_bvh_intersect_many(const olx_bvh *bvh, const olx_ray *rays, uint32_t count, bool coherent, olx_ray_hit *hits);
+// occluded[i] becomes 1 or 0. Rays with t_max < t_min are skipped and come back as 1.
+void olx_bvh_occluded_many(const olx_bvh *bvh, const olx_ray *rays, uint32_t count, bool coherent, uint8_t *occluded);
+
+#endif

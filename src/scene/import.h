@@ -1,0 +1,19 @@
+// Filling a scene from files.
+#ifndef OLX_SCENE_IMPORT_H
+#define OLX_SCENE_IMPORT_H
+
+#include "scene/scene_data.h"
+
+// Placement of a model in the scene: scaled, then rotated about x, y, z in that order, then moved.
+typedef struct olx_placement {
+  float scale;
+  olx_vec3 translate, rotate_degrees;
+} olx_placement;
+
+// Append a glTF, GLB or OBJ model: triangles, materials, textures, lights and cameras.
+olx_result olx_import_model(const char *path, const olx_placement *placement, olx_scene *scene);
+
+// Fill an empty scene from a JSON description (docs/scenes.md).
+olx_result olx_import_description(const char *path, olx_scene *scene);
+
+#endif

@@ -1,0 +1,28 @@
+// Growing a scene while it is made, and finishing it.
+#ifndef OLX_SCENE_SCENE_BUILD_H
+#define OLX_SCENE_SCENE_BUILD_H
+
+#include "scene/scene_data.h"
+
+// A material with white-ish Lambertian defaults: base colour 0.8, specular weight 0, roughness 1, no textures.
+olx_material olx_material_default(void);
+
+// Each appends and returns the new element's index through *index (may be NULL).
+olx_result olx_scene_add_material(olx_scene *scene, const olx_material *material, uint32_t *index);
+// Takes ownership of texture->texels.
+olx_result olx_scene_add_texture(olx_scene *scene, const olx_texture *texture, uint32_t *index);
+olx_result olx_scene_add_light(olx_scene *scene, const olx_light *light);
+olx_result olx_scene_add_camera(olx_scene *scene, const olx_camera *camera);
+// A rectangle light: an absorbing, one-sided emitter that shines along cross(edge_u, edge_v).
+olx_result olx_scene_add_rect_light(olx_scene *scene, olx_vec3 center, olx_vec3 edge_u, olx_vec3 edge_v,
+                                    olx_vec3 radiance);
+// Append a mesh. normals and uvs may be NULL (flat normals, zero uvs). Degenerate triangles, NaN positions and indices out
+// of range are skipped and counted in one warning that names `name`.
+olx_result olx_scene_add_mesh(olx_scene *scene, const char *name, const olx_vec3 *positions, const olx_vec3 *normals,
+                              const olx_vec2 *uvs, uint32_t vertex_count, const uint32_t *indices,
+                              uint32_t triangle_count, uint32_t material);
+
+// Bounds, hash, emitters and the ray caster; fails with OLX_ERROR_EMPTY for a scene without triangles.
+olx_result olx_scene_finish(olx_scene *scene);
+
+#endif

@@ -1,0 +1,32 @@
+// What a ray finds: the surface at a hit with its textures looked up.
+#ifndef OLX_SCENE_SURFACE_H
+#define OLX_SCENE_SURFACE_H
+
+#include "core/bsdf.h"
+#include "scene/bvh.h"
+
+typedef struct olx_surface {
+  olx_vec3 position;         // computed from the triangle's corners, not from the ray, and so exact to rounding
+  olx_vec3 geometric_normal; // unit, towards where the ray came from: all tests of sides use it
+  olx_vec3 shading_normal;   // unit, interpolated or mapped, on the same side; only shades
+  bool back_face;            // the ray came from the side away from the triangle's winding
+  olx_bsdf bsdf;
+  olx_vec3 emission; // towards where the ray came from: 0 on the dark side of a one-sided emitter
+  float roughness;
+  float epsilon; // length by which to move off the surface along the geometric normal, from the rounding of position
+  uint32_t triangle, material;
+  float area_pdf; // density over area with which emitters.h draws this point; 0 when it does not emit
+} olx_surface;
+
+// Everything at the hit of a ray with direction `direction` (unit).
+olx_surface olx_surface_at(const olx_scene *scene, const olx_ray_hit *hit, olx_vec3 direction);
+
+// Whether the triangle's surface is there at those barycentric coordinates (alpha mask).
+bool olx_surface_present(const olx_scene *scene, uint32_t triangle, float u, float v);
+
+// A ray that leaves `position` on the side of the geometric normal that `direction` points to, without meeting its own surface.
+olx_ray olx_surface_ray(const olx_surface *surface, olx_vec3 direction, float t_max);
+// A ray from the surface to another point, stopping short of it by `epsilon_end`; direction is unit.
+olx_ray olx_surface_ray_to(const olx_surface *surface, olx_vec3 point, float epsilon_end);
+
+#endif

@@ -1,0 +1,134 @@
+#include "shade/irradiance.h"
+
+// Half float moments are off by up to 2^-11 each, so the variance cannot be known better than about this share of r^2.
+static const float VARIANCE_FLOOR = 1e-3f;
+// Weights below this are pressed down by the square of their share of it (after Majercik et al. 2019).
+static const float CRUSH_BELOW = 0.2f;
+// How far off the surface visibility is tested, in texels of the moments map at the probe's distance.
+static const float BIAS_TEXELS = 1.0f;
+
+static olx_vec3 map_irradiance(const olx_irradiance_source *s, uint32_t probe, olx_vec3 direction) {
+  const olx_bilinear b = olx_bilinear_at(olx_octahedral_encode(direction), s->irradiance_n);
+  const size_t offset = (size_t)(s->irradiance_n + 2) * (s->irradiance_n + 2) * probe;
+  olx_vec3 sum = {0};
+  for (uint32_t i = 0; i < 4; i++) {
+    const olx_vec3 value = s->packed_irradiance ? olx_r11g11b10f_unpack(s->packed_irradiance[offset + b.index[i]])
+                                                : s->irradiance[offset + b.index[i]];
+    sum = olx_madd(sum, value, b.weight[i]);
+  }
+  return sum;
+}
+
+// Mean and mean square of the distance, in metres.
+static olx_vec2 map_moments(const olx_irradiance_source *s, uint32_t probe, olx_vec3 direction) {
+  const olx_bilinear b = olx_bilinear_at(olx_octahedral_encode(direction), s->moments_n);
+  const size_t offset = (size_t)(s->moments_n + 2) * (s->moments_n + 2) * probe;
+  olx_vec2 sum = {0};
+  for (uint32_t i = 0; i < 4; i++) {
+    olx_vec2 value;
+    if (s->packed_moments) {
+      const uint32_t packed = s->packed_moments[offset + b.index[i]];
+      value = (olx_vec2){olx_half_unpack((uint16_t)packed), olx_half_unpack((uint16_t)(packed >> 16))};
+    } else {
+      value = s->moments[offset + b.index[i]];
+    }
+    sum.x += b.weight[i] * value.x;
+    sum.y += b.weight[i] * value.y;
+  }
+  return (olx_vec2){sum.x * s->distance_scale, sum.y * s->distance_scale * s->distance_scale};
+}
+
+// An upper bound on the share of a probe's view around `offset` (from the probe) that is at least as far away.
+static float chebyshev(const olx_irradiance_source *s, uint32_t probe, olx_vec3 offset) {
+  const olx_vec2 moments = map_moments(s, probe, offset);
+  const float r = olx_length(offset), beyond = r - moments.x;
+  if (beyond <= 0.0f) return 1.0f;
+  const float variance = olx_max(moments.y - moments.x * moments.x, VARIANCE_FLOOR * moments.x * moments.x);
+  return variance / (variance + beyond * beyond);
+}
+
+static float visibility(const olx_irradiance_source *s, uint32_t terms, uint32_t probe, olx_vec3 from_probe,
+                        olx_vec3 normal, olx_vec3 view) {
+  if (!(terms & OLX_WEIGHT_CHEBYSHEV)) return 1.0f;
+  if (terms & OLX_WEIGHT_BIAS) {
+    const float texel = olx_length(from_probe) * 3.5449077f / (float)s->moments_n; // sqrt(4 pi / n^2)
+    from_probe = olx_madd(from_probe, olx_normalize(olx_add(normal, view)), BIAS_TEXELS * texel);
+  }
+  const float bound = chebyshev(s, probe, from_probe);
+  return terms & OLX_WEIGHT_SHARPEN ? bound * bound * bound : bound;
+}
+
+static float probe_weight(const olx_irradiance_source *s, uint32_t terms, uint32_t probe, olx_vec3 from_probe,
+                          olx_vec3 normal, olx_vec3 view) {
+  float weight = visibility(s, terms, probe, from_probe, normal, view);
+  if (terms & OLX_WEIGHT_BACK_FACE) {
+    const float cosine = -olx_dot(olx_normalize(from_probe), normal);
+    weight *= olx_square(0.5f * (cosine + 1.0f));
+  }
+  if (terms & OLX_WEIGHT_CRUSH && weight < CRUSH_BELOW) weight *= olx_square(weight / CRUSH_BELOW);
+  return weight;
+}
+
+// When no probe of the cage sees the point: the nearest probe of all that does.
+static bool nearest_visible(const olx_irradiance_source *s, uint32_t terms, bool keep_buried, olx_vec3 position,
+                            olx_vec3 normal, olx_vec3 view, uint32_t *nearest) {
+  const uint32_t count = s->grid.count[0] * s->grid.count[1] * s->grid.count[2];
+  float nearest_distance = INFINITY;
+  for (uint32_t probe = 0; probe < count; probe++) {
+    if (!keep_buried && s->flags[probe] & OLX_PROBE_BURIED) continue;
+    const olx_vec3 from_probe = olx_sub(position, olx_grid_position(&s->grid, probe));
+    const float distance = olx_length(from_probe);
+    if (distance >= nearest_distance || visibility(s, terms, probe, from_probe, normal, view) < 0.5f) continue;
+    nearest_distance = distance;
+    *nearest = probe;
+  }
+  return nearest_distance < INFINITY;
+}
+
+olx_vec3 olx_irradiance_terms(const olx_irradiance_source *s, uint32_t terms, bool keep_buried, olx_vec3 position,
+                              olx_vec3 normal, olx_vec3 view) {
+  const olx_cage cage = olx_cage_at(&s->grid, position);
+  olx_vec3 sum = {0}, plain_sum = {0};
+  float weights = 0.0f, plain_weights = 0.0f;
+  for (uint32_t corner = 0; corner < 8; corner++) {
+    if (!olx_cage_has(&cage, corner)) continue;
+    const uint32_t probe = olx_cage_probe(&s->grid, &cage, corner);
+    if (!keep_buried && s->flags[probe] & OLX_PROBE_BURIED) continue;
+    const olx_vec3 from_probe = olx_sub(position, olx_grid_position(&s->grid, probe));
+    const float trilinear = terms & OLX_WEIGHT_TRILINEAR ? olx_cage_weight(&cage, corner) : 1.0f;
+    const float weight = trilinear * probe_weight(s, terms, probe, from_probe, normal, view);
+    const olx_vec3 irradiance = map_irradiance(s, probe, normal);
+    sum = olx_madd(sum, irradiance, weight);
+    weights += weight;
+    plain_sum = olx_add(plain_sum, irradiance);
+    plain_weights += 1.0f;
+  }
+  if (weights > 1e-12f) return olx_scale(sum, 1.0f / weights);
+  uint32_t nearest;
+  if (nearest_visible(s, terms, keep_buried, position, normal, view, &nearest)) return map_irradiance(s, nearest, normal);
+  return plain_weights > 0.0f ? olx_scale(plain_sum, 1.0f / plain_weights) : plain_sum;
+}
+
+olx_vec3 olx_irradiance_from(const olx_irradiance_source *source, const olx_sample_settings *settings,
+                             olx_vec3 position, olx_vec3 normal, olx_vec3 view) {
+  const uint32_t terms = settings->visibility == OLX_VISIBILITY_NONE ? OLX_WEIGHT_TRILINEAR : OLX_WEIGHT_ALL;
+  return olx_irradiance_terms(source, terms, settings->keep_buried, position, normal, view);
+}
+
+olx_irradiance_source olx_irradiance_source_of(const olx_field *field) {
+  return (olx_irradiance_source){
+      .grid = field->info.irradiance_grid,
+      .flags = field->irradiance_flags,
+      .distance_scale = field->distance_scale,
+      .irradiance_n = field->irradiance_n,
+      .moments_n = field->irradiance_n,
+      .packed_irradiance = field->irradiance,
+      .packed_moments = field->moments,
+  };
+}
+
+olx_vec3 olx_irradiance(const olx_field *field, const olx_sample_settings *settings, olx_vec3 position, olx_vec3 normal,
+                        olx_vec3 view) {
+  const olx_irradiance_source source = olx_irradiance_source_of(field);
+  return olx_irradiance_from(&source, settings, position, normal, view);
+}

@@ -1,0 +1,42 @@
+// Irradiance interpolated from probes with prefiltered visibility (McGuire et al. 2017, section 5.2).
+#ifndef OLX_SHADE_IRRADIANCE_H
+#define OLX_SHADE_IRRADIANCE_H
+
+#include "field/maps.h"
+#include "select/cage.h"
+
+#include <octalux/sample.h>
+
+// Where irradiance comes from: the packed maps of a field, or a baker's float maps. Maps carry a one-texel border, as
+// field_data.h says; sizes are without it.
+typedef struct olx_irradiance_source {
+  olx_grid grid;
+  const uint8_t *flags; // OLX_PROBE_*, one a probe
+  float distance_scale; // moments times this are metres (and metres squared)
+  uint32_t irradiance_n, moments_n;
+  const uint32_t *packed_irradiance, *packed_moments; // or, where these are NULL:
+  const olx_vec3 *irradiance;
+  const olx_vec2 *moments; // mean distance, mean squared distance
+} olx_irradiance_source;
+
+olx_irradiance_source olx_irradiance_source_of(const olx_field *field);
+
+// The terms of a probe's weight, so that bench and audit can leave each out.
+enum {
+  OLX_WEIGHT_TRILINEAR = 1,
+  OLX_WEIGHT_BACK_FACE = 2,  // smooth test of the side on which the probe stands
+  OLX_WEIGHT_CHEBYSHEV = 4,  // variance test on the filtered distance
+  OLX_WEIGHT_SHARPEN = 8,    // the cube of the Chebyshev bound
+  OLX_WEIGHT_BIAS = 16,      // test visibility off the surface
+  OLX_WEIGHT_CRUSH = 32,     // press small weights down further
+  OLX_WEIGHT_ALL = 63
+};
+
+olx_vec3 olx_irradiance_from(const olx_irradiance_source *source, const olx_sample_settings *settings,
+                             olx_vec3 position, olx_vec3 normal, olx_vec3 view);
+
+// The same with a choice of terms.
+olx_vec3 olx_irradiance_terms(const olx_irradiance_source *source, uint32_t terms, bool keep_buried, olx_vec3 position,
+                              olx_vec3 normal, olx_vec3 view);
+
+#endif

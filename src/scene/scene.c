@@ -1,0 +1,165 @@
+#include "core/hooks.h"
+#include "core/result.h"
+#include "scene/builtin.h"
+#include "scene/bvh.h"
+#include "scene/emitters.h"
+#include "scene/import.h"
+#include "scene/scene_build.h"
+
+#include <assert.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+static const char builtin_prefix[] = "builtin:";
+
+static const char *extension_of(const char *path) {
+  const char *dot = strrchr(path, '.'), *slash = strrchr(path, '/');
+  return dot && (!slash || dot > slash) ? dot : "";
+}
+
+static olx_result fill_scene(const char *name, olx_scene *scene) {
+  if (strncmp(name, builtin_prefix, sizeof builtin_prefix - 1) == 0) {
+    return olx_builtin_build(name + sizeof builtin_prefix - 1, scene);
+  }
+  const char *extension = extension_of(name);
+  if (strcasecmp(extension, ".json") == 0) return olx_import_description(name, scene);
+  if (strcasecmp(extension, ".gltf") == 0 || strcasecmp(extension, ".glb") == 0 || strcasecmp(extension, ".obj") == 0) {
+    const olx_placement as_it_is = {.scale = 1.0f};
+    return olx_import_model(name, &as_it_is, scene);
+  }
+  return olx_fail(OLX_ERROR_UNSUPPORTED, "%s: not a scene: expected .gltf, .glb, .obj, .json or builtin:NAME", name);
+}
+
+olx_result olx_scene_load(const char *name, olx_scene **scene) {
+  *scene = NULL;
+  olx_scene *loaded = olx_allocate_zero(1, sizeof *loaded);
+  if (!loaded) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", name);
+  olx_result result = fill_scene(name, loaded);
+  if (result == OLX_OK) {
+    result = olx_scene_finish(loaded);
+    if (result != OLX_OK) olx_fail(result, "%s: %s", name, olx_last_error());
+  }
+  if (result != OLX_OK) {
+    olx_scene_free(loaded);
+    return result;
+  }
+  *scene = loaded;
+  return OLX_OK;
+}
+
+void olx_scene_free(olx_scene *scene) {
+  if (!scene) return;
+  olx_bvh_free(scene->bvh);
+  olx_emitters_free(scene->emitters);
+  for (uint32_t i = 0; i < scene->texture_count; ++i) olx_release(scene->textures[i].texels);
+  for (uint32_t i = 0; i < scene->warning_count; ++i) olx_release(scene->warnings[i]);
+  olx_release(scene->positions);
+  olx_release(scene->normals);
+  olx_release(scene->uvs);
+  olx_release(scene->indices);
+  olx_release(scene->material_index);
+  olx_release(scene->materials);
+  olx_release(scene->textures);
+  olx_release(scene->lights);
+  olx_release(scene->cameras);
+  olx_release(scene->environment.texels);
+  olx_release(scene->warnings);
+  olx_release(scene);
+}
+
+olx_scene_info olx_scene_describe(const olx_scene *scene) {
+  return (olx_scene_info){
+      .triangles = scene->triangle_count,
+      .vertices = scene->vertex_count,
+      .materials = scene->material_count,
+      .textures = scene->texture_count,
+      .lights = scene->light_count + scene->area_light_count,
+      .cameras = scene->camera_count,
+      .warnings = scene->warning_count,
+      .bounds_min = scene->bounds_min,
+      .bounds_max = scene->bounds_max,
+      .has_probe_volume = scene->has_probe_volume,
+      .hash = scene->hash,
+  };
+}
+
+const char *olx_scene_warning(const olx_scene *scene, uint32_t index) {
+  assert(index < scene->warning_count);
+  return scene->warnings[index];
+}
+
+olx_camera olx_scene_camera(const olx_scene *scene, uint32_t index) {
+  assert(index < scene->camera_count);
+  return scene->cameras[index];
+}
+
+// From a corner above and in front, far enough that the sphere around the bounds fits the field of view.
+static olx_camera overview_camera(const olx_scene *scene) {
+  const olx_vec3 center = olx_scale(olx_add(scene->bounds_min, scene->bounds_max), 0.5f);
+  const float radius = 0.5f * olx_length(olx_sub(scene->bounds_max, scene->bounds_min));
+  const float fov_y_degrees = 45.0f, distance = radius / sinf(0.5f * fov_y_degrees * OLX_PI / 180.0f);
+  return (olx_camera){
+      .name = "overview",
+      .eye = olx_madd(center, olx_normalize(olx_v3(0.6f, 0.5f, 1.0f)), distance),
+      .target = center,
+      .up = {0.0f, 1.0f, 0.0f},
+      .fov_y_degrees = fov_y_degrees,
+  };
+}
+
+static void list_cameras(const olx_scene *scene, char *text, size_t size_bytes) {
+  size_t used = 0;
+  text[0] = 0;
+  for (uint32_t i = 0; i < scene->camera_count && used < size_bytes; ++i) {
+    used += (size_t)snprintf(text + used, size_bytes - used, "%s\"%s\"", i ? ", " : "", scene->cameras[i].name);
+  }
+}
+
+olx_result olx_scene_find_camera(const olx_scene *scene, const char *name, olx_camera *camera) {
+  if (!name) {
+    *camera = scene->camera_count ? scene->cameras[0] : overview_camera(scene);
+    return OLX_OK;
+  }
+  for (uint32_t i = 0; i < scene->camera_count; ++i) {
+    if (strcmp(scene->cameras[i].name, name) == 0) {
+      *camera = scene->cameras[i];
+      return OLX_OK;
+    }
+  }
+  char names[512];
+  list_cameras(scene, names, sizeof names);
+  return olx_fail(OLX_ERROR_ARGUMENT, "no camera named \"%s\"; the scene has %s", name, names[0] ? names : "none");
+}
+
+// Probes along one axis: the first and last at the volume's ends, or in the middles of equal cells of the bounds.
+static void place_on_axis(bool volume, float low, float high, uint32_t count, float *origin, float *spacing) {
+  if (count == 1) {
+    *origin = 0.5f * (low + high);
+    *spacing = 0.0f;
+  } else if (volume) {
+    *origin = low;
+    *spacing = (high - low) / (float)(count - 1);
+  } else {
+    *spacing = (high - low) / (float)count;
+    *origin = low + 0.5f * *spacing;
+  }
+}
+
+olx_result olx_scene_probe_grid(const olx_scene *scene, const uint32_t count[3], olx_grid *grid) {
+  const uint32_t four[3] = {4, 4, 4};
+  const uint32_t *counts = count ? count : scene->has_probe_count ? scene->probes_count : four;
+  const uint64_t plane = (uint64_t)counts[0] * counts[1];
+  if (plane == 0 || counts[2] == 0 || plane > UINT32_MAX || plane * counts[2] > UINT32_MAX) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "a grid of %u x %u x %u probes: each count must be at least 1, and all "
+                    "together must stay below 2^32", counts[0], counts[1], counts[2]);
+  }
+  const bool volume = scene->has_probe_volume;
+  const olx_vec3 low = volume ? scene->probes_min : scene->bounds_min;
+  const olx_vec3 high = volume ? scene->probes_max : scene->bounds_max;
+  *grid = (olx_grid){.count = {counts[0], counts[1], counts[2]}};
+  place_on_axis(volume, low.x, high.x, counts[0], &grid->origin.x, &grid->spacing.x);
+  place_on_axis(volume, low.y, high.y, counts[1], &grid->origin.y, &grid->spacing.y);
+  place_on_axis(volume, low.z, high.z, counts[2], &grid->origin.z, &grid->spacing.z);
+  return OLX_OK;
+}

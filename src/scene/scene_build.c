@@ -1,0 +1,317 @@
+#include "scene/scene_build.h"
+
+#include "core/hooks.h"
+#include "core/result.h"
+#include "scene/bvh.h"
+#include "scene/emitters.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+// Arrays have room for the next power of two of their count, so that no capacities need to be kept.
+static uint64_t capacity_for(uint64_t count) {
+  uint64_t capacity = 16;
+  while (capacity < count) capacity *= 2;
+  return capacity;
+}
+
+// An array with the `count` elements of `array` and room for `added` more, in place of it; NULL when there is no memory.
+static void *grow(void *array, uint32_t count, uint32_t added, size_t element_bytes) {
+  const uint64_t wanted = (uint64_t)count + added;
+  if (array && capacity_for(count) >= wanted) return array;
+  void *grown = olx_allocate((size_t)capacity_for(wanted), element_bytes);
+  if (!grown) return NULL;
+  if (count) memcpy(grown, array, (size_t)count * element_bytes);
+  olx_release(array);
+  return grown;
+}
+
+#define RESERVE(array, count, added)                                                                                   \
+  do {                                                                                                                 \
+    void *const grown_ = grow((array), (count), (added), sizeof *(array));                                             \
+    if (!grown_) return olx_fail(OLX_ERROR_MEMORY, "out of memory for the scene");                                     \
+    (array) = grown_;                                                                                                  \
+  } while (0)
+
+void olx_scene_warn(olx_scene *scene, const char *format, ...) {
+  char message[1024];
+  va_list arguments;
+  va_start(arguments, format);
+  vsnprintf(message, sizeof message, format, arguments);
+  va_end(arguments);
+  olx_log(OLX_LOG_WARNING, "%s", message);
+  char **grown = grow(scene->warnings, scene->warning_count, 1, sizeof *grown);
+  if (!grown) return;
+  scene->warnings = grown;
+  char *copy = olx_copy_string(message);
+  if (copy) scene->warnings[scene->warning_count++] = copy;
+}
+
+olx_material olx_material_default(void) {
+  return (olx_material){
+      .base_color = olx_splat(0.8f),
+      .roughness = 1.0f,
+      .alpha = 1.0f,
+      .base_color_texture = OLX_NO_TEXTURE,
+      .alpha_texture = OLX_NO_TEXTURE,
+      .metallic_roughness_texture = OLX_NO_TEXTURE,
+      .emission_texture = OLX_NO_TEXTURE,
+      .normal_texture = OLX_NO_TEXTURE,
+      .normal_scale = 1.0f,
+  };
+}
+
+olx_result olx_scene_add_material(olx_scene *scene, const olx_material *material, uint32_t *index) {
+  RESERVE(scene->materials, scene->material_count, 1);
+  if (index) *index = scene->material_count;
+  scene->materials[scene->material_count++] = *material;
+  return OLX_OK;
+}
+
+olx_result olx_scene_add_texture(olx_scene *scene, const olx_texture *texture, uint32_t *index) {
+  olx_texture *grown = grow(scene->textures, scene->texture_count, 1, sizeof *grown);
+  if (!grown) {
+    olx_release(texture->texels);
+    return olx_fail(OLX_ERROR_MEMORY, "out of memory for the scene");
+  }
+  scene->textures = grown;
+  if (index) *index = scene->texture_count;
+  scene->textures[scene->texture_count++] = *texture;
+  return OLX_OK;
+}
+
+olx_result olx_scene_add_light(olx_scene *scene, const olx_light *light) {
+  olx_light checked = *light;
+  if (!olx_finite(light->position) || !olx_finite(light->direction) || !olx_finite(light->emission)) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "a light has a position, direction or emission that is not finite");
+  }
+  if (light->type != OLX_LIGHT_POINT) {
+    checked.direction = olx_normalize(light->direction);
+    if (!(fabsf(olx_length(checked.direction) - 1.0f) < 1e-3f)) {
+      return olx_fail(OLX_ERROR_ARGUMENT, "a light's direction has no length");
+    }
+  }
+  RESERVE(scene->lights, scene->light_count, 1);
+  scene->lights[scene->light_count++] = checked;
+  return OLX_OK;
+}
+
+olx_result olx_scene_add_camera(olx_scene *scene, const olx_camera *camera) {
+  RESERVE(scene->cameras, scene->camera_count, 1);
+  scene->cameras[scene->camera_count++] = *camera;
+  return OLX_OK;
+}
+
+olx_result olx_scene_add_rect_light(olx_scene *scene, olx_vec3 center, olx_vec3 edge_u, olx_vec3 edge_v,
+                                    olx_vec3 radiance) {
+  const olx_vec3 normal = olx_cross(edge_u, edge_v);
+  const float area = olx_length(normal);
+  if (!olx_finite(center) || !(area > 0.0f) || !isfinite(area)) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "a rectangle light has no area, or is not finite");
+  }
+  olx_material material = olx_material_default();
+  snprintf(material.name, sizeof material.name, "rectangle light %u", (unsigned)scene->material_count);
+  material.base_color = olx_splat(0.0f);
+  material.emission = radiance;
+  uint32_t index;
+  OLX_TRY(olx_scene_add_material(scene, &material, &index));
+  const olx_vec3 corner = olx_madd(olx_madd(center, edge_u, -0.5f), edge_v, -0.5f);
+  const olx_vec3 positions[4] = {corner, olx_add(corner, edge_u), olx_add(olx_add(corner, edge_u), edge_v),
+                                 olx_add(corner, edge_v)};
+  const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
+  return olx_scene_add_mesh(scene, material.name, positions, NULL, NULL, 4, indices, 2, index);
+}
+
+// Why a triangle is left out.
+typedef enum triangle_fault { FAULT_NONE, FAULT_INDEX, FAULT_POSITION, FAULT_AREA, FAULT_COUNT } triangle_fault;
+
+static triangle_fault judge_triangle(const olx_vec3 *positions, uint32_t vertex_count, const uint32_t corner[3]) {
+  if (corner[0] >= vertex_count || corner[1] >= vertex_count || corner[2] >= vertex_count) return FAULT_INDEX;
+  const olx_vec3 a = positions[corner[0]], b = positions[corner[1]], c = positions[corner[2]];
+  if (!olx_finite(a) || !olx_finite(b) || !olx_finite(c)) return FAULT_POSITION;
+  // In floats, as everything downstream computes its normal.
+  const float area = olx_length(olx_cross(olx_sub(b, a), olx_sub(c, a)));
+  return area > 0.0f && isfinite(area) ? FAULT_NONE : FAULT_AREA;
+}
+
+static olx_result reserve_mesh(olx_scene *scene, uint32_t vertices, uint32_t triangles) {
+  const uint32_t v = scene->vertex_count, t = scene->triangle_count;
+  if ((uint64_t)t + triangles >= UINT32_MAX / 3 || (uint64_t)v + vertices >= UINT32_MAX) {
+    return olx_fail(OLX_ERROR_UNSUPPORTED, "the scene has more than %u triangles or %u vertices", UINT32_MAX / 3,
+                    UINT32_MAX);
+  }
+  RESERVE(scene->positions, v, vertices);
+  RESERVE(scene->normals, v, vertices);
+  RESERVE(scene->uvs, v, vertices);
+  RESERVE(scene->indices, t * 3, triangles * 3);
+  RESERVE(scene->material_index, t, triangles);
+  return OLX_OK;
+}
+
+static olx_vec3 triangle_normal(const olx_vec3 *positions, const uint32_t corner[3]) {
+  const olx_vec3 a = positions[corner[0]];
+  return olx_normalize(olx_cross(olx_sub(positions[corner[1]], a), olx_sub(positions[corner[2]], a)));
+}
+
+static bool is_unit(olx_vec3 n) { return fabsf(olx_dot(n, n) - 1.0f) < 1e-3f; }
+
+static void append_vertex(olx_scene *scene, olx_vec3 position, olx_vec3 normal, olx_vec2 uv) {
+  const uint32_t v = scene->vertex_count++;
+  scene->positions[v] = position;
+  scene->normals[v] = normal;
+  scene->uvs[v] = isfinite(uv.x) && isfinite(uv.y) ? uv : (olx_vec2){0.0f, 0.0f};
+}
+
+static void append_triangle(olx_scene *scene, const uint32_t corner[3], uint32_t material) {
+  const uint32_t t = scene->triangle_count++;
+  memcpy(scene->indices + (size_t)t * 3, corner, 3 * sizeof *corner);
+  scene->material_index[t] = material;
+}
+
+// Without normals every triangle gets three vertices of its own.
+static void append_flat(olx_scene *scene, const olx_vec3 *positions, const olx_vec2 *uvs, const uint32_t corner[3],
+                        uint32_t material) {
+  const uint32_t first = scene->vertex_count;
+  const olx_vec3 normal = triangle_normal(positions, corner);
+  for (uint32_t k = 0; k < 3; ++k) {
+    append_vertex(scene, positions[corner[k]], normal, uvs ? uvs[corner[k]] : (olx_vec2){0.0f, 0.0f});
+  }
+  append_triangle(scene, (const uint32_t[3]){first, first + 1, first + 2}, material);
+}
+
+// A vertex whose normal is not usable takes that of the first triangle that uses it.
+static void append_shared(olx_scene *scene, uint32_t first, const uint32_t corner[3], uint32_t material) {
+  const uint32_t moved[3] = {first + corner[0], first + corner[1], first + corner[2]};
+  for (uint32_t k = 0; k < 3; ++k) {
+    if (!is_unit(scene->normals[moved[k]])) scene->normals[moved[k]] = triangle_normal(scene->positions, moved);
+  }
+  append_triangle(scene, moved, material);
+}
+
+static void warn_about_faults(olx_scene *scene, const char *name, const uint32_t faults[FAULT_COUNT],
+                              uint32_t triangle_count) {
+  const uint32_t skipped = faults[FAULT_INDEX] + faults[FAULT_POSITION] + faults[FAULT_AREA];
+  if (!skipped) return;
+  olx_scene_warn(scene,
+                 "%s: skipped %u of %u triangles (%u without area, %u with a position that is not finite, %u with a "
+                 "vertex index out of range)",
+                 name, skipped, triangle_count, faults[FAULT_AREA], faults[FAULT_POSITION], faults[FAULT_INDEX]);
+}
+
+olx_result olx_scene_add_mesh(olx_scene *scene, const char *name, const olx_vec3 *positions, const olx_vec3 *normals,
+                              const olx_vec2 *uvs, uint32_t vertex_count, const uint32_t *indices,
+                              uint32_t triangle_count, uint32_t material) {
+  if (triangle_count >= UINT32_MAX / 3) {
+    return olx_fail(OLX_ERROR_UNSUPPORTED, "%s: %u triangles are too many", name, triangle_count);
+  }
+  OLX_TRY(reserve_mesh(scene, normals ? vertex_count : triangle_count * 3, triangle_count));
+  const uint32_t first = scene->vertex_count;
+  if (normals) {
+    for (uint32_t i = 0; i < vertex_count; ++i) {
+      const olx_vec3 normal = olx_finite(normals[i]) ? olx_normalize(normals[i]) : olx_splat(0.0f);
+      append_vertex(scene, olx_finite(positions[i]) ? positions[i] : olx_splat(0.0f), normal,
+                    uvs ? uvs[i] : (olx_vec2){0.0f, 0.0f});
+    }
+  }
+  uint32_t faults[FAULT_COUNT] = {0};
+  for (uint32_t t = 0; t < triangle_count; ++t) {
+    const uint32_t *corner = indices + (size_t)t * 3;
+    const triangle_fault fault = judge_triangle(positions, vertex_count, corner);
+    ++faults[fault];
+    if (fault != FAULT_NONE) continue;
+    if (normals) append_shared(scene, first, corner, material);
+    else append_flat(scene, positions, uvs, corner, material);
+  }
+  warn_about_faults(scene, name, faults, triangle_count);
+  return OLX_OK;
+}
+
+static void compute_bounds(olx_scene *scene) {
+  olx_vec3 low = olx_splat(INFINITY), high = olx_splat(-INFINITY);
+  for (size_t i = 0; i < (size_t)scene->triangle_count * 3; ++i) {
+    const olx_vec3 p = scene->positions[scene->indices[i]];
+    low = olx_min_each(low, p);
+    high = olx_max_each(high, p);
+  }
+  scene->bounds_min = low;
+  scene->bounds_max = high;
+}
+
+static olx_result count_area_lights(olx_scene *scene) {
+  bool *used = olx_allocate_zero(scene->material_count, sizeof *used);
+  if (!used) return olx_fail(OLX_ERROR_MEMORY, "out of memory for the scene");
+  for (uint32_t t = 0; t < scene->triangle_count; ++t) used[scene->material_index[t]] = true;
+  scene->area_light_count = 0;
+  for (uint32_t m = 0; m < scene->material_count; ++m) {
+    scene->area_light_count += used[m] && olx_max3(scene->materials[m].emission) > 0.0f;
+  }
+  olx_release(used);
+  return OLX_OK;
+}
+
+static void hash_material(XXH3_state_t *state, const olx_material *m) {
+  const float numbers[] = {m->base_color.x, m->base_color.y, m->base_color.z,    m->metallic, m->roughness,
+                           m->emission.x,   m->emission.y,   m->emission.z,      m->alpha,    m->alpha_cutoff,
+                           m->normal_scale, m->specular_weight};
+  const uint32_t words[] = {m->base_color_texture,
+                            m->alpha_texture,
+                            m->metallic_roughness_texture,
+                            m->emission_texture,
+                            m->normal_texture,
+                            (m->emits_both_sides ? 1u : 0u) | (m->normal_is_height ? 2u : 0u)};
+  XXH3_64bits_update(state, numbers, sizeof numbers);
+  XXH3_64bits_update(state, words, sizeof words);
+}
+
+static void hash_light(XXH3_state_t *state, const olx_light *l) {
+  const float numbers[] = {l->position.x, l->position.y, l->position.z, l->direction.x,  l->direction.y, l->direction.z,
+                           l->emission.x, l->emission.y, l->emission.z, l->cosine_inner, l->cosine_outer};
+  const uint32_t type = l->type;
+  XXH3_64bits_update(state, &type, sizeof type);
+  XXH3_64bits_update(state, numbers, sizeof numbers);
+}
+
+static void hash_environment(XXH3_state_t *state, const olx_environment *e) {
+  const float numbers[] = {e->radiance.x, e->radiance.y, e->radiance.z, e->rotation_radians};
+  XXH3_64bits_update(state, numbers, sizeof numbers);
+  XXH3_64bits_update(state, &e->width, sizeof e->width);
+  XXH3_64bits_update(state, &e->height, sizeof e->height);
+  if (e->texels) XXH3_64bits_update(state, e->texels, (size_t)e->width * e->height * 3 * sizeof(float));
+}
+
+// Names, cameras and probes stay out: they do not change the light in the scene.
+static void compute_hash(olx_scene *scene) {
+  XXH3_state_t state;
+  XXH3_64bits_reset(&state);
+  const uint32_t counts[] = {scene->vertex_count, scene->triangle_count, scene->material_count, scene->texture_count,
+                             scene->light_count};
+  XXH3_64bits_update(&state, counts, sizeof counts);
+  XXH3_64bits_update(&state, scene->positions, scene->vertex_count * sizeof *scene->positions);
+  XXH3_64bits_update(&state, scene->normals, scene->vertex_count * sizeof *scene->normals);
+  XXH3_64bits_update(&state, scene->uvs, scene->vertex_count * sizeof *scene->uvs);
+  XXH3_64bits_update(&state, scene->indices, (size_t)scene->triangle_count * 3 * sizeof *scene->indices);
+  XXH3_64bits_update(&state, scene->material_index, scene->triangle_count * sizeof *scene->material_index);
+  for (uint32_t i = 0; i < scene->material_count; ++i) hash_material(&state, &scene->materials[i]);
+  for (uint32_t i = 0; i < scene->texture_count; ++i) {
+    const olx_texture *texture = &scene->textures[i];
+    const uint32_t words[] = {texture->width, texture->height, texture->srgb ? 1u : 0u};
+    XXH3_64bits_update(&state, words, sizeof words);
+    XXH3_64bits_update(&state, texture->texels, (size_t)texture->width * texture->height * 4);
+  }
+  for (uint32_t i = 0; i < scene->light_count; ++i) hash_light(&state, &scene->lights[i]);
+  hash_environment(&state, &scene->environment);
+  scene->hash = XXH3_64bits_digest(&state);
+}
+
+olx_result olx_scene_finish(olx_scene *scene) {
+  if (scene->triangle_count == 0) return olx_fail(OLX_ERROR_EMPTY, "the scene has no triangles");
+  compute_bounds(scene);
+  OLX_TRY(count_area_lights(scene));
+  compute_hash(scene);
+  OLX_TRY(olx_bvh_create(scene, &scene->bvh));
+  return olx_emitters_create(scene, &scene->emitters);
+}

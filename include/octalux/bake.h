@@ -8,6 +8,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#pragma GCC visibility push(default)
 
 typedef struct olx_bake_settings {
   olx_grid grid;            // light field probes; set by olx_bake_settings_default to the scene's grid
@@ -39,6 +40,7 @@ typedef struct olx_bake_stats {
 olx_result olx_bake(const olx_scene *scene, const olx_bake_settings *settings, const char *path,
                     const olx_progress *progress, olx_bake_stats *stats);
 
+#pragma GCC visibility pop
 #ifdef __cplusplus
 }
 #endif

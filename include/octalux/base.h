@@ -12,6 +12,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#pragma GCC visibility push(default)
 
 #define OLX_VERSION_MAJOR 0
 #define OLX_VERSION_MINOR 1
@@ -82,6 +83,7 @@ typedef struct olx_progress {
   void *user;
 } olx_progress;
 
+#pragma GCC visibility pop
 #ifdef __cplusplus
 }
 #endif

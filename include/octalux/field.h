@@ -11,6 +11,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#pragma GCC visibility push(default)
 
 typedef struct olx_field olx_field;
 
@@ -70,6 +71,7 @@ bool olx_field_probe_buried(const olx_field *field, uint32_t index);
 // possible). OLX_OK, or what is wrong and where in olx_last_error.
 olx_result olx_field_verify(const olx_field *field);
 
+#pragma GCC visibility pop
 #ifdef __cplusplus
 }
 #endif

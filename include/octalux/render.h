@@ -9,6 +9,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#pragma GCC visibility push(default)
 
 // Layers of an image, in this order. Light layers are outgoing radiance towards the eye:
 // beauty = emission seen directly + direct + indirect_diffuse + indirect_glossy.
@@ -132,6 +133,7 @@ typedef struct olx_audit {
 olx_result olx_audit_field(const olx_scene *scene, const olx_field *field, const olx_audit_settings *settings,
                            const olx_progress *progress, olx_audit *audit);
 
+#pragma GCC visibility pop
 #ifdef __cplusplus
 }
 #endif

@@ -9,6 +9,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#pragma GCC visibility push(default)
 
 typedef enum olx_tracer {
   OLX_TRACER_TEXEL = 0,    // visits every texel on the ray's path: slow, the referee
@@ -68,6 +69,7 @@ olx_vec3 olx_irradiance(const olx_field *field, const olx_sample_settings *setti
 olx_vec3 olx_glossy(const olx_field *field, const olx_sample_settings *settings, olx_vec3 position, olx_vec3 normal,
                     olx_vec3 view, float roughness, olx_vec2 random, float *weight, float *half_cosine);
 
+#pragma GCC visibility pop
 #ifdef __cplusplus
 }
 #endif

@@ -9,6 +9,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#pragma GCC visibility push(default)
 
 typedef struct olx_scene olx_scene;
 
@@ -52,6 +53,7 @@ olx_result olx_scene_probe_grid(const olx_scene *scene, const uint32_t count[3],
 // Names of the built-in scenes, index from 0; NULL past the last.
 const char *olx_builtin_name(uint32_t index);
 
+#pragma GCC visibility pop
 #ifdef __cplusplus
 }
 #endif

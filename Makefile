@@ -1,0 +1,37 @@
+# Octalux: `make demo` for a picture, `make check` for the tests. JOBS=N limits the processors a build uses.
+JOBS ?= $(shell nproc)
+PREFIX ?= /usr/local
+OCTALUX := build/release/octalux
+
+.PHONY: build demo check check-full bench install clean tidy format packages
+
+build: packages
+	@cmake --preset release $(if $(wildcard build/release/CMakeCache.txt),>/dev/null,)
+	@cmake --build build/release --parallel $(JOBS)
+
+packages:
+	@scripts/install-packages.sh
+
+demo: build
+	@scripts/demo.sh $(OCTALUX) build/demo
+
+check:
+	@JOBS=$(JOBS) scripts/check.sh
+
+check-full:
+	@JOBS=$(JOBS) scripts/check-full.sh
+
+bench: build
+	@build/release/bench/octalux-bench
+
+install: build
+	@cmake --install build/release --prefix $(PREFIX)
+
+tidy: build
+	@git ls-files 'src/*.c' 'cli/*.c' 'bench/*.c' | xargs -P $(JOBS) -n 4 clang-tidy --quiet -p build/release
+
+format:
+	@git ls-files '*.c' '*.h' | xargs clang-format -i
+
+clean:
+	@rm -rf build

@@ -1,0 +1,24 @@
+# Tests of the house itself, in builds without sanitizers: layers, public headers, symbols, installation.
+find_package(Python3 REQUIRED COMPONENTS Interpreter)
+
+add_test(NAME layers COMMAND Python3::Interpreter ${PROJECT_SOURCE_DIR}/scripts/check_layers.py ${PROJECT_SOURCE_DIR})
+olx_label_test(layers check)
+
+# Every public header compiles alone, as C17 and as C++17, with both compilers.
+file(GLOB headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/include/octalux/*.h)
+foreach(compiler gcc clang)
+  find_program(OLX_${compiler} ${compiler})
+  foreach(header ${headers})
+    get_filename_component(stem ${header} NAME_WE)
+    foreach(language c c++)
+      set(name header_${stem}_${language}17_${compiler})
+      add_test(NAME ${name} COMMAND ${OLX_${compiler}} -x ${language} -std=${language}17 -Wall -Wextra -Wpedantic -Werror
+               -fsyntax-only -I${PROJECT_SOURCE_DIR}/include ${header})
+      olx_label_test(${name} check)
+    endforeach()
+  endforeach()
+endforeach()
+
+add_test(NAME symbols COMMAND Python3::Interpreter ${PROJECT_SOURCE_DIR}/scripts/check_symbols.py
+         ${PROJECT_SOURCE_DIR}/include/octalux $<TARGET_FILE:octalux-shared> $<TARGET_FILE:octalux> $<TARGET_FILE:octalux-bake>)
+olx_label_test(symbols check)

@@ -1,0 +1,17 @@
+#!/usr/bin/env bash
+# Everything that can be checked without a graphics device: make check-full. Under 45 minutes on two processors. Tests on
+# real scenes run when OCTALUX_TEST_SCENES, or ../shared/scenes beside this checkout, holds them; they are skipped else.
+set -uo pipefail
+source "$(dirname "$0")/steps.sh"
+
+step "packages" scripts/install-packages.sh
+step "layers, names, words" python3 scripts/check_layers.py
+step "build: gcc, release" configure_and_build release &&
+  tests release "tests: gcc, release" -L 'check|full'
+step "build: clang, release" configure_and_build release-clang &&
+  tests release-clang "tests: clang, release" -L check
+step "build: address and undefined sanitizers" configure_and_build asan &&
+  tests asan "tests: address and undefined sanitizers" -L 'check|fuzz_full' -LE slow_under_sanitizers
+step "build: thread sanitizer" configure_and_build tsan &&
+  tests tsan "tests: thread sanitizer" -L check -LE slow_under_sanitizers
+finish

@@ -1,0 +1,166 @@
+#!/usr/bin/env python3
+"""Check the order of the house: who may include whom, file names, and words that do not belong here.
+
+Folders under src form a ladder; a file may include its own folder and those before it:
+core < field < select < trace < shade < vulkan (the runtime) < scene < place < bake < render (the baker).
+Public headers stand on the same ladder. cli, viewer and examples see public headers only, public headers see public
+headers only, and the runtime knows no library but libc, libm, POSIX threads and xxHash, which is inlined.
+
+Usage: check_layers.py [ROOT]. Prints every violation and exits with 1 when there is one.
+"""
+
+import collections
+import pathlib
+import re
+import subprocess
+import sys
+
+RUNTIME = ["core", "field", "select", "trace", "shade", "vulkan"]
+LADDER = RUNTIME + ["scene", "place", "bake", "render"]
+
+# The layer from which on a public header may be seen.
+PUBLIC = {"base.h": "core", "field.h": "field", "sample.h": "select", "octalux.h": "shade", "vulkan.h": "vulkan",
+          "scene.h": "scene", "place.h": "place", "bake.h": "bake", "render.h": "render"}
+
+SYSTEM = set("""assert.h complex.h ctype.h errno.h fcntl.h fenv.h float.h inttypes.h limits.h locale.h math.h pthread.h
+sched.h setjmp.h signal.h stdalign.h stdarg.h stdatomic.h stdbool.h stddef.h stdint.h stdio.h stdlib.h stdnoreturn.h
+string.h strings.h tgmath.h time.h unistd.h sys/mman.h sys/stat.h sys/types.h sys/time.h sys/resource.h sys/wait.h
+xxhash.h""".split())
+
+SAME_NAME_ALLOWED = {"CMakeLists.txt", "README.md", "SOURCE.md", ".gitignore"}
+CODE = {".c", ".h", ".cpp", ".hpp", ".glsl", ".comp", ".frag", ".vert"}
+TEXT = CODE | {".md", ".txt", ".cmake", ".json", ".py", ".sh", ".in", ".yml", ""}
+
+LICENCE_MARKS = re.compile(r"copyright|spdx-license|all rights reserved|licensed under|permission is hereby granted|"
+                           r"@author|public domain", re.IGNORECASE)
+UNFINISHED = re.compile(r"\b(TODO|FIXME|XXX|HACK|stub|not implemented|placeholder)\b")
+MACHINE_PATH = re.compile(r"(?<![\w.$}])/(home|root|Users|work|mnt)/[A-Za-z.]")
+
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
+
+
+def tracked_files(root):
+    listing = subprocess.run(["git", "-C", str(root), "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
+                             capture_output=True)
+    if listing.returncode == 0:
+        names = [n for n in listing.stdout.decode().split("\0") if n]
+    else:  # an unpacked release
+        names = [str(p.relative_to(root)) for p in root.rglob("*") if p.is_file()]
+        names = [n for n in names if not n.startswith(("build/", ".git/"))]
+    return sorted(n for n in set(names) if (root / n).is_file() and not (root / n).is_symlink())
+
+
+def includes(root, name):
+    for number, line in enumerate((root / name).read_text(encoding="utf-8").splitlines(), 1):
+        match = INCLUDE.match(line)
+        if match:
+            yield number, match.group(1) == "<", match.group(2)
+
+
+def check_source(name, angled, target):
+    """An include in src/LAYER/..., or None when it is in order."""
+    layer = name.split("/")[1]
+    if layer not in LADDER:
+        return f"src/{layer} is not a layer"
+    if target.startswith("octalux/"):
+        header = target[len("octalux/"):]
+        if header not in PUBLIC:
+            return f"<{target}> is not a known public header"
+        if LADDER.index(PUBLIC[header]) > LADDER.index(layer):
+            return f"{layer} may not include <{target}>, which belongs to {PUBLIC[header]}"
+        return None
+    if angled:
+        if layer in RUNTIME and target not in SYSTEM and not (layer == "vulkan" and target.startswith("vulkan/")):
+            return f"the runtime may not include <{target}>"
+        return None
+    other = target.split("/")[0]
+    if target.endswith("octalux_shared.h") and target.count("/") <= 1:
+        return None
+    if "/" not in target or other not in LADDER:
+        return f'"{target}" is not relative to src'
+    if LADDER.index(other) > LADDER.index(layer):
+        return f'{layer} may not include "{target}"'
+    return None
+
+
+def check_public(name, angled, target):
+    if target.startswith("octalux/"):
+        header, own = target[len("octalux/"):], name.split("/")[-1]
+        if header not in PUBLIC or own not in PUBLIC:
+            return f"<{target}> is not a known public header"
+        if LADDER.index(PUBLIC[header]) > LADDER.index(PUBLIC[own]):
+            return f"may not include <{target}>"
+        return None
+    if angled and target in {"stdbool.h", "stddef.h", "stdint.h"}:
+        return None
+    if angled and name.endswith("/vulkan.h") and target.startswith("vulkan/"):
+        return None
+    return f"a public header may not include {target}"
+
+
+def check_client(root, name, angled, target):
+    if angled:
+        return None
+    if (root / name).parent.joinpath(target).is_file() and ".." not in target:
+        return None
+    return f'"{target}" is neither a public header nor a neighbour'
+
+
+def check_includes(root, names):
+    for name in names:
+        if pathlib.PurePath(name).suffix not in CODE:
+            continue
+        top = name.split("/")[0]
+        for number, angled, target in includes(root, name):
+            fault = None
+            if top == "src":
+                fault = check_source(name, angled, target)
+            elif top == "include":
+                fault = check_public(name, angled, target)
+            elif top in ("cli", "viewer", "examples"):
+                fault = check_client(root, name, angled, target)
+            if fault:
+                yield f"{name}:{number}: {fault}"
+
+
+def check_names(names):
+    places = collections.defaultdict(list)
+    for name in names:
+        if name.startswith("docs/"):
+            continue
+        places[pathlib.PurePath(name).name].append(name)
+    for base, where in sorted(places.items()):
+        if len(where) > 1 and base not in SAME_NAME_ALLOWED:
+            yield f"{where[0]}: the name {base} is taken more than once: {', '.join(where[1:])}"
+
+
+def check_words(root, names):
+    own = "scripts/" + pathlib.Path(__file__).name
+    for name in names:
+        if pathlib.PurePath(name).suffix not in TEXT or name == own:
+            continue
+        try:
+            lines = (root / name).read_text(encoding="utf-8").splitlines()
+        except UnicodeDecodeError:
+            continue
+        for number, line in enumerate(lines, 1):
+            if pathlib.PurePath(name).suffix in CODE and LICENCE_MARKS.search(line):
+                yield f"{name}:{number}: a licence mark: is this code from elsewhere?"
+            if UNFINISHED.search(line):
+                yield f"{name}:{number}: unfinished by its own words: {line.strip()}"
+            if MACHINE_PATH.search(line):
+                yield f"{name}:{number}: a path of one machine: {line.strip()}"
+
+
+def main():
+    root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parent.parent).resolve()
+    names = tracked_files(root)
+    faults = [*check_includes(root, names), *check_names(names), *check_words(root, names)]
+    for fault in faults:
+        print(fault)
+    print(f"{len(names)} files, {len(faults)} violations")
+    return 1 if faults or not names else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

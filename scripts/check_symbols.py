@@ -1,0 +1,57 @@
+#!/usr/bin/env python3
+"""Check what the libraries ask for and what they show.
+
+The shared runtime needs nothing but libc, libm and threads, and exports exactly the functions of its public headers.
+Every global symbol of the static libraries begins with olx_, so that they clash with nothing a host links.
+
+Usage: check_symbols.py INCLUDE-DIR LIBRARY.so RUNTIME.a BAKE.a
+"""
+
+import pathlib
+import re
+import subprocess
+import sys
+
+NEEDED = re.compile(r"^(libc\.so|libm\.so|libpthread\.so|libdl\.so|librt\.so|ld-linux|ld-musl|libgcc_s\.so)")
+RUNTIME_HEADERS = ["base.h", "field.h", "sample.h", "octalux.h"]
+
+
+def output(*command):
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout
+
+
+def defined(library, *options):
+    lines = output("nm", "--defined-only", "--extern-only", "--format=posix", *options, library).splitlines()
+    return {line.split()[0] for line in lines if len(line.split()) >= 2}
+
+
+def declared(include):
+    names = set()
+    for header in RUNTIME_HEADERS:
+        text = re.sub(r"//[^\n]*", "", (include / header).read_text())
+        # A declaration begins in the first column; members of a struct do not.
+        names |= set(re.findall(r"^[A-Za-z][\w\s*]*?\b(olx_\w+)\(", text, re.MULTILINE))
+    return names
+
+
+def main():
+    include, shared, runtime, bake = pathlib.Path(sys.argv[1]), *sys.argv[2:5]
+    faults = []
+    for line in output("readelf", "--dynamic", "--wide", shared).splitlines():
+        match = re.search(r"\(NEEDED\).*\[(.+)\]", line)
+        if match and not NEEDED.match(match.group(1)):
+            faults.append(f"the runtime needs {match.group(1)}")
+    exported, public = defined(shared, "--dynamic"), declared(include)
+    faults += [f"exported, but in no public header: {name}" for name in sorted(exported - public)]
+    faults += [f"in a public header, but not exported: {name}" for name in sorted(public - exported)]
+    for library in (runtime, bake):
+        foreign = sorted(name for name in defined(library) if not name.startswith("olx_") and not name.endswith(":"))
+        faults += [f"{pathlib.Path(library).name} defines {name}" for name in foreign]
+    for fault in faults:
+        print(fault)
+    print(f"{len(exported)} exported functions, {len(public)} declared, {len(faults)} violations")
+    return 1 if faults or not public else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,66 @@
+# Sourced by check.sh and check-full.sh: steps that are counted, and the closing line.
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+passed=0 failed=0 skipped=0 failures=()
+jobs=${JOBS:-$(nproc)}
+reports=build/check
+mkdir -p "$reports"
+
+# A job that is left behind by an interrupted check would keep the machine busy.
+trap 'jobs -p | xargs -r kill 2>/dev/null; failed=$((failed + 1)); failures+=(interrupted); closing_line; exit 1' INT TERM
+
+# step NAME COMMAND...: one thing that works or does not; its output is shown only when it fails.
+step() {
+  local name=$1 log="$reports/${1//[^A-Za-z0-9]/-}.log" start=$SECONDS
+  shift
+  if "$@" >"$log" 2>&1; then
+    passed=$((passed + 1))
+    printf '%-44s ok      %4d s\n' "$name" $((SECONDS - start))
+  else
+    failed=$((failed + 1))
+    failures+=("$name")
+    printf '%-44s FAILED  %4d s\n' "$name" $((SECONDS - start))
+    tail -n 60 "$log"
+    return 1
+  fi
+}
+
+configure_and_build() {
+  cmake --preset "$1" && cmake --build "build/$1" --parallel "$jobs"
+}
+
+# tests PRESET NAME CTEST-ARGUMENTS...: run CTest in build/PRESET and count every test case.
+tests() {
+  local preset=$1 name=$2 start=$SECONDS
+  shift 2
+  local report="$PWD/$reports/${name//[^A-Za-z0-9]/-}.xml" log="$reports/${name//[^A-Za-z0-9]/-}.log" status=0 counts
+  rm -f "$report"
+  ctest --test-dir "build/$preset" --output-on-failure --no-tests=error --parallel "$jobs" \
+    --test-output-size-passed 1000000 --test-output-size-failed 1000000 --output-junit "$report" "$@" >"$log" 2>&1 || status=$?
+  if ! counts=$(python3 scripts/count_tests.py "$report" 2>"$log.summary"); then counts="0 1 0"; fi
+  local p f s
+  read -r p f s <<<"$counts"
+  if [ "$status" -ne 0 ] && [ "$f" -eq 0 ]; then f=1; fi
+  passed=$((passed + p)) failed=$((failed + f)) skipped=$((skipped + s))
+  printf '%-44s %d passed, %d failed, %d skipped  %d s\n' "$name" "$p" "$f" "$s" $((SECONDS - start))
+  cat "$log.summary"
+  [ "$f" -eq 0 ] && return 0
+  failures+=("$name")
+  [ -s "$log.summary" ] || tail -n 60 "$log"
+  return 1
+}
+
+closing_line() {
+  [ ${#failures[@]} -eq 0 ] || printf 'failed step: %s\n' "${failures[@]}"
+  if [ "$skipped" -gt 0 ]; then
+    echo "$passed passed, $failed failed, $skipped skipped"
+  else
+    echo "$passed passed, $failed failed"
+  fi
+}
+
+finish() {
+  closing_line
+  [ "$failed" -eq 0 ]
+  exit
+}

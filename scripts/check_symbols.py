@@ -41,6 +41,11 @@ def main():
         match = re.search(r"\(NEEDED\).*\[(.+)\]", line)
         if match and not NEEDED.match(match.group(1)):
             faults.append(f"the runtime needs {match.group(1)}")
+    # What libc and libm provide carries a version (memcpy@GLIBC_2.14).
+    for line in output("nm", "--dynamic", "--undefined-only", "--format=posix", shared).splitlines():
+        name, kind = line.split()[:2]
+        if kind == "U" and "@" not in name:
+            faults.append(f"the runtime does not define {name}")
     exported, public = defined(shared, "--dynamic"), declared(include)
     faults += [f"exported, but in no public header: {name}" for name in sorted(exported - public)]
     faults += [f"in a public header, but not exported: {name}" for name in sorted(public - exported)]

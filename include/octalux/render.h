@@ -88,14 +88,17 @@ olx_result olx_render(const olx_scene *scene, const olx_field *field, const olx_
                       olx_render_stats *stats);
 
 // Error of `a` against the reference `b` over one layer (MATH: relative MSE is sum (a-b)^2 / sum b^2, bias is
-// sum (a-b) / sum b, over pixels and channels). PSNR is in dB over the reference's maximum.
+// sum (a-b) / sum b, over pixels and channels). PSNR is in dB over the reference's maximum, infinite for equal images; the
+// shares are infinite when only the reference is black. `max` is the largest absolute difference.
 typedef struct olx_metrics {
   double mse, relative_mse, psnr, bias, max;
 } olx_metrics;
 
-// OLX_ERROR_ARGUMENT when sizes differ or either image lacks the layer.
+// OLX_ERROR_ARGUMENT when sizes differ or either image lacks the layer; OLX_ERROR_FORMAT, naming the pixel, when a value is
+// not finite. Depth that is infinite in both images is left out.
 olx_result olx_compare(const olx_image *a, const olx_image *b, olx_layer layer, olx_metrics *metrics);
-// Write a picture of |a - b| over the reference's mean, black to yellow, with the scale said beside it.
+// Write a picture of |a - b| over the reference's mean (both averaged over channels), black to yellow over its square root,
+// with the scale from 0 to 100 % drawn at the right. Fails as olx_compare does.
 olx_result olx_compare_heatmap(const olx_image *a, const olx_image *b, olx_layer layer, const char *path);
 
 typedef struct olx_audit_settings {

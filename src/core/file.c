@@ -2,38 +2,47 @@
 
 #include "core/hooks.h"
 #include "core/result.h"
+#include "core/sampling.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
+
+enum { TEMPORARY_NAME_ATTEMPTS = 100 };
+
+// As mkstemp, but with the rights any new file gets: asking for the process's mask would change it under other threads.
+static int create_temporary(const char *path, char *name, size_t size_bytes) {
+  for (uint32_t attempt = 0; attempt < TEMPORARY_NAME_ATTEMPTS; attempt++) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    const uint32_t tag = olx_hash3((uint32_t)getpid(), (uint32_t)now.tv_nsec, attempt);
+    snprintf(name, size_bytes, "%s.tmp-%08x", path, tag);
+    const int descriptor = open(name, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor >= 0 || errno != EEXIST) return descriptor;
+  }
+  return -1;
+}
 
 olx_result olx_output_open(const char *path, olx_output_file *file) {
   *file = (olx_output_file){.descriptor = -1};
-  const size_t length = strlen(path);
+  const size_t size_bytes = strlen(path) + 16;
   file->path = olx_copy_string(path);
-  file->temporary_path = olx_allocate(length + 16, 1);
+  file->temporary_path = olx_allocate(size_bytes, 1);
   if (!file->path || !file->temporary_path) {
     olx_output_discard(file);
     return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", path);
   }
-  snprintf(file->temporary_path, length + 16, "%s.tmp-XXXXXX", path);
-  file->descriptor = mkstemp(file->temporary_path);
+  file->descriptor = create_temporary(path, file->temporary_path, size_bytes);
   if (file->descriptor < 0) {
     const int error = errno;
-    olx_release(file->temporary_path);
-    file->temporary_path = NULL;
     olx_output_discard(file);
     return olx_fail(OLX_ERROR_FILE, "%s: cannot create: %s", path, strerror(error));
   }
-  // mkstemp is private to the user; give the file the rights any new file gets.
-  const mode_t mask = umask(0);
-  umask(mask);
-  (void)!fchmod(file->descriptor, 0666 & ~mask);
   return OLX_OK;
 }
 
@@ -108,7 +117,7 @@ olx_result olx_write_file(const char *path, const void *data, size_t size_bytes)
 
 olx_result olx_map_file(const char *path, olx_mapped_file *file) {
   *file = (olx_mapped_file){0};
-  const int descriptor = open(path, O_RDONLY | O_CLOEXEC);
+  const int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); // a pipe must not wait for its writer
   if (descriptor < 0) return olx_fail(OLX_ERROR_FILE, "%s: cannot open: %s", path, strerror(errno));
   struct stat status;
   olx_result result = OLX_OK;

@@ -33,17 +33,22 @@ void olx_task_stage(olx_task *task, const char *stage) { task->stage = stage; }
 
 void olx_task_end(olx_task *task) { pthread_mutex_destroy(&task->report_lock); }
 
+static bool report_due(olx_task *task) {
+  return (uint64_t)(olx_seconds() * 1e3) >= atomic_load(&task->last_report_ms) + REPORT_INTERVAL_MS;
+}
+
 static void advance(olx_task *task, uint64_t units) {
-  const uint64_t done = atomic_fetch_add(&task->done_units, units) + units;
+  const bool last = atomic_fetch_add(&task->done_units, units) + units >= task->total_units;
   if (!task->progress || !task->progress->report) return;
-  const uint64_t now = (uint64_t)(olx_seconds() * 1e3);
-  const bool last = done >= task->total_units;
-  if (!last && now - atomic_load(&task->last_report_ms) < REPORT_INTERVAL_MS) return;
-  if (pthread_mutex_trylock(&task->report_lock) != 0) return;
-  atomic_store(&task->last_report_ms, now);
-  const float share = (float)((double)done / (double)task->total_units);
-  if (!task->progress->report(task->progress->user, task->stage, share > 1 ? 1 : share)) {
-    atomic_store(&task->cancelled, true);
+  if (last) pthread_mutex_lock(&task->report_lock);
+  else if (!report_due(task) || pthread_mutex_trylock(&task->report_lock) != 0) return;
+  // Another thread may have reported, or been told to stop, since; read under the lock, what is done never goes back.
+  if (!atomic_load(&task->cancelled) && (last || report_due(task))) {
+    atomic_store(&task->last_report_ms, (uint64_t)(olx_seconds() * 1e3));
+    const float share = (float)((double)atomic_load(&task->done_units) / (double)task->total_units);
+    if (!task->progress->report(task->progress->user, task->stage, share > 1 ? 1 : share)) {
+      atomic_store(&task->cancelled, true);
+    }
   }
   pthread_mutex_unlock(&task->report_lock);
 }

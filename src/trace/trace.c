@@ -1,0 +1,167 @@
+// A ray against the whole field: probe after probe until one knows (McGuire et al. 2017, Listing 1).
+#include "select/cage.h"
+#include "trace/probe_trace.h"
+
+// Probes remembered as asked. More are never asked for one ray.
+enum { MAX_ATTEMPTS = 128 };
+
+typedef struct search {
+  const olx_field *field;
+  const olx_sample_settings *settings;
+  olx_vec3 origin, direction;
+  float t, t_max; // the ray is known to be free up to t
+  uint32_t attempts, limit;
+  uint32_t asked[MAX_ATTEMPTS];
+  uint32_t steps;
+  // The best guess should no probe know: the occluder behind which the ray vanished by the smallest gap.
+  olx_probe_answer fallback;
+  uint32_t fallback_probe;
+} search;
+
+static bool usable(const search *s, uint32_t probe) {
+  return s->settings->keep_buried || !(s->field->probe_flags[probe] & OLX_PROBE_BURIED);
+}
+
+static bool was_asked(const search *s, uint32_t probe) {
+  for (uint32_t i = 0; i < s->attempts; i++) {
+    if (s->asked[i] == probe) return true;
+  }
+  return false;
+}
+
+static olx_vec3 ray_point(const search *s, float t) { return olx_madd(s->origin, s->direction, t); }
+
+// Squared distance of a probe from the ray's line.
+static float line_distance_squared(const search *s, uint32_t probe) {
+  const olx_vec3 offset = olx_sub(s->field->probe_positions[probe], s->origin);
+  const olx_vec3 foot = olx_madd(offset, s->direction, -olx_dot(offset, s->direction));
+  return olx_dot(foot, foot);
+}
+
+// Whether a probe's stored distance towards a point lets it see that point, or just about.
+static bool sees(const search *s, uint32_t probe, olx_vec3 point) {
+  const olx_vec3 offset = olx_sub(point, s->field->probe_positions[probe]);
+  const olx_vec2 uv = olx_octahedral_encode(offset);
+  const float n = (float)s->field->n;
+  const size_t texel = olx_map_index(s->field->stride, (int32_t)olx_min(uv.x * n, n - 1.0f), (int32_t)olx_min(uv.y * n, n - 1.0f));
+  return olx_length(offset) <= 1.02f * olx_texel_distance(s->field, probe, texel);
+}
+
+// Ask one probe. True when it settles the ray.
+static bool ask(search *s, uint32_t probe, olx_probe_answer *answer) {
+  s->asked[s->attempts++] = probe;
+  const olx_probe_ray ray = {
+      .origin = olx_sub(s->origin, s->field->probe_positions[probe]),
+      .direction = s->direction,
+      .t_min = s->t,
+      .t_max = s->t_max,
+  };
+  *answer = olx_trace_probe(s->field, probe, &ray, s->settings->tracer);
+  s->steps += answer->steps;
+  if (answer->status == OLX_TRACE_HIT) return true;
+  if (answer->status == OLX_TRACE_MISS) return true;
+  if (s->fallback_probe == UINT32_MAX || answer->gap < s->fallback.gap) {
+    s->fallback = *answer;
+    s->fallback_probe = probe;
+  }
+  if (answer->t > s->t) s->t = answer->t;
+  return false;
+}
+
+// The corner to begin with: the probe nearest to the ray's line.
+static uint32_t first_corner(const search *s, const olx_grid *grid, const olx_cage *cage) {
+  uint32_t best = 0;
+  float best_distance = INFINITY;
+  for (uint32_t corner = 0; corner < 8; corner++) {
+    if (!olx_cage_has(cage, corner)) continue;
+    const float distance = line_distance_squared(s, olx_cage_probe(grid, cage, corner));
+    if (distance < best_distance) {
+      best_distance = distance;
+      best = corner;
+    }
+  }
+  return best;
+}
+
+// Ask the probes of the cage around the ray's free end, and of each further cage the ray advances into.
+static bool search_cages(search *s, uint32_t *probe, olx_probe_answer *answer) {
+  const olx_grid *grid = &s->field->info.grid;
+  for (;;) {
+    const olx_cage cage = olx_cage_at(grid, ray_point(s, s->t));
+    uint32_t corner = first_corner(s, grid, &cage);
+    bool moved = false;
+    for (uint32_t i = 0; i < 8 && !moved; i++, corner = (corner + 3) & 7u) {
+      if (!olx_cage_has(&cage, corner)) continue;
+      *probe = olx_cage_probe(grid, &cage, corner);
+      if (!usable(s, *probe) || was_asked(s, *probe)) continue;
+      if (s->attempts >= s->limit) return false;
+      if (ask(s, *probe, answer)) return true;
+      const olx_cage now = olx_cage_at(grid, ray_point(s, s->t));
+      moved = now.base[0] != cage.base[0] || now.base[1] != cage.base[1] || now.base[2] != cage.base[2];
+    }
+    if (!moved) return false;
+  }
+}
+
+// Ask whichever other probes see the place where the ray is stuck, nearest first.
+static bool search_everywhere(search *s, uint32_t *probe, olx_probe_answer *answer) {
+  while (s->attempts < s->limit) {
+    const olx_vec3 stuck = ray_point(s, s->t);
+    float best_distance = INFINITY;
+    for (uint32_t i = 0; i < s->field->info.probe_count; i++) {
+      if (!usable(s, i) || was_asked(s, i)) continue;
+      const olx_vec3 offset = olx_sub(s->field->probe_positions[i], stuck);
+      const float distance = olx_dot(offset, offset);
+      if (distance >= best_distance || !sees(s, i, stuck)) continue;
+      best_distance = distance;
+      *probe = i;
+    }
+    if (best_distance == INFINITY) return false;
+    if (ask(s, *probe, answer)) return true;
+  }
+  return false;
+}
+
+static olx_trace_hit describe(const search *s, uint32_t probe, const olx_probe_answer *answer) {
+  const olx_field *field = s->field;
+  olx_trace_hit hit = {
+      .status = answer->status,
+      .distance_metres = answer->t,
+      .position = ray_point(s, answer->t),
+      .probe = probe,
+      .texel_steps = s->steps,
+      .probes_tried = s->attempts,
+  };
+  const float distance = olx_texel_distance(field, probe, answer->texel);
+  if (answer->status == OLX_TRACE_MISS && distance < INFINITY) return hit; // reached t_max in free space
+  hit.radiance = olx_texel_radiance(field, probe, answer->texel);
+  if (distance == INFINITY) {
+    hit.emitter = true;
+    return hit;
+  }
+  hit.emitter = olx_texel_emits(field, probe, answer->texel);
+  hit.normal = olx_texel_normal(field, probe, answer->texel);
+  const olx_vec2 uv = olx_octahedral_encode(olx_sub(hit.position, field->probe_positions[probe]));
+  hit.footprint_metres = distance * sqrtf(olx_texel_solid_angle_near(uv, field->n));
+  return hit;
+}
+
+olx_trace_hit olx_trace(const olx_field *field, const olx_sample_settings *settings, olx_vec3 origin,
+                        olx_vec3 direction, float t_max_metres) {
+  search s = {
+      .field = field,
+      .settings = settings,
+      .origin = origin,
+      .direction = direction,
+      .t_max = t_max_metres,
+      .limit = settings->max_probes < MAX_ATTEMPTS ? settings->max_probes : MAX_ATTEMPTS,
+      .fallback_probe = UINT32_MAX,
+  };
+  uint32_t probe;
+  olx_probe_answer answer;
+  if ((field->info.has_grid && search_cages(&s, &probe, &answer)) || search_everywhere(&s, &probe, &answer)) {
+    return describe(&s, probe, &answer);
+  }
+  if (s.fallback_probe != UINT32_MAX) return describe(&s, s.fallback_probe, &s.fallback);
+  return (olx_trace_hit){.status = OLX_TRACE_UNKNOWN, .probe = UINT32_MAX, .probes_tried = s.attempts};
+}

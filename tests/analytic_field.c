@@ -1,0 +1,153 @@
+#include "analytic_field.h"
+
+#include "field/maps.h"
+#include "select/cage.h"
+
+#include <stdlib.h>
+
+static void slabs(const analytic_box *box, olx_vec3 o, olx_vec3 d, float *near, float *far, int *near_axis,
+                  int *far_axis) {
+  *near = -INFINITY;
+  *far = INFINITY;
+  *near_axis = *far_axis = 0;
+  for (uint32_t axis = 0; axis < 3; axis++) {
+    const float da = olx_axis(d, axis), oa = olx_axis(o, axis);
+    float t0 = (olx_axis(box->min, axis) - oa) / da, t1 = (olx_axis(box->max, axis) - oa) / da;
+    if (da == 0.0f) {
+      const bool inside = oa >= olx_axis(box->min, axis) && oa <= olx_axis(box->max, axis);
+      t0 = inside ? -INFINITY : INFINITY;
+      t1 = inside ? INFINITY : -INFINITY;
+    }
+    if (t0 > t1) {
+      const float swap = t0;
+      t0 = t1;
+      t1 = swap;
+    }
+    if (t0 > *near) {
+      *near = t0;
+      *near_axis = (int)axis;
+    }
+    if (t1 < *far) {
+      *far = t1;
+      *far_axis = (int)axis;
+    }
+  }
+}
+
+static olx_vec3 axis_normal(int axis, olx_vec3 direction) {
+  const float s = olx_axis(direction, (uint32_t)axis) > 0.0f ? -1.0f : 1.0f;
+  return olx_v3(axis == 0 ? s : 0.0f, axis == 1 ? s : 0.0f, axis == 2 ? s : 0.0f);
+}
+
+analytic_hit analytic_cast(const analytic_scene *scene, olx_vec3 origin, olx_vec3 direction) {
+  float near, far;
+  int near_axis, far_axis;
+  slabs(&scene->room, origin, direction, &near, &far, &near_axis, &far_axis);
+  analytic_hit hit = {far, axis_normal(far_axis, direction)};
+  if (scene->open && far_axis == 1 && direction.y > 0.0f) hit.t = INFINITY;
+  for (uint32_t i = 0; i < scene->box_count; i++) {
+    slabs(&scene->boxes[i], origin, direction, &near, &far, &near_axis, &far_axis);
+    if (near < far && near > 1e-5f && near < hit.t) hit = (analytic_hit){near, axis_normal(near_axis, direction)};
+  }
+  return hit;
+}
+
+olx_vec3 analytic_radiance(olx_vec3 p, olx_vec3 n) {
+  return olx_v3(1.0f + 0.5f * sinf(p.x + n.x), 1.0f + 0.5f * cosf(p.y + n.y), 1.0f + 0.5f * sinf(p.z - n.z));
+}
+
+static void *zeroed(size_t count, size_t size) {
+  void *memory = calloc(count, size);
+  if (!memory) abort();
+  return memory;
+}
+
+static void fill_probe(const analytic_scene *scene, olx_field *f, uint32_t probe, uint32_t *radiance, uint16_t *normal,
+                       uint16_t *distance, uint16_t *coarse) {
+  const int32_t n = (int32_t)f->n;
+  for (int32_t y = -1; y <= n; y++) {
+    for (int32_t x = -1; x <= n; x++) {
+      int32_t sx, sy;
+      olx_border_source(x, y, n, &sx, &sy);
+      const olx_vec3 d = olx_texel_direction((uint32_t)sx, (uint32_t)sy, f->n);
+      const analytic_hit hit = analytic_cast(scene, f->probe_positions[probe], d);
+      const size_t index = f->texels * probe + olx_map_index(f->stride, x, y);
+      distance[index] = olx_half_pack(hit.t / f->distance_scale);
+      normal[index] = olx_normal_pack(hit.normal);
+      const olx_vec3 p = olx_madd(f->probe_positions[probe], d, hit.t);
+      radiance[index] = olx_r11g11b10f_pack(hit.t < INFINITY ? analytic_radiance(p, hit.normal) : olx_splat(4.0f));
+      if (x != sx || y != sy) continue;
+      uint16_t *block = &coarse[(size_t)f->coarse_n * f->coarse_n * probe + (size_t)((uint32_t)y / f->block) * f->coarse_n +
+                                (uint32_t)x / f->block];
+      if (distance[index] < *block) *block = distance[index];
+    }
+  }
+}
+
+static void fill_irradiance(const analytic_scene *scene, olx_field *f, uint32_t probe, uint32_t *irradiance,
+                            uint32_t *moments) {
+  const int32_t n = (int32_t)f->irradiance_n;
+  for (int32_t y = -1; y <= n; y++) {
+    for (int32_t x = -1; x <= n; x++) {
+      int32_t sx, sy;
+      olx_border_source(x, y, n, &sx, &sy);
+      const olx_vec3 d = olx_texel_direction((uint32_t)sx, (uint32_t)sy, f->irradiance_n);
+      const float t = analytic_cast(scene, f->irradiance_positions[probe], d).t / f->distance_scale;
+      const float r = t < 1.0f ? t : 1.0f;
+      const size_t index = f->irradiance_texels * probe + olx_map_index(f->irradiance_stride, x, y);
+      moments[index] = (uint32_t)olx_half_pack(r) | (uint32_t)olx_half_pack(r * r) << 16;
+      irradiance[index] = olx_r11g11b10f_pack(olx_splat((float)(probe + 1)));
+    }
+  }
+}
+
+olx_field *analytic_field_make(const analytic_scene *scene, const olx_grid *grid, uint32_t n, uint32_t irradiance_n) {
+  const uint32_t count = grid->count[0] * grid->count[1] * grid->count[2];
+  olx_field *f = zeroed(1, sizeof *f);
+  const float scale = olx_length(olx_sub(scene->room.max, scene->room.min));
+  f->info = (olx_field_info){.probe_count = count,
+                             .irradiance_probe_count = count,
+                             .has_grid = true,
+                             .grid = *grid,
+                             .irradiance_grid = *grid,
+                             .radiance_size = n,
+                             .irradiance_size = irradiance_n,
+                             .select_mask = 1u << OLX_SELECT_CAGE,
+                             .distance_scale_metres = scale};
+  f->n = n;
+  f->stride = n + 2;
+  f->texels = (size_t)f->stride * f->stride;
+  f->block = olx_block_size(n);
+  f->coarse_n = n / f->block;
+  f->irradiance_n = irradiance_n;
+  f->irradiance_stride = irradiance_n + 2;
+  f->irradiance_texels = (size_t)f->irradiance_stride * f->irradiance_stride;
+  f->distance_scale = scale;
+  olx_vec3 *positions = zeroed(count, sizeof *positions);
+  uint8_t *flags = zeroed(count, 1);
+  for (uint32_t i = 0; i < count; i++) positions[i] = olx_grid_position(grid, i);
+  f->probe_positions = f->irradiance_positions = positions;
+  f->probe_flags = f->irradiance_flags = flags;
+  uint32_t *radiance = zeroed(f->texels * count, 4), *irradiance = zeroed(f->irradiance_texels * count, 4),
+           *moments = zeroed(f->irradiance_texels * count, 4);
+  uint16_t *normal = zeroed(f->texels * count, 2), *distance = zeroed(f->texels * count, 2),
+           *coarse = zeroed((size_t)f->coarse_n * f->coarse_n * count, 2);
+  memset(coarse, 0xFF, (size_t)f->coarse_n * f->coarse_n * count * 2);
+  f->radiance = radiance;
+  f->normal = normal;
+  f->distance = distance;
+  f->coarse = coarse;
+  f->irradiance = irradiance;
+  f->moments = moments;
+  for (uint32_t i = 0; i < count; i++) {
+    fill_probe(scene, f, i, radiance, normal, distance, coarse);
+    fill_irradiance(scene, f, i, irradiance, moments);
+  }
+  return f;
+}
+
+void analytic_field_free(olx_field *f) {
+  const void *blocks[] = {f->probe_positions, f->probe_flags, f->radiance, f->normal,
+                          f->distance,        f->coarse,      f->irradiance, f->moments, f};
+  for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) free((void *)(uintptr_t)blocks[i]);
+}

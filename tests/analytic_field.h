@@ -1,0 +1,34 @@
+// Fields made from analytic scenes of axis-aligned boxes, without files or ray casters: for tests of the runtime.
+#ifndef OLX_TESTS_ANALYTIC_FIELD_H
+#define OLX_TESTS_ANALYTIC_FIELD_H
+
+#include "field/field_data.h"
+
+// A room (seen from inside) with solid boxes in it. An open room has no ceiling: rays through it see the sky.
+typedef struct analytic_box {
+  olx_vec3 min, max;
+} analytic_box;
+
+typedef struct analytic_scene {
+  analytic_box room;
+  bool open;
+  uint32_t box_count;
+  analytic_box boxes[4];
+} analytic_scene;
+
+typedef struct analytic_hit {
+  float t; // infinite for the sky
+  olx_vec3 normal;
+} analytic_hit;
+
+analytic_hit analytic_cast(const analytic_scene *scene, olx_vec3 origin, olx_vec3 direction);
+
+// Radiance that tells places apart: positive, smooth in position, different on each side of a box.
+olx_vec3 analytic_radiance(olx_vec3 position, olx_vec3 normal);
+
+// Every map of a grid of probes; irradiance maps hold the radiance's constant `irradiance` and exact moments of one texel.
+// Free with analytic_field_free.
+olx_field *analytic_field_make(const analytic_scene *scene, const olx_grid *grid, uint32_t n, uint32_t irradiance_n);
+void analytic_field_free(olx_field *field);
+
+#endif

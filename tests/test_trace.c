@@ -1,0 +1,163 @@
+// Rays through analytic fields: the answers are known.
+#include "analytic_field.h"
+
+#include "core/sampling.h"
+#include "trace/probe_trace.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+
+#include <cmocka.h>
+
+static const analytic_scene empty_room = {.room = {{0, 0, 0}, {4, 3, 5}}};
+static const analytic_scene open_court = {.room = {{0, 0, 0}, {4, 3, 5}}, .open = true};
+static const analytic_scene furnished = {
+    .room = {{0, 0, 0}, {4, 3, 5}},
+    .box_count = 2,
+    .boxes = {{{0.9f, 0.0f, 1.1f}, {1.7f, 1.3f, 2.1f}}, {{2.3f, 0.0f, 2.6f}, {3.1f, 2.1f, 3.3f}}},
+};
+static const olx_grid single = {.origin = {1.9f, 1.4f, 2.7f}, .count = {1, 1, 1}};
+static const olx_grid cage = {.origin = {0.5f, 0.5f, 0.5f}, .spacing = {3.0f, 2.0f, 4.0f}, .count = {2, 2, 2}};
+
+static olx_vec3 random_direction(uint32_t i) { return olx_sample_sphere(olx_stratified2(i, 17)); }
+
+static olx_vec3 random_point(uint32_t i, const analytic_scene *scene) {
+  const olx_vec2 a = olx_stratified2(i, 3), b = olx_stratified2(i, 4);
+  const olx_vec3 size = olx_sub(scene->room.max, scene->room.min);
+  return olx_add(scene->room.min,
+                 olx_mul(size, olx_v3(0.05f + 0.9f * a.x, 0.05f + 0.9f * a.y, 0.05f + 0.9f * b.x)));
+}
+
+static bool inside_box(const analytic_scene *scene, olx_vec3 p) {
+  for (uint32_t i = 0; i < scene->box_count; i++) {
+    const analytic_box *b = &scene->boxes[i];
+    if (p.x > b->min.x && p.y > b->min.y && p.z > b->min.z && p.x < b->max.x && p.y < b->max.y && p.z < b->max.z) {
+      return true;
+    }
+  }
+  return false;
+}
+
+// The test of every tracer: N rays against the truth. Returns the share that is unknown or off by more than two footprints.
+typedef struct score {
+  double unknown, wrong, steps;
+} score;
+
+static score judge(const analytic_scene *scene, const olx_grid *grid, uint32_t n, olx_tracer tracer, uint32_t count) {
+  olx_field *field = analytic_field_make(scene, grid, n, 16);
+  olx_sample_settings settings = olx_sample_settings_default();
+  settings.tracer = tracer;
+  score s = {0};
+  uint32_t asked = 0;
+  for (uint32_t i = 0; i < count; i++) {
+    const olx_vec3 o = random_point(i, scene), d = random_direction(i);
+    if (inside_box(scene, o)) continue;
+    asked++;
+    const analytic_hit truth = analytic_cast(scene, o, d);
+    const olx_trace_hit hit = olx_trace(field, &settings, o, d, INFINITY);
+    s.steps += hit.texel_steps;
+    if (hit.status == OLX_TRACE_UNKNOWN) {
+      s.unknown++;
+      continue;
+    }
+    if ((hit.status == OLX_TRACE_MISS) != (truth.t == INFINITY)) s.wrong++;
+    else if (truth.t < INFINITY &&
+             fabsf(hit.distance_metres - truth.t) > olx_max(2.0f * hit.footprint_metres, 0.01f * truth.t)) s.wrong++;
+  }
+  s.unknown /= asked;
+  s.wrong /= asked;
+  s.steps /= asked;
+  analytic_field_free(field);
+  return s;
+}
+
+static void one_probe_resolves_every_ray_in_a_convex_room(void **state) {
+  (void)state;
+  const score s = judge(&empty_room, &single, 128, OLX_TRACER_TWO_LEVEL, 20000);
+  print_message("unknown %.5f wrong %.5f steps %.1f\n", s.unknown, s.wrong, s.steps);
+  assert_true(s.unknown < 1e-3);
+  assert_true(s.wrong < 1e-3);
+}
+
+static void rays_through_an_open_ceiling_miss(void **state) {
+  (void)state;
+  const score s = judge(&open_court, &single, 128, OLX_TRACER_TWO_LEVEL, 20000);
+  print_message("unknown %.5f wrong %.5f steps %.1f\n", s.unknown, s.wrong, s.steps);
+  assert_true(s.unknown + s.wrong < 0.01);
+}
+
+static void eight_probes_resolve_rays_around_furniture(void **state) {
+  (void)state;
+  const score s = judge(&furnished, &cage, 256, OLX_TRACER_TWO_LEVEL, 20000);
+  print_message("unknown %.5f wrong %.5f steps %.1f\n", s.unknown, s.wrong, s.steps);
+  assert_true(s.unknown < 0.01);
+  assert_true(s.wrong < 0.01);
+}
+
+static void two_level_returns_the_very_texels_of_the_referee(void **state) {
+  (void)state;
+  const uint32_t sizes[] = {8, 16, 64, 256};
+  for (uint32_t k = 0; k < 4; k++) {
+    olx_field *field = analytic_field_make(&furnished, &cage, sizes[k], 16);
+    for (uint32_t i = 0; i < 20000; i++) {
+      const uint32_t probe = i % 8;
+      const olx_vec3 o = random_point(i, &furnished);
+      const olx_probe_ray ray = {.origin = olx_sub(o, field->probe_positions[probe]),
+                                 .direction = random_direction(i),
+                                 .t_min = 0.0f,
+                                 .t_max = i % 3 ? INFINITY : 2.0f};
+      const olx_probe_answer a = olx_trace_probe(field, probe, &ray, OLX_TRACER_TEXEL);
+      const olx_probe_answer b = olx_trace_probe(field, probe, &ray, OLX_TRACER_TWO_LEVEL);
+      assert_int_equal(a.status, b.status);
+      assert_int_equal(a.texel, b.texel);
+      assert_true(a.t == b.t);
+    }
+    analytic_field_free(field);
+  }
+}
+
+static void rays_along_axes_and_through_the_probe_end_where_they_should(void **state) {
+  (void)state;
+  olx_field *field = analytic_field_make(&empty_room, &single, 64, 16);
+  const olx_sample_settings settings = olx_sample_settings_default();
+  for (int32_t x = -1; x <= 1; x++) {
+    for (int32_t y = -1; y <= 1; y++) {
+      for (int32_t z = -1; z <= 1; z++) {
+        if (!x && !y && !z) continue;
+        const olx_vec3 d = olx_normalize(olx_v3((float)x, (float)y, (float)z));
+        for (int32_t start = -2; start <= 2; start++) { // from before, at and behind the probe's centre
+          const olx_vec3 o = olx_madd(single.origin, d, 0.4f * (float)start);
+          const olx_trace_hit hit = olx_trace(field, &settings, o, d, INFINITY);
+          assert_int_equal(hit.status, OLX_TRACE_HIT);
+          const float truth = analytic_cast(&empty_room, o, d).t;
+          assert_true(fabsf(hit.distance_metres - truth) <= 2.0f * hit.footprint_metres);
+        }
+      }
+    }
+  }
+  analytic_field_free(field);
+}
+
+static void a_ray_that_ends_early_misses(void **state) {
+  (void)state;
+  olx_field *field = analytic_field_make(&empty_room, &single, 64, 16);
+  const olx_sample_settings settings = olx_sample_settings_default();
+  const olx_trace_hit hit = olx_trace(field, &settings, olx_v3(1, 1, 1), olx_v3(0, 0, 1), 0.5f);
+  assert_int_equal(hit.status, OLX_TRACE_MISS);
+  assert_true(hit.distance_metres == 0.5f);
+  assert_false(hit.emitter);
+  analytic_field_free(field);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(one_probe_resolves_every_ray_in_a_convex_room),
+      cmocka_unit_test(rays_through_an_open_ceiling_miss),
+      cmocka_unit_test(eight_probes_resolve_rays_around_furniture),
+      cmocka_unit_test(two_level_returns_the_very_texels_of_the_referee),
+      cmocka_unit_test(rays_along_axes_and_through_the_probe_end_where_they_should),
+      cmocka_unit_test(a_ray_that_ends_early_misses),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

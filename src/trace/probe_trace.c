@@ -195,6 +195,15 @@ static bool near_texel(const piece *p, cell c, float t) {
   return fabsf(u) <= NEIGHBOURHOOD_TEXELS && fabsf(v) <= NEIGHBOURHOOD_TEXELS;
 }
 
+// Whether the texel in which the ray meets a neighbour's plane sees a surface about there too. When it sees far past that
+// point, the plane ends before it: an edge lies between the two texels.
+static bool supported(const march *m, const piece *p, const surfel *s, float t) {
+  const cell c = {quadrant_texel(&p->u, image_at(p, &p->u, t)), quadrant_texel(&p->v, image_at(p, &p->v, t)), t};
+  const float stored = olx_texel_distance(m->field, m->probe, texel_index(m, c));
+  const float slope = 1.0f / olx_max(s->cosine, 0.1f);
+  return stored <= sqrtf(radius_squared(m, t)) + 2.0f * s->footprint * slope;
+}
+
 typedef enum verdict { VERDICT_CLEAR, VERDICT_HIT, VERDICT_HIDDEN } verdict;
 
 // The ray reaches the stored distance inside a texel, between t0 and t1: what does the texel's surfel say?
@@ -224,7 +233,7 @@ static verdict judge(const march *m, const piece *p, cell c, float t1, float sto
     return -height0 <= s.footprint ? VERDICT_CLEAR : VERDICT_HIDDEN;
   }
   const float t = -s.f0 / s.f1;
-  if (t < m->ray->t_min - s.footprint || !near_texel(p, c, t)) return VERDICT_HIDDEN;
+  if (t < m->ray->t_min - s.footprint || !near_texel(p, c, t) || !supported(m, p, &s, t)) return VERDICT_HIDDEN;
   answer->t = olx_max(t, m->ray->t_min);
   return VERDICT_HIT;
 }

@@ -77,8 +77,8 @@ static void fill_probe(const analytic_scene *scene, olx_field *f, uint32_t probe
       const olx_vec3 p = olx_madd(f->probe_positions[probe], d, hit.t);
       radiance[index] = olx_r11g11b10f_pack(hit.t < INFINITY ? analytic_radiance(p, hit.normal) : olx_splat(4.0f));
       if (x != sx || y != sy) continue;
-      uint16_t *block = &coarse[(size_t)f->coarse_n * f->coarse_n * probe + (size_t)((uint32_t)y / f->block) * f->coarse_n +
-                                (uint32_t)x / f->block];
+      uint16_t *block = &coarse[(size_t)f->coarse_n * f->coarse_n * probe +
+                                (size_t)((uint32_t)y / f->block) * f->coarse_n + (uint32_t)x / f->block];
       if (distance[index] < *block) *block = distance[index];
     }
   }
@@ -147,7 +147,7 @@ olx_field *analytic_field_make(const analytic_scene *scene, const olx_grid *grid
 }
 
 void analytic_field_free(olx_field *f) {
-  const void *blocks[] = {f->probe_positions, f->probe_flags, f->radiance, f->normal,
-                          f->distance,        f->coarse,      f->irradiance, f->moments, f};
+  const void *blocks[] = {f->probe_positions, f->probe_flags, f->radiance, f->normal, f->distance,
+                          f->coarse,          f->irradiance,  f->moments,  f};
   for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) free((void *)(uintptr_t)blocks[i]);
 }

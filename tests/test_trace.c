@@ -25,8 +25,7 @@ static olx_vec3 random_direction(uint32_t i) { return olx_sample_sphere(olx_stra
 static olx_vec3 random_point(uint32_t i, const analytic_scene *scene) {
   const olx_vec2 a = olx_stratified2(i, 3), b = olx_stratified2(i, 4);
   const olx_vec3 size = olx_sub(scene->room.max, scene->room.min);
-  return olx_add(scene->room.min,
-                 olx_mul(size, olx_v3(0.05f + 0.9f * a.x, 0.05f + 0.9f * a.y, 0.05f + 0.9f * b.x)));
+  return olx_add(scene->room.min, olx_mul(size, olx_v3(0.05f + 0.9f * a.x, 0.05f + 0.9f * a.y, 0.05f + 0.9f * b.x)));
 }
 
 static bool inside_box(const analytic_scene *scene, olx_vec3 p) {
@@ -76,7 +75,8 @@ static score judge(const analytic_scene *scene, const olx_grid *grid, uint32_t n
     }
     if ((hit.status == OLX_TRACE_MISS) != (truth.t == INFINITY)) s.wrong++;
     else if (truth.t < INFINITY &&
-             fabsf(hit.distance_metres - truth.t) > olx_max(2.0f * hit.footprint_metres, 0.01f * truth.t)) s.wrong++;
+             fabsf(hit.distance_metres - truth.t) > olx_max(2.0f * hit.footprint_metres, 0.01f * truth.t))
+      s.wrong++;
   }
   s.unknown /= asked;
   s.wrong /= asked;

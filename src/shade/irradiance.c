@@ -105,7 +105,8 @@ olx_vec3 olx_irradiance_terms(const olx_irradiance_source *s, uint32_t terms, bo
   }
   if (weights > 1e-12f) return olx_scale(sum, 1.0f / weights);
   uint32_t nearest = 0;
-  if (nearest_visible(s, terms, keep_buried, position, normal, view, &nearest)) return map_irradiance(s, nearest, normal);
+  if (nearest_visible(s, terms, keep_buried, position, normal, view, &nearest))
+    return map_irradiance(s, nearest, normal);
   return plain_weights > 0.0f ? olx_scale(plain_sum, 1.0f / plain_weights) : plain_sum;
 }
 

@@ -60,7 +60,9 @@ static float sign_after(float o, float d, float t) {
 // Images that move by less than this over a piece stand still: below it rounding decides the direction.
 static const float STILL_TEXELS = 1e-3f;
 
-static float image_at(const piece *p, const image_axis *a, float t) { return (a->n0 + a->n1 * t) / (p->d0 + p->d1 * t); }
+static float image_at(const piece *p, const image_axis *a, float t) {
+  return (a->n0 + a->n1 * t) / (p->d0 + p->d1 * t);
+}
 
 // Closer to the probe than this share of the way there, rounding decides the image; the ray is in front of everything then.
 static const float CENTRE_SHARE = 1e-4f;
@@ -274,7 +276,7 @@ static verdict march_piece(march *m, const piece *p, bool two_level, olx_probe_a
       if (block_clear(m, c, t1)) {
         if (t1 >= p->t_end) return VERDICT_CLEAR;
         const bool by_x = bx <= by; // ties step in x first, as below
-          c = by_x ? (cell){(p->u.step > 0 ? (c.x / block + 1) * block : c.x / block * block - 1),
+        c = by_x ? (cell){(p->u.step > 0 ? (c.x / block + 1) * block : c.x / block * block - 1),
                           advance(p, &p->v, c.y, t1, false), t1}
                  : (cell){advance(p, &p->u, c.x, t1, true),
                           (p->v.step > 0 ? (c.y / block + 1) * block : c.y / block * block - 1), t1};

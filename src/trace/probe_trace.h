@@ -15,9 +15,9 @@ typedef struct olx_probe_ray {
 
 typedef struct olx_probe_answer {
   olx_trace_status status;
-  float t;       // HIT: of the hit; UNKNOWN: where the ray went out of sight; MISS: t_max
-  size_t texel;  // HIT: that was hit; UNKNOWN: that hides the ray; MISS: in the ray's direction
-  float gap;     // UNKNOWN: how far behind the hiding texel's surface the ray was, in footprints
+  float t;        // HIT: of the hit; UNKNOWN: where the ray went out of sight; MISS: t_max
+  size_t texel;   // HIT: that was hit; UNKNOWN: that hides the ray; MISS: in the ray's direction
+  float gap;      // UNKNOWN: how far behind the hiding texel's surface the ray was, in footprints
   uint32_t steps; // distances read, of texels and of blocks
 } olx_probe_answer;
 

@@ -43,7 +43,8 @@ static bool sees(const search *s, uint32_t probe, olx_vec3 point) {
   const olx_vec3 offset = olx_sub(point, s->field->probe_positions[probe]);
   const olx_vec2 uv = olx_octahedral_encode(offset);
   const float n = (float)s->field->n;
-  const size_t texel = olx_map_index(s->field->stride, (int32_t)olx_min(uv.x * n, n - 1.0f), (int32_t)olx_min(uv.y * n, n - 1.0f));
+  const size_t texel =
+      olx_map_index(s->field->stride, (int32_t)olx_min(uv.x * n, n - 1.0f), (int32_t)olx_min(uv.y * n, n - 1.0f));
   return olx_length(offset) <= 1.02f * olx_texel_distance(s->field, probe, texel);
 }
 

@@ -17,7 +17,7 @@ typedef struct olx_bsdf {
   olx_vec3 albedo; // base colour * (1 - metallic)
   olx_vec3 f0;
   float f90;
-  float dielectric_weight; // specular weight * (1 - metallic) of the split; see olx_bsdf_diffuse
+  float dielectric_weight; // specular weight, of the split; see olx_bsdf_diffuse
   float alpha;             // GGX; 0 is a mirror
 } olx_bsdf;
 
@@ -49,8 +49,9 @@ static inline olx_vec3 olx_bsdf_diffuse(const olx_bsdf *b, float cosine_view) {
 
 static inline bool olx_bsdf_has_specular(const olx_bsdf *b) { return b->f90 > 0.0f; }
 
-static inline float olx_ggx_distribution(float alpha, float cosine_half) {
-  const float a2 = alpha * alpha, d = cosine_half * cosine_half * (a2 - 1.0f) + 1.0f;
+static inline float olx_ggx_distribution(float alpha, olx_vec3 half) {
+  // Not 1 - cos^2: that cancels near the normal, where smooth surfaces have all of their lobe.
+  const float sine2 = half.x * half.x + half.y * half.y, a2 = alpha * alpha, d = sine2 + half.z * half.z * a2;
   return a2 / (OLX_PI * d * d);
 }
 
@@ -65,14 +66,14 @@ static inline olx_vec3 olx_bsdf_specular(const olx_bsdf *b, olx_vec3 view, olx_v
   if (view.z <= 0.0f || light.z <= 0.0f) return olx_splat(0.0f);
   const olx_vec3 half = olx_normalize(olx_add(view, light));
   const float g = 1.0f / (1.0f + olx_ggx_lambda(b->alpha, view.z) + olx_ggx_lambda(b->alpha, light.z));
-  return olx_scale(olx_fresnel(b, olx_dot(view, half)), olx_ggx_distribution(b->alpha, half.z) * g / (4.0f * view.z));
+  return olx_scale(olx_fresnel(b, olx_dot(view, half)), olx_ggx_distribution(b->alpha, half) * g / (4.0f * view.z));
 }
 
 // Density over solid angle with which olx_ggx_sample_half and reflection draw `light`.
 static inline float olx_ggx_pdf(float alpha, olx_vec3 view, olx_vec3 light) {
   if (view.z <= 0.0f || light.z <= 0.0f) return 0.0f;
   const olx_vec3 half = olx_normalize(olx_add(view, light));
-  return olx_ggx_distribution(alpha, half.z) / ((1.0f + olx_ggx_lambda(alpha, view.z)) * 4.0f * view.z);
+  return olx_ggx_distribution(alpha, half) / ((1.0f + olx_ggx_lambda(alpha, view.z)) * 4.0f * view.z);
 }
 
 // A half vector drawn from the visible normals (Heitz 2018).

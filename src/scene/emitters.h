@@ -34,6 +34,9 @@ bool olx_emitters_sample(const olx_scene *scene, uint32_t group, olx_vec3 positi
 // there along `direction`.
 float olx_emitters_surface_pdf(const olx_surface *surface, olx_vec3 position, olx_vec3 direction);
 
+// Density over area with which points on a triangle are drawn: its probability over its area.
+float olx_emitters_area_pdf(const olx_scene *scene, uint32_t triangle);
+
 bool olx_environment_lit(const olx_scene *scene);
 olx_vec3 olx_environment_radiance(const olx_scene *scene, olx_vec3 direction);
 float olx_environment_pdf(const olx_scene *scene, olx_vec3 direction);

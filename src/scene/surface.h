@@ -24,7 +24,15 @@ olx_surface olx_surface_at(const olx_scene *scene, const olx_ray_hit *hit, olx_v
 // Whether the triangle's surface is there at those barycentric coordinates (alpha mask).
 bool olx_surface_present(const olx_scene *scene, uint32_t triangle, float u, float v);
 
-// A ray that leaves `position` on the side of the geometric normal that `direction` points to, without meeting its own surface.
+// Radiance that leaves the triangle on a side that shines.
+olx_vec3 olx_surface_emission(const olx_scene *scene, uint32_t triangle, float u, float v);
+
+// Length by which points computed on the triangle may be off: a share of its largest coordinate, never an absolute
+// length.
+float olx_surface_epsilon(const olx_scene *scene, uint32_t triangle);
+
+// A ray that leaves `position` on the side of the geometric normal that `direction` points to, without meeting its own
+// surface.
 olx_ray olx_surface_ray(const olx_surface *surface, olx_vec3 direction, float t_max);
 // A ray from the surface to another point, stopping short of it by `epsilon_end`; direction is unit.
 olx_ray olx_surface_ray_to(const olx_surface *surface, olx_vec3 point, float epsilon_end);

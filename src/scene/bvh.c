@@ -1,0 +1,255 @@
+#include "scene/bvh.h"
+
+#include "core/hooks.h"
+#include "core/result.h"
+#include "scene/surface.h"
+
+#include <embree3/rtcore.h>
+#include <stdio.h>
+#include <string.h>
+
+#define OLX_PACKET 16
+
+struct olx_bvh {
+  const olx_scene *scene;
+  RTCDevice device;
+  RTCScene accelerator;
+  // Embree numbers triangles within a geometry. Geometry 0 holds the opaque ones, geometry 1 the alpha-masked ones;
+  // triangle_of[first[geometry] + primitive] is the scene's triangle. NULL in a scene without masks: the same numbers.
+  uint32_t *triangle_of;
+  uint32_t first[2];
+  char message[256]; // Embree's last complaint while the device is set up
+};
+
+static uint32_t scene_triangle(const olx_bvh *bvh, uint32_t geometry, uint32_t primitive) {
+  return bvh->triangle_of ? bvh->triangle_of[bvh->first[geometry] + primitive] : primitive;
+}
+
+static void remember_message(void *user, enum RTCError code, const char *text) {
+  olx_bvh *bvh = user;
+  snprintf(bvh->message, sizeof bvh->message, "error %d: %s", (int)code, text ? text : "");
+}
+
+static bool is_masked(const olx_scene *scene, uint32_t triangle) {
+  return scene->materials[scene->material_index[triangle]].alpha_cutoff > 0.0f;
+}
+
+// Embree's filter: rays pass through the masked-out parts. A packet's hits are arrays of N: Ng_x, Ng_y, Ng_z, u, v,
+// primID, in that order.
+static void filter_masked(const struct RTCFilterFunctionNArguments *arguments) {
+  const olx_bvh *bvh = arguments->geometryUserPtr;
+  const size_t n = arguments->N;
+  const float *u = (const float *)arguments->hit + 3 * n, *v = u + n;
+  const unsigned int *primitive = (const unsigned int *)arguments->hit + 5 * n;
+  for (size_t i = 0; i < n; i++) {
+    if (arguments->valid[i] == 0) continue;
+    if (!olx_surface_present(bvh->scene, scene_triangle(bvh, 1, primitive[i]), u[i], v[i])) arguments->valid[i] = 0;
+  }
+}
+
+static olx_result split_by_mask(olx_bvh *bvh) {
+  const olx_scene *scene = bvh->scene;
+  uint32_t masked = 0;
+  for (uint32_t t = 0; t < scene->triangle_count; t++) masked += is_masked(scene, t);
+  bvh->first[1] = scene->triangle_count - masked;
+  if (masked == 0) return OLX_OK;
+  bvh->triangle_of = olx_allocate(scene->triangle_count, sizeof *bvh->triangle_of);
+  if (!bvh->triangle_of)
+    return olx_fail(OLX_ERROR_MEMORY, "ray caster: no memory for %u triangles", scene->triangle_count);
+  uint32_t next[2] = {0, bvh->first[1]};
+  for (uint32_t t = 0; t < scene->triangle_count; t++) bvh->triangle_of[next[is_masked(scene, t)]++] = t;
+  return OLX_OK;
+}
+
+// Attach geometry 0 or 1. Returns false when Embree has no memory.
+static bool attach_geometry(olx_bvh *bvh, uint32_t geometry_id, uint32_t triangle_count, RTCBuffer vertices) {
+  if (triangle_count == 0) return true;
+  const olx_scene *scene = bvh->scene;
+  RTCGeometry geometry = rtcNewGeometry(bvh->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  if (!geometry) return false;
+  rtcSetGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices, 0, sizeof(olx_vec3),
+                       scene->vertex_count);
+  const size_t stride = 3 * sizeof(uint32_t);
+  uint32_t *indices =
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, stride, triangle_count);
+  if (indices) {
+    for (uint32_t i = 0; i < triangle_count; i++) {
+      memcpy(indices + 3 * (size_t)i, scene->indices + 3 * (size_t)scene_triangle(bvh, geometry_id, i), stride);
+    }
+    if (geometry_id == 1) {
+      rtcSetGeometryUserData(geometry, bvh);
+      rtcSetGeometryIntersectFilterFunction(geometry, filter_masked);
+      rtcSetGeometryOccludedFilterFunction(geometry, filter_masked);
+    }
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(bvh->accelerator, geometry, geometry_id);
+  }
+  rtcReleaseGeometry(geometry);
+  return indices != NULL;
+}
+
+static olx_result build(olx_bvh *bvh) {
+  const olx_scene *scene = bvh->scene;
+  // One thread builds: the order of triangles in a leaf, which decides between coincident hits, must not depend on how
+  // many processors there are.
+  bvh->device = rtcNewDevice("threads=1,set_affinity=0");
+  if (!bvh->device) {
+    return olx_fail(OLX_ERROR_UNSUPPORTED, "ray caster: Embree refused to start (error %d)",
+                    (int)rtcGetDeviceError(NULL));
+  }
+  rtcSetDeviceErrorFunction(bvh->device, remember_message, bvh);
+  bvh->accelerator = rtcNewScene(bvh->device);
+  // Embree reads vertices 16 bytes at a time, so the last one needs room after it.
+  const size_t vertices_bytes = (size_t)scene->vertex_count * sizeof(olx_vec3);
+  RTCBuffer vertices = rtcNewBuffer(bvh->device, vertices_bytes + 16);
+  if (bvh->accelerator && vertices) {
+    memcpy(rtcGetBufferData(vertices), scene->positions, vertices_bytes);
+    rtcSetSceneFlags(bvh->accelerator, RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneBuildQuality(bvh->accelerator, RTC_BUILD_QUALITY_MEDIUM);
+    if (attach_geometry(bvh, 0, bvh->first[1], vertices) &&
+        attach_geometry(bvh, 1, scene->triangle_count - bvh->first[1], vertices)) {
+      rtcCommitScene(bvh->accelerator);
+    }
+  }
+  if (vertices) rtcReleaseBuffer(vertices);
+  const enum RTCError error = rtcGetDeviceError(bvh->device);
+  if (error == RTC_ERROR_NONE) return OLX_OK;
+  return olx_fail(error == RTC_ERROR_OUT_OF_MEMORY ? OLX_ERROR_MEMORY : OLX_ERROR_UNSUPPORTED,
+                  "ray caster: Embree could not build over %u triangles (%s)", scene->triangle_count, bvh->message);
+}
+
+olx_result olx_bvh_create(const olx_scene *scene, olx_bvh **result_bvh) {
+  *result_bvh = NULL;
+  olx_bvh *bvh = olx_allocate_zero(1, sizeof *bvh);
+  if (!bvh) return olx_fail(OLX_ERROR_MEMORY, "ray caster: no memory");
+  bvh->scene = scene;
+  olx_result result;
+  OLX_TRY_GOTO(split_by_mask(bvh), failed);
+  OLX_TRY_GOTO(build(bvh), failed);
+  *result_bvh = bvh;
+  return OLX_OK;
+failed:
+  olx_bvh_free(bvh);
+  return result;
+}
+
+void olx_bvh_free(olx_bvh *bvh) {
+  if (!bvh) return;
+  if (bvh->accelerator) rtcReleaseScene(bvh->accelerator);
+  if (bvh->device) rtcReleaseDevice(bvh->device);
+  olx_release(bvh->triangle_of);
+  olx_release(bvh);
+}
+
+static struct RTCIntersectContext make_context(bool coherent) {
+  struct RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  return context;
+}
+
+static struct RTCRay single_ray(const olx_ray *ray) {
+  return (struct RTCRay){
+      .org_x = ray->origin.x,
+      .org_y = ray->origin.y,
+      .org_z = ray->origin.z,
+      .tnear = ray->t_min,
+      .dir_x = ray->direction.x,
+      .dir_y = ray->direction.y,
+      .dir_z = ray->direction.z,
+      .tfar = ray->t_max,
+      .mask = UINT32_MAX,
+  };
+}
+
+olx_ray_hit olx_bvh_intersect(const olx_bvh *bvh, const olx_ray *ray) {
+  if (!(ray->t_max >= ray->t_min)) return (olx_ray_hit){.triangle = OLX_NO_HIT};
+  struct RTCIntersectContext context = make_context(false);
+  struct RTCRayHit query = {.ray = single_ray(ray), .hit.geomID = RTC_INVALID_GEOMETRY_ID};
+  rtcIntersect1(bvh->accelerator, &context, &query);
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return (olx_ray_hit){.triangle = OLX_NO_HIT};
+  return (olx_ray_hit){.triangle = scene_triangle(bvh, query.hit.geomID, query.hit.primID),
+                       .t = query.ray.tfar,
+                       .u = query.hit.u,
+                       .v = query.hit.v};
+}
+
+bool olx_bvh_occluded(const olx_bvh *bvh, const olx_ray *ray) {
+  if (!(ray->t_max >= ray->t_min)) return true;
+  struct RTCIntersectContext context = make_context(false);
+  struct RTCRay query = single_ray(ray);
+  rtcOccluded1(bvh->accelerator, &context, &query);
+  return query.tfar < 0.0f;
+}
+
+// Members of a packet that rays neither set nor change.
+static void init_packet(struct RTCRay16 *packet) {
+  for (uint32_t i = 0; i < OLX_PACKET; i++) {
+    packet->time[i] = 0.0f;
+    packet->mask[i] = UINT32_MAX;
+    packet->id[i] = 0;
+    packet->flags[i] = 0;
+  }
+}
+
+// Turn 16 rays into one packet. A ray that ends before it starts is not traced.
+static void pack_rays(const olx_ray *rays, struct RTCRay16 *packet, int *valid) {
+  for (uint32_t i = 0; i < OLX_PACKET; i++) {
+    packet->org_x[i] = rays[i].origin.x;
+    packet->org_y[i] = rays[i].origin.y;
+    packet->org_z[i] = rays[i].origin.z;
+    packet->dir_x[i] = rays[i].direction.x;
+    packet->dir_y[i] = rays[i].direction.y;
+    packet->dir_z[i] = rays[i].direction.z;
+    packet->tnear[i] = rays[i].t_min;
+    packet->tfar[i] = rays[i].t_max;
+  }
+  for (uint32_t i = 0; i < OLX_PACKET; i++) valid[i] = packet->tfar[i] >= packet->tnear[i] ? -1 : 0;
+}
+
+// Rays at the end of the array that do not fill a packet, filled up with rays that are not traced.
+static const olx_ray *fill_up(const olx_ray *rays, uint32_t count, olx_ray padded[OLX_PACKET]) {
+  if (count >= OLX_PACKET) return rays;
+  for (uint32_t i = 0; i < OLX_PACKET; i++) {
+    padded[i] = i < count ? rays[i] : (olx_ray){.direction = {0.0f, 0.0f, 1.0f}, .t_min = 0.0f, .t_max = -1.0f};
+  }
+  return padded;
+}
+
+void olx_bvh_intersect_many(const olx_bvh *bvh, const olx_ray *rays, uint32_t count, bool coherent, olx_ray_hit *hits) {
+  struct RTCIntersectContext context = make_context(coherent);
+  struct RTCRayHit16 packet;
+  _Alignas(64) int valid[OLX_PACKET];
+  olx_ray padded[OLX_PACKET];
+  init_packet(&packet.ray);
+  for (uint32_t start = 0; start < count; start += OLX_PACKET) {
+    const uint32_t here = count - start < OLX_PACKET ? count - start : OLX_PACKET;
+    pack_rays(fill_up(rays + start, here, padded), &packet.ray, valid);
+    for (uint32_t i = 0; i < OLX_PACKET; i++) packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect16(valid, bvh->accelerator, &context, &packet);
+    for (uint32_t i = 0; i < here; i++) {
+      const uint32_t geometry = packet.hit.geomID[i];
+      hits[start + i] = geometry == RTC_INVALID_GEOMETRY_ID
+                            ? (olx_ray_hit){.triangle = OLX_NO_HIT}
+                            : (olx_ray_hit){.triangle = scene_triangle(bvh, geometry, packet.hit.primID[i]),
+                                            .t = packet.ray.tfar[i],
+                                            .u = packet.hit.u[i],
+                                            .v = packet.hit.v[i]};
+    }
+  }
+}
+
+void olx_bvh_occluded_many(const olx_bvh *bvh, const olx_ray *rays, uint32_t count, bool coherent, uint8_t *occluded) {
+  struct RTCIntersectContext context = make_context(coherent);
+  struct RTCRay16 packet;
+  _Alignas(64) int valid[OLX_PACKET];
+  olx_ray padded[OLX_PACKET];
+  init_packet(&packet);
+  for (uint32_t start = 0; start < count; start += OLX_PACKET) {
+    const uint32_t here = count - start < OLX_PACKET ? count - start : OLX_PACKET;
+    pack_rays(fill_up(rays + start, here, padded), &packet, valid);
+    rtcOccluded16(valid, bvh->accelerator, &context, &packet);
+    // Embree sets tfar of an occluded ray to minus infinity.
+    for (uint32_t i = 0; i < here; i++) occluded[start + i] = valid[i] == 0 || packet.tfar[i] < packet.tnear[i];
+  }
+}

@@ -1,0 +1,254 @@
+#include "scene/emitters.h"
+
+#include "core/hooks.h"
+#include "core/result.h"
+#include "core/sampling.h"
+#include "scene/distribution.h"
+#include "scene/environment.h"
+
+struct olx_emitters {
+  uint32_t light_groups; // lights without area
+  float *light_sums;     // when they share one group
+  uint32_t triangle_count;
+  uint32_t *triangles; // the emissive ones
+  float *triangle_sums;
+  float *area_pdf; // one a triangle of the scene; NULL when none emits
+  olx_environment_sampler environment;
+  float reach; // farther away than anything in the scene
+};
+
+static float triangle_area(const olx_scene *scene, uint32_t triangle) {
+  const uint32_t *i = scene->indices + 3 * (size_t)triangle;
+  const olx_vec3 a = scene->positions[i[0]], b = scene->positions[i[1]], c = scene->positions[i[2]];
+  return 0.5f * olx_length(olx_cross(olx_sub(b, a), olx_sub(c, a)));
+}
+
+// Texels that the triangle covers in its emission texture.
+static float covered_texels(const olx_scene *scene, uint32_t triangle, const olx_texture *texture) {
+  const uint32_t *i = scene->indices + 3 * (size_t)triangle;
+  const olx_vec2 a = scene->uvs[i[0]], b = scene->uvs[i[1]], c = scene->uvs[i[2]];
+  const float area = 0.5f * fabsf((b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y));
+  return area * (float)texture->width * (float)texture->height;
+}
+
+// Mean luminance of what the triangle emits: some samples a texel, between 16 and 1024 when it is textured.
+static float mean_luminance(const olx_scene *scene, uint32_t triangle) {
+  const olx_material *material = &scene->materials[scene->material_index[triangle]];
+  if (!(olx_max3(material->emission) > 0.0f)) return 0.0f;
+  if (material->emission_texture == OLX_NO_TEXTURE) return olx_luminance(material->emission);
+  const float texels = covered_texels(scene, triangle, &scene->textures[material->emission_texture]);
+  const uint32_t count = (uint32_t)olx_clamp(2.0f * texels, 16.0f, 1024.0f);
+  float sum = 0.0f;
+  for (uint32_t i = 0; i < count; i++) {
+    const olx_vec2 uv = olx_sample_triangle(olx_hammersley(i, count));
+    sum += olx_luminance(olx_surface_emission(scene, triangle, uv.x, uv.y));
+  }
+  return sum / (float)count;
+}
+
+static olx_result gather_triangles(const olx_scene *scene, olx_emitters *emitters) {
+  uint32_t count = 0;
+  float *luminance = olx_allocate(scene->triangle_count, sizeof(float));
+  if (!luminance) goto no_memory;
+  for (uint32_t t = 0; t < scene->triangle_count; t++) {
+    luminance[t] = mean_luminance(scene, t);
+    count += luminance[t] > 0.0f;
+  }
+  if (count > 0) {
+    emitters->triangles = olx_allocate(count, sizeof *emitters->triangles);
+    emitters->triangle_sums = olx_allocate((size_t)count + 1, sizeof(float));
+    emitters->area_pdf = olx_allocate_zero(scene->triangle_count, sizeof(float));
+    if (!emitters->triangles || !emitters->triangle_sums || !emitters->area_pdf) goto no_memory;
+    uint32_t next = 0;
+    for (uint32_t t = 0; t < scene->triangle_count; t++) {
+      if (luminance[t] <= 0.0f) continue;
+      emitters->triangle_sums[next] = luminance[t] * triangle_area(scene, t);
+      emitters->triangles[next++] = t;
+    }
+    if (olx_distribution_build(emitters->triangle_sums, count, emitters->triangle_sums))
+      emitters->triangle_count = count;
+    for (uint32_t i = 0; i < emitters->triangle_count; i++) {
+      const uint32_t t = emitters->triangles[i];
+      emitters->area_pdf[t] = olx_distribution_probability(emitters->triangle_sums, i) / triangle_area(scene, t);
+    }
+  }
+  olx_release(luminance);
+  return OLX_OK;
+no_memory:
+  olx_release(luminance);
+  return olx_fail(OLX_ERROR_MEMORY, "lights: no memory for the emission of %u triangles", scene->triangle_count);
+}
+
+// Luminous power that a light without area sends into a scene of the given radius.
+static float light_power(const olx_light *light, float radius) {
+  const float luminance = olx_luminance(light->emission);
+  switch (light->type) {
+  case OLX_LIGHT_SUN: return luminance * OLX_PI * radius * radius;
+  case OLX_LIGHT_POINT: return luminance * 4.0f * OLX_PI;
+  case OLX_LIGHT_SPOT: return luminance * 2.0f * OLX_PI * (1.0f - light->cosine_outer);
+  }
+  return 0.0f;
+}
+
+static olx_result gather_lights(const olx_scene *scene, olx_emitters *emitters) {
+  emitters->light_groups = scene->light_count;
+  if (scene->light_count <= OLX_MAX_LIGHT_GROUPS) return OLX_OK;
+  emitters->light_sums = olx_allocate((size_t)scene->light_count + 1, sizeof(float));
+  if (!emitters->light_sums) return olx_fail(OLX_ERROR_MEMORY, "lights: no memory for %u lights", scene->light_count);
+  const float radius = 0.5f * olx_length(olx_sub(scene->bounds_max, scene->bounds_min));
+  for (uint32_t i = 0; i < scene->light_count; i++) emitters->light_sums[i] = light_power(&scene->lights[i], radius);
+  emitters->light_groups =
+      olx_distribution_build(emitters->light_sums, scene->light_count, emitters->light_sums) ? 1 : 0;
+  return OLX_OK;
+}
+
+olx_result olx_emitters_create(const olx_scene *scene, olx_emitters **result_emitters) {
+  *result_emitters = NULL;
+  olx_emitters *emitters = olx_allocate_zero(1, sizeof *emitters);
+  if (!emitters) return olx_fail(OLX_ERROR_MEMORY, "lights: no memory");
+  emitters->reach = 2.0f * olx_length(olx_sub(scene->bounds_max, scene->bounds_min));
+  olx_result result;
+  OLX_TRY_GOTO(gather_lights(scene, emitters), failed);
+  OLX_TRY_GOTO(gather_triangles(scene, emitters), failed);
+  OLX_TRY_GOTO(olx_environment_sampler_create(&scene->environment, &emitters->environment), failed);
+  *result_emitters = emitters;
+  return OLX_OK;
+failed:
+  olx_emitters_free(emitters);
+  return result;
+}
+
+void olx_emitters_free(olx_emitters *emitters) {
+  if (!emitters) return;
+  olx_release(emitters->light_sums);
+  olx_release(emitters->triangles);
+  olx_release(emitters->triangle_sums);
+  olx_release(emitters->area_pdf);
+  olx_environment_sampler_free(&emitters->environment);
+  olx_release(emitters);
+}
+
+// Groups stand in this order: lights without area, emissive triangles, environment.
+uint32_t olx_emitters_group_count(const olx_scene *scene) {
+  const olx_emitters *emitters = scene->emitters;
+  return emitters->light_groups + (emitters->triangle_count > 0) + emitters->environment.lit;
+}
+
+bool olx_emitters_group_varies(const olx_scene *scene, uint32_t group) {
+  return group >= scene->emitters->light_groups || scene->emitters->light_sums != NULL;
+}
+
+static float spot_falloff(const olx_light *light, float cosine) {
+  if (cosine <= light->cosine_outer) return 0.0f;
+  if (cosine >= light->cosine_inner) return 1.0f;
+  // As KHR_lights_punctual recommends.
+  return olx_square((cosine - light->cosine_outer) / (light->cosine_inner - light->cosine_outer));
+}
+
+static bool sample_light(const olx_scene *scene, uint32_t index, olx_vec3 position, float probability,
+                         olx_light_sample *sample) {
+  const olx_light *light = &scene->lights[index];
+  *sample = (olx_light_sample){.delta = true, .pdf = 1.0f};
+  float strength = 1.0f;
+  if (light->type == OLX_LIGHT_SUN) {
+    sample->direction = olx_negate(light->direction);
+    sample->target = olx_madd(position, sample->direction, scene->emitters->reach);
+    sample->infinite = true;
+  } else {
+    const olx_vec3 way = olx_sub(light->position, position);
+    const float distance = olx_length(way);
+    if (!(distance > 0.0f)) return false;
+    sample->direction = olx_scale(way, 1.0f / distance);
+    sample->target = light->position;
+    strength = 1.0f / olx_square(distance);
+    if (light->type == OLX_LIGHT_SPOT) {
+      strength *= spot_falloff(light, -olx_dot(sample->direction, light->direction));
+    }
+  }
+  sample->emission = olx_scale(light->emission, strength / probability);
+  return olx_max3(sample->emission) > 0.0f;
+}
+
+static bool sample_triangle(const olx_scene *scene, olx_vec3 position, olx_vec2 random, float random_pick,
+                            olx_light_sample *sample) {
+  const olx_emitters *emitters = scene->emitters;
+  const uint32_t drawn = olx_distribution_draw(emitters->triangle_sums, emitters->triangle_count, random_pick, NULL);
+  const uint32_t triangle = emitters->triangles[drawn];
+  const olx_vec2 uv = olx_sample_triangle(random);
+  const uint32_t *i = scene->indices + 3 * (size_t)triangle;
+  const olx_vec3 a = scene->positions[i[0]], b = scene->positions[i[1]], c = scene->positions[i[2]];
+  const olx_vec3 point = olx_add(olx_add(olx_scale(a, 1.0f - uv.x - uv.y), olx_scale(b, uv.x)), olx_scale(c, uv.y));
+  const olx_vec3 normal = olx_normalize(olx_cross(olx_sub(b, a), olx_sub(c, a)));
+  const olx_vec3 way = olx_sub(point, position);
+  const float distance = olx_length(way);
+  if (!(distance > 0.0f)) return false;
+  const olx_vec3 direction = olx_scale(way, 1.0f / distance);
+  const float cosine = -olx_dot(direction, normal);
+  const bool both_sides = scene->materials[scene->material_index[triangle]].emits_both_sides;
+  if (cosine == 0.0f || (cosine < 0.0f && !both_sides)) return false;
+  if (!olx_surface_present(scene, triangle, uv.x, uv.y)) return false;
+  const olx_vec3 radiance = olx_surface_emission(scene, triangle, uv.x, uv.y);
+  const float pdf = emitters->area_pdf[triangle] * olx_square(distance) / fabsf(cosine);
+  if (!(olx_max3(radiance) > 0.0f) || !(pdf > 0.0f) || !isfinite(pdf)) return false;
+  const float epsilon = olx_surface_epsilon(scene, triangle);
+  *sample = (olx_light_sample){
+      .direction = direction,
+      // Off the emitter towards the surface, so that a shadow ray that grazes the emitter does not meet it.
+      .target = olx_madd(point, normal, cosine > 0.0f ? epsilon : -epsilon),
+      .epsilon_end = epsilon,
+      .emission = olx_scale(radiance, 1.0f / pdf),
+      .pdf = pdf,
+  };
+  return true;
+}
+
+static bool sample_environment(const olx_scene *scene, olx_vec3 position, olx_vec2 random, olx_light_sample *sample) {
+  float pdf;
+  const olx_vec3 direction = olx_environment_draw(&scene->environment, &scene->emitters->environment, random, &pdf);
+  const olx_vec3 radiance = olx_environment_lookup(&scene->environment, direction);
+  if (!(pdf > 0.0f) || !(olx_max3(radiance) > 0.0f)) return false;
+  *sample = (olx_light_sample){
+      .direction = direction,
+      .target = olx_madd(position, direction, scene->emitters->reach),
+      .infinite = true,
+      .emission = olx_scale(radiance, 1.0f / pdf),
+      .pdf = pdf,
+  };
+  return true;
+}
+
+bool olx_emitters_sample(const olx_scene *scene, uint32_t group, olx_vec3 position, olx_vec2 random, float random_pick,
+                         olx_light_sample *sample) {
+  const olx_emitters *emitters = scene->emitters;
+  if (group < emitters->light_groups) {
+    if (!emitters->light_sums) return sample_light(scene, group, position, 1.0f, sample);
+    const uint32_t drawn = olx_distribution_draw(emitters->light_sums, scene->light_count, random_pick, NULL);
+    const float probability = olx_distribution_probability(emitters->light_sums, drawn);
+    return sample_light(scene, drawn, position, probability, sample);
+  }
+  if (group == emitters->light_groups && emitters->triangle_count > 0) {
+    return sample_triangle(scene, position, random, random_pick, sample);
+  }
+  return sample_environment(scene, position, random, sample);
+}
+
+float olx_emitters_surface_pdf(const olx_surface *surface, olx_vec3 position, olx_vec3 direction) {
+  if (!(surface->area_pdf > 0.0f)) return 0.0f;
+  const olx_vec3 way = olx_sub(surface->position, position);
+  const float cosine = fabsf(olx_dot(direction, surface->geometric_normal));
+  return cosine > 0.0f ? surface->area_pdf * olx_dot(way, way) / cosine : 0.0f;
+}
+
+float olx_emitters_area_pdf(const olx_scene *scene, uint32_t triangle) {
+  return scene->emitters && scene->emitters->area_pdf ? scene->emitters->area_pdf[triangle] : 0.0f;
+}
+
+bool olx_environment_lit(const olx_scene *scene) { return scene->emitters->environment.lit; }
+
+olx_vec3 olx_environment_radiance(const olx_scene *scene, olx_vec3 direction) {
+  return olx_environment_lookup(&scene->environment, direction);
+}
+
+float olx_environment_pdf(const olx_scene *scene, olx_vec3 direction) {
+  return olx_environment_density(&scene->environment, &scene->emitters->environment, direction);
+}

@@ -1,0 +1,172 @@
+#include "scene/surface.h"
+
+#include "scene/emitters.h"
+#include "scene/texture.h"
+
+// Reflecting surfaces never return more than this, so that light dies out.
+#define OLX_MAX_ALBEDO 0.95f
+// Smallest cosine between shading and geometric normal.
+#define OLX_MIN_NORMAL_COSINE 0.01f
+
+typedef struct olx_corners {
+  olx_vec3 p0, p1, p2;
+  uint32_t i0, i1, i2;
+} olx_corners;
+
+static olx_corners corners_of(const olx_scene *scene, uint32_t triangle) {
+  const uint32_t *i = scene->indices + 3 * (size_t)triangle;
+  return (olx_corners){scene->positions[i[0]], scene->positions[i[1]], scene->positions[i[2]], i[0], i[1], i[2]};
+}
+
+static olx_vec3 interpolate(olx_vec3 a, olx_vec3 b, olx_vec3 c, float u, float v) {
+  return olx_add(olx_add(olx_scale(a, 1.0f - u - v), olx_scale(b, u)), olx_scale(c, v));
+}
+
+static olx_vec2 uv_at(const olx_scene *scene, const olx_corners *corners, float u, float v) {
+  const olx_vec2 a = scene->uvs[corners->i0], b = scene->uvs[corners->i1], c = scene->uvs[corners->i2];
+  const float w = 1.0f - u - v;
+  return (olx_vec2){a.x * w + b.x * u + c.x * v, a.y * w + b.y * u + c.y * v};
+}
+
+static float largest_coordinate(olx_vec3 p) { return olx_max3(olx_v3(fabsf(p.x), fabsf(p.y), fabsf(p.z))); }
+
+float olx_surface_epsilon(const olx_scene *scene, uint32_t triangle) {
+  const olx_corners c = corners_of(scene, triangle);
+  const float of_triangle =
+      olx_max(largest_coordinate(c.p0), olx_max(largest_coordinate(c.p1), largest_coordinate(c.p2)));
+  const float of_scene = olx_max(largest_coordinate(scene->bounds_min), largest_coordinate(scene->bounds_max));
+  // 2^-18 is some sixty roundings. A small triangle near the origin may have large neighbours, whose planes are known
+  // to the rounding of their own coordinates only: hence the share of the scene's.
+  return 0x1p-18f * olx_max(of_triangle, of_scene * 0x1p-4f);
+}
+
+static bool has_texture(uint32_t texture) { return texture != OLX_NO_TEXTURE; }
+
+bool olx_surface_present(const olx_scene *scene, uint32_t triangle, float u, float v) {
+  const olx_material *material = &scene->materials[scene->material_index[triangle]];
+  if (material->alpha_cutoff <= 0.0f) return true;
+  const olx_corners corners = corners_of(scene, triangle);
+  const olx_vec2 uv = uv_at(scene, &corners, u, v);
+  float alpha = material->alpha;
+  if (has_texture(material->base_color_texture)) {
+    alpha *= olx_texture_sample(&scene->textures[material->base_color_texture], uv).alpha;
+  }
+  if (has_texture(material->alpha_texture)) {
+    alpha *= olx_texture_sample(&scene->textures[material->alpha_texture], uv).color.x;
+  }
+  return alpha >= material->alpha_cutoff;
+}
+
+static olx_vec3 emission_at_uv(const olx_scene *scene, const olx_material *material, olx_vec2 uv) {
+  if (!has_texture(material->emission_texture)) return material->emission;
+  return olx_mul(material->emission, olx_texture_sample(&scene->textures[material->emission_texture], uv).color);
+}
+
+olx_vec3 olx_surface_emission(const olx_scene *scene, uint32_t triangle, float u, float v) {
+  const olx_corners corners = corners_of(scene, triangle);
+  return emission_at_uv(scene, &scene->materials[scene->material_index[triangle]], uv_at(scene, &corners, u, v));
+}
+
+// The normal that a normal or height map holds, in the tangent frame: x along increasing u, y along decreasing v.
+static olx_vec3 mapped_normal(const olx_material *material, const olx_texture *texture, olx_vec2 uv) {
+  if (!material->normal_is_height) {
+    const olx_vec3 n = olx_add(olx_scale(olx_texture_sample(texture, uv).color, 2.0f), olx_splat(-1.0f));
+    return olx_v3(n.x * material->normal_scale, n.y * material->normal_scale, n.z);
+  }
+  // Heights are in texels, so that the slope is the difference of neighbours and does not depend on the scene's units.
+  const float du = 0.5f / (float)texture->width, dv = 0.5f / (float)texture->height;
+  const float along_u = olx_texture_sample(texture, (olx_vec2){uv.x + du, uv.y}).color.x -
+                        olx_texture_sample(texture, (olx_vec2){uv.x - du, uv.y}).color.x;
+  const float along_v = olx_texture_sample(texture, (olx_vec2){uv.x, uv.y + dv}).color.x -
+                        olx_texture_sample(texture, (olx_vec2){uv.x, uv.y - dv}).color.x;
+  return olx_v3(-along_u * material->normal_scale, along_v * material->normal_scale, 1.0f);
+}
+
+// Bend `normal` by the normal map. Where texture coordinates do not span a tangent frame it stays as it is.
+static olx_vec3 bend_normal(const olx_scene *scene, const olx_material *material, const olx_corners *c, olx_vec2 uv,
+                            olx_vec3 normal) {
+  const olx_vec2 t0 = scene->uvs[c->i0], t1 = scene->uvs[c->i1], t2 = scene->uvs[c->i2];
+  const float du1 = t1.x - t0.x, dv1 = t1.y - t0.y, du2 = t2.x - t0.x, dv2 = t2.y - t0.y;
+  const float determinant = du1 * dv2 - du2 * dv1;
+  if (determinant == 0.0f) return normal;
+  const float orientation = determinant > 0.0f ? 1.0f : -1.0f;
+  const olx_vec3 e1 = olx_sub(c->p1, c->p0), e2 = olx_sub(c->p2, c->p0);
+  const olx_vec3 along_u = olx_scale(olx_sub(olx_scale(e1, dv2), olx_scale(e2, dv1)), orientation);
+  const olx_vec3 along_v = olx_scale(olx_sub(olx_scale(e2, du1), olx_scale(e1, du2)), orientation);
+  const olx_vec3 tangent = olx_normalize(olx_madd(along_u, normal, -olx_dot(along_u, normal)));
+  const olx_vec3 across = olx_cross(normal, tangent);
+  const olx_vec3 bitangent = olx_dot(across, along_v) > 0.0f ? olx_negate(across) : across;
+  const olx_vec3 n = mapped_normal(material, &scene->textures[material->normal_texture], uv);
+  const olx_vec3 bent = olx_add(olx_add(olx_scale(tangent, n.x), olx_scale(bitangent, n.y)), olx_scale(normal, n.z));
+  const float length = olx_length(bent);
+  return length > 0.0f ? olx_scale(bent, 1.0f / length) : normal;
+}
+
+// `outward` is the unit normal of the triangle's winding.
+static olx_vec3 shading_normal(const olx_scene *scene, const olx_material *material, const olx_corners *c, float u,
+                               float v, olx_vec2 uv, olx_vec3 outward, bool back_face) {
+  olx_vec3 n = olx_normalize(interpolate(scene->normals[c->i0], scene->normals[c->i1], scene->normals[c->i2], u, v));
+  const float agreement = olx_dot(n, outward);
+  if (agreement < 0.0f) n = olx_negate(n);
+  if (!(fabsf(agreement) > 0.0f)) n = outward;
+  if (has_texture(material->normal_texture)) n = bend_normal(scene, material, c, uv, n);
+  const float cosine = olx_dot(n, outward);
+  if (cosine < OLX_MIN_NORMAL_COSINE) n = olx_normalize(olx_madd(n, outward, OLX_MIN_NORMAL_COSINE - cosine));
+  return back_face ? olx_negate(n) : n;
+}
+
+static void look_up_material(const olx_scene *scene, const olx_material *material, olx_vec2 uv, olx_surface *surface) {
+  olx_vec3 base_color = material->base_color;
+  if (has_texture(material->base_color_texture)) {
+    base_color = olx_mul(base_color, olx_texture_sample(&scene->textures[material->base_color_texture], uv).color);
+  }
+  base_color = olx_min_each(base_color, olx_splat(OLX_MAX_ALBEDO));
+  float metallic = material->metallic, roughness = material->roughness;
+  if (has_texture(material->metallic_roughness_texture)) {
+    const olx_vec3 t = olx_texture_sample(&scene->textures[material->metallic_roughness_texture], uv).color;
+    metallic *= t.z;
+    roughness *= t.y;
+  }
+  surface->roughness = roughness;
+  surface->bsdf = olx_bsdf_make(base_color, metallic, roughness, material->specular_weight);
+  surface->emission =
+      surface->back_face && !material->emits_both_sides ? olx_splat(0.0f) : emission_at_uv(scene, material, uv);
+}
+
+olx_surface olx_surface_at(const olx_scene *scene, const olx_ray_hit *hit, olx_vec3 direction) {
+  const olx_corners c = corners_of(scene, hit->triangle);
+  const uint32_t material_index = scene->material_index[hit->triangle];
+  const olx_material *material = &scene->materials[material_index];
+  const olx_vec2 uv = uv_at(scene, &c, hit->u, hit->v);
+  const olx_vec3 outward = olx_normalize(olx_cross(olx_sub(c.p1, c.p0), olx_sub(c.p2, c.p0)));
+  const bool back_face = olx_dot(outward, direction) > 0.0f;
+  olx_surface surface = {
+      .position = interpolate(c.p0, c.p1, c.p2, hit->u, hit->v),
+      .geometric_normal = back_face ? olx_negate(outward) : outward,
+      .shading_normal = shading_normal(scene, material, &c, hit->u, hit->v, uv, outward, back_face),
+      .back_face = back_face,
+      .epsilon = olx_surface_epsilon(scene, hit->triangle),
+      .triangle = hit->triangle,
+      .material = material_index,
+  };
+  look_up_material(scene, material, uv, &surface);
+  if (olx_max3(surface.emission) > 0.0f) surface.area_pdf = olx_emitters_area_pdf(scene, hit->triangle);
+  return surface;
+}
+
+// The point just off the surface, on the side that `direction` points to.
+static olx_vec3 offset_origin(const olx_surface *surface, olx_vec3 direction) {
+  const float side = olx_dot(direction, surface->geometric_normal) >= 0.0f ? 1.0f : -1.0f;
+  return olx_madd(surface->position, surface->geometric_normal, side * surface->epsilon);
+}
+
+olx_ray olx_surface_ray(const olx_surface *surface, olx_vec3 direction, float t_max) {
+  return (olx_ray){offset_origin(surface, direction), direction, 0.0f, t_max};
+}
+
+olx_ray olx_surface_ray_to(const olx_surface *surface, olx_vec3 point, float epsilon_end) {
+  const olx_vec3 origin = offset_origin(surface, olx_sub(point, surface->position));
+  const olx_vec3 way = olx_sub(point, origin);
+  const float length = olx_length(way);
+  return (olx_ray){origin, olx_normalize(way), 0.0f, olx_max(length - epsilon_end, 0.0f)};
+}

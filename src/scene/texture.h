@@ -1,0 +1,18 @@
+// Looking up textures.
+#ifndef OLX_SCENE_TEXTURE_H
+#define OLX_SCENE_TEXTURE_H
+
+#include "scene/scene_data.h"
+
+typedef struct olx_texel {
+  olx_vec3 color; // linear
+  float alpha;
+} olx_texel;
+
+// The texel at column x and row y, which wrap around once at most: -width <= x < 2 width.
+olx_texel olx_texture_texel(const olx_texture *texture, int32_t x, int32_t y);
+
+// Bilinear lookup with wrap-around, filtered in linear light; texel centres lie at (i + 0.5) / size.
+olx_texel olx_texture_sample(const olx_texture *texture, olx_vec2 uv);
+
+#endif

@@ -151,8 +151,10 @@ olx_result olx_scene_probe_grid(const olx_scene *scene, const uint32_t count[3],
   const uint32_t *counts = count ? count : scene->has_probe_count ? scene->probes_count : four;
   const uint64_t plane = (uint64_t)counts[0] * counts[1];
   if (plane == 0 || counts[2] == 0 || plane > UINT32_MAX || plane * counts[2] > UINT32_MAX) {
-    return olx_fail(OLX_ERROR_ARGUMENT, "a grid of %u x %u x %u probes: each count must be at least 1, and all "
-                    "together must stay below 2^32", counts[0], counts[1], counts[2]);
+    return olx_fail(OLX_ERROR_ARGUMENT,
+                    "a grid of %u x %u x %u probes: each count must be at least 1, and all "
+                    "together must stay below 2^32",
+                    counts[0], counts[1], counts[2]);
   }
   const bool volume = scene->has_probe_volume;
   const olx_vec3 low = volume ? scene->probes_min : scene->bounds_min;

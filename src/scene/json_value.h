@@ -1,0 +1,22 @@
+// Small helpers over cJSON.
+#ifndef OLX_SCENE_JSON_VALUE_H
+#define OLX_SCENE_JSON_VALUE_H
+
+#include <octalux/base.h>
+
+#include <cjson/cJSON.h>
+
+// Parse `size_bytes` of JSON text, with nothing but white space after it. Errors name the file and the line. The caller
+// frees *root with cJSON_Delete.
+olx_result olx_json_parse(const char *path, const char *text, size_t size_bytes, cJSON **root);
+
+// Member or element as an index below `count`. False when it is absent; *valid tells whether it is absent or in range.
+bool olx_json_index(const cJSON *item, uint32_t count, uint32_t *index, bool *valid);
+
+// A finite number that a float can hold.
+bool olx_json_float(const cJSON *item, float *value);
+
+// Exactly `count` finite numbers.
+bool olx_json_floats(const cJSON *item, float *values, int count);
+
+#endif

@@ -22,3 +22,6 @@ endforeach()
 add_test(NAME symbols COMMAND Python3::Interpreter ${PROJECT_SOURCE_DIR}/scripts/check_symbols.py
          ${PROJECT_SOURCE_DIR}/include/octalux $<TARGET_FILE:octalux-shared> $<TARGET_FILE:octalux> $<TARGET_FILE:octalux-bake>)
 olx_label_test(symbols check)
+
+add_test(NAME install COMMAND bash ${PROJECT_SOURCE_DIR}/scripts/check_install.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
+olx_label_test(install check)

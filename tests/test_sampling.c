@@ -86,7 +86,8 @@ static bool is_net(const olx_vec2 *points, uint32_t m) {
   for (uint32_t a = 0; a <= m; a++) {
     uint8_t taken[MOST_BINS] = {0};
     for (uint32_t i = 0; i < count; i++) {
-      const uint32_t x = (uint32_t)(points[i].x * (float)(1u << a)), y = (uint32_t)(points[i].y * (float)(1u << (m - a)));
+      const uint32_t x = (uint32_t)(points[i].x * (float)(1u << a)),
+                     y = (uint32_t)(points[i].y * (float)(1u << (m - a)));
       uint8_t *box = &taken[x << (m - a) | y];
       if (*box) return false;
       *box = 1;
@@ -105,6 +106,18 @@ static void hammersley_points_are_nets(void **state) {
 }
 
 // Of every power of two of points from the start, and of every later block of that size, at any seed.
+static void second_sobol_dimension_follows_its_direction_numbers(void **state) {
+  (void)state;
+  for (uint32_t i = 0; i < 200000; i++) {
+    const uint32_t index = i < 100000 ? i : olx_hash(i);
+    uint32_t expected = 0, direction = 0x80000000u;
+    for (uint32_t bit = 0; bit < 32; bit++, direction ^= direction >> 1) {
+      if (index >> bit & 1u) expected ^= direction;
+    }
+    assert_int_equal(olx_sobol2(index), expected);
+  }
+}
+
 static void stratified_points_are_nets(void **state) {
   (void)state;
   olx_vec2 points[MOST_BINS];
@@ -251,6 +264,7 @@ int main(void) {
       cmocka_unit_test(unit_floats_stay_below_one),
       cmocka_unit_test(reversing_bits_twice_changes_nothing),
       cmocka_unit_test(hammersley_points_are_nets),
+      cmocka_unit_test(second_sobol_dimension_follows_its_direction_numbers),
       cmocka_unit_test(stratified_points_are_nets),
       cmocka_unit_test(low_discrepancy_sets_are_what_they_are_called),
       cmocka_unit_test(a_sample_over_successive_seeds_is_uniform),

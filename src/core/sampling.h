@@ -39,16 +39,24 @@ static inline uint32_t olx_owen_scramble(uint32_t x, uint32_t seed) {
   return olx_reverse_bits(x);
 }
 
+// The second dimension of Sobol's sequence. Its matrix is Pascal's triangle modulo 2, so bit j of the (reversed) number is
+// the parity of those index bits whose position contains j: five steps, one for each bit of a position.
+static inline uint32_t olx_sobol2(uint32_t index) {
+  uint32_t x = index;
+  x ^= (x >> 16) & 0x0000FFFFu;
+  x ^= (x >> 8) & 0x00FF00FFu;
+  x ^= (x >> 4) & 0x0F0F0F0Fu;
+  x ^= (x >> 2) & 0x33333333u;
+  x ^= (x >> 1) & 0x55555555u;
+  return olx_reverse_bits(x);
+}
+
 // Point i of an Owen-scrambled, shuffled (0, 2)-sequence: stratified over every power of two of points, and independent of
 // other seeds. One seed for each pair of dimensions of a pixel or texel.
 static inline olx_vec2 olx_stratified2(uint32_t i, uint32_t seed) {
   const uint32_t index = olx_owen_scramble(i, olx_hash(seed));
-  uint32_t sobol = 0;
-  for (uint32_t bits = index, v = 0x80000000u; bits; bits >>= 1, v ^= v >> 1) {
-    if (bits & 1u) sobol ^= v;
-  }
   return (olx_vec2){olx_unit_float(olx_owen_scramble(olx_reverse_bits(index), olx_hash(seed + 1u))),
-                    olx_unit_float(olx_owen_scramble(sobol, olx_hash(seed + 2u)))};
+                    olx_unit_float(olx_owen_scramble(olx_sobol2(index), olx_hash(seed + 2u)))};
 }
 
 // Cosine-distributed direction around +z; pdf = cos / pi.

@@ -1,0 +1,40 @@
+// What a renderer hands to the image: the light and surface that one camera sample found.
+#ifndef OLX_RENDER_CAMERA_SAMPLE_H
+#define OLX_RENDER_CAMERA_SAMPLE_H
+
+#include "render/camera.h"
+#include "render/sampler.h"
+#include "scene/emitters.h"
+
+#include <octalux/render.h>
+
+enum { OLX_TILE_SIZE = 8, OLX_TILE_PIXELS = OLX_TILE_SIZE * OLX_TILE_SIZE };
+
+typedef struct olx_camera_sample {
+  olx_vec3 emission; // seen directly: of the surface or the sky
+  olx_vec3 direct, indirect_diffuse, indirect_glossy;
+  olx_vec3 albedo, normal;
+  float depth; // along the viewing axis; infinite when nothing was hit
+} olx_camera_sample;
+
+// Everything that the samples of an image share.
+typedef struct olx_render_context {
+  const olx_scene *scene;
+  const olx_field *field;
+  const olx_render_settings *settings;
+  olx_camera_frame camera;
+} olx_render_context;
+
+// One camera ray for each pixel of a tile, and what they hit.
+typedef struct olx_tile_rays {
+  uint32_t count;
+  olx_vec3 directions[OLX_TILE_PIXELS];
+  olx_sampler samplers[OLX_TILE_PIXELS];
+  olx_ray_hit hits[OLX_TILE_PIXELS];
+} olx_tile_rays;
+
+// Fill samples[0..count) of a tile. The samples come zeroed, with depth, and emission where the sky was hit.
+typedef void (*olx_tile_renderer)(const olx_render_context *context, olx_tile_rays *rays, olx_camera_sample *samples,
+                                  olx_render_stats *stats);
+
+#endif

@@ -1,0 +1,184 @@
+#include "render/direct_light.h"
+
+// Smallest cosine between shading normal and eye: below it interpolated normals face away from whoever sees the surface.
+#define MIN_VIEW_COSINE 1e-3f
+
+static olx_vec3 to_local(const olx_shading *s, olx_vec3 world) {
+  return olx_v3(olx_dot(world, s->tangent), olx_dot(world, s->bitangent), olx_dot(world, s->normal));
+}
+
+static olx_vec3 to_world(const olx_shading *s, olx_vec3 local) {
+  return olx_madd(olx_madd(olx_scale(s->tangent, local.x), s->bitangent, local.y), s->normal, local.z);
+}
+
+olx_shading olx_shading_make(const olx_surface *surface, olx_vec3 direction) {
+  const olx_vec3 view = olx_negate(direction);
+  const float cosine = olx_dot(surface->shading_normal, view);
+  olx_shading s = {.surface = surface, .normal = surface->shading_normal};
+  if (cosine < MIN_VIEW_COSINE) s.normal = olx_normalize(olx_madd(s.normal, view, MIN_VIEW_COSINE - cosine));
+  olx_basis(s.normal, &s.tangent, &s.bitangent);
+  s.view = to_local(&s, view);
+  s.diffuse = olx_bsdf_diffuse(&surface->bsdf, s.view.z);
+  const float diffuse = olx_luminance(s.diffuse);
+  s.has_diffuse = diffuse > 0.0f;
+  s.has_specular = olx_bsdf_has_specular(&surface->bsdf);
+  if (s.has_specular) {
+    // Never quite 0 or 1 while both lobes exist: the cosine of the half vector may be far from the normal's.
+    const float specular = olx_luminance(olx_fresnel(&surface->bsdf, s.view.z));
+    s.specular_share = s.has_diffuse ? olx_clamp(specular / (specular + diffuse), 0.1f, 0.9f) : 1.0f;
+  }
+  return s;
+}
+
+static float power_heuristic(float mine, float other) {
+  const float ratio = other / mine; // divided first: the squares could overflow
+  return 1.0f / (1.0f + ratio * ratio);
+}
+
+static float either_pdf(const olx_shading *s, olx_vec3 light) {
+  const float cosine = (1.0f - s->specular_share) * olx_max(light.z, 0.0f) * (1.0f / OLX_PI);
+  const float alpha = s->surface->bsdf.alpha;
+  if (!s->has_specular || alpha <= 0.0f) return cosine;
+  return cosine + s->specular_share * olx_ggx_pdf(alpha, s->view, light);
+}
+
+// Both lobes' answer to one light sample, without visibility.
+static olx_lobes reflect_sample(const olx_shading *s, olx_mis mis, const olx_light_sample *sample) {
+  olx_lobes lobes = {0};
+  const olx_vec3 light = to_local(s, sample->direction);
+  if (light.z <= 0.0f || olx_dot(s->surface->geometric_normal, sample->direction) <= 0.0f) return lobes;
+  const bool weighted = !sample->delta && mis != OLX_MIS_DELTA_ONLY;
+  const float both = weighted && mis == OLX_MIS_ONE_LOBE ? power_heuristic(sample->pdf, either_pdf(s, light)) : 1.0f;
+  if (s->has_diffuse) {
+    const float cosine = light.z * (1.0f / OLX_PI);
+    const float weight = weighted && mis == OLX_MIS_EACH_LOBE ? power_heuristic(sample->pdf, cosine) : both;
+    lobes.diffuse = olx_scale(olx_mul(s->diffuse, sample->emission), cosine * weight);
+  }
+  const olx_bsdf *bsdf = &s->surface->bsdf;
+  if (s->has_specular && bsdf->alpha > 0.0f) {
+    float weight = both;
+    if (weighted && mis == OLX_MIS_EACH_LOBE) {
+      weight = power_heuristic(sample->pdf, olx_ggx_pdf(bsdf->alpha, s->view, light));
+    }
+    lobes.specular = olx_scale(olx_mul(olx_bsdf_specular(bsdf, s->view, light), sample->emission), weight);
+  }
+  return lobes;
+}
+
+static bool visible(const olx_scene *scene, const olx_surface *surface, const olx_light_sample *sample) {
+  const olx_ray ray = sample->infinite ? olx_surface_ray(surface, sample->direction, INFINITY)
+                                       : olx_surface_ray_to(surface, sample->target, sample->epsilon_end);
+  return !olx_bvh_occluded(scene->bvh, &ray);
+}
+
+olx_lobes olx_direct_light_sampled(const olx_scene *scene, const olx_shading *shading, olx_mis mis,
+                                   olx_sampler *sampler, uint64_t *rays) {
+  olx_lobes sum = {0};
+  const uint32_t groups = olx_emitters_group_count(scene);
+  for (uint32_t group = 0; group < groups; group++) {
+    olx_vec2 random = {0.5f, 0.5f};
+    float pick = 0.5f;
+    if (olx_emitters_group_varies(scene, group)) {
+      random = olx_sampler_next2(sampler);
+      pick = olx_sampler_next(sampler);
+    }
+    olx_light_sample sample;
+    if (!olx_emitters_sample(scene, group, shading->surface->position, random, pick, &sample)) continue;
+    if (mis == OLX_MIS_DELTA_ONLY && !sample.delta) continue;
+    const olx_lobes lobes = reflect_sample(shading, mis, &sample);
+    if (olx_max(olx_max3(lobes.diffuse), olx_max3(lobes.specular)) <= 0.0f) continue;
+    ++*rays;
+    if (!visible(scene, shading->surface, &sample)) continue;
+    sum.diffuse = olx_add(sum.diffuse, lobes.diffuse);
+    sum.specular = olx_add(sum.specular, lobes.specular);
+  }
+  return sum;
+}
+
+static olx_lobe_ray finish_ray(const olx_shading *s, olx_vec3 light, olx_vec3 weight, float pdf) {
+  olx_lobe_ray ray = {.direction = to_world(s, light), .weight = weight, .pdf = pdf};
+  if (light.z <= 0.0f || olx_dot(s->surface->geometric_normal, ray.direction) <= 0.0f) ray.weight = olx_splat(0.0f);
+  return ray;
+}
+
+olx_lobe_ray olx_lobe_ray_diffuse(const olx_shading *shading, olx_vec2 random) {
+  const olx_vec3 light = olx_sample_cosine(random);
+  return finish_ray(shading, light, shading->diffuse, light.z * (1.0f / OLX_PI));
+}
+
+olx_lobe_ray olx_lobe_ray_specular(const olx_shading *shading, olx_vec2 random) {
+  const olx_bsdf *bsdf = &shading->surface->bsdf;
+  float weight, half_cosine;
+  const olx_vec3 light = olx_ggx_sample(bsdf->alpha, shading->view, random, &weight, &half_cosine);
+  const float pdf = bsdf->alpha > 0.0f ? olx_ggx_pdf(bsdf->alpha, shading->view, light) : 0.0f;
+  return finish_ray(shading, light, olx_scale(olx_fresnel(bsdf, half_cosine), weight), pdf);
+}
+
+olx_lobe_ray olx_lobe_ray_either(const olx_shading *shading, float choice, olx_vec2 random) {
+  if (!shading->has_specular) return olx_lobe_ray_diffuse(shading, random);
+  if (!shading->has_diffuse) return olx_lobe_ray_specular(shading, random);
+  const olx_bsdf *bsdf = &shading->surface->bsdf;
+  const bool specular = choice < shading->specular_share;
+  olx_lobe_ray ray = specular ? olx_lobe_ray_specular(shading, random) : olx_lobe_ray_diffuse(shading, random);
+  if (olx_max3(ray.weight) <= 0.0f) return ray;
+  if (bsdf->alpha <= 0.0f) {
+    // A mirror under a diffuse lobe: the two share no direction, each ray stands for its own lobe.
+    const float share = specular ? shading->specular_share : 1.0f - shading->specular_share;
+    ray.weight = olx_scale(ray.weight, 1.0f / share);
+    ray.pdf *= share;
+    return ray;
+  }
+  const olx_vec3 light = to_local(shading, ray.direction);
+  ray.pdf = either_pdf(shading, light);
+  const olx_vec3 brdf_cosine =
+      olx_madd(olx_bsdf_specular(bsdf, shading->view, light), shading->diffuse, olx_max(light.z, 0.0f) / OLX_PI);
+  ray.weight = ray.pdf > 0.0f ? olx_scale(brdf_cosine, 1.0f / ray.pdf) : olx_splat(0.0f);
+  return ray;
+}
+
+bool olx_emitters_can_be_hit(const olx_scene *scene) {
+  const uint32_t groups = olx_emitters_group_count(scene);
+  for (uint32_t group = 0; group < groups; group++) {
+    if (olx_emitters_group_varies(scene, group)) return true;
+  }
+  return false;
+}
+
+olx_vec3 olx_emission_found(const olx_surface *found, olx_vec3 position, const olx_lobe_ray *ray) {
+  if (olx_max3(found->emission) <= 0.0f) return olx_splat(0.0f);
+  if (ray->pdf <= 0.0f) return found->emission;
+  const float light_pdf = olx_emitters_surface_pdf(found, position, ray->direction);
+  return olx_scale(found->emission, power_heuristic(ray->pdf, light_pdf));
+}
+
+olx_vec3 olx_sky_found(const olx_scene *scene, const olx_lobe_ray *ray) {
+  if (!olx_environment_lit(scene)) return olx_splat(0.0f);
+  const olx_vec3 radiance = olx_environment_radiance(scene, ray->direction);
+  if (ray->pdf <= 0.0f) return radiance;
+  return olx_scale(radiance, power_heuristic(ray->pdf, olx_environment_pdf(scene, ray->direction)));
+}
+
+// What a ray drawn from a lobe finds if it finds an emitter.
+static olx_vec3 follow(const olx_scene *scene, const olx_surface *surface, const olx_lobe_ray *lobe, uint64_t *rays) {
+  if (olx_max3(lobe->weight) <= 0.0f) return olx_splat(0.0f);
+  const olx_ray ray = olx_surface_ray(surface, lobe->direction, INFINITY);
+  ++*rays;
+  const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
+  if (hit.triangle == OLX_NO_HIT) return olx_mul(lobe->weight, olx_sky_found(scene, lobe));
+  const olx_surface found = olx_surface_at(scene, &hit, lobe->direction);
+  return olx_mul(lobe->weight, olx_emission_found(&found, surface->position, lobe));
+}
+
+olx_lobes olx_direct_light(const olx_scene *scene, const olx_shading *shading, olx_sampler *sampler, uint64_t *rays) {
+  olx_lobes sum = olx_direct_light_sampled(scene, shading, OLX_MIS_EACH_LOBE, sampler, rays);
+  if (!olx_emitters_can_be_hit(scene)) return sum;
+  if (shading->has_diffuse) {
+    const olx_lobe_ray ray = olx_lobe_ray_diffuse(shading, olx_sampler_next2(sampler));
+    sum.diffuse = olx_add(sum.diffuse, follow(scene, shading->surface, &ray, rays));
+  }
+  if (shading->has_specular) {
+    const olx_lobe_ray ray = olx_lobe_ray_specular(shading, olx_sampler_next2(sampler));
+    sum.specular = olx_add(sum.specular, follow(scene, shading->surface, &ray, rays));
+  }
+  return sum;
+}

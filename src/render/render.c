@@ -1,0 +1,232 @@
+#include "core/hooks.h"
+#include "core/parallel.h"
+#include "core/result.h"
+#include "render/field_renderer.h"
+#include "render/path_tracer.h"
+
+#include <string.h>
+
+enum { MAX_SIZE = 16384, MAX_SPP = 1 << 20, MAX_SAMPLES = 4096 };
+
+olx_render_settings olx_render_settings_default(olx_method method) {
+  return (olx_render_settings){
+      .width = 1280,
+      .height = 720,
+      .spp = method == OLX_METHOD_PATH ? 64 : 4,
+      .bounces = OLX_BOUNCES_INFINITE,
+      .method = method,
+      .diffuse = OLX_DIFFUSE_IRRADIANCE,
+      .diffuse_samples = 64,
+      .glossy_samples = 4,
+      .sample = olx_sample_settings_default(),
+  };
+}
+
+typedef struct render_job {
+  olx_render_context context;
+  olx_tile_renderer renderer;
+  olx_image *image;
+  uint32_t tiles_x;
+  pthread_mutex_t stats_lock;
+  olx_render_stats stats;
+} render_job;
+
+// Sums over the samples of a pixel. In double: a million samples in float would stop adding up.
+typedef struct pixel_sum {
+  double light[4][3]; // emission, direct, indirect diffuse, indirect glossy
+  double albedo[3], normal[3];
+  double depth;
+  uint32_t hits;
+  double mean[3], squares[3]; // of beauty: running mean, and sum of squared deviations from it
+} pixel_sum;
+
+static void add3(double sum[3], olx_vec3 v) {
+  sum[0] += (double)v.x;
+  sum[1] += (double)v.y;
+  sum[2] += (double)v.z;
+}
+
+static void accumulate(pixel_sum *sum, const olx_camera_sample *sample, uint32_t index) {
+  add3(sum->light[0], sample->emission);
+  add3(sum->light[1], sample->direct);
+  add3(sum->light[2], sample->indirect_diffuse);
+  add3(sum->light[3], sample->indirect_glossy);
+  add3(sum->albedo, sample->albedo);
+  add3(sum->normal, sample->normal);
+  if (isfinite(sample->depth)) {
+    sum->depth += (double)sample->depth;
+    sum->hits++;
+  }
+  const olx_vec3 beauty =
+      olx_add(olx_add(sample->emission, sample->direct), olx_add(sample->indirect_diffuse, sample->indirect_glossy));
+  const double values[3] = {(double)beauty.x, (double)beauty.y, (double)beauty.z};
+  for (int c = 0; c < 3; c++) {
+    const double delta = values[c] - sum->mean[c];
+    sum->mean[c] += delta / (index + 1);
+    sum->squares[c] += delta * (values[c] - sum->mean[c]);
+  }
+}
+
+static olx_vec3 scaled3(const double v[3], double scale) {
+  return olx_v3((float)(v[0] * scale), (float)(v[1] * scale), (float)(v[2] * scale));
+}
+
+static void write_pixel(const olx_image *image, size_t pixel, const pixel_sum *sum, uint32_t spp) {
+  const double scale = 1.0 / spp;
+  double beauty[3];
+  for (int c = 0; c < 3; c++) beauty[c] = sum->light[0][c] + sum->light[1][c] + sum->light[2][c] + sum->light[3][c];
+  image->layers[OLX_LAYER_BEAUTY][pixel] = scaled3(beauty, scale);
+  image->layers[OLX_LAYER_DIRECT][pixel] = scaled3(sum->light[1], scale);
+  image->layers[OLX_LAYER_INDIRECT_DIFFUSE][pixel] = scaled3(sum->light[2], scale);
+  image->layers[OLX_LAYER_INDIRECT_GLOSSY][pixel] = scaled3(sum->light[3], scale);
+  image->layers[OLX_LAYER_ALBEDO][pixel] = scaled3(sum->albedo, scale);
+  image->layers[OLX_LAYER_NORMAL][pixel] = olx_normalize(scaled3(sum->normal, scale));
+  const float depth = sum->hits ? (float)(sum->depth / sum->hits) : INFINITY;
+  image->layers[OLX_LAYER_DEPTH][pixel] = olx_v3(depth, 0.0f, 0.0f);
+  if (image->layers[OLX_LAYER_STANDARD_ERROR]) {
+    olx_vec3 error = {0};
+    if (spp > 1) {
+      const double n = (double)spp * (spp - 1);
+      error =
+          olx_v3((float)sqrt(sum->squares[0] / n), (float)sqrt(sum->squares[1] / n), (float)sqrt(sum->squares[2] / n));
+    }
+    image->layers[OLX_LAYER_STANDARD_ERROR][pixel] = error;
+  }
+}
+
+// The pixels of a tile, row by row.
+typedef struct tile_pixels {
+  uint32_t x0, y0, width, height;
+} tile_pixels;
+
+static tile_pixels find_tile(const render_job *job, uint32_t index) {
+  const uint32_t x0 = index % job->tiles_x * OLX_TILE_SIZE, y0 = index / job->tiles_x * OLX_TILE_SIZE;
+  const uint32_t right = job->image->width - x0, down = job->image->height - y0;
+  return (tile_pixels){x0, y0, right < OLX_TILE_SIZE ? right : OLX_TILE_SIZE,
+                       down < OLX_TILE_SIZE ? down : OLX_TILE_SIZE};
+}
+
+// Camera rays of sample `index` through the tile, what they hit, and the samples as far as rays alone determine them.
+static void cast_camera_rays(const render_job *job, const tile_pixels *tile, uint32_t index, olx_tile_rays *rays,
+                             olx_camera_sample *samples) {
+  const olx_camera_frame *camera = &job->context.camera;
+  const uint32_t width = job->image->width, height = job->image->height;
+  olx_ray cast[OLX_TILE_PIXELS];
+  for (uint32_t i = 0; i < rays->count; i++) {
+    const uint32_t x = tile->x0 + i % tile->width, y = tile->y0 + i / tile->width;
+    rays->samplers[i] = (olx_sampler){.seed = olx_hash2(x, y), .index = index};
+    const olx_vec2 inside =
+        job->context.settings->spp == 1 ? (olx_vec2){0.5f, 0.5f} : olx_sampler_next2(&rays->samplers[i]);
+    rays->directions[i] =
+        olx_camera_direction(camera, ((float)x + inside.x) / (float)width, ((float)y + inside.y) / (float)height);
+    cast[i] = (olx_ray){.origin = camera->eye, .direction = rays->directions[i], .t_max = INFINITY};
+  }
+  const olx_scene *scene = job->context.scene;
+  olx_bvh_intersect_many(scene->bvh, cast, rays->count, true, rays->hits);
+  for (uint32_t i = 0; i < rays->count; i++) {
+    samples[i] = (olx_camera_sample){.depth = INFINITY};
+    if (rays->hits[i].triangle != OLX_NO_HIT) {
+      samples[i].depth = rays->hits[i].t * olx_dot(rays->directions[i], camera->forward);
+    } else if (olx_environment_lit(scene)) {
+      samples[i].emission = olx_environment_radiance(scene, rays->directions[i]);
+    }
+  }
+}
+
+static void render_tile(void *user, uint32_t index) {
+  render_job *job = user;
+  const tile_pixels tile = find_tile(job, index);
+  const uint32_t spp = job->context.settings->spp;
+  pixel_sum sums[OLX_TILE_PIXELS];
+  memset(sums, 0, sizeof sums);
+  olx_tile_rays rays = {.count = tile.width * tile.height};
+  olx_camera_sample samples[OLX_TILE_PIXELS];
+  olx_render_stats stats = {0};
+  for (uint32_t s = 0; s < spp; s++) {
+    const double start = olx_seconds();
+    cast_camera_rays(job, &tile, s, &rays, samples);
+    stats.primary_seconds += olx_seconds() - start;
+    stats.rays += rays.count;
+    job->renderer(&job->context, &rays, samples, &stats);
+    for (uint32_t i = 0; i < rays.count; i++) accumulate(&sums[i], &samples[i], s);
+  }
+  for (uint32_t i = 0; i < rays.count; i++) {
+    const size_t x = tile.x0 + i % tile.width, y = tile.y0 + i / tile.width;
+    write_pixel(job->image, x + (size_t)job->image->width * y, &sums[i], spp);
+  }
+  pthread_mutex_lock(&job->stats_lock);
+  job->stats.primary_seconds += stats.primary_seconds;
+  job->stats.direct_seconds += stats.direct_seconds;
+  job->stats.diffuse_seconds += stats.diffuse_seconds;
+  job->stats.glossy_seconds += stats.glossy_seconds;
+  job->stats.rays += stats.rays;
+  job->stats.field_rays += stats.field_rays;
+  job->stats.field_unresolved += stats.field_unresolved;
+  pthread_mutex_unlock(&job->stats_lock);
+}
+
+static olx_result check_settings(const olx_render_settings *s, const olx_field *field) {
+  if (s->width < 1 || s->width > MAX_SIZE || s->height < 1 || s->height > MAX_SIZE) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "image size %u x %u is not within 1 to %d", s->width, s->height, MAX_SIZE);
+  }
+  if (s->spp < 1 || s->spp > MAX_SPP) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "%u samples a pixel are not within 1 to %d", s->spp, MAX_SPP);
+  }
+  if (s->method == OLX_METHOD_PATH) return OLX_OK;
+  if (s->method != OLX_METHOD_FIELD) return olx_fail(OLX_ERROR_ARGUMENT, "there is no render method %d", s->method);
+  if (!field) return olx_fail(OLX_ERROR_ARGUMENT, "rendering with a field needs a field");
+  if (s->diffuse != OLX_DIFFUSE_IRRADIANCE && s->diffuse != OLX_DIFFUSE_TRACED) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "there is no method %d for diffuse light", s->diffuse);
+  }
+  if (s->diffuse_samples < 1 || s->diffuse_samples > MAX_SAMPLES) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "%u diffuse rays are not within 1 to %d", s->diffuse_samples, MAX_SAMPLES);
+  }
+  if (s->glossy_samples < 1 || s->glossy_samples > MAX_SAMPLES) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "%u glossy rays are not within 1 to %d", s->glossy_samples, MAX_SAMPLES);
+  }
+  return OLX_OK;
+}
+
+static void warn_of_other_scene(const olx_scene *scene, const olx_field *field) {
+  const uint64_t baked = olx_field_describe(field).scene_hash;
+  if (baked != scene->hash) {
+    olx_log(OLX_LOG_WARNING,
+            "the field was baked from another scene (hash %016llx, this one has %016llx): bake it again for true light",
+            (unsigned long long)baked, (unsigned long long)scene->hash);
+  }
+}
+
+olx_result olx_render(const olx_scene *scene, const olx_field *field, const olx_camera *camera,
+                      const olx_render_settings *settings, const olx_progress *progress, olx_image *image,
+                      olx_render_stats *stats) {
+  *image = (olx_image){0};
+  OLX_TRY(check_settings(settings, field));
+  render_job job = {
+      .context = {.scene = scene, .field = field, .settings = settings},
+      .renderer = settings->method == OLX_METHOD_PATH ? olx_path_render_tile : olx_field_render_tile,
+      .image = image,
+      .tiles_x = (settings->width + OLX_TILE_SIZE - 1) / OLX_TILE_SIZE,
+  };
+  OLX_TRY(olx_camera_frame_make(camera, settings->width, settings->height, &job.context.camera));
+  uint32_t layers = (1u << OLX_LAYER_STANDARD_ERROR) - 1;
+  if (settings->standard_error) layers |= 1u << OLX_LAYER_STANDARD_ERROR;
+  OLX_TRY(olx_image_create(settings->width, settings->height, layers, image));
+  if (settings->method == OLX_METHOD_FIELD) warn_of_other_scene(scene, field);
+
+  const double start = olx_seconds();
+  const uint32_t tiles = job.tiles_x * ((settings->height + OLX_TILE_SIZE - 1) / OLX_TILE_SIZE);
+  olx_task task;
+  olx_task_begin(&task, progress, "render", tiles);
+  pthread_mutex_init(&job.stats_lock, NULL);
+  const olx_result result = olx_parallel_for(tiles, settings->threads, render_tile, &job, &task, 1);
+  pthread_mutex_destroy(&job.stats_lock);
+  olx_task_end(&task);
+  if (result != OLX_OK) {
+    olx_image_free(image);
+    *image = (olx_image){0};
+    return result;
+  }
+  job.stats.seconds = olx_seconds() - start;
+  if (stats) *stats = job.stats;
+  return OLX_OK;
+}

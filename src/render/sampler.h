@@ -1,0 +1,34 @@
+// The random numbers of one camera sample or path: each pair of dimensions its own Owen-scrambled sequence over the samples.
+#ifndef OLX_RENDER_SAMPLER_H
+#define OLX_RENDER_SAMPLER_H
+
+#include "core/sampling.h"
+
+typedef struct olx_sampler {
+  uint32_t seed;  // of the pixel
+  uint32_t index; // of the sample in the pixel
+  uint32_t dimension;
+} olx_sampler;
+
+// Behind these dimensions stratification no longer lowers the error, and independent numbers are cheaper.
+#define OLX_STRATIFIED_DIMENSIONS 24
+
+static inline olx_vec2 olx_sampler_next2(olx_sampler *s) {
+  const uint32_t seed = olx_hash2(s->seed, s->dimension++);
+  if (s->dimension <= OLX_STRATIFIED_DIMENSIONS) return olx_stratified2(s->index, seed);
+  const uint32_t bits = olx_hash2(seed, s->index);
+  return (olx_vec2){olx_unit_float(bits), olx_unit_float(olx_hash(bits ^ 0x5BD1E995u))};
+}
+
+static inline float olx_sampler_next(olx_sampler *s) {
+  const uint32_t seed = olx_hash2(s->seed, s->dimension++);
+  if (s->dimension <= OLX_STRATIFIED_DIMENSIONS) return olx_stratified2(s->index, seed).x;
+  return olx_unit_float(olx_hash2(seed, s->index));
+}
+
+// An independent sampler for a second path that leaves the same camera sample.
+static inline olx_sampler olx_sampler_split(const olx_sampler *s, uint32_t branch) {
+  return (olx_sampler){.seed = olx_hash2(s->seed, 0x85EBCA6Bu + branch), .index = s->index};
+}
+
+#endif

@@ -68,6 +68,16 @@ olx_result olx_output_write_at(olx_output_file *file, uint64_t offset, const voi
   return write_all(file, true, offset, data, size_bytes);
 }
 
+olx_result olx_output_reserve(olx_output_file *file, uint64_t size_bytes) {
+  while (fallocate(file->descriptor, 0, 0, (off_t)size_bytes) != 0) {
+    if (errno == EINTR) continue;
+    if (errno == EOPNOTSUPP || errno == ENOSYS) break;
+    return olx_fail(OLX_ERROR_FILE, "%s: cannot reserve %llu bytes: %s", file->path, (unsigned long long)size_bytes,
+                    strerror(errno));
+  }
+  return OLX_OK;
+}
+
 static void sync_directory(const char *path) {
   char directory[4096];
   snprintf(directory, sizeof directory, "%s", path);

@@ -14,6 +14,9 @@ typedef struct olx_output_file {
 olx_result olx_output_open(const char *path, olx_output_file *file);
 olx_result olx_output_write(olx_output_file *file, const void *data, size_t size_bytes);
 olx_result olx_output_write_at(olx_output_file *file, uint64_t offset, const void *data, size_t size_bytes);
+// Claim the space the file will need, so that a disk too full is known at the start; where the file system cannot, nothing
+// happens.
+olx_result olx_output_reserve(olx_output_file *file, uint64_t size_bytes);
 // Sync, rename over `path`, sync the directory. Whatever comes back, the file is closed.
 olx_result olx_output_commit(olx_output_file *file);
 // Remove the temporary file; nothing happens after a commit.

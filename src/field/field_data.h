@@ -37,11 +37,20 @@ struct olx_field {
   const uint32_t *moments;    // two halves: mean distance (low 16 bits), mean squared distance; sky counts as 1
 
   float distance_scale;
+
+  char *name; // of the file, for messages
 };
 
 enum { OLX_PROBE_BURIED = 1 };
 
 // The side of the blocks of the two-level pyramid: 16 texels as in the paper, fewer on maps too small for it.
 static inline uint32_t olx_block_size(uint32_t n) { return n >= 64 ? 16 : n / 4; }
+
+static inline olx_vec3 olx_grid_position(const olx_grid *grid, uint32_t probe) {
+  const uint32_t x = probe % grid->count[0], y = probe / grid->count[0] % grid->count[1],
+                 z = probe / grid->count[0] / grid->count[1];
+  return olx_v3(grid->origin.x + (float)x * grid->spacing.x, grid->origin.y + (float)y * grid->spacing.y,
+                grid->origin.z + (float)z * grid->spacing.z);
+}
 
 #endif

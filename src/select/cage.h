@@ -45,11 +45,4 @@ static inline float olx_cage_weight(const olx_cage *cage, uint32_t corner) {
   return weight;
 }
 
-static inline olx_vec3 olx_grid_position(const olx_grid *grid, uint32_t probe) {
-  const uint32_t x = probe % grid->count[0], y = probe / grid->count[0] % grid->count[1],
-                 z = probe / grid->count[0] / grid->count[1];
-  return olx_v3(grid->origin.x + (float)x * grid->spacing.x, grid->origin.y + (float)y * grid->spacing.y,
-                grid->origin.z + (float)z * grid->spacing.z);
-}
-
 #endif

@@ -1,0 +1,220 @@
+#include "field/field_file.h"
+
+#include "core/result.h"
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+uint64_t olx_field_hash(const void *data, size_t size_bytes) { return XXH3_64bits(data, size_bytes); }
+
+olx_chunk_name olx_chunk_type_name(uint32_t type) {
+  olx_chunk_name name = {{0}};
+  for (uint32_t i = 0; i < 4; i++) {
+    const uint32_t c = type >> 8 * i & 0xFFu;
+    name.text[i] = (char)(c > 32 && c < 127 ? c : '?');
+  }
+  return name;
+}
+
+void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHUNK_KINDS]) {
+  const uint64_t side = info->radiance_size + 2, texels = side * side;
+  const uint64_t irradiance_side = info->irradiance_size + 2, irradiance_texels = irradiance_side * irradiance_side;
+  const uint64_t blocks = info->radiance_size / olx_block_size(info->radiance_size);
+  const struct {
+    uint32_t type, element_bytes;
+    uint64_t elements, records;
+  } table[OLX_CHUNK_KINDS] = {
+      [OLX_CHUNK_INFO] = {OLX_FOUR_CC('I', 'N', 'F', 'O'), sizeof(olx_file_info), 1, 1},
+      [OLX_CHUNK_PROBE_POSITIONS] = {OLX_FOUR_CC('P', 'P', 'O', 'S'), 4, 3, info->probe_count},
+      [OLX_CHUNK_PROBE_FLAGS] = {OLX_FOUR_CC('P', 'F', 'L', 'G'), 1, 1, info->probe_count},
+      [OLX_CHUNK_RADIANCE] = {OLX_FOUR_CC('R', 'A', 'D', 'I'), 4, texels, info->probe_count},
+      [OLX_CHUNK_NORMAL] = {OLX_FOUR_CC('N', 'O', 'R', 'M'), 2, texels, info->probe_count},
+      [OLX_CHUNK_DISTANCE] = {OLX_FOUR_CC('D', 'I', 'S', 'T'), 2, texels, info->probe_count},
+      [OLX_CHUNK_COARSE] = {OLX_FOUR_CC('C', 'O', 'A', 'R'), 2, blocks * blocks, info->probe_count},
+      [OLX_CHUNK_IRRADIANCE_POSITIONS] = {OLX_FOUR_CC('I', 'P', 'O', 'S'), 4, 3, info->irradiance_probe_count},
+      [OLX_CHUNK_IRRADIANCE_FLAGS] = {OLX_FOUR_CC('I', 'F', 'L', 'G'), 1, 1, info->irradiance_probe_count},
+      [OLX_CHUNK_IRRADIANCE] = {OLX_FOUR_CC('I', 'R', 'R', 'A'), 4, irradiance_texels, info->irradiance_probe_count},
+      [OLX_CHUNK_MOMENTS] = {OLX_FOUR_CC('M', 'O', 'M', 'E'), 4, irradiance_texels, info->irradiance_probe_count},
+  };
+  for (uint32_t i = 0; i < OLX_CHUNK_KINDS; i++) {
+    const uint64_t record_bytes = table[i].elements * table[i].element_bytes;
+    shapes[i] = (olx_chunk_shape){.type = table[i].type,
+                                  .element_bytes = table[i].element_bytes,
+                                  .record_bytes = record_bytes,
+                                  .size_bytes = record_bytes * table[i].records};
+  }
+}
+
+static void store_vec3(float stored[3], olx_vec3 v) {
+  stored[0] = v.x;
+  stored[1] = v.y;
+  stored[2] = v.z;
+}
+
+static olx_file_grid store_grid(const olx_grid *grid) {
+  olx_file_grid stored = {.count = {grid->count[0], grid->count[1], grid->count[2]}};
+  store_vec3(stored.origin, grid->origin);
+  store_vec3(stored.spacing, grid->spacing);
+  return stored;
+}
+
+static olx_grid load_grid(const olx_file_grid *stored) {
+  return (olx_grid){.origin = olx_v3(stored->origin[0], stored->origin[1], stored->origin[2]),
+                    .spacing = olx_v3(stored->spacing[0], stored->spacing[1], stored->spacing[2]),
+                    .count = {stored->count[0], stored->count[1], stored->count[2]}};
+}
+
+olx_file_info olx_field_info_store(const olx_field_info *info) {
+  olx_file_info stored = {.probe_count = info->probe_count,
+                          .irradiance_probe_count = info->irradiance_probe_count,
+                          .buried_count = info->buried_count,
+                          .irradiance_buried_count = info->irradiance_buried_count,
+                          .has_grid = info->has_grid,
+                          .radiance_size = info->radiance_size,
+                          .irradiance_size = info->irradiance_size,
+                          .block_size = olx_block_size(info->radiance_size),
+                          .select_mask = info->select_mask,
+                          .bounces = info->bounces,
+                          .samples = info->samples,
+                          .distance_scale = info->distance_scale_metres,
+                          .irradiance_grid = store_grid(&info->irradiance_grid),
+                          .scene_hash = info->scene_hash};
+  if (info->has_grid) stored.grid = store_grid(&info->grid);
+  store_vec3(stored.scene_min, info->scene_min);
+  store_vec3(stored.scene_max, info->scene_max);
+  return stored;
+}
+
+olx_field_info olx_field_info_load(const olx_file_info *stored) {
+  return (olx_field_info){.probe_count = stored->probe_count,
+                          .irradiance_probe_count = stored->irradiance_probe_count,
+                          .buried_count = stored->buried_count,
+                          .irradiance_buried_count = stored->irradiance_buried_count,
+                          .has_grid = stored->has_grid != 0,
+                          .grid = load_grid(&stored->grid),
+                          .irradiance_grid = load_grid(&stored->irradiance_grid),
+                          .radiance_size = stored->radiance_size,
+                          .irradiance_size = stored->irradiance_size,
+                          .select_mask = stored->select_mask,
+                          .distance_scale_metres = stored->distance_scale,
+                          .scene_min = olx_v3(stored->scene_min[0], stored->scene_min[1], stored->scene_min[2]),
+                          .scene_max = olx_v3(stored->scene_max[0], stored->scene_max[1], stored->scene_max[2]),
+                          .bounces = stored->bounces,
+                          .samples = stored->samples,
+                          .scene_hash = stored->scene_hash};
+}
+
+static bool is_power_of_two_in(uint32_t size, uint32_t low, uint32_t high) {
+  return size >= low && size <= high && (size & (size - 1)) == 0;
+}
+
+// False for NaN too.
+static bool is_length(float f) { return fabsf(f) <= OLX_FIELD_MAX_LENGTH; }
+static bool is_place(olx_vec3 v) { return is_length(v.x) && is_length(v.y) && is_length(v.z); }
+
+static olx_result check_grid(const olx_grid *grid, uint32_t probe_count, const char *kind, const char *name,
+                             olx_result failure) {
+  const float spacings[3] = {grid->spacing.x, grid->spacing.y, grid->spacing.z};
+  uint64_t product = 1;
+  for (uint32_t axis = 0; axis < 3; axis++) {
+    const uint32_t count = grid->count[axis];
+    if (count < 1 || count > OLX_FIELD_MAX_GRID_COUNT) {
+      return olx_fail(failure, "%s: %s grid: count %u along %c is not in 1..%d", name, kind, count, "xyz"[axis],
+                      OLX_FIELD_MAX_GRID_COUNT);
+    }
+    product *= count; // below 2^60
+    const float spacing = spacings[axis];
+    if (count == 1 ? spacing != 0.0f : !(spacing >= OLX_FIELD_MIN_SCALE && is_length(spacing))) {
+      return olx_fail(failure, "%s: %s grid: spacing %g along %c does not fit a count of %u", name, kind,
+                      (double)spacing, "xyz"[axis], count);
+    }
+  }
+  if (product != probe_count) {
+    return olx_fail(failure, "%s: %s grid: %u x %u x %u is not the number of probes, %u", name, kind, grid->count[0],
+                    grid->count[1], grid->count[2], probe_count);
+  }
+  if (!is_place(grid->origin)) return olx_fail(failure, "%s: %s grid: origin out of range", name, kind);
+  return OLX_OK;
+}
+
+static olx_result check_sizes(const olx_field_info *info, const char *name, olx_result failure) {
+  if (!is_power_of_two_in(info->radiance_size, 8, 2048)) {
+    return olx_fail(failure, "%s: radiance size %u is not a power of two in 8..2048", name, info->radiance_size);
+  }
+  if (!is_power_of_two_in(info->irradiance_size, 8, 256)) {
+    return olx_fail(failure, "%s: irradiance size %u is not a power of two in 8..256", name, info->irradiance_size);
+  }
+  if (info->probe_count < 1 || info->irradiance_probe_count < 1) {
+    return olx_fail(failure, "%s: no %s probes", name, info->probe_count < 1 ? "light field" : "irradiance");
+  }
+  if (info->buried_count > info->probe_count || info->irradiance_buried_count > info->irradiance_probe_count) {
+    return olx_fail(failure, "%s: more probes are buried than there are", name);
+  }
+  if (info->samples < 1) return olx_fail(failure, "%s: samples 0 is not at least 1", name);
+  return OLX_OK;
+}
+
+olx_result olx_field_info_check(const olx_field_info *info, const char *name, olx_result failure) {
+  OLX_TRY(check_sizes(info, name, failure));
+  const float scale = info->distance_scale_metres;
+  if (!(scale >= OLX_FIELD_MIN_SCALE && is_length(scale))) {
+    return olx_fail(failure, "%s: distance scale %g is not in %g..%g", name, (double)scale,
+                    (double)OLX_FIELD_MIN_SCALE, (double)OLX_FIELD_MAX_LENGTH);
+  }
+  const olx_vec3 low = info->scene_min, high = info->scene_max;
+  if (!is_place(low) || !is_place(high) || low.x > high.x || low.y > high.y || low.z > high.z) {
+    return olx_fail(failure, "%s: scene bounds (%g %g %g) to (%g %g %g) are not a box", name, (double)low.x,
+                    (double)low.y, (double)low.z, (double)high.x, (double)high.y, (double)high.z);
+  }
+  if (info->has_grid) OLX_TRY(check_grid(&info->grid, info->probe_count, "light field", name, failure));
+  OLX_TRY(check_grid(&info->irradiance_grid, info->irradiance_probe_count, "irradiance", name, failure));
+  const uint32_t cage = 1u << OLX_SELECT_CAGE;
+  if ((info->select_mask & cage) && !info->has_grid) {
+    return olx_fail(failure, "%s: the cage selector needs light field probes on a grid", name);
+  }
+  if (!(info->select_mask & cage)) {
+    const olx_result result = failure == OLX_ERROR_ARGUMENT ? failure : OLX_ERROR_UNSUPPORTED;
+    return olx_fail(result, "%s: no selector that this version knows (mask %#x)", name, info->select_mask);
+  }
+  return OLX_OK;
+}
+
+// Rounding of origin + index * spacing apart, probes stand where the grid says.
+static bool stands_on(float position, float expected, float spacing) {
+  return fabsf(position - expected) <= 1e-4f * spacing + 1e-6f * fabsf(expected);
+}
+
+olx_result olx_positions_check(const olx_vec3 *positions, uint32_t count, const olx_grid *grid, const char *kind,
+                               const char *name, olx_result failure) {
+  for (uint32_t i = 0; i < count; i++) {
+    const olx_vec3 p = positions[i];
+    if (!is_place(p)) return olx_fail(failure, "%s: position of %s probe %u is out of range", name, kind, i);
+    if (!grid) continue;
+    const olx_vec3 expected = olx_grid_position(grid, i);
+    if (!stands_on(p.x, expected.x, grid->spacing.x) || !stands_on(p.y, expected.y, grid->spacing.y) ||
+        !stands_on(p.z, expected.z, grid->spacing.z)) {
+      return olx_fail(failure, "%s: %s probe %u stands at (%g %g %g), not on its grid at (%g %g %g)", name, kind, i,
+                      (double)p.x, (double)p.y, (double)p.z, (double)expected.x, (double)expected.y,
+                      (double)expected.z);
+    }
+  }
+  return OLX_OK;
+}
+
+void olx_coarse_map(const uint16_t *distance, uint32_t stride, uint32_t n, uint16_t *coarse) {
+  const uint32_t block = olx_block_size(n), blocks = n / block;
+  for (uint32_t i = 0; i < blocks * blocks; i++) coarse[i] = 0x7FFF;
+  for (uint32_t y = 0; y < n; y++) {
+    const uint16_t *row = distance + (size_t)y * stride;
+    uint16_t *out = coarse + y / block * blocks;
+    for (uint32_t b = 0; b < blocks; b++) {
+      // Without their sign, halves are ordered as integers are.
+      uint16_t smallest = out[b];
+      for (uint32_t x = 0; x < block; x++) {
+        const uint16_t magnitude = row[b * block + x] & 0x7FFFu;
+        smallest = magnitude < smallest ? magnitude : smallest;
+      }
+      out[b] = smallest;
+    }
+  }
+}

@@ -1,0 +1,239 @@
+#include "field/field_writer.h"
+
+#include "core/file.h"
+#include "core/hooks.h"
+#include "core/result.h"
+#include "field/field_file.h"
+
+#include <assert.h>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+struct olx_field_writer {
+  olx_output_file file;
+  olx_field_info info;
+  olx_chunk_shape shapes[OLX_CHUNK_KINDS];
+  uint64_t offsets[OLX_CHUNK_KINDS], file_bytes;
+  XXH3_state_t hashes[OLX_CHUNK_KINDS]; // of what has been written to each chunk
+  uint32_t probes_written, irradiance_written;
+  bool failed;
+
+  olx_vec3 *probe_positions, *irradiance_positions;
+  uint8_t *probe_flags, *irradiance_flags;
+  void *map;        // one map with its border
+  uint16_t *coarse; // one coarse map
+};
+
+static void lay_out(olx_field_writer *writer) {
+  olx_chunk_shapes(&writer->info, writer->shapes);
+  uint64_t end = sizeof(olx_file_header) + OLX_CHUNK_KINDS * sizeof(olx_file_chunk);
+  for (uint32_t k = 0; k < OLX_CHUNK_KINDS; k++) {
+    writer->offsets[k] = end;
+    end = olx_align_chunk(end + writer->shapes[k].size_bytes);
+    XXH3_64bits_reset(&writer->hashes[k]);
+  }
+  writer->file_bytes = end;
+}
+
+static olx_result allocate_buffers(olx_field_writer *writer, const olx_field_header *header, const char *path) {
+  const olx_field_info *info = &writer->info;
+  const olx_chunk_shape *shapes = writer->shapes;
+  const uint64_t radiance = shapes[OLX_CHUNK_RADIANCE].record_bytes,
+                 irradiance = shapes[OLX_CHUNK_IRRADIANCE].record_bytes;
+  writer->map = olx_allocate(radiance > irradiance ? radiance : irradiance, 1);
+  writer->coarse = olx_allocate(shapes[OLX_CHUNK_COARSE].record_bytes, 1);
+  writer->probe_flags = olx_allocate(info->probe_count, 1);
+  writer->irradiance_flags = olx_allocate(info->irradiance_probe_count, 1);
+  writer->probe_positions = olx_allocate(info->probe_count, sizeof(olx_vec3));
+  writer->irradiance_positions = olx_allocate(info->irradiance_probe_count, sizeof(olx_vec3));
+  if (!writer->map || !writer->coarse || !writer->probe_flags || !writer->irradiance_flags ||
+      !writer->probe_positions || !writer->irradiance_positions) {
+    return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", path);
+  }
+  memcpy(writer->probe_positions, header->probe_positions, shapes[OLX_CHUNK_PROBE_POSITIONS].size_bytes);
+  memcpy(writer->irradiance_positions, header->irradiance_positions,
+         shapes[OLX_CHUNK_IRRADIANCE_POSITIONS].size_bytes);
+  return OLX_OK;
+}
+
+static void destroy(olx_field_writer *writer) {
+  olx_release(writer->map);
+  olx_release(writer->coarse);
+  olx_release(writer->probe_flags);
+  olx_release(writer->irradiance_flags);
+  olx_release(writer->probe_positions);
+  olx_release(writer->irradiance_positions);
+  olx_release(writer);
+}
+
+olx_result olx_field_writer_create(const char *path, const olx_field_header *header, olx_field_writer **created) {
+  assert(path && header && created);
+  *created = NULL;
+  olx_field_info info = header->info;
+  info.buried_count = info.irradiance_buried_count = 0;
+  OLX_TRY(olx_field_info_check(&info, path, OLX_ERROR_ARGUMENT));
+  OLX_TRY(olx_positions_check(header->probe_positions, info.probe_count, info.has_grid ? &info.grid : NULL,
+                              "light field", path, OLX_ERROR_ARGUMENT));
+  OLX_TRY(olx_positions_check(header->irradiance_positions, info.irradiance_probe_count, &info.irradiance_grid,
+                              "irradiance", path, OLX_ERROR_ARGUMENT));
+  olx_field_writer *writer = olx_allocate_zero(1, sizeof *writer);
+  if (!writer) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", path);
+  writer->info = info;
+  lay_out(writer);
+  olx_result result;
+  OLX_TRY_GOTO(allocate_buffers(writer, header, path), failed);
+  OLX_TRY_GOTO(olx_output_open(path, &writer->file), failed);
+  OLX_TRY_GOTO(olx_output_reserve(&writer->file, writer->file_bytes), opened);
+  *created = writer;
+  return OLX_OK;
+
+opened:
+  olx_output_discard(&writer->file);
+failed:
+  destroy(writer);
+  return result;
+}
+
+// Write the next record of a chunk.
+static olx_result put(olx_field_writer *writer, olx_chunk_kind kind, uint32_t index, const void *data) {
+  const uint64_t size_bytes = writer->shapes[kind].record_bytes;
+  XXH3_64bits_update(&writer->hashes[kind], data, size_bytes);
+  return olx_output_write_at(&writer->file, writer->offsets[kind] + index * size_bytes, data, size_bytes);
+}
+
+// A map of n x n texels with its border.
+static const void *add_border(olx_field_writer *writer, const void *source, uint32_t n, size_t texel_bytes) {
+  const char *map = source;
+  char *bordered = writer->map;
+  const int32_t size = (int32_t)n;
+  const size_t stride = n + 2;
+  for (int32_t y = -1; y <= size; y++) {
+    char *row = bordered + (size_t)(y + 1) * stride * texel_bytes;
+    const bool inside = y >= 0 && y < size;
+    if (inside) memcpy(row + texel_bytes, map + (size_t)y * n * texel_bytes, n * texel_bytes);
+    for (int32_t x = -1; x <= size; x += inside ? size + 1 : 1) {
+      int32_t source_x, source_y;
+      olx_border_source(x, y, size, &source_x, &source_y);
+      memcpy(row + (size_t)(x + 1) * texel_bytes, map + ((size_t)source_y * n + (size_t)source_x) * texel_bytes,
+             texel_bytes);
+    }
+  }
+  return bordered;
+}
+
+static olx_result put_map(olx_field_writer *writer, olx_chunk_kind kind, uint32_t index, const void *map, uint32_t n) {
+  return put(writer, kind, index, add_border(writer, map, n, writer->shapes[kind].element_bytes));
+}
+
+static olx_result refuse_order(olx_field_writer *writer, const char *kind, uint32_t index, uint32_t next) {
+  return olx_fail(OLX_ERROR_ARGUMENT, "%s: %s probe %u written where %u comes next", writer->file.path, kind, index,
+                  next);
+}
+
+static olx_result write_probe(olx_field_writer *writer, uint32_t index, const uint32_t *radiance,
+                              const uint16_t *normal, const uint16_t *distance) {
+  const uint32_t n = writer->info.radiance_size;
+  OLX_TRY(put_map(writer, OLX_CHUNK_RADIANCE, index, radiance, n));
+  OLX_TRY(put_map(writer, OLX_CHUNK_NORMAL, index, normal, n));
+  OLX_TRY(put_map(writer, OLX_CHUNK_DISTANCE, index, distance, n));
+  olx_coarse_map(distance, n, n, writer->coarse);
+  return put(writer, OLX_CHUNK_COARSE, index, writer->coarse);
+}
+
+olx_result olx_field_writer_probe(olx_field_writer *writer, uint32_t index, uint8_t flags, const uint32_t *radiance,
+                                  const uint16_t *normal, const uint16_t *distance) {
+  if (index != writer->probes_written || index >= writer->info.probe_count) {
+    return refuse_order(writer, "light field", index, writer->probes_written);
+  }
+  const olx_result result = write_probe(writer, index, radiance, normal, distance);
+  writer->failed |= result != OLX_OK;
+  writer->probe_flags[index] = flags;
+  writer->info.buried_count += flags & OLX_PROBE_BURIED;
+  writer->probes_written++;
+  return result;
+}
+
+static olx_result write_irradiance(olx_field_writer *writer, uint32_t index, const uint32_t *irradiance,
+                                   const uint32_t *moments) {
+  const uint32_t n = writer->info.irradiance_size;
+  OLX_TRY(put_map(writer, OLX_CHUNK_IRRADIANCE, index, irradiance, n));
+  return put_map(writer, OLX_CHUNK_MOMENTS, index, moments, n);
+}
+
+olx_result olx_field_writer_irradiance(olx_field_writer *writer, uint32_t index, uint8_t flags,
+                                       const uint32_t *irradiance, const uint32_t *moments) {
+  if (index != writer->irradiance_written || index >= writer->info.irradiance_probe_count) {
+    return refuse_order(writer, "irradiance", index, writer->irradiance_written);
+  }
+  const olx_result result = write_irradiance(writer, index, irradiance, moments);
+  writer->failed |= result != OLX_OK;
+  writer->irradiance_flags[index] = flags;
+  writer->info.irradiance_buried_count += flags & OLX_PROBE_BURIED;
+  writer->irradiance_written++;
+  return result;
+}
+
+static olx_result put_whole(olx_field_writer *writer, olx_chunk_kind kind, const void *data) {
+  XXH3_64bits_update(&writer->hashes[kind], data, writer->shapes[kind].size_bytes);
+  return olx_output_write_at(&writer->file, writer->offsets[kind], data, writer->shapes[kind].size_bytes);
+}
+
+// The description, the padding after every chunk, the chunk table and the header.
+static olx_result write_frame(olx_field_writer *writer) {
+  const olx_file_info info = olx_field_info_store(&writer->info);
+  OLX_TRY(put_whole(writer, OLX_CHUNK_INFO, &info));
+  OLX_TRY(put_whole(writer, OLX_CHUNK_PROBE_POSITIONS, writer->probe_positions));
+  OLX_TRY(put_whole(writer, OLX_CHUNK_PROBE_FLAGS, writer->probe_flags));
+  OLX_TRY(put_whole(writer, OLX_CHUNK_IRRADIANCE_POSITIONS, writer->irradiance_positions));
+  OLX_TRY(put_whole(writer, OLX_CHUNK_IRRADIANCE_FLAGS, writer->irradiance_flags));
+  struct {
+    olx_file_header header;
+    olx_file_chunk chunks[OLX_CHUNK_KINDS];
+  } head = {.header = {.version = OLX_FIELD_VERSION, .chunk_count = OLX_CHUNK_KINDS}};
+  const char padding[OLX_FIELD_ALIGNMENT] = {0};
+  for (uint32_t k = 0; k < OLX_CHUNK_KINDS; k++) {
+    const olx_chunk_shape *shape = &writer->shapes[k];
+    head.chunks[k] = (olx_file_chunk){.type = shape->type,
+                                      .offset = writer->offsets[k],
+                                      .size_bytes = shape->size_bytes,
+                                      .record_bytes = shape->record_bytes,
+                                      .element_bytes = shape->element_bytes,
+                                      .hash = XXH3_64bits_digest(&writer->hashes[k])};
+    const uint64_t end = writer->offsets[k] + shape->size_bytes;
+    OLX_TRY(olx_output_write_at(&writer->file, end, padding, olx_align_chunk(end) - end));
+  }
+  memcpy(head.header.magic, OLX_FIELD_MAGIC, sizeof head.header.magic);
+  head.header.file_bytes = writer->file_bytes;
+  head.header.table_hash = olx_field_hash(head.chunks, sizeof head.chunks);
+  head.header.header_hash = olx_field_hash(&head.header, offsetof(olx_file_header, header_hash));
+  return olx_output_write_at(&writer->file, 0, &head, sizeof head);
+}
+
+olx_result olx_field_writer_commit(olx_field_writer *writer, uint64_t *file_bytes) {
+  olx_result result = OLX_OK;
+  if (writer->failed) {
+    result = olx_fail(OLX_ERROR_FILE, "%s: not written, because writing a probe failed", writer->file.path);
+  } else if (writer->probes_written != writer->info.probe_count ||
+             writer->irradiance_written != writer->info.irradiance_probe_count) {
+    result = olx_fail(OLX_ERROR_ARGUMENT, "%s: %u of %u light field probes and %u of %u irradiance probes written",
+                      writer->file.path, writer->probes_written, writer->info.probe_count, writer->irradiance_written,
+                      writer->info.irradiance_probe_count);
+  } else {
+    result = write_frame(writer);
+  }
+  if (result != OLX_OK) {
+    olx_field_writer_discard(writer);
+    return result;
+  }
+  result = olx_output_commit(&writer->file);
+  if (result == OLX_OK && file_bytes) *file_bytes = writer->file_bytes;
+  destroy(writer);
+  return result;
+}
+
+void olx_field_writer_discard(olx_field_writer *writer) {
+  if (!writer) return;
+  olx_output_discard(&writer->file);
+  destroy(writer);
+}

@@ -1,0 +1,112 @@
+#include "synthetic_field.h"
+
+#include "core/file.h"
+#include "core/hooks.h"
+#include "core/result.h"
+#include "core/sampling.h"
+
+static uint32_t probes_of(const uint32_t counts[3]) { return counts[0] * counts[1] * counts[2]; }
+
+static olx_grid grid_of(const uint32_t counts[3]) {
+  return (olx_grid){.origin = {-0.5f * (float)(counts[0] - 1), 0.25f, -0.5f * (float)(counts[2] - 1)},
+                    .spacing = {counts[0] > 1, counts[1] > 1, counts[2] > 1},
+                    .count = {counts[0], counts[1], counts[2]}};
+}
+
+static const olx_vec3 *positions_of(const olx_grid *grid, uint32_t count) {
+  olx_vec3 *positions = olx_allocate(count, sizeof *positions);
+  for (uint32_t i = 0; positions && i < count; i++) positions[i] = olx_grid_position(grid, i);
+  return positions;
+}
+
+olx_field_header synthetic_header(const synthetic_shape *shape) {
+  olx_field_header header = {.info = {.probe_count = probes_of(shape->grid),
+                                      .irradiance_probe_count = probes_of(shape->irradiance_grid),
+                                      .has_grid = true,
+                                      .grid = grid_of(shape->grid),
+                                      .irradiance_grid = grid_of(shape->irradiance_grid),
+                                      .radiance_size = shape->n,
+                                      .irradiance_size = shape->irradiance_n,
+                                      .select_mask = 1u << OLX_SELECT_CAGE,
+                                      .distance_scale_metres = 12.5f,
+                                      .scene_min = {-4.0f, -1.0f, -4.5f},
+                                      .scene_max = {4.0f, 3.0f, 4.5f},
+                                      .bounces = 3,
+                                      .samples = 2,
+                                      .scene_hash = 0x0123456789ABCDEFu}};
+  header.probe_positions = positions_of(&header.info.grid, header.info.probe_count);
+  header.irradiance_positions = positions_of(&header.info.irradiance_grid, header.info.irradiance_probe_count);
+  return header;
+}
+
+void synthetic_header_release(olx_field_header *header) {
+  olx_release((void *)(uintptr_t)header->probe_positions);
+  olx_release((void *)(uintptr_t)header->irradiance_positions);
+}
+
+uint8_t synthetic_flags(uint32_t probe) { return probe % 3 == 1 ? OLX_PROBE_BURIED : 0; }
+
+void synthetic_light_maps(uint32_t n, uint32_t probe, uint32_t *radiance, uint16_t *normal, uint16_t *distance) {
+  for (uint32_t i = 0; i < n * n; i++) {
+    const uint32_t random = olx_hash3(i, n, probe);
+    const olx_vec3 direction = olx_texel_direction(i % n, i / n, n);
+    const float light = 8.0f * olx_unit_float(random);
+    radiance[i] = olx_r11g11b10f_pack(olx_v3(light, 0.5f * light, 0.25f + 0.25f * light));
+    normal[i] = olx_normal_pack(olx_negate(direction));
+    distance[i] = olx_half_pack(0.02f + 0.5f * olx_unit_float(olx_hash(random)));
+    if (random % 17 == 0) distance[i] = 0x7C00;
+    else if (random % 13 == 0) distance[i] |= 0x8000;
+  }
+  distance[n / 2] = 0;
+}
+
+void synthetic_irradiance_maps(uint32_t n, uint32_t probe, uint32_t *irradiance, uint32_t *moments) {
+  for (uint32_t i = 0; i < n * n; i++) {
+    const uint32_t random = olx_hash3(i, n, probe ^ 0x5000u);
+    const float light = olx_unit_float(random), mean = olx_unit_float(olx_hash(random));
+    const float spread = (1.0f - mean) * mean * olx_unit_float(olx_hash(random + 1));
+    irradiance[i] = olx_r11g11b10f_pack(olx_v3(light, 1.0f - light, 0.5f));
+    moments[i] = olx_half_pack(mean) | (uint32_t)olx_half_pack(mean * mean + spread) << 16;
+  }
+}
+
+olx_result synthetic_write_probes(olx_field_writer *writer, const synthetic_shape *shape) {
+  const size_t texels = (size_t)shape->n * shape->n, irradiance_texels = (size_t)shape->irradiance_n * shape->irradiance_n;
+  const size_t most = texels > irradiance_texels ? texels : irradiance_texels;
+  uint32_t *first = olx_allocate(most, 8), *second = first + most;
+  if (!first) return olx_fail(OLX_ERROR_MEMORY, "out of memory");
+  olx_result result = OLX_OK;
+  for (uint32_t i = 0; i < probes_of(shape->grid) && result == OLX_OK; i++) {
+    uint16_t *normal = (uint16_t *)second, *distance = normal + texels;
+    synthetic_light_maps(shape->n, i, first, normal, distance);
+    result = olx_field_writer_probe(writer, i, synthetic_flags(i), first, normal, distance);
+  }
+  for (uint32_t i = 0; i < probes_of(shape->irradiance_grid) && result == OLX_OK; i++) {
+    synthetic_irradiance_maps(shape->irradiance_n, i, first, second);
+    result = olx_field_writer_irradiance(writer, i, synthetic_flags(i), first, second);
+  }
+  olx_release(first);
+  return result;
+}
+
+olx_result synthetic_write(const char *path, const synthetic_shape *shape, uint64_t *file_bytes) {
+  olx_field_header header = synthetic_header(shape);
+  olx_field_writer *writer = NULL;
+  olx_result result = olx_field_writer_create(path, &header, &writer);
+  synthetic_header_release(&header);
+  OLX_TRY(result);
+  result = synthetic_write_probes(writer, shape);
+  if (result == OLX_OK) return olx_field_writer_commit(writer, file_bytes);
+  olx_field_writer_discard(writer);
+  return result;
+}
+
+unsigned char *synthetic_read_file(const char *path, size_t *size_bytes) {
+  olx_mapped_file file = {0};
+  if (olx_map_file(path, &file) != OLX_OK) return NULL;
+  unsigned char *bytes = olx_allocate(file.size_bytes, 1);
+  if (bytes && file.size_bytes) memcpy(bytes, file.data, file.size_bytes);
+  *size_bytes = file.size_bytes;
+  olx_unmap_file(&file);
+  return bytes;
+}

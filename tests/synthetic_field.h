@@ -1,0 +1,30 @@
+// Small valid field files with made-up maps, written by the field writer.
+#ifndef SYNTHETIC_FIELD_H
+#define SYNTHETIC_FIELD_H
+
+#include "field/field_writer.h"
+
+typedef struct synthetic_shape {
+  uint32_t grid[3], irradiance_grid[3];
+  uint32_t n, irradiance_n;
+} synthetic_shape;
+
+// The header of such a field: a box around the origin, probes one metre apart, every third probe buried. Release the
+// positions with synthetic_header_release.
+olx_field_header synthetic_header(const synthetic_shape *shape);
+void synthetic_header_release(olx_field_header *header);
+
+uint8_t synthetic_flags(uint32_t probe);
+
+// The maps of a probe, without border. The distances hold sky, emitters and a texel at distance 0.
+void synthetic_light_maps(uint32_t n, uint32_t probe, uint32_t *radiance, uint16_t *normal, uint16_t *distance);
+void synthetic_irradiance_maps(uint32_t n, uint32_t probe, uint32_t *irradiance, uint32_t *moments);
+
+// All probes, but no commit.
+olx_result synthetic_write_probes(olx_field_writer *writer, const synthetic_shape *shape);
+olx_result synthetic_write(const char *path, const synthetic_shape *shape, uint64_t *file_bytes);
+
+// The bytes of a whole file, 64-byte aligned, to be given to olx_release; NULL when it cannot be read.
+unsigned char *synthetic_read_file(const char *path, size_t *size_bytes);
+
+#endif

@@ -75,7 +75,8 @@ olx_render_settings olx_render_settings_default(olx_method method);
 
 typedef struct olx_render_stats {
   double seconds;
-  double primary_seconds, direct_seconds, diffuse_seconds, glossy_seconds; // of worker time, summed over threads
+  // Of worker time, summed over threads; a path tracer tells the first alone.
+  double primary_seconds, direct_seconds, diffuse_seconds, glossy_seconds;
   uint64_t rays;            // cast with Embree
   uint64_t field_rays;      // traced through the field
   uint64_t field_unresolved;

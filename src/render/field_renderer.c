@@ -99,12 +99,15 @@ static void light_glossily(shaded_tile *tile) {
     for (uint32_t j = 0; j < count; j++) {
       const olx_vec2 random = olx_stratified2(sampler->index * count + j, seed);
       float weight, half_cosine;
+      olx_trace_hit hit;
       const olx_vec3 radiance = olx_glossy(tile->context->field, &settings->sample, origin, shading->normal, view,
-                                           surface->roughness, random, &weight, &half_cosine);
+                                           surface->roughness, random, &weight, &half_cosine, &hit);
+      if (weight <= 0.0f) continue;
+      tile->stats->field_rays++;
+      tile->stats->field_unresolved += hit.status == OLX_TRACE_UNKNOWN;
       const olx_vec3 fresnel = olx_fresnel(&surface->bsdf, half_cosine);
       sum = olx_add(sum, olx_scale(olx_mul(fresnel, radiance), weight));
     }
-    tile->stats->field_rays += count;
     tile->samples[i].indirect_glossy = olx_scale(sum, 1.0f / (float)count);
   }
 }

@@ -6,6 +6,12 @@ static const float VARIANCE_FLOOR = 1e-3f;
 static const float CRUSH_BELOW = 0.2f;
 // How far off the surface visibility is tested, in texels of the moments map at the probe's distance.
 static const float BIAS_TEXELS = 1.0f;
+// When the weights of a cage sum to less than this, a probe from farther away fills the rest.
+static const float TRUSTED_WEIGHT = 0.01f;
+
+typedef struct surface_point {
+  olx_vec3 position, normal, view;
+} surface_point;
 
 static olx_vec3 map_irradiance(const olx_irradiance_source *s, uint32_t probe, olx_vec3 direction) {
   const olx_bilinear b = olx_bilinear_at(olx_octahedral_encode(direction), s->irradiance_n);
@@ -48,66 +54,90 @@ static float chebyshev(const olx_irradiance_source *s, uint32_t probe, olx_vec3 
 }
 
 static float visibility(const olx_irradiance_source *s, uint32_t terms, uint32_t probe, olx_vec3 from_probe,
-                        olx_vec3 normal, olx_vec3 view) {
+                        const surface_point *p) {
   if (!(terms & OLX_WEIGHT_CHEBYSHEV)) return 1.0f;
   if (terms & OLX_WEIGHT_BIAS) {
     const float texel = olx_length(from_probe) * 3.5449077f / (float)s->moments_n; // sqrt(4 pi / n^2)
-    from_probe = olx_madd(from_probe, olx_normalize(olx_add(normal, view)), BIAS_TEXELS * texel);
+    from_probe = olx_madd(from_probe, olx_normalize(olx_add(p->normal, p->view)), BIAS_TEXELS * texel);
   }
   const float bound = chebyshev(s, probe, from_probe);
   return terms & OLX_WEIGHT_SHARPEN ? bound * bound * bound : bound;
 }
 
 static float probe_weight(const olx_irradiance_source *s, uint32_t terms, uint32_t probe, olx_vec3 from_probe,
-                          olx_vec3 normal, olx_vec3 view) {
-  float weight = visibility(s, terms, probe, from_probe, normal, view);
+                          const surface_point *p) {
+  float weight = visibility(s, terms, probe, from_probe, p);
   if (terms & OLX_WEIGHT_BACK_FACE) {
-    const float cosine = -olx_dot(olx_normalize(from_probe), normal);
+    const float cosine = -olx_dot(olx_normalize(from_probe), p->normal);
     weight *= olx_square(0.5f * (cosine + 1.0f));
   }
   if (terms & OLX_WEIGHT_CRUSH && weight < CRUSH_BELOW) weight *= olx_square(weight / CRUSH_BELOW);
   return weight;
 }
 
-// When no probe of the cage sees the point: the nearest probe of all that does.
-static bool nearest_visible(const olx_irradiance_source *s, uint32_t terms, bool keep_buried, olx_vec3 position,
-                            olx_vec3 normal, olx_vec3 view, uint32_t *nearest) {
-  const uint32_t count = s->grid.count[0] * s->grid.count[1] * s->grid.count[2];
+// When the cage hardly sees the point: the nearest visible probe of the 4 x 4 x 4 around it, that is of the cage and its
+// neighbours. False when none of them sees it either.
+static bool nearest_visible(const olx_irradiance_source *s, uint32_t terms, bool keep_buried, const surface_point *p,
+                            const olx_cage *cage, uint32_t *nearest) {
   float nearest_distance = INFINITY;
-  for (uint32_t probe = 0; probe < count; probe++) {
+  for (uint32_t i = 0; i < 64; i++) {
+    const uint32_t offset[3] = {i & 3u, i >> 2 & 3u, i >> 4};
+    uint32_t at[3];
+    bool inside = true;
+    for (uint32_t axis = 0; axis < 3; axis++) {
+      at[axis] = cage->base[axis] + offset[axis] - 1u; // wraps to a huge number below 0
+      inside = inside && at[axis] < s->grid.count[axis];
+    }
+    if (!inside) continue;
+    const uint32_t probe = at[0] + s->grid.count[0] * (at[1] + s->grid.count[1] * at[2]);
     if (!keep_buried && s->flags[probe] & OLX_PROBE_BURIED) continue;
-    const olx_vec3 from_probe = olx_sub(position, olx_grid_position(&s->grid, probe));
+    const olx_vec3 from_probe = olx_sub(p->position, olx_grid_position(&s->grid, probe));
     const float distance = olx_length(from_probe);
-    if (distance >= nearest_distance || visibility(s, terms, probe, from_probe, normal, view) < 0.5f) continue;
+    if (distance >= nearest_distance || visibility(s, terms, probe, from_probe, p) < 0.5f) continue;
     nearest_distance = distance;
     *nearest = probe;
   }
   return nearest_distance < INFINITY;
 }
 
+// What interpolation yields where the cage sees too little of the point: the nearest visible probe, or, with none, the
+// plain mean of the cage.
+static olx_vec3 irradiance_from_afar(const olx_irradiance_source *s, uint32_t terms, bool keep_buried,
+                                     const surface_point *p, const olx_cage *cage) {
+  uint32_t nearest = 0;
+  if (nearest_visible(s, terms, keep_buried, p, cage, &nearest)) return map_irradiance(s, nearest, p->normal);
+  olx_vec3 sum = {0};
+  float count = 0.0f;
+  for (uint32_t corner = 0; corner < 8; corner++) {
+    if (!olx_cage_has(cage, corner)) continue;
+    const uint32_t probe = olx_cage_probe(&s->grid, cage, corner);
+    if (!keep_buried && s->flags[probe] & OLX_PROBE_BURIED) continue;
+    sum = olx_add(sum, map_irradiance(s, probe, p->normal));
+    count += 1.0f;
+  }
+  return count > 0.0f ? olx_scale(sum, 1.0f / count) : sum;
+}
+
 olx_vec3 olx_irradiance_terms(const olx_irradiance_source *s, uint32_t terms, bool keep_buried, olx_vec3 position,
                               olx_vec3 normal, olx_vec3 view) {
+  const surface_point p = {position, normal, view};
   const olx_cage cage = olx_cage_at(&s->grid, position);
-  olx_vec3 sum = {0}, plain_sum = {0};
-  float weights = 0.0f, plain_weights = 0.0f;
+  olx_vec3 sum = {0};
+  float weights = 0.0f;
   for (uint32_t corner = 0; corner < 8; corner++) {
     if (!olx_cage_has(&cage, corner)) continue;
     const uint32_t probe = olx_cage_probe(&s->grid, &cage, corner);
     if (!keep_buried && s->flags[probe] & OLX_PROBE_BURIED) continue;
     const olx_vec3 from_probe = olx_sub(position, olx_grid_position(&s->grid, probe));
     const float trilinear = terms & OLX_WEIGHT_TRILINEAR ? olx_cage_weight(&cage, corner) : 1.0f;
-    const float weight = trilinear * probe_weight(s, terms, probe, from_probe, normal, view);
-    const olx_vec3 irradiance = map_irradiance(s, probe, normal);
-    sum = olx_madd(sum, irradiance, weight);
+    const float weight = trilinear * probe_weight(s, terms, probe, from_probe, &p);
+    if (weight <= 0.0f) continue;
+    sum = olx_madd(sum, map_irradiance(s, probe, normal), weight);
     weights += weight;
-    plain_sum = olx_add(plain_sum, irradiance);
-    plain_weights += 1.0f;
   }
-  if (weights > 1e-12f) return olx_scale(sum, 1.0f / weights);
-  uint32_t nearest = 0;
-  if (nearest_visible(s, terms, keep_buried, position, normal, view, &nearest))
-    return map_irradiance(s, nearest, normal);
-  return plain_weights > 0.0f ? olx_scale(plain_sum, 1.0f / plain_weights) : plain_sum;
+  if (weights >= TRUSTED_WEIGHT) return olx_scale(sum, 1.0f / weights);
+  const olx_vec3 afar = irradiance_from_afar(s, terms, keep_buried, &p, &cage);
+  return olx_add(olx_scale(sum, 1.0f / TRUSTED_WEIGHT), olx_scale(afar, 1.0f - weights / TRUSTED_WEIGHT));
 }
 
 olx_vec3 olx_irradiance_from(const olx_irradiance_source *source, const olx_sample_settings *settings,

@@ -1,0 +1,269 @@
+// Judging a field without a picture: its rays against the real triangles, its irradiance against path tracing.
+#include "core/hooks.h"
+#include "core/parallel.h"
+#include "core/result.h"
+#include "core/sampling.h"
+#include "field/field_data.h"
+#include "render/camera.h"
+#include "render/path_tracer.h"
+#include "scene/surface.h"
+
+#include <octalux/render.h>
+
+#include <stdlib.h>
+
+enum { BATCH = 256, AUDIT_ASPECT_X = 16, AUDIT_ASPECT_Y = 9, MAX_ATTEMPTS = 64 };
+
+// What is found about one ray.
+typedef struct ray_verdict {
+  bool valid, mirror, seen, unresolved, wrong;
+  float distance_error; // relative; negative when there is none
+  uint32_t steps, probes;
+} ray_verdict;
+
+typedef struct point_verdict {
+  bool valid;
+  olx_vec3 estimate, truth;
+} point_verdict;
+
+typedef struct audit {
+  const olx_scene *scene;
+  const olx_field *field;
+  const olx_audit_settings *settings;
+  const olx_camera_frame *frames;
+  uint32_t frame_count;
+  ray_verdict *rays;
+  point_verdict *points;
+} audit;
+
+olx_audit_settings olx_audit_settings_default(void) {
+  return (olx_audit_settings){.rays = 200000, .points = 2000, .spp = 1024, .sample = olx_sample_settings_default()};
+}
+
+// A ray that looks for a surface: through a random pixel of one of the cameras, or, without cameras, from anywhere in the
+// scene's bounds in any direction.
+static olx_ray view_ray(const audit *a, uint32_t index, uint32_t seed) {
+  const olx_vec2 random = olx_stratified2(index, seed);
+  olx_ray ray = {.t_max = INFINITY};
+  if (a->frame_count > 0) {
+    const olx_camera_frame *frame = &a->frames[index % a->frame_count];
+    ray.origin = frame->eye;
+    ray.direction = olx_camera_direction(frame, random.x, random.y);
+    return ray;
+  }
+  const olx_vec2 more = olx_stratified2(index, seed + 11);
+  const olx_vec2 direction = olx_stratified2(index, seed + 23);
+  const olx_vec3 size = olx_sub(a->scene->bounds_max, a->scene->bounds_min);
+  ray.origin = olx_add(a->scene->bounds_min, olx_mul(size, olx_v3(random.x, random.y, more.x)));
+  ray.direction = olx_sample_sphere(direction);
+  return ray;
+}
+
+// A random surface point that a camera sees; false when there is none in the random directions tried.
+static bool random_surface(const audit *a, uint32_t index, olx_surface *surface, olx_vec3 *towards) {
+  for (uint32_t attempt = 0; attempt < MAX_ATTEMPTS; attempt++) {
+    const olx_ray ray = view_ray(a, index, olx_hash3(a->settings->seed, 7, attempt));
+    const olx_ray_hit hit = olx_bvh_intersect(a->scene->bvh, &ray);
+    if (hit.triangle == OLX_NO_HIT) continue;
+    *surface = olx_surface_at(a->scene, &hit, ray.direction);
+    *towards = ray.direction;
+    return true;
+  }
+  return false;
+}
+
+// Whether a probe has an unblocked view of a surface point, from the side on which the ray met it.
+static bool probe_sees(const audit *a, uint32_t probe, const olx_surface *hit) {
+  const olx_vec3 position = a->field->probe_positions[probe];
+  if (olx_dot(olx_sub(position, hit->position), hit->geometric_normal) <= 0.0f) return false;
+  const olx_ray ray = olx_surface_ray_to(hit, position, 0.0f);
+  return !olx_bvh_occluded(a->scene->bvh, &ray);
+}
+
+static bool probe_sees_sky(const audit *a, uint32_t probe, olx_vec3 direction) {
+  const olx_ray ray = {.origin = a->field->probe_positions[probe], .direction = direction, .t_max = INFINITY};
+  return !olx_bvh_occluded(a->scene->bvh, &ray);
+}
+
+static bool seen_by_some_probe(const audit *a, const olx_surface *hit, olx_vec3 direction) {
+  for (uint32_t probe = 0; probe < a->field->info.probe_count; probe++) {
+    if (a->field->probe_flags[probe] & OLX_PROBE_BURIED) continue;
+    if (hit ? probe_sees(a, probe, hit) : probe_sees_sky(a, probe, direction)) return true;
+  }
+  return false;
+}
+
+static void judge_ray(const audit *a, uint32_t index, ray_verdict *verdict) {
+  olx_surface surface;
+  olx_vec3 towards;
+  if (!random_surface(a, index, &surface, &towards)) return;
+  verdict->mirror = index & 1;
+  const olx_vec3 normal = surface.geometric_normal;
+  const olx_vec3 direction =
+      verdict->mirror
+          ? olx_normalize(olx_reflect(towards, normal))
+          : olx_from_basis(olx_sample_cosine(olx_stratified2(index, olx_hash2(a->settings->seed, 91))), normal);
+  if (olx_dot(direction, normal) <= 0.0f) return;
+  const olx_ray ray = olx_surface_ray(&surface, direction, INFINITY);
+  const olx_ray_hit hit = olx_bvh_intersect(a->scene->bvh, &ray);
+  olx_surface true_surface;
+  const bool true_hit = hit.triangle != OLX_NO_HIT;
+  if (true_hit) true_surface = olx_surface_at(a->scene, &hit, direction);
+  verdict->valid = true;
+  verdict->seen = seen_by_some_probe(a, true_hit ? &true_surface : NULL, direction);
+  const olx_trace_hit answer = olx_trace(a->field, &a->settings->sample, ray.origin, direction, INFINITY);
+  verdict->steps = answer.texel_steps;
+  verdict->probes = answer.probes_tried;
+  verdict->unresolved = answer.status == OLX_TRACE_UNKNOWN;
+  verdict->distance_error = -1.0f;
+  if (verdict->unresolved) return;
+  if ((answer.status == OLX_TRACE_HIT) != true_hit) {
+    verdict->wrong = true;
+  } else if (true_hit) {
+    const float error = fabsf(answer.distance_metres - hit.t);
+    verdict->wrong = error > olx_max(2.0f * answer.footprint_metres, 0.01f * hit.t);
+    verdict->distance_error = error / hit.t;
+  }
+}
+
+static void judge_rays(void *user, uint32_t batch) {
+  const audit *a = user;
+  const uint32_t end = (batch + 1) * BATCH < a->settings->rays ? (batch + 1) * BATCH : a->settings->rays;
+  for (uint32_t i = batch * BATCH; i < end; i++) judge_ray(a, i, &a->rays[i]);
+}
+
+static void judge_point(void *user, uint32_t index) {
+  const audit *a = user;
+  olx_surface s;
+  olx_vec3 towards;
+  point_verdict *verdict = &a->points[index];
+  if (!random_surface(a, index, &s, &towards)) return;
+  verdict->valid = true;
+  const olx_vec3 origin = olx_madd(s.position, s.geometric_normal, s.epsilon);
+  verdict->estimate = olx_irradiance(a->field, &a->settings->sample, origin, s.geometric_normal, olx_negate(towards));
+  verdict->truth = olx_path_irradiance(a->scene, s.position, s.geometric_normal, s.epsilon, a->field->info.bounces + 1,
+                                       a->settings->spp, olx_hash2(a->settings->seed, index));
+}
+
+static int compare_floats(const void *a, const void *b) {
+  const float x = *(const float *)a, y = *(const float *)b;
+  return (x > y) - (x < y);
+}
+
+enum { RAYS_COSINE = 1, RAYS_MIRROR = 2 };
+
+static olx_audit_rays sum_rays(const audit *a, uint32_t kinds, float *errors) {
+  olx_audit_rays sum = {0};
+  uint64_t unresolved = 0, wrong = 0, seen = 0, unresolved_seen = 0, wrong_seen = 0, steps = 0, probes = 0;
+  size_t error_count = 0;
+  for (uint32_t i = 0; i < a->settings->rays; i++) {
+    const ray_verdict *v = &a->rays[i];
+    if (!v->valid || !(kinds & (v->mirror ? RAYS_MIRROR : RAYS_COSINE))) continue;
+    sum.count++;
+    unresolved += v->unresolved;
+    wrong += v->wrong;
+    seen += v->seen;
+    unresolved_seen += v->unresolved && v->seen;
+    wrong_seen += v->wrong && v->seen;
+    steps += v->steps;
+    probes += v->probes;
+    if (v->distance_error >= 0.0f) errors[error_count++] = v->distance_error;
+  }
+  if (sum.count == 0) return sum;
+  const double count = (double)sum.count, seen_count = seen ? (double)seen : 1.0;
+  sum.unresolved = (double)unresolved / count;
+  sum.wrong = (double)wrong / count;
+  sum.unseen = (count - (double)seen) / count;
+  sum.unresolved_seen = (double)unresolved_seen / seen_count;
+  sum.wrong_seen = (double)wrong_seen / seen_count;
+  sum.steps_mean = (double)steps / count;
+  sum.probes_mean = (double)probes / count;
+  if (error_count > 0) {
+    qsort(errors, error_count, sizeof *errors, compare_floats);
+    sum.distance_error_median = errors[error_count / 2];
+    sum.distance_error_p99 = errors[(error_count - 1) * 99 / 100];
+  }
+  return sum;
+}
+
+static olx_audit_points sum_points(const audit *a) {
+  double squared = 0.0, reference_squared = 0.0, difference = 0.0, reference = 0.0, dark_estimate = 0.0;
+  uint64_t count = 0, dark = 0;
+  for (uint32_t i = 0; i < a->settings->points; i++) {
+    const point_verdict *v = &a->points[i];
+    if (!v->valid) continue;
+    count++;
+    const olx_vec3 d = olx_sub(v->estimate, v->truth);
+    squared += (double)olx_dot(d, d);
+    reference_squared += (double)olx_dot(v->truth, v->truth);
+    difference += (double)(d.x + d.y + d.z);
+    reference += (double)(v->truth.x + v->truth.y + v->truth.z);
+    if (olx_max3(v->truth) <= 0.0f) {
+      dark++;
+      dark_estimate += (double)(v->estimate.x + v->estimate.y + v->estimate.z);
+    }
+  }
+  return (olx_audit_points){
+      .count = count,
+      .relative_mse = reference_squared > 0.0 ? squared / reference_squared : 0.0,
+      .bias = reference > 0.0 ? difference / reference : 0.0,
+      .leak = dark > 0 && reference > 0.0 ? dark_estimate / (double)dark / (reference / (double)count) : 0.0,
+  };
+}
+
+static olx_result make_frames(audit *a, olx_camera_frame *frames) {
+  if (a->settings->camera) {
+    olx_camera camera;
+    OLX_TRY(olx_scene_find_camera(a->scene, a->settings->camera, &camera));
+    a->frame_count = 1;
+    return olx_camera_frame_make(&camera, AUDIT_ASPECT_X, AUDIT_ASPECT_Y, &frames[0]);
+  }
+  a->frame_count = a->scene->camera_count;
+  for (uint32_t i = 0; i < a->frame_count; i++) {
+    OLX_TRY(olx_camera_frame_make(&a->scene->cameras[i], AUDIT_ASPECT_X, AUDIT_ASPECT_Y, &frames[i]));
+  }
+  return OLX_OK;
+}
+
+static olx_result run(audit *a, const olx_progress *progress) {
+  const uint32_t batches = (a->settings->rays + BATCH - 1) / BATCH;
+  olx_task task;
+  olx_task_begin(&task, progress, "auditing rays", (uint64_t)batches + a->settings->points);
+  olx_result result = olx_parallel_for(batches, a->settings->threads, judge_rays, a, &task, 1);
+  olx_task_stage(&task, "auditing points");
+  if (result == OLX_OK) result = olx_parallel_for(a->settings->points, a->settings->threads, judge_point, a, &task, 1);
+  olx_task_end(&task);
+  return result;
+}
+
+olx_result olx_audit_field(const olx_scene *scene, const olx_field *field, const olx_audit_settings *settings,
+                           const olx_progress *progress, olx_audit *out) {
+  *out = (olx_audit){0};
+  if (settings->rays > 1u << 30 || settings->points > 1u << 30) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "audit: at most 2^30 rays and points");
+  }
+  if (field->info.scene_hash != scene->hash) {
+    olx_log(OLX_LOG_WARNING, "the field was baked from another scene, or from another version of this one");
+  }
+  audit a = {.scene = scene, .field = field, .settings = settings};
+  olx_camera_frame *frames = olx_allocate(scene->camera_count + 1, sizeof *frames);
+  a.frames = frames;
+  a.rays = olx_allocate_zero(settings->rays, sizeof *a.rays);
+  a.points = olx_allocate_zero(settings->points, sizeof *a.points);
+  float *errors = olx_allocate(settings->rays, sizeof *errors);
+  olx_result result = OLX_OK;
+  if (!frames || !a.rays || !a.points || !errors) result = olx_fail(OLX_ERROR_MEMORY, "audit: out of memory");
+  if (result == OLX_OK) result = make_frames(&a, frames);
+  if (result == OLX_OK) result = run(&a, progress);
+  if (result == OLX_OK) {
+    out->rays = sum_rays(&a, RAYS_COSINE | RAYS_MIRROR, errors);
+    out->cosine = sum_rays(&a, RAYS_COSINE, errors);
+    out->mirror = sum_rays(&a, RAYS_MIRROR, errors);
+    out->points = sum_points(&a);
+  }
+  olx_release(errors);
+  olx_release(a.points);
+  olx_release(a.rays);
+  olx_release(frames);
+  return result;
+}

@@ -172,7 +172,7 @@ static surfel read_surfel(const march *m, cell c, float distance) {
 
 // How far the ray may be below a surfel's plane and still count as on it.
 static float plane_tolerance(const surfel *s) {
-  return s->distance * DISTANCE_PRECISION * olx_max(s->cosine, 0.0f) + 0.05f * s->footprint;
+  return s->distance * DISTANCE_PRECISION * olx_max(s->cosine, 0.0f) + 0.02f * s->footprint;
 }
 
 // The greatest distance that the surface of a texel can have inside it: its plane tilted away by a texel, but no farther
@@ -232,10 +232,11 @@ static verdict judge(const march *m, const piece *p, cell c, float t1, float sto
   answer->t = t0;
   if (s.f1 >= 0.0f) {
     // Below, but rising: a ray that just left this surface is still within what rounding and curvature explain.
-    return -height0 <= s.footprint ? VERDICT_CLEAR : VERDICT_HIDDEN;
+    return -height0 <= 0.5f * s.footprint ? VERDICT_CLEAR : VERDICT_HIDDEN;
   }
   const float t = -s.f0 / s.f1;
-  if (t < m->ray->t_min - s.footprint || !near_texel(p, c, t) || !supported(m, p, &s, t)) return VERDICT_HIDDEN;
+  const float earliest = m->ray->t_min > 0.0f ? m->ray->t_min - s.footprint : 0.0f;
+  if (t < earliest || !near_texel(p, c, t) || !supported(m, p, &s, t)) return VERDICT_HIDDEN;
   answer->t = olx_max(t, m->ray->t_min);
   return VERDICT_HIT;
 }

@@ -1,0 +1,160 @@
+#!/usr/bin/env python3
+"""Measure what docs/results.md reports, and print it as Markdown tables.
+
+    bench/results.py [EXPERIMENT ...] [--program build/release/octalux] [--work DIR] [--quick]
+
+Without an experiment all of them run. Scenes that are not to be found (OCTALUX_SCENES) are left out, visibly.
+"""
+import argparse
+import json
+import os
+import subprocess
+import sys
+import time
+
+SOURCE = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+
+
+class Scene:
+    def __init__(self, name, source, grid, radiance, size, camera=None, bounces=3, spp=512):
+        self.name, self.source, self.grid, self.radiance, self.size = name, source, grid, radiance, size
+        self.camera, self.bounces, self.spp = camera, bounces, spp
+
+    def present(self, bench):
+        return self.source.startswith("builtin:") or bench.run("scene", self.source, fail=False) is not None
+
+
+def described(name):
+    return os.path.join(SOURCE, "scenes", name + ".json")
+
+
+SCENES = {
+    s.name: s
+    for s in [
+        Scene("cornell", "builtin:cornell", "2x2x2", 512, "256x256", spp=2048),
+        Scene("cornell-glossy", "builtin:cornell-glossy", "2x2x2", 512, "256x256", spp=2048),
+        Scene("labyrinth", "builtin:labyrinth", None, 512, "320x240", spp=1024),
+        Scene("living-room", described("living-room"), "4x4x4", 1024, "320x240", spp=1024),
+        Scene("sponza", described("sponza"), "8x2x4", 512, "320x180", spp=512),
+    ]
+}
+
+
+class Bench:
+    def __init__(self, program, work, quick):
+        self.program, self.work, self.quick = program, work, quick
+        os.makedirs(work, exist_ok=True)
+
+    def run(self, *arguments, fail=True):
+        command = [self.program, *[str(a) for a in arguments], "--json"]
+        print("$ octalux " + " ".join(command[1:]), file=sys.stderr)
+        start = time.time()
+        done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        if done.returncode != 0:
+            if fail:
+                sys.exit("octalux %s failed: %s" % (arguments[0], done.stderr.strip()))
+            return None
+        print("  %.1f s" % (time.time() - start), file=sys.stderr)
+        return json.loads(done.stdout)
+
+    def path(self, name):
+        return os.path.join(self.work, name)
+
+    def bake(self, scene, *extra, tag=""):
+        out = self.path(scene.name + tag + ".olx")
+        grid = ["--grid", scene.grid] if scene.grid else []
+        self.run("bake", scene.source, "-o", out, *grid, "--radiance-size", scene.radiance, "--bounces", scene.bounces, *extra)
+        return out
+
+    def view(self, scene):
+        return ["--size", scene.size] + (["--camera", scene.camera] if scene.camera else [])
+
+    def reference(self, scene):
+        out = self.path("%s-path.exr" % scene.name)
+        spp = scene.spp // 8 if self.quick else scene.spp
+        self.run("render", scene.source, "-o", out, "--method", "path", "--bounces", scene.bounces + 1, "--spp", spp, *self.view(scene))
+        return out
+
+    def render(self, scene, field, tag, *extra):
+        out = self.path("%s-%s.exr" % (scene.name, tag))
+        self.run("render", scene.source, "-o", out, "--method", "field", "--field", field, *self.view(scene), *extra)
+        return out
+
+    def compare(self, image, reference, layer):
+        return self.run("compare", image, reference, "--layer", layer)["layers"][layer]
+
+
+def row(*cells):
+    print("| " + " | ".join(str(c) for c in cells) + " |", flush=True)
+
+
+def head(*cells):
+    print()
+    row(*cells)
+    row(*["---"] * len(cells))
+
+
+def number(x):
+    return "%.3g" % x
+
+
+def scenes(bench, *names):
+    for name in names:
+        if SCENES[name].present(bench):
+            yield SCENES[name]
+        else:
+            print("skipped: %s is not here (set OCTALUX_SCENES)" % name, file=sys.stderr)
+
+
+def layers(bench):
+    """Indirect layers against the path tracer at matching bounces."""
+    head("scene", "layer", "way", "MSE", "relative MSE", "bias")
+    for scene in scenes(bench, "cornell", "cornell-glossy", "labyrinth", "living-room", "sponza"):
+        reference = bench.reference(scene)
+        field = bench.bake(scene)
+        spp = 4 if bench.quick else 16
+        ways = [
+            ("irradiance probes", "irradiance", ["--spp", spp]),
+            ("irradiance probes, no visibility", "plain", ["--spp", spp, "--visibility", "none"]),
+            ("traced", "traced", ["--spp", spp, "--diffuse", "traced", "--diffuse-samples", 64]),
+        ]
+        for label, tag, options in ways:
+            image = bench.render(scene, field, tag, *options)
+            m = bench.compare(image, reference, "indirect_diffuse")
+            row(scene.name, "indirect_diffuse", label, number(m["mse"]), number(m["relative_mse"]), number(m["bias"]))
+            if tag == "traced":
+                m = bench.compare(image, reference, "indirect_glossy")
+                row(scene.name, "indirect_glossy", "traced", number(m["mse"]), number(m["relative_mse"]), number(m["bias"]))
+
+
+def audit(bench):
+    """Rays and points against ray casting and path tracing."""
+    head("scene", "rays", "unresolved", "wrong", "unseen", "unresolved, seen", "wrong, seen", "median error", "p99 error", "steps", "probes",
+         "points: relative MSE", "bias", "leak")
+    for scene in scenes(bench, "cornell", "labyrinth", "living-room", "sponza"):
+        field = bench.bake(scene)
+        a = bench.run("audit", scene.source, "--field", field, "--rays", 20000 if bench.quick else 200000, "--points", 200 if bench.quick else 2000)
+        r, p = a["rays"], a["points"]
+        row(scene.name, r["count"], *[number(100 * r[k]) + " %" for k in ("unresolved", "wrong", "unseen", "unresolved_seen", "wrong_seen")],
+            number(r["distance_error_median"]), number(r["distance_error_p99"]), number(r["steps_mean"]), number(r["probes_mean"]),
+            number(p["relative_mse"]), number(p["bias"]), number(p["leak"]))
+
+
+EXPERIMENTS = {"layers": layers, "audit": audit}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("experiments", nargs="*", choices=[*EXPERIMENTS, []])
+    parser.add_argument("--program", default=os.path.join(SOURCE, "build", "release", "octalux"))
+    parser.add_argument("--work", default=os.path.join(SOURCE, "build", "bench"))
+    parser.add_argument("--quick", action="store_true")
+    arguments = parser.parse_args()
+    bench = Bench(arguments.program, arguments.work, arguments.quick)
+    for name in arguments.experiments or EXPERIMENTS:
+        print("\n### %s" % EXPERIMENTS[name].__doc__.rstrip("."))
+        EXPERIMENTS[name](bench)
+
+
+if __name__ == "__main__":
+    main()

@@ -218,18 +218,16 @@ static verdict judge(const march *m, const piece *p, cell c, float t1, float sto
   const float nearest = sqrtf(nearest_squared(m, t0, t1));
   answer->texel = texel_index(m, c);
   answer->gap = (nearest - s.distance) / s.footprint;
-  if (height0 >= -tolerance) {
-    if (height1 >= -tolerance) { // above the plane all through the texel
-      if (nearest <= depth_limit(m, c, &s)) return VERDICT_CLEAR;
-      answer->t = t0;
-      return VERDICT_HIDDEN;
-    }
-    const float t = olx_clamp(-s.f0 / s.f1, t0, t1);
-    const float limit = depth_limit(m, c, &s);
-    answer->t = radius_squared(m, t) <= limit * limit ? t : t0;
-    return radius_squared(m, t) <= limit * limit ? VERDICT_HIT : VERDICT_HIDDEN;
-  }
   answer->t = t0;
+  const float limit = depth_limit(m, c, &s);
+  if (nearest > limit) return VERDICT_HIDDEN;
+  if (height0 >= -tolerance) {
+    if (height1 >= -tolerance) return VERDICT_CLEAR; // above the plane all through the texel
+    const float t = olx_clamp(-s.f0 / s.f1, t0, t1);
+    if (radius_squared(m, t) > limit * limit) return VERDICT_HIDDEN;
+    answer->t = t;
+    return VERDICT_HIT;
+  }
   if (s.f1 >= 0.0f) {
     // Below, but rising: a ray that just left this surface is still within what rounding and curvature explain.
     return -height0 <= 0.5f * s.footprint ? VERDICT_CLEAR : VERDICT_HIDDEN;

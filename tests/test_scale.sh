@@ -1,0 +1,69 @@
+#!/bin/bash
+# The same room in millimetres, metres and hundreds of metres gives the same picture: nothing depends on absolute lengths.
+set -eu
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+cat > "$work/room.mtl" <<'END'
+newmtl white
+Kd 0.7 0.7 0.7
+Ks 0 0 0
+newmtl red
+Kd 0.6 0.1 0.1
+Ks 0 0 0
+newmtl shiny
+Kd 0.3 0.3 0.4
+Ks 0.5 0.5 0.5
+Ns 200
+END
+
+# A box of six quads, by its corners; the winding does not matter.
+box() { # x0 y0 z0 x1 y1 z1
+  echo "v $1 $2 $3
+v $4 $2 $3
+v $4 $5 $3
+v $1 $5 $3
+v $1 $2 $6
+v $4 $2 $6
+v $4 $5 $6
+v $1 $5 $6"
+}
+faces() { echo "f -8 -7 -6 -5
+f -4 -3 -2 -1
+f -8 -7 -3 -4
+f -5 -6 -2 -1
+f -8 -5 -1 -4
+f -7 -6 -2 -3"; }
+{
+  echo "mtllib room.mtl"
+  echo "usemtl white"; box 0 0 0 4 3 5; faces
+  echo "usemtl red"; box 0.7 0 1.3 1.6 1.4 2.2; faces
+  echo "usemtl shiny"; box 2.4 0 2.6 3.3 0.8 3.5; faces
+} > "$work/room.obj"
+
+describe() { # scale
+  awk -v s="$1" 'function v(x, y, z) { return sprintf("[%.9g, %.9g, %.9g]", x * s, y * s, z * s) }
+    BEGIN {
+      printf "{\"model\": \"room.obj\", \"scale\": %.9g,\n", s
+      printf "\"cameras\": [{\"name\": \"eye\", \"eye\": %s, \"target\": %s, \"up\": [0, 1, 0], \"fov_y_degrees\": 70}],\n", v(3.6, 2.2, 0.4), v(1, 0.8, 3.5)
+      printf "\"lights\": [{\"type\": \"point\", \"position\": %s, \"intensity\": [%.9g, %.9g, %.9g]},\n", v(2.9, 2.5, 4.2), 9 * s * s, 8 * s * s, 7 * s * s
+      printf "{\"type\": \"rect\", \"center\": %s, \"edge_u\": %s, \"edge_v\": %s, \"radiance\": [6, 6, 7]}],\n", v(1.1, 2.99, 1.5), v(0.6, 0, 0), v(0, 0, 0.5)
+      printf "\"probes\": {\"min\": %s, \"max\": %s, \"grid\": [2, 2, 3]}}\n", v(0.35, 0.45, 0.5), v(3.65, 2.5, 4.5)
+    }' > "$work/room$1.json"
+}
+
+for scale in 1 0.01 100; do
+  describe $scale
+  "$OCTALUX" bake "$work/room$scale.json" -o "$work/$scale.olx" --radiance-size 128 --irradiance-size 32 --bounces 2 2> "$work/log"
+  "$OCTALUX" render "$work/room$scale.json" -o "$work/$scale.exr" --method field --field "$work/$scale.olx" --size 96x72 --spp 4 2> "$work/log"
+done
+
+failed=0
+for scale in 0.01 100; do
+  for layer in beauty indirect_diffuse indirect_glossy; do
+    error=$("$OCTALUX" compare "$work/$scale.exr" "$work/1.exr" --layer $layer --json | tr ',{}' '\n\n\n' | sed -n 's/.*"relative_mse": *//p')
+    echo "scale $scale $layer: relative MSE $error"
+    awk -v e="$error" 'BEGIN { exit !(e != "" && e + 0 < 1e-4) }' || failed=1
+  done
+done
+exit $failed

@@ -1,0 +1,39 @@
+#include "scene/builtin.h"
+
+#include "core/result.h"
+#include "scene/builtin_scenes.h"
+
+#include <stdio.h>
+#include <string.h>
+
+typedef struct builtin_entry {
+  const char *name;
+  olx_result (*build)(olx_scene *scene);
+} builtin_entry;
+
+static const builtin_entry entries[] = {
+    {"cornell", olx_build_cornell},
+    {"cornell-glossy", olx_build_cornell_glossy},
+    {"furnace", olx_build_furnace},
+    {"two-rooms-sealed", olx_build_two_rooms_sealed},
+    {"two-rooms-gap", olx_build_two_rooms_gap},
+    {"pillars", olx_build_pillars},
+    {"labyrinth", olx_build_labyrinth},
+    {"holodeck", olx_build_holodeck},
+    {"area-light", olx_build_area_light},
+    {"temple", olx_build_temple},
+};
+
+#define ENTRY_COUNT (sizeof entries / sizeof *entries)
+
+const char *olx_builtin_name(uint32_t index) { return index < ENTRY_COUNT ? entries[index].name : NULL; }
+
+olx_result olx_builtin_build(const char *name, olx_scene *scene) {
+  char names[512];
+  size_t used = 0;
+  for (size_t i = 0; i < ENTRY_COUNT; i++) {
+    if (strcmp(entries[i].name, name) == 0) return entries[i].build(scene);
+    used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", i ? ", " : "", entries[i].name);
+  }
+  return olx_fail(OLX_ERROR_ARGUMENT, "no built-in scene named \"%s\"; there are %s", name, names);
+}

@@ -1,0 +1,83 @@
+#include "core/result.h"
+#include "scene/builtin_scenes.h"
+#include "scene/builtin_shapes.h"
+
+static olx_result add_room_materials(olx_scene *scene, olx_plan *plan) {
+  OLX_TRY(olx_add_matte(scene, "floor", olx_v3(0.55f, 0.5f, 0.45f), &plan->floor_material));
+  OLX_TRY(olx_add_matte(scene, "ceiling", olx_splat(0.75f), &plan->ceiling_material));
+  return olx_add_matte(scene, "wall", olx_splat(0.7f), &plan->wall_material);
+}
+
+// Two rooms of 4 m x 4 m, 3 m high, a wall of 0.2 m between them and a light in the left one alone. 16 probes as in the
+// dissertation's experiment, two columns on either side of the wall.
+static olx_result build_two_rooms(olx_scene *scene, const char *const cells[2]) {
+  static const float x[4] = {-4.1f, -0.1f, 0.1f, 4.1f}, z[3] = {-2.0f, 1.2f, 2.0f};
+  olx_plan plan = {.cells = cells, .columns = 3, .rows = 2, .x = x, .z = z, .floor = 0.0f, .ceiling = 3.0f};
+  OLX_TRY(add_room_materials(scene, &plan));
+  OLX_TRY(olx_add_plan(scene, "rooms", &plan));
+  OLX_TRY(olx_add_ceiling_light(scene, olx_v3(-2.1f, 2.98f, 0.0f), 1.0f, olx_splat(12.0f)));
+  olx_set_probes(scene, olx_v3(-3.0f, 0.75f, -1.0f), olx_v3(3.0f, 2.25f, 1.0f), 4, 2, 2);
+  OLX_TRY(olx_add_view(scene, "lit", olx_v3(-3.8f, 1.6f, -1.6f), olx_v3(-0.3f, 1.2f, 1.3f), 60.0f));
+  return olx_add_view(scene, "dark", olx_v3(3.8f, 1.6f, -1.6f), olx_v3(0.3f, 1.2f, 1.3f), 60.0f);
+}
+
+olx_result olx_build_two_rooms_sealed(olx_scene *scene) {
+  static const char *const cells[2] = {".#.", ".#."};
+  return build_two_rooms(scene, cells);
+}
+
+olx_result olx_build_two_rooms_gap(olx_scene *scene) {
+  static const char *const cells[2] = {".#.", "..."};
+  OLX_TRY(build_two_rooms(scene, cells));
+  // Along the wall's end, past which the light falls.
+  return olx_add_view(scene, "both", olx_v3(2.4f, 1.5f, 1.7f), olx_v3(-1.2f, 1.2f, 0.6f), 70.0f);
+}
+
+// A box with four cylinders. The centre one is tall enough to bury both probes of its column, the right one buries the
+// lower probe of its own (McGuire et al. Fig. 10).
+olx_result olx_build_pillars(olx_scene *scene) {
+  uint32_t white, floor, red, blue, pillar;
+  OLX_TRY(olx_add_matte(scene, "white", olx_splat(0.75f), &white));
+  OLX_TRY(olx_add_matte(scene, "floor", olx_v3(0.6f, 0.58f, 0.55f), &floor));
+  OLX_TRY(olx_add_matte(scene, "red wall", olx_v3(0.6f, 0.2f, 0.15f), &red));
+  OLX_TRY(olx_add_matte(scene, "blue wall", olx_v3(0.2f, 0.3f, 0.6f), &blue));
+  OLX_TRY(olx_add_matte(scene, "pillar", olx_v3(0.7f, 0.68f, 0.62f), &pillar));
+  const uint32_t materials[6] = {red, blue, floor, white, white, white};
+  OLX_TRY(olx_add_room(scene, "box", olx_v3(-3.0f, 0.0f, -3.0f), olx_v3(3.0f, 3.0f, 3.0f), materials));
+  OLX_TRY(olx_add_cylinder(scene, "centre pillar", olx_v3(0.0f, 0.0f, 0.0f), 0.6f, 2.6f, pillar));
+  OLX_TRY(olx_add_cylinder(scene, "right pillar", olx_v3(2.0f, 0.0f, -2.0f), 0.5f, 1.5f, pillar));
+  OLX_TRY(olx_add_cylinder(scene, "left pillar", olx_v3(-1.2f, 0.0f, -1.1f), 0.35f, 2.0f, pillar));
+  OLX_TRY(olx_add_cylinder(scene, "near pillar", olx_v3(1.1f, 0.0f, 1.2f), 0.4f, 1.2f, pillar));
+  OLX_TRY(olx_add_ceiling_light(scene, olx_v3(-1.3f, 2.98f, 1.3f), 1.0f, olx_v3(14.0f, 13.0f, 11.0f)));
+  olx_set_probes(scene, olx_v3(-2.0f, 0.75f, -2.0f), olx_v3(2.0f, 2.25f, 2.0f), 3, 2, 3);
+  OLX_TRY(olx_add_view(scene, "corner", olx_v3(-2.7f, 2.6f, 2.7f), olx_v3(0.7f, 0.4f, -0.9f), 65.0f));
+  return olx_add_view(scene, "side", olx_v3(2.7f, 1.6f, 2.7f), olx_v3(-0.6f, 0.9f, -0.8f), 65.0f);
+}
+
+// A chamber inside a ring of corridors, its door away from the lights, so that what reaches it has been reflected. The
+// middle probes stand in the chamber, the others in the ring (McGuire et al. Figs. 11 and 13).
+olx_result olx_build_labyrinth(olx_scene *scene) {
+  static const char *const cells[7] = {
+      ".......", //
+      ".##.##.", //
+      ".#...#.", //
+      ".#...#.", //
+      ".#...#.", //
+      ".#####.", //
+      ".......",
+  };
+  static const float lines[8] = {-4.0f, -1.5f, -1.3f, -0.5f, 0.5f, 1.3f, 1.5f, 4.0f};
+  olx_plan plan = {.cells = cells, .columns = 7, .rows = 7, .x = lines, .z = lines, .floor = 0.0f, .ceiling = 3.0f};
+  OLX_TRY(add_room_materials(scene, &plan));
+  OLX_TRY(olx_add_plan(scene, "labyrinth", &plan));
+  uint32_t pillar;
+  OLX_TRY(olx_add_matte(scene, "pillar", olx_v3(0.65f, 0.45f, 0.3f), &pillar));
+  OLX_TRY(olx_add_cylinder(scene, "pillar", olx_v3(-2.2f, 0.0f, -2.2f), 0.25f, 2.4f, pillar));
+  OLX_TRY(olx_add_cylinder(scene, "pillar", olx_v3(2.2f, 0.0f, -2.2f), 0.25f, 2.4f, pillar));
+  OLX_TRY(olx_add_ceiling_light(scene, olx_v3(-2.75f, 2.98f, -3.3f), 0.8f, olx_splat(30.0f)));
+  OLX_TRY(olx_add_ceiling_light(scene, olx_v3(-2.75f, 2.98f, 2.75f), 0.8f, olx_splat(20.0f)));
+  olx_set_probes(scene, olx_v3(-2.75f, 0.75f, -2.75f), olx_v3(2.75f, 2.25f, 2.75f), 3, 2, 3);
+  OLX_TRY(olx_add_view(scene, "chamber", olx_v3(1.1f, 1.6f, 1.1f), olx_v3(-0.5f, 1.1f, -1.4f), 75.0f));
+  OLX_TRY(olx_add_view(scene, "door", olx_v3(1.6f, 2.2f, -3.8f), olx_v3(-0.3f, 0.9f, -0.8f), 70.0f));
+  return olx_add_view(scene, "ring", olx_v3(3.8f, 1.8f, 3.8f), olx_v3(0.0f, 1.0f, 2.0f), 70.0f);
+}

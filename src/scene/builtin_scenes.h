@@ -1,0 +1,18 @@
+// What builtin.c chooses from: each fills an empty scene.
+#ifndef OLX_SCENE_BUILTIN_SCENES_H
+#define OLX_SCENE_BUILTIN_SCENES_H
+
+#include "scene/scene_data.h"
+
+olx_result olx_build_cornell(olx_scene *scene);
+olx_result olx_build_cornell_glossy(olx_scene *scene);
+olx_result olx_build_furnace(olx_scene *scene);
+olx_result olx_build_two_rooms_sealed(olx_scene *scene);
+olx_result olx_build_two_rooms_gap(olx_scene *scene);
+olx_result olx_build_pillars(olx_scene *scene);
+olx_result olx_build_labyrinth(olx_scene *scene);
+olx_result olx_build_holodeck(olx_scene *scene);
+olx_result olx_build_area_light(olx_scene *scene);
+olx_result olx_build_temple(olx_scene *scene);
+
+#endif

@@ -1,0 +1,302 @@
+// The ray caster: what it hits, what it lets through, and that packets answer as single rays do.
+#include "core/hooks.h"
+#include "core/sampling.h"
+#include "scene/bvh.h"
+#include "scene/scene_build.h"
+#include "scene/surface.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+#if defined(__SSE__)
+#include <xmmintrin.h>
+#endif
+
+#include <cmocka.h>
+
+static olx_scene *new_scene(void) {
+  olx_scene *scene = olx_allocate_zero(1, sizeof *scene);
+  assert_non_null(scene);
+  return scene;
+}
+
+static uint32_t add_material(olx_scene *scene, const olx_material *material) {
+  uint32_t index = 0;
+  assert_int_equal(olx_scene_add_material(scene, material, &index), OLX_OK);
+  return index;
+}
+
+// The square [-1, 1]^2 at height y, seen from above, u along x and v along z.
+static void add_square(olx_scene *scene, float y, uint32_t material) {
+  const olx_vec3 corners[4] = {{-1.0f, y, -1.0f}, {-1.0f, y, 1.0f}, {1.0f, y, 1.0f}, {1.0f, y, -1.0f}};
+  const olx_vec2 uvs[4] = {{0.0f, 0.0f}, {0.0f, 1.0f}, {1.0f, 1.0f}, {1.0f, 0.0f}};
+  const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
+  assert_int_equal(olx_scene_add_mesh(scene, "square", corners, NULL, uvs, 4, indices, 2, material), OLX_OK);
+}
+
+// Triangles strewn in the cube [-1, 1]^3 by hashing.
+static olx_scene *strewn_scene(uint32_t triangles, uint32_t seed) {
+  olx_scene *scene = new_scene();
+  const olx_material material = olx_material_default();
+  const uint32_t index = add_material(scene, &material);
+  for (uint32_t t = 0; t < triangles; t++) {
+    olx_vec3 corners[3];
+    olx_vec3 center = {0.0f, 0.0f, 0.0f};
+    for (uint32_t k = 0; k < 4; k++) {
+      const uint32_t h = olx_hash3(seed, t, k);
+      const olx_vec3 p = {olx_unit_float(h), olx_unit_float(olx_hash(h + 1)), olx_unit_float(olx_hash(h + 2))};
+      const olx_vec3 q = olx_add(olx_scale(p, 2.0f), olx_splat(-1.0f));
+      if (k == 0) center = q;
+      else corners[k - 1] = olx_madd(center, q, 0.2f);
+    }
+    const uint32_t indices[3] = {0, 1, 2};
+    assert_int_equal(olx_scene_add_mesh(scene, "strewn", corners, NULL, NULL, 3, indices, 1, index), OLX_OK);
+  }
+  assert_int_equal(olx_scene_finish(scene), OLX_OK);
+  return scene;
+}
+
+static olx_ray random_ray(uint32_t seed) {
+  const olx_vec2 a = {olx_unit_float(olx_hash2(seed, 1)), olx_unit_float(olx_hash2(seed, 2))};
+  const olx_vec2 b = {olx_unit_float(olx_hash2(seed, 3)), olx_unit_float(olx_hash2(seed, 4))};
+  return (olx_ray){olx_scale(olx_sample_sphere(a), 1.2f), olx_sample_sphere(b), 0.0f, INFINITY};
+}
+
+// Nearest hit by testing every triangle in double precision; negative for a miss.
+static double nearest_by_search(const olx_scene *scene, const olx_ray *ray) {
+  double nearest = -1.0;
+  for (uint32_t t = 0; t < scene->triangle_count; t++) {
+    const uint32_t *i = scene->indices + 3 * (size_t)t;
+    const olx_vec3 a = scene->positions[i[0]], b = scene->positions[i[1]], c = scene->positions[i[2]];
+    const double e1[3] = {(double)b.x - a.x, (double)b.y - a.y, (double)b.z - a.z};
+    const double e2[3] = {(double)c.x - a.x, (double)c.y - a.y, (double)c.z - a.z};
+    const double d[3] = {ray->direction.x, ray->direction.y, ray->direction.z};
+    const double s[3] = {(double)ray->origin.x - a.x, (double)ray->origin.y - a.y, (double)ray->origin.z - a.z};
+    const double p[3] = {d[1] * e2[2] - d[2] * e2[1], d[2] * e2[0] - d[0] * e2[2], d[0] * e2[1] - d[1] * e2[0]};
+    const double q[3] = {s[1] * e1[2] - s[2] * e1[1], s[2] * e1[0] - s[0] * e1[2], s[0] * e1[1] - s[1] * e1[0]};
+    const double determinant = e1[0] * p[0] + e1[1] * p[1] + e1[2] * p[2];
+    const double u = (s[0] * p[0] + s[1] * p[1] + s[2] * p[2]) / determinant;
+    const double v = (d[0] * q[0] + d[1] * q[1] + d[2] * q[2]) / determinant;
+    const double distance = (e2[0] * q[0] + e2[1] * q[1] + e2[2] * q[2]) / determinant;
+    if (u < 0.0 || v < 0.0 || u + v > 1.0 || distance < 0.0) continue;
+    if (nearest < 0.0 || distance < nearest) nearest = distance;
+  }
+  return nearest;
+}
+
+static void rays_hit_what_a_search_over_all_triangles_finds(void **state) {
+  (void)state;
+  olx_scene *scene = strewn_scene(300, 7);
+  uint32_t disagreements = 0, hits = 0;
+  for (uint32_t i = 0; i < 4000; i++) {
+    const olx_ray ray = random_ray(i);
+    const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
+    const double truth = nearest_by_search(scene, &ray);
+    const bool found = hit.triangle != OLX_NO_HIT;
+    assert_int_equal(olx_bvh_occluded(scene->bvh, &ray), found);
+    hits += found;
+    if (found != (truth >= 0.0) || (found && fabs((double)hit.t - truth) > 1e-5)) disagreements++;
+  }
+  assert_true(hits > 500);
+  // A ray within rounding of an edge may be told either way.
+  assert_true(disagreements <= 1);
+  olx_scene_free(scene);
+}
+
+static void barycentric_coordinates_give_the_hit_point(void **state) {
+  (void)state;
+  olx_scene *scene = strewn_scene(300, 9);
+  for (uint32_t i = 0; i < 2000; i++) {
+    const olx_ray ray = random_ray(i);
+    const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
+    if (hit.triangle == OLX_NO_HIT) continue;
+    const olx_surface surface = olx_surface_at(scene, &hit, ray.direction);
+    const olx_vec3 along = olx_madd(ray.origin, ray.direction, hit.t);
+    assert_true(olx_length(olx_sub(along, surface.position)) < 4e-6f);
+  }
+  olx_scene_free(scene);
+}
+
+// Every length of the array, so that the last packet is filled to every degree.
+static void packets_answer_as_single_rays(void **state) {
+  (void)state;
+  olx_scene *scene = strewn_scene(300, 11);
+  enum { MOST = 77 };
+  olx_ray rays[MOST];
+  olx_ray_hit hits[MOST];
+  uint8_t occluded[MOST];
+  for (uint32_t count = 0; count <= MOST; count++) {
+    const bool coherent = count % 2 == 0;
+    for (uint32_t i = 0; i < count; i++) rays[i] = random_ray(1000 * count + i);
+    olx_bvh_intersect_many(scene->bvh, rays, count, coherent, hits);
+    olx_bvh_occluded_many(scene->bvh, rays, count, coherent, occluded);
+    for (uint32_t i = 0; i < count; i++) {
+      const olx_ray_hit single = olx_bvh_intersect(scene->bvh, &rays[i]);
+      assert_int_equal(hits[i].triangle, single.triangle);
+      assert_int_equal(occluded[i], single.triangle != OLX_NO_HIT);
+      if (single.triangle == OLX_NO_HIT) continue;
+      assert_true(fabsf(hits[i].t - single.t) <= 1e-5f * single.t);
+      assert_true(fabsf(hits[i].u - single.u) < 1e-4f && fabsf(hits[i].v - single.v) < 1e-4f);
+    }
+  }
+  olx_scene_free(scene);
+}
+
+static void rays_end_at_t_max_and_begin_at_t_min(void **state) {
+  (void)state;
+  olx_scene *scene = new_scene();
+  const olx_material material = olx_material_default();
+  add_square(scene, 0.0f, add_material(scene, &material));
+  assert_int_equal(olx_scene_finish(scene), OLX_OK);
+  const struct {
+    float t_min, t_max;
+    bool hit, occluded;
+  } cases[] = {{0.0f, 4.0f, true, true}, {0.0f, 1.9f, false, false},   {2.1f, 4.0f, false, false},
+               {1.9f, 2.1f, true, true}, {0.0f, INFINITY, true, true}, {0.0f, -1.0f, false, true},
+               {3.0f, 1.0f, false, true}};
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    const olx_ray ray = {{0.2f, 2.0f, 0.3f}, {0.0f, -1.0f, 0.0f}, cases[i].t_min, cases[i].t_max};
+    olx_ray_hit hit;
+    uint8_t occluded;
+    olx_bvh_intersect_many(scene->bvh, &ray, 1, true, &hit);
+    olx_bvh_occluded_many(scene->bvh, &ray, 1, true, &occluded);
+    assert_int_equal(hit.triangle != OLX_NO_HIT, cases[i].hit);
+    assert_int_equal(olx_bvh_intersect(scene->bvh, &ray).triangle != OLX_NO_HIT, cases[i].hit);
+    assert_int_equal(occluded, cases[i].occluded);
+    assert_int_equal(olx_bvh_occluded(scene->bvh, &ray), cases[i].occluded);
+  }
+  // Distances are in lengths of the direction.
+  const olx_ray slow = {{0.2f, 2.0f, 0.3f}, {0.0f, -0.25f, 0.0f}, 0.0f, INFINITY};
+  assert_true(fabsf(olx_bvh_intersect(scene->bvh, &slow).t - 8.0f) < 1e-5f);
+  olx_scene_free(scene);
+}
+
+// A masked square above an opaque one: its right half is cut out by the texture's alpha.
+static olx_scene *masked_scene(void) {
+  olx_scene *scene = new_scene();
+  olx_texture texture = {.width = 2, .height = 1, .texels = olx_allocate(8, 1), .srgb = true};
+  const uint8_t texels[8] = {255, 255, 255, 255, 255, 255, 255, 0};
+  memcpy(texture.texels, texels, sizeof texels);
+  uint32_t texture_index = 0;
+  assert_int_equal(olx_scene_add_texture(scene, &texture, &texture_index), OLX_OK);
+  const olx_material opaque = olx_material_default();
+  olx_material masked = opaque;
+  masked.alpha_cutoff = 0.5f;
+  masked.base_color_texture = texture_index;
+  const uint32_t opaque_index = add_material(scene, &opaque), masked_index = add_material(scene, &masked);
+  add_square(scene, 1.0f, masked_index);
+  add_square(scene, 0.0f, opaque_index);
+  assert_int_equal(olx_scene_finish(scene), OLX_OK);
+  return scene;
+}
+
+static void rays_pass_through_cut_out_parts_and_keep_the_scenes_triangle_numbers(void **state) {
+  (void)state;
+  olx_scene *scene = masked_scene();
+  enum { COUNT = 64 };
+  olx_ray rays[COUNT];
+  olx_ray_hit hits[COUNT];
+  uint8_t occluded[COUNT];
+  for (uint32_t i = 0; i < COUNT; i++) {
+    // The mask's alpha, 1 in the left texel and 0 in the right, crosses one half at x = 0 and where it wraps, at x = +-1.
+    const float x = (i < COUNT / 2 ? -0.9f : 0.1f) + 0.8f * (float)(i % (COUNT / 2)) / (COUNT / 2);
+    rays[i] = (olx_ray){{x, 2.0f, 0.1f}, {0.0f, -1.0f, 0.0f}, 0.0f, 1.5f};
+  }
+  olx_bvh_occluded_many(scene->bvh, rays, COUNT, false, occluded);
+  for (uint32_t i = 0; i < COUNT; i++) {
+    assert_int_equal(occluded[i], i < COUNT / 2);
+    assert_int_equal(olx_bvh_occluded(scene->bvh, &rays[i]), i < COUNT / 2);
+    rays[i].t_max = INFINITY;
+  }
+  olx_bvh_intersect_many(scene->bvh, rays, COUNT, false, hits);
+  for (uint32_t i = 0; i < COUNT; i++) {
+    const bool on_mask = i < COUNT / 2;
+    assert_true(hits[i].triangle < scene->triangle_count);
+    assert_int_equal(hits[i].triangle / 2, on_mask ? 0 : 1);
+    assert_int_equal(olx_bvh_intersect(scene->bvh, &rays[i]).triangle, hits[i].triangle);
+    assert_true(fabsf(hits[i].t - (on_mask ? 1.0f : 2.0f)) < 1e-5f);
+  }
+  olx_scene_free(scene);
+}
+
+// A closed mesh seen along rays aimed exactly at its edges and corners.
+static void no_ray_slips_between_triangles(void **state) {
+  (void)state;
+  olx_scene *scene = new_scene();
+  const olx_material material = olx_material_default();
+  const uint32_t index = add_material(scene, &material);
+  enum { SIDE = 8 };
+  olx_vec3 corners[(SIDE + 1) * (SIDE + 1)];
+  uint32_t indices[SIDE * SIDE * 6], *next = indices;
+  for (uint32_t j = 0; j <= SIDE; j++) {
+    for (uint32_t i = 0; i <= SIDE; i++) {
+      const float bump = 0.3f * olx_unit_float(olx_hash2(i, j));
+      corners[j * (SIDE + 1) + i] = olx_v3((float)i / 3.0f - 1.0f, bump, (float)j / 7.0f - 0.5f);
+    }
+  }
+  for (uint32_t j = 0; j < SIDE; j++) {
+    for (uint32_t i = 0; i < SIDE; i++) {
+      const uint32_t a = j * (SIDE + 1) + i, b = a + 1, c = a + SIDE + 1, d = c + 1;
+      const uint32_t quad[6] = {a, c, d, a, d, b};
+      memcpy(next, quad, sizeof quad);
+      next += 6;
+    }
+  }
+  const uint32_t vertices = (SIDE + 1) * (SIDE + 1);
+  assert_int_equal(olx_scene_add_mesh(scene, "sheet", corners, NULL, NULL, vertices, indices, SIDE * SIDE * 2, index),
+                   OLX_OK);
+  assert_int_equal(olx_scene_finish(scene), OLX_OK);
+  for (uint32_t n = 0; n < 20000; n++) {
+    const uint32_t t = n % (SIDE * SIDE * 2);
+    const olx_vec3 a = corners[indices[3 * t]], b = corners[indices[3 * t + 2]];
+    const olx_vec3 target = olx_mix3(a, b, n % 3 == 0 ? 0.0f : olx_unit_float(olx_hash(n)));
+    // The sheet's rim has a neighbour on one side only.
+    if (target.x < -0.99f || target.x > 1.66f || target.z < -0.49f || target.z > 0.64f) continue;
+    const olx_vec3 origin = {olx_unit_float(olx_hash2(n, 5)), 3.0f, olx_unit_float(olx_hash2(n, 6)) - 0.5f};
+    const olx_ray ray = {origin, olx_normalize(olx_sub(target, origin)), 0.0f, INFINITY};
+    assert_true(olx_bvh_intersect(scene->bvh, &ray).triangle != OLX_NO_HIT);
+  }
+  olx_scene_free(scene);
+}
+
+static void scenes_do_not_know_of_each_other(void **state) {
+  (void)state;
+  olx_scene *first = strewn_scene(50, 1), *second = strewn_scene(5, 2);
+  const olx_ray ray = random_ray(12);
+  const olx_ray_hit before = olx_bvh_intersect(first->bvh, &ray);
+  olx_scene_free(second);
+  const olx_ray_hit after = olx_bvh_intersect(first->bvh, &ray);
+  assert_memory_equal(&before, &after, sizeof before);
+  olx_scene_free(first);
+}
+
+static void floating_point_modes_stay_as_they_are(void **state) {
+  (void)state;
+#if defined(__SSE__)
+  const unsigned int before = _mm_getcsr() & 0xFFC0u;
+  olx_scene *scene = strewn_scene(2000, 3);
+  assert_int_equal(_mm_getcsr() & 0xFFC0u, before);
+  const olx_ray ray = random_ray(1);
+  olx_bvh_intersect(scene->bvh, &ray);
+  assert_int_equal(_mm_getcsr() & 0xFFC0u, before);
+  olx_scene_free(scene);
+#else
+  skip();
+#endif
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(rays_hit_what_a_search_over_all_triangles_finds),
+      cmocka_unit_test(barycentric_coordinates_give_the_hit_point),
+      cmocka_unit_test(packets_answer_as_single_rays),
+      cmocka_unit_test(rays_end_at_t_max_and_begin_at_t_min),
+      cmocka_unit_test(rays_pass_through_cut_out_parts_and_keep_the_scenes_triangle_numbers),
+      cmocka_unit_test(no_ray_slips_between_triangles),
+      cmocka_unit_test(scenes_do_not_know_of_each_other),
+      cmocka_unit_test(floating_point_modes_stay_as_they_are),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

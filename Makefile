@@ -22,7 +22,10 @@ check-full:
 	@JOBS=$(JOBS) scripts/check-full.sh
 
 bench: build
-	@build/release/bench/octalux-bench
+	@mkdir -p build/bench
+	@$(OCTALUX) bake builtin:cornell -o build/bench/speed.olx --grid 4x4x4 --radiance-size 256 --irradiance-size 64
+	@build/release/bench/runtime_speed build/bench/speed.olx
+	@python3 bench/results.py
 
 install: build
 	@cmake --install build/release --prefix $(PREFIX)

@@ -1,0 +1,42 @@
+# Every scene description whose model is here goes the whole way, small: import, bake, verify, render, compare, audit.
+# Models are looked for in OCTALUX_SCENES, or in ../shared/scenes beside the checkout.
+set -euo pipefail
+[ -x "$OCTALUX" ] || { echo "the program is not built"; exit 77; }
+export OCTALUX_SCENES=${OCTALUX_SCENES:-$OCTALUX_SOURCE_DIR/../shared/scenes}
+[ -d "${OCTALUX_SCENES%%:*}" ] || { echo "no scenes in $OCTALUX_SCENES"; exit 77; }
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+# Check a JSON object on standard input against a Python expression over its keys.
+holds() {
+  python3 -c '
+import json, math, sys
+report = json.load(sys.stdin)
+if not eval(sys.argv[1], {"math": math, **report}):
+    sys.exit("does not hold: %s\nin %s" % (sys.argv[1], report))
+' "$1"
+}
+
+count=0
+for description in "$OCTALUX_SOURCE_DIR"/scenes/*.json; do
+  name=$(basename "$description" .json)
+  # A model that is not here is skipped, in words; anything else that goes wrong fails.
+  if ! "$OCTALUX" scene "$description" --json >"$work/scene.json" 2>"$work/scene.log"; then
+    grep -q 'not found\|cannot open\|No such file' "$work/scene.log" || { cat "$work/scene.log"; exit 1; }
+    echo "$name: skipped: $(tail -n 1 "$work/scene.log")"
+    continue
+  fi
+  holds 'triangles > 0 and cameras > 0 and all(a < b for a, b in zip(bounds_min, bounds_max))' <"$work/scene.json"
+  "$OCTALUX" bake "$description" -o "$work/field.olx" --grid 3x2x3 --radiance-size 128 --irradiance-size 16 --bounces 1 --json 2>/dev/null |
+    holds 'probes == 18 and file_bytes > 18 * 130 * 130 * 8'
+  "$OCTALUX" verify "$work/field.olx" >/dev/null
+  "$OCTALUX" render "$description" -o "$work/field.exr" --method field --field "$work/field.olx" --size 96x54 --spp 4 2>/dev/null
+  "$OCTALUX" render "$description" -o "$work/path.exr" --method path --size 96x54 --spp 16 --bounces 2 2>/dev/null
+  "$OCTALUX" compare "$work/field.exr" "$work/path.exr" --json |
+    holds 'all(math.isfinite(m["mse"]) and math.isfinite(m["bias"]) for m in layers.values()) and layers["direct"]["relative_mse"] < 1'
+  "$OCTALUX" audit "$description" --field "$work/field.olx" --rays 2000 --points 50 --json 2>/dev/null |
+    holds 'rays["count"] == 2000 and 0 <= rays["unresolved"] < 1 and math.isfinite(points["relative_mse"])'
+  echo "$name: fine"
+  count=$((count + 1))
+done
+[ "$count" -gt 0 ] || exit 77

@@ -71,7 +71,8 @@ void synthetic_irradiance_maps(uint32_t n, uint32_t probe, uint32_t *irradiance,
 }
 
 olx_result synthetic_write_probes(olx_field_writer *writer, const synthetic_shape *shape) {
-  const size_t texels = (size_t)shape->n * shape->n, irradiance_texels = (size_t)shape->irradiance_n * shape->irradiance_n;
+  const size_t texels = (size_t)shape->n * shape->n,
+               irradiance_texels = (size_t)shape->irradiance_n * shape->irradiance_n;
   const size_t most = texels > irradiance_texels ? texels : irradiance_texels;
   uint32_t *first = olx_allocate(most, 8), *second = first + most;
   if (!first) return olx_fail(OLX_ERROR_MEMORY, "out of memory");

@@ -158,8 +158,8 @@ olx_result olx_field_info_check(const olx_field_info *info, const char *name, ol
   OLX_TRY(check_sizes(info, name, failure));
   const float scale = info->distance_scale_metres;
   if (!(scale >= OLX_FIELD_MIN_SCALE && is_length(scale))) {
-    return olx_fail(failure, "%s: distance scale %g is not in %g..%g", name, (double)scale,
-                    (double)OLX_FIELD_MIN_SCALE, (double)OLX_FIELD_MAX_LENGTH);
+    return olx_fail(failure, "%s: distance scale %g is not in %g..%g", name, (double)scale, (double)OLX_FIELD_MIN_SCALE,
+                    (double)OLX_FIELD_MAX_LENGTH);
   }
   const olx_vec3 low = info->scene_min, high = info->scene_max;
   if (!is_place(low) || !is_place(high) || low.x > high.x || low.y > high.y || low.z > high.z) {

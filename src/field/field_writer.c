@@ -52,8 +52,7 @@ static olx_result allocate_buffers(olx_field_writer *writer, const olx_field_hea
     return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", path);
   }
   memcpy(writer->probe_positions, header->probe_positions, shapes[OLX_CHUNK_PROBE_POSITIONS].size_bytes);
-  memcpy(writer->irradiance_positions, header->irradiance_positions,
-         shapes[OLX_CHUNK_IRRADIANCE_POSITIONS].size_bytes);
+  memcpy(writer->irradiance_positions, header->irradiance_positions, shapes[OLX_CHUNK_IRRADIANCE_POSITIONS].size_bytes);
   return OLX_OK;
 }
 

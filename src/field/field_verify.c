@@ -1,0 +1,173 @@
+#include "core/parallel.h"
+#include "core/result.h"
+#include "field/field_file.h"
+
+#include <assert.h>
+
+enum { MAX_COARSE = 2048 / 16 };
+
+// Means are of distances up to the scene's diagonal, 1, and of the sky, 1; probes may stand a little outside the scene.
+#define MAX_MEAN 1.01f
+// How far rounding to half precision moves mean^2 against the second moment: three half units in the last place, and
+// what the smallest halves lose.
+#define MOMENT_ROUNDING 0x1p-9f
+#define MOMENT_SMALLEST 0x1p-24f
+
+// An exponent of 31 would be infinity or NaN.
+static inline bool is_bad_color(uint32_t code) {
+  return (code & 0x7C0u) == 0x7C0u || (code & 0x3E0000u) == 0x3E0000u || (code & 0xF8000000u) == 0xF8000000u;
+}
+
+static inline bool is_bad_normal(uint16_t code) { return (code & 0xFFu) > 254 || code >> 8 > 254; }
+
+// NaN, or a sky with the mark of an emitter.
+static inline bool is_bad_distance(uint16_t code) { return (code & 0x7FFFu) > 0x7C00u || code == 0xFC00u; }
+
+static inline bool is_bad_moments(uint32_t code) {
+  const float mean = olx_half_unpack((uint16_t)(code & 0xFFFFu)), square = olx_half_unpack((uint16_t)(code >> 16));
+  // Written so that NaN fails.
+  const bool possible = mean <= MAX_MEAN && square <= MAX_MEAN * MAX_MEAN * (1.0f + MOMENT_ROUNDING) &&
+                        mean * mean <= square * (1.0f + MOMENT_ROUNDING) + MOMENT_SMALLEST;
+  return !possible || (code & 0x80008000u);
+}
+
+// Index of the first bad code, or count. The plain loop over all is what compilers make fast.
+#define FIRST_BAD(name, type, is_bad)                                                                                  \
+  static size_t name(const type *codes, size_t count) {                                                                \
+    uint32_t bad = 0;                                                                                                  \
+    for (size_t i = 0; i < count; i++) bad |= is_bad(codes[i]);                                                        \
+    if (!bad) return count;                                                                                            \
+    size_t first = 0;                                                                                                  \
+    while (!is_bad(codes[first])) first++;                                                                             \
+    return first;                                                                                                      \
+  }
+FIRST_BAD(first_bad_color, uint32_t, is_bad_color)
+FIRST_BAD(first_bad_normal, uint16_t, is_bad_normal)
+FIRST_BAD(first_bad_distance, uint16_t, is_bad_distance)
+FIRST_BAD(first_bad_moments, uint32_t, is_bad_moments)
+
+static olx_result fail_at(const olx_field *field, const char *what, uint32_t probe, size_t texel, uint32_t stride,
+                          uint32_t code, const char *problem) {
+  return olx_fail(OLX_ERROR_FORMAT, "%s: %s of probe %u, texel (%d, %d): %s (code %#x)", field->name, what, probe,
+                  (int)(texel % stride) - 1, (int)(texel / stride) - 1, problem, code);
+}
+
+static olx_result check_border(const olx_field *field, const char *what, uint32_t probe, const void *map, uint32_t n,
+                               size_t texel_bytes) {
+  const char *texels = map;
+  const int32_t size = (int32_t)n;
+  const size_t stride = n + 2;
+  for (int32_t y = -1; y <= size; y++) {
+    for (int32_t x = -1; x <= size; x += y >= 0 && y < size ? size + 1 : 1) {
+      int32_t source_x, source_y;
+      olx_border_source(x, y, size, &source_x, &source_y);
+      const size_t border = (size_t)(y + 1) * stride + (size_t)(x + 1);
+      const size_t source = (size_t)(source_y + 1) * stride + (size_t)(source_x + 1);
+      if (memcmp(texels + border * texel_bytes, texels + source * texel_bytes, texel_bytes) != 0) {
+        return olx_fail(OLX_ERROR_FORMAT, "%s: %s of probe %u: border texel (%d, %d) differs from texel (%d, %d)",
+                        field->name, what, probe, x, y, source_x, source_y);
+      }
+    }
+  }
+  return OLX_OK;
+}
+
+static olx_result check_flags(const olx_field *field, const char *kind, uint32_t probe, uint8_t flags) {
+  if ((flags & ~OLX_PROBE_BURIED) == 0) return OLX_OK;
+  return olx_fail(OLX_ERROR_FORMAT, "%s: flags of %s probe %u: unknown bits (%#x)", field->name, kind, probe, flags);
+}
+
+static olx_result check_coarse(const olx_field *field, uint32_t probe) {
+  uint16_t expected[MAX_COARSE * MAX_COARSE];
+  const uint32_t count = field->coarse_n * field->coarse_n;
+  const uint16_t *distance = field->distance + field->texels * probe, *coarse = field->coarse + (size_t)count * probe;
+  olx_coarse_map(distance + field->stride + 1, field->stride, field->n, expected);
+  for (uint32_t i = 0; i < count; i++) {
+    if (coarse[i] != expected[i]) {
+      return olx_fail(OLX_ERROR_FORMAT, "%s: coarse distance of probe %u, block (%u, %u): %#x, but the smallest is %#x",
+                      field->name, probe, i % field->coarse_n, i / field->coarse_n, coarse[i], expected[i]);
+    }
+  }
+  return OLX_OK;
+}
+
+static olx_result check_probe(const olx_field *field, uint32_t probe) {
+  OLX_TRY(check_flags(field, "light field", probe, field->probe_flags[probe]));
+  const size_t texels = field->texels;
+  const uint32_t *radiance = field->radiance + texels * probe;
+  const uint16_t *normal = field->normal + texels * probe, *distance = field->distance + texels * probe;
+  size_t bad = first_bad_color(radiance, texels);
+  if (bad < texels) return fail_at(field, "radiance", probe, bad, field->stride, radiance[bad], "not a finite number");
+  bad = first_bad_normal(normal, texels);
+  if (bad < texels) return fail_at(field, "normal", probe, bad, field->stride, normal[bad], "a coordinate beyond 254");
+  bad = first_bad_distance(distance, texels);
+  if (bad < texels) {
+    return fail_at(field, "distance", probe, bad, field->stride, distance[bad], "NaN or a marked sky");
+  }
+  OLX_TRY(check_border(field, "radiance", probe, radiance, field->n, 4));
+  OLX_TRY(check_border(field, "normal", probe, normal, field->n, 2));
+  OLX_TRY(check_border(field, "distance", probe, distance, field->n, 2));
+  return check_coarse(field, probe);
+}
+
+static olx_result check_irradiance(const olx_field *field, uint32_t probe) {
+  OLX_TRY(check_flags(field, "irradiance", probe, field->irradiance_flags[probe]));
+  const size_t texels = field->irradiance_texels;
+  const uint32_t stride = field->irradiance_stride;
+  const uint32_t *irradiance = field->irradiance + texels * probe, *moments = field->moments + texels * probe;
+  size_t bad = first_bad_color(irradiance, texels);
+  if (bad < texels) return fail_at(field, "irradiance", probe, bad, stride, irradiance[bad], "not a finite number");
+  bad = first_bad_moments(moments, texels);
+  if (bad < texels) return fail_at(field, "moments", probe, bad, stride, moments[bad], "impossible moments");
+  OLX_TRY(check_border(field, "irradiance", probe, irradiance, field->irradiance_n, 4));
+  return check_border(field, "moments", probe, moments, field->irradiance_n, 4);
+}
+
+static olx_result check_chunk(const olx_field *field, uint32_t index) {
+  const olx_file_chunk *chunk = &olx_field_chunks(field)[index];
+  const char *data = (const char *)field->data + chunk->offset;
+  if (olx_field_hash(data, chunk->size_bytes) != chunk->hash) {
+    return olx_fail(OLX_ERROR_CHECKSUM, "%s: chunk %u (%s): wrong checksum", field->name, index,
+                    olx_chunk_type_name(chunk->type).text);
+  }
+  for (uint64_t i = chunk->size_bytes; i < olx_align_chunk(chunk->offset + chunk->size_bytes) - chunk->offset; i++) {
+    if (data[i] != 0) {
+      return olx_fail(OLX_ERROR_FORMAT, "%s: chunk %u (%s): padding at byte %llu is not zero", field->name, index,
+                      olx_chunk_type_name(chunk->type).text, (unsigned long long)(chunk->offset + i));
+    }
+  }
+  return OLX_OK;
+}
+
+typedef olx_result (*check_function)(const olx_field *field, uint32_t index);
+
+typedef struct checks {
+  const olx_field *field;
+  check_function check;
+  atomic_uint first_bad;
+} checks;
+
+static void run_check(void *user, uint32_t index) {
+  checks *c = user;
+  uint32_t first = atomic_load_explicit(&c->first_bad, memory_order_relaxed);
+  if (index >= first || c->check(c->field, index) == OLX_OK) return;
+  while (index < first && !atomic_compare_exchange_weak(&c->first_bad, &first, index)) continue;
+}
+
+// Whatever the threads do, the first failure by index is the one that is reported.
+static olx_result check_all(const olx_field *field, check_function check, uint32_t count) {
+  checks c = {.field = field, .check = check};
+  atomic_init(&c.first_bad, count);
+  OLX_TRY(olx_parallel_for(count, 0, run_check, &c, NULL, 0));
+  const uint32_t first = atomic_load(&c.first_bad);
+  // Once more, for the message: the last one is kept per thread.
+  return first < count ? check(field, first) : OLX_OK;
+}
+
+olx_result olx_field_verify(const olx_field *field) {
+  assert(field);
+  const olx_file_header *header = field->data;
+  OLX_TRY(check_all(field, check_chunk, header->chunk_count));
+  OLX_TRY(check_all(field, check_probe, field->info.probe_count));
+  return check_all(field, check_irradiance, field->info.irradiance_probe_count);
+}

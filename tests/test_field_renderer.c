@@ -1,0 +1,312 @@
+// The field renderer on fields whose content is known: what it must make of them follows in closed form.
+#include "analytic_field.h"
+#include "core/bsdf.h"
+#include "field/maps.h"
+#include "render/camera.h"
+#include "tiny_scenes.h"
+
+static const analytic_scene room = {.room = {{-1, -1, -1}, {1, 1, 1}}};
+static const olx_grid grid = {.origin = {-0.4f, -0.4f, -0.4f}, .spacing = {0.8f, 0.8f, 0.8f}, .count = {2, 2, 2}};
+
+// Numbers that the packed format holds exactly. The irradiance is not pi times the radiance, to tell which one was used.
+static const float field_radiance = 2.0f, field_irradiance = 6.25f;
+
+static olx_field *uniform_field(uint64_t scene_hash) {
+  olx_field *field = analytic_field_make(&room, &grid, 64, 16);
+  uint32_t *radiance = (uint32_t *)(uintptr_t)field->radiance, *irradiance = (uint32_t *)(uintptr_t)field->irradiance;
+  const size_t probes = field->info.probe_count;
+  for (size_t i = 0; i < probes * field->texels; i++) radiance[i] = olx_r11g11b10f_pack(olx_splat(field_radiance));
+  for (size_t i = 0; i < probes * field->irradiance_texels; i++) {
+    irradiance[i] = olx_r11g11b10f_pack(olx_splat(field_irradiance));
+  }
+  field->info.scene_hash = scene_hash;
+  return field;
+}
+
+static void mark_everything_as_emitter(olx_field *field) {
+  uint16_t *distance = (uint16_t *)(uintptr_t)field->distance;
+  for (size_t i = 0; i < field->info.probe_count * field->texels; i++) distance[i] |= 0x8000u;
+}
+
+static olx_scene *unlit_box(const olx_material *walls) {
+  olx_scene *scene = tiny_scene();
+  tiny_box(scene, walls);
+  return tiny_finish(scene);
+}
+
+// Looks at the middle of the floor under an angle with cosine 0.6.
+static const double view_cosine = 0.6;
+static olx_camera narrow_camera(void) { return tiny_camera(olx_v3(0.8f, -0.4f, 0), olx_v3(0, -1, 0), 0.01f); }
+static olx_camera wide_camera(void) { return tiny_camera(olx_v3(0.5f, 0.3f, 0.6f), olx_v3(-0.4f, -0.6f, -0.5f), 70); }
+
+static olx_render_settings field_settings(uint32_t size, uint32_t spp) {
+  olx_render_settings settings = olx_render_settings_default(OLX_METHOD_FIELD);
+  settings.width = settings.height = size;
+  settings.spp = spp;
+  return settings;
+}
+
+static void test_diffuse_light_is_reflectance_times_irradiance(void **state) {
+  (void)state;
+  const double schlick = pow(1 - view_cosine, 5), pi = (double)OLX_PI;
+  const olx_material materials[] = {tiny_lambert(0.5f, 0), tiny_plastic(0.5f, 0.4f), tiny_metal(0.5f, 0.4f)};
+  const double reflectance[] = {0.5, 0.5 * (1 - 0.04 - 0.96 * schlick), 0};
+  for (int m = 0; m < 3; m++) {
+    olx_scene *scene = unlit_box(&materials[m]);
+    olx_field *field = uniform_field(scene->hash);
+    olx_render_settings settings = field_settings(4, 2);
+    const olx_camera camera = narrow_camera();
+    olx_image image = tiny_render(scene, field, &camera, &settings);
+    const double interpolated = tiny_mean(&image, OLX_LAYER_INDIRECT_DIFFUSE);
+    assert_true(tiny_mean(&image, OLX_LAYER_DIRECT) == 0);
+    olx_image_free(&image);
+    settings.diffuse = OLX_DIFFUSE_TRACED;
+    image = tiny_render(scene, field, &camera, &settings);
+    const double traced = tiny_mean(&image, OLX_LAYER_INDIRECT_DIFFUSE);
+    olx_image_free(&image);
+    if (m == 2) {
+      assert_true(interpolated == 0 && traced == 0);
+    } else {
+      assert_close(interpolated, reflectance[m] * (double)field_irradiance / pi, 1e-4, "interpolated");
+      assert_close(traced, reflectance[m] * (double)field_radiance, 1e-4, "traced");
+    }
+    analytic_field_free(field);
+    olx_scene_free(scene);
+  }
+}
+
+static void test_glossy_light_is_directional_albedo_times_radiance(void **state) {
+  (void)state;
+  const float roughness[] = {0.0f, 0.3f, 0.8f};
+  for (int i = 0; i < 3; i++) {
+    const olx_material materials[] = {tiny_metal(0.7f, roughness[i]), tiny_plastic(0.5f, roughness[i])};
+    for (int m = 0; m < 2; m++) {
+      olx_scene *scene = unlit_box(&materials[m]);
+      olx_field *field = uniform_field(scene->hash);
+      olx_render_settings settings = field_settings(8, 16);
+      settings.glossy_samples = 8;
+      const olx_camera camera = narrow_camera();
+      olx_image image = tiny_render(scene, field, &camera, &settings);
+      const double f0 = m ? 0.04 : 0.7;
+      const double albedo = roughness[i] > 0 ? tiny_directional_albedo(f0, (double)roughness[i], view_cosine)
+                                             : f0 + (1 - f0) * pow(1 - view_cosine, 5);
+      assert_close(tiny_mean(&image, OLX_LAYER_INDIRECT_GLOSSY), albedo * (double)field_radiance, 5e-3, "glossy");
+      olx_image_free(&image);
+      analytic_field_free(field);
+      olx_scene_free(scene);
+    }
+  }
+}
+
+static void test_surfaces_without_a_specular_lobe_trace_nothing(void **state) {
+  (void)state;
+  const olx_material walls = tiny_lambert(0.5f, 0);
+  olx_scene *scene = unlit_box(&walls);
+  olx_field *field = uniform_field(scene->hash);
+  olx_render_settings settings = field_settings(8, 2);
+  settings.diffuse_samples = 5;
+  const olx_camera camera = wide_camera();
+  for (int traced = 0; traced < 2; traced++) {
+    settings.diffuse = traced ? OLX_DIFFUSE_TRACED : OLX_DIFFUSE_IRRADIANCE;
+    olx_image image;
+    olx_render_stats stats;
+    ASSERT_OK(olx_render(scene, field, &camera, &settings, NULL, &image, &stats));
+    assert_int_equal(stats.field_rays, traced ? 8 * 8 * 2 * 5 : 0);
+    assert_int_equal(stats.rays, 8 * 8 * 2); // the camera's: nothing emits
+    assert_true(tiny_mean(&image, OLX_LAYER_INDIRECT_GLOSSY) == 0);
+    assert_true(stats.seconds > 0 && stats.primary_seconds > 0 && stats.diffuse_seconds > 0);
+    olx_image_free(&image);
+  }
+  analytic_field_free(field);
+  olx_scene_free(scene);
+}
+
+static void test_mirror_floor_shows_the_room_in_place(void **state) {
+  (void)state;
+  const olx_material floor = tiny_metal(0.9f, 0), walls = tiny_lambert(0.5f, 0);
+  olx_scene *scene = tiny_scene();
+  tiny_box(scene, &walls);
+  // A hair above the floor of the box, so that the field's geometry agrees with the scene's.
+  tiny_quad(scene, &floor, olx_v3(0, -0.9999f, 0), olx_v3(0, 0, 2), olx_v3(2, 0, 0));
+  tiny_finish(scene);
+  olx_field *field = analytic_field_make(&room, &grid, 256, 16);
+  field->info.scene_hash = scene->hash;
+  const olx_camera camera = tiny_camera(olx_v3(0.2f, 0.3f, 0.1f), olx_v3(0.1f, -1, -0.1f), 60);
+  const olx_render_settings settings = field_settings(48, 1);
+  olx_image image = tiny_render(scene, field, &camera, &settings);
+  olx_camera_frame frame;
+  ASSERT_OK(olx_camera_frame_make(&camera, 48, 48, &frame));
+  double error = 0, reference = 0;
+  for (uint32_t i = 0; i < 48 * 48; i++) {
+    if (image.layers[OLX_LAYER_INDIRECT_GLOSSY][i].x == 0.0f) continue; // beside the mirror
+    const olx_vec3 d = olx_camera_direction(&frame, ((float)(i % 48) + 0.5f) / 48, ((float)(i / 48) + 0.5f) / 48);
+    const olx_vec3 on_floor = olx_madd(frame.eye, d, (-0.9999f - frame.eye.y) / d.y);
+    const olx_vec3 reflected = olx_v3(d.x, -d.y, d.z);
+    const analytic_hit hit = analytic_cast(&room, on_floor, reflected);
+    const float fresnel = 0.9f + 0.1f * olx_pow5(1 - reflected.y);
+    const olx_vec3 expected = olx_scale(analytic_radiance(olx_madd(on_floor, reflected, hit.t), hit.normal), fresnel);
+    const olx_vec3 difference = olx_sub(image.layers[OLX_LAYER_INDIRECT_GLOSSY][i], expected);
+    error += (double)olx_dot(difference, difference);
+    reference += (double)olx_dot(expected, expected);
+  }
+  assert_true(reference > 1000);
+  print_message("relative error of the mirror image %.2g\n", error / reference);
+  assert_true(error < 5e-4 * reference);
+  olx_image_free(&image);
+  analytic_field_free(field);
+  olx_scene_free(scene);
+}
+
+// --- Direct light and emitters ---------------------------------------------------------------------------------------
+
+static olx_scene *lit_box(bool lamp) {
+  olx_scene *scene = tiny_scene();
+  const olx_material walls = tiny_plastic(0.7f, 0.4f);
+  tiny_box(scene, &walls);
+  const olx_light point = {.type = OLX_LIGHT_POINT, .position = {0.2f, 0.5f, 0.1f}, .emission = {1, 2, 3}};
+  ASSERT_OK(olx_scene_add_light(scene, &point));
+  if (lamp) {
+    const olx_vec3 u = {0.5f, 0, 0}, v = {0, 0, 0.5f};
+    ASSERT_OK(olx_scene_add_rect_light(scene, olx_v3(0, 0.98f, 0), u, v, olx_splat(8)));
+  }
+  return tiny_finish(scene);
+}
+
+static olx_image render_lit(const olx_scene *scene, const olx_field *field, const olx_render_settings *settings) {
+  const olx_camera camera = wide_camera();
+  return tiny_render(scene, field, &camera, settings);
+}
+
+static void test_direct_light_is_the_path_tracers(void **state) {
+  (void)state;
+  for (int lamp = 0; lamp < 2; lamp++) {
+    olx_scene *scene = lit_box(lamp == 1);
+    olx_field *field = uniform_field(scene->hash);
+    olx_render_settings settings = field_settings(16, lamp ? 256 : 4);
+    olx_image a = render_lit(scene, field, &settings);
+    settings.method = OLX_METHOD_PATH;
+    settings.bounces = 0;
+    olx_image b = render_lit(scene, NULL, &settings);
+    const olx_vec3 *direct_a = a.layers[OLX_LAYER_DIRECT], *direct_b = b.layers[OLX_LAYER_DIRECT];
+    if (!lamp) assert_memory_equal(direct_a, direct_b, 16 * 16 * sizeof(olx_vec3));
+    assert_close(tiny_mean(&a, OLX_LAYER_DIRECT), tiny_mean(&b, OLX_LAYER_DIRECT), 2e-3, "direct light");
+    olx_image_free(&a);
+    olx_image_free(&b);
+    analytic_field_free(field);
+    olx_scene_free(scene);
+  }
+}
+
+static void test_emitters_are_counted_once(void **state) {
+  (void)state;
+  olx_scene *with_lamp = lit_box(true), *without = lit_box(false);
+  olx_field *field = uniform_field(with_lamp->hash);
+  mark_everything_as_emitter(field);
+  olx_render_settings settings = field_settings(16, 4);
+  settings.diffuse = OLX_DIFFUSE_TRACED;
+  // Direct light samples emitters, so what is traced leaves them out.
+  olx_image sampled = render_lit(with_lamp, field, &settings);
+  assert_true(tiny_mean(&sampled, OLX_LAYER_INDIRECT_DIFFUSE) == 0);
+  assert_true(tiny_mean(&sampled, OLX_LAYER_INDIRECT_GLOSSY) == 0);
+  // Traced emitters are in the indirect layers, and direct light is that of the lamps without area alone.
+  settings.sample.emitters = true;
+  olx_image traced = render_lit(with_lamp, field, &settings);
+  assert_true(tiny_mean(&traced, OLX_LAYER_INDIRECT_DIFFUSE) > 0.5);
+  assert_true(tiny_mean(&traced, OLX_LAYER_INDIRECT_GLOSSY) > 0.05);
+  field->info.scene_hash = without->hash;
+  olx_image points = render_lit(without, field, &settings);
+  assert_close(tiny_mean(&traced, OLX_LAYER_DIRECT), tiny_mean(&points, OLX_LAYER_DIRECT), 2e-2, "direct light");
+  assert_true(tiny_mean(&traced, OLX_LAYER_DIRECT) < 0.8 * tiny_mean(&sampled, OLX_LAYER_DIRECT));
+  olx_image_free(&sampled);
+  olx_image_free(&traced);
+  olx_image_free(&points);
+  analytic_field_free(field);
+  olx_scene_free(with_lamp);
+  olx_scene_free(without);
+}
+
+// --- The image -------------------------------------------------------------------------------------------------------
+
+static void test_same_bytes_at_any_number_of_threads(void **state) {
+  (void)state;
+  olx_scene *scene = lit_box(true);
+  olx_field *field = analytic_field_make(&room, &grid, 64, 16);
+  field->info.scene_hash = scene->hash;
+  olx_render_settings settings = field_settings(29, 3);
+  settings.diffuse = OLX_DIFFUSE_TRACED;
+  settings.diffuse_samples = 4;
+  settings.standard_error = true;
+  settings.threads = 1;
+  olx_image one = render_lit(scene, field, &settings);
+  for (uint32_t threads = 2; threads <= 5; threads += 3) {
+    settings.threads = threads;
+    olx_image other = render_lit(scene, field, &settings);
+    for (int layer = 0; layer < OLX_LAYER_COUNT; layer++) {
+      assert_memory_equal(one.layers[layer], other.layers[layer], 29 * 29 * sizeof(olx_vec3));
+    }
+    olx_image_free(&other);
+  }
+  olx_image_free(&one);
+  analytic_field_free(field);
+  olx_scene_free(scene);
+}
+
+static void count_warnings(void *user, olx_log_level level, const char *message) {
+  if (level == OLX_LOG_WARNING && strstr(message, "another scene")) ++*(int *)user;
+}
+
+static void test_field_of_another_scene_is_used_with_a_warning(void **state) {
+  (void)state;
+  const olx_material walls = tiny_lambert(0.5f, 0);
+  olx_scene *scene = unlit_box(&walls);
+  int warnings = 0;
+  const olx_hooks hooks = {.user = &warnings, .log = count_warnings};
+  olx_set_hooks(&hooks);
+  for (uint64_t other = 0; other < 2; other++) {
+    olx_field *field = uniform_field(scene->hash + other);
+    const olx_render_settings settings = field_settings(4, 1);
+    olx_image image = render_lit(scene, field, &settings);
+    assert_int_equal(warnings, other);
+    assert_true(tiny_mean(&image, OLX_LAYER_INDIRECT_DIFFUSE) > 0);
+    olx_image_free(&image);
+    analytic_field_free(field);
+  }
+  olx_set_hooks(NULL);
+  olx_scene_free(scene);
+}
+
+static void test_settings_out_of_range_are_refused(void **state) {
+  (void)state;
+  const olx_material walls = tiny_lambert(0.5f, 0);
+  olx_scene *scene = unlit_box(&walls);
+  olx_field *field = uniform_field(scene->hash);
+  const olx_camera camera = wide_camera();
+  olx_image image;
+  const olx_render_settings good = field_settings(4, 1);
+  olx_render_settings bad[] = {good, good, good, good};
+  bad[0].glossy_samples = 0;
+  bad[1].glossy_samples = 4097;
+  bad[2].diffuse_samples = 0;
+  bad[3].diffuse = (olx_diffuse)7;
+  for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+    assert_int_equal(olx_render(scene, field, &camera, &bad[i], NULL, &image, NULL), OLX_ERROR_ARGUMENT);
+    assert_true(strlen(olx_last_error()) > 0);
+  }
+  analytic_field_free(field);
+  olx_scene_free(scene);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_diffuse_light_is_reflectance_times_irradiance),
+      cmocka_unit_test(test_glossy_light_is_directional_albedo_times_radiance),
+      cmocka_unit_test(test_surfaces_without_a_specular_lobe_trace_nothing),
+      cmocka_unit_test(test_mirror_floor_shows_the_room_in_place),
+      cmocka_unit_test(test_direct_light_is_the_path_tracers),
+      cmocka_unit_test(test_emitters_are_counted_once),
+      cmocka_unit_test(test_same_bytes_at_any_number_of_threads),
+      cmocka_unit_test(test_field_of_another_scene_is_used_with_a_warning),
+      cmocka_unit_test(test_settings_out_of_range_are_refused),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,132 @@
+#include "scene_files.h"
+
+#include <dirent.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+bool scene_folder_create(scene_folder *folder) {
+  const char *base = getenv("TMPDIR");
+  snprintf(folder->path, sizeof folder->path, "%s/octalux-scene-XXXXXX", base && *base ? base : "/tmp");
+  return mkdtemp(folder->path) != NULL;
+}
+
+void scene_folder_remove(const scene_folder *folder) {
+  DIR *directory = opendir(folder->path);
+  for (const struct dirent *entry; directory && (entry = readdir(directory));) {
+    char path[600];
+    snprintf(path, sizeof path, "%s/%s", folder->path, entry->d_name);
+    if (entry->d_name[0] != '.') unlink(path);
+  }
+  if (directory) closedir(directory);
+  rmdir(folder->path);
+}
+
+const char *scene_folder_write(const scene_folder *folder, const char *name, const void *data, size_t size_bytes) {
+  static _Thread_local char paths[4][600];
+  static _Thread_local unsigned next;
+  char *path = paths[next++ % 4];
+  snprintf(path, sizeof paths[0], "%s/%s", folder->path, name);
+  FILE *file = fopen(path, "wb");
+  if (!file || fwrite(data, 1, size_bytes, file) != size_bytes || fclose(file) != 0) {
+    perror(path);
+    abort();
+  }
+  return path;
+}
+
+const char *scene_folder_write_text(const scene_folder *folder, const char *name, const char *text) {
+  return scene_folder_write(folder, name, text, strlen(text));
+}
+
+#define SQUARE_BYTES 140
+
+// Four vertices of position, normal and uv, then six indices.
+static void square_buffer(uint8_t bytes[SQUARE_BYTES]) {
+  const float vertices[4][8] = {
+      {0, 0, 0, 0, 0, 1, 0, 1}, {1, 0, 0, 0, 0, 1, 1, 1}, {1, 1, 0, 0, 0, 1, 1, 0}, {0, 1, 0, 0, 0, 1, 0, 0}};
+  const uint16_t indices[6] = {0, 1, 2, 0, 2, 3};
+  memcpy(bytes, vertices, sizeof vertices);
+  memcpy(bytes + sizeof vertices, indices, sizeof indices);
+}
+
+static void encode_base64(const uint8_t *bytes, size_t size_bytes, char *text) {
+  static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  for (size_t i = 0; i < size_bytes; i += 3) {
+    uint32_t bits = (uint32_t)bytes[i] << 16;
+    if (i + 1 < size_bytes) bits |= (uint32_t)bytes[i + 1] << 8;
+    if (i + 2 < size_bytes) bits |= bytes[i + 2];
+    *text++ = digits[bits >> 18];
+    *text++ = digits[(bits >> 12) & 63];
+    *text++ = i + 1 < size_bytes ? digits[(bits >> 6) & 63] : '=';
+    *text++ = i + 2 < size_bytes ? digits[bits & 63] : '=';
+  }
+  *text = 0;
+}
+
+char *scene_files_gltf(const char *materials, int mesh_material, const char *nodes, const char *more, bool binary) {
+  uint8_t bytes[SQUARE_BYTES];
+  char base64[SQUARE_BYTES * 2], uri[SQUARE_BYTES * 2 + 64] = "", material[32] = "";
+  square_buffer(bytes);
+  encode_base64(bytes, sizeof bytes, base64);
+  if (!binary) snprintf(uri, sizeof uri, "\"uri\": \"data:application/octet-stream;base64,%s\", ", base64);
+  if (mesh_material >= 0) snprintf(material, sizeof material, ", \"material\": %d", mesh_material);
+  const size_t capacity = 4096 + strlen(materials) + strlen(nodes) + strlen(more);
+  char *text = malloc(capacity);
+  snprintf(text, capacity,
+           "{\"asset\": {\"version\": \"2.0\"}, \"scene\": 0, \"scenes\": [{\"nodes\": [0]}], \"nodes\": %s,\n"
+           "\"materials\": %s,\n"
+           "\"meshes\": [{\"name\": \"square\", \"primitives\": [{\"attributes\": {\"POSITION\": 0, \"NORMAL\": 1, "
+           "\"TEXCOORD_0\": 2}, \"indices\": 3%s}]}],\n"
+           "\"accessors\": [\n"
+           "{\"bufferView\": 0, \"componentType\": 5126, \"count\": 4, \"type\": \"VEC3\", \"min\": [0, 0, 0], "
+           "\"max\": [1, 1, 0]},\n"
+           "{\"bufferView\": 0, \"byteOffset\": 12, \"componentType\": 5126, \"count\": 4, \"type\": \"VEC3\"},\n"
+           "{\"bufferView\": 0, \"byteOffset\": 24, \"componentType\": 5126, \"count\": 4, \"type\": \"VEC2\"},\n"
+           "{\"bufferView\": 1, \"componentType\": 5123, \"count\": 6, \"type\": \"SCALAR\"}],\n"
+           "\"bufferViews\": [{\"buffer\": 0, \"byteLength\": 128, \"byteStride\": 32}, "
+           "{\"buffer\": 0, \"byteOffset\": 128, \"byteLength\": 12}],\n"
+           "\"buffers\": [{%s\"byteLength\": 140}]%s}",
+           nodes, materials, material, uri, more);
+  return text;
+}
+
+size_t scene_files_glb(const char *materials, int mesh_material, const char *nodes, const char *more, uint8_t **data) {
+  char *text = scene_files_gltf(materials, mesh_material, nodes, more, true);
+  const size_t text_bytes = strlen(text), padded = (text_bytes + 3) & ~(size_t)3;
+  const size_t total = 12 + 8 + padded + 8 + SQUARE_BYTES;
+  uint8_t *bytes = malloc(total);
+  const uint32_t header[5] = {0x46546C67u, 2, (uint32_t)total, (uint32_t)padded, 0x4E4F534Au};
+  const uint32_t chunk[2] = {SQUARE_BYTES, 0x004E4942u};
+  memcpy(bytes, header, sizeof header);
+  memset(bytes + 20, ' ', padded);
+  memcpy(bytes + 20, text, text_bytes);
+  memcpy(bytes + 20 + padded, chunk, sizeof chunk);
+  square_buffer(bytes + 28 + padded);
+  free(text);
+  *data = bytes;
+  return total;
+}
+
+size_t scene_files_tga(uint8_t data[34]) {
+  // Uncompressed true colour, 32 bits, rows from the top, BGRA.
+  const uint8_t file[34] = {0,    0, 2, 0,   0,   0, 0,   0, 0,   0,   0, 0, 2,   0,   2,   0,   32,
+                            0x28, 0, 0, 255, 255, 0, 255, 0, 255, 255, 0, 0, 255, 255, 255, 255, 0};
+  memcpy(data, file, sizeof file);
+  return sizeof file;
+}
+
+const char scene_files_obj[] = "mtllib square.mtl\n"
+                               "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
+                               "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+                               "vn 0 0 1\n"
+                               "usemtl square\n"
+                               "f 1/1/1 2/2/1 3/3/1 4/4/1\n";
+
+bool scene_files_real(const char *name, char *path, size_t size_bytes) {
+  const char *folders = getenv("OCTALUX_SCENES");
+  if (!folders || !*folders) folders = OLX_SOURCE_DIR "/../shared/scenes";
+  snprintf(path, size_bytes, "%.*s/%s", (int)strcspn(folders, ":"), folders, name);
+  return access(path, R_OK) == 0;
+}

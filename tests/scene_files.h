@@ -1,0 +1,38 @@
+// Small scene files for tests: a temporary folder, and texts to put into it.
+#ifndef OLX_TESTS_SCENE_FILES_H
+#define OLX_TESTS_SCENE_FILES_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+typedef struct scene_folder {
+  char path[256];
+} scene_folder;
+
+// A new folder under TMPDIR.
+bool scene_folder_create(scene_folder *folder);
+// With everything in it.
+void scene_folder_remove(const scene_folder *folder);
+// Write a file and return its path, which lives until the fourth next call on this thread.
+const char *scene_folder_write(const scene_folder *folder, const char *name, const void *data, size_t size_bytes);
+const char *scene_folder_write_text(const scene_folder *folder, const char *name, const char *text);
+
+// A glTF text whose single mesh is a unit square in the xy plane facing +z, two triangles, with normals and uvs (v = 0 at
+// the top, y = 1). `materials` and `nodes` are JSON lists; `mesh_material` is the primitive's material or -1; `more` is
+// appended to the root object and starts with a comma unless it is empty. A `binary` text leaves its buffer to the .glb
+// around it. Free it.
+char *scene_files_gltf(const char *materials, int mesh_material, const char *nodes, const char *more, bool binary);
+// The same as a .glb in *data, to be freed; returns its size.
+size_t scene_files_glb(const char *materials, int mesh_material, const char *nodes, const char *more, uint8_t **data);
+
+// A 2 x 2 image file (TGA): upper left red, upper right green, lower left blue, lower right white with alpha 0.
+size_t scene_files_tga(uint8_t data[34]);
+
+// An OBJ square in the xy plane facing +z with texture coordinates, one quad, material "square" of square.mtl.
+extern const char scene_files_obj[];
+
+// Where the real scenes are: OCTALUX_SCENES's first folder, or ../shared/scenes. False when they are not there.
+bool scene_files_real(const char *name, char *path, size_t size_bytes);
+
+#endif

@@ -1,0 +1,69 @@
+# The checks of the house find what they are there to find: each fault, planted in a clean tree, is reported; and the counts
+# of a test report come out right.
+set -euo pipefail
+check=$OCTALUX_SOURCE_DIR/scripts/check_layers.py
+count=$OCTALUX_SOURCE_DIR/scripts/count_tests.py
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+failed=0
+
+clean_tree() {
+  rm -rf "$work/tree"
+  mkdir -p "$work"/tree/{include/octalux,src/core,src/trace,src/scene,cli}
+  cd "$work/tree"
+  printf '#include <stdint.h>\n' >include/octalux/base.h
+  printf '#include <octalux/base.h>\n' >include/octalux/scene.h
+  printf '#include <octalux/base.h>\n#include <math.h>\n' >src/core/vec.h
+  printf '#include "core/vec.h"\n#include <xxhash.h>\n' >src/trace/trace.c
+  printf '#include "trace/x.h"\n#include <embree3/rtcore.h>\n#include <octalux/scene.h>\n' >src/scene/bvh.c
+  printf '#include "command.h"\n#include <octalux/scene.h>\n#include <cjson/cJSON.h>\n' >cli/main.c
+  : >cli/command.h
+}
+
+# planted WHERE LINE: the tree with that line added has exactly one violation, in that file.
+planted() {
+  clean_tree
+  printf '%s\n' "$2" >>"$1"
+  if python3 "$check" "$work/tree" >"$work/out"; then
+    echo "not found in $1: $2"
+    failed=1
+  elif [ "$(grep -c . "$work/out")" -ne 2 ] || ! grep -q "^$1:" "$work/out"; then
+    echo "wrongly reported: $2"
+    cat "$work/out"
+    failed=1
+  fi
+}
+
+clean_tree
+python3 "$check" "$work/tree" || failed=1
+
+planted src/core/vec.h '#include "trace/trace.h"'
+planted src/trace/trace.c '#include "scene/bvh.h"'
+planted src/trace/trace.c '#include <octalux/scene.h>'
+planted src/trace/trace.c '#include <embree3/rtcore.h>'
+planted src/trace/trace.c '#include "trace.h"'
+planted src/trace/trace.c '  #  include   "../scene/bvh.h"'
+planted include/octalux/base.h '#include <octalux/scene.h>'
+planted include/octalux/base.h '#include <stdio.h>'
+planted include/octalux/scene.h '#include "core/vec.h"'
+planted cli/main.c '#include "core/vec.h"'
+planted cli/main.c '#include "../src/core/vec.h"'
+planted cli/vec.h '// a second file of this name'
+planted src/core/vec.h "// TO""DO: finish"
+planted src/core/vec.h "// Copy""right somebody else"
+planted src/core/vec.h "// see /ho""me/somebody/notes"
+
+cat >"$work/report.xml" <<'XML'
+<testsuite>
+<testcase name="unit" status="run"><system-out>[  PASSED  ] 12 test(s).</system-out></testcase>
+<testcase name="broken" status="fail"><system-out>[  PASSED  ] 3 test(s).
+[  SKIPPED ] 1 test(s), listed below:
+[  FAILED  ] 2 test(s), listed below:</system-out></testcase>
+<testcase name="crashed" status="fail"><system-out>no summary</system-out></testcase>
+<testcase name="script" status="run"><system-out>fine</system-out></testcase>
+<testcase name="absent" status="notrun"><system-out></system-out></testcase>
+</testsuite>
+XML
+counts=$(python3 "$count" "$work/report.xml" 2>/dev/null)
+[ "$counts" = "16 3 2" ] || { echo "counted $counts"; failed=1; }
+exit "$failed"

@@ -1,6 +1,6 @@
 // The ray caster: what it hits, what it lets through, and that packets answer as single rays do.
-#include "core/hooks.h"
 #include "core/sampling.h"
+#include "made_scenes.h"
 #include "scene/bvh.h"
 #include "scene/scene_build.h"
 #include "scene/surface.h"
@@ -8,7 +8,6 @@
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
-#include <stdlib.h>
 #include <string.h>
 #if defined(__SSE__)
 #include <xmmintrin.h>
@@ -16,31 +15,11 @@
 
 #include <cmocka.h>
 
-static olx_scene *new_scene(void) {
-  olx_scene *scene = olx_allocate_zero(1, sizeof *scene);
-  assert_non_null(scene);
-  return scene;
-}
-
-static uint32_t add_material(olx_scene *scene, const olx_material *material) {
-  uint32_t index = 0;
-  assert_int_equal(olx_scene_add_material(scene, material, &index), OLX_OK);
-  return index;
-}
-
-// The square [-1, 1]^2 at height y, seen from above, u along x and v along z.
-static void add_square(olx_scene *scene, float y, uint32_t material) {
-  const olx_vec3 corners[4] = {{-1.0f, y, -1.0f}, {-1.0f, y, 1.0f}, {1.0f, y, 1.0f}, {1.0f, y, -1.0f}};
-  const olx_vec2 uvs[4] = {{0.0f, 0.0f}, {0.0f, 1.0f}, {1.0f, 1.0f}, {1.0f, 0.0f}};
-  const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
-  assert_int_equal(olx_scene_add_mesh(scene, "square", corners, NULL, uvs, 4, indices, 2, material), OLX_OK);
-}
-
 // Triangles strewn in the cube [-1, 1]^3 by hashing.
 static olx_scene *strewn_scene(uint32_t triangles, uint32_t seed) {
-  olx_scene *scene = new_scene();
+  olx_scene *scene = made_scene();
   const olx_material material = olx_material_default();
-  const uint32_t index = add_material(scene, &material);
+  const uint32_t index = made_material(scene, &material);
   for (uint32_t t = 0; t < triangles; t++) {
     olx_vec3 corners[3];
     olx_vec3 center = {0.0f, 0.0f, 0.0f};
@@ -54,8 +33,7 @@ static olx_scene *strewn_scene(uint32_t triangles, uint32_t seed) {
     const uint32_t indices[3] = {0, 1, 2};
     assert_int_equal(olx_scene_add_mesh(scene, "strewn", corners, NULL, NULL, 3, indices, 1, index), OLX_OK);
   }
-  assert_int_equal(olx_scene_finish(scene), OLX_OK);
-  return scene;
+  return made_finish(scene);
 }
 
 static olx_ray random_ray(uint32_t seed) {
@@ -146,10 +124,10 @@ static void packets_answer_as_single_rays(void **state) {
 
 static void rays_end_at_t_max_and_begin_at_t_min(void **state) {
   (void)state;
-  olx_scene *scene = new_scene();
+  olx_scene *scene = made_scene();
   const olx_material material = olx_material_default();
-  add_square(scene, 0.0f, add_material(scene, &material));
-  assert_int_equal(olx_scene_finish(scene), OLX_OK);
+  made_square(scene, 0.0f, made_material(scene, &material));
+  made_finish(scene);
   const struct {
     float t_min, t_max;
     bool hit, occluded;
@@ -175,21 +153,16 @@ static void rays_end_at_t_max_and_begin_at_t_min(void **state) {
 
 // A masked square above an opaque one: its right half is cut out by the texture's alpha.
 static olx_scene *masked_scene(void) {
-  olx_scene *scene = new_scene();
-  olx_texture texture = {.width = 2, .height = 1, .texels = olx_allocate(8, 1), .srgb = true};
+  olx_scene *scene = made_scene();
   const uint8_t texels[8] = {255, 255, 255, 255, 255, 255, 255, 0};
-  memcpy(texture.texels, texels, sizeof texels);
-  uint32_t texture_index = 0;
-  assert_int_equal(olx_scene_add_texture(scene, &texture, &texture_index), OLX_OK);
   const olx_material opaque = olx_material_default();
   olx_material masked = opaque;
   masked.alpha_cutoff = 0.5f;
-  masked.base_color_texture = texture_index;
-  const uint32_t opaque_index = add_material(scene, &opaque), masked_index = add_material(scene, &masked);
-  add_square(scene, 1.0f, masked_index);
-  add_square(scene, 0.0f, opaque_index);
-  assert_int_equal(olx_scene_finish(scene), OLX_OK);
-  return scene;
+  masked.base_color_texture = made_texture(scene, 2, 1, texels, true);
+  const uint32_t opaque_index = made_material(scene, &opaque), masked_index = made_material(scene, &masked);
+  made_square(scene, 1.0f, masked_index);
+  made_square(scene, 0.0f, opaque_index);
+  return made_finish(scene);
 }
 
 static void rays_pass_through_cut_out_parts_and_keep_the_scenes_triangle_numbers(void **state) {
@@ -224,9 +197,9 @@ static void rays_pass_through_cut_out_parts_and_keep_the_scenes_triangle_numbers
 // A closed mesh seen along rays aimed exactly at its edges and corners.
 static void no_ray_slips_between_triangles(void **state) {
   (void)state;
-  olx_scene *scene = new_scene();
+  olx_scene *scene = made_scene();
   const olx_material material = olx_material_default();
-  const uint32_t index = add_material(scene, &material);
+  const uint32_t index = made_material(scene, &material);
   enum { SIDE = 8 };
   olx_vec3 corners[(SIDE + 1) * (SIDE + 1)];
   uint32_t indices[SIDE * SIDE * 6], *next = indices;
@@ -247,7 +220,7 @@ static void no_ray_slips_between_triangles(void **state) {
   const uint32_t vertices = (SIDE + 1) * (SIDE + 1);
   assert_int_equal(olx_scene_add_mesh(scene, "sheet", corners, NULL, NULL, vertices, indices, SIDE * SIDE * 2, index),
                    OLX_OK);
-  assert_int_equal(olx_scene_finish(scene), OLX_OK);
+  made_finish(scene);
   for (uint32_t n = 0; n < 20000; n++) {
     const uint32_t t = n % (SIDE * SIDE * 2);
     const olx_vec3 a = corners[indices[3 * t]], b = corners[indices[3 * t + 2]];

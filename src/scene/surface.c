@@ -133,6 +133,14 @@ static void look_up_material(const olx_scene *scene, const olx_material *materia
       surface->back_face && !material->emits_both_sides ? olx_splat(0.0f) : emission_at_uv(scene, material, uv);
 }
 
+// The step from `position` to the middle of the triangle, no longer than `length`.
+static olx_vec3 step_inward(const olx_corners *c, olx_vec3 position, float length) {
+  const olx_vec3 middle = interpolate(c->p0, c->p1, c->p2, 1.0f / 3.0f, 1.0f / 3.0f);
+  const olx_vec3 way = olx_sub(middle, position);
+  const float distance = olx_length(way);
+  return distance > length ? olx_scale(way, length / distance) : way;
+}
+
 olx_surface olx_surface_at(const olx_scene *scene, const olx_ray_hit *hit, olx_vec3 direction) {
   const olx_corners c = corners_of(scene, hit->triangle);
   const uint32_t material_index = scene->material_index[hit->triangle];
@@ -149,6 +157,7 @@ olx_surface olx_surface_at(const olx_scene *scene, const olx_ray_hit *hit, olx_v
       .triangle = hit->triangle,
       .material = material_index,
   };
+  surface.inward = step_inward(&c, surface.position, surface.epsilon);
   look_up_material(scene, material, uv, &surface);
   if (olx_max3(surface.emission) > 0.0f) surface.area_pdf = olx_emitters_area_pdf(scene, hit->triangle);
   return surface;
@@ -157,7 +166,7 @@ olx_surface olx_surface_at(const olx_scene *scene, const olx_ray_hit *hit, olx_v
 // The point just off the surface, on the side that `direction` points to.
 static olx_vec3 offset_origin(const olx_surface *surface, olx_vec3 direction) {
   const float side = olx_dot(direction, surface->geometric_normal) >= 0.0f ? 1.0f : -1.0f;
-  return olx_madd(surface->position, surface->geometric_normal, side * surface->epsilon);
+  return olx_madd(olx_add(surface->position, surface->inward), surface->geometric_normal, side * surface->epsilon);
 }
 
 olx_ray olx_surface_ray(const olx_surface *surface, olx_vec3 direction, float t_max) {

@@ -13,7 +13,8 @@ typedef struct olx_surface {
   olx_bsdf bsdf;
   olx_vec3 emission; // towards where the ray came from: 0 on the dark side of a one-sided emitter
   float roughness;
-  float epsilon; // length by which to move off the surface along the geometric normal, from the rounding of position
+  float epsilon;   // length by which to move off the surface along the geometric normal, from the rounding of position
+  olx_vec3 inward; // at most epsilon long, to the triangle's middle: rays start so far from its edges, where walls meet
   uint32_t triangle, material;
   float area_pdf; // density over area with which emitters.h draws this point; 0 when it does not emit
 } olx_surface;

@@ -113,7 +113,9 @@ olx_field *analytic_field_make(const analytic_scene *scene, const olx_grid *grid
                              .radiance_size = n,
                              .irradiance_size = irradiance_n,
                              .select_mask = 1u << OLX_SELECT_CAGE,
-                             .distance_scale_metres = scale};
+                             .distance_scale_metres = scale,
+                             .scene_min = scene->room.min,
+                             .scene_max = scene->room.max};
   f->n = n;
   f->stride = n + 2;
   f->texels = (size_t)f->stride * f->stride;

@@ -26,6 +26,13 @@ static inline olx_bilinear olx_bilinear_at(olx_vec2 uv, uint32_t n) {
   };
 }
 
+// The texel of a light field map that a direction falls into.
+static inline size_t olx_texel_towards(const olx_field *field, olx_vec3 direction) {
+  const olx_vec2 uv = olx_octahedral_encode(direction);
+  const float n = (float)field->n;
+  return olx_map_index(field->stride, (int32_t)olx_min(uv.x * n, n - 1.0f), (int32_t)olx_min(uv.y * n, n - 1.0f));
+}
+
 // Stored distance of a texel in metres; infinite for the sky.
 static inline float olx_texel_distance(const olx_field *field, uint32_t probe, size_t texel) {
   return olx_half_unpack(field->distance[field->texels * probe + texel] & 0x7FFFu) * field->distance_scale;

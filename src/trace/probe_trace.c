@@ -233,8 +233,11 @@ static verdict judge(const march *m, const piece *p, cell c, float t1, float sto
     return -height0 <= 0.5f * s.footprint ? VERDICT_CLEAR : VERDICT_HIDDEN;
   }
   const float t = -s.f0 / s.f1;
-  const float earliest = m->ray->t_min > 0.0f ? m->ray->t_min - s.footprint : 0.0f;
-  if (t < earliest || !near_texel(p, c, t) || !supported(m, p, &s, t)) return VERDICT_HIDDEN;
+  // A ray handed on by another probe may have slipped through this surface by that probe's tolerance, but no ray starts
+  // behind what it is about to hit.
+  const float slip = m->ray->t_min > 0.0f ? s.footprint : 0.0f;
+  if (t < m->ray->t_min && s.f0 + s.f1 * m->ray->t_min < -slip) return VERDICT_HIDDEN;
+  if (!near_texel(p, c, t) || !supported(m, p, &s, t)) return VERDICT_HIDDEN;
   answer->t = olx_max(t, m->ray->t_min);
   return VERDICT_HIT;
 }
@@ -338,10 +341,7 @@ olx_probe_answer olx_trace_probe(const olx_field *field, uint32_t probe, const o
     }
     t = t_end;
   }
-  const olx_vec2 uv = olx_octahedral_encode(ray->direction);
-  const float limit = (float)(field->n - 1);
-  answer.texel = olx_map_index(field->stride, (int32_t)olx_min(uv.x * (float)field->n, limit),
-                               (int32_t)olx_min(uv.y * (float)field->n, limit));
+  answer.texel = olx_texel_towards(field, ray->direction);
   answer.t = ray->t_max;
   answer.gap = 0.0f;
   answer.steps = m.steps;

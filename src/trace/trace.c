@@ -5,6 +5,9 @@
 // Probes remembered as asked. More are never asked for one ray.
 enum { MAX_ATTEMPTS = 128 };
 
+// A texel of an n x n map is about this over n wide: sqrt(4 pi).
+static const float TEXEL_ANGLE = 3.5449077f;
+
 typedef struct search {
   const olx_field *field;
   const olx_sample_settings *settings;
@@ -41,10 +44,7 @@ static float line_distance_squared(const search *s, uint32_t probe) {
 // Whether a probe's stored distance towards a point lets it see that point, or just about.
 static bool sees(const search *s, uint32_t probe, olx_vec3 point) {
   const olx_vec3 offset = olx_sub(point, s->field->probe_positions[probe]);
-  const olx_vec2 uv = olx_octahedral_encode(offset);
-  const float n = (float)s->field->n;
-  const size_t texel =
-      olx_map_index(s->field->stride, (int32_t)olx_min(uv.x * n, n - 1.0f), (int32_t)olx_min(uv.y * n, n - 1.0f));
+  const size_t texel = olx_texel_towards(s->field, offset);
   return olx_length(offset) <= 1.02f * olx_texel_distance(s->field, probe, texel);
 }
 
@@ -123,7 +123,16 @@ static bool search_everywhere(search *s, uint32_t *probe, olx_probe_answer *answ
   return false;
 }
 
-static olx_trace_hit describe(const search *s, uint32_t probe, const olx_probe_answer *answer) {
+// The sky's radiance in the ray's direction, from the first probe that sees it there; 0 when none does.
+static olx_vec3 sky_radiance(const search *s) {
+  for (uint32_t probe = 0; probe < s->field->info.probe_count; probe++) {
+    const size_t texel = olx_texel_towards(s->field, s->direction);
+    if (olx_texel_distance(s->field, probe, texel) == INFINITY) return olx_texel_radiance(s->field, probe, texel);
+  }
+  return olx_splat(0.0f);
+}
+
+static olx_trace_hit describe(const search *s, uint32_t probe, const olx_probe_answer *answer, float t_max) {
   const olx_field *field = s->field;
   olx_trace_hit hit = {
       .status = answer->status,
@@ -133,18 +142,34 @@ static olx_trace_hit describe(const search *s, uint32_t probe, const olx_probe_a
       .texel_steps = s->steps,
       .probes_tried = s->attempts,
   };
-  const float distance = olx_texel_distance(field, probe, answer->texel);
-  if (answer->status == OLX_TRACE_MISS && distance < INFINITY) return hit; // reached t_max in free space
-  hit.radiance = olx_texel_radiance(field, probe, answer->texel);
-  if (distance == INFINITY) {
+  if (answer->status == OLX_TRACE_MISS) {
+    if (s->t_max >= t_max) return hit; // ends in free space
+    hit.distance_metres = INFINITY;
     hit.emitter = true;
+    hit.radiance = sky_radiance(s);
     return hit;
   }
+  hit.radiance = olx_texel_radiance(field, probe, answer->texel);
   hit.emitter = olx_texel_emits(field, probe, answer->texel);
   hit.normal = olx_texel_normal(field, probe, answer->texel);
   const olx_vec2 uv = olx_octahedral_encode(olx_sub(hit.position, field->probe_positions[probe]));
+  const float distance = olx_texel_distance(field, probe, answer->texel);
   hit.footprint_metres = distance * sqrtf(olx_texel_solid_angle_near(uv, field->n));
   return hit;
+}
+
+// Where the ray leaves the scene's bounds for good, widened by what two texels on the far side of the scene span, so that
+// walls which are the bounds are met before; 0 when the bounds lie behind the ray.
+static float leave_bounds(const olx_field *field, olx_vec3 origin, olx_vec3 direction) {
+  const olx_vec3 room = olx_splat(field->distance_scale * 2.0f * TEXEL_ANGLE / (float)field->n);
+  const olx_vec3 low = olx_sub(field->info.scene_min, room), high = olx_add(field->info.scene_max, room);
+  float t = INFINITY;
+  for (uint32_t axis = 0; axis < 3; axis++) {
+    const float d = olx_axis(direction, axis), o = olx_axis(origin, axis);
+    if (d == 0.0f) continue;
+    t = olx_min(t, ((d > 0.0f ? olx_axis(high, axis) : olx_axis(low, axis)) - o) / d);
+  }
+  return olx_max(t, 0.0f);
 }
 
 olx_trace_hit olx_trace(const olx_field *field, const olx_sample_settings *settings, olx_vec3 origin,
@@ -154,15 +179,15 @@ olx_trace_hit olx_trace(const olx_field *field, const olx_sample_settings *setti
       .settings = settings,
       .origin = origin,
       .direction = direction,
-      .t_max = t_max_metres,
+      .t_max = olx_min(t_max_metres, leave_bounds(field, origin, direction)),
       .limit = settings->max_probes < MAX_ATTEMPTS ? settings->max_probes : MAX_ATTEMPTS,
       .fallback_probe = UINT32_MAX,
   };
   uint32_t probe;
   olx_probe_answer answer;
   if ((field->info.has_grid && search_cages(&s, &probe, &answer)) || search_everywhere(&s, &probe, &answer)) {
-    return describe(&s, probe, &answer);
+    return describe(&s, probe, &answer, t_max_metres);
   }
-  if (s.fallback_probe != UINT32_MAX) return describe(&s, s.fallback_probe, &s.fallback);
+  if (s.fallback_probe != UINT32_MAX) return describe(&s, s.fallback_probe, &s.fallback, t_max_metres);
   return (olx_trace_hit){.status = OLX_TRACE_UNKNOWN, .probe = UINT32_MAX, .probes_tried = s.attempts};
 }

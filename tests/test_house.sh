@@ -66,4 +66,28 @@ cat >"$work/report.xml" <<'XML'
 XML
 counts=$(python3 "$count" "$work/report.xml" 2>/dev/null)
 [ "$counts" = "16 3 2" ] || { echo "counted $counts"; failed=1; }
+
+# install-packages.sh with a system made up: which packages are missing, who asks, what is run.
+install=$OCTALUX_SOURCE_DIR/scripts/install-packages.sh
+bash=$(command -v bash)
+mkdir "$work/bin"
+printf '#!%s\n[ "${!#}" = "$MISSING" ] || echo installed\n' "$bash" >"$work/bin/dpkg-query"
+printf '#!%s\necho "$USER_ID"\n' "$bash" >"$work/bin/id"
+printf '#!%s\necho "apt-get $*" >>"$CALLS"\n' "$bash" >"$work/bin/apt-get"
+printf '#!%s\nwhile [[ $1 == *=* ]]; do shift; done\n"$@"\n' "$bash" >"$work/bin/env"
+chmod +x "$work"/bin/*
+
+# installs MISSING USER-ID: runs it, leaves its messages in $work/out and calls of apt-get in $work/calls.
+installs() {
+  : >"$work/calls"
+  MISSING=$1 USER_ID=$2 CALLS=$work/calls PATH=$work/bin "$bash" "$install" >"$work/out" 2>&1
+}
+
+installs none 1000 && [ ! -s "$work/calls" ] && [ ! -s "$work/out" ] || { echo "with all packages: $(cat "$work/out")"; failed=1; }
+installs libcmocka-dev 1000 && { echo "went on without a package"; failed=1; }
+grep -q 'apt-get install libcmocka-dev$' "$work/out" || { echo "unclear: $(cat "$work/out")"; failed=1; }
+[ ! -s "$work/calls" ] || { echo "a user ran apt-get"; failed=1; }
+installs libcmocka-dev 0 || { echo "root could not install: $(cat "$work/out")"; failed=1; }
+[ "$(sed 's/.* update/update/; s/.* install .* /install /' "$work/calls" | tr '\n' ';')" = "update;install libcmocka-dev;" ] ||
+  { echo "root ran: $(cat "$work/calls")"; failed=1; }
 exit "$failed"

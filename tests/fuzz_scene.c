@@ -294,7 +294,8 @@ static void name_stack(int signal_number) {
   void *frames[64];
   const char *what = signal_number == SIGALRM ? "hang\n" : "crash\n";
   (void)!write(STDERR_FILENO, what, strlen(what));
-  backtrace_symbols_fd(frames, backtrace(frames, 64), STDERR_FILENO);
+  const int depth = backtrace(frames, 64); // the first is this function
+  if (depth > 1) backtrace_symbols_fd(frames + 1, depth - 1, STDERR_FILENO);
   _exit(signal_number == SIGALRM ? 3 : 2);
 }
 
@@ -319,11 +320,10 @@ static void run_child(const scene_folder *folder, const char *trace_path, const 
 
 typedef enum blame { BLAME_ASSIMP, BLAME_US } blame;
 
-// The innermost frame that belongs neither to the C and C++ libraries nor to a sanitizer or this file's handler.
+// The innermost frame that belongs neither to the C and C++ libraries nor to a sanitizer.
 static blame find_blame(const char *trace_path, char *frame, size_t frame_bytes) {
-  static const char *const passed_over[] = {"libc.so",    "libstdc++",    "libgcc",    "libasan",
-                                            "libpthread", "name_stack",   "sanitizer", "interceptor",
-                                            "__asan",     "operator new", "[vdso]"};
+  static const char *const passed_over[] = {"libc.so",   "libstdc++",   "libgcc", "libasan",      "libpthread",
+                                            "sanitizer", "interceptor", "__asan", "operator new", "[vdso]"};
   FILE *file = fopen(trace_path, "r");
   char line[2048];
   snprintf(frame, frame_bytes, "no stack");

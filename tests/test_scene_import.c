@@ -519,6 +519,9 @@ static void unusable_names_are_refused(void **state) {
   assert_refused(path, OLX_ERROR_FILE, "nowhere.obj");
   snprintf(path, sizeof path, "%s/nowhere.gltf", ((scene_folder *)*state)->path);
   assert_refused(path, OLX_ERROR_FILE, "nowhere.gltf");
+  scene_folder_write_text(*state, "square.mtl", "# colours\n\nKd 1 0 0\nnewmtl square\n");
+  assert_refused(scene_folder_write_text(*state, "square.obj", scene_files_obj), OLX_ERROR_FORMAT,
+                 "square.mtl: line 3: expected newmtl");
   assert_refused("picture.png", OLX_ERROR_UNSUPPORTED, "picture.png");
   assert_refused(scene_folder_write_text(*state, "empty.obj", ""), OLX_ERROR_FORMAT, "empty.obj");
   assert_refused(scene_folder_write_text(*state, "points.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nl 1 2\nl 2 3\n"),

@@ -75,6 +75,12 @@ static olx_result read_vec3(const description *d, const place *at, const char *k
   return OLX_OK;
 }
 
+static olx_result read_position(const description *d, const place *at, const char *key, bool required,
+                                olx_vec3 *value) {
+  OLX_TRY(read_vec3(d, at, key, required, value));
+  return olx_sane_position(*value) ? OLX_OK : fail(d, at, key, "lengths must stay within 1e9");
+}
+
 static olx_result read_light_color(const description *d, const place *at, const char *key, bool required,
                                    olx_vec3 *value) {
   OLX_TRY(read_vec3(d, at, key, required, value));
@@ -146,7 +152,7 @@ static olx_result read_model(description *d, const place *at, const char *path_k
   char path[4096];
   OLX_TRY(read_string(d, at, path_key, true, &name));
   OLX_TRY(read_float(d, at, "scale", 1e-9f, 1e9f, &placement.scale));
-  OLX_TRY(read_vec3(d, at, "translate", false, &placement.translate));
+  OLX_TRY(read_position(d, at, "translate", false, &placement.translate));
   OLX_TRY(read_vec3(d, at, "rotate_degrees", false, &placement.rotate_degrees));
   OLX_TRY(find_file(d, at, path_key, name, path, sizeof path));
   const olx_result result = olx_import_model(path, &placement, d->scene);
@@ -168,9 +174,9 @@ static olx_result read_camera(description *d, const place *at, uint32_t index) {
   OLX_TRY(read_string(d, at, "name", false, &name));
   if (strlen(name) >= sizeof camera.name) return fail(d, at, "name", "longer than 63 bytes");
   memcpy(camera.name, name, strlen(name) + 1);
-  OLX_TRY(read_vec3(d, at, "eye", true, &camera.eye));
-  OLX_TRY(read_vec3(d, at, "target", true, &camera.target));
-  OLX_TRY(read_vec3(d, at, "up", false, &camera.up));
+  OLX_TRY(read_position(d, at, "eye", true, &camera.eye));
+  OLX_TRY(read_position(d, at, "target", true, &camera.target));
+  OLX_TRY(read_position(d, at, "up", false, &camera.up));
   OLX_TRY(read_float(d, at, "fov_y_degrees", 0.1f, 179.0f, &camera.fov_y_degrees));
   const olx_vec3 forward = olx_normalize(olx_sub(camera.target, camera.eye));
   if (!(olx_length(forward) > 0.5f)) return fail(d, at, "target", "it coincides with the eye");
@@ -191,7 +197,7 @@ static olx_result read_sun(description *d, const place *at) {
 static olx_result read_point(description *d, const place *at) {
   olx_light light = {.type = OLX_LIGHT_POINT};
   OLX_TRY(open_object(d, at, (const char *const[]){"type", "position", "intensity", NULL}));
-  OLX_TRY(read_vec3(d, at, "position", true, &light.position));
+  OLX_TRY(read_position(d, at, "position", true, &light.position));
   OLX_TRY(read_light_color(d, at, "intensity", true, &light.emission));
   return olx_scene_add_light(d->scene, &light);
 }
@@ -201,7 +207,7 @@ static olx_result read_spot(description *d, const place *at) {
   float cone[2] = {20.0f, 30.0f};
   OLX_TRY(
       open_object(d, at, (const char *const[]){"type", "position", "direction", "intensity", "cone_degrees", NULL}));
-  OLX_TRY(read_vec3(d, at, "position", true, &light.position));
+  OLX_TRY(read_position(d, at, "position", true, &light.position));
   OLX_TRY(read_direction(d, at, "direction", &light.direction));
   OLX_TRY(read_light_color(d, at, "intensity", true, &light.emission));
   const cJSON *cones = member(at, "cone_degrees");
@@ -217,11 +223,11 @@ static olx_result read_spot(description *d, const place *at) {
 }
 
 static olx_result read_rect(description *d, const place *at) {
-  olx_vec3 center, edge_u, edge_v, radiance = {0};
+  olx_vec3 center = {0}, edge_u = {0}, edge_v = {0}, radiance = {0};
   OLX_TRY(open_object(d, at, (const char *const[]){"type", "center", "edge_u", "edge_v", "radiance", NULL}));
-  OLX_TRY(read_vec3(d, at, "center", true, &center));
-  OLX_TRY(read_vec3(d, at, "edge_u", true, &edge_u));
-  OLX_TRY(read_vec3(d, at, "edge_v", true, &edge_v));
+  OLX_TRY(read_position(d, at, "center", true, &center));
+  OLX_TRY(read_position(d, at, "edge_u", true, &edge_u));
+  OLX_TRY(read_position(d, at, "edge_v", true, &edge_v));
   OLX_TRY(read_light_color(d, at, "radiance", true, &radiance));
   const float area = olx_length(olx_cross(edge_u, edge_v));
   if (!(area > 0.0f) || !isfinite(area)) return fail(d, at, "edge_v", "the rectangle has no area, or no finite one");
@@ -376,8 +382,8 @@ static olx_result read_probes(description *d, const place *root) {
   OLX_TRY(open_object(d, &at, (const char *const[]){"min", "max", "grid", NULL}));
   OLX_TRY(read_probe_counts(d, &at));
   if (!member(&at, "min") && !member(&at, "max")) return OLX_OK;
-  OLX_TRY(read_vec3(d, &at, "min", true, &scene->probes_min));
-  OLX_TRY(read_vec3(d, &at, "max", true, &scene->probes_max));
+  OLX_TRY(read_position(d, &at, "min", true, &scene->probes_min));
+  OLX_TRY(read_position(d, &at, "max", true, &scene->probes_max));
   const olx_vec3 extent = olx_sub(scene->probes_max, scene->probes_min);
   const float extents[3] = {extent.x, extent.y, extent.z};
   for (int i = 0; i < 3; ++i) {

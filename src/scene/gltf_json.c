@@ -234,7 +234,7 @@ static olx_result add_camera(const olx_gltf *gltf, const cJSON *node, const cJSO
   camera.target = olx_add(camera.eye, forward);
   camera.up = olx_normalize(olx_affine_vector(transform, olx_v3(0.0f, 1.0f, 0.0f)));
   camera.fov_y_degrees = fov_y * 180.0f / OLX_PI;
-  if (!olx_finite(camera.eye) || !(olx_length(olx_cross(forward, camera.up)) > 1e-3f)) {
+  if (!olx_sane_position(camera.eye) || !(olx_length(olx_cross(forward, camera.up)) > 1e-3f)) {
     olx_scene_warn(scene, "%s: camera \"%s\" skipped: its transform is degenerate", gltf->path, camera.name);
     return OLX_OK;
   }

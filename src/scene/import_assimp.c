@@ -7,6 +7,7 @@
 #include <assimp/cimport.h>
 #include <assimp/postprocess.h>
 
+#include <ctype.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <string.h>
@@ -225,35 +226,68 @@ static olx_result import_source(model_import *import, const olx_affine *placemen
   return olx_gltf_add_cameras_and_lights(import->materials.gltf, placement, import->scene);
 }
 
-static void check_material_library(const char *path, const char *name, size_t length, olx_scene *scene) {
-  char library[4096];
-  const char *slash = strrchr(path, '/');
-  const int folder = name[0] == '/' || !slash ? 0 : (int)(slash - path) + 1;
-  snprintf(library, sizeof library, "%.*s%.*s", folder, path, (int)length, name);
-  if (access(library, R_OK) != 0) {
-    olx_scene_warn(scene, "%s: material file %.*s not found", path, (int)length, name);
-  }
-}
-
-// Assimp passes over missing material files in silence.
-static olx_result check_obj(const char *path, olx_scene *scene) {
+// Assimp crashes on properties that stand before the first material.
+static olx_result check_material_file(const char *path) {
   olx_mapped_file file;
   OLX_TRY(olx_map_file(path, &file));
+  olx_result result = OLX_OK;
   const char *line = file.data, *const end = line + file.size_bytes;
-  uint32_t libraries = 0;
-  while (line < end && libraries < MAX_REPEATED_WARNINGS) {
+  for (unsigned number = 1; line < end; ++number) {
     const char *stop = memchr(line, '\n', (size_t)(end - line));
     if (!stop) stop = end;
-    if (stop - line > 7 && memcmp(line, "mtllib ", 7) == 0) {
-      size_t length = (size_t)(stop - line) - 7;
-      while (length && (line[7 + length - 1] == '\r' || line[7 + length - 1] == ' ')) --length;
-      if (length && length < 1024) check_material_library(path, line + 7, length, scene);
-      ++libraries;
+    while (line < stop && isspace((unsigned char)*line)) ++line;
+    if (line < stop && *line != '#') {
+      if (stop - line < 7 || memcmp(line, "newmtl", 6) != 0) {
+        result = olx_fail(OLX_ERROR_FORMAT, "%s: line %u: expected newmtl before anything else", path, number);
+      }
+      break;
     }
     line = stop + 1;
   }
   olx_unmap_file(&file);
+  return result;
+}
+
+static olx_result check_material_library(const char *path, const char *name, size_t length, uint32_t *missing,
+                                         olx_scene *scene) {
+  char library[4096];
+  const char *slash = strrchr(path, '/');
+  const int folder = name[0] == '/' || !slash ? 0 : (int)(slash - path) + 1;
+  snprintf(library, sizeof library, "%.*s%.*s", folder, path, (int)length, name);
+  if (access(library, R_OK) == 0) return check_material_file(library);
+  if (++*missing <= MAX_REPEATED_WARNINGS) {
+    olx_scene_warn(scene, "%s: material file %.*s not found", path, (int)length, name);
+  }
+  // Assimp then takes the file named like the model.
+  snprintf(library, sizeof library, "%.*s.mtl", (int)strlen(path) - 4, path);
+  return access(library, R_OK) == 0 ? check_material_file(library) : OLX_OK;
+}
+
+// Assimp passes over missing material files in silence.
+static olx_result check_obj_text(const char *path, const char *text, size_t size_bytes, olx_scene *scene) {
+  const char *line = text, *const end = text + size_bytes;
+  uint32_t missing = 0;
+  while (line < end) {
+    const char *stop = memchr(line, '\n', (size_t)(end - line));
+    if (!stop) stop = end;
+    if (stop - line > 7 && memcmp(line, "mtllib", 6) == 0 && isspace((unsigned char)line[6])) {
+      const char *name = line + 7;
+      size_t length = (size_t)(stop - name);
+      while (length && isspace((unsigned char)*name)) ++name, --length;
+      while (length && isspace((unsigned char)name[length - 1])) --length;
+      if (length > 0 && length < 1024) OLX_TRY(check_material_library(path, name, length, &missing, scene));
+    }
+    line = stop + 1;
+  }
   return OLX_OK;
+}
+
+static olx_result check_obj(const char *path, olx_scene *scene) {
+  olx_mapped_file file;
+  OLX_TRY(olx_map_file(path, &file));
+  const olx_result result = check_obj_text(path, file.data, file.size_bytes, scene);
+  olx_unmap_file(&file);
+  return result;
 }
 
 static olx_result import_checked(const char *path, const olx_placement *placement, olx_scene *scene,

@@ -86,8 +86,8 @@ olx_result olx_scene_add_texture(olx_scene *scene, const olx_texture *texture, u
 
 olx_result olx_scene_add_light(olx_scene *scene, const olx_light *light) {
   olx_light checked = *light;
-  if (!olx_finite(light->position) || !olx_finite(light->direction) || !olx_finite(light->emission)) {
-    return olx_fail(OLX_ERROR_ARGUMENT, "a light has a position, direction or emission that is not finite");
+  if (!olx_sane_position(light->position) || !olx_finite(light->direction) || !olx_finite(light->emission)) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "a light's position, direction or emission is not finite or beyond 1e9");
   }
   if (light->type != OLX_LIGHT_POINT) {
     checked.direction = olx_normalize(light->direction);
@@ -110,7 +110,8 @@ olx_result olx_scene_add_rect_light(olx_scene *scene, olx_vec3 center, olx_vec3 
                                     olx_vec3 radiance) {
   const olx_vec3 normal = olx_cross(edge_u, edge_v);
   const float area = olx_length(normal);
-  if (!olx_finite(center) || !(area > 0.0f) || !isfinite(area)) {
+  if (!olx_sane_position(center) || !olx_sane_position(edge_u) || !olx_sane_position(edge_v) || !(area > 0.0f) ||
+      !isfinite(area)) {
     return olx_fail(OLX_ERROR_ARGUMENT, "a rectangle light has no area, or is not finite");
   }
   olx_material material = olx_material_default();
@@ -132,7 +133,7 @@ typedef enum triangle_fault { FAULT_NONE, FAULT_INDEX, FAULT_POSITION, FAULT_ARE
 static triangle_fault judge_triangle(const olx_vec3 *positions, uint32_t vertex_count, const uint32_t corner[3]) {
   if (corner[0] >= vertex_count || corner[1] >= vertex_count || corner[2] >= vertex_count) return FAULT_INDEX;
   const olx_vec3 a = positions[corner[0]], b = positions[corner[1]], c = positions[corner[2]];
-  if (!olx_finite(a) || !olx_finite(b) || !olx_finite(c)) return FAULT_POSITION;
+  if (!olx_sane_position(a) || !olx_sane_position(b) || !olx_sane_position(c)) return FAULT_POSITION;
   // In floats, as everything downstream computes its normal.
   const float area = olx_length(olx_cross(olx_sub(b, a), olx_sub(c, a)));
   return area > 0.0f && isfinite(area) ? FAULT_NONE : FAULT_AREA;
@@ -196,10 +197,11 @@ static void warn_about_faults(olx_scene *scene, const char *name, const uint32_t
                               uint32_t triangle_count) {
   const uint32_t skipped = faults[FAULT_INDEX] + faults[FAULT_POSITION] + faults[FAULT_AREA];
   if (!skipped) return;
-  olx_scene_warn(scene,
-                 "%s: skipped %u of %u triangles (%u without area, %u with a position that is not finite, %u with a "
-                 "vertex index out of range)",
-                 name, skipped, triangle_count, faults[FAULT_AREA], faults[FAULT_POSITION], faults[FAULT_INDEX]);
+  olx_scene_warn(
+      scene,
+      "%s: skipped %u of %u triangles (%u without area, %u with a position that is NaN or beyond 1e9, %u with "
+      "a vertex index out of range)",
+      name, skipped, triangle_count, faults[FAULT_AREA], faults[FAULT_POSITION], faults[FAULT_INDEX]);
 }
 
 olx_result olx_scene_add_mesh(olx_scene *scene, const char *name, const olx_vec3 *positions, const olx_vec3 *normals,
@@ -213,7 +215,7 @@ olx_result olx_scene_add_mesh(olx_scene *scene, const char *name, const olx_vec3
   if (normals) {
     for (uint32_t i = 0; i < vertex_count; ++i) {
       const olx_vec3 normal = olx_finite(normals[i]) ? olx_normalize(normals[i]) : olx_splat(0.0f);
-      append_vertex(scene, olx_finite(positions[i]) ? positions[i] : olx_splat(0.0f), normal,
+      append_vertex(scene, olx_sane_position(positions[i]) ? positions[i] : olx_splat(0.0f), normal,
                     uvs ? uvs[i] : (olx_vec2){0.0f, 0.0f});
     }
   }

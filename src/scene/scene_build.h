@@ -4,6 +4,14 @@
 
 #include "scene/scene_data.h"
 
+// Coordinates beyond this, in metres, are taken for mistakes: floats there are 64 m apart.
+#define OLX_LARGEST_COORDINATE 1e9f
+
+static inline bool olx_sane_position(olx_vec3 p) {
+  return fabsf(p.x) <= OLX_LARGEST_COORDINATE && fabsf(p.y) <= OLX_LARGEST_COORDINATE &&
+         fabsf(p.z) <= OLX_LARGEST_COORDINATE;
+}
+
 // A material with white-ish Lambertian defaults: base colour 0.8, specular weight 0, roughness 1, no textures.
 olx_material olx_material_default(void);
 
@@ -16,8 +24,8 @@ olx_result olx_scene_add_camera(olx_scene *scene, const olx_camera *camera);
 // A rectangle light: an absorbing, one-sided emitter that shines along cross(edge_u, edge_v).
 olx_result olx_scene_add_rect_light(olx_scene *scene, olx_vec3 center, olx_vec3 edge_u, olx_vec3 edge_v,
                                     olx_vec3 radiance);
-// Append a mesh. normals and uvs may be NULL (flat normals, zero uvs). Degenerate triangles, NaN positions and indices out
-// of range are skipped and counted in one warning that names `name`.
+// Append a mesh. normals and uvs may be NULL (flat normals, zero uvs). Degenerate triangles, positions that are NaN or
+// absurdly far away, and indices out of range are skipped and counted in one warning that names `name`.
 olx_result olx_scene_add_mesh(olx_scene *scene, const char *name, const olx_vec3 *positions, const olx_vec3 *normals,
                               const olx_vec2 *uvs, uint32_t vertex_count, const uint32_t *indices,
                               uint32_t triangle_count, uint32_t material);

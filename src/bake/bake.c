@@ -1,1 +1,233 @@
 #include <octalux/bake.h>
+
+#include "bake/buried.h"
+#include "bake/capture.h"
+#include "bake/gather.h"
+#include "core/hooks.h"
+#include "core/result.h"
+
+#include <string.h>
+#include <sys/resource.h>
+
+enum { MAX_PROBES = 1 << 20 };
+
+// One bake, from its settings to its file.
+typedef struct bake {
+  const olx_scene *scene;
+  const olx_bake_settings *settings;
+  uint32_t counts[2]; // light field probes, irradiance probes
+  olx_vec3 *positions[2];
+  uint8_t *flags[2];
+  float distance_scale;
+  olx_task task;
+  olx_shade_context shade;
+  olx_gather gather;
+  olx_capture capture;
+  olx_field_writer *writer;
+  olx_bake_stats stats;
+  double measure_seconds; // spent on timing Embree, in all
+} bake;
+
+olx_bake_settings olx_bake_settings_default(const olx_scene *scene) {
+  olx_bake_settings settings = {
+      .radiance_size = 1024, .irradiance_size = 128, .samples = 2, .light_samples = 4, .bounces = 3};
+  if (olx_scene_probe_grid(scene, NULL, &settings.grid) != OLX_OK) settings.grid = (olx_grid){0};
+  settings.irradiance_grid = settings.grid;
+  return settings;
+}
+
+static olx_result check_grid(const olx_grid *grid, const char *name) {
+  uint64_t probes = 1;
+  const float spacing[3] = {grid->spacing.x, grid->spacing.y, grid->spacing.z};
+  for (uint32_t axis = 0; axis < 3; axis++) {
+    if (grid->count[axis] == 0) return olx_fail(OLX_ERROR_ARGUMENT, "bake: %s: a count of 0 probes", name);
+    probes *= grid->count[axis];
+    if (probes > MAX_PROBES) return olx_fail(OLX_ERROR_ARGUMENT, "bake: %s: more than %d probes", name, MAX_PROBES);
+    if (!isfinite(spacing[axis]) || spacing[axis] < 0.0f || (grid->count[axis] > 1 && spacing[axis] <= 0.0f)) {
+      return olx_fail(OLX_ERROR_ARGUMENT, "bake: %s: spacing %g along axis %u", name, (double)spacing[axis], axis);
+    }
+  }
+  if (!olx_finite(grid->origin)) return olx_fail(OLX_ERROR_ARGUMENT, "bake: %s: origin is not finite", name);
+  return OLX_OK;
+}
+
+static olx_result check_size(uint32_t size, uint32_t most, const char *name) {
+  if (size >= 8 && size <= most && (size & (size - 1)) == 0) return OLX_OK;
+  return olx_fail(OLX_ERROR_ARGUMENT, "bake: %s of %u texels: must be a power of two from 8 to %u", name, size, most);
+}
+
+static olx_result check_range(uint32_t value, uint32_t least, uint32_t most, const char *name) {
+  if (value >= least && value <= most) return OLX_OK;
+  return olx_fail(OLX_ERROR_ARGUMENT, "bake: %s %u: must be from %u to %u", name, value, least, most);
+}
+
+static olx_result check_settings(const olx_bake_settings *settings) {
+  OLX_TRY(check_grid(&settings->grid, "probe grid"));
+  OLX_TRY(check_grid(&settings->irradiance_grid, "irradiance grid"));
+  OLX_TRY(check_size(settings->radiance_size, 2048, "radiance size"));
+  OLX_TRY(check_size(settings->irradiance_size, 256, "irradiance size"));
+  OLX_TRY(check_range(settings->samples, 1, 8, "samples"));
+  OLX_TRY(check_range(settings->light_samples, 1, 64, "light samples"));
+  return check_range(settings->bounces, 0, 64, "bounces");
+}
+
+static olx_result place_probes(bake *b, uint32_t set, const olx_grid *grid) {
+  const uint32_t count = grid->count[0] * grid->count[1] * grid->count[2];
+  b->counts[set] = count;
+  b->positions[set] = olx_allocate(count, sizeof(olx_vec3));
+  b->flags[set] = olx_allocate_zero(count, 1);
+  if (!b->positions[set] || !b->flags[set])
+    return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for %u probes", count);
+  for (uint32_t i = 0; i < count; i++) b->positions[set][i] = olx_grid_position(grid, i);
+  return OLX_OK;
+}
+
+// Spacing along an axis with one probe means nothing; a field says 0.
+static olx_grid without_idle_spacing(olx_grid grid) {
+  if (grid.count[0] == 1) grid.spacing.x = 0.0f;
+  if (grid.count[1] == 1) grid.spacing.y = 0.0f;
+  if (grid.count[2] == 1) grid.spacing.z = 0.0f;
+  return grid;
+}
+
+static float least_spacing(const olx_grid *grid, float otherwise) {
+  const float spacing[3] = {grid->spacing.x, grid->spacing.y, grid->spacing.z};
+  float least = otherwise;
+  for (uint32_t axis = 0; axis < 3; axis++) {
+    if (grid->count[axis] > 1 && spacing[axis] < least) least = spacing[axis];
+  }
+  return least;
+}
+
+static olx_result create_file(bake *b, const char *path) {
+  const olx_bake_settings *s = b->settings;
+  const olx_field_header header = {
+      .info = {.probe_count = b->counts[0],
+               .irradiance_probe_count = b->counts[1],
+               .has_grid = true,
+               .grid = s->grid,
+               .irradiance_grid = s->irradiance_grid,
+               .radiance_size = s->radiance_size,
+               .irradiance_size = s->irradiance_size,
+               .select_mask = 1u << OLX_SELECT_CAGE,
+               .distance_scale_metres = b->distance_scale,
+               .scene_min = b->scene->bounds_min,
+               .scene_max = b->scene->bounds_max,
+               .bounces = s->bounces,
+               .samples = s->samples,
+               .scene_hash = b->scene->hash},
+      .probe_positions = b->positions[0],
+      .irradiance_positions = b->positions[1],
+  };
+  return olx_field_writer_create(path, &header, &b->writer);
+}
+
+static olx_result find_buried(bake *b) {
+  const olx_vec3 *positions[2] = {b->positions[0], b->positions[1]};
+  uint64_t rays = 0;
+  OLX_TRY(olx_find_buried(b->scene, positions, b->counts, b->flags, b->settings->threads, &rays));
+  b->stats.rays += rays;
+  for (uint32_t i = 0; i < b->counts[0]; i++) b->stats.buried += b->flags[0][i] & OLX_PROBE_BURIED;
+  for (uint32_t i = 0; i < b->counts[1]; i++) b->stats.irradiance_buried += b->flags[1][i] & OLX_PROBE_BURIED;
+  return OLX_OK;
+}
+
+static olx_result gather_light(bake *b) {
+  const uint32_t bounces = b->settings->bounces;
+  OLX_TRY(olx_gather_direct(&b->gather));
+  for (uint32_t bounce = 0; bounce < bounces; bounce++) {
+    OLX_TRY(olx_gather_irradiance(&b->gather, bounce));
+    OLX_TRY(olx_gather_bounce(&b->gather, bounce + 1));
+  }
+  return olx_gather_write(&b->gather, b->writer, &b->stats.write_seconds);
+}
+
+static olx_result capture_probes(bake *b) {
+  olx_task_stage(&b->task, "light field");
+  for (uint32_t i = 0; i < b->counts[0]; i++) {
+    OLX_TRY(olx_capture_probe(&b->capture, i, b->positions[0][i]));
+    const double written = olx_seconds();
+    OLX_TRY(olx_field_writer_probe(b->writer, i, b->flags[0][i], b->capture.radiance, b->capture.normal,
+                                   b->capture.distance));
+    const double measured = olx_seconds();
+    b->stats.write_seconds += measured - written;
+    if (b->settings->measure_embree) OLX_TRY(olx_capture_measure(&b->capture, &b->stats.embree_seconds));
+    b->measure_seconds += olx_seconds() - measured;
+  }
+  return OLX_OK;
+}
+
+// Everything between a created file and a committed one. What was made is released by finish.
+static olx_result run(bake *b) {
+  const olx_bake_settings *s = b->settings;
+  b->gather = (olx_gather){.shade = &b->shade,
+                           .positions = b->positions[1],
+                           .flags = b->flags[1],
+                           .probe_count = b->counts[1],
+                           .threads = s->threads,
+                           .distance_scale = b->distance_scale,
+                           .task = &b->task};
+  b->capture = (olx_capture){.shade = &b->shade,
+                             .size = s->radiance_size,
+                             .samples = s->samples,
+                             .bounces = s->bounces,
+                             .threads = s->threads,
+                             .distance_scale = b->distance_scale,
+                             .task = &b->task};
+  OLX_TRY(olx_gather_create(&b->gather, &s->irradiance_grid, s->irradiance_size, s->bounces));
+  OLX_TRY(olx_capture_create(&b->capture));
+  b->stats.primary_rays = b->counts[0] * olx_capture_units(&b->capture);
+  b->task.total_units = olx_gather_units(&b->gather, s->bounces) + b->stats.primary_rays;
+  OLX_TRY(find_buried(b));
+  OLX_TRY(gather_light(b));
+  return capture_probes(b);
+}
+
+static olx_result finish(bake *b, olx_result result, double start) {
+  if (result == OLX_OK) {
+    const double written = olx_seconds();
+    result = olx_field_writer_commit(b->writer, &b->stats.file_bytes);
+    b->stats.write_seconds += olx_seconds() - written;
+  } else {
+    olx_field_writer_discard(b->writer);
+  }
+  olx_capture_free(&b->capture);
+  olx_gather_free(&b->gather);
+  b->stats.rays += atomic_load(&b->shade.rays);
+  olx_shade_context_end(&b->shade);
+  olx_task_end(&b->task);
+  struct rusage usage;
+  getrusage(RUSAGE_SELF, &usage);
+  b->stats.peak_memory_bytes = (uint64_t)usage.ru_maxrss * 1024u;
+  b->stats.seconds = olx_seconds() - start - b->stats.write_seconds - b->measure_seconds;
+  return result;
+}
+
+static olx_result bake_scene(bake *b, const char *path, const olx_progress *progress) {
+  const double start = olx_seconds();
+  OLX_TRY(place_probes(b, 0, &b->settings->grid));
+  OLX_TRY(place_probes(b, 1, &b->settings->irradiance_grid));
+  b->distance_scale = olx_length(olx_sub(b->scene->bounds_max, b->scene->bounds_min));
+  OLX_TRY(create_file(b, path));
+  olx_task_begin(&b->task, progress, "probes", 1);
+  olx_shade_context_begin(&b->shade, b->scene, b->settings->light_samples);
+  b->shade.share_distance = 0.01f * least_spacing(&b->settings->irradiance_grid, b->distance_scale);
+  return finish(b, run(b), start);
+}
+
+olx_result olx_bake(const olx_scene *scene, const olx_bake_settings *settings, const char *path,
+                    const olx_progress *progress, olx_bake_stats *stats) {
+  OLX_TRY(check_settings(settings));
+  if (scene->triangle_count == 0) return olx_fail(OLX_ERROR_EMPTY, "%s: the scene has no triangles", path);
+  olx_bake_settings used = *settings;
+  used.grid = without_idle_spacing(settings->grid);
+  used.irradiance_grid = without_idle_spacing(settings->irradiance_grid);
+  bake b = {.scene = scene, .settings = &used};
+  const olx_result result = bake_scene(&b, path, progress);
+  for (uint32_t set = 0; set < 2; set++) {
+    olx_release(b.positions[set]);
+    olx_release(b.flags[set]);
+  }
+  if (stats) *stats = b.stats;
+  return result;
+}

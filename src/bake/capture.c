@@ -1,0 +1,238 @@
+#include "bake/capture.h"
+
+#include "bake/morton.h"
+#include "core/hooks.h"
+#include "core/pack.h"
+#include "core/result.h"
+#include "core/sampling.h"
+
+enum { SALT_TEXEL = 0x54455845, SALT_CHOICE = 0x43484F49, SALT_SCATTER = 0x53434154 };
+
+// Above this reflectance towards the probe every sample of a texel casts a reflection; below it one does for all.
+static const float strong_reflectance = 0.25f;
+
+static uint32_t texel_index(const olx_capture *c, uint32_t tile, uint32_t i) {
+  const uint32_t tiles = c->size / c->tile_side;
+  const uint32_t x = tile % tiles * c->tile_side + olx_morton_coordinate(i);
+  const uint32_t y = tile / tiles * c->tile_side + olx_morton_coordinate(i >> 1);
+  return y * c->size + x;
+}
+
+static void cast(const olx_capture *c, olx_shade_scratch *scratch, uint32_t count) {
+  olx_bvh_intersect_many(c->shade->scene->bvh, scratch->rays, count, true, scratch->hits);
+  atomic_fetch_add_explicit(&c->shade->rays, count, memory_order_relaxed);
+}
+
+// The normal of a triangle on the side that a ray comes from.
+static olx_vec3 facing_normal(const olx_scene *scene, uint32_t triangle, olx_vec3 direction) {
+  const uint32_t *corner = scene->indices + 3 * (size_t)triangle;
+  const olx_vec3 a = scene->positions[corner[0]], b = scene->positions[corner[1]], p = scene->positions[corner[2]];
+  const olx_vec3 n = olx_normalize(olx_cross(olx_sub(b, a), olx_sub(p, a)));
+  return olx_dot(n, direction) > 0.0f ? olx_negate(n) : n;
+}
+
+static bool emits_towards(const olx_scene *scene, const olx_ray_hit *hit, olx_vec3 direction) {
+  if (olx_max3(scene->materials[scene->material_index[hit->triangle]].emission) <= 0.0f) return false;
+  return olx_max3(olx_surface_at(scene, hit, direction).emission) > 0.0f;
+}
+
+// Distance, normal and emitter mark, by a ray through each texel's centre.
+static void capture_geometry(const olx_capture *c, olx_shade_scratch *scratch, uint32_t tile) {
+  const olx_scene *scene = c->shade->scene;
+  const uint32_t texels = c->tile_side * c->tile_side;
+  for (uint32_t i = 0; i < texels; i++) {
+    const uint32_t texel = texel_index(c, tile, i);
+    const olx_vec3 direction = olx_texel_direction(texel % c->size, texel / c->size, c->size);
+    scratch->rays[i] = (olx_ray){c->position, direction, 0.0f, INFINITY};
+  }
+  cast(c, scratch, texels);
+  uint32_t last_triangle = OLX_NO_HIT;
+  uint16_t last_normal = 0;
+  for (uint32_t i = 0; i < texels; i++) {
+    const uint32_t texel = texel_index(c, tile, i);
+    const olx_ray_hit *hit = &scratch->hits[i];
+    const olx_vec3 direction = scratch->rays[i].direction;
+    if (hit->triangle == OLX_NO_HIT) {
+      c->distance[texel] = olx_half_pack(INFINITY);
+      c->normal[texel] = olx_normal_pack(olx_negate(direction));
+      continue;
+    }
+    // A probe sees one side of a triangle.
+    if (hit->triangle != last_triangle) last_normal = olx_normal_pack(facing_normal(scene, hit->triangle, direction));
+    last_triangle = hit->triangle;
+    c->normal[texel] = last_normal;
+    const uint16_t mark = emits_towards(scene, hit, direction) ? 0x8000u : 0;
+    c->distance[texel] = (uint16_t)(olx_half_pack(hit->t / c->distance_scale) | mark);
+  }
+}
+
+// Off the middle, because from a probe that stands symmetrically in a room the middles' rays would meet edges of walls
+// exactly, where neither wall is certain.
+static const olx_vec2 sample_offset = {0.5078125f, 0.48828125f};
+
+// Rays through the middles of samples^2 parts of each texel, and the parts' shares of solid angle.
+static uint32_t make_sample_rays(const olx_capture *c, olx_shade_scratch *scratch, uint32_t tile) {
+  const uint32_t texels = c->tile_side * c->tile_side, side = c->samples;
+  const float step = 1.0f / (float)(c->size * side);
+  uint32_t count = 0;
+  for (uint32_t i = 0; i < texels; i++) {
+    const uint32_t texel = texel_index(c, tile, i), x = texel % c->size * side, y = texel / c->size * side;
+    for (uint32_t sy = 0; sy < side; sy++) {
+      for (uint32_t sx = 0; sx < side; sx++, count++) {
+        const olx_vec3 q = olx_octahedral_point(
+            (olx_vec2){((float)(x + sx) + sample_offset.x) * step, ((float)(y + sy) + sample_offset.y) * step});
+        const float inverse = 1.0f / olx_length(q);
+        scratch->weights[count] = inverse * inverse * inverse;
+        scratch->rays[count] = (olx_ray){c->position, olx_scale(q, inverse), 0.0f, INFINITY};
+      }
+    }
+  }
+  return count;
+}
+
+// Chooses which of a texel's points [first, end) of the batch cast reflections; returns the count of paths.
+static uint32_t choose_reflections(olx_shade_scratch *scratch, uint32_t first, uint32_t end, uint32_t paths) {
+  const olx_shade_batch *roots = &scratch->roots;
+  uint32_t specular = 0;
+  float strongest = 0.0f;
+  for (uint32_t k = first; k < end; k++) {
+    const olx_bsdf *b = &roots->surface[k].bsdf;
+    if (!olx_bsdf_has_specular(b)) continue;
+    specular++;
+    strongest = olx_max(strongest, olx_max3(olx_fresnel(b, olx_dot(roots->surface[k].shading_normal, roots->view[k]))));
+  }
+  if (specular == 0) return paths;
+  const bool all = strongest > strong_reflectance;
+  uint32_t chosen = olx_hash2(roots->seed[first], SALT_CHOICE) % specular;
+  for (uint32_t k = first; k < end; k++) {
+    if (!olx_bsdf_has_specular(&roots->surface[k].bsdf)) continue;
+    if (!all && chosen-- != 0) continue;
+    const float weight = all ? 1.0f : (float)specular;
+    scratch->paths[0][paths++] = (olx_shade_path){.root = k, .from = k, .throughput = olx_splat(weight)};
+  }
+  return paths;
+}
+
+// One ray a texel through the diffuse lobe, where it can find a light.
+static uint32_t choose_scattering(olx_shade_scratch *scratch, uint32_t first, uint32_t end, uint32_t paths) {
+  if (!scratch->roots.shares_diffuse || first == end) return paths;
+  const uint32_t chosen = first + olx_hash2(scratch->roots.seed[first], SALT_SCATTER) % (end - first);
+  if (olx_max3(scratch->roots.diffuse[chosen]) <= 0.0f) return paths;
+  scratch->paths[0][paths] =
+      (olx_shade_path){.root = chosen, .from = chosen, .diffuse = true, .throughput = olx_splat((float)(end - first))};
+  return paths + 1;
+}
+
+static void light_samples(const olx_capture *c, olx_shade_scratch *scratch, uint32_t tile, uint32_t count) {
+  const uint32_t per_texel = c->samples * c->samples;
+  uint32_t paths = 0;
+  scratch->roots.count = 0;
+  scratch->roots.shares_diffuse = c->shade->reflected_lights;
+  for (uint32_t i = 0; i < count; i += per_texel) {
+    const uint32_t seed = olx_hash3(c->probe, texel_index(c, tile, i / per_texel), SALT_TEXEL);
+    const uint32_t first = scratch->roots.count;
+    for (uint32_t k = i; k < i + per_texel; k++) {
+      const olx_vec3 direction = scratch->rays[k].direction;
+      if (scratch->hits[k].triangle == OLX_NO_HIT) {
+        scratch->colors[k] = olx_environment_radiance(c->shade->scene, direction);
+        continue;
+      }
+      scratch->slot[olx_shade_append(c->shade, &scratch->roots, &scratch->hits[k], direction, seed, k - i)] = k;
+    }
+    paths = choose_reflections(scratch, first, scratch->roots.count, paths);
+    paths = choose_scattering(scratch, first, scratch->roots.count, paths);
+  }
+  olx_shade_direct(c->shade, scratch, &scratch->roots);
+  if (c->bounces > 0) olx_shade_diffuse(c->shade, &scratch->roots, c->bounces - 1);
+  olx_shade_reflections(c->shade, scratch, paths, c->bounces, OLX_REFLECT_LIGHTS | OLX_REFLECT_BOUNCES);
+  for (uint32_t k = 0; k < scratch->roots.count; k++) {
+    scratch->colors[scratch->slot[k]] = olx_add(scratch->roots.surface[k].emission, scratch->roots.radiance[k]);
+  }
+}
+
+static void capture_radiance(const olx_capture *c, olx_shade_scratch *scratch, uint32_t tile) {
+  const uint32_t per_texel = c->samples * c->samples, count = make_sample_rays(c, scratch, tile);
+  cast(c, scratch, count);
+  light_samples(c, scratch, tile, count);
+  for (uint32_t i = 0; i < count; i += per_texel) {
+    olx_vec3 sum = olx_splat(0.0f);
+    float weight = 0.0f;
+    for (uint32_t k = i; k < i + per_texel; k++) {
+      sum = olx_madd(sum, scratch->colors[k], scratch->weights[k]);
+      weight += scratch->weights[k];
+    }
+    c->radiance[texel_index(c, tile, i / per_texel)] = olx_r11g11b10f_pack(olx_scale(sum, 1.0f / weight));
+  }
+}
+
+static void capture_job(void *user, uint32_t tile) {
+  const olx_capture *c = user;
+  olx_shade_scratch *scratch = olx_shade_scratch_take(c->shade);
+  if (!scratch) return;
+  capture_geometry(c, scratch, tile);
+  capture_radiance(c, scratch, tile);
+  olx_shade_scratch_give(c->shade, scratch);
+}
+
+static uint32_t tile_count(const olx_capture *c) {
+  const uint32_t tiles = c->size / c->tile_side;
+  return tiles * tiles;
+}
+
+static olx_result run_tiles(olx_capture *c, olx_job job, olx_task *task, uint64_t units) {
+  OLX_TRY(olx_parallel_for(tile_count(c), c->threads, job, c, task, units));
+  if (!atomic_load(&c->shade->out_of_memory)) return OLX_OK;
+  return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for the work of a thread");
+}
+
+olx_result olx_capture_probe(olx_capture *c, uint32_t probe, olx_vec3 position) {
+  c->probe = probe;
+  c->position = position;
+  return run_tiles(c, capture_job, c->task, olx_capture_units(c) / tile_count(c));
+}
+
+static void measure_job(void *user, uint32_t tile) {
+  const olx_capture *c = user;
+  olx_shade_scratch *scratch = olx_shade_scratch_take(c->shade);
+  if (!scratch) return;
+  const uint32_t count = make_sample_rays(c, scratch, tile);
+  const double start = olx_seconds();
+  olx_bvh_intersect_many(c->shade->scene->bvh, scratch->rays, count, true, scratch->hits);
+  c->tile_seconds[tile] = olx_seconds() - start;
+  olx_shade_scratch_give(c->shade, scratch);
+}
+
+olx_result olx_capture_measure(olx_capture *c, double *embree_seconds) {
+  OLX_TRY(run_tiles(c, measure_job, c->task, 0));
+  const uint32_t tiles = tile_count(c), wanted = c->threads ? c->threads : olx_processor_count();
+  double sum = 0.0;
+  for (uint32_t i = 0; i < tiles; i++) sum += c->tile_seconds[i];
+  *embree_seconds += sum / (wanted < tiles ? wanted : tiles);
+  return OLX_OK;
+}
+
+olx_result olx_capture_create(olx_capture *c) {
+  const size_t texels = (size_t)c->size * c->size;
+  c->tile_side = 32;
+  while (c->tile_side > c->size || c->tile_side * c->tile_side * c->samples * c->samples > OLX_BATCH_POINTS)
+    c->tile_side /= 2;
+  c->radiance = olx_allocate(texels, sizeof *c->radiance);
+  c->normal = olx_allocate(texels, sizeof *c->normal);
+  c->distance = olx_allocate(texels, sizeof *c->distance);
+  c->tile_seconds = olx_allocate(tile_count(c), sizeof *c->tile_seconds);
+  if (c->radiance && c->normal && c->distance && c->tile_seconds) return OLX_OK;
+  olx_capture_free(c);
+  return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for maps of %u x %u texels", c->size, c->size);
+}
+
+void olx_capture_free(olx_capture *c) {
+  olx_release(c->radiance);
+  olx_release(c->normal);
+  olx_release(c->distance);
+  olx_release(c->tile_seconds);
+  c->radiance = NULL;
+  c->normal = c->distance = NULL;
+  c->tile_seconds = NULL;
+}
+
+uint64_t olx_capture_units(const olx_capture *c) { return (uint64_t)c->size * c->size * c->samples * c->samples; }

@@ -1,0 +1,329 @@
+#include "bake/gather.h"
+
+#include "bake/morton.h"
+#include "core/hooks.h"
+#include "core/pack.h"
+#include "core/result.h"
+#include "core/sampling.h"
+
+#include <string.h>
+
+enum {
+  TILE_SIDE = 32, // samples along the side of a tile; a tile is one batch
+  SALT_PICK = 0x47415448,
+  SALT_CELL = 0x43454C4C,
+  SALT_JITTER = 0x4A495454
+};
+
+static uint32_t tiles_of(const olx_quadrature *q) {
+  const uint32_t side = q->sample_size / TILE_SIDE;
+  return side * side;
+}
+
+static uint32_t samples_per_cell(const olx_quadrature *q) {
+  const uint32_t side = q->sample_size / q->cells;
+  return side * side;
+}
+
+static uint32_t gather_points(const olx_quadrature *q) { return 4 * q->cells * q->cells; }
+
+// Where sample `i` of a tile, in Morton order, lies in the map of samples.
+typedef struct sample_place {
+  uint32_t x, y, cell;
+} sample_place;
+
+static sample_place place_of(const olx_quadrature *q, uint32_t tile, uint32_t i) {
+  const uint32_t side = q->sample_size / TILE_SIDE, per_cell = q->sample_size / q->cells;
+  const uint32_t x = tile % side * TILE_SIDE + olx_morton_coordinate(i);
+  const uint32_t y = tile / side * TILE_SIDE + olx_morton_coordinate(i >> 1);
+  return (sample_place){x, y, y / per_cell * q->cells + x / per_cell};
+}
+
+// A direction within the sample's texel. It is drawn, because a regular one would meet edges of walls exactly, where
+// neither wall is certain, from a probe that stands as symmetrically as grids of probes tend to.
+static olx_vec3 sample_direction(const olx_quadrature *q, uint32_t probe, sample_place p) {
+  const uint32_t hash = olx_hash3(probe, p.y * q->sample_size + p.x, SALT_JITTER);
+  const float scale = 1.0f / (float)q->sample_size, u = ((float)(hash & 0xFFFFu) + 0.5f) * 0x1p-16f;
+  const float v = ((float)(hash >> 16) + 0.5f) * 0x1p-16f;
+  return olx_octahedral_decode((olx_vec2){((float)p.x + u) * scale, ((float)p.y + v) * scale});
+}
+
+// A quarter of a cell holds consecutive samples; one of them, drawn by hash, is the gather point that stands for it.
+static uint32_t picked_sample(uint32_t probe, uint32_t point, uint32_t per_quarter) {
+  return olx_hash3(probe, point, SALT_PICK) & (per_quarter - 1);
+}
+
+static float quarter_solid_angle(const olx_quadrature *q, uint32_t tile, uint32_t quarter, uint32_t per_quarter) {
+  float sum = 0.0f;
+  for (uint32_t i = 0; i < per_quarter; i++) {
+    const sample_place p = place_of(q, tile, quarter * per_quarter + i);
+    sum += q->sample_solid_angle[p.y * q->sample_size + p.x];
+  }
+  return sum;
+}
+
+static uint32_t cell_seed(uint32_t probe, uint32_t cell) { return olx_hash3(probe, cell, SALT_CELL); }
+
+static void cast_tile(const olx_gather *gather, olx_shade_scratch *scratch, uint32_t tile) {
+  const olx_quadrature *q = &gather->quadrature;
+  const olx_vec3 origin = gather->positions[gather->probe];
+  for (uint32_t i = 0; i < OLX_BATCH_POINTS; i++) {
+    const sample_place p = place_of(q, tile, i);
+    scratch->directions[i] = sample_direction(q, gather->probe, p);
+    scratch->weights[i] = q->sample_solid_angle[p.y * q->sample_size + p.x];
+    scratch->rays[i] = (olx_ray){origin, scratch->directions[i], 0.0f, INFINITY};
+  }
+  olx_bvh_intersect_many(gather->shade->scene->bvh, scratch->rays, OLX_BATCH_POINTS, true, scratch->hits);
+  atomic_fetch_add_explicit(&gather->shade->rays, OLX_BATCH_POINTS, memory_order_relaxed);
+}
+
+static void sum_distances(const olx_gather *gather, const olx_shade_scratch *scratch, uint32_t tile) {
+  const olx_quadrature *q = &gather->quadrature;
+  const uint32_t per_cell = q->sample_size / q->distance_cells;
+  for (uint32_t i = 0; i < OLX_BATCH_POINTS; i++) {
+    const sample_place p = place_of(q, tile, i);
+    const uint32_t c = p.y / per_cell * q->distance_cells + p.x / per_cell;
+    const bool sky = scratch->hits[i].triangle == OLX_NO_HIT;
+    const float r = sky ? 1.0f : olx_min(scratch->hits[i].t / gather->distance_scale, 1.0f);
+    const float share = scratch->weights[i] / q->distance_weight[c];
+    gather->distances[c].x += share * r;
+    gather->distances[c].y += share * r * r;
+  }
+}
+
+// Lights the samples of a tile and leaves their radiance in scratch->roots.
+static void light_tile(const olx_gather *gather, olx_shade_scratch *scratch, uint32_t tile) {
+  const olx_quadrature *q = &gather->quadrature;
+  const uint32_t per_cell = samples_per_cell(q), per_quarter = per_cell / 4, probe = gather->probe;
+  olx_ray_hit *hits = gather->hits + (size_t)probe * gather_points(q);
+  uint32_t reflections = 0;
+  scratch->roots.count = 0;
+  scratch->roots.shares_diffuse = gather->shade->reflected_lights;
+  for (uint32_t i = 0; i < OLX_BATCH_POINTS; i++) {
+    const uint32_t quarter = i / per_quarter, point = tile * (OLX_BATCH_POINTS / per_quarter) + quarter;
+    const bool picked = i % per_quarter == picked_sample(probe, point, per_quarter);
+    if (picked) hits[point] = scratch->hits[i];
+    if (scratch->hits[i].triangle == OLX_NO_HIT) continue;
+    const uint32_t cell = place_of(q, tile, i).cell;
+    const uint32_t root = olx_shade_append(gather->shade, &scratch->roots, &scratch->hits[i], scratch->directions[i],
+                                           cell_seed(probe, cell), i % per_cell);
+    scratch->slot[root] = i;
+    if (!picked || !gather->shade->reflected_lights) continue;
+    const float weight = quarter_solid_angle(q, tile, quarter, per_quarter) / scratch->weights[i];
+    olx_shade_path path = {.root = root, .from = root, .throughput = olx_splat(weight), .diffuse = true};
+    scratch->paths[0][reflections++] = path;
+    path.diffuse = false;
+    if (olx_bsdf_has_specular(&scratch->roots.surface[root].bsdf)) scratch->paths[0][reflections++] = path;
+  }
+  olx_shade_direct(gather->shade, scratch, &scratch->roots);
+  olx_shade_reflections(gather->shade, scratch, reflections, 0, OLX_REFLECT_LIGHTS);
+}
+
+static void direct_job(void *user, uint32_t tile) {
+  const olx_gather *gather = user;
+  const olx_quadrature *q = &gather->quadrature;
+  olx_shade_scratch *scratch = olx_shade_scratch_take(gather->shade);
+  if (!scratch) return;
+  cast_tile(gather, scratch, tile);
+  sum_distances(gather, scratch, tile);
+  light_tile(gather, scratch, tile);
+  olx_vec3 *direct = gather->direct + (size_t)gather->probe * q->cells * q->cells;
+  for (uint32_t k = 0; k < scratch->roots.count; k++) {
+    const uint32_t i = scratch->slot[k], cell = place_of(q, tile, i).cell;
+    const float share = scratch->weights[i] / q->cell_solid_angle[cell];
+    direct[cell] = olx_madd(direct[cell], scratch->roots.radiance[k], share);
+  }
+  olx_shade_scratch_give(gather->shade, scratch);
+}
+
+// Copies the texels that a map's border repeats. Texels are `size_bytes` long.
+static void fill_border(void *map, uint32_t n, size_t size_bytes) {
+  const int32_t side = (int32_t)n, stride = side + 2;
+  char *texels = map;
+  for (int32_t i = -1; i <= side; i++) {
+    const int32_t edge[4][2] = {{i, -1}, {i, side}, {-1, i}, {side, i}};
+    for (uint32_t e = 0; e < 4; e++) {
+      int32_t x, y;
+      olx_border_source(edge[e][0], edge[e][1], side, &x, &y);
+      memcpy(texels + (size_t)((edge[e][1] + 1) * stride + edge[e][0] + 1) * size_bytes,
+             texels + (size_t)((y + 1) * stride + x + 1) * size_bytes, size_bytes);
+    }
+  }
+}
+
+static size_t bordered(uint32_t n) { return (size_t)(n + 2) * (n + 2); }
+
+static void moments_job(void *user, uint32_t row) {
+  const olx_gather *gather = user;
+  const uint32_t n = gather->quadrature.irradiance_size, stride = n + 2;
+  olx_vec2 *map = gather->moments + gather->probe * bordered(n) + stride + 1;
+  olx_quadrature_moments(&gather->quadrature, gather->distances, row, map, stride);
+}
+
+static olx_result check_memory(const olx_gather *gather) {
+  if (!atomic_load(&gather->shade->out_of_memory)) return OLX_OK;
+  return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for the work of a thread");
+}
+
+olx_result olx_gather_direct(olx_gather *gather) {
+  const olx_quadrature *q = &gather->quadrature;
+  olx_task_stage(gather->task, "direct light");
+  for (uint32_t probe = 0; probe < gather->probe_count; probe++) {
+    gather->probe = probe;
+    memset(gather->distances, 0, (size_t)q->distance_cells * q->distance_cells * sizeof(olx_vec2));
+    OLX_TRY(olx_parallel_for(tiles_of(q), gather->threads, direct_job, gather, gather->task, OLX_BATCH_POINTS));
+    OLX_TRY(check_memory(gather));
+    OLX_TRY(
+        olx_parallel_for(q->irradiance_size / OLX_BLOCK_ROWS, gather->threads, moments_job, gather, gather->task, 0));
+    fill_border(gather->moments + probe * bordered(q->irradiance_size), q->irradiance_size, sizeof(olx_vec2));
+  }
+  return OLX_OK;
+}
+
+// Light of one batch of a probe's gather points.
+static void bounce_job(void *user, uint32_t index) {
+  const olx_gather *gather = user;
+  const olx_quadrature *q = &gather->quadrature;
+  const uint32_t points = gather_points(q), batches = points / OLX_BATCH_POINTS, probe = index / batches;
+  const uint32_t per_cell = samples_per_cell(q), per_quarter = per_cell / 4;
+  const uint32_t first = index % batches * OLX_BATCH_POINTS, per_tile = OLX_BATCH_POINTS / per_quarter;
+  const size_t cell_base = (size_t)probe * q->cells * q->cells;
+  olx_shade_scratch *scratch = olx_shade_scratch_take(gather->shade);
+  if (!scratch) return;
+  uint32_t reflections = 0;
+  scratch->roots.count = 0;
+  for (uint32_t k = 0; k < OLX_BATCH_POINTS; k++) {
+    const uint32_t point = first + k, tile = point / per_tile, quarter = point % per_tile;
+    const uint32_t i = quarter * per_quarter + picked_sample(probe, point, per_quarter);
+    const sample_place p = place_of(q, tile, i);
+    if (k % 4 == 0) gather->total[cell_base + p.cell] = gather->direct[cell_base + p.cell];
+    const olx_ray_hit *hit = &gather->hits[(size_t)probe * points + point];
+    if (hit->triangle == OLX_NO_HIT) continue;
+    const uint32_t root = olx_shade_append(gather->shade, &scratch->roots, hit, sample_direction(q, probe, p),
+                                           cell_seed(probe, p.cell), i % per_cell);
+    scratch->slot[root] = p.cell;
+    scratch->weights[root] = quarter_solid_angle(q, tile, quarter, per_quarter) / q->cell_solid_angle[p.cell];
+    if (!olx_bsdf_has_specular(&scratch->roots.surface[root].bsdf)) continue;
+    scratch->paths[0][reflections++] = (olx_shade_path){.root = root, .from = root, .throughput = olx_splat(1.0f)};
+  }
+  olx_shade_diffuse(gather->shade, &scratch->roots, gather->bounce - 1);
+  olx_shade_reflections(gather->shade, scratch, reflections, gather->bounce, OLX_REFLECT_BOUNCES);
+  for (uint32_t k = 0; k < scratch->roots.count; k++) {
+    olx_vec3 *cell = &gather->total[cell_base + scratch->slot[k]];
+    *cell = olx_madd(*cell, scratch->roots.radiance[k], scratch->weights[k]);
+  }
+  olx_shade_scratch_give(gather->shade, scratch);
+}
+
+olx_result olx_gather_bounce(olx_gather *gather, uint32_t bounce) {
+  olx_task_stage(gather->task, "bounces");
+  gather->bounce = bounce;
+  const uint32_t batches = gather_points(&gather->quadrature) / OLX_BATCH_POINTS;
+  OLX_TRY(olx_parallel_for(gather->probe_count * batches, gather->threads, bounce_job, gather, gather->task,
+                           OLX_BATCH_POINTS));
+  return check_memory(gather);
+}
+
+static const olx_vec3 *cells_of(const olx_gather *gather, uint32_t probe) {
+  const olx_vec3 *radiance = gather->bounce > 0 ? gather->total : gather->direct;
+  return radiance + (size_t)probe * gather->quadrature.cells * gather->quadrature.cells;
+}
+
+static olx_vec3 *bounce_maps(const olx_gather *gather, uint32_t bounce) {
+  return gather->maps[bounce % (OLX_KEPT_BOUNCES + 1)];
+}
+
+static void irradiance_job(void *user, uint32_t index) {
+  const olx_gather *gather = user;
+  const uint32_t n = gather->map_size, rows = n / OLX_BLOCK_ROWS, probe = index / rows, stride = n + 2;
+  olx_vec3 *map = bounce_maps(gather, gather->bounce) + probe * bordered(n) + stride + 1;
+  olx_quadrature_irradiance(&gather->quadrature, cells_of(gather, probe), n, index % rows, map, stride);
+}
+
+olx_result olx_gather_irradiance(olx_gather *gather, uint32_t bounce) {
+  gather->bounce = bounce;
+  const uint32_t n = gather->map_size;
+  OLX_TRY(olx_parallel_for(gather->probe_count * (n / OLX_BLOCK_ROWS), gather->threads, irradiance_job, gather,
+                           gather->task, 0));
+  for (uint32_t probe = 0; probe < gather->probe_count; probe++) {
+    fill_border(bounce_maps(gather, bounce) + probe * bordered(n), n, sizeof(olx_vec3));
+  }
+  return OLX_OK;
+}
+
+static void final_job(void *user, uint32_t row) {
+  const olx_gather *gather = user;
+  const uint32_t n = gather->quadrature.irradiance_size;
+  olx_quadrature_irradiance(&gather->quadrature, cells_of(gather, gather->probe), n, row, gather->irradiance, n);
+}
+
+olx_result olx_gather_write(olx_gather *gather, olx_field_writer *writer, double *write_seconds) {
+  const uint32_t n = gather->quadrature.irradiance_size;
+  const size_t texels = (size_t)n * n;
+  uint32_t *packed = olx_allocate(2 * texels, sizeof *packed);
+  if (!packed) return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for an irradiance map");
+  olx_result result = OLX_OK;
+  for (uint32_t probe = 0; probe < gather->probe_count && result == OLX_OK; probe++) {
+    gather->probe = probe;
+    result = olx_parallel_for(n / OLX_BLOCK_ROWS, gather->threads, final_job, gather, gather->task, 0);
+    if (result != OLX_OK) break;
+    const olx_vec2 *moments = gather->moments + probe * bordered(n) + n + 3;
+    for (size_t i = 0; i < texels; i++) {
+      const olx_vec2 m = moments[i / n * (n + 2) + i % n];
+      packed[i] = olx_r11g11b10f_pack(gather->irradiance[i]);
+      packed[texels + i] = olx_half_pack(m.x) | (uint32_t)olx_half_pack(m.y) << 16;
+    }
+    const double start = olx_seconds();
+    result = olx_field_writer_irradiance(writer, probe, gather->flags[probe], packed, packed + texels);
+    *write_seconds += olx_seconds() - start;
+  }
+  olx_release(packed);
+  return result;
+}
+
+olx_result olx_gather_create(olx_gather *gather, const olx_grid *grid, uint32_t irradiance_size, uint32_t bounces) {
+  OLX_TRY(olx_quadrature_create(irradiance_size, &gather->quadrature));
+  const olx_quadrature *q = &gather->quadrature;
+  const size_t probes = gather->probe_count, cells = (size_t)q->cells * q->cells;
+  gather->map_size = irradiance_size < 64 ? irradiance_size : 64;
+  gather->hits = olx_allocate(probes * gather_points(q), sizeof *gather->hits);
+  gather->direct = olx_allocate_zero(probes * cells, sizeof *gather->direct);
+  gather->total = bounces > 0 ? olx_allocate(probes * cells, sizeof *gather->total) : NULL;
+  gather->distances = olx_allocate((size_t)q->distance_cells * q->distance_cells, sizeof *gather->distances);
+  gather->moments = olx_allocate(probes * bordered(irradiance_size), sizeof *gather->moments);
+  gather->irradiance = olx_allocate((size_t)irradiance_size * irradiance_size, sizeof *gather->irradiance);
+  bool complete = gather->hits && gather->direct && gather->distances && gather->moments && gather->irradiance &&
+                  (bounces == 0 || gather->total);
+  for (uint32_t k = 0; k < bounces && k <= OLX_KEPT_BOUNCES; k++) {
+    gather->maps[k] = olx_allocate(probes * bordered(gather->map_size), sizeof(olx_vec3));
+    complete = complete && gather->maps[k];
+    gather->shade->irradiance[k] = (olx_irradiance_source){.grid = *grid,
+                                                           .flags = gather->flags,
+                                                           .distance_scale = gather->distance_scale,
+                                                           .irradiance_n = gather->map_size,
+                                                           .moments_n = irradiance_size,
+                                                           .irradiance = gather->maps[k],
+                                                           .moments = gather->moments};
+  }
+  if (complete) return OLX_OK;
+  olx_gather_free(gather);
+  return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for %u irradiance probes", gather->probe_count);
+}
+
+void olx_gather_free(olx_gather *gather) {
+  olx_quadrature_free(&gather->quadrature);
+  olx_release(gather->hits);
+  olx_release(gather->direct);
+  olx_release(gather->total);
+  olx_release(gather->distances);
+  olx_release(gather->moments);
+  olx_release(gather->irradiance);
+  for (uint32_t k = 0; k <= OLX_KEPT_BOUNCES; k++) olx_release(gather->maps[k]);
+  *gather = (olx_gather){0};
+}
+
+uint64_t olx_gather_units(const olx_gather *gather, uint32_t bounces) {
+  const olx_quadrature *q = &gather->quadrature;
+  const uint64_t samples = (uint64_t)q->sample_size * q->sample_size;
+  return gather->probe_count * (samples + (uint64_t)bounces * gather_points(q));
+}

@@ -1,0 +1,48 @@
+// Irradiance probes: what each sees, gathered into cells, and the bounces of light between them.
+#ifndef OLX_BAKE_GATHER_H
+#define OLX_BAKE_GATHER_H
+
+#include "bake/quadrature.h"
+#include "bake/shade_batch.h"
+#include "core/parallel.h"
+#include "field/field_writer.h"
+
+#include <octalux/bake.h>
+
+typedef struct olx_gather {
+  olx_shade_context *shade;
+  const olx_vec3 *positions;
+  const uint8_t *flags; // OLX_PROBE_*
+  uint32_t probe_count, threads;
+  float distance_scale;
+  olx_task *task;
+  olx_quadrature quadrature;
+  uint32_t map_size;   // of the maps of the bounces
+  olx_ray_hit *hits;   // of each probe's gather points, where light of later bounces is found: four a cell
+  olx_vec3 *direct;    // radiance of each probe's cells: direct light
+  olx_vec3 *total;     // and with bounces
+  olx_vec2 *distances; // of one probe's distance cells: mean and mean square
+  olx_vec2 *moments;   // maps with border
+  olx_vec3 *maps[OLX_KEPT_BOUNCES + 1]; // irradiance with border, of bounce k at k mod (OLX_KEPT_BOUNCES + 1)
+  uint32_t probe;                       // that is worked on, in loops over the parts of one
+  uint32_t bounce;
+  olx_vec3 *irradiance; // one probe's final map
+} olx_gather;
+
+// Everything but the tables and maps is the caller's to fill. `bounces` is the number of the last bounce.
+olx_result olx_gather_create(olx_gather *gather, const olx_grid *grid, uint32_t irradiance_size, uint32_t bounces);
+void olx_gather_free(olx_gather *gather);
+
+// Units of progress that the whole of gathering takes, in rays.
+uint64_t olx_gather_units(const olx_gather *gather, uint32_t bounces);
+
+// Direct light and distances of all probes.
+olx_result olx_gather_direct(olx_gather *gather);
+// Light of bounce `bounce`, at least 1, from the irradiance of the one before.
+olx_result olx_gather_bounce(olx_gather *gather, uint32_t bounce);
+// The irradiance of bounce `bounce`, for the next to gather from and for shading.
+olx_result olx_gather_irradiance(olx_gather *gather, uint32_t bounce);
+// The final maps, to the file.
+olx_result olx_gather_write(olx_gather *gather, olx_field_writer *writer, double *write_seconds);
+
+#endif

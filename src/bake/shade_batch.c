@@ -1,0 +1,271 @@
+#include "bake/shade_batch.h"
+
+#include "core/sampling.h"
+
+// Salts of the hashes from which independent random numbers are drawn.
+enum { SALT_LIGHT = 0x1000, SALT_PICK = 0x2000, SALT_LOBE = 0x3000, SALT_SURVIVE = 0x4000, SALT_COSINE = 0x5000 };
+
+void olx_shade_context_begin(olx_shade_context *context, const olx_scene *scene, uint32_t light_samples) {
+  *context = (olx_shade_context){.scene = scene,
+                                 .sample = olx_sample_settings_default(),
+                                 .light_samples = light_samples,
+                                 .group_count = olx_emitters_group_count(scene)};
+  for (uint32_t g = 0; g < context->group_count; g++) {
+    if (olx_emitters_group_varies(scene, g)) context->reflected_lights = true;
+  }
+  olx_scratch_pool_begin(&context->pool, sizeof(olx_shade_scratch));
+  atomic_init(&context->rays, 0);
+  atomic_init(&context->out_of_memory, false);
+}
+
+void olx_shade_context_end(olx_shade_context *context) { olx_scratch_pool_end(&context->pool); }
+
+olx_shade_scratch *olx_shade_scratch_take(olx_shade_context *context) {
+  olx_shade_scratch *scratch = olx_scratch_take(&context->pool);
+  if (!scratch) atomic_store(&context->out_of_memory, true);
+  return scratch;
+}
+
+void olx_shade_scratch_give(olx_shade_context *context, olx_shade_scratch *scratch) {
+  olx_scratch_give(&context->pool, scratch);
+}
+
+uint32_t olx_shade_append(olx_shade_context *context, olx_shade_batch *batch, const olx_ray_hit *hit,
+                          olx_vec3 direction, uint32_t seed, uint32_t sequence) {
+  const uint32_t i = batch->count++;
+  batch->surface[i] = olx_surface_at(context->scene, hit, direction);
+  batch->view[i] = olx_negate(direction);
+  batch->seed[i] = seed;
+  batch->sequence[i] = sequence;
+  const olx_surface *s = &batch->surface[i];
+  const float cosine = olx_dot(s->shading_normal, batch->view[i]);
+  batch->diffuse[i] = olx_scale(olx_bsdf_diffuse(&s->bsdf, cosine), 1.0f / OLX_PI);
+  batch->radiance[i] = olx_splat(0.0f);
+  return i;
+}
+
+// Paths that carry this much always go on.
+static const float full_survival = 0.25f;
+
+static olx_vec3 to_local(olx_vec3 v, olx_vec3 tangent, olx_vec3 bitangent, olx_vec3 normal) {
+  return olx_v3(olx_dot(v, tangent), olx_dot(v, bitangent), olx_dot(v, normal));
+}
+
+// A shadow ray's share, by the balance heuristic, of light that a reflected ray drawn with density `pdf` can find too.
+static float shadow_share(const olx_light_sample *light, uint32_t samples, float pdf) {
+  const float density = light->pdf * (float)samples;
+  return light->delta ? 1.0f : density / (density + pdf);
+}
+
+// Light that an unoccluded sample sends to the eye.
+static olx_vec3 reflected_light(const olx_shade_batch *batch, uint32_t i, const olx_light_sample *light,
+                                uint32_t samples) {
+  const olx_surface *s = &batch->surface[i];
+  const float cosine = olx_dot(s->shading_normal, light->direction);
+  const float diffuse_share = batch->shares_diffuse ? shadow_share(light, samples, cosine / OLX_PI) : 1.0f;
+  olx_vec3 sum = olx_scale(batch->diffuse[i], cosine * diffuse_share);
+  if (olx_bsdf_has_specular(&s->bsdf) && s->bsdf.alpha > 0.0f) {
+    olx_vec3 tangent, bitangent;
+    olx_basis(s->shading_normal, &tangent, &bitangent);
+    const olx_vec3 l = to_local(light->direction, tangent, bitangent, s->shading_normal);
+    const olx_vec3 v = to_local(batch->view[i], tangent, bitangent, s->shading_normal);
+    const float share = light->delta ? 1.0f : shadow_share(light, samples, olx_ggx_pdf(s->bsdf.alpha, v, l));
+    sum = olx_madd(sum, olx_bsdf_specular(&s->bsdf, v, l), share);
+  }
+  return olx_mul(sum, olx_scale(light->emission, 1.0f / (float)samples));
+}
+
+// One shadow ray of every point towards light group `group`.
+static void add_light(olx_shade_context *context, olx_shade_scratch *scratch, olx_shade_batch *batch, uint32_t group,
+                      uint32_t sample, uint32_t samples, bool varies) {
+  uint32_t count = 0;
+  for (uint32_t i = 0; i < batch->count; i++) {
+    const olx_surface *s = &batch->surface[i];
+    olx_light_sample *light = &scratch->light[count];
+    olx_vec2 random = {0.5f, 0.5f};
+    float pick = 0.5f;
+    if (varies) {
+      const uint32_t index = batch->sequence[i] * samples + sample;
+      random = olx_stratified2(index, olx_hash2(batch->seed[i], SALT_LIGHT + group));
+      pick = olx_unit_float(index * 2654435769u + olx_hash2(batch->seed[i], SALT_PICK + group));
+    }
+    if (!olx_emitters_sample(context->scene, group, s->position, random, pick, light)) continue;
+    if (olx_dot(s->geometric_normal, light->direction) <= 0.0f) continue;
+    if (olx_dot(s->shading_normal, light->direction) <= 0.0f) continue;
+    scratch->rays[count] = light->infinite ? olx_surface_ray(s, light->direction, INFINITY)
+                                           : olx_surface_ray_to(s, light->target, light->epsilon_end);
+    scratch->lit_point[count++] = i;
+  }
+  olx_bvh_occluded_many(context->scene->bvh, scratch->rays, count, !varies, scratch->occluded);
+  atomic_fetch_add_explicit(&context->rays, count, memory_order_relaxed);
+  for (uint32_t k = 0; k < count; k++) {
+    if (scratch->occluded[k]) continue;
+    const uint32_t i = scratch->lit_point[k];
+    batch->radiance[i] = olx_add(batch->radiance[i], reflected_light(batch, i, &scratch->light[k], samples));
+  }
+}
+
+void olx_shade_direct(olx_shade_context *context, olx_shade_scratch *scratch, olx_shade_batch *batch) {
+  for (uint32_t group = 0; group < context->group_count; group++) {
+    const bool varies = olx_emitters_group_varies(context->scene, group);
+    const uint32_t samples = varies ? context->light_samples : 1;
+    for (uint32_t sample = 0; sample < samples; sample++) {
+      add_light(context, scratch, batch, group, sample, samples, varies);
+    }
+  }
+}
+
+static const olx_irradiance_source *irradiance_of(const olx_shade_context *context, uint32_t bounce) {
+  return &context->irradiance[bounce % (OLX_KEPT_BOUNCES + 1)];
+}
+
+void olx_shade_diffuse(olx_shade_context *context, olx_shade_batch *batch, uint32_t bounce) {
+  const olx_irradiance_source *source = irradiance_of(context, bounce);
+  const float share_squared = olx_square(context->share_distance);
+  uint32_t last = UINT32_MAX;
+  olx_vec3 irradiance = {0};
+  for (uint32_t i = 0; i < batch->count; i++) {
+    if (olx_max3(batch->diffuse[i]) <= 0.0f) continue;
+    const olx_surface *s = &batch->surface[i];
+    bool shared = false;
+    if (last != UINT32_MAX && batch->seed[last] == batch->seed[i]) {
+      const olx_vec3 step = olx_sub(s->position, batch->surface[last].position);
+      shared = olx_dot(step, step) < share_squared &&
+               olx_dot(s->shading_normal, batch->surface[last].shading_normal) > 0.995f;
+    }
+    if (!shared) {
+      irradiance = olx_irradiance_from(source, &context->sample, s->position, s->shading_normal, batch->view[i]);
+      last = i;
+    }
+    batch->radiance[i] = olx_add(batch->radiance[i], olx_mul(batch->diffuse[i], irradiance));
+  }
+}
+
+// Draw a ray from the diffuse lobe; false when it lies below the surface.
+static bool scatter_path(const olx_shade_batch *batch, olx_shade_path *path, olx_ray *ray) {
+  const uint32_t i = path->from;
+  const olx_surface *s = &batch->surface[i];
+  const olx_vec3 local = olx_sample_cosine(olx_stratified2(batch->sequence[i], olx_hash2(batch->seed[i], SALT_COSINE)));
+  path->direction = olx_normalize(olx_from_basis(local, s->shading_normal));
+  if (local.z <= 0.0f || olx_dot(path->direction, s->geometric_normal) <= 0.0f) return false;
+  path->pdf = local.z / OLX_PI;
+  path->throughput = olx_scale(olx_mul(path->throughput, batch->diffuse[i]), OLX_PI);
+  *ray = olx_surface_ray(s, path->direction, INFINITY);
+  return true;
+}
+
+// Draw the ray by which a path goes on from `batch`; false when it ends here.
+static bool reflect_path(const olx_shade_batch *batch, olx_shade_path *path, uint32_t depth, olx_ray *ray) {
+  const uint32_t i = path->from;
+  const olx_surface *s = &batch->surface[i];
+  const uint32_t seed = olx_hash3(batch->seed[i], SALT_LOBE, depth);
+  olx_vec3 tangent, bitangent;
+  olx_basis(s->shading_normal, &tangent, &bitangent);
+  const olx_vec3 view = to_local(batch->view[i], tangent, bitangent, s->shading_normal);
+  float weight, half_cosine;
+  const olx_vec3 local =
+      olx_ggx_sample(s->bsdf.alpha, view, olx_stratified2(batch->sequence[i], seed), &weight, &half_cosine);
+  if (weight <= 0.0f) return false;
+  path->direction = olx_normalize(olx_add(olx_add(olx_scale(tangent, local.x), olx_scale(bitangent, local.y)),
+                                          olx_scale(s->shading_normal, local.z)));
+  if (olx_dot(path->direction, s->geometric_normal) <= 0.0f) return false;
+  path->pdf = s->bsdf.alpha > 0.0f ? olx_ggx_pdf(s->bsdf.alpha, view, local) : 0.0f;
+  path->throughput = olx_scale(olx_mul(path->throughput, olx_fresnel(&s->bsdf, half_cosine)), weight);
+  if (depth > 1) {
+    // Paths that carry little end at random, and the survivors carry their share.
+    const float survival = olx_min(1.0f, olx_max3(path->throughput) / full_survival);
+    if (olx_unit_float(olx_hash3(batch->seed[i] + batch->sequence[i], SALT_SURVIVE, depth)) >= survival) return false;
+    path->throughput = olx_scale(path->throughput, 1.0f / survival);
+  }
+  *ray = olx_surface_ray(s, path->direction, INFINITY);
+  return true;
+}
+
+// The reflected ray's share of light that shadow rays sample too.
+static float light_share(const olx_shade_context *context, const olx_shade_path *path, float light_pdf) {
+  return path->pdf > 0.0f ? path->pdf / (path->pdf + light_pdf * (float)context->light_samples) : 1.0f;
+}
+
+static bool may_emit(const olx_scene *scene, uint32_t triangle) {
+  return olx_max3(scene->materials[scene->material_index[triangle]].emission) > 0.0f;
+}
+
+// Light that a ray gets from the emitter or the sky at its end.
+static olx_vec3 light_at_end(const olx_shade_context *context, const olx_shade_batch *from, const olx_shade_path *path,
+                             const olx_surface *end) {
+  if (!end) {
+    const olx_vec3 sky = olx_environment_radiance(context->scene, path->direction);
+    return olx_scale(sky, light_share(context, path, olx_environment_pdf(context->scene, path->direction)));
+  }
+  const float pdf = olx_emitters_surface_pdf(end, from->surface[path->from].position, path->direction);
+  return olx_scale(end->emission, light_share(context, path, pdf));
+}
+
+// Light of emitters and the sky at the ends of paths, when `lights` is set. When `surfaces` is set, what reflections met
+// goes to `to`, and their paths to `next`. Returns their count.
+static uint32_t end_paths(olx_shade_context *context, olx_shade_scratch *scratch, const olx_shade_batch *from,
+                          const olx_shade_path *paths, uint32_t count, bool lights, bool surfaces, olx_shade_batch *to,
+                          olx_shade_path *next) {
+  const olx_scene *scene = context->scene;
+  to->count = 0;
+  to->shares_diffuse = false;
+  for (uint32_t k = 0; k < count; k++) {
+    const olx_shade_path *path = &paths[k];
+    const olx_ray_hit *hit = &scratch->hits[k];
+    olx_surface met;
+    const olx_surface *end = NULL;
+    if (hit->triangle == OLX_NO_HIT) {
+      if (!olx_environment_lit(scene)) continue;
+    } else if (surfaces && !path->diffuse) {
+      const uint32_t seed = olx_hash2(from->seed[path->from], from->sequence[path->from]);
+      const uint32_t i = olx_shade_append(context, to, hit, path->direction, seed, 0);
+      next[i] = *path;
+      next[i].from = i;
+      end = &to->surface[i];
+    } else {
+      if (!may_emit(scene, hit->triangle)) continue;
+      met = olx_surface_at(scene, hit, path->direction);
+      end = &met;
+    }
+    if (!lights || (end && olx_max3(end->emission) <= 0.0f)) continue;
+    olx_vec3 *sum = &scratch->roots.radiance[path->root];
+    *sum = olx_add(*sum, olx_mul(path->throughput, light_at_end(context, from, path, end)));
+  }
+  return to->count;
+}
+
+void olx_shade_reflections(olx_shade_context *context, olx_shade_scratch *scratch, uint32_t count, uint32_t bounces,
+                           uint32_t what) {
+  olx_shade_batch *roots = &scratch->roots, *from = roots;
+  for (uint32_t depth = 1; count > 0; depth++) {
+    const bool lights = context->reflected_lights && (depth > 1 || (what & OLX_REFLECT_LIGHTS));
+    const bool surfaces = (what & OLX_REFLECT_BOUNCES) && depth <= bounces;
+    if (!lights && !surfaces) return;
+    olx_shade_path *paths = scratch->paths[(depth - 1) & 1], *next = scratch->paths[depth & 1];
+    olx_shade_batch *to = &scratch->reflected[depth & 1];
+    uint32_t alive = 0;
+    for (uint32_t k = 0; k < count; k++) {
+      olx_ray *ray = &scratch->rays[alive];
+      if (!(paths[k].diffuse ? scatter_path(from, &paths[k], ray) : reflect_path(from, &paths[k], depth, ray)))
+        continue;
+      paths[alive++] = paths[k];
+    }
+    olx_bvh_intersect_many(context->scene->bvh, scratch->rays, alive, false, scratch->hits);
+    atomic_fetch_add_explicit(&context->rays, alive, memory_order_relaxed);
+    count = end_paths(context, scratch, from, paths, alive, lights, surfaces, to, next);
+    if (!surfaces) return;
+    olx_shade_direct(context, scratch, to);
+    if (bounces > depth) {
+      const uint32_t earlier = depth + 1 < OLX_KEPT_BOUNCES ? depth + 1 : OLX_KEPT_BOUNCES;
+      olx_shade_diffuse(context, to, bounces - earlier);
+    }
+    uint32_t specular = 0;
+    for (uint32_t i = 0; i < count; i++) {
+      olx_vec3 *sum = &roots->radiance[next[i].root];
+      *sum = olx_add(*sum, olx_mul(next[i].throughput, to->radiance[i]));
+      if (olx_bsdf_has_specular(&to->surface[i].bsdf)) next[specular++] = next[i];
+    }
+    count = specular;
+    from = to;
+  }
+}

@@ -1,0 +1,99 @@
+// Lighting many surface points at once, so that rays go to the ray caster in packets: direct light through both lobes,
+// diffuse light of earlier bounces from irradiance maps, and reflections cast as rays.
+//
+// The last replaces the trace through the field by which a renderer finds glossy light: the baker has the triangles, so its
+// reflections are exact. They still end at light that is biased towards no viewpoint but their own.
+#ifndef OLX_BAKE_SHADE_BATCH_H
+#define OLX_BAKE_SHADE_BATCH_H
+
+#include "bake/scratch_pool.h"
+#include "scene/emitters.h"
+#include "scene/surface.h"
+#include "shade/irradiance.h"
+
+#include <stdatomic.h>
+
+enum {
+  OLX_BATCH_POINTS = 1024,
+  OLX_KEPT_BOUNCES = 4 // bounces whose irradiance is kept: reflections of reflections reach back that far
+};
+
+// Surface points and the light that leaves them towards `view`.
+typedef struct olx_shade_batch {
+  uint32_t count;
+  bool shares_diffuse; // rays of the diffuse lobe look for lights too, so that shadow rays count for their share alone
+  olx_surface surface[OLX_BATCH_POINTS];
+  olx_vec3 view[OLX_BATCH_POINTS];     // unit, from the surface
+  uint32_t seed[OLX_BATCH_POINTS];     // points of one texel share it
+  uint32_t sequence[OLX_BATCH_POINTS]; // the point's number among those with its seed
+  olx_vec3 diffuse[OLX_BATCH_POINTS];  // reflectance of the diffuse lobe towards `view`, over pi
+  olx_vec3 radiance[OLX_BATCH_POINTS]; // without the surface's own emission
+} olx_shade_batch;
+
+// A ray that reflects light to a point of the first batch.
+typedef struct olx_shade_path {
+  uint32_t root, from; // indices of the points that receives the light at last, and that the ray leaves
+  bool diffuse;        // drawn from the diffuse lobe: brings light of emitters and the sky only
+  olx_vec3 throughput;
+  olx_vec3 direction;
+  float pdf; // over solid angle; 0 for a mirror
+} olx_shade_path;
+
+// Working memory of one thread.
+typedef struct olx_shade_scratch {
+  olx_shade_batch roots, reflected[2];
+  olx_ray rays[2 * OLX_BATCH_POINTS];
+  olx_ray_hit hits[2 * OLX_BATCH_POINTS];
+  uint8_t occluded[OLX_BATCH_POINTS];
+  uint32_t lit_point[OLX_BATCH_POINTS];
+  olx_light_sample light[OLX_BATCH_POINTS];
+  olx_shade_path paths[2][2 * OLX_BATCH_POINTS]; // one through each lobe at most
+  uint32_t slot[OLX_BATCH_POINTS];               // which sample of a tile a point of `roots` is
+  olx_vec3 directions[OLX_BATCH_POINTS];         // of a tile's samples
+  float weights[OLX_BATCH_POINTS];               // their shares of solid angle
+  olx_vec3 colors[OLX_BATCH_POINTS];             // their radiance
+} olx_shade_scratch;
+
+// What lighting needs to know of the bake.
+typedef struct olx_shade_context {
+  const olx_scene *scene;
+  olx_sample_settings sample;
+  uint32_t light_samples; // shadow rays of a point to each light that varies
+  uint32_t group_count;
+  bool reflected_lights; // some light has an area, so that a reflected ray can meet it
+  float share_distance;  // points of a texel that lie this close together share one look-up of irradiance
+  olx_irradiance_source irradiance[OLX_KEPT_BOUNCES + 1]; // of bounce k at k mod (OLX_KEPT_BOUNCES + 1)
+  olx_scratch_pool pool;
+  atomic_uint_fast64_t rays;
+  atomic_bool out_of_memory;
+} olx_shade_context;
+
+void olx_shade_context_begin(olx_shade_context *context, const olx_scene *scene, uint32_t light_samples);
+void olx_shade_context_end(olx_shade_context *context);
+
+// A thread's working memory for one job, or NULL after noting that there is none.
+olx_shade_scratch *olx_shade_scratch_take(olx_shade_context *context);
+void olx_shade_scratch_give(olx_shade_context *context, olx_shade_scratch *scratch);
+
+// Append the surface at `hit` to the batch, seen along `direction`; its radiance starts at 0. Returns its index.
+uint32_t olx_shade_append(olx_shade_context *context, olx_shade_batch *batch, const olx_ray_hit *hit,
+                          olx_vec3 direction, uint32_t seed, uint32_t sequence);
+
+// Add what the lights send, through both lobes, except what only a reflected ray can find.
+void olx_shade_direct(olx_shade_context *context, olx_shade_scratch *scratch, olx_shade_batch *batch);
+
+// Add the diffuse reflection of the irradiance of bounce `bounce`.
+void olx_shade_diffuse(olx_shade_context *context, olx_shade_batch *batch, uint32_t bounce);
+
+// Which light a reflected ray brings.
+enum {
+  OLX_REFLECT_LIGHTS = 1,  // of emitters and the sky, at its end: part of direct light
+  OLX_REFLECT_BOUNCES = 2, // of surfaces
+};
+
+// Cast rays from `count` points of scratch->roots (paths[0]: all but direction and pdf set) and add what they bring when
+// surfaces carry direct light and `bounces` - 1 further bounces.
+void olx_shade_reflections(olx_shade_context *context, olx_shade_scratch *scratch, uint32_t count, uint32_t bounces,
+                           uint32_t what);
+
+#endif

@@ -173,7 +173,7 @@ static void rays_pass_through_cut_out_parts_and_keep_the_scenes_triangle_numbers
   olx_ray_hit hits[COUNT];
   uint8_t occluded[COUNT];
   for (uint32_t i = 0; i < COUNT; i++) {
-    // The mask's alpha, 1 in the left texel and 0 in the right, crosses one half at x = 0 and where it wraps, at x = +-1.
+    // The mask's alpha, 1 in the left texel and 0 in the right, crosses one half at x = 0 and, as it wraps, at x = +-1.
     const float x = (i < COUNT / 2 ? -0.9f : 0.1f) + 0.8f * (float)(i % (COUNT / 2)) / (COUNT / 2);
     rays[i] = (olx_ray){{x, 2.0f, 0.1f}, {0.0f, -1.0f, 0.0f}, 0.0f, 1.5f};
   }

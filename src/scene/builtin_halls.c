@@ -68,6 +68,36 @@ olx_result olx_build_area_light(olx_scene *scene) {
   return olx_add_view(scene, "front", olx_v3(-0.4f, 1.5f, 3.5f), olx_v3(0.0f, 1.0f, -2.0f), 50.0f);
 }
 
+// A polygon given for the right half (x > 0), or its mirror image; the winding follows.
+static olx_result add_half(olx_scene *scene, bool mirrored, const olx_vec3 *corners, uint32_t count,
+                           uint32_t material) {
+  static const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
+  olx_vec3 placed[4];
+  for (uint32_t k = 0; k < count; k++) {
+    const olx_vec3 p = corners[mirrored ? count - 1 - k : k];
+    placed[k] = olx_v3(mirrored ? -p.x : p.x, p.y, p.z);
+  }
+  return olx_scene_add_mesh(scene, "foundation", placed, NULL, NULL, count, indices, count - 2, material);
+}
+
+// What closes the solid under a rising profile from below, behind and at its ends, so that its inside is one.
+static olx_result add_foundation(olx_scene *scene, bool mirrored, const olx_vec2 *profile, uint32_t points,
+                                 float half_length, uint32_t material) {
+  const float near = profile[0].x, far = profile[points - 1].x, top = profile[points - 1].y, h = half_length;
+  const olx_vec3 below[4] = {{near, 0.0f, -h}, {far, 0.0f, -h}, {far, 0.0f, h}, {near, 0.0f, h}};
+  const olx_vec3 behind[4] = {{far, 0.0f, -h}, {far, top, -h}, {far, top, h}, {far, 0.0f, h}};
+  OLX_TRY(add_half(scene, mirrored, below, 4, material));
+  OLX_TRY(add_half(scene, mirrored, behind, 4, material));
+  for (uint32_t i = 0; i + 1 < points; i++) {
+    const olx_vec2 a = profile[i], b = profile[i + 1];
+    const olx_vec3 front[3] = {{far, 0.0f, h}, {b.x, b.y, h}, {a.x, a.y, h}};
+    const olx_vec3 back[3] = {{far, 0.0f, -h}, {a.x, a.y, -h}, {b.x, b.y, -h}};
+    OLX_TRY(add_half(scene, mirrored, front, 3, material));
+    OLX_TRY(add_half(scene, mirrored, back, 3, material));
+  }
+  return OLX_OK;
+}
+
 // A corridor between two rows of round pillars; stairs on both sides lead to terraces (Wang's temple, Fig. 1.1). The
 // lowest outer probes of a regular grid are inside the terraces.
 olx_result olx_build_temple(olx_scene *scene) {
@@ -80,12 +110,12 @@ olx_result olx_build_temple(olx_scene *scene) {
   const float near = 2.0f, tread = 0.3f, rise = 0.18f, wall = 7.0f, height = 5.0f, half_length = 9.0f;
   // The right half of the section from the corridor's floor over steps and terrace up to the ceiling; the left one
   // mirrored.
-  olx_vec2 outline[POINTS];
+  olx_vec2 outline[POINTS], half[SIDE_POINTS];
   for (uint32_t i = 0; i < SIDE_POINTS; i++) {
     const uint32_t step = i / 2;
     olx_vec2 p = {near + tread * (float)step, rise * (float)(step + i % 2)};
     if (i >= 2 * STEPS) p = (olx_vec2){i == 2 * STEPS ? p.x : wall, i == 2 * STEPS + 2 ? height : rise * STEPS};
-    outline[SIDE_POINTS - 1 - i] = p;
+    half[i] = outline[SIDE_POINTS - 1 - i] = p;
     outline[SIDE_POINTS + i] = (olx_vec2){-p.x, p.y};
   }
   for (uint32_t i = 0; i < POINTS; i++) walls[i] = stone;
@@ -101,6 +131,8 @@ olx_result olx_build_temple(olx_scene *scene) {
                           .high_material = plaster,
                           .side_materials = walls};
   OLX_TRY(olx_add_prism(scene, "temple", &hall));
+  OLX_TRY(add_foundation(scene, false, half, SIDE_POINTS - 1, half_length, stone));
+  OLX_TRY(add_foundation(scene, true, half, SIDE_POINTS - 1, half_length, stone));
   for (uint32_t i = 0; i < 10; i++) {
     const olx_vec3 base = {i % 2 ? 1.5f : -1.5f, 0.0f, -6.4f + 3.2f * (float)(i / 2)};
     const olx_vec2 profile[] = {{0.45f, 0.0f}, {0.45f, 0.3f}, {0.32f, 0.3f},

@@ -1,0 +1,400 @@
+// Drawing light: densities that sum to one, samples that agree with them, and irradiance against closed forms.
+#include "core/hooks.h"
+#include "core/sampling.h"
+#include "made_scenes.h"
+#include "scene/distribution.h"
+#include "scene/emitters.h"
+#include "scene/scene_build.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static void assert_close(double value, double expected, double relative) {
+  if (!(fabs(value - expected) <= relative * fabs(expected))) fail_msg("%.9g is not %.9g", value, expected);
+}
+
+static olx_material glowing(olx_vec3 radiance, bool both_sides) {
+  olx_material material = olx_material_default();
+  material.emission = radiance;
+  material.emits_both_sides = both_sides;
+  return material;
+}
+
+// Irradiance of the mean of n unoccluded samples of a group on a surface at `position`.
+static olx_vec3 irradiance(const olx_scene *scene, uint32_t group, olx_vec3 position, olx_vec3 normal, uint32_t n) {
+  double sum[3] = {0.0, 0.0, 0.0};
+  for (uint32_t i = 0; i < n; i++) {
+    olx_light_sample s;
+    const float pick = olx_unit_float(olx_reverse_bits(i));
+    if (!olx_emitters_sample(scene, group, position, olx_stratified2(i, 3), pick, &s)) continue;
+    const double cosine = (double)olx_max(olx_dot(s.direction, normal), 0.0f);
+    sum[0] += cosine * (double)s.emission.x;
+    sum[1] += cosine * (double)s.emission.y;
+    sum[2] += cosine * (double)s.emission.z;
+  }
+  return olx_v3((float)(sum[0] / n), (float)(sum[1] / n), (float)(sum[2] / n));
+}
+
+// Form factor of a rectangle a x b seen from distance c under its corner, parallel to the surface.
+static double corner_form_factor(double a, double b, double c) {
+  const double x = a / c, y = b / c, rx = sqrt(1.0 + x * x), ry = sqrt(1.0 + y * y);
+  return (x / rx * atan(y / rx) + y / ry * atan(x / ry)) / (2.0 * 3.14159265358979323846);
+}
+
+static void a_rectangle_lights_a_parallel_surface_as_the_closed_form_says(void **state) {
+  (void)state;
+  olx_scene *scene = made_scene();
+  const olx_vec3 radiance = {17.0f, 12.0f, 4.0f};
+  assert_int_equal(olx_scene_add_rect_light(scene, olx_v3(0.0f, 1.5f, 0.0f), olx_v3(2.0f, 0.0f, 0.0f),
+                                            olx_v3(0.0f, 0.0f, 1.0f), radiance),
+                   OLX_OK);
+  made_finish(scene);
+  assert_int_equal(olx_emitters_group_count(scene), 1);
+  assert_true(olx_emitters_group_varies(scene, 0));
+  const olx_vec3 up = {0.0f, 1.0f, 0.0f};
+  const olx_vec3 below = irradiance(scene, 0, olx_splat(0.0f), up, 1 << 16);
+  const double pi = 3.14159265358979323846, center = 4.0 * corner_form_factor(1.0, 0.5, 1.5);
+  assert_close((double)below.x, pi * 17.0 * center, 1e-3);
+  assert_close((double)below.y, pi * 12.0 * center, 1e-3);
+  assert_close((double)below.z, pi * 4.0 * center, 1e-3);
+  // Off the middle, rectangles add and subtract.
+  const double off = corner_form_factor(1.7, 0.8, 1.5) - corner_form_factor(1.7, -0.2, 1.5) +
+                     corner_form_factor(0.3, 0.8, 1.5) - corner_form_factor(0.3, -0.2, 1.5);
+  assert_close((double)irradiance(scene, 0, olx_v3(0.7f, 0.0f, 0.3f), up, 1 << 16).x, pi * 17.0 * off, 1e-3);
+  // Behind its lit side there is nothing to draw.
+  olx_light_sample s;
+  for (uint32_t i = 0; i < 100; i++) {
+    assert_false(olx_emitters_sample(scene, 0, olx_v3(0.1f, 2.0f, 0.1f), made_random(1, i), 0.3f, &s));
+  }
+  olx_scene_free(scene);
+}
+
+// Cast the sample's direction: what it meets must have the density with which it was drawn.
+static void sampled_triangles_have_the_density_that_rays_find(void **state) {
+  (void)state;
+  olx_scene *scene = made_scene();
+  const olx_material bright = glowing(olx_splat(3.0f), false), dim = glowing(olx_v3(0.1f, 0.2f, 0.4f), true);
+  const uint32_t bright_index = made_material(scene, &bright), dim_index = made_material(scene, &dim);
+  made_quad(scene, olx_v3(0.0f, 2.0f, 0.0f), olx_v3(1.0f, 0.1f, 0.0f), olx_v3(0.0f, 0.2f, 1.0f), dim_index);
+  made_quad(scene, olx_v3(0.0f, -2.0f, 0.0f), olx_v3(1.0f, 0.0f, 0.0f), olx_v3(0.0f, 0.0f, -1.0f), bright_index);
+  made_finish(scene);
+  uint32_t seen = 0;
+  for (uint32_t i = 0; i < 4000; i++) {
+    const olx_vec2 away = made_random(7, i);
+    const olx_vec3 position = {away.x - 0.5f, 0.0f, away.y - 0.5f};
+    olx_light_sample s;
+    const float pick = olx_unit_float(olx_hash2(9, i));
+    if (!olx_emitters_sample(scene, 0, position, made_random(8, i), pick, &s)) continue;
+    const olx_ray ray = {position, s.direction, 0.0f, INFINITY};
+    const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
+    // A point at the very rim may be missed.
+    if (hit.triangle == OLX_NO_HIT) continue;
+    const olx_surface surface = olx_surface_at(scene, &hit, ray.direction);
+    assert_close((double)olx_emitters_surface_pdf(&surface, position, s.direction), (double)s.pdf, 1e-4);
+    assert_close((double)(s.emission.x * s.pdf), (double)surface.emission.x, 1e-4);
+    assert_true(olx_length(olx_sub(s.target, surface.position)) <= 4.0f * s.epsilon_end);
+    assert_false(s.delta || s.infinite);
+    seen++;
+  }
+  assert_true(seen > 3900);
+  olx_scene_free(scene);
+}
+
+static void the_density_of_emitters_all_around_integrates_to_one(void **state) {
+  (void)state;
+  olx_scene *scene = made_scene();
+  const olx_material material = glowing(olx_v3(1.0f, 0.5f, 0.2f), false);
+  made_room(scene, olx_splat(0.0f), 2.0f, made_material(scene, &material));
+  made_finish(scene);
+  const olx_vec3 position = {0.3f, -0.2f, 0.4f};
+  double sum = 0.0;
+  const uint32_t n = 1 << 16;
+  for (uint32_t i = 0; i < n; i++) {
+    const olx_ray ray = {position, olx_sample_sphere(olx_stratified2(i, 5)), 0.0f, INFINITY};
+    const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
+    const olx_surface surface = olx_surface_at(scene, &hit, ray.direction);
+    sum += (double)olx_emitters_surface_pdf(&surface, position, ray.direction);
+  }
+  assert_close(sum / n * 4.0 * (double)OLX_PI, 1.0, 2e-3);
+  // And light that is the same from everywhere gives pi times its radiance. In the middle the noise is least.
+  const olx_vec3 e = irradiance(scene, 0, olx_splat(0.0f), olx_normalize(olx_v3(1.0f, 2.0f, 3.0f)), 1 << 20);
+  assert_close((double)e.x, (double)OLX_PI, 2e-3);
+  assert_close((double)e.z, (double)OLX_PI * 0.2, 2e-3);
+  olx_scene_free(scene);
+}
+
+static void triangles_are_drawn_by_area_times_luminance(void **state) {
+  (void)state;
+  olx_scene *scene = made_scene();
+  const olx_material bright = glowing(olx_splat(6.0f), false), dim = glowing(olx_splat(1.0f), false);
+  const olx_material black = olx_material_default();
+  made_quad(scene, olx_splat(0.0f), olx_v3(1.0f, 0.0f, 0.0f), olx_v3(0.0f, 1.0f, 0.0f), made_material(scene, &bright));
+  made_quad(scene, olx_v3(3.0f, 0.0f, 0.0f), olx_v3(2.0f, 0.0f, 0.0f), olx_v3(0.0f, 1.0f, 0.0f),
+            made_material(scene, &black));
+  made_quad(scene, olx_v3(9.0f, 0.0f, 0.0f), olx_v3(2.0f, 0.0f, 0.0f), olx_v3(0.0f, 1.0f, 0.0f),
+            made_material(scene, &dim));
+  made_finish(scene);
+  // Powers 3, 3, 0, 0, 1, 1 over areas 1/2, 1/2, 1, 1, 1, 1.
+  const double expected[6] = {0.75, 0.75, 0.0, 0.0, 0.125, 0.125};
+  for (uint32_t t = 0; t < 6; t++) assert_close((double)olx_emitters_area_pdf(scene, t), expected[t], 1e-6);
+  olx_scene_free(scene);
+}
+
+static void textured_emission_is_drawn_by_its_mean_and_returns_its_texels(void **state) {
+  (void)state;
+  olx_scene *scene = made_scene();
+  olx_material textured = glowing(olx_splat(4.0f), false);
+  // Each quad's texture is dark in the left half; twice as wide a texture filters it sharply enough.
+  uint8_t texels[64 * 4];
+  for (uint32_t x = 0; x < 64; x++) {
+    const uint8_t value = x < 32 ? 0 : 255, texel[4] = {value, value, value, 255};
+    memcpy(texels + 4 * x, texel, 4);
+  }
+  textured.emission_texture = made_texture(scene, 64, 1, texels, false);
+  const olx_material plain = glowing(olx_splat(2.0f), false);
+  const olx_vec3 x = {1.0f, 0.0f, 0.0f}, y = {0.0f, 1.0f, 0.0f};
+  made_quad(scene, olx_splat(0.0f), x, y, made_material(scene, &textured));
+  made_quad(scene, olx_v3(5.0f, 0.0f, 0.0f), x, y, made_material(scene, &plain));
+  made_finish(scene);
+  // The two triangles share the bright half as 3 : 1, and the whole quad shines half as strongly as 4.
+  assert_close((double)olx_emitters_area_pdf(scene, 0), 2.0 * 0.5 * 0.75, 0.05);
+  assert_close((double)olx_emitters_area_pdf(scene, 1), 2.0 * 0.5 * 0.25, 0.05);
+  assert_close((double)(olx_emitters_area_pdf(scene, 2) + olx_emitters_area_pdf(scene, 3)), 1.0, 0.02);
+  for (uint32_t i = 0; i < 500; i++) {
+    olx_light_sample s;
+    const float pick = olx_unit_float(olx_hash2(4, i));
+    if (!olx_emitters_sample(scene, 0, olx_v3(0.0f, 0.0f, 1.0f), made_random(5, i), pick, &s)) continue;
+    if (s.target.x > 2.0f) continue;
+    assert_true(s.target.x > -0.05f || s.target.x < -0.45f);
+  }
+  olx_scene_free(scene);
+}
+
+static void sun_point_and_spot_arrive_as_defined(void **state) {
+  (void)state;
+  olx_scene *scene = made_scene();
+  const olx_material material = olx_material_default();
+  made_square(scene, -5.0f, made_material(scene, &material));
+  const olx_vec3 emission = {8.0f, 4.0f, 2.0f}, down = {0.0f, -1.0f, 0.0f};
+  const olx_light lights[3] = {
+      {.type = OLX_LIGHT_SUN, .direction = {0.0f, -3.0f, 0.0f}, .emission = emission},
+      {.type = OLX_LIGHT_POINT, .position = {0.0f, 2.0f, 0.0f}, .emission = emission},
+      {.type = OLX_LIGHT_SPOT,
+       .position = {0.0f, 2.0f, 0.0f},
+       .direction = down,
+       .emission = emission,
+       .cosine_inner = 0.95f,
+       .cosine_outer = 0.8f},
+  };
+  for (uint32_t i = 0; i < 3; i++) assert_int_equal(olx_scene_add_light(scene, &lights[i]), OLX_OK);
+  made_finish(scene);
+  assert_int_equal(olx_emitters_group_count(scene), 3);
+  olx_light_sample s;
+  const olx_vec2 random = {0.4f, 0.6f};
+  for (uint32_t i = 0; i < 3; i++) {
+    assert_false(olx_emitters_group_varies(scene, i));
+    assert_true(olx_emitters_sample(scene, i, olx_splat(0.0f), random, 0.5f, &s));
+    assert_true(s.delta);
+    assert_int_equal(s.infinite, i == 0);
+    assert_close((double)s.pdf, 1.0, 0.0);
+    assert_close((double)s.direction.y, 1.0, 1e-6);
+    assert_close((double)s.emission.y, i == 0 ? 4.0 : 1.0, 1e-6);
+  }
+  // The sun's target is outside the scene: a ray to it passes everything.
+  assert_true(olx_emitters_sample(scene, 0, olx_splat(0.0f), random, 0.5f, &s));
+  assert_true(s.target.y > 2.0f);
+  // Away from the axis of the spot: full light to cosine 0.95, none from 0.8, in the middle a quarter.
+  const float cosines[4] = {0.96f, 0.875f, 0.81f, 0.79f}, shares[4] = {1.0f, 0.25f, 1.0f / 225.0f, 0.0f};
+  for (uint32_t i = 0; i < 4; i++) {
+    const float c = cosines[i], across = sqrtf(1.0f - c * c);
+    const bool lit = olx_emitters_sample(scene, 2, olx_v3(across, 2.0f - c, 0.0f), random, 0.5f, &s);
+    assert_int_equal(lit, shares[i] > 0.0f);
+    if (lit) assert_close((double)s.emission.x, 8.0 * (double)shares[i], 1e-3);
+  }
+  olx_scene_free(scene);
+}
+
+static void many_lights_share_one_group_and_sum_up(void **state) {
+  (void)state;
+  olx_scene *scene = made_scene();
+  const olx_material material = olx_material_default();
+  made_square(scene, -5.0f, made_material(scene, &material));
+  const uint32_t count = OLX_MAX_LIGHT_GROUPS + 5;
+  double expected = 0.0;
+  const olx_vec3 position = {0.1f, 0.0f, 0.2f}, up = {0.0f, 1.0f, 0.0f};
+  for (uint32_t i = 0; i < count; i++) {
+    const olx_vec2 r = made_random(3, i);
+    olx_light light = {.type = i % 2 ? OLX_LIGHT_POINT : OLX_LIGHT_SUN,
+                       .position = {r.x, 1.0f + r.y, r.y},
+                       .direction = {r.x - 0.5f, -1.0f, r.y - 0.5f},
+                       .emission = olx_splat(1.0f + (float)i)};
+    assert_int_equal(olx_scene_add_light(scene, &light), OLX_OK);
+    light = scene->lights[i];
+    if (i % 2) {
+      const olx_vec3 way = olx_sub(light.position, position);
+      expected += (double)(light.emission.x * way.y / powf(olx_length(way), 3.0f));
+    } else {
+      expected += (double)(light.emission.x * -light.direction.y);
+    }
+  }
+  made_finish(scene);
+  assert_int_equal(olx_emitters_group_count(scene), 1);
+  assert_true(olx_emitters_group_varies(scene, 0));
+  assert_close((double)irradiance(scene, 0, position, up, 1 << 14).x, expected, 2e-3);
+  olx_scene_free(scene);
+}
+
+static void a_scene_without_light_has_no_groups(void **state) {
+  (void)state;
+  olx_scene *scene = made_scene();
+  const olx_material material = olx_material_default();
+  made_square(scene, 0.0f, made_material(scene, &material));
+  made_finish(scene);
+  assert_int_equal(olx_emitters_group_count(scene), 0);
+  assert_false(olx_environment_lit(scene));
+  assert_true(olx_environment_pdf(scene, olx_v3(0.0f, 1.0f, 0.0f)) == 0.0f);
+  olx_scene_free(scene);
+}
+
+static void a_constant_sky_gives_pi(void **state) {
+  (void)state;
+  olx_scene *scene = made_scene();
+  const olx_material material = olx_material_default();
+  made_square(scene, 0.0f, made_material(scene, &material));
+  scene->environment.radiance = olx_v3(1.0f, 2.0f, 3.0f);
+  made_finish(scene);
+  assert_int_equal(olx_emitters_group_count(scene), 1);
+  const olx_vec3 e = irradiance(scene, 0, olx_splat(0.0f), olx_normalize(olx_v3(0.2f, 1.0f, -0.4f)), 1 << 14);
+  assert_close((double)e.x, (double)OLX_PI, 2e-3);
+  assert_close((double)e.z, 3.0 * (double)OLX_PI, 2e-3);
+  olx_scene_free(scene);
+}
+
+// An image sky with a small sun, dark and bright areas, and a black band.
+static olx_scene *sky_scene(float rotation) {
+  olx_scene *scene = made_scene();
+  const olx_material material = olx_material_default();
+  made_square(scene, 0.0f, made_material(scene, &material));
+  olx_environment *e = &scene->environment;
+  *e = (olx_environment){.radiance = {0.5f, 0.5f, 0.5f}, .width = 64, .height = 32, .rotation_radians = rotation};
+  e->texels = olx_allocate((size_t)e->width * e->height * 3, sizeof(float));
+  assert_non_null(e->texels);
+  for (uint32_t i = 0; i < e->width * e->height; i++) {
+    const uint32_t x = i % e->width, y = i / e->width;
+    float value = y > 25 ? 0.0f : 0.2f + olx_unit_float(olx_hash2(x, y));
+    if (x == 40 && y == 6) value = 2000.0f;
+    e->texels[3 * i] = value;
+    e->texels[3 * i + 1] = 0.8f * value;
+    e->texels[3 * i + 2] = 0.5f * value;
+  }
+  return made_finish(scene);
+}
+
+static void the_density_of_an_image_sky_integrates_to_one(void **state) {
+  (void)state;
+  olx_scene *scene = sky_scene(1.0f);
+  double sum = 0.0, light = 0.0;
+  const uint32_t n = 1 << 20;
+  for (uint32_t i = 0; i < n; i++) {
+    const olx_vec3 d = olx_sample_sphere(olx_hammersley(i, n));
+    const double pdf = (double)olx_environment_pdf(scene, d);
+    const double radiance = (double)olx_environment_radiance(scene, d).x;
+    // Wherever there is light it can be drawn.
+    assert_true(pdf > 0.0 || radiance == 0.0);
+    sum += pdf;
+    light += radiance;
+  }
+  assert_close(sum / n * 4.0 * (double)OLX_PI, 1.0, 5e-3);
+  // The samples' mean is the integral of the radiance, with little noise for so strong a sun.
+  double drawn = 0.0;
+  const uint32_t samples = 1 << 14;
+  for (uint32_t i = 0; i < samples; i++) {
+    olx_light_sample s;
+    // A texel at the border of the black band is black in part.
+    if (!olx_emitters_sample(scene, 0, olx_splat(0.0f), olx_stratified2(i, 1), 0.0f, &s)) continue;
+    assert_true(s.infinite && !s.delta);
+    assert_close((double)olx_length(s.direction), 1.0, 1e-5);
+    drawn += (double)s.emission.x;
+  }
+  assert_close(drawn / samples, light / n * 4.0 * (double)OLX_PI, 1e-2);
+  olx_scene_free(scene);
+}
+
+static void sampled_sky_directions_have_the_density_that_is_asked_for(void **state) {
+  (void)state;
+  olx_scene *scene = sky_scene(-2.0f);
+  uint32_t agree = 0, drawn = 0;
+  for (uint32_t i = 0; i < 4000; i++) {
+    olx_light_sample s;
+    if (!olx_emitters_sample(scene, 0, olx_splat(0.0f), made_random(2, i), 0.0f, &s)) continue;
+    drawn++;
+    const double pdf = (double)olx_environment_pdf(scene, s.direction);
+    agree += fabs(pdf - (double)s.pdf) <= 1e-4 * (double)s.pdf;
+  }
+  // Rounding may move a direction on the border of two texels into the other.
+  assert_true(drawn > 3950 && agree >= drawn - 10);
+  olx_scene_free(scene);
+}
+
+static void rotation_turns_the_sky_about_y(void **state) {
+  (void)state;
+  const float angle = 0.7f, c = cosf(angle), w = sinf(angle);
+  olx_scene *still = sky_scene(0.0f), *turned = sky_scene(angle);
+  for (uint32_t i = 0; i < 200; i++) {
+    const olx_vec3 d = olx_sample_sphere(made_random(6, i));
+    // Right-handed about +y: z turns towards x.
+    const olx_vec3 there = {c * d.x + w * d.z, d.y, c * d.z - w * d.x};
+    const float a = olx_environment_radiance(still, d).x, b = olx_environment_radiance(turned, there).x;
+    assert_true(fabsf(a - b) <= 1e-3f * (1.0f + a));
+  }
+  // The middle of the image is +x, the first row +y.
+  const olx_environment *e = &still->environment;
+  const olx_vec3 high = olx_environment_radiance(still, olx_v3(1e-4f, 1.0f, 0.0f));
+  const size_t middle = e->width / 2;
+  const float expected = 0.25f * (e->texels[3 * middle] + e->texels[3 * (middle - 1)]);
+  assert_close((double)high.x, (double)expected, 1e-2);
+  olx_scene_free(still);
+  olx_scene_free(turned);
+}
+
+static void distributions_draw_in_proportion_and_never_what_has_no_weight(void **state) {
+  (void)state;
+  const float weights[6] = {0.0f, 1.0f, 0.0f, 3.0f, 4.0f, 0.0f};
+  float sums[7];
+  assert_true(olx_distribution_build(weights, 6, sums));
+  uint32_t drawn[6] = {0};
+  for (uint32_t i = 0; i < 8000; i++) {
+    float rest;
+    drawn[olx_distribution_draw(sums, 6, ((float)i + 0.5f) / 8000.0f, &rest)]++;
+    assert_true(rest >= 0.0f && rest < 1.0f);
+  }
+  const uint32_t expected[6] = {0, 1000, 0, 3000, 4000, 0};
+  assert_memory_equal(drawn, expected, sizeof expected);
+  assert_int_equal(olx_distribution_draw(sums, 6, 0.0f, NULL), 1);
+  assert_int_equal(olx_distribution_draw(sums, 6, 0x1.fffffep-1f, NULL), 4);
+  const float nothing[2] = {0.0f, 0.0f};
+  assert_false(olx_distribution_build(nothing, 2, sums));
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(a_rectangle_lights_a_parallel_surface_as_the_closed_form_says),
+      cmocka_unit_test(sampled_triangles_have_the_density_that_rays_find),
+      cmocka_unit_test(the_density_of_emitters_all_around_integrates_to_one),
+      cmocka_unit_test(triangles_are_drawn_by_area_times_luminance),
+      cmocka_unit_test(textured_emission_is_drawn_by_its_mean_and_returns_its_texels),
+      cmocka_unit_test(sun_point_and_spot_arrive_as_defined),
+      cmocka_unit_test(many_lights_share_one_group_and_sum_up),
+      cmocka_unit_test(a_scene_without_light_has_no_groups),
+      cmocka_unit_test(a_constant_sky_gives_pi),
+      cmocka_unit_test(the_density_of_an_image_sky_integrates_to_one),
+      cmocka_unit_test(sampled_sky_directions_have_the_density_that_is_asked_for),
+      cmocka_unit_test(rotation_turns_the_sky_about_y),
+      cmocka_unit_test(distributions_draw_in_proportion_and_never_what_has_no_weight),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

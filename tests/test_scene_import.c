@@ -112,6 +112,27 @@ static void mtl_specular_decides_between_lambert_and_ggx(void **state) {
   olx_scene_free(scene);
 }
 
+static void mtl_roughness_and_metallic_go_before_the_exponent(void **state) {
+  olx_scene *scene = load_square(*state, "newmtl square\nKd 0.5 0.5 0.5\nKs 1 1 1\nNs 30\nPr 0.3\nPm 0.7\n");
+  assert_near(find_material(scene, "square")->roughness, 0.3f);
+  assert_near(find_material(scene, "square")->metallic, 0.7f);
+  olx_scene_free(scene);
+}
+
+static void mtl_bump_is_a_height_map(void **state) {
+  uint8_t tga[34];
+  scene_folder_write(*state, "four.tga", tga, scene_files_tga(tga));
+  olx_scene *scene = load_square(*state, "newmtl square\nKd 0.5 0.5 0.5\nmap_bump -bm 0.5 four.tga\nmap_Ke four.tga\n");
+  const olx_material *m = find_material(scene, "square");
+  assert_true(m->normal_is_height);
+  assert_near(m->normal_scale, 0.5f);
+  assert_false(scene->textures[m->normal_texture].srgb);
+  // An emission map without Ke shines by itself.
+  assert_vec(m->emission, 1, 1, 1);
+  assert_true(scene->textures[m->emission_texture].srgb);
+  olx_scene_free(scene);
+}
+
 static void mtl_emits_on_both_sides(void **state) {
   olx_scene *scene = load_square(*state, "newmtl square\nKd 0 0 0\nKe 3 2 1\n");
   const olx_material *m = find_material(scene, "square");
@@ -561,6 +582,8 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       WITH_FOLDER(obj_quad_becomes_two_triangles),
       WITH_FOLDER(mtl_specular_decides_between_lambert_and_ggx),
+      WITH_FOLDER(mtl_roughness_and_metallic_go_before_the_exponent),
+      WITH_FOLDER(mtl_bump_is_a_height_map),
       WITH_FOLDER(mtl_emits_on_both_sides),
       WITH_FOLDER(mtl_opacity_is_all_or_nothing),
       WITH_FOLDER(albedo_above_the_limit_is_clamped_and_told),

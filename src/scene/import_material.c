@@ -5,6 +5,7 @@
 #include "scene/scene_build.h"
 
 #include <assimp/GltfMaterial.h>
+#include <assimp/ObjMaterial.h>
 #include <assimp/material.h>
 
 #include <stdio.h>
@@ -151,7 +152,7 @@ static olx_result read_mtl(olx_material_import *import, uint32_t index, olx_mate
   if (m->normal_texture == OLX_NO_TEXTURE) {
     OLX_TRY(request_texture(import, source, aiTextureType_HEIGHT, OLX_TEXTURE_DATA, uvs, &m->normal_texture));
     m->normal_is_height = m->normal_texture != OLX_NO_TEXTURE;
-    m->normal_scale = get_float(source, AI_MATKEY_BUMPSCALING, 1.0f);
+    m->normal_scale = get_float(source, AI_MATKEY_OBJ_BUMPMULT_HEIGHT(0), 1.0f);
   }
   read_mtl_opacity(import, source, m);
   return OLX_OK;

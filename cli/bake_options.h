@@ -1,0 +1,58 @@
+// What `bake` and `bench` may be told about baking.
+#ifndef OCTALUX_CLI_BAKE_OPTIONS_H
+#define OCTALUX_CLI_BAKE_OPTIONS_H
+
+#include "options.h"
+
+#include <octalux/bake.h>
+
+// 0 is "not given", except for bounces, which may be 0 and are UINT32_MAX when not given.
+typedef struct bake_options {
+  uint32_t grid[3], irradiance_grid[3];
+  uint32_t radiance_size, irradiance_size, bounces, samples, light_samples, threads;
+} bake_options;
+
+#define BAKE_OPTIONS_NONE                                                                                              \
+  { .bounces = UINT32_MAX }
+
+// Rows of an option table that fill `b`.
+#define BAKE_OPTION_ROWS(b)                                                                                            \
+  {"--grid", OPTION_GRID, (b).grid, "4x4x4", "light field probes along x, y, z; default: the scene's", 1, 1024},       \
+      {"--irradiance-grid",                                                                                            \
+       OPTION_GRID,                                                                                                    \
+       (b).irradiance_grid,                                                                                            \
+       "4x4x4",                                                                                                        \
+       "irradiance probes; default: as --grid",                                                                        \
+       1,                                                                                                              \
+       1024},                                                                                                          \
+      {"--radiance-size",                                                                                              \
+       OPTION_POWER_OF_TWO,                                                                                            \
+       &(b).radiance_size,                                                                                             \
+       "N",                                                                                                            \
+       "texels along a map of light; default 1024",                                                                    \
+       8,                                                                                                              \
+       2048},                                                                                                          \
+      {"--irradiance-size",                                                                                            \
+       OPTION_POWER_OF_TWO,                                                                                            \
+       &(b).irradiance_size,                                                                                           \
+       "N",                                                                                                            \
+       "texels along a map of irradiance; default 128",                                                                \
+       8,                                                                                                              \
+       256},                                                                                                           \
+      {"--bounces", OPTION_COUNT, &(b).bounces, "N", "bounces after direct light; default 3", 0, 64},                  \
+      {"--samples", OPTION_COUNT, &(b).samples, "N", "samples along a texel's side; default 2", 1, 8},                 \
+      {"--light-samples",                                                                                              \
+       OPTION_COUNT,                                                                                                   \
+       &(b).light_samples,                                                                                             \
+       "N",                                                                                                            \
+       "shadow rays a sample and area light; default 4",                                                               \
+       1,                                                                                                              \
+       64},                                                                                                            \
+  {                                                                                                                    \
+    "--threads", OPTION_COUNT, &(b).threads, "N", "default 0: every processor; the result is the same", 0, 4096        \
+  }
+
+// The scene's defaults with what was given in their place.
+olx_result resolve_bake_options(const olx_scene *scene, const bake_options *given, olx_bake_settings *settings);
+
+#endif

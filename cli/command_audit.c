@@ -1,0 +1,117 @@
+#include "commands.h"
+#include "options.h"
+#include "report.h"
+#include "sample_options.h"
+
+#include <octalux/render.h>
+
+#include <inttypes.h>
+#include <stdio.h>
+
+typedef struct audit_options {
+  const char *scene, *field;
+  olx_audit_settings settings;
+  bool progress, json;
+} audit_options;
+
+static void add_rays(cJSON *object, const char *key, const olx_audit_rays *rays) {
+  cJSON *entry = cJSON_AddObjectToObject(object, key);
+  add_number(entry, "count", (double)rays->count);
+  add_number(entry, "unresolved", rays->unresolved);
+  add_number(entry, "wrong", rays->wrong);
+  add_number(entry, "unseen", rays->unseen);
+  add_number(entry, "unresolved_seen", rays->unresolved_seen);
+  add_number(entry, "wrong_seen", rays->wrong_seen);
+  add_number(entry, "distance_error_median", rays->distance_error_median);
+  add_number(entry, "distance_error_p99", rays->distance_error_p99);
+  add_number(entry, "steps_mean", rays->steps_mean);
+  add_number(entry, "probes_mean", rays->probes_mean);
+}
+
+static int print_audit_json(const olx_audit *audit) {
+  cJSON *object = cJSON_CreateObject();
+  add_rays(object, "rays", &audit->rays);
+  add_rays(object, "cosine_rays", &audit->cosine);
+  add_rays(object, "mirror_rays", &audit->mirror);
+  cJSON *points = cJSON_AddObjectToObject(object, "points");
+  add_number(points, "count", (double)audit->points.count);
+  add_number(points, "relative_mse", audit->points.relative_mse);
+  add_number(points, "bias", audit->points.bias);
+  add_number(points, "leak", audit->points.leak);
+  return print_json("audit", object);
+}
+
+static void print_rays(const char *kind, const olx_audit_rays *rays) {
+  printf("%-8s %10" PRIu64 " %9.3f%% %9.3f%% %9.3f%% %9.3f%% %9.3f%% %9.3f%% %9.3f%% %8.1f %8.2f\n", kind, rays->count,
+         100.0 * rays->unresolved, 100.0 * rays->wrong, 100.0 * rays->unseen, 100.0 * rays->unresolved_seen,
+         100.0 * rays->wrong_seen, 100.0 * rays->distance_error_median, 100.0 * rays->distance_error_p99,
+         rays->steps_mean, rays->probes_mean);
+}
+
+static void print_audit(const olx_audit *audit) {
+  printf("%-8s %10s %10s %10s %10s %10s %10s %10s %10s %8s %8s\n", "rays", "count", "unresolved", "wrong", "unseen",
+         "unres.seen", "wrong.seen", "dist. 50%", "dist. 99%", "steps", "probes");
+  print_rays("all", &audit->rays);
+  print_rays("cosine", &audit->cosine);
+  print_rays("mirror", &audit->mirror);
+  printf("\n%-8s %10s %12s %10s %10s\n", "points", "count", "relative mse", "bias", "leak");
+  printf("%-8s %10" PRIu64 " %12.5f %+10.5f %10.5f\n", "", audit->points.count, audit->points.relative_mse,
+         audit->points.bias, audit->points.leak);
+}
+
+static int audit_field(const audit_options *o, const olx_scene *scene, const olx_field *field) {
+  progress_line line;
+  progress_begin(&line, "audit", o->progress);
+  const olx_progress progress = progress_of(&line);
+  olx_audit audit;
+  const olx_result result = olx_audit_field(scene, field, &o->settings, &progress, &audit);
+  progress_end(&line);
+  if (result == OLX_ERROR_CANCELLED) return failure("audit", "interrupted");
+  if (result != OLX_OK) return library_failure("audit");
+  if (o->json) return print_audit_json(&audit);
+  print_audit(&audit);
+  return EXIT_DONE;
+}
+
+static int audit_scene(const audit_options *o) {
+  olx_scene *scene = NULL;
+  olx_field *field = NULL;
+  if (olx_scene_load(o->scene, &scene) != OLX_OK) return library_failure("audit");
+  int code;
+  if (olx_field_open(o->field, &field) != OLX_OK) code = library_failure("audit");
+  else code = audit_field(o, scene, field);
+  olx_field_close(field);
+  olx_scene_free(scene);
+  return code;
+}
+
+int command_audit(int argc, char **argv) {
+  audit_options o = {.settings = olx_audit_settings_default()};
+  sample_options sample = SAMPLE_OPTIONS_DEFAULT;
+  const option options[] = {
+      {"--field", OPTION_TEXT, &o.field, "FILE.olx", "the field to judge", 0, 0},
+      {"--rays", OPTION_COUNT, &o.settings.rays, "N", "rays to trace and cast; default 200000", 0, UINT32_MAX},
+      {"--points", OPTION_COUNT, &o.settings.points, "N", "points to light; default 2000", 0, UINT32_MAX},
+      {"--spp", OPTION_COUNT, &o.settings.spp, "N", "paths a point for its true light; default 1024", 1, 1u << 20},
+      {"--camera", OPTION_TEXT, &o.settings.camera, "NAME", "judge what this camera sees; default: all of them", 0, 0},
+      SAMPLE_OPTION_ROWS(sample),
+      {"--seed", OPTION_COUNT, &o.settings.seed, "N", "another choice of rays and points; default 0", 0, UINT32_MAX},
+      {"--threads", OPTION_COUNT, &o.settings.threads, "N", "default 0: every processor; the result is the same", 0,
+       4096},
+      {"--progress", OPTION_FLAG, &o.progress, NULL, "tell progress even when nobody watches", 0, 0},
+      {"--json", OPTION_FLAG, &o.json, NULL, "print one JSON object", 0, 0},
+  };
+  command_line line = {.name = "audit",
+                       .summary =
+                           "Judge a field without a picture: rays through it against ray casting, its irradiance\n"
+                           "against path tracing.",
+                       .arguments = {"SCENE"},
+                       .options = options,
+                       .option_count = sizeof options / sizeof options[0]};
+  int code;
+  if (!parse_options(&line, argc, argv, &code)) return code;
+  if (!o.field) return usage_error("audit", "--field FILE.olx is missing (see octalux audit --help)");
+  o.scene = line.given[0];
+  o.settings.sample = resolve_sample_options(&sample);
+  return audit_scene(&o);
+}

@@ -1,0 +1,125 @@
+#include "commands.h"
+#include "options.h"
+#include "report.h"
+
+#include <octalux/field.h>
+
+#include <inttypes.h>
+#include <stdio.h>
+
+typedef struct block {
+  const char *name;
+  uint64_t bytes;
+} block;
+
+#define BLOCK_COUNT 7
+
+static void list_blocks(const olx_field_info *info, block blocks[BLOCK_COUNT]) {
+  const block list[BLOCK_COUNT] = {{"radiance", info->radiance_bytes},     {"normal", info->normal_bytes},
+                                   {"distance", info->distance_bytes},     {"pyramid", info->pyramid_bytes},
+                                   {"irradiance", info->irradiance_bytes}, {"moments", info->moments_bytes},
+                                   {"selector", info->selector_bytes}};
+  for (int i = 0; i < BLOCK_COUNT; ++i) blocks[i] = list[i];
+}
+
+static void add_grid(cJSON *object, const char *key, const olx_grid *grid) {
+  cJSON *entry = cJSON_AddObjectToObject(object, key);
+  add_vec3(entry, "origin", grid->origin);
+  add_vec3(entry, "spacing", grid->spacing);
+  add_counts(entry, "count", grid->count);
+}
+
+static const char *select_names(uint32_t mask) { return mask & 1u << OLX_SELECT_CAGE ? "cage" : "none"; }
+
+static int print_info_json(const olx_field_info *info) {
+  cJSON *object = cJSON_CreateObject();
+  add_number(object, "probes", info->probe_count);
+  add_number(object, "irradiance_probes", info->irradiance_probe_count);
+  add_number(object, "buried", info->buried_count);
+  add_number(object, "irradiance_buried", info->irradiance_buried_count);
+  add_number(object, "radiance_size", info->radiance_size);
+  add_number(object, "irradiance_size", info->irradiance_size);
+  add_text(object, "select", select_names(info->select_mask));
+  add_number(object, "file_bytes", (double)info->file_bytes);
+  block blocks[BLOCK_COUNT];
+  list_blocks(info, blocks);
+  cJSON *bytes = cJSON_AddObjectToObject(object, "bytes");
+  for (int i = 0; i < BLOCK_COUNT; ++i) add_number(bytes, blocks[i].name, (double)blocks[i].bytes);
+  if (info->has_grid) add_grid(object, "grid", &info->grid);
+  add_grid(object, "irradiance_grid", &info->irradiance_grid);
+  add_number(object, "bounces", info->bounces);
+  add_number(object, "samples", info->samples);
+  add_number(object, "distance_scale_metres", (double)info->distance_scale_metres);
+  add_vec3(object, "scene_min", info->scene_min);
+  add_vec3(object, "scene_max", info->scene_max);
+  add_hash(object, "scene_hash", info->scene_hash);
+  return print_json("info", object);
+}
+
+static void print_grid(const char *label, const olx_grid *grid) {
+  printf("  %-18s %ux%ux%u from (%g, %g, %g) every (%g, %g, %g) m\n", label, grid->count[0], grid->count[1],
+         grid->count[2], (double)grid->origin.x, (double)grid->origin.y, (double)grid->origin.z,
+         (double)grid->spacing.x, (double)grid->spacing.y, (double)grid->spacing.z);
+}
+
+static void print_info(const char *path, const olx_field_info *info) {
+  printf("%s: %s\n", path, text_of_bytes(info->file_bytes).text);
+  printf("  light field probes %u, %u of them inside geometry, %ux%u texels\n", info->probe_count, info->buried_count,
+         info->radiance_size, info->radiance_size);
+  printf("  irradiance probes  %u, %u of them inside geometry, %ux%u texels\n", info->irradiance_probe_count,
+         info->irradiance_buried_count, info->irradiance_size, info->irradiance_size);
+  if (info->has_grid) print_grid("grid", &info->grid);
+  print_grid("irradiance grid", &info->irradiance_grid);
+  printf("  selector           %s\n", select_names(info->select_mask));
+  printf("  light              direct and %u further bounces, %ux%u samples a texel\n", info->bounces, info->samples,
+         info->samples);
+  printf("  scene              %016" PRIx64 "\n", info->scene_hash);
+  block blocks[BLOCK_COUNT];
+  list_blocks(info, blocks);
+  for (int i = 0; i < BLOCK_COUNT; ++i) printf("  %-18s %s\n", blocks[i].name, text_of_bytes(blocks[i].bytes).text);
+}
+
+int command_info(int argc, char **argv) {
+  bool json = false;
+  const option options[] = {{"--json", OPTION_FLAG, &json, NULL, "print one JSON object", 0, 0}};
+  command_line line = {.name = "info",
+                       .summary = "What is in a field: probes, sizes, where its bytes go, how it was baked.",
+                       .arguments = {"FIELD"},
+                       .options = options,
+                       .option_count = sizeof options / sizeof options[0]};
+  int code;
+  if (!parse_options(&line, argc, argv, &code)) return code;
+  olx_field *field = NULL;
+  if (olx_field_open(line.given[0], &field) != OLX_OK) return library_failure("info");
+  const olx_field_info info = olx_field_describe(field);
+  if (json) code = print_info_json(&info);
+  else print_info(line.given[0], &info);
+  olx_field_close(field);
+  return code;
+}
+
+int command_verify(int argc, char **argv) {
+  bool json = false;
+  const option options[] = {{"--json", OPTION_FLAG, &json, NULL, "print one JSON object", 0, 0}};
+  command_line line = {.name = "verify",
+                       .summary = "Read every byte of a field: structure, checksums, and values that cannot be.",
+                       .arguments = {"FIELD"},
+                       .options = options,
+                       .option_count = sizeof options / sizeof options[0]};
+  int code;
+  if (!parse_options(&line, argc, argv, &code)) return code;
+  olx_field *field = NULL;
+  if (olx_field_open(line.given[0], &field) != OLX_OK) return library_failure("verify");
+  const uint64_t bytes = olx_field_describe(field).file_bytes;
+  const olx_result result = olx_field_verify(field);
+  olx_field_close(field);
+  if (result != OLX_OK) return library_failure("verify");
+  if (!json) {
+    printf("%s: sound, %s\n", line.given[0], text_of_bytes(bytes).text);
+    return EXIT_DONE;
+  }
+  cJSON *object = cJSON_CreateObject();
+  cJSON_AddBoolToObject(object, "sound", true);
+  add_number(object, "file_bytes", (double)bytes);
+  return print_json("verify", object);
+}

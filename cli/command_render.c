@@ -1,0 +1,164 @@
+#include "commands.h"
+#include "options.h"
+#include "probe_markers.h"
+#include "report.h"
+#include "sample_options.h"
+
+#include <octalux/render.h>
+
+#include <inttypes.h>
+#include <stdio.h>
+
+#define NOT_GIVEN (UINT32_MAX - 1)
+
+// 0 is "not given" where 0 is no value; NOT_GIVEN elsewhere.
+typedef struct render_options {
+  const char *scene, *output, *field, *camera;
+  uint32_t method, size[2], spp, bounces, diffuse, diffuse_samples, glossy_samples, threads, device;
+  sample_options sample;
+  float exposure;
+  bool standard_error, show_probes, progress, json;
+} render_options;
+
+static olx_render_settings resolve(const render_options *o) {
+  olx_render_settings settings = olx_render_settings_default((olx_method)o->method);
+  if (o->size[0]) {
+    settings.width = o->size[0];
+    settings.height = o->size[1];
+  }
+  if (o->spp) settings.spp = o->spp;
+  if (o->bounces != NOT_GIVEN) settings.bounces = o->bounces;
+  if (o->diffuse != NOT_GIVEN) settings.diffuse = (olx_diffuse)o->diffuse;
+  if (o->diffuse_samples) settings.diffuse_samples = o->diffuse_samples;
+  if (o->glossy_samples) settings.glossy_samples = o->glossy_samples;
+  settings.standard_error = o->standard_error;
+  settings.threads = o->threads;
+  settings.sample = resolve_sample_options(&o->sample);
+  return settings;
+}
+
+// What cannot be meant; 0 when all is well.
+static int check_options(render_options *o) {
+  if (!o->output) return usage_error("render", "-o FILE is missing (see octalux render --help)");
+  const bool png = ends_with(o->output, ".png");
+  if (!png && !ends_with(o->output, ".exr")) {
+    return usage_error("render", "-o: '%s' ends in neither .exr nor .png", o->output);
+  }
+  if (o->method == NOT_GIVEN) o->method = o->field ? OLX_METHOD_FIELD : OLX_METHOD_PATH;
+  if (o->method == OLX_METHOD_FIELD && !o->field) {
+    return usage_error("render", "--method field needs --field FILE.olx");
+  }
+  if (o->show_probes && (!o->field || !png)) {
+    return usage_error("render", "--show-probes needs --field and an output ending in .png");
+  }
+  if (o->exposure > 0.0f && !png) return usage_error("render", "--exposure is for outputs ending in .png");
+  return EXIT_DONE;
+}
+
+static int print_render_json(const olx_render_stats *stats, const olx_image *image) {
+  cJSON *object = cJSON_CreateObject();
+  add_number(object, "width", image->width);
+  add_number(object, "height", image->height);
+  add_number(object, "seconds", stats->seconds);
+  cJSON *passes = cJSON_AddObjectToObject(object, "passes");
+  add_number(passes, "primary", stats->primary_seconds);
+  add_number(passes, "direct", stats->direct_seconds);
+  add_number(passes, "indirect_diffuse", stats->diffuse_seconds);
+  add_number(passes, "indirect_glossy", stats->glossy_seconds);
+  add_number(object, "rays", (double)stats->rays);
+  add_number(object, "field_rays", (double)stats->field_rays);
+  add_number(object, "field_unresolved", (double)stats->field_unresolved);
+  return print_json("render", object);
+}
+
+static void print_render(const char *path, const olx_render_stats *stats, const olx_image *image) {
+  printf("%s: %ux%u in %.2f seconds\n", path, image->width, image->height, stats->seconds);
+  printf("  rays cast           %" PRIu64 "\n", stats->rays);
+  if (stats->field_rays == 0) return;
+  printf("  rays through field  %" PRIu64 ", %.2f %% of them unresolved\n", stats->field_rays,
+         100.0 * (double)stats->field_unresolved / (double)stats->field_rays);
+}
+
+static int save_picture(const render_options *o, const olx_field *field, const olx_camera *camera, olx_image *image) {
+  if (progress_interrupted()) return failure("render", "%s: interrupted, nothing written", o->output);
+  if (o->show_probes) draw_probe_markers(field, camera, image);
+  const olx_result result =
+      ends_with(o->output, ".png")
+          ? olx_image_save_layer_png(image, OLX_LAYER_BEAUTY, o->exposure > 0.0f ? o->exposure : 1.0f, o->output)
+          : olx_image_save(image, o->output);
+  return result == OLX_OK ? EXIT_DONE : library_failure("render");
+}
+
+static int render_picture(const render_options *o, const olx_scene *scene, const olx_field *field) {
+  olx_camera camera;
+  if (olx_scene_find_camera(scene, o->camera, &camera) != OLX_OK) return library_failure("render");
+  const olx_render_settings settings = resolve(o);
+  progress_line line;
+  progress_begin(&line, "render", o->progress);
+  const olx_progress progress = progress_of(&line);
+  olx_image image = {0};
+  olx_render_stats stats;
+  const olx_result result = olx_render(scene, field, &camera, &settings, &progress, &image, &stats);
+  progress_end(&line);
+  if (result == OLX_ERROR_CANCELLED) return failure("render", "%s: interrupted, nothing written", o->output);
+  if (result != OLX_OK) return library_failure("render");
+  int code = save_picture(o, field, &camera, &image);
+  if (code == EXIT_DONE && o->json) code = print_render_json(&stats, &image);
+  else if (code == EXIT_DONE) print_render(o->output, &stats, &image);
+  olx_image_free(&image);
+  return code;
+}
+
+static int render_scene(const render_options *o) {
+  olx_scene *scene = NULL;
+  olx_field *field = NULL;
+  if (olx_scene_load(o->scene, &scene) != OLX_OK) return library_failure("render");
+  int code;
+  if (o->field && olx_field_open(o->field, &field) != OLX_OK) code = library_failure("render");
+  else code = render_picture(o, scene, field);
+  olx_field_close(field);
+  olx_scene_free(scene);
+  return code;
+}
+
+int command_render(int argc, char **argv) {
+  render_options o = {
+      .method = NOT_GIVEN, .bounces = NOT_GIVEN, .diffuse = NOT_GIVEN, .sample = SAMPLE_OPTIONS_DEFAULT};
+  const option options[] = {
+      {"-o", OPTION_TEXT, &o.output, "FILE", ".exr: every layer, linear; .png: tone-mapped", 0, 0},
+      {"--method", OPTION_CHOICE, &o.method, "field|path", "default: field with --field, else path", 0, 0},
+      {"--field", OPTION_TEXT, &o.field, "FILE.olx", "the field that gives indirect light", 0, 0},
+      {"--size", OPTION_SIZE, o.size, "1280x720", "pixels; default 1280x720", 1, 16384},
+      {"--camera", OPTION_TEXT, &o.camera, "NAME", "a camera of the scene; default: the first", 0, 0},
+      {"--spp", OPTION_COUNT, &o.spp, "N", "camera samples a pixel; default 64 for path, 4 for field", 1, 1u << 20},
+      {"--bounces", OPTION_BOUNCES, &o.bounces, "N|inf", "path: indirect bounces; default inf", 0, 1024},
+      {"--diffuse", OPTION_CHOICE, &o.diffuse, "irradiance|traced",
+       "field: diffuse light from irradiance probes or rays; default irradiance", 0, 0},
+      {"--diffuse-samples", OPTION_COUNT, &o.diffuse_samples, "N", "field: rays a sample when traced; default 64", 1,
+       4096},
+      {"--glossy-samples", OPTION_COUNT, &o.glossy_samples, "N", "field: glossy rays a sample; default 4", 1, 4096},
+      SAMPLE_OPTION_ROWS(o.sample),
+      {"--standard-error", OPTION_FLAG, &o.standard_error, NULL, "also a layer with beauty's standard error", 0, 0},
+      {"--show-probes", OPTION_FLAG, &o.show_probes, NULL, "draw the field's probes into a .png", 0, 0},
+      {"--exposure", OPTION_REAL, &o.exposure, "X", "multiply light before the tone map of a .png; default 1", 0, 0},
+      {"--threads", OPTION_COUNT, &o.threads, "N", "default 0: every processor; the image is the same", 0, 4096},
+      {"--device", OPTION_CHOICE, &o.device, "cpu", "where to compute; default cpu", 0, 0},
+      {"--progress", OPTION_FLAG, &o.progress, NULL, "tell progress even when nobody watches", 0, 0},
+      {"--json", OPTION_FLAG, &o.json, NULL, "print one JSON object", 0, 0},
+  };
+  command_line line = {.name = "render",
+                       .summary = "Render a picture of a scene, its indirect light from a field or path traced.",
+                       .arguments = {"SCENE"},
+                       .options = options,
+                       .option_count = sizeof options / sizeof options[0]};
+  int code;
+  if (!parse_options(&line, argc, argv, &code)) return code;
+  o.scene = line.given[0];
+  code = check_options(&o);
+  if (code != EXIT_DONE) return code;
+  if (!check_output("render", o.output)) return EXIT_FAILED;
+  if (o.method == OLX_METHOD_FIELD && o.bounces != NOT_GIVEN) {
+    fputs("warning: --bounces changes nothing here; a field's bounces are chosen when it is baked\n", stderr);
+  }
+  return render_scene(&o);
+}

@@ -1,0 +1,75 @@
+#include "commands.h"
+#include "options.h"
+#include "report.h"
+
+#include <octalux/scene.h>
+
+#include <inttypes.h>
+#include <stdio.h>
+
+static int print_scene_json(const olx_scene *scene) {
+  const olx_scene_info info = olx_scene_describe(scene);
+  cJSON *object = cJSON_CreateObject();
+  add_number(object, "triangles", (double)info.triangles);
+  add_number(object, "vertices", (double)info.vertices);
+  add_number(object, "materials", info.materials);
+  add_number(object, "textures", info.textures);
+  add_number(object, "lights", info.lights);
+  add_number(object, "cameras", info.cameras);
+  add_vec3(object, "bounds_min", info.bounds_min);
+  add_vec3(object, "bounds_max", info.bounds_max);
+  add_number(object, "warnings", info.warnings);
+  cJSON *messages = cJSON_AddArrayToObject(object, "warning_messages");
+  for (uint32_t i = 0; i < info.warnings; ++i) {
+    cJSON_AddItemToArray(messages, cJSON_CreateString(olx_scene_warning(scene, i)));
+  }
+  cJSON *cameras = cJSON_AddArrayToObject(object, "camera_list");
+  for (uint32_t i = 0; i < info.cameras; ++i) {
+    const olx_camera camera = olx_scene_camera(scene, i);
+    cJSON *entry = cJSON_CreateObject();
+    add_text(entry, "name", camera.name);
+    add_vec3(entry, "eye", camera.eye);
+    add_vec3(entry, "target", camera.target);
+    add_vec3(entry, "up", camera.up);
+    add_number(entry, "fov_y_degrees", (double)camera.fov_y_degrees);
+    cJSON_AddItemToArray(cameras, entry);
+  }
+  cJSON_AddBoolToObject(object, "probe_volume", info.has_probe_volume);
+  add_hash(object, "hash", info.hash);
+  return print_json("scene", object);
+}
+
+static void print_scene(const char *name, const olx_scene *scene) {
+  const olx_scene_info info = olx_scene_describe(scene);
+  const olx_vec3 low = info.bounds_min, high = info.bounds_max;
+  printf("%s\n", name);
+  printf("  triangles  %" PRIu64 "\n  vertices   %" PRIu64 "\n", info.triangles, info.vertices);
+  printf("  materials  %u\n  textures   %u\n  lights     %u\n", info.materials, info.textures, info.lights);
+  printf("  bounds     (%g, %g, %g) to (%g, %g, %g) m\n", (double)low.x, (double)low.y, (double)low.z, (double)high.x,
+         (double)high.y, (double)high.z);
+  printf("  hash       %016" PRIx64 "\n", info.hash);
+  for (uint32_t i = 0; i < info.cameras; ++i) {
+    const olx_camera camera = olx_scene_camera(scene, i);
+    printf("  camera     %s: at (%g, %g, %g), %g degrees high\n", camera.name, (double)camera.eye.x,
+           (double)camera.eye.y, (double)camera.eye.z, (double)camera.fov_y_degrees);
+  }
+  for (uint32_t i = 0; i < info.warnings; ++i) printf("  warning    %s\n", olx_scene_warning(scene, i));
+}
+
+int command_scene(int argc, char **argv) {
+  bool json = false;
+  const option options[] = {{"--json", OPTION_FLAG, &json, NULL, "print one JSON object", 0, 0}};
+  command_line line = {.name = "scene",
+                       .summary = "What is in a scene: triangles, materials, lights, cameras, bounds, import warnings.",
+                       .arguments = {"SCENE"},
+                       .options = options,
+                       .option_count = sizeof options / sizeof options[0]};
+  int code;
+  if (!parse_options(&line, argc, argv, &code)) return code;
+  olx_scene *scene = NULL;
+  if (olx_scene_load(line.given[0], &scene) != OLX_OK) return library_failure("scene");
+  if (json) code = print_scene_json(scene);
+  else print_scene(line.given[0], scene);
+  olx_scene_free(scene);
+  return code;
+}

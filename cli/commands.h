@@ -1,0 +1,14 @@
+// The subcommands; each takes its own argc and argv, argv[0] being its name, and returns the program's exit code.
+#ifndef OCTALUX_CLI_COMMANDS_H
+#define OCTALUX_CLI_COMMANDS_H
+
+int command_scene(int argc, char **argv);
+int command_bake(int argc, char **argv);
+int command_render(int argc, char **argv);
+int command_compare(int argc, char **argv);
+int command_audit(int argc, char **argv);
+int command_info(int argc, char **argv);
+int command_verify(int argc, char **argv);
+int command_bench(int argc, char **argv);
+
+#endif

@@ -1,0 +1,63 @@
+// octalux: the command line of Octalux.
+#include "commands.h"
+#include "options.h"
+
+#include <octalux/base.h>
+
+#include <stdio.h>
+#include <string.h>
+
+typedef struct command {
+  const char *name, *usage, *summary;
+  int (*run)(int argc, char **argv);
+} command;
+
+static const command commands[] = {
+    {"scene", "scene SCENE", "what is in a scene: triangles, materials, lights, bounds", command_scene},
+    {"bake", "bake SCENE -o out.olx", "bake a scene's light into a field", command_bake},
+    {"render", "render SCENE -o out.exr --method field|path", "render a picture from a field, or path trace it",
+     command_render},
+    {"compare", "compare A.exr REFERENCE.exr", "errors of one picture against another, layer by layer",
+     command_compare},
+    {"audit", "audit SCENE --field out.olx", "a field against ray casting and path tracing", command_audit},
+    {"info", "info out.olx", "what is in a field, sizes, settings", command_info},
+    {"verify", "verify out.olx", "structure and checksums of a field", command_verify},
+    {"bench", "bench EXPERIMENT", "measure a stated experiment", command_bench},
+};
+
+static void print_help(FILE *stream) {
+  fputs("usage: octalux COMMAND ... (octalux COMMAND --help says more)\n\n", stream);
+  for (size_t i = 0; i < sizeof commands / sizeof commands[0]; ++i) {
+    fprintf(stream, "  octalux %-45s %s\n", commands[i].usage, commands[i].summary);
+  }
+  fputs(
+      "\nSCENE is a .gltf, .glb, .obj or .json file, or builtin:NAME. --json on any command prints one JSON object on\n"
+      "standard output; messages and progress go to standard error. Exit codes: 0 done, 1 failed, 2 wrong usage.\n",
+      stream);
+}
+
+static int dispatch(int argc, char **argv) {
+  if (argc < 2) {
+    print_help(stderr);
+    return EXIT_USAGE;
+  }
+  const char *name = argv[1];
+  if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || strcmp(name, "help") == 0) {
+    print_help(stdout);
+    return EXIT_DONE;
+  }
+  if (strcmp(name, "--version") == 0) {
+    printf("octalux %s\n", olx_version());
+    return EXIT_DONE;
+  }
+  for (size_t i = 0; i < sizeof commands / sizeof commands[0]; ++i) {
+    if (strcmp(name, commands[i].name) == 0) return commands[i].run(argc - 1, argv + 1);
+  }
+  return usage_error(NULL, "unknown command '%s' (see octalux --help)", name);
+}
+
+int main(int argc, char **argv) {
+  const int code = dispatch(argc, argv);
+  if (fflush(stdout) == 0 && !ferror(stdout)) return code;
+  return code != EXIT_DONE ? code : failure(NULL, "standard output: cannot write");
+}

@@ -1,0 +1,210 @@
+#include "options.h"
+
+#include <octalux/base.h>
+
+#include <errno.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static void complain(const char *command, const char *format, va_list arguments) {
+  char message[1536];
+  vsnprintf(message, sizeof message, format, arguments);
+  fprintf(stderr, "octalux%s%s: %s\n", command ? " " : "", command ? command : "", message);
+}
+
+int usage_error(const char *command, const char *format, ...) {
+  va_list arguments;
+  va_start(arguments, format);
+  complain(command, format, arguments);
+  va_end(arguments);
+  return EXIT_USAGE;
+}
+
+int failure(const char *command, const char *format, ...) {
+  va_list arguments;
+  va_start(arguments, format);
+  complain(command, format, arguments);
+  va_end(arguments);
+  return EXIT_FAILED;
+}
+
+int library_failure(const char *command) { return failure(command, "%s", olx_last_error()); }
+
+bool ends_with(const char *text, const char *ending) {
+  const size_t length = strlen(text), ending_length = strlen(ending);
+  return length > ending_length && strcmp(text + length - ending_length, ending) == 0;
+}
+
+bool check_output(const char *command, const char *path) {
+  struct stat status;
+  if (stat(path, &status) == 0 && S_ISDIR(status.st_mode)) {
+    failure(command, "%s: cannot write: it is a folder", path);
+    return false;
+  }
+  char directory[4096];
+  const char *slash = strrchr(path, '/');
+  const int length = !slash ? 1 : slash == path ? 1 : (int)(slash - path);
+  snprintf(directory, sizeof directory, "%.*s", length, slash ? path : ".");
+  if (access(directory, W_OK | X_OK) == 0) return true;
+  failure(command, "%s: cannot write: %s", path, strerror(errno));
+  return false;
+}
+
+// Digits up to the end of the text or `stop`; *next is where they ended.
+static bool parse_digits(const char *text, char stop, uint32_t min, uint32_t max, uint32_t *value, const char **next) {
+  uint64_t number = 0;
+  const char *end = text;
+  while (*end >= '0' && *end <= '9') {
+    number = number * 10 + (uint64_t)(*end++ - '0');
+    if (number > UINT32_MAX) return false;
+  }
+  if (end == text || *end != stop || number < min || number > max) return false;
+  *value = (uint32_t)number;
+  *next = end + (stop ? 1 : 0);
+  return true;
+}
+
+static bool parse_counts(const char *text, const option *o, uint32_t count, uint32_t *values) {
+  uint32_t numbers[3] = {0};
+  for (uint32_t i = 0; i < count; ++i) {
+    if (!parse_digits(text, i + 1 < count ? 'x' : 0, o->min, o->max, &numbers[i], &text)) return false;
+  }
+  memcpy(values, numbers, count * sizeof *values);
+  return true;
+}
+
+static bool parse_choice(const char *text, const char *words, uint32_t *value) {
+  const size_t length = strlen(text);
+  for (uint32_t index = 0;; ++index) {
+    const size_t word_length = strcspn(words, "|");
+    if (word_length == length && strncmp(words, text, length) == 0) {
+      *value = index;
+      return true;
+    }
+    if (!words[word_length]) return false;
+    words += word_length + 1;
+  }
+}
+
+static bool parse_real(const char *text, float *value) {
+  char *end;
+  const double number = strtod(text, &end);
+  if (end == text || *end || !(number > 0.0) || !isfinite((float)number)) return false;
+  *value = (float)number;
+  return true;
+}
+
+static bool parse_value(const option *o, const char *text) {
+  uint32_t number;
+  switch (o->kind) {
+  case OPTION_FLAG: return false;
+  case OPTION_TEXT: *(const char **)o->value = text; return *text != 0;
+  case OPTION_COUNT: return parse_counts(text, o, 1, o->value);
+  case OPTION_POWER_OF_TWO:
+    if (!parse_counts(text, o, 1, &number) || (number & (number - 1)) != 0) return false;
+    *(uint32_t *)o->value = number;
+    return true;
+  case OPTION_BOUNCES:
+    if (strcmp(text, "inf") != 0) return parse_counts(text, o, 1, o->value);
+    *(uint32_t *)o->value = UINT32_MAX;
+    return true;
+  case OPTION_REAL: return parse_real(text, o->value);
+  case OPTION_SIZE: return parse_counts(text, o, 2, o->value);
+  case OPTION_GRID: return parse_counts(text, o, 3, o->value);
+  case OPTION_CHOICE: return parse_choice(text, o->form, o->value);
+  }
+  return false;
+}
+
+static void describe_value(const option *o, char *text, size_t size) {
+  switch (o->kind) {
+  case OPTION_COUNT: snprintf(text, size, "a whole number from %u to %u", o->min, o->max); break;
+  case OPTION_POWER_OF_TWO: snprintf(text, size, "a power of two from %u to %u", o->min, o->max); break;
+  case OPTION_BOUNCES: snprintf(text, size, "a whole number from %u to %u, or inf", o->min, o->max); break;
+  case OPTION_REAL: snprintf(text, size, "a number above 0"); break;
+  case OPTION_SIZE: snprintf(text, size, "a size like 1280x720, each from %u to %u", o->min, o->max); break;
+  case OPTION_GRID: snprintf(text, size, "a grid like 4x4x4, each from %u to %u", o->min, o->max); break;
+  case OPTION_CHOICE: snprintf(text, size, "one of %s", o->form); break;
+  case OPTION_FLAG:
+  case OPTION_TEXT: snprintf(text, size, "a name"); break;
+  }
+}
+
+static void print_usage(const command_line *line) {
+  printf("usage: octalux %s", line->name);
+  for (int i = 0; i < MAX_ARGUMENTS && line->arguments[i]; ++i) printf(" %s", line->arguments[i]);
+  printf(" [options]\n\n%s\n\n", line->summary);
+  for (size_t i = 0; i < line->option_count; ++i) {
+    const option *o = &line->options[i];
+    char left[160];
+    const int length = snprintf(left, sizeof left, "%s%s%s", o->name, o->form ? " " : "", o->form ? o->form : "");
+    if (length > 34) printf("  %s\n  %-34s %s\n", left, "", o->help);
+    else printf("  %-34s %s\n", left, o->help);
+  }
+  printf("  %-34s %s\n", "--help", "this text");
+}
+
+// An argument without a dash.
+static bool take_argument(command_line *line, const char *text) {
+  for (int i = 0; i < MAX_ARGUMENTS; ++i) {
+    if (!line->arguments[i] || line->given[i]) continue;
+    line->given[i] = text;
+    return true;
+  }
+  usage_error(line->name, "'%s' is one argument too many (see octalux %s --help)", text, line->name);
+  return false;
+}
+
+// "--name value", "--name=value" or a flag; *index moves past what was used.
+static bool take_option(command_line *line, int argc, char **argv, int *index) {
+  const char *text = argv[*index];
+  const char *equals = strncmp(text, "--", 2) == 0 ? strchr(text, '=') : NULL;
+  const size_t length = equals ? (size_t)(equals - text) : strlen(text);
+  for (size_t i = 0; i < line->option_count; ++i) {
+    const option *o = &line->options[i];
+    if (strlen(o->name) != length || strncmp(o->name, text, length) != 0) continue;
+    if (o->kind == OPTION_FLAG) {
+      if (equals) return usage_error(line->name, "%s takes no value", o->name) == EXIT_DONE;
+      *(bool *)o->value = true;
+      return true;
+    }
+    const char *value = equals ? equals + 1 : *index + 1 < argc ? argv[++*index] : NULL;
+    if (!value) return usage_error(line->name, "%s needs a value: %s", o->name, o->form) == EXIT_DONE;
+    if (parse_value(o, value)) return true;
+    char wanted[160];
+    describe_value(o, wanted, sizeof wanted);
+    return usage_error(line->name, "%s: '%s' is not %s", o->name, value, wanted) == EXIT_DONE;
+  }
+  return usage_error(line->name, "unknown option '%.*s' (see octalux %s --help)", (int)length, text, line->name) ==
+         EXIT_DONE;
+}
+
+bool parse_options(command_line *line, int argc, char **argv, int *exit_code) {
+  bool only_arguments = false;
+  *exit_code = EXIT_USAGE;
+  for (int i = 1; i < argc; ++i) {
+    if (only_arguments || argv[i][0] != '-' || !argv[i][1]) {
+      if (!take_argument(line, argv[i])) return false;
+    } else if (strcmp(argv[i], "--") == 0) {
+      only_arguments = true;
+    } else if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) {
+      print_usage(line);
+      *exit_code = EXIT_DONE;
+      return false;
+    } else if (!take_option(line, argc, argv, &i)) {
+      return false;
+    }
+  }
+  for (int i = 0; i < MAX_ARGUMENTS; ++i) {
+    if (!line->arguments[i] || line->arguments[i][0] == '[' || line->given[i]) continue;
+    usage_error(line->name, "%s is missing (see octalux %s --help)", line->arguments[i], line->name);
+    return false;
+  }
+  *exit_code = EXIT_DONE;
+  return true;
+}

@@ -1,0 +1,57 @@
+// The arguments of a command: one table says what it takes, and parsing, checking and --help follow from it.
+#ifndef OCTALUX_CLI_OPTIONS_H
+#define OCTALUX_CLI_OPTIONS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2 };
+
+typedef enum option_kind {
+  OPTION_FLAG,         // bool: set when named
+  OPTION_TEXT,         // const char *
+  OPTION_COUNT,        // uint32_t in min..max
+  OPTION_POWER_OF_TWO, // uint32_t in min..max
+  OPTION_BOUNCES,      // uint32_t in min..max, or UINT32_MAX for "inf"
+  OPTION_REAL,         // float above 0
+  OPTION_SIZE,         // uint32_t[2], "1280x720", each in min..max
+  OPTION_GRID,         // uint32_t[3], "4x4x4", each in min..max
+  OPTION_CHOICE        // uint32_t: which of the words in `form`, "field|path"
+} option_kind;
+
+typedef struct option {
+  const char *name; // "--spp", or "-o"
+  option_kind kind;
+  void *value;      // of the kind's type; left alone unless the option is given
+  const char *form; // how its value looks in the help
+  const char *help;
+  uint32_t min, max;
+} option;
+
+#define MAX_ARGUMENTS 2
+
+typedef struct command_line {
+  const char *name, *summary;
+  const char *arguments[MAX_ARGUMENTS]; // names of what stands without a dash; NULL: none. In brackets: may be left out
+  const char *given[MAX_ARGUMENTS];     // filled by parsing; NULL when left out
+  const option *options;
+  size_t option_count;
+} command_line;
+
+// Read argv[1..]. True when the command should go on; else *exit_code is what to leave with (help was printed, or one line
+// said what is wrong).
+bool parse_options(command_line *line, int argc, char **argv, int *exit_code);
+
+// Print "octalux NAME: message" and return EXIT_USAGE or EXIT_FAILED.
+int usage_error(const char *command, const char *format, ...) __attribute__((format(printf, 2, 3)));
+int failure(const char *command, const char *format, ...) __attribute__((format(printf, 2, 3)));
+// The same with the library's last message.
+int library_failure(const char *command);
+
+bool ends_with(const char *text, const char *ending);
+
+// Whether a file could be created at `path`, asked before long work; when not, a line says why.
+bool check_output(const char *command, const char *path);
+
+#endif

@@ -1,0 +1,105 @@
+#include "report.h"
+
+#include "options.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+int print_json(const char *command, cJSON *object) {
+  char *text = cJSON_PrintUnformatted(object);
+  cJSON_Delete(object);
+  if (!text) return failure(command, "out of memory");
+  puts(text);
+  cJSON_free(text);
+  return EXIT_DONE;
+}
+
+void add_number(cJSON *object, const char *key, double value) {
+  if (isfinite(value)) cJSON_AddNumberToObject(object, key, value);
+  else cJSON_AddNullToObject(object, key);
+}
+
+void add_text(cJSON *object, const char *key, const char *value) { cJSON_AddStringToObject(object, key, value); }
+
+void add_vec3(cJSON *object, const char *key, olx_vec3 value) {
+  const float numbers[3] = {value.x, value.y, value.z};
+  cJSON_AddItemToObject(object, key, cJSON_CreateFloatArray(numbers, 3));
+}
+
+void add_counts(cJSON *object, const char *key, const uint32_t counts[3]) {
+  cJSON *array = cJSON_AddArrayToObject(object, key);
+  for (int i = 0; i < 3; ++i) cJSON_AddItemToArray(array, cJSON_CreateNumber(counts[i]));
+}
+
+void add_hash(cJSON *object, const char *key, uint64_t hash) {
+  char text[24];
+  snprintf(text, sizeof text, "%016" PRIx64, hash);
+  add_text(object, key, text);
+}
+
+size_text text_of_bytes(uint64_t bytes) {
+  static const char *const units[] = {"bytes", "KiB", "MiB", "GiB", "TiB"};
+  size_text result;
+  double value = (double)bytes;
+  size_t unit = 0;
+  for (; value >= 1024.0 && unit < 4; ++unit) value /= 1024.0;
+  snprintf(result.text, sizeof result.text, unit == 0 ? "%.0f %s" : "%.1f %s", value, units[unit]);
+  return result;
+}
+
+// A signal handler can reach nothing but an object of this kind.
+static volatile sig_atomic_t interrupted;
+
+static void on_signal(int number) {
+  (void)number;
+  interrupted = 1;
+}
+
+static double now(void) {
+  struct timespec time;
+  clock_gettime(CLOCK_MONOTONIC, &time);
+  return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
+}
+
+void progress_begin(progress_line *line, const char *command, bool force) {
+  const bool terminal = isatty(STDERR_FILENO) == 1;
+  *line = (progress_line){
+      .command = command, .shown = force || terminal, .terminal = terminal, .start = now(), .last_percent = -1};
+  // The first signal asks the work to stop in good order; a second one ends the program at once.
+  struct sigaction action = {.sa_handler = on_signal, .sa_flags = (int)SA_RESETHAND};
+  sigaction(SIGINT, &action, NULL);
+  sigaction(SIGTERM, &action, NULL);
+}
+
+static bool report(void *user, const char *stage, float done) {
+  progress_line *line = user;
+  if (interrupted) return false;
+  const int percent = (int)(100.0f * (done < 0.0f ? 0.0f : done > 1.0f ? 1.0f : done));
+  const bool due = line->terminal || percent >= line->last_percent + 5 || percent < line->last_percent;
+  if (!line->shown || !due) return true;
+  line->last_percent = percent;
+  const double elapsed = now() - line->start;
+  char left[32] = "";
+  if (done > 0.01f) {
+    const long seconds = lround(elapsed * (1.0 - (double)done) / (double)done);
+    snprintf(left, sizeof left, ", %ld:%02ld left", seconds / 60, seconds % 60);
+  }
+  fprintf(stderr, line->terminal ? "\r\033[K%s: %s %d %%%s" : "%s: %s %d %%%s\n", line->command, stage, percent, left);
+  fflush(stderr);
+  line->drawn = true;
+  return true;
+}
+
+olx_progress progress_of(progress_line *line) { return (olx_progress){.report = report, .user = line}; }
+
+void progress_end(progress_line *line) {
+  if (line->drawn && line->terminal) fputs("\r\033[K", stderr);
+  line->drawn = false;
+}
+
+bool progress_interrupted(void) { return interrupted != 0; }

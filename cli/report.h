@@ -1,0 +1,40 @@
+// What a command tells: one JSON object, or lines for people; and progress while it works.
+#ifndef OCTALUX_CLI_REPORT_H
+#define OCTALUX_CLI_REPORT_H
+
+#include <octalux/base.h>
+
+#include <cjson/cJSON.h>
+
+// Print the object on one line and release it. EXIT_DONE, or EXIT_FAILED when there was no memory to build it.
+int print_json(const char *command, cJSON *object);
+
+void add_number(cJSON *object, const char *key, double value); // null when it is not finite
+void add_text(cJSON *object, const char *key, const char *value);
+void add_vec3(cJSON *object, const char *key, olx_vec3 value);
+void add_counts(cJSON *object, const char *key, const uint32_t counts[3]);
+void add_hash(cJSON *object, const char *key, uint64_t hash);
+
+// "12.3 MiB".
+typedef struct size_text {
+  char text[32];
+} size_text;
+size_text text_of_bytes(uint64_t bytes);
+
+// A line on standard error with stage, percentage and time left; an interrupt or a termination signal cancels the work.
+typedef struct progress_line {
+  const char *command;
+  bool shown, terminal, drawn;
+  double start;
+  int last_percent;
+} progress_line;
+
+// Shown when standard error is a terminal, or always with `force`.
+void progress_begin(progress_line *line, const char *command, bool force);
+olx_progress progress_of(progress_line *line);
+// Wipe the line.
+void progress_end(progress_line *line);
+// Whether a signal asked to stop.
+bool progress_interrupted(void);
+
+#endif

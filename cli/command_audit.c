@@ -89,7 +89,7 @@ int command_audit(int argc, char **argv) {
   audit_options o = {.settings = olx_audit_settings_default()};
   sample_options sample = SAMPLE_OPTIONS_DEFAULT;
   const option options[] = {
-      {"--field", OPTION_TEXT, &o.field, "FILE.olx", "the field to judge", 0, 0},
+      {"--field", OPTION_TEXT, &o.field, "FILE.olx", "the field to judge", 1, 0},
       {"--rays", OPTION_COUNT, &o.settings.rays, "N", "rays to trace and cast; default 200000", 0, UINT32_MAX},
       {"--points", OPTION_COUNT, &o.settings.points, "N", "points to light; default 2000", 0, UINT32_MAX},
       {"--spp", OPTION_COUNT, &o.settings.spp, "N", "paths a point for its true light; default 1024", 1, 1u << 20},
@@ -110,7 +110,6 @@ int command_audit(int argc, char **argv) {
                        .option_count = sizeof options / sizeof options[0]};
   int code;
   if (!parse_options(&line, argc, argv, &code)) return code;
-  if (!o.field) return usage_error("audit", "--field FILE.olx is missing (see octalux audit --help)");
   o.scene = line.given[0];
   o.settings.sample = resolve_sample_options(&sample);
   return audit_scene(&o);

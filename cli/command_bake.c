@@ -83,7 +83,7 @@ int command_bake(int argc, char **argv) {
   const char *output = NULL;
   bool measure_embree = false, progress = false, json = false;
   const option options[] = {
-      {"-o", OPTION_TEXT, &output, "FILE.olx", "the field to write", 0, 0},
+      {"-o", OPTION_TEXT, &output, "FILE.olx", "the field to write", 1, 0},
       BAKE_OPTION_ROWS(given),
       {"--measure-embree", OPTION_FLAG, &measure_embree, NULL, "also time Embree alone on the rays from probes", 0, 0},
       {"--progress", OPTION_FLAG, &progress, NULL, "tell progress even when nobody watches", 0, 0},
@@ -96,7 +96,6 @@ int command_bake(int argc, char **argv) {
                        .option_count = sizeof options / sizeof options[0]};
   int code;
   if (!parse_options(&line, argc, argv, &code)) return code;
-  if (!output) return usage_error("bake", "-o FILE.olx is missing (see octalux bake --help)");
   if (!check_output("bake", output)) return EXIT_FAILED;
   olx_scene *scene = NULL;
   if (olx_scene_load(line.given[0], &scene) != OLX_OK) return library_failure("bake");

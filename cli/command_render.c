@@ -39,7 +39,6 @@ static olx_render_settings resolve(const render_options *o) {
 
 // What cannot be meant; 0 when all is well.
 static int check_options(render_options *o) {
-  if (!o->output) return usage_error("render", "-o FILE is missing (see octalux render --help)");
   const bool png = ends_with(o->output, ".png");
   if (!png && !ends_with(o->output, ".exr")) {
     return usage_error("render", "-o: '%s' ends in neither .exr nor .png", o->output);
@@ -125,7 +124,7 @@ int command_render(int argc, char **argv) {
   render_options o = {
       .method = NOT_GIVEN, .bounces = NOT_GIVEN, .diffuse = NOT_GIVEN, .sample = SAMPLE_OPTIONS_DEFAULT};
   const option options[] = {
-      {"-o", OPTION_TEXT, &o.output, "FILE", ".exr: every layer, linear; .png: tone-mapped", 0, 0},
+      {"-o", OPTION_TEXT, &o.output, "FILE", ".exr: every layer, linear; .png: tone-mapped", 1, 0},
       {"--method", OPTION_CHOICE, &o.method, "field|path", "default: field with --field, else path", 0, 0},
       {"--field", OPTION_TEXT, &o.field, "FILE.olx", "the field that gives indirect light", 0, 0},
       {"--size", OPTION_SIZE, o.size, "1280x720", "pixels; default 1280x720", 1, 16384},

@@ -135,9 +135,14 @@ static void describe_value(const option *o, char *text, size_t size) {
   }
 }
 
+static bool must_be_given(const option *o) { return o->kind == OPTION_TEXT && o->min == 1; }
+
 static void print_usage(const command_line *line) {
   printf("usage: octalux %s", line->name);
   for (int i = 0; i < MAX_ARGUMENTS && line->arguments[i]; ++i) printf(" %s", line->arguments[i]);
+  for (size_t i = 0; i < line->option_count; ++i) {
+    if (must_be_given(&line->options[i])) printf(" %s %s", line->options[i].name, line->options[i].form);
+  }
   printf(" [options]\n\n%s\n\n", line->summary);
   for (size_t i = 0; i < line->option_count; ++i) {
     const option *o = &line->options[i];
@@ -203,6 +208,12 @@ bool parse_options(command_line *line, int argc, char **argv, int *exit_code) {
   for (int i = 0; i < MAX_ARGUMENTS; ++i) {
     if (!line->arguments[i] || line->arguments[i][0] == '[' || line->given[i]) continue;
     usage_error(line->name, "%s is missing (see octalux %s --help)", line->arguments[i], line->name);
+    return false;
+  }
+  for (size_t i = 0; i < line->option_count; ++i) {
+    const option *o = &line->options[i];
+    if (!must_be_given(o) || *(const char **)o->value) continue;
+    usage_error(line->name, "%s %s is missing (see octalux %s --help)", o->name, o->form, line->name);
     return false;
   }
   *exit_code = EXIT_DONE;

@@ -10,7 +10,7 @@ enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2 };
 
 typedef enum option_kind {
   OPTION_FLAG,         // bool: set when named
-  OPTION_TEXT,         // const char *
+  OPTION_TEXT,         // const char *; must be given when min is 1
   OPTION_COUNT,        // uint32_t in min..max
   OPTION_POWER_OF_TWO, // uint32_t in min..max
   OPTION_BOUNCES,      // uint32_t in min..max, or UINT32_MAX for "inf"

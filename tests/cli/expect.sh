@@ -1,0 +1,70 @@
+# Helpers of the command line's tests: run the program as a user would and say what was expected of it.
+# Sourced; works in a folder of its own, which goes away at the end.
+set -u
+: "${OCTALUX:?the program to test}"
+: "${OCTALUX_SOURCE_DIR:?the project}"
+failures=0
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+cd "$folder" || exit 1
+
+fail() {
+  failures=$((failures + 1))
+  echo "FAILED: $*"
+  sed 's/^/    /' stdout.txt stderr.txt 2>/dev/null
+}
+
+# expect CODE ARGUMENTS...: run octalux; its output is in stdout.txt and stderr.txt.
+expect() {
+  local wanted=$1 code=0
+  shift
+  "$OCTALUX" "$@" >stdout.txt 2>stderr.txt </dev/null || code=$?
+  [ "$code" = "$wanted" ] || fail "octalux $*: exit code $code, not $wanted"
+}
+
+# expect_usage PATTERN ARGUMENTS...: wrong usage, said in one line that matches.
+expect_usage() {
+  local pattern=$1
+  shift
+  expect 2 "$@"
+  [ "$(wc -l <stderr.txt)" = 1 ] || fail "octalux $*: not one line on standard error"
+  [ -s stdout.txt ] && fail "octalux $*: something on standard output"
+  grep -q -- "$pattern" stderr.txt || fail "octalux $*: no '$pattern' on standard error"
+}
+
+# expect_failure PATTERN ARGUMENTS...: a failure whose last line matches.
+expect_failure() {
+  local pattern=$1
+  shift
+  expect 1 "$@"
+  [ -s stdout.txt ] && fail "octalux $*: something on standard output"
+  tail -n 1 stderr.txt | grep -q -- "$pattern" || fail "octalux $*: no '$pattern' in the last line on standard error"
+}
+
+# expect_json EXPRESSION ARGUMENTS...: one JSON object on standard output, of which the Python expression on `o` is true.
+expect_json() {
+  local expression=$1
+  shift
+  expect 0 "$@" --json
+  python3 - "$expression" <<'PYTHON' || fail "octalux $* --json: not $expression"
+import json, math, sys
+o = json.load(open("stdout.txt"), parse_constant=lambda name: sys.exit("not JSON: " + name))
+if not isinstance(o, dict): sys.exit("not an object")
+sys.exit(0 if eval("(" + sys.argv[1] + ")", {"o": o, "math": math}) else 1)
+PYTHON
+}
+
+# expect_files NAMES...: nothing else lies in the folder.
+expect_files() {
+  local found
+  found=$(ls -A | grep -v -e '^stdout.txt$' -e '^stderr.txt$' | sort | tr '\n' ' ')
+  [ "$found" = "$(printf '%s\n' "$@" | sort | tr '\n' ' ')" ] || fail "files: $found, not $*"
+}
+
+finish() {
+  if [ "$failures" -gt 0 ]; then
+    echo "$failures failed"
+    exit 1
+  fi
+  exit 0
+}

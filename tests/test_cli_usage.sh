@@ -1,0 +1,79 @@
+# Wrong usage: exit code 2, one line that says what is wrong, nothing on standard output; and the golden help.
+source "$(dirname "$0")/cli/expect.sh"
+
+expect 2
+grep -q "^usage: octalux COMMAND" stderr.txt || fail "no usage without a command"
+[ -s stdout.txt ] && fail "usage without a command belongs on standard error"
+
+expect_usage "unknown command 'place'" place builtin:cornell
+expect_usage "unknown command '--json'" --json
+
+for command in scene bake render audit; do expect_usage "SCENE is missing" $command; done
+for command in info verify; do expect_usage "FIELD is missing" $command; done
+expect_usage "IMAGE.exr is missing" compare
+expect_usage "REFERENCE.exr is missing" compare a.exr
+expect_usage "EXPERIMENT is missing" bench
+expect_usage "unknown experiment 'table9'" bench table9
+expect_usage "'c.exr' is one argument too many" compare a.exr b.exr c.exr
+expect_usage "-o FILE.olx is missing" bake builtin:cornell
+expect_usage "-o FILE is missing" render builtin:cornell
+expect_usage "--field FILE.olx is missing" audit builtin:cornell
+
+expect_usage "unknown option '--frobnicate'" bake builtin:cornell -o a.olx --frobnicate 3
+expect_usage "unknown option '--gri'" bake builtin:cornell -o a.olx --gri 4x4x4
+expect_usage "unknown option '-x'" info -x
+expect_usage "--radiance-size needs a value" bake builtin:cornell -o a.olx --radiance-size
+expect_usage "-o needs a value" bake builtin:cornell -o
+expect_usage "--json takes no value" scene builtin:cornell --json=yes
+
+for grid in 4x4 4x4x4x4 0x4x4 4x-1x4 4,4,4 axbxc 4x4x 99999999999x1x1 ' 4x4x4' ''; do
+  expect_usage "is not a grid" bake builtin:cornell -o a.olx --grid "$grid"
+done
+for size in 100 4 4096 -64 64.0 1e2 0x40 '' ; do
+  expect_usage "is not a power of two from 8 to 2048" bake builtin:cornell -o a.olx --radiance-size "$size"
+done
+expect_usage "power of two from 8 to 256" bake builtin:cornell -o a.olx --irradiance-size 512
+expect_usage "from 0 to 64" bake builtin:cornell -o a.olx --bounces 65
+expect_usage "from 1 to 8" bake builtin:cornell -o a.olx --samples 0
+expect_usage "from 1 to 64" bake builtin:cornell -o a.olx --light-samples 65
+expect_usage "from 0 to 4096" bake builtin:cornell -o a.olx --threads -1
+for size in 640 0x480 640x 640x480x3 16385x16 640*480; do
+  expect_usage "is not a size" render builtin:cornell -o a.exr --size "$size"
+done
+expect_usage "or inf" render builtin:cornell -o a.exr --bounces many
+expect_usage "from 1 to 1048576" render builtin:cornell -o a.exr --spp 0
+expect_usage "is not one of field|path" render builtin:cornell -o a.exr --method raster
+expect_usage "is not one of cpu" render builtin:cornell -o a.exr --device tpu
+expect_usage "is not one of texel|two-level" render builtin:cornell -o a.exr --tracer texe
+expect_usage "is not one of none|chebyshev" audit builtin:cornell --field a.olx --visibility some
+expect_usage "is not one of beauty|direct" compare a.exr b.exr --layer light
+expect_usage "is not a number above 0" render builtin:cornell -o a.png --exposure -1
+expect_usage "is not a number above 0" render builtin:cornell -o a.png --exposure nan
+
+expect_usage "needs --field" render builtin:cornell -o a.exr --method field
+expect_usage "ends in neither .exr nor .png" render builtin:cornell -o a.jpg
+expect_usage "ends in neither .exr nor .png" render builtin:cornell -o .png
+expect_usage "does not end in .png" compare a.exr b.exr --heatmap d.jpg
+expect_usage "needs --field and an output ending in .png" render builtin:cornell -o a.exr --show-probes --field a.olx
+expect_usage "is for outputs ending in .png" render builtin:cornell -o a.exr --exposure 2
+expect_files
+
+help="$OCTALUX_SOURCE_DIR/tests/cli/help.txt"
+{
+  "$OCTALUX" --help
+  for command in scene bake render compare audit info verify bench; do
+    echo
+    echo "== octalux $command --help"
+    "$OCTALUX" $command --help
+  done
+} >help.txt 2>stderr.txt
+if [ "${UPDATE_GOLDEN:-}" ]; then cp help.txt "$help"; fi
+diff -u "$help" help.txt >stdout.txt || fail "the help changed; when it should, run again with UPDATE_GOLDEN=1"
+for help in -h help; do
+  expect 0 $help
+  grep -q "^usage: octalux COMMAND" stdout.txt || fail "octalux $help prints no usage"
+done
+expect 0 --version
+grep -qE "^octalux [0-9]+\.[0-9]+\.[0-9]+$" stdout.txt || fail "no version"
+
+finish

@@ -13,7 +13,7 @@
 
 // 0 is "not given" where 0 is no value; NOT_GIVEN elsewhere.
 typedef struct render_options {
-  const char *scene, *output, *field, *camera;
+  const char *scene, *output, *png, *field, *camera;
   uint32_t method, size[2], spp, bounces, diffuse, diffuse_samples, glossy_samples, threads, device;
   sample_options sample;
   float exposure;
@@ -39,18 +39,22 @@ static olx_render_settings resolve(const render_options *o) {
 
 // What cannot be meant; 0 when all is well.
 static int check_options(render_options *o) {
-  const bool png = ends_with(o->output, ".png");
-  if (!png && !ends_with(o->output, ".exr")) {
+  const bool exr = ends_with(o->output, ".exr");
+  if (!exr && !ends_with(o->output, ".png")) {
     return usage_error("render", "-o: '%s' ends in neither .exr nor .png", o->output);
   }
+  if (o->png && (!exr || !ends_with(o->png, ".png"))) {
+    return usage_error("render", "--png FILE.png goes with -o FILE.exr");
+  }
+  if (!exr) o->png = o->output;
   if (o->method == NOT_GIVEN) o->method = o->field ? OLX_METHOD_FIELD : OLX_METHOD_PATH;
   if (o->method == OLX_METHOD_FIELD && !o->field) {
     return usage_error("render", "--method field needs --field FILE.olx");
   }
-  if (o->show_probes && (!o->field || !png)) {
-    return usage_error("render", "--show-probes needs --field and an output ending in .png");
+  if (o->show_probes && (!o->field || !o->png)) {
+    return usage_error("render", "--show-probes needs --field and a .png to draw into");
   }
-  if (o->exposure > 0.0f && !png) return usage_error("render", "--exposure is for outputs ending in .png");
+  if (o->exposure > 0.0f && !o->png) return usage_error("render", "--exposure needs a .png to apply to");
   return EXIT_DONE;
 }
 
@@ -80,11 +84,11 @@ static void print_render(const char *path, const olx_render_stats *stats, const 
 
 static int save_picture(const render_options *o, const olx_field *field, const olx_camera *camera, olx_image *image) {
   if (progress_interrupted()) return failure("render", "%s: interrupted, nothing written", o->output);
+  if (o->output != o->png && olx_image_save(image, o->output) != OLX_OK) return library_failure("render");
+  if (!o->png) return EXIT_DONE;
   if (o->show_probes) draw_probe_markers(field, camera, image);
-  const olx_result result =
-      ends_with(o->output, ".png")
-          ? olx_image_save_layer_png(image, OLX_LAYER_BEAUTY, o->exposure > 0.0f ? o->exposure : 1.0f, o->output)
-          : olx_image_save(image, o->output);
+  const float exposure = o->exposure > 0.0f ? o->exposure : 1.0f;
+  const olx_result result = olx_image_save_layer_png(image, OLX_LAYER_BEAUTY, exposure, o->png);
   return result == OLX_OK ? EXIT_DONE : library_failure("render");
 }
 
@@ -125,6 +129,7 @@ int command_render(int argc, char **argv) {
       .method = NOT_GIVEN, .bounces = NOT_GIVEN, .diffuse = NOT_GIVEN, .sample = SAMPLE_OPTIONS_DEFAULT};
   const option options[] = {
       {"-o", OPTION_TEXT, &o.output, "FILE", ".exr: every layer, linear; .png: tone-mapped", 1, 0},
+      {"--png", OPTION_TEXT, &o.png, "FILE.png", "beside an .exr, the same picture tone-mapped", 0, 0},
       {"--method", OPTION_CHOICE, &o.method, "field|path", "default: field with --field, else path", 0, 0},
       {"--field", OPTION_TEXT, &o.field, "FILE.olx", "the field that gives indirect light", 0, 0},
       {"--size", OPTION_SIZE, o.size, "1280x720", "pixels; default 1280x720", 1, 16384},
@@ -155,7 +160,7 @@ int command_render(int argc, char **argv) {
   o.scene = line.given[0];
   code = check_options(&o);
   if (code != EXIT_DONE) return code;
-  if (!check_output("render", o.output)) return EXIT_FAILED;
+  if (!check_output("render", o.output) || (o.png && !check_output("render", o.png))) return EXIT_FAILED;
   if (o.method == OLX_METHOD_FIELD && o.bounces != NOT_GIVEN) {
     fputs("warning: --bounces changes nothing here; a field's bounces are chosen when it is baked\n", stderr);
   }

@@ -35,7 +35,9 @@ expect 0 render $scene -o traced.exr --method field --field a.olx --size 64x48 -
   --diffuse-samples 8 --tracer texel --select cage --visibility none --keep-buried --standard-error --device cpu
 expect 0 render $scene -o probes.png --field a.olx --size 64x48 --spp 1 --show-probes --exposure 2
 [ "$(head -c 8 probes.png | od -An -tx1 | tr -d ' \n')" = 89504e470d0a1a0a ] || fail "probes.png is no PNG"
-expect 0 render $scene -o plain.png --field a.olx --size 64x48 --spp 1 --exposure 2
+expect 0 render $scene -o plain.exr --png plain.png --field a.olx --size 64x48 --spp 1 --exposure 2
+expect 0 render $scene -o alone.png --field a.olx --size 64x48 --spp 1 --exposure 2
+cmp plain.png alone.png || fail "--png writes another picture than -o"
 cmp -s probes.png plain.png && fail "--show-probes shows nothing"
 expect 0 render $scene -o path2.exr --method path --size 64x48 --spp 16 --bounces 2 --threads 1
 cmp path.exr path2.exr || fail "a path-traced image depends on the number of threads"

@@ -54,8 +54,10 @@ expect_usage "needs --field" render builtin:cornell -o a.exr --method field
 expect_usage "ends in neither .exr nor .png" render builtin:cornell -o a.jpg
 expect_usage "ends in neither .exr nor .png" render builtin:cornell -o .png
 expect_usage "does not end in .png" compare a.exr b.exr --heatmap d.jpg
-expect_usage "needs --field and an output ending in .png" render builtin:cornell -o a.exr --show-probes --field a.olx
-expect_usage "is for outputs ending in .png" render builtin:cornell -o a.exr --exposure 2
+expect_usage "needs --field and a .png" render builtin:cornell -o a.exr --show-probes --field a.olx
+expect_usage "needs a .png" render builtin:cornell -o a.exr --exposure 2
+expect_usage "goes with -o FILE.exr" render builtin:cornell -o a.png --png b.png
+expect_usage "goes with -o FILE.exr" render builtin:cornell -o a.exr --png b.jpg
 expect_files
 
 help="$OCTALUX_SOURCE_DIR/tests/cli/help.txt"

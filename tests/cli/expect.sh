@@ -58,7 +58,7 @@ PYTHON
 expect_files() {
   local found
   found=$(ls -A | grep -v -e '^stdout.txt$' -e '^stderr.txt$' | sort | tr '\n' ' ')
-  [ "$found" = "$(printf '%s\n' "$@" | sort | tr '\n' ' ')" ] || fail "files: $found, not $*"
+  [ "$found" = "$(printf '%s\n' "$@" | sed '/^$/d' | sort | tr '\n' ' ')" ] || fail "files: $found, not $*"
 }
 
 finish() {

@@ -2,7 +2,7 @@
 #include "commands.h"
 #include "options.h"
 
-#include <octalux/base.h>
+#include <octalux/scene.h>
 
 #include <stdio.h>
 #include <string.h>
@@ -30,10 +30,12 @@ static void print_help(FILE *stream) {
   for (size_t i = 0; i < sizeof commands / sizeof commands[0]; ++i) {
     fprintf(stream, "  octalux %-45s %s\n", commands[i].usage, commands[i].summary);
   }
-  fputs(
-      "\nSCENE is a .gltf, .glb, .obj or .json file, or builtin:NAME. --json on any command prints one JSON object on\n"
-      "standard output; messages and progress go to standard error. Exit codes: 0 done, 1 failed, 2 wrong usage.\n",
-      stream);
+  fputs("\nSCENE is a .gltf, .glb, .obj or .json file, or builtin:NAME with one of these names:\n ", stream);
+  for (uint32_t i = 0; olx_builtin_name(i); ++i) fprintf(stream, " %s", olx_builtin_name(i));
+  fputs("\n\n--json on any command prints one JSON object on standard output; messages and progress go to standard "
+        "error.\n"
+        "Exit codes: 0 done, 1 failed, 2 wrong usage.\n",
+        stream);
 }
 
 static int dispatch(int argc, char **argv) {

@@ -49,7 +49,7 @@ static int print_info_json(const olx_field_info *info) {
   add_grid(object, "irradiance_grid", &info->irradiance_grid);
   add_number(object, "bounces", info->bounces);
   add_number(object, "samples", info->samples);
-  add_number(object, "distance_scale_metres", (double)info->distance_scale_metres);
+  add_float(object, "distance_scale_metres", info->distance_scale_metres);
   add_vec3(object, "scene_min", info->scene_min);
   add_vec3(object, "scene_max", info->scene_max);
   add_hash(object, "scene_hash", info->scene_hash);

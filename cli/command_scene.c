@@ -31,7 +31,7 @@ static int print_scene_json(const olx_scene *scene) {
     add_vec3(entry, "eye", camera.eye);
     add_vec3(entry, "target", camera.target);
     add_vec3(entry, "up", camera.up);
-    add_number(entry, "fov_y_degrees", (double)camera.fov_y_degrees);
+    add_float(entry, "fov_y_degrees", camera.fov_y_degrees);
     cJSON_AddItemToArray(cameras, entry);
   }
   cJSON_AddBoolToObject(object, "probe_volume", info.has_probe_volume);

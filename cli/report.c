@@ -6,7 +6,7 @@
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>
-#include <string.h>
+#include <stdlib.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -26,9 +26,21 @@ void add_number(cJSON *object, const char *key, double value) {
 
 void add_text(cJSON *object, const char *key, const char *value) { cJSON_AddStringToObject(object, key, value); }
 
+// The shortest decimal number that reads back as this float: 0.1, not 0.100000001490116.
+static double shortest(float value) {
+  char text[32];
+  for (int digits = 6; digits <= 9; ++digits) {
+    snprintf(text, sizeof text, "%.*g", digits, (double)value);
+    if (strtof(text, NULL) == value) break;
+  }
+  return strtod(text, NULL);
+}
+
+void add_float(cJSON *object, const char *key, float value) { add_number(object, key, shortest(value)); }
+
 void add_vec3(cJSON *object, const char *key, olx_vec3 value) {
-  const float numbers[3] = {value.x, value.y, value.z};
-  cJSON_AddItemToObject(object, key, cJSON_CreateFloatArray(numbers, 3));
+  const double numbers[3] = {shortest(value.x), shortest(value.y), shortest(value.z)};
+  cJSON_AddItemToObject(object, key, cJSON_CreateDoubleArray(numbers, 3));
 }
 
 void add_counts(cJSON *object, const char *key, const uint32_t counts[3]) {

@@ -10,6 +10,7 @@
 int print_json(const char *command, cJSON *object);
 
 void add_number(cJSON *object, const char *key, double value); // null when it is not finite
+void add_float(cJSON *object, const char *key, float value);   // with no more digits than a float has
 void add_text(cJSON *object, const char *key, const char *value);
 void add_vec3(cJSON *object, const char *key, olx_vec3 value);
 void add_counts(cJSON *object, const char *key, const uint32_t counts[3]);

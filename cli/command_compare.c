@@ -35,30 +35,38 @@ static int compare_failure(const comparison *c) {
   return failure("compare", "%s and %s: %s", c->paths[0], c->paths[1], olx_last_error());
 }
 
-static int compare_layers(const comparison *c) {
+static int print_compare_json(const bool compared[OLX_LAYER_COUNT], const olx_metrics metrics[OLX_LAYER_COUNT]) {
   cJSON *object = cJSON_CreateObject();
   cJSON *layers = cJSON_AddObjectToObject(object, "layers");
-  int compared = 0;
-  if (!c->json) printf("%-18s %12s %12s %10s %12s %12s\n", "layer", "mse", "relative mse", "psnr", "bias", "max");
+  for (uint32_t layer = 0; layer < OLX_LAYER_COUNT; ++layer) {
+    if (compared[layer]) add_metrics(layers, (olx_layer)layer, &metrics[layer]);
+  }
+  return print_json("compare", object);
+}
+
+static void print_compare(const bool compared[OLX_LAYER_COUNT], const olx_metrics metrics[OLX_LAYER_COUNT]) {
+  printf("%-18s %12s %12s %10s %12s %12s\n", "layer", "mse", "relative mse", "psnr", "bias", "max");
+  for (uint32_t layer = 0; layer < OLX_LAYER_COUNT; ++layer) {
+    const olx_metrics *m = &metrics[layer];
+    if (!compared[layer]) continue;
+    printf("%-18s %12.6g %12.6g %10.2f %+12.6g %12.6g\n", olx_layer_name((olx_layer)layer), m->mse, m->relative_mse,
+           m->psnr, m->bias, m->max);
+  }
+}
+
+static int compare_layers(const comparison *c) {
+  olx_metrics metrics[OLX_LAYER_COUNT];
+  bool compared[OLX_LAYER_COUNT] = {false}, any = false;
   for (uint32_t layer = 0; layer < OLX_LAYER_COUNT; ++layer) {
     if (!wanted(c, layer)) continue;
-    olx_metrics metrics;
-    if (olx_compare(&c->images[0], &c->images[1], (olx_layer)layer, &metrics) != OLX_OK) {
-      cJSON_Delete(object);
+    if (olx_compare(&c->images[0], &c->images[1], (olx_layer)layer, &metrics[layer]) != OLX_OK) {
       return compare_failure(c);
     }
-    add_metrics(layers, (olx_layer)layer, &metrics);
-    ++compared;
-    if (c->json) continue;
-    printf("%-18s %12.6g %12.6g %10.2f %+12.6g %12.6g\n", olx_layer_name((olx_layer)layer), metrics.mse,
-           metrics.relative_mse, metrics.psnr, metrics.bias, metrics.max);
+    compared[layer] = any = true;
   }
-  if (compared == 0) {
-    cJSON_Delete(object);
-    return failure("compare", "%s and %s have no layer of light in common", c->paths[0], c->paths[1]);
-  }
-  if (c->json) return print_json("compare", object);
-  cJSON_Delete(object);
+  if (!any) return failure("compare", "%s and %s have no layer of light in common", c->paths[0], c->paths[1]);
+  if (c->json) return print_compare_json(compared, metrics);
+  print_compare(compared, metrics);
   return EXIT_DONE;
 }
 

@@ -47,7 +47,7 @@ expect_json 'set(o["layers"]) == '"$layers"' and all(set(m) >= {"mse", "relative
   for m in o["layers"].values()) and o["layers"]["beauty"]["relative_mse"] < 0.5' compare field.exr path.exr
 expect_json 'all(m["mse"] == 0 and m["relative_mse"] == 0 and m["bias"] == 0 and m["psnr"] is None
   for m in o["layers"].values())' compare path.exr path.exr
-expect_json 'set(o["layers"]) == {"normal"} and o["layers"]["normal"]["relative_mse"] < 0.05' \
+expect_json 'set(o["layers"]) == {"normal"} and o["layers"]["normal"]["relative_mse"] < 0.15' \
   compare field.exr path.exr --layer normal --heatmap heat.png
 expect 0 compare field.exr path.exr
 [ -s heat.png ] || fail "no heat map"

@@ -4,25 +4,31 @@
 set -euo pipefail
 export LC_ALL=C
 program=$1 out=$2
-size=${DEMO_SIZE:-512x384} radiance=${DEMO_RADIANCE_SIZE:-256} path_spp=${DEMO_PATH_SPP:-64} bounces=3
+size=512x384 bounces=3
 mkdir -p "$out"
 
-# number JSON KEY...: the number behind the last key, each key sought behind the one before.
+# number JSON KEY...: the number behind the last key, each key sought behind the one before. null is an infinite one.
 number() {
   local json=$1 key
   shift
   for key; do json=${json#*\"$key\":}; done
-  printf '%s' "${json%%[,\}]*}"
+  json=${json%%[,\}]*}
+  [ "$json" = null ] && json=inf
+  printf '%s' "$json"
 }
 seconds() { printf '%.1f s' "$(number "$@")"; }
 count() { printf '%.0f' "$(number "$@")"; }
-error() { printf '%.4f' "$(number "$@")"; }
+mebibytes() { printf '%s MiB' "$(($(number "$@") / 1048576))"; }
+fraction() {
+  local value
+  value=$(number "$@")
+  if [ "$value" = inf ]; then printf '&infin;'; else printf '%.4f' "$value"; fi
+}
 percent() {
   local value
   value=$(printf '%.8f' "$(number "$@")")
-  printf '%+.1f&#8239;%%' "${value}e2"
+  printf '%.2f&#8239;%%' "${value}e2"
 }
-mebibytes() { printf '%s' "$(($(number "$@") / 1048576)) MiB"; }
 
 # figure IMAGE TITLE TEXT
 figure() {
@@ -35,55 +41,64 @@ say() { printf '%4d s  %s\n' "$SECONDS" "$*"; }
 
 rows="" sections=""
 
-# scene NAME TITLE TEXT BAKE-OPTIONS...
+# scene NAME CAMERA EXPOSURE SPP TITLE TEXT BAKE-OPTION...
 scene() {
-  local name=$1 title=$2 text=$3 scene=builtin:$1 base=$out/$1 baked path field naive field_error naive_error
-  shift 3
+  local name=$1 camera=$2 exposure=$3 spp=$4 title=$5 text=$6 scene=builtin:$1 base=$out/$1
+  local baked path field field_error naive_error field_audit naive_audit view
+  shift 6
+  view=(--camera "$camera" --size "$size")
   say "$name: bake"
-  baked=$("$program" bake "$scene" -o "$base.olx" --radiance-size "$radiance" --irradiance-size 64 --bounces $bounces \
-    --json "$@")
-  say "$name: path trace, $path_spp samples a pixel"
-  path=$("$program" render "$scene" -o "$base-path.exr" --png "$base-path.png" --method path --size "$size" \
-    --spp "$path_spp" --bounces $((bounces + 1)) --json)
+  baked=$("$program" bake "$scene" -o "$base.olx" --bounces $bounces --json "$@")
+  say "$name: path trace, $spp samples a pixel"
+  path=$("$program" render "$scene" -o "$base-path.exr" --png "$base-path.png" --exposure "$exposure" --method path \
+    "${view[@]}" --spp "$spp" --bounces $((bounces + 1)) --json)
   say "$name: render from the field"
-  field=$("$program" render "$scene" -o "$base-field.exr" --png "$base-field.png" --method field --field "$base.olx" \
-    --size "$size" --spp 4 --json)
-  "$program" render "$scene" -o "$base-naive.exr" --png "$base-naive.png" --method field --field "$base.olx" \
-    --size "$size" --spp 4 --visibility none >/dev/null
-  "$program" render "$scene" -o "$base-probes.png" --method field --field "$base.olx" --size "$size" --spp 4 \
-    --show-probes >/dev/null
-  say "$name: compare"
+  field=$("$program" render "$scene" -o "$base-field.exr" --png "$base-field.png" --exposure "$exposure" \
+    --method field --field "$base.olx" "${view[@]}" --spp 16 --json)
+  "$program" render "$scene" -o "$base-naive.exr" --png "$base-naive.png" --exposure "$exposure" --method field \
+    --field "$base.olx" "${view[@]}" --spp 16 --visibility none >"$out/log.txt"
+  "$program" render "$scene" -o "$base-probes.png" --exposure "$exposure" --method field --field "$base.olx" \
+    "${view[@]}" --spp 4 --show-probes >"$out/log.txt"
+  say "$name: measure"
   field_error=$("$program" compare "$base-field.exr" "$base-path.exr" --heatmap "$base-field-error.png" --json)
   naive_error=$("$program" compare "$base-naive.exr" "$base-path.exr" --heatmap "$base-naive-error.png" --json)
+  field_audit=$("$program" audit "$scene" --field "$base.olx" --rays 100000 --points 2000 --spp 256 --json)
+  naive_audit=$("$program" audit "$scene" --field "$base.olx" --rays 2 --points 2000 --spp 256 --visibility none --json)
 
   rows+="<tr><th>$title<td>$(count "$baked" probes)<td>$(seconds "$baked" seconds)<td>$(mebibytes "$baked" file_bytes)"
   rows+="<td>$(seconds "$path" seconds)<td>$(seconds "$field" seconds)"
-  rows+="<td>$(error "$field_error" beauty relative_mse)<td>$(error "$naive_error" beauty relative_mse)"
-  rows+="<td>$(error "$field_error" indirect_diffuse relative_mse)<td>$(error "$naive_error" indirect_diffuse relative_mse)"
-  rows+="<td>$(percent "$field_error" indirect_diffuse bias)<td>$(percent "$naive_error" indirect_diffuse bias)"
+  rows+="<td>$(fraction "$field_error" beauty relative_mse)<td>$(fraction "$naive_error" beauty relative_mse)"
+  rows+="<td>$(fraction "$field_audit" points relative_mse)<td>$(fraction "$naive_audit" points relative_mse)"
+  rows+="<td>$(percent "$field_audit" points leak)<td>$(percent "$naive_audit" points leak)"
+  rows+="<td>$(percent "$field_audit" rays unresolved)<td>$(percent "$field_audit" rays wrong)"
   rows+=$'\n'
 
   sections+="<section><h2>$title</h2><p>$text</p><div class=grid>"
   sections+=$(
-    figure "$base-path.png" "Path traced." "The reference: $path_spp paths a pixel, $((bounces + 1)) indirect bounces."
-    figure "$base-field.png" "From the field." "Indirect light comes from the probes alone, 4 samples a pixel."
-    figure "$base-naive.png" "From the field, without visibility." "Nearby probes are averaged, whether or not a wall stands between."
-    figure "$base-probes.png" "Where the probes stand." "Blue: probes. Red: probes inside geometry, which are never asked."
-    figure "$base-field-error.png" "Error of the field." "Against the path-traced picture, over its mean."
-    figure "$base-naive-error.png" "Error without visibility." "The same scale."
+    figure "$base-path.png" "Path traced" "The reference: $spp paths a pixel, $((bounces + 1)) indirect bounces."
+    figure "$base-field.png" "From the field" "Direct light is sampled; everything indirect comes from the probes."
+    figure "$base-naive.png" "From the field, without visibility" "Nearby probes are averaged, wall between or not."
+    figure "$base-probes.png" "Where the probes stand" "Blue: probes. Red: probes inside geometry, never asked."
+    figure "$base-field-error.png" "Error of the field" "Against the path-traced picture."
+    figure "$base-naive-error.png" "Error without visibility" "On the same scale."
   )
   sections+=$'</div></section>\n'
 }
 
-scene cornell-glossy "Cornell box with a glossy surface" \
-  "The classic box: colour bleeds from the red and green walls onto the white ones, and the glossy surface shows the room
-  again. Reflections are rays traced through what the probes saw, so they can only show what some probe saw."
-scene two-rooms-sealed "Two rooms, sealed" \
-  "A lit and a dark room, a thin wall between them. Probes on the lit side stand close to the dark side, so averaging the
-  nearest probes lets light through the wall. Stored distances tell the field which probes see a point."
-scene labyrinth "Labyrinth" \
+scene cornell-glossy front 2 256 "Cornell box, glossy" \
+  "The classic box with a rough metal block: colour bleeds from the red and green walls onto the white ones, and the block
+  shows the room again. Reflections are rays traced through what the probes saw. The specks in the path-traced picture
+  are its own noise, light that the block throws onto the ceiling, and count as error of the field." \
+  --grid 4x4x4 --radiance-size 256 --irradiance-size 64
+scene two-rooms-sealed dark 1 64 "Two rooms, sealed" \
+  "A lit and a dark room, a thin wall between them, seen from the dark one: the true picture is black. Probes of the lit
+  room stand just behind the wall, so averaging the nearest probes lets light through. Stored distances tell the field
+  which probes see a point, and it stays dark." \
+  --radiance-size 512 --irradiance-size 64
+scene labyrinth door 1.5 128 "Labyrinth" \
   "Inner walls cut the space into corridors that are lit around corners. Most probes near a point are behind some wall, and
-  some stand inside walls."
+  some stand inside walls." \
+  --radiance-size 512 --irradiance-size 64
 
 page=$out/index.html
 {
@@ -123,16 +138,20 @@ on this page was made by <code>octalux</code> on this machine a moment ago.</p>
 <div class="scroll"><table>
 <thead>
 <tr><th rowspan="2">Scene<th rowspan="2">Probes<th rowspan="2">Bake<th rowspan="2">Field<th colspan="2">Rendering<th
-colspan="2">Error of the picture<th colspan="2">Error of indirect diffuse<th colspan="2">Its bias</tr>
-<tr><th>path<th>field<th>field<th>no visibility<th>field<th>no visibility<th>field<th>no visibility</tr>
+colspan="2">Error of the picture<th colspan="2">Error of irradiance<th colspan="2">Leak<th colspan="2">Traced rays</tr>
+<tr><th>path<th>field<th>field<th>no visibility<th>field<th>no visibility<th>field<th>no visibility<th>unresolved<th
+>wrong</tr>
 </thead>
 <tbody>
 HEAD
   printf '%s</tbody>\n</table></div>\n' "$rows"
   cat <<'TEXT'
-<p><small>Errors are relative mean square errors, sum (a &minus; b)&sup2; / sum b&sup2; against the path-traced picture; bias is
-sum (a &minus; b) / sum b. The reference's own noise is part of them. Error maps show |a &minus; b| over the reference's mean,
-from black (equal) to yellow (100&#8239;% and more); the scale at the right of each goes with the square root.</small></p>
+<p><small>The error of the picture is its relative mean square error against the path-traced one, sum (a &minus; b)&sup2; /
+sum b&sup2;; it is infinite where the truth is black. Irradiance is compared at 2000 random points of the whole scene against
+path tracing; leak is its mean at points that no light reaches, over the mean of the scene. Traced rays are 100&#8239;000
+diffuse and mirror rays through the field against ray casting: unresolved where no probe could tell, wrong where the point
+found is off. Error maps show |a &minus; b| over the reference's mean (over 1 where that is black), from black (equal) to
+yellow (100&#8239;% and more); the scale at their right goes with the square root.</small></p>
 TEXT
   printf '%s</main>\n</html>\n' "$sections"
 } >"$page"

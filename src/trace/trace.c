@@ -25,6 +25,12 @@ static bool usable(const search *s, uint32_t probe) {
   return s->settings->keep_buried || !(s->field->probe_flags[probe] & OLX_PROBE_BURIED);
 }
 
+// Whether the march can follow a ray at all: a unit direction, and numbers whose squares are finite.
+static bool is_ray(olx_vec3 origin, olx_vec3 direction, float t_max) {
+  const float length = olx_dot(direction, direction);
+  return olx_dot(origin, origin) < INFINITY && length > 0.9f && length < 1.1f && t_max > 0.0f;
+}
+
 static bool was_asked(const search *s, uint32_t probe) {
   for (uint32_t i = 0; i < s->attempts; i++) {
     if (s->asked[i] == probe) return true;
@@ -174,6 +180,7 @@ static float leave_bounds(const olx_field *field, olx_vec3 origin, olx_vec3 dire
 
 olx_trace_hit olx_trace(const olx_field *field, const olx_sample_settings *settings, olx_vec3 origin,
                         olx_vec3 direction, float t_max_metres) {
+  if (!is_ray(origin, direction, t_max_metres)) return (olx_trace_hit){.status = OLX_TRACE_UNKNOWN, .probe = UINT32_MAX};
   search s = {
       .field = field,
       .settings = settings,

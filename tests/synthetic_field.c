@@ -53,7 +53,9 @@ void synthetic_light_maps(uint32_t n, uint32_t probe, uint32_t *radiance, uint16
     const float light = 8.0f * olx_unit_float(random);
     radiance[i] = olx_r11g11b10f_pack(olx_v3(light, 0.5f * light, 0.25f + 0.25f * light));
     normal[i] = olx_normal_pack(olx_negate(direction));
-    distance[i] = olx_half_pack(0.02f + 0.5f * olx_unit_float(olx_hash(random)));
+    // A room around the probe, its walls a little rough.
+    const float wall = olx_max(fabsf(direction.x), olx_max(1.5f * fabsf(direction.y), fabsf(direction.z)));
+    distance[i] = olx_half_pack((0.25f - 0.02f * olx_unit_float(olx_hash(random))) / wall);
     if (random % 17 == 0) distance[i] = 0x7C00;
     else if (random % 13 == 0) distance[i] |= 0x8000;
   }

@@ -1,0 +1,438 @@
+// Hostile field files: fuzz_field COUNT [SEED [FIRST]]
+//
+// Every round takes a small valid file, spoils it, opens and verifies it, and, when it opens, sends rays through it. In
+// most rounds the checksums are made right again, so that the checks behind them are reached. Nothing may crash, hang or
+// touch memory outside the file, and every refusal says why. A round depends on SEED and its number alone: FIRST repeats
+// one.
+#include "synthetic_field.h"
+
+#include "core/hooks.h"
+#include "core/sampling.h"
+#include "field/field_file.h"
+
+#include <octalux/octalux.h>
+
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+enum { SHAPES = 6, RAYS = 6, POINTS = 3, SECONDS_A_ROUND = 20, MOST_ADDED = 4096 };
+
+static const synthetic_shape shapes[SHAPES] = {
+    {.grid = {1, 1, 1}, .irradiance_grid = {1, 1, 1}, .n = 8, .irradiance_n = 8},
+    {.grid = {2, 2, 2}, .irradiance_grid = {2, 2, 2}, .n = 16, .irradiance_n = 16},
+    {.grid = {3, 1, 2}, .irradiance_grid = {1, 3, 1}, .n = 8, .irradiance_n = 8},
+    {.grid = {1, 4, 1}, .irradiance_grid = {2, 2, 1}, .n = 32, .irradiance_n = 8},
+    {.grid = {1, 1, 1}, .irradiance_grid = {1, 1, 1}, .n = 64, .irradiance_n = 32},
+    {.grid = {1, 1, 2}, .irradiance_grid = {1, 2, 2}, .n = 64, .irradiance_n = 8},
+};
+
+typedef struct buffer {
+  unsigned char *bytes;
+  size_t size_bytes;
+} buffer;
+
+// --- Random choices of one round
+
+typedef struct dice {
+  uint32_t seed, round, drawn;
+} dice;
+
+static uint32_t draw(dice *d) { return olx_hash3(d->drawn++, d->round, d->seed); }
+static uint32_t draw_below(dice *d, uint32_t count) { return (uint32_t)((uint64_t)draw(d) * count >> 32); }
+static size_t draw_offset(dice *d, size_t size_bytes) { return size_bytes ? draw_below(d, (uint32_t)size_bytes) : 0; }
+static float draw_unit(dice *d) { return olx_unit_float(draw(d)); }
+
+static uint32_t extreme_u32(dice *d) {
+  static const uint32_t values[] = {0,          1,          2,          3,          7,          8,          64,
+                                    255,        256,        4096,       65535,      65536,      0x7FFFFFFF, 0x80000000,
+                                    0xFFFFFFFF, 0xFFFFFFFE, 0xFFFFFFC0, 0x55555556, 0x40000000, 0x00FFFFFF};
+  const uint32_t i = draw_below(d, sizeof values / sizeof values[0] + 2);
+  return i < sizeof values / sizeof values[0] ? values[i] : i & 1 ? draw(d) : draw_below(d, 300);
+}
+
+static float extreme_float(dice *d) {
+  static const float values[] = {0.0f,   -0.0f,   1.0f,    -1.0f,    1e-45f, 1e-38f,   -1e-38f,  1e-18f,    1e18f,
+                                 -1e18f, 1.1e18f, 3.4e38f, -3.4e38f, 1e-7f,  16777216, INFINITY, -INFINITY, NAN};
+  const uint32_t i = draw_below(d, sizeof values / sizeof values[0] + 2);
+  return i < sizeof values / sizeof values[0] ? values[i] : olx_bits_float(draw(d));
+}
+
+static uint64_t extreme_u64(dice *d) {
+  switch (draw_below(d, 5)) {
+  case 0: return extreme_u32(d);
+  case 1: return (uint64_t)extreme_u32(d) << 32 | extreme_u32(d);
+  case 2: return UINT64_MAX - extreme_u32(d);
+  case 3: return (uint64_t)64 * draw_below(d, 2000);
+  default: return UINT64_C(1) << draw_below(d, 64);
+  }
+}
+
+// --- Spoiling
+
+static olx_file_header *header_of(buffer b) { return (olx_file_header *)b.bytes; }
+static olx_file_chunk *table_of(buffer b) { return (olx_file_chunk *)(b.bytes + sizeof(olx_file_header)); }
+
+// Chunks that the table can name inside the file.
+static uint32_t chunks_inside(buffer b) {
+  if (b.size_bytes < sizeof(olx_file_header)) return 0;
+  const size_t fit = (b.size_bytes - sizeof(olx_file_header)) / sizeof(olx_file_chunk);
+  return header_of(b)->chunk_count < fit ? header_of(b)->chunk_count : (uint32_t)fit;
+}
+
+// The bytes of a chunk; none when the table points outside.
+static buffer chunk_of(buffer b, uint32_t index) {
+  if (index >= chunks_inside(b)) return (buffer){0};
+  const olx_file_chunk *chunk = &table_of(b)[index];
+  if (chunk->offset > b.size_bytes || chunk->size_bytes > b.size_bytes - chunk->offset) return (buffer){0};
+  if (chunk->offset % 64 != 0) return (buffer){0};
+  return (buffer){b.bytes + chunk->offset, chunk->size_bytes};
+}
+
+// Make every checksum right that lies inside the file.
+static void seal(buffer b) {
+  if (b.size_bytes < sizeof(olx_file_header)) return;
+  const uint32_t count = chunks_inside(b);
+  for (uint32_t i = 0; i < count; i++) {
+    const buffer chunk = chunk_of(b, i);
+    if (chunk.bytes) table_of(b)[i].hash = olx_field_hash(chunk.bytes, chunk.size_bytes);
+  }
+  header_of(b)->table_hash = olx_field_hash(table_of(b), count * sizeof(olx_file_chunk));
+  header_of(b)->header_hash = olx_field_hash(b.bytes, offsetof(olx_file_header, header_hash));
+}
+
+static void flip_bits(dice *d, buffer *b) {
+  for (uint32_t i = draw_below(d, 16) + 1; i > 0 && b->size_bytes; i--) {
+    b->bytes[draw_offset(d, b->size_bytes)] ^= (unsigned char)(1u << draw_below(d, 8));
+  }
+}
+
+static void overwrite_run(dice *d, buffer *b) {
+  if (!b->size_bytes) return;
+  const size_t at = draw_offset(d, b->size_bytes), longest = b->size_bytes - at;
+  const size_t size_bytes = draw_offset(d, longest < 512 ? longest : 512);
+  const uint32_t kind = draw_below(d, 4);
+  for (size_t i = 0; i < size_bytes; i++) {
+    b->bytes[at + i] = kind == 0 ? 0 : kind == 1 ? 0xFF : kind == 2 ? (unsigned char)draw(d) : b->bytes[i];
+  }
+}
+
+static void change_size(dice *d, buffer *b) {
+  if (draw(d) & 1u) {
+    b->size_bytes = draw_offset(d, b->size_bytes);
+    if (draw(d) & 1u) b->size_bytes &= ~(size_t)63;
+  } else {
+    const size_t added = draw_below(d, MOST_ADDED) + 1;
+    memset(b->bytes + b->size_bytes, draw(d) & 1u ? 0 : 0xA5, added);
+    b->size_bytes += added;
+  }
+  if ((draw(d) & 1u) && b->size_bytes >= sizeof(olx_file_header)) header_of(*b)->file_bytes = b->size_bytes;
+}
+
+static void change_header(dice *d, buffer *b) {
+  if (b->size_bytes < sizeof(olx_file_header)) return;
+  olx_file_header *header = header_of(*b);
+  switch (draw_below(d, 5)) {
+  case 0: header->version = extreme_u32(d); break;
+  case 1: header->chunk_count = extreme_u32(d); break;
+  case 2: header->file_bytes = extreme_u64(d); break;
+  case 3: header->zero[draw_below(d, 3)] = extreme_u64(d); break;
+  default: header->chunk_count += draw_below(d, 3) - 1; break;
+  }
+}
+
+static void change_table(dice *d, buffer *b) {
+  const uint32_t count = chunks_inside(*b);
+  if (count == 0) return;
+  olx_file_chunk *chunk = &table_of(*b)[draw_below(d, count)], *other = &table_of(*b)[draw_below(d, count)];
+  switch (draw_below(d, 9)) {
+  case 0: chunk->type = (draw(d) & 1u) ? extreme_u32(d) : other->type; break;
+  case 1: chunk->flags = extreme_u32(d); break;
+  case 2: chunk->offset = extreme_u64(d); break;
+  case 3: chunk->size_bytes = extreme_u64(d); break;
+  case 4: chunk->record_bytes = extreme_u64(d); break;
+  case 5: chunk->element_bytes = extreme_u32(d); break;
+  case 6: chunk->size_bytes += (uint64_t)draw_below(d, 257) - 128; break;
+  case 7: *chunk = *other; break;
+  default: {
+    const olx_file_chunk swapped = *chunk;
+    *chunk = *other;
+    *other = swapped;
+  }
+  }
+}
+
+// One of the description's numbers, or all.
+static void change_info(dice *d, buffer *b) {
+  const buffer info = chunk_of(*b, OLX_CHUNK_INFO);
+  if (info.size_bytes < sizeof(olx_file_info)) return;
+  const size_t words = sizeof(olx_file_info) / 4;
+  for (uint32_t i = draw_below(d, 2) + 1; i > 0; i--) {
+    const size_t word = draw_offset(d, words);
+    if (draw(d) & 1u) {
+      const uint32_t value = extreme_u32(d);
+      memcpy(info.bytes + 4 * word, &value, 4);
+    } else {
+      const float value = extreme_float(d);
+      memcpy(info.bytes + 4 * word, &value, 4);
+    }
+  }
+}
+
+static void change_positions(dice *d, buffer *b) {
+  const buffer positions = chunk_of(*b, draw(d) & 1u ? OLX_CHUNK_PROBE_POSITIONS : OLX_CHUNK_IRRADIANCE_POSITIONS);
+  if (positions.size_bytes < 4) return;
+  const float value = extreme_float(d);
+  memcpy(positions.bytes + 4 * draw_offset(d, positions.size_bytes / 4), &value, 4);
+}
+
+static void stretch_grid(dice *d, olx_file_grid *grid, buffer positions) {
+  if (!grid->count[0] || !grid->count[1] || !grid->count[2]) return;
+  const float spacing = powf(10.0f, 36.0f * draw_unit(d) - 18.0f);
+  olx_grid moved = {.count = {grid->count[0], grid->count[1], grid->count[2]}};
+  float *const spacings[3] = {&moved.spacing.x, &moved.spacing.y, &moved.spacing.z};
+  float *const origins[3] = {&moved.origin.x, &moved.origin.y, &moved.origin.z};
+  const float away = (draw(d) & 1u) ? 0.0f : 1e17f * (draw_unit(d) - 0.5f);
+  for (uint32_t axis = 0; axis < 3; axis++) {
+    *spacings[axis] = grid->spacing[axis] = grid->count[axis] > 1 ? spacing : 0.0f;
+    *origins[axis] = grid->origin[axis] = away + grid->origin[axis] * spacing;
+  }
+  for (uint32_t i = 0; i < positions.size_bytes / sizeof(olx_vec3); i++) {
+    const olx_vec3 position = olx_grid_position(&moved, i);
+    memcpy(positions.bytes + i * sizeof position, &position, sizeof position);
+  }
+}
+
+// A description that holds together, of a scene absurdly large, small, or far away.
+static void stretch_space(dice *d, buffer *b) {
+  const buffer info = chunk_of(*b, OLX_CHUNK_INFO);
+  if (info.size_bytes < sizeof(olx_file_info)) return;
+  olx_file_info *stored = (olx_file_info *)info.bytes;
+  if (draw(d) & 1u) stored->distance_scale = powf(10.0f, 36.0f * draw_unit(d) - 18.0f);
+  if (draw(d) & 1u) stretch_grid(d, &stored->grid, chunk_of(*b, OLX_CHUNK_PROBE_POSITIONS));
+  if (draw(d) & 1u) stretch_grid(d, &stored->irradiance_grid, chunk_of(*b, OLX_CHUNK_IRRADIANCE_POSITIONS));
+}
+
+static uint16_t hostile_half(dice *d) {
+  static const uint16_t values[] = {0x0000, 0x8000, 0x0001, 0x7C00, 0xFC00, 0x7C01, 0x7E00,
+                                    0xFE00, 0x7FFF, 0xFFFF, 0x7BFF, 0xFBFF, 0xB000, 0x3C00};
+  const uint32_t i = draw_below(d, sizeof values / sizeof values[0] + 4);
+  return i < sizeof values / sizeof values[0] ? values[i] : (uint16_t)draw(d);
+}
+
+// Maps, flags and coarse maps: a few codes, a run of one code, or noise all over.
+static void change_maps(dice *d, buffer *b) {
+  static const olx_chunk_kind kinds[] = {
+      OLX_CHUNK_RADIANCE,   OLX_CHUNK_NORMAL,  OLX_CHUNK_DISTANCE, OLX_CHUNK_DISTANCE,    OLX_CHUNK_COARSE,
+      OLX_CHUNK_IRRADIANCE, OLX_CHUNK_MOMENTS, OLX_CHUNK_MOMENTS,  OLX_CHUNK_PROBE_FLAGS, OLX_CHUNK_IRRADIANCE_FLAGS};
+  const buffer map = chunk_of(*b, kinds[draw_below(d, sizeof kinds / sizeof kinds[0])]);
+  const size_t halves = map.size_bytes / 2;
+  if (halves == 0) return;
+  const uint32_t manner = draw_below(d, 3);
+  const uint16_t code = hostile_half(d);
+  const size_t first = draw_offset(d, halves), count = manner == 0 ? 8 : manner == 1 ? halves - first : halves;
+  for (size_t i = 0; i < count; i++) {
+    const size_t at = manner == 0 ? draw_offset(d, halves) : manner == 1 ? first + i : i;
+    const uint16_t value = manner == 1 ? code : manner == 0 ? hostile_half(d) : (uint16_t)draw(d);
+    memcpy(map.bytes + 2 * at, &value, 2);
+  }
+}
+
+static void spoil(dice *d, buffer *b) {
+  static void (*const ways[])(dice *, buffer *) = {flip_bits,     overwrite_run, change_size,      change_header,
+                                                   change_table,  change_info,   change_positions, stretch_space,
+                                                   stretch_space, change_maps,   change_maps,      change_maps};
+  for (uint32_t i = draw_below(d, 4) ? 1 : 3; i > 0; i--) ways[draw_below(d, sizeof ways / sizeof ways[0])](d, b);
+  if (draw_below(d, 8)) seal(*b);
+}
+
+// --- Using what opened
+
+typedef struct counts {
+  uint64_t opened, verified, refused[16], calls;
+} counts;
+
+static dice current; // for the messages of a crash
+
+static void report_round(void) {
+  fprintf(stderr, "fuzz_field: round %u of seed %u; repeat it with: fuzz_field 1 %u %u\n", current.round, current.seed,
+          current.seed, current.round);
+}
+
+static void on_signal(int number) {
+  fprintf(stderr, "fuzz_field: %s\n", number == SIGALRM ? "hangs" : "crashes");
+  report_round();
+  _exit(1);
+}
+
+static void fail(const char *problem) {
+  fprintf(stderr, "fuzz_field: %s\n", problem);
+  report_round();
+  exit(1);
+}
+
+static olx_vec3 draw_point(dice *d, const olx_field *field) {
+  const olx_field_info info = olx_field_describe(field);
+  switch (draw_below(d, 6)) {
+  case 0: return olx_field_probe_position(field, draw_below(d, info.probe_count));
+  case 1: return olx_v3(extreme_float(d), extreme_float(d), extreme_float(d));
+  case 2: return info.scene_min;
+  default: {
+    const olx_vec3 size = olx_sub(info.scene_max, info.scene_min);
+    return olx_add(info.scene_min, olx_mul(size, olx_v3(draw_unit(d), draw_unit(d), draw_unit(d))));
+  }
+  }
+}
+
+static olx_vec3 draw_direction(dice *d) {
+  switch (draw_below(d, 8)) {
+  case 0: return olx_v3(0.0f, -1.0f, 0.0f);
+  case 1:
+    return olx_v3(draw(d) & 1u ? 1.0f : -0.0f, 0.0f, draw(d) & 1u ? 0.0f : -0.0f); // an axis, or no direction at all
+  case 2: return olx_normalize(olx_v3(1.0f, draw(d) & 1u ? 1.0f : 0.0f, -1.0f));
+  case 3: return olx_v3(extreme_float(d), extreme_float(d), extreme_float(d));
+  default: return olx_sample_sphere((olx_vec2){draw_unit(d), draw_unit(d)});
+  }
+}
+
+static float draw_t_max(dice *d) { return draw_below(d, 3) ? INFINITY : extreme_float(d); }
+
+static olx_sample_settings draw_settings(dice *d) {
+  olx_sample_settings settings = olx_sample_settings_default();
+  settings.tracer = draw(d) & 1u ? OLX_TRACER_TEXEL : OLX_TRACER_TWO_LEVEL;
+  settings.visibility = draw_below(d, 4) ? OLX_VISIBILITY_CHEBYSHEV : OLX_VISIBILITY_NONE;
+  if (draw_below(d, 4) == 0) settings.max_probes = extreme_u32(d);
+  settings.keep_buried = draw(d) & 1u;
+  settings.emitters = draw(d) & 1u;
+  return settings;
+}
+
+static void check_hit(const olx_field *field, const olx_trace_hit *hit) {
+  const olx_field_info info = olx_field_describe(field);
+  if ((uint32_t)hit->status > OLX_TRACE_UNKNOWN) fail("a ray without a status");
+  if (hit->probe != UINT32_MAX && hit->probe >= info.probe_count) fail("a ray answered by no probe");
+  if (hit->probes_tried > info.probe_count) fail("a ray asked a probe twice");
+  // A ray has four pieces, each crosses a quadrant in steps along two axes, and as many blocks at most.
+  if (hit->texel_steps > (uint64_t)hit->probes_tried * 16 * info.radiance_size) fail("a ray took too many steps");
+}
+
+static void use(dice *d, const olx_field *field, counts *c) {
+  for (uint32_t i = 0; i < RAYS; i++) {
+    const olx_sample_settings settings = draw_settings(d);
+    const olx_vec3 origin = draw_point(d, field), direction = draw_direction(d);
+    const olx_trace_hit hit = olx_trace(field, &settings, origin, direction, draw_t_max(d));
+    check_hit(field, &hit);
+  }
+  for (uint32_t i = 0; i < POINTS; i++) {
+    const olx_sample_settings settings = draw_settings(d);
+    const olx_vec3 position = draw_point(d, field), normal = draw_direction(d), view = draw_direction(d);
+    (void)olx_irradiance(field, &settings, position, normal, view);
+    float weight, half_cosine;
+    const olx_vec2 random = {draw_unit(d), draw_unit(d)};
+    const float roughness = draw_below(d, 4) ? draw_unit(d) : extreme_float(d);
+    olx_trace_hit hit;
+    (void)olx_glossy(field, &settings, position, normal, view, roughness, random, &weight, &half_cosine, &hit);
+    check_hit(field, &hit);
+  }
+  c->calls += RAYS + 2 * POINTS;
+}
+
+static void refused(olx_result result, counts *c) {
+  if (olx_last_error()[0] == 0) fail("a refusal without a message");
+  if (result < OLX_ERROR_ARGUMENT || result > OLX_ERROR_GPU) fail("a refusal without a reason");
+  c->refused[result]++;
+}
+
+static void run_round(dice *d, const buffer *base, buffer *scratch, counts *c) {
+  scratch->size_bytes = base->size_bytes;
+  memcpy(scratch->bytes, base->bytes, base->size_bytes);
+  spoil(d, scratch);
+  // Exactly as long as the file, so that the address sanitizer sees the first byte beyond.
+  void *exact = NULL;
+  if (posix_memalign(&exact, OLX_FIELD_ALIGNMENT, scratch->size_bytes ? scratch->size_bytes : 1) != 0) abort();
+  memcpy(exact, scratch->bytes, scratch->size_bytes);
+  olx_field *field;
+  olx_result result = olx_field_open_memory(exact, scratch->size_bytes, &field);
+  if (result != OLX_OK) {
+    if (field) fail("a refused file left a field");
+    refused(result, c);
+  } else {
+    c->opened++;
+    result = olx_field_verify(field);
+    if (result == OLX_OK) c->verified++;
+    else refused(result, c);
+    for (uint32_t i = 0; i < olx_field_describe(field).probe_count; i++) (void)olx_field_probe_buried(field, i);
+    use(d, field, c);
+    olx_field_close(field);
+  }
+  free(exact);
+}
+
+// Present when the program is built with a sanitizer.
+void __sanitizer_set_death_callback(void (*callback)(void)) __attribute__((weak));
+
+// Rounds are small: threads would cost more than they bring.
+static void run_in_order(void *user, uint32_t count, uint32_t threads, void (*job)(void *, uint32_t), void *job_user) {
+  (void)user;
+  (void)threads;
+  for (uint32_t i = 0; i < count; i++) job(job_user, i);
+}
+
+static bool make_bases(buffer bases[SHAPES], buffer *scratch) {
+  char path[] = "/tmp/octalux-fuzz-XXXXXX";
+  const int descriptor = mkstemp(path);
+  if (descriptor < 0) return false;
+  close(descriptor);
+  size_t longest = 0;
+  bool made = true;
+  for (uint32_t i = 0; i < SHAPES && made; i++) {
+    made = synthetic_write(path, &shapes[i], NULL) == OLX_OK &&
+           (bases[i].bytes = synthetic_read_file(path, &bases[i].size_bytes)) != NULL;
+    if (bases[i].size_bytes > longest) longest = bases[i].size_bytes;
+  }
+  unlink(path);
+  scratch->bytes = olx_allocate(longest + 3 * (MOST_ADDED + 1), 1); // three changes of size in one round
+  return made && scratch->bytes;
+}
+
+int main(int argc, char **argv) {
+  if (argc < 2 || argc > 4) {
+    fprintf(stderr, "usage: fuzz_field COUNT [SEED [FIRST]]\n");
+    return 2;
+  }
+  const uint32_t count = (uint32_t)strtoul(argv[1], NULL, 10);
+  const uint32_t seed = argc > 2 ? (uint32_t)strtoul(argv[2], NULL, 10) : 1;
+  const uint32_t first = argc > 3 ? (uint32_t)strtoul(argv[3], NULL, 10) : 0;
+  olx_set_hooks(&(olx_hooks){.parallel_for = run_in_order});
+  signal(SIGALRM, on_signal);
+  if (__sanitizer_set_death_callback) {
+    __sanitizer_set_death_callback(report_round);
+  } else {
+    signal(SIGSEGV, on_signal);
+    signal(SIGBUS, on_signal);
+    signal(SIGFPE, on_signal);
+    signal(SIGABRT, on_signal);
+  }
+  buffer bases[SHAPES] = {{0}}, scratch = {0};
+  if (!make_bases(bases, &scratch)) {
+    fprintf(stderr, "fuzz_field: cannot make the valid files: %s\n", olx_last_error());
+    return 1;
+  }
+  counts c = {0};
+  for (uint32_t i = 0; i < count; i++) {
+    alarm(SECONDS_A_ROUND);
+    current = (dice){.seed = seed, .round = first + i};
+    dice d = current;
+    run_round(&d, &bases[draw_below(&d, SHAPES)], &scratch, &c);
+  }
+  for (uint32_t i = 0; i < SHAPES; i++) olx_release(bases[i].bytes);
+  olx_release(scratch.bytes);
+  printf("fuzz_field: %u files, seed %u: %llu opened, %llu of them verified; refused: format %llu, checksum %llu, "
+         "version %llu, unsupported %llu; %llu calls; 0 failures\n",
+         count, seed, (unsigned long long)c.opened, (unsigned long long)c.verified,
+         (unsigned long long)c.refused[OLX_ERROR_FORMAT], (unsigned long long)c.refused[OLX_ERROR_CHECKSUM],
+         (unsigned long long)c.refused[OLX_ERROR_VERSION], (unsigned long long)c.refused[OLX_ERROR_UNSUPPORTED],
+         (unsigned long long)c.calls);
+  return 0;
+}

@@ -444,6 +444,9 @@ static void accessors_past_their_buffer_are_refused(void **state) {
       {"\"POSITION\": 0", "\"POSITION\": 4", "meshes[0]"},
       {"\"POSITION\": 0", "\"POSITION\": 3", "meshes[0]"},
       {"\"indices\": 3", "\"indices\": 0", "meshes[0]"},
+      {"\"indices\": 3", "\"indices\": 3, \"mode\": 7", "meshes[0]"},
+      {"\"count\": 6", "\"count\": 2", "meshes[0]"},
+      {"\"scene\": 0", "\"scene\": 1e38", "scene"},
       {"\"componentType\": 5123", "\"componentType\": 99", "accessors[3]"},
   };
   char *text = scene_files_gltf("[]", -1, "[{\"mesh\": 0}]", "", false);

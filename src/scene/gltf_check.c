@@ -193,6 +193,20 @@ static olx_result check_indices(const checker *c, uint32_t mesh, const cJSON *pr
   return OLX_OK;
 }
 
+// Assimp subtracts from the number of corners without a look.
+static olx_result check_mode(const checker *c, uint32_t mesh, const cJSON *primitive) {
+  static const uint64_t fewest[] = {1, 2, 2, 2, 3, 3, 3}; // points, lines, loops, strips; triangles, strips, fans
+  const cJSON *corners = member(primitive, "indices");
+  if (!corners) corners = member(member(primitive, "attributes"), "POSITION");
+  uint64_t mode, count = 0;
+  uint32_t index = 0;
+  bool valid;
+  if (!read_size(primitive, "mode", 4, &mode) || mode > 6) return fail(c, "meshes", mesh, "its mode is not known");
+  if (!olx_json_index(corners, c->accessor_count, &index, &valid)) return OLX_OK;
+  read_size(c->accessors[index], "count", 0, &count);
+  return count >= fewest[mode] ? OLX_OK : fail(c, "meshes", mesh, "it has too few corners for its mode");
+}
+
 static olx_result check_meshes(const checker *c) {
   uint32_t i = 0;
   const cJSON *mesh = NULL, *primitive = NULL, *attribute = NULL;
@@ -205,6 +219,7 @@ static olx_result check_meshes(const checker *c) {
       if (!cJSON_IsObject(member(primitive, "attributes"))) return fail(c, "meshes", i, "it has no attributes");
       cJSON_ArrayForEach(attribute, member(primitive, "attributes")) OLX_TRY(check_attribute(c, i, attribute));
       OLX_TRY(check_indices(c, i, primitive));
+      OLX_TRY(check_mode(c, i, primitive));
     }
     ++i;
   }
@@ -270,6 +285,10 @@ static olx_result check_depths(const checker *c, const uint32_t *parents) {
 }
 
 static olx_result check_nodes(const checker *c) {
+  const cJSON *scenes = member(c->root, "scenes");
+  if (!index_fits(c->root, "scene", (uint32_t)cJSON_GetArraySize(scenes))) {
+    return olx_fail(OLX_ERROR_FORMAT, "%s: scene: that scene does not exist", c->path);
+  }
   uint32_t *parents = olx_allocate(c->node_count, sizeof *parents);
   if (!parents) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", c->path);
   for (uint32_t i = 0; i < c->node_count; ++i) parents[i] = UINT32_MAX;

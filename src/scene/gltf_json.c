@@ -42,8 +42,11 @@ static olx_result collect_elements(const cJSON *array, const cJSON ***elements, 
 }
 
 static const cJSON *default_scene(const olx_gltf *gltf) {
-  const cJSON *scenes = member(gltf->root, "scenes"), *chosen = member(gltf->root, "scene");
-  return cJSON_GetArrayItem(scenes, cJSON_IsNumber(chosen) ? (int)chosen->valuedouble : 0);
+  const cJSON *scenes = member(gltf->root, "scenes");
+  uint32_t index = 0;
+  bool valid;
+  olx_json_index(member(gltf->root, "scene"), (uint32_t)cJSON_GetArraySize(scenes), &index, &valid);
+  return valid ? cJSON_GetArrayItem(scenes, (int)index) : NULL;
 }
 
 static void order_mesh_materials(olx_gltf *gltf, const cJSON *mesh, bool *seen) {

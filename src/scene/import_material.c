@@ -19,6 +19,7 @@ typedef struct aiMaterial source_material;
 
 void olx_name_list_add(olx_name_list *list, const char *name) {
   const size_t used = strlen(list->names);
+  if (!name[0]) name = "unnamed";
   ++list->count;
   if (used + strlen(name) + 8 < sizeof list->names) {
     snprintf(list->names + used, sizeof list->names - used, "%s%s", used ? ", " : "", name);

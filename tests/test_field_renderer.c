@@ -2,8 +2,11 @@
 #include "analytic_field.h"
 #include "core/bsdf.h"
 #include "field/maps.h"
-#include "render/camera.h"
+#include "render/path_tracer.h"
+#include "scene_files.h"
 #include "tiny_scenes.h"
+
+#include <octalux/bake.h>
 
 static const analytic_scene room = {.room = {{-1, -1, -1}, {1, 1, 1}}};
 static const olx_grid grid = {.origin = {-0.4f, -0.4f, -0.4f}, .spacing = {0.8f, 0.8f, 0.8f}, .count = {2, 2, 2}};
@@ -225,6 +228,103 @@ static void test_emitters_are_counted_once(void **state) {
   olx_scene_free(without);
 }
 
+// --- Baked fields ----------------------------------------------------------------------------------------------------
+
+static olx_field *bake(const olx_scene *scene, uint32_t bounces) {
+  scene_folder folder;
+  assert_true(scene_folder_create(&folder));
+  char path[512];
+  snprintf(path, sizeof path, "%s/field.olx", folder.path);
+  olx_bake_settings settings = olx_bake_settings_default(scene);
+  settings.radiance_size = 64;
+  settings.irradiance_size = 16;
+  settings.bounces = bounces;
+  ASSERT_OK(olx_bake(scene, &settings, path, NULL, NULL));
+  olx_field *field = NULL;
+  ASSERT_OK(olx_field_open(path, &field));
+  scene_folder_remove(&folder);
+  return field;
+}
+
+// In a furnace of albedo a and emission 1 a bake with N bounces holds reflected light a + a^2 + ... + a^(N + 1).
+static void test_baked_furnace(void **state) {
+  (void)state;
+  olx_scene *scene = tiny_furnace(0.5f, 1.0f);
+  for (uint32_t bounces = 0; bounces <= 3; bounces += 3) {
+    olx_field *field = bake(scene, bounces);
+    const double reflected = bounces ? 0.5 + 0.25 + 0.125 + 0.0625 : 0.5;
+    olx_render_settings settings = field_settings(16, 16);
+    olx_image image = render_lit(scene, field, &settings);
+    assert_close(tiny_mean(&image, OLX_LAYER_DIRECT), 0.5, 2e-3, "direct");
+    assert_close(tiny_mean(&image, OLX_LAYER_INDIRECT_DIFFUSE), 0.5 * reflected, 5e-3, "indirect");
+    assert_close(tiny_mean(&image, OLX_LAYER_BEAUTY), 1.5 + 0.5 * reflected, 5e-3, "beauty");
+    olx_image_free(&image);
+    // With emitters traced instead of sampled the rays find emission and reflected light together.
+    settings.sample.emitters = true;
+    settings.diffuse = OLX_DIFFUSE_TRACED;
+    image = render_lit(scene, field, &settings);
+    assert_true(tiny_mean(&image, OLX_LAYER_DIRECT) == 0);
+    assert_close(tiny_mean(&image, OLX_LAYER_INDIRECT_DIFFUSE), 0.5 * (1 + reflected), 5e-3, "traced");
+    olx_image_free(&image);
+    olx_field_close(field);
+  }
+  olx_scene_free(scene);
+}
+
+static const olx_vec3 axes[6] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+
+// Where a probe stands nothing is interpolated: a bake without bounces holds what a path tracer finds with one.
+static void test_irradiance_at_probes_is_the_path_tracers(void **state) {
+  (void)state;
+  olx_scene *scene = lit_box(true);
+  olx_field *field = bake(scene, 0);
+  const olx_sample_settings settings = olx_sample_settings_default();
+  double sum = 0, reference = 0;
+  for (uint32_t probe = 0; probe < 64; probe += 7) {
+    const olx_vec3 position = olx_field_probe_position(field, probe);
+    for (int k = 0; k < 6; k++) {
+      const olx_vec3 e = olx_irradiance(field, &settings, position, axes[k], axes[k]);
+      const olx_vec3 truth = olx_path_irradiance(scene, position, axes[k], 0, 1, 1 << 12, probe);
+      assert_close((double)e.y, (double)truth.y, 0.03, "irradiance");
+      sum += (double)e.y, reference += (double)truth.y;
+    }
+  }
+  assert_close(sum, reference, 3e-3, "mean irradiance");
+  olx_field_close(field);
+  olx_scene_free(scene);
+}
+
+// Between probes the light differs by what interpolation loses, and by the reflections that a probe sees from its own
+// place; traced diffuse light has neither.
+static void test_baked_room_agrees_with_the_path_tracer(void **state) {
+  (void)state;
+  olx_scene *scene = lit_box(false);
+  olx_field *field = bake(scene, 0);
+  olx_render_settings settings = olx_render_settings_default(OLX_METHOD_PATH);
+  settings.width = settings.height = 24;
+  settings.spp = 1024;
+  settings.bounces = 1;
+  olx_image reference = render_lit(scene, NULL, &settings);
+  settings = field_settings(24, 16);
+  const double limits[2][3] = {{1e-4, 0.02, 0.012}, {1e-4, 5e-4, 0.012}};
+  for (int traced = 0; traced < 2; traced++) {
+    settings.diffuse = traced ? OLX_DIFFUSE_TRACED : OLX_DIFFUSE_IRRADIANCE;
+    olx_image image = render_lit(scene, field, &settings);
+    const olx_layer layers[] = {OLX_LAYER_DIRECT, OLX_LAYER_INDIRECT_DIFFUSE, OLX_LAYER_INDIRECT_GLOSSY};
+    for (int i = 0; i < 3; i++) {
+      olx_metrics metrics;
+      ASSERT_OK(olx_compare(&image, &reference, layers[i], &metrics));
+      print_message("%s, %s: bias %.4f, relative mse %.5f\n", traced ? "traced" : "interpolated",
+                    olx_layer_name(layers[i]), metrics.bias, metrics.relative_mse);
+      assert_true(metrics.relative_mse < limits[traced][i]);
+    }
+    olx_image_free(&image);
+  }
+  olx_image_free(&reference);
+  olx_field_close(field);
+  olx_scene_free(scene);
+}
+
 // --- The image -------------------------------------------------------------------------------------------------------
 
 static void test_same_bytes_at_any_number_of_threads(void **state) {
@@ -304,6 +404,9 @@ int main(void) {
       cmocka_unit_test(test_mirror_floor_shows_the_room_in_place),
       cmocka_unit_test(test_direct_light_is_the_path_tracers),
       cmocka_unit_test(test_emitters_are_counted_once),
+      cmocka_unit_test(test_baked_furnace),
+      cmocka_unit_test(test_irradiance_at_probes_is_the_path_tracers),
+      cmocka_unit_test(test_baked_room_agrees_with_the_path_tracer),
       cmocka_unit_test(test_same_bytes_at_any_number_of_threads),
       cmocka_unit_test(test_field_of_another_scene_is_used_with_a_warning),
       cmocka_unit_test(test_settings_out_of_range_are_refused),

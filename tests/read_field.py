@@ -1,0 +1,287 @@
+#!/usr/bin/env python3
+"""A reader of field files that shares nothing with Octalux but docs/format.md.
+
+Usage: read_field.py FIELD.olx            print what is in it as JSON, keys as `octalux info --json` has them
+       read_field.py FIELD.olx INFO.json  compare with what `octalux info --json` printed
+
+Checks everything the page specifies but the hashes: XXH3 is not in Python's standard library. In the maps it looks at
+a sample of the probes. Beyond the page it asks that decoded surfaces lie within the scene and face their probe, as they do
+in a baked field when directions, distances, normals and the scale are decoded as they were meant.
+"""
+
+import array
+import json
+import math
+import struct
+import sys
+
+MAGIC = bytes([0x89, 0x4F, 0x4C, 0x58, 0x0D, 0x0A, 0x1A, 0x0A])
+PROBES_LOOKED_AT = 8
+
+
+class Malformed(Exception):
+    pass
+
+
+def need(condition, message):
+    if not condition:
+        raise Malformed(message)
+
+
+def aligned(offset):
+    return (offset + 63) // 64 * 64
+
+
+def read_chunks(data):
+    need(len(data) >= 64, "no header")
+    magic, version, count, file_bytes, _, *reserved, _ = struct.unpack_from("<8sIIQQ3QQ", data, 0)
+    need(magic == MAGIC, "magic")
+    need(version == 1, f"version {version}")
+    need(file_bytes == len(data), f"{len(data)} bytes, but the header says {file_bytes}")
+    need(1 <= count <= 256 and not any(reserved), "header")
+    chunks, end = {}, 64 + 64 * count
+    for i in range(count):
+        kind, flags, offset, size, record, element, zero, _, *zeros = struct.unpack_from("<4sIQQQIIQ2Q", data, 64 + 64 * i)
+        name = kind.decode("latin-1")
+        need(flags in (0, 1) and zero == 0 and not any(zeros), f"{name}: flags or reserved bytes")
+        need(offset == end, f"{name}: at {offset}, not at {end}")
+        end = aligned(offset + size)
+        need(end <= len(data), f"{name}: beyond the end")
+        need(not any(data[offset + size:end]), f"{name}: padding")
+        if name in SHAPES:
+            need(name not in chunks and flags == 0, f"{name}: twice, or optional")
+            chunks[name] = (data[offset:offset + size], record, element)
+        else:
+            need(flags & 1, f"{name}: required and unknown")
+    need(end == len(data), "bytes after the last chunk")
+    need(len(chunks) == len(SHAPES), f"missing: {sorted(set(SHAPES) - set(chunks))}")
+    return chunks
+
+
+# type: (bytes of an element, elements of a record, records), in terms of the description
+SHAPES = {
+    "INFO": lambda d: (160, 1, 1),
+    "PPOS": lambda d: (4, 3, d["P"]),
+    "PFLG": lambda d: (1, 1, d["P"]),
+    "RADI": lambda d: (4, (d["n"] + 2) ** 2, d["P"]),
+    "NORM": lambda d: (2, (d["n"] + 2) ** 2, d["P"]),
+    "DIST": lambda d: (2, (d["n"] + 2) ** 2, d["P"]),
+    "COAR": lambda d: (2, (d["n"] // d["b"]) ** 2, d["P"]),
+    "IPOS": lambda d: (4, 3, d["Q"]),
+    "IFLG": lambda d: (1, 1, d["Q"]),
+    "IRRA": lambda d: (4, (d["m"] + 2) ** 2, d["Q"]),
+    "MOME": lambda d: (4, (d["m"] + 2) ** 2, d["Q"]),
+}
+
+
+def read_grid(blob, offset):
+    numbers = struct.unpack_from("<6f3I", blob, offset)
+    return {"origin": list(numbers[0:3]), "spacing": list(numbers[3:6]), "count": list(numbers[6:9])}
+
+
+def read_info(blob):
+    need(len(blob) == 160, "INFO: size")
+    keys = ("P", "Q", "buried", "irradiance_buried", "has_grid", "n", "m", "b", "selectors", "bounces", "samples")
+    d = dict(zip(keys, struct.unpack_from("<11I", blob, 0)))
+    d["scale"], = struct.unpack_from("<f", blob, 44)
+    d["scene_min"], d["scene_max"] = (list(struct.unpack_from("<3f", blob, at)) for at in (48, 60))
+    d["grid"], d["irradiance_grid"] = read_grid(blob, 72), read_grid(blob, 108)
+    d["scene_hash"], zero = struct.unpack_from("<QQ", blob, 144)
+    need(d["n"] in [2 ** i for i in range(3, 12)] and d["m"] in [2 ** i for i in range(3, 9)], "sizes")
+    need(d["b"] == (16 if d["n"] >= 64 else d["n"] // 4), "block size")
+    need(d["P"] >= 1 and d["Q"] >= 1 and d["has_grid"] in (0, 1) and d["samples"] >= 1 and zero == 0, "INFO")
+    need(d["selectors"] & 1 and d["has_grid"], "selectors")
+    need(1e-18 <= d["scale"] <= 1e18, "distance scale")
+    need(all(a <= b for a, b in zip(d["scene_min"], d["scene_max"])), "bounds")
+    return d
+
+
+def check_grid(name, grid, count, positions):
+    nx, ny, nz = grid["count"]
+    need(nx * ny * nz == count, f"{name}: the grid has {nx * ny * nz} probes, not {count}")
+    for spacing, n in zip(grid["spacing"], grid["count"]):
+        need(spacing > 0 if n > 1 else spacing == 0, f"{name}: spacing")
+    for index in range(count):
+        place = (index % nx, index // nx % ny, index // nx // ny)
+        for axis in range(3):
+            expected = grid["origin"][axis] + place[axis] * grid["spacing"][axis]
+            error = abs(positions[3 * index + axis] - expected)
+            need(error <= 1e-4 * grid["spacing"][axis] + 1e-6 * abs(expected), f"{name}: position of probe {index}")
+
+
+def border_source(x, y, n):
+    if x < 0 or x >= n:
+        x, y = (-1 - x if x < 0 else 2 * n - 1 - x), n - 1 - y
+    if y < 0 or y >= n:
+        y, x = (-1 - y if y < 0 else 2 * n - 1 - y), n - 1 - x
+    return x, y
+
+
+def check_border(name, codes, n):
+    at = lambda x, y: codes[(y + 1) * (n + 2) + x + 1]
+    for i in range(-1, n + 1):
+        for x, y in ((i, -1), (i, n), (-1, i), (n, i)):
+            need(at(x, y) == at(*border_source(x, y, n)), f"{name}: border texel ({x}, {y})")
+
+
+def decode_half(code):
+    return struct.unpack("<e", struct.pack("<H", code))[0]
+
+
+def decode_small(code, bits):
+    exponent, mantissa = code >> bits, code & (1 << bits) - 1
+    need(exponent < 31, "exponent 31")
+    if exponent == 0:
+        return 2.0 ** -14 * mantissa / 2 ** bits
+    return 2.0 ** (exponent - 15) * (1 + mantissa / 2 ** bits)
+
+
+def decode_color(code):
+    return [decode_small(code & 0x7FF, 6), decode_small(code >> 11 & 0x7FF, 6), decode_small(code >> 22, 5)]
+
+
+def direction(u, v):
+    x, z = 2 * u - 1, 2 * v - 1
+    y = 1 - abs(x) - abs(z)
+    if y < 0:
+        x, z = math.copysign(1 - abs(z), x if x else 1.0), math.copysign(1 - abs(x), z if z else 1.0)
+    length = math.sqrt(x * x + y * y + z * z)
+    return [x / length, y / length, z / length]
+
+
+def record(chunks, name, probe):
+    blob, record_bytes, element = chunks[name]
+    codes = array.array({1: "B", 2: "H", 4: "I"}[element])
+    codes.frombytes(blob[probe * record_bytes:(probe + 1) * record_bytes])
+    if sys.byteorder == "big":
+        codes.byteswap()
+    return codes
+
+
+def inside_scene(d, position, out, metres):
+    reach = 1e-3 * metres + 1e-5 * d["scale"]  # the rounding of the distance, and of the scene's bounds
+    return all(low - reach <= p + o * metres <= high + reach
+               for p, o, low, high in zip(position, out, d["scene_min"], d["scene_max"]))
+
+
+def check_light_field_probe(chunks, d, probe):
+    """Returns the share of surfaces that lie within the scene and face the probe."""
+    n, b = d["n"], d["b"]
+    radiance, normal, distance = (record(chunks, name, probe) for name in ("RADI", "NORM", "DIST"))
+    for name, codes in (("RADI", radiance), ("NORM", normal), ("DIST", distance)):
+        check_border(f"{name} of probe {probe}", codes, n)
+    smallest = [math.inf] * (n // b) ** 2
+    position = struct.unpack_from("<3f", chunks["PPOS"][0], 12 * probe)
+    plausible = surfaces = 0
+    for y in range(n):
+        for x in range(n):
+            at = (y + 1) * (n + 2) + x + 1
+            decode_color(radiance[at])
+            stored = distance[at]
+            need(stored != 0xFC00, "marked sky")
+            r = decode_half(stored & 0x7FFF)
+            need(r >= 0, "distance is NaN")
+            block = y // b * (n // b) + x // b
+            smallest[block] = min(smallest[block], r)
+            u, v = normal[at] & 0xFF, normal[at] >> 8
+            need(u <= 254 and v <= 254, "normal")
+            if r < math.inf:
+                surfaces += 1
+                out, surface = direction((x + 0.5) / n, (y + 0.5) / n), direction(u / 254, v / 254)
+                facing = sum(p * q for p, q in zip(out, surface)) <= 0.02  # normals are off by up to 0.64 degrees
+                plausible += facing and inside_scene(d, position, out, r * d["scale"])
+    need([decode_half(code) for code in record(chunks, "COAR", probe)] == smallest, f"COAR of probe {probe}")
+    return plausible / surfaces if surfaces else 1.0
+
+
+def check_irradiance_probe(chunks, d, probe):
+    m = d["m"]
+    irradiance, moments = record(chunks, "IRRA", probe), record(chunks, "MOME", probe)
+    check_border(f"IRRA of probe {probe}", irradiance, m)
+    check_border(f"MOME of probe {probe}", moments, m)
+    for code in irradiance:
+        decode_color(code)
+    for code in moments:
+        mean, square = decode_half(code & 0xFFFF), decode_half(code >> 16)
+        need(0 <= mean <= 1.01 and 0 <= square < math.inf, f"MOME of probe {probe}")
+        need(mean * mean <= square * (1 + 2.0 ** -9) + 2.0 ** -24, f"MOME of probe {probe}: variance")
+
+
+def sample(count):
+    step = max(1, count // PROBES_LOOKED_AT)
+    return range(0, count, step)
+
+
+def read(path):
+    with open(path, "rb") as file:
+        data = file.read()
+    chunks = read_chunks(data)
+    d = read_info(chunks["INFO"][0])
+    for name, shape in SHAPES.items():
+        element, elements, records = shape(d)
+        blob, record_bytes, element_bytes = chunks[name]
+        need((element_bytes, record_bytes, len(blob)) == (element, element * elements, element * elements * records), name)
+    for kind, count, buried, grid in (("P", d["P"], d["buried"], "grid"),
+                                      ("I", d["Q"], d["irradiance_buried"], "irradiance_grid")):
+        positions = struct.unpack(f"<{3 * count}f", chunks[kind + "POS"][0])
+        need(all(abs(x) <= 1e18 for x in positions), f"{kind}POS")
+        check_grid(kind + "POS", d[grid], count, positions)
+        flags = chunks[kind + "FLG"][0]
+        need(set(flags) <= {0, 1} and sum(flags) == buried, f"{kind}FLG")
+    plausible = [check_light_field_probe(chunks, d, i) for i in sample(d["P"]) if not chunks["PFLG"][0][i]]
+    need(min(plausible, default=1) == 1, f"surfaces outside the scene or turned away ({1 - min(plausible, default=1):.3f})")
+    for i in sample(d["Q"]):
+        check_irradiance_probe(chunks, d, i)
+    size = lambda name: len(chunks[name][0])
+    return {
+        "probes": d["P"], "irradiance_probes": d["Q"], "buried": d["buried"], "irradiance_buried": d["irradiance_buried"],
+        "radiance_size": d["n"], "irradiance_size": d["m"], "select": "cage", "file_bytes": len(data),
+        "bytes": {"radiance": size("RADI"), "normal": size("NORM"), "distance": size("DIST"), "pyramid": size("COAR"),
+                  "irradiance": size("IRRA"), "moments": size("MOME"), "selector": 0},
+        "grid": d["grid"], "irradiance_grid": d["irradiance_grid"], "bounces": d["bounces"], "samples": d["samples"],
+        "distance_scale_metres": d["scale"], "scene_min": d["scene_min"], "scene_max": d["scene_max"],
+        "scene_hash": f"{d['scene_hash']:016x}",
+    }
+
+
+def differences(mine, theirs, where=""):
+    if isinstance(mine, dict):
+        for key, value in mine.items():
+            if not isinstance(theirs, dict) or key not in theirs:
+                yield f"{where}{key}: missing"
+            else:
+                yield from differences(value, theirs[key], f"{where}{key}.")
+    elif isinstance(mine, list):
+        if len(mine) != len(theirs):
+            yield f"{where[:-1]}: {mine} and {theirs}"
+        else:
+            for i, pair in enumerate(zip(mine, theirs)):
+                yield from differences(*pair, f"{where}{i}.")
+    elif isinstance(mine, float):
+        if not math.isclose(mine, theirs, rel_tol=1e-6):
+            yield f"{where[:-1]}: {mine} and {theirs}"
+    elif mine != theirs:
+        yield f"{where[:-1]}: {mine!r} and {theirs!r}"
+
+
+def main():
+    if len(sys.argv) not in (2, 3):
+        print(__doc__, file=sys.stderr)
+        return 2
+    try:
+        mine = read(sys.argv[1])
+    except (Malformed, OSError, struct.error) as error:
+        print(f"{sys.argv[1]}: {error}", file=sys.stderr)
+        return 1
+    if len(sys.argv) == 2:
+        print(json.dumps(mine, indent=2))
+        return 0
+    with open(sys.argv[2], encoding="utf-8") as file:
+        found = list(differences(mine, json.load(file)))
+    for line in found:
+        print(line, file=sys.stderr)
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

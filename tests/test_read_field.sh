@@ -1,0 +1,27 @@
+# An independent reader, written from docs/format.md, reads what the baker wrote and agrees with octalux info.
+source "$(dirname "$0")/cli/expect.sh"
+reader=$OCTALUX_SOURCE_DIR/tests/read_field.py
+
+# agree SCENE OPTIONS...
+agree() {
+  local scene=$1
+  shift
+  expect 0 bake "builtin:$scene" -o a.olx "$@"
+  expect 0 verify a.olx
+  expect 0 info a.olx --json
+  python3 "$reader" a.olx stdout.txt 2>stderr.txt || fail "$scene: the reader disagrees"
+}
+
+agree pillars --radiance-size 32 --irradiance-size 8 --bounces 0 --samples 1
+agree holodeck --radiance-size 64 --irradiance-size 16 --bounces 0 --samples 1
+agree cornell --grid 1x1x1 --radiance-size 8 --irradiance-size 32 --bounces 1 --samples 1
+
+# It can also say no.
+sed 's/"probes": *1,/"probes":2,/' stdout.txt >other.json
+cmp -s stdout.txt other.json && fail "the number of probes is not in the information"
+python3 "$reader" a.olx other.json 2>stderr.txt && fail "the reader sees no difference"
+grep -q '^probes: 1 and 2$' stderr.txt || fail "the reader does not name the difference"
+head -c $(($(wc -c <a.olx) - 64)) a.olx >cut.olx
+python3 "$reader" cut.olx stdout.txt 2>stderr.txt && fail "the reader reads a truncated file"
+
+finish

@@ -1,4 +1,4 @@
-# What `make install` puts where: headers, the static libraries, a CMake package, a pkg-config file, the programs.
+# What `make install` puts where: headers, the static libraries, a CMake package, a pkg-config file. Programs are installed by their folders.
 include(CMakePackageConfigHelpers)
 set(OLX_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/octalux)
 
@@ -18,10 +18,3 @@ string(REGEX REPLACE "/$" "" OLX_PC_PREFIX "${OLX_PC_PREFIX}")
 configure_file(${CMAKE_CURRENT_LIST_DIR}/octalux.pc.in ${PROJECT_BINARY_DIR}/octalux.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/octalux.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
-
-foreach(folder cli viewer)
-  if(EXISTS ${PROJECT_SOURCE_DIR}/${folder}/CMakeLists.txt)
-    get_property(programs DIRECTORY ${PROJECT_SOURCE_DIR}/${folder} PROPERTY BUILDSYSTEM_TARGETS)
-    install(TARGETS ${programs} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-  endif()
-endforeach()

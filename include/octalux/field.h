@@ -50,7 +50,8 @@ typedef struct olx_field_info {
       selector_bytes;
 } olx_field_info;
 
-// Map a field file into memory and check its structure: every offset and size, but not the checksums (olx_field_verify).
+// Map a field file into memory and check its structure: every offset and size, and the checksums of header, chunk table and
+// description, but not the maps (olx_field_verify).
 // On success *field is the caller's to close; on failure it is NULL. Takes milliseconds for any size.
 olx_result olx_field_open(const char *path, olx_field **field);
 

@@ -30,7 +30,7 @@ typedef struct bake {
 
 olx_bake_settings olx_bake_settings_default(const olx_scene *scene) {
   olx_bake_settings settings = {
-      .radiance_size = 1024, .irradiance_size = 128, .samples = 2, .light_samples = 4, .bounces = 3};
+      .radiance_size = 1024, .irradiance_size = 128, .samples = 2, .light_samples = 1, .bounces = 3};
   if (olx_scene_probe_grid(scene, NULL, &settings.grid) != OLX_OK) settings.grid = (olx_grid){0};
   settings.irradiance_grid = settings.grid;
   return settings;
@@ -164,12 +164,14 @@ static olx_result run(bake *b) {
                            .positions = b->positions[1],
                            .flags = b->flags[1],
                            .probe_count = b->counts[1],
+                           .light_samples = s->light_samples,
                            .threads = s->threads,
                            .distance_scale = b->distance_scale,
                            .task = &b->task};
   b->capture = (olx_capture){.shade = &b->shade,
                              .size = s->radiance_size,
                              .samples = s->samples,
+                             .light_samples = s->light_samples,
                              .bounces = s->bounces,
                              .threads = s->threads,
                              .distance_scale = b->distance_scale,
@@ -210,8 +212,10 @@ static olx_result bake_scene(bake *b, const char *path, const olx_progress *prog
   b->distance_scale = olx_length(olx_sub(b->scene->bounds_max, b->scene->bounds_min));
   OLX_TRY(create_file(b, path));
   olx_task_begin(&b->task, progress, "probes", 1);
-  olx_shade_context_begin(&b->shade, b->scene, b->settings->light_samples);
-  b->shade.share_distance = 0.01f * least_spacing(&b->settings->irradiance_grid, b->distance_scale);
+  olx_shade_context_begin(&b->shade, b->scene);
+  const float spacing = least_spacing(&b->settings->irradiance_grid, b->distance_scale);
+  b->shade.share_distance = 0.01f * spacing;
+  b->shade.lattice_distance = 0.08f * spacing;
   return finish(b, run(b), start);
 }
 

@@ -123,10 +123,95 @@ static uint32_t choose_scattering(olx_shade_scratch *scratch, uint32_t first, ui
   return paths + 1;
 }
 
+// Irradiance looked up at every fourth texel of a tile, between which the others interpolate.
+enum { LATTICE_STEP = 4, LATTICE_MOST = 32 / LATTICE_STEP + 1, NO_POINT = UINT32_MAX };
+
+typedef struct lattice {
+  uint32_t side; // look-ups along a side
+  uint32_t point[LATTICE_MOST * LATTICE_MOST];
+  bool known[LATTICE_MOST * LATTICE_MOST];
+  olx_vec3 irradiance[LATTICE_MOST * LATTICE_MOST];
+} lattice;
+
+static uint32_t lattice_texel(uint32_t i, uint32_t tile_side) {
+  return i * LATTICE_STEP < tile_side ? i * LATTICE_STEP : tile_side - 1;
+}
+
+static void lattice_begin(const olx_capture *c, const olx_shade_scratch *scratch, uint32_t per_texel, lattice *l) {
+  uint32_t first_point[OLX_BATCH_POINTS]; // of each texel, in rows
+  l->side = c->tile_side / LATTICE_STEP + 1;
+  for (uint32_t i = 0; i < c->tile_side * c->tile_side; i++) first_point[i] = NO_POINT;
+  for (uint32_t k = scratch->roots.count; k-- > 0;) {
+    const uint32_t i = scratch->slot[k] / per_texel;
+    first_point[olx_morton_coordinate(i >> 1) * c->tile_side + olx_morton_coordinate(i)] = k;
+  }
+  for (uint32_t i = 0; i < l->side * l->side; i++) {
+    const uint32_t x = lattice_texel(i % l->side, c->tile_side), y = lattice_texel(i / l->side, c->tile_side);
+    l->point[i] = first_point[y * c->tile_side + x];
+    l->known[i] = false;
+  }
+}
+
+// Whether irradiance changes little, and smoothly, between two points.
+static bool much_alike(const olx_capture *c, const olx_surface *a, const olx_surface *b) {
+  const olx_vec3 step = olx_sub(a->position, b->position);
+  return olx_dot(step, step) < olx_square(c->shade->lattice_distance) &&
+         olx_dot(a->shading_normal, b->shading_normal) > 0.995f;
+}
+
+// Interpolates irradiance at point `k` of texel (x, y) of the tile; false when too little around it is alike.
+static bool interpolate(const olx_capture *c, const olx_shade_scratch *scratch, lattice *l, uint32_t k, uint32_t x,
+                        uint32_t y, olx_vec3 *irradiance) {
+  const olx_shade_batch *roots = &scratch->roots;
+  const uint32_t i = x / LATTICE_STEP, j = y / LATTICE_STEP;
+  const uint32_t x0 = i * LATTICE_STEP, x1 = lattice_texel(i + 1, c->tile_side);
+  const uint32_t y0 = j * LATTICE_STEP, y1 = lattice_texel(j + 1, c->tile_side);
+  const float fx = x1 > x0 ? (float)(x - x0) / (float)(x1 - x0) : 0.0f,
+              fy = y1 > y0 ? (float)(y - y0) / (float)(y1 - y0) : 0.0f;
+  olx_vec3 sum = {0};
+  float weights = 0.0f;
+  for (uint32_t corner = 0; corner < 4; corner++) {
+    const float weight = (corner & 1 ? fx : 1.0f - fx) * (corner & 2 ? fy : 1.0f - fy);
+    const uint32_t at = (j + (corner >> 1)) * l->side + i + (corner & 1);
+    if (weight <= 0.0f || l->point[at] == NO_POINT) continue;
+    if (!much_alike(c, &roots->surface[k], &roots->surface[l->point[at]])) continue;
+    if (!l->known[at]) {
+      l->irradiance[at] = olx_shade_irradiance(c->shade, roots, l->point[at], c->bounces - 1);
+      l->known[at] = true;
+    }
+    sum = olx_madd(sum, l->irradiance[at], weight);
+    weights += weight;
+  }
+  if (weights < 0.5f) return false;
+  *irradiance = olx_scale(sum, 1.0f / weights);
+  return true;
+}
+
+// The diffuse reflection of the last bounce. Neighbours on one smooth surface interpolate between few look-ups.
+static void add_diffuse(const olx_capture *c, olx_shade_scratch *scratch, uint32_t per_texel) {
+  olx_shade_batch *roots = &scratch->roots;
+  if (c->tile_side < 2 * LATTICE_STEP) {
+    olx_shade_diffuse(c->shade, roots, c->bounces - 1);
+    return;
+  }
+  lattice l;
+  lattice_begin(c, scratch, per_texel, &l);
+  for (uint32_t k = 0; k < roots->count; k++) {
+    if (olx_max3(roots->diffuse[k]) <= 0.0f) continue;
+    const uint32_t i = scratch->slot[k] / per_texel;
+    olx_vec3 irradiance;
+    if (!interpolate(c, scratch, &l, k, olx_morton_coordinate(i), olx_morton_coordinate(i >> 1), &irradiance)) {
+      irradiance = olx_shade_irradiance(c->shade, roots, k, c->bounces - 1);
+    }
+    roots->radiance[k] = olx_add(roots->radiance[k], olx_mul(roots->diffuse[k], irradiance));
+  }
+}
+
 static void light_samples(const olx_capture *c, olx_shade_scratch *scratch, uint32_t tile, uint32_t count) {
   const uint32_t per_texel = c->samples * c->samples;
   uint32_t paths = 0;
-  scratch->roots.count = 0;
+  olx_shade_batch_begin(&scratch->roots, c->light_samples);
+  scratch->roots.per_texel = per_texel;
   scratch->roots.shares_diffuse = c->shade->reflected_lights;
   for (uint32_t i = 0; i < count; i += per_texel) {
     const uint32_t seed = olx_hash3(c->probe, texel_index(c, tile, i / per_texel), SALT_TEXEL);
@@ -143,7 +228,7 @@ static void light_samples(const olx_capture *c, olx_shade_scratch *scratch, uint
     paths = choose_scattering(scratch, first, scratch->roots.count, paths);
   }
   olx_shade_direct(c->shade, scratch, &scratch->roots);
-  if (c->bounces > 0) olx_shade_diffuse(c->shade, &scratch->roots, c->bounces - 1);
+  if (c->bounces > 0) add_diffuse(c, scratch, per_texel);
   olx_shade_reflections(c->shade, scratch, paths, c->bounces, OLX_REFLECT_LIGHTS | OLX_REFLECT_BOUNCES);
   for (uint32_t k = 0; k < scratch->roots.count; k++) {
     scratch->colors[scratch->slot[k]] = olx_add(scratch->roots.surface[k].emission, scratch->roots.radiance[k]);

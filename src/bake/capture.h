@@ -8,7 +8,7 @@
 // One probe at a time: the maps hold the probe that was captured last.
 typedef struct olx_capture {
   olx_shade_context *shade;
-  uint32_t size, samples, bounces, threads;
+  uint32_t size, samples, light_samples, bounces, threads;
   float distance_scale;
   olx_task *task;
   uint32_t probe; // the number enters the random numbers

@@ -97,7 +97,8 @@ static void light_tile(const olx_gather *gather, olx_shade_scratch *scratch, uin
   const uint32_t per_cell = samples_per_cell(q), per_quarter = per_cell / 4, probe = gather->probe;
   olx_ray_hit *hits = gather->hits + (size_t)probe * gather_points(q);
   uint32_t reflections = 0;
-  scratch->roots.count = 0;
+  olx_shade_batch_begin(&scratch->roots, gather->light_samples);
+  scratch->roots.per_texel = per_cell;
   scratch->roots.shares_diffuse = gather->shade->reflected_lights;
   for (uint32_t i = 0; i < OLX_BATCH_POINTS; i++) {
     const uint32_t quarter = i / per_quarter, point = tile * (OLX_BATCH_POINTS / per_quarter) + quarter;
@@ -191,7 +192,7 @@ static void bounce_job(void *user, uint32_t index) {
   olx_shade_scratch *scratch = olx_shade_scratch_take(gather->shade);
   if (!scratch) return;
   uint32_t reflections = 0;
-  scratch->roots.count = 0;
+  olx_shade_batch_begin(&scratch->roots, 1);
   for (uint32_t k = 0; k < OLX_BATCH_POINTS; k++) {
     const uint32_t point = first + k, tile = point / per_tile, quarter = point % per_tile;
     const uint32_t i = quarter * per_quarter + picked_sample(probe, point, per_quarter);

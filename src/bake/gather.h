@@ -13,7 +13,7 @@ typedef struct olx_gather {
   olx_shade_context *shade;
   const olx_vec3 *positions;
   const uint8_t *flags; // OLX_PROBE_*
-  uint32_t probe_count, threads;
+  uint32_t probe_count, light_samples, threads;
   float distance_scale;
   olx_task *task;
   olx_quadrature quadrature;

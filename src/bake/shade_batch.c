@@ -3,13 +3,22 @@
 #include "core/sampling.h"
 
 // Salts of the hashes from which independent random numbers are drawn.
-enum { SALT_LIGHT = 0x1000, SALT_PICK = 0x2000, SALT_LOBE = 0x3000, SALT_SURVIVE = 0x4000, SALT_COSINE = 0x5000 };
+enum {
+  SALT_LIGHT = 0x1000,
+  SALT_PICK = 0x2000,
+  SALT_LOBE = 0x3000,
+  SALT_SURVIVE = 0x4000,
+  SALT_COSINE = 0x5000,
+  SALT_SCOUT = 0x6000,
+  SALT_DARK = 0x7000
+};
 
-void olx_shade_context_begin(olx_shade_context *context, const olx_scene *scene, uint32_t light_samples) {
-  *context = (olx_shade_context){.scene = scene,
-                                 .sample = olx_sample_settings_default(),
-                                 .light_samples = light_samples,
-                                 .group_count = olx_emitters_group_count(scene)};
+// One texel in so many sends all its shadow rays to a light that a tile seems not to see.
+enum { DARK_SHARE = 32 };
+
+void olx_shade_context_begin(olx_shade_context *context, const olx_scene *scene) {
+  *context = (olx_shade_context){
+      .scene = scene, .sample = olx_sample_settings_default(), .group_count = olx_emitters_group_count(scene)};
   for (uint32_t g = 0; g < context->group_count; g++) {
     if (olx_emitters_group_varies(scene, g)) context->reflected_lights = true;
   }
@@ -28,6 +37,13 @@ olx_shade_scratch *olx_shade_scratch_take(olx_shade_context *context) {
 
 void olx_shade_scratch_give(olx_shade_context *context, olx_shade_scratch *scratch) {
   olx_scratch_give(&context->pool, scratch);
+}
+
+void olx_shade_batch_begin(olx_shade_batch *batch, uint32_t light_samples) {
+  batch->count = 0;
+  batch->light_samples = light_samples;
+  batch->per_texel = 1;
+  batch->shares_diffuse = false;
 }
 
 uint32_t olx_shade_append(olx_shade_context *context, olx_shade_batch *batch, const olx_ray_hit *hit,
@@ -75,42 +91,88 @@ static olx_vec3 reflected_light(const olx_shade_batch *batch, uint32_t i, const 
   return olx_mul(sum, olx_scale(light->emission, 1.0f / (float)samples));
 }
 
-// One shadow ray of every point towards light group `group`.
-static void add_light(olx_shade_context *context, olx_shade_scratch *scratch, olx_shade_batch *batch, uint32_t group,
-                      uint32_t sample, uint32_t samples, bool varies) {
-  uint32_t count = 0;
-  for (uint32_t i = 0; i < batch->count; i++) {
-    const olx_surface *s = &batch->surface[i];
-    olx_light_sample *light = &scratch->light[count];
-    olx_vec2 random = {0.5f, 0.5f};
-    float pick = 0.5f;
-    if (varies) {
-      const uint32_t index = batch->sequence[i] * samples + sample;
-      random = olx_stratified2(index, olx_hash2(batch->seed[i], SALT_LIGHT + group));
-      pick = olx_unit_float(index * 2654435769u + olx_hash2(batch->seed[i], SALT_PICK + group));
-    }
-    if (!olx_emitters_sample(context->scene, group, s->position, random, pick, light)) continue;
-    if (olx_dot(s->geometric_normal, light->direction) <= 0.0f) continue;
-    if (olx_dot(s->shading_normal, light->direction) <= 0.0f) continue;
-    scratch->rays[count] = light->infinite ? olx_surface_ray(s, light->direction, INFINITY)
-                                           : olx_surface_ray_to(s, light->target, light->epsilon_end);
-    scratch->lit_point[count++] = i;
+// The rays of one batch towards one light group.
+typedef struct light_rays {
+  uint32_t group, samples; // and shadow rays a point sends in all
+  bool varies;
+  uint32_t count; // collected so far
+  float gain;     // of what they bring
+} light_rays;
+
+// Shadow ray `sample` of point `i`.
+static void collect_light(const olx_shade_context *context, olx_shade_scratch *scratch, const olx_shade_batch *batch,
+                          light_rays *rays, uint32_t i, uint32_t sample) {
+  const olx_surface *s = &batch->surface[i];
+  olx_light_sample *light = &scratch->light[rays->count];
+  olx_vec2 random = {0.5f, 0.5f};
+  float pick = 0.5f;
+  if (rays->varies) {
+    const uint32_t index = batch->sequence[i] * rays->samples + sample;
+    random = olx_stratified2(index, olx_hash2(batch->seed[i], SALT_LIGHT + rays->group));
+    pick = olx_unit_float(index * 2654435769u + olx_hash2(batch->seed[i], SALT_PICK + rays->group));
   }
-  olx_bvh_occluded_many(context->scene->bvh, scratch->rays, count, !varies, scratch->occluded);
-  atomic_fetch_add_explicit(&context->rays, count, memory_order_relaxed);
-  for (uint32_t k = 0; k < count; k++) {
+  if (!olx_emitters_sample(context->scene, rays->group, s->position, random, pick, light)) return;
+  if (olx_dot(s->geometric_normal, light->direction) <= 0.0f) return;
+  if (olx_dot(s->shading_normal, light->direction) <= 0.0f) return;
+  scratch->rays[rays->count] = light->infinite ? olx_surface_ray(s, light->direction, INFINITY)
+                                               : olx_surface_ray_to(s, light->target, light->epsilon_end);
+  scratch->lit_point[rays->count++] = i;
+}
+
+// Cast what was collected and add what arrives; returns how many rays met nothing.
+static uint32_t cast_light(olx_shade_context *context, olx_shade_scratch *scratch, olx_shade_batch *batch,
+                           light_rays *rays) {
+  uint32_t lit = 0;
+  olx_bvh_occluded_many(context->scene->bvh, scratch->rays, rays->count, !rays->varies, scratch->occluded);
+  atomic_fetch_add_explicit(&context->rays, rays->count, memory_order_relaxed);
+  for (uint32_t k = 0; k < rays->count; k++) {
     if (scratch->occluded[k]) continue;
     const uint32_t i = scratch->lit_point[k];
-    batch->radiance[i] = olx_add(batch->radiance[i], reflected_light(batch, i, &scratch->light[k], samples));
+    const olx_vec3 light = reflected_light(batch, i, &scratch->light[k], rays->samples);
+    batch->radiance[i] = olx_madd(batch->radiance[i], light, rays->gain);
+    lit++;
+  }
+  rays->count = 0;
+  return lit;
+}
+
+// The first ray of one point of every texel. When none of a tile's finds the light, few texels send the others, and
+// theirs count for all.
+static void add_light_sparingly(olx_shade_context *context, olx_shade_scratch *scratch, olx_shade_batch *batch,
+                                light_rays *rays) {
+  uint32_t *scout = scratch->scout, texels = 0;
+  for (uint32_t first = 0; first < batch->count;) {
+    uint32_t end = first + 1;
+    while (end < batch->count && batch->seed[end] == batch->seed[first]) end++;
+    scout[texels] = first + olx_hash2(batch->seed[first], SALT_SCOUT + rays->group) % (end - first);
+    collect_light(context, scratch, batch, rays, scout[texels++], 0);
+    first = end;
+  }
+  const bool dark = cast_light(context, scratch, batch, rays) == 0;
+  rays->gain = dark ? DARK_SHARE : 1.0f;
+  for (uint32_t sample = 0; sample < rays->samples; sample++) {
+    uint32_t texel = 0;
+    for (uint32_t i = 0; i < batch->count; i++) {
+      if (i > 0 && batch->seed[i] != batch->seed[i - 1]) texel++;
+      if (dark && olx_hash2(batch->seed[i], SALT_DARK + rays->group) % DARK_SHARE != 0) continue;
+      if (sample > 0 || i != scout[texel]) collect_light(context, scratch, batch, rays, i, sample);
+    }
+    cast_light(context, scratch, batch, rays);
   }
 }
 
 void olx_shade_direct(olx_shade_context *context, olx_shade_scratch *scratch, olx_shade_batch *batch) {
   for (uint32_t group = 0; group < context->group_count; group++) {
     const bool varies = olx_emitters_group_varies(context->scene, group);
-    const uint32_t samples = varies ? context->light_samples : 1;
-    for (uint32_t sample = 0; sample < samples; sample++) {
-      add_light(context, scratch, batch, group, sample, samples, varies);
+    light_rays rays = {
+        .group = group, .samples = varies ? batch->light_samples : 1, .varies = varies, .count = 0, .gain = 1.0f};
+    if (varies && batch->per_texel * rays.samples > 1) {
+      add_light_sparingly(context, scratch, batch, &rays);
+      continue;
+    }
+    for (uint32_t sample = 0; sample < rays.samples; sample++) {
+      for (uint32_t i = 0; i < batch->count; i++) collect_light(context, scratch, batch, &rays, i, sample);
+      cast_light(context, scratch, batch, &rays);
     }
   }
 }
@@ -119,8 +181,14 @@ static const olx_irradiance_source *irradiance_of(const olx_shade_context *conte
   return &context->irradiance[bounce % (OLX_KEPT_BOUNCES + 1)];
 }
 
+olx_vec3 olx_shade_irradiance(const olx_shade_context *context, const olx_shade_batch *batch, uint32_t point,
+                              uint32_t bounce) {
+  const olx_surface *s = &batch->surface[point];
+  return olx_irradiance_from(irradiance_of(context, bounce), &context->sample, s->position, s->shading_normal,
+                             batch->view[point]);
+}
+
 void olx_shade_diffuse(olx_shade_context *context, olx_shade_batch *batch, uint32_t bounce) {
-  const olx_irradiance_source *source = irradiance_of(context, bounce);
   const float share_squared = olx_square(context->share_distance);
   uint32_t last = UINT32_MAX;
   olx_vec3 irradiance = {0};
@@ -134,7 +202,7 @@ void olx_shade_diffuse(olx_shade_context *context, olx_shade_batch *batch, uint3
                olx_dot(s->shading_normal, batch->surface[last].shading_normal) > 0.995f;
     }
     if (!shared) {
-      irradiance = olx_irradiance_from(source, &context->sample, s->position, s->shading_normal, batch->view[i]);
+      irradiance = olx_shade_irradiance(context, batch, i, bounce);
       last = i;
     }
     batch->radiance[i] = olx_add(batch->radiance[i], olx_mul(batch->diffuse[i], irradiance));
@@ -182,8 +250,8 @@ static bool reflect_path(const olx_shade_batch *batch, olx_shade_path *path, uin
 }
 
 // The reflected ray's share of light that shadow rays sample too.
-static float light_share(const olx_shade_context *context, const olx_shade_path *path, float light_pdf) {
-  return path->pdf > 0.0f ? path->pdf / (path->pdf + light_pdf * (float)context->light_samples) : 1.0f;
+static float light_share(const olx_shade_batch *from, const olx_shade_path *path, float light_pdf) {
+  return path->pdf > 0.0f ? path->pdf / (path->pdf + light_pdf * (float)from->light_samples) : 1.0f;
 }
 
 static bool may_emit(const olx_scene *scene, uint32_t triangle) {
@@ -195,10 +263,10 @@ static olx_vec3 light_at_end(const olx_shade_context *context, const olx_shade_b
                              const olx_surface *end) {
   if (!end) {
     const olx_vec3 sky = olx_environment_radiance(context->scene, path->direction);
-    return olx_scale(sky, light_share(context, path, olx_environment_pdf(context->scene, path->direction)));
+    return olx_scale(sky, light_share(from, path, olx_environment_pdf(context->scene, path->direction)));
   }
   const float pdf = olx_emitters_surface_pdf(end, from->surface[path->from].position, path->direction);
-  return olx_scale(end->emission, light_share(context, path, pdf));
+  return olx_scale(end->emission, light_share(from, path, pdf));
 }
 
 // Light of emitters and the sky at the ends of paths, when `lights` is set. When `surfaces` is set, what reflections met
@@ -207,8 +275,7 @@ static uint32_t end_paths(olx_shade_context *context, olx_shade_scratch *scratch
                           const olx_shade_path *paths, uint32_t count, bool lights, bool surfaces, olx_shade_batch *to,
                           olx_shade_path *next) {
   const olx_scene *scene = context->scene;
-  to->count = 0;
-  to->shares_diffuse = false;
+  olx_shade_batch_begin(to, 1);
   for (uint32_t k = 0; k < count; k++) {
     const olx_shade_path *path = &paths[k];
     const olx_ray_hit *hit = &scratch->hits[k];

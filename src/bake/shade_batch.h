@@ -21,6 +21,8 @@ enum {
 // Surface points and the light that leaves them towards `view`.
 typedef struct olx_shade_batch {
   uint32_t count;
+  uint32_t light_samples; // shadow rays of a point to each light that varies
+  uint32_t per_texel;     // when above 1, texels' points come in runs of at most this many, and dark tiles are spared
   bool shares_diffuse; // rays of the diffuse lobe look for lights too, so that shadow rays count for their share alone
   olx_surface surface[OLX_BATCH_POINTS];
   olx_vec3 view[OLX_BATCH_POINTS];     // unit, from the surface
@@ -46,6 +48,7 @@ typedef struct olx_shade_scratch {
   olx_ray_hit hits[2 * OLX_BATCH_POINTS];
   uint8_t occluded[OLX_BATCH_POINTS];
   uint32_t lit_point[OLX_BATCH_POINTS];
+  uint32_t scout[OLX_BATCH_POINTS];
   olx_light_sample light[OLX_BATCH_POINTS];
   olx_shade_path paths[2][2 * OLX_BATCH_POINTS]; // one through each lobe at most
   uint32_t slot[OLX_BATCH_POINTS];               // which sample of a tile a point of `roots` is
@@ -58,22 +61,25 @@ typedef struct olx_shade_scratch {
 typedef struct olx_shade_context {
   const olx_scene *scene;
   olx_sample_settings sample;
-  uint32_t light_samples; // shadow rays of a point to each light that varies
   uint32_t group_count;
-  bool reflected_lights; // some light has an area, so that a reflected ray can meet it
-  float share_distance;  // points of a texel that lie this close together share one look-up of irradiance
+  bool reflected_lights;  // some light has an area, so that a reflected ray can meet it
+  float share_distance;   // points of a texel that lie this close together share one look-up of irradiance
+  float lattice_distance; // and look-ups this close are interpolated between
   olx_irradiance_source irradiance[OLX_KEPT_BOUNCES + 1]; // of bounce k at k mod (OLX_KEPT_BOUNCES + 1)
   olx_scratch_pool pool;
   atomic_uint_fast64_t rays;
   atomic_bool out_of_memory;
 } olx_shade_context;
 
-void olx_shade_context_begin(olx_shade_context *context, const olx_scene *scene, uint32_t light_samples);
+void olx_shade_context_begin(olx_shade_context *context, const olx_scene *scene);
 void olx_shade_context_end(olx_shade_context *context);
 
 // A thread's working memory for one job, or NULL after noting that there is none.
 olx_shade_scratch *olx_shade_scratch_take(olx_shade_context *context);
 void olx_shade_scratch_give(olx_shade_context *context, olx_shade_scratch *scratch);
+
+// Empty a batch.
+void olx_shade_batch_begin(olx_shade_batch *batch, uint32_t light_samples);
 
 // Append the surface at `hit` to the batch, seen along `direction`; its radiance starts at 0. Returns its index.
 uint32_t olx_shade_append(olx_shade_context *context, olx_shade_batch *batch, const olx_ray_hit *hit,
@@ -82,6 +88,9 @@ uint32_t olx_shade_append(olx_shade_context *context, olx_shade_batch *batch, co
 // Add what the lights send, through both lobes, except what only a reflected ray can find.
 void olx_shade_direct(olx_shade_context *context, olx_shade_scratch *scratch, olx_shade_batch *batch);
 
+// Irradiance of bounce `bounce` at a point of the batch.
+olx_vec3 olx_shade_irradiance(const olx_shade_context *context, const olx_shade_batch *batch, uint32_t point,
+                              uint32_t bounce);
 // Add the diffuse reflection of the irradiance of bounce `bounce`.
 void olx_shade_diffuse(olx_shade_context *context, olx_shade_batch *batch, uint32_t bounce);
 

@@ -124,7 +124,8 @@ static uint32_t choose_scattering(olx_shade_scratch *scratch, uint32_t first, ui
 }
 
 // Irradiance looked up at every fourth texel of a tile, between which the others interpolate.
-enum { LATTICE_STEP = 4, LATTICE_MOST = 32 / LATTICE_STEP + 1, NO_POINT = UINT32_MAX };
+enum { LATTICE_STEP = 4, LATTICE_MOST = 32 / LATTICE_STEP + 1 };
+#define NO_POINT UINT32_MAX
 
 typedef struct lattice {
   uint32_t side; // look-ups along a side

@@ -220,7 +220,8 @@ static void light_samples(const olx_capture *c, olx_shade_scratch *scratch, uint
     for (uint32_t k = i; k < i + per_texel; k++) {
       const olx_vec3 direction = scratch->rays[k].direction;
       if (scratch->hits[k].triangle == OLX_NO_HIT) {
-        scratch->colors[k] = olx_environment_radiance(c->shade->scene, direction);
+        scratch->colors[k] = scratch->emission[k] = olx_environment_radiance(c->shade->scene, direction);
+        scratch->emits[k] = true;
         continue;
       }
       scratch->slot[olx_shade_append(c->shade, &scratch->roots, &scratch->hits[k], direction, seed, k - i)] = k;
@@ -232,8 +233,29 @@ static void light_samples(const olx_capture *c, olx_shade_scratch *scratch, uint
   if (c->bounces > 0) add_diffuse(c, scratch, per_texel);
   olx_shade_reflections(c->shade, scratch, paths, c->bounces, OLX_REFLECT_LIGHTS | OLX_REFLECT_BOUNCES);
   for (uint32_t k = 0; k < scratch->roots.count; k++) {
-    scratch->colors[scratch->slot[k]] = olx_add(scratch->roots.surface[k].emission, scratch->roots.radiance[k]);
+    const olx_vec3 emission = scratch->roots.surface[k].emission;
+    scratch->emission[scratch->slot[k]] = emission;
+    scratch->emits[scratch->slot[k]] = olx_max3(emission) > 0.0f;
+    scratch->colors[scratch->slot[k]] = olx_add(emission, scratch->roots.radiance[k]);
   }
+}
+
+static bool sees_emitter(uint16_t distance) { return (distance & 0x8000u) != 0 || distance == olx_half_pack(INFINITY); }
+
+// The mean of the samples that are what the texel's middle is: emitter and sky, or surface. Readers leave out emission by the
+// texel, so a surface beside a lamp must not hold a share of it.
+static olx_vec3 filter_texel(const olx_shade_scratch *scratch, uint32_t first, uint32_t end, bool emits) {
+  olx_vec3 like = {0}, all = {0};
+  float like_weight = 0.0f, all_weight = 0.0f;
+  for (uint32_t k = first; k < end; k++) {
+    const float weight = scratch->weights[k];
+    all = olx_madd(all, olx_sub(scratch->colors[k], emits ? olx_splat(0.0f) : scratch->emission[k]), weight);
+    all_weight += weight;
+    if (emits != scratch->emits[k]) continue;
+    like = olx_madd(like, scratch->colors[k], weight);
+    like_weight += weight;
+  }
+  return like_weight > 0.0f ? olx_scale(like, 1.0f / like_weight) : olx_scale(all, 1.0f / all_weight);
 }
 
 static void capture_radiance(const olx_capture *c, olx_shade_scratch *scratch, uint32_t tile) {
@@ -241,13 +263,8 @@ static void capture_radiance(const olx_capture *c, olx_shade_scratch *scratch, u
   cast(c, scratch, count);
   light_samples(c, scratch, tile, count);
   for (uint32_t i = 0; i < count; i += per_texel) {
-    olx_vec3 sum = olx_splat(0.0f);
-    float weight = 0.0f;
-    for (uint32_t k = i; k < i + per_texel; k++) {
-      sum = olx_madd(sum, scratch->colors[k], scratch->weights[k]);
-      weight += scratch->weights[k];
-    }
-    c->radiance[texel_index(c, tile, i / per_texel)] = olx_r11g11b10f_pack(olx_scale(sum, 1.0f / weight));
+    const uint32_t texel = texel_index(c, tile, i / per_texel);
+    c->radiance[texel] = olx_r11g11b10f_pack(filter_texel(scratch, i, i + per_texel, sees_emitter(c->distance[texel])));
   }
 }
 

@@ -55,6 +55,8 @@ typedef struct olx_shade_scratch {
   olx_vec3 directions[OLX_BATCH_POINTS];         // of a tile's samples
   float weights[OLX_BATCH_POINTS];               // their shares of solid angle
   olx_vec3 colors[OLX_BATCH_POINTS];             // their radiance
+  olx_vec3 emission[OLX_BATCH_POINTS];           // the share of it that comes straight from an emitter or the sky
+  bool emits[OLX_BATCH_POINTS];                  // whether there can be such a share
 } olx_shade_scratch;
 
 // What lighting needs to know of the bake.

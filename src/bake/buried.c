@@ -1,126 +1,44 @@
 #include "bake/buried.h"
 
 #include "core/hooks.h"
-#include "core/octahedral.h"
-#include "core/parallel.h"
 #include "core/result.h"
 #include "field/field_data.h"
-#include "scene/bvh.h"
+#include "place/inside.h"
 
 #include <string.h>
 
-enum {
-  MAP_SIZE = 16,   // rays a side by which a probe looks for back faces
-  DIRECTIONS = 33, // in which crossings are counted; odd, for the median
-  CROSSINGS = 512  // after which a direction is given up
-};
-
-typedef struct depth_search {
-  const olx_scene *scene;
-  const olx_vec3 *positions;
-  float *back_share;
-  int32_t *depth;
-  uint32_t *rays;
-} depth_search;
-
-// Whether the triangle's winding faces away from a ray that meets it.
-static bool faces_away(const olx_scene *scene, uint32_t triangle, olx_vec3 direction) {
-  const uint32_t *corner = scene->indices + 3 * (size_t)triangle;
-  const olx_vec3 a = scene->positions[corner[0]], b = scene->positions[corner[1]], c = scene->positions[corner[2]];
-  return olx_dot(olx_cross(olx_sub(b, a), olx_sub(c, a)), direction) > 0.0f;
-}
-
-static float back_face_share(const olx_scene *scene, olx_vec3 position) {
-  olx_ray rays[MAP_SIZE];
-  olx_ray_hit hits[MAP_SIZE];
-  double back = 0.0;
-  for (uint32_t y = 0; y < MAP_SIZE; y++) {
-    for (uint32_t x = 0; x < MAP_SIZE; x++) {
-      rays[x] = (olx_ray){position, olx_texel_direction(x, y, MAP_SIZE), 0.0f, INFINITY};
-    }
-    olx_bvh_intersect_many(scene->bvh, rays, MAP_SIZE, true, hits);
-    for (uint32_t x = 0; x < MAP_SIZE; x++) {
-      if (hits[x].triangle == OLX_NO_HIT || !faces_away(scene, hits[x].triangle, rays[x].direction)) continue;
-      back += olx_texel_solid_angle(x, y, MAP_SIZE);
+static void judge(const olx_scene *scene, const olx_depth *depths, const uint32_t counts[2], uint8_t *flags[2],
+                  uint64_t *rays) {
+  const size_t total = (size_t)counts[0] + counts[1] + scene->camera_count;
+  int32_t least = INT32_MAX;
+  for (size_t i = 0; i < total; i++) {
+    if (depths[i].depth < least) least = depths[i].depth;
+    *rays += depths[i].rays;
+  }
+  for (uint32_t set = 0; set < 2; set++) {
+    const uint32_t first = set * counts[0];
+    for (uint32_t i = 0; i < counts[set]; i++) {
+      flags[set][i] = olx_depth_is_inside(depths[first + i], least) ? OLX_PROBE_BURIED : 0;
     }
   }
-  return (float)(back / (4.0 * (double)OLX_PI));
-}
-
-// Back faces less front faces on the way out.
-static int32_t crossing_balance(const olx_scene *scene, olx_vec3 position, olx_vec3 direction, uint32_t *rays) {
-  olx_ray ray = {position, direction, 0.0f, INFINITY};
-  int32_t balance = 0;
-  for (uint32_t i = 0; i < CROSSINGS; i++) {
-    const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
-    ++*rays;
-    if (hit.triangle == OLX_NO_HIT) break;
-    balance += faces_away(scene, hit.triangle, direction) ? 1 : -1;
-    ray.t_min = nextafterf(hit.t, INFINITY);
-  }
-  return balance;
-}
-
-static int32_t median_balance(const olx_scene *scene, olx_vec3 position, uint32_t *rays) {
-  int32_t sorted[DIRECTIONS];
-  for (uint32_t i = 0; i < DIRECTIONS; i++) {
-    // A spiral of evenly spread directions, none of which lies along an axis.
-    const float y = 1.0f - (2.0f * (float)i + 1.0f) / DIRECTIONS, r = sqrtf(1.0f - y * y),
-                phi = 2.3999632f * (float)i + 0.4f;
-    const int32_t balance = crossing_balance(scene, position, olx_v3(r * cosf(phi), y, r * sinf(phi)), rays);
-    uint32_t k = i;
-    for (; k > 0 && sorted[k - 1] > balance; k--) sorted[k] = sorted[k - 1];
-    sorted[k] = balance;
-  }
-  return sorted[DIRECTIONS / 2];
-}
-
-static void search_job(void *user, uint32_t index) {
-  const depth_search *s = user;
-  s->rays[index] = MAP_SIZE * MAP_SIZE;
-  s->back_share[index] = back_face_share(s->scene, s->positions[index]);
-  s->depth[index] = median_balance(s->scene, s->positions[index], &s->rays[index]);
-}
-
-static olx_result search(const olx_scene *scene, const olx_vec3 *positions[2], const uint32_t counts[2],
-                         uint32_t threads, depth_search *s, olx_vec3 *all) {
-  const uint32_t probes = counts[0] + counts[1];
-  memcpy(all, positions[0], counts[0] * sizeof *all);
-  memcpy(all + counts[0], positions[1], counts[1] * sizeof *all);
-  for (uint32_t i = 0; i < scene->camera_count; i++) all[probes + i] = scene->cameras[i].eye;
-  s->positions = all;
-  return olx_parallel_for(probes + scene->camera_count, threads, search_job, s, NULL, 0);
 }
 
 olx_result olx_find_buried(const olx_scene *scene, const olx_vec3 *positions[2], const uint32_t counts[2],
                            uint8_t *flags[2], uint32_t threads, uint64_t *rays) {
-  const size_t total = (size_t)counts[0] + counts[1] + scene->camera_count;
+  const uint32_t probes = counts[0] + counts[1], total = probes + scene->camera_count;
   olx_vec3 *all = olx_allocate(total, sizeof *all);
-  depth_search s = {.scene = scene,
-                    .back_share = olx_allocate(total, sizeof *s.back_share),
-                    .depth = olx_allocate(total, sizeof *s.depth),
-                    .rays = olx_allocate(total, sizeof *s.rays)};
+  olx_depth *depths = olx_allocate(total, sizeof *depths);
   olx_result result = OLX_ERROR_MEMORY;
-  if (all && s.back_share && s.depth && s.rays) {
-    result = search(scene, positions, counts, threads, &s, all);
-    int32_t least = INT32_MAX;
-    for (size_t i = 0; i < total; i++) {
-      if (s.depth[i] < least) least = s.depth[i];
-      *rays += s.rays[i];
-    }
-    for (uint32_t set = 0; set < 2; set++) {
-      const uint32_t first = set * counts[0];
-      for (uint32_t i = 0; i < counts[set]; i++) {
-        const bool buried = s.back_share[first + i] > 0.5f && s.depth[first + i] > least;
-        flags[set][i] = buried ? OLX_PROBE_BURIED : 0;
-      }
-    }
+  if (all && depths) {
+    memcpy(all, positions[0], counts[0] * sizeof *all);
+    memcpy(all + counts[0], positions[1], counts[1] * sizeof *all);
+    for (uint32_t i = 0; i < scene->camera_count; i++) all[probes + i] = scene->cameras[i].eye;
+    result = olx_measure_depth(scene, all, total, threads, depths);
+    if (result == OLX_OK) judge(scene, depths, counts, flags, rays);
   } else {
-    result = olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for %zu probes", total);
+    result = olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for %u probes", total);
   }
-  olx_release(s.rays);
-  olx_release(s.depth);
-  olx_release(s.back_share);
+  olx_release(depths);
   olx_release(all);
   return result;
 }

@@ -182,6 +182,44 @@ bool olx_bvh_occluded(const olx_bvh *bvh, const olx_ray *ray) {
   return query.tfar < 0.0f;
 }
 
+static float segment_distance(olx_vec3 p, olx_vec3 a, olx_vec3 b) {
+  const olx_vec3 along = olx_sub(b, a);
+  const float length = olx_dot(along, along);
+  const float t = length > 0.0f ? olx_clamp(olx_dot(olx_sub(p, a), along) / length, 0.0f, 1.0f) : 0.0f;
+  return olx_length(olx_sub(p, olx_madd(a, along, t)));
+}
+
+// To the plane where the point's foot is on the triangle, else to the nearest edge.
+static float triangle_distance(olx_vec3 p, olx_vec3 a, olx_vec3 b, olx_vec3 c) {
+  const olx_vec3 n = olx_normalize(olx_cross(olx_sub(b, a), olx_sub(c, a)));
+  if (olx_dot(olx_cross(olx_sub(b, a), olx_sub(p, a)), n) >= 0.0f &&
+      olx_dot(olx_cross(olx_sub(c, b), olx_sub(p, b)), n) >= 0.0f &&
+      olx_dot(olx_cross(olx_sub(a, c), olx_sub(p, c)), n) >= 0.0f) {
+    return fabsf(olx_dot(olx_sub(p, a), n));
+  }
+  return olx_min(segment_distance(p, a, b), olx_min(segment_distance(p, b, c), segment_distance(p, c, a)));
+}
+
+static bool shrink_query(struct RTCPointQueryFunctionArguments *arguments) {
+  const olx_bvh *bvh = arguments->userPtr;
+  const olx_scene *scene = bvh->scene;
+  const uint32_t *i = scene->indices + 3 * (size_t)scene_triangle(bvh, arguments->geomID, arguments->primID);
+  struct RTCPointQuery *query = arguments->query;
+  const float distance = triangle_distance(olx_v3(query->x, query->y, query->z), scene->positions[i[0]],
+                                           scene->positions[i[1]], scene->positions[i[2]]);
+  if (!(distance < query->radius)) return false;
+  query->radius = distance;
+  return true;
+}
+
+float olx_bvh_distance(const olx_bvh *bvh, olx_vec3 point, float limit) {
+  struct RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  struct RTCPointQuery query = {.x = point.x, .y = point.y, .z = point.z, .radius = limit};
+  rtcPointQuery(bvh->accelerator, &query, &context, shrink_query, (void *)(uintptr_t)bvh);
+  return query.radius;
+}
+
 // Members of a packet that rays neither set nor change.
 static void init_packet(struct RTCRay16 *packet) {
   for (uint32_t i = 0; i < OLX_PACKET; i++) {

@@ -114,7 +114,7 @@ static olx_result read_list(description *d, const place *root, const char *key,
   uint32_t index = 0;
   cJSON_ArrayForEach(element, list) {
     place at = {.object = element};
-    snprintf(at.name, sizeof at.name, "%s[%u]", key, index);
+    snprintf(at.name, sizeof at.name, "%.100s%s%s[%u]", root->name, root->name[0] ? "." : "", key, index);
     OLX_TRY(read(d, &at, index));
     ++index;
   }
@@ -375,12 +375,59 @@ static olx_result read_probe_counts(description *d, const place *at) {
   return OLX_OK;
 }
 
+static olx_result read_box(description *d, const place *at, olx_box *box) {
+  OLX_TRY(open_object(d, at, (const char *const[]){"min", "max", NULL}));
+  OLX_TRY(read_vec3(d, at, "min", true, &box->min));
+  OLX_TRY(read_vec3(d, at, "max", true, &box->max));
+  const olx_vec3 extent = olx_sub(box->max, box->min);
+  if (extent.x >= 0.0f && extent.y >= 0.0f && extent.z >= 0.0f && olx_finite(extent)) return OLX_OK;
+  return fail(d, at, "max", "it lies below min");
+}
+
+static olx_result read_forbidden(description *d, const place *at, uint32_t index) {
+  d->scene->probe_rules.forbidden_count = index + 1;
+  return read_box(d, at, &d->scene->probe_rules.forbidden[index]);
+}
+
+static olx_result read_pinned(const description *d, const place *at, const cJSON *list) {
+  olx_probe_rules *rules = &d->scene->probe_rules;
+  const cJSON *element = NULL;
+  cJSON_ArrayForEach(element, list) {
+    float numbers[3];
+    if (!olx_json_floats(element, numbers, 3)) {
+      char key[32];
+      snprintf(key, sizeof key, "pinned[%u]", rules->pinned_count);
+      return fail(d, at, key, "expected three finite numbers [x, y, z]");
+    }
+    rules->pinned[rules->pinned_count++] = olx_v3(numbers[0], numbers[1], numbers[2]);
+  }
+  return OLX_OK;
+}
+
+// What places probes has to keep to.
+static olx_result read_probe_rules(description *d, const place *at) {
+  olx_probe_rules *rules = &d->scene->probe_rules;
+  const place playable = {.object = member(at, "playable"), .name = "probes.playable"};
+  const cJSON *pinned = member(at, "pinned"), *forbidden = member(at, "forbidden");
+  if (pinned && !cJSON_IsArray(pinned)) return fail(d, at, "pinned", "expected a list [ ... ]");
+  rules->pinned = olx_allocate((size_t)cJSON_GetArraySize(pinned), sizeof *rules->pinned);
+  rules->forbidden = olx_allocate((size_t)cJSON_GetArraySize(forbidden), sizeof *rules->forbidden);
+  if (!rules->pinned || !rules->forbidden) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", d->path);
+  OLX_TRY(read_pinned(d, at, pinned));
+  OLX_TRY(read_list(d, at, "forbidden", read_forbidden));
+  if (playable.object) OLX_TRY(read_box(d, &playable, &rules->playable));
+  rules->has_playable = playable.object != NULL;
+  return read_float(d, at, "min_distance", 0.0f, 1e9f, &rules->min_distance);
+}
+
 static olx_result read_probes(description *d, const place *root) {
   const place at = {.object = member(root, "probes"), .name = "probes"};
   olx_scene *scene = d->scene;
   if (!at.object) return OLX_OK;
-  OLX_TRY(open_object(d, &at, (const char *const[]){"min", "max", "grid", NULL}));
+  OLX_TRY(open_object(
+      d, &at, (const char *const[]){"min", "max", "grid", "pinned", "forbidden", "playable", "min_distance", NULL}));
   OLX_TRY(read_probe_counts(d, &at));
+  OLX_TRY(read_probe_rules(d, &at));
   if (!member(&at, "min") && !member(&at, "max")) return OLX_OK;
   OLX_TRY(read_position(d, &at, "min", true, &scene->probes_min));
   OLX_TRY(read_position(d, &at, "max", true, &scene->probes_max));

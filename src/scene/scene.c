@@ -65,6 +65,8 @@ void olx_scene_free(olx_scene *scene) {
   olx_release(scene->cameras);
   olx_release(scene->environment.texels);
   olx_release(scene->warnings);
+  olx_release(scene->probe_rules.pinned);
+  olx_release(scene->probe_rules.forbidden);
   olx_release(scene);
 }
 

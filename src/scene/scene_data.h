@@ -52,6 +52,20 @@ typedef struct olx_environment {
   float rotation_radians;
 } olx_environment;
 
+typedef struct olx_box {
+  olx_vec3 min, max;
+} olx_box;
+
+// What the description demands of probes, whoever places them.
+typedef struct olx_probe_rules {
+  olx_vec3 *pinned; // probes that are always there
+  olx_box *forbidden; // boxes that no other probe may stand in
+  uint32_t pinned_count, forbidden_count;
+  bool has_playable;
+  olx_box playable;   // the box that matters
+  float min_distance; // metres from other probes and from surfaces
+} olx_probe_rules;
+
 typedef struct olx_bvh olx_bvh;
 typedef struct olx_emitters olx_emitters;
 
@@ -71,6 +85,7 @@ struct olx_scene {
   bool has_probe_volume, has_probe_count;
   olx_vec3 probes_min, probes_max;
   uint32_t probes_count[3];
+  olx_probe_rules probe_rules;
   olx_vec3 bounds_min, bounds_max;
   uint64_t hash;
   char **warnings;

@@ -1,0 +1,127 @@
+// Placing probes: a scene becomes a set of positions from which its surfaces are seen. Part of liboctalux-bake.
+//
+// Placement works on any soup of triangles: open, two-sided, intersecting. It asks three questions.
+//
+// Which space matters? The bounds (or the description's box of playable space) are cut into voxels; those that touch a
+// surface are solid. From the cameras the rest is flooded; without cameras the largest space that light reaches counts.
+// A place is never inside geometry: that is judged by the share of back faces seen from there *and* by how many surfaces
+// lie around it in several directions, by neither alone.
+//
+// Which surfaces matter? Surfels spread evenly over both sides of every triangle, of which those count that some place in
+// that space sees. They take the part of Wang's visibility atlas (section 3.2.1) without unwrapping anything.
+//
+// Where to stand? OLX_PLACE_GRID stands on a regular grid and tells which of its probes are inside geometry.
+// OLX_PLACE_COVER picks from many candidates, always the one that adds most, until the asked coverage, count or memory is
+// reached, and then improves the positions. A surfel is *covered* when a probe sees it *well*: in line of sight, not at a
+// grazing angle, and with a texel small enough on the surface.
+//
+// Everything is deterministic: the same scene and settings give the same probes, with any number of threads.
+#ifndef OCTALUX_PLACE_H
+#define OCTALUX_PLACE_H
+
+#include <octalux/field.h>
+#include <octalux/scene.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+#pragma GCC visibility push(default)
+
+typedef enum olx_place_method { OLX_PLACE_GRID = 0, OLX_PLACE_COVER = 1 } olx_place_method;
+
+// "grid", "cover".
+const char *olx_place_method_name(olx_place_method method);
+
+// Where a probe's position came from.
+typedef enum olx_probe_origin {
+  OLX_ORIGIN_PINNED = 0, // the description pins it
+  OLX_ORIGIN_GRID,       // a point of a regular grid
+  OLX_ORIGIN_SKELETON,   // a maximum of the distance to the surfaces around
+  OLX_ORIGIN_SPACE,      // spread over the free space
+  OLX_ORIGIN_TARGET,     // chosen to see a surfel that no other candidate saw
+  OLX_ORIGIN_MOVED       // any of these, moved to where it covers more
+} olx_probe_origin;
+
+// "pinned", "grid", "skeleton", "space", "target", "moved".
+const char *olx_probe_origin_name(olx_probe_origin origin);
+
+typedef struct olx_place_settings {
+  olx_place_method method; // default OLX_PLACE_COVER
+  // How many probes OLX_PLACE_COVER sets, the pinned ones included; whichever limit is met first ends it. With neither
+  // count nor budget it goes on until `coverage` is reached.
+  uint32_t count;   // 1 to 65,536; 0 (the default): not limited
+  float coverage;   // share of what can be covered, in (0, 1]; default 0.999; with a count or budget 1
+  double budget_mb; // megabytes (10^6 bytes) of light field probes at `resolution`; 0 (the default): not limited
+  uint32_t views;   // probes that shall see each surfel, 1 to 8; default 1
+  olx_grid grid;    // OLX_PLACE_GRID: where its probes stand; default: the scene's
+  uint32_t resolution; // texels along a light field map, a power of two, 8 to 2048; default 512
+  float min_cosine;    // below this cosine between surface normal and line of sight a surfel is seen at grazing angle;
+                       // within [0, 1); default 0.05
+  float max_footprint; // largest side, on the surface, of a texel that covers it, as a share of the diagonal of the
+                       // scene's bounds; above 0; default 0.02
+  uint32_t surfels;    // size of the atlas before unseen surfels are dropped, 64 to 1,048,576; default 24,000
+  uint32_t candidates; // 16 to 16,384; default 2,400
+  uint32_t voxels;     // along the longest side of space, 8 to 512; default 160. Fewer where there would be more than 2^23
+  uint32_t refinements; // rounds in which probes may move or be swapped, 0 to 64; default 3
+  uint32_t seed;
+  uint32_t threads; // 0: as many as the machine has; the result does not depend on it
+} olx_place_settings;
+
+olx_place_settings olx_place_settings_default(const olx_scene *scene);
+
+typedef struct olx_placed_probe {
+  olx_vec3 position;
+  olx_probe_origin origin;
+  float gain;  // share of the seen surface that was covered by this probe and by none before it in the list
+  bool buried; // inside geometry: a grid's or a pinned probe
+} olx_placed_probe;
+
+// How well the probes do. Shares are of area, estimated with surfels that the placement never used.
+typedef struct olx_place_report {
+  uint64_t surfels;   // held out, seen from the space that matters
+  double coverage;    // of the surface that space sees: seen well by at least `views` probes
+  double visible;     // of it: in line of sight of at least one probe, at whatever angle and distance
+  double coverable;   // of it: seen well from at least one place where a probe may stand, as far as rays can tell
+  double grazing;     // of it: seen at grazing angles or with too large a texel alone, from wherever a probe may stand
+  double restricted;  // of it: seen only from where the description's overrides allow no probe
+  double missed;      // of it: could be covered, and is not: more probes, or a higher coverage, would do it
+  double unreachable; // of all surface: no side of it is seen from the space that matters
+  uint32_t buried;    // probes inside geometry
+  uint32_t rejected;  // OLX_PLACE_GRID: grid points left out because of the description's overrides
+  uint32_t candidates; // positions that were considered
+  uint64_t space_voxels; // of the space that matters
+  float voxel_metres;
+  double seconds;
+} olx_place_report;
+
+typedef struct olx_probe_set {
+  uint32_t count;
+  olx_placed_probe *probes;
+  olx_place_settings settings; // what made them
+  olx_place_report report;
+  uint64_t scene_hash;
+} olx_probe_set;
+
+// Place probes in `scene`. The overrides of its description (docs/scenes.md: pinned, forbidden, playable, min_distance) hold
+// for every method. OLX_ERROR_EMPTY, with a message that says why, when there is nothing to place in: no volume, no free
+// space that is not inside geometry, no surface that space sees. On success the set is the caller's to free.
+olx_result olx_place(const olx_scene *scene, const olx_place_settings *settings, const olx_progress *progress,
+                     olx_probe_set *set);
+// Releases the probes; the struct itself is the caller's.
+void olx_probe_set_free(olx_probe_set *set);
+
+// Write the set as JSON (docs/place.md): beside, synced, renamed. The bytes depend on the set alone.
+olx_result olx_probe_set_save(const olx_probe_set *set, const char *path);
+// Read what olx_probe_set_save wrote, or any JSON object whose "probes" is a list of objects with a "position": what else
+// is missing stays at its default. Errors name the file and the element. On success the set is the caller's to free.
+olx_result olx_probe_set_load(const char *path, olx_probe_set *set);
+
+// Bytes of one light field probe in a field file: its maps with borders, and its pyramid.
+uint64_t olx_light_probe_bytes(uint32_t resolution);
+
+#pragma GCC visibility pop
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,42 @@
+// The space that matters: where the viewer can be, and where in it a probe may stand.
+#ifndef OLX_PLACE_SPACE_H
+#define OLX_PLACE_SPACE_H
+
+#include "place/inside.h"
+#include "place/voxels.h"
+
+typedef struct olx_space {
+  const olx_scene *scene;
+  olx_voxels voxels;
+  uint8_t *reachable; // a voxel: OLX_REACHABLE, OLX_ALLOWED
+  size_t *places;     // indices of the voxels in which a probe may stand, ascending
+  size_t place_count, reachable_count;
+  int32_t outside; // for olx_depth_is_inside
+} olx_space;
+
+// Bits of olx_space.reachable.
+enum {
+  OLX_REACHABLE = 1, // the viewer can be there
+  OLX_ALLOWED = 2    // and the description allows a probe there
+};
+
+// Find it. Over the box of playable space when the description has one, else over the scene's bounds, flooded from the
+// cameras (one outside the box enters it where it looks). Without a camera that can enter: all of the playable box that is
+// not inside geometry, or, without a box, the largest such space that light reaches. OLX_ERROR_EMPTY when there is none.
+olx_result olx_space_create(const olx_scene *scene, uint32_t resolution, uint32_t threads, olx_space *space);
+void olx_space_free(olx_space *space);
+
+static inline bool olx_space_reaches(const olx_space *space, olx_vec3 p) {
+  const size_t voxel = olx_voxel_at(&space->voxels, p);
+  return voxel != OLX_NO_VOXEL && (space->reachable[voxel] & OLX_REACHABLE);
+}
+
+// Whether a probe may stand there: in space that matters, outside forbidden boxes, at least min_distance off surfaces.
+// (That it is not inside geometry has to be asked of inside.h.)
+bool olx_space_allows(const olx_space *space, olx_vec3 p);
+
+// Whether the rules of the description (playable and forbidden boxes, distance to surfaces) allow a probe there, wherever
+// the viewer can be.
+bool olx_rules_allow(const olx_scene *scene, olx_vec3 p);
+
+#endif

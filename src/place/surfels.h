@@ -1,0 +1,48 @@
+// The visibility atlas: surfels spread evenly over every surface that the space that matters sees.
+#ifndef OLX_PLACE_SURFELS_H
+#define OLX_PLACE_SURFELS_H
+
+#include "place/space.h"
+
+// When a probe sees a surfel well.
+typedef struct olx_sight {
+  float min_cosine;    // between the surfel's normal and the way to the probe
+  float max_footprint; // metres: longest side of a texel on the surface
+  float texel_radians; // mean angle that a texel of the probe's map spans
+} olx_sight;
+
+olx_sight olx_sight_create(const olx_scene *scene, float min_cosine, float max_footprint, uint32_t resolution);
+
+typedef enum olx_surfel_fate {
+  OLX_SURFEL_FIT,        // seen well from somewhere a probe may stand
+  OLX_SURFEL_GRAZING,    // seen from there, but never well
+  OLX_SURFEL_RESTRICTED, // seen from the space that matters, but never from where a probe may stand
+  OLX_SURFEL_UNSEEN
+} olx_surfel_fate;
+
+// One side of a surface at a point. All surfels of an atlas stand for the same area.
+typedef struct olx_surfel {
+  olx_vec3 position; // just off the surface, on the side of the normal
+  olx_vec3 normal;   // unit, geometric
+  uint32_t triangle;
+  olx_surfel_fate fate;
+} olx_surfel;
+
+typedef struct olx_surfels {
+  uint32_t count;
+  olx_surfel *items; // along the Morton curve, so that neighbours in the array are neighbours in space; none is UNSEEN
+  double area;        // of one surfel, in square metres
+  double unreachable; // share of all surface no side of which is seen
+} olx_surfels;
+
+// Spread about `points` over all triangles, evenly by area and stratified, and keep those sides that are seen.
+olx_result olx_surfels_create(const olx_space *space, const olx_sight *sight, uint32_t points, uint32_t seed,
+                              uint32_t threads, olx_surfels *surfels);
+void olx_surfels_free(olx_surfels *surfels);
+
+// Up to `wanted` places from which the surfel is seen well and where a probe may stand, found along random rays. Returns
+// how many.
+uint32_t olx_surfel_vantages(const olx_space *space, const olx_sight *sight, const olx_surfel *surfel, uint32_t seed,
+                             uint32_t wanted, olx_vec3 *places);
+
+#endif

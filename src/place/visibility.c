@@ -1,0 +1,97 @@
+#include "place/visibility.h"
+
+#include "scene/bvh.h"
+
+#include <string.h>
+
+enum { BATCH = 256 };
+
+uint8_t olx_sight_quality(const olx_sight *sight, olx_vec3 place, const olx_surfel *surfel) {
+  const olx_vec3 way = olx_sub(place, surfel->position);
+  const float along = olx_dot(way, surfel->normal);
+  if (!(along > 0.0f)) return 0;
+  const float length = olx_length(way);
+  if (along < sight->min_cosine * length) return 0;
+  const float footprint = length * length / along * sight->texel_radians;
+  if (!(footprint <= sight->max_footprint)) return 0;
+  const float good = 1.0f - sqrtf(footprint / sight->max_footprint);
+  return (uint8_t)((float)OLX_QUALITY_LEAST + good * (255.0f - (float)OLX_QUALITY_LEAST));
+}
+
+static olx_ray ray_between(olx_vec3 place, const olx_surfel *surfel) {
+  return (olx_ray){place, olx_sub(surfel->position, place), 0.0f, 1.0f};
+}
+
+void olx_sight_row(const olx_space *space, const olx_sight *sight, olx_vec3 place, const olx_surfels *surfels,
+                   uint8_t *quality) {
+  olx_ray rays[BATCH];
+  uint32_t who[BATCH], used = 0;
+  uint8_t occluded[BATCH];
+  for (uint32_t i = 0; i < surfels->count; i++) {
+    quality[i] = olx_sight_quality(sight, place, &surfels->items[i]);
+    if (quality[i]) {
+      rays[used] = ray_between(place, &surfels->items[i]);
+      who[used++] = i;
+    }
+    if (used < BATCH && i + 1 < surfels->count) continue;
+    olx_bvh_occluded_many(space->scene->bvh, rays, used, true, occluded);
+    for (uint32_t k = 0; k < used; k++) {
+      if (occluded[k]) quality[who[k]] = 0;
+    }
+    used = 0;
+  }
+}
+
+typedef struct matrix_job {
+  const olx_space *space;
+  const olx_sight *sight;
+  const olx_vec3 *places;
+  const olx_surfels *surfels;
+  uint8_t *qualities;
+} matrix_job;
+
+static void row_job(void *user, uint32_t index) {
+  const matrix_job *m = user;
+  olx_sight_row(m->space, m->sight, m->places[index], m->surfels, m->qualities + (size_t)m->surfels->count * index);
+}
+
+olx_result olx_visibility_matrix(const olx_space *space, const olx_sight *sight, const olx_vec3 *places, uint32_t count,
+                                 const olx_surfels *surfels, uint32_t threads, olx_task *task, uint8_t *qualities) {
+  matrix_job m = {space, sight, places, surfels, qualities};
+  return olx_parallel_for(count, threads, row_job, &m, task, 1);
+}
+
+typedef struct sight_lines {
+  const olx_space *space;
+  const olx_vec3 *places;
+  const olx_surfels *surfels;
+  uint8_t *seen;
+  uint32_t place_count;
+} sight_lines;
+
+// A batch of surfels, by one place after the other until each is seen.
+static void lines_job(void *user, uint32_t index) {
+  const sight_lines *s = user;
+  olx_ray rays[BATCH];
+  uint32_t who[BATCH];
+  uint8_t occluded[BATCH];
+  const uint32_t first = index * BATCH, left = s->surfels->count - first, count = left < BATCH ? left : BATCH;
+  memset(s->seen + first, 0, count);
+  for (uint32_t p = 0; p < s->place_count; p++) {
+    uint32_t used = 0;
+    for (uint32_t i = first; i < first + count; i++) {
+      const olx_surfel *surfel = &s->surfels->items[i];
+      if (s->seen[i] || !(olx_dot(olx_sub(s->places[p], surfel->position), surfel->normal) > 0.0f)) continue;
+      rays[used] = ray_between(s->places[p], surfel);
+      who[used++] = i;
+    }
+    olx_bvh_occluded_many(s->space->scene->bvh, rays, used, true, occluded);
+    for (uint32_t k = 0; k < used; k++) s->seen[who[k]] = !occluded[k];
+  }
+}
+
+olx_result olx_lines_of_sight(const olx_space *space, const olx_vec3 *places, uint32_t count,
+                              const olx_surfels *surfels, uint32_t threads, uint8_t *seen) {
+  sight_lines s = {space, places, surfels, seen, count};
+  return olx_parallel_for((surfels->count + BATCH - 1) / BATCH, threads, lines_job, &s, NULL, 0);
+}

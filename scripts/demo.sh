@@ -4,7 +4,7 @@
 set -euo pipefail
 export LC_ALL=C
 program=$1 out=$2
-size=512x384 bounces=3
+bounces=3
 mkdir -p "$out"
 
 # number JSON KEY...: the number behind the last key, each key sought behind the one before. null is an infinite one.
@@ -41,11 +41,11 @@ say() { printf '%4d s  %s\n' "$SECONDS" "$*"; }
 
 rows="" sections=""
 
-# scene NAME CAMERA EXPOSURE SPP TITLE TEXT BAKE-OPTION...
+# scene NAME CAMERA SIZE EXPOSURE SPP TITLE TEXT BAKE-OPTION...
 scene() {
-  local name=$1 camera=$2 exposure=$3 spp=$4 title=$5 text=$6 scene=builtin:$1 base=$out/$1
+  local name=$1 camera=$2 size=$3 exposure=$4 spp=$5 title=$6 text=$7 scene=builtin:$1 base=$out/$1
   local baked path field field_error naive_error field_audit naive_audit view
-  shift 6
+  shift 7
   view=(--camera "$camera" --size "$size")
   say "$name: bake"
   baked=$("$program" bake "$scene" -o "$base.olx" --bounces $bounces --json "$@")
@@ -67,13 +67,13 @@ scene() {
 
   rows+="<tr><th>$title<td>$(count "$baked" probes)<td>$(seconds "$baked" seconds)<td>$(mebibytes "$baked" file_bytes)"
   rows+="<td>$(seconds "$path" seconds)<td>$(seconds "$field" seconds)"
-  rows+="<td>$(fraction "$field_error" beauty relative_mse)<td>$(fraction "$naive_error" beauty relative_mse)"
+  rows+="<td>$(fraction "$field_error" indirect_diffuse relative_mse)<td>$(fraction "$naive_error" indirect_diffuse relative_mse)"
   rows+="<td>$(fraction "$field_audit" points relative_mse)<td>$(fraction "$naive_audit" points relative_mse)"
   rows+="<td>$(percent "$field_audit" points leak)<td>$(percent "$naive_audit" points leak)"
   rows+="<td>$(percent "$field_audit" rays unresolved)<td>$(percent "$field_audit" rays wrong)"
   rows+=$'\n'
 
-  sections+="<section><h2>$title</h2><p>$text</p><div class=grid>"
+  sections+="<section><h2>$title</h2><p>$text</p><div class=grid style=\"--shape: ${size/x/ / }\">"
   sections+=$(
     figure "$base-path.png" "Path traced" "The reference: $spp paths a pixel, $((bounces + 1)) indirect bounces."
     figure "$base-field.png" "From the field" "Direct light is sampled; everything indirect comes from the probes."
@@ -85,17 +85,17 @@ scene() {
   sections+=$'</div></section>\n'
 }
 
-scene cornell-glossy front 2 256 "Cornell box, glossy" \
+scene cornell-glossy front 448x448 2 160 "Cornell box, glossy" \
   "The classic box with a rough metal block: colour bleeds from the red and green walls onto the white ones, and the block
   shows the room again. Reflections are rays traced through what the probes saw. The specks in the path-traced picture
   are its own noise, light that the block throws onto the ceiling, and count as error of the field." \
   --grid 4x4x4 --radiance-size 256 --irradiance-size 64
-scene two-rooms-sealed dark 1 64 "Two rooms, sealed" \
+scene two-rooms-sealed dark 512x384 1 64 "Two rooms, sealed" \
   "A lit and a dark room, a thin wall between them, seen from the dark one: the true picture is black. Probes of the lit
   room stand just behind the wall, so averaging the nearest probes lets light through. Stored distances tell the field
   which probes see a point, and it stays dark." \
   --radiance-size 512 --irradiance-size 64
-scene labyrinth door 1.5 128 "Labyrinth" \
+scene labyrinth door 512x384 1.5 96 "Labyrinth" \
   "Inner walls cut the space into corridors that are lit around corners. Most probes near a point are behind some wall, and
   some stand inside walls." \
   --radiance-size 512 --irradiance-size 64
@@ -121,15 +121,17 @@ p { max-width: 80ch; margin: 0 0 16px; }
 .grid { display: grid; grid-template-columns: repeat(3, minmax(0, 1fr)); gap: 20px; }
 @media (max-width: 800px) { .grid { grid-template-columns: 1fr; } }
 figure { margin: 0; background: var(--card); border: 1px solid var(--line); border-radius: 8px; overflow: hidden; }
-img { display: block; width: 100%; height: auto; }
+img { display: block; width: 100%; aspect-ratio: var(--shape); object-fit: contain; background: #000; }
 figcaption { padding: 10px 14px 12px; font-size: 15px; color: var(--soft); }
 figcaption b { color: var(--text); }
 .scroll { overflow-x: auto; }
-table { border-collapse: collapse; font-size: 15px; font-variant-numeric: tabular-nums; }
-th, td { padding: 7px 14px; border-bottom: 1px solid var(--line); text-align: right; white-space: nowrap; }
+table { width: 100%; border-collapse: collapse; font-size: 15px; font-variant-numeric: tabular-nums; }
+th, td { padding: 7px 0 7px 14px; border-bottom: 1px solid var(--line); text-align: right; white-space: nowrap; }
+thead tr + tr th { white-space: normal; vertical-align: bottom; }
 th:first-child { text-align: left; padding-left: 0; }
-thead th { font-weight: 600; color: var(--soft); text-align: center; }
-small { color: var(--soft); }
+thead th { font-weight: 600; color: var(--soft); vertical-align: bottom; }
+small { color: var(--soft); font-size: 14px; }
+.scroll { margin-bottom: 16px; }
 </style>
 <main>
 <h1>Octalux</h1>
@@ -138,7 +140,7 @@ on this page was made by <code>octalux</code> on this machine a moment ago.</p>
 <div class="scroll"><table>
 <thead>
 <tr><th rowspan="2">Scene<th rowspan="2">Probes<th rowspan="2">Bake<th rowspan="2">Field<th colspan="2">Rendering<th
-colspan="2">Error of the picture<th colspan="2">Error of irradiance<th colspan="2">Leak<th colspan="2">Traced rays</tr>
+colspan="2">Error of indirect light<th colspan="2">Error of irradiance<th colspan="2">Leak<th colspan="2">Traced rays</tr>
 <tr><th>path<th>field<th>field<th>no visibility<th>field<th>no visibility<th>field<th>no visibility<th>unresolved<th
 >wrong</tr>
 </thead>
@@ -146,8 +148,8 @@ colspan="2">Error of the picture<th colspan="2">Error of irradiance<th colspan="
 HEAD
   printf '%s</tbody>\n</table></div>\n' "$rows"
   cat <<'TEXT'
-<p><small>The error of the picture is its relative mean square error against the path-traced one, sum (a &minus; b)&sup2; /
-sum b&sup2;; it is infinite where the truth is black. Irradiance is compared at 2000 random points of the whole scene against
+<p><small>The error of indirect light is the relative mean square error of the picture's indirect diffuse light against
+the path-traced one, sum (a &minus; b)&sup2; / sum b&sup2;; it is infinite where the truth is black. Irradiance is compared at 2000 random points of the whole scene against
 path tracing; leak is its mean at points that no light reaches, over the mean of the scene. Traced rays are 100&#8239;000
 diffuse and mirror rays through the field against ray casting: unresolved where no probe could tell, wrong where the point
 found is off. Error maps show |a &minus; b| over the reference's mean (over 1 where that is black), from black (equal) to

@@ -128,7 +128,7 @@ figcaption b { color: var(--text); }
 table { width: 100%; border-collapse: collapse; font-size: 15px; font-variant-numeric: tabular-nums; }
 th, td { padding: 7px 0 7px 14px; border-bottom: 1px solid var(--line); text-align: right; white-space: nowrap; }
 thead tr + tr th { white-space: normal; vertical-align: bottom; }
-th:first-child { text-align: left; padding-left: 0; }
+tbody th, thead tr:first-child th:first-child { text-align: left; padding-left: 0; }
 thead th { font-weight: 600; color: var(--soft); vertical-align: bottom; }
 small { color: var(--soft); font-size: 14px; }
 .scroll { margin-bottom: 16px; }

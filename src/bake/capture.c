@@ -8,8 +8,9 @@
 
 enum { SALT_TEXEL = 0x54455845, SALT_CHOICE = 0x43484F49, SALT_SCATTER = 0x53434154 };
 
-// Above this reflectance towards the probe every sample of a texel casts a reflection; below it one does for all.
-static const float strong_reflectance = 0.25f;
+// Above this reflectance towards the probe every sample of a texel casts a reflection; below it one does for all, and below
+// the next one in one texel of two.
+static const float strong_reflectance = 0.25f, weak_reflectance = 0.1f;
 
 static uint32_t texel_index(const olx_capture *c, uint32_t tile, uint32_t i) {
   const uint32_t tiles = c->size / c->tile_side;
@@ -103,11 +104,14 @@ static uint32_t choose_reflections(olx_shade_scratch *scratch, uint32_t first, u
   }
   if (specular == 0) return paths;
   const bool all = strongest > strong_reflectance;
-  uint32_t chosen = olx_hash2(roots->seed[first], SALT_CHOICE) % specular;
+  const uint32_t hash = olx_hash2(roots->seed[first], SALT_CHOICE);
+  const bool weak = strongest < weak_reflectance;
+  if (weak && hash >> 31) return paths;
+  uint32_t chosen = hash % specular;
   for (uint32_t k = first; k < end; k++) {
     if (!olx_bsdf_has_specular(&roots->surface[k].bsdf)) continue;
     if (!all && chosen-- != 0) continue;
-    const float weight = all ? 1.0f : (float)specular;
+    const float weight = all ? 1.0f : weak ? 2.0f * (float)specular : (float)specular;
     scratch->paths[0][paths++] = (olx_shade_path){.root = k, .from = k, .throughput = olx_splat(weight)};
   }
   return paths;
@@ -154,10 +158,9 @@ static void lattice_begin(const olx_capture *c, const olx_shade_scratch *scratch
 }
 
 // Whether irradiance changes little, and smoothly, between two points.
-static bool much_alike(const olx_capture *c, const olx_surface *a, const olx_surface *b) {
+static bool much_alike(const olx_surface *a, const olx_surface *b, float distance) {
   const olx_vec3 step = olx_sub(a->position, b->position);
-  return olx_dot(step, step) < olx_square(c->shade->lattice_distance) &&
-         olx_dot(a->shading_normal, b->shading_normal) > 0.995f;
+  return olx_dot(step, step) < olx_square(distance) && olx_dot(a->shading_normal, b->shading_normal) > 0.995f;
 }
 
 // Interpolates irradiance at point `k` of texel (x, y) of the tile; false when too little around it is alike.
@@ -175,7 +178,7 @@ static bool interpolate(const olx_capture *c, const olx_shade_scratch *scratch, 
     const float weight = (corner & 1 ? fx : 1.0f - fx) * (corner & 2 ? fy : 1.0f - fy);
     const uint32_t at = (j + (corner >> 1)) * l->side + i + (corner & 1);
     if (weight <= 0.0f || l->point[at] == NO_POINT) continue;
-    if (!much_alike(c, &roots->surface[k], &roots->surface[l->point[at]])) continue;
+    if (!much_alike(&roots->surface[k], &roots->surface[l->point[at]], c->shade->lattice_distance)) continue;
     if (!l->known[at]) {
       l->irradiance[at] = olx_shade_irradiance(c->shade, roots, l->point[at], c->bounces - 1);
       l->known[at] = true;
@@ -197,12 +200,18 @@ static void add_diffuse(const olx_capture *c, olx_shade_scratch *scratch, uint32
   }
   lattice l;
   lattice_begin(c, scratch, per_texel, &l);
+  uint32_t last = NO_POINT; // that was looked up off the lattice
+  olx_vec3 last_irradiance = {0};
   for (uint32_t k = 0; k < roots->count; k++) {
     if (olx_max3(roots->diffuse[k]) <= 0.0f) continue;
     const uint32_t i = scratch->slot[k] / per_texel;
     olx_vec3 irradiance;
     if (!interpolate(c, scratch, &l, k, olx_morton_coordinate(i), olx_morton_coordinate(i >> 1), &irradiance)) {
-      irradiance = olx_shade_irradiance(c->shade, roots, k, c->bounces - 1);
+      if (last == NO_POINT || !much_alike(&roots->surface[k], &roots->surface[last], c->shade->share_distance)) {
+        last_irradiance = olx_shade_irradiance(c->shade, roots, k, c->bounces - 1);
+        last = k;
+      }
+      irradiance = last_irradiance;
     }
     roots->radiance[k] = olx_add(roots->radiance[k], olx_mul(roots->diffuse[k], irradiance));
   }

@@ -49,7 +49,7 @@ void olx_shade_batch_begin(olx_shade_batch *batch, uint32_t light_samples) {
 uint32_t olx_shade_append(olx_shade_context *context, olx_shade_batch *batch, const olx_ray_hit *hit,
                           olx_vec3 direction, uint32_t seed, uint32_t sequence) {
   const uint32_t i = batch->count++;
-  batch->surface[i] = olx_surface_at(context->scene, hit, direction);
+  batch->surface[i] = olx_surface_near(context->scene, hit, direction, i > 0 ? &batch->surface[i - 1] : NULL);
   batch->view[i] = olx_negate(direction);
   batch->seed[i] = seed;
   batch->sequence[i] = sequence;

@@ -141,26 +141,48 @@ static olx_vec3 step_inward(const olx_corners *c, olx_vec3 position, float lengt
   return distance > length ? olx_scale(way, length / distance) : way;
 }
 
-olx_surface olx_surface_at(const olx_scene *scene, const olx_ray_hit *hit, olx_vec3 direction) {
+static bool varies_over_triangle(const olx_material *material) {
+  return has_texture(material->base_color_texture) || has_texture(material->metallic_roughness_texture) ||
+         has_texture(material->emission_texture);
+}
+
+olx_surface olx_surface_near(const olx_scene *scene, const olx_ray_hit *hit, olx_vec3 direction,
+                             const olx_surface *previous) {
+  const bool again = previous && previous->triangle == hit->triangle;
   const olx_corners c = corners_of(scene, hit->triangle);
   const uint32_t material_index = scene->material_index[hit->triangle];
   const olx_material *material = &scene->materials[material_index];
   const olx_vec2 uv = uv_at(scene, &c, hit->u, hit->v);
-  const olx_vec3 outward = olx_normalize(olx_cross(olx_sub(c.p1, c.p0), olx_sub(c.p2, c.p0)));
+  olx_vec3 outward;
+  if (again) {
+    outward = previous->back_face ? olx_negate(previous->geometric_normal) : previous->geometric_normal;
+  } else {
+    outward = olx_normalize(olx_cross(olx_sub(c.p1, c.p0), olx_sub(c.p2, c.p0)));
+  }
   const bool back_face = olx_dot(outward, direction) > 0.0f;
   olx_surface surface = {
       .position = interpolate(c.p0, c.p1, c.p2, hit->u, hit->v),
       .geometric_normal = back_face ? olx_negate(outward) : outward,
       .shading_normal = shading_normal(scene, material, &c, hit->u, hit->v, uv, outward, back_face),
       .back_face = back_face,
-      .epsilon = olx_surface_epsilon(scene, hit->triangle),
+      .epsilon = again ? previous->epsilon : olx_surface_epsilon(scene, hit->triangle),
       .triangle = hit->triangle,
       .material = material_index,
   };
   surface.inward = step_inward(&c, surface.position, surface.epsilon);
-  look_up_material(scene, material, uv, &surface);
+  if (again && back_face == previous->back_face && !varies_over_triangle(material)) {
+    surface.bsdf = previous->bsdf;
+    surface.roughness = previous->roughness;
+    surface.emission = previous->emission;
+  } else {
+    look_up_material(scene, material, uv, &surface);
+  }
   if (olx_max3(surface.emission) > 0.0f) surface.area_pdf = olx_emitters_area_pdf(scene, hit->triangle);
   return surface;
+}
+
+olx_surface olx_surface_at(const olx_scene *scene, const olx_ray_hit *hit, olx_vec3 direction) {
+  return olx_surface_near(scene, hit, direction, NULL);
 }
 
 // The point just off the surface, on the side that `direction` points to.

@@ -22,6 +22,10 @@ typedef struct olx_surface {
 // Everything at the hit of a ray with direction `direction` (unit).
 olx_surface olx_surface_at(const olx_scene *scene, const olx_ray_hit *hit, olx_vec3 direction);
 
+// The same, faster when `previous` (may be NULL) lies on the same triangle: what does not vary over it is taken from there.
+olx_surface olx_surface_near(const olx_scene *scene, const olx_ray_hit *hit, olx_vec3 direction,
+                             const olx_surface *previous);
+
 // Whether the triangle's surface is there at those barycentric coordinates (alpha mask).
 bool olx_surface_present(const olx_scene *scene, uint32_t triangle, float u, float v);
 

@@ -67,6 +67,10 @@ XML
 counts=$(python3 "$count" "$work/report.xml" 2>/dev/null)
 [ "$counts" = "16 3 2" ] || { echo "counted $counts"; failed=1; }
 
+# The README's program is one, and within its warnings.
+sed -n '/^```c$/,/^```$/{/^```/!p}' "$OCTALUX_SOURCE_DIR/README.md" >"$work/readme.c"
+[ -s "$work/readme.c" ] && gcc -std=c17 -Wall -Wextra -Wpedantic -Werror -fsyntax-only -I"$OCTALUX_SOURCE_DIR/include" "$work/readme.c" || failed=1
+
 # install-packages.sh with a system made up: which packages are missing, who asks, what is run.
 install=$OCTALUX_SOURCE_DIR/scripts/install-packages.sh
 bash=$(command -v bash)

@@ -18,6 +18,7 @@ typedef struct olx_bake_settings {
   uint32_t samples;         // radiance samples along a texel's side, 1 to 8; default 2 (four a texel)
   uint32_t light_samples;   // shadow rays a radiance sample sends to area lights and to the sky, 1 to 64; default 1
   uint32_t bounces;         // further bounces after direct light, 0 to 64; default 3
+  bool fit;                 // fit irradiance maps to the surfaces they light (docs/baking.md); default true
   uint32_t threads;         // 0: as many as the machine has; the result does not depend on it
   bool measure_embree;      // also time Embree alone on the primary rays, for stats.embree_seconds; default false
 } olx_bake_settings;

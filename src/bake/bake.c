@@ -135,9 +135,11 @@ static olx_result find_buried(bake *b) {
 static olx_result gather_light(bake *b) {
   const uint32_t bounces = b->settings->bounces;
   OLX_TRY(olx_gather_direct(&b->gather));
-  for (uint32_t bounce = 0; bounce < bounces; bounce++) {
+  for (uint32_t bounce = 0; bounce <= bounces; bounce++) {
+    if (bounce > 0) OLX_TRY(olx_gather_bounce(&b->gather, bounce));
+    if (bounce == bounces && !b->settings->fit) break; // the final maps are made when they are written
     OLX_TRY(olx_gather_irradiance(&b->gather, bounce));
-    OLX_TRY(olx_gather_bounce(&b->gather, bounce + 1));
+    if (b->settings->fit) OLX_TRY(olx_gather_fit(&b->gather, bounce));
   }
   return olx_gather_write(&b->gather, b->writer, &b->stats.write_seconds);
 }
@@ -180,6 +182,7 @@ static olx_result run(bake *b) {
   OLX_TRY(olx_capture_create(&b->capture));
   b->stats.primary_rays = b->counts[0] * olx_capture_units(&b->capture);
   b->task.total_units = olx_gather_units(&b->gather, s->bounces) + b->stats.primary_rays;
+  if (s->fit) b->task.total_units += olx_surface_fit_units(b->counts[1]);
   OLX_TRY(find_buried(b));
   OLX_TRY(gather_light(b));
   return capture_probes(b);

@@ -252,6 +252,46 @@ olx_result olx_gather_irradiance(olx_gather *gather, uint32_t bounce) {
   return OLX_OK;
 }
 
+static olx_vec3 corrected(const olx_gather *gather, uint32_t probe, uint32_t x, uint32_t y, uint32_t n, olx_vec3 value) {
+  const olx_vec2 uv = {((float)x + 0.5f) / (float)n, ((float)y + 0.5f) / (float)n};
+  return olx_max_each(olx_add(value, olx_surface_fit_correction(gather->fit, probe, uv)), olx_splat(0.0f));
+}
+
+static void correct_job(void *user, uint32_t probe) {
+  const olx_gather *gather = user;
+  const uint32_t n = gather->map_size, stride = n + 2;
+  olx_vec3 *map = bounce_maps(gather, gather->bounce) + probe * bordered(n);
+  for (uint32_t y = 0; y < n; y++) {
+    for (uint32_t x = 0; x < n; x++) {
+      olx_vec3 *texel = &map[(y + 1) * stride + x + 1];
+      *texel = corrected(gather, probe, x, y, n, *texel);
+    }
+  }
+  fill_border(map, n, sizeof(olx_vec3));
+}
+
+static const olx_irradiance_source *source_of(const olx_gather *gather, uint32_t bounce) {
+  return &gather->shade->irradiance[bounce % (OLX_KEPT_BOUNCES + 1)];
+}
+
+olx_result olx_gather_fit(olx_gather *gather, uint32_t bounce) {
+  if (!gather->fit) {
+    olx_task_stage(gather->task, "surfaces");
+    const olx_surface_fit_input input = {.shade = gather->shade,
+                                         .positions = gather->positions,
+                                         .flags = gather->flags,
+                                         .probe_count = gather->probe_count,
+                                         .threads = gather->threads,
+                                         .hits = gather->hits,
+                                         .hit_count = gather_points(&gather->quadrature),
+                                         .task = gather->task};
+    OLX_TRY(olx_surface_fit_create(&input, source_of(gather, bounce), &gather->fit));
+  }
+  gather->bounce = bounce;
+  OLX_TRY(olx_surface_fit_solve(gather->fit, source_of(gather, bounce), bounce));
+  return olx_parallel_for(gather->probe_count, gather->threads, correct_job, gather, gather->task, 0);
+}
+
 static void final_job(void *user, uint32_t row) {
   const olx_gather *gather = user;
   const uint32_t n = gather->quadrature.irradiance_size;
@@ -269,7 +309,8 @@ olx_result olx_gather_write(olx_gather *gather, olx_field_writer *writer, double
     result = olx_parallel_for(n / OLX_BLOCK_ROWS, gather->threads, final_job, gather, gather->task, 0);
     if (result != OLX_OK) break;
     const olx_vec2 *moments = gather->moments + probe * bordered(n) + n + 3;
-    for (size_t i = 0; i < texels; i++) {
+    for (uint32_t i = 0; i < texels; i++) {
+      if (gather->fit) gather->irradiance[i] = corrected(gather, probe, i % n, i / n, n, gather->irradiance[i]);
       const olx_vec2 m = moments[i / n * (n + 2) + i % n];
       packed[i] = olx_r11g11b10f_pack(gather->irradiance[i]);
       packed[texels + i] = olx_half_pack(m.x) | (uint32_t)olx_half_pack(m.y) << 16;
@@ -295,7 +336,7 @@ olx_result olx_gather_create(olx_gather *gather, const olx_grid *grid, uint32_t 
   gather->irradiance = olx_allocate((size_t)irradiance_size * irradiance_size, sizeof *gather->irradiance);
   bool complete = gather->hits && gather->direct && gather->distances && gather->moments && gather->irradiance &&
                   (bounces == 0 || gather->total);
-  for (uint32_t k = 0; k < bounces && k <= OLX_KEPT_BOUNCES; k++) {
+  for (uint32_t k = 0; k <= bounces && k <= OLX_KEPT_BOUNCES; k++) {
     gather->maps[k] = olx_allocate(probes * bordered(gather->map_size), sizeof(olx_vec3));
     complete = complete && gather->maps[k];
     gather->shade->irradiance[k] = (olx_irradiance_source){.grid = *grid,
@@ -313,6 +354,7 @@ olx_result olx_gather_create(olx_gather *gather, const olx_grid *grid, uint32_t 
 
 void olx_gather_free(olx_gather *gather) {
   olx_quadrature_free(&gather->quadrature);
+  olx_surface_fit_free(gather->fit);
   olx_release(gather->hits);
   olx_release(gather->direct);
   olx_release(gather->total);

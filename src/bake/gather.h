@@ -4,6 +4,7 @@
 
 #include "bake/quadrature.h"
 #include "bake/shade_batch.h"
+#include "bake/surface_fit.h"
 #include "core/parallel.h"
 #include "field/field_writer.h"
 
@@ -27,6 +28,7 @@ typedef struct olx_gather {
   uint32_t probe;                       // that is worked on, in loops over the parts of one
   uint32_t bounce;
   olx_vec3 *irradiance; // one probe's final map
+  olx_surface_fit *fit; // NULL until the first olx_gather_fit
 } olx_gather;
 
 // Everything but the tables and maps is the caller's to fill. `bounces` is the number of the last bounce.
@@ -42,7 +44,9 @@ olx_result olx_gather_direct(olx_gather *gather);
 olx_result olx_gather_bounce(olx_gather *gather, uint32_t bounce);
 // The irradiance of bounce `bounce`, for the next to gather from and for shading.
 olx_result olx_gather_irradiance(olx_gather *gather, uint32_t bounce);
-// The final maps, to the file.
+// Fits the irradiance of bounce `bounce`, made before, to the surfaces.
+olx_result olx_gather_fit(olx_gather *gather, uint32_t bounce);
+// The final maps, corrected by the last fit, to the file.
 olx_result olx_gather_write(olx_gather *gather, olx_field_writer *writer, double *write_seconds);
 
 #endif

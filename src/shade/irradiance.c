@@ -13,14 +13,13 @@ typedef struct surface_point {
   olx_vec3 position, normal, view;
 } surface_point;
 
-static olx_vec3 map_irradiance(const olx_irradiance_source *s, uint32_t probe, olx_vec3 direction) {
-  const olx_bilinear b = olx_bilinear_at(olx_octahedral_encode(direction), s->irradiance_n);
+static olx_vec3 map_irradiance(const olx_irradiance_source *s, uint32_t probe, const olx_bilinear *b) {
   const size_t offset = (size_t)(s->irradiance_n + 2) * (s->irradiance_n + 2) * probe;
   olx_vec3 sum = {0};
   for (uint32_t i = 0; i < 4; i++) {
-    const olx_vec3 value = s->packed_irradiance ? olx_r11g11b10f_unpack(s->packed_irradiance[offset + b.index[i]])
-                                                : s->irradiance[offset + b.index[i]];
-    sum = olx_madd(sum, value, b.weight[i]);
+    const olx_vec3 value = s->packed_irradiance ? olx_r11g11b10f_unpack(s->packed_irradiance[offset + b->index[i]])
+                                                : s->irradiance[offset + b->index[i]];
+    sum = olx_madd(sum, value, b->weight[i]);
   }
   return sum;
 }
@@ -100,44 +99,63 @@ static bool nearest_visible(const olx_irradiance_source *s, uint32_t terms, bool
   return nearest_distance < INFINITY;
 }
 
-// What interpolation yields where the cage sees too little of the point: the nearest visible probe, or, with none, the
-// plain mean of the cage.
-static olx_vec3 irradiance_from_afar(const olx_irradiance_source *s, uint32_t terms, bool keep_buried,
-                                     const surface_point *p, const olx_cage *cage) {
+// Fills the rest of the weight where the cage sees too little of the point: by the nearest visible probe, or, with none, by
+// all of the cage alike.
+static void add_from_afar(const olx_irradiance_source *s, uint32_t terms, bool keep_buried, const surface_point *p,
+                          const olx_cage *cage, float rest, olx_irradiance_weights *weights) {
   uint32_t nearest = 0;
-  if (nearest_visible(s, terms, keep_buried, p, cage, &nearest)) return map_irradiance(s, nearest, p->normal);
-  olx_vec3 sum = {0};
-  float count = 0.0f;
+  if (nearest_visible(s, terms, keep_buried, p, cage, &nearest)) {
+    weights->probe[weights->count] = nearest;
+    weights->weight[weights->count++] = rest;
+    return;
+  }
+  const uint32_t first = weights->count;
   for (uint32_t corner = 0; corner < 8; corner++) {
     if (!olx_cage_has(cage, corner)) continue;
     const uint32_t probe = olx_cage_probe(&s->grid, cage, corner);
     if (!keep_buried && s->flags[probe] & OLX_PROBE_BURIED) continue;
-    sum = olx_add(sum, map_irradiance(s, probe, p->normal));
-    count += 1.0f;
+    weights->probe[weights->count++] = probe;
   }
-  return count > 0.0f ? olx_scale(sum, 1.0f / count) : sum;
+  const float share = rest / (float)(weights->count - first);
+  for (uint32_t i = first; i < weights->count; i++) weights->weight[i] = share;
 }
 
-olx_vec3 olx_irradiance_terms(const olx_irradiance_source *s, uint32_t terms, bool keep_buried, olx_vec3 position,
-                              olx_vec3 normal, olx_vec3 view) {
+olx_irradiance_weights olx_irradiance_weigh(const olx_irradiance_source *s, uint32_t terms, bool keep_buried,
+                                            olx_vec3 position, olx_vec3 normal, olx_vec3 view) {
   const surface_point p = {position, normal, view};
   const olx_cage cage = olx_cage_at(&s->grid, position);
-  olx_vec3 sum = {0};
-  float weights = 0.0f;
+  olx_irradiance_weights weights = {.count = 0};
+  float sum = 0.0f;
   for (uint32_t corner = 0; corner < 8; corner++) {
     if (!olx_cage_has(&cage, corner)) continue;
     const uint32_t probe = olx_cage_probe(&s->grid, &cage, corner);
     if (!keep_buried && s->flags[probe] & OLX_PROBE_BURIED) continue;
     const olx_vec3 from_probe = olx_sub(position, olx_grid_position(&s->grid, probe));
     const float trilinear = terms & OLX_WEIGHT_TRILINEAR ? olx_cage_weight(&cage, corner) : 1.0f;
+    if (trilinear <= 0.0f) continue;
     const float weight = trilinear * probe_weight(s, terms, probe, from_probe, &p);
     if (weight <= 0.0f) continue;
-    sum = olx_madd(sum, map_irradiance(s, probe, normal), weight);
-    weights += weight;
+    weights.probe[weights.count] = probe;
+    weights.weight[weights.count++] = weight;
+    sum += weight;
   }
-  if (weights >= TRUSTED_WEIGHT) return olx_scale(sum, 1.0f / weights);
-  const olx_vec3 afar = irradiance_from_afar(s, terms, keep_buried, &p, &cage);
-  return olx_add(olx_scale(sum, 1.0f / TRUSTED_WEIGHT), olx_scale(afar, 1.0f - weights / TRUSTED_WEIGHT));
+  const float scale = 1.0f / olx_max(sum, TRUSTED_WEIGHT);
+  for (uint32_t i = 0; i < weights.count; i++) weights.weight[i] *= scale;
+  if (sum < TRUSTED_WEIGHT) {
+    add_from_afar(s, terms, keep_buried, &p, &cage, 1.0f - sum / TRUSTED_WEIGHT, &weights);
+  }
+  return weights;
+}
+
+olx_vec3 olx_irradiance_terms(const olx_irradiance_source *s, uint32_t terms, bool keep_buried, olx_vec3 position,
+                              olx_vec3 normal, olx_vec3 view) {
+  const olx_irradiance_weights weights = olx_irradiance_weigh(s, terms, keep_buried, position, normal, view);
+  const olx_bilinear texels = olx_bilinear_at(olx_octahedral_encode(normal), s->irradiance_n);
+  olx_vec3 sum = {0};
+  for (uint32_t i = 0; i < weights.count; i++) {
+    sum = olx_madd(sum, map_irradiance(s, weights.probe[i], &texels), weights.weight[i]);
+  }
+  return sum;
 }
 
 olx_vec3 olx_irradiance_from(const olx_irradiance_source *source, const olx_sample_settings *settings,

@@ -35,6 +35,16 @@ enum {
 olx_vec3 olx_irradiance_from(const olx_irradiance_source *source, const olx_sample_settings *settings,
                              olx_vec3 position, olx_vec3 normal, olx_vec3 view);
 
+// The probes that answer for a point, and their weights, which sum to 1 (to 0 when every probe there is buried).
+typedef struct olx_irradiance_weights {
+  uint32_t count;
+  uint32_t probe[16];
+  float weight[16];
+} olx_irradiance_weights;
+
+olx_irradiance_weights olx_irradiance_weigh(const olx_irradiance_source *source, uint32_t terms, bool keep_buried,
+                                            olx_vec3 position, olx_vec3 normal, olx_vec3 view);
+
 // The same with a choice of terms.
 olx_vec3 olx_irradiance_terms(const olx_irradiance_source *source, uint32_t terms, bool keep_buried, olx_vec3 position,
                               olx_vec3 normal, olx_vec3 view);

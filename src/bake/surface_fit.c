@@ -1,0 +1,342 @@
+#include "bake/surface_fit.h"
+
+#include "core/hooks.h"
+#include "core/result.h"
+#include "core/sampling.h"
+
+#include <string.h>
+
+enum {
+  POINTS_PER_PROBE = 512,
+  RAYS_PER_POINT = 64,
+  POINTS_PER_JOB = OLX_BATCH_POINTS / RAYS_PER_POINT,
+  CG_ITERATIONS = 48,
+  MAX_TAPS = 16, // probes that answer for a point
+  SALT_POINT = 0x46495450,
+  SALT_RAY = 0x46495452
+};
+
+// Weights of the penalties on a correction's size and on its differences between neighbouring directions, relative to
+// the surface points a probe answers for on average.
+static const float SIZE_PENALTY = 2e-4f;
+static const float SMOOTHNESS_PENALTY = 1e-3f;
+
+// A surface point, its measured irradiance and how it is interpolated.
+typedef struct fit_point {
+  olx_vec3 position, normal; // moved off the surface
+  olx_vec3 direct;           // irradiance from surfaces that carry direct light alone
+  olx_vec3 residual;         // measured less interpolated irradiance
+  olx_irradiance_weights weights;
+  uint32_t cell[4]; // of the correction, around the normal
+  float cell_weight[4];
+  bool valid;
+} fit_point;
+
+struct olx_surface_fit {
+  olx_surface_fit_input input;
+  uint32_t point_count;
+  fit_point *points;
+  olx_ray_hit *hits; // RAYS_PER_POINT a point
+  const olx_irradiance_source *source;
+  uint32_t bounce;
+  size_t unknowns; // OLX_FIT_CELLS a probe
+  olx_vec3 *solution, *gradient, *direction, *product;
+};
+
+static uint32_t jobs_of(const olx_surface_fit *fit) { return fit->point_count / POINTS_PER_JOB; }
+
+uint64_t olx_surface_fit_units(uint32_t probe_count) {
+  return (uint64_t)probe_count * POINTS_PER_PROBE * RAYS_PER_POINT;
+}
+
+// A ray from a surface into the half space it faces, cosine distributed.
+static olx_ray scattered_ray(const olx_surface *surface, uint32_t index, uint32_t seed) {
+  const olx_vec3 local = olx_sample_cosine(olx_stratified2(index, seed));
+  return olx_surface_ray(surface, olx_normalize(olx_from_basis(local, surface->geometric_normal)), INFINITY);
+}
+
+// Draws a surface point: what a ray scattered from a surface that the probe sees meets. Surfaces are met about evenly by
+// area, also those that no probe sees.
+static bool draw_point(const olx_surface_fit *fit, uint32_t index, olx_surface *surface) {
+  const olx_surface_fit_input *in = &fit->input;
+  const uint32_t probe = index / POINTS_PER_PROBE, i = index % POINTS_PER_PROBE;
+  if (in->flags[probe] & OLX_PROBE_BURIED) return false;
+  const uint32_t step = in->hit_count / POINTS_PER_PROBE;
+  const uint32_t at = i * step + olx_hash3(probe, i, SALT_POINT) % step;
+  const olx_ray_hit *seen = &in->hits[(size_t)probe * in->hit_count + at];
+  if (seen->triangle == OLX_NO_HIT) return false;
+  olx_surface first;
+  {
+    // The gather point's side is the one that faces the probe.
+    const olx_surface any = olx_surface_at(in->shade->scene, seen, olx_v3(0.0f, 1.0f, 0.0f));
+    const olx_vec3 view = olx_normalize(olx_sub(any.position, in->positions[probe]));
+    first = olx_surface_at(in->shade->scene, seen, view);
+  }
+  const olx_ray ray = scattered_ray(&first, i, olx_hash2(probe, SALT_POINT));
+  const olx_ray_hit hit = olx_bvh_intersect(in->shade->scene->bvh, &ray);
+  if (hit.triangle == OLX_NO_HIT) return false;
+  *surface = olx_surface_at(in->shade->scene, &hit, ray.direction);
+  return olx_max3(surface->emission) <= 0.0f && olx_max3(surface->bsdf.albedo) > 0.0f;
+}
+
+static void place_point(const olx_surface_fit *fit, const olx_surface *surface, fit_point *point) {
+  point->valid = true;
+  point->position = olx_madd(surface->position, surface->geometric_normal, surface->epsilon);
+  point->normal = surface->geometric_normal;
+  point->weights = olx_irradiance_weigh(fit->source, OLX_WEIGHT_ALL, false, point->position, point->normal, point->normal);
+  const olx_vec2 uv = olx_octahedral_encode(point->normal);
+  const float x = uv.x * OLX_FIT_SIDE - 0.5f, y = uv.y * OLX_FIT_SIDE - 0.5f;
+  const int32_t x0 = (int32_t)floorf(x), y0 = (int32_t)floorf(y);
+  const float fx = x - (float)x0, fy = y - (float)y0;
+  for (int32_t k = 0; k < 4; k++) {
+    int32_t sx, sy;
+    olx_border_source(x0 + (k & 1), y0 + (k >> 1), OLX_FIT_SIDE, &sx, &sy);
+    point->cell[k] = (uint32_t)(sy * OLX_FIT_SIDE + sx);
+    point->cell_weight[k] = (k & 1 ? fx : 1.0f - fx) * (k >> 1 ? fy : 1.0f - fy);
+  }
+}
+
+static uint32_t ray_seed(uint32_t point) { return olx_hash2(point, SALT_RAY); }
+
+// Appends the surfaces that a point's rays met to the batch.
+static void append_hits(const olx_surface_fit *fit, uint32_t index, olx_shade_scratch *scratch) {
+  const fit_point *point = &fit->points[index];
+  for (uint32_t j = 0; j < RAYS_PER_POINT; j++) {
+    const olx_ray_hit *hit = &fit->hits[(size_t)index * RAYS_PER_POINT + j];
+    if (hit->triangle == OLX_NO_HIT) continue;
+    const olx_vec3 local = olx_sample_cosine(olx_stratified2(j, ray_seed(index)));
+    const olx_vec3 direction = olx_normalize(olx_from_basis(local, point->normal));
+    const uint32_t root =
+        olx_shade_append(fit->input.shade, &scratch->roots, hit, direction, olx_hash2(ray_seed(index), j), 0);
+    scratch->slot[root] = index;
+  }
+}
+
+// Draws the points of one job, casts their rays, and sums the light of surfaces that carry direct light.
+static void cast_job(void *user, uint32_t job) {
+  olx_surface_fit *fit = user;
+  const uint32_t first = job * POINTS_PER_JOB;
+  olx_shade_scratch *scratch = olx_shade_scratch_take(fit->input.shade);
+  if (!scratch) return;
+  olx_shade_batch_begin(&scratch->roots, 1);
+  for (uint32_t index = first; index < first + POINTS_PER_JOB; index++) {
+    fit_point *point = &fit->points[index];
+    olx_surface surface;
+    *point = (fit_point){.valid = false};
+    if (!draw_point(fit, index, &surface)) continue;
+    place_point(fit, &surface, point);
+    for (uint32_t j = 0; j < RAYS_PER_POINT; j++) scratch->rays[j] = scattered_ray(&surface, j, ray_seed(index));
+    olx_bvh_intersect_many(fit->input.shade->scene->bvh, scratch->rays, RAYS_PER_POINT, false,
+                           fit->hits + (size_t)index * RAYS_PER_POINT);
+    append_hits(fit, index, scratch);
+  }
+  atomic_fetch_add_explicit(&fit->input.shade->rays, OLX_BATCH_POINTS, memory_order_relaxed);
+  olx_shade_direct(fit->input.shade, scratch, &scratch->roots);
+  for (uint32_t k = 0; k < scratch->roots.count; k++) {
+    fit_point *point = &fit->points[scratch->slot[k]];
+    point->direct = olx_madd(point->direct, scratch->roots.radiance[k], OLX_PI / RAYS_PER_POINT);
+  }
+  olx_shade_scratch_give(fit->input.shade, scratch);
+}
+
+static void interpolate(const olx_surface_fit *fit, fit_point *point, olx_vec3 measured) {
+  const olx_irradiance_source *source = fit->source;
+  const olx_bilinear texels = olx_bilinear_at(olx_octahedral_encode(point->normal), source->irradiance_n);
+  const size_t map = (size_t)(source->irradiance_n + 2) * (source->irradiance_n + 2);
+  olx_vec3 sum = {0};
+  for (uint32_t k = 0; k < point->weights.count; k++) {
+    const olx_vec3 *texel = source->irradiance + map * point->weights.probe[k];
+    for (uint32_t i = 0; i < 4; i++) {
+      sum = olx_madd(sum, texel[texels.index[i]], texels.weight[i] * point->weights.weight[k]);
+    }
+  }
+  point->residual = olx_sub(measured, sum);
+}
+
+// Measures the irradiance of a job's points with the light of the bounces before, and what interpolation misses of it.
+static void measure_job(void *user, uint32_t job) {
+  olx_surface_fit *fit = user;
+  const uint32_t first = job * POINTS_PER_JOB;
+  olx_shade_scratch *scratch = olx_shade_scratch_take(fit->input.shade);
+  if (!scratch) return;
+  uint32_t reflections = 0;
+  olx_shade_batch_begin(&scratch->roots, 1);
+  olx_vec3 measured[POINTS_PER_JOB];
+  for (uint32_t i = 0; i < POINTS_PER_JOB; i++) {
+    measured[i] = fit->points[first + i].direct;
+    if (fit->bounce > 0 && fit->points[first + i].valid) append_hits(fit, first + i, scratch);
+  }
+  if (fit->bounce > 0) {
+    for (uint32_t k = 0; k < scratch->roots.count; k++) {
+      if (!olx_bsdf_has_specular(&scratch->roots.surface[k].bsdf)) continue;
+      scratch->paths[0][reflections++] = (olx_shade_path){.root = k, .from = k, .throughput = olx_splat(1.0f)};
+    }
+    olx_shade_diffuse(fit->input.shade, &scratch->roots, fit->bounce - 1);
+    olx_shade_reflections(fit->input.shade, scratch, reflections, fit->bounce, OLX_REFLECT_BOUNCES);
+    for (uint32_t k = 0; k < scratch->roots.count; k++) {
+      olx_vec3 *sum = &measured[scratch->slot[k] - first];
+      *sum = olx_madd(*sum, scratch->roots.radiance[k], OLX_PI / RAYS_PER_POINT);
+    }
+  }
+  for (uint32_t i = 0; i < POINTS_PER_JOB; i++) {
+    if (fit->points[first + i].valid) interpolate(fit, &fit->points[first + i], measured[i]);
+  }
+  olx_shade_scratch_give(fit->input.shade, scratch);
+}
+
+// What a correction adds at a point.
+static olx_vec3 predict(const fit_point *point, const olx_vec3 *correction) {
+  olx_vec3 sum = {0};
+  for (uint32_t k = 0; k < point->weights.count; k++) {
+    const olx_vec3 *cells = correction + (size_t)point->weights.probe[k] * OLX_FIT_CELLS;
+    for (uint32_t i = 0; i < 4; i++) {
+      sum = olx_madd(sum, cells[point->cell[i]], point->weights.weight[k] * point->cell_weight[i]);
+    }
+  }
+  return sum;
+}
+
+// Adds a point's value to the unknowns it depends on: the transpose of predict.
+static void scatter(const fit_point *point, olx_vec3 value, olx_vec3 *unknowns) {
+  for (uint32_t k = 0; k < point->weights.count; k++) {
+    olx_vec3 *cells = unknowns + (size_t)point->weights.probe[k] * OLX_FIT_CELLS;
+    for (uint32_t i = 0; i < 4; i++) {
+      olx_vec3 *cell = &cells[point->cell[i]];
+      *cell = olx_madd(*cell, value, point->weights.weight[k] * point->cell_weight[i]);
+    }
+  }
+}
+
+// The penalties' part of the normal equations.
+static void penalize(const olx_vec3 *x, olx_vec3 *product) {
+  for (int32_t cy = 0; cy < OLX_FIT_SIDE; cy++) {
+    for (int32_t cx = 0; cx < OLX_FIT_SIDE; cx++) {
+      const size_t c = (size_t)(cy * OLX_FIT_SIDE + cx);
+      product[c] = olx_madd(product[c], x[c], SIZE_PENALTY * POINTS_PER_PROBE);
+      for (int32_t axis = 0; axis < 2; axis++) {
+        int32_t sx, sy;
+        olx_border_source(cx + (axis == 0), cy + (axis == 1), OLX_FIT_SIDE, &sx, &sy);
+        const size_t next = (size_t)(sy * OLX_FIT_SIDE + sx);
+        const olx_vec3 step = olx_scale(olx_sub(x[c], x[next]), SMOOTHNESS_PENALTY * POINTS_PER_PROBE);
+        product[c] = olx_add(product[c], step);
+        product[next] = olx_sub(product[next], step);
+      }
+    }
+  }
+}
+
+static void multiply(const olx_surface_fit *fit, const olx_vec3 *x, olx_vec3 *product) {
+  memset(product, 0, fit->unknowns * sizeof *product);
+  for (uint32_t i = 0; i < fit->point_count; i++) {
+    if (fit->points[i].valid) scatter(&fit->points[i], predict(&fit->points[i], x), product);
+  }
+  for (size_t probe = 0; probe < fit->input.probe_count; probe++) {
+    penalize(x + probe * OLX_FIT_CELLS, product + probe * OLX_FIT_CELLS);
+  }
+}
+
+typedef struct dot3 {
+  double x, y, z;
+} dot3;
+
+static dot3 dot_each(const olx_vec3 *a, const olx_vec3 *b, size_t count) {
+  dot3 sum = {0.0, 0.0, 0.0};
+  for (size_t i = 0; i < count; i++) {
+    sum.x += (double)a[i].x * (double)b[i].x;
+    sum.y += (double)a[i].y * (double)b[i].y;
+    sum.z += (double)a[i].z * (double)b[i].z;
+  }
+  return sum;
+}
+
+static olx_vec3 ratio(dot3 a, dot3 b) {
+  return olx_v3(b.x > 0.0 ? (float)(a.x / b.x) : 0.0f, b.y > 0.0 ? (float)(a.y / b.y) : 0.0f,
+                b.z > 0.0 ? (float)(a.z / b.z) : 0.0f);
+}
+
+// Conjugate gradients on the normal equations, each colour channel on its own.
+static void solve(olx_surface_fit *fit) {
+  const size_t bytes = fit->unknowns * sizeof(olx_vec3);
+  memset(fit->solution, 0, bytes);
+  memset(fit->gradient, 0, bytes);
+  for (uint32_t i = 0; i < fit->point_count; i++) {
+    if (fit->points[i].valid) scatter(&fit->points[i], fit->points[i].residual, fit->gradient);
+  }
+  memcpy(fit->direction, fit->gradient, bytes);
+  dot3 norm = dot_each(fit->gradient, fit->gradient, fit->unknowns);
+  for (uint32_t iteration = 0; iteration < CG_ITERATIONS; iteration++) {
+    multiply(fit, fit->direction, fit->product);
+    const olx_vec3 step = ratio(norm, dot_each(fit->direction, fit->product, fit->unknowns));
+    for (size_t i = 0; i < fit->unknowns; i++) {
+      fit->solution[i] = olx_add(fit->solution[i], olx_mul(step, fit->direction[i]));
+      fit->gradient[i] = olx_sub(fit->gradient[i], olx_mul(step, fit->product[i]));
+    }
+    const dot3 next = dot_each(fit->gradient, fit->gradient, fit->unknowns);
+    const olx_vec3 keep = ratio(next, norm);
+    norm = next;
+    for (size_t i = 0; i < fit->unknowns; i++) {
+      fit->direction[i] = olx_add(fit->gradient[i], olx_mul(keep, fit->direction[i]));
+    }
+  }
+}
+
+static olx_result check_memory(const olx_surface_fit *fit) {
+  if (!atomic_load(&fit->input.shade->out_of_memory)) return OLX_OK;
+  return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for the work of a thread");
+}
+
+olx_result olx_surface_fit_create(const olx_surface_fit_input *input, const olx_irradiance_source *source,
+                                  olx_surface_fit **out) {
+  olx_surface_fit *fit = olx_allocate_zero(1, sizeof *fit);
+  *out = fit;
+  if (!fit) return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory");
+  fit->input = *input;
+  fit->source = source;
+  fit->point_count = input->probe_count * POINTS_PER_PROBE;
+  fit->unknowns = (size_t)input->probe_count * OLX_FIT_CELLS;
+  fit->points = olx_allocate(fit->point_count, sizeof *fit->points);
+  fit->hits = olx_allocate((size_t)fit->point_count * RAYS_PER_POINT, sizeof *fit->hits);
+  fit->solution = olx_allocate_zero(fit->unknowns, sizeof(olx_vec3));
+  fit->gradient = olx_allocate(fit->unknowns, sizeof(olx_vec3));
+  fit->direction = olx_allocate(fit->unknowns, sizeof(olx_vec3));
+  fit->product = olx_allocate(fit->unknowns, sizeof(olx_vec3));
+  if (!fit->points || !fit->hits || !fit->solution || !fit->gradient || !fit->direction || !fit->product) {
+    return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for fitting %u irradiance probes", input->probe_count);
+  }
+  OLX_TRY(olx_parallel_for(jobs_of(fit), input->threads, cast_job, fit, input->task, OLX_BATCH_POINTS));
+  return check_memory(fit);
+}
+
+void olx_surface_fit_free(olx_surface_fit *fit) {
+  if (!fit) return;
+  olx_release(fit->points);
+  olx_release(fit->hits);
+  olx_release(fit->solution);
+  olx_release(fit->gradient);
+  olx_release(fit->direction);
+  olx_release(fit->product);
+  olx_release(fit);
+}
+
+olx_result olx_surface_fit_solve(olx_surface_fit *fit, const olx_irradiance_source *source, uint32_t bounce) {
+  fit->source = source;
+  fit->bounce = bounce;
+  OLX_TRY(olx_parallel_for(jobs_of(fit), fit->input.threads, measure_job, fit, fit->input.task, 0));
+  OLX_TRY(check_memory(fit));
+  solve(fit);
+  return OLX_OK;
+}
+
+olx_vec3 olx_surface_fit_correction(const olx_surface_fit *fit, uint32_t probe, olx_vec2 uv) {
+  const float x = uv.x * OLX_FIT_SIDE - 0.5f, y = uv.y * OLX_FIT_SIDE - 0.5f;
+  const int32_t x0 = (int32_t)floorf(x), y0 = (int32_t)floorf(y);
+  const float fx = x - (float)x0, fy = y - (float)y0;
+  olx_vec3 sum = {0};
+  for (int32_t k = 0; k < 4; k++) {
+    int32_t sx, sy;
+    olx_border_source(x0 + (k & 1), y0 + (k >> 1), OLX_FIT_SIDE, &sx, &sy);
+    const olx_vec3 cell = fit->solution[(size_t)probe * OLX_FIT_CELLS + (size_t)(sy * OLX_FIT_SIDE + sx)];
+    sum = olx_madd(sum, cell, (k & 1 ? fx : 1.0f - fx) * (k >> 1 ? fy : 1.0f - fy));
+  }
+  return sum;
+}

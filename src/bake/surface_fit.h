@@ -1,0 +1,44 @@
+// Fitting irradiance maps to the surfaces they will light.
+//
+// Irradiance that is interpolated between probes misses what happens between them: a wall near a corner gets less light than
+// the probes in front of it. The baker has the surfaces, so it measures irradiance at points on them and adds to each
+// probe's map the correction, smooth in direction, with which interpolation by the runtime's own weights comes closest in
+// the least-squares sense. Reading costs the same; in directions that no surface faces a map keeps its exact irradiance.
+#ifndef OLX_BAKE_SURFACE_FIT_H
+#define OLX_BAKE_SURFACE_FIT_H
+
+#include "bake/shade_batch.h"
+#include "core/parallel.h"
+
+enum { OLX_FIT_SIDE = 8, OLX_FIT_CELLS = OLX_FIT_SIDE * OLX_FIT_SIDE };
+
+typedef struct olx_surface_fit olx_surface_fit;
+
+// Everything the fit needs of the gather: `hits` are `hit_count` surface points that each probe sees.
+typedef struct olx_surface_fit_input {
+  olx_shade_context *shade;
+  const olx_vec3 *positions;
+  const uint8_t *flags;
+  uint32_t probe_count, threads;
+  const olx_ray_hit *hits;
+  uint32_t hit_count;
+  olx_task *task;
+} olx_surface_fit_input;
+
+// Draws points on surfaces and casts the rays that will measure irradiance there. `source` gives the weights of
+// interpolation; its moments must be filled.
+olx_result olx_surface_fit_create(const olx_surface_fit_input *input, const olx_irradiance_source *source,
+                                  olx_surface_fit **fit);
+void olx_surface_fit_free(olx_surface_fit *fit);
+
+// Units of progress of one creation, in rays.
+uint64_t olx_surface_fit_units(uint32_t probe_count);
+
+// The corrections of `source`, float irradiance maps of bounce `bounce` (0: direct light alone), measured with the light of
+// the bounces before.
+olx_result olx_surface_fit_solve(olx_surface_fit *fit, const olx_irradiance_source *source, uint32_t bounce);
+
+// The correction that was solved last, for a direction of a probe's map.
+olx_vec3 olx_surface_fit_correction(const olx_surface_fit *fit, uint32_t probe, olx_vec2 uv);
+
+#endif

@@ -18,8 +18,8 @@ enum {
 
 // Weights of the penalties on a correction's size and on its differences between neighbouring directions, relative to
 // the surface points a probe answers for on average.
-static const float SIZE_PENALTY = 2e-4f;
-static const float SMOOTHNESS_PENALTY = 1e-3f;
+static const float SIZE_PENALTY = 1e-4f;
+static const float SMOOTHNESS_PENALTY = 3e-4f;
 
 // A surface point, its measured irradiance and how it is interpolated.
 typedef struct fit_point {

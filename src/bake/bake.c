@@ -30,7 +30,7 @@ typedef struct bake {
 
 olx_bake_settings olx_bake_settings_default(const olx_scene *scene) {
   olx_bake_settings settings = {
-      .radiance_size = 1024, .irradiance_size = 128, .samples = 2, .light_samples = 1, .bounces = 3};
+      .radiance_size = 1024, .irradiance_size = 128, .samples = 2, .light_samples = 1, .bounces = 3, .fit = true};
   if (olx_scene_probe_grid(scene, NULL, &settings.grid) != OLX_OK) settings.grid = (olx_grid){0};
   settings.irradiance_grid = settings.grid;
   return settings;

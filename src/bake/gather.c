@@ -252,7 +252,8 @@ olx_result olx_gather_irradiance(olx_gather *gather, uint32_t bounce) {
   return OLX_OK;
 }
 
-static olx_vec3 corrected(const olx_gather *gather, uint32_t probe, uint32_t x, uint32_t y, uint32_t n, olx_vec3 value) {
+static olx_vec3 corrected(const olx_gather *gather, uint32_t probe, uint32_t x, uint32_t y, uint32_t n,
+                          olx_vec3 value) {
   const olx_vec2 uv = {((float)x + 0.5f) / (float)n, ((float)y + 0.5f) / (float)n};
   return olx_max_each(olx_add(value, olx_surface_fit_correction(gather->fit, probe, uv)), olx_splat(0.0f));
 }

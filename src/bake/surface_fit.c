@@ -83,7 +83,8 @@ static void place_point(const olx_surface_fit *fit, const olx_surface *surface, 
   point->valid = true;
   point->position = olx_madd(surface->position, surface->geometric_normal, surface->epsilon);
   point->normal = surface->geometric_normal;
-  point->weights = olx_irradiance_weigh(fit->source, OLX_WEIGHT_ALL, false, point->position, point->normal, point->normal);
+  point->weights =
+      olx_irradiance_weigh(fit->source, OLX_WEIGHT_ALL, false, point->position, point->normal, point->normal);
   const olx_vec2 uv = olx_octahedral_encode(point->normal);
   const float x = uv.x * OLX_FIT_SIDE - 0.5f, y = uv.y * OLX_FIT_SIDE - 0.5f;
   const int32_t x0 = (int32_t)floorf(x), y0 = (int32_t)floorf(y);

@@ -10,6 +10,7 @@
 typedef struct bake_options {
   uint32_t grid[3], irradiance_grid[3];
   uint32_t radiance_size, irradiance_size, bounces, samples, light_samples, threads;
+  bool no_fit;
 } bake_options;
 
 #define BAKE_OPTIONS_NONE                                                                                              \
@@ -22,7 +23,7 @@ typedef struct bake_options {
        OPTION_GRID,                                                                                                    \
        (b).irradiance_grid,                                                                                            \
        "4x4x4",                                                                                                        \
-       "irradiance probes; default: as --grid",                                                                        \
+       "irradiance probes; default: as --grid, or half its spacing",                                                   \
        1,                                                                                                              \
        1024},                                                                                                          \
       {"--radiance-size",                                                                                              \
@@ -45,10 +46,10 @@ typedef struct bake_options {
        OPTION_COUNT,                                                                                                   \
        &(b).light_samples,                                                                                             \
        "N",                                                                                                            \
-       "shadow rays a sample and area light; default 4",                                                               \
+       "shadow rays a sample and area light; default 1",                                                               \
        1,                                                                                                              \
        64},                                                                                                            \
-  {                                                                                                                    \
+      {"--no-fit", OPTION_FLAG, &(b).no_fit, NULL, "keep irradiance exact at probes, unfitted to surfaces", 0, 0}, {   \
     "--threads", OPTION_COUNT, &(b).threads, "N", "default 0: every processor; the result is the same", 0, 4096        \
   }
 

@@ -13,7 +13,7 @@ olx_result resolve_bake_options(const olx_scene *scene, const bake_options *give
   if (given->grid[0]) {
     const olx_result result = olx_scene_probe_grid(scene, given->grid, &settings->grid);
     if (result != OLX_OK) return result;
-    settings->irradiance_grid = settings->grid;
+    settings->irradiance_grid = olx_bake_irradiance_grid(&settings->grid);
   }
   if (given->irradiance_grid[0]) {
     const olx_result result = olx_scene_probe_grid(scene, given->irradiance_grid, &settings->irradiance_grid);
@@ -24,6 +24,7 @@ olx_result resolve_bake_options(const olx_scene *scene, const bake_options *give
   if (given->bounces != UINT32_MAX) settings->bounces = given->bounces;
   if (given->samples) settings->samples = given->samples;
   if (given->light_samples) settings->light_samples = given->light_samples;
+  settings->fit = !given->no_fit;
   settings->threads = given->threads;
   return OLX_OK;
 }

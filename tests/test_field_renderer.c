@@ -230,7 +230,7 @@ static void test_emitters_are_counted_once(void **state) {
 
 // --- Baked fields ----------------------------------------------------------------------------------------------------
 
-static olx_field *bake(const olx_scene *scene, uint32_t bounces) {
+static olx_field *bake(const olx_scene *scene, uint32_t bounces, bool fit) {
   scene_folder folder;
   assert_true(scene_folder_create(&folder));
   char path[512];
@@ -239,6 +239,7 @@ static olx_field *bake(const olx_scene *scene, uint32_t bounces) {
   settings.radiance_size = 64;
   settings.irradiance_size = 16;
   settings.bounces = bounces;
+  settings.fit = fit;
   ASSERT_OK(olx_bake(scene, &settings, path, NULL, NULL));
   olx_field *field = NULL;
   ASSERT_OK(olx_field_open(path, &field));
@@ -251,7 +252,7 @@ static void test_baked_furnace(void **state) {
   (void)state;
   olx_scene *scene = tiny_furnace(0.5f, 1.0f);
   for (uint32_t bounces = 0; bounces <= 3; bounces += 3) {
-    olx_field *field = bake(scene, bounces);
+    olx_field *field = bake(scene, bounces, true);
     const double reflected = bounces ? 0.5 + 0.25 + 0.125 + 0.0625 : 0.5;
     olx_render_settings settings = field_settings(16, 16);
     olx_image image = render_lit(scene, field, &settings);
@@ -277,7 +278,7 @@ static const olx_vec3 axes[6] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {
 static void test_irradiance_at_probes_is_the_path_tracers(void **state) {
   (void)state;
   olx_scene *scene = lit_box(true);
-  olx_field *field = bake(scene, 0);
+  olx_field *field = bake(scene, 0, false);
   const olx_sample_settings settings = olx_sample_settings_default();
   double sum = 0, reference = 0;
   for (uint32_t probe = 0; probe < 64; probe += 7) {
@@ -322,7 +323,7 @@ static void compare_with_path_tracer(const olx_scene *scene, const olx_field *fi
 static void test_baked_room_agrees_with_the_path_tracer(void **state) {
   (void)state;
   olx_scene *scene = lit_box(false);
-  olx_field *field = bake(scene, 0);
+  olx_field *field = bake(scene, 0, true);
   compare_with_path_tracer(scene, field, (const double[2][3]){{1e-4, 0.02, 0.012}, {1e-4, 5e-4, 0.012}});
   olx_field_close(field);
   olx_scene_free(scene);
@@ -337,7 +338,7 @@ static void test_surfaces_beside_a_lamp_hold_none_of_its_light(void **state) {
   tiny_box(scene, &walls);
   ASSERT_OK(olx_scene_add_rect_light(scene, olx_v3(0.1f, 0.98f, 0), u, v, olx_splat(40)));
   tiny_finish(scene);
-  olx_field *field = bake(scene, 0);
+  olx_field *field = bake(scene, 0, true);
   compare_with_path_tracer(scene, field, (const double[2][3]){{1e-3, 0.02, 0}, {1e-3, 1e-3, 0}});
   olx_field_close(field);
   olx_scene_free(scene);

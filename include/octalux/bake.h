@@ -12,7 +12,7 @@ extern "C" {
 
 typedef struct olx_bake_settings {
   olx_grid grid;            // light field probes; set by olx_bake_settings_default to the scene's grid
-  olx_grid irradiance_grid; // irradiance probes; likewise
+  olx_grid irradiance_grid; // irradiance probes; set to olx_bake_irradiance_grid of that
   uint32_t radiance_size;   // texels along a side: a power of two, 8 to 2048; default 1024
   uint32_t irradiance_size; // a power of two, 8 to 256; default 128
   uint32_t samples;         // radiance samples along a texel's side, 1 to 8; default 2 (four a texel)
@@ -24,6 +24,10 @@ typedef struct olx_bake_settings {
 } olx_bake_settings;
 
 olx_bake_settings olx_bake_settings_default(const olx_scene *scene);
+
+// The grid of irradiance probes that goes with a grid of light field probes unless something else is asked for: the same
+// one, or one of half the spacing when that has at most 64 probes, since irradiance probes are small.
+olx_grid olx_bake_irradiance_grid(const olx_grid *grid);
 
 typedef struct olx_bake_stats {
   uint64_t rays;         // primary, shadow and bounce rays together

@@ -9,7 +9,10 @@
 #include <string.h>
 #include <sys/resource.h>
 
-enum { MAX_PROBES = 1 << 20 };
+enum {
+  MAX_PROBES = 1 << 20,
+  CHEAP_PROBES = 64 // irradiance probes that cost too little to save on
+};
 
 // One bake, from its settings to its file.
 typedef struct bake {
@@ -32,8 +35,24 @@ olx_bake_settings olx_bake_settings_default(const olx_scene *scene) {
   olx_bake_settings settings = {
       .radiance_size = 1024, .irradiance_size = 128, .samples = 2, .light_samples = 1, .bounces = 3, .fit = true};
   if (olx_scene_probe_grid(scene, NULL, &settings.grid) != OLX_OK) settings.grid = (olx_grid){0};
-  settings.irradiance_grid = settings.grid;
+  settings.irradiance_grid = olx_bake_irradiance_grid(&settings.grid);
   return settings;
+}
+
+olx_grid olx_bake_irradiance_grid(const olx_grid *grid) {
+  const float spacing[3] = {grid->spacing.x, grid->spacing.y, grid->spacing.z};
+  olx_grid finer = *grid;
+  float halved[3];
+  uint64_t probes = 1;
+  for (uint32_t axis = 0; axis < 3; axis++) {
+    const bool single = grid->count[axis] < 2;
+    finer.count[axis] = single ? grid->count[axis] : 2 * grid->count[axis] - 1;
+    halved[axis] = single ? spacing[axis] : 0.5f * spacing[axis];
+    probes *= finer.count[axis];
+    if (probes > CHEAP_PROBES) return *grid;
+  }
+  finer.spacing = olx_v3(halved[0], halved[1], halved[2]);
+  return finer;
 }
 
 static olx_result check_grid(const olx_grid *grid, const char *name) {

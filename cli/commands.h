@@ -3,6 +3,7 @@
 #define OCTALUX_CLI_COMMANDS_H
 
 int command_scene(int argc, char **argv);
+int command_place(int argc, char **argv);
 int command_bake(int argc, char **argv);
 int command_render(int argc, char **argv);
 int command_compare(int argc, char **argv);

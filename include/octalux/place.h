@@ -7,13 +7,16 @@
 // A place is never inside geometry: that is judged by the share of back faces seen from there *and* by how many surfaces
 // lie around it in several directions, by neither alone.
 //
-// Which surfaces matter? Surfels spread evenly over both sides of every triangle, of which those count that some place in
-// that space sees. They take the part of Wang's visibility atlas (section 3.2.1) without unwrapping anything.
+// Which surfaces matter? Surfels stand for what that space sees: those by which positions are chosen, and those by which they
+// are judged afterwards, lie where rays arrive that leave it from everywhere in all directions, so that a surface counts as
+// much as it is seen. They take the part of Wang's visibility atlas (section 3.2.1) without unwrapping anything. Both sides
+// of a triangle are surfaces of their own.
 //
 // Where to stand? OLX_PLACE_GRID stands on a regular grid and tells which of its probes are inside geometry.
 // OLX_PLACE_COVER picks from many candidates, always the one that adds most, until the asked coverage, count or memory is
-// reached, and then improves the positions. A surfel is *covered* when a probe sees it *well*: in line of sight, not at a
-// grazing angle, and with a texel small enough on the surface.
+// reached, and then moves and swaps probes as long as that covers more. A surfel is *covered* when a probe sees it *well*:
+// in line of sight, not at a grazing angle, and with a texel small enough on the surface; better angles and smaller texels
+// are preferred where they cost no coverage.
 //
 // Everything is deterministic: the same scene and settings give the same probes, with any number of threads.
 #ifndef OCTALUX_PLACE_H
@@ -50,19 +53,20 @@ typedef struct olx_place_settings {
   // How many probes OLX_PLACE_COVER sets, the pinned ones included; whichever limit is met first ends it. With neither
   // count nor budget it goes on until `coverage` is reached.
   uint32_t count;   // 1 to 65,536; 0 (the default): not limited
-  float coverage;   // share of what can be covered, in (0, 1]; default 0.999; with a count or budget 1
+  float coverage;   // share of what can be covered, within [0, 1]; 0 (the default): 0.999, and 1 with a count or budget
   double budget_mb; // megabytes (10^6 bytes) of light field probes at `resolution`; 0 (the default): not limited
   uint32_t views;   // probes that shall see each surfel, 1 to 8; default 1
   olx_grid grid;    // OLX_PLACE_GRID: where its probes stand; default: the scene's
   uint32_t resolution; // texels along a light field map, a power of two, 8 to 2048; default 512
   float min_cosine;    // below this cosine between surface normal and line of sight a surfel is seen at grazing angle;
-                       // within [0, 1); default 0.05
+                       // within [0, 1); default 0.02
   float max_footprint; // largest side, on the surface, of a texel that covers it, as a share of the diagonal of the
-                       // scene's bounds; above 0; default 0.02
-  uint32_t surfels;    // size of the atlas before unseen surfels are dropped, 64 to 1,048,576; default 24,000
-  uint32_t candidates; // 16 to 16,384; default 2,400
+                       // scene's bounds; above 0; default 0.05
+  uint32_t surfels;    // that positions are chosen by, 64 to 1,048,576, fewer where they would take more than 256 MB;
+                       // default 14,000
+  uint32_t candidates; // 16 to 16,384; default 2,000
   uint32_t voxels;     // along the longest side of space, 8 to 512; default 160. Fewer where there would be more than 2^23
-  uint32_t refinements; // rounds in which probes may move or be swapped, 0 to 64; default 3
+  uint32_t refinements; // rounds in which probes may move or be swapped, 0 to 64; default 4
   uint32_t seed;
   uint32_t threads; // 0: as many as the machine has; the result does not depend on it
 } olx_place_settings;
@@ -72,24 +76,26 @@ olx_place_settings olx_place_settings_default(const olx_scene *scene);
 typedef struct olx_placed_probe {
   olx_vec3 position;
   olx_probe_origin origin;
-  float gain;  // share of the seen surface that was covered by this probe and by none before it in the list
+  float gain;  // share that this probe covers and none before it in the list does (olx_place_report)
   bool buried; // inside geometry: a grid's or a pinned probe
 } olx_placed_probe;
 
-// How well the probes do. Shares are of area, estimated with surfels that the placement never used.
+// How well the probes do, by surfels that the placement never used. Shares are of what the space that matters sees, each
+// surface as often as it is seen, except where area is named.
 typedef struct olx_place_report {
-  uint64_t surfels;   // held out, seen from the space that matters
-  double coverage;    // of the surface that space sees: seen well by at least `views` probes
-  double visible;     // of it: in line of sight of at least one probe, at whatever angle and distance
-  double coverable;   // of it: seen well from at least one place where a probe may stand, as far as rays can tell
-  double grazing;     // of it: seen at grazing angles or with too large a texel alone, from wherever a probe may stand
-  double restricted;  // of it: seen only from where the description's overrides allow no probe
-  double missed;      // of it: could be covered, and is not: more probes, or a higher coverage, would do it
-  double unreachable; // of all surface: no side of it is seen from the space that matters
-  uint32_t buried;    // probes inside geometry
-  uint32_t rejected;  // OLX_PLACE_GRID: grid points left out because of the description's overrides
-  uint32_t candidates; // positions that were considered
-  uint64_t space_voxels; // of the space that matters
+  uint64_t surfels;         // held out
+  double coverage;          // seen well by at least `views` probes
+  double visible;           // in line of sight of at least one probe, at whatever angle and distance
+  double coverage_by_area;  // as coverage, but each surface counts by the area that is seen from somewhere
+  double coverable;         // 1 - grazing - restricted
+  double grazing;           // not covered: seen, from wherever a probe may stand, at grazing angles or with too large a texel
+  double restricted;        // not covered: seen only from where the description's overrides allow no probe
+  double missed;            // not covered, but could be: more probes, or a higher coverage, would do it
+  double unreachable;       // of all surface, by area: no side of it is seen from the space that matters
+  uint32_t buried;          // probes inside geometry: they are not asked
+  uint32_t rejected;        // OLX_PLACE_GRID: grid points left out because of the description's overrides
+  uint32_t candidates;      // positions that were considered
+  uint64_t space_voxels;    // of the space that matters
   float voxel_metres;
   double seconds;
 } olx_place_report;

@@ -237,10 +237,12 @@ static olx_result list_places(olx_space *space, uint32_t threads) {
   OLX_TRY(olx_parallel_for((uint32_t)((total + PLACES_A_JOB - 1) / PLACES_A_JOB), threads, allow_job, space, NULL, 0));
   for (size_t i = 0; i < total; i++) space->place_count += (space->reachable[i] & OLX_ALLOWED) != 0;
   space->places = olx_allocate(space->place_count, sizeof *space->places);
-  if (!space->places) return olx_fail(OLX_ERROR_MEMORY, "place: out of memory");
-  size_t used = 0;
+  space->reached = olx_allocate(space->reachable_count, sizeof *space->reached);
+  if (!space->places || !space->reached) return olx_fail(OLX_ERROR_MEMORY, "place: no memory for %zu voxels", total);
+  size_t allowed = 0, reached = 0;
   for (size_t i = 0; i < total; i++) {
-    if (space->reachable[i] & OLX_ALLOWED) space->places[used++] = i;
+    if (space->reachable[i]) space->reached[reached++] = i;
+    if (space->reachable[i] & OLX_ALLOWED) space->places[allowed++] = i;
   }
   return OLX_OK;
 }
@@ -333,6 +335,8 @@ void olx_space_free(olx_space *space) {
   olx_voxels_free(&space->voxels);
   olx_release(space->reachable);
   olx_release(space->places);
+  olx_release(space->reached);
   space->reachable = NULL;
+  space->reached = NULL;
   space->places = NULL;
 }

@@ -9,8 +9,8 @@ typedef struct olx_space {
   const olx_scene *scene;
   olx_voxels voxels;
   uint8_t *reachable; // a voxel: OLX_REACHABLE, OLX_ALLOWED
-  size_t *places;     // indices of the voxels in which a probe may stand, ascending
-  size_t place_count, reachable_count;
+  size_t *reached, *places; // indices of the voxels that the viewer reaches, and of those that allow a probe, ascending
+  size_t reachable_count, place_count;
   int32_t outside; // for olx_depth_is_inside
 } olx_space;
 

@@ -13,8 +13,8 @@
 
 enum {
   POINTS_A_JOB = 64,
-  FIRST_RAYS = 16, // that mostly tell a surfel's fate
-  MORE_RAYS = 80,  // when they do not
+  FATE_ROUNDS = 3,
+  MOST_RAYS = 64, // of a round
   VANTAGE_RAYS = 64
 };
 
@@ -73,10 +73,10 @@ typedef struct drawn_point {
 typedef struct atlas_maker {
   const olx_space *space;
   const olx_sight *sight;
-  drawn_point *points;
-  olx_surfel *sides; // two a point
-  uint8_t *present;  // a point: not in a masked-out part
-  uint32_t count, seed;
+  drawn_point *points; // NULL for rays
+  olx_surfel *sides;   // two a point; of a ray the first alone
+  uint8_t *present;    // a point: not in a masked-out part; a ray: it hit
+  uint32_t count, seed, threads;
 } atlas_maker;
 
 static olx_result order_triangles(const olx_scene *scene, morton_entry **order) {
@@ -91,7 +91,7 @@ static olx_result order_triangles(const olx_scene *scene, morton_entry **order) 
 }
 
 // Equal steps of area along the triangles, which lie in the order of the Morton curve.
-static olx_result draw_points(atlas_maker *m, double *area) {
+static olx_result draw_points(atlas_maker *m) {
   const olx_scene *scene = m->space->scene;
   morton_entry *order;
   OLX_TRY(order_triangles(scene, &order));
@@ -108,28 +108,51 @@ static olx_result draw_points(atlas_maker *m, double *area) {
   }
   olx_release(order);
   m->count = drawn;
-  *area = step;
   return total > 0.0 ? OLX_OK : olx_fail(OLX_ERROR_EMPTY, "nothing to see: the scene's triangles have no area");
 }
 
-static void set_up_sides(const atlas_maker *m, uint32_t index) {
+// Both sides of a point of a triangle.
+static void set_up_sides(const atlas_maker *m, uint32_t index, uint32_t triangle, olx_vec2 uv) {
   const olx_scene *scene = m->space->scene;
-  const drawn_point at = m->points[index];
-  const olx_vec2 uv = olx_sample_triangle(olx_stratified2(at.nth, olx_hash2(m->seed, at.triangle)));
-  m->present[index] = olx_surface_present(scene, at.triangle, uv.x, uv.y);
-  const olx_vec3 a = corner(scene, at.triangle, 0), b = corner(scene, at.triangle, 1),
-                 c = corner(scene, at.triangle, 2);
+  const olx_vec3 a = corner(scene, triangle, 0), b = corner(scene, triangle, 1), c = corner(scene, triangle, 2);
   const olx_vec3 p = olx_madd(olx_madd(a, olx_sub(b, a), uv.x), olx_sub(c, a), uv.y);
-  const float epsilon = olx_surface_epsilon(scene, at.triangle);
+  const float epsilon = olx_surface_epsilon(scene, triangle);
   // A step off the edges, where walls meet, as the renderer's rays take it.
   const olx_vec3 way = olx_sub(olx_scale(olx_add(a, olx_add(b, c)), 1.0f / 3.0f), p);
   const olx_vec3 moved = olx_madd(p, way, olx_min(1.0f, epsilon / olx_max(olx_length(way), 1e-30f)));
-  const olx_vec3 normal = olx_normalize(doubled_area(scene, at.triangle));
+  const olx_vec3 normal = olx_normalize(doubled_area(scene, triangle));
   for (uint32_t side = 0; side < 2; side++) {
     const olx_vec3 n = side ? olx_negate(normal) : normal;
     m->sides[2 * index + side] = (olx_surfel){
-        .position = olx_madd(moved, n, epsilon), .normal = n, .triangle = at.triangle, .fate = OLX_SURFEL_UNSEEN};
+        .position = olx_madd(moved, n, epsilon), .normal = n, .triangle = triangle, .fate = OLX_SURFEL_UNSEEN};
   }
+}
+
+static void set_up_point(const atlas_maker *m, uint32_t index) {
+  const drawn_point at = m->points[index];
+  const olx_vec2 uv = olx_sample_triangle(olx_stratified2(at.nth, olx_hash2(m->seed, at.triangle)));
+  m->present[index] = olx_surface_present(m->space->scene, at.triangle, uv.x, uv.y);
+  set_up_sides(m, index, at.triangle, uv);
+}
+
+// From the voxels in their order, so that starts are spread evenly.
+static size_t ray_start(const atlas_maker *m, uint32_t index) {
+  const double nth = ((double)index + (double)olx_unit_float(olx_hash2(m->seed, index))) / m->count;
+  return m->space->reached[(size_t)(nth * (double)m->space->reachable_count)];
+}
+
+// A ray from there in a direction of a stratified sequence.
+static void set_up_ray(const atlas_maker *m, uint32_t index) {
+  const olx_space *space = m->space;
+  const olx_vec3 start = olx_voxel_centre(&space->voxels, ray_start(m, index));
+  const olx_vec3 direction = olx_sample_sphere(olx_stratified2(index, m->seed));
+  const olx_ray ray = {start, direction, 0.0f, INFINITY};
+  const olx_ray_hit hit = olx_bvh_intersect(space->scene->bvh, &ray);
+  m->present[index] = hit.triangle != OLX_NO_HIT;
+  m->sides[2 * index].fate = m->sides[2 * index + 1].fate = OLX_SURFEL_UNSEEN;
+  if (hit.triangle == OLX_NO_HIT) return;
+  set_up_sides(m, index, hit.triangle, (olx_vec2){hit.u, hit.v});
+  if (olx_dot(m->sides[2 * index].normal, direction) > 0.0f) m->sides[2 * index] = m->sides[2 * index + 1];
 }
 
 static olx_vec3 hemisphere_direction(olx_vec3 normal, olx_vec2 random) {
@@ -178,29 +201,76 @@ static uint8_t along_ray(const olx_space *space, const olx_sight *sight, const o
   return found;
 }
 
-static olx_surfel_fate find_fate(const atlas_maker *m, const olx_surfel *surfel, uint32_t seed) {
-  olx_ray rays[MORE_RAYS];
-  olx_ray_hit hits[MORE_RAYS];
+// Whether space that matters is within two voxels.
+static bool is_near_space(const olx_space *space, olx_vec3 p) {
+  for (int32_t i = 0; i < 125; i++) {
+    const olx_vec3 step = {(float)(i % 5 - 2), (float)(i / 5 % 5 - 2), (float)(i / 25 - 2)};
+    if (olx_space_reaches(space, olx_madd(p, step, space->voxels.size))) return true;
+  }
+  return false;
+}
+
+// From where in the space that matters the surfel is seen along straight lines to places spread over it.
+static uint8_t look_from_space(const atlas_maker *m, const olx_surfel *surfel, uint32_t seed) {
+  const olx_space *space = m->space;
+  olx_ray rays[MOST_RAYS];
+  olx_ray_hit hits[MOST_RAYS];
+  for (uint32_t i = 0; i < MOST_RAYS; i++) {
+    const size_t at = (size_t)(((uint64_t)olx_hash2(seed, i) * space->place_count) >> 32);
+    const olx_vec3 way = olx_sub(olx_voxel_centre(&space->voxels, space->places[at]), surfel->position);
+    const bool faces = olx_dot(way, surfel->normal) > 0.0f;
+    rays[i] = (olx_ray){surfel->position, olx_normalize(way), 0.0f, faces ? INFINITY : -1.0f};
+  }
+  olx_bvh_intersect_many(space->scene->bvh, rays, MOST_RAYS, false, hits);
   uint8_t found = 0;
-  for (uint32_t round = 0; round < 2; round++) {
-    const uint32_t first = round ? FIRST_RAYS : 0, count = round ? MORE_RAYS : FIRST_RAYS;
-    cast_around(m->space, surfel, seed, first, count, rays, hits);
+  for (uint32_t i = 0; i < MOST_RAYS; i++) {
+    if (rays[i].t_max > 0.0f) found |= along_ray(space, m->sight, surfel, &rays[i], reach_of(space, &rays[i], &hits[i]));
+  }
+  return found;
+}
+
+// A few rays mostly tell. The many of the last round are for surfels with space close by that hardly see it; a playable
+// box may be far from what is seen from it.
+static olx_surfel_fate find_fate(const atlas_maker *m, const olx_surfel *surfel, uint32_t seed) {
+  static const uint32_t rounds[FATE_ROUNDS + 1] = {0, 8, 16, 16 + MOST_RAYS};
+  olx_ray rays[MOST_RAYS];
+  olx_ray_hit hits[MOST_RAYS];
+  uint8_t found = 0;
+  bool near = true;
+  for (uint32_t round = 0; round < FATE_ROUNDS && near; round++) {
+    const uint32_t count = rounds[round + 1] - rounds[round];
+    cast_around(m->space, surfel, seed, rounds[round], count, rays, hits);
     for (uint32_t i = 0; i < count; i++) {
       found |= along_ray(m->space, m->sight, surfel, &rays[i], reach_of(m->space, &rays[i], &hits[i]));
       if (found & FIT) return OLX_SURFEL_FIT;
     }
+    if (round + 2 == FATE_ROUNDS) near = is_near_space(m->space, surfel->position);
   }
+  if (!near && m->space->scene->probe_rules.has_playable) found |= look_from_space(m, surfel, seed);
+  if (found & FIT) return OLX_SURFEL_FIT;
   return found & OLX_ALLOWED ? OLX_SURFEL_GRAZING : found & OLX_REACHABLE ? OLX_SURFEL_RESTRICTED : OLX_SURFEL_UNSEEN;
+}
+
+// What the ray that found a surfel knows of its fate.
+static void ask_ray(const atlas_maker *m, uint32_t index, olx_surfel *surfel) {
+  const size_t voxel = ray_start(m, index);
+  const bool allowed = m->space->reachable[voxel] & OLX_ALLOWED;
+  const olx_vec3 start = olx_voxel_centre(&m->space->voxels, voxel);
+  if (allowed && olx_sight_quality(m->sight, start, surfel)) surfel->fate = OLX_SURFEL_FIT;
+  else if (allowed) surfel->fate = OLX_SURFEL_GRAZING;
+  else if (surfel->fate == OLX_SURFEL_UNSEEN) surfel->fate = OLX_SURFEL_RESTRICTED;
 }
 
 static void fate_job(void *user, uint32_t index) {
   const atlas_maker *m = user;
-  const uint32_t first = index * POINTS_A_JOB;
+  const uint32_t first = index * POINTS_A_JOB, sides = m->points ? 2 : 1;
   for (uint32_t i = first; i < first + POINTS_A_JOB && i < m->count; i++) {
-    set_up_sides(m, i);
-    for (uint32_t side = 0; m->present[i] && side < 2; side++) {
+    if (m->points) set_up_point(m, i);
+    else set_up_ray(m, i);
+    for (uint32_t side = 0; m->present[i] && side < sides; side++) {
       olx_surfel *surfel = &m->sides[2 * i + side];
       surfel->fate = find_fate(m, surfel, olx_hash3(m->seed, i, side));
+      if (!m->points && surfel->fate != OLX_SURFEL_FIT) ask_ray(m, i, surfel);
     }
   }
 }
@@ -215,6 +285,7 @@ static olx_result collect(const atlas_maker *m, olx_surfels *surfels) {
     unseen += m->present[i] && !first && !second;
     surfels->count += (uint32_t)first + (uint32_t)second;
   }
+  surfels->share = surfels->count ? 1.0 / surfels->count : 0.0;
   surfels->unreachable = present ? (double)unseen / present : 0.0;
   surfels->items = olx_allocate(surfels->count, sizeof *surfels->items);
   morton_entry *order = olx_allocate(surfels->count, sizeof *order);
@@ -233,22 +304,24 @@ static olx_result collect(const atlas_maker *m, olx_surfels *surfels) {
   return OLX_OK;
 }
 
-olx_result olx_surfels_create(const olx_space *space, const olx_sight *sight, uint32_t points, uint32_t seed,
-                              uint32_t threads, olx_surfels *surfels) {
+static olx_result make_atlas(atlas_maker *m, olx_surfels *surfels) {
+  if (m->points) OLX_TRY(draw_points(m));
+  const uint32_t jobs = (m->count + POINTS_A_JOB - 1) / POINTS_A_JOB;
+  OLX_TRY(olx_parallel_for(jobs, m->threads, fate_job, m, NULL, 0));
+  return collect(m, surfels);
+}
+
+olx_result olx_surfels_create(const olx_space *space, const olx_sight *sight, olx_spread spread, uint32_t points,
+                              uint32_t seed, uint32_t threads, olx_surfels *surfels) {
   *surfels = (olx_surfels){0};
-  atlas_maker m = {.space = space, .sight = sight, .count = points, .seed = seed};
-  m.points = olx_allocate(points, sizeof *m.points);
+  atlas_maker m = {.space = space, .sight = sight, .count = points, .seed = seed, .threads = threads};
+  const bool area = spread == OLX_SPREAD_AREA;
+  m.points = area ? olx_allocate(points, sizeof *m.points) : NULL;
   m.sides = olx_allocate(2 * (size_t)points, sizeof *m.sides);
   m.present = olx_allocate(points, 1);
   olx_result result = OLX_ERROR_MEMORY;
-  if (m.points && m.sides && m.present) {
-    result = draw_points(&m, &surfels->area);
-    const uint32_t jobs = (m.count + POINTS_A_JOB - 1) / POINTS_A_JOB;
-    if (result == OLX_OK) result = olx_parallel_for(jobs, threads, fate_job, &m, NULL, 0);
-    if (result == OLX_OK) result = collect(&m, surfels);
-  } else {
-    olx_fail(result, "place: no memory for %u surfels", points);
-  }
+  if ((m.points || !area) && m.sides && m.present) result = make_atlas(&m, surfels);
+  else olx_fail(result, "place: no memory for %u surfels", points);
   olx_release(m.points);
   olx_release(m.sides);
   olx_release(m.present);

@@ -1,4 +1,4 @@
-// The visibility atlas: surfels spread evenly over every surface that the space that matters sees.
+// The visibility atlas: surfels spread over every surface that the space that matters sees.
 #ifndef OLX_PLACE_SURFELS_H
 #define OLX_PLACE_SURFELS_H
 
@@ -20,7 +20,7 @@ typedef enum olx_surfel_fate {
   OLX_SURFEL_UNSEEN
 } olx_surfel_fate;
 
-// One side of a surface at a point. All surfels of an atlas stand for the same area.
+// One side of a surface at a point.
 typedef struct olx_surfel {
   olx_vec3 position; // just off the surface, on the side of the normal
   olx_vec3 normal;   // unit, geometric
@@ -28,16 +28,22 @@ typedef struct olx_surfel {
   olx_surfel_fate fate;
 } olx_surfel;
 
+// Where an atlas lays its surfels.
+typedef enum olx_spread {
+  OLX_SPREAD_AREA, // evenly over both sides of all triangles: each stands for the same area
+  OLX_SPREAD_RAYS  // where rays arrive that leave places all over the space in all directions: each stands for as many rays
+} olx_spread;
+
 typedef struct olx_surfels {
   uint32_t count;
-  olx_surfel *items; // along the Morton curve, so that neighbours in the array are neighbours in space; none is UNSEEN
-  double area;        // of one surfel, in square metres
-  double unreachable; // share of all surface no side of which is seen
+  olx_surfel *items;  // along the Morton curve, so that neighbours in the array are neighbours in space; none is UNSEEN
+  double share;       // of the whole atlas that a surfel stands for: 1 / count
+  double unreachable; // OLX_SPREAD_AREA: share of all surface no side of which is seen
 } olx_surfels;
 
-// Spread about `points` over all triangles, evenly by area and stratified, and keep those sides that are seen.
-olx_result olx_surfels_create(const olx_space *space, const olx_sight *sight, uint32_t points, uint32_t seed,
-                              uint32_t threads, olx_surfels *surfels);
+// Lay `points` points and keep the surfels that are seen. Of OLX_SPREAD_RAYS those are all but the rays that leave the scene.
+olx_result olx_surfels_create(const olx_space *space, const olx_sight *sight, olx_spread spread, uint32_t points,
+                              uint32_t seed, uint32_t threads, olx_surfels *surfels);
 void olx_surfels_free(olx_surfels *surfels);
 
 // Up to `wanted` places from which the surfel is seen well and where a probe may stand, found along random rays. Returns

@@ -61,37 +61,49 @@ olx_result olx_visibility_matrix(const olx_space *space, const olx_sight *sight,
   return olx_parallel_for(count, threads, row_job, &m, task, 1);
 }
 
-typedef struct sight_lines {
+typedef struct view_counter {
   const olx_space *space;
+  const olx_sight *sight;
   const olx_vec3 *places;
   const olx_surfels *surfels;
-  uint8_t *seen;
-  uint32_t place_count;
-} sight_lines;
+  uint8_t *views;
+  uint32_t *first;
+  uint32_t place_count, most;
+} view_counter;
 
-// A batch of surfels, by one place after the other until each is seen.
-static void lines_job(void *user, uint32_t index) {
-  const sight_lines *s = user;
+static bool may_see(const view_counter *c, olx_vec3 place, const olx_surfel *surfel) {
+  if (c->sight) return olx_sight_quality(c->sight, place, surfel) != 0;
+  return olx_dot(olx_sub(place, surfel->position), surfel->normal) > 0.0f;
+}
+
+// A batch of surfels, by one place after the other until each is seen often enough.
+static void count_job(void *user, uint32_t index) {
+  const view_counter *c = user;
   olx_ray rays[BATCH];
   uint32_t who[BATCH];
   uint8_t occluded[BATCH];
-  const uint32_t first = index * BATCH, left = s->surfels->count - first, count = left < BATCH ? left : BATCH;
-  memset(s->seen + first, 0, count);
-  for (uint32_t p = 0; p < s->place_count; p++) {
+  const uint32_t first = index * BATCH, left = c->surfels->count - first, count = left < BATCH ? left : BATCH;
+  memset(c->views + first, 0, count);
+  for (uint32_t i = first; c->first && i < first + count; i++) c->first[i] = c->place_count;
+  for (uint32_t p = 0; p < c->place_count; p++) {
     uint32_t used = 0;
     for (uint32_t i = first; i < first + count; i++) {
-      const olx_surfel *surfel = &s->surfels->items[i];
-      if (s->seen[i] || !(olx_dot(olx_sub(s->places[p], surfel->position), surfel->normal) > 0.0f)) continue;
-      rays[used] = ray_between(s->places[p], surfel);
+      if (c->views[i] >= c->most || !may_see(c, c->places[p], &c->surfels->items[i])) continue;
+      rays[used] = ray_between(c->places[p], &c->surfels->items[i]);
       who[used++] = i;
     }
-    olx_bvh_occluded_many(s->space->scene->bvh, rays, used, true, occluded);
-    for (uint32_t k = 0; k < used; k++) s->seen[who[k]] = !occluded[k];
+    olx_bvh_occluded_many(c->space->scene->bvh, rays, used, true, occluded);
+    for (uint32_t k = 0; k < used; k++) {
+      if (occluded[k]) continue;
+      if (c->first && c->views[who[k]] == 0) c->first[who[k]] = p;
+      c->views[who[k]]++;
+    }
   }
 }
 
-olx_result olx_lines_of_sight(const olx_space *space, const olx_vec3 *places, uint32_t count,
-                              const olx_surfels *surfels, uint32_t threads, uint8_t *seen) {
-  sight_lines s = {space, places, surfels, seen, count};
-  return olx_parallel_for((surfels->count + BATCH - 1) / BATCH, threads, lines_job, &s, NULL, 0);
+olx_result olx_count_views(const olx_space *space, const olx_sight *sight, const olx_vec3 *places, uint32_t count,
+                           const olx_surfels *surfels, uint32_t most, uint32_t threads, uint8_t *views,
+                           uint32_t *first) {
+  view_counter c = {space, sight, places, surfels, views, first, count, most};
+  return olx_parallel_for((surfels->count + BATCH - 1) / BATCH, threads, count_job, &c, NULL, 0);
 }

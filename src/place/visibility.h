@@ -18,8 +18,9 @@ void olx_sight_row(const olx_space *space, const olx_sight *sight, olx_vec3 plac
 olx_result olx_visibility_matrix(const olx_space *space, const olx_sight *sight, const olx_vec3 *places, uint32_t count,
                                  const olx_surfels *surfels, uint32_t threads, olx_task *task, uint8_t *qualities);
 
-// seen[i] = 1 when surfel i has a free line of sight from any of the places, at whatever angle and distance.
-olx_result olx_lines_of_sight(const olx_space *space, const olx_vec3 *places, uint32_t count,
-                              const olx_surfels *surfels, uint32_t threads, uint8_t *seen);
+// views[i] = how many of the places see surfel i well, or, without `sight`, have a free line of sight to it at whatever
+// angle and distance; counted up to `most`, which is 1 to 255. first[i], when wanted, is the first of them, or `count`.
+olx_result olx_count_views(const olx_space *space, const olx_sight *sight, const olx_vec3 *places, uint32_t count,
+                           const olx_surfels *surfels, uint32_t most, uint32_t threads, uint8_t *views, uint32_t *first);
 
 #endif

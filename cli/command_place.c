@@ -1,0 +1,150 @@
+#include "commands.h"
+#include "options.h"
+#include "report.h"
+
+#include <octalux/place.h>
+
+#include <inttypes.h>
+#include <stdio.h>
+
+// What may be given; 0: not given.
+typedef struct place_options {
+  uint32_t method, count, views, resolution, surfels, candidates, voxels, refinements, seed, threads, grid[3];
+  float coverage, budget_mb, min_cosine, max_footprint;
+} place_options;
+
+static olx_result resolve_place_options(const olx_scene *scene, const place_options *given, olx_place_settings *s) {
+  *s = olx_place_settings_default(scene);
+  // The words of the option stand in the order of the library's enumeration.
+  s->method = (olx_place_method)given->method;
+  s->count = given->count;
+  s->coverage = given->coverage;
+  s->budget_mb = (double)given->budget_mb;
+  s->seed = given->seed;
+  s->threads = given->threads;
+  if (given->views) s->views = given->views;
+  if (given->resolution) s->resolution = given->resolution;
+  if (given->min_cosine > 0.0f) s->min_cosine = given->min_cosine;
+  if (given->max_footprint > 0.0f) s->max_footprint = given->max_footprint;
+  if (given->surfels) s->surfels = given->surfels;
+  if (given->candidates) s->candidates = given->candidates;
+  if (given->voxels) s->voxels = given->voxels;
+  if (given->refinements != UINT32_MAX) s->refinements = given->refinements;
+  return given->grid[0] ? olx_scene_probe_grid(scene, given->grid, &s->grid) : OLX_OK;
+}
+
+static int print_place_json(const olx_probe_set *set) {
+  const olx_place_report *report = &set->report;
+  cJSON *object = cJSON_CreateObject();
+  add_text(object, "method", olx_place_method_name(set->settings.method));
+  add_number(object, "count", set->count);
+  add_number(object, "coverage", report->coverage);
+  add_number(object, "visible", report->visible);
+  add_number(object, "coverage_by_area", report->coverage_by_area);
+  add_number(object, "coverable", report->coverable);
+  add_number(object, "grazing", report->grazing);
+  add_number(object, "restricted", report->restricted);
+  add_number(object, "missed", report->missed);
+  add_number(object, "unreachable", report->unreachable);
+  add_number(object, "buried", report->buried);
+  add_number(object, "rejected", report->rejected);
+  add_number(object, "surfels", (double)report->surfels);
+  add_number(object, "candidates", report->candidates);
+  add_number(object, "space_voxels", (double)report->space_voxels);
+  add_float(object, "voxel_metres", report->voxel_metres);
+  add_number(object, "probe_bytes", (double)olx_light_probe_bytes(set->settings.resolution));
+  add_number(object, "seconds", report->seconds);
+  cJSON *probes = cJSON_AddArrayToObject(object, "probes");
+  for (uint32_t i = 0; i < set->count; ++i) {
+    cJSON *probe = cJSON_CreateObject();
+    add_vec3(probe, "position", set->probes[i].position);
+    add_text(probe, "origin", olx_probe_origin_name(set->probes[i].origin));
+    add_float(probe, "gain", set->probes[i].gain);
+    cJSON_AddBoolToObject(probe, "buried", set->probes[i].buried);
+    cJSON_AddItemToArray(probes, probe);
+  }
+  return print_json("place", object);
+}
+
+static void print_share(const char *what, double share, const char *why) {
+  if (share > 0.0) printf("  %-10s %.3f %%  %s\n", what, 100.0 * share, why);
+}
+
+static void print_place(const char *path, const olx_probe_set *set) {
+  const olx_place_report *report = &set->report;
+  printf("%s: %u probes by %s, %s of light at %u texels a side\n", path, set->count,
+         olx_place_method_name(set->settings.method),
+         text_of_bytes(olx_light_probe_bytes(set->settings.resolution) * set->count).text, set->settings.resolution);
+  printf("  covered    %.3f %%  of what rays from playable space meet (%" PRIu64 " held out), %.3f %% by area\n",
+         100.0 * report->coverage, report->surfels, 100.0 * report->coverage_by_area);
+  print_share("missed", report->missed, "could be covered: more probes, or a higher coverage");
+  print_share("grazing", report->grazing, "seen at grazing angles, or with too large a texel, from wherever a probe may be");
+  print_share("restricted", report->restricted, "seen only from where the description allows no probe");
+  print_share("unreached", report->unreachable, "of all surface: not seen from playable space");
+  if (report->buried) printf("  buried     %u probes are inside geometry\n", report->buried);
+  if (report->rejected) printf("  rejected   %u points of the grid, by the description\n", report->rejected);
+  printf("  seconds    %.2f\n", report->seconds);
+}
+
+static int place_probes(const olx_scene *scene, const place_options *given, const char *path, bool json) {
+  olx_place_settings settings;
+  if (resolve_place_options(scene, given, &settings) != OLX_OK) return library_failure("place");
+  progress_line line;
+  progress_begin(&line, "place", false);
+  const olx_progress progress = progress_of(&line);
+  olx_probe_set set;
+  const olx_result result = olx_place(scene, &settings, &progress, &set);
+  progress_end(&line);
+  if (result == OLX_ERROR_CANCELLED) return failure("place", "%s: interrupted, nothing written", path);
+  if (result != OLX_OK) return library_failure("place");
+  int code = EXIT_DONE;
+  if (olx_probe_set_save(&set, path) != OLX_OK) code = library_failure("place");
+  else if (json) code = print_place_json(&set);
+  else print_place(path, &set);
+  olx_probe_set_free(&set);
+  return code;
+}
+
+int command_place(int argc, char **argv) {
+  place_options given = {.method = OLX_PLACE_COVER, .refinements = UINT32_MAX};
+  const char *output = NULL;
+  bool json = false;
+  const option options[] = {
+      {"-o", OPTION_TEXT, &output, "FILE.json", "the probes to write", 1, 0},
+      {"--method", OPTION_CHOICE, &given.method, "grid|cover", "default cover: where they see most", 0, 0},
+      {"--count", OPTION_COUNT, &given.count, "N", "cover: so many probes", 1, 65536},
+      {"--coverage", OPTION_REAL, &given.coverage, "SHARE", "cover: of what can be covered; default 0.999", 0, 0},
+      {"--budget", OPTION_REAL, &given.budget_mb, "MB", "cover: as many as fit, in 10^6 bytes at --resolution", 0, 0},
+      {"--views", OPTION_COUNT, &given.views, "N", "cover: probes that see each surface; default 1", 1, 8},
+      {"--grid", OPTION_GRID, given.grid, "4x4x4", "grid: probes along x, y, z; default: the scene's", 1, 1024},
+      {"--resolution", OPTION_POWER_OF_TWO, &given.resolution, "N", "texels along a map of light; default 512", 8, 2048},
+      {"--min-cosine", OPTION_REAL, &given.min_cosine, "C", "flatter views do not count; default 0.02", 0, 0},
+      {"--max-footprint",
+       OPTION_REAL,
+       &given.max_footprint,
+       "SHARE",
+       "larger texels on a surface do not count, in diagonals of the scene; default 0.05",
+       0,
+       0},
+      {"--surfels", OPTION_COUNT, &given.surfels, "N", "cover: samples of surfaces; default 14000", 64, 1 << 20},
+      {"--candidates", OPTION_COUNT, &given.candidates, "N", "cover: positions tried; default 2000", 16, 1 << 14},
+      {"--voxels", OPTION_COUNT, &given.voxels, "N", "along the longest side of space; default 160", 8, 512},
+      {"--refinements", OPTION_COUNT, &given.refinements, "N", "cover: rounds of moves and swaps; default 4", 0, 64},
+      {"--seed", OPTION_COUNT, &given.seed, "N", "of all random choices; default 0", 0, UINT32_MAX},
+      {"--threads", OPTION_COUNT, &given.threads, "N", "default 0: every processor; the result is the same", 0, 4096},
+      {"--json", OPTION_FLAG, &json, NULL, "print one JSON object", 0, 0},
+  };
+  command_line line = {.name = "place",
+                       .summary = "Find positions for probes from which a scene's surfaces are seen.",
+                       .arguments = {"SCENE"},
+                       .options = options,
+                       .option_count = sizeof options / sizeof options[0]};
+  int code;
+  if (!parse_options(&line, argc, argv, &code)) return code;
+  if (!check_output("place", output)) return EXIT_FAILED;
+  olx_scene *scene = NULL;
+  if (olx_scene_load(line.given[0], &scene) != OLX_OK) return library_failure("place");
+  code = place_probes(scene, &given, output, json);
+  olx_scene_free(scene);
+  return code;
+}

@@ -1,0 +1,325 @@
+#include "place/cover.h"
+
+#include "core/hooks.h"
+#include "core/result.h"
+#include "core/sampling.h"
+#include "place/cover_state.h"
+
+#include <string.h>
+
+// Below this share of uncovered surface a denser sample is asked what is missing.
+#define SPARSE_UNCOVERED 0.05
+// The greedy cover first goes so far on the common columns alone.
+#define FIRST_COVERAGE 0.985
+// So much of the uncovered share that is allowed is aimed at, because another sample will judge.
+#define AIM 0.85
+#define MATRIX_BYTES ((uint64_t)256 << 20)
+
+enum {
+  PILOT_POINTS = 4096,
+  RARE_COLUMNS = 4096,
+  TARGETS = 192,        // surfels a round that nothing covers, for which places are sought
+  TARGET_PLACES = 2,    // for each
+  DENSER = 3,           // sample that is asked what is missing, times the common columns
+  MOVES = 10,           // places tried around a probe
+  MOST_ROUNDS = 10,
+  REFINED_PROBES = 192 // probes times rounds that may move
+};
+
+typedef struct cover {
+  const olx_space *space;
+  const olx_sight *sight;
+  const olx_place_settings *settings;
+  olx_task *task;
+  olx_cover_state state;
+  uint32_t atlas_size, considered, limit; // limit of probes
+  double target;                          // coverage of what can be covered
+} cover;
+
+// Surfels so that about `wanted` are seen: a pilot tells the share.
+static olx_result sample_seen(const cover *c, uint32_t wanted, uint32_t seed, olx_surfels *surfels) {
+  const uint32_t threads = c->settings->threads;
+  OLX_TRY(olx_surfels_create(c->space, c->sight, OLX_SPREAD_RAYS, PILOT_POINTS, seed, threads, surfels));
+  const double share = (double)surfels->count / PILOT_POINTS;
+  olx_surfels_free(surfels);
+  const double points = share > 1.0 / 32.0 ? wanted / share : 32.0 * wanted;
+  return olx_surfels_create(c->space, c->sight, OLX_SPREAD_RAYS, (uint32_t)(points < 64.0 ? 64.0 : points),
+                            olx_hash(seed), threads, surfels);
+}
+
+static bool is_inside(const cover *c, olx_vec3 place) {
+  olx_depth depth = {0};
+  return olx_measure_depth(c->space->scene, &place, 1, 1, &depth) != OLX_OK ||
+         olx_depth_is_inside(depth, c->space->outside);
+}
+
+// A max-heap of candidates by gain, which may be stale: gains only fall while probes are added.
+typedef struct heap {
+  uint64_t *gains;
+  uint32_t *order, count;
+} heap;
+
+static bool before(const heap *h, uint32_t a, uint32_t b) {
+  return h->gains[a] != h->gains[b] ? h->gains[a] > h->gains[b] : a < b;
+}
+
+static void sift_down(heap *h, uint32_t at) {
+  for (;;) {
+    uint32_t best = at;
+    for (uint32_t child = 2 * at + 1; child <= 2 * at + 2 && child < h->count; child++) {
+      if (before(h, h->order[child], h->order[best])) best = child;
+    }
+    if (best == at) return;
+    const uint32_t swapped = h->order[at];
+    h->order[at] = h->order[best];
+    h->order[best] = swapped;
+    at = best;
+  }
+}
+
+static olx_result heap_create(const cover *c, heap *h) {
+  const uint32_t count = c->state.candidate_count;
+  olx_gain *gains = olx_allocate(count, sizeof *gains);
+  *h = (heap){.gains = olx_allocate(count, sizeof *h->gains), .order = olx_allocate(count, sizeof *h->order)};
+  olx_result result = OLX_ERROR_MEMORY;
+  if (gains && h->gains && h->order) result = olx_cover_gains(&c->state, gains);
+  else olx_fail(result, "place: out of memory");
+  for (uint32_t i = 0; result == OLX_OK && i < count; i++) {
+    h->gains[i] = olx_gain_value(gains[i]);
+    h->order[h->count++] = i;
+  }
+  for (uint32_t i = h->count / 2; i-- > 0;) sift_down(h, i);
+  olx_release(gains);
+  return result;
+}
+
+static void heap_free(heap *h) {
+  olx_release(h->gains);
+  olx_release(h->order);
+}
+
+static double uncovered_share(const cover *c) {
+  const uint64_t all = c->state.common_weight * c->state.common;
+  return all ? (double)olx_cover_uncovered(&c->state) / (double)all : 0.0;
+}
+
+// Add the best candidate again and again, until the limit of probes or no more than `allowed` of the surface is uncovered.
+static olx_result add_greedily(cover *c, double allowed) {
+  olx_cover_state *s = &c->state;
+  heap h;
+  olx_result result = heap_create(c, &h);
+  while (result == OLX_OK && h.count > 0 && s->pick_count < c->limit && uncovered_share(c) > allowed) {
+    const uint32_t best = h.order[0];
+    const uint64_t gain = s->unfit[best] ? 0 : olx_gain_value(olx_cover_gain(s, olx_cover_row(s, best)));
+    if (gain < h.gains[best]) {
+      h.gains[best] = gain;
+      sift_down(&h, 0);
+      continue;
+    }
+    if (gain == 0) break;
+    s->unfit[best] = !olx_cover_keeps_distance(s, s->candidates[best].place, s->pick_count) ||
+                     is_inside(c, s->candidates[best].place);
+    if (s->unfit[best]) continue;
+    result = olx_cover_pick(s, s->candidates[best], olx_cover_row(s, best));
+  }
+  heap_free(&h);
+  return result;
+}
+
+// Places around a probe, nearer in later rounds.
+static uint32_t propose_moves(const cover *c, uint32_t pick, uint32_t round, olx_candidate *moves) {
+  const olx_vec3 from = c->state.picks[pick].place;
+  const size_t voxel = olx_voxel_at(&c->space->voxels, from);
+  const float room = voxel == OLX_NO_VOXEL ? 0.0f : olx_voxel_distance(&c->space->voxels, voxel);
+  const float reach = olx_max(isfinite(room) ? room : 0.0f, 4.0f * c->space->voxels.size) / (float)(1u << (round & 3u));
+  uint32_t count = 0;
+  for (uint32_t i = 0; i < MOVES; i++) {
+    const uint32_t key = olx_hash3(c->settings->seed + 0x5EEDu * round, pick, i);
+    const olx_vec2 random = {olx_unit_float(olx_hash(key)), olx_unit_float(olx_hash(key + 1u))};
+    const float length = reach * (0.25f + olx_unit_float(olx_hash(key + 2u)));
+    const olx_vec3 place = olx_madd(from, olx_sample_sphere(random), length);
+    if (!olx_space_allows(c->space, place) || !olx_cover_keeps_distance(&c->state, place, pick)) continue;
+    moves[count++] = (olx_candidate){place, OLX_ORIGIN_MOVED};
+  }
+  return count;
+}
+
+typedef struct refiner {
+  olx_gain *gains;
+  uint8_t *rows; // of moves
+  olx_vec3 places[MOVES];
+  olx_candidate moves[MOVES];
+} refiner;
+
+// Put a probe where it adds most to what the others cover: at another candidate or at a place near by. It stays unless
+// another place covers no less.
+static olx_result refine_probe(cover *c, refiner *r, uint32_t pick, uint32_t round, bool *changed) {
+  olx_cover_state *s = &c->state;
+  olx_cover_set_levels(s, pick);
+  const olx_gain now = olx_cover_gain(s, olx_cover_pick_row(s, pick));
+  olx_gain best = now;
+  olx_candidate probe = s->picks[pick];
+  const uint8_t *row = NULL;
+  const uint32_t moves = propose_moves(c, pick, round, r->moves);
+  for (uint32_t i = 0; i < moves; i++) r->places[i] = r->moves[i].place;
+  OLX_TRY(olx_cover_gains(s, r->gains));
+  OLX_TRY(olx_visibility_matrix(c->space, c->sight, r->places, moves, &s->columns, s->threads, NULL, r->rows));
+  for (uint32_t i = 0; i < s->candidate_count + moves; i++) {
+    const bool move = i >= s->candidate_count;
+    const uint8_t *other = move ? r->rows + (size_t)s->columns.count * (i - s->candidate_count) : olx_cover_row(s, i);
+    const olx_gain gain = move ? olx_cover_gain(s, other) : r->gains[i];
+    if (gain.covered < now.covered || olx_gain_value(gain) <= olx_gain_value(best)) continue;
+    const olx_candidate *there = move ? &r->moves[i - s->candidate_count] : &s->candidates[i];
+    if (!olx_cover_keeps_distance(s, there->place, pick) || is_inside(c, there->place)) continue;
+    best = gain;
+    probe = *there;
+    row = other;
+  }
+  if (!row) return OLX_OK;
+  s->picks[pick] = probe;
+  memcpy(olx_cover_pick_row(s, pick), row, s->columns.count);
+  *changed = true;
+  return OLX_OK;
+}
+
+static olx_result refine(cover *c, uint32_t round, uint32_t pinned) {
+  olx_cover_state *s = &c->state;
+  refiner r = {.gains = olx_allocate(s->candidate_count, sizeof *r.gains),
+               .rows = olx_allocate((size_t)s->columns.count * MOVES, 1)};
+  olx_result result = OLX_ERROR_MEMORY;
+  bool changed = false;
+  if (r.gains && r.rows) result = OLX_OK;
+  else olx_fail(result, "place: out of memory");
+  for (uint32_t i = pinned; result == OLX_OK && i < s->pick_count; i++) result = refine_probe(c, &r, i, round, &changed);
+  olx_cover_set_levels(s, s->pick_count);
+  olx_release(r.gains);
+  olx_release(r.rows);
+  return result;
+}
+
+// Places that see surfels which no probe covers.
+static olx_result add_targets(cover *c, const olx_surfels *sample, const uint8_t *views, uint32_t seed) {
+  olx_candidate *list = olx_allocate(TARGETS * TARGET_PLACES, sizeof *list);
+  if (!list) return olx_fail(OLX_ERROR_MEMORY, "place: out of memory");
+  uint32_t lacking = 0, nth = 0, targets = 0, count = 0;
+  for (uint32_t i = 0; i < sample->count; i++) lacking += views[i] < c->state.views;
+  for (uint32_t i = 0; i < sample->count; i++) {
+    if (views[i] >= c->state.views || (uint64_t)nth++ * TARGETS < (uint64_t)targets * lacking) continue;
+    olx_vec3 places[TARGET_PLACES];
+    const uint32_t found = olx_surfel_vantages(c->space, c->sight, &sample->items[i], olx_hash2(seed, i), TARGET_PLACES,
+                                               places);
+    for (uint32_t k = 0; k < found && targets < TARGETS; k++) {
+      list[count++] = (olx_candidate){places[k], OLX_ORIGIN_TARGET};
+    }
+    targets++;
+  }
+  c->considered += count;
+  const olx_result result = olx_cover_add_candidates(&c->state, list, count, NULL);
+  olx_release(list);
+  return result;
+}
+
+// Ask a denser sample what is missing. *covered is its share of what can be covered.
+static olx_result look_closer(cover *c, uint32_t seed, double *covered) {
+  olx_surfels sample;
+  olx_cover_state *s = &c->state;
+  OLX_TRY(sample_seen(c, c->atlas_size * DENSER, seed, &sample));
+  uint8_t *views = olx_allocate(sample.count, 1);
+  olx_vec3 *places = olx_allocate(s->pick_count, sizeof *places);
+  olx_result result = OLX_ERROR_MEMORY;
+  if (views && places) {
+    for (uint32_t i = 0; i < s->pick_count; i++) places[i] = s->picks[i].place;
+    result = olx_count_views(c->space, c->sight, places, s->pick_count, &sample, s->views, s->threads, views, NULL);
+  } else {
+    olx_fail(result, "place: out of memory");
+  }
+  uint32_t fit = 0, seen = 0;
+  for (uint32_t i = 0; result == OLX_OK && i < sample.count; i++) {
+    fit += sample.items[i].fate == OLX_SURFEL_FIT || views[i] >= s->views;
+    seen += views[i] >= s->views;
+  }
+  *covered = fit ? (double)seen / fit : 1.0;
+  if (result == OLX_OK) result = olx_cover_renew(s, &sample, views);
+  if (result == OLX_OK) result = add_targets(c, &sample, views, seed);
+  olx_release(views);
+  olx_release(places);
+  olx_surfels_free(&sample);
+  return result;
+}
+
+static olx_result pin_probes(cover *c) {
+  olx_cover_state *s = &c->state;
+  const olx_probe_rules *rules = &c->space->scene->probe_rules;
+  uint8_t *row = olx_allocate(s->columns.count, 1);
+  olx_result result = row ? OLX_OK : olx_fail(OLX_ERROR_MEMORY, "place: out of memory");
+  for (uint32_t i = 0; result == OLX_OK && i < rules->pinned_count; i++) {
+    olx_sight_row(c->space, c->sight, rules->pinned[i], &s->columns, row);
+    result = olx_cover_pick(s, (olx_candidate){rules->pinned[i], OLX_ORIGIN_PINNED}, row);
+  }
+  olx_release(row);
+  return result;
+}
+
+static olx_result choose(cover *c) {
+  const uint32_t pinned = c->space->scene->probe_rules.pinned_count;
+  const double allowed = (1.0 - c->target) * AIM;
+  OLX_TRY(pin_probes(c));
+  OLX_TRY(add_greedily(c, 1.0 - FIRST_COVERAGE > allowed ? 1.0 - FIRST_COVERAGE : allowed));
+  uint32_t refined = 0;
+  for (uint32_t round = 0; round < MOST_ROUNDS; round++) {
+    const bool full = c->state.pick_count >= c->limit;
+    if (full && round >= c->settings->refinements) break;
+    if (uncovered_share(c) < SPARSE_UNCOVERED) {
+      double covered;
+      OLX_TRY(look_closer(c, olx_hash2(c->settings->seed, 100u + round), &covered));
+      if (!full && covered >= c->target && round > 0) break;
+    }
+    OLX_TRY(add_greedily(c, allowed));
+    refined += c->state.pick_count - pinned;
+    if (round < c->settings->refinements && refined <= REFINED_PROBES) OLX_TRY(refine(c, round, pinned));
+  }
+  return OLX_OK;
+}
+
+static olx_result prepare(cover *c) {
+  const olx_place_settings *settings = c->settings;
+  // The pinned probes and what the search for uncovered surfels finds come on top of the candidates.
+  const uint32_t most = settings->candidates + MOST_ROUNDS * TARGETS * TARGET_PLACES;
+  const uint64_t affordable = MATRIX_BYTES / most;
+  c->atlas_size = settings->surfels < affordable ? settings->surfels : (uint32_t)affordable;
+  olx_surfels atlas;
+  OLX_TRY(sample_seen(c, c->atlas_size, settings->seed, &atlas));
+  olx_result result = OLX_OK;
+  if (atlas.count == 0) {
+    result = olx_fail(OLX_ERROR_EMPTY, "nothing to see: no surface is seen from where probes may stand");
+  } else {
+    result = olx_cover_state_create(c->space, c->sight, &atlas, RARE_COLUMNS, most, settings->views, settings->threads,
+                                    &c->state);
+  }
+  olx_surfels_free(&atlas);
+  return result;
+}
+
+olx_result olx_cover(const olx_space *space, const olx_sight *sight, const olx_place_settings *settings, olx_task *task,
+                     olx_cover_result *found) {
+  cover c = {.space = space, .sight = sight, .settings = settings, .task = task};
+  c.limit = settings->count ? settings->count : 65536;
+  c.target = (double)settings->coverage;
+  *found = (olx_cover_result){0};
+  olx_candidate *candidates = NULL;
+  olx_result result;
+  OLX_TRY_GOTO(prepare(&c), done);
+  OLX_TRY_GOTO(olx_candidates_create(space, &settings->grid, settings->candidates, settings->seed, &candidates,
+                                     &c.considered),
+               done);
+  OLX_TRY_GOTO(olx_cover_add_candidates(&c.state, candidates, c.considered, task), done);
+  OLX_TRY_GOTO(choose(&c), done);
+  found->probes = c.state.picks;
+  found->count = c.state.pick_count;
+  found->candidates = c.considered;
+  c.state.picks = NULL;
+done:
+  olx_release(candidates);
+  olx_cover_state_free(&c.state);
+  return result;
+}

@@ -1,0 +1,73 @@
+// The matrix that a cover chooses from: candidates by surfels, and what the chosen ones cover.
+//
+// Its columns are surfels: the common ones, a sample of all that is seen, and behind them rare ones, that a much denser
+// sample found uncovered. When rare ones come, the common ones that are uncovered leave (they are *settled*): then the rest
+// of the common ones and the rare ones, each with the share it stands for, are together an unbiased sample again,
+// dense where it matters.
+#ifndef OLX_PLACE_COVER_STATE_H
+#define OLX_PLACE_COVER_STATE_H
+
+#include "place/candidates.h"
+#include "place/visibility.h"
+
+typedef struct olx_cover_state {
+  const olx_space *space;
+  const olx_sight *sight;
+  uint32_t threads, views;
+  olx_surfels columns; // count: in use; share: of a common one
+  uint32_t capacity, common;
+  uint64_t common_weight, rare_weight;
+  uint8_t *settled; // a column: 255 when it no longer counts, else 0
+  olx_candidate *candidates;
+  uint8_t *rows;   // candidates by capacity: quality
+  uint8_t *unfit;  // a candidate: 1 when it may not be chosen
+  uint32_t candidate_count, candidate_capacity;
+  olx_candidate *picks;
+  uint8_t *pick_rows;
+  uint32_t pick_count, pick_capacity;
+  uint8_t *levels; // `views` times capacity: the best qualities of each column so far, falling
+} olx_cover_state;
+
+// What a row would add.
+typedef struct olx_gain {
+  uint64_t covered; // weight of columns that become covered
+  uint64_t quality; // weight times better quality
+} olx_gain;
+
+// Covering comes before seeing better: so much quality, of 255, outweighs a covered column's weight.
+#define OLX_COVER_FACTOR 8000u
+static inline uint64_t olx_gain_value(olx_gain g) { return g.covered * OLX_COVER_FACTOR + g.quality; }
+
+// Takes the surfels of `atlas`. Room for `candidates` and `rare` columns. Those that cannot be covered are settled.
+olx_result olx_cover_state_create(const olx_space *space, const olx_sight *sight, olx_surfels *atlas, uint32_t rare,
+                                  uint32_t candidates, uint32_t views, uint32_t threads, olx_cover_state *state);
+void olx_cover_state_free(olx_cover_state *state);
+
+// Append candidates, as many as there is room for, and see from them.
+olx_result olx_cover_add_candidates(olx_cover_state *state, const olx_candidate *list, uint32_t count, olx_task *task);
+// Settle the uncovered columns and append those surfels of a sample of `sampled` that `views` says are seen too rarely and
+// that can be covered, as far as there is room.
+olx_result olx_cover_renew(olx_cover_state *state, const olx_surfels *sample, const uint8_t *views);
+
+static inline uint8_t *olx_cover_row(const olx_cover_state *s, uint32_t candidate) {
+  return s->rows + (size_t)s->capacity * candidate;
+}
+static inline uint8_t *olx_cover_pick_row(const olx_cover_state *s, uint32_t pick) {
+  return s->pick_rows + (size_t)s->capacity * pick;
+}
+
+// Choose: append to the picks, with the row copied.
+olx_result olx_cover_pick(olx_cover_state *state, olx_candidate probe, const uint8_t *row);
+// Levels of all picks but `without` (pick_count: none).
+void olx_cover_set_levels(olx_cover_state *state, uint32_t without);
+olx_gain olx_cover_gain(const olx_cover_state *state, const uint8_t *row);
+// The gains of all candidates.
+olx_result olx_cover_gains(const olx_cover_state *state, olx_gain *gains);
+// Weight of the columns that are not covered, and of all that can be.
+uint64_t olx_cover_uncovered(const olx_cover_state *state);
+uint64_t olx_cover_total(const olx_cover_state *state);
+
+// Whether a probe may stand there beside the picks but `without`: not too near to them. (Not whether it is inside.)
+bool olx_cover_keeps_distance(const olx_cover_state *state, olx_vec3 place, uint32_t without);
+
+#endif

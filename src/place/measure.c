@@ -1,0 +1,100 @@
+#include "place/measure.h"
+
+#include "core/hooks.h"
+#include "core/result.h"
+#include "core/sampling.h"
+
+enum {
+  HELD_OUT_RAYS = 60000,
+  HELD_OUT_POINTS = 60000,
+  HELD_OUT_SEED = 0x0DDBA11 // apart from all that placement draws
+};
+
+typedef struct judged {
+  olx_vec3 *places;   // of the probes that are asked
+  uint32_t *probe_of; // their indices in the set
+  uint32_t count;
+  olx_surfels rays, area;
+  uint8_t *views;
+  uint32_t *first;
+} judged;
+
+static olx_result find_buried(const olx_space *space, olx_probe_set *set, judged *j) {
+  olx_depth *depths = olx_allocate(set->count, sizeof *depths);
+  olx_vec3 *places = olx_allocate(set->count, sizeof *places);
+  olx_result result = OLX_ERROR_MEMORY;
+  if (depths && places) {
+    for (uint32_t i = 0; i < set->count; i++) places[i] = set->probes[i].position;
+    result = olx_measure_depth(space->scene, places, set->count, set->settings.threads, depths);
+  } else {
+    olx_fail(result, "place: out of memory");
+  }
+  for (uint32_t i = 0; result == OLX_OK && i < set->count; i++) {
+    set->probes[i].buried = olx_depth_is_inside(depths[i], space->outside);
+    set->report.buried += set->probes[i].buried;
+    if (set->probes[i].buried) continue;
+    j->places[j->count] = places[i];
+    j->probe_of[j->count++] = i;
+  }
+  olx_release(depths);
+  olx_release(places);
+  return result;
+}
+
+static void tell_coverage(const judged *j, olx_probe_set *set) {
+  olx_place_report *report = &set->report;
+  const double share = j->rays.share;
+  for (uint32_t i = 0; i < j->rays.count; i++) {
+    const olx_surfel_fate fate = j->rays.items[i].fate;
+    if (j->first[i] < j->count) set->probes[j->probe_of[j->first[i]]].gain += (float)share;
+    if (j->views[i] >= set->settings.views) report->coverage += share;
+    else if (fate == OLX_SURFEL_GRAZING) report->grazing += share;
+    else if (fate == OLX_SURFEL_FIT) report->missed += share;
+    else report->restricted += share;
+  }
+  report->coverable = 1.0 - report->grazing - report->restricted;
+}
+
+static double seen_share(const olx_surfels *surfels, const uint8_t *views, uint32_t least) {
+  uint32_t seen = 0;
+  for (uint32_t i = 0; i < surfels->count; i++) seen += views[i] >= least;
+  return surfels->count ? (double)seen / surfels->count : 0.0;
+}
+
+static olx_result judge(const olx_space *space, const olx_sight *sight, judged *j, olx_probe_set *set) {
+  const uint32_t threads = set->settings.threads, least = set->settings.views;
+  const uint32_t seed = olx_hash2(set->settings.seed, HELD_OUT_SEED);
+  OLX_TRY(find_buried(space, set, j));
+  OLX_TRY(olx_surfels_create(space, sight, OLX_SPREAD_RAYS, HELD_OUT_RAYS, seed, threads, &j->rays));
+  OLX_TRY(olx_surfels_create(space, sight, OLX_SPREAD_AREA, HELD_OUT_POINTS, olx_hash(seed), threads, &j->area));
+  if (j->rays.count == 0) {
+    return olx_fail(OLX_ERROR_EMPTY, "nothing to see: no surface is seen from where probes may stand");
+  }
+  set->report.surfels = j->rays.count;
+  set->report.unreachable = j->area.unreachable;
+  OLX_TRY(olx_count_views(space, sight, j->places, j->count, &j->area, least, threads, j->views, NULL));
+  set->report.coverage_by_area = seen_share(&j->area, j->views, least);
+  OLX_TRY(olx_count_views(space, NULL, j->places, j->count, &j->rays, 1, threads, j->views, NULL));
+  set->report.visible = seen_share(&j->rays, j->views, 1);
+  OLX_TRY(olx_count_views(space, sight, j->places, j->count, &j->rays, least, threads, j->views, j->first));
+  tell_coverage(j, set);
+  return OLX_OK;
+}
+
+olx_result olx_measure_probes(const olx_space *space, const olx_sight *sight, olx_probe_set *set) {
+  const size_t most = 2 * (size_t)HELD_OUT_POINTS + HELD_OUT_RAYS;
+  judged j = {.places = olx_allocate(set->count, sizeof *j.places),
+              .probe_of = olx_allocate(set->count, sizeof *j.probe_of),
+              .views = olx_allocate(most, 1),
+              .first = olx_allocate(most, sizeof *j.first)};
+  olx_result result = OLX_ERROR_MEMORY;
+  if (j.places && j.probe_of && j.views && j.first) result = judge(space, sight, &j, set);
+  else olx_fail(result, "place: out of memory");
+  olx_release(j.places);
+  olx_release(j.probe_of);
+  olx_release(j.views);
+  olx_release(j.first);
+  olx_surfels_free(&j.rays);
+  olx_surfels_free(&j.area);
+  return result;
+}

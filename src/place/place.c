@@ -1,0 +1,166 @@
+#include "core/hooks.h"
+#include "core/parallel.h"
+#include "core/result.h"
+#include "field/field_file.h"
+#include "place/cover.h"
+#include "place/grid.h"
+#include "place/measure.h"
+
+#include <octalux/place.h>
+
+#define MOST_PROBES 65536u
+
+const char *olx_place_method_name(olx_place_method method) {
+  switch (method) {
+  case OLX_PLACE_GRID: return "grid";
+  case OLX_PLACE_COVER: return "cover";
+  }
+  return "unknown";
+}
+
+const char *olx_probe_origin_name(olx_probe_origin origin) {
+  static const char *const names[] = {"pinned", "grid", "skeleton", "space", "target", "moved"};
+  return (size_t)origin < sizeof names / sizeof *names ? names[origin] : "unknown";
+}
+
+uint64_t olx_light_probe_bytes(uint32_t resolution) {
+  const olx_field_info one = {.probe_count = 1, .radiance_size = resolution, .irradiance_size = 8};
+  olx_chunk_shape shapes[OLX_CHUNK_KINDS];
+  olx_chunk_shapes(&one, shapes);
+  return shapes[OLX_CHUNK_RADIANCE].record_bytes + shapes[OLX_CHUNK_NORMAL].record_bytes +
+         shapes[OLX_CHUNK_DISTANCE].record_bytes + shapes[OLX_CHUNK_COARSE].record_bytes;
+}
+
+olx_place_settings olx_place_settings_default(const olx_scene *scene) {
+  olx_place_settings settings = {.method = OLX_PLACE_COVER,
+                                 .views = 1,
+                                 .resolution = 512,
+                                 .min_cosine = 0.02f,
+                                 .max_footprint = 0.05f,
+                                 .surfels = 14000,
+                                 .candidates = 2000,
+                                 .voxels = 160,
+                                 .refinements = 4};
+  // The scene's own counts cannot be out of range.
+  (void)olx_scene_probe_grid(scene, NULL, &settings.grid);
+  return settings;
+}
+
+static bool is_within(uint32_t value, uint32_t low, uint32_t high) { return value >= low && value <= high; }
+
+static olx_result check_grid(const olx_grid *grid) {
+  const uint64_t plane = (uint64_t)grid->count[0] * grid->count[1];
+  if (plane > 0 && plane <= MOST_PROBES && is_within(grid->count[2], 1, (uint32_t)(MOST_PROBES / plane)) &&
+      olx_finite(grid->origin) && olx_finite(grid->spacing)) {
+    return OLX_OK;
+  }
+  return olx_fail(OLX_ERROR_ARGUMENT, "place: a grid of %u x %u x %u: it must hold 1 to %u probes at finite places",
+                  grid->count[0], grid->count[1], grid->count[2], MOST_PROBES);
+}
+
+static olx_result check_settings(const olx_place_settings *s) {
+  const struct {
+    bool good;
+    const char *what;
+  } checks[] = {
+      {s->method == OLX_PLACE_GRID || s->method == OLX_PLACE_COVER, "there is no such method"},
+      {s->count <= MOST_PROBES, "count must be at most 65536"},
+      {s->coverage >= 0.0f && s->coverage <= 1.0f, "coverage must be within 0 to 1"},
+      {s->budget_mb >= 0.0 && s->budget_mb < 1e12, "the budget must be a number of megabytes"},
+      {is_within(s->views, 1, 8), "views must be 1 to 8"},
+      {is_within(s->resolution, 8, 2048) && (s->resolution & (s->resolution - 1)) == 0,
+       "the resolution must be a power of two from 8 to 2048"},
+      {s->min_cosine >= 0.0f && s->min_cosine < 1.0f, "min_cosine must be at least 0 and below 1"},
+      {s->max_footprint > 0.0f && s->max_footprint <= 1e6f, "max_footprint must be above 0"},
+      {is_within(s->surfels, 64, 1u << 20), "surfels must be 64 to 1048576"},
+      {is_within(s->candidates, 16, 1u << 14), "candidates must be 16 to 16384"},
+      {is_within(s->voxels, 8, 512), "voxels must be 8 to 512"},
+      {s->refinements <= 64, "refinements must be at most 64"},
+  };
+  for (size_t i = 0; i < sizeof checks / sizeof *checks; i++) {
+    if (!checks[i].good) return olx_fail(OLX_ERROR_ARGUMENT, "place: %s", checks[i].what);
+  }
+  return check_grid(&s->grid);
+}
+
+// Turn the budget into a count, and say what coverage 0 stands for.
+static olx_result resolve(const olx_scene *scene, olx_place_settings *s) {
+  const uint32_t pinned = scene->probe_rules.pinned_count;
+  if (s->budget_mb > 0.0) {
+    const uint64_t bytes = olx_light_probe_bytes(s->resolution);
+    const double affordable = s->budget_mb * 1e6 / (double)bytes;
+    if (affordable < 1.0) {
+      return olx_fail(OLX_ERROR_ARGUMENT, "place: a budget of %g MB does not hold one probe of %u x %u texels (%.3f MB)",
+                      s->budget_mb, s->resolution, s->resolution, (double)bytes * 1e-6);
+    }
+    const uint32_t count = affordable < MOST_PROBES ? (uint32_t)affordable : MOST_PROBES;
+    if (s->count == 0 || count < s->count) s->count = count;
+  }
+  if (s->coverage <= 0.0f) s->coverage = s->count ? 1.0f : 0.999f;
+  if (s->method == OLX_PLACE_COVER && s->count && pinned > s->count) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "place: the description pins %u probes, more than the %u that are asked for",
+                    pinned, s->count);
+  }
+  return OLX_OK;
+}
+
+static olx_result choose_probes(const olx_space *space, const olx_sight *sight, const olx_progress *progress,
+                                olx_place_settings *settings, olx_candidate **probes, olx_probe_set *set) {
+  if (settings->method == OLX_PLACE_GRID) {
+    return olx_place_grid(space->scene, &settings->grid, probes, &set->count, &set->report.rejected);
+  }
+  if (space->place_count == 0 && space->scene->probe_rules.pinned_count == 0) {
+    return olx_fail(OLX_ERROR_EMPTY, "nowhere to place probes: the forbidden boxes and the distance to surfaces that the "
+                                     "description asks for leave no place");
+  }
+  olx_task task;
+  olx_cover_result found = {0};
+  olx_task_begin(&task, progress, "looking from candidates", settings->candidates);
+  const olx_result result = olx_cover(space, sight, settings, &task, &found);
+  olx_task_end(&task);
+  *probes = found.probes;
+  set->count = found.count;
+  set->report.candidates = found.candidates;
+  return result;
+}
+
+static olx_result place_in(const olx_space *space, const olx_progress *progress, olx_place_settings *settings,
+                           olx_probe_set *set) {
+  const olx_scene *scene = space->scene;
+  const olx_sight sight = olx_sight_create(scene, settings->min_cosine, settings->max_footprint, settings->resolution);
+  olx_candidate *probes = NULL;
+  olx_result result = choose_probes(space, &sight, progress, settings, &probes, set);
+  set->probes = olx_allocate_zero(set->count, sizeof *set->probes);
+  if (result == OLX_OK && !set->probes) result = olx_fail(OLX_ERROR_MEMORY, "place: out of memory");
+  if (result == OLX_OK) {
+    for (uint32_t i = 0; i < set->count; i++) {
+      set->probes[i] = (olx_placed_probe){.position = probes[i].place, .origin = probes[i].origin};
+    }
+    result = olx_measure_probes(space, &sight, set);
+  }
+  olx_release(probes);
+  set->report.space_voxels = space->reachable_count;
+  set->report.voxel_metres = space->voxels.size;
+  return result;
+}
+
+olx_result olx_place(const olx_scene *scene, const olx_place_settings *settings, const olx_progress *progress,
+                     olx_probe_set *set) {
+  const double start = olx_seconds();
+  *set = (olx_probe_set){.settings = *settings, .scene_hash = scene->hash};
+  OLX_TRY(check_settings(settings));
+  OLX_TRY(resolve(scene, &set->settings));
+  olx_space space;
+  OLX_TRY(olx_space_create(scene, settings->voxels, settings->threads, &space));
+  const olx_result result = place_in(&space, progress, &set->settings, set);
+  olx_space_free(&space);
+  if (result != OLX_OK) olx_probe_set_free(set);
+  set->report.seconds = olx_seconds() - start;
+  return result;
+}
+
+void olx_probe_set_free(olx_probe_set *set) {
+  olx_release(set->probes);
+  set->probes = NULL;
+  set->count = 0;
+}

@@ -98,7 +98,7 @@ static uint32_t choose_reflections(olx_shade_scratch *scratch, uint32_t first, u
   float strongest = 0.0f;
   for (uint32_t k = first; k < end; k++) {
     const olx_bsdf *b = &roots->surface[k].bsdf;
-    if (!olx_bsdf_has_specular(b)) continue;
+    if (!roots->reflects[k]) continue;
     specular++;
     strongest = olx_max(strongest, olx_max3(olx_fresnel(b, olx_dot(roots->surface[k].shading_normal, roots->view[k]))));
   }
@@ -109,7 +109,7 @@ static uint32_t choose_reflections(olx_shade_scratch *scratch, uint32_t first, u
   if (weak && hash >> 31) return paths;
   uint32_t chosen = hash % specular;
   for (uint32_t k = first; k < end; k++) {
-    if (!olx_bsdf_has_specular(&roots->surface[k].bsdf)) continue;
+    if (!roots->reflects[k]) continue;
     if (!all && chosen-- != 0) continue;
     const float weight = all ? 1.0f : weak ? 2.0f * (float)specular : (float)specular;
     scratch->paths[0][paths++] = (olx_shade_path){.root = k, .from = k, .throughput = olx_splat(weight)};
@@ -222,6 +222,7 @@ static void light_samples(const olx_capture *c, olx_shade_scratch *scratch, uint
   uint32_t paths = 0;
   olx_shade_batch_begin(&scratch->roots, c->light_samples);
   scratch->roots.per_texel = per_texel;
+  scratch->roots.averages_highlights = false;
   scratch->roots.shares_diffuse = c->shade->reflected_lights;
   for (uint32_t i = 0; i < count; i += per_texel) {
     const uint32_t seed = olx_hash3(c->probe, texel_index(c, tile, i / per_texel), SALT_TEXEL);

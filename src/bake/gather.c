@@ -114,7 +114,7 @@ static void light_tile(const olx_gather *gather, olx_shade_scratch *scratch, uin
     olx_shade_path path = {.root = root, .from = root, .throughput = olx_splat(weight), .diffuse = true};
     scratch->paths[0][reflections++] = path;
     path.diffuse = false;
-    if (olx_bsdf_has_specular(&scratch->roots.surface[root].bsdf)) scratch->paths[0][reflections++] = path;
+    if (scratch->roots.reflects[root]) scratch->paths[0][reflections++] = path;
   }
   olx_shade_direct(gather->shade, scratch, &scratch->roots);
   olx_shade_reflections(gather->shade, scratch, reflections, 0, OLX_REFLECT_LIGHTS);
@@ -204,7 +204,7 @@ static void bounce_job(void *user, uint32_t index) {
                                            cell_seed(probe, p.cell), i % per_cell);
     scratch->slot[root] = p.cell;
     scratch->weights[root] = quarter_solid_angle(q, tile, quarter, per_quarter) / q->cell_solid_angle[p.cell];
-    if (!olx_bsdf_has_specular(&scratch->roots.surface[root].bsdf)) continue;
+    if (!scratch->roots.reflects[root]) continue;
     scratch->paths[0][reflections++] = (olx_shade_path){.root = root, .from = root, .throughput = olx_splat(1.0f)};
   }
   olx_shade_diffuse(gather->shade, &scratch->roots, gather->bounce - 1);

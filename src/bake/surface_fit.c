@@ -113,6 +113,16 @@ static void append_hits(const olx_surface_fit *fit, uint32_t index, olx_shade_sc
   }
 }
 
+// One ray through the specular lobe of every point that has a narrow one; returns their count.
+static uint32_t choose_reflections(olx_shade_scratch *scratch) {
+  uint32_t count = 0;
+  for (uint32_t k = 0; k < scratch->roots.count; k++) {
+    if (!scratch->roots.reflects[k]) continue;
+    scratch->paths[0][count++] = (olx_shade_path){.root = k, .from = k, .throughput = olx_splat(1.0f)};
+  }
+  return count;
+}
+
 // Draws the points of one job, casts their rays, and sums the light of surfaces that carry direct light.
 static void cast_job(void *user, uint32_t job) {
   olx_surface_fit *fit = user;
@@ -132,7 +142,9 @@ static void cast_job(void *user, uint32_t job) {
     append_hits(fit, index, scratch);
   }
   atomic_fetch_add_explicit(&fit->input.shade->rays, OLX_BATCH_POINTS, memory_order_relaxed);
+  const uint32_t reflections = choose_reflections(scratch);
   olx_shade_direct(fit->input.shade, scratch, &scratch->roots);
+  olx_shade_reflections(fit->input.shade, scratch, reflections, 0, OLX_REFLECT_LIGHTS);
   for (uint32_t k = 0; k < scratch->roots.count; k++) {
     fit_point *point = &fit->points[scratch->slot[k]];
     point->direct = olx_madd(point->direct, scratch->roots.radiance[k], OLX_PI / RAYS_PER_POINT);
@@ -168,10 +180,7 @@ static void measure_job(void *user, uint32_t job) {
     if (fit->bounce > 0 && fit->points[first + i].valid) append_hits(fit, first + i, scratch);
   }
   if (fit->bounce > 0) {
-    for (uint32_t k = 0; k < scratch->roots.count; k++) {
-      if (!olx_bsdf_has_specular(&scratch->roots.surface[k].bsdf)) continue;
-      scratch->paths[0][reflections++] = (olx_shade_path){.root = k, .from = k, .throughput = olx_splat(1.0f)};
-    }
+    reflections = choose_reflections(scratch);
     olx_shade_diffuse(fit->input.shade, &scratch->roots, fit->bounce - 1);
     olx_shade_reflections(fit->input.shade, scratch, reflections, fit->bounce, OLX_REFLECT_BOUNCES);
     for (uint32_t k = 0; k < scratch->roots.count; k++) {

@@ -222,7 +222,7 @@ static void light_samples(const olx_capture *c, olx_shade_scratch *scratch, uint
   uint32_t paths = 0;
   olx_shade_batch_begin(&scratch->roots, c->light_samples);
   scratch->roots.per_texel = per_texel;
-  scratch->roots.averages_highlights = false;
+  scratch->roots.averages_lobes = true;
   scratch->roots.shares_diffuse = c->shade->reflected_lights;
   for (uint32_t i = 0; i < count; i += per_texel) {
     const uint32_t seed = olx_hash3(c->probe, texel_index(c, tile, i / per_texel), SALT_TEXEL);

@@ -44,33 +44,20 @@ void olx_shade_batch_begin(olx_shade_batch *batch, uint32_t light_samples) {
   batch->light_samples = light_samples;
   batch->per_texel = 1;
   batch->shares_diffuse = false;
-  batch->averages_highlights = true;
+  batch->averages_lobes = false;
 }
 
-// What a map holds is read from other directions than the probe's. Lobes wider than this (roughness 0.1) enter maps as what
-// they reflect on average over views, narrower ones as the probe sees them: a mirror that is only seen blurred would look
-// wrong, light that is only seen from the wrong side is in the wrong place.
+// Texels of radiance are looked at from other directions than the probe's. In maps of radiance lobes wider than this
+// (roughness 0.1) are therefore what they reflect on average over views; narrower ones are as the probe sees them, because
+// a mirror that is only seen blurred would look wrong. Irradiance sums light that really arrives at its probe.
 static const float matte_alpha = 0.01f;
-// The highlight of a lamp is bright in few directions and absent in all others. Irradiance gets its average, since light
-// that is summed over all directions is only right with it. Maps of radiance, whose texels are looked at one by one, get it
-// only as far as the lobe is wide: nothing at this alpha ...
-static const float no_highlight_alpha = 0.1f;
-// ... to all of it at this one. The sky is no lamp.
-static const float full_highlight_alpha = 0.6f;
 
-// Replaces a lobe that is too wide to trace by its average; sets what the surface makes of lamps' and of all other light.
 static void set_reflectance(olx_shade_batch *batch, uint32_t i) {
   const olx_bsdf *b = &batch->surface[i].bsdf;
+  const bool matte = batch->averages_lobes && b->alpha > matte_alpha;
   const float cosine = olx_dot(batch->surface[i].shading_normal, batch->view[i]);
-  const olx_vec3 diffuse = olx_scale(olx_bsdf_diffuse(b, cosine), 1.0f / OLX_PI);
-  batch->diffuse[i] = batch->lamplit[i] = diffuse;
-  batch->reflects[i] = olx_bsdf_has_specular(b) && b->alpha <= matte_alpha;
-  if (!olx_bsdf_has_specular(b) || batch->reflects[i]) return;
-  const float x = olx_clamp((b->alpha - no_highlight_alpha) / (full_highlight_alpha - no_highlight_alpha), 0.0f, 1.0f);
-  const olx_bsdf matte = olx_bsdf_matte(b);
-  batch->diffuse[i] = olx_scale(matte.albedo, 1.0f / OLX_PI);
-  const float share = batch->averages_highlights ? 1.0f : x * x * (3.0f - 2.0f * x);
-  batch->lamplit[i] = olx_mix3(diffuse, batch->diffuse[i], share);
+  batch->reflects[i] = olx_bsdf_has_specular(b) && !matte;
+  batch->diffuse[i] = olx_scale(matte ? olx_bsdf_matte(b).albedo : olx_bsdf_diffuse(b, cosine), 1.0f / OLX_PI);
 }
 
 uint32_t olx_shade_append(olx_shade_context *context, olx_shade_batch *batch, const olx_ray_hit *hit,
@@ -104,8 +91,7 @@ static olx_vec3 reflected_light(const olx_shade_batch *batch, uint32_t i, const 
   const olx_surface *s = &batch->surface[i];
   const float cosine = olx_dot(s->shading_normal, light->direction);
   const float diffuse_share = batch->shares_diffuse ? shadow_share(light, samples, cosine / OLX_PI) : 1.0f;
-  const bool sky = light->infinite && !light->delta;
-  olx_vec3 sum = olx_scale(sky ? batch->diffuse[i] : batch->lamplit[i], cosine * diffuse_share);
+  olx_vec3 sum = olx_scale(batch->diffuse[i], cosine * diffuse_share);
   if (batch->reflects[i] && s->bsdf.alpha > 0.0f) {
     olx_vec3 tangent, bitangent;
     olx_basis(s->shading_normal, &tangent, &bitangent);
@@ -321,9 +307,7 @@ static uint32_t end_paths(olx_shade_context *context, olx_shade_scratch *scratch
     }
     if (!lights || (end && olx_max3(end->emission) <= 0.0f)) continue;
     olx_vec3 light = olx_mul(path->throughput, light_at_end(context, from, path, end));
-    if (path->diffuse) {
-      light = olx_mul(light, olx_scale(end ? from->lamplit[path->from] : from->diffuse[path->from], OLX_PI));
-    }
+    if (path->diffuse) light = olx_mul(light, olx_scale(from->diffuse[path->from], OLX_PI));
     scratch->roots.radiance[path->root] = olx_add(scratch->roots.radiance[path->root], light);
   }
   return to->count;

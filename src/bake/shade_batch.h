@@ -24,14 +24,13 @@ typedef struct olx_shade_batch {
   uint32_t light_samples; // shadow rays of a point to each light that varies
   uint32_t per_texel;     // when above 1, texels' points come in runs of at most this many, and dark tiles are spared
   bool shares_diffuse; // rays of the diffuse lobe look for lights too, so that shadow rays count for their share alone
-  bool averages_highlights; // of lamps on lobes too wide to trace; else narrow ones are left out
+  bool averages_lobes; // wide specular lobes count as matte: for light that is looked at from elsewhere
   olx_surface surface[OLX_BATCH_POINTS];
   olx_vec3 view[OLX_BATCH_POINTS];     // unit, from the surface
   uint32_t seed[OLX_BATCH_POINTS];     // points of one texel share it
   uint32_t sequence[OLX_BATCH_POINTS]; // the point's number among those with its seed
   olx_vec3 diffuse[OLX_BATCH_POINTS];  // reflectance over pi of all that is not traced as a reflection
-  bool reflects[OLX_BATCH_POINTS];     // has a specular lobe narrow enough to be traced
-  olx_vec3 lamplit[OLX_BATCH_POINTS];  // the same for light straight from lamps
+  bool reflects[OLX_BATCH_POINTS];     // has a specular lobe of its own
   olx_vec3 radiance[OLX_BATCH_POINTS]; // without the surface's own emission
 } olx_shade_batch;
 

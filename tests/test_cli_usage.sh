@@ -5,16 +5,21 @@ expect 2
 grep -q "^usage: octalux COMMAND" stderr.txt || fail "no usage without a command"
 [ -s stdout.txt ] && fail "usage without a command belongs on standard error"
 
-expect_usage "unknown command 'place'" place builtin:cornell
+expect_usage "unknown command 'paint'" paint builtin:cornell
 expect_usage "unknown command '--json'" --json
 
-for command in scene bake render audit; do expect_usage "SCENE is missing" $command; done
+for command in scene place bake render audit; do expect_usage "SCENE is missing" $command; done
 for command in info verify; do expect_usage "FIELD is missing" $command; done
 expect_usage "IMAGE.exr is missing" compare
 expect_usage "REFERENCE.exr is missing" compare a.exr
 expect_usage "EXPERIMENT is missing" bench
 expect_usage "unknown experiment 'table9'" bench table9
 expect_usage "'c.exr' is one argument too many" compare a.exr b.exr c.exr
+expect_usage "-o FILE.json is missing" place builtin:cornell
+expect_usage "is not one of grid|cover" place builtin:cornell -o p.json --method magic
+for share in 0 -1 nan much ''; do
+  expect_usage "is not a number above 0" place builtin:cornell -o p.json --coverage "$share"
+done
 expect_usage "-o FILE.olx is missing" bake builtin:cornell
 expect_usage "-o FILE is missing" render builtin:cornell
 expect_usage "--field FILE.olx is missing" audit builtin:cornell
@@ -63,7 +68,7 @@ expect_files
 help="$OCTALUX_SOURCE_DIR/tests/cli/help.txt"
 {
   "$OCTALUX" --help
-  for command in scene bake render compare audit info verify bench; do
+  for command in scene place bake render compare audit info verify bench; do
     echo
     echo "== octalux $command --help"
     "$OCTALUX" $command --help

@@ -262,7 +262,8 @@ static olx_result pin_probes(cover *c) {
 
 static olx_result choose(cover *c) {
   const uint32_t pinned = c->space->scene->probe_rules.pinned_count;
-  const double allowed = (1.0 - c->target) * AIM;
+  // With a count, probes that only see better are welcome when nothing is left to cover.
+  const double allowed = c->settings->count && c->target >= 1.0 ? -1.0 : (1.0 - c->target) * AIM;
   OLX_TRY(pin_probes(c));
   OLX_TRY(add_greedily(c, 1.0 - FIRST_COVERAGE > allowed ? 1.0 - FIRST_COVERAGE : allowed));
   uint32_t refined = 0;
@@ -272,7 +273,7 @@ static olx_result choose(cover *c) {
     if (uncovered_share(c) < SPARSE_UNCOVERED) {
       double covered;
       OLX_TRY(look_closer(c, olx_hash2(c->settings->seed, 100u + round), &covered));
-      if (!full && covered >= c->target && round > 0) break;
+      if (!full && allowed >= 0.0 && covered >= c->target && round > 0) break;
     }
     OLX_TRY(add_greedily(c, allowed));
     refined += c->state.pick_count - pinned;

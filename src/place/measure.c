@@ -5,14 +5,21 @@
 #include "core/sampling.h"
 
 enum {
-  HELD_OUT_RAYS = 60000,
-  HELD_OUT_POINTS = 60000,
+  HELD_OUT = 4, // times the surfels that placement uses, within these:
+  LEAST_HELD_OUT = 16000,
+  MOST_HELD_OUT = 200000,
   HELD_OUT_SEED = 0x0DDBA11 // apart from all that placement draws
 };
+
+static uint32_t held_out_count(const olx_place_settings *settings) {
+  const uint32_t wanted = HELD_OUT * settings->surfels;
+  return wanted < LEAST_HELD_OUT ? LEAST_HELD_OUT : wanted > MOST_HELD_OUT ? MOST_HELD_OUT : wanted;
+}
 
 typedef struct judged {
   olx_vec3 *places;   // of the probes that are asked
   uint32_t *probe_of; // their indices in the set
+  uint32_t *gains;    // surfels that each covers and none before it
   uint32_t count;
   olx_surfels rays, area;
   uint8_t *views;
@@ -44,14 +51,20 @@ static olx_result find_buried(const olx_space *space, olx_probe_set *set, judged
 static void tell_coverage(const judged *j, olx_probe_set *set) {
   olx_place_report *report = &set->report;
   const double share = j->rays.share;
+  uint32_t covered = 0, grazing = 0, missed = 0, restricted = 0;
   for (uint32_t i = 0; i < j->rays.count; i++) {
     const olx_surfel_fate fate = j->rays.items[i].fate;
-    if (j->first[i] < j->count) set->probes[j->probe_of[j->first[i]]].gain += (float)share;
-    if (j->views[i] >= set->settings.views) report->coverage += share;
-    else if (fate == OLX_SURFEL_GRAZING) report->grazing += share;
-    else if (fate == OLX_SURFEL_FIT) report->missed += share;
-    else report->restricted += share;
+    if (j->first[i] < j->count) j->gains[j->first[i]]++;
+    if (j->views[i] >= set->settings.views) covered++;
+    else if (fate == OLX_SURFEL_GRAZING) grazing++;
+    else if (fate == OLX_SURFEL_FIT) missed++;
+    else restricted++;
   }
+  for (uint32_t i = 0; i < j->count; i++) set->probes[j->probe_of[i]].gain = (float)(j->gains[i] * share);
+  report->coverage = covered * share;
+  report->grazing = grazing * share;
+  report->missed = missed * share;
+  report->restricted = restricted * share;
   report->coverable = 1.0 - report->grazing - report->restricted;
 }
 
@@ -64,9 +77,10 @@ static double seen_share(const olx_surfels *surfels, const uint8_t *views, uint3
 static olx_result judge(const olx_space *space, const olx_sight *sight, judged *j, olx_probe_set *set) {
   const uint32_t threads = set->settings.threads, least = set->settings.views;
   const uint32_t seed = olx_hash2(set->settings.seed, HELD_OUT_SEED);
+  const uint32_t held_out = held_out_count(&set->settings);
   OLX_TRY(find_buried(space, set, j));
-  OLX_TRY(olx_surfels_create(space, sight, OLX_SPREAD_RAYS, HELD_OUT_RAYS, seed, threads, &j->rays));
-  OLX_TRY(olx_surfels_create(space, sight, OLX_SPREAD_AREA, HELD_OUT_POINTS, olx_hash(seed), threads, &j->area));
+  OLX_TRY(olx_surfels_create(space, sight, OLX_SPREAD_RAYS, held_out, seed, threads, &j->rays));
+  OLX_TRY(olx_surfels_create(space, sight, OLX_SPREAD_AREA, held_out, olx_hash(seed), threads, &j->area));
   if (j->rays.count == 0) {
     return olx_fail(OLX_ERROR_EMPTY, "nothing to see: no surface is seen from where probes may stand");
   }
@@ -82,16 +96,18 @@ static olx_result judge(const olx_space *space, const olx_sight *sight, judged *
 }
 
 olx_result olx_measure_probes(const olx_space *space, const olx_sight *sight, olx_probe_set *set) {
-  const size_t most = 2 * (size_t)HELD_OUT_POINTS + HELD_OUT_RAYS;
+  const size_t most = 2 * (size_t)held_out_count(&set->settings); // both sides of every point
   judged j = {.places = olx_allocate(set->count, sizeof *j.places),
               .probe_of = olx_allocate(set->count, sizeof *j.probe_of),
+              .gains = olx_allocate_zero(set->count, sizeof *j.gains),
               .views = olx_allocate(most, 1),
               .first = olx_allocate(most, sizeof *j.first)};
   olx_result result = OLX_ERROR_MEMORY;
-  if (j.places && j.probe_of && j.views && j.first) result = judge(space, sight, &j, set);
+  if (j.places && j.probe_of && j.gains && j.views && j.first) result = judge(space, sight, &j, set);
   else olx_fail(result, "place: out of memory");
   olx_release(j.places);
   olx_release(j.probe_of);
+  olx_release(j.gains);
   olx_release(j.views);
   olx_release(j.first);
   olx_surfels_free(&j.rays);

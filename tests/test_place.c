@@ -1,0 +1,595 @@
+// Placement by scenes whose answer is known: what is reached, what is inside, what one probe sees, and what cannot be done.
+#include "core/sampling.h"
+#include "made_scenes.h"
+#include "place/measure.h"
+#include "place/surfels.h"
+#include "scene/builtin_shapes.h"
+#include "scene/bvh.h"
+#include "tiny_scenes.h"
+
+#include <octalux/place.h>
+
+#include <unistd.h>
+
+static olx_place_settings quick(const olx_scene *scene) {
+  olx_place_settings settings = olx_place_settings_default(scene);
+  settings.surfels = 1500;
+  settings.candidates = 150;
+  settings.voxels = 36;
+  settings.refinements = 1;
+  return settings;
+}
+
+static olx_probe_set place(const olx_scene *scene, const olx_place_settings *settings) {
+  olx_probe_set set;
+  ASSERT_OK(olx_place(scene, settings, NULL, &set));
+  return set;
+}
+
+static olx_scene *load(const char *name) {
+  olx_scene *scene;
+  ASSERT_OK(olx_scene_load(name, &scene));
+  return scene;
+}
+
+static void add_camera(olx_scene *scene, olx_vec3 eye, olx_vec3 target) {
+  const olx_camera camera = tiny_camera(eye, target, 60.0f);
+  ASSERT_OK(olx_scene_add_camera(scene, &camera));
+}
+
+static uint32_t matte(olx_scene *scene) {
+  const olx_material material = tiny_lambert(0.5f, 0.0f);
+  return made_material(scene, &material);
+}
+
+// A room of 4 m x 2 m x 4 m around the origin.
+static olx_scene *start_room(void) {
+  olx_scene *scene = made_scene();
+  const uint32_t m = matte(scene), materials[6] = {m, m, m, m, m, m};
+  ASSERT_OK(olx_add_room(scene, "room", olx_v3(-2, 0, -2), olx_v3(2, 2, 2), materials));
+  return scene;
+}
+
+static void expect_nothing(olx_scene *scene, const char *why) {
+  const olx_place_settings settings = quick(scene);
+  olx_probe_set set;
+  assert_int_equal(olx_place(scene, &settings, NULL, &set), OLX_ERROR_EMPTY);
+  if (!strstr(olx_last_error(), why)) fail_msg("\"%s\" does not say \"%s\"", olx_last_error(), why);
+  assert_null(set.probes);
+  olx_scene_free(scene);
+}
+
+static void distance_transform_is_exact(void **state) {
+  (void)state;
+  enum { MOST = 20 * 20 * 20 };
+  static uint8_t solid[MOST];
+  static uint32_t distance[MOST];
+  const uint32_t shapes[5][3] = {{17, 9, 13}, {1, 20, 20}, {20, 1, 3}, {20, 20, 20}, {1, 1, 1}};
+  for (uint32_t trial = 0; trial < 20; trial++) {
+    const uint32_t *n = shapes[trial % 5], total = n[0] * n[1] * n[2], sparsity = 1u << trial % 9;
+    for (uint32_t i = 0; i < total; i++) solid[i] = olx_hash2(trial, i) % sparsity == 0;
+    if (trial == 13) memset(solid, 0, sizeof solid);
+    ASSERT_OK(olx_distance_transform(solid, n, 1 + trial % 3, distance));
+    for (uint32_t a = 0; a < total; a++) {
+      uint32_t least = OLX_FAR_VOXELS;
+      for (uint32_t b = 0; b < total; b++) {
+        if (!solid[b]) continue;
+        const int x = (int)(a % n[0]) - (int)(b % n[0]), y = (int)(a / n[0] % n[1]) - (int)(b / n[0] % n[1]),
+                  z = (int)(a / n[0] / n[1]) - (int)(b / n[0] / n[1]);
+        const uint32_t squared = (uint32_t)(x * x + y * y + z * z);
+        if (squared < least) least = squared;
+      }
+      if (distance[a] != least) fail_msg("trial %u, voxel %u: %u instead of %u", trial, a, distance[a], least);
+    }
+  }
+}
+
+// Every voxel that holds a point of a surface is solid, and every solid one touches a surface.
+static void voxels_are_conservative_and_tight(void **state) {
+  (void)state;
+  olx_scene *scene = load("builtin:pillars");
+  olx_voxels voxels;
+  ASSERT_OK(olx_voxels_create(scene, (olx_box){scene->bounds_min, scene->bounds_max}, 31, 2, &voxels));
+  for (uint32_t t = 0; t < scene->triangle_count; t++) {
+    const uint32_t *i = scene->indices + 3 * (size_t)t;
+    for (uint32_t k = 0; k < 200; k++) {
+      const olx_vec2 uv = olx_sample_triangle(made_random(t, k));
+      const olx_vec3 a = scene->positions[i[0]], b = scene->positions[i[1]], c = scene->positions[i[2]];
+      const size_t voxel =
+          olx_voxel_at(&voxels, olx_madd(olx_madd(a, olx_sub(b, a), uv.x), olx_sub(c, a), uv.y));
+      if (voxel != OLX_NO_VOXEL) assert_true(voxels.solid[voxel]);
+    }
+  }
+  const float half_diagonal = 0.5f * sqrtf(3.0f) * voxels.size;
+  size_t solid = 0;
+  for (size_t i = 0; i < voxels.total; i++) {
+    if (!voxels.solid[i]) continue;
+    solid++;
+    assert_true(olx_bvh_distance(scene->bvh, olx_voxel_centre(&voxels, i), INFINITY) <= half_diagonal * 1.01f);
+  }
+  assert_true(solid > 0 && solid < voxels.total / 2);
+  olx_voxels_free(&voxels);
+  olx_scene_free(scene);
+}
+
+static void distance_to_surfaces_is_exact(void **state) {
+  (void)state;
+  olx_scene *scene = made_scene();
+  made_square(scene, 0.0f, matte(scene));
+  made_finish(scene);
+  assert_close((double)olx_bvh_distance(scene->bvh, olx_v3(0.3f, 0.7f, 0.2f), INFINITY), 0.7, 1e-6, "above");
+  assert_close((double)olx_bvh_distance(scene->bvh, olx_v3(4.0f, 4.0f, 0.5f), INFINITY), 5.0, 1e-6, "beside");
+  assert_close((double)olx_bvh_distance(scene->bvh, olx_v3(3.0f, 1.0f, -3.0f), INFINITY), 3.0, 1e-6, "past a corner");
+  assert_true(olx_bvh_distance(scene->bvh, olx_v3(0, 5, 0), 2.0f) == 2.0f);
+  olx_scene_free(scene);
+}
+
+static void one_probe_covers_a_closed_box(void **state) {
+  (void)state;
+  olx_scene *scene = start_room();
+  made_finish(scene);
+  const olx_place_settings settings = quick(scene);
+  olx_probe_set set = place(scene, &settings);
+  assert_int_equal(set.count, 1);
+  assert_true(set.report.coverage > 0.999);
+  assert_true(set.report.coverage_by_area > 0.99);
+  assert_true(set.report.unreachable == 0.0);
+  assert_close((double)set.probes[0].gain, set.report.coverage, 1e-6, "the only probe's gain");
+  olx_probe_set_free(&set);
+  olx_scene_free(scene);
+}
+
+// A wall across the room from floor to ceiling, with a gap at one side.
+static void a_wall_needs_a_second_probe(void **state) {
+  (void)state;
+  olx_scene *scene = start_room();
+  made_quad(scene, olx_v3(0, 1, -0.4f), olx_v3(0, 2, 0), olx_v3(0, 0, 3.2f), matte(scene));
+  made_finish(scene);
+  olx_place_settings settings = quick(scene);
+  settings.count = 1;
+  olx_probe_set one = place(scene, &settings);
+  settings.count = 2;
+  olx_probe_set two = place(scene, &settings);
+  assert_int_equal(two.count, 2);
+  assert_true(one.report.coverage < 0.9);
+  assert_true(two.report.coverage > 0.97);
+  assert_true(one.report.missed > 0.1);
+  assert_close(one.report.coverage + one.report.missed + one.report.grazing + one.report.restricted, 1.0, 1e-6, "sum");
+  olx_probe_set_free(&one);
+  olx_probe_set_free(&two);
+  olx_scene_free(scene);
+}
+
+static void nothing_is_placed_in_a_sealed_room(void **state) {
+  (void)state;
+  olx_scene *scene = made_scene();
+  const uint32_t m = matte(scene);
+  made_room(scene, olx_v3(-1.5f, 0, 0), 2.0f, m);
+  made_room(scene, olx_v3(1.5f, 0, 0), 2.0f, m);
+  add_camera(scene, olx_v3(-1.2f, 0, 0), olx_v3(-2, 0, 0));
+  made_finish(scene);
+  olx_place_settings settings = quick(scene);
+  settings.count = 3;
+  olx_probe_set set = place(scene, &settings);
+  assert_int_equal(set.count, 3);
+  for (uint32_t i = 0; i < set.count; i++) assert_true(set.probes[i].position.x < -0.5f);
+  assert_close(set.report.unreachable, 0.5, 0.02, "unreachable share");
+  assert_true(set.report.coverage > 0.999);
+  olx_probe_set_free(&set);
+  olx_scene_free(scene);
+}
+
+// Without a camera the larger of two rooms would win; with light in the smaller one that one matters.
+static void light_says_which_room_matters(void **state) {
+  (void)state;
+  for (int lit = 0; lit < 2; lit++) {
+    olx_scene *scene = made_scene();
+    const uint32_t m = matte(scene);
+    made_room(scene, olx_v3(-1.5f, 0, 0), 2.0f, m);
+    made_room(scene, olx_v3(2.5f, 0, 0), 4.0f, m);
+    const olx_light light = {.type = OLX_LIGHT_POINT, .position = {-1.5f, 0.5f, 0}, .emission = {1, 1, 1}};
+    if (lit) ASSERT_OK(olx_scene_add_light(scene, &light));
+    made_finish(scene);
+    const olx_place_settings settings = quick(scene);
+    olx_probe_set set = place(scene, &settings);
+    for (uint32_t i = 0; i < set.count; i++) assert_true((set.probes[i].position.x < -0.5f) == (lit == 1));
+    olx_probe_set_free(&set);
+    olx_scene_free(scene);
+  }
+}
+
+static void nothing_to_place_in_is_said_clearly(void **state) {
+  (void)state;
+  olx_scene *solid = made_scene();
+  ASSERT_OK(olx_add_box(solid, "solid", olx_v3(-1, -1, -1), olx_v3(1, 1, 1), matte(solid)));
+  expect_nothing(made_finish(solid), "inside geometry");
+  olx_scene *quad = made_scene();
+  made_square(quad, 0.0f, matte(quad));
+  expect_nothing(made_finish(quad), "flat");
+  olx_scene *far = start_room();
+  far->probe_rules.has_playable = true;
+  far->probe_rules.playable = (olx_box){{50, 50, 50}, {60, 60, 60}};
+  expect_nothing(made_finish(far), "playable box");
+  // Beside the room, within reach, but nothing is seen from there.
+  olx_scene *room = start_room();
+  room->probe_rules.has_playable = true;
+  room->probe_rules.playable = (olx_box){{-1, 3, -1}, {1, 4, 1}};
+  made_finish(room);
+  const olx_place_settings settings = quick(room);
+  olx_probe_set set;
+  // The outside of the ceiling is seen from above it.
+  ASSERT_OK(olx_place(room, &settings, NULL, &set));
+  for (uint32_t i = 0; i < set.count; i++) assert_true(set.probes[i].position.y > 3.0f);
+  olx_probe_set_free(&set);
+  olx_scene_free(room);
+  olx_scene *forbidden = start_room();
+  forbidden->probe_rules.min_distance = 1.5f;
+  expect_nothing(made_finish(forbidden), "leave no place");
+}
+
+// A single sheet in a playable box: both sides are seen and covered.
+static void a_single_quad_has_two_sides(void **state) {
+  (void)state;
+  olx_scene *scene = made_scene();
+  made_square(scene, 0.0f, matte(scene));
+  scene->probe_rules.has_playable = true;
+  scene->probe_rules.playable = (olx_box){{-1, -1, -1}, {1, 1, 1}};
+  made_finish(scene);
+  olx_place_settings settings = quick(scene);
+  settings.count = 2;
+  olx_probe_set set = place(scene, &settings);
+  assert_int_equal(set.count, 2);
+  assert_true(set.probes[0].position.y * set.probes[1].position.y < 0.0f);
+  assert_true(set.report.coverage > 0.95);
+  olx_probe_set_free(&set);
+  olx_scene_free(scene);
+}
+
+static bool same_probes(const olx_probe_set *a, const olx_probe_set *b) {
+  if (a->count != b->count) return false;
+  for (uint32_t i = 0; i < a->count; i++) {
+    const olx_placed_probe *p = &a->probes[i], *q = &b->probes[i];
+    if (memcmp(&p->position, &q->position, sizeof p->position) != 0) return false;
+    if (p->origin != q->origin || p->gain != q->gain || p->buried != q->buried) return false;
+  }
+  return a->report.coverage == b->report.coverage && a->report.coverage_by_area == b->report.coverage_by_area;
+}
+
+static void threads_and_runs_do_not_matter(void **state) {
+  (void)state;
+  olx_scene *scene = load("builtin:pillars");
+  olx_place_settings settings = quick(scene);
+  settings.count = 6;
+  settings.threads = 1;
+  olx_probe_set one = place(scene, &settings);
+  const uint32_t threads[3] = {1, 2, 5};
+  for (int i = 0; i < 3; i++) {
+    settings.threads = threads[i];
+    olx_probe_set other = place(scene, &settings);
+    assert_true(same_probes(&one, &other));
+    olx_probe_set_free(&other);
+  }
+  settings.seed = 1;
+  olx_probe_set seeded = place(scene, &settings);
+  assert_false(same_probes(&one, &seeded));
+  olx_probe_set_free(&seeded);
+  olx_probe_set_free(&one);
+  olx_scene_free(scene);
+}
+
+static void more_probes_cover_more(void **state) {
+  (void)state;
+  olx_scene *scene = load("builtin:labyrinth");
+  olx_place_settings settings = quick(scene);
+  double before = 0.0;
+  for (settings.count = 1; settings.count <= 16; settings.count *= 2) {
+    olx_probe_set set = place(scene, &settings);
+    assert_int_equal(set.count, settings.count);
+    // Strictly, until all but the last half per mille is covered.
+    assert_true(set.report.coverage > before || set.report.coverage >= 0.9995);
+    assert_true(set.report.visible >= set.report.coverage);
+    before = set.report.coverage;
+    double gains = 0.0;
+    for (uint32_t i = 0; i < set.count; i++) gains += (double)set.probes[i].gain;
+    assert_close(gains, set.report.coverage, 1e-4, "sum of gains");
+    olx_probe_set_free(&set);
+  }
+  assert_true(before > 0.99);
+  olx_scene_free(scene);
+}
+
+static void asked_coverage_is_reached(void **state) {
+  (void)state;
+  olx_scene *scene = load("builtin:labyrinth");
+  olx_place_settings settings = quick(scene);
+  settings.coverage = 0.9f;
+  olx_probe_set less = place(scene, &settings);
+  settings.coverage = 0.99f;
+  olx_probe_set more = place(scene, &settings);
+  assert_true(less.count < more.count);
+  assert_true(less.report.coverage >= 0.89 * less.report.coverable);
+  assert_true(more.report.coverage >= 0.985 * more.report.coverable);
+  olx_probe_set_free(&less);
+  olx_probe_set_free(&more);
+  olx_scene_free(scene);
+}
+
+static void a_second_view_needs_more_probes(void **state) {
+  (void)state;
+  olx_scene *scene = load("builtin:cornell");
+  olx_place_settings settings = quick(scene);
+  settings.coverage = 0.97f;
+  olx_probe_set once = place(scene, &settings);
+  settings.views = 2;
+  olx_probe_set twice = place(scene, &settings);
+  assert_true(twice.count > once.count);
+  assert_true(twice.report.coverage > 0.94);
+  olx_probe_set_free(&once);
+  olx_probe_set_free(&twice);
+  olx_scene_free(scene);
+}
+
+static void a_budget_says_how_many(void **state) {
+  (void)state;
+  olx_scene *scene = load("builtin:cornell");
+  olx_place_settings settings = quick(scene);
+  settings.resolution = 64;
+  settings.budget_mb = 3.99e-6 * (double)olx_light_probe_bytes(64);
+  olx_probe_set set = place(scene, &settings);
+  assert_int_equal(set.count, 3);
+  olx_probe_set_free(&set);
+  settings.budget_mb = 0.5e-6 * (double)olx_light_probe_bytes(64);
+  assert_int_equal(olx_place(scene, &settings, NULL, &set), OLX_ERROR_ARGUMENT);
+  assert_non_null(strstr(olx_last_error(), "does not hold one probe"));
+  olx_scene_free(scene);
+}
+
+static void the_pillars_bury_three_grid_probes(void **state) {
+  (void)state;
+  olx_scene *scene = load("builtin:pillars");
+  olx_place_settings settings = quick(scene);
+  settings.method = OLX_PLACE_GRID;
+  olx_probe_set set = place(scene, &settings);
+  assert_int_equal(set.count, 18);
+  assert_int_equal(set.report.buried, 3);
+  for (uint32_t i = 0; i < set.count; i++) {
+    const olx_vec3 p = set.probes[i].position;
+    const bool centre = p.x == 0.0f && p.z == 0.0f, right = p.x == 2.0f && p.z == -2.0f && p.y < 1.5f;
+    assert_true(set.probes[i].buried == (centre || right));
+    assert_int_equal(set.probes[i].origin, OLX_ORIGIN_GRID);
+    if (set.probes[i].buried) assert_true(set.probes[i].gain == 0.0f);
+  }
+  olx_probe_set_free(&set);
+  olx_scene_free(scene);
+}
+
+static void no_probe_is_inside_geometry(void **state) {
+  (void)state;
+  const char *const names[] = {"builtin:pillars", "builtin:cornell", "builtin:two-rooms-gap", "builtin:temple",
+                               "builtin:furnace"};
+  for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
+    for (int cameras = 0; cameras < 2; cameras++) {
+      olx_scene *scene = load(names[k]);
+      if (!cameras) scene->camera_count = 0;
+      olx_place_settings settings = quick(scene);
+      settings.count = 12;
+      olx_probe_set set = place(scene, &settings);
+      if (set.report.buried) fail_msg("%s: %u probes are inside geometry", names[k], set.report.buried);
+      for (uint32_t i = 0; k == 0 && i < set.count; i++) {
+        const olx_vec3 p = set.probes[i].position;
+        assert_true(p.x * p.x + p.z * p.z > 0.55f * 0.55f || p.y > 2.6f);
+      }
+      olx_probe_set_free(&set);
+      olx_scene_free(scene);
+    }
+  }
+}
+
+static bool box_holds(const olx_box *box, olx_vec3 p) {
+  return p.x >= box->min.x && p.y >= box->min.y && p.z >= box->min.z && p.x <= box->max.x && p.y <= box->max.y &&
+         p.z <= box->max.z;
+}
+
+static void overrides_hold_for_every_method(void **state) {
+  (void)state;
+  const olx_vec3 pinned[2] = {{-1.9f, 0.1f, -1.9f}, {1.0f, 1.0f, 1.0f}};
+  const olx_box forbidden = {{-0.6f, 0.0f, -2.0f}, {2.0f, 2.0f, 0.2f}};
+  for (int method = OLX_PLACE_GRID; method <= OLX_PLACE_COVER; method++) {
+    olx_scene *scene = start_room();
+    made_quad(scene, olx_v3(0, 1, -0.4f), olx_v3(0, 2, 0), olx_v3(0, 0, 3.2f), matte(scene));
+    made_finish(scene);
+    olx_probe_rules *rules = &scene->probe_rules;
+    rules->pinned = olx_allocate(2, sizeof *rules->pinned);
+    rules->forbidden = olx_allocate(1, sizeof *rules->forbidden);
+    memcpy(rules->pinned, pinned, sizeof pinned);
+    rules->pinned_count = 2;
+    rules->forbidden[0] = forbidden;
+    rules->forbidden_count = 1;
+    rules->has_playable = true;
+    rules->playable = (olx_box){{-2, 0, -2}, {2, 1.5f, 2}};
+    rules->min_distance = 0.4f;
+    olx_place_settings settings = quick(scene);
+    settings.method = (olx_place_method)method;
+    settings.count = 5;
+    settings.grid = (olx_grid){.origin = {-1.75f, 0.5f, -1.75f}, .spacing = {0.5f, 0.5f, 0.5f}, .count = {8, 3, 8}};
+    olx_probe_set set = place(scene, &settings);
+    assert_true(set.count >= 4);
+    assert_memory_equal(&set.probes[0].position, &pinned[0], sizeof pinned[0]);
+    assert_memory_equal(&set.probes[1].position, &pinned[1], sizeof pinned[1]);
+    for (uint32_t i = 0; i < set.count; i++) {
+      const olx_vec3 p = set.probes[i].position;
+      assert_true((set.probes[i].origin == OLX_ORIGIN_PINNED) == (i < 2));
+      if (i < 2) continue;
+      assert_false(box_holds(&forbidden, p));
+      assert_true(box_holds(&rules->playable, p));
+      assert_true(olx_bvh_distance(scene->bvh, p, 10.0f) >= 0.4f);
+      for (uint32_t k = 0; k < i; k++) assert_true(olx_length(olx_sub(p, set.probes[k].position)) >= 0.4f);
+    }
+    if (method == OLX_PLACE_GRID) assert_int_equal(set.count + set.report.rejected, 2 + 8 * 3 * 8);
+    settings.count = 1;
+    olx_probe_set few;
+    if (method == OLX_PLACE_COVER) assert_int_equal(olx_place(scene, &settings, NULL, &few), OLX_ERROR_ARGUMENT);
+    olx_probe_set_free(&set);
+    olx_scene_free(scene);
+  }
+}
+
+// What lies behind a forbidden part of a corridor is seen, but not coverable, and the report says so.
+static void what_cannot_be_covered_is_told_apart(void **state) {
+  (void)state;
+  olx_scene *scene = start_room();
+  made_quad(scene, olx_v3(0, 1, -0.4f), olx_v3(0, 2, 0), olx_v3(0, 0, 3.2f), matte(scene));
+  add_camera(scene, olx_v3(-1, 1, 0), olx_v3(0, 1, 1));
+  made_finish(scene);
+  olx_probe_rules *rules = &scene->probe_rules;
+  rules->forbidden = olx_allocate(1, sizeof *rules->forbidden);
+  rules->forbidden[0] = (olx_box){{-0.5f, 0, -2}, {2, 2, 2}};
+  rules->forbidden_count = 1;
+  olx_place_settings settings = quick(scene);
+  olx_probe_set set = place(scene, &settings);
+  for (uint32_t i = 0; i < set.count; i++) assert_true(set.probes[i].position.x < -0.5f);
+  assert_true(set.report.restricted > 0.1);
+  assert_true(set.report.coverage >= 0.99 * set.report.coverable);
+  assert_true(set.report.unreachable == 0.0);
+  olx_probe_set_free(&set);
+  // Texels that are too large everywhere: all is seen, nothing is seen well.
+  rules->forbidden_count = 0;
+  settings.count = 3;
+  settings.resolution = 8;
+  settings.max_footprint = 1e-5f;
+  set = place(scene, &settings);
+  assert_true(set.report.coverage < 0.01);
+  assert_true(set.report.grazing > 0.99);
+  olx_probe_set_free(&set);
+  olx_scene_free(scene);
+}
+
+static void settings_out_of_range_are_refused(void **state) {
+  (void)state;
+  olx_scene *scene = load("builtin:cornell");
+  for (int i = 0; i < 10; i++) {
+    olx_place_settings s = quick(scene);
+    if (i == 0) s.coverage = 1.5f;
+    if (i == 1) s.coverage = NAN;
+    if (i == 2) s.views = 0;
+    if (i == 3) s.resolution = 100;
+    if (i == 4) s.min_cosine = 1.0f;
+    if (i == 5) s.max_footprint = 0.0f;
+    if (i == 6) s.voxels = 4;
+    if (i == 7) s.candidates = 0;
+    if (i == 8) s.grid.count[1] = 0;
+    if (i == 9) s.budget_mb = -1.0;
+    olx_probe_set set;
+    assert_int_equal(olx_place(scene, &s, NULL, &set), OLX_ERROR_ARGUMENT);
+    assert_null(set.probes);
+  }
+  olx_scene_free(scene);
+}
+
+static bool refuse(void *user, const char *stage, float done) {
+  (void)user;
+  (void)stage;
+  (void)done;
+  return false;
+}
+
+static void placement_can_be_cancelled(void **state) {
+  (void)state;
+  olx_scene *scene = load("builtin:pillars");
+  const olx_place_settings settings = quick(scene);
+  const olx_progress progress = {.report = refuse};
+  olx_probe_set set;
+  assert_int_equal(olx_place(scene, &settings, &progress, &set), OLX_ERROR_CANCELLED);
+  assert_null(set.probes);
+  olx_scene_free(scene);
+}
+
+static void write_text(const char *path, const char *text) {
+  FILE *file = fopen(path, "w");
+  assert_non_null(file);
+  assert_true(fputs(text, file) >= 0);
+  assert_int_equal(fclose(file), 0);
+}
+
+static void probe_files_come_back(void **state) {
+  (void)state;
+  char path[] = "/tmp/octalux-probes-XXXXXX";
+  const int descriptor = mkstemp(path);
+  assert_true(descriptor >= 0);
+  close(descriptor);
+  olx_scene *scene = load("builtin:pillars");
+  olx_place_settings settings = quick(scene);
+  settings.method = OLX_PLACE_GRID;
+  settings.seed = 4000000000u;
+  olx_probe_set set = place(scene, &settings), back;
+  ASSERT_OK(olx_probe_set_save(&set, path));
+  ASSERT_OK(olx_probe_set_load(path, &back));
+  assert_int_equal(back.count, set.count);
+  assert_true(back.scene_hash == set.scene_hash);
+  assert_int_equal(back.settings.method, OLX_PLACE_GRID);
+  assert_true(back.settings.seed == settings.seed && back.settings.min_cosine == settings.min_cosine);
+  for (uint32_t i = 0; i < set.count; i++) {
+    assert_memory_equal(&back.probes[i].position, &set.probes[i].position, sizeof set.probes[i].position);
+    assert_int_equal(back.probes[i].origin, set.probes[i].origin);
+    assert_true(back.probes[i].buried == set.probes[i].buried);
+    assert_true(fabsf(back.probes[i].gain - set.probes[i].gain) < 1e-6f);
+  }
+  olx_probe_set_free(&back);
+  write_text(path, "{\"probes\": [{\"position\": [1, 2.5, -3]}]}");
+  ASSERT_OK(olx_probe_set_load(path, &back));
+  assert_int_equal(back.count, 1);
+  assert_true(back.probes[0].position.y == 2.5f && !back.probes[0].buried);
+  olx_probe_set_free(&back);
+  const char *const broken[][2] = {
+      {"", "empty"},
+      {"{\"probes\": [{\"position\": [1, 2]}]}", "probes[0].position"},
+      {"{\"probes\": [{\"position\": [1, 2, 3]}, {\"position\": [1, 2, 1e99]}]}", "probes[1].position"},
+      {"{\"probes\": [{\"position\": [1, 2, 3], \"origin\": \"moon\"}]}", "probes[0].origin"},
+      {"{\"probes\": [{\"position\": [1, 2, 3], \"gain\": \"much\"}]}", "probes[0].gain"},
+      {"{\"probes\": []}", "at least one probe"},
+      {"{\"probes\": {}}", "expected a list"},
+      {"[]", "expected a list"},
+      {"{\"version\": 2, \"probes\": [{\"position\": [1, 2, 3]}]}", "version"},
+      {"{\"method\": \"magic\", \"probes\": [{\"position\": [1, 2, 3]}]}", "method"},
+      {"{\"settings\": {\"seed\": -1}, \"probes\": [{\"position\": [1, 2, 3]}]}", "settings.seed"},
+      {"{\"probes\": [{\"position\": [1, 2, 3]", "JSON"},
+  };
+  for (size_t i = 0; i < sizeof broken / sizeof *broken; i++) {
+    write_text(path, broken[i][0]);
+    assert_int_not_equal(olx_probe_set_load(path, &back), OLX_OK);
+    assert_null(back.probes);
+    if (!strstr(olx_last_error(), broken[i][1]) || !strstr(olx_last_error(), path)) {
+      fail_msg("%s: \"%s\" does not name %s", broken[i][0], olx_last_error(), broken[i][1]);
+    }
+  }
+  unlink(path);
+  olx_probe_set_free(&set);
+  olx_scene_free(scene);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(distance_transform_is_exact),
+      cmocka_unit_test(voxels_are_conservative_and_tight),
+      cmocka_unit_test(distance_to_surfaces_is_exact),
+      cmocka_unit_test(one_probe_covers_a_closed_box),
+      cmocka_unit_test(a_wall_needs_a_second_probe),
+      cmocka_unit_test(nothing_is_placed_in_a_sealed_room),
+      cmocka_unit_test(light_says_which_room_matters),
+      cmocka_unit_test(nothing_to_place_in_is_said_clearly),
+      cmocka_unit_test(a_single_quad_has_two_sides),
+      cmocka_unit_test(threads_and_runs_do_not_matter),
+      cmocka_unit_test(more_probes_cover_more),
+      cmocka_unit_test(asked_coverage_is_reached),
+      cmocka_unit_test(a_second_view_needs_more_probes),
+      cmocka_unit_test(a_budget_says_how_many),
+      cmocka_unit_test(the_pillars_bury_three_grid_probes),
+      cmocka_unit_test(no_probe_is_inside_geometry),
+      cmocka_unit_test(overrides_hold_for_every_method),
+      cmocka_unit_test(what_cannot_be_covered_is_told_apart),
+      cmocka_unit_test(settings_out_of_range_are_refused),
+      cmocka_unit_test(placement_can_be_cancelled),
+      cmocka_unit_test(probe_files_come_back),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -8,9 +8,13 @@
 
 enum { SALT_TEXEL = 0x54455845, SALT_CHOICE = 0x43484F49, SALT_SCATTER = 0x53434154 };
 
-// Above this reflectance towards the probe every sample of a texel casts a reflection; below it one does for all, and below
-// the next one in one texel of two.
+// Above the first reflectance towards the probe every sample of a texel casts a reflection. Below the second, four texels
+// share one.
 static const float strong_reflectance = 0.25f, weak_reflectance = 0.1f;
+
+// Texels that share a reflection, and those over which samples of lights are stratified: consecutive in Morton order.
+enum { REFLECTION_BLOCK = 4, LIGHT_BLOCK = 16 };
+#define NO_POINT UINT32_MAX
 
 static uint32_t texel_index(const olx_capture *c, uint32_t tile, uint32_t i) {
   const uint32_t tiles = c->size / c->tile_side;
@@ -91,45 +95,139 @@ static uint32_t make_sample_rays(const olx_capture *c, olx_shade_scratch *scratc
   return count;
 }
 
-// Chooses which of a texel's points [first, end) of the batch cast reflections; returns the count of paths.
-static uint32_t choose_reflections(olx_shade_scratch *scratch, uint32_t first, uint32_t end, uint32_t paths) {
-  const olx_shade_batch *roots = &scratch->roots;
-  uint32_t specular = 0;
-  float strongest = 0.0f;
-  for (uint32_t k = first; k < end; k++) {
-    const olx_bsdf *b = &roots->surface[k].bsdf;
-    if (!roots->reflects[k]) continue;
-    specular++;
-    strongest = olx_max(strongest, olx_max3(olx_fresnel(b, olx_dot(roots->surface[k].shading_normal, roots->view[k]))));
+static float reflectance(const olx_shade_batch *batch, uint32_t k) {
+  const olx_surface *s = &batch->surface[k];
+  if (!batch->reflects[k]) return 0.0f;
+  return olx_max3(olx_fresnel(&s->bsdf, olx_dot(s->shading_normal, batch->view[k])));
+}
+
+// Whether the surfaces differ in the colour of their diffuse lobe at most, and lie in one plane but for a little.
+static bool same_surface(const olx_surface *a, const olx_surface *b, float least_cosine, float distance) {
+  if (a->material != b->material || olx_dot(a->shading_normal, b->shading_normal) < least_cosine) return false;
+  const olx_vec3 step = olx_sub(a->position, b->position);
+  return fabsf(olx_dot(step, a->geometric_normal)) < distance && fabsf(a->roughness - b->roughness) < 0.05f;
+}
+
+static bool can_be_shared(const olx_shade_batch *batch, uint32_t k) {
+  return olx_max3(batch->surface[k].emission) <= 0.0f && reflectance(batch, k) <= strong_reflectance;
+}
+
+// The point among [first, count) that lights a texel's sample `k`, appended when none can.
+static uint32_t point_of_sample(const olx_capture *c, olx_shade_scratch *scratch, uint32_t first, uint32_t k,
+                                uint32_t seed, uint32_t place, float *members) {
+  olx_shade_batch *roots = &scratch->roots;
+  const olx_ray_hit *hit = &scratch->hits[k];
+  for (uint32_t r = first; r < roots->count; r++) {
+    olx_vec3 albedo;
+    if (roots->surface[r].triangle != hit->triangle || !can_be_shared(roots, r)) continue;
+    if (!olx_surface_albedo(c->shade->scene, hit, &roots->surface[r], &albedo)) continue;
+    members[r - first] += 1.0f;
+    roots->surface[r].bsdf.albedo = olx_mix3(roots->surface[r].bsdf.albedo, albedo, 1.0f / members[r - first]);
+    return r;
   }
-  if (specular == 0) return paths;
-  const bool all = strongest > strong_reflectance;
-  const uint32_t hash = olx_hash2(roots->seed[first], SALT_CHOICE);
-  const bool weak = strongest < weak_reflectance;
-  if (weak && hash >> 31) return paths;
-  uint32_t chosen = hash % specular;
-  for (uint32_t k = first; k < end; k++) {
-    if (!roots->reflects[k]) continue;
-    if (!all && chosen-- != 0) continue;
-    const float weight = all ? 1.0f : weak ? 2.0f * (float)specular : (float)specular;
-    scratch->paths[0][paths++] = (olx_shade_path){.root = k, .from = k, .throughput = olx_splat(weight)};
+  const uint32_t sequence = place + LIGHT_BLOCK * (roots->count - first);
+  const uint32_t made = olx_shade_append(c->shade, roots, hit, scratch->rays[k].direction, seed, sequence);
+  for (uint32_t r = first; r < made && can_be_shared(roots, made); r++) {
+    const olx_surface *a = &roots->surface[r], *b = &roots->surface[made];
+    if (!same_surface(a, b, 0.95f, c->shade->share_distance) || !can_be_shared(roots, r)) continue;
+    members[r - first] += 1.0f;
+    roots->surface[r].bsdf.f0 = olx_mix3(a->bsdf.f0, b->bsdf.f0, 1.0f / members[r - first]);
+    roots->surface[r].bsdf.albedo = olx_mix3(a->bsdf.albedo, b->bsdf.albedo, 1.0f / members[r - first]);
+    roots->count--;
+    return r;
+  }
+  members[made - first] = 1.0f;
+  scratch->slot[made] = k;
+  return made;
+}
+
+// Points that stand for the samples of a texel: one for all that lie on one surface, at a sample drawn at random.
+static void append_texel(const olx_capture *c, olx_shade_scratch *scratch, uint32_t tile, uint32_t texel) {
+  const uint32_t per_texel = c->samples * c->samples, place = texel % LIGHT_BLOCK;
+  const uint32_t seed = olx_hash3(c->probe, texel_index(c, tile, texel - place), SALT_TEXEL);
+  const uint32_t first = scratch->roots.count, start = olx_hash2(seed + place, SALT_CHOICE) % per_texel;
+  float members[64];
+  for (uint32_t i = 0; i < per_texel; i++) {
+    const uint32_t k = texel * per_texel + (start + i < per_texel ? start + i : start + i - per_texel);
+    if (scratch->hits[k].triangle == OLX_NO_HIT) {
+      scratch->owner[k] = NO_POINT;
+      scratch->colors[k] = scratch->emission[k] = olx_environment_radiance(c->shade->scene, scratch->rays[k].direction);
+      scratch->emits[k] = true;
+      continue;
+    }
+    scratch->owner[k] = point_of_sample(c, scratch, first, k, seed, place, members);
+  }
+  for (uint32_t r = first; r < scratch->roots.count; r++) {
+    if (members[r - first] > 1.0f) olx_shade_refresh(&scratch->roots, r);
+  }
+}
+
+// The point that casts a reflection already and that point `k` can take it over from, or `k`.
+static uint32_t find_leader(const olx_shade_scratch *scratch, uint32_t k, float distance, uint32_t per_texel) {
+  const olx_shade_batch *roots = &scratch->roots;
+  const olx_surface *s = &roots->surface[k];
+  const uint32_t least = scratch->slot[k] / per_texel / REFLECTION_BLOCK * REFLECTION_BLOCK;
+  // The nearest two points tell: a longer search costs more than it finds.
+  uint32_t tried = 0;
+  for (uint32_t i = k; i-- > 0 && tried < 2 && scratch->slot[i] / per_texel >= least;) {
+    const uint32_t leader = scratch->leader[i];
+    if (leader == NO_POINT || scratch->slot[leader] / per_texel < least) continue;
+    tried++;
+    if (reflectance(roots, leader) >= weak_reflectance) continue;
+    if (same_surface(&roots->surface[leader], s, 0.99f, distance)) return leader;
+  }
+  return k;
+}
+
+// Chooses which points cast reflections; returns the count of paths.
+static uint32_t choose_reflections(const olx_capture *c, olx_shade_scratch *scratch, uint32_t per_texel) {
+  uint32_t paths = 0;
+  for (uint32_t k = 0; k < scratch->roots.count; k++) {
+    const float share = reflectance(&scratch->roots, k);
+    scratch->leader[k] = share > 0.0f ? k : NO_POINT;
+    if (share <= 0.0f) continue;
+    if (share < weak_reflectance) scratch->leader[k] = find_leader(scratch, k, c->shade->share_distance, per_texel);
+    if (scratch->leader[k] != k) continue;
+    scratch->paths[0][paths++] = (olx_shade_path){.root = k, .from = k, .throughput = olx_splat(1.0f)};
   }
   return paths;
 }
 
-// One ray a texel through the diffuse lobe, where it can find a light.
-static uint32_t choose_scattering(olx_shade_scratch *scratch, uint32_t first, uint32_t end, uint32_t paths) {
-  if (!scratch->roots.shares_diffuse || first == end) return paths;
-  const uint32_t chosen = first + olx_hash2(scratch->roots.seed[first], SALT_SCATTER) % (end - first);
-  if (olx_max3(scratch->roots.diffuse[chosen]) <= 0.0f) return paths;
-  scratch->paths[0][paths] =
-      (olx_shade_path){.root = chosen, .from = chosen, .diffuse = true, .throughput = olx_splat((float)(end - first))};
-  return paths + 1;
+// Rays through the diffuse lobe, where they can find a light.
+static uint32_t choose_scattering(const olx_capture *c, olx_shade_scratch *scratch) {
+  olx_shade_batch *roots = &scratch->roots;
+  uint32_t paths = 0;
+  for (uint32_t k = 0; k < roots->count; k++) {
+    if (olx_max3(roots->diffuse[k]) <= 0.0f) continue;
+    const float share = roots->scattered[k] = olx_shade_scattering(c->shade, &roots->surface[k]);
+    if (share <= 0.0f) continue;
+    if (share < 1.0f && olx_unit_float(olx_hash3(roots->seed[k], roots->sequence[k], SALT_SCATTER)) >= share) continue;
+    scratch->paths[0][paths++] =
+        (olx_shade_path){.root = k, .from = k, .diffuse = true, .throughput = olx_splat(1.0f / share)};
+  }
+  return paths;
+}
+
+// Reflections, and their share in points that do not cast their own.
+static void add_reflections(const olx_capture *c, olx_shade_scratch *scratch, uint32_t per_texel) {
+  olx_shade_batch *roots = &scratch->roots;
+  const uint32_t paths = choose_reflections(c, scratch, per_texel);
+  if (paths == 0) return;
+  for (uint32_t k = 0; k < roots->count; k++) {
+    scratch->unreflected[k] = roots->radiance[k];
+    roots->radiance[k] = olx_splat(0.0f);
+  }
+  olx_shade_reflections(c->shade, scratch, paths, c->bounces, OLX_REFLECT_LIGHTS | OLX_REFLECT_BOUNCES);
+  // Leaders come before those they lead: backwards, none is changed before it is read.
+  for (uint32_t k = roots->count; k-- > 0;) {
+    const uint32_t leader = scratch->leader[k];
+    const olx_vec3 reflected = leader == NO_POINT ? olx_splat(0.0f) : roots->radiance[leader];
+    roots->radiance[k] = olx_add(scratch->unreflected[k], reflected);
+  }
 }
 
 // Irradiance looked up at every fourth texel of a tile, between which the others interpolate.
 enum { LATTICE_STEP = 4, LATTICE_MOST = 32 / LATTICE_STEP + 1 };
-#define NO_POINT UINT32_MAX
 
 typedef struct lattice {
   uint32_t side; // look-ups along a side
@@ -219,34 +317,23 @@ static void add_diffuse(const olx_capture *c, olx_shade_scratch *scratch, uint32
 
 static void light_samples(const olx_capture *c, olx_shade_scratch *scratch, uint32_t tile, uint32_t count) {
   const uint32_t per_texel = c->samples * c->samples;
-  uint32_t paths = 0;
-  olx_shade_batch_begin(&scratch->roots, c->light_samples);
-  scratch->roots.per_texel = per_texel;
-  scratch->roots.averages_lobes = true;
-  scratch->roots.shares_diffuse = c->shade->reflected_lights;
-  for (uint32_t i = 0; i < count; i += per_texel) {
-    const uint32_t seed = olx_hash3(c->probe, texel_index(c, tile, i / per_texel), SALT_TEXEL);
-    const uint32_t first = scratch->roots.count;
-    for (uint32_t k = i; k < i + per_texel; k++) {
-      const olx_vec3 direction = scratch->rays[k].direction;
-      if (scratch->hits[k].triangle == OLX_NO_HIT) {
-        scratch->colors[k] = scratch->emission[k] = olx_environment_radiance(c->shade->scene, direction);
-        scratch->emits[k] = true;
-        continue;
-      }
-      scratch->slot[olx_shade_append(c->shade, &scratch->roots, &scratch->hits[k], direction, seed, k - i)] = k;
-    }
-    paths = choose_reflections(scratch, first, scratch->roots.count, paths);
-    paths = choose_scattering(scratch, first, scratch->roots.count, paths);
-  }
-  olx_shade_direct(c->shade, scratch, &scratch->roots);
+  olx_shade_batch *roots = &scratch->roots;
+  olx_shade_batch_begin(roots, c->light_samples);
+  roots->sparing = true;
+  roots->averages_lobes = true;
+  for (uint32_t texel = 0; texel < count / per_texel; texel++) append_texel(c, scratch, tile, texel);
+  const uint32_t scattered = choose_scattering(c, scratch);
+  olx_shade_direct(c->shade, scratch, roots);
   if (c->bounces > 0) add_diffuse(c, scratch, per_texel);
-  olx_shade_reflections(c->shade, scratch, paths, c->bounces, OLX_REFLECT_LIGHTS | OLX_REFLECT_BOUNCES);
-  for (uint32_t k = 0; k < scratch->roots.count; k++) {
-    const olx_vec3 emission = scratch->roots.surface[k].emission;
-    scratch->emission[scratch->slot[k]] = emission;
-    scratch->emits[scratch->slot[k]] = olx_max3(emission) > 0.0f;
-    scratch->colors[scratch->slot[k]] = olx_add(emission, scratch->roots.radiance[k]);
+  if (scattered > 0) olx_shade_reflections(c->shade, scratch, scattered, 0, OLX_REFLECT_LIGHTS);
+  add_reflections(c, scratch, per_texel);
+  for (uint32_t k = 0; k < count; k++) {
+    const uint32_t point = scratch->owner[k];
+    if (point == NO_POINT) continue;
+    const olx_vec3 emission = roots->surface[point].emission;
+    scratch->emission[k] = emission;
+    scratch->emits[k] = olx_max3(emission) > 0.0f;
+    scratch->colors[k] = olx_add(emission, roots->radiance[point]);
   }
 }
 

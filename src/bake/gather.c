@@ -98,8 +98,7 @@ static void light_tile(const olx_gather *gather, olx_shade_scratch *scratch, uin
   olx_ray_hit *hits = gather->hits + (size_t)probe * gather_points(q);
   uint32_t reflections = 0;
   olx_shade_batch_begin(&scratch->roots, gather->light_samples);
-  scratch->roots.per_texel = per_cell;
-  scratch->roots.shares_diffuse = gather->shade->reflected_lights;
+  scratch->roots.sparing = true;
   for (uint32_t i = 0; i < OLX_BATCH_POINTS; i++) {
     const uint32_t quarter = i / per_quarter, point = tile * (OLX_BATCH_POINTS / per_quarter) + quarter;
     const bool picked = i % per_quarter == picked_sample(probe, point, per_quarter);
@@ -109,6 +108,7 @@ static void light_tile(const olx_gather *gather, olx_shade_scratch *scratch, uin
     const uint32_t root = olx_shade_append(gather->shade, &scratch->roots, &scratch->hits[i], scratch->directions[i],
                                            cell_seed(probe, cell), i % per_cell);
     scratch->slot[root] = i;
+    scratch->roots.scattered[root] = gather->shade->reflected_lights ? 1.0f : 0.0f;
     if (!picked || !gather->shade->reflected_lights) continue;
     const float weight = quarter_solid_angle(q, tile, quarter, per_quarter) / scratch->weights[i];
     olx_shade_path path = {.root = root, .from = root, .throughput = olx_splat(weight), .diffuse = true};

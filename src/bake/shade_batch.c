@@ -9,12 +9,43 @@ enum {
   SALT_LOBE = 0x3000,
   SALT_SURVIVE = 0x4000,
   SALT_COSINE = 0x5000,
-  SALT_SCOUT = 0x6000,
   SALT_DARK = 0x7000
 };
 
-// One texel in so many sends all its shadow rays to a light that a tile seems not to see.
-enum { DARK_SHARE = 32 };
+// One point in SCOUT_SHARE tells whether a tile sees a light; where it seems not to, one in DARK_SHARE sends shadow rays.
+enum { SCOUT_SHARE = 4, DARK_SHARE = 8 };
+
+// A light's density over solid angle, in units of the most that the diffuse lobe has, beyond which rays of that lobe need not
+// look for it, and beyond which few do.
+static const float small_light = 8.0f, large_light = 1.0f;
+static const float few_scattered = 0.25f;
+
+static void bound_emitters(olx_shade_context *context) {
+  const olx_scene *scene = context->scene;
+  context->least_light_pdf = INFINITY;
+  context->lights_min = olx_splat(INFINITY);
+  context->lights_max = olx_splat(-INFINITY);
+  for (uint32_t t = 0; t < scene->triangle_count; t++) {
+    const float pdf = olx_emitters_area_pdf(scene, t);
+    if (pdf <= 0.0f) continue;
+    context->least_light_pdf = olx_min(context->least_light_pdf, pdf);
+    for (uint32_t i = 0; i < 3; i++) {
+      const olx_vec3 p = scene->positions[scene->indices[3 * (size_t)t + i]];
+      context->lights_min = olx_min_each(context->lights_min, p);
+      context->lights_max = olx_max_each(context->lights_max, p);
+    }
+  }
+}
+
+float olx_shade_scattering(const olx_shade_context *context, const olx_surface *surface) {
+  if (!context->reflected_lights) return 0.0f;
+  if (olx_environment_lit(context->scene)) return 1.0f;
+  if (context->least_light_pdf == INFINITY) return 0.0f;
+  const olx_vec3 p = surface->position;
+  const olx_vec3 away = olx_sub(p, olx_min_each(olx_max_each(p, context->lights_min), context->lights_max));
+  const float density = olx_dot(away, away) * context->least_light_pdf * OLX_PI;
+  return density > small_light ? 0.0f : density > large_light ? few_scattered : 1.0f;
+}
 
 void olx_shade_context_begin(olx_shade_context *context, const olx_scene *scene) {
   *context = (olx_shade_context){
@@ -22,6 +53,7 @@ void olx_shade_context_begin(olx_shade_context *context, const olx_scene *scene)
   for (uint32_t g = 0; g < context->group_count; g++) {
     if (olx_emitters_group_varies(scene, g)) context->reflected_lights = true;
   }
+  bound_emitters(context);
   olx_scratch_pool_begin(&context->pool, sizeof(olx_shade_scratch));
   atomic_init(&context->rays, 0);
   atomic_init(&context->out_of_memory, false);
@@ -42,8 +74,7 @@ void olx_shade_scratch_give(olx_shade_context *context, olx_shade_scratch *scrat
 void olx_shade_batch_begin(olx_shade_batch *batch, uint32_t light_samples) {
   batch->count = 0;
   batch->light_samples = light_samples;
-  batch->per_texel = 1;
-  batch->shares_diffuse = false;
+  batch->sparing = false;
   batch->averages_lobes = false;
 }
 
@@ -52,7 +83,7 @@ void olx_shade_batch_begin(olx_shade_batch *batch, uint32_t light_samples) {
 // a mirror that is only seen blurred would look wrong. Irradiance sums light that really arrives at its probe.
 static const float matte_alpha = 0.01f;
 
-static void set_reflectance(olx_shade_batch *batch, uint32_t i) {
+void olx_shade_refresh(olx_shade_batch *batch, uint32_t i) {
   const olx_bsdf *b = &batch->surface[i].bsdf;
   const bool matte = batch->averages_lobes && b->alpha > matte_alpha;
   const float cosine = olx_dot(batch->surface[i].shading_normal, batch->view[i]);
@@ -67,8 +98,9 @@ uint32_t olx_shade_append(olx_shade_context *context, olx_shade_batch *batch, co
   batch->view[i] = olx_negate(direction);
   batch->seed[i] = seed;
   batch->sequence[i] = sequence;
-  set_reflectance(batch, i);
+  olx_shade_refresh(batch, i);
   batch->radiance[i] = olx_splat(0.0f);
+  batch->scattered[i] = 0.0f;
   return i;
 }
 
@@ -90,7 +122,7 @@ static olx_vec3 reflected_light(const olx_shade_batch *batch, uint32_t i, const 
                                 uint32_t samples) {
   const olx_surface *s = &batch->surface[i];
   const float cosine = olx_dot(s->shading_normal, light->direction);
-  const float diffuse_share = batch->shares_diffuse ? shadow_share(light, samples, cosine / OLX_PI) : 1.0f;
+  const float diffuse_share = shadow_share(light, samples, batch->scattered[i] * cosine / OLX_PI);
   olx_vec3 sum = olx_scale(batch->diffuse[i], cosine * diffuse_share);
   if (batch->reflects[i] && s->bsdf.alpha > 0.0f) {
     olx_vec3 tangent, bitangent;
@@ -148,26 +180,17 @@ static uint32_t cast_light(olx_shade_context *context, olx_shade_scratch *scratc
   return lit;
 }
 
-// The first ray of one point of every texel. When none of a tile's finds the light, few texels send the others, and
-// theirs count for all.
+// The first rays of few points. When none of them finds the light, few others send rays, and theirs count for all.
 static void add_light_sparingly(olx_shade_context *context, olx_shade_scratch *scratch, olx_shade_batch *batch,
                                 light_rays *rays) {
-  uint32_t *scout = scratch->scout, texels = 0;
-  for (uint32_t first = 0; first < batch->count;) {
-    uint32_t end = first + 1;
-    while (end < batch->count && batch->seed[end] == batch->seed[first]) end++;
-    scout[texels] = first + olx_hash2(batch->seed[first], SALT_SCOUT + rays->group) % (end - first);
-    collect_light(context, scratch, batch, rays, scout[texels++], 0);
-    first = end;
-  }
+  for (uint32_t i = 0; i < batch->count; i += SCOUT_SHARE) collect_light(context, scratch, batch, rays, i, 0);
   const bool dark = cast_light(context, scratch, batch, rays) == 0;
   rays->gain = dark ? DARK_SHARE : 1.0f;
   for (uint32_t sample = 0; sample < rays->samples; sample++) {
-    uint32_t texel = 0;
     for (uint32_t i = 0; i < batch->count; i++) {
-      if (i > 0 && batch->seed[i] != batch->seed[i - 1]) texel++;
-      if (dark && olx_hash2(batch->seed[i], SALT_DARK + rays->group) % DARK_SHARE != 0) continue;
-      if (sample > 0 || i != scout[texel]) collect_light(context, scratch, batch, rays, i, sample);
+      if (sample == 0 && i % SCOUT_SHARE == 0) continue;
+      if (dark && olx_hash3(batch->seed[i], batch->sequence[i], SALT_DARK + rays->group) % DARK_SHARE != 0) continue;
+      collect_light(context, scratch, batch, rays, i, sample);
     }
     cast_light(context, scratch, batch, rays);
   }
@@ -178,7 +201,7 @@ void olx_shade_direct(olx_shade_context *context, olx_shade_scratch *scratch, ol
     const bool varies = olx_emitters_group_varies(context->scene, group);
     light_rays rays = {
         .group = group, .samples = varies ? batch->light_samples : 1, .varies = varies, .count = 0, .gain = 1.0f};
-    if (varies && batch->per_texel * rays.samples > 1) {
+    if (varies && batch->sparing) {
       add_light_sparingly(context, scratch, batch, &rays);
       continue;
     }
@@ -228,7 +251,7 @@ static bool scatter_path(const olx_shade_batch *batch, olx_shade_path *path, olx
   const olx_vec3 local = olx_sample_cosine(olx_stratified2(batch->sequence[i], olx_hash2(batch->seed[i], SALT_COSINE)));
   path->direction = olx_normalize(olx_from_basis(local, s->shading_normal));
   if (local.z <= 0.0f || olx_dot(path->direction, s->geometric_normal) <= 0.0f) return false;
-  path->pdf = local.z / OLX_PI;
+  path->pdf = batch->scattered[i] * local.z / OLX_PI;
   *ray = olx_surface_ray(s, path->direction, INFINITY);
   return true;
 }

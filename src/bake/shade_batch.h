@@ -22,16 +22,17 @@ enum {
 typedef struct olx_shade_batch {
   uint32_t count;
   uint32_t light_samples; // shadow rays of a point to each light that varies
-  uint32_t per_texel;     // when above 1, texels' points come in runs of at most this many, and dark tiles are spared
-  bool shares_diffuse; // rays of the diffuse lobe look for lights too, so that shadow rays count for their share alone
-  bool averages_lobes; // wide specular lobes count as matte: for light that is looked at from elsewhere
+  bool sparing;           // where no point of a few sees a light, few of the others send shadow rays to it
+  bool averages_lobes;    // wide specular lobes count as matte: for light that is looked at from elsewhere
   olx_surface surface[OLX_BATCH_POINTS];
   olx_vec3 view[OLX_BATCH_POINTS];     // unit, from the surface
-  uint32_t seed[OLX_BATCH_POINTS];     // points of one texel share it
+  uint32_t seed[OLX_BATCH_POINTS];     // points that share it share out the samples of a light between them
   uint32_t sequence[OLX_BATCH_POINTS]; // the point's number among those with its seed
   olx_vec3 diffuse[OLX_BATCH_POINTS];  // reflectance over pi of all that is not traced as a reflection
   bool reflects[OLX_BATCH_POINTS];     // has a specular lobe of its own
   olx_vec3 radiance[OLX_BATCH_POINTS]; // without the surface's own emission
+  // How many rays of the diffuse lobe look for lights at the point on average: shadow rays count for the rest. At first 0.
+  float scattered[OLX_BATCH_POINTS];
 } olx_shade_batch;
 
 // A ray that reflects light to a point of the first batch.
@@ -50,10 +51,12 @@ typedef struct olx_shade_scratch {
   olx_ray_hit hits[2 * OLX_BATCH_POINTS];
   uint8_t occluded[OLX_BATCH_POINTS];
   uint32_t lit_point[OLX_BATCH_POINTS];
-  uint32_t scout[OLX_BATCH_POINTS];
   olx_light_sample light[OLX_BATCH_POINTS];
   olx_shade_path paths[2][2 * OLX_BATCH_POINTS]; // one through each lobe at most
   uint32_t slot[OLX_BATCH_POINTS];               // which sample of a tile a point of `roots` is
+  uint32_t owner[OLX_BATCH_POINTS];              // which point lights a sample
+  uint32_t leader[OLX_BATCH_POINTS];             // which point casts the reflection that a point shows
+  olx_vec3 unreflected[OLX_BATCH_POINTS];        // light of points before reflections
   olx_vec3 directions[OLX_BATCH_POINTS];         // of a tile's samples
   float weights[OLX_BATCH_POINTS];               // their shares of solid angle
   olx_vec3 colors[OLX_BATCH_POINTS];             // their radiance
@@ -66,9 +69,11 @@ typedef struct olx_shade_context {
   const olx_scene *scene;
   olx_sample_settings sample;
   uint32_t group_count;
-  bool reflected_lights;  // some light has an area, so that a reflected ray can meet it
-  float share_distance;   // points of a texel that lie this close together share one look-up of irradiance
-  float lattice_distance; // and look-ups this close are interpolated between
+  float least_light_pdf;           // of a point on an emitter, over area
+  olx_vec3 lights_min, lights_max; // bounds of the emitters
+  bool reflected_lights;           // some light has an area, so that a reflected ray can meet it
+  float share_distance;            // points of a texel that lie this close together share one look-up of irradiance
+  float lattice_distance;          // and look-ups this close are interpolated between
   olx_irradiance_source irradiance[OLX_KEPT_BOUNCES + 1]; // of bounce k at k mod (OLX_KEPT_BOUNCES + 1)
   olx_scratch_pool pool;
   atomic_uint_fast64_t rays;
@@ -88,6 +93,13 @@ void olx_shade_batch_begin(olx_shade_batch *batch, uint32_t light_samples);
 // Append the surface at `hit` to the batch, seen along `direction`; its radiance starts at 0. Returns its index.
 uint32_t olx_shade_append(olx_shade_context *context, olx_shade_batch *batch, const olx_ray_hit *hit,
                           olx_vec3 direction, uint32_t seed, uint32_t sequence);
+
+// To be called when a point's albedo was changed.
+void olx_shade_refresh(olx_shade_batch *batch, uint32_t point);
+
+// How many rays of the diffuse lobe should look for lights at a point, at most 1: none where every light is so small that
+// shadow rays find it far better.
+float olx_shade_scattering(const olx_shade_context *context, const olx_surface *surface);
 
 // Add what the lights send, through both lobes, except what only a reflected ray can find.
 void olx_shade_direct(olx_shade_context *context, olx_shade_scratch *scratch, olx_shade_batch *batch);

@@ -146,6 +146,21 @@ static bool varies_over_triangle(const olx_material *material) {
          has_texture(material->emission_texture);
 }
 
+bool olx_surface_albedo(const olx_scene *scene, const olx_ray_hit *hit, const olx_surface *surface, olx_vec3 *albedo) {
+  const olx_material *material = &scene->materials[surface->material];
+  *albedo = surface->bsdf.albedo;
+  if (!varies_over_triangle(material)) return true;
+  if (has_texture(material->metallic_roughness_texture) || has_texture(material->emission_texture) ||
+      material->metallic > 0.0f) {
+    return false;
+  }
+  const olx_corners c = corners_of(scene, hit->triangle);
+  const olx_texture *texture = &scene->textures[material->base_color_texture];
+  const olx_vec3 color = olx_texture_sample(texture, uv_at(scene, &c, hit->u, hit->v)).color;
+  *albedo = olx_min_each(olx_mul(material->base_color, color), olx_splat(OLX_MAX_ALBEDO));
+  return true;
+}
+
 olx_surface olx_surface_near(const olx_scene *scene, const olx_ray_hit *hit, olx_vec3 direction,
                              const olx_surface *previous) {
   const bool again = previous && previous->triangle == hit->triangle;

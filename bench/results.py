@@ -16,9 +16,9 @@ SOURCE = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 
 
 class Scene:
-    def __init__(self, name, source, grid, radiance, size, camera=None, bounces=3, spp=512):
+    def __init__(self, name, source, grid, radiance, size, camera=None, bounces=3, spp=512, same_grid=False):
         self.name, self.source, self.grid, self.radiance, self.size = name, source, grid, radiance, size
-        self.camera, self.bounces, self.spp = camera, bounces, spp
+        self.camera, self.bounces, self.spp, self.same_grid = camera, bounces, spp, same_grid
 
     def present(self, bench):
         return self.source.startswith("builtin:") or bench.run("scene", self.source, fail=False) is not None
@@ -33,6 +33,8 @@ SCENES = {
     for s in [
         Scene("cornell", "builtin:cornell", "2x2x2", 512, "256x256", spp=2048),
         Scene("cornell-glossy", "builtin:cornell-glossy", "2x2x2", 512, "256x256", spp=2048),
+        Scene("cornell, irradiance on 2x2x2", "builtin:cornell", "2x2x2", 512, "256x256", spp=2048, same_grid=True),
+        Scene("two-rooms-sealed", "builtin:two-rooms-sealed", "4x2x2", 256, "160x120", same_grid=True),
         Scene("labyrinth", "builtin:labyrinth", None, 512, "320x240", spp=1024),
         Scene("living-room", described("living-room"), "4x4x4", 1024, "320x240", spp=1024),
         Scene("sponza", described("sponza"), "8x2x4", 512, "320x180", spp=512),
@@ -58,11 +60,13 @@ class Bench:
         return json.loads(done.stdout)
 
     def path(self, name):
-        return os.path.join(self.work, name)
+        return os.path.join(self.work, name.replace(", ", "-").replace(" ", "-"))
 
     def bake(self, scene, *extra, tag=""):
         out = self.path(scene.name + tag + ".olx")
         grid = ["--grid", scene.grid] if scene.grid else []
+        if scene.same_grid:
+            grid += ["--irradiance-grid", scene.grid]
         self.run("bake", scene.source, "-o", out, *grid, "--radiance-size", scene.radiance, "--bounces", scene.bounces, *extra)
         return out
 
@@ -109,7 +113,7 @@ def scenes(bench, *names):
 def layers(bench):
     """Indirect layers against the path tracer at matching bounces."""
     head("scene", "layer", "way", "MSE", "relative MSE", "bias")
-    for scene in scenes(bench, "cornell", "cornell-glossy", "labyrinth", "living-room", "sponza"):
+    for scene in scenes(bench, "cornell", "cornell, irradiance on 2x2x2", "cornell-glossy", "labyrinth", "living-room", "sponza"):
         reference = bench.reference(scene)
         field = bench.bake(scene)
         spp = 4 if bench.quick else 16
@@ -140,17 +144,45 @@ def audit(bench):
             number(p["relative_mse"]), number(p["bias"]), number(p["leak"]))
 
 
-EXPERIMENTS = {"layers": layers, "audit": audit}
+def leaks(bench):
+    """Indirect light in the sealed dark room over the lit room's."""
+    head("fitted", "visibility", "dark over lit")
+    scene = SCENES["two-rooms-sealed"]
+    for label, options in (("yes", []), ("no", ["--no-fit"])):
+        field = bench.bake(scene, *options)
+        for visibility in ("chebyshev", "none"):
+            images = {}
+            for camera in ("lit", "dark"):
+                scene.camera = camera
+                images[camera] = bench.render(scene, field, camera, "--spp", 4, "--visibility", visibility)
+            # The bias of the dark image against the lit one is (dark - lit) / lit.
+            row(label, visibility, number(1 + bench.compare(images["dark"], images["lit"], "indirect_diffuse")["bias"]))
+
+
+def speed(bench):
+    """Bake time against Embree alone, which casts the same four primary rays a texel in the same run."""
+    head("scene", "probes", "bake, s", "Embree, s", "ratio", "rays", "peak memory, MiB", "file, MiB")
+    for scene in scenes(bench, "living-room"):
+        size = 256 if bench.quick else scene.radiance
+        b = bench.run("bake", scene.source, "-o", bench.path("speed.olx"), "--grid", scene.grid, "--radiance-size", size, "--bounces", 3, "--measure-embree")
+        row(scene.name, b["probes"], number(b["seconds"]), number(b["embree_seconds"]), number(b["seconds"] / b["embree_seconds"]),
+            "%.0f million" % (b["rays"] / 1e6), round(b["peak_memory_bytes"] / 2**20), round(b["file_bytes"] / 2**20))
+
+
+EXPERIMENTS = {"layers": layers, "audit": audit, "leaks": leaks, "speed": speed}
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("experiments", nargs="*", choices=[*EXPERIMENTS, []])
+    parser.add_argument("experiments", nargs="*", metavar="EXPERIMENT", help=", ".join(EXPERIMENTS))
     parser.add_argument("--program", default=os.path.join(SOURCE, "build", "release", "octalux"))
     parser.add_argument("--work", default=os.path.join(SOURCE, "build", "bench"))
     parser.add_argument("--quick", action="store_true")
     arguments = parser.parse_args()
     bench = Bench(arguments.program, arguments.work, arguments.quick)
+    for name in arguments.experiments:
+        if name not in EXPERIMENTS:
+            parser.error("no experiment %s; there are: %s" % (name, ", ".join(EXPERIMENTS)))
     for name in arguments.experiments or EXPERIMENTS:
         print("\n### %s" % EXPERIMENTS[name].__doc__.rstrip("."))
         EXPERIMENTS[name](bench)

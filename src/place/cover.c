@@ -11,18 +11,21 @@
 #define SPARSE_UNCOVERED 0.05
 // The greedy cover first goes so far on the common columns alone.
 #define FIRST_COVERAGE 0.985
-// So much of the uncovered share that is allowed is aimed at, because another sample will judge.
-#define AIM 0.85
+// Another sample will judge: a cover aims at this part of the uncovered share that is allowed, and is done when a dense sample
+// shows that part of it.
+#define AIM 0.65
+#define DONE 0.8
 #define MATRIX_BYTES ((uint64_t)256 << 20)
 
 enum {
   PILOT_POINTS = 4096,
-  RARE_COLUMNS = 4096,
+  RARE_COLUMNS = 8192,
   TARGETS = 192,        // surfels a round that nothing covers, for which places are sought
   TARGET_PLACES = 2,    // for each
   DENSER = 3,           // sample that is asked what is missing, times the common columns
   MOVES = 10,           // places tried around a probe
-  MOST_ROUNDS = 10,
+  MOST_ROUNDS = 20,
+  LEAST_STEP = 8,       // probes that a round may add before another dense sample judges, or a quarter of those that stand
   REFINED_PROBES = 192 // probes times rounds that may move
 };
 
@@ -103,12 +106,13 @@ static double uncovered_share(const cover *c) {
   return all ? (double)olx_cover_uncovered(&c->state) / (double)all : 0.0;
 }
 
-// Add the best candidate again and again, until the limit of probes or no more than `allowed` of the surface is uncovered.
-static olx_result add_greedily(cover *c, double allowed) {
+// Add the best candidate again and again, until there are `limit` probes or no more than `allowed` of the surface is
+// uncovered.
+static olx_result add_greedily(cover *c, uint32_t limit, double allowed) {
   olx_cover_state *s = &c->state;
   heap h;
   olx_result result = heap_create(c, &h);
-  while (result == OLX_OK && h.count > 0 && s->pick_count < c->limit && uncovered_share(c) > allowed) {
+  while (result == OLX_OK && h.count > 0 && s->pick_count < limit && uncovered_share(c) > allowed) {
     const uint32_t best = h.order[0];
     const uint64_t gain = s->unfit[best] ? 0 : olx_gain_value(olx_cover_gain(s, olx_cover_row(s, best)));
     if (gain < h.gains[best]) {
@@ -260,12 +264,18 @@ static olx_result pin_probes(cover *c) {
   return result;
 }
 
+// The last surfels of a sample would each want a probe of their own: so a few at a time, when coverage says how many.
+static uint32_t next_limit(const cover *c, double allowed) {
+  const uint32_t now = c->state.pick_count, step = now / 4 > LEAST_STEP ? now / 4 : LEAST_STEP;
+  return allowed < 0.0 || c->limit - now < step ? c->limit : now + step;
+}
+
 static olx_result choose(cover *c) {
   const uint32_t pinned = c->space->scene->probe_rules.pinned_count;
   // With a count, probes that only see better are welcome when nothing is left to cover.
   const double allowed = c->settings->count && c->target >= 1.0 ? -1.0 : (1.0 - c->target) * AIM;
   OLX_TRY(pin_probes(c));
-  OLX_TRY(add_greedily(c, 1.0 - FIRST_COVERAGE > allowed ? 1.0 - FIRST_COVERAGE : allowed));
+  OLX_TRY(add_greedily(c, c->limit, 1.0 - FIRST_COVERAGE > allowed ? 1.0 - FIRST_COVERAGE : allowed));
   uint32_t refined = 0;
   for (uint32_t round = 0; round < MOST_ROUNDS; round++) {
     const bool full = c->state.pick_count >= c->limit;
@@ -273,9 +283,9 @@ static olx_result choose(cover *c) {
     if (uncovered_share(c) < SPARSE_UNCOVERED) {
       double covered;
       OLX_TRY(look_closer(c, olx_hash2(c->settings->seed, 100u + round), &covered));
-      if (!full && allowed >= 0.0 && covered >= c->target && round > 0) break;
+      if (!full && allowed >= 0.0 && 1.0 - covered <= (1.0 - c->target) * DONE && round > 0) break;
     }
-    OLX_TRY(add_greedily(c, allowed));
+    OLX_TRY(add_greedily(c, next_limit(c, allowed), allowed));
     refined += c->state.pick_count - pinned;
     if (round < c->settings->refinements && refined <= REFINED_PROBES) OLX_TRY(refine(c, round, pinned));
   }

@@ -270,6 +270,7 @@ static float block_crossing(const piece *p, const image_axis *a, int32_t x, int3
 static verdict march_piece(march *m, const piece *p, bool two_level, olx_probe_answer *answer) {
   const int32_t block = (int32_t)m->field->block;
   cell c = {quadrant_texel(&p->u, p->u.begin), quadrant_texel(&p->v, p->v.begin), p->t_begin};
+  float tx = next_crossing(p, &p->u, c.x), ty = next_crossing(p, &p->v, c.y);
   bool entered_block = two_level;
   for (;;) {
     if (entered_block) {
@@ -282,18 +283,24 @@ static verdict march_piece(march *m, const piece *p, bool two_level, olx_probe_a
                           advance(p, &p->v, c.y, t1, false), t1}
                  : (cell){advance(p, &p->u, c.x, t1, true),
                           (p->v.step > 0 ? (c.y / block + 1) * block : c.y / block * block - 1), t1};
+        tx = next_crossing(p, &p->u, c.x);
+        ty = next_crossing(p, &p->v, c.y);
         continue;
       }
     }
-    const float tx = next_crossing(p, &p->u, c.x), ty = next_crossing(p, &p->v, c.y);
     const float t1 = olx_min(olx_min(tx, ty), p->t_end);
     const verdict result = visit_texel(m, p, c, t1, answer);
     if (result != VERDICT_CLEAR) return result;
     if (t1 >= p->t_end) return VERDICT_CLEAR;
     const cell from = c;
     c.t = t1;
-    if (tx <= ty) c.x += p->u.step;
-    else c.y += p->v.step;
+    if (tx <= ty) {
+      c.x += p->u.step;
+      tx = next_crossing(p, &p->u, c.x);
+    } else {
+      c.y += p->v.step;
+      ty = next_crossing(p, &p->v, c.y);
+    }
     entered_block = two_level && (from.x / block != c.x / block || from.y / block != c.y / block);
   }
 }

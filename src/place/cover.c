@@ -11,10 +11,11 @@
 #define SPARSE_UNCOVERED 0.05
 // The greedy cover first goes so far on the common columns alone.
 #define FIRST_COVERAGE 0.985
-// Another sample will judge: a cover aims at this part of the uncovered share that is allowed, and is done when a dense sample
-// shows that part of it.
-#define AIM 0.65
-#define DONE 0.8
+// Another sample will judge: a cover aims so many standard deviations of a dense sample's estimate beyond what is asked, and
+// is done when the sample shows so many; but at no less than a share of what may stay uncovered.
+#define AIM_DEVIATIONS 2.2
+#define DONE_DEVIATIONS 1.3
+#define LEAST_AIM 0.3
 #define MATRIX_BYTES ((uint64_t)256 << 20)
 
 enum {
@@ -264,6 +265,13 @@ static olx_result pin_probes(cover *c) {
   return result;
 }
 
+// What may stay uncovered so that another sample shows the target as well.
+static double with_margin(const cover *c, double deviations) {
+  const double allowed = 1.0 - c->target, deviation = sqrt(allowed / ((double)c->atlas_size * DENSER));
+  const double least = LEAST_AIM * allowed, aim = allowed - deviations * deviation;
+  return aim > least ? aim : least;
+}
+
 // The last surfels of a sample would each want a probe of their own: so a few at a time, when coverage says how many.
 static uint32_t next_limit(const cover *c, double allowed) {
   const uint32_t now = c->state.pick_count, step = now / 4 > LEAST_STEP ? now / 4 : LEAST_STEP;
@@ -273,7 +281,7 @@ static uint32_t next_limit(const cover *c, double allowed) {
 static olx_result choose(cover *c) {
   const uint32_t pinned = c->space->scene->probe_rules.pinned_count;
   // With a count, probes that only see better are welcome when nothing is left to cover.
-  const double allowed = c->settings->count && c->target >= 1.0 ? -1.0 : (1.0 - c->target) * AIM;
+  const double allowed = c->settings->count && c->target >= 1.0 ? -1.0 : with_margin(c, AIM_DEVIATIONS);
   OLX_TRY(pin_probes(c));
   OLX_TRY(add_greedily(c, c->limit, 1.0 - FIRST_COVERAGE > allowed ? 1.0 - FIRST_COVERAGE : allowed));
   uint32_t refined = 0;
@@ -283,7 +291,7 @@ static olx_result choose(cover *c) {
     if (uncovered_share(c) < SPARSE_UNCOVERED) {
       double covered;
       OLX_TRY(look_closer(c, olx_hash2(c->settings->seed, 100u + round), &covered));
-      if (!full && allowed >= 0.0 && 1.0 - covered <= (1.0 - c->target) * DONE && round > 0) break;
+      if (!full && allowed >= 0.0 && 1.0 - covered <= with_margin(c, DONE_DEVIATIONS)) break;
     }
     OLX_TRY(add_greedily(c, next_limit(c, allowed), allowed));
     refined += c->state.pick_count - pinned;

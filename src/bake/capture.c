@@ -12,8 +12,8 @@ enum { SALT_TEXEL = 0x54455845, SALT_CHOICE = 0x43484F49, SALT_SCATTER = 0x53434
 // share one.
 static const float strong_reflectance = 0.25f, weak_reflectance = 0.1f;
 
-// Texels that share a reflection, and those over which samples of lights are stratified: consecutive in Morton order.
-enum { REFLECTION_BLOCK = 4, LIGHT_BLOCK = 16 };
+// Texels that share shadow rays or a reflection, and those over which samples of lights are stratified: consecutive in Morton order.
+enum { SHARING_BLOCK = 4, LIGHT_BLOCK = 16 };
 #define NO_POINT UINT32_MAX
 
 static uint32_t texel_index(const olx_capture *c, uint32_t tile, uint32_t i) {
@@ -102,14 +102,25 @@ static float reflectance(const olx_shade_batch *batch, uint32_t k) {
 }
 
 // Whether the surfaces differ in the colour of their diffuse lobe at most, and lie in one plane but for a little.
-static bool same_surface(const olx_surface *a, const olx_surface *b, float least_cosine, float distance) {
-  if (a->material != b->material || olx_dot(a->shading_normal, b->shading_normal) < least_cosine) return false;
+static bool same_surface(const olx_surface *a, const olx_surface *b, float distance) {
+  if (a->material != b->material || olx_dot(a->shading_normal, b->shading_normal) < 0.99f) return false;
   const olx_vec3 step = olx_sub(a->position, b->position);
   return fabsf(olx_dot(step, a->geometric_normal)) < distance && fabsf(a->roughness - b->roughness) < 0.05f;
 }
 
 static bool can_be_shared(const olx_shade_batch *batch, uint32_t k) {
   return olx_max3(batch->surface[k].emission) <= 0.0f && reflectance(batch, k) <= strong_reflectance;
+}
+
+// Whether the hit lies on the surface of point `r` but for its colour. Edges within the plane's tolerance do not count: the
+// point was drawn among the samples.
+static bool on_surface_of(const olx_capture *c, const olx_shade_scratch *scratch, uint32_t r, uint32_t k) {
+  const olx_surface *s = &scratch->roots.surface[r];
+  const olx_ray_hit *hit = &scratch->hits[k];
+  if (s->triangle == hit->triangle) return true;
+  if (c->shade->scene->material_index[hit->triangle] != s->material) return false;
+  const olx_vec3 position = olx_madd(c->position, scratch->rays[k].direction, hit->t);
+  return fabsf(olx_dot(olx_sub(position, s->position), s->geometric_normal)) < c->shade->share_distance;
 }
 
 // The point among [first, count) that lights a texel's sample `k`, appended when none can.
@@ -119,7 +130,7 @@ static uint32_t point_of_sample(const olx_capture *c, olx_shade_scratch *scratch
   const olx_ray_hit *hit = &scratch->hits[k];
   for (uint32_t r = first; r < roots->count; r++) {
     olx_vec3 albedo;
-    if (roots->surface[r].triangle != hit->triangle || !can_be_shared(roots, r)) continue;
+    if (!on_surface_of(c, scratch, r, k) || !can_be_shared(roots, r)) continue;
     if (!olx_surface_albedo(c->shade->scene, hit, &roots->surface[r], &albedo)) continue;
     members[r - first] += 1.0f;
     roots->surface[r].bsdf.albedo = olx_mix3(roots->surface[r].bsdf.albedo, albedo, 1.0f / members[r - first]);
@@ -127,15 +138,6 @@ static uint32_t point_of_sample(const olx_capture *c, olx_shade_scratch *scratch
   }
   const uint32_t sequence = place + LIGHT_BLOCK * (roots->count - first);
   const uint32_t made = olx_shade_append(c->shade, roots, hit, scratch->rays[k].direction, seed, sequence);
-  for (uint32_t r = first; r < made && can_be_shared(roots, made); r++) {
-    const olx_surface *a = &roots->surface[r], *b = &roots->surface[made];
-    if (!same_surface(a, b, 0.95f, c->shade->share_distance) || !can_be_shared(roots, r)) continue;
-    members[r - first] += 1.0f;
-    roots->surface[r].bsdf.f0 = olx_mix3(a->bsdf.f0, b->bsdf.f0, 1.0f / members[r - first]);
-    roots->surface[r].bsdf.albedo = olx_mix3(a->bsdf.albedo, b->bsdf.albedo, 1.0f / members[r - first]);
-    roots->count--;
-    return r;
-  }
   members[made - first] = 1.0f;
   scratch->slot[made] = k;
   return made;
@@ -162,31 +164,41 @@ static void append_texel(const olx_capture *c, olx_shade_scratch *scratch, uint3
   }
 }
 
-// The point that casts a reflection already and that point `k` can take it over from, or `k`.
-static uint32_t find_leader(const olx_shade_scratch *scratch, uint32_t k, float distance, uint32_t per_texel) {
+// A point of the same 2 x 2 texels that leads already and on whose surface point `k` lies, or `k`.
+static uint32_t find_leader(const olx_capture *c, const olx_shade_scratch *scratch, const uint32_t *leaders,
+                            uint32_t k) {
   const olx_shade_batch *roots = &scratch->roots;
-  const olx_surface *s = &roots->surface[k];
-  const uint32_t least = scratch->slot[k] / per_texel / REFLECTION_BLOCK * REFLECTION_BLOCK;
+  const uint32_t points = c->samples * c->samples * SHARING_BLOCK;
+  const uint32_t least = scratch->slot[k] / points * points;
   // The nearest two points tell: a longer search costs more than it finds.
-  uint32_t tried = 0;
-  for (uint32_t i = k; i-- > 0 && tried < 2 && scratch->slot[i] / per_texel >= least;) {
-    const uint32_t leader = scratch->leader[i];
-    if (leader == NO_POINT || scratch->slot[leader] / per_texel < least) continue;
-    tried++;
-    if (reflectance(roots, leader) >= weak_reflectance) continue;
-    if (same_surface(&roots->surface[leader], s, 0.99f, distance)) return leader;
+  for (uint32_t i = k, tried = 0; i-- > 0 && tried < 2 && scratch->slot[i] >= least; tried++) {
+    const uint32_t leader = leaders[i];
+    if (leader == NO_POINT || scratch->slot[leader] < least) continue;
+    if (same_surface(&roots->surface[leader], &roots->surface[k], c->shade->share_distance)) return leader;
   }
   return k;
 }
 
+// Chooses which points send shadow rays to lights with an area. Lobes too narrow to count as matte do so for themselves.
+static void choose_lit(const olx_capture *c, olx_shade_scratch *scratch) {
+  olx_shade_batch *roots = &scratch->roots;
+  for (uint32_t k = 0; k < roots->count; k++) {
+    roots->lit_like[k] = roots->reflects[k] ? k : find_leader(c, scratch, roots->lit_like, k);
+    if (roots->reflects[roots->lit_like[k]]) roots->lit_like[k] = k;
+  }
+}
+
 // Chooses which points cast reflections; returns the count of paths.
-static uint32_t choose_reflections(const olx_capture *c, olx_shade_scratch *scratch, uint32_t per_texel) {
+static uint32_t choose_reflections(const olx_capture *c, olx_shade_scratch *scratch) {
   uint32_t paths = 0;
   for (uint32_t k = 0; k < scratch->roots.count; k++) {
     const float share = reflectance(&scratch->roots, k);
     scratch->leader[k] = share > 0.0f ? k : NO_POINT;
     if (share <= 0.0f) continue;
-    if (share < weak_reflectance) scratch->leader[k] = find_leader(scratch, k, c->shade->share_distance, per_texel);
+    if (share < weak_reflectance) {
+      const uint32_t leader = find_leader(c, scratch, scratch->leader, k);
+      if (reflectance(&scratch->roots, leader) < weak_reflectance) scratch->leader[k] = leader;
+    }
     if (scratch->leader[k] != k) continue;
     scratch->paths[0][paths++] = (olx_shade_path){.root = k, .from = k, .throughput = olx_splat(1.0f)};
   }
@@ -209,9 +221,9 @@ static uint32_t choose_scattering(const olx_capture *c, olx_shade_scratch *scrat
 }
 
 // Reflections, and their share in points that do not cast their own.
-static void add_reflections(const olx_capture *c, olx_shade_scratch *scratch, uint32_t per_texel) {
+static void add_reflections(const olx_capture *c, olx_shade_scratch *scratch) {
   olx_shade_batch *roots = &scratch->roots;
-  const uint32_t paths = choose_reflections(c, scratch, per_texel);
+  const uint32_t paths = choose_reflections(c, scratch);
   if (paths == 0) return;
   for (uint32_t k = 0; k < roots->count; k++) {
     scratch->unreflected[k] = roots->radiance[k];
@@ -322,11 +334,12 @@ static void light_samples(const olx_capture *c, olx_shade_scratch *scratch, uint
   roots->sparing = true;
   roots->averages_lobes = true;
   for (uint32_t texel = 0; texel < count / per_texel; texel++) append_texel(c, scratch, tile, texel);
+  if (c->shade->reflected_lights) choose_lit(c, scratch);
   const uint32_t scattered = choose_scattering(c, scratch);
   olx_shade_direct(c->shade, scratch, roots);
   if (c->bounces > 0) add_diffuse(c, scratch, per_texel);
   if (scattered > 0) olx_shade_reflections(c->shade, scratch, scattered, 0, OLX_REFLECT_LIGHTS);
-  add_reflections(c, scratch, per_texel);
+  add_reflections(c, scratch);
   for (uint32_t k = 0; k < count; k++) {
     const uint32_t point = scratch->owner[k];
     if (point == NO_POINT) continue;

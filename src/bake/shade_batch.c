@@ -14,6 +14,7 @@ enum {
 
 // One point in SCOUT_SHARE tells whether a tile sees a light; where it seems not to, one in DARK_SHARE sends shadow rays.
 enum { SCOUT_SHARE = 4, DARK_SHARE = 8 };
+#define NO_RAY UINT32_MAX
 
 // A light's density over solid angle, in units of the most that the diffuse lobe has, beyond which rays of that lobe need not
 // look for it, and beyond which few do.
@@ -101,6 +102,7 @@ uint32_t olx_shade_append(olx_shade_context *context, olx_shade_batch *batch, co
   olx_shade_refresh(batch, i);
   batch->radiance[i] = olx_splat(0.0f);
   batch->scattered[i] = 0.0f;
+  batch->lit_like[i] = i;
   return i;
 }
 
@@ -163,36 +165,59 @@ static void collect_light(const olx_shade_context *context, olx_shade_scratch *s
   scratch->lit_point[rays->count++] = i;
 }
 
-// Cast what was collected and add what arrives; returns how many rays met nothing.
-static uint32_t cast_light(olx_shade_context *context, olx_shade_scratch *scratch, olx_shade_batch *batch,
-                           light_rays *rays) {
+// Cast what was collected; returns how many rays met nothing.
+static uint32_t cast_light(olx_shade_context *context, olx_shade_scratch *scratch, const light_rays *rays) {
   uint32_t lit = 0;
   olx_bvh_occluded_many(context->scene->bvh, scratch->rays, rays->count, !rays->varies, scratch->occluded);
   atomic_fetch_add_explicit(&context->rays, rays->count, memory_order_relaxed);
+  for (uint32_t k = 0; k < rays->count; k++) lit += !scratch->occluded[k];
+  return lit;
+}
+
+// Add what arrives to the points that sent the rays.
+static void add_light(olx_shade_scratch *scratch, olx_shade_batch *batch, light_rays *rays) {
   for (uint32_t k = 0; k < rays->count; k++) {
     if (scratch->occluded[k]) continue;
     const uint32_t i = scratch->lit_point[k];
-    const olx_vec3 light = reflected_light(batch, i, &scratch->light[k], rays->samples);
-    batch->radiance[i] = olx_madd(batch->radiance[i], light, rays->gain);
-    lit++;
+    batch->radiance[i] = olx_add(batch->radiance[i], reflected_light(batch, i, &scratch->light[k], rays->samples));
   }
   rays->count = 0;
-  return lit;
+}
+
+// The same for points that are lit like others.
+static void add_shared_light(olx_shade_scratch *scratch, olx_shade_batch *batch, light_rays *rays) {
+  for (uint32_t i = 0; i < batch->count; i++) scratch->ray_of[i] = NO_RAY;
+  for (uint32_t k = 0; k < rays->count; k++) {
+    if (!scratch->occluded[k]) scratch->ray_of[scratch->lit_point[k]] = k;
+  }
+  for (uint32_t i = 0; i < batch->count; i++) {
+    const uint32_t k = scratch->ray_of[batch->lit_like[i]];
+    if (k == NO_RAY || olx_dot(batch->surface[i].shading_normal, scratch->light[k].direction) <= 0.0f) continue;
+    const olx_vec3 light = reflected_light(batch, i, &scratch->light[k], rays->samples);
+    batch->radiance[i] = olx_madd(batch->radiance[i], light, rays->gain);
+  }
+  rays->count = 0;
 }
 
 // The first rays of few points. When none of them finds the light, few others send rays, and theirs count for all.
 static void add_light_sparingly(olx_shade_context *context, olx_shade_scratch *scratch, olx_shade_batch *batch,
                                 light_rays *rays) {
-  for (uint32_t i = 0; i < batch->count; i += SCOUT_SHARE) collect_light(context, scratch, batch, rays, i, 0);
-  const bool dark = cast_light(context, scratch, batch, rays) == 0;
+  uint32_t number = 0;
+  for (uint32_t i = 0; i < batch->count; i++) {
+    if (batch->lit_like[i] == i && number++ % SCOUT_SHARE == 0) collect_light(context, scratch, batch, rays, i, 0);
+  }
+  const bool dark = cast_light(context, scratch, rays) == 0;
+  add_shared_light(scratch, batch, rays);
   rays->gain = dark ? DARK_SHARE : 1.0f;
   for (uint32_t sample = 0; sample < rays->samples; sample++) {
+    number = 0;
     for (uint32_t i = 0; i < batch->count; i++) {
-      if (sample == 0 && i % SCOUT_SHARE == 0) continue;
+      if (batch->lit_like[i] != i || (number++ % SCOUT_SHARE == 0 && sample == 0)) continue;
       if (dark && olx_hash3(batch->seed[i], batch->sequence[i], SALT_DARK + rays->group) % DARK_SHARE != 0) continue;
       collect_light(context, scratch, batch, rays, i, sample);
     }
-    cast_light(context, scratch, batch, rays);
+    cast_light(context, scratch, rays);
+    add_shared_light(scratch, batch, rays);
   }
 }
 
@@ -207,7 +232,8 @@ void olx_shade_direct(olx_shade_context *context, olx_shade_scratch *scratch, ol
     }
     for (uint32_t sample = 0; sample < rays.samples; sample++) {
       for (uint32_t i = 0; i < batch->count; i++) collect_light(context, scratch, batch, &rays, i, sample);
-      cast_light(context, scratch, batch, &rays);
+      cast_light(context, scratch, &rays);
+      add_light(scratch, batch, &rays);
     }
   }
 }

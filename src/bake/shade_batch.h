@@ -31,6 +31,7 @@ typedef struct olx_shade_batch {
   olx_vec3 diffuse[OLX_BATCH_POINTS];  // reflectance over pi of all that is not traced as a reflection
   bool reflects[OLX_BATCH_POINTS];     // has a specular lobe of its own
   olx_vec3 radiance[OLX_BATCH_POINTS]; // without the surface's own emission
+  uint32_t lit_like[OLX_BATCH_POINTS]; // the point, not after it, whose shadow rays to lights that vary count for it
   // How many rays of the diffuse lobe look for lights at the point on average: shadow rays count for the rest. At first 0.
   float scattered[OLX_BATCH_POINTS];
 } olx_shade_batch;
@@ -51,6 +52,7 @@ typedef struct olx_shade_scratch {
   olx_ray_hit hits[2 * OLX_BATCH_POINTS];
   uint8_t occluded[OLX_BATCH_POINTS];
   uint32_t lit_point[OLX_BATCH_POINTS];
+  uint32_t ray_of[OLX_BATCH_POINTS]; // that a point sends to a light
   olx_light_sample light[OLX_BATCH_POINTS];
   olx_shade_path paths[2][2 * OLX_BATCH_POINTS]; // one through each lobe at most
   uint32_t slot[OLX_BATCH_POINTS];               // which sample of a tile a point of `roots` is

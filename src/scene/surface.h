@@ -26,7 +26,7 @@ olx_surface olx_surface_at(const olx_scene *scene, const olx_ray_hit *hit, olx_v
 olx_surface olx_surface_near(const olx_scene *scene, const olx_ray_hit *hit, olx_vec3 direction,
                              const olx_surface *previous);
 
-// The albedo at another hit on the triangle of `surface`, when colour alone varies over it; false when other things do.
+// The albedo at another hit on the material of `surface`, when its colour alone varies; false when other things do.
 bool olx_surface_albedo(const olx_scene *scene, const olx_ray_hit *hit, const olx_surface *surface, olx_vec3 *albedo);
 
 // Whether the triangle's surface is there at those barycentric coordinates (alpha mask).

@@ -56,9 +56,9 @@ static const float srgb_to_linear[256] = {
     1.0f,
 };
 
-static int32_t wrap(int32_t i, int32_t size) { return i < 0 ? i + size : i >= size ? i - size : i; }
+static inline int32_t wrap(int32_t i, int32_t size) { return i < 0 ? i + size : i >= size ? i - size : i; }
 
-olx_texel olx_texture_texel(const olx_texture *texture, int32_t x, int32_t y) {
+static inline olx_texel texel_at(const olx_texture *texture, int32_t x, int32_t y) {
   const size_t column = (size_t)wrap(x, (int32_t)texture->width), row = (size_t)wrap(y, (int32_t)texture->height);
   const uint8_t *rgba = texture->texels + 4 * (row * texture->width + column);
   const float alpha = (float)rgba[3] * (1.0f / 255.0f);
@@ -67,6 +67,8 @@ olx_texel olx_texture_texel(const olx_texture *texture, int32_t x, int32_t y) {
   }
   return (olx_texel){olx_scale(olx_v3((float)rgba[0], (float)rgba[1], (float)rgba[2]), 1.0f / 255.0f), alpha};
 }
+
+olx_texel olx_texture_texel(const olx_texture *texture, int32_t x, int32_t y) { return texel_at(texture, x, y); }
 
 // Position of a texture coordinate among the texel centres, from -0.5 to size - 0.5.
 static float texel_position(float coordinate, uint32_t size) {
@@ -82,8 +84,7 @@ olx_texel olx_texture_sample(const olx_texture *texture, olx_vec2 uv) {
   const float px = texel_position(uv.x, texture->width), py = texel_position(uv.y, texture->height);
   const float fx = floorf(px), fy = floorf(py);
   const int32_t x = (int32_t)fx, y = (int32_t)fy;
-  const olx_texel upper = mix_texel(olx_texture_texel(texture, x, y), olx_texture_texel(texture, x + 1, y), px - fx);
-  const olx_texel lower =
-      mix_texel(olx_texture_texel(texture, x, y + 1), olx_texture_texel(texture, x + 1, y + 1), px - fx);
+  const olx_texel upper = mix_texel(texel_at(texture, x, y), texel_at(texture, x + 1, y), px - fx);
+  const olx_texel lower = mix_texel(texel_at(texture, x, y + 1), texel_at(texture, x + 1, y + 1), px - fx);
   return mix_texel(upper, lower, py - fy);
 }

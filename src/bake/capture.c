@@ -12,8 +12,8 @@ enum { SALT_TEXEL = 0x54455845, SALT_CHOICE = 0x43484F49, SALT_SCATTER = 0x53434
 // share one.
 static const float strong_reflectance = 0.25f, weak_reflectance = 0.1f;
 
-// Texels that share shadow rays or a reflection, and those over which samples of lights are stratified: consecutive in Morton order.
-enum { SHARING_BLOCK = 4, LIGHT_BLOCK = 16 };
+// Texels that share shadow rays, those that share a reflection, and those over which samples of lights are stratified: consecutive in Morton order.
+enum { SHADOW_BLOCK = 2, REFLECTION_BLOCK = 4, LIGHT_BLOCK = 16 };
 #define NO_POINT UINT32_MAX
 
 static uint32_t texel_index(const olx_capture *c, uint32_t tile, uint32_t i) {
@@ -164,11 +164,11 @@ static void append_texel(const olx_capture *c, olx_shade_scratch *scratch, uint3
   }
 }
 
-// A point of the same 2 x 2 texels that leads already and on whose surface point `k` lies, or `k`.
-static uint32_t find_leader(const olx_capture *c, const olx_shade_scratch *scratch, const uint32_t *leaders,
-                            uint32_t k) {
+// A point of the same `block` texels that leads already and on whose surface point `k` lies, or `k`.
+static uint32_t find_leader(const olx_capture *c, const olx_shade_scratch *scratch, const uint32_t *leaders, uint32_t k,
+                            uint32_t block) {
   const olx_shade_batch *roots = &scratch->roots;
-  const uint32_t points = c->samples * c->samples * SHARING_BLOCK;
+  const uint32_t points = c->samples * c->samples * block;
   const uint32_t least = scratch->slot[k] / points * points;
   // The nearest two points tell: a longer search costs more than it finds.
   for (uint32_t i = k, tried = 0; i-- > 0 && tried < 2 && scratch->slot[i] >= least; tried++) {
@@ -183,7 +183,7 @@ static uint32_t find_leader(const olx_capture *c, const olx_shade_scratch *scrat
 static void choose_lit(const olx_capture *c, olx_shade_scratch *scratch) {
   olx_shade_batch *roots = &scratch->roots;
   for (uint32_t k = 0; k < roots->count; k++) {
-    roots->lit_like[k] = roots->reflects[k] ? k : find_leader(c, scratch, roots->lit_like, k);
+    roots->lit_like[k] = roots->reflects[k] ? k : find_leader(c, scratch, roots->lit_like, k, SHADOW_BLOCK);
     if (roots->reflects[roots->lit_like[k]]) roots->lit_like[k] = k;
   }
 }
@@ -196,7 +196,7 @@ static uint32_t choose_reflections(const olx_capture *c, olx_shade_scratch *scra
     scratch->leader[k] = share > 0.0f ? k : NO_POINT;
     if (share <= 0.0f) continue;
     if (share < weak_reflectance) {
-      const uint32_t leader = find_leader(c, scratch, scratch->leader, k);
+      const uint32_t leader = find_leader(c, scratch, scratch->leader, k, REFLECTION_BLOCK);
       if (reflectance(&scratch->roots, leader) < weak_reflectance) scratch->leader[k] = leader;
     }
     if (scratch->leader[k] != k) continue;

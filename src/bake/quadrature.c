@@ -6,9 +6,17 @@
 #include <stdint.h>
 #include <string.h>
 
-// Four texels of the output at a time. Every texel sums its cells in the same order whatever the width of the machine.
-typedef float lanes __attribute__((vector_size(16)));
-typedef int32_t mask __attribute__((vector_size(16)));
+// Eight texels of the output at a time. Every texel sums its cells in the same order whatever the width of the machine.
+typedef float lanes __attribute__((vector_size(32)));
+typedef int32_t mask __attribute__((vector_size(32)));
+
+// The loops are compiled for wider machines too; without contraction all of them round alike.
+#if defined(__x86_64__) && defined(__gnu_linux__) && defined(__GNUC__) && !defined(__clang__) &&                       \
+    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define WIDEST __attribute__((target_clones("avx2", "default")))
+#else
+#define WIDEST
+#endif
 
 enum {
   LANES = OLX_BLOCK_COLUMNS,
@@ -18,47 +26,47 @@ enum {
 // Lobes end where they have fallen to this share of their peak.
 static const float lobe_floor = 1e-4f;
 
-static inline lanes lanes_splat(float s) { return (lanes){s, s, s, s}; }
-static inline lanes lanes_positive(lanes x) { return (lanes)((mask)x & (x > lanes_splat(0.0f))); }
+// Lanes go by address: by value the call would differ between machines.
+static inline void keep_positive(lanes *x) { *x = (lanes)((mask)*x & (*x > 0.0f)); }
 
-static inline lanes lanes_power(lanes x, uint32_t exponent) {
-  lanes result = lanes_splat(1.0f);
+static inline void raise_to(lanes *x, uint32_t exponent) {
+  lanes power = *x, result = {1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f};
   for (; exponent; exponent >>= 1) {
-    if (exponent & 1u) result *= x;
-    x *= x;
+    if (exponent & 1u) result *= power;
+    power *= power;
   }
-  return result;
+  *x = result;
 }
 
 typedef struct lane_directions {
   lanes x, y, z;
 } lane_directions;
 
-static lane_directions block_row_directions(uint32_t x, uint32_t y, uint32_t size) {
-  lane_directions d = {0};
+static void block_row_directions(uint32_t x, uint32_t y, uint32_t size, lane_directions *d) {
   for (uint32_t i = 0; i < LANES; i++) {
     const olx_vec3 v = olx_texel_direction(x + i, y, size);
-    d.x[i] = v.x;
-    d.y[i] = v.y;
-    d.z[i] = v.z;
+    d->x[i] = v.x;
+    d->y[i] = v.y;
+    d->z[i] = v.z;
   }
-  return d;
 }
 
-void olx_quadrature_irradiance(const olx_quadrature *quadrature, const olx_vec3 *radiance, uint32_t size, uint32_t row,
-                               olx_vec3 *map, uint32_t stride) {
+WIDEST void olx_quadrature_irradiance(const olx_quadrature *quadrature, const olx_vec3 *radiance, uint32_t size,
+                                      uint32_t row, olx_vec3 *map, uint32_t stride) {
   const uint32_t count = quadrature->cells * quadrature->cells;
   const float *mx = quadrature->moment_x, *my = quadrature->moment_y, *mz = quadrature->moment_z;
   for (uint32_t x = 0; x < size; x += OLX_BLOCK_COLUMNS) {
-    const lane_directions a = block_row_directions(x, row * OLX_BLOCK_ROWS, size);
-    const lane_directions b = block_row_directions(x, row * OLX_BLOCK_ROWS + 1, size);
+    lane_directions a, b;
+    block_row_directions(x, row * OLX_BLOCK_ROWS, size, &a);
+    block_row_directions(x, row * OLX_BLOCK_ROWS + 1, size, &b);
     lanes ar = {0}, ag = {0}, ab = {0}, br = {0}, bg = {0}, bb = {0};
     lanes weight_a = {0}, weight_b = {0};
     for (uint32_t c = 0; c < count; c++) {
-      const lanes cx = lanes_splat(mx[c]), cy = lanes_splat(my[c]), cz = lanes_splat(mz[c]);
-      const lanes wa = lanes_positive(a.x * cx + a.y * cy + a.z * cz);
-      const lanes wb = lanes_positive(b.x * cx + b.y * cy + b.z * cz);
-      const lanes r = lanes_splat(radiance[c].x), g = lanes_splat(radiance[c].y), l = lanes_splat(radiance[c].z);
+      const float r = radiance[c].x, g = radiance[c].y, l = radiance[c].z;
+      lanes wa = a.x * mx[c] + a.y * my[c] + a.z * mz[c];
+      lanes wb = b.x * mx[c] + b.y * my[c] + b.z * mz[c];
+      keep_positive(&wa);
+      keep_positive(&wb);
       weight_a += wa;
       weight_b += wb;
       ar += wa * r;
@@ -83,12 +91,13 @@ typedef struct lobe_sums {
 
 static inline void lobe_add(lobe_sums *sums, const lane_directions *d, uint32_t exponent, olx_vec3 direction,
                             float weight, olx_vec2 distance) {
-  const lanes cosine = lanes_positive(d->x * lanes_splat(direction.x) + d->y * lanes_splat(direction.y) +
-                                      d->z * lanes_splat(direction.z));
-  const lanes w = lanes_power(cosine, exponent) * lanes_splat(weight);
+  lanes w = d->x * direction.x + d->y * direction.y + d->z * direction.z;
+  keep_positive(&w);
+  raise_to(&w, exponent);
+  w *= weight;
   sums->weight += w;
-  sums->mean += w * lanes_splat(distance.x);
-  sums->square += w * lanes_splat(distance.y);
+  sums->mean += w * distance.x;
+  sums->square += w * distance.y;
 }
 
 static void lobe_store(const lobe_sums *sums, olx_vec2 *texels) {
@@ -98,13 +107,14 @@ static void lobe_store(const lobe_sums *sums, olx_vec2 *texels) {
   }
 }
 
-void olx_quadrature_moments(const olx_quadrature *q, const olx_vec2 *distances, uint32_t row, olx_vec2 *map,
-                            uint32_t stride) {
+WIDEST void olx_quadrature_moments(const olx_quadrature *q, const olx_vec2 *distances, uint32_t row, olx_vec2 *map,
+                                   uint32_t stride) {
   const uint32_t size = q->irradiance_size, blocks = size / OLX_BLOCK_COLUMNS, tiles = q->distance_cells / TILE;
   for (uint32_t block = 0; block < blocks; block++) {
     const uint32_t x = block * OLX_BLOCK_COLUMNS;
-    const lane_directions a = block_row_directions(x, row * OLX_BLOCK_ROWS, size);
-    const lane_directions b = block_row_directions(x, row * OLX_BLOCK_ROWS + 1, size);
+    lane_directions a, b;
+    block_row_directions(x, row * OLX_BLOCK_ROWS, size, &a);
+    block_row_directions(x, row * OLX_BLOCK_ROWS + 1, size, &b);
     lobe_sums sa = {0}, sb = {0};
     const uint32_t index = row * blocks + block;
     for (uint32_t t = q->tile_starts[index]; t < q->tile_starts[index + 1]; t++) {

@@ -28,7 +28,7 @@ void olx_quadrature_free(olx_quadrature *quadrature);
 
 // Irradiance for every direction of a map of `size`^2 texels, row `row` of blocks (OLX_BLOCK_ROWS rows of texels), from the
 // radiance of the cells. The map lies `stride` texels a row.
-enum { OLX_BLOCK_COLUMNS = 4, OLX_BLOCK_ROWS = 2 };
+enum { OLX_BLOCK_COLUMNS = 8, OLX_BLOCK_ROWS = 2 };
 void olx_quadrature_irradiance(const olx_quadrature *quadrature, const olx_vec3 *radiance, uint32_t size, uint32_t row,
                                olx_vec3 *map, uint32_t stride);
 

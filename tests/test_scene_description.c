@@ -244,6 +244,21 @@ static void unknown_keys_warn_with_their_place(void **state) {
   olx_scene_free(scene);
 }
 
+static void description_says_what_placement_keeps_to(void **state) {
+  olx_scene *scene = load(*state, "{\"model\": \"square.obj\", \"probes\": {\"pinned\": [[1, 2, 3], [4, 5, 6]], "
+                                  "\"forbidden\": [{\"min\": [0, 1, 2], \"max\": [3, 4, 5]}], "
+                                  "\"playable\": {\"min\": [-1, -2, -3], \"max\": [1, 2, 3]}, \"min_distance\": 0.25}}");
+  const olx_probe_rules *rules = &scene->probe_rules;
+  assert_int_equal(rules->pinned_count, 2);
+  assert_true(rules->pinned[1].x == 4.0f && rules->pinned[1].z == 6.0f);
+  assert_int_equal(rules->forbidden_count, 1);
+  assert_true(rules->forbidden[0].min.y == 1.0f && rules->forbidden[0].max.z == 5.0f);
+  assert_true(rules->has_playable && rules->playable.min.x == -1.0f && rules->playable.max.y == 2.0f);
+  assert_true(rules->min_distance == 0.25f);
+  assert_false(scene->has_probe_volume);
+  olx_scene_free(scene);
+}
+
 static void description_does_not_change_the_hash_by_cameras_or_probes(void **state) {
   olx_scene *plain = load(*state, "{\"model\": \"square.obj\"}");
   olx_scene *seen =
@@ -319,6 +334,12 @@ static void wrong_descriptions_are_refused_with_their_place(void **state) {
       {"\"probes\": {\"min\": [0, 0, 0]}", "probes.max: missing"},
       {"\"probes\": {\"min\": [0, 0, 0], \"max\": [1, -1, 1]}", "probes.max"},
       {"\"probes\": {\"grid\": [4, 4, 0]}", "probes.grid"},
+      {"\"probes\": {\"pinned\": [[0, 0, 0], [1, 2]]}", "probes.pinned[1]"},
+      {"\"probes\": {\"pinned\": 3}", "probes.pinned"},
+      {"\"probes\": {\"forbidden\": {}}", "probes.forbidden"},
+      {"\"probes\": {\"forbidden\": [{\"min\": [0, 0, 0]}]}", "probes.forbidden[0].max: missing"},
+      {"\"probes\": {\"playable\": {\"min\": [0, 0, 0], \"max\": [1, 1, -1]}}", "probes.playable.max"},
+      {"\"probes\": {\"min_distance\": -1}", "probes.min_distance"},
       {"\"probes\": {\"grid\": [4, 4, 2.5]}", "probes.grid"},
       {"\"probes\": {\"grid\": [4, 4, 4294967295]}", "probes.grid"},
       {"\"models\": [{\"path\": \"gone.obj\"}]", "models[0].path: gone.obj"},
@@ -407,6 +428,7 @@ int main(void) {
       WITH_FOLDER(probe_volume_and_counts),
       WITH_FOLDER(without_probe_volume_the_bounds_are_filled),
       WITH_FOLDER(unknown_keys_warn_with_their_place),
+      WITH_FOLDER(description_says_what_placement_keeps_to),
       WITH_FOLDER(description_does_not_change_the_hash_by_cameras_or_probes),
       WITH_FOLDER(models_are_found_in_octalux_scenes),
       WITH_FOLDER(wrong_descriptions_are_refused_with_their_place),

@@ -78,7 +78,8 @@ static void print_place(const char *path, const olx_probe_set *set) {
   printf("  covered    %.3f %%  of what rays from playable space meet (%" PRIu64 " held out), %.3f %% by area\n",
          100.0 * report->coverage, report->surfels, 100.0 * report->coverage_by_area);
   print_share("missed", report->missed, "could be covered: more probes, or a higher coverage");
-  print_share("grazing", report->grazing, "seen at grazing angles, or with too large a texel, from wherever a probe may be");
+  print_share("grazing", report->grazing,
+              "seen at grazing angles, or with too large a texel, from wherever a probe may be");
   print_share("restricted", report->restricted, "seen only from where the description allows no probe");
   print_share("unreached", report->unreachable, "of all surface: not seen from playable space");
   if (report->buried) printf("  buried     %u probes are inside geometry\n", report->buried);
@@ -117,15 +118,11 @@ int command_place(int argc, char **argv) {
       {"--budget", OPTION_REAL, &given.budget_mb, "MB", "cover: as many as fit, in 10^6 bytes at --resolution", 0, 0},
       {"--views", OPTION_COUNT, &given.views, "N", "cover: probes that see each surface; default 1", 1, 8},
       {"--grid", OPTION_GRID, given.grid, "4x4x4", "grid: probes along x, y, z; default: the scene's", 1, 1024},
-      {"--resolution", OPTION_POWER_OF_TWO, &given.resolution, "N", "texels along a map of light; default 512", 8, 2048},
+      {"--resolution", OPTION_POWER_OF_TWO, &given.resolution, "N", "texels along a map of light; default 512", 8,
+       2048},
       {"--min-cosine", OPTION_REAL, &given.min_cosine, "C", "flatter views do not count; default 0.02", 0, 0},
-      {"--max-footprint",
-       OPTION_REAL,
-       &given.max_footprint,
-       "SHARE",
-       "larger texels on a surface do not count, in diagonals of the scene; default 0.05",
-       0,
-       0},
+      {"--max-footprint", OPTION_REAL, &given.max_footprint, "SHARE",
+       "larger texels on a surface do not count, in diagonals of the scene; default 0.05", 0, 0},
       {"--surfels", OPTION_COUNT, &given.surfels, "N", "cover: samples of surfaces; default 14000", 64, 1 << 20},
       {"--candidates", OPTION_COUNT, &given.candidates, "N", "cover: positions tried; default 2000", 16, 1 << 14},
       {"--voxels", OPTION_COUNT, &given.voxels, "N", "along the longest side of space; default 160", 8, 512},

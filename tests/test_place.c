@@ -1,4 +1,5 @@
-// Placement by scenes whose answer is known: what is reached, what is inside, what one probe sees, and what cannot be done.
+// Placement by scenes whose answer is known: what is reached, what is inside, what one probe sees, and what cannot be
+// done.
 #include "core/sampling.h"
 #include "made_scenes.h"
 #include "place/measure.h"
@@ -95,8 +96,7 @@ static void voxels_are_conservative_and_tight(void **state) {
     for (uint32_t k = 0; k < 200; k++) {
       const olx_vec2 uv = olx_sample_triangle(made_random(t, k));
       const olx_vec3 a = scene->positions[i[0]], b = scene->positions[i[1]], c = scene->positions[i[2]];
-      const size_t voxel =
-          olx_voxel_at(&voxels, olx_madd(olx_madd(a, olx_sub(b, a), uv.x), olx_sub(c, a), uv.y));
+      const size_t voxel = olx_voxel_at(&voxels, olx_madd(olx_madd(a, olx_sub(b, a), uv.x), olx_sub(c, a), uv.y));
       if (voxel != OLX_NO_VOXEL) assert_true(voxels.solid[voxel]);
     }
   }

@@ -4,19 +4,19 @@
 //
 // Which space matters? The bounds (or the description's box of playable space) are cut into voxels; those that touch a
 // surface are solid. From the cameras the rest is flooded; without cameras the largest space that light reaches counts.
-// A place is never inside geometry: that is judged by the share of back faces seen from there *and* by how many surfaces
-// lie around it in several directions, by neither alone.
+// A place is never inside geometry: that is judged by the share of back faces seen from there *and* by how many
+// surfaces lie around it in several directions, by neither alone.
 //
-// Which surfaces matter? Surfels stand for what that space sees: those by which positions are chosen, and those by which they
-// are judged afterwards, lie where rays arrive that leave it from everywhere in all directions, so that a surface counts as
-// much as it is seen. They take the part of Wang's visibility atlas (section 3.2.1) without unwrapping anything. Both sides
-// of a triangle are surfaces of their own.
+// Which surfaces matter? Surfels stand for what that space sees: those by which positions are chosen, and those by
+// which they are judged afterwards, lie where rays arrive that leave it from everywhere in all directions, so that a
+// surface counts as much as it is seen. They take the part of Wang's visibility atlas (section 3.2.1) without
+// unwrapping anything. Both sides of a triangle are surfaces of their own.
 //
 // Where to stand? OLX_PLACE_GRID stands on a regular grid and tells which of its probes are inside geometry.
-// OLX_PLACE_COVER picks from many candidates, always the one that adds most, until the asked coverage, count or memory is
-// reached, and then moves and swaps probes as long as that covers more. A surfel is *covered* when a probe sees it *well*:
-// in line of sight, not at a grazing angle, and with a texel small enough on the surface; better angles and smaller texels
-// are preferred where they cost no coverage.
+// OLX_PLACE_COVER picks from many candidates, always the one that adds most, until the asked coverage, count or memory
+// is reached, and then moves and swaps probes as long as that covers more. A surfel is *covered* when a probe sees it
+// *well*: in line of sight, not at a grazing angle, and with a texel small enough on the surface; better angles and
+// smaller texels are preferred where they cost no coverage.
 //
 // Everything is deterministic: the same scene and settings give the same probes, with any number of threads.
 #ifndef OCTALUX_PLACE_H
@@ -65,7 +65,7 @@ typedef struct olx_place_settings {
   uint32_t surfels;    // that positions are chosen by, 64 to 1,048,576, fewer where they would take more than 256 MB;
                        // default 14,000
   uint32_t candidates; // 16 to 16,384; default 2,000
-  uint32_t voxels;     // along the longest side of space, 8 to 512; default 160. Fewer where there would be more than 2^23
+  uint32_t voxels;     // along the longest side of space, 8 to 512, at most 2^23 together; default 160
   uint32_t refinements; // rounds in which probes may move or be swapped, 0 to 64; default 4
   uint32_t seed;
   uint32_t threads; // 0: as many as the machine has; the result does not depend on it
@@ -80,15 +80,15 @@ typedef struct olx_placed_probe {
   bool buried; // inside geometry: a grid's or a pinned probe
 } olx_placed_probe;
 
-// How well the probes do, by surfels that the placement never used. Shares are of what the space that matters sees, each
-// surface as often as it is seen, except where area is named.
+// How well the probes do, by surfels that the placement never used. Shares are of what the space that matters sees,
+// each surface as often as it is seen, except where area is named.
 typedef struct olx_place_report {
   uint64_t surfels;         // held out
   double coverage;          // seen well by at least `views` probes
   double visible;           // in line of sight of at least one probe, at whatever angle and distance
   double coverage_by_area;  // as coverage, but each surface counts by the area that is seen from somewhere
   double coverable;         // 1 - grazing - restricted
-  double grazing;           // not covered: seen, from wherever a probe may stand, at grazing angles or with too large a texel
+  double grazing;           // not covered: at grazing angles or with too large a texel from wherever a probe may stand
   double restricted;        // not covered: seen only from where the description's overrides allow no probe
   double missed;            // not covered, but could be: more probes, or a higher coverage, would do it
   double unreachable;       // of all surface, by area: no side of it is seen from the space that matters
@@ -108,9 +108,9 @@ typedef struct olx_probe_set {
   uint64_t scene_hash;
 } olx_probe_set;
 
-// Place probes in `scene`. The overrides of its description (docs/scenes.md: pinned, forbidden, playable, min_distance) hold
-// for every method. OLX_ERROR_EMPTY, with a message that says why, when there is nothing to place in: no volume, no free
-// space that is not inside geometry, no surface that space sees. On success the set is the caller's to free.
+// Place probes in `scene`. The overrides of its description (docs/scenes.md: pinned, forbidden, playable, min_distance)
+// hold for every method. OLX_ERROR_EMPTY, with a message that says why, when there is nothing to place in: no volume,
+// no free space that is not inside geometry, no surface that space sees. On success the set is the caller's to free.
 olx_result olx_place(const olx_scene *scene, const olx_place_settings *settings, const olx_progress *progress,
                      olx_probe_set *set);
 // Releases the probes; the struct itself is the caller's.
@@ -118,8 +118,9 @@ void olx_probe_set_free(olx_probe_set *set);
 
 // Write the set as JSON (docs/place.md): beside, synced, renamed. The bytes depend on the set alone.
 olx_result olx_probe_set_save(const olx_probe_set *set, const char *path);
-// Read what olx_probe_set_save wrote, or any JSON object whose "probes" is a list of objects with a "position": what else
-// is missing stays at its default. Errors name the file and the element. On success the set is the caller's to free.
+// Read what olx_probe_set_save wrote, or any JSON object whose "probes" is a list of objects with a "position": what
+// else is missing stays at its default. Errors name the file and the element. On success the set is the caller's to
+// free.
 olx_result olx_probe_set_load(const char *path, olx_probe_set *set);
 
 // Bytes of one light field probe in a field file: its maps with borders, and its pyramid.

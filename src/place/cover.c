@@ -11,8 +11,8 @@
 #define SPARSE_UNCOVERED 0.05
 // The greedy cover first goes so far on the common columns alone.
 #define FIRST_COVERAGE 0.985
-// Another sample will judge: a cover aims so many standard deviations of a dense sample's estimate beyond what is asked, and
-// is done when the sample shows so many; but at no less than a share of what may stay uncovered.
+// Another sample will judge: a cover aims so many standard deviations of a dense sample's estimate beyond what is
+// asked, and is done when the sample shows so many; but at no less than a share of what may stay uncovered.
 #define AIM_DEVIATIONS 2.2
 #define DONE_DEVIATIONS 1.3
 #define LEAST_AIM 0.3
@@ -21,12 +21,12 @@
 enum {
   PILOT_POINTS = 4096,
   RARE_COLUMNS = 8192,
-  TARGETS = 192,        // surfels a round that nothing covers, for which places are sought
-  TARGET_PLACES = 2,    // for each
-  DENSER = 3,           // sample that is asked what is missing, times the common columns
-  MOVES = 10,           // places tried around a probe
+  TARGETS = 192,     // surfels a round that nothing covers, for which places are sought
+  TARGET_PLACES = 2, // for each
+  DENSER = 3,        // sample that is asked what is missing, times the common columns
+  MOVES = 10,        // places tried around a probe
   MOST_ROUNDS = 20,
-  LEAST_STEP = 8,       // probes that a round may add before another dense sample judges, or a quarter of those that stand
+  LEAST_STEP = 8, // probes that a round may add before another dense sample judges, or a quarter of those that stand
   REFINED_PROBES = 192 // probes times rounds that may move
 };
 
@@ -195,7 +195,8 @@ static olx_result refine(cover *c, uint32_t round, uint32_t pinned) {
   bool changed = false;
   if (r.gains && r.rows) result = OLX_OK;
   else olx_fail(result, "place: out of memory");
-  for (uint32_t i = pinned; result == OLX_OK && i < s->pick_count; i++) result = refine_probe(c, &r, i, round, &changed);
+  for (uint32_t i = pinned; result == OLX_OK && i < s->pick_count; i++)
+    result = refine_probe(c, &r, i, round, &changed);
   olx_cover_set_levels(s, s->pick_count);
   olx_release(r.gains);
   olx_release(r.rows);
@@ -211,8 +212,8 @@ static olx_result add_targets(cover *c, const olx_surfels *sample, const uint8_t
   for (uint32_t i = 0; i < sample->count; i++) {
     if (views[i] >= c->state.views || (uint64_t)nth++ * TARGETS < (uint64_t)targets * lacking) continue;
     olx_vec3 places[TARGET_PLACES];
-    const uint32_t found = olx_surfel_vantages(c->space, c->sight, &sample->items[i], olx_hash2(seed, i), TARGET_PLACES,
-                                               places);
+    const uint32_t found =
+        olx_surfel_vantages(c->space, c->sight, &sample->items[i], olx_hash2(seed, i), TARGET_PLACES, places);
     for (uint32_t k = 0; k < found && targets < TARGETS; k++) {
       list[count++] = (olx_candidate){places[k], OLX_ORIGIN_TARGET};
     }
@@ -328,9 +329,9 @@ olx_result olx_cover(const olx_space *space, const olx_sight *sight, const olx_p
   olx_candidate *candidates = NULL;
   olx_result result;
   OLX_TRY_GOTO(prepare(&c), done);
-  OLX_TRY_GOTO(olx_candidates_create(space, &settings->grid, settings->candidates, settings->seed, &candidates,
-                                     &c.considered),
-               done);
+  OLX_TRY_GOTO(
+      olx_candidates_create(space, &settings->grid, settings->candidates, settings->seed, &candidates, &c.considered),
+      done);
   OLX_TRY_GOTO(olx_cover_add_candidates(&c.state, candidates, c.considered, task), done);
   OLX_TRY_GOTO(choose(&c), done);
   found->probes = c.state.picks;

@@ -103,8 +103,7 @@ olx_result olx_cover_renew(olx_cover_state *s, const olx_surfels *sample, const 
   s->rare_weight = (uint64_t)(COMMON_WEIGHT * share / s->columns.share + 0.5);
   if (s->rare_weight == 0) s->rare_weight = 1;
   settle_hopeless(s, job.first_column);
-  job.part = (olx_surfels){.count = s->columns.count - job.first_column,
-                           .items = s->columns.items + job.first_column};
+  job.part = (olx_surfels){.count = s->columns.count - job.first_column, .items = s->columns.items + job.first_column};
   return olx_parallel_for(job.candidates + s->pick_count, s->threads, see_job, &job, NULL, 0);
 }
 

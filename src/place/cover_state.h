@@ -1,8 +1,8 @@
 // The matrix that a cover chooses from: candidates by surfels, and what the chosen ones cover.
 //
 // Its columns are surfels: the common ones, a sample of all that is seen, and behind them rare ones, that a much denser
-// sample found uncovered. When rare ones come, the common ones that are uncovered leave (they are *settled*): then the rest
-// of the common ones and the rare ones, each with the share it stands for, are together an unbiased sample again,
+// sample found uncovered. When rare ones come, the common ones that are uncovered leave (they are *settled*): then the
+// rest of the common ones and the rare ones, each with the share it stands for, are together an unbiased sample again,
 // dense where it matters.
 #ifndef OLX_PLACE_COVER_STATE_H
 #define OLX_PLACE_COVER_STATE_H
@@ -19,8 +19,8 @@ typedef struct olx_cover_state {
   uint64_t common_weight, rare_weight;
   uint8_t *settled; // a column: 255 when it no longer counts, else 0
   olx_candidate *candidates;
-  uint8_t *rows;   // candidates by capacity: quality
-  uint8_t *unfit;  // a candidate: 1 when it may not be chosen
+  uint8_t *rows;  // candidates by capacity: quality
+  uint8_t *unfit; // a candidate: 1 when it may not be chosen
   uint32_t candidate_count, candidate_capacity;
   olx_candidate *picks;
   uint8_t *pick_rows;
@@ -45,8 +45,8 @@ void olx_cover_state_free(olx_cover_state *state);
 
 // Append candidates, as many as there is room for, and see from them.
 olx_result olx_cover_add_candidates(olx_cover_state *state, const olx_candidate *list, uint32_t count, olx_task *task);
-// Settle the uncovered columns and append those surfels of a sample of `sampled` that `views` says are seen too rarely and
-// that can be covered, as far as there is room.
+// Settle the uncovered columns and append those surfels of a sample of `sampled` that `views` says are seen too rarely
+// and that can be covered, as far as there is room.
 olx_result olx_cover_renew(olx_cover_state *state, const olx_surfels *sample, const uint8_t *views);
 
 static inline uint8_t *olx_cover_row(const olx_cover_state *s, uint32_t candidate) {

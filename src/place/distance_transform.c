@@ -5,7 +5,8 @@
 
 enum { BUNDLES = 64 };
 
-// One pass a dimension. Its lines are independent of each other; every 64th makes a bundle, which shares scratch memory.
+// One pass a dimension. Its lines are independent of each other; every 64th makes a bundle, which shares scratch
+// memory.
 typedef struct pass {
   const uint8_t *solid;
   uint32_t *distance;

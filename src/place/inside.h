@@ -7,17 +7,19 @@
 // How deep a place is inside surfaces.
 typedef struct olx_depth {
   float back_share; // of all directions, that meet the back of a triangle first
-  int32_t depth;    // back faces less front faces crossed on the way out, a signed parity: the median of many directions
-  uint32_t rays;    // cast to find out
+  int32_t depth; // back faces less front faces crossed on the way out, a signed parity: the median of many directions
+  uint32_t rays; // cast to find out
 } olx_depth;
 
 // Measure each position.
 olx_result olx_measure_depth(const olx_scene *scene, const olx_vec3 *positions, uint32_t count, uint32_t threads,
                              olx_depth *depths);
 
-// A place is inside when it sees mostly back faces *and* lies deeper than `outside`, the depth of a place known to be free.
-// Neither suffices alone: behind an open sheet one sees back faces but lies no deeper, and outside a room one lies deeper
-// by the count than in it but sees fronts and sky.
-static inline bool olx_depth_is_inside(olx_depth d, int32_t outside) { return d.back_share > 0.5f && d.depth > outside; }
+// A place is inside when it sees mostly back faces *and* lies deeper than `outside`, the depth of a place known to be
+// free. Neither suffices alone: behind an open sheet one sees back faces but lies no deeper, and outside a room one
+// lies deeper by the count than in it but sees fronts and sky.
+static inline bool olx_depth_is_inside(olx_depth d, int32_t outside) {
+  return d.back_share > 0.5f && d.depth > outside;
+}
 
 #endif

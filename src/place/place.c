@@ -90,8 +90,9 @@ static olx_result resolve(const olx_scene *scene, olx_place_settings *s) {
     const uint64_t bytes = olx_light_probe_bytes(s->resolution);
     const double affordable = s->budget_mb * 1e6 / (double)bytes;
     if (affordable < 1.0) {
-      return olx_fail(OLX_ERROR_ARGUMENT, "place: a budget of %g MB does not hold one probe of %u x %u texels (%.3f MB)",
-                      s->budget_mb, s->resolution, s->resolution, (double)bytes * 1e-6);
+      return olx_fail(OLX_ERROR_ARGUMENT,
+                      "place: a budget of %g MB does not hold one probe of %u x %u texels (%.3f MB)", s->budget_mb,
+                      s->resolution, s->resolution, (double)bytes * 1e-6);
     }
     const uint32_t count = affordable < MOST_PROBES ? (uint32_t)affordable : MOST_PROBES;
     if (s->count == 0 || count < s->count) s->count = count;
@@ -110,8 +111,9 @@ static olx_result choose_probes(const olx_space *space, const olx_sight *sight, 
     return olx_place_grid(space->scene, &settings->grid, probes, &set->count, &set->report.rejected);
   }
   if (space->place_count == 0 && space->scene->probe_rules.pinned_count == 0) {
-    return olx_fail(OLX_ERROR_EMPTY, "nowhere to place probes: the forbidden boxes and the distance to surfaces that the "
-                                     "description asks for leave no place");
+    return olx_fail(OLX_ERROR_EMPTY,
+                    "nowhere to place probes: the forbidden boxes and the distance to surfaces that the "
+                    "description asks for leave no place");
   }
   olx_task task;
   olx_cover_result found = {0};

@@ -128,7 +128,8 @@ static void sample_components(const finder *f, component *list, uint32_t count, 
       component *c = &list[i];
       if (c->label != label) continue;
       const size_t wanted = (2 * (size_t)c->sampled + 1) * c->size / (2 * SAMPLES);
-      if (seen[label]++ >= wanted && c->sampled < SAMPLES) c->samples[c->sampled++] = olx_voxel_centre(f->voxels, voxel);
+      if (seen[label]++ >= wanted && c->sampled < SAMPLES)
+        c->samples[c->sampled++] = olx_voxel_centre(f->voxels, voxel);
     }
   }
 }
@@ -228,7 +229,8 @@ static void allow_job(void *user, uint32_t index) {
   const olx_voxels *v = &space->voxels;
   const size_t first = (size_t)index * PLACES_A_JOB;
   for (size_t i = first; i < first + PLACES_A_JOB && i < v->total; i++) {
-    if (space->reachable[i] && olx_rules_allow(space->scene, olx_voxel_centre(v, i))) space->reachable[i] |= OLX_ALLOWED;
+    if (space->reachable[i] && olx_rules_allow(space->scene, olx_voxel_centre(v, i)))
+      space->reachable[i] |= OLX_ALLOWED;
   }
 }
 
@@ -305,8 +307,9 @@ static olx_result choose_box(const olx_scene *scene, olx_box *box) {
   const olx_vec3 extent = olx_sub(box->max, box->min);
   if (extent.x > 0.0f && extent.y > 0.0f && extent.z > 0.0f) return OLX_OK;
   if (!rules->has_playable) {
-    return olx_fail(OLX_ERROR_EMPTY, "nowhere to place probes: the scene is flat, its bounds hold no volume; a playable "
-                                     "box in its description can say where to look");
+    return olx_fail(OLX_ERROR_EMPTY,
+                    "nowhere to place probes: the scene is flat, its bounds hold no volume; a playable "
+                    "box in its description can say where to look");
   }
   return olx_fail(OLX_ERROR_EMPTY, "nowhere to place probes: the playable box holds no volume near the scene");
 }

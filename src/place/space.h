@@ -8,7 +8,7 @@
 typedef struct olx_space {
   const olx_scene *scene;
   olx_voxels voxels;
-  uint8_t *reachable; // a voxel: OLX_REACHABLE, OLX_ALLOWED
+  uint8_t *reachable;       // a voxel: OLX_REACHABLE, OLX_ALLOWED
   size_t *reached, *places; // indices of the voxels that the viewer reaches, and of those that allow a probe, ascending
   size_t reachable_count, place_count;
   int32_t outside; // for olx_depth_is_inside
@@ -21,8 +21,9 @@ enum {
 };
 
 // Find it. Over the box of playable space when the description has one, else over the scene's bounds, flooded from the
-// cameras (one outside the box enters it where it looks). Without a camera that can enter: all of the playable box that is
-// not inside geometry, or, without a box, the largest such space that light reaches. OLX_ERROR_EMPTY when there is none.
+// cameras (one outside the box enters it where it looks). Without a camera that can enter: all of the playable box that
+// is not inside geometry, or, without a box, the largest such space that light reaches. OLX_ERROR_EMPTY when there is
+// none.
 olx_result olx_space_create(const olx_scene *scene, uint32_t resolution, uint32_t threads, olx_space *space);
 void olx_space_free(olx_space *space);
 
@@ -35,8 +36,8 @@ static inline bool olx_space_reaches(const olx_space *space, olx_vec3 p) {
 // (That it is not inside geometry has to be asked of inside.h.)
 bool olx_space_allows(const olx_space *space, olx_vec3 p);
 
-// Whether the rules of the description (playable and forbidden boxes, distance to surfaces) allow a probe there, wherever
-// the viewer can be.
+// Whether the rules of the description (playable and forbidden boxes, distance to surfaces) allow a probe there,
+// wherever the viewer can be.
 bool olx_rules_allow(const olx_scene *scene, olx_vec3 p);
 
 #endif

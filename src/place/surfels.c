@@ -224,7 +224,8 @@ static uint8_t look_from_space(const atlas_maker *m, const olx_surfel *surfel, u
   olx_bvh_intersect_many(space->scene->bvh, rays, MOST_RAYS, false, hits);
   uint8_t found = 0;
   for (uint32_t i = 0; i < MOST_RAYS; i++) {
-    if (rays[i].t_max > 0.0f) found |= along_ray(space, m->sight, surfel, &rays[i], reach_of(space, &rays[i], &hits[i]));
+    if (rays[i].t_max > 0.0f)
+      found |= along_ray(space, m->sight, surfel, &rays[i], reach_of(space, &rays[i], &hits[i]));
   }
   return found;
 }
@@ -280,7 +281,8 @@ static olx_result collect(const atlas_maker *m, olx_surfels *surfels) {
   const olx_scene *scene = m->space->scene;
   uint32_t present = 0, unseen = 0;
   for (uint32_t i = 0; i < m->count; i++) {
-    const bool first = m->sides[2 * i].fate != OLX_SURFEL_UNSEEN, second = m->sides[2 * i + 1].fate != OLX_SURFEL_UNSEEN;
+    const bool first = m->sides[2 * i].fate != OLX_SURFEL_UNSEEN,
+               second = m->sides[2 * i + 1].fate != OLX_SURFEL_UNSEEN;
     present += m->present[i];
     unseen += m->present[i] && !first && !second;
     surfels->count += (uint32_t)first + (uint32_t)second;

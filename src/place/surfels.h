@@ -31,7 +31,7 @@ typedef struct olx_surfel {
 // Where an atlas lays its surfels.
 typedef enum olx_spread {
   OLX_SPREAD_AREA, // evenly over both sides of all triangles: each stands for the same area
-  OLX_SPREAD_RAYS  // where rays arrive that leave places all over the space in all directions: each stands for as many rays
+  OLX_SPREAD_RAYS // where rays arrive from all over the space in all directions: each stands for as many rays
 } olx_spread;
 
 typedef struct olx_surfels {
@@ -41,13 +41,14 @@ typedef struct olx_surfels {
   double unreachable; // OLX_SPREAD_AREA: share of all surface no side of which is seen
 } olx_surfels;
 
-// Lay `points` points and keep the surfels that are seen. Of OLX_SPREAD_RAYS those are all but the rays that leave the scene.
+// Lay `points` points and keep the surfels that are seen. Of OLX_SPREAD_RAYS those are all but the rays that leave the
+// scene.
 olx_result olx_surfels_create(const olx_space *space, const olx_sight *sight, olx_spread spread, uint32_t points,
                               uint32_t seed, uint32_t threads, olx_surfels *surfels);
 void olx_surfels_free(olx_surfels *surfels);
 
-// Up to `wanted` places from which the surfel is seen well and where a probe may stand, found along random rays. Returns
-// how many.
+// Up to `wanted` places from which the surfel is seen well and where a probe may stand, found along random rays.
+// Returns how many.
 uint32_t olx_surfel_vantages(const olx_space *space, const olx_sight *sight, const olx_surfel *surfel, uint32_t seed,
                              uint32_t wanted, olx_vec3 *places);
 

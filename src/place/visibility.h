@@ -5,8 +5,8 @@
 #include "core/parallel.h"
 #include "place/surfels.h"
 
-// How well a surfel is seen from `place`, if nothing stands between: 0 when it faces away, is seen at a grazing angle or
-// with too large a texel; else from OLX_QUALITY_LEAST up to 255, better for steep angles and small distances.
+// How well a surfel is seen from `place`, if nothing stands between: 0 when it faces away, is seen at a grazing angle
+// or with too large a texel; else from OLX_QUALITY_LEAST up to 255, better for steep angles and small distances.
 #define OLX_QUALITY_LEAST 208
 uint8_t olx_sight_quality(const olx_sight *sight, olx_vec3 place, const olx_surfel *surfel);
 
@@ -21,6 +21,7 @@ olx_result olx_visibility_matrix(const olx_space *space, const olx_sight *sight,
 // views[i] = how many of the places see surfel i well, or, without `sight`, have a free line of sight to it at whatever
 // angle and distance; counted up to `most`, which is 1 to 255. first[i], when wanted, is the first of them, or `count`.
 olx_result olx_count_views(const olx_space *space, const olx_sight *sight, const olx_vec3 *places, uint32_t count,
-                           const olx_surfels *surfels, uint32_t most, uint32_t threads, uint8_t *views, uint32_t *first);
+                           const olx_surfels *surfels, uint32_t most, uint32_t threads, uint8_t *views,
+                           uint32_t *first);
 
 #endif

@@ -74,8 +74,8 @@ static bool set_up_triangle(const voxel_job *job, uint32_t triangle, cell_triang
     t->low[i] = clamp_cell(low[i] - job->slack, v->count[i]);
     t->high[i] = clamp_cell(high[i] + job->slack, v->count[i]);
   }
-  const olx_vec3 n = olx_normalize(
-      olx_cross(olx_sub(t->corners[1], t->corners[0]), olx_sub(t->corners[2], t->corners[0])));
+  const olx_vec3 n =
+      olx_normalize(olx_cross(olx_sub(t->corners[1], t->corners[0]), olx_sub(t->corners[2], t->corners[0])));
   to_array(n, t->normal);
   t->offset = olx_dot(n, t->corners[0]);
   t->axis = fabsf(n.x) > fabsf(n.y) ? (fabsf(n.x) > fabsf(n.z) ? 0 : 2) : (fabsf(n.y) > fabsf(n.z) ? 1 : 2);
@@ -218,8 +218,7 @@ size_t olx_voxels_flood(const olx_voxels *v, size_t seed, uint32_t label, uint32
   return found;
 }
 
-bool olx_voxels_clip(const olx_voxels *v, olx_vec3 origin, olx_vec3 direction, float *enter,
-                     float *leave) {
+bool olx_voxels_clip(const olx_voxels *v, olx_vec3 origin, olx_vec3 direction, float *enter, float *leave) {
   const float o[3] = {origin.x, origin.y, origin.z}, d[3] = {direction.x, direction.y, direction.z};
   const float low[3] = {v->low.x, v->low.y, v->low.z};
   for (int i = 0; i < 3; i++) {

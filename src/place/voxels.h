@@ -18,9 +18,9 @@ typedef struct olx_voxels {
   uint32_t *distance; // squared, in voxels, from centre to centre of the nearest solid one; exact. 0 in solid voxels
 } olx_voxels;
 
-// Voxels over the box, `resolution` along its longest side, fewer when there would be more than 2^23 of them. A triangle
-// makes every voxel solid that it touches (conservatively, so that nothing is flooded through a surface); an alpha-masked
-// one only where its surface is there. The box needs an extent above 0 along one axis at least.
+// Voxels over the box, `resolution` along its longest side, fewer when there would be more than 2^23 of them. A
+// triangle makes every voxel solid that it touches (conservatively, so that nothing is flooded through a surface); an
+// alpha-masked one only where its surface is there. The box needs an extent above 0 along one axis at least.
 olx_result olx_voxels_create(const olx_scene *scene, olx_box box, uint32_t resolution, uint32_t threads,
                              olx_voxels *voxels);
 void olx_voxels_free(olx_voxels *voxels);
@@ -54,8 +54,8 @@ static inline float olx_voxel_distance(const olx_voxels *v, size_t index) {
   return v->distance[index] == OLX_FAR_VOXELS ? INFINITY : v->size * sqrtf((float)v->distance[index]);
 }
 
-// Mark with `label` every voxel that is 0 in `labels` and can be reached from `seed` through faces, by way of such voxels
-// alone. Returns how many. `stack` has room for `total` indices.
+// Mark with `label` every voxel that is 0 in `labels` and can be reached from `seed` through faces, by way of such
+// voxels alone. Returns how many. `stack` has room for `total` indices.
 size_t olx_voxels_flood(const olx_voxels *voxels, size_t seed, uint32_t label, uint32_t *labels, size_t *stack);
 
 // Narrow [enter, leave], in lengths of `direction`, to where the ray is within the voxels. False when it never is.

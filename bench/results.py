@@ -31,13 +31,13 @@ def described(name):
 SCENES = {
     s.name: s
     for s in [
-        Scene("cornell", "builtin:cornell", "2x2x2", 512, "256x256", spp=2048),
-        Scene("cornell-glossy", "builtin:cornell-glossy", "2x2x2", 512, "256x256", spp=2048),
-        Scene("cornell, irradiance on 2x2x2", "builtin:cornell", "2x2x2", 512, "256x256", spp=2048, same_grid=True),
+        Scene("cornell", "builtin:cornell", "2x2x2", 512, "192x192", spp=1024),
+        Scene("cornell-glossy", "builtin:cornell-glossy", "2x2x2", 512, "192x192", spp=1024),
+        Scene("cornell, irradiance on 2x2x2", "builtin:cornell", "2x2x2", 512, "192x192", spp=1024, same_grid=True),
         Scene("two-rooms-sealed", "builtin:two-rooms-sealed", "4x2x2", 256, "160x120", same_grid=True),
-        Scene("labyrinth", "builtin:labyrinth", None, 512, "320x240", spp=1024),
-        Scene("living-room", described("living-room"), "4x4x4", 1024, "320x240", spp=1024),
-        Scene("sponza", described("sponza"), "8x2x4", 512, "320x180", spp=512),
+        Scene("labyrinth", "builtin:labyrinth", None, 512, "200x150", spp=512),
+        Scene("living-room", described("living-room"), "4x4x4", 1024, "200x150", spp=512),
+        Scene("sponza", described("sponza"), "8x2x4", 512, "192x108", spp=256),
     ]
 }
 
@@ -45,6 +45,7 @@ SCENES = {
 class Bench:
     def __init__(self, program, work, quick):
         self.program, self.work, self.quick = program, work, quick
+        self.made = set()
         os.makedirs(work, exist_ok=True)
 
     def run(self, *arguments, fail=True):
@@ -74,7 +75,10 @@ class Bench:
         return ["--size", scene.size] + (["--camera", scene.camera] if scene.camera else [])
 
     def reference(self, scene):
-        out = self.path("%s-path.exr" % scene.name)
+        out = self.path("%s-path.exr" % os.path.basename(scene.source).replace("builtin:", ""))
+        if os.path.exists(out) and out in self.made:
+            return out
+        self.made.add(out)
         spp = scene.spp // 8 if self.quick else scene.spp
         self.run("render", scene.source, "-o", out, "--method", "path", "--bounces", scene.bounces + 1, "--spp", spp, *self.view(scene))
         return out
@@ -116,7 +120,7 @@ def layers(bench):
     for scene in scenes(bench, "cornell", "cornell, irradiance on 2x2x2", "cornell-glossy", "labyrinth", "living-room", "sponza"):
         reference = bench.reference(scene)
         field = bench.bake(scene)
-        spp = 4 if bench.quick else 16
+        spp = 4 if bench.quick else 8
         ways = [
             ("irradiance probes", "irradiance", ["--spp", spp]),
             ("irradiance probes, no visibility", "plain", ["--spp", spp, "--visibility", "none"]),

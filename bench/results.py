@@ -43,8 +43,8 @@ SCENES = {
 
 
 class Bench:
-    def __init__(self, program, work, quick):
-        self.program, self.work, self.quick = program, work, quick
+    def __init__(self, program, work, quick, only):
+        self.program, self.work, self.quick, self.only = program, work, quick, only
         self.made = set()
         os.makedirs(work, exist_ok=True)
 
@@ -108,6 +108,8 @@ def number(x):
 
 def scenes(bench, *names):
     for name in names:
+        if bench.only and name not in bench.only:
+            continue
         if SCENES[name].present(bench):
             yield SCENES[name]
         else:
@@ -181,9 +183,10 @@ def main():
     parser.add_argument("experiments", nargs="*", metavar="EXPERIMENT", help=", ".join(EXPERIMENTS))
     parser.add_argument("--program", default=os.path.join(SOURCE, "build", "release", "octalux"))
     parser.add_argument("--work", default=os.path.join(SOURCE, "build", "bench"))
+    parser.add_argument("--scene", action="append", help="only this scene; may be given again")
     parser.add_argument("--quick", action="store_true")
     arguments = parser.parse_args()
-    bench = Bench(arguments.program, arguments.work, arguments.quick)
+    bench = Bench(arguments.program, arguments.work, arguments.quick, arguments.scene)
     for name in arguments.experiments:
         if name not in EXPERIMENTS:
             parser.error("no experiment %s; there are: %s" % (name, ", ".join(EXPERIMENTS)))

@@ -90,11 +90,12 @@ scene cornell-glossy front 448x448 2 160 "Cornell box, glossy" \
   shows the room again. Reflections are rays traced through what the probes saw. The specks in the path-traced picture
   are its own noise, light that the block throws onto the ceiling, and count as error of the field." \
   --grid 4x4x4 --radiance-size 256 --irradiance-size 64
-scene two-rooms-sealed dark 512x384 1 64 "Two rooms, sealed" \
+scene two-rooms-sealed dark 512x384 1 16 "Two rooms, sealed" \
   "A lit and a dark room, a thin wall between them, seen from the dark one: the true picture is black. Probes of the lit
   room stand just behind the wall, so averaging the nearest probes lets light through. Stored distances tell the field
-  which probes see a point, and it stays dark." \
-  --radiance-size 512 --irradiance-size 64
+  which probes see a point, and it stays dark. Irradiance probes stand where the light field probes do, to show this; at
+  half that spacing, the default for so few, a layer of them falls inside the wall and parts the rooms even so." \
+  --irradiance-grid 4x2x2 --radiance-size 512 --irradiance-size 64
 scene labyrinth door 512x384 1.5 96 "Labyrinth" \
   "Inner walls cut the space into corridors that are lit around corners. Most probes near a point are behind some wall, and
   some stand inside walls." \

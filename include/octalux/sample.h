@@ -25,7 +25,7 @@ typedef struct olx_sample_settings {
   olx_tracer tracer;         // default OLX_TRACER_TWO_LEVEL
   olx_select select;         // default OLX_SELECT_CAGE
   olx_visibility visibility; // default OLX_VISIBILITY_CHEBYSHEV
-  uint32_t max_probes;       // probes a ray may ask before it gives up; default 4096: as many as there are
+  uint32_t max_probes;       // probes a ray may ask before it gives up, at most 128; default 128
   bool keep_buried;          // also ask probes inside geometry (the published failure, Fig. 10); default false
   bool emitters;             // count light that comes straight from an emitter or the sky; default false, because
                              // direct lighting samples those already (docs/maths.md, "layers")

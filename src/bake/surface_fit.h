@@ -3,7 +3,7 @@
 // Irradiance that is interpolated between probes misses what happens between them: a wall near a corner gets less light than
 // the probes in front of it. The baker has the surfaces, so it measures irradiance at points on them and adds to each
 // probe's map the correction, smooth in direction, with which interpolation by the runtime's own weights comes closest in
-// the least-squares sense. Reading costs the same; in directions that no surface faces a map keeps its exact irradiance.
+// the least-squares sense. Reading costs the same; in directions that no surface faces the correction fades out.
 #ifndef OLX_BAKE_SURFACE_FIT_H
 #define OLX_BAKE_SURFACE_FIT_H
 

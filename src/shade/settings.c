@@ -5,6 +5,6 @@ olx_sample_settings olx_sample_settings_default(void) {
       .tracer = OLX_TRACER_TWO_LEVEL,
       .select = OLX_SELECT_CAGE,
       .visibility = OLX_VISIBILITY_CHEBYSHEV,
-      .max_probes = 4096,
+      .max_probes = 128,
   };
 }

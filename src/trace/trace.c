@@ -2,7 +2,7 @@
 #include "select/cage.h"
 #include "trace/probe_trace.h"
 
-// Probes remembered as asked. More are never asked for one ray.
+// Probes remembered as asked: the most that olx_sample_settings.max_probes can be.
 enum { MAX_ATTEMPTS = 128 };
 
 // A texel of an n x n map is about this over n wide: sqrt(4 pi).

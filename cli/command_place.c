@@ -10,6 +10,7 @@
 // What may be given; 0: not given.
 typedef struct place_options {
   uint32_t method, count, views, resolution, surfels, candidates, voxels, refinements, seed, threads, grid[3];
+  uint32_t optimize, reward, rounds;
   float coverage, budget_mb, min_cosine, max_footprint;
 } place_options;
 
@@ -17,6 +18,8 @@ static olx_result resolve_place_options(const olx_scene *scene, const place_opti
   *s = olx_place_settings_default(scene);
   // The words of the option stand in the order of the library's enumeration.
   s->method = (olx_place_method)given->method;
+  s->optimize = (olx_place_optimizer)given->optimize;
+  s->reward = (olx_place_reward)given->reward;
   s->count = given->count;
   s->coverage = given->coverage;
   s->budget_mb = (double)given->budget_mb;
@@ -26,6 +29,7 @@ static olx_result resolve_place_options(const olx_scene *scene, const place_opti
   if (given->resolution) s->resolution = given->resolution;
   if (given->min_cosine > 0.0f) s->min_cosine = given->min_cosine;
   if (given->max_footprint > 0.0f) s->max_footprint = given->max_footprint;
+  if (given->rounds) s->rounds = given->rounds;
   if (given->surfels) s->surfels = given->surfels;
   if (given->candidates) s->candidates = given->candidates;
   if (given->voxels) s->voxels = given->voxels;
@@ -54,6 +58,13 @@ static int print_place_json(const olx_probe_set *set) {
   add_float(object, "voxel_metres", report->voxel_metres);
   add_number(object, "probe_bytes", (double)olx_light_probe_bytes(set->settings.resolution));
   add_number(object, "seconds", report->seconds);
+  if (set->settings.optimize != OLX_OPTIMIZE_NONE) {
+    add_text(object, "optimize", olx_place_optimizer_name(set->settings.optimize));
+    add_text(object, "reward", olx_place_reward_name(set->settings.reward));
+    add_number(object, "reward_before", report->reward_before);
+    add_number(object, "reward_after", report->reward_after);
+    add_number(object, "rounds", report->rounds);
+  }
   cJSON *probes = cJSON_AddArrayToObject(object, "probes");
   for (uint32_t i = 0; i < set->count; ++i) {
     cJSON *probe = cJSON_CreateObject();
@@ -84,6 +95,10 @@ static void print_place(const char *path, const olx_probe_set *set) {
   print_share("unreached", report->unreachable, "of all surface: not seen from playable space");
   if (report->buried) printf("  buried     %u probes are inside geometry\n", report->buried);
   if (report->rejected) printf("  rejected   %u points of the grid, by the description\n", report->rejected);
+  if (set->settings.optimize != OLX_OPTIMIZE_NONE) {
+    printf("  reward     %.4f, from %.4f, after %u rounds of %s\n", report->reward_after, report->reward_before,
+           report->rounds, olx_place_optimizer_name(set->settings.optimize));
+  }
   printf("  seconds    %.2f\n", report->seconds);
 }
 
@@ -112,10 +127,10 @@ int command_place(int argc, char **argv) {
   bool json = false;
   const option options[] = {
       {"-o", OPTION_TEXT, &output, "FILE.json", "the probes to write", 1, 0},
-      {"--method", OPTION_CHOICE, &given.method, "grid|cover", "default cover: where they see most", 0, 0},
-      {"--count", OPTION_COUNT, &given.count, "N", "cover: so many probes", 1, 65536},
+      {"--method", OPTION_CHOICE, &given.method, "grid|sdf|medial|cover", "default cover: where they see most", 0, 0},
+      {"--count", OPTION_COUNT, &given.count, "N", "so many probes (grid: --grid)", 1, 65536},
       {"--coverage", OPTION_REAL, &given.coverage, "SHARE", "cover: of what can be covered; default 0.999", 0, 0},
-      {"--budget", OPTION_REAL, &given.budget_mb, "MB", "cover: as many as fit, in 10^6 bytes at --resolution", 0, 0},
+      {"--budget", OPTION_REAL, &given.budget_mb, "MB", "as many as fit, in 10^6 bytes at --resolution", 0, 0},
       {"--views", OPTION_COUNT, &given.views, "N", "cover: probes that see each surface; default 1", 1, 8},
       {"--grid", OPTION_GRID, given.grid, "4x4x4", "grid: probes along x, y, z; default: the scene's", 1, 1024},
       {"--resolution", OPTION_POWER_OF_TWO, &given.resolution, "N", "texels along a map of light; default 512", 8,
@@ -127,6 +142,9 @@ int command_place(int argc, char **argv) {
       {"--candidates", OPTION_COUNT, &given.candidates, "N", "cover: positions tried; default 2000", 16, 1 << 14},
       {"--voxels", OPTION_COUNT, &given.voxels, "N", "along the longest side of space; default 160", 8, 512},
       {"--refinements", OPTION_COUNT, &given.refinements, "N", "cover: rounds of moves and swaps; default 4", 0, 64},
+      {"--optimize", OPTION_CHOICE, &given.optimize, "none|gradient|gibbs", "move the probes; default none", 0, 0},
+      {"--reward", OPTION_CHOICE, &given.reward, "best|sum", "what --optimize raises; default best", 0, 0},
+      {"--rounds", OPTION_COUNT, &given.rounds, "N", "--optimize: at most so many; default 50", 1, 10000},
       {"--seed", OPTION_COUNT, &given.seed, "N", "of all random choices; default 0", 0, UINT32_MAX},
       {"--threads", OPTION_COUNT, &given.threads, "N", "default 0: every processor; the result is the same", 0, 4096},
       {"--json", OPTION_FLAG, &json, NULL, "print one JSON object", 0, 0},

@@ -14,7 +14,7 @@ typedef struct command {
 
 static const command commands[] = {
     {"scene", "scene SCENE", "what is in a scene: triangles, materials, lights, bounds", command_scene},
-    {"place", "place SCENE -o probes.json --method grid|cover", "positions for probes, what they see and what they miss",
+    {"place", "place SCENE -o probes.json --method grid|sdf|medial|cover", "positions for probes, what they see and what they miss",
      command_place},
     {"bake", "bake SCENE -o out.olx", "bake a scene's light into a field", command_bake},
     {"render", "render SCENE -o out.exr --method field|path", "render a picture from a field, or path trace it",

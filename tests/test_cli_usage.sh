@@ -16,7 +16,7 @@ expect_usage "EXPERIMENT is missing" bench
 expect_usage "unknown experiment 'table9'" bench table9
 expect_usage "'c.exr' is one argument too many" compare a.exr b.exr c.exr
 expect_usage "-o FILE.json is missing" place builtin:cornell
-expect_usage "is not one of grid|cover" place builtin:cornell -o p.json --method magic
+expect_usage "is not one of grid|sdf|medial|cover" place builtin:cornell -o p.json --method magic
 for share in 0 -1 nan much ''; do
   expect_usage "is not a number above 0" place builtin:cornell -o p.json --coverage "$share"
 done

@@ -16,7 +16,11 @@
 // OLX_PLACE_COVER picks from many candidates, always the one that adds most, until the asked coverage, count or memory
 // is reached, and then moves and swaps probes as long as that covers more. A surfel is *covered* when a probe sees it
 // *well*: in line of sight, not at a grazing angle, and with a texel small enough on the surface; better angles and
-// smaller texels are preferred where they cost no coverage.
+// smaller texels are preferred where they cost no coverage. OLX_PLACE_SDF and OLX_PLACE_MEDIAL are those of Wang's
+// thesis (section 3.1): one probe for each cluster of the skeleton of free space, the member nearest to the cluster's
+// mean. Small clusters are dropped.
+//
+// Afterwards probes may be moved to where they see better (section 3.2): `optimize`.
 //
 // Everything is deterministic: the same scene and settings give the same probes, with any number of threads.
 #ifndef OCTALUX_PLACE_H
@@ -30,16 +34,43 @@ extern "C" {
 #endif
 #pragma GCC visibility push(default)
 
-typedef enum olx_place_method { OLX_PLACE_GRID = 0, OLX_PLACE_COVER = 1 } olx_place_method;
+typedef enum olx_place_method {
+  OLX_PLACE_GRID = 0,
+  OLX_PLACE_SDF,    // skeleton: the voxels far from surfaces (section 3.1.1)
+  OLX_PLACE_MEDIAL, // skeleton: the medial axis by shrinking balls (section 3.1.2; Ma et al. 2012)
+  OLX_PLACE_COVER
+} olx_place_method;
 
-// "grid", "cover".
+// "grid", "sdf", "medial", "cover".
 const char *olx_place_method_name(olx_place_method method);
+
+// How probes are moved once they are placed. Each round looks at every probe in turn: at a cube of eight support probes
+// around it and at the reward with each of these in its place.
+typedef enum olx_place_optimizer {
+  OLX_OPTIMIZE_NONE = 0,
+  OLX_OPTIMIZE_GRADIENT, // to the best support probe when that is better (section 3.2.2), else the cube is halved
+  OLX_OPTIMIZE_GIBBS     // to a place drawn between the support probes, accepted by the ratio of the rewards (sections
+                         // 3.2.3, 3.2.4)
+} olx_place_optimizer;
+
+// "none", "gradient", "gibbs".
+const char *olx_place_optimizer_name(olx_place_optimizer optimizer);
+
+// What a set of probes is rewarded for each surfel. A probe that sees it has a fitness: the mean of the cosine at the
+// surfel and of the distance in diagonals of the scene.
+typedef enum olx_place_reward {
+  OLX_REWARD_BEST = 0, // the best probe's fitness
+  OLX_REWARD_SUM       // the sum of all probes' (equations 3.1, 3.2): none gains by seeing what the others miss
+} olx_place_reward;
+
+// "best", "sum".
+const char *olx_place_reward_name(olx_place_reward reward);
 
 // Where a probe's position came from.
 typedef enum olx_probe_origin {
   OLX_ORIGIN_PINNED = 0, // the description pins it
   OLX_ORIGIN_GRID,       // a point of a regular grid
-  OLX_ORIGIN_SKELETON,   // a maximum of the distance to the surfaces around
+  OLX_ORIGIN_SKELETON,   // of the skeleton of free space, where surfaces are far
   OLX_ORIGIN_SPACE,      // spread over the free space
   OLX_ORIGIN_TARGET,     // chosen to see a surfel that no other candidate saw
   OLX_ORIGIN_MOVED       // any of these, moved to where it covers more
@@ -50,8 +81,10 @@ const char *olx_probe_origin_name(olx_probe_origin origin);
 
 typedef struct olx_place_settings {
   olx_place_method method; // default OLX_PLACE_COVER
-  // How many probes OLX_PLACE_COVER sets, the pinned ones included; whichever limit is met first ends it. With neither
-  // count nor budget it goes on until `coverage` is reached.
+  // How many probes to set, the pinned ones included (but by OLX_PLACE_GRID). OLX_PLACE_COVER ends at whichever limit
+  // is met first; with neither count nor budget it goes on until `coverage` is reached. OLX_PLACE_SDF and
+  // OLX_PLACE_MEDIAL make so many clusters, fewer where the skeleton has no more; without a count as many as make them
+  // 0.15 diagonals wide.
   uint32_t count;   // 1 to 65,536; 0 (the default): not limited
   float coverage;   // share of what can be covered, within [0, 1]; 0 (the default): 0.999, and 1 with a count or budget
   double budget_mb; // megabytes (10^6 bytes) of light field probes at `resolution`; 0 (the default): not limited
@@ -62,6 +95,9 @@ typedef struct olx_place_settings {
                        // within [0, 1); default 0.02
   float max_footprint; // largest side, on the surface, of a texel that covers it, as a share of the diagonal of the
                        // scene's bounds; above 0; default 0.05
+  olx_place_optimizer optimize; // default OLX_OPTIMIZE_NONE
+  olx_place_reward reward;      // default OLX_REWARD_BEST
+  uint32_t rounds;              // at most, of the optimizer, 1 to 10,000; default 50; it ends when all is covered
   uint32_t surfels;    // that positions are chosen by, 64 to 1,048,576, fewer where they would take more than 256 MB;
                        // default 14,000
   uint32_t candidates; // 16 to 16,384; default 2,000
@@ -95,6 +131,9 @@ typedef struct olx_place_report {
   uint32_t buried;          // probes inside geometry: they are not asked
   uint32_t rejected;        // OLX_PLACE_GRID: grid points left out because of the description's overrides
   uint32_t candidates;      // positions that were considered
+  double reward_before;     // what the optimizer found, and
+  double reward_after;      // what it left: never less; a mean over surfels, by settings.reward
+  uint32_t rounds;          // of the optimizer
   uint64_t space_voxels;    // of the space that matters
   float voxel_metres;
   double seconds;

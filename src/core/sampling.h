@@ -71,6 +71,13 @@ static inline olx_vec3 olx_sample_sphere(olx_vec2 random) {
   return olx_v3(r * cosf(phi), r * sinf(phi), z);
 }
 
+// A number in [0, 1] with density proportional to a line from r0 at 0 to r1 at 1, both at least 0; uniform when both
+// are 0.
+static inline float olx_sample_linear(float r0, float r1, float random) {
+  const float below = r0 + sqrtf((1.0f - random) * r0 * r0 + random * r1 * r1);
+  return below > 0.0f ? olx_min(random * (r0 + r1) / below, 1.0f) : random;
+}
+
 // Barycentric coordinates (of the second and third corner), uniform over a triangle.
 static inline olx_vec2 olx_sample_triangle(olx_vec2 random) {
   const float s = sqrtf(random.x);

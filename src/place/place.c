@@ -1,19 +1,43 @@
 #include "core/hooks.h"
 #include "core/parallel.h"
 #include "core/result.h"
+#include "core/sampling.h"
 #include "field/field_file.h"
 #include "place/cover.h"
 #include "place/grid.h"
 #include "place/measure.h"
+#include "place/optimize.h"
+#include "place/skeleton.h"
 
 #include <octalux/place.h>
 
 #define MOST_PROBES 65536u
+#define OPTIMIZE_SURFELS 2048u
+#define OPTIMIZE_BYTES ((uint64_t)256 << 20) // of the fitness of all surfels for all probes
 
 const char *olx_place_method_name(olx_place_method method) {
   switch (method) {
   case OLX_PLACE_GRID: return "grid";
+  case OLX_PLACE_SDF: return "sdf";
+  case OLX_PLACE_MEDIAL: return "medial";
   case OLX_PLACE_COVER: return "cover";
+  }
+  return "unknown";
+}
+
+const char *olx_place_optimizer_name(olx_place_optimizer optimizer) {
+  switch (optimizer) {
+  case OLX_OPTIMIZE_NONE: return "none";
+  case OLX_OPTIMIZE_GRADIENT: return "gradient";
+  case OLX_OPTIMIZE_GIBBS: return "gibbs";
+  }
+  return "unknown";
+}
+
+const char *olx_place_reward_name(olx_place_reward reward) {
+  switch (reward) {
+  case OLX_REWARD_BEST: return "best";
+  case OLX_REWARD_SUM: return "sum";
   }
   return "unknown";
 }
@@ -37,6 +61,7 @@ olx_place_settings olx_place_settings_default(const olx_scene *scene) {
                                  .resolution = 512,
                                  .min_cosine = 0.02f,
                                  .max_footprint = 0.05f,
+                                 .rounds = 50,
                                  .surfels = 14000,
                                  .candidates = 2000,
                                  .voxels = 160,
@@ -63,7 +88,10 @@ static olx_result check_settings(const olx_place_settings *s) {
     bool good;
     const char *what;
   } checks[] = {
-      {s->method == OLX_PLACE_GRID || s->method == OLX_PLACE_COVER, "there is no such method"},
+      {(uint32_t)s->method <= OLX_PLACE_COVER, "there is no such method"},
+      {(uint32_t)s->optimize <= OLX_OPTIMIZE_GIBBS, "there is no such optimizer"},
+      {(uint32_t)s->reward <= OLX_REWARD_SUM, "there is no such reward"},
+      {is_within(s->rounds, 1, 10000), "rounds must be 1 to 10000"},
       {s->count <= MOST_PROBES, "count must be at most 65536"},
       {s->coverage >= 0.0f && s->coverage <= 1.0f, "coverage must be within 0 to 1"},
       {s->budget_mb >= 0.0 && s->budget_mb < 1e12, "the budget must be a number of megabytes"},
@@ -98,7 +126,7 @@ static olx_result resolve(const olx_scene *scene, olx_place_settings *s) {
     if (s->count == 0 || count < s->count) s->count = count;
   }
   if (s->coverage <= 0.0f) s->coverage = s->count ? 1.0f : 0.999f;
-  if (s->method == OLX_PLACE_COVER && s->count && pinned > s->count) {
+  if (s->method != OLX_PLACE_GRID && s->count && pinned > s->count) {
     return olx_fail(OLX_ERROR_ARGUMENT, "place: the description pins %u probes, more than the %u that are asked for",
                     pinned, s->count);
   }
@@ -115,6 +143,13 @@ static olx_result choose_probes(const olx_space *space, const olx_sight *sight, 
                     "nowhere to place probes: the forbidden boxes and the distance to surfaces that the "
                     "description asks for leave no place");
   }
+  olx_place_report *report = &set->report;
+  if (settings->method == OLX_PLACE_SDF) {
+    return olx_place_sdf(space, settings->count, settings->threads, probes, &set->count, &report->candidates);
+  }
+  if (settings->method == OLX_PLACE_MEDIAL) {
+    return olx_place_medial(space, sight, settings, probes, &set->count, &report->candidates);
+  }
   olx_task task;
   olx_cover_result found = {0};
   olx_task_begin(&task, progress, "looking from candidates", settings->candidates);
@@ -122,7 +157,24 @@ static olx_result choose_probes(const olx_space *space, const olx_sight *sight, 
   olx_task_end(&task);
   *probes = found.probes;
   set->count = found.count;
-  set->report.candidates = found.candidates;
+  report->candidates = found.candidates;
+  return result;
+}
+
+static olx_result optimize(const olx_space *space, const olx_sight *sight, const olx_progress *progress,
+                           const olx_place_settings *settings, olx_candidate *probes, olx_probe_set *set) {
+  const uint64_t affordable = OPTIMIZE_BYTES / (sizeof(float) * ((uint64_t)set->count + 1));
+  uint32_t points = settings->surfels < OPTIMIZE_SURFELS ? settings->surfels : OPTIMIZE_SURFELS;
+  if (affordable < points) points = (uint32_t)affordable;
+  olx_surfels surfels;
+  OLX_TRY(
+      olx_surfels_create(space, sight, OLX_SPREAD_RAYS, points, olx_hash(settings->seed), settings->threads, &surfels));
+  olx_optimization outcome;
+  const olx_result result = olx_optimize(space, &surfels, settings, progress, probes, set->count, &outcome);
+  olx_surfels_free(&surfels);
+  set->report.reward_before = outcome.reward_before;
+  set->report.reward_after = outcome.reward_after;
+  set->report.rounds = outcome.rounds;
   return result;
 }
 
@@ -132,6 +184,9 @@ static olx_result place_in(const olx_space *space, const olx_progress *progress,
   const olx_sight sight = olx_sight_create(scene, settings->min_cosine, settings->max_footprint, settings->resolution);
   olx_candidate *probes = NULL;
   olx_result result = choose_probes(space, &sight, progress, settings, &probes, set);
+  if (result == OLX_OK && settings->optimize != OLX_OPTIMIZE_NONE) {
+    result = optimize(space, &sight, progress, settings, probes, set);
+  }
   set->probes = olx_allocate_zero(set->count, sizeof *set->probes);
   if (result == OLX_OK && !set->probes) result = olx_fail(OLX_ERROR_MEMORY, "place: out of memory");
   if (result == OLX_OK) {

@@ -30,7 +30,7 @@ typedef struct stored_number {
   float *real;
 } stored_number;
 
-enum { STORED_NUMBERS = 11 };
+enum { STORED_NUMBERS = 12 };
 
 static void list_numbers(olx_place_settings *s, stored_number numbers[STORED_NUMBERS]) {
   const stored_number all[STORED_NUMBERS] = {
@@ -40,6 +40,7 @@ static void list_numbers(olx_place_settings *s, stored_number numbers[STORED_NUM
       {.key = "resolution", .whole = &s->resolution},
       {.key = "min_cosine", .real = &s->min_cosine},
       {.key = "max_footprint", .real = &s->max_footprint},
+      {.key = "rounds", .whole = &s->rounds},
       {.key = "surfels", .whole = &s->surfels},
       {.key = "candidates", .whole = &s->candidates},
       {.key = "voxels", .whole = &s->voxels},
@@ -64,6 +65,8 @@ static void write_settings(cJSON *root, const olx_place_settings *settings) {
                             numbers[i].whole ? (double)*numbers[i].whole : shortest(*numbers[i].real));
   }
   cJSON_AddNumberToObject(object, "budget_mb", settings->budget_mb);
+  cJSON_AddStringToObject(object, "optimize", olx_place_optimizer_name(settings->optimize));
+  cJSON_AddStringToObject(object, "reward", olx_place_reward_name(settings->reward));
   if (settings->method != OLX_PLACE_GRID) return;
   cJSON *grid = cJSON_AddObjectToObject(object, "grid");
   const double counts[3] = {settings->grid.count[0], settings->grid.count[1], settings->grid.count[2]};
@@ -77,7 +80,7 @@ static void add_share(cJSON *object, const char *key, double share) {
   cJSON_AddNumberToObject(object, key, (double)(int64_t)(share * 1e6 + 0.5) * 1e-6);
 }
 
-static void write_report(cJSON *root, const olx_place_report *report) {
+static void write_report(cJSON *root, const olx_place_settings *settings, const olx_place_report *report) {
   cJSON *object = cJSON_AddObjectToObject(root, "report");
   add_share(object, "coverage", report->coverage);
   add_share(object, "visible", report->visible);
@@ -89,6 +92,10 @@ static void write_report(cJSON *root, const olx_place_report *report) {
   add_share(object, "unreachable", report->unreachable);
   cJSON_AddNumberToObject(object, "buried", report->buried);
   cJSON_AddNumberToObject(object, "rejected", report->rejected);
+  if (settings->optimize == OLX_OPTIMIZE_NONE) return;
+  add_share(object, "reward_before", report->reward_before);
+  add_share(object, "reward_after", report->reward_after);
+  cJSON_AddNumberToObject(object, "rounds", report->rounds);
 }
 
 static cJSON *describe(const olx_probe_set *set) {
@@ -100,7 +107,7 @@ static cJSON *describe(const olx_probe_set *set) {
   cJSON_AddStringToObject(root, "scene_hash", hash);
   cJSON_AddStringToObject(root, "method", olx_place_method_name(set->settings.method));
   write_settings(root, &set->settings);
-  write_report(root, &set->report);
+  write_report(root, &set->settings, &set->report);
   cJSON *probes = cJSON_AddArrayToObject(root, "probes");
   for (uint32_t i = 0; i < set->count; i++) {
     const olx_placed_probe *probe = &set->probes[i];
@@ -138,6 +145,8 @@ static bool find_name(const cJSON *item, const char *(*name)(uint32_t), uint32_t
 }
 
 static const char *method_name(uint32_t i) { return olx_place_method_name((olx_place_method)i); }
+static const char *optimizer_name(uint32_t i) { return olx_place_optimizer_name((olx_place_optimizer)i); }
+static const char *reward_name(uint32_t i) { return olx_place_reward_name((olx_place_reward)i); }
 static const char *origin_name(uint32_t i) { return olx_probe_origin_name((olx_probe_origin)i); }
 
 static olx_result read_settings(const char *path, const cJSON *root, olx_place_settings *settings) {
@@ -148,6 +157,17 @@ static olx_result read_settings(const char *path, const cJSON *root, olx_place_s
     return olx_fail(OLX_ERROR_FORMAT, "%s: method: not one that is known", path);
   }
   settings->method = (olx_place_method)which;
+  const cJSON *optimize = cJSON_GetObjectItemCaseSensitive(object, "optimize");
+  const cJSON *reward = cJSON_GetObjectItemCaseSensitive(object, "reward");
+  uint32_t optimizer = (uint32_t)settings->optimize, rewarded = (uint32_t)settings->reward;
+  if (optimize && !find_name(optimize, optimizer_name, OLX_OPTIMIZE_GIBBS, &optimizer)) {
+    return olx_fail(OLX_ERROR_FORMAT, "%s: settings.optimize: not one that is known", path);
+  }
+  if (reward && !find_name(reward, reward_name, OLX_REWARD_SUM, &rewarded)) {
+    return olx_fail(OLX_ERROR_FORMAT, "%s: settings.reward: not one that is known", path);
+  }
+  settings->optimize = (olx_place_optimizer)optimizer;
+  settings->reward = (olx_place_reward)rewarded;
   stored_number numbers[STORED_NUMBERS];
   list_numbers(settings, numbers);
   for (int i = 0; i < STORED_NUMBERS; i++) {

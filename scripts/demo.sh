@@ -93,9 +93,10 @@ scene cornell-glossy front 448x448 2 160 "Cornell box, glossy" \
 scene two-rooms-sealed dark 512x384 1 16 "Two rooms, sealed" \
   "A lit and a dark room, a thin wall between them, seen from the dark one: the true picture is black. Probes of the lit
   room stand just behind the wall, so averaging the nearest probes lets light through. Stored distances tell the field
-  which probes see a point, and it stays dark. Irradiance probes stand where the light field probes do, to show this; at
-  half that spacing, the default for so few, a layer of them falls inside the wall and parts the rooms even so." \
-  --irradiance-grid 4x2x2 --radiance-size 512 --irradiance-size 64
+  which probes see a point, and it stays dark but for spots in corners beside the wall. Irradiance probes stand where the
+  light field probes do, to show this; at half that spacing, the default for so few, a layer of them falls inside the wall
+  and parts the rooms even so." \
+  --irradiance-grid 4x2x2 --radiance-size 512
 scene labyrinth door 512x384 1.5 96 "Labyrinth" \
   "Inner walls cut the space into corridors that are lit around corners. Most probes near a point are behind some wall, and
   some stand inside walls." \

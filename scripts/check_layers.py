@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Check the order of the house: who may include whom, file names, and words that do not belong here.
+"""Check the order of the house: who may include whom, file names, links, and words that do not belong here.
 
 Folders under src form a ladder; a file may include its own folder and those before it:
 core < field < select < trace < shade < vulkan (the runtime) < scene < place < bake < render (the baker).
 Public headers stand on the same ladder. cli, viewer and examples see public headers only, public headers see public
-headers only, and the runtime knows no library but libc, libm, POSIX threads and xxHash, which is inlined.
+headers only, and the runtime knows no library but libc, libm, POSIX threads and xxHash, which is inlined. Links in Markdown
+files lead to files of the tree, and to headings that are there.
 
 Usage: check_layers.py [ROOT]. Prints every violation and exits with 1 when there is one.
 """
@@ -35,6 +36,8 @@ LICENCE_MARKS = re.compile(r"copyright|spdx-license|all rights reserved|licensed
                            r"@author|public domain", re.IGNORECASE)
 UNFINISHED = re.compile(r"\b(TODO|FIXME|XXX|HACK|stub|not implemented|placeholder)\b")
 MACHINE_PATH = re.compile(r"(?<![\w.$}])/(home|root|Users|work|mnt)/[A-Za-z.]")
+
+LINK = re.compile(r"\]\(([^)\s]*)\)")
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 
@@ -134,6 +137,29 @@ def check_names(names):
             yield f"{where[0]}: the name {base} is taken more than once: {', '.join(where[1:])}"
 
 
+def headings(path):
+    """The anchors of a Markdown file's headings, as GitHub makes them."""
+    for line in path.read_text(encoding="utf-8").splitlines():
+        if line.startswith("#"):
+            yield re.sub(r"[^\w\- ]", "", line.lstrip("# ").strip().lower()).replace(" ", "-")
+
+
+def check_links(root, names):
+    known = {root / n for n in names}
+    known |= {folder for file in known for folder in file.parents}
+    for name in names:
+        if not name.endswith(".md"):
+            continue
+        for number, line in enumerate((root / name).read_text(encoding="utf-8").splitlines(), 1):
+            for link in LINK.findall(line):
+                if re.match(r"[a-z]+:", link):
+                    continue
+                file, _, heading = link.partition("#")
+                target = (root / name).parent.joinpath(file).resolve() if file else root / name
+                if target not in known or (heading and heading not in headings(target)):
+                    yield f"{name}:{number}: a link to {link}, which is not there"
+
+
 def check_words(root, names):
     own = "scripts/" + pathlib.Path(__file__).name
     for name in names:
@@ -155,7 +181,8 @@ def check_words(root, names):
 def main():
     root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parent.parent).resolve()
     names = tracked_files(root)
-    faults = [*check_includes(root, names), *check_names(names), *check_words(root, names)]
+    faults = [*check_includes(root, names), *check_names(names), *check_links(root, names),
+              *check_words(root, names)]
     for fault in faults:
         print(fault)
     print(f"{len(names)} files, {len(faults)} violations")

@@ -18,6 +18,7 @@ clean_tree() {
   printf '#include "trace/x.h"\n#include <embree3/rtcore.h>\n#include <octalux/scene.h>\n' >src/scene/bvh.c
   printf '#include "command.h"\n#include <octalux/scene.h>\n#include <cjson/cJSON.h>\n' >cli/main.c
   : >cli/command.h
+  printf '# Read me\n[code](src/core), [a file](src/core/vec.h), [here](#read-me), [there](https://example.com/x)\n' >README.md
 }
 
 # planted WHERE LINE: the tree with that line added has exactly one violation, in that file.
@@ -49,6 +50,10 @@ planted include/octalux/scene.h '#include "core/vec.h"'
 planted cli/main.c '#include "core/vec.h"'
 planted cli/main.c '#include "../src/core/vec.h"'
 planted cli/vec.h '// a second file of this name'
+planted README.md 'See [what](docs/what.md).'
+planted README.md '![a picture](picture.png)'
+planted README.md '[beside the tree](../out)'
+planted README.md '[a part](#unread)'
 planted src/core/vec.h "// TO""DO: finish"
 planted src/core/vec.h "// Copy""right somebody else"
 planted src/core/vec.h "// see /ho""me/somebody/notes"

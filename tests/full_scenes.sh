@@ -6,15 +6,7 @@ export OCTALUX_SCENES=${OCTALUX_SCENES:-$OCTALUX_SOURCE_DIR/../shared/scenes}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# Check a JSON object on standard input against a Python expression over its keys.
-holds() {
-  python3 -c '
-import json, math, sys
-report = json.load(sys.stdin)
-if not eval(sys.argv[1], {"math": math, **report}):
-    sys.exit("does not hold: %s\nin %s" % (sys.argv[1], report))
-' "$1"
-}
+source "$OCTALUX_SOURCE_DIR/tests/cli/holds.sh"
 
 count=0
 for description in "$OCTALUX_SOURCE_DIR"/scenes/*.json; do

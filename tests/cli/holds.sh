@@ -1,0 +1,9 @@
+# Check a JSON object on standard input against a Python expression over its keys.
+holds() {
+  python3 -c '
+import json, math, sys
+report = json.load(sys.stdin)
+if not eval(sys.argv[1], {"math": math, **report}):
+    sys.exit("does not hold: %s\nin %s" % (sys.argv[1], report))
+' "$1"
+}

@@ -96,10 +96,10 @@ static void seal(buffer b) {
   const uint32_t count = chunks_inside(b);
   for (uint32_t i = 0; i < count; i++) {
     const buffer chunk = chunk_of(b, i);
-    if (chunk.bytes) table_of(b)[i].hash = olx_field_hash(chunk.bytes, chunk.size_bytes);
+    if (chunk.bytes) table_of(b)[i].hash = olx_content_hash(chunk.bytes, chunk.size_bytes);
   }
-  header_of(b)->table_hash = olx_field_hash(table_of(b), count * sizeof(olx_file_chunk));
-  header_of(b)->header_hash = olx_field_hash(b.bytes, offsetof(olx_file_header, header_hash));
+  header_of(b)->table_hash = olx_content_hash(table_of(b), count * sizeof(olx_file_chunk));
+  header_of(b)->header_hash = olx_content_hash(b.bytes, offsetof(olx_file_header, header_hash));
 }
 
 static void flip_bits(dice *d, buffer *b) {
@@ -350,7 +350,7 @@ static void run_round(dice *d, const buffer *base, buffer *scratch, counts *c) {
   spoil(d, scratch);
   // Exactly as long as the file, so that the address sanitizer sees the first byte beyond.
   void *exact = NULL;
-  if (posix_memalign(&exact, OLX_FIELD_ALIGNMENT, scratch->size_bytes ? scratch->size_bytes : 1) != 0) abort();
+  if (posix_memalign(&exact, OLX_CHUNK_ALIGNMENT, scratch->size_bytes ? scratch->size_bytes : 1) != 0) abort();
   memcpy(exact, scratch->bytes, scratch->size_bytes);
   olx_field *field;
   olx_result result = olx_field_open_memory(exact, scratch->size_bytes, &field);

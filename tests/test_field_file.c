@@ -240,14 +240,14 @@ static void *chunk_data(const image *i, olx_chunk_kind kind) { return i->bytes +
 // Make every checksum right again.
 static void seal(const image *i) {
   for (uint32_t k = 0; k < OLX_CHUNK_KINDS; k++) {
-    i->chunks[k].hash = olx_field_hash(i->bytes + i->chunks[k].offset, i->chunks[k].size_bytes);
+    i->chunks[k].hash = olx_content_hash(i->bytes + i->chunks[k].offset, i->chunks[k].size_bytes);
   }
-  i->header->table_hash = olx_field_hash(i->chunks, OLX_CHUNK_KINDS * sizeof(olx_file_chunk));
-  i->header->header_hash = olx_field_hash(i->header, 56);
+  i->header->table_hash = olx_content_hash(i->chunks, OLX_CHUNK_KINDS * sizeof(olx_file_chunk));
+  i->header->header_hash = olx_content_hash(i->header, 56);
 }
 static void seal_table(const image *i) {
-  i->header->table_hash = olx_field_hash(i->chunks, i->header->chunk_count * sizeof(olx_file_chunk));
-  i->header->header_hash = olx_field_hash(i->header, 56);
+  i->header->table_hash = olx_content_hash(i->chunks, i->header->chunk_count * sizeof(olx_file_chunk));
+  i->header->header_hash = olx_content_hash(i->header, 56);
 }
 
 static void assert_says(const char *expected) {
@@ -314,7 +314,7 @@ static void test_refuses_a_wrong_header(void **state) {
   // A header that is right about its size, but the size holds no table.
   *i.header = good;
   i.header->file_bytes = i.size_bytes = 128;
-  i.header->header_hash = olx_field_hash(i.header, 56);
+  i.header->header_hash = olx_content_hash(i.header, 56);
   assert_refused(&i, OLX_ERROR_FORMAT, "truncated inside the chunk table");
   i.size_bytes = size_bytes;
   *i.header = good;
@@ -404,7 +404,7 @@ static image with_chunk(const image *from, uint32_t type, uint32_t flags) {
                                                .size_bytes = 13,
                                                .record_bytes = 13,
                                                .element_bytes = 1,
-                                               .hash = olx_field_hash("something new", 13)};
+                                               .hash = olx_content_hash("something new", 13)};
   seal_table(&i);
   return i;
 }
@@ -596,7 +596,7 @@ static void test_rounded_moments_are_possible(void **state) {
     for (uint32_t t = 0; t < 100; t++) {
       moments[t] = olx_half_pack(mean) | (uint32_t)olx_half_pack(mean * mean) << 16;
     }
-    i.chunks[OLX_CHUNK_MOMENTS].hash = olx_field_hash(moments, 400);
+    i.chunks[OLX_CHUNK_MOMENTS].hash = olx_content_hash(moments, 400);
     seal_table(&i);
     olx_field *field;
     assert_int_equal(olx_field_open_memory(i.bytes, i.size_bytes, &field), OLX_OK);

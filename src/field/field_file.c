@@ -2,20 +2,6 @@
 
 #include "core/result.h"
 
-#define XXH_INLINE_ALL
-#include <xxhash.h>
-
-uint64_t olx_field_hash(const void *data, size_t size_bytes) { return XXH3_64bits(data, size_bytes); }
-
-olx_chunk_name olx_chunk_type_name(uint32_t type) {
-  olx_chunk_name name = {{0}};
-  for (uint32_t i = 0; i < 4; i++) {
-    const uint32_t c = type >> 8 * i & 0xFFu;
-    name.text[i] = (char)(c > 32 && c < 127 ? c : '?');
-  }
-  return name;
-}
-
 void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHUNK_KINDS]) {
   const uint64_t side = info->radiance_size + 2, texels = side * side;
   const uint64_t irradiance_side = info->irradiance_size + 2, irradiance_texels = irradiance_side * irradiance_side;

@@ -2,45 +2,22 @@
 #ifndef OLX_FIELD_FIELD_FILE_H
 #define OLX_FIELD_FIELD_FILE_H
 
+#include "core/chunk_file.h"
 #include "field/field_data.h"
 
 #define OLX_FIELD_MAGIC "\x89OLX\r\n\x1a\n"
 
 enum {
   OLX_FIELD_VERSION = 1,
-  OLX_FIELD_ALIGNMENT = 64,
-  OLX_FIELD_MAX_CHUNKS = 256,
-  OLX_FIELD_MAX_GRID_COUNT = 1 << 20, // along an axis: indices stay exact in a float
-  OLX_CHUNK_OPTIONAL = 1              // a flag: readers that do not know the chunk skip it
+  OLX_FIELD_MAX_GRID_COUNT = 1 << 20 // along an axis: indices stay exact in a float
 };
+
+#define OLX_FIELD_KIND                                                                                                 \
+  ((olx_file_kind){.magic = OLX_FIELD_MAGIC, .version = OLX_FIELD_VERSION, .noun = "field file"})
 
 // Every length is at most this, in metres, so that squares are finite.
 #define OLX_FIELD_MAX_LENGTH 1e18f
 #define OLX_FIELD_MIN_SCALE 1e-18f
-
-#define OLX_FOUR_CC(a, b, c, d) ((uint32_t)(a) | (uint32_t)(b) << 8 | (uint32_t)(c) << 16 | (uint32_t)(d) << 24)
-
-typedef struct olx_file_header {
-  uint8_t magic[8];
-  uint32_t version;
-  uint32_t chunk_count;
-  uint64_t file_bytes;
-  uint64_t table_hash; // of the whole chunk table
-  uint64_t zero[3];
-  uint64_t header_hash; // of the 56 bytes before it
-} olx_file_header;
-
-typedef struct olx_file_chunk {
-  uint32_t type;
-  uint32_t flags;
-  uint64_t offset;
-  uint64_t size_bytes;
-  uint64_t record_bytes;  // what belongs to one probe
-  uint32_t element_bytes; // a texel or another smallest unit of a record
-  uint32_t zero_a;
-  uint64_t hash; // of size_bytes bytes at offset
-  uint64_t zero_b[2];
-} olx_file_chunk;
 
 typedef struct olx_file_grid {
   float origin[3], spacing[3];
@@ -62,14 +39,11 @@ typedef struct olx_file_info {
   uint64_t zero;
 } olx_file_info;
 
-_Static_assert(sizeof(olx_file_header) == 64 && offsetof(olx_file_header, header_hash) == 56, "docs/format.md");
-_Static_assert(sizeof(olx_file_chunk) == 64 && offsetof(olx_file_chunk, hash) == 40, "docs/format.md");
 _Static_assert(sizeof(olx_file_info) == 160 && offsetof(olx_file_info, scene_min) == 48 &&
                    offsetof(olx_file_info, grid) == 72 && offsetof(olx_file_info, irradiance_grid) == 108 &&
                    offsetof(olx_file_info, scene_hash) == 144,
                "docs/format.md");
 _Static_assert(sizeof(olx_vec3) == 12, "positions are read in place");
-_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "files are read in place");
 
 // The chunks of this version, in the order the writer lays them out.
 typedef enum olx_chunk_kind {
@@ -87,33 +61,13 @@ typedef enum olx_chunk_kind {
   OLX_CHUNK_KINDS
 } olx_chunk_kind;
 
-// What a chunk must be, given the description of the field.
-typedef struct olx_chunk_shape {
-  uint32_t type;
-  uint32_t element_bytes;
-  uint64_t record_bytes;
-  uint64_t size_bytes;
-} olx_chunk_shape;
-
+// What each chunk must be, given the description of the field.
 void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHUNK_KINDS]);
 
-// The four characters of a type for messages; other bytes become '?'.
-typedef struct olx_chunk_name {
-  char text[5];
-} olx_chunk_name;
-olx_chunk_name olx_chunk_type_name(uint32_t type);
-
-static inline uint64_t olx_align_chunk(uint64_t offset) {
-  return (offset + (OLX_FIELD_ALIGNMENT - 1)) & ~(uint64_t)(OLX_FIELD_ALIGNMENT - 1);
+// The file behind a field, for core/chunk_file.h.
+static inline olx_chunk_file olx_field_file(const olx_field *field) {
+  return (olx_chunk_file){.data = field->data, .size_bytes = field->size_bytes, .name = field->name};
 }
-
-// The chunk table of a file whose header has been checked.
-static inline const olx_file_chunk *olx_field_chunks(const olx_field *field) {
-  return (const void *)((const char *)field->data + sizeof(olx_file_header));
-}
-
-// XXH3, 64 bits, seed 0.
-uint64_t olx_field_hash(const void *data, size_t size_bytes);
 
 olx_file_info olx_field_info_store(const olx_field_info *info);
 olx_field_info olx_field_info_load(const olx_file_info *stored);

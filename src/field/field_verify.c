@@ -124,19 +124,8 @@ static olx_result check_irradiance(const olx_field *field, uint32_t probe) {
 }
 
 static olx_result check_chunk(const olx_field *field, uint32_t index) {
-  const olx_file_chunk *chunk = &olx_field_chunks(field)[index];
-  const char *data = (const char *)field->data + chunk->offset;
-  if (olx_field_hash(data, chunk->size_bytes) != chunk->hash) {
-    return olx_fail(OLX_ERROR_CHECKSUM, "%s: chunk %u (%s): wrong checksum", field->name, index,
-                    olx_chunk_type_name(chunk->type).text);
-  }
-  for (uint64_t i = chunk->size_bytes; i < olx_align_chunk(chunk->offset + chunk->size_bytes) - chunk->offset; i++) {
-    if (data[i] != 0) {
-      return olx_fail(OLX_ERROR_FORMAT, "%s: chunk %u (%s): padding at byte %llu is not zero", field->name, index,
-                      olx_chunk_type_name(chunk->type).text, (unsigned long long)(chunk->offset + i));
-    }
-  }
-  return OLX_OK;
+  const olx_chunk_file file = olx_field_file(field);
+  return olx_chunk_check_content(&file, index);
 }
 
 typedef olx_result (*check_function)(const olx_field *field, uint32_t index);

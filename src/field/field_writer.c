@@ -189,23 +189,15 @@ static olx_result write_frame(olx_field_writer *writer) {
   struct {
     olx_file_header header;
     olx_file_chunk chunks[OLX_CHUNK_KINDS];
-  } head = {.header = {.version = OLX_FIELD_VERSION, .chunk_count = OLX_CHUNK_KINDS}};
-  const char padding[OLX_FIELD_ALIGNMENT] = {0};
+  } head;
+  const char padding[OLX_CHUNK_ALIGNMENT] = {0};
   for (uint32_t k = 0; k < OLX_CHUNK_KINDS; k++) {
     const olx_chunk_shape *shape = &writer->shapes[k];
-    head.chunks[k] = (olx_file_chunk){.type = shape->type,
-                                      .offset = writer->offsets[k],
-                                      .size_bytes = shape->size_bytes,
-                                      .record_bytes = shape->record_bytes,
-                                      .element_bytes = shape->element_bytes,
-                                      .hash = XXH3_64bits_digest(&writer->hashes[k])};
+    head.chunks[k] = olx_chunk_entry(shape, writer->offsets[k], XXH3_64bits_digest(&writer->hashes[k]));
     const uint64_t end = writer->offsets[k] + shape->size_bytes;
     OLX_TRY(olx_output_write_at(&writer->file, end, padding, olx_align_chunk(end) - end));
   }
-  memcpy(head.header.magic, OLX_FIELD_MAGIC, sizeof head.header.magic);
-  head.header.file_bytes = writer->file_bytes;
-  head.header.table_hash = olx_field_hash(head.chunks, sizeof head.chunks);
-  head.header.header_hash = olx_field_hash(&head.header, offsetof(olx_file_header, header_hash));
+  head.header = olx_chunk_header(&OLX_FIELD_KIND, head.chunks, OLX_CHUNK_KINDS, writer->file_bytes);
   return olx_output_write_at(&writer->file, 0, &head, sizeof head);
 }
 

@@ -11,6 +11,8 @@ typedef struct bake_options {
   uint32_t grid[3], irradiance_grid[3];
   uint32_t radiance_size, irradiance_size, bounces, samples, light_samples, threads;
   bool no_fit;
+  const char *probes;
+  uint32_t select_mask;
 } bake_options;
 
 #define BAKE_OPTIONS_NONE                                                                                              \
@@ -19,6 +21,14 @@ typedef struct bake_options {
 // Rows of an option table that fill `b`.
 #define BAKE_OPTION_ROWS(b)                                                                                            \
   {"--grid", OPTION_GRID, (b).grid, "4x4x4", "light field probes along x, y, z; default: the scene's", 1, 1024},       \
+      {"--probes", OPTION_TEXT, &(b).probes, "FILE.json", "light field probes where `octalux place` put them", 0, 0},  \
+      {"--select",                                                                                                     \
+       OPTION_CHOICES,                                                                                                 \
+       &(b).select_mask,                                                                                               \
+       "cage",                                                                                                         \
+       "how probes are found, several with commas; default cage for grids",                                            \
+       0,                                                                                                              \
+       0},                                                                                                             \
       {"--irradiance-grid",                                                                                            \
        OPTION_GRID,                                                                                                    \
        (b).irradiance_grid,                                                                                            \
@@ -53,7 +63,11 @@ typedef struct bake_options {
     "--threads", OPTION_COUNT, &(b).threads, "N", "default 0: every processor; the result is the same", 0, 4096        \
   }
 
-// The scene's defaults with what was given in their place.
+double grid_probe_count(const olx_grid *grid);
+double light_probe_count(const olx_bake_settings *settings);
+
+// The scene's defaults with what was given in their place. Release what they hold when the bake is done.
 olx_result resolve_bake_options(const olx_scene *scene, const bake_options *given, olx_bake_settings *settings);
+void release_bake_settings(olx_bake_settings *settings);
 
 #endif

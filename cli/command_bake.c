@@ -8,33 +8,10 @@
 #include <inttypes.h>
 #include <stdio.h>
 
-olx_result resolve_bake_options(const olx_scene *scene, const bake_options *given, olx_bake_settings *settings) {
-  *settings = olx_bake_settings_default(scene);
-  if (given->grid[0]) {
-    const olx_result result = olx_scene_probe_grid(scene, given->grid, &settings->grid);
-    if (result != OLX_OK) return result;
-    settings->irradiance_grid = olx_bake_irradiance_grid(&settings->grid);
-  }
-  if (given->irradiance_grid[0]) {
-    const olx_result result = olx_scene_probe_grid(scene, given->irradiance_grid, &settings->irradiance_grid);
-    if (result != OLX_OK) return result;
-  }
-  if (given->radiance_size) settings->radiance_size = given->radiance_size;
-  if (given->irradiance_size) settings->irradiance_size = given->irradiance_size;
-  if (given->bounces != UINT32_MAX) settings->bounces = given->bounces;
-  if (given->samples) settings->samples = given->samples;
-  if (given->light_samples) settings->light_samples = given->light_samples;
-  settings->fit = !given->no_fit;
-  settings->threads = given->threads;
-  return OLX_OK;
-}
-
-static uint64_t probe_count(const olx_grid *grid) { return (uint64_t)grid->count[0] * grid->count[1] * grid->count[2]; }
-
 static int print_bake_json(const olx_bake_settings *settings, const olx_bake_stats *stats) {
   cJSON *object = cJSON_CreateObject();
-  add_number(object, "probes", (double)probe_count(&settings->grid));
-  add_number(object, "irradiance_probes", (double)probe_count(&settings->irradiance_grid));
+  add_number(object, "probes", light_probe_count(settings));
+  add_number(object, "irradiance_probes", grid_probe_count(&settings->irradiance_grid));
   add_number(object, "buried", stats->buried);
   add_number(object, "irradiance_buried", stats->irradiance_buried);
   add_number(object, "rays", (double)stats->rays);
@@ -49,8 +26,8 @@ static int print_bake_json(const olx_bake_settings *settings, const olx_bake_sta
 
 static void print_bake(const char *path, const olx_bake_settings *settings, const olx_bake_stats *stats) {
   printf("%s: %s\n", path, text_of_bytes(stats->file_bytes).text);
-  printf("  probes   %" PRIu64 " of light, %u of them inside geometry; %" PRIu64 " of irradiance, %u inside\n",
-         probe_count(&settings->grid), stats->buried, probe_count(&settings->irradiance_grid),
+  printf("  probes   %.0f of light, %u of them inside geometry; %.0f of irradiance, %u inside\n",
+         light_probe_count(settings), stats->buried, grid_probe_count(&settings->irradiance_grid),
          stats->irradiance_buried);
   printf("  rays     %" PRIu64 ", %" PRIu64 " of them from probes\n", stats->rays, stats->primary_rays);
   printf("  seconds  %.2f, and %.2f to write\n", stats->seconds, stats->write_seconds);
@@ -61,21 +38,18 @@ static void print_bake(const char *path, const olx_bake_settings *settings, cons
   printf("  memory   %s at most\n", text_of_bytes(stats->peak_memory_bytes).text);
 }
 
-static int bake_scene(const olx_scene *scene, const bake_options *given, bool measure_embree, const char *path,
-                      bool force_progress, bool json) {
-  olx_bake_settings settings;
-  if (resolve_bake_options(scene, given, &settings) != OLX_OK) return library_failure("bake");
-  settings.measure_embree = measure_embree;
+static int bake_scene(const olx_scene *scene, const olx_bake_settings *settings, const char *path, bool force_progress,
+                      bool json) {
   progress_line line;
   progress_begin(&line, "bake", force_progress);
   const olx_progress progress = progress_of(&line);
   olx_bake_stats stats;
-  const olx_result result = olx_bake(scene, &settings, path, &progress, &stats);
+  const olx_result result = olx_bake(scene, settings, path, &progress, &stats);
   progress_end(&line);
   if (result == OLX_ERROR_CANCELLED) return failure("bake", "%s: interrupted, nothing written", path);
   if (result != OLX_OK) return library_failure("bake");
-  if (json) return print_bake_json(&settings, &stats);
-  print_bake(path, &settings, &stats);
+  if (json) return print_bake_json(settings, &stats);
+  print_bake(path, settings, &stats);
   return EXIT_DONE;
 }
 
@@ -91,16 +65,24 @@ int command_bake(int argc, char **argv) {
       {"--json", OPTION_FLAG, &json, NULL, "print one JSON object", 0, 0},
   };
   command_line line = {.name = "bake",
-                       .summary = "Bake a scene's light into a field: what probes on a grid see, and their irradiance.",
+                       .summary = "Bake a scene's light into a field: what its probes see, and their irradiance.",
                        .arguments = {"SCENE"},
                        .options = options,
                        .option_count = sizeof options / sizeof options[0]};
   int code;
   if (!parse_options(&line, argc, argv, &code)) return code;
+  if (given.probes && given.grid[0]) return usage_error("bake", "--grid and --probes exclude each other");
   if (!check_output("bake", output)) return EXIT_FAILED;
   olx_scene *scene = NULL;
   if (olx_scene_load(line.given[0], &scene) != OLX_OK) return library_failure("bake");
-  code = bake_scene(scene, &given, measure_embree, output, progress, json);
+  olx_bake_settings settings;
+  if (resolve_bake_options(scene, &given, &settings) != OLX_OK) {
+    code = library_failure("bake");
+  } else {
+    settings.measure_embree = measure_embree;
+    code = bake_scene(scene, &settings, output, progress, json);
+    release_bake_settings(&settings);
+  }
   olx_scene_free(scene);
   return code;
 }

@@ -18,8 +18,7 @@ typedef struct speed_bench {
 } speed_bench;
 
 static int report_speed(const speed_bench *bench, const olx_bake_settings *settings, const olx_bake_stats *stats) {
-  const uint32_t *count = settings->grid.count;
-  const double probes = (double)count[0] * count[1] * count[2];
+  const double probes = light_probe_count(settings);
   const double ratio = stats->embree_seconds > 0.0 ? stats->seconds / stats->embree_seconds : 0.0;
   if (bench->json) {
     cJSON *object = cJSON_CreateObject();
@@ -52,6 +51,7 @@ static int bake_to(const speed_bench *bench, const olx_scene *scene, const char 
   olx_bake_stats stats;
   const olx_result result = olx_bake(scene, &settings, path, &progress, &stats);
   progress_end(&line);
+  release_bake_settings(&settings);
   if (result == OLX_ERROR_CANCELLED) return failure("bench", "interrupted");
   if (result != OLX_OK) return library_failure("bench");
   return report_speed(bench, &settings, &stats);

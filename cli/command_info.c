@@ -29,7 +29,20 @@ static void add_grid(cJSON *object, const char *key, const olx_grid *grid) {
   add_counts(entry, "count", grid->count);
 }
 
-static const char *select_names(uint32_t mask) { return mask & 1u << OLX_SELECT_CAGE ? "cage" : "none"; }
+typedef struct select_list {
+  char text[64];
+} select_list;
+
+static select_list select_names(uint32_t mask) {
+  select_list list = {.text = "none"};
+  size_t length = 0;
+  for (olx_select select = OLX_SELECT_CAGE; select < OLX_SELECT_EXHAUSTIVE; ++select) {
+    if (!(mask & 1u << select)) continue;
+    length += (size_t)snprintf(list.text + length, sizeof list.text - length, "%s%s", length ? "," : "",
+                               olx_select_name(select));
+  }
+  return list;
+}
 
 static int print_info_json(const olx_field_info *info) {
   cJSON *object = cJSON_CreateObject();
@@ -39,7 +52,7 @@ static int print_info_json(const olx_field_info *info) {
   add_number(object, "irradiance_buried", info->irradiance_buried_count);
   add_number(object, "radiance_size", info->radiance_size);
   add_number(object, "irradiance_size", info->irradiance_size);
-  add_text(object, "select", select_names(info->select_mask));
+  add_text(object, "select", select_names(info->select_mask).text);
   add_number(object, "file_bytes", (double)info->file_bytes);
   block blocks[BLOCK_COUNT];
   list_blocks(info, blocks);
@@ -70,7 +83,7 @@ static void print_info(const char *path, const olx_field_info *info) {
          info->irradiance_buried_count, info->irradiance_size, info->irradiance_size);
   if (info->has_grid) print_grid("grid", &info->grid);
   print_grid("irradiance grid", &info->irradiance_grid);
-  printf("  selector           %s\n", select_names(info->select_mask));
+  printf("  selector           %s\n", select_names(info->select_mask).text);
   printf("  light              direct and %u further bounces, %ux%u samples a texel\n", info->bounces, info->samples,
          info->samples);
   printf("  scene              %016" PRIx64 "\n", info->scene_hash);

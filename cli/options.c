@@ -78,8 +78,7 @@ static bool parse_counts(const char *text, const option *o, uint32_t count, uint
   return true;
 }
 
-static bool parse_choice(const char *text, const char *words, uint32_t *value) {
-  const size_t length = strlen(text);
+static bool parse_choice(const char *text, size_t length, const char *words, uint32_t *value) {
   for (uint32_t index = 0;; ++index) {
     const size_t word_length = strcspn(words, "|");
     if (word_length == length && strncmp(words, text, length) == 0) {
@@ -89,6 +88,19 @@ static bool parse_choice(const char *text, const char *words, uint32_t *value) {
     if (!words[word_length]) return false;
     words += word_length + 1;
   }
+}
+
+static bool parse_choices(const char *text, const char *words, uint32_t *value) {
+  uint32_t bits = 0, choice;
+  for (;;) {
+    const size_t length = strcspn(text, ",");
+    if (!parse_choice(text, length, words, &choice)) return false;
+    bits |= 1u << choice;
+    if (!text[length]) break;
+    text += length + 1;
+  }
+  *value = bits;
+  return true;
 }
 
 static bool parse_real(const char *text, float *value) {
@@ -116,7 +128,8 @@ static bool parse_value(const option *o, const char *text) {
   case OPTION_REAL: return parse_real(text, o->value);
   case OPTION_SIZE: return parse_counts(text, o, 2, o->value);
   case OPTION_GRID: return parse_counts(text, o, 3, o->value);
-  case OPTION_CHOICE: return parse_choice(text, o->form, o->value);
+  case OPTION_CHOICE: return parse_choice(text, strlen(text), o->form, o->value);
+  case OPTION_CHOICES: return parse_choices(text, o->form, o->value);
   }
   return false;
 }
@@ -130,6 +143,7 @@ static void describe_value(const option *o, char *text, size_t size) {
   case OPTION_SIZE: snprintf(text, size, "a size like 1280x720, each from %u to %u", o->min, o->max); break;
   case OPTION_GRID: snprintf(text, size, "a grid like 4x4x4, each from %u to %u", o->min, o->max); break;
   case OPTION_CHOICE: snprintf(text, size, "one of %s", o->form); break;
+  case OPTION_CHOICES: snprintf(text, size, "one or several of %s, separated by commas", o->form); break;
   case OPTION_FLAG:
   case OPTION_TEXT: snprintf(text, size, "a name"); break;
   }

@@ -17,7 +17,8 @@ typedef enum option_kind {
   OPTION_REAL,         // float above 0
   OPTION_SIZE,         // uint32_t[2], "1280x720", each in min..max
   OPTION_GRID,         // uint32_t[3], "4x4x4", each in min..max
-  OPTION_CHOICE        // uint32_t: which of the words in `form`, "field|path"
+  OPTION_CHOICE,       // uint32_t: which of the words in `form`, "field|path"
+  OPTION_CHOICES       // uint32_t: a bit for each of the words in `form`; given as "field,path"
 } option_kind;
 
 typedef struct option {

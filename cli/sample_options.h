@@ -13,13 +13,19 @@ typedef struct sample_options {
 } sample_options;
 
 #define SAMPLE_OPTIONS_DEFAULT                                                                                         \
-  { .tracer = OLX_TRACER_TWO_LEVEL, .visibility = OLX_VISIBILITY_CHEBYSHEV }
+  { .tracer = OLX_TRACER_TWO_LEVEL, .select = OLX_SELECT_BEST, .visibility = OLX_VISIBILITY_CHEBYSHEV }
 
 #define SAMPLE_OPTION_ROWS(s)                                                                                           \
   {                                                                                                                     \
       "--tracer", OPTION_CHOICE, &(s).tracer, "texel|two-level", "how rays march through probes; default two-level", 0, \
       0},                                                                                                               \
-      {"--select", OPTION_CHOICE, &(s).select, "cage", "which probes answer; default cage", 0, 0},                      \
+      {"--select",                                                                                                      \
+       OPTION_CHOICE,                                                                                                   \
+       &(s).select,                                                                                                     \
+       "cage|voronoi|octree|bricks|exhaustive|best",                                                                    \
+       "which probes answer; default best: of those baked in",                                                          \
+       0,                                                                                                               \
+       0},                                                                                                              \
       {"--visibility",                                                                                                  \
        OPTION_CHOICE,                                                                                                   \
        &(s).visibility,                                                                                                 \

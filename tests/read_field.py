@@ -90,7 +90,7 @@ def read_info(blob):
     need(d["n"] in [2 ** i for i in range(3, 12)] and d["m"] in [2 ** i for i in range(3, 9)], "sizes")
     need(d["b"] == (16 if d["n"] >= 64 else d["n"] // 4), "block size")
     need(d["P"] >= 1 and d["Q"] >= 1 and d["has_grid"] in (0, 1) and d["samples"] >= 1 and zero == 0, "INFO")
-    need(d["selectors"] & 1 and d["has_grid"], "selectors")
+    need(d["has_grid"] or not d["selectors"] & 1, "selectors")
     need(1e-18 <= d["scale"] <= 1e18, "distance scale")
     need(all(a <= b for a, b in zip(d["scene_min"], d["scene_max"])), "bounds")
     return d
@@ -225,7 +225,8 @@ def read(path):
                                       ("I", d["Q"], d["irradiance_buried"], "irradiance_grid")):
         positions = struct.unpack(f"<{3 * count}f", chunks[kind + "POS"][0])
         need(all(abs(x) <= 1e18 for x in positions), f"{kind}POS")
-        check_grid(kind + "POS", d[grid], count, positions)
+        if kind == "I" or d["has_grid"]:
+            check_grid(kind + "POS", d[grid], count, positions)
         flags = chunks[kind + "FLG"][0]
         need(set(flags) <= {0, 1} and sum(flags) == buried, f"{kind}FLG")
     plausible = [check_light_field_probe(chunks, d, i) for i in sample(d["P"]) if not chunks["PFLG"][0][i]]
@@ -233,15 +234,19 @@ def read(path):
     for i in sample(d["Q"]):
         check_irradiance_probe(chunks, d, i)
     size = lambda name: len(chunks[name][0])
-    return {
+    stored = [name for bit, name in enumerate(("", "VORO", "OCTR", "BRIK")) if bit and d["selectors"] >> bit & 1]
+    need(all(name in chunks for name in stored), "selectors without their chunks")
+    names = [name for bit, name in enumerate(("cage", "voronoi", "octree", "bricks")) if d["selectors"] >> bit & 1]
+    told = {
         "probes": d["P"], "irradiance_probes": d["Q"], "buried": d["buried"], "irradiance_buried": d["irradiance_buried"],
-        "radiance_size": d["n"], "irradiance_size": d["m"], "select": "cage", "file_bytes": len(data),
+        "radiance_size": d["n"], "irradiance_size": d["m"], "select": ",".join(names) or "none", "file_bytes": len(data),
         "bytes": {"radiance": size("RADI"), "normal": size("NORM"), "distance": size("DIST"), "pyramid": size("COAR"),
-                  "irradiance": size("IRRA"), "moments": size("MOME"), "selector": 0},
-        "grid": d["grid"], "irradiance_grid": d["irradiance_grid"], "bounces": d["bounces"], "samples": d["samples"],
+                  "irradiance": size("IRRA"), "moments": size("MOME"), "selector": sum(map(size, stored))},
+        "irradiance_grid": d["irradiance_grid"], "bounces": d["bounces"], "samples": d["samples"],
         "distance_scale_metres": d["scale"], "scene_min": d["scene_min"], "scene_max": d["scene_max"],
         "scene_hash": f"{d['scene_hash']:016x}",
     }
+    return {**told, "grid": d["grid"]} if d["has_grid"] else told
 
 
 def differences(mine, theirs, where=""):

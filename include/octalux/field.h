@@ -15,10 +15,19 @@ extern "C" {
 
 typedef struct olx_field olx_field;
 
-// How the probes that answer for a point, or next for a ray, are found. More than one may be baked into a field.
+// How the probes that answer for a point, or next for a ray, are found. Those before OLX_SELECT_EXHAUSTIVE are baked into a
+// field, one or several; the others need nothing baked.
 typedef enum olx_select {
-  OLX_SELECT_CAGE = 0 // McGuire et al., section 4.1: the corners of the grid cell, in the order (i + 3) mod 8
+  OLX_SELECT_CAGE = 0,   // McGuire et al. 2017, section 4.1: the corners of the grid cell, in the order (i + 3) mod 8
+  OLX_SELECT_VORONOI,    // Wang 2018, section 4.1: the nearest probe, then its Delaunay neighbours
+  OLX_SELECT_OCTREE,     // Wang 2018, section 4.2: a sparse voxel octree, up to four probes a leaf
+  OLX_SELECT_BRICKS,     // cells of space that list the probes which see them (docs/maths.md)
+  OLX_SELECT_EXHAUSTIVE, // every probe that sees where the ray stands, nearest first: slow, the reference
+  OLX_SELECT_BEST        // the first of bricks, cage, voronoi, octree that the field has, else exhaustive
 } olx_select;
+
+// "cage", "voronoi", "octree", "bricks", "exhaustive", "best".
+const char *olx_select_name(olx_select select);
 
 // A regular grid of probes. Probe (x, y, z) has index x + count[0] * (y + count[1] * z) and stands at
 // origin + (x, y, z) * spacing. spacing is 0 along an axis with one probe.
@@ -39,7 +48,7 @@ typedef struct olx_field_info {
   olx_grid irradiance_grid;    // where the irradiance probes stand
   uint32_t radiance_size;      // texels along a side of a light field map: a power of two, 8 to 2048
   uint32_t irradiance_size;    // texels along a side of an irradiance map: a power of two, 8 to 256
-  uint32_t select_mask;        // bit (1 << olx_select) for each structure that is baked in
+  uint32_t select_mask;        // bit (1 << olx_select) for each structure that is baked in; may be 0
   float distance_scale_metres; // stored distances times this are metres
   olx_vec3 scene_min, scene_max;
   uint32_t bounces;    // --bounces of the bake: light in the maps is direct light and this many further bounces

@@ -23,7 +23,7 @@ typedef enum olx_visibility {
 
 typedef struct olx_sample_settings {
   olx_tracer tracer;         // default OLX_TRACER_TWO_LEVEL
-  olx_select select;         // default OLX_SELECT_CAGE
+  olx_select select;         // default OLX_SELECT_BEST; what the field does not have is OLX_SELECT_EXHAUSTIVE
   olx_visibility visibility; // default OLX_VISIBILITY_CHEBYSHEV
   uint32_t max_probes;       // probes a ray may ask before it gives up, at most 128; default 128
   bool keep_buried;          // also ask probes inside geometry (the published failure, Fig. 10); default false
@@ -32,6 +32,9 @@ typedef struct olx_sample_settings {
 } olx_sample_settings;
 
 olx_sample_settings olx_sample_settings_default(void);
+
+// OLX_ERROR_ARGUMENT, with a message, when `settings` ask for a selector that the field was baked without.
+olx_result olx_sample_settings_check(const olx_field *field, const olx_sample_settings *settings);
 
 typedef enum olx_trace_status {
   OLX_TRACE_MISS = 0,   // the ray leaves the scene or reaches t_max

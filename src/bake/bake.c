@@ -80,8 +80,29 @@ static olx_result check_range(uint32_t value, uint32_t least, uint32_t most, con
   return olx_fail(OLX_ERROR_ARGUMENT, "bake: %s %u: must be from %u to %u", name, value, least, most);
 }
 
+static olx_result check_probes(const olx_bake_settings *settings) {
+  if (!settings->probes) return check_grid(&settings->grid, "probe grid");
+  OLX_TRY(check_range(settings->probe_count, 1, MAX_PROBES, "probes"));
+  for (uint32_t i = 0; i < settings->probe_count; i++) {
+    if (!olx_finite(settings->probes[i])) {
+      return olx_fail(OLX_ERROR_ARGUMENT, "bake: the position of probe %u is not finite", i);
+    }
+  }
+  return OLX_OK;
+}
+
+static olx_result check_select(const olx_bake_settings *settings) {
+  const uint32_t mask = settings->select_mask;
+  if (mask & ~(1u << OLX_SELECT_CAGE)) return olx_fail(OLX_ERROR_ARGUMENT, "bake: unknown selectors (mask %#x)", mask);
+  if (settings->probes && (mask & 1u << OLX_SELECT_CAGE)) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "bake: the selector 'cage' needs probes on a grid");
+  }
+  return OLX_OK;
+}
+
 static olx_result check_settings(const olx_bake_settings *settings) {
-  OLX_TRY(check_grid(&settings->grid, "probe grid"));
+  OLX_TRY(check_probes(settings));
+  OLX_TRY(check_select(settings));
   OLX_TRY(check_grid(&settings->irradiance_grid, "irradiance grid"));
   OLX_TRY(check_size(settings->radiance_size, 2048, "radiance size"));
   OLX_TRY(check_size(settings->irradiance_size, 256, "irradiance size"));
@@ -90,14 +111,18 @@ static olx_result check_settings(const olx_bake_settings *settings) {
   return check_range(settings->bounces, 0, 64, "bounces");
 }
 
-static olx_result place_probes(bake *b, uint32_t set, const olx_grid *grid) {
-  const uint32_t count = grid->count[0] * grid->count[1] * grid->count[2];
+// Probes at `positions`, or on the grid where that is NULL.
+static olx_result place_probes(bake *b, uint32_t set, const olx_grid *grid, const olx_vec3 *positions,
+                               uint32_t position_count) {
+  const uint32_t count = positions ? position_count : grid->count[0] * grid->count[1] * grid->count[2];
   b->counts[set] = count;
   b->positions[set] = olx_allocate(count, sizeof(olx_vec3));
   b->flags[set] = olx_allocate_zero(count, 1);
   if (!b->positions[set] || !b->flags[set])
     return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for %u probes", count);
-  for (uint32_t i = 0; i < count; i++) b->positions[set][i] = olx_grid_position(grid, i);
+  for (uint32_t i = 0; i < count; i++) {
+    b->positions[set][i] = positions ? positions[i] : olx_grid_position(grid, i);
+  }
   return OLX_OK;
 }
 
@@ -118,17 +143,22 @@ static float least_spacing(const olx_grid *grid, float otherwise) {
   return least;
 }
 
+static uint32_t select_mask(const olx_bake_settings *settings) {
+  if (settings->select_mask) return settings->select_mask;
+  return settings->probes ? 0 : 1u << OLX_SELECT_CAGE;
+}
+
 static olx_result create_file(bake *b, const char *path) {
   const olx_bake_settings *s = b->settings;
   const olx_field_header header = {
       .info = {.probe_count = b->counts[0],
                .irradiance_probe_count = b->counts[1],
-               .has_grid = true,
+               .has_grid = !s->probes,
                .grid = s->grid,
                .irradiance_grid = s->irradiance_grid,
                .radiance_size = s->radiance_size,
                .irradiance_size = s->irradiance_size,
-               .select_mask = 1u << OLX_SELECT_CAGE,
+               .select_mask = select_mask(s),
                .distance_scale_metres = b->distance_scale,
                .scene_min = b->scene->bounds_min,
                .scene_max = b->scene->bounds_max,
@@ -229,8 +259,8 @@ static olx_result finish(bake *b, olx_result result, double start) {
 
 static olx_result bake_scene(bake *b, const char *path, const olx_progress *progress) {
   const double start = olx_seconds();
-  OLX_TRY(place_probes(b, 0, &b->settings->grid));
-  OLX_TRY(place_probes(b, 1, &b->settings->irradiance_grid));
+  OLX_TRY(place_probes(b, 0, &b->settings->grid, b->settings->probes, b->settings->probe_count));
+  OLX_TRY(place_probes(b, 1, &b->settings->irradiance_grid, NULL, 0));
   b->distance_scale = olx_length(olx_sub(b->scene->bounds_max, b->scene->bounds_min));
   OLX_TRY(create_file(b, path));
   olx_task_begin(&b->task, progress, "probes", 1);

@@ -96,7 +96,7 @@ olx_result olx_chunk_file_check(const olx_chunk_file *file, const olx_file_kind 
   return check_table(file);
 }
 
-olx_result olx_chunk_find(const olx_chunk_file *file, uint32_t type, const olx_file_chunk **found) {
+static olx_result find_at_most_one(const olx_chunk_file *file, uint32_t type, const olx_file_chunk **found) {
   const olx_file_header *header = file->data;
   const olx_file_chunk *table = olx_chunk_table(file);
   *found = NULL;
@@ -105,6 +105,18 @@ olx_result olx_chunk_find(const olx_chunk_file *file, uint32_t type, const olx_f
     if (*found) return olx_fail(OLX_ERROR_FORMAT, "%s: two chunks %s", file->name, olx_chunk_type_name(type).text);
     *found = &table[i];
   }
+  return OLX_OK;
+}
+
+olx_result olx_chunk_find_optional(const olx_chunk_file *file, uint32_t type, const olx_file_chunk **found) {
+  OLX_TRY(find_at_most_one(file, type, found));
+  if (!*found || (*found)->flags == OLX_CHUNK_OPTIONAL) return OLX_OK;
+  return olx_fail(OLX_ERROR_FORMAT, "%s: chunk %s: not flagged optional, but it is", file->name,
+                  olx_chunk_type_name(type).text);
+}
+
+olx_result olx_chunk_find(const olx_chunk_file *file, uint32_t type, const olx_file_chunk **found) {
+  OLX_TRY(find_at_most_one(file, type, found));
   if (!*found) return olx_fail(OLX_ERROR_FORMAT, "%s: no chunk %s", file->name, olx_chunk_type_name(type).text);
   return OLX_OK;
 }
@@ -160,8 +172,9 @@ olx_result olx_chunk_check_content(const olx_chunk_file *file, uint32_t index) {
   return OLX_OK;
 }
 
-olx_file_chunk olx_chunk_entry(const olx_chunk_shape *shape, uint64_t offset, uint64_t hash) {
+olx_file_chunk olx_chunk_entry(const olx_chunk_shape *shape, uint32_t flags, uint64_t offset, uint64_t hash) {
   return (olx_file_chunk){.type = shape->type,
+                          .flags = flags,
                           .offset = offset,
                           .size_bytes = shape->size_bytes,
                           .record_bytes = shape->record_bytes,
@@ -197,7 +210,7 @@ olx_result olx_chunk_file_write(const char *path, const olx_file_kind *kind, con
   olx_file_chunk table[OLX_CHUNK_MAX_COUNT];
   uint64_t end = sizeof(olx_file_header) + count * sizeof *table;
   for (uint32_t i = 0; i < count; i++) {
-    table[i] = olx_chunk_entry(&shapes[i], end, olx_content_hash(data[i], shapes[i].size_bytes));
+    table[i] = olx_chunk_entry(&shapes[i], 0, end, olx_content_hash(data[i], shapes[i].size_bytes));
     end = olx_align_chunk(end + shapes[i].size_bytes);
   }
   const olx_file_header header = olx_chunk_header(kind, table, count, end);

@@ -86,13 +86,15 @@ olx_result olx_chunk_file_check(const olx_chunk_file *file, const olx_file_kind 
 olx_result olx_chunk_find(const olx_chunk_file *file, uint32_t type, const olx_file_chunk **found);
 // The same, when it has the sizes asked for; *data is its first byte.
 olx_result olx_chunk_find_shaped(const olx_chunk_file *file, const olx_chunk_shape *shape, const void **data);
+// A chunk that may be missing, in which case *found is NULL, but is flagged optional when it is there.
+olx_result olx_chunk_find_optional(const olx_chunk_file *file, uint32_t type, const olx_file_chunk **found);
 // OLX_ERROR_UNSUPPORTED when a chunk is neither optional nor among the `count` shapes.
 olx_result olx_chunk_refuse_unknown(const olx_chunk_file *file, const olx_chunk_shape *shapes, uint32_t count);
 // The checksum of chunk `index`, and the zero bytes after it.
 olx_result olx_chunk_check_content(const olx_chunk_file *file, uint32_t index);
 
-// The table's entry for a chunk of that shape.
-olx_file_chunk olx_chunk_entry(const olx_chunk_shape *shape, uint64_t offset, uint64_t hash);
+// The table's entry for a chunk of that shape; `flags`: 0 or OLX_CHUNK_OPTIONAL.
+olx_file_chunk olx_chunk_entry(const olx_chunk_shape *shape, uint32_t flags, uint64_t offset, uint64_t hash);
 // The header over a complete table.
 olx_file_header olx_chunk_header(const olx_file_kind *kind, const olx_file_chunk *table, uint32_t count,
                                  uint64_t file_bytes);

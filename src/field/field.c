@@ -28,13 +28,34 @@ static olx_result read_info(olx_field *field) {
   return OLX_OK;
 }
 
+// The structures of the selectors that the description names, and no others.
+static olx_result find_selectors(olx_field *field, const olx_chunk_shape shapes[OLX_CHUNK_KINDS]) {
+  const olx_chunk_file file = olx_field_file(field);
+  for (olx_select select = OLX_SELECT_VORONOI; select < OLX_SELECT_STORED; select++) {
+    const uint32_t type = shapes[olx_select_chunk(select)].type;
+    const bool named = (field->info.select_mask & 1u << select) != 0;
+    const olx_file_chunk *chunk;
+    OLX_TRY(olx_chunk_find_optional(&file, type, &chunk));
+    if (named != (chunk != NULL)) {
+      return olx_fail(OLX_ERROR_FORMAT, "%s: %s chunk %s, but the description %s", field->name, chunk ? "a" : "no",
+                      olx_chunk_type_name(type).text, named ? "names its selector" : "does not name its selector");
+    }
+    if (!chunk) continue;
+    field->select_data[select] = (const char *)field->data + chunk->offset;
+    field->select_bytes[select] = chunk->size_bytes;
+    field->info.selector_bytes += chunk->size_bytes;
+  }
+  return OLX_OK;
+}
+
 static olx_result find_chunks(olx_field *field) {
   olx_chunk_shape shapes[OLX_CHUNK_KINDS];
   const void *data[OLX_CHUNK_KINDS];
   const olx_chunk_file file = olx_field_file(field);
   olx_chunk_shapes(&field->info, shapes);
-  for (uint32_t k = 0; k < OLX_CHUNK_KINDS; k++) OLX_TRY(olx_chunk_find_shaped(&file, &shapes[k], &data[k]));
-  OLX_TRY(olx_chunk_refuse_unknown(&file, shapes, OLX_CHUNK_KINDS));
+  for (uint32_t k = 0; k < OLX_CHUNK_REQUIRED; k++) OLX_TRY(olx_chunk_find_shaped(&file, &shapes[k], &data[k]));
+  OLX_TRY(olx_chunk_refuse_unknown(&file, shapes, OLX_CHUNK_REQUIRED));
+  OLX_TRY(find_selectors(field, shapes));
   olx_field_info *info = &field->info;
   info->file_bytes = field->size_bytes;
   info->radiance_bytes = shapes[OLX_CHUNK_RADIANCE].size_bytes;
@@ -134,6 +155,12 @@ void olx_field_close(olx_field *field) {
   if (field->mapped) olx_unmap_file(&(olx_mapped_file){.data = field->data, .size_bytes = field->size_bytes});
   olx_release(field->name);
   olx_release(field);
+}
+
+const char *olx_select_name(olx_select select) {
+  static const char *const names[] = {"cage", "voronoi", "octree", "bricks", "exhaustive", "best"};
+  assert(select <= OLX_SELECT_BEST);
+  return names[select];
 }
 
 olx_field_info olx_field_describe(const olx_field *field) {

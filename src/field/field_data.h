@@ -6,6 +6,8 @@
 
 #include <octalux/field.h>
 
+#define OLX_SELECT_STORED OLX_SELECT_EXHAUSTIVE // how many selectors may be baked in
+
 // Light field maps carry a one-texel border, so that filtering across the map's edges is exact: texel (x, y) of a probe,
 // x and y from -1 to n, lies at (y + 1) * (n + 2) + x + 1.
 //
@@ -13,7 +15,7 @@
 struct olx_field {
   const void *data; // the file
   size_t size_bytes;
-  bool mapped;      // by us, to be unmapped
+  bool mapped; // by us, to be unmapped
   olx_field_info info;
 
   const olx_vec3 *probe_positions;
@@ -27,14 +29,18 @@ struct olx_field {
   const uint16_t *normal;   // olx_normal_pack, the surface's normal on the probe's side
   const uint16_t *distance; // half
 
-  uint32_t block;          // texels along the side of a block of the coarse map: olx_block_size(n)
-  uint32_t coarse_n;       // n / block, no border
-  const uint16_t *coarse;  // half: smallest |distance| in each block, coarse_n^2 a probe
+  uint32_t block;         // texels along the side of a block of the coarse map: olx_block_size(n)
+  uint32_t coarse_n;      // n / block, no border
+  const uint16_t *coarse; // half: smallest |distance| in each block, coarse_n^2 a probe
 
   uint32_t irradiance_n, irradiance_stride;
   size_t irradiance_texels;
   const uint32_t *irradiance; // R11G11B10F, W/m^2, indirect light only: emitters and sky left out
   const uint32_t *moments;    // two halves: mean distance (low 16 bits), mean squared distance; sky counts as 1
+
+  // What the selectors in info.select_mask were baked into, by olx_select; NULL and 0 where there is nothing.
+  const void *select_data[OLX_SELECT_STORED];
+  size_t select_bytes[OLX_SELECT_STORED];
 
   float distance_scale;
 

@@ -21,6 +21,9 @@ void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHU
       [OLX_CHUNK_IRRADIANCE_FLAGS] = {OLX_FOUR_CC('I', 'F', 'L', 'G'), 1, 1, info->irradiance_probe_count},
       [OLX_CHUNK_IRRADIANCE] = {OLX_FOUR_CC('I', 'R', 'R', 'A'), 4, irradiance_texels, info->irradiance_probe_count},
       [OLX_CHUNK_MOMENTS] = {OLX_FOUR_CC('M', 'O', 'M', 'E'), 4, irradiance_texels, info->irradiance_probe_count},
+      [OLX_CHUNK_VORONOI] = {OLX_FOUR_CC('V', 'O', 'R', 'O'), 1, 0, 1},
+      [OLX_CHUNK_OCTREE] = {OLX_FOUR_CC('O', 'C', 'T', 'R'), 1, 0, 1},
+      [OLX_CHUNK_BRICKS] = {OLX_FOUR_CC('B', 'R', 'I', 'K'), 1, 0, 1},
   };
   for (uint32_t i = 0; i < OLX_CHUNK_KINDS; i++) {
     const uint64_t record_bytes = table[i].elements * table[i].element_bytes;
@@ -154,13 +157,8 @@ olx_result olx_field_info_check(const olx_field_info *info, const char *name, ol
   }
   if (info->has_grid) OLX_TRY(check_grid(&info->grid, info->probe_count, "light field", name, failure));
   OLX_TRY(check_grid(&info->irradiance_grid, info->irradiance_probe_count, "irradiance", name, failure));
-  const uint32_t cage = 1u << OLX_SELECT_CAGE;
-  if ((info->select_mask & cage) && !info->has_grid) {
+  if ((info->select_mask & 1u << OLX_SELECT_CAGE) && !info->has_grid) {
     return olx_fail(failure, "%s: the cage selector needs light field probes on a grid", name);
-  }
-  if (!(info->select_mask & cage)) {
-    const olx_result result = failure == OLX_ERROR_ARGUMENT ? failure : OLX_ERROR_UNSUPPORTED;
-    return olx_fail(result, "%s: no selector that this version knows (mask %#x)", name, info->select_mask);
   }
   return OLX_OK;
 }

@@ -58,10 +58,21 @@ typedef enum olx_chunk_kind {
   OLX_CHUNK_IRRADIANCE_FLAGS,
   OLX_CHUNK_IRRADIANCE,
   OLX_CHUNK_MOMENTS,
+  OLX_CHUNK_REQUIRED, // how many every field has
+  // Selectors: optional, because what a reader does not know it can do without.
+  OLX_CHUNK_VORONOI = OLX_CHUNK_REQUIRED,
+  OLX_CHUNK_OCTREE,
+  OLX_CHUNK_BRICKS,
   OLX_CHUNK_KINDS
 } olx_chunk_kind;
 
-// What each chunk must be, given the description of the field.
+// The chunk of a selector, or OLX_CHUNK_KINDS for the cage, which needs none.
+static inline olx_chunk_kind olx_select_chunk(olx_select select) {
+  return select == OLX_SELECT_CAGE ? OLX_CHUNK_KINDS : OLX_CHUNK_VORONOI + (uint32_t)select - OLX_SELECT_VORONOI;
+}
+
+// What each chunk must be, given the description of the field. Those of selectors are single records of any size: 0 bytes
+// here.
 void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHUNK_KINDS]);
 
 // The file behind a field, for core/chunk_file.h.

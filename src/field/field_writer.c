@@ -14,6 +14,8 @@ struct olx_field_writer {
   olx_output_file file;
   olx_field_info info;
   olx_chunk_shape shapes[OLX_CHUNK_KINDS];
+  bool present[OLX_CHUNK_KINDS];
+  uint32_t chunk_count;
   uint64_t offsets[OLX_CHUNK_KINDS], file_bytes;
   XXH3_state_t hashes[OLX_CHUNK_KINDS]; // of what has been written to each chunk
   uint32_t probes_written, irradiance_written;
@@ -25,10 +27,18 @@ struct olx_field_writer {
   uint16_t *coarse; // one coarse map
 };
 
-static void lay_out(olx_field_writer *writer) {
+static void lay_out(olx_field_writer *writer, const olx_field_header *header) {
   olx_chunk_shapes(&writer->info, writer->shapes);
-  uint64_t end = sizeof(olx_file_header) + OLX_CHUNK_KINDS * sizeof(olx_file_chunk);
+  for (uint32_t k = 0; k < OLX_CHUNK_REQUIRED; k++) writer->present[k] = true;
+  for (olx_select select = OLX_SELECT_VORONOI; select < OLX_SELECT_STORED; select++) {
+    const olx_chunk_kind kind = olx_select_chunk(select);
+    writer->present[kind] = (writer->info.select_mask & 1u << select) != 0;
+    writer->shapes[kind].size_bytes = writer->shapes[kind].record_bytes = header->select_bytes[select];
+  }
+  for (uint32_t k = 0; k < OLX_CHUNK_KINDS; k++) writer->chunk_count += writer->present[k];
+  uint64_t end = sizeof(olx_file_header) + writer->chunk_count * sizeof(olx_file_chunk);
   for (uint32_t k = 0; k < OLX_CHUNK_KINDS; k++) {
+    if (!writer->present[k]) continue;
     writer->offsets[k] = end;
     end = olx_align_chunk(end + writer->shapes[k].size_bytes);
     XXH3_64bits_reset(&writer->hashes[k]);
@@ -66,6 +76,19 @@ static void destroy(olx_field_writer *writer) {
   olx_release(writer);
 }
 
+static olx_result put_whole(olx_field_writer *writer, olx_chunk_kind kind, const void *data) {
+  XXH3_64bits_update(&writer->hashes[kind], data, writer->shapes[kind].size_bytes);
+  return olx_output_write_at(&writer->file, writer->offsets[kind], data, writer->shapes[kind].size_bytes);
+}
+
+static olx_result put_selectors(olx_field_writer *writer, const olx_field_header *header) {
+  for (olx_select select = OLX_SELECT_VORONOI; select < OLX_SELECT_STORED; select++) {
+    const olx_chunk_kind kind = olx_select_chunk(select);
+    if (writer->present[kind]) OLX_TRY(put_whole(writer, kind, header->select_data[select]));
+  }
+  return OLX_OK;
+}
+
 olx_result olx_field_writer_create(const char *path, const olx_field_header *header, olx_field_writer **created) {
   assert(path && header && created);
   *created = NULL;
@@ -79,11 +102,12 @@ olx_result olx_field_writer_create(const char *path, const olx_field_header *hea
   olx_field_writer *writer = olx_allocate_zero(1, sizeof *writer);
   if (!writer) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", path);
   writer->info = info;
-  lay_out(writer);
+  lay_out(writer, header);
   olx_result result;
   OLX_TRY_GOTO(allocate_buffers(writer, header, path), failed);
   OLX_TRY_GOTO(olx_output_open(path, &writer->file), failed);
   OLX_TRY_GOTO(olx_output_reserve(&writer->file, writer->file_bytes), opened);
+  OLX_TRY_GOTO(put_selectors(writer, header), opened);
   *created = writer;
   return OLX_OK;
 
@@ -173,11 +197,6 @@ olx_result olx_field_writer_irradiance(olx_field_writer *writer, uint32_t index,
   return result;
 }
 
-static olx_result put_whole(olx_field_writer *writer, olx_chunk_kind kind, const void *data) {
-  XXH3_64bits_update(&writer->hashes[kind], data, writer->shapes[kind].size_bytes);
-  return olx_output_write_at(&writer->file, writer->offsets[kind], data, writer->shapes[kind].size_bytes);
-}
-
 // The description, the padding after every chunk, the chunk table and the header.
 static olx_result write_frame(olx_field_writer *writer) {
   const olx_file_info info = olx_field_info_store(&writer->info);
@@ -191,14 +210,17 @@ static olx_result write_frame(olx_field_writer *writer) {
     olx_file_chunk chunks[OLX_CHUNK_KINDS];
   } head;
   const char padding[OLX_CHUNK_ALIGNMENT] = {0};
+  uint32_t count = 0;
   for (uint32_t k = 0; k < OLX_CHUNK_KINDS; k++) {
+    if (!writer->present[k]) continue;
     const olx_chunk_shape *shape = &writer->shapes[k];
-    head.chunks[k] = olx_chunk_entry(shape, writer->offsets[k], XXH3_64bits_digest(&writer->hashes[k]));
+    const uint32_t flags = k < OLX_CHUNK_REQUIRED ? 0 : OLX_CHUNK_OPTIONAL;
+    head.chunks[count++] = olx_chunk_entry(shape, flags, writer->offsets[k], XXH3_64bits_digest(&writer->hashes[k]));
     const uint64_t end = writer->offsets[k] + shape->size_bytes;
     OLX_TRY(olx_output_write_at(&writer->file, end, padding, olx_align_chunk(end) - end));
   }
-  head.header = olx_chunk_header(&OLX_FIELD_KIND, head.chunks, OLX_CHUNK_KINDS, writer->file_bytes);
-  return olx_output_write_at(&writer->file, 0, &head, sizeof head);
+  head.header = olx_chunk_header(&OLX_FIELD_KIND, head.chunks, count, writer->file_bytes);
+  return olx_output_write_at(&writer->file, 0, &head, sizeof head.header + count * sizeof head.chunks[0]);
 }
 
 olx_result olx_field_writer_commit(olx_field_writer *writer, uint64_t *file_bytes) {

@@ -10,9 +10,12 @@ typedef struct olx_field_writer olx_field_writer;
 typedef struct olx_field_header {
   olx_field_info info; // *_bytes and buried counts are filled in by the writer
   const olx_vec3 *probe_positions, *irradiance_positions;
+  const void *select_data[OLX_SELECT_STORED]; // of each selector in info.select_mask but the cage
+  size_t select_bytes[OLX_SELECT_STORED];
 } olx_field_header;
 
-// Lays the file out and creates it beside `path`. The header's arrays are copied.
+// Lays the file out and creates it beside `path`. Positions are copied; what the selectors
+// were baked into is written at once.
 olx_result olx_field_writer_create(const char *path, const olx_field_header *header, olx_field_writer **writer);
 
 // The maps of one light field probe, in order of index, without border (n * n texels, row by row); borders and coarse map

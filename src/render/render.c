@@ -184,7 +184,7 @@ static olx_result check_settings(const olx_render_settings *s, const olx_field *
   if (s->glossy_samples < 1 || s->glossy_samples > MAX_SAMPLES) {
     return olx_fail(OLX_ERROR_ARGUMENT, "%u glossy rays are not within 1 to %d", s->glossy_samples, MAX_SAMPLES);
   }
-  return OLX_OK;
+  return olx_sample_settings_check(field, &s->sample);
 }
 
 static void warn_of_other_scene(const olx_scene *scene, const olx_field *field) {

@@ -1,10 +1,19 @@
+#include "core/result.h"
+#include "select/select.h"
+
 #include <octalux/sample.h>
 
 olx_sample_settings olx_sample_settings_default(void) {
   return (olx_sample_settings){
       .tracer = OLX_TRACER_TWO_LEVEL,
-      .select = OLX_SELECT_CAGE,
+      .select = OLX_SELECT_BEST,
       .visibility = OLX_VISIBILITY_CHEBYSHEV,
       .max_probes = 128,
   };
+}
+
+olx_result olx_sample_settings_check(const olx_field *field, const olx_sample_settings *settings) {
+  if (olx_select_available(field, settings->select)) return OLX_OK;
+  return olx_fail(OLX_ERROR_ARGUMENT, "%s: baked without the selector '%s'", field->name,
+                  olx_select_name(settings->select));
 }

@@ -1,5 +1,6 @@
 // A ray against the whole field: probe after probe until one knows (McGuire et al. 2017, Listing 1).
 #include "select/cage.h"
+#include "select/select.h"
 #include "trace/probe_trace.h"
 
 // Probes remembered as asked: the most that olx_sample_settings.max_probes can be.
@@ -178,6 +179,14 @@ static float leave_bounds(const olx_field *field, olx_vec3 origin, olx_vec3 dire
   return olx_max(t, 0.0f);
 }
 
+// Ask the probes that the selector names.
+static bool search_selected(search *s, uint32_t *probe, olx_probe_answer *answer) {
+  switch (olx_select_resolve(s->field, s->settings->select)) {
+  case OLX_SELECT_CAGE: return search_cages(s, probe, answer);
+  default: return false;
+  }
+}
+
 olx_trace_hit olx_trace(const olx_field *field, const olx_sample_settings *settings, olx_vec3 origin,
                         olx_vec3 direction, float t_max_metres) {
   if (!is_ray(origin, direction, t_max_metres)) return (olx_trace_hit){.status = OLX_TRACE_UNKNOWN, .probe = UINT32_MAX};
@@ -192,7 +201,7 @@ olx_trace_hit olx_trace(const olx_field *field, const olx_sample_settings *setti
   };
   uint32_t probe;
   olx_probe_answer answer;
-  if ((field->info.has_grid && search_cages(&s, &probe, &answer)) || search_everywhere(&s, &probe, &answer)) {
+  if (search_selected(&s, &probe, &answer) || search_everywhere(&s, &probe, &answer)) {
     return describe(&s, probe, &answer, t_max_metres);
   }
   if (s.fallback_probe != UINT32_MAX) return describe(&s, s.fallback_probe, &s.fallback, t_max_metres);

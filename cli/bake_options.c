@@ -1,0 +1,57 @@
+#include "bake_options.h"
+
+#include <octalux/place.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+
+double grid_probe_count(const olx_grid *grid) {
+  return (double)grid->count[0] * (double)grid->count[1] * (double)grid->count[2];
+}
+
+double light_probe_count(const olx_bake_settings *settings) {
+  return settings->probes ? (double)settings->probe_count : grid_probe_count(&settings->grid);
+}
+
+// The positions of a file that `octalux place` wrote.
+static olx_result load_probes(const olx_scene *scene, const char *path, olx_bake_settings *settings) {
+  olx_probe_set set;
+  const olx_result result = olx_probe_set_load(path, &set);
+  if (result != OLX_OK) return result;
+  if (set.scene_hash && set.scene_hash != olx_scene_describe(scene).hash) {
+    fprintf(stderr, "octalux: %s: placed in another scene, or in another version of this one\n", path);
+  }
+  olx_vec3 *positions = malloc(set.count * sizeof *positions);
+  for (uint32_t i = 0; positions && i < set.count; ++i) positions[i] = set.probes[i].position;
+  settings->probes = positions;
+  settings->probe_count = set.count;
+  olx_probe_set_free(&set);
+  return positions ? OLX_OK : OLX_ERROR_MEMORY;
+}
+
+void release_bake_settings(olx_bake_settings *settings) {
+  free((void *)(uintptr_t)settings->probes);
+  settings->probes = NULL;
+}
+
+olx_result resolve_bake_options(const olx_scene *scene, const bake_options *given, olx_bake_settings *settings) {
+  *settings = olx_bake_settings_default(scene);
+  if (given->grid[0]) {
+    const olx_result result = olx_scene_probe_grid(scene, given->grid, &settings->grid);
+    if (result != OLX_OK) return result;
+    settings->irradiance_grid = olx_bake_irradiance_grid(&settings->grid);
+  }
+  if (given->irradiance_grid[0]) {
+    const olx_result result = olx_scene_probe_grid(scene, given->irradiance_grid, &settings->irradiance_grid);
+    if (result != OLX_OK) return result;
+  }
+  if (given->radiance_size) settings->radiance_size = given->radiance_size;
+  if (given->irradiance_size) settings->irradiance_size = given->irradiance_size;
+  if (given->bounces != UINT32_MAX) settings->bounces = given->bounces;
+  if (given->samples) settings->samples = given->samples;
+  if (given->light_samples) settings->light_samples = given->light_samples;
+  settings->select_mask = given->select_mask;
+  settings->fit = !given->no_fit;
+  settings->threads = given->threads;
+  return given->probes ? load_probes(scene, given->probes, settings) : OLX_OK;
+}

@@ -1,0 +1,38 @@
+# Light field probes where `octalux place` put them, from placement to picture.
+source "$(dirname "$0")/cli/expect.sh"
+scene=builtin:cornell-glossy
+small="--radiance-size 64 --irradiance-size 16 --bounces 1"
+
+expect 0 place $scene -o probes.json --count 5 --resolution 64
+expect_json 'o["probes"] == 5 and o["irradiance_probes"] == 27' bake $scene -o free.olx --probes probes.json $small
+expect_json 'o["probes"] == 5 and "grid" not in o and o["irradiance_grid"]["count"] == [3, 3, 3]' info free.olx
+expect 0 verify free.olx
+python3 "$(dirname "$0")/read_field.py" free.olx >/dev/null || fail "the independent reader refuses the field"
+expect 0 bake $scene -o again.olx --probes probes.json $small --threads 1
+cmp free.olx again.olx || fail "a field of free probes depends on the number of threads"
+expect_json 'o["irradiance_probes"] == 8' bake $scene -o few.olx --probes probes.json $small --irradiance-grid 2x2x2
+
+# Few probes that were placed see nearly all.
+expect_json 'o["rays"]["unresolved_seen"] < 0.05 and o["rays"]["wrong_seen"] < 0.05 and o["rays"]["unseen"] < 0.1' \
+  audit $scene --field free.olx --rays 5000 --points 0
+expect 0 audit $scene --field free.olx --rays 100 --points 0 --select exhaustive
+expect 0 render $scene -o free.png --field free.olx --size 48x36 --spp 1 --show-probes
+
+# What cannot be: a selector that was not baked in, a cage without a grid, two answers to one question, broken files.
+expect_failure "baked without the selector 'cage'" audit $scene --field free.olx --rays 100 --points 0 --select cage
+expect_failure "baked without the selector 'cage'" render $scene -o x.exr --field free.olx --select cage
+expect_failure "needs probes on a grid" bake $scene -o x.olx --probes probes.json --select cage
+expect_usage "exclude each other" bake $scene -o x.olx --probes probes.json --grid 2x2x2
+expect_failure "nowhere.json" bake $scene -o x.olx --probes nowhere.json
+echo '{"probes": [{"position": [0, 0]}]}' >broken.json
+expect_failure "probes\[0\].position" bake $scene -o x.olx --probes broken.json
+echo '{"probes": []}' >empty.json
+expect_failure "at least one probe" bake $scene -o x.olx --probes empty.json
+[ ! -e x.olx ] && [ ! -e x.exr ] || fail "a failed command left a file"
+
+# One probe is a field; so is one made by hand.
+echo '{"probes": [{"position": [0.278, 0.3, 0.1]}]}' >one.json
+expect_json 'o["probes"] == 1' bake $scene -o one.olx --probes one.json $small
+expect 0 render $scene -o one.exr --field one.olx --size 32x24 --spp 1
+
+finish

@@ -599,7 +599,7 @@ static void bad_settings_are_refused(void **state) {
   olx_scene_free(scene);
 }
 
-static void unwritable_path_fails_before_the_work(void **state) {
+static void unwritable_path_fails_before_light_is_gathered(void **state) {
   (void)state;
   olx_scene *scene = busy_scene();
   const olx_bake_settings settings = small_settings(scene, grid_of(olx_splat(-0.5f), olx_splat(1.0f), 2, 2, 2), 1);
@@ -694,7 +694,7 @@ int main(void) {
       IN_FOLDER(bytes_do_not_depend_on_threads),
       IN_FOLDER(sizes_and_samples_combine),
       IN_FOLDER(bad_settings_are_refused),
-      IN_FOLDER(unwritable_path_fails_before_the_work),
+      IN_FOLDER(unwritable_path_fails_before_light_is_gathered),
       IN_FOLDER(cancelling_keeps_the_old_file),
       IN_FOLDER(killing_leaves_old_or_new),
   };

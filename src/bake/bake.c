@@ -3,6 +3,7 @@
 #include "bake/buried.h"
 #include "bake/capture.h"
 #include "bake/gather.h"
+#include "bake/selectors.h"
 #include "core/hooks.h"
 #include "core/result.h"
 
@@ -26,6 +27,7 @@ typedef struct bake {
   olx_shade_context shade;
   olx_gather gather;
   olx_capture capture;
+  olx_selector_blobs selectors;
   olx_field_writer *writer;
   olx_bake_stats stats;
   double measure_seconds; // spent on timing Embree, in all
@@ -93,7 +95,7 @@ static olx_result check_probes(const olx_bake_settings *settings) {
 
 static olx_result check_select(const olx_bake_settings *settings) {
   const uint32_t mask = settings->select_mask;
-  if (mask & ~(1u << OLX_SELECT_CAGE)) return olx_fail(OLX_ERROR_ARGUMENT, "bake: unknown selectors (mask %#x)", mask);
+  if (mask & ~olx_selectors_known()) return olx_fail(OLX_ERROR_ARGUMENT, "bake: unknown selectors (mask %#x)", mask);
   if (settings->probes && (mask & 1u << OLX_SELECT_CAGE)) {
     return olx_fail(OLX_ERROR_ARGUMENT, "bake: the selector 'cage' needs probes on a grid");
   }
@@ -150,7 +152,7 @@ static uint32_t select_mask(const olx_bake_settings *settings) {
 
 static olx_result create_file(bake *b, const char *path) {
   const olx_bake_settings *s = b->settings;
-  const olx_field_header header = {
+  olx_field_header header = {
       .info = {.probe_count = b->counts[0],
                .irradiance_probe_count = b->counts[1],
                .has_grid = !s->probes,
@@ -168,6 +170,10 @@ static olx_result create_file(bake *b, const char *path) {
       .probe_positions = b->positions[0],
       .irradiance_positions = b->positions[1],
   };
+  for (olx_select select = OLX_SELECT_CAGE; select < OLX_SELECT_STORED; select++) {
+    header.select_data[select] = b->selectors.data[select];
+    header.select_bytes[select] = b->selectors.size_bytes[select];
+  }
   return olx_field_writer_create(path, &header, &b->writer);
 }
 
@@ -179,6 +185,22 @@ static olx_result find_buried(bake *b) {
   for (uint32_t i = 0; i < b->counts[0]; i++) b->stats.buried += b->flags[0][i] & OLX_PROBE_BURIED;
   for (uint32_t i = 0; i < b->counts[1]; i++) b->stats.irradiance_buried += b->flags[1][i] & OLX_PROBE_BURIED;
   return OLX_OK;
+}
+
+static olx_result build_selectors(bake *b) {
+  const olx_bake_settings *s = b->settings;
+  const uint64_t side = s->radiance_size + 2;
+  const olx_selector_input input = {.scene = b->scene,
+                                    .positions = b->positions[0],
+                                    .flags = b->flags[0],
+                                    .count = b->counts[0],
+                                    .radiance_size = s->radiance_size,
+                                    .map_bytes = b->counts[0] * side * side * OLX_LIGHT_FIELD_TEXEL_BYTES,
+                                    .distance_scale = b->distance_scale,
+                                    .threads = s->threads,
+                                    .task = &b->task};
+  olx_task_stage(&b->task, "selectors");
+  return olx_selectors_build(&input, select_mask(s), &b->selectors);
 }
 
 static olx_result gather_light(bake *b) {
@@ -208,8 +230,8 @@ static olx_result capture_probes(bake *b) {
   return OLX_OK;
 }
 
-// Everything between a created file and a committed one. What was made is released by finish.
-static olx_result run(bake *b) {
+// Everything but committing the file. What was made is released by finish.
+static olx_result run(bake *b, const char *path) {
   const olx_bake_settings *s = b->settings;
   b->gather = (olx_gather){.shade = &b->shade,
                            .positions = b->positions[1],
@@ -227,12 +249,14 @@ static olx_result run(bake *b) {
                              .threads = s->threads,
                              .distance_scale = b->distance_scale,
                              .task = &b->task};
+  OLX_TRY(find_buried(b));
+  OLX_TRY(build_selectors(b));
+  OLX_TRY(create_file(b, path));
   OLX_TRY(olx_gather_create(&b->gather, &s->irradiance_grid, s->irradiance_size, s->bounces));
   OLX_TRY(olx_capture_create(&b->capture));
   b->stats.primary_rays = b->counts[0] * olx_capture_units(&b->capture);
   b->task.total_units = olx_gather_units(&b->gather, s->bounces) + b->stats.primary_rays;
   if (s->fit) b->task.total_units += olx_surface_fit_units(b->counts[1]);
-  OLX_TRY(find_buried(b));
   OLX_TRY(gather_light(b));
   return capture_probes(b);
 }
@@ -245,6 +269,7 @@ static olx_result finish(bake *b, olx_result result, double start) {
   } else {
     olx_field_writer_discard(b->writer);
   }
+  olx_selectors_free(&b->selectors);
   olx_capture_free(&b->capture);
   olx_gather_free(&b->gather);
   b->stats.rays += atomic_load(&b->shade.rays);
@@ -262,13 +287,12 @@ static olx_result bake_scene(bake *b, const char *path, const olx_progress *prog
   OLX_TRY(place_probes(b, 0, &b->settings->grid, b->settings->probes, b->settings->probe_count));
   OLX_TRY(place_probes(b, 1, &b->settings->irradiance_grid, NULL, 0));
   b->distance_scale = olx_length(olx_sub(b->scene->bounds_max, b->scene->bounds_min));
-  OLX_TRY(create_file(b, path));
   olx_task_begin(&b->task, progress, "probes", 1);
   olx_shade_context_begin(&b->shade, b->scene);
   const float spacing = least_spacing(&b->settings->irradiance_grid, b->distance_scale);
   b->shade.share_distance = 0.01f * spacing;
   b->shade.lattice_distance = 0.08f * spacing;
-  return finish(b, run(b), start);
+  return finish(b, run(b, path), start);
 }
 
 olx_result olx_bake(const olx_scene *scene, const olx_bake_settings *settings, const char *path,

@@ -1,0 +1,32 @@
+#include "bake/selectors.h"
+
+#include "core/hooks.h"
+#include "core/result.h"
+
+// NULL where there is nothing to build (the cage is the grid itself) or nobody to build it.
+static olx_selector_builder builder_of(olx_select select) {
+  switch (select) {
+  default: return NULL;
+  }
+}
+
+uint32_t olx_selectors_known(void) {
+  uint32_t mask = 1u << OLX_SELECT_CAGE;
+  for (olx_select select = OLX_SELECT_VORONOI; select < OLX_SELECT_STORED; select++) {
+    if (builder_of(select)) mask |= 1u << select;
+  }
+  return mask;
+}
+
+olx_result olx_selectors_build(const olx_selector_input *input, uint32_t mask, olx_selector_blobs *blobs) {
+  for (olx_select select = OLX_SELECT_VORONOI; select < OLX_SELECT_STORED; select++) {
+    if (!(mask & 1u << select)) continue;
+    OLX_TRY(builder_of(select)(input, &blobs->data[select], &blobs->size_bytes[select]));
+  }
+  return OLX_OK;
+}
+
+void olx_selectors_free(olx_selector_blobs *blobs) {
+  for (uint32_t select = 0; select < OLX_SELECT_STORED; select++) olx_release(blobs->data[select]);
+  *blobs = (olx_selector_blobs){0};
+}

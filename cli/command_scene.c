@@ -7,7 +7,7 @@
 #include <inttypes.h>
 #include <stdio.h>
 
-static int print_scene_json(const olx_scene *scene) {
+static int print_scene_json(const olx_scene *scene, uint64_t cooked_bytes) {
   const olx_scene_info info = olx_scene_describe(scene);
   cJSON *object = cJSON_CreateObject();
   add_number(object, "triangles", (double)info.triangles);
@@ -36,6 +36,7 @@ static int print_scene_json(const olx_scene *scene) {
   }
   cJSON_AddBoolToObject(object, "probe_volume", info.has_probe_volume);
   add_hash(object, "hash", info.hash);
+  if (cooked_bytes) add_number(object, "cooked_bytes", (double)cooked_bytes);
   return print_json("scene", object);
 }
 
@@ -58,7 +59,10 @@ static void print_scene(const char *name, const olx_scene *scene) {
 
 int command_scene(int argc, char **argv) {
   bool json = false;
-  const option options[] = {{"--json", OPTION_FLAG, &json, NULL, "print one JSON object", 0, 0}};
+  const char *cooked = NULL;
+  const option options[] = {
+      {"--cook", OPTION_TEXT, &cooked, "FILE.olxs", "write all of it into one file that loads by itself", 0, 0},
+      {"--json", OPTION_FLAG, &json, NULL, "print one JSON object", 0, 0}};
   command_line line = {.name = "scene",
                        .summary = "What is in a scene: triangles, materials, lights, cameras, bounds, import warnings.",
                        .arguments = {"SCENE"},
@@ -67,9 +71,20 @@ int command_scene(int argc, char **argv) {
   int code;
   if (!parse_options(&line, argc, argv, &code)) return code;
   olx_scene *scene = NULL;
+  if (cooked && !ends_with(cooked, ".olxs")) return usage_error("scene", "--cook: '%s' does not end in .olxs", cooked);
+  if (cooked && !check_output("scene", cooked)) return EXIT_FAILED;
   if (olx_scene_load(line.given[0], &scene) != OLX_OK) return library_failure("scene");
-  if (json) code = print_scene_json(scene);
-  else print_scene(line.given[0], scene);
+  uint64_t file_bytes = 0;
+  if (cooked && olx_scene_cook(scene, cooked, &file_bytes) != OLX_OK) {
+    olx_scene_free(scene);
+    return library_failure("scene");
+  }
+  if (json) {
+    code = print_scene_json(scene, file_bytes);
+  } else {
+    print_scene(line.given[0], scene);
+    if (cooked) printf("  cooked     %s, %" PRIu64 " bytes\n", cooked, file_bytes);
+  }
   olx_scene_free(scene);
   return code;
 }

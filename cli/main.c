@@ -32,7 +32,7 @@ static void print_help(FILE *stream) {
   for (size_t i = 0; i < sizeof commands / sizeof commands[0]; ++i) {
     fprintf(stream, "  octalux %-45s %s\n", commands[i].usage, commands[i].summary);
   }
-  fputs("\nSCENE is a .gltf, .glb, .obj or .json file, or builtin:NAME with one of these names:\n ", stream);
+  fputs("\nSCENE is a .gltf, .glb, .obj, .json or .olxs file, or builtin:NAME with one of these names:\n ", stream);
   for (uint32_t i = 0; olx_builtin_name(i); ++i) fprintf(stream, " %s", olx_builtin_name(i));
   fputs("\n\n--json on any command prints one JSON object on standard output; messages and progress go to standard "
         "error.\n"

@@ -28,9 +28,15 @@ typedef struct olx_scene_info {
   uint64_t hash;         // of geometry, materials, textures, lights and environment
 } olx_scene_info;
 
-// Load `name`: "builtin:NAME", or the path of a .gltf, .glb, .obj or .json file. A model named by a description is looked
+// Load `name`: "builtin:NAME", or the path of a .gltf, .glb, .obj, .json or .olxs file. A model named by a description is looked
 // for beside it and in each folder of the environment variable OCTALUX_SCENES. On success *scene is the caller's.
 olx_result olx_scene_load(const char *name, olx_scene **scene);
+
+// Write everything in a scene as one .olxs file (docs/cooked.md): beside, synced, renamed. It loads fast, has the same hash,
+// and gives the same bakes and pictures to the last bit. file_bytes may be NULL.
+olx_result olx_scene_cook(const olx_scene *scene, const char *path, uint64_t *file_bytes);
+// Load an .olxs file. A program that loads scenes by this call alone needs Embree, but no importer's library.
+olx_result olx_scene_load_cooked(const char *path, olx_scene **scene);
 
 // NULL is allowed.
 void olx_scene_free(olx_scene *scene);

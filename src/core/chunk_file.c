@@ -70,8 +70,8 @@ static olx_result check_table(const olx_chunk_file *file) {
                       file->name, i, type.text);
     }
     if (chunk->offset != end) {
-      return olx_fail(OLX_ERROR_FORMAT, "%s: chunk %u (%s): begins at byte %llu, not at %llu where it must",
-                      file->name, i, type.text, (unsigned long long)chunk->offset, (unsigned long long)end);
+      return olx_fail(OLX_ERROR_FORMAT, "%s: chunk %u (%s): begins at byte %llu, not at %llu where it must", file->name,
+                      i, type.text, (unsigned long long)chunk->offset, (unsigned long long)end);
     }
     if (chunk->size_bytes > file->size_bytes - chunk->offset) {
       return olx_fail(OLX_ERROR_FORMAT, "%s: chunk %u (%s): %llu bytes at byte %llu reach beyond the end of the file",
@@ -80,8 +80,8 @@ static olx_result check_table(const olx_chunk_file *file) {
     }
     end = olx_align_chunk(chunk->offset + chunk->size_bytes);
     if (end > file->size_bytes) {
-      return olx_fail(OLX_ERROR_FORMAT, "%s: chunk %u (%s): its padding reaches beyond the end of the file",
-                      file->name, i, type.text);
+      return olx_fail(OLX_ERROR_FORMAT, "%s: chunk %u (%s): its padding reaches beyond the end of the file", file->name,
+                      i, type.text);
     }
   }
   if (end != file->size_bytes) {

@@ -1,41 +1,19 @@
 #include "core/hooks.h"
 #include "core/result.h"
-#include "scene/builtin.h"
 #include "scene/bvh.h"
 #include "scene/emitters.h"
-#include "scene/import.h"
 #include "scene/scene_build.h"
 
 #include <assert.h>
 #include <stdio.h>
 #include <string.h>
-#include <strings.h>
 
-static const char builtin_prefix[] = "builtin:";
-
-static const char *extension_of(const char *path) {
-  const char *dot = strrchr(path, '.'), *slash = strrchr(path, '/');
-  return dot && (!slash || dot > slash) ? dot : "";
-}
-
-static olx_result fill_scene(const char *name, olx_scene *scene) {
-  if (strncmp(name, builtin_prefix, sizeof builtin_prefix - 1) == 0) {
-    return olx_builtin_build(name + sizeof builtin_prefix - 1, scene);
-  }
-  const char *extension = extension_of(name);
-  if (strcasecmp(extension, ".json") == 0) return olx_import_description(name, scene);
-  if (strcasecmp(extension, ".gltf") == 0 || strcasecmp(extension, ".glb") == 0 || strcasecmp(extension, ".obj") == 0) {
-    const olx_placement as_it_is = {.scale = 1.0f};
-    return olx_import_model(name, &as_it_is, scene);
-  }
-  return olx_fail(OLX_ERROR_UNSUPPORTED, "%s: not a scene: expected .gltf, .glb, .obj, .json or builtin:NAME", name);
-}
-
-olx_result olx_scene_load(const char *name, olx_scene **scene) {
+olx_result olx_scene_load_by(olx_result (*fill)(const char *name, olx_scene *scene), const char *name,
+                             olx_scene **scene) {
   *scene = NULL;
   olx_scene *loaded = olx_allocate_zero(1, sizeof *loaded);
   if (!loaded) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", name);
-  olx_result result = fill_scene(name, loaded);
+  olx_result result = fill(name, loaded);
   if (result == OLX_OK) {
     result = olx_scene_finish(loaded);
     if (result != OLX_OK) olx_fail(result, "%s: %s", name, olx_last_error());

@@ -30,6 +30,10 @@ static void *grow(void *array, uint32_t count, uint32_t added, size_t element_by
   return grown;
 }
 
+void *olx_scene_array(uint32_t count, size_t element_bytes) {
+  return olx_allocate((size_t)capacity_for(count), element_bytes);
+}
+
 #define RESERVE(array, count, added)                                                                                   \
   do {                                                                                                                 \
     void *const grown_ = grow((array), (count), (added), sizeof *(array));                                             \
@@ -137,6 +141,10 @@ static triangle_fault judge_triangle(const olx_vec3 *positions, uint32_t vertex_
   // In floats, as everything downstream computes its normal.
   const float area = olx_length(olx_cross(olx_sub(b, a), olx_sub(c, a)));
   return area > 0.0f && isfinite(area) ? FAULT_NONE : FAULT_AREA;
+}
+
+bool olx_sane_triangle(const olx_vec3 *positions, uint32_t vertex_count, const uint32_t corner[3]) {
+  return judge_triangle(positions, vertex_count, corner) == FAULT_NONE;
 }
 
 static olx_result reserve_mesh(olx_scene *scene, uint32_t vertices, uint32_t triangles) {

@@ -15,6 +15,12 @@ static inline bool olx_sane_position(olx_vec3 p) {
 // A material with white-ish Lambertian defaults: base colour 0.8, specular weight 0, roughness 1, no textures.
 olx_material olx_material_default(void);
 
+// An array of `count` elements with the room that the functions below count on when they append to it.
+void *olx_scene_array(uint32_t count, size_t element_bytes);
+
+// Whether a triangle's corners are among the vertices and sane, and it has an area.
+bool olx_sane_triangle(const olx_vec3 *positions, uint32_t vertex_count, const uint32_t corner[3]);
+
 // Each appends and returns the new element's index through *index (may be NULL).
 olx_result olx_scene_add_material(olx_scene *scene, const olx_material *material, uint32_t *index);
 // Takes ownership of texture->texels.
@@ -32,5 +38,12 @@ olx_result olx_scene_add_mesh(olx_scene *scene, const char *name, const olx_vec3
 
 // Bounds, hash, emitters and the ray caster; fails with OLX_ERROR_EMPTY for a scene without triangles.
 olx_result olx_scene_finish(olx_scene *scene);
+
+// A new scene that `fill` makes of what is called `name`, finished.
+olx_result olx_scene_load_by(olx_result (*fill)(const char *name, olx_scene *scene), const char *name,
+                             olx_scene **scene);
+
+// Append the content of a cooked scene to an empty one.
+olx_result olx_scene_read_cooked(const char *path, olx_scene *scene);
 
 #endif

@@ -1,0 +1,32 @@
+// Loading a scene by its name. Apart from everything else, so that a program which only loads cooked scenes needs no importer.
+#include "core/result.h"
+#include "scene/builtin.h"
+#include "scene/import.h"
+#include "scene/scene_build.h"
+
+#include <string.h>
+#include <strings.h>
+
+static const char builtin_prefix[] = "builtin:";
+
+static const char *extension_of(const char *path) {
+  const char *dot = strrchr(path, '.'), *slash = strrchr(path, '/');
+  return dot && (!slash || dot > slash) ? dot : "";
+}
+
+static olx_result fill_scene(const char *name, olx_scene *scene) {
+  if (strncmp(name, builtin_prefix, sizeof builtin_prefix - 1) == 0) {
+    return olx_builtin_build(name + sizeof builtin_prefix - 1, scene);
+  }
+  const char *extension = extension_of(name);
+  if (strcasecmp(extension, ".olxs") == 0) return olx_scene_read_cooked(name, scene);
+  if (strcasecmp(extension, ".json") == 0) return olx_import_description(name, scene);
+  if (strcasecmp(extension, ".gltf") == 0 || strcasecmp(extension, ".glb") == 0 || strcasecmp(extension, ".obj") == 0) {
+    const olx_placement as_it_is = {.scale = 1.0f};
+    return olx_import_model(name, &as_it_is, scene);
+  }
+  return olx_fail(OLX_ERROR_UNSUPPORTED, "%s: not a scene: expected .gltf, .glb, .obj, .json, .olxs or builtin:NAME",
+                  name);
+}
+
+olx_result olx_scene_load(const char *name, olx_scene **scene) { return olx_scene_load_by(fill_scene, name, scene); }

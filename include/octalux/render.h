@@ -102,6 +102,32 @@ olx_result olx_compare(const olx_image *a, const olx_image *b, olx_layer layer, 
 // with the scale from 0 to 100 % drawn at the right. Fails as olx_compare does.
 olx_result olx_compare_heatmap(const olx_image *a, const olx_image *b, olx_layer layer, const char *path);
 
+// Whether a layer shows colours that can be looked at: every layer but normal and depth.
+bool olx_layer_is_color(olx_layer layer);
+
+typedef struct olx_perceptual_settings {
+  float exposure;          // multiplies light before the tone map; default 1
+  float pixels_per_degree; // in the viewer's eye, at most 1000; default 67: 3840 pixels on 0.7 m, seen from 0.7 m
+  uint32_t threads;        // 0: as many as the machine has; the numbers do not depend on it
+} olx_perceptual_settings;
+
+olx_perceptual_settings olx_perceptual_settings_default(void);
+
+// How alike two layers look as pictures: both are tone mapped to the 8-bit sRGB that olx_image_save_layer_png writes.
+typedef struct olx_perceptual {
+  double ssim; // mean structural similarity of luma (Wang et al. 2004), 1 for equal pictures; NaN below 11 pixels a side
+  double flip; // mean LDR-FLIP (Andersson et al. 2020), 0 for equal pictures to 1
+} olx_perceptual;
+
+// Compare a layer of color of `a` with the reference `b`. flip_map may be NULL; else FLIP of every pixel is put into its
+// width * height numbers. Fails as olx_compare does, and with OLX_ERROR_ARGUMENT for settings out of range.
+olx_result olx_compare_perceptual(const olx_image *a, const olx_image *b, olx_layer layer,
+                                  const olx_perceptual_settings *settings, float *flip_map, olx_perceptual *perceptual);
+// The palette of error maps: "magma" of matplotlib, from black (0) to a pale yellow (1).
+void olx_magma(float value, uint8_t rgb[3]);
+// Write a FLIP map as .png, coloured by olx_magma. Beside, synced, renamed.
+olx_result olx_flip_map_save(const float *flip_map, uint32_t width, uint32_t height, const char *path);
+
 typedef struct olx_audit_settings {
   uint32_t rays;   // default 200,000
   uint32_t points; // default 2,000

@@ -23,6 +23,8 @@ const char *olx_layer_name(olx_layer layer) {
 
 uint32_t olx_layer_channels(olx_layer layer) { return layer == OLX_LAYER_DEPTH ? 1 : 3; }
 
+bool olx_layer_is_color(olx_layer layer) { return layer != OLX_LAYER_NORMAL && layer != OLX_LAYER_DEPTH; }
+
 olx_result olx_image_create(uint32_t width, uint32_t height, uint32_t layer_mask, olx_image *image) {
   *image = (olx_image){0};
   if (width < 1 || height < 1 || width > OLX_IMAGE_MAX_SIZE || height > OLX_IMAGE_MAX_SIZE) {

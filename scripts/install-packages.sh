@@ -5,7 +5,7 @@ set -euo pipefail
 packages=(
   gcc g++ clang clang-format clang-tidy libclang-rt-14-dev # compilers, sanitizer runtimes, tools
   cmake ninja-build pkg-config python3 binutils
-  libembree-dev libassimp-dev libopenexr-dev libstb-dev libcjson-dev libxxhash-dev
+  libembree-dev libassimp-dev libopenexr-dev libstb-dev libcjson-dev libqhull-dev libxxhash-dev
   libcmocka-dev
 )
 

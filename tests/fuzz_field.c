@@ -17,7 +17,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-enum { SHAPES = 6, RAYS = 6, POINTS = 3, SECONDS_A_ROUND = 20, MOST_ADDED = 4096 };
+enum { SHAPES = 8, RAYS = 6, POINTS = 3, SECONDS_A_ROUND = 20, MOST_ADDED = 4096 };
 
 static const synthetic_shape shapes[SHAPES] = {
     {.grid = {1, 1, 1}, .irradiance_grid = {1, 1, 1}, .n = 8, .irradiance_n = 8},
@@ -26,6 +26,16 @@ static const synthetic_shape shapes[SHAPES] = {
     {.grid = {1, 4, 1}, .irradiance_grid = {2, 2, 1}, .n = 32, .irradiance_n = 8},
     {.grid = {1, 1, 1}, .irradiance_grid = {1, 1, 1}, .n = 64, .irradiance_n = 32},
     {.grid = {1, 1, 2}, .irradiance_grid = {1, 2, 2}, .n = 64, .irradiance_n = 8},
+    {.grid = {3, 3, 3},
+     .irradiance_grid = {1, 1, 1},
+     .n = 8,
+     .irradiance_n = 8,
+     .select_mask = 1u << OLX_SELECT_VORONOI},
+    {.grid = {20, 7, 2},
+     .irradiance_grid = {1, 1, 1},
+     .n = 8,
+     .irradiance_n = 8,
+     .select_mask = 1u << OLX_SELECT_VORONOI},
 };
 
 typedef struct buffer {
@@ -239,10 +249,23 @@ static void change_maps(dice *d, buffer *b) {
   }
 }
 
+// The words of a selector's structure, its header more often than the rest.
+static void change_selector(dice *d, buffer *b) {
+  const uint32_t count = chunks_inside(*b);
+  if (count <= OLX_CHUNK_REQUIRED) return;
+  const buffer chunk = chunk_of(*b, OLX_CHUNK_REQUIRED + draw_below(d, count - OLX_CHUNK_REQUIRED));
+  if (chunk.size_bytes < 4) return;
+  for (uint32_t i = draw_below(d, 4) + 1; i > 0; i--) {
+    const size_t words = chunk.size_bytes / 4, first = words < 8 ? words : 8;
+    const uint32_t value = extreme_u32(d);
+    memcpy(chunk.bytes + 4 * draw_offset(d, draw(d) & 1u ? first : words), &value, 4);
+  }
+}
+
 static void spoil(dice *d, buffer *b) {
-  static void (*const ways[])(dice *, buffer *) = {flip_bits,     overwrite_run, change_size,      change_header,
-                                                   change_table,  change_info,   change_positions, stretch_space,
-                                                   stretch_space, change_maps,   change_maps,      change_maps};
+  static void (*const ways[])(dice *, buffer *) = {
+      flip_bits,     overwrite_run, change_size, change_header, change_table, change_info,     change_positions,
+      stretch_space, stretch_space, change_maps, change_maps,   change_maps,  change_selector, change_selector};
   for (uint32_t i = draw_below(d, 4) ? 1 : 3; i > 0; i--) ways[draw_below(d, sizeof ways / sizeof ways[0])](d, b);
   if (draw_below(d, 8)) seal(*b);
 }
@@ -301,6 +324,7 @@ static float draw_t_max(dice *d) { return draw_below(d, 3) ? INFINITY : extreme_
 static olx_sample_settings draw_settings(dice *d) {
   olx_sample_settings settings = olx_sample_settings_default();
   settings.tracer = draw(d) & 1u ? OLX_TRACER_TEXEL : OLX_TRACER_TWO_LEVEL;
+  settings.select = (olx_select)draw_below(d, OLX_SELECT_BEST + 1);
   settings.visibility = draw_below(d, 4) ? OLX_VISIBILITY_CHEBYSHEV : OLX_VISIBILITY_NONE;
   if (draw_below(d, 4) == 0) settings.max_probes = extreme_u32(d);
   settings.keep_buried = draw(d) & 1u;

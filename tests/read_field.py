@@ -53,10 +53,15 @@ def read_chunks(data):
             chunks[name] = (data[offset:offset + size], record, element)
         else:
             need(flags & 1, f"{name}: required and unknown")
+            if name in SELECTORS:
+                need(name not in chunks, f"{name}: twice")
+                chunks[name] = (data[offset:offset + size], record, element)
     need(end == len(data), "bytes after the last chunk")
-    need(len(chunks) == len(SHAPES), f"missing: {sorted(set(SHAPES) - set(chunks))}")
+    need(set(SHAPES) <= set(chunks), f"missing: {sorted(set(SHAPES) - set(chunks))}")
     return chunks
 
+
+SELECTORS = ("VORO", "OCTR", "BRIK")
 
 # type: (bytes of an element, elements of a record, records), in terms of the description
 SHAPES = {
@@ -207,6 +212,33 @@ def check_irradiance_probe(chunks, d, probe):
         need(mean * mean <= square * (1 + 2.0 ** -9) + 2.0 ** -24, f"MOME of probe {probe}: variance")
 
 
+def read_codes(blob, offset, count, probes):
+    """Names of probes, None where there is none."""
+    kind, none = ("B", 0xFF) if probes <= 255 else ("H", 0xFFFF)
+    codes = array.array(kind)
+    need(len(blob) == offset + count * codes.itemsize, "size of a selector")
+    codes.frombytes(blob[offset:])
+    if sys.byteorder == "big":
+        codes.byteswap()
+    return [None if code == none else code for code in codes]
+
+
+def check_choices(name, choices, probes):
+    known = [probe for probe in choices if probe is not None]
+    need(choices[:len(known)] == known and len(set(known)) == len(known), f"{name}: {choices}")
+    need(all(probe < probes for probe in known), f"{name}: no such probe in {choices}")
+
+
+def check_voronoi(blob, probes):
+    need(len(blob) >= 16, "VORO: size")
+    size, *zeros = struct.unpack_from("<4I", blob, 0)
+    need(size in (4, 8, 16, 32, 64) and not any(zeros), "VORO: header")
+    codes = read_codes(blob, 16, probes * size * size * 4, probes)
+    for i in range(0, len(codes), 4):
+        check_choices("VORO", codes[i:i + 4], probes)
+        need(i // 4 // (size * size) not in codes[i:i + 4], "VORO: its own neighbour")
+
+
 def sample(count):
     step = max(1, count // PROBES_LOOKED_AT)
     return range(0, count, step)
@@ -234,8 +266,10 @@ def read(path):
     for i in sample(d["Q"]):
         check_irradiance_probe(chunks, d, i)
     size = lambda name: len(chunks[name][0])
-    stored = [name for bit, name in enumerate(("", "VORO", "OCTR", "BRIK")) if bit and d["selectors"] >> bit & 1]
-    need(all(name in chunks for name in stored), "selectors without their chunks")
+    stored = [name for bit, name in enumerate(SELECTORS, 1) if d["selectors"] >> bit & 1]
+    need(stored == [name for name in SELECTORS if name in chunks], "selectors without their chunks")
+    if "VORO" in chunks:
+        check_voronoi(chunks["VORO"][0], d["P"])
     names = [name for bit, name in enumerate(("cage", "voronoi", "octree", "bricks")) if d["selectors"] >> bit & 1]
     told = {
         "probes": d["P"], "irradiance_probes": d["Q"], "buried": d["buried"], "irradiance_buried": d["irradiance_buried"],

@@ -1,5 +1,6 @@
 #include "synthetic_field.h"
 
+#include "bake/selectors.h"
 #include "core/file.h"
 #include "core/hooks.h"
 #include "core/result.h"
@@ -19,6 +20,24 @@ static const olx_vec3 *positions_of(const olx_grid *grid, uint32_t count) {
   return positions;
 }
 
+static void build_selectors(olx_field_header *header, uint32_t mask) {
+  uint8_t *flags = olx_allocate(header->info.probe_count, 1);
+  for (uint32_t i = 0; i < header->info.probe_count; i++) flags[i] = synthetic_flags(i);
+  const olx_selector_input input = {.positions = header->probe_positions,
+                                    .flags = flags,
+                                    .count = header->info.probe_count,
+                                    .radiance_size = header->info.radiance_size,
+                                    .distance_scale = header->info.distance_scale_metres,
+                                    .threads = 1};
+  olx_selector_blobs blobs = {0};
+  if (olx_selectors_build(&input, mask, &blobs) == OLX_OK) header->info.select_mask |= mask;
+  for (uint32_t i = 0; i < OLX_SELECT_STORED; i++) {
+    header->select_data[i] = blobs.data[i];
+    header->select_bytes[i] = blobs.size_bytes[i];
+  }
+  olx_release(flags);
+}
+
 olx_field_header synthetic_header(const synthetic_shape *shape) {
   olx_field_header header = {.info = {.probe_count = probes_of(shape->grid),
                                       .irradiance_probe_count = probes_of(shape->irradiance_grid),
@@ -36,12 +55,14 @@ olx_field_header synthetic_header(const synthetic_shape *shape) {
                                       .scene_hash = 0x0123456789ABCDEFu}};
   header.probe_positions = positions_of(&header.info.grid, header.info.probe_count);
   header.irradiance_positions = positions_of(&header.info.irradiance_grid, header.info.irradiance_probe_count);
+  build_selectors(&header, shape->select_mask);
   return header;
 }
 
 void synthetic_header_release(olx_field_header *header) {
   olx_release((void *)(uintptr_t)header->probe_positions);
   olx_release((void *)(uintptr_t)header->irradiance_positions);
+  for (uint32_t i = 0; i < OLX_SELECT_STORED; i++) olx_release((void *)(uintptr_t)header->select_data[i]);
 }
 
 uint8_t synthetic_flags(uint32_t probe) { return probe % 3 == 1 ? OLX_PROBE_BURIED : 0; }

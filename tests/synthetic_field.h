@@ -7,10 +7,11 @@
 typedef struct synthetic_shape {
   uint32_t grid[3], irradiance_grid[3];
   uint32_t n, irradiance_n;
+  uint32_t select_mask; // beside the cage; of voronoi
 } synthetic_shape;
 
-// The header of such a field: a box around the origin, probes one metre apart, every third probe buried. Release the
-// positions with synthetic_header_release.
+// The header of such a field: a box around the origin, probes one metre apart, every third probe buried. Release
+// what it points to with synthetic_header_release.
 olx_field_header synthetic_header(const synthetic_shape *shape);
 void synthetic_header_release(olx_field_header *header);
 

@@ -1,11 +1,13 @@
 #include "bake/selectors.h"
 
+#include "bake/voronoi_build.h"
 #include "core/hooks.h"
 #include "core/result.h"
 
 // NULL where there is nothing to build (the cage is the grid itself) or nobody to build it.
 static olx_selector_builder builder_of(olx_select select) {
   switch (select) {
+  case OLX_SELECT_VORONOI: return olx_voronoi_build;
   default: return NULL;
   }
 }

@@ -2,6 +2,7 @@
 #include "core/hooks.h"
 #include "core/result.h"
 #include "field/field_file.h"
+#include "field/selector_data.h"
 
 #include <assert.h>
 
@@ -45,6 +46,11 @@ static olx_result find_selectors(olx_field *field, const olx_chunk_shape shapes[
     field->select_bytes[select] = chunk->size_bytes;
     field->info.selector_bytes += chunk->size_bytes;
   }
+  return OLX_OK;
+}
+
+static olx_result check_selectors(const olx_field *field) {
+  if (field->select_data[OLX_SELECT_VORONOI]) OLX_TRY(olx_voronoi_check(field));
   return OLX_OK;
 }
 
@@ -105,6 +111,7 @@ static olx_result check_structure(olx_field *field) {
                               "light field", field->name, OLX_ERROR_FORMAT));
   OLX_TRY(olx_positions_check(field->irradiance_positions, info->irradiance_probe_count, &info->irradiance_grid,
                               "irradiance", field->name, OLX_ERROR_FORMAT));
+  OLX_TRY(check_selectors(field));
   OLX_TRY(check_flags(field, field->probe_flags, info->probe_count, info->buried_count, "light field"));
   return check_flags(field, field->irradiance_flags, info->irradiance_probe_count, info->irradiance_buried_count,
                      "irradiance");

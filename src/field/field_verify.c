@@ -1,6 +1,7 @@
 #include "core/parallel.h"
 #include "core/result.h"
 #include "field/field_file.h"
+#include "field/selector_data.h"
 
 #include <assert.h>
 
@@ -157,6 +158,7 @@ olx_result olx_field_verify(const olx_field *field) {
   assert(field);
   const olx_file_header *header = field->data;
   OLX_TRY(check_all(field, check_chunk, header->chunk_count));
+  if (field->select_data[OLX_SELECT_VORONOI]) OLX_TRY(olx_voronoi_verify(field));
   OLX_TRY(check_all(field, check_probe, field->info.probe_count));
   return check_all(field, check_irradiance, field->info.irradiance_probe_count);
 }

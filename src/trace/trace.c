@@ -1,6 +1,7 @@
 // A ray against the whole field: probe after probe until one knows (McGuire et al. 2017, Listing 1).
 #include "select/cage.h"
 #include "select/select.h"
+#include "select/voronoi.h"
 #include "trace/probe_trace.h"
 
 // Probes remembered as asked: the most that olx_sample_settings.max_probes can be.
@@ -111,6 +112,23 @@ static bool search_cages(search *s, uint32_t *probe, olx_probe_answer *answer) {
   }
 }
 
+// Ask the nearest probe, then from probe to probe the neighbour in whose direction the ray went out of sight.
+static bool search_voronoi(search *s, uint32_t *probe, olx_probe_answer *answer) {
+  uint32_t next = olx_voronoi_nearest(s->field, s->origin, s->settings->keep_buried);
+  while (next != OLX_NO_PROBE && s->attempts < s->limit) {
+    *probe = next;
+    if (ask(s, *probe, answer)) return true;
+    const olx_vec3 stuck = olx_sub(ray_point(s, s->t), s->field->probe_positions[*probe]);
+    uint32_t choices[OLX_CHOICES];
+    olx_voronoi_neighbours(s->field, *probe, stuck, choices);
+    next = OLX_NO_PROBE;
+    for (uint32_t i = 0; i < OLX_CHOICES && next == OLX_NO_PROBE; i++) {
+      if (choices[i] != OLX_NO_PROBE && usable(s, choices[i]) && !was_asked(s, choices[i])) next = choices[i];
+    }
+  }
+  return false;
+}
+
 // Ask whichever other probes see the place where the ray is stuck, nearest first.
 static bool search_everywhere(search *s, uint32_t *probe, olx_probe_answer *answer) {
   while (s->attempts < s->limit) {
@@ -183,13 +201,15 @@ static float leave_bounds(const olx_field *field, olx_vec3 origin, olx_vec3 dire
 static bool search_selected(search *s, uint32_t *probe, olx_probe_answer *answer) {
   switch (olx_select_resolve(s->field, s->settings->select)) {
   case OLX_SELECT_CAGE: return search_cages(s, probe, answer);
+  case OLX_SELECT_VORONOI: return search_voronoi(s, probe, answer);
   default: return false;
   }
 }
 
 olx_trace_hit olx_trace(const olx_field *field, const olx_sample_settings *settings, olx_vec3 origin,
                         olx_vec3 direction, float t_max_metres) {
-  if (!is_ray(origin, direction, t_max_metres)) return (olx_trace_hit){.status = OLX_TRACE_UNKNOWN, .probe = UINT32_MAX};
+  if (!is_ray(origin, direction, t_max_metres))
+    return (olx_trace_hit){.status = OLX_TRACE_UNKNOWN, .probe = UINT32_MAX};
   search s = {
       .field = field,
       .settings = settings,

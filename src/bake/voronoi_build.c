@@ -1,0 +1,108 @@
+#include "bake/voronoi_build.h"
+
+#include "bake/delaunay.h"
+#include "core/hooks.h"
+#include "core/octahedral.h"
+#include "core/result.h"
+#include "field/selector_data.h"
+
+#include <string.h>
+
+// Neighbours in directions closer than about this cosine's last step count as one direction; the nearer one comes first.
+static const float COSINE_STEPS = 65536.0f;
+
+typedef struct voronoi_build {
+  const olx_selector_input *input;
+  const uint32_t *live;      // probes that are not buried
+  const olx_vec3 *positions; // of those
+  const olx_neighbours *neighbours;
+  void *codes;
+  uint32_t code_bytes;
+} voronoi_build;
+
+typedef struct candidate {
+  float cosine, distance; // rounded cosine of the angle from the texel; squared metres
+  uint32_t probe;
+} candidate;
+
+static bool is_better(const candidate *a, const candidate *b) {
+  if (a->cosine != b->cosine) return a->cosine > b->cosine;
+  if (a->distance != b->distance) return a->distance < b->distance;
+  return a->probe < b->probe;
+}
+
+// Put a candidate in its place among the best.
+static void consider(candidate best[OLX_CHOICES], uint32_t *known, candidate c) {
+  if (*known == OLX_CHOICES && !is_better(&c, &best[OLX_CHOICES - 1])) return;
+  uint32_t at = *known < OLX_CHOICES ? (*known)++ : OLX_CHOICES - 1;
+  for (; at > 0 && is_better(&c, &best[at - 1]); at--) best[at] = best[at - 1];
+  best[at] = c;
+}
+
+static void fill_texel(const voronoi_build *b, uint32_t i, uint32_t texel) {
+  const olx_vec3 direction = olx_texel_direction(texel % OLX_VORONOI_SIZE, texel / OLX_VORONOI_SIZE, OLX_VORONOI_SIZE);
+  candidate best[OLX_CHOICES];
+  uint32_t known = 0;
+  for (size_t e = b->neighbours->first[i]; e < b->neighbours->first[i + 1]; e++) {
+    const uint32_t other = b->neighbours->neighbour[e];
+    const olx_vec3 offset = olx_sub(b->positions[other], b->positions[i]);
+    const float distance = olx_dot(offset, offset);
+    // A probe in the same place sees the same: last.
+    const float cosine = distance > 0.0f ? olx_dot(direction, offset) / sqrtf(distance) : -2.0f;
+    consider(best, &known, (candidate){floorf(cosine * COSINE_STEPS), distance, b->live[other]});
+  }
+  const size_t first = ((size_t)b->live[i] * OLX_VORONOI_SIZE * OLX_VORONOI_SIZE + texel) * OLX_CHOICES;
+  for (uint32_t k = 0; k < known; k++) olx_probe_code_store(b->codes, b->code_bytes, first + k, best[k].probe);
+}
+
+static void fill_map(void *user, uint32_t i) {
+  for (uint32_t texel = 0; texel < OLX_VORONOI_SIZE * OLX_VORONOI_SIZE; texel++) fill_texel(user, i, texel);
+}
+
+static olx_result fill(voronoi_build *b, uint32_t *live, olx_vec3 *positions) {
+  const olx_selector_input *input = b->input;
+  uint32_t count = 0;
+  for (uint32_t i = 0; i < input->count; i++) {
+    if (input->flags[i] & OLX_PROBE_BURIED) continue;
+    positions[count] = input->positions[i];
+    live[count++] = i;
+  }
+  if (count == 0) return OLX_OK;
+  olx_neighbours neighbours;
+  OLX_TRY(olx_neighbours_create(positions, count, &neighbours));
+  b->live = live;
+  b->positions = positions;
+  b->neighbours = &neighbours;
+  const olx_result result = olx_parallel_for(count, input->threads, fill_map, b, input->task, 0);
+  olx_neighbours_free(&neighbours);
+  return result;
+}
+
+olx_result olx_voronoi_build(const olx_selector_input *input, void **data, size_t *size_bytes) {
+  if (input->count > OLX_MAX_CODED_PROBES) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "bake: the selector 'voronoi' takes at most %d probes, not %u",
+                    OLX_MAX_CODED_PROBES, input->count);
+  }
+  voronoi_build b = {.input = input, .code_bytes = olx_probe_code_bytes(input->count)};
+  const size_t codes = (size_t)input->count * OLX_VORONOI_SIZE * OLX_VORONOI_SIZE * OLX_CHOICES;
+  *size_bytes = sizeof(olx_voronoi_header) + codes * b.code_bytes;
+  *data = olx_allocate(*size_bytes, 1);
+  uint32_t *live = olx_allocate(input->count, sizeof *live);
+  olx_vec3 *positions = olx_allocate(input->count, sizeof *positions);
+  olx_result result = OLX_ERROR_MEMORY;
+  if (*data && live && positions) {
+    memset(*data, 0xFF, *size_bytes); // no probe anywhere
+    olx_voronoi_header *header = *data;
+    *header = (olx_voronoi_header){.size = OLX_VORONOI_SIZE};
+    b.codes = header + 1;
+    result = fill(&b, live, positions);
+  } else {
+    result = olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for the neighbours of %u probes", input->count);
+  }
+  olx_release(live);
+  olx_release(positions);
+  if (result == OLX_OK) return OLX_OK;
+  olx_release(*data);
+  *data = NULL;
+  return result;
+}

@@ -1,0 +1,41 @@
+// The structures by which selectors find probes, as they lie in the file (docs/format.md).
+#ifndef OLX_FIELD_SELECTOR_DATA_H
+#define OLX_FIELD_SELECTOR_DATA_H
+
+#include "field/field_data.h"
+
+#define OLX_NO_PROBE UINT32_MAX
+
+enum {
+  OLX_MAX_CODED_PROBES = 65535,
+  OLX_CHOICES = 4 // probes that a texel or a leaf names, best first
+};
+
+// Probes are named by a byte each where 255 probes are the most, else by two; all bits set name none.
+static inline uint32_t olx_probe_code_bytes(uint32_t probe_count) { return probe_count <= 255 ? 1 : 2; }
+
+static inline uint32_t olx_probe_code(const void *codes, uint32_t code_bytes, size_t index) {
+  const uint32_t code = code_bytes == 1 ? ((const uint8_t *)codes)[index] : ((const uint16_t *)codes)[index];
+  return code == (code_bytes == 1 ? 0xFFu : 0xFFFFu) ? OLX_NO_PROBE : code;
+}
+
+static inline void olx_probe_code_store(void *codes, uint32_t code_bytes, size_t index, uint32_t probe) {
+  if (code_bytes == 1) ((uint8_t *)codes)[index] = (uint8_t)probe;
+  else ((uint16_t *)codes)[index] = (uint16_t)probe;
+}
+
+// VORO: this, then for each probe an octahedral map of size x size texels, row by row: OLX_CHOICES codes each.
+typedef struct olx_voronoi_header {
+  uint32_t size; // a power of two, 4 to 64
+  uint32_t zero[3];
+} olx_voronoi_header;
+
+_Static_assert(sizeof(olx_voronoi_header) == 16, "docs/format.md");
+
+// What opening a field checks: sizes, in no time. The runtime stays inside the structure whatever it holds.
+olx_result olx_voronoi_check(const olx_field *field);
+
+// What verifying a field checks: everything in it.
+olx_result olx_voronoi_verify(const olx_field *field);
+
+#endif

@@ -14,7 +14,7 @@
 // 0 is "not given" where 0 is no value; NOT_GIVEN elsewhere.
 typedef struct render_options {
   const char *scene, *output, *png, *field, *camera;
-  uint32_t method, size[2], spp, bounces, diffuse, diffuse_samples, glossy_samples, threads, device;
+  uint32_t method, size[2], spp, bounces, diffuse, diffuse_samples, glossy_samples, seed, threads, device;
   sample_options sample;
   float exposure;
   bool standard_error, show_probes, progress, json;
@@ -32,6 +32,7 @@ static olx_render_settings resolve(const render_options *o) {
   if (o->diffuse_samples) settings.diffuse_samples = o->diffuse_samples;
   if (o->glossy_samples) settings.glossy_samples = o->glossy_samples;
   settings.standard_error = o->standard_error;
+  settings.seed = o->seed;
   settings.threads = o->threads;
   settings.sample = resolve_sample_options(&o->sample);
   return settings;
@@ -71,6 +72,8 @@ static int print_render_json(const olx_render_stats *stats, const olx_image *ima
   add_number(object, "rays", (double)stats->rays);
   add_number(object, "field_rays", (double)stats->field_rays);
   add_number(object, "field_unresolved", (double)stats->field_unresolved);
+  add_number(object, "field_steps", (double)stats->field_steps);
+  add_number(object, "field_probes", (double)stats->field_probes);
   return print_json("render", object);
 }
 
@@ -142,6 +145,7 @@ int command_render(int argc, char **argv) {
        4096},
       {"--glossy-samples", OPTION_COUNT, &o.glossy_samples, "N", "field: glossy rays a sample; default 4", 1, 4096},
       SAMPLE_OPTION_ROWS(o.sample),
+      {"--seed", OPTION_COUNT, &o.seed, "N", "another one gives other noise; default 0", 0, UINT32_MAX},
       {"--standard-error", OPTION_FLAG, &o.standard_error, NULL, "also a layer with beauty's standard error", 0, 0},
       {"--show-probes", OPTION_FLAG, &o.show_probes, NULL, "draw the field's probes into a .png", 0, 0},
       {"--exposure", OPTION_REAL, &o.exposure, "X", "multiply light before the tone map of a .png; default 1", 0, 0},

@@ -11,5 +11,6 @@ int command_audit(int argc, char **argv);
 int command_info(int argc, char **argv);
 int command_verify(int argc, char **argv);
 int command_bench(int argc, char **argv);
+int command_bench_wang(int argc, char **argv); // `bench wang` and `bench wang-probes`
 
 #endif

@@ -30,6 +30,7 @@ static const expectation expected[] = {
     {"holodeck", true, 1, 1, 0, {1, 1, 1}, {-3.6f, 0.0f, -3.6f}, {3.6f, 3.5f, 3.6f}},
     {"area-light", true, 1, 1, 0, {4, 3, 4}, {-4.0f, 0.0f, -4.0f}, {4.0f, 4.0f, 4.0f}},
     {"temple", true, 2, 2, 10, {5, 3, 5}, {-7.0f, 0.0f, -9.0f}, {7.0f, 5.0f, 9.0f}},
+    {"statue", false, 1, 1, 0, {2, 2, 2}, {-0.8f, 0.0f, -1.3f}, {0.8f, 2.56f, 0.45f}},
 };
 
 #define SCENE_COUNT (sizeof expected / sizeof *expected)

@@ -199,6 +199,38 @@ static void replaced_color_keeps_the_mask(void **state) {
   olx_scene_free(scene);
 }
 
+// What is built in can be a model, or a part beside one: placed like others, but its lamps stay lamps, and it brings no
+// volume of probes.
+static void built_in_scenes_are_models(void **state) {
+  olx_scene *alone = NULL;
+  assert_int_equal(olx_scene_load("builtin:statue", &alone), OLX_OK);
+  const olx_scene_info was = olx_scene_describe(alone);
+  olx_scene *scene = load(*state, "{\"model\": \"square.obj\", \"models\": [{\"path\": \"builtin:statue\", \"scale\": 2,"
+                                  "  \"rotate_degrees\": [0, 90, 0], \"translate\": [10, 0, 0]}],"
+                                  "\"materials\": {\"*\": {\"roughness\": 0.5}, \"staff\": {\"roughness\": 0.25}}}");
+  const olx_scene_info info = olx_scene_describe(scene);
+  assert_int_equal(info.triangles, was.triangles + 2);
+  assert_int_equal(info.lights, 1);
+  assert_false(info.has_probe_volume);
+  // A quarter turn about y takes (x, y, z) to (z, y, -x).
+  assert_near(info.bounds_max.y, 2.0f * was.bounds_max.y);
+  assert_near(info.bounds_max.x, 10.0f + 2.0f * was.bounds_max.z);
+  const olx_camera before = olx_scene_camera(alone, 0), after = olx_scene_camera(scene, 0);
+  assert_vec(after.eye, 10.0f + 2.0f * before.eye.z, 2.0f * before.eye.y, -2.0f * before.eye.x);
+  assert_vec(after.up, 0.0f, 1.0f, 0.0f);
+  uint32_t lamps = 0;
+  for (uint32_t i = 0; i < scene->material_count; i++) {
+    const olx_material *material = &scene->materials[i];
+    const bool lamp = olx_max3(material->emission) > 0.0f;
+    lamps += lamp;
+    assert_near(material->specular_weight, lamp ? 0.0f : 1.0f);
+    assert_near(material->roughness, lamp ? 1.0f : strcmp(material->name, "staff") == 0 ? 0.25f : 0.5f);
+  }
+  assert_int_equal(lamps, 1);
+  olx_scene_free(scene);
+  olx_scene_free(alone);
+}
+
 static void probe_volume_and_counts(void **state) {
   olx_scene *scene = load(*state, "{\"model\": \"square.obj\", \"probes\": {\"min\": [-1, 0, 2], \"max\": [1, 3, 2], "
                                   "\"grid\": [3, 4, 1]}}");
@@ -391,7 +423,8 @@ static float nearest_surface(const olx_scene *scene, olx_vec3 point) {
 
 static void real_descriptions_put_cameras_into_free_space(void **state) {
   (void)state;
-  const char *names[] = {"sponza", "living-room", "white-room", "kitchen", "veach-ajar", "godot-rooms", "small-house"};
+  const char *names[] = {"sponza", "living-room", "white-room", "kitchen", "veach-ajar", "godot-rooms", "small-house",
+                         "sponza-wang", "temple-wang"};
   char folder[4096];
   if (!scene_files_real("sponza/sponza.gltf", folder, sizeof folder)) {
     print_message("the real scenes are not there: skipped\n");
@@ -424,6 +457,7 @@ int main(void) {
       WITH_FOLDER(lights_arrive),
       WITH_FOLDER(environment_is_constant_or_an_image),
       WITH_FOLDER(materials_are_replaced_by_name_over_all),
+      WITH_FOLDER(built_in_scenes_are_models),
       WITH_FOLDER(replaced_color_keeps_the_mask),
       WITH_FOLDER(probe_volume_and_counts),
       WITH_FOLDER(without_probe_volume_the_bounds_are_filled),

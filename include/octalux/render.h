@@ -66,6 +66,7 @@ typedef struct olx_render_settings {
   olx_diffuse diffuse;       // field; default OLX_DIFFUSE_IRRADIANCE
   uint32_t diffuse_samples;  // field, traced: rays a camera sample, 1 to 4096; default 64
   uint32_t glossy_samples;   // field: rays a camera sample on glossy surfaces, 1 to 4096; default 4 (1 when smooth)
+  uint32_t seed;             // another one gives other samples, so that two images have independent noise; default 0
   bool standard_error;       // also fill OLX_LAYER_STANDARD_ERROR
   uint32_t threads;          // 0: as many as the machine has; the image does not depend on it
   olx_sample_settings sample; // field: tracer, selector, visibility
@@ -75,11 +76,12 @@ olx_render_settings olx_render_settings_default(olx_method method);
 
 typedef struct olx_render_stats {
   double seconds;
-  // Of worker time, summed over threads; a path tracer tells the first alone.
+  // Processor time of the workers, summed over threads; a path tracer tells the first alone.
   double primary_seconds, direct_seconds, diffuse_seconds, glossy_seconds;
   uint64_t rays;            // cast with Embree
   uint64_t field_rays;      // traced through the field
   uint64_t field_unresolved;
+  uint64_t field_steps, field_probes; // texels whose distance those rays read, and probes they asked
 } olx_render_stats;
 
 // Render `scene` from `camera`. `field` is needed by OLX_METHOD_FIELD and may be NULL otherwise; one baked from another scene

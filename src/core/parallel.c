@@ -8,11 +8,15 @@
 
 enum { MAX_THREADS = 256, REPORT_INTERVAL_MS = 100 };
 
-double olx_seconds(void) {
+static double read_clock(clockid_t clock) {
   struct timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
+  clock_gettime(clock, &now);
   return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
+
+double olx_seconds(void) { return read_clock(CLOCK_MONOTONIC); }
+
+double olx_thread_seconds(void) { return read_clock(CLOCK_THREAD_CPUTIME_ID); }
 
 uint32_t olx_processor_count(void) {
   const long count = sysconf(_SC_NPROCESSORS_ONLN);

@@ -36,4 +36,7 @@ uint32_t olx_processor_count(void);
 // Seconds of a monotonic clock.
 double olx_seconds(void);
 
+// Processor time of the calling thread: what work costs, however many others share the processors.
+double olx_thread_seconds(void);
+
 #endif

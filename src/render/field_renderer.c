@@ -49,6 +49,13 @@ static olx_vec3 field_origin(const olx_surface *surface) {
   return olx_madd(surface->position, surface->geometric_normal, surface->epsilon);
 }
 
+static void count_ray(olx_render_stats *stats, const olx_trace_hit *hit) {
+  stats->field_rays++;
+  stats->field_unresolved += hit->status == OLX_TRACE_UNKNOWN;
+  stats->field_steps += hit->texel_steps;
+  stats->field_probes += hit->probes_tried;
+}
+
 // Irradiance by cosine rays through the field.
 static olx_vec3 traced_irradiance(const shaded_tile *tile, uint32_t k) {
   const olx_render_settings *settings = tile->context->settings;
@@ -62,8 +69,7 @@ static olx_vec3 traced_irradiance(const shaded_tile *tile, uint32_t k) {
     const olx_vec3 direction = olx_from_basis(local, tile->shadings[k].normal);
     if (olx_dot(direction, surface->geometric_normal) <= 0.0f) continue;
     const olx_trace_hit hit = olx_trace(tile->context->field, &settings->sample, origin, direction, INFINITY);
-    tile->stats->field_rays++;
-    tile->stats->field_unresolved += hit.status == OLX_TRACE_UNKNOWN;
+    count_ray(tile->stats, &hit);
     if (!hit.emitter || settings->sample.emitters) sum = olx_add(sum, hit.radiance);
   }
   return olx_scale(sum, OLX_PI / (float)count);
@@ -103,8 +109,7 @@ static void light_glossily(shaded_tile *tile) {
       const olx_vec3 radiance = olx_glossy(tile->context->field, &settings->sample, origin, shading->normal, view,
                                            surface->roughness, random, &weight, &half_cosine, &hit);
       if (weight <= 0.0f) continue;
-      tile->stats->field_rays++;
-      tile->stats->field_unresolved += hit.status == OLX_TRACE_UNKNOWN;
+      count_ray(tile->stats, &hit);
       const olx_vec3 fresnel = olx_fresnel(&surface->bsdf, half_cosine);
       sum = olx_add(sum, olx_scale(olx_mul(fresnel, radiance), weight));
     }
@@ -115,16 +120,16 @@ static void light_glossily(shaded_tile *tile) {
 void olx_field_render_tile(const olx_render_context *context, olx_tile_rays *rays, olx_camera_sample *samples,
                            olx_render_stats *stats) {
   shaded_tile tile = {.context = context, .rays = rays, .samples = samples, .stats = stats};
-  const double start = olx_seconds();
+  const double start = olx_thread_seconds();
   find_surfaces(&tile);
-  const double found = olx_seconds();
+  const double found = olx_thread_seconds();
   light_directly(&tile);
-  const double direct = olx_seconds();
+  const double direct = olx_thread_seconds();
   light_diffusely(&tile);
-  const double diffuse = olx_seconds();
+  const double diffuse = olx_thread_seconds();
   light_glossily(&tile);
   stats->primary_seconds += found - start;
   stats->direct_seconds += direct - found;
   stats->diffuse_seconds += diffuse - direct;
-  stats->glossy_seconds += olx_seconds() - diffuse;
+  stats->glossy_seconds += olx_thread_seconds() - diffuse;
 }

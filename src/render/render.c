@@ -110,11 +110,12 @@ static tile_pixels find_tile(const render_job *job, uint32_t index) {
 static void cast_camera_rays(const render_job *job, const tile_pixels *tile, uint32_t index, olx_tile_rays *rays,
                              olx_camera_sample *samples) {
   const olx_camera_frame *camera = &job->context.camera;
+  const uint32_t seed = job->context.settings->seed;
   const uint32_t width = job->image->width, height = job->image->height;
   olx_ray cast[OLX_TILE_PIXELS];
   for (uint32_t i = 0; i < rays->count; i++) {
     const uint32_t x = tile->x0 + i % tile->width, y = tile->y0 + i / tile->width;
-    rays->samplers[i] = (olx_sampler){.seed = olx_hash2(x, y), .index = index};
+    rays->samplers[i] = (olx_sampler){.seed = seed ? olx_hash3(x, y, seed) : olx_hash2(x, y), .index = index};
     const olx_vec2 inside =
         job->context.settings->spp == 1 ? (olx_vec2){0.5f, 0.5f} : olx_sampler_next2(&rays->samplers[i]);
     rays->directions[i] =
@@ -143,9 +144,9 @@ static void render_tile(void *user, uint32_t index) {
   olx_camera_sample samples[OLX_TILE_PIXELS];
   olx_render_stats stats = {0};
   for (uint32_t s = 0; s < spp; s++) {
-    const double start = olx_seconds();
+    const double start = olx_thread_seconds();
     cast_camera_rays(job, &tile, s, &rays, samples);
-    stats.primary_seconds += olx_seconds() - start;
+    stats.primary_seconds += olx_thread_seconds() - start;
     stats.rays += rays.count;
     job->renderer(&job->context, &rays, samples, &stats);
     for (uint32_t i = 0; i < rays.count; i++) accumulate(&sums[i], &samples[i], s);
@@ -162,6 +163,8 @@ static void render_tile(void *user, uint32_t index) {
   job->stats.rays += stats.rays;
   job->stats.field_rays += stats.field_rays;
   job->stats.field_unresolved += stats.field_unresolved;
+  job->stats.field_steps += stats.field_steps;
+  job->stats.field_probes += stats.field_probes;
   pthread_mutex_unlock(&job->stats_lock);
 }
 

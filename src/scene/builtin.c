@@ -22,6 +22,7 @@ static const builtin_entry entries[] = {
     {"holodeck", olx_build_holodeck},
     {"area-light", olx_build_area_light},
     {"temple", olx_build_temple},
+    {"statue", olx_build_statue},
 };
 
 #define ENTRY_COUNT (sizeof entries / sizeof *entries)

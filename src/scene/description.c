@@ -1,6 +1,7 @@
 #include "core/file.h"
 #include "core/hooks.h"
 #include "core/result.h"
+#include "scene/builtin.h"
 #include "scene/import.h"
 #include "scene/json_value.h"
 #include "scene/scene_build.h"
@@ -154,8 +155,14 @@ static olx_result read_model(description *d, const place *at, const char *path_k
   OLX_TRY(read_float(d, at, "scale", 1e-9f, 1e9f, &placement.scale));
   OLX_TRY(read_position(d, at, "translate", false, &placement.translate));
   OLX_TRY(read_vec3(d, at, "rotate_degrees", false, &placement.rotate_degrees));
-  OLX_TRY(find_file(d, at, path_key, name, path, sizeof path));
-  const olx_result result = olx_import_model(path, &placement, d->scene);
+  const size_t prefix = sizeof OLX_BUILTIN_PREFIX - 1;
+  olx_result result;
+  if (strncmp(name, OLX_BUILTIN_PREFIX, prefix) == 0) {
+    result = olx_import_builtin(name + prefix, &placement, d->scene);
+  } else {
+    OLX_TRY(find_file(d, at, path_key, name, path, sizeof path));
+    result = olx_import_model(path, &placement, d->scene);
+  }
   return result == OLX_OK ? OLX_OK : olx_fail(result, "%s: %s", d->path, olx_last_error());
 }
 
@@ -351,8 +358,9 @@ static olx_result read_materials(description *d, const place *root, bool everyon
     OLX_TRY(read_material_change(d, &at, &change));
     uint32_t matches = 0;
     for (uint32_t i = 0; i < d->scene->material_count; ++i) {
-      if (!everyone && strcmp(d->scene->materials[i].name, item->string) != 0) continue;
-      OLX_TRY(apply_change(d->scene, &change, &d->scene->materials[i]));
+      olx_material *material = &d->scene->materials[i];
+      if (everyone ? material->rectangle_light : strcmp(material->name, item->string) != 0) continue;
+      OLX_TRY(apply_change(d->scene, &change, material));
       ++matches;
     }
     if (!matches) olx_scene_warn(d->scene, "%s: %s: no material of that name", d->path, at.name);

@@ -122,6 +122,7 @@ olx_result olx_scene_add_rect_light(olx_scene *scene, olx_vec3 center, olx_vec3 
   snprintf(material.name, sizeof material.name, "rectangle light %u", (unsigned)scene->material_count);
   material.base_color = olx_splat(0.0f);
   material.emission = radiance;
+  material.rectangle_light = true;
   uint32_t index = 0;
   OLX_TRY(olx_scene_add_material(scene, &material, &index));
   const olx_vec3 corner = olx_madd(olx_madd(center, edge_u, -0.5f), edge_v, -0.5f);

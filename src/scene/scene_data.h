@@ -30,6 +30,7 @@ typedef struct olx_material {
   uint32_t emission_texture;
   uint32_t normal_texture; // tangent space
   float normal_scale;
+  bool rectangle_light;  // the surface of a lamp: "*" of a description does not mean it
   bool normal_is_height; // the normal texture is a height map (MTL bump), scaled by normal_scale
 } olx_material;
 

@@ -7,17 +7,14 @@
 #include <string.h>
 #include <strings.h>
 
-static const char builtin_prefix[] = "builtin:";
-
 static const char *extension_of(const char *path) {
   const char *dot = strrchr(path, '.'), *slash = strrchr(path, '/');
   return dot && (!slash || dot > slash) ? dot : "";
 }
 
 static olx_result fill_scene(const char *name, olx_scene *scene) {
-  if (strncmp(name, builtin_prefix, sizeof builtin_prefix - 1) == 0) {
-    return olx_builtin_build(name + sizeof builtin_prefix - 1, scene);
-  }
+  const size_t prefix = sizeof OLX_BUILTIN_PREFIX - 1;
+  if (strncmp(name, OLX_BUILTIN_PREFIX, prefix) == 0) return olx_builtin_build(name + prefix, scene);
   const char *extension = extension_of(name);
   if (strcasecmp(extension, ".olxs") == 0) return olx_scene_read_cooked(name, scene);
   if (strcasecmp(extension, ".json") == 0) return olx_import_description(name, scene);

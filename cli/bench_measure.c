@@ -1,0 +1,211 @@
+#include "bench_measure.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { ROUGH_SAMPLES = 600 };
+
+bool bench_folder_make(bench_folder *folder) {
+  const char *parent = getenv("TMPDIR");
+  const int length =
+      snprintf(folder->path, sizeof folder->path, "%s/octalux-bench-XXXXXX", parent && *parent ? parent : "/tmp");
+  return length > 0 && (size_t)length < sizeof folder->path && mkdtemp(folder->path) != NULL;
+}
+
+void bench_folder_remove(const bench_folder *folder) { rmdir(folder->path); }
+
+bench_name bench_probes_name(const bench_probes *probes) {
+  bench_name name;
+  int used;
+  if (probes->grid[0]) {
+    used = snprintf(name.text, sizeof name.text, "%ux%ux%u grid", probes->grid[0], probes->grid[1], probes->grid[2]);
+  } else if (probes->optimize == OLX_OPTIMIZE_NONE) {
+    used = snprintf(name.text, sizeof name.text, "%u %s", probes->count, olx_place_method_name(probes->method));
+  } else {
+    used = snprintf(name.text, sizeof name.text, "%u %s + %s", probes->count, olx_place_method_name(probes->method),
+                    olx_place_optimizer_name(probes->optimize));
+  }
+  if (probes->texels != 512) snprintf(name.text + used, sizeof name.text - (size_t)used, ", %u^2", probes->texels);
+  return name;
+}
+
+static double now(void) {
+  struct timespec time;
+  clock_gettime(CLOCK_MONOTONIC, &time);
+  return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
+}
+
+// Positions that are the caller's to release, from placement.
+static olx_result place(const olx_scene *scene, const bench_probes *probes, const bench_bake *bake,
+                        const olx_progress *progress, olx_vec3 **positions, bench_field *made) {
+  olx_place_settings settings = olx_place_settings_default(scene);
+  settings.method = probes->method;
+  settings.count = probes->count;
+  settings.optimize = probes->optimize;
+  settings.resolution = probes->texels;
+  settings.threads = bake->threads;
+  if (bake->rough) settings.candidates = settings.surfels = ROUGH_SAMPLES;
+  olx_probe_set set;
+  const double start = now();
+  const olx_result result = olx_place(scene, &settings, progress, &set);
+  if (result != OLX_OK) return result;
+  made->place_seconds = now() - start;
+  made->coverage = set.report.coverage;
+  made->info.probe_count = set.count;
+  *positions = malloc(set.count * sizeof **positions);
+  for (uint32_t i = 0; *positions && i < set.count; ++i) (*positions)[i] = set.probes[i].position;
+  olx_probe_set_free(&set);
+  return *positions ? OLX_OK : OLX_ERROR_MEMORY;
+}
+
+olx_result bench_field_make(const olx_scene *scene, const bench_probes *probes, const bench_bake *bake,
+                            const bench_folder *folder, uint32_t number, const olx_progress *progress,
+                            bench_field *made) {
+  *made = (bench_field){.field = NULL};
+  snprintf(made->path, sizeof made->path, "%s/%u.olx", folder->path, number);
+  olx_bake_settings settings = olx_bake_settings_default(scene);
+  settings.irradiance_grid = bake->irradiance_grid;
+  settings.irradiance_size = bake->irradiance_size;
+  settings.light_samples = bake->light_samples;
+  settings.bounces = bake->bounces;
+  settings.radiance_size = probes->texels;
+  settings.threads = bake->threads;
+  olx_vec3 *positions = NULL;
+  olx_result result;
+  if (probes->grid[0]) {
+    result = olx_scene_probe_grid(scene, probes->grid, &settings.grid);
+  } else {
+    result = place(scene, probes, bake, progress, &positions, made);
+    settings.probes = positions;
+    settings.probe_count = made->info.probe_count;
+  }
+  const double start = now();
+  if (result == OLX_OK) result = olx_bake(scene, &settings, made->path, progress, NULL);
+  made->bake_seconds = now() - start;
+  free(positions);
+  if (result == OLX_OK) result = olx_field_open(made->path, &made->field);
+  if (result == OLX_OK) made->info = olx_field_describe(made->field);
+  return result;
+}
+
+void bench_field_close(bench_field *made) {
+  olx_field_close(made->field);
+  made->field = NULL;
+  if (made->path[0]) unlink(made->path);
+}
+
+static void add_stats(olx_render_stats *sum, const olx_render_stats *one) {
+  sum->glossy_seconds += one->glossy_seconds;
+  sum->field_rays += one->field_rays;
+  sum->field_unresolved += one->field_unresolved;
+  sum->field_steps += one->field_steps;
+  sum->field_probes += one->field_probes;
+}
+
+olx_result bench_images_render(const olx_scene *scene, const olx_field *field, const olx_render_settings *settings,
+                               uint32_t stream, const olx_progress *progress, bench_images *images) {
+  *images = (bench_images){.cameras = olx_scene_describe(scene).cameras};
+  if (images->cameras > BENCH_CAMERAS) images->cameras = BENCH_CAMERAS;
+  for (uint32_t c = 0; c < images->cameras; ++c) {
+    images->camera[c] = olx_scene_camera(scene, c);
+    for (uint32_t h = 0; h < 2; ++h) {
+      olx_render_settings own = *settings;
+      own.seed = 2 * stream + h + 1;
+      olx_render_stats stats;
+      const olx_result result =
+          olx_render(scene, field, &images->camera[c], &own, progress, &images->half[c][h], &stats);
+      if (result != OLX_OK) return result;
+      add_stats(&images->stats, &stats);
+    }
+  }
+  return OLX_OK;
+}
+
+void bench_images_free(bench_images *images) {
+  for (uint32_t c = 0; c < images->cameras; ++c) {
+    for (uint32_t h = 0; h < 2; ++h) olx_image_free(&images->half[c][h]);
+  }
+  *images = (bench_images){.cameras = 0};
+}
+
+static float mean(float a, float b) { return 0.5f * (a + b); }
+
+void bench_images_merge(bench_images *images) {
+  for (uint32_t c = 0; c < images->cameras; ++c) {
+    olx_image *first = &images->half[c][0], *second = &images->half[c][1];
+    const size_t pixels = (size_t)first->width * first->height;
+    for (uint32_t layer = 0; layer <= OLX_LAYER_INDIRECT_GLOSSY; ++layer) {
+      olx_vec3 *a = first->layers[layer];
+      const olx_vec3 *b = second->layers[layer];
+      for (size_t i = 0; i < pixels; ++i) a[i] = (olx_vec3){mean(a[i].x, b[i].x), mean(a[i].y, b[i].y), mean(a[i].z, b[i].z)};
+    }
+    olx_image_free(second);
+    *second = (olx_image){0};
+  }
+}
+
+typedef struct error_sum {
+  double square, spread, power, difference, reference;
+  double values;
+} error_sum;
+
+static olx_vec3 indirect_light(const olx_image *image, size_t pixel, bool glossy_alone) {
+  const olx_vec3 glossy = image->layers[OLX_LAYER_INDIRECT_GLOSSY][pixel];
+  if (glossy_alone) return glossy;
+  const olx_vec3 diffuse = image->layers[OLX_LAYER_INDIRECT_DIFFUSE][pixel];
+  return (olx_vec3){glossy.x + diffuse.x, glossy.y + diffuse.y, glossy.z + diffuse.z};
+}
+
+// The squared error of one pixel, over its channels.
+static double add_pixel(error_sum *sum, const float *a0, const float *a1, const float *b0, const float *b1) {
+  double square = 0.0;
+  for (int c = 0; c < 3; ++c) {
+    const double x0 = (double)a0[c], x1 = (double)a1[c], y0 = (double)b0[c], y1 = (double)b1[c];
+    square += 0.5 * ((x0 - y0) * (x1 - y1) + (x0 - y1) * (x1 - y0));
+    sum->power += y0 * y1;
+    sum->difference += x0 + x1 - y0 - y1;
+    sum->reference += y0 + y1;
+  }
+  sum->square += square;
+  sum->values += 3.0;
+  return square;
+}
+
+// What two neighbours differ by stands for the noise of both; that errors differ too makes it an upper bound.
+static void add_image(error_sum *sum, const olx_image a[2], const olx_image b[2], bool glossy_alone) {
+  const size_t pixels = (size_t)a->width * a->height;
+  double before = 0.0;
+  for (size_t i = 0; i < pixels; ++i) {
+    const olx_vec3 light[4] = {indirect_light(&a[0], i, glossy_alone), indirect_light(&a[1], i, glossy_alone),
+                               indirect_light(&b[0], i, glossy_alone), indirect_light(&b[1], i, glossy_alone)};
+    const double square = add_pixel(sum, &light[0].x, &light[1].x, &light[2].x, &light[3].x);
+    if (i % 2) sum->spread += (square - before) * (square - before);
+    before = square;
+  }
+}
+
+bench_error bench_error_of(const bench_images *images, const bench_images *references, bool glossy_alone,
+                           uint32_t camera) {
+  error_sum sum = {0};
+  for (uint32_t c = 0; c < images->cameras; ++c) {
+    if (camera == BENCH_CAMERAS || c == camera) add_image(&sum, images->half[c], references->half[c], glossy_alone);
+  }
+  return (bench_error){.mse = sum.square / sum.values,
+                       .noise = sqrt(sum.spread) / sum.values,
+                       .relative_mse = sum.square / sum.power,
+                       .bias = sum.difference / sum.reference};
+}
+
+static int ascending(const void *a, const void *b) {
+  const double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+double bench_median(double *values, uint32_t count) {
+  qsort(values, count, sizeof *values, ascending);
+  return count % 2 ? values[count / 2] : 0.5 * (values[count / 2 - 1] + values[count / 2]);
+}

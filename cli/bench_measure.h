@@ -1,0 +1,86 @@
+// What experiments share: fields that are baked for the occasion, references, errors without the noise of either side, and
+// times of several ways taken in turns.
+#ifndef OCTALUX_CLI_BENCH_MEASURE_H
+#define OCTALUX_CLI_BENCH_MEASURE_H
+
+#include <octalux/bake.h>
+#include <octalux/place.h>
+#include <octalux/render.h>
+
+// A folder for temporary fields, under TMPDIR. Empty and remove it when done.
+typedef struct bench_folder {
+  char path[3072];
+} bench_folder;
+bool bench_folder_make(bench_folder *folder);
+void bench_folder_remove(const bench_folder *folder);
+
+// Where the probes of a field stand and how finely they look.
+typedef struct bench_probes {
+  uint32_t grid[3]; // on the description's volume; 0: placed
+  olx_place_method method;
+  uint32_t count;
+  olx_place_optimizer optimize;
+  uint32_t texels; // along a map
+} bench_probes;
+
+// "8x4x4 grid", "64 medial + gibbs", "20 cover, 1024^2".
+typedef struct bench_name {
+  char text[64];
+} bench_name;
+bench_name bench_probes_name(const bench_probes *probes);
+
+// How all fields of an experiment are baked.
+typedef struct bench_bake {
+  olx_grid irradiance_grid; // the same for all, so that diffuse light is
+  uint32_t irradiance_size, light_samples, bounces, threads;
+  bool rough; // place with few samples, for a quick look
+} bench_bake;
+
+typedef struct bench_field {
+  olx_field *field;
+  olx_field_info info;
+  double place_seconds, bake_seconds;
+  double coverage; // of placed probes (olx_place_report); 0 for a grid
+  char path[4096];
+} bench_field;
+
+// Place, bake to a file of that number in the folder, and open it. Close it in any case.
+olx_result bench_field_make(const olx_scene *scene, const bench_probes *probes, const bench_bake *bake,
+                            const bench_folder *folder, uint32_t number, const olx_progress *progress,
+                            bench_field *made);
+void bench_field_close(bench_field *made);
+
+enum { BENCH_CAMERAS = 16 };
+
+// Pictures of a scene's cameras (the first BENCH_CAMERAS), each twice, with independent noise.
+typedef struct bench_images {
+  uint32_t cameras;
+  olx_camera camera[BENCH_CAMERAS];
+  olx_image half[BENCH_CAMERAS][2];
+  olx_render_stats stats; // of all
+} bench_images;
+
+// Render with `settings`, whose seed is replaced: images of different `stream` are independent. Free them in any case.
+olx_result bench_images_render(const olx_scene *scene, const olx_field *field, const olx_render_settings *settings,
+                               uint32_t stream, const olx_progress *progress, bench_images *images);
+void bench_images_free(bench_images *images);
+// The mean of both halves, in the first; the second is gone.
+void bench_images_merge(bench_images *images);
+
+// Errors of pictures against references. With halves a0, a1 and b0, b1 the mean of (a0 - b0) (a1 - b1) over pixels and
+// channels estimates the mean square error of what both would converge to: noise adds nothing to it on average. `noise` is
+// no less than the standard error that noise leaves in it.
+typedef struct bench_error {
+  double mse, noise;
+  double relative_mse; // over the reference's mean square, estimated alike
+  double bias;         // over the reference's mean
+} bench_error;
+
+// Of the glossy layer alone or of all indirect light, which is the error of the final picture, since direct light is the same
+// in both. Of one camera, or of all with camera = BENCH_CAMERAS.
+bench_error bench_error_of(const bench_images *images, const bench_images *references, bool glossy_alone,
+                           uint32_t camera);
+
+double bench_median(double *values, uint32_t count);
+
+#endif

@@ -1,0 +1,146 @@
+// How few probes do as well as a grid.
+#include "bench_wang.h"
+
+#include <math.h>
+#include <stdio.h>
+
+// What a set of probes is measured by beside its picture: mirror rays of the cameras against the true triangles.
+typedef struct finding {
+  bench_probes probes;
+  uint32_t count;
+  wang_quality quality;
+  olx_audit_rays mirror;
+  double coverage, megabytes;
+} finding;
+
+static olx_result examine(wang_run *run, const bench_probes *wanted, finding *found) {
+  found->probes = wang_probes(run, wanted);
+  const bench_name name = bench_probes_name(&found->probes);
+  wang_tell(run, "baking and rendering", name.text);
+  bench_field made;
+  olx_result result = bench_field_make(run->scene, &found->probes, &run->bake, &run->folder, 0, &run->progress, &made);
+  if (result == OLX_OK) {
+    found->count = made.info.probe_count;
+    found->coverage = made.coverage;
+    found->megabytes = (double)(made.info.radiance_bytes + made.info.normal_bytes + made.info.distance_bytes) * 1e-6;
+    result = wang_measure(run, made.field, OLX_TRACER_TWO_LEVEL, OLX_SELECT_BEST, name.text, &found->quality);
+  }
+  if (result == OLX_OK) {
+    olx_audit_settings audit = olx_audit_settings_default();
+    audit.rays = run->options->quick ? 2000 : 100000;
+    audit.points = 0;
+    audit.threads = run->options->threads;
+    olx_audit judged;
+    result = olx_audit_field(run->scene, made.field, &audit, &run->progress, &judged);
+    if (result == OLX_OK) found->mirror = judged.mirror;
+  }
+  bench_field_close(&made);
+  return result;
+}
+
+// Over that of the best grid; of all cameras, and of the camera that shows the set worst.
+static double against(const finding *found, const finding *best) {
+  return found->quality.glossy.mse / best->quality.glossy.mse;
+}
+
+static double worst_camera(const wang_run *run, const finding *found, const finding *best) {
+  double worst = 0.0;
+  for (uint32_t c = 0; c < run->references.cameras; ++c) {
+    worst = fmax(worst, found->quality.glossy_camera[c].mse / best->quality.glossy_camera[c].mse);
+  }
+  return worst;
+}
+
+static void add_finding(const wang_run *run, cJSON *list, const finding *found, const finding *best) {
+  cJSON *entry = cJSON_CreateObject();
+  cJSON_AddItemToArray(list, entry);
+  add_text(entry, "name", bench_probes_name(&found->probes).text);
+  add_number(entry, "probes", found->count);
+  add_number(entry, "texels", found->probes.texels);
+  add_number(entry, "megabytes", found->megabytes);
+  add_number(entry, "coverage", found->coverage);
+  wang_add_error(entry, "glossy", &found->quality.glossy);
+  wang_add_error(entry, "final", &found->quality.beauty);
+  add_number(entry, "against_best_grid", against(found, best));
+  add_number(entry, "against_best_grid_worst_camera", worst_camera(run, found, best));
+  cJSON *cameras = cJSON_AddArrayToObject(entry, "cameras");
+  for (uint32_t c = 0; c < run->references.cameras; ++c) {
+    cJSON *camera = cJSON_CreateObject();
+    cJSON_AddItemToArray(cameras, camera);
+    wang_add_error(camera, run->references.camera[c].name, &found->quality.glossy_camera[c]);
+  }
+  add_number(entry, "unresolved", found->mirror.unresolved);
+  add_number(entry, "wrong", found->mirror.wrong);
+  add_number(entry, "unseen", found->mirror.unseen);
+}
+
+static void print_finding(const wang_run *run, const finding *found, const finding *best) {
+  const bench_error *glossy = &found->quality.glossy;
+  printf("| %s | %u | %.0f | %.3g ± %.1g | %.3g | %+.3f | %.2f | %.2f | %.3g | %.2f %% | %.2f %% | %.2f %% |\n",
+         bench_probes_name(&found->probes).text, found->count, found->megabytes, glossy->mse, glossy->noise,
+         glossy->relative_mse, glossy->bias, against(found, best), worst_camera(run, found, best),
+         found->quality.beauty.mse, 100.0 * found->mirror.unseen, 100.0 * found->mirror.unresolved,
+         100.0 * found->mirror.wrong);
+}
+
+enum { MOST_SHAPES = 8, CONTENDERS = 9 };
+
+// What is set against grids of n probes: Wang's pipeline with half as many, cover with as many as that, with a third, and
+// with a quarter whose maps are twice as wide, which are as many texels.
+static void list_contenders(uint32_t n, bench_probes list[CONTENDERS]) {
+  const olx_place_optimizer gibbs = OLX_OPTIMIZE_GIBBS, none = OLX_OPTIMIZE_NONE;
+  const bench_probes all[CONTENDERS] = {
+      {.method = OLX_PLACE_SDF, .count = n / 2, .optimize = none, .texels = 512},
+      {.method = OLX_PLACE_SDF, .count = n / 2, .optimize = gibbs, .texels = 512},
+      {.method = OLX_PLACE_MEDIAL, .count = n / 2, .optimize = none, .texels = 512},
+      {.method = OLX_PLACE_MEDIAL, .count = n / 2, .optimize = gibbs, .texels = 512},
+      {.method = OLX_PLACE_COVER, .count = n, .texels = 512},
+      {.method = OLX_PLACE_COVER, .count = n / 2, .texels = 512},
+      {.method = OLX_PLACE_COVER, .count = n / 3, .texels = 512},
+      {.method = OLX_PLACE_COVER, .count = n / 4, .texels = 512},
+      {.method = OLX_PLACE_COVER, .count = n / 4, .texels = 1024},
+  };
+  for (uint32_t i = 0; i < CONTENDERS; ++i) list[i] = all[i];
+}
+
+static olx_result run_size(wang_run *run, const wang_size *size, cJSON *list) {
+  finding grids[MOST_SHAPES], contender;
+  const uint32_t shapes = run->options->quick ? 2 : size->shape_count;
+  uint32_t best = 0;
+  for (uint32_t i = 0; i < shapes; ++i) {
+    bench_probes grid = {.texels = 512};
+    for (int k = 0; k < 3; ++k) grid.grid[k] = size->shapes[i][k];
+    const olx_result result = examine(run, &grid, &grids[i]);
+    if (result != OLX_OK) return result;
+    if (grids[i].quality.glossy.mse < grids[best].quality.glossy.mse) best = i;
+  }
+  for (uint32_t i = 0; i < shapes; ++i) {
+    add_finding(run, list, &grids[i], &grids[best]);
+    if (!run->options->json) print_finding(run, &grids[i], &grids[best]);
+  }
+  bench_probes contenders[CONTENDERS];
+  list_contenders(size->probes, contenders);
+  for (uint32_t i = 0; i < CONTENDERS; ++i) {
+    const olx_result result = examine(run, &contenders[i], &contender);
+    if (result != OLX_OK) return result;
+    add_finding(run, list, &contender, &grids[best]);
+    if (!run->options->json) print_finding(run, &contender, &grids[best]);
+    fflush(stdout);
+  }
+  return OLX_OK;
+}
+
+olx_result wang_run_counts(wang_run *run, cJSON *object) {
+  cJSON *list = cJSON_AddArrayToObject(object, "sets");
+  if (!run->options->json) {
+    printf("\n%s\n\n", run->experiment->name);
+    printf("| set | probes | MB | glossy MSE | relative | bias | over best grid | worst camera | final MSE | unseen | "
+           "unresolved | wrong |\n");
+    printf("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
+  }
+  for (uint32_t i = 0; i < run->experiment->size_count; ++i) {
+    const olx_result result = run_size(run, &run->experiment->sizes[i], list);
+    if (result != OLX_OK) return result;
+  }
+  return OLX_OK;
+}

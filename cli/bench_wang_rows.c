@@ -1,0 +1,212 @@
+// Tables 5.1 and 5.2, and the comparisons of sections 5.1 and 5.2.
+#include "bench_wang.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MOST_ROWS = 48, MOST_ROUNDS = 1000 };
+
+// In the order of olx_tracer.
+static const char *const tracer_names[] = {"texel", "two-level"};
+
+typedef struct measured_row {
+  const wang_row *row;
+  uint32_t set; // of the fields
+  wang_quality quality;
+  double steps, probes_tried, unresolved; // a ray
+  double ms[MOST_ROUNDS], median_ms;
+} measured_row;
+
+typedef struct measured_tables {
+  uint32_t row_count, set_count;
+  measured_row rows[MOST_ROWS];
+  bench_field sets[MOST_ROWS];
+} measured_tables;
+
+static bool same_probes(const bench_probes *a, const bench_probes *b) {
+  return memcmp(a->grid, b->grid, sizeof a->grid) == 0 && a->method == b->method && a->count == b->count &&
+         a->optimize == b->optimize && a->texels == b->texels;
+}
+
+// A field for each different set of probes that the rows name.
+static olx_result bake_sets(wang_run *run, measured_tables *t) {
+  const wang_scene *experiment = run->experiment;
+  for (uint32_t i = 0; i < experiment->row_count; ++i) {
+    measured_row *row = &t->rows[i];
+    *row = (measured_row){.row = &experiment->rows[i], .set = t->set_count};
+    t->row_count = i + 1;
+    for (uint32_t k = 0; k < i; ++k) {
+      if (same_probes(&experiment->rows[i].probes, &experiment->rows[k].probes)) row->set = t->rows[k].set;
+    }
+    if (row->set < t->set_count) continue;
+    const bench_probes probes = wang_probes(run, &row->row->probes);
+    wang_tell(run, "baking", bench_probes_name(&probes).text);
+    bench_field *made = &t->sets[t->set_count++];
+    const olx_result result =
+        bench_field_make(run->scene, &probes, &run->bake, &run->folder, row->set, &run->progress, made);
+    if (result != OLX_OK) return result;
+  }
+  return OLX_OK;
+}
+
+// Errors; those of a set are the same for every tracer, so each selector of a set is rendered once.
+static olx_result measure_errors(wang_run *run, measured_tables *t) {
+  for (uint32_t i = 0; i < t->row_count; ++i) {
+    measured_row *row = &t->rows[i];
+    uint32_t k = 0;
+    while (k < i && (t->rows[k].set != row->set || t->rows[k].row->select != row->row->select)) ++k;
+    row->quality = t->rows[k].quality;
+    if (k < i) continue;
+    const bench_probes probes = wang_probes(run, &row->row->probes);
+    char name[128];
+    snprintf(name, sizeof name, "%s %s", bench_probes_name(&probes).text, olx_select_name(row->row->select));
+    wang_tell(run, "rendering", name);
+    const olx_result result = wang_measure(run, t->sets[row->set].field, row->row->tracer, row->row->select, name,
+                                           &row->quality);
+    if (result != OLX_OK) return result;
+  }
+  return OLX_OK;
+}
+
+// One round of one row: the glossy pass of every camera, on one processor, in milliseconds of its time.
+static olx_result time_row(wang_run *run, const measured_tables *t, measured_row *row, uint32_t round) {
+  olx_render_settings settings = olx_render_settings_default(OLX_METHOD_FIELD);
+  settings.width = run->options->size[0];
+  settings.height = run->options->size[1];
+  settings.spp = settings.glossy_samples = settings.threads = 1;
+  settings.sample.tracer = row->row->tracer;
+  settings.sample.select = row->row->select;
+  olx_render_stats sum = {0};
+  for (uint32_t c = 0; c < run->references.cameras; ++c) {
+    olx_image image;
+    olx_render_stats stats;
+    const olx_result result = olx_render(run->scene, t->sets[row->set].field, &run->references.camera[c], &settings,
+                                         &run->progress, &image, &stats);
+    if (result != OLX_OK) return result;
+    olx_image_free(&image);
+    sum.glossy_seconds += stats.glossy_seconds;
+    sum.field_rays += stats.field_rays;
+    sum.field_steps += stats.field_steps;
+    sum.field_probes += stats.field_probes;
+    sum.field_unresolved += stats.field_unresolved;
+  }
+  const double rays = sum.field_rays ? (double)sum.field_rays : 1.0;
+  row->ms[round] = 1e3 * sum.glossy_seconds / run->references.cameras;
+  row->steps = (double)sum.field_steps / rays;
+  row->probes_tried = (double)sum.field_probes / rays;
+  row->unresolved = (double)sum.field_unresolved / rays;
+  return OLX_OK;
+}
+
+// In turns, so that what else the machine does falls on all of them.
+static olx_result time_rows(wang_run *run, measured_tables *t) {
+  wang_tell(run, "timing", "");
+  const uint32_t rounds = run->options->rounds;
+  for (uint32_t round = 0; round < rounds; ++round) {
+    for (uint32_t i = 0; i < t->row_count; ++i) {
+      const olx_result result = time_row(run, t, &t->rows[i], round);
+      if (result != OLX_OK) return result;
+    }
+  }
+  for (uint32_t i = 0; i < t->row_count; ++i) t->rows[i].median_ms = bench_median(t->rows[i].ms, rounds);
+  return OLX_OK;
+}
+
+static void add_row(const wang_run *run, const measured_tables *t, const measured_row *row, cJSON *list) {
+  const bench_probes probes = wang_probes(run, &row->row->probes);
+  cJSON *entry = cJSON_CreateObject();
+  cJSON_AddItemToArray(list, entry);
+  add_text(entry, "name", bench_probes_name(&probes).text);
+  add_number(entry, "probes", t->sets[row->set].info.probe_count);
+  add_text(entry, "tracer", tracer_names[row->row->tracer]);
+  add_text(entry, "select", olx_select_name(row->row->select));
+  add_number(entry, "ms", row->median_ms);
+  add_number(entry, "speedup", t->rows[0].median_ms / row->median_ms);
+  add_number(entry, "steps_mean", row->steps);
+  add_number(entry, "probes_mean", row->probes_tried);
+  add_number(entry, "unresolved", row->unresolved);
+  wang_add_error(entry, "glossy", &row->quality.glossy);
+  wang_add_error(entry, "final", &row->quality.beauty);
+  if (row->row->shown) add_text(entry, "shown", row->row->shown);
+  if (row->row->ms > 0.0) add_number(entry, "published_ms", row->row->ms);
+  if (row->row->mse > 0.0) add_number(entry, "published_mse", row->row->mse);
+}
+
+static void print_row(const wang_run *run, const measured_tables *t, const measured_row *row) {
+  const bench_probes probes = wang_probes(run, &row->row->probes);
+  const double *published = &row->row->ms;
+  char theirs[32] = "";
+  if (*published > 0.0 && t->rows[0].row->ms > 0.0) {
+    snprintf(theirs, sizeof theirs, "%.2f", t->rows[0].row->ms / *published);
+  }
+  printf("| %s | %s | %s | %.1f | %.2f | %s | %.1f | %.2f | %.2f %% | %.3g | %.3g | %.3g | %s |\n",
+         bench_probes_name(&probes).text, tracer_names[row->row->tracer], olx_select_name(row->row->select),
+         row->median_ms, t->rows[0].median_ms / row->median_ms, theirs, row->steps, row->probes_tried,
+         100.0 * row->unresolved, row->quality.glossy.mse, row->quality.glossy.relative_mse, row->quality.beauty.mse,
+         row->row->shown ? row->row->shown : "");
+}
+
+static const double MIB = 1048576.0;
+
+static void add_memory(const wang_run *run, const measured_tables *t, cJSON *list) {
+  for (uint32_t i = 0; i < t->row_count; ++i) {
+    const measured_row *row = &t->rows[i];
+    if (i > 0 && row->set <= t->rows[i - 1].set) continue;
+    const olx_field_info *info = &t->sets[row->set].info;
+    const bench_probes probes = wang_probes(run, &row->row->probes);
+    cJSON *entry = cJSON_CreateObject();
+    cJSON_AddItemToArray(list, entry);
+    add_text(entry, "name", bench_probes_name(&probes).text);
+    add_number(entry, "probes", info->probe_count);
+    add_number(entry, "distance", (double)info->distance_bytes);
+    add_number(entry, "pyramid", (double)info->pyramid_bytes);
+    add_number(entry, "radiance", (double)info->radiance_bytes);
+    add_number(entry, "normal", (double)info->normal_bytes);
+    add_number(entry, "irradiance", (double)(info->irradiance_bytes + info->moments_bytes));
+    add_number(entry, "selector", (double)info->selector_bytes);
+    add_number(entry, "total", (double)info->file_bytes);
+    add_number(entry, "place_seconds", t->sets[row->set].place_seconds);
+    add_number(entry, "bake_seconds", t->sets[row->set].bake_seconds);
+  }
+}
+
+static void print_memory(const cJSON *list) {
+  static const char *const keys[] = {"distance", "pyramid", "radiance", "normal", "irradiance", "selector", "total"};
+  printf("\n| MiB | distance | pyramid | radiance | normal | irradiance | selector | total |\n");
+  printf("| --- | --- | --- | --- | --- | --- | --- | --- |\n");
+  const cJSON *entry;
+  cJSON_ArrayForEach(entry, list) {
+    printf("| %s |", cJSON_GetObjectItem(entry, "name")->valuestring);
+    for (size_t k = 0; k < sizeof keys / sizeof *keys; ++k) {
+      printf(" %.2f |", cJSON_GetObjectItem(entry, keys[k])->valuedouble / MIB);
+    }
+    putchar('\n');
+  }
+}
+
+static void report_tables(const wang_run *run, const measured_tables *t, cJSON *object) {
+  cJSON *rows = cJSON_AddArrayToObject(object, "rows"), *memory = cJSON_AddArrayToObject(object, "memory");
+  for (uint32_t i = 0; i < t->row_count; ++i) add_row(run, t, &t->rows[i], rows);
+  add_memory(run, t, memory);
+  if (run->options->json) return;
+  printf("\n%s\n\n", run->experiment->name);
+  printf("| probes | tracer | selector | ms | times as fast | published | steps a ray | probes a ray | unresolved | "
+         "glossy MSE | relative | final MSE | shown in |\n");
+  printf("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
+  for (uint32_t i = 0; i < t->row_count; ++i) print_row(run, t, &t->rows[i]);
+  print_memory(memory);
+  fflush(stdout);
+}
+
+olx_result wang_run_tables(wang_run *run, cJSON *object) {
+  measured_tables *t = calloc(1, sizeof *t);
+  if (!t) return OLX_ERROR_MEMORY;
+  olx_result result = bake_sets(run, t);
+  if (result == OLX_OK) result = measure_errors(run, t);
+  if (result == OLX_OK) result = time_rows(run, t);
+  if (result == OLX_OK) report_tables(run, t, object);
+  for (uint32_t i = 0; i < t->set_count; ++i) bench_field_close(&t->sets[i]);
+  free(t);
+  return result;
+}

@@ -1,0 +1,42 @@
+# Wang's experiments, small: what they print, and that nothing of them is left.
+source "$(dirname "$0")/cli/expect.sh"
+export TMPDIR=$PWD/temporary
+mkdir temporary pictures
+scenes=(--scenes "$OCTALUX_SOURCE_DIR/scenes")
+small=(--quick --size 32x24 --spp 4 --field-spp 1 --texels 32)
+
+expect_json 'o["experiment"] == "wang" and [s["scene"] for s in o["scenes"]] == ["cornell-glossy"]
+  and o["scenes"][0]["cameras"] == ["between", "front"]
+  and all(r["ms"] > 0 and r["steps_mean"] > 1 and r["probes_mean"] >= 1 and 0 <= r["unresolved"] < 1
+    and r["glossy"]["relative_mse"] < 2 and {"mse", "noise", "bias"} <= set(r["final"]) for r in o["scenes"][0]["rows"])
+  and o["scenes"][0]["rows"][0]["speedup"] == 1 and o["scenes"][0]["rows"][0]["select"] == "cage"
+  and {r["probes"] for r in o["scenes"][0]["rows"]} == {7, 8}
+  and all(m["probes"] * 34 * 34 * 2 == m["distance"] and m["total"] > m["radiance"] + m["irradiance"]
+    for m in o["scenes"][0]["memory"])' bench wang "${scenes[@]}" "${small[@]}" -o pictures
+[ -s pictures/cornell-glossy-front-path-beauty.png ] || fail "no picture of the reference"
+[ -s pictures/cornell-glossy-between-2x2x2_grid,_32_2_cage-indirect_glossy.png ] || fail "no picture from the grid"
+expect 0 bench wang "${scenes[@]}" "${small[@]}" --progress
+grep -q "^| 2x2x2 grid, 32^2 | two-level | cage |" stdout.txt || fail "no row of the grid"
+grep -q "cornell-glossy: timing" stderr.txt || fail "no progress"
+
+expect_json 'o["experiment"] == "wang-probes" and min(s["against_best_grid"] for s in o["scenes"][0]["sets"][:2]) == 1
+  and len(o["scenes"][0]["sets"]) > 8 and all(0 <= s["unseen"] <= 1 and len(s["cameras"]) == 2
+    for s in o["scenes"][0]["sets"])' bench wang-probes "${scenes[@]}" "${small[@]}"
+[ -z "$(ls -A temporary)" ] || fail "temporary fields are left"
+
+expect_usage "is not one of cornell-glossy|temple|sponza" bench wang --scene atlantis
+expect_usage "unknown experiment 'wang-table9'" bench wang-table9
+expect_usage "unknown option '--grid'" bench wang --grid 2x2x2
+expect_failure "nowhere/cornell-wang.json" bench wang --scene cornell-glossy --scenes nowhere
+TMPDIR=$PWD/nowhere expect_failure "cannot create a temporary folder" bench wang --quick
+
+# A stop on the way leaves nothing either.
+"$OCTALUX" bench wang "${scenes[@]}" --scene cornell-glossy >stdout.txt 2>stderr.txt &
+sleep 2
+kill -TERM $!
+wait $!
+[ $? = 1 ] || fail "a stopped experiment does not fail"
+grep -q "interrupted" stderr.txt || fail "a stopped experiment does not say so"
+[ -z "$(ls -A temporary)" ] || fail "a stopped experiment leaves fields"
+
+finish

@@ -25,7 +25,7 @@ typedef struct bake_options {
       {"--select",                                                                                                     \
        OPTION_CHOICES,                                                                                                 \
        &(b).select_mask,                                                                                               \
-       "cage|voronoi",                                                                                                 \
+       "cage|voronoi|octree",                                                                                          \
        "how probes are found, several with commas; default cage for grids",                                            \
        0,                                                                                                              \
        0},                                                                                                             \

@@ -239,6 +239,31 @@ def check_voronoi(blob, probes):
         need(i // 4 // (size * size) not in codes[i:i + 4], "VORO: its own neighbour")
 
 
+def check_octree(blob, probes):
+    need(len(blob) >= 16, "OCTR: size")
+    levels, inner, *zeros = struct.unpack_from("<4I", blob, 0)
+    need(1 <= levels <= 10 and inner < 2 ** 28 and not any(zeros), "OCTR: header")
+    nodes, leaves = 1 + 8 * inner, 1 + 7 * inner
+    need(len(blob) >= 16 + 4 * nodes, "OCTR: size")
+    codes = read_codes(blob, 16 + 4 * nodes, 4 * leaves, probes)
+    for i in range(0, len(codes), 4):
+        check_choices("OCTR", codes[i:i + 4], probes)
+    reached, level, seen = 0, [0], 0
+    for depth in range(levels + 1):
+        deeper = []
+        for node in level:
+            value, = struct.unpack_from("<I", blob, 16 + 4 * node)
+            if value >> 31:
+                need(value & 0x7FFFFFFF == seen, f"OCTR: node {node}: leaf {value & 0x7FFFFFFF}, not {seen}")
+                seen += 1
+            else:
+                need(depth < levels and value == 1 + 8 * reached and reached < inner, f"OCTR: node {node}")
+                reached += 1
+                deeper += range(value, value + 8)
+        level = deeper
+    need(reached == inner and seen == leaves, "OCTR: nodes that nobody reaches")
+
+
 def sample(count):
     step = max(1, count // PROBES_LOOKED_AT)
     return range(0, count, step)
@@ -270,6 +295,8 @@ def read(path):
     need(stored == [name for name in SELECTORS if name in chunks], "selectors without their chunks")
     if "VORO" in chunks:
         check_voronoi(chunks["VORO"][0], d["P"])
+    if "OCTR" in chunks:
+        check_octree(chunks["OCTR"][0], d["P"])
     names = [name for bit, name in enumerate(("cage", "voronoi", "octree", "bricks")) if d["selectors"] >> bit & 1]
     told = {
         "probes": d["P"], "irradiance_probes": d["Q"], "buried": d["buried"], "irradiance_buried": d["irradiance_buried"],

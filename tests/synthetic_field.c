@@ -6,6 +6,8 @@
 #include "core/result.h"
 #include "core/sampling.h"
 
+#include <stdlib.h>
+
 static uint32_t probes_of(const uint32_t counts[3]) { return counts[0] * counts[1] * counts[2]; }
 
 static olx_grid grid_of(const uint32_t counts[3]) {
@@ -23,7 +25,10 @@ static const olx_vec3 *positions_of(const olx_grid *grid, uint32_t count) {
 static void build_selectors(olx_field_header *header, uint32_t mask) {
   uint8_t *flags = olx_allocate(header->info.probe_count, 1);
   for (uint32_t i = 0; i < header->info.probe_count; i++) flags[i] = synthetic_flags(i);
-  const olx_selector_input input = {.positions = header->probe_positions,
+  olx_scene *scene = NULL;
+  if (mask && olx_scene_load("builtin:cornell", &scene) != OLX_OK) abort();
+  const olx_selector_input input = {.scene = scene,
+                                    .positions = header->probe_positions,
                                     .flags = flags,
                                     .count = header->info.probe_count,
                                     .radiance_size = header->info.radiance_size,
@@ -35,6 +40,7 @@ static void build_selectors(olx_field_header *header, uint32_t mask) {
     header->select_data[i] = blobs.data[i];
     header->select_bytes[i] = blobs.size_bytes[i];
   }
+  olx_scene_free(scene);
   olx_release(flags);
 }
 

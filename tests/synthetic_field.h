@@ -7,7 +7,7 @@
 typedef struct synthetic_shape {
   uint32_t grid[3], irradiance_grid[3];
   uint32_t n, irradiance_n;
-  uint32_t select_mask; // beside the cage; of voronoi
+  uint32_t select_mask; // beside the cage: of voronoi, and of octree as it is for cornell
 } synthetic_shape;
 
 // The header of such a field: a box around the origin, probes one metre apart, every third probe buried. Release

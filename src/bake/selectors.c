@@ -1,5 +1,6 @@
 #include "bake/selectors.h"
 
+#include "bake/octree_build.h"
 #include "bake/voronoi_build.h"
 #include "core/hooks.h"
 #include "core/result.h"
@@ -8,6 +9,7 @@
 static olx_selector_builder builder_of(olx_select select) {
   switch (select) {
   case OLX_SELECT_VORONOI: return olx_voronoi_build;
+  case OLX_SELECT_OCTREE: return olx_octree_build;
   default: return NULL;
   }
 }

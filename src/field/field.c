@@ -51,6 +51,7 @@ static olx_result find_selectors(olx_field *field, const olx_chunk_shape shapes[
 
 static olx_result check_selectors(const olx_field *field) {
   if (field->select_data[OLX_SELECT_VORONOI]) OLX_TRY(olx_voronoi_check(field));
+  if (field->select_data[OLX_SELECT_OCTREE]) OLX_TRY(olx_octree_check(field));
   return OLX_OK;
 }
 

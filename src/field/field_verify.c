@@ -159,6 +159,7 @@ olx_result olx_field_verify(const olx_field *field) {
   const olx_file_header *header = field->data;
   OLX_TRY(check_all(field, check_chunk, header->chunk_count));
   if (field->select_data[OLX_SELECT_VORONOI]) OLX_TRY(olx_voronoi_verify(field));
+  if (field->select_data[OLX_SELECT_OCTREE]) OLX_TRY(olx_octree_verify(field));
   OLX_TRY(check_all(field, check_probe, field->info.probe_count));
   return check_all(field, check_irradiance, field->info.irradiance_probe_count);
 }

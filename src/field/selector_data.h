@@ -2,6 +2,7 @@
 #ifndef OLX_FIELD_SELECTOR_DATA_H
 #define OLX_FIELD_SELECTOR_DATA_H
 
+#include "core/vec.h"
 #include "field/field_data.h"
 
 #define OLX_NO_PROBE UINT32_MAX
@@ -32,10 +33,35 @@ typedef struct olx_voronoi_header {
 
 _Static_assert(sizeof(olx_voronoi_header) == 16, "docs/format.md");
 
+// OCTR: this, then the nodes, level by level from the root: a u32 each. An inner node holds the index of the first of its
+// eight children, which follow each other (bit 0 of a child is the upper half in x, 1 in y, 2 in z): the nth inner node
+// holds 1 + 8 n. A leaf holds OLX_OCTREE_LEAF and how many leaves come before it. Then OLX_CHOICES codes a leaf.
+typedef struct olx_octree_header {
+  uint32_t levels;      // of subdivision at most, 1 to 10: the smallest leaves are 1 / 2^levels of the root
+  uint32_t inner_nodes; // so there are 1 + 8 inner_nodes nodes, 1 + 7 inner_nodes of them leaves
+  uint32_t zero[2];
+} olx_octree_header;
+
+#define OLX_OCTREE_LEAF 0x80000000u
+#define OLX_OCTREE_MAX_LEVELS 10u
+#define OLX_OCTREE_MAX_INNER ((1u << 28) - 1)
+
+_Static_assert(sizeof(olx_octree_header) == 16, "docs/format.md");
+
+// The side of the root: a cube whose low corner is that of the scene.
+static inline float olx_octree_side(olx_vec3 scene_min, olx_vec3 scene_max) {
+  return olx_max3(olx_sub(scene_max, scene_min));
+}
+
 // What opening a field checks: sizes, in no time. The runtime stays inside the structure whatever it holds.
 olx_result olx_voronoi_check(const olx_field *field);
+olx_result olx_octree_check(const olx_field *field);
 
 // What verifying a field checks: everything in it.
 olx_result olx_voronoi_verify(const olx_field *field);
+olx_result olx_octree_verify(const olx_field *field);
+
+// Whether choices as they lie in the file are probes of the field, none twice, and none follows after one that is none.
+bool olx_choices_are_sound(const uint32_t choices[OLX_CHOICES], uint32_t probe_count);
 
 #endif

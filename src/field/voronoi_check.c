@@ -22,11 +22,10 @@ olx_result olx_voronoi_check(const olx_field *field) {
   return OLX_OK;
 }
 
-// Whether the choices are probes, none twice and none of them `self`, and none follows after the last.
-static bool are_choices(const uint32_t choices[OLX_CHOICES], uint32_t probe_count, uint32_t self) {
+bool olx_choices_are_sound(const uint32_t choices[OLX_CHOICES], uint32_t probe_count) {
   for (uint32_t i = 0; i < OLX_CHOICES; i++) {
     if (choices[i] == OLX_NO_PROBE) continue;
-    if (choices[i] >= probe_count || choices[i] == self) return false;
+    if (choices[i] >= probe_count) return false;
     for (uint32_t k = 0; k < i; k++) {
       if (choices[k] == choices[i] || choices[k] == OLX_NO_PROBE) return false;
     }
@@ -39,12 +38,14 @@ olx_result olx_voronoi_verify(const olx_field *field) {
   const uint32_t probes = field->info.probe_count, texels = header->size * header->size;
   const uint32_t code_bytes = olx_probe_code_bytes(probes);
   for (size_t i = 0; i < (size_t)probes * texels; i++) {
+    const uint32_t probe = (uint32_t)(i / texels);
     uint32_t choices[OLX_CHOICES];
+    bool itself = false;
     for (uint32_t k = 0; k < OLX_CHOICES; k++) {
       choices[k] = olx_probe_code(header + 1, code_bytes, i * OLX_CHOICES + k);
+      itself |= choices[k] == probe;
     }
-    const uint32_t probe = (uint32_t)(i / texels);
-    if (!are_choices(choices, probes, probe)) {
+    if (itself || !olx_choices_are_sound(choices, probes)) {
       return olx_fail(OLX_ERROR_FORMAT, "%s: chunk VORO: probe %u, texel %u: not its neighbours (%u %u %u %u)",
                       field->name, probe, (uint32_t)(i % texels), choices[0], choices[1], choices[2], choices[3]);
     }

@@ -4,6 +4,7 @@
 #include "core/parallel.h"
 #include "core/result.h"
 #include "scene/surface.h"
+#include "scene/triangle_box.h"
 
 #include <string.h>
 
@@ -31,25 +32,6 @@ static void to_array(olx_vec3 v, float a[3]) {
   a[0] = v.x;
   a[1] = v.y;
   a[2] = v.z;
-}
-
-// Whether the axis separates the triangle (corners relative to the box's centre) from the box.
-static bool separates(olx_vec3 axis, const olx_vec3 corners[3], float half) {
-  const float a = olx_dot(axis, corners[0]), b = olx_dot(axis, corners[1]), c = olx_dot(axis, corners[2]);
-  const float radius = half * (fabsf(axis.x) + fabsf(axis.y) + fabsf(axis.z));
-  return olx_min(a, olx_min(b, c)) > radius || olx_max(a, olx_max(b, c)) < -radius;
-}
-
-// The edge axes of the separating axis theorem; the box's own axes and the triangle's plane are tested by the caller.
-static bool edges_touch(const olx_vec3 corners[3], float half) {
-  for (int i = 0; i < 3; i++) {
-    const olx_vec3 e = olx_sub(corners[(i + 1) % 3], corners[i]);
-    if (separates(olx_v3(0.0f, -e.z, e.y), corners, half) || separates(olx_v3(e.z, 0.0f, -e.x), corners, half) ||
-        separates(olx_v3(-e.y, e.x, 0.0f), corners, half)) {
-      return false;
-    }
-  }
-  return true;
 }
 
 // Where a triangle may be: corners in voxels from the low corner, the cells around it, its plane.
@@ -100,7 +82,7 @@ static void mark_column(const voxel_job *job, const cell_triangle *t, int32_t ce
     const olx_vec3 centre = {(float)cell[0] + 0.5f, (float)cell[1] + 0.5f, (float)cell[2] + 0.5f};
     const olx_vec3 corners[3] = {olx_sub(t->corners[0], centre), olx_sub(t->corners[1], centre),
                                  olx_sub(t->corners[2], centre)};
-    if (edges_touch(corners, half)) mark(job->voxels, cell);
+    if (olx_triangle_edges_touch(corners, half)) mark(job->voxels, cell);
   }
 }
 

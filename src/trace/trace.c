@@ -1,5 +1,6 @@
 // A ray against the whole field: probe after probe until one knows (McGuire et al. 2017, Listing 1).
 #include "select/cage.h"
+#include "select/octree.h"
 #include "select/select.h"
 #include "select/voronoi.h"
 #include "trace/probe_trace.h"
@@ -129,6 +130,26 @@ static bool search_voronoi(search *s, uint32_t *probe, olx_probe_answer *answer)
   return false;
 }
 
+// Ask the probes of the leaf around the ray's free end, and of each further leaf the ray advances into.
+static bool search_octree(search *s, uint32_t *probe, olx_probe_answer *answer) {
+  uint32_t leaf = olx_octree_leaf(s->field, ray_point(s, s->t));
+  for (;;) {
+    uint32_t choices[OLX_CHOICES];
+    olx_octree_choices(s->field, leaf, choices);
+    bool moved = false;
+    for (uint32_t i = 0; i < OLX_CHOICES && !moved; i++) {
+      *probe = choices[i];
+      if (*probe == OLX_NO_PROBE || !usable(s, *probe) || was_asked(s, *probe)) continue;
+      if (s->attempts >= s->limit) return false;
+      if (ask(s, *probe, answer)) return true;
+      const uint32_t now = olx_octree_leaf(s->field, ray_point(s, s->t));
+      moved = now != leaf;
+      leaf = now;
+    }
+    if (!moved) return false;
+  }
+}
+
 // Ask whichever other probes see the place where the ray is stuck, nearest first.
 static bool search_everywhere(search *s, uint32_t *probe, olx_probe_answer *answer) {
   while (s->attempts < s->limit) {
@@ -202,6 +223,7 @@ static bool search_selected(search *s, uint32_t *probe, olx_probe_answer *answer
   switch (olx_select_resolve(s->field, s->settings->select)) {
   case OLX_SELECT_CAGE: return search_cages(s, probe, answer);
   case OLX_SELECT_VORONOI: return search_voronoi(s, probe, answer);
+  case OLX_SELECT_OCTREE: return search_octree(s, probe, answer);
   default: return false;
   }
 }

@@ -8,17 +8,42 @@
 
 #include <inttypes.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 #define NOT_GIVEN (UINT32_MAX - 1)
 
 // 0 is "not given" where 0 is no value; NOT_GIVEN elsewhere.
 typedef struct render_options {
-  const char *scene, *output, *png, *field, *camera;
+  const char *scene, *output, *png, *field, *camera, *from_camera;
   uint32_t method, size[2], spp, bounces, diffuse, diffuse_samples, glossy_samples, seed, threads, device;
+  uint32_t mode, gather_samples, frames, cut, denoise, emitters;
   sample_options sample;
-  float exposure;
-  bool standard_error, show_probes, progress, json;
+  float exposure, dim_lobe;
+  bool standard_error, show_probes, centered, progress, json;
 } render_options;
+
+// The three ways of the paper's section 5 to light a picture from a field, in the order of --mode's words.
+enum { MODE_GATHER, MODE_DENOISED, MODE_PREFILTERED };
+
+enum { DEFAULT_FRAMES = 64, DEFAULT_GATHER_SAMPLES = 64 };
+
+static olx_denoise_settings denoise_settings(uint32_t choice) {
+  return choice == 0   ? olx_denoise_settings_none()
+         : choice == 1 ? olx_denoise_settings_published()
+                       : olx_denoise_settings_default();
+}
+
+// What --mode stands for, unless more special options say otherwise.
+static void apply_mode(const render_options *o, olx_render_settings *settings) {
+  if (o->mode == MODE_GATHER) {
+    const uint32_t count = o->gather_samples ? o->gather_samples : DEFAULT_GATHER_SAMPLES;
+    settings->spp = 1;
+    settings->diffuse_samples = settings->glossy_samples = count;
+  }
+  if (o->mode == MODE_GATHER || o->mode == MODE_DENOISED) settings->diffuse = OLX_DIFFUSE_TRACED;
+  // Irradiance holds no light that comes straight from emitters, so rays have to find it.
+  if (o->emitters) settings->diffuse = OLX_DIFFUSE_TRACED;
+}
 
 static olx_render_settings resolve(const render_options *o) {
   olx_render_settings settings = olx_render_settings_default((olx_method)o->method);
@@ -26,6 +51,7 @@ static olx_render_settings resolve(const render_options *o) {
     settings.width = o->size[0];
     settings.height = o->size[1];
   }
+  apply_mode(o, &settings);
   if (o->spp) settings.spp = o->spp;
   if (o->bounces != NOT_GIVEN) settings.bounces = o->bounces;
   if (o->diffuse != NOT_GIVEN) settings.diffuse = (olx_diffuse)o->diffuse;
@@ -33,9 +59,30 @@ static olx_render_settings resolve(const render_options *o) {
   if (o->glossy_samples) settings.glossy_samples = o->glossy_samples;
   settings.standard_error = o->standard_error;
   settings.seed = o->seed;
+  settings.centered = o->centered;
+  settings.dim_lobe = o->dim_lobe;
+  settings.denoise = denoise_settings(o->denoise);
   settings.threads = o->threads;
   settings.sample = resolve_sample_options(&o->sample);
+  settings.sample.emitters = o->emitters != 0;
   return settings;
+}
+
+static int check_frames(render_options *o) {
+  if (o->mode == MODE_DENOISED && !o->frames) o->frames = DEFAULT_FRAMES;
+  if (o->frames && (o->method != OLX_METHOD_FIELD || o->mode == MODE_GATHER)) {
+    return usage_error("render", "--frames goes with --method field and --mode denoised or prefiltered");
+  }
+  if (o->gather_samples && o->mode != MODE_GATHER)
+    return usage_error("render", "--gather-samples goes with --mode gather");
+  if (o->from_camera && !o->frames) return usage_error("render", "--from-camera goes with --frames");
+  if (o->cut && (!o->from_camera || o->cut >= o->frames)) {
+    return usage_error("render", "--cut goes with --from-camera, and is less than --frames");
+  }
+  if (o->emitters && o->mode == MODE_PREFILTERED) {
+    return usage_error("render", "--emitters traced needs traced diffuse light: --mode gather or denoised");
+  }
+  return EXIT_DONE;
 }
 
 // What cannot be meant; 0 when all is well.
@@ -56,7 +103,7 @@ static int check_options(render_options *o) {
     return usage_error("render", "--show-probes needs --field and a .png to draw into");
   }
   if (o->exposure > 0.0f && !o->png) return usage_error("render", "--exposure needs a .png to apply to");
-  return EXIT_DONE;
+  return check_frames(o);
 }
 
 static int print_render_json(const olx_render_stats *stats, const olx_image *image) {
@@ -69,6 +116,7 @@ static int print_render_json(const olx_render_stats *stats, const olx_image *ima
   add_number(passes, "direct", stats->direct_seconds);
   add_number(passes, "indirect_diffuse", stats->diffuse_seconds);
   add_number(passes, "indirect_glossy", stats->glossy_seconds);
+  add_number(passes, "denoise", stats->denoise_seconds);
   add_number(object, "rays", (double)stats->rays);
   add_number(object, "field_rays", (double)stats->field_rays);
   add_number(object, "field_unresolved", (double)stats->field_unresolved);
@@ -95,16 +143,51 @@ static int save_picture(const render_options *o, const olx_field *field, const o
   return result == OLX_OK ? EXIT_DONE : library_failure("render");
 }
 
+static olx_vec3 between(olx_vec3 a, olx_vec3 b, float t) {
+  return (olx_vec3){a.x + (b.x - a.x) * t, a.y + (b.y - a.y) * t, a.z + (b.z - a.z) * t};
+}
+
+// The camera of each frame: `to` all the time; or from `from` in equal steps to `to` in the last frame; or `from`, and `to`
+// after the cut.
+static void move_camera(const render_options *o, const olx_camera *from, const olx_camera *to, olx_camera *cameras) {
+  for (uint32_t i = 0; i < o->frames; i++) {
+    const bool after_cut = o->cut && i >= o->frames - o->cut;
+    const float t = after_cut ? 1.0f : o->cut ? 0.0f : (float)i / (float)(o->frames > 1 ? o->frames - 1 : 1);
+    cameras[i] = *to;
+    cameras[i].eye = between(from->eye, to->eye, t);
+    cameras[i].target = between(from->target, to->target, t);
+    cameras[i].up = between(from->up, to->up, t);
+    cameras[i].fov_y_degrees = from->fov_y_degrees + (to->fov_y_degrees - from->fov_y_degrees) * t;
+  }
+}
+
+static olx_result render_frames(const render_options *o, const olx_scene *scene, const olx_field *field,
+                                const olx_camera *camera, const olx_progress *progress, olx_image *image,
+                                olx_render_stats *stats) {
+  const olx_render_settings settings = resolve(o);
+  if (!o->frames) return olx_render(scene, field, camera, &settings, progress, image, stats);
+  olx_camera from = *camera;
+  if (o->from_camera) {
+    const olx_result found = olx_scene_find_camera(scene, o->from_camera, &from);
+    if (found != OLX_OK) return found;
+  }
+  olx_camera *cameras = malloc(o->frames * sizeof *cameras);
+  if (!cameras) return OLX_ERROR_MEMORY;
+  move_camera(o, &from, camera, cameras);
+  const olx_result result = olx_render_frames(scene, field, cameras, o->frames, &settings, progress, image, stats);
+  free(cameras);
+  return result;
+}
+
 static int render_picture(const render_options *o, const olx_scene *scene, const olx_field *field) {
   olx_camera camera;
   if (olx_scene_find_camera(scene, o->camera, &camera) != OLX_OK) return library_failure("render");
-  const olx_render_settings settings = resolve(o);
   progress_line line;
   progress_begin(&line, "render", o->progress);
   const olx_progress progress = progress_of(&line);
   olx_image image = {0};
   olx_render_stats stats;
-  const olx_result result = olx_render(scene, field, &camera, &settings, &progress, &image, &stats);
+  const olx_result result = render_frames(o, scene, field, &camera, &progress, &image, &stats);
   progress_end(&line);
   if (result == OLX_ERROR_CANCELLED) return failure("render", "%s: interrupted, nothing written", o->output);
   if (result != OLX_OK) return library_failure("render");
@@ -128,8 +211,12 @@ static int render_scene(const render_options *o) {
 }
 
 int command_render(int argc, char **argv) {
-  render_options o = {
-      .method = NOT_GIVEN, .bounces = NOT_GIVEN, .diffuse = NOT_GIVEN, .sample = SAMPLE_OPTIONS_DEFAULT};
+  render_options o = {.method = NOT_GIVEN,
+                      .bounces = NOT_GIVEN,
+                      .diffuse = NOT_GIVEN,
+                      .mode = NOT_GIVEN,
+                      .denoise = 2,
+                      .sample = SAMPLE_OPTIONS_DEFAULT};
   const option options[] = {
       {"-o", OPTION_TEXT, &o.output, "FILE", ".exr: every layer, linear; .png: tone-mapped", 1, 0},
       {"--png", OPTION_TEXT, &o.png, "FILE.png", "beside an .exr, the same picture tone-mapped", 0, 0},
@@ -139,6 +226,19 @@ int command_render(int argc, char **argv) {
       {"--camera", OPTION_TEXT, &o.camera, "NAME", "a camera of the scene; default: the first", 0, 0},
       {"--spp", OPTION_COUNT, &o.spp, "N", "camera samples a pixel; default 64 for path, 4 for field", 1, 1u << 20},
       {"--bounces", OPTION_BOUNCES, &o.bounces, "N|inf", "path: indirect bounces; default inf", 0, 1024},
+      {"--centered", OPTION_FLAG, &o.centered, NULL, "all samples through the pixel's centre", 0, 0},
+      {"--mode", OPTION_CHOICE, &o.mode, "gather|denoised|prefiltered",
+       "field: gather by rays; one ray a lobe, denoised; or irradiance and glossy rays; default prefiltered", 0, 0},
+      {"--gather-samples", OPTION_COUNT, &o.gather_samples, "N", "gather: rays a lobe and pixel; default 64", 1, 4096},
+      {"--frames", OPTION_COUNT, &o.frames, "N",
+       "denoised, prefiltered: make N frames as in real time, keep the last; denoised: 64", 1, 100000},
+      {"--denoise", OPTION_CHOICE, &o.denoise, "none|published|adaptive", "how frames are filtered; default adaptive",
+       0, 0},
+      {"--from-camera", OPTION_TEXT, &o.from_camera, "NAME", "frames: begin here and glide to --camera", 0, 0},
+      {"--cut", OPTION_COUNT, &o.cut, "N", "frames: no glide, but a cut before the last N", 1, 100000},
+      {"--emitters", OPTION_CHOICE, &o.emitters, "sampled|traced",
+       "lamps with an area: sampled by direct light, or found by rays; default sampled", 0, 0},
+      {"--dim-lobe", OPTION_REAL, &o.dim_lobe, "F", "do not trace rough lobes that reflect less than this share", 0, 0},
       {"--diffuse", OPTION_CHOICE, &o.diffuse, "irradiance|traced",
        "field: diffuse light from irradiance probes or rays; default irradiance", 0, 0},
       {"--diffuse-samples", OPTION_COUNT, &o.diffuse_samples, "N", "field: rays a sample when traced; default 64", 1,

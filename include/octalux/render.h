@@ -58,6 +58,25 @@ typedef enum olx_diffuse {
 
 #define OLX_BOUNCES_INFINITE UINT32_MAX
 
+// How frames are denoised (McGuire et al. section 5.1, docs/denoising.md): a filter over time, then one over pixels.
+typedef struct olx_lobe_filter {
+  uint32_t radius_pixels; // of the filter over pixels, 0 to 64; 0: none
+  uint32_t stride_pixels; // between the pixels it reads, 1 to 64
+  float history;          // largest share of earlier frames in a pixel, 0 to 0.999
+  float still_history;    // the same where the pixel shows the surface in the place where it was; 0 to 0.999
+  float reach;            // 0: the radius is all. Else kernels narrow to this share of the distance over which light changes
+} olx_lobe_filter;
+
+typedef struct olx_denoise_settings {
+  olx_lobe_filter diffuse, glossy;
+} olx_denoise_settings;
+
+olx_denoise_settings olx_denoise_settings_default(void);
+// The paper's: 12 pixels, stride 2, 98 % for diffuse light; 3 pixels and 75 % for glossy light.
+olx_denoise_settings olx_denoise_settings_published(void);
+// Every frame as its rays found it.
+olx_denoise_settings olx_denoise_settings_none(void);
+
 typedef struct olx_render_settings {
   uint32_t width, height;    // 1 to 16384; default 1280 x 720
   uint32_t spp;              // camera samples a pixel, 1 to 2^20; 1 shoots through pixel centres; default 64 for path, 4 for field
@@ -67,6 +86,10 @@ typedef struct olx_render_settings {
   uint32_t diffuse_samples;  // field, traced: rays a camera sample, 1 to 4096; default 64
   uint32_t glossy_samples;   // field: rays a camera sample on glossy surfaces, 1 to 4096; default 4 (1 when smooth)
   uint32_t seed;             // another one gives other samples, so that two images have independent noise; default 0
+  float dim_lobe;            // field: rough specular lobes that reflect less than this share towards the eye are not traced
+                             // but take irradiance; default 0 (section 6)
+  bool centered;             // all camera samples of a pixel go through its centre
+  olx_denoise_settings denoise; // olx_render_frames
   bool standard_error;       // also fill OLX_LAYER_STANDARD_ERROR
   uint32_t threads;          // 0: as many as the machine has; the image does not depend on it
   olx_sample_settings sample; // field: tracer, selector, visibility
@@ -77,7 +100,7 @@ olx_render_settings olx_render_settings_default(olx_method method);
 typedef struct olx_render_stats {
   double seconds;
   // Processor time of the workers, summed over threads; a path tracer tells the first alone.
-  double primary_seconds, direct_seconds, diffuse_seconds, glossy_seconds;
+  double primary_seconds, direct_seconds, diffuse_seconds, glossy_seconds, denoise_seconds;
   uint64_t rays;            // cast with Embree
   uint64_t field_rays;      // traced through the field
   uint64_t field_unresolved;
@@ -89,6 +112,15 @@ typedef struct olx_render_stats {
 olx_result olx_render(const olx_scene *scene, const olx_field *field, const olx_camera *camera,
                       const olx_render_settings *settings, const olx_progress *progress, olx_image *image,
                       olx_render_stats *stats);
+
+// Render as a real-time renderer does: `count` frames, seen from cameras[0..count), each with one camera ray a pixel (through
+// its centre) and one ray a lobe through the field, denoised over pixels and over frames; the image is the last one.
+// settings->diffuse chooses between a Lambertian ray (the paper's denoised mode) and prefiltered irradiance (its default);
+// settings->spp is the number of samples of direct light in the last frame. Other counts of samples, and bounces, say
+// nothing here; the method must be OLX_METHOD_FIELD. The rest is as olx_render.
+olx_result olx_render_frames(const olx_scene *scene, const olx_field *field, const olx_camera *cameras, uint32_t count,
+                             const olx_render_settings *settings, const olx_progress *progress, olx_image *image,
+                             olx_render_stats *stats);
 
 // Error of `a` against the reference `b` over one layer (MATH: relative MSE is sum (a-b)^2 / sum b^2, bias is
 // sum (a-b) / sum b, over pixels and channels). PSNR is in dB over the reference's maximum, infinite for equal images; the

@@ -25,6 +25,16 @@ typedef struct olx_render_context {
   olx_camera_frame camera;
 } olx_render_context;
 
+// The pixels of a tile, row by row.
+typedef struct olx_tile {
+  uint32_t x0, y0, width, height;
+} olx_tile;
+
+static inline uint32_t olx_tile_count(uint32_t width, uint32_t height) {
+  return (width + OLX_TILE_SIZE - 1) / OLX_TILE_SIZE * ((height + OLX_TILE_SIZE - 1) / OLX_TILE_SIZE);
+}
+olx_tile olx_tile_at(uint32_t width, uint32_t height, uint32_t index);
+
 // One camera ray for each pixel of a tile, and what they hit.
 typedef struct olx_tile_rays {
   uint32_t count;
@@ -36,5 +46,14 @@ typedef struct olx_tile_rays {
 // Fill samples[0..count) of a tile. The samples come zeroed, with depth, and emission where the sky was hit.
 typedef void (*olx_tile_renderer)(const olx_render_context *context, olx_tile_rays *rays, olx_camera_sample *samples,
                                   olx_render_stats *stats);
+
+// Camera rays of sample `index` through the tile (rays->count of them), what they hit, and the samples as far as rays alone determine them.
+void olx_tile_cast(const olx_render_context *context, const olx_tile *tile, uint32_t index, bool through_centers,
+                   olx_tile_rays *rays, olx_camera_sample *samples);
+
+// Whether the settings that all renderers share are in their ranges, and the field is there and fits.
+olx_result olx_render_check(const olx_scene *scene, const olx_field *field, const olx_render_settings *settings);
+
+void olx_render_stats_add(olx_render_stats *sum, const olx_render_stats *more);
 
 #endif

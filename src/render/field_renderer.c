@@ -1,10 +1,6 @@
 #include "render/field_renderer.h"
 
 #include "core/parallel.h"
-#include "render/direct_light.h"
-
-// Seeds of the passes' random numbers, apart from those of direct light.
-enum { DIFFUSE_BRANCH = 2, GLOSSY_BRANCH = 3 };
 
 typedef struct shaded_tile {
   const olx_render_context *context;
@@ -32,17 +28,13 @@ static void find_surfaces(shaded_tile *tile) {
   }
 }
 
-static void light_directly(shaded_tile *tile) {
-  const bool emitters_traced = tile->context->settings->sample.emitters;
-  for (uint32_t k = 0; k < tile->count; k++) {
-    const uint32_t i = tile->pixel[k];
-    olx_sampler *sampler = &tile->rays->samplers[i];
-    const olx_scene *scene = tile->context->scene;
-    const olx_lobes lit = emitters_traced ? olx_direct_light_sampled(scene, &tile->shadings[k], OLX_MIS_DELTA_ONLY,
-                                                                     sampler, &tile->stats->rays)
-                                          : olx_direct_light(scene, &tile->shadings[k], sampler, &tile->stats->rays);
-    tile->samples[i].direct = olx_add(lit.diffuse, lit.specular);
-  }
+olx_vec3 olx_field_direct(const olx_render_context *context, const olx_shading *shading, olx_sampler *sampler,
+                          olx_render_stats *stats) {
+  const olx_lobes lit =
+      context->settings->sample.emitters
+          ? olx_direct_light_sampled(context->scene, shading, OLX_MIS_DELTA_ONLY, sampler, &stats->rays)
+          : olx_direct_light(context->scene, shading, sampler, &stats->rays);
+  return olx_add(lit.diffuse, lit.specular);
 }
 
 static olx_vec3 field_origin(const olx_surface *surface) {
@@ -56,64 +48,107 @@ static void count_ray(olx_render_stats *stats, const olx_trace_hit *hit) {
   stats->field_probes += hit->probes_tried;
 }
 
+// Nearer than a texel is wide, distances say nothing.
+static float known_distance(const olx_trace_hit *hit) { return olx_max(hit->distance_metres, hit->footprint_metres); }
+
+olx_field_light olx_field_diffuse_ray(const olx_render_context *context, const olx_shading *shading, olx_vec2 random,
+                                      olx_render_stats *stats) {
+  const olx_surface *surface = shading->surface;
+  const olx_vec3 direction = olx_from_basis(olx_sample_cosine(random), shading->normal);
+  olx_field_light found = {.distance_metres = INFINITY};
+  if (olx_dot(direction, surface->geometric_normal) <= 0.0f) return found;
+  const olx_sample_settings *sample = &context->settings->sample;
+  const olx_trace_hit hit = olx_trace(context->field, sample, field_origin(surface), direction, INFINITY);
+  count_ray(stats, &hit);
+  found.distance_metres = known_distance(&hit);
+  if (!hit.emitter || sample->emitters) found.light = hit.radiance;
+  return found;
+}
+
+olx_field_light olx_field_glossy_ray(const olx_render_context *context, const olx_shading *shading, olx_vec3 view,
+                                     olx_vec2 random, olx_render_stats *stats) {
+  const olx_surface *surface = shading->surface;
+  float weight, half_cosine;
+  olx_trace_hit hit;
+  const olx_vec3 radiance = olx_glossy(context->field, &context->settings->sample, field_origin(surface),
+                                       shading->normal, view, surface->roughness, random, &weight, &half_cosine, &hit);
+  if (weight <= 0.0f) return (olx_field_light){.distance_metres = INFINITY};
+  count_ray(stats, &hit);
+  const olx_vec3 fresnel = olx_fresnel(&surface->bsdf, half_cosine);
+  return (olx_field_light){olx_scale(olx_mul(fresnel, radiance), weight), known_distance(&hit)};
+}
+
+olx_vec3 olx_field_irradiance(const olx_render_context *context, const olx_shading *shading, olx_vec3 view) {
+  return olx_irradiance(context->field, &context->settings->sample, field_origin(shading->surface), shading->normal,
+                        view);
+}
+
+bool olx_field_lobe_is_dim(const olx_render_context *context, const olx_shading *shading) {
+  const olx_bsdf *bsdf = &shading->surface->bsdf;
+  return bsdf->alpha > 0.0f && olx_max3(olx_fresnel(bsdf, shading->view.z)) < context->settings->dim_lobe;
+}
+
+olx_vec3 olx_field_dim_light(const olx_shading *shading, olx_vec3 irradiance) {
+  return olx_scale(olx_mul(olx_fresnel(&shading->surface->bsdf, shading->view.z), irradiance), 1.0f / OLX_PI);
+}
+
+static void light_directly(shaded_tile *tile) {
+  for (uint32_t k = 0; k < tile->count; k++) {
+    const uint32_t i = tile->pixel[k];
+    tile->samples[i].direct =
+        olx_field_direct(tile->context, &tile->shadings[k], &tile->rays->samplers[i], tile->stats);
+  }
+}
+
 // Irradiance by cosine rays through the field.
 static olx_vec3 traced_irradiance(const shaded_tile *tile, uint32_t k) {
-  const olx_render_settings *settings = tile->context->settings;
-  const olx_surface *surface = &tile->surfaces[k];
   const olx_sampler *sampler = &tile->rays->samplers[tile->pixel[k]];
-  const uint32_t count = settings->diffuse_samples, seed = olx_sampler_split(sampler, DIFFUSE_BRANCH).seed;
-  const olx_vec3 origin = field_origin(surface);
+  const uint32_t count = tile->context->settings->diffuse_samples;
+  const uint32_t seed = olx_sampler_split(sampler, OLX_DIFFUSE_BRANCH).seed;
   olx_vec3 sum = {0};
   for (uint32_t j = 0; j < count; j++) {
-    const olx_vec3 local = olx_sample_cosine(olx_stratified2(sampler->index * count + j, seed));
-    const olx_vec3 direction = olx_from_basis(local, tile->shadings[k].normal);
-    if (olx_dot(direction, surface->geometric_normal) <= 0.0f) continue;
-    const olx_trace_hit hit = olx_trace(tile->context->field, &settings->sample, origin, direction, INFINITY);
-    count_ray(tile->stats, &hit);
-    if (!hit.emitter || settings->sample.emitters) sum = olx_add(sum, hit.radiance);
+    const olx_vec2 random = olx_stratified2(sampler->index * count + j, seed);
+    sum = olx_add(sum, olx_field_diffuse_ray(tile->context, &tile->shadings[k], random, tile->stats).light);
   }
   return olx_scale(sum, OLX_PI / (float)count);
 }
 
 static void light_diffusely(shaded_tile *tile) {
-  const olx_render_settings *settings = tile->context->settings;
+  const bool traced = tile->context->settings->diffuse == OLX_DIFFUSE_TRACED;
   for (uint32_t k = 0; k < tile->count; k++) {
     const olx_shading *shading = &tile->shadings[k];
     if (!shading->has_diffuse) continue;
     const uint32_t i = tile->pixel[k];
+    const olx_vec3 view = olx_negate(tile->rays->directions[i]);
     const olx_vec3 irradiance =
-        settings->diffuse == OLX_DIFFUSE_TRACED
-            ? traced_irradiance(tile, k)
-            : olx_irradiance(tile->context->field, &settings->sample, field_origin(shading->surface), shading->normal,
-                             olx_negate(tile->rays->directions[i]));
+        traced ? traced_irradiance(tile, k) : olx_field_irradiance(tile->context, shading, view);
     tile->samples[i].indirect_diffuse = olx_scale(olx_mul(shading->diffuse, irradiance), 1.0f / OLX_PI);
   }
 }
 
+static olx_vec3 traced_glossy(const shaded_tile *tile, uint32_t k, olx_vec3 view) {
+  const olx_shading *shading = &tile->shadings[k];
+  const olx_sampler *sampler = &tile->rays->samplers[tile->pixel[k]];
+  const uint32_t count = shading->surface->bsdf.alpha > 0.0f ? tile->context->settings->glossy_samples : 1;
+  const uint32_t seed = olx_sampler_split(sampler, OLX_GLOSSY_BRANCH).seed;
+  olx_vec3 sum = {0};
+  for (uint32_t j = 0; j < count; j++) {
+    const olx_vec2 random = olx_stratified2(sampler->index * count + j, seed);
+    sum = olx_add(sum, olx_field_glossy_ray(tile->context, shading, view, random, tile->stats).light);
+  }
+  return olx_scale(sum, 1.0f / (float)count);
+}
+
 static void light_glossily(shaded_tile *tile) {
-  const olx_render_settings *settings = tile->context->settings;
   for (uint32_t k = 0; k < tile->count; k++) {
     const olx_shading *shading = &tile->shadings[k];
     if (!shading->has_specular) continue;
     const uint32_t i = tile->pixel[k];
-    const olx_surface *surface = shading->surface;
-    const olx_sampler *sampler = &tile->rays->samplers[i];
-    const uint32_t count = surface->bsdf.alpha > 0.0f ? settings->glossy_samples : 1;
-    const uint32_t seed = olx_sampler_split(sampler, GLOSSY_BRANCH).seed;
-    const olx_vec3 origin = field_origin(surface), view = olx_negate(tile->rays->directions[i]);
-    olx_vec3 sum = {0};
-    for (uint32_t j = 0; j < count; j++) {
-      const olx_vec2 random = olx_stratified2(sampler->index * count + j, seed);
-      float weight, half_cosine;
-      olx_trace_hit hit;
-      const olx_vec3 radiance = olx_glossy(tile->context->field, &settings->sample, origin, shading->normal, view,
-                                           surface->roughness, random, &weight, &half_cosine, &hit);
-      if (weight <= 0.0f) continue;
-      count_ray(tile->stats, &hit);
-      const olx_vec3 fresnel = olx_fresnel(&surface->bsdf, half_cosine);
-      sum = olx_add(sum, olx_scale(olx_mul(fresnel, radiance), weight));
-    }
-    tile->samples[i].indirect_glossy = olx_scale(sum, 1.0f / (float)count);
+    const olx_vec3 view = olx_negate(tile->rays->directions[i]);
+    tile->samples[i].indirect_glossy =
+        olx_field_lobe_is_dim(tile->context, shading)
+            ? olx_field_dim_light(shading, olx_field_irradiance(tile->context, shading, view))
+            : traced_glossy(tile, k, view);
   }
 }
 

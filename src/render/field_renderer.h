@@ -3,8 +3,37 @@
 #define OLX_RENDER_FIELD_RENDERER_H
 
 #include "render/camera_sample.h"
+#include "render/direct_light.h"
 
 void olx_field_render_tile(const olx_render_context *context, olx_tile_rays *rays, olx_camera_sample *samples,
                            olx_render_stats *stats);
+
+// Seeds of the rays' random numbers, apart from those of direct light: arguments of olx_sampler_split.
+enum { OLX_DIFFUSE_BRANCH = 2, OLX_GLOSSY_BRANCH = 3 };
+
+// Light of all kinds of emitters, or, where rays through the field find those that have an area, of the others alone.
+olx_vec3 olx_field_direct(const olx_render_context *context, const olx_shading *shading, olx_sampler *sampler,
+                          olx_render_stats *stats);
+
+// What one ray through the field found.
+typedef struct olx_field_light {
+  olx_vec3 light;
+  float distance_metres; // infinite when nothing was hit
+} olx_field_light;
+
+// Radiance along a cosine-distributed direction: its mean is irradiance / pi.
+olx_field_light olx_field_diffuse_ray(const olx_render_context *context, const olx_shading *shading, olx_vec2 random,
+                                      olx_render_stats *stats);
+// Light reflected towards `view` by the specular lobe.
+olx_field_light olx_field_glossy_ray(const olx_render_context *context, const olx_shading *shading, olx_vec3 view,
+                                     olx_vec2 random, olx_render_stats *stats);
+
+// Prefiltered irradiance.
+olx_vec3 olx_field_irradiance(const olx_render_context *context, const olx_shading *shading, olx_vec3 view);
+
+// Whether the specular lobe is rough and reflects less than settings.dim_lobe towards the eye; and its light then: that of all
+// directions alike.
+bool olx_field_lobe_is_dim(const olx_render_context *context, const olx_shading *shading);
+olx_vec3 olx_field_dim_light(const olx_shading *shading, olx_vec3 irradiance);
 
 #endif

@@ -18,6 +18,7 @@ olx_render_settings olx_render_settings_default(olx_method method) {
       .diffuse = OLX_DIFFUSE_IRRADIANCE,
       .diffuse_samples = 64,
       .glossy_samples = 4,
+      .denoise = olx_denoise_settings_default(),
       .sample = olx_sample_settings_default(),
   };
 }
@@ -26,7 +27,6 @@ typedef struct render_job {
   olx_render_context context;
   olx_tile_renderer renderer;
   olx_image *image;
-  uint32_t tiles_x;
   pthread_mutex_t stats_lock;
   olx_render_stats stats;
 } render_job;
@@ -94,35 +94,28 @@ static void write_pixel(const olx_image *image, size_t pixel, const pixel_sum *s
   }
 }
 
-// The pixels of a tile, row by row.
-typedef struct tile_pixels {
-  uint32_t x0, y0, width, height;
-} tile_pixels;
-
-static tile_pixels find_tile(const render_job *job, uint32_t index) {
-  const uint32_t x0 = index % job->tiles_x * OLX_TILE_SIZE, y0 = index / job->tiles_x * OLX_TILE_SIZE;
-  const uint32_t right = job->image->width - x0, down = job->image->height - y0;
-  return (tile_pixels){x0, y0, right < OLX_TILE_SIZE ? right : OLX_TILE_SIZE,
-                       down < OLX_TILE_SIZE ? down : OLX_TILE_SIZE};
+olx_tile olx_tile_at(uint32_t width, uint32_t height, uint32_t index) {
+  const uint32_t tiles_x = (width + OLX_TILE_SIZE - 1) / OLX_TILE_SIZE;
+  const uint32_t x0 = index % tiles_x * OLX_TILE_SIZE, y0 = index / tiles_x * OLX_TILE_SIZE;
+  const uint32_t right = width - x0, down = height - y0;
+  return (olx_tile){x0, y0, right < OLX_TILE_SIZE ? right : OLX_TILE_SIZE, down < OLX_TILE_SIZE ? down : OLX_TILE_SIZE};
 }
 
-// Camera rays of sample `index` through the tile, what they hit, and the samples as far as rays alone determine them.
-static void cast_camera_rays(const render_job *job, const tile_pixels *tile, uint32_t index, olx_tile_rays *rays,
-                             olx_camera_sample *samples) {
-  const olx_camera_frame *camera = &job->context.camera;
-  const uint32_t seed = job->context.settings->seed;
-  const uint32_t width = job->image->width, height = job->image->height;
+void olx_tile_cast(const olx_render_context *context, const olx_tile *tile, uint32_t index, bool through_centers,
+                   olx_tile_rays *rays, olx_camera_sample *samples) {
+  const olx_camera_frame *camera = &context->camera;
+  const uint32_t seed = context->settings->seed;
+  const uint32_t width = context->settings->width, height = context->settings->height;
   olx_ray cast[OLX_TILE_PIXELS];
   for (uint32_t i = 0; i < rays->count; i++) {
     const uint32_t x = tile->x0 + i % tile->width, y = tile->y0 + i / tile->width;
     rays->samplers[i] = (olx_sampler){.seed = seed ? olx_hash3(x, y, seed) : olx_hash2(x, y), .index = index};
-    const olx_vec2 inside =
-        job->context.settings->spp == 1 ? (olx_vec2){0.5f, 0.5f} : olx_sampler_next2(&rays->samplers[i]);
+    const olx_vec2 inside = through_centers ? (olx_vec2){0.5f, 0.5f} : olx_sampler_next2(&rays->samplers[i]);
     rays->directions[i] =
         olx_camera_direction(camera, ((float)x + inside.x) / (float)width, ((float)y + inside.y) / (float)height);
     cast[i] = (olx_ray){.origin = camera->eye, .direction = rays->directions[i], .t_max = INFINITY};
   }
-  const olx_scene *scene = job->context.scene;
+  const olx_scene *scene = context->scene;
   olx_bvh_intersect_many(scene->bvh, cast, rays->count, true, rays->hits);
   for (uint32_t i = 0; i < rays->count; i++) {
     samples[i] = (olx_camera_sample){.depth = INFINITY};
@@ -134,10 +127,23 @@ static void cast_camera_rays(const render_job *job, const tile_pixels *tile, uin
   }
 }
 
+void olx_render_stats_add(olx_render_stats *sum, const olx_render_stats *more) {
+  sum->primary_seconds += more->primary_seconds;
+  sum->direct_seconds += more->direct_seconds;
+  sum->diffuse_seconds += more->diffuse_seconds;
+  sum->glossy_seconds += more->glossy_seconds;
+  sum->rays += more->rays;
+  sum->field_rays += more->field_rays;
+  sum->field_unresolved += more->field_unresolved;
+  sum->field_steps += more->field_steps;
+  sum->field_probes += more->field_probes;
+}
+
 static void render_tile(void *user, uint32_t index) {
   render_job *job = user;
-  const tile_pixels tile = find_tile(job, index);
+  const olx_tile tile = olx_tile_at(job->image->width, job->image->height, index);
   const uint32_t spp = job->context.settings->spp;
+  const bool through_centers = spp == 1 || job->context.settings->centered;
   pixel_sum sums[OLX_TILE_PIXELS];
   memset(sums, 0, sizeof sums);
   olx_tile_rays rays = {.count = tile.width * tile.height};
@@ -145,7 +151,7 @@ static void render_tile(void *user, uint32_t index) {
   olx_render_stats stats = {0};
   for (uint32_t s = 0; s < spp; s++) {
     const double start = olx_thread_seconds();
-    cast_camera_rays(job, &tile, s, &rays, samples);
+    olx_tile_cast(&job->context, &tile, s, through_centers, &rays, samples);
     stats.primary_seconds += olx_thread_seconds() - start;
     stats.rays += rays.count;
     job->renderer(&job->context, &rays, samples, &stats);
@@ -156,15 +162,7 @@ static void render_tile(void *user, uint32_t index) {
     write_pixel(job->image, x + (size_t)job->image->width * y, &sums[i], spp);
   }
   pthread_mutex_lock(&job->stats_lock);
-  job->stats.primary_seconds += stats.primary_seconds;
-  job->stats.direct_seconds += stats.direct_seconds;
-  job->stats.diffuse_seconds += stats.diffuse_seconds;
-  job->stats.glossy_seconds += stats.glossy_seconds;
-  job->stats.rays += stats.rays;
-  job->stats.field_rays += stats.field_rays;
-  job->stats.field_unresolved += stats.field_unresolved;
-  job->stats.field_steps += stats.field_steps;
-  job->stats.field_probes += stats.field_probes;
+  olx_render_stats_add(&job->stats, &stats);
   pthread_mutex_unlock(&job->stats_lock);
 }
 
@@ -187,6 +185,9 @@ static olx_result check_settings(const olx_render_settings *s, const olx_field *
   if (s->glossy_samples < 1 || s->glossy_samples > MAX_SAMPLES) {
     return olx_fail(OLX_ERROR_ARGUMENT, "%u glossy rays are not within 1 to %d", s->glossy_samples, MAX_SAMPLES);
   }
+  if (!(s->dim_lobe >= 0.0f && s->dim_lobe <= 1.0f)) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "a dim lobe's reflectance of %g is not within 0 to 1", (double)s->dim_lobe);
+  }
   return olx_sample_settings_check(field, &s->sample);
 }
 
@@ -199,25 +200,28 @@ static void warn_of_other_scene(const olx_scene *scene, const olx_field *field) 
   }
 }
 
+olx_result olx_render_check(const olx_scene *scene, const olx_field *field, const olx_render_settings *settings) {
+  OLX_TRY(check_settings(settings, field));
+  if (settings->method == OLX_METHOD_FIELD) warn_of_other_scene(scene, field);
+  return OLX_OK;
+}
+
 olx_result olx_render(const olx_scene *scene, const olx_field *field, const olx_camera *camera,
                       const olx_render_settings *settings, const olx_progress *progress, olx_image *image,
                       olx_render_stats *stats) {
   *image = (olx_image){0};
-  OLX_TRY(check_settings(settings, field));
+  OLX_TRY(olx_render_check(scene, field, settings));
   render_job job = {
       .context = {.scene = scene, .field = field, .settings = settings},
       .renderer = settings->method == OLX_METHOD_PATH ? olx_path_render_tile : olx_field_render_tile,
       .image = image,
-      .tiles_x = (settings->width + OLX_TILE_SIZE - 1) / OLX_TILE_SIZE,
   };
   OLX_TRY(olx_camera_frame_make(camera, settings->width, settings->height, &job.context.camera));
   uint32_t layers = (1u << OLX_LAYER_STANDARD_ERROR) - 1;
   if (settings->standard_error) layers |= 1u << OLX_LAYER_STANDARD_ERROR;
   OLX_TRY(olx_image_create(settings->width, settings->height, layers, image));
-  if (settings->method == OLX_METHOD_FIELD) warn_of_other_scene(scene, field);
-
   const double start = olx_seconds();
-  const uint32_t tiles = job.tiles_x * ((settings->height + OLX_TILE_SIZE - 1) / OLX_TILE_SIZE);
+  const uint32_t tiles = olx_tile_count(settings->width, settings->height);
   olx_task task;
   olx_task_begin(&task, progress, "render", tiles);
   pthread_mutex_init(&job.stats_lock, NULL);

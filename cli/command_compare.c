@@ -1,4 +1,6 @@
 #include "commands.h"
+#include "comparison.h"
+#include "html_report.h"
 #include "options.h"
 #include "report.h"
 
@@ -9,22 +11,6 @@
 #include <stdlib.h>
 
 #define LAYERS "beauty|direct|indirect_diffuse|indirect_glossy|albedo|normal|depth|standard_error"
-
-typedef struct layer_errors {
-  bool compared;
-  olx_metrics metrics;
-  olx_perceptual perceptual; // not numbers for layers that are no colours
-} layer_errors;
-
-typedef struct comparison {
-  const char *paths[2];
-  olx_image images[2];
-  uint32_t layer; // or OLX_LAYER_COUNT for every layer of light that both have
-  olx_perceptual_settings perceptual;
-  const char *heatmap, *flip_map;
-  bool json;
-  layer_errors layers[OLX_LAYER_COUNT];
-} comparison;
 
 static int compare_failure(const comparison *c) {
   return failure("compare", "%s and %s: %s", c->paths[0], c->paths[1], olx_last_error());
@@ -46,7 +32,11 @@ static olx_result compare_layer(comparison *c, olx_layer layer) {
   errors->perceptual = (olx_perceptual){NAN, NAN};
   const olx_result result = olx_compare(image, reference, layer, &errors->metrics);
   if (result != OLX_OK || !olx_layer_is_color(layer)) return result;
-  return olx_compare_perceptual(image, reference, layer, &c->perceptual, NULL, &errors->perceptual);
+  if (c->report || (c->flip_map && layer == drawn_layer(c))) {
+    errors->flip_map = malloc((size_t)image->width * image->height * sizeof *errors->flip_map);
+    if (!errors->flip_map) return OLX_ERROR_MEMORY;
+  }
+  return olx_compare_perceptual(image, reference, layer, &c->perceptual, errors->flip_map, &errors->perceptual);
 }
 
 static int compare_layers(comparison *c) {
@@ -61,19 +51,17 @@ static int compare_layers(comparison *c) {
 }
 
 static int draw_flip_map(const comparison *c) {
-  const olx_image *image = &c->images[0];
-  olx_perceptual perceptual;
-  float *map = malloc((size_t)image->width * image->height * sizeof *map);
-  if (!map) return failure("compare", "%s: out of memory", c->flip_map);
-  olx_result result = olx_compare_perceptual(image, &c->images[1], drawn_layer(c), &c->perceptual, map, &perceptual);
-  if (result == OLX_OK) result = olx_flip_map_save(map, image->width, image->height, c->flip_map);
-  free(map);
-  return result == OLX_OK ? EXIT_DONE : compare_failure(c);
+  const layer_errors *errors = &c->layers[drawn_layer(c)];
+  if (!errors->flip_map) {
+    return failure("compare", "%s: there is no layer %s to look at in both", c->flip_map,
+                   olx_layer_name(drawn_layer(c)));
+  }
+  const olx_result result = olx_flip_map_save(errors->flip_map, c->images[0].width, c->images[0].height, c->flip_map);
+  return result == OLX_OK ? EXIT_DONE : library_failure("compare");
 }
 
-static int print_compare_json(const comparison *c) {
-  cJSON *object = cJSON_CreateObject();
-  cJSON *layers = cJSON_AddObjectToObject(object, "layers");
+cJSON *comparison_layers(const comparison *c) {
+  cJSON *layers = cJSON_CreateObject();
   for (uint32_t layer = 0; layer < OLX_LAYER_COUNT; ++layer) {
     const layer_errors *errors = &c->layers[layer];
     if (!errors->compared) continue;
@@ -86,6 +74,12 @@ static int print_compare_json(const comparison *c) {
     add_number(entry, "ssim", errors->perceptual.ssim);
     add_number(entry, "flip", errors->perceptual.flip);
   }
+  return layers;
+}
+
+static int print_compare_json(const comparison *c) {
+  cJSON *object = cJSON_CreateObject();
+  cJSON_AddItemToObject(object, "layers", comparison_layers(c));
   return print_json("compare", object);
 }
 
@@ -101,7 +95,7 @@ static void print_compare(const comparison *c) {
   }
 }
 
-static int compare_images(comparison *c) {
+static int compare_images(comparison *c, const char *command) {
   for (int i = 0; i < 2; ++i) {
     if (olx_image_load(c->paths[i], &c->images[i]) != OLX_OK) return library_failure("compare");
   }
@@ -111,16 +105,17 @@ static int compare_images(comparison *c) {
     code = compare_failure(c);
   }
   if (code == EXIT_DONE && c->flip_map) code = draw_flip_map(c);
+  if (code == EXIT_DONE && c->report) code = write_comparison_report(c, command);
   if (code != EXIT_DONE) return code;
   if (c->json) return print_compare_json(c);
   print_compare(c);
   return EXIT_DONE;
 }
 
-// Whether a picture that was asked for can be written.
-static int check_picture(const char *name, const char *path) {
+// Whether a file that was asked for can be written.
+static int check_file(const char *name, const char *path, const char *ending) {
   if (!path) return EXIT_DONE;
-  if (!ends_with(path, ".png")) return usage_error("compare", "%s: '%s' does not end in .png", name, path);
+  if (!ends_with(path, ending)) return usage_error("compare", "%s: '%s' does not end in %s", name, path, ending);
   return check_output("compare", path) ? EXIT_DONE : EXIT_FAILED;
 }
 
@@ -134,6 +129,7 @@ int command_compare(int argc, char **argv) {
        "of the eye that FLIP stands for, at most 1000; default 67", 0, 0},
       {"--heatmap", OPTION_TEXT, &c.heatmap, "FILE.png", "draw where the layer (default beauty) differs", 0, 0},
       {"--flip-map", OPTION_TEXT, &c.flip_map, "FILE.png", "draw FLIP of the layer (default beauty)", 0, 0},
+      {"--report", OPTION_TEXT, &c.report, "FILE.html", "a page to look at: slider, maps, plots, numbers", 0, 0},
       {"--threads", OPTION_COUNT, &c.perceptual.threads, "N", "default 0: every processor; the numbers are the same", 0,
        4096},
       {"--json", OPTION_FLAG, &c.json, NULL, "print one JSON object", 0, 0},
@@ -151,12 +147,16 @@ int command_compare(int argc, char **argv) {
   if (c.perceptual.pixels_per_degree > 1000.0f) {
     return usage_error("compare", "--pixels-per-degree: %g is more than 1000", (double)c.perceptual.pixels_per_degree);
   }
-  code = check_picture("--heatmap", c.heatmap);
-  if (code == EXIT_DONE) code = check_picture("--flip-map", c.flip_map);
+  code = check_file("--heatmap", c.heatmap, ".png");
+  if (code == EXIT_DONE) code = check_file("--flip-map", c.flip_map, ".png");
+  if (code == EXIT_DONE) code = check_file("--report", c.report, ".html");
   if (code != EXIT_DONE) return code;
   c.paths[0] = line.given[0];
   c.paths[1] = line.given[1];
-  code = compare_images(&c);
+  char *command = command_text(argc, argv);
+  code = command ? compare_images(&c, command) : failure("compare", "out of memory");
+  free(command);
+  for (int layer = 0; layer < OLX_LAYER_COUNT; ++layer) free(c.layers[layer].flip_map);
   for (int i = 0; i < 2; ++i) olx_image_free(&c.images[i]);
   return code;
 }

@@ -4,7 +4,7 @@
 set -uo pipefail
 source "$(dirname "$0")/steps.sh"
 
-step "packages" scripts/install-packages.sh
+step "packages" scripts/install-packages.sh full
 step "layers, names, words" python3 scripts/check_layers.py
 step "build: gcc, release" configure_and_build release &&
   tests release "tests: gcc, release" -L 'check|full'

@@ -1,13 +1,15 @@
 #!/usr/bin/env bash
 # Install the Debian packages that building and checking Octalux needs. Does nothing when all of them are there.
+# install-packages.sh full: also those of the full check alone.
 set -euo pipefail
 
 packages=(
   gcc g++ clang clang-format clang-tidy libclang-rt-14-dev # compilers, sanitizer runtimes, tools
   cmake ninja-build pkg-config python3 binutils
-  libembree-dev libassimp-dev libopenexr-dev libstb-dev libcjson-dev libqhull-dev libxxhash-dev
+  libembree-dev libassimp-dev libopenexr-dev libstb-dev libcjson-dev libqhull-dev libxxhash-dev zlib1g-dev
   libcmocka-dev
 )
+[ "${1:-}" = full ] && packages+=(chromium) # looks at reports
 
 if ! command -v dpkg-query >/dev/null; then
   echo "install-packages: no dpkg here; provide these yourself: ${packages[*]}" >&2

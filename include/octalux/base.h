@@ -83,6 +83,9 @@ typedef struct olx_progress {
   void *user;
 } olx_progress;
 
+// Write a whole file: beside its place, synced, renamed, so that no reader ever sees half of it.
+olx_result olx_write_file(const char *path, const void *data, size_t size_bytes);
+
 #pragma GCC visibility pop
 #ifdef __cplusplus
 }

@@ -46,6 +46,12 @@ olx_result olx_image_save_layer_png(const olx_image *image, olx_layer layer, flo
 // Read an .exr that olx_image_save wrote, or any scanline EXR with channels R G B. *image is the caller's to free.
 olx_result olx_image_load(const char *path, olx_image *image);
 
+// Compress 8-bit pixels of 1 (gray) or 3 (RGB) channels, rows from the top, as a PNG in memory. *png is the caller's to
+// give to olx_png_free.
+olx_result olx_png_encode(uint32_t width, uint32_t height, uint32_t channels, const uint8_t *pixels, uint8_t **png,
+                          size_t *size_bytes);
+void olx_png_free(uint8_t *png);
+
 typedef enum olx_method {
   OLX_METHOD_FIELD = 0, // indirect light from a field
   OLX_METHOD_PATH = 1   // path tracing, the reference

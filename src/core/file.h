@@ -22,9 +22,6 @@ olx_result olx_output_commit(olx_output_file *file);
 // Remove the temporary file; nothing happens after a commit.
 void olx_output_discard(olx_output_file *file);
 
-// Write a whole file beside, synced, renamed.
-olx_result olx_write_file(const char *path, const void *data, size_t size_bytes);
-
 // A read-only mapping of a whole file. Zero-initialise.
 typedef struct olx_mapped_file {
   const void *data;

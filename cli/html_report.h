@@ -1,0 +1,44 @@
+// A report for people: one HTML file that needs neither network nor other files. It is built as a JSON tree, which the page
+// (html/report.html, .css, .js) shows; see docs/comparing.md. Text is never interpreted as HTML.
+#ifndef OCTALUX_CLI_HTML_REPORT_H
+#define OCTALUX_CLI_HTML_REPORT_H
+
+#include <octalux/render.h>
+
+#include <cjson/cJSON.h>
+
+// The command line as a shell takes it, "octalux compare 'a b.exr' ..."; to be freed. argv[0] is the command's name.
+char *command_text(int argc, char **argv);
+
+// A report made by `command`, and sections in it: a heading, what there is to know, and the command that made what the
+// section holds; both may be NULL.
+cJSON *html_report_begin(const char *title, const char *command);
+cJSON *html_report_section(cJSON *report, const char *heading, const char *note, const char *command);
+
+// A table: give it columns, then rows of as many cells, by cJSON_AddItemToArray. Numbers stand as they are in --json;
+// null is a number that is not finite.
+cJSON *html_report_table(cJSON *section, const char *caption);
+void html_report_column(cJSON *table, const char *name, const char *note);
+cJSON *html_report_row(cJSON *table);
+
+// An <svg> (plot.h), which is freed.
+void html_report_plot(cJSON *section, const char *caption, char *svg);
+
+// Pictures of one view, which are laid over each other: `frame` is one of a section's tabs. A picture keeps its range of
+// light in 16 bits a channel (7 bits of mantissa), multiplied by `exposure`; a map holds numbers from 0 to 1 that stand
+// for low to high, in equal steps or (logarithmic) in equal ratios.
+typedef struct map_scale {
+  double low, high;
+  bool logarithmic;
+} map_scale;
+cJSON *html_report_frame(cJSON *section, const char *name, const olx_image *image);
+olx_result html_report_picture(cJSON *frame, const char *name, const olx_image *image, olx_layer layer, float exposure);
+olx_result html_report_map(cJSON *frame, const char *name, const float *values, map_scale scale);
+
+// A number that is shown beside the frame's pictures.
+void html_report_fact(cJSON *frame, const char *name, double value);
+
+// Write the file and release the report. EXIT_DONE, or EXIT_FAILED after a line that says why.
+int html_report_write(const char *command, cJSON *report, const char *path);
+
+#endif

@@ -1,0 +1,18 @@
+# The report in headless Chromium: opens from disk without an error, its controls do what they say, at two widths, light
+# and dark. OCTALUX_SCREENSHOTS names a folder for pictures of it.
+source "$(dirname "$0")/cli/expect.sh"
+tests="$OCTALUX_SOURCE_DIR/tests"
+if ! PYTHONDONTWRITEBYTECODE=1 python3 -c "import sys; sys.path.insert(0, '$tests'); import browser; sys.exit(not browser.find())"; then
+  echo "skipped: no Chromium here"
+  exit 77
+fi
+
+python3 "$tests/perceptual_reference.py" make . || fail "no pictures"
+expect 0 compare a.exr b.exr --report known.html
+expect 0 bake builtin:cornell -o f.olx --grid 2x2x2 --radiance-size 64 --irradiance-size 16 --bounces 1
+expect 0 render builtin:cornell -o field.exr --field f.olx --size 320x240 --spp 2
+expect 0 render builtin:cornell -o path.exr --method path --size 320x240 --spp 16 --bounces 2
+expect 0 compare field.exr path.exr --report layers.html
+PYTHONDONTWRITEBYTECODE=1 timeout 300 python3 "$tests/drive_report.py" known.html layers.html ${OCTALUX_SCREENSHOTS:+"$OCTALUX_SCREENSHOTS"} >stdout.txt 2>stderr.txt ||
+  fail "the report in a browser"
+finish

@@ -4,7 +4,8 @@
 The shared runtime needs nothing but libc, libm and threads, and exports exactly the functions of its public headers.
 Every global symbol of the static libraries begins with olx_, so that they clash with nothing a host links.
 
-Usage: check_symbols.py INCLUDE-DIR LIBRARY.so RUNTIME.a BAKE.a
+Usage: check_symbols.py INCLUDE-DIR LIBRARY.so RUNTIME.a BAKE.a [HEADER...]; HEADERs are public ones of the runtime that this
+build has beside those it always has.
 """
 
 import pathlib
@@ -25,9 +26,9 @@ def defined(library, *options):
     return {line.split()[0] for line in lines if len(line.split()) >= 2}
 
 
-def declared(include):
+def declared(include, more):
     names = set()
-    for header in RUNTIME_HEADERS:
+    for header in RUNTIME_HEADERS + more:
         text = re.sub(r"//[^\n]*", "", (include / header).read_text())
         # A declaration begins in the first column; members of a struct do not.
         names |= set(re.findall(r"^[A-Za-z][\w\s*]*?\b(olx_\w+)\(", text, re.MULTILINE))
@@ -46,7 +47,7 @@ def main():
         name, kind = line.split()[:2]
         if kind == "U" and "@" not in name:
             faults.append(f"the runtime does not define {name}")
-    exported, public = defined(shared, "--dynamic"), declared(include)
+    exported, public = defined(shared, "--dynamic"), declared(include, sys.argv[5:])
     faults += [f"exported, but in no public header: {name}" for name in sorted(exported - public)]
     faults += [f"in a public header, but not exported: {name}" for name in sorted(public - exported)]
     for library in (runtime, bake):

@@ -8,6 +8,7 @@ packages=(
   cmake ninja-build pkg-config python3 binutils
   libembree-dev libassimp-dev libopenexr-dev libstb-dev libcjson-dev libqhull-dev libxxhash-dev zlib1g-dev
   libcmocka-dev
+  glslc libvulkan-dev mesa-vulkan-drivers vulkan-validationlayers # shaders, Vulkan's headers and loader, its CPU device
 )
 [ "${1:-}" = full ] && packages+=(chromium) # looks at reports
 

@@ -1,0 +1,145 @@
+// Octalux on a Vulkan device: a baked field in the GPU's memory, and passes that add its indirect light to the host's picture.
+//
+// The host owns instance, device, queue, command buffers and images; Octalux creates only what it names here, reaches Vulkan
+// through the host's vkGetInstanceProcAddr and links no Vulkan library. It needs Vulkan 1.2, one queue with compute, and no
+// feature or extension.
+//
+// Two ways to use a field:
+//   1. Record the passes below into the host's command buffers.
+//   2. Include shaders/lib/octalux.glsl in the host's own shaders, bind olx_vulkan_field_set, and call olx_irradiance,
+//      olx_trace and olx_glossy there. The GLSL is installed in share/octalux/shaders.
+//
+// Threads: calls on one handle must not overlap, but for recording into different command buffers. Creating a field submits to
+// the queue and waits: the host keeps other threads off the queue meanwhile. Nothing may be destroyed or resized while a
+// command buffer that uses it is pending. Descriptor sets and pipelines do not change between frames, so any number of
+// frames may be in flight.
+//
+// Errors: OLX_ERROR_MEMORY when host or device memory is short, OLX_ERROR_UNSUPPORTED when the device cannot do it,
+// OLX_ERROR_ARGUMENT for a wrong format, layout or size, OLX_ERROR_GPU when the device is lost or refuses. olx_last_error says
+// which call failed and on what. A failed create leaves nothing behind.
+#ifndef OCTALUX_VULKAN_H
+#define OCTALUX_VULKAN_H
+
+#include <octalux/field.h>
+#include <octalux/sample.h>
+
+#include <vulkan/vulkan_core.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+#pragma GCC visibility push(default)
+
+// The host's Vulkan. Everything must outlive what is created with it. The device must have been created for Vulkan 1.2 or
+// later, the queue's family must do compute.
+typedef struct olx_vulkan_host {
+  PFN_vkGetInstanceProcAddr get_instance_proc_addr;
+  VkInstance instance;
+  VkPhysicalDevice physical_device;
+  VkDevice device;
+  VkQueue queue;
+  uint32_t queue_family;
+} olx_vulkan_host;
+
+// A field in the GPU's memory.
+typedef struct olx_vulkan_field olx_vulkan_field;
+
+typedef struct olx_vulkan_sizes {
+  uint64_t device_bytes;  // that the field will hold in device-local memory, alignment included
+  uint64_t staging_bytes; // of host-visible memory, while it is created
+  uint32_t allocations;   // of device memory
+} olx_vulkan_sizes;
+
+// What olx_vulkan_field_create would allocate. Allocates no memory itself.
+olx_result olx_vulkan_field_measure(const olx_vulkan_host *host, const olx_field *field, olx_vulkan_sizes *sizes);
+
+// Copy a field to the device, as it lies in its file, through a small ring of staging memory. Returns when the copy is
+// complete; `field` may then be closed. On success *uploaded is the caller's to destroy, on failure it is NULL.
+olx_result olx_vulkan_field_create(const olx_vulkan_host *host, const olx_field *field, olx_vulkan_field **uploaded);
+
+// NULL is allowed. Frames made from it must be destroyed before.
+void olx_vulkan_field_destroy(olx_vulkan_field *field);
+
+// The descriptor set that shaders/lib reads, and its layout: for pipelines of the host that include the library. Both belong
+// to the field. Visible to vertex, fragment and compute shaders.
+VkDescriptorSetLayout olx_vulkan_field_set_layout(const olx_vulkan_field *field);
+VkDescriptorSet olx_vulkan_field_set(const olx_vulkan_field *field);
+
+// An image that passes sample. `layout` is the one it will have while the passes run: VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
+// GENERAL, or a read-only depth layout. The view shows one 2D layer and mip; its components may be swizzled.
+typedef struct olx_vulkan_image {
+  VkImageView view;
+  VkFormat format;
+  VkImageLayout layout;
+} olx_vulkan_image;
+
+// The host's images, all of one size. Inputs need VK_IMAGE_USAGE_SAMPLED_BIT and a format that shaders read as floats.
+// Outputs need VK_IMAGE_USAGE_STORAGE_BIT, format VK_FORMAT_R16G16B16A16_SFLOAT, and layout GENERAL while passes run.
+typedef struct olx_vulkan_targets {
+  uint32_t width, height; // 1 to 16384
+  olx_vulkan_image depth;     // as the host's projection gives it; .r
+  olx_vulkan_image normal;    // world space, .xyz; UNORM formats hold n / 2 + 1 / 2
+  olx_vulkan_image albedo;    // linear base colour, .rgb (sRGB formats decode themselves)
+  olx_vulkan_image roughness; // .r perceptual roughness, .g metallic, .b specular weight (1: F0 = 0.04; 0: Lambertian).
+                              // A view with swizzles maps other packings; VK_COMPONENT_SWIZZLE_ONE fills a missing weight
+  VkImageView irradiance;     // out: W/m^2; alpha 1 where there is a surface
+  VkImageView glossy;         // out: radiance towards the eye; alpha: the share of rays that were answered
+  VkImageView color;          // in and out: the host's picture in linear radiance
+} olx_vulkan_targets;
+
+// Pipelines, and a descriptor set for one set of the host's images.
+typedef struct olx_vulkan_frame olx_vulkan_frame;
+
+// On success *frame is the caller's to destroy, on failure it is NULL.
+olx_result olx_vulkan_frame_create(olx_vulkan_field *field, const olx_vulkan_targets *targets, olx_vulkan_frame **frame);
+
+// Take other images, of this or another size. On failure the frame keeps the old ones.
+olx_result olx_vulkan_frame_resize(olx_vulkan_frame *frame, const olx_vulkan_targets *targets);
+
+// NULL is allowed. The host's images are not touched.
+void olx_vulkan_frame_destroy(olx_vulkan_frame *frame);
+
+// Where the eye is. A pixel's surface is clip_to_world * (x, y, depth, 1), divided by w, with x and y from -1 at the left and
+// top edge of the image to 1: the inverse of the host's projection times view, as Vulkan's clip space has it.
+typedef struct olx_vulkan_view {
+  float clip_to_world[16];   // columns
+  olx_vec3 eye;              // metres, world space
+  float empty_depth;         // what the depth image holds where no surface is: 1, or 0 with a reversed depth range
+} olx_vulkan_view;
+
+typedef struct olx_vulkan_settings {
+  olx_sample_settings sample; // default olx_sample_settings_default()
+  uint32_t glossy_samples;    // rays a pixel on glossy surfaces, 1 to 4096; default 1. Mirrors take 1
+  uint32_t sample_index;      // which of a pixel's sequences of random numbers: count frames here; default 0
+  float glossy_cutoff;        // lobes whose largest reflectance is below this are skipped (section 6); default 0
+} olx_vulkan_settings;
+
+olx_vulkan_settings olx_vulkan_settings_default(void);
+
+// Recording. Call outside a render pass, in a command buffer of the field's queue family. Each call binds a compute pipeline,
+// descriptor sets 0 and 1, and push constants.
+//
+// Barriers are the host's at both ends and ours between: before the first pass, the inputs' writes and earlier uses of the
+// outputs must be ordered before VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT with shader read and write; olx_vulkan_record_composite
+// begins with a barrier that waits for the passes recorded before it; after the last pass, outputs have been written by
+// VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT.
+
+// Diffuse: targets.irradiance from the irradiance probes (McGuire et al. 2017, section 5.2).
+olx_result olx_vulkan_record_irradiance(const olx_vulkan_frame *frame, VkCommandBuffer commands, const olx_vulkan_view *view,
+                                        const olx_vulkan_settings *settings);
+
+// Glossy: targets.glossy by rays traced through the light field probes (section 4).
+olx_result olx_vulkan_record_glossy(const olx_vulkan_frame *frame, VkCommandBuffer commands, const olx_vulkan_view *view,
+                                    const olx_vulkan_settings *settings);
+
+// What the composite pass adds to targets.color.
+enum { OLX_VULKAN_ADD_DIFFUSE = 1, OLX_VULKAN_ADD_GLOSSY = 2 };
+olx_result olx_vulkan_record_composite(const olx_vulkan_frame *frame, VkCommandBuffer commands, const olx_vulkan_view *view,
+                                       const olx_vulkan_settings *settings, uint32_t add);
+
+#pragma GCC visibility pop
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,123 @@
+// Twin of src/shade/irradiance.c: irradiance interpolated from probes with prefiltered visibility (McGuire et al. 2017,
+// section 5.2). The C lists probes and weights first and reads irradiance after; here each probe is added as it is found.
+#ifndef OLX_IRRADIANCE_GLSL
+#define OLX_IRRADIANCE_GLSL
+
+#include "cage.glsl"
+#include "maps.glsl"
+#include "settings.glsl"
+
+const float OLX_VARIANCE_FLOOR = 1e-3;  // half float moments do not know the variance better than this share of r^2
+const float OLX_CRUSH_BELOW = 0.2;      // weights below are pressed down by the square of their share of it
+const float OLX_BIAS_TEXELS = 1.0;      // how far off the surface visibility is tested
+const float OLX_TRUSTED_WEIGHT = 0.01;  // when a cage's weights sum to less, a probe from farther away fills the rest
+
+struct olx_surface_point {
+  vec3 position, normal, view;
+};
+
+vec3 olx_map_irradiance(uint probe, vec2 uv) {
+  return textureLod(olx_irradiance_maps, olx_irradiance_coordinate(probe, uv), 0.0).rgb;
+}
+
+// Mean and mean square of the distance, in metres.
+vec2 olx_map_moments(uint probe, vec3 direction) {
+  vec2 uv = olx_octahedral_encode(direction);
+  vec2 moments = textureLod(olx_moments_maps, olx_irradiance_coordinate(probe, uv), 0.0).rg;
+  return vec2(moments.x * olx_field.distance_scale, moments.y * olx_field.distance_scale * olx_field.distance_scale);
+}
+
+// An upper bound on the share of a probe's view around `offset` (from the probe) that is at least as far away.
+float olx_chebyshev(uint probe, vec3 offset) {
+  vec2 moments = olx_map_moments(probe, offset);
+  float beyond = length(offset) - moments.x;
+  if (beyond <= 0.0) return 1.0;
+  float variance = max(moments.y - moments.x * moments.x, OLX_VARIANCE_FLOOR * moments.x * moments.x);
+  return variance / (variance + beyond * beyond);
+}
+
+float olx_visibility(bool visibility, uint probe, vec3 from_probe, olx_surface_point p) {
+  if (!visibility) return 1.0;
+  float texel = length(from_probe) * OLX_TEXEL_ANGLE / float(olx_field.irradiance_n);
+  from_probe += olx_normalize(p.normal + p.view) * (OLX_BIAS_TEXELS * texel);
+  float bound = olx_chebyshev(probe, from_probe);
+  return bound * bound * bound;
+}
+
+float olx_probe_weight(bool visibility, uint probe, vec3 from_probe, olx_surface_point p) {
+  if (!visibility) return 1.0;
+  float weight = olx_visibility(visibility, probe, from_probe, p);
+  float cosine = -olx_dot(olx_normalize(from_probe), p.normal);
+  weight *= olx_square(0.5 * (cosine + 1.0));
+  if (weight < OLX_CRUSH_BELOW) weight *= olx_square(weight / OLX_CRUSH_BELOW);
+  return weight;
+}
+
+bool olx_irradiance_usable(olx_sample_settings settings, uint probe) {
+  return settings.keep_buried || (olx_irradiance_probes[probe].flags & OLX_PROBE_BURIED) == 0u;
+}
+
+// When the cage hardly sees the point: the nearest visible probe of the 4 x 4 x 4 around it, that is of the cage and its
+// neighbours. False when none of them sees it either.
+bool olx_nearest_visible(olx_sample_settings settings, olx_surface_point p, olx_cage cage, out uint nearest) {
+  float nearest_distance = OLX_INFINITY;
+  nearest = 0u;
+  for (uint i = 0u; i < 64u; i++) {
+    uvec3 at = cage.base + uvec3(i & 3u, i >> 2 & 3u, i >> 4) - 1u; // wraps to a huge number below 0
+    if (any(greaterThanEqual(at, olx_field.irradiance_grid.count.xyz))) continue;
+    uint probe = at.x + olx_field.irradiance_grid.count.x * (at.y + olx_field.irradiance_grid.count.y * at.z);
+    if (!olx_irradiance_usable(settings, probe)) continue;
+    vec3 from_probe = p.position - olx_irradiance_probe_position(probe);
+    float distance = length(from_probe);
+    if (distance >= nearest_distance || olx_visibility(settings.visibility, probe, from_probe, p) < 0.5) continue;
+    nearest_distance = distance;
+    nearest = probe;
+  }
+  return nearest_distance < OLX_INFINITY;
+}
+
+// Irradiance where the cage sees too little of the point: of the nearest visible probe, or, with none, of all of the cage
+// alike.
+vec3 olx_add_from_afar(olx_sample_settings settings, olx_surface_point p, olx_cage cage, vec2 uv) {
+  uint nearest;
+  if (olx_nearest_visible(settings, p, cage, nearest)) return olx_map_irradiance(nearest, uv);
+  vec3 sum = vec3(0.0);
+  float count = 0.0;
+  for (uint corner = 0u; corner < 8u; corner++) {
+    if (!olx_cage_has(cage, corner)) continue;
+    uint probe = olx_cage_probe(olx_field.irradiance_grid, cage, corner);
+    if (!olx_irradiance_usable(settings, probe)) continue;
+    sum += olx_map_irradiance(probe, uv);
+    count += 1.0;
+  }
+  return count > 0.0 ? sum / count : vec3(0.0);
+}
+
+// Indirect irradiance in W/m^2 on a surface at `position` with unit normal `normal`, seen from the direction `view` (unit,
+// from the surface to the eye). Diffuse light leaving the surface is albedo * irradiance / pi.
+vec3 olx_irradiance(olx_sample_settings settings, vec3 position, vec3 normal, vec3 view) {
+  olx_surface_point p = olx_surface_point(position, normal, view);
+  olx_cage cage = olx_cage_at(olx_field.irradiance_grid, position);
+  vec2 uv = olx_octahedral_encode(normal);
+  vec3 irradiance = vec3(0.0);
+  float sum = 0.0;
+  for (uint corner = 0u; corner < 8u; corner++) {
+    if (!olx_cage_has(cage, corner)) continue;
+    uint probe = olx_cage_probe(olx_field.irradiance_grid, cage, corner);
+    if (!olx_irradiance_usable(settings, probe)) continue;
+    vec3 from_probe = position - olx_irradiance_probe_position(probe);
+    float trilinear = olx_cage_weight(cage, corner);
+    if (trilinear <= 0.0) continue;
+    float weight = trilinear * olx_probe_weight(settings.visibility, probe, from_probe, p);
+    if (weight <= 0.0) continue;
+    irradiance += olx_map_irradiance(probe, uv) * weight;
+    sum += weight;
+  }
+  irradiance /= max(sum, OLX_TRUSTED_WEIGHT);
+  if (sum < OLX_TRUSTED_WEIGHT) {
+    irradiance += olx_add_from_afar(settings, p, cage, uv) * (1.0 - sum / OLX_TRUSTED_WEIGHT);
+  }
+  return irradiance;
+}
+
+#endif

@@ -1,0 +1,76 @@
+// Twin of src/field/maps.h: the descriptor set of a field, and reading its maps. Texels are counted without the border.
+#ifndef OLX_MAPS_GLSL
+#define OLX_MAPS_GLSL
+
+#include "../octalux_shared.h"
+#include "pack.glsl"
+
+#ifndef OLX_FIELD_SET
+#define OLX_FIELD_SET 0
+#endif
+
+layout(set = OLX_FIELD_SET, binding = OLX_BINDING_FIELD, std140) uniform olx_field_block { olx_gpu_field olx_field; };
+layout(set = OLX_FIELD_SET, binding = OLX_BINDING_PROBES, std430) readonly buffer olx_probe_block {
+  olx_gpu_probe olx_probes[];
+};
+layout(set = OLX_FIELD_SET, binding = OLX_BINDING_IRRADIANCE_PROBES, std430) readonly buffer olx_irradiance_probe_block {
+  olx_gpu_probe olx_irradiance_probes[];
+};
+layout(set = OLX_FIELD_SET, binding = OLX_BINDING_RADIANCE) uniform sampler2DArray olx_radiance_maps;
+layout(set = OLX_FIELD_SET, binding = OLX_BINDING_NORMAL) uniform usampler2DArray olx_normal_maps;
+layout(set = OLX_FIELD_SET, binding = OLX_BINDING_DISTANCE) uniform usampler2DArray olx_distance_maps;
+layout(set = OLX_FIELD_SET, binding = OLX_BINDING_COARSE) uniform usampler2DArray olx_coarse_maps;
+layout(set = OLX_FIELD_SET, binding = OLX_BINDING_IRRADIANCE) uniform sampler2DArray olx_irradiance_maps;
+layout(set = OLX_FIELD_SET, binding = OLX_BINDING_MOMENTS) uniform sampler2DArray olx_moments_maps;
+
+vec3 olx_probe_position(uint probe) { return vec3(olx_probes[probe].x, olx_probes[probe].y, olx_probes[probe].z); }
+
+vec3 olx_irradiance_probe_position(uint probe) {
+  return vec3(olx_irradiance_probes[probe].x, olx_irradiance_probes[probe].y, olx_irradiance_probes[probe].z);
+}
+
+// Where the map of a probe begins in its image: x, y and layer.
+ivec3 olx_map_corner(uint probe, uint stride, uint maps_a_side) {
+  uint maps_a_layer = maps_a_side * maps_a_side, map = probe % maps_a_layer;
+  return ivec3(map % maps_a_side * stride, map / maps_a_side * stride, probe / maps_a_layer);
+}
+
+// Texel (0, 0) of a probe's light field maps, within their border.
+ivec3 olx_map_origin(uint probe) {
+  return olx_map_corner(probe, olx_field.n + 2u, olx_field.maps_a_side) + ivec3(1, 1, 0);
+}
+
+// The texel of a light field map that a direction falls into.
+ivec2 olx_texel_towards(vec3 direction) {
+  precise vec2 texel = olx_octahedral_encode(direction) * float(olx_field.n);
+  return ivec2(min(texel, float(olx_field.n) - 1.0));
+}
+
+// The stored half float: its sign bit marks emitters.
+uint olx_texel_distance_bits(ivec3 origin, ivec2 texel) {
+  return texelFetch(olx_distance_maps, origin + ivec3(texel, 0), 0).r;
+}
+
+// Stored distance of a texel in metres; infinite for the sky.
+float olx_texel_distance(ivec3 origin, ivec2 texel) {
+  precise float distance = olx_half_unpack(olx_texel_distance_bits(origin, texel) & 0x7FFFu) * olx_field.distance_scale;
+  return distance;
+}
+
+bool olx_texel_emits(ivec3 origin, ivec2 texel) { return (olx_texel_distance_bits(origin, texel) & 0x8000u) != 0u; }
+
+vec3 olx_texel_normal(ivec3 origin, ivec2 texel) {
+  return olx_normal_unpack(texelFetch(olx_normal_maps, origin + ivec3(texel, 0), 0).r);
+}
+
+vec3 olx_texel_radiance(ivec3 origin, ivec2 texel) {
+  return texelFetch(olx_radiance_maps, origin + ivec3(texel, 0), 0).rgb;
+}
+
+// Where a direction's octahedral coordinates lie in the images of irradiance and moments.
+vec3 olx_irradiance_coordinate(uint probe, vec2 uv) {
+  ivec3 corner = olx_map_corner(probe, olx_field.irradiance_n + 2u, olx_field.irradiance_maps_a_side);
+  return vec3((vec2(corner.xy) + 1.0 + uv * float(olx_field.irradiance_n)) * olx_field.irradiance_texel, corner.z);
+}
+
+#endif

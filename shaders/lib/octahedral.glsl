@@ -1,0 +1,43 @@
+// Twin of src/core/octahedral.h: the octahedral map of the sphere onto the unit square.
+#ifndef OLX_OCTAHEDRAL_GLSL
+#define OLX_OCTAHEDRAL_GLSL
+
+#include "vec.glsl"
+
+// A texel of an n x n map is about this over n wide: sqrt(4 pi).
+const float OLX_TEXEL_ANGLE = 3.5449077;
+
+// Unit (or any non-zero) direction to [0, 1]^2.
+vec2 olx_octahedral_encode(vec3 d) {
+  precise float inverse = 1.0 / (abs(d.x) + abs(d.y) + abs(d.z));
+  precise float x = d.x * inverse, z = d.z * inverse;
+  if (d.y < 0.0) {
+    precise float folded_x = (1.0 - abs(z)) * olx_sign_not_zero(x);
+    z = (1.0 - abs(x)) * olx_sign_not_zero(z);
+    x = folded_x;
+  }
+  return vec2(x * 0.5 + 0.5, z * 0.5 + 0.5);
+}
+
+// The point on the octahedron |x| + |y| + |z| = 1.
+vec3 olx_octahedral_point(vec2 uv) {
+  precise vec3 q = vec3(uv.x * 2.0 - 1.0, 0.0, uv.y * 2.0 - 1.0);
+  q.y = 1.0 - abs(q.x) - abs(q.z);
+  if (q.y < 0.0) {
+    precise float x = (1.0 - abs(q.z)) * olx_sign_not_zero(q.x);
+    q.z = (1.0 - abs(q.x)) * olx_sign_not_zero(q.z);
+    q.x = x;
+  }
+  return q;
+}
+
+vec3 olx_octahedral_decode(vec2 uv) { return olx_normalize(olx_octahedral_point(uv)); }
+
+// Solid angle of a texel at the point of the map, to first order: 4 / (n^2 |q|^3).
+float olx_texel_solid_angle_near(vec2 uv, uint n) {
+  vec3 q = olx_octahedral_point(uv);
+  float length = sqrt(olx_dot(q, q));
+  return 4.0 / (float(n) * float(n) * length * length * length);
+}
+
+#endif

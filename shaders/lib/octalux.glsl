@@ -1,0 +1,16 @@
+// Octalux for shaders: a host includes this file, binds the descriptor set of a field as set OLX_FIELD_SET (0 unless defined
+// before), and calls
+//
+//   olx_irradiance(settings, position, normal, view)           irradiance at a point
+//   olx_trace(settings, origin, direction, t_max)              what a ray sees
+//   olx_glossy(settings, position, normal, view, roughness, random, weight, half_cosine, hit)   light along a lobe
+//
+// with settings from olx_sample_settings_default(). The scalar C in src is the specification of all of it.
+#ifndef OLX_OCTALUX_GLSL
+#define OLX_OCTALUX_GLSL
+
+#include "glossy.glsl"
+#include "irradiance.glsl"
+#include "sampling.glsl"
+
+#endif

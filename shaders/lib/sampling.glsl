@@ -1,0 +1,54 @@
+// Twin of src/core/sampling.h: deterministic random numbers.
+#ifndef OLX_SAMPLING_GLSL
+#define OLX_SAMPLING_GLSL
+
+#include "vec.glsl"
+
+// A well-mixed 32-bit hash.
+uint olx_hash(uint x) {
+  x = x * 747796405u + 2891336453u;
+  x = ((x >> ((x >> 28) + 4u)) ^ x) * 277803737u;
+  return (x >> 22) ^ x;
+}
+
+uint olx_hash2(uint a, uint b) { return olx_hash(a ^ (olx_hash(b) + 0x9E3779B9u)); }
+
+// 24 bits to [0, 1).
+float olx_unit_float(uint bits) { return float(bits >> 8) * (1.0 / 16777216.0); }
+
+// Owen scrambling by hashing, on reversed bits.
+uint olx_owen_scramble(uint x, uint seed) {
+  x = bitfieldReverse(x);
+  x += seed;
+  x ^= x * 0x6C50B47Cu;
+  x ^= x * 0xB82F1E52u;
+  x ^= x * 0xC7AFE638u;
+  x ^= x * 0x8D22F6E6u;
+  return bitfieldReverse(x);
+}
+
+// The second dimension of Sobol's sequence.
+uint olx_sobol2(uint index) {
+  uint x = index;
+  x ^= (x >> 16) & 0x0000FFFFu;
+  x ^= (x >> 8) & 0x00FF00FFu;
+  x ^= (x >> 4) & 0x0F0F0F0Fu;
+  x ^= (x >> 2) & 0x33333333u;
+  x ^= (x >> 1) & 0x55555555u;
+  return bitfieldReverse(x);
+}
+
+// Point i of an Owen-scrambled, shuffled (0, 2)-sequence.
+vec2 olx_stratified2(uint i, uint seed) {
+  uint index = olx_owen_scramble(i, olx_hash(seed));
+  return vec2(olx_unit_float(olx_owen_scramble(bitfieldReverse(index), olx_hash(seed + 1u))),
+              olx_unit_float(olx_owen_scramble(olx_sobol2(index), olx_hash(seed + 2u))));
+}
+
+// Cosine-distributed direction around +z; pdf = cos / pi.
+vec3 olx_sample_cosine(vec2 random) {
+  float r = sqrt(random.x), phi = 2.0 * OLX_PI * random.y;
+  return vec3(r * cos(phi), r * sin(phi), sqrt(max(0.0, 1.0 - random.x)));
+}
+
+#endif

@@ -1,0 +1,18 @@
+// Twin of src/select/select.c: which selector answers for a field.
+#ifndef OLX_SELECT_GLSL
+#define OLX_SELECT_GLSL
+
+#include "maps.glsl"
+
+// Whether the field holds what a selector needs.
+bool olx_select_available(uint select) {
+  return select >= OLX_SELECT_EXHAUSTIVE || (olx_field.select_mask & 1u << select) != 0u;
+}
+
+// What OLX_SELECT_BEST stands for, and OLX_SELECT_EXHAUSTIVE for a selector that the field does not have.
+uint olx_select_resolve(uint asked) {
+  if (asked != OLX_SELECT_BEST) return olx_select_available(asked) ? asked : OLX_SELECT_EXHAUSTIVE;
+  return olx_select_available(OLX_SELECT_CAGE) ? OLX_SELECT_CAGE : OLX_SELECT_EXHAUSTIVE;
+}
+
+#endif

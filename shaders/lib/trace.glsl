@@ -1,0 +1,210 @@
+// Twin of src/trace/trace.c: a ray against the whole field, probe after probe until one knows (McGuire et al. 2017,
+// Listing 1).
+#ifndef OLX_TRACE_GLSL
+#define OLX_TRACE_GLSL
+
+#include "cage.glsl"
+#include "probe_trace.glsl"
+#include "select.glsl"
+#include "settings.glsl"
+
+struct olx_trace_hit {
+  uint status;           // OLX_TRACE_*
+  float distance_metres; // along the ray; infinite for a miss to the sky
+  vec3 position;
+  vec3 normal;   // of the surface, towards the probe that saw it
+  vec3 radiance; // of the sky for a miss
+  bool emitter;  // the radiance comes straight from an emitter or the sky
+  uint probe;    // that answered, or OLX_NO_PROBE
+  float footprint_metres;
+  uint texel_steps, probes_tried;
+};
+
+struct olx_search {
+  olx_sample_settings settings;
+  vec3 origin, direction;
+  float t, t_max; // the ray is known to be free up to t
+  uint attempts, limit;
+  uint steps;
+  // The best guess should no probe know: the occluder behind which the ray vanished by the smallest gap.
+  olx_probe_answer fallback;
+  uint fallback_probe;
+};
+
+// The probes that the search has asked. Not in olx_search: compilers copy structs, and this is long.
+uint olx_asked[OLX_MAX_ATTEMPTS];
+
+bool olx_usable(olx_search s, uint probe) {
+  return s.settings.keep_buried || (olx_probes[probe].flags & OLX_PROBE_BURIED) == 0u;
+}
+
+// Whether the march can follow a ray at all: a unit direction, and numbers whose squares are finite.
+bool olx_is_ray(vec3 origin, vec3 direction, float t_max) {
+  float length = olx_dot(direction, direction);
+  return olx_dot(origin, origin) < OLX_INFINITY && length > 0.9 && length < 1.1 && t_max > 0.0;
+}
+
+bool olx_was_asked(olx_search s, uint probe) {
+  for (uint i = 0u; i < s.attempts; i++) {
+    if (olx_asked[i] == probe) return true;
+  }
+  return false;
+}
+
+vec3 olx_ray_point(olx_search s, float t) {
+  precise vec3 point = s.origin + s.direction * t;
+  return point;
+}
+
+// Squared distance of a probe from the ray's line.
+float olx_line_distance_squared(olx_search s, uint probe) {
+  precise vec3 offset = olx_probe_position(probe) - s.origin;
+  precise vec3 foot = offset + s.direction * -olx_dot(offset, s.direction);
+  return olx_dot(foot, foot);
+}
+
+// Whether a probe's stored distance towards a point lets it see that point, or just about.
+bool olx_sees(uint probe, vec3 point) {
+  precise vec3 offset = point - olx_probe_position(probe);
+  precise float reach = 1.02 * olx_texel_distance(olx_map_origin(probe), olx_texel_towards(offset));
+  precise float distance = sqrt(olx_dot(offset, offset));
+  return distance <= reach;
+}
+
+// Ask one probe. True when it settles the ray.
+bool olx_ask(inout olx_search s, uint probe, inout olx_probe_answer answer) {
+  olx_asked[s.attempts++] = probe;
+  precise vec3 origin = s.origin - olx_probe_position(probe);
+  answer = olx_trace_probe(probe, olx_probe_ray(origin, s.direction, s.t, s.t_max), s.settings.tracer);
+  s.steps += answer.steps;
+  if (answer.status == OLX_TRACE_HIT) return true;
+  if (answer.status == OLX_TRACE_MISS) return true;
+  if (s.fallback_probe == OLX_NO_PROBE || answer.gap < s.fallback.gap) {
+    s.fallback = answer;
+    s.fallback_probe = probe;
+  }
+  if (answer.t > s.t) s.t = answer.t;
+  return false;
+}
+
+// The corner to begin with: the probe nearest to the ray's line.
+uint olx_first_corner(olx_search s, olx_cage cage) {
+  uint best = 0u;
+  float best_distance = OLX_INFINITY;
+  for (uint corner = 0u; corner < 8u; corner++) {
+    if (!olx_cage_has(cage, corner)) continue;
+    float distance = olx_line_distance_squared(s, olx_cage_probe(olx_field.grid, cage, corner));
+    if (distance < best_distance) {
+      best_distance = distance;
+      best = corner;
+    }
+  }
+  return best;
+}
+
+// Ask the probes of the cage around the ray's free end, and of each further cage the ray advances into.
+bool olx_search_cages(inout olx_search s, inout uint probe, inout olx_probe_answer answer) {
+  for (;;) {
+    olx_cage cage = olx_cage_at(olx_field.grid, olx_ray_point(s, s.t));
+    uint corner = olx_first_corner(s, cage);
+    bool moved = false;
+    for (uint i = 0u; i < 8u && !moved; i++, corner = (corner + 3u) & 7u) {
+      if (!olx_cage_has(cage, corner)) continue;
+      probe = olx_cage_probe(olx_field.grid, cage, corner);
+      if (!olx_usable(s, probe) || olx_was_asked(s, probe)) continue;
+      if (s.attempts >= s.limit) return false;
+      if (olx_ask(s, probe, answer)) return true;
+      moved = olx_cage_at(olx_field.grid, olx_ray_point(s, s.t)).base != cage.base;
+    }
+    if (!moved) return false;
+  }
+}
+
+// Ask whichever other probes see the place where the ray is stuck, nearest first.
+bool olx_search_everywhere(inout olx_search s, inout uint probe, inout olx_probe_answer answer) {
+  while (s.attempts < s.limit) {
+    vec3 stuck = olx_ray_point(s, s.t);
+    float best_distance = OLX_INFINITY;
+    for (uint i = 0u; i < olx_field.probe_count; i++) {
+      if (!olx_usable(s, i) || olx_was_asked(s, i)) continue;
+      precise vec3 offset = olx_probe_position(i) - stuck;
+      float distance = olx_dot(offset, offset);
+      if (distance >= best_distance || !olx_sees(i, stuck)) continue;
+      best_distance = distance;
+      probe = i;
+    }
+    if (best_distance >= OLX_INFINITY) return false;
+    if (olx_ask(s, probe, answer)) return true;
+  }
+  return false;
+}
+
+// The sky's radiance in the ray's direction, from the first probe that sees it there; 0 when none does.
+vec3 olx_sky_radiance(vec3 direction) {
+  ivec2 texel = olx_texel_towards(direction);
+  for (uint probe = 0u; probe < olx_field.probe_count; probe++) {
+    ivec3 map = olx_map_origin(probe);
+    if (olx_texel_distance(map, texel) >= OLX_INFINITY) return olx_texel_radiance(map, texel);
+  }
+  return vec3(0.0);
+}
+
+olx_trace_hit olx_describe(olx_search s, uint probe, olx_probe_answer answer, float t_max) {
+  olx_trace_hit hit = olx_trace_hit(answer.status, answer.t, olx_ray_point(s, answer.t), vec3(0.0), vec3(0.0), false,
+                                    probe, 0.0, s.steps, s.attempts);
+  if (answer.status == OLX_TRACE_MISS) {
+    if (s.t_max >= t_max) return hit; // ends in free space
+    hit.distance_metres = OLX_INFINITY;
+    hit.emitter = true;
+    hit.radiance = olx_sky_radiance(s.direction);
+    return hit;
+  }
+  ivec3 map = olx_map_origin(probe);
+  hit.radiance = olx_texel_radiance(map, answer.texel);
+  hit.emitter = olx_texel_emits(map, answer.texel);
+  hit.normal = olx_texel_normal(map, answer.texel);
+  vec2 uv = olx_octahedral_encode(hit.position - olx_probe_position(probe));
+  hit.footprint_metres = olx_texel_distance(map, answer.texel) * sqrt(olx_texel_solid_angle_near(uv, olx_field.n));
+  return hit;
+}
+
+// Where the ray leaves the scene's bounds for good, widened by what two texels on the far side of the scene span, so that
+// walls which are the bounds are met before; 0 when the bounds lie behind the ray.
+float olx_leave_bounds(vec3 origin, vec3 direction) {
+  precise float room = olx_field.distance_scale * 2.0 * OLX_TEXEL_ANGLE / float(olx_field.n);
+  float t = OLX_INFINITY;
+  for (int axis = 0; axis < 3; axis++) {
+    float d = direction[axis];
+    if (d == 0.0) continue;
+    precise float wall = d > 0.0 ? olx_field.scene_max[axis] + room : olx_field.scene_min[axis] - room;
+    precise float leave = (wall - origin[axis]) / d;
+    t = min(t, leave);
+  }
+  return max(t, 0.0);
+}
+
+// Ask the probes that the selector names.
+bool olx_search_selected(inout olx_search s, inout uint probe, inout olx_probe_answer answer) {
+  return olx_select_resolve(s.settings.select) == OLX_SELECT_CAGE && olx_search_cages(s, probe, answer);
+}
+
+// What does the ray from `origin` (metres) along the unit vector `direction` see first, within t_max_metres (OLX_INFINITY
+// for no limit)?
+olx_trace_hit olx_trace(olx_sample_settings settings, vec3 origin, vec3 direction, float t_max_metres) {
+  olx_trace_hit nothing = olx_trace_hit(OLX_TRACE_UNKNOWN, 0.0, vec3(0.0), vec3(0.0), vec3(0.0), false, OLX_NO_PROBE, 0.0,
+                                        0u, 0u);
+  if (!olx_is_ray(origin, direction, t_max_metres)) return nothing;
+  olx_probe_answer answer = olx_probe_answer(OLX_TRACE_UNKNOWN, 0.0, ivec2(0), 0.0, 0u);
+  float t_max = min(t_max_metres, olx_leave_bounds(origin, direction));
+  olx_search s = olx_search(settings, origin, direction, 0.0, t_max, 0u, min(settings.max_probes, OLX_MAX_ATTEMPTS), 0u,
+                            answer, OLX_NO_PROBE);
+  uint probe = 0u;
+  if (olx_search_selected(s, probe, answer) || olx_search_everywhere(s, probe, answer)) {
+    return olx_describe(s, probe, answer, t_max_metres);
+  }
+  if (s.fallback_probe != OLX_NO_PROBE) return olx_describe(s, s.fallback_probe, s.fallback, t_max_metres);
+  nothing.probes_tried = s.attempts;
+  return nothing;
+}
+
+#endif

@@ -1,0 +1,39 @@
+// Twin of src/core/vec.h: what GLSL lacks, or leaves open.
+#ifndef OLX_VEC_GLSL
+#define OLX_VEC_GLSL
+
+#define OLX_PI 3.14159265358979323846
+#define OLX_INFINITY uintBitsToFloat(0x7F800000u)
+
+float olx_square(float x) { return x * x; }
+
+// -1 for negative numbers, else 1 (also for 0), as the octahedral map needs it.
+float olx_sign_not_zero(float x) { return x >= 0.0 ? 1.0 : -1.0; }
+
+// dot() with the order of additions fixed: the marcher's decisions hang on the last bit.
+float olx_dot(vec3 a, vec3 b) {
+  precise float sum = a.x * b.x + a.y * b.y + a.z * b.z;
+  return sum;
+}
+
+// The unit vector; a vector of length 0 comes back as it is.
+vec3 olx_normalize(vec3 a) {
+  float length = sqrt(olx_dot(a, a));
+  return length > 0.0 ? a * (1.0 / length) : a;
+}
+
+// Two unit vectors that complete the unit vector n to a right-handed orthonormal basis (Duff et al. 2017).
+void olx_basis(vec3 n, out vec3 tangent, out vec3 bitangent) {
+  float s = n.z >= 0.0 ? 1.0 : -1.0, a = -1.0 / (s + n.z), b = n.x * n.y * a;
+  tangent = vec3(1.0 + s * n.x * n.x * a, s * b, -s * n.x);
+  bitangent = vec3(b, s + n.y * n.y * a, -n.y);
+}
+
+// From coordinates in the basis of n to world space.
+vec3 olx_from_basis(vec3 local, vec3 n) {
+  vec3 t, b;
+  olx_basis(n, t, b);
+  return t * local.x + b * local.y + n * local.z;
+}
+
+#endif

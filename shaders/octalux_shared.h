@@ -1,0 +1,121 @@
+// What C and GLSL share: bindings, constants, and the structs that lie in the GPU's memory. Both compilers read this file.
+//
+// Structs hold 32-bit scalars and vectors of four with explicit padding, so that std140, std430 and C lay them out alike;
+// src/vulkan/gpu_structs.h asserts every offset.
+#ifndef OCTALUX_SHARED_H
+#define OCTALUX_SHARED_H
+
+#ifdef GL_core_profile
+#define OLX_GPU_STRUCT(name) struct name
+#define olx_gpu_uint uint
+#define olx_gpu_float float
+#define olx_gpu_vec4 vec4
+#define olx_gpu_uvec4 uvec4
+#else
+#include <stdint.h>
+#define OLX_GPU_STRUCT(name)                                                                                           \
+  typedef struct name name;                                                                                            \
+  struct name
+typedef uint32_t olx_gpu_uint;
+typedef float olx_gpu_float;
+typedef struct olx_gpu_vec4 {
+  float x, y, z, w;
+} olx_gpu_vec4;
+typedef struct olx_gpu_uvec4 {
+  uint32_t x, y, z, w;
+} olx_gpu_uvec4;
+#endif
+
+// The descriptor set of a field. A host that includes the library chooses its number by defining OLX_FIELD_SET before.
+#define OLX_BINDING_FIELD 0             // uniform buffer, olx_gpu_field
+#define OLX_BINDING_PROBES 1            // storage buffer, olx_gpu_probe[probe_count]
+#define OLX_BINDING_IRRADIANCE_PROBES 2 // storage buffer, olx_gpu_probe[irradiance_probe_count]
+#define OLX_BINDING_RADIANCE 3          // combined image samplers, 2D arrays
+#define OLX_BINDING_NORMAL 4
+#define OLX_BINDING_DISTANCE 5
+#define OLX_BINDING_COARSE 6
+#define OLX_BINDING_IRRADIANCE 7
+#define OLX_BINDING_MOMENTS 8
+#define OLX_FIELD_BINDINGS 9
+
+// The descriptor set of a frame: the host's images.
+#define OLX_BINDING_DEPTH 0 // sampled
+#define OLX_BINDING_SURFACE_NORMAL 1
+#define OLX_BINDING_ALBEDO 2
+#define OLX_BINDING_ROUGHNESS 3
+#define OLX_BINDING_OUT_IRRADIANCE 4 // storage, rgba16f
+#define OLX_BINDING_OUT_GLOSSY 5
+#define OLX_BINDING_OUT_COLOR 6
+#define OLX_FRAME_BINDINGS 7
+
+#define OLX_SELECT_GPU_MASK 0x1u // bits (1 << olx_select) of the stored selectors that have a twin
+#define OLX_MAX_ATTEMPTS 128     // probes that a search remembers as asked
+
+// C has these as enumerations, in octalux/sample.h, octalux/field.h and field/field_data.h.
+#ifdef GL_core_profile
+#define OLX_TRACER_TEXEL 0
+#define OLX_TRACER_TWO_LEVEL 1
+#define OLX_SELECT_CAGE 0
+#define OLX_SELECT_EXHAUSTIVE 4
+#define OLX_SELECT_BEST 5
+#define OLX_TRACE_MISS 0
+#define OLX_TRACE_HIT 1
+#define OLX_TRACE_UNKNOWN 2
+#define OLX_PROBE_BURIED 1
+#define OLX_NO_PROBE 0xFFFFFFFFu
+#endif
+
+// Bits of olx_gpu_frame.flags.
+#define OLX_FRAME_KEEP_BURIED 1
+#define OLX_FRAME_EMITTERS 2
+#define OLX_FRAME_VISIBILITY 4
+#define OLX_FRAME_NORMAL_UNORM 8 // normals are stored as 0..1
+#define OLX_FRAME_DIFFUSE 16     // what the composite pass adds
+#define OLX_FRAME_GLOSSY 32
+
+#define OLX_PASS_SIZE 8 // threads along a side of a pass's workgroup
+
+// A regular grid of probes.
+OLX_GPU_STRUCT(olx_gpu_grid) {
+  olx_gpu_vec4 origin;  // xyz
+  olx_gpu_vec4 spacing; // xyz
+  olx_gpu_uvec4 count;  // xyz; w: all of them
+};
+
+// A field. Maps of several probes may share a layer of an image: `maps_a_side` along each side.
+OLX_GPU_STRUCT(olx_gpu_field) {
+  olx_gpu_grid grid; // count 0 without one
+  olx_gpu_grid irradiance_grid;
+  olx_gpu_vec4 scene_min, scene_max; // xyz
+  olx_gpu_uint probe_count;
+  olx_gpu_uint n;           // texels along a side of a light field map, without border
+  olx_gpu_uint block;       // texels along a side of a block of the coarse map
+  olx_gpu_uint maps_a_side; // of light field maps in a layer
+  olx_gpu_uint irradiance_n;
+  olx_gpu_uint irradiance_maps_a_side;
+  olx_gpu_float irradiance_texel; // 1 / texels along a side of a layer
+  olx_gpu_float distance_scale;
+  olx_gpu_uint select_mask; // bit (1 << olx_select) for each selector that is baked in and runs on the GPU
+  olx_gpu_uint padding[3];
+};
+
+OLX_GPU_STRUCT(olx_gpu_probe) {
+  olx_gpu_float x, y, z;
+  olx_gpu_uint flags; // OLX_PROBE_*
+};
+
+// Push constants of the recorded passes.
+OLX_GPU_STRUCT(olx_gpu_frame) {
+  olx_gpu_vec4 clip_to_world[4]; // columns
+  olx_gpu_vec4 eye;              // xyz; w: the depth of pixels that show no surface
+  olx_gpu_uint width, height;
+  olx_gpu_uint flags; // OLX_FRAME_*
+  olx_gpu_uint tracer, select;
+  olx_gpu_uint max_probes;
+  olx_gpu_uint glossy_samples; // rays a pixel on glossy surfaces
+  olx_gpu_uint sample_index;   // of the frame: another draw of random numbers
+  olx_gpu_float glossy_cutoff; // reflectance below which a lobe is skipped
+  olx_gpu_uint padding[3];
+};
+
+#endif

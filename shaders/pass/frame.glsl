@@ -1,0 +1,55 @@
+// What the passes share: the host's images and the surface that a pixel shows.
+#ifndef OLX_FRAME_GLSL
+#define OLX_FRAME_GLSL
+
+#include "../lib/octalux.glsl"
+
+layout(local_size_x = OLX_PASS_SIZE, local_size_y = OLX_PASS_SIZE) in;
+
+layout(push_constant, std430) uniform olx_frame_block { olx_gpu_frame frame; };
+layout(set = 1, binding = OLX_BINDING_DEPTH) uniform sampler2D depth_image;
+layout(set = 1, binding = OLX_BINDING_SURFACE_NORMAL) uniform sampler2D normal_image;
+layout(set = 1, binding = OLX_BINDING_ALBEDO) uniform sampler2D albedo_image;
+layout(set = 1, binding = OLX_BINDING_ROUGHNESS) uniform sampler2D roughness_image;
+layout(set = 1, binding = OLX_BINDING_OUT_IRRADIANCE, rgba16f) uniform image2D irradiance_image;
+layout(set = 1, binding = OLX_BINDING_OUT_GLOSSY, rgba16f) uniform image2D glossy_image;
+layout(set = 1, binding = OLX_BINDING_OUT_COLOR, rgba16f) uniform image2D color_image;
+
+const float LARGEST_HALF = 65504.0;
+
+struct frame_surface {
+  vec3 position, normal, view;
+  olx_bsdf bsdf;
+  float roughness;
+};
+
+bool has_flag(uint flag) { return (frame.flags & flag) != 0u; }
+
+olx_sample_settings frame_settings() {
+  return olx_sample_settings(frame.tracer, frame.select, has_flag(OLX_FRAME_VISIBILITY), frame.max_probes,
+                             has_flag(OLX_FRAME_KEEP_BURIED), has_flag(OLX_FRAME_EMITTERS));
+}
+
+bool outside_frame(ivec2 pixel) { return pixel.x >= int(frame.width) || pixel.y >= int(frame.height); }
+
+// False where the pixel shows no surface.
+bool read_surface(ivec2 pixel, out frame_surface surface) {
+  float depth = texelFetch(depth_image, pixel, 0).r;
+  if (depth == frame.eye.w) return false;
+  vec2 clip = (vec2(pixel) + 0.5) / vec2(frame.width, frame.height) * 2.0 - 1.0;
+  vec4 world = frame.clip_to_world[0] * clip.x + frame.clip_to_world[1] * clip.y + frame.clip_to_world[2] * depth +
+               frame.clip_to_world[3];
+  vec3 normal = texelFetch(normal_image, pixel, 0).xyz;
+  vec3 base_color = texelFetch(albedo_image, pixel, 0).rgb;
+  vec3 material = texelFetch(roughness_image, pixel, 0).rgb; // roughness, metallic, specular weight
+  surface.position = world.xyz / world.w;
+  surface.normal = olx_normalize(has_flag(OLX_FRAME_NORMAL_UNORM) ? normal * 2.0 - 1.0 : normal);
+  surface.view = olx_normalize(frame.eye.xyz - surface.position);
+  surface.bsdf = olx_bsdf_make(base_color, material.y, material.x, material.z);
+  surface.roughness = material.x;
+  return true;
+}
+
+vec4 storable(vec3 light, float alpha) { return vec4(clamp(light, vec3(0.0), vec3(LARGEST_HALF)), alpha); }
+
+#endif

@@ -1,0 +1,16 @@
+// Indirect irradiance at the surface of each pixel, from the irradiance probes. Alpha is 1 where there is a surface.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "frame.glsl"
+
+void main() {
+  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  if (outside_frame(pixel)) return;
+  frame_surface surface;
+  vec4 result = vec4(0.0);
+  if (read_surface(pixel, surface)) {
+    vec3 irradiance = olx_irradiance(frame_settings(), surface.position, surface.normal, surface.view);
+    result = storable(irradiance, 1.0);
+  }
+  imageStore(irradiance_image, pixel, result);
+}

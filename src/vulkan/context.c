@@ -1,0 +1,85 @@
+#include "vulkan/context.h"
+
+#include <stdbool.h>
+
+static olx_result load_functions(olx_vulkan_context *c) {
+  const olx_vulkan_host *host = &c->host;
+  const char *missing = NULL;
+#define OLX_LOAD(name)                                                                                                 \
+  c->vk.name = (PFN_vk##name)host->get_instance_proc_addr(host->instance, "vk" #name);                                 \
+  if (!c->vk.name) missing = "vk" #name;
+  OLX_VULKAN_INSTANCE_FUNCTIONS(OLX_LOAD)
+#undef OLX_LOAD
+  if (missing) return olx_fail(OLX_ERROR_UNSUPPORTED, "the Vulkan instance lacks %s", missing);
+#define OLX_LOAD(name)                                                                                                 \
+  c->vk.name = (PFN_vk##name)c->vk.GetDeviceProcAddr(host->device, "vk" #name);                                        \
+  if (!c->vk.name) missing = "vk" #name;
+  OLX_VULKAN_DEVICE_FUNCTIONS(OLX_LOAD)
+#undef OLX_LOAD
+  if (missing) return olx_fail(OLX_ERROR_UNSUPPORTED, "the Vulkan device lacks %s", missing);
+  return OLX_OK;
+}
+
+static olx_result check_queue_family(const olx_vulkan_context *c) {
+  VkQueueFamilyProperties families[64];
+  uint32_t count = sizeof families / sizeof families[0];
+  c->vk.GetPhysicalDeviceQueueFamilyProperties(c->host.physical_device, &count, families);
+  if (c->host.queue_family >= count) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "the device has no queue family %u", c->host.queue_family);
+  }
+  if (!(families[c->host.queue_family].queueFlags & VK_QUEUE_COMPUTE_BIT)) {
+    return olx_fail(OLX_ERROR_UNSUPPORTED, "queue family %u cannot compute", c->host.queue_family);
+  }
+  return OLX_OK;
+}
+
+olx_result olx_vulkan_context_make(const olx_vulkan_host *host, olx_vulkan_context *context) {
+  *context = (olx_vulkan_context){.host = *host};
+  if (!host->get_instance_proc_addr || !host->instance || !host->physical_device || !host->device || !host->queue) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "the Vulkan host lacks its loader function, instance, device or queue");
+  }
+  const olx_result loaded = load_functions(context);
+  if (loaded != OLX_OK) {
+    context->vk = (olx_vulkan_functions){0};
+    return loaded;
+  }
+  VkPhysicalDeviceProperties properties;
+  context->vk.GetPhysicalDeviceProperties(host->physical_device, &properties);
+  if (properties.apiVersion < VK_API_VERSION_1_2) {
+    return olx_fail(OLX_ERROR_UNSUPPORTED, "%s: Vulkan %u.%u, but 1.2 is needed", properties.deviceName,
+                    VK_API_VERSION_MAJOR(properties.apiVersion), VK_API_VERSION_MINOR(properties.apiVersion));
+  }
+  context->limits = properties.limits;
+  context->vk.GetPhysicalDeviceMemoryProperties(host->physical_device, &context->memory);
+  return check_queue_family(context);
+}
+
+olx_result olx_vulkan_check(VkResult result, const char *call, const char *what) {
+  switch (result) {
+  case VK_SUCCESS: return OLX_OK;
+  case VK_ERROR_OUT_OF_HOST_MEMORY: return olx_fail(OLX_ERROR_MEMORY, "%s: out of host memory in %s", what, call);
+  case VK_ERROR_OUT_OF_DEVICE_MEMORY: return olx_fail(OLX_ERROR_MEMORY, "%s: out of device memory in %s", what, call);
+  case VK_ERROR_OUT_OF_POOL_MEMORY:
+  case VK_ERROR_FRAGMENTED_POOL: return olx_fail(OLX_ERROR_MEMORY, "%s: out of pool memory in %s", what, call);
+  case VK_ERROR_DEVICE_LOST: return olx_fail(OLX_ERROR_GPU, "%s: the device was lost in %s", what, call);
+  default: return olx_fail(OLX_ERROR_GPU, "%s: %s returned %d", what, call, (int)result);
+  }
+}
+
+olx_result olx_vulkan_allocate(const olx_vulkan_context *c, const VkMemoryRequirements *requirements,
+                               VkMemoryPropertyFlags properties, const char *what, VkDeviceMemory *memory) {
+  for (uint32_t type = 0; type < c->memory.memoryTypeCount; type++) {
+    if (!(requirements->memoryTypeBits >> type & 1u)) continue;
+    if ((c->memory.memoryTypes[type].propertyFlags & properties) != properties) continue;
+    const VkMemoryAllocateInfo info = {.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
+                                       .allocationSize = requirements->size,
+                                       .memoryTypeIndex = type};
+    const VkResult result = c->vk.AllocateMemory(c->host.device, &info, NULL, memory);
+    if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY) {
+      return olx_fail(OLX_ERROR_MEMORY, "%s: out of device memory for %llu bytes", what,
+                      (unsigned long long)requirements->size);
+    }
+    return olx_vulkan_check(result, "vkAllocateMemory", what);
+  }
+  return olx_fail(OLX_ERROR_UNSUPPORTED, "%s: the device has no memory of a fitting type", what);
+}

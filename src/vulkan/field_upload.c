@@ -1,0 +1,112 @@
+#include "vulkan/gpu_field.h"
+#include "vulkan/uploader.h"
+
+static void transition(const olx_vulkan_field *gpu, VkCommandBuffer commands, VkImageLayout from, VkImageLayout to) {
+  const bool first = from == VK_IMAGE_LAYOUT_UNDEFINED;
+  VkImageMemoryBarrier barriers[OLX_GPU_MAPS];
+  for (uint32_t i = 0; i < OLX_GPU_MAPS; i++) {
+    barriers[i] = (VkImageMemoryBarrier){
+        .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER,
+        .srcAccessMask = first ? 0 : VK_ACCESS_TRANSFER_WRITE_BIT,
+        .dstAccessMask = first ? VK_ACCESS_TRANSFER_WRITE_BIT : VK_ACCESS_SHADER_READ_BIT,
+        .oldLayout = from,
+        .newLayout = to,
+        .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+        .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+        .image = gpu->maps[i].image,
+        .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, gpu->maps[i].layers},
+    };
+  }
+  const VkMemoryBarrier buffer = {.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
+                                  .srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT,
+                                  .dstAccessMask = VK_ACCESS_UNIFORM_READ_BIT | VK_ACCESS_SHADER_READ_BIT};
+  gpu->context.vk.CmdPipelineBarrier(commands,
+                                     first ? VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT : VK_PIPELINE_STAGE_TRANSFER_BIT,
+                                     first ? VK_PIPELINE_STAGE_TRANSFER_BIT : VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0,
+                                     first ? 0 : 1, &buffer, 0, NULL, OLX_GPU_MAPS, barriers);
+}
+
+static olx_result upload_buffer(olx_vulkan_field *gpu, olx_uploader *uploader, const void *data, VkDeviceSize bytes,
+                                VkDeviceSize to) {
+  for (VkDeviceSize done = 0; done < bytes;) {
+    const VkDeviceSize rest = bytes - done;
+    const uint32_t part = rest < OLX_STAGING_SLOT_BYTES ? (uint32_t)rest : OLX_STAGING_SLOT_BYTES;
+    void *memory;
+    VkDeviceSize offset;
+    VkCommandBuffer commands;
+    OLX_TRY(olx_uploader_reserve(uploader, part, &memory, &offset, &commands));
+    memcpy(memory, (const char *)data + done, part);
+    const VkBufferCopy region = {offset, to + done, part};
+    gpu->context.vk.CmdCopyBuffer(commands, uploader->buffer, gpu->buffer, 1, &region);
+    done += part;
+  }
+  return OLX_OK;
+}
+
+// Rows of one map, as many at a time as fit into the staging slot.
+static olx_result upload_map(olx_vulkan_field *gpu, olx_uploader *uploader, const olx_gpu_maps *maps, uint32_t map) {
+  const uint32_t row_bytes = maps->stride * maps->texel_bytes, most = OLX_STAGING_SLOT_BYTES / row_bytes;
+  const uint32_t maps_a_layer = maps->maps_a_side * maps->maps_a_side, in_layer = map % maps_a_layer;
+  const char *texels = (const char *)maps->texels + (size_t)maps->stride * row_bytes * map;
+  for (uint32_t row = 0; row < maps->stride;) {
+    const uint32_t rest = maps->stride - row, rows = rest < most ? rest : most;
+    void *memory;
+    VkDeviceSize offset;
+    VkCommandBuffer commands;
+    OLX_TRY(olx_uploader_reserve(uploader, rows * row_bytes, &memory, &offset, &commands));
+    memcpy(memory, texels + (size_t)row * row_bytes, (size_t)rows * row_bytes);
+    const VkBufferImageCopy region = {
+        .bufferOffset = offset,
+        .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, map / maps_a_layer, 1},
+        .imageOffset = {(int32_t)(in_layer % maps->maps_a_side * maps->stride),
+                        (int32_t)(in_layer / maps->maps_a_side * maps->stride + row), 0},
+        .imageExtent = {maps->stride, rows, 1},
+    };
+    gpu->context.vk.CmdCopyBufferToImage(commands, uploader->buffer, maps->image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                                         1, &region);
+    row += rows;
+  }
+  return OLX_OK;
+}
+
+static olx_result upload_probes(olx_vulkan_field *gpu, olx_uploader *uploader, const olx_vec3 *positions,
+                                const uint8_t *flags, uint32_t count, VkDeviceSize to) {
+  olx_gpu_probe probes[256];
+  const uint32_t most = sizeof probes / sizeof probes[0];
+  for (uint32_t first = 0; first < count; first += most) {
+    const uint32_t part = count - first < most ? count - first : most;
+    for (uint32_t i = 0; i < part; i++) {
+      const olx_vec3 p = positions[first + i];
+      probes[i] = (olx_gpu_probe){p.x, p.y, p.z, flags[first + i]};
+    }
+    OLX_TRY(upload_buffer(gpu, uploader, probes, part * sizeof probes[0], to + first * sizeof probes[0]));
+  }
+  return OLX_OK;
+}
+
+static olx_result upload_everything(olx_vulkan_field *gpu, const olx_field *field, olx_uploader *uploader) {
+  void *memory;
+  VkDeviceSize offset;
+  VkCommandBuffer commands;
+  OLX_TRY(olx_uploader_reserve(uploader, 0, &memory, &offset, &commands));
+  transition(gpu, commands, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+  OLX_TRY(upload_buffer(gpu, uploader, &gpu->constants, sizeof gpu->constants, 0));
+  OLX_TRY(upload_probes(gpu, uploader, field->probe_positions, field->probe_flags, field->info.probe_count,
+                        gpu->probes_offset));
+  OLX_TRY(upload_probes(gpu, uploader, field->irradiance_positions, field->irradiance_flags,
+                        field->info.irradiance_probe_count, gpu->irradiance_probes_offset));
+  for (uint32_t i = 0; i < OLX_GPU_MAPS; i++) {
+    for (uint32_t map = 0; map < gpu->maps[i].count; map++) OLX_TRY(upload_map(gpu, uploader, &gpu->maps[i], map));
+  }
+  OLX_TRY(olx_uploader_reserve(uploader, 0, &memory, &offset, &commands));
+  transition(gpu, commands, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+  return olx_uploader_finish(uploader);
+}
+
+olx_result olx_vulkan_field_upload(olx_vulkan_field *gpu, const olx_field *field) {
+  olx_uploader uploader;
+  olx_result result = olx_uploader_begin(&gpu->context, &uploader);
+  if (result == OLX_OK) result = upload_everything(gpu, field, &uploader);
+  olx_uploader_end(&uploader);
+  return result;
+}

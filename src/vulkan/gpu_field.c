@@ -1,0 +1,286 @@
+#include "vulkan/gpu_field.h"
+
+#include "core/hooks.h"
+#include "vulkan/uploader.h"
+
+static const char WHAT[] = "a field on the device";
+
+// How many maps share a layer, so that the image has no more layers, and the layers no more texels, than the device allows.
+static olx_result lay_out_maps(const olx_vulkan_context *c, olx_gpu_maps *maps) {
+  const uint32_t most_layers = c->limits.maxImageArrayLayers, most_texels = c->limits.maxImageDimension2D;
+  for (maps->maps_a_side = 1; maps->maps_a_side * maps->stride <= most_texels; maps->maps_a_side++) {
+    const uint32_t maps_a_layer = maps->maps_a_side * maps->maps_a_side;
+    maps->layers = (maps->count + maps_a_layer - 1) / maps_a_layer;
+    if (maps->layers <= most_layers) return OLX_OK;
+  }
+  return olx_fail(OLX_ERROR_UNSUPPORTED, "%u maps of %u x %u texels do not fit into %u layers of %u x %u on this device",
+                  maps->count, maps->stride, maps->stride, most_layers, most_texels, most_texels);
+}
+
+static olx_result check_format(const olx_vulkan_context *c, const olx_gpu_maps *maps) {
+  VkFormatProperties properties;
+  c->vk.GetPhysicalDeviceFormatProperties(c->host.physical_device, maps->format, &properties);
+  const VkFormatFeatureFlags needed =
+      VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT | VK_FORMAT_FEATURE_TRANSFER_DST_BIT |
+      (maps->filtered ? (VkFormatFeatureFlags)VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT : 0);
+  if ((properties.optimalTilingFeatures & needed) == needed) return OLX_OK;
+  return olx_fail(OLX_ERROR_UNSUPPORTED, "the device cannot sample%s images of VkFormat %d",
+                  maps->filtered ? " and filter" : "", (int)maps->format);
+}
+
+static olx_result create_image(const olx_vulkan_context *c, olx_gpu_maps *maps) {
+  OLX_TRY(lay_out_maps(c, maps));
+  OLX_TRY(check_format(c, maps));
+  const uint32_t side = maps->maps_a_side * maps->stride;
+  const VkImageCreateInfo info = {.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
+                                  .imageType = VK_IMAGE_TYPE_2D,
+                                  .format = maps->format,
+                                  .extent = {side, side, 1},
+                                  .mipLevels = 1,
+                                  .arrayLayers = maps->layers,
+                                  .samples = VK_SAMPLE_COUNT_1_BIT,
+                                  .tiling = VK_IMAGE_TILING_OPTIMAL,
+                                  .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT};
+  OLX_TRY(olx_vulkan_check(c->vk.CreateImage(c->host.device, &info, NULL, &maps->image), "vkCreateImage", WHAT));
+  c->vk.GetImageMemoryRequirements(c->host.device, maps->image, &maps->requirements);
+  return OLX_OK;
+}
+
+static VkDeviceSize align_buffer(const olx_vulkan_context *c, VkDeviceSize offset) {
+  const VkDeviceSize a = c->limits.minStorageBufferOffsetAlignment, b = c->limits.minUniformBufferOffsetAlignment;
+  const VkDeviceSize alignment = a > b ? a : b;
+  return (offset + alignment - 1) / alignment * alignment;
+}
+
+static olx_result create_buffer(olx_vulkan_field *gpu, const olx_field_info *info) {
+  const olx_vulkan_context *c = &gpu->context;
+  const VkDeviceSize probes = sizeof(olx_gpu_probe) * (VkDeviceSize)info->probe_count,
+                     irradiance_probes = sizeof(olx_gpu_probe) * (VkDeviceSize)info->irradiance_probe_count;
+  gpu->probes_offset = align_buffer(c, sizeof(olx_gpu_field));
+  gpu->irradiance_probes_offset = align_buffer(c, gpu->probes_offset + probes);
+  gpu->buffer_bytes = gpu->irradiance_probes_offset + irradiance_probes;
+  if (probes > c->limits.maxStorageBufferRange || irradiance_probes > c->limits.maxStorageBufferRange) {
+    return olx_fail(OLX_ERROR_UNSUPPORTED, "%u probes are more than a storage buffer of this device holds",
+                    info->probe_count > info->irradiance_probe_count ? info->probe_count : info->irradiance_probe_count);
+  }
+  const VkBufferCreateInfo buffer = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
+                                     .size = gpu->buffer_bytes,
+                                     .usage = VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
+                                              VK_BUFFER_USAGE_TRANSFER_DST_BIT};
+  OLX_TRY(olx_vulkan_check(c->vk.CreateBuffer(c->host.device, &buffer, NULL, &gpu->buffer), "vkCreateBuffer", WHAT));
+  c->vk.GetBufferMemoryRequirements(c->host.device, gpu->buffer, &gpu->buffer_requirements);
+  return OLX_OK;
+}
+
+static olx_gpu_grid grid_constants(const olx_grid *grid) {
+  return (olx_gpu_grid){
+      .origin = {grid->origin.x, grid->origin.y, grid->origin.z, 0.0f},
+      .spacing = {grid->spacing.x, grid->spacing.y, grid->spacing.z, 0.0f},
+      .count = {grid->count[0], grid->count[1], grid->count[2], grid->count[0] * grid->count[1] * grid->count[2]},
+  };
+}
+
+static olx_gpu_field field_constants(const olx_vulkan_field *gpu, const olx_field *field) {
+  const olx_field_info *info = &field->info;
+  const olx_gpu_maps *radiance = &gpu->maps[0], *irradiance = &gpu->maps[OLX_BINDING_IRRADIANCE - OLX_BINDING_RADIANCE];
+  return (olx_gpu_field){
+      .grid = info->has_grid ? grid_constants(&info->grid) : (olx_gpu_grid){.count = {0, 0, 0, 0}},
+      .irradiance_grid = grid_constants(&info->irradiance_grid),
+      .scene_min = {info->scene_min.x, info->scene_min.y, info->scene_min.z, 0.0f},
+      .scene_max = {info->scene_max.x, info->scene_max.y, info->scene_max.z, 0.0f},
+      .probe_count = info->probe_count,
+      .n = field->n,
+      .block = field->block,
+      .maps_a_side = radiance->maps_a_side,
+      .irradiance_n = field->irradiance_n,
+      .irradiance_maps_a_side = irradiance->maps_a_side,
+      .irradiance_texel = 1.0f / (float)(irradiance->maps_a_side * irradiance->stride),
+      .distance_scale = field->distance_scale,
+      .select_mask = info->select_mask & OLX_SELECT_GPU_MASK,
+  };
+}
+
+// Images and buffers, as yet without memory.
+static olx_result create_resources(const olx_vulkan_host *host, const olx_field *field, olx_vulkan_field *gpu) {
+  OLX_TRY(olx_vulkan_context_make(host, &gpu->context));
+  const uint32_t probes = field->info.probe_count, irradiance_probes = field->info.irradiance_probe_count;
+  const olx_gpu_maps maps[OLX_GPU_MAPS] = {
+      [OLX_BINDING_RADIANCE - OLX_BINDING_RADIANCE] = {VK_FORMAT_B10G11R11_UFLOAT_PACK32, 4, field->stride, probes,
+                                                       .texels = field->radiance},
+      [OLX_BINDING_NORMAL - OLX_BINDING_RADIANCE] = {VK_FORMAT_R16_UINT, 2, field->stride, probes,
+                                                     .texels = field->normal},
+      [OLX_BINDING_DISTANCE - OLX_BINDING_RADIANCE] = {VK_FORMAT_R16_UINT, 2, field->stride, probes,
+                                                       .texels = field->distance},
+      [OLX_BINDING_COARSE - OLX_BINDING_RADIANCE] = {VK_FORMAT_R16_UINT, 2, field->coarse_n, probes,
+                                                     .texels = field->coarse},
+      [OLX_BINDING_IRRADIANCE - OLX_BINDING_RADIANCE] = {VK_FORMAT_B10G11R11_UFLOAT_PACK32, 4, field->irradiance_stride,
+                                                         irradiance_probes, .filtered = true,
+                                                         .texels = field->irradiance},
+      [OLX_BINDING_MOMENTS - OLX_BINDING_RADIANCE] = {VK_FORMAT_R16G16_SFLOAT, 4, field->irradiance_stride,
+                                                      irradiance_probes, .filtered = true, .texels = field->moments},
+  };
+  memcpy(gpu->maps, maps, sizeof maps);
+  for (uint32_t i = 0; i < OLX_GPU_MAPS; i++) OLX_TRY(create_image(&gpu->context, &gpu->maps[i]));
+  // The coarse maps share the light field maps' arrangement, so that one number describes all of them.
+  OLX_TRY(create_buffer(gpu, &field->info));
+  gpu->constants = field_constants(gpu, field);
+  return OLX_OK;
+}
+
+static olx_result bind_memory(olx_vulkan_field *gpu) {
+  const olx_vulkan_context *c = &gpu->context;
+  for (uint32_t i = 0; i < OLX_GPU_MAPS; i++) {
+    olx_gpu_maps *maps = &gpu->maps[i];
+    OLX_TRY(olx_vulkan_allocate(c, &maps->requirements, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, WHAT, &maps->memory));
+    OLX_TRY(olx_vulkan_check(c->vk.BindImageMemory(c->host.device, maps->image, maps->memory, 0), "vkBindImageMemory",
+                             WHAT));
+    const VkImageViewCreateInfo view = {
+        .sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
+        .image = maps->image,
+        .viewType = VK_IMAGE_VIEW_TYPE_2D_ARRAY,
+        .format = maps->format,
+        .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, maps->layers},
+    };
+    OLX_TRY(olx_vulkan_check(c->vk.CreateImageView(c->host.device, &view, NULL, &maps->view), "vkCreateImageView", WHAT));
+  }
+  OLX_TRY(olx_vulkan_allocate(c, &gpu->buffer_requirements, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, WHAT,
+                              &gpu->buffer_memory));
+  return olx_vulkan_check(c->vk.BindBufferMemory(c->host.device, gpu->buffer, gpu->buffer_memory, 0),
+                          "vkBindBufferMemory", WHAT);
+}
+
+static olx_result create_sampler(const olx_vulkan_context *c, VkFilter filter, VkSampler *sampler) {
+  const VkSamplerCreateInfo info = {.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO,
+                                    .magFilter = filter,
+                                    .minFilter = filter,
+                                    .addressModeU = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
+                                    .addressModeV = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
+                                    .addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE};
+  return olx_vulkan_check(c->vk.CreateSampler(c->host.device, &info, NULL, sampler), "vkCreateSampler", WHAT);
+}
+
+static VkDescriptorType binding_type(uint32_t binding) {
+  if (binding == OLX_BINDING_FIELD) return VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
+  if (binding < OLX_BINDING_RADIANCE) return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+  return VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
+}
+
+static olx_result create_set(olx_vulkan_field *gpu) {
+  const olx_vulkan_context *c = &gpu->context;
+  VkDescriptorSetLayoutBinding bindings[OLX_FIELD_BINDINGS];
+  for (uint32_t i = 0; i < OLX_FIELD_BINDINGS; i++) {
+    bindings[i] = (VkDescriptorSetLayoutBinding){
+        .binding = i,
+        .descriptorType = binding_type(i),
+        .descriptorCount = 1,
+        .stageFlags = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT | VK_SHADER_STAGE_COMPUTE_BIT,
+    };
+  }
+  const VkDescriptorSetLayoutCreateInfo layout = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
+                                                  .bindingCount = OLX_FIELD_BINDINGS,
+                                                  .pBindings = bindings};
+  OLX_TRY(olx_vulkan_check(c->vk.CreateDescriptorSetLayout(c->host.device, &layout, NULL, &gpu->set_layout),
+                           "vkCreateDescriptorSetLayout", WHAT));
+  const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1},
+                                        {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, OLX_BINDING_RADIANCE - 1},
+                                        {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, OLX_GPU_MAPS}};
+  const VkDescriptorPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
+                                           .maxSets = 1,
+                                           .poolSizeCount = sizeof sizes / sizeof sizes[0],
+                                           .pPoolSizes = sizes};
+  OLX_TRY(olx_vulkan_check(c->vk.CreateDescriptorPool(c->host.device, &pool, NULL, &gpu->pool), "vkCreateDescriptorPool",
+                           WHAT));
+  const VkDescriptorSetAllocateInfo set = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
+                                           .descriptorPool = gpu->pool,
+                                           .descriptorSetCount = 1,
+                                           .pSetLayouts = &gpu->set_layout};
+  return olx_vulkan_check(c->vk.AllocateDescriptorSets(c->host.device, &set, &gpu->set), "vkAllocateDescriptorSets",
+                          WHAT);
+}
+
+static void write_set(const olx_vulkan_field *gpu) {
+  const VkDescriptorBufferInfo buffers[OLX_BINDING_RADIANCE] = {
+      {gpu->buffer, 0, sizeof(olx_gpu_field)},
+      {gpu->buffer, gpu->probes_offset, gpu->irradiance_probes_offset - gpu->probes_offset},
+      {gpu->buffer, gpu->irradiance_probes_offset, gpu->buffer_bytes - gpu->irradiance_probes_offset},
+  };
+  VkDescriptorImageInfo images[OLX_GPU_MAPS];
+  VkWriteDescriptorSet writes[OLX_FIELD_BINDINGS];
+  for (uint32_t i = 0; i < OLX_FIELD_BINDINGS; i++) {
+    writes[i] = (VkWriteDescriptorSet){.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                       .dstSet = gpu->set,
+                                       .dstBinding = i,
+                                       .descriptorCount = 1,
+                                       .descriptorType = binding_type(i)};
+    if (i < OLX_BINDING_RADIANCE) {
+      writes[i].pBufferInfo = &buffers[i];
+      continue;
+    }
+    const olx_gpu_maps *maps = &gpu->maps[i - OLX_BINDING_RADIANCE];
+    images[i - OLX_BINDING_RADIANCE] = (VkDescriptorImageInfo){maps->filtered ? gpu->linear : gpu->nearest, maps->view,
+                                                               VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
+    writes[i].pImageInfo = &images[i - OLX_BINDING_RADIANCE];
+  }
+  gpu->context.vk.UpdateDescriptorSets(gpu->context.host.device, OLX_FIELD_BINDINGS, writes, 0, NULL);
+}
+
+olx_result olx_vulkan_field_measure(const olx_vulkan_host *host, const olx_field *field, olx_vulkan_sizes *sizes) {
+  *sizes = (olx_vulkan_sizes){.staging_bytes = (uint64_t)OLX_STAGING_SLOTS * OLX_STAGING_SLOT_BYTES};
+  olx_vulkan_field *gpu = olx_allocate_zero(1, sizeof *gpu);
+  if (!gpu) return olx_fail(OLX_ERROR_MEMORY, "%s: no memory for its handle", WHAT);
+  const olx_result result = create_resources(host, field, gpu);
+  if (result == OLX_OK) {
+    sizes->device_bytes = gpu->buffer_requirements.size;
+    for (uint32_t i = 0; i < OLX_GPU_MAPS; i++) sizes->device_bytes += gpu->maps[i].requirements.size;
+    sizes->allocations = OLX_GPU_MAPS + 1;
+  }
+  olx_vulkan_field_destroy(gpu);
+  return result;
+}
+
+static olx_result create_field(const olx_vulkan_host *host, const olx_field *field, olx_vulkan_field *gpu) {
+  OLX_TRY(create_resources(host, field, gpu));
+  OLX_TRY(bind_memory(gpu));
+  OLX_TRY(olx_vulkan_field_upload(gpu, field));
+  OLX_TRY(create_sampler(&gpu->context, VK_FILTER_NEAREST, &gpu->nearest));
+  OLX_TRY(create_sampler(&gpu->context, VK_FILTER_LINEAR, &gpu->linear));
+  OLX_TRY(create_set(gpu));
+  write_set(gpu);
+  return OLX_OK;
+}
+
+olx_result olx_vulkan_field_create(const olx_vulkan_host *host, const olx_field *field, olx_vulkan_field **uploaded) {
+  *uploaded = NULL;
+  olx_vulkan_field *gpu = olx_allocate_zero(1, sizeof *gpu);
+  if (!gpu) return olx_fail(OLX_ERROR_MEMORY, "%s: no memory for its handle", WHAT);
+  const olx_result result = create_field(host, field, gpu);
+  if (result != OLX_OK) {
+    olx_vulkan_field_destroy(gpu);
+    return result;
+  }
+  *uploaded = gpu;
+  return OLX_OK;
+}
+
+void olx_vulkan_field_destroy(olx_vulkan_field *gpu) {
+  if (!gpu) return;
+  const olx_vulkan_functions *vk = &gpu->context.vk;
+  const VkDevice device = gpu->context.host.device;
+  if (vk->DestroyImage) { // else the host's functions were never found, and nothing was made
+    vk->DestroyDescriptorPool(device, gpu->pool, NULL);
+    vk->DestroyDescriptorSetLayout(device, gpu->set_layout, NULL);
+    vk->DestroySampler(device, gpu->nearest, NULL);
+    vk->DestroySampler(device, gpu->linear, NULL);
+    vk->DestroyBuffer(device, gpu->buffer, NULL);
+    vk->FreeMemory(device, gpu->buffer_memory, NULL);
+    for (uint32_t i = 0; i < OLX_GPU_MAPS; i++) {
+      vk->DestroyImageView(device, gpu->maps[i].view, NULL);
+      vk->DestroyImage(device, gpu->maps[i].image, NULL);
+      vk->FreeMemory(device, gpu->maps[i].memory, NULL);
+    }
+  }
+  olx_release(gpu);
+}
+
+VkDescriptorSetLayout olx_vulkan_field_set_layout(const olx_vulkan_field *field) { return field->set_layout; }
+VkDescriptorSet olx_vulkan_field_set(const olx_vulkan_field *field) { return field->set; }

@@ -1,0 +1,41 @@
+// A field on the device: one image for each kind of map, one buffer for everything else, and the descriptor set of both.
+#ifndef OLX_VULKAN_GPU_FIELD_H
+#define OLX_VULKAN_GPU_FIELD_H
+
+#include "field/field_data.h"
+#include "vulkan/context.h"
+#include "vulkan/gpu_structs.h"
+
+enum { OLX_GPU_MAPS = OLX_FIELD_BINDINGS - OLX_BINDING_RADIANCE };
+
+// The maps of one kind: map i lies in layer i / maps_a_side^2 of an image, maps_a_side of them along each side.
+typedef struct olx_gpu_maps {
+  VkFormat format;
+  uint32_t texel_bytes, stride; // of a map, border included
+  uint32_t count, maps_a_side, layers;
+  bool filtered;
+  const void *texels; // in the file
+  VkImage image;
+  VkImageView view;
+  VkDeviceMemory memory;
+  VkMemoryRequirements requirements;
+} olx_gpu_maps;
+
+struct olx_vulkan_field {
+  olx_vulkan_context context;
+  olx_gpu_field constants;
+  olx_gpu_maps maps[OLX_GPU_MAPS]; // in the order of the bindings
+  VkBuffer buffer;                 // constants, probes, irradiance probes
+  VkDeviceMemory buffer_memory;
+  VkMemoryRequirements buffer_requirements;
+  VkDeviceSize probes_offset, irradiance_probes_offset, buffer_bytes;
+  VkSampler nearest, linear;
+  VkDescriptorSetLayout set_layout;
+  VkDescriptorPool pool;
+  VkDescriptorSet set;
+};
+
+// Fill a device's buffer and images. gpu_field.c makes them, field_upload.c fills them.
+olx_result olx_vulkan_field_upload(olx_vulkan_field *gpu, const olx_field *field);
+
+#endif

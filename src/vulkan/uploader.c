@@ -1,0 +1,101 @@
+#include "vulkan/uploader.h"
+
+static const char WHAT[] = "uploading a field";
+
+static olx_result create_staging(olx_uploader *u) {
+  const olx_vulkan_context *c = u->context;
+  const VkBufferCreateInfo info = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
+                                   .size = (VkDeviceSize)OLX_STAGING_SLOTS * OLX_STAGING_SLOT_BYTES,
+                                   .usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT};
+  OLX_TRY(olx_vulkan_check(c->vk.CreateBuffer(c->host.device, &info, NULL, &u->buffer), "vkCreateBuffer", WHAT));
+  VkMemoryRequirements requirements;
+  c->vk.GetBufferMemoryRequirements(c->host.device, u->buffer, &requirements);
+  OLX_TRY(olx_vulkan_allocate(c, &requirements,
+                              VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT, WHAT,
+                              &u->memory));
+  OLX_TRY(olx_vulkan_check(c->vk.BindBufferMemory(c->host.device, u->buffer, u->memory, 0), "vkBindBufferMemory", WHAT));
+  void *mapped;
+  OLX_TRY(olx_vulkan_check(c->vk.MapMemory(c->host.device, u->memory, 0, VK_WHOLE_SIZE, 0, &mapped), "vkMapMemory", WHAT));
+  u->mapped = mapped;
+  return OLX_OK;
+}
+
+olx_result olx_uploader_begin(const olx_vulkan_context *c, olx_uploader *u) {
+  *u = (olx_uploader){.context = c};
+  OLX_TRY(create_staging(u));
+  const VkCommandPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
+                                        .flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT |
+                                                 VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT,
+                                        .queueFamilyIndex = c->host.queue_family};
+  OLX_TRY(olx_vulkan_check(c->vk.CreateCommandPool(c->host.device, &pool, NULL, &u->pool), "vkCreateCommandPool", WHAT));
+  const VkCommandBufferAllocateInfo commands = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
+                                                .commandPool = u->pool,
+                                                .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
+                                                .commandBufferCount = OLX_STAGING_SLOTS};
+  OLX_TRY(olx_vulkan_check(c->vk.AllocateCommandBuffers(c->host.device, &commands, u->commands),
+                           "vkAllocateCommandBuffers", WHAT));
+  for (uint32_t i = 0; i < OLX_STAGING_SLOTS; i++) {
+    const VkFenceCreateInfo fence = {.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+    OLX_TRY(olx_vulkan_check(c->vk.CreateFence(c->host.device, &fence, NULL, &u->fences[i]), "vkCreateFence", WHAT));
+  }
+  return OLX_OK;
+}
+
+static olx_result wait_for_slot(olx_uploader *u, uint32_t slot) {
+  if (!u->pending[slot]) return OLX_OK;
+  const olx_vulkan_context *c = u->context;
+  u->pending[slot] = false;
+  OLX_TRY(olx_vulkan_check(c->vk.WaitForFences(c->host.device, 1, &u->fences[slot], VK_TRUE, UINT64_MAX),
+                           "vkWaitForFences", WHAT));
+  return olx_vulkan_check(c->vk.ResetFences(c->host.device, 1, &u->fences[slot]), "vkResetFences", WHAT);
+}
+
+static olx_result submit(olx_uploader *u) {
+  const olx_vulkan_context *c = u->context;
+  if (!u->recording) return OLX_OK;
+  u->recording = false;
+  OLX_TRY(olx_vulkan_check(c->vk.EndCommandBuffer(u->commands[u->slot]), "vkEndCommandBuffer", WHAT));
+  const VkSubmitInfo info = {.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO,
+                             .commandBufferCount = 1,
+                             .pCommandBuffers = &u->commands[u->slot]};
+  OLX_TRY(olx_vulkan_check(c->vk.QueueSubmit(c->host.queue, 1, &info, u->fences[u->slot]), "vkQueueSubmit", WHAT));
+  u->pending[u->slot] = true;
+  u->slot = (u->slot + 1) % OLX_STAGING_SLOTS;
+  return OLX_OK;
+}
+
+olx_result olx_uploader_reserve(olx_uploader *u, uint32_t bytes, void **memory, VkDeviceSize *offset,
+                                VkCommandBuffer *commands) {
+  const olx_vulkan_context *c = u->context;
+  if (u->recording && u->used + bytes > OLX_STAGING_SLOT_BYTES) OLX_TRY(submit(u));
+  if (!u->recording) {
+    OLX_TRY(wait_for_slot(u, u->slot));
+    const VkCommandBufferBeginInfo info = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
+                                           .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
+    OLX_TRY(olx_vulkan_check(c->vk.BeginCommandBuffer(u->commands[u->slot], &info), "vkBeginCommandBuffer", WHAT));
+    u->recording = true;
+    u->used = 0;
+  }
+  *offset = (VkDeviceSize)u->slot * OLX_STAGING_SLOT_BYTES + u->used;
+  *memory = u->mapped + *offset;
+  *commands = u->commands[u->slot];
+  u->used += (bytes + 15u) & ~15u;
+  return OLX_OK;
+}
+
+olx_result olx_uploader_finish(olx_uploader *u) {
+  OLX_TRY(submit(u));
+  for (uint32_t i = 0; i < OLX_STAGING_SLOTS; i++) OLX_TRY(wait_for_slot(u, i));
+  return OLX_OK;
+}
+
+void olx_uploader_end(olx_uploader *u) {
+  const olx_vulkan_context *c = u->context;
+  for (uint32_t i = 0; i < OLX_STAGING_SLOTS; i++) {
+    if (u->pending[i]) c->vk.WaitForFences(c->host.device, 1, &u->fences[i], VK_TRUE, UINT64_MAX);
+    c->vk.DestroyFence(c->host.device, u->fences[i], NULL);
+  }
+  c->vk.DestroyCommandPool(c->host.device, u->pool, NULL);
+  c->vk.DestroyBuffer(c->host.device, u->buffer, NULL);
+  c->vk.FreeMemory(c->host.device, u->memory, NULL);
+}

@@ -4,8 +4,14 @@ find_package(Python3 REQUIRED COMPONENTS Interpreter)
 add_test(NAME layers COMMAND Python3::Interpreter ${PROJECT_SOURCE_DIR}/scripts/check_layers.py ${PROJECT_SOURCE_DIR})
 olx_label_test(layers check)
 
+add_test(NAME parity_rows COMMAND Python3::Interpreter ${PROJECT_SOURCE_DIR}/scripts/check_parity.py ${PROJECT_SOURCE_DIR})
+olx_label_test(parity_rows check)
+
 # Every public header compiles alone, as C17 and as C++17, with both compilers.
 file(GLOB headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/include/octalux/*.h)
+if(NOT OCTALUX_VULKAN)
+  list(FILTER headers EXCLUDE REGEX "/vulkan\\.h$")
+endif()
 foreach(compiler gcc clang)
   find_program(OLX_${compiler} ${compiler})
   foreach(header ${headers})
@@ -19,8 +25,13 @@ foreach(compiler gcc clang)
   endforeach()
 endforeach()
 
+set(vulkan_header)
+if(OCTALUX_VULKAN)
+  set(vulkan_header vulkan.h)
+endif()
 add_test(NAME symbols COMMAND Python3::Interpreter ${PROJECT_SOURCE_DIR}/scripts/check_symbols.py
-         ${PROJECT_SOURCE_DIR}/include/octalux $<TARGET_FILE:octalux-shared> $<TARGET_FILE:octalux> $<TARGET_FILE:octalux-bake>)
+         ${PROJECT_SOURCE_DIR}/include/octalux $<TARGET_FILE:octalux-shared> $<TARGET_FILE:octalux> $<TARGET_FILE:octalux-bake>
+         ${vulkan_header})
 olx_label_test(symbols check)
 
 add_test(NAME install COMMAND bash ${PROJECT_SOURCE_DIR}/scripts/check_install.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})

@@ -1,0 +1,259 @@
+// Every function of shaders/lib on the inputs of test_parity.c: one row a dispatch, one thread an item.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "parity_rows.h"
+#include "shaders/lib/octalux.glsl"
+
+layout(local_size_x = 64) in;
+layout(constant_id = 0) const uint GROUP = 0; // of rows: compiling all of them at once takes long
+layout(push_constant) uniform row_block { uint row; };
+
+struct parity_item {
+  float v[16];
+  uint u[4];
+};
+layout(set = 1, binding = 0, std430) readonly buffer items_block { parity_item items[]; };
+layout(set = 1, binding = 1, std430) writeonly buffer results_block { uint results[]; };
+
+uint filled = 0u;
+void put(uint x) { results[gl_GlobalInvocationID.x * PARITY_RESULTS + filled++] = x; }
+void put(int x) { put(uint(x)); }
+void put(bool x) { put(uint(x)); }
+void put(float x) { put(floatBitsToUint(x)); }
+void put(vec2 v) { put(v.x), put(v.y); }
+void put(vec3 v) { put(v.xy), put(v.z); }
+void put(ivec2 v) { put(v.x), put(v.y); }
+void put(uvec3 v) { put(v.x), put(v.y), put(v.z); }
+void put(ivec3 v) { put(v.xy), put(v.z); }
+// As C counts the texels of a bordered map.
+void put_texel(ivec2 texel) { put((texel.y + 1) * int(olx_field.n + 2u) + texel.x + 1); }
+
+// The item of this thread, and what test_parity.c derives from it in the same way.
+parity_item item;
+vec3 point, direction, view;
+vec4 random;
+uvec4 bits;
+uint probe, irradiance_probe;
+ivec2 texel;
+olx_sample_settings settings;
+olx_probe_ray ray;
+olx_march march;
+olx_piece piece;
+olx_cell cell;
+olx_surfel surfel;
+olx_search search;
+olx_surface_point surface;
+olx_bsdf bsdf;
+
+void derive() {
+  point = vec3(item.v[0], item.v[1], item.v[2]);
+  direction = vec3(item.v[3], item.v[4], item.v[5]);
+  view = vec3(item.v[6], item.v[7], item.v[8]);
+  random = vec4(item.v[9], item.v[10], item.v[11], item.v[12]);
+  bits = uvec4(item.u[0], item.u[1], item.u[2], item.u[3]);
+  probe = bits.x % olx_field.probe_count;
+  irradiance_probe = bits.x % olx_field.irradiance_grid.count.w;
+  texel = ivec2(bits.yz % olx_field.n);
+  settings = olx_sample_settings_default();
+  settings.tracer = bits.w & 1u;
+  settings.visibility = (bits.w & 6u) != 0u;
+  settings.keep_buried = (bits.w & 8u) != 0u;
+  settings.emitters = (bits.w & 16u) != 0u;
+  settings.select = (bits.w & 96u) != 0u ? OLX_SELECT_BEST : OLX_SELECT_EXHAUSTIVE;
+  surface = olx_surface_point(point, direction, view);
+  bsdf = olx_bsdf_make(abs(direction), random.x, random.y, random.z);
+}
+
+void derive_march() {
+  precise vec3 origin = point - olx_probe_position(probe);
+  ray = olx_probe_ray(origin, direction, (bits.w & 1u) != 0u ? 0.0 : item.v[13],
+                      (bits.w & 2u) != 0u ? OLX_INFINITY : item.v[14]);
+  march = olx_begin_march(probe, ray);
+  piece = olx_make_piece(march, ray.t_min, min(olx_cut(ray).x, ray.t_max));
+  cell.at = ivec2(olx_quadrant_texel(piece.u, piece.u.begin), olx_quadrant_texel(piece.v, piece.v.begin));
+  cell.t = piece.t_begin;
+  surfel = olx_read_surfel(march, texel, item.v[15]);
+}
+
+void derive_search() {
+  olx_probe_answer answer = olx_probe_answer(OLX_TRACE_UNKNOWN, 0.0, ivec2(0), 0.0, 0u);
+  search = olx_search(settings, point, direction, 0.0, min(item.v[14], olx_leave_bounds(point, direction)), 0u, 128u, 0u,
+                      answer, OLX_NO_PROBE);
+}
+
+void put_axis(olx_image_axis a) { put(a.n0), put(a.n1), put(a.begin), put(a.step), put(a.first), put(a.last); }
+
+void put_hit(olx_trace_hit hit) {
+  put(hit.status), put(hit.probe), put(hit.emitter), put(hit.texel_steps), put(hit.probes_tried);
+  put(hit.distance_metres), put(hit.position), put(hit.normal), put(hit.radiance), put(hit.footprint_metres);
+}
+
+void put_answer(olx_probe_answer a) { put(a.status), put_texel(a.texel), put(a.steps), put(a.t), put(a.gap); }
+
+// Start from an answer that nothing has written yet.
+olx_probe_answer blank() { return olx_probe_answer(OLX_TRACE_MISS, 0.0, ivec2(-1), 0.0, 0u); }
+
+void core_rows() {
+  vec3 t, b, local_view = vec3(view.xy, abs(view.z));
+  float weight, half_cosine;
+  switch (row) {
+  case ROW_olx_square: put(olx_square(point.x)); break;
+  case ROW_olx_sign_not_zero: put(olx_sign_not_zero(direction.x)); break;
+  case ROW_olx_dot: put(olx_dot(point, direction)); break;
+  case ROW_olx_normalize: put(olx_normalize(bits.w % 64u == 0u ? vec3(0.0) : point)); break;
+  case ROW_olx_basis: olx_basis(direction, t, b), put(t), put(b); break;
+  case ROW_olx_from_basis: put(olx_from_basis(view, direction)); break;
+  case ROW_olx_octahedral_encode: put(olx_octahedral_encode(direction)); break;
+  case ROW_olx_octahedral_point: put(olx_octahedral_point(random.xy)); break;
+  case ROW_olx_octahedral_decode: put(olx_octahedral_decode(random.xy)); break;
+  case ROW_olx_texel_solid_angle_near: put(olx_texel_solid_angle_near(random.xy, 64u)); break;
+  case ROW_olx_half_unpack: put(olx_half_unpack(gl_GlobalInvocationID.x * 8u + (bits.x & 7u) & 0xFFFFu)); break;
+  case ROW_olx_normal_unpack: put(olx_normal_unpack(bits.x % 255u | bits.y % 255u << 8)); break;
+  case ROW_olx_hash: put(olx_hash(bits.x)); break;
+  case ROW_olx_hash2: put(olx_hash2(bits.x, bits.y)); break;
+  case ROW_olx_unit_float: put(olx_unit_float(bits.x)); break;
+  case ROW_olx_owen_scramble: put(olx_owen_scramble(bits.x, bits.y)); break;
+  case ROW_olx_sobol2: put(olx_sobol2(bits.x)); break;
+  case ROW_olx_stratified2: put(olx_stratified2(bits.x, bits.y)); break;
+  case ROW_olx_sample_cosine: put(olx_sample_cosine(random.xy)); break;
+  case ROW_olx_bsdf_make: put(bsdf.albedo), put(bsdf.f0), put(bsdf.f90), put(bsdf.dielectric_weight), put(bsdf.alpha); break;
+  case ROW_olx_pow5: put(olx_pow5(random.x)); break;
+  case ROW_olx_fresnel: put(olx_fresnel(bsdf, random.w)); break;
+  case ROW_olx_bsdf_diffuse: put(olx_bsdf_diffuse(bsdf, random.w)); break;
+  case ROW_olx_bsdf_has_specular: put(olx_bsdf_has_specular(olx_bsdf_make(point, 0.0, 0.5, float(bits.x & 1u)))); break;
+  case ROW_olx_ggx_lambda: put(olx_ggx_lambda(random.x, random.y)); break;
+  case ROW_olx_ggx_sample_half: put(olx_ggx_sample_half(random.z, local_view, random.xy)); break;
+  case ROW_olx_ggx_sample:
+    put(olx_ggx_sample(bsdf.alpha, local_view, random.zw, weight, half_cosine)), put(weight), put(half_cosine);
+    break;
+  }
+}
+
+void field_rows() {
+  ivec3 map = olx_map_origin(probe);
+  olx_cage cage = olx_cage_at(olx_field.irradiance_grid, point);
+  switch (row) {
+  case ROW_olx_probe_position: put(olx_probe_position(probe)); break;
+  case ROW_olx_irradiance_probe_position: put(olx_irradiance_probe_position(irradiance_probe)); break;
+  case ROW_olx_map_corner: put(olx_map_corner(probe, olx_field.n, 3u)); break;
+  case ROW_olx_map_origin: put(map); break;
+  case ROW_olx_texel_towards: put_texel(olx_texel_towards(direction)); break;
+  case ROW_olx_texel_distance_bits: put(olx_texel_distance_bits(map, texel)); break;
+  case ROW_olx_texel_distance: put(olx_texel_distance(map, texel)); break;
+  case ROW_olx_texel_emits: put(olx_texel_emits(map, texel)); break;
+  case ROW_olx_texel_normal: put(olx_texel_normal(map, texel)); break;
+  case ROW_olx_texel_radiance: put(olx_texel_radiance(map, texel)); break;
+  case ROW_olx_irradiance_coordinate: put(olx_irradiance_coordinate(irradiance_probe, random.xy)); break;
+  case ROW_olx_cage_at: put(cage.base), put(cage.corner_mask), put(cage.alpha); break;
+  case ROW_olx_cage_has: put(olx_cage_has(cage, bits.x & 7u)); break;
+  case ROW_olx_cage_probe: put(olx_cage_probe(olx_field.irradiance_grid, cage, bits.x & cage.corner_mask)); break;
+  case ROW_olx_cage_weight: put(olx_cage_weight(cage, bits.x & 7u)); break;
+  case ROW_olx_select_available: put(olx_select_available(bits.x & 1u)); break;
+  case ROW_olx_select_resolve: put(olx_select_resolve(4u + (bits.x & 1u))); break;
+  case ROW_olx_sample_settings_default:
+    settings = olx_sample_settings_default();
+    put(settings.tracer), put(settings.select), put(settings.visibility), put(settings.max_probes);
+    put(settings.keep_buried), put(settings.emitters);
+    break;
+  }
+}
+
+void march_rows() {
+  derive_march();
+  float t1 = min(min(olx_next_crossing(piece, piece.u, cell.at.x), olx_next_crossing(piece, piece.v, cell.at.y)), piece.t_end);
+  int block = int(olx_field.block);
+  olx_probe_answer answer = blank();
+  vec3 cuts = olx_cut(ray);
+  switch (row) {
+  case ROW_olx_radius_squared: put(olx_radius_squared(march, random.x)); break;
+  case ROW_olx_farthest_squared: put(olx_farthest_squared(march, random.x, random.x + random.y)); break;
+  case ROW_olx_nearest_squared: put(olx_nearest_squared(march, random.x, random.x + random.y)); break;
+  case ROW_olx_sign_after: put(olx_sign_after(ray.origin.x, ray.direction.x, random.x)); break;
+  case ROW_olx_image_at: put(olx_image_at(piece, piece.u, ray.t_min)); break;
+  case ROW_olx_set_axis: olx_set_axis(piece, piece.u, view.x, int(olx_field.n)), put_axis(piece.u); break;
+  case ROW_olx_make_piece: put(piece.d0), put(piece.d1), put_axis(piece.u), put_axis(piece.v); break;
+  case ROW_olx_crossing: put(olx_crossing(piece, piece.u, texel.x)); break;
+  case ROW_olx_next_crossing: put(olx_next_crossing(piece, piece.v, cell.at.y)); break;
+  case ROW_olx_quadrant_texel: put(olx_quadrant_texel(piece.u, point.x * 8.0)); break;
+  case ROW_olx_advance: put(olx_advance(piece, piece.u, cell.at.x, ray.t_min + 0.3 * random.x, (bits.w & 4u) != 0u)); break;
+  case ROW_olx_read_surfel: put(surfel.distance), put(surfel.cosine), put(surfel.footprint), put(surfel.f0), put(surfel.f1); break;
+  case ROW_olx_plane_tolerance: put(olx_plane_tolerance(surfel)); break;
+  case ROW_olx_depth_limit: put(olx_depth_limit(march, texel, surfel)); break;
+  case ROW_olx_near_texel: put(olx_near_texel(piece, cell.at, ray.t_min + 0.1 * random.x)); break;
+  case ROW_olx_supported: put(olx_supported(march, piece, surfel, ray.t_min + 0.1 * random.x)); break;
+  case ROW_olx_judge: put(olx_judge(march, piece, cell, t1, item.v[15], answer)), put_answer(answer); break;
+  case ROW_olx_visit_texel: put(olx_visit_texel(march, piece, cell, t1, answer)), put_answer(answer), put(march.steps); break;
+  case ROW_olx_block_clear: put(olx_block_clear(march, cell, t1)), put(march.steps); break;
+  case ROW_olx_block_crossing: put(olx_block_crossing(piece, piece.u, cell.at.x, block)); break;
+  case ROW_olx_beyond_block: put(olx_beyond_block(piece.u, texel.x, block)); break;
+  case ROW_olx_march_piece: put(olx_march_piece(march, piece, settings.tracer == OLX_TRACER_TWO_LEVEL, answer)), put_answer(answer); break;
+  case ROW_olx_cut: put(cuts); break;
+  case ROW_olx_begin_march: put(march.closest), put(march.miss_squared), put(march.texel_angle_scale); break;
+  case ROW_olx_trace_probe: put_answer(olx_trace_probe(probe, ray, settings.tracer)); break;
+  }
+}
+
+void search_rows() {
+  derive_search();
+  olx_probe_answer answer = blank();
+  uint found = 0u;
+  float t_max = item.v[14];
+  switch (row) {
+  case ROW_olx_usable: put(olx_usable(search, probe)); break;
+  case ROW_olx_is_ray: put(olx_is_ray(point, direction * (0.85 + 0.3 * random.x), random.y - 0.1)); break;
+  case ROW_olx_was_asked:
+    for (uint i = 0u; i < 4u; i++) olx_asked[search.attempts++] = bits[i] & 7u;
+    put(olx_was_asked(search, bits.x >> 8 & 7u));
+    break;
+  case ROW_olx_ray_point: put(olx_ray_point(search, random.x)); break;
+  case ROW_olx_line_distance_squared: put(olx_line_distance_squared(search, probe)); break;
+  case ROW_olx_sees: put(olx_sees(probe, point)); break;
+  case ROW_olx_ask: put(olx_ask(search, probe, answer)), put(search.attempts), put(search.t), put_answer(answer); break;
+  case ROW_olx_first_corner: put(olx_first_corner(search, olx_cage_at(olx_field.grid, point))); break;
+  case ROW_olx_search_cages: put(olx_search_cages(search, found, answer)), put(search.attempts), put(search.t); break;
+  case ROW_olx_search_everywhere: put(olx_search_everywhere(search, found, answer)), put(search.attempts), put(search.t); break;
+  case ROW_olx_search_selected: put(olx_search_selected(search, found, answer)), put(search.attempts), put(search.t); break;
+  case ROW_olx_sky_radiance: put(olx_sky_radiance(direction)); break;
+  case ROW_olx_describe:
+    answer = olx_probe_answer(bits.y % 3u, random.x, texel, 0.0, 0u);
+    put_hit(olx_describe(search, probe, answer, t_max));
+    break;
+  case ROW_olx_leave_bounds: put(olx_leave_bounds(point, direction)); break;
+  case ROW_olx_trace: put_hit(olx_trace(settings, point, direction, t_max)); break;
+  }
+}
+
+void shade_rows() {
+  vec3 from_probe = point - olx_irradiance_probe_position(irradiance_probe);
+  olx_cage cage = olx_cage_at(olx_field.irradiance_grid, point);
+  vec2 uv = olx_octahedral_encode(direction);
+  uint nearest;
+  float weight, half_cosine;
+  olx_trace_hit hit;
+  bool seen;
+  switch (row) {
+  case ROW_olx_map_irradiance: put(olx_map_irradiance(irradiance_probe, random.xy)); break;
+  case ROW_olx_map_moments: put(olx_map_moments(irradiance_probe, direction)); break;
+  case ROW_olx_chebyshev: put(olx_chebyshev(irradiance_probe, from_probe)); break;
+  case ROW_olx_visibility: put(olx_visibility(settings.visibility, irradiance_probe, from_probe, surface)); break;
+  case ROW_olx_probe_weight: put(olx_probe_weight(settings.visibility, irradiance_probe, from_probe, surface)); break;
+  case ROW_olx_irradiance_usable: put(olx_irradiance_usable(settings, irradiance_probe)); break;
+  case ROW_olx_nearest_visible: seen = olx_nearest_visible(settings, surface, cage, nearest), put(seen), put(seen ? nearest : 0u); break;
+  case ROW_olx_add_from_afar: put(olx_add_from_afar(settings, surface, cage, uv)); break;
+  case ROW_olx_irradiance: put(olx_irradiance(settings, point, direction, view)); break;
+  case ROW_olx_glossy:
+    put(olx_glossy(settings, point, direction, view, random.z, random.xy, weight, half_cosine, hit));
+    put(weight), put(half_cosine), put(hit.status), put(hit.probe), put(hit.distance_metres);
+    break;
+  }
+}
+
+void main() {
+  item = items[gl_GlobalInvocationID.x];
+  derive();
+  if (GROUP == 0u) core_rows();
+  else if (GROUP == 1u) field_rows();
+  else if (GROUP == 2u) march_rows();
+  else if (GROUP == 3u) search_rows();
+  else shade_rows();
+}

@@ -1,0 +1,695 @@
+// Shaders against their specification: every function of shaders/lib and its C twin on the same random and edge inputs, on
+// whatever Vulkan device there is (a CPU one will do). The C files are included so that their inner functions can be called.
+#include "shade/irradiance.c"
+#include "trace/probe_trace.c"
+#include "trace/trace.c"
+
+#include "analytic_field.h"
+#include "core/bsdf.h"
+#include "core/sampling.h"
+#include "parity_rows.h"
+#include "pinned_drivers.h"
+#include "vulkan/gpu_field.h"
+#include "vulkan_device.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+
+#include <cmocka.h>
+
+static const uint32_t SPIRV[] = {
+#include "parity.spv.inc"
+};
+
+typedef struct parity_item {
+  float v[16];
+  uint32_t u[4];
+} parity_item;
+
+// What parity.comp derives from an item; the names are the same.
+typedef struct state {
+  const olx_field *field;
+  const olx_gpu_field *constants;
+  const parity_item *item;
+  uint32_t index;
+  olx_vec3 point, direction, view;
+  float random[4];
+  uint32_t bits[4];
+  uint32_t probe, irradiance_probe, x, y;
+  olx_sample_settings settings;
+  olx_irradiance_source source;
+  uint32_t terms;
+  surface_point surface;
+  olx_bsdf bsdf;
+  olx_probe_ray ray;
+  march march;
+  piece piece;
+  cell cell;
+  surfel surfel;
+  search search;
+} state;
+
+// What C gives for an item. Words that are floats may differ a little.
+typedef struct result {
+  uint32_t word[PARITY_RESULTS];
+  bool is_float[PARITY_RESULTS];
+  uint32_t count;
+} result;
+
+static void put_u(result *r, uint32_t x) { r->word[r->count++] = x; }
+static void put_i(result *r, int32_t x) { put_u(r, (uint32_t)x); }
+static void put_f(result *r, float x) {
+  r->is_float[r->count] = true;
+  put_u(r, olx_float_bits(x));
+}
+static void put_2(result *r, olx_vec2 v) {
+  put_f(r, v.x);
+  put_f(r, v.y);
+}
+static void put_3(result *r, olx_vec3 v) {
+  put_f(r, v.x);
+  put_f(r, v.y);
+  put_f(r, v.z);
+}
+static void put_axis(result *r, const image_axis *a) {
+  put_f(r, a->n0);
+  put_f(r, a->n1);
+  put_f(r, a->begin);
+  put_i(r, a->step);
+  put_i(r, a->first);
+  put_i(r, a->last);
+}
+static void put_answer(result *r, const olx_probe_answer *a) {
+  put_u(r, a->status);
+  put_u(r, (uint32_t)a->texel);
+  put_u(r, a->steps);
+  put_f(r, a->t);
+  put_f(r, a->gap);
+}
+static void put_hit(result *r, const olx_trace_hit *hit) {
+  put_u(r, hit->status);
+  put_u(r, hit->probe);
+  put_u(r, hit->emitter);
+  put_u(r, hit->texel_steps);
+  put_u(r, hit->probes_tried);
+  put_f(r, hit->distance_metres);
+  put_3(r, hit->position);
+  put_3(r, hit->normal);
+  put_3(r, hit->radiance);
+  put_f(r, hit->footprint_metres);
+}
+
+static void derive(state *s) {
+  const parity_item *item = s->item;
+  s->point = olx_v3(item->v[0], item->v[1], item->v[2]);
+  s->direction = olx_v3(item->v[3], item->v[4], item->v[5]);
+  s->view = olx_v3(item->v[6], item->v[7], item->v[8]);
+  memcpy(s->random, &item->v[9], sizeof s->random);
+  memcpy(s->bits, item->u, sizeof s->bits);
+  s->probe = s->bits[0] % s->field->info.probe_count;
+  s->irradiance_probe = s->bits[0] % s->field->info.irradiance_probe_count;
+  s->x = s->bits[1] % s->field->n;
+  s->y = s->bits[2] % s->field->n;
+  s->settings = olx_sample_settings_default();
+  s->settings.tracer = s->bits[3] & 1u ? OLX_TRACER_TWO_LEVEL : OLX_TRACER_TEXEL;
+  s->settings.visibility = s->bits[3] & 6u ? OLX_VISIBILITY_CHEBYSHEV : OLX_VISIBILITY_NONE;
+  s->settings.keep_buried = (s->bits[3] & 8u) != 0;
+  s->settings.emitters = (s->bits[3] & 16u) != 0;
+  s->settings.select = s->bits[3] & 96u ? OLX_SELECT_BEST : OLX_SELECT_EXHAUSTIVE;
+  s->source = olx_irradiance_source_of(s->field);
+  s->terms = s->settings.visibility == OLX_VISIBILITY_NONE ? OLX_WEIGHT_TRILINEAR : OLX_WEIGHT_ALL;
+  s->surface = (surface_point){s->point, s->direction, s->view};
+  const olx_vec3 color = olx_v3(fabsf(s->direction.x), fabsf(s->direction.y), fabsf(s->direction.z));
+  s->bsdf = olx_bsdf_make(color, s->random[0], s->random[1], s->random[2]);
+}
+
+static march begin_march(const olx_field *f, uint32_t probe, const olx_probe_ray *ray) {
+  const float closest = -olx_dot(ray->origin, ray->direction);
+  const olx_vec3 foot = olx_madd(ray->origin, ray->direction, closest);
+  return (march){.field = f,
+                 .distance = f->distance + f->texels * probe,
+                 .coarse = f->coarse + (size_t)f->coarse_n * f->coarse_n * probe,
+                 .probe = probe,
+                 .ray = ray,
+                 .closest = closest,
+                 .miss_squared = olx_dot(foot, foot),
+                 .texel_angle_scale = 4.0f / ((float)f->n * (float)f->n)};
+}
+
+static void derive_march(state *s) {
+  const olx_field *f = s->field;
+  s->ray = (olx_probe_ray){.origin = olx_sub(s->point, f->probe_positions[s->probe]),
+                           .direction = s->direction,
+                           .t_min = s->bits[3] & 1u ? 0.0f : s->item->v[13],
+                           .t_max = s->bits[3] & 2u ? INFINITY : s->item->v[14]};
+  s->march = begin_march(f, s->probe, &s->ray);
+  float cuts[3];
+  const uint32_t count = cut(&s->ray, cuts);
+  s->piece = make_piece(&s->march, s->ray.t_min, count ? cuts[0] : s->ray.t_max);
+  s->cell = (cell){quadrant_texel(&s->piece.u, s->piece.u.begin), quadrant_texel(&s->piece.v, s->piece.v.begin),
+                   s->piece.t_begin};
+  s->surfel = read_surfel(&s->march, (cell){(int32_t)s->x, (int32_t)s->y, 0.0f}, s->item->v[15]);
+}
+
+static void derive_search(state *s) {
+  s->search = (search){.field = s->field,
+                       .settings = &s->settings,
+                       .origin = s->point,
+                       .direction = s->direction,
+                       .t_max = olx_min(s->item->v[14], leave_bounds(s->field, s->point, s->direction)),
+                       .limit = MAX_ATTEMPTS,
+                       .fallback_probe = UINT32_MAX};
+}
+
+static olx_vec2 random_2(const state *s) { return (olx_vec2){s->random[0], s->random[1]}; }
+static olx_vec3 local_view(const state *s) { return olx_v3(s->view.x, s->view.y, fabsf(s->view.z)); }
+static size_t texel_of(const state *s) { return olx_map_index(s->field->stride, (int32_t)s->x, (int32_t)s->y); }
+static cell texel_cell(const state *s) { return (cell){(int32_t)s->x, (int32_t)s->y, 0.0f}; }
+static olx_vec3 from_irradiance_probe(const state *s) {
+  return olx_sub(s->point, olx_grid_position(&s->source.grid, s->irradiance_probe));
+}
+static float cell_exit(const state *s) {
+  return olx_min(olx_min(next_crossing(&s->piece, &s->piece.u, s->cell.x), next_crossing(&s->piece, &s->piece.v, s->cell.y)),
+                 s->piece.t_end);
+}
+
+// clang-format off
+#define ROW(name, ...) static void row_##name(state *s, result *r) { (void)s; __VA_ARGS__ }
+
+ROW(square, put_f(r, olx_square(s->point.x));)
+ROW(sign_not_zero, put_f(r, olx_sign_not_zero(s->direction.x));)
+ROW(dot, put_f(r, olx_dot(s->point, s->direction));)
+ROW(normalize, put_3(r, olx_normalize(s->bits[3] % 64 == 0 ? olx_splat(0.0f) : s->point));)
+ROW(basis, olx_vec3 t, b; olx_basis(s->direction, &t, &b); put_3(r, t); put_3(r, b);)
+ROW(from_basis, put_3(r, olx_from_basis(s->view, s->direction));)
+ROW(octahedral_encode, put_2(r, olx_octahedral_encode(s->direction));)
+ROW(octahedral_point, put_3(r, olx_octahedral_point(random_2(s)));)
+ROW(octahedral_decode, put_3(r, olx_octahedral_decode(random_2(s)));)
+ROW(texel_solid_angle_near, put_f(r, olx_texel_solid_angle_near(random_2(s), 64));)
+ROW(half_unpack, put_f(r, olx_half_unpack((uint16_t)(s->index * 8 + (s->bits[0] & 7u))));)
+ROW(normal_unpack, put_3(r, olx_normal_unpack((uint16_t)(s->bits[0] % 255u | s->bits[1] % 255u << 8)));)
+ROW(hash, put_u(r, olx_hash(s->bits[0]));)
+ROW(hash2, put_u(r, olx_hash2(s->bits[0], s->bits[1]));)
+ROW(unit_float, put_f(r, olx_unit_float(s->bits[0]));)
+ROW(owen_scramble, put_u(r, olx_owen_scramble(s->bits[0], s->bits[1]));)
+ROW(sobol2, put_u(r, olx_sobol2(s->bits[0]));)
+ROW(stratified2, put_2(r, olx_stratified2(s->bits[0], s->bits[1]));)
+ROW(sample_cosine, put_3(r, olx_sample_cosine(random_2(s)));)
+ROW(bsdf_make, put_3(r, s->bsdf.albedo); put_3(r, s->bsdf.f0); put_f(r, s->bsdf.f90); put_f(r, s->bsdf.dielectric_weight);
+    put_f(r, s->bsdf.alpha);)
+ROW(pow5, put_f(r, olx_pow5(s->random[0]));)
+ROW(fresnel, put_3(r, olx_fresnel(&s->bsdf, s->random[3]));)
+ROW(bsdf_diffuse, put_3(r, olx_bsdf_diffuse(&s->bsdf, s->random[3]));)
+ROW(bsdf_has_specular, const olx_bsdf b = olx_bsdf_make(s->point, 0.0f, 0.5f, (float)(s->bits[0] & 1u));
+    put_u(r, olx_bsdf_has_specular(&b));)
+ROW(ggx_lambda, put_f(r, olx_ggx_lambda(s->random[0], s->random[1]));)
+ROW(ggx_sample_half, put_3(r, olx_ggx_sample_half(s->random[2], local_view(s), random_2(s)));)
+ROW(ggx_sample, float weight; float half_cosine; const olx_vec2 random = {s->random[2], s->random[3]};
+    put_3(r, olx_ggx_sample(s->bsdf.alpha, local_view(s), random, &weight, &half_cosine)); put_f(r, weight);
+    put_f(r, half_cosine);)
+
+ROW(probe_position, put_3(r, s->field->probe_positions[s->probe]);)
+ROW(irradiance_probe_position, put_3(r, olx_grid_position(&s->source.grid, s->irradiance_probe));)
+ROW(map_corner, put_u(r, s->probe % 9 % 3 * s->field->n); put_u(r, s->probe % 9 / 3 * s->field->n); put_u(r, s->probe / 9);)
+ROW(map_origin, const uint32_t side = s->constants->maps_a_side;
+    put_u(r, s->probe % side * s->field->stride + 1); put_u(r, s->probe / side % side * s->field->stride + 1);
+    put_u(r, s->probe / side / side);)
+ROW(texel_towards, put_u(r, (uint32_t)olx_texel_towards(s->field, s->direction));)
+ROW(texel_distance_bits, put_u(r, s->field->distance[s->field->texels * s->probe + texel_of(s)]);)
+ROW(texel_distance, put_f(r, olx_texel_distance(s->field, s->probe, texel_of(s)));)
+ROW(texel_emits, put_u(r, olx_texel_emits(s->field, s->probe, texel_of(s)));)
+ROW(texel_normal, put_3(r, olx_texel_normal(s->field, s->probe, texel_of(s)));)
+ROW(texel_radiance, put_3(r, olx_texel_radiance(s->field, s->probe, texel_of(s)));)
+ROW(irradiance_coordinate, const uint32_t side = s->constants->irradiance_maps_a_side;
+    const float n = (float)s->field->irradiance_n; const float stride = n + 2.0f; const uint32_t p = s->irradiance_probe;
+    put_f(r, ((float)(p % side) * stride + 1.0f + s->random[0] * n) / ((float)side * stride));
+    put_f(r, ((float)(p / side % side) * stride + 1.0f + s->random[1] * n) / ((float)side * stride));
+    put_f(r, (float)(p / side / side));)
+ROW(cage_at, const olx_cage cage = olx_cage_at(&s->source.grid, s->point); put_u(r, cage.base[0]); put_u(r, cage.base[1]);
+    put_u(r, cage.base[2]); put_u(r, cage.corner_mask); put_f(r, cage.alpha[0]); put_f(r, cage.alpha[1]);
+    put_f(r, cage.alpha[2]);)
+ROW(cage_has, const olx_cage cage = olx_cage_at(&s->source.grid, s->point); put_u(r, olx_cage_has(&cage, s->bits[0] & 7u));)
+ROW(cage_probe, const olx_cage cage = olx_cage_at(&s->source.grid, s->point);
+    put_u(r, olx_cage_probe(&s->source.grid, &cage, s->bits[0] & cage.corner_mask));)
+ROW(cage_weight, const olx_cage cage = olx_cage_at(&s->source.grid, s->point);
+    put_f(r, olx_cage_weight(&cage, s->bits[0] & 7u));)
+ROW(select_available, put_u(r, olx_select_available(s->field, (olx_select)(s->bits[0] & 1u)));)
+ROW(select_resolve, put_u(r, olx_select_resolve(s->field, (olx_select)(OLX_SELECT_EXHAUSTIVE + (s->bits[0] & 1u))));)
+ROW(sample_settings_default, const olx_sample_settings d = olx_sample_settings_default(); put_u(r, d.tracer);
+    put_u(r, d.select); put_u(r, d.visibility); put_u(r, d.max_probes); put_u(r, d.keep_buried); put_u(r, d.emitters);)
+
+ROW(radius_squared, put_f(r, radius_squared(&s->march, s->random[0]));)
+ROW(farthest_squared, put_f(r, farthest_squared(&s->march, s->random[0], s->random[0] + s->random[1]));)
+ROW(nearest_squared, put_f(r, nearest_squared(&s->march, s->random[0], s->random[0] + s->random[1]));)
+ROW(sign_after, put_f(r, sign_after(s->ray.origin.x, s->ray.direction.x, s->random[0]));)
+ROW(image_at, put_f(r, image_at(&s->piece, &s->piece.u, s->ray.t_min));)
+ROW(set_axis, set_axis(&s->piece, &s->piece.u, s->view.x, (int32_t)s->field->n); put_axis(r, &s->piece.u);)
+ROW(make_piece, put_f(r, s->piece.d0); put_f(r, s->piece.d1); put_axis(r, &s->piece.u); put_axis(r, &s->piece.v);)
+ROW(crossing, put_f(r, crossing(&s->piece, &s->piece.u, (int32_t)s->x));)
+ROW(next_crossing, put_f(r, next_crossing(&s->piece, &s->piece.v, s->cell.y));)
+ROW(quadrant_texel, put_i(r, quadrant_texel(&s->piece.u, s->point.x * 8.0f));)
+ROW(advance, put_i(r, advance(&s->piece, &s->piece.u, s->cell.x, s->ray.t_min + 0.3f * s->random[0], (s->bits[3] & 4u) != 0));)
+ROW(read_surfel, put_f(r, s->surfel.distance); put_f(r, s->surfel.cosine); put_f(r, s->surfel.footprint);
+    put_f(r, s->surfel.f0); put_f(r, s->surfel.f1);)
+ROW(plane_tolerance, put_f(r, plane_tolerance(&s->surfel));)
+ROW(depth_limit, put_f(r, depth_limit(&s->march, texel_cell(s), &s->surfel));)
+ROW(near_texel, put_u(r, near_texel(&s->piece, s->cell, s->ray.t_min + 0.1f * s->random[0]));)
+ROW(supported, put_u(r, supported(&s->march, &s->piece, &s->surfel, s->ray.t_min + 0.1f * s->random[0]));)
+ROW(judge, olx_probe_answer a = {0}; put_u(r, judge(&s->march, &s->piece, s->cell, cell_exit(s), s->item->v[15], &a));
+    put_answer(r, &a);)
+ROW(visit_texel, olx_probe_answer a = {0}; put_u(r, visit_texel(&s->march, &s->piece, s->cell, cell_exit(s), &a));
+    put_answer(r, &a); put_u(r, s->march.steps);)
+ROW(block_clear, put_u(r, block_clear(&s->march, s->cell, cell_exit(s))); put_u(r, s->march.steps);)
+ROW(block_crossing, put_f(r, block_crossing(&s->piece, &s->piece.u, s->cell.x, (int32_t)s->field->block));)
+ROW(beyond_block, const int32_t b = (int32_t)s->field->block; const int32_t first = (int32_t)s->x / b * b;
+    put_i(r, s->piece.u.step > 0 ? first + b : first - 1);)
+ROW(march_piece, olx_probe_answer a = {0};
+    put_u(r, march_piece(&s->march, &s->piece, s->settings.tracer == OLX_TRACER_TWO_LEVEL, &a)); put_answer(r, &a);)
+ROW(cut, float cuts[3] = {INFINITY, INFINITY, INFINITY}; const uint32_t count = cut(&s->ray, cuts);
+    for (uint32_t i = 0; i < 3; i++) put_f(r, i < count ? cuts[i] : INFINITY);)
+ROW(begin_march, put_f(r, s->march.closest); put_f(r, s->march.miss_squared); put_f(r, s->march.texel_angle_scale);)
+ROW(trace_probe, const olx_probe_answer a = olx_trace_probe(s->field, s->probe, &s->ray, s->settings.tracer);
+    put_answer(r, &a);)
+
+ROW(usable, put_u(r, usable(&s->search, s->probe));)
+ROW(is_ray, put_u(r, is_ray(s->point, olx_scale(s->direction, 0.85f + 0.3f * s->random[0]), s->random[1] - 0.1f));)
+ROW(was_asked, for (uint32_t i = 0; i < 4; i++) s->search.asked[s->search.attempts++] = s->bits[i] & 7u;
+    put_u(r, was_asked(&s->search, s->bits[0] >> 8 & 7u));)
+ROW(ray_point, put_3(r, ray_point(&s->search, s->random[0]));)
+ROW(line_distance_squared, put_f(r, line_distance_squared(&s->search, s->probe));)
+ROW(sees, put_u(r, sees(&s->search, s->probe, s->point));)
+ROW(ask, olx_probe_answer a = {0}; put_u(r, ask(&s->search, s->probe, &a)); put_u(r, s->search.attempts);
+    put_f(r, s->search.t); put_answer(r, &a);)
+ROW(first_corner, const olx_grid *grid = &s->field->info.grid; const olx_cage cage = olx_cage_at(grid, s->point);
+    put_u(r, first_corner(&s->search, grid, &cage));)
+ROW(search_cages, olx_probe_answer a = {0}; uint32_t found = 0; put_u(r, search_cages(&s->search, &found, &a));
+    put_u(r, s->search.attempts); put_f(r, s->search.t);)
+ROW(search_everywhere, olx_probe_answer a = {0}; uint32_t found = 0; put_u(r, search_everywhere(&s->search, &found, &a));
+    put_u(r, s->search.attempts); put_f(r, s->search.t);)
+ROW(search_selected, olx_probe_answer a = {0}; uint32_t found = 0; put_u(r, search_selected(&s->search, &found, &a));
+    put_u(r, s->search.attempts); put_f(r, s->search.t);)
+ROW(sky_radiance, put_3(r, sky_radiance(&s->search));)
+ROW(describe, const olx_probe_answer a = {.status = (olx_trace_status)(s->bits[1] % 3u), .t = s->random[0], .texel = texel_of(s)};
+    const olx_trace_hit hit = describe(&s->search, s->probe, &a, s->item->v[14]); put_hit(r, &hit);)
+ROW(leave_bounds, put_f(r, leave_bounds(s->field, s->point, s->direction));)
+ROW(trace, const olx_trace_hit hit = olx_trace(s->field, &s->settings, s->point, s->direction, s->item->v[14]);
+    put_hit(r, &hit);)
+
+ROW(map_irradiance, const olx_bilinear b = olx_bilinear_at(random_2(s), s->field->irradiance_n);
+    put_3(r, map_irradiance(&s->source, s->irradiance_probe, &b));)
+ROW(map_moments, put_2(r, map_moments(&s->source, s->irradiance_probe, s->direction));)
+ROW(chebyshev, put_f(r, chebyshev(&s->source, s->irradiance_probe, from_irradiance_probe(s)));)
+ROW(visibility, put_f(r, visibility(&s->source, s->terms, s->irradiance_probe, from_irradiance_probe(s), &s->surface));)
+ROW(probe_weight, put_f(r, probe_weight(&s->source, s->terms, s->irradiance_probe, from_irradiance_probe(s), &s->surface));)
+ROW(irradiance_usable, put_u(r, s->settings.keep_buried || !(s->source.flags[s->irradiance_probe] & OLX_PROBE_BURIED));)
+ROW(nearest_visible, const olx_cage cage = olx_cage_at(&s->source.grid, s->point); uint32_t nearest = 0;
+    const bool seen = nearest_visible(&s->source, s->terms, s->settings.keep_buried, &s->surface, &cage, &nearest);
+    put_u(r, seen); put_u(r, seen ? nearest : 0);)
+ROW(add_from_afar, const olx_cage cage = olx_cage_at(&s->source.grid, s->point); olx_irradiance_weights w = {.count = 0};
+    add_from_afar(&s->source, s->terms, s->settings.keep_buried, &s->surface, &cage, 1.0f, &w);
+    const olx_bilinear b = olx_bilinear_at(olx_octahedral_encode(s->direction), s->field->irradiance_n); olx_vec3 sum = {0};
+    for (uint32_t i = 0; i < w.count; i++) sum = olx_madd(sum, map_irradiance(&s->source, w.probe[i], &b), w.weight[i]);
+    put_3(r, sum);)
+ROW(irradiance, put_3(r, olx_irradiance(s->field, &s->settings, s->point, s->direction, s->view));)
+ROW(glossy, float weight; float half_cosine; olx_trace_hit hit;
+    put_3(r, olx_glossy(s->field, &s->settings, s->point, s->direction, s->view, s->random[2], random_2(s), &weight,
+                        &half_cosine, &hit));
+    put_f(r, weight); put_f(r, half_cosine); put_u(r, hit.status); put_u(r, hit.probe); put_f(r, hit.distance_metres);)
+// clang-format on
+
+// One function: how much its floats may differ, relative to their size and at least 1, and the share of items that may give
+// anything else. Devices round divisions and roots differently, so what hangs on a comparison is allowed one item in a
+// thousand; a lobe's edge and a variance (a difference of squares) magnify rounding.
+typedef struct parity_row {
+  uint32_t number;
+  const char *name;
+  void (*evaluate)(state *s, result *r);
+  float bound;
+  double allowed;
+} parity_row;
+
+#define PARITY(name, bound, allowed) {ROW_olx_##name, #name, row_##name, bound, allowed}
+
+static const parity_row ROWS[] = {
+    PARITY(square, 2e-6f, 0),
+    PARITY(sign_not_zero, 2e-6f, 0),
+    PARITY(dot, 2e-6f, 0),
+    PARITY(normalize, 2e-6f, 0),
+    PARITY(basis, 2e-6f, 0),
+    PARITY(from_basis, 2e-6f, 0),
+    PARITY(octahedral_encode, 2e-6f, 0),
+    PARITY(octahedral_point, 2e-6f, 0),
+    PARITY(octahedral_decode, 2e-6f, 0),
+    PARITY(texel_solid_angle_near, 2e-6f, 0),
+    PARITY(half_unpack, 2e-6f, 0),
+    PARITY(normal_unpack, 2e-6f, 0),
+    PARITY(hash, 2e-6f, 0),
+    PARITY(hash2, 2e-6f, 0),
+    PARITY(unit_float, 2e-6f, 0),
+    PARITY(owen_scramble, 2e-6f, 0),
+    PARITY(sobol2, 2e-6f, 0),
+    PARITY(stratified2, 2e-6f, 0),
+    PARITY(sample_cosine, 2e-6f, 0),
+    PARITY(bsdf_make, 2e-6f, 0),
+    PARITY(pow5, 2e-6f, 0),
+    PARITY(fresnel, 2e-6f, 0),
+    PARITY(bsdf_diffuse, 2e-6f, 0),
+    PARITY(bsdf_has_specular, 2e-6f, 0),
+    PARITY(ggx_lambda, 2e-6f, 0),
+    PARITY(ggx_sample_half, 1e-4f, 0),
+    PARITY(ggx_sample, 1e-4f, 0),
+    PARITY(probe_position, 1e-6f, 0),
+    PARITY(irradiance_probe_position, 1e-6f, 0),
+    PARITY(map_corner, 1e-6f, 0),
+    PARITY(map_origin, 1e-6f, 0),
+    PARITY(texel_towards, 1e-6f, 1e-3),
+    PARITY(texel_distance_bits, 1e-6f, 0),
+    PARITY(texel_distance, 1e-6f, 0),
+    PARITY(texel_emits, 1e-6f, 0),
+    PARITY(texel_normal, 1e-6f, 0),
+    PARITY(texel_radiance, 1e-6f, 0),
+    PARITY(irradiance_coordinate, 1e-6f, 0),
+    PARITY(cage_at, 1e-6f, 0),
+    PARITY(cage_has, 1e-6f, 0),
+    PARITY(cage_probe, 1e-6f, 0),
+    PARITY(cage_weight, 1e-6f, 0),
+    PARITY(select_available, 1e-6f, 0),
+    PARITY(select_resolve, 1e-6f, 0),
+    PARITY(sample_settings_default, 1e-6f, 0),
+    PARITY(radius_squared, 1e-5f, 1e-3),
+    PARITY(farthest_squared, 1e-5f, 1e-3),
+    PARITY(nearest_squared, 1e-5f, 1e-3),
+    PARITY(sign_after, 1e-5f, 1e-3),
+    PARITY(image_at, 1e-5f, 1e-3),
+    PARITY(set_axis, 1e-5f, 1e-3),
+    PARITY(make_piece, 1e-5f, 1e-3),
+    PARITY(crossing, 1e-5f, 1e-3),
+    PARITY(next_crossing, 1e-5f, 1e-3),
+    PARITY(quadrant_texel, 1e-5f, 1e-3),
+    PARITY(advance, 1e-5f, 1e-3),
+    PARITY(read_surfel, 1e-5f, 1e-3),
+    PARITY(plane_tolerance, 1e-5f, 1e-3),
+    PARITY(depth_limit, 1e-5f, 1e-3),
+    PARITY(near_texel, 1e-5f, 1e-3),
+    PARITY(supported, 1e-5f, 1e-3),
+    PARITY(judge, 1e-5f, 1e-3),
+    PARITY(visit_texel, 1e-5f, 1e-3),
+    PARITY(block_clear, 1e-5f, 1e-3),
+    PARITY(block_crossing, 1e-5f, 1e-3),
+    PARITY(beyond_block, 1e-5f, 1e-3),
+    PARITY(march_piece, 1e-5f, 1e-3),
+    PARITY(cut, 1e-5f, 1e-3),
+    PARITY(begin_march, 1e-5f, 1e-3),
+    PARITY(trace_probe, 1e-5f, 1e-3),
+    PARITY(usable, 1e-5f, 1e-3),
+    PARITY(is_ray, 1e-5f, 1e-3),
+    PARITY(was_asked, 1e-5f, 1e-3),
+    PARITY(ray_point, 1e-5f, 1e-3),
+    PARITY(line_distance_squared, 1e-5f, 1e-3),
+    PARITY(sees, 1e-5f, 1e-3),
+    PARITY(ask, 1e-5f, 1e-3),
+    PARITY(first_corner, 1e-5f, 1e-3),
+    PARITY(search_cages, 1e-5f, 1e-3),
+    PARITY(search_everywhere, 1e-5f, 1e-3),
+    PARITY(search_selected, 1e-5f, 1e-3),
+    PARITY(sky_radiance, 1e-5f, 1e-3),
+    PARITY(describe, 1e-5f, 1e-3),
+    PARITY(leave_bounds, 1e-5f, 1e-3),
+    PARITY(trace, 1e-5f, 1e-3),
+    PARITY(map_irradiance, 1e-4f, 1e-3),
+    PARITY(map_moments, 1e-4f, 1e-3),
+    PARITY(chebyshev, 1e-4f, 1e-3),
+    PARITY(visibility, 1e-4f, 1e-3),
+    PARITY(probe_weight, 1e-4f, 1e-3),
+    PARITY(irradiance_usable, 1e-4f, 1e-3),
+    PARITY(nearest_visible, 1e-4f, 1e-3),
+    PARITY(add_from_afar, 1e-4f, 1e-3),
+    PARITY(irradiance, 1e-4f, 1e-3),
+    PARITY(glossy, 1e-4f, 1e-3),
+};
+
+enum { ROW_COUNT = sizeof ROWS / sizeof ROWS[0] };
+
+// Rooms and grids that between them have every kind of texel, block and cage; the last has so many probes that maps share layers.
+typedef struct parity_field {
+  const char *name;
+  analytic_scene scene;
+  olx_grid grid;
+  uint32_t n, irradiance_n;
+} parity_field;
+
+static const analytic_box ROOM = {{0, 0, 0}, {4, 3, 5}};
+#define FURNITURE {{{0.9f, 0.0f, 1.1f}, {1.7f, 1.3f, 2.1f}}, {{2.3f, 0.0f, 2.6f}, {3.1f, 2.1f, 3.3f}}}
+
+static olx_field *make_field(const parity_field *p) {
+  olx_field *field = analytic_field_make(&p->scene, &p->grid, p->n, p->irradiance_n);
+  uint16_t *distance = (uint16_t *)(uintptr_t)field->distance;
+  for (size_t i = 0; i < field->texels * field->info.probe_count; i += 7) distance[i] |= 0x8000u; // emitters
+  uint8_t *flags = (uint8_t *)(uintptr_t)field->probe_flags;
+  for (uint32_t i = 0; i < field->info.probe_count; i += 5) flags[i] = OLX_PROBE_BURIED;
+  return field;
+}
+
+// Random items, and among them directions along axes and in coordinate planes, points on walls, and numbers at their ends.
+static void fill_items(parity_item *items) {
+  for (uint32_t i = 0; i < PARITY_ITEMS; i++) {
+    parity_item *item = &items[i];
+    for (uint32_t k = 0; k < 4; k++) item->u[k] = olx_hash3(i, k, 99);
+    const olx_vec2 p = olx_stratified2(i, 1), q = olx_stratified2(i, 2);
+    olx_vec3 point = olx_v3(0.02f + 3.96f * p.x, 0.02f + 2.96f * p.y, 0.02f + 4.96f * q.x);
+    olx_vec3 direction = olx_sample_sphere(olx_stratified2(i, 3));
+    if (i % 16 == 3) direction = olx_v3(0.0f, i & 32 ? -1.0f : 1.0f, 0.0f);
+    if (i % 16 == 5) direction = olx_v3(i & 32 ? 0.6f : -1.0f, 0.0f, i & 32 ? 0.8f : 0.0f);
+    if (i % 16 == 7) point.y = 0.0f;
+    if (i % 64 == 9) point = olx_madd(point, direction, 3.0f);
+    const olx_vec3 view = olx_from_basis(olx_sample_cosine(olx_stratified2(i, 4)), direction);
+    const olx_vec2 a = olx_stratified2(i, 5), b = olx_stratified2(i, 6), c = olx_stratified2(i, 7);
+    const float values[16] = {point.x, point.y, point.z, direction.x, direction.y, direction.z, view.x, view.y, view.z,
+                              a.x, a.y, b.x, b.y, 0.3f * q.y, i % 4 ? INFINITY : 0.5f + 4.0f * c.x, 0.1f + 3.0f * c.y};
+    memcpy(item->v, values, sizeof values);
+    if (i % 64 == 11) item->v[9] = item->v[10] = 0.0f;
+    if (i % 64 == 13) item->v[11] = 0.01f; // a mirror
+  }
+}
+
+typedef struct harness {
+  vulkan_device device;
+  const char *problem; // why there is no device
+  shared_buffer items, results;
+  VkDescriptorSetLayout set_layout;
+  VkDescriptorPool pool;
+  VkDescriptorSet set;
+  VkShaderModule module;
+  VkPipelineLayout layout;
+  VkPipeline pipelines[PARITY_GROUPS];
+} harness;
+
+static harness gpu;
+
+static void make_set(void) {
+  vulkan_device *d = &gpu.device;
+  VkDescriptorSetLayoutBinding bindings[2];
+  for (uint32_t i = 0; i < 2; i++) {
+    bindings[i] = (VkDescriptorSetLayoutBinding){.binding = i,
+                                                 .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+                                                 .descriptorCount = 1,
+                                                 .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT};
+  }
+  const VkDescriptorSetLayoutCreateInfo layout = {
+      .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, .bindingCount = 2, .pBindings = bindings};
+  assert_int_equal(d->CreateDescriptorSetLayout(d->host.device, &layout, NULL, &gpu.set_layout), VK_SUCCESS);
+  const VkDescriptorPoolSize size = {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 2};
+  const VkDescriptorPoolCreateInfo pool = {
+      .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, .maxSets = 1, .poolSizeCount = 1, .pPoolSizes = &size};
+  assert_int_equal(d->CreateDescriptorPool(d->host.device, &pool, NULL, &gpu.pool), VK_SUCCESS);
+  const VkDescriptorSetAllocateInfo set = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
+                                           .descriptorPool = gpu.pool,
+                                           .descriptorSetCount = 1,
+                                           .pSetLayouts = &gpu.set_layout};
+  assert_int_equal(d->AllocateDescriptorSets(d->host.device, &set, &gpu.set), VK_SUCCESS);
+  const VkDescriptorBufferInfo buffers[2] = {{gpu.items.buffer, 0, VK_WHOLE_SIZE}, {gpu.results.buffer, 0, VK_WHOLE_SIZE}};
+  for (uint32_t i = 0; i < 2; i++) {
+    const VkWriteDescriptorSet write = {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                        .dstSet = gpu.set,
+                                        .dstBinding = i,
+                                        .descriptorCount = 1,
+                                        .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+                                        .pBufferInfo = &buffers[i]};
+    d->UpdateDescriptorSets(d->host.device, 1, &write, 0, NULL);
+  }
+}
+
+static int open_harness(void **unused) {
+  (void)unused;
+  vulkan_device *d = &gpu.device;
+  pin_drivers();
+  gpu.problem = vulkan_device_open(d, false);
+  if (gpu.problem) return 0;
+  const VkBufferUsageFlags usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+  assert_int_equal(shared_buffer_create(d, sizeof(parity_item) * PARITY_ITEMS, usage, &gpu.items), VK_SUCCESS);
+  assert_int_equal(shared_buffer_create(d, 4u * PARITY_RESULTS * PARITY_ITEMS, usage, &gpu.results), VK_SUCCESS);
+  fill_items(gpu.items.mapped);
+  make_set();
+  const VkShaderModuleCreateInfo module = {
+      .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = sizeof SPIRV, .pCode = SPIRV};
+  assert_int_equal(d->CreateShaderModule(d->host.device, &module, NULL, &gpu.module), VK_SUCCESS);
+  return 0;
+}
+
+static int close_harness(void **unused) {
+  (void)unused;
+  vulkan_device *d = &gpu.device;
+  if (gpu.problem) return 0;
+  for (uint32_t i = 0; i < PARITY_GROUPS; i++) d->DestroyPipeline(d->host.device, gpu.pipelines[i], NULL);
+  d->DestroyPipelineLayout(d->host.device, gpu.layout, NULL);
+  d->DestroyShaderModule(d->host.device, gpu.module, NULL);
+  d->DestroyDescriptorPool(d->host.device, gpu.pool, NULL);
+  d->DestroyDescriptorSetLayout(d->host.device, gpu.set_layout, NULL);
+  shared_buffer_destroy(d, &gpu.items);
+  shared_buffer_destroy(d, &gpu.results);
+  vulkan_device_close(d);
+  return 0;
+}
+
+// One pipeline for each group of rows; good for every field, since all their set layouts are alike.
+static void make_pipelines(const olx_vulkan_field *field) {
+  vulkan_device *d = &gpu.device;
+  if (gpu.layout) return;
+  const VkDescriptorSetLayout sets[] = {olx_vulkan_field_set_layout(field), gpu.set_layout};
+  const VkPushConstantRange range = {VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(uint32_t)};
+  const VkPipelineLayoutCreateInfo layout = {.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+                                             .setLayoutCount = 2,
+                                             .pSetLayouts = sets,
+                                             .pushConstantRangeCount = 1,
+                                             .pPushConstantRanges = &range};
+  assert_int_equal(d->CreatePipelineLayout(d->host.device, &layout, NULL, &gpu.layout), VK_SUCCESS);
+  for (uint32_t group = 0; group < PARITY_GROUPS; group++) {
+    const VkSpecializationMapEntry entry = {0, 0, sizeof group};
+    const VkSpecializationInfo constants = {1, &entry, sizeof group, &group};
+    const VkComputePipelineCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
+        .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+                  .stage = VK_SHADER_STAGE_COMPUTE_BIT,
+                  .module = gpu.module,
+                  .pName = "main",
+                  .pSpecializationInfo = &constants},
+        .layout = gpu.layout,
+    };
+    assert_int_equal(d->CreateComputePipelines(d->host.device, VK_NULL_HANDLE, 1, &info, NULL, &gpu.pipelines[group]),
+                     VK_SUCCESS);
+  }
+}
+
+enum { CORE_GROUP = 1, FIELD_GROUP = 2, MARCH_GROUP = 4, SEARCH_GROUP = 8, SHADE_GROUP = 16, ALL_GROUPS = 31 };
+
+static uint32_t group_of(uint32_t row) {
+  return row < ROWS_OF_CORE ? 0 : row < ROWS_OF_FIELD ? 1 : row < ROWS_OF_MARCH ? 2 : row < ROWS_OF_SEARCH ? 3 : 4;
+}
+
+// Run one row of parity.comp over all items.
+static void run_row(const olx_vulkan_field *field, uint32_t row) {
+  vulkan_device *d = &gpu.device;
+  const VkDescriptorSet sets[] = {olx_vulkan_field_set(field), gpu.set};
+  assert_int_equal(device_commands_begin(d), VK_SUCCESS);
+  d->CmdBindPipeline(d->commands, VK_PIPELINE_BIND_POINT_COMPUTE, gpu.pipelines[group_of(row)]);
+  d->CmdBindDescriptorSets(d->commands, VK_PIPELINE_BIND_POINT_COMPUTE, gpu.layout, 0, 2, sets, 0, NULL);
+  d->CmdPushConstants(d->commands, gpu.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof row, &row);
+  d->CmdDispatch(d->commands, PARITY_ITEMS / 64, 1, 1);
+  device_barrier(d, NULL, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_UNDEFINED);
+  assert_int_equal(device_commands_run(d), VK_SUCCESS);
+}
+
+static float difference(uint32_t a_bits, uint32_t b_bits) {
+  const float a = olx_bits_float(a_bits), b = olx_bits_float(b_bits);
+  if (a == b || (isnan(a) && isnan(b))) return 0.0f;
+  const float d = fabsf(a - b) / olx_max(fabsf(b), 1.0f);
+  return d < INFINITY ? d : INFINITY;
+}
+
+// Compare a row's results; true when it keeps what it promises.
+static bool judge_row(const olx_field *field, const olx_vulkan_field *uploaded, const parity_row *row) {
+  uint32_t bad = 0, first = 0;
+  float worst = 0.0f;
+  for (uint32_t i = 0; i < PARITY_ITEMS; i++) {
+    state s = {.field = field,
+               .constants = &uploaded->constants,
+               .item = (const parity_item *)gpu.items.mapped + i,
+               .index = i};
+    derive(&s);
+    if (row->number >= ROWS_OF_FIELD && row->number < ROWS_OF_MARCH) derive_march(&s);
+    if (row->number >= ROWS_OF_MARCH && row->number < ROWS_OF_SEARCH) derive_search(&s);
+    result r = {.count = 0};
+    row->evaluate(&s, &r);
+    const uint32_t *words = (const uint32_t *)gpu.results.mapped + (size_t)PARITY_RESULTS * i;
+    float largest = 0.0f;
+    for (uint32_t k = 0; k < r.count; k++) {
+      const float d = r.is_float[k] ? difference(words[k], r.word[k]) : words[k] == r.word[k] ? 0.0f : INFINITY;
+      largest = olx_max(largest, d);
+    }
+    if (largest <= row->bound) worst = olx_max(worst, largest);
+    else if (bad++ == 0) first = i;
+  }
+  const double share = (double)bad / PARITY_ITEMS;
+  print_message("  %-28s off by %.2g at most, %.4f %% apart\n", row->name, (double)worst, 100.0 * share);
+  if (share <= row->allowed) return true;
+  print_error("%s: %u of %d items differ by more than %g, item %u first\n", row->name, bad, PARITY_ITEMS,
+              (double)row->bound, first);
+  return false;
+}
+
+// The rows of some groups, a bit each.
+static void compare(const parity_field *p, uint32_t groups) {
+  if (gpu.problem) {
+    print_message("skipped: %s\n", gpu.problem);
+    skip();
+  }
+  vulkan_device *d = &gpu.device;
+  olx_field *field = make_field(p);
+  olx_vulkan_field *uploaded = NULL;
+  if (olx_vulkan_field_create(&d->host, field, &uploaded) != OLX_OK) fail_msg("%s", olx_last_error());
+  make_pipelines(uploaded);
+  print_message("%s on %s\n", p->name, d->name);
+  uint32_t failures = 0;
+  for (uint32_t i = 0; i < ROW_COUNT; i++) {
+    if (!(groups >> group_of(ROWS[i].number) & 1u)) continue;
+    if (ROWS[i].number == ROW_olx_glossy && !(groups & SEARCH_GROUP)) continue;
+    run_row(uploaded, ROWS[i].number);
+    failures += !judge_row(field, uploaded, &ROWS[i]);
+  }
+  olx_vulkan_field_destroy(uploaded);
+  analytic_field_free(field);
+  assert_int_equal(failures, 0);
+}
+
+static void in_a_furnished_room(void **unused) {
+  (void)unused;
+  const parity_field p = {"furnished room, 2 x 2 x 2 probes, 64 texels", {.room = ROOM, .box_count = 2, .boxes = FURNITURE},
+                          {{0.5f, 0.5f, 0.5f}, {3.0f, 2.0f, 4.0f}, {2, 2, 2}}, 64, 16};
+  compare(&p, ALL_GROUPS);
+}
+
+static void in_an_open_court(void **unused) {
+  (void)unused;
+  const parity_field p = {"open court, 3 x 1 x 2 probes, 32 texels",
+                          {.room = ROOM, .open = true, .box_count = 2, .boxes = FURNITURE},
+                          {{0.5f, 1.2f, 0.5f}, {1.5f, 0.0f, 4.0f}, {3, 1, 2}}, 32, 8};
+  compare(&p, FIELD_GROUP | MARCH_GROUP | SEARCH_GROUP | SHADE_GROUP);
+}
+
+static void where_maps_share_layers(void **unused) {
+  (void)unused;
+  const parity_field p = {"many probes, 8 texels", {.room = ROOM, .box_count = 2, .boxes = FURNITURE},
+                          {{0.1f, 0.1f, 0.1f}, {0.3f, 0.23f, 0.38f}, {13, 13, 13}}, 8, 8};
+  // llvmpipe ends loops after 65535 turns, which a search over so many probes can exceed.
+  compare(&p, FIELD_GROUP | MARCH_GROUP | SHADE_GROUP);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(in_a_furnished_room),
+      cmocka_unit_test(in_an_open_court),
+      cmocka_unit_test(where_maps_share_layers),
+  };
+  return cmocka_run_group_tests(tests, open_harness, close_harness);
+}

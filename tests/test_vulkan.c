@@ -1,0 +1,491 @@
+// The recorded passes on whatever Vulkan device there is, under the validation layers: what they write, what they refuse, and
+// that nothing is left behind.
+#include "analytic_field.h"
+#include "core/bsdf.h"
+#include "core/sampling.h"
+#include "pinned_drivers.h"
+#include "vulkan_device.h"
+
+#include <octalux/sample.h>
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+
+#include <cmocka.h>
+
+enum { WIDTH = 52, HEIGHT = 36, SAMPLES = 2, INPUTS = 4, OUTPUTS = 3 };
+
+static const analytic_scene ROOM = {.room = {{0, 0, 0}, {4, 3, 5}},
+                                    .box_count = 1,
+                                    .boxes = {{{0.9f, 0.0f, 1.1f}, {1.7f, 1.3f, 2.1f}}}};
+static const olx_grid GRID = {{0.5f, 0.5f, 0.5f}, {3.0f, 2.0f, 4.0f}, {2, 2, 2}};
+static const olx_vec3 EYE = {3.1f, 1.6f, 4.2f};
+static const float NEAR = 0.1f, SPREAD = 0.8f; // reversed, endless depth: NEAR / distance along -z
+
+static vulkan_device device;
+static const char *problem;
+
+static int open_device(void **unused) {
+  (void)unused;
+  pin_drivers();
+  problem = vulkan_device_open(&device, true);
+  return 0;
+}
+
+static int close_device(void **unused) {
+  (void)unused;
+  if (problem) return 0;
+  const uint32_t before = device.validation_messages;
+  vulkan_device_close(&device);
+  return device.validation_messages == before ? 0 : 1; // the layers name what was not destroyed
+}
+
+static void need_device(void) {
+  if (!problem) return;
+  print_message("skipped: %s\n", problem);
+  skip();
+}
+
+// What the host has rendered: a view of the room along -z, every pixel of another roughness, metallic and weight.
+typedef struct pixel {
+  bool empty;
+  float depth;
+  olx_vec3 position, normal, view, color;
+  float roughness, metallic, weight;
+} pixel;
+
+static pixel make_pixel(uint32_t x, uint32_t y) {
+  const float cx = ((float)x + 0.5f) / WIDTH * 2.0f - 1.0f, cy = ((float)y + 0.5f) / HEIGHT * 2.0f - 1.0f;
+  const olx_vec3 along = olx_v3(cx * SPREAD, -cy * SPREAD, -1.0f), d = olx_normalize(along);
+  const analytic_hit hit = analytic_cast(&ROOM, EYE, d);
+  const uint32_t h = olx_hash2(x, y);
+  pixel p = {.empty = x < 4,
+             .normal = hit.normal,
+             .view = olx_negate(d),
+             .color = olx_v3(0.9f, 0.5f, 0.25f),
+             .roughness = (float)(h & 255u) / 255.0f,
+             .metallic = h & 256u ? 0.0f : 0.75f,
+             .weight = h & 512u ? 1.0f : 0.5f};
+  p.depth = p.empty ? 0.0f : NEAR / (-d.z * hit.t);
+  // As the passes find it again from the stored depth.
+  p.position = olx_madd(EYE, along, NEAR / (p.empty ? 1.0f : p.depth));
+  return p;
+}
+
+static olx_vulkan_view make_view(void) {
+  // clip (x, y, depth, 1) to (x SPREAD, -y SPREAD, -1) NEAR / depth + EYE
+  return (olx_vulkan_view){.clip_to_world = {SPREAD * NEAR, 0, 0, 0, 0, -SPREAD * NEAR, 0, 0, EYE.x, EYE.y, EYE.z, 1, 0, 0,
+                                             -NEAR, 0},
+                           .eye = EYE,
+                           .empty_depth = 0.0f};
+}
+
+typedef struct host_images {
+  uint32_t width, height;
+  shared_buffer staging;
+  device_image inputs[INPUTS], outputs[OUTPUTS];
+  olx_vulkan_targets targets;
+} host_images;
+
+static host_images make_host(uint32_t width, uint32_t height, VkFormat normal) {
+  host_images h = {.width = width, .height = height};
+  const VkFormat formats[INPUTS] = {VK_FORMAT_R32_SFLOAT, normal, VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_R8G8B8A8_UNORM};
+  const VkBufferUsageFlags both = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+  assert_int_equal(shared_buffer_create(&device, (VkDeviceSize)width * height * 16 * INPUTS, both, &h.staging), VK_SUCCESS);
+  for (uint32_t i = 0; i < INPUTS; i++) {
+    assert_int_equal(device_image_create(&device, width, height, formats[i],
+                                         VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT, &h.inputs[i]),
+                     VK_SUCCESS);
+  }
+  for (uint32_t i = 0; i < OUTPUTS; i++) {
+    assert_int_equal(device_image_create(&device, width, height, VK_FORMAT_R16G16B16A16_SFLOAT,
+                                         VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
+                                             VK_IMAGE_USAGE_TRANSFER_DST_BIT,
+                                         &h.outputs[i]),
+                     VK_SUCCESS);
+  }
+  const VkImageLayout read = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
+  h.targets = (olx_vulkan_targets){.width = width,
+                                   .height = height,
+                                   .depth = {h.inputs[0].view, formats[0], read},
+                                   .normal = {h.inputs[1].view, formats[1], read},
+                                   .albedo = {h.inputs[2].view, formats[2], read},
+                                   .roughness = {h.inputs[3].view, formats[3], read},
+                                   .irradiance = h.outputs[0].view,
+                                   .glossy = h.outputs[1].view,
+                                   .color = h.outputs[2].view};
+  return h;
+}
+
+static void free_host(host_images *h) {
+  for (uint32_t i = 0; i < INPUTS; i++) device_image_destroy(&device, &h->inputs[i]);
+  for (uint32_t i = 0; i < OUTPUTS; i++) device_image_destroy(&device, &h->outputs[i]);
+  shared_buffer_destroy(&device, &h->staging);
+}
+
+static VkBufferImageCopy whole_image(const host_images *h, VkDeviceSize offset) {
+  return (VkBufferImageCopy){.bufferOffset = offset,
+                             .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
+                             .imageExtent = {h->width, h->height, 1}};
+}
+
+static uint32_t unorm(olx_vec3 v) {
+  return (uint32_t)(v.x * 255.0f + 0.5f) | (uint32_t)(v.y * 255.0f + 0.5f) << 8 | (uint32_t)(v.z * 255.0f + 0.5f) << 16;
+}
+
+static VkDeviceSize plane(const host_images *h, uint32_t image) { return (VkDeviceSize)h->width * h->height * 16 * image; }
+
+static void upload(host_images *h) {
+  char *memory = h->staging.mapped;
+  for (uint32_t i = 0; i < h->width * h->height; i++) {
+    const pixel p = make_pixel(i % h->width, i / h->width);
+    ((float *)(void *)(memory + plane(h, 0)))[i] = p.depth;
+    if (h->inputs[1].format == VK_FORMAT_R8G8B8A8_UNORM) {
+      ((uint32_t *)(void *)(memory + plane(h, 1)))[i] = unorm(olx_madd(olx_splat(0.5f), p.normal, 0.5f));
+    } else {
+      const float n[4] = {p.normal.x, p.normal.y, p.normal.z, 0.0f};
+      memcpy(memory + plane(h, 1) + (size_t)16 * i, n, sizeof n);
+    }
+    ((uint32_t *)(void *)(memory + plane(h, 2)))[i] = unorm(p.color);
+    ((uint32_t *)(void *)(memory + plane(h, 3)))[i] = unorm(olx_v3(p.roughness, p.metallic, p.weight));
+  }
+  for (uint32_t i = 0; i < INPUTS; i++) {
+    const VkBufferImageCopy region = whole_image(h, plane(h, i));
+    device_barrier(&device, &h->inputs[i], VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    device.CmdCopyBufferToImage(device.commands, h->staging.buffer, h->inputs[i].image,
+                                VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
+    device_barrier(&device, &h->inputs[i], VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+  }
+  const VkClearColorValue color = {.float32 = {0.5f, 0.25f, 0.125f, 1.0f}};
+  const VkImageSubresourceRange range = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+  for (uint32_t i = 0; i < OUTPUTS; i++) {
+    device_barrier(&device, &h->outputs[i], VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL);
+    device.CmdClearColorImage(device.commands, h->outputs[i].image, VK_IMAGE_LAYOUT_GENERAL, &color, 1, &range);
+  }
+  device_barrier(&device, NULL, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_UNDEFINED);
+}
+
+static void download(host_images *h) {
+  for (uint32_t i = 0; i < OUTPUTS; i++) {
+    const VkBufferImageCopy region = whole_image(h, plane(h, i));
+    device_barrier(&device, &h->outputs[i], VK_IMAGE_LAYOUT_GENERAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+    device.CmdCopyImageToBuffer(device.commands, h->outputs[i].image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                                h->staging.buffer, 1, &region);
+  }
+  device_barrier(&device, NULL, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_UNDEFINED);
+}
+
+static olx_vec3 output(const host_images *h, uint32_t image, uint32_t i, float *alpha) {
+  uint16_t half[4];
+  memcpy(half, (const char *)h->staging.mapped + plane(h, image) + (size_t)8 * i, sizeof half);
+  *alpha = olx_half_unpack(half[3]);
+  return olx_v3(olx_half_unpack(half[0]), olx_half_unpack(half[1]), olx_half_unpack(half[2]));
+}
+
+static void run_frame(host_images *h, const olx_vulkan_frame *frame, const olx_vulkan_settings *settings) {
+  const olx_vulkan_view view = make_view();
+  assert_int_equal(device_commands_begin(&device), VK_SUCCESS);
+  upload(h);
+  assert_int_equal(olx_vulkan_record_irradiance(frame, device.commands, &view, settings), OLX_OK);
+  assert_int_equal(olx_vulkan_record_glossy(frame, device.commands, &view, settings), OLX_OK);
+  assert_int_equal(olx_vulkan_record_composite(frame, device.commands, &view, settings,
+                                               OLX_VULKAN_ADD_DIFFUSE | OLX_VULKAN_ADD_GLOSSY),
+                   OLX_OK);
+  download(h);
+  assert_int_equal(device_commands_run(&device), VK_SUCCESS);
+}
+
+typedef struct light {
+  olx_vec3 irradiance, glossy;
+} light;
+
+static light expected_light(const olx_field *field, const olx_vulkan_settings *settings, const pixel *p, const olx_bsdf *bsdf,
+                            uint32_t x, uint32_t y) {
+  light l = {.irradiance = olx_irradiance(field, &settings->sample, p->position, p->normal, p->view)};
+  const uint32_t seed = olx_hash2(olx_hash2(x, y), 0x85EBCA6Bu + 3u), count = bsdf->alpha > 0.0f ? SAMPLES : 1;
+  for (uint32_t j = 0; j < count; j++) {
+    float weight, half_cosine;
+    const olx_vec2 random = olx_stratified2(settings->sample_index * count + j, seed);
+    const olx_vec3 radiance = olx_glossy(field, &settings->sample, p->position, p->normal, p->view, p->roughness, random,
+                                         &weight, &half_cosine, NULL);
+    const olx_vec3 reflected = olx_mul(olx_fresnel(bsdf, half_cosine), radiance);
+    if (weight > 0.0f) l.glossy = olx_madd(l.glossy, reflected, weight / (float)count);
+  }
+  return l;
+}
+
+static double squared(olx_vec3 v) { return (double)olx_dot(v, v); }
+
+// Relative mean squared errors of irradiance, glossy light and the composite against the CPU.
+static void judge_frame(const host_images *h, const olx_field *field, const olx_vulkan_settings *settings, double errors[OUTPUTS]) {
+  double sums[OUTPUTS] = {0};
+  memset(errors, 0, OUTPUTS * sizeof errors[0]);
+  for (uint32_t i = 0; i < h->width * h->height; i++) {
+    const uint32_t x = i % h->width, y = i / h->width;
+    const pixel p = make_pixel(x, y);
+    float alpha[OUTPUTS];
+    const olx_vec3 seen[OUTPUTS] = {output(h, 0, i, &alpha[0]), output(h, 1, i, &alpha[1]), output(h, 2, i, &alpha[2])};
+    const olx_vec3 before = olx_v3(0.5f, 0.25f, 0.125f);
+    if (p.empty) {
+      assert_true(squared(seen[0]) == 0 && alpha[0] == 0.0f && squared(seen[1]) == 0 && alpha[1] == 1.0f);
+      assert_true(squared(olx_sub(seen[2], before)) == 0 && alpha[2] == 1.0f);
+      continue;
+    }
+    assert_true(alpha[0] == 1.0f && alpha[1] >= 0.0f && alpha[1] <= 1.0f && alpha[2] == 1.0f);
+    const float metallic = floorf(p.metallic * 255.0f + 0.5f) / 255.0f, weight = floorf(p.weight * 255.0f + 0.5f) / 255.0f;
+    const olx_vec3 color = olx_v3(floorf(p.color.x * 255.0f + 0.5f) / 255.0f, floorf(p.color.y * 255.0f + 0.5f) / 255.0f,
+                                  floorf(p.color.z * 255.0f + 0.5f) / 255.0f);
+    const olx_bsdf bsdf = olx_bsdf_make(color, metallic, p.roughness, weight);
+    const light l = expected_light(field, settings, &p, &bsdf, x, y);
+    const olx_vec3 reflectance = olx_bsdf_diffuse(&bsdf, olx_dot(p.view, p.normal));
+    const olx_vec3 diffuse = olx_scale(olx_mul(reflectance, l.irradiance), 1.0f / OLX_PI);
+    const olx_vec3 truth[OUTPUTS] = {l.irradiance, l.glossy, olx_add(before, olx_add(diffuse, l.glossy))};
+    for (uint32_t k = 0; k < OUTPUTS; k++) {
+      errors[k] += squared(olx_sub(seen[k], truth[k]));
+      sums[k] += squared(truth[k]);
+    }
+  }
+  for (uint32_t k = 0; k < OUTPUTS; k++) errors[k] /= sums[k];
+}
+
+static olx_vulkan_settings test_settings(void) {
+  olx_vulkan_settings settings = olx_vulkan_settings_default();
+  settings.glossy_samples = SAMPLES;
+  settings.sample_index = 3;
+  return settings;
+}
+
+static olx_vulkan_field *upload_field(const olx_field *field) {
+  olx_vulkan_field *uploaded = NULL;
+  if (olx_vulkan_field_create(&device.host, field, &uploaded) != OLX_OK) fail_msg("%s", olx_last_error());
+  return uploaded;
+}
+
+static void passes_give_the_light_of_the_cpu(void **unused) {
+  (void)unused;
+  need_device();
+  const uint32_t before = device.validation_messages;
+  olx_field *field = analytic_field_make(&ROOM, &GRID, 128, 16);
+  olx_vulkan_field *uploaded = upload_field(field);
+  host_images h = make_host(WIDTH, HEIGHT, VK_FORMAT_R32G32B32A32_SFLOAT);
+  olx_vulkan_frame *frame;
+  if (olx_vulkan_frame_create(uploaded, &h.targets, &frame) != OLX_OK) fail_msg("%s", olx_last_error());
+  const olx_vulkan_settings settings = test_settings();
+  double errors[OUTPUTS];
+  run_frame(&h, frame, &settings);
+  judge_frame(&h, field, &settings, errors);
+  print_message("%s: relative MSE of irradiance %.2e, glossy %.2e, composite %.2e\n", device.name, errors[0], errors[1],
+                errors[2]);
+  for (uint32_t k = 0; k < OUTPUTS; k++) assert_true(errors[k] < 1e-5);
+  olx_vulkan_frame_destroy(frame);
+  free_host(&h);
+  olx_vulkan_field_destroy(uploaded);
+  analytic_field_free(field);
+  assert_int_equal(device.validation_messages, before);
+}
+
+static void a_frame_can_be_resized_and_reads_other_formats(void **unused) {
+  (void)unused;
+  need_device();
+  const uint32_t before = device.validation_messages;
+  olx_field *field = analytic_field_make(&ROOM, &GRID, 64, 16);
+  olx_vulkan_field *uploaded = upload_field(field);
+  host_images small = make_host(WIDTH, 9, VK_FORMAT_R32G32B32A32_SFLOAT), full = make_host(WIDTH, HEIGHT, VK_FORMAT_R8G8B8A8_UNORM);
+  olx_vulkan_frame *frame;
+  if (olx_vulkan_frame_create(uploaded, &small.targets, &frame) != OLX_OK) fail_msg("%s", olx_last_error());
+  const olx_vulkan_settings settings = test_settings();
+  run_frame(&small, frame, &settings);
+  olx_vulkan_targets wrong = full.targets;
+  wrong.depth.format = VK_FORMAT_R32_UINT;
+  assert_int_equal(olx_vulkan_frame_resize(frame, &wrong), OLX_ERROR_ARGUMENT);
+  run_frame(&small, frame, &settings); // still the old ones
+  free_host(&small);
+  if (olx_vulkan_frame_resize(frame, &full.targets) != OLX_OK) fail_msg("%s", olx_last_error());
+  run_frame(&full, frame, &settings);
+  double errors[OUTPUTS];
+  judge_frame(&full, field, &settings, errors);
+  // A normal of eight bits is off by up to 1/255 along each axis.
+  print_message("relative MSE of irradiance %.2e, glossy %.2e, composite %.2e\n", errors[0], errors[1], errors[2]);
+  for (uint32_t k = 0; k < OUTPUTS; k++) assert_true(errors[k] < 2e-3);
+  olx_vulkan_frame_destroy(frame);
+  free_host(&full);
+  olx_vulkan_field_destroy(uploaded);
+  analytic_field_free(field);
+  assert_int_equal(device.validation_messages, before);
+}
+
+static void wrong_images_are_named(void **unused) {
+  (void)unused;
+  need_device();
+  const uint32_t before = device.validation_messages;
+  olx_field *field = analytic_field_make(&ROOM, &GRID, 16, 8);
+  olx_vulkan_field *uploaded = upload_field(field);
+  host_images h = make_host(8, 8, VK_FORMAT_R32G32B32A32_SFLOAT);
+  const struct {
+    olx_vulkan_targets targets;
+    const char *message;
+  } cases[] = {
+      {{.width = 0, .height = 8}, "frame size 0 x 8"},
+      {{.width = 8, .height = 20000}, "frame size 8 x 20000"},
+      {{.width = 8, .height = 8}, "no depth image"},
+      {{8, 8, h.targets.depth, {h.targets.normal.view, VK_FORMAT_R8G8B8A8_UINT, h.targets.normal.layout}, {0}, {0}, 0, 0, 0},
+       "normal image's VkFormat"},
+      {{8, 8, h.targets.depth, h.targets.normal, {h.targets.albedo.view, h.targets.albedo.format, VK_IMAGE_LAYOUT_UNDEFINED},
+        {0}, 0, 0, 0},
+       "albedo image cannot be sampled in VkImageLayout 0"},
+      {{8, 8, h.targets.depth, h.targets.normal, h.targets.albedo, h.targets.roughness, h.targets.irradiance, 0,
+        h.targets.color},
+       "no glossy image"},
+  };
+  for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+    olx_vulkan_frame *frame = (void *)1;
+    assert_int_equal(olx_vulkan_frame_create(uploaded, &cases[i].targets, &frame), OLX_ERROR_ARGUMENT);
+    assert_null(frame);
+    if (!strstr(olx_last_error(), cases[i].message)) fail_msg("'%s' lacks '%s'", olx_last_error(), cases[i].message);
+  }
+  free_host(&h);
+  olx_vulkan_field_destroy(uploaded);
+  analytic_field_free(field);
+  assert_int_equal(device.validation_messages, before);
+}
+
+static void settings_that_cannot_be_are_refused(void **unused) {
+  (void)unused;
+  need_device();
+  olx_field *field = analytic_field_make(&ROOM, &GRID, 16, 8);
+  olx_vulkan_field *uploaded = upload_field(field);
+  host_images h = make_host(8, 8, VK_FORMAT_R32G32B32A32_SFLOAT);
+  olx_vulkan_frame *frame;
+  assert_int_equal(olx_vulkan_frame_create(uploaded, &h.targets, &frame), OLX_OK);
+  const olx_vulkan_view view = make_view();
+  olx_vulkan_settings settings = olx_vulkan_settings_default();
+  settings.glossy_samples = 0;
+  assert_int_equal(olx_vulkan_record_glossy(frame, device.commands, &view, &settings), OLX_ERROR_ARGUMENT);
+  settings = olx_vulkan_settings_default();
+  settings.sample.select = OLX_SELECT_OCTREE;
+  assert_int_equal(olx_vulkan_record_glossy(frame, device.commands, &view, &settings), OLX_ERROR_UNSUPPORTED);
+  assert_non_null(strstr(olx_last_error(), "octree"));
+  settings = olx_vulkan_settings_default();
+  assert_int_equal(olx_vulkan_record_composite(frame, device.commands, &view, &settings, 4), OLX_ERROR_ARGUMENT);
+  olx_vulkan_frame_destroy(frame);
+  free_host(&h);
+  olx_vulkan_field_destroy(uploaded);
+  analytic_field_free(field);
+}
+
+// Vulkan functions that fail at the n-th call of a kind.
+static PFN_vkAllocateMemory real_allocate;
+static PFN_vkFreeMemory real_free;
+static int allocations_left, memory_held;
+
+static VKAPI_ATTR VkResult VKAPI_CALL failing_allocate(VkDevice d, const VkMemoryAllocateInfo *info,
+                                                       const VkAllocationCallbacks *callbacks, VkDeviceMemory *memory) {
+  if (allocations_left-- <= 0) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+  memory_held++;
+  return real_allocate(d, info, callbacks, memory);
+}
+
+static VKAPI_ATTR void VKAPI_CALL counting_free(VkDevice d, VkDeviceMemory memory, const VkAllocationCallbacks *callbacks) {
+  memory_held -= memory != VK_NULL_HANDLE;
+  real_free(d, memory, callbacks);
+}
+
+static VKAPI_ATTR VkResult VKAPI_CALL lost_submit(VkQueue queue, uint32_t count, const VkSubmitInfo *infos, VkFence fence) {
+  (void)queue, (void)count, (void)infos, (void)fence;
+  return VK_ERROR_DEVICE_LOST;
+}
+
+static bool submit_is_lost;
+
+static VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL failing_device_function(VkDevice d, const char *name) {
+  if (strcmp(name, "vkAllocateMemory") == 0) return (PFN_vkVoidFunction)failing_allocate;
+  if (strcmp(name, "vkFreeMemory") == 0) return (PFN_vkVoidFunction)counting_free;
+  if (submit_is_lost && strcmp(name, "vkQueueSubmit") == 0) return (PFN_vkVoidFunction)lost_submit;
+  return device.GetDeviceProcAddr(d, name);
+}
+
+static VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL failing_function(VkInstance instance, const char *name) {
+  if (strcmp(name, "vkGetDeviceProcAddr") == 0) return (PFN_vkVoidFunction)failing_device_function;
+  return device.host.get_instance_proc_addr(instance, name);
+}
+
+static olx_vulkan_host failing_host(int allocations, bool lost) {
+  real_allocate = device.AllocateMemory;
+  real_free = device.FreeMemory;
+  allocations_left = allocations;
+  submit_is_lost = lost;
+  olx_vulkan_host host = device.host;
+  host.get_instance_proc_addr = failing_function;
+  return host;
+}
+
+static void running_out_of_memory_leaves_nothing_behind(void **unused) {
+  (void)unused;
+  need_device();
+  const uint32_t before = device.validation_messages;
+  olx_field *field = analytic_field_make(&ROOM, &GRID, 16, 8);
+  olx_vulkan_sizes sizes;
+  assert_int_equal(olx_vulkan_field_measure(&device.host, field, &sizes), OLX_OK);
+  assert_true(sizes.device_bytes >= 8 * (18 * 18 * 8 + 10 * 10 * 8) && sizes.staging_bytes > 0);
+  for (int n = 0; n <= (int)sizes.allocations; n++) { // the staging memory is the last
+    const olx_vulkan_host host = failing_host(n, false);
+    olx_vulkan_field *uploaded = (void *)1;
+    assert_int_equal(olx_vulkan_field_create(&host, field, &uploaded), OLX_ERROR_MEMORY);
+    assert_null(uploaded);
+    assert_non_null(strstr(olx_last_error(), "out of device memory"));
+    assert_int_equal(memory_held, 0);
+  }
+  const olx_vulkan_host host = failing_host((int)sizes.allocations + 1, false);
+  olx_vulkan_field *uploaded;
+  assert_int_equal(olx_vulkan_field_create(&host, field, &uploaded), OLX_OK);
+  assert_int_equal(memory_held, (int)sizes.allocations);
+  olx_vulkan_field_destroy(uploaded);
+  assert_int_equal(memory_held, 0);
+  analytic_field_free(field);
+  assert_int_equal(device.validation_messages, before);
+}
+
+static void a_lost_device_is_reported(void **unused) {
+  (void)unused;
+  need_device();
+  olx_field *field = analytic_field_make(&ROOM, &GRID, 16, 8);
+  const olx_vulkan_host host = failing_host(100, true);
+  olx_vulkan_field *uploaded;
+  assert_int_equal(olx_vulkan_field_create(&host, field, &uploaded), OLX_ERROR_GPU);
+  assert_non_null(strstr(olx_last_error(), "the device was lost in vkQueueSubmit"));
+  assert_null(uploaded);
+  assert_int_equal(memory_held, 0);
+  analytic_field_free(field);
+}
+
+static void a_host_without_a_queue_is_refused(void **unused) {
+  (void)unused;
+  olx_field *field = analytic_field_make(&ROOM, &GRID, 16, 8);
+  const olx_vulkan_host nothing = {.instance = VK_NULL_HANDLE};
+  olx_vulkan_field *uploaded;
+  olx_vulkan_sizes sizes;
+  assert_int_equal(olx_vulkan_field_create(&nothing, field, &uploaded), OLX_ERROR_ARGUMENT);
+  assert_int_equal(olx_vulkan_field_measure(&nothing, field, &sizes), OLX_ERROR_ARGUMENT);
+  if (!problem) {
+    olx_vulkan_host host = device.host;
+    host.queue_family = 1000;
+    assert_int_equal(olx_vulkan_field_create(&host, field, &uploaded), OLX_ERROR_ARGUMENT);
+  }
+  olx_vulkan_field_destroy(NULL);
+  olx_vulkan_frame_destroy(NULL);
+  analytic_field_free(field);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(passes_give_the_light_of_the_cpu),
+      cmocka_unit_test(a_frame_can_be_resized_and_reads_other_formats),
+      cmocka_unit_test(wrong_images_are_named),
+      cmocka_unit_test(settings_that_cannot_be_are_refused),
+      cmocka_unit_test(running_out_of_memory_leaves_nothing_behind),
+      cmocka_unit_test(a_lost_device_is_reported),
+      cmocka_unit_test(a_host_without_a_queue_is_refused),
+  };
+  return cmocka_run_group_tests(tests, open_device, close_device);
+}

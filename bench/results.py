@@ -8,6 +8,7 @@ Without an experiment all of them run. Scenes that are not to be found (OCTALUX_
 import argparse
 import json
 import os
+import struct
 import subprocess
 import sys
 import time
@@ -37,6 +38,7 @@ SCENES = {
         Scene("two-rooms-sealed", "builtin:two-rooms-sealed", "4x2x2", 256, "160x120", same_grid=True),
         Scene("labyrinth", "builtin:labyrinth", None, 512, "200x150", spp=512),
         Scene("living-room", described("living-room"), "4x4x4", 1024, "200x150", spp=512),
+        Scene("temple", "builtin:temple", None, 512, "192x108", spp=256),
         Scene("sponza", described("sponza"), "8x2x4", 512, "192x108", spp=256),
     ]
 }
@@ -175,7 +177,39 @@ def speed(bench):
             "%.0f million" % (b["rays"] / 1e6), round(b["peak_memory_bytes"] / 2**20), round(b["file_bytes"] / 2**20))
 
 
-EXPERIMENTS = {"layers": layers, "audit": audit, "leaks": leaks, "speed": speed}
+def selector_bytes(field):
+    """Of each selector's chunk."""
+    with open(field, "rb") as file:
+        data = file.read(64 * 64)
+    count, = struct.unpack_from("<I", data, 12)
+    chunks = {data[64 + 64 * i:68 + 64 * i]: struct.unpack_from("<Q", data, 80 + 64 * i)[0] for i in range(count)}
+    return {name: chunks.get(kind, 0) for name, kind in (("voronoi", b"VORO"), ("octree", b"OCTR"), ("bricks", b"BRIK"))}
+
+
+def selectors(bench):
+    """How probes are found: rays against ray casting, bytes, and time on one thread with all selectors taking turns."""
+    program = os.path.join(os.path.dirname(bench.program), "bench", "selector_speed")
+    head("scene", "probes", "selector", "unresolved", "wrong", "probes tried", "texel steps", "bytes", "ns a ray")
+    for name, count, grid in (("temple", 16, "2x2x4"), ("temple", 32, "4x2x4"), ("sponza", 54, "6x3x3")):
+        for scene in scenes(bench, name):
+            placed = bench.path("%s-%d.json" % (name, count))
+            bench.run("place", scene.source, "-o", placed, "--method", "cover", "--count", count)
+            ways = ["voronoi", "octree", "exhaustive"]
+            for label, where, names in (("cover", ["--probes", placed], ways), (grid, ["--grid", grid], ["cage", *ways])):
+                field = bench.path("%s-%d-%s.olx" % (name, count, label))
+                bench.run("bake", scene.source, "-o", field, *where, "--radiance-size", scene.radiance, "--bounces", 0, "--irradiance-size", 32,
+                          "--select", ",".join(n for n in names if n != "exhaustive"))
+                rays = 10000 if bench.quick else 100000
+                table = subprocess.run([program, field, str(rays)], stdout=subprocess.PIPE, text=True, check=True).stdout.splitlines()
+                nanoseconds = {cells[1]: cells[2] for cells in ([c.strip() for c in line.split("|")] for line in table) if len(cells) > 5}
+                stored = selector_bytes(field)
+                for way in names:
+                    r = bench.run("audit", scene.source, "--field", field, "--points", 0, "--rays", 2 * rays, "--select", way)["rays"]
+                    row(name, "%d, %s" % (count, label), way, number(100 * r["unresolved"]) + " %", number(100 * r["wrong"]) + " %",
+                        number(r["probes_mean"]), number(r["steps_mean"]), stored.get(way, 0), nanoseconds[way])
+
+
+EXPERIMENTS = {"layers": layers, "audit": audit, "leaks": leaks, "speed": speed, "selectors": selectors}
 
 
 def main():

@@ -233,8 +233,10 @@ def check_voronoi(blob, probes):
     need(len(blob) >= 16, "VORO: size")
     size, *zeros = struct.unpack_from("<4I", blob, 0)
     need(size in (4, 8, 16, 32, 64) and not any(zeros), "VORO: header")
-    codes = read_codes(blob, 16, probes * size * size * 4, probes)
-    for i in range(0, len(codes), 4):
+    codes = read_codes(blob, 16, probes * size * size * 4 + probes, probes)
+    maps, tree = codes[:-probes], codes[-probes:]
+    need(None not in tree and sorted(tree) == list(range(probes)), "VORO: tree")
+    for i in range(0, len(maps), 4):
         check_choices("VORO", codes[i:i + 4], probes)
         need(i // 4 // (size * size) not in codes[i:i + 4], "VORO: its own neighbour")
 

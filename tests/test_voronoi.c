@@ -238,28 +238,48 @@ static void build(const olx_vec3 *positions, const uint8_t *flags, uint32_t coun
 
 static void release(made_field *f) { olx_release((void *)(uintptr_t)f->field.select_data[OLX_SELECT_VORONOI]); }
 
-static void test_nearest_is_the_nearest(void **state) {
-  (void)state;
-  static olx_vec3 p[MOST];
+// By brute force, for few probes and for many.
+static void check_nearest(const olx_vec3 *p, const uint8_t *flags, uint32_t count, uint32_t seed) {
   static made_field f;
-  uint8_t flags[MOST];
-  for (uint32_t i = 0; i < MOST; i++) {
-    p[i] = random_point(5, i);
-    flags[i] = i % 3 == 0 ? OLX_PROBE_BURIED : 0;
-  }
-  build(p, flags, MOST, 1, &f);
+  build(p, flags, count, 1, &f);
   for (uint32_t q = 0; q < 2000; q++) {
-    const olx_vec3 point = olx_scale(random_point(6, q), q % 4 == 0 ? 3.0f : 1.0f);
+    // Also on probes, halfway between two, and far away: where there are ties and where planes are near.
+    const uint32_t a = q * 7 % count, b = q * 13 % count;
+    const olx_vec3 point = q % 4 == 0   ? p[a]
+                           : q % 4 == 1 ? olx_mix3(p[a], p[b], 0.5f)
+                                        : olx_scale(random_point(seed, q), q % 4 == 2 ? 1.0f : 5.0f);
     for (int buried = 0; buried < 2; buried++) {
-      const uint32_t nearest = olx_voronoi_nearest(&f.field, point, buried);
-      assert_true(buried || !flags[nearest]);
-      for (uint32_t i = 0; i < MOST; i++) {
-        if (flags[i] && !buried) continue;
-        assert_true(olx_length(olx_sub(p[i], point)) >= olx_length(olx_sub(p[nearest], point)) - 1e-6f);
+      uint32_t expected = OLX_NO_PROBE;
+      float least = INFINITY;
+      for (uint32_t i = 0; i < count; i++) {
+        const olx_vec3 offset = olx_sub(p[i], point);
+        if ((flags[i] && !buried) || olx_dot(offset, offset) >= least) continue;
+        least = olx_dot(offset, offset);
+        expected = i;
       }
+      assert_int_equal(olx_voronoi_nearest(&f.field, point, buried), expected);
     }
   }
   release(&f);
+}
+
+static void test_nearest_is_the_nearest(void **state) {
+  (void)state;
+  static olx_vec3 p[MOST];
+  uint8_t flags[MOST];
+  const uint32_t counts[] = {1, 2, 7, 64, 65, 66, 127, 128, 255, 256, MOST};
+  for (size_t c = 0; c < sizeof counts / sizeof counts[0]; c++) {
+    for (uint32_t i = 0; i < MOST; i++) {
+      p[i] = random_point(5, i);
+      flags[i] = i % 3 == 1 ? OLX_PROBE_BURIED : 0;
+    }
+    check_nearest(p, flags, counts[c], 6);
+  }
+  const uint32_t count = make_grid(p, 7, olx_v3(-3, 0, 1), 0.5f); // everywhere ties
+  memset(flags, 0, sizeof flags);
+  check_nearest(p, flags, count, 7);
+  for (uint32_t i = 0; i < 100; i++) p[i] = olx_v3(1, 2, 3);
+  check_nearest(p, flags, 100, 8);
 }
 
 // Seen from the middle of a grid, the neighbour straight along an axis is the next probe on it, at any distance of others
@@ -368,7 +388,7 @@ static void test_bytes_do_not_depend_on_threads(void **state) {
   for (uint32_t threads = 2; threads <= 5; threads += 3) {
     build(p, NULL, 300, threads, &other);
     assert_int_equal(one.field.select_bytes[OLX_SELECT_VORONOI], other.field.select_bytes[OLX_SELECT_VORONOI]);
-    assert_int_equal(one.field.select_bytes[OLX_SELECT_VORONOI], 16 + 300 * 16 * 16 * 4 * 2);
+    assert_int_equal(one.field.select_bytes[OLX_SELECT_VORONOI], 16 + 300 * (16 * 16 * 4 + 1) * 2);
     assert_memory_equal(one.field.select_data[OLX_SELECT_VORONOI], other.field.select_data[OLX_SELECT_VORONOI],
                         one.field.select_bytes[OLX_SELECT_VORONOI]);
     release(&other);
@@ -402,6 +422,25 @@ static void test_spoilt_maps_are_refused(void **state) {
     assert_int_equal(olx_voronoi_check(field), OLX_ERROR_FORMAT);
   }
   header->size = OLX_VORONOI_SIZE;
+  uint8_t *tree = codes + 10 * 256 * 4;
+  for (uint32_t i = 0; i < 10; i++) {
+    const uint8_t was = tree[i], other = tree[(i + 1) % 10];
+    const uint8_t wrong[] = {other, 10, 254, 255};
+    for (uint32_t k = 0; k < 4; k++) {
+      tree[i] = wrong[k];
+      assert_int_equal(olx_voronoi_verify(field), OLX_ERROR_FORMAT);
+      assert_non_null(strstr(olx_last_error(), "no probe, or one again"));
+    }
+    tree[i] = was;
+  }
+  const uint8_t first = tree[0];
+  tree[0] = tree[9]; // both halves swapped at one place
+  tree[9] = first;
+  assert_int_equal(olx_voronoi_verify(field), OLX_ERROR_FORMAT);
+  assert_non_null(strstr(olx_last_error(), "order"));
+  tree[9] = tree[0];
+  tree[0] = first;
+  assert_int_equal(olx_voronoi_verify(field), OLX_OK);
   header->zero[2] = 1;
   assert_int_equal(olx_voronoi_check(field), OLX_ERROR_FORMAT);
   header->zero[2] = 0;

@@ -6,6 +6,7 @@
 #include "core/result.h"
 #include "field/selector_data.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 // Neighbours in directions closer than about this cosine's last step count as one direction; the nearer one comes first.
@@ -59,9 +60,47 @@ static void fill_map(void *user, uint32_t i) {
   for (uint32_t texel = 0; texel < OLX_VORONOI_SIZE * OLX_VORONOI_SIZE; texel++) fill_texel(user, i, texel);
 }
 
+// A probe and its coordinate along the axis by which it is being sorted.
+typedef struct tree_entry {
+  float coordinate;
+  uint32_t probe;
+} tree_entry;
+
+static int compare_entries(const void *left, const void *right) {
+  const tree_entry *a = left, *b = right;
+  if (a->coordinate != b->coordinate) return a->coordinate < b->coordinate ? -1 : 1;
+  return a->probe < b->probe ? -1 : a->probe > b->probe;
+}
+
+static void sort_tree(const olx_selector_input *input, tree_entry *entries, uint32_t begin, uint32_t end,
+                      uint32_t axis) {
+  if (end - begin < 2) return;
+  for (uint32_t i = begin; i < end; i++) {
+    entries[i].coordinate = olx_coordinate(input->positions[entries[i].probe], axis);
+  }
+  qsort(entries + begin, end - begin, sizeof *entries, compare_entries);
+  const uint32_t middle = olx_middle(begin, end), next = (axis + 1) % 3;
+  sort_tree(input, entries, begin, middle, next);
+  sort_tree(input, entries, middle + 1, end, next);
+}
+
+// Buried probes are in it too: whoever wants to ask them finds them.
+static olx_result fill_tree(const voronoi_build *b) {
+  const uint32_t count = b->input->count;
+  tree_entry *entries = olx_allocate(count, sizeof *entries);
+  if (!entries) return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for the order of %u probes", count);
+  for (uint32_t i = 0; i < count; i++) entries[i].probe = i;
+  sort_tree(b->input, entries, 0, count, 0);
+  const size_t tree = (size_t)count * OLX_VORONOI_SIZE * OLX_VORONOI_SIZE * OLX_CHOICES;
+  for (uint32_t i = 0; i < count; i++) olx_probe_code_store(b->codes, b->code_bytes, tree + i, entries[i].probe);
+  olx_release(entries);
+  return OLX_OK;
+}
+
 static olx_result fill(voronoi_build *b, uint32_t *live, olx_vec3 *positions) {
   const olx_selector_input *input = b->input;
   uint32_t count = 0;
+  OLX_TRY(fill_tree(b));
   for (uint32_t i = 0; i < input->count; i++) {
     if (input->flags[i] & OLX_PROBE_BURIED) continue;
     positions[count] = input->positions[i];
@@ -84,7 +123,7 @@ olx_result olx_voronoi_build(const olx_selector_input *input, void **data, size_
                     OLX_MAX_CODED_PROBES, input->count);
   }
   voronoi_build b = {.input = input, .code_bytes = olx_probe_code_bytes(input->count)};
-  const size_t codes = (size_t)input->count * OLX_VORONOI_SIZE * OLX_VORONOI_SIZE * OLX_CHOICES;
+  const size_t codes = (size_t)input->count * (OLX_VORONOI_SIZE * OLX_VORONOI_SIZE * OLX_CHOICES + 1);
   *size_bytes = sizeof(olx_voronoi_header) + codes * b.code_bytes;
   *data = olx_allocate(*size_bytes, 1);
   uint32_t *live = olx_allocate(input->count, sizeof *live);

@@ -25,7 +25,8 @@ static inline void olx_probe_code_store(void *codes, uint32_t code_bytes, size_t
   else ((uint16_t *)codes)[index] = (uint16_t)probe;
 }
 
-// VORO: this, then for each probe an octahedral map of size x size texels, row by row: OLX_CHOICES codes each.
+// VORO: this, then for each probe an octahedral map of size x size texels, row by row: OLX_CHOICES codes each. Then the
+// codes of all probes in the order of a k-d tree: the middle one of a range splits it, along the axes in turn.
 typedef struct olx_voronoi_header {
   uint32_t size; // a power of two, 4 to 64
   uint32_t zero[3];
@@ -52,6 +53,21 @@ _Static_assert(sizeof(olx_octree_header) == 16, "docs/format.md");
 static inline float olx_octree_side(olx_vec3 scene_min, olx_vec3 scene_max) {
   return olx_max3(olx_sub(scene_max, scene_min));
 }
+
+static inline const void *olx_voronoi_codes(const olx_field *field) {
+  return (const olx_voronoi_header *)field->select_data[OLX_SELECT_VORONOI] + 1;
+}
+
+// Where the k-d tree begins among the codes.
+static inline size_t olx_voronoi_tree(const olx_field *field) {
+  const olx_voronoi_header *header = field->select_data[OLX_SELECT_VORONOI];
+  return (size_t)field->info.probe_count * header->size * header->size * OLX_CHOICES;
+}
+
+// The middle of the probes from begin to end - 1.
+static inline uint32_t olx_middle(uint32_t begin, uint32_t end) { return begin + (end - begin) / 2; }
+
+static inline float olx_coordinate(olx_vec3 v, uint32_t axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 
 // What opening a field checks: sizes, in no time. The runtime stays inside the structure whatever it holds.
 olx_result olx_voronoi_check(const olx_field *field);

@@ -2,17 +2,66 @@
 
 #include "core/octahedral.h"
 
-uint32_t olx_voronoi_nearest(const olx_field *field, olx_vec3 point, bool buried) {
-  uint32_t nearest = OLX_NO_PROBE;
-  float least = INFINITY;
-  for (uint32_t i = 0; i < field->info.probe_count; i++) {
-    const olx_vec3 offset = olx_sub(field->probe_positions[i], point);
-    const float distance = olx_dot(offset, offset);
-    if (distance >= least || (!buried && (field->probe_flags[i] & OLX_PROBE_BURIED))) continue;
-    least = distance;
-    nearest = i;
+// Up to so many probes are looked at one by one: about where the tree begins to pay (docs/results.md).
+enum { FEW_PROBES = 64, MAX_DEPTH = 17 };
+
+typedef struct nearest {
+  const olx_field *field;
+  olx_vec3 point;
+  bool buried;
+  uint32_t probe;
+  float distance; // squared
+} nearest;
+
+static void consider(nearest *n, uint32_t probe) {
+  const olx_vec3 offset = olx_sub(n->field->probe_positions[probe], n->point);
+  const float distance = olx_dot(offset, offset);
+  if (distance > n->distance || (distance == n->distance && probe >= n->probe)) return;
+  if (!n->buried && (n->field->probe_flags[probe] & OLX_PROBE_BURIED)) return;
+  n->distance = distance;
+  n->probe = probe;
+}
+
+// A part of the tree that lies beyond a plane at a squared distance.
+typedef struct tree_range {
+  uint32_t begin, end, axis;
+  float beyond;
+} tree_range;
+
+// Down to the point, leaving the other halves for later; then those that may hold a nearer one. Rounding is monotone, so
+// no probe beyond a plane comes out nearer than the plane.
+static void search_tree(nearest *n) {
+  const void *codes = olx_voronoi_codes(n->field);
+  const size_t tree = olx_voronoi_tree(n->field);
+  const uint32_t count = n->field->info.probe_count, code_bytes = olx_probe_code_bytes(count);
+  tree_range later[MAX_DEPTH + 1] = {{0, count, 0, 0.0f}};
+  for (uint32_t waiting = 1; waiting > 0;) {
+    tree_range range = later[--waiting];
+    if (range.beyond > n->distance) continue;
+    while (range.begin < range.end) {
+      const uint32_t middle = olx_middle(range.begin, range.end), next = (range.axis + 1) % 3;
+      const uint32_t probe = olx_probe_code(codes, code_bytes, tree + middle);
+      if (probe >= count) break;
+      consider(n, probe);
+      const float gap =
+          olx_coordinate(n->point, range.axis) - olx_coordinate(n->field->probe_positions[probe], range.axis);
+      const bool low_first = gap < 0.0f;
+      later[waiting++] = low_first ? (tree_range){middle + 1, range.end, next, gap * gap}
+                                   : (tree_range){range.begin, middle, next, gap * gap};
+      range =
+          low_first ? (tree_range){range.begin, middle, next, 0.0f} : (tree_range){middle + 1, range.end, next, 0.0f};
+    }
   }
-  return nearest;
+}
+
+uint32_t olx_voronoi_nearest(const olx_field *field, olx_vec3 point, bool buried) {
+  nearest n = {.field = field, .point = point, .buried = buried, .probe = OLX_NO_PROBE, .distance = INFINITY};
+  if (field->info.probe_count > FEW_PROBES) {
+    search_tree(&n);
+  } else {
+    for (uint32_t i = 0; i < field->info.probe_count; i++) consider(&n, i);
+  }
+  return n.probe;
 }
 
 // Column or row of a coordinate in 0..1; 0 for NaN.
@@ -27,7 +76,8 @@ void olx_voronoi_neighbours(const olx_field *field, uint32_t probe, olx_vec3 dir
   const olx_vec2 uv = olx_octahedral_encode(direction);
   const size_t texel = ((size_t)probe * size + texel_at(uv.y, size)) * size + texel_at(uv.x, size);
   for (uint32_t i = 0; i < OLX_CHOICES; i++) {
-    const uint32_t choice = olx_probe_code(header + 1, olx_probe_code_bytes(probes), texel * OLX_CHOICES + i);
+    const uint32_t choice =
+        olx_probe_code(olx_voronoi_codes(field), olx_probe_code_bytes(probes), texel * OLX_CHOICES + i);
     choices[i] = choice < probes ? choice : OLX_NO_PROBE;
   }
 }

@@ -30,44 +30,24 @@ static layer_title title_of(uint32_t layer) {
   return title;
 }
 
-static const map_scale flip_scale = {0.0, 1.0, false}, square_scale = {1e-6, 1.0, true};
-
-// Squared error over the reference's mean square, so that its mean is the relative MSE, on the logarithmic scale.
-static void fill_square_map(const comparison *c, uint32_t layer, float *map) {
-  const olx_vec3 *a = c->images[0].layers[layer], *b = c->images[1].layers[layer];
-  const size_t pixels = (size_t)c->images[0].width * c->images[0].height;
-  const layer_errors *errors = &c->layers[layer];
-  const bool black = !(errors->metrics.relative_mse > 0.0 && isfinite(errors->metrics.relative_mse));
-  const double mean_square = black ? 1.0 : errors->metrics.mse / errors->metrics.relative_mse;
-  for (size_t i = 0; i < pixels; ++i) {
-    const double x = (double)a[i].x - (double)b[i].x, y = (double)a[i].y - (double)b[i].y;
-    const double z = (double)a[i].z - (double)b[i].z;
-    const double error = (x * x + y * y + z * z) / (layer == OLX_LAYER_DEPTH ? 1.0 : 3.0) / mean_square;
-    map[i] = (float)(error > 0.0 ? log10(error / square_scale.low) / log10(square_scale.high / square_scale.low) : 0.0);
-  }
-}
-
 static olx_result add_frame(cJSON *section, const comparison *c, uint32_t layer) {
-  cJSON *frame = html_report_frame(section, title_of(layer).text, &c->images[0]);
-  html_report_fact(frame, "FLIP", c->layers[layer].perceptual.flip);
-  html_report_fact(frame, "SSIM", c->layers[layer].perceptual.ssim);
-  html_report_fact(frame, "relative MSE", c->layers[layer].metrics.relative_mse);
-  html_report_fact(frame, "bias", c->layers[layer].metrics.bias);
+  const olx_image *image = &c->images[0], *reference = &c->images[1];
+  const layer_errors *errors = &c->layers[layer];
+  cJSON *frame = html_report_frame(section, title_of(layer).text, image);
+  html_report_fact(frame, "FLIP", errors->perceptual.flip);
+  html_report_fact(frame, "SSIM", errors->perceptual.ssim);
+  html_report_fact(frame, "relative MSE", errors->metrics.relative_mse);
+  html_report_fact(frame, "bias", errors->metrics.bias);
   for (int i = 0; i < 2; ++i) {
     const olx_result result =
         html_report_picture(frame, file_name(c->paths[i]), &c->images[i], (olx_layer)layer, c->perceptual.exposure);
     if (result != OLX_OK) return result;
   }
-  if (c->layers[layer].flip_map) {
-    const olx_result result = html_report_map(frame, "FLIP", c->layers[layer].flip_map, flip_scale);
+  if (errors->flip_map) {
+    const olx_result result = html_report_flip(frame, "FLIP", errors->flip_map);
     if (result != OLX_OK) return result;
   }
-  float *map = malloc((size_t)c->images[0].width * c->images[0].height * sizeof *map);
-  if (!map) return OLX_ERROR_MEMORY;
-  fill_square_map(c, layer, map);
-  const olx_result result = html_report_map(frame, "squared error", map, square_scale);
-  free(map);
-  return result;
+  return html_report_squares(frame, "squared error", image, reference, (olx_layer)layer);
 }
 
 static void add_metrics_table(cJSON *section, const comparison *c) {

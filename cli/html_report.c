@@ -29,7 +29,7 @@ char *command_text(int argc, char **argv) {
 
 static const char base64_digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
-static cJSON *base64_text(const uint8_t *bytes, size_t size_bytes) {
+cJSON *html_report_bytes(const uint8_t *bytes, size_t size_bytes) {
   char *text = malloc((size_bytes + 2) / 3 * 4 + 1), *end = text;
   if (!text) return NULL;
   for (size_t i = 0; i < size_bytes; i += 3) {
@@ -47,7 +47,15 @@ static cJSON *base64_text(const uint8_t *bytes, size_t size_bytes) {
 static cJSON *magma_palette(void) {
   uint8_t palette[3 * 256];
   for (int i = 0; i < 256; ++i) olx_magma((float)i / 255.0f, palette + 3 * i);
-  return base64_text(palette, sizeof palette);
+  return html_report_bytes(palette, sizeof palette);
+}
+
+// A new object at the end of the array `key` of `parent`.
+cJSON *html_report_append(cJSON *parent, const char *key) {
+  cJSON *array = cJSON_GetObjectItem(parent, key), *object = cJSON_CreateObject();
+  if (!array) array = cJSON_AddArrayToObject(parent, key);
+  cJSON_AddItemToArray(array, object);
+  return object;
 }
 
 cJSON *html_report_begin(const char *title, const char *command) {
@@ -60,16 +68,8 @@ cJSON *html_report_begin(const char *title, const char *command) {
   return report;
 }
 
-// A new object at the end of the array `key` of `parent`.
-static cJSON *append_object(cJSON *parent, const char *key) {
-  cJSON *array = cJSON_GetObjectItem(parent, key), *object = cJSON_CreateObject();
-  if (!array) array = cJSON_AddArrayToObject(parent, key);
-  cJSON_AddItemToArray(array, object);
-  return object;
-}
-
 cJSON *html_report_section(cJSON *report, const char *heading, const char *note, const char *command) {
-  cJSON *section = append_object(report, "sections");
+  cJSON *section = html_report_append(report, "sections");
   add_text(section, "heading", heading);
   if (note) add_text(section, "note", note);
   if (command) add_text(section, "command", command);
@@ -77,7 +77,7 @@ cJSON *html_report_section(cJSON *report, const char *heading, const char *note,
 }
 
 cJSON *html_report_table(cJSON *section, const char *caption) {
-  cJSON *table = append_object(section, "tables");
+  cJSON *table = html_report_append(section, "tables");
   add_text(table, "caption", caption);
   cJSON_AddArrayToObject(table, "columns");
   cJSON_AddArrayToObject(table, "rows");
@@ -85,7 +85,7 @@ cJSON *html_report_table(cJSON *section, const char *caption) {
 }
 
 void html_report_column(cJSON *table, const char *name, const char *note) {
-  cJSON *column = append_object(table, "columns");
+  cJSON *column = html_report_append(table, "columns");
   add_text(column, "name", name);
   if (note) add_text(column, "note", note);
 }
@@ -97,89 +97,10 @@ cJSON *html_report_row(cJSON *table) {
 }
 
 void html_report_plot(cJSON *section, const char *caption, char *svg) {
-  cJSON *plot = append_object(section, "plots");
+  cJSON *plot = html_report_append(section, "plots");
   add_text(plot, "caption", caption);
   add_text(plot, "svg", svg ? svg : "");
   free(svg);
-}
-
-cJSON *html_report_frame(cJSON *section, const char *name, const olx_image *image) {
-  cJSON *frame = append_object(section, "frames");
-  add_text(frame, "name", name);
-  add_number(frame, "width", image->width);
-  add_number(frame, "height", image->height);
-  return frame;
-}
-
-void html_report_fact(cJSON *frame, const char *name, double value) {
-  cJSON *fact = append_object(frame, "facts");
-  add_text(fact, "name", name);
-  add_number(fact, "value", value);
-}
-
-// A half float with the last three bits of its mantissa zero: a step is below 1 %, and the file is two thirds as large.
-static uint16_t short_half(float value) {
-  const uint16_t sign = value < 0.0f ? 0x8000 : 0;
-  const float magnitude = fabsf(value);
-  if (isnan(value)) return 0x7e00;
-  if (magnitude >= 65024.0f) return sign | 0x7bf8;
-  if (magnitude < 0x1p-14f) return sign | (uint16_t)lroundf(magnitude * 0x1p24f);
-  int exponent;
-  const float mantissa = frexpf(magnitude, &exponent); // 0.5 to 1; rounding up carries into the exponent
-  return sign | (uint16_t)(((exponent + 14) << 10) + ((int)lroundf(mantissa * 256.0f) - 128) * 8);
-}
-
-static olx_result add_png(cJSON *frame, cJSON *item, uint32_t channels, uint32_t height, const uint8_t *pixels) {
-  const uint32_t width = (uint32_t)cJSON_GetObjectItem(frame, "width")->valuedouble;
-  uint8_t *png;
-  size_t size_bytes;
-  const olx_result result = olx_png_encode(width, height, channels, pixels, &png, &size_bytes);
-  if (result != OLX_OK) return result;
-  cJSON_AddItemToObject(item, "png", base64_text(png, size_bytes));
-  olx_png_free(png);
-  return OLX_OK;
-}
-
-static void put_half(uint8_t *high, uint8_t *low, float value) {
-  const uint16_t half = short_half(value);
-  *high = (uint8_t)(half >> 8);
-  *low = (uint8_t)half;
-}
-
-// A PNG of twice the height: the high bytes above, the low bytes below.
-olx_result html_report_picture(cJSON *frame, const char *name, const olx_image *image, olx_layer layer,
-                               float exposure) {
-  cJSON *picture = append_object(frame, "pictures");
-  add_text(picture, "name", name);
-  add_number(picture, "exposure", (double)exposure);
-  const size_t pixels = (size_t)image->width * image->height;
-  uint8_t *bytes = malloc(6 * pixels);
-  if (!bytes) return OLX_ERROR_MEMORY;
-  for (size_t i = 0; i < pixels; ++i) {
-    const olx_vec3 light = image->layers[layer][i];
-    const bool gray = layer == OLX_LAYER_DEPTH;
-    const float channels[3] = {light.x, gray ? light.x : light.y, gray ? light.x : light.z};
-    for (size_t k = 0; k < 3; ++k) put_half(bytes + 3 * i + k, bytes + 3 * (pixels + i) + k, channels[k] * exposure);
-  }
-  const olx_result result = add_png(frame, picture, 3, 2 * image->height, bytes);
-  free(bytes);
-  return result;
-}
-
-olx_result html_report_map(cJSON *frame, const char *name, const float *values, map_scale scale) {
-  cJSON *map = append_object(frame, "maps");
-  add_text(map, "name", name);
-  add_number(map, "low", scale.low);
-  add_number(map, "high", scale.high);
-  cJSON_AddBoolToObject(map, "logarithmic", scale.logarithmic);
-  const uint32_t height = (uint32_t)cJSON_GetObjectItem(frame, "height")->valuedouble;
-  const size_t pixels = (size_t)cJSON_GetObjectItem(frame, "width")->valuedouble * height;
-  uint8_t *bytes = malloc(pixels);
-  if (!bytes) return OLX_ERROR_MEMORY;
-  for (size_t i = 0; i < pixels; ++i) bytes[i] = (uint8_t)(255.0f * fminf(fmaxf(values[i], 0.0f), 1.0f) + 0.5f);
-  const olx_result result = add_png(frame, map, 1, height, bytes);
-  free(bytes);
-  return result;
 }
 
 static void put_escaped(FILE *out, const char *text) {

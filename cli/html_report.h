@@ -24,21 +24,23 @@ cJSON *html_report_row(cJSON *table);
 // An <svg> (plot.h), which is freed.
 void html_report_plot(cJSON *section, const char *caption, char *svg);
 
-// Pictures of one view, which are laid over each other: `frame` is one of a section's tabs. A picture keeps its range of
-// light in 16 bits a channel (7 bits of mantissa), multiplied by `exposure`; a map holds numbers from 0 to 1 that stand
-// for low to high, in equal steps or (logarithmic) in equal ratios.
-typedef struct map_scale {
-  double low, high;
-  bool logarithmic;
-} map_scale;
+// A frame holds pictures of one size that are laid over each other, and is one of a section's tabs. A picture keeps its
+// range of light, multiplied by `exposure`, in half floats of 7 bits of mantissa. Maps are FLIP of every pixel
+// (olx_compare_perceptual), and the squared error over the mean square of the reference, whose mean is the relative MSE.
+// The pictures of the first two names are those that the divider parts; any number of pictures and maps may follow.
 cJSON *html_report_frame(cJSON *section, const char *name, const olx_image *image);
 olx_result html_report_picture(cJSON *frame, const char *name, const olx_image *image, olx_layer layer, float exposure);
-olx_result html_report_map(cJSON *frame, const char *name, const float *values, map_scale scale);
-
+olx_result html_report_flip(cJSON *frame, const char *name, const float *flip_map);
+olx_result html_report_squares(cJSON *frame, const char *name, const olx_image *image, const olx_image *reference,
+                               olx_layer layer);
 // A number that is shown beside the frame's pictures.
 void html_report_fact(cJSON *frame, const char *name, double value);
 
 // Write the file and release the report. EXIT_DONE, or EXIT_FAILED after a line that says why.
 int html_report_write(const char *command, cJSON *report, const char *path);
+
+// What the parts above are made of: a new object at the end of the array `key` of `parent`, and bytes as base64.
+cJSON *html_report_append(cJSON *parent, const char *key);
+cJSON *html_report_bytes(const uint8_t *bytes, size_t size_bytes);
 
 #endif

@@ -19,6 +19,7 @@ def check(good, what):
 
 
 STAGE = "document.querySelector('.pane.stage')"
+DIVIDER = "document.querySelector('.divider')"
 
 
 def rectangle(page, expression):
@@ -68,7 +69,7 @@ def check_pictures(page, stops):
 
 
 def check_divider(page):
-    value = lambda: int(page.value(STAGE + ".getAttribute('aria-valuenow')"))
+    value = lambda: int(page.value(DIVIDER + ".getAttribute('aria-valuenow')"))
     x, y, width, height = rectangle(page, STAGE)
     check(value() == 50, "the divider begins in the middle")
     page.drag(x + width / 2, y + height / 2, x + 0.8 * width, y + height / 2)
@@ -113,7 +114,7 @@ def check_zoom(page):
 
 
 def check_exposure(page):
-    page.value(STAGE + ".focus()")
+    page.value(DIVIDER + ".focus()")
     for _ in range(3):
         page.key("]")
     check("1.5" in page.value("document.getElementById('stops').textContent"), "the exposure is told")

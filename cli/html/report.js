@@ -167,13 +167,14 @@
     constructor(viewer, stage) {
       Object.assign(this, { viewer, stage, shown: [], split: 0.5 });
       this.canvas = element("canvas");
-      this.box = element("div", { className: stage ? "pane stage" : "pane", tabIndex: 0 }, this.canvas);
-      this.box.setAttribute("role", stage ? "slider" : "img");
+      this.box = element("div", { className: stage ? "pane stage" : "pane", tabIndex: stage ? -1 : 0 }, this.canvas);
+      this.box.setAttribute("role", stage ? "group" : "img");
       if (stage) {
-        this.divider = element("div", { className: "divider" });
+        this.divider = element("div", { className: "divider", tabIndex: 0, role: "slider" });
+        this.divider.setAttribute("aria-label", "Divider between both pictures");
+        this.divider.setAttribute("aria-valuemin", 0);
+        this.divider.setAttribute("aria-valuemax", 100);
         this.box.append(this.divider);
-        this.box.setAttribute("aria-valuemin", 0);
-        this.box.setAttribute("aria-valuemax", 100);
       }
       new ResizeObserver(() => redraw()).observe(this.box);
       this.listen();
@@ -211,8 +212,8 @@
     describe() {
       const percent = Math.round(100 * this.split);
       this.divider.style.left = `${100 * this.split}%`;
-      this.box.setAttribute("aria-valuenow", percent);
-      this.box.setAttribute("aria-valuetext", `${percent} % ${this.shown[0].name}, ${100 - percent} % ${this.shown[1].name}`);
+      this.divider.setAttribute("aria-valuenow", percent);
+      this.divider.setAttribute("aria-valuetext", `${percent} % ${this.shown[0].name}, ${100 - percent} % ${this.shown[1].name}`);
     }
 
     move(split) {
@@ -237,7 +238,7 @@
       box.addEventListener("dblclick", (event) => zoomTo(view.zoom > 1 ? 1 : 4, ...this.position(event)));
       box.addEventListener("keydown", (event) => this.key(event));
       box.addEventListener("wheel", (event) => {
-        if (!event.ctrlKey && document.activeElement !== box) return;
+        if (!event.ctrlKey && !box.contains(document.activeElement)) return;
         event.preventDefault();
         zoomTo(view.zoom * 2 ** (-event.deltaY / 300), ...this.position(event));
       }, { passive: false });
@@ -268,7 +269,7 @@
     }
 
     key(event) {
-      if (event.target !== this.box || event.ctrlKey || event.metaKey || event.altKey) return;
+      if (event.target.tagName === "SELECT" || event.ctrlKey || event.metaKey || event.altKey) return;
       const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
       const actions = {
         "+": () => zoomTo(view.zoom * 1.5), "=": () => zoomTo(view.zoom * 1.5), "-": () => zoomTo(view.zoom / 1.5),
@@ -349,7 +350,7 @@
       this.paneCount = loaded.length;
       for (const pane of [this.stagePane, ...(this.others || []).map((other) => other.pane)]) panes.delete(pane);
       this.stagePane = new Pane(this, true);
-      this.stagePane.box.setAttribute("aria-label", "Divider between two pictures; arrow keys move it, see Keys");
+      this.stagePane.box.setAttribute("aria-label", "Two pictures and the divider between them");
       this.sides.forEach((_, side) => this.stagePane.box.append(this.makePicker(loaded, side)));
       // Maps first, beside the stage; pictures of their own only when there are more than the stage shows.
       const indices = loaded.map((_, i) => i), rest = indices.filter((i) => i >= pictureCount);

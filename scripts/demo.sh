@@ -60,7 +60,8 @@ scene() {
   "$program" render "$scene" -o "$base-probes.png" --exposure "$exposure" --method field --field "$base.olx" \
     "${view[@]}" --spp 4 --show-probes >"$out/log.txt"
   say "$name: measure"
-  field_error=$("$program" compare "$base-field.exr" "$base-path.exr" --heatmap "$base-field-error.png" --json)
+  field_error=$("$program" compare "$base-field.exr" "$base-path.exr" --heatmap "$base-field-error.png" --json \
+    --report "$base.html" --exposure "$exposure")
   naive_error=$("$program" compare "$base-naive.exr" "$base-path.exr" --heatmap "$base-naive-error.png" --json)
   field_audit=$("$program" audit "$scene" --field "$base.olx" --rays 100000 --points 2000 --spp 256 --json)
   naive_audit=$("$program" audit "$scene" --field "$base.olx" --rays 2 --points 2000 --spp 256 --visibility none --json)
@@ -73,7 +74,7 @@ scene() {
   rows+="<td>$(percent "$field_audit" rays unresolved)<td>$(percent "$field_audit" rays wrong)"
   rows+=$'\n'
 
-  sections+="<section><h2>$title</h2><p>$text</p><div class=grid style=\"--shape: ${size/x/ / }\">"
+  sections+="<section><h2>$title</h2><p>$text <a href=\"${base##*/}.html\">The field against the path tracer, to look into.</a></p><div class=grid style=\"--shape: ${size/x/ / }\">"
   sections+=$(
     figure "$base-path.png" "Path traced" "The reference: $spp paths a pixel, $((bounces + 1)) indirect bounces."
     figure "$base-field.png" "From the field" "Direct light is sampled; everything indirect comes from the probes."
@@ -133,6 +134,7 @@ thead tr + tr th { white-space: normal; vertical-align: bottom; }
 tbody th, thead tr:first-child th:first-child { text-align: left; padding-left: 0; }
 thead th { font-weight: 600; color: var(--soft); vertical-align: bottom; }
 small { color: var(--soft); font-size: 14px; }
+a { color: inherit; }
 .scroll { margin-bottom: 16px; }
 </style>
 <main>

@@ -15,14 +15,14 @@
     return made;
   }
 
-  function decimal(value) {
+  function decimal(value, digits = 4) {
     if (value === null) return "\u2013";
     const size = Math.abs(value);
     if (size !== 0 && (size < 1e-3 || size >= 1e6)) {
-      const [mantissa, exponent] = value.toExponential(2).split("e");
+      const [mantissa, exponent] = value.toExponential(Math.min(digits - 1, 2)).split("e");
       return `${mantissa}\u00b710${superscript(Number(exponent))}`.replace("-", "\u2212");
     }
-    return String(Number(value.toPrecision(4))).replace("-", "\u2212");
+    return (Number.isInteger(value) ? String(value) : value.toPrecision(digits)).replace("-", "\u2212");
   }
 
   function superscript(integer) {
@@ -95,7 +95,7 @@
     }
     value(i) {
       const channels = [0, 1, 2].map((k) => halfValues[this.halves[3 * i + k]] / this.content.exposure);
-      return channels.map((c) => decimal(Number(c.toPrecision(3)))).join("  ");
+      return channels.map((c) => decimal(c, 3)).join("  ");
     }
   }
 
@@ -116,7 +116,7 @@
     value(i) {
       const { low, high, logarithmic } = this.content, share = this.levels[i] / 255;
       const value = logarithmic ? low * (high / low) ** share : low + (high - low) * share;
-      return (logarithmic && share === 0 ? "\u2264 " : "") + decimal(Number(value.toPrecision(2)));
+      return (logarithmic && share === 0 ? "\u2264 " : "") + decimal(value, 2);
     }
   }
 
@@ -437,9 +437,10 @@
   // ---- the page
 
   function makeSection({ heading, note, command, frames, tables, plots }) {
-    const section = element("section", {}, element("h2", { textContent: heading }));
-    if (note) section.append(element("p", { className: "note", textContent: note }));
-    if (command) section.append(element("p", { className: "note" }, element("code", { textContent: command })));
+    const head = element("div", { className: "section-head" }, element("h2", { textContent: heading }));
+    if (note) head.append(element("p", { className: "note", textContent: note }));
+    if (command) head.append(element("p", { className: "note" }, element("code", { textContent: command })));
+    const section = element("section", {}, head);
     if (frames) section.append(new Viewer(frames).box);
     for (const table of tables || []) section.append(makeTable(table));
     if (plots) {

@@ -25,8 +25,8 @@ typedef struct bake_options {
       {"--select",                                                                                                     \
        OPTION_CHOICES,                                                                                                 \
        &(b).select_mask,                                                                                               \
-       "cage|voronoi|octree",                                                                                          \
-       "how probes are found, several with commas; default cage for grids",                                            \
+       "cage|voronoi|octree|bricks",                                                                                   \
+       "how probes are found, several with commas; default cage, bricks for --probes",                                 \
        0,                                                                                                              \
        0},                                                                                                             \
       {"--irradiance-grid",                                                                                            \

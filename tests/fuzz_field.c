@@ -17,7 +17,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#define BOTH (1u << OLX_SELECT_VORONOI | 1u << OLX_SELECT_OCTREE)
+#define ALL (1u << OLX_SELECT_VORONOI | 1u << OLX_SELECT_OCTREE | 1u << OLX_SELECT_BRICKS)
 enum { SHAPES = 8, RAYS = 6, POINTS = 3, SECONDS_A_ROUND = 20, MOST_ADDED = 4096 };
 
 static const synthetic_shape shapes[SHAPES] = {
@@ -27,8 +27,8 @@ static const synthetic_shape shapes[SHAPES] = {
     {.grid = {1, 4, 1}, .irradiance_grid = {2, 2, 1}, .n = 32, .irradiance_n = 8},
     {.grid = {1, 1, 1}, .irradiance_grid = {1, 1, 1}, .n = 64, .irradiance_n = 32},
     {.grid = {1, 1, 2}, .irradiance_grid = {1, 2, 2}, .n = 64, .irradiance_n = 8},
-    {.grid = {3, 3, 3}, .irradiance_grid = {1, 1, 1}, .n = 8, .irradiance_n = 8, .select_mask = BOTH},
-    {.grid = {20, 7, 2}, .irradiance_grid = {1, 1, 1}, .n = 8, .irradiance_n = 8, .select_mask = BOTH},
+    {.grid = {3, 3, 3}, .irradiance_grid = {1, 1, 1}, .n = 8, .irradiance_n = 8, .select_mask = ALL},
+    {.grid = {20, 7, 2}, .irradiance_grid = {1, 1, 1}, .n = 8, .irradiance_n = 8, .select_mask = ALL},
 };
 
 typedef struct buffer {

@@ -266,6 +266,24 @@ def check_octree(blob, probes):
     need(reached == inner and seen == leaves, "OCTR: nodes that nobody reaches")
 
 
+def check_bricks(blob, probes, map_bytes):
+    need(len(blob) >= 64, "BRIK: size")
+    x, y, z, cell = struct.unpack_from("<4f", blob, 0)
+    nx, ny, nz, divided, lists, *zeros = struct.unpack_from("<12I", blob, 16)
+    need(all(map(math.isfinite, (x, y, z, cell))) and cell > 0 and not any(zeros), "BRIK: header")
+    need(all(1 <= n <= 65536 for n in (nx, ny, nz)) and 1 <= lists <= 65536, "BRIK: counts")
+    bricks = nx * ny * nz
+    need(len(blob) == 64 + 4 * (bricks + 32 * divided + 4 * lists), "BRIK: size")
+    need(len(blob) <= max(4096, min(4000000, map_bytes // 25)), "BRIK: more than its share")
+    index = struct.unpack_from(f"<{bricks}I", blob, 64)
+    need(all(i & 0x7FFFFFFF < divided if i >> 31 else i < lists for i in index), "BRIK: index")
+    cells = struct.unpack_from(f"<{64 * divided}H", blob, 64 + 4 * bricks)
+    need(all(i < lists for i in cells), "BRIK: cells")
+    named = struct.unpack_from(f"<{8 * lists}H", blob, 64 + 4 * (bricks + 32 * divided))
+    for i in range(0, len(named), 8):
+        check_choices("BRIK", [None if probe == 0xFFFF else probe for probe in named[i:i + 8]], probes)
+
+
 def sample(count):
     step = max(1, count // PROBES_LOOKED_AT)
     return range(0, count, step)
@@ -299,6 +317,8 @@ def read(path):
         check_voronoi(chunks["VORO"][0], d["P"])
     if "OCTR" in chunks:
         check_octree(chunks["OCTR"][0], d["P"])
+    if "BRIK" in chunks:
+        check_bricks(chunks["BRIK"][0], d["P"], sum(map(size, ("RADI", "NORM", "DIST"))))
     names = [name for bit, name in enumerate(("cage", "voronoi", "octree", "bricks")) if d["selectors"] >> bit & 1]
     told = {
         "probes": d["P"], "irradiance_probes": d["Q"], "buried": d["buried"], "irradiance_buried": d["irradiance_buried"],

@@ -18,12 +18,13 @@ expect_json 'o["rays"]["unresolved_seen"] < 0.05 and o["rays"]["wrong_seen"] < 0
 expect 0 audit $scene --field free.olx --rays 100 --points 0 --select exhaustive
 expect 0 render $scene -o free.png --field free.olx --size 48x36 --spp 1 --show-probes
 
-# The selectors of Wang's thesis: baked in together, chosen when asked, no worse than asking everyone.
-expect 0 bake $scene -o both.olx --probes probes.json $small --select octree,voronoi
-expect_json 'o["select"] == "voronoi,octree" and o["bytes"]["selector"] > 5000' info both.olx
+# All selectors baked in together, chosen when asked, no worse than asking everyone. Bricks are what comes unasked.
+expect_json 'o["select"] == "bricks" and o["bytes"]["selector"] < 7500' info free.olx
+expect 0 bake $scene -o both.olx --probes probes.json $small --select octree,voronoi,bricks
+expect_json 'o["select"] == "voronoi,octree,bricks" and o["bytes"]["selector"] > 5000' info both.olx
 expect 0 verify both.olx
 python3 "$(dirname "$0")/read_field.py" both.olx >/dev/null || fail "the independent reader refuses the selectors"
-for select in voronoi octree; do
+for select in voronoi octree bricks; do
   expect_json 'o["rays"]["unresolved_seen"] < 0.05 and o["rays"]["wrong_seen"] < 0.05 and o["rays"]["probes_mean"] < 3' \
     audit $scene --field both.olx --rays 5000 --points 0 --select $select
 done

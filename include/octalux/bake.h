@@ -15,7 +15,7 @@ typedef struct olx_bake_settings {
   const olx_vec3 *probes;   // light field probes anywhere instead of on `grid`, metres; the caller's; default NULL
   uint32_t probe_count;     // of `probes`, 1 to 2^20
   uint32_t select_mask;     // bit (1 << olx_select) for each structure to bake in (octalux/field.h), 0 for what fits best:
-                            // cage for a grid. The cage needs the grid. Default 0
+                            // cage for a grid, bricks for `probes`. The cage needs the grid. Default 0
   olx_grid irradiance_grid; // irradiance probes; set to olx_bake_irradiance_grid of that
   uint32_t radiance_size;   // texels along a side: a power of two, 8 to 2048; default 1024
   uint32_t irradiance_size; // a power of two, 8 to 256; default 128

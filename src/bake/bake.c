@@ -147,7 +147,8 @@ static float least_spacing(const olx_grid *grid, float otherwise) {
 
 static uint32_t select_mask(const olx_bake_settings *settings) {
   if (settings->select_mask) return settings->select_mask;
-  return settings->probes ? 0 : 1u << OLX_SELECT_CAGE;
+  if (!settings->probes) return 1u << OLX_SELECT_CAGE;
+  return settings->probe_count <= OLX_BRICK_MOST_PROBES ? 1u << OLX_SELECT_BRICKS : 0;
 }
 
 static olx_result create_file(bake *b, const char *path) {

@@ -1,5 +1,6 @@
 #include "bake/selectors.h"
 
+#include "bake/bricks_build.h"
 #include "bake/octree_build.h"
 #include "bake/voronoi_build.h"
 #include "core/hooks.h"
@@ -10,6 +11,7 @@ static olx_selector_builder builder_of(olx_select select) {
   switch (select) {
   case OLX_SELECT_VORONOI: return olx_voronoi_build;
   case OLX_SELECT_OCTREE: return olx_octree_build;
+  case OLX_SELECT_BRICKS: return olx_bricks_build;
   default: return NULL;
   }
 }

@@ -49,9 +49,13 @@ static olx_result find_selectors(olx_field *field, const olx_chunk_shape shapes[
   return OLX_OK;
 }
 
-static olx_result check_selectors(const olx_field *field) {
+static olx_result check_selectors(olx_field *field) {
   if (field->select_data[OLX_SELECT_VORONOI]) OLX_TRY(olx_voronoi_check(field));
   if (field->select_data[OLX_SELECT_OCTREE]) OLX_TRY(olx_octree_check(field));
+  const void *bricks = field->select_data[OLX_SELECT_BRICKS];
+  if (!bricks) return OLX_OK;
+  const size_t size_bytes = field->select_bytes[OLX_SELECT_BRICKS];
+  OLX_TRY(olx_bricks_open(bricks, size_bytes, field->info.probe_count, field->name, &field->bricks));
   return OLX_OK;
 }
 

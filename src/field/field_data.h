@@ -4,6 +4,8 @@
 
 #include "core/pack.h"
 
+#include "field/brick_data.h"
+
 #include <octalux/field.h>
 
 #define OLX_SELECT_STORED OLX_SELECT_EXHAUSTIVE // how many selectors may be baked in
@@ -41,6 +43,7 @@ struct olx_field {
   // What the selectors in info.select_mask were baked into, by olx_select; NULL and 0 where there is nothing.
   const void *select_data[OLX_SELECT_STORED];
   size_t select_bytes[OLX_SELECT_STORED];
+  olx_bricks bricks; // into select_data
 
   float distance_scale;
 

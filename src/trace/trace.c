@@ -1,21 +1,29 @@
 // A ray against the whole field: probe after probe until one knows (McGuire et al. 2017, Listing 1).
+#include "select/bricks.h"
 #include "select/cage.h"
 #include "select/octree.h"
 #include "select/select.h"
+#include "select/sight.h"
 #include "select/voronoi.h"
 #include "trace/probe_trace.h"
 
 // Probes remembered as asked: the most that olx_sample_settings.max_probes can be.
 enum { MAX_ATTEMPTS = 128 };
 
-// A texel of an n x n map is about this over n wide: sqrt(4 pi).
-static const float TEXEL_ANGLE = 3.5449077f;
+// A probe that loses a ray knows where only to within its texels. The next one takes over by this many footprints before
+// that, so that the ray does not slip through what it was about to hit.
+static const float HAND_OVER_FOOTPRINTS = 0.5f;
+// A ray that went out of every probe's sight by no more than this many footprints behind a surface is taken to end there.
+static const float VANISHED_FOOTPRINTS = 2.0f;
+// How much worse a probe to begin with is for standing off the ray's line than for standing off its origin.
+static const float OFF_LINE = 4.0f;
 
 typedef struct search {
   const olx_field *field;
   const olx_sample_settings *settings;
   olx_vec3 origin, direction;
   float t, t_max; // the ray is known to be free up to t
+  float lost;     // where the probe that followed it farthest lost it
   uint32_t attempts, limit;
   uint32_t asked[MAX_ATTEMPTS];
   uint32_t steps;
@@ -50,11 +58,10 @@ static float line_distance_squared(const search *s, uint32_t probe) {
   return olx_dot(foot, foot);
 }
 
-// Whether a probe's stored distance towards a point lets it see that point, or just about.
-static bool sees(const search *s, uint32_t probe, olx_vec3 point) {
-  const olx_vec3 offset = olx_sub(point, s->field->probe_positions[probe]);
-  const size_t texel = olx_texel_towards(s->field, offset);
-  return olx_length(offset) <= 1.02f * olx_texel_distance(s->field, probe, texel);
+// Whether a probe sees where the ray begins or, once others have lost it, where that was.
+static bool sees(const search *s, uint32_t probe) {
+  if (s->attempts == 0) return olx_probe_sees(s->field, probe, s->origin, OLX_SIGHT_START, &s->direction);
+  return olx_probe_sees(s->field, probe, ray_point(s, s->lost), OLX_SIGHT_STUCK, NULL);
 }
 
 // Ask one probe. True when it settles the ray.
@@ -68,13 +75,15 @@ static bool ask(search *s, uint32_t probe, olx_probe_answer *answer) {
   };
   *answer = olx_trace_probe(s->field, probe, &ray, s->settings->tracer);
   s->steps += answer->steps;
-  if (answer->status == OLX_TRACE_HIT) return true;
-  if (answer->status == OLX_TRACE_MISS) return true;
+  if (answer->status != OLX_TRACE_UNKNOWN) return true;
   if (s->fallback_probe == UINT32_MAX || answer->gap < s->fallback.gap) {
     s->fallback = *answer;
     s->fallback_probe = probe;
   }
-  if (answer->t > s->t) s->t = answer->t;
+  const float footprint =
+      olx_mean_texel_angle(s->field->n) * olx_length(olx_madd(ray.origin, ray.direction, answer->t));
+  s->t = olx_max(s->t, answer->t - HAND_OVER_FOOTPRINTS * footprint);
+  s->lost = olx_max(s->lost, answer->t);
   return false;
 }
 
@@ -97,7 +106,7 @@ static uint32_t first_corner(const search *s, const olx_grid *grid, const olx_ca
 static bool search_cages(search *s, uint32_t *probe, olx_probe_answer *answer) {
   const olx_grid *grid = &s->field->info.grid;
   for (;;) {
-    const olx_cage cage = olx_cage_at(grid, ray_point(s, s->t));
+    const olx_cage cage = olx_cage_at(grid, ray_point(s, s->lost));
     uint32_t corner = first_corner(s, grid, &cage);
     bool moved = false;
     for (uint32_t i = 0; i < 8 && !moved; i++, corner = (corner + 3) & 7u) {
@@ -106,7 +115,7 @@ static bool search_cages(search *s, uint32_t *probe, olx_probe_answer *answer) {
       if (!usable(s, *probe) || was_asked(s, *probe)) continue;
       if (s->attempts >= s->limit) return false;
       if (ask(s, *probe, answer)) return true;
-      const olx_cage now = olx_cage_at(grid, ray_point(s, s->t));
+      const olx_cage now = olx_cage_at(grid, ray_point(s, s->lost));
       moved = now.base[0] != cage.base[0] || now.base[1] != cage.base[1] || now.base[2] != cage.base[2];
     }
     if (!moved) return false;
@@ -132,7 +141,7 @@ static bool search_voronoi(search *s, uint32_t *probe, olx_probe_answer *answer)
 
 // Ask the probes of the leaf around the ray's free end, and of each further leaf the ray advances into.
 static bool search_octree(search *s, uint32_t *probe, olx_probe_answer *answer) {
-  uint32_t leaf = olx_octree_leaf(s->field, ray_point(s, s->t));
+  uint32_t leaf = olx_octree_leaf(s->field, ray_point(s, s->lost));
   for (;;) {
     uint32_t choices[OLX_CHOICES];
     olx_octree_choices(s->field, leaf, choices);
@@ -142,7 +151,7 @@ static bool search_octree(search *s, uint32_t *probe, olx_probe_answer *answer) 
       if (*probe == OLX_NO_PROBE || !usable(s, *probe) || was_asked(s, *probe)) continue;
       if (s->attempts >= s->limit) return false;
       if (ask(s, *probe, answer)) return true;
-      const uint32_t now = olx_octree_leaf(s->field, ray_point(s, s->t));
+      const uint32_t now = olx_octree_leaf(s->field, ray_point(s, s->lost));
       moved = now != leaf;
       leaf = now;
     }
@@ -150,16 +159,47 @@ static bool search_octree(search *s, uint32_t *probe, olx_probe_answer *answer) 
   }
 }
 
+// Of the probes that the bricks list for where the ray stands, the best that sees it: to begin with one near the origin and
+// the ray's line, later the nearest.
+static bool next_listed(const search *s, uint32_t *next) {
+  const olx_vec3 place = s->attempts == 0 ? s->origin : ray_point(s, s->lost);
+  const uint32_t *list = olx_bricks_list(&s->field->bricks, place);
+  float cost[OLX_BRICK_PROBES];
+  for (uint32_t i = 0; i < OLX_BRICK_PROBES; i++) {
+    const uint32_t probe = olx_bricks_probe(list, i);
+    cost[i] = INFINITY;
+    if (probe == OLX_BRICK_NO_PROBE || !usable(s, probe) || was_asked(s, probe)) continue;
+    const olx_vec3 offset = olx_sub(s->field->probe_positions[probe], place);
+    cost[i] = olx_dot(offset, offset);
+    if (s->attempts == 0) cost[i] += OFF_LINE * line_distance_squared(s, probe);
+  }
+  for (;;) {
+    uint32_t best = 0;
+    for (uint32_t i = 1; i < OLX_BRICK_PROBES; i++) best = cost[i] < cost[best] ? i : best;
+    if (cost[best] == INFINITY) return false;
+    *next = olx_bricks_probe(list, best);
+    if (sees(s, *next)) return true;
+    cost[best] = INFINITY;
+  }
+}
+
+static bool search_bricks(search *s, uint32_t *probe, olx_probe_answer *answer) {
+  while (s->attempts < s->limit && next_listed(s, probe)) {
+    if (ask(s, *probe, answer)) return true;
+  }
+  return false;
+}
+
 // Ask whichever other probes see the place where the ray is stuck, nearest first.
 static bool search_everywhere(search *s, uint32_t *probe, olx_probe_answer *answer) {
   while (s->attempts < s->limit) {
-    const olx_vec3 stuck = ray_point(s, s->t);
+    const olx_vec3 place = s->attempts == 0 ? s->origin : ray_point(s, s->lost);
     float best_distance = INFINITY;
     for (uint32_t i = 0; i < s->field->info.probe_count; i++) {
       if (!usable(s, i) || was_asked(s, i)) continue;
-      const olx_vec3 offset = olx_sub(s->field->probe_positions[i], stuck);
+      const olx_vec3 offset = olx_sub(s->field->probe_positions[i], place);
       const float distance = olx_dot(offset, offset);
-      if (distance >= best_distance || !sees(s, i, stuck)) continue;
+      if (distance >= best_distance || !sees(s, i)) continue;
       best_distance = distance;
       *probe = i;
     }
@@ -207,7 +247,7 @@ static olx_trace_hit describe(const search *s, uint32_t probe, const olx_probe_a
 // Where the ray leaves the scene's bounds for good, widened by what two texels on the far side of the scene span, so that
 // walls which are the bounds are met before; 0 when the bounds lie behind the ray.
 static float leave_bounds(const olx_field *field, olx_vec3 origin, olx_vec3 direction) {
-  const olx_vec3 room = olx_splat(field->distance_scale * 2.0f * TEXEL_ANGLE / (float)field->n);
+  const olx_vec3 room = olx_splat(field->distance_scale * 2.0f * olx_mean_texel_angle(field->n));
   const olx_vec3 low = olx_sub(field->info.scene_min, room), high = olx_add(field->info.scene_max, room);
   float t = INFINITY;
   for (uint32_t axis = 0; axis < 3; axis++) {
@@ -222,6 +262,7 @@ static float leave_bounds(const olx_field *field, olx_vec3 origin, olx_vec3 dire
 static bool search_selected(search *s, uint32_t *probe, olx_probe_answer *answer) {
   switch (olx_select_resolve(s->field, s->settings->select)) {
   case OLX_SELECT_CAGE: return search_cages(s, probe, answer);
+  case OLX_SELECT_BRICKS: return search_bricks(s, probe, answer);
   case OLX_SELECT_VORONOI: return search_voronoi(s, probe, answer);
   case OLX_SELECT_OCTREE: return search_octree(s, probe, answer);
   default: return false;
@@ -246,6 +287,7 @@ olx_trace_hit olx_trace(const olx_field *field, const olx_sample_settings *setti
   if (search_selected(&s, &probe, &answer) || search_everywhere(&s, &probe, &answer)) {
     return describe(&s, probe, &answer, t_max_metres);
   }
+  if (s.fallback_probe != UINT32_MAX && s.fallback.gap < VANISHED_FOOTPRINTS) s.fallback.status = OLX_TRACE_HIT;
   if (s.fallback_probe != UINT32_MAX) return describe(&s, s.fallback_probe, &s.fallback, t_max_metres);
   return (olx_trace_hit){.status = OLX_TRACE_UNKNOWN, .probe = UINT32_MAX, .probes_tried = s.attempts};
 }

@@ -1,0 +1,13 @@
+// Building bricks: cells of space that list the probes which see them (docs/maths.md, "Choosing probes").
+#ifndef OLX_BAKE_BRICKS_BUILD_H
+#define OLX_BAKE_BRICKS_BUILD_H
+
+#include "bake/selectors.h"
+#include "field/brick_data.h"
+
+// The most that bricks may take for so many bytes of maps: 4 %, but no less than a little and no more than 4 MB.
+uint64_t olx_bricks_budget(uint64_t map_bytes);
+
+olx_result olx_bricks_build(const olx_selector_input *input, void **data, size_t *size_bytes);
+
+#endif

@@ -1,0 +1,23 @@
+// What probes see, coarsely: for builders that ask which probe sees what, many times over.
+#ifndef OLX_BAKE_PROBE_VIEWS_H
+#define OLX_BAKE_PROBE_VIEWS_H
+
+#include "bake/selectors.h"
+
+// Octahedral maps of distance and normal, n x n texels without border, from rays through the texels' centres.
+typedef struct olx_probe_views {
+  const olx_selector_input *input;
+  uint32_t n;
+  float *distance;  // metres, infinite for the sky; n * n a probe
+  uint16_t *normal; // olx_normal_pack, on the probe's side
+} olx_probe_views;
+
+// Maps at the radiance maps' size or as near to it as a bounded amount of memory allows. Free them in any case.
+olx_result olx_probe_views_create(const olx_selector_input *input, olx_probe_views *views);
+void olx_probe_views_free(olx_probe_views *views);
+
+// Whether a probe sees a point: it lies in front of the plane of the surface in that direction, or less than a texel's
+// footprint behind it.
+bool olx_view_sees(const olx_probe_views *views, uint32_t probe, olx_vec3 point);
+
+#endif

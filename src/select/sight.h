@@ -1,0 +1,41 @@
+// Whether a probe sees a place, by the surface that it stores in that direction.
+#ifndef OLX_SELECT_SIGHT_H
+#define OLX_SELECT_SIGHT_H
+
+#include "field/maps.h"
+
+// How far behind a stored surface a place may lie and still count as on it, in footprints of the texel.
+#define OLX_SIGHT_START 0.5f // of a ray
+#define OLX_SIGHT_STUCK 1.0f // where a ray went out of another probe's sight
+
+// Surfels under flatter angles than this cosine count as under this one.
+static const float OLX_SIGHT_LEAST_COSINE = 0.1f;
+
+// Side of a texel of an n x n map at distance 1: the root of its mean solid angle.
+static inline float olx_mean_texel_angle(uint32_t n) { return 3.5449077f / (float)n; }
+
+// Whether `point` lies in front of the plane of the surfel that the probe stores there, or no more than `slack` footprints
+// behind it, or nearer to the probe than the texel's surface can reach. With `leaving`, the direction of a ray that begins
+// there: a point on the surface counts only when the ray leaves it towards the probe, because one that goes into it has
+// begun on the other side of something thin.
+static inline bool olx_probe_sees(const olx_field *field, uint32_t probe, olx_vec3 point, float slack,
+                                  const olx_vec3 *leaving) {
+  const olx_vec3 offset = olx_sub(point, field->probe_positions[probe]);
+  const float n = (float)field->n;
+  const olx_vec2 uv = olx_octahedral_encode(offset);
+  const float x = floorf(olx_min(uv.x * n, n - 1.0f)), y = floorf(olx_min(uv.y * n, n - 1.0f));
+  const size_t texel = olx_map_index(field->stride, (int32_t)x, (int32_t)y);
+  const float distance = olx_texel_distance(field, probe, texel), radius = olx_length(offset);
+  if (distance == INFINITY) return true;
+  const float footprint = distance * sqrtf(olx_texel_solid_angle_near(uv, field->n));
+  if (radius < distance - 2.0f * footprint / OLX_SIGHT_LEAST_COSINE) return true;
+  const olx_vec3 centre = olx_octahedral_decode((olx_vec2){(x + 0.5f) / n, (y + 0.5f) / n});
+  const olx_vec3 normal = olx_texel_normal(field, probe, texel);
+  const float cosine = olx_max(-olx_dot(normal, centre), OLX_SIGHT_LEAST_COSINE);
+  if (radius < distance - 2.0f * footprint / cosine) return true;
+  const float height = olx_dot(normal, olx_madd(offset, centre, -distance));
+  if (height < -slack * footprint) return false;
+  return !leaving || height >= footprint || olx_dot(normal, *leaving) >= 0.0f;
+}
+
+#endif

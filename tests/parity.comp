@@ -77,7 +77,7 @@ void derive_march() {
 
 void derive_search() {
   olx_probe_answer answer = olx_probe_answer(OLX_TRACE_UNKNOWN, 0.0, ivec2(0), 0.0, 0u);
-  search = olx_search(settings, point, direction, 0.0, min(item.v[14], olx_leave_bounds(point, direction)), 0u, 128u, 0u,
+  search = olx_search(settings, point, direction, 0.0, min(item.v[14], olx_leave_bounds(point, direction)), 0.0, 0u, 128u, 0u,
                       answer, OLX_NO_PROBE);
 }
 
@@ -207,8 +207,11 @@ void search_rows() {
     break;
   case ROW_olx_ray_point: put(olx_ray_point(search, random.x)); break;
   case ROW_olx_line_distance_squared: put(olx_line_distance_squared(search, probe)); break;
-  case ROW_olx_sees: put(olx_sees(probe, point)); break;
-  case ROW_olx_ask: put(olx_ask(search, probe, answer)), put(search.attempts), put(search.t), put_answer(answer); break;
+  case ROW_olx_sees: put(olx_sees(search, probe)); break;
+  case ROW_olx_probe_sees:
+    put(olx_probe_sees(probe, point, random.x, (bits.x & 1u) != 0u ? direction : vec3(0.0)));
+    break;
+  case ROW_olx_ask: put(olx_ask(search, probe, answer)), put(search.attempts), put(search.t), put(search.lost), put_answer(answer); break;
   case ROW_olx_first_corner: put(olx_first_corner(search, olx_cage_at(olx_field.grid, point))); break;
   case ROW_olx_search_cages: put(olx_search_cages(search, found, answer)), put(search.attempts), put(search.t); break;
   case ROW_olx_search_everywhere: put(olx_search_everywhere(search, found, answer)), put(search.attempts), put(search.t); break;

@@ -97,18 +97,19 @@
 #define ROW_olx_describe 82
 #define ROW_olx_leave_bounds 83
 #define ROW_olx_trace 84
-#define ROWS_OF_SEARCH 85
+#define ROW_olx_probe_sees 85
+#define ROWS_OF_SEARCH 86
 
-#define ROW_olx_map_irradiance 85
-#define ROW_olx_map_moments 86
-#define ROW_olx_chebyshev 87
-#define ROW_olx_visibility 88
-#define ROW_olx_probe_weight 89
-#define ROW_olx_irradiance_usable 90
-#define ROW_olx_nearest_visible 91
-#define ROW_olx_add_from_afar 92
-#define ROW_olx_irradiance 93
-#define ROW_olx_glossy 94
-#define ROWS_OF_SHADE 95
+#define ROW_olx_map_irradiance 86
+#define ROW_olx_map_moments 87
+#define ROW_olx_chebyshev 88
+#define ROW_olx_visibility 89
+#define ROW_olx_probe_weight 90
+#define ROW_olx_irradiance_usable 91
+#define ROW_olx_nearest_visible 92
+#define ROW_olx_add_from_afar 93
+#define ROW_olx_irradiance 94
+#define ROW_olx_glossy 95
+#define ROWS_OF_SHADE 96
 
 #endif

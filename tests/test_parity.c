@@ -278,9 +278,10 @@ ROW(was_asked, for (uint32_t i = 0; i < 4; i++) s->search.asked[s->search.attemp
     put_u(r, was_asked(&s->search, s->bits[0] >> 8 & 7u));)
 ROW(ray_point, put_3(r, ray_point(&s->search, s->random[0]));)
 ROW(line_distance_squared, put_f(r, line_distance_squared(&s->search, s->probe));)
-ROW(sees, put_u(r, sees(&s->search, s->probe, s->point));)
+ROW(sees, put_u(r, sees(&s->search, s->probe));)
+ROW(probe_sees, put_u(r, olx_probe_sees(s->field, s->probe, s->point, s->random[0], s->bits[0] & 1u ? &s->direction : NULL));)
 ROW(ask, olx_probe_answer a = {0}; put_u(r, ask(&s->search, s->probe, &a)); put_u(r, s->search.attempts);
-    put_f(r, s->search.t); put_answer(r, &a);)
+    put_f(r, s->search.t); put_f(r, s->search.lost); put_answer(r, &a);)
 ROW(first_corner, const olx_grid *grid = &s->field->info.grid; const olx_cage cage = olx_cage_at(grid, s->point);
     put_u(r, first_corner(&s->search, grid, &cage));)
 ROW(search_cages, olx_probe_answer a = {0}; uint32_t found = 0; put_u(r, search_cages(&s->search, &found, &a));
@@ -417,6 +418,7 @@ static const parity_row ROWS[] = {
     PARITY(describe, 1e-5f, 1e-3),
     PARITY(leave_bounds, 1e-5f, 1e-3),
     PARITY(trace, 1e-5f, 1e-3),
+    PARITY(probe_sees, 1e-5f, 1e-3),
     PARITY(map_irradiance, 1e-4f, 1e-3),
     PARITY(map_moments, 1e-4f, 1e-3),
     PARITY(chebyshev, 1e-4f, 1e-3),

@@ -7,6 +7,10 @@
 #include "probe_trace.glsl"
 #include "select.glsl"
 #include "settings.glsl"
+#include "sight.glsl"
+
+const float OLX_HAND_OVER_FOOTPRINTS = 0.5;
+const float OLX_VANISHED_FOOTPRINTS = 2.0;
 
 struct olx_trace_hit {
   uint status;           // OLX_TRACE_*
@@ -24,6 +28,7 @@ struct olx_search {
   olx_sample_settings settings;
   vec3 origin, direction;
   float t, t_max; // the ray is known to be free up to t
+  float lost;     // where the probe that followed it farthest lost it
   uint attempts, limit;
   uint steps;
   // The best guess should no probe know: the occluder behind which the ray vanished by the smallest gap.
@@ -63,12 +68,10 @@ float olx_line_distance_squared(olx_search s, uint probe) {
   return olx_dot(foot, foot);
 }
 
-// Whether a probe's stored distance towards a point lets it see that point, or just about.
-bool olx_sees(uint probe, vec3 point) {
-  precise vec3 offset = point - olx_probe_position(probe);
-  precise float reach = 1.02 * olx_texel_distance(olx_map_origin(probe), olx_texel_towards(offset));
-  precise float distance = sqrt(olx_dot(offset, offset));
-  return distance <= reach;
+// Whether a probe sees where the ray begins or, once others have lost it, where that was.
+bool olx_sees(olx_search s, uint probe) {
+  if (s.attempts == 0u) return olx_probe_sees(probe, s.origin, OLX_SIGHT_START, s.direction);
+  return olx_probe_sees(probe, olx_ray_point(s, s.lost), OLX_SIGHT_STUCK, vec3(0.0));
 }
 
 // Ask one probe. True when it settles the ray.
@@ -77,13 +80,16 @@ bool olx_ask(inout olx_search s, uint probe, inout olx_probe_answer answer) {
   precise vec3 origin = s.origin - olx_probe_position(probe);
   answer = olx_trace_probe(probe, olx_probe_ray(origin, s.direction, s.t, s.t_max), s.settings.tracer);
   s.steps += answer.steps;
-  if (answer.status == OLX_TRACE_HIT) return true;
-  if (answer.status == OLX_TRACE_MISS) return true;
+  if (answer.status != OLX_TRACE_UNKNOWN) return true;
   if (s.fallback_probe == OLX_NO_PROBE || answer.gap < s.fallback.gap) {
     s.fallback = answer;
     s.fallback_probe = probe;
   }
-  if (answer.t > s.t) s.t = answer.t;
+  precise vec3 lost = origin + s.direction * answer.t;
+  precise float footprint = OLX_TEXEL_ANGLE / float(olx_field.n) * sqrt(olx_dot(lost, lost));
+  precise float before = answer.t - OLX_HAND_OVER_FOOTPRINTS * footprint;
+  s.t = max(s.t, before);
+  s.lost = max(s.lost, answer.t);
   return false;
 }
 
@@ -105,7 +111,7 @@ uint olx_first_corner(olx_search s, olx_cage cage) {
 // Ask the probes of the cage around the ray's free end, and of each further cage the ray advances into.
 bool olx_search_cages(inout olx_search s, inout uint probe, inout olx_probe_answer answer) {
   for (;;) {
-    olx_cage cage = olx_cage_at(olx_field.grid, olx_ray_point(s, s.t));
+    olx_cage cage = olx_cage_at(olx_field.grid, olx_ray_point(s, s.lost));
     uint corner = olx_first_corner(s, cage);
     bool moved = false;
     for (uint i = 0u; i < 8u && !moved; i++, corner = (corner + 3u) & 7u) {
@@ -114,7 +120,7 @@ bool olx_search_cages(inout olx_search s, inout uint probe, inout olx_probe_answ
       if (!olx_usable(s, probe) || olx_was_asked(s, probe)) continue;
       if (s.attempts >= s.limit) return false;
       if (olx_ask(s, probe, answer)) return true;
-      moved = olx_cage_at(olx_field.grid, olx_ray_point(s, s.t)).base != cage.base;
+      moved = olx_cage_at(olx_field.grid, olx_ray_point(s, s.lost)).base != cage.base;
     }
     if (!moved) return false;
   }
@@ -123,13 +129,14 @@ bool olx_search_cages(inout olx_search s, inout uint probe, inout olx_probe_answ
 // Ask whichever other probes see the place where the ray is stuck, nearest first.
 bool olx_search_everywhere(inout olx_search s, inout uint probe, inout olx_probe_answer answer) {
   while (s.attempts < s.limit) {
-    vec3 stuck = olx_ray_point(s, s.t);
+    vec3 place = s.origin;
+    if (s.attempts > 0u) place = olx_ray_point(s, s.lost);
     float best_distance = OLX_INFINITY;
     for (uint i = 0u; i < olx_field.probe_count; i++) {
       if (!olx_usable(s, i) || olx_was_asked(s, i)) continue;
-      precise vec3 offset = olx_probe_position(i) - stuck;
+      precise vec3 offset = olx_probe_position(i) - place;
       float distance = olx_dot(offset, offset);
-      if (distance >= best_distance || !olx_sees(i, stuck)) continue;
+      if (distance >= best_distance || !olx_sees(s, i)) continue;
       best_distance = distance;
       probe = i;
     }
@@ -196,12 +203,13 @@ olx_trace_hit olx_trace(olx_sample_settings settings, vec3 origin, vec3 directio
   if (!olx_is_ray(origin, direction, t_max_metres)) return nothing;
   olx_probe_answer answer = olx_probe_answer(OLX_TRACE_UNKNOWN, 0.0, ivec2(0), 0.0, 0u);
   float t_max = min(t_max_metres, olx_leave_bounds(origin, direction));
-  olx_search s = olx_search(settings, origin, direction, 0.0, t_max, 0u, min(settings.max_probes, OLX_MAX_ATTEMPTS), 0u,
+  olx_search s = olx_search(settings, origin, direction, 0.0, t_max, 0.0, 0u, min(settings.max_probes, OLX_MAX_ATTEMPTS), 0u,
                             answer, OLX_NO_PROBE);
   uint probe = 0u;
   if (olx_search_selected(s, probe, answer) || olx_search_everywhere(s, probe, answer)) {
     return olx_describe(s, probe, answer, t_max_metres);
   }
+  if (s.fallback_probe != OLX_NO_PROBE && s.fallback.gap < OLX_VANISHED_FOOTPRINTS) s.fallback.status = OLX_TRACE_HIT;
   if (s.fallback_probe != OLX_NO_PROBE) return olx_describe(s, s.fallback_probe, s.fallback, t_max_metres);
   nothing.probes_tried = s.attempts;
   return nothing;

@@ -1,0 +1,35 @@
+// Twin of src/select/sight.h: whether a probe sees a place, by the surface that it stores in that direction.
+#ifndef OLX_SIGHT_GLSL
+#define OLX_SIGHT_GLSL
+
+#include "maps.glsl"
+
+const float OLX_SIGHT_START = 0.5;
+const float OLX_SIGHT_STUCK = 1.0;
+const float OLX_SIGHT_LEAST_COSINE = 0.1;
+
+// Whether `point` lies in front of the plane of the surfel that the probe stores there, or no more than `slack` footprints
+// behind it, or nearer to the probe than the texel's surface can reach. `leaving`: a ray in this direction begins there; 0
+// for none.
+bool olx_probe_sees(uint probe, vec3 point, float slack, vec3 leaving) {
+  precise vec3 offset = point - olx_probe_position(probe);
+  float n = float(olx_field.n);
+  vec2 uv = olx_octahedral_encode(offset);
+  precise vec2 texel = floor(min(uv * n, vec2(n - 1.0)));
+  ivec3 map = olx_map_origin(probe);
+  float distance = olx_texel_distance(map, ivec2(texel)), radius = sqrt(olx_dot(offset, offset));
+  if (distance >= OLX_INFINITY) return true;
+  precise float footprint = distance * sqrt(olx_texel_solid_angle_near(uv, olx_field.n));
+  if (radius < distance - 2.0 * footprint / OLX_SIGHT_LEAST_COSINE) return true;
+  precise vec2 middle = (texel + 0.5) / n;
+  vec3 centre = olx_octahedral_decode(middle);
+  vec3 normal = olx_texel_normal(map, ivec2(texel));
+  float cosine = max(-olx_dot(normal, centre), OLX_SIGHT_LEAST_COSINE);
+  if (radius < distance - 2.0 * footprint / cosine) return true;
+  precise vec3 above = offset + centre * -distance;
+  float height = olx_dot(normal, above);
+  if (height < -slack * footprint) return false;
+  return leaving == vec3(0.0) || height >= footprint || olx_dot(normal, leaving) >= 0.0;
+}
+
+#endif

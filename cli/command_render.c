@@ -3,6 +3,7 @@
 #include "probe_markers.h"
 #include "report.h"
 #include "sample_options.h"
+#include "vulkan_render.h"
 
 #include <octalux/render.h>
 
@@ -19,8 +20,10 @@ typedef struct render_options {
   uint32_t mode, gather_samples, frames, cut, denoise, emitters;
   sample_options sample;
   float exposure, dim_lobe;
-  bool standard_error, show_probes, centered, progress, json;
+  bool standard_error, show_probes, centered, validate, progress, json;
 } render_options;
+
+enum { DEVICE_CPU, DEVICE_VULKAN };
 
 // The three ways of the paper's section 5 to light a picture from a field, in the order of --mode's words.
 enum { MODE_GATHER, MODE_DENOISED, MODE_PREFILTERED };
@@ -85,6 +88,17 @@ static int check_frames(render_options *o) {
   return EXIT_DONE;
 }
 
+static int check_device(const render_options *o) {
+  if (o->validate && o->device != DEVICE_VULKAN) return usage_error("render", "--validate goes with --device vulkan");
+  if (o->device != DEVICE_VULKAN) return EXIT_DONE;
+  const bool prefiltered = o->mode == MODE_PREFILTERED || o->mode == NOT_GIVEN;
+  if (o->method != OLX_METHOD_FIELD || !prefiltered || o->frames || o->diffuse == OLX_DIFFUSE_TRACED || o->emitters) {
+    return usage_error("render", "--device vulkan goes with --method field and --mode prefiltered, without --frames");
+  }
+  if (o->standard_error) return usage_error("render", "--standard-error goes with --device cpu");
+  return EXIT_DONE;
+}
+
 // What cannot be meant; 0 when all is well.
 static int check_options(render_options *o) {
   const bool exr = ends_with(o->output, ".exr");
@@ -103,10 +117,11 @@ static int check_options(render_options *o) {
     return usage_error("render", "--show-probes needs --field and a .png to draw into");
   }
   if (o->exposure > 0.0f && !o->png) return usage_error("render", "--exposure needs a .png to apply to");
-  return check_frames(o);
+  const int code = check_frames(o);
+  return code == EXIT_DONE ? check_device(o) : code;
 }
 
-static int print_render_json(const olx_render_stats *stats, const olx_image *image) {
+static int print_render_json(const olx_render_stats *stats, const vulkan_timing *timing, const olx_image *image) {
   cJSON *object = cJSON_CreateObject();
   add_number(object, "width", image->width);
   add_number(object, "height", image->height);
@@ -117,6 +132,10 @@ static int print_render_json(const olx_render_stats *stats, const olx_image *ima
   add_number(passes, "indirect_diffuse", stats->diffuse_seconds);
   add_number(passes, "indirect_glossy", stats->glossy_seconds);
   add_number(passes, "denoise", stats->denoise_seconds);
+  if (timing->device[0]) {
+    cJSON_AddStringToObject(object, "device", timing->device);
+    add_number(passes, "upload", timing->upload_seconds);
+  }
   add_number(object, "rays", (double)stats->rays);
   add_number(object, "field_rays", (double)stats->field_rays);
   add_number(object, "field_unresolved", (double)stats->field_unresolved);
@@ -179,6 +198,28 @@ static olx_result render_frames(const render_options *o, const olx_scene *scene,
   return result;
 }
 
+// Surfaces and direct light on the CPU, indirect light on the GPU.
+static olx_result render_on_vulkan(const render_options *o, const olx_scene *scene, const olx_field *field,
+                                   const olx_camera *camera, const olx_progress *progress, olx_image *image,
+                                   olx_render_stats *stats, vulkan_timing *timing, const char **problem) {
+#ifdef OLX_HAS_VULKAN
+  const olx_render_settings settings = resolve(o);
+  olx_gbuffer gbuffer;
+  const olx_result result = olx_render_surfaces(scene, field, camera, &settings, progress, image, &gbuffer, stats);
+  if (result != OLX_OK) return result;
+  *problem = vulkan_render_indirect(field, &gbuffer, &settings, o->validate, image, timing);
+  olx_gbuffer_free(&gbuffer);
+  if (*problem) olx_image_free(image);
+  stats->diffuse_seconds = timing->diffuse_seconds;
+  stats->glossy_seconds = timing->glossy_seconds;
+  stats->seconds += timing->upload_seconds + timing->diffuse_seconds + timing->glossy_seconds;
+#else
+  (void)o, (void)scene, (void)field, (void)camera, (void)progress, (void)image, (void)stats, (void)timing;
+  *problem = "this program was built without the Vulkan runtime";
+#endif
+  return OLX_OK;
+}
+
 static int render_picture(const render_options *o, const olx_scene *scene, const olx_field *field) {
   olx_camera camera;
   if (olx_scene_find_camera(scene, o->camera, &camera) != OLX_OK) return library_failure("render");
@@ -187,12 +228,18 @@ static int render_picture(const render_options *o, const olx_scene *scene, const
   const olx_progress progress = progress_of(&line);
   olx_image image = {0};
   olx_render_stats stats;
-  const olx_result result = render_frames(o, scene, field, &camera, &progress, &image, &stats);
+  vulkan_timing timing = {.device = ""};
+  const char *problem = NULL;
+  const olx_result result =
+      o->device == DEVICE_VULKAN
+          ? render_on_vulkan(o, scene, field, &camera, &progress, &image, &stats, &timing, &problem)
+          : render_frames(o, scene, field, &camera, &progress, &image, &stats);
   progress_end(&line);
+  if (problem) return failure("render", "--device vulkan: %s", problem);
   if (result == OLX_ERROR_CANCELLED) return failure("render", "%s: interrupted, nothing written", o->output);
   if (result != OLX_OK) return library_failure("render");
   int code = save_picture(o, field, &camera, &image);
-  if (code == EXIT_DONE && o->json) code = print_render_json(&stats, &image);
+  if (code == EXIT_DONE && o->json) code = print_render_json(&stats, &timing, &image);
   else if (code == EXIT_DONE) print_render(o->output, &stats, &image);
   olx_image_free(&image);
   return code;
@@ -250,7 +297,9 @@ int command_render(int argc, char **argv) {
       {"--show-probes", OPTION_FLAG, &o.show_probes, NULL, "draw the field's probes into a .png", 0, 0},
       {"--exposure", OPTION_REAL, &o.exposure, "X", "multiply light before the tone map of a .png; default 1", 0, 0},
       {"--threads", OPTION_COUNT, &o.threads, "N", "default 0: every processor; the image is the same", 0, 4096},
-      {"--device", OPTION_CHOICE, &o.device, "cpu", "where to compute; default cpu", 0, 0},
+      {"--device", OPTION_CHOICE, &o.device, "cpu|vulkan",
+       "where to compute indirect light; vulkan: camera samples through pixel centres; default cpu", 0, 0},
+      {"--validate", OPTION_FLAG, &o.validate, NULL, "vulkan: check every call with the validation layers", 0, 0},
       {"--progress", OPTION_FLAG, &o.progress, NULL, "tell progress even when nobody watches", 0, 0},
       {"--json", OPTION_FLAG, &o.json, NULL, "print one JSON object", 0, 0},
   };

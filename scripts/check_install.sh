@@ -22,6 +22,15 @@ cc -std=c17 "$source/examples/minimal.c" "${flags[@]}" -o "$work/minimal"
 "$work/minimal" "$work/cornell.olx" | tee "$work/pkg-config.txt"
 cmp "$work/package.txt" "$work/pkg-config.txt"
 
+shaders="$work/prefix/share/octalux/shaders"
+if command -v glslc >/dev/null; then
+  printf '%s\n' '#version 460' '#extension GL_GOOGLE_include_directive : require' '#include "lib/octalux.glsl"' \
+    'layout(location = 0) out vec3 light;' \
+    'void main() { light = olx_irradiance(olx_sample_settings_default(), vec3(0), vec3(0, 1, 0), vec3(0, 1, 0)); }' \
+    >"$work/host.frag"
+  glslc --target-env=vulkan1.2 -Werror -I "$shaders" "$work/host.frag" -o "$work/host.spv"
+fi
+
 if ldd "$work/minimal" | grep -vE 'linux-vdso|lib(c|m)\.so|ld-linux|libpthread'; then
   echo "a program with the runtime needs more than libc and libm" >&2
   exit 1

@@ -114,8 +114,9 @@ OLX_GPU_STRUCT(olx_gpu_frame) {
   olx_gpu_uint max_probes;
   olx_gpu_uint glossy_samples; // rays a pixel on glossy surfaces
   olx_gpu_uint sample_index;   // of the frame: another draw of random numbers
-  olx_gpu_float glossy_cutoff; // reflectance below which a lobe is skipped
-  olx_gpu_uint padding[3];
+  olx_gpu_float dim_lobe; // rough lobes that reflect less are not traced
+  olx_gpu_uint seed;
+  olx_gpu_uint padding[2];
 };
 
 #endif

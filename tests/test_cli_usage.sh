@@ -48,7 +48,7 @@ done
 expect_usage "or inf" render builtin:cornell -o a.exr --bounces many
 expect_usage "from 1 to 1048576" render builtin:cornell -o a.exr --spp 0
 expect_usage "is not one of field|path" render builtin:cornell -o a.exr --method raster
-expect_usage "is not one of cpu" render builtin:cornell -o a.exr --device tpu
+expect_usage "is not one of cpu|vulkan" render builtin:cornell -o a.exr --device tpu
 expect_usage "is not one of texel|two-level" render builtin:cornell -o a.exr --tracer texe
 expect_usage "is not one of none|chebyshev" audit builtin:cornell --field a.olx --visibility some
 expect_usage "is not one of beauty|direct" compare a.exr b.exr --layer light

@@ -128,6 +128,28 @@ olx_result olx_render_frames(const olx_scene *scene, const olx_field *field, con
                              const olx_render_settings *settings, const olx_progress *progress, olx_image *image,
                              olx_render_stats *stats);
 
+// The surfaces that a picture shows, for a renderer elsewhere (octalux/vulkan.h) to light: pixel (x, y) at x + width * y. The
+// surface of a pixel is at clip_to_world * (cx, cy, inverse_depth, 1), divided by w, where cx and cy run from -1 at the left
+// and top edge of the picture to 1.
+typedef struct olx_gbuffer {
+  uint32_t width, height;
+  float *inverse_depth; // 1 / distance along the viewing axis in metres; 0 where nothing is seen
+  olx_vec3 *normal;     // shading normal, bent towards the eye where it faces away from it
+  olx_vec3 *base_color;
+  olx_vec3 *material; // roughness, metallic, specular weight
+  olx_vec3 eye;
+  float clip_to_world[16]; // columns
+} olx_gbuffer;
+
+// Render what needs no field: every layer but the indirect ones, which are 0 here and in beauty, and the surfaces. Camera rays
+// go through pixel centres; settings->spp is the number of samples of direct light. The field is only checked to fit the scene.
+// On success the image and *gbuffer are the caller's to free. stats may be NULL.
+olx_result olx_render_surfaces(const olx_scene *scene, const olx_field *field, const olx_camera *camera,
+                               const olx_render_settings *settings, const olx_progress *progress, olx_image *image,
+                               olx_gbuffer *gbuffer, olx_render_stats *stats);
+// Release the planes; the struct itself is the caller's.
+void olx_gbuffer_free(olx_gbuffer *gbuffer);
+
 // Error of `a` against the reference `b` over one layer (MATH: relative MSE is sum (a-b)^2 / sum b^2, bias is
 // sum (a-b) / sum b, over pixels and channels). PSNR is in dB over the reference's maximum, infinite for equal images; the
 // shares are infinite when only the reference is black. `max` is the largest absolute difference.

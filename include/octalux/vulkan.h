@@ -110,8 +110,10 @@ typedef struct olx_vulkan_view {
 typedef struct olx_vulkan_settings {
   olx_sample_settings sample; // default olx_sample_settings_default()
   uint32_t glossy_samples;    // rays a pixel on glossy surfaces, 1 to 4096; default 1. Mirrors take 1
-  uint32_t sample_index;      // which of a pixel's sequences of random numbers: count frames here; default 0
-  float glossy_cutoff;        // lobes whose largest reflectance is below this are skipped (section 6); default 0
+  uint32_t sample_index;      // which part of a pixel's sequence of random numbers: count frames here; default 0
+  uint32_t seed;              // another sequence for every pixel; default 0
+  float dim_lobe;             // rough specular lobes that reflect less than this share towards the eye are not traced but
+                              // take irradiance; default 0 (section 6)
 } olx_vulkan_settings;
 
 olx_vulkan_settings olx_vulkan_settings_default(void);

@@ -6,6 +6,11 @@
 
 const uint GLOSSY_BRANCH = 0x85EBCA6Bu + 3u; // the renderer's seed of this pass's random numbers
 
+uint pixel_seed(uvec2 pixel) {
+  uint seed = olx_hash2(pixel.x, pixel.y);
+  return frame.seed != 0u ? olx_hash2(seed, frame.seed) : seed;
+}
+
 vec4 gather(frame_surface surface, uint seed) {
   olx_sample_settings settings = frame_settings();
   uint count = surface.bsdf.alpha > 0.0 ? frame.glossy_samples : 1u, unknown = 0u;
@@ -23,9 +28,12 @@ vec4 gather(frame_surface surface, uint seed) {
   return storable(sum / float(count), 1.0 - float(unknown) / float(count));
 }
 
-bool shines(frame_surface surface) {
+// Light of all directions alike, for rough lobes that reflect little.
+bool is_dim(frame_surface surface, out vec3 light) {
   vec3 f = olx_fresnel(surface.bsdf, olx_dot(surface.view, surface.normal));
-  return olx_bsdf_has_specular(surface.bsdf) && max(f.r, max(f.g, f.b)) >= frame.glossy_cutoff;
+  bool dim = surface.bsdf.alpha > 0.0 && max(f.r, max(f.g, f.b)) < frame.dim_lobe;
+  light = dim ? f * olx_irradiance(frame_settings(), surface.position, surface.normal, surface.view) / OLX_PI : vec3(0.0);
+  return dim;
 }
 
 void main() {
@@ -33,8 +41,10 @@ void main() {
   if (outside_frame(pixel)) return;
   frame_surface surface;
   vec4 result = vec4(0.0, 0.0, 0.0, 1.0);
-  if (read_surface(pixel, surface) && shines(surface)) {
-    result = gather(surface, olx_hash2(olx_hash2(uint(pixel.x), uint(pixel.y)), GLOSSY_BRANCH));
+  vec3 light;
+  if (read_surface(pixel, surface) && olx_bsdf_has_specular(surface.bsdf)) {
+    result = is_dim(surface, light) ? storable(light, 1.0)
+                                    : gather(surface, olx_hash2(pixel_seed(uvec2(pixel)), GLOSSY_BRANCH));
   }
   imageStore(glossy_image, pixel, result);
 }

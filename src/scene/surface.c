@@ -127,6 +127,8 @@ static void look_up_material(const olx_scene *scene, const olx_material *materia
     metallic *= t.z;
     roughness *= t.y;
   }
+  surface->base_color = base_color;
+  surface->metallic = metallic;
   surface->roughness = roughness;
   surface->bsdf = olx_bsdf_make(base_color, metallic, roughness, material->specular_weight);
   surface->emission =
@@ -186,6 +188,8 @@ olx_surface olx_surface_near(const olx_scene *scene, const olx_ray_hit *hit, olx
   };
   surface.inward = step_inward(&c, surface.position, surface.epsilon);
   if (again && back_face == previous->back_face && !varies_over_triangle(material)) {
+    surface.base_color = previous->base_color;
+    surface.metallic = previous->metallic;
     surface.bsdf = previous->bsdf;
     surface.roughness = previous->roughness;
     surface.emission = previous->emission;

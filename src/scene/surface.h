@@ -10,6 +10,8 @@ typedef struct olx_surface {
   olx_vec3 geometric_normal; // unit, towards where the ray came from: all tests of sides use it
   olx_vec3 shading_normal;   // unit, interpolated or mapped, on the same side; only shades
   bool back_face;            // the ray came from the side away from the triangle's winding
+  olx_vec3 base_color;
+  float metallic;
   olx_bsdf bsdf;
   olx_vec3 emission; // towards where the ray came from: 0 on the dark side of a one-sided emitter
   float roughness;

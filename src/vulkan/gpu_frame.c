@@ -257,7 +257,8 @@ static olx_gpu_frame frame_constants(const olx_vulkan_frame *f, const olx_vulkan
       .max_probes = s->sample.max_probes,
       .glossy_samples = s->glossy_samples,
       .sample_index = s->sample_index,
-      .glossy_cutoff = s->glossy_cutoff,
+      .dim_lobe = s->dim_lobe,
+      .seed = s->seed,
   };
   memcpy(constants.clip_to_world, view->clip_to_world, sizeof constants.clip_to_world);
   return constants;

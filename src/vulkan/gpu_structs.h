@@ -20,7 +20,8 @@ _Static_assert(sizeof(olx_gpu_frame) == 128 && offsetof(olx_gpu_frame, eye) == 6
                    offsetof(olx_gpu_frame, height) == 84 && offsetof(olx_gpu_frame, flags) == 88 &&
                    offsetof(olx_gpu_frame, tracer) == 92 && offsetof(olx_gpu_frame, select) == 96 &&
                    offsetof(olx_gpu_frame, max_probes) == 100 && offsetof(olx_gpu_frame, glossy_samples) == 104 &&
-                   offsetof(olx_gpu_frame, sample_index) == 108 && offsetof(olx_gpu_frame, glossy_cutoff) == 112,
+                   offsetof(olx_gpu_frame, sample_index) == 108 && offsetof(olx_gpu_frame, dim_lobe) == 112 &&
+                   offsetof(olx_gpu_frame, seed) == 116,
                "std430; every device has 128 bytes of push constants");
 
 #endif

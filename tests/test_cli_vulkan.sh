@@ -1,0 +1,41 @@
+# Pictures whose indirect light comes from a Vulkan device (a CPU one will do) against the same from the CPU, layer by layer.
+source "$(dirname "$0")/cli/expect.sh"
+
+# What drivers keep cannot be told by name once the loader has unloaded them; test_vulkan looks for leaks.
+export ASAN_OPTIONS="${ASAN_OPTIONS:-}:detect_leaks=0"
+
+"$OCTALUX" bake builtin:cornell-glossy -o cornell.olx --radiance-size 128 --irradiance-size 32 --bounces 1 2>stderr.txt
+"$OCTALUX" bake builtin:labyrinth -o labyrinth.olx --radiance-size 64 --irradiance-size 32 --bounces 1 2>stderr.txt
+
+"$OCTALUX" render builtin:cornell-glossy --field cornell.olx -o probe.png --size 8x8 --spp 1 --device vulkan >stdout.txt 2>stderr.txt
+if grep -qE "no Vulkan|without the Vulkan runtime" stderr.txt; then
+  cat stderr.txt
+  exit 77
+fi
+
+# compare_devices SCENE FIELD OPTIONS...: every layer agrees, under the validation layers.
+compare_devices() {
+  local scene=$1 field=$2
+  shift 2
+  expect 0 render "$scene" --field "$field" -o cpu.exr --size 120x90 --centered "$@"
+  expect_json 'o["device"] and o["passes"]["indirect_glossy"] > 0 and o["passes"]["upload"] > 0' \
+    render "$scene" --field "$field" -o vulkan.exr --size 120x90 --device vulkan --validate "$@"
+  for layer in beauty direct indirect_diffuse indirect_glossy albedo normal depth; do
+    expect_json 'all(l["relative_mse"] < 1e-5 for l in o["layers"].values())' compare vulkan.exr cpu.exr --layer $layer
+  done
+}
+
+compare_devices builtin:cornell-glossy cornell.olx --spp 1 --glossy-samples 4
+compare_devices builtin:cornell-glossy cornell.olx --spp 3 --glossy-samples 2 --seed 5 --dim-lobe 0.2 --tracer texel
+compare_devices builtin:cornell-glossy cornell.olx --spp 1 --select exhaustive --visibility none --keep-buried
+compare_devices builtin:labyrinth labyrinth.olx --spp 1
+
+expect_usage "--device vulkan goes with" render builtin:cornell -o a.exr --device vulkan
+expect_usage "--device vulkan goes with" render builtin:cornell -o a.exr --field cornell.olx --device vulkan --mode gather
+expect_usage "--validate goes with" render builtin:cornell -o a.exr --field cornell.olx --validate
+rm a.exr 2>/dev/null
+VK_ICD_FILENAMES=/nonexistent.json expect_failure "Vulkan" render builtin:cornell-glossy --field cornell.olx -o none.exr --size 8x8 \
+  --device vulkan
+[ -e none.exr ] && fail "a failed render leaves a file"
+
+finish

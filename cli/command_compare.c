@@ -26,25 +26,30 @@ static olx_layer drawn_layer(const comparison *c) {
   return c->layer == OLX_LAYER_COUNT ? OLX_LAYER_BEAUTY : (olx_layer)c->layer;
 }
 
-static olx_result compare_layer(comparison *c, olx_layer layer) {
+static int compare_layer(comparison *c, olx_layer layer) {
   layer_errors *errors = &c->layers[layer];
   const olx_image *image = &c->images[0], *reference = &c->images[1];
+  errors->compared = true;
   errors->perceptual = (olx_perceptual){NAN, NAN};
-  const olx_result result = olx_compare(image, reference, layer, &errors->metrics);
-  if (result != OLX_OK || !olx_layer_is_color(layer)) return result;
+  if (olx_compare(image, reference, layer, &errors->metrics) != OLX_OK) return compare_failure(c);
+  if (!olx_layer_is_color(layer)) return EXIT_DONE;
   if (c->report || (c->flip_map && layer == drawn_layer(c))) {
     errors->flip_map = malloc((size_t)image->width * image->height * sizeof *errors->flip_map);
-    if (!errors->flip_map) return OLX_ERROR_MEMORY;
+    if (!errors->flip_map)
+      return failure("compare", "no memory for a map of %ux%u pixels", image->width, image->height);
   }
-  return olx_compare_perceptual(image, reference, layer, &c->perceptual, errors->flip_map, &errors->perceptual);
+  const olx_result result =
+      olx_compare_perceptual(image, reference, layer, &c->perceptual, errors->flip_map, &errors->perceptual);
+  return result == OLX_OK ? EXIT_DONE : compare_failure(c);
 }
 
 static int compare_layers(comparison *c) {
   bool any = false;
   for (uint32_t layer = 0; layer < OLX_LAYER_COUNT; ++layer) {
     if (!wanted(c, layer)) continue;
-    if (compare_layer(c, (olx_layer)layer) != OLX_OK) return compare_failure(c);
-    c->layers[layer].compared = any = true;
+    const int code = compare_layer(c, (olx_layer)layer);
+    if (code != EXIT_DONE) return code;
+    any = true;
   }
   if (any) return EXIT_DONE;
   return failure("compare", "%s and %s have no layer of light in common", c->paths[0], c->paths[1]);
@@ -83,15 +88,23 @@ static int print_compare_json(const comparison *c) {
   return print_json("compare", object);
 }
 
+// A number that layers without colours do not have.
+static void print_perceptual(double value) {
+  if (isnan(value)) printf(" %8s", "-");
+  else printf(" %8.5f", value);
+}
+
 static void print_compare(const comparison *c) {
   printf("%-18s %12s %12s %10s %12s %12s %8s %8s\n", "layer", "mse", "relative mse", "psnr", "bias", "max", "ssim",
          "flip");
   for (uint32_t layer = 0; layer < OLX_LAYER_COUNT; ++layer) {
     const olx_metrics *m = &c->layers[layer].metrics;
-    const olx_perceptual *p = &c->layers[layer].perceptual;
     if (!c->layers[layer].compared) continue;
-    printf("%-18s %12.6g %12.6g %10.2f %+12.6g %12.6g %8.5f %8.5f\n", olx_layer_name((olx_layer)layer), m->mse,
-           m->relative_mse, m->psnr, m->bias, m->max, p->ssim, p->flip);
+    printf("%-18s %12.6g %12.6g %10.2f %+12.6g %12.6g", olx_layer_name((olx_layer)layer), m->mse, m->relative_mse,
+           m->psnr, m->bias, m->max);
+    print_perceptual(c->layers[layer].perceptual.ssim);
+    print_perceptual(c->layers[layer].perceptual.flip);
+    putchar('\n');
   }
 }
 

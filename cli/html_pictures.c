@@ -43,9 +43,9 @@ static olx_result add_png(cJSON *frame, cJSON *item, uint32_t channels, uint32_t
   size_t size_bytes;
   const olx_result result = olx_png_encode(width, height, channels, pixels, &png, &size_bytes);
   if (result != OLX_OK) return result;
-  cJSON_AddItemToObject(item, "png", html_report_bytes(png, size_bytes));
+  const bool added = cJSON_AddItemToObject(item, "png", html_report_bytes(png, size_bytes)) != 0;
   olx_png_free(png);
-  return OLX_OK;
+  return added ? OLX_OK : OLX_ERROR_MEMORY;
 }
 
 static void put_half(uint8_t *high, uint8_t *low, float value) {

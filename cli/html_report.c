@@ -3,7 +3,6 @@
 #include "options.h"
 #include "report.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -119,7 +118,9 @@ static void put_script_data(FILE *out, const char *json) {
     const size_t length = strcspn(json, "<");
     fwrite(json, 1, length, out);
     json += length;
-    if (*json == '<') fputs("\\u003c", out), ++json;
+    if (*json != '<') break;
+    fputs("\\u003c", out);
+    ++json;
   }
 }
 

@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
-"""Use a report as a person would, in headless Chromium: drive_report.py KNOWN.html LAYERS.html [SCREENSHOT-FOLDER].
+"""Use a report as a person would, in headless Chromium: drive_report.py KNOWN.html LAYERS.html NORMAL.html DEPTH.html
+[SCREENSHOT-FOLDER].
 
-KNOWN.html compares the pictures of perceptual_reference.py, LAYERS.html has several layers. Says every fault and exits with 1.
+KNOWN.html compares the pictures of perceptual_reference.py, LAYERS.html has several layers,
+the others one that has no FLIP. Says every fault and exits with 1.
 """
 import os
 import sys
@@ -185,7 +187,13 @@ def main():
     try:
         check_known(page, sys.argv[1])
         check_layers(page, sys.argv[2])
-        check_looks(page, sys.argv[2], sys.argv[3] if len(sys.argv) > 3 else None)
+        for path in sys.argv[3:5]:
+            page.open(path)
+            page.wait("document.querySelector('.viewer').dataset.ready")
+            page.settle()
+            check(page.value("document.querySelectorAll('.pane').length") == 2, f"{path}: a stage and one map")
+            check(page.value("document.querySelector('td:nth-child(2)').textContent") == "\u2013", f"{path}: no FLIP")
+        check_looks(page, sys.argv[2], sys.argv[5] if len(sys.argv) > 5 else None)
         for problem in page.problems:
             check(False, "console: " + problem)
         for request in page.requests:

@@ -13,6 +13,8 @@ expect 0 bake builtin:cornell -o f.olx --grid 2x2x2 --radiance-size 64 --irradia
 expect 0 render builtin:cornell -o field.exr --field f.olx --size 320x240 --spp 2
 expect 0 render builtin:cornell -o path.exr --method path --size 320x240 --spp 16 --bounces 2
 expect 0 compare field.exr path.exr --report layers.html
-PYTHONDONTWRITEBYTECODE=1 timeout 300 python3 "$tests/drive_report.py" known.html layers.html ${OCTALUX_SCREENSHOTS:+"$OCTALUX_SCREENSHOTS"} >stdout.txt 2>stderr.txt ||
+expect 0 compare field.exr path.exr --layer normal --report normal.html
+expect 0 compare field.exr field.exr --layer depth --report depth.html
+PYTHONDONTWRITEBYTECODE=1 timeout 300 python3 "$tests/drive_report.py" known.html layers.html normal.html depth.html ${OCTALUX_SCREENSHOTS:+"$OCTALUX_SCREENSHOTS"} >stdout.txt 2>stderr.txt ||
   fail "the report in a browser"
 finish

@@ -77,7 +77,7 @@ static float hyab(olx_vec3 a, olx_vec3 b) {
 // dimensions, times a Gaussian across, they still do.
 static kernel gaussian(double sigma, int radius, int derivative) {
   kernel k = {.radius = radius};
-  double values[2 * MAX_RADIUS + 1], positive = 0.0, negative = 0.0;
+  double values[2 * MAX_RADIUS + 1] = {0.0}, positive = 0.0, negative = 0.0;
   for (int i = -radius; i <= radius; ++i) {
     const double bell = exp(-i * i / (2.0 * sigma * sigma));
     const double value = derivative == 0 ? bell : derivative == 1 ? -i * bell : (i * i / (sigma * sigma) - 1.0) * bell;

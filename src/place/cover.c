@@ -150,56 +150,67 @@ static uint32_t propose_moves(const cover *c, uint32_t pick, uint32_t round, olx
 }
 
 typedef struct refiner {
+  const olx_cover_state *state;
+  olx_cover_open open;
+  uint64_t least; // that another place has to cover
   olx_gain *gains;
-  uint8_t *rows; // of moves
-  olx_vec3 places[MOVES];
   olx_candidate moves[MOVES];
+  olx_gain move_gains[MOVES];
+  uint8_t *move_rows;
 } refiner;
+
+static uint8_t *move_row(const refiner *r, uint32_t i) { return r->move_rows + (size_t)r->state->capacity * i; }
+
+static void look_job(void *user, uint32_t index) {
+  refiner *r = user;
+  r->move_gains[index] = olx_cover_look(r->state, &r->open, r->moves[index].place, r->least, move_row(r, index));
+}
 
 // Put a probe where it adds most to what the others cover: at another candidate or at a place near by. It stays unless
 // another place covers no less.
-static olx_result refine_probe(cover *c, refiner *r, uint32_t pick, uint32_t round, bool *changed) {
+static olx_result refine_probe(cover *c, refiner *r, uint32_t pick, uint32_t round) {
   olx_cover_state *s = &c->state;
   olx_cover_set_levels(s, pick);
+  olx_cover_find_open(s, &r->open);
   const olx_gain now = olx_cover_gain(s, olx_cover_pick_row(s, pick));
   olx_gain best = now;
   olx_candidate probe = s->picks[pick];
   const uint8_t *row = NULL;
   const uint32_t moves = propose_moves(c, pick, round, r->moves);
-  for (uint32_t i = 0; i < moves; i++) r->places[i] = r->moves[i].place;
-  OLX_TRY(olx_cover_gains(s, r->gains));
-  OLX_TRY(olx_visibility_matrix(c->space, c->sight, r->places, moves, &s->columns, s->threads, NULL, r->rows));
+  r->least = now.covered;
+  OLX_TRY(olx_cover_gains_from(s, &r->open, r->least, r->gains));
+  OLX_TRY(olx_parallel_for(moves, s->threads, look_job, r, NULL, 0));
   for (uint32_t i = 0; i < s->candidate_count + moves; i++) {
     const bool move = i >= s->candidate_count;
-    const uint8_t *other = move ? r->rows + (size_t)s->columns.count * (i - s->candidate_count) : olx_cover_row(s, i);
-    const olx_gain gain = move ? olx_cover_gain(s, other) : r->gains[i];
+    const uint32_t nth = move ? i - s->candidate_count : i;
+    const olx_gain gain = move ? r->move_gains[nth] : r->gains[nth];
     if (gain.covered < now.covered || olx_gain_value(gain) <= olx_gain_value(best)) continue;
-    const olx_candidate *there = move ? &r->moves[i - s->candidate_count] : &s->candidates[i];
+    const olx_candidate *there = move ? &r->moves[nth] : &s->candidates[nth];
     if (!olx_cover_keeps_distance(s, there->place, pick) || is_inside(c, there->place)) continue;
     best = gain;
     probe = *there;
-    row = other;
+    row = move ? move_row(r, nth) : olx_cover_row(s, nth);
   }
   if (!row) return OLX_OK;
   s->picks[pick] = probe;
   memcpy(olx_cover_pick_row(s, pick), row, s->columns.count);
-  *changed = true;
   return OLX_OK;
 }
 
 static olx_result refine(cover *c, uint32_t round, uint32_t pinned) {
   olx_cover_state *s = &c->state;
-  refiner r = {.gains = olx_allocate(s->candidate_count, sizeof *r.gains),
-               .rows = olx_allocate((size_t)s->columns.count * MOVES, 1)};
+  refiner r = {.state = s,
+               .gains = olx_allocate(s->candidate_count, sizeof *r.gains),
+               .move_rows = olx_allocate((size_t)s->capacity * MOVES, 1)};
   olx_result result = OLX_ERROR_MEMORY;
-  bool changed = false;
-  if (r.gains && r.rows) result = OLX_OK;
+  if (r.gains && r.move_rows) result = olx_cover_open_create(s, &r.open);
   else olx_fail(result, "place: out of memory");
   for (uint32_t i = pinned; result == OLX_OK && i < s->pick_count; i++)
-    result = refine_probe(c, &r, i, round, &changed);
+    result = refine_probe(c, &r, i, round);
   olx_cover_set_levels(s, s->pick_count);
+  olx_cover_open_free(&r.open);
   olx_release(r.gains);
-  olx_release(r.rows);
+  olx_release(r.move_rows);
   return result;
 }
 

@@ -7,7 +7,7 @@
 
 // Of a common column; rare ones have a share of it.
 #define COMMON_WEIGHT 64u
-enum { ROWS_A_JOB = 16 };
+enum { ROWS_A_JOB = 16, PIECE = 240 };
 
 static olx_result no_memory(void) { return olx_fail(OLX_ERROR_MEMORY, "place: no memory for the visibility atlas"); }
 
@@ -159,11 +159,20 @@ void olx_cover_set_levels(olx_cover_state *s, uint32_t without) {
   }
 }
 
+// In pieces whose sums fit narrow numbers, of which a vector register holds many.
 static void add_gain(const uint8_t *row, const uint8_t *level, uint32_t count, uint64_t weight, olx_gain *gain) {
-  uint32_t covered = 0, quality = 0;
-  for (uint32_t i = 0; i < count; i++) {
-    quality += row[i] > level[i] ? (uint32_t)row[i] - level[i] : 0u;
-    covered += row[i] != 0 && level[i] == 0;
+  uint64_t covered = 0, quality = 0;
+  for (uint32_t first = 0; first < count; first += PIECE) {
+    const uint32_t left = count - first, end = first + (left < PIECE ? left : PIECE);
+    uint16_t better = 0;
+    uint8_t first_seen = 0;
+    for (uint32_t i = first; i < end; i++) {
+      const uint8_t highest = row[i] > level[i] ? row[i] : level[i];
+      better = (uint16_t)(better + (uint8_t)(highest - level[i]));
+      first_seen = (uint8_t)(first_seen + ((row[i] != 0) & (level[i] == 0)));
+    }
+    covered += first_seen;
+    quality += better;
   }
   gain->covered += weight * covered;
   gain->quality += weight * quality;
@@ -193,6 +202,75 @@ static void gains_job(void *user, uint32_t index) {
 olx_result olx_cover_gains(const olx_cover_state *s, olx_gain *gains) {
   gain_job job = {s, gains};
   return olx_parallel_for((s->candidate_count + ROWS_A_JOB - 1) / ROWS_A_JOB, s->threads, gains_job, &job, NULL, 0);
+}
+
+olx_result olx_cover_open_create(const olx_cover_state *s, olx_cover_open *open) {
+  *open = (olx_cover_open){.columns = {.items = olx_allocate(s->capacity, sizeof *open->columns.items)},
+                           .index = olx_allocate(s->capacity, sizeof *open->index)};
+  if (open->columns.items && open->index) return OLX_OK;
+  olx_cover_open_free(open);
+  return no_memory();
+}
+
+void olx_cover_open_free(olx_cover_open *open) {
+  olx_surfels_free(&open->columns);
+  olx_release(open->index);
+  open->index = NULL;
+}
+
+void olx_cover_find_open(const olx_cover_state *s, olx_cover_open *open) {
+  const uint8_t *least = s->levels + (size_t)s->capacity * (s->views - 1);
+  open->columns.count = open->common = 0;
+  for (uint32_t i = 0; i < s->columns.count; i++) {
+    if (least[i] != 0) continue;
+    open->columns.items[open->columns.count] = s->columns.items[i];
+    open->index[open->columns.count++] = i;
+    open->common += i < s->common;
+  }
+}
+
+typedef struct gain_from_job {
+  const olx_cover_state *state;
+  const olx_cover_open *open;
+  uint64_t least;
+  olx_gain *gains;
+} gain_from_job;
+
+static olx_gain gain_from(const gain_from_job *job, uint32_t candidate) {
+  const olx_cover_state *s = job->state;
+  const olx_cover_open *open = job->open;
+  const uint8_t *row = olx_cover_row(s, candidate);
+  uint64_t common = 0, rare = 0;
+  for (uint32_t k = 0; k < open->common; k++) common += row[open->index[k]] != 0;
+  for (uint32_t k = open->common; k < open->columns.count; k++) rare += row[open->index[k]] != 0;
+  const uint64_t covered = common * s->common_weight + rare * s->rare_weight;
+  return covered < job->least ? (olx_gain){.covered = covered} : olx_cover_gain(s, row);
+}
+
+static void gains_from_job(void *user, uint32_t index) {
+  const gain_from_job *job = user;
+  const uint32_t first = index * ROWS_A_JOB;
+  for (uint32_t i = first; i < first + ROWS_A_JOB && i < job->state->candidate_count; i++) {
+    job->gains[i] = job->state->unfit[i] ? (olx_gain){0} : gain_from(job, i);
+  }
+}
+
+olx_result olx_cover_gains_from(const olx_cover_state *s, const olx_cover_open *open, uint64_t least, olx_gain *gains) {
+  gain_from_job job = {s, open, least, gains};
+  return olx_parallel_for((s->candidate_count + ROWS_A_JOB - 1) / ROWS_A_JOB, s->threads, gains_from_job, &job, NULL,
+                          0);
+}
+
+olx_gain olx_cover_look(const olx_cover_state *s, const olx_cover_open *open, olx_vec3 place, uint64_t least,
+                        uint8_t *row) {
+  olx_sight_row(s->space, s->sight, place, &open->columns, row);
+  uint64_t common = 0, rare = 0;
+  for (uint32_t k = 0; k < open->common; k++) common += row[k] != 0;
+  for (uint32_t k = open->common; k < open->columns.count; k++) rare += row[k] != 0;
+  const uint64_t covered = common * s->common_weight + rare * s->rare_weight;
+  if (covered < least) return (olx_gain){.covered = covered};
+  olx_sight_row(s->space, s->sight, place, &s->columns, row);
+  return olx_cover_gain(s, row);
 }
 
 static uint64_t weight_of(const olx_cover_state *s, uint32_t column) {

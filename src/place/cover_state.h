@@ -63,6 +63,25 @@ void olx_cover_set_levels(olx_cover_state *state, uint32_t without);
 olx_gain olx_cover_gain(const olx_cover_state *state, const uint8_t *row);
 // The gains of all candidates.
 olx_result olx_cover_gains(const olx_cover_state *state, olx_gain *gains);
+
+// The columns that the levels leave uncovered, on their own: most places can be told by these few.
+typedef struct olx_cover_open {
+  olx_surfels columns; // copies
+  uint32_t *index;     // of each in the state
+  uint32_t common;     // of them are common ones, which come first
+} olx_cover_open;
+
+// Room for as many as there may be, and the columns themselves.
+olx_result olx_cover_open_create(const olx_cover_state *state, olx_cover_open *open);
+void olx_cover_open_free(olx_cover_open *open);
+void olx_cover_find_open(const olx_cover_state *state, olx_cover_open *open);
+
+// The gains of the candidates that cover at least `least` of the open columns; of the others `covered` alone.
+olx_result olx_cover_gains_from(const olx_cover_state *state, const olx_cover_open *open, uint64_t least,
+                                olx_gain *gains);
+// The row of a place and its gain, if it covers at least `least`; else `covered` alone.
+olx_gain olx_cover_look(const olx_cover_state *state, const olx_cover_open *open, olx_vec3 place, uint64_t least,
+                        uint8_t *row);
 // Weight of the columns that are not covered, and of all that can be.
 uint64_t olx_cover_uncovered(const olx_cover_state *state);
 uint64_t olx_cover_total(const olx_cover_state *state);

@@ -234,16 +234,56 @@ static void allow_job(void *user, uint32_t index) {
   }
 }
 
+// The voxel beyond a face: along axis face / 2, back when face is even. OLX_NO_VOXEL at the border.
+static size_t beyond_face(const olx_voxels *v, size_t voxel, uint32_t face) {
+  const size_t stride[3] = {1, v->count[0], (size_t)v->count[0] * v->count[1]};
+  const uint32_t axis = face / 2;
+  uint32_t c[3];
+  olx_voxel_coordinates(v, voxel, c);
+  if (face & 1) return c[axis] + 1 < v->count[axis] ? voxel + stride[axis] : OLX_NO_VOXEL;
+  return c[axis] > 0 ? voxel - stride[axis] : OLX_NO_VOXEL;
+}
+
+static void mark_fringe(olx_space *space) {
+  const olx_voxels *v = &space->voxels;
+  for (size_t i = 0; i < v->total; i++) {
+    for (uint32_t face = 0; v->solid[i] && face < 6; face++) {
+      const size_t other = beyond_face(v, i, face);
+      if (other != OLX_NO_VOXEL && space->reachable[other] & OLX_REACHABLE) space->reachable[i] = OLX_FRINGE;
+    }
+  }
+}
+
+bool olx_space_draw(const olx_space *space, size_t nth, uint32_t seed, olx_vec3 *place) {
+  const olx_voxels *v = &space->voxels;
+  const size_t voxel = space->starts[nth];
+  const olx_vec3 within = {olx_unit_float(olx_hash(seed)), olx_unit_float(olx_hash(seed + 1u)),
+                           olx_unit_float(olx_hash(seed + 2u))};
+  *place = olx_madd(olx_voxel_centre(v, voxel), olx_sub(within, olx_splat(0.5f)), v->size);
+  if (!box_contains(&space->box, *place)) return false;
+  if (space->reachable[voxel] & OLX_REACHABLE) return true;
+  for (uint32_t face = 0; face < 6; face++) {
+    const size_t other = beyond_face(v, voxel, face);
+    if (other == OLX_NO_VOXEL || !(space->reachable[other] & OLX_REACHABLE)) continue;
+    if (sees(space->scene, olx_voxel_centre(v, other), *place)) return true;
+  }
+  return false;
+}
+
 static olx_result list_places(olx_space *space, uint32_t threads) {
   const size_t total = space->voxels.total;
   OLX_TRY(olx_parallel_for((uint32_t)((total + PLACES_A_JOB - 1) / PLACES_A_JOB), threads, allow_job, space, NULL, 0));
-  for (size_t i = 0; i < total; i++) space->place_count += (space->reachable[i] & OLX_ALLOWED) != 0;
-  space->places = olx_allocate(space->place_count, sizeof *space->places);
-  space->reached = olx_allocate(space->reachable_count, sizeof *space->reached);
-  if (!space->places || !space->reached) return olx_fail(OLX_ERROR_MEMORY, "place: no memory for %zu voxels", total);
-  size_t allowed = 0, reached = 0;
+  mark_fringe(space);
   for (size_t i = 0; i < total; i++) {
-    if (space->reachable[i]) space->reached[reached++] = i;
+    space->place_count += (space->reachable[i] & OLX_ALLOWED) != 0;
+    space->start_count += space->reachable[i] != 0;
+  }
+  space->places = olx_allocate(space->place_count, sizeof *space->places);
+  space->starts = olx_allocate(space->start_count, sizeof *space->starts);
+  if (!space->places || !space->starts) return olx_fail(OLX_ERROR_MEMORY, "place: no memory for %zu voxels", total);
+  size_t allowed = 0, starts = 0;
+  for (size_t i = 0; i < total; i++) {
+    if (space->reachable[i]) space->starts[starts++] = i;
     if (space->reachable[i] & OLX_ALLOWED) space->places[allowed++] = i;
   }
   return OLX_OK;
@@ -316,9 +356,8 @@ static olx_result choose_box(const olx_scene *scene, olx_box *box) {
 
 olx_result olx_space_create(const olx_scene *scene, uint32_t resolution, uint32_t threads, olx_space *space) {
   *space = (olx_space){.scene = scene};
-  olx_box box;
-  OLX_TRY(choose_box(scene, &box));
-  OLX_TRY(olx_voxels_create(scene, box, resolution, threads, &space->voxels));
+  OLX_TRY(choose_box(scene, &space->box));
+  OLX_TRY(olx_voxels_create(scene, space->box, resolution, threads, &space->voxels));
   const size_t total = space->voxels.total;
   finder f = {.scene = scene,
               .voxels = &space->voxels,
@@ -338,8 +377,8 @@ void olx_space_free(olx_space *space) {
   olx_voxels_free(&space->voxels);
   olx_release(space->reachable);
   olx_release(space->places);
-  olx_release(space->reached);
+  olx_release(space->starts);
   space->reachable = NULL;
-  space->reached = NULL;
+  space->starts = NULL;
   space->places = NULL;
 }

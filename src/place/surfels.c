@@ -135,21 +135,23 @@ static void set_up_point(const atlas_maker *m, uint32_t index) {
   set_up_sides(m, index, at.triangle, uv);
 }
 
-// From the voxels in their order, so that starts are spread evenly.
-static size_t ray_start(const atlas_maker *m, uint32_t index) {
-  const double nth = ((double)index + (double)olx_unit_float(olx_hash2(m->seed, index))) / m->count;
-  return m->space->reached[(size_t)(nth * (double)m->space->reachable_count)];
+// Drawn from the voxels in their order, so that starts are spread evenly.
+static bool draw_start(const atlas_maker *m, uint32_t index, olx_vec3 *start) {
+  const uint32_t key = olx_hash2(m->seed, index);
+  const double nth = ((double)index + (double)olx_unit_float(key)) / m->count;
+  return olx_space_draw(m->space, (size_t)(nth * (double)m->space->start_count), olx_hash(key), start);
 }
 
 // A ray from there in a direction of a stratified sequence.
 static void set_up_ray(const atlas_maker *m, uint32_t index) {
-  const olx_space *space = m->space;
-  const olx_vec3 start = olx_voxel_centre(&space->voxels, ray_start(m, index));
+  olx_vec3 start;
+  m->sides[2 * index].fate = m->sides[2 * index + 1].fate = OLX_SURFEL_UNSEEN;
+  m->present[index] = false;
+  if (!draw_start(m, index, &start)) return;
   const olx_vec3 direction = olx_sample_sphere(olx_stratified2(index, m->seed));
   const olx_ray ray = {start, direction, 0.0f, INFINITY};
-  const olx_ray_hit hit = olx_bvh_intersect(space->scene->bvh, &ray);
+  const olx_ray_hit hit = olx_bvh_intersect(m->space->scene->bvh, &ray);
   m->present[index] = hit.triangle != OLX_NO_HIT;
-  m->sides[2 * index].fate = m->sides[2 * index + 1].fate = OLX_SURFEL_UNSEEN;
   if (hit.triangle == OLX_NO_HIT) return;
   set_up_sides(m, index, hit.triangle, (olx_vec2){hit.u, hit.v});
   if (olx_dot(m->sides[2 * index].normal, direction) > 0.0f) m->sides[2 * index] = m->sides[2 * index + 1];
@@ -187,7 +189,7 @@ static reach reach_of(const olx_space *space, const olx_ray *ray, const olx_ray_
 }
 
 // Bits of what lies along the ray: OLX_REACHABLE, OLX_ALLOWED, and FIT for a place that allows a probe and sees well.
-enum { FIT = 4 };
+enum { FIT = 8 };
 static uint8_t along_ray(const olx_space *space, const olx_sight *sight, const olx_surfel *surfel, const olx_ray *ray,
                          reach r) {
   const float limit = sight_limit(sight, olx_dot(ray->direction, surfel->normal)), step = 0.5f * space->voxels.size;
@@ -195,7 +197,7 @@ static uint8_t along_ray(const olx_space *space, const olx_sight *sight, const o
   for (float t = r.start + 0.25f * step; t < r.end; t += step) {
     const size_t voxel = olx_voxel_at(&space->voxels, olx_madd(ray->origin, ray->direction, t));
     if (voxel == OLX_NO_VOXEL) continue;
-    found |= space->reachable[voxel];
+    found |= space->reachable[voxel] & (OLX_REACHABLE | OLX_ALLOWED);
     if (found & OLX_ALLOWED) return t <= limit ? found | FIT : found;
   }
   return found;
@@ -254,9 +256,8 @@ static olx_surfel_fate find_fate(const atlas_maker *m, const olx_surfel *surfel,
 
 // What the ray that found a surfel knows of its fate.
 static void ask_ray(const atlas_maker *m, uint32_t index, olx_surfel *surfel) {
-  const size_t voxel = ray_start(m, index);
-  const bool allowed = m->space->reachable[voxel] & OLX_ALLOWED;
-  const olx_vec3 start = olx_voxel_centre(&m->space->voxels, voxel);
+  olx_vec3 start;
+  const bool allowed = draw_start(m, index, &start) && olx_space_allows(m->space, start);
   if (allowed && olx_sight_quality(m->sight, start, surfel)) surfel->fate = OLX_SURFEL_FIT;
   else if (allowed) surfel->fate = OLX_SURFEL_GRAZING;
   else if (surfel->fate == OLX_SURFEL_UNSEEN) surfel->fate = OLX_SURFEL_RESTRICTED;

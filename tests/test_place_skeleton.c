@@ -228,6 +228,7 @@ static arena start_arena(olx_scene *scene) {
   ASSERT_OK(olx_space_create(scene, 36, 1, &a.space));
   const olx_sight sight = olx_sight_create(scene, 0.02f, 0.05f, 512);
   ASSERT_OK(olx_surfels_create(&a.space, &sight, OLX_SPREAD_RAYS, 1000, 11, 1, &a.surfels));
+  ASSERT_OK(olx_surfels_ask(&a.space, &sight, NULL, 0, 11, 1, &a.surfels));
   return a;
 }
 

@@ -205,8 +205,7 @@ static olx_result refine(cover *c, uint32_t round, uint32_t pinned) {
   olx_result result = OLX_ERROR_MEMORY;
   if (r.gains && r.move_rows) result = olx_cover_open_create(s, &r.open);
   else olx_fail(result, "place: out of memory");
-  for (uint32_t i = pinned; result == OLX_OK && i < s->pick_count; i++)
-    result = refine_probe(c, &r, i, round);
+  for (uint32_t i = pinned; result == OLX_OK && i < s->pick_count; i++) result = refine_probe(c, &r, i, round);
   olx_cover_set_levels(s, s->pick_count);
   olx_cover_open_free(&r.open);
   olx_release(r.gains);
@@ -250,9 +249,10 @@ static olx_result look_closer(cover *c, uint32_t seed, double *covered) {
   } else {
     olx_fail(result, "place: out of memory");
   }
+  if (result == OLX_OK) result = olx_surfels_ask(c->space, c->sight, views, s->views, seed, s->threads, &sample);
   uint32_t fit = 0, seen = 0;
   for (uint32_t i = 0; result == OLX_OK && i < sample.count; i++) {
-    fit += sample.items[i].fate == OLX_SURFEL_FIT || views[i] >= s->views;
+    fit += sample.items[i].fate == OLX_SURFEL_FIT;
     seen += views[i] >= s->views;
   }
   *covered = fit ? (double)seen / fit : 1.0;
@@ -320,10 +320,11 @@ static olx_result prepare(cover *c) {
   c->atlas_size = settings->surfels < affordable ? settings->surfels : (uint32_t)affordable;
   olx_surfels atlas;
   OLX_TRY(sample_seen(c, c->atlas_size, settings->seed, &atlas));
-  olx_result result = OLX_OK;
-  if (atlas.count == 0) {
+  olx_result result = olx_surfels_ask(c->space, c->sight, NULL, 0, settings->seed, settings->threads, &atlas);
+  if (result == OLX_OK && atlas.count == 0) {
     result = olx_fail(OLX_ERROR_EMPTY, "nothing to see: no surface is seen from where probes may stand");
-  } else {
+  }
+  if (result == OLX_OK) {
     result = olx_cover_state_create(c->space, c->sight, &atlas, RARE_COLUMNS, most, settings->views, settings->threads,
                                     &c->state);
   }

@@ -91,6 +91,7 @@ static olx_result judge(const olx_space *space, const olx_sight *sight, judged *
   OLX_TRY(olx_count_views(space, NULL, j->places, j->count, &j->rays, 1, threads, j->views, NULL));
   set->report.visible = seen_share(&j->rays, j->views, 1);
   OLX_TRY(olx_count_views(space, sight, j->places, j->count, &j->rays, least, threads, j->views, j->first));
+  OLX_TRY(olx_surfels_ask(space, sight, j->views, least, seed, threads, &j->rays));
   tell_coverage(j, set);
   return OLX_OK;
 }

@@ -169,8 +169,9 @@ static olx_result optimize(const olx_space *space, const olx_sight *sight, const
   olx_surfels surfels;
   OLX_TRY(
       olx_surfels_create(space, sight, OLX_SPREAD_RAYS, points, olx_hash(settings->seed), settings->threads, &surfels));
-  olx_optimization outcome;
-  const olx_result result = olx_optimize(space, &surfels, settings, progress, probes, set->count, &outcome);
+  olx_optimization outcome = {0};
+  olx_result result = olx_surfels_ask(space, sight, NULL, 0, settings->seed, settings->threads, &surfels);
+  if (result == OLX_OK) result = olx_optimize(space, &surfels, settings, progress, probes, set->count, &outcome);
   olx_surfels_free(&surfels);
   set->report.reward_before = outcome.reward_before;
   set->report.reward_after = outcome.reward_after;

@@ -70,9 +70,16 @@ typedef struct drawn_point {
   uint32_t triangle, nth;
 } drawn_point;
 
-typedef struct atlas_maker {
+typedef struct asker {
   const olx_space *space;
   const olx_sight *sight;
+  olx_surfels *surfels;
+  const uint8_t *views;
+  uint32_t least, seed;
+} asker;
+
+typedef struct atlas_maker {
+  asker ask;
   drawn_point *points; // NULL for rays
   olx_surfel *sides;   // two a point; of a ray the first alone
   uint8_t *present;    // a point: not in a masked-out part; a ray: it hit
@@ -92,7 +99,7 @@ static olx_result order_triangles(const olx_scene *scene, morton_entry **order) 
 
 // Equal steps of area along the triangles, which lie in the order of the Morton curve.
 static olx_result draw_points(atlas_maker *m) {
-  const olx_scene *scene = m->space->scene;
+  const olx_scene *scene = m->ask.space->scene;
   morton_entry *order;
   OLX_TRY(order_triangles(scene, &order));
   double total = 0.0, reached = 0.0;
@@ -113,7 +120,7 @@ static olx_result draw_points(atlas_maker *m) {
 
 // Both sides of a point of a triangle.
 static void set_up_sides(const atlas_maker *m, uint32_t index, uint32_t triangle, olx_vec2 uv) {
-  const olx_scene *scene = m->space->scene;
+  const olx_scene *scene = m->ask.space->scene;
   const olx_vec3 a = corner(scene, triangle, 0), b = corner(scene, triangle, 1), c = corner(scene, triangle, 2);
   const olx_vec3 p = olx_madd(olx_madd(a, olx_sub(b, a), uv.x), olx_sub(c, a), uv.y);
   const float epsilon = olx_surface_epsilon(scene, triangle);
@@ -131,7 +138,7 @@ static void set_up_sides(const atlas_maker *m, uint32_t index, uint32_t triangle
 static void set_up_point(const atlas_maker *m, uint32_t index) {
   const drawn_point at = m->points[index];
   const olx_vec2 uv = olx_sample_triangle(olx_stratified2(at.nth, olx_hash2(m->seed, at.triangle)));
-  m->present[index] = olx_surface_present(m->space->scene, at.triangle, uv.x, uv.y);
+  m->present[index] = olx_surface_present(m->ask.space->scene, at.triangle, uv.x, uv.y);
   set_up_sides(m, index, at.triangle, uv);
 }
 
@@ -139,7 +146,7 @@ static void set_up_point(const atlas_maker *m, uint32_t index) {
 static bool draw_start(const atlas_maker *m, uint32_t index, olx_vec3 *start) {
   const uint32_t key = olx_hash2(m->seed, index);
   const double nth = ((double)index + (double)olx_unit_float(key)) / m->count;
-  return olx_space_draw(m->space, (size_t)(nth * (double)m->space->start_count), olx_hash(key), start);
+  return olx_space_draw(m->ask.space, (size_t)(nth * (double)m->ask.space->start_count), olx_hash(key), start);
 }
 
 // A ray from there in a direction of a stratified sequence.
@@ -150,11 +157,14 @@ static void set_up_ray(const atlas_maker *m, uint32_t index) {
   if (!draw_start(m, index, &start)) return;
   const olx_vec3 direction = olx_sample_sphere(olx_stratified2(index, m->seed));
   const olx_ray ray = {start, direction, 0.0f, INFINITY};
-  const olx_ray_hit hit = olx_bvh_intersect(m->space->scene->bvh, &ray);
+  const olx_ray_hit hit = olx_bvh_intersect(m->ask.space->scene->bvh, &ray);
   m->present[index] = hit.triangle != OLX_NO_HIT;
   if (hit.triangle == OLX_NO_HIT) return;
   set_up_sides(m, index, hit.triangle, (olx_vec2){hit.u, hit.v});
   if (olx_dot(m->sides[2 * index].normal, direction) > 0.0f) m->sides[2 * index] = m->sides[2 * index + 1];
+  m->sides[2 * index].from = start;
+  m->sides[2 * index].fate = OLX_SURFEL_UNASKED;
+  m->sides[2 * index + 1].fate = OLX_SURFEL_UNSEEN;
 }
 
 static olx_vec3 hemisphere_direction(olx_vec3 normal, olx_vec2 random) {
@@ -213,8 +223,8 @@ static bool is_near_space(const olx_space *space, olx_vec3 p) {
 }
 
 // From where in the space that matters the surfel is seen along straight lines to places spread over it.
-static uint8_t look_from_space(const atlas_maker *m, const olx_surfel *surfel, uint32_t seed) {
-  const olx_space *space = m->space;
+static uint8_t look_from_space(const asker *a, const olx_surfel *surfel, uint32_t seed) {
+  const olx_space *space = a->space;
   olx_ray rays[MOST_RAYS];
   olx_ray_hit hits[MOST_RAYS];
   for (uint32_t i = 0; i < MOST_RAYS; i++) {
@@ -227,14 +237,14 @@ static uint8_t look_from_space(const atlas_maker *m, const olx_surfel *surfel, u
   uint8_t found = 0;
   for (uint32_t i = 0; i < MOST_RAYS; i++) {
     if (rays[i].t_max > 0.0f)
-      found |= along_ray(space, m->sight, surfel, &rays[i], reach_of(space, &rays[i], &hits[i]));
+      found |= along_ray(space, a->sight, surfel, &rays[i], reach_of(space, &rays[i], &hits[i]));
   }
   return found;
 }
 
 // A few rays mostly tell. The many of the last round are for surfels with space close by that hardly see it; a playable
 // box may be far from what is seen from it.
-static olx_surfel_fate find_fate(const atlas_maker *m, const olx_surfel *surfel, uint32_t seed) {
+static olx_surfel_fate find_fate(const asker *a, const olx_surfel *surfel, uint32_t seed) {
   static const uint32_t rounds[FATE_ROUNDS + 1] = {0, 8, 16, 16 + MOST_RAYS};
   olx_ray rays[MOST_RAYS];
   olx_ray_hit hits[MOST_RAYS];
@@ -242,44 +252,63 @@ static olx_surfel_fate find_fate(const atlas_maker *m, const olx_surfel *surfel,
   bool near = true;
   for (uint32_t round = 0; round < FATE_ROUNDS && near; round++) {
     const uint32_t count = rounds[round + 1] - rounds[round];
-    cast_around(m->space, surfel, seed, rounds[round], count, rays, hits);
+    cast_around(a->space, surfel, seed, rounds[round], count, rays, hits);
     for (uint32_t i = 0; i < count; i++) {
-      found |= along_ray(m->space, m->sight, surfel, &rays[i], reach_of(m->space, &rays[i], &hits[i]));
+      found |= along_ray(a->space, a->sight, surfel, &rays[i], reach_of(a->space, &rays[i], &hits[i]));
       if (found & FIT) return OLX_SURFEL_FIT;
     }
-    if (round + 2 == FATE_ROUNDS) near = is_near_space(m->space, surfel->position);
+    if (round + 2 == FATE_ROUNDS) near = is_near_space(a->space, surfel->position);
   }
-  if (!near && m->space->scene->probe_rules.has_playable) found |= look_from_space(m, surfel, seed);
+  if (!near && a->space->scene->probe_rules.has_playable) found |= look_from_space(a, surfel, seed);
   if (found & FIT) return OLX_SURFEL_FIT;
   return found & OLX_ALLOWED ? OLX_SURFEL_GRAZING : found & OLX_REACHABLE ? OLX_SURFEL_RESTRICTED : OLX_SURFEL_UNSEEN;
 }
 
 // What the ray that found a surfel knows of its fate.
-static void ask_ray(const atlas_maker *m, uint32_t index, olx_surfel *surfel) {
-  olx_vec3 start;
-  const bool allowed = draw_start(m, index, &start) && olx_space_allows(m->space, start);
-  if (allowed && olx_sight_quality(m->sight, start, surfel)) surfel->fate = OLX_SURFEL_FIT;
+static void ask_ray(const asker *a, olx_surfel *surfel) {
+  const bool allowed = olx_space_allows(a->space, surfel->from);
+  if (allowed && olx_sight_quality(a->sight, surfel->from, surfel)) surfel->fate = OLX_SURFEL_FIT;
   else if (allowed) surfel->fate = OLX_SURFEL_GRAZING;
   else if (surfel->fate == OLX_SURFEL_UNSEEN) surfel->fate = OLX_SURFEL_RESTRICTED;
 }
 
-static void fate_job(void *user, uint32_t index) {
+static void ask_job(void *user, uint32_t index) {
+  const asker *a = user;
+  const uint32_t first = index * POINTS_A_JOB;
+  for (uint32_t i = first; i < first + POINTS_A_JOB && i < a->surfels->count; i++) {
+    olx_surfel *surfel = &a->surfels->items[i];
+    if (surfel->fate != OLX_SURFEL_UNASKED) continue;
+    const bool known = a->views && a->views[i] >= a->least;
+    surfel->fate = known ? OLX_SURFEL_FIT : find_fate(a, surfel, olx_hash2(a->seed, i));
+    if (surfel->fate != OLX_SURFEL_FIT) ask_ray(a, surfel);
+  }
+}
+
+olx_result olx_surfels_ask(const olx_space *space, const olx_sight *sight, const uint8_t *views, uint32_t least,
+                           uint32_t seed, uint32_t threads, olx_surfels *surfels) {
+  asker a = {space, sight, surfels, views, least, olx_hash(seed)};
+  return olx_parallel_for((surfels->count + POINTS_A_JOB - 1) / POINTS_A_JOB, threads, ask_job, &a, NULL, 0);
+}
+
+static void point_job(void *user, uint32_t index) {
   const atlas_maker *m = user;
-  const uint32_t first = index * POINTS_A_JOB, sides = m->points ? 2 : 1;
+  const uint32_t first = index * POINTS_A_JOB;
   for (uint32_t i = first; i < first + POINTS_A_JOB && i < m->count; i++) {
-    if (m->points) set_up_point(m, i);
-    else set_up_ray(m, i);
-    for (uint32_t side = 0; m->present[i] && side < sides; side++) {
+    if (!m->points) {
+      set_up_ray(m, i);
+      continue;
+    }
+    set_up_point(m, i);
+    for (uint32_t side = 0; m->present[i] && side < 2; side++) {
       olx_surfel *surfel = &m->sides[2 * i + side];
-      surfel->fate = find_fate(m, surfel, olx_hash3(m->seed, i, side));
-      if (!m->points && surfel->fate != OLX_SURFEL_FIT) ask_ray(m, i, surfel);
+      surfel->fate = find_fate(&m->ask, surfel, olx_hash3(m->seed, i, side));
     }
   }
 }
 
 // Keep the sides that are seen, along the Morton curve.
 static olx_result collect(const atlas_maker *m, olx_surfels *surfels) {
-  const olx_scene *scene = m->space->scene;
+  const olx_scene *scene = m->ask.space->scene;
   uint32_t present = 0, unseen = 0;
   for (uint32_t i = 0; i < m->count; i++) {
     const bool first = m->sides[2 * i].fate != OLX_SURFEL_UNSEEN,
@@ -310,14 +339,14 @@ static olx_result collect(const atlas_maker *m, olx_surfels *surfels) {
 static olx_result make_atlas(atlas_maker *m, olx_surfels *surfels) {
   if (m->points) OLX_TRY(draw_points(m));
   const uint32_t jobs = (m->count + POINTS_A_JOB - 1) / POINTS_A_JOB;
-  OLX_TRY(olx_parallel_for(jobs, m->threads, fate_job, m, NULL, 0));
+  OLX_TRY(olx_parallel_for(jobs, m->threads, point_job, m, NULL, 0));
   return collect(m, surfels);
 }
 
 olx_result olx_surfels_create(const olx_space *space, const olx_sight *sight, olx_spread spread, uint32_t points,
                               uint32_t seed, uint32_t threads, olx_surfels *surfels) {
   *surfels = (olx_surfels){0};
-  atlas_maker m = {.space = space, .sight = sight, .count = points, .seed = seed, .threads = threads};
+  atlas_maker m = {.ask = {.space = space, .sight = sight}, .count = points, .seed = seed, .threads = threads};
   const bool area = spread == OLX_SPREAD_AREA;
   m.points = area ? olx_allocate(points, sizeof *m.points) : NULL;
   m.sides = olx_allocate(2 * (size_t)points, sizeof *m.sides);

@@ -17,13 +17,15 @@ typedef enum olx_surfel_fate {
   OLX_SURFEL_FIT,        // seen well from somewhere a probe may stand
   OLX_SURFEL_GRAZING,    // seen from there, but never well
   OLX_SURFEL_RESTRICTED, // seen from the space that matters, but never from where a probe may stand
-  OLX_SURFEL_UNSEEN
+  OLX_SURFEL_UNSEEN,
+  OLX_SURFEL_UNASKED // not known yet
 } olx_surfel_fate;
 
 // One side of a surface at a point.
 typedef struct olx_surfel {
   olx_vec3 position; // just off the surface, on the side of the normal
   olx_vec3 normal;   // unit, geometric
+  olx_vec3 from;     // OLX_SPREAD_RAYS: where the ray began that found it
   uint32_t triangle;
   olx_surfel_fate fate;
 } olx_surfel;
@@ -31,7 +33,7 @@ typedef struct olx_surfel {
 // Where an atlas lays its surfels.
 typedef enum olx_spread {
   OLX_SPREAD_AREA, // evenly over both sides of all triangles: each stands for the same area
-  OLX_SPREAD_RAYS // where rays arrive from all over the space in all directions: each stands for as many rays
+  OLX_SPREAD_RAYS  // where rays arrive from all over the space in all directions: each stands for as many rays
 } olx_spread;
 
 typedef struct olx_surfels {
@@ -42,9 +44,12 @@ typedef struct olx_surfels {
 } olx_surfels;
 
 // Lay `points` points and keep the surfels that are seen. Of OLX_SPREAD_RAYS those are all but the rays that leave the
-// scene.
+// scene, and their fates are not asked.
 olx_result olx_surfels_create(const olx_space *space, const olx_sight *sight, olx_spread spread, uint32_t points,
                               uint32_t seed, uint32_t threads, olx_surfels *surfels);
+// Find the fates that are not known. With `views`, surfels that are seen well by `least` probes need not be asked.
+olx_result olx_surfels_ask(const olx_space *space, const olx_sight *sight, const uint8_t *views, uint32_t least,
+                           uint32_t seed, uint32_t threads, olx_surfels *surfels);
 void olx_surfels_free(olx_surfels *surfels);
 
 // Up to `wanted` places from which the surfel is seen well and where a probe may stand, found along random rays.

@@ -2,7 +2,8 @@
 //
 //   placement_check SCENE PROBES.json [RAYS]
 //
-// A ball of 1/800 of the scene's diagonal is moved over a lattice, from the cameras, wherever it touches no surface: by
+// A ball of radius 1/800 of the scene's diagonal is moved over a lattice in the box of playable space (without one, the
+// scene's bounds), from the cameras, or from what a camera outside the box sees of its inside, wherever it touches no surface: by
 // exact distances to triangles, no voxels. Steps are at most its diameter, so it cannot jump over anything. Printed as one
 // JSON object:
 //   reached       share of probes next to which the ball can stand, with nothing between
@@ -27,7 +28,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NODES_ALONG_DIAGONAL = 400, BACK_RAYS = 4096, PLACES = 400, NODES_A_JOB = 512 };
+enum { NODES_ALONG_DIAGONAL = 400, BACK_RAYS = 4096, PLACES = 400, FAR_LOOKS = 1 << 17, NODES_A_JOB = 512 };
 enum { UNKNOWN, FREE, BLOCKED };
 #define LEAST_COSINE 0.02f
 
@@ -69,23 +70,19 @@ static bool box_holds(const olx_box *box, olx_vec3 p, float slack) {
          p.x <= box->max.x + slack && p.y <= box->max.y + slack && p.z <= box->max.z + slack;
 }
 
-static void start_lattice(const olx_scene *scene, lattice *l) {
-  olx_vec3 low = scene->bounds_min, high = scene->bounds_max;
-  l->scene = scene;
-  l->diagonal = olx_length(olx_sub(high, low));
-  l->step = l->diagonal / NODES_ALONG_DIAGONAL;
-  l->clearance = 0.5f * l->step;
-  for (uint32_t i = 0; i < scene->camera_count; i++) {
-    const olx_vec3 eye = scene->cameras[i].eye;
-    if (olx_length(olx_sub(eye, low)) > 3.0f * l->diagonal) continue;
-    low = olx_min_each(low, eye);
-    high = olx_max_each(high, eye);
-  }
-  l->low = olx_sub(low, olx_splat(2.0f * l->step));
-  const olx_vec3 extent = olx_sub(high, l->low);
+static uint32_t pick(uint32_t key, uint32_t count) { return (uint32_t)(((uint64_t)olx_hash(key) * count) >> 32); }
+
+// Within the box.
+static void start_lattice(const olx_scene *scene, const olx_box *box, lattice *l) {
+  const olx_vec3 extent = olx_sub(box->max, box->min);
   const float along[3] = {extent.x, extent.y, extent.z};
   size_t total = 1;
-  for (int i = 0; i < 3; i++) total *= l->count[i] = (uint32_t)(along[i] / l->step) + 4;
+  l->scene = scene;
+  l->diagonal = olx_length(olx_sub(scene->bounds_max, scene->bounds_min));
+  l->step = l->diagonal / NODES_ALONG_DIAGONAL;
+  l->clearance = 0.5f * l->step;
+  l->low = olx_add(box->min, olx_splat(0.25f * l->step));
+  for (int i = 0; i < 3; i++) total *= l->count[i] = (uint32_t)(olx_max(along[i] / l->step - 0.25f, 0.0f)) + 1;
   l->state = take(total, 1);
   l->front = take(total, sizeof *l->front);
   l->next = take(total, sizeof *l->next);
@@ -112,14 +109,19 @@ static uint32_t nodes_around(const lattice *l, olx_vec3 place, int32_t reach, ui
 
 enum { REACH = 3, AROUND = (2 * REACH + 1) * (2 * REACH + 1) * (2 * REACH + 1) };
 
-static void enter_at(lattice *l, olx_vec3 place) {
+static void enter_node(lattice *l, olx_vec3 from, uint32_t node) {
+  if (l->state[node] != UNKNOWN || !sees(l->scene, from, node_place(l, node))) return;
+  l->state[node] = BLOCKED; // until looked at, once
+  l->next[l->next_count++] = node;
+}
+
+// From what a place sees close by, or, from outside the box, anywhere.
+static void enter_at(lattice *l, const olx_box *box, olx_vec3 place) {
   uint32_t nodes[AROUND];
-  const uint32_t count = nodes_around(l, place, REACH, nodes);
-  for (uint32_t i = 0; i < count; i++) {
-    if (l->state[nodes[i]] != UNKNOWN || !sees(l->scene, place, node_place(l, nodes[i]))) continue;
-    l->state[nodes[i]] = BLOCKED;
-    l->next[l->next_count++] = nodes[i];
-  }
+  const uint32_t count = box_holds(box, place, 0.0f) ? nodes_around(l, place, REACH, nodes) : 0;
+  const uint32_t total = l->count[0] * l->count[1] * l->count[2];
+  for (uint32_t i = 0; i < count; i++) enter_node(l, place, nodes[i]);
+  for (uint32_t i = 0; count == 0 && i < FAR_LOOKS; i++) enter_node(l, place, pick(i, total));
 }
 
 static void free_job(void *user, uint32_t index) {
@@ -213,8 +215,6 @@ typedef struct coverage_job {
   uint8_t *outcome; // a ray: 0 none, 1 covered, 2 could be, 3 could not
 } coverage_job;
 
-static uint32_t pick(uint32_t key, uint32_t count) { return (uint32_t)(((uint64_t)olx_hash(key) * count) >> 32); }
-
 static void cover_job(void *user, uint32_t index) {
   const coverage_job *job = user;
   const olx_scene *scene = job->scene;
@@ -283,9 +283,9 @@ int main(int argc, char **argv) {
   const olx_box *box = scene->probe_rules.has_playable ? &scene->probe_rules.playable : &bounds;
   const int rays = argc > 3 ? atoi(argv[3]) : 50000;
   lattice l = {0};
-  start_lattice(scene, &l);
-  for (uint32_t i = 0; i < scene->camera_count; i++) enter_at(&l, scene->cameras[i].eye);
-  if (scene->camera_count == 0) enter_at(&l, set.probes[0].position);
+  start_lattice(scene, box, &l);
+  for (uint32_t i = 0; i < scene->camera_count; i++) enter_at(&l, box, scene->cameras[i].eye);
+  if (scene->camera_count == 0) enter_at(&l, box, set.probes[0].position);
   flood(&l);
   putchar('{');
   check_probes(&l, box, &set);

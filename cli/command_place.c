@@ -61,6 +61,7 @@ static int print_place_json(const olx_probe_set *set) {
   if (set->settings.optimize != OLX_OPTIMIZE_NONE) {
     add_text(object, "optimize", olx_place_optimizer_name(set->settings.optimize));
     add_text(object, "reward", olx_place_reward_name(set->settings.reward));
+    add_number(object, "coverage_before", report->coverage_before);
     add_number(object, "reward_before", report->reward_before);
     add_number(object, "reward_after", report->reward_after);
     add_number(object, "rounds", report->rounds);
@@ -91,13 +92,14 @@ static void print_place(const char *path, const olx_probe_set *set) {
   print_share("missed", report->missed, "could be covered: more probes, or a higher coverage");
   print_share("grazing", report->grazing,
               "seen at grazing angles, or with too large a texel, from wherever a probe may be");
-  print_share("restricted", report->restricted, "seen only from where the description allows no probe");
+  print_share("restricted", report->restricted, "seen only from where no probe may stand");
   print_share("unreached", report->unreachable, "of all surface: not seen from playable space");
   if (report->buried) printf("  buried     %u probes are inside geometry\n", report->buried);
   if (report->rejected) printf("  rejected   %u points of the grid, by the description\n", report->rejected);
   if (set->settings.optimize != OLX_OPTIMIZE_NONE) {
     printf("  reward     %.4f, from %.4f, after %u rounds of %s\n", report->reward_after, report->reward_before,
            report->rounds, olx_place_optimizer_name(set->settings.optimize));
+    printf("             coverage was %.3f %% before\n", 100.0 * report->coverage_before);
   }
   printf("  seconds    %.2f\n", report->seconds);
 }
@@ -141,7 +143,7 @@ int command_place(int argc, char **argv) {
       {"--surfels", OPTION_COUNT, &given.surfels, "N", "cover: samples of surfaces; default 14000", 64, 1 << 20},
       {"--candidates", OPTION_COUNT, &given.candidates, "N", "cover: positions tried; default 2000", 16, 1 << 14},
       {"--voxels", OPTION_COUNT, &given.voxels, "N", "along the longest side of space; default 160", 8, 512},
-      {"--refinements", OPTION_COUNT, &given.refinements, "N", "cover: rounds of moves and swaps; default 4", 0, 64},
+      {"--refinements", OPTION_COUNT, &given.refinements, "N", "cover: rounds of moves and swaps; default 8", 0, 64},
       {"--optimize", OPTION_CHOICE, &given.optimize, "none|gradient|gibbs", "move the probes; default none", 0, 0},
       {"--reward", OPTION_CHOICE, &given.reward, "best|sum", "what --optimize raises; default best", 0, 0},
       {"--rounds", OPTION_COUNT, &given.rounds, "N", "--optimize: at most so many; default 50", 1, 10000},

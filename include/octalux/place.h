@@ -98,11 +98,11 @@ typedef struct olx_place_settings {
   olx_place_optimizer optimize; // default OLX_OPTIMIZE_NONE
   olx_place_reward reward;      // default OLX_REWARD_BEST
   uint32_t rounds;              // at most, of the optimizer, 1 to 10,000; default 50; it ends when all is covered
-  uint32_t surfels;    // that positions are chosen by, 64 to 1,048,576, fewer where they would take more than 256 MB;
-                       // default 14,000
-  uint32_t candidates; // 16 to 16,384; default 2,000
-  uint32_t voxels;     // along the longest side of space, 8 to 512, at most 2^23 together; default 160
-  uint32_t refinements; // rounds in which probes may move or be swapped, 0 to 64; default 4
+  uint32_t surfels;     // that positions are chosen by, 64 to 1,048,576, fewer where they would take more than 256 MB;
+                        // default 14,000
+  uint32_t candidates;  // 16 to 16,384; default 2,000
+  uint32_t voxels;      // along the longest side of space, 8 to 512, at most 2^23 together; default 160
+  uint32_t refinements; // rounds in which probes may move or be swapped, 0 to 64; default 8
   uint32_t seed;
   uint32_t threads; // 0: as many as the machine has; the result does not depend on it
 } olx_place_settings;
@@ -119,22 +119,24 @@ typedef struct olx_placed_probe {
 // How well the probes do, by surfels that the placement never used. Shares are of what the space that matters sees,
 // each surface as often as it is seen, except where area is named.
 typedef struct olx_place_report {
-  uint64_t surfels;         // held out
-  double coverage;          // seen well by at least `views` probes
-  double visible;           // in line of sight of at least one probe, at whatever angle and distance
-  double coverage_by_area;  // as coverage, but each surface counts by the area that is seen from somewhere
-  double coverable;         // 1 - grazing - restricted
-  double grazing;           // not covered: at grazing angles or with too large a texel from wherever a probe may stand
-  double restricted;        // not covered: seen only from where the description's overrides allow no probe
-  double missed;            // not covered, but could be: more probes, or a higher coverage, would do it
-  double unreachable;       // of all surface, by area: no side of it is seen from the space that matters
-  uint32_t buried;          // probes inside geometry: they are not asked
-  uint32_t rejected;        // OLX_PLACE_GRID: grid points left out because of the description's overrides
-  uint32_t candidates;      // positions that were considered
-  double reward_before;     // what the optimizer found, and
-  double reward_after;      // what it left: never less; a mean over surfels, by settings.reward
-  uint32_t rounds;          // of the optimizer
-  uint64_t space_voxels;    // of the space that matters
+  uint64_t surfels;        // held out
+  double coverage;         // seen well by at least `views` probes
+  double visible;          // in line of sight of at least one probe, at whatever angle and distance
+  double coverage_by_area; // as coverage, but each surface counts by the area that is seen from somewhere
+  double coverable;        // 1 - grazing - restricted
+  double grazing;          // not covered: at grazing angles or with too large a texel from wherever a probe may stand
+  double restricted;       // not covered: seen only from where no probe may stand: because of the description's
+                           // overrides, or within a voxel of surfaces
+  double missed;           // not covered, but could be: more probes, or a higher coverage, would do it
+  double unreachable;      // of all surface, by area: no side of it is seen from the space that matters
+  uint32_t buried;         // probes inside geometry: they are not asked
+  uint32_t rejected;       // OLX_PLACE_GRID: grid points left out because of the description's overrides
+  uint32_t candidates;     // positions that were considered
+  double coverage_before;  // what the optimizer found; by OLX_REWARD_BEST it does not give up what only one probe sees
+  double reward_before;    // and the reward it found, and
+  double reward_after;     // what it left: never less; a mean over surfels, by settings.reward
+  uint32_t rounds;         // of the optimizer
+  uint64_t space_voxels;   // of the space that matters
   float voxel_metres;
   double seconds;
 } olx_place_report;

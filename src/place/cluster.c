@@ -197,18 +197,15 @@ static bool keeps_distance(const picker *p, olx_vec3 place) {
 }
 
 // The member nearest to the mean that may be a probe, if any.
-static olx_result pick_member(picker *p, const group *g) {
+static void pick_member(picker *p, const group *g) {
   for (uint32_t i = g->first, tried = 0; i < g->first + g->size && tried < MEMBERS_TRIED; i++) {
     const olx_vec3 place = p->items[p->members[i].item].place;
     if (!olx_space_allows(p->space, place) || !keeps_distance(p, place)) continue;
-    olx_depth depth;
-    OLX_TRY(olx_measure_depth(p->space->scene, &place, 1, 1, &depth));
     tried++;
-    if (olx_depth_is_inside(depth, p->space->outside)) continue;
+    if (olx_space_is_inside_geometry(p->space, place)) continue;
     p->probes[p->probe_count++] = (olx_candidate){place, OLX_ORIGIN_SKELETON};
-    return OLX_OK;
+    return;
   }
-  return OLX_OK;
 }
 
 static olx_result pick(picker *p, uint32_t wanted, uint32_t threads) {
@@ -226,7 +223,7 @@ static olx_result pick(picker *p, uint32_t wanted, uint32_t threads) {
     sort_members(p);
     for (uint32_t k = 0; k < p->clusters && (wanted == 0 || p->probe_count < wanted); k++) {
       if (p->groups[k].size * (double)p->clusters < OLX_CLUSTER_LEAST * p->count) break;
-      OLX_TRY(pick_member(p, &p->groups[k]));
+      pick_member(p, &p->groups[k]);
     }
     if (wanted == 0 || p->probe_count >= wanted || p->clusters < granularity) break;
     granularity += wanted - p->probe_count;

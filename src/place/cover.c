@@ -4,6 +4,7 @@
 #include "core/result.h"
 #include "core/sampling.h"
 #include "place/cover_state.h"
+#include "place/exchange.h"
 
 #include <string.h>
 
@@ -21,13 +22,13 @@
 enum {
   PILOT_POINTS = 4096,
   RARE_COLUMNS = 8192,
-  TARGETS = 192,     // surfels a round that nothing covers, for which places are sought
+  TARGETS = 96,      // surfels a round that nothing covers, for which places are sought
   TARGET_PLACES = 2, // for each
-  DENSER = 3,        // sample that is asked what is missing, times the common columns
+  DENSER = 8,        // sample that is asked what is missing, times the common columns
   MOVES = 10,        // places tried around a probe
   MOST_ROUNDS = 20,
   LEAST_STEP = 8, // probes that a round may add before another dense sample judges, or a quarter of those that stand
-  REFINED_PROBES = 192 // probes times rounds that may move
+  REFINED_PROBES = 512 // probes times rounds that may move
 };
 
 typedef struct cover {
@@ -49,12 +50,6 @@ static olx_result sample_seen(const cover *c, uint32_t wanted, uint32_t seed, ol
   const double points = share > 1.0 / 32.0 ? wanted / share : 32.0 * wanted;
   return olx_surfels_create(c->space, c->sight, OLX_SPREAD_RAYS, (uint32_t)(points < 64.0 ? 64.0 : points),
                             olx_hash(seed), threads, surfels);
-}
-
-static bool is_inside(const cover *c, olx_vec3 place) {
-  olx_depth depth = {0};
-  return olx_measure_depth(c->space->scene, &place, 1, 1, &depth) != OLX_OK ||
-         olx_depth_is_inside(depth, c->space->outside);
 }
 
 // A max-heap of candidates by gain, which may be stale: gains only fall while probes are added.
@@ -123,7 +118,7 @@ static olx_result add_greedily(cover *c, uint32_t limit, double allowed) {
     }
     if (gain == 0) break;
     s->unfit[best] = !olx_cover_keeps_distance(s, s->candidates[best].place, s->pick_count) ||
-                     is_inside(c, s->candidates[best].place);
+                     olx_space_is_inside_geometry(c->space, s->candidates[best].place);
     if (s->unfit[best]) continue;
     result = olx_cover_pick(s, s->candidates[best], olx_cover_row(s, best));
   }
@@ -170,7 +165,7 @@ static void look_job(void *user, uint32_t index) {
 // another place covers no less.
 static olx_result refine_probe(cover *c, refiner *r, uint32_t pick, uint32_t round) {
   olx_cover_state *s = &c->state;
-  olx_cover_set_levels(s, pick);
+  olx_cover_set_levels(s, pick, pick);
   olx_cover_find_open(s, &r->open);
   const olx_gain now = olx_cover_gain(s, olx_cover_pick_row(s, pick));
   olx_gain best = now;
@@ -186,7 +181,8 @@ static olx_result refine_probe(cover *c, refiner *r, uint32_t pick, uint32_t rou
     const olx_gain gain = move ? r->move_gains[nth] : r->gains[nth];
     if (gain.covered < now.covered || olx_gain_value(gain) <= olx_gain_value(best)) continue;
     const olx_candidate *there = move ? &r->moves[nth] : &s->candidates[nth];
-    if (!olx_cover_keeps_distance(s, there->place, pick) || is_inside(c, there->place)) continue;
+    if (!olx_cover_keeps_distance(s, there->place, pick) || olx_space_is_inside_geometry(c->space, there->place))
+      continue;
     best = gain;
     probe = *there;
     row = move ? move_row(r, nth) : olx_cover_row(s, nth);
@@ -206,7 +202,7 @@ static olx_result refine(cover *c, uint32_t round, uint32_t pinned) {
   if (r.gains && r.move_rows) result = olx_cover_open_create(s, &r.open);
   else olx_fail(result, "place: out of memory");
   for (uint32_t i = pinned; result == OLX_OK && i < s->pick_count; i++) result = refine_probe(c, &r, i, round);
-  olx_cover_set_levels(s, s->pick_count);
+  olx_cover_set_levels(s, s->pick_count, s->pick_count);
   olx_cover_open_free(&r.open);
   olx_release(r.gains);
   olx_release(r.move_rows);
@@ -307,7 +303,9 @@ static olx_result choose(cover *c) {
     }
     OLX_TRY(add_greedily(c, next_limit(c, allowed), allowed));
     refined += c->state.pick_count - pinned;
-    if (round < c->settings->refinements && refined <= REFINED_PROBES) OLX_TRY(refine(c, round, pinned));
+    if (round >= c->settings->refinements || refined > REFINED_PROBES) continue;
+    OLX_TRY(olx_cover_exchange(&c->state, pinned, olx_hash2(c->settings->seed, 200u + round)));
+    OLX_TRY(refine(c, round, pinned));
   }
   return OLX_OK;
 }

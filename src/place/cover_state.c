@@ -80,7 +80,7 @@ olx_result olx_cover_add_candidates(olx_cover_state *s, const olx_candidate *lis
 }
 
 olx_result olx_cover_renew(olx_cover_state *s, const olx_surfels *sample, const uint8_t *views) {
-  olx_cover_set_levels(s, s->pick_count);
+  olx_cover_set_levels(s, s->pick_count, s->pick_count);
   const uint8_t *least = s->levels + (size_t)s->capacity * (s->views - 1);
   for (uint32_t i = 0; i < s->columns.count; i++) {
     if (least[i] == 0) s->settled[i] = 255;
@@ -152,10 +152,10 @@ olx_result olx_cover_pick(olx_cover_state *s, olx_candidate probe, const uint8_t
   return OLX_OK;
 }
 
-void olx_cover_set_levels(olx_cover_state *s, uint32_t without) {
+void olx_cover_set_levels(olx_cover_state *s, uint32_t without, uint32_t without_too) {
   for (uint32_t v = 0; v < s->views; v++) memcpy(s->levels + (size_t)s->capacity * v, s->settled, s->columns.count);
   for (uint32_t i = 0; i < s->pick_count; i++) {
-    if (i != without) raise_levels(s, olx_cover_pick_row(s, i));
+    if (i != without && i != without_too) raise_levels(s, olx_cover_pick_row(s, i));
   }
 }
 
@@ -229,6 +229,13 @@ void olx_cover_find_open(const olx_cover_state *s, olx_cover_open *open) {
   }
 }
 
+uint64_t olx_cover_open_weight(const olx_cover_state *s, const olx_cover_open *open, const uint8_t *row) {
+  uint64_t common = 0, rare = 0;
+  for (uint32_t k = 0; k < open->common; k++) common += row[open->index[k]] != 0;
+  for (uint32_t k = open->common; k < open->columns.count; k++) rare += row[open->index[k]] != 0;
+  return common * s->common_weight + rare * s->rare_weight;
+}
+
 typedef struct gain_from_job {
   const olx_cover_state *state;
   const olx_cover_open *open;
@@ -238,12 +245,8 @@ typedef struct gain_from_job {
 
 static olx_gain gain_from(const gain_from_job *job, uint32_t candidate) {
   const olx_cover_state *s = job->state;
-  const olx_cover_open *open = job->open;
   const uint8_t *row = olx_cover_row(s, candidate);
-  uint64_t common = 0, rare = 0;
-  for (uint32_t k = 0; k < open->common; k++) common += row[open->index[k]] != 0;
-  for (uint32_t k = open->common; k < open->columns.count; k++) rare += row[open->index[k]] != 0;
-  const uint64_t covered = common * s->common_weight + rare * s->rare_weight;
+  const uint64_t covered = olx_cover_open_weight(s, job->open, row);
   return covered < job->least ? (olx_gain){.covered = covered} : olx_cover_gain(s, row);
 }
 

@@ -58,8 +58,8 @@ static inline uint8_t *olx_cover_pick_row(const olx_cover_state *s, uint32_t pic
 
 // Choose: append to the picks, with the row copied.
 olx_result olx_cover_pick(olx_cover_state *state, olx_candidate probe, const uint8_t *row);
-// Levels of all picks but `without` (pick_count: none).
-void olx_cover_set_levels(olx_cover_state *state, uint32_t without);
+// Levels of all picks but those two (pick_count: none).
+void olx_cover_set_levels(olx_cover_state *state, uint32_t without, uint32_t without_too);
 olx_gain olx_cover_gain(const olx_cover_state *state, const uint8_t *row);
 // The gains of all candidates.
 olx_result olx_cover_gains(const olx_cover_state *state, olx_gain *gains);
@@ -85,6 +85,9 @@ olx_gain olx_cover_look(const olx_cover_state *state, const olx_cover_open *open
 // Weight of the columns that are not covered, and of all that can be.
 uint64_t olx_cover_uncovered(const olx_cover_state *state);
 uint64_t olx_cover_total(const olx_cover_state *state);
+
+// Weight of the open columns that a row covers.
+uint64_t olx_cover_open_weight(const olx_cover_state *state, const olx_cover_open *open, const uint8_t *row);
 
 // Whether a probe may stand there beside the picks but `without`: not too near to them. (Not whether it is inside.)
 bool olx_cover_keeps_distance(const olx_cover_state *state, olx_vec3 place, uint32_t without);

@@ -16,28 +16,29 @@ typedef struct depth_search {
   olx_depth *depths;
 } depth_search;
 
-// Whether the triangle's winding faces away from a ray that meets it.
-static bool faces_away(const olx_scene *scene, uint32_t triangle, olx_vec3 direction) {
+bool olx_faces_away(const olx_scene *scene, uint32_t triangle, olx_vec3 direction) {
   const uint32_t *corner = scene->indices + 3 * (size_t)triangle;
   const olx_vec3 a = scene->positions[corner[0]], b = scene->positions[corner[1]], c = scene->positions[corner[2]];
   return olx_dot(olx_cross(olx_sub(b, a), olx_sub(c, a)), direction) > 0.0f;
 }
 
-static float back_face_share(const olx_scene *scene, olx_vec3 position) {
+static void look_around(const olx_scene *scene, olx_vec3 position, olx_depth *depth) {
   olx_ray rays[MAP_SIZE];
   olx_ray_hit hits[MAP_SIZE];
-  double back = 0.0;
+  double back = 0.0, sky = 0.0;
   for (uint32_t y = 0; y < MAP_SIZE; y++) {
     for (uint32_t x = 0; x < MAP_SIZE; x++) {
       rays[x] = (olx_ray){position, olx_texel_direction(x, y, MAP_SIZE), 0.0f, INFINITY};
     }
     olx_bvh_intersect_many(scene->bvh, rays, MAP_SIZE, true, hits);
     for (uint32_t x = 0; x < MAP_SIZE; x++) {
-      if (hits[x].triangle == OLX_NO_HIT || !faces_away(scene, hits[x].triangle, rays[x].direction)) continue;
-      back += olx_texel_solid_angle(x, y, MAP_SIZE);
+      const double angle = olx_texel_solid_angle(x, y, MAP_SIZE);
+      if (hits[x].triangle == OLX_NO_HIT) sky += angle;
+      else if (olx_faces_away(scene, hits[x].triangle, rays[x].direction)) back += angle;
     }
   }
-  return (float)(back / (4.0 * (double)OLX_PI));
+  depth->back_share = (float)(back / (4.0 * (double)OLX_PI));
+  depth->sky_share = (float)(sky / (4.0 * (double)OLX_PI));
 }
 
 // Back faces less front faces on the way out.
@@ -48,7 +49,7 @@ static int32_t crossing_balance(const olx_scene *scene, olx_vec3 position, olx_v
     const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
     ++*rays;
     if (hit.triangle == OLX_NO_HIT) break;
-    balance += faces_away(scene, hit.triangle, direction) ? 1 : -1;
+    balance += olx_faces_away(scene, hit.triangle, direction) ? 1 : -1;
     ray.t_min = nextafterf(hit.t, INFINITY);
   }
   return balance;
@@ -72,7 +73,7 @@ static void depth_job(void *user, uint32_t index) {
   const depth_search *s = user;
   olx_depth *d = &s->depths[index];
   d->rays = MAP_SIZE * MAP_SIZE;
-  d->back_share = back_face_share(s->scene, s->positions[index]);
+  look_around(s->scene, s->positions[index], d);
   d->depth = median_balance(s->scene, s->positions[index], &d->rays);
 }
 

@@ -7,9 +7,13 @@
 // How deep a place is inside surfaces.
 typedef struct olx_depth {
   float back_share; // of all directions, that meet the back of a triangle first
+  float sky_share;  // that meet nothing
   int32_t depth; // back faces less front faces crossed on the way out, a signed parity: the median of many directions
   uint32_t rays; // cast to find out
 } olx_depth;
+
+// Whether the triangle's winding faces away from a ray that meets it.
+bool olx_faces_away(const olx_scene *scene, uint32_t triangle, olx_vec3 direction);
 
 // Measure each position.
 olx_result olx_measure_depth(const olx_scene *scene, const olx_vec3 *positions, uint32_t count, uint32_t threads,
@@ -20,6 +24,10 @@ olx_result olx_measure_depth(const olx_scene *scene, const olx_vec3 *positions, 
 // lies deeper by the count than in it but sees fronts and sky.
 static inline bool olx_depth_is_inside(olx_depth d, int32_t outside) {
   return d.back_share > 0.5f && d.depth > outside;
+}
+// The same of what is seen beside the sky: also a place between the outside of a wall and the end of the scene.
+static inline bool olx_depth_is_behind(olx_depth d, int32_t outside) {
+  return d.back_share > 0.5f * (1.0f - d.sky_share) && d.depth > outside;
 }
 
 #endif

@@ -22,7 +22,8 @@ typedef struct judged {
   uint32_t *gains;    // surfels that each covers and none before it
   uint32_t count;
   olx_surfels rays, area;
-  uint8_t *views;
+  uint8_t *views;   // that see a surfel well
+  uint8_t *visible; // whether any sees it at all
   uint32_t *first;
 } judged;
 
@@ -71,7 +72,7 @@ static void tell_coverage(const judged *j, olx_probe_set *set) {
 static double seen_share(const olx_surfels *surfels, const uint8_t *views, uint32_t least) {
   uint32_t seen = 0;
   for (uint32_t i = 0; i < surfels->count; i++) seen += views[i] >= least;
-  return surfels->count ? (double)seen / surfels->count : 0.0;
+  return seen * surfels->share;
 }
 
 static olx_result judge(const olx_space *space, const olx_sight *sight, judged *j, olx_probe_set *set) {
@@ -88,9 +89,11 @@ static olx_result judge(const olx_space *space, const olx_sight *sight, judged *
   set->report.unreachable = j->area.unreachable;
   OLX_TRY(olx_count_views(space, sight, j->places, j->count, &j->area, least, threads, j->views, NULL));
   set->report.coverage_by_area = seen_share(&j->area, j->views, least);
-  OLX_TRY(olx_count_views(space, NULL, j->places, j->count, &j->rays, 1, threads, j->views, NULL));
-  set->report.visible = seen_share(&j->rays, j->views, 1);
   OLX_TRY(olx_count_views(space, sight, j->places, j->count, &j->rays, least, threads, j->views, j->first));
+  OLX_TRY(olx_count_views(space, NULL, j->places, j->count, &j->rays, 1, threads, j->visible, NULL));
+  // A ray along an edge may meet it or not, as it is packed with others: what is seen well is visible.
+  for (uint32_t i = 0; i < j->rays.count; i++) j->visible[i] |= j->views[i] > 0;
+  set->report.visible = seen_share(&j->rays, j->visible, 1);
   OLX_TRY(olx_surfels_ask(space, sight, j->views, least, seed, threads, &j->rays));
   tell_coverage(j, set);
   return OLX_OK;
@@ -102,14 +105,16 @@ olx_result olx_measure_probes(const olx_space *space, const olx_sight *sight, ol
               .probe_of = olx_allocate(set->count, sizeof *j.probe_of),
               .gains = olx_allocate_zero(set->count, sizeof *j.gains),
               .views = olx_allocate(most, 1),
+              .visible = olx_allocate(most, 1),
               .first = olx_allocate(most, sizeof *j.first)};
   olx_result result = OLX_ERROR_MEMORY;
-  if (j.places && j.probe_of && j.gains && j.views && j.first) result = judge(space, sight, &j, set);
+  if (j.places && j.probe_of && j.gains && j.views && j.visible && j.first) result = judge(space, sight, &j, set);
   else olx_fail(result, "place: out of memory");
   olx_release(j.places);
   olx_release(j.probe_of);
   olx_release(j.gains);
   olx_release(j.views);
+  olx_release(j.visible);
   olx_release(j.first);
   olx_surfels_free(&j.rays);
   olx_surfels_free(&j.area);

@@ -130,8 +130,18 @@ typedef struct optimizer {
   double *others;      // a surfel's reward without the probe in question
   olx_candidate *best; // the best set so far
   uint8_t *halvings;   // a probe: how often its cube was halved
+  uint32_t seen;       // surfels, before the probe in question moves
   double best_reward;
 } optimizer;
+
+// Surfels that can be seen well and are seen, by the others or along the row.
+static uint32_t count_seen(const optimizer *o, const float *row) {
+  uint32_t seen = 0;
+  for (uint32_t i = 0; i < o->surfels->count; i++) {
+    seen += o->surfels->items[i].fate == OLX_SURFEL_FIT && (o->others[i] > 0.0 || row[i] > 0.0f);
+  }
+  return seen;
+}
 
 static float *row_of(const optimizer *o, uint32_t probe) { return o->rows + (size_t)o->surfels->count * probe; }
 static float *support_row(const optimizer *o, uint32_t i) { return o->support_rows + (size_t)o->surfels->count * i; }
@@ -148,18 +158,17 @@ static bool may_stand(const optimizer *o, olx_vec3 place, uint32_t probe) {
   return olx_space_allows(o->space, place) && keeps_distance(o, place, probe);
 }
 
-static bool is_inside(const optimizer *o, olx_vec3 place) {
-  olx_depth depth = {0};
-  return olx_measure_depth(o->space->scene, &place, 1, 1, &depth) != OLX_OK ||
-         olx_depth_is_inside(depth, o->space->outside);
-}
-
 // Half the room around the probe, at least two voxels; halved as often as the probe could not get on.
 static float cube_size(const optimizer *o, uint32_t probe) {
   const olx_voxels *v = &o->space->voxels;
   const size_t voxel = olx_voxel_at(v, o->probes[probe].place);
   const float room = voxel == OLX_NO_VOXEL ? 0.0f : olx_voxel_distance(v, voxel);
   return olx_max(isfinite(room) ? 0.5f * room : 0.0f, 2.0f * v->size) / (float)(1u << o->halvings[probe]);
+}
+
+// As published a probe may give up what only it sees; by the reward `best` it may not.
+static bool keeps_seen(const optimizer *o, const float *row) {
+  return o->settings->reward == OLX_REWARD_SUM || count_seen(o, row) >= o->seen;
 }
 
 // The rows of the support probes that may stand, and what each set would be rewarded; 0 where none may stand.
@@ -197,7 +206,7 @@ static olx_result step_gradient(optimizer *o, uint32_t probe, double now, bool *
     uint32_t best = 0;
     for (uint32_t i = 1; i < SUPPORTS; i++) best = rewards[i] > rewards[best] ? i : best;
     if (!(rewards[best] > now)) break;
-    if (!is_inside(o, places[best])) {
+    if (keeps_seen(o, support_row(o, best)) && !olx_space_is_inside_geometry(o->space, places[best])) {
       move_probe(o, probe, places[best], support_row(o, best), rewards[best]);
       return OLX_OK;
     }
@@ -220,8 +229,9 @@ static olx_result step_gibbs(optimizer *o, uint32_t probe, uint32_t round, doubl
     random[i] = olx_unit_float(olx_hash3(olx_hash2(o->settings->seed, round), probe, i));
   }
   const olx_vec3 place = olx_sample_support(o->probes[probe].place, half, rewards, random);
-  if (!may_stand(o, place, probe) || is_inside(o, place)) return OLX_OK;
+  if (!may_stand(o, place, probe) || olx_space_is_inside_geometry(o->space, place)) return OLX_OK;
   fitness_row(o->space, o->surfels, place, support_row(o, 0));
+  if (!keeps_seen(o, support_row(o, 0))) return OLX_OK;
   const double reward = mean_with(o->settings->reward, o->others, support_row(o, 0), o->surfels->count);
   if ((double)random[SUPPORTS - 1] * now < reward) move_probe(o, probe, place, support_row(o, 0), reward);
   return OLX_OK;
@@ -242,6 +252,7 @@ static olx_result run_round(optimizer *o, uint32_t round, bool *moved) {
     if (o->probes[probe].origin == OLX_ORIGIN_PINNED) continue;
     join_rows(o->rows, o->count, surfels, probe, o->settings->reward, o->others);
     const double now = mean_with(o->settings->reward, o->others, row_of(o, probe), surfels);
+    o->seen = count_seen(o, row_of(o, probe));
     if (o->settings->optimize == OLX_OPTIMIZE_GRADIENT) {
       OLX_TRY(step_gradient(o, probe, now, moved));
     } else {

@@ -65,7 +65,7 @@ olx_place_settings olx_place_settings_default(const olx_scene *scene) {
                                  .surfels = 14000,
                                  .candidates = 2000,
                                  .voxels = 160,
-                                 .refinements = 4};
+                                 .refinements = 8};
   // The scene's own counts cannot be out of range.
   (void)olx_scene_probe_grid(scene, NULL, &settings.grid);
   return settings;
@@ -179,23 +179,39 @@ static olx_result optimize(const olx_space *space, const olx_sight *sight, const
   return result;
 }
 
+static olx_result list_probes(const olx_candidate *probes, olx_probe_set *set) {
+  set->probes = olx_allocate_zero(set->count, sizeof *set->probes);
+  if (!set->probes) return olx_fail(OLX_ERROR_MEMORY, "place: out of memory");
+  for (uint32_t i = 0; i < set->count; i++) {
+    set->probes[i] = (olx_placed_probe){.position = probes[i].place, .origin = probes[i].origin};
+  }
+  return OLX_OK;
+}
+
+// What the probes cover before they move, by the same rays as afterwards.
+static olx_result measure_before(const olx_space *space, const olx_sight *sight, const olx_candidate *probes,
+                                 olx_probe_set *set) {
+  olx_probe_set before = {.count = set->count, .settings = set->settings};
+  olx_result result = list_probes(probes, &before);
+  if (result == OLX_OK) result = olx_measure_probes(space, sight, &before);
+  set->report.coverage_before = before.report.coverage;
+  olx_probe_set_free(&before);
+  return result;
+}
+
 static olx_result place_in(const olx_space *space, const olx_progress *progress, olx_place_settings *settings,
                            olx_probe_set *set) {
   const olx_scene *scene = space->scene;
   const olx_sight sight = olx_sight_create(scene, settings->min_cosine, settings->max_footprint, settings->resolution);
+  const bool moves = settings->optimize != OLX_OPTIMIZE_NONE;
   olx_candidate *probes = NULL;
-  olx_result result = choose_probes(space, &sight, progress, settings, &probes, set);
-  if (result == OLX_OK && settings->optimize != OLX_OPTIMIZE_NONE) {
-    result = optimize(space, &sight, progress, settings, probes, set);
-  }
-  set->probes = olx_allocate_zero(set->count, sizeof *set->probes);
-  if (result == OLX_OK && !set->probes) result = olx_fail(OLX_ERROR_MEMORY, "place: out of memory");
-  if (result == OLX_OK) {
-    for (uint32_t i = 0; i < set->count; i++) {
-      set->probes[i] = (olx_placed_probe){.position = probes[i].place, .origin = probes[i].origin};
-    }
-    result = olx_measure_probes(space, &sight, set);
-  }
+  olx_result result;
+  OLX_TRY_GOTO(choose_probes(space, &sight, progress, settings, &probes, set), done);
+  if (moves) OLX_TRY_GOTO(measure_before(space, &sight, probes, set), done);
+  if (moves) OLX_TRY_GOTO(optimize(space, &sight, progress, settings, probes, set), done);
+  OLX_TRY_GOTO(list_probes(probes, set), done);
+  OLX_TRY_GOTO(olx_measure_probes(space, &sight, set), done);
+done:
   olx_release(probes);
   set->report.space_voxels = space->reachable_count;
   set->report.voxel_metres = space->voxels.size;

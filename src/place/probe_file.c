@@ -93,6 +93,7 @@ static void write_report(cJSON *root, const olx_place_settings *settings, const 
   cJSON_AddNumberToObject(object, "buried", report->buried);
   cJSON_AddNumberToObject(object, "rejected", report->rejected);
   if (settings->optimize == OLX_OPTIMIZE_NONE) return;
+  add_share(object, "coverage_before", report->coverage_before);
   add_share(object, "reward_before", report->reward_before);
   add_share(object, "reward_after", report->reward_after);
   cJSON_AddNumberToObject(object, "rounds", report->rounds);

@@ -4,6 +4,7 @@
 #include "core/parallel.h"
 #include "core/result.h"
 #include "core/sampling.h"
+#include "place/outdoors.h"
 #include "scene/bvh.h"
 #include "scene/emitters.h"
 
@@ -17,6 +18,9 @@ enum {
   LIGHT_DRAWS = 4,       // of each group of lights at such a place
   PLACES_A_JOB = 1 << 14 // voxels
 };
+
+// A probe keeps so many voxels from surfaces; the centres of free voxels always do.
+#define LEAST_CLEARANCE 0.499f
 
 static bool box_contains(const olx_box *box, olx_vec3 p) {
   return p.x >= box->min.x && p.y >= box->min.y && p.z >= box->min.z && p.x <= box->max.x && p.y <= box->max.y &&
@@ -33,7 +37,14 @@ bool olx_rules_allow(const olx_scene *scene, olx_vec3 p) {
 }
 
 bool olx_space_allows(const olx_space *space, olx_vec3 p) {
-  return olx_space_reaches(space, p) && olx_rules_allow(space->scene, p);
+  const float least = LEAST_CLEARANCE * space->voxels.size;
+  return olx_space_reaches(space, p) && box_contains(&space->box, p) && olx_rules_allow(space->scene, p) &&
+         olx_bvh_distance(space->scene->bvh, p, least) >= least;
+}
+
+bool olx_space_is_inside_geometry(const olx_space *space, olx_vec3 p) {
+  olx_depth depth = {0};
+  return olx_measure_depth(space->scene, &p, 1, 1, &depth) != OLX_OK || olx_depth_is_behind(depth, space->outside);
 }
 
 // Finding the space: labels are SOLID, 0 for free voxels not flooded yet, or a component's number from 1.
@@ -229,8 +240,10 @@ static void allow_job(void *user, uint32_t index) {
   const olx_voxels *v = &space->voxels;
   const size_t first = (size_t)index * PLACES_A_JOB;
   for (size_t i = first; i < first + PLACES_A_JOB && i < v->total; i++) {
-    if (space->reachable[i] && olx_rules_allow(space->scene, olx_voxel_centre(v, i)))
+    const olx_vec3 centre = olx_voxel_centre(v, i);
+    if (space->reachable[i] && box_contains(&space->box, centre) && olx_rules_allow(space->scene, centre)) {
       space->reachable[i] |= OLX_ALLOWED;
+    }
   }
 }
 
@@ -297,10 +310,11 @@ static olx_result find_outside(olx_space *space, uint32_t threads) {
   uint32_t count = 0;
   const olx_scene *scene = space->scene;
   for (uint32_t i = 0; i < scene->camera_count && i < EYES; i++) positions[count++] = scene->cameras[i].eye;
-  const size_t wanted = space->place_count < PLACES ? space->place_count : PLACES;
-  for (size_t i = 0; i < wanted; i++) {
-    const size_t at = (2 * i + 1) * space->place_count / (2 * wanted);
-    positions[count++] = olx_voxel_centre(&space->voxels, space->places[at]);
+  const size_t wanted = space->reachable_count < PLACES ? space->reachable_count : PLACES;
+  for (size_t i = 0, voxel = 0, nth = 0; i < wanted; i++) {
+    const size_t at = (2 * i + 1) * space->reachable_count / (2 * wanted);
+    while (nth <= at) nth += (space->reachable[voxel++] & OLX_REACHABLE) != 0;
+    positions[count++] = olx_voxel_centre(&space->voxels, voxel - 1);
   }
   OLX_TRY(olx_measure_depth(scene, positions, count, threads, depths));
   for (uint32_t i = 0; i < count; i++) {
@@ -309,30 +323,63 @@ static olx_result find_outside(olx_space *space, uint32_t threads) {
   return OLX_OK;
 }
 
-static olx_result find_space(olx_space *space, finder *f, uint32_t threads) {
+// Flood from the cameras, else everything; `excluded` voxels count as solid.
+static olx_result flood(olx_space *space, finder *f, const uint8_t *excluded, uint32_t threads) {
   const olx_voxels *v = &space->voxels;
-  size_t free_voxels = 0;
-  for (size_t i = 0; i < v->total; i++) {
-    f->labels[i] = v->solid[i] ? SOLID : 0;
-    free_voxels += !v->solid[i];
-  }
-  if (free_voxels == 0) {
-    return olx_fail(OLX_ERROR_EMPTY, "nowhere to place probes: surfaces touch every voxel of %g m; try more voxels",
-                    (double)v->size);
-  }
+  for (size_t i = 0; i < v->total; i++) f->labels[i] = v->solid[i] || (excluded && excluded[i]) ? SOLID : 0;
   space->outside = INT32_MAX;
   const bool by_camera = flood_from_cameras(f) > 0;
   if (!by_camera) OLX_TRY(flood_everything(f, threads, &space->outside));
+  space->reachable_count = 0;
   for (size_t i = 0; i < v->total; i++) {
     space->reachable[i] = f->labels[i] == 1 ? OLX_REACHABLE : 0;
     space->reachable_count += f->labels[i] == 1;
   }
+  return by_camera ? find_outside(space, threads) : OLX_OK;
+}
+
+// Without a playable box, what is behind the scenery does not matter, unless nothing else is left.
+static olx_result leave_outdoors(olx_space *space, finder *f, uint32_t threads) {
+  const size_t total = space->voxels.total;
+  const size_t before = space->reachable_count;
+  const int32_t outside = space->outside;
+  uint8_t *excluded = olx_allocate(total, 1), *whole = olx_allocate(total, 1);
+  size_t count = 0;
+  olx_result result = OLX_ERROR_MEMORY;
+  if (excluded && whole) {
+    memcpy(whole, space->reachable, total);
+    result = olx_find_outdoors(space, threads, excluded, &count);
+  } else {
+    olx_fail(result, "place: no memory for %zu voxels", total);
+  }
+  if (result == OLX_OK && count > 0) {
+    result = flood(space, f, excluded, threads);
+    if (result == OLX_OK && space->reachable_count == 0) {
+      memcpy(space->reachable, whole, total);
+      space->reachable_count = before;
+      space->outside = outside;
+    }
+  }
+  olx_release(excluded);
+  olx_release(whole);
+  return result;
+}
+
+static olx_result find_space(olx_space *space, finder *f, uint32_t threads) {
+  const olx_voxels *v = &space->voxels;
+  size_t free_voxels = 0;
+  for (size_t i = 0; i < v->total; i++) free_voxels += !v->solid[i];
+  if (free_voxels == 0) {
+    return olx_fail(OLX_ERROR_EMPTY, "nowhere to place probes: surfaces touch every voxel of %g m; try more voxels",
+                    (double)v->size);
+  }
+  OLX_TRY(flood(space, f, NULL, threads));
+  if (!space->scene->probe_rules.has_playable) OLX_TRY(leave_outdoors(space, f, threads));
   if (space->reachable_count == 0) {
     return olx_fail(OLX_ERROR_EMPTY, "nowhere to place probes: every free place in %s is inside geometry",
                     space->scene->probe_rules.has_playable ? "the playable box" : "the scene's bounds");
   }
-  OLX_TRY(list_places(space, threads));
-  return by_camera ? find_outside(space, threads) : OLX_OK;
+  return list_places(space, threads);
 }
 
 // The box to look at: the playable one, as far as it is near the scene, or the scene's bounds.

@@ -26,7 +26,7 @@ enum {
 // Find it. Over the box of playable space when the description has one, else over the scene's bounds, flooded from the
 // cameras (one outside the box enters it where it looks). Without a camera that can enter: all of the playable box that
 // is not inside geometry, or, without a box, the largest such space that light reaches. OLX_ERROR_EMPTY when there is
-// none.
+// none. Without a playable box what lies behind the scenery (outdoors.h) is left out.
 olx_result olx_space_create(const olx_scene *scene, uint32_t resolution, uint32_t threads, olx_space *space);
 void olx_space_free(olx_space *space);
 
@@ -39,9 +39,11 @@ static inline bool olx_space_reaches(const olx_space *space, olx_vec3 p) {
 // when what was drawn there is not such a place: outside the box, or behind the surface in a fringe voxel.
 bool olx_space_draw(const olx_space *space, size_t nth, uint32_t seed, olx_vec3 *place);
 
-// Whether a probe may stand there: in space that matters, outside forbidden boxes, at least min_distance off surfaces.
-// (That it is not inside geometry has to be asked of inside.h.)
+// Whether a probe may stand there: in space that matters, outside forbidden boxes, at least min_distance and half a
+// voxel off surfaces.
+// (That it is not inside geometry is asked on its own, because it takes many rays.)
 bool olx_space_allows(const olx_space *space, olx_vec3 p);
+bool olx_space_is_inside_geometry(const olx_space *space, olx_vec3 p);
 
 // Whether the rules of the description (playable and forbidden boxes, distance to surfaces) allow a probe there,
 // wherever the viewer can be.

@@ -181,7 +181,7 @@ olx_surfel olx_read_surfel(olx_march m, ivec2 at, float distance) {
 
 // How far the ray may be below a surfel's plane and still count as on it.
 float olx_plane_tolerance(olx_surfel s) {
-  precise float tolerance = s.distance * OLX_DISTANCE_PRECISION * max(s.cosine, 0.0) + 0.02 * s.footprint;
+  precise float tolerance = s.distance * OLX_DISTANCE_PRECISION * max(s.cosine, 0.0) + 0.005 * s.footprint;
   return tolerance;
 }
 
@@ -211,7 +211,7 @@ bool olx_supported(olx_march m, olx_piece p, olx_surfel s, float t) {
   ivec2 at = ivec2(olx_quadrant_texel(p.u, olx_image_at(p, p.u, t)), olx_quadrant_texel(p.v, olx_image_at(p, p.v, t)));
   float stored = olx_texel_distance(m.map, at);
   precise float slope = 1.0 / max(s.cosine, 0.1);
-  precise float reach = sqrt(olx_radius_squared(m, t)) + 2.0 * s.footprint * slope;
+  precise float reach = sqrt(olx_radius_squared(m, t)) + s.footprint * slope;
   return stored <= reach;
 }
 
@@ -243,8 +243,9 @@ int olx_judge(olx_march m, olx_piece p, olx_cell c, float t1, float stored, inou
     return OLX_VERDICT_HIT;
   }
   if (s.f1 >= 0.0) {
-    // Below, but rising: a ray that just left this surface is still within what rounding and curvature explain.
-    return -height0 <= 0.5 * s.footprint ? OLX_VERDICT_CLEAR : OLX_VERDICT_HIDDEN;
+    // Below, but rising: a ray that just left this surface is still within what rounding and curvature explain. One that began
+    // farther below comes through the surface from behind.
+    return -min(height0, s.f0) <= 0.5 * s.footprint ? OLX_VERDICT_CLEAR : OLX_VERDICT_HIDDEN;
   }
   // A ray handed on by another probe may have slipped through this surface by that probe's tolerance, but no ray starts
   // behind what it is about to hit.

@@ -10,7 +10,7 @@
 #include "sight.glsl"
 
 const float OLX_HAND_OVER_FOOTPRINTS = 0.5;
-const float OLX_VANISHED_FOOTPRINTS = 2.0;
+const float OLX_VANISHED_FOOTPRINTS = 1.5;
 
 struct olx_trace_hit {
   uint status;           // OLX_TRACE_*
@@ -80,6 +80,8 @@ bool olx_ask(inout olx_search s, uint probe, inout olx_probe_answer answer) {
   precise vec3 origin = s.origin - olx_probe_position(probe);
   answer = olx_trace_probe(probe, olx_probe_ray(origin, s.direction, s.t, s.t_max), s.settings.tracer);
   s.steps += answer.steps;
+  // Lost in front of what the probe stores there, the ray has gone behind nothing: it ends.
+  if (answer.status == OLX_TRACE_UNKNOWN && answer.gap < 0.0) answer.status = OLX_TRACE_HIT;
   if (answer.status != OLX_TRACE_UNKNOWN) return true;
   if (s.fallback_probe == OLX_NO_PROBE || answer.gap < s.fallback.gap) {
     s.fallback = answer;

@@ -172,7 +172,7 @@ static surfel read_surfel(const march *m, cell c, float distance) {
 
 // How far the ray may be below a surfel's plane and still count as on it.
 static float plane_tolerance(const surfel *s) {
-  return s->distance * DISTANCE_PRECISION * olx_max(s->cosine, 0.0f) + 0.02f * s->footprint;
+  return s->distance * DISTANCE_PRECISION * olx_max(s->cosine, 0.0f) + 0.005f * s->footprint;
 }
 
 // The greatest distance that the surface of a texel can have inside it: its plane tilted away by a texel, but no farther
@@ -203,7 +203,7 @@ static bool supported(const march *m, const piece *p, const surfel *s, float t) 
   const cell c = {quadrant_texel(&p->u, image_at(p, &p->u, t)), quadrant_texel(&p->v, image_at(p, &p->v, t)), t};
   const float stored = olx_texel_distance(m->field, m->probe, texel_index(m, c));
   const float slope = 1.0f / olx_max(s->cosine, 0.1f);
-  return stored <= sqrtf(radius_squared(m, t)) + 2.0f * s->footprint * slope;
+  return stored <= sqrtf(radius_squared(m, t)) + s->footprint * slope;
 }
 
 typedef enum verdict { VERDICT_CLEAR, VERDICT_HIT, VERDICT_HIDDEN } verdict;
@@ -229,8 +229,9 @@ static verdict judge(const march *m, const piece *p, cell c, float t1, float sto
     return VERDICT_HIT;
   }
   if (s.f1 >= 0.0f) {
-    // Below, but rising: a ray that just left this surface is still within what rounding and curvature explain.
-    return -height0 <= 0.5f * s.footprint ? VERDICT_CLEAR : VERDICT_HIDDEN;
+    // Below, but rising: a ray that just left this surface is still within what rounding and curvature explain. One that began
+    // farther below comes through the surface from behind.
+    return -olx_min(height0, s.f0) <= 0.5f * s.footprint ? VERDICT_CLEAR : VERDICT_HIDDEN;
   }
   const float t = -s.f0 / s.f1;
   // A ray handed on by another probe may have slipped through this surface by that probe's tolerance, but no ray starts

@@ -14,7 +14,7 @@ enum { MAX_ATTEMPTS = 128 };
 // that, so that the ray does not slip through what it was about to hit.
 static const float HAND_OVER_FOOTPRINTS = 0.5f;
 // A ray that went out of every probe's sight by no more than this many footprints behind a surface is taken to end there.
-static const float VANISHED_FOOTPRINTS = 2.0f;
+static const float VANISHED_FOOTPRINTS = 1.5f;
 // How much worse a probe to begin with is for standing off the ray's line than for standing off its origin.
 static const float OFF_LINE = 4.0f;
 
@@ -75,6 +75,8 @@ static bool ask(search *s, uint32_t probe, olx_probe_answer *answer) {
   };
   *answer = olx_trace_probe(s->field, probe, &ray, s->settings->tracer);
   s->steps += answer->steps;
+  // Lost in front of what the probe stores there, the ray has gone behind nothing: it ends.
+  if (answer->status == OLX_TRACE_UNKNOWN && answer->gap < 0.0f) answer->status = OLX_TRACE_HIT;
   if (answer->status != OLX_TRACE_UNKNOWN) return true;
   if (s->fallback_probe == UINT32_MAX || answer->gap < s->fallback.gap) {
     s->fallback = *answer;

@@ -7,6 +7,7 @@ Without an experiment all of them run. Scenes that are not to be found (OCTALUX_
 """
 import argparse
 import json
+import math
 import os
 import struct
 import subprocess
@@ -40,6 +41,7 @@ SCENES = {
         Scene("living-room", described("living-room"), "4x4x4", 1024, "200x150", spp=512),
         Scene("temple", "builtin:temple", None, 512, "192x108", spp=256),
         Scene("sponza", described("sponza"), "8x2x4", 512, "192x108", spp=256),
+        Scene("area-light", "builtin:area-light", None, 512, "160x120", spp=1024),
     ]
 }
 
@@ -209,7 +211,131 @@ def selectors(bench):
                         number(r["probes_mean"]), number(r["steps_mean"]), stored.get(way, 0), nanoseconds[way])
 
 
-EXPERIMENTS = {"layers": layers, "audit": audit, "leaks": leaks, "speed": speed, "selectors": selectors}
+# Parts of the living room as they look in a picture of 960x540 from the camera "sofa": 64x48 pixels around a point, given as shares
+# of the picture's width and height.
+PARTS = {"shelf": (0.783, 0.489), "cushion": (0.479, 0.589), "grate": (0.958, 0.672)}
+
+
+def close_ups(bench):
+    """The living room with a camera for each part; returns the description's path."""
+    scene = json.load(open(described("living-room")))
+    sofa = scene["cameras"][0]
+    sub = lambda a, b: [x - y for x, y in zip(a, b)]
+    unit = lambda v: [x / math.sqrt(sum(y * y for y in v)) for x in v]
+    cross = lambda a, b: [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    forward = unit(sub(sofa["target"], sofa["eye"]))
+    right = unit(cross(forward, [0, 1, 0]))
+    up = cross(right, forward)
+    half = math.tan(math.radians(sofa["fov_y_degrees"] / 2))
+    for name, (x, y) in PARTS.items():
+        across, above = half * 16 / 9 * (2 * x - 1), half * (1 - 2 * y)
+        target = [e + f + across * r + above * u for e, f, r, u in zip(sofa["eye"], forward, right, up)]
+        fov = 2 * math.degrees(math.atan(half * 48 / 540))
+        scene["cameras"].append({"name": name, "eye": sofa["eye"], "target": target, "fov_y_degrees": fov})
+    path = bench.path("living-room-close.json")
+    json.dump(scene, open(path, "w"))
+    return path
+
+
+def denoise(bench):
+    """Two rays a pixel and frame, denoised, against gathering in the same field (relative MSE)."""
+    head("view", "layer", "one ray", "gather", "published, 64 frames", "is as good as", "adaptive, 64 frames", "is as good as",
+         "published, 10 after a cut", "over 64", "adaptive, 10 after a cut", "over 64")
+    for scene in scenes(bench, "living-room"):
+        field, source = bench.bake(scene), close_ups(bench)
+        for part in PARTS:
+            def render(tag, *options):
+                out = bench.path("denoise-%s-%s.exr" % (part, tag))
+                bench.run("render", source, "-o", out, "--method", "field", "--field", field, "--size", "64x48", "--camera", part, *options)
+                return out
+
+            # Another seed than that of the frames and of the gathers that are judged.
+            truth = render("truth", "--mode", "gather", "--gather-samples", 256 if bench.quick else 2048, "--seed", 7)
+            frames = ["--mode", "denoised", "--frames"]
+            cut = ["--from-camera", "window", "--cut", 10]
+            images = {"one": render("one", "--mode", "gather", "--gather-samples", 1)}
+            for samples in (32, 128):
+                images[samples] = render("gather%d" % samples, "--mode", "gather", "--gather-samples", samples)
+            for way in ("published", "adaptive"):
+                images[way] = render(way, *frames, 64, "--denoise", way)
+                images[way + " cut"] = render(way + "-cut", *frames, 74, "--denoise", way, *cut)
+            for layer, samples in (("indirect_diffuse", 128), ("indirect_glossy", 32)):
+                error = {name: bench.compare(image, truth, layer)["relative_mse"] for name, image in images.items()}
+                cells = []
+                for way in ("published", "adaptive"):
+                    cells += [number(error[way]), "%.0f rays" % (error["one"] / error[way])]
+                for way in ("published", "adaptive"):
+                    cells += [number(error[way + " cut"]), "%.1f" % math.sqrt(error[way + " cut"] / error[way])]
+                row(part, layer, number(error["one"]), "%s with %d" % (number(error[samples]), samples), *cells)
+
+
+def modes(bench):
+    """The paper's three modes against the path tracer, camera rays through pixel centres (relative MSE)."""
+    head("scene", "mode", "indirect_diffuse", "over prefiltered", "indirect_glossy", "10 frames after a cut: diffuse", "glossy")
+    for scene in scenes(bench, "living-room"):
+        field = bench.bake(scene)
+        references = [bench.path("modes-path%d.exr" % seed) for seed in (0, 1)]
+        spp = 64 if bench.quick else 512
+        for seed, reference in enumerate(references):
+            bench.run("render", scene.source, "-o", reference, "--method", "path", "--bounces", scene.bounces + 1, "--spp", spp, "--centered", "--seed", seed,
+                      *bench.view(scene))
+
+        def error(image, layer):
+            """The mean to both references, less their own noise: half of what they differ by."""
+            a, b = (bench.compare(image, reference, layer)["relative_mse"] for reference in references)
+            return (a + b - bench.compare(*references, layer)["relative_mse"]) / 2
+
+        cut = ["--from-camera", "window", "--cut", 10, "--frames", 74]
+        ways = {
+            "prefiltered": (["--mode", "prefiltered", "--frames", 64], ["--mode", "prefiltered", *cut]),
+            "denoised": (["--mode", "denoised", "--frames", 64], ["--mode", "denoised", *cut]),
+            "denoised, published": (["--mode", "denoised", "--frames", 64, "--denoise", "published"], ["--mode", "denoised", "--denoise", "published", *cut]),
+            "gather, 128 rays": (["--mode", "gather", "--gather-samples", 128], None),
+        }
+        best = None
+        for name, (options, after_cut) in ways.items():
+            image = bench.render(scene, field, "mode", *options)
+            diffuse, glossy = (error(image, layer) for layer in ("indirect_diffuse", "indirect_glossy"))
+            best = best or diffuse
+            cells = ["-", "-"]
+            if after_cut:
+                image = bench.render(scene, field, "mode-cut", *after_cut)
+                cells = [number(error(image, layer)) for layer in ("indirect_diffuse", "indirect_glossy")]
+            row(scene.name, name, number(diffuse), number(diffuse / best), number(glossy), *cells)
+
+
+def dim_lobes(bench):
+    """Rough lobes left to irradiance when they reflect less than a share (prefiltered mode, 16 frames; glossy against 1024 rays)."""
+    head("scene", "--dim-lobe", "rays through the field", "glossy pass, s", "relative MSE of glossy", "bias", "relative MSE of beauty")
+    for scene in scenes(bench, "living-room", "sponza"):
+        field = bench.bake(scene)
+        truth = bench.render(scene, field, "dim-truth", "--spp", 1, "--glossy-samples", 64 if bench.quick else 1024)
+        for share in (0, 0.05, 0.1, 0.2):
+            out = bench.path("dim.exr")
+            options = ["--dim-lobe", share] if share else []
+            r = bench.run("render", scene.source, "-o", out, "--method", "field", "--field", field, *bench.view(scene), "--frames", 16, "--spp", 1, *options)
+            m, b = bench.compare(out, truth, "indirect_glossy"), bench.compare(out, truth, "beauty")
+            row(scene.name, share, "%.2f million" % (r["field_rays"] / 1e6), number(r["passes"]["indirect_glossy"]), number(m["relative_mse"]),
+                number(m["bias"]), number(b["relative_mse"]))
+
+
+def emitters(bench):
+    """Lamps found by the field's rays alone, against the path tracer (beauty, McGuire et al. Figure 14)."""
+    head("scene", "emitters", "mode", "relative MSE", "bias", "share of direct light")
+    for scene in scenes(bench, "area-light"):
+        field, reference = bench.bake(scene), bench.path("emitters-path.exr")
+        spp = 128 if bench.quick else 1024
+        bench.run("render", scene.source, "-o", reference, "--method", "path", "--bounces", scene.bounces + 1, "--spp", spp, "--centered", *bench.view(scene))
+        for emitters, mode in (("sampled", "gather"), ("traced", "gather"), ("sampled", "denoised"), ("traced", "denoised")):
+            options = ["--gather-samples", 256] if mode == "gather" else ["--frames", 64, "--spp", 64]
+            image = bench.render(scene, field, "emitters", "--mode", mode, "--emitters", emitters, *options, *(["--spp", 1] if mode == "gather" else []))
+            m = bench.compare(image, reference, "beauty")
+            share = 1 + bench.compare(image, reference, "direct")["bias"]
+            row(scene.name, emitters, mode, number(m["relative_mse"]), number(m["bias"]), number(share))
+
+
+EXPERIMENTS = {"layers": layers, "audit": audit, "leaks": leaks, "speed": speed, "selectors": selectors, "denoise": denoise, "modes": modes, "dim-lobes": dim_lobes,
+               "emitters": emitters}
 
 
 def main():

@@ -392,7 +392,7 @@ static void test_kernels_narrow_to_where_light_comes_from(void **state) {
   (void)state;
   const olx_lobe_filter filter = olx_denoise_settings_default().diffuse;
   view *v = make_wall(0, 2);
-  const float near = 1.0f / 0.05f, far = 0.0f; // half a pixel away, and the sky
+  const float near = 1.0f / 0.02f, far = 0.0f; // a fifth of a pixel away, and the sky
   for (int i = 0; i < 2; i++) {
     light_buffers *light = make_light();
     for (uint32_t k = 0; k < PIXELS; k++) light->sample[k] = (olx_incident){olx_splat(0), i ? far : near};

@@ -30,8 +30,8 @@ olx_denoise_settings olx_denoise_settings_published(void) {
 
 olx_denoise_settings olx_denoise_settings_default(void) {
   olx_denoise_settings settings = olx_denoise_settings_published();
-  settings.diffuse.reach = 1.4f;
-  settings.glossy.reach = 0.4f;
+  settings.diffuse.reach = 2.5f;
+  settings.glossy.reach = 0.6f;
   settings.glossy.still_history = 0.98f;
   return settings;
 }

@@ -338,7 +338,9 @@
       for (const source of loaded) sources.add(source);
       this.sources = loaded;
       this.sides = this.sides || [0, Math.min(1, loaded.length - 1)];
-      if (!this.stagePane || this.paneCount !== loaded.length) this.makePanes(loaded, frame.pictures.length);
+      const shape = JSON.stringify(loaded.map(({ name, content }) => [name, content.low, content.high]));
+      if (this.shape !== shape) this.makePanes(loaded, frame.pictures.length);
+      this.shape = shape;
       this.grid.style.setProperty("--aspect", `${frame.width} / ${frame.height}`);
       this.stagePane.shown = this.sides.map((side) => loaded[side]);
       this.others.forEach(({ pane, index }) => (pane.shown = [loaded[index]]));
@@ -347,9 +349,11 @@
     }
 
     makePanes(loaded, pictureCount) {
-      this.paneCount = loaded.length;
+      const split = this.stagePane ? this.stagePane.split : 0.5;
+      if (Math.max(...this.sides) >= loaded.length) this.sides = [0, Math.min(1, loaded.length - 1)];
       for (const pane of [this.stagePane, ...(this.others || []).map((other) => other.pane)]) panes.delete(pane);
       this.stagePane = new Pane(this, true);
+      this.stagePane.split = split;
       this.stagePane.box.setAttribute("aria-label", "Two pictures and the divider between them");
       this.sides.forEach((_, side) => this.stagePane.box.append(this.makePicker(loaded, side)));
       // Maps first, beside the stage; pictures of their own only when there are more than the stage shows.

@@ -192,7 +192,7 @@ def selectors(bench):
     """How probes are found: rays against ray casting, bytes, and time on one thread with all selectors taking turns."""
     program = os.path.join(os.path.dirname(bench.program), "bench", "selector_speed")
     head("scene", "probes", "selector", "unresolved", "wrong", "probes tried", "texel steps", "bytes", "ns a ray")
-    for name, count, grid in (("temple", 16, "2x2x4"), ("temple", 32, "4x2x4"), ("sponza", 54, "6x3x3")):
+    for name, count, grid in (("cornell-glossy", 7, "2x2x2"), ("temple", 16, "2x2x4"), ("temple", 32, "4x2x4"), ("sponza", 54, "6x3x3")):
         for scene in scenes(bench, name):
             placed = bench.path("%s-%d.json" % (name, count))
             bench.run("place", scene.source, "-o", placed, "--method", "cover", "--count", count)

@@ -196,7 +196,7 @@ def selectors(bench):
         for scene in scenes(bench, name):
             placed = bench.path("%s-%d.json" % (name, count))
             bench.run("place", scene.source, "-o", placed, "--method", "cover", "--count", count)
-            ways = ["voronoi", "octree", "exhaustive"]
+            ways = ["voronoi", "octree", "bricks", "exhaustive"]
             for label, where, names in (("cover", ["--probes", placed], ways), (grid, ["--grid", grid], ["cage", *ways])):
                 field = bench.path("%s-%d-%s.olx" % (name, count, label))
                 bench.run("bake", scene.source, "-o", field, *where, "--radiance-size", scene.radiance, "--bounces", 0, "--irradiance-size", 32,

@@ -36,7 +36,8 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_BINDING_COARSE 6
 #define OLX_BINDING_IRRADIANCE 7
 #define OLX_BINDING_MOMENTS 8
-#define OLX_FIELD_BINDINGS 9
+#define OLX_BINDING_BRICKS 9 // storage buffer, the bricks as they lie in the file
+#define OLX_FIELD_BINDINGS 10
 
 // The descriptor set of a frame: the host's images.
 #define OLX_BINDING_DEPTH 0 // sampled
@@ -48,7 +49,7 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_BINDING_OUT_COLOR 6
 #define OLX_FRAME_BINDINGS 7
 
-#define OLX_SELECT_GPU_MASK 0x1u // bits (1 << olx_select) of the stored selectors that have a twin
+#define OLX_SELECT_GPU_MASK 0x9u // bits (1 << olx_select) of the stored selectors that have a twin
 #define OLX_MAX_ATTEMPTS 128     // probes that a search remembers as asked
 
 // C has these as enumerations, in octalux/sample.h, octalux/field.h and field/field_data.h.
@@ -56,6 +57,7 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_TRACER_TEXEL 0
 #define OLX_TRACER_TWO_LEVEL 1
 #define OLX_SELECT_CAGE 0
+#define OLX_SELECT_BRICKS 3
 #define OLX_SELECT_EXHAUSTIVE 4
 #define OLX_SELECT_BEST 5
 #define OLX_TRACE_MISS 0

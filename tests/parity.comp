@@ -59,7 +59,7 @@ void derive() {
   settings.visibility = (bits.w & 6u) != 0u;
   settings.keep_buried = (bits.w & 8u) != 0u;
   settings.emitters = (bits.w & 16u) != 0u;
-  settings.select = (bits.w & 96u) != 0u ? OLX_SELECT_BEST : OLX_SELECT_EXHAUSTIVE;
+  settings.select = uint[](OLX_SELECT_EXHAUSTIVE, OLX_SELECT_CAGE, OLX_SELECT_BRICKS, OLX_SELECT_BEST)[bits.w >> 5 & 3u];
   surface = olx_surface_point(point, direction, view);
   bsdf = olx_bsdf_make(abs(direction), random.x, random.y, random.z);
 }
@@ -148,8 +148,8 @@ void field_rows() {
   case ROW_olx_cage_has: put(olx_cage_has(cage, bits.x & 7u)); break;
   case ROW_olx_cage_probe: put(olx_cage_probe(olx_field.irradiance_grid, cage, bits.x & cage.corner_mask)); break;
   case ROW_olx_cage_weight: put(olx_cage_weight(cage, bits.x & 7u)); break;
-  case ROW_olx_select_available: put(olx_select_available(bits.x & 1u)); break;
-  case ROW_olx_select_resolve: put(olx_select_resolve(4u + (bits.x & 1u))); break;
+  case ROW_olx_select_available: put(olx_select_available(bits.x % 5u)); break;
+  case ROW_olx_select_resolve: put(olx_select_resolve(bits.x % 6u)); break;
   case ROW_olx_sample_settings_default:
     settings = olx_sample_settings_default();
     put(settings.tracer), put(settings.select), put(settings.visibility), put(settings.max_probes);
@@ -193,6 +193,8 @@ void march_rows() {
   }
 }
 
+bool has_bricks() { return olx_select_available(OLX_SELECT_BRICKS); }
+
 void search_rows() {
   derive_search();
   olx_probe_answer answer = blank();
@@ -214,6 +216,12 @@ void search_rows() {
   case ROW_olx_ask: put(olx_ask(search, probe, answer)), put(search.attempts), put(search.t), put(search.lost), put_answer(answer); break;
   case ROW_olx_first_corner: put(olx_first_corner(search, olx_cage_at(olx_field.grid, point))); break;
   case ROW_olx_search_cages: put(olx_search_cages(search, found, answer)), put(search.attempts), put(search.t); break;
+  case ROW_olx_bricks_list: put(has_bricks() ? olx_bricks_list(point) : 0u); break;
+  case ROW_olx_bricks_probe: put(has_bricks() ? olx_bricks_probe(olx_bricks_list(point), bits.x & 7u) : 0u); break;
+  case ROW_olx_next_listed: put(has_bricks() && olx_next_listed(search, found)), put(found & 0xFFFFu); break;
+  case ROW_olx_search_bricks:
+    put(has_bricks() && olx_search_bricks(search, found, answer)), put(search.attempts), put(search.t);
+    break;
   case ROW_olx_search_everywhere: put(olx_search_everywhere(search, found, answer)), put(search.attempts), put(search.t); break;
   case ROW_olx_search_selected: put(olx_search_selected(search, found, answer)), put(search.attempts), put(search.t); break;
   case ROW_olx_sky_radiance: put(olx_sky_radiance(direction)); break;

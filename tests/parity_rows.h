@@ -98,18 +98,22 @@
 #define ROW_olx_leave_bounds 83
 #define ROW_olx_trace 84
 #define ROW_olx_probe_sees 85
-#define ROWS_OF_SEARCH 86
+#define ROW_olx_bricks_list 86
+#define ROW_olx_bricks_probe 87
+#define ROW_olx_next_listed 88
+#define ROW_olx_search_bricks 89
+#define ROWS_OF_SEARCH 90
 
-#define ROW_olx_map_irradiance 86
-#define ROW_olx_map_moments 87
-#define ROW_olx_chebyshev 88
-#define ROW_olx_visibility 89
-#define ROW_olx_probe_weight 90
-#define ROW_olx_irradiance_usable 91
-#define ROW_olx_nearest_visible 92
-#define ROW_olx_add_from_afar 93
-#define ROW_olx_irradiance 94
-#define ROW_olx_glossy 95
-#define ROWS_OF_SHADE 96
+#define ROW_olx_map_irradiance 90
+#define ROW_olx_map_moments 91
+#define ROW_olx_chebyshev 92
+#define ROW_olx_visibility 93
+#define ROW_olx_probe_weight 94
+#define ROW_olx_irradiance_usable 95
+#define ROW_olx_nearest_visible 96
+#define ROW_olx_add_from_afar 97
+#define ROW_olx_irradiance 98
+#define ROW_olx_glossy 99
+#define ROWS_OF_SHADE 100
 
 #endif

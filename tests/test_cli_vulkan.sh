@@ -4,7 +4,8 @@ source "$(dirname "$0")/cli/expect.sh"
 # What drivers keep cannot be told by name once the loader has unloaded them; test_vulkan looks for leaks.
 export ASAN_OPTIONS="${ASAN_OPTIONS:-}:detect_leaks=0"
 
-"$OCTALUX" bake builtin:cornell-glossy -o cornell.olx --radiance-size 128 --irradiance-size 32 --bounces 1 2>stderr.txt
+"$OCTALUX" bake builtin:cornell-glossy -o cornell.olx --radiance-size 128 --irradiance-size 32 --bounces 1 --select cage,bricks \
+  2>stderr.txt
 "$OCTALUX" bake builtin:labyrinth -o labyrinth.olx --radiance-size 64 --irradiance-size 32 --bounces 1 2>stderr.txt
 
 "$OCTALUX" render builtin:cornell-glossy --field cornell.olx -o probe.png --size 8x8 --spp 1 --device vulkan >stdout.txt 2>stderr.txt
@@ -26,6 +27,7 @@ compare_devices() {
 }
 
 compare_devices builtin:cornell-glossy cornell.olx --spp 1 --glossy-samples 4
+compare_devices builtin:cornell-glossy cornell.olx --spp 1 --glossy-samples 4 --select cage
 compare_devices builtin:cornell-glossy cornell.olx --spp 3 --glossy-samples 2 --seed 5 --dim-lobe 0.2 --tracer texel
 compare_devices builtin:cornell-glossy cornell.olx --spp 1 --select exhaustive --visibility none --keep-buried
 compare_devices builtin:labyrinth labyrinth.olx --spp 1

@@ -116,7 +116,8 @@ static void derive(state *s) {
   s->settings.visibility = s->bits[3] & 6u ? OLX_VISIBILITY_CHEBYSHEV : OLX_VISIBILITY_NONE;
   s->settings.keep_buried = (s->bits[3] & 8u) != 0;
   s->settings.emitters = (s->bits[3] & 16u) != 0;
-  s->settings.select = s->bits[3] & 96u ? OLX_SELECT_BEST : OLX_SELECT_EXHAUSTIVE;
+  const olx_select selects[] = {OLX_SELECT_EXHAUSTIVE, OLX_SELECT_CAGE, OLX_SELECT_BRICKS, OLX_SELECT_BEST};
+  s->settings.select = selects[s->bits[3] >> 5 & 3u];
   s->source = olx_irradiance_source_of(s->field);
   s->terms = s->settings.visibility == OLX_VISIBILITY_NONE ? OLX_WEIGHT_TRILINEAR : OLX_WEIGHT_ALL;
   s->surface = (surface_point){s->point, s->direction, s->view};
@@ -234,8 +235,8 @@ ROW(cage_probe, const olx_cage cage = olx_cage_at(&s->source.grid, s->point);
     put_u(r, olx_cage_probe(&s->source.grid, &cage, s->bits[0] & cage.corner_mask));)
 ROW(cage_weight, const olx_cage cage = olx_cage_at(&s->source.grid, s->point);
     put_f(r, olx_cage_weight(&cage, s->bits[0] & 7u));)
-ROW(select_available, put_u(r, olx_select_available(s->field, (olx_select)(s->bits[0] & 1u)));)
-ROW(select_resolve, put_u(r, olx_select_resolve(s->field, (olx_select)(OLX_SELECT_EXHAUSTIVE + (s->bits[0] & 1u))));)
+ROW(select_available, put_u(r, olx_select_available(s->field, (olx_select)(s->bits[0] % 5u)));)
+ROW(select_resolve, put_u(r, olx_select_resolve(s->field, (olx_select)(s->bits[0] % 6u)));)
 ROW(sample_settings_default, const olx_sample_settings d = olx_sample_settings_default(); put_u(r, d.tracer);
     put_u(r, d.select); put_u(r, d.visibility); put_u(r, d.max_probes); put_u(r, d.keep_buried); put_u(r, d.emitters);)
 
@@ -286,6 +287,15 @@ ROW(first_corner, const olx_grid *grid = &s->field->info.grid; const olx_cage ca
     put_u(r, first_corner(&s->search, grid, &cage));)
 ROW(search_cages, olx_probe_answer a = {0}; uint32_t found = 0; put_u(r, search_cages(&s->search, &found, &a));
     put_u(r, s->search.attempts); put_f(r, s->search.t);)
+ROW(bricks_list, const uint32_t *words = s->field->select_data[OLX_SELECT_BRICKS];
+    put_u(r, words ? (uint32_t)(olx_bricks_list(&s->field->bricks, s->point) - words) : 0);)
+ROW(bricks_probe, const bool some = s->field->bricks.header != NULL;
+    put_u(r, some ? olx_bricks_probe(olx_bricks_list(&s->field->bricks, s->point), s->bits[0] & 7u) : 0);)
+ROW(next_listed, uint32_t found = OLX_BRICK_NO_PROBE; const bool some = s->field->bricks.header != NULL;
+    put_u(r, some && next_listed(&s->search, &found)); put_u(r, some ? found : 0);)
+ROW(search_bricks, olx_probe_answer a = {0}; uint32_t found = 0;
+    put_u(r, s->field->bricks.header && search_bricks(&s->search, &found, &a)); put_u(r, s->search.attempts);
+    put_f(r, s->search.t);)
 ROW(search_everywhere, olx_probe_answer a = {0}; uint32_t found = 0; put_u(r, search_everywhere(&s->search, &found, &a));
     put_u(r, s->search.attempts); put_f(r, s->search.t);)
 ROW(search_selected, olx_probe_answer a = {0}; uint32_t found = 0; put_u(r, search_selected(&s->search, &found, &a));
@@ -418,6 +428,10 @@ static const parity_row ROWS[] = {
     PARITY(describe, 1e-5f, 1e-3),
     PARITY(leave_bounds, 1e-5f, 1e-3),
     PARITY(trace, 1e-5f, 1e-3),
+    PARITY(bricks_list, 1e-5f, 1e-3),
+    PARITY(bricks_probe, 1e-5f, 1e-3),
+    PARITY(next_listed, 1e-5f, 1e-3),
+    PARITY(search_bricks, 1e-5f, 1e-3),
     PARITY(probe_sees, 1e-5f, 1e-3),
     PARITY(map_irradiance, 1e-4f, 1e-3),
     PARITY(map_moments, 1e-4f, 1e-3),
@@ -439,10 +453,39 @@ typedef struct parity_field {
   analytic_scene scene;
   olx_grid grid;
   uint32_t n, irradiance_n;
+  bool bricks;
 } parity_field;
 
 static const analytic_box ROOM = {{0, 0, 0}, {4, 3, 5}};
 #define FURNITURE {{{0.9f, 0.0f, 1.1f}, {1.7f, 1.3f, 2.1f}}, {{2.3f, 0.0f, 2.6f}, {3.1f, 2.1f, 3.3f}}}
+
+// Bricks over the room with lists at random: what matters is that both sides read the same.
+enum { BRICKS = 12, DIVIDED = 6, LISTS = 32, BRICK_WORDS = 16 + BRICKS + DIVIDED * OLX_BRICK_CELL_WORDS + 4 * LISTS };
+
+static void add_bricks(olx_field *field, uint32_t words[BRICK_WORDS]) {
+  const olx_bricks_header header = {
+      .origin = {-0.1f, -0.1f, -0.1f}, .cell_metres = 0.52f, .size = {2, 2, 3}, .divided = DIVIDED, .lists = LISTS};
+  memcpy(words, &header, sizeof header);
+  uint32_t *word = words + 16;
+  for (uint32_t i = 0; i < BRICKS; i++) *word++ = i % 2 ? OLX_BRICK_DIVIDED | i / 2 : olx_hash(i) % LISTS;
+  for (uint32_t i = 0; i < DIVIDED * OLX_BRICK_CELL_WORDS; i++) {
+    *word++ = olx_hash2(i, 1) % LISTS | (olx_hash2(i, 2) % LISTS) << 16;
+  }
+  for (uint32_t i = 0; i < LISTS; i++) { // a rotation of the probes, some of them
+    const uint32_t count = field->info.probe_count < 8 ? field->info.probe_count : 8, length = olx_hash2(i, 3) % (count + 1);
+    for (uint32_t k = 0; k < 4; k++, word++) {
+      const uint32_t low = 2 * k < length ? (2 * k + i) % count : OLX_BRICK_NO_PROBE,
+                     high = 2 * k + 1 < length ? (2 * k + 1 + i) % count : OLX_BRICK_NO_PROBE;
+      *word = low | high << 16;
+    }
+  }
+  field->select_data[OLX_SELECT_BRICKS] = words;
+  field->select_bytes[OLX_SELECT_BRICKS] = BRICK_WORDS * sizeof words[0];
+  field->info.select_mask |= 1u << OLX_SELECT_BRICKS;
+  if (olx_bricks_open(words, BRICK_WORDS * sizeof words[0], field->info.probe_count, "bricks", &field->bricks) != OLX_OK) {
+    fail_msg("%s", olx_last_error());
+  }
+}
 
 static olx_field *make_field(const parity_field *p) {
   olx_field *field = analytic_field_make(&p->scene, &p->grid, p->n, p->irradiance_n);
@@ -648,6 +691,8 @@ static void compare(const parity_field *p, uint32_t groups) {
   }
   vulkan_device *d = &gpu.device;
   olx_field *field = make_field(p);
+  _Alignas(64) uint32_t bricks[BRICK_WORDS];
+  if (p->bricks) add_bricks(field, bricks);
   olx_vulkan_field *uploaded = NULL;
   if (olx_vulkan_field_create(&d->host, field, &uploaded) != OLX_OK) fail_msg("%s", olx_last_error());
   make_pipelines(uploaded);
@@ -667,7 +712,7 @@ static void compare(const parity_field *p, uint32_t groups) {
 static void in_a_furnished_room(void **unused) {
   (void)unused;
   const parity_field p = {"furnished room, 2 x 2 x 2 probes, 64 texels", {.room = ROOM, .box_count = 2, .boxes = FURNITURE},
-                          {{0.5f, 0.5f, 0.5f}, {3.0f, 2.0f, 4.0f}, {2, 2, 2}}, 64, 16};
+                          {{0.5f, 0.5f, 0.5f}, {3.0f, 2.0f, 4.0f}, {2, 2, 2}}, 64, 16, true};
   compare(&p, ALL_GROUPS);
 }
 
@@ -675,14 +720,14 @@ static void in_an_open_court(void **unused) {
   (void)unused;
   const parity_field p = {"open court, 3 x 1 x 2 probes, 32 texels",
                           {.room = ROOM, .open = true, .box_count = 2, .boxes = FURNITURE},
-                          {{0.5f, 1.2f, 0.5f}, {1.5f, 0.0f, 4.0f}, {3, 1, 2}}, 32, 8};
+                          {{0.5f, 1.2f, 0.5f}, {1.5f, 0.0f, 4.0f}, {3, 1, 2}}, 32, 8, true};
   compare(&p, FIELD_GROUP | MARCH_GROUP | SEARCH_GROUP | SHADE_GROUP);
 }
 
 static void where_maps_share_layers(void **unused) {
   (void)unused;
   const parity_field p = {"many probes, 8 texels", {.room = ROOM, .box_count = 2, .boxes = FURNITURE},
-                          {{0.1f, 0.1f, 0.1f}, {0.3f, 0.23f, 0.38f}, {13, 13, 13}}, 8, 8};
+                          {{0.1f, 0.1f, 0.1f}, {0.3f, 0.23f, 0.38f}, {13, 13, 13}}, 8, 8, false};
   // llvmpipe ends loops after 65535 turns, which a search over so many probes can exceed.
   compare(&p, FIELD_GROUP | MARCH_GROUP | SHADE_GROUP);
 }

@@ -3,6 +3,7 @@
 #ifndef OLX_TRACE_GLSL
 #define OLX_TRACE_GLSL
 
+#include "bricks.glsl"
 #include "cage.glsl"
 #include "probe_trace.glsl"
 #include "select.glsl"
@@ -11,6 +12,7 @@
 
 const float OLX_HAND_OVER_FOOTPRINTS = 0.5;
 const float OLX_VANISHED_FOOTPRINTS = 1.5;
+const float OLX_OFF_LINE = 4.0;
 
 struct olx_trace_hit {
   uint status;           // OLX_TRACE_*
@@ -128,6 +130,40 @@ bool olx_search_cages(inout olx_search s, inout uint probe, inout olx_probe_answ
   }
 }
 
+// Of the probes that the bricks list for where the ray stands, the best that sees it: to begin with one near the origin and
+// the ray's line, later the nearest.
+bool olx_next_listed(olx_search s, out uint next) {
+  vec3 place = s.origin;
+  if (s.attempts > 0u) place = olx_ray_point(s, s.lost);
+  uint list = olx_bricks_list(place);
+  float cost[OLX_BRICK_PROBES];
+  for (uint i = 0u; i < OLX_BRICK_PROBES; i++) {
+    uint probe = olx_bricks_probe(list, i);
+    cost[i] = OLX_INFINITY;
+    if (probe == OLX_BRICK_NO_PROBE || !olx_usable(s, probe) || olx_was_asked(s, probe)) continue;
+    precise vec3 offset = olx_probe_position(probe) - place;
+    precise float from_line = s.attempts == 0u ? OLX_OFF_LINE * olx_line_distance_squared(s, probe) : 0.0;
+    precise float total = olx_dot(offset, offset) + from_line;
+    cost[i] = total;
+  }
+  next = OLX_BRICK_NO_PROBE;
+  for (;;) {
+    uint best = 0u;
+    for (uint i = 1u; i < OLX_BRICK_PROBES; i++) best = cost[i] < cost[best] ? i : best;
+    if (cost[best] >= OLX_INFINITY) return false;
+    next = olx_bricks_probe(list, best);
+    if (olx_sees(s, next)) return true;
+    cost[best] = OLX_INFINITY;
+  }
+}
+
+bool olx_search_bricks(inout olx_search s, inout uint probe, inout olx_probe_answer answer) {
+  while (s.attempts < s.limit && olx_next_listed(s, probe)) {
+    if (olx_ask(s, probe, answer)) return true;
+  }
+  return false;
+}
+
 // Ask whichever other probes see the place where the ray is stuck, nearest first.
 bool olx_search_everywhere(inout olx_search s, inout uint probe, inout olx_probe_answer answer) {
   while (s.attempts < s.limit) {
@@ -194,7 +230,11 @@ float olx_leave_bounds(vec3 origin, vec3 direction) {
 
 // Ask the probes that the selector names.
 bool olx_search_selected(inout olx_search s, inout uint probe, inout olx_probe_answer answer) {
-  return olx_select_resolve(s.settings.select) == OLX_SELECT_CAGE && olx_search_cages(s, probe, answer);
+  switch (olx_select_resolve(s.settings.select)) {
+  case OLX_SELECT_CAGE: return olx_search_cages(s, probe, answer);
+  case OLX_SELECT_BRICKS: return olx_search_bricks(s, probe, answer);
+  default: return false;
+  }
 }
 
 // What does the ray from `origin` (metres) along the unit vector `direction` see first, within t_max_metres (OLX_INFINITY

@@ -52,13 +52,20 @@ static VkDeviceSize align_buffer(const olx_vulkan_context *c, VkDeviceSize offse
   return (offset + alignment - 1) / alignment * alignment;
 }
 
-static olx_result create_buffer(olx_vulkan_field *gpu, const olx_field_info *info) {
+static olx_result create_buffer(olx_vulkan_field *gpu, const olx_field *field) {
   const olx_vulkan_context *c = &gpu->context;
+  const olx_field_info *info = &field->info;
   const VkDeviceSize probes = sizeof(olx_gpu_probe) * (VkDeviceSize)info->probe_count,
                      irradiance_probes = sizeof(olx_gpu_probe) * (VkDeviceSize)info->irradiance_probe_count;
   gpu->probes_offset = align_buffer(c, sizeof(olx_gpu_field));
   gpu->irradiance_probes_offset = align_buffer(c, gpu->probes_offset + probes);
-  gpu->buffer_bytes = gpu->irradiance_probes_offset + irradiance_probes;
+  gpu->bricks_offset = align_buffer(c, gpu->irradiance_probes_offset + irradiance_probes);
+  gpu->bricks_bytes = field->select_bytes[OLX_SELECT_BRICKS];
+  gpu->buffer_bytes = gpu->bricks_offset + gpu->bricks_bytes;
+  if (gpu->bricks_bytes > c->limits.maxStorageBufferRange) {
+    return olx_fail(OLX_ERROR_UNSUPPORTED, "%llu bytes of bricks are more than a storage buffer of this device holds",
+                    (unsigned long long)gpu->bricks_bytes);
+  }
   if (probes > c->limits.maxStorageBufferRange || irradiance_probes > c->limits.maxStorageBufferRange) {
     return olx_fail(OLX_ERROR_UNSUPPORTED, "%u probes are more than a storage buffer of this device holds",
                     info->probe_count > info->irradiance_probe_count ? info->probe_count : info->irradiance_probe_count);
@@ -122,7 +129,7 @@ static olx_result create_resources(const olx_vulkan_host *host, const olx_field 
   memcpy(gpu->maps, maps, sizeof maps);
   for (uint32_t i = 0; i < OLX_GPU_MAPS; i++) OLX_TRY(create_image(&gpu->context, &gpu->maps[i]));
   // The coarse maps share the light field maps' arrangement, so that one number describes all of them.
-  OLX_TRY(create_buffer(gpu, &field->info));
+  OLX_TRY(create_buffer(gpu, field));
   gpu->constants = field_constants(gpu, field);
   return OLX_OK;
 }
@@ -161,7 +168,7 @@ static olx_result create_sampler(const olx_vulkan_context *c, VkFilter filter, V
 
 static VkDescriptorType binding_type(uint32_t binding) {
   if (binding == OLX_BINDING_FIELD) return VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
-  if (binding < OLX_BINDING_RADIANCE) return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+  if (binding < OLX_BINDING_RADIANCE || binding == OLX_BINDING_BRICKS) return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
   return VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
 }
 
@@ -182,7 +189,7 @@ static olx_result create_set(olx_vulkan_field *gpu) {
   OLX_TRY(olx_vulkan_check(c->vk.CreateDescriptorSetLayout(c->host.device, &layout, NULL, &gpu->set_layout),
                            "vkCreateDescriptorSetLayout", WHAT));
   const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1},
-                                        {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, OLX_BINDING_RADIANCE - 1},
+                                        {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, OLX_FIELD_BINDINGS - OLX_GPU_MAPS - 1},
                                         {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, OLX_GPU_MAPS}};
   const VkDescriptorPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
                                            .maxSets = 1,
@@ -199,10 +206,16 @@ static olx_result create_set(olx_vulkan_field *gpu) {
 }
 
 static void write_set(const olx_vulkan_field *gpu) {
-  const VkDescriptorBufferInfo buffers[OLX_BINDING_RADIANCE] = {
-      {gpu->buffer, 0, sizeof(olx_gpu_field)},
-      {gpu->buffer, gpu->probes_offset, gpu->irradiance_probes_offset - gpu->probes_offset},
-      {gpu->buffer, gpu->irradiance_probes_offset, gpu->buffer_bytes - gpu->irradiance_probes_offset},
+  const VkDescriptorBufferInfo constants = {gpu->buffer, 0, sizeof(olx_gpu_field)};
+  const VkDescriptorBufferInfo buffers[OLX_FIELD_BINDINGS] = {
+      [OLX_BINDING_FIELD] = constants,
+      [OLX_BINDING_PROBES] = {gpu->buffer, gpu->probes_offset, gpu->irradiance_probes_offset - gpu->probes_offset},
+      [OLX_BINDING_IRRADIANCE_PROBES] = {gpu->buffer, gpu->irradiance_probes_offset,
+                                         gpu->bricks_offset - gpu->irradiance_probes_offset},
+      // Without bricks nothing reads them, but something has to be bound.
+      [OLX_BINDING_BRICKS] = gpu->bricks_bytes
+                                 ? (VkDescriptorBufferInfo){gpu->buffer, gpu->bricks_offset, gpu->bricks_bytes}
+                                 : constants,
   };
   VkDescriptorImageInfo images[OLX_GPU_MAPS];
   VkWriteDescriptorSet writes[OLX_FIELD_BINDINGS];
@@ -212,7 +225,7 @@ static void write_set(const olx_vulkan_field *gpu) {
                                        .dstBinding = i,
                                        .descriptorCount = 1,
                                        .descriptorType = binding_type(i)};
-    if (i < OLX_BINDING_RADIANCE) {
+    if (binding_type(i) != VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER) {
       writes[i].pBufferInfo = &buffers[i];
       continue;
     }

@@ -6,7 +6,7 @@
 #include "vulkan/context.h"
 #include "vulkan/gpu_structs.h"
 
-enum { OLX_GPU_MAPS = OLX_FIELD_BINDINGS - OLX_BINDING_RADIANCE };
+enum { OLX_GPU_MAPS = OLX_BINDING_BRICKS - OLX_BINDING_RADIANCE };
 
 // The maps of one kind: map i lies in layer i / maps_a_side^2 of an image, maps_a_side of them along each side.
 typedef struct olx_gpu_maps {
@@ -29,6 +29,7 @@ struct olx_vulkan_field {
   VkDeviceMemory buffer_memory;
   VkMemoryRequirements buffer_requirements;
   VkDeviceSize probes_offset, irradiance_probes_offset, buffer_bytes;
+  VkDeviceSize bricks_offset, bricks_bytes; // 0 bytes without bricks
   VkSampler nearest, linear;
   VkDescriptorSetLayout set_layout;
   VkDescriptorPool pool;

@@ -46,7 +46,8 @@ static const char *create_instance(vulkan_device *d, bool validate) {
   if (validate && !has_validation(get)) return "the Vulkan validation layers are not installed";
   const VkDebugUtilsMessengerCreateInfoEXT messenger = {
       .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
-      .messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
+      .messageSeverity =
+          VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
       .messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT,
       .pfnUserCallback = count_message,
       .pUserData = d};
@@ -56,9 +57,8 @@ static const char *create_instance(vulkan_device *d, bool validate) {
                                             .enabledValidationFeatureCount = 1,
                                             .pEnabledValidationFeatures = &synchronisation};
   const char *layers[] = {VALIDATION}, *extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME};
-  const VkApplicationInfo application = {.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
-                                         .pApplicationName = "octalux",
-                                         .apiVersion = VK_API_VERSION_1_2};
+  const VkApplicationInfo application = {
+      .sType = VK_STRUCTURE_TYPE_APPLICATION_INFO, .pApplicationName = "octalux", .apiVersion = VK_API_VERSION_1_2};
   const VkInstanceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
                                      .pNext = validate ? &features : NULL,
                                      .pApplicationInfo = &application,
@@ -110,7 +110,8 @@ static const char *choose_device(vulkan_device *d) {
     VkPhysicalDeviceProperties properties;
     d->GetPhysicalDeviceProperties(devices[i], &properties);
     const uint32_t family = find_family(d, devices[i]);
-    if (properties.apiVersion < VK_API_VERSION_1_2 || family == UINT32_MAX || rank(properties.deviceType) <= best) continue;
+    if (properties.apiVersion < VK_API_VERSION_1_2 || family == UINT32_MAX || rank(properties.deviceType) <= best)
+      continue;
     best = rank(properties.deviceType);
     d->host.physical_device = devices[i];
     d->host.queue_family = family;
@@ -164,8 +165,9 @@ void vulkan_device_close(vulkan_device *d) {
     d->DestroyDevice(d->host.device, NULL);
   }
   if (d->messenger) {
-    const PFN_vkDestroyDebugUtilsMessengerEXT destroy = (PFN_vkDestroyDebugUtilsMessengerEXT)d->host.get_instance_proc_addr(
-        d->host.instance, "vkDestroyDebugUtilsMessengerEXT");
+    const PFN_vkDestroyDebugUtilsMessengerEXT destroy =
+        (PFN_vkDestroyDebugUtilsMessengerEXT)d->host.get_instance_proc_addr(d->host.instance,
+                                                                            "vkDestroyDebugUtilsMessengerEXT");
     destroy(d->host.instance, d->messenger, NULL);
   }
   if (d->host.instance) d->DestroyInstance(d->host.instance, NULL);
@@ -178,10 +180,10 @@ void vulkan_device_close(vulkan_device *d) {
 static VkResult allocate(vulkan_device *d, const VkMemoryRequirements *needed, VkMemoryPropertyFlags flags,
                          VkDeviceMemory *memory) {
   for (uint32_t type = 0; type < d->memory.memoryTypeCount; type++) {
-    if (!(needed->memoryTypeBits >> type & 1u) || (d->memory.memoryTypes[type].propertyFlags & flags) != flags) continue;
-    const VkMemoryAllocateInfo info = {.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
-                                       .allocationSize = needed->size,
-                                       .memoryTypeIndex = type};
+    if (!(needed->memoryTypeBits >> type & 1u) || (d->memory.memoryTypes[type].propertyFlags & flags) != flags)
+      continue;
+    const VkMemoryAllocateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, .allocationSize = needed->size, .memoryTypeIndex = type};
     return d->AllocateMemory(d->host.device, &info, NULL, memory);
   }
   return VK_ERROR_OUT_OF_DEVICE_MEMORY;
@@ -206,8 +208,8 @@ void shared_buffer_destroy(vulkan_device *d, shared_buffer *b) {
   d->FreeMemory(d->host.device, b->memory, NULL);
 }
 
-VkResult device_image_create(vulkan_device *d, uint32_t width, uint32_t height, VkFormat format, VkImageUsageFlags usage,
-                             device_image *image) {
+VkResult device_image_create(vulkan_device *d, uint32_t width, uint32_t height, VkFormat format,
+                             VkImageUsageFlags usage, device_image *image) {
   *image = (device_image){.format = format};
   const VkImageCreateInfo info = {.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
                                   .imageType = VK_IMAGE_TYPE_2D,
@@ -269,6 +271,6 @@ void device_barrier(vulkan_device *d, const device_image *image, VkImageLayout f
                                        .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
                                        .image = image ? image->image : VK_NULL_HANDLE,
                                        .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1}};
-  d->CmdPipelineBarrier(d->commands, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, 1, &memory,
-                        0, NULL, image ? 1 : 0, &change);
+  d->CmdPipelineBarrier(d->commands, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, 1,
+                        &memory, 0, NULL, image ? 1 : 0, &change);
 }

@@ -96,7 +96,8 @@ typedef struct shared_buffer {
 } shared_buffer;
 
 // The results below are Vulkan's; destroying what was not created, or only half, is allowed.
-VkResult shared_buffer_create(vulkan_device *device, VkDeviceSize bytes, VkBufferUsageFlags usage, shared_buffer *buffer);
+VkResult shared_buffer_create(vulkan_device *device, VkDeviceSize bytes, VkBufferUsageFlags usage,
+                              shared_buffer *buffer);
 void shared_buffer_destroy(vulkan_device *device, shared_buffer *buffer);
 
 typedef struct device_image {

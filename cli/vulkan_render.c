@@ -44,14 +44,15 @@ static VkResult create_images(vulkan_job *job) {
   const VkImageUsageFlags read = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
   const VkImageUsageFlags write =
       VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
-  VkResult result = shared_buffer_create(&job->device, 16 * pixel_count(job),
-                                         VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, &job->staging);
+  VkResult result =
+      shared_buffer_create(&job->device, 16 * pixel_count(job),
+                           VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, &job->staging);
   for (uint32_t i = 0; i < IMAGES && result == VK_SUCCESS; i++) {
-    const VkFormat format = i == DEPTH    ? VK_FORMAT_R32_SFLOAT
-                            : i < INPUTS  ? VK_FORMAT_R32G32B32A32_SFLOAT
-                                          : VK_FORMAT_R16G16B16A16_SFLOAT;
-    result = device_image_create(&job->device, job->gbuffer->width, job->gbuffer->height, format, i < INPUTS ? read : write,
-                                 &job->images[i]);
+    const VkFormat format = i == DEPTH   ? VK_FORMAT_R32_SFLOAT
+                            : i < INPUTS ? VK_FORMAT_R32G32B32A32_SFLOAT
+                                         : VK_FORMAT_R16G16B16A16_SFLOAT;
+    result = device_image_create(&job->device, job->gbuffer->width, job->gbuffer->height, format,
+                                 i < INPUTS ? read : write, &job->images[i]);
   }
   return result;
 }
@@ -112,7 +113,8 @@ static VkResult upload_surfaces(vulkan_job *job) {
 static olx_result create_frame(vulkan_job *job) {
   const VkImageLayout read = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
   olx_vulkan_image inputs[INPUTS];
-  for (uint32_t i = 0; i < INPUTS; i++) inputs[i] = (olx_vulkan_image){job->images[i].view, job->images[i].format, read};
+  for (uint32_t i = 0; i < INPUTS; i++)
+    inputs[i] = (olx_vulkan_image){job->images[i].view, job->images[i].format, read};
   const olx_vulkan_targets targets = {.width = job->gbuffer->width,
                                       .height = job->gbuffer->height,
                                       .depth = inputs[DEPTH],
@@ -126,7 +128,8 @@ static olx_result create_frame(vulkan_job *job) {
 }
 
 static float half_float(uint16_t h) {
-  const float magnitude = ldexpf((float)(h & 0x3FFu) + (h & 0x7C00u ? 1024.0f : 0.0f), (h & 0x7C00u ? h >> 10 & 31 : 1) - 25);
+  const float magnitude =
+      ldexpf((float)(h & 0x3FFu) + (h & 0x7C00u ? 1024.0f : 0.0f), (h & 0x7C00u ? h >> 10 & 31 : 1) - 25);
   return h & 0x8000u ? -magnitude : magnitude;
 }
 
@@ -166,14 +169,15 @@ static const char *light_glossily(vulkan_job *job, uint32_t spp, olx_vec3 *layer
     const VkResult begun = device_commands_begin(d);
     if (begun != VK_SUCCESS) return problem_of(begun);
     const olx_result result = olx_vulkan_record_glossy(job->frame, d->commands, &job->view, &job->settings);
-    const char *problem = result == OLX_OK ? problem_of(run_and_add(job, GLOSSY, 1.0f / (float)spp, layer))
-                                           : library_problem(result);
+    const char *problem =
+        result == OLX_OK ? problem_of(run_and_add(job, GLOSSY, 1.0f / (float)spp, layer)) : library_problem(result);
     if (problem) return problem;
   }
   return NULL;
 }
 
-static const char *run_job(vulkan_job *job, const olx_field *field, uint32_t spp, olx_image *image, vulkan_timing *timing) {
+static const char *run_job(vulkan_job *job, const olx_field *field, uint32_t spp, olx_image *image,
+                           vulkan_timing *timing) {
   const double start = seconds();
   const char *problem = library_problem(olx_vulkan_field_create(&job->device.host, field, &job->field));
   if (!problem) problem = problem_of(create_images(job));
@@ -205,8 +209,9 @@ static void add_to_beauty(olx_image *image) {
   }
 }
 
-const char *vulkan_render_indirect(const olx_field *field, const olx_gbuffer *gbuffer, const olx_render_settings *settings,
-                                   bool validate, olx_image *image, vulkan_timing *timing) {
+const char *vulkan_render_indirect(const olx_field *field, const olx_gbuffer *gbuffer,
+                                   const olx_render_settings *settings, bool validate, olx_image *image,
+                                   vulkan_timing *timing) {
   vulkan_job job = {.gbuffer = gbuffer,
                     .view = {.eye = gbuffer->eye, .empty_depth = 0.0f},
                     .settings = {.sample = settings->sample,

@@ -10,7 +10,8 @@ typedef struct vulkan_timing {
 } vulkan_timing;
 
 // Fill the indirect layers of `image`, and add them to beauty. NULL, or what went wrong.
-const char *vulkan_render_indirect(const olx_field *field, const olx_gbuffer *gbuffer, const olx_render_settings *settings,
-                                   bool validate, olx_image *image, vulkan_timing *timing);
+const char *vulkan_render_indirect(const olx_field *field, const olx_gbuffer *gbuffer,
+                                   const olx_render_settings *settings, bool validate, olx_image *image,
+                                   vulkan_timing *timing);
 
 #endif

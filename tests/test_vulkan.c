@@ -16,9 +16,8 @@
 
 enum { WIDTH = 52, HEIGHT = 36, SAMPLES = 2, INPUTS = 4, OUTPUTS = 3 };
 
-static const analytic_scene ROOM = {.room = {{0, 0, 0}, {4, 3, 5}},
-                                    .box_count = 1,
-                                    .boxes = {{{0.9f, 0.0f, 1.1f}, {1.7f, 1.3f, 2.1f}}}};
+static const analytic_scene ROOM = {
+    .room = {{0, 0, 0}, {4, 3, 5}}, .box_count = 1, .boxes = {{{0.9f, 0.0f, 1.1f}, {1.7f, 1.3f, 2.1f}}}};
 static const olx_grid GRID = {{0.5f, 0.5f, 0.5f}, {3.0f, 2.0f, 4.0f}, {2, 2, 2}};
 static const olx_vec3 EYE = {3.1f, 1.6f, 4.2f};
 static const float NEAR = 0.1f, SPREAD = 0.8f; // reversed, endless depth: NEAR / distance along -z
@@ -75,10 +74,10 @@ static pixel make_pixel(uint32_t x, uint32_t y) {
 
 static olx_vulkan_view make_view(void) {
   // clip (x, y, depth, 1) to (x SPREAD, -y SPREAD, -1) NEAR / depth + EYE
-  return (olx_vulkan_view){.clip_to_world = {SPREAD * NEAR, 0, 0, 0, 0, -SPREAD * NEAR, 0, 0, EYE.x, EYE.y, EYE.z, 1, 0, 0,
-                                             -NEAR, 0},
-                           .eye = EYE,
-                           .empty_depth = 0.0f};
+  return (olx_vulkan_view){
+      .clip_to_world = {SPREAD * NEAR, 0, 0, 0, 0, -SPREAD * NEAR, 0, 0, EYE.x, EYE.y, EYE.z, 1, 0, 0, -NEAR, 0},
+      .eye = EYE,
+      .empty_depth = 0.0f};
 }
 
 typedef struct host_images {
@@ -92,7 +91,8 @@ static host_images make_host(uint32_t width, uint32_t height, VkFormat normal) {
   host_images h = {.width = width, .height = height};
   const VkFormat formats[INPUTS] = {VK_FORMAT_R32_SFLOAT, normal, VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_R8G8B8A8_UNORM};
   const VkBufferUsageFlags both = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
-  assert_int_equal(shared_buffer_create(&device, (VkDeviceSize)width * height * 16 * INPUTS, both, &h.staging), VK_SUCCESS);
+  assert_int_equal(shared_buffer_create(&device, (VkDeviceSize)width * height * 16 * INPUTS, both, &h.staging),
+                   VK_SUCCESS);
   for (uint32_t i = 0; i < INPUTS; i++) {
     assert_int_equal(device_image_create(&device, width, height, formats[i],
                                          VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT, &h.inputs[i]),
@@ -134,7 +134,9 @@ static uint32_t unorm(olx_vec3 v) {
   return (uint32_t)(v.x * 255.0f + 0.5f) | (uint32_t)(v.y * 255.0f + 0.5f) << 8 | (uint32_t)(v.z * 255.0f + 0.5f) << 16;
 }
 
-static VkDeviceSize plane(const host_images *h, uint32_t image) { return (VkDeviceSize)h->width * h->height * 16 * image; }
+static VkDeviceSize plane(const host_images *h, uint32_t image) {
+  return (VkDeviceSize)h->width * h->height * 16 * image;
+}
 
 static void upload(host_images *h) {
   char *memory = h->staging.mapped;
@@ -155,7 +157,8 @@ static void upload(host_images *h) {
     device_barrier(&device, &h->inputs[i], VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     device.CmdCopyBufferToImage(device.commands, h->staging.buffer, h->inputs[i].image,
                                 VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
-    device_barrier(&device, &h->inputs[i], VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+    device_barrier(&device, &h->inputs[i], VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                   VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
   }
   const VkClearColorValue color = {.float32 = {0.5f, 0.25f, 0.125f, 1.0f}};
   const VkImageSubresourceRange range = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
@@ -200,15 +203,15 @@ typedef struct light {
   olx_vec3 irradiance, glossy;
 } light;
 
-static light expected_light(const olx_field *field, const olx_vulkan_settings *settings, const pixel *p, const olx_bsdf *bsdf,
-                            uint32_t x, uint32_t y) {
+static light expected_light(const olx_field *field, const olx_vulkan_settings *settings, const pixel *p,
+                            const olx_bsdf *bsdf, uint32_t x, uint32_t y) {
   light l = {.irradiance = olx_irradiance(field, &settings->sample, p->position, p->normal, p->view)};
   const uint32_t seed = olx_hash2(olx_hash2(x, y), 0x85EBCA6Bu + 3u), count = bsdf->alpha > 0.0f ? SAMPLES : 1;
   for (uint32_t j = 0; j < count; j++) {
     float weight, half_cosine;
     const olx_vec2 random = olx_stratified2(settings->sample_index * count + j, seed);
-    const olx_vec3 radiance = olx_glossy(field, &settings->sample, p->position, p->normal, p->view, p->roughness, random,
-                                         &weight, &half_cosine, NULL);
+    const olx_vec3 radiance = olx_glossy(field, &settings->sample, p->position, p->normal, p->view, p->roughness,
+                                         random, &weight, &half_cosine, NULL);
     const olx_vec3 reflected = olx_mul(olx_fresnel(bsdf, half_cosine), radiance);
     if (weight > 0.0f) l.glossy = olx_madd(l.glossy, reflected, weight / (float)count);
   }
@@ -218,7 +221,8 @@ static light expected_light(const olx_field *field, const olx_vulkan_settings *s
 static double squared(olx_vec3 v) { return (double)olx_dot(v, v); }
 
 // Relative mean squared errors of irradiance, glossy light and the composite against the CPU.
-static void judge_frame(const host_images *h, const olx_field *field, const olx_vulkan_settings *settings, double errors[OUTPUTS]) {
+static void judge_frame(const host_images *h, const olx_field *field, const olx_vulkan_settings *settings,
+                        double errors[OUTPUTS]) {
   double sums[OUTPUTS] = {0};
   memset(errors, 0, OUTPUTS * sizeof errors[0]);
   for (uint32_t i = 0; i < h->width * h->height; i++) {
@@ -233,9 +237,11 @@ static void judge_frame(const host_images *h, const olx_field *field, const olx_
       continue;
     }
     assert_true(alpha[0] == 1.0f && alpha[1] >= 0.0f && alpha[1] <= 1.0f && alpha[2] == 1.0f);
-    const float metallic = floorf(p.metallic * 255.0f + 0.5f) / 255.0f, weight = floorf(p.weight * 255.0f + 0.5f) / 255.0f;
-    const olx_vec3 color = olx_v3(floorf(p.color.x * 255.0f + 0.5f) / 255.0f, floorf(p.color.y * 255.0f + 0.5f) / 255.0f,
-                                  floorf(p.color.z * 255.0f + 0.5f) / 255.0f);
+    const float metallic = floorf(p.metallic * 255.0f + 0.5f) / 255.0f,
+                weight = floorf(p.weight * 255.0f + 0.5f) / 255.0f;
+    const olx_vec3 color =
+        olx_v3(floorf(p.color.x * 255.0f + 0.5f) / 255.0f, floorf(p.color.y * 255.0f + 0.5f) / 255.0f,
+               floorf(p.color.z * 255.0f + 0.5f) / 255.0f);
     const olx_bsdf bsdf = olx_bsdf_make(color, metallic, p.roughness, weight);
     const light l = expected_light(field, settings, &p, &bsdf, x, y);
     const olx_vec3 reflectance = olx_bsdf_diffuse(&bsdf, olx_dot(p.view, p.normal));
@@ -291,7 +297,8 @@ static void a_frame_can_be_resized_and_reads_other_formats(void **unused) {
   const uint32_t before = device.validation_messages;
   olx_field *field = analytic_field_make(&ROOM, &GRID, 64, 16);
   olx_vulkan_field *uploaded = upload_field(field);
-  host_images small = make_host(WIDTH, 9, VK_FORMAT_R32G32B32A32_SFLOAT), full = make_host(WIDTH, HEIGHT, VK_FORMAT_R8G8B8A8_UNORM);
+  host_images small = make_host(WIDTH, 9, VK_FORMAT_R32G32B32A32_SFLOAT),
+              full = make_host(WIDTH, HEIGHT, VK_FORMAT_R8G8B8A8_UNORM);
   olx_vulkan_frame *frame;
   if (olx_vulkan_frame_create(uploaded, &small.targets, &frame) != OLX_OK) fail_msg("%s", olx_last_error());
   const olx_vulkan_settings settings = test_settings();
@@ -329,10 +336,25 @@ static void wrong_images_are_named(void **unused) {
       {{.width = 0, .height = 8}, "frame size 0 x 8"},
       {{.width = 8, .height = 20000}, "frame size 8 x 20000"},
       {{.width = 8, .height = 8}, "no depth image"},
-      {{8, 8, h.targets.depth, {h.targets.normal.view, VK_FORMAT_R8G8B8A8_UINT, h.targets.normal.layout}, {0}, {0}, 0, 0, 0},
+      {{8,
+        8,
+        h.targets.depth,
+        {h.targets.normal.view, VK_FORMAT_R8G8B8A8_UINT, h.targets.normal.layout},
+        {0},
+        {0},
+        0,
+        0,
+        0},
        "normal image's VkFormat"},
-      {{8, 8, h.targets.depth, h.targets.normal, {h.targets.albedo.view, h.targets.albedo.format, VK_IMAGE_LAYOUT_UNDEFINED},
-        {0}, 0, 0, 0},
+      {{8,
+        8,
+        h.targets.depth,
+        h.targets.normal,
+        {h.targets.albedo.view, h.targets.albedo.format, VK_IMAGE_LAYOUT_UNDEFINED},
+        {0},
+        0,
+        0,
+        0},
        "albedo image cannot be sampled in VkImageLayout 0"},
       {{8, 8, h.targets.depth, h.targets.normal, h.targets.albedo, h.targets.roughness, h.targets.irradiance, 0,
         h.targets.color},
@@ -386,12 +408,14 @@ static VKAPI_ATTR VkResult VKAPI_CALL failing_allocate(VkDevice d, const VkMemor
   return real_allocate(d, info, callbacks, memory);
 }
 
-static VKAPI_ATTR void VKAPI_CALL counting_free(VkDevice d, VkDeviceMemory memory, const VkAllocationCallbacks *callbacks) {
+static VKAPI_ATTR void VKAPI_CALL counting_free(VkDevice d, VkDeviceMemory memory,
+                                                const VkAllocationCallbacks *callbacks) {
   memory_held -= memory != VK_NULL_HANDLE;
   real_free(d, memory, callbacks);
 }
 
-static VKAPI_ATTR VkResult VKAPI_CALL lost_submit(VkQueue queue, uint32_t count, const VkSubmitInfo *infos, VkFence fence) {
+static VKAPI_ATTR VkResult VKAPI_CALL lost_submit(VkQueue queue, uint32_t count, const VkSubmitInfo *infos,
+                                                  VkFence fence) {
   (void)queue, (void)count, (void)infos, (void)fence;
   return VK_ERROR_DEVICE_LOST;
 }

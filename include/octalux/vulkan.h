@@ -76,22 +76,23 @@ typedef struct olx_vulkan_image {
 // The host's images, all of one size. Inputs need VK_IMAGE_USAGE_SAMPLED_BIT and a format that shaders read as floats.
 // Outputs need VK_IMAGE_USAGE_STORAGE_BIT, format VK_FORMAT_R16G16B16A16_SFLOAT, and layout GENERAL while passes run.
 typedef struct olx_vulkan_targets {
-  uint32_t width, height; // 1 to 16384
+  uint32_t width, height;     // 1 to 16384
   olx_vulkan_image depth;     // as the host's projection gives it; .r
   olx_vulkan_image normal;    // world space, .xyz; UNORM formats hold n / 2 + 1 / 2
   olx_vulkan_image albedo;    // linear base colour, .rgb (sRGB formats decode themselves)
   olx_vulkan_image roughness; // .r perceptual roughness, .g metallic, .b specular weight (1: F0 = 0.04; 0: Lambertian).
-                              // A view with swizzles maps other packings; VK_COMPONENT_SWIZZLE_ONE fills a missing weight
-  VkImageView irradiance;     // out: W/m^2; alpha 1 where there is a surface
-  VkImageView glossy;         // out: radiance towards the eye; alpha: the share of rays that were answered
-  VkImageView color;          // in and out: the host's picture in linear radiance
+      // A view with swizzles maps other packings; VK_COMPONENT_SWIZZLE_ONE fills a missing weight
+  VkImageView irradiance; // out: W/m^2; alpha 1 where there is a surface
+  VkImageView glossy;     // out: radiance towards the eye; alpha: the share of rays that were answered
+  VkImageView color;      // in and out: the host's picture in linear radiance
 } olx_vulkan_targets;
 
 // Pipelines, and a descriptor set for one set of the host's images.
 typedef struct olx_vulkan_frame olx_vulkan_frame;
 
 // On success *frame is the caller's to destroy, on failure it is NULL.
-olx_result olx_vulkan_frame_create(olx_vulkan_field *field, const olx_vulkan_targets *targets, olx_vulkan_frame **frame);
+olx_result olx_vulkan_frame_create(olx_vulkan_field *field, const olx_vulkan_targets *targets,
+                                   olx_vulkan_frame **frame);
 
 // Take other images, of this or another size. On failure the frame keeps the old ones.
 olx_result olx_vulkan_frame_resize(olx_vulkan_frame *frame, const olx_vulkan_targets *targets);
@@ -102,9 +103,9 @@ void olx_vulkan_frame_destroy(olx_vulkan_frame *frame);
 // Where the eye is. A pixel's surface is clip_to_world * (x, y, depth, 1), divided by w, with x and y from -1 at the left and
 // top edge of the image to 1: the inverse of the host's projection times view, as Vulkan's clip space has it.
 typedef struct olx_vulkan_view {
-  float clip_to_world[16];   // columns
-  olx_vec3 eye;              // metres, world space
-  float empty_depth;         // what the depth image holds where no surface is: 1, or 0 with a reversed depth range
+  float clip_to_world[16]; // columns
+  olx_vec3 eye;            // metres, world space
+  float empty_depth;       // what the depth image holds where no surface is: 1, or 0 with a reversed depth range
 } olx_vulkan_view;
 
 typedef struct olx_vulkan_settings {
@@ -112,8 +113,8 @@ typedef struct olx_vulkan_settings {
   uint32_t glossy_samples;    // rays a pixel on glossy surfaces, 1 to 4096; default 1. Mirrors take 1
   uint32_t sample_index;      // which part of a pixel's sequence of random numbers: count frames here; default 0
   uint32_t seed;              // another sequence for every pixel; default 0
-  float dim_lobe;             // rough specular lobes that reflect less than this share towards the eye are not traced but
-                              // take irradiance; default 0 (section 6)
+  float dim_lobe; // rough specular lobes that reflect less than this share towards the eye are not traced but
+                  // take irradiance; default 0 (section 6)
 } olx_vulkan_settings;
 
 olx_vulkan_settings olx_vulkan_settings_default(void);
@@ -127,17 +128,17 @@ olx_vulkan_settings olx_vulkan_settings_default(void);
 // VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT.
 
 // Diffuse: targets.irradiance from the irradiance probes (McGuire et al. 2017, section 5.2).
-olx_result olx_vulkan_record_irradiance(const olx_vulkan_frame *frame, VkCommandBuffer commands, const olx_vulkan_view *view,
-                                        const olx_vulkan_settings *settings);
+olx_result olx_vulkan_record_irradiance(const olx_vulkan_frame *frame, VkCommandBuffer commands,
+                                        const olx_vulkan_view *view, const olx_vulkan_settings *settings);
 
 // Glossy: targets.glossy by rays traced through the light field probes (section 4).
-olx_result olx_vulkan_record_glossy(const olx_vulkan_frame *frame, VkCommandBuffer commands, const olx_vulkan_view *view,
-                                    const olx_vulkan_settings *settings);
+olx_result olx_vulkan_record_glossy(const olx_vulkan_frame *frame, VkCommandBuffer commands,
+                                    const olx_vulkan_view *view, const olx_vulkan_settings *settings);
 
 // What the composite pass adds to targets.color.
 enum { OLX_VULKAN_ADD_DIFFUSE = 1, OLX_VULKAN_ADD_GLOSSY = 2 };
-olx_result olx_vulkan_record_composite(const olx_vulkan_frame *frame, VkCommandBuffer commands, const olx_vulkan_view *view,
-                                       const olx_vulkan_settings *settings, uint32_t add);
+olx_result olx_vulkan_record_composite(const olx_vulkan_frame *frame, VkCommandBuffer commands,
+                                       const olx_vulkan_view *view, const olx_vulkan_settings *settings, uint32_t add);
 
 #pragma GCC visibility pop
 #ifdef __cplusplus

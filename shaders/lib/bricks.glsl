@@ -4,7 +4,9 @@
 
 #include "maps.glsl"
 
-layout(set = OLX_FIELD_SET, binding = OLX_BINDING_BRICKS, std430) readonly buffer olx_bricks_block { uint olx_bricks[]; };
+layout(set = OLX_FIELD_SET, binding = OLX_BINDING_BRICKS, std430) readonly buffer olx_bricks_block {
+  uint olx_bricks[];
+};
 
 const uint OLX_BRICK_SIDE = 4u; // cells along the side of a brick
 const uint OLX_BRICK_CELL_WORDS = OLX_BRICK_SIDE * OLX_BRICK_SIDE * OLX_BRICK_SIDE / 2u;

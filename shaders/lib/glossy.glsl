@@ -5,9 +5,9 @@
 #include "bsdf.glsl"
 #include "trace.glsl"
 
-// Traces the reflection drawn by `random` (two numbers in [0, 1)) and returns its radiance. `weight` receives the BRDF times
-// cosine over the pdf for Fresnel reflectance 1 (0: the reflection lies below the surface, and no ray was traced),
-// `half_cosine` the angle for Fresnel (view . half), and `hit` what the ray found.
+// Traces the reflection drawn by `random` (two numbers in [0, 1)) and returns its radiance. `weight` receives the BRDF
+// times cosine over the pdf for Fresnel reflectance 1 (0: the reflection lies below the surface, and no ray was
+// traced), `half_cosine` the angle for Fresnel (view . half), and `hit` what the ray found.
 vec3 olx_glossy(olx_sample_settings settings, vec3 position, vec3 normal, vec3 view, float roughness, vec2 random,
                 out float weight, out float half_cosine, out olx_trace_hit hit) {
   vec3 tangent, bitangent;
@@ -16,7 +16,8 @@ vec3 olx_glossy(olx_sample_settings settings, vec3 position, vec3 normal, vec3 v
   float alpha = roughness < OLX_MIRROR_ROUGHNESS ? 0.0 : roughness * roughness;
   vec3 local = olx_ggx_sample(alpha, local_view, random, weight, half_cosine);
   if (weight <= 0.0) {
-    hit = olx_trace_hit(OLX_TRACE_MISS, OLX_INFINITY, vec3(0.0), vec3(0.0), vec3(0.0), false, OLX_NO_PROBE, 0.0, 0u, 0u);
+    vec3 none = vec3(0.0);
+    hit = olx_trace_hit(OLX_TRACE_MISS, OLX_INFINITY, none, none, none, false, OLX_NO_PROBE, 0.0, 0u, 0u);
     return vec3(0.0);
   }
   hit = olx_trace(settings, position, olx_from_basis(local, normal), OLX_INFINITY);

@@ -1,5 +1,6 @@
 // Twin of src/shade/irradiance.c: irradiance interpolated from probes with prefiltered visibility (McGuire et al. 2017,
-// section 5.2). The C lists probes and weights first and reads irradiance after; here each probe is added as it is found.
+// section 5.2). The C lists probes and weights first and reads irradiance after; here each probe is added as it is
+// found.
 #ifndef OLX_IRRADIANCE_GLSL
 #define OLX_IRRADIANCE_GLSL
 
@@ -57,8 +58,8 @@ bool olx_irradiance_usable(olx_sample_settings settings, uint probe) {
   return settings.keep_buried || (olx_irradiance_probes[probe].flags & OLX_PROBE_BURIED) == 0u;
 }
 
-// When the cage hardly sees the point: the nearest visible probe of the 4 x 4 x 4 around it, that is of the cage and its
-// neighbours. False when none of them sees it either.
+// When the cage hardly sees the point: the nearest visible probe of the 4 x 4 x 4 around it, that is of the cage and
+// its neighbours. False when none of them sees it either.
 bool olx_nearest_visible(olx_sample_settings settings, olx_surface_point p, olx_cage cage, out uint nearest) {
   float nearest_distance = OLX_INFINITY;
   nearest = 0u;
@@ -76,8 +77,8 @@ bool olx_nearest_visible(olx_sample_settings settings, olx_surface_point p, olx_
   return nearest_distance < OLX_INFINITY;
 }
 
-// Irradiance where the cage sees too little of the point: of the nearest visible probe, or, with none, of all of the cage
-// alike.
+// Irradiance where the cage sees too little of the point: of the nearest visible probe, or, with none, of all of the
+// cage alike.
 vec3 olx_add_from_afar(olx_sample_settings settings, olx_surface_point p, olx_cage cage, vec2 uv) {
   uint nearest;
   if (olx_nearest_visible(settings, p, cage, nearest)) return olx_map_irradiance(nearest, uv);
@@ -93,8 +94,8 @@ vec3 olx_add_from_afar(olx_sample_settings settings, olx_surface_point p, olx_ca
   return count > 0.0 ? sum / count : vec3(0.0);
 }
 
-// Indirect irradiance in W/m^2 on a surface at `position` with unit normal `normal`, seen from the direction `view` (unit,
-// from the surface to the eye). Diffuse light leaving the surface is albedo * irradiance / pi.
+// Indirect irradiance in W/m^2 on a surface at `position` with unit normal `normal`, seen from the direction `view`
+// (unit, from the surface to the eye). Diffuse light leaving the surface is albedo * irradiance / pi.
 vec3 olx_irradiance(olx_sample_settings settings, vec3 position, vec3 normal, vec3 view) {
   olx_surface_point p = olx_surface_point(position, normal, view);
   olx_cage cage = olx_cage_at(olx_field.irradiance_grid, position);

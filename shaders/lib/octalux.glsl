@@ -1,5 +1,5 @@
-// Octalux for shaders: a host includes this file, binds the descriptor set of a field as set OLX_FIELD_SET (0 unless defined
-// before), and calls
+// Octalux for shaders: a host includes this file, binds the descriptor set of a field as set OLX_FIELD_SET (0 unless
+// defined before), and calls
 //
 //   olx_irradiance(settings, position, normal, view)           irradiance at a point
 //   olx_trace(settings, origin, direction, t_max)              what a ray sees

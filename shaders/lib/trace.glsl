@@ -130,8 +130,8 @@ bool olx_search_cages(inout olx_search s, inout uint probe, inout olx_probe_answ
   }
 }
 
-// Of the probes that the bricks list for where the ray stands, the best that sees it: to begin with one near the origin and
-// the ray's line, later the nearest.
+// Of the probes that the bricks list for where the ray stands, the best that sees it: to begin with one near the origin
+// and the ray's line, later the nearest.
 bool olx_next_listed(olx_search s, out uint next) {
   vec3 place = s.origin;
   if (s.attempts > 0u) place = olx_ray_point(s, s.lost);
@@ -213,8 +213,8 @@ olx_trace_hit olx_describe(olx_search s, uint probe, olx_probe_answer answer, fl
   return hit;
 }
 
-// Where the ray leaves the scene's bounds for good, widened by what two texels on the far side of the scene span, so that
-// walls which are the bounds are met before; 0 when the bounds lie behind the ray.
+// Where the ray leaves the scene's bounds for good, widened by what two texels on the far side of the scene span, so
+// that walls which are the bounds are met before; 0 when the bounds lie behind the ray.
 float olx_leave_bounds(vec3 origin, vec3 direction) {
   precise float room = olx_field.distance_scale * 2.0 * OLX_TEXEL_ANGLE / float(olx_field.n);
   float t = OLX_INFINITY;
@@ -237,16 +237,16 @@ bool olx_search_selected(inout olx_search s, inout uint probe, inout olx_probe_a
   }
 }
 
-// What does the ray from `origin` (metres) along the unit vector `direction` see first, within t_max_metres (OLX_INFINITY
-// for no limit)?
+// What does the ray from `origin` (metres) along the unit vector `direction` see first, within t_max_metres
+// (OLX_INFINITY for no limit)?
 olx_trace_hit olx_trace(olx_sample_settings settings, vec3 origin, vec3 direction, float t_max_metres) {
-  olx_trace_hit nothing = olx_trace_hit(OLX_TRACE_UNKNOWN, 0.0, vec3(0.0), vec3(0.0), vec3(0.0), false, OLX_NO_PROBE, 0.0,
-                                        0u, 0u);
+  vec3 none = vec3(0.0);
+  olx_trace_hit nothing = olx_trace_hit(OLX_TRACE_UNKNOWN, 0.0, none, none, none, false, OLX_NO_PROBE, 0.0, 0u, 0u);
   if (!olx_is_ray(origin, direction, t_max_metres)) return nothing;
   olx_probe_answer answer = olx_probe_answer(OLX_TRACE_UNKNOWN, 0.0, ivec2(0), 0.0, 0u);
   float t_max = min(t_max_metres, olx_leave_bounds(origin, direction));
-  olx_search s = olx_search(settings, origin, direction, 0.0, t_max, 0.0, 0u, min(settings.max_probes, OLX_MAX_ATTEMPTS), 0u,
-                            answer, OLX_NO_PROBE);
+  uint limit = min(settings.max_probes, OLX_MAX_ATTEMPTS);
+  olx_search s = olx_search(settings, origin, direction, 0.0, t_max, 0.0, 0u, limit, 0u, answer, OLX_NO_PROBE);
   uint probe = 0u;
   if (olx_search_selected(s, probe, answer) || olx_search_everywhere(s, probe, answer)) {
     return olx_describe(s, probe, answer, t_max_metres);

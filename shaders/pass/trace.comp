@@ -1,5 +1,5 @@
-// Glossy indirect light that leaves the surface of each pixel towards the eye, by rays traced through the field. Alpha is the
-// share of rays that found an answer, 1 where none was needed.
+// Glossy indirect light that leaves the surface of each pixel towards the eye, by rays traced through the field. Alpha
+// is the share of rays that found an answer, 1 where none was needed.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "frame.glsl"
@@ -19,8 +19,8 @@ vec4 gather(frame_surface surface, uint seed) {
     vec2 random = olx_stratified2(frame.sample_index * count + j, seed);
     float weight, half_cosine;
     olx_trace_hit hit;
-    vec3 radiance = olx_glossy(settings, surface.position, surface.normal, surface.view, surface.roughness, random, weight,
-                               half_cosine, hit);
+    vec3 radiance = olx_glossy(settings, surface.position, surface.normal, surface.view, surface.roughness, random,
+                               weight, half_cosine, hit);
     if (weight <= 0.0) continue;
     unknown += uint(hit.status == OLX_TRACE_UNKNOWN);
     sum += olx_fresnel(surface.bsdf, half_cosine) * radiance * weight;
@@ -32,7 +32,8 @@ vec4 gather(frame_surface surface, uint seed) {
 bool is_dim(frame_surface surface, out vec3 light) {
   vec3 f = olx_fresnel(surface.bsdf, olx_dot(surface.view, surface.normal));
   bool dim = surface.bsdf.alpha > 0.0 && max(f.r, max(f.g, f.b)) < frame.dim_lobe;
-  light = dim ? f * olx_irradiance(frame_settings(), surface.position, surface.normal, surface.view) / OLX_PI : vec3(0.0);
+  light = vec3(0.0);
+  if (dim) light = f * olx_irradiance(frame_settings(), surface.position, surface.normal, surface.view) / OLX_PI;
   return dim;
 }
 

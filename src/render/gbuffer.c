@@ -37,7 +37,8 @@ static olx_result gbuffer_create(uint32_t width, uint32_t height, const olx_came
   return olx_fail(OLX_ERROR_MEMORY, "no memory for the surfaces of %ux%u pixels", width, height);
 }
 
-static void write_surface(const gbuffer_job *job, size_t pixel, const olx_surface *surface, const olx_shading *shading) {
+static void write_surface(const gbuffer_job *job, size_t pixel, const olx_surface *surface,
+                          const olx_shading *shading) {
   olx_gbuffer *g = job->gbuffer;
   g->normal[pixel] = shading->normal;
   g->base_color[pixel] = surface->base_color;
@@ -46,7 +47,8 @@ static void write_surface(const gbuffer_job *job, size_t pixel, const olx_surfac
   job->image->layers[OLX_LAYER_NORMAL][pixel] = surface->shading_normal;
 }
 
-static olx_vec3 direct_light(const gbuffer_job *job, const olx_shading *shading, uint32_t seed, olx_render_stats *stats) {
+static olx_vec3 direct_light(const gbuffer_job *job, const olx_shading *shading, uint32_t seed,
+                             olx_render_stats *stats) {
   const uint32_t spp = job->context.settings->spp;
   olx_vec3 sum = {0};
   for (uint32_t s = 0; s < spp; s++) {
@@ -104,9 +106,8 @@ olx_result olx_render_surfaces(const olx_scene *scene, const olx_field *field, c
   *image = (olx_image){0};
   *gbuffer = (olx_gbuffer){.width = 0};
   OLX_TRY(olx_render_check(scene, field, settings));
-  gbuffer_job job = {.context = {.scene = scene, .field = field, .settings = settings},
-                     .image = image,
-                     .gbuffer = gbuffer};
+  gbuffer_job job = {
+      .context = {.scene = scene, .field = field, .settings = settings}, .image = image, .gbuffer = gbuffer};
   OLX_TRY(olx_camera_frame_make(camera, settings->width, settings->height, &job.context.camera));
   const double start = olx_seconds();
   pthread_mutex_init(&job.stats_lock, NULL);

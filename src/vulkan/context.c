@@ -71,9 +71,8 @@ olx_result olx_vulkan_allocate(const olx_vulkan_context *c, const VkMemoryRequir
   for (uint32_t type = 0; type < c->memory.memoryTypeCount; type++) {
     if (!(requirements->memoryTypeBits >> type & 1u)) continue;
     if ((c->memory.memoryTypes[type].propertyFlags & properties) != properties) continue;
-    const VkMemoryAllocateInfo info = {.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
-                                       .allocationSize = requirements->size,
-                                       .memoryTypeIndex = type};
+    const VkMemoryAllocateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, .allocationSize = requirements->size, .memoryTypeIndex = type};
     const VkResult result = c->vk.AllocateMemory(c->host.device, &info, NULL, memory);
     if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY) {
       return olx_fail(OLX_ERROR_MEMORY, "%s: out of device memory for %llu bytes", what,

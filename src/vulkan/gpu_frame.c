@@ -93,7 +93,9 @@ static olx_result check_targets(const olx_vulkan_context *c, const olx_vulkan_ta
   OLX_TRY(check_input(c, &t->roughness, "roughness"));
   if (!t->irradiance || !t->glossy || !t->color) {
     return olx_fail(OLX_ERROR_ARGUMENT, "the frame has no %s image",
-                    !t->irradiance ? "irradiance" : !t->glossy ? "glossy" : "color");
+                    !t->irradiance ? "irradiance"
+                    : !t->glossy   ? "glossy"
+                                   : "color");
   }
   return OLX_OK;
 }
@@ -124,18 +126,17 @@ static olx_result create_layouts(olx_vulkan_frame *f) {
                                              .pSetLayouts = sets,
                                              .pushConstantRangeCount = 1,
                                              .pPushConstantRanges = &range};
-  return olx_vulkan_check(c->vk.CreatePipelineLayout(c->host.device, &layout, NULL, &f->layout), "vkCreatePipelineLayout",
-                          WHAT);
+  return olx_vulkan_check(c->vk.CreatePipelineLayout(c->host.device, &layout, NULL, &f->layout),
+                          "vkCreatePipelineLayout", WHAT);
 }
 
 static olx_result create_pipeline(olx_vulkan_frame *f, const olx_pass_code *code, VkPipeline *pipeline) {
   const olx_vulkan_context *c = &f->field->context;
-  const VkShaderModuleCreateInfo module_info = {.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
-                                                .codeSize = code->bytes,
-                                                .pCode = code->words};
+  const VkShaderModuleCreateInfo module_info = {
+      .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = code->bytes, .pCode = code->words};
   VkShaderModule module;
-  OLX_TRY(olx_vulkan_check(c->vk.CreateShaderModule(c->host.device, &module_info, NULL, &module), "vkCreateShaderModule",
-                           code->name));
+  OLX_TRY(olx_vulkan_check(c->vk.CreateShaderModule(c->host.device, &module_info, NULL, &module),
+                           "vkCreateShaderModule", code->name));
   const VkComputePipelineCreateInfo info = {
       .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
       .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
@@ -165,7 +166,8 @@ static olx_result create_pool(olx_vulkan_frame *f) {
                                            .descriptorPool = f->pool,
                                            .descriptorSetCount = 1,
                                            .pSetLayouts = &f->set_layout};
-  return olx_vulkan_check(c->vk.AllocateDescriptorSets(c->host.device, &set, &f->set), "vkAllocateDescriptorSets", WHAT);
+  return olx_vulkan_check(c->vk.AllocateDescriptorSets(c->host.device, &set, &f->set), "vkAllocateDescriptorSets",
+                          WHAT);
 }
 
 olx_result olx_vulkan_frame_resize(olx_vulkan_frame *f, const olx_vulkan_targets *t) {
@@ -176,10 +178,10 @@ olx_result olx_vulkan_frame_resize(olx_vulkan_frame *f, const olx_vulkan_targets
   VkDescriptorImageInfo images[OLX_FRAME_BINDINGS];
   VkWriteDescriptorSet writes[OLX_FRAME_BINDINGS];
   for (uint32_t i = 0; i < OLX_FRAME_BINDINGS; i++) {
-    images[i] = i < OLX_BINDING_OUT_IRRADIANCE
-                    ? (VkDescriptorImageInfo){f->field->nearest, inputs[i].view, inputs[i].layout}
-                    : (VkDescriptorImageInfo){VK_NULL_HANDLE, outputs[i - OLX_BINDING_OUT_IRRADIANCE],
-                                              VK_IMAGE_LAYOUT_GENERAL};
+    images[i] =
+        i < OLX_BINDING_OUT_IRRADIANCE
+            ? (VkDescriptorImageInfo){f->field->nearest, inputs[i].view, inputs[i].layout}
+            : (VkDescriptorImageInfo){VK_NULL_HANDLE, outputs[i - OLX_BINDING_OUT_IRRADIANCE], VK_IMAGE_LAYOUT_GENERAL};
     writes[i] = (VkWriteDescriptorSet){.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
                                        .dstSet = f->set,
                                        .dstBinding = i,
@@ -203,7 +205,8 @@ static olx_result create_frame(olx_vulkan_frame *f, const olx_vulkan_targets *ta
   return olx_vulkan_frame_resize(f, targets);
 }
 
-olx_result olx_vulkan_frame_create(olx_vulkan_field *field, const olx_vulkan_targets *targets, olx_vulkan_frame **frame) {
+olx_result olx_vulkan_frame_create(olx_vulkan_field *field, const olx_vulkan_targets *targets,
+                                   olx_vulkan_frame **frame) {
   *frame = NULL;
   olx_vulkan_frame *f = olx_allocate_zero(1, sizeof *f);
   if (!f) return olx_fail(OLX_ERROR_MEMORY, "%s: no memory for their handle", WHAT);
@@ -273,7 +276,7 @@ olx_result olx_vulkan_record_pass(const olx_vulkan_frame *f, olx_pass pass, VkCo
   vk->CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, f->pipelines[pass]);
   vk->CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, f->layout, 0, 2, sets, 0, NULL);
   vk->CmdPushConstants(commands, f->layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
-  vk->CmdDispatch(commands, (f->width + OLX_PASS_SIZE - 1) / OLX_PASS_SIZE, (f->height + OLX_PASS_SIZE - 1) / OLX_PASS_SIZE,
-                  1);
+  vk->CmdDispatch(commands, (f->width + OLX_PASS_SIZE - 1) / OLX_PASS_SIZE,
+                  (f->height + OLX_PASS_SIZE - 1) / OLX_PASS_SIZE, 1);
   return OLX_OK;
 }

@@ -10,12 +10,13 @@ static olx_result create_staging(olx_uploader *u) {
   OLX_TRY(olx_vulkan_check(c->vk.CreateBuffer(c->host.device, &info, NULL, &u->buffer), "vkCreateBuffer", WHAT));
   VkMemoryRequirements requirements;
   c->vk.GetBufferMemoryRequirements(c->host.device, u->buffer, &requirements);
-  OLX_TRY(olx_vulkan_allocate(c, &requirements,
-                              VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT, WHAT,
-                              &u->memory));
-  OLX_TRY(olx_vulkan_check(c->vk.BindBufferMemory(c->host.device, u->buffer, u->memory, 0), "vkBindBufferMemory", WHAT));
+  OLX_TRY(olx_vulkan_allocate(
+      c, &requirements, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT, WHAT, &u->memory));
+  OLX_TRY(
+      olx_vulkan_check(c->vk.BindBufferMemory(c->host.device, u->buffer, u->memory, 0), "vkBindBufferMemory", WHAT));
   void *mapped;
-  OLX_TRY(olx_vulkan_check(c->vk.MapMemory(c->host.device, u->memory, 0, VK_WHOLE_SIZE, 0, &mapped), "vkMapMemory", WHAT));
+  OLX_TRY(
+      olx_vulkan_check(c->vk.MapMemory(c->host.device, u->memory, 0, VK_WHOLE_SIZE, 0, &mapped), "vkMapMemory", WHAT));
   u->mapped = mapped;
   return OLX_OK;
 }
@@ -27,7 +28,8 @@ olx_result olx_uploader_begin(const olx_vulkan_context *c, olx_uploader *u) {
                                         .flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT |
                                                  VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT,
                                         .queueFamilyIndex = c->host.queue_family};
-  OLX_TRY(olx_vulkan_check(c->vk.CreateCommandPool(c->host.device, &pool, NULL, &u->pool), "vkCreateCommandPool", WHAT));
+  OLX_TRY(
+      olx_vulkan_check(c->vk.CreateCommandPool(c->host.device, &pool, NULL, &u->pool), "vkCreateCommandPool", WHAT));
   const VkCommandBufferAllocateInfo commands = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
                                                 .commandPool = u->pool,
                                                 .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
@@ -55,9 +57,8 @@ static olx_result submit(olx_uploader *u) {
   if (!u->recording) return OLX_OK;
   u->recording = false;
   OLX_TRY(olx_vulkan_check(c->vk.EndCommandBuffer(u->commands[u->slot]), "vkEndCommandBuffer", WHAT));
-  const VkSubmitInfo info = {.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO,
-                             .commandBufferCount = 1,
-                             .pCommandBuffers = &u->commands[u->slot]};
+  const VkSubmitInfo info = {
+      .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, .commandBufferCount = 1, .pCommandBuffers = &u->commands[u->slot]};
   OLX_TRY(olx_vulkan_check(c->vk.QueueSubmit(c->host.queue, 1, &info, u->fences[u->slot]), "vkQueueSubmit", WHAT));
   u->pending[u->slot] = true;
   u->slot = (u->slot + 1) % OLX_STAGING_SLOTS;

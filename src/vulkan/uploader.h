@@ -15,8 +15,8 @@ typedef struct olx_uploader {
   VkCommandBuffer commands[OLX_STAGING_SLOTS];
   VkFence fences[OLX_STAGING_SLOTS];
   bool pending[OLX_STAGING_SLOTS];
-  uint32_t slot;      // being filled
-  uint32_t used;      // bytes of it
+  uint32_t slot; // being filled
+  uint32_t used; // bytes of it
   bool recording;
 } olx_uploader;
 

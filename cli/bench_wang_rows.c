@@ -8,7 +8,7 @@
 enum { MOST_ROWS = 48, MOST_ROUNDS = 1000 };
 
 // In the order of olx_tracer.
-static const char *const tracer_names[] = {"texel", "two-level"};
+static const char *const tracer_names[] = {"texel", "two-level", "hiz"};
 
 typedef struct measured_row {
   const wang_row *row;

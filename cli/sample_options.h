@@ -13,11 +13,11 @@ typedef struct sample_options {
 } sample_options;
 
 #define SAMPLE_OPTIONS_DEFAULT                                                                                         \
-  { .tracer = OLX_TRACER_TWO_LEVEL, .select = OLX_SELECT_BEST, .visibility = OLX_VISIBILITY_CHEBYSHEV }
+  { .tracer = OLX_TRACER_HIZ, .select = OLX_SELECT_BEST, .visibility = OLX_VISIBILITY_CHEBYSHEV }
 
 #define SAMPLE_OPTION_ROWS(s)                                                                                           \
   {                                                                                                                     \
-      "--tracer", OPTION_CHOICE, &(s).tracer, "texel|two-level", "how rays march through probes; default two-level", 0, \
+      "--tracer", OPTION_CHOICE, &(s).tracer, "texel|two-level|hiz", "how rays march through probes; default hiz", 0,   \
       0},                                                                                                               \
       {"--select",                                                                                                      \
        OPTION_CHOICE,                                                                                                   \

@@ -30,10 +30,10 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_BINDING_FIELD 0             // uniform buffer, olx_gpu_field
 #define OLX_BINDING_PROBES 1            // storage buffer, olx_gpu_probe[probe_count]
 #define OLX_BINDING_IRRADIANCE_PROBES 2 // storage buffer, olx_gpu_probe[irradiance_probe_count]
-#define OLX_BINDING_RADIANCE 3          // combined image samplers, 2D arrays
-#define OLX_BINDING_NORMAL 4
-#define OLX_BINDING_DISTANCE 5
-#define OLX_BINDING_COARSE 6
+#define OLX_BINDING_LEAST 3             // storage buffer, the pyramids of smallest distances, two halves a uint
+#define OLX_BINDING_RADIANCE 4          // combined image samplers, 2D arrays
+#define OLX_BINDING_NORMAL 5
+#define OLX_BINDING_DISTANCE 6
 #define OLX_BINDING_IRRADIANCE 7
 #define OLX_BINDING_MOMENTS 8
 #define OLX_BINDING_BRICKS 9 // storage buffer, the bricks as they lie in the file
@@ -56,6 +56,7 @@ typedef struct olx_gpu_uvec4 {
 #ifdef GL_core_profile
 #define OLX_TRACER_TEXEL 0
 #define OLX_TRACER_TWO_LEVEL 1
+#define OLX_TRACER_HIZ 2
 #define OLX_SELECT_CAGE 0
 #define OLX_SELECT_BRICKS 3
 #define OLX_SELECT_EXHAUSTIVE 4
@@ -91,14 +92,16 @@ OLX_GPU_STRUCT(olx_gpu_field) {
   olx_gpu_vec4 scene_min, scene_max; // xyz
   olx_gpu_uint probe_count;
   olx_gpu_uint n;           // texels along a side of a light field map, without border
-  olx_gpu_uint block;       // texels along a side of a block of the coarse map
+  olx_gpu_uint least_nodes; // in a probe's pyramid of smallest distances
   olx_gpu_uint maps_a_side; // of light field maps in a layer
   olx_gpu_uint irradiance_n;
   olx_gpu_uint irradiance_maps_a_side;
   olx_gpu_float irradiance_texel; // 1 / texels along a side of a layer
   olx_gpu_float distance_scale;
   olx_gpu_uint select_mask; // bit (1 << olx_select) for each selector that is baked in and runs on the GPU
-  olx_gpu_uint padding[3];
+  olx_gpu_uint pyramid_levels;
+  olx_gpu_uint padding_a, padding_b;
+  olx_gpu_uvec4 pyramid_first; // where its levels begin, the finest first
 };
 
 OLX_GPU_STRUCT(olx_gpu_probe) {

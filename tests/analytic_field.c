@@ -63,7 +63,7 @@ static void *zeroed(size_t count, size_t size) {
 }
 
 static void fill_probe(const analytic_scene *scene, olx_field *f, uint32_t probe, uint32_t *radiance, uint16_t *normal,
-                       uint16_t *distance, uint16_t *coarse) {
+                       uint16_t *distance) {
   const int32_t n = (int32_t)f->n;
   for (int32_t y = -1; y <= n; y++) {
     for (int32_t x = -1; x <= n; x++) {
@@ -76,10 +76,6 @@ static void fill_probe(const analytic_scene *scene, olx_field *f, uint32_t probe
       normal[index] = olx_normal_pack(hit.normal);
       const olx_vec3 p = olx_madd(f->probe_positions[probe], d, hit.t);
       radiance[index] = olx_r11g11b10f_pack(hit.t < INFINITY ? analytic_radiance(p, hit.normal) : olx_splat(4.0f));
-      if (x != sx || y != sy) continue;
-      uint16_t *block = &coarse[(size_t)f->coarse_n * f->coarse_n * probe +
-                                (size_t)((uint32_t)y / f->block) * f->coarse_n + (uint32_t)x / f->block];
-      if (distance[index] < *block) *block = distance[index];
     }
   }
 }
@@ -119,8 +115,7 @@ olx_field *analytic_field_make(const analytic_scene *scene, const olx_grid *grid
   f->n = n;
   f->stride = n + 2;
   f->texels = (size_t)f->stride * f->stride;
-  f->block = olx_block_size(n);
-  f->coarse_n = n / f->block;
+  f->pyramid = olx_pyramid_shape_of(n);
   f->irradiance_n = irradiance_n;
   f->irradiance_stride = irradiance_n + 2;
   f->irradiance_texels = (size_t)f->irradiance_stride * f->irradiance_stride;
@@ -133,16 +128,19 @@ olx_field *analytic_field_make(const analytic_scene *scene, const olx_grid *grid
   uint32_t *radiance = zeroed(f->texels * count, 4), *irradiance = zeroed(f->irradiance_texels * count, 4),
            *moments = zeroed(f->irradiance_texels * count, 4);
   uint16_t *normal = zeroed(f->texels * count, 2), *distance = zeroed(f->texels * count, 2),
-           *coarse = zeroed((size_t)f->coarse_n * f->coarse_n * count, 2);
-  memset(coarse, 0xFF, (size_t)f->coarse_n * f->coarse_n * count * 2);
+           *least = zeroed((size_t)f->pyramid.least_nodes * count, 2),
+           *greatest = zeroed((size_t)f->pyramid.greatest_nodes * count, 2);
   f->radiance = radiance;
   f->normal = normal;
   f->distance = distance;
-  f->coarse = coarse;
+  f->least = least;
+  f->greatest = greatest;
   f->irradiance = irradiance;
   f->moments = moments;
   for (uint32_t i = 0; i < count; i++) {
-    fill_probe(scene, f, i, radiance, normal, distance, coarse);
+    fill_probe(scene, f, i, radiance, normal, distance);
+    olx_pyramid_make(&f->pyramid, distance + f->texels * i + f->stride + 1, f->stride,
+                     least + (size_t)f->pyramid.least_nodes * i, greatest + (size_t)f->pyramid.greatest_nodes * i);
     fill_irradiance(scene, f, i, irradiance, moments);
   }
   return f;
@@ -150,6 +148,6 @@ olx_field *analytic_field_make(const analytic_scene *scene, const olx_grid *grid
 
 void analytic_field_free(olx_field *f) {
   const void *blocks[] = {f->probe_positions, f->probe_flags, f->radiance, f->normal, f->distance,
-                          f->coarse,          f->irradiance,  f->moments,  f};
+                          f->least, f->greatest, f->irradiance,  f->moments,  f};
   for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) free((void *)(uintptr_t)blocks[i]);
 }

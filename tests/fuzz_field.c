@@ -224,10 +224,10 @@ static uint16_t hostile_half(dice *d) {
   return i < sizeof values / sizeof values[0] ? values[i] : (uint16_t)draw(d);
 }
 
-// Maps, flags and coarse maps: a few codes, a run of one code, or noise all over.
+// Maps, flags and pyramids: a few codes, a run of one code, or noise all over.
 static void change_maps(dice *d, buffer *b) {
   static const olx_chunk_kind kinds[] = {
-      OLX_CHUNK_RADIANCE,   OLX_CHUNK_NORMAL,  OLX_CHUNK_DISTANCE, OLX_CHUNK_DISTANCE,    OLX_CHUNK_COARSE,
+      OLX_CHUNK_RADIANCE,   OLX_CHUNK_NORMAL,  OLX_CHUNK_DISTANCE, OLX_CHUNK_DISTANCE,    OLX_CHUNK_LEAST, OLX_CHUNK_GREATEST,
       OLX_CHUNK_IRRADIANCE, OLX_CHUNK_MOMENTS, OLX_CHUNK_MOMENTS,  OLX_CHUNK_PROBE_FLAGS, OLX_CHUNK_IRRADIANCE_FLAGS};
   const buffer map = chunk_of(*b, kinds[draw_below(d, sizeof kinds / sizeof kinds[0])]);
   const size_t halves = map.size_bytes / 2;
@@ -316,7 +316,7 @@ static float draw_t_max(dice *d) { return draw_below(d, 3) ? INFINITY : extreme_
 
 static olx_sample_settings draw_settings(dice *d) {
   olx_sample_settings settings = olx_sample_settings_default();
-  settings.tracer = draw(d) & 1u ? OLX_TRACER_TEXEL : OLX_TRACER_TWO_LEVEL;
+  settings.tracer = (olx_tracer)draw_below(d, 3);
   settings.select = (olx_select)draw_below(d, OLX_SELECT_BEST + 1);
   settings.visibility = draw_below(d, 4) ? OLX_VISIBILITY_CHEBYSHEV : OLX_VISIBILITY_NONE;
   if (draw_below(d, 4) == 0) settings.max_probes = extreme_u32(d);

@@ -63,6 +63,16 @@ def read_chunks(data):
 
 SELECTORS = ("VORO", "OCTR", "BRIK")
 
+
+def node_sides(n):
+    """Texels along a side of the nodes of each level, coarsest first."""
+    return [side for side in (256, 64, 16, 4) if side == 4 or n >= 4 * side]
+
+
+def greatest_sides(n):
+    return [side for side in node_sides(n) if side > 4] or [4]
+
+
 # type: (bytes of an element, elements of a record, records), in terms of the description
 SHAPES = {
     "INFO": lambda d: (160, 1, 1),
@@ -71,7 +81,8 @@ SHAPES = {
     "RADI": lambda d: (4, (d["n"] + 2) ** 2, d["P"]),
     "NORM": lambda d: (2, (d["n"] + 2) ** 2, d["P"]),
     "DIST": lambda d: (2, (d["n"] + 2) ** 2, d["P"]),
-    "COAR": lambda d: (2, (d["n"] // d["b"]) ** 2, d["P"]),
+    "DMIN": lambda d: (2, sum((d["n"] // side) ** 2 for side in node_sides(d["n"])), d["P"]),
+    "DMAX": lambda d: (2, sum((d["n"] // side) ** 2 for side in greatest_sides(d["n"])), d["P"]),
     "IPOS": lambda d: (4, 3, d["Q"]),
     "IFLG": lambda d: (1, 1, d["Q"]),
     "IRRA": lambda d: (4, (d["m"] + 2) ** 2, d["Q"]),
@@ -86,14 +97,14 @@ def read_grid(blob, offset):
 
 def read_info(blob):
     need(len(blob) == 160, "INFO: size")
-    keys = ("P", "Q", "buried", "irradiance_buried", "has_grid", "n", "m", "b", "selectors", "bounces", "samples")
+    keys = ("P", "Q", "buried", "irradiance_buried", "has_grid", "n", "m", "zero", "selectors", "bounces", "samples")
     d = dict(zip(keys, struct.unpack_from("<11I", blob, 0)))
+    need(d["zero"] == 0, "INFO: reserved")
     d["scale"], = struct.unpack_from("<f", blob, 44)
     d["scene_min"], d["scene_max"] = (list(struct.unpack_from("<3f", blob, at)) for at in (48, 60))
     d["grid"], d["irradiance_grid"] = read_grid(blob, 72), read_grid(blob, 108)
     d["scene_hash"], zero = struct.unpack_from("<QQ", blob, 144)
     need(d["n"] in [2 ** i for i in range(3, 12)] and d["m"] in [2 ** i for i in range(3, 9)], "sizes")
-    need(d["b"] == (16 if d["n"] >= 64 else d["n"] // 4), "block size")
     need(d["P"] >= 1 and d["Q"] >= 1 and d["has_grid"] in (0, 1) and d["samples"] >= 1 and zero == 0, "INFO")
     need(d["has_grid"] or not d["selectors"] & 1, "selectors")
     need(1e-18 <= d["scale"] <= 1e18, "distance scale")
@@ -169,13 +180,27 @@ def inside_scene(d, position, out, metres):
                for p, o, low, high in zip(position, out, d["scene_min"], d["scene_max"]))
 
 
+def pyramid(texels, n, sides, choose):
+    nodes = []
+    for side in sides:
+        count = n // side
+        level = [0.0] * count ** 2
+        for y in range(count):
+            for x in range(count):
+                tile = (y // 4 * (count // 4) + x // 4) * 16 + y % 4 * 4 + x % 4
+                rows = (row[x * side:(x + 1) * side] for row in texels[y * side:(y + 1) * side])
+                level[tile if count >= 4 else y * count + x] = choose(map(choose, rows))
+        nodes += level
+    return nodes
+
+
 def check_light_field_probe(chunks, d, probe):
     """Returns the share of surfaces that lie within the scene and face the probe."""
-    n, b = d["n"], d["b"]
+    n = d["n"]
     radiance, normal, distance = (record(chunks, name, probe) for name in ("RADI", "NORM", "DIST"))
     for name, codes in (("RADI", radiance), ("NORM", normal), ("DIST", distance)):
         check_border(f"{name} of probe {probe}", codes, n)
-    smallest = [math.inf] * (n // b) ** 2
+    stored_map = [[0.0] * n for _ in range(n)]
     position = struct.unpack_from("<3f", chunks["PPOS"][0], 12 * probe)
     plausible = surfaces = 0
     for y in range(n):
@@ -186,8 +211,7 @@ def check_light_field_probe(chunks, d, probe):
             need(stored != 0xFC00, "marked sky")
             r = decode_half(stored & 0x7FFF)
             need(r >= 0, "distance is NaN")
-            block = y // b * (n // b) + x // b
-            smallest[block] = min(smallest[block], r)
+            stored_map[y][x] = r
             u, v = normal[at] & 0xFF, normal[at] >> 8
             need(u <= 254 and v <= 254, "normal")
             if r < math.inf:
@@ -195,7 +219,9 @@ def check_light_field_probe(chunks, d, probe):
                 out, surface = direction((x + 0.5) / n, (y + 0.5) / n), direction(u / 254, v / 254)
                 facing = sum(p * q for p, q in zip(out, surface)) <= 0.02  # normals are off by up to 0.64 degrees
                 plausible += facing and inside_scene(d, position, out, r * d["scale"])
-    need([decode_half(code) for code in record(chunks, "COAR", probe)] == smallest, f"COAR of probe {probe}")
+    for name, sides, choose in (("DMIN", node_sides(n), min), ("DMAX", greatest_sides(n), max)):
+        nodes = [decode_half(code) for code in record(chunks, name, probe)]
+        need(nodes == pyramid(stored_map, n, sides, choose), f"{name} of probe {probe}")
     return plausible / surfaces if surfaces else 1.0
 
 
@@ -323,7 +349,7 @@ def read(path):
     told = {
         "probes": d["P"], "irradiance_probes": d["Q"], "buried": d["buried"], "irradiance_buried": d["irradiance_buried"],
         "radiance_size": d["n"], "irradiance_size": d["m"], "select": ",".join(names) or "none", "file_bytes": len(data),
-        "bytes": {"radiance": size("RADI"), "normal": size("NORM"), "distance": size("DIST"), "pyramid": size("COAR"),
+        "bytes": {"radiance": size("RADI"), "normal": size("NORM"), "distance": size("DIST"), "pyramid": size("DMIN") + size("DMAX"),
                   "irradiance": size("IRRA"), "moments": size("MOME"), "selector": sum(map(size, stored))},
         "irradiance_grid": d["irradiance_grid"], "bounces": d["bounces"], "samples": d["samples"],
         "distance_scale_metres": d["scale"], "scene_min": d["scene_min"], "scene_max": d["scene_max"],

@@ -49,7 +49,7 @@ expect_usage "or inf" render builtin:cornell -o a.exr --bounces many
 expect_usage "from 1 to 1048576" render builtin:cornell -o a.exr --spp 0
 expect_usage "is not one of field|path" render builtin:cornell -o a.exr --method raster
 expect_usage "is not one of cpu|vulkan" render builtin:cornell -o a.exr --device tpu
-expect_usage "is not one of texel|two-level" render builtin:cornell -o a.exr --tracer texe
+expect_usage "is not one of texel|two-level|hiz" render builtin:cornell -o a.exr --tracer texe
 expect_usage "is not one of none|chebyshev" audit builtin:cornell --field a.olx --visibility some
 expect_usage "is not one of beauty|direct" compare a.exr b.exr --layer light
 expect_usage "is not a number above 0" render builtin:cornell -o a.png --exposure -1

@@ -99,9 +99,15 @@ static void assert_round_trip(fixture *f, const synthetic_shape *shape) {
     assert_map(field->distance + field->texels * i, distance, n, 2);
     for (uint32_t y = 0; y < n; y++) {
       for (uint32_t x = 0; x < n; x++) {
-        const uint16_t coarse = field->coarse[(size_t)i * field->coarse_n * field->coarse_n +
-                                              y / field->block * field->coarse_n + x / field->block];
-        assert_true(coarse <= (distance[y * n + x] & 0x7FFF));
+        const olx_pyramid_shape *pyramid = &field->pyramid;
+        for (uint32_t level = 0; level < pyramid->levels; level++) {
+          const uint32_t shift = olx_pyramid_shift(level);
+          const uint32_t node = pyramid->first[level] + olx_pyramid_index(pyramid->side[level], x >> shift, y >> shift);
+          const uint16_t code = distance[y * n + x] & 0x7FFF;
+          assert_true(field->least[(size_t)pyramid->least_nodes * i + node] <= code);
+          if (level < pyramid->greatest_level) continue;
+          assert_true(field->greatest[(size_t)pyramid->greatest_nodes * i + node] >= code);
+        }
       }
     }
     const olx_vec3 position = olx_field_probe_position(field, i);
@@ -129,23 +135,35 @@ static void test_round_trip(void **state) {
   assert_round_trip(*state, &least);
 }
 
-static void test_coarse_is_the_smallest(void **state) {
+// One near and one far texel, the near one marked as an emitter, change the nodes that hold them and no others.
+static void test_pyramids_bound_their_nodes(void **state) {
   (void)state;
-  for (uint32_t n = 8; n <= 256; n *= 2) {
-    uint16_t *distance = olx_allocate(n * n, 2), coarse[16 * 16];
-    const uint32_t block = olx_block_size(n), blocks = n / block;
-    assert_int_equal(blocks * block, n);
-    for (uint32_t i = 0; i < n * n; i++) distance[i] = 0x7C00;
-    olx_coarse_map(distance, n, n, coarse);
-    for (uint32_t i = 0; i < blocks * blocks; i++) assert_int_equal(coarse[i], 0x7C00);
-    // One near texel, marked as an emitter, changes its block alone.
-    const uint32_t x = n - 1, y = n / 2;
-    distance[y * n + x] = 0x8000 | 0x3000;
-    olx_coarse_map(distance, n, n, coarse);
-    for (uint32_t i = 0; i < blocks * blocks; i++) {
-      assert_int_equal(coarse[i], i == y / block * blocks + x / block ? 0x3000 : 0x7C00);
+  for (uint32_t n = 8; n <= 2048; n *= 2) {
+    const olx_pyramid_shape shape = olx_pyramid_shape_of(n);
+    const uint32_t near_x = n - 1, near_y = n / 2, far_x = n / 2 - 1, far_y = 3;
+    uint16_t *distance = olx_allocate((size_t)n * n, 2), *nearest = olx_allocate(shape.least_nodes, 2),
+             *farthest = olx_allocate(shape.greatest_nodes, 2);
+    for (size_t i = 0; i < (size_t)n * n; i++) distance[i] = 0x3400;
+    distance[near_y * n + near_x] = 0x8000 | 0x3000;
+    distance[far_y * n + far_x] = 0x7C00;
+    olx_pyramid_make(&shape, distance, n, nearest, farthest);
+    uint32_t nodes = 0;
+    for (uint32_t level = 0; level < shape.levels; level++) {
+      const uint32_t side = shape.side[level], shift = olx_pyramid_shift(level);
+      assert_int_equal(side << shift, n);
+      for (uint32_t y = 0; y < side; y++) {
+        for (uint32_t x = 0; x < side; x++, nodes++) {
+          const uint32_t at = shape.first[level] + olx_pyramid_index(side, x, y);
+          const bool near = x == near_x >> shift && y == near_y >> shift, far = x == far_x >> shift && y == far_y >> shift;
+          assert_int_equal(nearest[at], near ? 0x3000 : 0x3400);
+          if (level >= shape.greatest_level) assert_int_equal(farthest[at], far ? 0x7C00 : 0x3400);
+        }
+      }
     }
+    assert_int_equal(nodes, shape.least_nodes);
     olx_release(distance);
+    olx_release(nearest);
+    olx_release(farthest);
   }
 }
 
@@ -180,7 +198,7 @@ static void test_describes(void **state) {
   assert_int_equal(info.radiance_bytes, 12 * 18 * 18 * 4);
   assert_int_equal(info.normal_bytes, 12 * 18 * 18 * 2);
   assert_int_equal(info.distance_bytes, 12 * 18 * 18 * 2);
-  assert_int_equal(info.pyramid_bytes, 12 * 4 * 4 * 2);
+  assert_int_equal(info.pyramid_bytes, 12 * 4 * 4 * 2 * 2);
   assert_int_equal(info.irradiance_bytes, 6 * 10 * 10 * 4);
   assert_int_equal(info.moments_bytes, 6 * 10 * 10 * 4);
   assert_int_equal(info.selector_bytes, 0);
@@ -413,7 +431,7 @@ static void test_skips_unknown_optional_chunks_only(void **state) {
   const image plain = load(*state, &small);
   const uint32_t type = OLX_FOUR_CC('A', 'L', 'B', 'E');
   image i = with_chunk(&plain, type, 0);
-  assert_refused(&i, OLX_ERROR_UNSUPPORTED, "chunk 11 (ALBE) is required");
+  assert_refused(&i, OLX_ERROR_UNSUPPORTED, "chunk 12 (ALBE) is required");
   olx_release(i.bytes);
 
   i = with_chunk(&plain, type, OLX_CHUNK_OPTIONAL);
@@ -422,10 +440,10 @@ static void test_skips_unknown_optional_chunks_only(void **state) {
   assert_int_equal(olx_field_verify(field), OLX_OK);
   olx_field_close(field);
   i.bytes[i.size_bytes - 60] ^= 1;
-  assert_unverified(&i, OLX_ERROR_CHECKSUM, "chunk 11 (ALBE): wrong checksum");
+  assert_unverified(&i, OLX_ERROR_CHECKSUM, "chunk 12 (ALBE): wrong checksum");
   i.bytes[i.size_bytes - 60] ^= 1;
   i.bytes[i.size_bytes - 1] = 1;
-  assert_unverified(&i, OLX_ERROR_FORMAT, "chunk 11 (ALBE): padding");
+  assert_unverified(&i, OLX_ERROR_FORMAT, "chunk 12 (ALBE): padding");
   olx_release(i.bytes);
 
   i = with_chunk(&plain, plain.chunks[OLX_CHUNK_RADIANCE].type, 0);
@@ -446,8 +464,7 @@ static void test_refuses_a_wrong_description(void **state) {
   REFUSED(radiance_size = 24, "radiance size 24 is not");
   REFUSED(radiance_size = 4096, "radiance size 4096 is not");
   REFUSED(radiance_size = 0, "radiance size 0 is not");
-  REFUSED(radiance_size = 32, "block size");
-  REFUSED(radiance_size = (i.info->block_size = 8, 32), "chunk RADI: ");
+  REFUSED(radiance_size = 32, "chunk RADI: ");
   REFUSED(irradiance_size = 512, "irradiance size 512 is not");
   REFUSED(irradiance_size = 16, "chunk IRRA: ");
   REFUSED(probe_count = 0, "no light field probes");
@@ -480,8 +497,8 @@ static void test_refuses_a_wrong_description(void **state) {
   REFUSED(irradiance_grid.count[0] = 3, "irradiance grid: 3 x 1 x 3 is not the number of probes, 6");
   REFUSED(has_grid = 2, "grid flag");
   REFUSED(has_grid = 0, "the cage selector needs light field probes on a grid");
-  REFUSED(block_size = 16, "block size");
-  REFUSED(zero = 1, "reserved bytes");
+  REFUSED(zero_a = 16, "reserved bytes");
+  REFUSED(zero_b = 1, "reserved bytes");
 #undef REFUSED
   i.info->select_mask = 1u << OLX_SELECT_BRICKS; // whose chunk is missing
   seal(&i);
@@ -560,8 +577,9 @@ static void test_verify_reads_the_content(void **state) {
   REFUSED(OLX_CHUNK_DISTANCE, uint16_t, 2 * texels + inner, 0x7E00, "distance of probe 2, texel (6, 4): NaN");
   REFUSED(OLX_CHUNK_DISTANCE, uint16_t, 2 * texels + inner, 0xFC01, "distance of probe 2, texel (6, 4): NaN");
   REFUSED(OLX_CHUNK_DISTANCE, uint16_t, 2 * texels + inner, 0xFC00, "distance of probe 2, texel (6, 4): NaN");
-  REFUSED(OLX_CHUNK_DISTANCE, uint16_t, 2 * texels + inner, 0x0001, "coarse distance of probe 2, block (1, 1)");
-  REFUSED(OLX_CHUNK_COARSE, uint16_t, 16 * 4 + 5, 0x0001, "coarse distance of probe 4, block (1, 1)");
+  REFUSED(OLX_CHUNK_DISTANCE, uint16_t, 2 * texels + inner, 0x0001, "least distance of probe 2, level 0, node (1, 1)");
+  REFUSED(OLX_CHUNK_LEAST, uint16_t, 16 * 4 + 5, 0x0001, "least distance of probe 4, level 0, node (1, 1)");
+  REFUSED(OLX_CHUNK_GREATEST, uint16_t, 16 * 4 + 6, 0x7C01, "greatest distance of probe 4, level 0, node (2, 1)");
   REFUSED(OLX_CHUNK_RADIANCE, uint32_t, 0, 0, "radiance of probe 0: border texel (-1, -1) differs from texel (15, 15)");
   REFUSED(OLX_CHUNK_NORMAL, uint16_t, texels - 1, 0, "border texel (16, 16) differs from texel (0, 0)");
   REFUSED(OLX_CHUNK_DISTANCE, uint16_t, 18 * 3, 0x7BFF, "border texel (-1, 2) differs from texel (0, 13)");
@@ -722,7 +740,7 @@ static void test_folder_that_cannot_be_written(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test_setup_teardown(test_round_trip, set_up, tear_down),
-      cmocka_unit_test(test_coarse_is_the_smallest),
+      cmocka_unit_test(test_pyramids_bound_their_nodes),
       cmocka_unit_test_setup_teardown(test_describes, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_same_input_same_bytes, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_two_fields_at_once, set_up, tear_down),

@@ -1,7 +1,9 @@
 // Shaders against their specification: every function of shaders/lib and its C twin on the same random and edge inputs, on
 // whatever Vulkan device there is (a CPU one will do). The C files are included so that their inner functions can be called.
 #include "shade/irradiance.c"
+#include "trace/march_hiz.c"
 #include "trace/probe_trace.c"
+#include "trace/surfel.c"
 #include "trace/trace.c"
 
 #include "analytic_field.h"
@@ -43,9 +45,10 @@ typedef struct state {
   surface_point surface;
   olx_bsdf bsdf;
   olx_probe_ray ray;
-  march march;
-  piece piece;
-  cell cell;
+  olx_march march;
+  olx_vec3 planes;
+  olx_piece piece;
+  olx_cell cell;
   surfel surfel;
   search search;
 } state;
@@ -72,13 +75,12 @@ static void put_3(result *r, olx_vec3 v) {
   put_f(r, v.y);
   put_f(r, v.z);
 }
-static void put_axis(result *r, const image_axis *a) {
-  put_f(r, a->n0);
-  put_f(r, a->n1);
-  put_f(r, a->begin);
-  put_i(r, a->step);
-  put_i(r, a->first);
-  put_i(r, a->last);
+static void put_axis(result *r, olx_image_axis a) {
+  put_f(r, a.begin);
+  put_f(r, a.travel);
+  put_i(r, a.step);
+  put_i(r, a.ahead);
+  put_i(r, a.first);
 }
 static void put_answer(result *r, const olx_probe_answer *a) {
   put_u(r, a->status);
@@ -112,7 +114,7 @@ static void derive(state *s) {
   s->x = s->bits[1] % s->field->n;
   s->y = s->bits[2] % s->field->n;
   s->settings = olx_sample_settings_default();
-  s->settings.tracer = s->bits[3] & 1u ? OLX_TRACER_TWO_LEVEL : OLX_TRACER_TEXEL;
+  s->settings.tracer = (olx_tracer)((s->bits[3] >> 8) % 3u);
   s->settings.visibility = s->bits[3] & 6u ? OLX_VISIBILITY_CHEBYSHEV : OLX_VISIBILITY_NONE;
   s->settings.keep_buried = (s->bits[3] & 8u) != 0;
   s->settings.emitters = (s->bits[3] & 16u) != 0;
@@ -125,19 +127,6 @@ static void derive(state *s) {
   s->bsdf = olx_bsdf_make(color, s->random[0], s->random[1], s->random[2]);
 }
 
-static march begin_march(const olx_field *f, uint32_t probe, const olx_probe_ray *ray) {
-  const float closest = -olx_dot(ray->origin, ray->direction);
-  const olx_vec3 foot = olx_madd(ray->origin, ray->direction, closest);
-  return (march){.field = f,
-                 .distance = f->distance + f->texels * probe,
-                 .coarse = f->coarse + (size_t)f->coarse_n * f->coarse_n * probe,
-                 .probe = probe,
-                 .ray = ray,
-                 .closest = closest,
-                 .miss_squared = olx_dot(foot, foot),
-                 .texel_angle_scale = 4.0f / ((float)f->n * (float)f->n)};
-}
-
 static void derive_march(state *s) {
   const olx_field *f = s->field;
   s->ray = (olx_probe_ray){.origin = olx_sub(s->point, f->probe_positions[s->probe]),
@@ -145,12 +134,11 @@ static void derive_march(state *s) {
                            .t_min = s->bits[3] & 1u ? 0.0f : s->item->v[13],
                            .t_max = s->bits[3] & 2u ? INFINITY : s->item->v[14]};
   s->march = begin_march(f, s->probe, &s->ray);
-  float cuts[3];
-  const uint32_t count = cut(&s->ray, cuts);
-  s->piece = make_piece(&s->march, s->ray.t_min, count ? cuts[0] : s->ray.t_max);
-  s->cell = (cell){quadrant_texel(&s->piece.u, s->piece.u.begin), quadrant_texel(&s->piece.v, s->piece.v.begin),
-                   s->piece.t_begin};
-  s->surfel = read_surfel(&s->march, (cell){(int32_t)s->x, (int32_t)s->y, 0.0f}, s->item->v[15]);
+  const olx_vec3 o = s->ray.origin, d = s->ray.direction;
+  s->planes = olx_v3(plane_at(o.x, d.x), plane_at(o.y, d.y), plane_at(o.z, d.z));
+  s->piece = make_piece(&s->march, s->planes, s->ray.t_min, next_cut(s->planes, s->ray.t_min, s->ray.t_max));
+  s->cell = (olx_cell){s->piece.u.first, s->piece.v.first, s->piece.t_begin};
+  s->surfel = read_surfel(&s->march, (int32_t)s->x, (int32_t)s->y, s->item->v[15]);
 }
 
 static void derive_search(state *s) {
@@ -166,13 +154,17 @@ static void derive_search(state *s) {
 static olx_vec2 random_2(const state *s) { return (olx_vec2){s->random[0], s->random[1]}; }
 static olx_vec3 local_view(const state *s) { return olx_v3(s->view.x, s->view.y, fabsf(s->view.z)); }
 static size_t texel_of(const state *s) { return olx_map_index(s->field->stride, (int32_t)s->x, (int32_t)s->y); }
-static cell texel_cell(const state *s) { return (cell){(int32_t)s->x, (int32_t)s->y, 0.0f}; }
+static olx_cell texel_cell(const state *s) { return (olx_cell){(int32_t)s->x, (int32_t)s->y, 0.0f}; }
 static olx_vec3 from_irradiance_probe(const state *s) {
   return olx_sub(s->point, olx_grid_position(&s->source.grid, s->irradiance_probe));
 }
+static olx_vec2 ahead_of(const state *s) { return olx_crossings_ahead(&s->piece, s->cell.x, s->cell.y, 0); }
 static float cell_exit(const state *s) {
-  return olx_min(olx_min(next_crossing(&s->piece, &s->piece.u, s->cell.x), next_crossing(&s->piece, &s->piece.v, s->cell.y)),
-                 s->piece.t_end);
+  return olx_parameter_at(&s->piece, olx_min(ahead_of(s).x, ahead_of(s).y));
+}
+static float cell_far_squared(const state *s) { return olx_farthest_squared(&s->march, s->cell.t, cell_exit(s)); }
+static stand first_node(const state *s) {
+  return (stand){.x = s->cell.x >> OLX_PYRAMID_FINEST, .y = s->cell.y >> OLX_PYRAMID_FINEST, .s = -1.0f, .t = s->cell.t};
 }
 
 // clang-format off
@@ -240,36 +232,59 @@ ROW(select_resolve, put_u(r, olx_select_resolve(s->field, (olx_select)(s->bits[0
 ROW(sample_settings_default, const olx_sample_settings d = olx_sample_settings_default(); put_u(r, d.tracer);
     put_u(r, d.select); put_u(r, d.visibility); put_u(r, d.max_probes); put_u(r, d.keep_buried); put_u(r, d.emitters);)
 
-ROW(radius_squared, put_f(r, radius_squared(&s->march, s->random[0]));)
-ROW(farthest_squared, put_f(r, farthest_squared(&s->march, s->random[0], s->random[0] + s->random[1]));)
-ROW(nearest_squared, put_f(r, nearest_squared(&s->march, s->random[0], s->random[0] + s->random[1]));)
-ROW(sign_after, put_f(r, sign_after(s->ray.origin.x, s->ray.direction.x, s->random[0]));)
-ROW(image_at, put_f(r, image_at(&s->piece, &s->piece.u, s->ray.t_min));)
-ROW(set_axis, set_axis(&s->piece, &s->piece.u, s->view.x, (int32_t)s->field->n); put_axis(r, &s->piece.u);)
-ROW(make_piece, put_f(r, s->piece.d0); put_f(r, s->piece.d1); put_axis(r, &s->piece.u); put_axis(r, &s->piece.v);)
-ROW(crossing, put_f(r, crossing(&s->piece, &s->piece.u, (int32_t)s->x));)
-ROW(next_crossing, put_f(r, next_crossing(&s->piece, &s->piece.v, s->cell.y));)
-ROW(quadrant_texel, put_i(r, quadrant_texel(&s->piece.u, s->point.x * 8.0f));)
-ROW(advance, put_i(r, advance(&s->piece, &s->piece.u, s->cell.x, s->ray.t_min + 0.3f * s->random[0], (s->bits[3] & 4u) != 0));)
-ROW(read_surfel, put_f(r, s->surfel.distance); put_f(r, s->surfel.cosine); put_f(r, s->surfel.footprint);
-    put_f(r, s->surfel.f0); put_f(r, s->surfel.f1);)
+ROW(radius_squared, put_f(r, olx_radius_squared(&s->march, s->random[0]));)
+ROW(farthest_squared, put_f(r, olx_farthest_squared(&s->march, s->random[0], s->random[0] + s->random[1]));)
+ROW(reach_squared, put_f(r, olx_reach_squared(&s->march, &s->piece, s->random[0], s->random[0] + s->random[1]));)
+ROW(nearest_squared, put_f(r, olx_nearest_squared(&s->march, s->random[0], s->random[0] + s->random[1]));)
+ROW(clamp_texel, put_i(r, olx_clamp_texel(s->view.x, s->point.x * 8.0f, s->field->n));)
+ROW(image_at, olx_vec2 image = {0}; put_u(r, olx_image_at(&s->march, &s->piece, s->ray.t_min, &image)); put_2(r, image);)
+ROW(parameter_at, put_f(r, olx_parameter_at(&s->piece, s->random[0]));)
+ROW(crossing, put_f(r, olx_crossing(&s->piece.u, (int32_t)s->x));)
+ROW(texel_at, put_i(r, olx_texel_at(&s->piece.u, s->random[0], (s->bits[3] & 4u) != 0));)
+ROW(pyramid_shift, put_u(r, olx_pyramid_shift(s->bits[0] & 3u));)
+ROW(pyramid_index, const uint32_t side = 2u << (s->bits[0] & 7u);
+    put_u(r, olx_pyramid_index(side, s->bits[1] % side, s->bits[2] % side));)
+ROW(least_squared, put_f(r, olx_least_squared(&s->march, 0, (int32_t)s->x >> OLX_PYRAMID_FINEST,
+                                              (int32_t)s->y >> OLX_PYRAMID_FINEST)); put_u(r, s->march.steps);)
+ROW(read_surfel, put_f(r, s->surfel.distance); put_f(r, s->surfel.footprint); put_f(r, s->surfel.slack);
+    put_f(r, s->surfel.cosine); put_f(r, s->surfel.f0); put_f(r, s->surfel.f1);)
 ROW(plane_tolerance, put_f(r, plane_tolerance(&s->surfel));)
-ROW(depth_limit, put_f(r, depth_limit(&s->march, texel_cell(s), &s->surfel));)
-ROW(near_texel, put_u(r, near_texel(&s->piece, s->cell, s->ray.t_min + 0.1f * s->random[0]));)
-ROW(supported, put_u(r, supported(&s->march, &s->piece, &s->surfel, s->ray.t_min + 0.1f * s->random[0]));)
-ROW(judge, olx_probe_answer a = {0}; put_u(r, judge(&s->march, &s->piece, s->cell, cell_exit(s), s->item->v[15], &a));
+ROW(beyond_reach, put_u(r, beyond_reach(&s->march, texel_cell(s), &s->surfel, 4.0f * s->random[0])); put_u(r, s->march.steps);)
+ROW(supported, put_u(r, supported(&s->march, &s->piece, s->cell, &s->surfel, s->ray.t_min + 0.1f * s->random[0]));
+    put_u(r, s->march.steps);)
+ROW(judge_height, olx_probe_answer a = {0};
+    put_u(r, judge_height(&s->march, &s->piece, s->cell, cell_exit(s), &s->surfel, &a)); put_f(r, a.t);)
+ROW(judge_surfel, olx_probe_answer a = {0};
+    put_u(r, olx_judge_surfel(&s->march, &s->piece, s->cell, cell_exit(s), s->item->v[15], &a)); put_answer(r, &a);)
+ROW(visit_texel, olx_probe_answer a = {0};
+    put_u(r, olx_visit_texel(&s->march, &s->piece, s->cell, cell_exit(s), cell_far_squared(s), &a)); put_answer(r, &a);
+    put_u(r, s->march.steps);)
+ROW(next_cell, const olx_cell c = olx_next_cell(&s->piece, s->cell, random_2(s), cell_exit(s)); put_i(r, c.x); put_i(r, c.y);
+    put_f(r, c.t);)
+ROW(crossings_ahead, put_2(r, olx_crossings_ahead(&s->piece, s->cell.x >> 2, s->cell.y >> 2, 2));)
+ROW(march_texels, olx_probe_answer a = {0}; put_u(r, olx_march_texels(&s->march, &s->piece, &a)); put_answer(r, &a);)
+ROW(march_two_level, olx_probe_answer a = {0}; put_u(r, olx_march_two_level(&s->march, &s->piece, &a)); put_answer(r, &a);
+    put_u(r, s->march.steps);)
+ROW(leave, stand at = first_node(s); const int32_t x = at.x + (int32_t)(s->bits[0] % 5u) - 2;
+    const int32_t y = at.y + (int32_t)(s->bits[1] % 5u) - 2; leave(&s->march, &at, x, y, s->random[0], cell_exit(s), true);
+    put_i(r, at.x); put_i(r, at.y); put_u(r, at.level);)
+ROW(march_node, olx_probe_answer a = {0}; stand at = first_node(s);
+    put_u(r, march_node(&s->march, &s->piece, &at, 0.04f, &a)); put_answer(r, &a); put_i(r, at.x); put_i(r, at.y);)
+ROW(visit_first, olx_probe_answer a = {0}; put_u(r, visit_first(&s->march, &s->piece, &a)); put_answer(r, &a);)
+ROW(march_hiz, olx_probe_answer a = {0}; put_u(r, olx_march_hiz(&s->march, &s->piece, &a)); put_answer(r, &a);
+    put_u(r, s->march.steps);)
+ROW(march_piece, olx_probe_answer a = {0}; put_u(r, march_piece(&s->march, &s->piece, s->settings.tracer, &a));
     put_answer(r, &a);)
-ROW(visit_texel, olx_probe_answer a = {0}; put_u(r, visit_texel(&s->march, &s->piece, s->cell, cell_exit(s), &a));
-    put_answer(r, &a); put_u(r, s->march.steps);)
-ROW(block_clear, put_u(r, block_clear(&s->march, s->cell, cell_exit(s))); put_u(r, s->march.steps);)
-ROW(block_crossing, put_f(r, block_crossing(&s->piece, &s->piece.u, s->cell.x, (int32_t)s->field->block));)
-ROW(beyond_block, const int32_t b = (int32_t)s->field->block; const int32_t first = (int32_t)s->x / b * b;
-    put_i(r, s->piece.u.step > 0 ? first + b : first - 1);)
-ROW(march_piece, olx_probe_answer a = {0};
-    put_u(r, march_piece(&s->march, &s->piece, s->settings.tracer == OLX_TRACER_TWO_LEVEL, &a)); put_answer(r, &a);)
-ROW(cut, float cuts[3] = {INFINITY, INFINITY, INFINITY}; const uint32_t count = cut(&s->ray, cuts);
-    for (uint32_t i = 0; i < 3; i++) put_f(r, i < count ? cuts[i] : INFINITY);)
-ROW(begin_march, put_f(r, s->march.closest); put_f(r, s->march.miss_squared); put_f(r, s->march.texel_angle_scale);)
+ROW(end_at, const piece_end end = end_at(&s->march, &s->piece, s->ray.t_min + 0.3f * s->random[0]); put_f(r, end.u);
+    put_f(r, end.v); put_f(r, end.inverse); put_u(r, end.centre);)
+ROW(make_axis, put_axis(r, make_axis(s->point.x * 8.0f, s->point.y * 8.0f, s->view.x, s->field->n));)
+ROW(plane_at, put_f(r, plane_at(s->point.x, s->direction.x));)
+ROW(sign_after, put_f(r, sign_after(s->ray.origin.x, s->ray.direction.x, s->planes.x, s->random[0]));)
+ROW(make_piece, put_axis(r, s->piece.u); put_axis(r, s->piece.v); put_f(r, s->piece.near); put_f(r, s->piece.slope);
+    put_f(r, s->piece.rise);)
+ROW(next_cut, put_f(r, next_cut(s->planes, s->ray.t_min, s->ray.t_max));)
+ROW(begin_march, put_f(r, s->march.closest); put_f(r, s->march.miss_squared);
+    put_u(r, s->field->pyramid.least_nodes * s->probe);)
 ROW(trace_probe, const olx_probe_answer a = olx_trace_probe(s->field, s->probe, &s->ray, s->settings.tracer);
     put_answer(r, &a);)
 
@@ -390,27 +405,38 @@ static const parity_row ROWS[] = {
     PARITY(sample_settings_default, 1e-6f, 0),
     PARITY(radius_squared, 1e-5f, 1e-3),
     PARITY(farthest_squared, 1e-5f, 1e-3),
+    PARITY(reach_squared, 1e-5f, 1e-3),
     PARITY(nearest_squared, 1e-5f, 1e-3),
-    PARITY(sign_after, 1e-5f, 1e-3),
+    PARITY(clamp_texel, 1e-5f, 1e-3),
     PARITY(image_at, 1e-5f, 1e-3),
-    PARITY(set_axis, 1e-5f, 1e-3),
-    PARITY(make_piece, 1e-5f, 1e-3),
+    PARITY(parameter_at, 1e-5f, 1e-3),
     PARITY(crossing, 1e-5f, 1e-3),
-    PARITY(next_crossing, 1e-5f, 1e-3),
-    PARITY(quadrant_texel, 1e-5f, 1e-3),
-    PARITY(advance, 1e-5f, 1e-3),
+    PARITY(texel_at, 1e-5f, 1e-3),
+    PARITY(pyramid_shift, 1e-5f, 1e-3),
+    PARITY(pyramid_index, 1e-5f, 1e-3),
+    PARITY(least_squared, 1e-5f, 1e-3),
     PARITY(read_surfel, 1e-5f, 1e-3),
     PARITY(plane_tolerance, 1e-5f, 1e-3),
-    PARITY(depth_limit, 1e-5f, 1e-3),
-    PARITY(near_texel, 1e-5f, 1e-3),
+    PARITY(beyond_reach, 1e-5f, 1e-3),
     PARITY(supported, 1e-5f, 1e-3),
-    PARITY(judge, 1e-5f, 1e-3),
+    PARITY(judge_height, 1e-5f, 1e-3),
+    PARITY(judge_surfel, 1e-5f, 1e-3),
     PARITY(visit_texel, 1e-5f, 1e-3),
-    PARITY(block_clear, 1e-5f, 1e-3),
-    PARITY(block_crossing, 1e-5f, 1e-3),
-    PARITY(beyond_block, 1e-5f, 1e-3),
+    PARITY(next_cell, 1e-5f, 1e-3),
+    PARITY(crossings_ahead, 1e-5f, 1e-3),
+    PARITY(march_texels, 1e-5f, 1e-3),
+    PARITY(march_two_level, 1e-5f, 1e-3),
+    PARITY(leave, 1e-5f, 1e-3),
+    PARITY(march_node, 1e-5f, 1e-3),
+    PARITY(visit_first, 1e-5f, 1e-3),
+    PARITY(march_hiz, 1e-5f, 1e-3),
     PARITY(march_piece, 1e-5f, 1e-3),
-    PARITY(cut, 1e-5f, 1e-3),
+    PARITY(end_at, 1e-5f, 1e-3),
+    PARITY(make_axis, 1e-5f, 1e-3),
+    PARITY(plane_at, 1e-5f, 1e-3),
+    PARITY(sign_after, 1e-5f, 1e-3),
+    PARITY(make_piece, 1e-5f, 1e-3),
+    PARITY(next_cut, 1e-5f, 1e-3),
     PARITY(begin_march, 1e-5f, 1e-3),
     PARITY(trace_probe, 1e-5f, 1e-3),
     PARITY(usable, 1e-5f, 1e-3),

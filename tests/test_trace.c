@@ -87,7 +87,7 @@ static score judge(const analytic_scene *scene, const olx_grid *grid, uint32_t n
 
 static void one_probe_resolves_every_ray_in_a_convex_room(void **state) {
   (void)state;
-  const score s = judge(&empty_room, &single, 128, OLX_TRACER_TWO_LEVEL, 20000);
+  const score s = judge(&empty_room, &single, 128, OLX_TRACER_HIZ, 20000);
   print_message("unknown %.5f wrong %.5f steps %.1f\n", s.unknown, s.wrong, s.steps);
   assert_true(s.unknown < 1e-3);
   assert_true(s.wrong < 1e-3);
@@ -95,7 +95,7 @@ static void one_probe_resolves_every_ray_in_a_convex_room(void **state) {
 
 static void rays_through_an_open_ceiling_miss(void **state) {
   (void)state;
-  const score s = judge(&open_court, &single, 512, OLX_TRACER_TWO_LEVEL, 20000);
+  const score s = judge(&open_court, &single, 512, OLX_TRACER_HIZ, 20000);
   print_message("unknown %.5f wrong %.5f steps %.1f\n", s.unknown, s.wrong, s.steps);
   assert_true(s.unknown < 0.002);
   assert_true(s.wrong < 0.005);
@@ -103,32 +103,10 @@ static void rays_through_an_open_ceiling_miss(void **state) {
 
 static void eight_probes_resolve_rays_around_furniture(void **state) {
   (void)state;
-  const score s = judge(&furnished, &cage, 256, OLX_TRACER_TWO_LEVEL, 20000);
+  const score s = judge(&furnished, &cage, 256, OLX_TRACER_HIZ, 20000);
   print_message("unknown %.5f wrong %.5f steps %.1f\n", s.unknown, s.wrong, s.steps);
   assert_true(s.unknown < 0.001);
   assert_true(s.wrong < 0.01);
-}
-
-static void two_level_returns_the_very_texels_of_the_referee(void **state) {
-  (void)state;
-  const uint32_t sizes[] = {8, 16, 64, 256};
-  for (uint32_t k = 0; k < 4; k++) {
-    olx_field *field = analytic_field_make(&furnished, &cage, sizes[k], 16);
-    for (uint32_t i = 0; i < 20000; i++) {
-      const uint32_t probe = i % 8;
-      const olx_vec3 o = random_point(i, &furnished);
-      const olx_probe_ray ray = {.origin = olx_sub(o, field->probe_positions[probe]),
-                                 .direction = random_direction(i),
-                                 .t_min = 0.0f,
-                                 .t_max = i % 3 ? INFINITY : 2.0f};
-      const olx_probe_answer a = olx_trace_probe(field, probe, &ray, OLX_TRACER_TEXEL);
-      const olx_probe_answer b = olx_trace_probe(field, probe, &ray, OLX_TRACER_TWO_LEVEL);
-      assert_int_equal(a.status, b.status);
-      assert_int_equal(a.texel, b.texel);
-      assert_true(a.t == b.t);
-    }
-    analytic_field_free(field);
-  }
 }
 
 static void rays_along_axes_and_through_the_probe_end_where_they_should(void **state) {
@@ -169,7 +147,6 @@ int main(void) {
       cmocka_unit_test(one_probe_resolves_every_ray_in_a_convex_room),
       cmocka_unit_test(rays_through_an_open_ceiling_miss),
       cmocka_unit_test(eight_probes_resolve_rays_around_furniture),
-      cmocka_unit_test(two_level_returns_the_very_texels_of_the_referee),
       cmocka_unit_test(rays_along_axes_and_through_the_probe_end_where_they_should),
       cmocka_unit_test(a_ray_that_ends_early_misses),
   };

@@ -13,7 +13,9 @@ extern "C" {
 
 typedef enum olx_tracer {
   OLX_TRACER_TEXEL = 0,    // visits every texel on the ray's path: slow, the referee
-  OLX_TRACER_TWO_LEVEL = 1 // McGuire et al. section 4.1: skips blocks of texels by their smallest distance; same answers
+  // The others give the same answers to the last bit.
+  OLX_TRACER_TWO_LEVEL = 1, // McGuire et al. section 4.1: skips blocks of 16 x 16 texels by their smallest distance
+  OLX_TRACER_HIZ = 2        // Wang section 4.3: down and up a pyramid of smallest and largest distances; the fastest
 } olx_tracer;
 
 typedef enum olx_visibility {
@@ -22,7 +24,7 @@ typedef enum olx_visibility {
 } olx_visibility;
 
 typedef struct olx_sample_settings {
-  olx_tracer tracer;         // default OLX_TRACER_TWO_LEVEL
+  olx_tracer tracer;         // default OLX_TRACER_HIZ
   olx_select select;         // default OLX_SELECT_BEST; what the field does not have is OLX_SELECT_EXHAUSTIVE
   olx_visibility visibility; // default OLX_VISIBILITY_CHEBYSHEV
   uint32_t max_probes;       // probes a ray may ask before it gives up, at most 128; default 128

@@ -16,10 +16,10 @@ layout(set = OLX_FIELD_SET, binding = OLX_BINDING_PROBES, std430) readonly buffe
 layout(set = OLX_FIELD_SET, binding = OLX_BINDING_IRRADIANCE_PROBES, std430) readonly buffer olx_irradiance_probe_block {
   olx_gpu_probe olx_irradiance_probes[];
 };
+layout(set = OLX_FIELD_SET, binding = OLX_BINDING_LEAST, std430) readonly buffer olx_least_block { uint olx_least[]; };
 layout(set = OLX_FIELD_SET, binding = OLX_BINDING_RADIANCE) uniform sampler2DArray olx_radiance_maps;
 layout(set = OLX_FIELD_SET, binding = OLX_BINDING_NORMAL) uniform usampler2DArray olx_normal_maps;
 layout(set = OLX_FIELD_SET, binding = OLX_BINDING_DISTANCE) uniform usampler2DArray olx_distance_maps;
-layout(set = OLX_FIELD_SET, binding = OLX_BINDING_COARSE) uniform usampler2DArray olx_coarse_maps;
 layout(set = OLX_FIELD_SET, binding = OLX_BINDING_IRRADIANCE) uniform sampler2DArray olx_irradiance_maps;
 layout(set = OLX_FIELD_SET, binding = OLX_BINDING_MOMENTS) uniform sampler2DArray olx_moments_maps;
 

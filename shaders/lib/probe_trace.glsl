@@ -1,14 +1,19 @@
-// Twin of src/trace/probe_trace.c: a ray against what one probe sees (McGuire et al. 2017, section 4.1, singleProbeTrace).
-// What decides is `precise`: each crossing must come out the same wherever it is computed.
+// Twin of src/trace/probe_trace.c, ray_image.h, surfel.c and the three marches: a ray against what one probe sees (McGuire et
+// al. 2017, section 4.1; Wang 2018, section 4.3). What decides is `precise`: each crossing must come out the same wherever it
+// is computed.
 #ifndef OLX_PROBE_TRACE_GLSL
 #define OLX_PROBE_TRACE_GLSL
 
 #include "maps.glsl"
 
-const float OLX_DISTANCE_PRECISION = 1.0 / 2048.0; // of half floats
-const float OLX_NEIGHBOURHOOD_TEXELS = 1.5;        // how far from a texel's centre its surfel may be hit
-const float OLX_STILL_TEXELS = 1e-3;               // images that move by less stand still
-const float OLX_CENTRE_SHARE = 1e-4;               // closer to the probe, rounding decides the image
+const float OLX_DISTANCE_PRECISION = 1.0 / 2048.0;     // of half floats
+const float OLX_NEIGHBOURHOOD_TEXELS = 1.5;            // how far from a texel's centre its surfel may be hit
+const float OLX_STILL_TEXELS = 1e-3;                   // images that move by less stand still
+const float OLX_CENTRE_SHARE = 1e-4;                   // closer to the probe, rounding decides the image
+const float OLX_PARAMETER_ROUNDING = 1.0 / 1048576.0;  // of s and t(s), in units of the piece's largest parameter
+const float OLX_NEVER = 1.2676506002282294e30;         // 2^100
+const int OLX_PYRAMID_FINEST = 2;                      // log2 of the texels along a side of a node of level 0
+const int OLX_PYRAMID_STEP = 2;                        // log2 of a node's sides in nodes of the level below
 
 // A ray relative to a probe: all distances in metres along the unit direction.
 struct olx_probe_ray {
@@ -28,32 +33,38 @@ struct olx_probe_answer {
 // What is fixed for one ray and one probe. r^2(t) = miss^2 + (t - closest)^2.
 struct olx_march {
   olx_probe_ray ray;
-  ivec3 map, coarse; // where the probe's maps begin
+  ivec3 map;  // where the probe's map begins
+  uint least; // and its pyramid
   float closest, miss_squared;
-  float texel_angle_scale; // texel solid angle = this / |q|^3
   uint steps;
 };
 
-// One coordinate of the ray's image on one face of the octahedron, in texels: (n0 + n1 t) / (d0 + d1 t).
+// One coordinate of the image, in texels: begin + travel s. Where the image stands still, no line is ever reached.
 struct olx_image_axis {
-  float n0, n1;
-  float begin;     // image where the piece begins
-  int step;        // -1, 0, 1: the direction of travel
-  int first, last; // texels of the quadrant, inclusive
+  float begin, travel;
+  float origin, inverse; // line k is crossed at s = (k - origin) * inverse
+  int step;              // -1, 0, 1: the direction of travel
+  int ahead;             // the line ahead of texel x is x + ahead: 1 or 0
+  int first;             // texel where the image begins
 };
 
 // A part of the ray whose image lies on one face of the octahedron.
 struct olx_piece {
   olx_image_axis u, v;
-  float d0, d1; // |P(t)|_1 = d0 + d1 t
-  float t_begin, t_end;
+  float t_begin, t_end, rise, near, slope; // t(s) = t_begin + rise s / (near + slope s)
+  vec3 sign;                               // of the octant
+  float slack;                             // by how much rounding may move t(s), metres
 };
 
-// The texel the march stands in, and the ray's parameter where it entered it.
+// The texel in which the march stands, and the ray's parameter where it entered it.
 struct olx_cell {
   ivec2 at;
   float t;
 };
+
+#define OLX_VERDICT_CLEAR 0
+#define OLX_VERDICT_HIT 1
+#define OLX_VERDICT_HIDDEN 2
 
 float olx_radius_squared(olx_march m, float t) {
   precise float along = t - m.closest;
@@ -66,117 +77,102 @@ float olx_farthest_squared(olx_march m, float t0, float t1) {
   return max(olx_radius_squared(m, t0), olx_radius_squared(m, t1));
 }
 
+// The same, and not less than that of any part of [t0, t1], whatever rounding does to the part's ends.
+float olx_reach_squared(olx_march m, olx_piece p, float t0, float t1) {
+  precise float along = max(m.closest - t0, t1 - m.closest) + p.slack;
+  precise float squared = (m.miss_squared + along * along) * (1.0 + 1.0 / 65536.0);
+  return squared;
+}
+
 float olx_nearest_squared(olx_march m, float t0, float t1) {
   return olx_radius_squared(m, clamp(m.closest, t0, t1));
 }
 
-// Sign of a coordinate o + d t just after t.
-float olx_sign_after(float o, float d, float t) {
-  if (d == 0.0) return olx_sign_not_zero(o);
-  precise float zero = -o / d;
-  return t >= zero ? olx_sign_not_zero(d) : -olx_sign_not_zero(d);
+// The texel at an image coordinate, within the half of the map on the side of the sign.
+int olx_clamp_texel(float sign, float image, int n) {
+  int first = sign > 0.0 ? n / 2 : 0, last = first + n / 2 - 1;
+  return image > float(last) ? last : image > float(first) ? int(image) : first;
 }
 
-float olx_image_at(olx_piece p, olx_image_axis a, float t) {
-  precise float image = (a.n0 + a.n1 * t) / (p.d0 + p.d1 * t);
-  return image;
+// The image of the ray at any parameter, on the face of the piece, in texels; false where the face has none.
+bool olx_image_at(olx_march m, olx_piece p, float t, out vec2 image) {
+  precise vec3 at = p.sign * (m.ray.origin + m.ray.direction * t);
+  precise float sum = at.x + at.y + at.z;
+  image = vec2(0.0);
+  if (!(sum > 0.0)) return false;
+  precise float inverse = 1.0 / sum, middle = 0.5 * float(olx_field.n);
+  precise vec2 q = p.sign.y > 0.0 ? at.xz * inverse : 1.0 - at.zx * inverse;
+  precise vec2 result = middle + middle * p.sign.xz * q;
+  image = result;
+  return true;
 }
 
-void olx_set_axis(olx_piece p, inout olx_image_axis a, float sign, int n) {
-  int middle = n / 2;
-  bool endless = p.t_end >= OLX_INFINITY;
-  precise float centre = OLX_CENTRE_SHARE * abs(p.d0);
-  precise float at_begin = p.d0 + p.d1 * p.t_begin, at_end = p.d0 + p.d1 * p.t_end;
-  bool from_centre = at_begin <= centre;
-  bool to_centre = !endless && at_end <= centre;
-  precise float begin = olx_image_at(p, a, p.t_begin);
-  precise float end = endless ? a.n1 / p.d1 : olx_image_at(p, a, p.t_end);
-  precise float travel = from_centre || to_centre ? 0.0 : end - begin;
-  a.begin = from_centre ? end : begin;
-  a.step = travel > OLX_STILL_TEXELS ? 1 : travel < -OLX_STILL_TEXELS ? -1 : 0;
-  a.first = sign > 0.0 ? middle : 0;
-  a.last = sign > 0.0 ? n - 1 : middle - 1;
+// The ray's parameter at s; from 1 on, the end of the piece.
+float olx_parameter_at(olx_piece p, float s) {
+  precise float t = p.t_begin + p.rise * s / (p.near + p.slope * s);
+  return s >= 1.0 ? p.t_end : t;
 }
 
-olx_piece olx_make_piece(olx_march m, float t_begin, float t_end) {
-  vec3 o = m.ray.origin, d = m.ray.direction;
-  float sx = olx_sign_after(o.x, d.x, t_begin), sy = olx_sign_after(o.y, d.y, t_begin),
-        sz = olx_sign_after(o.z, d.z, t_begin);
-  precise float d0 = sx * o.x + sy * o.y + sz * o.z, d1 = sx * d.x + sy * d.y + sz * d.z;
-  precise float u0 = o.x, u1 = d.x, v0 = o.z, v1 = d.z;
-  if (sy < 0.0) { // the lower half is folded outwards: 1 - |z| on x, 1 - |x| on z
-    u0 = sx * d0 - sx * sz * o.z;
-    u1 = sx * d1 - sx * sz * d.z;
-    v0 = sz * d0 - sx * sz * o.x;
-    v1 = sz * d1 - sx * sz * d.x;
+// Where the image crosses the line between texels k - 1 and k. Lines behind the end of the piece give 1 or more.
+float olx_crossing(olx_image_axis a, int k) {
+  precise float s = (float(k) - a.origin) * a.inverse;
+  return s;
+}
+
+// The texel along one axis that stepping has reached at s; a line crossed at exactly s counts as passed when `inclusive`.
+// The image gives a guess, at most one off; the crossings that steps compare decide.
+int olx_texel_at(olx_image_axis a, float s, bool inclusive) {
+  precise float image = a.begin + a.travel * s;
+  int x = int(image);
+  if ((x - a.first) * a.step <= 0) {
+    x = a.first;
+  } else {
+    float entered = olx_crossing(a, x + 1 - a.ahead);
+    if (!(inclusive ? entered <= s : entered < s)) x -= a.step;
   }
-  precise float scale = 0.5 * float(olx_field.n);
-  precise float un0 = scale * (u0 + d0), un1 = scale * (u1 + d1), vn0 = scale * (v0 + d0), vn1 = scale * (v1 + d1);
-  olx_piece p;
-  p.d0 = d0;
-  p.d1 = d1;
-  p.t_begin = t_begin;
-  p.t_end = t_end;
-  p.u.n0 = un0;
-  p.u.n1 = un1;
-  p.v.n0 = vn0;
-  p.v.n1 = vn1;
-  olx_set_axis(p, p.u, sx, int(olx_field.n));
-  olx_set_axis(p, p.v, sz, int(olx_field.n));
-  return p;
+  float left = olx_crossing(a, x + a.ahead);
+  return (inclusive ? left <= s : left < s) ? x + a.step : x;
 }
 
-// The ray's parameter where the image crosses the line between texels k - 1 and k; infinite when that line bounds the
-// quadrant or is never crossed.
-float olx_crossing(olx_piece p, olx_image_axis a, int k) {
-  if (a.step == 0 || k <= a.first || k > a.last) return OLX_INFINITY;
-  precise float t = (float(k) * p.d0 - a.n0) / (a.n1 - float(k) * p.d1);
-  precise float norm = p.d0 + p.d1 * t; // negative or NaN: crossed by the line's other half, behind the probe
-  return norm > 0.0 ? max(t, p.t_begin) : OLX_INFINITY;
+int olx_pyramid_shift(int level) { return OLX_PYRAMID_FINEST + OLX_PYRAMID_STEP * level; }
+
+// Where a node lies within its level: tiles of 4 x 4 nodes, so that those under one parent lie together.
+uint olx_pyramid_index(uint side, uvec2 node) {
+  if (side < 4u) return node.y * side + node.x;
+  return ((node.y >> 2) * (side >> 2) + (node.x >> 2)) * 16u + (node.y & 3u) * 4u + (node.x & 3u);
 }
 
-float olx_next_crossing(olx_piece p, olx_image_axis a, int x) { return olx_crossing(p, a, a.step > 0 ? x + 1 : x); }
-
-int olx_quadrant_texel(olx_image_axis a, float image) {
-  return image > float(a.last) ? a.last : image > float(a.first) ? int(image) : a.first;
-}
-
-// The texel along one axis that stepping from texel `from` has reached at parameter t; lines crossed at exactly t count as
-// passed when `inclusive`. The image gives a guess; the same crossings that steps use decide.
-int olx_advance(olx_piece p, olx_image_axis a, int from, float t, bool inclusive) {
-  if (a.step == 0) return from;
-  int x = olx_quadrant_texel(a, olx_image_at(p, a, t));
-  if ((x - from) * a.step < 0) x = from;
-  while (x != from) { // back while the line into x is not passed yet
-    float entered = olx_next_crossing(p, a, x - a.step);
-    if (inclusive ? entered <= t : entered < t) break;
-    x -= a.step;
-  }
-  for (;;) {
-    float left = olx_next_crossing(p, a, x);
-    if (inclusive ? left > t : left >= t) return x;
-    x += a.step;
-  }
+// The smallest squared distance in a node of the pyramid.
+float olx_least_squared(inout olx_march m, int level, ivec2 node) {
+  m.steps++;
+  uint at = m.least + olx_field.pyramid_first[level] +
+            olx_pyramid_index(olx_field.n >> uint(olx_pyramid_shift(level)), uvec2(node));
+  uint code = olx_least[at >> 1] >> (at & 1u) * 16u & 0x7FFFu;
+  precise float distance = min(olx_half_unpack(code), 65536.0) * olx_field.distance_scale; // the sky, as in C
+  precise float squared = distance * distance;
+  return squared;
 }
 
 // The surfel of a texel against the ray: f(t) = f0 + f1 t is the ray's height over its plane.
 struct olx_surfel {
   float distance;  // stored, metres
-  float cosine;    // of the angle under which the probe sees it
   float footprint; // metres: distance times the root of the texel's solid angle
+  float slack;     // metres by which its depth is uncertain
+  float cosine;    // of the angle under which the probe sees it
   float f0, f1;
 };
 
 olx_surfel olx_read_surfel(olx_march m, ivec2 at, float distance) {
-  precise vec2 uv = (vec2(at) + 0.5) / float(olx_field.n);
+  precise float inverse_n = 1.0 / float(olx_field.n);
+  precise vec2 uv = (vec2(at) + 0.5) * inverse_n;
   precise vec3 q = olx_octahedral_point(uv);
-  precise float length = sqrt(olx_dot(q, q));
-  precise vec3 centre = q * (1.0 / length);
+  precise float inverse_length = 1.0 / sqrt(olx_dot(q, q));
+  precise float footprint = distance * 2.0 * inverse_n * inverse_length * sqrt(inverse_length);
+  precise float slack = distance * OLX_DISTANCE_PRECISION + footprint;
   vec3 normal = olx_texel_normal(m.map, at);
-  precise float cosine = -olx_dot(normal, centre);
-  precise float footprint = distance * sqrt(m.texel_angle_scale / (length * length * length));
+  precise float cosine = -olx_dot(normal, q) * inverse_length;
   precise float f0 = olx_dot(normal, m.ray.origin) + distance * cosine;
-  return olx_surfel(distance, cosine, footprint, f0, olx_dot(normal, m.ray.direction));
+  return olx_surfel(distance, footprint, slack, cosine, f0, olx_dot(normal, m.ray.direction));
 }
 
 // How far the ray may be below a surfel's plane and still count as on it.
@@ -185,60 +181,54 @@ float olx_plane_tolerance(olx_surfel s) {
   return tolerance;
 }
 
-// The greatest distance that the surface of a texel can have inside it: its plane tilted away by a texel, but no farther
-// than the neighbours.
-float olx_depth_limit(olx_march m, ivec2 at, olx_surfel s) {
+// Whether a squared distance from the probe is deeper than the surface of a texel can reach inside it: its plane tilted
+// away by a texel, but no farther than the neighbours, which are read only when the tilted plane leaves it open.
+bool olx_beyond_reach(inout olx_march m, ivec2 at, olx_surfel s, float radius_squared) {
+  precise float own = s.distance + s.slack;
+  precise float own_squared = own * own;
+  if (radius_squared <= own_squared) return false;
   precise float sine = sqrt(max(0.0, 1.0 - s.cosine * s.cosine));
   precise float spread = s.cosine - sine * s.footprint / s.distance;
-  precise float tilted = spread > 0.0 ? s.distance * s.cosine / spread : OLX_INFINITY;
-  float neighbours = s.distance;
+  precise float tilted = (spread > 0.0 ? s.distance * s.cosine / spread : OLX_INFINITY) + s.slack;
+  precise float tilted_squared = tilted * tilted;
+  if (radius_squared > tilted_squared) return true;
+  float farthest = 0.0;
   for (int dy = -1; dy <= 1; dy++) {
-    for (int dx = -1; dx <= 1; dx++) neighbours = max(neighbours, olx_texel_distance(m.map, at + ivec2(dx, dy)));
+    for (int dx = -1; dx <= 1; dx++) farthest = max(farthest, olx_texel_distance(m.map, at + ivec2(dx, dy)));
   }
-  precise float limit = min(tilted, neighbours) + s.distance * OLX_DISTANCE_PRECISION + s.footprint;
-  return limit;
+  m.steps += 8u;
+  precise float limit = farthest + s.slack;
+  precise float limit_squared = limit * limit;
+  return radius_squared > limit_squared;
 }
 
-// Whether parameter t of the ray lies within the neighbourhood of a texel, on the map.
-bool olx_near_texel(olx_piece p, ivec2 at, float t) {
-  precise vec2 off = vec2(olx_image_at(p, p.u, t), olx_image_at(p, p.v, t)) - (vec2(at) + 0.5);
-  return abs(off.x) <= OLX_NEIGHBOURHOOD_TEXELS && abs(off.y) <= OLX_NEIGHBOURHOOD_TEXELS;
-}
-
-// Whether the texel in which the ray meets a neighbour's plane sees a surface about there too. When it sees far past that
-// point, the plane ends before it: an edge lies between the two texels.
-bool olx_supported(olx_march m, olx_piece p, olx_surfel s, float t) {
-  ivec2 at = ivec2(olx_quadrant_texel(p.u, olx_image_at(p, p.u, t)), olx_quadrant_texel(p.v, olx_image_at(p, p.v, t)));
-  float stored = olx_texel_distance(m.map, at);
+// Whether the ray's image at t lies within the neighbourhood of a texel, and the texel there sees a surface about there too.
+// When it sees far past that point, the plane ends before it: an edge lies between the two texels.
+bool olx_supported(inout olx_march m, olx_piece p, ivec2 at, olx_surfel s, float t) {
+  vec2 image;
+  if (!olx_image_at(m, p, t, image)) return false;
+  precise vec2 off = image - (vec2(at) + 0.5);
+  if (abs(off.x) > OLX_NEIGHBOURHOOD_TEXELS || abs(off.y) > OLX_NEIGHBOURHOOD_TEXELS) return false;
+  int n = int(olx_field.n);
+  m.steps++;
+  float stored = olx_texel_distance(
+      m.map, ivec2(olx_clamp_texel(p.sign.x, image.x, n), olx_clamp_texel(p.sign.z, image.y, n)));
   precise float slope = 1.0 / max(s.cosine, 0.1);
   precise float reach = sqrt(olx_radius_squared(m, t)) + s.footprint * slope;
   return stored <= reach;
 }
 
-#define OLX_VERDICT_CLEAR 0
-#define OLX_VERDICT_HIT 1
-#define OLX_VERDICT_HIDDEN 2
-
-// The ray reaches the stored distance inside a texel, between c.t and t1: what does the texel's surfel say?
-int olx_judge(olx_march m, olx_piece p, olx_cell c, float t1, float stored, inout olx_probe_answer answer) {
-  float t0 = c.t;
-  olx_surfel s = olx_read_surfel(m, c.at, stored);
+// What the surfel of texel c says about a ray that is above it, on it or below it there, up to t1.
+int olx_judge_height(inout olx_march m, olx_piece p, olx_cell c, float t1, olx_surfel s, inout olx_probe_answer answer) {
   float tolerance = olx_plane_tolerance(s);
-  precise float height0 = s.f0 + s.f1 * t0;
-  precise float height1 = s.f0 + s.f1 * t1;
-  if (t1 >= OLX_INFINITY) height1 = s.f1 < 0.0 ? -OLX_INFINITY : OLX_INFINITY;
-  precise float nearest = sqrt(olx_nearest_squared(m, t0, t1));
-  answer.texel = c.at;
-  answer.gap = (nearest - s.distance) / s.footprint;
-  answer.t = t0;
-  precise float limit = olx_depth_limit(m, c.at, s);
-  if (nearest > limit) return OLX_VERDICT_HIDDEN;
+  precise float height0 = s.f0 + s.f1 * c.t;
   precise float plane = -s.f0 / s.f1;
   if (height0 >= -tolerance) {
+    precise float height1 = s.f0 + s.f1 * t1;
+    if (t1 >= OLX_INFINITY) height1 = s.f1 < 0.0 ? -OLX_INFINITY : OLX_INFINITY;
     if (height1 >= -tolerance) return OLX_VERDICT_CLEAR; // above the plane all through the texel
-    float t = clamp(plane, t0, t1);
-    precise float limit_squared = limit * limit;
-    if (olx_radius_squared(m, t) > limit_squared) return OLX_VERDICT_HIDDEN;
+    float t = clamp(plane, c.t, t1);
+    if (olx_beyond_reach(m, c.at, s, olx_radius_squared(m, t))) return OLX_VERDICT_HIDDEN;
     answer.t = t;
     return OLX_VERDICT_HIT;
   }
@@ -252,93 +242,233 @@ int olx_judge(olx_march m, olx_piece p, olx_cell c, float t1, float stored, inou
   float slip = m.ray.t_min > 0.0 ? s.footprint : 0.0;
   precise float height_min = s.f0 + s.f1 * m.ray.t_min;
   if (plane < m.ray.t_min && height_min < -slip) return OLX_VERDICT_HIDDEN;
-  if (!olx_near_texel(p, c.at, plane) || !olx_supported(m, p, s, plane)) return OLX_VERDICT_HIDDEN;
+  if (!olx_supported(m, p, c.at, s, plane)) return OLX_VERDICT_HIDDEN;
   answer.t = max(plane, m.ray.t_min);
   return OLX_VERDICT_HIT;
 }
 
-int olx_visit_texel(inout olx_march m, olx_piece p, olx_cell c, float t1, inout olx_probe_answer answer) {
+// The ray reaches the stored distance (metres) inside texel c, which it leaves at t1: what does the texel's surfel say?
+int olx_judge_surfel(inout olx_march m, olx_piece p, olx_cell c, float t1, float stored, inout olx_probe_answer answer) {
+  olx_surfel s = olx_read_surfel(m, c.at, stored);
+  float nearest_squared = olx_nearest_squared(m, c.t, t1);
+  answer.texel = c.at;
+  answer.t = c.t;
+  int verdict = OLX_VERDICT_HIDDEN;
+  if (!olx_beyond_reach(m, c.at, s, nearest_squared)) verdict = olx_judge_height(m, p, c, t1, s, answer);
+  precise float gap = (sqrt(nearest_squared) - stored) / s.footprint;
+  if (verdict == OLX_VERDICT_HIDDEN) answer.gap = gap;
+  return verdict;
+}
+
+// The same for a texel that is yet to be read; `far_squared` is the ray's greatest squared distance over it.
+int olx_visit_texel(inout olx_march m, olx_piece p, olx_cell c, float t1, float far_squared, inout olx_probe_answer answer) {
   m.steps++;
   float stored = olx_texel_distance(m.map, c.at);
   precise float stored_squared = stored * stored;
-  if (olx_farthest_squared(m, c.t, t1) < stored_squared || stored >= OLX_INFINITY) return OLX_VERDICT_CLEAR;
-  return olx_judge(m, p, c, t1, stored, answer);
+  if (far_squared < stored_squared || stored >= OLX_INFINITY) return OLX_VERDICT_CLEAR;
+  return olx_judge_surfel(m, p, c, t1, stored, answer);
 }
 
-// Whether the ray stays in front of everything in the block around c until it leaves the block at t1. The margin covers the
-// rounding of squared distances at the ends of shorter intervals.
-bool olx_block_clear(inout olx_march m, olx_cell c, float t1) {
-  m.steps++;
-  uint stored = texelFetch(olx_coarse_maps, m.coarse + ivec3(c.at / int(olx_field.block), 0), 0).r;
-  precise float smallest = olx_half_unpack(stored) * olx_field.distance_scale;
-  precise float farthest = olx_farthest_squared(m, c.t, t1) * (1.0 + 1e-5), smallest_squared = smallest * smallest;
-  return farthest < smallest_squared;
+// The texel after c, which the image leaves at the crossings s of the lines ahead; t1 is the ray's parameter there.
+olx_cell olx_next_cell(olx_piece p, olx_cell c, vec2 s, float t1) {
+  return olx_cell(c.at + (s.x <= s.y ? ivec2(p.u.step, 0) : ivec2(0, p.v.step)), t1);
 }
 
-// The line by which the image leaves the block along one axis.
-float olx_block_crossing(olx_piece p, olx_image_axis a, int x, int block) {
-  int first = x / block * block;
-  return olx_crossing(p, a, a.step > 0 ? first + block : first);
+// Where the image crosses the lines ahead of a node of 2^shift texels along both axes.
+vec2 olx_crossings_ahead(olx_piece p, ivec2 node, int shift) {
+  return vec2(olx_crossing(p.u, (node.x + p.u.ahead) << shift), olx_crossing(p.v, (node.y + p.v.ahead) << shift));
 }
 
-// The first texel beyond the block along one axis.
-int olx_beyond_block(olx_image_axis a, int x, int block) {
-  return a.step > 0 ? (x / block + 1) * block : x / block * block - 1;
-}
-
-// March one piece. Every texel is visited in order; with the coarse map, whole blocks that are clear are skipped, and the
-// texels that remain are visited as they would have been.
-int olx_march_piece(inout olx_march m, olx_piece p, bool two_level, inout olx_probe_answer answer) {
-  int block = int(olx_field.block);
-  olx_cell c;
-  c.at = ivec2(olx_quadrant_texel(p.u, p.u.begin), olx_quadrant_texel(p.v, p.v.begin));
-  c.t = p.t_begin;
-  float tx = olx_next_crossing(p, p.u, c.at.x), ty = olx_next_crossing(p, p.v, c.at.y);
-  bool entered_block = two_level;
+// Every texel, with no pyramid: the referee.
+int olx_march_texels(inout olx_march m, olx_piece p, inout olx_probe_answer answer) {
+  olx_cell c = olx_cell(ivec2(p.u.first, p.v.first), p.t_begin);
   for (;;) {
-    if (entered_block) {
-      float bx = olx_block_crossing(p, p.u, c.at.x, block), by = olx_block_crossing(p, p.v, c.at.y, block);
-      float t1 = min(min(bx, by), p.t_end);
-      if (olx_block_clear(m, c, t1)) {
-        if (t1 >= p.t_end) return OLX_VERDICT_CLEAR;
-        if (bx <= by) { // ties step in x first, as below
-          c.at = ivec2(olx_beyond_block(p.u, c.at.x, block), olx_advance(p, p.v, c.at.y, t1, false));
-        } else {
-          c.at = ivec2(olx_advance(p, p.u, c.at.x, t1, true), olx_beyond_block(p.v, c.at.y, block));
-        }
-        c.t = t1;
-        tx = olx_next_crossing(p, p.u, c.at.x);
-        ty = olx_next_crossing(p, p.v, c.at.y);
-        continue;
-      }
-    }
-    float t1 = min(min(tx, ty), p.t_end);
-    int result = olx_visit_texel(m, p, c, t1, answer);
-    if (result != OLX_VERDICT_CLEAR) return result;
-    if (t1 >= p.t_end) return OLX_VERDICT_CLEAR;
-    ivec2 from = c.at / block;
-    c.t = t1;
-    if (tx <= ty) {
-      c.at.x += p.u.step;
-      tx = olx_next_crossing(p, p.u, c.at.x);
-    } else {
-      c.at.y += p.v.step;
-      ty = olx_next_crossing(p, p.v, c.at.y);
-    }
-    entered_block = two_level && from != c.at / block;
+    vec2 s = olx_crossings_ahead(p, c.at, 0);
+    float s1 = min(s.x, s.y), t1 = olx_parameter_at(p, s1);
+    int verdict = olx_visit_texel(m, p, c, t1, olx_farthest_squared(m, c.t, t1), answer);
+    if (verdict != OLX_VERDICT_CLEAR || s1 >= 1.0) return verdict;
+    c = olx_next_cell(p, c, s, t1);
   }
 }
 
-// Parameters at which the ray crosses the probe's coordinate planes inside (t_min, t_max), in ascending order; those outside
-// are infinite.
-vec3 olx_cut(olx_probe_ray ray) {
-  vec3 cuts;
-  for (int i = 0; i < 3; i++) {
-    precise float plane = -ray.origin[i] / ray.direction[i];
-    cuts[i] = plane > ray.t_min && plane < ray.t_max ? plane : OLX_INFINITY;
+// Blocks whose smallest distance is beyond the ray are skipped.
+int olx_march_two_level(inout olx_march m, olx_piece p, inout olx_probe_answer answer) {
+  int level = olx_field.pyramid_levels > 1u ? 1 : 0, shift = olx_pyramid_shift(level);
+  olx_cell c = olx_cell(ivec2(p.u.first, p.v.first), p.t_begin);
+  for (;;) {
+    ivec2 block = c.at >> shift;
+    vec2 s = olx_crossings_ahead(p, block, shift);
+    float s1 = min(s.x, s.y), t1 = olx_parameter_at(p, s1);
+    if (olx_reach_squared(m, p, c.t, t1) < olx_least_squared(m, level, block)) {
+      if (s1 >= 1.0) return OLX_VERDICT_CLEAR;
+      bool by_v = s.x > s.y; // ties step along u first
+      c = olx_cell(ivec2(olx_texel_at(p.u, s1, true), olx_texel_at(p.v, s1, by_v)), t1);
+      continue;
+    }
+    do {
+      s = olx_crossings_ahead(p, c.at, 0);
+      s1 = min(s.x, s.y);
+      t1 = olx_parameter_at(p, s1);
+      int verdict = olx_visit_texel(m, p, c, t1, olx_farthest_squared(m, c.t, t1), answer);
+      if (verdict != OLX_VERDICT_CLEAR || s1 >= 1.0) return verdict;
+      c = olx_next_cell(p, c, s, t1);
+    } while (c.at >> shift == block);
   }
-  float low = min(cuts.x, cuts.y), high = max(cuts.x, cuts.y);
-  return vec3(min(low, cuts.z), max(low, min(high, cuts.z)), max(high, cuts.z));
+}
+
+// The node in which the march stands, and where it entered it.
+struct olx_stand {
+  ivec2 at;
+  int level;
+  float s, t;
+  bool by_v; // across a line of v: with it every line of both axes up to s is passed, else those of v at s itself are not
+};
+
+// Steps over the line ahead that comes first, and up a level where that left the parent as well.
+void olx_leave(inout olx_stand at, ivec2 next, float s, float t, bool by_v) {
+  ivec2 left_parent = (next ^ at.at) >> OLX_PYRAMID_STEP;
+  bool up = (left_parent.x | left_parent.y) != 0 && uint(at.level + 1) < olx_field.pyramid_levels;
+  at = olx_stand(up ? next >> OLX_PYRAMID_STEP : next, up ? at.level + 1 : at.level, s, t, by_v);
+}
+
+// The texels of a node of level 0 from the one on in which the march stands. The ray is in front of those that it passes
+// nearer than the node's smallest distance, so they are not read.
+int olx_march_node(inout olx_march m, olx_piece p, inout olx_stand at, float least_squared, inout olx_probe_answer answer) {
+  olx_cell c = olx_cell(ivec2(olx_texel_at(p.u, at.s, true), olx_texel_at(p.v, at.s, at.by_v)), at.t);
+  for (;;) {
+    vec2 s = olx_crossings_ahead(p, c.at, 0);
+    float s1 = min(s.x, s.y), t1 = olx_parameter_at(p, s1);
+    float far_squared = olx_farthest_squared(m, c.t, t1);
+    if (!(far_squared < least_squared)) {
+      int verdict = olx_visit_texel(m, p, c, t1, far_squared, answer);
+      if (verdict != OLX_VERDICT_CLEAR) return verdict;
+    }
+    at.s = s1;
+    if (s1 >= 1.0) return OLX_VERDICT_CLEAR;
+    c = olx_next_cell(p, c, s, t1);
+    if (c.at >> OLX_PYRAMID_FINEST == at.at) continue;
+    olx_leave(at, c.at >> OLX_PYRAMID_FINEST, s1, t1, s.x > s.y);
+    return OLX_VERDICT_CLEAR;
+  }
+}
+
+// Whether the texel in which a ray begins that another probe has handed on hides it, as it often does.
+int olx_visit_first(inout olx_march m, olx_piece p, inout olx_probe_answer answer) {
+  olx_cell c = olx_cell(ivec2(p.u.first, p.v.first), p.t_begin);
+  vec2 s = olx_crossings_ahead(p, c.at, 0);
+  float t1 = olx_parameter_at(p, min(s.x, s.y));
+  return olx_visit_texel(m, p, c, t1, olx_farthest_squared(m, c.t, t1), answer);
+}
+
+// Down and up the whole pyramid.
+int olx_march_hiz(inout olx_march m, olx_piece p, inout olx_probe_answer answer) {
+  bool first_piece = p.t_begin <= m.ray.t_min;
+  if (first_piece && p.t_begin > 0.0) {
+    int verdict = olx_visit_first(m, p, answer);
+    if (verdict != OLX_VERDICT_CLEAR) return verdict;
+  }
+  // A ray begins at a surface, where only small nodes are clear, and enters other faces in the open.
+  int level = first_piece ? 0 : int(olx_field.pyramid_levels) - 1;
+  olx_stand at = olx_stand(ivec2(p.u.first, p.v.first) >> olx_pyramid_shift(level), level, -1.0, p.t_begin, false);
+  for (;;) {
+    vec2 s = olx_crossings_ahead(p, at.at, olx_pyramid_shift(at.level));
+    float s1 = min(s.x, s.y), t1 = olx_parameter_at(p, s1);
+    float least_squared = olx_least_squared(m, at.level, at.at);
+    if (olx_reach_squared(m, p, at.t, t1) < least_squared) {
+      if (s1 >= 1.0) return OLX_VERDICT_CLEAR;
+      bool by_v = s.x > s.y;
+      olx_leave(at, at.at + (by_v ? ivec2(0, p.v.step) : ivec2(p.u.step, 0)), s1, t1, by_v);
+    } else if (at.level > 0) {
+      at.level--;
+      at.at = ivec2(olx_texel_at(p.u, at.s, true), olx_texel_at(p.v, at.s, at.by_v)) >> olx_pyramid_shift(at.level);
+    } else {
+      int verdict = olx_march_node(m, p, at, least_squared, answer);
+      if (verdict != OLX_VERDICT_CLEAR || at.s >= 1.0) return verdict;
+    }
+  }
+}
+
+int olx_march_piece(inout olx_march m, olx_piece p, uint tracer, inout olx_probe_answer answer) {
+  if (tracer == OLX_TRACER_TEXEL) return olx_march_texels(m, p, answer);
+  if (tracer == OLX_TRACER_TWO_LEVEL) return olx_march_two_level(m, p, answer);
+  return olx_march_hiz(m, p, answer);
+}
+
+// One end of a piece.
+struct olx_piece_end {
+  vec2 image;
+  float inverse; // 1 / |P|_1; 0 at infinity
+  bool centre;   // too close to the probe's centre to have an image
+};
+
+olx_piece_end olx_end_at(olx_march m, vec3 sign, float t) {
+  vec3 o = m.ray.origin, d = m.ray.direction;
+  bool endless = t >= OLX_INFINITY;
+  precise vec3 along = o + d * t;
+  precise vec3 at = sign * (endless ? d : along);
+  precise float sum = at.x + at.y + at.z;
+  precise float least = OLX_CENTRE_SHARE * (abs(o.x) + abs(o.y) + abs(o.z));
+  bool centre = !endless && sum <= least;
+  precise float inverse = 1.0 / (centre ? max(least, 1.0 / OLX_NEVER) : sum), middle = 0.5 * float(olx_field.n);
+  precise vec2 q = sign.y > 0.0 ? at.xz * inverse : 1.0 - at.zx * inverse;
+  precise vec2 image = middle + middle * sign.xz * clamp(q, 0.0, 1.0);
+  return olx_piece_end(image, endless ? 0.0 : inverse, centre);
+}
+
+olx_image_axis olx_make_axis(float begin, float end, float sign, int n) {
+  precise float travel = end - begin;
+  int first = olx_clamp_texel(sign, begin, n);
+  // Standing still, lines ahead are never crossed, and those behind always have been.
+  if (!(abs(travel) > OLX_STILL_TEXELS)) return olx_image_axis(begin, 0.0, float(first) + 0.5, OLX_NEVER, 0, 1, first);
+  // A little more than 1 / travel, so that rounding never puts a line from `end` on before the end.
+  precise float inverse = (1.0 + 1.0 / 2097152.0) / travel;
+  return olx_image_axis(begin, travel, begin, inverse, travel > 0.0 ? 1 : -1, travel > 0.0 ? 1 : 0, first);
+}
+
+// Where the ray crosses the plane through the probe across one axis; -infinity when it runs along it.
+float olx_plane_at(float o, float d) {
+  precise float t = -o / d;
+  return d == 0.0 ? -OLX_INFINITY : t;
+}
+
+// Sign of a coordinate o + d t just after t; `plane` is where it is zero.
+float olx_sign_after(float o, float d, float plane, float t) {
+  if (d == 0.0) return olx_sign_not_zero(o);
+  return t >= plane ? olx_sign_not_zero(d) : -olx_sign_not_zero(d);
+}
+
+olx_piece olx_make_piece(olx_march m, vec3 planes, float t_begin, float t_end) {
+  vec3 o = m.ray.origin, d = m.ray.direction;
+  bool endless = t_end >= OLX_INFINITY;
+  olx_piece p;
+  p.t_begin = t_begin;
+  p.t_end = t_end;
+  p.sign = vec3(olx_sign_after(o.x, d.x, planes.x, t_begin), olx_sign_after(o.y, d.y, planes.y, t_begin),
+                olx_sign_after(o.z, d.z, planes.z, t_begin));
+  olx_piece_end begin = olx_end_at(m, p.sign, t_begin), end = olx_end_at(m, p.sign, t_end);
+  // The image of the other end stands for all.
+  if (begin.centre) begin.image = end.image;
+  if (begin.centre || end.centre) end.image = begin.image;
+  int n = int(olx_field.n);
+  p.u = olx_make_axis(begin.image.x, end.image.x, p.sign.x, n);
+  p.v = olx_make_axis(begin.image.y, end.image.y, p.sign.z, n);
+  precise float slope = end.inverse - begin.inverse, rise = (t_end - t_begin) * end.inverse;
+  precise float endless_rise = 1.0 / (p.sign.x * d.x + p.sign.y * d.y + p.sign.z * d.z);
+  precise float slack = OLX_PARAMETER_ROUNDING * t_end;
+  p.near = begin.inverse;
+  p.slope = slope;
+  p.rise = endless ? endless_rise : rise;
+  p.slack = endless ? 0.0 : slack;
+  return p;
+}
+
+// The next place after t at which the ray crosses one of these planes, or its end.
+float olx_next_cut(vec3 planes, float t, float t_max) {
+  float next = t_max;
+  if (planes.x > t) next = min(next, planes.x);
+  if (planes.y > t) next = min(next, planes.y);
+  if (planes.z > t) next = min(next, planes.z);
+  return next;
 }
 
 // What is fixed for the march of a ray through a probe's map.
@@ -348,24 +478,22 @@ olx_march olx_begin_march(uint probe, olx_probe_ray ray) {
   precise vec3 foot = ray.origin + ray.direction * closest;
   m.ray = ray;
   m.map = olx_map_origin(probe);
-  m.coarse = olx_map_corner(probe, olx_field.n / olx_field.block, olx_field.maps_a_side);
+  m.least = probe * olx_field.least_nodes;
   m.closest = closest;
   m.miss_squared = olx_dot(foot, foot);
-  m.texel_angle_scale = 4.0 / (float(olx_field.n) * float(olx_field.n));
   m.steps = 0u;
   return m;
 }
 
 olx_probe_answer olx_trace_probe(uint probe, olx_probe_ray ray, uint tracer) {
   olx_march m = olx_begin_march(probe, ray);
-  vec3 cuts = olx_cut(ray);
+  vec3 planes = vec3(olx_plane_at(ray.origin.x, ray.direction.x), olx_plane_at(ray.origin.y, ray.direction.y),
+                     olx_plane_at(ray.origin.z, ray.direction.z));
   olx_probe_answer answer = olx_probe_answer(OLX_TRACE_MISS, ray.t_max, ivec2(0), 0.0, 0u);
-  float t = ray.t_min;
-  for (int i = 0; i < 4; i++) {
-    float t_end = i < 3 ? min(cuts[i], ray.t_max) : ray.t_max;
-    if (t_end <= t) continue;
-    olx_piece p = olx_make_piece(m, t, t_end);
-    int result = olx_march_piece(m, p, tracer == OLX_TRACER_TWO_LEVEL, answer);
+  for (float t = ray.t_min; t < ray.t_max;) {
+    float t_end = olx_next_cut(planes, t, ray.t_max);
+    olx_piece p = olx_make_piece(m, planes, t, t_end);
+    int result = olx_march_piece(m, p, tracer, answer);
     if (result != OLX_VERDICT_CLEAR) {
       answer.status = result == OLX_VERDICT_HIT ? OLX_TRACE_HIT : OLX_TRACE_UNKNOWN;
       answer.steps = m.steps;

@@ -14,7 +14,7 @@ struct olx_sample_settings {
 };
 
 olx_sample_settings olx_sample_settings_default() {
-  return olx_sample_settings(OLX_TRACER_TWO_LEVEL, OLX_SELECT_BEST, true, OLX_MAX_ATTEMPTS, false, false);
+  return olx_sample_settings(OLX_TRACER_HIZ, OLX_SELECT_BEST, true, OLX_MAX_ATTEMPTS, false, false);
 }
 
 #endif

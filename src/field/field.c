@@ -20,10 +20,10 @@ static olx_result read_info(olx_field *field) {
   }
   field->info = olx_field_info_load(stored);
   OLX_TRY(olx_field_info_check(&field->info, field->name, OLX_ERROR_FORMAT));
-  // What the description holds must be what a writer makes of it: reserved fields zero, flags 0 or 1, the block size of n.
+  // What the description holds must be what a writer makes of it: reserved fields zero, flags 0 or 1.
   const olx_file_info again = olx_field_info_store(&field->info);
   if (memcmp(&again, stored, sizeof again) != 0) {
-    return olx_fail(OLX_ERROR_FORMAT, "%s: chunk INFO: block size, grid flag, absent grid or reserved bytes are wrong",
+    return olx_fail(OLX_ERROR_FORMAT, "%s: chunk INFO: grid flag, absent grid or reserved bytes are wrong",
                     field->name);
   }
   return OLX_OK;
@@ -72,7 +72,7 @@ static olx_result find_chunks(olx_field *field) {
   info->radiance_bytes = shapes[OLX_CHUNK_RADIANCE].size_bytes;
   info->normal_bytes = shapes[OLX_CHUNK_NORMAL].size_bytes;
   info->distance_bytes = shapes[OLX_CHUNK_DISTANCE].size_bytes;
-  info->pyramid_bytes = shapes[OLX_CHUNK_COARSE].size_bytes;
+  info->pyramid_bytes = shapes[OLX_CHUNK_LEAST].size_bytes + shapes[OLX_CHUNK_GREATEST].size_bytes;
   info->irradiance_bytes = shapes[OLX_CHUNK_IRRADIANCE].size_bytes;
   info->moments_bytes = shapes[OLX_CHUNK_MOMENTS].size_bytes;
   field->probe_positions = data[OLX_CHUNK_PROBE_POSITIONS];
@@ -85,9 +85,9 @@ static olx_result find_chunks(olx_field *field) {
   field->radiance = data[OLX_CHUNK_RADIANCE];
   field->normal = data[OLX_CHUNK_NORMAL];
   field->distance = data[OLX_CHUNK_DISTANCE];
-  field->block = olx_block_size(field->n);
-  field->coarse_n = field->n / field->block;
-  field->coarse = data[OLX_CHUNK_COARSE];
+  field->pyramid = olx_pyramid_shape_of(field->n);
+  field->least = data[OLX_CHUNK_LEAST];
+  field->greatest = data[OLX_CHUNK_GREATEST];
   field->irradiance_n = info->irradiance_size;
   field->irradiance_stride = field->irradiance_n + 2;
   field->irradiance_texels = (size_t)field->irradiance_stride * field->irradiance_stride;

@@ -3,6 +3,7 @@
 #define OLX_FIELD_FIELD_DATA_H
 
 #include "core/pack.h"
+#include "field/pyramid.h"
 
 #include "field/brick_data.h"
 
@@ -31,9 +32,8 @@ struct olx_field {
   const uint16_t *normal;   // olx_normal_pack, the surface's normal on the probe's side
   const uint16_t *distance; // half
 
-  uint32_t block;         // texels along the side of a block of the coarse map: olx_block_size(n)
-  uint32_t coarse_n;      // n / block, no border
-  const uint16_t *coarse; // half: smallest |distance| in each block, coarse_n^2 a probe
+  olx_pyramid_shape pyramid;
+  const uint16_t *least, *greatest; // halves: the pyramids over |distance|
 
   uint32_t irradiance_n, irradiance_stride;
   size_t irradiance_texels;
@@ -51,9 +51,6 @@ struct olx_field {
 };
 
 enum { OLX_PROBE_BURIED = 1 };
-
-// The side of the blocks of the two-level pyramid: 16 texels as in the paper, fewer on maps too small for it.
-static inline uint32_t olx_block_size(uint32_t n) { return n >= 64 ? 16 : n / 4; }
 
 static inline olx_vec3 olx_grid_position(const olx_grid *grid, uint32_t probe) {
   const uint32_t x = probe % grid->count[0], y = probe / grid->count[0] % grid->count[1],

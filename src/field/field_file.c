@@ -5,7 +5,7 @@
 void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHUNK_KINDS]) {
   const uint64_t side = info->radiance_size + 2, texels = side * side;
   const uint64_t irradiance_side = info->irradiance_size + 2, irradiance_texels = irradiance_side * irradiance_side;
-  const uint64_t blocks = info->radiance_size / olx_block_size(info->radiance_size);
+  const olx_pyramid_shape pyramid = olx_pyramid_shape_of(info->radiance_size);
   const struct {
     uint32_t type, element_bytes;
     uint64_t elements, records;
@@ -16,7 +16,8 @@ void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHU
       [OLX_CHUNK_RADIANCE] = {OLX_FOUR_CC('R', 'A', 'D', 'I'), 4, texels, info->probe_count},
       [OLX_CHUNK_NORMAL] = {OLX_FOUR_CC('N', 'O', 'R', 'M'), 2, texels, info->probe_count},
       [OLX_CHUNK_DISTANCE] = {OLX_FOUR_CC('D', 'I', 'S', 'T'), 2, texels, info->probe_count},
-      [OLX_CHUNK_COARSE] = {OLX_FOUR_CC('C', 'O', 'A', 'R'), 2, blocks * blocks, info->probe_count},
+      [OLX_CHUNK_LEAST] = {OLX_FOUR_CC('D', 'M', 'I', 'N'), 2, pyramid.least_nodes, info->probe_count},
+      [OLX_CHUNK_GREATEST] = {OLX_FOUR_CC('D', 'M', 'A', 'X'), 2, pyramid.greatest_nodes, info->probe_count},
       [OLX_CHUNK_IRRADIANCE_POSITIONS] = {OLX_FOUR_CC('I', 'P', 'O', 'S'), 4, 3, info->irradiance_probe_count},
       [OLX_CHUNK_IRRADIANCE_FLAGS] = {OLX_FOUR_CC('I', 'F', 'L', 'G'), 1, 1, info->irradiance_probe_count},
       [OLX_CHUNK_IRRADIANCE] = {OLX_FOUR_CC('I', 'R', 'R', 'A'), 4, irradiance_texels, info->irradiance_probe_count},
@@ -61,7 +62,6 @@ olx_file_info olx_field_info_store(const olx_field_info *info) {
                           .has_grid = info->has_grid,
                           .radiance_size = info->radiance_size,
                           .irradiance_size = info->irradiance_size,
-                          .block_size = olx_block_size(info->radiance_size),
                           .select_mask = info->select_mask,
                           .bounces = info->bounces,
                           .samples = info->samples,
@@ -183,22 +183,4 @@ olx_result olx_positions_check(const olx_vec3 *positions, uint32_t count, const 
     }
   }
   return OLX_OK;
-}
-
-void olx_coarse_map(const uint16_t *distance, uint32_t stride, uint32_t n, uint16_t *coarse) {
-  const uint32_t block = olx_block_size(n), blocks = n / block;
-  for (uint32_t i = 0; i < blocks * blocks; i++) coarse[i] = 0x7FFF;
-  for (uint32_t y = 0; y < n; y++) {
-    const uint16_t *row = distance + (size_t)y * stride;
-    uint16_t *out = coarse + y / block * blocks;
-    for (uint32_t b = 0; b < blocks; b++) {
-      // Without their sign, halves are ordered as integers are.
-      uint16_t smallest = out[b];
-      for (uint32_t x = 0; x < block; x++) {
-        const uint16_t magnitude = row[b * block + x] & 0x7FFFu;
-        smallest = magnitude < smallest ? magnitude : smallest;
-      }
-      out[b] = smallest;
-    }
-  }
 }

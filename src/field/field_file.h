@@ -29,14 +29,14 @@ typedef struct olx_file_info {
   uint32_t buried_count, irradiance_buried_count;
   uint32_t has_grid;
   uint32_t radiance_size, irradiance_size;
-  uint32_t block_size;
+  uint32_t zero_a;
   uint32_t select_mask;
   uint32_t bounces, samples;
   float distance_scale;
   float scene_min[3], scene_max[3];
   olx_file_grid grid, irradiance_grid;
   uint64_t scene_hash;
-  uint64_t zero;
+  uint64_t zero_b;
 } olx_file_info;
 
 _Static_assert(sizeof(olx_file_info) == 160 && offsetof(olx_file_info, scene_min) == 48 &&
@@ -53,7 +53,8 @@ typedef enum olx_chunk_kind {
   OLX_CHUNK_RADIANCE,
   OLX_CHUNK_NORMAL,
   OLX_CHUNK_DISTANCE,
-  OLX_CHUNK_COARSE,
+  OLX_CHUNK_LEAST,
+  OLX_CHUNK_GREATEST,
   OLX_CHUNK_IRRADIANCE_POSITIONS,
   OLX_CHUNK_IRRADIANCE_FLAGS,
   OLX_CHUNK_IRRADIANCE,
@@ -89,9 +90,5 @@ olx_result olx_field_info_check(const olx_field_info *info, const char *name, ol
 // Whether positions are finite and, with a grid, stand on it.
 olx_result olx_positions_check(const olx_vec3 *positions, uint32_t count, const olx_grid *grid, const char *kind,
                                const char *name, olx_result failure);
-
-// The smallest magnitude of the stored distances in each block of olx_block_size(n) texels; the map has n x n texels in
-// rows `stride` apart.
-void olx_coarse_map(const uint16_t *distance, uint32_t stride, uint32_t n, uint16_t *coarse);
 
 #endif

@@ -5,8 +5,6 @@
 
 #include <assert.h>
 
-enum { MAX_COARSE = 2048 / 16 };
-
 // Means are of distances up to the scene's diagonal, 1, and of the sky, 1; probes may stand a little outside the scene.
 #define MAX_MEAN 1.01f
 // How far rounding to half precision moves mean^2 against the second moment: three half units in the last place, and
@@ -78,15 +76,26 @@ static olx_result check_flags(const olx_field *field, const char *kind, uint32_t
   return olx_fail(OLX_ERROR_FORMAT, "%s: flags of %s probe %u: unknown bits (%#x)", field->name, kind, probe, flags);
 }
 
-static olx_result check_coarse(const olx_field *field, uint32_t probe) {
-  uint16_t expected[MAX_COARSE * MAX_COARSE];
-  const uint32_t count = field->coarse_n * field->coarse_n;
-  const uint16_t *distance = field->distance + field->texels * probe, *coarse = field->coarse + (size_t)count * probe;
-  olx_coarse_map(distance + field->stride + 1, field->stride, field->n, expected);
-  for (uint32_t i = 0; i < count; i++) {
-    if (coarse[i] != expected[i]) {
-      return olx_fail(OLX_ERROR_FORMAT, "%s: coarse distance of probe %u, block (%u, %u): %#x, but the smallest is %#x",
-                      field->name, probe, i % field->coarse_n, i / field->coarse_n, coarse[i], expected[i]);
+static olx_result fail_at_node(const olx_field *field, const char *what, uint32_t probe, uint32_t level, uint32_t x,
+                               uint32_t y, uint16_t code, uint16_t expected) {
+  return olx_fail(OLX_ERROR_FORMAT, "%s: %s distance of probe %u, level %u, node (%u, %u): %#x, but it is %#x", field->name,
+                  what, probe, level, x, y, code, expected);
+}
+
+static olx_result check_pyramid_level(const olx_field *field, uint32_t probe, uint32_t level) {
+  const olx_pyramid_shape *shape = &field->pyramid;
+  const uint16_t *inside = field->distance + field->texels * probe + field->stride + 1;
+  const uint16_t *least = field->least + (size_t)shape->least_nodes * probe,
+                 *greatest = field->greatest + (size_t)shape->greatest_nodes * probe;
+  const uint32_t side = shape->side[level];
+  for (uint32_t y = 0; y < side; y++) {
+    for (uint32_t x = 0; x < side; x++) {
+      const uint32_t at = shape->first[level] + olx_pyramid_index(side, x, y);
+      const uint16_t smallest = olx_pyramid_least(shape, inside, field->stride, least, level, x, y);
+      if (least[at] != smallest) return fail_at_node(field, "least", probe, level, x, y, least[at], smallest);
+      if (level < shape->greatest_level) continue;
+      const uint16_t largest = olx_pyramid_greatest(shape, inside, field->stride, greatest, level, x, y);
+      if (greatest[at] != largest) return fail_at_node(field, "greatest", probe, level, x, y, greatest[at], largest);
     }
   }
   return OLX_OK;
@@ -108,7 +117,8 @@ static olx_result check_probe(const olx_field *field, uint32_t probe) {
   OLX_TRY(check_border(field, "radiance", probe, radiance, field->n, 4));
   OLX_TRY(check_border(field, "normal", probe, normal, field->n, 2));
   OLX_TRY(check_border(field, "distance", probe, distance, field->n, 2));
-  return check_coarse(field, probe);
+  for (uint32_t level = 0; level < field->pyramid.levels; level++) OLX_TRY(check_pyramid_level(field, probe, level));
+  return OLX_OK;
 }
 
 static olx_result check_irradiance(const olx_field *field, uint32_t probe) {

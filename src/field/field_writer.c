@@ -24,7 +24,7 @@ struct olx_field_writer {
   olx_vec3 *probe_positions, *irradiance_positions;
   uint8_t *probe_flags, *irradiance_flags;
   void *map;        // one map with its border
-  uint16_t *coarse; // one coarse map
+  uint16_t *least, *greatest; // one pyramid
 };
 
 static void lay_out(olx_field_writer *writer, const olx_field_header *header) {
@@ -52,12 +52,13 @@ static olx_result allocate_buffers(olx_field_writer *writer, const olx_field_hea
   const uint64_t radiance = shapes[OLX_CHUNK_RADIANCE].record_bytes,
                  irradiance = shapes[OLX_CHUNK_IRRADIANCE].record_bytes;
   writer->map = olx_allocate(radiance > irradiance ? radiance : irradiance, 1);
-  writer->coarse = olx_allocate(shapes[OLX_CHUNK_COARSE].record_bytes, 1);
+  writer->least = olx_allocate(shapes[OLX_CHUNK_LEAST].record_bytes, 1);
+  writer->greatest = olx_allocate(shapes[OLX_CHUNK_GREATEST].record_bytes, 1);
   writer->probe_flags = olx_allocate(info->probe_count, 1);
   writer->irradiance_flags = olx_allocate(info->irradiance_probe_count, 1);
   writer->probe_positions = olx_allocate(info->probe_count, sizeof(olx_vec3));
   writer->irradiance_positions = olx_allocate(info->irradiance_probe_count, sizeof(olx_vec3));
-  if (!writer->map || !writer->coarse || !writer->probe_flags || !writer->irradiance_flags ||
+  if (!writer->map || !writer->least || !writer->greatest || !writer->probe_flags || !writer->irradiance_flags ||
       !writer->probe_positions || !writer->irradiance_positions) {
     return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", path);
   }
@@ -68,7 +69,8 @@ static olx_result allocate_buffers(olx_field_writer *writer, const olx_field_hea
 
 static void destroy(olx_field_writer *writer) {
   olx_release(writer->map);
-  olx_release(writer->coarse);
+  olx_release(writer->least);
+  olx_release(writer->greatest);
   olx_release(writer->probe_flags);
   olx_release(writer->irradiance_flags);
   olx_release(writer->probe_positions);
@@ -160,8 +162,10 @@ static olx_result write_probe(olx_field_writer *writer, uint32_t index, const ui
   OLX_TRY(put_map(writer, OLX_CHUNK_RADIANCE, index, radiance, n));
   OLX_TRY(put_map(writer, OLX_CHUNK_NORMAL, index, normal, n));
   OLX_TRY(put_map(writer, OLX_CHUNK_DISTANCE, index, distance, n));
-  olx_coarse_map(distance, n, n, writer->coarse);
-  return put(writer, OLX_CHUNK_COARSE, index, writer->coarse);
+  const olx_pyramid_shape pyramid = olx_pyramid_shape_of(n);
+  olx_pyramid_make(&pyramid, distance, n, writer->least, writer->greatest);
+  OLX_TRY(put(writer, OLX_CHUNK_LEAST, index, writer->least));
+  return put(writer, OLX_CHUNK_GREATEST, index, writer->greatest);
 }
 
 olx_result olx_field_writer_probe(olx_field_writer *writer, uint32_t index, uint8_t flags, const uint32_t *radiance,

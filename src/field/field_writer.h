@@ -18,7 +18,7 @@ typedef struct olx_field_header {
 // were baked into is written at once.
 olx_result olx_field_writer_create(const char *path, const olx_field_header *header, olx_field_writer **writer);
 
-// The maps of one light field probe, in order of index, without border (n * n texels, row by row); borders and coarse map
+// The maps of one light field probe, in order of index, without border (n * n texels, row by row); borders and pyramid
 // are made here, from the stored values.
 olx_result olx_field_writer_probe(olx_field_writer *writer, uint32_t index, uint8_t flags, const uint32_t *radiance,
                                   const uint16_t *normal, const uint16_t *distance);

@@ -52,7 +52,8 @@ uint64_t olx_light_probe_bytes(uint32_t resolution) {
   olx_chunk_shape shapes[OLX_CHUNK_KINDS];
   olx_chunk_shapes(&one, shapes);
   return shapes[OLX_CHUNK_RADIANCE].record_bytes + shapes[OLX_CHUNK_NORMAL].record_bytes +
-         shapes[OLX_CHUNK_DISTANCE].record_bytes + shapes[OLX_CHUNK_COARSE].record_bytes;
+         shapes[OLX_CHUNK_DISTANCE].record_bytes + shapes[OLX_CHUNK_LEAST].record_bytes +
+         shapes[OLX_CHUNK_GREATEST].record_bytes;
 }
 
 olx_place_settings olx_place_settings_default(const olx_scene *scene) {

@@ -5,7 +5,7 @@
 
 olx_sample_settings olx_sample_settings_default(void) {
   return (olx_sample_settings){
-      .tracer = OLX_TRACER_TWO_LEVEL,
+      .tracer = OLX_TRACER_HIZ,
       .select = OLX_SELECT_BEST,
       .visibility = OLX_VISIBILITY_CHEBYSHEV,
       .max_probes = 128,

@@ -59,7 +59,13 @@ static olx_result create_buffer(olx_vulkan_field *gpu, const olx_field *field) {
                      irradiance_probes = sizeof(olx_gpu_probe) * (VkDeviceSize)info->irradiance_probe_count;
   gpu->probes_offset = align_buffer(c, sizeof(olx_gpu_field));
   gpu->irradiance_probes_offset = align_buffer(c, gpu->probes_offset + probes);
-  gpu->bricks_offset = align_buffer(c, gpu->irradiance_probes_offset + irradiance_probes);
+  gpu->least_offset = align_buffer(c, gpu->irradiance_probes_offset + irradiance_probes);
+  gpu->least_bytes = sizeof(uint16_t) * (VkDeviceSize)field->pyramid.least_nodes * info->probe_count;
+  if (gpu->least_bytes > c->limits.maxStorageBufferRange) {
+    return olx_fail(OLX_ERROR_UNSUPPORTED, "pyramids of %u probes are more than a storage buffer of this device holds",
+                    info->probe_count);
+  }
+  gpu->bricks_offset = align_buffer(c, gpu->least_offset + gpu->least_bytes);
   gpu->bricks_bytes = field->select_bytes[OLX_SELECT_BRICKS];
   gpu->buffer_bytes = gpu->bricks_offset + gpu->bricks_bytes;
   if (gpu->bricks_bytes > c->limits.maxStorageBufferRange) {
@@ -97,13 +103,15 @@ static olx_gpu_field field_constants(const olx_vulkan_field *gpu, const olx_fiel
       .scene_max = {info->scene_max.x, info->scene_max.y, info->scene_max.z, 0.0f},
       .probe_count = info->probe_count,
       .n = field->n,
-      .block = field->block,
+      .least_nodes = field->pyramid.least_nodes,
       .maps_a_side = radiance->maps_a_side,
       .irradiance_n = field->irradiance_n,
       .irradiance_maps_a_side = irradiance->maps_a_side,
       .irradiance_texel = 1.0f / (float)(irradiance->maps_a_side * irradiance->stride),
       .distance_scale = field->distance_scale,
       .select_mask = info->select_mask & OLX_SELECT_GPU_MASK,
+      .pyramid_levels = field->pyramid.levels,
+      .pyramid_first = {field->pyramid.first[0], field->pyramid.first[1], field->pyramid.first[2], field->pyramid.first[3]},
   };
 }
 
@@ -118,8 +126,6 @@ static olx_result create_resources(const olx_vulkan_host *host, const olx_field 
                                                      .texels = field->normal},
       [OLX_BINDING_DISTANCE - OLX_BINDING_RADIANCE] = {VK_FORMAT_R16_UINT, 2, field->stride, probes,
                                                        .texels = field->distance},
-      [OLX_BINDING_COARSE - OLX_BINDING_RADIANCE] = {VK_FORMAT_R16_UINT, 2, field->coarse_n, probes,
-                                                     .texels = field->coarse},
       [OLX_BINDING_IRRADIANCE - OLX_BINDING_RADIANCE] = {VK_FORMAT_B10G11R11_UFLOAT_PACK32, 4, field->irradiance_stride,
                                                          irradiance_probes, .filtered = true,
                                                          .texels = field->irradiance},
@@ -128,7 +134,6 @@ static olx_result create_resources(const olx_vulkan_host *host, const olx_field 
   };
   memcpy(gpu->maps, maps, sizeof maps);
   for (uint32_t i = 0; i < OLX_GPU_MAPS; i++) OLX_TRY(create_image(&gpu->context, &gpu->maps[i]));
-  // The coarse maps share the light field maps' arrangement, so that one number describes all of them.
   OLX_TRY(create_buffer(gpu, field));
   gpu->constants = field_constants(gpu, field);
   return OLX_OK;
@@ -211,7 +216,8 @@ static void write_set(const olx_vulkan_field *gpu) {
       [OLX_BINDING_FIELD] = constants,
       [OLX_BINDING_PROBES] = {gpu->buffer, gpu->probes_offset, gpu->irradiance_probes_offset - gpu->probes_offset},
       [OLX_BINDING_IRRADIANCE_PROBES] = {gpu->buffer, gpu->irradiance_probes_offset,
-                                         gpu->bricks_offset - gpu->irradiance_probes_offset},
+                                         gpu->least_offset - gpu->irradiance_probes_offset},
+      [OLX_BINDING_LEAST] = {gpu->buffer, gpu->least_offset, gpu->least_bytes},
       // Without bricks nothing reads them, but something has to be bound.
       [OLX_BINDING_BRICKS] = gpu->bricks_bytes
                                  ? (VkDescriptorBufferInfo){gpu->buffer, gpu->bricks_offset, gpu->bricks_bytes}

@@ -25,10 +25,10 @@ struct olx_vulkan_field {
   olx_vulkan_context context;
   olx_gpu_field constants;
   olx_gpu_maps maps[OLX_GPU_MAPS]; // in the order of the bindings
-  VkBuffer buffer;                 // constants, probes, irradiance probes
+  VkBuffer buffer;                 // constants, probes, irradiance probes, pyramids
   VkDeviceMemory buffer_memory;
   VkMemoryRequirements buffer_requirements;
-  VkDeviceSize probes_offset, irradiance_probes_offset, buffer_bytes;
+  VkDeviceSize probes_offset, irradiance_probes_offset, least_offset, least_bytes, buffer_bytes;
   VkDeviceSize bricks_offset, bricks_bytes; // 0 bytes without bricks
   VkSampler nearest, linear;
   VkDescriptorSetLayout set_layout;

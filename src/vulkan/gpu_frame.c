@@ -232,7 +232,7 @@ void olx_vulkan_frame_destroy(olx_vulkan_frame *f) {
 }
 
 static olx_result check_settings(const olx_vulkan_settings *s) {
-  if (s->sample.tracer != OLX_TRACER_TEXEL && s->sample.tracer != OLX_TRACER_TWO_LEVEL) {
+  if ((uint32_t)s->sample.tracer > OLX_TRACER_HIZ) {
     return olx_fail(OLX_ERROR_UNSUPPORTED, "tracer %d does not run on the GPU", (int)s->sample.tracer);
   }
   if (s->sample.select < OLX_SELECT_EXHAUSTIVE && !(OLX_SELECT_GPU_MASK >> s->sample.select & 1u)) {

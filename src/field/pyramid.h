@@ -1,0 +1,47 @@
+// The pyramids over a probe's distances (Wang 2018, section 4.3): the smallest one in squares of 4, 16, 64, 256 texels a
+// side, and the largest in those from 16 on. docs/format.md gives their layout in the file, which is that in memory.
+#ifndef OLX_FIELD_PYRAMID_H
+#define OLX_FIELD_PYRAMID_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+enum {
+  OLX_PYRAMID_MAX_LEVELS = 4,
+  OLX_PYRAMID_FINEST = 2, // log2 of the texels along a side of a node of level 0
+  OLX_PYRAMID_STEP = 2    // log2 of a node's sides in nodes of the level below
+};
+
+// Level 0 is the finest; every level above it has at least four nodes a side.
+typedef struct olx_pyramid_shape {
+  uint32_t levels;
+  uint32_t side[OLX_PYRAMID_MAX_LEVELS];  // nodes along the map
+  uint32_t first[OLX_PYRAMID_MAX_LEVELS]; // where the level begins in the record of a probe: the coarsest comes first
+  uint32_t least_nodes;                   // in a record of smallest distances: all levels
+  uint32_t greatest_level;                // the finest level of largest distances: 1, or 0 when there is no other
+  uint32_t greatest_nodes;                // in a record of these
+} olx_pyramid_shape;
+
+olx_pyramid_shape olx_pyramid_shape_of(uint32_t n);
+
+// log2 of the texels along the side of a node.
+static inline uint32_t olx_pyramid_shift(uint32_t level) { return OLX_PYRAMID_FINEST + OLX_PYRAMID_STEP * level; }
+
+// Where a node lies within its level: tiles of 4 x 4 nodes, so that those under one parent lie together.
+static inline uint32_t olx_pyramid_index(uint32_t side, uint32_t x, uint32_t y) {
+  if (side < 4) return y * side + x;
+  return ((y >> 2) * (side >> 2) + (x >> 2)) * 16 + (y & 3u) * 4 + (x & 3u);
+}
+
+// What a node must hold, in the bits of halves without their sign. The map may have a border: texel (0, 0) is `distance`
+// itself, rows are `stride` apart. Above its pyramid's finest level a node is made of those below it in `nodes`.
+uint16_t olx_pyramid_least(const olx_pyramid_shape *shape, const uint16_t *distance, uint32_t stride,
+                           const uint16_t *nodes, uint32_t level, uint32_t x, uint32_t y);
+uint16_t olx_pyramid_greatest(const olx_pyramid_shape *shape, const uint16_t *distance, uint32_t stride,
+                              const uint16_t *nodes, uint32_t level, uint32_t x, uint32_t y);
+
+// Both records of a probe.
+void olx_pyramid_make(const olx_pyramid_shape *shape, const uint16_t *distance, uint32_t stride, uint16_t *least,
+                      uint16_t *greatest);
+
+#endif

@@ -1,0 +1,130 @@
+// A ray's image in a probe's map (docs/maths.md, "Marching"): what every tracer shares. The ray is cut where it crosses the
+// probe's coordinate planes; the image of each piece is a straight line on one face of the octahedron, walked by the share s
+// of its length that is done, 0 to 1. All tracers compare the same values of the same few functions, so that skipping ahead
+// lands on the very texel that stepping would.
+#ifndef OLX_TRACE_RAY_IMAGE_H
+#define OLX_TRACE_RAY_IMAGE_H
+
+#include "field/maps.h"
+#include "trace/probe_trace.h"
+
+// What is fixed for one ray and one probe. r^2(t) = miss^2 + (t - closest)^2.
+typedef struct olx_march {
+  const olx_field *field;
+  const uint16_t *distance, *least;
+  uint32_t probe;
+  const olx_probe_ray *ray;
+  float closest, miss_squared;
+  uint32_t steps;
+} olx_march;
+
+// One coordinate of the image, in texels: begin + travel s. Where the image stands still, no line is ever reached.
+typedef struct olx_image_axis {
+  float begin, travel;
+  float origin, inverse; // line k is crossed at s = (k - origin) * inverse
+  int32_t step;          // -1, 0, 1: the direction of travel
+  int32_t ahead;         // the line ahead of texel x is x + ahead: 1 or 0
+  int32_t first;         // texel where the image begins
+} olx_image_axis;
+
+// A part of the ray whose image lies on one face.
+typedef struct olx_piece {
+  olx_image_axis u, v;
+  // t(s) = t_begin + rise s / (near + slope s): 1 / |P|_1 is linear in s, from near to near + slope.
+  float t_begin, t_end, rise, near, slope;
+  float sign_x, sign_y, sign_z; // of the octant
+  float slack;                  // by how much rounding may move t(s), metres
+} olx_piece;
+
+typedef enum olx_verdict { OLX_VERDICT_CLEAR, OLX_VERDICT_HIT, OLX_VERDICT_HIDDEN } olx_verdict;
+
+// The texel in which the march stands, and the ray's parameter where it entered it.
+typedef struct olx_cell {
+  int32_t x, y;
+  float t;
+} olx_cell;
+
+// The image of the ray at any parameter, on the face of the piece, in texels; false where the face has none.
+static inline bool olx_image_at(const olx_march *m, const olx_piece *p, float t, olx_vec2 *image) {
+  const olx_vec3 at = olx_madd(m->ray->origin, m->ray->direction, t);
+  const float x = p->sign_x * at.x, z = p->sign_z * at.z, sum = x + p->sign_y * at.y + z;
+  if (!(sum > 0.0f)) return false;
+  const float inverse = 1.0f / sum, half = 0.5f * (float)m->field->n;
+  const bool upper = p->sign_y > 0.0f;
+  *image = (olx_vec2){half + half * p->sign_x * (upper ? x * inverse : 1.0f - z * inverse),
+                      half + half * p->sign_z * (upper ? z * inverse : 1.0f - x * inverse)};
+  return true;
+}
+
+// The texel at an image coordinate, within the half of the map on the side of the sign.
+static inline int32_t olx_clamp_texel(float sign, float image, uint32_t n) {
+  const int32_t first = sign > 0.0f ? (int32_t)n / 2 : 0, last = first + (int32_t)n / 2 - 1;
+  return image > (float)last ? last : image > (float)first ? (int32_t)image : first;
+}
+
+static inline float olx_radius_squared(const olx_march *m, float t) {
+  const float along = t - m->closest;
+  return m->miss_squared + along * along;
+}
+
+// The ray's greatest squared distance from the probe over [t0, t1]: it is convex in t, so one of the ends.
+static inline float olx_farthest_squared(const olx_march *m, float t0, float t1) {
+  return olx_max(olx_radius_squared(m, t0), olx_radius_squared(m, t1));
+}
+
+static inline float olx_nearest_squared(const olx_march *m, float t0, float t1) {
+  return olx_radius_squared(m, olx_clamp(m->closest, t0, t1));
+}
+
+// The ray's parameter at s; from 1 on, the end of the piece.
+static inline float olx_parameter_at(const olx_piece *p, float s) {
+  return s >= 1.0f ? p->t_end : p->t_begin + p->rise * s / (p->near + p->slope * s);
+}
+
+// The same, and not less than that of any part of [t0, t1], whatever rounding does to the part's ends.
+static inline float olx_reach_squared(const olx_march *m, const olx_piece *p, float t0, float t1) {
+  const float along = olx_max(m->closest - t0, t1 - m->closest) + p->slack;
+  return (m->miss_squared + along * along) * (1.0f + 0x1p-16f);
+}
+
+// A stored distance in metres; the sky reads as 65536 distance scales.
+static inline float olx_march_distance(const olx_march *m, uint32_t code) {
+  return olx_bits_float((code & 0x7FFFu) << 13) * 0x1p112f * m->field->distance_scale;
+}
+
+// The smallest squared distance in a node of the pyramid.
+static inline float olx_least_squared(olx_march *m, uint32_t level, int32_t x, int32_t y) {
+  const olx_pyramid_shape *shape = &m->field->pyramid;
+  m->steps++;
+  const uint32_t node = shape->first[level] + olx_pyramid_index(shape->side[level], (uint32_t)x, (uint32_t)y);
+  return olx_square(olx_march_distance(m, m->least[node]));
+}
+
+// Where the image crosses the line between texels k - 1 and k. Lines behind the end of the piece give 1 or more.
+static inline float olx_crossing(const olx_image_axis *a, int32_t k) { return ((float)k - a->origin) * a->inverse; }
+
+// Where the image crosses the lines ahead of a node of 2^shift texels along both axes.
+static inline olx_vec2 olx_crossings_ahead(const olx_piece *p, int32_t x, int32_t y, uint32_t shift) {
+  return (olx_vec2){olx_crossing(&p->u, (x + p->u.ahead) << shift), olx_crossing(&p->v, (y + p->v.ahead) << shift)};
+}
+
+// The texel after c, which the image leaves at the crossings s of the lines ahead; t1 is the ray's parameter there.
+static inline olx_cell olx_next_cell(const olx_piece *p, olx_cell c, olx_vec2 s, float t1) {
+  const bool by_v = s.x > s.y;
+  return (olx_cell){c.x + (by_v ? 0 : p->u.step), c.y + (by_v ? p->v.step : 0), t1};
+}
+
+// The texel along one axis that stepping has reached at s; a line crossed at exactly s counts as passed
+// when `inclusive`. The image gives a guess, at most one off; the crossings that steps compare decide.
+static inline int32_t olx_texel_at(const olx_image_axis *a, float s, bool inclusive) {
+  int32_t x = (int32_t)(a->begin + a->travel * s);
+  if ((x - a->first) * a->step <= 0) x = a->first;
+  else {
+    const float entered = olx_crossing(a, x + 1 - a->ahead);
+    if (!(inclusive ? entered <= s : entered < s)) x -= a->step;
+  }
+  const float left = olx_crossing(a, x + a->ahead);
+  return (inclusive ? left <= s : left < s) ? x + a->step : x;
+}
+
+#endif

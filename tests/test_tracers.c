@@ -1,0 +1,209 @@
+// Two-level and hi-Z tracing against the referee, which visits every texel: the same texels, to the last bit of t.
+#include "analytic_field.h"
+
+#include "core/sampling.h"
+#include "trace/probe_trace.h"
+
+#include <octalux/bake.h>
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+static const analytic_scene furnished = {
+    .room = {{0, 0, 0}, {4, 3, 5}},
+    .box_count = 2,
+    .boxes = {{{0.9f, 0.0f, 1.1f}, {1.7f, 1.3f, 2.1f}}, {{2.3f, 0.0f, 2.6f}, {3.1f, 2.1f, 3.3f}}},
+};
+static const analytic_scene open_court = {.room = {{0, 0, 0}, {4, 3, 5}}, .open = true};
+static const olx_grid single = {.origin = {1.9f, 1.4f, 2.7f}, .count = {1, 1, 1}};
+static const olx_grid pair = {.origin = {0.5f, 0.7f, 0.5f}, .spacing = {3.0f, 0.0f, 0.0f}, .count = {2, 1, 1}};
+
+static float unit(uint32_t i, uint32_t salt) { return olx_unit_float(olx_hash2(i, salt)); }
+
+static olx_vec3 random_direction(uint32_t i) {
+  return olx_sample_sphere((olx_vec2){unit(i, 1), unit(i, 2)});
+}
+
+// Rays of every awkward kind, relative to the probe, in a field whose distances are about `scale`.
+static olx_probe_ray random_ray(uint32_t i, float scale) {
+  olx_vec3 d = random_direction(i), o = olx_scale(random_direction(i + 0x10000u), scale * unit(i, 3));
+  switch (i % 8) {
+  case 0: o = olx_scale(d, -2.0f * scale * unit(i, 4)); break;                       // through the probe's centre
+  case 1: o = olx_madd(olx_scale(d, -scale), o, 1e-5f); break;                       // just past it
+  case 2: o = (olx_vec3){0.0f, o.y, o.z}, d = olx_normalize((olx_vec3){0.0f, d.y, d.z}); break; // in an axis plane
+  case 3: d = (olx_vec3){0.0f, i & 8 ? 1.0f : -1.0f, 0.0f}; break;                   // along an axis
+  case 4: d = olx_normalize(olx_cross(o, d)); break;                                 // nearest to the probe at its start
+  case 5: o = olx_madd(o, d, -4.0f * scale); break;                                  // from far outside
+  default: break;
+  }
+  olx_probe_ray ray = {.origin = o, .direction = d, .t_max = INFINITY};
+  if (unit(i, 5) < 0.5f) ray.t_max = 3.0f * scale * unit(i, 6);
+  if (unit(i, 7) < 0.3f) ray.t_min = 0.5f * scale * unit(i, 8);
+  return ray;
+}
+
+static bool same_bits(float a, float b) { return memcmp(&a, &b, sizeof a) == 0; }
+
+static void assert_same(const olx_field *field, uint32_t probe, const olx_probe_ray *ray, olx_tracer tracer,
+                        const olx_probe_answer *truth, uint32_t i) {
+  const olx_probe_answer a = olx_trace_probe(field, probe, ray, tracer);
+  if (a.status == truth->status && a.texel == truth->texel && same_bits(a.t, truth->t) && same_bits(a.gap, truth->gap)) {
+    return;
+  }
+  fail_msg("n %u, ray %u, tracer %d: status %d texel %zu t %.9g, the referee has status %d texel %zu t %.9g", field->n, i,
+           tracer, a.status, a.texel, (double)a.t, truth->status, truth->texel, (double)truth->t);
+}
+
+// How many rays had each status.
+typedef struct counts {
+  uint32_t of[3];
+} counts;
+
+static void compare(const olx_field *field, uint32_t rays, float scale, counts *c) {
+  for (uint32_t i = 0; i < rays; i++) {
+    const uint32_t probe = i % field->info.probe_count;
+    const olx_probe_ray ray = random_ray(i, scale);
+    const olx_probe_answer truth = olx_trace_probe(field, probe, &ray, OLX_TRACER_TEXEL);
+    c->of[truth.status]++;
+    assert_same(field, probe, &ray, OLX_TRACER_TWO_LEVEL, &truth, i);
+    assert_same(field, probe, &ray, OLX_TRACER_HIZ, &truth, i);
+  }
+}
+
+static void in_rooms_of_every_size(void **state) {
+  (void)state;
+  counts c = {0};
+  for (uint32_t n = 8; n <= 2048; n *= 2) {
+    const uint32_t rays = n <= 256 ? 20000 : 4000;
+    olx_field *field = analytic_field_make(&furnished, n <= 512 ? &pair : &single, n, 16);
+    compare(field, rays, 2.0f, &c);
+    analytic_field_free(field);
+    field = analytic_field_make(&open_court, &single, n, 16);
+    compare(field, rays, 2.0f, &c);
+    analytic_field_free(field);
+  }
+  for (uint32_t s = 0; s < 3; s++) assert_true(c.of[s] > 10000);
+}
+
+// Distances that no room has.
+typedef uint16_t (*distances)(uint32_t x, uint32_t y, uint32_t n);
+
+static uint16_t noise(uint32_t x, uint32_t y, uint32_t n) {
+  return olx_half_pack(0.05f + 0.4f * olx_unit_float(olx_hash3(x, y, n)));
+}
+static uint16_t checkers(uint32_t x, uint32_t y, uint32_t n) {
+  (void)n;
+  return olx_half_pack((x ^ y) & 1 ? 0.05f : 0.4f);
+}
+static uint16_t sky_with_specks(uint32_t x, uint32_t y, uint32_t n) {
+  return olx_hash3(x, y, n) % 61 == 0 ? olx_half_pack(0.2f) | 0x8000 : 0x7C00;
+}
+static uint16_t shell(uint32_t x, uint32_t y, uint32_t n) {
+  (void)x, (void)y, (void)n;
+  return olx_half_pack(0.2f);
+}
+static uint16_t stripes(uint32_t x, uint32_t y, uint32_t n) {
+  (void)y;
+  return olx_half_pack(x * 16 / n % 2 ? 0.1f : 0.3f);
+}
+static uint16_t smallest_and_largest(uint32_t x, uint32_t y, uint32_t n) {
+  const uint16_t codes[] = {0, 1, 0x3FF, 0x400, 0x7BFF, 0x7C00, 0x3400, 0x3400};
+  return codes[olx_hash3(x, y, n) % 8];
+}
+
+static olx_field *made_up_field(uint32_t n, distances make) {
+  olx_field *f = analytic_field_make(&open_court, &single, n, 16);
+  uint16_t *distance = (uint16_t *)(uintptr_t)f->distance, *normal = (uint16_t *)(uintptr_t)f->normal;
+  const int32_t size = (int32_t)n;
+  for (int32_t y = -1; y <= size; y++) {
+    for (int32_t x = -1; x <= size; x++) {
+      int32_t sx, sy;
+      olx_border_source(x, y, size, &sx, &sy);
+      const size_t at = olx_map_index(f->stride, x, y);
+      const olx_vec3 d = olx_texel_direction((uint32_t)sx, (uint32_t)sy, n);
+      const olx_vec3 tilt = random_direction(olx_hash3((uint32_t)sx, (uint32_t)sy, 5));
+      distance[at] = make((uint32_t)sx, (uint32_t)sy, n);
+      normal[at] = olx_normal_pack(olx_normalize(olx_madd(olx_negate(d), tilt, 0.9f)));
+    }
+  }
+  olx_pyramid_make(&f->pyramid, distance + f->stride + 1, f->stride, (uint16_t *)(uintptr_t)f->least,
+                   (uint16_t *)(uintptr_t)f->greatest);
+  return f;
+}
+
+static void among_distances_that_no_room_has(void **state) {
+  (void)state;
+  const distances kinds[] = {noise, checkers, sky_with_specks, shell, stripes, smallest_and_largest};
+  counts c = {0};
+  for (uint32_t k = 0; k < sizeof kinds / sizeof kinds[0]; k++) {
+    for (uint32_t n = 8; n <= 1024; n *= k < 2 ? 2 : 4) {
+      olx_field *field = made_up_field(n, kinds[k]);
+      compare(field, n <= 256 ? 10000 : 3000, 0.3f * field->distance_scale, &c);
+      analytic_field_free(field);
+    }
+  }
+  for (uint32_t s = 0; s < 3; s++) assert_true(c.of[s] > 5000);
+}
+
+static void assert_same_hits(const olx_field *field, uint32_t rays, uint64_t steps[3]) {
+  olx_sample_settings settings = olx_sample_settings_default();
+  const olx_vec3 low = field->info.scene_min, size = olx_sub(field->info.scene_max, low);
+  for (uint32_t i = 0; i < rays; i++) {
+    const olx_vec3 o = olx_add(low, olx_mul(size, olx_v3(unit(i, 1), unit(i, 2), unit(i, 3)))), d = random_direction(i ^ 77);
+    olx_trace_hit hits[3];
+    for (uint32_t tracer = 0; tracer < 3; tracer++) {
+      settings.tracer = (olx_tracer)tracer;
+      hits[tracer] = olx_trace(field, &settings, o, d, INFINITY);
+      steps[tracer] += hits[tracer].texel_steps;
+      hits[tracer].texel_steps = 0;
+    }
+    assert_memory_equal(&hits[0], &hits[1], offsetof(olx_trace_hit, emitter));
+    assert_memory_equal(&hits[0], &hits[2], offsetof(olx_trace_hit, emitter));
+    assert_int_equal(hits[0].probe, hits[2].probe);
+    assert_int_equal(hits[0].probes_tried, hits[2].probes_tried);
+  }
+}
+
+static void in_baked_fields_with_fewer_fetches(void **state) {
+  (void)state;
+  const char *scenes[] = {"builtin:cornell-glossy", "builtin:temple", "builtin:pillars"};
+  for (uint32_t k = 0; k < 3; k++) {
+    char path[] = "/tmp/octalux-tracers-XXXXXX";
+    close(mkstemp(path));
+    olx_scene *scene;
+    assert_int_equal(olx_scene_load(scenes[k], &scene), OLX_OK);
+    olx_bake_settings settings = olx_bake_settings_default(scene);
+    settings.radiance_size = 256;
+    settings.samples = 1;
+    settings.bounces = 0;
+    settings.irradiance_size = 8;
+    settings.irradiance_grid.count[0] = settings.irradiance_grid.count[1] = settings.irradiance_grid.count[2] = 1;
+    settings.irradiance_grid.spacing = olx_splat(0.0f);
+    settings.fit = false;
+    assert_int_equal(olx_bake(scene, &settings, path, NULL, NULL), OLX_OK);
+    olx_scene_free(scene);
+    olx_field *field;
+    assert_int_equal(olx_field_open(path, &field), OLX_OK);
+    uint64_t steps[3] = {0};
+    assert_same_hits(field, 20000, steps);
+    print_message("%s: %.1f, %.1f, %.1f distances read a ray\n", scenes[k], (double)steps[0] / 20000,
+                  (double)steps[1] / 20000, (double)steps[2] / 20000);
+    assert_true(steps[2] < steps[1]);
+    olx_field_close(field);
+    unlink(path);
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(in_rooms_of_every_size),
+      cmocka_unit_test(among_distances_that_no_room_has),
+      cmocka_unit_test(in_baked_fields_with_fewer_fetches),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

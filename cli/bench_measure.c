@@ -7,7 +7,10 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { ROUGH_SAMPLES = 600 };
+enum {
+  ROUGH_SAMPLES = 600,
+  FREE_SELECTORS = 1 << OLX_SELECT_VORONOI | 1 << OLX_SELECT_OCTREE // of probes that were placed
+};
 
 bool bench_folder_make(bench_folder *folder) {
   const char *parent = getenv("TMPDIR");
@@ -74,6 +77,7 @@ olx_result bench_field_make(const olx_scene *scene, const bench_probes *probes, 
   settings.bounces = bake->bounces;
   settings.radiance_size = probes->texels;
   settings.threads = bake->threads;
+  settings.select_mask = probes->grid[0] ? 1u << OLX_SELECT_CAGE : FREE_SELECTORS;
   olx_vec3 *positions = NULL;
   olx_result result;
   if (probes->grid[0]) {

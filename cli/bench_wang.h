@@ -38,7 +38,7 @@ typedef struct wang_options {
   uint32_t scene; // of wang_scenes; WANG_SCENES: all
   const char *folder, *images;
   uint32_t size[2], spp, field_spp, rounds, texels, threads;
-  bool quick, progress, json;
+  bool quick, brief, progress, json;
 } wang_options;
 
 // A scene with its references, while its rows are measured.

@@ -29,15 +29,20 @@ static bool same_probes(const bench_probes *a, const bench_probes *b) {
          a->optimize == b->optimize && a->texels == b->texels;
 }
 
+// Whether the thesis shows the row in its dense or its long series alone: --short leaves these out.
+static bool is_series(const wang_row *row) {
+  return row->shown && strncmp(row->shown, "Table", 5) != 0 && strstr(row->shown, "A.") != NULL;
+}
+
 // A field for each different set of probes that the rows name.
 static olx_result bake_sets(wang_run *run, measured_tables *t) {
   const wang_scene *experiment = run->experiment;
   for (uint32_t i = 0; i < experiment->row_count; ++i) {
-    measured_row *row = &t->rows[i];
+    if (run->options->brief && is_series(&experiment->rows[i])) continue;
+    measured_row *row = &t->rows[t->row_count++];
     *row = (measured_row){.row = &experiment->rows[i], .set = t->set_count};
-    t->row_count = i + 1;
-    for (uint32_t k = 0; k < i; ++k) {
-      if (same_probes(&experiment->rows[i].probes, &experiment->rows[k].probes)) row->set = t->rows[k].set;
+    for (const measured_row *before = t->rows; before < row; ++before) {
+      if (same_probes(&row->row->probes, &before->row->probes)) row->set = before->set;
     }
     if (row->set < t->set_count) continue;
     const bench_probes probes = wang_probes(run, &row->row->probes);
@@ -150,9 +155,11 @@ static void print_row(const wang_run *run, const measured_tables *t, const measu
 static const double MIB = 1048576.0;
 
 static void add_memory(const wang_run *run, const measured_tables *t, cJSON *list) {
+  uint32_t listed = 0;
   for (uint32_t i = 0; i < t->row_count; ++i) {
     const measured_row *row = &t->rows[i];
-    if (i > 0 && row->set <= t->rows[i - 1].set) continue;
+    if (row->set < listed) continue;
+    listed = row->set + 1;
     const olx_field_info *info = &t->sets[row->set].info;
     const bench_probes probes = wang_probes(run, &row->row->probes);
     cJSON *entry = cJSON_CreateObject();

@@ -11,6 +11,8 @@
 // docs/results.md.
 static const wang_row cornell_rows[] = {
     {GRID(2, 2, 2), ORIGINAL, OLX_SELECT_CAGE, "Table 5.1, Fig. 5.1", 11.3, 0},
+    {SKELETON(SDF, 7), ORIGINAL, OLX_SELECT_OCTREE, "Table 5.1, Fig. 5.1", 7.8, 0},
+    {SKELETON(SDF, 7), ORIGINAL, OLX_SELECT_VORONOI, NULL, 0, 0},
     {SKELETON(SDF, 7), ORIGINAL, OLX_SELECT_EXHAUSTIVE, NULL, 0, 0},
     {COVER(7), ORIGINAL, OLX_SELECT_EXHAUSTIVE, NULL, 0, 0},
 };
@@ -18,33 +20,38 @@ static const wang_row cornell_rows[] = {
 static const wang_row temple_rows[] = {
     {GRID(4, 2, 4), ORIGINAL, OLX_SELECT_CAGE, "Table 5.1, Fig. 5.2", 27.7, 2.70e-3},
     {GRID(2, 2, 4), ORIGINAL, OLX_SELECT_CAGE, "Table 5.1, Fig. 5.5", 32.5, 0},
-    {GRID(4, 4, 4), ORIGINAL, OLX_SELECT_CAGE, "Figs. 5.8, A.18", 0, 0},
+    {SKELETON(SDF, 16), ORIGINAL, OLX_SELECT_OCTREE, "Fig. 5.2", 0, 2.78e-3},
+    {SKELETON(SDF, 16), ORIGINAL, OLX_SELECT_VORONOI, NULL, 0, 0},
     {SKELETON(SDF, 16), ORIGINAL, OLX_SELECT_EXHAUSTIVE, NULL, 0, 0},
-    {SKELETON(MEDIAL, 79), ORIGINAL, OLX_SELECT_EXHAUSTIVE, "Fig. 5.8", 0, 0},
-    {SKELETON(MEDIAL, 63), ORIGINAL, OLX_SELECT_EXHAUSTIVE, "Fig. A.2", 0, 0},
-    {SKELETON(MEDIAL, 48), ORIGINAL, OLX_SELECT_EXHAUSTIVE, "Fig. A.3", 0, 0},
-    {SKELETON(MEDIAL, 43), ORIGINAL, OLX_SELECT_EXHAUSTIVE, "Fig. A.4", 0, 0},
-    {SKELETON(MEDIAL, 36), ORIGINAL, OLX_SELECT_EXHAUSTIVE, "Fig. A.5", 0, 0},
+    {SKELETON(MEDIAL, 16), ORIGINAL, OLX_SELECT_EXHAUSTIVE, NULL, 0, 0},
     {COVER(16), ORIGINAL, OLX_SELECT_EXHAUSTIVE, NULL, 0, 0},
+    {GRID(4, 4, 4), ORIGINAL, OLX_SELECT_CAGE, "Figs. 5.8, A.17-A.20", 0, 0},
+    {SKELETON(MEDIAL, 79), ORIGINAL, OLX_SELECT_OCTREE, "Fig. 5.8", 0, 0},
+    {SKELETON(MEDIAL, 63), ORIGINAL, OLX_SELECT_OCTREE, "Fig. A.2", 0, 0},
+    {SKELETON(MEDIAL, 48), ORIGINAL, OLX_SELECT_OCTREE, "Fig. A.3", 0, 0},
+    {SKELETON(MEDIAL, 43), ORIGINAL, OLX_SELECT_OCTREE, "Fig. A.4", 0, 0},
+    {SKELETON(MEDIAL, 36), ORIGINAL, OLX_SELECT_OCTREE, "Fig. A.5", 0, 0},
 };
 
 static const wang_row sponza_rows[] = {
     {GRID(8, 4, 4), ORIGINAL, OLX_SELECT_CAGE, "Table 5.1, Fig. 5.4", 30.0, 1.05e-2},
+    {SKELETON(MEDIAL, 64), ORIGINAL, OLX_SELECT_OCTREE, "Table 5.1, Figs. 5.4, A.9", 23.1, 1.10e-2},
     {GRID(6, 3, 3), ORIGINAL, OLX_SELECT_CAGE, "Table 5.1, Fig. 5.6", 24.1, 4.14e-2},
+    {SKELETON(MEDIAL, 54), ORIGINAL, OLX_SELECT_OCTREE, "Table 5.1, Figs. 5.6, A.10", 20.6, 1.27e-2},
+    {SKELETON(MEDIAL, 54), ORIGINAL, OLX_SELECT_VORONOI, NULL, 0, 0},
+    {SKELETON(MEDIAL, 54), ORIGINAL, OLX_SELECT_EXHAUSTIVE, NULL, 0, 0},
+    {COVER(54), ORIGINAL, OLX_SELECT_EXHAUSTIVE, NULL, 0, 0},
     {GRID(3, 3, 3), ORIGINAL, OLX_SELECT_CAGE, "Fig. 5.9", 20.0, 2.41e-2},
     {GRID(16, 8, 4), ORIGINAL, OLX_SELECT_CAGE, "Figs. A.21-A.25", 0, 0},
-    {SKELETON(MEDIAL, 64), ORIGINAL, OLX_SELECT_EXHAUSTIVE, NULL, 0, 0},
-    {SKELETON(MEDIAL, 54), ORIGINAL, OLX_SELECT_EXHAUSTIVE, NULL, 0, 0},
-    {SKELETON(MEDIAL, 87), ORIGINAL, OLX_SELECT_EXHAUSTIVE, "Fig. A.7", 0, 0},
-    {SKELETON(MEDIAL, 74), ORIGINAL, OLX_SELECT_EXHAUSTIVE, "Fig. A.8", 0, 0},
-    {COVER(54), ORIGINAL, OLX_SELECT_EXHAUSTIVE, NULL, 0, 0},
+    {SKELETON(MEDIAL, 87), ORIGINAL, OLX_SELECT_OCTREE, "Fig. A.7", 0, 0},
+    {SKELETON(MEDIAL, 74), ORIGINAL, OLX_SELECT_OCTREE, "Fig. A.8", 0, 0},
 };
 
 static const uint32_t cornell_8[][3] = {{2, 2, 2}, {4, 2, 1}, {2, 4, 1}, {1, 4, 2}, {2, 1, 4}, {1, 2, 4}};
 static const wang_size cornell_sizes[] = {{8, cornell_8, COUNT(cornell_8)}};
 static const uint32_t temple_32[][3] = {{4, 2, 4}, {2, 2, 8}, {4, 1, 8}, {2, 4, 4}, {4, 4, 2}, {3, 2, 5}};
 static const wang_size temple_sizes[] = {{32, temple_32, COUNT(temple_32)}};
-static const uint32_t sponza_128[][3] = {{8, 4, 4}, {16, 2, 4}, {8, 2, 8}, {16, 4, 2}, {10, 3, 4}, {6, 5, 4}};
+static const uint32_t sponza_128[][3] = {{8, 4, 4}, {16, 2, 4}, {8, 2, 8}, {10, 3, 4}};
 static const wang_size sponza_sizes[] = {{128, sponza_128, COUNT(sponza_128)}};
 
 const wang_scene wang_scenes[WANG_SCENES] = {

@@ -24,7 +24,10 @@ void bench_folder_remove(const bench_folder *folder) { rmdir(folder->path); }
 bench_name bench_probes_name(const bench_probes *probes) {
   bench_name name;
   int used;
-  if (probes->grid[0]) {
+  if (probes->file) {
+    const char *slash = strrchr(probes->file, '/');
+    used = snprintf(name.text, sizeof name.text, "%.48s", slash ? slash + 1 : probes->file);
+  } else if (probes->grid[0]) {
     used = snprintf(name.text, sizeof name.text, "%ux%ux%u grid", probes->grid[0], probes->grid[1], probes->grid[2]);
   } else if (probes->optimize == OLX_OPTIMIZE_NONE) {
     used = snprintf(name.text, sizeof name.text, "%u %s", probes->count, olx_place_method_name(probes->method));
@@ -42,9 +45,9 @@ static double now(void) {
   return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
 }
 
-// Positions that are the caller's to release, from placement.
 static olx_result place(const olx_scene *scene, const bench_probes *probes, const bench_bake *bake,
-                        const olx_progress *progress, olx_vec3 **positions, bench_field *made) {
+                        const olx_progress *progress, olx_probe_set *set) {
+  if (probes->file) return olx_probe_set_load(probes->file, set);
   olx_place_settings settings = olx_place_settings_default(scene);
   settings.method = probes->method;
   settings.count = probes->count;
@@ -52,9 +55,15 @@ static olx_result place(const olx_scene *scene, const bench_probes *probes, cons
   settings.resolution = probes->texels;
   settings.threads = bake->threads;
   if (bake->rough) settings.candidates = settings.surfels = ROUGH_SAMPLES;
+  return olx_place(scene, &settings, progress, set);
+}
+
+// Positions that are the caller's to release.
+static olx_result find_positions(const olx_scene *scene, const bench_probes *probes, const bench_bake *bake,
+                                 const olx_progress *progress, olx_vec3 **positions, bench_field *made) {
   olx_probe_set set;
   const double start = now();
-  const olx_result result = olx_place(scene, &settings, progress, &set);
+  const olx_result result = place(scene, probes, bake, progress, &set);
   if (result != OLX_OK) return result;
   made->place_seconds = now() - start;
   made->coverage = set.report.coverage;
@@ -83,7 +92,7 @@ olx_result bench_field_make(const olx_scene *scene, const bench_probes *probes, 
   if (probes->grid[0]) {
     result = olx_scene_probe_grid(scene, probes->grid, &settings.grid);
   } else {
-    result = place(scene, probes, bake, progress, &positions, made);
+    result = find_positions(scene, probes, bake, progress, &positions, made);
     settings.probes = positions;
     settings.probe_count = made->info.probe_count;
   }

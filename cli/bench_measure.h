@@ -20,7 +20,8 @@ typedef struct bench_probes {
   olx_place_method method;
   uint32_t count;
   olx_place_optimizer optimize;
-  uint32_t texels; // along a map
+  uint32_t texels;  // along a map
+  const char *file; // positions that `octalux place` wrote, instead of all that; NULL
 } bench_probes;
 
 // "8x4x4 grid", "64 medial + gibbs", "20 cover, 1024^2".

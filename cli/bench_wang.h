@@ -36,7 +36,7 @@ extern const wang_scene wang_scenes[WANG_SCENES];
 // What the command line may change.
 typedef struct wang_options {
   uint32_t scene; // of wang_scenes; WANG_SCENES: all
-  const char *folder, *images;
+  const char *folder, *images, *sets;
   uint32_t size[2], spp, field_spp, rounds, texels, threads;
   bool quick, brief, progress, json;
 } wang_options;

@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 // What a set of probes is measured by beside its picture: mirror rays of the cameras against the true triangles.
 typedef struct finding {
@@ -103,6 +104,12 @@ static void list_contenders(uint32_t n, bench_probes list[CONTENDERS]) {
   for (uint32_t i = 0; i < CONTENDERS; ++i) list[i] = all[i];
 }
 
+static void report(const wang_run *run, const finding *found, const finding *best, cJSON *list) {
+  add_finding(run, list, found, best);
+  if (!run->options->json) print_finding(run, found, best);
+  fflush(stdout);
+}
+
 static olx_result run_size(wang_run *run, const wang_size *size, cJSON *list) {
   finding grids[MOST_SHAPES], contender;
   const uint32_t shapes = run->options->quick ? 2 : size->shape_count;
@@ -114,18 +121,31 @@ static olx_result run_size(wang_run *run, const wang_size *size, cJSON *list) {
     if (result != OLX_OK) return result;
     if (grids[i].quality.glossy.mse < grids[best].quality.glossy.mse) best = i;
   }
-  for (uint32_t i = 0; i < shapes; ++i) {
-    add_finding(run, list, &grids[i], &grids[best]);
-    if (!run->options->json) print_finding(run, &grids[i], &grids[best]);
-  }
+  for (uint32_t i = 0; i < shapes; ++i) report(run, &grids[i], &grids[best], list);
   bench_probes contenders[CONTENDERS];
   list_contenders(size->probes, contenders);
   for (uint32_t i = 0; i < CONTENDERS; ++i) {
     const olx_result result = examine(run, &contenders[i], &contender);
     if (result != OLX_OK) return result;
-    add_finding(run, list, &contender, &grids[best]);
-    if (!run->options->json) print_finding(run, &contender, &grids[best]);
-    fflush(stdout);
+    report(run, &contender, &grids[best], list);
+  }
+  return OLX_OK;
+}
+
+// The sets of files, by names with commas between.
+static olx_result run_files(wang_run *run, cJSON *list) {
+  finding first, found;
+  bool any = false;
+  for (const char *name = run->options->sets; *name;) {
+    char path[4096];
+    const size_t length = strcspn(name, ",");
+    snprintf(path, sizeof path, "%.*s", (int)length, name);
+    const bench_probes probes = {.texels = 512, .file = path};
+    const olx_result result = examine(run, &probes, any ? &found : &first);
+    if (result != OLX_OK) return result;
+    report(run, any ? &found : &first, &first, list);
+    any = true;
+    name += length + (name[length] == ',');
   }
   return OLX_OK;
 }
@@ -139,6 +159,7 @@ olx_result wang_run_counts(wang_run *run, cJSON *object) {
            "unresolved | wrong |\n");
     printf("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
   }
+  if (run->options->sets) return run_files(run, list);
   for (uint32_t i = 0; i < run->experiment->size_count; ++i) {
     const olx_result result = run_size(run, &run->experiment->sizes[i], list);
     if (result != OLX_OK) return result;

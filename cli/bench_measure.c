@@ -9,7 +9,7 @@
 
 enum {
   ROUGH_SAMPLES = 600,
-  FREE_SELECTORS = 1 << OLX_SELECT_VORONOI | 1 << OLX_SELECT_OCTREE // of probes that were placed
+  FREE_SELECTORS = 1 << OLX_SELECT_VORONOI | 1 << OLX_SELECT_OCTREE | 1 << OLX_SELECT_BRICKS // of placed probes
 };
 
 bool bench_folder_make(bench_folder *folder) {

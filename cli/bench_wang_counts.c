@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 // What a set of probes is measured by beside its picture: mirror rays of the cameras against the true triangles.
@@ -132,7 +133,7 @@ static olx_result run_size(wang_run *run, const wang_size *size, cJSON *list) {
   return OLX_OK;
 }
 
-// The sets of files, by names with commas between.
+// The sets of files, by names with commas between, each with @TEXELS behind it or with maps of 512.
 static olx_result run_files(wang_run *run, cJSON *list) {
   finding first, found;
   bool any = false;
@@ -140,7 +141,12 @@ static olx_result run_files(wang_run *run, cJSON *list) {
     char path[4096];
     const size_t length = strcspn(name, ",");
     snprintf(path, sizeof path, "%.*s", (int)length, name);
-    const bench_probes probes = {.texels = 512, .file = path};
+    bench_probes probes = {.texels = 512, .file = path};
+    char *texels = strchr(path, '@');
+    if (texels) {
+      probes.texels = (uint32_t)strtoul(texels + 1, NULL, 10);
+      *texels = 0;
+    }
     const olx_result result = examine(run, &probes, any ? &found : &first);
     if (result != OLX_OK) return result;
     report(run, any ? &found : &first, &first, list);

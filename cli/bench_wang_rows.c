@@ -171,17 +171,19 @@ static void add_memory(const wang_run *run, const measured_tables *t, cJSON *lis
     add_number(entry, "radiance", (double)info->radiance_bytes);
     add_number(entry, "normal", (double)info->normal_bytes);
     add_number(entry, "irradiance", (double)(info->irradiance_bytes + info->moments_bytes));
-    add_number(entry, "selector", (double)info->selector_bytes);
-    add_number(entry, "total", (double)info->file_bytes);
+    for (olx_select select = OLX_SELECT_VORONOI; select < OLX_SELECT_EXHAUSTIVE; ++select) {
+      add_number(entry, olx_select_name(select), (double)info->select_bytes[select]);
+    }
+    add_number(entry, "maps", (double)(info->file_bytes - info->selector_bytes));
     add_number(entry, "place_seconds", t->sets[row->set].place_seconds);
     add_number(entry, "bake_seconds", t->sets[row->set].bake_seconds);
   }
 }
 
 static void print_memory(const cJSON *list) {
-  static const char *const keys[] = {"distance", "pyramid", "radiance", "normal", "irradiance", "selector", "total"};
-  printf("\n| MiB | distance | pyramid | radiance | normal | irradiance | selector | total |\n");
-  printf("| --- | --- | --- | --- | --- | --- | --- | --- |\n");
+  static const char *const keys[] = {"distance", "pyramid", "radiance", "normal", "irradiance", "maps", "voronoi", "octree", "bricks"};
+  printf("\n| MiB | distance | pyramid | radiance | normal | irradiance | all maps | voronoi | octree | bricks |\n");
+  printf("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
   const cJSON *entry;
   cJSON_ArrayForEach(entry, list) {
     printf("| %s |", cJSON_GetObjectItem(entry, "name")->valuestring);

@@ -11,7 +11,8 @@ expect_json 'o["experiment"] == "wang" and [s["scene"] for s in o["scenes"]] == 
     and r["glossy"]["relative_mse"] < 2 and {"mse", "noise", "bias"} <= set(r["final"]) for r in o["scenes"][0]["rows"])
   and o["scenes"][0]["rows"][0]["speedup"] == 1 and o["scenes"][0]["rows"][0]["select"] == "cage"
   and {r["probes"] for r in o["scenes"][0]["rows"]} == {7, 8}
-  and all(m["probes"] * 34 * 34 * 2 == m["distance"] and m["total"] > m["radiance"] + m["irradiance"]
+  and all(m["probes"] * 34 * 34 * 2 == m["distance"] and m["maps"] > m["radiance"] + m["irradiance"]
+    and (m["probes"] == 8) == (m["octree"] + m["bricks"] == 0)
     for m in o["scenes"][0]["memory"])' bench wang "${scenes[@]}" "${small[@]}" -o pictures
 [ -s pictures/cornell-glossy-front-path-beauty.png ] || fail "no picture of the reference"
 [ -s pictures/cornell-glossy-between-2x2x2_grid,_32_2_cage-indirect_glossy.png ] || fail "no picture from the grid"
@@ -22,6 +23,11 @@ grep -q "cornell-glossy: timing" stderr.txt || fail "no progress"
 expect_json 'o["experiment"] == "wang-probes" and min(s["against_best_grid"] for s in o["scenes"][0]["sets"][:2]) == 1
   and len(o["scenes"][0]["sets"]) > 8 and all(0 <= s["unseen"] <= 1 and len(s["cameras"]) == 2
     for s in o["scenes"][0]["sets"])' bench wang-probes "${scenes[@]}" "${small[@]}"
+for n in 3 5; do "$OCTALUX" place builtin:cornell-glossy -o $n.json --count $n --candidates 100 --surfels 500 >stdout.txt; done
+expect_json '[s["name"] for s in o["scenes"][0]["sets"]] == ["3.json", "5.json", "5.json, 64^2"]
+  and [s["probes"] for s in o["scenes"][0]["sets"]] == [3, 5, 5] and o["scenes"][0]["sets"][0]["against_best_grid"] == 1' \
+  bench wang-probes "${scenes[@]}" "${small[@]}" --probes 3.json,5.json,5.json@1024
+expect_failure "nowhere.json" bench wang-probes "${scenes[@]}" "${small[@]}" --probes nowhere.json
 [ -z "$(ls -A temporary)" ] || fail "temporary fields are left"
 
 expect_usage "is not one of cornell-glossy|temple|sponza" bench wang --scene atlantis

@@ -57,6 +57,7 @@ typedef struct olx_field_info {
   uint64_t file_bytes;
   uint64_t radiance_bytes, normal_bytes, distance_bytes, pyramid_bytes, irradiance_bytes, moments_bytes,
       selector_bytes;
+  uint64_t select_bytes[OLX_SELECT_EXHAUSTIVE]; // of each selector in the file; their sum is selector_bytes
 } olx_field_info;
 
 // Map a field file into memory and check its structure: every offset and size, and the checksums of header, chunk table and

@@ -45,6 +45,7 @@ static olx_result find_selectors(olx_field *field, const olx_chunk_shape shapes[
     field->select_data[select] = (const char *)field->data + chunk->offset;
     field->select_bytes[select] = chunk->size_bytes;
     field->info.selector_bytes += chunk->size_bytes;
+    field->info.select_bytes[select] = chunk->size_bytes;
   }
   return OLX_OK;
 }

@@ -169,7 +169,7 @@ int command_bench_wang(int argc, char **argv) {
       {"--field-spp", OPTION_COUNT, &o.field_spp, "N", "of each of two pictures from a field; default 8", 1, 4096},
       {"--rounds", OPTION_COUNT, &o.rounds, "N", "in which each row is timed once; default 5", 1, 1000},
       {"--quick", OPTION_FLAG, &o.quick, NULL, "the Cornell box alone, small and rough, in seconds", 0, 0},
-      {"--probes", OPTION_TEXT, &o.sets, "A.json,B.json@1024", "wang-probes: only these sets, against the first", 0, 0},
+      {"--probes", OPTION_TEXT, &o.sets, "4x2x4,A.json,B.json@1024", "wang-probes: only these sets, against the first", 0, 0},
       {"--short", OPTION_FLAG, &o.brief, NULL, "wang: without the series of sets in appendix A", 0, 0},
       {"-o", OPTION_TEXT, &o.images, "FOLDER", "write pictures of every set of probes there", 0, 0},
       {"--threads", OPTION_COUNT, &o.threads, "N", "to bake and to measure errors; default 0: every processor", 0, 4096},

@@ -133,25 +133,35 @@ static olx_result run_size(wang_run *run, const wang_size *size, cJSON *list) {
   return OLX_OK;
 }
 
-// The sets of files, by names with commas between, each with @TEXELS behind it or with maps of 512.
-static olx_result run_files(wang_run *run, cJSON *list) {
+// The next of names with commas between: a file of probes or a grid such as 4x2x4, each with @TEXELS behind it or with maps
+// of 512. `path` keeps the file's name.
+static const char *next_set(const char *name, char path[4096], bench_probes *probes) {
+  const size_t length = strcspn(name, ",");
+  snprintf(path, 4096, "%.*s", (int)length, name);
+  *probes = (bench_probes){.texels = 512, .file = path};
+  char *texels = strchr(path, '@');
+  if (texels) {
+    probes->texels = (uint32_t)strtoul(texels + 1, NULL, 10);
+    *texels = 0;
+  }
+  uint32_t *grid = probes->grid;
+  int end = 0;
+  if (sscanf(path, "%4ux%4ux%4u%n", &grid[0], &grid[1], &grid[2], &end) == 3 && !path[end]) probes->file = NULL;
+  else grid[0] = 0;
+  return name + length + (name[length] == ',');
+}
+
+static olx_result run_given(wang_run *run, cJSON *list) {
   finding first, found;
   bool any = false;
   for (const char *name = run->options->sets; *name;) {
     char path[4096];
-    const size_t length = strcspn(name, ",");
-    snprintf(path, sizeof path, "%.*s", (int)length, name);
-    bench_probes probes = {.texels = 512, .file = path};
-    char *texels = strchr(path, '@');
-    if (texels) {
-      probes.texels = (uint32_t)strtoul(texels + 1, NULL, 10);
-      *texels = 0;
-    }
+    bench_probes probes;
+    name = next_set(name, path, &probes);
     const olx_result result = examine(run, &probes, any ? &found : &first);
     if (result != OLX_OK) return result;
     report(run, any ? &found : &first, &first, list);
     any = true;
-    name += length + (name[length] == ',');
   }
   return OLX_OK;
 }
@@ -165,7 +175,7 @@ olx_result wang_run_counts(wang_run *run, cJSON *object) {
            "unresolved | wrong |\n");
     printf("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
   }
-  if (run->options->sets) return run_files(run, list);
+  if (run->options->sets) return run_given(run, list);
   for (uint32_t i = 0; i < run->experiment->size_count; ++i) {
     const olx_result result = run_size(run, &run->experiment->sizes[i], list);
     if (result != OLX_OK) return result;

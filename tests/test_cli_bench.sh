@@ -24,9 +24,9 @@ expect_json 'o["experiment"] == "wang-probes" and min(s["against_best_grid"] for
   and len(o["scenes"][0]["sets"]) > 8 and all(0 <= s["unseen"] <= 1 and len(s["cameras"]) == 2
     for s in o["scenes"][0]["sets"])' bench wang-probes "${scenes[@]}" "${small[@]}"
 for n in 3 5; do "$OCTALUX" place builtin:cornell-glossy -o $n.json --count $n --candidates 100 --surfels 500 >stdout.txt; done
-expect_json '[s["name"] for s in o["scenes"][0]["sets"]] == ["3.json", "5.json", "5.json, 64^2"]
-  and [s["probes"] for s in o["scenes"][0]["sets"]] == [3, 5, 5] and o["scenes"][0]["sets"][0]["against_best_grid"] == 1' \
-  bench wang-probes "${scenes[@]}" "${small[@]}" --probes 3.json,5.json,5.json@1024
+expect_json '[s["name"] for s in o["scenes"][0]["sets"]] == ["2x1x2 grid, 32^2", "3.json, 32^2", "5.json, 64^2"]
+  and [s["probes"] for s in o["scenes"][0]["sets"]] == [4, 3, 5] and o["scenes"][0]["sets"][0]["against_best_grid"] == 1' \
+  bench wang-probes "${scenes[@]}" "${small[@]}" --probes 2x1x2,3.json,5.json@1024
 expect_failure "nowhere.json" bench wang-probes "${scenes[@]}" "${small[@]}" --probes nowhere.json
 [ -z "$(ls -A temporary)" ] || fail "temporary fields are left"
 

@@ -334,7 +334,32 @@ def emitters(bench):
             row(scene.name, emitters, mode, number(m["relative_mse"]), number(m["bias"]), number(share))
 
 
-EXPERIMENTS = {"layers": layers, "audit": audit, "leaks": leaks, "speed": speed, "selectors": selectors, "denoise": denoise, "modes": modes, "dim-lobes": dim_lobes,
+PLACED = ["cornell", "temple", "sponza", "white-room", "kitchen", "small-house", "pandora"]
+
+
+def place(bench):
+    """Placement: every method in every scene, and what placement_check finds."""
+    check = os.path.join(os.path.dirname(bench.program), "bench", "placement_check")
+    head("scene", "method", "probes", "s", "covered", "covered, checked", "reached", "inside or outside", "nearest surface", "backs seen")
+    for name in PLACED:
+        source = "builtin:" + name if name in ("cornell", "temple") else described(name)
+        if bench.only and name not in bench.only:
+            continue
+        if not source.startswith("builtin:") and bench.run("scene", source, fail=False) is None:
+            print("skipped: %s is not here (set OCTALUX_SCENES)" % name, file=sys.stderr)
+            continue
+        for method in ("sdf", "medial", "cover"):
+            for optimize in ("none", "gradient", "gibbs"):
+                probes = bench.path("place-%s-%s-%s.json" % (name, method, optimize))
+                p = bench.run("place", source, "-o", probes, "--method", method, "--optimize", optimize)
+                done = subprocess.run([check, source, probes, "20000" if bench.quick else "100000"], stdout=subprocess.PIPE, check=True, text=True)
+                c = json.loads(done.stdout)
+                row(name, method + ("" if optimize == "none" else " + " + optimize), p["count"], "%.1f" % p["seconds"], "%.2f %%" % (100 * p["coverage"]),
+                    "%.2f %%" % (100 * c["covered"]), "%d of %d" % (round(c["reached"] * p["count"]), p["count"]), p["buried"] + c["outside"],
+                    "%.2f %%" % (100 * c["nearest"]), "%.2f" % c["back"])
+
+
+EXPERIMENTS = {"place": place, "layers": layers, "audit": audit, "leaks": leaks, "speed": speed, "selectors": selectors, "denoise": denoise, "modes": modes, "dim-lobes": dim_lobes,
                "emitters": emitters}
 
 

@@ -1,5 +1,6 @@
 #include "commands.h"
 #include "options.h"
+#include "place_picture.h"
 #include "report.h"
 
 #include <octalux/place.h>
@@ -104,9 +105,12 @@ static void print_place(const char *path, const olx_probe_set *set) {
   printf("  seconds    %.2f\n", report->seconds);
 }
 
-static int place_probes(const olx_scene *scene, const place_options *given, const char *path, bool json) {
+static int place_probes(const olx_scene *scene, const place_options *given, const place_picture *picture,
+                        const char *path, bool json) {
   olx_place_settings settings;
   if (resolve_place_options(scene, given, &settings) != OLX_OK) return library_failure("place");
+  if (picture->path && find_picture_camera(scene, picture) != OLX_OK) return library_failure("place");
+  settings.marks = picture->path != NULL;
   progress_line line;
   progress_begin(&line, "place", false);
   const olx_progress progress = progress_of(&line);
@@ -117,6 +121,7 @@ static int place_probes(const olx_scene *scene, const place_options *given, cons
   if (result != OLX_OK) return library_failure("place");
   int code = EXIT_DONE;
   if (olx_probe_set_save(&set, path) != OLX_OK) code = library_failure("place");
+  else if (picture->path && draw_place_picture(scene, &set, picture) != OLX_OK) code = library_failure("place");
   else if (json) code = print_place_json(&set);
   else print_place(path, &set);
   olx_probe_set_free(&set);
@@ -125,6 +130,7 @@ static int place_probes(const olx_scene *scene, const place_options *given, cons
 
 int command_place(int argc, char **argv) {
   place_options given = {.method = OLX_PLACE_COVER, .refinements = UINT32_MAX};
+  place_picture picture = {0};
   const char *output = NULL;
   bool json = false;
   const option options[] = {
@@ -147,6 +153,9 @@ int command_place(int argc, char **argv) {
       {"--optimize", OPTION_CHOICE, &given.optimize, "none|gradient|gibbs", "move the probes; default none", 0, 0},
       {"--reward", OPTION_CHOICE, &given.reward, "best|sum", "what --optimize raises; default best", 0, 0},
       {"--rounds", OPTION_COUNT, &given.rounds, "N", "--optimize: at most so many; default 50", 1, 10000},
+      {"--picture", OPTION_TEXT, &picture.path, "FILE.png", "draw skeleton, probes and what is not covered", 0, 0},
+      {"--camera", OPTION_TEXT, &picture.camera, "NAME", "--picture: seen from there; default: the first", 0, 0},
+      {"--size", OPTION_SIZE, picture.size, "1280x720", "--picture: pixels; default 1280x720", 1, 16384},
       {"--seed", OPTION_COUNT, &given.seed, "N", "of all random choices; default 0", 0, UINT32_MAX},
       {"--threads", OPTION_COUNT, &given.threads, "N", "default 0: every processor; the result is the same", 0, 4096},
       {"--json", OPTION_FLAG, &json, NULL, "print one JSON object", 0, 0},
@@ -158,10 +167,16 @@ int command_place(int argc, char **argv) {
                        .option_count = sizeof options / sizeof options[0]};
   int code;
   if (!parse_options(&line, argc, argv, &code)) return code;
-  if (!check_output("place", output)) return EXIT_FAILED;
+  if (picture.path && !ends_with(picture.path, ".png")) {
+    return usage_error("place", "--picture: '%s' does not end in .png", picture.path);
+  }
+  if (!picture.path && (picture.camera || picture.size[0])) {
+    return usage_error("place", "--camera and --size go with --picture");
+  }
+  if (!check_output("place", output) || (picture.path && !check_output("place", picture.path))) return EXIT_FAILED;
   olx_scene *scene = NULL;
   if (olx_scene_load(line.given[0], &scene) != OLX_OK) return library_failure("place");
-  code = place_probes(scene, &given, output, json);
+  code = place_probes(scene, &given, &picture, output, json);
   olx_scene_free(scene);
   return code;
 }

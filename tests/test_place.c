@@ -4,6 +4,7 @@
 #include "made_scenes.h"
 #include "place/measure.h"
 #include "place/surfels.h"
+#include "place_fixtures.h"
 #include "scene/builtin_shapes.h"
 #include "scene/bvh.h"
 #include "tiny_scenes.h"
@@ -12,51 +13,25 @@
 
 #include <unistd.h>
 
-static olx_place_settings quick(const olx_scene *scene) {
-  olx_place_settings settings = olx_place_settings_default(scene);
-  settings.surfels = 1500;
-  settings.candidates = 150;
-  settings.voxels = 36;
-  settings.refinements = 1;
-  return settings;
-}
-
-static olx_probe_set place(const olx_scene *scene, const olx_place_settings *settings) {
-  olx_probe_set set;
-  ASSERT_OK(olx_place(scene, settings, NULL, &set));
-  return set;
-}
-
-static olx_scene *load(const char *name) {
-  olx_scene *scene;
-  ASSERT_OK(olx_scene_load(name, &scene));
-  return scene;
-}
-
 static void add_camera(olx_scene *scene, olx_vec3 eye, olx_vec3 target) {
   const olx_camera camera = tiny_camera(eye, target, 60.0f);
   ASSERT_OK(olx_scene_add_camera(scene, &camera));
 }
 
-static uint32_t matte(olx_scene *scene) {
-  const olx_material material = tiny_lambert(0.5f, 0.0f);
-  return made_material(scene, &material);
-}
-
-// A room of 4 m x 2 m x 4 m around the origin.
-static olx_scene *start_room(void) {
-  olx_scene *scene = made_scene();
-  const uint32_t m = matte(scene), materials[6] = {m, m, m, m, m, m};
-  ASSERT_OK(olx_add_room(scene, "room", olx_v3(-2, 0, -2), olx_v3(2, 2, 2), materials));
-  return scene;
-}
-
+// No method but the grid finds anything, optimized or not.
 static void expect_nothing(olx_scene *scene, const char *why) {
-  const olx_place_settings settings = quick(scene);
-  olx_probe_set set;
-  assert_int_equal(olx_place(scene, &settings, NULL, &set), OLX_ERROR_EMPTY);
-  if (!strstr(olx_last_error(), why)) fail_msg("\"%s\" does not say \"%s\"", olx_last_error(), why);
-  assert_null(set.probes);
+  for (int method = OLX_PLACE_SDF; method <= OLX_PLACE_COVER; method++) {
+    for (int how = OLX_OPTIMIZE_NONE; how <= OLX_OPTIMIZE_GIBBS; how++) {
+      olx_place_settings settings = quick_settings(scene, (olx_place_method)method);
+      settings.optimize = (olx_place_optimizer)how;
+      settings.marks = how > OLX_OPTIMIZE_NONE;
+      olx_probe_set set;
+      assert_int_equal(olx_place(scene, &settings, NULL, &set), OLX_ERROR_EMPTY);
+      if (!strstr(olx_last_error(), why)) fail_msg("\"%s\" does not say \"%s\"", olx_last_error(), why);
+      assert_null(set.probes);
+      assert_null(set.marks);
+    }
+  }
   olx_scene_free(scene);
 }
 
@@ -128,7 +103,7 @@ static void one_probe_covers_a_closed_box(void **state) {
   (void)state;
   olx_scene *scene = start_room();
   made_finish(scene);
-  const olx_place_settings settings = quick(scene);
+  const olx_place_settings settings = quick_settings(scene, OLX_PLACE_COVER);
   olx_probe_set set = place(scene, &settings);
   assert_int_equal(set.count, 1);
   assert_true(set.report.coverage > 0.999);
@@ -145,7 +120,7 @@ static void a_wall_needs_a_second_probe(void **state) {
   olx_scene *scene = start_room();
   made_quad(scene, olx_v3(0, 1, -0.4f), olx_v3(0, 2, 0), olx_v3(0, 0, 3.2f), matte(scene));
   made_finish(scene);
-  olx_place_settings settings = quick(scene);
+  olx_place_settings settings = quick_settings(scene, OLX_PLACE_COVER);
   settings.count = 1;
   olx_probe_set one = place(scene, &settings);
   settings.count = 2;
@@ -168,7 +143,7 @@ static void nothing_is_placed_in_a_sealed_room(void **state) {
   made_room(scene, olx_v3(1.5f, 0, 0), 2.0f, m);
   add_camera(scene, olx_v3(-1.2f, 0, 0), olx_v3(-2, 0, 0));
   made_finish(scene);
-  olx_place_settings settings = quick(scene);
+  olx_place_settings settings = quick_settings(scene, OLX_PLACE_COVER);
   settings.count = 3;
   olx_probe_set set = place(scene, &settings);
   assert_int_equal(set.count, 3);
@@ -190,7 +165,7 @@ static void light_says_which_room_matters(void **state) {
     const olx_light light = {.type = OLX_LIGHT_POINT, .position = {-1.5f, 0.5f, 0}, .emission = {1, 1, 1}};
     if (lit) ASSERT_OK(olx_scene_add_light(scene, &light));
     made_finish(scene);
-    const olx_place_settings settings = quick(scene);
+    const olx_place_settings settings = quick_settings(scene, OLX_PLACE_COVER);
     olx_probe_set set = place(scene, &settings);
     for (uint32_t i = 0; i < set.count; i++) assert_true((set.probes[i].position.x < -0.5f) == (lit == 1));
     olx_probe_set_free(&set);
@@ -215,7 +190,7 @@ static void nothing_to_place_in_is_said_clearly(void **state) {
   room->probe_rules.has_playable = true;
   room->probe_rules.playable = (olx_box){{-1, 3, -1}, {1, 4, 1}};
   made_finish(room);
-  const olx_place_settings settings = quick(room);
+  const olx_place_settings settings = quick_settings(room, OLX_PLACE_COVER);
   olx_probe_set set;
   // The outside of the ceiling is seen from above it.
   ASSERT_OK(olx_place(room, &settings, NULL, &set));
@@ -235,7 +210,7 @@ static void a_single_quad_has_two_sides(void **state) {
   scene->probe_rules.has_playable = true;
   scene->probe_rules.playable = (olx_box){{-1, -1, -1}, {1, 1, 1}};
   made_finish(scene);
-  olx_place_settings settings = quick(scene);
+  olx_place_settings settings = quick_settings(scene, OLX_PLACE_COVER);
   settings.count = 2;
   olx_probe_set set = place(scene, &settings);
   assert_int_equal(set.count, 2);
@@ -245,42 +220,36 @@ static void a_single_quad_has_two_sides(void **state) {
   olx_scene_free(scene);
 }
 
-static bool same_probes(const olx_probe_set *a, const olx_probe_set *b) {
-  if (a->count != b->count) return false;
-  for (uint32_t i = 0; i < a->count; i++) {
-    const olx_placed_probe *p = &a->probes[i], *q = &b->probes[i];
-    if (memcmp(&p->position, &q->position, sizeof p->position) != 0) return false;
-    if (p->origin != q->origin || p->gain != q->gain || p->buried != q->buried) return false;
-  }
-  return a->report.coverage == b->report.coverage && a->report.coverage_by_area == b->report.coverage_by_area;
-}
-
 static void threads_and_runs_do_not_matter(void **state) {
   (void)state;
   olx_scene *scene = load("builtin:pillars");
-  olx_place_settings settings = quick(scene);
-  settings.count = 6;
-  settings.threads = 1;
-  olx_probe_set one = place(scene, &settings);
-  const uint32_t threads[3] = {1, 2, 5};
-  for (int i = 0; i < 3; i++) {
-    settings.threads = threads[i];
-    olx_probe_set other = place(scene, &settings);
-    assert_true(same_probes(&one, &other));
-    olx_probe_set_free(&other);
+  for (int kind = 0; kind < 12; kind++) {
+    olx_place_settings settings = quick_settings(scene, (olx_place_method)(kind / 3));
+    settings.optimize = (olx_place_optimizer)(kind % 3);
+    settings.rounds = 2;
+    settings.count = 6;
+    settings.threads = 1;
+    olx_probe_set one = place(scene, &settings);
+    const uint32_t threads[3] = {1, 2, 5};
+    for (int i = 0; i < 3; i++) {
+      settings.threads = threads[i];
+      olx_probe_set other = place(scene, &settings);
+      assert_true(same_probes(&one, &other));
+      olx_probe_set_free(&other);
+    }
+    settings.seed = 1;
+    olx_probe_set seeded = place(scene, &settings);
+    if (settings.method == OLX_PLACE_COVER) assert_false(same_probes(&one, &seeded));
+    olx_probe_set_free(&seeded);
+    olx_probe_set_free(&one);
   }
-  settings.seed = 1;
-  olx_probe_set seeded = place(scene, &settings);
-  assert_false(same_probes(&one, &seeded));
-  olx_probe_set_free(&seeded);
-  olx_probe_set_free(&one);
   olx_scene_free(scene);
 }
 
 static void more_probes_cover_more(void **state) {
   (void)state;
   olx_scene *scene = load("builtin:labyrinth");
-  olx_place_settings settings = quick(scene);
+  olx_place_settings settings = quick_settings(scene, OLX_PLACE_COVER);
   double before = 0.0;
   for (settings.count = 1; settings.count <= 16; settings.count *= 2) {
     olx_probe_set set = place(scene, &settings);
@@ -301,7 +270,7 @@ static void more_probes_cover_more(void **state) {
 static void asked_coverage_is_reached(void **state) {
   (void)state;
   olx_scene *scene = load("builtin:labyrinth");
-  olx_place_settings settings = quick(scene);
+  olx_place_settings settings = quick_settings(scene, OLX_PLACE_COVER);
   settings.coverage = 0.9f;
   olx_probe_set less = place(scene, &settings);
   settings.coverage = 0.99f;
@@ -317,7 +286,7 @@ static void asked_coverage_is_reached(void **state) {
 static void a_second_view_needs_more_probes(void **state) {
   (void)state;
   olx_scene *scene = load("builtin:cornell");
-  olx_place_settings settings = quick(scene);
+  olx_place_settings settings = quick_settings(scene, OLX_PLACE_COVER);
   settings.coverage = 0.97f;
   olx_probe_set once = place(scene, &settings);
   settings.views = 2;
@@ -332,7 +301,7 @@ static void a_second_view_needs_more_probes(void **state) {
 static void a_budget_says_how_many(void **state) {
   (void)state;
   olx_scene *scene = load("builtin:cornell");
-  olx_place_settings settings = quick(scene);
+  olx_place_settings settings = quick_settings(scene, OLX_PLACE_COVER);
   settings.resolution = 64;
   settings.budget_mb = 3.99e-6 * (double)olx_light_probe_bytes(64);
   olx_probe_set set = place(scene, &settings);
@@ -347,7 +316,7 @@ static void a_budget_says_how_many(void **state) {
 static void the_pillars_bury_three_grid_probes(void **state) {
   (void)state;
   olx_scene *scene = load("builtin:pillars");
-  olx_place_settings settings = quick(scene);
+  olx_place_settings settings = quick_settings(scene, OLX_PLACE_COVER);
   settings.method = OLX_PLACE_GRID;
   olx_probe_set set = place(scene, &settings);
   assert_int_equal(set.count, 18);
@@ -371,7 +340,7 @@ static void no_probe_is_inside_geometry(void **state) {
     for (int cameras = 0; cameras < 2; cameras++) {
       olx_scene *scene = load(names[k]);
       if (!cameras) scene->camera_count = 0;
-      olx_place_settings settings = quick(scene);
+      olx_place_settings settings = quick_settings(scene, OLX_PLACE_COVER);
       settings.count = 12;
       olx_probe_set set = place(scene, &settings);
       if (set.report.buried) fail_msg("%s: %u probes are inside geometry", names[k], set.report.buried);
@@ -385,19 +354,12 @@ static void no_probe_is_inside_geometry(void **state) {
   }
 }
 
-static bool box_holds(const olx_box *box, olx_vec3 p) {
-  return p.x >= box->min.x && p.y >= box->min.y && p.z >= box->min.z && p.x <= box->max.x && p.y <= box->max.y &&
-         p.z <= box->max.z;
-}
-
 static void overrides_hold_for_every_method(void **state) {
   (void)state;
   const olx_vec3 pinned[2] = {{-1.9f, 0.1f, -1.9f}, {1.0f, 1.0f, 1.0f}};
   const olx_box forbidden = {{-0.6f, 0.0f, -2.0f}, {2.0f, 2.0f, 0.2f}};
   for (int method = OLX_PLACE_GRID; method <= OLX_PLACE_COVER; method++) {
-    olx_scene *scene = start_room();
-    made_quad(scene, olx_v3(0, 1, -0.4f), olx_v3(0, 2, 0), olx_v3(0, 0, 3.2f), matte(scene));
-    made_finish(scene);
+    olx_scene *scene = made_finish(start_divided_room());
     olx_probe_rules *rules = &scene->probe_rules;
     rules->pinned = olx_allocate(2, sizeof *rules->pinned);
     rules->forbidden = olx_allocate(1, sizeof *rules->forbidden);
@@ -408,7 +370,7 @@ static void overrides_hold_for_every_method(void **state) {
     rules->has_playable = true;
     rules->playable = (olx_box){{-2, 0, -2}, {2, 1.5f, 2}};
     rules->min_distance = 0.4f;
-    olx_place_settings settings = quick(scene);
+    olx_place_settings settings = quick_settings(scene, OLX_PLACE_COVER);
     settings.method = (olx_place_method)method;
     settings.count = 5;
     settings.grid = (olx_grid){.origin = {-1.75f, 0.5f, -1.75f}, .spacing = {0.5f, 0.5f, 0.5f}, .count = {8, 3, 8}};
@@ -445,7 +407,7 @@ static void what_cannot_be_covered_is_told_apart(void **state) {
   rules->forbidden = olx_allocate(1, sizeof *rules->forbidden);
   rules->forbidden[0] = (olx_box){{-0.5f, 0, -2}, {2, 2, 2}};
   rules->forbidden_count = 1;
-  olx_place_settings settings = quick(scene);
+  olx_place_settings settings = quick_settings(scene, OLX_PLACE_COVER);
   olx_probe_set set = place(scene, &settings);
   for (uint32_t i = 0; i < set.count; i++) assert_true(set.probes[i].position.x < -0.5f);
   assert_true(set.report.restricted > 0.1);
@@ -468,7 +430,7 @@ static void settings_out_of_range_are_refused(void **state) {
   (void)state;
   olx_scene *scene = load("builtin:cornell");
   for (int i = 0; i < 10; i++) {
-    olx_place_settings s = quick(scene);
+    olx_place_settings s = quick_settings(scene, OLX_PLACE_COVER);
     if (i == 0) s.coverage = 1.5f;
     if (i == 1) s.coverage = NAN;
     if (i == 2) s.views = 0;
@@ -486,17 +448,10 @@ static void settings_out_of_range_are_refused(void **state) {
   olx_scene_free(scene);
 }
 
-static bool refuse(void *user, const char *stage, float done) {
-  (void)user;
-  (void)stage;
-  (void)done;
-  return false;
-}
-
 static void placement_can_be_cancelled(void **state) {
   (void)state;
   olx_scene *scene = load("builtin:pillars");
-  const olx_place_settings settings = quick(scene);
+  const olx_place_settings settings = quick_settings(scene, OLX_PLACE_COVER);
   const olx_progress progress = {.report = refuse};
   olx_probe_set set;
   assert_int_equal(olx_place(scene, &settings, &progress, &set), OLX_ERROR_CANCELLED);
@@ -518,7 +473,7 @@ static void probe_files_come_back(void **state) {
   assert_true(descriptor >= 0);
   close(descriptor);
   olx_scene *scene = load("builtin:pillars");
-  olx_place_settings settings = quick(scene);
+  olx_place_settings settings = quick_settings(scene, OLX_PLACE_COVER);
   settings.method = OLX_PLACE_GRID;
   settings.seed = 4000000000u;
   olx_probe_set set = place(scene, &settings), back;
@@ -567,6 +522,70 @@ static void probe_files_come_back(void **state) {
   olx_scene_free(scene);
 }
 
+// Marks say what the report says, and the skeleton lies in the space that matters.
+static void marks_tell_what_is_missed(void **state) {
+  (void)state;
+  olx_scene *scene = made_finish(start_divided_room());
+  for (int method = OLX_PLACE_GRID; method <= OLX_PLACE_COVER; method++) {
+    olx_place_settings settings = quick_settings(scene, (olx_place_method)method);
+    settings.count = 1;
+    settings.grid = (olx_grid){.origin = {-1, 1, 0}, .spacing = {1, 1, 1}, .count = {1, 1, 1}};
+    settings.marks = true;
+    olx_probe_set set = place(scene, &settings);
+    uint32_t missed = 0, skeleton = 0;
+    for (uint32_t i = 0; i < set.mark_count; i++) {
+      const olx_place_mark *mark = &set.marks[i];
+      missed += mark->kind == OLX_MARK_MISSED;
+      if (mark->kind != OLX_MARK_SKELETON) continue;
+      skeleton++;
+      assert_true(mark->radius > 0.0f && mark->radius < 1.2f);
+      assert_true(box_holds(&(olx_box){{-2, 0, -2}, {2, 2, 2}}, mark->position));
+    }
+    assert_true(skeleton > 10);
+    assert_close((double)missed / (double)set.report.surfels, set.report.missed, 1e-9, "share of marks");
+    assert_true(method == OLX_PLACE_COVER || missed > 100);
+    olx_probe_set_free(&set);
+    settings.marks = false;
+    set = place(scene, &settings);
+    assert_true(set.mark_count == 0 && !set.marks);
+    olx_probe_set_free(&set);
+  }
+  olx_scene_free(scene);
+}
+
+// A room with an open window in a wall, floor and walls from both sides, and ground around it: the bounds hold much free
+// space outside, which a camera in the room sees and no probe has to stand in.
+static void no_probe_leaves_through_a_window(void **state) {
+  (void)state;
+  olx_scene *scene = made_scene();
+  const uint32_t m = matte(scene);
+  made_quad(scene, olx_v3(0, 0, 0), olx_v3(0, 0, 12), olx_v3(12, 0, 0), m);
+  made_quad(scene, olx_v3(0, 2, 0), olx_v3(4, 0, 0), olx_v3(0, 0, 4), m);
+  made_quad(scene, olx_v3(0, 1, -2), olx_v3(4, 0, 0), olx_v3(0, 2, 0), m);
+  made_quad(scene, olx_v3(0, 1, 2), olx_v3(4, 0, 0), olx_v3(0, 2, 0), m);
+  made_quad(scene, olx_v3(-2, 1, 0), olx_v3(0, 0, 4), olx_v3(0, 2, 0), m);
+  made_quad(scene, olx_v3(2, 0.5f, 0), olx_v3(0, 0, 4), olx_v3(0, 1, 0), m); // the window is above
+  add_camera(scene, olx_v3(-1, 1, 0), olx_v3(1, 1, 0));
+  made_finish(scene);
+  for (int method = OLX_PLACE_SDF; method <= OLX_PLACE_COVER; method++) {
+    for (int how = OLX_OPTIMIZE_NONE; how <= OLX_OPTIMIZE_GIBBS; how++) {
+      olx_place_settings settings = quick_settings(scene, (olx_place_method)method);
+      settings.optimize = (olx_place_optimizer)how;
+      settings.voxels = 96;
+      olx_probe_set set = place(scene, &settings);
+      for (uint32_t i = 0; i < set.count; i++) {
+        const olx_vec3 p = set.probes[i].position;
+        if (!box_holds(&(olx_box){{-2, 0, -2}, {3.0f, 2.0f, 2.0f}}, p)) {
+          fail_msg("%s, %s: (%g, %g, %g) is not in the room", olx_place_method_name(settings.method),
+                   olx_place_optimizer_name(settings.optimize), (double)p.x, (double)p.y, (double)p.z);
+        }
+      }
+      olx_probe_set_free(&set);
+    }
+  }
+  olx_scene_free(scene);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(distance_transform_is_exact),
@@ -581,6 +600,8 @@ int main(void) {
       cmocka_unit_test(threads_and_runs_do_not_matter),
       cmocka_unit_test(more_probes_cover_more),
       cmocka_unit_test(asked_coverage_is_reached),
+      cmocka_unit_test(marks_tell_what_is_missed),
+      cmocka_unit_test(no_probe_leaves_through_a_window),
       cmocka_unit_test(a_second_view_needs_more_probes),
       cmocka_unit_test(a_budget_says_how_many),
       cmocka_unit_test(the_pillars_bury_three_grid_probes),

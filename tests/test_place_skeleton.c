@@ -3,6 +3,7 @@
 #include "made_scenes.h"
 #include "place/optimize.h"
 #include "place/skeleton.h"
+#include "place_fixtures.h"
 #include "scene/builtin_shapes.h"
 #include "scene/bvh.h"
 #include "tiny_scenes.h"
@@ -10,41 +11,6 @@
 #include <octalux/place.h>
 
 #include <unistd.h>
-
-static olx_place_settings quick(const olx_scene *scene, olx_place_method method) {
-  olx_place_settings settings = olx_place_settings_default(scene);
-  settings.method = method;
-  settings.surfels = 1500;
-  settings.voxels = 36;
-  settings.rounds = 6;
-  return settings;
-}
-
-static olx_probe_set place(const olx_scene *scene, const olx_place_settings *settings) {
-  olx_probe_set set;
-  ASSERT_OK(olx_place(scene, settings, NULL, &set));
-  return set;
-}
-
-static olx_scene *load(const char *name) {
-  olx_scene *scene;
-  ASSERT_OK(olx_scene_load(name, &scene));
-  return scene;
-}
-
-static uint32_t matte(olx_scene *scene) {
-  const olx_material material = tiny_lambert(0.5f, 0.0f);
-  return made_material(scene, &material);
-}
-
-// A room around the origin, divided by a wall from floor to ceiling at x = 0 that leaves a gap at one side.
-static olx_scene *start_divided_room(void) {
-  olx_scene *scene = made_scene();
-  const uint32_t m = matte(scene), materials[6] = {m, m, m, m, m, m};
-  ASSERT_OK(olx_add_room(scene, "room", olx_v3(-2, 0, -2), olx_v3(2, 2, 2), materials));
-  made_quad(scene, olx_v3(0, 1, -0.4f), olx_v3(0, 2, 0), olx_v3(0, 0, 3.2f), m);
-  return scene;
-}
 
 static olx_scene *cube(void) {
   olx_scene *scene = made_scene();
@@ -57,7 +23,7 @@ static void a_cube_has_its_probe_in_the_centre(void **state) {
   (void)state;
   olx_scene *scene = cube();
   for (uint32_t voxels = 30; voxels < 34; voxels++) {
-    olx_place_settings settings = quick(scene, OLX_PLACE_SDF);
+    olx_place_settings settings = quick_settings(scene, OLX_PLACE_SDF);
     settings.voxels = voxels;
     olx_probe_set set = place(scene, &settings);
     assert_int_equal(set.count, 1);
@@ -128,7 +94,7 @@ static void a_slab_has_its_axis_in_the_middle(void **state) {
   ASSERT_OK(olx_add_room(scene, "room", olx_v3(-4, 0, -4), olx_v3(4, 1, 4), materials));
   made_finish(scene);
   for (int method = OLX_PLACE_SDF; method <= OLX_PLACE_MEDIAL; method++) {
-    olx_place_settings settings = quick(scene, (olx_place_method)method);
+    olx_place_settings settings = quick_settings(scene, (olx_place_method)method);
     settings.count = 9;
     settings.voxels = 80;
     olx_probe_set set = place(scene, &settings);
@@ -143,7 +109,7 @@ static void the_count_sets_the_granularity(void **state) {
   (void)state;
   olx_scene *scene = load("builtin:temple");
   for (int method = OLX_PLACE_SDF; method <= OLX_PLACE_MEDIAL; method++) {
-    olx_place_settings settings = quick(scene, (olx_place_method)method);
+    olx_place_settings settings = quick_settings(scene, (olx_place_method)method);
     settings.voxels = 64;
     double before = 0.0;
     for (settings.count = 1; settings.count <= 16; settings.count *= 4) {
@@ -252,7 +218,7 @@ static void a_bad_start_gets_better(void **state) {
   arena a = start_arena(made_finish(start_divided_room()));
   for (int kind = OLX_REWARD_BEST; kind <= OLX_REWARD_SUM; kind++) {
     for (int how = OLX_OPTIMIZE_GRADIENT; how <= OLX_OPTIMIZE_GIBBS; how++) {
-      olx_place_settings settings = quick(a.scene, OLX_PLACE_SDF);
+      olx_place_settings settings = quick_settings(a.scene, OLX_PLACE_SDF);
       settings.optimize = (olx_place_optimizer)how;
       settings.reward = (olx_place_reward)kind;
       settings.rounds = 120;
@@ -274,7 +240,7 @@ static void the_reward_never_ends_lower(void **state) {
   (void)state;
   arena a = start_arena(load("builtin:pillars"));
   for (uint32_t seed = 0; seed < 12; seed++) {
-    olx_place_settings settings = quick(a.scene, OLX_PLACE_SDF);
+    olx_place_settings settings = quick_settings(a.scene, OLX_PLACE_SDF);
     settings.optimize = seed % 2 ? OLX_OPTIMIZE_GIBBS : OLX_OPTIMIZE_GRADIENT;
     settings.reward = seed % 3 ? OLX_REWARD_BEST : OLX_REWARD_SUM;
     settings.rounds = 1 + seed % 4;
@@ -299,7 +265,7 @@ static void the_reward_never_ends_lower(void **state) {
 static void full_coverage_stops_the_search(void **state) {
   (void)state;
   olx_scene *scene = cube();
-  olx_place_settings settings = quick(scene, OLX_PLACE_SDF);
+  olx_place_settings settings = quick_settings(scene, OLX_PLACE_SDF);
   settings.optimize = OLX_OPTIMIZE_GIBBS;
   olx_probe_set set = place(scene, &settings);
   assert_int_equal(set.report.rounds, 0);
@@ -325,7 +291,7 @@ static void overrides_hold_while_probes_move(void **state) {
       rules->playable = (olx_box){{-2, 0, -2}, {2, 1.5f, 2}};
       rules->min_distance = 0.4f;
       made_finish(scene);
-      olx_place_settings settings = quick(scene, (olx_place_method)method);
+      olx_place_settings settings = quick_settings(scene, (olx_place_method)method);
       settings.optimize = (olx_place_optimizer)how;
       settings.count = 4;
       olx_probe_set set = place(scene, &settings);
@@ -356,7 +322,7 @@ static void no_probe_is_inside_geometry(void **state) {
     olx_scene *scene = load(names[k]);
     for (int method = OLX_PLACE_SDF; method <= OLX_PLACE_MEDIAL; method++) {
       for (int how = OLX_OPTIMIZE_NONE; how <= OLX_OPTIMIZE_GIBBS; how++) {
-        olx_place_settings settings = quick(scene, (olx_place_method)method);
+        olx_place_settings settings = quick_settings(scene, (olx_place_method)method);
         settings.optimize = (olx_place_optimizer)how;
         settings.count = 8;
         olx_probe_set set = place(scene, &settings);
@@ -397,7 +363,7 @@ static void threads_and_runs_do_not_matter(void **state) {
       const uint32_t threads[4] = {1, 1, 2, 5};
       size_t size = 0;
       for (int i = 0; i < 4; i++) {
-        olx_place_settings settings = quick(scene, (olx_place_method)method);
+        olx_place_settings settings = quick_settings(scene, (olx_place_method)method);
         settings.optimize = (olx_place_optimizer)how;
         settings.rounds = 2;
         settings.count = 4;
@@ -426,7 +392,7 @@ static void settings_out_of_range_are_refused(void **state) {
   (void)state;
   olx_scene *scene = cube();
   for (int i = 0; i < 4; i++) {
-    olx_place_settings s = quick(scene, OLX_PLACE_SDF);
+    olx_place_settings s = quick_settings(scene, OLX_PLACE_SDF);
     if (i == 0) s.rounds = 0;
     if (i == 1) s.optimize = (olx_place_optimizer)3;
     if (i == 2) s.reward = (olx_place_reward)2;
@@ -438,17 +404,10 @@ static void settings_out_of_range_are_refused(void **state) {
   olx_scene_free(scene);
 }
 
-static bool refuse(void *user, const char *stage, float done) {
-  (void)user;
-  (void)stage;
-  (void)done;
-  return false;
-}
-
 static void optimizing_can_be_cancelled(void **state) {
   (void)state;
   olx_scene *scene = load("builtin:pillars");
-  olx_place_settings settings = quick(scene, OLX_PLACE_SDF);
+  olx_place_settings settings = quick_settings(scene, OLX_PLACE_SDF);
   settings.optimize = OLX_OPTIMIZE_GIBBS;
   settings.count = 2;
   const olx_progress progress = {.report = refuse};

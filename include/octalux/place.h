@@ -105,6 +105,7 @@ typedef struct olx_place_settings {
   uint32_t refinements; // rounds in which probes may move or be swapped, 0 to 64; default 8
   uint32_t seed;
   uint32_t threads; // 0: as many as the machine has; the result does not depend on it
+  bool marks;       // also fill olx_probe_set.marks; default false
 } olx_place_settings;
 
 olx_place_settings olx_place_settings_default(const olx_scene *scene);
@@ -141,9 +142,24 @@ typedef struct olx_place_report {
   double seconds;
 } olx_place_report;
 
+// What a picture shows beside the probes.
+typedef enum olx_place_mark_kind {
+  OLX_MARK_SKELETON = 0, // a place of the skeleton of free space; radius: how far surfaces are
+  OLX_MARK_MISSED,       // a surface that is not covered but could be
+  OLX_MARK_HOPELESS      // and one that cannot be: grazing or restricted (olx_place_report)
+} olx_place_mark_kind;
+
+typedef struct olx_place_mark {
+  olx_vec3 position;
+  float radius; // metres; 0 on surfaces
+  olx_place_mark_kind kind;
+} olx_place_mark;
+
 typedef struct olx_probe_set {
   uint32_t count;
   olx_placed_probe *probes;
+  uint32_t mark_count;   // 0 unless settings.marks
+  olx_place_mark *marks; // the skeleton (of OLX_PLACE_MEDIAL its balls, else the far voxels), then held-out surfels
   olx_place_settings settings; // what made them
   olx_place_report report;
   uint64_t scene_hash;
@@ -154,7 +170,7 @@ typedef struct olx_probe_set {
 // no free space that is not inside geometry, no surface that space sees. On success the set is the caller's to free.
 olx_result olx_place(const olx_scene *scene, const olx_place_settings *settings, const olx_progress *progress,
                      olx_probe_set *set);
-// Releases the probes; the struct itself is the caller's.
+// Releases probes and marks; the struct itself is the caller's.
 void olx_probe_set_free(olx_probe_set *set);
 
 // Write the set as JSON (docs/place.md): beside, synced, renamed. The bytes depend on the set alone.

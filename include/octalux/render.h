@@ -52,6 +52,27 @@ olx_result olx_png_encode(uint32_t width, uint32_t height, uint32_t channels, co
                           size_t *size_bytes);
 void olx_png_free(uint8_t *png);
 
+// A ball in a diagram.
+typedef struct olx_diagram_mark {
+  olx_vec3 position, color;         // color: linear, 0 to 1
+  float radius;                     // metres; in the picture between
+  float least_pixels, most_pixels;  // these
+  uint32_t order;                   // marks of a higher one are drawn over those of a lower one
+} olx_diagram_mark;
+
+typedef struct olx_diagram_settings {
+  const olx_camera *camera; // NULL: from above a corner, the upper or the nearer half of the scene cut away
+  uint32_t width, height;   // 1 to 16384
+  const olx_diagram_mark *marks;
+  uint32_t mark_count;
+  uint32_t threads; // 0: as many as the machine has; the picture does not depend on it
+} olx_diagram_settings;
+
+// Write a .png of the scene's triangles, dim and flat, with the marks over them; those that a surface hides are fainter.
+// *drawn: how many marks fall on the picture. Beside, synced, renamed.
+olx_result olx_diagram_save(const olx_scene *scene, const olx_diagram_settings *settings, const char *path,
+                            uint32_t *drawn);
+
 typedef enum olx_method {
   OLX_METHOD_FIELD = 0, // indirect light from a field
   OLX_METHOD_PATH = 1   // path tracing, the reference

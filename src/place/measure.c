@@ -3,6 +3,7 @@
 #include "core/hooks.h"
 #include "core/result.h"
 #include "core/sampling.h"
+#include "place/marks.h"
 
 enum {
   HELD_OUT = 4, // times the surfels that placement uses, within these:
@@ -96,7 +97,7 @@ static olx_result judge(const olx_space *space, const olx_sight *sight, judged *
   set->report.visible = seen_share(&j->rays, j->visible, 1);
   OLX_TRY(olx_surfels_ask(space, sight, j->views, least, seed, threads, &j->rays));
   tell_coverage(j, set);
-  return OLX_OK;
+  return set->settings.marks ? olx_mark_uncovered(&j->rays, j->views, set) : OLX_OK;
 }
 
 olx_result olx_measure_probes(const olx_space *space, const olx_sight *sight, olx_probe_set *set) {

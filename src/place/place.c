@@ -5,6 +5,7 @@
 #include "field/field_file.h"
 #include "place/cover.h"
 #include "place/grid.h"
+#include "place/marks.h"
 #include "place/measure.h"
 #include "place/optimize.h"
 #include "place/skeleton.h"
@@ -193,6 +194,7 @@ static olx_result list_probes(const olx_candidate *probes, olx_probe_set *set) {
 static olx_result measure_before(const olx_space *space, const olx_sight *sight, const olx_candidate *probes,
                                  olx_probe_set *set) {
   olx_probe_set before = {.count = set->count, .settings = set->settings};
+  before.settings.marks = false;
   olx_result result = list_probes(probes, &before);
   if (result == OLX_OK) result = olx_measure_probes(space, sight, &before);
   set->report.coverage_before = before.report.coverage;
@@ -212,6 +214,7 @@ static olx_result place_in(const olx_space *space, const olx_progress *progress,
   if (moves) OLX_TRY_GOTO(optimize(space, &sight, progress, settings, probes, set), done);
   OLX_TRY_GOTO(list_probes(probes, set), done);
   OLX_TRY_GOTO(olx_measure_probes(space, &sight, set), done);
+  if (settings->marks) OLX_TRY_GOTO(olx_mark_skeleton(space, &sight, set), done);
 done:
   olx_release(probes);
   set->report.space_voxels = space->reachable_count;
@@ -236,6 +239,8 @@ olx_result olx_place(const olx_scene *scene, const olx_place_settings *settings,
 
 void olx_probe_set_free(olx_probe_set *set) {
   olx_release(set->probes);
+  olx_release(set->marks);
   set->probes = NULL;
-  set->count = 0;
+  set->marks = NULL;
+  set->count = set->mark_count = 0;
 }

@@ -1,9 +1,9 @@
 # Check a JSON object on standard input against a Python expression over its keys.
 holds() {
   python3 -c '
-import json, math, sys
+import json, math, os, sys
 report = json.load(sys.stdin)
-if not eval(sys.argv[1], {"math": math, **report}):
+if not eval(sys.argv[1], {"math": math, "os": os, **report}):
     sys.exit("does not hold: %s\nin %s" % (sys.argv[1], report))
 ' "$1"
 }

@@ -1,0 +1,12 @@
+// What a picture of a placement shows beside the probes.
+#ifndef OLX_PLACE_MARKS_H
+#define OLX_PLACE_MARKS_H
+
+#include "place/skeleton.h"
+
+// Append marks for up to a few thousand of the surfels that views[i] < settings.views probes see well.
+olx_result olx_mark_uncovered(const olx_surfels *surfels, const uint8_t *views, olx_probe_set *set);
+// And for the skeleton that the method looks at.
+olx_result olx_mark_skeleton(const olx_space *space, const olx_sight *sight, olx_probe_set *set);
+
+#endif

@@ -1,0 +1,45 @@
+# Every method places probes in every scene where they may be, by a check that shares nothing with placement; cover sees
+# what docs/results.md says it sees. Models are looked for in OCTALUX_SCENES, or in ../shared/scenes beside the checkout.
+set -euo pipefail
+export OCTALUX_SCENES=${OCTALUX_SCENES:-$OCTALUX_SOURCE_DIR/../shared/scenes}
+check=$(dirname "$OCTALUX")/bench/placement_check
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+source "$OCTALUX_SOURCE_DIR/tests/cli/holds.sh"
+
+for name in cornell temple sponza white-room kitchen small-house pandora; do
+  scene=$OCTALUX_SOURCE_DIR/scenes/$name.json
+  [ -e "$scene" ] || scene=builtin:$name
+  if ! "$OCTALUX" scene "$scene" >/dev/null 2>"$work/scene.log"; then
+    grep -q 'not found\|cannot open\|No such file' "$work/scene.log" || { cat "$work/scene.log"; exit 1; }
+    echo "$name: skipped"
+    continue
+  fi
+  for method in sdf medial cover; do
+    for optimize in none gradient gibbs; do
+      what="count > 0 and buried == 0 and coverage > 0.9"
+      [ $optimize = none ] || what="$what and reward_after >= reward_before"
+      "$OCTALUX" place "$scene" -o "$work/probes.json" --method $method --optimize $optimize --json 2>/dev/null | holds "$what" ||
+        { echo "$name $method $optimize"; exit 1; }
+      "$check" "$scene" "$work/probes.json" 20000 2>/dev/null |
+        holds 'reached == 1 and outside == 0 and nearest > 0.0009 and covered > 0.9' || { echo "$name $method $optimize"; exit 1; }
+    done
+  done
+  echo "$name: fine"
+done
+
+# Held-out rays of the program, and the check's own.
+scene=$OCTALUX_SOURCE_DIR/scenes/sponza.json
+"$OCTALUX" scene "$scene" >/dev/null 2>&1 || { echo "no sponza in $OCTALUX_SCENES"; exit 77; }
+while read -r share options; do
+  "$OCTALUX" place "$scene" -o "$work/probes.json" $options --json 2>/dev/null |
+    holds "coverage >= $share and count <= 96 and seconds / max(1.0, os.getloadavg()[0] / os.cpu_count()) <= 20"
+  "$check" "$scene" "$work/probes.json" 400000 2>/dev/null | holds "covered >= $share - 0.0003"
+  echo "sponza: $options covers $share"
+done <<'COUNTS'
+0.988 --count 16
+0.996 --count 32
+0.998 --count 64
+0.999 --coverage 0.999
+COUNTS

@@ -1,0 +1,68 @@
+#include "place_fixtures.h"
+
+#include "made_scenes.h"
+#include "scene/builtin_shapes.h"
+#include "tiny_scenes.h"
+
+olx_place_settings quick_settings(const olx_scene *scene, olx_place_method method) {
+  olx_place_settings settings = olx_place_settings_default(scene);
+  settings.method = method;
+  settings.surfels = 1500;
+  settings.candidates = 150;
+  settings.voxels = 36;
+  settings.refinements = 1;
+  settings.rounds = 6;
+  return settings;
+}
+
+olx_probe_set place(const olx_scene *scene, const olx_place_settings *settings) {
+  olx_probe_set set;
+  ASSERT_OK(olx_place(scene, settings, NULL, &set));
+  return set;
+}
+
+olx_scene *load(const char *name) {
+  olx_scene *scene;
+  ASSERT_OK(olx_scene_load(name, &scene));
+  return scene;
+}
+
+uint32_t matte(olx_scene *scene) {
+  const olx_material material = tiny_lambert(0.5f, 0.0f);
+  return made_material(scene, &material);
+}
+
+olx_scene *start_room(void) {
+  olx_scene *scene = made_scene();
+  const uint32_t m = matte(scene), materials[6] = {m, m, m, m, m, m};
+  ASSERT_OK(olx_add_room(scene, "room", olx_v3(-2, 0, -2), olx_v3(2, 2, 2), materials));
+  return scene;
+}
+
+olx_scene *start_divided_room(void) {
+  olx_scene *scene = start_room();
+  made_quad(scene, olx_v3(0, 1, -0.4f), olx_v3(0, 2, 0), olx_v3(0, 0, 3.2f), matte(scene));
+  return scene;
+}
+
+bool same_probes(const olx_probe_set *a, const olx_probe_set *b) {
+  if (a->count != b->count) return false;
+  for (uint32_t i = 0; i < a->count; i++) {
+    const olx_placed_probe *p = &a->probes[i], *q = &b->probes[i];
+    if (memcmp(&p->position, &q->position, sizeof p->position) != 0) return false;
+    if (p->origin != q->origin || p->gain != q->gain || p->buried != q->buried) return false;
+  }
+  return a->report.coverage == b->report.coverage && a->report.coverage_by_area == b->report.coverage_by_area;
+}
+
+bool box_holds(const olx_box *box, olx_vec3 p) {
+  return p.x >= box->min.x && p.y >= box->min.y && p.z >= box->min.z && p.x <= box->max.x && p.y <= box->max.y &&
+         p.z <= box->max.z;
+}
+
+bool refuse(void *user, const char *stage, float done) {
+  (void)user;
+  (void)stage;
+  (void)done;
+  return false;
+}

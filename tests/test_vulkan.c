@@ -4,6 +4,7 @@
 #include "core/bsdf.h"
 #include "core/sampling.h"
 #include "pinned_drivers.h"
+#include "vulkan/gpu_frame.h"
 #include "vulkan_device.h"
 
 #include <octalux/sample.h>
@@ -322,6 +323,52 @@ static void a_frame_can_be_resized_and_reads_other_formats(void **unused) {
   assert_int_equal(device.validation_messages, before);
 }
 
+static const uint32_t COUNT_READS[] = {
+#include "count_reads.spv.inc"
+};
+
+static void diffuse_light_takes_hardly_more_reads_than_it_must(void **unused) {
+  (void)unused;
+  need_device();
+  olx_field *field = analytic_field_make(&ROOM, &GRID, 64, 32);
+  olx_vulkan_field *uploaded = upload_field(field);
+  host_images h = make_host(WIDTH, HEIGHT, VK_FORMAT_R32G32B32A32_SFLOAT);
+  olx_vulkan_frame *frame;
+  assert_int_equal(olx_vulkan_frame_create(uploaded, &h.targets, &frame), OLX_OK);
+  const VkShaderModuleCreateInfo code = {
+      .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = sizeof COUNT_READS, .pCode = COUNT_READS};
+  VkComputePipelineCreateInfo info = {.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
+                                      .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+                                                .stage = VK_SHADER_STAGE_COMPUTE_BIT,
+                                                .pName = "main"},
+                                      .layout = frame->layout};
+  assert_int_equal(device.CreateShaderModule(device.host.device, &code, NULL, &info.stage.module), VK_SUCCESS);
+  VkPipeline *pipeline = &frame->pipelines[OLX_PASS_IRRADIANCE];
+  device.DestroyPipeline(device.host.device, *pipeline, NULL);
+  assert_int_equal(device.CreateComputePipelines(device.host.device, VK_NULL_HANDLE, 1, &info, NULL, pipeline),
+                   VK_SUCCESS);
+  device.DestroyShaderModule(device.host.device, info.stage.module, NULL);
+  const olx_vulkan_settings settings = test_settings();
+  run_frame(&h, frame, &settings);
+  double reads = 0, most = 0;
+  uint32_t pixels = 0;
+  for (uint32_t i = 0; i < WIDTH * HEIGHT; i++) {
+    float surface;
+    const olx_vec3 result = output(&h, 0, i, &surface);
+    if (surface == 0.0f) continue;
+    pixels++;
+    reads += (double)result.x;
+    most = (double)result.x > most ? (double)result.x : most;
+  }
+  const double least = 16; // irradiance and moments of eight probes
+  print_message("%.2f filtered reads a pixel, %.0f at most\n", reads / pixels, most);
+  assert_true(reads / pixels <= 1.3 * least);
+  olx_vulkan_frame_destroy(frame);
+  free_host(&h);
+  olx_vulkan_field_destroy(uploaded);
+  analytic_field_free(field);
+}
+
 static void wrong_images_are_named(void **unused) {
   (void)unused;
   need_device();
@@ -505,6 +552,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(passes_give_the_light_of_the_cpu),
       cmocka_unit_test(a_frame_can_be_resized_and_reads_other_formats),
+      cmocka_unit_test(diffuse_light_takes_hardly_more_reads_than_it_must),
       cmocka_unit_test(wrong_images_are_named),
       cmocka_unit_test(settings_that_cannot_be_are_refused),
       cmocka_unit_test(running_out_of_memory_leaves_nothing_behind),

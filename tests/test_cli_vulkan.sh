@@ -27,7 +27,7 @@ compare_devices() {
 }
 
 compare_devices builtin:cornell-glossy cornell.olx --spp 1 --glossy-samples 4
-compare_devices builtin:cornell-glossy cornell.olx --spp 1 --glossy-samples 4 --select cage
+compare_devices builtin:cornell-glossy cornell.olx --spp 1 --glossy-samples 4 --select cage --tracer two-level
 compare_devices builtin:cornell-glossy cornell.olx --spp 3 --glossy-samples 2 --seed 5 --dim-lobe 0.2 --tracer texel
 compare_devices builtin:cornell-glossy cornell.olx --spp 1 --select exhaustive --visibility none --keep-buried
 compare_devices builtin:labyrinth labyrinth.olx --spp 1

@@ -197,8 +197,8 @@ def selectors(bench):
             placed = bench.path("%s-%d.json" % (name, count))
             bench.run("place", scene.source, "-o", placed, "--method", "cover", "--count", count)
             ways = ["voronoi", "octree", "bricks", "exhaustive"]
-            for label, where, names in (("cover", ["--probes", placed], ways), (grid, ["--grid", grid], ["cage", *ways])):
-                field = bench.path("%s-%d-%s.olx" % (name, count, label))
+            for label, where, names in (("%d, cover" % count, ["--probes", placed], ways), (grid, ["--grid", grid], ["cage", *ways])):
+                field = bench.path("%s-%s.olx" % (name, label))
                 bench.run("bake", scene.source, "-o", field, *where, "--radiance-size", scene.radiance, "--bounces", 0, "--irradiance-size", 32,
                           "--select", ",".join(n for n in names if n != "exhaustive"))
                 rays = 10000 if bench.quick else 100000
@@ -207,7 +207,7 @@ def selectors(bench):
                 stored = selector_bytes(field)
                 for way in names:
                     r = bench.run("audit", scene.source, "--field", field, "--points", 0, "--rays", 2 * rays, "--select", way)["rays"]
-                    row(name, "%d, %s" % (count, label), way, number(100 * r["unresolved"]) + " %", number(100 * r["wrong"]) + " %",
+                    row(name, label, way, number(100 * r["unresolved"]) + " %", number(100 * r["wrong"]) + " %",
                         number(r["probes_mean"]), number(r["steps_mean"]), stored.get(way, 0), nanoseconds[way])
 
 

@@ -41,7 +41,7 @@ SCENES = {
         Scene("living-room", described("living-room"), "4x4x4", 1024, "200x150", spp=512),
         Scene("temple", "builtin:temple", None, 512, "192x108", spp=256),
         Scene("sponza", described("sponza"), "8x2x4", 512, "192x108", spp=256),
-        Scene("area-light", "builtin:area-light", None, 512, "160x120", spp=1024),
+        Scene("area-light", "builtin:area-light", None, 256, "96x72", spp=1024),
     ]
 }
 
@@ -305,11 +305,11 @@ def modes(bench):
 
 
 def dim_lobes(bench):
-    """Rough lobes left to irradiance when they reflect less than a share (prefiltered mode, 16 frames; glossy against 1024 rays)."""
+    """Rough lobes left to irradiance when they reflect less than a share (prefiltered mode, 16 frames; glossy against 512 rays)."""
     head("scene", "--dim-lobe", "rays through the field", "glossy pass, s", "relative MSE of glossy", "bias", "relative MSE of beauty")
     for scene in scenes(bench, "living-room", "sponza"):
         field = bench.bake(scene)
-        truth = bench.render(scene, field, "dim-truth", "--spp", 1, "--glossy-samples", 64 if bench.quick else 1024)
+        truth = bench.render(scene, field, "dim-truth", "--spp", 1, "--glossy-samples", 64 if bench.quick else 512)
         for share in (0, 0.05, 0.1, 0.2):
             out = bench.path("dim.exr")
             options = ["--dim-lobe", share] if share else []
@@ -324,11 +324,11 @@ def emitters(bench):
     head("scene", "emitters", "mode", "relative MSE", "bias", "share of direct light")
     for scene in scenes(bench, "area-light"):
         field, reference = bench.bake(scene), bench.path("emitters-path.exr")
-        spp = 128 if bench.quick else 1024
+        spp = 128 if bench.quick else scene.spp
         bench.run("render", scene.source, "-o", reference, "--method", "path", "--bounces", scene.bounces + 1, "--spp", spp, "--centered", *bench.view(scene))
         for emitters, mode in (("sampled", "gather"), ("traced", "gather"), ("sampled", "denoised"), ("traced", "denoised")):
-            options = ["--gather-samples", 256] if mode == "gather" else ["--frames", 64, "--spp", 64]
-            image = bench.render(scene, field, "emitters", "--mode", mode, "--emitters", emitters, *options, *(["--spp", 1] if mode == "gather" else []))
+            options = ["--gather-samples", 2, "--spp", 64, "--centered"] if mode == "gather" else ["--frames", 64, "--spp", 64]
+            image = bench.render(scene, field, "emitters", "--mode", mode, "--emitters", emitters, *options)
             m = bench.compare(image, reference, "beauty")
             share = 1 + bench.compare(image, reference, "direct")["bias"]
             row(scene.name, emitters, mode, number(m["relative_mse"]), number(m["bias"]), number(share))

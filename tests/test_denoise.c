@@ -330,6 +330,24 @@ static void test_pixels_without_the_lobe_lend_and_borrow_nothing(void **state) {
   free(v);
 }
 
+static void test_weights_that_are_hardly_there_count_for_nothing(void **state) {
+  (void)state;
+  const olx_lobe_filter filter = olx_denoise_settings_default().diffuse;
+  view *v = make_wall(0, 2);
+  // Somewhere on the way to kernels that reach no neighbour, weights are so small that nothing can be divided by their sum.
+  for (float nearness = 50.0f; nearness < 1000.0f; nearness *= 1.02f) {
+    light_buffers *light = make_light();
+    for (uint32_t i = 0; i < PIXELS; i++) light->sample[i] = (olx_incident){olx_splat(1), nearness};
+    light->sample[at(20, 20)].inverse_distance = -1.0f; // knows nothing itself
+    accumulate(light, &filter, v, v);
+    filter_light(light, &filter, OLX_LOBE_DIFFUSE, v);
+    const float borrowed = light->filtered[at(20, 20)].x;
+    assert_true(borrowed == 0.0f || fabsf(borrowed - 1.0f) < 1e-5f);
+    free_light(light);
+  }
+  free(v);
+}
+
 static void test_glossy_light_stays_on_its_material(void **state) {
   (void)state;
   const olx_lobe_filter filter = olx_denoise_settings_published().glossy;
@@ -494,6 +512,7 @@ int main(void) {
       cmocka_unit_test(test_broken_numbers_never_spread),
       cmocka_unit_test(test_broken_histories_are_not_read),
       cmocka_unit_test(test_pixels_without_the_lobe_lend_and_borrow_nothing),
+      cmocka_unit_test(test_weights_that_are_hardly_there_count_for_nothing),
       cmocka_unit_test(test_glossy_light_stays_on_its_material),
       cmocka_unit_test(test_noise_falls_as_the_weights_say),
       cmocka_unit_test(test_kernels_narrow_to_where_light_comes_from),

@@ -1,6 +1,9 @@
 // Frames against the renderer that averages camera samples: the same rays must give the same light.
 #include "analytic_field.h"
+#include "scene_files.h"
 #include "tiny_scenes.h"
+
+#include <octalux/bake.h>
 
 enum { WIDTH = 24, HEIGHT = 18, FRAME_PIXELS = WIDTH * HEIGHT };
 
@@ -240,6 +243,46 @@ static void test_traced_emitters_replace_their_direct_light(void **state) {
   olx_image_free(&neither);
 }
 
+static olx_field *bake(const olx_scene *scene) {
+  scene_folder folder;
+  assert_true(scene_folder_create(&folder));
+  char path[512];
+  snprintf(path, sizeof path, "%s/field.olx", folder.path);
+  olx_bake_settings settings = olx_bake_settings_default(scene);
+  settings.radiance_size = 64;
+  settings.irradiance_size = 8;
+  settings.bounces = 0;
+  ASSERT_OK(olx_bake(scene, &settings, path, NULL, NULL));
+  olx_field *field = NULL;
+  ASSERT_OK(olx_field_open(path, &field));
+  scene_folder_remove(&folder);
+  return field;
+}
+
+static void test_emitters_seen_from_behind_are_dark(void **state) {
+  (void)state;
+  olx_scene *scene = tiny_scene();
+  const olx_material walls = tiny_plastic(0.5f, 0.5f);
+  tiny_box(scene, &walls);
+  // It shines into the room; behind it, where no probe stands, there is a wall 40 cm away.
+  ASSERT_OK(olx_scene_add_rect_light(scene, olx_v3(0, 0, -0.6f), olx_v3(1, 0, 0), olx_v3(0, 1, 0), olx_splat(9)));
+  tiny_finish(scene);
+  olx_field *field = bake(scene);
+  const olx_camera camera = tiny_camera(olx_v3(0.9f, 0, -0.75f), olx_v3(0.2f, 0, -1), 50);
+  olx_render_settings settings = frame_settings(true);
+  settings.diffuse_samples = settings.glossy_samples = 64;
+  olx_image sampled = tiny_render(scene, field, &camera, &settings);
+  settings.sample.emitters = true;
+  olx_image traced = tiny_render(scene, field, &camera, &settings);
+  const double truth = tiny_mean(&sampled, OLX_LAYER_BEAUTY), found = tiny_mean(&traced, OLX_LAYER_BEAUTY);
+  print_message("behind the lamp: %.3g with sampled, %.3g with traced emitters\n", truth, found);
+  assert_true(truth > 0 && found < 1.2 * truth);
+  olx_image_free(&sampled);
+  olx_image_free(&traced);
+  olx_field_close(field);
+  olx_scene_free(scene);
+}
+
 static void test_pixels_without_surfaces_show_the_sky(void **state) {
   (void)state;
   olx_scene *scene = tiny_scene();
@@ -323,6 +366,7 @@ int main(void) {
       cmocka_unit_test_setup_teardown(test_rays_are_one_a_lobe_and_pixel, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_dim_lobes_take_irradiance_in_place_of_rays, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_traced_emitters_replace_their_direct_light, set_up, tear_down),
+      cmocka_unit_test(test_emitters_seen_from_behind_are_dark),
       cmocka_unit_test(test_pixels_without_surfaces_show_the_sky),
       cmocka_unit_test_setup_teardown(test_settings_out_of_range_are_refused, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_a_cancelled_run_leaves_nothing, set_up, tear_down),

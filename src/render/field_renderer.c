@@ -51,6 +51,13 @@ static void count_ray(olx_render_stats *stats, const olx_trace_hit *hit) {
 // Nearer than a texel is wide, distances say nothing.
 static float known_distance(const olx_trace_hit *hit) { return olx_max(hit->distance_metres, hit->footprint_metres); }
 
+// Whether light straight from an emitter belongs to what was found. A probe that saw an emitter's front says nothing about its
+// back, which rays meet when they come from behind.
+static bool emission_counts(const olx_sample_settings *settings, const olx_trace_hit *hit, olx_vec3 origin) {
+  if (!settings->emitters) return false;
+  return hit->status == OLX_TRACE_MISS || olx_dot(olx_sub(hit->position, origin), hit->normal) < 0.0f;
+}
+
 olx_field_light olx_field_diffuse_ray(const olx_render_context *context, const olx_shading *shading, olx_vec2 random,
                                       olx_render_stats *stats) {
   const olx_surface *surface = shading->surface;
@@ -58,10 +65,11 @@ olx_field_light olx_field_diffuse_ray(const olx_render_context *context, const o
   olx_field_light found = {.distance_metres = INFINITY};
   if (olx_dot(direction, surface->geometric_normal) <= 0.0f) return found;
   const olx_sample_settings *sample = &context->settings->sample;
-  const olx_trace_hit hit = olx_trace(context->field, sample, field_origin(surface), direction, INFINITY);
+  const olx_vec3 origin = field_origin(surface);
+  const olx_trace_hit hit = olx_trace(context->field, sample, origin, direction, INFINITY);
   count_ray(stats, &hit);
   found.distance_metres = known_distance(&hit);
-  if (!hit.emitter || sample->emitters) found.light = hit.radiance;
+  if (!hit.emitter || emission_counts(sample, &hit, origin)) found.light = hit.radiance;
   return found;
 }
 
@@ -74,6 +82,9 @@ olx_field_light olx_field_glossy_ray(const olx_render_context *context, const ol
                                        shading->normal, view, surface->roughness, random, &weight, &half_cosine, &hit);
   if (weight <= 0.0f) return (olx_field_light){.distance_metres = INFINITY};
   count_ray(stats, &hit);
+  if (hit.emitter && !emission_counts(&context->settings->sample, &hit, field_origin(surface))) {
+    return (olx_field_light){.distance_metres = known_distance(&hit)};
+  }
   const olx_vec3 fresnel = olx_fresnel(&surface->bsdf, half_cosine);
   return (olx_field_light){olx_scale(olx_mul(fresnel, radiance), weight), known_distance(&hit)};
 }

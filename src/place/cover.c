@@ -23,9 +23,10 @@ enum {
   PILOT_POINTS = 4096,
   RARE_COLUMNS = 8192,
   TARGETS = 96,      // surfels a round that nothing covers, for which places are sought
-  TARGET_PLACES = 2, // for each
-  DENSER = 8,        // sample that is asked what is missing, times the common columns
-  MOVES = 10,        // places tried around a probe
+  TARGET_PLACES = 2, // for each, of so many that are tried:
+  TARGET_TRIES = 8,
+  DENSER = 8, // sample that is asked what is missing, times the common columns
+  MOVES = 10, // places tried around a probe
   MOST_ROUNDS = 20,
   LEAST_STEP = 8, // probes that a round may add before another dense sample judges, or a quarter of those that stand
   REFINED_PROBES = 512 // probes times rounds that may move
@@ -217,11 +218,13 @@ static olx_result add_targets(cover *c, const olx_surfels *sample, const uint8_t
   for (uint32_t i = 0; i < sample->count; i++) lacking += views[i] < c->state.views;
   for (uint32_t i = 0; i < sample->count; i++) {
     if (views[i] >= c->state.views || (uint64_t)nth++ * TARGETS < (uint64_t)targets * lacking) continue;
-    olx_vec3 places[TARGET_PLACES];
+    olx_vec3 places[TARGET_TRIES];
     const uint32_t found =
-        olx_surfel_vantages(c->space, c->sight, &sample->items[i], olx_hash2(seed, i), TARGET_PLACES, places);
-    for (uint32_t k = 0; k < found && targets < TARGETS; k++) {
+        olx_surfel_vantages(c->space, c->sight, &sample->items[i], olx_hash2(seed, i), TARGET_TRIES, places);
+    for (uint32_t k = 0, kept = 0; k < found && kept < TARGET_PLACES && targets < TARGETS; k++) {
+      if (olx_space_is_inside_geometry(c->space, places[k])) continue;
       list[count++] = (olx_candidate){places[k], OLX_ORIGIN_TARGET};
+      kept++;
     }
     targets++;
   }

@@ -140,7 +140,13 @@ static olx_result choose_probes(const olx_space *space, const olx_sight *sight, 
   if (settings->method == OLX_PLACE_GRID) {
     return olx_place_grid(space->scene, &settings->grid, probes, &set->count, &set->report.rejected);
   }
-  if (space->place_count == 0 && space->scene->probe_rules.pinned_count == 0) {
+  const olx_probe_rules *rules = &space->scene->probe_rules;
+  if (space->place_count == 0 && rules->pinned_count == 0) {
+    if (rules->forbidden_count == 0 && rules->min_distance <= 0.0f) {
+      return olx_fail(OLX_ERROR_EMPTY,
+                      "nowhere to place probes: no free place lies within the scene's bounds; a playable "
+                      "box in its description can say where to look");
+    }
     return olx_fail(OLX_ERROR_EMPTY,
                     "nowhere to place probes: the forbidden boxes and the distance to surfaces that the "
                     "description asks for leave no place");

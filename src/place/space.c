@@ -11,6 +11,7 @@
 #include <string.h>
 
 #define SOLID UINT32_MAX
+#define LEAST_INDOORS 0.05f // of all space that is reached
 enum {
   CAMERA_RAYS = 48,      // along the height and width of the picture of a camera outside the box
   MAX_COMPONENTS = 64,   // separate free spaces that are judged, the largest ones
@@ -338,7 +339,7 @@ static olx_result flood(olx_space *space, finder *f, const uint8_t *excluded, ui
   return by_camera ? find_outside(space, threads) : OLX_OK;
 }
 
-// Without a playable box, what is behind the scenery does not matter, unless nothing else is left.
+// Without a playable box, what is behind the scenery does not matter, unless hardly anything else is left.
 static olx_result leave_outdoors(olx_space *space, finder *f, uint32_t threads) {
   const size_t total = space->voxels.total;
   const size_t before = space->reachable_count;
@@ -354,7 +355,7 @@ static olx_result leave_outdoors(olx_space *space, finder *f, uint32_t threads) 
   }
   if (result == OLX_OK && count > 0) {
     result = flood(space, f, excluded, threads);
-    if (result == OLX_OK && space->reachable_count == 0) {
+    if (result == OLX_OK && (float)space->reachable_count < LEAST_INDOORS * (float)before) {
       memcpy(space->reachable, whole, total);
       space->reachable_count = before;
       space->outside = outside;

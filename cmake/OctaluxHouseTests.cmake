@@ -36,3 +36,10 @@ olx_label_test(symbols check)
 
 add_test(NAME install COMMAND bash ${PROJECT_SOURCE_DIR}/scripts/check_install.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
 olx_label_test(install check)
+
+if(OCTALUX_VULKAN)
+  add_test(NAME embed_vulkan COMMAND bash ${PROJECT_SOURCE_DIR}/scripts/check_embed_vulkan.sh ${PROJECT_BINARY_DIR}
+           ${PROJECT_SOURCE_DIR})
+  olx_label_test(embed_vulkan check)
+  set_tests_properties(embed_vulkan PROPERTIES SKIP_RETURN_CODE 77)
+endif()

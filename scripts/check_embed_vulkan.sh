@@ -1,0 +1,53 @@
+#!/usr/bin/env bash
+# examples/embed-vulkan as a host would build it, against an installed package: check_embed_vulkan.sh BUILD-FOLDER SOURCE-FOLDER.
+# Its light, layer by layer, against `octalux render` of the same view; its two ways against each other; and silent validation
+# layers. Exits with 77 without a Vulkan device, or without what the example needs to be built.
+set -euo pipefail
+build=$1 source=$2
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+cmake --install "$build" --prefix "$work/prefix" >/dev/null
+cmake -S "$source/examples" -B "$work/examples" -G Ninja -DCMAKE_PREFIX_PATH="$work/prefix" -DCMAKE_BUILD_TYPE=Release \
+  -DCMAKE_C_FLAGS="-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Werror" >"$work/configure.txt"
+if grep "Without the example" "$work/configure.txt"; then exit 77; fi
+cmake --build "$work/examples" --target embed_vulkan
+
+octalux="$work/prefix/bin/octalux" embed="$work/examples/embed-vulkan/embed_vulkan"
+cd "$work"
+"$octalux" bake builtin:cornell-glossy -o field.olx --radiance-size 128 --irradiance-size 32 --bounces 1 \
+  --select cage,bricks >/dev/null 2>bake.txt || { cat bake.txt; exit 1; }
+
+code=0
+"$embed" field.olx recorded.exr --size 120x90 --validate || code=$?
+if [ "$code" = 77 ]; then exit 77; fi # it has said why
+[ "$code" = 0 ] || { echo "embed_vulkan: exit code $code" >&2; exit 1; }
+"$embed" field.olx own.exr --size 120x90 --validate --own-shader
+"$embed" field.olx picture.png --size 120x90
+head -c 4 picture.png | grep -q PNG
+
+# close_to A B LAYER LIMIT: relative mean squared error.
+close_to() {
+  "$octalux" compare "$1" "$2" --layer "$3" --json >compared.json
+  python3 - "$3" "$4" <<'PYTHON'
+import json, sys
+name, limit = sys.argv[1], float(sys.argv[2])
+error = json.load(open("compared.json"))["layers"][name]["relative_mse"]
+print(f"{name}: relative MSE {error:.3g}, limit {limit:g}")
+sys.exit(0 if error < limit else 1)
+PYTHON
+}
+
+# The host's G-buffer keeps albedo and roughness in 8 bits, and its direct light has its own samples.
+"$octalux" render builtin:cornell-glossy --field field.olx -o render.exr --size 120x90 --centered --spp 1 --glossy-samples 16 \
+  >/dev/null 2>&1
+close_to recorded.exr render.exr indirect_diffuse 1e-3
+close_to recorded.exr render.exr indirect_glossy 1e-3
+close_to recorded.exr render.exr beauty 1e-3
+# Irradiance called in the host's shader is the recorded pass's, but for the half floats of that pass's image, and positions
+# that are interpolated there and found again from depth here.
+close_to own.exr recorded.exr beauty 1e-7
+close_to own.exr recorded.exr indirect_glossy 1e-12
+
+"$embed" picture.png none.png --size 8x8 2>refused.txt && { echo "a picture passed for a field" >&2; exit 1; }
+grep "embed_vulkan: .*picture.png" refused.txt

@@ -5,6 +5,7 @@
 #include <inttypes.h>
 #include <math.h>
 #include <signal.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
@@ -64,8 +65,8 @@ size_text text_of_bytes(uint64_t bytes) {
   return result;
 }
 
-// A signal handler can reach nothing but an object of this kind.
-static volatile sig_atomic_t interrupted;
+// Set by a signal's handler and read by every thread: lock-free atomics are what both may touch.
+static atomic_int interrupted;
 
 static void on_signal(int number) {
   (void)number;

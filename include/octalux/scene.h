@@ -59,6 +59,80 @@ olx_result olx_scene_probe_grid(const olx_scene *scene, const uint32_t count[3],
 // Names of the built-in scenes, index from 0; NULL past the last.
 const char *olx_builtin_name(uint32_t index);
 
+// ---- What a scene consists of, for renderers that draw it their own way (viewer/).
+
+#define OLX_NO_TEXTURE UINT32_MAX
+
+// 8-bit RGBA texels, rows from v = 0 upwards as glTF has them. Wraps around.
+typedef struct olx_texture {
+  uint32_t width, height;
+  uint8_t *texels;
+  bool srgb; // colour channels are sRGB-encoded (alpha never is)
+} olx_texture;
+
+typedef struct olx_material {
+  char name[128];
+  olx_vec3 base_color; // linear, at most 0.95 (clamped at import; a texture times it, where it is looked up)
+  float metallic, roughness;
+  float specular_weight; // 0: exactly Lambertian; 1: a dielectric with F0 = 0.04
+  olx_vec3 emission;     // radiance
+  bool emits_both_sides;
+  float alpha_cutoff;                  // surfaces whose alpha lies below are absent; 0: never
+  float alpha;                         // factor of the texture's alpha
+  uint32_t base_color_texture;         // RGB colour, A alpha
+  uint32_t alpha_texture;              // A channel of its own (MTL map_d, in R), or none
+  uint32_t metallic_roughness_texture; // G roughness, B metallic
+  uint32_t emission_texture;
+  uint32_t normal_texture; // tangent space: x along increasing u, y along decreasing v
+  float normal_scale;
+  bool rectangle_light;  // the surface of a lamp: "*" of a description does not mean it
+  bool normal_is_height; // the normal texture is a height map (MTL bump) in texels, scaled by normal_scale
+} olx_material;
+
+typedef enum olx_light_type { OLX_LIGHT_SUN = 0, OLX_LIGHT_POINT = 1, OLX_LIGHT_SPOT = 2 } olx_light_type;
+
+// Lights without area. Rectangles become emissive triangles at import.
+typedef struct olx_light {
+  olx_light_type type;
+  olx_vec3 position;                // point, spot
+  olx_vec3 direction;               // of travel, unit: sun, spot
+  olx_vec3 emission;                // sun: irradiance on a surface facing it; point, spot: radiant intensity
+  float cosine_inner, cosine_outer; // spot: full light inside, none outside, smooth between
+} olx_light;
+
+// Light from infinitely far away: a constant radiance, times an image when there is one.
+typedef struct olx_environment {
+  olx_vec3 radiance; // constant part; with an image, its gain in each channel
+  uint32_t width, height;
+  float *texels; // RGB, latitude-longitude, row 0 at +y; column 0 begins at -x, the middle is +x; NULL without image
+  float rotation_radians;
+} olx_environment;
+
+// Every triangle is seen, and blocks light, from both sides; the order of its corners says which is in front, and decides who emits.
+typedef struct olx_scene_content {
+  uint32_t vertex_count, triangle_count, material_count, texture_count, light_count, camera_count;
+  const olx_vec3 *positions, *normals; // a vertex; normals unit where a triangle uses them
+  const olx_vec2 *uvs;
+  const uint32_t *indices;        // three a triangle
+  const uint32_t *material_index; // one a triangle
+  const olx_material *materials;
+  const olx_texture *textures;
+  const olx_light *lights;
+  const olx_camera *cameras;
+  const olx_environment *environment;
+  olx_vec3 bounds_min, bounds_max;
+  uint64_t hash; // as olx_scene_info has it
+} olx_scene_content;
+
+// Everything lies in the scene, and lives as long as it.
+olx_scene_content olx_scene_get_content(const olx_scene *scene);
+
+// The content of an .olxs file alone, without what casts rays: the program needs neither Embree nor any importer's library. On success
+// *content is the caller's to free.
+olx_result olx_scene_content_load(const char *path, olx_scene_content **content);
+// NULL is allowed. Only for what olx_scene_content_load gave.
+void olx_scene_content_free(olx_scene_content *content);
+
 #pragma GCC visibility pop
 #ifdef __cplusplus
 }

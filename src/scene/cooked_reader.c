@@ -358,7 +358,3 @@ olx_result olx_scene_read_cooked(const char *path, olx_scene *scene) {
   olx_unmap_file(&file);
   return result;
 }
-
-olx_result olx_scene_load_cooked(const char *path, olx_scene **scene) {
-  return olx_scene_load_by(olx_scene_read_cooked, path, scene);
-}

@@ -8,6 +8,12 @@
 #include <stdio.h>
 #include <string.h>
 
+olx_result olx_scene_finish(olx_scene *scene) {
+  OLX_TRY(olx_scene_summarize(scene));
+  OLX_TRY(olx_bvh_create(scene, &scene->bvh));
+  return olx_emitters_create(scene, &scene->emitters);
+}
+
 olx_result olx_scene_load_by(olx_result (*fill)(const char *name, olx_scene *scene), const char *name,
                              olx_scene **scene) {
   *scene = NULL;
@@ -26,25 +32,15 @@ olx_result olx_scene_load_by(olx_result (*fill)(const char *name, olx_scene *sce
   return OLX_OK;
 }
 
+olx_result olx_scene_load_cooked(const char *path, olx_scene **scene) {
+  return olx_scene_load_by(olx_scene_read_cooked, path, scene);
+}
+
 void olx_scene_free(olx_scene *scene) {
   if (!scene) return;
   olx_bvh_free(scene->bvh);
   olx_emitters_free(scene->emitters);
-  for (uint32_t i = 0; i < scene->texture_count; ++i) olx_release(scene->textures[i].texels);
-  for (uint32_t i = 0; i < scene->warning_count; ++i) olx_release(scene->warnings[i]);
-  olx_release(scene->positions);
-  olx_release(scene->normals);
-  olx_release(scene->uvs);
-  olx_release(scene->indices);
-  olx_release(scene->material_index);
-  olx_release(scene->materials);
-  olx_release(scene->textures);
-  olx_release(scene->lights);
-  olx_release(scene->cameras);
-  olx_release(scene->environment.texels);
-  olx_release(scene->warnings);
-  olx_release(scene->probe_rules.pinned);
-  olx_release(scene->probe_rules.forbidden);
+  olx_scene_release_arrays(scene);
   olx_release(scene);
 }
 

@@ -2,8 +2,6 @@
 
 #include "core/hooks.h"
 #include "core/result.h"
-#include "scene/bvh.h"
-#include "scene/emitters.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -315,11 +313,28 @@ static void compute_hash(olx_scene *scene) {
   scene->hash = XXH3_64bits_digest(&state);
 }
 
-olx_result olx_scene_finish(olx_scene *scene) {
+olx_result olx_scene_summarize(olx_scene *scene) {
   if (scene->triangle_count == 0) return olx_fail(OLX_ERROR_EMPTY, "the scene has no triangles");
   compute_bounds(scene);
   OLX_TRY(count_area_lights(scene));
   compute_hash(scene);
-  OLX_TRY(olx_bvh_create(scene, &scene->bvh));
-  return olx_emitters_create(scene, &scene->emitters);
+  return OLX_OK;
+}
+
+void olx_scene_release_arrays(olx_scene *scene) {
+  for (uint32_t i = 0; i < scene->texture_count; ++i) olx_release(scene->textures[i].texels);
+  for (uint32_t i = 0; i < scene->warning_count; ++i) olx_release(scene->warnings[i]);
+  olx_release(scene->positions);
+  olx_release(scene->normals);
+  olx_release(scene->uvs);
+  olx_release(scene->indices);
+  olx_release(scene->material_index);
+  olx_release(scene->materials);
+  olx_release(scene->textures);
+  olx_release(scene->lights);
+  olx_release(scene->cameras);
+  olx_release(scene->environment.texels);
+  olx_release(scene->warnings);
+  olx_release(scene->probe_rules.pinned);
+  olx_release(scene->probe_rules.forbidden);
 }

@@ -36,8 +36,12 @@ olx_result olx_scene_add_mesh(olx_scene *scene, const char *name, const olx_vec3
                               const olx_vec2 *uvs, uint32_t vertex_count, const uint32_t *indices,
                               uint32_t triangle_count, uint32_t material);
 
-// Bounds, hash, emitters and the ray caster; fails with OLX_ERROR_EMPTY for a scene without triangles.
+// Bounds, hash and the count of lights; fails with OLX_ERROR_EMPTY for a scene without triangles.
+olx_result olx_scene_summarize(olx_scene *scene);
+// That, emitters and the ray caster.
 olx_result olx_scene_finish(olx_scene *scene);
+// Release what a scene holds but emitters and the ray caster, not the scene itself.
+void olx_scene_release_arrays(olx_scene *scene);
 
 // A new scene that `fill` makes of what is called `name`, finished.
 olx_result olx_scene_load_by(olx_result (*fill)(const char *name, olx_scene *scene), const char *name,

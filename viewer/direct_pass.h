@@ -1,0 +1,35 @@
+// Adds the lamps' light, with shadows, to color, and puts the environment behind everything. The picture then holds what
+// `octalux render` calls emission and direct light.
+#ifndef OCTALUX_VIEWER_DIRECT_PASS_H
+#define OCTALUX_VIEWER_DIRECT_PASS_H
+
+#include "frame_images.h"
+#include "raster_view.h"
+#include "shadow_pass.h"
+
+typedef struct direct_pass {
+  gpu_image sky; // the environment's image, a texel when it has none
+  gpu_buffer environment;
+  VkSampler shadow_sampler, sky_sampler, plain_sampler;
+  VkDescriptorSetLayout set_layout;
+  VkDescriptorPool pool;
+  VkDescriptorSet set;
+  VkPipelineLayout layout;
+  VkPipeline pipeline;
+} direct_pass;
+
+bool direct_pass_create(gpu_device *device, const olx_scene_content *content, const shadow_pass *shadows,
+                        direct_pass *pass);
+void direct_pass_destroy(gpu_device *device, direct_pass *pass);
+
+// Light these images from now on; nothing that uses the ones before may be pending.
+void direct_pass_attach(gpu_device *device, direct_pass *pass, const frame_images *images);
+
+// What to add. Without any of them the pass has nothing to do.
+enum { DIRECT_LAMPS = 1, DIRECT_SKY = 2 };
+
+// After the G-buffer pass. Compute that follows may read and write color.
+void direct_pass_record(const gpu_device *device, const direct_pass *pass, VkCommandBuffer commands,
+                        const frame_images *images, const raster_view *view, uint32_t add);
+
+#endif

@@ -1,0 +1,30 @@
+// Shadow maps: one layer of a depth array for each view of each lamp. Draw them once for a scene at rest, again when something moves.
+#ifndef OCTALUX_VIEWER_SHADOW_PASS_H
+#define OCTALUX_VIEWER_SHADOW_PASS_H
+
+#include "lamp_samples.h"
+#include "scene_upload.h"
+
+typedef struct shadow_pass {
+  uint32_t lamp_count, view_count, map_size;
+  lamp_view *views;
+  gpu_image maps;      // D32_SFLOAT; between passes in VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL
+  gpu_buffer lamps;    // lamp_count lamps
+  gpu_buffer matrices; // view_count lamp_views
+  VkRenderPass render_pass;
+  VkImageView *layers;
+  VkFramebuffer *framebuffers;
+  VkPipelineLayout layout;
+  VkPipeline opaque, masked;
+} shadow_pass;
+
+// `set_layout` is any scene's. The environment's image, for the sky, is the direct pass's.
+bool shadow_pass_create(gpu_device *device, VkDescriptorSetLayout set_layout, const lamp_list *list, uint32_t map_size,
+                        shadow_pass *pass);
+void shadow_pass_destroy(gpu_device *device, shadow_pass *pass);
+
+// Draw all maps. Waits for compute recorded before; compute that follows may read the maps.
+void shadow_pass_record(const gpu_device *device, const shadow_pass *pass, VkCommandBuffer commands,
+                        const draw_item *items, uint32_t count);
+
+#endif

@@ -52,6 +52,10 @@ olx_result resolve_bake_options(const olx_scene *scene, const bake_options *give
   if (given->light_samples) settings->light_samples = given->light_samples;
   settings->select_mask = given->select_mask;
   settings->fit = !given->no_fit;
+  settings->classic = given->classic;
+  if (given->classic_size) settings->classic_size = given->classic_size;
+  if (given->classic_cube_size) settings->classic_cube_size = given->classic_cube_size;
+  settings->classic_sharpness = given->classic_sharpness;
   settings->threads = given->threads;
   return given->probes ? load_probes(scene, given->probes, settings) : OLX_OK;
 }

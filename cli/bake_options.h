@@ -10,7 +10,8 @@
 typedef struct bake_options {
   uint32_t grid[3], irradiance_grid[3];
   uint32_t radiance_size, irradiance_size, bounces, samples, light_samples, threads;
-  bool no_fit;
+  uint32_t classic_size, classic_cube_size, classic_sharpness;
+  bool no_fit, classic;
   const char *probes;
   uint32_t select_mask;
 } bake_options;
@@ -59,7 +60,24 @@ typedef struct bake_options {
        "shadow rays a sample and area light; default 1",                                                               \
        1,                                                                                                              \
        64},                                                                                                            \
-      {"--no-fit", OPTION_FLAG, &(b).no_fit, NULL, "keep irradiance exact at probes, unfitted to surfaces", 0, 0}, {   \
+      {"--no-fit", OPTION_FLAG, &(b).no_fit, NULL, "keep irradiance exact at probes, unfitted to surfaces", 0, 0},     \
+      {"--classic", OPTION_FLAG, &(b).classic, NULL, "also maps for `render --method classic`", 0, 0},                 \
+      {"--classic-size", OPTION_POWER_OF_TWO, &(b).classic_size, "N", "texels along these; default 128", 32, 256},     \
+      {"--cube-size",                                                                                                  \
+       OPTION_POWER_OF_TWO,                                                                                            \
+       &(b).classic_cube_size,                                                                                         \
+       "N",                                                                                                            \
+       "texels along a face of their cube maps; default 256",                                                          \
+       32,                                                                                                             \
+       1024},                                                                                                          \
+      {"--sharpness",                                                                                                  \
+       OPTION_COUNT,                                                                                                   \
+       &(b).classic_sharpness,                                                                                         \
+       "N",                                                                                                            \
+       "exponent of the filter from these; default: a texel wide",                                                     \
+       64,                                                                                                             \
+       65536},                                                                                                         \
+  {                                                                                                                    \
     "--threads", OPTION_COUNT, &(b).threads, "N", "default 0: every processor; the result is the same", 0, 4096        \
   }
 

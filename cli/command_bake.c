@@ -18,6 +18,7 @@ static int print_bake_json(const olx_bake_settings *settings, const olx_bake_sta
   add_number(object, "primary_rays", (double)stats->primary_rays);
   add_number(object, "seconds", stats->seconds);
   add_number(object, "write_seconds", stats->write_seconds);
+  if (settings->classic) add_number(object, "classic_seconds", stats->classic_seconds);
   add_number(object, "embree_seconds", stats->embree_seconds);
   add_number(object, "peak_memory_bytes", (double)stats->peak_memory_bytes);
   add_number(object, "file_bytes", (double)stats->file_bytes);
@@ -31,6 +32,7 @@ static void print_bake(const char *path, const olx_bake_settings *settings, cons
          stats->irradiance_buried);
   printf("  rays     %" PRIu64 ", %" PRIu64 " of them from probes\n", stats->rays, stats->primary_rays);
   printf("  seconds  %.2f, and %.2f to write\n", stats->seconds, stats->write_seconds);
+  if (settings->classic) printf("  classic  %.2f of these seconds\n", stats->classic_seconds);
   if (stats->embree_seconds > 0.0) {
     printf("  Embree   %.2f seconds for the rays from probes alone: the bake takes %.2f times that\n",
            stats->embree_seconds, stats->seconds / stats->embree_seconds);
@@ -71,6 +73,9 @@ int command_bake(int argc, char **argv) {
                        .option_count = sizeof options / sizeof options[0]};
   int code;
   if (!parse_options(&line, argc, argv, &code)) return code;
+  if (!given.classic && (given.classic_size || given.classic_cube_size || given.classic_sharpness)) {
+    return usage_error("bake", "--classic-size, --cube-size and --sharpness go with --classic");
+  }
   if (given.probes && given.grid[0]) return usage_error("bake", "--grid and --probes exclude each other");
   if (!check_output("bake", output)) return EXIT_FAILED;
   olx_scene *scene = NULL;

@@ -12,13 +12,13 @@ typedef struct block {
   uint64_t bytes;
 } block;
 
-#define BLOCK_COUNT 7
+#define BLOCK_COUNT 8
 
 static void list_blocks(const olx_field_info *info, block blocks[BLOCK_COUNT]) {
   const block list[BLOCK_COUNT] = {{"radiance", info->radiance_bytes},     {"normal", info->normal_bytes},
                                    {"distance", info->distance_bytes},     {"pyramid", info->pyramid_bytes},
                                    {"irradiance", info->irradiance_bytes}, {"moments", info->moments_bytes},
-                                   {"selector", info->selector_bytes}};
+                                   {"selector", info->selector_bytes},     {"classic", info->classic_bytes}};
   for (int i = 0; i < BLOCK_COUNT; ++i) blocks[i] = list[i];
 }
 
@@ -52,6 +52,12 @@ static int print_info_json(const olx_field_info *info) {
   add_number(object, "irradiance_buried", info->irradiance_buried_count);
   add_number(object, "radiance_size", info->radiance_size);
   add_number(object, "irradiance_size", info->irradiance_size);
+  if (info->classic_size) {
+    cJSON *classic = cJSON_AddObjectToObject(object, "classic");
+    add_number(classic, "size", info->classic_size);
+    add_number(classic, "cube_size", info->classic_cube_size);
+    add_float(classic, "sharpness", info->classic_sharpness);
+  }
   add_text(object, "select", select_names(info->select_mask).text);
   add_number(object, "file_bytes", (double)info->file_bytes);
   block blocks[BLOCK_COUNT];
@@ -81,6 +87,10 @@ static void print_info(const char *path, const olx_field_info *info) {
          info->radiance_size, info->radiance_size);
   printf("  irradiance probes  %u, %u of them inside geometry, %ux%u texels\n", info->irradiance_probe_count,
          info->irradiance_buried_count, info->irradiance_size, info->irradiance_size);
+  if (info->classic_size) {
+    printf("  classic maps       at irradiance probes, %ux%u texels from cube maps of %u, sharpness %g\n",
+           info->classic_size, info->classic_size, info->classic_cube_size, (double)info->classic_sharpness);
+  }
   if (info->has_grid) print_grid("grid", &info->grid);
   print_grid("irradiance grid", &info->irradiance_grid);
   printf("  selector           %s\n", select_names(info->select_mask).text);

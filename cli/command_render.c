@@ -110,8 +110,12 @@ static int check_options(render_options *o) {
   }
   if (!exr) o->png = o->output;
   if (o->method == NOT_GIVEN) o->method = o->field ? OLX_METHOD_FIELD : OLX_METHOD_PATH;
-  if (o->method == OLX_METHOD_FIELD && !o->field) {
-    return usage_error("render", "--method field needs --field FILE.olx");
+  if (o->method != OLX_METHOD_PATH && !o->field) {
+    return usage_error("render", o->method == OLX_METHOD_FIELD ? "--method field needs --field FILE.olx"
+                                                               : "--method classic needs --field FILE.olx");
+  }
+  if (o->method == OLX_METHOD_CLASSIC && (o->mode != NOT_GIVEN || o->diffuse == OLX_DIFFUSE_TRACED || o->emitters)) {
+    return usage_error("render", "--mode, --diffuse traced and --emitters traced go with --method field");
   }
   if (o->show_probes && (!o->field || !o->png)) {
     return usage_error("render", "--show-probes needs --field and a .png to draw into");
@@ -267,7 +271,8 @@ int command_render(int argc, char **argv) {
   const option options[] = {
       {"-o", OPTION_TEXT, &o.output, "FILE", ".exr: every layer, linear; .png: tone-mapped", 1, 0},
       {"--png", OPTION_TEXT, &o.png, "FILE.png", "beside an .exr, the same picture tone-mapped", 0, 0},
-      {"--method", OPTION_CHOICE, &o.method, "field|path", "default: field with --field, else path", 0, 0},
+      {"--method", OPTION_CHOICE, &o.method, "field|path|classic",
+       "classic: from the maps of bake --classic; default: field with --field, else path", 0, 0},
       {"--field", OPTION_TEXT, &o.field, "FILE.olx", "the field that gives indirect light", 0, 0},
       {"--size", OPTION_SIZE, o.size, "1280x720", "pixels; default 1280x720", 1, 16384},
       {"--camera", OPTION_TEXT, &o.camera, "NAME", "a camera of the scene; default: the first", 0, 0},
@@ -314,7 +319,7 @@ int command_render(int argc, char **argv) {
   code = check_options(&o);
   if (code != EXIT_DONE) return code;
   if (!check_output("render", o.output) || (o.png && !check_output("render", o.png))) return EXIT_FAILED;
-  if (o.method == OLX_METHOD_FIELD && o.bounces != NOT_GIVEN) {
+  if (o.method != OLX_METHOD_PATH && o.bounces != NOT_GIVEN) {
     fputs("warning: --bounces changes nothing here; a field's bounces are chosen when it is baked\n", stderr);
   }
   return render_scene(&o);

@@ -18,7 +18,7 @@
 #include <unistd.h>
 
 #define ALL (1u << OLX_SELECT_VORONOI | 1u << OLX_SELECT_OCTREE | 1u << OLX_SELECT_BRICKS)
-enum { SHAPES = 8, RAYS = 6, POINTS = 3, SECONDS_A_ROUND = 20, MOST_ADDED = 4096 };
+enum { SHAPES = 10, RAYS = 6, POINTS = 3, SECONDS_A_ROUND = 20, MOST_ADDED = 4096 };
 
 static const synthetic_shape shapes[SHAPES] = {
     {.grid = {1, 1, 1}, .irradiance_grid = {1, 1, 1}, .n = 8, .irradiance_n = 8},
@@ -29,6 +29,8 @@ static const synthetic_shape shapes[SHAPES] = {
     {.grid = {1, 1, 2}, .irradiance_grid = {1, 2, 2}, .n = 64, .irradiance_n = 8},
     {.grid = {3, 3, 3}, .irradiance_grid = {1, 1, 1}, .n = 8, .irradiance_n = 8, .select_mask = ALL},
     {.grid = {20, 7, 2}, .irradiance_grid = {1, 1, 1}, .n = 8, .irradiance_n = 8, .select_mask = ALL},
+    {.grid = {1, 1, 1}, .irradiance_grid = {2, 1, 2}, .n = 8, .irradiance_n = 8, .classic_size = 32},
+    {.grid = {2, 1, 1}, .irradiance_grid = {1, 1, 1}, .n = 8, .irradiance_n = 8, .select_mask = ALL, .classic_size = 64},
 };
 
 typedef struct buffer {
@@ -242,15 +244,15 @@ static void change_maps(dice *d, buffer *b) {
   }
 }
 
-// The words of a selector's structure, its header more often than the rest.
-static void change_selector(dice *d, buffer *b) {
+// The words of a selector's structure or of classic maps, the first ones more often than the rest.
+static void change_optional(dice *d, buffer *b) {
   const uint32_t count = chunks_inside(*b);
   if (count <= OLX_CHUNK_REQUIRED) return;
   const buffer chunk = chunk_of(*b, OLX_CHUNK_REQUIRED + draw_below(d, count - OLX_CHUNK_REQUIRED));
   if (chunk.size_bytes < 4) return;
   for (uint32_t i = draw_below(d, 4) + 1; i > 0; i--) {
     const size_t words = chunk.size_bytes / 4, first = words < 8 ? words : 8;
-    const uint32_t value = extreme_u32(d);
+    const uint32_t value = draw(d) & 1u ? extreme_u32(d) : olx_float_bits(extreme_float(d));
     memcpy(chunk.bytes + 4 * draw_offset(d, draw(d) & 1u ? first : words), &value, 4);
   }
 }
@@ -258,7 +260,7 @@ static void change_selector(dice *d, buffer *b) {
 static void spoil(dice *d, buffer *b) {
   static void (*const ways[])(dice *, buffer *) = {
       flip_bits,     overwrite_run, change_size, change_header, change_table, change_info,     change_positions,
-      stretch_space, stretch_space, change_maps, change_maps,   change_maps,  change_selector, change_selector};
+      stretch_space, stretch_space, change_maps, change_maps,   change_maps,  change_optional, change_optional};
   for (uint32_t i = draw_below(d, 4) ? 1 : 3; i > 0; i--) ways[draw_below(d, sizeof ways / sizeof ways[0])](d, b);
   if (draw_below(d, 8)) seal(*b);
 }
@@ -351,6 +353,10 @@ static void use(dice *d, const olx_field *field, counts *c) {
     olx_trace_hit hit;
     (void)olx_glossy(field, &settings, position, normal, view, roughness, random, &weight, &half_cosine, &hit);
     check_hit(field, &hit);
+    if (olx_classic_check(field) != OLX_OK) continue;
+    (void)olx_classic_irradiance(field, &settings, position, normal);
+    (void)olx_classic_glossy(field, &settings, position, normal, view, roughness, olx_splat(0.04f), 1.0f);
+    c->calls += 2;
   }
   c->calls += RAYS + 2 * POINTS;
 }

@@ -44,6 +44,18 @@ static void build_selectors(olx_field_header *header, uint32_t mask) {
   olx_release(flags);
 }
 
+static void describe_classic(olx_field_header *header, uint32_t size) {
+  uint32_t *table = olx_allocate(OLX_CLASSIC_TABLE_ENTRIES, sizeof *table);
+  for (uint32_t i = 0; i < OLX_CLASSIC_TABLE_ENTRIES; i++) {
+    const float scale = olx_unit_float(olx_hash(i));
+    table[i] = olx_half_pack(scale) | (uint32_t)olx_half_pack(1.0f - scale) << 16;
+  }
+  header->info.classic_size = size;
+  header->info.classic_cube_size = 64;
+  header->info.classic_sharpness = 512.0f;
+  header->classic_table = table;
+}
+
 olx_field_header synthetic_header(const synthetic_shape *shape) {
   olx_field_header header = {.info = {.probe_count = probes_of(shape->grid),
                                       .irradiance_probe_count = probes_of(shape->irradiance_grid),
@@ -62,6 +74,7 @@ olx_field_header synthetic_header(const synthetic_shape *shape) {
   header.probe_positions = positions_of(&header.info.grid, header.info.probe_count);
   header.irradiance_positions = positions_of(&header.info.irradiance_grid, header.info.irradiance_probe_count);
   build_selectors(&header, shape->select_mask);
+  if (shape->classic_size) describe_classic(&header, shape->classic_size);
   return header;
 }
 
@@ -69,6 +82,7 @@ void synthetic_header_release(olx_field_header *header) {
   olx_release((void *)(uintptr_t)header->probe_positions);
   olx_release((void *)(uintptr_t)header->irradiance_positions);
   for (uint32_t i = 0; i < OLX_SELECT_STORED; i++) olx_release((void *)(uintptr_t)header->select_data[i]);
+  olx_release((void *)(uintptr_t)header->classic_table);
 }
 
 uint8_t synthetic_flags(uint32_t probe) { return probe % 3 == 1 ? OLX_PROBE_BURIED : 0; }
@@ -99,6 +113,36 @@ void synthetic_irradiance_maps(uint32_t n, uint32_t probe, uint32_t *irradiance,
   }
 }
 
+olx_classic_record synthetic_classic_maps(uint32_t size, uint32_t probe, olx_vec3 position, synthetic_classic *maps) {
+  olx_classic_record record = {
+      .irradiance = maps->irradiance,
+      .box = {olx_sub(position, olx_v3(2.0f, 1.0f, 0.5f)), olx_add(position, olx_v3(1.0f, 0.0f, 3.0f + (float)probe))}};
+  for (uint32_t map = 0; map <= OLX_CLASSIC_LEVELS; map++) {
+    uint32_t *codes = map < OLX_CLASSIC_LEVELS ? maps->radiance[map] : maps->irradiance;
+    const uint32_t side = map < OLX_CLASSIC_LEVELS ? olx_classic_side(size, map) : size;
+    for (uint32_t i = 0; i < side * side; i++) {
+      const float light = olx_unit_float(olx_hash3(i, map, probe ^ 0x7000u));
+      codes[i] = olx_r11g11b10f_pack(olx_v3(light, 1.0f - light, 0.5f));
+    }
+    if (map < OLX_CLASSIC_LEVELS) record.radiance[map] = codes;
+  }
+  return record;
+}
+
+static olx_result write_classic(olx_field_writer *writer, const synthetic_shape *shape) {
+  if (shape->classic_size == 0) return OLX_OK;
+  synthetic_classic *maps = olx_allocate(1, sizeof *maps);
+  if (!maps) return olx_fail(OLX_ERROR_MEMORY, "out of memory");
+  const olx_grid grid = grid_of(shape->irradiance_grid);
+  olx_result result = OLX_OK;
+  for (uint32_t i = 0; i < probes_of(shape->irradiance_grid) && result == OLX_OK; i++) {
+    const olx_classic_record record = synthetic_classic_maps(shape->classic_size, i, olx_grid_position(&grid, i), maps);
+    result = olx_field_writer_classic(writer, i, &record);
+  }
+  olx_release(maps);
+  return result;
+}
+
 olx_result synthetic_write_probes(olx_field_writer *writer, const synthetic_shape *shape) {
   const size_t texels = (size_t)shape->n * shape->n,
                irradiance_texels = (size_t)shape->irradiance_n * shape->irradiance_n;
@@ -116,7 +160,7 @@ olx_result synthetic_write_probes(olx_field_writer *writer, const synthetic_shap
     result = olx_field_writer_irradiance(writer, i, synthetic_flags(i), first, second);
   }
   olx_release(first);
-  return result;
+  return result == OLX_OK ? write_classic(writer, shape) : result;
 }
 
 olx_result synthetic_write(const char *path, const synthetic_shape *shape, uint64_t *file_bytes) {

@@ -7,7 +7,8 @@
 typedef struct synthetic_shape {
   uint32_t grid[3], irradiance_grid[3];
   uint32_t n, irradiance_n;
-  uint32_t select_mask; // beside the cage: of voronoi, and of octree as it is for cornell
+  uint32_t select_mask;  // beside the cage: of voronoi, and of octree as it is for cornell
+  uint32_t classic_size; // texels along a side of classic maps; 0: none
 } synthetic_shape;
 
 // The header of such a field: a box around the origin, probes one metre apart, every third probe buried. Release
@@ -20,6 +21,13 @@ uint8_t synthetic_flags(uint32_t probe);
 // The maps of a probe, without border. The distances hold sky, emitters and a texel at distance 0.
 void synthetic_light_maps(uint32_t n, uint32_t probe, uint32_t *radiance, uint16_t *normal, uint16_t *distance);
 void synthetic_irradiance_maps(uint32_t n, uint32_t probe, uint32_t *irradiance, uint32_t *moments);
+
+// Room for the largest classic maps of a probe.
+typedef struct synthetic_classic {
+  uint32_t irradiance[64 * 64], radiance[OLX_CLASSIC_LEVELS][64 * 64];
+} synthetic_classic;
+// Classic maps of at most 64 x 64 texels; what comes back points into `maps`.
+olx_classic_record synthetic_classic_maps(uint32_t size, uint32_t probe, olx_vec3 position, synthetic_classic *maps);
 
 // All probes, but no commit.
 olx_result synthetic_write_probes(olx_field_writer *writer, const synthetic_shape *shape);

@@ -38,6 +38,10 @@ for size in 100 4 4096 -64 64.0 1e2 0x40 '' ; do
   expect_usage "is not a power of two from 8 to 2048" bake builtin:cornell -o a.olx --radiance-size "$size"
 done
 expect_usage "power of two from 8 to 256" bake builtin:cornell -o a.olx --irradiance-size 512
+expect_usage "power of two from 32 to 256" bake builtin:cornell -o a.olx --classic --classic-size 16
+expect_usage "go with --classic" bake builtin:cornell -o a.olx --cube-size 64
+expect_usage "--method classic needs --field" render builtin:cornell -o a.exr --method classic
+expect_usage "go with --method field" render builtin:cornell -o a.exr --method classic --field a.olx --mode gather
 expect_usage "from 0 to 64" bake builtin:cornell -o a.olx --bounces 65
 expect_usage "from 1 to 8" bake builtin:cornell -o a.olx --samples 0
 expect_usage "from 1 to 64" bake builtin:cornell -o a.olx --light-samples 65

@@ -21,6 +21,8 @@
 
 static const synthetic_shape small = {.grid = {3, 2, 2}, .irradiance_grid = {2, 1, 3}, .n = 16, .irradiance_n = 8};
 static const synthetic_shape single = {.grid = {1, 1, 1}, .irradiance_grid = {1, 1, 1}, .n = 128, .irradiance_n = 32};
+static const synthetic_shape classic = {
+    .grid = {2, 1, 1}, .irradiance_grid = {2, 1, 3}, .n = 8, .irradiance_n = 8, .classic_size = 64};
 static const synthetic_shape least = {.grid = {1, 4, 1}, .irradiance_grid = {1, 1, 1}, .n = 8, .irradiance_n = 8};
 
 typedef struct fixture {
@@ -81,6 +83,32 @@ static void assert_map(const void *stored, const void *map, uint32_t n, size_t t
   }
 }
 
+static void assert_classic(const olx_field *field, const olx_field_header *header) {
+  const olx_classic_maps *maps = &field->classic;
+  const uint32_t size = header->info.classic_size;
+  assert_int_equal(maps->size, size);
+  assert_int_equal(field->info.classic_size, size);
+  if (size == 0) {
+    assert_int_equal(field->info.classic_bytes, 0);
+    return;
+  }
+  assert_int_equal(field->info.classic_cube_size, header->info.classic_cube_size);
+  assert_true(field->info.classic_sharpness == header->info.classic_sharpness);
+  assert_memory_equal(maps->table, header->classic_table, 4 * OLX_CLASSIC_TABLE_ENTRIES);
+  synthetic_classic *expected = olx_allocate(1, sizeof *expected);
+  for (uint32_t i = 0; i < header->info.irradiance_probe_count; i++) {
+    const olx_classic_record record =
+        synthetic_classic_maps(size, i, header->irradiance_positions[i], expected);
+    assert_map(maps->irradiance + maps->irradiance_texels * i, record.irradiance, size, 4);
+    for (uint32_t level = 0; level < OLX_CLASSIC_LEVELS; level++) {
+      const uint32_t *stored = maps->radiance + maps->radiance_texels * i + maps->level_first[level];
+      assert_map(stored, record.radiance[level], olx_classic_side(size, level), 4);
+    }
+    assert_memory_equal(&maps->boxes[i], &record.box, sizeof record.box);
+  }
+  olx_release(expected);
+}
+
 static void assert_round_trip(fixture *f, const synthetic_shape *shape) {
   olx_field *field;
   size_t size_bytes;
@@ -121,6 +149,7 @@ static void assert_round_trip(fixture *f, const synthetic_shape *shape) {
     assert_memory_equal(&field->irradiance_positions[i], &header.irradiance_positions[i], sizeof(olx_vec3));
     assert_int_equal(field->irradiance_flags[i], synthetic_flags(i));
   }
+  assert_classic(field, &header);
   olx_release(color);
   olx_release(moments);
   olx_release(normal);
@@ -130,6 +159,7 @@ static void assert_round_trip(fixture *f, const synthetic_shape *shape) {
 }
 
 static void test_round_trip(void **state) {
+  assert_round_trip(*state, &classic);
   assert_round_trip(*state, &small);
   assert_round_trip(*state, &single);
   assert_round_trip(*state, &least);
@@ -242,6 +272,7 @@ typedef struct image {
   olx_file_header *header;
   olx_file_chunk *chunks;
   olx_file_info *info;
+  uint32_t sealed; // chunks that the file was written with
 } image;
 
 static image load(fixture *f, const synthetic_shape *shape) {
@@ -250,6 +281,7 @@ static image load(fixture *f, const synthetic_shape *shape) {
   i.header = (olx_file_header *)i.bytes;
   i.chunks = (olx_file_chunk *)(i.bytes + sizeof(olx_file_header));
   i.info = (olx_file_info *)(i.bytes + i.chunks[OLX_CHUNK_INFO].offset);
+  i.sealed = i.header->chunk_count;
   return i;
 }
 
@@ -257,10 +289,10 @@ static void *chunk_data(const image *i, olx_chunk_kind kind) { return i->bytes +
 
 // Make every checksum right again.
 static void seal(const image *i) {
-  for (uint32_t k = 0; k < OLX_CHUNK_REQUIRED; k++) {
+  for (uint32_t k = 0; k < i->sealed; k++) {
     i->chunks[k].hash = olx_content_hash(i->bytes + i->chunks[k].offset, i->chunks[k].size_bytes);
   }
-  i->header->table_hash = olx_content_hash(i->chunks, OLX_CHUNK_REQUIRED * sizeof(olx_file_chunk));
+  i->header->table_hash = olx_content_hash(i->chunks, i->sealed * sizeof(olx_file_chunk));
   i->header->header_hash = olx_content_hash(i->header, 56);
 }
 static void seal_table(const image *i) {
@@ -638,6 +670,97 @@ static void test_opening_names_the_file(void **state) {
   assert_int_equal(olx_field_open(f->path, &field), OLX_ERROR_FORMAT);
 }
 
+// --- Classic maps: chunks after the required ones, since the field has no selector but the cage
+
+enum { CLAS = OLX_CHUNK_REQUIRED, CIRR, CRAD, CBOX };
+
+static void test_refuses_wrong_classic_maps(void **state) {
+  const image i = load(*state, &classic);
+  olx_classic_header *header = (olx_classic_header *)(i.bytes + i.chunks[CLAS].offset);
+#define REFUSED(place, value, message)                                                                                 \
+  do {                                                                                                                 \
+    __typeof__(place) *at = &(place), good = *at;                                                                      \
+    *at = (value);                                                                                                     \
+    seal(&i);                                                                                                          \
+    assert_refused(&i, OLX_ERROR_FORMAT, message);                                                                     \
+    *at = good;                                                                                                        \
+  } while (0)
+  REFUSED(header->size, 16, "classic size 16 is not a power of two in 32..256");
+  REFUSED(header->size, 48, "classic size 48");
+  REFUSED(header->size, 512, "classic size 512");
+  REFUSED(header->size, 0, "classic size 0");
+  REFUSED(header->size, 128, "chunk CIRR: 104544 bytes in records of 17424"); // the maps are those of 64
+  REFUSED(header->cube_size, 2048, "cube maps of 2048 texels");
+  REFUSED(header->sharpness, NAN, "classic sharpness nan");
+  REFUSED(header->sharpness, 1.0f, "classic sharpness 1");
+  REFUSED(header->levels, 6, "chunk CLAS: 6 levels");
+  REFUSED(header->table_side, 65, "a table of 65 entries");
+  REFUSED(header->zero[10], 1, "or reserved bytes");
+  float *box = (float *)(i.bytes + i.chunks[CBOX].offset);
+  REFUSED(box[6 * 3 + 1], 9.0f, "is not around probe 3");
+  REFUSED(box[6 * 2 + 3], NAN, "is not around probe 2");
+  REFUSED(box[6 * 5 + 5], INFINITY, "is not around probe 5");
+  REFUSED(box[0], -2e18f, "is not around probe 0");
+  const uint32_t strange = OLX_FOUR_CC('c', 'r', 'a', 'd');
+  REFUSED(i.chunks[CRAD].type, strange, "no chunk CRAD, but a chunk CLAS");
+  REFUSED(i.chunks[CBOX].type, i.chunks[CIRR].type, "two chunks CIRR");
+  REFUSED(i.chunks[CLAS].type, strange, "a chunk CIRR, but no chunk CLAS");
+  REFUSED(i.chunks[CIRR].record_bytes, 64, "chunk CIRR");
+#undef REFUSED
+  seal(&i);
+  i.chunks[CRAD].flags = 0;
+  seal(&i);
+  assert_refused(&i, OLX_ERROR_UNSUPPORTED, "(CRAD) is required");
+  i.chunks[CRAD].flags = OLX_CHUNK_OPTIONAL;
+  seal(&i);
+  header->table[7] ^= 1;
+  assert_refused(&i, OLX_ERROR_CHECKSUM, "chunk CLAS: wrong checksum");
+  olx_release(i.bytes);
+}
+
+static void test_verify_reads_classic_maps(void **state) {
+  const image i = load(*state, &classic);
+  const size_t texels = 66 * 66, record = olx_classic_first(64, OLX_CLASSIC_LEVELS);
+#define REFUSED(chunk, index, value, message)                                                                          \
+  do {                                                                                                                 \
+    uint32_t *codes = (uint32_t *)(i.bytes + i.chunks[chunk].offset), good = codes[index];                             \
+    codes[index] = (value);                                                                                            \
+    seal(&i);                                                                                                          \
+    assert_unverified(&i, OLX_ERROR_FORMAT, message);                                                                  \
+    codes[index] = good;                                                                                               \
+  } while (0)
+  REFUSED(CIRR, 2 * texels + 70, 0x7C0, "classic irradiance of probe 2, texel (3, 0): not a finite");
+  REFUSED(CIRR, 0, 3, "classic irradiance of probe 0: border texel (-1, -1) differs");
+  REFUSED(CRAD, record + 70, 0xF8000000, "classic radiance of probe 1, texel (3, 0): not a finite");
+  REFUSED(CRAD, olx_classic_first(64, 4), 3, "classic radiance of probe 0: border texel (-1, -1) differs");
+  REFUSED(CLAS, 16 + 99, 0x7C00, "entry 99 of the table: impossible");
+  REFUSED(CLAS, 16, 0x7E000000, "entry 0 of the table: impossible");
+  REFUSED(CLAS, 16 + 4095, 0x80000000, "entry 4095 of the table: impossible");
+  REFUSED(CLAS, 16 + 1, 0x40004000, "entry 1 of the table: impossible");
+#undef REFUSED
+  seal(&i);
+  olx_field *field;
+  assert_int_equal(olx_field_open_memory(i.bytes, i.size_bytes, &field), OLX_OK);
+  assert_int_equal(olx_field_verify(field), OLX_OK);
+  olx_field_close(field);
+  olx_release(i.bytes);
+}
+
+static void test_says_which_option_is_missing(void **state) {
+  const fixture *f = *state;
+  olx_field *field;
+  assert_int_equal(synthetic_write(f->path, &least, NULL), OLX_OK);
+  assert_int_equal(olx_field_open(f->path, &field), OLX_OK);
+  assert_int_equal(olx_classic_check(field), OLX_ERROR_ARGUMENT);
+  assert_says(f->path);
+  assert_says("bake --classic");
+  olx_field_close(field);
+  assert_int_equal(synthetic_write(f->path, &classic, NULL), OLX_OK);
+  assert_int_equal(olx_field_open(f->path, &field), OLX_OK);
+  assert_int_equal(olx_classic_check(field), OLX_OK);
+  olx_field_close(field);
+}
+
 // --- Writing
 
 static void test_writer_refuses_what_readers_would(void **state) {
@@ -685,6 +808,15 @@ static void test_writer_keeps_order(void **state) {
   assert_int_equal(olx_field_writer_irradiance(writer, 0, 0, radiance, moments), OLX_OK);
   assert_int_equal(olx_field_writer_commit(writer, NULL), OLX_ERROR_ARGUMENT);
   assert_says("1 of 12 light field probes and 1 of 6 irradiance probes");
+
+  synthetic_shape without = classic;
+  without.classic_size = 0;
+  olx_field_header header = synthetic_header(&classic);
+  assert_int_equal(olx_field_writer_create(f->path, &header, &writer), OLX_OK);
+  synthetic_header_release(&header);
+  assert_int_equal(synthetic_write_probes(writer, &without), OLX_OK);
+  assert_int_equal(olx_field_writer_commit(writer, NULL), OLX_ERROR_ARGUMENT);
+  assert_says("classic maps of 0 of 6 irradiance probes written");
   assert_int_equal(files_in(f->folder), 0);
 }
 
@@ -752,6 +884,9 @@ int main(void) {
       cmocka_unit_test_setup_teardown(test_verify_reads_the_content, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_rounded_moments_are_possible, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_opening_names_the_file, set_up, tear_down),
+      cmocka_unit_test_setup_teardown(test_refuses_wrong_classic_maps, set_up, tear_down),
+      cmocka_unit_test_setup_teardown(test_verify_reads_classic_maps, set_up, tear_down),
+      cmocka_unit_test_setup_teardown(test_says_which_option_is_missing, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_writer_refuses_what_readers_would, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_writer_keeps_order, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_old_file_survives, set_up, tear_down),

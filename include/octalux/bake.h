@@ -22,6 +22,10 @@ typedef struct olx_bake_settings {
   uint32_t samples;         // radiance samples along a texel's side, 1 to 8; default 2 (four a texel)
   uint32_t light_samples;   // shadow rays a radiance sample sends to area lights and to the sky, 1 to 64; default 1
   uint32_t bounces;         // further bounces after direct light, 0 to 64; default 3
+  bool classic;             // also make classic maps, of the method that light field probes replace; default false
+  uint32_t classic_size;    // texels along a side of these: a power of two, 32 to 256; default 128
+  uint32_t classic_cube_size; // along a face of the cube maps that they come from: a power of two, 32 to 1024; default 256
+  uint32_t classic_sharpness; // exponent of the filter between the two, 64 to 65536; 0, the default: as wide as a texel
   bool fit;                 // fit irradiance maps to the surfaces they light (docs/baking.md); default true
   uint32_t threads;         // 0: as many as the machine has; the result does not depend on it
   bool measure_embree;      // also time Embree alone on the primary rays, for stats.embree_seconds; default false
@@ -38,6 +42,7 @@ typedef struct olx_bake_stats {
   uint64_t primary_rays; // of the light field probes
   double seconds;        // everything but writing the file
   double write_seconds;
+  double classic_seconds; // of them, for classic maps
   double embree_seconds; // the same primary rays with nothing but ray casting; 0 unless measured
   uint64_t peak_memory_bytes;
   uint64_t file_bytes;

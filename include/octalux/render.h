@@ -75,7 +75,8 @@ olx_result olx_diagram_save(const olx_scene *scene, const olx_diagram_settings *
 
 typedef enum olx_method {
   OLX_METHOD_FIELD = 0, // indirect light from a field
-  OLX_METHOD_PATH = 1   // path tracing, the reference
+  OLX_METHOD_PATH = 1,  // path tracing, the reference
+  OLX_METHOD_CLASSIC = 2 // indirect light from a field's classic maps, the baseline
 } olx_method;
 
 typedef enum olx_diffuse {
@@ -134,7 +135,7 @@ typedef struct olx_render_stats {
   uint64_t field_steps, field_probes; // texels whose distance those rays read, and probes they asked
 } olx_render_stats;
 
-// Render `scene` from `camera`. `field` is needed by OLX_METHOD_FIELD and may be NULL otherwise; one baked from another scene
+// Render `scene` from `camera`. `field` is needed by all but OLX_METHOD_PATH, where it may be NULL; one baked from another scene
 // is warned about. On success the image is the caller's to free. stats may be NULL.
 olx_result olx_render(const olx_scene *scene, const olx_field *field, const olx_camera *camera,
                       const olx_render_settings *settings, const olx_progress *progress, olx_image *image,

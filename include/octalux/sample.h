@@ -76,6 +76,23 @@ olx_vec3 olx_glossy(const olx_field *field, const olx_sample_settings *settings,
                     olx_vec3 view, float roughness, olx_vec2 random, float *weight, float *half_cosine,
                     olx_trace_hit *hit);
 
+// The method that light field probes replace, as a baseline (docs/baking.md, "Classic maps"): irradiance and prefiltered
+// radiance of the irradiance probes around a point, interpolated without asking what they see. Of `settings` only keep_buried
+// counts. Light that comes straight from emitters or the sky is left out.
+
+// OLX_ERROR_ARGUMENT, with a message, when the field was baked without classic maps; the other functions need them.
+olx_result olx_classic_check(const olx_field *field);
+
+// Indirect irradiance in W/m^2 on a surface at `position` with unit normal `normal`.
+olx_vec3 olx_classic_irradiance(const olx_field *field, const olx_sample_settings *settings, olx_vec3 position,
+                                olx_vec3 normal);
+
+// Light that a GGX lobe of the given roughness (perceptual, 0..1) with Fresnel reflectance `f0` straight on and `f90` at
+// grazing angles reflects towards `view` (unit, from the surface to the eye): prefiltered radiance, looked up where the mirror
+// ray leaves each probe's box, times the lobe's reflectance from a table (split sum).
+olx_vec3 olx_classic_glossy(const olx_field *field, const olx_sample_settings *settings, olx_vec3 position,
+                            olx_vec3 normal, olx_vec3 view, float roughness, olx_vec3 f0, float f90);
+
 #pragma GCC visibility pop
 #ifdef __cplusplus
 }

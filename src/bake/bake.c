@@ -2,6 +2,7 @@
 
 #include "bake/buried.h"
 #include "bake/capture.h"
+#include "bake/classic_bake.h"
 #include "bake/gather.h"
 #include "bake/selectors.h"
 #include "core/hooks.h"
@@ -27,6 +28,8 @@ typedef struct bake {
   olx_shade_context shade;
   olx_gather gather;
   olx_capture capture;
+  olx_classic_bake classic;
+  uint32_t *classic_table; // NULL without classic maps
   olx_selector_blobs selectors;
   olx_field_writer *writer;
   olx_bake_stats stats;
@@ -34,8 +37,14 @@ typedef struct bake {
 } bake;
 
 olx_bake_settings olx_bake_settings_default(const olx_scene *scene) {
-  olx_bake_settings settings = {
-      .radiance_size = 1024, .irradiance_size = 128, .samples = 2, .light_samples = 1, .bounces = 3, .fit = true};
+  olx_bake_settings settings = {.radiance_size = 1024,
+                                .irradiance_size = 128,
+                                .samples = 2,
+                                .light_samples = 1,
+                                .bounces = 3,
+                                .fit = true,
+                                .classic_size = 128,
+                                .classic_cube_size = 256};
   if (olx_scene_probe_grid(scene, NULL, &settings.grid) != OLX_OK) settings.grid = (olx_grid){0};
   settings.irradiance_grid = olx_bake_irradiance_grid(&settings.grid);
   return settings;
@@ -72,9 +81,10 @@ static olx_result check_grid(const olx_grid *grid, const char *name) {
   return OLX_OK;
 }
 
-static olx_result check_size(uint32_t size, uint32_t most, const char *name) {
-  if (size >= 8 && size <= most && (size & (size - 1)) == 0) return OLX_OK;
-  return olx_fail(OLX_ERROR_ARGUMENT, "bake: %s of %u texels: must be a power of two from 8 to %u", name, size, most);
+static olx_result check_size(uint32_t size, uint32_t least, uint32_t most, const char *name) {
+  if (size >= least && size <= most && (size & (size - 1)) == 0) return OLX_OK;
+  return olx_fail(OLX_ERROR_ARGUMENT, "bake: %s of %u texels: must be a power of two from %u to %u", name, size, least,
+                  most);
 }
 
 static olx_result check_range(uint32_t value, uint32_t least, uint32_t most, const char *name) {
@@ -102,12 +112,20 @@ static olx_result check_select(const olx_bake_settings *settings) {
   return OLX_OK;
 }
 
+static olx_result check_classic(const olx_bake_settings *settings) {
+  if (!settings->classic) return OLX_OK;
+  OLX_TRY(check_size(settings->classic_size, 32, 256, "classic size"));
+  OLX_TRY(check_size(settings->classic_cube_size, 32, 1024, "cube size"));
+  return settings->classic_sharpness ? check_range(settings->classic_sharpness, 64, 65536, "sharpness") : OLX_OK;
+}
+
 static olx_result check_settings(const olx_bake_settings *settings) {
   OLX_TRY(check_probes(settings));
   OLX_TRY(check_select(settings));
   OLX_TRY(check_grid(&settings->irradiance_grid, "irradiance grid"));
-  OLX_TRY(check_size(settings->radiance_size, 2048, "radiance size"));
-  OLX_TRY(check_size(settings->irradiance_size, 256, "irradiance size"));
+  OLX_TRY(check_size(settings->radiance_size, 8, 2048, "radiance size"));
+  OLX_TRY(check_size(settings->irradiance_size, 8, 256, "irradiance size"));
+  OLX_TRY(check_classic(settings));
   OLX_TRY(check_range(settings->samples, 1, 8, "samples"));
   OLX_TRY(check_range(settings->light_samples, 1, 64, "light samples"));
   return check_range(settings->bounces, 0, 64, "bounces");
@@ -170,7 +188,13 @@ static olx_result create_file(bake *b, const char *path) {
                .scene_hash = b->scene->hash},
       .probe_positions = b->positions[0],
       .irradiance_positions = b->positions[1],
+      .classic_table = b->classic_table,
   };
+  if (s->classic) {
+    header.info.classic_size = s->classic_size;
+    header.info.classic_cube_size = s->classic_cube_size;
+    header.info.classic_sharpness = (float)b->classic.filter.sharpness;
+  }
   for (olx_select select = OLX_SELECT_CAGE; select < OLX_SELECT_STORED; select++) {
     header.select_data[select] = b->selectors.data[select];
     header.select_bytes[select] = b->selectors.size_bytes[select];
@@ -216,6 +240,42 @@ static olx_result gather_light(bake *b) {
   return olx_gather_write(&b->gather, b->writer, &b->stats.write_seconds);
 }
 
+static olx_result prepare_classic(bake *b) {
+  const olx_bake_settings *s = b->settings;
+  if (!s->classic) return OLX_OK;
+  const uint32_t sharpness =
+      s->classic_sharpness ? s->classic_sharpness : olx_classic_sharpness(s->classic_size, s->classic_cube_size);
+  b->classic = (olx_classic_bake){
+      .shade = &b->shade,
+      .filter = {.size = s->classic_size,
+                 .cube_size = s->classic_cube_size,
+                 .sharpness = sharpness,
+                 .threads = s->threads},
+      .light_samples = s->light_samples,
+      .bounces = s->bounces,
+      .task = &b->task,
+  };
+  b->classic_table = olx_allocate(OLX_CLASSIC_TABLE_ENTRIES, sizeof *b->classic_table);
+  if (!b->classic_table) return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for a table of reflectances");
+  OLX_TRY(olx_classic_table_make(b->classic_table, s->threads));
+  return olx_classic_bake_create(&b->classic);
+}
+
+static olx_result make_classic(bake *b) {
+  if (!b->settings->classic) return OLX_OK;
+  olx_task_stage(&b->task, "classic maps");
+  const double start = olx_seconds();
+  for (uint32_t i = 0; i < b->counts[1]; i++) {
+    olx_classic_record record;
+    OLX_TRY(olx_classic_bake_probe(&b->classic, i, b->positions[1][i], &record));
+    const double written = olx_seconds();
+    OLX_TRY(olx_field_writer_classic(b->writer, i, &record));
+    b->stats.write_seconds += olx_seconds() - written;
+  }
+  b->stats.classic_seconds = olx_seconds() - start;
+  return OLX_OK;
+}
+
 static olx_result capture_probes(bake *b) {
   olx_task_stage(&b->task, "light field");
   for (uint32_t i = 0; i < b->counts[0]; i++) {
@@ -252,13 +312,16 @@ static olx_result run(bake *b, const char *path) {
                              .task = &b->task};
   OLX_TRY(find_buried(b));
   OLX_TRY(build_selectors(b));
+  OLX_TRY(prepare_classic(b));
   OLX_TRY(create_file(b, path));
   OLX_TRY(olx_gather_create(&b->gather, &s->irradiance_grid, s->irradiance_size, s->bounces));
   OLX_TRY(olx_capture_create(&b->capture));
   b->stats.primary_rays = b->counts[0] * olx_capture_units(&b->capture);
   b->task.total_units = olx_gather_units(&b->gather, s->bounces) + b->stats.primary_rays;
   if (s->fit) b->task.total_units += olx_surface_fit_units(b->counts[1]);
+  if (s->classic) b->task.total_units += b->counts[1] * olx_classic_bake_units(&b->classic);
   OLX_TRY(gather_light(b));
+  OLX_TRY(make_classic(b));
   return capture_probes(b);
 }
 
@@ -272,6 +335,8 @@ static olx_result finish(bake *b, olx_result result, double start) {
   }
   olx_selectors_free(&b->selectors);
   olx_capture_free(&b->capture);
+  olx_classic_bake_free(&b->classic);
+  olx_release(b->classic_table);
   olx_gather_free(&b->gather);
   b->stats.rays += atomic_load(&b->shade.rays);
   olx_shade_context_end(&b->shade);

@@ -1,5 +1,6 @@
 #include "bake/gather.h"
 
+#include "bake/border.h"
 #include "bake/morton.h"
 #include "core/hooks.h"
 #include "core/pack.h"
@@ -137,21 +138,6 @@ static void direct_job(void *user, uint32_t tile) {
   olx_shade_scratch_give(gather->shade, scratch);
 }
 
-// Copies the texels that a map's border repeats. Texels are `size_bytes` long.
-static void fill_border(void *map, uint32_t n, size_t size_bytes) {
-  const int32_t side = (int32_t)n, stride = side + 2;
-  char *texels = map;
-  for (int32_t i = -1; i <= side; i++) {
-    const int32_t edge[4][2] = {{i, -1}, {i, side}, {-1, i}, {side, i}};
-    for (uint32_t e = 0; e < 4; e++) {
-      int32_t x, y;
-      olx_border_source(edge[e][0], edge[e][1], side, &x, &y);
-      memcpy(texels + (size_t)((edge[e][1] + 1) * stride + edge[e][0] + 1) * size_bytes,
-             texels + (size_t)((y + 1) * stride + x + 1) * size_bytes, size_bytes);
-    }
-  }
-}
-
 static size_t bordered(uint32_t n) { return (size_t)(n + 2) * (n + 2); }
 
 static void moments_job(void *user, uint32_t row) {
@@ -176,7 +162,7 @@ olx_result olx_gather_direct(olx_gather *gather) {
     OLX_TRY(check_memory(gather));
     OLX_TRY(
         olx_parallel_for(q->irradiance_size / OLX_BLOCK_ROWS, gather->threads, moments_job, gather, gather->task, 0));
-    fill_border(gather->moments + probe * bordered(q->irradiance_size), q->irradiance_size, sizeof(olx_vec2));
+    olx_fill_border(gather->moments + probe * bordered(q->irradiance_size), q->irradiance_size, sizeof(olx_vec2));
   }
   return OLX_OK;
 }
@@ -247,7 +233,7 @@ olx_result olx_gather_irradiance(olx_gather *gather, uint32_t bounce) {
   OLX_TRY(olx_parallel_for(gather->probe_count * (n / OLX_BLOCK_ROWS), gather->threads, irradiance_job, gather,
                            gather->task, 0));
   for (uint32_t probe = 0; probe < gather->probe_count; probe++) {
-    fill_border(bounce_maps(gather, bounce) + probe * bordered(n), n, sizeof(olx_vec3));
+    olx_fill_border(bounce_maps(gather, bounce) + probe * bordered(n), n, sizeof(olx_vec3));
   }
   return OLX_OK;
 }
@@ -268,7 +254,7 @@ static void correct_job(void *user, uint32_t probe) {
       *texel = corrected(gather, probe, x, y, n, *texel);
     }
   }
-  fill_border(map, n, sizeof(olx_vec3));
+  olx_fill_border(map, n, sizeof(olx_vec3));
 }
 
 static const olx_irradiance_source *source_of(const olx_gather *gather, uint32_t bounce) {

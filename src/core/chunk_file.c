@@ -121,13 +121,9 @@ olx_result olx_chunk_find(const olx_chunk_file *file, uint32_t type, const olx_f
   return OLX_OK;
 }
 
-olx_result olx_chunk_find_shaped(const olx_chunk_file *file, const olx_chunk_shape *shape, const void **data) {
-  const olx_file_chunk *chunk;
-  OLX_TRY(olx_chunk_find(file, shape->type, &chunk));
+static olx_result check_shape(const olx_chunk_file *file, const olx_file_chunk *chunk, const olx_chunk_shape *shape,
+                              const void **data) {
   const olx_chunk_name type = olx_chunk_type_name(shape->type);
-  if (chunk->flags != 0) {
-    return olx_fail(OLX_ERROR_FORMAT, "%s: chunk %s: flagged optional, but it is not", file->name, type.text);
-  }
   if (chunk->element_bytes != shape->element_bytes || chunk->record_bytes != shape->record_bytes ||
       chunk->size_bytes != shape->size_bytes) {
     return olx_fail(OLX_ERROR_FORMAT,
@@ -140,6 +136,21 @@ olx_result olx_chunk_find_shaped(const olx_chunk_file *file, const olx_chunk_sha
   }
   *data = (const char *)file->data + chunk->offset;
   return OLX_OK;
+}
+
+olx_result olx_chunk_find_shaped(const olx_chunk_file *file, const olx_chunk_shape *shape, const void **data) {
+  const olx_file_chunk *chunk;
+  OLX_TRY(olx_chunk_find(file, shape->type, &chunk));
+  if (chunk->flags == 0) return check_shape(file, chunk, shape, data);
+  return olx_fail(OLX_ERROR_FORMAT, "%s: chunk %s: flagged optional, but it is not", file->name,
+                  olx_chunk_type_name(shape->type).text);
+}
+
+olx_result olx_chunk_find_optional_shaped(const olx_chunk_file *file, const olx_chunk_shape *shape, const void **data) {
+  const olx_file_chunk *chunk;
+  *data = NULL;
+  OLX_TRY(olx_chunk_find_optional(file, shape->type, &chunk));
+  return chunk ? check_shape(file, chunk, shape, data) : OLX_OK;
 }
 
 olx_result olx_chunk_refuse_unknown(const olx_chunk_file *file, const olx_chunk_shape *shapes, uint32_t count) {

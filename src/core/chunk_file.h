@@ -88,6 +88,8 @@ olx_result olx_chunk_find(const olx_chunk_file *file, uint32_t type, const olx_f
 olx_result olx_chunk_find_shaped(const olx_chunk_file *file, const olx_chunk_shape *shape, const void **data);
 // A chunk that may be missing, in which case *found is NULL, but is flagged optional when it is there.
 olx_result olx_chunk_find_optional(const olx_chunk_file *file, uint32_t type, const olx_file_chunk **found);
+// The same, when it has the sizes asked for; *data is NULL when it is missing.
+olx_result olx_chunk_find_optional_shaped(const olx_chunk_file *file, const olx_chunk_shape *shape, const void **data);
 // OLX_ERROR_UNSUPPORTED when a chunk is neither optional nor among the `count` shapes.
 olx_result olx_chunk_refuse_unknown(const olx_chunk_file *file, const olx_chunk_shape *shapes, uint32_t count);
 // The checksum of chunk `index`, and the zero bytes after it.

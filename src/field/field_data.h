@@ -6,6 +6,7 @@
 #include "field/pyramid.h"
 
 #include "field/brick_data.h"
+#include "field/classic_data.h"
 
 #include <octalux/field.h>
 
@@ -44,6 +45,8 @@ struct olx_field {
   const void *select_data[OLX_SELECT_STORED];
   size_t select_bytes[OLX_SELECT_STORED];
   olx_bricks bricks; // into select_data
+
+  olx_classic_maps classic;
 
   float distance_scale;
 

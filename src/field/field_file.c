@@ -6,6 +6,8 @@ void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHU
   const uint64_t side = info->radiance_size + 2, texels = side * side;
   const uint64_t irradiance_side = info->irradiance_size + 2, irradiance_texels = irradiance_side * irradiance_side;
   const olx_pyramid_shape pyramid = olx_pyramid_shape_of(info->radiance_size);
+  const uint32_t classic = info->classic_size, classic_probes = classic ? info->irradiance_probe_count : 0;
+  const uint64_t classic_side = classic + 2;
   const struct {
     uint32_t type, element_bytes;
     uint64_t elements, records;
@@ -25,6 +27,12 @@ void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHU
       [OLX_CHUNK_VORONOI] = {OLX_FOUR_CC('V', 'O', 'R', 'O'), 1, 0, 1},
       [OLX_CHUNK_OCTREE] = {OLX_FOUR_CC('O', 'C', 'T', 'R'), 1, 0, 1},
       [OLX_CHUNK_BRICKS] = {OLX_FOUR_CC('B', 'R', 'I', 'K'), 1, 0, 1},
+      [OLX_CHUNK_CLASSIC] = {OLX_FOUR_CC('C', 'L', 'A', 'S'), sizeof(olx_classic_header), 1, 1},
+      [OLX_CHUNK_CLASSIC_IRRADIANCE] = {OLX_FOUR_CC('C', 'I', 'R', 'R'), 4, classic_side * classic_side,
+                                        classic_probes},
+      [OLX_CHUNK_CLASSIC_RADIANCE] = {OLX_FOUR_CC('C', 'R', 'A', 'D'), 4,
+                                      olx_classic_first(classic, OLX_CLASSIC_LEVELS), classic_probes},
+      [OLX_CHUNK_CLASSIC_BOXES] = {OLX_FOUR_CC('C', 'B', 'O', 'X'), 4, 6, classic_probes},
   };
   for (uint32_t i = 0; i < OLX_CHUNK_KINDS; i++) {
     const uint64_t record_bytes = table[i].elements * table[i].element_bytes;
@@ -100,6 +108,20 @@ static bool is_power_of_two_in(uint32_t size, uint32_t low, uint32_t high) {
 // False for NaN too.
 static bool is_length(float f) { return fabsf(f) <= OLX_FIELD_MAX_LENGTH; }
 static bool is_place(olx_vec3 v) { return is_length(v.x) && is_length(v.y) && is_length(v.z); }
+
+olx_result olx_classic_info_check(const olx_field_info *info, const char *name, olx_result failure) {
+  if (!is_power_of_two_in(info->classic_size, 32, 256)) {
+    return olx_fail(failure, "%s: classic size %u is not a power of two in 32..256", name, info->classic_size);
+  }
+  if (!is_power_of_two_in(info->classic_cube_size, 32, 1024)) {
+    return olx_fail(failure, "%s: cube maps of %u texels: not a power of two in 32..1024", name,
+                    info->classic_cube_size);
+  }
+  if (!(info->classic_sharpness >= 64.0f && info->classic_sharpness <= 65536.0f)) {
+    return olx_fail(failure, "%s: classic sharpness %g is not in 64..65536", name, (double)info->classic_sharpness);
+  }
+  return OLX_OK;
+}
 
 static olx_result check_grid(const olx_grid *grid, uint32_t probe_count, const char *kind, const char *name,
                              olx_result failure) {

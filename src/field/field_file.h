@@ -64,6 +64,11 @@ typedef enum olx_chunk_kind {
   OLX_CHUNK_VORONOI = OLX_CHUNK_REQUIRED,
   OLX_CHUNK_OCTREE,
   OLX_CHUNK_BRICKS,
+  // Classic maps: all of these or none.
+  OLX_CHUNK_CLASSIC,
+  OLX_CHUNK_CLASSIC_IRRADIANCE,
+  OLX_CHUNK_CLASSIC_RADIANCE,
+  OLX_CHUNK_CLASSIC_BOXES,
   OLX_CHUNK_KINDS
 } olx_chunk_kind;
 
@@ -73,7 +78,7 @@ static inline olx_chunk_kind olx_select_chunk(olx_select select) {
 }
 
 // What each chunk must be, given the description of the field. Those of selectors are single records of any size: 0 bytes
-// here.
+// here; so are classic maps where there are none.
 void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHUNK_KINDS]);
 
 // The file behind a field, for core/chunk_file.h.
@@ -87,6 +92,10 @@ olx_field_info olx_field_info_load(const olx_file_info *stored);
 // Whether a description is one a field may have: sizes, counts, grids, finite numbers. `failure` is the result when it is
 // not; `name` begins the message.
 olx_result olx_field_info_check(const olx_field_info *info, const char *name, olx_result failure);
+// Whether what a description says of classic maps can be.
+olx_result olx_classic_info_check(const olx_field_info *info, const char *name, olx_result failure);
+// Finds the classic maps of an open field, if it has any, and checks their structure.
+olx_result olx_classic_open(olx_field *field);
 // Whether positions are finite and, with a grid, stand on it.
 olx_result olx_positions_check(const olx_vec3 *positions, uint32_t count, const olx_grid *grid, const char *kind,
                                const char *name, olx_result failure);

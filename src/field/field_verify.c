@@ -11,6 +11,7 @@
 // what the smallest halves lose.
 #define MOMENT_ROUNDING 0x1p-9f
 #define MOMENT_SMALLEST 0x1p-24f
+#define MAX_REFLECTANCE 2.0f
 
 // An exponent of 31 would be infinity or NaN.
 static inline bool is_bad_color(uint32_t code) {
@@ -134,6 +135,36 @@ static olx_result check_irradiance(const olx_field *field, uint32_t probe) {
   return check_border(field, "moments", probe, moments, field->irradiance_n, 4);
 }
 
+static olx_result check_color_map(const olx_field *field, const char *what, uint32_t probe, const uint32_t *map,
+                                  uint32_t n) {
+  const size_t texels = (size_t)(n + 2) * (n + 2), bad = first_bad_color(map, texels);
+  if (bad < texels) return fail_at(field, what, probe, bad, n + 2, map[bad], "not a finite number");
+  return check_border(field, what, probe, map, n, 4);
+}
+
+static olx_result check_classic(const olx_field *field, uint32_t probe) {
+  const olx_classic_maps *maps = &field->classic;
+  OLX_TRY(check_color_map(field, "classic irradiance", probe, maps->irradiance + maps->irradiance_texels * probe,
+                          maps->size));
+  for (uint32_t level = 0; level < OLX_CLASSIC_LEVELS; level++) {
+    const uint32_t *map = maps->radiance + maps->radiance_texels * probe + maps->level_first[level];
+    OLX_TRY(check_color_map(field, "classic radiance", probe, map, olx_classic_side(maps->size, level)));
+  }
+  return OLX_OK;
+}
+
+// Scale and bias together are at most the light that a lobe without absorption could reflect; its form lets it gain a little.
+static olx_result check_classic_table(const olx_field *field) {
+  for (uint32_t i = 0; i < OLX_CLASSIC_TABLE_ENTRIES; i++) {
+    const uint32_t code = field->classic.table[i];
+    const float scale = olx_half_unpack((uint16_t)(code & 0xFFFFu)), bias = olx_half_unpack((uint16_t)(code >> 16));
+    if (scale >= 0.0f && bias >= 0.0f && scale + bias <= MAX_REFLECTANCE && !(code & 0x80008000u)) continue;
+    return olx_fail(OLX_ERROR_FORMAT, "%s: chunk CLAS: entry %u of the table: impossible reflectance (%#x)",
+                    field->name, i, code);
+  }
+  return OLX_OK;
+}
+
 static olx_result check_chunk(const olx_field *field, uint32_t index) {
   const olx_chunk_file file = olx_field_file(field);
   return olx_chunk_check_content(&file, index);
@@ -171,5 +202,8 @@ olx_result olx_field_verify(const olx_field *field) {
   if (field->select_data[OLX_SELECT_VORONOI]) OLX_TRY(olx_voronoi_verify(field));
   if (field->select_data[OLX_SELECT_OCTREE]) OLX_TRY(olx_octree_verify(field));
   OLX_TRY(check_all(field, check_probe, field->info.probe_count));
-  return check_all(field, check_irradiance, field->info.irradiance_probe_count);
+  OLX_TRY(check_all(field, check_irradiance, field->info.irradiance_probe_count));
+  if (!field->classic.size) return OLX_OK;
+  OLX_TRY(check_classic_table(field));
+  return check_all(field, check_classic, field->info.irradiance_probe_count);
 }

@@ -18,12 +18,12 @@ struct olx_field_writer {
   uint32_t chunk_count;
   uint64_t offsets[OLX_CHUNK_KINDS], file_bytes;
   XXH3_state_t hashes[OLX_CHUNK_KINDS]; // of what has been written to each chunk
-  uint32_t probes_written, irradiance_written;
+  uint32_t probes_written, irradiance_written, classic_written;
   bool failed;
 
   olx_vec3 *probe_positions, *irradiance_positions;
   uint8_t *probe_flags, *irradiance_flags;
-  void *map;        // one map with its border
+  void *map;                  // one map with its border
   uint16_t *least, *greatest; // one pyramid
 };
 
@@ -34,6 +34,9 @@ static void lay_out(olx_field_writer *writer, const olx_field_header *header) {
     const olx_chunk_kind kind = olx_select_chunk(select);
     writer->present[kind] = (writer->info.select_mask & 1u << select) != 0;
     writer->shapes[kind].size_bytes = writer->shapes[kind].record_bytes = header->select_bytes[select];
+  }
+  for (uint32_t k = OLX_CHUNK_CLASSIC; k <= OLX_CHUNK_CLASSIC_BOXES; k++) {
+    writer->present[k] = writer->info.classic_size > 0;
   }
   for (uint32_t k = 0; k < OLX_CHUNK_KINDS; k++) writer->chunk_count += writer->present[k];
   uint64_t end = sizeof(olx_file_header) + writer->chunk_count * sizeof(olx_file_chunk);
@@ -51,7 +54,9 @@ static olx_result allocate_buffers(olx_field_writer *writer, const olx_field_hea
   const olx_chunk_shape *shapes = writer->shapes;
   const uint64_t radiance = shapes[OLX_CHUNK_RADIANCE].record_bytes,
                  irradiance = shapes[OLX_CHUNK_IRRADIANCE].record_bytes;
-  writer->map = olx_allocate(radiance > irradiance ? radiance : irradiance, 1);
+  const uint64_t classic = writer->info.classic_size ? shapes[OLX_CHUNK_CLASSIC_IRRADIANCE].record_bytes : 0;
+  const uint64_t most = radiance > irradiance ? radiance : irradiance;
+  writer->map = olx_allocate(most > classic ? most : classic, 1);
   writer->least = olx_allocate(shapes[OLX_CHUNK_LEAST].record_bytes, 1);
   writer->greatest = olx_allocate(shapes[OLX_CHUNK_GREATEST].record_bytes, 1);
   writer->probe_flags = olx_allocate(info->probe_count, 1);
@@ -91,12 +96,24 @@ static olx_result put_selectors(olx_field_writer *writer, const olx_field_header
   return OLX_OK;
 }
 
+static olx_result put_classic_header(olx_field_writer *writer, const olx_field_header *header) {
+  if (!writer->present[OLX_CHUNK_CLASSIC]) return OLX_OK;
+  olx_classic_header classic = {.size = header->info.classic_size,
+                                .cube_size = header->info.classic_cube_size,
+                                .levels = OLX_CLASSIC_LEVELS,
+                                .table_side = OLX_CLASSIC_TABLE_SIDE,
+                                .sharpness = header->info.classic_sharpness};
+  memcpy(classic.table, header->classic_table, sizeof classic.table);
+  return put_whole(writer, OLX_CHUNK_CLASSIC, &classic);
+}
+
 olx_result olx_field_writer_create(const char *path, const olx_field_header *header, olx_field_writer **created) {
   assert(path && header && created);
   *created = NULL;
   olx_field_info info = header->info;
   info.buried_count = info.irradiance_buried_count = 0;
   OLX_TRY(olx_field_info_check(&info, path, OLX_ERROR_ARGUMENT));
+  if (info.classic_size) OLX_TRY(olx_classic_info_check(&info, path, OLX_ERROR_ARGUMENT));
   OLX_TRY(olx_positions_check(header->probe_positions, info.probe_count, info.has_grid ? &info.grid : NULL,
                               "light field", path, OLX_ERROR_ARGUMENT));
   OLX_TRY(olx_positions_check(header->irradiance_positions, info.irradiance_probe_count, &info.irradiance_grid,
@@ -110,6 +127,7 @@ olx_result olx_field_writer_create(const char *path, const olx_field_header *hea
   OLX_TRY_GOTO(olx_output_open(path, &writer->file), failed);
   OLX_TRY_GOTO(olx_output_reserve(&writer->file, writer->file_bytes), opened);
   OLX_TRY_GOTO(put_selectors(writer, header), opened);
+  OLX_TRY_GOTO(put_classic_header(writer, header), opened);
   *created = writer;
   return OLX_OK;
 
@@ -201,6 +219,38 @@ olx_result olx_field_writer_irradiance(olx_field_writer *writer, uint32_t index,
   return result;
 }
 
+// The levels of radiance lie in one record.
+static olx_result put_levels(olx_field_writer *writer, uint32_t index, const uint32_t *const *levels) {
+  const uint64_t record = writer->shapes[OLX_CHUNK_CLASSIC_RADIANCE].record_bytes;
+  uint64_t offset = writer->offsets[OLX_CHUNK_CLASSIC_RADIANCE] + index * record;
+  for (uint32_t level = 0; level < OLX_CLASSIC_LEVELS; level++) {
+    const uint32_t side = olx_classic_side(writer->info.classic_size, level);
+    const uint64_t size_bytes = (uint64_t)(side + 2) * (side + 2) * sizeof(uint32_t);
+    const void *map = add_border(writer, levels[level], side, sizeof(uint32_t));
+    XXH3_64bits_update(&writer->hashes[OLX_CHUNK_CLASSIC_RADIANCE], map, size_bytes);
+    OLX_TRY(olx_output_write_at(&writer->file, offset, map, size_bytes));
+    offset += size_bytes;
+  }
+  return OLX_OK;
+}
+
+static olx_result write_classic(olx_field_writer *writer, uint32_t index, const olx_classic_record *record) {
+  const uint32_t size = writer->info.classic_size;
+  OLX_TRY(put_map(writer, OLX_CHUNK_CLASSIC_IRRADIANCE, index, record->irradiance, size));
+  OLX_TRY(put_levels(writer, index, record->radiance));
+  return put(writer, OLX_CHUNK_CLASSIC_BOXES, index, &record->box);
+}
+
+olx_result olx_field_writer_classic(olx_field_writer *writer, uint32_t index, const olx_classic_record *record) {
+  if (index != writer->classic_written || index >= writer->info.irradiance_probe_count) {
+    return refuse_order(writer, "classic", index, writer->classic_written);
+  }
+  const olx_result result = write_classic(writer, index, record);
+  writer->failed |= result != OLX_OK;
+  writer->classic_written++;
+  return result;
+}
+
 // The description, the padding after every chunk, the chunk table and the header.
 static olx_result write_frame(olx_field_writer *writer) {
   const olx_file_info info = olx_field_info_store(&writer->info);
@@ -236,6 +286,9 @@ olx_result olx_field_writer_commit(olx_field_writer *writer, uint64_t *file_byte
     result = olx_fail(OLX_ERROR_ARGUMENT, "%s: %u of %u light field probes and %u of %u irradiance probes written",
                       writer->file.path, writer->probes_written, writer->info.probe_count, writer->irradiance_written,
                       writer->info.irradiance_probe_count);
+  } else if (writer->info.classic_size && writer->classic_written != writer->info.irradiance_probe_count) {
+    result = olx_fail(OLX_ERROR_ARGUMENT, "%s: classic maps of %u of %u irradiance probes written", writer->file.path,
+                      writer->classic_written, writer->info.irradiance_probe_count);
   } else {
     result = write_frame(writer);
   }

@@ -12,7 +12,15 @@ typedef struct olx_field_header {
   const olx_vec3 *probe_positions, *irradiance_positions;
   const void *select_data[OLX_SELECT_STORED]; // of each selector in info.select_mask but the cage
   size_t select_bytes[OLX_SELECT_STORED];
+  const uint32_t *classic_table; // of classic maps, OLX_CLASSIC_TABLE_ENTRIES; NULL, and info.classic_size 0, without them
 } olx_field_header;
+
+// The classic maps of a probe, packed, without border.
+typedef struct olx_classic_record {
+  const uint32_t *irradiance;
+  const uint32_t *radiance[OLX_CLASSIC_LEVELS];
+  olx_classic_box box;
+} olx_classic_record;
 
 // Lays the file out and creates it beside `path`. Positions are copied; what the selectors
 // were baked into is written at once.
@@ -26,6 +34,9 @@ olx_result olx_field_writer_probe(olx_field_writer *writer, uint32_t index, uint
 // The maps of one irradiance probe, in order of index, without border.
 olx_result olx_field_writer_irradiance(olx_field_writer *writer, uint32_t index, uint8_t flags,
                                        const uint32_t *irradiance, const uint32_t *moments);
+
+// The same for classic maps, where info.classic_size asks for them.
+olx_result olx_field_writer_classic(olx_field_writer *writer, uint32_t index, const olx_classic_record *record);
 
 // Checksums, sync, rename. Frees the writer whatever comes back. All probes must have been written.
 olx_result olx_field_writer_commit(olx_field_writer *writer, uint64_t *file_bytes);

@@ -90,6 +90,10 @@ olx_field_light olx_field_glossy_ray(const olx_render_context *context, const ol
 }
 
 olx_vec3 olx_field_irradiance(const olx_render_context *context, const olx_shading *shading, olx_vec3 view) {
+  if (context->settings->method == OLX_METHOD_CLASSIC) {
+    return olx_classic_irradiance(context->field, &context->settings->sample, field_origin(shading->surface),
+                                  shading->normal);
+  }
   return olx_irradiance(context->field, &context->settings->sample, field_origin(shading->surface), shading->normal,
                         view);
 }
@@ -125,7 +129,8 @@ static olx_vec3 traced_irradiance(const shaded_tile *tile, uint32_t k) {
 }
 
 static void light_diffusely(shaded_tile *tile) {
-  const bool traced = tile->context->settings->diffuse == OLX_DIFFUSE_TRACED;
+  const olx_render_settings *settings = tile->context->settings;
+  const bool traced = settings->method == OLX_METHOD_FIELD && settings->diffuse == OLX_DIFFUSE_TRACED;
   for (uint32_t k = 0; k < tile->count; k++) {
     const olx_shading *shading = &tile->shadings[k];
     if (!shading->has_diffuse) continue;
@@ -150,12 +155,23 @@ static olx_vec3 traced_glossy(const shaded_tile *tile, uint32_t k, olx_vec3 view
   return olx_scale(sum, 1.0f / (float)count);
 }
 
+static olx_vec3 classic_glossy(const shaded_tile *tile, uint32_t k, olx_vec3 view) {
+  const olx_shading *shading = &tile->shadings[k];
+  const olx_surface *surface = shading->surface;
+  return olx_classic_glossy(tile->context->field, &tile->context->settings->sample, field_origin(surface),
+                            shading->normal, view, surface->roughness, surface->bsdf.f0, surface->bsdf.f90);
+}
+
 static void light_glossily(shaded_tile *tile) {
   for (uint32_t k = 0; k < tile->count; k++) {
     const olx_shading *shading = &tile->shadings[k];
     if (!shading->has_specular) continue;
     const uint32_t i = tile->pixel[k];
     const olx_vec3 view = olx_negate(tile->rays->directions[i]);
+    if (tile->context->settings->method == OLX_METHOD_CLASSIC) {
+      tile->samples[i].indirect_glossy = classic_glossy(tile, k, view);
+      continue;
+    }
     tile->samples[i].indirect_glossy =
         olx_field_lobe_is_dim(tile->context, shading)
             ? olx_field_dim_light(shading, olx_field_irradiance(tile->context, shading, view))

@@ -174,8 +174,9 @@ static olx_result check_settings(const olx_render_settings *s, const olx_field *
     return olx_fail(OLX_ERROR_ARGUMENT, "%u samples a pixel are not within 1 to %d", s->spp, MAX_SPP);
   }
   if (s->method == OLX_METHOD_PATH) return OLX_OK;
-  if (s->method != OLX_METHOD_FIELD) return olx_fail(OLX_ERROR_ARGUMENT, "there is no render method %d", s->method);
+  if (s->method != OLX_METHOD_FIELD && s->method != OLX_METHOD_CLASSIC) return olx_fail(OLX_ERROR_ARGUMENT, "there is no render method %d", s->method);
   if (!field) return olx_fail(OLX_ERROR_ARGUMENT, "rendering with a field needs a field");
+  if (s->method == OLX_METHOD_CLASSIC) return olx_classic_check(field);
   if (s->diffuse != OLX_DIFFUSE_IRRADIANCE && s->diffuse != OLX_DIFFUSE_TRACED) {
     return olx_fail(OLX_ERROR_ARGUMENT, "there is no method %d for diffuse light", s->diffuse);
   }
@@ -202,7 +203,7 @@ static void warn_of_other_scene(const olx_scene *scene, const olx_field *field) 
 
 olx_result olx_render_check(const olx_scene *scene, const olx_field *field, const olx_render_settings *settings) {
   OLX_TRY(check_settings(settings, field));
-  if (settings->method == OLX_METHOD_FIELD) warn_of_other_scene(scene, field);
+  if (settings->method != OLX_METHOD_PATH) warn_of_other_scene(scene, field);
   return OLX_OK;
 }
 

@@ -1,0 +1,33 @@
+// Classic maps of irradiance probes: a cube map of what each sees, filtered (docs/baking.md, "Classic maps").
+#ifndef OLX_BAKE_CLASSIC_BAKE_H
+#define OLX_BAKE_CLASSIC_BAKE_H
+
+#include "bake/classic_filter.h"
+#include "bake/shade_batch.h"
+#include "field/field_writer.h"
+
+// One probe at a time.
+typedef struct olx_classic_bake {
+  olx_shade_context *shade;
+  olx_classic_filter filter; // size, cube_size, sharpness and threads are the caller's to fill
+  uint32_t light_samples, bounces;
+  olx_task *task;
+  uint32_t probe; // the number enters the random numbers
+  olx_vec3 position;
+  uint8_t *side;   // of each cube texel: which side of a box its surface could be, or none
+  float *distance; // along the box's axis, from the scene's low corner
+  uint32_t *packed_irradiance, *packed_levels[OLX_CLASSIC_LEVELS];
+} olx_classic_bake;
+
+// The fields up to `task` are the caller's to fill.
+olx_result olx_classic_bake_create(olx_classic_bake *bake);
+void olx_classic_bake_free(olx_classic_bake *bake);
+
+// Units of progress a probe takes, in rays.
+uint64_t olx_classic_bake_units(const olx_classic_bake *bake);
+
+// *record holds the probe's maps until the next one is made. Needs the irradiance of all bounces.
+olx_result olx_classic_bake_probe(olx_classic_bake *bake, uint32_t probe, olx_vec3 position,
+                                  olx_classic_record *record);
+
+#endif

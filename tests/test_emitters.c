@@ -5,6 +5,7 @@
 #include "scene/distribution.h"
 #include "scene/emitters.h"
 #include "scene/scene_build.h"
+#include "scene/spherical_triangle.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -94,7 +95,7 @@ static void sampled_triangles_have_the_density_that_rays_find(void **state) {
     // A point at the very rim may be missed.
     if (hit.triangle == OLX_NO_HIT) continue;
     const olx_surface surface = olx_surface_at(scene, &hit, ray.direction);
-    assert_close((double)olx_emitters_surface_pdf(&surface, position, s.direction), (double)s.pdf, 1e-4);
+    assert_close((double)olx_emitters_surface_pdf(scene, &surface, position, s.direction), (double)s.pdf, 1e-4);
     assert_close((double)(s.emission.x * s.pdf), (double)surface.emission.x, 1e-4);
     assert_true(olx_length(olx_sub(s.target, surface.position)) <= 4.0f * s.epsilon_end);
     assert_false(s.delta || s.infinite);
@@ -117,7 +118,7 @@ static void the_density_of_emitters_all_around_integrates_to_one(void **state) {
     const olx_ray ray = {position, olx_sample_sphere(olx_stratified2(i, 5)), 0.0f, INFINITY};
     const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
     const olx_surface surface = olx_surface_at(scene, &hit, ray.direction);
-    sum += (double)olx_emitters_surface_pdf(&surface, position, ray.direction);
+    sum += (double)olx_emitters_surface_pdf(scene, &surface, position, ray.direction);
   }
   assert_close(sum / n * 4.0 * (double)OLX_PI, 1.0, 2e-3);
   // And light that is the same from everywhere gives pi times its radiance. In the middle the noise is least.
@@ -380,11 +381,104 @@ static void distributions_draw_in_proportion_and_never_what_has_no_weight(void *
   assert_false(olx_distribution_build(nothing, 2, sums));
 }
 
+// Relative spread (standard deviation over mean) of single samples' unoccluded irradiance.
+static double spread(const olx_scene *scene, olx_vec3 position, olx_vec3 normal) {
+  const uint32_t n = 20000;
+  double sum = 0.0, squares = 0.0;
+  for (uint32_t i = 0; i < n; i++) {
+    olx_light_sample s;
+    const float pick = olx_unit_float(olx_hash2(11, i));
+    if (!olx_emitters_sample(scene, 0, position, made_random(12, i), pick, &s)) continue;
+    const double light = (double)(s.emission.x * olx_max(olx_dot(s.direction, normal), 0.0f));
+    sum += light, squares += light * light;
+  }
+  return sqrt(squares / n - sum * sum / n / n) / (sum / n);
+}
+
+static void lamps_nearby_are_drawn_with_little_noise(void **state) {
+  (void)state;
+  olx_scene *scene = made_scene();
+  const olx_vec3 x = {1.0f, 0.0f, 0.0f}, z = {0.0f, 0.0f, 1.0f}, radiance = olx_splat(5.0f);
+  assert_int_equal(olx_scene_add_rect_light(scene, olx_v3(0.0f, 0.4f, 0.0f), x, z, radiance), OLX_OK);
+  assert_int_equal(olx_scene_add_rect_light(scene, olx_v3(20.0f, 0.4f, 0.0f), x, z, radiance), OLX_OK);
+  made_finish(scene);
+  const olx_vec3 up = {0.0f, 1.0f, 0.0f};
+  // Drawn by power alone, the far lamp would take half of the samples: more than 1.
+  assert_true(spread(scene, olx_splat(0.0f), up) < 0.25);
+  // All but touching the lamp, where density over area has no bound.
+  assert_true(spread(scene, olx_v3(0.1f, 0.39f, 0.1f), up) < 1.0);
+  const double factor = corner_form_factor(0.6, 0.6, 0.01) + 2.0 * corner_form_factor(0.6, 0.4, 0.01) +
+                        corner_form_factor(0.4, 0.4, 0.01);
+  const olx_vec3 e = irradiance(scene, 0, olx_v3(0.1f, 0.39f, 0.1f), up, 1 << 16);
+  assert_close((double)e.x, 3.14159265358979323846 * 5.0 * factor, 1e-2);
+  olx_scene_free(scene);
+}
+
+static void a_spherical_triangle_has_the_area_of_its_angles(void **state) {
+  (void)state;
+  const olx_vec3 octant[3] = {{1.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}, {0.0f, 0.0f, 1.0f}};
+  assert_close((double)olx_spherical_triangle_area(octant), 0.5 * 3.14159265358979323846, 1e-6);
+  const olx_vec3 wide[3] = {
+      {1.0f, 0.0f, 0.0f}, {-0.5f, 0.8660254f, 0.0f}, olx_normalize(olx_v3(-0.5f, -0.8660254f, 0.01f))};
+  assert_close((double)olx_spherical_triangle_area(wide), 2.0 * 3.14159265358979323846, 0.02);
+}
+
+// Directions drawn from a triangle lie in it, and each of its parts receives its share.
+static void spherical_triangles_are_sampled_evenly(void **state) {
+  (void)state;
+  for (uint32_t k = 0; k < 50; k++) {
+    olx_vec3 corners[3];
+    for (uint32_t i = 0; i < 3; i++) corners[i] = olx_sample_sphere(made_random(20 + i, k));
+    const float whole = olx_spherical_triangle_area(corners);
+    if (whole < 0.03f) continue;
+    // The part on b's side of the bisector from c to the middle of ab.
+    const olx_vec3 middle = olx_normalize(olx_add(corners[0], corners[1]));
+    const olx_vec3 part[3] = {middle, corners[1], corners[2]};
+    const olx_vec3 plane = olx_cross(middle, corners[2]);
+    const float side = olx_dot(plane, corners[1]);
+    const olx_vec3 inside = olx_add(olx_add(corners[0], corners[1]), corners[2]);
+    uint32_t in_part = 0;
+    const uint32_t n = 4096;
+    for (uint32_t i = 0; i < n; i++) {
+      const olx_vec3 d = olx_spherical_triangle_sample(corners, olx_hammersley(i, n));
+      assert_true(fabsf(olx_length(d) - 1.0f) < 1e-5f);
+      for (uint32_t e = 0; e < 3; e++) {
+        const olx_vec3 edge = olx_cross(corners[e], corners[(e + 1) % 3]);
+        assert_true(olx_dot(edge, d) * (olx_dot(edge, inside) > 0.0f ? 1.0f : -1.0f) > -2e-4f);
+      }
+      in_part += olx_dot(plane, d) * side > 0.0f;
+    }
+    const float share = olx_spherical_triangle_area(part) / whole;
+    assert_true(fabsf((float)in_part / (float)n - share) < 0.01f);
+  }
+}
+
+// Corners and random numbers at the ends of their ranges give unit vectors.
+static void slivers_are_sampled_without_breaking(void **state) {
+  (void)state;
+  const olx_vec3 slivers[][3] = {
+      {{1.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}, olx_normalize(olx_v3(1.0f, 1.0f, 1e-4f))},
+      {{1.0f, 0.0f, 0.0f}, olx_normalize(olx_v3(-1.0f, 1e-3f, 0.0f)), {0.0f, 0.0f, 1.0f}},
+      {{1.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}, {0.0f, 1.0f, 0.0f}},
+  };
+  const float ends[] = {0.0f, 1e-7f, 0.5f, 0x1.fffffep-1f};
+  for (size_t k = 0; k < sizeof slivers / sizeof *slivers; k++) {
+    for (uint32_t i = 0; i < 16; i++) {
+      const olx_vec3 d = olx_spherical_triangle_sample(slivers[k], (olx_vec2){ends[i & 3], ends[i >> 2]});
+      assert_true(fabsf(olx_length(d) - 1.0f) < 1e-4f);
+    }
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_rectangle_lights_a_parallel_surface_as_the_closed_form_says),
       cmocka_unit_test(sampled_triangles_have_the_density_that_rays_find),
       cmocka_unit_test(the_density_of_emitters_all_around_integrates_to_one),
+      cmocka_unit_test(lamps_nearby_are_drawn_with_little_noise),
+      cmocka_unit_test(a_spherical_triangle_has_the_area_of_its_angles),
+      cmocka_unit_test(spherical_triangles_are_sampled_evenly),
+      cmocka_unit_test(slivers_are_sampled_without_breaking),
       cmocka_unit_test(triangles_are_drawn_by_area_times_luminance),
       cmocka_unit_test(textured_emission_is_drawn_by_its_mean_and_returns_its_texels),
       cmocka_unit_test(sun_point_and_spot_arrive_as_defined),

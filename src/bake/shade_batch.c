@@ -325,7 +325,7 @@ static olx_vec3 light_at_end(const olx_shade_context *context, const olx_shade_b
     const olx_vec3 sky = olx_environment_radiance(context->scene, path->direction);
     return olx_scale(sky, light_share(from, path, olx_environment_pdf(context->scene, path->direction)));
   }
-  const float pdf = olx_emitters_surface_pdf(end, from->surface[path->from].position, path->direction);
+  const float pdf = olx_emitters_surface_pdf(context->scene, end, from->surface[path->from].position, path->direction);
   return olx_scale(end->emission, light_share(from, path, pdf));
 }
 

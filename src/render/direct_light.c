@@ -144,10 +144,11 @@ bool olx_emitters_can_be_hit(const olx_scene *scene) {
   return false;
 }
 
-olx_vec3 olx_emission_found(const olx_surface *found, olx_vec3 position, const olx_lobe_ray *ray) {
+olx_vec3 olx_emission_found(const olx_scene *scene, const olx_surface *found, olx_vec3 position,
+                            const olx_lobe_ray *ray) {
   if (olx_max3(found->emission) <= 0.0f) return olx_splat(0.0f);
   if (ray->pdf <= 0.0f) return found->emission;
-  const float light_pdf = olx_emitters_surface_pdf(found, position, ray->direction);
+  const float light_pdf = olx_emitters_surface_pdf(scene, found, position, ray->direction);
   return olx_scale(found->emission, power_heuristic(ray->pdf, light_pdf));
 }
 
@@ -166,7 +167,7 @@ static olx_vec3 follow(const olx_scene *scene, const olx_surface *surface, const
   const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
   if (hit.triangle == OLX_NO_HIT) return olx_mul(lobe->weight, olx_sky_found(scene, lobe));
   const olx_surface found = olx_surface_at(scene, &hit, lobe->direction);
-  return olx_mul(lobe->weight, olx_emission_found(&found, surface->position, lobe));
+  return olx_mul(lobe->weight, olx_emission_found(scene, &found, surface->position, lobe));
 }
 
 olx_lobes olx_direct_light(const olx_scene *scene, const olx_shading *shading, olx_sampler *sampler, uint64_t *rays) {

@@ -53,7 +53,8 @@ olx_lobe_ray olx_lobe_ray_either(const olx_shading *shading, float choice, olx_v
 bool olx_emitters_can_be_hit(const olx_scene *scene);
 
 // Emission that such a ray found at `found`, or in the sky, weighted against light sampling from `position`.
-olx_vec3 olx_emission_found(const olx_surface *found, olx_vec3 position, const olx_lobe_ray *ray);
+olx_vec3 olx_emission_found(const olx_scene *scene, const olx_surface *found, olx_vec3 position,
+                            const olx_lobe_ray *ray);
 olx_vec3 olx_sky_found(const olx_scene *scene, const olx_lobe_ray *ray);
 
 // All of the direct light: light samples and one ray a lobe.

@@ -45,7 +45,7 @@ static gathered gather(path *p, olx_ray ray, olx_vec3 origin, olx_lobe_ray lobe,
       return sum;
     }
     const olx_surface surface = olx_surface_at(p->scene, &hit, lobe.direction);
-    *light = olx_add(*light, olx_mul(throughput, olx_emission_found(&surface, origin, &lobe)));
+    *light = olx_add(*light, olx_mul(throughput, olx_emission_found(p->scene, &surface, origin, &lobe)));
     if (depth > bounces) return sum;
 
     const olx_shading shading = olx_shading_make(&surface, lobe.direction);

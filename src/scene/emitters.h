@@ -4,7 +4,9 @@
 
 #include "scene/surface.h"
 
-// A way in which light can reach a surface. Groups are summed over; within a group one emitter is drawn by its power.
+// A way in which light can reach a surface. Groups are summed over; within a group one emitter is drawn by its power, or,
+// when at most 32 triangles emit, by about what each sends to the place that it is drawn for. Of those, triangles that are
+// seen under a large solid angle are drawn from evenly over that angle, others evenly over their area.
 // Each light without area is a group, the emissive triangles are one, the environment is one. When there are more than
 // OLX_MAX_LIGHT_GROUPS lights without area, they share one group from which one is drawn by power.
 #define OLX_MAX_LIGHT_GROUPS 16
@@ -32,9 +34,10 @@ bool olx_emitters_sample(const olx_scene *scene, uint32_t group, olx_vec3 positi
 
 // Density over solid angle at `position` with which olx_emitters_sample would have drawn the emitting `surface` seen from
 // there along `direction`.
-float olx_emitters_surface_pdf(const olx_surface *surface, olx_vec3 position, olx_vec3 direction);
+float olx_emitters_surface_pdf(const olx_scene *scene, const olx_surface *surface, olx_vec3 position,
+                               olx_vec3 direction);
 
-// Density over area with which points on a triangle are drawn: its probability over its area.
+// Density over area with which points on a triangle are drawn by power: its share of the power over its area.
 float olx_emitters_area_pdf(const olx_scene *scene, uint32_t triangle);
 
 bool olx_environment_lit(const olx_scene *scene);

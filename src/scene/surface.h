@@ -18,7 +18,7 @@ typedef struct olx_surface {
   float epsilon;   // length by which to move off the surface along the geometric normal, from the rounding of position
   olx_vec3 inward; // at most epsilon long, to the triangle's middle: rays start so far from its edges, where walls meet
   uint32_t triangle, material;
-  float area_pdf; // density over area with which emitters.h draws this point; 0 when it does not emit
+  float area_pdf; // olx_emitters_area_pdf; 0 when it does not emit
 } olx_surface;
 
 // Everything at the hit of a ray with direction `direction` (unit).

@@ -96,7 +96,7 @@ static olx_result run_scene(wang_run *run, wang_experiment experiment, cJSON *li
   cJSON_AddItemToArray(list, object);
   add_text(object, "scene", run->experiment->name);
   add_text(object, "description", run->experiment->description);
-  run->bake = (bench_bake){.irradiance_size = o->quick ? 16 : 64, .light_samples = o->quick ? 1 : 2};
+  run->bake = (bench_bake){.irradiance_size = o->quick ? 16 : 64, .light_samples = o->quick ? 1 : 4};
   run->bake.threads = o->threads;
   run->bake.rough = o->quick;
   olx_result result = olx_scene_probe_grid(run->scene, NULL, &run->bake.irradiance_grid);

@@ -4,20 +4,20 @@
 #define OCTALUX_VIEWER_DIRECT_PASS_H
 
 #include "frame_images.h"
+#include "gpu_pipeline.h"
 #include "raster_view.h"
 #include "shadow_pass.h"
 
 typedef struct direct_pass {
+  const shadow_pass *shadows;
   gpu_image sky; // the environment's image, a texel when it has none
   gpu_buffer environment;
-  VkSampler shadow_sampler, sky_sampler, plain_sampler;
-  VkDescriptorSetLayout set_layout;
-  VkDescriptorPool pool;
-  VkDescriptorSet set;
-  VkPipelineLayout layout;
-  VkPipeline pipeline;
+  VkSampler shadow_sampler, plain_sampler;
+  gpu_set set;
+  gpu_compute compute;
 } direct_pass;
 
+// `shadows` must outlive it.
 bool direct_pass_create(gpu_device *device, const olx_scene_content *content, const shadow_pass *shadows,
                         direct_pass *pass);
 void direct_pass_destroy(gpu_device *device, direct_pass *pass);

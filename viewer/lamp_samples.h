@@ -9,9 +9,11 @@
 
 #include <octalux/scene.h>
 
-enum { LAMP_MAX = 96, LAMP_MAX_VIEWS = 256 };
+enum { LAMP_MAX = 96, LAMP_MAX_VIEWS = 256, LAMP_MAX_SAMPLES = 32, LAMP_MAX_TILES = 8 };
 
 typedef struct lamp_settings {
+  uint32_t map_size;        // width of a shadow map in texels; default 512
+  uint32_t sun_tiles;       // maps of a sun along a side, 1 to 8; default 4
   uint32_t surface_samples; // points on all emissive surfaces together, 0 to 32; default 8
   uint32_t sky_samples;     // distant lamps for the environment, 0 to 32; default 12
 } lamp_settings;
@@ -20,7 +22,7 @@ lamp_settings lamp_settings_default(void);
 
 typedef enum lamp_kind { LAMP_DISTANT = 0, LAMP_POINT = 1, LAMP_SPOT = 2, LAMP_SURFACE = 3 } lamp_kind;
 
-// As shaders/raster_shared.glsl declares it.
+// As shaders/direct_light.comp declares it.
 typedef struct lamp {
   float position[3];
   uint32_t kind;
@@ -30,24 +32,25 @@ typedef struct lamp {
       [3]; // irradiance facing it (distant), radiant intensity (point, spot), intensity along the normal (surface)
   uint32_t first_view;
   float cosine_inner, cosine_outer;
-  uint32_t view_count;
+  uint32_t
+      tiles; // distant: tiles x tiles views, by rows; else 1. Points and surfaces have six views: +x -x +y -y +z -z
   uint32_t both_sides; // of a surface: the other side shines as well
 } lamp;
 
 typedef struct lamp_view {
-  float world_to_clip[16]; // columns; depth is 0 near and 1 far
-  float texel;             // width of a texel of the map: in metres (distant), or for each metre of distance
+  float world_to_clip[16]; // columns; depth is 1 near and 0 far
+  float texel;             // width of a texel of the map: in metres (distant), else for each metre of distance
   float unused[3];
 } lamp_view;
 
 typedef struct lamp_list {
   uint32_t lamp_count, view_count;
+  uint32_t left_out; // lights of the scene beyond what a list can hold
   lamp lamps[LAMP_MAX];
   lamp_view views[LAMP_MAX_VIEWS];
 } lamp_list;
 
-// `map_size` is the width of a shadow map in texels.
-void lamp_list_make(const olx_scene_content *content, const lamp_settings *settings, uint32_t map_size,
-                    lamp_list *list);
+// False: out of memory.
+bool lamp_list_make(const olx_scene_content *content, const lamp_settings *settings, lamp_list *list);
 
 #endif

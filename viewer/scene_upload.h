@@ -10,7 +10,8 @@
 typedef struct scene_batch {
   uint32_t material;
   uint32_t first_triangle, triangle_count;
-  bool masked; // parts of it are absent (alpha mask)
+  bool masked;           // parts of it are absent (alpha mask)
+  float low[3], high[3]; // its box, in the scene's coordinates
 } scene_batch;
 
 typedef struct gpu_scene {

@@ -7,6 +7,7 @@
 
 typedef struct shadow_pass {
   uint32_t lamp_count, view_count, map_size;
+  uint32_t left_out; // lights beyond what a lamp_list can hold
   lamp_view *views;
   gpu_image maps;      // D32_SFLOAT; between passes in VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL
   gpu_buffer lamps;    // lamp_count lamps
@@ -18,9 +19,9 @@ typedef struct shadow_pass {
   VkPipeline opaque, masked;
 } shadow_pass;
 
-// `set_layout` is any scene's. The environment's image, for the sky, is the direct pass's.
-bool shadow_pass_create(gpu_device *device, VkDescriptorSetLayout set_layout, const lamp_list *list, uint32_t map_size,
-                        shadow_pass *pass);
+// `set_layout` is any scene's; `content` is the one whose lights shine.
+bool shadow_pass_create(gpu_device *device, VkDescriptorSetLayout set_layout, const olx_scene_content *content,
+                        const lamp_settings *settings, shadow_pass *pass);
 void shadow_pass_destroy(gpu_device *device, shadow_pass *pass);
 
 // Draw all maps. Waits for compute recorded before; compute that follows may read the maps.

@@ -3,13 +3,11 @@
 #define OCTALUX_VIEWER_TONE_PASS_H
 
 #include "frame_images.h"
+#include "gpu_pipeline.h"
 
 typedef struct tone_pass {
-  VkDescriptorSetLayout set_layout;
-  VkDescriptorPool pool;
-  VkDescriptorSet set;
-  VkPipelineLayout layout;
-  VkPipeline pipeline;
+  gpu_set set;
+  gpu_compute compute;
 } tone_pass;
 
 bool tone_pass_create(gpu_device *device, tone_pass *pass);

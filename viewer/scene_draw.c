@@ -1,0 +1,121 @@
+#include "scene_draw.h"
+
+#include <string.h>
+
+static const VkShaderStageFlags STAGES = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
+
+_Static_assert(sizeof(draw_constants) == 128, "what every device has room for");
+
+bool scene_draw_layout(gpu_device *d, VkDescriptorSetLayout set_layout, VkPipelineLayout *layout) {
+  const VkPushConstantRange push = {STAGES, 0, sizeof(draw_constants)};
+  const VkPipelineLayoutCreateInfo info = {.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+                                           .setLayoutCount = 1,
+                                           .pSetLayouts = &set_layout,
+                                           .pushConstantRangeCount = 1,
+                                           .pPushConstantRanges = &push};
+  return gpu_check(d, d->CreatePipelineLayout(d->host.device, &info, NULL, layout), "a pipeline layout");
+}
+
+bool scene_draw_pipeline(gpu_device *d, const scene_pipeline_info *info, VkPipeline *pipeline) {
+  const VkPipelineShaderStageCreateInfo stages[2] = {{.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+                                                      .stage = VK_SHADER_STAGE_VERTEX_BIT,
+                                                      .module = info->vertex,
+                                                      .pName = "main"},
+                                                     {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+                                                      .stage = VK_SHADER_STAGE_FRAGMENT_BIT,
+                                                      .module = info->fragment,
+                                                      .pName = "main"}};
+  const VkPipelineVertexInputStateCreateInfo input = {.sType =
+                                                          VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
+  const VkPipelineInputAssemblyStateCreateInfo assembly = {
+      .sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
+      .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST};
+  const VkPipelineViewportStateCreateInfo viewport = {
+      .sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO, .viewportCount = 1, .scissorCount = 1};
+  const VkPipelineRasterizationStateCreateInfo raster = {.sType =
+                                                             VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
+                                                         .polygonMode = VK_POLYGON_MODE_FILL,
+                                                         .cullMode = VK_CULL_MODE_NONE,
+                                                         .depthBiasEnable = info->slope_bias != 0.0f,
+                                                         .depthBiasConstantFactor = info->slope_bias,
+                                                         .depthBiasSlopeFactor = info->slope_bias,
+                                                         .lineWidth = 1.0f};
+  const VkPipelineMultisampleStateCreateInfo samples = {
+      .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO, .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT};
+  const VkPipelineDepthStencilStateCreateInfo depth = {.sType =
+                                                           VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
+                                                       .depthTestEnable = VK_TRUE,
+                                                       .depthWriteEnable = VK_TRUE,
+                                                       .depthCompareOp = VK_COMPARE_OP_GREATER};
+  const VkPipelineColorBlendAttachmentState all = {.colorWriteMask = 0xF};
+  const VkPipelineColorBlendAttachmentState attachments[4] = {all, all, all, all};
+  const VkPipelineColorBlendStateCreateInfo blend = {.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
+                                                     .attachmentCount = info->colors,
+                                                     .pAttachments = attachments};
+  const VkDynamicState dynamic[2] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
+  const VkPipelineDynamicStateCreateInfo dynamics = {
+      .sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO, .dynamicStateCount = 2, .pDynamicStates = dynamic};
+  const VkGraphicsPipelineCreateInfo create = {.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
+                                               .stageCount = info->fragment ? 2 : 1,
+                                               .pStages = stages,
+                                               .pVertexInputState = &input,
+                                               .pInputAssemblyState = &assembly,
+                                               .pViewportState = &viewport,
+                                               .pRasterizationState = &raster,
+                                               .pMultisampleState = &samples,
+                                               .pDepthStencilState = &depth,
+                                               .pColorBlendState = &blend,
+                                               .pDynamicState = &dynamics,
+                                               .layout = info->layout,
+                                               .renderPass = info->render_pass};
+  return gpu_check(d, d->CreateGraphicsPipelines(d->host.device, VK_NULL_HANDLE, 1, &create, NULL, pipeline),
+                   info->what);
+}
+
+// Whether a batch's box lies wholly outside one of the planes of a view: left, right, top, bottom, behind.
+static bool outside(const scene_batch *batch, const float to_world[12], const float m[16]) {
+  uint32_t everywhere = 0x1Fu;
+  for (uint32_t corner = 0; corner < 8; corner++) {
+    float p[3], clip[4];
+    for (uint32_t k = 0; k < 3; k++) p[k] = corner >> k & 1u ? batch->high[k] : batch->low[k];
+    float w[3];
+    for (uint32_t k = 0; k < 3; k++) {
+      const float *row = to_world + 4 * k;
+      w[k] = row[0] * p[0] + row[1] * p[1] + row[2] * p[2] + row[3];
+    }
+    for (uint32_t k = 0; k < 4; k++) clip[k] = m[k] * w[0] + m[4 + k] * w[1] + m[8 + k] * w[2] + m[12 + k];
+    const uint32_t beyond = (clip[0] < -clip[3] ? 1u : 0u) | (clip[0] > clip[3] ? 2u : 0u) |
+                            (clip[1] < -clip[3] ? 4u : 0u) | (clip[1] > clip[3] ? 8u : 0u) |
+                            (clip[3] <= 0.0f ? 16u : 0u);
+    everywhere &= beyond;
+  }
+  return everywhere != 0;
+}
+
+void scene_draw_record(const gpu_device *d, VkCommandBuffer commands, VkPipelineLayout layout,
+                       const float world_to_clip[16], olx_vec3 eye, const draw_item *items, uint32_t count,
+                       uint32_t kinds) {
+  draw_constants constants = {.eye = {eye.x, eye.y, eye.z}};
+  memcpy(constants.world_to_clip, world_to_clip, sizeof constants.world_to_clip);
+  for (uint32_t i = 0; i < count; i++) {
+    const gpu_scene *scene = items[i].scene;
+    memcpy(constants.to_world, items[i].to_world, sizeof constants.to_world);
+    for (uint32_t b = 0; b < scene->batch_count; b++) {
+      const scene_batch *batch = &scene->batches[b];
+      if (!(kinds & (batch->masked ? DRAW_MASKED : DRAW_OPAQUE))) continue;
+      if (outside(batch, items[i].to_world, world_to_clip)) continue;
+      constants.material = batch->material;
+      d->CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 0, 1, &scene->sets[batch->material],
+                               0, NULL);
+      d->CmdPushConstants(commands, layout, STAGES, 0, sizeof constants, &constants);
+      d->CmdDraw(commands, 3 * batch->triangle_count, 1, 3 * batch->first_triangle, 0);
+    }
+  }
+}
+
+void scene_draw_viewport(const gpu_device *d, VkCommandBuffer commands, uint32_t width, uint32_t height) {
+  const VkViewport viewport = {.width = (float)width, .height = (float)height, .maxDepth = 1.0f};
+  const VkRect2D scissor = {.extent = {width, height}};
+  d->CmdSetViewport(commands, 0, 1, &viewport);
+  d->CmdSetScissor(commands, 0, 1, &scissor);
+}

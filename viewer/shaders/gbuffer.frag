@@ -1,0 +1,70 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "raster_shared.glsl"
+
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;
+layout(location = 2) in vec2 uv;
+layout(location = 3) flat in vec3 outward;
+layout(location = 4) flat in vec3 along_u;
+layout(location = 5) flat in vec3 along_v;
+
+layout(location = 0) out vec4 out_normal;
+layout(location = 1) out vec4 out_albedo;
+layout(location = 2) out vec4 out_material;
+layout(location = 3) out vec4 out_color;
+
+const float MAX_ALBEDO = 0.95, MIN_NORMAL_COSINE = 0.01, MIN_VIEW_COSINE = 1e-3, LARGEST_HALF = 65504.0;
+
+// In the tangent frame: x along increasing u, y along decreasing v.
+vec3 mapped_normal(raster_material m) {
+  if ((m.flags & NORMAL_IS_HEIGHT) == 0u) {
+    vec3 n = texture(normal_texture, uv).xyz * 2.0 - 1.0;
+    return vec3(n.xy * m.normal_scale, n.z);
+  }
+  vec2 step = 0.5 / vec2(textureSize(normal_texture, 0));
+  float rise_u = texture(normal_texture, uv + vec2(step.x, 0.0)).r - texture(normal_texture, uv - vec2(step.x, 0.0)).r;
+  float rise_v = texture(normal_texture, uv + vec2(0.0, step.y)).r - texture(normal_texture, uv - vec2(0.0, step.y)).r;
+  return vec3(-rise_u * m.normal_scale, rise_v * m.normal_scale, 1.0);
+}
+
+vec3 bend(raster_material m, vec3 n) {
+  if (dot(along_u, along_u) == 0.0) return n;
+  vec3 tangent = normalize(along_u - n * dot(along_u, n));
+  vec3 across = cross(n, tangent);
+  vec3 bitangent = dot(across, along_v) > 0.0 ? -across : across;
+  vec3 local = mapped_normal(m);
+  vec3 bent = tangent * local.x + bitangent * local.y + n * local.z;
+  float size = length(bent);
+  return size > 0.0 ? bent / size : n;
+}
+
+// The shading normal on the side that the eye sees, as the ray caster's surfaces have it.
+vec3 shading_normal(raster_material m, vec3 to_eye, bool back) {
+  vec3 n = normalize(normal);
+  float agreement = dot(n, outward);
+  n = agreement < 0.0 ? -n : agreement > 0.0 ? n : outward;
+  if ((m.flags & NORMAL_MAP) != 0u) n = bend(m, n);
+  float cosine = dot(n, outward);
+  if (cosine < MIN_NORMAL_COSINE) n = normalize(n + outward * (MIN_NORMAL_COSINE - cosine));
+  if (back) n = -n;
+  float view_cosine = dot(n, to_eye);
+  return view_cosine < MIN_VIEW_COSINE ? normalize(n + to_eye * (MIN_VIEW_COSINE - view_cosine)) : n;
+}
+
+void main() {
+  raster_material m = materials[material];
+  // Looked up before the mask discards pixels: levels of detail need their neighbours.
+  vec3 base_color = m.base_color_alpha.rgb * texture(base_color_texture, uv).rgb;
+  vec3 emission = m.emission_cutoff.rgb * texture(emission_texture, uv).rgb;
+  vec2 roughness_metallic = texture(metallic_roughness_texture, uv).gb;
+  vec3 to_eye = normalize(eye - position);
+  bool back = dot(outward, to_eye) < 0.0;
+  vec3 n = shading_normal(m, to_eye, back);
+  if (!mask_present(m, uv)) discard;
+  if (back && (m.flags & EMITS_BOTH_SIDES) == 0u) emission = vec3(0.0);
+  out_normal = vec4(n, 1.0);
+  out_albedo = vec4(min(base_color, vec3(MAX_ALBEDO)), 1.0);
+  out_material = vec4(m.roughness * roughness_metallic.x, m.metallic * roughness_metallic.y, m.specular_weight, 1.0);
+  out_color = vec4(min(emission, vec3(LARGEST_HALF)), 1.0);
+}

@@ -1,0 +1,51 @@
+// What the passes that draw a scene share: its buffers and textures as viewer/scene_upload.c binds them, and where it is drawn.
+#ifndef RASTER_SHARED_GLSL
+#define RASTER_SHARED_GLSL
+
+struct raster_vertex {
+  vec4 position_u;
+  vec4 normal_v;
+};
+
+struct raster_material {
+  vec4 base_color_alpha;
+  vec4 emission_cutoff;
+  float metallic, roughness, specular_weight, normal_scale;
+  uint flags, unused0, unused1, unused2;
+};
+
+const uint EMITS_BOTH_SIDES = 1u, NORMAL_MAP = 2u, NORMAL_IS_HEIGHT = 4u, ALPHA_MAP = 8u;
+
+layout(set = 0, binding = 0, std430) readonly buffer scene_vertices { raster_vertex vertices[]; };
+layout(set = 0, binding = 1, std430) readonly buffer scene_indices { uint indices[]; };
+layout(set = 0, binding = 2, std430) readonly buffer scene_materials { raster_material materials[]; };
+layout(set = 0, binding = 3) uniform sampler2D base_color_texture;
+layout(set = 0, binding = 4) uniform sampler2D alpha_texture;
+layout(set = 0, binding = 5) uniform sampler2D metallic_roughness_texture;
+layout(set = 0, binding = 6) uniform sampler2D emission_texture;
+layout(set = 0, binding = 7) uniform sampler2D normal_texture;
+
+layout(push_constant) uniform draw_constants {
+  mat4 world_to_clip;
+  vec4 to_world[3]; // rows
+  vec3 eye;
+  uint material;
+};
+
+vec3 place_point(vec3 p) {
+  vec4 q = vec4(p, 1.0);
+  return vec3(dot(to_world[0], q), dot(to_world[1], q), dot(to_world[2], q));
+}
+
+vec3 place_direction(vec3 v) { return vec3(dot(to_world[0].xyz, v), dot(to_world[1].xyz, v), dot(to_world[2].xyz, v)); }
+
+// Whether the surface is there. The mask is read at its finest level: coarser ones would thin out leaves with distance.
+bool mask_present(raster_material m, vec2 uv) {
+  float cutoff = m.emission_cutoff.a;
+  if (cutoff <= 0.0) return true;
+  float alpha = m.base_color_alpha.a * textureLod(base_color_texture, uv, 0.0).a;
+  if ((m.flags & ALPHA_MAP) != 0u) alpha *= textureLod(alpha_texture, uv, 0.0).r;
+  return alpha >= cutoff;
+}
+
+#endif

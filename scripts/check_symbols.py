@@ -14,7 +14,7 @@ import subprocess
 import sys
 
 NEEDED = re.compile(r"^(libc\.so|libm\.so|libpthread\.so|libdl\.so|librt\.so|ld-linux|ld-musl|libgcc_s\.so)")
-RUNTIME_HEADERS = ["base.h", "field.h", "sample.h", "octalux.h"]
+RUNTIME_HEADERS = ["base.h", "denoiser.h", "field.h", "sample.h", "octalux.h"]
 
 
 def output(*command):

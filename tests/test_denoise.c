@@ -66,7 +66,7 @@ static const olx_history *accumulate(light_buffers *light, const olx_lobe_filter
 
 static void filter_light(light_buffers *light, const olx_lobe_filter *filter, olx_lobe lobe, const view *v) {
   const olx_history *history = &light->history[(light->frame & 1) ^ 1];
-  ASSERT_OK(olx_denoise_filter(filter, lobe, &v->guide, history, light->filtered, 2));
+  ASSERT_OK(olx_denoise_filter(filter, lobe, &v->guide, history, &light->history[light->frame & 1], light->filtered, 2));
 }
 
 static uint32_t at(uint32_t x, uint32_t y) { return x + SIZE * y; }
@@ -473,7 +473,7 @@ static void test_any_number_of_threads_gives_the_same_bytes(void **state) {
                                          &light->history[(f & 1) ^ 1], &light->history[f & 1], threads));
       }
       ASSERT_OK(olx_denoise_filter(filter, lobe ? OLX_LOBE_GLOSSY : OLX_LOBE_DIFFUSE, &b->guide, &light->history[1],
-                                   light->filtered, threads));
+                                   &light->history[0], light->filtered, threads));
       if (threads == 1) memcpy(first[lobe], light->filtered, sizeof first[lobe]);
       else assert_memory_equal(first[lobe], light->filtered, sizeof first[lobe]);
       free_light(light);

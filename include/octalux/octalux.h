@@ -3,6 +3,7 @@
 #define OCTALUX_OCTALUX_H
 
 #include <octalux/base.h>
+#include <octalux/denoiser.h>
 #include <octalux/field.h>
 #include <octalux/sample.h>
 

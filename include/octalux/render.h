@@ -3,6 +3,7 @@
 #ifndef OCTALUX_RENDER_H
 #define OCTALUX_RENDER_H
 
+#include <octalux/denoiser.h>
 #include <octalux/sample.h>
 #include <octalux/scene.h>
 
@@ -85,25 +86,6 @@ typedef enum olx_diffuse {
 } olx_diffuse;
 
 #define OLX_BOUNCES_INFINITE UINT32_MAX
-
-// How frames are denoised (McGuire et al. section 5.1, docs/denoising.md): a filter over time, then one over pixels.
-typedef struct olx_lobe_filter {
-  uint32_t radius_pixels; // of the filter over pixels, 0 to 64; 0: none
-  uint32_t stride_pixels; // between the pixels it reads, 1 to 64
-  float history;          // largest share of earlier frames in a pixel, 0 to 0.999
-  float still_history;    // the same where the pixel shows the surface in the place where it was; 0 to 0.999
-  float reach;            // 0: the radius is all. Else kernels narrow to this share of the distance over which light changes
-} olx_lobe_filter;
-
-typedef struct olx_denoise_settings {
-  olx_lobe_filter diffuse, glossy;
-} olx_denoise_settings;
-
-olx_denoise_settings olx_denoise_settings_default(void);
-// The paper's: 12 pixels, stride 2, 98 % for diffuse light; 3 pixels and 75 % for glossy light.
-olx_denoise_settings olx_denoise_settings_published(void);
-// Every frame as its rays found it.
-olx_denoise_settings olx_denoise_settings_none(void);
 
 typedef struct olx_render_settings {
   uint32_t width, height;    // 1 to 16384; default 1280 x 720

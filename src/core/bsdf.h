@@ -49,6 +49,16 @@ static inline olx_vec3 olx_bsdf_diffuse(const olx_bsdf *b, float cosine_view) {
 
 static inline bool olx_bsdf_has_specular(const olx_bsdf *b) { return b->f90 > 0.0f; }
 
+// Whether the specular lobe is rough and reflects less than `share` towards an eye at normal . view; and its light then: that
+// of all directions alike.
+static inline bool olx_lobe_is_dim(const olx_bsdf *b, float cosine_view, float share) {
+  return b->alpha > 0.0f && olx_max3(olx_fresnel(b, cosine_view)) < share;
+}
+
+static inline olx_vec3 olx_dim_light(const olx_bsdf *b, float cosine_view, olx_vec3 irradiance) {
+  return olx_scale(olx_mul(olx_fresnel(b, cosine_view), irradiance), 1.0f / OLX_PI);
+}
+
 static inline float olx_ggx_distribution(float alpha, olx_vec3 half) {
   // Not 1 - cos^2: that cancels near the normal, where smooth surfaces have all of their lobe.
   const float sine2 = half.x * half.x + half.y * half.y, a2 = alpha * alpha, d = sine2 + half.z * half.z * a2;

@@ -7,7 +7,7 @@
 
 #include "render/camera.h"
 
-#include <octalux/render.h>
+#include <octalux/denoiser.h>
 
 // What the filters know of the surfaces in a frame. Pixel (x, y) is at x + width * y.
 typedef struct olx_guide {
@@ -21,8 +21,8 @@ typedef struct olx_guide {
 // Light that arrives at a surface, before albedo and Fresnel, and how near it came from.
 typedef struct olx_incident {
   olx_vec3 light;
-  float
-      inverse_distance; // 1/metres, 0 for the sky, averaged like the light; negative: the pixel has no light of this kind
+  // 1/metres, 0 for the sky, averaged like the light; negative: the pixel has no light of this kind
+  float inverse_distance;
 } olx_incident;
 
 typedef struct olx_history {
@@ -44,9 +44,10 @@ olx_result olx_denoise_accumulate(const olx_lobe_filter *filter, const olx_guide
 
 typedef enum olx_lobe { OLX_LOBE_DIFFUSE, OLX_LOBE_GLOSSY } olx_lobe;
 
-// Filter a history over pixels into `light`, which is black where no surface is.
+// Filter a history over pixels into `light`, which is black where no surface is: along rows, then along columns. `rows` is
+// another history that may be overwritten.
 olx_result olx_denoise_filter(const olx_lobe_filter *filter, olx_lobe lobe, const olx_guide *guide,
-                              const olx_history *history, olx_vec3 *light, uint32_t threads);
+                              const olx_history *history, const olx_history *rows, olx_vec3 *light, uint32_t threads);
 
 // The surface point that a pixel shows, and where in a frame a point is seen (pixel centres at whole numbers; false behind
 // the camera).

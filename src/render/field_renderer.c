@@ -1,6 +1,7 @@
 #include "render/field_renderer.h"
 
 #include "core/parallel.h"
+#include "shade/emission.h"
 
 typedef struct shaded_tile {
   const olx_render_context *context;
@@ -48,28 +49,18 @@ static void count_ray(olx_render_stats *stats, const olx_trace_hit *hit) {
   stats->field_probes += hit->probes_tried;
 }
 
-// Nearer than a texel is wide, distances say nothing.
-static float known_distance(const olx_trace_hit *hit) { return olx_max(hit->distance_metres, hit->footprint_metres); }
-
-// Whether light straight from an emitter belongs to what was found. A probe that saw an emitter's front says nothing about its
-// back, which rays meet when they come from behind.
-static bool emission_counts(const olx_sample_settings *settings, const olx_trace_hit *hit, olx_vec3 origin) {
-  if (!settings->emitters) return false;
-  return hit->status == OLX_TRACE_MISS || olx_dot(olx_sub(hit->position, origin), hit->normal) < 0.0f;
-}
-
 olx_field_light olx_field_diffuse_ray(const olx_render_context *context, const olx_shading *shading, olx_vec2 random,
                                       olx_render_stats *stats) {
   const olx_surface *surface = shading->surface;
   const olx_vec3 direction = olx_from_basis(olx_sample_cosine(random), shading->normal);
-  olx_field_light found = {.distance_metres = INFINITY};
+  olx_field_light found = {.nearness = 0.0f};
   if (olx_dot(direction, surface->geometric_normal) <= 0.0f) return found;
   const olx_sample_settings *sample = &context->settings->sample;
   const olx_vec3 origin = field_origin(surface);
   const olx_trace_hit hit = olx_trace(context->field, sample, origin, direction, INFINITY);
   count_ray(stats, &hit);
-  found.distance_metres = known_distance(&hit);
-  if (!hit.emitter || emission_counts(sample, &hit, origin)) found.light = hit.radiance;
+  found.nearness = olx_nearness(&hit);
+  if (!hit.emitter || olx_emission_counts(sample, &hit, origin)) found.light = hit.radiance;
   return found;
 }
 
@@ -80,13 +71,13 @@ olx_field_light olx_field_glossy_ray(const olx_render_context *context, const ol
   olx_trace_hit hit;
   const olx_vec3 radiance = olx_glossy(context->field, &context->settings->sample, field_origin(surface),
                                        shading->normal, view, surface->roughness, random, &weight, &half_cosine, &hit);
-  if (weight <= 0.0f) return (olx_field_light){.distance_metres = INFINITY};
+  if (weight <= 0.0f) return (olx_field_light){.nearness = 0.0f};
   count_ray(stats, &hit);
-  if (hit.emitter && !emission_counts(&context->settings->sample, &hit, field_origin(surface))) {
-    return (olx_field_light){.distance_metres = known_distance(&hit)};
+  if (hit.emitter && !olx_emission_counts(&context->settings->sample, &hit, field_origin(surface))) {
+    return (olx_field_light){.nearness = olx_nearness(&hit)};
   }
   const olx_vec3 fresnel = olx_fresnel(&surface->bsdf, half_cosine);
-  return (olx_field_light){olx_scale(olx_mul(fresnel, radiance), weight), known_distance(&hit)};
+  return (olx_field_light){olx_scale(olx_mul(fresnel, radiance), weight), olx_nearness(&hit)};
 }
 
 olx_vec3 olx_field_irradiance(const olx_render_context *context, const olx_shading *shading, olx_vec3 view) {
@@ -99,12 +90,7 @@ olx_vec3 olx_field_irradiance(const olx_render_context *context, const olx_shadi
 }
 
 bool olx_field_lobe_is_dim(const olx_render_context *context, const olx_shading *shading) {
-  const olx_bsdf *bsdf = &shading->surface->bsdf;
-  return bsdf->alpha > 0.0f && olx_max3(olx_fresnel(bsdf, shading->view.z)) < context->settings->dim_lobe;
-}
-
-olx_vec3 olx_field_dim_light(const olx_shading *shading, olx_vec3 irradiance) {
-  return olx_scale(olx_mul(olx_fresnel(&shading->surface->bsdf, shading->view.z), irradiance), 1.0f / OLX_PI);
+  return olx_lobe_is_dim(&shading->surface->bsdf, shading->view.z, context->settings->dim_lobe);
 }
 
 static void light_directly(shaded_tile *tile) {
@@ -174,7 +160,8 @@ static void light_glossily(shaded_tile *tile) {
     }
     tile->samples[i].indirect_glossy =
         olx_field_lobe_is_dim(tile->context, shading)
-            ? olx_field_dim_light(shading, olx_field_irradiance(tile->context, shading, view))
+            ? olx_dim_light(&shading->surface->bsdf, shading->view.z,
+                            olx_field_irradiance(tile->context, shading, view))
             : traced_glossy(tile, k, view);
   }
 }

@@ -18,7 +18,7 @@ olx_vec3 olx_field_direct(const olx_render_context *context, const olx_shading *
 // What one ray through the field found.
 typedef struct olx_field_light {
   olx_vec3 light;
-  float distance_metres; // infinite when nothing was hit
+  float nearness; // 1 / distance to what was hit, 0 when nothing was
 } olx_field_light;
 
 // Radiance along a cosine-distributed direction: its mean is irradiance / pi.
@@ -31,9 +31,7 @@ olx_field_light olx_field_glossy_ray(const olx_render_context *context, const ol
 // Prefiltered irradiance.
 olx_vec3 olx_field_irradiance(const olx_render_context *context, const olx_shading *shading, olx_vec3 view);
 
-// Whether the specular lobe is rough and reflects less than settings.dim_lobe towards the eye; and its light then: that of all
-// directions alike.
+// Whether the specular lobe is left to irradiance (settings.dim_lobe).
 bool olx_field_lobe_is_dim(const olx_render_context *context, const olx_shading *shading);
-olx_vec3 olx_field_dim_light(const olx_shading *shading, olx_vec3 irradiance);
 
 #endif

@@ -43,17 +43,13 @@ typedef struct shaded_pixel {
   olx_sampler sampler;
 } shaded_pixel;
 
-static float nearness(float distance_metres) {
-  return isfinite(distance_metres) && distance_metres > 0.0f ? 1.0f / distance_metres : 0.0f;
-}
-
 static void sample_diffuse(frame_job *job, const shaded_pixel *p, olx_render_stats *stats) {
   olx_incident *sample = &job->diffuse_sample[p->pixel];
   *sample = (olx_incident){.inverse_distance = -1.0f};
   if (!p->shading.has_diffuse || job->context.settings->diffuse != OLX_DIFFUSE_TRACED) return;
   const olx_vec2 random = olx_stratified2(job->frame, olx_sampler_split(&p->sampler, OLX_DIFFUSE_BRANCH).seed);
   const olx_field_light found = olx_field_diffuse_ray(&job->context, &p->shading, random, stats);
-  *sample = (olx_incident){olx_scale(found.light, OLX_PI), nearness(found.distance_metres)};
+  *sample = (olx_incident){olx_scale(found.light, OLX_PI), found.nearness};
 }
 
 static void sample_glossy(frame_job *job, const shaded_pixel *p, olx_render_stats *stats) {
@@ -64,7 +60,7 @@ static void sample_glossy(frame_job *job, const shaded_pixel *p, olx_render_stat
   const olx_vec2 random = olx_stratified2(job->frame, olx_sampler_split(&p->sampler, OLX_GLOSSY_BRANCH).seed);
   const olx_field_light found = olx_field_glossy_ray(&job->context, &p->shading, p->view, random, stats);
   const olx_vec3 light = {found.light.x / factor.x, found.light.y / factor.y, found.light.z / factor.z};
-  *sample = (olx_incident){light, nearness(found.distance_metres)};
+  *sample = (olx_incident){light, found.nearness};
 }
 
 // What the image needs beside the traced light.
@@ -78,7 +74,8 @@ static void light_last_frame(frame_job *job, const shaded_pixel *p, olx_render_s
   job->image->layers[OLX_LAYER_DIRECT][p->pixel] = olx_scale(sum, 1.0f / (float)spp);
   job->expected[p->pixel] = olx_field_irradiance(&job->context, &p->shading, p->view);
   if (p->shading.has_specular && olx_field_lobe_is_dim(&job->context, &p->shading)) {
-    job->image->layers[OLX_LAYER_INDIRECT_GLOSSY][p->pixel] = olx_field_dim_light(&p->shading, job->expected[p->pixel]);
+    job->image->layers[OLX_LAYER_INDIRECT_GLOSSY][p->pixel] =
+        olx_dim_light(&p->shading.surface->bsdf, p->shading.view.z, job->expected[p->pixel]);
   }
 }
 
@@ -186,18 +183,18 @@ static void reflect(frame_job *job, olx_layer layer, const olx_vec3 *filtered, c
 static olx_result compose(frame_job *job) {
   const olx_render_settings *settings = job->context.settings;
   const olx_denoise_settings *denoise = &settings->denoise;
-  const uint32_t now = job->frame & 1;
+  const uint32_t now = job->frame & 1, before = now ^ 1;
   const olx_guide *guide = &job->guides[now];
   const double start = olx_seconds();
   const olx_vec3 *irradiance = job->expected;
   if (settings->diffuse == OLX_DIFFUSE_TRACED) {
-    OLX_TRY(olx_denoise_filter(&denoise->diffuse, OLX_LOBE_DIFFUSE, guide, &job->diffuse[now], job->filtered,
-                               settings->threads));
+    OLX_TRY(olx_denoise_filter(&denoise->diffuse, OLX_LOBE_DIFFUSE, guide, &job->diffuse[now], &job->diffuse[before],
+                               job->filtered, settings->threads));
     irradiance = job->filtered;
   }
   reflect(job, OLX_LAYER_INDIRECT_DIFFUSE, irradiance, job->diffuse_factor);
-  OLX_TRY(olx_denoise_filter(&denoise->glossy, OLX_LOBE_GLOSSY, guide, &job->glossy[now], job->filtered,
-                             settings->threads));
+  OLX_TRY(olx_denoise_filter(&denoise->glossy, OLX_LOBE_GLOSSY, guide, &job->glossy[now], &job->glossy[before],
+                             job->filtered, settings->threads));
   job->stats.denoise_seconds += olx_seconds() - start;
   reflect(job, OLX_LAYER_INDIRECT_GLOSSY, job->filtered, job->glossy_factor);
   const size_t pixels = (size_t)job->image->width * job->image->height;
@@ -256,18 +253,10 @@ static void release_buffers(frame_job *job) {
   olx_release(job->filtered);
 }
 
-static olx_result check_filter(const olx_lobe_filter *f, const char *name) {
-  const bool sane = f->radius_pixels <= 64 && f->stride_pixels >= 1 && f->stride_pixels <= 64 && f->history >= 0.0f &&
-                    f->history <= 0.999f && f->still_history >= 0.0f && f->still_history <= 0.999f &&
-                    f->reach >= 0.0f && isfinite(f->reach);
-  return sane ? OLX_OK : olx_fail(OLX_ERROR_ARGUMENT, "denoise: the %s filter has a setting out of range", name);
-}
-
 static olx_result check_frames(const olx_render_settings *settings, uint32_t count) {
   if (settings->method != OLX_METHOD_FIELD) return olx_fail(OLX_ERROR_ARGUMENT, "frames are rendered with a field");
   if (count < 1) return olx_fail(OLX_ERROR_ARGUMENT, "no frames to render");
-  OLX_TRY(check_filter(&settings->denoise.diffuse, "diffuse"));
-  return check_filter(&settings->denoise.glossy, "glossy");
+  return olx_denoise_settings_check(&settings->denoise);
 }
 
 static olx_result render_all(frame_job *job, const olx_camera *cameras, uint32_t count, const olx_progress *progress) {

@@ -1,0 +1,39 @@
+// Settings of the separated spatial-temporal denoiser of McGuire et al. 2017, section 5.1 (docs/denoising.md): a mean over
+// frames, then a filter over pixels. olx_render_frames runs it on the CPU, olx_vulkan_record_denoise on a GPU.
+#ifndef OCTALUX_DENOISER_H
+#define OCTALUX_DENOISER_H
+
+#include <octalux/base.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+#pragma GCC visibility push(default)
+
+typedef struct olx_lobe_filter {
+  uint32_t radius_pixels; // of the filter over pixels, 0 to 64; 0: none
+  uint32_t stride_pixels; // between the pixels it reads, 1 to 64
+  float history;          // largest share of earlier frames in a pixel, 0 to 0.999
+  float still_history;    // the same where the pixel shows the surface in the place where it was; 0 to 0.999
+  float reach;            // 0: the radius is all. Else kernels narrow to this share of the distance over which light changes
+} olx_lobe_filter;
+
+typedef struct olx_denoise_settings {
+  olx_lobe_filter diffuse, glossy;
+} olx_denoise_settings;
+
+olx_denoise_settings olx_denoise_settings_default(void);
+// The paper's: 12 pixels, stride 2, 98 % for diffuse light; 3 pixels and 75 % for glossy light.
+olx_denoise_settings olx_denoise_settings_published(void);
+// Every frame as its rays found it.
+olx_denoise_settings olx_denoise_settings_none(void);
+
+// OLX_ERROR_ARGUMENT, with a message, when a number is out of its range.
+olx_result olx_denoise_settings_check(const olx_denoise_settings *settings);
+
+#pragma GCC visibility pop
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -91,10 +91,7 @@ static int check_frames(render_options *o) {
 static int check_device(const render_options *o) {
   if (o->validate && o->device != DEVICE_VULKAN) return usage_error("render", "--validate goes with --device vulkan");
   if (o->device != DEVICE_VULKAN) return EXIT_DONE;
-  const bool prefiltered = o->mode == MODE_PREFILTERED || o->mode == NOT_GIVEN;
-  if (o->method != OLX_METHOD_FIELD || !prefiltered || o->frames || o->diffuse == OLX_DIFFUSE_TRACED || o->emitters) {
-    return usage_error("render", "--device vulkan goes with --method field and --mode prefiltered, without --frames");
-  }
+  if (o->method != OLX_METHOD_FIELD) return usage_error("render", "--device vulkan goes with --method field");
   if (o->standard_error) return usage_error("render", "--standard-error goes with --device cpu");
   return EXIT_DONE;
 }
@@ -184,68 +181,80 @@ static void move_camera(const render_options *o, const olx_camera *from, const o
   }
 }
 
-static olx_result render_frames(const render_options *o, const olx_scene *scene, const olx_field *field,
-                                const olx_camera *camera, const olx_progress *progress, olx_image *image,
-                                olx_render_stats *stats) {
-  const olx_render_settings settings = resolve(o);
-  if (!o->frames) return olx_render(scene, field, camera, &settings, progress, image, stats);
+// The camera of each frame, or the one camera; NULL, with *result, when there are none. The caller frees them.
+static olx_camera *make_cameras(const render_options *o, const olx_scene *scene, const olx_camera *camera,
+                                olx_result *result) {
   olx_camera from = *camera;
-  if (o->from_camera) {
-    const olx_result found = olx_scene_find_camera(scene, o->from_camera, &from);
-    if (found != OLX_OK) return found;
+  *result = o->from_camera ? olx_scene_find_camera(scene, o->from_camera, &from) : OLX_OK;
+  if (*result != OLX_OK) return NULL;
+  olx_camera *cameras = malloc((o->frames ? o->frames : 1) * sizeof *cameras);
+  if (!cameras) *result = OLX_ERROR_MEMORY;
+  else if (o->frames) move_camera(o, &from, camera, cameras);
+  else cameras[0] = *camera;
+  return cameras;
+}
+
+// What a picture is made with, and what came of it.
+typedef struct render_job {
+  const render_options *options;
+  const olx_scene *scene;
+  const olx_field *field;
+  const olx_camera *cameras;
+  const olx_progress *progress;
+  olx_image image;
+  olx_render_stats stats;
+  vulkan_timing timing;
+  const char *problem; // on the Vulkan device
+} render_job;
+
+static olx_result render_on_cpu(render_job *job) {
+  const olx_render_settings settings = resolve(job->options);
+  if (!job->options->frames) {
+    return olx_render(job->scene, job->field, job->cameras, &settings, job->progress, &job->image, &job->stats);
   }
-  olx_camera *cameras = malloc(o->frames * sizeof *cameras);
-  if (!cameras) return OLX_ERROR_MEMORY;
-  move_camera(o, &from, camera, cameras);
-  const olx_result result = olx_render_frames(scene, field, cameras, o->frames, &settings, progress, image, stats);
-  free(cameras);
-  return result;
+  return olx_render_frames(job->scene, job->field, job->cameras, job->options->frames, &settings, job->progress,
+                           &job->image, &job->stats);
 }
 
 // Surfaces and direct light on the CPU, indirect light on the GPU.
-static olx_result render_on_vulkan(const render_options *o, const olx_scene *scene, const olx_field *field,
-                                   const olx_camera *camera, const olx_progress *progress, olx_image *image,
-                                   olx_render_stats *stats, vulkan_timing *timing, const char **problem) {
+static olx_result render_on_vulkan(render_job *job) {
 #ifdef OLX_HAS_VULKAN
-  const olx_render_settings settings = resolve(o);
-  olx_gbuffer gbuffer;
-  const olx_result result = olx_render_surfaces(scene, field, camera, &settings, progress, image, &gbuffer, stats);
-  if (result != OLX_OK) return result;
-  *problem = vulkan_render_indirect(field, &gbuffer, &settings, o->validate, image, timing);
-  olx_gbuffer_free(&gbuffer);
-  if (*problem) olx_image_free(image);
-  stats->diffuse_seconds = timing->diffuse_seconds;
-  stats->glossy_seconds = timing->glossy_seconds;
-  stats->seconds += timing->upload_seconds + timing->diffuse_seconds + timing->glossy_seconds;
+  const olx_render_settings settings = resolve(job->options);
+  const vulkan_request request = {.scene = job->scene,
+                                  .field = job->field,
+                                  .cameras = job->cameras,
+                                  .camera_count = job->options->frames ? job->options->frames : 1,
+                                  .denoised = job->options->frames != 0,
+                                  .settings = &settings,
+                                  .validate = job->options->validate,
+                                  .progress = job->progress};
+  return vulkan_render(&request, &job->image, &job->stats, &job->timing, &job->problem);
 #else
-  (void)o, (void)scene, (void)field, (void)camera, (void)progress, (void)image, (void)stats, (void)timing;
-  *problem = "this program was built without the Vulkan runtime";
-#endif
+  job->problem = "this program was built without the Vulkan runtime";
   return OLX_OK;
+#endif
 }
 
 static int render_picture(const render_options *o, const olx_scene *scene, const olx_field *field) {
   olx_camera camera;
+  olx_result result;
   if (olx_scene_find_camera(scene, o->camera, &camera) != OLX_OK) return library_failure("render");
+  olx_camera *cameras = make_cameras(o, scene, &camera, &result);
+  if (!cameras) return library_failure("render");
   progress_line line;
   progress_begin(&line, "render", o->progress);
   const olx_progress progress = progress_of(&line);
-  olx_image image = {0};
-  olx_render_stats stats;
-  vulkan_timing timing = {.device = ""};
-  const char *problem = NULL;
-  const olx_result result =
-      o->device == DEVICE_VULKAN
-          ? render_on_vulkan(o, scene, field, &camera, &progress, &image, &stats, &timing, &problem)
-          : render_frames(o, scene, field, &camera, &progress, &image, &stats);
+  render_job job = {.options = o, .scene = scene, .field = field, .cameras = cameras, .progress = &progress};
+  result = o->device == DEVICE_VULKAN ? render_on_vulkan(&job) : render_on_cpu(&job);
   progress_end(&line);
-  if (problem) return failure("render", "--device vulkan: %s", problem);
+  free(cameras);
+  if (job.problem) return failure("render", "--device vulkan: %s", job.problem);
   if (result == OLX_ERROR_CANCELLED) return failure("render", "%s: interrupted, nothing written", o->output);
   if (result != OLX_OK) return library_failure("render");
-  int code = save_picture(o, field, &camera, &image);
-  if (code == EXIT_DONE && o->json) code = print_render_json(&stats, &timing, &image);
-  else if (code == EXIT_DONE) print_render(o->output, &stats, &image);
-  olx_image_free(&image);
+  int code = save_picture(o, field, &camera, &job.image);
+  if (code == EXIT_DONE && o->json) code = print_render_json(&job.stats, &job.timing, &job.image);
+  else if (code == EXIT_DONE) print_render(o->output, &job.stats, &job.image);
+  olx_image_free(&job.image);
   return code;
 }
 

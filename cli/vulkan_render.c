@@ -15,9 +15,10 @@ typedef struct vulkan_job {
   olx_vulkan_frame *frame;
   shared_buffer staging;
   device_image images[IMAGES];
-  const olx_gbuffer *gbuffer;
+  olx_gbuffer gbuffer;
   olx_vulkan_view view;
   olx_vulkan_settings settings;
+  vulkan_timing *timing;
 } vulkan_job;
 
 static double seconds(void) {
@@ -38,7 +39,7 @@ static const char *problem_of(VkResult result) {
 
 static const char *library_problem(olx_result result) { return result == OLX_OK ? NULL : olx_last_error(); }
 
-static size_t pixel_count(const vulkan_job *job) { return (size_t)job->gbuffer->width * job->gbuffer->height; }
+static size_t pixel_count(const vulkan_job *job) { return (size_t)job->gbuffer.width * job->gbuffer.height; }
 
 static VkResult create_images(vulkan_job *job) {
   const VkImageUsageFlags read = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
@@ -51,7 +52,7 @@ static VkResult create_images(vulkan_job *job) {
     const VkFormat format = i == DEPTH   ? VK_FORMAT_R32_SFLOAT
                             : i < INPUTS ? VK_FORMAT_R32G32B32A32_SFLOAT
                                          : VK_FORMAT_R16G16B16A16_SFLOAT;
-    result = device_image_create(&job->device, job->gbuffer->width, job->gbuffer->height, format,
+    result = device_image_create(&job->device, job->gbuffer.width, job->gbuffer.height, format,
                                  i < INPUTS ? read : write, &job->images[i]);
   }
   return result;
@@ -59,11 +60,11 @@ static VkResult create_images(vulkan_job *job) {
 
 static VkBufferImageCopy whole_image(const vulkan_job *job) {
   return (VkBufferImageCopy){.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
-                             .imageExtent = {job->gbuffer->width, job->gbuffer->height, 1}};
+                             .imageExtent = {job->gbuffer.width, job->gbuffer.height, 1}};
 }
 
 static void fill_staging(const vulkan_job *job, uint32_t image) {
-  const olx_gbuffer *g = job->gbuffer;
+  const olx_gbuffer *g = &job->gbuffer;
   float *to = job->staging.mapped;
   if (image == DEPTH) {
     memcpy(to, g->inverse_depth, pixel_count(job) * sizeof *to);
@@ -91,23 +92,32 @@ static VkResult upload_image(vulkan_job *job, uint32_t image) {
   return device_commands_run(d);
 }
 
-static VkResult clear_outputs(vulkan_job *job) {
+static void clear_image(vulkan_job *job, uint32_t image, VkImageLayout from) {
   vulkan_device *d = &job->device;
-  const VkResult result = device_commands_begin(d);
-  if (result != VK_SUCCESS) return result;
   const VkClearColorValue black = {.float32 = {0}};
   const VkImageSubresourceRange range = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
-  for (uint32_t i = INPUTS; i < IMAGES; i++) {
-    device_barrier(d, &job->images[i], VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL);
-    d->CmdClearColorImage(d->commands, job->images[i].image, VK_IMAGE_LAYOUT_GENERAL, &black, 1, &range);
-  }
-  return device_commands_run(d);
+  const VkImageLayout general = VK_IMAGE_LAYOUT_GENERAL;
+  device_barrier(d, &job->images[image], from, general);
+  d->CmdClearColorImage(d->commands, job->images[image].image, general, &black, 1, &range);
+  device_barrier(d, &job->images[image], general, general);
+}
+
+static VkResult clear_outputs(vulkan_job *job) {
+  const VkResult result = device_commands_begin(&job->device);
+  if (result != VK_SUCCESS) return result;
+  for (uint32_t i = INPUTS; i < IMAGES; i++) clear_image(job, i, VK_IMAGE_LAYOUT_UNDEFINED);
+  return device_commands_run(&job->device);
 }
 
 static VkResult upload_surfaces(vulkan_job *job) {
   VkResult result = VK_SUCCESS;
   for (uint32_t i = 0; i < INPUTS && result == VK_SUCCESS; i++) result = upload_image(job, i);
-  return result == VK_SUCCESS ? clear_outputs(job) : result;
+  return result;
+}
+
+static void look_from(vulkan_job *job) {
+  job->view = (olx_vulkan_view){.eye = job->gbuffer.eye, .empty_depth = 0.0f};
+  memcpy(job->view.clip_to_world, job->gbuffer.clip_to_world, sizeof job->view.clip_to_world);
 }
 
 static olx_result create_frame(vulkan_job *job) {
@@ -115,15 +125,16 @@ static olx_result create_frame(vulkan_job *job) {
   olx_vulkan_image inputs[INPUTS];
   for (uint32_t i = 0; i < INPUTS; i++)
     inputs[i] = (olx_vulkan_image){job->images[i].view, job->images[i].format, read};
-  const olx_vulkan_targets targets = {.width = job->gbuffer->width,
-                                      .height = job->gbuffer->height,
+  const olx_vulkan_targets targets = {.width = job->gbuffer.width,
+                                      .height = job->gbuffer.height,
                                       .depth = inputs[DEPTH],
                                       .normal = inputs[NORMAL],
                                       .albedo = inputs[ALBEDO],
                                       .roughness = inputs[MATERIAL],
                                       .irradiance = job->images[IRRADIANCE].view,
                                       .glossy = job->images[GLOSSY].view,
-                                      .color = job->images[COLOR].view};
+                                      .color = job->images[COLOR].view,
+                                      .denoise = job->settings.denoise.lobes};
   return olx_vulkan_frame_create(job->field, &targets, &job->frame);
 }
 
@@ -133,15 +144,32 @@ static float half_float(uint16_t h) {
   return h & 0x8000u ? -magnitude : magnitude;
 }
 
-// End the commands with copying an image to the staging buffer, run them, and add `share` of it to a layer.
-static VkResult run_and_add(vulkan_job *job, uint32_t image, float share, olx_vec3 *layer) {
+typedef olx_result (*record_pass)(const olx_vulkan_frame *frame, VkCommandBuffer commands, const olx_vulkan_view *view,
+                                  const olx_vulkan_settings *settings);
+
+// Run one pass; the time it takes is added to *taken.
+static const char *run_pass(vulkan_job *job, record_pass record, double *taken) {
   vulkan_device *d = &job->device;
+  const double start = seconds();
+  const VkResult begun = device_commands_begin(d);
+  if (begun != VK_SUCCESS) return problem_of(begun);
+  const olx_result result = record(job->frame, d->commands, &job->view, &job->settings);
+  const char *problem = result == OLX_OK ? problem_of(device_commands_run(d)) : library_problem(result);
+  *taken += seconds() - start;
+  return problem;
+}
+
+// Copy an image to the staging buffer and add `share` of it to a layer.
+static VkResult add_image(vulkan_job *job, uint32_t image, float share, olx_vec3 *layer) {
+  vulkan_device *d = &job->device;
+  VkResult result = device_commands_begin(d);
+  if (result != VK_SUCCESS) return result;
   const VkBufferImageCopy region = whole_image(job);
   const VkImageLayout copy = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
   device_barrier(d, &job->images[image], VK_IMAGE_LAYOUT_GENERAL, copy);
   d->CmdCopyImageToBuffer(d->commands, job->images[image].image, copy, job->staging.buffer, 1, &region);
   device_barrier(d, &job->images[image], copy, VK_IMAGE_LAYOUT_GENERAL);
-  const VkResult result = device_commands_run(d);
+  result = device_commands_run(d);
   if (result != VK_SUCCESS) return result;
   const uint16_t *from = job->staging.mapped;
   for (size_t i = 0; i < pixel_count(job); i++, from += 4) {
@@ -152,53 +180,129 @@ static VkResult run_and_add(vulkan_job *job, uint32_t image, float share, olx_ve
   return VK_SUCCESS;
 }
 
-static const char *light_diffusely(vulkan_job *job, olx_vec3 *layer) {
-  vulkan_device *d = &job->device;
-  const VkResult begun = device_commands_begin(d);
+static olx_result record_composite(const olx_vulkan_frame *frame, VkCommandBuffer commands, const olx_vulkan_view *view,
+                                   const olx_vulkan_settings *settings) {
+  return olx_vulkan_record_composite(frame, commands, view, settings, OLX_VULKAN_ADD_DIFFUSE);
+}
+
+// Add `share` of the diffuse light, which irradiance gives, to its layer.
+static const char *add_diffuse(vulkan_job *job, float share, const olx_image *image) {
+  const VkResult begun = device_commands_begin(&job->device);
   if (begun != VK_SUCCESS) return problem_of(begun);
-  olx_result result = olx_vulkan_record_irradiance(job->frame, d->commands, &job->view, &job->settings);
-  if (result == OLX_OK) {
-    result = olx_vulkan_record_composite(job->frame, d->commands, &job->view, &job->settings, OLX_VULKAN_ADD_DIFFUSE);
-  }
-  return result == OLX_OK ? problem_of(run_and_add(job, COLOR, 1.0f, layer)) : library_problem(result);
+  clear_image(job, COLOR, VK_IMAGE_LAYOUT_GENERAL);
+  const char *problem = problem_of(device_commands_run(&job->device));
+  if (!problem) problem = run_pass(job, record_composite, &job->timing->diffuse_seconds);
+  return problem ? problem : problem_of(add_image(job, COLOR, share, image->layers[OLX_LAYER_INDIRECT_DIFFUSE]));
 }
 
-static const char *light_glossily(vulkan_job *job, uint32_t spp, olx_vec3 *layer) {
-  vulkan_device *d = &job->device;
-  for (job->settings.sample_index = 0; job->settings.sample_index < spp; job->settings.sample_index++) {
-    const VkResult begun = device_commands_begin(d);
-    if (begun != VK_SUCCESS) return problem_of(begun);
-    const olx_result result = olx_vulkan_record_glossy(job->frame, d->commands, &job->view, &job->settings);
-    const char *problem =
-        result == OLX_OK ? problem_of(run_and_add(job, GLOSSY, 1.0f / (float)spp, layer)) : library_problem(result);
-    if (problem) return problem;
-  }
-  return NULL;
+static const char *add_glossy(vulkan_job *job, float share, const olx_image *image) {
+  return problem_of(add_image(job, GLOSSY, share, image->layers[OLX_LAYER_INDIRECT_GLOSSY]));
 }
 
-static const char *run_job(vulkan_job *job, const olx_field *field, uint32_t spp, olx_image *image,
-                           vulkan_timing *timing) {
+// One picture, of settings.spp samples; irradiance from probes is the same for all of them.
+static const char *light_picture(vulkan_job *job, const olx_render_settings *settings, const olx_image *image) {
+  const bool traced = settings->diffuse == OLX_DIFFUSE_TRACED;
+  const float share = 1.0f / (float)settings->spp;
+  const char *problem = NULL;
+  for (uint32_t i = 0; i < settings->spp && !problem; i++) {
+    job->settings.sample_index = i;
+    if (traced || i == 0) {
+      problem = run_pass(job, traced ? olx_vulkan_record_diffuse : olx_vulkan_record_irradiance,
+                         &job->timing->diffuse_seconds);
+      if (!problem) problem = add_diffuse(job, traced ? share : 1.0f, image);
+    }
+    if (!problem) problem = run_pass(job, olx_vulkan_record_glossy, &job->timing->glossy_seconds);
+    if (!problem) problem = add_glossy(job, share, image);
+  }
+  return problem;
+}
+
+// One frame of those that are denoised; its number is in the settings.
+static const char *light_frame(vulkan_job *job) {
+  const char *problem = NULL;
+  if (job->settings.denoise.lobes & OLX_VULKAN_LOBE_DIFFUSE) {
+    problem = run_pass(job, olx_vulkan_record_diffuse, &job->timing->diffuse_seconds);
+  }
+  if (!problem) problem = run_pass(job, olx_vulkan_record_glossy, &job->timing->glossy_seconds);
+  if (!problem) problem = run_pass(job, olx_vulkan_record_denoise, &job->timing->denoise_seconds);
+  job->settings.denoise.previous = job->view;
+  return problem;
+}
+
+static const char *show_frame(vulkan_job *job, const olx_image *image) {
+  const char *problem = NULL;
+  if (!(job->settings.denoise.lobes & OLX_VULKAN_LOBE_DIFFUSE)) {
+    problem = run_pass(job, olx_vulkan_record_irradiance, &job->timing->diffuse_seconds);
+  }
+  if (!problem) problem = add_diffuse(job, 1.0f, image);
+  return problem ? problem : add_glossy(job, 1.0f, image);
+}
+
+static bool same_camera(const olx_camera *a, const olx_camera *b) {
+  return memcmp(&a->eye, &b->eye, sizeof a->eye) == 0 && memcmp(&a->target, &b->target, sizeof a->target) == 0 &&
+         memcmp(&a->up, &b->up, sizeof a->up) == 0 && a->fov_y_degrees == b->fov_y_degrees;
+}
+
+// The surfaces of a frame, in the place of those of the frame before. Only the last picture needs all samples of direct light.
+static olx_result render_surfaces(vulkan_job *job, const vulkan_request *r, uint32_t frame, olx_image *image,
+                                  olx_render_stats *stats) {
+  const olx_camera *camera = &r->cameras[frame];
+  olx_render_settings settings = *r->settings;
+  if (!same_camera(camera, &r->cameras[r->camera_count - 1])) settings.spp = 1;
+  olx_gbuffer_free(&job->gbuffer);
+  olx_image_free(image);
+  *image = (olx_image){.width = 0};
+  olx_render_stats more;
+  const olx_result result =
+      olx_render_surfaces(r->scene, r->field, camera, &settings, r->progress, image, &job->gbuffer, &more);
+  if (result != OLX_OK) return result;
+  stats->seconds += more.seconds;
+  stats->primary_seconds += more.primary_seconds;
+  stats->direct_seconds += more.direct_seconds;
+  stats->rays += more.rays;
+  look_from(job);
+  return OLX_OK;
+}
+
+static olx_result light_frames(vulkan_job *job, const vulkan_request *r, olx_image *image, olx_render_stats *stats,
+                               const char **problem) {
+  for (uint32_t i = 0; i < r->camera_count && !*problem; i++) {
+    if (i > 0 && !same_camera(&r->cameras[i], &r->cameras[i - 1])) {
+      const olx_result result = render_surfaces(job, r, i, image, stats);
+      if (result != OLX_OK) return result;
+      *problem = problem_of(upload_surfaces(job));
+      if (*problem) break;
+    }
+    job->settings.sample_index = job->settings.denoise.frame = i;
+    *problem = light_frame(job);
+  }
+  if (!*problem) *problem = show_frame(job, image);
+  return OLX_OK;
+}
+
+static const char *prepare_device(vulkan_job *job, const vulkan_request *r) {
   const double start = seconds();
-  const char *problem = library_problem(olx_vulkan_field_create(&job->device.host, field, &job->field));
+  const char *problem = vulkan_device_open(&job->device, r->validate);
+  if (problem) return problem;
+  snprintf(job->timing->device, sizeof job->timing->device, "%s", job->device.name);
+  problem = library_problem(olx_vulkan_field_create(&job->device.host, r->field, &job->field));
   if (!problem) problem = problem_of(create_images(job));
   if (!problem) problem = problem_of(upload_surfaces(job));
+  if (!problem) problem = problem_of(clear_outputs(job));
   if (!problem) problem = library_problem(create_frame(job));
-  const double uploaded = seconds();
-  if (!problem) problem = light_diffusely(job, image->layers[OLX_LAYER_INDIRECT_DIFFUSE]);
-  const double diffuse = seconds();
-  if (!problem) problem = light_glossily(job, spp, image->layers[OLX_LAYER_INDIRECT_GLOSSY]);
-  timing->upload_seconds = uploaded - start;
-  timing->diffuse_seconds = diffuse - uploaded;
-  timing->glossy_seconds = seconds() - diffuse;
+  job->timing->upload_seconds = seconds() - start;
   return problem;
 }
 
 static void release_job(vulkan_job *job) {
-  olx_vulkan_frame_destroy(job->frame);
-  olx_vulkan_field_destroy(job->field);
-  for (uint32_t i = 0; i < IMAGES; i++) device_image_destroy(&job->device, &job->images[i]);
-  shared_buffer_destroy(&job->device, &job->staging);
-  vulkan_device_close(&job->device);
+  if (job->device.host.device) {
+    olx_vulkan_frame_destroy(job->frame);
+    olx_vulkan_field_destroy(job->field);
+    for (uint32_t i = 0; i < IMAGES; i++) device_image_destroy(&job->device, &job->images[i]);
+    shared_buffer_destroy(&job->device, &job->staging);
+    vulkan_device_close(&job->device);
+  }
+  olx_gbuffer_free(&job->gbuffer);
 }
 
 static void add_to_beauty(olx_image *image) {
@@ -209,23 +313,42 @@ static void add_to_beauty(olx_image *image) {
   }
 }
 
-const char *vulkan_render_indirect(const olx_field *field, const olx_gbuffer *gbuffer,
-                                   const olx_render_settings *settings, bool validate, olx_image *image,
-                                   vulkan_timing *timing) {
-  vulkan_job job = {.gbuffer = gbuffer,
-                    .view = {.eye = gbuffer->eye, .empty_depth = 0.0f},
-                    .settings = {.sample = settings->sample,
-                                 .glossy_samples = settings->glossy_samples,
-                                 .seed = settings->seed,
-                                 .dim_lobe = settings->dim_lobe}};
+static olx_vulkan_settings pass_settings(const vulkan_request *r) {
+  olx_vulkan_settings settings = olx_vulkan_settings_default();
+  settings.sample = r->settings->sample;
+  settings.seed = r->settings->seed;
+  settings.dim_lobe = r->settings->dim_lobe;
+  settings.denoise.filters = r->settings->denoise;
+  if (r->denoised) {
+    const bool traced = r->settings->diffuse == OLX_DIFFUSE_TRACED;
+    settings.denoise.lobes = OLX_VULKAN_LOBE_GLOSSY | (traced ? OLX_VULKAN_LOBE_DIFFUSE : 0u);
+  } else {
+    settings.diffuse_samples = r->settings->diffuse_samples;
+    settings.glossy_samples = r->settings->glossy_samples;
+  }
+  return settings;
+}
+
+olx_result vulkan_render(const vulkan_request *r, olx_image *image, olx_render_stats *stats, vulkan_timing *timing,
+                         const char **problem) {
+  vulkan_job job = {.settings = pass_settings(r), .timing = timing};
   *timing = (vulkan_timing){.device = ""};
-  memcpy(job.view.clip_to_world, gbuffer->clip_to_world, sizeof job.view.clip_to_world);
-  const char *problem = vulkan_device_open(&job.device, validate);
-  if (problem) return problem;
-  snprintf(timing->device, sizeof timing->device, "%s", job.device.name);
-  problem = run_job(&job, field, settings->spp, image, timing);
-  if (!problem) add_to_beauty(image);
+  *stats = (olx_render_stats){.seconds = 0};
+  *image = (olx_image){.width = 0};
+  *problem = NULL;
+  olx_result result = render_surfaces(&job, r, 0, image, stats);
+  if (result == OLX_OK) *problem = prepare_device(&job, r);
+  if (result == OLX_OK && !*problem) {
+    if (r->denoised) result = light_frames(&job, r, image, stats, problem);
+    else *problem = light_picture(&job, r->settings, image);
+  }
   release_job(&job);
-  if (!problem && job.device.validation_messages) problem = "the validation layers found fault (see above)";
-  return problem;
+  if (!*problem && job.device.validation_messages) *problem = "the validation layers found fault (see above)";
+  if (result == OLX_OK && !*problem) add_to_beauty(image);
+  else olx_image_free(image);
+  stats->diffuse_seconds = timing->diffuse_seconds;
+  stats->glossy_seconds = timing->glossy_seconds;
+  stats->denoise_seconds = timing->denoise_seconds;
+  stats->seconds += timing->upload_seconds + timing->diffuse_seconds + timing->glossy_seconds + timing->denoise_seconds;
+  return result;
 }

@@ -1,4 +1,4 @@
-// Indirect light for a picture whose surfaces are known, from a field on a Vulkan device.
+// Pictures whose surfaces and direct light the CPU renders, and whose indirect light comes from a field on a Vulkan device.
 #ifndef OCTALUX_CLI_VULKAN_RENDER_H
 #define OCTALUX_CLI_VULKAN_RENDER_H
 
@@ -6,12 +6,23 @@
 
 typedef struct vulkan_timing {
   char device[256];
-  double upload_seconds, diffuse_seconds, glossy_seconds; // from recording to having the result
+  double upload_seconds, diffuse_seconds, glossy_seconds, denoise_seconds; // from recording to having the result
 } vulkan_timing;
 
-// Fill the indirect layers of `image`, and add them to beauty. NULL, or what went wrong.
-const char *vulkan_render_indirect(const olx_field *field, const olx_gbuffer *gbuffer,
-                                   const olx_render_settings *settings, bool validate, olx_image *image,
-                                   vulkan_timing *timing);
+typedef struct vulkan_request {
+  const olx_scene *scene;
+  const olx_field *field;
+  const olx_camera *cameras; // one a frame
+  uint32_t camera_count;
+  bool denoised; // as olx_render_frames does; else one picture, as olx_render does through pixel centres
+  const olx_render_settings *settings;
+  bool validate; // turn the validation layers on
+  const olx_progress *progress;
+} vulkan_request;
+
+// On success the image is the caller's to free. *problem: NULL, or what went wrong on the device; the result tells of everything
+// else, with a message of the library's.
+olx_result vulkan_render(const vulkan_request *request, olx_image *image, olx_render_stats *stats,
+                         vulkan_timing *timing, const char **problem);
 
 #endif

@@ -49,6 +49,32 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_BINDING_OUT_COLOR 6
 #define OLX_FRAME_BINDINGS 7
 
+// The descriptor set of what a lobe's rays find, for the denoiser. Without it, the lobe's output stands there.
+#define OLX_BINDING_SAMPLE 0 // storage, rgba16f: light before albedo and Fresnel; alpha: 1 / distance, negative for none
+#define OLX_SAMPLE_BINDINGS 1
+
+// The descriptor set of the denoiser's mean over frames. "Now" is what it writes, "before" what the frame before wrote.
+#define OLX_BINDING_DENOISE_DEPTH 0 // sampled
+#define OLX_BINDING_DENOISE_NORMAL 1
+#define OLX_BINDING_DENOISE_ROUGHNESS 2
+#define OLX_BINDING_GUIDE_BEFORE 3 // rgba32ui
+#define OLX_BINDING_DIFFUSE_BEFORE 4
+#define OLX_BINDING_GLOSSY_BEFORE 5
+#define OLX_BINDING_GUIDE_NOW 6   // storage, rgba32ui
+#define OLX_BINDING_DIFFUSE_NOW 7 // storage, rgba16f; holds the samples first
+#define OLX_BINDING_GLOSSY_NOW 8
+#define OLX_ACCUMULATE_BINDINGS 9
+
+// The descriptor set of its filter over pixels.
+#define OLX_BINDING_GUIDE 0 // sampled
+#define OLX_BINDING_LIGHT 1 // the mean over frames
+#define OLX_BINDING_ROWS 2  // what filtering rows gave
+#define OLX_BINDING_FILTER_ALBEDO 3
+#define OLX_BINDING_FILTER_ROUGHNESS 4
+#define OLX_BINDING_OUT_ROWS 5   // storage, rgba16f
+#define OLX_BINDING_OUT_TARGET 6 // storage, rgba16f: the host's
+#define OLX_FILTER_BINDINGS 7
+
 #define OLX_SELECT_GPU_MASK 0x9u // bits (1 << olx_select) of the stored selectors that have a twin
 #define OLX_MAX_ATTEMPTS 128     // probes that a search remembers as asked
 
@@ -75,6 +101,16 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_FRAME_NORMAL_UNORM 8 // normals are stored as 0..1
 #define OLX_FRAME_DIFFUSE 16     // what the composite pass adds
 #define OLX_FRAME_GLOSSY 32
+#define OLX_FRAME_SAMPLE 64 // the lobe is denoised: write samples
+
+// Bits of olx_gpu_accumulate.flags and olx_gpu_filter.flags.
+#define OLX_DENOISE_DIFFUSE 1 // the lobes to mix into their histories
+#define OLX_DENOISE_GLOSSY 2  // in a filter: the lobe is the glossy one
+#define OLX_DENOISE_RESTART 4
+#define OLX_DENOISE_NORMAL_UNORM 8
+#define OLX_DENOISE_MIRRORED 16 // the camera's frame is left-handed
+#define OLX_DENOISE_MIRRORED_BEFORE 32
+#define OLX_DENOISE_COLUMNS 64
 
 #define OLX_PASS_SIZE 8 // threads along a side of a pass's workgroup
 
@@ -121,6 +157,36 @@ OLX_GPU_STRUCT(olx_gpu_frame) {
   olx_gpu_uint sample_index;   // of the frame: another draw of random numbers
   olx_gpu_float dim_lobe; // rough lobes that reflect less are not traced
   olx_gpu_uint seed;
+  olx_gpu_uint diffuse_samples; // rays a pixel on diffuse surfaces, when they are traced
+  olx_gpu_uint padding;
+};
+
+// A camera; its viewing axis stands upright on `right` and `up`. Projections may be shifted (by a jitter): pixel (x, y) is seen
+// where an unshifted picture has (x + eye.w, y + right.w).
+OLX_GPU_STRUCT(olx_gpu_camera) {
+  olx_gpu_vec4 eye;
+  olx_gpu_vec4 right, up; // from the middle of the image plane at distance 1 to its edges
+};
+
+// Push constants of the denoiser's mean over frames.
+OLX_GPU_STRUCT(olx_gpu_accumulate) {
+  olx_gpu_camera now, before;
+  // The depth along the viewing axis is now.up.w / (depth image - before.up.w).
+  olx_gpu_uint size;            // width, and in the upper half height
+  olx_gpu_uint flags;           // OLX_DENOISE_*
+  olx_gpu_float empty_depth;    // of pixels that show no surface
+  olx_gpu_float diffuse_history, diffuse_still_history;
+  olx_gpu_float glossy_history, glossy_still_history;
+  olx_gpu_uint padding;
+};
+
+// Push constants of its filter over pixels.
+OLX_GPU_STRUCT(olx_gpu_filter) {
+  olx_gpu_camera camera;
+  olx_gpu_uint size, flags; // as above
+  olx_gpu_uint radius_pixels, stride_pixels;
+  olx_gpu_float reach;
+  olx_gpu_float dim_lobe;
   olx_gpu_uint padding[2];
 };
 

@@ -3,7 +3,7 @@
 #define PARITY_ROWS_H
 
 #define PARITY_ITEMS 8192  // of every row: a multiple of the workgroup
-#define PARITY_GROUPS 5
+#define PARITY_GROUPS 6
 #define PARITY_RESULTS 18  // words an item may give
 
 #define ROW_olx_square 0
@@ -126,5 +126,27 @@
 #define ROW_olx_irradiance 109
 #define ROW_olx_glossy 110
 #define ROWS_OF_SHADE 111
+
+#define ROW_olx_finite 111
+#define ROW_olx_lobe_is_dim 112
+#define ROW_olx_dim_light 113
+#define ROW_olx_emission_counts 114
+#define ROW_olx_nearness 115
+#define ROW_olx_nothing_known 116
+#define ROW_olx_guide_position 117
+#define ROW_olx_guide_project 118
+#define ROW_olx_pixel_angle 119
+#define ROW_olx_plane_fit 120
+#define ROW_olx_is_sample 121
+#define ROW_olx_same_surface 122
+#define ROW_olx_settle 123
+#define ROW_olx_stands_still 124
+#define ROW_olx_bilinear_weight 125
+#define ROW_olx_mix_sample 126
+#define ROW_olx_scales_of 127
+#define ROW_olx_gaussian 128
+#define ROW_olx_reach_weight 129
+#define ROW_olx_tap_weight 130
+#define ROWS_OF_DENOISE 131
 
 #endif

@@ -1,5 +1,7 @@
 // Shaders against their specification: every function of shaders/lib and its C twin on the same random and edge inputs, on
 // whatever Vulkan device there is (a CPU one will do). The C files are included so that their inner functions can be called.
+#include "render/denoise.c"
+#include "shade/emission.h"
 #include "shade/irradiance.c"
 #include "trace/march_hiz.c"
 #include "trace/probe_trace.c"
@@ -51,6 +53,11 @@ typedef struct state {
   olx_cell cell;
   surfel surfel;
   search search;
+  float depths[16 * 12];
+  olx_guide guide;
+  shown here, there;
+  olx_incident light_here, light_there;
+  uint32_t pixel_x, pixel_y;
 } state;
 
 // What C gives for an item. Words that are floats may differ a little.
@@ -149,6 +156,50 @@ static void derive_search(state *s) {
                        .t_max = olx_min(s->item->v[14], leave_bounds(s->field, s->point, s->direction)),
                        .limit = MAX_ATTEMPTS,
                        .fallback_probe = UINT32_MAX};
+}
+
+static void derive_denoise(state *s) {
+  olx_vec3 tangent, bitangent;
+  olx_basis(s->direction, &tangent, &bitangent);
+  const float depth = s->item->v[15];
+  s->pixel_x = s->bits[1] % 16u;
+  s->pixel_y = s->bits[2] % 12u;
+  s->depths[s->pixel_x + 16u * s->pixel_y] = depth;
+  s->guide = (olx_guide){.width = 16, .height = 12, .depth = s->depths};
+  s->guide.camera = (olx_camera_frame){.eye = olx_scale(s->view, 2.0f),
+                                       .forward = s->direction,
+                                       .right = olx_scale(tangent, 0.5f + s->random[0]),
+                                       .up = olx_scale(bitangent, 0.4f + s->random[1])};
+  s->here = (shown){s->point, s->direction, depth, s->random[0], 0.01f};
+  const olx_vec3 offset = olx_madd(olx_scale(tangent, 0.2f * s->random[2]), s->view,
+                                   s->bits[3] & 1u ? 0.02f * s->random[3] : 0.0f);
+  s->there = (shown){olx_add(s->point, offset), olx_normalize(olx_madd(s->direction, s->view, 0.5f * s->random[1])), depth,
+                     s->random[0] + 0.2f * s->random[1] - 0.1f, 0.01f};
+  const olx_vec3 v = s->view, d = s->direction;
+  s->light_here = (olx_incident){olx_v3(fabsf(v.x), fabsf(v.y), fabsf(v.z)), s->random[0] - 0.1f};
+  s->light_there = (olx_incident){olx_v3(3.0f * fabsf(d.x), 3.0f * fabsf(d.y), 3.0f * fabsf(d.z)), s->random[1] - 0.1f};
+  if (s->bits[0] % 32u == 0) s->light_here.light.y = NAN;
+  if (s->bits[0] % 32u == 1) s->light_there.light.z = INFINITY;
+  if (s->bits[0] % 32u == 2) s->light_there.inverse_distance = INFINITY;
+}
+
+static olx_trace_hit some_hit(const state *s) {
+  return (olx_trace_hit){.status = (olx_trace_status)(s->bits[0] % 3u),
+                         .distance_metres = s->bits[0] & 4u ? INFINITY : s->item->v[15],
+                         .position = olx_madd(s->point, s->direction, s->item->v[15]),
+                         .normal = s->view,
+                         .footprint_metres = 2.0f * s->random[0]};
+}
+
+static olx_vec2 pixel_of(const state *s, float dx, float dy) {
+  return (olx_vec2){(float)s->pixel_x + dx, (float)s->pixel_y + dy};
+}
+static olx_lobe lobe_of(const state *s) { return s->bits[3] & 2u ? OLX_LOBE_GLOSSY : OLX_LOBE_DIFFUSE; }
+static scales some_scales(const state *s) { return scales_of(s->light_here, 50.0f * s->random[2]); }
+static void put_known(result *r, known k) {
+  put_3(r, k.incident.light);
+  put_f(r, k.incident.inverse_distance);
+  put_f(r, k.count);
 }
 
 static olx_vec2 random_2(const state *s) { return (olx_vec2){s->random[0], s->random[1]}; }
@@ -342,6 +393,33 @@ ROW(glossy, float weight; float half_cosine; olx_trace_hit hit;
     put_3(r, olx_glossy(s->field, &s->settings, s->point, s->direction, s->view, s->random[2], random_2(s), &weight,
                         &half_cosine, &hit));
     put_f(r, weight); put_f(r, half_cosine); put_u(r, hit.status); put_u(r, hit.probe); put_f(r, hit.distance_metres);)
+
+ROW(finite, put_u(r, olx_finite(s->light_here.light)); put_u(r, olx_finite(s->light_there.light));)
+ROW(lobe_is_dim, put_u(r, olx_lobe_is_dim(&s->bsdf, s->random[3], s->random[2]));)
+ROW(dim_light, const olx_vec3 v = s->view; const olx_vec3 light = olx_v3(fabsf(v.x), fabsf(v.y), fabsf(v.z));
+    put_3(r, olx_dim_light(&s->bsdf, s->random[3], light));)
+ROW(emission_counts, const olx_trace_hit hit = some_hit(s); put_u(r, olx_emission_counts(&s->settings, &hit, s->point));)
+ROW(nearness, const olx_trace_hit hit = some_hit(s); put_f(r, olx_nearness(&hit));)
+ROW(nothing_known, put_known(r, nothing_known);)
+ROW(guide_position, put_3(r, olx_guide_position(&s->guide, s->pixel_x, s->pixel_y));)
+ROW(guide_project, olx_vec2 at; const bool seen = olx_guide_project(&s->guide, s->point, &at); put_u(r, seen);
+    put_2(r, seen ? at : (olx_vec2){0});)
+ROW(pixel_angle, put_f(r, pixel_angle(&s->guide));)
+ROW(plane_fit, put_f(r, plane_fit(olx_sub(s->there.position, s->here.position), s->here.normal, 0.01f * s->here.depth));)
+ROW(is_sample, put_u(r, is_sample(s->light_here)); put_u(r, is_sample(s->light_there));)
+ROW(same_surface, put_u(r, same_surface(&s->here, &s->there));)
+ROW(settle, put_f(r, settle((float)s->pixel_x + 0.04f * s->random[0] - 0.02f));)
+ROW(stands_still, put_u(r, stands_still(pixel_of(s, 0.02f * s->random[0], 0.02f * s->random[1]), pixel_of(s, 0, 0)));)
+ROW(bilinear_weight, put_f(r, bilinear_weight(pixel_of(s, s->random[0], s->random[1]), s->bits[0] & 3u));)
+ROW(mix_sample, const known past = {s->light_here, 60.0f * s->random[2]};
+    put_known(r, mix_sample(past, s->light_there, s->bits[3] & 1u ? 0.98f : 0.0f));)
+ROW(scales_of, const scales k = some_scales(s); put_f(r, k.inverse_distance); put_f(r, k.narrowing);)
+ROW(gaussian, put_f(r, gaussian(9.0f * s->random[0]));)
+ROW(reach_weight, put_f(r, reach_weight(lobe_of(s), 0.1f + s->random[1], &s->here, s->random[2], s->random[3],
+                                        (float)(s->bits[1] % 12u)));)
+ROW(tap_weight, const olx_lobe_filter filter = {.radius_pixels = 12, .reach = s->bits[3] & 4u ? 0.0f : 2.5f * s->random[2]};
+    put_f(r, tap_weight(&filter, lobe_of(s), &s->here, some_scales(s), &s->there, s->light_there.inverse_distance,
+                        (float)(s->bits[1] % 12u)));)
 // clang-format on
 
 // One function: how much its floats may differ, relative to their size and at least 1, and the share of items that may give
@@ -469,6 +547,26 @@ static const parity_row ROWS[] = {
     PARITY(add_from_afar, 1e-4f, 1e-3),
     PARITY(irradiance, 1e-4f, 1e-3),
     PARITY(glossy, 1e-4f, 1e-3),
+    PARITY(finite, 1e-5f, 0),
+    PARITY(lobe_is_dim, 1e-5f, 1e-3),
+    PARITY(dim_light, 1e-5f, 0),
+    PARITY(emission_counts, 1e-5f, 1e-3),
+    PARITY(nearness, 1e-5f, 0),
+    PARITY(nothing_known, 1e-5f, 0),
+    PARITY(guide_position, 1e-5f, 0),
+    PARITY(guide_project, 1e-5f, 1e-3),
+    PARITY(pixel_angle, 1e-5f, 0),
+    PARITY(plane_fit, 1e-5f, 0),
+    PARITY(is_sample, 1e-5f, 0),
+    PARITY(same_surface, 1e-5f, 1e-3),
+    PARITY(settle, 1e-5f, 1e-3),
+    PARITY(stands_still, 1e-5f, 1e-3),
+    PARITY(bilinear_weight, 1e-5f, 1e-3),
+    PARITY(mix_sample, 1e-5f, 0),
+    PARITY(scales_of, 1e-5f, 0),
+    PARITY(gaussian, 1e-5f, 0),
+    PARITY(reach_weight, 1e-5f, 0),
+    PARITY(tap_weight, 1e-5f, 0),
 };
 
 enum { ROW_COUNT = sizeof ROWS / sizeof ROWS[0] };
@@ -652,10 +750,14 @@ static void make_pipelines(const olx_vulkan_field *field) {
   }
 }
 
-enum { CORE_GROUP = 1, FIELD_GROUP = 2, MARCH_GROUP = 4, SEARCH_GROUP = 8, SHADE_GROUP = 16, ALL_GROUPS = 31 };
+enum { CORE_GROUP = 1, FIELD_GROUP = 2, MARCH_GROUP = 4, SEARCH_GROUP = 8, SHADE_GROUP = 16, ALL_GROUPS = 63 };
 
 static uint32_t group_of(uint32_t row) {
-  return row < ROWS_OF_CORE ? 0 : row < ROWS_OF_FIELD ? 1 : row < ROWS_OF_MARCH ? 2 : row < ROWS_OF_SEARCH ? 3 : 4;
+  const uint32_t ends[PARITY_GROUPS] = {ROWS_OF_CORE,   ROWS_OF_FIELD, ROWS_OF_MARCH,
+                                        ROWS_OF_SEARCH, ROWS_OF_SHADE, ROWS_OF_DENOISE};
+  uint32_t group = 0;
+  while (row >= ends[group]) group++;
+  return group;
 }
 
 // Run one row of parity.comp over all items.
@@ -690,6 +792,7 @@ static bool judge_row(const olx_field *field, const olx_vulkan_field *uploaded, 
     derive(&s);
     if (row->number >= ROWS_OF_FIELD && row->number < ROWS_OF_MARCH) derive_march(&s);
     if (row->number >= ROWS_OF_MARCH && row->number < ROWS_OF_SEARCH) derive_search(&s);
+    if (row->number >= ROWS_OF_SHADE) derive_denoise(&s);
     result r = {.count = 0};
     row->evaluate(&s, &r);
     const uint32_t *words = (const uint32_t *)gpu.results.mapped + (size_t)PARITY_RESULTS * i;

@@ -391,6 +391,7 @@ static void wrong_images_are_named(void **unused) {
         {0},
         0,
         0,
+        0,
         0},
        "normal image's VkFormat"},
       {{8,
@@ -401,10 +402,11 @@ static void wrong_images_are_named(void **unused) {
         {0},
         0,
         0,
+        0,
         0},
        "albedo image cannot be sampled in VkImageLayout 0"},
       {{8, 8, h.targets.depth, h.targets.normal, h.targets.albedo, h.targets.roughness, h.targets.irradiance, 0,
-        h.targets.color},
+        h.targets.color, 0},
        "no glossy image"},
   };
   for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {

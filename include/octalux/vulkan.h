@@ -12,7 +12,8 @@
 // Threads: calls on one handle must not overlap, but for recording into different command buffers. Creating a field submits to
 // the queue and waits: the host keeps other threads off the queue meanwhile. Nothing may be destroyed or resized while a
 // command buffer that uses it is pending. Descriptor sets and pipelines do not change between frames, so any number of
-// frames may be in flight.
+// frames may be in flight. Those that are denoised hand their history on: they are submitted to one queue, in the order of
+// their numbers, and the passes' own barriers let each wait for the one before.
 //
 // Errors: OLX_ERROR_MEMORY when host or device memory is short, OLX_ERROR_UNSUPPORTED when the device cannot do it,
 // OLX_ERROR_ARGUMENT for a wrong format, layout or size, OLX_ERROR_GPU when the device is lost or refuses. olx_last_error says
@@ -20,6 +21,7 @@
 #ifndef OCTALUX_VULKAN_H
 #define OCTALUX_VULKAN_H
 
+#include <octalux/denoiser.h>
 #include <octalux/field.h>
 #include <octalux/sample.h>
 
@@ -45,7 +47,7 @@ typedef struct olx_vulkan_host {
 typedef struct olx_vulkan_field olx_vulkan_field;
 
 typedef struct olx_vulkan_sizes {
-  uint64_t device_bytes;  // that the field will hold in device-local memory, alignment included
+  uint64_t device_bytes;  // that will be held in device-local memory, alignment included
   uint64_t staging_bytes; // of host-visible memory, while it is created
   uint32_t allocations;   // of device memory
 } olx_vulkan_sizes;
@@ -73,6 +75,9 @@ typedef struct olx_vulkan_image {
   VkImageLayout layout;
 } olx_vulkan_image;
 
+// The two kinds of indirect light, as bits of a mask.
+enum { OLX_VULKAN_LOBE_DIFFUSE = 1, OLX_VULKAN_LOBE_GLOSSY = 2 };
+
 // The host's images, all of one size. Inputs need VK_IMAGE_USAGE_SAMPLED_BIT and a format that shaders read as floats.
 // Outputs need VK_IMAGE_USAGE_STORAGE_BIT, format VK_FORMAT_R16G16B16A16_SFLOAT, and layout GENERAL while passes run.
 typedef struct olx_vulkan_targets {
@@ -85,16 +90,24 @@ typedef struct olx_vulkan_targets {
   VkImageView irradiance; // out: W/m^2; alpha 1 where there is a surface
   VkImageView glossy;     // out: radiance towards the eye; alpha: the share of rays that were answered
   VkImageView color;      // in and out: the host's picture in linear radiance
+  uint32_t denoise;       // OLX_VULKAN_LOBE_*: lobes to keep a history for; 0: none, and no memory
 } olx_vulkan_targets;
 
-// Pipelines, and a descriptor set for one set of the host's images.
+// Pipelines, descriptor sets for one set of the host's images, and the denoiser's history, which is ours: 32 bytes a pixel and
+// 16 for each lobe in device-local memory.
 typedef struct olx_vulkan_frame olx_vulkan_frame;
+
+// What olx_vulkan_frame_create would allocate; staging_bytes is 0. Allocates no memory itself. olx_vulkan_frame_resize needs as
+// much beside what the frame holds, until it returns.
+olx_result olx_vulkan_frame_measure(const olx_vulkan_field *field, const olx_vulkan_targets *targets,
+                                    olx_vulkan_sizes *sizes);
 
 // On success *frame is the caller's to destroy, on failure it is NULL.
 olx_result olx_vulkan_frame_create(olx_vulkan_field *field, const olx_vulkan_targets *targets,
                                    olx_vulkan_frame **frame);
 
-// Take other images, of this or another size. On failure the frame keeps the old ones.
+// Take other images, of this or another size, with a history or without. The history begins anew: the next denoised frame has
+// the number 0. On failure the frame keeps what it had.
 olx_result olx_vulkan_frame_resize(olx_vulkan_frame *frame, const olx_vulkan_targets *targets);
 
 // NULL is allowed. The host's images are not touched.
@@ -108,13 +121,26 @@ typedef struct olx_vulkan_view {
   float empty_depth;       // what the depth image holds where no surface is: 1, or 0 with a reversed depth range
 } olx_vulkan_view;
 
+// The separated denoiser of McGuire et al. 2017, section 5.1 (docs/denoising.md).
+typedef struct olx_vulkan_denoise {
+  uint32_t lobes;               // OLX_VULKAN_LOBE_*, of those in targets.denoise: what this frame denoises; default 0
+  olx_denoise_settings filters; // default olx_denoise_settings_default()
+  // Counts frames that are denoised. 0 forgets everything and makes the images of the history ready: the first frame after
+  // creation or resizing is 0, and so is one that denoises other lobes than the frame before. The number is the same for all
+  // passes of a frame, and then one more.
+  uint32_t frame;
+  olx_vulkan_view previous; // the view of the frame before; not read in frame 0
+} olx_vulkan_denoise;
+
 typedef struct olx_vulkan_settings {
   olx_sample_settings sample; // default olx_sample_settings_default()
+  uint32_t diffuse_samples;   // rays a pixel of olx_vulkan_record_diffuse, 1 to 4096; default 1
   uint32_t glossy_samples;    // rays a pixel on glossy surfaces, 1 to 4096; default 1. Mirrors take 1
   uint32_t sample_index;      // which part of a pixel's sequence of random numbers: count frames here; default 0
   uint32_t seed;              // another sequence for every pixel; default 0
   float dim_lobe; // rough specular lobes that reflect less than this share towards the eye are not traced but
                   // take irradiance; default 0 (section 6)
+  olx_vulkan_denoise denoise;
 } olx_vulkan_settings;
 
 olx_vulkan_settings olx_vulkan_settings_default(void);
@@ -124,16 +150,32 @@ olx_vulkan_settings olx_vulkan_settings_default(void);
 //
 // Barriers are the host's at both ends and ours between: before the first pass, the inputs' writes and earlier uses of the
 // outputs must be ordered before VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT with shader read and write; olx_vulkan_record_composite
-// begins with a barrier that waits for the passes recorded before it; after the last pass, outputs have been written by
-// VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT.
+// and olx_vulkan_record_denoise begin with a barrier that waits for the passes recorded before them; after the last pass,
+// outputs have been written by VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT.
+//
+// The paper's three ways to light a picture (section 5):
+//   gathered     olx_vulkan_record_diffuse, _glossy, _composite, with many samples: the reference
+//   denoised     olx_vulkan_record_diffuse, _glossy, _denoise, _composite, one sample each, denoise.lobes both
+//   prefiltered  olx_vulkan_record_irradiance, _glossy, _denoise, _composite, denoise.lobes OLX_VULKAN_LOBE_GLOSSY
 
 // Diffuse: targets.irradiance from the irradiance probes (McGuire et al. 2017, section 5.2).
 olx_result olx_vulkan_record_irradiance(const olx_vulkan_frame *frame, VkCommandBuffer commands,
                                         const olx_vulkan_view *view, const olx_vulkan_settings *settings);
 
+// Diffuse: targets.irradiance by cosine-distributed rays traced through the light field probes (section 5).
+olx_result olx_vulkan_record_diffuse(const olx_vulkan_frame *frame, VkCommandBuffer commands,
+                                     const olx_vulkan_view *view, const olx_vulkan_settings *settings);
+
 // Glossy: targets.glossy by rays traced through the light field probes (section 4).
 olx_result olx_vulkan_record_glossy(const olx_vulkan_frame *frame, VkCommandBuffer commands,
                                     const olx_vulkan_view *view, const olx_vulkan_settings *settings);
+
+// Denoise the lobes of settings->denoise.lobes, whose rays olx_vulkan_record_diffuse and olx_vulkan_record_glossy have traced
+// before with the same view and settings: targets.irradiance and targets.glossy are replaced, alpha stays. View and previous
+// view are perspective projections from their eye; they may be jittered. Light that moves with a surface is lost: history is
+// found where a surface was in the world.
+olx_result olx_vulkan_record_denoise(const olx_vulkan_frame *frame, VkCommandBuffer commands,
+                                     const olx_vulkan_view *view, const olx_vulkan_settings *settings);
 
 // What the composite pass adds to targets.color.
 enum { OLX_VULKAN_ADD_DIFFUSE = 1, OLX_VULKAN_ADD_GLOSSY = 2 };

@@ -9,6 +9,7 @@
 #ifndef OLX_OCTALUX_GLSL
 #define OLX_OCTALUX_GLSL
 
+#include "emission.glsl"
 #include "glossy.glsl"
 #include "irradiance.glsl"
 #include "sampling.glsl"

@@ -10,6 +10,11 @@ float olx_square(float x) { return x * x; }
 // -1 for negative numbers, else 1 (also for 0), as the octahedral map needs it.
 float olx_sign_not_zero(float x) { return x >= 0.0 ? 1.0 : -1.0; }
 
+// By their bits: compilers may assume that floats are finite.
+bool olx_finite(vec3 a) {
+  return all(notEqual(floatBitsToUint(a) & uvec3(0x7F800000u), uvec3(0x7F800000u)));
+}
+
 // dot() with the order of additions fixed: the marcher's decisions hang on the last bit.
 float olx_dot(vec3 a, vec3 b) {
   precise float sum = a.x * b.x + a.y * b.y + a.z * b.z;

@@ -15,6 +15,10 @@ layout(set = 1, binding = OLX_BINDING_OUT_IRRADIANCE, rgba16f) uniform image2D i
 layout(set = 1, binding = OLX_BINDING_OUT_GLOSSY, rgba16f) uniform image2D glossy_image;
 layout(set = 1, binding = OLX_BINDING_OUT_COLOR, rgba16f) uniform image2D color_image;
 
+layout(set = 2, binding = OLX_BINDING_SAMPLE, rgba16f) uniform writeonly image2D sample_image;
+
+// The renderer's seeds of the passes' random numbers.
+const uint DIFFUSE_BRANCH = 0x85EBCA6Bu + 2u, GLOSSY_BRANCH = 0x85EBCA6Bu + 3u;
 const float LARGEST_HALF = 65504.0;
 
 struct frame_surface {
@@ -51,5 +55,16 @@ bool read_surface(ivec2 pixel, out frame_surface surface) {
 }
 
 vec4 storable(vec3 light, float alpha) { return vec4(clamp(light, vec3(0.0), vec3(LARGEST_HALF)), alpha); }
+
+// Where a pixel's random numbers begin.
+uint pixel_seed(uvec2 pixel, uint branch) {
+  uint seed = olx_hash2(pixel.x, pixel.y);
+  return olx_hash2(frame.seed != 0u ? olx_hash2(seed, frame.seed) : seed, branch);
+}
+
+// What the denoiser is to know of a pixel's rays, if the lobe is denoised; a negative nearness: that it has no such light.
+void write_sample(ivec2 pixel, vec3 light, float nearness) {
+  if (has_flag(OLX_FRAME_SAMPLE)) imageStore(sample_image, pixel, storable(light, min(nearness, LARGEST_HALF)));
+}
 
 #endif

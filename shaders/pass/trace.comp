@@ -4,17 +4,15 @@
 #extension GL_GOOGLE_include_directive : require
 #include "frame.glsl"
 
-const uint GLOSSY_BRANCH = 0x85EBCA6Bu + 3u; // the renderer's seed of this pass's random numbers
+// No factor between incident and reflected light is below this, so that dividing by it is harmless.
+const float LEAST_FRESNEL = 0.01;
 
-uint pixel_seed(uvec2 pixel) {
-  uint seed = olx_hash2(pixel.x, pixel.y);
-  return frame.seed != 0u ? olx_hash2(seed, frame.seed) : seed;
-}
-
-vec4 gather(frame_surface surface, uint seed) {
+void gather(ivec2 pixel, frame_surface surface) {
   olx_sample_settings settings = frame_settings();
+  uint seed = pixel_seed(uvec2(pixel), GLOSSY_BRANCH);
   uint count = surface.bsdf.alpha > 0.0 ? frame.glossy_samples : 1u, unknown = 0u;
   vec3 sum = vec3(0.0);
+  float nearness = 0.0;
   for (uint j = 0u; j < count; j++) {
     vec2 random = olx_stratified2(frame.sample_index * count + j, seed);
     float weight, half_cosine;
@@ -23,18 +21,14 @@ vec4 gather(frame_surface surface, uint seed) {
                                weight, half_cosine, hit);
     if (weight <= 0.0) continue;
     unknown += uint(hit.status == OLX_TRACE_UNKNOWN);
+    nearness += olx_nearness(hit);
+    if (hit.emitter && !olx_emission_counts(settings, hit, surface.position)) continue;
     sum += olx_fresnel(surface.bsdf, half_cosine) * radiance * weight;
   }
-  return storable(sum / float(count), 1.0 - float(unknown) / float(count));
-}
-
-// Light of all directions alike, for rough lobes that reflect little.
-bool is_dim(frame_surface surface, out vec3 light) {
-  vec3 f = olx_fresnel(surface.bsdf, olx_dot(surface.view, surface.normal));
-  bool dim = surface.bsdf.alpha > 0.0 && max(f.r, max(f.g, f.b)) < frame.dim_lobe;
-  light = vec3(0.0);
-  if (dim) light = f * olx_irradiance(frame_settings(), surface.position, surface.normal, surface.view) / OLX_PI;
-  return dim;
+  vec3 light = sum / float(count);
+  imageStore(glossy_image, pixel, storable(light, 1.0 - float(unknown) / float(count)));
+  vec3 fresnel = olx_fresnel(surface.bsdf, olx_dot(surface.view, surface.normal));
+  write_sample(pixel, light / max(fresnel, vec3(LEAST_FRESNEL)), nearness / float(count));
 }
 
 void main() {
@@ -42,10 +36,15 @@ void main() {
   if (outside_frame(pixel)) return;
   frame_surface surface;
   vec4 result = vec4(0.0, 0.0, 0.0, 1.0);
-  vec3 light;
   if (read_surface(pixel, surface) && olx_bsdf_has_specular(surface.bsdf)) {
-    result = is_dim(surface, light) ? storable(light, 1.0)
-                                    : gather(surface, olx_hash2(pixel_seed(uvec2(pixel)), GLOSSY_BRANCH));
+    float cosine = olx_dot(surface.view, surface.normal);
+    if (!olx_lobe_is_dim(surface.bsdf, cosine, frame.dim_lobe)) {
+      gather(pixel, surface);
+      return;
+    }
+    vec3 irradiance = olx_irradiance(frame_settings(), surface.position, surface.normal, surface.view);
+    result = storable(olx_dim_light(surface.bsdf, cosine, irradiance), 1.0);
   }
   imageStore(glossy_image, pixel, result);
+  write_sample(pixel, vec3(0.0), -1.0);
 }

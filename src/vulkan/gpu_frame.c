@@ -7,7 +7,10 @@ enum { MAX_SIZE = 16384, MAX_SAMPLES = 4096 };
 static const char WHAT[] = "a frame's passes";
 
 olx_vulkan_settings olx_vulkan_settings_default(void) {
-  return (olx_vulkan_settings){.sample = olx_sample_settings_default(), .glossy_samples = 1};
+  return (olx_vulkan_settings){.sample = olx_sample_settings_default(),
+                               .diffuse_samples = 1,
+                               .glossy_samples = 1,
+                               .denoise = {.filters = olx_denoise_settings_default()}};
 }
 
 // Formats that a surface's images may have; `unorm` tells those that hold 0 to 1 from those that hold signed numbers.
@@ -97,111 +100,102 @@ static olx_result check_targets(const olx_vulkan_context *c, const olx_vulkan_ta
                     : !t->glossy   ? "glossy"
                                    : "color");
   }
+  if (t->denoise & ~(uint32_t)(OLX_VULKAN_LOBE_DIFFUSE | OLX_VULKAN_LOBE_GLOSSY)) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "there is no lobe %#x to denoise", t->denoise);
+  }
   return OLX_OK;
 }
 
-static VkDescriptorType binding_type(uint32_t binding) {
-  return binding < OLX_BINDING_OUT_IRRADIANCE ? VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER
-                                              : VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
-}
-
+// Sets 0 to 2: the field, the host's images, the samples of a lobe.
 static olx_result create_layouts(olx_vulkan_frame *f) {
   const olx_vulkan_context *c = &f->field->context;
-  VkDescriptorSetLayoutBinding bindings[OLX_FRAME_BINDINGS];
-  for (uint32_t i = 0; i < OLX_FRAME_BINDINGS; i++) {
-    bindings[i] = (VkDescriptorSetLayoutBinding){.binding = i,
-                                                 .descriptorType = binding_type(i),
-                                                 .descriptorCount = 1,
-                                                 .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT};
+  OLX_TRY(olx_gpu_set_layout_create(c, OLX_FRAME_BINDINGS, OLX_BINDING_OUT_IRRADIANCE, &f->set_layout));
+  OLX_TRY(olx_gpu_set_layout_create(c, OLX_SAMPLE_BINDINGS, 0, &f->sample_set_layout));
+  const VkDescriptorSetLayout sets[] = {f->field->set_layout, f->set_layout, f->sample_set_layout};
+  return olx_gpu_layout_create(c, 3, sets, sizeof(olx_gpu_frame), &f->layout);
+}
+
+static olx_result create_sets(olx_vulkan_frame *f) {
+  const olx_vulkan_context *c = &f->field->context;
+  OLX_TRY(olx_gpu_pool_create(c, 5, OLX_BINDING_OUT_IRRADIANCE, OLX_FRAME_BINDINGS - OLX_BINDING_OUT_IRRADIANCE + 4,
+                              &f->pool));
+  for (uint32_t i = 0; i < 4; i++) {
+    OLX_TRY(olx_gpu_set_allocate(c, f->pool, f->sample_set_layout, &f->sample_sets[i / 2][i % 2]));
   }
-  const VkDescriptorSetLayoutCreateInfo set = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
-                                               .bindingCount = OLX_FRAME_BINDINGS,
-                                               .pBindings = bindings};
-  OLX_TRY(olx_vulkan_check(c->vk.CreateDescriptorSetLayout(c->host.device, &set, NULL, &f->set_layout),
-                           "vkCreateDescriptorSetLayout", WHAT));
-  const VkDescriptorSetLayout sets[] = {f->field->set_layout, f->set_layout};
-  const VkPushConstantRange range = {VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(olx_gpu_frame)};
-  const VkPipelineLayoutCreateInfo layout = {.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
-                                             .setLayoutCount = 2,
-                                             .pSetLayouts = sets,
-                                             .pushConstantRangeCount = 1,
-                                             .pPushConstantRanges = &range};
-  return olx_vulkan_check(c->vk.CreatePipelineLayout(c->host.device, &layout, NULL, &f->layout),
-                          "vkCreatePipelineLayout", WHAT);
+  return olx_gpu_set_allocate(c, f->pool, f->set_layout, &f->set);
 }
 
-static olx_result create_pipeline(olx_vulkan_frame *f, const olx_pass_code *code, VkPipeline *pipeline) {
+static void write_sets(olx_vulkan_frame *f, const olx_vulkan_targets *t) {
   const olx_vulkan_context *c = &f->field->context;
-  const VkShaderModuleCreateInfo module_info = {
-      .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = code->bytes, .pCode = code->words};
-  VkShaderModule module;
-  OLX_TRY(olx_vulkan_check(c->vk.CreateShaderModule(c->host.device, &module_info, NULL, &module),
-                           "vkCreateShaderModule", code->name));
-  const VkComputePipelineCreateInfo info = {
-      .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
-      .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
-                .stage = VK_SHADER_STAGE_COMPUTE_BIT,
-                .module = module,
-                .pName = "main"},
-      .layout = f->layout,
-  };
-  const VkResult result = c->vk.CreateComputePipelines(c->host.device, VK_NULL_HANDLE, 1, &info, NULL, pipeline);
-  c->vk.DestroyShaderModule(c->host.device, module, NULL);
-  return olx_vulkan_check(result, "vkCreateComputePipelines", code->name);
-}
-
-static olx_result create_pool(olx_vulkan_frame *f) {
-  const olx_vulkan_context *c = &f->field->context;
-  const VkDescriptorPoolSize sizes[] = {
-      {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, OLX_BINDING_OUT_IRRADIANCE},
-      {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, OLX_FRAME_BINDINGS - OLX_BINDING_OUT_IRRADIANCE},
-  };
-  const VkDescriptorPoolCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
-                                           .maxSets = 1,
-                                           .poolSizeCount = sizeof sizes / sizeof sizes[0],
-                                           .pPoolSizes = sizes};
-  OLX_TRY(olx_vulkan_check(c->vk.CreateDescriptorPool(c->host.device, &info, NULL, &f->pool), "vkCreateDescriptorPool",
-                           WHAT));
-  const VkDescriptorSetAllocateInfo set = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
-                                           .descriptorPool = f->pool,
-                                           .descriptorSetCount = 1,
-                                           .pSetLayouts = &f->set_layout};
-  return olx_vulkan_check(c->vk.AllocateDescriptorSets(c->host.device, &set, &f->set), "vkAllocateDescriptorSets",
-                          WHAT);
-}
-
-olx_result olx_vulkan_frame_resize(olx_vulkan_frame *f, const olx_vulkan_targets *t) {
-  const olx_vulkan_context *c = &f->field->context;
-  OLX_TRY(check_targets(c, t));
   const olx_vulkan_image inputs[] = {t->depth, t->normal, t->albedo, t->roughness};
   const VkImageView outputs[] = {t->irradiance, t->glossy, t->color};
   VkDescriptorImageInfo images[OLX_FRAME_BINDINGS];
-  VkWriteDescriptorSet writes[OLX_FRAME_BINDINGS];
   for (uint32_t i = 0; i < OLX_FRAME_BINDINGS; i++) {
     images[i] =
         i < OLX_BINDING_OUT_IRRADIANCE
             ? (VkDescriptorImageInfo){f->field->nearest, inputs[i].view, inputs[i].layout}
             : (VkDescriptorImageInfo){VK_NULL_HANDLE, outputs[i - OLX_BINDING_OUT_IRRADIANCE], VK_IMAGE_LAYOUT_GENERAL};
-    writes[i] = (VkWriteDescriptorSet){.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
-                                       .dstSet = f->set,
-                                       .dstBinding = i,
-                                       .descriptorCount = 1,
-                                       .descriptorType = binding_type(i),
-                                       .pImageInfo = &images[i]};
   }
-  c->vk.UpdateDescriptorSets(c->host.device, OLX_FRAME_BINDINGS, writes, 0, NULL);
+  olx_gpu_set_write(c, f->set, OLX_FRAME_BINDINGS, OLX_BINDING_OUT_IRRADIANCE, images);
+  for (uint32_t lobe = 0; lobe < 2; lobe++) {
+    const uint32_t kind = lobe ? OLX_HISTORY_GLOSSY : OLX_HISTORY_DIFFUSE;
+    for (uint32_t now = 0; now < 2; now++) {
+      const VkImageView view = olx_gpu_history_has(&f->history, kind) ? f->history.views[kind][now] : outputs[lobe];
+      const VkDescriptorImageInfo sample = {VK_NULL_HANDLE, view, VK_IMAGE_LAYOUT_GENERAL};
+      olx_gpu_set_write(c, f->sample_sets[lobe][now], OLX_SAMPLE_BINDINGS, 0, &sample);
+    }
+  }
+  if (f->history.lobes) olx_gpu_denoiser_write(f, t);
+}
+
+olx_result olx_vulkan_frame_resize(olx_vulkan_frame *f, const olx_vulkan_targets *t) {
+  const olx_vulkan_context *c = &f->field->context;
+  OLX_TRY(check_targets(c, t));
+  olx_gpu_history history;
+  olx_result result = olx_gpu_history_begin(c, t->width, t->height, t->denoise, &history);
+  if (result == OLX_OK) result = olx_gpu_history_allocate(c, &history);
+  if (result == OLX_OK && t->denoise && !f->denoiser.filter) {
+    result = olx_gpu_denoiser_create(f);
+    if (result != OLX_OK) olx_gpu_denoiser_destroy(f);
+  }
+  if (result != OLX_OK) {
+    olx_gpu_history_destroy(c, &history);
+    return result;
+  }
+  olx_gpu_history_destroy(c, &f->history);
+  f->history = history;
   f->width = t->width;
   f->height = t->height;
   f->normal_unorm = find_format(t->normal.format)->unorm;
+  write_sets(f, t);
   return OLX_OK;
 }
 
+olx_result olx_vulkan_frame_measure(const olx_vulkan_field *field, const olx_vulkan_targets *targets,
+                                    olx_vulkan_sizes *sizes) {
+  *sizes = (olx_vulkan_sizes){.device_bytes = 0};
+  OLX_TRY(check_targets(&field->context, targets));
+  olx_gpu_history history;
+  const olx_result result =
+      olx_gpu_history_begin(&field->context, targets->width, targets->height, targets->denoise, &history);
+  if (result == OLX_OK && targets->denoise) {
+    sizes->device_bytes = history.requirements.size;
+    sizes->allocations = 1;
+  }
+  olx_gpu_history_destroy(&field->context, &history);
+  return result;
+}
+
 static olx_result create_frame(olx_vulkan_frame *f, const olx_vulkan_targets *targets) {
-  const olx_pass_code *codes[OLX_PASS_COUNT] = {&olx_irradiance_pass, &olx_trace_pass, &olx_composite_pass};
-  OLX_TRY(check_targets(&f->field->context, targets));
+  const olx_pass_code *codes[OLX_PASS_COUNT] = {&olx_irradiance_pass, &olx_diffuse_pass, &olx_trace_pass,
+                                                &olx_composite_pass};
+  const olx_vulkan_context *c = &f->field->context;
+  OLX_TRY(check_targets(c, targets));
   OLX_TRY(create_layouts(f));
-  for (uint32_t i = 0; i < OLX_PASS_COUNT; i++) OLX_TRY(create_pipeline(f, codes[i], &f->pipelines[i]));
-  OLX_TRY(create_pool(f));
+  for (uint32_t i = 0; i < OLX_PASS_COUNT; i++) {
+    OLX_TRY(olx_gpu_pipeline_create(c, codes[i], f->layout, &f->pipelines[i]));
+  }
+  OLX_TRY(create_sets(f));
   return olx_vulkan_frame_resize(f, targets);
 }
 
@@ -224,14 +218,17 @@ void olx_vulkan_frame_destroy(olx_vulkan_frame *f) {
   if (!f) return;
   const olx_vulkan_functions *vk = &f->field->context.vk;
   const VkDevice device = f->field->context.host.device;
+  olx_gpu_denoiser_destroy(f);
+  olx_gpu_history_destroy(&f->field->context, &f->history);
   vk->DestroyDescriptorPool(device, f->pool, NULL);
   for (uint32_t i = 0; i < OLX_PASS_COUNT; i++) vk->DestroyPipeline(device, f->pipelines[i], NULL);
   vk->DestroyPipelineLayout(device, f->layout, NULL);
   vk->DestroyDescriptorSetLayout(device, f->set_layout, NULL);
+  vk->DestroyDescriptorSetLayout(device, f->sample_set_layout, NULL);
   olx_release(f);
 }
 
-static olx_result check_settings(const olx_vulkan_settings *s) {
+olx_result olx_vulkan_check_settings(const olx_vulkan_frame *f, const olx_vulkan_settings *s) {
   if ((uint32_t)s->sample.tracer > OLX_TRACER_HIZ) {
     return olx_fail(OLX_ERROR_UNSUPPORTED, "tracer %d does not run on the GPU", (int)s->sample.tracer);
   }
@@ -242,7 +239,14 @@ static olx_result check_settings(const olx_vulkan_settings *s) {
   if (s->glossy_samples < 1 || s->glossy_samples > MAX_SAMPLES) {
     return olx_fail(OLX_ERROR_ARGUMENT, "%u glossy rays are not within 1 to %d", s->glossy_samples, MAX_SAMPLES);
   }
-  return OLX_OK;
+  if (s->diffuse_samples < 1 || s->diffuse_samples > MAX_SAMPLES) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "%u diffuse rays are not within 1 to %d", s->diffuse_samples, MAX_SAMPLES);
+  }
+  if (s->denoise.lobes & ~f->history.lobes) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "the frame was not made to denoise lobe %#x",
+                    s->denoise.lobes & ~f->history.lobes);
+  }
+  return s->denoise.lobes ? olx_denoise_settings_check(&s->denoise.filters) : OLX_OK;
 }
 
 static olx_gpu_frame frame_constants(const olx_vulkan_frame *f, const olx_vulkan_view *view,
@@ -262,21 +266,40 @@ static olx_gpu_frame frame_constants(const olx_vulkan_frame *f, const olx_vulkan
       .sample_index = s->sample_index,
       .dim_lobe = s->dim_lobe,
       .seed = s->seed,
+      .diffuse_samples = s->diffuse_samples,
   };
   memcpy(constants.clip_to_world, view->clip_to_world, sizeof constants.clip_to_world);
   return constants;
 }
 
+void olx_vulkan_dispatch(const olx_vulkan_frame *f, VkCommandBuffer commands) {
+  f->field->context.vk.CmdDispatch(commands, (f->width + OLX_PASS_SIZE - 1) / OLX_PASS_SIZE,
+                                   (f->height + OLX_PASS_SIZE - 1) / OLX_PASS_SIZE, 1);
+}
+
 olx_result olx_vulkan_record_pass(const olx_vulkan_frame *f, olx_pass pass, VkCommandBuffer commands,
                                   const olx_vulkan_view *view, const olx_vulkan_settings *settings, uint32_t flags) {
-  OLX_TRY(check_settings(settings));
+  OLX_TRY(olx_vulkan_check_settings(f, settings));
   const olx_vulkan_functions *vk = &f->field->context.vk;
   const olx_gpu_frame constants = frame_constants(f, view, settings, flags);
   const VkDescriptorSet sets[] = {f->field->set, f->set};
   vk->CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, f->pipelines[pass]);
   vk->CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, f->layout, 0, 2, sets, 0, NULL);
   vk->CmdPushConstants(commands, f->layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
-  vk->CmdDispatch(commands, (f->width + OLX_PASS_SIZE - 1) / OLX_PASS_SIZE,
-                  (f->height + OLX_PASS_SIZE - 1) / OLX_PASS_SIZE, 1);
+  olx_vulkan_dispatch(f, commands);
   return OLX_OK;
+}
+
+olx_result olx_vulkan_record_rays(const olx_vulkan_frame *f, olx_pass pass, uint32_t lobe, VkCommandBuffer commands,
+                                  const olx_vulkan_view *view, const olx_vulkan_settings *settings) {
+  OLX_TRY(olx_vulkan_check_settings(f, settings));
+  const olx_vulkan_context *c = &f->field->context;
+  const bool glossy = lobe == OLX_VULKAN_LOBE_GLOSSY, denoised = settings->denoise.lobes & lobe;
+  const uint32_t frame = settings->denoise.frame;
+  if (denoised) {
+    olx_gpu_history_barrier(c, &f->history, glossy ? OLX_HISTORY_GLOSSY : OLX_HISTORY_DIFFUSE, frame == 0, commands);
+  }
+  const VkDescriptorSet samples = f->sample_sets[glossy][denoised ? frame & 1u : 0u];
+  c->vk.CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, f->layout, 2, 1, &samples, 0, NULL);
+  return olx_vulkan_record_pass(f, pass, commands, view, settings, denoised ? OLX_FRAME_SAMPLE : 0u);
 }

@@ -3,8 +3,15 @@
 #define OLX_VULKAN_GPU_FRAME_H
 
 #include "vulkan/gpu_field.h"
+#include "vulkan/gpu_history.h"
 
-typedef enum olx_pass { OLX_PASS_IRRADIANCE = 0, OLX_PASS_TRACE, OLX_PASS_COMPOSITE, OLX_PASS_COUNT } olx_pass;
+typedef enum olx_pass {
+  OLX_PASS_IRRADIANCE = 0,
+  OLX_PASS_DIFFUSE,
+  OLX_PASS_TRACE,
+  OLX_PASS_COMPOSITE,
+  OLX_PASS_COUNT
+} olx_pass;
 
 // SPIR-V of a pass, built from shaders/pass.
 typedef struct olx_pass_code {
@@ -13,20 +20,59 @@ typedef struct olx_pass_code {
   size_t bytes;
 } olx_pass_code;
 
-extern const olx_pass_code olx_irradiance_pass, olx_trace_pass, olx_composite_pass;
+extern const olx_pass_code olx_irradiance_pass, olx_diffuse_pass, olx_trace_pass, olx_composite_pass,
+    olx_accumulate_pass, olx_filter_pass;
+
+// The denoiser of a frame that has a history. Of what stands twice, the one takes turns with the other from frame to frame.
+typedef struct olx_gpu_denoiser {
+  VkDescriptorSetLayout accumulate_set_layout, filter_set_layout;
+  VkPipelineLayout accumulate_layout, filter_layout;
+  VkPipeline accumulate, filter;
+  VkDescriptorPool pool;
+  VkDescriptorSet accumulate_sets[2], filter_sets[2][2]; // of the diffuse lobe, of the glossy one
+} olx_gpu_denoiser;
 
 struct olx_vulkan_frame {
   olx_vulkan_field *field;
   uint32_t width, height;
   bool normal_unorm;
-  VkDescriptorSetLayout set_layout;
+  VkDescriptorSetLayout set_layout, sample_set_layout;
   VkPipelineLayout layout;
   VkPipeline pipelines[OLX_PASS_COUNT];
   VkDescriptorPool pool;
-  VkDescriptorSet set;
+  VkDescriptorSet set, sample_sets[2][2]; // as above
+  olx_gpu_history history;
+  olx_gpu_denoiser denoiser;
 };
+
+// The pieces of a pipeline. Types of a set's bindings: sampled images before `first_storage`, storage images from there on.
+olx_result olx_gpu_set_layout_create(const olx_vulkan_context *context, uint32_t bindings, uint32_t first_storage,
+                                     VkDescriptorSetLayout *layout);
+olx_result olx_gpu_layout_create(const olx_vulkan_context *context, uint32_t set_count,
+                                 const VkDescriptorSetLayout *sets, uint32_t constant_bytes, VkPipelineLayout *layout);
+olx_result olx_gpu_pipeline_create(const olx_vulkan_context *context, const olx_pass_code *code,
+                                   VkPipelineLayout layout, VkPipeline *pipeline);
+olx_result olx_gpu_pool_create(const olx_vulkan_context *context, uint32_t sets, uint32_t sampled, uint32_t stored,
+                               VkDescriptorPool *pool);
+olx_result olx_gpu_set_allocate(const olx_vulkan_context *context, VkDescriptorPool pool, VkDescriptorSetLayout layout,
+                                VkDescriptorSet *set);
+void olx_gpu_set_write(const olx_vulkan_context *context, VkDescriptorSet set, uint32_t bindings,
+                       uint32_t first_storage, const VkDescriptorImageInfo *images);
+
+// After a failure olx_gpu_denoiser_destroy still has to be called.
+olx_result olx_gpu_denoiser_create(olx_vulkan_frame *frame);
+void olx_gpu_denoiser_destroy(olx_vulkan_frame *frame);
+// Point the sets at the frame's history and the host's images.
+void olx_gpu_denoiser_write(olx_vulkan_frame *frame, const olx_vulkan_targets *targets);
+
+// Whether all settings are in their ranges and the frame has the histories that they want.
+olx_result olx_vulkan_check_settings(const olx_vulkan_frame *frame, const olx_vulkan_settings *settings);
 
 olx_result olx_vulkan_record_pass(const olx_vulkan_frame *frame, olx_pass pass, VkCommandBuffer commands,
                                   const olx_vulkan_view *view, const olx_vulkan_settings *settings, uint32_t flags);
+// The same for a pass that traces rays of a lobe, and their samples for the denoiser if the settings say so.
+olx_result olx_vulkan_record_rays(const olx_vulkan_frame *frame, olx_pass pass, uint32_t lobe, VkCommandBuffer commands,
+                                  const olx_vulkan_view *view, const olx_vulkan_settings *settings);
+void olx_vulkan_dispatch(const olx_vulkan_frame *frame, VkCommandBuffer commands);
 
 #endif

@@ -4,6 +4,8 @@
 
 #include "shaders/octalux_shared.h"
 
+#include <octalux/vulkan.h>
+
 #include <stddef.h>
 
 _Static_assert(sizeof(olx_gpu_grid) == 48 && offsetof(olx_gpu_grid, spacing) == 16 && offsetof(olx_gpu_grid, count) == 32,
@@ -23,7 +25,20 @@ _Static_assert(sizeof(olx_gpu_frame) == 128 && offsetof(olx_gpu_frame, eye) == 6
                    offsetof(olx_gpu_frame, tracer) == 92 && offsetof(olx_gpu_frame, select) == 96 &&
                    offsetof(olx_gpu_frame, max_probes) == 100 && offsetof(olx_gpu_frame, glossy_samples) == 104 &&
                    offsetof(olx_gpu_frame, sample_index) == 108 && offsetof(olx_gpu_frame, dim_lobe) == 112 &&
-                   offsetof(olx_gpu_frame, seed) == 116,
+                   offsetof(olx_gpu_frame, seed) == 116 && offsetof(olx_gpu_frame, diffuse_samples) == 120,
                "std430; every device has 128 bytes of push constants");
+_Static_assert(sizeof(olx_gpu_accumulate) == 128 && offsetof(olx_gpu_accumulate, before) == 48 &&
+                   offsetof(olx_gpu_accumulate, size) == 96 && offsetof(olx_gpu_accumulate, flags) == 100 &&
+                   offsetof(olx_gpu_accumulate, empty_depth) == 104 &&
+                   offsetof(olx_gpu_accumulate, diffuse_history) == 108 &&
+                   offsetof(olx_gpu_accumulate, glossy_still_history) == 120,
+               "std430");
+_Static_assert(sizeof(olx_gpu_filter) == 80 && offsetof(olx_gpu_filter, size) == 48 &&
+                   offsetof(olx_gpu_filter, radius_pixels) == 56 && offsetof(olx_gpu_filter, stride_pixels) == 60 &&
+                   offsetof(olx_gpu_filter, reach) == 64 && offsetof(olx_gpu_filter, dim_lobe) == 68,
+               "std430");
+
+_Static_assert(OLX_DENOISE_DIFFUSE == OLX_VULKAN_LOBE_DIFFUSE && OLX_DENOISE_GLOSSY == OLX_VULKAN_LOBE_GLOSSY,
+               "flags are lobes");
 
 #endif

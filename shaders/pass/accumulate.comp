@@ -1,0 +1,109 @@
+// The denoiser's mean over frames: each pixel's samples are mixed into the history of the surface that it shows, found through
+// the camera of the frame before.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "guide.glsl"
+
+layout(push_constant, std430) uniform olx_accumulate_block { olx_gpu_accumulate job; };
+layout(set = 0, binding = OLX_BINDING_DENOISE_DEPTH) uniform sampler2D depth_image;
+layout(set = 0, binding = OLX_BINDING_DENOISE_NORMAL) uniform sampler2D normal_image;
+layout(set = 0, binding = OLX_BINDING_DENOISE_ROUGHNESS) uniform sampler2D roughness_image;
+layout(set = 0, binding = OLX_BINDING_GUIDE_BEFORE) uniform usampler2D guide_before;
+layout(set = 0, binding = OLX_BINDING_DIFFUSE_BEFORE) uniform sampler2D diffuse_before;
+layout(set = 0, binding = OLX_BINDING_GLOSSY_BEFORE) uniform sampler2D glossy_before;
+layout(set = 0, binding = OLX_BINDING_GUIDE_NOW, rgba32ui) uniform writeonly uimage2D guide_now;
+layout(set = 0, binding = OLX_BINDING_DIFFUSE_NOW, rgba16f) uniform image2D diffuse_now;
+layout(set = 0, binding = OLX_BINDING_GLOSSY_NOW, rgba16f) uniform image2D glossy_now;
+
+bool has_flag(uint flag) { return (job.flags & flag) != 0u; }
+vec2 frame_size() { return vec2(size_of(job.size)); }
+
+// What is known of both lobes, and of how they are found in the frame before.
+struct memory {
+  olx_known diffuse, glossy;
+  bool still;
+};
+
+void add_tap(inout olx_known sum, inout float weight_sum, olx_incident incident, float count, float weight) {
+  if (!(count > 0.0) || !olx_is_sample(incident)) return;
+  sum.incident.light += incident.light * weight;
+  sum.incident.inverse_distance += incident.inverse_distance * weight;
+  sum.count += count * weight;
+  weight_sum += weight;
+}
+
+olx_known mean_of(olx_known sum, float weight_sum) {
+  if (weight_sum < OLX_LEAST_SHARE) return olx_nothing_known();
+  return olx_known(olx_incident(sum.incident.light / weight_sum, sum.incident.inverse_distance / weight_sum),
+                   sum.count / weight_sum);
+}
+
+// What the four pixels around a place in the frame before knew of the surface that `now` shows.
+memory look_back(olx_shown now, olx_camera_frame camera, vec2 at) {
+  olx_known none = olx_known(olx_incident(vec3(0.0), 0.0), 0.0), sums[2] = olx_known[2](none, none);
+  vec2 weight_sums = vec2(0.0);
+  for (uint corner = 0u; corner < 4u; corner++) {
+    float weight = olx_bilinear_weight(at, corner);
+    ivec2 tap = ivec2(floor(at)) + ivec2(corner & 1u, corner >> 1);
+    if (weight <= 0.0 || any(lessThan(tap, ivec2(0))) || any(greaterThanEqual(tap, ivec2(size_of(job.size))))) continue;
+    uvec4 guide = texelFetch(guide_before, tap, 0);
+    if (guide_is_empty(guide)) continue;
+    if (!olx_same_surface(now, guide_shows(guide, camera, frame_size(), vec2(tap) + shift_of(job.before)))) continue;
+    vec2 counts = guide_counts(guide);
+    if (has_flag(OLX_DENOISE_DIFFUSE)) {
+      add_tap(sums[0], weight_sums.x, incident_of(texelFetch(diffuse_before, tap, 0)), counts.x, weight);
+    }
+    if (has_flag(OLX_DENOISE_GLOSSY)) {
+      add_tap(sums[1], weight_sums.y, incident_of(texelFetch(glossy_before, tap, 0)), counts.y, weight);
+    }
+  }
+  return memory(mean_of(sums[0], weight_sums.x), mean_of(sums[1], weight_sums.y), false);
+}
+
+memory remember(ivec2 pixel, olx_shown now) {
+  memory past = memory(olx_nothing_known(), olx_nothing_known(), false);
+  if (has_flag(OLX_DENOISE_RESTART)) return past;
+  olx_camera_frame camera = camera_of(job.before, has_flag(OLX_DENOISE_MIRRORED_BEFORE));
+  vec2 seen;
+  if (!olx_guide_project(camera, frame_size(), now.position, seen)) return past;
+  vec2 at = seen - shift_of(job.before);
+  if (any(lessThanEqual(at, vec2(-1.0))) || any(greaterThanEqual(at, frame_size()))) return past;
+  past = look_back(now, camera, vec2(olx_settle(at.x), olx_settle(at.y)));
+  past.still = olx_stands_still(seen, vec2(pixel) + shift_of(job.now));
+  return past;
+}
+
+// Depth along the viewing axis; infinite where the pixel shows nothing.
+float read_depth(ivec2 pixel) {
+  float depth = texelFetch(depth_image, pixel, 0).r;
+  return depth == job.empty_depth ? OLX_INFINITY : job.now.up.w / (depth - job.before.up.w);
+}
+
+void main() {
+  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  if (any(greaterThanEqual(uvec2(pixel), size_of(job.size)))) return;
+  float depth = read_depth(pixel);
+  memory now = memory(olx_nothing_known(), olx_nothing_known(), false);
+  uvec4 guide = uvec4(floatBitsToUint(OLX_INFINITY), 0u, 0u, 0u);
+  if (olx_finite(vec3(depth))) {
+    vec3 normal = texelFetch(normal_image, pixel, 0).xyz;
+    normal = olx_normalize(has_flag(OLX_DENOISE_NORMAL_UNORM) ? normal * 2.0 - 1.0 : normal);
+    float roughness = texelFetch(roughness_image, pixel, 0).r;
+    guide = pack_guide(depth, normal, vec2(0.0), roughness);
+    olx_camera_frame camera = camera_of(job.now, has_flag(OLX_DENOISE_MIRRORED));
+    olx_shown shown = guide_shows(guide, camera, frame_size(), vec2(pixel) + shift_of(job.now));
+    now = remember(pixel, shown);
+    if (has_flag(OLX_DENOISE_DIFFUSE)) {
+      float largest = now.still ? job.diffuse_still_history : job.diffuse_history;
+      now.diffuse = olx_mix_sample(now.diffuse, incident_of(imageLoad(diffuse_now, pixel)), largest);
+    }
+    if (has_flag(OLX_DENOISE_GLOSSY)) {
+      float largest = now.still ? job.glossy_still_history : job.glossy_history;
+      now.glossy = olx_mix_sample(now.glossy, incident_of(imageLoad(glossy_now, pixel)), largest);
+    }
+    guide.z = packHalf2x16(vec2(now.diffuse.count, now.glossy.count));
+  }
+  imageStore(guide_now, pixel, guide);
+  if (has_flag(OLX_DENOISE_DIFFUSE)) imageStore(diffuse_now, pixel, storable(now.diffuse.incident));
+  if (has_flag(OLX_DENOISE_GLOSSY)) imageStore(glossy_now, pixel, storable(now.glossy.incident));
+}

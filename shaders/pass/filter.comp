@@ -1,0 +1,73 @@
+// The denoiser's cross-bilateral filter over pixels, along rows or along columns. Columns end in the host's image: irradiance, or
+// glossy light times the Fresnel reflectance that it was divided by.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "guide.glsl"
+
+#include "../lib/bsdf.glsl"
+
+layout(push_constant, std430) uniform olx_filter_block { olx_gpu_filter job; };
+layout(set = 0, binding = OLX_BINDING_GUIDE) uniform usampler2D guide_image;
+layout(set = 0, binding = OLX_BINDING_LIGHT) uniform sampler2D light_image;
+layout(set = 0, binding = OLX_BINDING_ROWS) uniform sampler2D rows_image;
+layout(set = 0, binding = OLX_BINDING_FILTER_ALBEDO) uniform sampler2D albedo_image;
+layout(set = 0, binding = OLX_BINDING_FILTER_ROUGHNESS) uniform sampler2D roughness_image;
+layout(set = 0, binding = OLX_BINDING_OUT_ROWS, rgba16f) uniform writeonly image2D out_rows;
+layout(set = 0, binding = OLX_BINDING_OUT_TARGET, rgba16f) uniform image2D out_target;
+
+const float LEAST_FRESNEL = 0.01; // as in trace.comp
+
+bool has_flag(uint flag) { return (job.flags & flag) != 0u; }
+bool glossy() { return has_flag(OLX_DENOISE_GLOSSY); }
+bool columns() { return has_flag(OLX_DENOISE_COLUMNS); }
+float count_of(uvec4 guide) { return glossy() ? guide_counts(guide).y : guide_counts(guide).x; }
+
+// The weighted mean over pixels along a line, and in alpha the sum of the weights: of the history, or of what the rows gave. A
+// column weighs its pixels by what their rows hold.
+vec4 mean_along(ivec2 pixel, uvec4 guide, olx_camera_frame camera, olx_shown middle) {
+  vec2 size = vec2(size_of(job.size)), shift = shift_of(job.camera);
+  olx_scales here = olx_scales_of(incident_of(texelFetch(light_image, pixel, 0)), count_of(guide));
+  int stride = int(job.stride_pixels), steps = int(job.radius_pixels) / stride;
+  ivec2 along = columns() ? ivec2(0, stride) : ivec2(stride, 0);
+  vec3 sum = vec3(0.0);
+  float weight_sum = 0.0;
+  for (int i = -steps; i <= steps; i++) {
+    ivec2 tap = pixel + i * along;
+    if (any(lessThan(tap, ivec2(0))) || any(greaterThanEqual(tap, ivec2(size_of(job.size))))) continue;
+    uvec4 guide_there = texelFetch(guide_image, tap, 0);
+    if (guide_is_empty(guide_there)) continue;
+    vec4 history = texelFetch(light_image, tap, 0), row = columns() ? texelFetch(rows_image, tap, 0) : vec4(0.0);
+    float count = columns() ? row.a : count_of(guide_there);
+    if (!(count > 0.0) || !columns() && !olx_is_sample(incident_of(history))) continue;
+    olx_shown there = guide_shows(guide_there, camera, size, vec2(tap) + shift);
+    float weight = olx_tap_weight(glossy(), float(job.radius_pixels), job.reach, middle, here, there, history.a,
+                                  abs(float(i * stride)));
+    if (columns() || job.reach > 0.0) weight *= count;
+    sum += (columns() ? row.rgb : history.rgb) * weight;
+    weight_sum += weight;
+  }
+  return weight_sum > OLX_LEAST_WEIGHT ? vec4(sum / weight_sum, weight_sum) : vec4(0.0);
+}
+
+// Incident light to reflected light; light of all directions alike stays as it is.
+void write_glossy(ivec2 pixel, olx_shown middle, vec3 light) {
+  vec3 material = texelFetch(roughness_image, pixel, 0).rgb; // roughness, metallic, specular weight
+  olx_bsdf bsdf = olx_bsdf_make(texelFetch(albedo_image, pixel, 0).rgb, material.y, material.x, material.z);
+  float cosine = olx_dot(olx_normalize(job.camera.eye.xyz - middle.position), middle.normal);
+  if (!olx_bsdf_has_specular(bsdf) || olx_lobe_is_dim(bsdf, cosine, job.dim_lobe)) return;
+  vec3 reflected = light * max(olx_fresnel(bsdf, cosine), vec3(LEAST_FRESNEL));
+  imageStore(out_target, pixel, vec4(min(reflected, vec3(LARGEST_HALF)), imageLoad(out_target, pixel).a));
+}
+
+void main() {
+  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  if (any(greaterThanEqual(uvec2(pixel), size_of(job.size)))) return;
+  uvec4 guide = texelFetch(guide_image, pixel, 0);
+  olx_camera_frame camera = camera_of(job.camera, has_flag(OLX_DENOISE_MIRRORED));
+  olx_shown middle = guide_shows(guide, camera, vec2(size_of(job.size)), vec2(pixel) + shift_of(job.camera));
+  vec4 mean = guide_is_empty(guide) ? vec4(0.0) : mean_along(pixel, guide, camera, middle);
+  if (!columns()) imageStore(out_rows, pixel, min(mean, vec4(LARGEST_HALF)));
+  else if (guide_is_empty(guide)) return;
+  else if (glossy()) write_glossy(pixel, middle, mean.rgb);
+  else imageStore(out_target, pixel, vec4(mean.rgb, 1.0));
+}

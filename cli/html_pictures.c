@@ -122,3 +122,9 @@ olx_result html_report_squares(cJSON *frame, const char *name, const olx_image *
   free(map);
   return result;
 }
+
+void html_report_maps_of(cJSON *frame, int count, const char *picture) {
+  cJSON *maps = cJSON_GetObjectItem(frame, "maps");
+  const int all = cJSON_GetArraySize(maps);
+  for (int i = all - count; i < all; ++i) add_text(cJSON_GetArrayItem(maps, i), "of", picture);
+}

@@ -33,6 +33,8 @@ olx_result html_report_picture(cJSON *frame, const char *name, const olx_image *
 olx_result html_report_flip(cJSON *frame, const char *name, const float *flip_map);
 olx_result html_report_squares(cJSON *frame, const char *name, const olx_image *image, const olx_image *reference,
                                olx_layer layer);
+// The last `count` maps are those of the picture of that name: shown while it stands left of the divider.
+void html_report_maps_of(cJSON *frame, int count, const char *picture);
 // A number that is shown beside the frame's pictures.
 void html_report_fact(cJSON *frame, const char *name, double value);
 

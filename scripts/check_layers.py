@@ -106,7 +106,8 @@ def check_public(name, angled, target):
 def check_client(root, name, angled, target):
     if angled:
         return None
-    if (root / name).parent.joinpath(target).is_file() and ".." not in target:
+    folders = (root / name).parent, root / name.split("/")[0]  # its own, and the client's
+    if ".." not in target and any(folder.joinpath(target).is_file() for folder in folders):
         return None
     if target.endswith(".spv.inc") or target == "lib/octalux.glsl":  # compiled shaders; what is installed for shaders
         return None

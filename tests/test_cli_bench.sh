@@ -32,7 +32,7 @@ grep -q "nowhere.json: cannot open" stderr.txt || fail "no word of the missing s
 [ -z "$(ls -A temporary)" ] || fail "temporary fields are left"
 
 expect_usage "is not one of cornell-glossy|temple|sponza" bench wang --scene atlantis
-expect_usage "unknown experiment 'wang-table9'" bench wang-table9
+
 expect_usage "unknown option '--grid'" bench wang --grid 2x2x2
 expect_failure "nowhere/cornell-wang.json" bench wang --scene cornell-glossy --scenes nowhere
 TMPDIR=$PWD/nowhere expect_failure "cannot create a temporary folder" bench wang --quick

@@ -61,7 +61,7 @@
 
   class Source {
     constructor(frame, content) {
-      Object.assign(this, { name: content.name, content, width: frame.width, height: frame.height });
+      Object.assign(this, { name: content.of ? `${content.name}, ${content.of}` : content.name, content, width: frame.width, height: frame.height });
       this.canvas = new OffscreenCanvas(frame.width, frame.height);
     }
     // Fill the canvas with the colours that color(i, rgb) gives for pixel i.
@@ -296,9 +296,10 @@
       this.tabs.setAttribute("aria-label", "Layers");
       this.facts = element("dl", { className: "facts" });
       this.grid = element("div", { className: "panes", role: "tabpanel" });
+      this.strip = element("div", { className: "strip" });
       this.readout = element("p", { className: "readout" });
       this.box = element("div", { className: "viewer" },
-        element("div", { className: "frame-head" }, this.tabs, this.facts), this.grid, this.readout);
+        element("div", { className: "frame-head" }, this.tabs, this.facts), this.grid, this.strip, this.readout);
       frames.forEach((frame, index) => {
         const tab = element("button", { type: "button", textContent: frame.name });
         tab.setAttribute("role", "tab");
@@ -337,31 +338,74 @@
       for (const source of this.sources || []) sources.delete(source);
       for (const source of loaded) sources.add(source);
       this.sources = loaded;
+      this.pictureCount = frame.pictures.length;
       this.sides = this.sides || [0, Math.min(1, loaded.length - 1)];
       const shape = JSON.stringify(loaded.map(({ name, content }) => [name, content.low, content.high]));
-      if (this.shape !== shape) this.makePanes(loaded, frame.pictures.length);
+      if (this.shape !== shape) this.makePanes(loaded);
       this.shape = shape;
       this.grid.style.setProperty("--aspect", `${frame.width} / ${frame.height}`);
-      this.stagePane.shown = this.sides.map((side) => loaded[side]);
-      this.others.forEach(({ pane, index }) => (pane.shown = [loaded[index]]));
+      this.strip.style.setProperty("--aspect", `${frame.width} / ${frame.height}`);
+      this.arrange();
       this.box.dataset.ready = frame.name;
       redraw();
     }
 
-    makePanes(loaded, pictureCount) {
+    // Maps of the picture on the left, or else on the right; maps that belong to no picture are always shown.
+    shownMaps() {
+      const maps = this.sources.slice(this.pictureCount), has = (name) => maps.some((map) => map.content.of === name);
+      const subject = this.sides.map((side) => this.sources[side].content).find(({ name }) => has(name));
+      const own = maps.filter(({ content }) => !content.of || (subject && content.of === subject.name));
+      return own.length ? own : maps.filter(({ content }) => content.of === (maps[0] && maps[0].content.of));
+    }
+
+    // Give every pane what it is to show.
+    arrange() {
+      this.stagePane.shown = this.sides.map((side) => this.sources[side]);
+      const maps = this.shownMaps();
+      this.mapPanes.forEach((pane, i) => {
+        pane.shown = [maps[i]];
+        pane.box.querySelector(".chip").textContent = maps[i].name;
+        pane.box.setAttribute("aria-label", maps[i].name);
+      });
+      this.thumbs.forEach((pane, i) => {
+        pane.shown = [this.sources[i]];
+        pane.box.classList.toggle("chosen", this.sides.includes(i));
+      });
+      this.pickers.forEach((picker, side) => (picker.value = this.sides[side]));
+    }
+
+    choose(side, index) {
+      this.sides[side] = index;
+      this.arrange();
+      redraw();
+    }
+
+    makePanes(loaded) {
       const split = this.stagePane ? this.stagePane.split : 0.5;
       if (Math.max(...this.sides) >= loaded.length) this.sides = [0, Math.min(1, loaded.length - 1)];
-      for (const pane of [this.stagePane, ...(this.others || []).map((other) => other.pane)]) panes.delete(pane);
+      for (const pane of [this.stagePane, ...(this.mapPanes || []), ...(this.thumbs || [])]) panes.delete(pane);
       this.stagePane = new Pane(this, true);
       this.stagePane.split = split;
       this.stagePane.box.setAttribute("aria-label", "Two pictures and the divider between them");
-      this.sides.forEach((_, side) => this.stagePane.box.append(this.makePicker(loaded, side)));
-      // Maps first, beside the stage; pictures of their own only when there are more than the stage shows.
-      const indices = loaded.map((_, i) => i), rest = indices.filter((i) => i >= pictureCount);
-      if (pictureCount > 2) rest.push(...indices.filter((i) => i < pictureCount));
-      this.others = rest.map((index) => ({ index, pane: this.makeOther(loaded[index]) }));
-      this.stagePane.box.classList.toggle("alone", rest.length < 2);
-      this.grid.replaceChildren(this.stagePane.box, ...this.others.map((other) => other.pane.box));
+      this.pickers = this.sides.map((_, side) => this.makePicker(loaded, side));
+      this.stagePane.box.append(...this.pickers);
+      this.mapPanes = this.shownMaps().map((map) => this.makeOther(map));
+      // With more pictures than the stage shows, small ones of all stand below; a click brings one to the left side.
+      this.thumbs = this.pictureCount > 2 ? loaded.slice(0, this.pictureCount).map((source, i) => this.makeThumb(source, i)) : [];
+      this.stagePane.box.classList.toggle("alone", this.mapPanes.length < 2);
+      this.grid.replaceChildren(this.stagePane.box, ...this.mapPanes.map((pane) => pane.box));
+      this.strip.replaceChildren(...this.thumbs.map((pane) => pane.box));
+    }
+
+    makeThumb(source, index) {
+      const pane = this.makeOther(source);
+      let start = null;
+      pane.box.addEventListener("pointerdown", (event) => (start = [event.clientX, event.clientY]));
+      pane.box.addEventListener("click", (event) => {
+        const still = start && Math.hypot(event.clientX - start[0], event.clientY - start[1]) < 4;
+        if (still && index !== this.sides[1]) this.choose(0, index);
+      });
+      return pane;
     }
 
     makeOther(source) {
@@ -377,11 +421,7 @@
         ...loaded.map((source, i) => element("option", { value: i, textContent: source.name })));
       picker.setAttribute("aria-label", side ? "Picture on the right" : "Picture on the left");
       picker.value = this.sides[side];
-      picker.addEventListener("change", () => {
-        this.sides[side] = Number(picker.value);
-        this.stagePane.shown[side] = this.sources[this.sides[side]];
-        redraw();
-      });
+      picker.addEventListener("change", () => this.choose(side, Number(picker.value)));
       return picker;
     }
 
@@ -401,7 +441,7 @@
       if (!inside || !this.sources) return this.readout.replaceChildren();
       const { width, height } = this.sources[0], x = Math.floor(position[0] * width), y = Math.floor(position[1] * height);
       const part = (name, value) => element("span", {}, name, element("b", { textContent: value }));
-      this.readout.replaceChildren(part("pixel", `${x}, ${y}`), ...this.sources.map((s) => part(s.name, s.value(y * width + x))));
+      this.readout.replaceChildren(part("pixel", `${x}, ${y}`), ...this.sources.slice(0, this.pictureCount).concat(this.shownMaps()).map((s) => part(s.name, s.value(y * width + x))));
     }
   }
 
@@ -412,17 +452,18 @@
     return a - b;
   }
 
-  function makeCell(value) {
+  function makeCell(value, { kind, unit } = {}) {
     if (typeof value === "string") return element("td", { className: "text", textContent: value });
-    return element("td", { textContent: decimal(value), title: value === null ? "not a finite number" : String(value) });
+    const shown = value === null ? "\u2013" : unit === "%" ? `${decimal(100 * value, 3)}\u2009%` : decimal(value);
+    return element("td", { className: kind || "", textContent: shown, title: value === null ? "not a finite number" : String(value) });
   }
 
   function makeTable({ caption, columns, rows }) {
-    const body = element("tbody"), lines = rows.map((cells) => ({ cells, line: element("tr", {}, ...cells.map(makeCell)) }));
+    const body = element("tbody"), lines = rows.map((cells) => ({ cells, line: element("tr", {}, ...cells.map((cell, i) => makeCell(cell, columns[i]))) }));
     body.append(...lines.map(({ line }) => line));
-    const heads = columns.map(({ name, note }, column) => {
+    const heads = columns.map(({ name, note, kind }, column) => {
       const button = element("button", { type: "button", textContent: name, title: note || "" });
-      const head = element("th", { scope: "col" }, button);
+      const head = element("th", { scope: "col", className: kind || "" }, button);
       button.addEventListener("click", () => {
         const descending = head.getAttribute("aria-sort") === "ascending";
         heads.forEach((other) => other.removeAttribute("aria-sort"));
@@ -435,18 +476,21 @@
       return head;
     });
     const table = element("table", {}, element("caption", { textContent: caption }), element("thead", {}, element("tr", {}, ...heads)), body);
-    return element("div", { className: "scroll" }, table);
+    return element("div", { className: "scroll", tabIndex: 0 }, table);
   }
 
   // ---- the page
 
-  function makeSection({ heading, note, command, frames, tables, plots }) {
+  function makeSection({ name, heading, source, seconds, note, command, frames, tables, plots, skipped }) {
     const head = element("div", { className: "section-head" }, element("h2", { textContent: heading }));
+    const facts = [source, seconds === undefined ? null : `${decimal(Math.round(seconds))} s`].filter(Boolean);
+    if (facts.length) head.append(element("p", { className: "note source", textContent: facts.join(" \u00b7 ") }));
     if (note) head.append(element("p", { className: "note", textContent: note }));
     if (command) head.append(element("p", { className: "note" }, element("code", { textContent: command })));
-    const section = element("section", {}, head);
+    const section = element("section", name ? { id: name, className: "experiment" } : {}, head);
+    for (const { what, why } of skipped || []) section.append(element("p", { className: "skipped", textContent: `Left out: ${what}: ${why}` }));
     if (frames) section.append(new Viewer(frames).box);
-    for (const table of tables || []) section.append(makeTable(table));
+    for (const table of tables || []) section.append(...(data.sections.length > 1 ? [element("h3", { textContent: table.caption })] : []), makeTable(table));
     if (plots) {
       const figures = plots.map(({ caption, svg }) => {
         const figure = element("figure");
@@ -457,6 +501,25 @@
       section.append(element("div", { className: "plots" }, ...figures));
     }
     return section;
+  }
+
+  // Links to the sections of a report that has several.
+  function makeContents() {
+    const contents = byId("contents"), links = new Map();
+    if (data.sections.length < 2) return;
+    document.body.classList.add("site");
+    for (const { name, heading } of data.sections) {
+      const link = element("a", { href: `#${name}` }, element("b", { textContent: name }), element("span", { textContent: heading }));
+      links.set(name, link);
+      contents.append(link);
+    }
+    const observer = new IntersectionObserver((entries) => {
+      for (const entry of entries) {
+        if (!entry.isIntersecting) continue;
+        links.forEach((link, name) => link.classList.toggle("current", name === entry.target.id));
+      }
+    }, { rootMargin: "-20% 0px -70% 0px" });
+    document.querySelectorAll("section.experiment").forEach((section) => observer.observe(section));
   }
 
   const themes = ["auto", "light", "dark"];
@@ -478,5 +541,6 @@
   byId("theme").addEventListener("click", () => setTheme(themes[(themes.indexOf(document.documentElement.dataset.theme) + 1) % 3]));
   setTheme("auto");
   byId("sections").append(...data.sections.map(makeSection));
+  makeContents();
   redraw();
 })();

@@ -24,9 +24,11 @@ static olx_render_settings picture(const wang_run *run, olx_method method) {
   return settings;
 }
 
-static olx_result save_layers(const wang_run *run, const bench_images *images, const char *name) {
+static olx_result save_layers(const wang_run *run, bench_images *images, const char *name) {
   static const olx_layer layers[] = {OLX_LAYER_BEAUTY, OLX_LAYER_INDIRECT_GLOSSY};
   for (uint32_t c = 0; c < images->cameras; ++c) {
+    const olx_image *mean = bench_images_mean(images, c);
+    if (!mean) return OLX_ERROR_MEMORY;
     for (uint32_t i = 0; i < 2; ++i) {
       char path[4096];
       snprintf(path, sizeof path, "%s/%s-%s-%s-%s.png", run->options->images, run->experiment->name,
@@ -34,7 +36,7 @@ static olx_result save_layers(const wang_run *run, const bench_images *images, c
       for (char *p = path + strlen(run->options->images); *p; ++p) {
         if (*p == ' ' || *p == '^') *p = '_';
       }
-      const olx_result result = olx_image_save_layer_png(&images->half[c][0], layers[i], 1.0f, path);
+      const olx_result result = olx_image_save_layer_png(mean, layers[i], 1.0f, path);
       if (result != OLX_OK) return result;
     }
   }
@@ -47,17 +49,18 @@ olx_result wang_measure(wang_run *run, const olx_field *field, olx_tracer tracer
   settings.spp = run->options->field_spp;
   settings.sample.tracer = tracer;
   settings.sample.select = select;
+  const bench_way way = {.field = field, .settings = settings};
   bench_images images;
-  olx_result result = bench_images_render(run->scene, field, &settings, 1, &run->progress, &images);
+  olx_result result = bench_images_render(run->scene, run->references.camera, run->references.cameras, &way, 1,
+                                          &run->progress, &images);
   if (result == OLX_OK) {
     *quality = (wang_quality){
-        .glossy = bench_error_of(&images, &run->references, true, BENCH_CAMERAS),
-        .beauty = bench_error_of(&images, &run->references, false, BENCH_CAMERAS),
+        .glossy = bench_error_of(&images, &run->references, BENCH_GLOSSY, BENCH_CAMERAS),
+        .beauty = bench_error_of(&images, &run->references, BENCH_INDIRECT, BENCH_CAMERAS),
         .stats = images.stats};
     for (uint32_t c = 0; c < images.cameras; ++c) {
-      quality->glossy_camera[c] = bench_error_of(&images, &run->references, true, c);
+      quality->glossy_camera[c] = bench_error_of(&images, &run->references, BENCH_GLOSSY, c);
     }
-    bench_images_merge(&images);
     if (run->options->images) result = save_layers(run, &images, image_name);
   }
   bench_images_free(&images);
@@ -74,18 +77,13 @@ void wang_add_error(cJSON *object, const char *key, const bench_error *error) {
 
 // One bounce, as Wang's: light that was reflected once before it reaches what the camera sees.
 static olx_result render_references(wang_run *run) {
-  olx_render_settings settings = picture(run, OLX_METHOD_PATH);
-  settings.spp = run->options->spp;
-  settings.bounces = 1;
+  bench_way way = {.settings = picture(run, OLX_METHOD_PATH)};
+  way.settings.spp = run->options->spp;
+  way.settings.bounces = 1;
   wang_tell(run, "path tracing", "");
-  return bench_images_render(run->scene, NULL, &settings, 0, &run->progress, &run->references);
-}
-
-// The references as one picture each, once everything is measured.
-static olx_result save_references(wang_run *run) {
-  if (!run->options->images) return OLX_OK;
-  bench_images_merge(&run->references);
-  return save_layers(run, &run->references, "path");
+  olx_camera cameras[BENCH_CAMERAS];
+  const uint32_t count = bench_scene_cameras(run->scene, cameras);
+  return bench_images_render(run->scene, cameras, count, &way, 0, &run->progress, &run->references);
 }
 
 typedef olx_result (*wang_experiment)(wang_run *run, cJSON *object);
@@ -107,7 +105,7 @@ static olx_result run_scene(wang_run *run, wang_experiment experiment, cJSON *li
     cJSON_AddItemToArray(cameras, cJSON_CreateString(run->references.camera[c].name));
   }
   if (result == OLX_OK) result = experiment(run, object);
-  if (result == OLX_OK) result = save_references(run);
+  if (result == OLX_OK && o->images) result = save_layers(run, &run->references, "path");
   bench_images_free(&run->references);
   return result;
 }
@@ -184,9 +182,6 @@ int command_bench_wang(int argc, char **argv) {
                        .options = options,
                        .option_count = sizeof options / sizeof options[0]};
   int code;
-  if (!counts && strcmp(argv[0], "wang") != 0) {
-    return usage_error("bench", "unknown experiment '%s': there are speed, wang, wang-probes", argv[0]);
-  }
   if (!parse_options(&line, argc, argv, &code)) return code;
   resolve(&o);
   return run_all(&o, argv[0], counts ? wang_run_counts : wang_run_tables);

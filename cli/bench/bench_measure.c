@@ -112,6 +112,9 @@ void bench_field_close(bench_field *made) {
 }
 
 static void add_stats(olx_render_stats *sum, const olx_render_stats *one) {
+  sum->seconds += one->seconds;
+  sum->diffuse_seconds += one->diffuse_seconds;
+  sum->denoise_seconds += one->denoise_seconds;
   sum->glossy_seconds += one->glossy_seconds;
   sum->field_rays += one->field_rays;
   sum->field_unresolved += one->field_unresolved;
@@ -119,18 +122,35 @@ static void add_stats(olx_render_stats *sum, const olx_render_stats *one) {
   sum->field_probes += one->field_probes;
 }
 
-olx_result bench_images_render(const olx_scene *scene, const olx_field *field, const olx_render_settings *settings,
+uint32_t bench_scene_cameras(const olx_scene *scene, olx_camera cameras[BENCH_CAMERAS]) {
+  const uint32_t all = olx_scene_describe(scene).cameras, count = all < BENCH_CAMERAS ? all : BENCH_CAMERAS;
+  for (uint32_t c = 0; c < count; ++c) cameras[c] = olx_scene_camera(scene, c);
+  return count;
+}
+
+static olx_result render_way(const olx_scene *scene, const olx_camera *camera, const bench_way *way, uint32_t seed,
+                             const olx_progress *progress, olx_image *image, olx_render_stats *stats) {
+  olx_render_settings settings = way->settings;
+  settings.seed = seed;
+  if (way->frames == 0) return olx_render(scene, way->field, camera, &settings, progress, image, stats);
+  olx_camera *cameras = malloc(way->frames * sizeof *cameras);
+  if (!cameras) return OLX_ERROR_MEMORY;
+  for (uint32_t i = 0; i < way->frames; ++i) cameras[i] = *camera;
+  const olx_result result =
+      olx_render_frames(scene, way->field, cameras, way->frames, &settings, progress, image, stats);
+  free(cameras);
+  return result;
+}
+
+olx_result bench_images_render(const olx_scene *scene, const olx_camera *cameras, uint32_t count, const bench_way *way,
                                uint32_t stream, const olx_progress *progress, bench_images *images) {
-  *images = (bench_images){.cameras = olx_scene_describe(scene).cameras};
-  if (images->cameras > BENCH_CAMERAS) images->cameras = BENCH_CAMERAS;
-  for (uint32_t c = 0; c < images->cameras; ++c) {
-    images->camera[c] = olx_scene_camera(scene, c);
+  *images = (bench_images){.cameras = count, .frames = way->frames > 0};
+  for (uint32_t c = 0; c < count; ++c) {
+    images->camera[c] = cameras[c];
     for (uint32_t h = 0; h < 2; ++h) {
-      olx_render_settings own = *settings;
-      own.seed = 2 * stream + h + 1;
       olx_render_stats stats;
       const olx_result result =
-          olx_render(scene, field, &images->camera[c], &own, progress, &images->half[c][h], &stats);
+          render_way(scene, &cameras[c], way, 2 * stream + h + 1, progress, &images->half[c][h], &stats);
       if (result != OLX_OK) return result;
       add_stats(&images->stats, &stats);
     }
@@ -141,47 +161,55 @@ olx_result bench_images_render(const olx_scene *scene, const olx_field *field, c
 void bench_images_free(bench_images *images) {
   for (uint32_t c = 0; c < images->cameras; ++c) {
     for (uint32_t h = 0; h < 2; ++h) olx_image_free(&images->half[c][h]);
+    olx_image_free(&images->mean[c]);
   }
   *images = (bench_images){.cameras = 0};
 }
 
-static float mean(float a, float b) { return 0.5f * (a + b); }
+static olx_vec3 halfway(olx_vec3 a, olx_vec3 b) {
+  return (olx_vec3){0.5f * (a.x + b.x), 0.5f * (a.y + b.y), 0.5f * (a.z + b.z)};
+}
 
-void bench_images_merge(bench_images *images) {
-  for (uint32_t c = 0; c < images->cameras; ++c) {
-    olx_image *first = &images->half[c][0], *second = &images->half[c][1];
-    const size_t pixels = (size_t)first->width * first->height;
-    for (uint32_t layer = 0; layer <= OLX_LAYER_INDIRECT_GLOSSY; ++layer) {
-      olx_vec3 *a = first->layers[layer];
-      const olx_vec3 *b = second->layers[layer];
-      for (size_t i = 0; i < pixels; ++i) a[i] = (olx_vec3){mean(a[i].x, b[i].x), mean(a[i].y, b[i].y), mean(a[i].z, b[i].z)};
-    }
-    olx_image_free(second);
-    *second = (olx_image){0};
+const olx_image *bench_images_mean(bench_images *images, uint32_t camera) {
+  olx_image *mean = &images->mean[camera];
+  if (images->frames) return &images->half[camera][0];
+  if (mean->width) return mean;
+  const olx_image *half = images->half[camera];
+  const uint32_t light = (1u << (OLX_LAYER_INDIRECT_GLOSSY + 1)) - 1;
+  if (olx_image_create(half->width, half->height, light, mean) != OLX_OK) return NULL;
+  const size_t pixels = (size_t)half->width * half->height;
+  for (uint32_t layer = 0; layer <= OLX_LAYER_INDIRECT_GLOSSY; ++layer) {
+    const olx_vec3 *a = half[0].layers[layer], *b = half[1].layers[layer];
+    for (size_t i = 0; i < pixels; ++i) mean->layers[layer][i] = halfway(a[i], b[i]);
   }
+  return mean;
 }
 
 typedef struct error_sum {
-  double square, spread, power, difference, reference;
+  double square, spread, power, image, reference;
   double values;
 } error_sum;
 
-static olx_vec3 indirect_light(const olx_image *image, size_t pixel, bool glossy_alone) {
+static olx_vec3 light_of(const olx_image *image, size_t pixel, bench_light light) {
+  if (light == BENCH_BEAUTY) return image->layers[OLX_LAYER_BEAUTY][pixel];
   const olx_vec3 glossy = image->layers[OLX_LAYER_INDIRECT_GLOSSY][pixel];
-  if (glossy_alone) return glossy;
+  if (light == BENCH_GLOSSY) return glossy;
   const olx_vec3 diffuse = image->layers[OLX_LAYER_INDIRECT_DIFFUSE][pixel];
+  if (light == BENCH_DIFFUSE) return diffuse;
   return (olx_vec3){glossy.x + diffuse.x, glossy.y + diffuse.y, glossy.z + diffuse.z};
 }
 
 // The squared error of one pixel, over its channels.
-static double add_pixel(error_sum *sum, const float *a0, const float *a1, const float *b0, const float *b1) {
+static double add_pixel(error_sum *sum, const float *a0, const float *a1, const float *b0, const float *b1,
+                        bool frames) {
   double square = 0.0;
   for (int c = 0; c < 3; ++c) {
     const double x0 = (double)a0[c], x1 = (double)a1[c], y0 = (double)b0[c], y1 = (double)b1[c];
-    square += 0.5 * ((x0 - y0) * (x1 - y1) + (x0 - y1) * (x1 - y0));
+    square += frames ? 0.5 * ((x0 - y0) * (x0 - y1) + (x1 - y0) * (x1 - y1))
+                     : 0.5 * ((x0 - y0) * (x1 - y1) + (x0 - y1) * (x1 - y0));
     sum->power += y0 * y1;
-    sum->difference += x0 + x1 - y0 - y1;
-    sum->reference += y0 + y1;
+    sum->image += 0.5 * (x0 + x1);
+    sum->reference += 0.5 * (y0 + y1);
   }
   sum->square += square;
   sum->values += 3.0;
@@ -189,28 +217,31 @@ static double add_pixel(error_sum *sum, const float *a0, const float *a1, const 
 }
 
 // What two neighbours differ by stands for the noise of both; that errors differ too makes it an upper bound.
-static void add_image(error_sum *sum, const olx_image a[2], const olx_image b[2], bool glossy_alone) {
+static void add_image(error_sum *sum, const olx_image a[2], const olx_image b[2], bench_light light, bool frames) {
   const size_t pixels = (size_t)a->width * a->height;
   double before = 0.0;
   for (size_t i = 0; i < pixels; ++i) {
-    const olx_vec3 light[4] = {indirect_light(&a[0], i, glossy_alone), indirect_light(&a[1], i, glossy_alone),
-                               indirect_light(&b[0], i, glossy_alone), indirect_light(&b[1], i, glossy_alone)};
-    const double square = add_pixel(sum, &light[0].x, &light[1].x, &light[2].x, &light[3].x);
+    const olx_vec3 values[4] = {light_of(&a[0], i, light), light_of(&a[1], i, light), light_of(&b[0], i, light),
+                                light_of(&b[1], i, light)};
+    const double square = add_pixel(sum, &values[0].x, &values[1].x, &values[2].x, &values[3].x, frames);
     if (i % 2) sum->spread += (square - before) * (square - before);
     before = square;
   }
 }
 
-bench_error bench_error_of(const bench_images *images, const bench_images *references, bool glossy_alone,
+bench_error bench_error_of(const bench_images *images, const bench_images *references, bench_light light,
                            uint32_t camera) {
   error_sum sum = {0};
   for (uint32_t c = 0; c < images->cameras; ++c) {
-    if (camera == BENCH_CAMERAS || c == camera) add_image(&sum, images->half[c], references->half[c], glossy_alone);
+    if (camera == BENCH_CAMERAS || c == camera)
+      add_image(&sum, images->half[c], references->half[c], light, images->frames);
   }
   return (bench_error){.mse = sum.square / sum.values,
                        .noise = sqrt(sum.spread) / sum.values,
                        .relative_mse = sum.square / sum.power,
-                       .bias = sum.difference / sum.reference};
+                       .bias = (sum.image - sum.reference) / sum.reference,
+                       .mean = sum.image / sum.values,
+                       .reference_mean = sum.reference / sum.values};
 }
 
 static int ascending(const void *a, const void *b) {

@@ -77,28 +77,22 @@ static int run_speed(const speed_bench *bench) {
   return code;
 }
 
-int command_bench(int argc, char **argv) {
-  if (argc > 1 && strncmp(argv[1], "wang", 4) == 0) return command_bench_wang(argc - 1, argv + 1);
+int command_bench_speed(int argc, char **argv) {
   speed_bench bench = {.scene_name = "builtin:cornell", .given = BAKE_OPTIONS_NONE};
   const option options[] = {
       BAKE_OPTION_ROWS(bench.given),
       {"--progress", OPTION_FLAG, &bench.progress, NULL, "tell progress even when nobody watches", 0, 0},
       {"--json", OPTION_FLAG, &bench.json, NULL, "print one JSON object", 0, 0},
   };
-  command_line line = {.name = "bench",
-                       .summary = "Measure an experiment:\n"
-                                  "  speed        a bake (of builtin:cornell, or SCENE) against Embree casting the rays\n"
-                                  "               from its probes alone, with the options below\n"
-                                  "  wang         the tables of Wang's thesis (see octalux bench wang --help)\n"
-                                  "  wang-probes  how few probes do as well as a grid (octalux bench wang-probes --help)",
-                       .arguments = {"EXPERIMENT", "[SCENE]"},
-                       .options = options,
-                       .option_count = sizeof options / sizeof options[0]};
+  command_line line = {
+      .name = "bench speed",
+      .summary = "How long a bake (of builtin:cornell, or SCENE) takes against Embree casting the same rays from\n"
+                 "its probes and nothing else, in one run.",
+      .arguments = {"[SCENE]"},
+      .options = options,
+      .option_count = sizeof options / sizeof options[0]};
   int code;
   if (!parse_options(&line, argc, argv, &code)) return code;
-  if (strcmp(line.given[0], "speed") != 0) {
-    return usage_error("bench", "unknown experiment '%s': there are speed, wang, wang-probes", line.given[0]);
-  }
-  if (line.given[1]) bench.scene_name = line.given[1];
+  if (line.given[0]) bench.scene_name = line.given[0];
   return run_speed(&bench);
 }

@@ -53,33 +53,52 @@ void bench_field_close(bench_field *made);
 
 enum { BENCH_CAMERAS = 16 };
 
-// Pictures of a scene's cameras (the first BENCH_CAMERAS), each twice, with independent noise.
+// Pictures from some cameras of a scene, each twice, with independent noise.
 typedef struct bench_images {
   uint32_t cameras;
   olx_camera camera[BENCH_CAMERAS];
   olx_image half[BENCH_CAMERAS][2];
-  olx_render_stats stats; // of all
+  olx_image mean[BENCH_CAMERAS]; // of both halves, light alone; made when asked for
+  bool frames;                   // single frames: each half is what a viewer sees, noise and all
+  olx_render_stats stats;        // of all
 } bench_images;
 
-// Render with `settings`, whose seed is replaced: images of different `stream` are independent. Free them in any case.
-olx_result bench_images_render(const olx_scene *scene, const olx_field *field, const olx_render_settings *settings,
+// All cameras of a scene, at most BENCH_CAMERAS.
+uint32_t bench_scene_cameras(const olx_scene *scene, olx_camera cameras[BENCH_CAMERAS]);
+
+// One way to make pictures: with `frames`, as a real-time renderer makes that many with the camera at rest.
+typedef struct bench_way {
+  const char *name;
+  const olx_field *field;
+  olx_render_settings settings;
+  uint32_t frames;
+} bench_way;
+
+// Render with the way's settings, whose seed is replaced: images of different `stream` are independent. Free them in any
+// case.
+olx_result bench_images_render(const olx_scene *scene, const olx_camera *cameras, uint32_t count, const bench_way *way,
                                uint32_t stream, const olx_progress *progress, bench_images *images);
 void bench_images_free(bench_images *images);
-// The mean of both halves, in the first; the second is gone.
-void bench_images_merge(bench_images *images);
+// The picture of a camera: the mean of both halves, or the first of two frames. NULL when there is no memory.
+const olx_image *bench_images_mean(bench_images *images, uint32_t camera);
+
+// Light that is compared: a layer, or the sum of both indirect ones.
+typedef enum bench_light { BENCH_DIFFUSE, BENCH_GLOSSY, BENCH_INDIRECT, BENCH_BEAUTY } bench_light;
 
 // Errors of pictures against references. With halves a0, a1 and b0, b1 the mean of (a0 - b0) (a1 - b1) over pixels and
-// channels estimates the mean square error of what both would converge to: noise adds nothing to it on average. `noise` is
-// no less than the standard error that noise leaves in it.
+// channels estimates the mean square error of what both would converge to: noise adds nothing to it on average. Of frames it
+// is that of (a0 - b0) (a0 - b1), to which the frames' own noise belongs. `noise` is no less than the standard error that
+// noise leaves in it.
 typedef struct bench_error {
   double mse, noise;
   double relative_mse; // over the reference's mean square, estimated alike
   double bias;         // over the reference's mean
+  double mean, reference_mean;
 } bench_error;
 
-// Of the glossy layer alone or of all indirect light, which is the error of the final picture, since direct light is the same
-// in both. Of one camera, or of all with camera = BENCH_CAMERAS.
-bench_error bench_error_of(const bench_images *images, const bench_images *references, bool glossy_alone,
+// Of one camera, or of all with camera = BENCH_CAMERAS. The error of all indirect light is that of the final picture where
+// both take direct light from the same estimator.
+bench_error bench_error_of(const bench_images *images, const bench_images *references, bench_light light,
                            uint32_t camera);
 
 double bench_median(double *values, uint32_t count);

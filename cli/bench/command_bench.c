@@ -1,0 +1,193 @@
+#include "commands.h"
+#include "experiment.h"
+#include "html_report.h"
+#include "options.h"
+#include "report.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+// What measures something else than the experiments' table does, with options of its own.
+typedef struct special {
+  const char *name, *what;
+  int (*run)(int argc, char **argv);
+} special;
+
+static const special specials[] = {
+    {"wang", "Wang's Tables 5.1 and 5.2 with sizes and sets to choose", command_bench_wang},
+    {"wang-probes", "how few probes do as well as a grid", command_bench_wang},
+    {"speed", "a bake against Embree casting the rays from its probes alone", command_bench_speed},
+};
+enum { SPECIALS = sizeof specials / sizeof *specials };
+
+static const experiment *find(const char *name) {
+  for (uint32_t i = 0; i < experiment_count; ++i) {
+    if (strcmp(experiments[i].name, name) == 0) return &experiments[i];
+  }
+  return NULL;
+}
+
+static int unknown(const char *name) {
+  char *names = NULL;
+  size_t size_bytes;
+  FILE *out = open_memstream(&names, &size_bytes);
+  if (!out) return failure("bench", "out of memory");
+  for (uint32_t i = 0; i < experiment_count; ++i) fprintf(out, ", %s", experiments[i].name);
+  for (uint32_t i = 0; i < SPECIALS; ++i) fprintf(out, ", %s", specials[i].name);
+  if (fclose(out) != 0) return failure("bench", "out of memory");
+  const int code = usage_error("bench", "unknown experiment '%s': there are all%s", name, names);
+  free(names);
+  return code;
+}
+
+static void put_summary(FILE *out) {
+  fputs("Measure an experiment of the papers, or all of them:\n", out);
+  for (uint32_t i = 0; i < experiment_count; ++i)
+    fprintf(out, "  %-21s %s\n", experiments[i].name, experiments[i].what);
+  fprintf(out, "  %-21s %s\n", "all", "all of the above");
+  fputs("More, with options of their own (octalux bench NAME --help):", out);
+  for (uint32_t i = 0; i < SPECIALS; ++i) fprintf(out, "\n  %-21s %s", specials[i].name, specials[i].what);
+}
+
+// The command line that measures this experiment alone.
+static void make_command(const experiment *e, const bench_options *o, char command[256]) {
+  int used = snprintf(command, 256, "octalux bench %s%s", e->name, o->quick ? " --quick" : "");
+  if (o->size[0]) used += snprintf(command + used, 256 - (size_t)used, " --size %ux%u", o->size[0], o->size[1]);
+  if (o->spp) snprintf(command + used, 256 - (size_t)used, " --spp %u", o->spp);
+}
+
+static cJSON *begin_section(cJSON *report, const experiment *e, const char *command) {
+  if (!report) return NULL;
+  cJSON *section = html_report_section(report, e->what, e->note, command);
+  add_text(section, "name", e->name);
+  add_text(section, "source", e->source);
+  return section;
+}
+
+static void tell_findings(const bench *b, const experiment *e, const char *command, cJSON *list) {
+  if (b->options->json) {
+    cJSON *object = cJSON_CreateObject();
+    cJSON_AddItemToArray(list, object);
+    add_text(object, "experiment", e->name);
+    add_text(object, "source", e->source);
+    add_text(object, "command", command);
+    findings_add_json(&b->found, object);
+    return;
+  }
+  printf("%s: %s (%s; %.0f s)\n", e->name, e->what, e->source, b->found.seconds);
+  findings_print(&b->found);
+  putchar('\n');
+}
+
+static olx_result run_one(bench *b, const experiment *e, cJSON *report, cJSON *list) {
+  char command[256];
+  make_command(e, b->options, command);
+  cJSON *section = begin_section(report, e, command);
+  const olx_result result = bench_run(b, e, section);
+  if (result == OLX_OK) {
+    tell_findings(b, e, command, list);
+    if (section) findings_add_report(&b->found, section);
+  }
+  findings_free(&b->found);
+  return result;
+}
+
+static int finish_json(const char *command, cJSON *list, bool all) {
+  if (!all) {
+    cJSON *only = cJSON_DetachItemFromArray(list, 0);
+    cJSON_Delete(list);
+    add_text(only, "version", olx_version());
+    return print_json("bench", only);
+  }
+  cJSON *object = cJSON_CreateObject();
+  add_text(object, "command", command);
+  add_text(object, "version", olx_version());
+  cJSON_AddItemToObject(object, "experiments", list);
+  return print_json("bench", object);
+}
+
+static int run_experiments(const bench_options *o, const experiment *only, const char *command) {
+  progress_line line;
+  progress_begin(&line, "bench", false);
+  bench b;
+  if (!bench_open(&b, o, &line)) return failure("bench", "%s: cannot create a temporary folder", b.folder.path);
+  cJSON *list = cJSON_CreateArray();
+  cJSON *report = o->report ? html_report_begin(only ? only->name : "The experiments, reproduced", command) : NULL;
+  olx_result result = OLX_OK;
+  for (uint32_t i = 0; i < experiment_count && result == OLX_OK; ++i) {
+    if (!only || only == &experiments[i]) result = run_one(&b, &experiments[i], report, list);
+  }
+  progress_end(&line);
+  bench_close(&b);
+  int code = result == OLX_OK                ? EXIT_DONE
+             : result == OLX_ERROR_CANCELLED ? failure("bench", "interrupted")
+                                             : library_failure("bench");
+  if (report && code == EXIT_DONE) {
+    char path[4096];
+    snprintf(path, sizeof path, "%s/index.html", o->report);
+    code = html_report_write("bench", report, path);
+  } else {
+    cJSON_Delete(report);
+  }
+  if (code == EXIT_DONE && o->json) return finish_json(command, list, !only);
+  cJSON_Delete(list);
+  return code;
+}
+
+// A folder that is there, or that can be made.
+static bool ready_folder(const char *path, const char *file) {
+  char name[4096];
+  if (!path) return true;
+  mkdir(path, 0777);
+  snprintf(name, sizeof name, "%s/%s", path, file);
+  return check_output("bench", name);
+}
+
+static int run_command(int argc, char **argv) {
+  bench_options o = {.folder = "scenes"};
+  const option options[] = {
+      {"--quick", OPTION_FLAG, &o.quick, NULL, "built-in scenes alone, small and rough", 0, 0},
+      {"--report", OPTION_TEXT, &o.report, "FOLDER", "write index.html there: tables, plots, and pictures to compare",
+       0, 0},
+      {"--images", OPTION_TEXT, &o.images, "FOLDER", "write the pictures that are compared there, as .png", 0, 0},
+      {"--scenes", OPTION_TEXT, &o.folder, "FOLDER", "where descriptions of scenes are; default scenes", 0, 0},
+      {"--size", OPTION_SIZE, o.size, "320x240", "of all pictures; default: each experiment's own", 16, 16384},
+      {"--spp", OPTION_COUNT, &o.spp, "N", "of each of two references, path traced; default: each experiment's own", 1,
+       1u << 20},
+      {"--threads", OPTION_COUNT, &o.threads, "N", "default 0: every processor; times are of one all the same", 0,
+       4096},
+      {"--progress", OPTION_FLAG, &o.progress, NULL, "tell progress even when nobody watches", 0, 0},
+      {"--json", OPTION_FLAG, &o.json, NULL, "print one JSON object", 0, 0},
+  };
+  char *summary = NULL;
+  size_t size_bytes;
+  FILE *out = open_memstream(&summary, &size_bytes);
+  if (!out) return failure("bench", "out of memory");
+  put_summary(out);
+  if (fclose(out) != 0) return failure("bench", "out of memory");
+  command_line line = {.name = "bench",
+                       .summary = summary,
+                       .arguments = {"EXPERIMENT"},
+                       .options = options,
+                       .option_count = sizeof options / sizeof options[0]};
+  int code;
+  const bool go_on = parse_options(&line, argc, argv, &code);
+  free(summary);
+  if (!go_on) return code;
+  const experiment *only = find(line.given[0]);
+  if (!only && strcmp(line.given[0], "all") != 0) return unknown(line.given[0]);
+  if (!ready_folder(o.report, "index.html") || !ready_folder(o.images, "image.png")) return EXIT_FAILED;
+  char *command = command_text(argc, argv);
+  code = command ? run_experiments(&o, only, command) : failure("bench", "out of memory");
+  free(command);
+  return code;
+}
+
+int command_bench(int argc, char **argv) {
+  for (uint32_t i = 0; argc > 1 && i < SPECIALS; ++i) {
+    if (strcmp(argv[1], specials[i].name) == 0) return specials[i].run(argc - 1, argv + 1);
+  }
+  return run_command(argc, argv);
+}

@@ -1,0 +1,122 @@
+// Figures 10 to 13: what leaks when irradiance probes are interpolated as if everything saw everything.
+#include "experiment_list.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { FRAMES = 64, MOST_WAYS = 5 };
+
+typedef struct figure {
+  const char *name, *scene, *camera;
+  uint32_t grid[3];
+  bool traced; // also by rays through the light field probes
+} figure;
+
+static const figure figures[] = {
+    {"Fig. 10", "builtin:pillars", "corner", {3, 2, 3}, false},
+    {"Fig. 11", "builtin:labyrinth", "chamber", {3, 2, 3}, true},
+    {"Fig. 12", "sponza", "aisle", {8, 2, 4}, false},
+    {"Fig. 13", "builtin:labyrinth", "door", {3, 2, 3}, true},
+};
+enum { FIGURES = sizeof figures / sizeof *figures };
+
+static const bench_column columns[] = {
+    {"figure", "figure", BENCH_NAME, NULL, NULL},
+    {"scene", "scene", BENCH_NAME, NULL, NULL},
+    {"way", "way", BENCH_NAME, NULL, NULL},
+    QUALITY_COLUMNS,
+    {"over_baseline", "over the baseline", BENCH_QUALITY, NULL, "its MSE over that without visibility"},
+    {"ms", "diffuse pass", BENCH_TIME, "ms", "processor time of one frame, with denoising"},
+    {"published_ms", "published", BENCH_PUBLISHED, "ms", "GTX 1080, 1920 x 1080"},
+};
+
+static const bench_plot plots[] = {
+    {.caption = "Error of the indirect light", .y = "relative_mse"},
+};
+
+// The ways of a figure, the baseline last.
+static uint32_t list_ways(const bench *b, const figure *f, const olx_field *field, bench_way ways[MOST_WAYS]) {
+  uint32_t count = 0;
+  olx_render_settings settings = bench_field_settings(b);
+  settings.spp = 1;
+  settings.centered = true;
+  ways[count++] = (bench_way){.name = "field", .field = field, .settings = settings};
+  if (f->traced) {
+    olx_render_settings traced = settings;
+    traced.diffuse = OLX_DIFFUSE_TRACED;
+    traced.denoise = olx_denoise_settings_none();
+    ways[count++] = (bench_way){.name = "one ray a pixel", .field = field, .settings = traced, .frames = 1};
+    traced.denoise = olx_denoise_settings_default();
+    ways[count++] = (bench_way){.name = "denoised", .field = field, .settings = traced, .frames = FRAMES};
+  }
+  settings.sample.visibility = OLX_VISIBILITY_NONE;
+  settings.sample.keep_buried = true;
+  ways[count++] = (bench_way){.name = "no visibility", .field = field, .settings = settings};
+  return count;
+}
+
+static double published_ms(const char *figure_name, const char *way) {
+  if (strcmp(figure_name, "Fig. 11") != 0) return NAN;
+  return strcmp(way, "field") == 0 ? 0.2 : strcmp(way, "denoised") == 0 ? 13.0 : NAN;
+}
+
+static olx_result measure(bench *b, const figure *f, const olx_scene *scene, const olx_field *field,
+                          bench_table *table) {
+  olx_camera camera;
+  olx_result result = bench_camera(scene, f->camera, &camera);
+  if (result != OLX_OK) return result;
+  olx_render_settings settings = bench_path_settings(b);
+  settings.centered = true;
+  bench_images *reference, images[MOST_WAYS] = {0};
+  bench_way ways[MOST_WAYS];
+  bench_quality quality[MOST_WAYS];
+  bench_shown shown[MOST_WAYS];
+  const uint32_t count = list_ways(b, f, field, ways);
+  result = bench_reference(b, scene, &camera, 1, &settings, bench_bounces(b) + 1, &reference);
+  for (uint32_t i = 0; i < count && result == OLX_OK; ++i) {
+    shown[i] = (bench_shown){.way = ways[i].name, .images = &images[i]};
+    result = bench_pictures(b, scene, &camera, 1, &ways[i], &images[i]);
+    if (result == OLX_OK) result = bench_compare(b, &images[i], reference, BENCH_DIFFUSE, 0, &quality[i]);
+  }
+  for (uint32_t i = 0; i < count && result == OLX_OK; ++i) {
+    const olx_render_stats *stats = &images[i].stats;
+    const double frames = 2.0 * (ways[i].frames ? ways[i].frames : 1);
+    FINDINGS_ROW(&b->found, table, TEXT_CELL(f->name), TEXT_CELL(bench_scene_title(f->scene)), TEXT_CELL(ways[i].name),
+                 QUALITY_CELLS(quality[i]), NUMBER_CELL(quality[i].error.mse / quality[count - 1].error.mse),
+                 NUMBER_CELL(1e3 * (stats->diffuse_seconds + stats->denoise_seconds) / frames),
+                 NUMBER_CELL(published_ms(f->name, ways[i].name)));
+  }
+  char view[96];
+  snprintf(view, sizeof view, "%s: %s, %s", f->name, bench_scene_title(f->scene), camera.name);
+  if (result == OLX_OK) result = bench_show(b, view, OLX_LAYER_INDIRECT_DIFFUSE, shown, count, reference, 0);
+  for (uint32_t i = 0; i < count; ++i) bench_images_free(&images[i]);
+  return result;
+}
+
+static olx_result run_figure(bench *b, const figure *f, bench_table *table) {
+  olx_scene *scene;
+  olx_result result = bench_scene(b, f->scene, &scene);
+  if (result != OLX_OK || !scene) return result;
+  const bool quick = b->options->quick;
+  const bench_probes probes = {.grid = {f->grid[0], f->grid[1], f->grid[2]}, .texels = quick ? 64 : 256};
+  bench_bake bake = {.irradiance_size = quick ? 32 : 64, .light_samples = 2, .bounces = bench_bounces(b)};
+  result = olx_scene_probe_grid(scene, probes.grid, &bake.irradiance_grid);
+  if (result != OLX_OK) return result;
+  bench_field made;
+  result = bench_bake_field(b, scene, &probes, &bake, &made);
+  if (result == OLX_OK) result = measure(b, f, scene, made.field, table);
+  bench_field_close(&made);
+  return result;
+}
+
+olx_result run_mcguire_leaks(bench *b) {
+  bench_table *table =
+      FINDINGS_TABLE(&b->found, "figures", "Indirect diffuse light against the path tracer", columns, plots);
+  for (uint32_t i = 0; i < FIGURES; ++i) {
+    if (bench_leaves_out(b, figures[i].scene)) continue;
+    const olx_result result = run_figure(b, &figures[i], table);
+    if (result != OLX_OK) return result;
+  }
+  return OLX_OK;
+}

@@ -481,6 +481,8 @@
 
   // ---- the page
 
+  const isSite = data.sections.filter(({ name }) => name).length > 1;
+
   function makeSection({ name, heading, source, seconds, note, command, frames, tables, plots, skipped }) {
     const head = element("div", { className: "section-head" }, element("h2", { textContent: heading }));
     const facts = [source, seconds === undefined ? null : `${decimal(Math.round(seconds))} s`].filter(Boolean);
@@ -490,7 +492,7 @@
     const section = element("section", name ? { id: name, className: "experiment" } : {}, head);
     for (const { what, why } of skipped || []) section.append(element("p", { className: "skipped", textContent: `Left out: ${what}: ${why}` }));
     if (frames) section.append(new Viewer(frames).box);
-    for (const table of tables || []) section.append(...(data.sections.length > 1 ? [element("h3", { textContent: table.caption })] : []), makeTable(table));
+    for (const table of tables || []) section.append(...(name ? [element("h3", { textContent: table.caption })] : []), makeTable(table));
     if (plots) {
       const figures = plots.map(({ caption, svg }) => {
         const figure = element("figure");
@@ -503,10 +505,10 @@
     return section;
   }
 
-  // Links to the sections of a report that has several.
+  // Links to the experiments of a report that has several.
   function makeContents() {
     const contents = byId("contents"), links = new Map();
-    if (data.sections.length < 2) return;
+    if (!isSite) return;
     document.body.classList.add("site");
     for (const { name, heading } of data.sections) {
       const link = element("a", { href: `#${name}` }, element("b", { textContent: name }), element("span", { textContent: heading }));

@@ -10,6 +10,7 @@ int command_compare(int argc, char **argv);
 int command_audit(int argc, char **argv);
 int command_info(int argc, char **argv);
 int command_verify(int argc, char **argv);
+int command_view(int argc, char **argv);
 int command_bench(int argc, char **argv);
 int command_bench_wang(int argc, char **argv); // `bench wang` and `bench wang-probes`
 int command_bench_speed(int argc, char **argv);

@@ -24,6 +24,7 @@ static const command commands[] = {
     {"audit", "audit SCENE --field out.olx", "a field against ray casting and path tracing", command_audit},
     {"info", "info out.olx", "what is in a field, sizes, settings", command_info},
     {"verify", "verify out.olx", "structure and checksums of a field", command_verify},
+    {"view", "view SCENE --field out.olx", "fly through a scene lit by a field, on Vulkan", command_view},
     {"bench", "bench EXPERIMENT", "measure a stated experiment", command_bench},
 };
 

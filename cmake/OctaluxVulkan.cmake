@@ -24,8 +24,8 @@ function(olx_compile_shader source output)
   get_filename_component(name ${source} NAME_WE)
   add_custom_command(
     OUTPUT ${OLX_SPIRV_DIR}/${name}.spv.inc
-    COMMAND ${OLX_GLSLC} --target-env=vulkan1.2 -Werror -mfmt=num -I ${PROJECT_SOURCE_DIR} -I ${CMAKE_CURRENT_SOURCE_DIR} ${source}
-            -o ${OLX_SPIRV_DIR}/${name}.spv.inc
+    COMMAND ${OLX_GLSLC} --target-env=vulkan1.2 -Werror -mfmt=num -I ${PROJECT_SOURCE_DIR} -I ${PROJECT_SOURCE_DIR}/shaders
+            -I ${CMAKE_CURRENT_SOURCE_DIR} ${source} -o ${OLX_SPIRV_DIR}/${name}.spv.inc
     DEPENDS ${source} ${OLX_SHADER_LIBRARY} ${ARGN}
     VERBATIM)
   set(${output} ${OLX_SPIRV_DIR}/${name}.spv.inc PARENT_SCOPE)

@@ -9,6 +9,7 @@ packages=(
   libembree-dev libassimp-dev libopenexr-dev libstb-dev libcjson-dev libqhull-dev libxxhash-dev zlib1g-dev
   libcmocka-dev
   glslc libvulkan-dev mesa-vulkan-drivers vulkan-validationlayers # shaders, Vulkan's headers and loader, its CPU device
+  libglfw3-dev libimgui-dev libfreetype-dev xvfb # the viewer, and a display for its test
 )
 [ "${1:-}" = full ] && packages+=(chromium) # looks at reports
 

@@ -1,0 +1,192 @@
+# The viewer on Mesa's CPU device, with no window and under Xvfb: every mode and overlay, flying, resizing, screenshots, and all
+# that may go wrong. A display of its own is used, never the user's.
+source "$(dirname "$0")/cli/expect.sh"
+unset DISPLAY WAYLAND_DISPLAY
+
+# Without the program beside it, the command says what is missing.
+cp "$OCTALUX" alone
+"./alone" view builtin:cornell --field a.olx >stdout.txt 2>stderr.txt && fail "a viewer that is not there ran"
+grep -q "octalux-view is not there" stderr.txt || fail "no word of the missing viewer"
+[ -x "$(dirname "$OCTALUX")/octalux-view" ] || { echo "this build has no viewer"; exit 77; }
+
+help="$OCTALUX_SOURCE_DIR/tests/cli/view_help.txt"
+expect 0 view --help
+if [ "${UPDATE_GOLDEN:-}" ]; then cp stdout.txt "$help"; fi
+diff -u "$help" stdout.txt >difference.txt || { cat difference.txt; fail "view's help changed; see test_cli_usage.sh"; }
+expect_usage "SCENE is missing" view
+expect_usage "--field FILE.olx is missing" view builtin:cornell
+expect_usage "is not one of prefiltered" view builtin:cornell --field a.olx --mode raster
+expect_usage "is not one of none|probes" view builtin:cornell --field a.olx --overlay all
+expect_usage "--offscreen needs" view builtin:cornell --field a.olx --offscreen
+expect_usage "is not a pixel" view builtin:cornell --field a.olx --pick 1280,0
+expect_usage "is not a place" view builtin:cornell --field a.olx --object 1,2
+expect_usage "does not end in .png" view builtin:cornell --field a.olx --screenshot a.jpg
+
+"$OCTALUX" bake builtin:cornell-glossy -o cornell.olx --radiance-size 64 --irradiance-size 16 --bounces 1 --select cage,bricks \
+  >stdout.txt 2>stderr.txt
+view=(view builtin:cornell-glossy --field cornell.olx --size 96x80)
+
+# check EXPRESSION FILE...: true of these pictures.
+check() { python3 "$OCTALUX_SOURCE_DIR/tests/read_png.py" "$@" || fail "pictures: $*"; }
+
+expect 0 "${view[@]}" --offscreen --screenshot one.png
+grep -q "one.png" stderr.txt || fail "no word of the screenshot"
+check 'p[0].width == 96 and p[0].height == 80 and not uniform(p[0]) and mean(p[0]) > 10' one.png
+expect 0 render builtin:cornell-glossy --field cornell.olx --spp 1 --size 96x80 -o cpu.png
+check 'differing(p[0], p[1]) < 0.3 and abs(mean(p[0]) / mean(p[1]) - 1) < 0.1' one.png cpu.png
+
+# All modes and overlays, one after the other; the layers; what moves.
+cat >all.txt <<'SCRIPT'
+screenshot plain.png
+press O            # the overlays in their order
+screenshot probes.png
+press O
+screenshot radiance.png
+press O
+screenshot irradiance.png
+press O
+screenshot weights.png
+press O
+screenshot answer.png
+press O
+screenshot unresolved.png
+press O
+screenshot steps.png
+press O
+pick 40 60
+screenshot map.png
+press N
+screenshot map-of-first.png
+press O            # none again
+press 2
+screenshot primary.png
+press 1
+press R
+screenshot no-direct.png
+press F
+screenshot no-diffuse.png
+press G
+screenshot no-light.png
+press R
+press F
+press G
+press T
+press B
+press L
+press L
+press V
+press V
+press C
+press X
+screenshot ball.png
+hold LEFT 6
+screenshot ball-left.png
+press X
+press =
+press =
+press =
+screenshot bright.png
+press -
+press -
+press -
+press [
+press [
+screenshot coarse.png
+press ]
+press ]
+hold W 8
+look 30 -10
+screenshot moved.png
+resize 48x60
+screenshot small.png
+resize 0x0
+frames 3
+resize 96x80
+wheel 2
+press C
+screenshot back.png
+quit
+SCRIPT
+expect 0 "${view[@]}" --offscreen --script all.txt
+shots=(probes radiance irradiance weights answer unresolved steps map primary no-direct no-diffuse no-light ball bright coarse moved)
+check 'not uniform(p[0]) and mean(p[0]) > 10' plain.png
+for shot in "${shots[@]}"; do
+  [ $shot = no-light ] || check 'not uniform(p[0]) and mean(p[0]) > 1' $shot.png
+  check 'differing(p[0], p[1]) > 0.004' $shot.png plain.png
+done
+check 'differing(p[0], p[1]) > 0.01' map.png map-of-first.png
+check 'mean(p[0]) < 0.5 * mean(p[1])' no-light.png plain.png
+check 'differing(p[0], p[1]) > 0.004' ball.png ball-left.png
+check 'mean(p[0]) > 1.2 * mean(p[1])' bright.png plain.png
+check 'p[0].width == 48 and p[0].height == 60 and not uniform(p[0])' small.png
+check 'differing(p[0], p[1]) < 0.2 and abs(mean(p[0]) / mean(p[1]) - 1) < 0.1' back.png plain.png
+rm -f *.png
+
+# What cannot work says so, and leaves nothing.
+expect_failure "there is no display" "${view[@]}" --frames 1
+head -c 8 cornell.olx >newer.olx
+printf '\x07' >>newer.olx
+tail -c +10 cornell.olx >>newer.olx
+expect_failure "version 7" view builtin:cornell-glossy --field newer.olx --offscreen --frames 1
+expect_failure "no camera" "${view[@]}" --camera behind --offscreen --frames 1
+expect_failure "voronoi" "${view[@]}" --select voronoi --offscreen --frames 1
+expect_failure "nosuch.txt: cannot be read" "${view[@]}" --offscreen --script nosuch.txt
+printf 'frames 2\npress ENTER\n' >wrong.txt
+expect_failure "wrong.txt:2: 'press'" "${view[@]}" --offscreen --script wrong.txt
+VK_ICD_FILENAMES=/nonexistent.json expect_failure "Vulkan" "${view[@]}" --offscreen --frames 1
+
+# fault CALL:NUMBER:RESULT ...: run with that call of Vulkan failing.
+fault() {
+  local wish=$1
+  shift
+  FAULT=$wish VK_LAYER_PATH=$OCTALUX_FAULT_LAYER VK_INSTANCE_LAYERS=VK_LAYER_OCTALUX_fault "$@"
+}
+lost=-4 out_of_memory=-2 out_of_date=-1000001004 suboptimal=1000001003 surface_lost=-1000000000
+fault version:1:0 expect_failure "no Vulkan 1.2 device" "${view[@]}" --offscreen --frames 1
+fault submit:1:$lost expect_failure "lost" "${view[@]}" --offscreen --frames 3
+fault submit:14:$lost expect_failure "lost" "${view[@]}" --offscreen --frames 20
+# Allocations for the field, the lamps, the picture; then for the panel.
+for number in 3 21 36; do
+  fault memory:$number:$out_of_memory expect_failure "memory" "${view[@]}" --offscreen --frames 1
+done
+fault memory:34:$out_of_memory expect_failure "letters" "${view[@]}" --offscreen --frames 1
+
+command -v Xvfb >/dev/null || { echo "no Xvfb here: windows are not tested"; finish; }
+Xvfb -displayfd 3 -screen 0 640x480x24 -nolisten tcp 3>display.txt 2>xvfb.txt &
+server=$!
+trap 'kill $server 2>/dev/null; wait $server 2>/dev/null; rm -rf "$folder"' EXIT
+for _ in $(seq 100); do [ -s display.txt ] && break; sleep 0.1; done
+[ -s display.txt ] || { fail "Xvfb does not start"; cat xvfb.txt; finish; }
+DISPLAY=:$(cat display.txt)
+export DISPLAY
+
+cat >window.txt <<'SCRIPT'
+frames 2
+hold W 4
+look 20 5
+screenshot flown.png
+resize 200x150
+frames 3
+screenshot larger.png
+resize 0x0
+frames 2
+resize 120x90
+frames 3
+press O
+press TAB
+press P
+frames 2
+press ESCAPE
+frames 5
+screenshot after.png
+SCRIPT
+expect 0 "${view[@]}" --script window.txt
+check 'not uniform(p[0]) and mean(p[0]) > 10 and p[0].width == 96' flown.png
+check 'not uniform(p[0]) and mean(p[0]) > 10 and p[0].width == 200 and p[0].height == 150' larger.png
+check 'not uniform(p[0]) and p[0].width == 120' octalux-001.png
+[ -e after.png ] && fail "escape did not leave"
+fault acquire:2:$out_of_date expect 0 "${view[@]}" --frames 4 --screenshot again.png
+check 'not uniform(p[0]) and mean(p[0]) > 10' again.png
+fault present:2:$suboptimal expect 0 "${view[@]}" --frames 4
+fault acquire:2:$surface_lost expect_failure "window" "${view[@]}" --frames 4
+finish

@@ -1,0 +1,116 @@
+#include "view_options.h"
+#include "options.h"
+#include "sample_options.h"
+
+#include <stdio.h>
+#include <string.h>
+
+void view_word(const char *words, uint32_t index, char *word, size_t size) {
+  for (; index > 0 && *words; index--) {
+    words += strcspn(words, "|");
+    if (*words) words++;
+  }
+  snprintf(word, size, "%.*s", (int)strcspn(words, "|"), words);
+}
+
+static view_state default_state(void) {
+  return (view_state){.tracer = OLX_TRACER_HIZ,
+                      .select = OLX_SELECT_BEST,
+                      .visibility = true,
+                      .direct = true,
+                      .diffuse = true,
+                      .glossy = true,
+                      .glossy_samples = 1,
+                      .exposure = 1.0f,
+                      .scale = 1.0f,
+                      .probe = VIEW_ANSWERING,
+                      .object_roughness = 0.1f,
+                      .object_metallic = 1.0f,
+                      .panel = true};
+}
+
+// Numbers with commas between them, and nothing else.
+static bool parse_numbers(const char *text, int count, float *numbers) {
+  char rest;
+  if (count == 2) return sscanf(text, "%f,%f%c", &numbers[0], &numbers[1], &rest) == 2;
+  return sscanf(text, "%f,%f,%f%c", &numbers[0], &numbers[1], &numbers[2], &rest) == 3;
+}
+
+static bool check(view_options *o) {
+  view_state *s = &o->state;
+  if (o->pick) {
+    float *p = o->pick_pixel;
+    if (!parse_numbers(o->pick, 2, p) ||
+        !(p[0] >= 0 && p[0] < (float)o->size[0] && p[1] >= 0 && p[1] < (float)o->size[1])) {
+      usage_error("view", "--pick: '%s' is not a pixel X,Y of the picture", o->pick);
+      return false;
+    }
+    s->picked = true;
+    s->pick[0] = (p[0] + 0.5f) / (float)o->size[0];
+    s->pick[1] = (p[1] + 0.5f) / (float)o->size[1];
+  }
+  if (o->object && !parse_numbers(o->object, 3, &s->object_position.x)) {
+    usage_error("view", "--object: '%s' is not a place X,Y,Z", o->object);
+    return false;
+  }
+  s->object = o->object != NULL;
+  if (o->screenshot && !ends_with(o->screenshot, ".png")) {
+    usage_error("view", "--screenshot: %s does not end in .png", o->screenshot);
+    return false;
+  }
+  if (o->offscreen && !o->frames && !o->script && !o->screenshot) {
+    usage_error("view", "--offscreen needs --frames, --script or --screenshot");
+    return false;
+  }
+  return true;
+}
+
+bool view_options_read(int argc, char **argv, view_options *o, int *exit_code) {
+  *o = (view_options){.size = {1280, 720}, .state = default_state()};
+  view_state *s = &o->state;
+  uint32_t scale_percent = 100, emitters = 0;
+  sample_options sample = SAMPLE_OPTIONS_DEFAULT;
+  const option options[] = {
+      {"--field", OPTION_TEXT, &o->field, "FILE.olx", "the field that gives indirect light", 1, 0},
+      {"--size", OPTION_SIZE, o->size, "1280x720", "pixels; default 1280x720", 1, 16384},
+      {"--camera", OPTION_TEXT, &o->camera, "NAME", "a camera of the scene to begin with; default: the first", 0, 0},
+      {"--mode", OPTION_CHOICE, &s->mode, VIEW_MODE_WORDS,
+       "irradiance and glossy rays; or eye rays through the field alone; default prefiltered", 0, 0},
+      {"--overlay", OPTION_CHOICE, &s->overlay, VIEW_OVERLAY_WORDS, "what is painted over the picture; default none", 0,
+       0},
+      SAMPLE_OPTION_ROWS(sample),
+      {"--emitters", OPTION_CHOICE, &emitters, "sampled|traced",
+       "lamps with an area: sampled by direct light, or found by rays; default sampled", 0, 0},
+      {"--glossy-samples", OPTION_COUNT, &s->glossy_samples, "N", "glossy rays a pixel and frame; default 1", 1, 4096},
+      {"--exposure", OPTION_REAL, &s->exposure, "X", "multiply light before the tone map; default 1", 0, 0},
+      {"--scale", OPTION_COUNT, &scale_percent, "PERCENT", "pixels lit along a side, of those shown; default 100", 12,
+       100},
+      {"--pick", OPTION_TEXT, &o->pick, "X,Y", "ask the ray of this pixel, as a click does", 0, 0},
+      {"--object", OPTION_TEXT, &o->object, "X,Y,Z", "put a ball there, in metres", 0, 0},
+      {"--frames", OPTION_COUNT, &o->frames, "N", "leave after N frames", 1, 100000000},
+      {"--screenshot", OPTION_TEXT, &o->screenshot, "FILE.png", "write the last frame; without --frames, the first", 0,
+       0},
+      {"--script", OPTION_TEXT, &o->script, "FILE", "play keys, mouse and window from a file, then leave", 0, 0},
+      {"--offscreen", OPTION_FLAG, &o->offscreen, NULL, "open no window", 0, 0},
+      {"--panel", OPTION_FLAG, &o->panel, NULL, "keep the panel in screenshots", 0, 0},
+      {"--no-wait", OPTION_FLAG, &o->no_wait, NULL, "do not wait for the display between frames", 0, 0},
+      {"--validate", OPTION_FLAG, &o->validate, NULL, "check every call with the validation layers", 0, 0},
+  };
+  command_line line = {.name = "view",
+                       .summary = "Fly through a scene that a field lights, on Vulkan.",
+                       .arguments = {"SCENE"},
+                       .options = options,
+                       .option_count = sizeof options / sizeof options[0]};
+  if (!parse_options(&line, argc, argv, exit_code)) return false;
+  o->scene = line.given[0];
+  s->scale = (float)scale_percent / 100.0f;
+  s->emitters = emitters == 1;
+  s->tracer = sample.tracer;
+  s->select = sample.select;
+  s->visibility = sample.visibility == OLX_VISIBILITY_CHEBYSHEV;
+  s->keep_buried = sample.keep_buried;
+  if (o->screenshot && !o->frames && !o->script) o->frames = 1;
+  if (check(o)) return true;
+  *exit_code = EXIT_USAGE;
+  return false;
+}

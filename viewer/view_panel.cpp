@@ -1,0 +1,278 @@
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_vulkan.h>
+#include <imgui.h>
+
+#include "view_panel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <new>
+
+struct view_panel {
+  VkDevice device;
+  VkDescriptorPool pool;
+  ImGuiContext *context;
+  bool has_window, has_backend;
+};
+
+namespace {
+
+const float WIDTH = 330.0f;
+
+// The backend would go on with what Vulkan did not give.
+void refuse(VkResult result) {
+  if (result < 0) throw result;
+}
+
+void set_style() {
+  ImGui::StyleColorsDark();
+  ImGuiStyle &style = ImGui::GetStyle();
+  style.WindowRounding = 6.0f;
+  style.FrameRounding = 3.0f;
+  style.GrabRounding = 3.0f;
+  style.WindowBorderSize = 0.0f;
+  style.Colors[ImGuiCol_WindowBg] = ImVec4(0.07f, 0.08f, 0.09f, 0.90f);
+  style.Colors[ImGuiCol_FrameBg] = ImVec4(0.19f, 0.21f, 0.24f, 1.0f);
+  style.Colors[ImGuiCol_Header] = ImVec4(0.22f, 0.26f, 0.32f, 1.0f);
+  style.Colors[ImGuiCol_CheckMark] = style.Colors[ImGuiCol_SliderGrab] = ImVec4(1.0f, 0.72f, 0.35f, 1.0f);
+  style.Colors[ImGuiCol_PlotLines] = ImVec4(1.0f, 0.72f, 0.35f, 1.0f);
+}
+
+// A choice among the words of a list. `allowed` has a bit for each that can be chosen.
+bool choose(const char *label, const char *words, uint32_t allowed, uint32_t *value) {
+  char word[64];
+  bool changed = false;
+  view_word(words, *value, word, sizeof word);
+  if (!ImGui::BeginCombo(label, word)) return false;
+  for (uint32_t i = 0; view_word(words, i, word, sizeof word), word[0]; i++) {
+    if (!(allowed >> i & 1u) || !ImGui::Selectable(word, i == *value)) continue;
+    *value = i;
+    changed = true;
+  }
+  ImGui::EndCombo();
+  return changed;
+}
+
+void build_light(const view_facts *facts, view_state *s) {
+  choose("mode", VIEW_MODE_WORDS, ~0u, &s->mode);
+  choose("tracer", VIEW_TRACER_WORDS, ~0u, &s->tracer);
+  const uint32_t baked = facts->field.select_mask & (1u << OLX_SELECT_CAGE | 1u << OLX_SELECT_BRICKS);
+  choose("selector", VIEW_SELECT_WORDS, baked | 1u << OLX_SELECT_EXHAUSTIVE | 1u << OLX_SELECT_BEST, &s->select);
+  ImGui::Checkbox("direct", &s->direct);
+  ImGui::SameLine();
+  ImGui::Checkbox("diffuse", &s->diffuse);
+  ImGui::SameLine();
+  ImGui::Checkbox("glossy", &s->glossy);
+  ImGui::Checkbox("emitters met by rays", &s->emitters);
+  ImGui::Checkbox("visibility", &s->visibility);
+  ImGui::SameLine();
+  ImGui::Checkbox("buried probes", &s->keep_buried);
+  ImGui::SliderFloat("dim lobes", &s->dim_lobe, 0.0f, 0.5f, "%.2f");
+  ImGui::SliderFloat("exposure", &s->exposure, 0.01f, 100.0f, "%.2f", ImGuiSliderFlags_Logarithmic);
+  ImGui::SliderFloat("resolution", &s->scale, 0.125f, 1.0f, "%.3f");
+}
+
+void build_camera(const view_facts *facts, view_state *s, view_camera *camera) {
+  if (ImGui::BeginCombo("camera", facts->cameras[s->camera].name)) {
+    for (uint32_t i = 0; i < facts->camera_count; i++) {
+      ImGui::PushID(static_cast<int>(i));
+      if (ImGui::Selectable(facts->cameras[i].name, i == s->camera)) {
+        s->camera = i;
+        *camera = view_camera_of(&facts->cameras[i]);
+      }
+      ImGui::PopID();
+    }
+    ImGui::EndCombo();
+  }
+  ImGui::SliderFloat("speed", &s->speed, 0.01f, 100.0f, "%.2f m/s", ImGuiSliderFlags_Logarithmic);
+  ImGui::TextDisabled("%.2f %.2f %.2f", static_cast<double>(camera->eye.x), static_cast<double>(camera->eye.y),
+                      static_cast<double>(camera->eye.z));
+}
+
+void build_pick(const view_pick *pick) {
+  static const char *const statuses[] = {"misses everything", "hits", "unresolved"};
+  if (!pick->valid) {
+    ImGui::TextDisabled("click on a pixel to ask its ray");
+    return;
+  }
+  ImGui::Text("ray from %.2f %.2f %.2f", static_cast<double>(pick->position[0]), static_cast<double>(pick->position[1]),
+              static_cast<double>(pick->position[2]));
+  ImGui::Text("%s", statuses[std::min(pick->status, 2u)]);
+  if (std::isfinite(pick->distance_metres)) {
+    ImGui::SameLine();
+    ImGui::Text("after %.2f m", static_cast<double>(pick->distance_metres));
+  }
+  if (pick->probe != UINT32_MAX) ImGui::Text("probe %u answers", pick->probe);
+  ImGui::Text("%u texels read, %u probes asked", pick->steps, pick->probes_tried);
+}
+
+void build_overlay(const view_facts *facts, const view_pick *pick, view_state *s) {
+  choose("overlay", VIEW_OVERLAY_WORDS, ~0u, &s->overlay);
+  if (s->overlay >= VIEW_PROBE_INDEX && s->overlay <= VIEW_PROBE_IRRADIANCE) {
+    ImGui::SliderFloat("radius", &s->probe_radius, 1e-3f, 10.0f, "%.3f m", ImGuiSliderFlags_Logarithmic);
+  }
+  if (s->overlay == VIEW_STEPS) ImGui::TextDisabled("dark: few texels read; pale: 512 and more");
+  if (s->overlay == VIEW_UNRESOLVED) ImGui::TextDisabled("magenta: no probe knows");
+  if (s->overlay == VIEW_MAP) {
+    int probe = s->probe == VIEW_ANSWERING ? -1 : static_cast<int>(s->probe);
+    const int last = static_cast<int>(facts->field.probe_count) - 1;
+    if (ImGui::SliderInt("map of probe", &probe, -1, last, probe < 0 ? "that answers" : "%d")) {
+      s->probe = probe < 0 ? VIEW_ANSWERING : static_cast<uint32_t>(probe);
+    }
+    ImGui::TextDisabled("orange: blocks skipped; green: texels read");
+  }
+  build_pick(pick);
+}
+
+void build_object(view_state *s) {
+  ImGui::Checkbox("a ball", &s->object);
+  if (!s->object) return;
+  ImGui::DragFloat3("place", &s->object_position.x, 0.01f);
+  ImGui::SliderFloat("size", &s->object_radius, 0.01f, 5.0f, "%.2f m", ImGuiSliderFlags_Logarithmic);
+  ImGui::SliderFloat("roughness", &s->object_roughness, 0.0f, 1.0f, "%.2f");
+  ImGui::SliderFloat("metallic", &s->object_metallic, 0.0f, 1.0f, "%.2f");
+}
+
+void build_times(const view_timings *t) {
+  const int shown = static_cast<int>(std::min<uint32_t>(t->frames, VIEW_HISTORY));
+  const int first = static_cast<int>(t->frames > VIEW_HISTORY ? t->frames % VIEW_HISTORY : 0);
+  float most = 0.0f, sum = 0.0f;
+  for (int i = 0; i < shown; i++) most = std::max(most, t->total[i]);
+  for (uint32_t i = 0; i < t->pass_count; i++) sum += t->latest[i];
+  ImGui::Text("device %.3f ms", static_cast<double>(sum));
+  ImGui::PlotLines("##total", t->total, shown, first, nullptr, 0.0f, most * 1.1f, ImVec2(-1.0f, 40.0f));
+  for (uint32_t i = 0; i < t->pass_count; i++) {
+    float largest = 0.0f;
+    for (int k = 0; k < shown; k++) largest = std::max(largest, t->history[i][k]);
+    ImGui::PushID(static_cast<int>(i));
+    ImGui::PlotLines("##pass", t->history[i], shown, first, nullptr, 0.0f, largest * 1.1f, ImVec2(110.0f, 15.0f));
+    ImGui::SameLine();
+    ImGui::Text("%8.3f  %s", static_cast<double>(t->latest[i]), t->names[i]);
+    ImGui::PopID();
+  }
+}
+
+void build_keys() {
+  ImGui::TextDisabled("WASD, Q E      fly; shift faster, control slower\n"
+                      "right button   look around; wheel: speed\n"
+                      "1 2 ..         mode          T  tracer\n"
+                      "O, shift O     overlay       B  selector\n"
+                      "R F G          direct, diffuse, glossy\n"
+                      "L V            emitters, visibility\n"
+                      "- =            exposure      [ ] resolution\n"
+                      "C              next camera   N  next map\n"
+                      "X, arrows      the ball      P  screenshot\n"
+                      "tab            this panel    escape  quit");
+}
+
+void build_window(const view_facts *facts, const view_timings *timings, const view_pick *pick, view_state *s,
+                  view_camera *camera) {
+  const float height = ImGui::GetIO().DisplaySize.y;
+  ImGui::SetNextWindowPos(ImVec2(12.0f, 12.0f), ImGuiCond_FirstUseEver);
+  ImGui::SetNextWindowSizeConstraints(ImVec2(WIDTH, 60.0f), ImVec2(2.0f * WIDTH, std::max(height - 24.0f, 61.0f)));
+  ImGui::Begin("Octalux", &s->panel, ImGuiWindowFlags_AlwaysAutoResize);
+  ImGui::TextDisabled("%s\n%s\n%u probes of %u x %u", facts->scene_name, facts->device, facts->field.probe_count,
+                      facts->field.radiance_size, facts->field.radiance_size);
+  ImGui::PushItemWidth(170.0f);
+  if (ImGui::CollapsingHeader("Light", ImGuiTreeNodeFlags_DefaultOpen)) build_light(facts, s);
+  if (ImGui::CollapsingHeader("Camera", ImGuiTreeNodeFlags_DefaultOpen)) build_camera(facts, s, camera);
+  if (ImGui::CollapsingHeader("Overlay", ImGuiTreeNodeFlags_DefaultOpen)) build_overlay(facts, pick, s);
+  if (ImGui::CollapsingHeader("Object")) build_object(s);
+  if (ImGui::CollapsingHeader("Time", ImGuiTreeNodeFlags_DefaultOpen)) build_times(timings);
+  if (ImGui::CollapsingHeader("Keys")) build_keys();
+  ImGui::PopItemWidth();
+  ImGui::End();
+}
+
+bool create_pool(VkDevice device, VkDescriptorPool *pool) {
+  const VkDescriptorPoolSize size = {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 4};
+  VkDescriptorPoolCreateInfo info = {};
+  info.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO;
+  info.flags = VK_DESCRIPTOR_POOL_CREATE_FREE_DESCRIPTOR_SET_BIT;
+  info.maxSets = 4;
+  info.poolSizeCount = 1;
+  info.pPoolSizes = &size;
+  return vkCreateDescriptorPool(device, &info, nullptr, pool) == VK_SUCCESS;
+}
+
+} // namespace
+
+view_panel *view_panel_create(const olx_vulkan_host *host, VkRenderPass render_pass, GLFWwindow *window) {
+  view_panel *panel = new (std::nothrow) view_panel();
+  if (!panel) return nullptr;
+  panel->device = host->device;
+  panel->context = ImGui::CreateContext();
+  ImGuiIO &io = ImGui::GetIO();
+  io.IniFilename = nullptr;
+  set_style();
+  if (window) panel->has_window = ImGui_ImplGlfw_InitForVulkan(window, true);
+  ImGui_ImplVulkan_InitInfo info = {};
+  if (create_pool(host->device, &panel->pool)) {
+    info.Instance = host->instance;
+    info.PhysicalDevice = host->physical_device;
+    info.Device = host->device;
+    info.QueueFamily = host->queue_family;
+    info.Queue = host->queue;
+    info.DescriptorPool = panel->pool;
+    info.MinImageCount = info.ImageCount = 2;
+    info.MSAASamples = VK_SAMPLE_COUNT_1_BIT;
+    info.CheckVkResultFn = refuse;
+    try {
+      panel->has_backend = true; // as soon as it has begun
+      ImGui_ImplVulkan_Init(&info, render_pass);
+      return panel;
+    } catch (VkResult) {}
+  }
+  view_panel_destroy(panel);
+  return nullptr;
+}
+
+void view_panel_destroy(view_panel *panel) {
+  if (!panel) return;
+  if (panel->has_backend) ImGui_ImplVulkan_Shutdown();
+  if (panel->has_window) ImGui_ImplGlfw_Shutdown();
+  ImGui::DestroyContext(panel->context);
+  if (panel->pool) vkDestroyDescriptorPool(panel->device, panel->pool, nullptr);
+  delete panel;
+}
+
+bool view_panel_upload(view_panel *, VkCommandBuffer commands) {
+  try {
+    return ImGui_ImplVulkan_CreateFontsTexture(commands);
+  } catch (VkResult) {
+    return false;
+  }
+}
+
+void view_panel_uploaded(view_panel *) { ImGui_ImplVulkan_DestroyFontUploadObjects(); }
+
+void view_panel_takes(const view_panel *, bool *mouse, bool *keys) {
+  *mouse = ImGui::GetIO().WantCaptureMouse;
+  *keys = ImGui::GetIO().WantTextInput;
+}
+
+void view_panel_build(view_panel *panel, const uint32_t size[2], float seconds, const view_facts *facts,
+                      const view_timings *timings, const view_pick *pick, view_state *s, view_camera *camera) {
+  ImGuiIO &io = ImGui::GetIO();
+  // A window that fits itself to its content is there from the second layout on.
+  for (const int needed = ImGui::GetFrameCount() + (ImGui::GetFrameCount() == 0 ? 2 : 1);
+       ImGui::GetFrameCount() < needed;) {
+    if (panel->has_window) ImGui_ImplGlfw_NewFrame();
+    io.DisplaySize = ImVec2(static_cast<float>(size[0]), static_cast<float>(size[1]));
+    io.DeltaTime = std::max(seconds, 1e-4f);
+    ImGui_ImplVulkan_NewFrame();
+    ImGui::NewFrame();
+    if (s->panel) build_window(facts, timings, pick, s, camera);
+    ImGui::Render();
+  }
+}
+
+bool view_panel_record(view_panel *, VkCommandBuffer commands) {
+  try {
+    ImGui_ImplVulkan_RenderDrawData(ImGui::GetDrawData(), commands);
+    return true;
+  } catch (VkResult) {
+    return false;
+  }
+}

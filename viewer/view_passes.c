@@ -1,0 +1,295 @@
+#include "view_passes.h"
+#include "shaders/view_shared.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+static const uint32_t spirv_primary[] = {
+#include "view_primary.spv.inc"
+};
+static const uint32_t spirv_pick[] = {
+#include "view_pick.spv.inc"
+};
+static const uint32_t spirv_overlay[] = {
+#include "view_overlay.spv.inc"
+};
+static const uint32_t spirv_ball_corner[] = {
+#include "view_ball_corner.spv.inc"
+};
+static const uint32_t spirv_ball[] = {
+#include "view_ball.spv.inc"
+};
+static const uint32_t spirv_square[] = {
+#include "view_square.spv.inc"
+};
+static const uint32_t spirv_map[] = {
+#include "view_map.spv.inc"
+};
+
+_Static_assert(offsetof(view_gpu_push, eye) == 64, "push constants");
+_Static_assert(offsetof(view_gpu_push, width) == 80, "push constants");
+_Static_assert(offsetof(view_gpu_push, tracer) == 96, "push constants");
+_Static_assert(offsetof(view_gpu_push, pick) == 112, "push constants");
+_Static_assert(sizeof(view_gpu_push) == 128, "push constants");
+_Static_assert(offsetof(view_gpu_pick, status) == 48 && sizeof(view_gpu_pick) == 64, "the pick");
+_Static_assert(VIEW_PROBE_INDEX == VIEW_SHADE_BALL_INDEX && VIEW_PROBE_RADIANCE == VIEW_SHADE_BALL_RADIANCE &&
+                   VIEW_PROBE_IRRADIANCE == VIEW_SHADE_BALL_IRRADIANCE && VIEW_WEIGHTS == VIEW_SHADE_WEIGHTS &&
+                   VIEW_ANSWER == VIEW_SHADE_ANSWER && VIEW_UNRESOLVED == VIEW_SHADE_UNRESOLVED &&
+                   VIEW_STEPS == VIEW_SHADE_STEPS,
+               "overlays");
+
+enum {
+  PASS_SIZE = 8,
+  EVERYWHERE = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT | VK_SHADER_STAGE_COMPUTE_BIT
+};
+
+static bool create_layout(gpu_device *d, const olx_vulkan_field *field, view_passes *p) {
+  static const VkDescriptorType types[VIEW_BINDINGS] = {
+      VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
+      VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
+  const VkSamplerCreateInfo sampler = {.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
+  if (!gpu_set_create(d, "the overlays", types, VIEW_BINDINGS, EVERYWHERE, &p->set) ||
+      !gpu_check(d, d->CreateSampler(d->host.device, &sampler, NULL, &p->sampler), "the overlays' sampler")) {
+    return false;
+  }
+  const VkDescriptorSetLayout sets[] = {olx_vulkan_field_set_layout(field), p->set.layout};
+  const VkPushConstantRange range = {EVERYWHERE, 0, sizeof(view_gpu_push)};
+  const VkPipelineLayoutCreateInfo layout = {.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+                                             .setLayoutCount = 2,
+                                             .pSetLayouts = sets,
+                                             .pushConstantRangeCount = 1,
+                                             .pPushConstantRanges = &range};
+  return gpu_check(d, d->CreatePipelineLayout(d->host.device, &layout, NULL, &p->layout), "the overlays' layout");
+}
+
+static bool create_compute(gpu_device *d, view_passes *p, view_pipeline which, const uint32_t *words, size_t bytes) {
+  VkShaderModule module;
+  if (!gpu_shader_create(d, "an overlay", words, bytes, &module)) return false;
+  const VkComputePipelineCreateInfo info = {.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
+                                            .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+                                                      .stage = VK_SHADER_STAGE_COMPUTE_BIT,
+                                                      .module = module,
+                                                      .pName = "main"},
+                                            .layout = p->layout};
+  const VkResult result =
+      d->CreateComputePipelines(d->host.device, VK_NULL_HANDLE, 1, &info, NULL, &p->pipelines[which]);
+  d->DestroyShaderModule(d->host.device, module, NULL);
+  return gpu_check(d, result, "an overlay's pipeline");
+}
+
+// Squares of four corners each, blended over what is there; nearer ones hide others.
+static VkResult create_squares(gpu_device *d, view_passes *p, VkRenderPass screen, const VkShaderModule modules[2],
+                               view_pipeline which) {
+  const VkPipelineShaderStageCreateInfo stages[] = {{.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+                                                     .stage = VK_SHADER_STAGE_VERTEX_BIT,
+                                                     .module = modules[0],
+                                                     .pName = "main"},
+                                                    {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+                                                     .stage = VK_SHADER_STAGE_FRAGMENT_BIT,
+                                                     .module = modules[1],
+                                                     .pName = "main"}};
+  const VkPipelineVertexInputStateCreateInfo vertices = {.sType =
+                                                             VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
+  const VkPipelineInputAssemblyStateCreateInfo assembly = {
+      .sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
+      .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_STRIP};
+  const VkPipelineViewportStateCreateInfo viewport = {
+      .sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO, .viewportCount = 1, .scissorCount = 1};
+  const VkPipelineRasterizationStateCreateInfo raster = {.sType =
+                                                             VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
+                                                         .polygonMode = VK_POLYGON_MODE_FILL,
+                                                         .cullMode = VK_CULL_MODE_NONE,
+                                                         .lineWidth = 1.0f};
+  const VkPipelineMultisampleStateCreateInfo samples = {
+      .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO, .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT};
+  const VkPipelineDepthStencilStateCreateInfo depth = {.sType =
+                                                           VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
+                                                       .depthTestEnable = VK_TRUE,
+                                                       .depthWriteEnable = VK_TRUE,
+                                                       .depthCompareOp = VK_COMPARE_OP_GREATER_OR_EQUAL};
+  const VkPipelineColorBlendAttachmentState blend = {.blendEnable = VK_TRUE,
+                                                     .srcColorBlendFactor = VK_BLEND_FACTOR_SRC_ALPHA,
+                                                     .dstColorBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA,
+                                                     .srcAlphaBlendFactor = VK_BLEND_FACTOR_ZERO,
+                                                     .dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
+                                                     .colorWriteMask = 15};
+  const VkPipelineColorBlendStateCreateInfo blending = {
+      .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO, .attachmentCount = 1, .pAttachments = &blend};
+  const VkDynamicState states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
+  const VkPipelineDynamicStateCreateInfo dynamic = {
+      .sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO, .dynamicStateCount = 2, .pDynamicStates = states};
+  const VkGraphicsPipelineCreateInfo info = {.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
+                                             .stageCount = 2,
+                                             .pStages = stages,
+                                             .pVertexInputState = &vertices,
+                                             .pInputAssemblyState = &assembly,
+                                             .pViewportState = &viewport,
+                                             .pRasterizationState = &raster,
+                                             .pMultisampleState = &samples,
+                                             .pDepthStencilState = &depth,
+                                             .pColorBlendState = &blending,
+                                             .pDynamicState = &dynamic,
+                                             .layout = p->layout,
+                                             .renderPass = screen};
+  return d->CreateGraphicsPipelines(d->host.device, VK_NULL_HANDLE, 1, &info, NULL, &p->pipelines[which]);
+}
+
+typedef struct shader_words {
+  const uint32_t *words;
+  size_t bytes;
+} shader_words;
+
+static bool create_drawn(gpu_device *d, view_passes *p, VkRenderPass screen, view_pipeline which, shader_words vertex,
+                         shader_words fragment) {
+  VkShaderModule modules[2] = {VK_NULL_HANDLE, VK_NULL_HANDLE};
+  bool made = gpu_shader_create(d, "an overlay", vertex.words, vertex.bytes, &modules[0]) &&
+              gpu_shader_create(d, "an overlay", fragment.words, fragment.bytes, &modules[1]);
+  if (made) made = gpu_check(d, create_squares(d, p, screen, modules, which), "an overlay's pipeline");
+  for (int i = 0; i < 2; i++) {
+    if (modules[i]) d->DestroyShaderModule(d->host.device, modules[i], NULL);
+  }
+  return made;
+}
+
+bool view_passes_create(gpu_device *d, const olx_vulkan_field *field, VkRenderPass screen, view_passes *p) {
+  *p = (view_passes){.field_set = olx_vulkan_field_set(field)};
+#define WORDS(name) ((shader_words){spirv_##name, sizeof spirv_##name})
+  const bool made =
+      gpu_buffer_create(d, "the pick", sizeof(view_gpu_pick), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, true, &p->pick) &&
+      create_layout(d, field, p) && create_compute(d, p, VIEW_PIPELINE_PRIMARY, spirv_primary, sizeof spirv_primary) &&
+      create_compute(d, p, VIEW_PIPELINE_PICK, spirv_pick, sizeof spirv_pick) &&
+      create_compute(d, p, VIEW_PIPELINE_OVERLAY, spirv_overlay, sizeof spirv_overlay) &&
+      create_drawn(d, p, screen, VIEW_PIPELINE_BALLS, WORDS(ball_corner), WORDS(ball)) &&
+      create_drawn(d, p, screen, VIEW_PIPELINE_MAP, WORDS(square), WORDS(map));
+#undef WORDS
+  if (made) *(view_gpu_pick *)p->pick.mapped = (view_gpu_pick){.probe = UINT32_MAX};
+  return made;
+}
+
+void view_passes_destroy(gpu_device *d, view_passes *p) {
+  if (!d->host.device) return;
+  for (int i = 0; i < VIEW_PIPELINES; i++) {
+    if (p->pipelines[i]) d->DestroyPipeline(d->host.device, p->pipelines[i], NULL);
+  }
+  if (p->layout) d->DestroyPipelineLayout(d->host.device, p->layout, NULL);
+  if (p->sampler) d->DestroySampler(d->host.device, p->sampler, NULL);
+  gpu_set_destroy(d, &p->set);
+  gpu_buffer_destroy(d, &p->pick);
+  *p = (view_passes){.layout = VK_NULL_HANDLE};
+}
+
+void view_passes_attach(gpu_device *d, view_passes *p, const frame_images *images) {
+  static const struct {
+    frame_image image;
+    VkImageLayout layout;
+  } shown[] = {{FRAME_DEPTH, VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL},
+               {FRAME_NORMAL, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL},
+               {FRAME_COLOR, VK_IMAGE_LAYOUT_GENERAL},
+               {FRAME_DISPLAY, VK_IMAGE_LAYOUT_GENERAL}};
+  gpu_binding bindings[VIEW_BINDINGS];
+  for (uint32_t i = 0; i < VIEW_BINDING_PICK; i++) {
+    bindings[i] = (gpu_binding){.type = i <= VIEW_BINDING_NORMAL ? VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER
+                                                                 : VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
+                                .view = images->images[shown[i].image].view,
+                                .sampler = i <= VIEW_BINDING_NORMAL ? p->sampler : VK_NULL_HANDLE,
+                                .layout = shown[i].layout};
+  }
+  bindings[VIEW_BINDING_PICK] = (gpu_binding){.type = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, .buffer = &p->pick};
+  gpu_set_write(d, &p->set, bindings, VIEW_BINDINGS);
+}
+
+static view_gpu_push make_push(const view_frame *f, const float matrix[16]) {
+  const view_state *s = f->state;
+  const uint32_t width = f->images->width, height = f->images->height;
+  const olx_vec3 eye = f->view->lit.eye;
+  view_gpu_push push = {.eye = {eye.x, eye.y, eye.z, f->view->lit.empty_depth},
+                        .width = width,
+                        .height = height,
+                        .overlay = s->overlay,
+                        .flags = (s->visibility ? VIEW_FLAG_VISIBILITY : 0u) |
+                                 (s->keep_buried ? VIEW_FLAG_KEEP_BURIED : 0u) |
+                                 (s->mode == VIEW_PROBES ? VIEW_FLAG_EYE_RAYS : 0u),
+                        .tracer = s->tracer,
+                        .select = s->select,
+                        .probe = s->probe,
+                        .exposure = s->exposure,
+                        .pick = {fminf(floorf(s->pick[0] * (float)width), (float)width - 1.0f),
+                                 fminf(floorf(s->pick[1] * (float)height), (float)height - 1.0f)},
+                        .radius = s->probe_radius,
+                        .scale = (float)width / (float)f->width};
+  memcpy(push.matrix, matrix, sizeof push.matrix);
+  return push;
+}
+
+static void bind(const gpu_device *d, const view_passes *p, VkCommandBuffer commands, view_pipeline which,
+                 const view_gpu_push *push) {
+  const VkPipelineBindPoint point =
+      which >= VIEW_PIPELINE_BALLS ? VK_PIPELINE_BIND_POINT_GRAPHICS : VK_PIPELINE_BIND_POINT_COMPUTE;
+  const VkDescriptorSet sets[] = {p->field_set, p->set.set};
+  d->CmdBindPipeline(commands, point, p->pipelines[which]);
+  d->CmdBindDescriptorSets(commands, point, p->layout, 0, 2, sets, 0, NULL);
+  d->CmdPushConstants(commands, p->layout, EVERYWHERE, 0, sizeof *push, push);
+}
+
+static void dispatch(const gpu_device *d, const view_passes *p, VkCommandBuffer commands, view_pipeline which,
+                     const view_gpu_push *push) {
+  bind(d, p, commands, which, push);
+  if (which == VIEW_PIPELINE_PICK) d->CmdDispatch(commands, 1, 1, 1);
+  else
+    d->CmdDispatch(commands, (push->width + PASS_SIZE - 1) / PASS_SIZE, (push->height + PASS_SIZE - 1) / PASS_SIZE, 1);
+}
+
+void view_passes_record_primary(const gpu_device *d, const view_passes *p, VkCommandBuffer commands,
+                                const view_frame *frame) {
+  const view_gpu_push push = make_push(frame, frame->view->lit.clip_to_world);
+  dispatch(d, p, commands, VIEW_PIPELINE_PRIMARY, &push);
+}
+
+void view_passes_record_overlay(const gpu_device *d, const view_passes *p, VkCommandBuffer commands,
+                                const view_frame *frame) {
+  const view_gpu_push push = make_push(frame, frame->view->lit.clip_to_world);
+  gpu_memory_barrier(d, commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT,
+                     VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT);
+  const uint32_t overlay = frame->state->overlay;
+  if (overlay >= VIEW_WEIGHTS && overlay <= VIEW_STEPS) dispatch(d, p, commands, VIEW_PIPELINE_OVERLAY, &push);
+  if (frame->state->picked) dispatch(d, p, commands, VIEW_PIPELINE_PICK, &push);
+  gpu_memory_barrier(d, commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT,
+                     VK_PIPELINE_STAGE_TRANSFER_BIT | VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT |
+                         VK_PIPELINE_STAGE_HOST_BIT,
+                     VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_HOST_READ_BIT);
+}
+
+void view_passes_record_balls(const gpu_device *d, const view_passes *p, VkCommandBuffer commands,
+                              const view_frame *frame) {
+  const view_gpu_push push = make_push(frame, frame->view->world_to_clip);
+  bind(d, p, commands, VIEW_PIPELINE_BALLS, &push);
+  const bool irradiance = frame->state->overlay == VIEW_PROBE_IRRADIANCE;
+  d->CmdDraw(commands, 4, irradiance ? frame->field->irradiance_probe_count : frame->field->probe_count, 0, 0);
+}
+
+void view_passes_record_map(const gpu_device *d, const view_passes *p, VkCommandBuffer commands,
+                            const view_frame *frame) {
+  static const float share = 0.55f, margin = 12.0f; // of the window's shorter side; pixels
+  view_gpu_push push = make_push(frame, frame->view->world_to_clip);
+  const float side = floorf(share * fminf((float)frame->width, (float)frame->height));
+  push.width = frame->width;
+  push.height = frame->height;
+  push.radius = side;
+  push.pick = (view_gpu_vec2){(float)frame->width - side - margin, (float)frame->height - side - margin};
+  bind(d, p, commands, VIEW_PIPELINE_MAP, &push);
+  d->CmdDraw(commands, 4, 1, 0, 0);
+}
+
+view_pick view_passes_read_pick(const view_passes *p) {
+  const view_gpu_pick *found = p->pick.mapped;
+  return (view_pick){.valid = found->position.w > 0.0f,
+                     .position = {found->position.x, found->position.y, found->position.z},
+                     .normal = {found->normal.x, found->normal.y, found->normal.z},
+                     .direction = {found->direction.x, found->direction.y, found->direction.z},
+                     .status = found->status,
+                     .distance_metres = found->direction.w,
+                     .probe = found->probe,
+                     .steps = found->steps,
+                     .probes_tried = found->tried};
+}

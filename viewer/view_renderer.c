@@ -1,0 +1,203 @@
+#include "view_renderer.h"
+#include "view_object.h"
+
+#include <math.h>
+#include <string.h>
+
+static bool upload_field(view_renderer *r, const olx_field *field) {
+  r->field_info = olx_field_describe(field);
+  return olx_vulkan_field_create(&r->device->host, field, &r->field) == OLX_OK || gpu_fail_library(r->device);
+}
+
+// The images have changed: tell those passes that are not the rasteriser's.
+static bool attach(view_renderer *r) {
+  const olx_vulkan_targets targets = frame_images_targets(&r->raster.images);
+  const olx_result result =
+      r->lit ? olx_vulkan_frame_resize(r->lit, &targets) : olx_vulkan_frame_create(r->field, &targets, &r->lit);
+  if (result != OLX_OK) return gpu_fail_library(r->device);
+  view_passes_attach(r->device, &r->passes, &r->raster.images);
+  return true;
+}
+
+bool view_renderer_create(gpu_device *device, const olx_scene *scene, const olx_field *field,
+                          const uint32_t lit_size[2], view_renderer *r) {
+  *r = (view_renderer){.device = device};
+  const olx_scene_content content = olx_scene_get_content(scene);
+  const lamp_settings lamps = lamp_settings_default();
+  r->near_metres = raster_view_near(content.bounds_min, content.bounds_max);
+  return upload_field(r, field) && rasteriser_create(device, &content, &lamps, lit_size[0], lit_size[1], &r->raster) &&
+         view_screen_create(device, &r->screen) &&
+         view_passes_create(device, r->field, r->screen.render_pass, &r->passes) &&
+         gpu_timer_create(device, &r->timer) && attach(r);
+}
+
+void view_renderer_destroy(view_renderer *r) {
+  gpu_device *d = r->device;
+  if (!d || !d->host.device) return;
+  d->DeviceWaitIdle(d->host.device);
+  gpu_timer_destroy(d, &r->timer);
+  view_passes_destroy(d, &r->passes);
+  view_screen_destroy(d, &r->screen);
+  olx_vulkan_frame_destroy(r->lit);
+  olx_vulkan_field_destroy(r->field);
+  gpu_scene_destroy(d, &r->object);
+  rasteriser_destroy(d, &r->raster);
+}
+
+void view_renderer_lit_size(const view_state *state, const uint32_t size[2], uint32_t lit_size[2]) {
+  for (int i = 0; i < 2; i++) lit_size[i] = (uint32_t)fmaxf(1.0f, roundf((float)size[i] * state->scale));
+}
+
+static bool resize(view_renderer *r, const view_state *state, const uint32_t size[2]) {
+  const frame_images *images = &r->raster.images;
+  uint32_t lit[2];
+  view_renderer_lit_size(state, size, lit);
+  if (images->width != lit[0] || images->height != lit[1]) {
+    if (!rasteriser_resize(r->device, &r->raster, lit[0], lit[1]) || !attach(r)) return false;
+  }
+  const gpu_image *picture = &r->screen.picture;
+  if (picture->image && picture->width == size[0] && picture->height == size[1]) return true;
+  return view_screen_resize(r->device, size[0], size[1], &r->screen);
+}
+
+// The object is made when it is first wanted, and anew when it looks different.
+static bool make_object(view_renderer *r, const view_state *s) {
+  if (!s->object) return true;
+  const bool same = r->object_roughness == s->object_roughness && r->object_metallic == s->object_metallic;
+  if (r->object.batch_count > 0 && same) return true;
+  gpu_scene_destroy(r->device, &r->object);
+  r->object_roughness = s->object_roughness;
+  r->object_metallic = s->object_metallic;
+  return view_object_create(r->device, s->object_roughness, s->object_metallic, &r->object);
+}
+
+static bool shadows_are_old(const view_renderer *r, const view_state *s) {
+  if (!r->shadowed || r->shadow_of_object != s->object) return true;
+  return s->object && (memcmp(&r->object_position, &s->object_position, sizeof s->object_position) != 0 ||
+                       r->object_radius != s->object_radius);
+}
+
+static void record_shadows(view_renderer *r, const view_state *s, VkCommandBuffer commands, const draw_item *items,
+                           uint32_t count) {
+  if (!shadows_are_old(r, s)) return;
+  shadow_pass_record(r->device, &r->raster.shadows, commands, items, count);
+  r->shadowed = true;
+  r->shadow_of_object = s->object;
+  r->object_position = s->object_position;
+  r->object_radius = s->object_radius;
+}
+
+static olx_vulkan_settings settings_of(const view_renderer *r, const view_state *s) {
+  olx_vulkan_settings settings = olx_vulkan_settings_default();
+  settings.sample.tracer = (olx_tracer)s->tracer;
+  settings.sample.select = (olx_select)s->select;
+  settings.sample.visibility = s->visibility ? OLX_VISIBILITY_CHEBYSHEV : OLX_VISIBILITY_NONE;
+  settings.sample.keep_buried = s->keep_buried;
+  settings.sample.emitters = s->emitters;
+  settings.glossy_samples = s->glossy_samples;
+  settings.dim_lobe = s->dim_lobe;
+  settings.sample_index = r->frame;
+  return settings;
+}
+
+static bool record_light(view_renderer *r, const view_state *s, VkCommandBuffer commands, const raster_view *view) {
+  const olx_vulkan_settings settings = settings_of(r, s);
+  olx_result result = OLX_OK;
+  if (s->diffuse) {
+    result = olx_vulkan_record_irradiance(r->lit, commands, &view->lit, &settings);
+    gpu_timer_mark(r->device, &r->timer, commands, "diffuse");
+  }
+  if (result == OLX_OK && s->glossy) {
+    result = olx_vulkan_record_glossy(r->lit, commands, &view->lit, &settings);
+    gpu_timer_mark(r->device, &r->timer, commands, "glossy");
+  }
+  const uint32_t add = (s->diffuse ? OLX_VULKAN_ADD_DIFFUSE : 0u) | (s->glossy ? OLX_VULKAN_ADD_GLOSSY : 0u);
+  if (result == OLX_OK && add) {
+    result = olx_vulkan_record_composite(r->lit, commands, &view->lit, &settings, add);
+    gpu_timer_mark(r->device, &r->timer, commands, "composite");
+  }
+  return result == OLX_OK || gpu_fail_library(r->device);
+}
+
+// The picture that is lit, in linear light.
+static bool record_picture(view_renderer *r, const view_state *s, VkCommandBuffer commands, const view_frame *frame) {
+  gpu_device *d = r->device;
+  const draw_item items[] = {draw_item_in_place(&r->raster.scene), view_object_place(&r->object, s)};
+  const uint32_t count = s->mode == VIEW_PROBES ? 0 : s->object ? 2 : 1;
+  if (count > 0) record_shadows(r, s, commands, items, count);
+  gpu_timer_mark(d, &r->timer, commands, "shadows");
+  gbuffer_pass_record(d, &r->raster.gbuffer, commands, &r->raster.images, frame->view, items, count);
+  gpu_timer_mark(d, &r->timer, commands, "surfaces");
+  if (s->mode == VIEW_PROBES) {
+    view_passes_record_primary(d, &r->passes, commands, frame);
+    gpu_timer_mark(d, &r->timer, commands, "eye rays");
+    return true;
+  }
+  direct_pass_record(d, &r->raster.direct, commands, &r->raster.images, frame->view,
+                     DIRECT_SKY | (s->direct ? DIRECT_LAMPS : 0u));
+  gpu_timer_mark(d, &r->timer, commands, "direct");
+  return record_light(r, s, commands, frame->view);
+}
+
+// What people see: tone-mapped, painted over, at the window's size.
+static bool record_screen(view_renderer *r, const view_state *s, VkCommandBuffer commands, const view_frame *frame,
+                          view_panel *panel) {
+  gpu_device *d = r->device;
+  tone_pass_record(d, &r->raster.tone, commands, &r->raster.images, s->exposure);
+  gpu_timer_mark(d, &r->timer, commands, "tone map");
+  view_passes_record_overlay(d, &r->passes, commands, frame);
+  gpu_timer_mark(d, &r->timer, commands, "overlay");
+  view_screen_begin(d, &r->screen, commands, &r->raster.images.images[FRAME_DISPLAY]);
+  if (s->overlay >= VIEW_PROBE_INDEX && s->overlay <= VIEW_PROBE_IRRADIANCE)
+    view_passes_record_balls(d, &r->passes, commands, frame);
+  if (s->overlay == VIEW_MAP) view_passes_record_map(d, &r->passes, commands, frame);
+  const bool drawn = !panel || view_panel_record(panel, commands) || gpu_fail(d, "Vulkan refuses the panel");
+  view_screen_end(d, commands);
+  gpu_timer_mark(d, &r->timer, commands, "screen");
+  return drawn;
+}
+
+static void read_times(view_renderer *r, view_timings *t) {
+  double milliseconds[GPU_TIMER_MARKS];
+  const char *names[GPU_TIMER_MARKS];
+  const uint32_t count = gpu_timer_read(r->device, &r->timer, milliseconds, names);
+  bool same = count == t->pass_count || (count > VIEW_PASSES_MAX && t->pass_count == VIEW_PASSES_MAX);
+  for (uint32_t i = 0; same && i < t->pass_count; i++) same = strcmp(names[i], t->names[i]) == 0;
+  if (!same) *t = (view_timings){.pass_count = count < VIEW_PASSES_MAX ? count : VIEW_PASSES_MAX};
+  const uint32_t at = t->frames++ % VIEW_HISTORY;
+  t->total[at] = 0.0f;
+  for (uint32_t i = 0; i < t->pass_count; i++) {
+    t->names[i] = names[i];
+    t->latest[i] = t->history[i][at] = (float)milliseconds[i];
+    t->total[at] += t->latest[i];
+  }
+}
+
+static bool record(view_renderer *r, const view_state *s, const view_frame *frame, const view_output *out,
+                   uint32_t image) {
+  gpu_device *d = r->device;
+  if (!gpu_commands_begin(d)) return false;
+  gpu_timer_begin(d, &r->timer, d->commands);
+  if (!record_picture(r, s, d->commands, frame) || !record_screen(r, s, d->commands, frame, out->panel)) return false;
+  if (image != UINT32_MAX) view_swapchain_record(d, out->chain, image, d->commands, &r->screen.picture);
+  return gpu_commands_run(d);
+}
+
+bool view_renderer_draw(view_renderer *r, const view_state *state, const view_camera *camera, const view_output *out,
+                        view_timings *timings) {
+  gpu_device *d = r->device;
+  uint32_t image = UINT32_MAX;
+  if (!resize(r, state, out->size) || !make_object(r, state)) return false;
+  const olx_camera seen = view_camera_get(camera);
+  raster_view view;
+  if (!raster_view_make(&seen, r->raster.images.width, r->raster.images.height, r->near_metres, &view)) {
+    return gpu_fail(d, "the camera has no view");
+  }
+  const view_frame frame = {state, &r->field_info, &view, &r->raster.images, out->size[0], out->size[1]};
+  if (out->chain && !view_swapchain_acquire(d, out->chain, &image)) return false;
+  if (!record(r, state, &frame, out, image)) return false;
+  read_times(r, timings);
+  r->frame++;
+  if (image != UINT32_MAX && !view_swapchain_show(d, out->chain, image)) return false;
+  return !out->screenshot || view_screen_save(d, &r->screen, out->screenshot);
+}

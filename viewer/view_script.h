@@ -1,0 +1,31 @@
+// A script plays what hands would do, frame by frame: for tests and for films. Lines of words; '#' begins a comment.
+//
+//   press KEY          W, 1, TAB, ...          look X Y     drag the mouse by so many pixels
+//   hold KEY N         for N frames            pick X Y     click on a pixel
+//   frames N           let N frames pass       wheel N      faster or slower
+//   resize WxH         0x0 is a minimised window
+//   screenshot FILE    of the frame that follows
+//   quit
+#ifndef OCTALUX_VIEW_SCRIPT_H
+#define OCTALUX_VIEW_SCRIPT_H
+
+#include "view_input.h"
+
+typedef struct view_script view_script;
+
+// What a script asks of the program itself.
+typedef struct view_script_wishes {
+  bool resize, quit;
+  uint32_t size[2];
+  const char *screenshot; // NULL: none; lives as long as the script
+} view_script_wishes;
+
+// Read a whole script. NULL, with one line on standard error that names file and line, when it cannot be read or has a line
+// that means nothing. The caller's to free.
+view_script *view_script_open(const char *path);
+void view_script_free(view_script *script); // NULL is allowed
+
+// Push what happens before the next frame of a picture of width x height pixels. False once the script is over.
+bool view_script_step(view_script *script, const uint32_t size[2], view_input *input, view_script_wishes *wishes);
+
+#endif

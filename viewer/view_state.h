@@ -1,0 +1,102 @@
+// What the viewer shows and how: one struct that options, keys, scripts and the panel all change, and the renderer reads.
+#ifndef OCTALUX_VIEW_STATE_H
+#define OCTALUX_VIEW_STATE_H
+
+#include <octalux/sample.h>
+#include <octalux/scene.h>
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+// How the picture is made (McGuire et al. 2017, section 5; VIEW_PROBES is Figure 20).
+typedef enum view_mode {
+  VIEW_PREFILTERED = 0, // diffuse light from irradiance probes, glossy light by rays
+  VIEW_PROBES,          // no triangles: a ray a pixel from the eye through the field
+  VIEW_MODES
+} view_mode;
+#define VIEW_MODE_WORDS "prefiltered|probes"
+
+// What is drawn over the picture.
+typedef enum view_overlay {
+  VIEW_NO_OVERLAY = 0,
+  VIEW_PROBE_INDEX,      // light field probes as balls, each in the colour that the others below give it
+  VIEW_PROBE_RADIANCE,   // light field probes as balls that show what they see
+  VIEW_PROBE_IRRADIANCE, // irradiance probes as balls that show their irradiance
+  VIEW_WEIGHTS,          // by which irradiance probes a pixel is lit, their colours mixed by weight
+  VIEW_ANSWER,           // which probe answered the mirror ray of a pixel (Figure 5)
+  VIEW_UNRESOLVED,       // where no probe could
+  VIEW_STEPS,            // texels that the mirror ray read
+  VIEW_MAP,              // the octahedral map of a probe, and the image of the picked pixel's ray in it (Figure 4)
+  VIEW_OVERLAYS
+} view_overlay;
+#define VIEW_OVERLAY_WORDS "none|probes|radiance|irradiance|weights|answer|unresolved|steps|map"
+
+#define VIEW_TRACER_WORDS "texel|two-level|hiz"
+#define VIEW_SELECT_WORDS "cage|voronoi|octree|bricks|exhaustive|best"
+
+// The word of a list like the ones above, for people to read.
+void view_word(const char *words, uint32_t index, char *word, size_t size);
+
+#define VIEW_ANSWERING UINT32_MAX // as view_state.probe: the probe that answered the picked ray
+
+typedef struct view_state {
+  uint32_t mode, overlay;
+  uint32_t tracer, select; // olx_tracer, olx_select
+  bool visibility, keep_buried, emitters;
+  bool direct, diffuse, glossy; // layers that are added up
+  uint32_t glossy_samples;
+  float dim_lobe;
+  float exposure;
+  float scale;        // pixels that are lit, along a side, over those shown; 0.125 to 1
+  float probe_radius; // of the balls, metres
+  uint32_t probe;     // whose map is shown
+  bool picked;
+  float pick[2]; // in the picture, 0..1 from its upper left corner
+  bool object;   // a ball that is not in the scene
+  olx_vec3 object_position;
+  float object_radius, object_roughness, object_metallic;
+  float speed;     // of the camera, metres a second
+  uint32_t camera; // of the scene's, the one chosen last
+  bool panel;
+  bool take_screenshot, quit;
+} view_state;
+
+enum { VIEW_PASSES_MAX = 12, VIEW_HISTORY = 120 };
+
+// Milliseconds a pass took on the device, the newest last.
+typedef struct view_timings {
+  uint32_t pass_count;
+  const char *names[VIEW_PASSES_MAX];
+  float latest[VIEW_PASSES_MAX];
+  float history[VIEW_PASSES_MAX][VIEW_HISTORY];
+  float total[VIEW_HISTORY];
+  uint32_t frames; // so far
+} view_timings;
+
+// What the device says of the picked pixel.
+typedef struct view_pick {
+  bool valid; // there is a surface
+  float position[3], normal[3], direction[3];
+  uint32_t status; // olx_trace_status of its mirror ray
+  float distance_metres;
+  uint32_t probe, steps, probes_tried;
+} view_pick;
+
+// What stays the same all the time.
+typedef struct view_facts {
+  char device[256];
+  char scene_name[256], field_name[256];
+  olx_field_info field;
+  const olx_camera *cameras;
+  uint32_t camera_count;
+} view_facts;
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

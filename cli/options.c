@@ -11,10 +11,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+// What stands before a command's name; programs of their own, octalux-NAME, have it in theirs.
+static const char *program(const char *command) { return strncmp(command, "octalux", 7) == 0 ? "" : "octalux "; }
+
 static void complain(const char *command, const char *format, va_list arguments) {
   char message[1536];
   vsnprintf(message, sizeof message, format, arguments);
-  fprintf(stderr, "octalux%s%s: %s\n", command ? " " : "", command ? command : "", message);
+  fprintf(stderr, "%s%s: %s\n", command ? program(command) : "octalux", command ? command : "", message);
 }
 
 int usage_error(const char *command, const char *format, ...) {
@@ -152,7 +155,7 @@ static void describe_value(const option *o, char *text, size_t size) {
 static bool must_be_given(const option *o) { return o->kind == OPTION_TEXT && o->min == 1; }
 
 static void print_usage(const command_line *line) {
-  printf("usage: octalux %s", line->name);
+  printf("usage: %s%s", program(line->name), line->name);
   for (int i = 0; i < MAX_ARGUMENTS && line->arguments[i]; ++i) printf(" %s", line->arguments[i]);
   for (size_t i = 0; i < line->option_count; ++i) {
     if (must_be_given(&line->options[i])) printf(" %s %s", line->options[i].name, line->options[i].form);
@@ -175,7 +178,7 @@ static bool take_argument(command_line *line, const char *text) {
     line->given[i] = text;
     return true;
   }
-  usage_error(line->name, "'%s' is one argument too many (see octalux %s --help)", text, line->name);
+  usage_error(line->name, "'%s' is one argument too many (see %s%s --help)", text, program(line->name), line->name);
   return false;
 }
 
@@ -199,8 +202,8 @@ static bool take_option(command_line *line, int argc, char **argv, int *index) {
     describe_value(o, wanted, sizeof wanted);
     return usage_error(line->name, "%s: '%s' is not %s", o->name, value, wanted) == EXIT_DONE;
   }
-  return usage_error(line->name, "unknown option '%.*s' (see octalux %s --help)", (int)length, text, line->name) ==
-         EXIT_DONE;
+  return usage_error(line->name, "unknown option '%.*s' (see %s%s --help)", (int)length, text, program(line->name),
+                     line->name) == EXIT_DONE;
 }
 
 bool parse_options(command_line *line, int argc, char **argv, int *exit_code) {
@@ -221,13 +224,13 @@ bool parse_options(command_line *line, int argc, char **argv, int *exit_code) {
   }
   for (int i = 0; i < MAX_ARGUMENTS; ++i) {
     if (!line->arguments[i] || line->arguments[i][0] == '[' || line->given[i]) continue;
-    usage_error(line->name, "%s is missing (see octalux %s --help)", line->arguments[i], line->name);
+    usage_error(line->name, "%s is missing (see %s%s --help)", line->arguments[i], program(line->name), line->name);
     return false;
   }
   for (size_t i = 0; i < line->option_count; ++i) {
     const option *o = &line->options[i];
     if (!must_be_given(o) || *(const char **)o->value) continue;
-    usage_error(line->name, "%s %s is missing (see octalux %s --help)", o->name, o->form, line->name);
+    usage_error(line->name, "%s %s is missing (see %s%s --help)", o->name, o->form, program(line->name), line->name);
     return false;
   }
   *exit_code = EXIT_DONE;

@@ -93,7 +93,7 @@ bool direct_pass_create(gpu_device *d, const olx_scene_content *content, const s
   if (upload_sky(d, content->environment, pass) &&
       upload_environment(d, content->environment, shadows->lamp_count, pass) && create_samplers(d, pass) &&
       gpu_set_create(d, "descriptors for direct light", TYPES, BINDINGS, VK_SHADER_STAGE_COMPUTE_BIT, &pass->set) &&
-      gpu_compute_create(d, "the pipeline of direct light", SHADER, sizeof SHADER, pass->set.layout,
+      gpu_compute_create(d, "the pipeline of direct light", SHADER, sizeof SHADER, &pass->set.layout, 1,
                          sizeof(direct_constants), &pass->compute)) {
     return true;
   }
@@ -146,7 +146,7 @@ void direct_pass_record(const gpu_device *d, const direct_pass *pass, VkCommandB
                                 .width = images->width,
                                 .height = images->height};
   memcpy(constants.clip_to_world, view->lit.clip_to_world, sizeof constants.clip_to_world);
-  gpu_compute_record(d, &pass->compute, pass->set.set, &constants, sizeof constants, images->width, images->height,
+  gpu_compute_record(d, &pass->compute, &pass->set.set, 1, &constants, sizeof constants, images->width, images->height,
                      commands);
   gpu_memory_barrier(d, commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT,
                      VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT);

@@ -66,14 +66,15 @@ bool gpu_shader_create(gpu_device *d, const char *what, const uint32_t *words, s
 }
 
 bool gpu_compute_create(gpu_device *d, const char *what, const uint32_t *words, size_t bytes,
-                        VkDescriptorSetLayout set_layout, uint32_t push_bytes, gpu_compute *compute) {
+                        const VkDescriptorSetLayout *sets, uint32_t set_count, uint32_t push_bytes,
+                        gpu_compute *compute) {
   *compute = (gpu_compute){.pipeline = VK_NULL_HANDLE};
   VkShaderModule module;
   if (!gpu_shader_create(d, what, words, bytes, &module)) return false;
   const VkPushConstantRange push = {VK_SHADER_STAGE_COMPUTE_BIT, 0, push_bytes};
   const VkPipelineLayoutCreateInfo layout = {.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
-                                             .setLayoutCount = 1,
-                                             .pSetLayouts = &set_layout,
+                                             .setLayoutCount = set_count,
+                                             .pSetLayouts = sets,
                                              .pushConstantRangeCount = 1,
                                              .pPushConstantRanges = &push};
   VkResult result = d->CreatePipelineLayout(d->host.device, &layout, NULL, &compute->layout);
@@ -98,10 +99,11 @@ void gpu_compute_destroy(gpu_device *d, gpu_compute *compute) {
   *compute = (gpu_compute){.pipeline = VK_NULL_HANDLE};
 }
 
-void gpu_compute_record(const gpu_device *d, const gpu_compute *compute, VkDescriptorSet set, const void *push,
-                        uint32_t push_bytes, uint32_t width, uint32_t height, VkCommandBuffer commands) {
+void gpu_compute_record(const gpu_device *d, const gpu_compute *compute, const VkDescriptorSet *sets,
+                        uint32_t set_count, const void *push, uint32_t push_bytes, uint32_t width, uint32_t height,
+                        VkCommandBuffer commands) {
   d->CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, compute->pipeline);
-  d->CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, compute->layout, 0, 1, &set, 0, NULL);
+  d->CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, compute->layout, 0, set_count, sets, 0, NULL);
   d->CmdPushConstants(commands, compute->layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, push_bytes, push);
   d->CmdDispatch(commands, (width + 7) / 8, (height + 7) / 8, 1);
 }

@@ -35,12 +35,14 @@ typedef struct gpu_compute {
   VkPipeline pipeline;
 } gpu_compute;
 
-// One set and push constants.
+// Descriptor sets from 0 on, and push constants.
 bool gpu_compute_create(gpu_device *device, const char *what, const uint32_t *words, size_t bytes,
-                        VkDescriptorSetLayout set_layout, uint32_t push_bytes, gpu_compute *compute);
+                        const VkDescriptorSetLayout *sets, uint32_t set_count, uint32_t push_bytes,
+                        gpu_compute *compute);
 void gpu_compute_destroy(gpu_device *device, gpu_compute *compute);
-// Bind it with a set and constants, and run it on groups of 8 x 8 pixels.
-void gpu_compute_record(const gpu_device *device, const gpu_compute *compute, VkDescriptorSet set, const void *push,
-                        uint32_t push_bytes, uint32_t width, uint32_t height, VkCommandBuffer commands);
+// Bind it with sets and constants, and run it on groups of 8 x 8 pixels.
+void gpu_compute_record(const gpu_device *device, const gpu_compute *compute, const VkDescriptorSet *sets,
+                        uint32_t set_count, const void *push, uint32_t push_bytes, uint32_t width, uint32_t height,
+                        VkCommandBuffer commands);
 
 #endif

@@ -17,7 +17,7 @@ typedef struct tone_constants {
 bool tone_pass_create(gpu_device *d, tone_pass *pass) {
   *pass = (tone_pass){.set = {.set = VK_NULL_HANDLE}};
   if (gpu_set_create(d, "descriptors for the tone map", TYPES, BINDINGS, VK_SHADER_STAGE_COMPUTE_BIT, &pass->set) &&
-      gpu_compute_create(d, "the tone map's pipeline", SHADER, sizeof SHADER, pass->set.layout, sizeof(tone_constants),
+      gpu_compute_create(d, "the tone map's pipeline", SHADER, sizeof SHADER, &pass->set.layout, 1, sizeof(tone_constants),
                          &pass->compute)) {
     return true;
   }
@@ -47,7 +47,7 @@ void tone_pass_record(const gpu_device *d, const tone_pass *pass, VkCommandBuffe
   gpu_memory_barrier(d, commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | uses,
                      VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT,
                      VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT);
-  gpu_compute_record(d, &pass->compute, pass->set.set, &constants, sizeof constants, images->width, images->height,
+  gpu_compute_record(d, &pass->compute, &pass->set.set, 1, &constants, sizeof constants, images->width, images->height,
                      commands);
   gpu_memory_barrier(d, commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT,
                      VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | uses,

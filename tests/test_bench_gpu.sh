@@ -1,0 +1,87 @@
+# octalux-bench-gpu: it needs nothing but a Vulkan loader, tells every pass of a tiny run, and says what is wrong with what it is given.
+source "$(dirname "$0")/cli/expect.sh"
+bench=$(dirname "$OCTALUX")/octalux-bench-gpu
+bake_cooked=$(dirname "$OCTALUX")/bench/bake_cooked
+[ -x "$bench" ] || { echo "skipped: built without Vulkan"; exit 77; }
+octalux=$OCTALUX
+# What drivers keep cannot be told by name once the loader has unloaded them; test_raster_vulkan looks for leaks.
+export ASAN_OPTIONS="${ASAN_OPTIONS:-}:detect_leaks=0"
+
+# From here on `expect` and its kin run the benchmark.
+OCTALUX=$bench
+expect_usage "either --data DIR, or --scene" --quick
+expect_usage "either --data DIR, or --scene" --data . --scene a.olxs --field a.olx
+expect_usage "go together" --scene a.olxs
+expect_usage "there is no row 'sibenik'" --data . --rows sponza,sibenik
+expect_usage "chooses among those of --data" --scene a.olxs --field a.olx --rows sponza
+expect_usage "is not a size" --data . --size 1920
+expect_usage "from 1 to 100000" --data . --frames 0
+expect_usage "is not a number above 0" --data . --bandwidth -3
+expect_usage "octalux-bench-gpu: unknown option '--speed'" --data . --speed
+expect_usage "is one argument too many (see octalux-bench-gpu --help)" --data . fast
+expect 0 --help
+grep -q "^usage: octalux-bench-gpu \[options\]" stdout.txt || fail "the help's first line"
+
+if command -v readelf >/dev/null; then
+  readelf -d "$bench" | grep NEEDED | grep -v -E 'lib(c|m|dl|pthread|asan|ubsan|tsan|gcc_s)\.so|ld-linux' && fail "it needs more than libc and libm"
+fi
+
+if ! "$bench" --list >stdout.txt 2>stderr.txt; then
+  cat stderr.txt
+  echo "skipped: no Vulkan"
+  exit 77
+fi
+grep -q "^0  " stdout.txt || fail "no device in the list"
+expect_failure "there is no Vulkan device 15; there are" --data . --device 15
+
+mkdir data
+"$octalux" scene builtin:cornell --cook data/cornell.olxs >/dev/null || fail "cook"
+"$bake_cooked" data/cornell.olxs data/cornell-256.olx 16 8 2x2x2 cage,bricks || fail "bake_cooked"
+tiny=(--quick --size 64x36 --frames 3)
+
+# One row is there, the others are told to be missing.
+expect_json "o['width'] == 64 and o['height'] == 36 and o['frames'] == 3 and o['copy_gigabytes_a_second'] > 0 and
+  [r['state'] for r in o['rows']] == ['skipped', 'done', 'skipped', 'skipped', 'skipped', 'skipped'] and
+  'cornell-2048.olx is not there' in o['rows'][0]['problem'] and
+  set(o['rows'][1]['passes']) == {'shadow', 'gbuffer', 'direct', 'irradiance', 'glossy', 'composite', 'tone', 'floor_irradiance',
+    'floor_glossy'} and
+  all(0 < p['least_ms'] <= p['ms'] < 60000 for p in o['rows'][1]['passes'].values()) and
+  o['rows'][1]['paper'] == {'irradiance_ms': 0.302, 'glossy_ms': 0} and not o['rows'][1]['as_published'] and
+  o['rows'][1]['probes'] == 8 and o['rows'][1]['radiance_size'] == 16 and not o['rows'][1]['other_scene'] and
+  0 < o['rows'][1]['counts']['filtered_reads'] <= 16 and o['rows'][1]['counts']['ray_share'] == 0" --data data "${tiny[@]}"
+grep -q "sponza: skipped: data/sponza.olxs is not there" stderr.txt || fail "a row is skipped silently"
+expect 0 --data data --rows cornell-256 "${tiny[@]}" --bandwidth 100
+grep -q "paper 0.302" stdout.txt || fail "no number of the paper"
+grep -q "reckoned with 100.0 GB/s, as stated" stdout.txt || fail "the stated bandwidth is not used"
+grep -q "not the paper's 8 probes of 256" stdout.txt || fail "a smaller field passes for the paper's"
+expect_failure "no row could be run" --data data --rows kitchen,sponza "${tiny[@]}" --json
+
+# Glossy surfaces, both ways to trace, under the validation layers where there are some.
+"$octalux" scene builtin:cornell-glossy --cook glossy.olxs >/dev/null || fail "cook"
+"$bake_cooked" glossy.olxs glossy.olx 16 8 2x2x2 cage,bricks || fail "bake_cooked"
+validate=--validate
+"$bench" --scene glossy.olxs --field glossy.olx "${tiny[@]}" --validate 2>&1 | grep -q "layers are not installed" && validate=
+expect_json "o['rows'][0]['counts']['ray_share'] > 0.1 and o['rows'][0]['counts']['fetches'] > 3 and
+  o['rows'][0]['compare']['two-level+cage']['counts']['steps'] > o['rows'][0]['compare']['hiz+bricks']['counts']['steps'] > 1 and
+  o['rows'][0]['compare']['ratio'] > 0" --scene glossy.olxs --field glossy.olx "${tiny[@]}" --compare $validate
+grep -q "^validation" stderr.txt && fail "the validation layers found fault"
+expect 0 --scene data/cornell.olxs --field glossy.olx "${tiny[@]}"
+grep -q "WARNING: the field was baked from another scene" stdout.txt || fail "another scene's field passes for this one's"
+
+# What it is given is broken.
+expect_failure "missing.olxs is not there" --scene missing.olxs --field glossy.olx "${tiny[@]}"
+expect_failure "missing.olx is not there" --scene glossy.olxs --field missing.olx "${tiny[@]}"
+expect_failure 'no camera named "back"' --scene glossy.olxs --field glossy.olx "${tiny[@]}" --camera back
+head -c 4000 glossy.olxs >cut.olxs
+expect_failure "cut.olxs: " --scene cut.olxs --field glossy.olx "${tiny[@]}"
+cp glossy.olxs flipped.olxs
+printf '\x55' | dd of=flipped.olxs bs=1 seek=3000 conv=notrunc status=none
+expect_failure "flipped.olxs: .*checksum" --scene flipped.olxs --field glossy.olx "${tiny[@]}"
+head -c 1000 glossy.olx >cut.olx
+expect_failure "cut.olx: " --scene glossy.olxs --field cut.olx "${tiny[@]}"
+cp glossy.olx plain.olx
+"$bake_cooked" glossy.olxs plain.olx 16 8 2x2x2 cage || fail "bake_cooked"
+expect_failure "bricks" --scene glossy.olxs --field plain.olx "${tiny[@]}" --select bricks
+"$bake_cooked" glossy.olxs plain.olx 16 8 2x2 2>/dev/null && fail "bake_cooked takes a grid of two numbers"
+"$bake_cooked" glossy.olxs plain.olx 16 8 2x2x2 cage,kd-tree 2>/dev/null && fail "bake_cooked takes an unknown selector"
+finish

@@ -1,11 +1,10 @@
 // The recorded passes on whatever Vulkan device there is, under the validation layers: what they write, what they refuse, and
 // that nothing is left behind.
-#include "analytic_field.h"
 #include "core/bsdf.h"
 #include "core/sampling.h"
 #include "pinned_drivers.h"
 #include "vulkan/gpu_frame.h"
-#include "vulkan_device.h"
+#include "vulkan_host.h"
 
 #include <octalux/sample.h>
 
@@ -15,13 +14,12 @@
 
 #include <cmocka.h>
 
-enum { WIDTH = 52, HEIGHT = 36, SAMPLES = 2, INPUTS = 4, OUTPUTS = 3 };
+enum { WIDTH = 52, HEIGHT = 36, SAMPLES = 2, OUTPUTS = HOST_OUTPUTS };
 
 static const analytic_scene ROOM = {
     .room = {{0, 0, 0}, {4, 3, 5}}, .box_count = 1, .boxes = {{{0.9f, 0.0f, 1.1f}, {1.7f, 1.3f, 2.1f}}}};
 static const olx_grid GRID = {{0.5f, 0.5f, 0.5f}, {3.0f, 2.0f, 4.0f}, {2, 2, 2}};
-static const olx_vec3 EYE = {3.1f, 1.6f, 4.2f};
-static const float NEAR = 0.1f, SPREAD = 0.8f; // reversed, endless depth: NEAR / distance along -z
+static const host_view VIEW = {.scene = &ROOM, .eye = {3.1f, 1.6f, 4.2f}, .width = WIDTH, .height = HEIGHT};
 
 static vulkan_device device;
 static const char *problem;
@@ -47,156 +45,20 @@ static void need_device(void) {
   skip();
 }
 
-// What the host has rendered: a view of the room along -z, every pixel of another roughness, metallic and weight.
-typedef struct pixel {
-  bool empty;
-  float depth;
-  olx_vec3 position, normal, view, color;
-  float roughness, metallic, weight;
-} pixel;
-
-static pixel make_pixel(uint32_t x, uint32_t y) {
-  const float cx = ((float)x + 0.5f) / WIDTH * 2.0f - 1.0f, cy = ((float)y + 0.5f) / HEIGHT * 2.0f - 1.0f;
-  const olx_vec3 along = olx_v3(cx * SPREAD, -cy * SPREAD, -1.0f), d = olx_normalize(along);
-  const analytic_hit hit = analytic_cast(&ROOM, EYE, d);
-  const uint32_t h = olx_hash2(x, y);
-  pixel p = {.empty = x < 4,
-             .normal = hit.normal,
-             .view = olx_negate(d),
-             .color = olx_v3(0.9f, 0.5f, 0.25f),
-             .roughness = (float)(h & 255u) / 255.0f,
-             .metallic = h & 256u ? 0.0f : 0.75f,
-             .weight = h & 512u ? 1.0f : 0.5f};
-  p.depth = p.empty ? 0.0f : NEAR / (-d.z * hit.t);
-  // As the passes find it again from the stored depth.
-  p.position = olx_madd(EYE, along, NEAR / (p.empty ? 1.0f : p.depth));
-  return p;
-}
-
-static olx_vulkan_view make_view(void) {
-  // clip (x, y, depth, 1) to (x SPREAD, -y SPREAD, -1) NEAR / depth + EYE
-  return (olx_vulkan_view){
-      .clip_to_world = {SPREAD * NEAR, 0, 0, 0, 0, -SPREAD * NEAR, 0, 0, EYE.x, EYE.y, EYE.z, 1, 0, 0, -NEAR, 0},
-      .eye = EYE,
-      .empty_depth = 0.0f};
-}
-
-typedef struct host_images {
-  uint32_t width, height;
-  shared_buffer staging;
-  device_image inputs[INPUTS], outputs[OUTPUTS];
-  olx_vulkan_targets targets;
-} host_images;
-
 static host_images make_host(uint32_t width, uint32_t height, VkFormat normal) {
-  host_images h = {.width = width, .height = height};
-  const VkFormat formats[INPUTS] = {VK_FORMAT_R32_SFLOAT, normal, VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_R8G8B8A8_UNORM};
-  const VkBufferUsageFlags both = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
-  assert_int_equal(shared_buffer_create(&device, (VkDeviceSize)width * height * 16 * INPUTS, both, &h.staging),
-                   VK_SUCCESS);
-  for (uint32_t i = 0; i < INPUTS; i++) {
-    assert_int_equal(device_image_create(&device, width, height, formats[i],
-                                         VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT, &h.inputs[i]),
-                     VK_SUCCESS);
-  }
-  for (uint32_t i = 0; i < OUTPUTS; i++) {
-    assert_int_equal(device_image_create(&device, width, height, VK_FORMAT_R16G16B16A16_SFLOAT,
-                                         VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
-                                             VK_IMAGE_USAGE_TRANSFER_DST_BIT,
-                                         &h.outputs[i]),
-                     VK_SUCCESS);
-  }
-  const VkImageLayout read = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
-  h.targets = (olx_vulkan_targets){.width = width,
-                                   .height = height,
-                                   .depth = {h.inputs[0].view, formats[0], read},
-                                   .normal = {h.inputs[1].view, formats[1], read},
-                                   .albedo = {h.inputs[2].view, formats[2], read},
-                                   .roughness = {h.inputs[3].view, formats[3], read},
-                                   .irradiance = h.outputs[0].view,
-                                   .glossy = h.outputs[1].view,
-                                   .color = h.outputs[2].view};
-  return h;
-}
-
-static void free_host(host_images *h) {
-  for (uint32_t i = 0; i < INPUTS; i++) device_image_destroy(&device, &h->inputs[i]);
-  for (uint32_t i = 0; i < OUTPUTS; i++) device_image_destroy(&device, &h->outputs[i]);
-  shared_buffer_destroy(&device, &h->staging);
-}
-
-static VkBufferImageCopy whole_image(const host_images *h, VkDeviceSize offset) {
-  return (VkBufferImageCopy){.bufferOffset = offset,
-                             .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
-                             .imageExtent = {h->width, h->height, 1}};
-}
-
-static uint32_t unorm(olx_vec3 v) {
-  return (uint32_t)(v.x * 255.0f + 0.5f) | (uint32_t)(v.y * 255.0f + 0.5f) << 8 | (uint32_t)(v.z * 255.0f + 0.5f) << 16;
-}
-
-static VkDeviceSize plane(const host_images *h, uint32_t image) {
-  return (VkDeviceSize)h->width * h->height * 16 * image;
-}
-
-static void upload(host_images *h) {
-  char *memory = h->staging.mapped;
-  for (uint32_t i = 0; i < h->width * h->height; i++) {
-    const pixel p = make_pixel(i % h->width, i / h->width);
-    ((float *)(void *)(memory + plane(h, 0)))[i] = p.depth;
-    if (h->inputs[1].format == VK_FORMAT_R8G8B8A8_UNORM) {
-      ((uint32_t *)(void *)(memory + plane(h, 1)))[i] = unorm(olx_madd(olx_splat(0.5f), p.normal, 0.5f));
-    } else {
-      const float n[4] = {p.normal.x, p.normal.y, p.normal.z, 0.0f};
-      memcpy(memory + plane(h, 1) + (size_t)16 * i, n, sizeof n);
-    }
-    ((uint32_t *)(void *)(memory + plane(h, 2)))[i] = unorm(p.color);
-    ((uint32_t *)(void *)(memory + plane(h, 3)))[i] = unorm(olx_v3(p.roughness, p.metallic, p.weight));
-  }
-  for (uint32_t i = 0; i < INPUTS; i++) {
-    const VkBufferImageCopy region = whole_image(h, plane(h, i));
-    device_barrier(&device, &h->inputs[i], VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-    device.CmdCopyBufferToImage(device.commands, h->staging.buffer, h->inputs[i].image,
-                                VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
-    device_barrier(&device, &h->inputs[i], VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
-                   VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
-  }
-  const VkClearColorValue color = {.float32 = {0.5f, 0.25f, 0.125f, 1.0f}};
-  const VkImageSubresourceRange range = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
-  for (uint32_t i = 0; i < OUTPUTS; i++) {
-    device_barrier(&device, &h->outputs[i], VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL);
-    device.CmdClearColorImage(device.commands, h->outputs[i].image, VK_IMAGE_LAYOUT_GENERAL, &color, 1, &range);
-  }
-  device_barrier(&device, NULL, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_UNDEFINED);
-}
-
-static void download(host_images *h) {
-  for (uint32_t i = 0; i < OUTPUTS; i++) {
-    const VkBufferImageCopy region = whole_image(h, plane(h, i));
-    device_barrier(&device, &h->outputs[i], VK_IMAGE_LAYOUT_GENERAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
-    device.CmdCopyImageToBuffer(device.commands, h->outputs[i].image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
-                                h->staging.buffer, 1, &region);
-  }
-  device_barrier(&device, NULL, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_UNDEFINED);
-}
-
-static olx_vec3 output(const host_images *h, uint32_t image, uint32_t i, float *alpha) {
-  uint16_t half[4];
-  memcpy(half, (const char *)h->staging.mapped + plane(h, image) + (size_t)8 * i, sizeof half);
-  *alpha = olx_half_unpack(half[3]);
-  return olx_v3(olx_half_unpack(half[0]), olx_half_unpack(half[1]), olx_half_unpack(half[2]));
+  return host_images_make(&device, width, height, normal);
 }
 
 static void run_frame(host_images *h, const olx_vulkan_frame *frame, const olx_vulkan_settings *settings) {
-  const olx_vulkan_view view = make_view();
+  const olx_vulkan_view view = host_vulkan_view(&VIEW);
   assert_int_equal(device_commands_begin(&device), VK_SUCCESS);
-  upload(h);
+  host_upload(h, &VIEW);
   assert_int_equal(olx_vulkan_record_irradiance(frame, device.commands, &view, settings), OLX_OK);
   assert_int_equal(olx_vulkan_record_glossy(frame, device.commands, &view, settings), OLX_OK);
   assert_int_equal(olx_vulkan_record_composite(frame, device.commands, &view, settings,
                                                OLX_VULKAN_ADD_DIFFUSE | OLX_VULKAN_ADD_GLOSSY),
                    OLX_OK);
-  download(h);
+  host_download(h);
   assert_int_equal(device_commands_run(&device), VK_SUCCESS);
 }
 
@@ -204,7 +66,7 @@ typedef struct light {
   olx_vec3 irradiance, glossy;
 } light;
 
-static light expected_light(const olx_field *field, const olx_vulkan_settings *settings, const pixel *p,
+static light expected_light(const olx_field *field, const olx_vulkan_settings *settings, const host_pixel *p,
                             const olx_bsdf *bsdf, uint32_t x, uint32_t y) {
   light l = {.irradiance = olx_irradiance(field, &settings->sample, p->position, p->normal, p->view)};
   const uint32_t seed = olx_hash2(olx_hash2(x, y), 0x85EBCA6Bu + 3u), count = bsdf->alpha > 0.0f ? SAMPLES : 1;
@@ -228,10 +90,11 @@ static void judge_frame(const host_images *h, const olx_field *field, const olx_
   memset(errors, 0, OUTPUTS * sizeof errors[0]);
   for (uint32_t i = 0; i < h->width * h->height; i++) {
     const uint32_t x = i % h->width, y = i / h->width;
-    const pixel p = make_pixel(x, y);
+    const host_pixel p = host_pixel_at(&VIEW, x, y);
     float alpha[OUTPUTS];
-    const olx_vec3 seen[OUTPUTS] = {output(h, 0, i, &alpha[0]), output(h, 1, i, &alpha[1]), output(h, 2, i, &alpha[2])};
-    const olx_vec3 before = olx_v3(0.5f, 0.25f, 0.125f);
+    const olx_vec3 seen[OUTPUTS] = {host_output(h, 0, i, &alpha[0]), host_output(h, 1, i, &alpha[1]),
+                                    host_output(h, 2, i, &alpha[2])};
+    const olx_vec3 before = HOST_BEFORE;
     if (p.empty) {
       assert_true(squared(seen[0]) == 0 && alpha[0] == 0.0f && squared(seen[1]) == 0 && alpha[1] == 1.0f);
       assert_true(squared(olx_sub(seen[2], before)) == 0 && alpha[2] == 1.0f);
@@ -286,7 +149,7 @@ static void passes_give_the_light_of_the_cpu(void **unused) {
                 errors[2]);
   for (uint32_t k = 0; k < OUTPUTS; k++) assert_true(errors[k] < 1e-5);
   olx_vulkan_frame_destroy(frame);
-  free_host(&h);
+  host_images_free(&h);
   olx_vulkan_field_destroy(uploaded);
   analytic_field_free(field);
   assert_int_equal(device.validation_messages, before);
@@ -308,7 +171,7 @@ static void a_frame_can_be_resized_and_reads_other_formats(void **unused) {
   wrong.depth.format = VK_FORMAT_R32_UINT;
   assert_int_equal(olx_vulkan_frame_resize(frame, &wrong), OLX_ERROR_ARGUMENT);
   run_frame(&small, frame, &settings); // still the old ones
-  free_host(&small);
+  host_images_free(&small);
   if (olx_vulkan_frame_resize(frame, &full.targets) != OLX_OK) fail_msg("%s", olx_last_error());
   run_frame(&full, frame, &settings);
   double errors[OUTPUTS];
@@ -317,7 +180,7 @@ static void a_frame_can_be_resized_and_reads_other_formats(void **unused) {
   print_message("relative MSE of irradiance %.2e, glossy %.2e, composite %.2e\n", errors[0], errors[1], errors[2]);
   for (uint32_t k = 0; k < OUTPUTS; k++) assert_true(errors[k] < 2e-3);
   olx_vulkan_frame_destroy(frame);
-  free_host(&full);
+  host_images_free(&full);
   olx_vulkan_field_destroy(uploaded);
   analytic_field_free(field);
   assert_int_equal(device.validation_messages, before);
@@ -354,7 +217,7 @@ static void diffuse_light_takes_hardly_more_reads_than_it_must(void **unused) {
   uint32_t pixels = 0;
   for (uint32_t i = 0; i < WIDTH * HEIGHT; i++) {
     float surface;
-    const olx_vec3 result = output(&h, 0, i, &surface);
+    const olx_vec3 result = host_output(&h, 0, i, &surface);
     if (surface == 0.0f) continue;
     pixels++;
     reads += (double)result.x;
@@ -364,7 +227,7 @@ static void diffuse_light_takes_hardly_more_reads_than_it_must(void **unused) {
   print_message("%.2f filtered reads a pixel, %.0f at most\n", reads / pixels, most);
   assert_true(reads / pixels <= 1.3 * least);
   olx_vulkan_frame_destroy(frame);
-  free_host(&h);
+  host_images_free(&h);
   olx_vulkan_field_destroy(uploaded);
   analytic_field_free(field);
 }
@@ -415,7 +278,7 @@ static void wrong_images_are_named(void **unused) {
     assert_null(frame);
     if (!strstr(olx_last_error(), cases[i].message)) fail_msg("'%s' lacks '%s'", olx_last_error(), cases[i].message);
   }
-  free_host(&h);
+  host_images_free(&h);
   olx_vulkan_field_destroy(uploaded);
   analytic_field_free(field);
   assert_int_equal(device.validation_messages, before);
@@ -429,7 +292,7 @@ static void settings_that_cannot_be_are_refused(void **unused) {
   host_images h = make_host(8, 8, VK_FORMAT_R32G32B32A32_SFLOAT);
   olx_vulkan_frame *frame;
   assert_int_equal(olx_vulkan_frame_create(uploaded, &h.targets, &frame), OLX_OK);
-  const olx_vulkan_view view = make_view();
+  const olx_vulkan_view view = host_vulkan_view(&VIEW);
   olx_vulkan_settings settings = olx_vulkan_settings_default();
   settings.glossy_samples = 0;
   assert_int_equal(olx_vulkan_record_glossy(frame, device.commands, &view, &settings), OLX_ERROR_ARGUMENT);
@@ -440,7 +303,7 @@ static void settings_that_cannot_be_are_refused(void **unused) {
   settings = olx_vulkan_settings_default();
   assert_int_equal(olx_vulkan_record_composite(frame, device.commands, &view, &settings, 4), OLX_ERROR_ARGUMENT);
   olx_vulkan_frame_destroy(frame);
-  free_host(&h);
+  host_images_free(&h);
   olx_vulkan_field_destroy(uploaded);
   analytic_field_free(field);
 }

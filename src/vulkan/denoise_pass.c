@@ -26,6 +26,7 @@ typedef struct vec3d {
 
 static double dot(vec3d a, vec3d b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 static vec3d sub(vec3d a, vec3d b) { return (vec3d){a.x - b.x, a.y - b.y, a.z - b.z}; }
+static vec3d add(vec3d a, vec3d b) { return (vec3d){a.x + b.x, a.y + b.y, a.z + b.z}; }
 static vec3d scaled(vec3d a, double s) { return (vec3d){a.x * s, a.y * s, a.z * s}; }
 static vec3d cross(vec3d a, vec3d b) {
   return (vec3d){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
@@ -41,8 +42,19 @@ static vec3d from_eye(const olx_vulkan_view *view, double x, double y, double de
   return sub((vec3d){p[0] / p[3], p[1] / p[3], p[2] / p[3]}, eye);
 }
 
+// Whether the camera finds a point where the view has it.
+static bool agrees(const olx_vulkan_view *view, const camera *c, vec3d forward, vec3d right, vec3d up, double shift_x,
+                   double shift_y, double depth) {
+  const double metres = (double)c->depth_scale / (depth - (double)c->depth_offset);
+  const vec3d along = add(forward, add(scaled(right, 0.5 + shift_x), scaled(up, shift_y - 0.5)));
+  const vec3d error = sub(scaled(along, metres), from_eye(view, 0.5, 0.5, depth));
+  return dot(error, error) <= 1e-6 * metres * metres * dot(along, along);
+}
+
 static olx_result find_camera(const olx_vulkan_frame *f, const olx_vulkan_view *view, const char *name, camera *c) {
-  const double near_depth = 0.25, far_depth = 0.75;
+  // Far from the eye, where single precision of a position says more.
+  const double step = view->empty_depth > 0.5f ? -0.01 : 0.01, far_depth = (double)view->empty_depth + step,
+               near_depth = far_depth + step;
   const vec3d middle = from_eye(view, 0, 0, near_depth);
   vec3d right = sub(from_eye(view, 1, 0, near_depth), middle), up = sub(middle, from_eye(view, 0, 1, near_depth));
   vec3d forward = cross(up, right);
@@ -51,17 +63,16 @@ static olx_result find_camera(const olx_vulkan_frame *f, const olx_vulkan_view *
   if (c->mirrored) forward = scaled(forward, -1);
   const double a = dot(forward, middle), b = dot(forward, from_eye(view, 0, 0, far_depth));
   const double offset = (a * near_depth - b * far_depth) / (a - b);
-  const vec3d centre = scaled(middle, 1 / a);
   right = scaled(right, 1 / a);
   up = scaled(up, 1 / a);
-  const double shift_x = dot(centre, right) / dot(right, right) * f->width / 2,
-               shift_y = -dot(centre, up) / dot(up, up) * f->height / 2;
+  const double shift_x = dot(middle, right) / (a * dot(right, right)), shift_y = dot(middle, up) / (a * dot(up, up));
   c->depth_scale = (float)(a * (near_depth - offset));
   c->depth_offset = (float)offset;
-  c->constants = (olx_gpu_camera){.eye = {view->eye.x, view->eye.y, view->eye.z, (float)shift_x},
-                                  .right = {(float)right.x, (float)right.y, (float)right.z, (float)shift_y},
-                                  .up = {(float)up.x, (float)up.y, (float)up.z, 0.0f}};
-  if (isfinite(shift_x) && isfinite(shift_y) && isfinite(c->depth_offset) && isfinite(c->depth_scale)) return OLX_OK;
+  c->constants =
+      (olx_gpu_camera){.eye = {view->eye.x, view->eye.y, view->eye.z, (float)(shift_x * f->width / 2)},
+                       .right = {(float)right.x, (float)right.y, (float)right.z, (float)(-shift_y * f->height / 2)},
+                       .up = {(float)up.x, (float)up.y, (float)up.z, 0.0f}};
+  if (agrees(view, c, forward, right, up, shift_x, shift_y, near_depth + 5 * step)) return OLX_OK;
   return olx_fail(OLX_ERROR_ARGUMENT, "denoise: %s view's clip_to_world is not that of a perspective from its eye",
                   name);
 }

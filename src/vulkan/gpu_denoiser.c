@@ -37,6 +37,7 @@ void olx_gpu_denoiser_destroy(olx_vulkan_frame *f) {
   vk->DestroyPipelineLayout(device, d->filter_layout, NULL);
   vk->DestroyDescriptorSetLayout(device, d->accumulate_set_layout, NULL);
   vk->DestroyDescriptorSetLayout(device, d->filter_set_layout, NULL);
+  *d = (olx_gpu_denoiser){.filter = VK_NULL_HANDLE};
 }
 
 static VkDescriptorImageInfo host_image(const olx_vulkan_frame *f, const olx_vulkan_image *image) {

@@ -1,0 +1,540 @@
+// The denoiser's passes on whatever Vulkan device there is, under the validation layers: what they write is what the CPU's
+// denoiser makes of the same rays, whatever the views; and what happens when something is missing.
+#include "core/bsdf.h"
+#include "core/sampling.h"
+#include "pinned_drivers.h"
+#include "render/denoise.h"
+#include "shade/emission.h"
+#include "vulkan/gpu_frame.h"
+#include "vulkan_host.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { WIDTH = 52, HEIGHT = 36, BOTH = OLX_VULKAN_LOBE_DIFFUSE | OLX_VULKAN_LOBE_GLOSSY };
+
+static const analytic_scene ROOM = {
+    .room = {{0, 0, 0}, {4, 3, 5}}, .box_count = 1, .boxes = {{{0.9f, 0.0f, 1.1f}, {1.7f, 1.3f, 2.1f}}}};
+static const olx_grid GRID = {{0.5f, 0.5f, 0.5f}, {3.0f, 2.0f, 4.0f}, {2, 2, 2}};
+
+static vulkan_device device;
+static const char *problem;
+
+static int open_device(void **unused) {
+  (void)unused;
+  pin_drivers();
+  problem = vulkan_device_open(&device, true);
+  return 0;
+}
+
+static int close_device(void **unused) {
+  (void)unused;
+  if (problem) return 0;
+  const uint32_t before = device.validation_messages;
+  vulkan_device_close(&device);
+  return device.validation_messages == before ? 0 : 1; // the layers name what was not destroyed
+}
+
+// Of all calls that make something, the one when this reaches 0 fails.
+static int calls_left; // never, when negative
+static VkResult failure;
+
+#define FAILING(name, parameters, arguments)                                                                           \
+  static VKAPI_ATTR VkResult VKAPI_CALL failing_##name parameters {                                                    \
+    return calls_left-- == 0 ? failure : device.name arguments;                                                        \
+  }
+// clang-format off
+FAILING(AllocateMemory, (VkDevice d, const VkMemoryAllocateInfo *i, const VkAllocationCallbacks *a, VkDeviceMemory *m), (d, i, a, m))
+FAILING(BindImageMemory, (VkDevice d, VkImage i, VkDeviceMemory m, VkDeviceSize o), (d, i, m, o))
+FAILING(CreateImage, (VkDevice d, const VkImageCreateInfo *i, const VkAllocationCallbacks *a, VkImage *m), (d, i, a, m))
+FAILING(CreateImageView, (VkDevice d, const VkImageViewCreateInfo *i, const VkAllocationCallbacks *a, VkImageView *m), (d, i, a, m))
+FAILING(CreateShaderModule, (VkDevice d, const VkShaderModuleCreateInfo *i, const VkAllocationCallbacks *a, VkShaderModule *m), (d, i, a, m))
+FAILING(CreatePipelineLayout, (VkDevice d, const VkPipelineLayoutCreateInfo *i, const VkAllocationCallbacks *a, VkPipelineLayout *m), (d, i, a, m))
+FAILING(CreateDescriptorPool, (VkDevice d, const VkDescriptorPoolCreateInfo *i, const VkAllocationCallbacks *a, VkDescriptorPool *m), (d, i, a, m))
+FAILING(CreateDescriptorSetLayout, (VkDevice d, const VkDescriptorSetLayoutCreateInfo *i, const VkAllocationCallbacks *a, VkDescriptorSetLayout *m), (d, i, a, m))
+FAILING(AllocateDescriptorSets, (VkDevice d, const VkDescriptorSetAllocateInfo *i, VkDescriptorSet *m), (d, i, m))
+// clang-format on
+
+static const uint32_t NOTHING[] = {
+#include "nothing.spv.inc"
+};
+
+// Pipelines that are never run do not need their shaders, which take long to compile.
+static VKAPI_ATTR VkResult VKAPI_CALL failing_CreateComputePipelines(VkDevice d, VkPipelineCache cache, uint32_t count,
+                                                                     const VkComputePipelineCreateInfo *infos,
+                                                                     const VkAllocationCallbacks *callbacks,
+                                                                     VkPipeline *pipelines) {
+  if (calls_left-- == 0) return failure;
+  const VkShaderModuleCreateInfo code = {
+      .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = sizeof NOTHING, .pCode = NOTHING};
+  VkComputePipelineCreateInfo info = *infos;
+  assert_int_equal(count, 1);
+  assert_int_equal(device.CreateShaderModule(d, &code, NULL, &info.stage.module), VK_SUCCESS);
+  const VkResult result = device.CreateComputePipelines(d, cache, 1, &info, callbacks, pipelines);
+  device.DestroyShaderModule(d, info.stage.module, NULL);
+  return result;
+}
+
+static void let_calls_fail(olx_vulkan_functions *vk) {
+#define FAIL(name) vk->name = failing_##name;
+  FAIL(AllocateMemory)
+  FAIL(BindImageMemory)
+  FAIL(CreateImage)
+  FAIL(CreateImageView)
+  FAIL(CreateShaderModule)
+  FAIL(CreatePipelineLayout)
+  FAIL(CreateDescriptorPool)
+  FAIL(CreateDescriptorSetLayout)
+  FAIL(AllocateDescriptorSets)
+  FAIL(CreateComputePipelines)
+#undef FAIL
+}
+
+// A field, its copy on the device, and the host's images of one size.
+typedef struct fixture {
+  uint32_t messages; // before
+  olx_field *field;
+  olx_vulkan_field *uploaded;
+  host_images host;
+  olx_vulkan_frame *frame;
+} fixture;
+
+static void make_field(fixture *f) {
+  if (problem) {
+    print_message("skipped: %s\n", problem);
+    skip();
+  }
+  *f = (fixture){.messages = device.validation_messages, .field = analytic_field_make(&ROOM, &GRID, 64, 16)};
+  if (olx_vulkan_field_create(&device.host, f->field, &f->uploaded) != OLX_OK) fail_msg("%s", olx_last_error());
+}
+
+static fixture make_fixture(uint32_t width, uint32_t height, uint32_t lobes, bool runs) {
+  fixture f;
+  make_field(&f);
+  calls_left = -1;
+  if (!runs) let_calls_fail(&f.uploaded->context.vk);
+  f.host = host_images_make(&device, width, height, VK_FORMAT_R32G32B32A32_SFLOAT);
+  f.host.targets.denoise = lobes;
+  if (olx_vulkan_frame_create(f.uploaded, &f.host.targets, &f.frame) != OLX_OK) fail_msg("%s", olx_last_error());
+  return f;
+}
+
+static void free_fixture(fixture *f) {
+  olx_vulkan_frame_destroy(f->frame);
+  host_images_free(&f->host);
+  olx_vulkan_field_destroy(f->uploaded);
+  analytic_field_free(f->field);
+  assert_int_equal(device.validation_messages, f->messages);
+}
+
+static host_view view_of_frame(const fixture *f, uint32_t frame, olx_vec2 shift) {
+  const float t = (float)frame;
+  return (host_view){.scene = &ROOM,
+                     .eye = {3.1f + 0.02f * t, 1.6f, 4.2f - 0.03f * t},
+                     .width = f->host.width,
+                     .height = f->host.height,
+                     .shift = shift};
+}
+
+static olx_vulkan_settings settings_of(const olx_denoise_settings *filters, uint32_t lobes) {
+  olx_vulkan_settings settings = olx_vulkan_settings_default();
+  settings.denoise.lobes = lobes;
+  settings.denoise.filters = *filters;
+  return settings;
+}
+
+static void record_frame(const fixture *f, const olx_vulkan_view *view, olx_vulkan_settings *settings, uint32_t frame) {
+  settings->sample_index = settings->denoise.frame = frame;
+  assert_int_equal(olx_vulkan_record_diffuse(f->frame, device.commands, view, settings), OLX_OK);
+  assert_int_equal(olx_vulkan_record_glossy(f->frame, device.commands, view, settings), OLX_OK);
+  if (olx_vulkan_record_denoise(f->frame, device.commands, view, settings) != OLX_OK) fail_msg("%s", olx_last_error());
+  settings->denoise.previous = *view;
+}
+
+static void run_frame(fixture *f, const host_view *view, olx_vulkan_settings *settings, uint32_t frame) {
+  const olx_vulkan_view vulkan_view = host_vulkan_view(view);
+  assert_int_equal(device_commands_begin(&device), VK_SUCCESS);
+  host_upload(&f->host, view);
+  record_frame(f, &vulkan_view, settings, frame);
+  host_download(&f->host);
+  assert_int_equal(device_commands_run(&device), VK_SUCCESS);
+}
+
+// ---- what the CPU makes of it
+
+// The denoiser's buffers. Pictures have a margin, so that a shifted picture is a part of one that is not.
+enum {
+  MARGIN = 4,
+  FULL_WIDTH = WIDTH + 2 * MARGIN,
+  FULL_HEIGHT = HEIGHT + 2 * MARGIN,
+  FULL = FULL_WIDTH * FULL_HEIGHT
+};
+
+typedef struct cpu_frame {
+  float depth[FULL], roughness[FULL];
+  olx_vec3 normal[FULL];
+  olx_incident samples[2][FULL];
+  olx_guide guide;
+} cpu_frame;
+
+typedef struct cpu_denoiser {
+  cpu_frame frames[2];
+  olx_history history[2][2]; // of the diffuse lobe, of the glossy one
+  olx_vec3 light[2][FULL];
+} cpu_denoiser;
+
+static uint32_t place(const host_view *v, uint32_t x, uint32_t y) {
+  return x + MARGIN + (uint32_t)(int)v->shift.x + FULL_WIDTH * (y + MARGIN + (uint32_t)(int)v->shift.y);
+}
+
+static olx_bsdf bsdf_of(const host_pixel *p) {
+  const float metallic = floorf(p->metallic * 255.0f + 0.5f) / 255.0f;
+  const float weight = floorf(p->weight * 255.0f + 0.5f) / 255.0f;
+  const olx_vec3 color =
+      olx_v3(floorf(p->color.x * 255.0f + 0.5f) / 255.0f, floorf(p->color.y * 255.0f + 0.5f) / 255.0f,
+             floorf(p->color.z * 255.0f + 0.5f) / 255.0f);
+  return olx_bsdf_make(color, metallic, p->roughness, weight);
+}
+
+static olx_vec3 glossy_factor(const host_pixel *p) {
+  const olx_bsdf bsdf = bsdf_of(p);
+  return olx_max_each(olx_fresnel(&bsdf, olx_dot(p->view, p->normal)), olx_splat(0.01f));
+}
+
+static olx_incident sample_diffuse(const olx_field *field, const host_pixel *p, olx_vec2 random) {
+  const olx_sample_settings settings = olx_sample_settings_default();
+  const olx_vec3 direction = olx_from_basis(olx_sample_cosine(random), p->normal);
+  const olx_trace_hit hit = olx_trace(field, &settings, p->position, direction, INFINITY);
+  return (olx_incident){hit.emitter ? olx_splat(0.0f) : olx_scale(hit.radiance, OLX_PI), olx_nearness(&hit)};
+}
+
+static olx_incident sample_glossy(const olx_field *field, const host_pixel *p, olx_vec2 random) {
+  const olx_sample_settings settings = olx_sample_settings_default();
+  const olx_bsdf bsdf = bsdf_of(p);
+  float weight, half_cosine;
+  olx_trace_hit hit;
+  const olx_vec3 radiance =
+      olx_glossy(field, &settings, p->position, p->normal, p->view, p->roughness, random, &weight, &half_cosine, &hit);
+  if (weight <= 0.0f) return (olx_incident){.inverse_distance = 0.0f};
+  const olx_vec3 light = olx_scale(olx_mul(olx_fresnel(&bsdf, half_cosine), radiance), weight), f = glossy_factor(p);
+  return (olx_incident){olx_v3(light.x / f.x, light.y / f.y, light.z / f.z), olx_nearness(&hit)};
+}
+
+static void fill_cpu_frame(cpu_frame *c, const olx_field *field, const host_view *v, uint32_t frame) {
+  for (uint32_t i = 0; i < FULL; i++) {
+    c->depth[i] = INFINITY;
+    c->samples[0][i] = c->samples[1][i] = (olx_incident){.inverse_distance = -1.0f};
+  }
+  for (uint32_t i = 0; i < v->width * v->height; i++) {
+    const uint32_t x = i % v->width, y = i / v->width, at = place(v, x, y);
+    const host_pixel p = host_pixel_at(v, x, y);
+    if (p.empty) continue;
+    c->depth[at] = p.metres;
+    c->normal[at] = p.normal;
+    c->roughness[at] = p.roughness;
+    const uint32_t seed = olx_hash2(x, y);
+    c->samples[0][at] = sample_diffuse(field, &p, olx_stratified2(frame, olx_hash2(seed, 0x85EBCA6Bu + 2u)));
+    c->samples[1][at] = sample_glossy(field, &p, olx_stratified2(frame, olx_hash2(seed, 0x85EBCA6Bu + 3u)));
+  }
+  c->guide = (olx_guide){
+      .width = FULL_WIDTH, .height = FULL_HEIGHT, .depth = c->depth, .normal = c->normal, .roughness = c->roughness};
+  c->guide.camera = (olx_camera_frame){.eye = v->eye,
+                                       .forward = {0, 0, -1},
+                                       .right = {HOST_SPREAD * FULL_WIDTH / WIDTH, 0, 0},
+                                       .up = {0, HOST_SPREAD * FULL_HEIGHT / HEIGHT, 0}};
+}
+
+static cpu_denoiser *make_cpu_denoiser(void) {
+  cpu_denoiser *c = calloc(1, sizeof *c);
+  assert_non_null(c);
+  for (uint32_t i = 0; i < 4; i++) {
+    assert_int_equal(olx_history_create(FULL_WIDTH, FULL_HEIGHT, &c->history[i / 2][i % 2]), OLX_OK);
+  }
+  return c;
+}
+
+static void free_cpu_denoiser(cpu_denoiser *c) {
+  for (uint32_t i = 0; i < 4; i++) olx_history_free(&c->history[i / 2][i % 2]);
+  free(c);
+}
+
+static void run_cpu_frame(cpu_denoiser *c, const olx_field *field, const host_view *v,
+                          const olx_denoise_settings *filters, uint32_t frame) {
+  const uint32_t now = frame & 1, before = now ^ 1;
+  fill_cpu_frame(&c->frames[now], field, v, frame);
+  if (frame == 0) c->frames[1].guide = c->frames[0].guide;
+  for (uint32_t lobe = 0; lobe < 2; lobe++) {
+    const olx_lobe_filter *filter = lobe ? &filters->glossy : &filters->diffuse;
+    const olx_guide *guide = &c->frames[now].guide;
+    olx_history *h = c->history[lobe];
+    assert_int_equal(olx_denoise_accumulate(filter, guide, c->frames[now].samples[lobe], &c->frames[before].guide,
+                                            &h[before], &h[now], 1),
+                     OLX_OK);
+    assert_int_equal(olx_denoise_filter(filter, lobe ? OLX_LOBE_GLOSSY : OLX_LOBE_DIFFUSE, guide, &h[now], &h[before],
+                                        c->light[lobe], 1),
+                     OLX_OK);
+  }
+}
+
+static double squared(olx_vec3 v) { return (double)olx_dot(v, v); }
+
+// Relative mean squared errors of irradiance and of reflected glossy light.
+static void judge(const fixture *f, const cpu_denoiser *c, const host_view *v, double errors[2]) {
+  double sums[2] = {0};
+  errors[0] = errors[1] = 0;
+  for (uint32_t i = 0; i < v->width * v->height; i++) {
+    const uint32_t x = i % v->width, y = i / v->width;
+    const host_pixel p = host_pixel_at(v, x, y);
+    for (uint32_t lobe = 0; lobe < 2; lobe++) {
+      float alpha;
+      const olx_vec3 seen = host_output(&f->host, lobe, i, &alpha);
+      assert_true(olx_finite(seen) && alpha >= 0.0f && alpha <= 1.0f);
+      if (p.empty) assert_true(squared(seen) == 0.0);
+      if (p.empty) continue;
+      const olx_vec3 light = c->light[lobe][place(v, x, y)];
+      const olx_vec3 truth = lobe ? olx_mul(light, glossy_factor(&p)) : light;
+      errors[lobe] += squared(olx_sub(seen, truth));
+      sums[lobe] += squared(truth);
+    }
+  }
+  for (uint32_t lobe = 0; lobe < 2; lobe++) errors[lobe] /= sums[lobe];
+}
+
+static void compare_frames(fixture *f, const olx_denoise_settings *filters, olx_vec2 shift, bool moves) {
+  cpu_denoiser *c = make_cpu_denoiser();
+  olx_vulkan_settings settings = settings_of(filters, BOTH);
+  for (uint32_t frame = 0; frame < 4; frame++) {
+    const host_view view = view_of_frame(f, moves ? frame : 0, shift);
+    run_frame(f, &view, &settings, frame);
+    run_cpu_frame(c, f->field, &view, filters, frame);
+    double errors[2];
+    judge(f, c, &view, errors);
+    print_message("frame %u: relative MSE of irradiance %.2e, glossy %.2e\n", frame, errors[0], errors[1]);
+    // Light and weights are half floats, a relative MSE of 1e-7 each time they are written.
+    assert_true(errors[0] < 1e-5 && errors[1] < 1e-5);
+  }
+  free_cpu_denoiser(c);
+}
+
+static void frames_are_those_of_the_cpu(void **unused) {
+  (void)unused;
+  fixture f = make_fixture(WIDTH, HEIGHT, BOTH, true);
+  const olx_denoise_settings adaptive = olx_denoise_settings_default(), published = olx_denoise_settings_published();
+  compare_frames(&f, &adaptive, (olx_vec2){0, 0}, false);
+  compare_frames(&f, &adaptive, (olx_vec2){0, 0}, true);
+  compare_frames(&f, &published, (olx_vec2){0, 0}, true);
+  compare_frames(&f, &adaptive, (olx_vec2){3, -2}, true); // as a jittered projection does
+  free_fixture(&f);
+}
+
+static void any_number_of_frames_may_be_recorded_ahead(void **unused) {
+  (void)unused;
+  fixture f = make_fixture(WIDTH, HEIGHT, BOTH, true);
+  const olx_denoise_settings filters = olx_denoise_settings_default();
+  const host_view view = view_of_frame(&f, 0, (olx_vec2){0, 0});
+  const olx_vulkan_view vulkan_view = host_vulkan_view(&view);
+  olx_vulkan_settings settings = settings_of(&filters, BOTH);
+  for (uint32_t frame = 0; frame < 5; frame++) run_frame(&f, &view, &settings, frame);
+  const size_t bytes = (size_t)16 * WIDTH * HEIGHT * 2;
+  void *apart = malloc(bytes);
+  assert_non_null(apart);
+  memcpy(apart, f.host.staging.mapped, bytes);
+  assert_int_equal(device_commands_begin(&device), VK_SUCCESS);
+  host_upload(&f.host, &view);
+  for (uint32_t frame = 0; frame < 5; frame++) record_frame(&f, &vulkan_view, &settings, frame);
+  host_download(&f.host);
+  assert_int_equal(device_commands_run(&device), VK_SUCCESS);
+  for (uint32_t i = 0; i < 2; i++) { // irradiance and glossy light
+    const size_t at = (size_t)16 * WIDTH * HEIGHT * i;
+    assert_memory_equal((char *)apart + at, (char *)f.host.staging.mapped + at, (size_t)8 * WIDTH * HEIGHT);
+  }
+  free(apart);
+  free_fixture(&f);
+}
+
+static void glossy_light_alone_needs_no_other_history(void **unused) {
+  (void)unused;
+  fixture f = make_fixture(WIDTH, HEIGHT, OLX_VULKAN_LOBE_GLOSSY, true);
+  cpu_denoiser *c = make_cpu_denoiser();
+  const olx_denoise_settings filters = olx_denoise_settings_default();
+  olx_vulkan_settings settings = settings_of(&filters, OLX_VULKAN_LOBE_GLOSSY);
+  for (uint32_t frame = 0; frame < 3; frame++) {
+    const host_view view = view_of_frame(&f, frame, (olx_vec2){0, 0});
+    run_frame(&f, &view, &settings, frame);
+    run_cpu_frame(c, f.field, &view, &filters, frame);
+    double errors[2];
+    judge(&f, c, &view, errors);
+    assert_true(errors[1] < 1e-5 && errors[0] > 1e-3); // diffuse light comes as its ray found it
+  }
+  free_cpu_denoiser(c);
+  free_fixture(&f);
+}
+
+// ---- sizes
+
+static void memory_is_told_before(void **unused) {
+  (void)unused;
+  fixture f = make_fixture(WIDTH, HEIGHT, 0, false);
+  olx_vulkan_sizes sizes;
+  assert_int_equal(olx_vulkan_frame_measure(f.uploaded, &f.host.targets, &sizes), OLX_OK);
+  assert_true(sizes.device_bytes == 0 && sizes.allocations == 0 && f.frame->history.memory == VK_NULL_HANDLE);
+  for (uint32_t lobes = 1; lobes <= BOTH; lobes++) {
+    f.host.targets.denoise = lobes;
+    assert_int_equal(olx_vulkan_frame_measure(f.uploaded, &f.host.targets, &sizes), OLX_OK);
+    assert_true(sizes.device_bytes >= (uint64_t)WIDTH * HEIGHT * (lobes == BOTH ? 64 : 48));
+    assert_true(sizes.allocations == 1 && sizes.staging_bytes == 0);
+    assert_int_equal(olx_vulkan_frame_resize(f.frame, &f.host.targets), OLX_OK);
+    assert_int_equal(f.frame->history.requirements.size, sizes.device_bytes);
+  }
+  free_fixture(&f);
+}
+
+static void any_size_begins_anew(void **unused) {
+  (void)unused;
+  fixture f = make_fixture(1, 1, BOTH, true);
+  const olx_denoise_settings filters = olx_denoise_settings_published();
+  const uint32_t sizes[][2] = {{1, 1}, {1, 70}, {640, 2}, {500, 400}, {1, 1}};
+  for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+    host_images other = host_images_make(&device, sizes[i][0], sizes[i][1], VK_FORMAT_R32G32B32A32_SFLOAT);
+    other.targets.denoise = BOTH;
+    if (olx_vulkan_frame_resize(f.frame, &other.targets) != OLX_OK) fail_msg("%s", olx_last_error());
+    host_images_free(&f.host);
+    f.host = other;
+    olx_vulkan_settings settings = settings_of(&filters, BOTH);
+    settings.sample.select = OLX_SELECT_CAGE;
+    for (uint32_t frame = 0; frame < 2; frame++) {
+      const host_view view = view_of_frame(&f, frame, (olx_vec2){0, 0});
+      run_frame(&f, &view, &settings, frame);
+      for (uint32_t k = 0; k < 2 * f.host.width * f.host.height; k++) {
+        float alpha;
+        assert_true(olx_finite(host_output(&f.host, k & 1, k / 2, &alpha)));
+      }
+    }
+  }
+  free_fixture(&f);
+}
+
+// ---- what goes wrong
+
+static void wrong_settings_are_refused(void **unused) {
+  (void)unused;
+  fixture f = make_fixture(8, 8, OLX_VULKAN_LOBE_GLOSSY, false);
+  const host_view view = view_of_frame(&f, 0, (olx_vec2){0, 0});
+  const olx_vulkan_view good = host_vulkan_view(&view);
+  const olx_denoise_settings filters = olx_denoise_settings_default();
+  const olx_vulkan_settings sane = settings_of(&filters, OLX_VULKAN_LOBE_GLOSSY);
+  struct {
+    olx_vulkan_settings settings;
+    olx_vulkan_view view;
+    const char *message;
+  } cases[] = {{sane, good, "the settings name no lobe"},
+               {sane, good, "was not made to denoise lobe 0x1"},
+               {sane, good, "glossy filter has a setting out of range"},
+               {sane, good, "0 diffuse rays"},
+               {sane, good, "the view's clip_to_world is not that of a perspective"},
+               {sane, good, "the previous view's clip_to_world"}};
+  cases[0].settings.denoise.lobes = 0;
+  cases[1].settings.denoise.lobes = BOTH;
+  cases[2].settings.denoise.filters.glossy.stride_pixels = 0;
+  cases[3].settings.diffuse_samples = 0;
+  const float parallel[16] = {1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1};
+  memcpy(cases[4].view.clip_to_world, parallel, sizeof parallel);
+  cases[5].settings.denoise.frame = 1; // and no previous view
+  for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+    assert_int_equal(olx_vulkan_record_denoise(f.frame, device.commands, &cases[i].view, &cases[i].settings),
+                     OLX_ERROR_ARGUMENT);
+    if (!strstr(olx_last_error(), cases[i].message)) fail_msg("'%s' lacks '%s'", olx_last_error(), cases[i].message);
+  }
+  f.host.targets.denoise = 4;
+  assert_int_equal(olx_vulkan_frame_resize(f.frame, &f.host.targets), OLX_ERROR_ARGUMENT);
+  free_fixture(&f);
+}
+
+static void a_device_with_too_small_images_is_refused(void **unused) {
+  (void)unused;
+  fixture f = make_fixture(32, 8, BOTH, false);
+  f.uploaded->context.limits.maxImageDimension2D = 31;
+  olx_vulkan_sizes sizes;
+  assert_int_equal(olx_vulkan_frame_measure(f.uploaded, &f.host.targets, &sizes), OLX_ERROR_UNSUPPORTED);
+  assert_int_equal(olx_vulkan_frame_resize(f.frame, &f.host.targets), OLX_ERROR_UNSUPPORTED);
+  assert_non_null(strstr(olx_last_error(), "no images of 32 x 8"));
+  free_fixture(&f);
+}
+
+// Create a frame again and again, with one call more before the one that fails. The layers count what is left behind.
+static void create_failing(fixture *f, VkResult result, olx_result expected, int step) {
+  failure = result;
+  olx_result got = expected;
+  int n = 0;
+  for (; got != OLX_OK; n += step) {
+    calls_left = n;
+    olx_vulkan_frame *frame = (void *)1;
+    got = olx_vulkan_frame_create(f->uploaded, &f->host.targets, &frame);
+    if (got != OLX_OK) {
+      assert_int_equal(got, expected);
+      assert_null(frame);
+      assert_true(strlen(olx_last_error()) > 0);
+    } else {
+      olx_vulkan_frame_destroy(frame);
+    }
+  }
+  assert_true(n > 40);
+}
+
+static void a_frame_that_fails_at_any_call_leaves_nothing_behind(void **unused) {
+  (void)unused;
+  fixture f = make_fixture(8, 8, BOTH, false);
+  create_failing(&f, VK_ERROR_OUT_OF_DEVICE_MEMORY, OLX_ERROR_MEMORY, 1);
+  create_failing(&f, VK_ERROR_OUT_OF_HOST_MEMORY, OLX_ERROR_MEMORY, 7);
+  create_failing(&f, VK_ERROR_DEVICE_LOST, OLX_ERROR_GPU, 7);
+  free_fixture(&f);
+}
+
+static void a_frame_that_cannot_grow_stays_as_it_is(void **unused) {
+  (void)unused;
+  fixture f = make_fixture(WIDTH, HEIGHT, BOTH, true);
+  cpu_denoiser *c = make_cpu_denoiser();
+  const olx_denoise_settings filters = olx_denoise_settings_default();
+  olx_vulkan_settings settings = settings_of(&filters, BOTH);
+  host_images larger = host_images_make(&device, 2 * WIDTH, HEIGHT, VK_FORMAT_R32G32B32A32_SFLOAT);
+  larger.targets.denoise = BOTH;
+  let_calls_fail(&f.uploaded->context.vk);
+  failure = VK_ERROR_OUT_OF_DEVICE_MEMORY;
+  for (uint32_t frame = 0; frame < 4; frame++) {
+    calls_left = 0; // the first image
+    assert_int_equal(olx_vulkan_frame_resize(f.frame, &larger.targets), OLX_ERROR_MEMORY);
+    calls_left = 6 + (int)frame; // the memory, or an image's view
+    assert_int_equal(olx_vulkan_frame_resize(f.frame, &larger.targets), OLX_ERROR_MEMORY);
+    const host_view view = view_of_frame(&f, frame, (olx_vec2){0, 0});
+    run_frame(&f, &view, &settings, frame);
+    run_cpu_frame(c, f.field, &view, &filters, frame);
+    double errors[2];
+    judge(&f, c, &view, errors);
+    assert_true(errors[0] < 1e-5 && errors[1] < 1e-5);
+  }
+  calls_left = 1000;
+  assert_int_equal(olx_vulkan_frame_resize(f.frame, &larger.targets), OLX_OK);
+  host_images_free(&larger);
+  free_cpu_denoiser(c);
+  free_fixture(&f);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(frames_are_those_of_the_cpu),
+      cmocka_unit_test(any_number_of_frames_may_be_recorded_ahead),
+      cmocka_unit_test(glossy_light_alone_needs_no_other_history),
+      cmocka_unit_test(memory_is_told_before),
+      cmocka_unit_test(any_size_begins_anew),
+      cmocka_unit_test(wrong_settings_are_refused),
+      cmocka_unit_test(a_device_with_too_small_images_is_refused),
+      cmocka_unit_test(a_frame_that_fails_at_any_call_leaves_nothing_behind),
+      cmocka_unit_test(a_frame_that_cannot_grow_stays_as_it_is),
+  };
+  return cmocka_run_group_tests(tests, open_device, close_device);
+}

@@ -1,0 +1,142 @@
+#include "vulkan_host.h"
+
+#include "core/pack.h"
+#include "core/sampling.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+host_pixel host_pixel_at(const host_view *v, uint32_t x, uint32_t y) {
+  const float cx = ((float)x + v->shift.x + 0.5f) / (float)v->width * 2.0f - 1.0f,
+              cy = ((float)y + v->shift.y + 0.5f) / (float)v->height * 2.0f - 1.0f;
+  const olx_vec3 along = olx_v3(cx * HOST_SPREAD, -cy * HOST_SPREAD, -1.0f), d = olx_normalize(along);
+  const analytic_hit hit = analytic_cast(v->scene, v->eye, d);
+  const uint32_t h = olx_hash2(x, y);
+  host_pixel p = {.empty = x < 4,
+                  .normal = hit.normal,
+                  .view = olx_negate(d),
+                  .color = olx_v3(0.9f, 0.5f, 0.25f),
+                  .roughness = (float)(h & 255u) / 255.0f,
+                  .metallic = h & 256u ? 0.0f : 0.75f,
+                  .weight = h & 512u ? 1.0f : 0.5f};
+  p.depth = p.empty ? 0.0f : HOST_NEAR / (-d.z * hit.t);
+  // As the passes find it again from the stored depth.
+  p.metres = HOST_NEAR / (p.empty ? 1.0f : p.depth);
+  p.position = olx_madd(v->eye, along, p.metres);
+  return p;
+}
+
+olx_vulkan_view host_vulkan_view(const host_view *v) {
+  // clip (x, y, depth, 1) to (x + sx, -(y + sy), -1 / spread) spread near / depth + eye
+  const float sx = 2.0f * v->shift.x / (float)v->width, sy = 2.0f * v->shift.y / (float)v->height;
+  const float side = HOST_SPREAD * HOST_NEAR;
+  return (olx_vulkan_view){.clip_to_world = {side, 0, 0, 0, 0, -side, 0, 0, v->eye.x, v->eye.y, v->eye.z, 1, sx * side,
+                                             -sy * side, -HOST_NEAR, 0},
+                           .eye = v->eye,
+                           .empty_depth = 0.0f};
+}
+
+host_images host_images_make(vulkan_device *device, uint32_t width, uint32_t height, VkFormat normal) {
+  host_images h = {.device = device, .width = width, .height = height};
+  const VkFormat formats[HOST_INPUTS] = {VK_FORMAT_R32_SFLOAT, normal, VK_FORMAT_R8G8B8A8_UNORM,
+                                         VK_FORMAT_R8G8B8A8_UNORM};
+  const VkBufferUsageFlags both = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+  assert_int_equal(shared_buffer_create(device, (VkDeviceSize)width * height * 16 * HOST_INPUTS, both, &h.staging),
+                   VK_SUCCESS);
+  for (uint32_t i = 0; i < HOST_INPUTS; i++) {
+    assert_int_equal(device_image_create(device, width, height, formats[i],
+                                         VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT, &h.inputs[i]),
+                     VK_SUCCESS);
+  }
+  for (uint32_t i = 0; i < HOST_OUTPUTS; i++) {
+    assert_int_equal(device_image_create(device, width, height, VK_FORMAT_R16G16B16A16_SFLOAT,
+                                         VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
+                                             VK_IMAGE_USAGE_TRANSFER_DST_BIT,
+                                         &h.outputs[i]),
+                     VK_SUCCESS);
+  }
+  const VkImageLayout read = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
+  h.targets = (olx_vulkan_targets){.width = width,
+                                   .height = height,
+                                   .depth = {h.inputs[0].view, formats[0], read},
+                                   .normal = {h.inputs[1].view, formats[1], read},
+                                   .albedo = {h.inputs[2].view, formats[2], read},
+                                   .roughness = {h.inputs[3].view, formats[3], read},
+                                   .irradiance = h.outputs[0].view,
+                                   .glossy = h.outputs[1].view,
+                                   .color = h.outputs[2].view};
+  return h;
+}
+
+void host_images_free(host_images *h) {
+  for (uint32_t i = 0; i < HOST_INPUTS; i++) device_image_destroy(h->device, &h->inputs[i]);
+  for (uint32_t i = 0; i < HOST_OUTPUTS; i++) device_image_destroy(h->device, &h->outputs[i]);
+  shared_buffer_destroy(h->device, &h->staging);
+}
+
+static VkBufferImageCopy whole_image(const host_images *h, VkDeviceSize offset) {
+  return (VkBufferImageCopy){.bufferOffset = offset,
+                             .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
+                             .imageExtent = {h->width, h->height, 1}};
+}
+
+static uint32_t unorm(olx_vec3 v) {
+  return (uint32_t)(v.x * 255.0f + 0.5f) | (uint32_t)(v.y * 255.0f + 0.5f) << 8 | (uint32_t)(v.z * 255.0f + 0.5f) << 16;
+}
+
+static VkDeviceSize plane(const host_images *h, uint32_t image) {
+  return (VkDeviceSize)h->width * h->height * 16 * image;
+}
+
+void host_upload(host_images *h, const host_view *view) {
+  vulkan_device *device = h->device;
+  char *memory = h->staging.mapped;
+  for (uint32_t i = 0; i < h->width * h->height; i++) {
+    const host_pixel p = host_pixel_at(view, i % h->width, i / h->width);
+    ((float *)(void *)(memory + plane(h, 0)))[i] = p.depth;
+    if (h->inputs[1].format == VK_FORMAT_R8G8B8A8_UNORM) {
+      ((uint32_t *)(void *)(memory + plane(h, 1)))[i] = unorm(olx_madd(olx_splat(0.5f), p.normal, 0.5f));
+    } else {
+      const float n[4] = {p.normal.x, p.normal.y, p.normal.z, 0.0f};
+      memcpy(memory + plane(h, 1) + (size_t)16 * i, n, sizeof n);
+    }
+    ((uint32_t *)(void *)(memory + plane(h, 2)))[i] = unorm(p.color);
+    ((uint32_t *)(void *)(memory + plane(h, 3)))[i] = unorm(olx_v3(p.roughness, p.metallic, p.weight));
+  }
+  for (uint32_t i = 0; i < HOST_INPUTS; i++) {
+    const VkBufferImageCopy region = whole_image(h, plane(h, i));
+    device_barrier(device, &h->inputs[i], VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    device->CmdCopyBufferToImage(device->commands, h->staging.buffer, h->inputs[i].image,
+                                 VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
+    device_barrier(device, &h->inputs[i], VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                   VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+  }
+  const VkClearColorValue color = {.float32 = {HOST_BEFORE.x, HOST_BEFORE.y, HOST_BEFORE.z, 1.0f}};
+  const VkImageSubresourceRange range = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+  for (uint32_t i = 0; i < HOST_OUTPUTS; i++) {
+    device_barrier(device, &h->outputs[i], VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL);
+    device->CmdClearColorImage(device->commands, h->outputs[i].image, VK_IMAGE_LAYOUT_GENERAL, &color, 1, &range);
+  }
+  device_barrier(device, NULL, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_UNDEFINED);
+}
+
+void host_download(host_images *h) {
+  vulkan_device *device = h->device;
+  for (uint32_t i = 0; i < HOST_OUTPUTS; i++) {
+    const VkBufferImageCopy region = whole_image(h, plane(h, i));
+    device_barrier(device, &h->outputs[i], VK_IMAGE_LAYOUT_GENERAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+    device->CmdCopyImageToBuffer(device->commands, h->outputs[i].image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                                 h->staging.buffer, 1, &region);
+  }
+  device_barrier(device, NULL, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_UNDEFINED);
+}
+
+olx_vec3 host_output(const host_images *h, uint32_t image, uint32_t i, float *alpha) {
+  uint16_t half[4];
+  memcpy(half, (const char *)h->staging.mapped + plane(h, image) + (size_t)8 * i, sizeof half);
+  *alpha = olx_half_unpack(half[3]);
+  return olx_v3(olx_half_unpack(half[0]), olx_half_unpack(half[1]), olx_half_unpack(half[2]));
+}

@@ -1,0 +1,54 @@
+// A host that the recorded passes are tested with: images of a room as a renderer would have drawn them, and what the passes
+// write, read back.
+#ifndef OLX_TESTS_VULKAN_HOST_H
+#define OLX_TESTS_VULKAN_HOST_H
+
+#include "analytic_field.h"
+#include "vulkan_device.h"
+
+enum { HOST_INPUTS = 4, HOST_OUTPUTS = 3 };
+
+// A view along -z with reversed, endless depth: HOST_NEAR / distance. Pixel (x, y) of width * height; `shift` moves the picture
+// over the image plane, in pixels, as a jittered projection does.
+#define HOST_NEAR 0.1f
+#define HOST_SPREAD 0.8f
+typedef struct host_view {
+  const analytic_scene *scene;
+  olx_vec3 eye;
+  uint32_t width, height;
+  olx_vec2 shift;
+} host_view;
+
+// What the host has rendered: every pixel of another roughness, metallic and weight; its four columns at the left show nothing.
+typedef struct host_pixel {
+  bool empty;
+  float depth;  // as the depth image has it
+  float metres; // along the viewing axis
+  olx_vec3 position, normal, view, color;
+  float roughness, metallic, weight;
+} host_pixel;
+
+host_pixel host_pixel_at(const host_view *view, uint32_t x, uint32_t y);
+// For the passes.
+olx_vulkan_view host_vulkan_view(const host_view *view);
+
+typedef struct host_images {
+  vulkan_device *device;
+  uint32_t width, height;
+  shared_buffer staging;
+  device_image inputs[HOST_INPUTS], outputs[HOST_OUTPUTS]; // outputs: irradiance, glossy, color
+  olx_vulkan_targets targets;
+} host_images;
+
+// Asserts that nothing fails. Normals are of the given format.
+host_images host_images_make(vulkan_device *device, uint32_t width, uint32_t height, VkFormat normal);
+void host_images_free(host_images *host);
+
+// Record filling the inputs with what a view shows, and making outputs HOST_BEFORE; and copying the outputs to where
+// host_output reads them.
+#define HOST_BEFORE olx_v3(0.5f, 0.25f, 0.125f)
+void host_upload(host_images *host, const host_view *view);
+void host_download(host_images *host);
+olx_vec3 host_output(const host_images *host, uint32_t image, uint32_t pixel, float *alpha);
+
+#endif

@@ -29,7 +29,7 @@ static const expectation expected[] = {
     {"labyrinth", true, 3, 2, 0, {3, 2, 3}, {-4.0f, 0.0f, -4.0f}, {4.0f, 3.0f, 4.0f}},
     {"holodeck", true, 1, 1, 0, {1, 1, 1}, {-3.6f, 0.0f, -3.6f}, {3.6f, 3.5f, 3.6f}},
     {"area-light", true, 1, 1, 0, {4, 3, 4}, {-4.0f, 0.0f, -4.0f}, {4.0f, 4.0f, 4.0f}},
-    {"temple", true, 2, 2, 10, {5, 3, 5}, {-7.0f, 0.0f, -9.0f}, {7.0f, 5.0f, 9.0f}},
+    {"temple", true, 5, 10, 0, {5, 3, 5}, {-10.0f, 0.0f, -10.0f}, {10.0f, 8.4f, 10.0f}},
     {"statue", false, 1, 1, 0, {2, 2, 2}, {-0.8f, 0.0f, -1.3f}, {0.8f, 2.56f, 0.45f}},
 };
 
@@ -51,6 +51,12 @@ static olx_vec3 probe(const olx_grid *grid, uint32_t i) {
 
 static uint32_t probe_count(const olx_grid *grid) { return grid->count[0] * grid->count[1] * grid->count[2]; }
 
+// Cloth has no inside: both of its sides show.
+static bool is_cloth(const olx_material *material) {
+  const size_t length = strlen(material->name);
+  return length > 6 && strcmp(material->name + length - 6, " cloth") == 0;
+}
+
 // Share of directions in which the point sees a surface from behind.
 static float back_face_share(const olx_scene *scene, olx_vec3 point) {
   const uint32_t n = 400;
@@ -58,7 +64,9 @@ static float back_face_share(const olx_scene *scene, olx_vec3 point) {
   for (uint32_t i = 0; i < n; i++) {
     const olx_ray ray = {point, olx_sample_sphere(olx_hammersley(i, n)), 0.0f, INFINITY};
     const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
-    behind += hit.triangle != OLX_NO_HIT && olx_surface_at(scene, &hit, ray.direction).back_face;
+    if (hit.triangle == OLX_NO_HIT) continue;
+    const olx_surface s = olx_surface_at(scene, &hit, ray.direction);
+    behind += s.back_face && !is_cloth(&scene->materials[s.material]);
   }
   return (float)behind / (float)n;
 }
@@ -154,10 +162,13 @@ static void light_stays_in_closed_rooms_and_on_the_fronts_of_surfaces(void **sta
         if (hit.triangle == OLX_NO_HIT) fail_msg("%s: a ray escapes", expected[i].name);
         const olx_surface s = olx_surface_at(scene, &hit, ray.direction);
         const bool light_back = strncmp(scene->materials[s.material].name, "rectangle light", 15) == 0;
-        if (s.back_face && !light_back)
-          fail_msg("%s: %s seen from behind", expected[i].name, scene->materials[s.material].name);
+        if (s.back_face && !light_back && !is_cloth(&scene->materials[s.material]))
+          fail_msg("%s: %s seen from behind at (%g, %g, %g)", expected[i].name, scene->materials[s.material].name,
+                   (double)s.position.x, (double)s.position.y, (double)s.position.z);
+        // On from a point before the surface, where the ray has been: in a corner rounding cannot lead into matter.
         const olx_vec3 d = olx_sample_cosine(made_random(i * 8 + c, step));
-        ray = olx_surface_ray(&s, olx_from_basis(d, s.geometric_normal), INFINITY);
+        ray.origin = olx_madd(ray.origin, ray.direction, hit.t - olx_min(0.01f, 0.5f * hit.t));
+        ray.direction = olx_from_basis(d, s.geometric_normal);
       }
     }
     olx_scene_free(scene);

@@ -34,7 +34,7 @@ expect 0 place $scene -o probes.json $quick --count 6 --picture view.png
 [ "$(pixels view.png 'r > 150 and g > 150 and b < 170')" -gt 20 ] || fail "no skeleton is in the picture"
 [ "$(pixels view.png 'abs(r - g) < 25 and abs(g - b) < 25 and 20 < r < 130')" -gt 5000 ] || fail "no surfaces are in the picture"
 # One probe misses much: red.
-expect 0 place $scene -o one.json $quick --count 1 --picture missed.png --camera terrace
+expect 0 place $scene -o one.json $quick --count 1 --picture missed.png --camera gallery
 [ "$(pixels missed.png 'r > 180 and g < 90 and b < 90')" -gt 50 ] || fail "nothing that is missed is in the picture"
 # Drawing changes nothing that is placed, and the picture does not depend on the number of threads.
 expect 0 place $scene -o plain.json --method sdf --voxels 60 --surfels 2000 --count 6

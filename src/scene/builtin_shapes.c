@@ -55,6 +55,7 @@ static const uint8_t box_faces[6][4] = {{4, 0, 2, 6}, {1, 5, 7, 3}, {0, 4, 5, 1}
 static olx_result add_faces(olx_scene *scene, const char *name, olx_vec3 low, olx_vec3 high, bool from_inside,
                             const uint32_t materials[6]) {
   for (uint32_t f = 0; f < 6; f++) {
+    if (materials[f] == OLX_NO_FACE) continue;
     olx_vec3 corners[4];
     for (uint32_t k = 0; k < 4; k++) {
       const uint8_t corner = box_faces[f][from_inside ? k : 3 - k];
@@ -65,9 +66,15 @@ static olx_result add_faces(olx_scene *scene, const char *name, olx_vec3 low, ol
   return OLX_OK;
 }
 
-olx_result olx_add_box(olx_scene *scene, const char *name, olx_vec3 low, olx_vec3 high, uint32_t material) {
-  const uint32_t materials[6] = {material, material, material, material, material, material};
+olx_result olx_add_block(olx_scene *scene, const char *name, olx_vec3 low, olx_vec3 high, uint32_t open,
+                         uint32_t material) {
+  uint32_t materials[6];
+  for (uint32_t f = 0; f < 6; f++) materials[f] = open >> f & 1 ? OLX_NO_FACE : material;
   return add_faces(scene, name, low, high, false, materials);
+}
+
+olx_result olx_add_box(olx_scene *scene, const char *name, olx_vec3 low, olx_vec3 high, uint32_t material) {
+  return olx_add_block(scene, name, low, high, 0, material);
 }
 
 olx_result olx_add_room(olx_scene *scene, const char *name, olx_vec3 low, olx_vec3 high, const uint32_t materials[6]) {
@@ -161,6 +168,35 @@ olx_result olx_add_prism(olx_scene *scene, const char *name, const olx_prism *pr
     OLX_TRY(olx_scene_add_mesh(scene, name, caps + 3, NULL, NULL, 3, indices, 1, prism->high_material));
   }
   return OLX_OK;
+}
+
+enum { CLOTH_COLUMNS = 28, CLOTH_ROWS = 10, CLOTH_POINTS = (CLOTH_COLUMNS + 1) * (CLOTH_ROWS + 1) };
+
+// Where the sheet is at (u, v), and its normal.
+static void cloth_point(const olx_cloth *cloth, float u, float v, olx_vec3 *position, olx_vec3 *normal) {
+  const float turns = 2.0f * OLX_PI * cloth->waves, lag = 1.5f, least = 0.4f;
+  const float phase = turns * u + lag * v, depth = cloth->depth * (least + (1.0f - least) * v);
+  const olx_vec3 out = olx_normalize(olx_cross(cloth->down, cloth->across));
+  const float slope_u = depth * turns * cosf(phase);
+  const float slope_v = depth * lag * cosf(phase) + cloth->depth * (1.0f - least) * sinf(phase);
+  const olx_vec3 flat = olx_madd(olx_madd(cloth->top, cloth->across, u), cloth->down, v);
+  *position = olx_madd(flat, out, depth * sinf(phase));
+  *normal = olx_normalize(olx_cross(olx_madd(cloth->down, out, slope_v), olx_madd(cloth->across, out, slope_u)));
+}
+
+olx_result olx_add_cloth(olx_scene *scene, const char *name, const olx_cloth *cloth, uint32_t material) {
+  olx_vec3 positions[CLOTH_POINTS], normals[CLOTH_POINTS];
+  uint32_t indices[6 * CLOTH_COLUMNS * CLOTH_ROWS], count = 0;
+  for (uint32_t row = 0; row <= CLOTH_ROWS; row++) {
+    for (uint32_t column = 0; column <= CLOTH_COLUMNS; column++) {
+      const uint32_t i = row * (CLOTH_COLUMNS + 1) + column, below = i + CLOTH_COLUMNS + 1;
+      cloth_point(cloth, (float)column / CLOTH_COLUMNS, (float)row / CLOTH_ROWS, &positions[i], &normals[i]);
+      if (row == CLOTH_ROWS || column == CLOTH_COLUMNS) continue;
+      const uint32_t faces[6] = {i, below, below + 1, i, below + 1, i + 1};
+      for (uint32_t k = 0; k < 6; k++) indices[count++] = faces[k];
+    }
+  }
+  return olx_scene_add_mesh(scene, name, positions, normals, NULL, CLOTH_POINTS, indices, count / 3, material);
 }
 
 static bool is_open(const olx_plan *plan, int64_t column, int64_t row) {

@@ -19,8 +19,13 @@ olx_result olx_add_ceiling_light(olx_scene *scene, olx_vec3 center, float side, 
 
 olx_result olx_add_quad(olx_scene *scene, const char *name, const olx_vec3 corners[4], uint32_t material);
 
-// The six faces of a box, seen from outside or, as a room, from inside. Materials in the order -x, +x, -y, +y, -z, +z.
+// The six faces of a box, seen from outside or, as a room, from inside. Materials in the order -x, +x, -y, +y, -z, +z;
+// OLX_NO_FACE leaves a face out. A block is a box without the faces in `open`, where it touches something.
+#define OLX_NO_FACE UINT32_MAX
+enum { OLX_OPEN_X0 = 1, OLX_OPEN_X1 = 2, OLX_OPEN_Y0 = 4, OLX_OPEN_Y1 = 8, OLX_OPEN_Z0 = 16, OLX_OPEN_Z1 = 32 };
 olx_result olx_add_box(olx_scene *scene, const char *name, olx_vec3 low, olx_vec3 high, uint32_t material);
+olx_result olx_add_block(olx_scene *scene, const char *name, olx_vec3 low, olx_vec3 high, uint32_t open,
+                         uint32_t material);
 olx_result olx_add_room(olx_scene *scene, const char *name, olx_vec3 low, olx_vec3 high, const uint32_t materials[6]);
 
 // A surface of revolution about the vertical through `base`: the profile holds (radius, height), rising along the side
@@ -47,6 +52,52 @@ typedef struct olx_prism {
 } olx_prism;
 
 olx_result olx_add_prism(olx_scene *scene, const char *name, const olx_prism *prism);
+
+// A sheet without thickness from the edge at `top` (as long as `across`) down, gently waved, more so below.
+typedef struct olx_cloth {
+  olx_vec3 top, across, down;
+  float waves, depth; // waves across, and how far they reach to each side at the lower edge
+} olx_cloth;
+
+olx_result olx_add_cloth(olx_scene *scene, const char *name, const olx_cloth *cloth, uint32_t material);
+
+// A solid with a constant section, seen from outside. The outline is simple, convex or not, and turns either way; its
+// points are (x, y) of a solid along z, (z, y) of one along x. What touches something else can be left out.
+typedef enum olx_axis { OLX_ALONG_X, OLX_ALONG_Z } olx_axis;
+
+typedef struct olx_extrusion {
+  const olx_vec2 *outline;
+  uint32_t points; // at most 64
+  olx_axis axis;
+  float low, high;
+  bool low_open, high_open; // without that end
+  uint64_t open_sides;      // bit i: without the side from point i to the next
+} olx_extrusion;
+
+olx_result olx_add_extrusion(olx_scene *scene, const char *name, const olx_extrusion *extrusion, uint32_t material);
+
+// Outlines with an opening `width` wide that has straight sides up to `spring` and an elliptic arch `rise` high above.
+typedef struct olx_arch {
+  float center, base, width, spring, rise; // base and spring are heights
+} olx_arch;
+
+enum {
+  OLX_ARCH_STEPS = 16,
+  OLX_ARCHED_WALL_POINTS = OLX_ARCH_STEPS + 7,
+  OLX_ARCH_BAND_POINTS = 2 * OLX_ARCH_STEPS + 6
+};
+// Sides of an arched wall, for open_sides.
+#define OLX_WALL_BASE (1ull | 1ull << (OLX_ARCH_STEPS + 3))
+#define OLX_WALL_ENDS (1ull << (OLX_ARCH_STEPS + 4) | 1ull << (OLX_ARCH_STEPS + 6))
+#define OLX_WALL_TOP (1ull << (OLX_ARCH_STEPS + 5))
+// Sides of an arch band on which it stands.
+#define OLX_BAND_BASE (1ull << (OLX_ARCH_STEPS + 2) | 1ull << (2 * OLX_ARCH_STEPS + 5))
+
+// A wall from `left` to `right`, from the arch's base up to `top`, with the arch open in it.
+void olx_arched_wall(const olx_arch *arch, float left, float right, float top,
+                     olx_vec2 outline[OLX_ARCHED_WALL_POINTS]);
+// A band of that breadth around the arch, on both sides down to its base.
+void olx_arch_band(const olx_arch *arch, float breadth, olx_vec2 outline[OLX_ARCH_BAND_POINTS]);
 
 // Rooms cut out of solid matter, seen from above: cell (column, row) lies between x[column], x[column + 1] and z[row],
 // z[row + 1], and is open where the plan has a dot. Neighbouring faces share their corners, so nothing slips through.

@@ -23,7 +23,7 @@ static bool unlike_paper(const bench_row *row, const bench_result *result) {
 
 static void print_pass(const bench_report *r, const bench_result *result, bench_part part, double paper) {
   const double ms = result->milliseconds[part], stream = stream_floor(r, part);
-  printf("  %-11s %9.4f ms", bench_part_name(part), ms);
+  printf("  %-12s %9.4f ms", bench_part_name(part), ms);
   if (paper >= 0.0) printf("   paper %.3f", paper);
   if (bench_part_bytes(part)) {
     printf("   %u bytes a pixel: %.4f ms at least, %.1f times that", bench_part_bytes(part), stream, over(ms, stream));
@@ -70,12 +70,17 @@ static void print_row(const bench_report *r, const bench_row *row, const bench_r
     printf("  WARNING: not the paper's %u probes of %u^2\n", row->probes, row->radiance_size);
   }
   if (result->other_scene) printf("  WARNING: the field was baked from another scene\n");
-  for (uint32_t p = 0; p < BENCH_FLOOR_DIFFUSE; p++) {
+  if (r->settings->compare) {
+    print_pair(result);
+    return;
+  }
+  for (uint32_t p = 0; p < BENCH_PARTS; p++) {
+    if (p == BENCH_FLOOR_DIFFUSE || p == BENCH_FLOOR_GLOSSY) continue;
+    if (p == BENCH_FRAME_PARTS) printf("  with a Lambertian ray a pixel in place of irradiance probes:\n");
     const double paper = p == BENCH_IRRADIANCE ? row->paper_diffuse : p == BENCH_GLOSSY ? row->paper_glossy : -1.0;
     print_pass(r, result, (bench_part)p, paper);
   }
   print_floors(result);
-  if (r->settings->compare) print_pair(result);
 }
 
 void bench_report_text(const bench_report *r) {
@@ -141,7 +146,7 @@ static void json_passes(const bench_report *r, const bench_result *result) {
 
 static void json_pair(const bench_result *result) {
   static const char *const names[BENCH_PAIR] = {"two-level+cage", "hiz+bricks"};
-  printf(",\"compare\":{");
+  printf("\"compare\":{");
   for (uint32_t k = 0; k < BENCH_PAIR; k++) {
     printf("\"%s\":{", names[k]);
     json_number("ms", result->pair_milliseconds[k]);
@@ -180,10 +185,13 @@ static void json_row(const bench_report *r, const bench_row *row, const bench_re
     json_number("glossy_ms", row->paper_glossy);
     printf("},");
   }
-  json_passes(r, result);
-  putchar(',');
-  json_counts("counts", &result->counts);
-  if (r->settings->compare) json_pair(result);
+  if (r->settings->compare) {
+    json_pair(result);
+  } else {
+    json_passes(r, result);
+    putchar(',');
+    json_counts("counts", &result->counts);
+  }
   putchar('}');
 }
 

@@ -19,17 +19,24 @@ const bench_row *bench_row_at(uint32_t index) { return index < sizeof ROWS / siz
 
 static const struct {
   const char *name;
-  uint32_t bytes; // of depth 4, normal 8, albedo 4, material 4, color 8, irradiance 8, glossy 8, display 4
+  // Of depth 4, normal 8, albedo 4, material 4, color 8, irradiance 8, glossy 8, display 4; in the denoiser's three passes also of the guide
+  // 16, light of a lobe 8, its rows 8.
+  uint32_t bytes;
 } PARTS[BENCH_PARTS] = {
     [BENCH_SHADOW] = {"shadow", 0},
     [BENCH_GBUFFER] = {"gbuffer", 4 + 8 + 4 + 4 + 8},
     [BENCH_DIRECT] = {"direct", 4 + 8 + 4 + 4 + 8 + 8},
     [BENCH_IRRADIANCE] = {"irradiance", 4 + 8 + 8},
-    [BENCH_GLOSSY] = {"glossy", 4 + 8 + 4 + 4 + 8},
+    [BENCH_GLOSSY] = {"glossy", 4 + 8 + 4 + 4 + 8 + 8},
+    [BENCH_DENOISE] = {"denoise", (4 + 8 + 4 + 16 + 8 + 8 + 16 + 8) + (16 + 8 + 8) + (16 + 8 + 8 + 4 + 4 + 8 + 8)},
     [BENCH_COMPOSITE] = {"composite", 4 + 8 + 4 + 4 + 8 + 8 + 8 + 8},
     [BENCH_TONE] = {"tone", 8 + 4},
     [BENCH_FLOOR_DIFFUSE] = {"floor_irradiance", 4 + 8 + 8},
     [BENCH_FLOOR_GLOSSY] = {"floor_glossy", 4 + 8 + 4 + 4 + 8},
+    [BENCH_DIFFUSE_RAYS] = {"diffuse_rays", 4 + 8 + 8 + 8},
+    [BENCH_GLOSSY_RAYS] = {"glossy_rays", 4 + 8 + 4 + 4 + 8 + 8},
+    [BENCH_DENOISE_BOTH] = {"denoise_both", (4 + 8 + 4 + 16 + 16 + 16 + 16 + 16) + 2 * (16 + 8 + 8) +
+                                                (16 + 8 + 8 + 4 + 4 + 8 + 8) + (16 + 8 + 8 + 8)},
 };
 
 const char *bench_part_name(bench_part part) { return PARTS[part].name; }
@@ -107,7 +114,8 @@ static bool prepare(bench_job *job) {
   if (!check_library(job, olx_vulkan_field_measure(&d->host, job->field, &sizes)) ||
       !check_library(job, olx_vulkan_field_create(&d->host, job->field, &job->uploaded)))
     return false;
-  const olx_vulkan_targets targets = frame_images_targets(&job->raster.images);
+  olx_vulkan_targets targets = frame_images_targets(&job->raster.images);
+  targets.denoise = OLX_VULKAN_LOBE_GLOSSY;
   if (!check_library(job, olx_vulkan_frame_create(job->uploaded, &targets, &job->frame))) return false;
   if (!bench_probe_create(d, job->uploaded, &job->raster, &job->probe) || !gpu_timer_create(d, &job->timer))
     return fail_gpu(job);
@@ -151,6 +159,8 @@ static bool record_light(bench_job *job) {
   end_part(job, BENCH_IRRADIANCE, &job->timer);
   if (!check_library(job, olx_vulkan_record_glossy(job->frame, commands, &job->view.lit, &job->lit))) return false;
   end_part(job, BENCH_GLOSSY, &job->timer);
+  if (!check_library(job, olx_vulkan_record_denoise(job->frame, commands, &job->view.lit, &job->lit))) return false;
+  end_part(job, BENCH_DENOISE, &job->timer);
   if (!check_library(job, olx_vulkan_record_composite(job->frame, commands, &job->view.lit, &job->lit,
                                                       OLX_VULKAN_ADD_DIFFUSE | OLX_VULKAN_ADD_GLOSSY)))
     return false;
@@ -164,14 +174,23 @@ static bool record_light(bench_job *job) {
   return true;
 }
 
-static bool run_frame(bench_job *job, uint32_t index, double milliseconds[GPU_TIMER_MARKS]) {
+// The number of the next denoised frame of those lobes; each way begins anew.
+static void number_frame(bench_job *job, uint32_t lobes) {
+  olx_vulkan_denoise *denoise = &job->lit.denoise;
+  denoise->frame = denoise->lobes == lobes ? denoise->frame + 1 : 0;
+  denoise->lobes = lobes;
+  denoise->previous = job->view.lit;
+  job->lit.sample_index = denoise->frame;
+}
+
+static bool run_frame(bench_job *job, double milliseconds[GPU_TIMER_MARKS]) {
   const char *names[GPU_TIMER_MARKS];
-  job->lit.sample_index = index;
+  number_frame(job, OLX_VULKAN_LOBE_GLOSSY);
   if (!gpu_commands_begin(job->device)) return fail_gpu(job);
   record_drawing(job);
   if (!record_light(job)) return false;
   if (!gpu_commands_run(job->device)) return fail_gpu(job);
-  return gpu_timer_read(job->device, &job->timer, milliseconds, names) == BENCH_PARTS ||
+  return gpu_timer_read(job->device, &job->timer, milliseconds, names) == BENCH_FRAME_PARTS ||
          fail_job(job, "the timestamps of a frame could not be read");
 }
 
@@ -191,32 +210,59 @@ static double median(double *values, uint32_t count) {
   return 0.5 * (values[(count - 1) / 2] + values[count / 2]);
 }
 
+// A frame of the paper's denoised way, on the G-buffer of the last frame.
+static bool run_denoised_frame(bench_job *job, double milliseconds[GPU_TIMER_MARKS]) {
+  const gpu_device *d = job->device;
+  const char *names[GPU_TIMER_MARKS];
+  number_frame(job, OLX_VULKAN_LOBE_DIFFUSE | OLX_VULKAN_LOBE_GLOSSY);
+  if (!gpu_commands_begin(job->device)) return fail_gpu(job);
+  gpu_timer_begin(d, &job->timer, d->commands);
+  if (!check_library(job, olx_vulkan_record_diffuse(job->frame, d->commands, &job->view.lit, &job->lit))) return false;
+  end_part(job, BENCH_DIFFUSE_RAYS, &job->timer);
+  if (!check_library(job, olx_vulkan_record_glossy(job->frame, d->commands, &job->view.lit, &job->lit))) return false;
+  end_part(job, BENCH_GLOSSY_RAYS, &job->timer);
+  if (!check_library(job, olx_vulkan_record_denoise(job->frame, d->commands, &job->view.lit, &job->lit))) return false;
+  end_part(job, BENCH_DENOISE_BOTH, &job->timer);
+  if (!gpu_commands_run(job->device)) return fail_gpu(job);
+  return gpu_timer_read(job->device, &job->timer, milliseconds, names) == BENCH_PARTS - BENCH_FRAME_PARTS ||
+         fail_job(job, "the timestamps of a frame could not be read");
+}
+
+typedef bool run_frame_function(bench_job *job, double milliseconds[GPU_TIMER_MARKS]);
+
 // Clocks rise under load: frames are thrown away until half a second has passed, and two at the least.
-static bool warm_up(bench_job *job) {
+static bool warm_up(bench_job *job, run_frame_function *run) {
   double milliseconds[GPU_TIMER_MARKS];
   const double start = seconds();
-  for (uint32_t i = 0; i < (job->settings->quick ? 1u : 2u) || (!job->settings->quick && seconds() - start < 0.5);
-       i++) {
-    if (!run_frame(job, i, milliseconds)) return false;
+  const bool quick = job->settings->quick;
+  for (uint32_t i = 0; i < (quick ? 1u : 2u) || (!quick && seconds() - start < 0.5); i++) {
+    if (!run(job, milliseconds)) return false;
   }
   return true;
 }
 
-static bool run_frames(bench_job *job) {
+// Frames whose parts are `first` and those that follow.
+static bool run_frames(bench_job *job, run_frame_function *run, uint32_t first, uint32_t parts) {
   const uint32_t frames = job->settings->frames;
   double milliseconds[GPU_TIMER_MARKS];
-  job->times = calloc((size_t)frames * BENCH_PARTS, sizeof *job->times);
-  if (!job->times) return fail_job(job, "out of memory");
-  if (!warm_up(job)) return false;
+  if (!warm_up(job, run)) return false;
   for (uint32_t f = 0; f < frames; f++) {
-    if (!run_frame(job, f, milliseconds)) return false;
-    for (uint32_t p = 0; p < BENCH_PARTS; p++) job->times[(size_t)p * frames + f] = milliseconds[p];
+    if (!run(job, milliseconds)) return false;
+    for (uint32_t p = 0; p < parts; p++) job->times[(size_t)p * frames + f] = milliseconds[p];
   }
-  for (uint32_t p = 0; p < BENCH_PARTS; p++) {
-    job->result->milliseconds[p] = median(job->times + (size_t)p * frames, frames);
-    job->result->least[p] = job->times[(size_t)p * frames]; // the median has sorted them
+  for (uint32_t p = 0; p < parts; p++) {
+    job->result->milliseconds[first + p] = median(job->times + (size_t)p * frames, frames);
+    job->result->least[first + p] = job->times[(size_t)p * frames]; // the median has sorted them
   }
   return true;
+}
+
+static bool run_all_frames(bench_job *job) {
+  if (!run_frames(job, run_frame, 0, BENCH_FRAME_PARTS)) return false;
+  olx_vulkan_targets targets = frame_images_targets(&job->raster.images);
+  targets.denoise = OLX_VULKAN_LOBE_DIFFUSE | OLX_VULKAN_LOBE_GLOSSY;
+  return check_library(job, olx_vulkan_frame_resize(job->frame, &targets)) &&
+         run_frames(job, run_denoised_frame, BENCH_FRAME_PARTS, BENCH_PARTS - BENCH_FRAME_PARTS);
 }
 
 // ---- the comparison
@@ -238,6 +284,7 @@ static bool run_glossy(bench_job *job, uint32_t index, double *milliseconds) {
 
 // Frames of the two in turns, on the G-buffer of the last frame.
 static bool run_pair(bench_job *job) {
+  job->lit.denoise.lobes = 0;
   static const struct {
     olx_tracer tracer;
     olx_select select;
@@ -261,13 +308,21 @@ static bool run_pair(bench_job *job) {
   return true;
 }
 
+// The picture is drawn once, for its surfaces.
+static bool compare_ways(bench_job *job) {
+  double milliseconds[GPU_TIMER_MARKS];
+  return run_frame(job, milliseconds) && run_pair(job);
+}
+
 static bool run_job(bench_job *job, const char *scene_path, const char *field_path) {
-  if (!open_files(job, scene_path, field_path) || !find_view(job) || !prepare(job) || !run_frames(job)) return false;
+  if (!open_files(job, scene_path, field_path) || !find_view(job) || !prepare(job)) return false;
+  job->times = calloc((size_t)job->settings->frames * BENCH_PARTS, sizeof *job->times);
+  if (!job->times) return fail_job(job, "out of memory");
+  if (job->settings->compare) return compare_ways(job);
   const olx_sample_settings *sample = &job->settings->sample;
-  if (!bench_probe_count(job->device, &job->probe, job->uploaded, &job->raster, &job->view, sample->tracer,
-                         sample->select, 2, &job->result->counts))
-    return fail_gpu(job);
-  return !job->settings->compare || run_pair(job);
+  return run_all_frames(job) && (bench_probe_count(job->device, &job->probe, job->uploaded, &job->raster, &job->view,
+                                                   sample->tracer, sample->select, 2, &job->result->counts) ||
+                                 fail_gpu(job));
 }
 
 void bench_run(gpu_device *device, const char *scene_path, const char *field_path, const bench_settings *settings,

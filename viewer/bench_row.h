@@ -8,7 +8,7 @@ typedef struct bench_settings {
   uint32_t width, height;
   uint32_t frames;
   bool quick;         // coarse shadows, hardly a warm-up
-  bool compare;       // also two-level + cage and hi-Z + bricks, in turns
+  bool compare;       // glossy light by two-level + cage and by hi-Z + bricks in turns, nothing else
   const char *camera; // NULL: the scene's first
   double gigabytes;   // a second, that floors are reckoned with
   olx_sample_settings sample;
@@ -30,10 +30,16 @@ typedef enum bench_part {
   BENCH_DIRECT,
   BENCH_IRRADIANCE,
   BENCH_GLOSSY,
+  BENCH_DENOISE, // glossy light alone
   BENCH_COMPOSITE,
   BENCH_TONE,
   BENCH_FLOOR_DIFFUSE, // the passes that do the least
   BENCH_FLOOR_GLOSSY,
+  BENCH_FRAME_PARTS,
+  // The paper's denoised way to light a picture: a Lambertian ray a pixel in place of the irradiance probes.
+  BENCH_DIFFUSE_RAYS = BENCH_FRAME_PARTS,
+  BENCH_GLOSSY_RAYS,
+  BENCH_DENOISE_BOTH,
   BENCH_PARTS
 } bench_part;
 

@@ -201,8 +201,9 @@ static bool create_device(gpu_device *d) {
   const char *extensions[] = {VK_KHR_SWAPCHAIN_EXTENSION_NAME};
   VkPhysicalDeviceFeatures has;
   d->GetPhysicalDeviceFeatures(d->host.physical_device, &has);
-  d->anisotropy = has.samplerAnisotropy;
-  const VkPhysicalDeviceFeatures features = {.samplerAnisotropy = has.samplerAnisotropy};
+  // Mesa's CPU device blurs magnified textures with it, and takes its time.
+  d->anisotropy = has.samplerAnisotropy && d->properties.deviceType != VK_PHYSICAL_DEVICE_TYPE_CPU;
+  const VkPhysicalDeviceFeatures features = {.samplerAnisotropy = d->anisotropy};
   const VkDeviceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
                                    .queueCreateInfoCount = 1,
                                    .pQueueCreateInfos = &queue,

@@ -129,7 +129,7 @@ struct arrival {
 
 float cone(lamp l, vec3 to_lamp) {
   float t = clamp((-dot(to_lamp, l.direction) - l.cosine_outer) / max(l.cosine_inner - l.cosine_outer, 1e-6), 0.0, 1.0);
-  return t * t * (3.0 - 2.0 * t);
+  return t * t;
 }
 
 arrival arrive(lamp l, vec3 point) {

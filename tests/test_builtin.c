@@ -8,6 +8,7 @@
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
+#include <stdio.h>
 #include <string.h>
 
 #include <cmocka.h>
@@ -225,7 +226,19 @@ static uint32_t walks_that_cross(const char *name) {
 static void light_crosses_the_gap_but_not_the_sealed_wall(void **state) {
   (void)state;
   assert_int_equal(walks_that_cross("two-rooms-sealed"), 0);
-  assert_true(walks_that_cross("two-rooms-gap") > 100);
+  const uint32_t usual = walks_that_cross("two-rooms-gap"), narrow = walks_that_cross("two-rooms-gap:0.2");
+  assert_true(usual > 100);
+  assert_int_equal(walks_that_cross("two-rooms-gap:0.8"), usual);
+  assert_true(narrow > 0 && 2 * narrow < usual);
+  assert_true(walks_that_cross("two-rooms-gap:3.9") > 2 * usual);
+  olx_scene *scene = NULL;
+  for (const char *const *name = (const char *const[]){"0", "4", "-1", "", "wide", "0.4m", "nan", NULL}; *name;
+       name++) {
+    char full[64];
+    snprintf(full, sizeof full, "builtin:two-rooms-gap:%s", *name);
+    assert_int_equal(olx_scene_load(full, &scene), OLX_ERROR_ARGUMENT);
+    assert_non_null(strstr(olx_last_error(), "not within 0.01 to 3.99"));
+  }
 }
 
 static void the_wall_between_the_rooms_is_thick_and_stands_between_probe_columns(void **state) {

@@ -251,8 +251,8 @@ void olx_classic_filter_free(olx_classic_filter *f) {
   *f = (olx_classic_filter){0};
 }
 
-// Half vectors are drawn from the lobe's normals at the middles of ROWS x COLUMNS strata; those on one side of the eye's plane
-// say all.
+// Half vectors are those that the distribution draws at the middles of ROWS x COLUMNS strata; those on one side of the eye's
+// plane say all. Rows are crowded towards the horizon, where few are drawn and each counts for much.
 enum { ROWS = 64, COLUMNS = 16 };
 static const float least_cosine = 1e-4f, least_roughness = 1e-2f; // smaller ones count as these
 
@@ -263,14 +263,15 @@ olx_vec2 olx_classic_integrate(float cosine, float roughness) {
   const olx_vec3 view = olx_v3(sqrtf(olx_max(0.0f, 1.0f - cosine * cosine)), 0.0f, cosine);
   double scale = 0.0, bias = 0.0;
   for (uint32_t row = 0; row < ROWS; row++) {
-    const float u = ((float)row + 0.5f) / ROWS, nh2 = (1.0f - u) / (1.0f + (alpha * alpha - 1.0f) * u), nh = sqrtf(nh2);
+    const float rest = 1.0f - ((float)row + 0.5f) / ROWS, u = 1.0f - rest * rest * rest, crowding = 3.0f * rest * rest;
+    const float nh2 = (1.0f - u) / (1.0f + (alpha * alpha - 1.0f) * u), nh = sqrtf(nh2);
     const float sine = sqrtf(olx_max(0.0f, 1.0f - nh2));
     for (uint32_t column = 0; column < COLUMNS; column++) {
       const float phi = OLX_PI * ((float)column + 0.5f) / COLUMNS;
       const float vh = sine * cosf(phi) * view.x + nh * view.z, light = 2.0f * vh * nh - view.z;
       if (light <= 0.0f || vh <= 0.0f) continue;
       // BRDF times cosine over the density of the light's direction, without Fresnel: G vh / (nh nv).
-      const float weight = olx_classic_masking(alpha, light) * vh / (nh * (cosine * (1.0f - k) + k));
+      const float weight = crowding * olx_classic_masking(alpha, light) * vh / (nh * (cosine * (1.0f - k) + k));
       const float fresnel = olx_pow5(olx_clamp(1.0f - vh, 0.0f, 1.0f));
       scale += (double)(weight * (1.0f - fresnel));
       bias += (double)(weight * fresnel);

@@ -3,7 +3,9 @@
 #include "core/result.h"
 #include "scene/builtin_scenes.h"
 
+#include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 typedef struct builtin_entry {
@@ -29,7 +31,20 @@ static const builtin_entry entries[] = {
 
 const char *olx_builtin_name(uint32_t index) { return index < ENTRY_COUNT ? entries[index].name : NULL; }
 
+// "two-rooms-gap:METRES"; false for any other name.
+static bool names_a_gap(const char *name, float *metres) {
+  static const char prefix[] = "two-rooms-gap:";
+  const size_t length = sizeof prefix - 1;
+  if (strncmp(name, prefix, length) != 0) return false;
+  char *end;
+  *metres = strtof(name + length, &end);
+  if (end == name + length || *end) *metres = NAN;
+  return true;
+}
+
 olx_result olx_builtin_build(const char *name, olx_scene *scene) {
+  float gap;
+  if (names_a_gap(name, &gap)) return olx_build_two_rooms_gap_of(scene, gap);
   char names[512];
   size_t used = 0;
   for (size_t i = 0; i < ENTRY_COUNT; i++) {

@@ -9,9 +9,10 @@ static olx_result add_room_materials(olx_scene *scene, olx_plan *plan) {
 }
 
 // Two rooms of 4 m x 4 m, 3 m high, a wall of 0.2 m between them and a light in the left one alone. 16 probes as in the
-// dissertation's experiment, two columns on either side of the wall.
-static olx_result build_two_rooms(olx_scene *scene, const char *const cells[2]) {
-  static const float x[4] = {-4.1f, -0.1f, 0.1f, 4.1f}, z[3] = {-2.0f, 1.2f, 2.0f};
+// dissertation's experiment, two columns on either side of the wall. Where the plan leaves it open the gap is `gap` wide.
+static olx_result build_two_rooms(olx_scene *scene, const char *const cells[2], float gap) {
+  static const float x[4] = {-4.1f, -0.1f, 0.1f, 4.1f};
+  const float z[3] = {-2.0f, 2.0f - gap, 2.0f};
   olx_plan plan = {.cells = cells, .columns = 3, .rows = 2, .x = x, .z = z, .floor = 0.0f, .ceiling = 3.0f};
   OLX_TRY(add_room_materials(scene, &plan));
   OLX_TRY(olx_add_plan(scene, "rooms", &plan));
@@ -23,12 +24,18 @@ static olx_result build_two_rooms(olx_scene *scene, const char *const cells[2]) 
 
 olx_result olx_build_two_rooms_sealed(olx_scene *scene) {
   static const char *const cells[2] = {".#.", ".#."};
-  return build_two_rooms(scene, cells);
+  return build_two_rooms(scene, cells, OLX_ROOMS_GAP);
 }
 
-olx_result olx_build_two_rooms_gap(olx_scene *scene) {
+olx_result olx_build_two_rooms_gap(olx_scene *scene) { return olx_build_two_rooms_gap_of(scene, OLX_ROOMS_GAP); }
+
+olx_result olx_build_two_rooms_gap_of(olx_scene *scene, float gap) {
   static const char *const cells[2] = {".#.", "..."};
-  OLX_TRY(build_two_rooms(scene, cells));
+  if (!(gap >= 0.01f && gap <= 3.99f)) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "builtin:two-rooms-gap: a gap of %g metres is not within 0.01 to 3.99",
+                    (double)gap);
+  }
+  OLX_TRY(build_two_rooms(scene, cells, gap));
   // Along the wall's end, past which the light falls.
   return olx_add_view(scene, "both", olx_v3(2.4f, 1.5f, 1.7f), olx_v3(-1.2f, 1.2f, 0.6f), 70.0f);
 }

@@ -52,6 +52,7 @@ olx_result resolve_bake_options(const olx_scene *scene, const bake_options *give
   if (given->light_samples) settings->light_samples = given->light_samples;
   settings->select_mask = given->select_mask;
   settings->fit = !given->no_fit;
+  settings->bounce_gather = (olx_bounce_gather)given->bounce_gather;
   settings->classic = given->classic;
   if (given->classic_size) settings->classic_size = given->classic_size;
   if (given->classic_cube_size) settings->classic_cube_size = given->classic_cube_size;

@@ -10,7 +10,7 @@
 typedef struct bake_options {
   uint32_t grid[3], irradiance_grid[3];
   uint32_t radiance_size, irradiance_size, bounces, samples, light_samples, threads;
-  uint32_t classic_size, classic_cube_size, classic_sharpness;
+  uint32_t classic_size, classic_cube_size, classic_sharpness, bounce_gather;
   bool no_fit, classic;
   const char *probes;
   uint32_t select_mask;
@@ -52,6 +52,13 @@ typedef struct bake_options {
        8,                                                                                                              \
        256},                                                                                                           \
       {"--bounces", OPTION_COUNT, &(b).bounces, "N", "bounces after direct light; default 3", 0, 64},                  \
+      {"--bounce-gather",                                                                                              \
+       OPTION_CHOICE,                                                                                                  \
+       &(b).bounce_gather,                                                                                             \
+       "irradiance|traced",                                                                                            \
+       "where bounces between probes find light: irradiance maps, or rays; default irradiance",                        \
+       0,                                                                                                              \
+       0},                                                                                                             \
       {"--samples", OPTION_COUNT, &(b).samples, "N", "samples along a texel's side; default 2", 1, 8},                 \
       {"--light-samples",                                                                                              \
        OPTION_COUNT,                                                                                                   \

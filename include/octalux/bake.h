@@ -10,6 +10,12 @@ extern "C" {
 #endif
 #pragma GCC visibility push(default)
 
+// Where a bounce's diffuse light comes from (docs/baking.md).
+typedef enum olx_bounce_gather {
+  OLX_GATHER_IRRADIANCE = 0, // the irradiance maps of the bounce before (McGuire et al. 2017, section 5.2)
+  OLX_GATHER_TRACED = 1      // rays, which find what probes stored of the bounce before where they see the rays' ends
+} olx_bounce_gather;
+
 typedef struct olx_bake_settings {
   olx_grid grid;            // light field probes; set by olx_bake_settings_default to the scene's grid
   const olx_vec3 *probes;   // light field probes anywhere instead of on `grid`, metres; the caller's; default NULL
@@ -26,6 +32,7 @@ typedef struct olx_bake_settings {
   uint32_t classic_size;    // texels along a side of these: a power of two, 32 to 256; default 128
   uint32_t classic_cube_size; // along a face of the cube maps that they come from: a power of two, 32 to 1024; default 256
   uint32_t classic_sharpness; // exponent of the filter between the two, 64 to 65536; 0, the default: as wide as a texel
+  olx_bounce_gather bounce_gather; // for irradiance probes; default OLX_GATHER_IRRADIANCE
   bool fit;                 // fit irradiance maps to the surfaces they light (docs/baking.md); default true
   uint32_t threads;         // 0: as many as the machine has; the result does not depend on it
   bool measure_embree;      // also time Embree alone on the primary rays, for stats.embree_seconds; default false
@@ -47,6 +54,7 @@ typedef struct olx_bake_stats {
   uint64_t peak_memory_bytes;
   uint64_t file_bytes;
   uint32_t buried, irradiance_buried;
+  double unseen; // OLX_GATHER_TRACED: share of the rays that met a surface which no probe nearby sees; they count for nothing
 } olx_bake_stats;
 
 // Bake and write `path`: beside, synced, renamed, so that a failure or a kill at any moment leaves the old file or the new

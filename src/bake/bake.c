@@ -126,6 +126,7 @@ static olx_result check_settings(const olx_bake_settings *settings) {
   OLX_TRY(check_size(settings->radiance_size, 8, 2048, "radiance size"));
   OLX_TRY(check_size(settings->irradiance_size, 8, 256, "irradiance size"));
   OLX_TRY(check_classic(settings));
+  OLX_TRY(check_range(settings->bounce_gather, OLX_GATHER_IRRADIANCE, OLX_GATHER_TRACED, "way to gather bounces"));
   OLX_TRY(check_range(settings->samples, 1, 8, "samples"));
   OLX_TRY(check_range(settings->light_samples, 1, 64, "light samples"));
   return check_range(settings->bounces, 0, 64, "bounces");
@@ -237,6 +238,10 @@ static olx_result gather_light(bake *b) {
     OLX_TRY(olx_gather_irradiance(&b->gather, bounce));
     if (b->settings->fit) OLX_TRY(olx_gather_fit(&b->gather, bounce));
   }
+  if (b->gather.traces) {
+    b->stats.unseen =
+        (double)atomic_load(&b->gather.traced.unseen) / fmax(1.0, (double)atomic_load(&b->gather.traced.rays));
+  }
   return olx_gather_write(&b->gather, b->writer, &b->stats.write_seconds);
 }
 
@@ -301,7 +306,8 @@ static olx_result run(bake *b, const char *path) {
                            .light_samples = s->light_samples,
                            .threads = s->threads,
                            .distance_scale = b->distance_scale,
-                           .task = &b->task};
+                           .task = &b->task,
+                           .traces = s->bounce_gather == OLX_GATHER_TRACED};
   b->capture = (olx_capture){.shade = &b->shade,
                              .size = s->radiance_size,
                              .samples = s->samples,

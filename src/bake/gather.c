@@ -1,76 +1,19 @@
 #include "bake/gather.h"
 
 #include "bake/border.h"
-#include "bake/morton.h"
+#include "bake/gather_points.h"
 #include "core/hooks.h"
 #include "core/pack.h"
 #include "core/result.h"
-#include "core/sampling.h"
 
 #include <string.h>
-
-enum {
-  TILE_SIDE = 32, // samples along the side of a tile; a tile is one batch
-  SALT_PICK = 0x47415448,
-  SALT_CELL = 0x43454C4C,
-  SALT_JITTER = 0x4A495454
-};
-
-static uint32_t tiles_of(const olx_quadrature *q) {
-  const uint32_t side = q->sample_size / TILE_SIDE;
-  return side * side;
-}
-
-static uint32_t samples_per_cell(const olx_quadrature *q) {
-  const uint32_t side = q->sample_size / q->cells;
-  return side * side;
-}
-
-static uint32_t gather_points(const olx_quadrature *q) { return 4 * q->cells * q->cells; }
-
-// Where sample `i` of a tile, in Morton order, lies in the map of samples.
-typedef struct sample_place {
-  uint32_t x, y, cell;
-} sample_place;
-
-static sample_place place_of(const olx_quadrature *q, uint32_t tile, uint32_t i) {
-  const uint32_t side = q->sample_size / TILE_SIDE, per_cell = q->sample_size / q->cells;
-  const uint32_t x = tile % side * TILE_SIDE + olx_morton_coordinate(i);
-  const uint32_t y = tile / side * TILE_SIDE + olx_morton_coordinate(i >> 1);
-  return (sample_place){x, y, y / per_cell * q->cells + x / per_cell};
-}
-
-// A direction within the sample's texel. It is drawn, because a regular one would meet edges of walls exactly, where
-// neither wall is certain, from a probe that stands as symmetrically as grids of probes tend to.
-static olx_vec3 sample_direction(const olx_quadrature *q, uint32_t probe, sample_place p) {
-  const uint32_t hash = olx_hash3(probe, p.y * q->sample_size + p.x, SALT_JITTER);
-  const float scale = 1.0f / (float)q->sample_size, u = ((float)(hash & 0xFFFFu) + 0.5f) * 0x1p-16f;
-  const float v = ((float)(hash >> 16) + 0.5f) * 0x1p-16f;
-  return olx_octahedral_decode((olx_vec2){((float)p.x + u) * scale, ((float)p.y + v) * scale});
-}
-
-// A quarter of a cell holds consecutive samples; one of them, drawn by hash, is the gather point that stands for it.
-static uint32_t picked_sample(uint32_t probe, uint32_t point, uint32_t per_quarter) {
-  return olx_hash3(probe, point, SALT_PICK) & (per_quarter - 1);
-}
-
-static float quarter_solid_angle(const olx_quadrature *q, uint32_t tile, uint32_t quarter, uint32_t per_quarter) {
-  float sum = 0.0f;
-  for (uint32_t i = 0; i < per_quarter; i++) {
-    const sample_place p = place_of(q, tile, quarter * per_quarter + i);
-    sum += q->sample_solid_angle[p.y * q->sample_size + p.x];
-  }
-  return sum;
-}
-
-static uint32_t cell_seed(uint32_t probe, uint32_t cell) { return olx_hash3(probe, cell, SALT_CELL); }
 
 static void cast_tile(const olx_gather *gather, olx_shade_scratch *scratch, uint32_t tile) {
   const olx_quadrature *q = &gather->quadrature;
   const olx_vec3 origin = gather->positions[gather->probe];
   for (uint32_t i = 0; i < OLX_BATCH_POINTS; i++) {
-    const sample_place p = place_of(q, tile, i);
-    scratch->directions[i] = sample_direction(q, gather->probe, p);
+    const olx_sample_place p = olx_place_of(q, tile, i);
+    scratch->directions[i] = olx_sample_direction(q, gather->probe, p);
     scratch->weights[i] = q->sample_solid_angle[p.y * q->sample_size + p.x];
     scratch->rays[i] = (olx_ray){origin, scratch->directions[i], 0.0f, INFINITY};
   }
@@ -82,7 +25,7 @@ static void sum_distances(const olx_gather *gather, const olx_shade_scratch *scr
   const olx_quadrature *q = &gather->quadrature;
   const uint32_t per_cell = q->sample_size / q->distance_cells;
   for (uint32_t i = 0; i < OLX_BATCH_POINTS; i++) {
-    const sample_place p = place_of(q, tile, i);
+    const olx_sample_place p = olx_place_of(q, tile, i);
     const uint32_t c = p.y / per_cell * q->distance_cells + p.x / per_cell;
     const bool sky = scratch->hits[i].triangle == OLX_NO_HIT;
     const float r = sky ? 1.0f : olx_min(scratch->hits[i].t / gather->distance_scale, 1.0f);
@@ -95,23 +38,23 @@ static void sum_distances(const olx_gather *gather, const olx_shade_scratch *scr
 // Lights the samples of a tile and leaves their radiance in scratch->roots.
 static void light_tile(const olx_gather *gather, olx_shade_scratch *scratch, uint32_t tile) {
   const olx_quadrature *q = &gather->quadrature;
-  const uint32_t per_cell = samples_per_cell(q), per_quarter = per_cell / 4, probe = gather->probe;
-  olx_ray_hit *hits = gather->hits + (size_t)probe * gather_points(q);
+  const uint32_t per_cell = olx_samples_per_cell(q), per_quarter = per_cell / 4, probe = gather->probe;
+  olx_ray_hit *hits = gather->hits + (size_t)probe * olx_gather_points(q);
   uint32_t reflections = 0;
   olx_shade_batch_begin(&scratch->roots, gather->light_samples);
   scratch->roots.sparing = true;
   for (uint32_t i = 0; i < OLX_BATCH_POINTS; i++) {
     const uint32_t quarter = i / per_quarter, point = tile * (OLX_BATCH_POINTS / per_quarter) + quarter;
-    const bool picked = i % per_quarter == picked_sample(probe, point, per_quarter);
+    const bool picked = i % per_quarter == olx_picked_sample(probe, point, per_quarter);
     if (picked) hits[point] = scratch->hits[i];
     if (scratch->hits[i].triangle == OLX_NO_HIT) continue;
-    const uint32_t cell = place_of(q, tile, i).cell;
+    const uint32_t cell = olx_place_of(q, tile, i).cell;
     const uint32_t root = olx_shade_append(gather->shade, &scratch->roots, &scratch->hits[i], scratch->directions[i],
-                                           cell_seed(probe, cell), i % per_cell);
+                                           olx_cell_seed(probe, cell), i % per_cell);
     scratch->slot[root] = i;
     scratch->roots.scattered[root] = gather->shade->reflected_lights ? 1.0f : 0.0f;
     if (!picked || !gather->shade->reflected_lights) continue;
-    const float weight = quarter_solid_angle(q, tile, quarter, per_quarter) / scratch->weights[i];
+    const float weight = olx_quarter_solid_angle(q, tile, quarter, per_quarter) / scratch->weights[i];
     olx_shade_path path = {.root = root, .from = root, .throughput = olx_splat(weight), .diffuse = true};
     scratch->paths[0][reflections++] = path;
     path.diffuse = false;
@@ -119,6 +62,22 @@ static void light_tile(const olx_gather *gather, olx_shade_scratch *scratch, uin
   }
   olx_shade_direct(gather->shade, scratch, &scratch->roots);
   olx_shade_reflections(gather->shade, scratch, reflections, 0, OLX_REFLECT_LIGHTS);
+}
+
+// The direct light of gather points, each the mean of what its quarter of a cell shows.
+static void keep_direct(const olx_gather *gather, const olx_shade_scratch *scratch, uint32_t tile) {
+  const olx_quadrature *q = &gather->quadrature;
+  const uint32_t per_quarter = olx_samples_per_cell(q) / 4, per_tile = OLX_BATCH_POINTS / per_quarter;
+  olx_vec3 *direct = gather->traced.direct + (size_t)gather->probe * olx_gather_points(q) + tile * per_tile;
+  float weights[OLX_BATCH_POINTS] = {0.0f};
+  for (uint32_t k = 0; k < scratch->roots.count; k++) {
+    const uint32_t i = scratch->slot[k];
+    weights[i / per_quarter] += scratch->weights[i];
+    direct[i / per_quarter] = olx_madd(direct[i / per_quarter], scratch->roots.radiance[k], scratch->weights[i]);
+  }
+  for (uint32_t point = 0; point < per_tile; point++) {
+    if (weights[point] > 0.0f) direct[point] = olx_scale(direct[point], 1.0f / weights[point]);
+  }
 }
 
 static void direct_job(void *user, uint32_t tile) {
@@ -131,10 +90,11 @@ static void direct_job(void *user, uint32_t tile) {
   light_tile(gather, scratch, tile);
   olx_vec3 *direct = gather->direct + (size_t)gather->probe * q->cells * q->cells;
   for (uint32_t k = 0; k < scratch->roots.count; k++) {
-    const uint32_t i = scratch->slot[k], cell = place_of(q, tile, i).cell;
+    const uint32_t i = scratch->slot[k], cell = olx_place_of(q, tile, i).cell;
     const float share = scratch->weights[i] / q->cell_solid_angle[cell];
     direct[cell] = olx_madd(direct[cell], scratch->roots.radiance[k], share);
   }
+  if (gather->traces) keep_direct(gather, scratch, tile);
   olx_shade_scratch_give(gather->shade, scratch);
 }
 
@@ -158,21 +118,43 @@ olx_result olx_gather_direct(olx_gather *gather) {
   for (uint32_t probe = 0; probe < gather->probe_count; probe++) {
     gather->probe = probe;
     memset(gather->distances, 0, (size_t)q->distance_cells * q->distance_cells * sizeof(olx_vec2));
-    OLX_TRY(olx_parallel_for(tiles_of(q), gather->threads, direct_job, gather, gather->task, OLX_BATCH_POINTS));
+    OLX_TRY(olx_parallel_for(olx_gather_tiles(q), gather->threads, direct_job, gather, gather->task, OLX_BATCH_POINTS));
     OLX_TRY(check_memory(gather));
     OLX_TRY(
         olx_parallel_for(q->irradiance_size / OLX_BLOCK_ROWS, gather->threads, moments_job, gather, gather->task, 0));
     olx_fill_border(gather->moments + probe * bordered(q->irradiance_size), q->irradiance_size, sizeof(olx_vec2));
   }
-  return OLX_OK;
+  if (!gather->traces) return OLX_OK;
+  olx_task_stage(gather->task, "rays between surfaces");
+  return olx_traced_bounce_link(&gather->traced);
+}
+
+// The diffuse reflection of what rays find of the bounce before.
+static void add_traced(const olx_gather *gather, olx_shade_scratch *scratch, uint32_t probe) {
+  olx_shade_batch *roots = &scratch->roots;
+  const size_t first = (size_t)probe * olx_gather_points(&gather->quadrature);
+  for (uint32_t k = 0; k < roots->count; k++) {
+    const olx_vec3 irradiance = olx_traced_irradiance(&gather->traced, first + scratch->owner[k], gather->bounce - 1);
+    roots->radiance[k] = olx_madd(roots->radiance[k], olx_mul(roots->diffuse[k], irradiance), 1.0f);
+  }
+}
+
+// What the next bounce will find.
+static void keep_traced(const olx_gather *gather, const olx_shade_scratch *scratch, uint32_t probe) {
+  const size_t first = (size_t)probe * olx_gather_points(&gather->quadrature);
+  olx_vec3 *light = olx_traced_light(&gather->traced, gather->bounce);
+  for (uint32_t k = 0; k < scratch->roots.count; k++) {
+    const size_t point = first + scratch->owner[k];
+    light[point] = olx_add(gather->traced.direct[point], scratch->roots.radiance[k]);
+  }
 }
 
 // Light of one batch of a probe's gather points.
 static void bounce_job(void *user, uint32_t index) {
   const olx_gather *gather = user;
   const olx_quadrature *q = &gather->quadrature;
-  const uint32_t points = gather_points(q), batches = points / OLX_BATCH_POINTS, probe = index / batches;
-  const uint32_t per_cell = samples_per_cell(q), per_quarter = per_cell / 4;
+  const uint32_t points = olx_gather_points(q), batches = points / OLX_BATCH_POINTS, probe = index / batches;
+  const uint32_t per_cell = olx_samples_per_cell(q), per_quarter = per_cell / 4;
   const uint32_t first = index % batches * OLX_BATCH_POINTS, per_tile = OLX_BATCH_POINTS / per_quarter;
   const size_t cell_base = (size_t)probe * q->cells * q->cells;
   olx_shade_scratch *scratch = olx_shade_scratch_take(gather->shade);
@@ -181,20 +163,23 @@ static void bounce_job(void *user, uint32_t index) {
   olx_shade_batch_begin(&scratch->roots, 1);
   for (uint32_t k = 0; k < OLX_BATCH_POINTS; k++) {
     const uint32_t point = first + k, tile = point / per_tile, quarter = point % per_tile;
-    const uint32_t i = quarter * per_quarter + picked_sample(probe, point, per_quarter);
-    const sample_place p = place_of(q, tile, i);
+    const uint32_t i = quarter * per_quarter + olx_picked_sample(probe, point, per_quarter);
+    const olx_sample_place p = olx_place_of(q, tile, i);
     if (k % 4 == 0) gather->total[cell_base + p.cell] = gather->direct[cell_base + p.cell];
     const olx_ray_hit *hit = &gather->hits[(size_t)probe * points + point];
     if (hit->triangle == OLX_NO_HIT) continue;
-    const uint32_t root = olx_shade_append(gather->shade, &scratch->roots, hit, sample_direction(q, probe, p),
-                                           cell_seed(probe, p.cell), i % per_cell);
+    const uint32_t root = olx_shade_append(gather->shade, &scratch->roots, hit, olx_sample_direction(q, probe, p),
+                                           olx_cell_seed(probe, p.cell), i % per_cell);
     scratch->slot[root] = p.cell;
-    scratch->weights[root] = quarter_solid_angle(q, tile, quarter, per_quarter) / q->cell_solid_angle[p.cell];
+    scratch->owner[root] = point;
+    scratch->weights[root] = olx_quarter_solid_angle(q, tile, quarter, per_quarter) / q->cell_solid_angle[p.cell];
     if (!scratch->roots.reflects[root]) continue;
     scratch->paths[0][reflections++] = (olx_shade_path){.root = root, .from = root, .throughput = olx_splat(1.0f)};
   }
-  olx_shade_diffuse(gather->shade, &scratch->roots, gather->bounce - 1);
+  if (gather->traces) add_traced(gather, scratch, probe);
+  else olx_shade_diffuse(gather->shade, &scratch->roots, gather->bounce - 1);
   olx_shade_reflections(gather->shade, scratch, reflections, gather->bounce, OLX_REFLECT_BOUNCES);
+  if (gather->traces) keep_traced(gather, scratch, probe);
   for (uint32_t k = 0; k < scratch->roots.count; k++) {
     olx_vec3 *cell = &gather->total[cell_base + scratch->slot[k]];
     *cell = olx_madd(*cell, scratch->roots.radiance[k], scratch->weights[k]);
@@ -205,7 +190,7 @@ static void bounce_job(void *user, uint32_t index) {
 olx_result olx_gather_bounce(olx_gather *gather, uint32_t bounce) {
   olx_task_stage(gather->task, "bounces");
   gather->bounce = bounce;
-  const uint32_t batches = gather_points(&gather->quadrature) / OLX_BATCH_POINTS;
+  const uint32_t batches = olx_gather_points(&gather->quadrature) / OLX_BATCH_POINTS;
   OLX_TRY(olx_parallel_for(gather->probe_count * batches, gather->threads, bounce_job, gather, gather->task,
                            OLX_BATCH_POINTS));
   return check_memory(gather);
@@ -270,7 +255,7 @@ olx_result olx_gather_fit(olx_gather *gather, uint32_t bounce) {
                                          .probe_count = gather->probe_count,
                                          .threads = gather->threads,
                                          .hits = gather->hits,
-                                         .hit_count = gather_points(&gather->quadrature),
+                                         .hit_count = olx_gather_points(&gather->quadrature),
                                          .task = gather->task};
     OLX_TRY(olx_surface_fit_create(&input, source_of(gather, bounce), &gather->fit));
   }
@@ -315,7 +300,7 @@ olx_result olx_gather_create(olx_gather *gather, const olx_grid *grid, uint32_t 
   const olx_quadrature *q = &gather->quadrature;
   const size_t probes = gather->probe_count, cells = (size_t)q->cells * q->cells;
   gather->map_size = irradiance_size < 64 ? irradiance_size : 64;
-  gather->hits = olx_allocate(probes * gather_points(q), sizeof *gather->hits);
+  gather->hits = olx_allocate(probes * olx_gather_points(q), sizeof *gather->hits);
   gather->direct = olx_allocate_zero(probes * cells, sizeof *gather->direct);
   gather->total = bounces > 0 ? olx_allocate(probes * cells, sizeof *gather->total) : NULL;
   gather->distances = olx_allocate((size_t)q->distance_cells * q->distance_cells, sizeof *gather->distances);
@@ -334,14 +319,28 @@ olx_result olx_gather_create(olx_gather *gather, const olx_grid *grid, uint32_t 
                                                            .irradiance = gather->maps[k],
                                                            .moments = gather->moments};
   }
-  if (complete) return OLX_OK;
-  olx_gather_free(gather);
-  return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for %u irradiance probes", gather->probe_count);
+  if (!complete) {
+    olx_gather_free(gather);
+    return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for %u irradiance probes", gather->probe_count);
+  }
+  gather->traces = gather->traces && bounces > 0;
+  if (!gather->traces) return OLX_OK;
+  gather->traced = (olx_traced_bounce){.shade = gather->shade,
+                                       .quadrature = &gather->quadrature,
+                                       .grid = &gather->shade->irradiance[0].grid,
+                                       .positions = gather->positions,
+                                       .flags = gather->flags,
+                                       .hits = gather->hits,
+                                       .probe_count = gather->probe_count,
+                                       .threads = gather->threads,
+                                       .task = gather->task};
+  return olx_traced_bounce_create(&gather->traced);
 }
 
 void olx_gather_free(olx_gather *gather) {
   olx_quadrature_free(&gather->quadrature);
   olx_surface_fit_free(gather->fit);
+  olx_traced_bounce_free(&gather->traced);
   olx_release(gather->hits);
   olx_release(gather->direct);
   olx_release(gather->total);
@@ -355,5 +354,6 @@ void olx_gather_free(olx_gather *gather) {
 uint64_t olx_gather_units(const olx_gather *gather, uint32_t bounces) {
   const olx_quadrature *q = &gather->quadrature;
   const uint64_t samples = (uint64_t)q->sample_size * q->sample_size;
-  return gather->probe_count * (samples + (uint64_t)bounces * gather_points(q));
+  const uint64_t traced = gather->traces ? (uint64_t)OLX_BOUNCE_RAYS * olx_gather_points(q) : 0;
+  return gather->probe_count * (samples + traced + (uint64_t)bounces * olx_gather_points(q));
 }

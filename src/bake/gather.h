@@ -5,6 +5,7 @@
 #include "bake/quadrature.h"
 #include "bake/shade_batch.h"
 #include "bake/surface_fit.h"
+#include "bake/traced_bounce.h"
 #include "core/parallel.h"
 #include "field/field_writer.h"
 
@@ -29,6 +30,8 @@ typedef struct olx_gather {
   uint32_t bounce;
   olx_vec3 *irradiance; // one probe's final map
   olx_surface_fit *fit; // NULL until the first olx_gather_fit
+  bool traces;          // bounces are gathered by rays: the caller's to set
+  olx_traced_bounce traced;
 } olx_gather;
 
 // Everything but the tables and maps is the caller's to fill. `bounces` is the number of the last bounce.
@@ -40,7 +43,7 @@ uint64_t olx_gather_units(const olx_gather *gather, uint32_t bounces);
 
 // Direct light and distances of all probes.
 olx_result olx_gather_direct(olx_gather *gather);
-// Light of bounce `bounce`, at least 1, from the irradiance of the one before.
+// Light of bounce `bounce`, at least 1, from the one before: from its irradiance, or by rays.
 olx_result olx_gather_bounce(olx_gather *gather, uint32_t bounce);
 // The irradiance of bounce `bounce`, for the next to gather from and for shading.
 olx_result olx_gather_irradiance(olx_gather *gather, uint32_t bounce);

@@ -1,0 +1,46 @@
+// Bounces by rays (the dissertation's section 4.3.3): diffuse light at what a probe sees is looked up where rays from there meet
+// surfaces, in what the probes stored there of the bounce before. A probe is asked only about what it sees: the place must lie
+// at the distance that it stored in that direction. The other way interpolates irradiance maps.
+//
+// Geometry stands still, so rays are cast and probes found once; each bounce follows the same links.
+#ifndef OLX_BAKE_TRACED_BOUNCE_H
+#define OLX_BAKE_TRACED_BOUNCE_H
+
+#include "bake/quadrature.h"
+#include "bake/shade_batch.h"
+#include "core/parallel.h"
+
+enum { OLX_BOUNCE_RAYS = 4 }; // from each gather point
+
+typedef struct olx_traced_bounce {
+  // The caller's to fill.
+  olx_shade_context *shade;
+  const olx_quadrature *quadrature;
+  const olx_grid *grid;
+  const olx_vec3 *positions;
+  const uint8_t *flags;
+  const olx_ray_hit *hits; // of the gather points, olx_gather_points of each probe
+  uint32_t probe_count, threads;
+  olx_task *task;
+  // Each OLX_BOUNCE_RAYS of each gather point: the gather point, over all probes, that holds the light at the ray's end.
+  uint32_t *links;
+  // Light that leaves gather points towards their probes: direct, and of the bounces up to the last and the one before.
+  olx_vec3 *direct, *light[2];
+  atomic_uint_fast64_t rays, unseen; // rays that met a surface, and those of them whose end no probe nearby sees
+} olx_traced_bounce;
+
+olx_result olx_traced_bounce_create(olx_traced_bounce *traced);
+void olx_traced_bounce_free(olx_traced_bounce *traced);
+
+// Casts the rays. The hits must be known.
+olx_result olx_traced_bounce_link(olx_traced_bounce *traced);
+
+// Irradiance of bounce `bounce` (0: of direct light) at gather point `point`, over all probes.
+olx_vec3 olx_traced_irradiance(const olx_traced_bounce *traced, size_t point, uint32_t bounce);
+
+// Where the light of a bounce is stored.
+static inline olx_vec3 *olx_traced_light(const olx_traced_bounce *traced, uint32_t bounce) {
+  return bounce == 0 ? traced->direct : traced->light[bounce & 1u];
+}
+
+#endif

@@ -83,7 +83,7 @@ bake() {
       continue
     fi
     local start=$SECONDS
-    LD_LIBRARY_PATH=$libraries "$dir/bin/bake_cooked" "$dir/$scene.olxs" "$dir/$row.olx" $((size / divisor)) 128 "$grid" cage,bricks
+    LD_LIBRARY_PATH=$libraries "$dir/bin/bake_cooked" "$dir/$scene.olxs" "$dir/$row.olx" $((size / divisor)) $((128 / divisor)) "$grid" cage,bricks
     echo "$row.olx: $(stat -c %s "$dir/$row.olx") bytes, $((SECONDS - start)) s"
   done
 }

@@ -8,8 +8,8 @@
 
 #include <octalux/scene.h>
 
-// Write a description that uses all there is (textures, an environment's image, every kind of light, cameras, all that can be
-// said about probes, something to warn about) and return its path.
+// Write a description that uses all there is (textures, an environment's image, every kind of light, cameras, all that
+// can be said about probes, something to warn about) and return its path.
 const char *cooked_scenes_everything(const scene_folder *folder);
 
 // A cooked file's bytes, on a boundary of 64.

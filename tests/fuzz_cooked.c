@@ -1,6 +1,6 @@
-// Hostile cooked scenes: fuzz_cooked COUNT [SEED] loads COUNT mutated files. Each must become a scene whose numbers are in order,
-// or be refused with a message, and leave no memory behind. Most files have right checksums, so that what lies behind
-// them is met. Files depend on (seed, round) alone.
+// Hostile cooked scenes: fuzz_cooked COUNT [SEED] loads COUNT mutated files. Each must become a scene whose numbers are
+// in order, or be refused with a message, and leave no memory behind. Most files have right checksums, so that what
+// lies behind them is met. Files depend on (seed, round) alone.
 #include "cooked_scenes.h"
 #include "core/sampling.h"
 #include "scene/surface.h"

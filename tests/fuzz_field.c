@@ -1,9 +1,9 @@
 // Hostile field files: fuzz_field COUNT [SEED [FIRST]]
 //
 // Every round takes a small valid file, spoils it, opens and verifies it, and, when it opens, sends rays through it. In
-// most rounds the checksums are made right again, so that the checks behind them are reached. Nothing may crash, hang or
-// touch memory outside the file, and every refusal says why. A round depends on SEED and its number alone: FIRST repeats
-// one.
+// most rounds the checksums are made right again, so that the checks behind them are reached. Nothing may crash, hang
+// or touch memory outside the file, and every refusal says why. A round depends on SEED and its number alone: FIRST
+// repeats one.
 #include "synthetic_field.h"
 
 #include "core/hooks.h"

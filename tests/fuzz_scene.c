@@ -1,7 +1,7 @@
-// Hostile scene files: fuzz_scene COUNT [SEED] loads COUNT mutated descriptions, OBJ, MTL, glTF, GLB and image files. Each
-// must become a scene whose numbers are in order, or be refused with a message. Files are made from (seed, round) alone, so a
-// failure can be had again; rounds run in a child, so that a crash inside Assimp is counted and the run goes on. Crashes,
-// hangs and leaks of our own code fail it.
+// Hostile scene files: fuzz_scene COUNT [SEED] loads COUNT mutated descriptions, OBJ, MTL, glTF, GLB and image files.
+// Each must become a scene whose numbers are in order, or be refused with a message. Files are made from (seed, round)
+// alone, so a failure can be had again; rounds run in a child, so that a crash inside Assimp is counted and the run
+// goes on. Crashes, hangs and leaks of our own code fail it.
 #include "core/hooks.h"
 #include "core/sampling.h"
 #include "scene/surface.h"

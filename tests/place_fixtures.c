@@ -2,6 +2,7 @@
 
 #include "made_scenes.h"
 #include "scene/builtin_shapes.h"
+#include "scene/bvh.h"
 #include "tiny_scenes.h"
 
 olx_place_settings quick_settings(const olx_scene *scene, olx_place_method method) {
@@ -43,6 +44,50 @@ olx_scene *start_divided_room(void) {
   olx_scene *scene = start_room();
   made_quad(scene, olx_v3(0, 1, -0.4f), olx_v3(0, 2, 0), olx_v3(0, 0, 3.2f), matte(scene));
   return scene;
+}
+
+olx_scene *load_ruled_room(void) {
+  olx_scene *scene = made_finish(start_divided_room());
+  olx_probe_rules *rules = &scene->probe_rules;
+  rules->pinned = olx_allocate(2, sizeof *rules->pinned);
+  rules->forbidden = olx_allocate(1, sizeof *rules->forbidden);
+  assert_true(rules->pinned && rules->forbidden);
+  rules->pinned[0] = olx_v3(-1.9f, 0.1f, -1.9f);
+  rules->pinned[1] = olx_v3(1.0f, 1.0f, 1.0f);
+  rules->pinned_count = 2;
+  rules->forbidden[0] = (olx_box){{-0.6f, 0.0f, -2.0f}, {2.0f, 2.0f, 0.2f}};
+  rules->forbidden_count = 1;
+  rules->has_playable = true;
+  rules->playable = (olx_box){{-2, 0, -2}, {2, 1.5f, 2}};
+  rules->min_distance = 0.4f;
+  return scene;
+}
+
+void expect_rules_kept(const olx_scene *scene, const olx_probe_set *set) {
+  const olx_probe_rules *rules = &scene->probe_rules;
+  assert_true(set->count >= rules->pinned_count);
+  for (uint32_t i = 0; i < set->count; i++) {
+    const olx_vec3 p = set->probes[i].position;
+    const bool pinned = i < rules->pinned_count;
+    assert_true((set->probes[i].origin == OLX_ORIGIN_PINNED) == pinned);
+    if (pinned) {
+      assert_memory_equal(&p, &rules->pinned[i], sizeof p);
+      continue;
+    }
+    for (uint32_t k = 0; k < rules->forbidden_count; k++) assert_false(box_holds(&rules->forbidden[k], p));
+    assert_true(box_holds(&rules->playable, p));
+    assert_true(olx_bvh_distance(scene->bvh, p, 10.0f) >= rules->min_distance);
+    for (uint32_t k = 0; k < i; k++) {
+      assert_true(olx_length(olx_sub(p, set->probes[k].position)) >= rules->min_distance);
+    }
+  }
+}
+
+void expect_outside_the_centre_pillar(const olx_probe_set *set) {
+  for (uint32_t i = 0; i < set->count; i++) {
+    const olx_vec3 p = set->probes[i].position;
+    assert_true(p.x * p.x + p.z * p.z > 0.55f * 0.55f || p.y > 2.6f);
+  }
 }
 
 bool same_probes(const olx_probe_set *a, const olx_probe_set *b) {

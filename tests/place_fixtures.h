@@ -15,6 +15,12 @@ uint32_t matte(olx_scene *scene);
 olx_scene *start_room(void);
 // The same, divided by a wall from floor to ceiling at x = 0 that leaves a gap at one side.
 olx_scene *start_divided_room(void);
+// The divided room, finished, with rules: two pinned probes, a forbidden box, a box that is playable, 0.4 m of distance.
+olx_scene *load_ruled_room(void);
+// The pinned probes come first, and every other probe keeps to the rules.
+void expect_rules_kept(const olx_scene *scene, const olx_probe_set *set);
+// Of builtin:pillars, in whose centre a pillar stands.
+void expect_outside_the_centre_pillar(const olx_probe_set *set);
 // Same positions, origins, gains and coverage, to the last bit.
 bool same_probes(const olx_probe_set *a, const olx_probe_set *b);
 bool box_holds(const olx_box *box, olx_vec3 p);

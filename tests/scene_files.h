@@ -18,10 +18,10 @@ void scene_folder_remove(const scene_folder *folder);
 const char *scene_folder_write(const scene_folder *folder, const char *name, const void *data, size_t size_bytes);
 const char *scene_folder_write_text(const scene_folder *folder, const char *name, const char *text);
 
-// A glTF text whose single mesh is a unit square in the xy plane facing +z, two triangles, with normals and uvs (v = 0 at
-// the top, y = 1). `materials` and `nodes` are JSON lists; `mesh_material` is the primitive's material or -1; `more` is
-// appended to the root object and starts with a comma unless it is empty. A `binary` text leaves its buffer to the .glb
-// around it. Free it.
+// A glTF text whose single mesh is a unit square in the xy plane facing +z, two triangles, with normals and uvs (v = 0
+// at the top, y = 1). `materials` and `nodes` are JSON lists; `mesh_material` is the primitive's material or -1; `more`
+// is appended to the root object and starts with a comma unless it is empty. A `binary` text leaves its buffer to the
+// .glb around it. Free it.
 char *scene_files_gltf(const char *materials, int mesh_material, const char *nodes, const char *more, bool binary);
 // The same as a .glb in *data, to be freed; returns its size.
 size_t scene_files_glb(const char *materials, int mesh_material, const char *nodes, const char *more, uint8_t **data);

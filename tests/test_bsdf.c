@@ -28,8 +28,8 @@ static void assert_near(double value, double expected, double tolerance) {
 
 // ---- the distribution of normals
 
-// A half vector for (u, turn) in [0, 1)^2: tan^2 / alpha^2 = 1 / (1 - u)^2 - 1, so that integrals over u are smooth for any
-// alpha, up to grazing angles. *solid_angle is that of the whole square at this point.
+// A half vector for (u, turn) in [0, 1)^2: tan^2 / alpha^2 = 1 / (1 - u)^2 - 1, so that integrals over u are smooth for
+// any alpha, up to grazing angles. *solid_angle is that of the whole square at this point.
 static olx_vec3 half_at(float alpha, double u, double turn, double *solid_angle) {
   const double rest = 1.0 - u, a2 = (double)alpha * (double)alpha, b = 1.0 + a2 * (1.0 / (rest * rest) - 1.0);
   const double cosine = sqrt(1.0 / b), sine = sqrt(1.0 - 1.0 / b), azimuth = (2.0 * turn - 1.0) * (double)OLX_PI;

@@ -97,7 +97,8 @@ static void test_solid_angles_are_the_integral(void **state) {
   for (uint32_t n = 2; n <= 32; n *= 4) {
     for (uint32_t i = 0; i < n * n; i++) {
       const double exact = olx_texel_solid_angle(i % n, i / n, n);
-      // The midpoint rule errs by the step in the cells on a fold, at most one in 32 of a texel's, and by its square else.
+      // The midpoint rule errs by the step in the cells on a fold, at most one in 32 of a texel's, and by its square
+      // else.
       const double step = 1.0 / (32.0 * n);
       assert_true(fabs(integrated_solid_angle(i % n, i / n, n, 32) / exact - 1.0) < 2.0 * step / 32.0);
     }
@@ -181,8 +182,8 @@ static void test_border_continues_the_sphere(void **state) {
   }
 }
 
-// Any smooth function, stored with its border and filtered bilinearly, has one value where two places of the edge are one
-// direction: (0, v) and (0, 1 - v), and so on.
+// Any smooth function, stored with its border and filtered bilinearly, has one value where two places of the edge are
+// one direction: (0, v) and (0, 1 - v), and so on.
 static float filtered(const float *map, int32_t n, float u, float v) {
   const float x = u * (float)n + 0.5f, y = v * (float)n + 0.5f; // in the bordered map
   const int32_t x0 = (int32_t)olx_min(x, (float)n), y0 = (int32_t)olx_min(y, (float)n);

@@ -126,8 +126,8 @@ static void no_window_fits_into_ten_pixels(void **state) {
 // CIE L* of a gray of sRGB.
 static double lightness(uint8_t srgb) { return 116.0 * pow((srgb / 255.0 + 0.055) / 1.055, 2.4 / 3.0) - 16.0; }
 
-// Between uniform pictures there is no feature, and the filters change nothing: what is left is colour. The L*a*b* of the
-// primaries of sRGB are widely published.
+// Between uniform pictures there is no feature, and the filters change nothing: what is left is colour. The L*a*b* of
+// the primaries of sRGB are widely published.
 static void flip_of_uniform_pictures_is_the_distance_of_their_colours(void **state) {
   (void)state;
   const double green[3] = {87.7347, -86.1827, 83.1793}, blue[3] = {32.2970, 79.1875, -107.8602};

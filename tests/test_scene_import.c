@@ -1,5 +1,5 @@
-// Importing models: what OBJ, MTL and glTF files say must arrive in the scene; what is broken is skipped with a warning or
-// refused with a message that names file and element.
+// Importing models: what OBJ, MTL and glTF files say must arrive in the scene; what is broken is skipped with a warning
+// or refused with a message that names file and element.
 #include "core/hooks.h"
 #include "scene/affine.h"
 #include "scene/scene_build.h"

@@ -120,8 +120,8 @@ static inline void assert_close(double value, double expected, double relative_t
   }
 }
 
-// Directional albedo of the specular lobe, by the midpoint rule over half vectors distributed as D cos. All in double and
-// written anew from the definitions: GGX, height-correlated Smith, Schlick.
+// Directional albedo of the specular lobe, by the midpoint rule over half vectors distributed as D cos. All in double
+// and written anew from the definitions: GGX, height-correlated Smith, Schlick.
 static inline double tiny_directional_albedo(double f0, double roughness, double cosine_view) {
   enum { STEPS = 1024 };
   const double a2 = pow(roughness, 4), vz = cosine_view, vx = sqrt(1 - vz * vz);

@@ -5,7 +5,7 @@
 
 #include "place/space.h"
 
-// Sets excluded[voxel] to 1 for the reachable voxels of such space, in small pieces, and says how many. It is where one sees
+// Sets excluded[voxel] to 1 for the reachable voxels of such space, in small pieces, and says how many. There one sees
 //   sky, and back faces rather than fronts, deeper inside surfaces than `space->outside`: behind walls;
 //   much sky, when the viewer is indoors: each camera in the box sees little, or, in a scene without cameras, a good part
 //   of the space does.

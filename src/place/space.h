@@ -35,8 +35,8 @@ static inline bool olx_space_reaches(const olx_space *space, olx_vec3 p) {
   return voxel != OLX_NO_VOXEL && (space->reachable[voxel] & OLX_REACHABLE);
 }
 
-// A place drawn evenly from those that the viewer reaches: start `nth` of start_count, random numbers from `seed`. False
-// when what was drawn there is not such a place: outside the box, or behind the surface in a fringe voxel.
+// A place drawn evenly from those that the viewer reaches: start `nth` of start_count, random numbers from `seed`.
+// False when what was drawn there is not such a place: outside the box, or behind the surface in a fringe voxel.
 bool olx_space_draw(const olx_space *space, size_t nth, uint32_t seed, olx_vec3 *place);
 
 // Whether a probe may stand there: in space that matters, outside forbidden boxes, at least min_distance and half a

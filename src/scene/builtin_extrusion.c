@@ -13,8 +13,8 @@ static float signed_area(const olx_vec2 *outline, uint32_t points) {
   return 0.5f * twice;
 }
 
-// How good it is to cut off the corner at left[i] of what is left of an outline that turns left: the least height of the
-// triangle, 0 when it is no ear.
+// How good it is to cut off the corner at left[i] of what is left of an outline that turns left: the least height of
+// the triangle, 0 when it is no ear.
 static float ear_height(const olx_vec2 *outline, const uint32_t *left, uint32_t count, uint32_t i) {
   const olx_vec2 a = outline[left[(i + count - 1) % count]], b = outline[left[i]], c = outline[left[(i + 1) % count]];
   const float twice = turn(a, b, c);
@@ -26,8 +26,8 @@ static float ear_height(const olx_vec2 *outline, const uint32_t *left, uint32_t 
   return twice / olx_max(distance(a, b), olx_max(distance(b, c), distance(c, a)));
 }
 
-// Triangles of an outline that turns left, three indices each. Cuts off the thickest ear first, so that none is a sliver
-// that need not be.
+// Triangles of an outline that turns left, three indices each. Cuts off the thickest ear first, so that none is a
+// sliver that need not be.
 static olx_result triangulate(const char *name, const olx_vec2 *outline, uint32_t points, uint32_t *indices) {
   uint32_t left[MOST_POINTS], count = points;
   for (uint32_t i = 0; i < points; i++) left[i] = i;

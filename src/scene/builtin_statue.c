@@ -35,7 +35,7 @@ static olx_result add_ball(olx_scene *scene, olx_vec3 center, float radius, uint
 }
 
 static olx_result add_figure(olx_scene *scene, uint32_t material) {
-  const olx_vec2 robe[] = {{0.36f, 0.6f},  {0.33f, 0.8f},  {0.26f, 1.1f},  {0.2f, 1.4f},  {0.19f, 1.5f},
+  const olx_vec2 robe[] = {{0.36f, 0.6f},  {0.33f, 0.8f},  {0.26f, 1.1f},  {0.2f, 1.4f},   {0.19f, 1.5f},
                            {0.24f, 1.75f}, {0.25f, 1.88f}, {0.18f, 1.98f}, {0.08f, 2.03f}, {0.075f, 2.12f}};
   const olx_vec3 shoulder[2] = {{-0.22f, 1.88f, 0.0f}, {0.22f, 1.88f, 0.0f}};
   const olx_vec3 elbow[2] = {{-0.47f, 1.72f, 0.1f}, {0.44f, 1.6f, 0.05f}};
@@ -52,8 +52,8 @@ static olx_result add_figure(olx_scene *scene, uint32_t material) {
   return OLX_OK;
 }
 
-// A figure on a pedestal with a staff in its raised hand, and behind it a square lamp that shines towards it: what Wang adds
-// to Sponza (section 5.1.1), whose far sides probes in one line do not see.
+// A figure on a pedestal with a staff in its raised hand, and behind it a square lamp that shines towards it: what Wang
+// adds to Sponza (section 5.1.1), whose far sides probes in one line do not see.
 olx_result olx_build_statue(olx_scene *scene) {
   uint32_t marble, bronze;
   OLX_TRY(olx_add_glossy(scene, "statue", olx_v3(0.7f, 0.68f, 0.63f), 0.0f, 0.3f, &marble));
@@ -61,7 +61,8 @@ olx_result olx_build_statue(olx_scene *scene) {
   OLX_TRY(olx_add_box(scene, "pedestal", olx_v3(-0.45f, 0.0f, -0.45f), olx_v3(0.45f, 0.6f, 0.45f), marble));
   OLX_TRY(add_figure(scene, marble));
   OLX_TRY(olx_add_lathe(scene, "staff", olx_v3(-0.56f, 0.0f, 0.22f),
-                        (const olx_vec2[]){{0.0f, 0.62f}, {0.025f, 0.62f}, {0.025f, 2.5f}, {0.0f, 2.56f}}, 4, 12, bronze));
+                        (const olx_vec2[]){{0.0f, 0.62f}, {0.025f, 0.62f}, {0.025f, 2.5f}, {0.0f, 2.56f}}, 4, 12,
+                        bronze));
   OLX_TRY(olx_scene_add_rect_light(scene, olx_v3(0.0f, 1.4f, -1.3f), olx_v3(1.6f, 0.0f, 0.0f), olx_v3(0.0f, 1.6f, 0.0f),
                                    olx_v3(9.0f, 8.5f, 7.5f)));
   olx_set_probes(scene, olx_v3(-1.5f, 0.5f, -1.0f), olx_v3(1.5f, 2.2f, 1.5f), 2, 2, 2);

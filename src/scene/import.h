@@ -13,8 +13,8 @@ typedef struct olx_placement {
 // Append a glTF, GLB or OBJ model: triangles, materials, textures, lights and cameras.
 olx_result olx_import_model(const char *path, const olx_placement *placement, olx_scene *scene);
 
-// Append a built-in scene, named without "builtin:": its triangles, materials and cameras. All its light comes from triangles;
-// its probe volume is left behind.
+// Append a built-in scene, named without "builtin:": its triangles, materials and cameras. All its light comes from
+// triangles; its probe volume is left behind.
 olx_result olx_import_builtin(const char *name, const olx_placement *placement, olx_scene *scene);
 
 // Fill an empty scene from a JSON description (docs/scenes.md).

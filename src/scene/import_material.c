@@ -46,7 +46,8 @@ static olx_vec3 get_color(const source_material *source, const char *key, unsign
   return olx_v3(color.r, color.g, color.b);
 }
 
-// Where the texture's file is: beside the model. MTL files from Windows use backslashes, glTF escapes characters with %.
+// Where the texture's file is: beside the model. MTL files from Windows use backslashes, glTF escapes characters with
+// %.
 static void locate_texture(const char *model_path, const char *name, char *path, size_t size_bytes) {
   const char *slash = strrchr(model_path, '/');
   const int folder = name[0] == '/' || !slash ? 0 : (int)(slash - model_path) + 1;

@@ -17,7 +17,8 @@ static uint64_t capacity_for(uint64_t count) {
   return capacity;
 }
 
-// An array with the `count` elements of `array` and room for `added` more, in place of it; NULL when there is no memory.
+// An array with the `count` elements of `array` and room for `added` more, in place of it; NULL when there is no
+// memory.
 static void *grow(void *array, uint32_t count, uint32_t added, size_t element_bytes) {
   const uint64_t wanted = (uint64_t)count + added;
   if (array && capacity_for(count) >= wanted) return array;

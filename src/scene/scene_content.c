@@ -1,4 +1,5 @@
-// What a scene consists of, seen from outside. Apart from the ray caster, so that a program which only draws needs no Embree.
+// What a scene consists of, seen from outside. Apart from the ray caster, so that a program which only draws needs no
+// Embree.
 #include "core/hooks.h"
 #include "core/result.h"
 #include "scene/scene_build.h"

@@ -1,5 +1,5 @@
-// Lossless coding of 8-bit texels: each predicted from its neighbours to the left and above, the difference Rice-coded. About
-// half the bytes of what photographs take. docs/cooked.md is the specification.
+// Lossless coding of 8-bit texels: each predicted from its neighbours to the left and above, the difference Rice-coded.
+// About half the bytes of what photographs take. docs/cooked.md is the specification.
 #ifndef OLX_SCENE_TEXEL_CODE_H
 #define OLX_SCENE_TEXEL_CODE_H
 
@@ -17,8 +17,8 @@ uint32_t olx_texel_channels(const olx_texture *texture);
 // Append the first `channels` channels of a texture to `buffer`. False when there is no memory.
 bool olx_texel_encode(const olx_texture *texture, uint32_t channels, olx_byte_buffer *buffer);
 
-// Decode width x height texels from exactly `size_bytes` bytes into texture->texels, 4 bytes a texel. False when the bytes
-// are not the code of so many texels; what has been decoded until then stays.
+// Decode width x height texels from exactly `size_bytes` bytes into texture->texels, 4 bytes a texel. False when the
+// bytes are not the code of so many texels; what has been decoded until then stays.
 bool olx_texel_decode(const uint8_t *bytes, size_t size_bytes, uint32_t channels, olx_texture *texture);
 
 #endif

@@ -10,13 +10,13 @@ typedef enum olx_texture_use {
   OLX_TEXTURE_COVERAGE // R becomes the image's alpha channel when it has one that varies
 } olx_texture_use;
 
-// Decode an image from a file, or from `size_bytes` at `data` when that is not NULL (`path` then only names it in messages).
-// The caller owns texture->texels.
+// Decode an image from a file, or from `size_bytes` at `data` when that is not NULL (`path` then only names it in
+// messages). The caller owns texture->texels.
 olx_result olx_texture_load(const char *path, const void *data, size_t size_bytes, olx_texture_use use,
                             olx_texture *texture);
 
-// Decode a latitude-longitude .hdr image into width, height and texels of `environment`. Texels that are negative or not
-// finite become 0 and are counted in *repaired.
+// Decode a latitude-longitude .hdr image into width, height and texels of `environment`. Texels that are negative or
+// not finite become 0 and are counted in *repaired.
 olx_result olx_environment_load(const char *path, olx_environment *environment, uint64_t *repaired);
 
 #endif

@@ -4,7 +4,8 @@
 
 #include "core/vec.h"
 
-// Whether the axis separates the triangle (corners relative to the cube's centre) from the cube of half the side `half`.
+// Whether the axis separates the triangle (corners relative to the cube's centre) from the cube of half the side
+// `half`.
 static inline bool olx_axis_separates(olx_vec3 axis, const olx_vec3 corners[3], float half) {
   const float a = olx_dot(axis, corners[0]), b = olx_dot(axis, corners[1]), c = olx_dot(axis, corners[2]);
   const float radius = half * (fabsf(axis.x) + fabsf(axis.y) + fabsf(axis.z));

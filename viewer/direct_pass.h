@@ -25,8 +25,8 @@ void direct_pass_destroy(gpu_device *device, direct_pass *pass);
 // Light these images from now on; nothing that uses the ones before may be pending.
 void direct_pass_attach(gpu_device *device, direct_pass *pass, const frame_images *images);
 
-// What to add. Without any of them the pass has nothing to do.
-enum { DIRECT_LAMPS = 1, DIRECT_SKY = 2 };
+// What to add. Without any of them the pass has nothing to do. The last is for renderers whose rays meet the other lamps.
+enum { DIRECT_LAMPS = 1, DIRECT_SKY = 2, DIRECT_WITHOUT_EXTENT = 4 };
 
 // After the G-buffer pass. Compute that follows may read and write color.
 void direct_pass_record(const gpu_device *device, const direct_pass *pass, VkCommandBuffer commands,

@@ -20,7 +20,8 @@ static view_state default_state(void) {
                       .direct = true,
                       .diffuse = true,
                       .glossy = true,
-                      .glossy_samples = 1,
+                      .denoise = 2,
+                      .gather_samples = 64,
                       .exposure = 1.0f,
                       .scale = 1.0f,
                       .probe = VIEW_ANSWERING,
@@ -58,6 +59,10 @@ static bool check(view_options *o) {
     usage_error("view", "--screenshot: %s does not end in .png", o->screenshot);
     return false;
   }
+  if (s->emitters && s->mode == VIEW_PREFILTERED) {
+    usage_error("view", "--emitters traced needs traced diffuse light: --mode gather or denoised");
+    return false;
+  }
   if (o->offscreen && !o->frames && !o->script && !o->screenshot) {
     usage_error("view", "--offscreen needs --frames, --script or --screenshot");
     return false;
@@ -75,13 +80,14 @@ bool view_options_read(int argc, char **argv, view_options *o, int *exit_code) {
       {"--size", OPTION_SIZE, o->size, "1280x720", "pixels; default 1280x720", 1, 16384},
       {"--camera", OPTION_TEXT, &o->camera, "NAME", "a camera of the scene to begin with; default: the first", 0, 0},
       {"--mode", OPTION_CHOICE, &s->mode, VIEW_MODE_WORDS,
-       "irradiance and glossy rays; or eye rays through the field alone; default prefiltered", 0, 0},
+       "irradiance and glossy rays; one ray a lobe, denoised; many rays; or eye rays through the field alone", 0, 0},
       {"--overlay", OPTION_CHOICE, &s->overlay, VIEW_OVERLAY_WORDS, "what is painted over the picture; default none", 0,
        0},
       SAMPLE_OPTION_ROWS(sample),
       {"--emitters", OPTION_CHOICE, &emitters, "sampled|traced",
        "lamps with an area: sampled by direct light, or found by rays; default sampled", 0, 0},
-      {"--glossy-samples", OPTION_COUNT, &s->glossy_samples, "N", "glossy rays a pixel and frame; default 1", 1, 4096},
+      {"--gather-samples", OPTION_COUNT, &s->gather_samples, "N", "gather: rays a lobe and pixel; default 64", 1, 4096},
+      {"--denoise", OPTION_CHOICE, &s->denoise, VIEW_DENOISE_WORDS, "how frames are filtered; default adaptive", 0, 0},
       {"--exposure", OPTION_REAL, &s->exposure, "X", "multiply light before the tone map; default 1", 0, 0},
       {"--scale", OPTION_COUNT, &scale_percent, "PERCENT", "pixels lit along a side, of those shown; default 100", 12,
        100},

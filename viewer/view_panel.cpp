@@ -64,7 +64,13 @@ void build_light(const view_facts *facts, view_state *s) {
   ImGui::Checkbox("diffuse", &s->diffuse);
   ImGui::SameLine();
   ImGui::Checkbox("glossy", &s->glossy);
-  ImGui::Checkbox("emitters met by rays", &s->emitters);
+  if (s->mode == VIEW_GATHER) {
+    int samples = static_cast<int>(s->gather_samples);
+    if (ImGui::SliderInt("rays", &samples, 1, 256)) s->gather_samples = static_cast<uint32_t>(std::max(samples, 1));
+  } else if (s->mode != VIEW_PROBES) {
+    choose("denoiser", VIEW_DENOISE_WORDS, ~0u, &s->denoise);
+  }
+  if (s->mode == VIEW_DENOISED || s->mode == VIEW_GATHER) ImGui::Checkbox("emitters met by rays", &s->emitters);
   ImGui::Checkbox("visibility", &s->visibility);
   ImGui::SameLine();
   ImGui::Checkbox("buried probes", &s->keep_buried);

@@ -63,9 +63,14 @@ static bool create_layout(gpu_device *d, const olx_vulkan_field *field, view_pas
   return gpu_check(d, d->CreatePipelineLayout(d->host.device, &layout, NULL, &p->layout), "the overlays' layout");
 }
 
-static bool create_compute(gpu_device *d, view_passes *p, view_pipeline which, const uint32_t *words, size_t bytes) {
+typedef struct shader_words {
+  const uint32_t *words;
+  size_t bytes;
+} shader_words;
+
+static bool create_compute(gpu_device *d, view_passes *p, view_pipeline which, shader_words shader) {
   VkShaderModule module;
-  if (!gpu_shader_create(d, "an overlay", words, bytes, &module)) return false;
+  if (!gpu_shader_create(d, "an overlay", shader.words, shader.bytes, &module)) return false;
   const VkComputePipelineCreateInfo info = {.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
                                             .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
                                                       .stage = VK_SHADER_STAGE_COMPUTE_BIT,
@@ -79,8 +84,7 @@ static bool create_compute(gpu_device *d, view_passes *p, view_pipeline which, c
 }
 
 // Squares of four corners each, blended over what is there; nearer ones hide others.
-static VkResult create_squares(gpu_device *d, view_passes *p, VkRenderPass screen, const VkShaderModule modules[2],
-                               view_pipeline which) {
+static VkResult create_squares(gpu_device *d, view_passes *p, view_pipeline which, const VkShaderModule modules[2]) {
   const VkPipelineShaderStageCreateInfo stages[] = {{.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
                                                      .stage = VK_SHADER_STAGE_VERTEX_BIT,
                                                      .module = modules[0],
@@ -131,21 +135,16 @@ static VkResult create_squares(gpu_device *d, view_passes *p, VkRenderPass scree
                                              .pColorBlendState = &blending,
                                              .pDynamicState = &dynamic,
                                              .layout = p->layout,
-                                             .renderPass = screen};
+                                             .renderPass = p->screen};
   return d->CreateGraphicsPipelines(d->host.device, VK_NULL_HANDLE, 1, &info, NULL, &p->pipelines[which]);
 }
 
-typedef struct shader_words {
-  const uint32_t *words;
-  size_t bytes;
-} shader_words;
-
-static bool create_drawn(gpu_device *d, view_passes *p, VkRenderPass screen, view_pipeline which, shader_words vertex,
+static bool create_drawn(gpu_device *d, view_passes *p, view_pipeline which, shader_words vertex,
                          shader_words fragment) {
   VkShaderModule modules[2] = {VK_NULL_HANDLE, VK_NULL_HANDLE};
   bool made = gpu_shader_create(d, "an overlay", vertex.words, vertex.bytes, &modules[0]) &&
               gpu_shader_create(d, "an overlay", fragment.words, fragment.bytes, &modules[1]);
-  if (made) made = gpu_check(d, create_squares(d, p, screen, modules, which), "an overlay's pipeline");
+  if (made) made = gpu_check(d, create_squares(d, p, which, modules), "an overlay's pipeline");
   for (int i = 0; i < 2; i++) {
     if (modules[i]) d->DestroyShaderModule(d->host.device, modules[i], NULL);
   }
@@ -153,18 +152,44 @@ static bool create_drawn(gpu_device *d, view_passes *p, VkRenderPass screen, vie
 }
 
 bool view_passes_create(gpu_device *d, const olx_vulkan_field *field, VkRenderPass screen, view_passes *p) {
-  *p = (view_passes){.field_set = olx_vulkan_field_set(field)};
+  *p = (view_passes){.field_set = olx_vulkan_field_set(field), .screen = screen};
+  const VkBufferUsageFlags use = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+  if (!gpu_buffer_create(d, "the pick", sizeof(view_gpu_pick), use, true, &p->pick)) return false;
+  *(view_gpu_pick *)p->pick.mapped = (view_gpu_pick){.probe = UINT32_MAX};
+  return create_layout(d, field, p);
+}
+
+static bool make_pipeline(gpu_device *d, view_passes *p, view_pipeline which) {
 #define WORDS(name) ((shader_words){spirv_##name, sizeof spirv_##name})
-  const bool made =
-      gpu_buffer_create(d, "the pick", sizeof(view_gpu_pick), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, true, &p->pick) &&
-      create_layout(d, field, p) && create_compute(d, p, VIEW_PIPELINE_PRIMARY, spirv_primary, sizeof spirv_primary) &&
-      create_compute(d, p, VIEW_PIPELINE_PICK, spirv_pick, sizeof spirv_pick) &&
-      create_compute(d, p, VIEW_PIPELINE_OVERLAY, spirv_overlay, sizeof spirv_overlay) &&
-      create_drawn(d, p, screen, VIEW_PIPELINE_BALLS, WORDS(ball_corner), WORDS(ball)) &&
-      create_drawn(d, p, screen, VIEW_PIPELINE_MAP, WORDS(square), WORDS(map));
+  switch (which) {
+  case VIEW_PIPELINE_PRIMARY: return create_compute(d, p, which, WORDS(primary));
+  case VIEW_PIPELINE_PICK: return create_compute(d, p, which, WORDS(pick));
+  case VIEW_PIPELINE_OVERLAY: return create_compute(d, p, which, WORDS(overlay));
+  case VIEW_PIPELINE_BALLS: return create_drawn(d, p, which, WORDS(ball_corner), WORDS(ball));
+  case VIEW_PIPELINE_MAP: return create_drawn(d, p, which, WORDS(square), WORDS(map));
+  case VIEW_PIPELINES: break;
+  }
 #undef WORDS
-  if (made) *(view_gpu_pick *)p->pick.mapped = (view_gpu_pick){.probe = UINT32_MAX};
-  return made;
+  return false;
+}
+
+static bool is_wanted(view_pipeline which, const view_state *s) {
+  switch (which) {
+  case VIEW_PIPELINE_PRIMARY: return s->mode == VIEW_PROBES;
+  case VIEW_PIPELINE_PICK: return s->picked;
+  case VIEW_PIPELINE_OVERLAY: return s->overlay >= VIEW_WEIGHTS && s->overlay <= VIEW_STEPS;
+  case VIEW_PIPELINE_BALLS: return s->overlay >= VIEW_PROBE_INDEX && s->overlay <= VIEW_PROBE_IRRADIANCE;
+  case VIEW_PIPELINE_MAP: return s->overlay == VIEW_MAP;
+  case VIEW_PIPELINES: break;
+  }
+  return false;
+}
+
+bool view_passes_prepare(gpu_device *d, view_passes *p, const view_state *state) {
+  for (view_pipeline which = 0; which < VIEW_PIPELINES; which++) {
+    if (!p->pipelines[which] && is_wanted(which, state) && !make_pipeline(d, p, which)) return false;
+  }
+  return true;
 }
 
 void view_passes_destroy(gpu_device *d, view_passes *p) {
@@ -251,8 +276,7 @@ void view_passes_record_overlay(const gpu_device *d, const view_passes *p, VkCom
   const view_gpu_push push = make_push(frame, frame->view->lit.clip_to_world);
   gpu_memory_barrier(d, commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT,
                      VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT);
-  const uint32_t overlay = frame->state->overlay;
-  if (overlay >= VIEW_WEIGHTS && overlay <= VIEW_STEPS) dispatch(d, p, commands, VIEW_PIPELINE_OVERLAY, &push);
+  if (is_wanted(VIEW_PIPELINE_OVERLAY, frame->state)) dispatch(d, p, commands, VIEW_PIPELINE_OVERLAY, &push);
   if (frame->state->picked) dispatch(d, p, commands, VIEW_PIPELINE_PICK, &push);
   gpu_memory_barrier(d, commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT,
                      VK_PIPELINE_STAGE_TRANSFER_BIT | VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT |

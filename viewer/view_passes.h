@@ -21,13 +21,16 @@ typedef struct view_passes {
   VkSampler sampler;
   gpu_set set;
   VkDescriptorSet field_set;
+  VkRenderPass screen;
   VkPipelineLayout layout;
-  VkPipeline pipelines[VIEW_PIPELINES];
+  VkPipeline pipelines[VIEW_PIPELINES]; // each made when it is first wanted
 } view_passes;
 
 // `screen` is the render pass in which balls and the map are drawn. The field must outlive the passes.
 bool view_passes_create(gpu_device *device, const olx_vulkan_field *field, VkRenderPass screen, view_passes *passes);
 void view_passes_destroy(gpu_device *device, view_passes *passes);
+// Make the pipelines that a state wants and that are not there yet.
+bool view_passes_prepare(gpu_device *device, view_passes *passes, const view_state *state);
 void view_passes_attach(gpu_device *device, view_passes *passes, const frame_images *images);
 
 // What a frame's passes need to know.

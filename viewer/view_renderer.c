@@ -11,7 +11,9 @@ static bool upload_field(view_renderer *r, const olx_field *field) {
 
 // The images have changed: tell those passes that are not the rasteriser's.
 static bool attach(view_renderer *r) {
-  const olx_vulkan_targets targets = frame_images_targets(&r->raster.images);
+  olx_vulkan_targets targets = frame_images_targets(&r->raster.images);
+  targets.denoise = OLX_VULKAN_LOBE_DIFFUSE | OLX_VULKAN_LOBE_GLOSSY;
+  r->history = 0;
   const olx_result result =
       r->lit ? olx_vulkan_frame_resize(r->lit, &targets) : olx_vulkan_frame_create(r->field, &targets, &r->lit);
   if (result != OLX_OK) return gpu_fail_library(r->device);
@@ -87,31 +89,57 @@ static void record_shadows(view_renderer *r, const view_state *s, VkCommandBuffe
   r->object_radius = s->object_radius;
 }
 
-static olx_vulkan_settings settings_of(const view_renderer *r, const view_state *s) {
+static uint32_t denoised_lobes(const view_state *s) {
+  if (s->denoise == 0 || s->mode == VIEW_GATHER || s->mode == VIEW_PROBES) return 0;
+  const uint32_t diffuse = s->mode == VIEW_DENOISED && s->diffuse ? OLX_VULKAN_LOBE_DIFFUSE : 0u;
+  return diffuse | (s->glossy ? OLX_VULKAN_LOBE_GLOSSY : 0u);
+}
+
+// Whether the light of the frames before is that of this one.
+static bool history_holds(const view_state *a, const view_state *b) {
+  return a->mode == b->mode && denoised_lobes(a) == denoised_lobes(b) && a->select == b->select &&
+         a->visibility == b->visibility && a->keep_buried == b->keep_buried && a->emitters == b->emitters &&
+         a->dim_lobe == b->dim_lobe && a->denoise == b->denoise;
+}
+
+static olx_vulkan_settings settings_of(view_renderer *r, const view_state *s) {
   olx_vulkan_settings settings = olx_vulkan_settings_default();
   settings.sample.tracer = (olx_tracer)s->tracer;
   settings.sample.select = (olx_select)s->select;
   settings.sample.visibility = s->visibility ? OLX_VISIBILITY_CHEBYSHEV : OLX_VISIBILITY_NONE;
   settings.sample.keep_buried = s->keep_buried;
-  settings.sample.emitters = s->emitters;
-  settings.glossy_samples = s->glossy_samples;
+  settings.sample.emitters = view_meets_emitters(s->mode, s->emitters);
+  if (s->mode == VIEW_GATHER) settings.diffuse_samples = settings.glossy_samples = s->gather_samples;
   settings.dim_lobe = s->dim_lobe;
   settings.sample_index = r->frame;
+  settings.denoise.lobes = denoised_lobes(s);
+  if (!settings.denoise.lobes || !history_holds(&r->history_of, s)) r->history = 0;
+  r->history_of = *s;
+  settings.denoise.frame = r->history;
+  settings.denoise.previous = r->previous;
+  if (s->denoise == 1) settings.denoise.filters = olx_denoise_settings_published();
   return settings;
 }
 
 static bool record_light(view_renderer *r, const view_state *s, VkCommandBuffer commands, const raster_view *view) {
   const olx_vulkan_settings settings = settings_of(r, s);
+  const uint32_t add = (s->diffuse ? OLX_VULKAN_ADD_DIFFUSE : 0u) | (s->glossy ? OLX_VULKAN_ADD_GLOSSY : 0u);
   olx_result result = OLX_OK;
   if (s->diffuse) {
-    result = olx_vulkan_record_irradiance(r->lit, commands, &view->lit, &settings);
+    result = s->mode == VIEW_PREFILTERED ? olx_vulkan_record_irradiance(r->lit, commands, &view->lit, &settings)
+                                         : olx_vulkan_record_diffuse(r->lit, commands, &view->lit, &settings);
     gpu_timer_mark(r->device, &r->timer, commands, "diffuse");
   }
   if (result == OLX_OK && s->glossy) {
     result = olx_vulkan_record_glossy(r->lit, commands, &view->lit, &settings);
     gpu_timer_mark(r->device, &r->timer, commands, "glossy");
   }
-  const uint32_t add = (s->diffuse ? OLX_VULKAN_ADD_DIFFUSE : 0u) | (s->glossy ? OLX_VULKAN_ADD_GLOSSY : 0u);
+  if (result == OLX_OK && settings.denoise.lobes) {
+    result = olx_vulkan_record_denoise(r->lit, commands, &view->lit, &settings);
+    gpu_timer_mark(r->device, &r->timer, commands, "denoiser");
+    r->history++;
+    r->previous = view->lit;
+  }
   if (result == OLX_OK && add) {
     result = olx_vulkan_record_composite(r->lit, commands, &view->lit, &settings, add);
     gpu_timer_mark(r->device, &r->timer, commands, "composite");
@@ -129,12 +157,14 @@ static bool record_picture(view_renderer *r, const view_state *s, VkCommandBuffe
   gbuffer_pass_record(d, &r->raster.gbuffer, commands, &r->raster.images, frame->view, items, count);
   gpu_timer_mark(d, &r->timer, commands, "surfaces");
   if (s->mode == VIEW_PROBES) {
+    r->history = 0;
     view_passes_record_primary(d, &r->passes, commands, frame);
     gpu_timer_mark(d, &r->timer, commands, "eye rays");
     return true;
   }
+  const uint32_t lamps = view_meets_emitters(s->mode, s->emitters) ? DIRECT_WITHOUT_EXTENT : DIRECT_LAMPS;
   direct_pass_record(d, &r->raster.direct, commands, &r->raster.images, frame->view,
-                     DIRECT_SKY | (s->direct ? DIRECT_LAMPS : 0u));
+                     DIRECT_SKY | (s->direct ? lamps : 0u));
   gpu_timer_mark(d, &r->timer, commands, "direct");
   return record_light(r, s, commands, frame->view);
 }
@@ -187,7 +217,8 @@ bool view_renderer_draw(view_renderer *r, const view_state *state, const view_ca
                         view_timings *timings) {
   gpu_device *d = r->device;
   uint32_t image = UINT32_MAX;
-  if (!resize(r, state, out->size) || !make_object(r, state)) return false;
+  if (!resize(r, state, out->size) || !make_object(r, state) || !view_passes_prepare(d, &r->passes, state))
+    return false;
   const olx_camera seen = view_camera_get(camera);
   raster_view view;
   if (!raster_view_make(&seen, r->raster.images.width, r->raster.images.height, r->near_metres, &view)) {

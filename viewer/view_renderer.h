@@ -22,6 +22,10 @@ typedef struct view_renderer {
   gpu_timer timer;
   float near_metres;
   uint32_t frame; // so far
+  // What the denoiser's history knows.
+  uint32_t history; // frames
+  view_state history_of;
+  olx_vulkan_view previous;
   // What the shadow maps and the object were made for.
   bool shadowed, shadow_of_object;
   olx_vec3 object_position;

@@ -14,11 +14,14 @@ extern "C" {
 
 // How the picture is made (McGuire et al. 2017, section 5; VIEW_PROBES is Figure 20).
 typedef enum view_mode {
-  VIEW_PREFILTERED = 0, // diffuse light from irradiance probes, glossy light by rays
+  VIEW_PREFILTERED = 0, // diffuse light from irradiance probes, glossy light by one ray a pixel, denoised
+  VIEW_DENOISED,        // one diffuse and one glossy ray a pixel, denoised
+  VIEW_GATHER,          // many rays a pixel, as they are
   VIEW_PROBES,          // no triangles: a ray a pixel from the eye through the field
   VIEW_MODES
 } view_mode;
-#define VIEW_MODE_WORDS "prefiltered|probes"
+#define VIEW_MODE_WORDS "prefiltered|denoised|gather|probes"
+#define VIEW_DENOISE_WORDS "none|published|adaptive"
 
 // What is drawn over the picture.
 typedef enum view_overlay {
@@ -41,14 +44,21 @@ typedef enum view_overlay {
 // The word of a list like the ones above, for people to read.
 void view_word(const char *words, uint32_t index, char *word, size_t size);
 
+// Whether rays find the emitters now.
+static inline bool view_meets_emitters(uint32_t mode, bool emitters) {
+  return emitters && (mode == VIEW_DENOISED || mode == VIEW_GATHER);
+}
+
 #define VIEW_ANSWERING UINT32_MAX // as view_state.probe: the probe that answered the picked ray
 
 typedef struct view_state {
   uint32_t mode, overlay;
   uint32_t tracer, select; // olx_tracer, olx_select
-  bool visibility, keep_buried, emitters;
+  bool visibility, keep_buried;
+  bool emitters;                // rays find lamps with an extent; with irradiance probes nothing could
   bool direct, diffuse, glossy; // layers that are added up
-  uint32_t glossy_samples;
+  uint32_t denoise;             // which of VIEW_DENOISE_WORDS
+  uint32_t gather_samples;      // rays a lobe, pixel and frame
   float dim_lobe;
   float exposure;
   float scale;        // pixels that are lit, along a side, over those shown; 0.125 to 1

@@ -23,7 +23,7 @@ struct lamp_view {
 };
 
 const uint LAMP_DISTANT = 0u, LAMP_POINT = 1u, LAMP_SPOT = 2u, LAMP_SURFACE = 3u;
-const uint DIRECT_LAMPS = 1u, DIRECT_SKY = 2u;
+const uint DIRECT_LAMPS = 1u, DIRECT_SKY = 2u, DIRECT_WITHOUT_EXTENT = 4u;
 const float PI = 3.14159265, LARGEST_HALF = 65504.0;
 
 layout(set = 0, binding = 0) uniform sampler2D depths;
@@ -174,6 +174,7 @@ vec3 direct_light(ivec2 pixel, vec3 position) {
   vec3 sum = vec3(0.0);
   for (uint i = 0u; i < lamp_count; i++) {
     lamp l = lamps[i];
+    if ((add & DIRECT_LAMPS) == 0u && l.extent > 0.0) continue;
     arrival a = arrive(l, position);
     if (dot(normal, a.direction) <= 0.0 || max(a.irradiance.r, max(a.irradiance.g, a.irradiance.b)) <= 0.0) continue;
     sum += reflect_light(bsdf, normal, view, a) * visible(l, position, normal, a.direction, a.distance);
@@ -190,7 +191,7 @@ void main() {
   vec3 light = imageLoad(color, pixel).rgb;
   if (depth == 0.0) {
     if ((add & DIRECT_SKY) != 0u) light = environment(normalize(place.xyz));
-  } else if ((add & DIRECT_LAMPS) != 0u) {
+  } else if ((add & (DIRECT_LAMPS | DIRECT_WITHOUT_EXTENT)) != 0u) {
     light += direct_light(pixel, place.xyz / place.w);
   }
   imageStore(color, pixel, vec4(min(light, vec3(LARGEST_HALF)), 1.0));

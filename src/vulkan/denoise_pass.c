@@ -133,6 +133,17 @@ static void record_filters(const olx_vulkan_frame *f, VkCommandBuffer commands, 
   }
 }
 
+// The history of lobes that are not denoised is bound all the same; nothing has made it ready.
+static void prepare_bystanders(const olx_vulkan_frame *f, const olx_vulkan_denoise *denoise, VkCommandBuffer commands) {
+  static const uint32_t kinds[] = {OLX_HISTORY_DIFFUSE, OLX_HISTORY_GLOSSY},
+                        lobes[] = {OLX_VULKAN_LOBE_DIFFUSE, OLX_VULKAN_LOBE_GLOSSY};
+  for (uint32_t i = 0; i < 2; i++) {
+    const bool bystander = f->history.lobes & lobes[i] && !(denoise->lobes & lobes[i]);
+    if (bystander && denoise->frame == 0)
+      olx_gpu_history_barrier(&f->field->context, &f->history, kinds[i], true, commands);
+  }
+}
+
 olx_result olx_vulkan_record_denoise(const olx_vulkan_frame *f, VkCommandBuffer commands, const olx_vulkan_view *view,
                                      const olx_vulkan_settings *settings) {
   OLX_TRY(olx_vulkan_check_settings(f, settings));
@@ -144,6 +155,7 @@ olx_result olx_vulkan_record_denoise(const olx_vulkan_frame *f, VkCommandBuffer 
   if (denoise->frame > 0) OLX_TRY(find_camera(f, &denoise->previous, "the previous", &before));
   const olx_vulkan_context *c = &f->field->context;
   olx_gpu_history_barrier(c, &f->history, OLX_HISTORY_GUIDE, denoise->frame == 0, commands);
+  prepare_bystanders(f, denoise, commands);
   record_accumulate(f, commands, view, settings, &now, &before);
   for (uint32_t columns = 0; columns < 2; columns++) {
     olx_gpu_history_barrier(c, &f->history, OLX_HISTORY_GUIDE, false, commands);

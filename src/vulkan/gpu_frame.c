@@ -296,7 +296,7 @@ olx_result olx_vulkan_record_rays(const olx_vulkan_frame *f, olx_pass pass, uint
   const olx_vulkan_context *c = &f->field->context;
   const bool glossy = lobe == OLX_VULKAN_LOBE_GLOSSY, denoised = settings->denoise.lobes & lobe;
   const uint32_t frame = settings->denoise.frame;
-  if (denoised) {
+  if (denoised || (frame == 0 && f->history.lobes & lobe)) { // it is bound in either case
     olx_gpu_history_barrier(c, &f->history, glossy ? OLX_HISTORY_GLOSSY : OLX_HISTORY_DIFFUSE, frame == 0, commands);
   }
   const VkDescriptorSet samples = f->sample_sets[glossy][denoised ? frame & 1u : 0u];

@@ -70,7 +70,7 @@ static void fit_state(viewer *v) {
   const float diagonal = hypotf(hypotf(high.x - low.x, high.y - low.y), high.z - low.z);
   view_state *s = &v->state;
   s->speed = 0.15f * diagonal;
-  s->probe_radius = 0.012f * diagonal;
+  s->probe_radius = 0.016f * diagonal;
   s->object_radius = 0.05f * diagonal;
   if (v->options.object) return;
   const olx_camera camera = view_camera_get(&v->camera);

@@ -140,7 +140,7 @@ static void derive_march(state *s) {
                            .direction = s->direction,
                            .t_min = s->bits[3] & 1u ? 0.0f : s->item->v[13],
                            .t_max = s->bits[3] & 2u ? INFINITY : s->item->v[14]};
-  s->march = begin_march(f, s->probe, &s->ray);
+  s->march = olx_begin_march(f, s->probe, &s->ray);
   const olx_vec3 o = s->ray.origin, d = s->ray.direction;
   s->planes = olx_v3(plane_at(o.x, d.x), plane_at(o.y, d.y), plane_at(o.z, d.z));
   s->piece = make_piece(&s->march, s->planes, s->ray.t_min, next_cut(s->planes, s->ray.t_min, s->ray.t_max));
@@ -321,7 +321,7 @@ ROW(leave, stand at = first_node(s); const int32_t x = at.x + (int32_t)(s->bits[
     put_i(r, at.x); put_i(r, at.y); put_u(r, at.level);)
 ROW(march_node, olx_probe_answer a = {0}; stand at = first_node(s);
     put_u(r, march_node(&s->march, &s->piece, &at, 0.04f, &a)); put_answer(r, &a); put_i(r, at.x); put_i(r, at.y);)
-ROW(visit_first, olx_probe_answer a = {0}; put_u(r, visit_first(&s->march, &s->piece, &a)); put_answer(r, &a);)
+ROW(visit_first, olx_probe_answer a = {0}; put_u(r, olx_visit_first(&s->march, &s->piece, &a)); put_answer(r, &a);)
 ROW(march_hiz, olx_probe_answer a = {0}; put_u(r, olx_march_hiz(&s->march, &s->piece, &a)); put_answer(r, &a);
     put_u(r, s->march.steps);)
 ROW(march_piece, olx_probe_answer a = {0}; put_u(r, march_piece(&s->march, &s->piece, s->settings.tracer, &a));

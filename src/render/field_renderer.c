@@ -2,6 +2,7 @@
 
 #include "core/parallel.h"
 #include "shade/emission.h"
+#include "shade/glossy.h"
 
 typedef struct shaded_tile {
   const olx_render_context *context;
@@ -49,35 +50,60 @@ static void count_ray(olx_render_stats *stats, const olx_trace_hit *hit) {
   stats->field_probes += hit->probes_tried;
 }
 
+// A ray drawn from a lobe. What it finds counts by `reflectance` times `weight`.
+typedef struct field_ray {
+  olx_vec3 origin, direction, reflectance;
+  float weight;
+} field_ray;
+
+static bool draw_diffuse(const olx_shading *shading, olx_vec2 random, field_ray *ray) {
+  *ray = (field_ray){.origin = field_origin(shading->surface),
+                     .direction = olx_from_basis(olx_sample_cosine(random), shading->normal),
+                     .reflectance = olx_splat(1.0f),
+                     .weight = 1.0f};
+  return olx_dot(ray->direction, shading->surface->geometric_normal) > 0.0f;
+}
+
+static bool draw_glossy(const olx_shading *shading, olx_vec3 view, olx_vec2 random, field_ray *ray) {
+  const olx_surface *surface = shading->surface;
+  float half_cosine;
+  if (!olx_glossy_draw(shading->normal, view, surface->roughness, random, &ray->direction, &ray->weight,
+                       &half_cosine)) {
+    return false;
+  }
+  ray->origin = field_origin(surface);
+  ray->reflectance = olx_fresnel(&surface->bsdf, half_cosine);
+  return true;
+}
+
+static olx_field_light light_found(const olx_render_context *context, const field_ray *ray, const olx_trace_hit *hit,
+                                   olx_render_stats *stats) {
+  count_ray(stats, hit);
+  olx_field_light found = {.nearness = olx_nearness(hit)};
+  if (!hit->emitter || olx_emission_counts(&context->settings->sample, hit, ray->origin)) {
+    found.light = olx_scale(olx_mul(ray->reflectance, hit->radiance), ray->weight);
+  }
+  return found;
+}
+
+static olx_field_light follow(const olx_render_context *context, const field_ray *ray, olx_render_stats *stats) {
+  const olx_trace_hit hit =
+      olx_trace(context->field, &context->settings->sample, ray->origin, ray->direction, INFINITY);
+  return light_found(context, ray, &hit, stats);
+}
+
 olx_field_light olx_field_diffuse_ray(const olx_render_context *context, const olx_shading *shading, olx_vec2 random,
                                       olx_render_stats *stats) {
-  const olx_surface *surface = shading->surface;
-  const olx_vec3 direction = olx_from_basis(olx_sample_cosine(random), shading->normal);
-  olx_field_light found = {.nearness = 0.0f};
-  if (olx_dot(direction, surface->geometric_normal) <= 0.0f) return found;
-  const olx_sample_settings *sample = &context->settings->sample;
-  const olx_vec3 origin = field_origin(surface);
-  const olx_trace_hit hit = olx_trace(context->field, sample, origin, direction, INFINITY);
-  count_ray(stats, &hit);
-  found.nearness = olx_nearness(&hit);
-  if (!hit.emitter || olx_emission_counts(sample, &hit, origin)) found.light = hit.radiance;
-  return found;
+  field_ray ray;
+  if (!draw_diffuse(shading, random, &ray)) return (olx_field_light){.nearness = 0.0f};
+  return follow(context, &ray, stats);
 }
 
 olx_field_light olx_field_glossy_ray(const olx_render_context *context, const olx_shading *shading, olx_vec3 view,
                                      olx_vec2 random, olx_render_stats *stats) {
-  const olx_surface *surface = shading->surface;
-  float weight, half_cosine;
-  olx_trace_hit hit;
-  const olx_vec3 radiance = olx_glossy(context->field, &context->settings->sample, field_origin(surface),
-                                       shading->normal, view, surface->roughness, random, &weight, &half_cosine, &hit);
-  if (weight <= 0.0f) return (olx_field_light){.nearness = 0.0f};
-  count_ray(stats, &hit);
-  if (hit.emitter && !olx_emission_counts(&context->settings->sample, &hit, field_origin(surface))) {
-    return (olx_field_light){.nearness = olx_nearness(&hit)};
-  }
-  const olx_vec3 fresnel = olx_fresnel(&surface->bsdf, half_cosine);
-  return (olx_field_light){olx_scale(olx_mul(fresnel, radiance), weight), olx_nearness(&hit)};
+  field_ray ray;
+  if (!draw_glossy(shading, view, random, &ray)) return (olx_field_light){.nearness = 0.0f};
+  return follow(context, &ray, stats);
 }
 
 olx_vec3 olx_field_irradiance(const olx_render_context *context, const olx_shading *shading, olx_vec3 view) {
@@ -101,68 +127,117 @@ static void light_directly(shaded_tile *tile) {
   }
 }
 
-// Irradiance by cosine rays through the field.
-static olx_vec3 traced_irradiance(const shaded_tile *tile, uint32_t k) {
-  const olx_sampler *sampler = &tile->rays->samplers[tile->pixel[k]];
-  const uint32_t count = tile->context->settings->diffuse_samples;
-  const uint32_t seed = olx_sampler_split(sampler, OLX_DIFFUSE_BRANCH).seed;
-  olx_vec3 sum = {0};
-  for (uint32_t j = 0; j < count; j++) {
-    const olx_vec2 random = olx_stratified2(sampler->index * count + j, seed);
-    sum = olx_add(sum, olx_field_diffuse_ray(tile->context, &tile->shadings[k], random, tile->stats).light);
+// Rays of a tile that wait to be traced together, and the light that all have found so far.
+enum { BUNDLE = 256 };
+
+typedef struct ray_bundle {
+  uint32_t count;
+  uint32_t owner[BUNDLE]; // index of the surface
+  field_ray rays[BUNDLE];
+  olx_vec3 sum[OLX_TILE_PIXELS];
+} ray_bundle;
+
+static void begin_bundle(ray_bundle *bundle) {
+  bundle->count = 0;
+  for (uint32_t k = 0; k < OLX_TILE_PIXELS; k++) bundle->sum[k] = olx_splat(0.0f);
+}
+
+static void follow_bundle(const shaded_tile *tile, ray_bundle *bundle) {
+  olx_vec3 origins[BUNDLE], directions[BUNDLE];
+  olx_trace_hit hits[BUNDLE];
+  for (uint32_t i = 0; i < bundle->count; i++) {
+    origins[i] = bundle->rays[i].origin;
+    directions[i] = bundle->rays[i].direction;
   }
-  return olx_scale(sum, OLX_PI / (float)count);
+  olx_trace_rays(tile->context->field, &tile->context->settings->sample, bundle->count, origins, directions, INFINITY,
+                 hits);
+  for (uint32_t i = 0; i < bundle->count; i++) {
+    olx_vec3 *sum = &bundle->sum[bundle->owner[i]];
+    *sum = olx_add(*sum, light_found(tile->context, &bundle->rays[i], &hits[i], tile->stats).light);
+  }
+  bundle->count = 0;
+}
+
+// Room for one more ray of a surface.
+static field_ray *next_ray(const shaded_tile *tile, ray_bundle *bundle, uint32_t k) {
+  if (bundle->count == BUNDLE) follow_bundle(tile, bundle);
+  bundle->owner[bundle->count] = k;
+  return &bundle->rays[bundle->count];
+}
+
+// Irradiance by cosine rays through the field.
+static void trace_diffuse(const shaded_tile *tile, ray_bundle *bundle) {
+  const uint32_t count = tile->context->settings->diffuse_samples;
+  for (uint32_t k = 0; k < tile->count; k++) {
+    if (!tile->shadings[k].has_diffuse) continue;
+    const olx_sampler *sampler = &tile->rays->samplers[tile->pixel[k]];
+    const uint32_t seed = olx_sampler_split(sampler, OLX_DIFFUSE_BRANCH).seed;
+    for (uint32_t j = 0; j < count; j++) {
+      const olx_vec2 random = olx_stratified2(sampler->index * count + j, seed);
+      bundle->count += draw_diffuse(&tile->shadings[k], random, next_ray(tile, bundle, k));
+    }
+  }
+  follow_bundle(tile, bundle);
+  for (uint32_t k = 0; k < tile->count; k++) bundle->sum[k] = olx_scale(bundle->sum[k], OLX_PI / (float)count);
 }
 
 static void light_diffusely(shaded_tile *tile) {
   const olx_render_settings *settings = tile->context->settings;
   const bool traced = settings->method == OLX_METHOD_FIELD && settings->diffuse == OLX_DIFFUSE_TRACED;
+  ray_bundle bundle;
+  begin_bundle(&bundle);
+  if (traced) trace_diffuse(tile, &bundle);
   for (uint32_t k = 0; k < tile->count; k++) {
     const olx_shading *shading = &tile->shadings[k];
     if (!shading->has_diffuse) continue;
     const uint32_t i = tile->pixel[k];
     const olx_vec3 view = olx_negate(tile->rays->directions[i]);
-    const olx_vec3 irradiance =
-        traced ? traced_irradiance(tile, k) : olx_field_irradiance(tile->context, shading, view);
+    const olx_vec3 irradiance = traced ? bundle.sum[k] : olx_field_irradiance(tile->context, shading, view);
     tile->samples[i].indirect_diffuse = olx_scale(olx_mul(shading->diffuse, irradiance), 1.0f / OLX_PI);
   }
 }
 
-static olx_vec3 traced_glossy(const shaded_tile *tile, uint32_t k, olx_vec3 view) {
-  const olx_shading *shading = &tile->shadings[k];
-  const olx_sampler *sampler = &tile->rays->samplers[tile->pixel[k]];
-  const uint32_t count = shading->surface->bsdf.alpha > 0.0f ? tile->context->settings->glossy_samples : 1;
-  const uint32_t seed = olx_sampler_split(sampler, OLX_GLOSSY_BRANCH).seed;
-  olx_vec3 sum = {0};
-  for (uint32_t j = 0; j < count; j++) {
-    const olx_vec2 random = olx_stratified2(sampler->index * count + j, seed);
-    sum = olx_add(sum, olx_field_glossy_ray(tile->context, shading, view, random, tile->stats).light);
+static void light_by_classic_maps(shaded_tile *tile) {
+  for (uint32_t k = 0; k < tile->count; k++) {
+    const olx_shading *shading = &tile->shadings[k];
+    if (!shading->has_specular) continue;
+    const uint32_t i = tile->pixel[k];
+    const olx_surface *surface = shading->surface;
+    tile->samples[i].indirect_glossy = olx_classic_glossy(
+        tile->context->field, &tile->context->settings->sample, field_origin(surface), shading->normal,
+        olx_negate(tile->rays->directions[i]), surface->roughness, surface->bsdf.f0, surface->bsdf.f90);
   }
-  return olx_scale(sum, 1.0f / (float)count);
 }
 
-static olx_vec3 classic_glossy(const shaded_tile *tile, uint32_t k, olx_vec3 view) {
-  const olx_shading *shading = &tile->shadings[k];
-  const olx_surface *surface = shading->surface;
-  return olx_classic_glossy(tile->context->field, &tile->context->settings->sample, field_origin(surface),
-                            shading->normal, view, surface->roughness, surface->bsdf.f0, surface->bsdf.f90);
+static uint32_t glossy_count(const shaded_tile *tile, const olx_shading *shading) {
+  return shading->surface->bsdf.alpha > 0.0f ? tile->context->settings->glossy_samples : 1;
 }
 
 static void light_glossily(shaded_tile *tile) {
+  ray_bundle bundle;
+  begin_bundle(&bundle);
+  bool dim[OLX_TILE_PIXELS];
+  for (uint32_t k = 0; k < tile->count; k++) {
+    const olx_shading *shading = &tile->shadings[k];
+    dim[k] = olx_field_lobe_is_dim(tile->context, shading);
+    if (!shading->has_specular || dim[k]) continue;
+    const olx_sampler *sampler = &tile->rays->samplers[tile->pixel[k]];
+    const uint32_t seed = olx_sampler_split(sampler, OLX_GLOSSY_BRANCH).seed, count = glossy_count(tile, shading);
+    const olx_vec3 view = olx_negate(tile->rays->directions[tile->pixel[k]]);
+    for (uint32_t j = 0; j < count; j++) {
+      const olx_vec2 random = olx_stratified2(sampler->index * count + j, seed);
+      bundle.count += draw_glossy(shading, view, random, next_ray(tile, &bundle, k));
+    }
+  }
+  follow_bundle(tile, &bundle);
   for (uint32_t k = 0; k < tile->count; k++) {
     const olx_shading *shading = &tile->shadings[k];
     if (!shading->has_specular) continue;
     const uint32_t i = tile->pixel[k];
     const olx_vec3 view = olx_negate(tile->rays->directions[i]);
-    if (tile->context->settings->method == OLX_METHOD_CLASSIC) {
-      tile->samples[i].indirect_glossy = classic_glossy(tile, k, view);
-      continue;
-    }
-    tile->samples[i].indirect_glossy =
-        olx_field_lobe_is_dim(tile->context, shading)
-            ? olx_dim_light(&shading->surface->bsdf, shading->view.z,
-                            olx_field_irradiance(tile->context, shading, view))
-            : traced_glossy(tile, k, view);
+    tile->samples[i].indirect_glossy = dim[k] ? olx_dim_light(&shading->surface->bsdf, shading->view.z,
+                                                              olx_field_irradiance(tile->context, shading, view))
+                                              : olx_scale(bundle.sum[k], 1.0f / (float)glossy_count(tile, shading));
   }
 }
 
@@ -176,7 +251,8 @@ void olx_field_render_tile(const olx_render_context *context, olx_tile_rays *ray
   const double direct = olx_thread_seconds();
   light_diffusely(&tile);
   const double diffuse = olx_thread_seconds();
-  light_glossily(&tile);
+  if (context->settings->method == OLX_METHOD_CLASSIC) light_by_classic_maps(&tile);
+  else light_glossily(&tile);
   stats->primary_seconds += found - start;
   stats->direct_seconds += direct - found;
   stats->diffuse_seconds += diffuse - direct;

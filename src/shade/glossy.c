@@ -1,20 +1,26 @@
-#include "core/bsdf.h"
+#include "shade/glossy.h"
 
-#include <octalux/sample.h>
-
-olx_vec3 olx_glossy(const olx_field *field, const olx_sample_settings *settings, olx_vec3 position, olx_vec3 normal,
-                    olx_vec3 view, float roughness, olx_vec2 random, float *weight, float *half_cosine,
-                    olx_trace_hit *hit) {
+bool olx_glossy_draw(olx_vec3 normal, olx_vec3 view, float roughness, olx_vec2 random, olx_vec3 *direction,
+                     float *weight, float *half_cosine) {
   olx_vec3 tangent, bitangent;
   olx_basis(normal, &tangent, &bitangent);
   const olx_vec3 local_view = olx_v3(olx_dot(view, tangent), olx_dot(view, bitangent), olx_dot(view, normal));
   const float alpha = roughness < OLX_MIRROR_ROUGHNESS ? 0.0f : roughness * roughness;
   const olx_vec3 local = olx_ggx_sample(alpha, local_view, random, weight, half_cosine);
-  if (*weight <= 0.0f) {
+  if (*weight <= 0.0f) return false;
+  *direction = olx_from_basis(local, normal);
+  return true;
+}
+
+olx_vec3 olx_glossy(const olx_field *field, const olx_sample_settings *settings, olx_vec3 position, olx_vec3 normal,
+                    olx_vec3 view, float roughness, olx_vec2 random, float *weight, float *half_cosine,
+                    olx_trace_hit *hit) {
+  olx_vec3 direction;
+  if (!olx_glossy_draw(normal, view, roughness, random, &direction, weight, half_cosine)) {
     if (hit) *hit = (olx_trace_hit){.status = OLX_TRACE_MISS, .distance_metres = INFINITY, .probe = UINT32_MAX};
     return olx_splat(0.0f);
   }
-  const olx_trace_hit found = olx_trace(field, settings, position, olx_from_basis(local, normal), INFINITY);
+  const olx_trace_hit found = olx_trace(field, settings, position, direction, INFINITY);
   if (hit) *hit = found;
   return found.emitter && !settings->emitters ? olx_splat(0.0f) : found.radiance;
 }

@@ -46,18 +46,10 @@ static olx_verdict march_node(olx_march *m, const olx_piece *p, stand *at, float
   }
 }
 
-// Whether the texel in which a ray begins that another probe has handed on hides it, as it often does.
-static olx_verdict visit_first(olx_march *m, const olx_piece *p, olx_probe_answer *answer) {
-  const olx_cell c = {p->u.first, p->v.first, p->t_begin};
-  const olx_vec2 s = olx_crossings_ahead(p, c.x, c.y, 0);
-  const float t1 = olx_parameter_at(p, olx_min(s.x, s.y));
-  return olx_visit_texel(m, p, c, t1, olx_farthest_squared(m, c.t, t1), answer);
-}
-
 olx_verdict olx_march_hiz(olx_march *m, const olx_piece *p, olx_probe_answer *answer) {
   const bool first_piece = p->t_begin <= m->ray->t_min;
   if (first_piece && p->t_begin > 0.0f) {
-    const olx_verdict verdict = visit_first(m, p, answer);
+    const olx_verdict verdict = olx_visit_first(m, p, answer);
     if (verdict != OLX_VERDICT_CLEAR) return verdict;
   }
   // A ray begins at a surface, where only small nodes are clear, and enters other faces in the open.

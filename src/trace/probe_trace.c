@@ -1,13 +1,7 @@
 #include "trace/probe_trace.h"
 
 #include "trace/march.h"
-
-// Images that move by less than this over a piece stand still: below it rounding decides the direction.
-static const float STILL_TEXELS = 1e-3f;
-// Closer to the probe than this share of the way there, rounding decides the image; the ray is in front of everything then.
-static const float CENTRE_SHARE = 1e-4f;
-// Rounding of s and of t(s), in units of the piece's largest parameter.
-static const float PARAMETER_ROUNDING = 0x1p-20f;
+#include "trace/march_wide.h"
 
 // One end of a piece.
 typedef struct piece_end {
@@ -21,7 +15,7 @@ static piece_end end_at(const olx_march *m, const olx_piece *p, float t) {
   const bool infinite = t == INFINITY;
   const olx_vec3 at = infinite ? d : olx_madd(o, d, t);
   const float x = p->sign_x * at.x, z = p->sign_z * at.z, sum = x + p->sign_y * at.y + z;
-  const float least = CENTRE_SHARE * (fabsf(o.x) + fabsf(o.y) + fabsf(o.z));
+  const float least = OLX_CENTRE_SHARE * (fabsf(o.x) + fabsf(o.y) + fabsf(o.z));
   const bool centre = !infinite && sum <= least;
   const float inverse = 1.0f / (centre ? olx_max(least, 0x1p-100f) : sum), half = 0.5f * (float)m->field->n;
   const bool upper = p->sign_y > 0.0f;
@@ -35,8 +29,9 @@ static piece_end end_at(const olx_march *m, const olx_piece *p, float t) {
 static olx_image_axis make_axis(float begin, float end, float sign, uint32_t n) {
   const float travel = end - begin;
   const int32_t first = olx_clamp_texel(sign, begin, n);
-  if (!(fabsf(travel) > STILL_TEXELS)) { // lines ahead are never crossed, those behind always have been
-    return (olx_image_axis){.begin = begin, .origin = (float)first + 0.5f, .inverse = 0x1p100f, .ahead = 1, .first = first};
+  if (!(fabsf(travel) > OLX_STILL_TEXELS)) { // lines ahead are never crossed, those behind always have been
+    return (olx_image_axis){
+        .begin = begin, .origin = (float)first + 0.5f, .inverse = 0x1p100f, .ahead = 1, .first = first};
   }
   return (olx_image_axis){
       .begin = begin,
@@ -73,9 +68,9 @@ static olx_piece make_piece(const olx_march *m, olx_vec3 planes, float t_begin, 
   p.v = make_axis(begin.v, end.v, p.sign_z, m->field->n);
   p.near = begin.inverse;
   p.slope = end.inverse - begin.inverse;
-  p.rise = t_end < INFINITY ? (t_end - t_begin) * end.inverse
-                            : 1.0f / (p.sign_x * d.x + p.sign_y * d.y + p.sign_z * d.z);
-  p.slack = PARAMETER_ROUNDING * (t_end < INFINITY ? t_end : 0.0f);
+  p.rise =
+      t_end < INFINITY ? (t_end - t_begin) * end.inverse : 1.0f / (p.sign_x * d.x + p.sign_y * d.y + p.sign_z * d.z);
+  p.slack = OLX_PARAMETER_ROUNDING * (t_end < INFINITY ? t_end : 0.0f);
   return p;
 }
 
@@ -99,23 +94,9 @@ static float next_cut(olx_vec3 planes, float t, float t_max) {
   return next;
 }
 
-static olx_march begin_march(const olx_field *field, uint32_t probe, const olx_probe_ray *ray) {
-  const float closest = -olx_dot(ray->origin, ray->direction);
-  const olx_vec3 foot = olx_madd(ray->origin, ray->direction, closest);
-  return (olx_march){
-      .field = field,
-      .distance = field->distance + field->texels * probe,
-      .least = field->least + (size_t)field->pyramid.least_nodes * probe,
-      .probe = probe,
-      .ray = ray,
-      .closest = closest,
-      .miss_squared = olx_dot(foot, foot),
-  };
-}
-
 olx_probe_answer olx_trace_probe(const olx_field *field, uint32_t probe, const olx_probe_ray *ray, olx_tracer tracer) {
   const olx_vec3 o = ray->origin, d = ray->direction;
-  olx_march m = begin_march(field, probe, ray);
+  olx_march m = olx_begin_march(field, probe, ray);
   const olx_vec3 planes = {plane_at(o.x, d.x), plane_at(o.y, d.y), plane_at(o.z, d.z)};
   olx_probe_answer answer = {.status = OLX_TRACE_MISS};
   for (float t = ray->t_min; t < ray->t_max;) {
@@ -129,9 +110,14 @@ olx_probe_answer olx_trace_probe(const olx_field *field, uint32_t probe, const o
     }
     t = t_end;
   }
-  answer.texel = olx_texel_towards(field, ray->direction);
-  answer.t = ray->t_max;
-  answer.gap = 0.0f;
-  answer.steps = m.steps;
-  return answer;
+  return olx_probe_clear(field, ray, m.steps);
+}
+
+void olx_trace_probes(const olx_field *field, const olx_probe_job *jobs, uint32_t count, olx_tracer tracer,
+                      olx_probe_answer *answers) {
+  if (tracer == OLX_TRACER_HIZ && olx_march_wide_available(field)) {
+    olx_march_wide(field, jobs, count, answers);
+    return;
+  }
+  for (uint32_t i = 0; i < count; i++) answers[i] = olx_trace_probe(field, jobs[i].probe, &jobs[i].ray, tracer);
 }

@@ -23,4 +23,14 @@ typedef struct olx_probe_answer {
 
 olx_probe_answer olx_trace_probe(const olx_field *field, uint32_t probe, const olx_probe_ray *ray, olx_tracer tracer);
 
+// A ray for a probe to answer.
+typedef struct olx_probe_job {
+  uint32_t probe;
+  olx_probe_ray ray;
+} olx_probe_job;
+
+// The same for many rays at once.
+void olx_trace_probes(const olx_field *field, const olx_probe_job *jobs, uint32_t count, olx_tracer tracer,
+                      olx_probe_answer *answers);
+
 #endif

@@ -8,6 +8,13 @@
 #include "field/maps.h"
 #include "trace/probe_trace.h"
 
+// Images that move by less than this over a piece stand still: below it rounding decides the direction.
+static const float OLX_STILL_TEXELS = 1e-3f;
+// Closer to the probe than this share of the way there, rounding decides the image; the ray is in front of everything then.
+static const float OLX_CENTRE_SHARE = 1e-4f;
+// Rounding of s and of t(s), in units of the piece's largest parameter.
+static const float OLX_PARAMETER_ROUNDING = 0x1p-20f;
+
 // What is fixed for one ray and one probe. r^2(t) = miss^2 + (t - closest)^2.
 typedef struct olx_march {
   const olx_field *field;
@@ -43,6 +50,26 @@ typedef struct olx_cell {
   int32_t x, y;
   float t;
 } olx_cell;
+
+static inline olx_march olx_begin_march(const olx_field *field, uint32_t probe, const olx_probe_ray *ray) {
+  const float closest = -olx_dot(ray->origin, ray->direction);
+  const olx_vec3 foot = olx_madd(ray->origin, ray->direction, closest);
+  return (olx_march){
+      .field = field,
+      .distance = field->distance + field->texels * probe,
+      .least = field->least + (size_t)field->pyramid.least_nodes * probe,
+      .probe = probe,
+      .ray = ray,
+      .closest = closest,
+      .miss_squared = olx_dot(foot, foot),
+  };
+}
+
+// The answer for a ray that is clear up to its end.
+static inline olx_probe_answer olx_probe_clear(const olx_field *field, const olx_probe_ray *ray, uint32_t steps) {
+  return (olx_probe_answer){
+      .status = OLX_TRACE_MISS, .t = ray->t_max, .texel = olx_texel_towards(field, ray->direction), .steps = steps};
+}
 
 // The image of the ray at any parameter, on the face of the piece, in texels; false where the face has none.
 static inline bool olx_image_at(const olx_march *m, const olx_piece *p, float t, olx_vec2 *image) {

@@ -18,4 +18,12 @@ static inline olx_verdict olx_visit_texel(olx_march *m, const olx_piece *p, olx_
   return olx_judge_surfel(m, p, c, t1, stored, answer);
 }
 
+// Whether the texel in which a ray begins that another probe has handed on hides it, as it often does.
+static inline olx_verdict olx_visit_first(olx_march *m, const olx_piece *p, olx_probe_answer *answer) {
+  const olx_cell c = {p->u.first, p->v.first, p->t_begin};
+  const olx_vec2 s = olx_crossings_ahead(p, c.x, c.y, 0);
+  const float t1 = olx_parameter_at(p, olx_min(s.x, s.y));
+  return olx_visit_texel(m, p, c, t1, olx_farthest_squared(m, c.t, t1), answer);
+}
+
 #endif

@@ -9,6 +9,8 @@
 
 // Probes remembered as asked: the most that olx_sample_settings.max_probes can be.
 enum { MAX_ATTEMPTS = 128 };
+// Rays that olx_trace_rays follows side by side.
+enum { TOGETHER = 64 };
 
 // A probe that loses a ray knows where only to within its texels. The next one takes over by this many footprints before
 // that, so that the ray does not slip through what it was about to hit.
@@ -64,29 +66,38 @@ static bool sees(const search *s, uint32_t probe) {
   return olx_probe_sees(s->field, probe, ray_point(s, s->lost), OLX_SIGHT_STUCK, NULL);
 }
 
-// Ask one probe. True when it settles the ray.
-static bool ask(search *s, uint32_t probe, olx_probe_answer *answer) {
+// What to ask a probe.
+static olx_probe_job question(search *s, uint32_t probe) {
   s->asked[s->attempts++] = probe;
-  const olx_probe_ray ray = {
-      .origin = olx_sub(s->origin, s->field->probe_positions[probe]),
-      .direction = s->direction,
-      .t_min = s->t,
-      .t_max = s->t_max,
-  };
-  *answer = olx_trace_probe(s->field, probe, &ray, s->settings->tracer);
+  return (olx_probe_job){.probe = probe,
+                         .ray = {.origin = olx_sub(s->origin, s->field->probe_positions[probe]),
+                                 .direction = s->direction,
+                                 .t_min = s->t,
+                                 .t_max = s->t_max}};
+}
+
+// What it says. True when that settles the ray.
+static bool settles(search *s, const olx_probe_job *job, olx_probe_answer *answer) {
   s->steps += answer->steps;
   // Lost in front of what the probe stores there, the ray has gone behind nothing: it ends.
   if (answer->status == OLX_TRACE_UNKNOWN && answer->gap < 0.0f) answer->status = OLX_TRACE_HIT;
   if (answer->status != OLX_TRACE_UNKNOWN) return true;
   if (s->fallback_probe == UINT32_MAX || answer->gap < s->fallback.gap) {
     s->fallback = *answer;
-    s->fallback_probe = probe;
+    s->fallback_probe = job->probe;
   }
   const float footprint =
-      olx_mean_texel_angle(s->field->n) * olx_length(olx_madd(ray.origin, ray.direction, answer->t));
+      olx_mean_texel_angle(s->field->n) * olx_length(olx_madd(job->ray.origin, job->ray.direction, answer->t));
   s->t = olx_max(s->t, answer->t - HAND_OVER_FOOTPRINTS * footprint);
   s->lost = olx_max(s->lost, answer->t);
   return false;
+}
+
+// Ask one probe. True when it settles the ray.
+static bool ask(search *s, uint32_t probe, olx_probe_answer *answer) {
+  const olx_probe_job job = question(s, probe);
+  *answer = olx_trace_probe(s->field, probe, &job.ray, s->settings->tracer);
+  return settles(s, &job, answer);
 }
 
 // The corner to begin with: the probe nearest to the ray's line.
@@ -161,28 +172,45 @@ static bool search_octree(search *s, uint32_t *probe, olx_probe_answer *answer) 
   }
 }
 
-// Of the probes that the bricks list for where the ray stands, the best that sees it: to begin with one near the origin and
-// the ray's line, later the nearest.
-static bool next_listed(const search *s, uint32_t *next) {
-  const olx_vec3 place = s->attempts == 0 ? s->origin : ray_point(s, s->lost);
-  const uint32_t *list = olx_bricks_list(&s->field->bricks, place);
+// Where the ray begins or, once others have lost it, where that was.
+static olx_vec3 sought(const search *s) { return s->attempts == 0 ? s->origin : ray_point(s, s->lost); }
+
+// The probes that the bricks list for where the ray stands, and what speaks against each: to begin with the distance from the
+// origin and from the ray's line, later that from the place.
+typedef struct listed {
+  const uint32_t *list;
   float cost[OLX_BRICK_PROBES];
+} listed;
+
+static listed look_up(const search *s) {
+  const olx_vec3 place = sought(s);
+  listed l = {.list = olx_bricks_list(&s->field->bricks, place)};
   for (uint32_t i = 0; i < OLX_BRICK_PROBES; i++) {
-    const uint32_t probe = olx_bricks_probe(list, i);
-    cost[i] = INFINITY;
+    const uint32_t probe = olx_bricks_probe(l.list, i);
+    l.cost[i] = INFINITY;
     if (probe == OLX_BRICK_NO_PROBE || !usable(s, probe) || was_asked(s, probe)) continue;
     const olx_vec3 offset = olx_sub(s->field->probe_positions[probe], place);
-    cost[i] = olx_dot(offset, offset);
-    if (s->attempts == 0) cost[i] += OFF_LINE * line_distance_squared(s, probe);
+    l.cost[i] = olx_dot(offset, offset);
+    if (s->attempts == 0) l.cost[i] += OFF_LINE * line_distance_squared(s, probe);
   }
-  for (;;) {
-    uint32_t best = 0;
-    for (uint32_t i = 1; i < OLX_BRICK_PROBES; i++) best = cost[i] < cost[best] ? i : best;
-    if (cost[best] == INFINITY) return false;
-    *next = olx_bricks_probe(list, best);
-    if (sees(s, *next)) return true;
-    cost[best] = INFINITY;
-  }
+  return l;
+}
+
+// The best of them that was not taken before; OLX_BRICK_NO_PROBE when there is none.
+static uint32_t take_best(listed *l) {
+  uint32_t best = 0;
+  for (uint32_t i = 1; i < OLX_BRICK_PROBES; i++) best = l->cost[i] < l->cost[best] ? i : best;
+  if (l->cost[best] == INFINITY) return OLX_BRICK_NO_PROBE;
+  l->cost[best] = INFINITY;
+  return olx_bricks_probe(l->list, best);
+}
+
+// Of the probes that the bricks list, the best that sees where the ray stands.
+static bool next_listed(const search *s, uint32_t *next) {
+  listed l = look_up(s);
+  do *next = take_best(&l);
+  while (*next != OLX_BRICK_NO_PROBE && !sees(s, *next));
+  return *next != OLX_BRICK_NO_PROBE;
 }
 
 static bool search_bricks(search *s, uint32_t *probe, olx_probe_answer *answer) {
@@ -192,20 +220,42 @@ static bool search_bricks(search *s, uint32_t *probe, olx_probe_answer *answer) 
   return false;
 }
 
+// The nearest of all probes not yet asked that sees the place; UINT32_MAX when there is none.
+static uint32_t nearest_that_sees(const search *s) {
+  enum { SOME = 16 };
+  const olx_vec3 place = sought(s);
+  float best_distance = INFINITY;
+  uint32_t best = UINT32_MAX;
+  for (uint32_t next = 0; next < s->field->info.probe_count;) {
+    uint32_t probes[SOME], count = 0;
+    float distances[SOME];
+    olx_vec3 places[SOME], directions[SOME];
+    bool seen[SOME];
+    for (; next < s->field->info.probe_count && count < SOME; next++) {
+      if (!usable(s, next) || was_asked(s, next)) continue;
+      const olx_vec3 offset = olx_sub(s->field->probe_positions[next], place);
+      distances[count] = olx_dot(offset, offset);
+      if (distances[count] >= best_distance) continue;
+      places[count] = place;
+      directions[count] = s->direction;
+      probes[count++] = next;
+    }
+    olx_probes_see(s->field, count, probes, places, s->attempts == 0 ? OLX_SIGHT_START : OLX_SIGHT_STUCK,
+                   s->attempts == 0 ? directions : NULL, seen);
+    for (uint32_t i = 0; i < count; i++) {
+      if (!seen[i] || distances[i] >= best_distance) continue;
+      best_distance = distances[i];
+      best = probes[i];
+    }
+  }
+  return best;
+}
+
 // Ask whichever other probes see the place where the ray is stuck, nearest first.
 static bool search_everywhere(search *s, uint32_t *probe, olx_probe_answer *answer) {
   while (s->attempts < s->limit) {
-    const olx_vec3 place = s->attempts == 0 ? s->origin : ray_point(s, s->lost);
-    float best_distance = INFINITY;
-    for (uint32_t i = 0; i < s->field->info.probe_count; i++) {
-      if (!usable(s, i) || was_asked(s, i)) continue;
-      const olx_vec3 offset = olx_sub(s->field->probe_positions[i], place);
-      const float distance = olx_dot(offset, offset);
-      if (distance >= best_distance || !sees(s, i)) continue;
-      best_distance = distance;
-      *probe = i;
-    }
-    if (best_distance == INFINITY) return false;
+    *probe = nearest_that_sees(s);
+    if (*probe == UINT32_MAX) return false;
     if (ask(s, *probe, answer)) return true;
   }
   return false;
@@ -271,25 +321,135 @@ static bool search_selected(search *s, uint32_t *probe, olx_probe_answer *answer
   }
 }
 
-olx_trace_hit olx_trace(const olx_field *field, const olx_sample_settings *settings, olx_vec3 origin,
-                        olx_vec3 direction, float t_max_metres) {
-  if (!is_ray(origin, direction, t_max_metres))
-    return (olx_trace_hit){.status = OLX_TRACE_UNKNOWN, .probe = UINT32_MAX};
-  search s = {
-      .field = field,
-      .settings = settings,
-      .origin = origin,
-      .direction = direction,
-      .t_max = olx_min(t_max_metres, leave_bounds(field, origin, direction)),
-      .limit = settings->max_probes < MAX_ATTEMPTS ? settings->max_probes : MAX_ATTEMPTS,
-      .fallback_probe = UINT32_MAX,
-  };
+static const olx_trace_hit NOTHING_KNOWN = {.status = OLX_TRACE_UNKNOWN, .probe = UINT32_MAX};
+
+// False for what is no ray.
+static bool begin_search(search *s, const olx_field *field, const olx_sample_settings *settings, olx_vec3 origin,
+                         olx_vec3 direction, float t_max) {
+  if (!is_ray(origin, direction, t_max)) return false;
+  s->field = field;
+  s->settings = settings;
+  s->origin = origin;
+  s->direction = direction;
+  s->t = s->lost = 0.0f;
+  s->t_max = olx_min(t_max, leave_bounds(field, origin, direction));
+  s->limit = settings->max_probes < MAX_ATTEMPTS ? settings->max_probes : MAX_ATTEMPTS;
+  s->attempts = s->steps = 0;
+  s->fallback_probe = UINT32_MAX;
+  return true;
+}
+
+// When no probe that the selector names has settled the ray.
+static olx_trace_hit search_rest(search *s, float t_max) {
   uint32_t probe;
   olx_probe_answer answer;
-  if (search_selected(&s, &probe, &answer) || search_everywhere(&s, &probe, &answer)) {
-    return describe(&s, probe, &answer, t_max_metres);
+  if (search_everywhere(s, &probe, &answer)) return describe(s, probe, &answer, t_max);
+  if (s->fallback_probe == UINT32_MAX) {
+    olx_trace_hit hit = NOTHING_KNOWN;
+    hit.probes_tried = s->attempts;
+    return hit;
   }
-  if (s.fallback_probe != UINT32_MAX && s.fallback.gap < VANISHED_FOOTPRINTS) s.fallback.status = OLX_TRACE_HIT;
-  if (s.fallback_probe != UINT32_MAX) return describe(&s, s.fallback_probe, &s.fallback, t_max_metres);
-  return (olx_trace_hit){.status = OLX_TRACE_UNKNOWN, .probe = UINT32_MAX, .probes_tried = s.attempts};
+  if (s->fallback.gap < VANISHED_FOOTPRINTS) s->fallback.status = OLX_TRACE_HIT;
+  return describe(s, s->fallback_probe, &s->fallback, t_max);
+}
+
+olx_trace_hit olx_trace(const olx_field *field, const olx_sample_settings *settings, olx_vec3 origin,
+                        olx_vec3 direction, float t_max_metres) {
+  search s;
+  uint32_t probe;
+  olx_probe_answer answer;
+  if (!begin_search(&s, field, settings, origin, direction, t_max_metres)) return NOTHING_KNOWN;
+  if (search_selected(&s, &probe, &answer)) return describe(&s, probe, &answer, t_max_metres);
+  return search_rest(&s, t_max_metres);
+}
+
+// Rays that go through the field together.
+typedef struct bundle {
+  uint32_t open[TOGETHER], open_count; // still without an answer
+  uint32_t asking;                     // of these, the first so many have a job
+  search searches[TOGETHER];
+  listed lists[TOGETHER];
+  olx_probe_job jobs[TOGETHER];
+  olx_probe_answer answers[TOGETHER];
+} bundle;
+
+// For each open ray the job for the next probe that the bricks name. Those without one come last.
+static void choose_by_bricks(bundle *b, const olx_field *field) {
+  uint32_t trying[TOGETHER], candidates[TOGETHER], rest[TOGETHER], try_count = b->open_count, rest_count = 0;
+  const bool first = b->open_count && b->searches[b->open[0]].attempts == 0; // all have asked as many
+  for (uint32_t k = 0; k < try_count; k++) {
+    trying[k] = b->open[k];
+    b->lists[trying[k]] = look_up(&b->searches[trying[k]]);
+  }
+  for (b->asking = 0; try_count;) {
+    olx_vec3 places[TOGETHER], directions[TOGETHER];
+    bool seen[TOGETHER];
+    uint32_t count = 0;
+    for (uint32_t k = 0; k < try_count; k++) {
+      const search *s = &b->searches[trying[k]];
+      const uint32_t candidate = s->attempts < s->limit ? take_best(&b->lists[trying[k]]) : OLX_BRICK_NO_PROBE;
+      if (candidate == OLX_BRICK_NO_PROBE) {
+        rest[rest_count++] = trying[k];
+        continue;
+      }
+      candidates[count] = candidate;
+      places[count] = sought(s);
+      directions[count] = s->direction;
+      trying[count++] = trying[k];
+    }
+    olx_probes_see(field, count, candidates, places, first ? OLX_SIGHT_START : OLX_SIGHT_STUCK,
+                   first ? directions : NULL, seen);
+    try_count = 0;
+    for (uint32_t k = 0; k < count; k++) {
+      if (!seen[k]) {
+        trying[try_count++] = trying[k];
+        continue;
+      }
+      b->jobs[b->asking] = question(&b->searches[trying[k]], candidates[k]);
+      b->open[b->asking++] = trying[k];
+    }
+  }
+  for (uint32_t k = 0; k < rest_count; k++) b->open[b->asking + k] = rest[k];
+}
+
+// All rays ask the first probe that they are to ask, then those that are not settled the second, and so on.
+static void trace_by_bricks(const olx_field *field, const olx_sample_settings *settings, uint32_t count,
+                            const olx_vec3 *origins, const olx_vec3 *directions, float t_max, olx_trace_hit *hits) {
+  bundle b;
+  b.open_count = 0;
+  for (uint32_t i = 0; i < count; i++) {
+    hits[i] = NOTHING_KNOWN;
+    if (begin_search(&b.searches[i], field, settings, origins[i], directions[i], t_max)) b.open[b.open_count++] = i;
+  }
+  while (b.open_count) {
+    choose_by_bricks(&b, field);
+    for (uint32_t k = b.asking; k < b.open_count; k++) hits[b.open[k]] = search_rest(&b.searches[b.open[k]], t_max);
+    olx_trace_probes(field, b.jobs, b.asking, settings->tracer, b.answers);
+    for (uint32_t k = 0; k < b.asking; k++) {
+      __builtin_prefetch(&field->radiance[field->texels * b.jobs[k].probe + b.answers[k].texel]);
+    }
+    b.open_count = 0;
+    for (uint32_t k = 0; k < b.asking; k++) {
+      const uint32_t i = b.open[k];
+      if (settles(&b.searches[i], &b.jobs[k], &b.answers[k])) {
+        hits[i] = describe(&b.searches[i], b.jobs[k].probe, &b.answers[k], t_max);
+      } else {
+        b.open[b.open_count++] = i;
+      }
+    }
+  }
+}
+
+void olx_trace_rays(const olx_field *field, const olx_sample_settings *settings, uint32_t count,
+                    const olx_vec3 *origins, const olx_vec3 *directions, float t_max_metres, olx_trace_hit *hits) {
+  const bool by_bricks = olx_select_resolve(field, settings->select) == OLX_SELECT_BRICKS;
+  for (uint32_t i = 0; i < count; i += TOGETHER) {
+    const uint32_t some = count - i < TOGETHER ? count - i : TOGETHER;
+    if (by_bricks) {
+      trace_by_bricks(field, settings, some, origins + i, directions + i, t_max_metres, hits + i);
+      continue;
+    }
+    for (uint32_t k = i; k < i + some; k++)
+      hits[k] = olx_trace(field, settings, origins[k], directions[k], t_max_metres);
+  }
 }

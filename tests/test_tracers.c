@@ -2,6 +2,7 @@
 #include "analytic_field.h"
 
 #include "core/sampling.h"
+#include "select/sight.h"
 #include "trace/probe_trace.h"
 
 #include <octalux/bake.h>
@@ -59,20 +60,38 @@ static void assert_same(const olx_field *field, uint32_t probe, const olx_probe_
            tracer, a.status, a.texel, (double)a.t, truth->status, truth->texel, (double)truth->t);
 }
 
+// Many rays at once: as each of them alone, steps and all.
+static void assert_same_together(const olx_field *field, const olx_probe_job *jobs, uint32_t count) {
+  olx_probe_answer *answers = calloc(count, sizeof *answers);
+  olx_trace_probes(field, jobs, count, OLX_TRACER_HIZ, answers);
+  for (uint32_t i = 0; i < count; i++) {
+    const olx_probe_answer one = olx_trace_probe(field, jobs[i].probe, &jobs[i].ray, OLX_TRACER_HIZ), *all = &answers[i];
+    assert_int_equal(all->status, one.status);
+    assert_int_equal(all->texel, one.texel);
+    assert_int_equal(all->steps, one.steps);
+    assert_true(same_bits(all->t, one.t) && same_bits(all->gap, one.gap));
+  }
+  free(answers);
+}
+
 // How many rays had each status.
 typedef struct counts {
   uint32_t of[3];
 } counts;
 
 static void compare(const olx_field *field, uint32_t rays, float scale, counts *c) {
+  olx_probe_job *jobs = calloc(rays, sizeof *jobs);
   for (uint32_t i = 0; i < rays; i++) {
     const uint32_t probe = i % field->info.probe_count;
     const olx_probe_ray ray = random_ray(i, scale);
+    jobs[i] = (olx_probe_job){probe, ray};
     const olx_probe_answer truth = olx_trace_probe(field, probe, &ray, OLX_TRACER_TEXEL);
     c->of[truth.status]++;
     assert_same(field, probe, &ray, OLX_TRACER_TWO_LEVEL, &truth, i);
     assert_same(field, probe, &ray, OLX_TRACER_HIZ, &truth, i);
   }
+  assert_same_together(field, jobs, rays);
+  free(jobs);
 }
 
 static void in_rooms_of_every_size(void **state) {
@@ -169,6 +188,71 @@ static void assert_same_hits(const olx_field *field, uint32_t rays, uint64_t ste
   }
 }
 
+// What olx_trace_rays says is what olx_trace says, however many rays it is asked, and whatever finds their probes.
+static void assert_rays_together(const olx_field *field, uint32_t count) {
+  olx_vec3 *origins = calloc(count, sizeof *origins), *directions = calloc(count, sizeof *directions);
+  olx_trace_hit *hits = calloc(count, sizeof *hits);
+  const olx_vec3 low = field->info.scene_min, size = olx_sub(field->info.scene_max, low);
+  for (uint32_t i = 0; i < count; i++) {
+    origins[i] = olx_add(low, olx_mul(size, olx_v3(unit(i, 21), unit(i, 22), unit(i, 23))));
+    directions[i] = i % 50 == 7 ? olx_v3(0, 0, i % 100 == 7 ? 0 : -1) : random_direction(i ^ 99);
+  }
+  olx_sample_settings settings = olx_sample_settings_default();
+  for (uint32_t k = 0; k < 5; k++) {
+    settings.tracer = k == 4 ? OLX_TRACER_TWO_LEVEL : OLX_TRACER_HIZ;
+    settings.select = (olx_select[]){OLX_SELECT_BRICKS, OLX_SELECT_CAGE, OLX_SELECT_EXHAUSTIVE, OLX_SELECT_BRICKS,
+                                     OLX_SELECT_BRICKS}[k];
+    settings.max_probes = k == 3 ? 2 : 128;
+    const float t_max = k == 3 ? 1.5f : INFINITY;
+    for (uint32_t i = 0, some; i < count; i += some) {
+      some = i % 7 == 3 ? 1 : i % 5 == 2 ? 13 : 300;
+      if (some > count - i) some = count - i;
+      olx_trace_rays(field, &settings, some, origins + i, directions + i, t_max, hits + i);
+    }
+    for (uint32_t i = 0; i < count; i++) {
+      const olx_trace_hit one = olx_trace(field, &settings, origins[i], directions[i], t_max);
+      assert_memory_equal(&hits[i], &one, offsetof(olx_trace_hit, emitter));
+      assert_int_equal(hits[i].emitter, one.emitter);
+      assert_memory_equal(&hits[i].probe, &one.probe, sizeof one - offsetof(olx_trace_hit, probe));
+    }
+  }
+  free(origins);
+  free(directions);
+  free(hits);
+}
+
+// Whether probes see places: asked together as one by one, also at their own centres and far outside.
+static void assert_sight_together(const olx_field *field) {
+  enum { PLACES = 3003 };
+  static uint32_t probes[PLACES];
+  static olx_vec3 places[PLACES], directions[PLACES];
+  static bool seen[PLACES];
+  const olx_vec3 low = field->info.scene_min, size = olx_sub(field->info.scene_max, low);
+  uint32_t count = 0;
+  for (uint32_t i = 0; i < PLACES; i++) {
+    probes[i] = i % field->info.probe_count;
+    const olx_vec3 centre = field->probe_positions[probes[i]];
+    directions[i] = random_direction(i);
+    places[i] = olx_add(low, olx_mul(size, olx_v3(unit(i, 31), unit(i, 32), unit(i, 33))));
+    if (i % 3 == 0) { // on a stored surface
+      const size_t texel = olx_texel_towards(field, directions[i]);
+      const float distance = olx_texel_distance(field, probes[i], texel);
+      if (distance < INFINITY) places[i] = olx_madd(centre, directions[i], distance * (0.99f + 0.02f * unit(i, 34)));
+    }
+    if (i % 100 == 1) places[i] = centre;
+    if (i % 100 == 2) places[i] = olx_v3(centre.x - 1.0f, centre.y, centre.z);
+  }
+  for (uint32_t start = 0; start < 2; start++) {
+    const float slack = start ? OLX_SIGHT_START : OLX_SIGHT_STUCK;
+    olx_probes_see(field, PLACES, probes, places, slack, start ? directions : NULL, seen);
+    for (uint32_t i = 0; i < PLACES; i++) {
+      assert_int_equal(seen[i], olx_probe_sees(field, probes[i], places[i], slack, start ? &directions[i] : NULL));
+      count += seen[i];
+    }
+  }
+  assert_in_range(count, PLACES / 5, 2 * PLACES - PLACES / 5);
+}
+
 static void in_baked_fields_with_fewer_fetches(void **state) {
   (void)state;
   const char *scenes[] = {"builtin:cornell-glossy", "builtin:temple", "builtin:pillars"};
@@ -179,6 +263,7 @@ static void in_baked_fields_with_fewer_fetches(void **state) {
     assert_int_equal(olx_scene_load(scenes[k], &scene), OLX_OK);
     olx_bake_settings settings = olx_bake_settings_default(scene);
     settings.radiance_size = 256;
+    settings.select_mask = 1u << OLX_SELECT_CAGE | 1u << OLX_SELECT_BRICKS;
     settings.samples = 1;
     settings.bounces = 0;
     settings.irradiance_size = 8;
@@ -194,6 +279,8 @@ static void in_baked_fields_with_fewer_fetches(void **state) {
     print_message("%s: %.1f, %.1f, %.1f distances read a ray\n", scenes[k], (double)steps[0] / 20000,
                   (double)steps[1] / 20000, (double)steps[2] / 20000);
     assert_true(steps[2] < steps[1]);
+    assert_rays_together(field, 5000);
+    assert_sight_together(field);
     olx_field_close(field);
     unlink(path);
   }

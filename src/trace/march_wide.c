@@ -8,7 +8,9 @@
 
 #if OLX_WIDE
 
-enum { LANES = OLX_WIDE_LANES, GROUPS = 2 };
+// Two groups of lanes take turns, so that one computes while the other waits for memory. Lanes that are done wait until they
+// are so many.
+enum { LANES = OLX_WIDE_LANES, GROUPS = 2, WORTH_RENEWING = 2 };
 #define NO_JOB UINT32_MAX
 
 typedef struct wide_axis {
@@ -35,7 +37,8 @@ typedef struct lanes {
   olx_march march[LANES];
   addresses distances[2], nodes[2]; // four lanes each
   reals ox, oy, oz, dx, dy, dz, t_min, t_max, closest, miss_squared;
-  uint32_t live; // bits of lanes that have a ray
+  // Bits of lanes: those that march, and those that are done with a piece. The others have no ray.
+  uint32_t walking, waiting;
 
   // Pieces.
   wide_axis u, v;
@@ -186,36 +189,33 @@ WIDE void finish(work *w, lanes *l, uint32_t lane, olx_verdict verdict, olx_prob
   answer.steps = steps_of(l, lane);
   w->answers[l->job[lane]] = answer;
   l->job[lane] = NO_JOB;
+  l->walking &= ~(1u << lane);
+  l->waiting |= 1u << lane;
 }
 
-// Lanes that are done with a piece go on to the next of their ray, or to another ray.
-WIDE void renew(work *w, lanes *l, uint32_t which) {
-  while (which) {
+// Waiting lanes go on to the next piece of their ray, or to another ray.
+WIDE void renew(work *w, lanes *l) {
+  while (l->waiting) {
     uint32_t handed_on = 0;
-    for (uint32_t left = which; left; left &= left - 1) {
+    for (uint32_t left = l->waiting; left; left &= left - 1) {
       const uint32_t lane = (uint32_t)__builtin_ctz(left);
       if (l->job[lane] != NO_JOB) {
         if (l->t_end[lane] < l->t_max[lane]) continue;
         w->answers[l->job[lane]] = olx_probe_clear(w->field, l->march[lane].ray, steps_of(l, lane));
         l->job[lane] = NO_JOB;
       }
-      if (!take_job(w, l, lane)) {
-        which &= ~(1u << lane);
-        l->live &= ~(1u << lane);
-      } else if (l->t_min[lane] > 0.0f) {
-        handed_on |= 1u << lane;
-      }
+      if (!take_job(w, l, lane)) l->waiting &= ~(1u << lane);
+      else if (l->t_min[lane] > 0.0f) handed_on |= 1u << lane;
     }
-    set_pieces(l, mask_of(which));
-    which = 0;
+    set_pieces(l, mask_of(l->waiting));
+    l->walking |= l->waiting;
+    l->waiting = 0;
     for (; handed_on; handed_on &= handed_on - 1) { // the first texel often hides these
       const uint32_t lane = (uint32_t)__builtin_ctz(handed_on);
       const olx_piece p = piece_of(l, lane);
       olx_probe_answer answer = {.status = OLX_TRACE_MISS};
       const olx_verdict verdict = olx_visit_first(&l->march[lane], &p, &answer);
-      if (verdict == OLX_VERDICT_CLEAR) continue;
-      finish(w, l, lane, verdict, answer);
-      which |= 1u << lane;
+      if (verdict != OLX_VERDICT_CLEAR) finish(w, l, lane, verdict, answer);
     }
   }
 }
@@ -271,21 +271,20 @@ WIDE wide_look look(lanes *l) {
   const words code = codes_at(l, texel);
   const reals stored = (reals)(code << 13) * 0x1p112f * l->field->distance_scale, least_squared = stored * stored;
   const words passed = texel & (far_squared < l->node_least_squared); // unread
-  l->steps += 1 + passed;
+  l->steps += mask_of(l->walking) & (1 + passed);
   const words clear = passed | (texel & (code == 0x7C00)) | (pick(texel, far_squared, reach_squared) < least_squared);
   return (wide_look){.s1 = s1,
                      .t1 = t1,
                      .stored = stored,
                      .least_squared = least_squared,
                      .by_v = su > sv,
-                     .clear = bits(clear) & l->live,
+                     .clear = bits(clear) & l->walking,
                      .at_end = bits(at_end),
-                     .at_texel = bits(texel) & l->live};
+                     .at_texel = bits(texel) & l->walking};
 }
 
-// Asks the surfels of the texels that are not clear. Lanes whose ray they end are finished and returned.
-WIDE uint32_t judge(work *w, lanes *l, wide_look *seen) {
-  uint32_t finished = 0;
+// Asks the surfels of the texels that are not clear. Lanes whose ray they end are finished.
+WIDE void judge(work *w, lanes *l, wide_look *seen) {
   for (uint32_t which = seen->at_texel & ~seen->clear; which; which &= which - 1) {
     const uint32_t lane = (uint32_t)__builtin_ctz(which);
     const olx_piece p = piece_of(l, lane);
@@ -293,32 +292,28 @@ WIDE uint32_t judge(work *w, lanes *l, wide_look *seen) {
     const olx_cell cell = {l->x[lane], l->y[lane], l->t[lane]};
     const olx_verdict verdict =
         olx_judge_surfel(&l->march[lane], &p, cell, seen->t1[lane], seen->stored[lane], &answer);
-    if (verdict == OLX_VERDICT_CLEAR) {
-      seen->clear |= 1u << lane;
-    } else {
-      finish(w, l, lane, verdict, answer);
-      finished |= 1u << lane;
-    }
+    if (verdict == OLX_VERDICT_CLEAR) seen->clear |= 1u << lane;
+    else finish(w, l, lane, verdict, answer);
   }
-  return finished;
 }
 
-// What the texels of a node and a hit on one of them will read.
+// What the texels of a node, and a surfel among them, will read: four rows, and a normal.
 WIDE void fetch_ahead(const lanes *l, uint32_t lane) {
   const olx_march *m = &l->march[lane];
-  const size_t texel = olx_map_index(m->field->stride, l->x[lane], l->y[lane]);
-  const uint16_t *row = m->distance + texel;
-  const uint16_t *next = row + l->v.step[lane] * (int32_t)m->field->stride;
-  __builtin_prefetch(row);
-  __builtin_prefetch(next);
-  const size_t at = m->field->texels * m->probe + texel;
-  __builtin_prefetch(m->field->normal + at);
-  __builtin_prefetch(m->field->radiance + at);
+  const int32_t x = l->x[lane], y = l->y[lane], first_row = y & ~3;
+  for (int32_t row = 0; row < 4; row++) {
+    __builtin_prefetch(m->distance + olx_map_index(m->field->stride, x, first_row + row));
+  }
+  __builtin_prefetch(m->field->normal + m->field->texels * m->probe + olx_map_index(m->field->stride, x, y));
 }
 
-// Lanes whose node is clear go on to the next, and up where that has another parent; the others go down.
+// Lanes whose node is clear go on to the next, and up where that has another parent, or wait at the end of the piece; the
+// others go down.
 WIDE void move(lanes *l, const wide_look *seen) {
-  const words forward = mask_of(seen->clear & ~seen->at_end), down = mask_of(l->live & ~seen->clear & ~seen->at_texel);
+  const uint32_t ended = seen->clear & seen->at_end;
+  l->waiting |= ended;
+  l->walking &= ~ended;
+  const words forward = mask_of(seen->clear & ~ended), down = mask_of(l->walking & ~seen->clear & ~seen->at_texel);
   const int32_t levels = (int32_t)l->field->pyramid.levels;
   const words next_x = l->x + (l->u.step & ~seen->by_v), next_y = l->y + (l->v.step & seen->by_v);
   const words moved = (next_x ^ l->x) | (next_y ^ l->y);
@@ -341,7 +336,7 @@ WIDE void move(lanes *l, const wide_look *seen) {
 
 WIDE void begin_lanes(lanes *l, const olx_field *field) {
   l->field = field;
-  l->live = (1u << LANES) - 1;
+  l->waiting = (1u << LANES) - 1;
   for (uint32_t k = 0; k < field->pyramid.levels; k++) {
     l->first_node[k + 1] = (int32_t)field->pyramid.first[k];
     l->tiles_across[k + 1] = (int32_t)(field->pyramid.side[k] >> 2);
@@ -357,25 +352,19 @@ WIDE_CODE void olx_march_wide(const olx_field *field, const olx_probe_job *jobs,
                               olx_probe_answer *answers) {
   work w = {.field = field, .jobs = jobs, .answers = answers, .count = count};
   lanes group[GROUPS] = {0};
-  uint32_t waiting[GROUPS];
-  for (uint32_t g = 0; g < GROUPS; g++) {
-    begin_lanes(&group[g], field);
-    waiting[g] = group[g].live;
-  }
+  for (uint32_t g = 0; g < GROUPS; g++) begin_lanes(&group[g], field);
   for (;;) {
-    uint32_t live = 0;
+    uint32_t walking = 0;
     for (uint32_t g = 0; g < GROUPS; g++) {
-      renew(&w, &group[g], waiting[g]);
-      live |= group[g].live;
+      lanes *l = &group[g];
+      if (!l->walking || __builtin_popcount(l->waiting) >= WORTH_RENEWING) renew(&w, l);
+      walking |= l->walking;
     }
-    if (!live) return;
+    if (!walking) return;
     wide_look seen[GROUPS];
     for (uint32_t g = 0; g < GROUPS; g++) seen[g] = look(&group[g]);
-    for (uint32_t g = 0; g < GROUPS; g++) waiting[g] = judge(&w, &group[g], &seen[g]);
-    for (uint32_t g = 0; g < GROUPS; g++) {
-      move(&group[g], &seen[g]);
-      waiting[g] |= seen[g].clear & seen[g].at_end;
-    }
+    for (uint32_t g = 0; g < GROUPS; g++) judge(&w, &group[g], &seen[g]);
+    for (uint32_t g = 0; g < GROUPS; g++) move(&group[g], &seen[g]);
   }
 }
 

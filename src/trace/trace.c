@@ -208,9 +208,12 @@ static uint32_t take_best(listed *l) {
 // Of the probes that the bricks list, the best that sees where the ray stands.
 static bool next_listed(const search *s, uint32_t *next) {
   listed l = look_up(s);
-  do *next = take_best(&l);
-  while (*next != OLX_BRICK_NO_PROBE && !sees(s, *next));
-  return *next != OLX_BRICK_NO_PROBE;
+  for (;;) {
+    const uint32_t best = take_best(&l);
+    if (best == OLX_BRICK_NO_PROBE) return false;
+    *next = best;
+    if (sees(s, best)) return true;
+  }
 }
 
 static bool search_bricks(search *s, uint32_t *probe, olx_probe_answer *answer) {

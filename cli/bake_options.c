@@ -54,6 +54,7 @@ olx_result resolve_bake_options(const olx_scene *scene, const bake_options *give
   settings->fit = !given->no_fit;
   settings->bounce_gather = (olx_bounce_gather)given->bounce_gather;
   settings->classic = given->classic;
+  settings->relight = given->relight;
   if (given->classic_size) settings->classic_size = given->classic_size;
   if (given->classic_cube_size) settings->classic_cube_size = given->classic_cube_size;
   settings->classic_sharpness = given->classic_sharpness;

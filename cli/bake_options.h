@@ -11,7 +11,7 @@ typedef struct bake_options {
   uint32_t grid[3], irradiance_grid[3];
   uint32_t radiance_size, irradiance_size, bounces, samples, light_samples, threads;
   uint32_t classic_size, classic_cube_size, classic_sharpness, bounce_gather;
-  bool no_fit, classic;
+  bool no_fit, classic, relight;
   const char *probes;
   uint32_t select_mask;
 } bake_options;
@@ -68,6 +68,7 @@ typedef struct bake_options {
        1,                                                                                                              \
        64},                                                                                                            \
       {"--no-fit", OPTION_FLAG, &(b).no_fit, NULL, "keep irradiance exact at probes, unfitted to surfaces", 0, 0},     \
+      {"--relight", OPTION_FLAG, &(b).relight, NULL, "also what it takes to change lights later", 0, 0},               \
       {"--classic", OPTION_FLAG, &(b).classic, NULL, "also maps for `render --method classic`", 0, 0},                 \
       {"--classic-size", OPTION_POWER_OF_TWO, &(b).classic_size, "N", "texels along these; default 128", 32, 256},     \
       {"--cube-size",                                                                                                  \

@@ -19,6 +19,7 @@ static int print_bake_json(const olx_bake_settings *settings, const olx_bake_sta
   add_number(object, "seconds", stats->seconds);
   add_number(object, "write_seconds", stats->write_seconds);
   if (settings->classic) add_number(object, "classic_seconds", stats->classic_seconds);
+  if (settings->relight) add_number(object, "relight_seconds", stats->relight_seconds);
   add_number(object, "embree_seconds", stats->embree_seconds);
   if (settings->bounce_gather == OLX_GATHER_TRACED) add_number(object, "unseen", stats->unseen);
   add_number(object, "peak_memory_bytes", (double)stats->peak_memory_bytes);
@@ -37,6 +38,7 @@ static void print_bake(const char *path, const olx_bake_settings *settings, cons
     printf("  unseen   %.3f %% of the rays between surfaces end where no probe sees\n", 100.0 * stats->unseen);
   }
   if (settings->classic) printf("  classic  %.2f of these seconds\n", stats->classic_seconds);
+  if (settings->relight) printf("  relight  %.2f of these seconds\n", stats->relight_seconds);
   if (stats->embree_seconds > 0.0) {
     printf("  Embree   %.2f seconds for the rays from probes alone: the bake takes %.2f times that\n",
            stats->embree_seconds, stats->seconds / stats->embree_seconds);

@@ -12,13 +12,14 @@ typedef struct block {
   uint64_t bytes;
 } block;
 
-#define BLOCK_COUNT 8
+#define BLOCK_COUNT 9
 
 static void list_blocks(const olx_field_info *info, block blocks[BLOCK_COUNT]) {
   const block list[BLOCK_COUNT] = {{"radiance", info->radiance_bytes},     {"normal", info->normal_bytes},
                                    {"distance", info->distance_bytes},     {"pyramid", info->pyramid_bytes},
                                    {"irradiance", info->irradiance_bytes}, {"moments", info->moments_bytes},
-                                   {"selector", info->selector_bytes},     {"classic", info->classic_bytes}};
+                                   {"selector", info->selector_bytes},     {"classic", info->classic_bytes},
+                                   {"relight", info->relight_bytes}};
   for (int i = 0; i < BLOCK_COUNT; ++i) blocks[i] = list[i];
 }
 
@@ -58,6 +59,12 @@ static int print_info_json(const olx_field_info *info) {
     add_number(classic, "cube_size", info->classic_cube_size);
     add_float(classic, "sharpness", info->classic_sharpness);
   }
+  if (info->relight_size) {
+    cJSON *relight = cJSON_AddObjectToObject(object, "relight");
+    add_number(relight, "size", info->relight_size);
+    add_number(relight, "points", info->relight_points);
+    add_number(relight, "rays", info->relight_rays);
+  }
   add_text(object, "select", select_names(info->select_mask).text);
   add_number(object, "file_bytes", (double)info->file_bytes);
   block blocks[BLOCK_COUNT];
@@ -90,6 +97,10 @@ static void print_info(const char *path, const olx_field_info *info) {
   if (info->classic_size) {
     printf("  classic maps       at irradiance probes, %ux%u texels from cube maps of %u, sharpness %g\n",
            info->classic_size, info->classic_size, info->classic_cube_size, (double)info->classic_sharpness);
+  }
+  if (info->relight_size) {
+    printf("  relighting         albedo; %ux%u surfaces an irradiance probe, %u points of %u rays\n", info->relight_size,
+           info->relight_size, info->relight_points, info->relight_rays);
   }
   if (info->has_grid) print_grid("grid", &info->grid);
   print_grid("irradiance grid", &info->irradiance_grid);

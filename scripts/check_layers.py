@@ -20,8 +20,9 @@ RUNTIME = ["core", "field", "select", "trace", "shade", "vulkan"]
 LADDER = RUNTIME + ["scene", "place", "bake", "render"]
 
 # The layer from which on a public header may be seen.
-PUBLIC = {"base.h": "core", "field.h": "field", "sample.h": "select", "denoiser.h": "shade", "octalux.h": "shade",
-          "vulkan.h": "vulkan", "scene.h": "scene", "place.h": "place", "bake.h": "bake", "render.h": "render"}
+PUBLIC = {"base.h": "core", "field.h": "field", "sample.h": "select", "denoiser.h": "shade", "relight.h": "shade",
+          "octalux.h": "shade", "vulkan.h": "vulkan", "scene.h": "scene", "place.h": "place", "bake.h": "bake",
+          "render.h": "render"}
 
 SYSTEM = set("""assert.h complex.h ctype.h errno.h fcntl.h fenv.h float.h inttypes.h limits.h locale.h math.h pthread.h
 sched.h setjmp.h signal.h stdalign.h stdarg.h stdatomic.h stdbool.h stddef.h stdint.h stdio.h stdlib.h stdnoreturn.h

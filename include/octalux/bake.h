@@ -33,6 +33,7 @@ typedef struct olx_bake_settings {
   uint32_t classic_cube_size; // along a face of the cube maps that they come from: a power of two, 32 to 1024; default 256
   uint32_t classic_sharpness; // exponent of the filter between the two, 64 to 65536; 0, the default: as wide as a texel
   olx_bounce_gather bounce_gather; // for irradiance probes; default OLX_GATHER_IRRADIANCE
+  bool relight;             // also keep what it takes to change lights later (octalux/relight.h); default false
   bool fit;                 // fit irradiance maps to the surfaces they light (docs/baking.md); default true
   uint32_t threads;         // 0: as many as the machine has; the result does not depend on it
   bool measure_embree;      // also time Embree alone on the primary rays, for stats.embree_seconds; default false
@@ -50,6 +51,7 @@ typedef struct olx_bake_stats {
   double seconds;        // everything but writing the file
   double write_seconds;
   double classic_seconds; // of them, for classic maps
+  double relight_seconds; // and for what relighting needs
   double embree_seconds; // the same primary rays with nothing but ray casting; 0 unless measured
   uint64_t peak_memory_bytes;
   uint64_t file_bytes;

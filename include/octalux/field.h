@@ -3,7 +3,7 @@
 // A field holds light field probes (radiance, normal and distance for every direction; McGuire et al. 2017, section 3)
 // that rays are traced through, and irradiance probes (prefiltered irradiance and distance moments; section 5.2) that
 // diffuse light is interpolated from. It may also hold classic maps: those of original irradiance probes, the method that
-// light field probes replace (docs/baking.md). It is immutable.
+// light field probes replace (docs/baking.md), and what it takes to light it anew (octalux/relight.h). It is immutable.
 #ifndef OCTALUX_FIELD_H
 #define OCTALUX_FIELD_H
 
@@ -58,9 +58,11 @@ typedef struct olx_field_info {
   uint32_t classic_size;      // texels along a side of the classic maps: a power of two, 32 to 256; 0: baked without them
   uint32_t classic_cube_size; // along a face of the cube maps that they were made from
   float classic_sharpness;    // of the filter between the two
+  uint32_t relight_size; // surfaces along a side of those that irradiance probes keep for relighting: 16 to 64; 0: baked without
+  uint32_t relight_points, relight_rays; // for each irradiance probe, points that its irradiance is fitted to, and rays of each
   uint64_t file_bytes;
   uint64_t radiance_bytes, normal_bytes, distance_bytes, pyramid_bytes, irradiance_bytes, moments_bytes,
-      selector_bytes, classic_bytes;
+      selector_bytes, classic_bytes, relight_bytes;
   uint64_t select_bytes[OLX_SELECT_EXHAUSTIVE]; // of each selector in the file; their sum is selector_bytes
 } olx_field_info;
 

@@ -6,5 +6,6 @@
 #include <octalux/denoiser.h>
 #include <octalux/field.h>
 #include <octalux/sample.h>
+#include <octalux/relight.h>
 
 #endif

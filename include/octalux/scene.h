@@ -5,6 +5,7 @@
 
 #include <octalux/base.h>
 #include <octalux/field.h>
+#include <octalux/relight.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -58,6 +59,15 @@ olx_result olx_scene_probe_grid(const olx_scene *scene, const uint32_t count[3],
 
 // Names of the built-in scenes, index from 0; NULL past the last.
 const char *olx_builtin_name(uint32_t index);
+
+// ---- Relighting (octalux/relight.h) by a scene's lights and triangles.
+
+// Lights as a relighter takes them: at most `most` of them, rectangles and other surfaces that shine as triangles, the environment as
+// a sky. *count receives how many there are. OLX_ERROR_UNSUPPORTED when there are more, or an image for an environment.
+olx_result olx_scene_relight_lights(const olx_scene *scene, olx_relight_light *lights, uint32_t most, uint32_t *count);
+
+// An olx_occlusion; `scene` is the olx_scene whose triangles lie on the rays.
+void olx_scene_occlusion(void *scene, const olx_shadow_ray *rays, uint32_t count, uint8_t *occluded);
 
 // ---- What a scene consists of, for renderers that draw it their own way (viewer/).
 

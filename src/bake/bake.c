@@ -4,6 +4,7 @@
 #include "bake/capture.h"
 #include "bake/classic_bake.h"
 #include "bake/gather.h"
+#include "bake/relight_bake.h"
 #include "bake/selectors.h"
 #include "core/hooks.h"
 #include "core/result.h"
@@ -30,6 +31,7 @@ typedef struct bake {
   olx_capture capture;
   olx_classic_bake classic;
   uint32_t *classic_table; // NULL without classic maps
+  olx_relight_bake relight;
   olx_selector_blobs selectors;
   olx_field_writer *writer;
   olx_bake_stats stats;
@@ -196,6 +198,11 @@ static olx_result create_file(bake *b, const char *path) {
     header.info.classic_cube_size = s->classic_cube_size;
     header.info.classic_sharpness = (float)b->classic.filter.sharpness;
   }
+  if (s->relight) {
+    header.info.relight_size = olx_relight_surface_size(s->irradiance_size);
+    header.info.relight_points = s->fit ? OLX_FIT_POINTS_PER_PROBE : 0;
+    header.info.relight_rays = s->fit ? OLX_RELIGHT_RAYS : 0;
+  }
   for (olx_select select = OLX_SELECT_CAGE; select < OLX_SELECT_STORED; select++) {
     header.select_data[select] = b->selectors.data[select];
     header.select_bytes[select] = b->selectors.size_bytes[select];
@@ -281,6 +288,37 @@ static olx_result make_classic(bake *b) {
   return OLX_OK;
 }
 
+static olx_result make_surfaces(bake *b) {
+  const olx_bake_settings *s = b->settings;
+  if (!s->relight) return OLX_OK;
+  olx_task_stage(&b->task, "surfaces");
+  const double start = olx_seconds();
+  b->relight = (olx_relight_bake){.scene = b->scene,
+                                  .positions = b->positions[1],
+                                  .flags = b->flags[1],
+                                  .grid = &s->irradiance_grid,
+                                  .probe_count = b->counts[1],
+                                  .size = olx_relight_surface_size(s->irradiance_size),
+                                  .threads = s->threads,
+                                  .radiance_size = s->radiance_size,
+                                  .samples = s->samples,
+                                  .distance_scale = b->distance_scale,
+                                  .task = &b->task};
+  OLX_TRY(olx_relight_bake_create(&b->relight));
+  OLX_TRY(olx_relight_bake_write(&b->relight, b->gather.fit, b->writer));
+  b->stats.relight_seconds = olx_seconds() - start;
+  return OLX_OK;
+}
+
+static olx_result make_albedo(bake *b, uint32_t probe) {
+  if (!b->settings->relight) return OLX_OK;
+  const double start = olx_seconds();
+  OLX_TRY(olx_relight_bake_albedo(&b->relight, b->positions[0][probe]));
+  OLX_TRY(olx_field_writer_albedo(b->writer, probe, b->relight.albedo));
+  b->stats.relight_seconds += olx_seconds() - start;
+  return OLX_OK;
+}
+
 static olx_result capture_probes(bake *b) {
   olx_task_stage(&b->task, "light field");
   for (uint32_t i = 0; i < b->counts[0]; i++) {
@@ -292,6 +330,7 @@ static olx_result capture_probes(bake *b) {
     b->stats.write_seconds += measured - written;
     if (b->settings->measure_embree) OLX_TRY(olx_capture_measure(&b->capture, &b->stats.embree_seconds));
     b->measure_seconds += olx_seconds() - measured;
+    OLX_TRY(make_albedo(b, i));
   }
   return OLX_OK;
 }
@@ -328,6 +367,7 @@ static olx_result run(bake *b, const char *path) {
   if (s->classic) b->task.total_units += b->counts[1] * olx_classic_bake_units(&b->classic);
   OLX_TRY(gather_light(b));
   OLX_TRY(make_classic(b));
+  OLX_TRY(make_surfaces(b));
   return capture_probes(b);
 }
 
@@ -342,6 +382,8 @@ static olx_result finish(bake *b, olx_result result, double start) {
   olx_selectors_free(&b->selectors);
   olx_capture_free(&b->capture);
   olx_classic_bake_free(&b->classic);
+  b->stats.rays += b->relight.rays;
+  olx_relight_bake_free(&b->relight);
   olx_release(b->classic_table);
   olx_gather_free(&b->gather);
   b->stats.rays += atomic_load(&b->shade.rays);

@@ -7,8 +7,8 @@
 #include <string.h>
 
 enum {
-  POINTS_PER_PROBE = 512,
-  RAYS_PER_POINT = 64,
+  POINTS_PER_PROBE = OLX_FIT_POINTS_PER_PROBE,
+  RAYS_PER_POINT = OLX_FIT_RAYS,
   POINTS_PER_JOB = OLX_BATCH_POINTS / RAYS_PER_POINT,
   CG_ITERATIONS = 48,
   MAX_TAPS = 16, // probes that answer for a point
@@ -349,4 +349,13 @@ olx_vec3 olx_surface_fit_correction(const olx_surface_fit *fit, uint32_t probe, 
     sum = olx_madd(sum, cell, (k & 1 ? fx : 1.0f - fx) * (k >> 1 ? fy : 1.0f - fy));
   }
   return sum;
+}
+
+bool olx_surface_fit_point(const olx_surface_fit *fit, uint32_t index, olx_vec3 *position, olx_vec3 *normal,
+                           const olx_ray_hit **hits) {
+  const fit_point *point = &fit->points[index];
+  *position = point->position;
+  *normal = point->normal;
+  *hits = fit->hits + (size_t)index * RAYS_PER_POINT;
+  return point->valid;
 }

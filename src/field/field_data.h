@@ -7,6 +7,7 @@
 
 #include "field/brick_data.h"
 #include "field/classic_data.h"
+#include "field/relight_data.h"
 
 #include <octalux/field.h>
 
@@ -47,6 +48,7 @@ struct olx_field {
   olx_bricks bricks; // into select_data
 
   olx_classic_maps classic;
+  olx_relight_maps relight;
 
   float distance_scale;
 

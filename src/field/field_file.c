@@ -8,6 +8,8 @@ void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHU
   const olx_pyramid_shape pyramid = olx_pyramid_shape_of(info->radiance_size);
   const uint32_t classic = info->classic_size, classic_probes = classic ? info->irradiance_probe_count : 0;
   const uint64_t classic_side = classic + 2;
+  const uint32_t relit = info->relight_size ? info->probe_count : 0, surfaces = info->relight_size;
+  const uint64_t fit_words = (uint64_t)info->relight_points * (4 + (uint64_t)info->relight_rays);
   const struct {
     uint32_t type, element_bytes;
     uint64_t elements, records;
@@ -33,6 +35,11 @@ void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHU
       [OLX_CHUNK_CLASSIC_RADIANCE] = {OLX_FOUR_CC('C', 'R', 'A', 'D'), 4,
                                       olx_classic_first(classic, OLX_CLASSIC_LEVELS), classic_probes},
       [OLX_CHUNK_CLASSIC_BOXES] = {OLX_FOUR_CC('C', 'B', 'O', 'X'), 4, 6, classic_probes},
+      [OLX_CHUNK_RELIGHT] = {OLX_FOUR_CC('R', 'L', 'I', 'T'), sizeof(olx_relight_header), 1, 1},
+      [OLX_CHUNK_ALBEDO] = {OLX_FOUR_CC('A', 'L', 'B', 'E'), 4, texels, relit},
+      [OLX_CHUNK_SURFACES] = {OLX_FOUR_CC('S', 'U', 'R', 'F'), sizeof(olx_surface_sample), (uint64_t)surfaces * surfaces,
+                              info->irradiance_probe_count},
+      [OLX_CHUNK_FIT] = {OLX_FOUR_CC('F', 'I', 'T', 'P'), 4, fit_words, info->irradiance_probe_count},
   };
   for (uint32_t i = 0; i < OLX_CHUNK_KINDS; i++) {
     const uint64_t record_bytes = table[i].elements * table[i].element_bytes;

@@ -18,7 +18,7 @@ struct olx_field_writer {
   uint32_t chunk_count;
   uint64_t offsets[OLX_CHUNK_KINDS], file_bytes;
   XXH3_state_t hashes[OLX_CHUNK_KINDS]; // of what has been written to each chunk
-  uint32_t probes_written, irradiance_written, classic_written;
+  uint32_t probes_written, irradiance_written, classic_written, relight_written, albedo_written;
   bool failed;
 
   olx_vec3 *probe_positions, *irradiance_positions;
@@ -37,6 +37,9 @@ static void lay_out(olx_field_writer *writer, const olx_field_header *header) {
   }
   for (uint32_t k = OLX_CHUNK_CLASSIC; k <= OLX_CHUNK_CLASSIC_BOXES; k++) {
     writer->present[k] = writer->info.classic_size > 0;
+  }
+  for (uint32_t k = OLX_CHUNK_RELIGHT; k <= OLX_CHUNK_FIT; k++) {
+    writer->present[k] = k == OLX_CHUNK_FIT ? writer->info.relight_points > 0 : writer->info.relight_size > 0;
   }
   for (uint32_t k = 0; k < OLX_CHUNK_KINDS; k++) writer->chunk_count += writer->present[k];
   uint64_t end = sizeof(olx_file_header) + writer->chunk_count * sizeof(olx_file_chunk);
@@ -107,6 +110,13 @@ static olx_result put_classic_header(olx_field_writer *writer, const olx_field_h
   return put_whole(writer, OLX_CHUNK_CLASSIC, &classic);
 }
 
+static olx_result put_relight_header(olx_field_writer *writer) {
+  if (!writer->present[OLX_CHUNK_RELIGHT]) return OLX_OK;
+  const olx_relight_header relight = {
+      .size = writer->info.relight_size, .points = writer->info.relight_points, .rays = writer->info.relight_rays};
+  return put_whole(writer, OLX_CHUNK_RELIGHT, &relight);
+}
+
 olx_result olx_field_writer_create(const char *path, const olx_field_header *header, olx_field_writer **created) {
   assert(path && header && created);
   *created = NULL;
@@ -114,6 +124,7 @@ olx_result olx_field_writer_create(const char *path, const olx_field_header *hea
   info.buried_count = info.irradiance_buried_count = 0;
   OLX_TRY(olx_field_info_check(&info, path, OLX_ERROR_ARGUMENT));
   if (info.classic_size) OLX_TRY(olx_classic_info_check(&info, path, OLX_ERROR_ARGUMENT));
+  if (info.relight_size) OLX_TRY(olx_relight_info_check(&info, path, OLX_ERROR_ARGUMENT));
   OLX_TRY(olx_positions_check(header->probe_positions, info.probe_count, info.has_grid ? &info.grid : NULL,
                               "light field", path, OLX_ERROR_ARGUMENT));
   OLX_TRY(olx_positions_check(header->irradiance_positions, info.irradiance_probe_count, &info.irradiance_grid,
@@ -128,6 +139,7 @@ olx_result olx_field_writer_create(const char *path, const olx_field_header *hea
   OLX_TRY_GOTO(olx_output_reserve(&writer->file, writer->file_bytes), opened);
   OLX_TRY_GOTO(put_selectors(writer, header), opened);
   OLX_TRY_GOTO(put_classic_header(writer, header), opened);
+  OLX_TRY_GOTO(put_relight_header(writer), opened);
   *created = writer;
   return OLX_OK;
 
@@ -251,6 +263,31 @@ olx_result olx_field_writer_classic(olx_field_writer *writer, uint32_t index, co
   return result;
 }
 
+static olx_result write_relight(olx_field_writer *writer, uint32_t index, const olx_relight_record *record) {
+  OLX_TRY(put(writer, OLX_CHUNK_SURFACES, index, record->surfaces));
+  return writer->present[OLX_CHUNK_FIT] ? put(writer, OLX_CHUNK_FIT, index, record->fit) : OLX_OK;
+}
+
+olx_result olx_field_writer_relight(olx_field_writer *writer, uint32_t index, const olx_relight_record *record) {
+  if (index != writer->relight_written || index >= writer->info.irradiance_probe_count) {
+    return refuse_order(writer, "relit", index, writer->relight_written);
+  }
+  const olx_result result = write_relight(writer, index, record);
+  writer->failed |= result != OLX_OK;
+  writer->relight_written++;
+  return result;
+}
+
+olx_result olx_field_writer_albedo(olx_field_writer *writer, uint32_t index, const uint32_t *albedo) {
+  if (index != writer->albedo_written || index >= writer->info.probe_count) {
+    return refuse_order(writer, "albedo of", index, writer->albedo_written);
+  }
+  const olx_result result = put_map(writer, OLX_CHUNK_ALBEDO, index, albedo, writer->info.radiance_size);
+  writer->failed |= result != OLX_OK;
+  writer->albedo_written++;
+  return result;
+}
+
 // The description, the padding after every chunk, the chunk table and the header.
 static olx_result write_frame(olx_field_writer *writer) {
   const olx_file_info info = olx_field_info_store(&writer->info);
@@ -289,6 +326,11 @@ olx_result olx_field_writer_commit(olx_field_writer *writer, uint64_t *file_byte
   } else if (writer->info.classic_size && writer->classic_written != writer->info.irradiance_probe_count) {
     result = olx_fail(OLX_ERROR_ARGUMENT, "%s: classic maps of %u of %u irradiance probes written", writer->file.path,
                       writer->classic_written, writer->info.irradiance_probe_count);
+  } else if (writer->info.relight_size && (writer->relight_written != writer->info.irradiance_probe_count ||
+                                           writer->albedo_written != writer->info.probe_count)) {
+    result = olx_fail(OLX_ERROR_ARGUMENT, "%s: surfaces of %u of %u irradiance probes and albedo of %u of %u probes written",
+                      writer->file.path, writer->relight_written, writer->info.irradiance_probe_count,
+                      writer->albedo_written, writer->info.probe_count);
   } else {
     result = write_frame(writer);
   }

@@ -22,6 +22,12 @@ typedef struct olx_classic_record {
   olx_classic_box box;
 } olx_classic_record;
 
+// What relighting needs of an irradiance probe.
+typedef struct olx_relight_record {
+  const olx_surface_sample *surfaces; // info.relight_size^2
+  const uint32_t *fit;                // info.relight_points points with their rays; NULL when there are none
+} olx_relight_record;
+
 // Lays the file out and creates it beside `path`. Positions are copied; what the selectors
 // were baked into is written at once.
 olx_result olx_field_writer_create(const char *path, const olx_field_header *header, olx_field_writer **writer);
@@ -37,6 +43,10 @@ olx_result olx_field_writer_irradiance(olx_field_writer *writer, uint32_t index,
 
 // The same for classic maps, where info.classic_size asks for them.
 olx_result olx_field_writer_classic(olx_field_writer *writer, uint32_t index, const olx_classic_record *record);
+
+// Where info.relight_size asks for it: the same for an irradiance probe, and the albedo map of a light field probe (as its radiance).
+olx_result olx_field_writer_relight(olx_field_writer *writer, uint32_t index, const olx_relight_record *record);
+olx_result olx_field_writer_albedo(olx_field_writer *writer, uint32_t index, const uint32_t *albedo);
 
 // Checksums, sync, rename. Frees the writer whatever comes back. All probes must have been written.
 olx_result olx_field_writer_commit(olx_field_writer *writer, uint64_t *file_bytes);

@@ -1,0 +1,123 @@
+#include "core/sampling.h"
+#include "shade/relighter.h"
+
+// How far from its end a ray to a light may stop, so that it does not meet the lamp itself.
+static const float END_SHARE = 1e-3f;
+
+enum { SALT_LIGHT = 0x524C4954 };
+
+// The rays of a batch to one light.
+typedef struct light_rays {
+  uint32_t count;
+  olx_shadow_ray ray[OLX_RELIT_BATCH];
+  olx_vec3 irradiance[OLX_RELIT_BATCH]; // that arrives when nothing is between
+  uint32_t point[OLX_RELIT_BATCH];
+  uint8_t occluded[OLX_RELIT_BATCH];
+} light_rays;
+
+static bool varies(const olx_relight_light *light) { return light->type >= OLX_RELIGHT_RECT; }
+
+static float spot_falloff(const olx_relight_light *light, float cosine) {
+  if (cosine <= light->cosine_outer) return 0.0f;
+  if (cosine >= light->cosine_inner) return 1.0f;
+  return olx_square((cosine - light->cosine_outer) / (light->cosine_inner - light->cosine_outer));
+}
+
+static bool point_light(const olx_relight_light *light, olx_vec3 position, olx_vec3 normal, olx_shadow_ray *ray,
+                        olx_vec3 *irradiance) {
+  const olx_vec3 away = olx_sub(light->position, position);
+  const float length = olx_length(away), cosine = olx_dot(away, normal) / length;
+  if (!(cosine > 0.0f)) return false;
+  const olx_vec3 direction = olx_scale(away, 1.0f / length);
+  float strength = cosine / (length * length);
+  if (light->type == OLX_RELIGHT_SPOT) strength *= spot_falloff(light, -olx_dot(direction, light->direction));
+  *ray = (olx_shadow_ray){position, direction, length * (1.0f - END_SHARE)};
+  *irradiance = olx_scale(light->emission, strength);
+  return strength > 0.0f;
+}
+
+static bool area_light(const olx_relight_light *light, olx_vec3 position, olx_vec3 normal, olx_vec2 random,
+                       olx_shadow_ray *ray, olx_vec3 *irradiance) {
+  const bool half = light->type == OLX_RELIGHT_TRIANGLE;
+  if (half) random = olx_sample_triangle(random);
+  const olx_vec3 target = olx_madd(olx_madd(light->position, light->edge_u, random.x), light->edge_v, random.y);
+  const olx_vec3 area = olx_scale(olx_cross(light->edge_u, light->edge_v), half ? 0.5f : 1.0f);
+  const olx_vec3 away = olx_sub(target, position);
+  const float length = olx_length(away), cosine = olx_dot(away, normal) / length;
+  const olx_vec3 direction = olx_scale(away, 1.0f / length);
+  float facing = -olx_dot(area, direction);
+  if (light->both_sides) facing = fabsf(facing);
+  if (!(cosine > 0.0f && facing > 0.0f)) return false;
+  *ray = (olx_shadow_ray){position, direction, length * (1.0f - END_SHARE)};
+  // However near, a light sends no more than it would from all around.
+  *irradiance = olx_scale(light->emission, olx_min(cosine * facing / (length * length), OLX_PI));
+  return true;
+}
+
+static bool aim(const olx_relight_light *light, olx_vec3 position, olx_vec3 normal, olx_vec2 random,
+                olx_shadow_ray *ray, olx_vec3 *irradiance) {
+  switch (light->type) {
+  case OLX_RELIGHT_SUN: {
+    const float cosine = -olx_dot(light->direction, normal);
+    *ray = (olx_shadow_ray){position, olx_negate(light->direction), INFINITY};
+    *irradiance = olx_scale(light->emission, cosine);
+    return cosine > 0.0f;
+  }
+  case OLX_RELIGHT_POINT:
+  case OLX_RELIGHT_SPOT: return point_light(light, position, normal, ray, irradiance);
+  case OLX_RELIGHT_RECT:
+  case OLX_RELIGHT_TRIANGLE: return area_light(light, position, normal, random, ray, irradiance);
+  default:
+    *ray = (olx_shadow_ray){position, olx_normalize(olx_from_basis(olx_sample_cosine(random), normal)), INFINITY};
+    *irradiance = olx_scale(light->emission, OLX_PI);
+    return true;
+  }
+}
+
+// A ray that no probe can follow to its end has gone behind something.
+static void trace_occlusion(const olx_relight *relight, light_rays *rays) {
+  for (uint32_t i = 0; i < rays->count; i++) {
+    const olx_shadow_ray *ray = &rays->ray[i];
+    const olx_trace_hit hit =
+        olx_trace(relight->source, &relight->sample, ray->origin, ray->direction, ray->length_metres);
+    rays->occluded[i] = hit.status != OLX_TRACE_MISS;
+  }
+}
+
+static void light_by(olx_relight *relight, olx_relit_batch *batch, uint32_t index, uint32_t sample, light_rays *rays) {
+  const olx_relight_light *light = &relight->lights[index];
+  const bool area = varies(light);
+  const uint32_t samples = area ? relight->settings.light_samples : 1;
+  rays->count = 0;
+  for (uint32_t i = 0; i < batch->count; i++) {
+    const uint32_t k = rays->count;
+    const olx_vec2 random =
+        area ? olx_stratified2(batch->sequence[i] * samples + sample, olx_hash3(batch->seed[i], index, SALT_LIGHT))
+             : (olx_vec2){0};
+    if (!aim(light, batch->position[i], batch->normal[i], random, &rays->ray[k], &rays->irradiance[k])) continue;
+    rays->point[rays->count++] = i;
+  }
+  if (rays->count == 0) return;
+  if (relight->settings.occlusion) {
+    relight->settings.occlusion(relight->settings.user, rays->ray, rays->count, rays->occluded);
+  } else {
+    trace_occlusion(relight, rays);
+  }
+  atomic_fetch_add_explicit(&relight->shadow_rays, rays->count, memory_order_relaxed);
+  for (uint32_t k = 0; k < rays->count; k++) {
+    if (rays->occluded[k]) continue;
+    olx_vec3 *sum = area ? &batch->varying[rays->point[k]] : &batch->fixed[rays->point[k]];
+    *sum = olx_madd(*sum, rays->irradiance[k], 1.0f / (float)samples);
+  }
+}
+
+void olx_relit_direct(olx_relight *relight, olx_relit_batch *batch, bool fixed, bool varying) {
+  light_rays rays;
+  for (uint32_t i = 0; i < batch->count; i++) batch->fixed[i] = batch->varying[i] = olx_splat(0.0f);
+  for (uint32_t index = 0; index < relight->light_count; index++) {
+    const bool area = varies(&relight->lights[index]);
+    if (!(area ? varying : fixed)) continue;
+    const uint32_t samples = area ? relight->settings.light_samples : 1;
+    for (uint32_t sample = 0; sample < samples; sample++) light_by(relight, batch, index, sample, &rays);
+  }
+}

@@ -14,11 +14,7 @@ import subprocess
 import sys
 
 NEEDED = re.compile(r"^(libc\.so|libm\.so|libpthread\.so|libdl\.so|librt\.so|ld-linux|ld-musl|libgcc_s\.so)")
-<<<<<<< HEAD
-RUNTIME_HEADERS = ["base.h", "denoiser.h", "field.h", "sample.h", "octalux.h"]
-=======
-RUNTIME_HEADERS = ["base.h", "field.h", "sample.h", "relight.h", "octalux.h"]
->>>>>>> 911365a (Relight fields: what it takes in the file, and a relighter that brings one bounce a frame)
+RUNTIME_HEADERS = ["base.h", "denoiser.h", "field.h", "relight.h", "sample.h", "octalux.h"]
 
 
 def output(*command):

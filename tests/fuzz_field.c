@@ -18,7 +18,7 @@
 #include <unistd.h>
 
 #define ALL (1u << OLX_SELECT_VORONOI | 1u << OLX_SELECT_OCTREE | 1u << OLX_SELECT_BRICKS)
-enum { SHAPES = 10, RAYS = 6, POINTS = 3, SECONDS_A_ROUND = 20, MOST_ADDED = 4096 };
+enum { SHAPES = 12, RAYS = 6, POINTS = 3, SECONDS_A_ROUND = 20, MOST_ADDED = 4096 };
 
 static const synthetic_shape shapes[SHAPES] = {
     {.grid = {1, 1, 1}, .irradiance_grid = {1, 1, 1}, .n = 8, .irradiance_n = 8},
@@ -30,7 +30,20 @@ static const synthetic_shape shapes[SHAPES] = {
     {.grid = {3, 3, 3}, .irradiance_grid = {1, 1, 1}, .n = 8, .irradiance_n = 8, .select_mask = ALL},
     {.grid = {20, 7, 2}, .irradiance_grid = {1, 1, 1}, .n = 8, .irradiance_n = 8, .select_mask = ALL},
     {.grid = {1, 1, 1}, .irradiance_grid = {2, 1, 2}, .n = 8, .irradiance_n = 8, .classic_size = 32},
-    {.grid = {2, 1, 1}, .irradiance_grid = {1, 1, 1}, .n = 8, .irradiance_n = 8, .select_mask = ALL, .classic_size = 64},
+    {.grid = {2, 1, 1},
+     .irradiance_grid = {1, 1, 1},
+     .n = 8,
+     .irradiance_n = 8,
+     .select_mask = ALL,
+     .classic_size = 64},
+    {.grid = {1, 1, 2},
+     .irradiance_grid = {2, 1, 2},
+     .n = 8,
+     .irradiance_n = 8,
+     .relight_size = 16,
+     .relight_points = 24,
+     .relight_rays = 12},
+    {.grid = {2, 1, 1}, .irradiance_grid = {1, 2, 1}, .n = 64, .irradiance_n = 16, .relight_size = 32},
 };
 
 typedef struct buffer {
@@ -228,9 +241,10 @@ static uint16_t hostile_half(dice *d) {
 
 // Maps, flags and pyramids: a few codes, a run of one code, or noise all over.
 static void change_maps(dice *d, buffer *b) {
-  static const olx_chunk_kind kinds[] = {
-      OLX_CHUNK_RADIANCE,   OLX_CHUNK_NORMAL,  OLX_CHUNK_DISTANCE, OLX_CHUNK_DISTANCE,    OLX_CHUNK_LEAST, OLX_CHUNK_GREATEST,
-      OLX_CHUNK_IRRADIANCE, OLX_CHUNK_MOMENTS, OLX_CHUNK_MOMENTS,  OLX_CHUNK_PROBE_FLAGS, OLX_CHUNK_IRRADIANCE_FLAGS};
+  static const olx_chunk_kind kinds[] = {OLX_CHUNK_RADIANCE,    OLX_CHUNK_NORMAL,          OLX_CHUNK_DISTANCE,
+                                         OLX_CHUNK_DISTANCE,    OLX_CHUNK_LEAST,           OLX_CHUNK_GREATEST,
+                                         OLX_CHUNK_IRRADIANCE,  OLX_CHUNK_MOMENTS,         OLX_CHUNK_MOMENTS,
+                                         OLX_CHUNK_PROBE_FLAGS, OLX_CHUNK_IRRADIANCE_FLAGS};
   const buffer map = chunk_of(*b, kinds[draw_below(d, sizeof kinds / sizeof kinds[0])]);
   const size_t halves = map.size_bytes / 2;
   if (halves == 0) return;
@@ -361,6 +375,57 @@ static void use(dice *d, const olx_field *field, counts *c) {
   c->calls += RAYS + 2 * POINTS;
 }
 
+static bool occluded_by_chance(uint32_t i) { return olx_hash(i) & 1u; }
+
+static void occlude_by_chance(void *user, const olx_shadow_ray *rays, uint32_t count, uint8_t *occluded) {
+  (void)user;
+  for (uint32_t i = 0; i < count; i++) occluded[i] = occluded_by_chance(olx_float_bits(rays[i].direction.x));
+}
+
+static olx_relight_light draw_light(dice *d, const olx_field *field) {
+  const bool wild = draw_below(d, 4) == 0;
+  const float strength = wild ? extreme_float(d) : 5.0f * draw_unit(d);
+  return (olx_relight_light){.type = (olx_relight_light_type)draw_below(d, OLX_RELIGHT_SKY + 1),
+                             .emission = olx_splat(strength),
+                             .position = draw_point(d, field),
+                             .direction = wild ? draw_direction(d) : olx_v3(0.0f, -1.0f, 0.0f),
+                             .cosine_inner = draw_unit(d),
+                             .cosine_outer = wild ? extreme_float(d) : -0.5f,
+                             .edge_u = olx_v3(draw_unit(d), 0.0f, 0.0f),
+                             .edge_v = olx_v3(0.0f, draw_unit(d), draw_unit(d)),
+                             .both_sides = draw(d) & 1u};
+}
+
+static void refused(olx_result result, counts *c);
+
+// A field that is lit anew, with any light and any eye, stays as sound as it was.
+static void relight(dice *d, const olx_field *field, counts *c) {
+  olx_relight_settings settings = olx_relight_settings_default();
+  settings.surface_texels = draw_below(d, 3) ? 600 : extreme_u32(d);
+  settings.radiance_texels = draw_below(d, 3) ? 2000 : 0;
+  if (draw(d) & 1u) settings.occlusion = occlude_by_chance;
+  if (draw_below(d, 8) == 0) settings.history = extreme_float(d);
+  olx_relight *relighter;
+  olx_result result = olx_relight_create(field, &settings, &relighter);
+  if (result != OLX_OK) {
+    if (relighter) fail("a refused relighter was left");
+    refused(result, c);
+    return;
+  }
+  olx_relight_light lights[3];
+  for (uint32_t i = 0; i < 3; i++) lights[i] = draw_light(d, field);
+  result = olx_relight_set_lights(relighter, lights, draw_below(d, 4));
+  if (result != OLX_OK) refused(result, c);
+  for (uint32_t frame = 0; frame < 2; frame++) {
+    if (olx_relight_frame(relighter, draw_point(d, field), NULL) != OLX_OK) fail("a frame failed");
+  }
+  const olx_sample_settings sample = olx_sample_settings_default();
+  (void)olx_irradiance(olx_relight_field(relighter), &sample, draw_point(d, field), draw_direction(d),
+                       draw_direction(d));
+  olx_relight_free(relighter);
+  c->calls += 5;
+}
+
 static void refused(olx_result result, counts *c) {
   if (olx_last_error()[0] == 0) fail("a refusal without a message");
   if (result < OLX_ERROR_ARGUMENT || result > OLX_ERROR_GPU) fail("a refusal without a reason");
@@ -387,6 +452,7 @@ static void run_round(dice *d, const buffer *base, buffer *scratch, counts *c) {
     else refused(result, c);
     for (uint32_t i = 0; i < olx_field_describe(field).probe_count; i++) (void)olx_field_probe_buried(field, i);
     use(d, field, c);
+    if (olx_field_describe(field).relight_size) relight(d, field, c);
     olx_field_close(field);
   }
   free(exact);

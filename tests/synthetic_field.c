@@ -75,6 +75,9 @@ olx_field_header synthetic_header(const synthetic_shape *shape) {
   header.irradiance_positions = positions_of(&header.info.irradiance_grid, header.info.irradiance_probe_count);
   build_selectors(&header, shape->select_mask);
   if (shape->classic_size) describe_classic(&header, shape->classic_size);
+  header.info.relight_size = shape->relight_size;
+  header.info.relight_points = shape->relight_points;
+  header.info.relight_rays = shape->relight_rays;
   return header;
 }
 
@@ -143,6 +146,57 @@ static olx_result write_classic(olx_field_writer *writer, const synthetic_shape 
   return result;
 }
 
+void synthetic_albedo(uint32_t n, uint32_t probe, uint32_t *albedo) {
+  for (uint32_t i = 0; i < n * n; i++) {
+    const float share = olx_unit_float(olx_hash3(i, n, probe ^ 0x9000u));
+    albedo[i] = olx_r11g11b10f_pack(olx_v3(share, 1.0f - share, 1.0f));
+  }
+}
+
+void synthetic_surfaces(const synthetic_shape *shape, uint32_t probe, olx_surface_sample *surfaces, uint32_t *fit) {
+  const uint32_t n = shape->relight_size, count = n * n;
+  for (uint32_t i = 0; i < count; i++) {
+    const uint32_t random = olx_hash3(i, n, probe ^ 0xB000u);
+    const olx_vec3 direction = olx_surface_direction(i % n, i / n, n);
+    const float wall = olx_max(fabsf(direction.x), olx_max(1.5f * fabsf(direction.y), fabsf(direction.z)));
+    surfaces[i] = (olx_surface_sample){olx_r11g11b10f_pack(olx_splat(olx_unit_float(random))),
+                                       olx_normal_pack(olx_negate(direction)),
+                                       random % 19 == 0 ? 0x7C00 : olx_half_pack(0.25f / wall)};
+  }
+  for (uint32_t p = 0; p < shape->relight_points; p++) {
+    uint32_t *words = fit + (size_t)p * (4 + shape->relight_rays);
+    const uint32_t random = olx_hash3(p, probe, 0xD000u);
+    const olx_vec3 normal = olx_sample_sphere((olx_vec2){olx_unit_float(random), olx_unit_float(olx_hash(random))});
+    const olx_fit_place place = {olx_scale(normal, 2.0f), p == 1 ? OLX_FIT_NO_POINT : olx_normal_pack(normal)};
+    memcpy(words, &place, sizeof place);
+    for (uint32_t k = 0; k < shape->relight_rays; k++) {
+      const uint32_t surface = olx_hash3(p, k, random) % (count * probes_of(shape->irradiance_grid));
+      words[4 + k] = k % 7 == 5 ? OLX_FIT_RAY_SKY : k % 7 == 6 ? OLX_FIT_RAY_UNKNOWN : surface;
+    }
+  }
+}
+
+static olx_result write_relight(olx_field_writer *writer, const synthetic_shape *shape) {
+  const uint32_t size = shape->relight_size, n = shape->n;
+  if (size == 0) return OLX_OK;
+  olx_surface_sample *surfaces = olx_allocate((size_t)size * size, sizeof *surfaces);
+  uint32_t *fit = olx_allocate((size_t)shape->relight_points * (4 + shape->relight_rays), sizeof *fit);
+  uint32_t *albedo = olx_allocate((size_t)n * n, sizeof *albedo);
+  olx_result result = OLX_OK;
+  for (uint32_t i = 0; i < probes_of(shape->irradiance_grid) && result == OLX_OK; i++) {
+    synthetic_surfaces(shape, i, surfaces, fit);
+    result = olx_field_writer_relight(writer, i, &(olx_relight_record){surfaces, fit});
+  }
+  for (uint32_t i = 0; i < probes_of(shape->grid) && result == OLX_OK; i++) {
+    synthetic_albedo(n, i, albedo);
+    result = olx_field_writer_albedo(writer, i, albedo);
+  }
+  olx_release(surfaces);
+  olx_release(fit);
+  olx_release(albedo);
+  return result;
+}
+
 olx_result synthetic_write_probes(olx_field_writer *writer, const synthetic_shape *shape) {
   const size_t texels = (size_t)shape->n * shape->n,
                irradiance_texels = (size_t)shape->irradiance_n * shape->irradiance_n;
@@ -160,7 +214,8 @@ olx_result synthetic_write_probes(olx_field_writer *writer, const synthetic_shap
     result = olx_field_writer_irradiance(writer, i, synthetic_flags(i), first, second);
   }
   olx_release(first);
-  return result == OLX_OK ? write_classic(writer, shape) : result;
+  if (result == OLX_OK) result = write_classic(writer, shape);
+  return result == OLX_OK ? write_relight(writer, shape) : result;
 }
 
 olx_result synthetic_write(const char *path, const synthetic_shape *shape, uint64_t *file_bytes) {

@@ -9,6 +9,8 @@ typedef struct synthetic_shape {
   uint32_t n, irradiance_n;
   uint32_t select_mask;  // beside the cage: of voronoi, and of octree as it is for cornell
   uint32_t classic_size; // texels along a side of classic maps; 0: none
+  uint32_t relight_size; // of surfaces for relighting; 0: none
+  uint32_t relight_points, relight_rays;
 } synthetic_shape;
 
 // The header of such a field: a box around the origin, probes one metre apart, every third probe buried. Release
@@ -28,6 +30,10 @@ typedef struct synthetic_classic {
 } synthetic_classic;
 // Classic maps of at most 64 x 64 texels; what comes back points into `maps`.
 olx_classic_record synthetic_classic_maps(uint32_t size, uint32_t probe, olx_vec3 position, synthetic_classic *maps);
+
+// What relighting needs of a probe.
+void synthetic_albedo(uint32_t n, uint32_t probe, uint32_t *albedo);
+void synthetic_surfaces(const synthetic_shape *shape, uint32_t probe, olx_surface_sample *surfaces, uint32_t *fit);
 
 // All probes, but no commit.
 olx_result synthetic_write_probes(olx_field_writer *writer, const synthetic_shape *shape);

@@ -23,6 +23,15 @@ static const synthetic_shape small = {.grid = {3, 2, 2}, .irradiance_grid = {2, 
 static const synthetic_shape single = {.grid = {1, 1, 1}, .irradiance_grid = {1, 1, 1}, .n = 128, .irradiance_n = 32};
 static const synthetic_shape classic = {
     .grid = {2, 1, 1}, .irradiance_grid = {2, 1, 3}, .n = 8, .irradiance_n = 8, .classic_size = 64};
+static const synthetic_shape relit = {.grid = {2, 1, 1},
+                                      .irradiance_grid = {2, 1, 3},
+                                      .n = 16,
+                                      .irradiance_n = 8,
+                                      .relight_size = 16,
+                                      .relight_points = 5,
+                                      .relight_rays = 9};
+static const synthetic_shape unfitted = {
+    .grid = {1, 1, 1}, .irradiance_grid = {1, 2, 1}, .n = 8, .irradiance_n = 32, .relight_size = 32};
 static const synthetic_shape least = {.grid = {1, 4, 1}, .irradiance_grid = {1, 1, 1}, .n = 8, .irradiance_n = 8};
 
 typedef struct fixture {
@@ -97,8 +106,7 @@ static void assert_classic(const olx_field *field, const olx_field_header *heade
   assert_memory_equal(maps->table, header->classic_table, 4 * OLX_CLASSIC_TABLE_ENTRIES);
   synthetic_classic *expected = olx_allocate(1, sizeof *expected);
   for (uint32_t i = 0; i < header->info.irradiance_probe_count; i++) {
-    const olx_classic_record record =
-        synthetic_classic_maps(size, i, header->irradiance_positions[i], expected);
+    const olx_classic_record record = synthetic_classic_maps(size, i, header->irradiance_positions[i], expected);
     assert_map(maps->irradiance + maps->irradiance_texels * i, record.irradiance, size, 4);
     for (uint32_t level = 0; level < OLX_CLASSIC_LEVELS; level++) {
       const uint32_t *stored = maps->radiance + maps->radiance_texels * i + maps->level_first[level];
@@ -107,6 +115,35 @@ static void assert_classic(const olx_field *field, const olx_field_header *heade
     assert_memory_equal(&maps->boxes[i], &record.box, sizeof record.box);
   }
   olx_release(expected);
+}
+
+static void assert_relight(const olx_field *field, const synthetic_shape *shape) {
+  const olx_relight_maps *maps = &field->relight;
+  const uint32_t size = shape->relight_size, n = shape->n;
+  assert_int_equal(maps->size, size);
+  assert_int_equal(field->info.relight_size, size);
+  if (size == 0) {
+    assert_int_equal(field->info.relight_bytes, 0);
+    return;
+  }
+  const size_t words = shape->relight_points * (4 + (size_t)shape->relight_rays);
+  olx_surface_sample *surfaces = olx_allocate((size_t)size * size, sizeof *surfaces);
+  uint32_t *fit = olx_allocate(words, 4), *albedo = olx_allocate((size_t)n * n, 4);
+  for (uint32_t i = 0; i < field->info.irradiance_probe_count; i++) {
+    synthetic_surfaces(shape, i, surfaces, fit);
+    assert_memory_equal(maps->surfaces + (size_t)size * size * i, surfaces, (size_t)size * size * sizeof *surfaces);
+    if (words) assert_memory_equal(maps->fit + words * i, fit, 4 * words);
+  }
+  for (uint32_t i = 0; i < field->info.probe_count; i++) {
+    synthetic_albedo(n, i, albedo);
+    assert_map(maps->albedo + field->texels * i, albedo, n, 4);
+  }
+  const uint64_t probes = field->info.irradiance_probe_count;
+  assert_int_equal(field->info.relight_bytes,
+                   64 + 4 * field->texels * field->info.probe_count + probes * (8ull * size * size + 4 * words));
+  olx_release(surfaces);
+  olx_release(fit);
+  olx_release(albedo);
 }
 
 static void assert_round_trip(fixture *f, const synthetic_shape *shape) {
@@ -150,6 +187,7 @@ static void assert_round_trip(fixture *f, const synthetic_shape *shape) {
     assert_int_equal(field->irradiance_flags[i], synthetic_flags(i));
   }
   assert_classic(field, &header);
+  assert_relight(field, shape);
   olx_release(color);
   olx_release(moments);
   olx_release(normal);
@@ -160,6 +198,8 @@ static void assert_round_trip(fixture *f, const synthetic_shape *shape) {
 
 static void test_round_trip(void **state) {
   assert_round_trip(*state, &classic);
+  assert_round_trip(*state, &relit);
+  assert_round_trip(*state, &unfitted);
   assert_round_trip(*state, &small);
   assert_round_trip(*state, &single);
   assert_round_trip(*state, &least);
@@ -184,7 +224,8 @@ static void test_pyramids_bound_their_nodes(void **state) {
       for (uint32_t y = 0; y < side; y++) {
         for (uint32_t x = 0; x < side; x++, nodes++) {
           const uint32_t at = shape.first[level] + olx_pyramid_index(side, x, y);
-          const bool near = x == near_x >> shift && y == near_y >> shift, far = x == far_x >> shift && y == far_y >> shift;
+          const bool near = x == near_x >> shift && y == near_y >> shift,
+                     far = x == far_x >> shift && y == far_y >> shift;
           assert_int_equal(nearest[at], near ? 0x3000 : 0x3400);
           if (level >= shape.greatest_level) assert_int_equal(farthest[at], far ? 0x7C00 : 0x3400);
         }
@@ -449,21 +490,21 @@ static image with_chunk(const image *from, uint32_t type, uint32_t flags) {
   for (uint32_t k = 0; k < OLX_CHUNK_REQUIRED; k++) i.chunks[k].offset += 64;
   memcpy(i.bytes + i.size_bytes - 64, "something new", 13);
   i.chunks[OLX_CHUNK_REQUIRED] = (olx_file_chunk){.type = type,
-                                               .flags = flags,
-                                               .offset = i.size_bytes - 64,
-                                               .size_bytes = 13,
-                                               .record_bytes = 13,
-                                               .element_bytes = 1,
-                                               .hash = olx_content_hash("something new", 13)};
+                                                  .flags = flags,
+                                                  .offset = i.size_bytes - 64,
+                                                  .size_bytes = 13,
+                                                  .record_bytes = 13,
+                                                  .element_bytes = 1,
+                                                  .hash = olx_content_hash("something new", 13)};
   seal_table(&i);
   return i;
 }
 
 static void test_skips_unknown_optional_chunks_only(void **state) {
   const image plain = load(*state, &small);
-  const uint32_t type = OLX_FOUR_CC('A', 'L', 'B', 'E');
+  const uint32_t type = OLX_FOUR_CC('G', 'L', 'O', 'W');
   image i = with_chunk(&plain, type, 0);
-  assert_refused(&i, OLX_ERROR_UNSUPPORTED, "chunk 12 (ALBE) is required");
+  assert_refused(&i, OLX_ERROR_UNSUPPORTED, "chunk 12 (GLOW) is required");
   olx_release(i.bytes);
 
   i = with_chunk(&plain, type, OLX_CHUNK_OPTIONAL);
@@ -472,10 +513,10 @@ static void test_skips_unknown_optional_chunks_only(void **state) {
   assert_int_equal(olx_field_verify(field), OLX_OK);
   olx_field_close(field);
   i.bytes[i.size_bytes - 60] ^= 1;
-  assert_unverified(&i, OLX_ERROR_CHECKSUM, "chunk 12 (ALBE): wrong checksum");
+  assert_unverified(&i, OLX_ERROR_CHECKSUM, "chunk 12 (GLOW): wrong checksum");
   i.bytes[i.size_bytes - 60] ^= 1;
   i.bytes[i.size_bytes - 1] = 1;
-  assert_unverified(&i, OLX_ERROR_FORMAT, "chunk 12 (ALBE): padding");
+  assert_unverified(&i, OLX_ERROR_FORMAT, "chunk 12 (GLOW): padding");
   olx_release(i.bytes);
 
   i = with_chunk(&plain, plain.chunks[OLX_CHUNK_RADIANCE].type, 0);
@@ -746,6 +787,73 @@ static void test_verify_reads_classic_maps(void **state) {
   olx_release(i.bytes);
 }
 
+// --- What relighting needs
+
+enum { RLIT = OLX_CHUNK_REQUIRED, ALBE, SURF, FITP };
+
+static void test_refuses_wrong_relight_chunks(void **state) {
+  const image i = load(*state, &relit);
+  olx_relight_header *header = (olx_relight_header *)(i.bytes + i.chunks[RLIT].offset);
+#define REFUSED(place, value, message)                                                                                 \
+  do {                                                                                                                 \
+    __typeof__(place) *at = &(place), good = *at;                                                                      \
+    *at = (value);                                                                                                     \
+    seal(&i);                                                                                                          \
+    assert_refused(&i, OLX_ERROR_FORMAT, message);                                                                     \
+    *at = good;                                                                                                        \
+  } while (0)
+  REFUSED(header->size, 8, "8 surfaces along a side are not 16, 32 or 64");
+  REFUSED(header->size, 0, "0 surfaces");
+  REFUSED(header->size, 128, "128 surfaces");
+  REFUSED(header->size, 32, "chunk SURF: 12288 bytes in records of 2048"); // the maps are those of 16
+  REFUSED(header->points, 0, "0 points of 9 rays");
+  REFUSED(header->points, 4097, "4097 points of 9 rays");
+  REFUSED(header->points, 6, "chunk FITP: 1560 bytes");
+  REFUSED(header->rays, 0, "5 points of 0 rays");
+  REFUSED(header->rays, 257, "5 points of 257 rays");
+  REFUSED(header->zero[12], 1, "chunk RLIT: reserved bytes");
+  const uint32_t strange = OLX_FOUR_CC('s', 'u', 'r', 'f');
+  REFUSED(i.chunks[SURF].type, strange, "no chunk SURF, but chunk RLIT speaks of it");
+  REFUSED(i.chunks[FITP].type, strange, "no chunk FITP");
+  REFUSED(i.chunks[RLIT].type, strange, "a chunk ALBE, but no chunk RLIT");
+  REFUSED(i.chunks[ALBE].record_bytes, 64, "chunk ALBE");
+#undef REFUSED
+  seal(&i);
+  header->points ^= 1;
+  assert_refused(&i, OLX_ERROR_CHECKSUM, "chunk RLIT: wrong checksum");
+  olx_release(i.bytes);
+}
+
+static void test_verify_reads_relight_chunks(void **state) {
+  const image i = load(*state, &relit);
+#define REFUSED(chunk, index, value, message)                                                                          \
+  do {                                                                                                                 \
+    uint32_t *codes = (uint32_t *)(i.bytes + i.chunks[chunk].offset), good = codes[index];                             \
+    codes[index] = (value);                                                                                            \
+    seal(&i);                                                                                                          \
+    assert_unverified(&i, OLX_ERROR_FORMAT, message);                                                                  \
+    codes[index] = good;                                                                                               \
+  } while (0)
+  REFUSED(ALBE, 18 * 18 + 20, 0x3C1, "albedo of probe 1, texel (1, 0): not in 0..1");
+  REFUSED(ALBE, 20, 0x7C0, "albedo of probe 0, texel (1, 0): not in 0..1");
+  REFUSED(ALBE, 0, 3, "albedo of probe 0: border texel (-1, -1) differs");
+  REFUSED(SURF, 2 * 256, 0x7C0, "surface 0 of probe 1");
+  REFUSED(SURF, 2 * 7 + 1, 0x7C0100FF, "surface 7 of probe 0"); // a normal's coordinate beyond 254
+  REFUSED(SURF, 2 * 7 + 1, 0x7C010000, "surface 7 of probe 0"); // NaN
+  REFUSED(SURF, 2 * 7 + 1, 0x80000000, "surface 7 of probe 0"); // below zero
+  REFUSED(FITP, 65 + 0, 0x7FC00000, "point 0 of probe 1");
+  REFUSED(FITP, 13 + 3, 0xFFFF, "point 1 of probe 0");
+  REFUSED(FITP, 13 * 4 + 3, 0x10000, "point 4 of probe 0");
+  REFUSED(FITP, 13 * 4 + 12, 6 * 256, "point 4 of probe 0");
+#undef REFUSED
+  seal(&i);
+  olx_field *field;
+  assert_int_equal(olx_field_open_memory(i.bytes, i.size_bytes, &field), OLX_OK);
+  assert_int_equal(olx_field_verify(field), OLX_OK);
+  olx_field_close(field);
+  olx_release(i.bytes);
+}
+
 static void test_says_which_option_is_missing(void **state) {
   const fixture *f = *state;
   olx_field *field;
@@ -758,6 +866,11 @@ static void test_says_which_option_is_missing(void **state) {
   assert_int_equal(synthetic_write(f->path, &classic, NULL), OLX_OK);
   assert_int_equal(olx_field_open(f->path, &field), OLX_OK);
   assert_int_equal(olx_classic_check(field), OLX_OK);
+  olx_relight *relight;
+  const olx_relight_settings settings = olx_relight_settings_default();
+  assert_int_equal(olx_relight_create(field, &settings, &relight), OLX_ERROR_ARGUMENT);
+  assert_null(relight);
+  assert_says("bake --relight");
   olx_field_close(field);
 }
 
@@ -817,6 +930,15 @@ static void test_writer_keeps_order(void **state) {
   assert_int_equal(synthetic_write_probes(writer, &without), OLX_OK);
   assert_int_equal(olx_field_writer_commit(writer, NULL), OLX_ERROR_ARGUMENT);
   assert_says("classic maps of 0 of 6 irradiance probes written");
+
+  without = relit;
+  without.relight_size = 0;
+  header = synthetic_header(&relit);
+  assert_int_equal(olx_field_writer_create(f->path, &header, &writer), OLX_OK);
+  synthetic_header_release(&header);
+  assert_int_equal(synthetic_write_probes(writer, &without), OLX_OK);
+  assert_int_equal(olx_field_writer_commit(writer, NULL), OLX_ERROR_ARGUMENT);
+  assert_says("surfaces of 0 of 6 irradiance probes and albedo of 0 of 2 probes written");
   assert_int_equal(files_in(f->folder), 0);
 }
 
@@ -886,6 +1008,8 @@ int main(void) {
       cmocka_unit_test_setup_teardown(test_opening_names_the_file, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_refuses_wrong_classic_maps, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_verify_reads_classic_maps, set_up, tear_down),
+      cmocka_unit_test_setup_teardown(test_refuses_wrong_relight_chunks, set_up, tear_down),
+      cmocka_unit_test_setup_teardown(test_verify_reads_relight_chunks, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_says_which_option_is_missing, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_writer_refuses_what_readers_would, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_writer_keeps_order, set_up, tear_down),

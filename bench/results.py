@@ -362,7 +362,43 @@ def place(bench):
                     "%.2f %%" % (100 * c["nearest"]), "%.2f" % c["back"])
 
 
-EXPERIMENTS = {"place": place, "layers": layers, "audit": audit, "leaks": leaks, "speed": speed, "selectors": selectors, "denoise": denoise, "modes": modes, "dim-lobes": dim_lobes,
+# Scene, grids of about as many probes, and what is set against them.
+PROBE_SETS = {
+    "temple": (32, ["4x2x4", "2x2x8", "4x1x8", "2x4x4", "4x4x2", "3x2x5"]),
+    "sponza": (128, ["8x4x4", "16x2x4", "8x2x8", "10x3x4"]),
+}
+
+
+def sets(bench):
+    """How few placed probes do as well as the best of several grids."""
+    compare = os.path.join(os.path.dirname(bench.program), "bench", "probe_sets")
+    texels = 128 if bench.quick else 256
+    for name, (count, grids) in PROBE_SETS.items():
+        source = described(name + "-wang")
+        if (bench.only and name not in bench.only) or bench.run("scene", source, fail=False) is None:
+            continue
+        fields = []
+
+        def bake(tag, size, *extra):
+            out = bench.path("%s %s %d.olx" % (name, tag, size))
+            bench.run("bake", source, "-o", out, *extra, "--radiance-size", size, "--irradiance-size", 16, "--bounces", 0,
+                      "--light-samples", 4)
+            fields.append(os.path.basename(out))
+
+        for grid in grids:
+            bake("grid " + grid, texels, "--grid", grid)
+        for method, optimize, divisor, size in (("sdf", "gibbs", 2, texels), ("medial", "gibbs", 2, texels), ("cover", "none", 2, texels),
+                                                ("cover", "none", 3, texels), ("cover", "none", 4, texels), ("cover", "none", 4, 2 * texels)):
+            probes = bench.path("%s %s %d.json" % (name, method, count // divisor))
+            bench.run("place", source, "-o", probes, "--method", method, "--optimize", optimize, "--count", count // divisor)
+            bake("%s %d" % (method, count // divisor), size, "--probes", probes)
+        print(name + "\n", flush=True)
+        subprocess.run([compare, source, "200" if bench.quick else "4000", *fields], check=True, cwd=bench.work)
+        for field in fields:
+            os.remove(os.path.join(bench.work, field))
+
+
+EXPERIMENTS = {"sets": sets, "place": place, "layers": layers, "audit": audit, "leaks": leaks, "speed": speed, "selectors": selectors, "denoise": denoise, "modes": modes, "dim-lobes": dim_lobes,
                "emitters": emitters}
 
 
@@ -374,7 +410,7 @@ def main():
     parser.add_argument("--scene", action="append", help="only this scene; may be given again")
     parser.add_argument("--quick", action="store_true")
     arguments = parser.parse_args()
-    bench = Bench(arguments.program, arguments.work, arguments.quick, arguments.scene)
+    bench = Bench(os.path.abspath(arguments.program), os.path.abspath(arguments.work), arguments.quick, arguments.scene)
     for name in arguments.experiments:
         if name not in EXPERIMENTS:
             parser.error("no experiment %s; there are: %s" % (name, ", ".join(EXPERIMENTS)))

@@ -91,7 +91,7 @@ static int check_frames(render_options *o) {
 static int check_device(const render_options *o) {
   if (o->validate && o->device != DEVICE_VULKAN) return usage_error("render", "--validate goes with --device vulkan");
   if (o->device != DEVICE_VULKAN) return EXIT_DONE;
-  if (o->method != OLX_METHOD_FIELD) return usage_error("render", "--device vulkan goes with --method field");
+  if (o->method == OLX_METHOD_PATH) return usage_error("render", "--device vulkan goes with --method field or classic");
   if (o->standard_error) return usage_error("render", "--standard-error goes with --device cpu");
   return EXIT_DONE;
 }

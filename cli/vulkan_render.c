@@ -13,6 +13,7 @@ typedef struct vulkan_job {
   vulkan_device device;
   olx_vulkan_field *field;
   olx_vulkan_frame *frame;
+  olx_vulkan_classic *classic; // NULL unless its maps give the light
   shared_buffer staging;
   device_image images[IMAGES];
   olx_gbuffer gbuffer;
@@ -199,6 +200,20 @@ static const char *add_glossy(vulkan_job *job, float share, const olx_image *ima
   return problem_of(add_image(job, GLOSSY, share, image->layers[OLX_LAYER_INDIRECT_GLOSSY]));
 }
 
+// The baseline's light, which is the same for all samples of a picture.
+static const char *light_classically(vulkan_job *job, const olx_image *image) {
+  vulkan_device *d = &job->device;
+  const double start = seconds();
+  const VkResult begun = device_commands_begin(d);
+  if (begun != VK_SUCCESS) return problem_of(begun);
+  const olx_result result =
+      olx_vulkan_record_classic(job->frame, job->classic, d->commands, &job->view, &job->settings);
+  const char *problem = result == OLX_OK ? problem_of(device_commands_run(d)) : library_problem(result);
+  job->timing->diffuse_seconds += seconds() - start;
+  if (!problem) problem = add_diffuse(job, 1.0f, image);
+  return problem ? problem : add_glossy(job, 1.0f, image);
+}
+
 // One picture, of settings.spp samples; irradiance from probes is the same for all of them.
 static const char *light_picture(vulkan_job *job, const olx_render_settings *settings, const olx_image *image) {
   const bool traced = settings->diffuse == OLX_DIFFUSE_TRACED;
@@ -290,12 +305,16 @@ static const char *prepare_device(vulkan_job *job, const vulkan_request *r) {
   if (!problem) problem = problem_of(upload_surfaces(job));
   if (!problem) problem = problem_of(clear_outputs(job));
   if (!problem) problem = library_problem(create_frame(job));
+  if (!problem && r->settings->method == OLX_METHOD_CLASSIC) {
+    problem = library_problem(olx_vulkan_classic_create(job->field, r->field, &job->classic));
+  }
   job->timing->upload_seconds = seconds() - start;
   return problem;
 }
 
 static void release_job(vulkan_job *job) {
   if (job->device.host.device) {
+    olx_vulkan_classic_destroy(job->classic);
     olx_vulkan_frame_destroy(job->frame);
     olx_vulkan_field_destroy(job->field);
     for (uint32_t i = 0; i < IMAGES; i++) device_image_destroy(&job->device, &job->images[i]);
@@ -339,7 +358,8 @@ olx_result vulkan_render(const vulkan_request *r, olx_image *image, olx_render_s
   olx_result result = render_surfaces(&job, r, 0, image, stats);
   if (result == OLX_OK) *problem = prepare_device(&job, r);
   if (result == OLX_OK && !*problem) {
-    if (r->denoised) result = light_frames(&job, r, image, stats, problem);
+    if (job.classic) *problem = light_classically(&job, image);
+    else if (r->denoised) result = light_frames(&job, r, image, stats, problem);
     else *problem = light_picture(&job, r->settings, image);
   }
   release_job(&job);

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Check that every function of shaders/lib is held to its C twin: it has a number in tests/parity_rows.h, a call in
-tests/parity.comp and an evaluation in tests/test_parity.c, and no row is left without its function.
+tests/parity.comp and an evaluation in tests/test_parity.c, or the same in the files of parity_classic, and no row is left
+without its function.
 
 Usage: check_parity.py [ROOT]. Prints every violation and exits with 1 when there is one.
 """
@@ -13,6 +14,22 @@ FUNCTION = re.compile(r"^\w+ (\w+)\(", re.MULTILINE)
 NUMBER = re.compile(r"^#define ROW_(\w+) (\d+)$", re.MULTILINE)
 
 
+def check_rows(root, names, functions):
+    """Faults of the three files of a parity test, which hold the rows of these functions."""
+    faults = []
+    numbers = dict(NUMBER.findall((root / f"tests/{names}_rows.h").read_text(encoding="utf-8")))
+    calls = set(re.findall(r"case ROW_(\w+):", (root / f"tests/{names}.comp").read_text(encoding="utf-8")))
+    test = (root / f"tests/test_{names}.c").read_text(encoding="utf-8")
+    evaluations = {"olx_" + name for name in re.findall(r"^ +PARITY\((\w+),", test, re.MULTILINE)}
+    places = ((f"{names}_rows.h", set(numbers)), (f"{names}.comp", calls), (f"test_{names}.c", evaluations))
+    for place, rows in places:
+        faults += [f"{functions[name]}: {name} has no row in {place}" for name in functions if name not in rows]
+        faults += [f"{place}: {name} is no function of shaders/lib" for name in sorted(rows - set(functions))]
+    if sorted(map(int, numbers.values())) != list(range(len(numbers))):
+        faults.append(f"{names}_rows.h: the rows are not numbered from 0 without gaps")
+    return faults
+
+
 def main():
     root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parent.parent).resolve()
     functions, faults = {}, []
@@ -21,15 +38,9 @@ def main():
             functions[name] = path.name
             if not name.startswith("olx_"):
                 faults.append(f"{path.name}: {name} does not begin with olx_, and could clash with a host's names")
-    numbers = dict(NUMBER.findall((root / "tests/parity_rows.h").read_text(encoding="utf-8")))
-    calls = set(re.findall(r"case ROW_(\w+):", (root / "tests/parity.comp").read_text(encoding="utf-8")))
-    test = (root / "tests/test_parity.c").read_text(encoding="utf-8")
-    evaluations = {"olx_" + name for name in re.findall(r"^ +PARITY\((\w+),", test, re.MULTILINE)}
-    for place, rows in (("parity_rows.h", set(numbers)), ("parity.comp", calls), ("test_parity.c", evaluations)):
-        faults += [f"{functions[name]}: {name} has no row in {place}" for name in functions if name not in rows]
-        faults += [f"{place}: {name} is no function of shaders/lib" for name in sorted(rows - set(functions))]
-    if sorted(map(int, numbers.values())) != list(range(len(numbers))):
-        faults.append("parity_rows.h: the rows are not numbered from 0 without gaps")
+    for names in ("parity", "parity_classic"):
+        rows = [name for name in functions if (functions[name] == "classic.glsl") == (names == "parity_classic")]
+        faults += check_rows(root, names, {name: functions[name] for name in rows})
     for fault in faults:
         print(fault)
     print(f"{len(functions)} functions, {len(faults)} violations")

@@ -39,6 +39,18 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_BINDING_BRICKS 9 // storage buffer, the bricks as they lie in the file
 #define OLX_FIELD_BINDINGS 10
 
+// The buffer of classic maps: a header of words, which tell what begins at which word, and then all of it as it lies in the file.
+#define OLX_CLASSIC_SIZE 0 // texels along a side
+#define OLX_CLASSIC_TABLE 1
+#define OLX_CLASSIC_BOXES 2
+#define OLX_CLASSIC_IRRADIANCE 3
+#define OLX_CLASSIC_RADIANCE 4
+#define OLX_CLASSIC_RADIANCE_WORDS 5 // of a probe
+#define OLX_CLASSIC_HEADER_WORDS 16
+#define OLX_CLASSIC_TABLE_WIDTH 64u
+#define OLX_CLASSIC_LEVEL_COUNT 5u
+#define OLX_CLASSIC_LEAST 8u
+
 // The descriptor set of a frame: the host's images.
 #define OLX_BINDING_DEPTH 0 // sampled
 #define OLX_BINDING_SURFACE_NORMAL 1

@@ -19,7 +19,7 @@ compare_devices() {
   local scene=$1 field=$2
   shift 2
   expect 0 render "$scene" --field "$field" -o cpu.exr --size 120x90 --centered "$@"
-  expect_json 'o["device"] and o["passes"]["indirect_glossy"] > 0 and o["passes"]["upload"] > 0' \
+  expect_json 'o["device"] and o["passes"]["indirect_diffuse"] > 0 and o["passes"]["upload"] > 0' \
     render "$scene" --field "$field" -o vulkan.exr --size 120x90 --device vulkan --validate "$@"
   for layer in beauty direct indirect_diffuse indirect_glossy albedo normal depth; do
     expect_json 'all(l["relative_mse"] < 1e-5 for l in o["layers"].values())' compare vulkan.exr cpu.exr --layer $layer
@@ -41,6 +41,16 @@ compare_devices builtin:cornell-glossy cornell.olx --mode prefiltered --frames 6
 "$OCTALUX" bake builtin:two-rooms-gap -o two.olx --grid 2x2x2 --radiance-size 64 --irradiance-size 16 --bounces 1 2>stderr.txt
 compare_devices builtin:two-rooms-gap two.olx --mode denoised --frames 6 --camera dark --from-camera lit
 compare_devices builtin:two-rooms-gap two.olx --mode denoised --frames 8 --camera dark --from-camera lit --cut 3
+
+# The baseline.
+"$OCTALUX" bake builtin:cornell-glossy -o classic.olx --radiance-size 32 --irradiance-size 32 --bounces 1 --classic \
+  --classic-size 64 --cube-size 64 2>stderr.txt
+"$OCTALUX" bake builtin:pillars -o pillars.olx --radiance-size 32 --irradiance-size 32 --bounces 1 --classic --classic-size 32 \
+  --cube-size 32 2>stderr.txt
+compare_devices builtin:cornell-glossy classic.olx --spp 1 --method classic
+compare_devices builtin:pillars pillars.olx --spp 1 --method classic --keep-buried
+expect_failure "bake --classic" render builtin:cornell-glossy --field cornell.olx -o none.exr --size 8x8 --method classic \
+  --device vulkan
 
 expect_usage "--device vulkan goes with" render builtin:cornell -o a.exr --device vulkan
 expect_usage "--standard-error goes with" render builtin:cornell -o a.exr --field cornell.olx --device vulkan --standard-error

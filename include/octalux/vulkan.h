@@ -182,6 +182,25 @@ enum { OLX_VULKAN_ADD_DIFFUSE = 1, OLX_VULKAN_ADD_GLOSSY = 2 };
 olx_result olx_vulkan_record_composite(const olx_vulkan_frame *frame, VkCommandBuffer commands,
                                        const olx_vulkan_view *view, const olx_vulkan_settings *settings, uint32_t add);
 
+// The baseline that light field probes replace (octalux/sample.h, olx_classic_irradiance): a field's classic maps on the device.
+typedef struct olx_vulkan_classic olx_vulkan_classic;
+
+// Copy the classic maps of `field` beside `uploaded`, which was made from it, and make the pass. OLX_ERROR_ARGUMENT when the field
+// was baked without. On success *classic is the caller's to destroy, before the field; on failure it is NULL.
+olx_result olx_vulkan_classic_create(olx_vulkan_field *uploaded, const olx_field *field, olx_vulkan_classic **classic);
+// NULL is allowed.
+void olx_vulkan_classic_destroy(olx_vulkan_classic *classic);
+
+// The descriptor set that shaders/lib/classic.glsl reads beside the field's, and its layout. Both belong to `classic`.
+VkDescriptorSetLayout olx_vulkan_classic_set_layout(const olx_vulkan_classic *classic);
+VkDescriptorSet olx_vulkan_classic_set(const olx_vulkan_classic *classic);
+
+// Diffuse and glossy: targets.irradiance and targets.glossy from classic maps, instead of the passes above. Binds descriptor set
+// 3, too. The frame must be of the same uploaded field.
+olx_result olx_vulkan_record_classic(const olx_vulkan_frame *frame, const olx_vulkan_classic *classic,
+                                     VkCommandBuffer commands, const olx_vulkan_view *view,
+                                     const olx_vulkan_settings *settings);
+
 #pragma GCC visibility pop
 #ifdef __cplusplus
 }

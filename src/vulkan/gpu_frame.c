@@ -249,8 +249,8 @@ olx_result olx_vulkan_check_settings(const olx_vulkan_frame *f, const olx_vulkan
   return s->denoise.lobes ? olx_denoise_settings_check(&s->denoise.filters) : OLX_OK;
 }
 
-static olx_gpu_frame frame_constants(const olx_vulkan_frame *f, const olx_vulkan_view *view,
-                                     const olx_vulkan_settings *s, uint32_t flags) {
+olx_gpu_frame olx_gpu_frame_constants(const olx_vulkan_frame *f, const olx_vulkan_view *view,
+                                      const olx_vulkan_settings *s, uint32_t flags) {
   olx_gpu_frame constants = {
       .eye = {view->eye.x, view->eye.y, view->eye.z, view->empty_depth},
       .width = f->width,
@@ -281,7 +281,7 @@ olx_result olx_vulkan_record_pass(const olx_vulkan_frame *f, olx_pass pass, VkCo
                                   const olx_vulkan_view *view, const olx_vulkan_settings *settings, uint32_t flags) {
   OLX_TRY(olx_vulkan_check_settings(f, settings));
   const olx_vulkan_functions *vk = &f->field->context.vk;
-  const olx_gpu_frame constants = frame_constants(f, view, settings, flags);
+  const olx_gpu_frame constants = olx_gpu_frame_constants(f, view, settings, flags);
   const VkDescriptorSet sets[] = {f->field->set, f->set};
   vk->CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, f->pipelines[pass]);
   vk->CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, f->layout, 0, 2, sets, 0, NULL);

@@ -68,6 +68,8 @@ void olx_gpu_denoiser_write(olx_vulkan_frame *frame, const olx_vulkan_targets *t
 // Whether all settings are in their ranges and the frame has the histories that they want.
 olx_result olx_vulkan_check_settings(const olx_vulkan_frame *frame, const olx_vulkan_settings *settings);
 
+olx_gpu_frame olx_gpu_frame_constants(const olx_vulkan_frame *frame, const olx_vulkan_view *view,
+                                      const olx_vulkan_settings *settings, uint32_t flags);
 olx_result olx_vulkan_record_pass(const olx_vulkan_frame *frame, olx_pass pass, VkCommandBuffer commands,
                                   const olx_vulkan_view *view, const olx_vulkan_settings *settings, uint32_t flags);
 // The same for a pass that traces rays of a lobe, and their samples for the denoiser if the settings say so.

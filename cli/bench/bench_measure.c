@@ -84,12 +84,18 @@ olx_result bench_field_make(const olx_scene *scene, const bench_probes *probes, 
   settings.irradiance_size = bake->irradiance_size;
   settings.light_samples = bake->light_samples;
   settings.bounces = bake->bounces;
+  settings.classic = bake->classic_size > 0;
+  if (settings.classic) settings.classic_size = bake->classic_size;
+  if (settings.classic) settings.classic_cube_size = 2 * bake->classic_size;
   settings.radiance_size = probes->texels;
   settings.threads = bake->threads;
   settings.select_mask = probes->grid[0] ? 1u << OLX_SELECT_CAGE : FREE_SELECTORS;
   olx_vec3 *positions = NULL;
   olx_result result;
-  if (probes->grid[0]) {
+  if (probes->exact) {
+    settings.grid = *probes->exact;
+    result = OLX_OK;
+  } else if (probes->grid[0]) {
     result = olx_scene_probe_grid(scene, probes->grid, &settings.grid);
   } else {
     result = find_positions(scene, probes, bake, progress, &positions, made);
@@ -97,8 +103,10 @@ olx_result bench_field_make(const olx_scene *scene, const bench_probes *probes, 
     settings.probe_count = made->info.probe_count;
   }
   const double start = now();
-  if (result == OLX_OK) result = olx_bake(scene, &settings, made->path, progress, NULL);
+  olx_bake_stats stats = {.seconds = 0.0};
+  if (result == OLX_OK) result = olx_bake(scene, &settings, made->path, progress, &stats);
   made->bake_seconds = now() - start;
+  made->classic_seconds = stats.classic_seconds;
   free(positions);
   if (result == OLX_OK) result = olx_field_open(made->path, &made->field);
   if (result == OLX_OK) made->info = olx_field_describe(made->field);
@@ -113,6 +121,7 @@ void bench_field_close(bench_field *made) {
 
 static void add_stats(olx_render_stats *sum, const olx_render_stats *one) {
   sum->seconds += one->seconds;
+  sum->direct_seconds += one->direct_seconds;
   sum->diffuse_seconds += one->diffuse_seconds;
   sum->denoise_seconds += one->denoise_seconds;
   sum->glossy_seconds += one->glossy_seconds;

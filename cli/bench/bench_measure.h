@@ -16,7 +16,8 @@ void bench_folder_remove(const bench_folder *folder);
 
 // Where the probes of a field stand and how finely they look.
 typedef struct bench_probes {
-  uint32_t grid[3]; // on the description's volume; 0: placed
+  uint32_t grid[3];      // on the description's volume; 0: placed
+  const olx_grid *exact; // on this one instead, of as many probes; NULL
   olx_place_method method;
   uint32_t count;
   olx_place_optimizer optimize;
@@ -34,14 +35,16 @@ bench_name bench_probes_name(const bench_probes *probes);
 typedef struct bench_bake {
   olx_grid irradiance_grid; // the same for all, so that diffuse light is
   uint32_t irradiance_size, light_samples, bounces, threads;
-  bool rough; // place with few samples, for a quick look
+  uint32_t classic_size; // of the maps of original irradiance probes; 0: none
+  bool rough;            // place with few samples, for a quick look
 } bench_bake;
 
 typedef struct bench_field {
   olx_field *field;
   olx_field_info info;
   double place_seconds, bake_seconds;
-  double coverage; // of placed probes (olx_place_report); 0 for a grid
+  double classic_seconds; // of these
+  double coverage;        // of placed probes (olx_place_report); 0 for a grid
   char path[4096];
 } bench_field;
 

@@ -56,10 +56,6 @@ bool bench_leaves_out(bench *b, const char *name) {
   return true;
 }
 
-olx_result bench_camera(const olx_scene *scene, const char *name, olx_camera *camera) {
-  return olx_scene_find_camera(scene, name, camera);
-}
-
 static olx_render_settings sized(const bench *b, olx_method method) {
   const bench_options *o = b->options;
   olx_render_settings settings = olx_render_settings_default(method);
@@ -144,6 +140,16 @@ static void free_references(bench *b) {
     bench_images_free(&entry->images);
     free(entry);
   }
+}
+
+bench_bake bench_bake_settings(const bench *b, bool classic) {
+  const bool quick = b->options->quick;
+  return (bench_bake){.irradiance_size = quick ? 16 : 64,
+                      .light_samples = 2,
+                      .classic_size = !classic ? 0
+                                      : quick  ? 32
+                                               : 128,
+                      .bounces = bench_bounces(b)};
 }
 
 olx_result bench_bake_field(bench *b, const olx_scene *scene, const bench_probes *probes, const bench_bake *bake,

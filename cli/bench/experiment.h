@@ -66,8 +66,6 @@ olx_result bench_scene(bench *b, const char *name, olx_scene **scene);
 bool bench_leaves_out(bench *b, const char *name);
 // "pillars" for "builtin:pillars".
 const char *bench_scene_title(const char *name);
-// The camera of that name, NULL for the first.
-olx_result bench_camera(const olx_scene *scene, const char *name, olx_camera *camera);
 
 // Sizes and samples as the command line or --quick want them; references and pictures from fields. All of one run share
 // them unless an experiment says otherwise, so that references are shared too.
@@ -80,6 +78,8 @@ uint32_t bench_spp(const bench *b);     // camera samples a pixel of pictures fr
 olx_result bench_reference(bench *b, const olx_scene *scene, const olx_camera *cameras, uint32_t count,
                            const olx_render_settings *settings, uint32_t bounces, bench_images **references);
 
+// What a field is baked with unless the experiment says otherwise: fine, or rough with --quick.
+bench_bake bench_bake_settings(const bench *b, bool classic);
 // Place, bake and open. Close it in any case (bench_field_close).
 olx_result bench_bake_field(bench *b, const olx_scene *scene, const bench_probes *probes, const bench_bake *bake,
                             bench_field *made);

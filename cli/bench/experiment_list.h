@@ -5,7 +5,11 @@
 #include "experiment.h"
 
 olx_result run_mcguire_leaks(bench *b);
+olx_result run_mcguire_area_light(bench *b);
+olx_result run_mcguire_single_probe(bench *b);
 olx_result run_mcguire_resolution(bench *b);
 olx_result run_mcguire_count(bench *b);
+olx_result run_dissertation_rooms(bench *b);
+olx_result run_dissertation_table1(bench *b);
 
 #endif

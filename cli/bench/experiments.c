@@ -4,13 +4,25 @@
 const experiment experiments[] = {
     {"mcguire-leaks", "McGuire et al. 2017, Figures 10, 11, 12 and 13",
      "light and darkness that leak through walls and out of buried probes",
-     "Indirect diffuse light, seen from one camera a figure, against the path tracer. \u201cNo visibility\u201d "
-     "interpolates "
-     "the same irradiance maps trilinearly and asks probes inside geometry too; \u201cfield\u201d weighs them by their "
-     "filtered visibility. Figure 11 also gathers through the light field probes, by one ray a pixel, and denoised "
+     "Indirect diffuse light, seen from one camera a figure, against the path tracer. \u201cField\u201d weighs "
+     "irradiance "
+     "probes by their filtered visibility, \u201cno visibility\u201d interpolates the same maps trilinearly, "
+     "\u201cclassic\u201d are original irradiance probes on the same grid, asked wherever they stand, and in Figure 10 "
+     "also without "
+     "those inside geometry. Figures 11 and 13 also trace the light field probes: one ray a pixel, raw, and denoised "
      "over 64 "
-     "frames. Times are those of the diffuse pass and of denoising, one frame on one processor.",
+     "frames, with the noise they have. Times are of the diffuse pass and of denoising, one frame on one processor.",
      run_mcguire_leaks},
+    {"mcguire-area-light", "McGuire et al. 2017, Figure 14", "an area light found by rays through the field alone",
+     "The lamp is either sampled by direct lighting, as usual, or left to the rays that gather indirect light, with no "
+     "term for "
+     "direct light at all. Final pictures against the path tracer, through pixel centres.",
+     run_mcguire_area_light},
+    {"mcguire-single-probe", "McGuire et al. 2017, Figure 17", "a hall that one light field probe sees whole",
+     "One probe holds the whole light field of a star-shaped volume: no ray is left without an answer. Diffuse light "
+     "comes from the "
+     "irradiance probes of the same grid, or is gathered by rays. Eight probes stand beside it for comparison.",
+     run_mcguire_single_probe},
     {"mcguire-resolution", "McGuire et al. 2017, Figure 18", "texels of light field maps against glossy light",
      "The paper shows that the resolution of light field maps decides how sharp reflections can be, and little else.",
      run_mcguire_resolution},
@@ -19,5 +31,18 @@ const experiment experiments[] = {
      "as "
      "some probe sees most surfaces. Irradiance probes stand where light field probes do.",
      run_mcguire_count},
+    {"dissertation-rooms", "Dissertation draft 2022, Figures 5.1 to 5.5",
+     "a room behind a wall that is whole, or open at one end",
+     "The dissertation\u2019s two scenes, sixteen probes each: behind a whole wall the far room is black, and through "
+     "an opening light "
+     "reaches it after many reflections. Openings of less than 0.8 m are the same scene with a slab in them. Our rooms "
+     "have no "
+     "outside that could be seen, so there is no Figure 5.5.",
+     run_dissertation_rooms},
+    {"dissertation-table1", "Dissertation draft 2022, Table 6.1", "time and memory of both methods",
+     "Published memory is for maps of 128\u00b2 texels. 149.25 KB are irradiance of four bytes a texel and radiance "
+     "with four smaller "
+     "levels; 576 KB are 36 bytes a texel. Published times are a GPU\u2019s; ours are of one core, for as many pixels.",
+     run_dissertation_table1},
 };
 const uint32_t experiment_count = sizeof experiments / sizeof *experiments;

@@ -54,9 +54,8 @@ static olx_result add_row(const sweep *s, const sweep_step *step, const bench_fi
 }
 
 static olx_result run_step(const sweep *s, const sweep_step *step, const char *name, bench_images *images) {
-  const bool quick = s->b->options->quick;
   const bench_probes probes = {.grid = {step->grid[0], step->grid[1], step->grid[2]}, .texels = step->texels};
-  bench_bake bake = {.irradiance_size = quick ? 16 : 64, .light_samples = 2, .bounces = bench_bounces(s->b)};
+  bench_bake bake = bench_bake_settings(s->b, false);
   olx_result result = olx_scene_probe_grid(s->scene, step->grid, &bake.irradiance_grid);
   if (result != OLX_OK) return result;
   bench_field made;
@@ -101,7 +100,7 @@ olx_result run_sweep(bench *b, const sweep_scene *scenes, uint32_t count, olx_la
     if (bench_leaves_out(b, scenes[i].scene)) continue;
     olx_result result = bench_scene(b, scenes[i].scene, &s.scene);
     if (result == OLX_OK && !s.scene) continue;
-    if (result == OLX_OK) result = bench_camera(s.scene, scenes[i].camera, &s.camera);
+    if (result == OLX_OK) result = olx_scene_find_camera(s.scene, scenes[i].camera, &s.camera);
     if (result == OLX_OK) result = run_scene(&s, layer);
     if (result != OLX_OK) return result;
   }

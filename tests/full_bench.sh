@@ -1,9 +1,19 @@
-# Every experiment at its quick size: within its time, and every number as in bench_quick.json.
+# Every experiment at its quick size: every number as in bench_quick.json, and the report of all of them in headless Chromium.
+# OCTALUX_SCREENSHOTS names a folder for pictures of it.
 source "$(dirname "$0")/cli/expect.sh"
 tests="$OCTALUX_SOURCE_DIR/tests"
-expect 0 bench all --quick --json
+export PYTHONDONTWRITEBYTECODE=1
+expect 0 bench all --quick --scenes "$OCTALUX_SOURCE_DIR/scenes" --report site --json
 cp stdout.txt found.json
-PYTHONDONTWRITEBYTECODE=1 python3 "$tests/check_bench.py" "$tests/bench_quick.json" found.json >stdout.txt || fail "numbers differ"
+python3 "$tests/check_bench.py" "$tests/bench_quick.json" found.json >stdout.txt || fail "numbers differ"
+
+if python3 -c "import sys; sys.path.insert(0, '$tests'); import browser; sys.exit(not browser.find())"; then
+  timeout 600 python3 "$tests/drive_site.py" site/index.html found.json ${OCTALUX_SCREENSHOTS:+"$OCTALUX_SCREENSHOTS"} \
+    >stdout.txt 2>stderr.txt || fail "the report in a browser"
+else
+  echo "skipped: no Chromium here to look at the report"
+fi
+
 # Scenes that are not here are left out, visibly.
 expect 0 bench mcguire-resolution --size 24x16 --spp 2 --scenes nowhere
 grep -q "mcguire-resolution: living-room is left out: nowhere/living-room.json" stderr.txt || fail "no word on standard error"

@@ -44,7 +44,7 @@ static olx_result save_layers(const wang_run *run, bench_images *images, const c
 }
 
 olx_result wang_measure(wang_run *run, const olx_field *field, olx_tracer tracer, olx_select select,
-                        const char *image_name, wang_quality *quality) {
+                        const char *image_name, wang_quality *quality, bench_images *kept) {
   olx_render_settings settings = picture(run, OLX_METHOD_FIELD);
   settings.spp = run->options->field_spp;
   settings.sample.tracer = tracer;
@@ -63,7 +63,8 @@ olx_result wang_measure(wang_run *run, const olx_field *field, olx_tracer tracer
     }
     if (run->options->images) result = save_layers(run, &images, image_name);
   }
-  bench_images_free(&images);
+  if (kept) *kept = images;
+  else bench_images_free(&images);
   return result;
 }
 
@@ -88,18 +89,23 @@ static olx_result render_references(wang_run *run) {
 
 typedef olx_result (*wang_experiment)(wang_run *run, cJSON *object);
 
+olx_result wang_prepare(wang_run *run) {
+  const wang_options *o = run->options;
+  run->bake = (bench_bake){.irradiance_size = o->quick ? 16 : 64, .light_samples = o->quick ? 1 : 4};
+  run->bake.threads = o->threads;
+  run->bake.rough = o->quick;
+  const olx_result result = olx_scene_probe_grid(run->scene, NULL, &run->bake.irradiance_grid);
+  run->bake.irradiance_grid = olx_bake_irradiance_grid(&run->bake.irradiance_grid);
+  return result == OLX_OK ? render_references(run) : result;
+}
+
 static olx_result run_scene(wang_run *run, wang_experiment experiment, cJSON *list) {
   const wang_options *o = run->options;
   cJSON *object = cJSON_CreateObject();
   cJSON_AddItemToArray(list, object);
   add_text(object, "scene", run->experiment->name);
   add_text(object, "description", run->experiment->description);
-  run->bake = (bench_bake){.irradiance_size = o->quick ? 16 : 64, .light_samples = o->quick ? 1 : 4};
-  run->bake.threads = o->threads;
-  run->bake.rough = o->quick;
-  olx_result result = olx_scene_probe_grid(run->scene, NULL, &run->bake.irradiance_grid);
-  run->bake.irradiance_grid = olx_bake_irradiance_grid(&run->bake.irradiance_grid);
-  if (result == OLX_OK) result = render_references(run);
+  olx_result result = wang_prepare(run);
   cJSON *cameras = cJSON_AddArrayToObject(object, "cameras");
   for (uint32_t c = 0; c < run->references.cameras; ++c) {
     cJSON_AddItemToArray(cameras, cJSON_CreateString(run->references.camera[c].name));
@@ -110,7 +116,7 @@ static olx_result run_scene(wang_run *run, wang_experiment experiment, cJSON *li
   return result;
 }
 
-static olx_result load_scene(wang_run *run) {
+olx_result wang_load_scene(wang_run *run) {
   char path[4096];
   snprintf(path, sizeof path, "%s/%s", run->options->folder, run->experiment->description);
   return olx_scene_load(path, &run->scene);
@@ -128,7 +134,7 @@ static int run_all(const wang_options *o, const char *name, wang_experiment expe
   for (uint32_t i = 0; i < WANG_SCENES && result == OLX_OK; ++i) {
     if (o->scene != WANG_SCENES ? o->scene != i : o->quick && i > 0) continue;
     run.experiment = &wang_scenes[i];
-    result = load_scene(&run);
+    result = wang_load_scene(&run);
     // A scene whose model is not there is left out, unless it was asked for by name.
     if (result == OLX_ERROR_FILE && o->scene == WANG_SCENES) {
       fprintf(stderr, "octalux bench: %s is left out: %s\n", run.experiment->name, olx_last_error());
@@ -147,7 +153,7 @@ static int run_all(const wang_options *o, const char *name, wang_experiment expe
   return result == OLX_OK ? EXIT_DONE : library_failure("bench");
 }
 
-static void resolve(wang_options *o) {
+void wang_resolve(wang_options *o) {
   if (!o->size[0]) memcpy(o->size, o->quick ? (uint32_t[]){64, 36} : (uint32_t[]){320, 180}, sizeof o->size);
   if (!o->spp) o->spp = o->quick ? 16 : 128;
   if (!o->field_spp) o->field_spp = o->quick ? 2 : 8;
@@ -183,6 +189,6 @@ int command_bench_wang(int argc, char **argv) {
                        .option_count = sizeof options / sizeof options[0]};
   int code;
   if (!parse_options(&line, argc, argv, &code)) return code;
-  resolve(&o);
+  wang_resolve(&o);
   return run_all(&o, argv[0], counts ? wang_run_counts : wang_run_tables);
 }

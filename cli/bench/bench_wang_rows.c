@@ -5,43 +5,29 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_ROWS = 48, MOST_ROUNDS = 1000 };
-
-// In the order of olx_tracer.
-static const char *const tracer_names[] = {"texel", "two-level", "hiz"};
-
-typedef struct measured_row {
-  const wang_row *row;
-  uint32_t set; // of the fields
-  wang_quality quality;
-  double steps, probes_tried, unresolved; // a ray
-  double ms[MOST_ROUNDS], median_ms;
-} measured_row;
-
-typedef struct measured_tables {
-  uint32_t row_count, set_count;
-  measured_row rows[MOST_ROWS];
-  bench_field sets[MOST_ROWS];
-} measured_tables;
+const char *wang_tracer_name(olx_tracer tracer) {
+  static const char *const names[] = {"texel", "two-level", "hiz"};
+  return names[tracer];
+}
 
 static bool same_probes(const bench_probes *a, const bench_probes *b) {
   return memcmp(a->grid, b->grid, sizeof a->grid) == 0 && a->method == b->method && a->count == b->count &&
          a->optimize == b->optimize && a->texels == b->texels;
 }
 
-// Whether the thesis shows the row in its dense or its long series alone: --short leaves these out.
+// Whether the thesis shows the row in its appendix alone: --short leaves these out.
 static bool is_series(const wang_row *row) {
-  return row->shown && strncmp(row->shown, "Table", 5) != 0 && strstr(row->shown, "A.") != NULL;
+  return row->shown && (strncmp(row->shown, "Fig. A", 6) == 0 || strncmp(row->shown, "Figs. A", 7) == 0);
 }
 
 // A field for each different set of probes that the rows name.
-static olx_result bake_sets(wang_run *run, measured_tables *t) {
+olx_result wang_bake_sets(wang_run *run, wang_measured *t) {
   const wang_scene *experiment = run->experiment;
   for (uint32_t i = 0; i < experiment->row_count; ++i) {
     if (run->options->brief && is_series(&experiment->rows[i])) continue;
-    measured_row *row = &t->rows[t->row_count++];
-    *row = (measured_row){.row = &experiment->rows[i], .set = t->set_count};
-    for (const measured_row *before = t->rows; before < row; ++before) {
+    wang_measured_row *row = &t->rows[t->row_count++];
+    *row = (wang_measured_row){.row = &experiment->rows[i], .set = t->set_count};
+    for (const wang_measured_row *before = t->rows; before < row; ++before) {
       if (same_probes(&row->row->probes, &before->row->probes)) row->set = before->set;
     }
     if (row->set < t->set_count) continue;
@@ -56,9 +42,9 @@ static olx_result bake_sets(wang_run *run, measured_tables *t) {
 }
 
 // Errors; those of a set are the same for every tracer, so each selector of a set is rendered once.
-static olx_result measure_errors(wang_run *run, measured_tables *t) {
+olx_result wang_measure_errors(wang_run *run, wang_measured *t, bool keep_pictures) {
   for (uint32_t i = 0; i < t->row_count; ++i) {
-    measured_row *row = &t->rows[i];
+    wang_measured_row *row = &t->rows[i];
     uint32_t k = 0;
     while (k < i && (t->rows[k].set != row->set || t->rows[k].row->select != row->row->select)) ++k;
     row->quality = t->rows[k].quality;
@@ -68,14 +54,14 @@ static olx_result measure_errors(wang_run *run, measured_tables *t) {
     snprintf(name, sizeof name, "%s %s", bench_probes_name(&probes).text, olx_select_name(row->row->select));
     wang_tell(run, "rendering", name);
     const olx_result result = wang_measure(run, t->sets[row->set].field, row->row->tracer, row->row->select, name,
-                                           &row->quality);
+                                           &row->quality, keep_pictures ? &row->pictures : NULL);
     if (result != OLX_OK) return result;
   }
   return OLX_OK;
 }
 
 // One round of one row: the glossy pass of every camera, on one processor, in milliseconds of its time.
-static olx_result time_row(wang_run *run, const measured_tables *t, measured_row *row, uint32_t round) {
+static olx_result time_row(wang_run *run, const wang_measured *t, wang_measured_row *row, uint32_t round) {
   olx_render_settings settings = olx_render_settings_default(OLX_METHOD_FIELD);
   settings.width = run->options->size[0];
   settings.height = run->options->size[1];
@@ -105,7 +91,7 @@ static olx_result time_row(wang_run *run, const measured_tables *t, measured_row
 }
 
 // In turns, so that what else the machine does falls on all of them.
-static olx_result time_rows(wang_run *run, measured_tables *t) {
+olx_result wang_time_rows(wang_run *run, wang_measured *t) {
   wang_tell(run, "timing", "");
   const uint32_t rounds = run->options->rounds;
   for (uint32_t round = 0; round < rounds; ++round) {
@@ -118,13 +104,17 @@ static olx_result time_rows(wang_run *run, measured_tables *t) {
   return OLX_OK;
 }
 
-static void add_row(const wang_run *run, const measured_tables *t, const measured_row *row, cJSON *list) {
+void wang_close_sets(wang_measured *t) {
+  for (uint32_t i = 0; i < t->set_count; ++i) bench_field_close(&t->sets[i]);
+}
+
+static void add_row(const wang_run *run, const wang_measured *t, const wang_measured_row *row, cJSON *list) {
   const bench_probes probes = wang_probes(run, &row->row->probes);
   cJSON *entry = cJSON_CreateObject();
   cJSON_AddItemToArray(list, entry);
   add_text(entry, "name", bench_probes_name(&probes).text);
   add_number(entry, "probes", t->sets[row->set].info.probe_count);
-  add_text(entry, "tracer", tracer_names[row->row->tracer]);
+  add_text(entry, "tracer", wang_tracer_name(row->row->tracer));
   add_text(entry, "select", olx_select_name(row->row->select));
   add_number(entry, "ms", row->median_ms);
   add_number(entry, "speedup", t->rows[0].median_ms / row->median_ms);
@@ -138,7 +128,7 @@ static void add_row(const wang_run *run, const measured_tables *t, const measure
   if (row->row->mse > 0.0) add_number(entry, "published_mse", row->row->mse);
 }
 
-static void print_row(const wang_run *run, const measured_tables *t, const measured_row *row) {
+static void print_row(const wang_run *run, const wang_measured *t, const wang_measured_row *row) {
   const bench_probes probes = wang_probes(run, &row->row->probes);
   const double *published = &row->row->ms;
   char theirs[32] = "";
@@ -146,7 +136,7 @@ static void print_row(const wang_run *run, const measured_tables *t, const measu
     snprintf(theirs, sizeof theirs, "%.2f", t->rows[0].row->ms / *published);
   }
   printf("| %s | %s | %s | %.1f | %.2f | %s | %.1f | %.2f | %.2f %% | %.3g | %.3g | %.3g | %s |\n",
-         bench_probes_name(&probes).text, tracer_names[row->row->tracer], olx_select_name(row->row->select),
+         bench_probes_name(&probes).text, wang_tracer_name(row->row->tracer), olx_select_name(row->row->select),
          row->median_ms, t->rows[0].median_ms / row->median_ms, theirs, row->steps, row->probes_tried,
          100.0 * row->unresolved, row->quality.glossy.mse, row->quality.glossy.relative_mse, row->quality.beauty.mse,
          row->row->shown ? row->row->shown : "");
@@ -154,10 +144,10 @@ static void print_row(const wang_run *run, const measured_tables *t, const measu
 
 static const double MIB = 1048576.0;
 
-static void add_memory(const wang_run *run, const measured_tables *t, cJSON *list) {
+static void add_memory(const wang_run *run, const wang_measured *t, cJSON *list) {
   uint32_t listed = 0;
   for (uint32_t i = 0; i < t->row_count; ++i) {
-    const measured_row *row = &t->rows[i];
+    const wang_measured_row *row = &t->rows[i];
     if (row->set < listed) continue;
     listed = row->set + 1;
     const olx_field_info *info = &t->sets[row->set].info;
@@ -194,7 +184,7 @@ static void print_memory(const cJSON *list) {
   }
 }
 
-static void report_tables(const wang_run *run, const measured_tables *t, cJSON *object) {
+static void report_tables(const wang_run *run, const wang_measured *t, cJSON *object) {
   cJSON *rows = cJSON_AddArrayToObject(object, "rows"), *memory = cJSON_AddArrayToObject(object, "memory");
   for (uint32_t i = 0; i < t->row_count; ++i) add_row(run, t, &t->rows[i], rows);
   add_memory(run, t, memory);
@@ -209,13 +199,13 @@ static void report_tables(const wang_run *run, const measured_tables *t, cJSON *
 }
 
 olx_result wang_run_tables(wang_run *run, cJSON *object) {
-  measured_tables *t = calloc(1, sizeof *t);
+  wang_measured *t = calloc(1, sizeof *t);
   if (!t) return OLX_ERROR_MEMORY;
-  olx_result result = bake_sets(run, t);
-  if (result == OLX_OK) result = measure_errors(run, t);
-  if (result == OLX_OK) result = time_rows(run, t);
+  olx_result result = wang_bake_sets(run, t);
+  if (result == OLX_OK) result = wang_measure_errors(run, t, false);
+  if (result == OLX_OK) result = wang_time_rows(run, t);
   if (result == OLX_OK) report_tables(run, t, object);
-  for (uint32_t i = 0; i < t->set_count; ++i) bench_field_close(&t->sets[i]);
+  wang_close_sets(t);
   free(t);
   return result;
 }

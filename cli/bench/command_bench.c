@@ -178,6 +178,7 @@ static int run_command(int argc, char **argv) {
   if (!go_on) return code;
   const experiment *only = find(line.given[0]);
   if (!only && strcmp(line.given[0], "all") != 0) return unknown(line.given[0]);
+  o.all = !only;
   if (!ready_folder(o.report, "index.html") || !ready_folder(o.images, "image.png")) return EXIT_FAILED;
   char *command = command_text(argc, argv);
   code = command ? run_experiments(&o, only, command) : failure("bench", "out of memory");

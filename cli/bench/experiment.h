@@ -9,6 +9,7 @@
 
 // What the command line says to every experiment.
 typedef struct bench_options {
+  bool all; // experiments in one run: they share what they can
   bool quick, progress, json;
   const char *folder, *images, *report; // of scenes, for pictures, for the report
   uint32_t size[2], spp, threads;       // 0: the experiment's own
@@ -46,6 +47,7 @@ struct bench {
     olx_scene *scene;
   } scenes[BENCH_SCENES]; // of this experiment
   uint32_t scene_count;
+  struct wang_study *wang; // of the whole run; NULL until an experiment asks
 };
 
 // A run of one or more experiments. False when there is no place for temporary fields.

@@ -4,11 +4,15 @@
 
 #include "experiment.h"
 
+olx_result run_mcguire_table1(bench *b);
 olx_result run_mcguire_leaks(bench *b);
 olx_result run_mcguire_area_light(bench *b);
 olx_result run_mcguire_single_probe(bench *b);
 olx_result run_mcguire_resolution(bench *b);
 olx_result run_mcguire_count(bench *b);
+olx_result run_wang_table1(bench *b);
+olx_result run_wang_table2(bench *b);
+olx_result run_wang_quality(bench *b);
 olx_result run_dissertation_rooms(bench *b);
 olx_result run_dissertation_table1(bench *b);
 

@@ -490,7 +490,10 @@
     if (note) head.append(element("p", { className: "note", textContent: note }));
     if (command) head.append(element("p", { className: "note" }, element("code", { textContent: command })));
     const section = element("section", name ? { id: name, className: "experiment" } : {}, head);
-    for (const { what, why } of skipped || []) section.append(element("p", { className: "skipped", textContent: `Left out: ${what}: ${why}` }));
+    if (skipped) {
+      const items = skipped.map(({ what, why }) => element("li", {}, element("b", { textContent: `Left out: ${what}` }), ` \u2013 ${why}`));
+      section.append(element("ul", { className: "skipped" }, ...items));
+    }
     if (frames) section.append(new Viewer(frames).box);
     for (const table of tables || []) section.append(...(name ? [element("h3", { textContent: table.caption })] : []), makeTable(table));
     if (plots) {

@@ -84,6 +84,7 @@ olx_result bench_field_make(const olx_scene *scene, const bench_probes *probes, 
   settings.irradiance_size = bake->irradiance_size;
   settings.light_samples = bake->light_samples;
   settings.bounces = bake->bounces;
+  settings.bounce_gather = bake->gather;
   settings.classic = bake->classic_size > 0;
   if (settings.classic) settings.classic_size = bake->classic_size;
   if (settings.classic) settings.classic_cube_size = 2 * bake->classic_size;

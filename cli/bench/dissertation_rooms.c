@@ -3,10 +3,8 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
-#include <unistd.h>
 
-enum { GATHERED = 16, WAYS = 3, PATH_TEXT = 4096 };
+enum { GATHERED = 16, WAYS = 3 };
 
 static const bench_column columns[] = {
     {"opening", "opening", BENCH_NAME, NULL, "in the wall, from floor to ceiling"},
@@ -33,37 +31,11 @@ typedef struct rooms {
   float width;
 } rooms;
 
-static bool put_file(const char *path, const char *text) { return olx_write_file(path, text, strlen(text)) == OLX_OK; }
-
-// The rooms with an opening of 0.8 m, and a slab that leaves `width` of it.
-static olx_result load_narrowed(const bench *b, float width, olx_scene **scene) {
-  char object[PATH_TEXT], material[PATH_TEXT], description[PATH_TEXT], text[1024];
-  snprintf(object, sizeof object, "%s/slab.obj", b->folder.path);
-  snprintf(material, sizeof material, "%s/slab.mtl", b->folder.path);
-  snprintf(description, sizeof description, "%s/narrowed.json", b->folder.path);
-  const double z = 2.0 - (double)width;
-  snprintf(text, sizeof text,
-           "mtllib slab.mtl\nusemtl slab\n"
-           "v -0.1 0 1.2\nv 0.1 0 1.2\nv 0.1 3 1.2\nv -0.1 3 1.2\nv -0.1 0 %g\nv 0.1 0 %g\nv 0.1 3 %g\nv -0.1 3 %g\n"
-           "f 5 6 7 8\nf 1 5 8 4\nf 6 2 3 7\n",
-           z, z, z, z);
-  bool written = put_file(object, text) && put_file(material, "newmtl slab\nKd 0.75 0.75 0.75\nKs 0 0 0\n");
-  snprintf(text, sizeof text,
-           "{\"models\": [{\"path\": \"builtin:two-rooms-gap\"}, {\"path\": \"slab.obj\"}],"
-           " \"probes\": {\"min\": [-3, 0.75, -1], \"max\": [3, 2.25, 1], \"grid\": [4, 2, 2]}}");
-  written = written && put_file(description, text);
-  const olx_result result = written ? olx_scene_load(description, scene) : OLX_ERROR_FILE;
-  unlink(object);
-  unlink(material);
-  unlink(description);
-  return result;
-}
-
 static olx_result load_rooms(rooms *r, float width) {
+  char name[48] = "builtin:two-rooms-sealed";
+  if (width > 0.0f) snprintf(name, sizeof name, "builtin:two-rooms-gap:%g", (double)width);
   r->width = width;
-  const char *name = width > 0.0f ? "builtin:two-rooms-gap" : "builtin:two-rooms-sealed";
-  olx_result result =
-      width > 0.0f && width < 0.8f ? load_narrowed(r->b, width, &r->scene) : olx_scene_load(name, &r->scene);
+  olx_result result = olx_scene_load(name, &r->scene);
   if (result == OLX_OK) result = olx_scene_find_camera(r->scene, "lit", &r->cameras[0]);
   if (result == OLX_OK) result = olx_scene_find_camera(r->scene, "dark", &r->cameras[1]);
   return result;
@@ -127,10 +99,10 @@ static olx_result run_rooms(rooms *r) {
 }
 
 olx_result run_dissertation_rooms(bench *b) {
-  static const float widths[] = {0.0f, 0.2f, 0.4f, 0.8f};
+  static const float widths[] = {0.0f, 0.2f, 0.4f, 0.8f, 1.6f};
   bench_table *table = FINDINGS_TABLE(&b->found, "rooms", "Indirect diffuse light in both rooms", columns, plots);
   for (uint32_t i = 0; i < sizeof widths / sizeof *widths; ++i) {
-    if (b->options->quick && i == 1) continue;
+    if (b->options->quick && i != 0 && i != 3) continue;
     rooms r = {.b = b, .table = table};
     olx_result result = load_rooms(&r, widths[i]);
     if (result == OLX_OK) result = run_rooms(&r);

@@ -56,14 +56,18 @@ const experiment experiments[] = {
      "a room behind a wall that is whole, or open at one end",
      "The dissertation\u2019s two scenes, sixteen probes each: behind a whole wall the far room is black, and through "
      "an opening light "
-     "reaches it after many reflections. Openings of less than 0.8 m are the same scene with a slab in them. Our rooms "
-     "have no "
-     "outside that could be seen, so there is no Figure 5.5.",
+     "reaches it after many reflections. Our rooms have no outside that could be seen, so there is no Figure 5.5.",
      run_dissertation_rooms},
     {"dissertation-table1", "Dissertation draft 2022, Table 6.1", "time and memory of both methods",
      "Published memory is for maps of 128\u00b2 texels. 149.25 KB are irradiance of four bytes a texel and radiance "
      "with four smaller "
      "levels; 576 KB are 36 bytes a texel. Published times are a GPU\u2019s; ours are of one core, for as many pixels.",
      run_dissertation_table1},
+    {"bounces", "McGuire et al. 2017, section 5.2; dissertation draft 2022, section 4.3.3",
+     "further bounces from irradiance maps, or by rays between surfaces",
+     "The Cornell box with 4x4x4 probes after 1, 2, 4 and many bounces of diffuse light, against as many of the path "
+     "tracer. Bounces "
+     "take their light from the irradiance maps of the bounce before, or from what probes store where a ray ends.",
+     run_bounces},
 };
 const uint32_t experiment_count = sizeof experiments / sizeof *experiments;

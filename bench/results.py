@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Measure what docs/results.md reports, and print it as Markdown tables.
 
-    bench/results.py [EXPERIMENT ...] [--program build/release/octalux] [--work DIR] [--quick]
+    bench/results.py [EXPERIMENT ...] [--program build/release/octalux] [--work DIR] [--quick] [--device cpu|vulkan ...] [--view NAME ...]
 
 Without an experiment all of them run. Scenes that are not to be found (OCTALUX_SCENES) are left out, visibly.
 """
@@ -47,8 +47,9 @@ SCENES = {
 
 
 class Bench:
-    def __init__(self, program, work, quick, only):
+    def __init__(self, program, work, quick, only, devices=("cpu",), views=None):
         self.program, self.work, self.quick, self.only = program, work, quick, only
+        self.devices, self.views = devices, views
         self.made = set()
         os.makedirs(work, exist_ok=True)
 
@@ -239,11 +240,14 @@ def close_ups(bench):
 
 def denoise(bench):
     """Two rays a pixel and frame, denoised, against gathering in the same field (relative MSE)."""
-    head("view", "layer", "one ray", "gather", "published, 64 frames", "is as good as", "adaptive, 64 frames", "is as good as",
+    head("view", "device", "layer", "one ray", "gather", "published, 64 frames", "is as good as", "adaptive, 64 frames", "is as good as",
          "published, 10 after a cut", "over 64", "adaptive, 10 after a cut", "over 64")
     for scene in scenes(bench, "living-room"):
         field, source = bench.bake(scene), close_ups(bench)
         for part in PARTS:
+            if bench.views and part not in bench.views:
+                continue
+
             def render(tag, *options):
                 out = bench.path("denoise-%s-%s.exr" % (part, tag))
                 bench.run("render", source, "-o", out, "--method", "field", "--field", field, "--size", "64x48", "--camera", part, *options)
@@ -251,22 +255,22 @@ def denoise(bench):
 
             # Another seed than that of the frames and of the gathers that are judged.
             truth = render("truth", "--mode", "gather", "--gather-samples", 256 if bench.quick else 2048, "--seed", 7)
-            frames = ["--mode", "denoised", "--frames"]
-            cut = ["--from-camera", "window", "--cut", 10]
-            images = {"one": render("one", "--mode", "gather", "--gather-samples", 1)}
-            for samples in (32, 128):
-                images[samples] = render("gather%d" % samples, "--mode", "gather", "--gather-samples", samples)
-            for way in ("published", "adaptive"):
-                images[way] = render(way, *frames, 64, "--denoise", way)
-                images[way + " cut"] = render(way + "-cut", *frames, 74, "--denoise", way, *cut)
-            for layer, samples in (("indirect_diffuse", 128), ("indirect_glossy", 32)):
-                error = {name: bench.compare(image, truth, layer)["relative_mse"] for name, image in images.items()}
-                cells = []
+            gathered = {samples: render("gather%d" % samples, "--mode", "gather", "--gather-samples", samples) for samples in (1, 32, 128)}
+            for device in bench.devices:
+                images = dict(gathered)
+                frames = ["--device", device, "--mode", "denoised", "--frames"]
+                cut = ["--from-camera", "window", "--cut", 10]
                 for way in ("published", "adaptive"):
-                    cells += [number(error[way]), "%.0f rays" % (error["one"] / error[way])]
-                for way in ("published", "adaptive"):
-                    cells += [number(error[way + " cut"]), "%.1f" % math.sqrt(error[way + " cut"] / error[way])]
-                row(part, layer, number(error["one"]), "%s with %d" % (number(error[samples]), samples), *cells)
+                    images[way] = render(way, *frames, 64, "--denoise", way)
+                    images[way + " cut"] = render(way + "-cut", *frames, 74, "--denoise", way, *cut)
+                for layer, samples in (("indirect_diffuse", 128), ("indirect_glossy", 32)):
+                    error = {name: bench.compare(image, truth, layer)["relative_mse"] for name, image in images.items()}
+                    cells = []
+                    for way in ("published", "adaptive"):
+                        cells += [number(error[way]), "%.0f rays" % (error[1] / error[way])]
+                    for way in ("published", "adaptive"):
+                        cells += [number(error[way + " cut"]), "%.1f" % math.sqrt(error[way + " cut"] / error[way])]
+                    row(part, device, layer, number(error[1]), "%s with %d" % (number(error[samples]), samples), *cells)
 
 
 def modes(bench):
@@ -334,6 +338,31 @@ def emitters(bench):
             row(scene.name, emitters, mode, number(m["relative_mse"]), number(m["bias"]), number(share))
 
 
+def seams(bench):
+    """Borders of cages in pictures, values that are not finite, and glossy rays without an answer."""
+    program = os.path.join(os.path.dirname(bench.program), "bench", "seams")
+    picture = ["--size", "320x180" if bench.quick else "640x360", "--spp", 1, "--method", "field"]
+    out = bench.path("seams.exr")
+    for scene in scenes(bench, "living-room"):
+        field = bench.bake(scene)
+        head("view", "device", "mode", "layer", "places at borders", "gradient across over beside", "the same elsewhere", "values not finite")
+        for camera in ("sofa", "window"):
+            for device in bench.devices:
+                for mode, options in (("prefiltered", ["--glossy-samples", 16]), ("denoised", ["--frames", 8])):
+                    bench.run("render", scene.source, "-o", out, "--field", field, *picture, "--camera", camera, "--device", device, "--mode", mode, *options)
+                    done = subprocess.run([program, scene.source, field, out, camera], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, check=True)
+                    found = json.loads(done.stdout)
+                    for layer in ("indirect_diffuse", "indirect_glossy"):
+                        m = found[layer]
+                        row(camera, device, mode, layer, m["borders"], "%.2f" % m["ratio"], "%.2f" % m["elsewhere"], found["not_finite"])
+        head("view", "glossy rays of the picture", "unresolved", "mirror rays of the audit", "unresolved", "no probe sees what they meet", "beyond that")
+        for camera in ("sofa", "window"):
+            r = bench.run("render", scene.source, "-o", out, "--field", field, *picture, "--camera", camera, "--glossy-samples", 4)
+            a = bench.run("audit", scene.source, "--field", field, "--camera", camera, "--points", 0, "--rays", 40000 if bench.quick else 200000)["mirror_rays"]
+            row(camera, r["field_rays"], "%.2f %%" % (100 * r["field_unresolved"] / r["field_rays"]), a["count"],
+                *["%.2f %%" % (100 * x) for x in (a["unresolved"], a["unseen"], a["unresolved"] - a["unseen"])])
+
+
 PLACED = ["cornell", "temple", "sponza", "white-room", "kitchen", "small-house", "pandora"]
 
 
@@ -399,7 +428,7 @@ def sets(bench):
 
 
 EXPERIMENTS = {"sets": sets, "place": place, "layers": layers, "audit": audit, "leaks": leaks, "speed": speed, "selectors": selectors, "denoise": denoise, "modes": modes, "dim-lobes": dim_lobes,
-               "emitters": emitters}
+               "emitters": emitters, "seams": seams}
 
 
 def main():
@@ -409,8 +438,11 @@ def main():
     parser.add_argument("--work", default=os.path.join(SOURCE, "build", "bench"))
     parser.add_argument("--scene", action="append", help="only this scene; may be given again")
     parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--device", action="append", choices=("cpu", "vulkan"), help="denoise, seams: where indirect light is made; may be given again; default: cpu")
+    parser.add_argument("--view", action="append", choices=sorted(PARTS), help="denoise: only this view; may be given again")
     arguments = parser.parse_args()
-    bench = Bench(os.path.abspath(arguments.program), os.path.abspath(arguments.work), arguments.quick, arguments.scene)
+    bench = Bench(os.path.abspath(arguments.program), os.path.abspath(arguments.work), arguments.quick, arguments.scene, arguments.device or ["cpu"],
+                  arguments.view)
     for name in arguments.experiments:
         if name not in EXPERIMENTS:
             parser.error("no experiment %s; there are: %s" % (name, ", ".join(EXPERIMENTS)))

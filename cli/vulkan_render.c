@@ -214,22 +214,44 @@ static const char *light_classically(vulkan_job *job, const olx_image *image) {
   return problem ? problem : add_glossy(job, 1.0f, image);
 }
 
-// One picture, of settings.spp samples; irradiance from probes is the same for all of them.
-static const char *light_picture(vulkan_job *job, const olx_render_settings *settings, const olx_image *image) {
-  const bool traced = settings->diffuse == OLX_DIFFUSE_TRACED;
-  const float share = 1.0f / (float)settings->spp;
+// How many of a sample's rays one dispatch traces: a divisor of them. A dispatch of many is long, and llvmpipe allows all loops of a
+// thread 65535 turns together.
+static uint32_t rays_at_once(uint32_t rays) {
+  uint32_t some = 4;
+  while (rays % some) some--;
+  return some;
+}
+
+typedef const char *(*add_light)(vulkan_job *job, float share, const olx_image *image);
+
+// One lobe by rays, of settings.spp samples of so many rays each.
+static const char *trace_lobe(vulkan_job *job, uint32_t spp, uint32_t *rays, record_pass record, double *taken,
+                              add_light add, const olx_image *image) {
+  const uint32_t at_once = rays_at_once(*rays), dispatches = spp * (*rays / at_once);
   const char *problem = NULL;
-  for (uint32_t i = 0; i < settings->spp && !problem; i++) {
+  *rays = at_once;
+  for (uint32_t i = 0; i < dispatches && !problem; i++) {
     job->settings.sample_index = i;
-    if (traced || i == 0) {
-      problem = run_pass(job, traced ? olx_vulkan_record_diffuse : olx_vulkan_record_irradiance,
-                         &job->timing->diffuse_seconds);
-      if (!problem) problem = add_diffuse(job, traced ? share : 1.0f, image);
-    }
-    if (!problem) problem = run_pass(job, olx_vulkan_record_glossy, &job->timing->glossy_seconds);
-    if (!problem) problem = add_glossy(job, share, image);
+    problem = run_pass(job, record, taken);
+    if (!problem) problem = add(job, 1.0f / (float)dispatches, image);
   }
   return problem;
+}
+
+// One picture. Irradiance from probes is the same for all samples.
+static const char *light_picture(vulkan_job *job, const olx_render_settings *settings, const olx_image *image) {
+  double *taken = &job->timing->diffuse_seconds;
+  const char *problem;
+  if (settings->diffuse == OLX_DIFFUSE_TRACED) {
+    problem = trace_lobe(job, settings->spp, &job->settings.diffuse_samples, olx_vulkan_record_diffuse, taken,
+                         add_diffuse, image);
+  } else {
+    problem = run_pass(job, olx_vulkan_record_irradiance, taken);
+    if (!problem) problem = add_diffuse(job, 1.0f, image);
+  }
+  if (problem) return problem;
+  return trace_lobe(job, settings->spp, &job->settings.glossy_samples, olx_vulkan_record_glossy,
+                    &job->timing->glossy_seconds, add_glossy, image);
 }
 
 // One frame of those that are denoised; its number is in the settings.

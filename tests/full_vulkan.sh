@@ -10,12 +10,12 @@ trap 'rm -rf "$work"' EXIT
 source "$OCTALUX_SOURCE_DIR/tests/cli/holds.sh"
 
 # 16 rays a pixel: the few that take another texel at an edge, because positions come back from a depth image, average out.
-view=(--field "$work/field.olx" --size 160x90 --spp 4 --glossy-samples 4)
+view=(--field "$work/field.olx" --size 160x90)
 "$OCTALUX" bake "$description" -o "$work/field.olx" --grid 4x4x4 --radiance-size 256 --irradiance-size 64 --bounces 1 \
   --select cage,bricks 2>/dev/null
-for select in cage bricks; do
-  "$OCTALUX" render "$description" -o "$work/cpu.exr" "${view[@]}" --select $select --centered 2>/dev/null
-  "$OCTALUX" render "$description" -o "$work/vulkan.exr" "${view[@]}" --select $select --device vulkan 2>"$work/messages.txt" || {
+compare_devices() {
+  "$OCTALUX" render "$description" -o "$work/cpu.exr" "${view[@]}" "$@" --centered 2>/dev/null
+  "$OCTALUX" render "$description" -o "$work/vulkan.exr" "${view[@]}" "$@" --device vulkan 2>"$work/messages.txt" || {
     cat "$work/messages.txt"
     grep -qE "no Vulkan|without the Vulkan runtime" "$work/messages.txt" && exit 77
     exit 1
@@ -23,5 +23,10 @@ for select in cage bricks; do
   for layer in beauty indirect_diffuse indirect_glossy; do
     "$OCTALUX" compare "$work/vulkan.exr" "$work/cpu.exr" --layer $layer --json | holds "layers['$layer']['relative_mse'] < 1e-3"
   done
-done
+}
+compare_devices --spp 4 --glossy-samples 4 --select cage
+compare_devices --spp 4 --glossy-samples 4 --select bricks
+compare_devices --mode gather --gather-samples 16
+compare_devices --mode denoised --frames 24
+compare_devices --mode denoised --frames 25 --from-camera window --cut 24
 echo "fine"

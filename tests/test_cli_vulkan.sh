@@ -33,11 +33,9 @@ compare_devices builtin:cornell-glossy cornell.olx --spp 1 --select exhaustive -
 compare_devices builtin:labyrinth labyrinth.olx --spp 1
 # The three modes, with the same random numbers. Histories of half floats, and kernels that follow from them, leave a little more
 # than half floats alone do.
-compare_devices builtin:cornell-glossy cornell.olx --mode gather --gather-samples 6
-compare_devices builtin:cornell-glossy cornell.olx --mode gather --gather-samples 3 --spp 2 --emitters traced
+compare_devices builtin:cornell-glossy cornell.olx --mode gather --gather-samples 6 --spp 2 --emitters traced
 compare_devices builtin:cornell-glossy cornell.olx --mode denoised --frames 6
-compare_devices builtin:cornell-glossy cornell.olx --mode denoised --frames 3 --denoise published --emitters traced
-compare_devices builtin:cornell-glossy cornell.olx --mode prefiltered --frames 6 --dim-lobe 0.2
+compare_devices builtin:cornell-glossy cornell.olx --mode prefiltered --frames 4 --dim-lobe 0.2 --denoise published
 "$OCTALUX" bake builtin:two-rooms-gap -o two.olx --grid 2x2x2 --radiance-size 64 --irradiance-size 16 --bounces 1 2>stderr.txt
 compare_devices builtin:two-rooms-gap two.olx --mode denoised --frames 6 --camera dark --from-camera lit
 compare_devices builtin:two-rooms-gap two.olx --mode denoised --frames 8 --camera dark --from-camera lit --cut 3

@@ -106,6 +106,36 @@ static void test_a_scene_with_everything_comes_back(void **state) {
   check_round_trip(f, path);
 }
 
+// The content alone, and the content of the scene itself, are the scene's.
+static void test_content_is_read_without_a_ray_caster(void **state) {
+  const fixture *f = *state;
+  olx_scene *scene;
+  olx_scene_content *loaded;
+  assert_int_equal(olx_scene_load(cooked_scenes_everything(&f->folder), &scene), OLX_OK);
+  assert_int_equal(olx_scene_cook(scene, f->cooked, NULL), OLX_OK);
+  assert_int_equal(olx_scene_content_load(f->cooked, &loaded), OLX_OK);
+  const olx_scene_content own = olx_scene_get_content(scene), *a = loaded, *b = &own;
+  assert_true(a->hash == b->hash && b->hash == scene->hash);
+  assert_int_equal(a->vertex_count, b->vertex_count);
+  assert_int_equal(a->triangle_count, b->triangle_count);
+  assert_int_equal(a->texture_count, b->texture_count);
+  assert_same_bytes(a->positions, b->positions, a->vertex_count * sizeof *a->positions);
+  assert_same_bytes(a->indices, b->indices, 3 * a->triangle_count * sizeof *a->indices);
+  assert_int_equal(a->material_count, b->material_count);
+  for (uint32_t i = 0; i < a->material_count; i++) assert_string_equal(a->materials[i].name, b->materials[i].name);
+  assert_int_equal(a->light_count, scene->light_count);
+  assert_int_equal(a->camera_count, scene->camera_count);
+  assert_same_bytes(&a->bounds_min, &b->bounds_min, sizeof a->bounds_min);
+  assert_same_bytes(&a->bounds_max, &b->bounds_max, sizeof a->bounds_max);
+  assert_ptr_equal(b->positions, scene->positions);
+  olx_scene_content_free(loaded);
+  olx_scene_free(scene);
+  assert_int_not_equal(olx_scene_content_load(f->again, &loaded), OLX_OK);
+  assert_null(loaded);
+  assert_non_null(strstr(olx_last_error(), f->again));
+  olx_scene_content_free(NULL);
+}
+
 static void test_a_cooked_scene_needs_no_source(void **state) {
   const fixture *f = *state;
   olx_scene *scene, *loaded;
@@ -362,6 +392,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test_setup_teardown(test_built_in_scenes_come_back, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_a_scene_with_everything_comes_back, set_up, tear_down),
+      cmocka_unit_test_setup_teardown(test_content_is_read_without_a_ray_caster, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_a_cooked_scene_needs_no_source, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_a_bake_from_the_cooked_scene_has_the_same_bytes, set_up, tear_down),
       cmocka_unit_test(test_texels_come_back_whatever_they_are),

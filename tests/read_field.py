@@ -53,7 +53,7 @@ def read_chunks(data):
             chunks[name] = (data[offset:offset + size], record, element)
         else:
             need(flags & 1, f"{name}: required and unknown")
-            if name in SELECTORS:
+            if name in SELECTORS + CLASSIC:
                 need(name not in chunks, f"{name}: twice")
                 chunks[name] = (data[offset:offset + size], record, element)
     need(end == len(data), "bytes after the last chunk")
@@ -62,6 +62,7 @@ def read_chunks(data):
 
 
 SELECTORS = ("VORO", "OCTR", "BRIK")
+CLASSIC = ("CLAS", "CIRR", "CRAD", "CBOX")
 
 
 def node_sides(n):
@@ -310,6 +311,36 @@ def check_bricks(blob, probes, map_bytes):
         check_choices("BRIK", [None if probe == 0xFFFF else probe for probe in named[i:i + 8]], probes)
 
 
+def check_classic(chunks, d):
+    """Returns the sizes that `octalux info` tells."""
+    need(all(name in chunks for name in CLASSIC), "classic maps: not all of them")
+    blob = chunks["CLAS"][0]
+    need(len(blob) == chunks["CLAS"][2] == 64 + 4 * 64 * 64, "CLAS: size")
+    k, cube, levels, side, sharpness, *zeros = struct.unpack_from("<4If11I", blob, 0)
+    need(k in (32, 64, 128, 256) and cube in [2 ** i for i in range(5, 11)] and levels == 5 and side == 64, "CLAS: sizes")
+    need(64 <= sharpness <= 65536 and not any(zeros), "CLAS: header")
+    for code in struct.unpack_from(f"<{64 * 64}I", blob, 64):
+        scale, bias = decode_half(code & 0xFFFF), decode_half(code >> 16)
+        need(0 <= scale and 0 <= bias and scale + bias <= 2, "CLAS: table")
+    sides = [max(k >> level, 8) for level in range(levels)]
+    texels = {"CIRR": (k + 2) ** 2, "CRAD": sum((n + 2) ** 2 for n in sides), "CBOX": 6}
+    for name, elements in texels.items():
+        blob, record_bytes, element_bytes = chunks[name]
+        need((element_bytes, record_bytes, len(blob)) == (4, 4 * elements, 4 * elements * d["Q"]), name)
+    for probe in sample(d["Q"]):
+        codes = record(chunks, "CRAD", probe)
+        for n in sides:
+            check_border(f"CRAD of probe {probe}", codes[:(n + 2) ** 2], n)
+            codes = codes[(n + 2) ** 2:]
+        codes = record(chunks, "CIRR", probe)
+        check_border(f"CIRR of probe {probe}", codes, k)
+        need(all(map(math.isfinite, decode_color(codes[k * k // 2]))), f"CIRR of probe {probe}")
+        box = struct.unpack_from("<6f", chunks["CBOX"][0], 24 * probe)
+        position = struct.unpack_from("<3f", chunks["IPOS"][0], 12 * probe)
+        need(all(low <= p <= high for low, p, high in zip(box, position, box[3:])), f"CBOX of probe {probe}")
+    return {"size": k, "cube_size": cube, "sharpness": sharpness}
+
+
 def sample(count):
     step = max(1, count // PROBES_LOOKED_AT)
     return range(0, count, step)
@@ -350,11 +381,14 @@ def read(path):
         "probes": d["P"], "irradiance_probes": d["Q"], "buried": d["buried"], "irradiance_buried": d["irradiance_buried"],
         "radiance_size": d["n"], "irradiance_size": d["m"], "select": ",".join(names) or "none", "file_bytes": len(data),
         "bytes": {"radiance": size("RADI"), "normal": size("NORM"), "distance": size("DIST"), "pyramid": size("DMIN") + size("DMAX"),
-                  "irradiance": size("IRRA"), "moments": size("MOME"), "selector": sum(map(size, stored))},
+                  "irradiance": size("IRRA"), "moments": size("MOME"), "selector": sum(map(size, stored)),
+                  "classic": sum(size(name) for name in CLASSIC if name in chunks)},
         "irradiance_grid": d["irradiance_grid"], "bounces": d["bounces"], "samples": d["samples"],
         "distance_scale_metres": d["scale"], "scene_min": d["scene_min"], "scene_max": d["scene_max"],
         "scene_hash": f"{d['scene_hash']:016x}",
     }
+    if any(name in chunks for name in CLASSIC):
+        told["classic"] = check_classic(chunks, d)
     return {**told, "grid": d["grid"]} if d["has_grid"] else told
 
 

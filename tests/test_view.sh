@@ -11,9 +11,8 @@ grep -q "octalux-view is not there" stderr.txt || fail "no word of the missing v
 
 # Under the address sanitizer the drivers are kept loaded, so that a leak report can name what they keep (leaks.supp).
 if ldd "$OCTALUX" | grep -q libasan; then
-  drivers=$(ldconfig -p | awk '/libvulkan_lvp\.so|libVkLayer_khronos_validation\.so/ {print $NF}' | tr '\n' ' ')
   printf '#!/bin/sh\nexec env LD_PRELOAD="%s" ASAN_OPTIONS="%s:verify_asan_link_order=0" "%s" "$@"\n' \
-    "$drivers" "${ASAN_OPTIONS:-}" "$OCTALUX" >kept
+    "$OCTALUX_FAULT_LAYER/libkeep_drivers.so" "${ASAN_OPTIONS:-}" "$OCTALUX" >kept
   chmod +x kept
   OCTALUX=$folder/kept
 fi

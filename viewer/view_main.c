@@ -63,6 +63,17 @@ static bool load_cameras(viewer *v) {
   return true;
 }
 
+// Balls that leave most of the space between probes free.
+static float fit_ball(const olx_field_info *field, float diagonal) {
+  if (!field->has_grid) return 0.012f * diagonal;
+  const float spacing[3] = {field->grid.spacing.x, field->grid.spacing.y, field->grid.spacing.z};
+  float least = 0.2f * diagonal;
+  for (int axis = 0; axis < 3; axis++) {
+    if (field->grid.count[axis] > 1) least = fminf(least, spacing[axis]);
+  }
+  return 0.07f * least;
+}
+
 // What starts at a size that fits the scene.
 static void fit_state(viewer *v) {
   const olx_scene_info info = olx_scene_describe(v->scene);
@@ -70,7 +81,7 @@ static void fit_state(viewer *v) {
   const float diagonal = hypotf(hypotf(high.x - low.x, high.y - low.y), high.z - low.z);
   view_state *s = &v->state;
   s->speed = 0.15f * diagonal;
-  s->probe_radius = 0.016f * diagonal;
+  s->probe_radius = fit_ball(&v->facts.field, diagonal);
   s->object_radius = 0.05f * diagonal;
   if (v->options.object) return;
   const olx_camera camera = view_camera_get(&v->camera);

@@ -5,7 +5,7 @@
 
 layout(local_size_x = OLX_PASS_SIZE, local_size_y = OLX_PASS_SIZE) in;
 
-// The colours of the irradiance probes around, each as strong as its share of the light's weights. Black where none has any.
+// The colours of the irradiance probes around, each as strong as its share of the light's weights. Black where none sees the place.
 vec3 weights(vec3 position, vec3 normal) {
   olx_sample_settings settings = view_settings(false);
   vec3 to_eye = olx_normalize(view.eye.xyz - position);
@@ -22,7 +22,12 @@ vec3 weights(vec3 position, vec3 normal) {
     color += probe_color(probe) * weight;
     sum += weight;
   }
-  return color / max(sum, OLX_TRUSTED_WEIGHT);
+  color /= max(sum, OLX_TRUSTED_WEIGHT);
+  uint nearest;
+  if (sum < OLX_TRUSTED_WEIGHT && olx_nearest_visible(settings, p, cage, nearest)) {
+    color += probe_color(nearest) * (1.0 - sum / OLX_TRUSTED_WEIGHT);
+  }
+  return color;
 }
 
 vec3 paint(pixel_ray ray, vec3 shown) {

@@ -528,6 +528,9 @@ static void what_cannot_be_is_refused(void **unused) {
       gpu_buffer_create(&device, "a vast buffer", UINT64_C(1) << 46, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, false, &vast));
   assert_non_null(strstr(device.problem, "a vast buffer: "));
   assert_null(vast.buffer);
+  assert_false(rasteriser_resize(&device, &raster, 1u << 20, HEIGHT));
+  assert_non_null(strstr(device.problem, "the device has no images of 1048576 x 72 pixels"));
+  assert_true(rasteriser_resize(&device, &raster, HEIGHT, WIDTH)); // and may be tried again
   rasteriser_destroy(&device, &raster);
   assert_false(gpu_device_open(&(gpu_device_options){.device = 15}, &other));
   assert_non_null(strstr(other.problem, "there is no Vulkan device 15"));

@@ -79,6 +79,12 @@ bool gpu_image_create(gpu_device *d, const gpu_image_info *info, gpu_image *imag
                        .height = info->height,
                        .layers = info->layers ? info->layers : 1,
                        .levels = info->levels ? info->levels : 1};
+  const VkPhysicalDeviceLimits *most = &d->properties.limits;
+  if (info->width > most->maxImageDimension2D || info->height > most->maxImageDimension2D ||
+      image->layers > most->maxImageArrayLayers) {
+    return gpu_fail(d, "%s: the device has no images of %u x %u pixels and %u layers", info->what, info->width,
+                    info->height, image->layers);
+  }
   const VkImageCreateInfo create = {.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
                                     .imageType = VK_IMAGE_TYPE_2D,
                                     .format = info->format,

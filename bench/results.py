@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measure what docs/results.md reports, and print it as Markdown tables.
+"""Measure what docs/results.md reports beyond the papers' experiments (octalux bench), and print it as Markdown tables.
 
     bench/results.py [EXPERIMENT ...] [--program build/release/octalux] [--work DIR] [--quick] [--device cpu|vulkan ...] [--view NAME ...]
 
@@ -36,12 +36,10 @@ SCENES = {
         Scene("cornell", "builtin:cornell", "2x2x2", 512, "192x192", spp=1024),
         Scene("cornell-glossy", "builtin:cornell-glossy", "2x2x2", 512, "192x192", spp=1024),
         Scene("cornell, irradiance on 2x2x2", "builtin:cornell", "2x2x2", 512, "192x192", spp=1024, same_grid=True),
-        Scene("two-rooms-sealed", "builtin:two-rooms-sealed", "4x2x2", 256, "160x120", same_grid=True),
         Scene("labyrinth", "builtin:labyrinth", None, 512, "200x150", spp=512),
         Scene("living-room", described("living-room"), "4x4x4", 1024, "200x150", spp=512),
         Scene("temple", "builtin:temple", None, 512, "192x108", spp=256),
         Scene("sponza", described("sponza"), "8x2x4", 512, "192x108", spp=256),
-        Scene("area-light", "builtin:area-light", None, 256, "96x72", spp=1024),
     ]
 }
 
@@ -153,21 +151,6 @@ def audit(bench):
         row(scene.name, r["count"], *[number(100 * r[k]) + " %" for k in ("unresolved", "wrong", "unseen", "unresolved_seen", "wrong_seen")],
             number(r["distance_error_median"]), number(r["distance_error_p99"]), number(r["steps_mean"]), number(r["probes_mean"]),
             number(p["relative_mse"]), number(p["bias"]), number(p["leak"]))
-
-
-def leaks(bench):
-    """Indirect light in the sealed dark room over the lit room's."""
-    head("fitted", "visibility", "dark over lit")
-    scene = SCENES["two-rooms-sealed"]
-    for label, options in (("yes", []), ("no", ["--no-fit"])):
-        field = bench.bake(scene, *options)
-        for visibility in ("chebyshev", "none"):
-            images = {}
-            for camera in ("lit", "dark"):
-                scene.camera = camera
-                images[camera] = bench.render(scene, field, camera, "--spp", 4, "--visibility", visibility)
-            # The bias of the dark image against the lit one is (dark - lit) / lit.
-            row(label, visibility, number(1 + bench.compare(images["dark"], images["lit"], "indirect_diffuse")["bias"]))
 
 
 def speed(bench):
@@ -323,21 +306,6 @@ def dim_lobes(bench):
                 number(m["bias"]), number(b["relative_mse"]))
 
 
-def emitters(bench):
-    """Lamps found by the field's rays alone, against the path tracer (beauty, McGuire et al. Figure 14)."""
-    head("scene", "emitters", "mode", "relative MSE", "bias", "share of direct light")
-    for scene in scenes(bench, "area-light"):
-        field, reference = bench.bake(scene), bench.path("emitters-path.exr")
-        spp = 128 if bench.quick else scene.spp
-        bench.run("render", scene.source, "-o", reference, "--method", "path", "--bounces", scene.bounces + 1, "--spp", spp, "--centered", *bench.view(scene))
-        for emitters, mode in (("sampled", "gather"), ("traced", "gather"), ("sampled", "denoised"), ("traced", "denoised")):
-            options = ["--gather-samples", 2, "--spp", 64, "--centered"] if mode == "gather" else ["--frames", 64, "--spp", 64]
-            image = bench.render(scene, field, "emitters", "--mode", mode, "--emitters", emitters, *options)
-            m = bench.compare(image, reference, "beauty")
-            share = 1 + bench.compare(image, reference, "direct")["bias"]
-            row(scene.name, emitters, mode, number(m["relative_mse"]), number(m["bias"]), number(share))
-
-
 def seams(bench):
     """Borders of cages in pictures, values that are not finite, and glossy rays without an answer."""
     program = os.path.join(os.path.dirname(bench.program), "bench", "seams")
@@ -427,8 +395,8 @@ def sets(bench):
             os.remove(os.path.join(bench.work, field))
 
 
-EXPERIMENTS = {"sets": sets, "place": place, "layers": layers, "audit": audit, "leaks": leaks, "speed": speed, "selectors": selectors, "denoise": denoise, "modes": modes, "dim-lobes": dim_lobes,
-               "emitters": emitters, "seams": seams}
+EXPERIMENTS = {"sets": sets, "place": place, "layers": layers, "audit": audit, "speed": speed, "selectors": selectors, "denoise": denoise, "modes": modes, "dim-lobes": dim_lobes,
+               "seams": seams}
 
 
 def main():

@@ -64,7 +64,8 @@ static olx_result run_count(bench *b, const olx_scene *scene, uint32_t bounces, 
     shown[i] = (bench_shown){.way = gather_names[i], .images = &images[i]};
     result = measure(b, scene, &camera, bounces, (olx_bounce_gather)i, reference, &images[i], table);
   }
-  snprintf(view, sizeof view, bounces < MANY ? "%u bounces" : "many bounces", bounces);
+  if (bounces < MANY) snprintf(view, sizeof view, "%u bounce%s", bounces, bounces > 1 ? "s" : "");
+  else snprintf(view, sizeof view, "many bounces");
   if (result == OLX_OK) result = bench_show(b, view, OLX_LAYER_INDIRECT_DIFFUSE, shown, 2, reference, 0);
   for (uint32_t i = 0; i < 2; ++i) bench_images_free(&images[i]);
   return result;

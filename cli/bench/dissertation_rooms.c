@@ -28,12 +28,12 @@ typedef struct rooms {
   olx_camera cameras[2]; // lit and dark
   bench_images *reference;
   bench_table *table;
-  float width;
+  double width; // of the opening
 } rooms;
 
-static olx_result load_rooms(rooms *r, float width) {
+static olx_result load_rooms(rooms *r, double width) {
   char name[48] = "builtin:two-rooms-sealed";
-  if (width > 0.0f) snprintf(name, sizeof name, "builtin:two-rooms-gap:%g", (double)width);
+  if (width > 0.0) snprintf(name, sizeof name, "builtin:two-rooms-gap:%g", width);
   r->width = width;
   olx_result result = olx_scene_load(name, &r->scene);
   if (result == OLX_OK) result = olx_scene_find_camera(r->scene, "lit", &r->cameras[0]);
@@ -45,7 +45,7 @@ static void add_row(rooms *r, const char *opening, const char *way, bench_images
   const bench_error lit = bench_error_of(images, r->reference, BENCH_DIFFUSE, 0);
   const bench_error dark = bench_error_of(images, r->reference, BENCH_DIFFUSE, 1);
   const bool black = !(dark.reference_mean > 0.0), truth = images == r->reference;
-  FINDINGS_ROW(&r->b->found, r->table, TEXT_CELL(opening), TEXT_CELL(way), NUMBER_CELL((double)r->width),
+  FINDINGS_ROW(&r->b->found, r->table, TEXT_CELL(opening), TEXT_CELL(way), NUMBER_CELL(r->width),
                NUMBER_CELL(lit.mean), NUMBER_CELL(dark.mean), NUMBER_CELL(dark.mean / lit.mean),
                NUMBER_CELL(black || truth ? NAN : dark.mean / dark.reference_mean),
                NUMBER_CELL(truth ? NAN : dark.mean / classic_dark),
@@ -71,8 +71,8 @@ static olx_result measure(rooms *r, const olx_field *field, const char *opening)
     for (uint32_t i = 0; i < WAYS; ++i) add_row(r, opening, ways[i].name, &images[i], classic_dark);
     add_row(r, opening, "path traced", r->reference, classic_dark);
   }
-  char view[64];
-  snprintf(view, sizeof view, "far room, %s", opening);
+  char view[80];
+  snprintf(view, sizeof view, r->width > 0.0 ? "far room, open for %s" : "far room, whole wall", opening);
   if (result == OLX_OK) result = bench_show(r->b, view, OLX_LAYER_INDIRECT_DIFFUSE, shown, WAYS, r->reference, 1);
   for (uint32_t i = 0; i < WAYS; ++i) bench_images_free(&images[i]);
   return result;
@@ -84,7 +84,7 @@ static olx_result run_rooms(rooms *r) {
   bench_bake bake = bench_bake_settings(r->b, true);
   bake.bounces = 2 * bench_bounces(r->b); // light that reaches the far room has been reflected often
   char opening[32];
-  if (r->width > 0.0f) snprintf(opening, sizeof opening, "%.1f m", (double)r->width);
+  if (r->width > 0.0) snprintf(opening, sizeof opening, "%.1f m", r->width);
   else snprintf(opening, sizeof opening, "none");
   olx_result result = olx_scene_probe_grid(r->scene, probes.grid, &bake.irradiance_grid);
   if (result == OLX_OK) {
@@ -99,7 +99,7 @@ static olx_result run_rooms(rooms *r) {
 }
 
 olx_result run_dissertation_rooms(bench *b) {
-  static const float widths[] = {0.0f, 0.2f, 0.4f, 0.8f, 1.6f};
+  static const double widths[] = {0.0, 0.2, 0.4, 0.8, 1.6};
   bench_table *table = FINDINGS_TABLE(&b->found, "rooms", "Indirect diffuse light in both rooms", columns, plots);
   for (uint32_t i = 0; i < sizeof widths / sizeof *widths; ++i) {
     if (b->options->quick && i != 0 && i != 3) continue;

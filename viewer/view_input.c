@@ -25,7 +25,7 @@ void view_input_push(view_input *input, view_event event) {
 
 static uint32_t next_of(uint32_t value, uint32_t count, bool back) { return (value + (back ? count - 1 : 1)) % count; }
 
-// The next selector that the field was baked with and the device knows; the search over all probes and the best come after.
+// The next selector that the field was baked with and the device knows; the search over all probes and the best follow.
 static uint32_t next_select(const view_facts *facts, uint32_t select, bool back) {
   for (;;) {
     select = next_of(select, OLX_SELECT_BEST + 1, back);

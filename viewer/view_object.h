@@ -1,4 +1,5 @@
-// A ball that is not in the scene: it casts shadows and receives light, but no probe knows it (McGuire et al. 2017, Figure 16).
+// A ball that is not in the scene: it casts shadows and receives light, but no probe knows it (McGuire et al. 2017,
+// Figure 16).
 #ifndef OCTALUX_VIEW_OBJECT_H
 #define OCTALUX_VIEW_OBJECT_H
 

@@ -66,7 +66,8 @@ void build_light(const view_facts *facts, view_state *s) {
   ImGui::Checkbox("glossy", &s->glossy);
   if (s->mode == VIEW_GATHER) {
     int samples = static_cast<int>(s->gather_samples);
-    if (ImGui::SliderInt("rays", &samples, 1, 256)) s->gather_samples = static_cast<uint32_t>(std::max(samples, 1));
+    if (ImGui::SliderInt("rays a frame", &samples, 1, 64))
+      s->gather_samples = static_cast<uint32_t>(std::max(samples, 1));
   } else if (s->mode != VIEW_PROBES) {
     choose("denoiser", VIEW_DENOISE_WORDS, ~0u, &s->denoise);
   }

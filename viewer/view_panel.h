@@ -1,4 +1,5 @@
-// The panel over the picture: what the state holds, to be changed by hand, and what passes took. Dear ImGui behind a C face.
+// The panel over the picture: what the state holds, to be changed by hand, and what passes took. Dear ImGui behind a C
+// face.
 #ifndef OCTALUX_VIEW_PANEL_H
 #define OCTALUX_VIEW_PANEL_H
 
@@ -19,7 +20,7 @@ view_panel *view_panel_create(const olx_vulkan_host *host, VkRenderPass render_p
 // Nothing that draws it may be pending. NULL is allowed.
 void view_panel_destroy(view_panel *panel);
 
-// Once, before the first frame: record the upload of its letters; then, when the commands have run, drop what it needed.
+// Once, before the first frame: record the upload of its letters; then, when the commands have run, drop what it took.
 bool view_panel_upload(view_panel *panel, VkCommandBuffer commands);
 void view_panel_uploaded(view_panel *panel);
 

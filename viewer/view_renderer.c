@@ -90,8 +90,8 @@ static void record_shadows(view_renderer *r, const view_state *s, VkCommandBuffe
 }
 
 static uint32_t denoised_lobes(const view_state *s) {
-  if (s->denoise == 0 || s->mode == VIEW_GATHER || s->mode == VIEW_PROBES) return 0;
-  const uint32_t diffuse = s->mode == VIEW_DENOISED && s->diffuse ? OLX_VULKAN_LOBE_DIFFUSE : 0u;
+  if (s->mode == VIEW_PROBES || (s->denoise == 0 && s->mode != VIEW_GATHER)) return 0;
+  const uint32_t diffuse = s->mode != VIEW_PREFILTERED && s->diffuse ? OLX_VULKAN_LOBE_DIFFUSE : 0u;
   return diffuse | (s->glossy ? OLX_VULKAN_LOBE_GLOSSY : 0u);
 }
 
@@ -102,7 +102,25 @@ static bool history_holds(const view_state *a, const view_state *b) {
          a->dim_lobe == b->dim_lobe && a->denoise == b->denoise;
 }
 
-static olx_vulkan_settings settings_of(view_renderer *r, const view_state *s) {
+// Gathered frames add up for as long as nothing moves.
+static bool has_moved(const view_renderer *r, const view_state *s, const olx_vulkan_view *view) {
+  const view_state *before = &r->history_of;
+  return memcmp(&r->previous, view, sizeof *view) != 0 || s->object != before->object ||
+         memcmp(&s->object_position, &before->object_position, sizeof s->object_position) != 0 ||
+         s->object_radius != before->object_radius || s->object_roughness != before->object_roughness ||
+         s->object_metallic != before->object_metallic;
+}
+
+static olx_denoise_settings filters_of(const view_state *s) {
+  if (s->mode != VIEW_GATHER)
+    return s->denoise == 1 ? olx_denoise_settings_published() : olx_denoise_settings_default();
+  olx_denoise_settings mean = olx_denoise_settings_none();
+  mean.diffuse.history = mean.diffuse.still_history = 0.999f;
+  mean.glossy.history = mean.glossy.still_history = 0.999f;
+  return mean;
+}
+
+static olx_vulkan_settings settings_of(view_renderer *r, const view_state *s, const olx_vulkan_view *view) {
   olx_vulkan_settings settings = olx_vulkan_settings_default();
   settings.sample.tracer = (olx_tracer)s->tracer;
   settings.sample.select = (olx_select)s->select;
@@ -114,15 +132,16 @@ static olx_vulkan_settings settings_of(view_renderer *r, const view_state *s) {
   settings.sample_index = r->frame;
   settings.denoise.lobes = denoised_lobes(s);
   if (!settings.denoise.lobes || !history_holds(&r->history_of, s)) r->history = 0;
+  if (s->mode == VIEW_GATHER && has_moved(r, s, view)) r->history = 0;
   r->history_of = *s;
   settings.denoise.frame = r->history;
   settings.denoise.previous = r->previous;
-  if (s->denoise == 1) settings.denoise.filters = olx_denoise_settings_published();
+  settings.denoise.filters = filters_of(s);
   return settings;
 }
 
 static bool record_light(view_renderer *r, const view_state *s, VkCommandBuffer commands, const raster_view *view) {
-  const olx_vulkan_settings settings = settings_of(r, s);
+  const olx_vulkan_settings settings = settings_of(r, s, &view->lit);
   const uint32_t add = (s->diffuse ? OLX_VULKAN_ADD_DIFFUSE : 0u) | (s->glossy ? OLX_VULKAN_ADD_GLOSSY : 0u);
   olx_result result = OLX_OK;
   if (s->diffuse) {
@@ -136,7 +155,7 @@ static bool record_light(view_renderer *r, const view_state *s, VkCommandBuffer 
   }
   if (result == OLX_OK && settings.denoise.lobes) {
     result = olx_vulkan_record_denoise(r->lit, commands, &view->lit, &settings);
-    gpu_timer_mark(r->device, &r->timer, commands, "denoiser");
+    gpu_timer_mark(r->device, &r->timer, commands, s->mode == VIEW_GATHER ? "mean" : "denoiser");
     r->history++;
     r->previous = view->lit;
   }

@@ -1,4 +1,4 @@
-// What the viewer shows and how: one struct that options, keys, scripts and the panel all change, and the renderer reads.
+// What the viewer shows and how: one struct that options, keys, scripts and the panel all change. The renderer reads it.
 #ifndef OCTALUX_VIEW_STATE_H
 #define OCTALUX_VIEW_STATE_H
 
@@ -16,7 +16,7 @@ extern "C" {
 typedef enum view_mode {
   VIEW_PREFILTERED = 0, // diffuse light from irradiance probes, glossy light by one ray a pixel, denoised
   VIEW_DENOISED,        // one diffuse and one glossy ray a pixel, denoised
-  VIEW_GATHER,          // many rays a pixel, as they are
+  VIEW_GATHER,          // rays as they are, over as many frames as nothing moves: the reference
   VIEW_PROBES,          // no triangles: a ray a pixel from the eye through the field
   VIEW_MODES
 } view_mode;

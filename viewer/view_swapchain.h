@@ -24,7 +24,7 @@ void view_swapchain_destroy(gpu_device *device, view_swapchain *chain);
 // Wait for an image to draw into. True with *index UINT32_MAX: there is none now, as the swapchain is stale.
 bool view_swapchain_acquire(gpu_device *device, view_swapchain *chain, uint32_t *index);
 
-// Record: scale the picture, which lies in VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, into that image, and make it ready to be shown.
+// Record: scale the picture, which lies in VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, into that image; then it can be shown.
 void view_swapchain_record(const gpu_device *device, const view_swapchain *chain, uint32_t index,
                            VkCommandBuffer commands, const gpu_image *picture);
 

@@ -21,6 +21,9 @@ static const olx_vec2 sample_offset = {0.5078125f, 0.48828125f};
 
 enum { NO_SIDE = 6 };
 
+// Where the sky is, along the axis of its cube face.
+static const float far_away = 1e30f;
+
 static uint32_t cube_texel(const olx_classic_bake *b, uint32_t tile, uint32_t i) {
   const uint32_t n = b->filter.cube_size, tiles = n / TILE_SIDE, face = tile / (tiles * tiles);
   const uint32_t x = tile % tiles * TILE_SIDE + olx_morton_coordinate(i);
@@ -81,15 +84,13 @@ static void light_tile(const olx_classic_bake *b, olx_shade_scratch *scratch, ui
   olx_shade_reflections(b->shade, scratch, paths, b->bounces, OLX_REFLECT_LIGHTS | OLX_REFLECT_BOUNCES);
 }
 
-// Which side of a box around the probe the surface could be, and where along its axis.
+// Which side of a box around the probe the surface could be, if it faces along an axis.
 static void note_side(const olx_classic_bake *b, uint32_t texel, const olx_surface *surface) {
   const float normal[3] = {surface->geometric_normal.x, surface->geometric_normal.y, surface->geometric_normal.z};
-  const olx_vec3 from_low = olx_sub(surface->position, b->shade->scene->bounds_min);
-  const float place[3] = {from_low.x, from_low.y, from_low.z};
+  b->place[texel] = olx_sub(surface->position, b->shade->scene->bounds_min);
   for (uint32_t axis = 0; axis < 3; axis++) {
-    if (fabsf(normal[axis]) < 0.7f) continue; // of a unit vector one coordinate can be larger, or two hardly
-    b->side[texel] = (uint8_t)(2 * axis + (normal[axis] < 0.0f));
-    b->distance[texel] = place[axis];
+    // Of a unit vector one coordinate can be larger, or two hardly.
+    if (fabsf(normal[axis]) >= 0.7f) b->side[texel] = (uint8_t)(2 * axis + (normal[axis] < 0.0f));
   }
 }
 
@@ -103,6 +104,7 @@ static void cube_job(void *user, uint32_t tile) {
     const uint32_t texel = cube_texel(b, tile, i);
     b->filter.cube[texel] = olx_splat(0.0f);
     b->side[texel] = NO_SIDE;
+    b->place[texel] = olx_scale(olx_cube_face_of(texel / (b->filter.cube_size * b->filter.cube_size)).axis, far_away);
   }
   for (uint32_t k = 0; k < scratch->roots.count; k++) {
     const uint32_t texel = cube_texel(b, tile, scratch->slot[k]);
@@ -114,27 +116,51 @@ static void cube_job(void *user, uint32_t tile) {
 
 // A side of less than this share of the sphere says nothing.
 static const float least_share = 0.01f;
+// Of the surfaces that could be a side, this share may lie farther out, and twice as much of anything be seen beyond: a view
+// through a door.
+static const float share_outside = 0.1f;
 
 enum { BINS = 4096 };
 
-// The median place of the surfaces that could be side `side`, by solid angle: what most of that wall's picture shows.
-static bool median_side(const olx_classic_bake *b, uint32_t side, float extent, float *place) {
+static float axis_of(olx_vec3 v, uint32_t axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
+
+// The solid angle of all that is seen beyond a side at `place`.
+static float seen_beyond(const olx_classic_bake *b, uint32_t side, float place, float tolerance) {
+  const uint32_t face = b->filter.cube_size * b->filter.cube_size;
+  float sum = 0.0f;
+  for (uint32_t texel = 0; texel < OLX_CUBE_FACES * face; texel++) {
+    const float at = axis_of(b->place[texel], side / 2), beyond = side & 1u ? at - place : place - at;
+    if (beyond > tolerance) sum += b->filter.face_solid_angle[texel % face];
+  }
+  return sum;
+}
+
+// How far out the surfaces are that could be side `side`. Not where most of them are: things in a room hide its walls. False
+// when too much is seen beyond it, so that it closes nothing.
+static bool outer_side(const olx_classic_bake *b, uint32_t side, float extent, float *place) {
   const uint32_t face = b->filter.cube_size * b->filter.cube_size;
   float weight[BINS] = {0}, moment[BINS] = {0}, total = 0.0f;
   for (uint32_t texel = 0; texel < OLX_CUBE_FACES * face; texel++) {
     if (b->side[texel] != side) continue;
-    const float share = b->filter.face_solid_angle[texel % face];
-    const float bin = olx_clamp(b->distance[texel] / extent * BINS, 0.0f, BINS - 1);
-    weight[(uint32_t)bin] += share;
-    moment[(uint32_t)bin] += share * b->distance[texel];
+    const float share = b->filter.face_solid_angle[texel % face], at = axis_of(b->place[texel], side / 2);
+    const uint32_t bin = (uint32_t)olx_clamp(at / extent * BINS, 0.0f, BINS - 1);
+    weight[bin] += share;
+    moment[bin] += share * at;
     total += share;
   }
   if (total < least_share * 4.0f * OLX_PI) return false;
+  const bool high = side & 1u;
   float sum = 0.0f;
-  uint32_t bin = 0;
-  while (bin < BINS - 1 && sum + weight[bin] < 0.5f * total) sum += weight[bin++];
-  *place = moment[bin] / weight[bin];
-  return weight[bin] > 0.0f;
+  uint32_t bin = high ? BINS - 1 : 0;
+  // From the outermost bin inwards; the one that is found holds something, because the sum grew there.
+  while (sum + weight[bin] < share_outside * total) {
+    sum += weight[bin];
+    bin = high ? bin - 1 : bin + 1;
+  }
+  const float found = moment[bin] / weight[bin];
+  if (seen_beyond(b, side, found, 2.0f * extent / BINS) > 2.0f * share_outside * total) return false;
+  *place = found;
+  return true;
 }
 
 static olx_classic_box find_box(const olx_classic_bake *b) {
@@ -144,8 +170,8 @@ static olx_classic_box find_box(const olx_classic_bake *b) {
   float low[3] = {0.0f, 0.0f, 0.0f}, high[3] = {extent[0], extent[1], extent[2]};
   for (uint32_t axis = 0; axis < 3; axis++) {
     if (extent[axis] <= 0.0f) continue;
-    median_side(b, 2 * axis, extent[axis], &low[axis]);
-    median_side(b, 2 * axis + 1, extent[axis], &high[axis]);
+    outer_side(b, 2 * axis, extent[axis], &low[axis]);
+    outer_side(b, 2 * axis + 1, extent[axis], &high[axis]);
   }
   return (olx_classic_box){
       olx_min_each(olx_add(scene->bounds_min, olx_v3(low[0], low[1], low[2])), b->position),
@@ -186,9 +212,9 @@ olx_result olx_classic_bake_create(olx_classic_bake *b) {
   const size_t texels = OLX_CUBE_FACES * (size_t)b->filter.cube_size * b->filter.cube_size, size = b->filter.size;
   OLX_TRY(olx_classic_filter_create(&b->filter));
   b->side = olx_allocate(texels, sizeof *b->side);
-  b->distance = olx_allocate(texels, sizeof *b->distance);
+  b->place = olx_allocate(texels, sizeof *b->place);
   b->packed_irradiance = olx_allocate(size * size, sizeof(uint32_t));
-  bool complete = b->side && b->distance && b->packed_irradiance;
+  bool complete = b->side && b->place && b->packed_irradiance;
   for (uint32_t level = 0; level < OLX_CLASSIC_LEVELS; level++) {
     const size_t side = olx_classic_side(b->filter.size, level);
     b->packed_levels[level] = olx_allocate(side * side, sizeof(uint32_t));
@@ -202,7 +228,7 @@ olx_result olx_classic_bake_create(olx_classic_bake *b) {
 void olx_classic_bake_free(olx_classic_bake *b) {
   olx_classic_filter_free(&b->filter);
   olx_release(b->side);
-  olx_release(b->distance);
+  olx_release(b->place);
   olx_release(b->packed_irradiance);
   for (uint32_t level = 0; level < OLX_CLASSIC_LEVELS; level++) olx_release(b->packed_levels[level]);
   *b = (olx_classic_bake){0};

@@ -15,7 +15,7 @@ typedef struct olx_classic_bake {
   uint32_t probe; // the number enters the random numbers
   olx_vec3 position;
   uint8_t *side;   // of each cube texel: which side of a box its surface could be, or none
-  float *distance; // along the box's axis, from the scene's low corner
+  olx_vec3 *place; // where that is, from the scene's low corner; far away for the sky
   uint32_t *packed_irradiance, *packed_levels[OLX_CLASSIC_LEVELS];
 } olx_classic_bake;
 

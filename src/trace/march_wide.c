@@ -354,17 +354,24 @@ WIDE_CODE void olx_march_wide(const olx_field *field, const olx_probe_job *jobs,
   lanes group[GROUPS] = {0};
   for (uint32_t g = 0; g < GROUPS; g++) begin_lanes(&group[g], field);
   for (;;) {
-    uint32_t walking = 0;
+    bool going[GROUPS], any = false;
     for (uint32_t g = 0; g < GROUPS; g++) {
       lanes *l = &group[g];
       if (!l->walking || __builtin_popcount(l->waiting) >= WORTH_RENEWING) renew(&w, l);
-      walking |= l->walking;
+      going[g] = l->walking != 0;
+      any |= going[g];
     }
-    if (!walking) return;
+    if (!any) return;
     wide_look seen[GROUPS];
-    for (uint32_t g = 0; g < GROUPS; g++) seen[g] = look(&group[g]);
-    for (uint32_t g = 0; g < GROUPS; g++) judge(&w, &group[g], &seen[g]);
-    for (uint32_t g = 0; g < GROUPS; g++) move(&group[g], &seen[g]);
+    for (uint32_t g = 0; g < GROUPS; g++) {
+      if (going[g]) seen[g] = look(&group[g]);
+    }
+    for (uint32_t g = 0; g < GROUPS; g++) {
+      if (going[g]) judge(&w, &group[g], &seen[g]);
+    }
+    for (uint32_t g = 0; g < GROUPS; g++) {
+      if (going[g]) move(&group[g], &seen[g]);
+    }
   }
 }
 

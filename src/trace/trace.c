@@ -185,10 +185,11 @@ typedef struct listed {
 static listed look_up(const search *s) {
   const olx_vec3 place = sought(s);
   listed l = {.list = olx_bricks_list(&s->field->bricks, place)};
+  for (uint32_t i = 0; i < OLX_BRICK_PROBES; i++) l.cost[i] = INFINITY;
   for (uint32_t i = 0; i < OLX_BRICK_PROBES; i++) {
     const uint32_t probe = olx_bricks_probe(l.list, i);
-    l.cost[i] = INFINITY;
-    if (probe == OLX_BRICK_NO_PROBE || !usable(s, probe) || was_asked(s, probe)) continue;
+    if (probe == OLX_BRICK_NO_PROBE) break;
+    if (!usable(s, probe) || was_asked(s, probe)) continue;
     const olx_vec3 offset = olx_sub(s->field->probe_positions[probe], place);
     l.cost[i] = olx_dot(offset, offset);
     if (s->attempts == 0) l.cost[i] += OFF_LINE * line_distance_squared(s, probe);

@@ -82,7 +82,7 @@ static void light_last_frame(frame_job *job, const shaded_pixel *p, olx_render_s
 static void shade_pixel(frame_job *job, const shaded_pixel *p, olx_render_stats *stats) {
   const olx_surface *surface = p->shading.surface;
   surface_buffers *surfaces = &job->surfaces[job->frame & 1];
-  surfaces->normal[p->pixel] = surface->shading_normal;
+  surfaces->normal[p->pixel] = p->shading.normal;
   surfaces->roughness[p->pixel] = surface->roughness;
   job->diffuse_factor[p->pixel] = olx_scale(p->shading.diffuse, 1.0f / OLX_PI);
   const bool traced = p->shading.has_specular && !olx_field_lobe_is_dim(&job->context, &p->shading);
@@ -95,6 +95,7 @@ static void shade_pixel(frame_job *job, const shaded_pixel *p, olx_render_stats 
   const double glossy = olx_thread_seconds();
   if (job->last) {
     job->image->layers[OLX_LAYER_ALBEDO][p->pixel] = surface->bsdf.albedo;
+    job->image->layers[OLX_LAYER_NORMAL][p->pixel] = surface->shading_normal;
     light_last_frame(job, p, stats);
     stats->direct_seconds += olx_thread_seconds() - glossy;
   }
@@ -201,7 +202,6 @@ static olx_result compose(frame_job *job) {
   olx_vec3 *const *layers = job->image->layers;
   for (size_t i = 0; i < pixels; i++) {
     layers[OLX_LAYER_BEAUTY][i] = olx_add(layers[OLX_LAYER_BEAUTY][i], layers[OLX_LAYER_DIRECT][i]);
-    layers[OLX_LAYER_NORMAL][i] = guide->normal[i];
     layers[OLX_LAYER_DEPTH][i] = olx_v3(guide->depth[i], 0.0f, 0.0f);
   }
   return OLX_OK;

@@ -802,9 +802,9 @@ static void test_refuses_wrong_relight_chunks(void **state) {
     assert_refused(&i, OLX_ERROR_FORMAT, message);                                                                     \
     *at = good;                                                                                                        \
   } while (0)
-  REFUSED(header->size, 8, "8 surfaces along a side are not 16, 32 or 64");
+  REFUSED(header->size, 8, "8 surfaces along a side are not 16, 32, 64 or 128");
   REFUSED(header->size, 0, "0 surfaces");
-  REFUSED(header->size, 128, "128 surfaces");
+  REFUSED(header->size, 256, "256 surfaces");
   REFUSED(header->size, 32, "chunk SURF: 12288 bytes in records of 2048"); // the maps are those of 16
   REFUSED(header->points, 0, "0 points of 9 rays");
   REFUSED(header->points, 4097, "4097 points of 9 rays");

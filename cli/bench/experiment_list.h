@@ -16,5 +16,6 @@ olx_result run_wang_quality(bench *b);
 olx_result run_dissertation_rooms(bench *b);
 olx_result run_dissertation_table1(bench *b);
 olx_result run_bounces(bench *b);
+olx_result run_relight(bench *b);
 
 #endif

@@ -69,5 +69,10 @@ const experiment experiments[] = {
      "tracer. Bounces "
      "take their light from the irradiance maps of the bounce before, or from what probes store where a ray ends.",
      run_bounces},
+    {"relight", "Dissertation of 2022, section 6.2", "lights that move: one bounce a frame, against a fresh bake",
+     "Irradiance at what a camera sees, frame by frame after a light moved: probes follow a few a frame, shadows from the "
+     "scene's triangles. The bake of the changed scene has 8 bounces. Work is all that 30 frames did: irradiance of a quarter "
+     "of the probes a frame, and all radiance maps twice.",
+     run_relight},
 };
 const uint32_t experiment_count = sizeof experiments / sizeof *experiments;

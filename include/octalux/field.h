@@ -58,7 +58,7 @@ typedef struct olx_field_info {
   uint32_t classic_size;      // texels along a side of the classic maps: a power of two, 32 to 256; 0: baked without them
   uint32_t classic_cube_size; // along a face of the cube maps that they were made from
   float classic_sharpness;    // of the filter between the two
-  uint32_t relight_size; // surfaces along a side of those that irradiance probes keep for relighting: 16 to 64; 0: baked without
+  uint32_t relight_size; // surfaces along a side of those that irradiance probes keep for relighting: 16 to 128; 0: baked without
   uint32_t relight_points, relight_rays; // for each irradiance probe, points that its irradiance is fitted to, and rays of each
   uint64_t file_bytes;
   uint64_t radiance_bytes, normal_bytes, distance_bytes, pyramid_bytes, irradiance_bytes, moments_bytes,

@@ -53,7 +53,7 @@ typedef struct olx_shadow_ray {
 typedef void (*olx_occlusion)(void *user, const olx_shadow_ray *rays, uint32_t count, uint8_t *occluded);
 
 typedef struct olx_relight_settings {
-  uint32_t surface_texels;  // of irradiance probes, lit anew in a frame, rounded up to whole probes; default 32768
+  uint32_t surface_texels;  // of irradiance probes, lit anew in a frame, rounded up to whole probes; default 262144
   uint32_t radiance_texels; // of light field probes, rounded up to 1024; 0: radiance stays as it is; default 65536
   uint32_t light_samples;   // shadow rays a texel to each light with an area and to the sky, 1 to 64; default 1
   uint32_t fit_steps; // of conjugate gradients a frame, by which irradiance is fitted to surfaces, 0 to 64; default 6
@@ -71,7 +71,7 @@ olx_relight_settings olx_relight_settings_default(void);
 
 // OLX_ERROR_ARGUMENT, with a message, for settings out of range and for a field that was baked without what relighting needs;
 // OLX_ERROR_FORMAT when the field's surfaces contradict themselves. The field must outlive the relighter. On success *relight is
-// the caller's to free, on failure it is NULL. It takes about 8 ms an irradiance probe.
+// the caller's to free, on failure it is NULL. It takes some 10 ms an irradiance probe.
 olx_result olx_relight_create(const olx_field *field, const olx_relight_settings *settings, olx_relight **relight);
 // NULL is allowed.
 void olx_relight_free(olx_relight *relight);

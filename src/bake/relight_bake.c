@@ -5,10 +5,10 @@
 #include "core/result.h"
 #include "select/cage.h"
 
-enum { PACKET = 64 };
+enum { PACKET = 128 };
 
 uint32_t olx_relight_surface_size(uint32_t irradiance_size) {
-  return irradiance_size < 16 ? 16 : irradiance_size > 64 ? 64 : irradiance_size;
+  return irradiance_size < 16 ? 16 : irradiance_size > 128 ? 128 : irradiance_size;
 }
 
 // Surfaces reflect here as they do on average over views, because they will be looked at from elsewhere.

@@ -3,8 +3,8 @@
 
 olx_result olx_relight_info_check(const olx_field_info *info, const char *name, olx_result failure) {
   const uint32_t size = info->relight_size, points = info->relight_points, rays = info->relight_rays;
-  if (size != 16 && size != 32 && size != 64) {
-    return olx_fail(failure, "%s: %u surfaces along a side are not 16, 32 or 64", name, size);
+  if (size != 16 && size != 32 && size != 64 && size != 128) {
+    return olx_fail(failure, "%s: %u surfaces along a side are not 16, 32, 64 or 128", name, size);
   }
   if ((uint64_t)size * size * info->irradiance_probe_count > OLX_SURFACE_MOST) {
     return olx_fail(failure, "%s: too many irradiance probes for maps of surfaces", name);

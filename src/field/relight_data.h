@@ -13,7 +13,7 @@ enum { OLX_FIT_MOST_POINTS = 4096, OLX_FIT_MOST_RAYS = 256 };
 
 // RLIT.
 typedef struct olx_relight_header {
-  uint32_t size;         // surfaces along a side of an irradiance probe's map: 16, 32 or 64
+  uint32_t size;         // surfaces along a side of an irradiance probe's map: 16, 32, 64 or 128
   uint32_t points, rays; // points a probe, and rays from each; 0 and 0 when irradiance was not fitted
   uint32_t zero[13];
 } olx_relight_header;

@@ -23,7 +23,7 @@ static const float SHARED_PLANE = 0.01f;
 
 olx_relight_settings olx_relight_settings_default(void) {
   return (olx_relight_settings){
-      .surface_texels = 32768, .radiance_texels = 65536, .light_samples = 1, .fit_steps = 6, .sleep = 0.004f};
+      .surface_texels = 262144, .radiance_texels = 65536, .light_samples = 1, .fit_steps = 6, .sleep = 0.004f};
 }
 
 static olx_result check_settings(const olx_relight_settings *s) {

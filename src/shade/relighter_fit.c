@@ -8,6 +8,9 @@
 static const float SIZE_PENALTY = 1e-4f;
 static const float SMOOTHNESS_PENALTY = 3e-4f;
 
+// What no probe sees lies in hollows: it sends this share of what the rest does on average (docs/results.md).
+static const float UNSEEN_SHARE = 0.5f;
+
 enum { MOST_TAPS = 16 };
 
 static const uint32_t *words_of(const olx_relight *r, uint32_t point) {
@@ -124,7 +127,9 @@ void olx_relit_fit_measure(olx_relight *r, uint32_t probe) {
       known++;
       if (ray[k] != OLX_FIT_RAY_SKY) sum = olx_add(sum, r->radiance[ray[k]]);
     }
-    r->fit.measured[point] = olx_scale(sum, known ? OLX_PI / (float)known : 0.0f);
+    const float unseen = UNSEEN_SHARE * (float)(rays - known);
+    const float share = known ? ((float)known + unseen) / (float)known : 0.0f;
+    r->fit.measured[point] = olx_scale(sum, share * OLX_PI / (float)rays);
   }
 }
 

@@ -253,7 +253,7 @@ static olx_result run_frame(relit_run *r, olx_relight *relight, relit_total *t) 
 }
 
 static void add_work(relit_run *r, const relit_total *t) {
-  const double frames = t->last_apart < t->frames ? t->last_apart + 1 : NAN;
+  const double frames = t->last_apart < t->frames ? (double)t->last_apart + 1.0 : (double)NAN;
   FINDINGS_ROW(&r->b->found, r->work, TEXT_CELL(bench_scene_title(r->c->scene)), TEXT_CELL(r->c->what),
                NUMBER_CELL(t->before_rms), NUMBER_CELL(t->mean_off), NUMBER_CELL(t->rms), NUMBER_CELL(frames),
                NUMBER_CELL(t->rays / (double)r->bake_rays), NUMBER_CELL(t->seconds / r->bake_seconds),

@@ -6,7 +6,7 @@
 #include "bake/surface_fit.h"
 #include "field/field_writer.h"
 
-enum { OLX_RELIGHT_RAYS = 32 }; // of the fit's points that are kept: its first ones
+enum { OLX_RELIGHT_RAYS = OLX_FIT_RAYS }; // of the fit's points that are kept: all of them
 
 typedef struct olx_relight_bake {
   const olx_scene *scene;

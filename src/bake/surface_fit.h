@@ -39,7 +39,6 @@ uint64_t olx_surface_fit_units(uint32_t probe_count);
 olx_result olx_surface_fit_solve(olx_surface_fit *fit, const olx_irradiance_source *source, uint32_t bounce);
 
 // Point `index`, OLX_FIT_POINTS_PER_PROBE of them a probe: where it is, and what OLX_FIT_RAYS rays from it met; false when there is none.
-// Every power of two of the first rays is stratified.
 enum { OLX_FIT_POINTS_PER_PROBE = 512, OLX_FIT_RAYS = 64 };
 bool olx_surface_fit_point(const olx_surface_fit *fit, uint32_t index, olx_vec3 *position, olx_vec3 *normal,
                            const olx_ray_hit **hits);

@@ -47,7 +47,7 @@ static const relit_case cases[] = {
      128},
     {"sponza",
      "atrium",
-     "the sun moves by 33 degrees",
+     "the sun moves by 35 degrees",
      NULL,
      "{\"type\": \"sun\", \"direction\": [-0.35, -1.0, -0.2], \"irradiance\": [20, 18.5, 16]}",
      {8, 2, 4},
@@ -287,7 +287,7 @@ static olx_result run_frames(relit_run *r) {
 static olx_result run_case(relit_run *r) {
   olx_result result = load_with(r, r->c->light, &r->scene);
   if (result == OLX_OK) result = load_with(r, r->c->moved, &r->moved);
-  if (result == OLX_OK) result = bench_camera(r->scene, r->c->camera, &r->camera);
+  if (result == OLX_OK) result = olx_scene_find_camera(r->scene, r->c->camera, &r->camera);
   if (result == OLX_OK) result = bake(r, r->scene, true, &r->field);
   if (result == OLX_OK) result = bake(r, r->moved, false, &r->fresh);
   if (result == OLX_OK) result = find_points(r);

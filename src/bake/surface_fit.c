@@ -10,16 +10,11 @@ enum {
   POINTS_PER_PROBE = OLX_FIT_POINTS_PER_PROBE,
   RAYS_PER_POINT = OLX_FIT_RAYS,
   POINTS_PER_JOB = OLX_BATCH_POINTS / RAYS_PER_POINT,
-  CG_ITERATIONS = 48,
+  STEPS = 48,    // of conjugate gradients
   MAX_TAPS = 16, // probes that answer for a point
   SALT_POINT = 0x46495450,
   SALT_RAY = 0x46495452
 };
-
-// Weights of the penalties on a correction's size and on its differences between neighbouring directions, relative to
-// the surface points a probe answers for on average.
-static const float SIZE_PENALTY = 1e-4f;
-static const float SMOOTHNESS_PENALTY = 3e-4f;
 
 // A surface point, its measured irradiance and how it is interpolated.
 typedef struct fit_point {
@@ -27,8 +22,7 @@ typedef struct fit_point {
   olx_vec3 direct;           // irradiance from surfaces that carry direct light alone
   olx_vec3 residual;         // measured less interpolated irradiance
   olx_irradiance_weights weights;
-  uint32_t cell[4]; // of the correction, around the normal
-  float cell_weight[4];
+  olx_correction_cells cells; // around the normal
   bool valid;
 } fit_point;
 
@@ -39,8 +33,7 @@ struct olx_surface_fit {
   olx_ray_hit *hits; // RAYS_PER_POINT a point
   const olx_irradiance_source *source;
   uint32_t bounce;
-  size_t unknowns; // OLX_FIT_CELLS a probe
-  olx_vec3 *solution, *gradient, *direction, *product;
+  olx_corrections corrections;
 };
 
 static uint32_t jobs_of(const olx_surface_fit *fit) { return fit->point_count / POINTS_PER_JOB; }
@@ -85,16 +78,7 @@ static void place_point(const olx_surface_fit *fit, const olx_surface *surface, 
   point->normal = surface->geometric_normal;
   point->weights =
       olx_irradiance_weigh(fit->source, OLX_WEIGHT_ALL, false, point->position, point->normal, point->normal);
-  const olx_vec2 uv = olx_octahedral_encode(point->normal);
-  const float x = uv.x * OLX_FIT_SIDE - 0.5f, y = uv.y * OLX_FIT_SIDE - 0.5f;
-  const int32_t x0 = (int32_t)floorf(x), y0 = (int32_t)floorf(y);
-  const float fx = x - (float)x0, fy = y - (float)y0;
-  for (int32_t k = 0; k < 4; k++) {
-    int32_t sx, sy;
-    olx_border_source(x0 + (k & 1), y0 + (k >> 1), OLX_FIT_SIDE, &sx, &sy);
-    point->cell[k] = (uint32_t)(sy * OLX_FIT_SIDE + sx);
-    point->cell_weight[k] = (k & 1 ? fx : 1.0f - fx) * (k >> 1 ? fy : 1.0f - fy);
-  }
+  point->cells = olx_correction_cells_at(olx_octahedral_encode(point->normal));
 }
 
 static uint32_t ray_seed(uint32_t point) { return olx_hash2(point, SALT_RAY); }
@@ -194,99 +178,34 @@ static void measure_job(void *user, uint32_t job) {
   olx_shade_scratch_give(fit->input.shade, scratch);
 }
 
-// What a correction adds at a point.
-static olx_vec3 predict(const fit_point *point, const olx_vec3 *correction) {
-  olx_vec3 sum = {0};
-  for (uint32_t k = 0; k < point->weights.count; k++) {
-    const olx_vec3 *cells = correction + (size_t)point->weights.probe[k] * OLX_FIT_CELLS;
-    for (uint32_t i = 0; i < 4; i++) {
-      sum = olx_madd(sum, cells[point->cell[i]], point->weights.weight[k] * point->cell_weight[i]);
-    }
-  }
-  return sum;
-}
-
-// Adds a point's value to the unknowns it depends on: the transpose of predict.
-static void scatter(const fit_point *point, olx_vec3 value, olx_vec3 *unknowns) {
-  for (uint32_t k = 0; k < point->weights.count; k++) {
-    olx_vec3 *cells = unknowns + (size_t)point->weights.probe[k] * OLX_FIT_CELLS;
-    for (uint32_t i = 0; i < 4; i++) {
-      olx_vec3 *cell = &cells[point->cell[i]];
-      *cell = olx_madd(*cell, value, point->weights.weight[k] * point->cell_weight[i]);
-    }
-  }
-}
-
-// The penalties' part of the normal equations.
-static void penalize(const olx_vec3 *x, olx_vec3 *product) {
-  for (int32_t cy = 0; cy < OLX_FIT_SIDE; cy++) {
-    for (int32_t cx = 0; cx < OLX_FIT_SIDE; cx++) {
-      const size_t c = (size_t)(cy * OLX_FIT_SIDE + cx);
-      product[c] = olx_madd(product[c], x[c], SIZE_PENALTY * POINTS_PER_PROBE);
-      for (int32_t axis = 0; axis < 2; axis++) {
-        int32_t sx, sy;
-        olx_border_source(cx + (axis == 0), cy + (axis == 1), OLX_FIT_SIDE, &sx, &sy);
-        const size_t next = (size_t)(sy * OLX_FIT_SIDE + sx);
-        const olx_vec3 step = olx_scale(olx_sub(x[c], x[next]), SMOOTHNESS_PENALTY * POINTS_PER_PROBE);
-        product[c] = olx_add(product[c], step);
-        product[next] = olx_sub(product[next], step);
-      }
-    }
-  }
+static olx_correction_taps taps_of(const fit_point *point) {
+  const olx_irradiance_weights *w = &point->weights;
+  return (olx_correction_taps){.count = w->count, .probes = w->probe, .weights = w->weight, .cells = &point->cells};
 }
 
 static void multiply(const olx_surface_fit *fit, const olx_vec3 *x, olx_vec3 *product) {
-  memset(product, 0, fit->unknowns * sizeof *product);
+  memset(product, 0, fit->corrections.unknowns * sizeof *product);
   for (uint32_t i = 0; i < fit->point_count; i++) {
-    if (fit->points[i].valid) scatter(&fit->points[i], predict(&fit->points[i], x), product);
+    if (!fit->points[i].valid) continue;
+    const olx_correction_taps taps = taps_of(&fit->points[i]);
+    olx_corrections_scatter(product, &taps, olx_corrections_predict(x, &taps));
   }
-  for (size_t probe = 0; probe < fit->input.probe_count; probe++) {
-    penalize(x + probe * OLX_FIT_CELLS, product + probe * OLX_FIT_CELLS);
-  }
+  olx_corrections_penalize(&fit->corrections, x, POINTS_PER_PROBE, product);
 }
 
-typedef struct dot3 {
-  double x, y, z;
-} dot3;
-
-static dot3 dot_each(const olx_vec3 *a, const olx_vec3 *b, size_t count) {
-  dot3 sum = {0.0, 0.0, 0.0};
-  for (size_t i = 0; i < count; i++) {
-    sum.x += (double)a[i].x * (double)b[i].x;
-    sum.y += (double)a[i].y * (double)b[i].y;
-    sum.z += (double)a[i].z * (double)b[i].z;
-  }
-  return sum;
-}
-
-static olx_vec3 ratio(dot3 a, dot3 b) {
-  return olx_v3(b.x > 0.0 ? (float)(a.x / b.x) : 0.0f, b.y > 0.0 ? (float)(a.y / b.y) : 0.0f,
-                b.z > 0.0 ? (float)(a.z / b.z) : 0.0f);
-}
-
-// Conjugate gradients on the normal equations, each colour channel on its own.
 static void solve(olx_surface_fit *fit) {
-  const size_t bytes = fit->unknowns * sizeof(olx_vec3);
-  memset(fit->solution, 0, bytes);
-  memset(fit->gradient, 0, bytes);
+  olx_corrections *c = &fit->corrections;
+  memset(c->solution, 0, c->unknowns * sizeof *c->solution);
+  memset(c->gradient, 0, c->unknowns * sizeof *c->gradient);
   for (uint32_t i = 0; i < fit->point_count; i++) {
-    if (fit->points[i].valid) scatter(&fit->points[i], fit->points[i].residual, fit->gradient);
+    if (!fit->points[i].valid) continue;
+    const olx_correction_taps taps = taps_of(&fit->points[i]);
+    olx_corrections_scatter(c->gradient, &taps, fit->points[i].residual);
   }
-  memcpy(fit->direction, fit->gradient, bytes);
-  dot3 norm = dot_each(fit->gradient, fit->gradient, fit->unknowns);
-  for (uint32_t iteration = 0; iteration < CG_ITERATIONS; iteration++) {
-    multiply(fit, fit->direction, fit->product);
-    const olx_vec3 step = ratio(norm, dot_each(fit->direction, fit->product, fit->unknowns));
-    for (size_t i = 0; i < fit->unknowns; i++) {
-      fit->solution[i] = olx_add(fit->solution[i], olx_mul(step, fit->direction[i]));
-      fit->gradient[i] = olx_sub(fit->gradient[i], olx_mul(step, fit->product[i]));
-    }
-    const dot3 next = dot_each(fit->gradient, fit->gradient, fit->unknowns);
-    const olx_vec3 keep = ratio(next, norm);
-    norm = next;
-    for (size_t i = 0; i < fit->unknowns; i++) {
-      fit->direction[i] = olx_add(fit->gradient[i], olx_mul(keep, fit->direction[i]));
-    }
+  olx_corrections_begin(c);
+  for (uint32_t step = 0; step < STEPS; step++) {
+    multiply(fit, c->direction, c->product);
+    olx_corrections_step(c);
   }
 }
 
@@ -303,14 +222,10 @@ olx_result olx_surface_fit_create(const olx_surface_fit_input *input, const olx_
   fit->input = *input;
   fit->source = source;
   fit->point_count = input->probe_count * POINTS_PER_PROBE;
-  fit->unknowns = (size_t)input->probe_count * OLX_FIT_CELLS;
   fit->points = olx_allocate(fit->point_count, sizeof *fit->points);
   fit->hits = olx_allocate((size_t)fit->point_count * RAYS_PER_POINT, sizeof *fit->hits);
-  fit->solution = olx_allocate_zero(fit->unknowns, sizeof(olx_vec3));
-  fit->gradient = olx_allocate(fit->unknowns, sizeof(olx_vec3));
-  fit->direction = olx_allocate(fit->unknowns, sizeof(olx_vec3));
-  fit->product = olx_allocate(fit->unknowns, sizeof(olx_vec3));
-  if (!fit->points || !fit->hits || !fit->solution || !fit->gradient || !fit->direction || !fit->product) {
+  const bool allocated = olx_corrections_allocate(&fit->corrections, input->probe_count);
+  if (!fit->points || !fit->hits || !allocated) {
     return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for fitting %u irradiance probes", input->probe_count);
   }
   OLX_TRY(olx_parallel_for(jobs_of(fit), input->threads, cast_job, fit, input->task, OLX_BATCH_POINTS));
@@ -321,10 +236,7 @@ void olx_surface_fit_free(olx_surface_fit *fit) {
   if (!fit) return;
   olx_release(fit->points);
   olx_release(fit->hits);
-  olx_release(fit->solution);
-  olx_release(fit->gradient);
-  olx_release(fit->direction);
-  olx_release(fit->product);
+  olx_corrections_free(&fit->corrections);
   olx_release(fit);
 }
 
@@ -338,17 +250,7 @@ olx_result olx_surface_fit_solve(olx_surface_fit *fit, const olx_irradiance_sour
 }
 
 olx_vec3 olx_surface_fit_correction(const olx_surface_fit *fit, uint32_t probe, olx_vec2 uv) {
-  const float x = uv.x * OLX_FIT_SIDE - 0.5f, y = uv.y * OLX_FIT_SIDE - 0.5f;
-  const int32_t x0 = (int32_t)floorf(x), y0 = (int32_t)floorf(y);
-  const float fx = x - (float)x0, fy = y - (float)y0;
-  olx_vec3 sum = {0};
-  for (int32_t k = 0; k < 4; k++) {
-    int32_t sx, sy;
-    olx_border_source(x0 + (k & 1), y0 + (k >> 1), OLX_FIT_SIDE, &sx, &sy);
-    const olx_vec3 cell = fit->solution[(size_t)probe * OLX_FIT_CELLS + (size_t)(sy * OLX_FIT_SIDE + sx)];
-    sum = olx_madd(sum, cell, (k & 1 ? fx : 1.0f - fx) * (k >> 1 ? fy : 1.0f - fy));
-  }
-  return sum;
+  return olx_correction_at(fit->corrections.solution + (size_t)probe * OLX_CORRECTION_CELLS, uv);
 }
 
 bool olx_surface_fit_point(const olx_surface_fit *fit, uint32_t index, olx_vec3 *position, olx_vec3 *normal,

@@ -9,8 +9,7 @@
 
 #include "bake/shade_batch.h"
 #include "core/parallel.h"
-
-enum { OLX_FIT_SIDE = 8, OLX_FIT_CELLS = OLX_FIT_SIDE * OLX_FIT_SIDE };
+#include "shade/corrections.h"
 
 typedef struct olx_surface_fit olx_surface_fit;
 

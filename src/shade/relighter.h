@@ -3,6 +3,7 @@
 #define OLX_SHADE_RELIGHTER_H
 
 #include "core/parallel.h"
+#include "shade/corrections.h"
 #include "shade/irradiance.h"
 
 #include <octalux/relight.h>
@@ -13,9 +14,7 @@ enum {
   OLX_RELIT_MAP_MOST = 32,   // texels along a side of the maps that probes gather from
   OLX_RELIT_CELLS_MOST = 32, // cells along a side into which surfaces are summed for these
   OLX_RELIT_ROUNDS = 4,      // updates after which lights that vary have been sampled enough
-  OLX_RELIT_FIT_SIDE = 8,    // of the corrections, as in a bake
-  OLX_RELIT_FIT_CELLS = OLX_RELIT_FIT_SIDE * OLX_RELIT_FIT_SIDE,
-  OLX_RELIT_CHUNKS = 16 // into which sums over points are split, however many threads there are
+  OLX_RELIT_CHUNKS = 16      // into which sums over points are split, however many threads there are
 };
 
 // A probe of either kind in the schedule.
@@ -45,13 +44,11 @@ typedef struct olx_relit_fit {
   olx_bilinear *texels;              // of the working maps, around the point's normal
   uint32_t *tap_starts, *tap_probes; // probes that answer for a point
   float *tap_weights;
-  uint16_t (*cell)[4]; // of a correction, around the normal
-  float (*cell_weight)[4];
+  olx_correction_cells *cells; // of a correction, around the normal
   bool *valid;
   olx_vec3 *measured;
-  size_t unknowns; // OLX_RELIT_FIT_CELLS a probe
-  olx_vec3 *solution, *gradient, *direction, *product;
-  olx_vec3 *partial;      // OLX_RELIT_CHUNKS times `unknowns`
+  olx_corrections corrections;
+  olx_vec3 *partial;      // OLX_RELIT_CHUNKS times the unknowns
   const olx_vec3 *factor; // that is multiplied now
 } olx_relit_fit;
 

@@ -4,10 +4,6 @@
 
 #include <string.h>
 
-// As in a bake (docs/baking.md).
-static const float SIZE_PENALTY = 1e-4f;
-static const float SMOOTHNESS_PENALTY = 3e-4f;
-
 // What no probe sees lies in hollows: it sends this share of what the rest does on average (docs/results.md).
 static const float UNSEEN_SHARE = 0.5f;
 
@@ -18,46 +14,29 @@ static const uint32_t *words_of(const olx_relight *r, uint32_t point) {
 }
 
 void olx_relit_fit_free(olx_relit_fit *fit) {
-  void *const blocks[] = {fit->texels,      fit->tap_starts, fit->tap_probes, fit->tap_weights, fit->cell,
-                          fit->cell_weight, fit->valid,      fit->measured,   fit->solution,    fit->gradient,
-                          fit->direction,   fit->product,    fit->partial};
+  void *const blocks[] = {fit->texels, fit->tap_starts, fit->tap_probes, fit->tap_weights,
+                          fit->cells,  fit->valid,      fit->measured,   fit->partial};
   for (uint32_t i = 0; i < sizeof blocks / sizeof *blocks; i++) olx_release(blocks[i]);
+  olx_corrections_free(&fit->corrections);
   *fit = (olx_relit_fit){0};
 }
 
 static olx_result allocate(olx_relight *r, uint32_t count) {
   olx_relit_fit *f = &r->fit;
-  f->unknowns = (size_t)r->counts[0] * OLX_RELIT_FIT_CELLS;
+  const bool allocated = olx_corrections_allocate(&f->corrections, r->counts[0]);
   f->texels = olx_allocate(count, sizeof *f->texels);
   f->tap_starts = olx_allocate((size_t)count + 1, sizeof *f->tap_starts);
   f->tap_probes = olx_allocate((size_t)count * MOST_TAPS, sizeof *f->tap_probes);
   f->tap_weights = olx_allocate((size_t)count * MOST_TAPS, sizeof *f->tap_weights);
-  f->cell = olx_allocate(count, sizeof *f->cell);
-  f->cell_weight = olx_allocate(count, sizeof *f->cell_weight);
+  f->cells = olx_allocate(count, sizeof *f->cells);
   f->valid = olx_allocate(count, sizeof *f->valid);
   f->measured = olx_allocate_zero(count, sizeof *f->measured);
-  f->solution = olx_allocate_zero(f->unknowns, sizeof *f->solution);
-  f->gradient = olx_allocate(f->unknowns, sizeof *f->gradient);
-  f->direction = olx_allocate(f->unknowns, sizeof *f->direction);
-  f->product = olx_allocate(f->unknowns, sizeof *f->product);
-  f->partial = olx_allocate(OLX_RELIT_CHUNKS * f->unknowns, sizeof *f->partial);
-  if (f->texels && f->tap_starts && f->tap_probes && f->tap_weights && f->cell && f->cell_weight && f->valid &&
-      f->measured && f->solution && f->gradient && f->direction && f->product && f->partial) {
+  f->partial = olx_allocate(OLX_RELIT_CHUNKS * f->corrections.unknowns, sizeof *f->partial);
+  if (allocated && f->texels && f->tap_starts && f->tap_probes && f->tap_weights && f->cells && f->valid &&
+      f->measured && f->partial) {
     return OLX_OK;
   }
   return olx_fail(OLX_ERROR_MEMORY, "relight: out of memory for %u points", count);
-}
-
-static void place_cells(olx_relit_fit *f, uint32_t point, olx_vec2 uv) {
-  const float x = uv.x * OLX_RELIT_FIT_SIDE - 0.5f, y = uv.y * OLX_RELIT_FIT_SIDE - 0.5f;
-  const int32_t x0 = (int32_t)floorf(x), y0 = (int32_t)floorf(y);
-  const float fx = x - (float)x0, fy = y - (float)y0;
-  for (int32_t k = 0; k < 4; k++) {
-    int32_t sx, sy;
-    olx_border_source(x0 + (k & 1), y0 + (k >> 1), OLX_RELIT_FIT_SIDE, &sx, &sy);
-    f->cell[point][k] = (uint16_t)(sy * OLX_RELIT_FIT_SIDE + sx);
-    f->cell_weight[point][k] = (k & 1 ? fx : 1.0f - fx) * (k >> 1 ? fy : 1.0f - fy);
-  }
 }
 
 // The same texels of a map that has no border.
@@ -94,7 +73,7 @@ static bool read_point(olx_relight *r, uint32_t point, uint32_t *taps) {
   }
   const olx_vec2 uv = olx_octahedral_encode(normal);
   f->texels[point] = without_border(olx_bilinear_at(uv, r->map_size), r->map_size);
-  place_cells(f, point, uv);
+  f->cells[point] = olx_correction_cells_at(uv);
   return true;
 }
 
@@ -138,25 +117,12 @@ static uint32_t first_point(const olx_relit_fit *f, uint32_t chunk) {
   return (uint32_t)((uint64_t)f->count * chunk / OLX_RELIT_CHUNKS);
 }
 
-static olx_vec3 predict(const olx_relit_fit *f, uint32_t point, const olx_vec3 *x) {
-  olx_vec3 sum = {0};
-  for (uint32_t k = f->tap_starts[point]; k < f->tap_starts[point + 1]; k++) {
-    const olx_vec3 *cells = x + (size_t)f->tap_probes[k] * OLX_RELIT_FIT_CELLS;
-    for (uint32_t i = 0; i < 4; i++) {
-      sum = olx_madd(sum, cells[f->cell[point][i]], f->tap_weights[k] * f->cell_weight[point][i]);
-    }
-  }
-  return sum;
-}
-
-static void scatter(const olx_relit_fit *f, uint32_t point, olx_vec3 value, olx_vec3 *unknowns) {
-  for (uint32_t k = f->tap_starts[point]; k < f->tap_starts[point + 1]; k++) {
-    olx_vec3 *cells = unknowns + (size_t)f->tap_probes[k] * OLX_RELIT_FIT_CELLS;
-    for (uint32_t i = 0; i < 4; i++) {
-      olx_vec3 *cell = &cells[f->cell[point][i]];
-      *cell = olx_madd(*cell, value, f->tap_weights[k] * f->cell_weight[point][i]);
-    }
-  }
+static olx_correction_taps taps_of(const olx_relit_fit *f, uint32_t point) {
+  const uint32_t first = f->tap_starts[point];
+  return (olx_correction_taps){.count = f->tap_starts[point + 1] - first,
+                               .probes = f->tap_probes + first,
+                               .weights = f->tap_weights + first,
+                               .cells = &f->cells[point]};
 }
 
 static olx_vec3 interpolated(const olx_relight *r, uint32_t point) {
@@ -176,110 +142,56 @@ static olx_vec3 interpolated(const olx_relight *r, uint32_t point) {
 static void residual_job(void *user, uint32_t chunk) {
   olx_relight *r = user;
   olx_relit_fit *f = &r->fit;
-  olx_vec3 *sums = f->partial + f->unknowns * chunk;
-  memset(sums, 0, f->unknowns * sizeof *sums);
+  olx_vec3 *sums = f->partial + f->corrections.unknowns * chunk;
+  memset(sums, 0, f->corrections.unknowns * sizeof *sums);
   for (uint32_t i = first_point(f, chunk); i < first_point(f, chunk + 1); i++) {
     if (!f->valid[i]) continue;
-    const olx_vec3 known = olx_add(interpolated(r, i), predict(f, i, f->solution));
-    scatter(f, i, olx_sub(f->measured[i], known), sums);
+    const olx_correction_taps taps = taps_of(f, i);
+    const olx_vec3 known = olx_add(interpolated(r, i), olx_corrections_predict(f->corrections.solution, &taps));
+    olx_corrections_scatter(sums, &taps, olx_sub(f->measured[i], known));
   }
 }
 
 static void multiply_job(void *user, uint32_t chunk) {
   olx_relit_fit *f = &((olx_relight *)user)->fit;
-  olx_vec3 *sums = f->partial + f->unknowns * chunk;
-  memset(sums, 0, f->unknowns * sizeof *sums);
+  olx_vec3 *sums = f->partial + f->corrections.unknowns * chunk;
+  memset(sums, 0, f->corrections.unknowns * sizeof *sums);
   for (uint32_t i = first_point(f, chunk); i < first_point(f, chunk + 1); i++) {
-    if (f->valid[i]) scatter(f, i, predict(f, i, f->factor), sums);
-  }
-}
-
-// Adds the penalties' part of the normal equations.
-static void penalize(const olx_vec3 *x, float strength, olx_vec3 *product) {
-  for (int32_t cy = 0; cy < OLX_RELIT_FIT_SIDE; cy++) {
-    for (int32_t cx = 0; cx < OLX_RELIT_FIT_SIDE; cx++) {
-      const size_t c = (size_t)(cy * OLX_RELIT_FIT_SIDE + cx);
-      product[c] = olx_madd(product[c], x[c], SIZE_PENALTY * strength);
-      for (int32_t axis = 0; axis < 2; axis++) {
-        int32_t sx, sy;
-        olx_border_source(cx + (axis == 0), cy + (axis == 1), OLX_RELIT_FIT_SIDE, &sx, &sy);
-        const size_t next = (size_t)(sy * OLX_RELIT_FIT_SIDE + sx);
-        const olx_vec3 step = olx_scale(olx_sub(x[c], x[next]), SMOOTHNESS_PENALTY * strength);
-        product[c] = olx_add(product[c], step);
-        product[next] = olx_sub(product[next], step);
-      }
-    }
+    if (!f->valid[i]) continue;
+    const olx_correction_taps taps = taps_of(f, i);
+    olx_corrections_scatter(sums, &taps, olx_corrections_predict(f->factor, &taps));
   }
 }
 
 // The chunks' sums in their order, and the penalties on `x`.
 static void total(const olx_relight *r, const olx_vec3 *x, float sign, olx_vec3 *out) {
   const olx_relit_fit *f = &r->fit;
-  const float strength = sign * (float)r->source->relight.points;
-  memcpy(out, f->partial, f->unknowns * sizeof *out);
+  const size_t unknowns = f->corrections.unknowns;
+  memcpy(out, f->partial, unknowns * sizeof *out);
   for (uint32_t chunk = 1; chunk < OLX_RELIT_CHUNKS; chunk++) {
-    const olx_vec3 *sums = f->partial + f->unknowns * chunk;
-    for (size_t i = 0; i < f->unknowns; i++) out[i] = olx_add(out[i], sums[i]);
+    const olx_vec3 *sums = f->partial + unknowns * chunk;
+    for (size_t i = 0; i < unknowns; i++) out[i] = olx_add(out[i], sums[i]);
   }
-  for (size_t first = 0; first < f->unknowns; first += OLX_RELIT_FIT_CELLS) penalize(x + first, strength, out + first);
-}
-
-typedef struct dot3 {
-  double x, y, z;
-} dot3;
-
-static dot3 dot_each(const olx_vec3 *a, const olx_vec3 *b, size_t count) {
-  dot3 sum = {0.0, 0.0, 0.0};
-  for (size_t i = 0; i < count; i++) {
-    sum.x += (double)a[i].x * (double)b[i].x;
-    sum.y += (double)a[i].y * (double)b[i].y;
-    sum.z += (double)a[i].z * (double)b[i].z;
-  }
-  return sum;
-}
-
-static olx_vec3 ratio(dot3 a, dot3 b) {
-  return olx_v3(b.x > 0.0 ? (float)(a.x / b.x) : 0.0f, b.y > 0.0 ? (float)(a.y / b.y) : 0.0f,
-                b.z > 0.0 ? (float)(a.z / b.z) : 0.0f);
+  olx_corrections_penalize(&f->corrections, x, sign * (float)r->source->relight.points, out);
 }
 
 olx_result olx_relit_fit_solve(olx_relight *r, uint32_t steps) {
   olx_relit_fit *f = &r->fit;
+  olx_corrections *c = &f->corrections;
   if (!f->count || steps == 0) return OLX_OK;
   const uint32_t threads = r->settings.threads;
   OLX_TRY(olx_parallel_for(OLX_RELIT_CHUNKS, threads, residual_job, r, NULL, 0));
-  total(r, f->solution, -1.0f, f->gradient);
-  memcpy(f->direction, f->gradient, f->unknowns * sizeof *f->direction);
-  dot3 norm = dot_each(f->gradient, f->gradient, f->unknowns);
+  total(r, c->solution, -1.0f, c->gradient);
+  olx_corrections_begin(c);
   for (uint32_t step = 0; step < steps; step++) {
-    f->factor = f->direction;
+    f->factor = c->direction;
     OLX_TRY(olx_parallel_for(OLX_RELIT_CHUNKS, threads, multiply_job, r, NULL, 0));
-    total(r, f->direction, 1.0f, f->product);
-    const olx_vec3 length = ratio(norm, dot_each(f->direction, f->product, f->unknowns));
-    for (size_t i = 0; i < f->unknowns; i++) {
-      f->solution[i] = olx_add(f->solution[i], olx_mul(length, f->direction[i]));
-      f->gradient[i] = olx_sub(f->gradient[i], olx_mul(length, f->product[i]));
-    }
-    const dot3 next = dot_each(f->gradient, f->gradient, f->unknowns);
-    const olx_vec3 keep = ratio(next, norm);
-    norm = next;
-    for (size_t i = 0; i < f->unknowns; i++) {
-      f->direction[i] = olx_add(f->gradient[i], olx_mul(keep, f->direction[i]));
-    }
+    total(r, c->direction, 1.0f, c->product);
+    olx_corrections_step(c);
   }
   return OLX_OK;
 }
 
 olx_vec3 olx_relit_correction(const olx_relit_fit *f, uint32_t probe, olx_vec2 uv) {
-  const float x = uv.x * OLX_RELIT_FIT_SIDE - 0.5f, y = uv.y * OLX_RELIT_FIT_SIDE - 0.5f;
-  const int32_t x0 = (int32_t)floorf(x), y0 = (int32_t)floorf(y);
-  const float fx = x - (float)x0, fy = y - (float)y0;
-  olx_vec3 sum = {0};
-  for (int32_t k = 0; k < 4; k++) {
-    int32_t sx, sy;
-    olx_border_source(x0 + (k & 1), y0 + (k >> 1), OLX_RELIT_FIT_SIDE, &sx, &sy);
-    const olx_vec3 cell = f->solution[(size_t)probe * OLX_RELIT_FIT_CELLS + (size_t)(sy * OLX_RELIT_FIT_SIDE + sx)];
-    sum = olx_madd(sum, cell, (k & 1 ? fx : 1.0f - fx) * (k >> 1 ? fy : 1.0f - fy));
-  }
-  return sum;
+  return olx_correction_at(f->corrections.solution + (size_t)probe * OLX_CORRECTION_CELLS, uv);
 }

@@ -36,8 +36,9 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_BINDING_DISTANCE 6
 #define OLX_BINDING_IRRADIANCE 7
 #define OLX_BINDING_MOMENTS 8
-#define OLX_BINDING_BRICKS 9 // storage buffer, the bricks as they lie in the file
-#define OLX_FIELD_BINDINGS 10
+#define OLX_BINDING_BRICKS 9   // storage buffer, the bricks as they lie in the file
+#define OLX_BINDING_VORONOI 10 // storage buffer, the maps of neighbours and the tree as they lie in the file
+#define OLX_FIELD_BINDINGS 11
 
 // The buffer of classic maps: a header of words, which tell what begins at which word, and then all of it as it lies in the file.
 #define OLX_CLASSIC_SIZE 0 // texels along a side
@@ -87,7 +88,7 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_BINDING_OUT_TARGET 6 // storage, rgba16f: the host's
 #define OLX_FILTER_BINDINGS 7
 
-#define OLX_SELECT_GPU_MASK 0x9u // bits (1 << olx_select) of the stored selectors that have a twin
+#define OLX_SELECT_GPU_MASK 0xBu // bits (1 << olx_select) of the stored selectors that have a twin
 #define OLX_MAX_ATTEMPTS 128     // probes that a search remembers as asked
 
 // C has these as enumerations, in octalux/sample.h, octalux/field.h and field/field_data.h.
@@ -96,6 +97,7 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_TRACER_TWO_LEVEL 1
 #define OLX_TRACER_HIZ 2
 #define OLX_SELECT_CAGE 0
+#define OLX_SELECT_VORONOI 1
 #define OLX_SELECT_BRICKS 3
 #define OLX_SELECT_EXHAUSTIVE 4
 #define OLX_SELECT_BEST 5

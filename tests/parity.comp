@@ -61,7 +61,8 @@ void derive() {
   settings.visibility = (bits.w & 6u) != 0u;
   settings.keep_buried = (bits.w & 8u) != 0u;
   settings.emitters = (bits.w & 16u) != 0u;
-  settings.select = uint[](OLX_SELECT_EXHAUSTIVE, OLX_SELECT_CAGE, OLX_SELECT_BRICKS, OLX_SELECT_BEST)[bits.w >> 5 & 3u];
+  settings.select = uint[](OLX_SELECT_EXHAUSTIVE, OLX_SELECT_CAGE, OLX_SELECT_BRICKS, OLX_SELECT_VORONOI,
+                           OLX_SELECT_BEST)[(bits.w >> 5) % 5u];
   surface = olx_surface_point(point, direction, view);
   bsdf = olx_bsdf_make(abs(direction), random.x, random.y, random.z);
 }
@@ -153,6 +154,37 @@ void core_rows() {
   case ROW_olx_ggx_sample_half: put(olx_ggx_sample_half(random.z, local_view, random.xy)); break;
   case ROW_olx_ggx_sample:
     put(olx_ggx_sample(bsdf.alpha, local_view, random.zw, weight, half_cosine)), put(weight), put(half_cosine);
+    break;
+  }
+}
+
+bool has_voronoi() { return olx_select_available(OLX_SELECT_VORONOI); }
+
+// The nearest of one probe.
+olx_nearest nearest_of(uint one) {
+  olx_nearest n = olx_nearest(point, settings.keep_buried, OLX_NO_PROBE, OLX_INFINITY);
+  olx_consider(n, one);
+  return n;
+}
+
+void put_nearest(olx_nearest n) { put(n.probe), put(n.distance); }
+
+void voronoi_rows() {
+  uint code_bytes = olx_probe_code_bytes(olx_field.probe_count), codes = has_voronoi() ? olx_voronoi_tree() : 0u;
+  olx_nearest n = nearest_of(bits.y % olx_field.probe_count);
+  uvec4 choices;
+  switch (row) {
+  case ROW_olx_probe_code_bytes: put(olx_probe_code_bytes(bits.x % 512u)); break;
+  case ROW_olx_probe_code: put(has_voronoi() ? olx_probe_code(code_bytes, bits.x % (codes + olx_field.probe_count)) : 0u); break;
+  case ROW_olx_voronoi_tree: put(codes); break;
+  case ROW_olx_middle: put(olx_middle(bits.x & 0xFFu, (bits.x & 0xFFu) + (bits.y & 0xFFFFu))); break;
+  case ROW_olx_consider: olx_consider(n, probe), put_nearest(n); break;
+  case ROW_olx_search_tree: if (has_voronoi()) olx_search_tree(n), put_nearest(n); break;
+  case ROW_olx_voronoi_nearest: put(has_voronoi() ? olx_voronoi_nearest(point, settings.keep_buried) : 0u); break;
+  case ROW_olx_choice_texel: put(olx_choice_texel(1.2 * random.x - 0.1, 4u << (bits.x & 3u))); break;
+  case ROW_olx_voronoi_neighbours:
+    choices = has_voronoi() ? olx_voronoi_neighbours(probe, direction * item.v[15]) : uvec4(0u);
+    put(choices.xyz), put(choices.w);
     break;
   }
 }
@@ -269,6 +301,9 @@ void search_rows() {
   case ROW_olx_search_bricks:
     put(has_bricks() && olx_search_bricks(search, found, answer)), put(search.attempts), put(search.t);
     break;
+  case ROW_olx_search_voronoi:
+    put(has_voronoi() && olx_search_voronoi(search, found, answer)), put(search.attempts), put(search.t);
+    break;
   case ROW_olx_search_everywhere: put(olx_search_everywhere(search, found, answer)), put(search.attempts), put(search.t); break;
   case ROW_olx_search_selected: put(olx_search_selected(search, found, answer)), put(search.attempts), put(search.t); break;
   case ROW_olx_sky_radiance: put(olx_sky_radiance(direction)); break;
@@ -350,7 +385,7 @@ void main() {
   item = items[gl_GlobalInvocationID.x];
   derive();
   if (GROUP == 0u) core_rows();
-  else if (GROUP == 1u) field_rows();
+  else if (GROUP == 1u) field_rows(), voronoi_rows();
   else if (GROUP == 2u) march_rows();
   else if (GROUP == 3u) search_rows();
   else if (GROUP == 4u) shade_rows();

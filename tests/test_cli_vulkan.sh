@@ -31,6 +31,15 @@ compare_devices builtin:cornell-glossy cornell.olx --spp 1 --glossy-samples 4 --
 compare_devices builtin:cornell-glossy cornell.olx --spp 3 --glossy-samples 2 --seed 5 --dim-lobe 0.2 --tracer texel
 compare_devices builtin:cornell-glossy cornell.olx --spp 1 --select exhaustive --visibility none --keep-buried
 compare_devices builtin:labyrinth labyrinth.olx --spp 1
+# Neighbour maps, with so many probes that the nearest is found by the tree; they are the best of what this field has for the
+# device. Voxels run on the CPU alone.
+"$OCTALUX" bake builtin:cornell-glossy -o neighbours.olx --grid 5x4x4 --radiance-size 64 --irradiance-size 8 --bounces 0 \
+  --select voronoi,octree 2>stderr.txt
+compare_devices builtin:cornell-glossy neighbours.olx --spp 1 --select voronoi
+compare_devices builtin:cornell-glossy neighbours.olx --spp 1 --keep-buried
+expect_failure "'octree' does not run on the GPU" render builtin:cornell-glossy --field neighbours.olx -o none.exr --size 8x8 \
+  --select octree --device vulkan
+expect_failure "voronoi" render builtin:cornell-glossy --field cornell.olx -o none.exr --size 8x8 --select voronoi --device vulkan
 # The three modes, with the same random numbers. Histories of half floats, and kernels that follow from them, leave a little more
 # than half floats alone do.
 compare_devices builtin:cornell-glossy cornell.olx --mode gather --gather-samples 6 --spp 2 --emitters traced

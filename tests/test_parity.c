@@ -8,7 +8,10 @@
 #include "trace/surfel.c"
 #include "trace/trace.c"
 
+#include "select/voronoi.c"
+
 #include "analytic_field.h"
+#include "bake/voronoi_build.h"
 #include "core/bsdf.h"
 #include "core/sampling.h"
 #include "parity_rows.h"
@@ -125,8 +128,9 @@ static void derive(state *s) {
   s->settings.visibility = s->bits[3] & 6u ? OLX_VISIBILITY_CHEBYSHEV : OLX_VISIBILITY_NONE;
   s->settings.keep_buried = (s->bits[3] & 8u) != 0;
   s->settings.emitters = (s->bits[3] & 16u) != 0;
-  const olx_select selects[] = {OLX_SELECT_EXHAUSTIVE, OLX_SELECT_CAGE, OLX_SELECT_BRICKS, OLX_SELECT_BEST};
-  s->settings.select = selects[s->bits[3] >> 5 & 3u];
+  const olx_select selects[] = {OLX_SELECT_EXHAUSTIVE, OLX_SELECT_CAGE, OLX_SELECT_BRICKS, OLX_SELECT_VORONOI,
+                                OLX_SELECT_BEST};
+  s->settings.select = selects[(s->bits[3] >> 5) % 5u];
   s->source = olx_irradiance_source_of(s->field);
   s->terms = s->settings.visibility == OLX_VISIBILITY_NONE ? OLX_WEIGHT_TRILINEAR : OLX_WEIGHT_ALL;
   s->surface = (surface_point){s->point, s->direction, s->view};
@@ -218,6 +222,22 @@ static stand first_node(const state *s) {
   return (stand){.x = s->cell.x >> OLX_PYRAMID_FINEST, .y = s->cell.y >> OLX_PYRAMID_FINEST, .s = -1.0f, .t = s->cell.t};
 }
 
+static bool has_voronoi(const state *s) { return olx_select_available(s->field, OLX_SELECT_VORONOI); }
+static uint32_t tree_of(const state *s) { return has_voronoi(s) ? (uint32_t)olx_voronoi_tree(s->field) : 0; }
+static nearest nearest_of(const state *s, uint32_t one) {
+  nearest n = {.field = s->field,
+               .point = s->point,
+               .buried = s->settings.keep_buried,
+               .probe = OLX_NO_PROBE,
+               .distance = INFINITY};
+  consider(&n, one % s->field->info.probe_count);
+  return n;
+}
+static void put_nearest(result *r, const nearest *n) {
+  put_u(r, n->probe);
+  put_f(r, n->distance);
+}
+
 // clang-format off
 #define ROW(name, ...) static void row_##name(state *s, result *r) { (void)s; __VA_ARGS__ }
 
@@ -282,6 +302,20 @@ ROW(select_available, put_u(r, olx_select_available(s->field, (olx_select)(s->bi
 ROW(select_resolve, put_u(r, olx_select_resolve(s->field, (olx_select)(s->bits[0] % 6u)));)
 ROW(sample_settings_default, const olx_sample_settings d = olx_sample_settings_default(); put_u(r, d.tracer);
     put_u(r, d.select); put_u(r, d.visibility); put_u(r, d.max_probes); put_u(r, d.keep_buried); put_u(r, d.emitters);)
+
+ROW(probe_code_bytes, put_u(r, olx_probe_code_bytes(s->bits[0] % 512u));)
+ROW(probe_code, const uint32_t count = s->field->info.probe_count;
+    put_u(r, has_voronoi(s) ? olx_probe_code(olx_voronoi_codes(s->field), olx_probe_code_bytes(count),
+                                             s->bits[0] % (tree_of(s) + count)) : 0);)
+ROW(voronoi_tree, put_u(r, tree_of(s));)
+ROW(middle, const uint32_t begin = s->bits[0] & 0xFFu; put_u(r, olx_middle(begin, begin + (s->bits[1] & 0xFFFFu)));)
+ROW(consider, nearest n = nearest_of(s, s->bits[1]); consider(&n, s->probe); put_nearest(r, &n);)
+ROW(search_tree, nearest n = nearest_of(s, s->bits[1]); if (has_voronoi(s)) { search_tree(&n); put_nearest(r, &n); })
+ROW(voronoi_nearest, put_u(r, has_voronoi(s) ? olx_voronoi_nearest(s->field, s->point, s->settings.keep_buried) : 0);)
+ROW(choice_texel, put_u(r, choice_texel(1.2f * s->random[0] - 0.1f, 4u << (s->bits[0] & 3u)));)
+ROW(voronoi_neighbours, uint32_t choices[OLX_CHOICES] = {0};
+    if (has_voronoi(s)) olx_voronoi_neighbours(s->field, s->probe, olx_scale(s->direction, s->item->v[15]), choices);
+    for (uint32_t i = 0; i < OLX_CHOICES; i++) put_u(r, choices[i]);)
 
 ROW(radius_squared, put_f(r, olx_radius_squared(&s->march, s->random[0]));)
 ROW(farthest_squared, put_f(r, olx_farthest_squared(&s->march, s->random[0], s->random[0] + s->random[1]));)
@@ -362,6 +396,8 @@ ROW(next_listed, uint32_t found = OLX_BRICK_NO_PROBE; const bool some = s->field
 ROW(search_bricks, olx_probe_answer a = {0}; uint32_t found = 0;
     put_u(r, s->field->bricks.header && search_bricks(&s->search, &found, &a)); put_u(r, s->search.attempts);
     put_f(r, s->search.t);)
+ROW(search_voronoi, olx_probe_answer a = {0}; uint32_t found = 0;
+    put_u(r, has_voronoi(s) && search_voronoi(&s->search, &found, &a)); put_u(r, s->search.attempts); put_f(r, s->search.t);)
 ROW(search_everywhere, olx_probe_answer a = {0}; uint32_t found = 0; put_u(r, search_everywhere(&s->search, &found, &a));
     put_u(r, s->search.attempts); put_f(r, s->search.t);)
 ROW(search_selected, olx_probe_answer a = {0}; uint32_t found = 0; put_u(r, search_selected(&s->search, &found, &a));
@@ -380,9 +416,9 @@ ROW(chebyshev, put_f(r, chebyshev(&s->source, s->irradiance_probe, from_irradian
 ROW(visibility, put_f(r, visibility(&s->source, s->terms, s->irradiance_probe, from_irradiance_probe(s), &s->surface));)
 ROW(probe_weight, put_f(r, probe_weight(&s->source, s->terms, s->irradiance_probe, from_irradiance_probe(s), &s->surface));)
 ROW(irradiance_usable, put_u(r, s->settings.keep_buried || !(s->source.flags[s->irradiance_probe] & OLX_PROBE_BURIED));)
-ROW(nearest_visible, const olx_cage cage = olx_cage_at(&s->source.grid, s->point); uint32_t nearest = 0;
-    const bool seen = nearest_visible(&s->source, s->terms, s->settings.keep_buried, &s->surface, &cage, &nearest);
-    put_u(r, seen); put_u(r, seen ? nearest : 0);)
+ROW(nearest_visible, const olx_cage cage = olx_cage_at(&s->source.grid, s->point); uint32_t found = 0;
+    const bool seen = nearest_visible(&s->source, s->terms, s->settings.keep_buried, &s->surface, &cage, &found);
+    put_u(r, seen); put_u(r, seen ? found : 0);)
 ROW(add_from_afar, const olx_cage cage = olx_cage_at(&s->source.grid, s->point); olx_irradiance_weights w = {.count = 0};
     add_from_afar(&s->source, s->terms, s->settings.keep_buried, &s->surface, &cage, 1.0f, &w);
     const olx_bilinear b = olx_bilinear_at(olx_octahedral_encode(s->direction), s->field->irradiance_n); olx_vec3 sum = {0};
@@ -481,6 +517,15 @@ static const parity_row ROWS[] = {
     PARITY(select_available, 1e-6f, 0),
     PARITY(select_resolve, 1e-6f, 0),
     PARITY(sample_settings_default, 1e-6f, 0),
+    PARITY(probe_code_bytes, 1e-6f, 0),
+    PARITY(probe_code, 1e-6f, 0),
+    PARITY(voronoi_tree, 1e-6f, 0),
+    PARITY(middle, 1e-6f, 0),
+    PARITY(consider, 1e-6f, 0),
+    PARITY(search_tree, 1e-6f, 0),
+    PARITY(voronoi_nearest, 1e-6f, 0),
+    PARITY(choice_texel, 1e-6f, 0),
+    PARITY(voronoi_neighbours, 1e-6f, 1e-3),
     PARITY(radius_squared, 1e-5f, 1e-3),
     PARITY(farthest_squared, 1e-5f, 1e-3),
     PARITY(reach_squared, 1e-5f, 1e-3),
@@ -536,6 +581,7 @@ static const parity_row ROWS[] = {
     PARITY(bricks_probe, 1e-5f, 1e-3),
     PARITY(next_listed, 1e-5f, 1e-3),
     PARITY(search_bricks, 1e-5f, 1e-3),
+    PARITY(search_voronoi, 1e-5f, 1e-3),
     PARITY(probe_sees, 1e-5f, 1e-3),
     PARITY(map_irradiance, 1e-4f, 1e-3),
     PARITY(map_moments, 1e-4f, 1e-3),
@@ -577,7 +623,7 @@ typedef struct parity_field {
   analytic_scene scene;
   olx_grid grid;
   uint32_t n, irradiance_n;
-  bool bricks;
+  bool bricks, voronoi;
 } parity_field;
 
 static const analytic_box ROOM = {{0, 0, 0}, {4, 3, 5}};
@@ -609,6 +655,22 @@ static void add_bricks(olx_field *field, uint32_t words[BRICK_WORDS]) {
   if (olx_bricks_open(words, BRICK_WORDS * sizeof words[0], field->info.probe_count, "bricks", &field->bricks) != OLX_OK) {
     fail_msg("%s", olx_last_error());
   }
+}
+
+// The maps and the tree as the baker makes them, in memory that is the caller's to release.
+static void *add_voronoi(olx_field *field) {
+  const olx_selector_input input = {.positions = field->probe_positions,
+                                    .flags = field->probe_flags,
+                                    .count = field->info.probe_count,
+                                    .radiance_size = field->n,
+                                    .distance_scale = field->distance_scale,
+                                    .threads = 1};
+  void *data = NULL;
+  const olx_result built = olx_voronoi_build(&input, &data, &field->select_bytes[OLX_SELECT_VORONOI]);
+  if (built != OLX_OK) fail_msg("%s", olx_last_error());
+  field->select_data[OLX_SELECT_VORONOI] = data;
+  field->info.select_mask |= 1u << OLX_SELECT_VORONOI;
+  return data;
 }
 
 static olx_field *make_field(const parity_field *p) {
@@ -822,6 +884,7 @@ static void compare(const parity_field *p, uint32_t groups) {
   olx_field *field = make_field(p);
   _Alignas(64) uint32_t bricks[BRICK_WORDS];
   if (p->bricks) add_bricks(field, bricks);
+  void *voronoi = p->voronoi ? add_voronoi(field) : NULL;
   olx_vulkan_field *uploaded = NULL;
   if (olx_vulkan_field_create(&d->host, field, &uploaded) != OLX_OK) fail_msg("%s", olx_last_error());
   make_pipelines(uploaded);
@@ -835,13 +898,14 @@ static void compare(const parity_field *p, uint32_t groups) {
   }
   olx_vulkan_field_destroy(uploaded);
   analytic_field_free(field);
+  olx_release(voronoi);
   assert_int_equal(failures, 0);
 }
 
 static void in_a_furnished_room(void **unused) {
   (void)unused;
   const parity_field p = {"furnished room, 2 x 2 x 2 probes, 64 texels", {.room = ROOM, .box_count = 2, .boxes = FURNITURE},
-                          {{0.5f, 0.5f, 0.5f}, {3.0f, 2.0f, 4.0f}, {2, 2, 2}}, 64, 16, true};
+                          {{0.5f, 0.5f, 0.5f}, {3.0f, 2.0f, 4.0f}, {2, 2, 2}}, 64, 16, true, true};
   compare(&p, ALL_GROUPS);
 }
 
@@ -849,14 +913,14 @@ static void in_an_open_court(void **unused) {
   (void)unused;
   const parity_field p = {"open court, 3 x 1 x 2 probes, 32 texels",
                           {.room = ROOM, .open = true, .box_count = 2, .boxes = FURNITURE},
-                          {{0.5f, 1.2f, 0.5f}, {1.5f, 0.0f, 4.0f}, {3, 1, 2}}, 32, 8, true};
+                          {{0.5f, 1.2f, 0.5f}, {1.5f, 0.0f, 4.0f}, {3, 1, 2}}, 32, 8, true, false};
   compare(&p, FIELD_GROUP | MARCH_GROUP | SEARCH_GROUP | SHADE_GROUP);
 }
 
 static void where_maps_share_layers(void **unused) {
   (void)unused;
   const parity_field p = {"many probes, 8 texels", {.room = ROOM, .box_count = 2, .boxes = FURNITURE},
-                          {{0.1f, 0.1f, 0.1f}, {0.3f, 0.23f, 0.38f}, {13, 13, 13}}, 8, 8, false};
+                          {{0.1f, 0.1f, 0.1f}, {0.3f, 0.23f, 0.38f}, {13, 13, 13}}, 8, 8, false, true};
   // llvmpipe ends loops after 65535 turns, which a search over so many probes can exceed.
   compare(&p, FIELD_GROUP | MARCH_GROUP | SHADE_GROUP);
 }

@@ -170,6 +170,10 @@ tail -c +10 cornell.olx >>newer.olx
 expect_failure "version 7" view builtin:cornell-glossy --field newer.olx --offscreen --frames 1
 expect_failure "no camera" "${view[@]}" --camera behind --offscreen --frames 1
 expect_failure "voronoi" "${view[@]}" --select voronoi --offscreen --frames 1
+"$OCTALUX" bake builtin:cornell-glossy -o wang.olx --radiance-size 16 --irradiance-size 8 --bounces 1 --select voronoi,octree \
+  2>stderr.txt
+expect 0 view builtin:cornell-glossy --field wang.olx --size 32x24 --select voronoi --offscreen --frames 1
+expect_failure "octree does not run" view builtin:cornell-glossy --field wang.olx --select octree --offscreen --frames 1
 expect_failure "nosuch.txt: cannot be read" "${view[@]}" --offscreen --script nosuch.txt
 printf 'frames 2\npress ENTER\n' >wrong.txt
 expect_failure "wrong.txt:2: 'press'" "${view[@]}" --offscreen --script wrong.txt

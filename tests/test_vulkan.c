@@ -395,6 +395,45 @@ static void a_lost_device_is_reported(void **unused) {
   analytic_field_free(field);
 }
 
+static void neighbour_maps_are_counted_before_they_are_made(void **unused) {
+  (void)unused;
+  need_device();
+  enum { VORONOI_BYTES = 1000001 };
+  olx_field *field = analytic_field_make(&ROOM, &GRID, 16, 8);
+  olx_vulkan_sizes without, with;
+  assert_int_equal(olx_vulkan_field_measure(&device.host, field, &without), OLX_OK);
+  field->select_bytes[OLX_SELECT_VORONOI] = VORONOI_BYTES;
+  assert_int_equal(olx_vulkan_field_measure(&device.host, field, &with), OLX_OK);
+  assert_true(with.device_bytes >= without.device_bytes + VORONOI_BYTES);
+  assert_int_equal(with.allocations, without.allocations);
+  analytic_field_free(field);
+}
+
+static VKAPI_ATTR void VKAPI_CALL few_storage_buffers(VkPhysicalDevice d, VkPhysicalDeviceProperties *properties) {
+  const PFN_vkGetPhysicalDeviceProperties real = (PFN_vkGetPhysicalDeviceProperties)device.host.get_instance_proc_addr(
+      device.host.instance, "vkGetPhysicalDeviceProperties");
+  real(d, properties);
+  properties->limits.maxPerStageDescriptorStorageBuffers = 4;
+}
+
+static VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL few_buffers_function(VkInstance instance, const char *name) {
+  if (strcmp(name, "vkGetPhysicalDeviceProperties") == 0) return (PFN_vkVoidFunction)few_storage_buffers;
+  return device.host.get_instance_proc_addr(instance, name);
+}
+
+static void a_device_of_few_storage_buffers_is_refused(void **unused) {
+  (void)unused;
+  need_device();
+  olx_field *field = analytic_field_make(&ROOM, &GRID, 16, 8);
+  olx_vulkan_host host = device.host;
+  host.get_instance_proc_addr = few_buffers_function;
+  olx_vulkan_field *uploaded;
+  assert_int_equal(olx_vulkan_field_create(&host, field, &uploaded), OLX_ERROR_UNSUPPORTED);
+  assert_non_null(strstr(olx_last_error(), "5 storage buffers"));
+  assert_null(uploaded);
+  analytic_field_free(field);
+}
+
 static void a_host_without_a_queue_is_refused(void **unused) {
   (void)unused;
   olx_field *field = analytic_field_make(&ROOM, &GRID, 16, 8);
@@ -422,6 +461,8 @@ int main(void) {
       cmocka_unit_test(settings_that_cannot_be_are_refused),
       cmocka_unit_test(running_out_of_memory_leaves_nothing_behind),
       cmocka_unit_test(a_lost_device_is_reported),
+      cmocka_unit_test(neighbour_maps_are_counted_before_they_are_made),
+      cmocka_unit_test(a_device_of_few_storage_buffers_is_refused),
       cmocka_unit_test(a_host_without_a_queue_is_refused),
   };
   return cmocka_run_group_tests(tests, open_device, close_device);

@@ -30,7 +30,7 @@ static uint32_t next_select(const view_facts *facts, uint32_t select, bool back)
   for (;;) {
     select = next_of(select, OLX_SELECT_BEST + 1, back);
     if (select >= OLX_SELECT_EXHAUSTIVE) return select;
-    const bool runs = select == OLX_SELECT_CAGE || select == OLX_SELECT_BRICKS;
+    const bool runs = select == OLX_SELECT_CAGE || select == OLX_SELECT_BRICKS || select == OLX_SELECT_VORONOI;
     if (runs && facts->field.select_mask >> select & 1u) return select;
   }
 }

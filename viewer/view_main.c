@@ -101,7 +101,7 @@ static bool load(viewer *v) {
   snprintf(v->facts.scene_name, sizeof v->facts.scene_name, "%s", o->scene);
   const olx_sample_settings sample = {.select = (olx_select)v->state.select};
   if (olx_sample_settings_check(v->field, &sample) != OLX_OK) return library_failure("view") == EXIT_DONE;
-  if (v->state.select == OLX_SELECT_VORONOI || v->state.select == OLX_SELECT_OCTREE)
+  if (v->state.select == OLX_SELECT_OCTREE)
     return failure("view", "--select %s does not run on Vulkan", olx_select_name((olx_select)v->state.select)) ==
            EXIT_DONE;
   if (olx_scene_describe(v->scene).hash != v->facts.field.scene_hash)

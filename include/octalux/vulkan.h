@@ -1,8 +1,9 @@
 // Octalux on a Vulkan device: a baked field in the GPU's memory, and passes that add its indirect light to the host's picture.
 //
 // The host owns instance, device, queue, command buffers and images; Octalux creates only what it names here, reaches Vulkan
-// through the host's vkGetInstanceProcAddr and links no Vulkan library. It needs Vulkan 1.2, one queue with compute, and no
-// feature or extension.
+// through the host's vkGetInstanceProcAddr and links no Vulkan library. It needs Vulkan 1.2, one queue with compute, five storage
+// buffers to a shader, and no feature or extension. The selectors cage, bricks, voronoi and exhaustive run there; naming octree
+// is OLX_ERROR_UNSUPPORTED.
 //
 // Two ways to use a field:
 //   1. Record the passes below into the host's command buffers.

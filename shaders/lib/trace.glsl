@@ -9,6 +9,7 @@
 #include "select.glsl"
 #include "settings.glsl"
 #include "sight.glsl"
+#include "voronoi.glsl"
 
 const float OLX_HAND_OVER_FOOTPRINTS = 0.5;
 const float OLX_VANISHED_FOOTPRINTS = 1.5;
@@ -130,6 +131,22 @@ bool olx_search_cages(inout olx_search s, inout uint probe, inout olx_probe_answ
   }
 }
 
+// Ask the nearest probe, then from probe to probe the neighbour in whose direction the ray went out of sight.
+bool olx_search_voronoi(inout olx_search s, inout uint probe, inout olx_probe_answer answer) {
+  uint next = olx_voronoi_nearest(s.origin, s.settings.keep_buried);
+  while (next != OLX_NO_PROBE && s.attempts < s.limit) {
+    probe = next;
+    if (olx_ask(s, probe, answer)) return true;
+    precise vec3 stuck = olx_ray_point(s, s.t) - olx_probe_position(probe);
+    uvec4 choices = olx_voronoi_neighbours(probe, stuck);
+    next = OLX_NO_PROBE;
+    for (uint i = 0u; i < OLX_CHOICES && next == OLX_NO_PROBE; i++) {
+      if (choices[i] != OLX_NO_PROBE && olx_usable(s, choices[i]) && !olx_was_asked(s, choices[i])) next = choices[i];
+    }
+  }
+  return false;
+}
+
 // Of the probes that the bricks list for where the ray stands, the best that sees it: to begin with one near the origin
 // and the ray's line, later the nearest.
 bool olx_next_listed(olx_search s, out uint next) {
@@ -233,6 +250,7 @@ bool olx_search_selected(inout olx_search s, inout uint probe, inout olx_probe_a
   switch (olx_select_resolve(s.settings.select)) {
   case OLX_SELECT_CAGE: return olx_search_cages(s, probe, answer);
   case OLX_SELECT_BRICKS: return olx_search_bricks(s, probe, answer);
+  case OLX_SELECT_VORONOI: return olx_search_voronoi(s, probe, answer);
   default: return false;
   }
 }

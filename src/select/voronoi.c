@@ -65,7 +65,7 @@ uint32_t olx_voronoi_nearest(const olx_field *field, olx_vec3 point, bool buried
 }
 
 // Column or row of a coordinate in 0..1; 0 for NaN.
-static uint32_t texel_at(float coordinate, uint32_t size) {
+static uint32_t choice_texel(float coordinate, uint32_t size) {
   const float x = coordinate * (float)size;
   return x >= (float)size ? size - 1 : x > 0.0f ? (uint32_t)x : 0;
 }
@@ -74,7 +74,7 @@ void olx_voronoi_neighbours(const olx_field *field, uint32_t probe, olx_vec3 dir
   const olx_voronoi_header *header = field->select_data[OLX_SELECT_VORONOI];
   const uint32_t size = header->size, probes = field->info.probe_count;
   const olx_vec2 uv = olx_octahedral_encode(direction);
-  const size_t texel = ((size_t)probe * size + texel_at(uv.y, size)) * size + texel_at(uv.x, size);
+  const size_t texel = ((size_t)probe * size + choice_texel(uv.y, size)) * size + choice_texel(uv.x, size);
   for (uint32_t i = 0; i < OLX_CHOICES; i++) {
     const uint32_t choice =
         olx_probe_code(olx_voronoi_codes(field), olx_probe_code_bytes(probes), texel * OLX_CHOICES + i);

@@ -52,6 +52,23 @@ static VkDeviceSize align_buffer(const olx_vulkan_context *c, VkDeviceSize offse
   return (offset + alignment - 1) / alignment * alignment;
 }
 
+// Shaders read words, and codes of one byte may end within one.
+static VkDeviceSize whole_words(VkDeviceSize bytes) { return (bytes + 3) / 4 * 4; }
+
+static olx_result check_selector(const olx_vulkan_context *c, VkDeviceSize bytes, const char *what) {
+  if (whole_words(bytes) <= c->limits.maxStorageBufferRange) return OLX_OK;
+  return olx_fail(OLX_ERROR_UNSUPPORTED, "%llu bytes of %s are more than a storage buffer of this device holds",
+                  (unsigned long long)bytes, what);
+}
+
+// Vulkan itself promises no more than four to a stage.
+static olx_result check_bindings(const olx_vulkan_context *c) {
+  const uint32_t needed = OLX_FIELD_BINDINGS - OLX_GPU_MAPS - 1;
+  if (c->limits.maxPerStageDescriptorStorageBuffers >= needed) return OLX_OK;
+  return olx_fail(OLX_ERROR_UNSUPPORTED, "a field takes %u storage buffers, and this device has %u for a shader", needed,
+                  c->limits.maxPerStageDescriptorStorageBuffers);
+}
+
 static olx_result create_buffer(olx_vulkan_field *gpu, const olx_field *field) {
   const olx_vulkan_context *c = &gpu->context;
   const olx_field_info *info = &field->info;
@@ -67,11 +84,11 @@ static olx_result create_buffer(olx_vulkan_field *gpu, const olx_field *field) {
   }
   gpu->bricks_offset = align_buffer(c, gpu->least_offset + gpu->least_bytes);
   gpu->bricks_bytes = field->select_bytes[OLX_SELECT_BRICKS];
-  gpu->buffer_bytes = gpu->bricks_offset + gpu->bricks_bytes;
-  if (gpu->bricks_bytes > c->limits.maxStorageBufferRange) {
-    return olx_fail(OLX_ERROR_UNSUPPORTED, "%llu bytes of bricks are more than a storage buffer of this device holds",
-                    (unsigned long long)gpu->bricks_bytes);
-  }
+  gpu->voronoi_offset = align_buffer(c, gpu->bricks_offset + gpu->bricks_bytes);
+  gpu->voronoi_bytes = field->select_bytes[OLX_SELECT_VORONOI];
+  gpu->buffer_bytes = gpu->voronoi_offset + whole_words(gpu->voronoi_bytes);
+  OLX_TRY(check_selector(c, gpu->bricks_bytes, "bricks"));
+  OLX_TRY(check_selector(c, gpu->voronoi_bytes, "neighbour maps"));
   if (probes > c->limits.maxStorageBufferRange || irradiance_probes > c->limits.maxStorageBufferRange) {
     return olx_fail(OLX_ERROR_UNSUPPORTED, "%u probes are more than a storage buffer of this device holds",
                     info->probe_count > info->irradiance_probe_count ? info->probe_count : info->irradiance_probe_count);
@@ -118,6 +135,7 @@ static olx_gpu_field field_constants(const olx_vulkan_field *gpu, const olx_fiel
 // Images and buffers, as yet without memory.
 static olx_result create_resources(const olx_vulkan_host *host, const olx_field *field, olx_vulkan_field *gpu) {
   OLX_TRY(olx_vulkan_context_make(host, &gpu->context));
+  OLX_TRY(check_bindings(&gpu->context));
   const uint32_t probes = field->info.probe_count, irradiance_probes = field->info.irradiance_probe_count;
   const olx_gpu_maps maps[OLX_GPU_MAPS] = {
       [OLX_BINDING_RADIANCE - OLX_BINDING_RADIANCE] = {VK_FORMAT_B10G11R11_UFLOAT_PACK32, 4, field->stride, probes,
@@ -173,7 +191,7 @@ static olx_result create_sampler(const olx_vulkan_context *c, VkFilter filter, V
 
 static VkDescriptorType binding_type(uint32_t binding) {
   if (binding == OLX_BINDING_FIELD) return VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
-  if (binding < OLX_BINDING_RADIANCE || binding == OLX_BINDING_BRICKS) return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+  if (binding < OLX_BINDING_RADIANCE || binding >= OLX_BINDING_BRICKS) return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
   return VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
 }
 
@@ -218,10 +236,14 @@ static void write_set(const olx_vulkan_field *gpu) {
       [OLX_BINDING_IRRADIANCE_PROBES] = {gpu->buffer, gpu->irradiance_probes_offset,
                                          gpu->least_offset - gpu->irradiance_probes_offset},
       [OLX_BINDING_LEAST] = {gpu->buffer, gpu->least_offset, gpu->least_bytes},
-      // Without bricks nothing reads them, but something has to be bound.
+      // Without a selector nothing reads its structure, but something has to be bound.
       [OLX_BINDING_BRICKS] = gpu->bricks_bytes
                                  ? (VkDescriptorBufferInfo){gpu->buffer, gpu->bricks_offset, gpu->bricks_bytes}
                                  : constants,
+      [OLX_BINDING_VORONOI] =
+          gpu->voronoi_bytes
+              ? (VkDescriptorBufferInfo){gpu->buffer, gpu->voronoi_offset, whole_words(gpu->voronoi_bytes)}
+              : constants,
   };
   VkDescriptorImageInfo images[OLX_GPU_MAPS];
   VkWriteDescriptorSet writes[OLX_FIELD_BINDINGS];

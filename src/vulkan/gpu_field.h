@@ -25,11 +25,12 @@ struct olx_vulkan_field {
   olx_vulkan_context context;
   olx_gpu_field constants;
   olx_gpu_maps maps[OLX_GPU_MAPS]; // in the order of the bindings
-  VkBuffer buffer;                 // constants, probes, irradiance probes, pyramids
+  VkBuffer buffer;                 // constants, probes, irradiance probes, pyramids, selectors
   VkDeviceMemory buffer_memory;
   VkMemoryRequirements buffer_requirements;
   VkDeviceSize probes_offset, irradiance_probes_offset, least_offset, least_bytes, buffer_bytes;
-  VkDeviceSize bricks_offset, bricks_bytes; // 0 bytes without bricks
+  VkDeviceSize bricks_offset, bricks_bytes;   // 0 bytes without bricks
+  VkDeviceSize voronoi_offset, voronoi_bytes; // 0 bytes without maps of neighbours
   VkSampler nearest, linear;
   VkDescriptorSetLayout set_layout;
   VkDescriptorPool pool;

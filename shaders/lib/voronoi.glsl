@@ -1,0 +1,108 @@
+// Twin of src/select/voronoi.c: the nearest probe, then the Delaunay neighbours in the direction where a ray is stuck (Wang
+// 2018, section 4.1), from the maps and the tree as they lie in the file (docs/format.md, src/field/selector_data.h).
+#ifndef OLX_VORONOI_GLSL
+#define OLX_VORONOI_GLSL
+
+#include "maps.glsl"
+
+layout(set = OLX_FIELD_SET, binding = OLX_BINDING_VORONOI, std430) readonly buffer olx_voronoi_block {
+  uint olx_voronoi[];
+};
+
+const uint OLX_VORONOI_HEADER_WORDS = 4u; // texels along the side of a map, three of nothing
+const uint OLX_CHOICES = 4u;              // probes that a texel names, best first
+const uint OLX_FEW_PROBES = 64u, OLX_MAX_DEPTH = 17u;
+
+struct olx_nearest {
+  vec3 point;
+  bool buried;
+  uint probe;
+  float distance; // squared
+};
+
+// A part of the tree that lies beyond a plane at a squared distance.
+struct olx_tree_range {
+  uint begin, end, axis;
+  float beyond;
+};
+
+// Probes are named by a byte each where 255 probes are the most, else by two; all bits set name none.
+uint olx_probe_code_bytes(uint probe_count) { return probe_count <= 255u ? 1u : 2u; }
+
+uint olx_probe_code(uint code_bytes, uint index) {
+  uint at = index * code_bytes, none = code_bytes == 1u ? 0xFFu : 0xFFFFu;
+  uint code = olx_voronoi[OLX_VORONOI_HEADER_WORDS + at / 4u] >> (at % 4u * 8u) & none;
+  return code == none ? OLX_NO_PROBE : code;
+}
+
+// Where the k-d tree begins among the codes.
+uint olx_voronoi_tree() { return olx_field.probe_count * olx_voronoi[0] * olx_voronoi[0] * OLX_CHOICES; }
+
+// The middle of the probes from begin to end - 1.
+uint olx_middle(uint begin, uint end) { return begin + (end - begin) / 2u; }
+
+void olx_consider(inout olx_nearest n, uint probe) {
+  precise vec3 offset = olx_probe_position(probe) - n.point;
+  float distance = olx_dot(offset, offset);
+  if (distance > n.distance || (distance == n.distance && probe >= n.probe)) return;
+  if (!n.buried && (olx_probes[probe].flags & OLX_PROBE_BURIED) != 0u) return;
+  n.distance = distance;
+  n.probe = probe;
+}
+
+// Down to the point, leaving the other halves for later; then those that may hold a nearer one.
+void olx_search_tree(inout olx_nearest n) {
+  uint tree = olx_voronoi_tree(), count = olx_field.probe_count, code_bytes = olx_probe_code_bytes(count);
+  olx_tree_range later[OLX_MAX_DEPTH + 1u];
+  later[0] = olx_tree_range(0u, count, 0u, 0.0);
+  for (uint waiting = 1u; waiting > 0u;) {
+    olx_tree_range range = later[--waiting];
+    if (range.beyond > n.distance) continue;
+    while (range.begin < range.end) {
+      uint middle = olx_middle(range.begin, range.end), next = (range.axis + 1u) % 3u;
+      uint probe = olx_probe_code(code_bytes, tree + middle);
+      if (probe >= count) break;
+      olx_consider(n, probe);
+      precise float gap = n.point[range.axis] - olx_probe_position(probe)[range.axis];
+      precise float beyond = gap * gap;
+      bool low_first = gap < 0.0;
+      later[waiting++] = low_first ? olx_tree_range(middle + 1u, range.end, next, beyond)
+                                   : olx_tree_range(range.begin, middle, next, beyond);
+      range = low_first ? olx_tree_range(range.begin, middle, next, 0.0)
+                        : olx_tree_range(middle + 1u, range.end, next, 0.0);
+    }
+  }
+}
+
+// The probe nearest to a point, the first of several; buried ones only when `buried`. OLX_NO_PROBE when there is none.
+uint olx_voronoi_nearest(vec3 point, bool buried) {
+  olx_nearest n = olx_nearest(point, buried, OLX_NO_PROBE, OLX_INFINITY);
+  if (olx_field.probe_count > OLX_FEW_PROBES) {
+    olx_search_tree(n);
+  } else {
+    for (uint i = 0u; i < olx_field.probe_count; i++) olx_consider(n, i);
+  }
+  return n.probe;
+}
+
+// Column or row of a coordinate in 0..1. Never beyond the map, whatever a compiler makes of NaN.
+uint olx_choice_texel(float coordinate, uint size) {
+  precise float x = coordinate * float(size);
+  return x > 0.0 ? min(uint(x), size - 1u) : 0u;
+}
+
+// The neighbours of a probe that are nearest in angle to a direction (any length) from it, best first; OLX_NO_PROBE fills
+// the rest. Names no probe beyond the field's, whatever the file holds.
+uvec4 olx_voronoi_neighbours(uint probe, vec3 direction) {
+  uint size = olx_voronoi[0], probes = olx_field.probe_count;
+  vec2 uv = olx_octahedral_encode(direction);
+  uint texel = (probe * size + olx_choice_texel(uv.y, size)) * size + olx_choice_texel(uv.x, size);
+  uvec4 choices;
+  for (uint i = 0u; i < OLX_CHOICES; i++) {
+    uint choice = olx_probe_code(olx_probe_code_bytes(probes), texel * OLX_CHOICES + i);
+    choices[i] = choice < probes ? choice : OLX_NO_PROBE;
+  }
+  return choices;
+}
+
+#endif

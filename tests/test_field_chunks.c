@@ -1,0 +1,157 @@
+// Optional chunks of field files, those of classic maps and of relighting: every refusal is reached.
+#include "field_fixture.h"
+
+#include "core/hooks.h"
+
+// --- Classic maps: chunks after the required ones, since the field has no selector but the cage
+
+enum { CLAS = OLX_CHUNK_REQUIRED, CIRR, CRAD, CBOX };
+
+static void test_refuses_wrong_classic_maps(void **state) {
+  const field_image i = field_image_load(*state, &classic);
+  olx_classic_header *header = (olx_classic_header *)(i.bytes + i.chunks[CLAS].offset);
+#define REFUSED(place, value, message)                                                                                 \
+  do {                                                                                                                 \
+    __typeof__(place) *at = &(place), good = *at;                                                                      \
+    *at = (value);                                                                                                     \
+    field_seal(&i);                                                                                                    \
+    assert_field_refused(&i, OLX_ERROR_FORMAT, message);                                                               \
+    *at = good;                                                                                                        \
+  } while (0)
+  REFUSED(header->size, 16, "classic size 16 is not a power of two in 32..256");
+  REFUSED(header->size, 48, "classic size 48");
+  REFUSED(header->size, 512, "classic size 512");
+  REFUSED(header->size, 0, "classic size 0");
+  REFUSED(header->size, 128, "chunk CIRR: 104544 bytes in records of 17424"); // the maps are those of 64
+  REFUSED(header->cube_size, 2048, "cube maps of 2048 texels");
+  REFUSED(header->sharpness, NAN, "classic sharpness nan");
+  REFUSED(header->sharpness, 1.0f, "classic sharpness 1");
+  REFUSED(header->levels, 6, "chunk CLAS: 6 levels");
+  REFUSED(header->table_side, 65, "a table of 65 entries");
+  REFUSED(header->zero[10], 1, "or reserved bytes");
+  float *box = (float *)(i.bytes + i.chunks[CBOX].offset);
+  REFUSED(box[6 * 3 + 1], 9.0f, "is not around probe 3");
+  REFUSED(box[6 * 2 + 3], NAN, "is not around probe 2");
+  REFUSED(box[6 * 5 + 5], INFINITY, "is not around probe 5");
+  REFUSED(box[0], -2e18f, "is not around probe 0");
+  const uint32_t strange = OLX_FOUR_CC('c', 'r', 'a', 'd');
+  REFUSED(i.chunks[CRAD].type, strange, "no chunk CRAD, but a chunk CLAS");
+  REFUSED(i.chunks[CBOX].type, i.chunks[CIRR].type, "two chunks CIRR");
+  REFUSED(i.chunks[CLAS].type, strange, "a chunk CIRR, but no chunk CLAS");
+  REFUSED(i.chunks[CIRR].record_bytes, 64, "chunk CIRR");
+#undef REFUSED
+  field_seal(&i);
+  i.chunks[CRAD].flags = 0;
+  field_seal(&i);
+  assert_field_refused(&i, OLX_ERROR_UNSUPPORTED, "(CRAD) is required");
+  i.chunks[CRAD].flags = OLX_CHUNK_OPTIONAL;
+  field_seal(&i);
+  header->table[7] ^= 1;
+  assert_field_refused(&i, OLX_ERROR_CHECKSUM, "chunk CLAS: wrong checksum");
+  olx_release(i.bytes);
+}
+
+static void test_verify_reads_classic_maps(void **state) {
+  const field_image i = field_image_load(*state, &classic);
+  const size_t texels = 66 * 66, record = olx_classic_first(64, OLX_CLASSIC_LEVELS);
+#define REFUSED(chunk, index, value, message)                                                                          \
+  do {                                                                                                                 \
+    uint32_t *codes = (uint32_t *)(i.bytes + i.chunks[chunk].offset), good = codes[index];                             \
+    codes[index] = (value);                                                                                            \
+    field_seal(&i);                                                                                                    \
+    assert_field_unverified(&i, OLX_ERROR_FORMAT, message);                                                            \
+    codes[index] = good;                                                                                               \
+  } while (0)
+  REFUSED(CIRR, 2 * texels + 70, 0x7C0, "classic irradiance of probe 2, texel (3, 0): not a finite");
+  REFUSED(CIRR, 0, 3, "classic irradiance of probe 0: border texel (-1, -1) differs");
+  REFUSED(CRAD, record + 70, 0xF8000000, "classic radiance of probe 1, texel (3, 0): not a finite");
+  REFUSED(CRAD, olx_classic_first(64, 4), 3, "classic radiance of probe 0: border texel (-1, -1) differs");
+  REFUSED(CLAS, 16 + 99, 0x7C00, "entry 99 of the table: impossible");
+  REFUSED(CLAS, 16, 0x7E000000, "entry 0 of the table: impossible");
+  REFUSED(CLAS, 16 + 4095, 0x80000000, "entry 4095 of the table: impossible");
+  REFUSED(CLAS, 16 + 1, 0x40004000, "entry 1 of the table: impossible");
+#undef REFUSED
+  field_seal(&i);
+  olx_field *field;
+  assert_int_equal(olx_field_open_memory(i.bytes, i.size_bytes, &field), OLX_OK);
+  assert_int_equal(olx_field_verify(field), OLX_OK);
+  olx_field_close(field);
+  olx_release(i.bytes);
+}
+
+// --- What relighting needs
+
+enum { RLIT = OLX_CHUNK_REQUIRED, ALBE, SURF, FITP };
+
+static void test_refuses_wrong_relight_chunks(void **state) {
+  const field_image i = field_image_load(*state, &relit);
+  olx_relight_header *header = (olx_relight_header *)(i.bytes + i.chunks[RLIT].offset);
+#define REFUSED(place, value, message)                                                                                 \
+  do {                                                                                                                 \
+    __typeof__(place) *at = &(place), good = *at;                                                                      \
+    *at = (value);                                                                                                     \
+    field_seal(&i);                                                                                                    \
+    assert_field_refused(&i, OLX_ERROR_FORMAT, message);                                                               \
+    *at = good;                                                                                                        \
+  } while (0)
+  REFUSED(header->size, 8, "8 surfaces along a side are not 16, 32, 64 or 128");
+  REFUSED(header->size, 0, "0 surfaces");
+  REFUSED(header->size, 256, "256 surfaces");
+  REFUSED(header->size, 32, "chunk SURF: 12288 bytes in records of 2048"); // the maps are those of 16
+  REFUSED(header->points, 0, "0 points of 9 rays");
+  REFUSED(header->points, 4097, "4097 points of 9 rays");
+  REFUSED(header->points, 6, "chunk FITP: 1560 bytes");
+  REFUSED(header->rays, 0, "5 points of 0 rays");
+  REFUSED(header->rays, 257, "5 points of 257 rays");
+  REFUSED(header->zero[12], 1, "chunk RLIT: reserved bytes");
+  const uint32_t strange = OLX_FOUR_CC('s', 'u', 'r', 'f');
+  REFUSED(i.chunks[SURF].type, strange, "no chunk SURF, but chunk RLIT speaks of it");
+  REFUSED(i.chunks[FITP].type, strange, "no chunk FITP");
+  REFUSED(i.chunks[RLIT].type, strange, "a chunk ALBE, but no chunk RLIT");
+  REFUSED(i.chunks[ALBE].record_bytes, 64, "chunk ALBE");
+#undef REFUSED
+  field_seal(&i);
+  header->points ^= 1;
+  assert_field_refused(&i, OLX_ERROR_CHECKSUM, "chunk RLIT: wrong checksum");
+  olx_release(i.bytes);
+}
+
+static void test_verify_reads_relight_chunks(void **state) {
+  const field_image i = field_image_load(*state, &relit);
+#define REFUSED(chunk, index, value, message)                                                                          \
+  do {                                                                                                                 \
+    uint32_t *codes = (uint32_t *)(i.bytes + i.chunks[chunk].offset), good = codes[index];                             \
+    codes[index] = (value);                                                                                            \
+    field_seal(&i);                                                                                                    \
+    assert_field_unverified(&i, OLX_ERROR_FORMAT, message);                                                            \
+    codes[index] = good;                                                                                               \
+  } while (0)
+  REFUSED(ALBE, 18 * 18 + 20, 0x3C1, "albedo of probe 1, texel (1, 0): not in 0..1");
+  REFUSED(ALBE, 20, 0x7C0, "albedo of probe 0, texel (1, 0): not in 0..1");
+  REFUSED(ALBE, 0, 3, "albedo of probe 0: border texel (-1, -1) differs");
+  REFUSED(SURF, 2 * 256, 0x7C0, "surface 0 of probe 1");
+  REFUSED(SURF, 2 * 7 + 1, 0x7C0100FF, "surface 7 of probe 0"); // a normal's coordinate beyond 254
+  REFUSED(SURF, 2 * 7 + 1, 0x7C010000, "surface 7 of probe 0"); // NaN
+  REFUSED(SURF, 2 * 7 + 1, 0x80000000, "surface 7 of probe 0"); // below zero
+  REFUSED(FITP, 65 + 0, 0x7FC00000, "point 0 of probe 1");
+  REFUSED(FITP, 13 + 3, 0xFFFF, "point 1 of probe 0");
+  REFUSED(FITP, 13 * 4 + 3, 0x10000, "point 4 of probe 0");
+  REFUSED(FITP, 13 * 4 + 12, 6 * 256, "point 4 of probe 0");
+#undef REFUSED
+  field_seal(&i);
+  olx_field *field;
+  assert_int_equal(olx_field_open_memory(i.bytes, i.size_bytes, &field), OLX_OK);
+  assert_int_equal(olx_field_verify(field), OLX_OK);
+  olx_field_close(field);
+  olx_release(i.bytes);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test_setup_teardown(test_refuses_wrong_classic_maps, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_verify_reads_classic_maps, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_refuses_wrong_relight_chunks, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_verify_reads_relight_chunks, field_set_up, field_tear_down),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,351 @@
+// Damaged field files: every refusal of the header, the table, the description and the content is reached.
+#include "field_fixture.h"
+
+#include "core/hooks.h"
+
+static void test_refuses_a_wrong_header(void **state) {
+  field_image i = field_image_load(*state, &small);
+  const olx_file_header good = *i.header;
+  const size_t size_bytes = i.size_bytes;
+
+  i.size_bytes = 0;
+  assert_field_refused(&i, OLX_ERROR_FORMAT, "too short");
+  i.size_bytes = 63;
+  assert_field_refused(&i, OLX_ERROR_FORMAT, "too short");
+  i.size_bytes = 64;
+  assert_field_refused(&i, OLX_ERROR_FORMAT, "truncated");
+  i.size_bytes = size_bytes - 1;
+  assert_field_refused(&i, OLX_ERROR_FORMAT, "truncated");
+  i.size_bytes = size_bytes;
+
+  i.header->magic[1] = 'o';
+  assert_field_refused(&i, OLX_ERROR_FORMAT, "wrong magic");
+  *i.header = good;
+  i.header->version = 0;
+  assert_field_refused(&i, OLX_ERROR_VERSION, "version 0 is older");
+  i.header->version = 2;
+  assert_field_refused(&i, OLX_ERROR_VERSION, "version 2 is newer");
+  *i.header = good;
+  i.header->chunk_count++;
+  assert_field_refused(&i, OLX_ERROR_CHECKSUM, "header: wrong checksum");
+  *i.header = good;
+  i.header->file_bytes -= 64;
+  field_seal(&i);
+  assert_field_refused(&i, OLX_ERROR_FORMAT, "too long");
+  *i.header = good;
+  i.header->zero[2] = 1;
+  field_seal(&i);
+  assert_field_refused(&i, OLX_ERROR_FORMAT, "header: reserved bytes");
+  *i.header = good;
+  for (uint32_t wrong = 0; wrong <= 257; wrong += 257) {
+    i.header->chunk_count = wrong;
+    field_seal(&i);
+    assert_field_refused(&i, OLX_ERROR_FORMAT, "chunks are not in 1..256");
+  }
+  // A header that is right about its size, but the size holds no table.
+  *i.header = good;
+  i.header->file_bytes = i.size_bytes = 128;
+  i.header->header_hash = olx_content_hash(i.header, 56);
+  assert_field_refused(&i, OLX_ERROR_FORMAT, "truncated inside the chunk table");
+  i.size_bytes = size_bytes;
+  *i.header = good;
+  i.chunks[3].size_bytes ^= 1;
+  assert_field_refused(&i, OLX_ERROR_CHECKSUM, "chunk table: wrong checksum");
+  i.chunks[3].size_bytes ^= 1;
+
+  olx_field *field;
+  assert_int_equal(olx_field_open_memory(i.bytes + 1, i.size_bytes - 1, &field), OLX_ERROR_ARGUMENT);
+  assert_says("not aligned");
+  assert_int_equal(olx_field_open_memory(i.bytes, i.size_bytes, &field), OLX_OK);
+  olx_field_close(field);
+  olx_release(i.bytes);
+}
+
+static void test_refuses_a_wrong_chunk_table(void **state) {
+  field_image i = field_image_load(*state, &small);
+  olx_file_chunk good[OLX_CHUNK_REQUIRED];
+  memcpy(good, i.chunks, sizeof good);
+  olx_file_chunk *normal = &i.chunks[OLX_CHUNK_NORMAL];
+#define REFUSED(result, message)                                                                                       \
+  field_seal_table(&i);                                                                                                \
+  assert_field_refused(&i, result, message);                                                                           \
+  memcpy(i.chunks, good, sizeof good)
+  normal->flags = 2;
+  REFUSED(OLX_ERROR_FORMAT, "chunk 4 (NORM): unknown flags");
+  normal->zero_a = 1;
+  REFUSED(OLX_ERROR_FORMAT, "chunk 4 (NORM): unknown flags or reserved");
+  normal->zero_b[1] = 1;
+  REFUSED(OLX_ERROR_FORMAT, "chunk 4 (NORM): unknown flags or reserved");
+  normal->flags = OLX_CHUNK_OPTIONAL;
+  REFUSED(OLX_ERROR_FORMAT, "chunk NORM: flagged optional");
+  normal->offset += 64;
+  REFUSED(OLX_ERROR_FORMAT, "chunk 4 (NORM): begins at byte");
+  normal->offset -= 64; // overlaps the one before
+  REFUSED(OLX_ERROR_FORMAT, "chunk 4 (NORM): begins at byte");
+  normal->offset += 4;
+  REFUSED(OLX_ERROR_FORMAT, "chunk 4 (NORM): begins at byte");
+  normal->size_bytes = UINT64_MAX;
+  REFUSED(OLX_ERROR_FORMAT, "chunk 4 (NORM): 18446744073709551615 bytes");
+  normal->size_bytes = UINT64_MAX - normal->offset; // the sum does not overflow, its padding would
+  REFUSED(OLX_ERROR_FORMAT, "reach beyond the end of the file");
+  i.chunks[OLX_CHUNK_MOMENTS].size_bytes -= 64;
+  REFUSED(OLX_ERROR_FORMAT, "bytes after the last chunk");
+  normal->size_bytes -= 1; // still the same place for the next chunk
+  REFUSED(OLX_ERROR_FORMAT, "chunk NORM: 7775 bytes");
+  normal->record_bytes -= 1;
+  REFUSED(OLX_ERROR_FORMAT, "chunk NORM: 7776 bytes in records of 647");
+  normal->element_bytes = 4;
+  REFUSED(OLX_ERROR_FORMAT, "elements of 4");
+  normal->type = OLX_FOUR_CC('N', 'E', 'W', 1);
+  REFUSED(OLX_ERROR_FORMAT, "no chunk NORM");
+  normal->type = i.chunks[OLX_CHUNK_DISTANCE].type;
+  REFUSED(OLX_ERROR_FORMAT, "no chunk NORM");
+  i.chunks[OLX_CHUNK_INFO].type = 0;
+  REFUSED(OLX_ERROR_FORMAT, "no chunk INFO");
+  i.chunks[OLX_CHUNK_NORMAL].type = i.chunks[OLX_CHUNK_INFO].type;
+  REFUSED(OLX_ERROR_FORMAT, "two chunks INFO");
+  i.chunks[OLX_CHUNK_INFO].hash ^= 1;
+  REFUSED(OLX_ERROR_CHECKSUM, "chunk INFO: wrong checksum");
+  i.chunks[OLX_CHUNK_INFO].size_bytes = 129;
+  REFUSED(OLX_ERROR_FORMAT, "chunk INFO: 129 bytes, not 160");
+  // A padding that would end behind the file: the last chunk, and the file cut inside its padding.
+  i.header->file_bytes -= 32;
+  i.size_bytes -= 32;
+  REFUSED(OLX_ERROR_FORMAT, "its padding reaches beyond");
+#undef REFUSED
+  olx_release(i.bytes);
+}
+
+// The same file with one more chunk at the end of the table.
+static field_image with_chunk(const field_image *from, uint32_t type, uint32_t flags) {
+  const size_t old_table = OLX_CHUNK_REQUIRED * sizeof(olx_file_chunk), head = 64 + old_table;
+  field_image i = {.size_bytes = from->size_bytes + 64 + 64};
+  i.bytes = olx_allocate_zero(i.size_bytes, 1);
+  memcpy(i.bytes, from->bytes, head);
+  memcpy(i.bytes + head + 64, from->bytes + head, from->size_bytes - head);
+  i.header = (olx_file_header *)i.bytes;
+  i.chunks = (olx_file_chunk *)(i.bytes + 64);
+  i.header->chunk_count++;
+  i.header->file_bytes = i.size_bytes;
+  for (uint32_t k = 0; k < OLX_CHUNK_REQUIRED; k++) i.chunks[k].offset += 64;
+  memcpy(i.bytes + i.size_bytes - 64, "something new", 13);
+  i.chunks[OLX_CHUNK_REQUIRED] = (olx_file_chunk){.type = type,
+                                                  .flags = flags,
+                                                  .offset = i.size_bytes - 64,
+                                                  .size_bytes = 13,
+                                                  .record_bytes = 13,
+                                                  .element_bytes = 1,
+                                                  .hash = olx_content_hash("something new", 13)};
+  field_seal_table(&i);
+  return i;
+}
+
+static void test_skips_unknown_optional_chunks_only(void **state) {
+  const field_image plain = field_image_load(*state, &small);
+  const uint32_t type = OLX_FOUR_CC('G', 'L', 'O', 'W');
+  field_image i = with_chunk(&plain, type, 0);
+  assert_field_refused(&i, OLX_ERROR_UNSUPPORTED, "chunk 12 (GLOW) is required");
+  olx_release(i.bytes);
+
+  i = with_chunk(&plain, type, OLX_CHUNK_OPTIONAL);
+  olx_field *field;
+  assert_int_equal(olx_field_open_memory(i.bytes, i.size_bytes, &field), OLX_OK);
+  assert_int_equal(olx_field_verify(field), OLX_OK);
+  olx_field_close(field);
+  i.bytes[i.size_bytes - 60] ^= 1;
+  assert_field_unverified(&i, OLX_ERROR_CHECKSUM, "chunk 12 (GLOW): wrong checksum");
+  i.bytes[i.size_bytes - 60] ^= 1;
+  i.bytes[i.size_bytes - 1] = 1;
+  assert_field_unverified(&i, OLX_ERROR_FORMAT, "chunk 12 (GLOW): padding");
+  olx_release(i.bytes);
+
+  i = with_chunk(&plain, plain.chunks[OLX_CHUNK_RADIANCE].type, 0);
+  assert_field_refused(&i, OLX_ERROR_FORMAT, "two chunks RADI");
+  olx_release(i.bytes);
+  olx_release(plain.bytes);
+}
+
+static void test_refuses_a_wrong_description(void **state) {
+  const field_image i = field_image_load(*state, &small);
+  const olx_file_info good = *i.info;
+#define REFUSED(change, message)                                                                                       \
+  i.info->change;                                                                                                      \
+  field_seal(&i);                                                                                                      \
+  assert_field_refused(&i, OLX_ERROR_FORMAT, message);                                                                 \
+  *i.info = good
+  REFUSED(radiance_size = 4, "radiance size 4 is not");
+  REFUSED(radiance_size = 24, "radiance size 24 is not");
+  REFUSED(radiance_size = 4096, "radiance size 4096 is not");
+  REFUSED(radiance_size = 0, "radiance size 0 is not");
+  REFUSED(radiance_size = 32, "chunk RADI: ");
+  REFUSED(irradiance_size = 512, "irradiance size 512 is not");
+  REFUSED(irradiance_size = 16, "chunk IRRA: ");
+  REFUSED(probe_count = 0, "no light field probes");
+  REFUSED(irradiance_probe_count = 0, "no irradiance probes");
+  REFUSED(probe_count = UINT32_MAX, "light field grid: 3 x 2 x 2 is not the number of probes");
+  REFUSED(buried_count = 13, "more probes are buried than there are");
+  REFUSED(irradiance_buried_count = UINT32_MAX, "more probes are buried than there are");
+  REFUSED(buried_count = 5, "4 light field probes are flagged as buried where the description says 5");
+  REFUSED(irradiance_buried_count = 1, "2 irradiance probes are flagged as buried");
+  REFUSED(samples = 0, "samples 0");
+  REFUSED(distance_scale = 0.0f, "distance scale 0");
+  REFUSED(distance_scale = -1.0f, "distance scale -1");
+  REFUSED(distance_scale = NAN, "distance scale");
+  REFUSED(distance_scale = INFINITY, "distance scale inf");
+  REFUSED(distance_scale = 1e-40f, "distance scale");
+  REFUSED(scene_min[0] = 5.0f, "are not a box");
+  REFUSED(scene_max[2] = NAN, "are not a box");
+  REFUSED(scene_min[1] = -INFINITY, "are not a box");
+  REFUSED(scene_max[1] = 1e30f, "are not a box");
+  REFUSED(grid.count[0] = 0, "light field grid: count 0 along x");
+  REFUSED(grid.count[1] = 1u << 31, "light field grid: count 2147483648 along y");
+  REFUSED(grid.count[2] = 3, "light field grid: 3 x 2 x 3 is not the number of probes, 12");
+  REFUSED(grid.spacing[1] = 0.0f, "light field grid: spacing 0 along y");
+  REFUSED(grid.spacing[1] = -1.0f, "light field grid: spacing -1 along y");
+  REFUSED(grid.spacing[2] = NAN, "spacing");
+  REFUSED(grid.origin[0] = NAN, "light field grid: origin");
+  REFUSED(grid.origin[0] = 7.0f, "light field probe 0 stands at");
+  REFUSED(grid.spacing[2] = 1.5f, "light field probe 6 stands at");
+  REFUSED(irradiance_grid.spacing[1] = 1.0f, "irradiance grid: spacing 1 along y");
+  REFUSED(irradiance_grid.count[0] = 3, "irradiance grid: 3 x 1 x 3 is not the number of probes, 6");
+  REFUSED(has_grid = 2, "grid flag");
+  REFUSED(has_grid = 0, "the cage selector needs light field probes on a grid");
+  REFUSED(zero_a = 16, "reserved bytes");
+  REFUSED(zero_b = 1, "reserved bytes");
+#undef REFUSED
+  i.info->select_mask = 1u << OLX_SELECT_BRICKS; // whose chunk is missing
+  field_seal(&i);
+  assert_field_refused(&i, OLX_ERROR_FORMAT, "no chunk BRIK, but the description names its selector");
+  *i.info = good;
+  i.info->select_mask = 1u << 31 | 1u; // a later selector beside one that is known
+  field_seal(&i);
+  olx_field *field;
+  assert_int_equal(olx_field_open_memory(i.bytes, i.size_bytes, &field), OLX_OK);
+  olx_field_close(field);
+  *i.info = good;
+
+  float *position = field_chunk(&i, OLX_CHUNK_PROBE_POSITIONS);
+  position[3 * 7 + 2] = NAN;
+  field_seal(&i);
+  assert_field_refused(&i, OLX_ERROR_FORMAT, "position of light field probe 7 is out of range");
+  position[3 * 7 + 2] = 1.0f;
+  field_seal(&i);
+  assert_field_refused(&i, OLX_ERROR_FORMAT, "light field probe 7 stands at");
+  olx_release(i.bytes);
+}
+
+static void test_verify_sees_every_flipped_bit(void **state) {
+  const field_image i = field_image_load(*state, &small);
+  size_t at = 0, seen_open = 0, seen_verify = 0;
+  for (uint32_t step = 0; at < i.size_bytes; at += step < 1000 ? 1 : 37, step++) {
+    i.bytes[at] ^= (unsigned char)(1u << at % 8);
+    olx_field *field;
+    olx_result result = olx_field_open_memory(i.bytes, i.size_bytes, &field);
+    if (result != OLX_OK) {
+      seen_open++;
+    } else {
+      result = olx_field_verify(field);
+      seen_verify++;
+      olx_field_close(field);
+    }
+    if (result == OLX_OK) fail_msg("byte %zu may change", at);
+    i.bytes[at] ^= (unsigned char)(1u << at % 8);
+  }
+  assert_true(seen_open > 900 && seen_verify > 900);
+  // Every chunk, and the padding after each.
+  for (uint32_t k = 0; k < OLX_CHUNK_REQUIRED; k++) {
+    const olx_file_chunk *chunk = &i.chunks[k];
+    if (k != OLX_CHUNK_INFO) { // whose checksum is looked at on opening
+      char message[64];
+      snprintf(message, sizeof message, "chunk %u (%s): wrong checksum", k, olx_chunk_type_name(chunk->type).text);
+      i.bytes[chunk->offset] ^= 4;
+      assert_field_unverified(&i, OLX_ERROR_CHECKSUM, message);
+      i.bytes[chunk->offset] ^= 4;
+    }
+    if (chunk->size_bytes % 64 == 0) continue;
+    i.bytes[chunk->offset + chunk->size_bytes] = 0x10;
+    assert_field_unverified(&i, OLX_ERROR_FORMAT, "padding at byte");
+    i.bytes[chunk->offset + chunk->size_bytes] = 0;
+  }
+  olx_release(i.bytes);
+}
+
+static void test_verify_reads_the_content(void **state) {
+  const field_image i = field_image_load(*state, &small);
+  const size_t texels = 18 * 18, inner = 5 * 18 + 7; // texel (6, 4)
+#define REFUSED(kind, type, index, value, message)                                                                     \
+  do {                                                                                                                 \
+    type *codes = field_chunk(&i, kind);                                                                               \
+    const type good = codes[index];                                                                                    \
+    codes[index] = (type)(value);                                                                                      \
+    field_seal(&i);                                                                                                    \
+    assert_field_unverified(&i, OLX_ERROR_FORMAT, message);                                                            \
+    codes[index] = good;                                                                                               \
+  } while (0)
+  REFUSED(OLX_CHUNK_RADIANCE, uint32_t, 3 * texels + inner, 0x7C0, "radiance of probe 3, texel (6, 4): not a finite");
+  REFUSED(OLX_CHUNK_RADIANCE, uint32_t, inner, 0x3F << 16, "radiance of probe 0, texel (6, 4): not a finite");
+  REFUSED(OLX_CHUNK_RADIANCE, uint32_t, 11 * texels + inner, 0xF8000001, "radiance of probe 11, texel (6, 4): not a");
+  REFUSED(OLX_CHUNK_NORMAL, uint16_t, texels + inner, 0xFF, "normal of probe 1, texel (6, 4)");
+  REFUSED(OLX_CHUNK_NORMAL, uint16_t, texels + inner, 0xFF00, "normal of probe 1, texel (6, 4)");
+  REFUSED(OLX_CHUNK_DISTANCE, uint16_t, 2 * texels + inner, 0x7E00, "distance of probe 2, texel (6, 4): NaN");
+  REFUSED(OLX_CHUNK_DISTANCE, uint16_t, 2 * texels + inner, 0xFC01, "distance of probe 2, texel (6, 4): NaN");
+  REFUSED(OLX_CHUNK_DISTANCE, uint16_t, 2 * texels + inner, 0xFC00, "distance of probe 2, texel (6, 4): NaN");
+  REFUSED(OLX_CHUNK_DISTANCE, uint16_t, 2 * texels + inner, 0x0001, "least distance of probe 2, level 0, node (1, 1)");
+  REFUSED(OLX_CHUNK_LEAST, uint16_t, 16 * 4 + 5, 0x0001, "least distance of probe 4, level 0, node (1, 1)");
+  REFUSED(OLX_CHUNK_GREATEST, uint16_t, 16 * 4 + 6, 0x7C01, "greatest distance of probe 4, level 0, node (2, 1)");
+  REFUSED(OLX_CHUNK_RADIANCE, uint32_t, 0, 0, "radiance of probe 0: border texel (-1, -1) differs from texel (15, 15)");
+  REFUSED(OLX_CHUNK_NORMAL, uint16_t, texels - 1, 0, "border texel (16, 16) differs from texel (0, 0)");
+  REFUSED(OLX_CHUNK_DISTANCE, uint16_t, 18 * 3, 0x7BFF, "border texel (-1, 2) differs from texel (0, 13)");
+  REFUSED(OLX_CHUNK_IRRADIANCE, uint32_t, 100 + 45, 0xF8000000, "irradiance of probe 1, texel (4, 3): not a finite");
+  REFUSED(OLX_CHUNK_IRRADIANCE, uint32_t, 3, 1,
+          "irradiance of probe 0: border texel (2, -1) differs from texel (5, 0)");
+#define MOMENTS(mean, square) ((uint32_t)(mean) | (uint32_t)(square) << 16)
+  const char *impossible = "moments of probe 0, texel (4, 3): impossible moments";
+  REFUSED(OLX_CHUNK_MOMENTS, uint32_t, 45, MOMENTS(0x7C00, 0x3C00), impossible);     // infinite mean
+  REFUSED(OLX_CHUNK_MOMENTS, uint32_t, 45, MOMENTS(0x3C00, 0x7E00), impossible);     // NaN
+  REFUSED(OLX_CHUNK_MOMENTS, uint32_t, 45, MOMENTS(0xB000, 0x3C00), impossible);     // negative mean
+  REFUSED(OLX_CHUNK_MOMENTS, uint32_t, 45, MOMENTS(0x3C20, 0x3C40), impossible);     // mean 1.03
+  REFUSED(OLX_CHUNK_MOMENTS, uint32_t, 45, MOMENTS(0x3800, 0x3400 - 4), impossible); // 0.5^2 > 0.2490
+  REFUSED(OLX_CHUNK_MOMENTS, uint32_t, 0, MOMENTS(0x3C00, 0x3C00), "moments of probe 0: border texel (-1, -1)");
+  REFUSED(OLX_CHUNK_PROBE_FLAGS, uint8_t, 5, 0x40, "flags of light field probe 5: unknown bits");
+  REFUSED(OLX_CHUNK_IRRADIANCE_FLAGS, uint8_t, 1, 0x81, "flags of irradiance probe 1: unknown bits");
+#undef REFUSED
+  field_seal(&i);
+  olx_field *field;
+  assert_int_equal(olx_field_open_memory(i.bytes, i.size_bytes, &field), OLX_OK);
+  assert_int_equal(olx_field_verify(field), OLX_OK);
+  olx_field_close(field);
+  olx_release(i.bytes);
+}
+
+// The half that rounding a mean up and a second moment down leaves is no error: every mean with its own square passes.
+static void test_rounded_moments_are_possible(void **state) {
+  const field_image i = field_image_load(*state, &least);
+  uint32_t *moments = field_chunk(&i, OLX_CHUNK_MOMENTS);
+  for (uint32_t pass = 0; pass < 2000; pass++) {
+    const float mean = (float)(pass + 1) / 2000.0f;
+    for (uint32_t t = 0; t < 100; t++) {
+      moments[t] = olx_half_pack(mean) | (uint32_t)olx_half_pack(mean * mean) << 16;
+    }
+    i.chunks[OLX_CHUNK_MOMENTS].hash = olx_content_hash(moments, 400);
+    field_seal_table(&i);
+    olx_field *field;
+    assert_int_equal(olx_field_open_memory(i.bytes, i.size_bytes, &field), OLX_OK);
+    if (olx_field_verify(field) != OLX_OK) fail_msg("mean %g: %s", (double)mean, olx_last_error());
+    olx_field_close(field);
+  }
+  olx_release(i.bytes);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test_setup_teardown(test_refuses_a_wrong_header, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_refuses_a_wrong_chunk_table, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_skips_unknown_optional_chunks_only, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_refuses_a_wrong_description, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_verify_sees_every_flipped_bit, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_verify_reads_the_content, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_rounded_moments_are_possible, field_set_up, field_tear_down),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

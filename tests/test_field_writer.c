@@ -1,0 +1,132 @@
+// Writing field files: what readers would refuse is refused, nothing is left half written.
+#include "field_fixture.h"
+
+#include "core/hooks.h"
+
+#include <signal.h>
+#include <sys/resource.h>
+
+static void test_writer_refuses_what_readers_would(void **state) {
+  const field_fixture *f = *state;
+  olx_field_header header = synthetic_header(&small);
+  const olx_field_info good = header.info;
+  olx_field_writer *writer;
+#define REFUSED(change, message)                                                                                       \
+  header.info.change;                                                                                                  \
+  assert_int_equal(olx_field_writer_create(f->path, &header, &writer), OLX_ERROR_ARGUMENT);                            \
+  assert_null(writer);                                                                                                 \
+  assert_says(message);                                                                                                \
+  header.info = good
+  REFUSED(radiance_size = 12, "radiance size 12");
+  REFUSED(irradiance_size = 4, "irradiance size 4");
+  REFUSED(probe_count = 11, "not the number of probes");
+  REFUSED(distance_scale_metres = 0.0f, "distance scale 0");
+  REFUSED(grid.spacing.x = 2.0f, "light field probe 1 stands at");
+  REFUSED(has_grid = false, "needs light field probes on a grid");
+#undef REFUSED
+  assert_int_equal(field_files_in(f->folder), 0);
+  synthetic_header_release(&header);
+}
+
+static olx_field_writer *begin(const field_fixture *f, const synthetic_shape *shape) {
+  olx_field_header header = synthetic_header(shape);
+  olx_field_writer *writer;
+  assert_int_equal(olx_field_writer_create(f->path, &header, &writer), OLX_OK);
+  synthetic_header_release(&header);
+  return writer;
+}
+
+static void test_writer_keeps_order(void **state) {
+  const field_fixture *f = *state;
+  olx_field_writer *writer = begin(f, &small);
+  uint32_t radiance[16 * 16], moments[16 * 16];
+  uint16_t normal[16 * 16], distance[16 * 16];
+  synthetic_light_maps(16, 0, radiance, normal, distance);
+  assert_int_equal(olx_field_writer_probe(writer, 1, 0, radiance, normal, distance), OLX_ERROR_ARGUMENT);
+  assert_says("light field probe 1 written where 0 comes next");
+  assert_int_equal(olx_field_writer_probe(writer, 0, 0, radiance, normal, distance), OLX_OK);
+  assert_int_equal(olx_field_writer_probe(writer, 0, 0, radiance, normal, distance), OLX_ERROR_ARGUMENT);
+  synthetic_irradiance_maps(8, 0, radiance, moments);
+  assert_int_equal(olx_field_writer_irradiance(writer, 3, 0, radiance, moments), OLX_ERROR_ARGUMENT);
+  assert_int_equal(olx_field_writer_irradiance(writer, 0, 0, radiance, moments), OLX_OK);
+  assert_int_equal(olx_field_writer_commit(writer, NULL), OLX_ERROR_ARGUMENT);
+  assert_says("1 of 12 light field probes and 1 of 6 irradiance probes");
+
+  synthetic_shape without = classic;
+  without.classic_size = 0;
+  olx_field_header header = synthetic_header(&classic);
+  assert_int_equal(olx_field_writer_create(f->path, &header, &writer), OLX_OK);
+  synthetic_header_release(&header);
+  assert_int_equal(synthetic_write_probes(writer, &without), OLX_OK);
+  assert_int_equal(olx_field_writer_commit(writer, NULL), OLX_ERROR_ARGUMENT);
+  assert_says("classic maps of 0 of 6 irradiance probes written");
+
+  without = relit;
+  without.relight_size = 0;
+  header = synthetic_header(&relit);
+  assert_int_equal(olx_field_writer_create(f->path, &header, &writer), OLX_OK);
+  synthetic_header_release(&header);
+  assert_int_equal(synthetic_write_probes(writer, &without), OLX_OK);
+  assert_int_equal(olx_field_writer_commit(writer, NULL), OLX_ERROR_ARGUMENT);
+  assert_says("surfaces of 0 of 6 irradiance probes and albedo of 0 of 2 probes written");
+  assert_int_equal(field_files_in(f->folder), 0);
+}
+
+static void test_old_file_survives(void **state) {
+  field_fixture *f = *state;
+  size_t size_bytes, size_after;
+  unsigned char *before = field_written(f, &least, &size_bytes);
+
+  olx_field_writer_discard(NULL);
+  olx_field_writer_discard(begin(f, &small));
+  olx_field_writer *writer = begin(f, &small);
+  assert_int_equal(field_files_in(f->folder), 2);
+  assert_int_equal(synthetic_write_probes(writer, &small), OLX_OK);
+  olx_field_writer_discard(writer);
+
+  // A limit on the size of files is a disk that is full: known at the start, or, where space cannot be reserved, later.
+  struct rlimit limit;
+  assert_int_equal(getrlimit(RLIMIT_FSIZE, &limit), 0);
+  void (*handler)(int) = signal(SIGXFSZ, SIG_IGN);
+  const struct rlimit low = {.rlim_cur = 20000, .rlim_max = limit.rlim_max};
+  olx_field_header header = synthetic_header(&small);
+  assert_int_equal(setrlimit(RLIMIT_FSIZE, &low), 0);
+  const olx_result at_once = olx_field_writer_create(f->path, &header, &writer);
+  assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
+  if (at_once == OLX_OK) olx_field_writer_discard(writer);
+  else assert_int_equal(at_once, OLX_ERROR_FILE);
+
+  assert_int_equal(olx_field_writer_create(f->path, &header, &writer), OLX_OK);
+  assert_int_equal(setrlimit(RLIMIT_FSIZE, &low), 0);
+  const olx_result later = synthetic_write_probes(writer, &small);
+  assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
+  signal(SIGXFSZ, handler);
+  assert_int_equal(later, OLX_ERROR_FILE);
+  assert_says("cannot write");
+  assert_int_equal(olx_field_writer_commit(writer, NULL), OLX_ERROR_FILE);
+  synthetic_header_release(&header);
+
+  assert_int_equal(field_files_in(f->folder), 1);
+  unsigned char *after = synthetic_read_file(f->path, &size_after);
+  assert_int_equal(size_bytes, size_after);
+  assert_memory_equal(before, after, size_bytes);
+  olx_release(before);
+  olx_release(after);
+}
+
+static void test_folder_that_cannot_be_written(void **state) {
+  (void)state;
+  assert_int_equal(synthetic_write("/nonexistent-folder/a.olx", &least, NULL), OLX_ERROR_FILE);
+  assert_says("/nonexistent-folder/a.olx: cannot create");
+  assert_int_equal(synthetic_write("/proc/a.olx", &least, NULL), OLX_ERROR_FILE);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test_setup_teardown(test_writer_refuses_what_readers_would, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_writer_keeps_order, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_old_file_survives, field_set_up, field_tear_down),
+      cmocka_unit_test(test_folder_that_cannot_be_written),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

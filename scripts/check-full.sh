@@ -9,9 +9,9 @@ step "layers, names, words" python3 scripts/check_layers.py
 step "build: gcc, release" configure_and_build release &&
   tests release "tests: gcc, release" -L 'check|full'
 step "build: clang, release" configure_and_build release-clang &&
-  tests release-clang "tests: clang, release" -L check
+  tests release-clang "tests: clang, release" -L check -LE once
 step "build: address and undefined sanitizers" configure_and_build asan &&
-  tests asan "tests: address and undefined sanitizers" -L 'check|fuzz_full' -LE slow_under_sanitizers
+  tests asan "tests: address and undefined sanitizers" -L 'check|fuzz_full' -LE once
 step "build: thread sanitizer" configure_and_build tsan &&
-  tests tsan "tests: thread sanitizer" -L check -LE slow_under_sanitizers
+  tests tsan "tests: thread sanitizer" -L check -LE once
 finish

@@ -294,7 +294,7 @@ static bool run_pair(bench_job *job) {
     for (uint32_t k = 0; k < BENCH_PAIR; k++) {
       job->lit.sample.tracer = pair[k].tracer;
       job->lit.sample.select = pair[k].select;
-      double milliseconds;
+      double milliseconds = 0;
       if (!run_glossy(job, f, &milliseconds)) return false;
       if (f > 0) job->times[k * frames + f - 1] = milliseconds; // the first warms up
     }

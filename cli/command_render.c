@@ -1,6 +1,7 @@
 #include "commands.h"
 #include "options.h"
 #include "probe_markers.h"
+#include "relit_field.h"
 #include "report.h"
 #include "sample_options.h"
 #include "vulkan_render.h"
@@ -17,7 +18,7 @@
 typedef struct render_options {
   const char *scene, *output, *png, *field, *camera, *from_camera;
   uint32_t method, size[2], spp, bounces, diffuse, diffuse_samples, glossy_samples, seed, threads, device;
-  uint32_t mode, gather_samples, frames, cut, denoise, emitters;
+  uint32_t mode, gather_samples, frames, cut, denoise, emitters, relight;
   sample_options sample;
   float exposure, dim_lobe;
   bool standard_error, show_probes, centered, validate, progress, json;
@@ -114,6 +115,9 @@ static int check_options(render_options *o) {
   if (o->method == OLX_METHOD_CLASSIC && (o->mode != NOT_GIVEN || o->diffuse == OLX_DIFFUSE_TRACED || o->emitters)) {
     return usage_error("render", "--mode, --diffuse traced and --emitters traced go with --method field");
   }
+  if (o->relight && o->method != OLX_METHOD_FIELD) {
+    return usage_error("render", "--relight goes with --method field");
+  }
   if (o->show_probes && (!o->field || !o->png)) {
     return usage_error("render", "--show-probes needs --field and a .png to draw into");
   }
@@ -122,7 +126,16 @@ static int check_options(render_options *o) {
   return code == EXIT_DONE ? check_device(o) : code;
 }
 
-static int print_render_json(const olx_render_stats *stats, const vulkan_timing *timing, const olx_image *image) {
+static void print_relighting(cJSON *object, cJSON *passes, const relit_field *relit, const vulkan_timing *timing) {
+  add_number(passes, "relight", relit->seconds);
+  cJSON *relight = cJSON_AddObjectToObject(object, "relight");
+  add_number(relight, "frames", relit->frames);
+  add_number(relight, "awake", relit->last.awake);
+  if (timing->device[0]) add_number(relight, "copied_bytes", (double)timing->updated_bytes);
+}
+
+static int print_render_json(const olx_render_stats *stats, const vulkan_timing *timing, const relit_field *relit,
+                             const olx_image *image) {
   cJSON *object = cJSON_CreateObject();
   add_number(object, "width", image->width);
   add_number(object, "height", image->height);
@@ -136,7 +149,9 @@ static int print_render_json(const olx_render_stats *stats, const vulkan_timing 
   if (timing->device[0]) {
     cJSON_AddStringToObject(object, "device", timing->device);
     add_number(passes, "upload", timing->upload_seconds);
+    if (relit->relight) add_number(passes, "update", timing->update_seconds);
   }
+  if (relit->relight) print_relighting(object, passes, relit, timing);
   add_number(object, "rays", (double)stats->rays);
   add_number(object, "field_rays", (double)stats->field_rays);
   add_number(object, "field_unresolved", (double)stats->field_unresolved);
@@ -145,9 +160,14 @@ static int print_render_json(const olx_render_stats *stats, const vulkan_timing 
   return print_json("render", object);
 }
 
-static void print_render(const char *path, const olx_render_stats *stats, const olx_image *image) {
+static void print_render(const char *path, const olx_render_stats *stats, const relit_field *relit,
+                         const olx_image *image) {
   printf("%s: %ux%u in %.2f seconds\n", path, image->width, image->height, stats->seconds);
   printf("  rays cast           %" PRIu64 "\n", stats->rays);
+  if (relit->relight) {
+    printf("  relit               in %u frames, %.2f seconds; %u probes not settled\n", relit->frames, relit->seconds,
+           relit->last.awake);
+  }
   if (stats->field_rays == 0) return;
   printf("  rays through field  %" PRIu64 ", %.2f %% of them unresolved\n", stats->field_rays,
          100.0 * (double)stats->field_unresolved / (double)stats->field_rays);
@@ -198,7 +218,8 @@ static olx_camera *make_cameras(const render_options *o, const olx_scene *scene,
 typedef struct render_job {
   const render_options *options;
   const olx_scene *scene;
-  const olx_field *field;
+  const olx_field *field; // as it was baked
+  relit_field relit;      // without a relighter the field is to stay so
   const olx_camera *cameras;
   const olx_progress *progress;
   olx_image image;
@@ -209,11 +230,12 @@ typedef struct render_job {
 
 static olx_result render_on_cpu(render_job *job) {
   const olx_render_settings settings = resolve(job->options);
+  const olx_field *field = job->relit.relight ? olx_relight_field(job->relit.relight) : job->field;
   if (!job->options->frames) {
-    return olx_render(job->scene, job->field, job->cameras, &settings, job->progress, &job->image, &job->stats);
+    return olx_render(job->scene, field, job->cameras, &settings, job->progress, &job->image, &job->stats);
   }
-  return olx_render_frames(job->scene, job->field, job->cameras, job->options->frames, &settings, job->progress,
-                           &job->image, &job->stats);
+  return olx_render_frames(job->scene, field, job->cameras, job->options->frames, &settings, job->progress, &job->image,
+                           &job->stats);
 }
 
 // Surfaces and direct light on the CPU, indirect light on the GPU.
@@ -222,6 +244,7 @@ static olx_result render_on_vulkan(render_job *job) {
   const olx_render_settings settings = resolve(job->options);
   const vulkan_request request = {.scene = job->scene,
                                   .field = job->field,
+                                  .relight = job->relit.relight,
                                   .cameras = job->cameras,
                                   .camera_count = job->options->frames ? job->options->frames : 1,
                                   .denoised = job->options->frames != 0,
@@ -235,6 +258,16 @@ static olx_result render_on_vulkan(render_job *job) {
 #endif
 }
 
+static olx_result render_job_run(render_job *job) {
+  const render_options *o = job->options;
+  if (o->relight) {
+    const olx_result result =
+        relit_field_make(job->scene, job->field, job->cameras[0].eye, o->relight, o->threads, &job->relit);
+    if (result != OLX_OK) return result;
+  }
+  return o->device == DEVICE_VULKAN ? render_on_vulkan(job) : render_on_cpu(job);
+}
+
 static int render_picture(const render_options *o, const olx_scene *scene, const olx_field *field) {
   olx_camera camera;
   olx_result result;
@@ -245,15 +278,16 @@ static int render_picture(const render_options *o, const olx_scene *scene, const
   progress_begin(&line, "render", o->progress);
   const olx_progress progress = progress_of(&line);
   render_job job = {.options = o, .scene = scene, .field = field, .cameras = cameras, .progress = &progress};
-  result = o->device == DEVICE_VULKAN ? render_on_vulkan(&job) : render_on_cpu(&job);
+  result = render_job_run(&job);
   progress_end(&line);
   free(cameras);
+  olx_relight_free(job.relit.relight);
   if (job.problem) return failure("render", "--device vulkan: %s", job.problem);
   if (result == OLX_ERROR_CANCELLED) return failure("render", "%s: interrupted, nothing written", o->output);
   if (result != OLX_OK) return library_failure("render");
   int code = save_picture(o, field, &camera, &job.image);
-  if (code == EXIT_DONE && o->json) code = print_render_json(&job.stats, &job.timing, &job.image);
-  else if (code == EXIT_DONE) print_render(o->output, &job.stats, &job.image);
+  if (code == EXIT_DONE && o->json) code = print_render_json(&job.stats, &job.timing, &job.relit, &job.image);
+  else if (code == EXIT_DONE) print_render(o->output, &job.stats, &job.relit, &job.image);
   olx_image_free(&job.image);
   return code;
 }
@@ -297,6 +331,8 @@ int command_render(int argc, char **argv) {
        0, 0},
       {"--from-camera", OPTION_TEXT, &o.from_camera, "NAME", "frames: begin here and glide to --camera", 0, 0},
       {"--cut", OPTION_COUNT, &o.cut, "N", "frames: no glide, but a cut before the last N", 1, 100000},
+      {"--relight", OPTION_COUNT, &o.relight, "N",
+       "field of bake --relight: follow SCENE's lights for N frames first, fewer when all is settled", 1, 100000},
       {"--emitters", OPTION_CHOICE, &o.emitters, "sampled|traced",
        "lamps with an area: sampled by direct light, or found by rays; default sampled", 0, 0},
       {"--dim-lobe", OPTION_REAL, &o.dim_lobe, "F", "do not trace rough lobes that reflect less than this share", 0, 0},

@@ -290,8 +290,8 @@ static olx_result render_surfaces(vulkan_job *job, const vulkan_request *r, uint
   olx_image_free(image);
   *image = (olx_image){.width = 0};
   olx_render_stats more;
-  const olx_result result =
-      olx_render_surfaces(r->scene, r->field, camera, &settings, r->progress, image, &job->gbuffer, &more);
+  const olx_result result = olx_render_surfaces(r->scene, r->relight ? olx_relight_field(r->relight) : r->field, camera,
+                                                &settings, r->progress, image, &job->gbuffer, &more);
   if (result != OLX_OK) return result;
   stats->seconds += more.seconds;
   stats->primary_seconds += more.primary_seconds;
@@ -317,6 +317,24 @@ static olx_result light_frames(vulkan_job *job, const vulkan_request *r, olx_ima
   return OLX_OK;
 }
 
+// Copy all that the relighter has changed since the field was baked.
+static const char *update_field(vulkan_job *job, const olx_relight *relight) {
+  const double start = seconds();
+  const olx_vulkan_update_settings settings = olx_vulkan_update_settings_default();
+  olx_vulkan_update_stats stats = {.waiting_bytes = 1};
+  olx_vulkan_update *update;
+  const char *problem = library_problem(olx_vulkan_update_create(job->field, relight, &settings, &update));
+  while (!problem && stats.waiting_bytes > 0) {
+    problem = problem_of(device_commands_begin(&job->device));
+    if (!problem) problem = library_problem(olx_vulkan_record_update(update, job->device.commands, &stats));
+    if (!problem) problem = problem_of(device_commands_run(&job->device));
+    job->timing->updated_bytes += stats.bytes;
+  }
+  olx_vulkan_update_destroy(update);
+  job->timing->update_seconds = seconds() - start;
+  return problem;
+}
+
 static const char *prepare_device(vulkan_job *job, const vulkan_request *r) {
   const double start = seconds();
   const char *problem = vulkan_device_open(&job->device, r->validate);
@@ -331,6 +349,7 @@ static const char *prepare_device(vulkan_job *job, const vulkan_request *r) {
     problem = library_problem(olx_vulkan_classic_create(job->field, r->field, &job->classic));
   }
   job->timing->upload_seconds = seconds() - start;
+  if (!problem && r->relight) problem = update_field(job, r->relight);
   return problem;
 }
 
@@ -391,6 +410,7 @@ olx_result vulkan_render(const vulkan_request *r, olx_image *image, olx_render_s
   stats->diffuse_seconds = timing->diffuse_seconds;
   stats->glossy_seconds = timing->glossy_seconds;
   stats->denoise_seconds = timing->denoise_seconds;
-  stats->seconds += timing->upload_seconds + timing->diffuse_seconds + timing->glossy_seconds + timing->denoise_seconds;
+  stats->seconds += timing->upload_seconds + timing->update_seconds + timing->diffuse_seconds + timing->glossy_seconds +
+                    timing->denoise_seconds;
   return result;
 }

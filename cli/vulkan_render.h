@@ -7,12 +7,15 @@
 typedef struct vulkan_timing {
   char device[256];
   double upload_seconds, diffuse_seconds, glossy_seconds, denoise_seconds; // from recording to having the result
+  double update_seconds;                                                   // of copying what the relighter changed
+  uint64_t updated_bytes;                                                  // by that
 } vulkan_timing;
 
 typedef struct vulkan_request {
   const olx_scene *scene;
   const olx_field *field;
-  const olx_camera *cameras; // one a frame
+  const olx_relight *relight; // that has changed the field's maps; NULL: none
+  const olx_camera *cameras;  // one a frame
   uint32_t camera_count;
   bool denoised; // as olx_render_frames does; else one picture, as olx_render does through pixel centres
   const olx_render_settings *settings;

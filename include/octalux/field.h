@@ -54,7 +54,7 @@ typedef struct olx_field_info {
   olx_vec3 scene_min, scene_max;
   uint32_t bounces;    // --bounces of the bake: light in the maps is direct light and this many further bounces
   uint32_t samples;    // radiance samples along a texel's side (2: four samples a texel)
-  uint64_t scene_hash; // of geometry, materials, textures, lights and environment
+  uint64_t scene_hash; // of geometry, materials, textures, lights and environment; 0 of a field that is relit
   uint32_t classic_size;      // texels along a side of the classic maps: a power of two, 32 to 256; 0: baked without them
   uint32_t classic_cube_size; // along a face of the cube maps that they were made from
   float classic_sharpness;    // of the filter between the two

@@ -24,6 +24,7 @@
 
 #include <octalux/denoiser.h>
 #include <octalux/field.h>
+#include <octalux/relight.h>
 #include <octalux/sample.h>
 
 #include <vulkan/vulkan_core.h>
@@ -201,6 +202,39 @@ VkDescriptorSet olx_vulkan_classic_set(const olx_vulkan_classic *classic);
 olx_result olx_vulkan_record_classic(const olx_vulkan_frame *frame, const olx_vulkan_classic *classic,
                                      VkCommandBuffer commands, const olx_vulkan_view *view,
                                      const olx_vulkan_settings *settings);
+
+// ---- Lights that change: a field on the device that follows a relighter (octalux/relight.h) by copies of the maps that it changed.
+typedef struct olx_vulkan_update olx_vulkan_update;
+
+typedef struct olx_vulkan_update_settings {
+  // Copied by one call at most, 1 to 2^28; default 4 MiB. A call can copy a whole map of irradiance in any case. What is left
+  // waits for the next call, and nothing waits for ever.
+  uint32_t bytes;
+  uint32_t in_flight; // calls whose commands may be pending together, 1 to 8; default 2
+} olx_vulkan_update_settings;
+
+olx_vulkan_update_settings olx_vulkan_update_settings_default(void);
+
+// What a call did.
+typedef struct olx_vulkan_update_stats {
+  uint64_t bytes, waiting_bytes;            // copied; changed, and not copied yet
+  uint32_t irradiance_maps, radiance_tiles; // copied; a tile is up to 32 x 32 texels of a light field map
+} olx_vulkan_update_stats;
+
+// Host-visible memory for in_flight times the bytes of a call. `uploaded` was made from the relighter's field or from the one
+// that it was made from; both must outlive the update. OLX_ERROR_ARGUMENT for settings out of range and another field. On
+// success *update is the caller's to destroy, on failure it is NULL.
+olx_result olx_vulkan_update_create(olx_vulkan_field *uploaded, const olx_relight *relight,
+                                    const olx_vulkan_update_settings *settings, olx_vulkan_update **update);
+// NULL is allowed. Nothing that was recorded with it may be pending.
+void olx_vulkan_update_destroy(olx_vulkan_update *update);
+
+// Copy what olx_relight_frame has changed since. Call outside a render pass and not during olx_relight_frame, in a command buffer
+// for the queue on which the field is used; the one that was recorded in_flight calls ago must have finished. The copies wait for
+// all commands before and all commands after wait for them; they are not copied a second time, so the commands have to be
+// submitted. Nothing is recorded when nothing has changed. stats may be NULL.
+olx_result olx_vulkan_record_update(olx_vulkan_update *update, VkCommandBuffer commands,
+                                    olx_vulkan_update_stats *stats);
 
 #pragma GCC visibility pop
 #ifdef __cplusplus

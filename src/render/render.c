@@ -194,7 +194,7 @@ static olx_result check_settings(const olx_render_settings *s, const olx_field *
 
 static void warn_of_other_scene(const olx_scene *scene, const olx_field *field) {
   const uint64_t baked = olx_field_describe(field).scene_hash;
-  if (baked != scene->hash) {
+  if (baked && baked != scene->hash) {
     olx_log(OLX_LOG_WARNING,
             "the field was baked from another scene (hash %016llx, this one has %016llx): bake it again for true light",
             (unsigned long long)baked, (unsigned long long)scene->hash);

@@ -217,6 +217,7 @@ static void texels_job(void *user, uint32_t index) {
     const uint32_t left = texels - first;
     light_texels(r, tile.probe, tile.tile, first, left < OLX_RELIT_BATCH ? left : OLX_RELIT_BATCH);
   }
+  r->tile_frames[(size_t)tile.probe * (r->tiles_a_probe + 1) + tile.tile] = r->frame;
 }
 
 static void map_job(void *user, uint32_t index) {
@@ -231,7 +232,9 @@ static void finish_job(void *user, uint32_t probe) { olx_relit_finish_map(user, 
 static void fill_tile_borders(olx_relight *r) {
   for (uint32_t i = 0; i < r->tile_count; i++) {
     if (i > 0 && r->tiles[i].probe == r->tiles[i - 1].probe) continue;
-    olx_relit_fill_border(r->packed_radiance + r->field.texels * r->tiles[i].probe, r->field.n);
+    const uint32_t probe = r->tiles[i].probe;
+    olx_relit_fill_border(r->packed_radiance + r->field.texels * probe, r->field.n);
+    r->tile_frames[(size_t)(probe + 1) * (r->tiles_a_probe + 1) - 1] = r->frame;
   }
 }
 
@@ -310,6 +313,7 @@ olx_result olx_relight_set_lights(olx_relight *r, const olx_relight_light *light
   }
   if (count) memcpy(r->lights, lights, count * sizeof *lights);
   r->light_count = count;
+  r->field.info.scene_hash = 0;
   r->varying = false;
   for (uint32_t i = 0; i < count; i++) r->varying |= lights[i].type >= OLX_RELIGHT_RECT;
   olx_relit_wake_all(r);
@@ -341,7 +345,8 @@ void olx_relight_free(olx_relight *r) {
                           r->shares.share, r->direct,          r->radiance,         r->varying_direct,
                           r->moment[0],    r->moment[1],       r->moment[2],        r->exact,
                           r->maps,         r->surface_share,   r->changed,          r->mean,
-                          r->unpacked,     r->packed_radiance, r->packed_irradiance};
+                          r->unpacked,     r->packed_radiance, r->packed_irradiance,
+                          r->map_frames,   r->tile_frames};
   for (uint32_t i = 0; i < sizeof blocks / sizeof *blocks; i++) olx_release(blocks[i]);
   olx_release(r);
 }
@@ -399,11 +404,13 @@ static olx_result allocate_maps(olx_relight *r) {
   r->mean = olx_allocate_zero(probes, sizeof *r->mean);
   r->unpacked = olx_allocate_zero(probes, sizeof *r->unpacked);
   r->packed_irradiance = olx_allocate(probes * r->field.irradiance_texels, sizeof *r->packed_irradiance);
+  r->map_frames = olx_allocate_zero(probes, sizeof *r->map_frames);
+  r->tile_frames = olx_allocate_zero((size_t)r->counts[1] * (r->tiles_a_probe + 1), sizeof *r->tile_frames);
   const bool radiance = r->tile_most > 0;
   if (radiance) r->packed_radiance = olx_allocate((size_t)r->counts[1] * r->field.texels, sizeof *r->packed_radiance);
   if (!r->lights || !r->scheduled || !r->in_frame || !r->tiles || !r->direct || !r->varying_direct || !r->radiance ||
       !r->exact || !r->maps || !r->changed || !r->mean || !r->unpacked || !r->packed_irradiance ||
-      (radiance && !r->packed_radiance)) {
+      !r->map_frames || !r->tile_frames || (radiance && !r->packed_radiance)) {
     return olx_fail(OLX_ERROR_MEMORY, "relight: out of memory for the maps of %u and %u probes", r->counts[0],
                     r->counts[1]);
   }

@@ -86,6 +86,8 @@ struct olx_relight {
   olx_vec3 *maps;        // fitted to surfaces, with border
   float *changed, *mean; // of maps, in this frame: sums of luminance over texels
   float *unpacked;       // change since maps were packed, as a share
+  // Frames in which maps of `field` were last written, 0: as baked. A light field map has one for each tile, and one for its border.
+  uint32_t *map_frames, *tile_frames;
   float level;           // the largest mean there was since the lights changed
   olx_irradiance_source irradiance;
   uint32_t *packed_radiance, *packed_irradiance; // of `field`

@@ -125,6 +125,7 @@ static void pack_map(olx_relight *r, uint32_t probe) {
   }
   olx_relit_fill_border(packed, n);
   r->unpacked[probe] = 0.0f;
+  r->map_frames[probe] = r->frame;
 }
 
 void olx_relit_finish_map(olx_relight *r, uint32_t probe) {

@@ -1,0 +1,251 @@
+// A field on the device that follows a relighter: after all copies it is the field that an upload of the relighter's maps would
+// give, however few bytes a call may copy.
+#include "core/bsdf.h"
+#include "core/sampling.h"
+#include "pinned_drivers.h"
+#include "scene_files.h"
+#include "shade/relighter.h"
+#include "tiny_scenes.h"
+#include "vulkan_host.h"
+
+#include <octalux/bake.h>
+#include <octalux/vulkan.h>
+
+enum { WIDTH = 52, HEIGHT = 36, PIXELS = WIDTH * HEIGHT };
+
+static const analytic_scene ROOM = {.room = {{-1, -1, -1}, {1, 1, 1}}};
+static const host_view VIEW = {.scene = &ROOM, .eye = {0.3f, 0.2f, 0.8f}, .width = WIDTH, .height = HEIGHT};
+static const olx_relight_light LAMP = {
+    .type = OLX_RELIGHT_POINT, .emission = {1.0f, 2.0f, 0.5f}, .position = {0.2f, 0.7f, -0.3f}};
+
+static vulkan_device device;
+static const char *problem;
+static scene_folder folder;
+static olx_scene *scene;
+static olx_field *field;
+
+// A dark box, whose field knows how to be lit: 64 x 64 texels are four tiles.
+static int set_up(void **unused) {
+  (void)unused;
+  pin_drivers();
+  problem = vulkan_device_open(&device, true);
+  if (problem || !scene_folder_create(&folder)) return problem ? 0 : -1;
+  scene = tiny_scene();
+  const olx_material walls = tiny_lambert(0.5f, 0.0f);
+  tiny_box(scene, &walls);
+  tiny_finish(scene);
+  olx_bake_settings settings = olx_bake_settings_default(scene);
+  settings.grid = settings.irradiance_grid = (olx_grid){{-0.6f, -0.6f, -0.6f}, {1.2f, 1.2f, 1.2f}, {2, 2, 2}};
+  settings.radiance_size = 64;
+  settings.irradiance_size = 16;
+  settings.bounces = 1;
+  settings.fit = false;
+  settings.relight = true;
+  char path[400];
+  snprintf(path, sizeof path, "%s/box.olx", folder.path);
+  ASSERT_OK(olx_bake(scene, &settings, path, NULL, NULL));
+  ASSERT_OK(olx_field_open(path, &field));
+  return 0;
+}
+
+static int tear_down(void **unused) {
+  (void)unused;
+  if (problem) return 0;
+  olx_field_close(field);
+  olx_scene_free(scene);
+  scene_folder_remove(&folder);
+  const uint32_t before = device.validation_messages;
+  vulkan_device_close(&device);
+  return device.validation_messages == before ? 0 : 1; // the layers name what was not destroyed
+}
+
+static void need_device(void) {
+  if (!problem) return;
+  print_message("skipped: %s\n", problem);
+  skip();
+}
+
+static olx_relight *begin_relight(void) {
+  olx_relight_settings settings = olx_relight_settings_default();
+  settings.occlusion = olx_scene_occlusion;
+  settings.user = scene;
+  settings.surface_texels = 2 * 16 * 16;
+  settings.radiance_texels = 3 * 1024;
+  olx_relight *relight;
+  ASSERT_OK(olx_relight_create(field, &settings, &relight));
+  ASSERT_OK(olx_relight_set_lights(relight, &LAMP, 1));
+  return relight;
+}
+
+static olx_vulkan_field *upload(const olx_field *from) {
+  olx_vulkan_field *uploaded;
+  ASSERT_OK(olx_vulkan_field_create(&device.host, from, &uploaded));
+  return uploaded;
+}
+
+typedef struct lit_room {
+  host_images images;
+  olx_vulkan_field *uploaded;
+  olx_vulkan_frame *frame;
+} lit_room;
+
+static void render(lit_room *room) {
+  const olx_vulkan_view view = host_vulkan_view(&VIEW);
+  const olx_vulkan_settings settings = olx_vulkan_settings_default();
+  assert_int_equal(device_commands_begin(&device), VK_SUCCESS);
+  host_upload(&room->images, &VIEW);
+  ASSERT_OK(olx_vulkan_record_irradiance(room->frame, device.commands, &view, &settings));
+  ASSERT_OK(olx_vulkan_record_glossy(room->frame, device.commands, &view, &settings));
+  host_download(&room->images);
+  assert_int_equal(device_commands_run(&device), VK_SUCCESS);
+}
+
+static olx_vec3 glossy_light(const olx_field *lit, const host_pixel *p, uint32_t x, uint32_t y) {
+  const olx_sample_settings sample = olx_sample_settings_default();
+  const float metallic = floorf(p->metallic * 255.0f + 0.5f) / 255.0f, w = floorf(p->weight * 255.0f + 0.5f) / 255.0f;
+  const olx_vec3 color =
+      olx_v3(floorf(p->color.x * 255.0f + 0.5f) / 255.0f, floorf(p->color.y * 255.0f + 0.5f) / 255.0f,
+             floorf(p->color.z * 255.0f + 0.5f) / 255.0f);
+  const olx_bsdf bsdf = olx_bsdf_make(color, metallic, p->roughness, w);
+  float weight, half_cosine;
+  const olx_vec2 random = olx_stratified2(0, olx_hash2(olx_hash2(x, y), 0x85EBCA6Bu + 3u));
+  const olx_vec3 radiance =
+      olx_glossy(lit, &sample, p->position, p->normal, p->view, p->roughness, random, &weight, &half_cosine, NULL);
+  return weight > 0.0f ? olx_scale(olx_mul(olx_fresnel(&bsdf, half_cosine), radiance), weight) : olx_splat(0.0f);
+}
+
+// Relative mean squared errors of irradiance and glossy light against what the CPU makes of a field.
+static void judge(const lit_room *room, const olx_field *lit, double errors[2]) {
+  const olx_sample_settings sample = olx_sample_settings_default();
+  double off[2] = {0}, sum[2] = {0};
+  for (uint32_t i = 0; i < PIXELS; i++) {
+    const host_pixel p = host_pixel_at(&VIEW, i % WIDTH, i / WIDTH);
+    if (p.empty) continue;
+    const olx_vec3 truth[2] = {olx_irradiance(lit, &sample, p.position, p.normal, p.view),
+                               glossy_light(lit, &p, i % WIDTH, i / WIDTH)};
+    for (uint32_t k = 0; k < 2; k++) {
+      float alpha;
+      const olx_vec3 d = olx_sub(host_output(&room->images, k, i, &alpha), truth[k]);
+      off[k] += (double)olx_dot(d, d);
+      sum[k] += (double)olx_dot(truth[k], truth[k]);
+    }
+  }
+  for (uint32_t k = 0; k < 2; k++) errors[k] = sum[k] > 0.0 ? off[k] / sum[k] : off[k];
+}
+
+static olx_vulkan_update_stats copy_once(olx_vulkan_update *update) {
+  olx_vulkan_update_stats stats;
+  assert_int_equal(device_commands_begin(&device), VK_SUCCESS);
+  ASSERT_OK(olx_vulkan_record_update(update, device.commands, &stats));
+  assert_int_equal(device_commands_run(&device), VK_SUCCESS);
+  return stats;
+}
+
+// Frames of a relighter with a copy after each, then copies until nothing waits.
+static void follow(olx_relight *relight, olx_vulkan_field *uploaded, uint32_t bytes) {
+  enum { TILE_BYTES = 4 * 1024 }; // the largest that is copied in one piece
+
+  olx_vulkan_update_settings settings = olx_vulkan_update_settings_default();
+  settings.bytes = bytes;
+  settings.in_flight = 1 + bytes % 3;
+  olx_vulkan_update *update;
+  ASSERT_OK(olx_vulkan_update_create(uploaded, relight, &settings, &update));
+  olx_vulkan_update_stats stats;
+  const uint32_t most = bytes > TILE_BYTES ? bytes + 15 : TILE_BYTES;
+  for (uint32_t frame = 0; frame < 12; frame++) {
+    ASSERT_OK(olx_relight_frame(relight, olx_splat(0.0f), NULL));
+    stats = copy_once(update);
+    assert_true(stats.bytes > 0 && stats.bytes <= most);
+  }
+  for (uint64_t waiting = stats.waiting_bytes; waiting > 0; waiting = stats.waiting_bytes) {
+    stats = copy_once(update);
+    assert_true(stats.bytes > 0 && stats.bytes <= most);
+    assert_int_equal(stats.bytes + stats.waiting_bytes, waiting);
+  }
+  assert_int_equal(copy_once(update).bytes, 0);
+  olx_vulkan_update_destroy(update);
+}
+
+static void copies_end_with_the_maps_of_the_relighter(void **unused) {
+  (void)unused;
+  need_device();
+  const uint32_t before = device.validation_messages;
+  olx_relight *relight = begin_relight();
+  lit_room room = {host_images_make(&device, WIDTH, HEIGHT, VK_FORMAT_R32G32B32A32_SFLOAT), upload(field), NULL};
+  ASSERT_OK(olx_vulkan_frame_create(room.uploaded, &room.images.targets, &room.frame));
+  double errors[2];
+  render(&room);
+  judge(&room, field, errors);
+  assert_true(errors[0] == 0.0 && errors[1] == 0.0); // as baked: dark
+  const uint32_t budgets[] = {4 << 20, 10000, 1};
+  for (uint32_t i = 0; i < 3; i++) {
+    olx_relight_light lamp = LAMP;
+    lamp.position.x -= 0.4f * (float)i;
+    lamp.emission = olx_scale(lamp.emission, 1.0f + (float)i);
+    ASSERT_OK(olx_relight_set_lights(relight, &lamp, 1));
+    follow(relight, room.uploaded, budgets[i]);
+    judge(&room, olx_relight_field(relight), errors);
+    assert_true(errors[0] > 0.01 && errors[1] > 0.01); // the picture of before
+    render(&room);
+    judge(&room, olx_relight_field(relight), errors);
+    if (errors[0] > 1e-5 || errors[1] > 1e-5) fail_msg("%u bytes: %g, %g", budgets[i], errors[0], errors[1]);
+  }
+  olx_vulkan_frame_destroy(room.frame);
+  host_images_free(&room.images);
+  olx_vulkan_field_destroy(room.uploaded);
+  olx_relight_free(relight);
+  assert_int_equal(device.validation_messages, before);
+}
+
+static void what_does_not_fit_is_refused(void **unused) {
+  (void)unused;
+  need_device();
+  olx_relight *relight = begin_relight();
+  olx_vulkan_field *uploaded = upload(field);
+  const olx_vulkan_update_settings good = olx_vulkan_update_settings_default();
+  olx_vulkan_update *update;
+#define REFUSED(change, message)                                                                                       \
+  do {                                                                                                                 \
+    olx_vulkan_update_settings settings = good;                                                                        \
+    settings.change;                                                                                                   \
+    update = (void *)1;                                                                                                \
+    assert_int_equal(olx_vulkan_update_create(uploaded, relight, &settings, &update), OLX_ERROR_ARGUMENT);             \
+    assert_null(update);                                                                                               \
+    assert_non_null(strstr(olx_last_error(), message));                                                                \
+  } while (0)
+  REFUSED(bytes = 0, "0 bytes");
+  REFUSED(bytes = (1u << 28) + 1, "2^28");
+  REFUSED(in_flight = 0, "0 frames");
+  REFUSED(in_flight = 9, "9 frames");
+#undef REFUSED
+  const olx_grid grid = {{-0.5f, -0.5f, -0.5f}, {1, 1, 1}, {2, 2, 2}};
+  olx_field *other = analytic_field_make(&ROOM, &grid, 32, 16);
+  olx_vulkan_field *another = upload(other);
+  assert_int_equal(olx_vulkan_update_create(another, relight, &good, &update), OLX_ERROR_ARGUMENT);
+  assert_non_null(strstr(olx_last_error(), "number or size"));
+  olx_vulkan_field_destroy(another);
+  analytic_field_free(other);
+  // A relighter that leaves radiance alone.
+  olx_relight_settings settings = olx_relight_settings_default();
+  settings.radiance_texels = 0;
+  olx_relight *diffuse;
+  ASSERT_OK(olx_relight_create(field, &settings, &diffuse));
+  ASSERT_OK(olx_relight_set_lights(diffuse, &LAMP, 1));
+  ASSERT_OK(olx_vulkan_update_create(uploaded, diffuse, &good, &update));
+  ASSERT_OK(olx_relight_frame(diffuse, olx_splat(0.0f), NULL));
+  const olx_vulkan_update_stats stats = copy_once(update);
+  assert_true(stats.irradiance_maps > 0 && stats.radiance_tiles == 0);
+  olx_vulkan_update_destroy(update);
+  olx_vulkan_update_destroy(NULL);
+  olx_relight_free(diffuse);
+  olx_vulkan_field_destroy(uploaded);
+  olx_relight_free(relight);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(copies_end_with_the_maps_of_the_relighter),
+      cmocka_unit_test(what_does_not_fit_is_refused),
+  };
+  return cmocka_run_group_tests(tests, set_up, tear_down);
+}

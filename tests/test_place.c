@@ -230,17 +230,19 @@ static void threads_and_runs_do_not_matter(void **state) {
     settings.count = 6;
     settings.threads = 1;
     olx_probe_set one = place(scene, &settings);
-    const uint32_t threads[3] = {1, 2, 5};
-    for (int i = 0; i < 3; i++) {
+    const uint32_t threads[2] = {2, 5}; // in other runs
+    for (int i = 0; i < 2; i++) {
       settings.threads = threads[i];
       olx_probe_set other = place(scene, &settings);
       assert_true(same_probes(&one, &other));
       olx_probe_set_free(&other);
     }
-    settings.seed = 1;
-    olx_probe_set seeded = place(scene, &settings);
-    if (settings.method == OLX_PLACE_COVER) assert_false(same_probes(&one, &seeded));
-    olx_probe_set_free(&seeded);
+    if (settings.method == OLX_PLACE_COVER) {
+      settings.seed = 1;
+      olx_probe_set seeded = place(scene, &settings);
+      assert_false(same_probes(&one, &seeded));
+      olx_probe_set_free(&seeded);
+    }
     olx_probe_set_free(&one);
   }
   olx_scene_free(scene);

@@ -89,9 +89,11 @@ static olx_result render_references(wang_run *run) {
 
 typedef olx_result (*wang_experiment)(wang_run *run, cJSON *object);
 
+enum { COARSE_IRRADIANCE = 16 }; // diffuse light is the same for all sets and not what is asked here
+
 olx_result wang_prepare(wang_run *run) {
   const wang_options *o = run->options;
-  run->bake = (bench_bake){.irradiance_size = o->quick ? 16 : 64, .light_samples = o->quick ? 1 : 4};
+  run->bake = (bench_bake){.irradiance_size = COARSE_IRRADIANCE, .light_samples = o->quick ? 1 : 4};
   run->bake.threads = o->threads;
   run->bake.rough = o->quick;
   const olx_result result = olx_scene_probe_grid(run->scene, NULL, &run->bake.irradiance_grid);

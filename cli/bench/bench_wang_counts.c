@@ -85,11 +85,7 @@ static void print_finding(const wang_run *run, const finding *found, const findi
          100.0 * found->mirror.wrong);
 }
 
-enum {
-  MOST_SHAPES = 8,
-  CONTENDERS = 6,
-  COARSE_IRRADIANCE = 16 // diffuse light is the same for all sets and not what is asked here
-};
+enum { MOST_SHAPES = 8, CONTENDERS = 6 };
 
 // What is set against grids of n probes: Wang's pipeline with half as many, cover with as many as that, with a third, and
 // with a quarter whose maps are twice as wide, which are as many texels.
@@ -168,7 +164,6 @@ static olx_result run_given(wang_run *run, cJSON *list) {
 
 olx_result wang_run_counts(wang_run *run, cJSON *object) {
   cJSON *list = cJSON_AddArrayToObject(object, "sets");
-  run->bake.irradiance_size = COARSE_IRRADIANCE;
   if (!run->options->json) {
     printf("\n%s\n\n", run->experiment->name);
     printf("| set | probes | MB | glossy MSE | relative | bias | over best grid | worst camera | final MSE | unseen | "

@@ -2,6 +2,7 @@
 
 #include "core/hooks.h"
 #include "core/result.h"
+#include "core/widest.h"
 
 #include <stdint.h>
 #include <string.h>
@@ -9,14 +10,6 @@
 // Eight texels of the output at a time. Every texel sums its cells in the same order whatever the width of the machine.
 typedef float lanes __attribute__((vector_size(32)));
 typedef int32_t mask __attribute__((vector_size(32)));
-
-// The loops are compiled for wider machines too; without contraction all of them round alike.
-#if defined(__x86_64__) && defined(__gnu_linux__) && defined(__GNUC__) && !defined(__clang__) &&                       \
-    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define WIDEST __attribute__((target_clones("avx2", "default")))
-#else
-#define WIDEST
-#endif
 
 enum {
   LANES = OLX_BLOCK_COLUMNS,
@@ -51,7 +44,7 @@ static void block_row_directions(uint32_t x, uint32_t y, uint32_t size, lane_dir
   }
 }
 
-WIDEST void olx_quadrature_irradiance(const olx_quadrature *quadrature, const olx_vec3 *radiance, uint32_t size,
+OLX_WIDEST void olx_quadrature_irradiance(const olx_quadrature *quadrature, const olx_vec3 *radiance, uint32_t size,
                                       uint32_t row, olx_vec3 *map, uint32_t stride) {
   const uint32_t count = quadrature->cells * quadrature->cells;
   const float *mx = quadrature->moment_x, *my = quadrature->moment_y, *mz = quadrature->moment_z;
@@ -107,7 +100,7 @@ static void lobe_store(const lobe_sums *sums, olx_vec2 *texels) {
   }
 }
 
-WIDEST void olx_quadrature_moments(const olx_quadrature *q, const olx_vec2 *distances, uint32_t row, olx_vec2 *map,
+OLX_WIDEST void olx_quadrature_moments(const olx_quadrature *q, const olx_vec2 *distances, uint32_t row, olx_vec2 *map,
                                    uint32_t stride) {
   const uint32_t size = q->irradiance_size, blocks = size / OLX_BLOCK_COLUMNS, tiles = q->distance_cells / TILE;
   for (uint32_t block = 0; block < blocks; block++) {

@@ -2,6 +2,7 @@
 
 #include "core/hooks.h"
 #include "core/result.h"
+#include "core/widest.h"
 
 #include <string.h>
 
@@ -31,7 +32,9 @@ olx_result olx_cover_state_create(const olx_space *space, const olx_sight *sight
   s->candidates = olx_allocate(candidates, sizeof *s->candidates);
   s->unfit = olx_allocate_zero(candidates, 1);
   s->rows = olx_allocate((size_t)s->capacity * candidates, 1);
-  if (!s->columns.items || !s->settled || !s->levels || !s->candidates || !s->unfit || !s->rows) {
+  s->seen = olx_allocate_zero((size_t)olx_cover_words(s) * candidates, sizeof *s->seen);
+  if (!s->columns.items || !s->settled || !s->levels || !s->candidates || !s->unfit || !s->rows ||
+      !s->seen) {
     olx_cover_state_free(s);
     return no_memory();
   }
@@ -48,6 +51,7 @@ void olx_cover_state_free(olx_cover_state *s) {
   olx_release(s->candidates);
   olx_release(s->unfit);
   olx_release(s->rows);
+  olx_release(s->seen);
   olx_release(s->picks);
   olx_release(s->pick_rows);
   *s = (olx_cover_state){0};
@@ -60,6 +64,13 @@ typedef struct column_job {
   uint32_t first_column, first_candidate, candidates;
 } column_job;
 
+// The bits of a candidate's columns from `first` on.
+static void note_seen(const olx_cover_state *s, uint32_t candidate, uint32_t first) {
+  const uint8_t *row = olx_cover_row(s, candidate);
+  uint64_t *seen = s->seen + (size_t)olx_cover_words(s) * candidate;
+  for (uint32_t i = first; i < s->columns.count; i++) seen[i / 64] |= (uint64_t)(row[i] != 0) << i % 64;
+}
+
 static void see_job(void *user, uint32_t index) {
   const column_job *job = user;
   const olx_cover_state *s = job->state;
@@ -68,6 +79,7 @@ static void see_job(void *user, uint32_t index) {
   uint8_t *row = pick ? olx_cover_pick_row(s, i) : olx_cover_row(s, i);
   olx_sight_row(s->space, s->sight, pick ? s->picks[i].place : s->candidates[i].place, &job->part,
                 row + job->first_column);
+  if (!pick) note_seen(s, i, job->first_column);
 }
 
 olx_result olx_cover_add_candidates(olx_cover_state *s, const olx_candidate *list, uint32_t count, olx_task *task) {
@@ -206,8 +218,9 @@ olx_result olx_cover_gains(const olx_cover_state *s, olx_gain *gains) {
 
 olx_result olx_cover_open_create(const olx_cover_state *s, olx_cover_open *open) {
   *open = (olx_cover_open){.columns = {.items = olx_allocate(s->capacity, sizeof *open->columns.items)},
-                           .index = olx_allocate(s->capacity, sizeof *open->index)};
-  if (open->columns.items && open->index) return OLX_OK;
+                           .index = olx_allocate(s->capacity, sizeof *open->index),
+                           .bits = olx_allocate(s->capacity, sizeof *open->bits)};
+  if (open->columns.items && open->index && open->bits) return OLX_OK;
   olx_cover_open_free(open);
   return no_memory();
 }
@@ -215,7 +228,9 @@ olx_result olx_cover_open_create(const olx_cover_state *s, olx_cover_open *open)
 void olx_cover_open_free(olx_cover_open *open) {
   olx_surfels_free(&open->columns);
   olx_release(open->index);
+  olx_release(open->bits);
   open->index = NULL;
+  open->bits = NULL;
 }
 
 void olx_cover_find_open(const olx_cover_state *s, olx_cover_open *open) {
@@ -227,6 +242,32 @@ void olx_cover_find_open(const olx_cover_state *s, olx_cover_open *open) {
     open->index[open->columns.count++] = i;
     open->common += i < s->common;
   }
+  olx_cover_pack(open);
+}
+
+void olx_cover_pack(olx_cover_open *open) {
+  open->bit_words = 0;
+  for (uint32_t k = 0; k < open->columns.count; k++) {
+    if (k == open->common) open->common_words = open->bit_words;
+    const uint32_t word = open->index[k] / 64;
+    if (k == 0 || k == open->common || open->bits[open->bit_words - 1].word != word)
+      open->bits[open->bit_words++] = (struct olx_cover_bits){.word = word};
+    open->bits[open->bit_words - 1].mask |= (uint64_t)1 << open->index[k] % 64;
+  }
+  if (open->common == open->columns.count) open->common_words = open->bit_words;
+}
+
+OLX_WIDEST static uint64_t count_bits(const struct olx_cover_bits *bits, uint32_t words, const uint64_t *seen) {
+  uint64_t count = 0;
+  for (uint32_t k = 0; k < words; k++) count += (uint64_t)__builtin_popcountll(seen[bits[k].word] & bits[k].mask);
+  return count;
+}
+
+uint64_t olx_cover_candidate_weight(const olx_cover_state *s, const olx_cover_open *open, uint32_t candidate) {
+  const uint64_t *seen = s->seen + (size_t)olx_cover_words(s) * candidate;
+  const uint32_t common = open->common_words;
+  return s->common_weight * count_bits(open->bits, common, seen) +
+         s->rare_weight * count_bits(open->bits + common, open->bit_words - common, seen);
 }
 
 uint64_t olx_cover_open_weight(const olx_cover_state *s, const olx_cover_open *open, const uint8_t *row) {
@@ -245,9 +286,8 @@ typedef struct gain_from_job {
 
 static olx_gain gain_from(const gain_from_job *job, uint32_t candidate) {
   const olx_cover_state *s = job->state;
-  const uint8_t *row = olx_cover_row(s, candidate);
-  const uint64_t covered = olx_cover_open_weight(s, job->open, row);
-  return covered < job->least ? (olx_gain){.covered = covered} : olx_cover_gain(s, row);
+  const uint64_t covered = olx_cover_candidate_weight(s, job->open, candidate);
+  return covered < job->least ? (olx_gain){.covered = covered} : olx_cover_gain(s, olx_cover_row(s, candidate));
 }
 
 static void gains_from_job(void *user, uint32_t index) {

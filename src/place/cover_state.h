@@ -20,6 +20,7 @@ typedef struct olx_cover_state {
   uint8_t *settled; // a column: 255 when it no longer counts, else 0
   olx_candidate *candidates;
   uint8_t *rows;  // candidates by capacity: quality
+  uint64_t *seen; // the same as bits: whether there is any, candidates by olx_cover_words
   uint8_t *unfit; // a candidate: 1 when it may not be chosen
   uint32_t candidate_count, candidate_capacity;
   olx_candidate *picks;
@@ -52,6 +53,7 @@ olx_result olx_cover_renew(olx_cover_state *state, const olx_surfels *sample, co
 static inline uint8_t *olx_cover_row(const olx_cover_state *s, uint32_t candidate) {
   return s->rows + (size_t)s->capacity * candidate;
 }
+static inline uint32_t olx_cover_words(const olx_cover_state *s) { return (s->capacity + 63) / 64; }
 static inline uint8_t *olx_cover_pick_row(const olx_cover_state *s, uint32_t pick) {
   return s->pick_rows + (size_t)s->capacity * pick;
 }
@@ -69,12 +71,19 @@ typedef struct olx_cover_open {
   olx_surfels columns; // copies
   uint32_t *index;     // of each in the state
   uint32_t common;     // of them are common ones, which come first
+  // The same as bits of olx_cover_state.seen, of the words that have any; filled by olx_cover_pack.
+  struct olx_cover_bits {
+    uint64_t mask;
+    uint32_t word;
+  } *bits;
+  uint32_t bit_words, common_words;
 } olx_cover_open;
 
 // Room for as many as there may be, and the columns themselves.
 olx_result olx_cover_open_create(const olx_cover_state *state, olx_cover_open *open);
 void olx_cover_open_free(olx_cover_open *open);
 void olx_cover_find_open(const olx_cover_state *state, olx_cover_open *open);
+void olx_cover_pack(olx_cover_open *open);
 
 // The gains of the candidates that cover at least `least` of the open columns; of the others `covered` alone.
 olx_result olx_cover_gains_from(const olx_cover_state *state, const olx_cover_open *open, uint64_t least,
@@ -86,7 +95,9 @@ olx_gain olx_cover_look(const olx_cover_state *state, const olx_cover_open *open
 uint64_t olx_cover_uncovered(const olx_cover_state *state);
 uint64_t olx_cover_total(const olx_cover_state *state);
 
-// Weight of the open columns that a row covers.
+// Weight of the packed open columns that a candidate covers.
+uint64_t olx_cover_candidate_weight(const olx_cover_state *state, const olx_cover_open *open, uint32_t candidate);
+// The same of a row, whether packed or not.
 uint64_t olx_cover_open_weight(const olx_cover_state *state, const olx_cover_open *open, const uint8_t *row);
 
 // Whether a probe may stand there beside the picks but `without`: not too near to them. (Not whether it is inside.)

@@ -20,7 +20,7 @@ static void weigh_job(void *user, uint32_t index) {
   const exchanger *e = user;
   const olx_cover_state *s = e->state;
   for (uint32_t i = index * ROWS_A_JOB; i < (index + 1) * ROWS_A_JOB && i < s->candidate_count; i++) {
-    e->weights[i] = s->unfit[i] ? 0 : olx_cover_open_weight(s, &e->left, olx_cover_row(s, i));
+    e->weights[i] = s->unfit[i] ? 0 : olx_cover_candidate_weight(s, &e->left, i);
   }
 }
 
@@ -52,6 +52,7 @@ static olx_result find_best(exchanger *e, uint32_t other, uint32_t *best) {
   olx_cover_state *s = e->state;
   const bool alone = other == s->candidate_count;
   leave(e, alone ? NULL : olx_cover_row(s, other));
+  olx_cover_pack(&e->left);
   OLX_TRY(olx_parallel_for((s->candidate_count + ROWS_A_JOB - 1) / ROWS_A_JOB, s->threads, weigh_job, e, NULL, 0));
   const olx_vec3 *beside = alone ? NULL : &s->candidates[other].place;
   for (;;) {
@@ -118,13 +119,15 @@ olx_result olx_cover_exchange(olx_cover_state *s, uint32_t pinned, uint32_t seed
   if (s->views > 1 || s->pick_count < pinned + 2) return OLX_OK;
   exchanger e = {.state = s, .weights = olx_allocate(s->candidate_count, sizeof *e.weights)};
   e.left.index = olx_allocate(s->capacity, sizeof *e.left.index);
+  e.left.bits = olx_allocate(s->capacity, sizeof *e.left.bits);
   olx_result result = OLX_ERROR_MEMORY;
-  if (e.weights && e.left.index) result = olx_cover_open_create(s, &e.open);
+  if (e.weights && e.left.index && e.left.bits) result = olx_cover_open_create(s, &e.open);
   else olx_fail(result, "place: out of memory");
   if (result == OLX_OK) result = exchange_pairs(&e, pinned, seed);
   olx_cover_set_levels(s, s->pick_count, s->pick_count);
   olx_cover_open_free(&e.open);
   olx_release(e.left.index);
+  olx_release(e.left.bits);
   olx_release(e.weights);
   return result;
 }

@@ -17,6 +17,8 @@ static uint32_t held_out_count(const olx_place_settings *settings) {
   return wanted < LEAST_HELD_OUT ? LEAST_HELD_OUT : wanted > MOST_HELD_OUT ? MOST_HELD_OUT : wanted;
 }
 
+static uint32_t held_out_seed(const olx_place_settings *settings) { return olx_hash2(settings->seed, HELD_OUT_SEED); }
+
 typedef struct judged {
   olx_vec3 *places;   // of the probes that are asked
   uint32_t *probe_of; // their indices in the set
@@ -76,16 +78,20 @@ static double seen_share(const olx_surfels *surfels, const uint8_t *views, uint3
   return seen * surfels->share;
 }
 
+static olx_result make_rays(const olx_space *space, const olx_sight *sight, const olx_place_settings *settings,
+                            olx_surfels *rays) {
+  OLX_TRY(olx_surfels_create(space, sight, OLX_SPREAD_RAYS, held_out_count(settings), held_out_seed(settings),
+                             settings->threads, rays));
+  if (rays->count > 0) return OLX_OK;
+  return olx_fail(OLX_ERROR_EMPTY, "nothing to see: no surface is seen from where probes may stand");
+}
+
 static olx_result judge(const olx_space *space, const olx_sight *sight, judged *j, olx_probe_set *set) {
   const uint32_t threads = set->settings.threads, least = set->settings.views;
-  const uint32_t seed = olx_hash2(set->settings.seed, HELD_OUT_SEED);
-  const uint32_t held_out = held_out_count(&set->settings);
+  const uint32_t seed = held_out_seed(&set->settings), held_out = held_out_count(&set->settings);
   OLX_TRY(find_buried(space, set, j));
-  OLX_TRY(olx_surfels_create(space, sight, OLX_SPREAD_RAYS, held_out, seed, threads, &j->rays));
+  OLX_TRY(make_rays(space, sight, &set->settings, &j->rays));
   OLX_TRY(olx_surfels_create(space, sight, OLX_SPREAD_AREA, held_out, olx_hash(seed), threads, &j->area));
-  if (j->rays.count == 0) {
-    return olx_fail(OLX_ERROR_EMPTY, "nothing to see: no surface is seen from where probes may stand");
-  }
   set->report.surfels = j->rays.count;
   set->report.unreachable = j->area.unreachable;
   OLX_TRY(olx_count_views(space, sight, j->places, j->count, &j->area, least, threads, j->views, NULL));
@@ -100,7 +106,18 @@ static olx_result judge(const olx_space *space, const olx_sight *sight, judged *
   return set->settings.marks ? olx_mark_uncovered(&j->rays, j->views, set) : OLX_OK;
 }
 
-olx_result olx_measure_probes(const olx_space *space, const olx_sight *sight, olx_probe_set *set) {
+static olx_result judge_coverage(const olx_space *space, const olx_sight *sight, judged *j, olx_probe_set *set,
+                                 double *coverage) {
+  const olx_place_settings *s = &set->settings;
+  OLX_TRY(find_buried(space, set, j));
+  OLX_TRY(make_rays(space, sight, s, &j->rays));
+  OLX_TRY(olx_count_views(space, sight, j->places, j->count, &j->rays, s->views, s->threads, j->views, NULL));
+  *coverage = seen_share(&j->rays, j->views, s->views);
+  return OLX_OK;
+}
+
+// With `coverage` that alone, else everything.
+static olx_result measure(const olx_space *space, const olx_sight *sight, olx_probe_set *set, double *coverage) {
   const size_t most = 2 * (size_t)held_out_count(&set->settings); // both sides of every point
   judged j = {.places = olx_allocate(set->count, sizeof *j.places),
               .probe_of = olx_allocate(set->count, sizeof *j.probe_of),
@@ -109,8 +126,11 @@ olx_result olx_measure_probes(const olx_space *space, const olx_sight *sight, ol
               .visible = olx_allocate(most, 1),
               .first = olx_allocate(most, sizeof *j.first)};
   olx_result result = OLX_ERROR_MEMORY;
-  if (j.places && j.probe_of && j.gains && j.views && j.visible && j.first) result = judge(space, sight, &j, set);
-  else olx_fail(result, "place: out of memory");
+  if (!j.places || !j.probe_of || !j.gains || !j.views || !j.visible || !j.first) {
+    olx_fail(result, "place: out of memory");
+  } else {
+    result = coverage ? judge_coverage(space, sight, &j, set, coverage) : judge(space, sight, &j, set);
+  }
   olx_release(j.places);
   olx_release(j.probe_of);
   olx_release(j.gains);
@@ -120,4 +140,12 @@ olx_result olx_measure_probes(const olx_space *space, const olx_sight *sight, ol
   olx_surfels_free(&j.rays);
   olx_surfels_free(&j.area);
   return result;
+}
+
+olx_result olx_measure_probes(const olx_space *space, const olx_sight *sight, olx_probe_set *set) {
+  return measure(space, sight, set, NULL);
+}
+
+olx_result olx_measure_coverage(const olx_space *space, const olx_sight *sight, olx_probe_set *set, double *coverage) {
+  return measure(space, sight, set, coverage);
 }

@@ -9,4 +9,7 @@
 // Fills gains and buried flags of the probes, and the report but for what only the placement knows.
 olx_result olx_measure_probes(const olx_space *space, const olx_sight *sight, olx_probe_set *set);
 
+// The coverage alone of the set's probes, by the same surfels. Fills their buried flags.
+olx_result olx_measure_coverage(const olx_space *space, const olx_sight *sight, olx_probe_set *set, double *coverage);
+
 #endif

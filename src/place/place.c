@@ -200,10 +200,8 @@ static olx_result list_probes(const olx_candidate *probes, olx_probe_set *set) {
 static olx_result measure_before(const olx_space *space, const olx_sight *sight, const olx_candidate *probes,
                                  olx_probe_set *set) {
   olx_probe_set before = {.count = set->count, .settings = set->settings};
-  before.settings.marks = false;
   olx_result result = list_probes(probes, &before);
-  if (result == OLX_OK) result = olx_measure_probes(space, sight, &before);
-  set->report.coverage_before = before.report.coverage;
+  if (result == OLX_OK) result = olx_measure_coverage(space, sight, &before, &set->report.coverage_before);
   olx_probe_set_free(&before);
   return result;
 }

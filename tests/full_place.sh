@@ -17,13 +17,18 @@ for name in cornell temple sponza white-room kitchen small-house pandora; do
     continue
   fi
   for method in sdf medial cover; do
-    # The skeletons' methods stop at their clusters, whatever those see. The check's ball finds the way out of pandora, to
-    # where no probe has to see anything.
-    covered=0.6
-    [ $method = cover ] && covered=0.9
-    [ $name = pandora ] && covered=0.3
+    # What the report says is covered, and what the check finds. Covers see 99.9 % (docs/results.md). The skeletons' methods
+    # stop at their clusters, whatever those see: nine by sdf in Sponza 78 %, fourteen in pandora 91 %, elsewhere they see
+    # 98.6 % and more. The check's ball finds the way out of pandora, to where no probe has to see anything.
+    told=0.98
+    [ $name = pandora ] && told=0.9
+    [ $name = sponza ] && told=0.76
+    [ $method = cover ] && told=0.995
+    covered=$told
+    [ $name = pandora ] && covered=0.38
+    [ $name = pandora ] && [ $method = cover ] && covered=0.42
     for optimize in none gradient gibbs; do
-      what="count > 0 and buried == 0 and coverage > 0.75"
+      what="count > 0 and buried == 0 and coverage > $told"
       [ $optimize = none ] || what="$what and reward_after >= reward_before"
       "$OCTALUX" place "$scene" -o "$work/probes.json" --method $method --optimize $optimize --json 2>/dev/null | holds "$what" ||
         { echo "$name $method $optimize"; exit 1; }

@@ -305,6 +305,7 @@ static olx_result choose(cover *c) {
       if (!full && allowed >= 0.0 && 1.0 - covered <= with_margin(c, DONE_DEVIATIONS)) break;
     }
     OLX_TRY(add_greedily(c, next_limit(c, allowed), allowed));
+    if (c->state.pick_count == 0) break; // nothing is seen well, and no further round would find more
     refined += c->state.pick_count - pinned;
     if (round >= c->settings->refinements || refined > REFINED_PROBES) continue;
     OLX_TRY(olx_cover_exchange(&c->state, pinned, olx_hash2(c->settings->seed, 200u + round)));

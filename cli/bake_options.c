@@ -47,6 +47,7 @@ olx_result resolve_bake_options(const olx_scene *scene, const bake_options *give
   }
   if (given->radiance_size) settings->radiance_size = given->radiance_size;
   if (given->irradiance_size) settings->irradiance_size = given->irradiance_size;
+  settings->irradiance_form = (olx_irradiance_form)given->irradiance_form;
   if (given->bounces != UINT32_MAX) settings->bounces = given->bounces;
   if (given->samples) settings->samples = given->samples;
   if (given->light_samples) settings->light_samples = given->light_samples;

@@ -10,7 +10,7 @@
 typedef struct bake_options {
   uint32_t grid[3], irradiance_grid[3];
   uint32_t radiance_size, irradiance_size, bounces, samples, light_samples, threads;
-  uint32_t classic_size, classic_cube_size, classic_sharpness, bounce_gather;
+  uint32_t classic_size, classic_cube_size, classic_sharpness, bounce_gather, irradiance_form;
   bool no_fit, classic, relight;
   const char *probes;
   uint32_t select_mask;
@@ -51,6 +51,13 @@ typedef struct bake_options {
        "texels along a map of irradiance; default 128",                                                                \
        8,                                                                                                              \
        256},                                                                                                           \
+      {"--irradiance",                                                                                                 \
+       OPTION_CHOICE,                                                                                                  \
+       &(b).irradiance_form,                                                                                           \
+       "octahedral|sh2|sh3",                                                                                           \
+       "irradiance as maps, or as spherical harmonics of 2nd or 3rd order; default octahedral",                        \
+       0,                                                                                                              \
+       0},                                                                                                             \
       {"--bounces", OPTION_COUNT, &(b).bounces, "N", "bounces after direct light; default 3", 0, 64},                  \
       {"--bounce-gather",                                                                                              \
        OPTION_CHOICE,                                                                                                  \

@@ -82,6 +82,7 @@ int command_bake(int argc, char **argv) {
   if (!given.classic && (given.classic_size || given.classic_cube_size || given.classic_sharpness)) {
     return usage_error("bake", "--classic-size, --cube-size and --sharpness go with --classic");
   }
+  if (given.relight && given.irradiance_form) return usage_error("bake", "--relight needs octahedral irradiance");
   if (given.probes && given.grid[0]) return usage_error("bake", "--grid and --probes exclude each other");
   if (!check_output("bake", output)) return EXIT_FAILED;
   olx_scene *scene = NULL;

@@ -53,6 +53,7 @@ static int print_info_json(const olx_field_info *info) {
   add_number(object, "irradiance_buried", info->irradiance_buried_count);
   add_number(object, "radiance_size", info->radiance_size);
   add_number(object, "irradiance_size", info->irradiance_size);
+  add_text(object, "irradiance", olx_irradiance_form_name(info->irradiance_form));
   if (info->classic_size) {
     cJSON *classic = cJSON_AddObjectToObject(object, "classic");
     add_number(classic, "size", info->classic_size);
@@ -94,6 +95,9 @@ static void print_info(const char *path, const olx_field_info *info) {
          info->radiance_size, info->radiance_size);
   printf("  irradiance probes  %u, %u of them inside geometry, %ux%u texels\n", info->irradiance_probe_count,
          info->irradiance_buried_count, info->irradiance_size, info->irradiance_size);
+  if (info->irradiance_form != OLX_IRRADIANCE_OCTAHEDRAL) {
+    printf("  irradiance as      %s, maps of moments alone\n", olx_irradiance_form_name(info->irradiance_form));
+  }
   if (info->classic_size) {
     printf("  classic maps       at irradiance probes, %ux%u texels from cube maps of %u, sharpness %g\n",
            info->classic_size, info->classic_size, info->classic_cube_size, (double)info->classic_sharpness);

@@ -48,7 +48,7 @@ def read_chunks(data):
         end = aligned(offset + size)
         need(end <= len(data), f"{name}: beyond the end")
         need(not any(data[offset + size:end]), f"{name}: padding")
-        if name in SHAPES:
+        if name in SHAPES or name == "IRSH":
             need(name not in chunks and flags == 0, f"{name}: twice, or optional")
             chunks[name] = (data[offset:offset + size], record, element)
         else:
@@ -57,7 +57,8 @@ def read_chunks(data):
                 need(name not in chunks, f"{name}: twice")
                 chunks[name] = (data[offset:offset + size], record, element)
     need(end == len(data), "bytes after the last chunk")
-    need(set(SHAPES) <= set(chunks), f"missing: {sorted(set(SHAPES) - set(chunks))}")
+    needed = set(SHAPES) - {"IRRA"}
+    need(needed <= set(chunks), f"missing: {sorted(needed - set(chunks))}")
     return chunks
 
 
@@ -91,6 +92,16 @@ SHAPES = {
 }
 
 
+FORMS = ("octahedral", "sh2", "sh3")
+
+
+def irradiance_chunk(d):
+    """The name and the shape of what holds irradiance."""
+    if d["form"] == 0:
+        return "IRRA", SHAPES["IRRA"](d)
+    return "IRSH", (2, (12, 28)[d["form"] - 1], d["Q"])
+
+
 def read_grid(blob, offset):
     numbers = struct.unpack_from("<6f3I", blob, offset)
     return {"origin": list(numbers[0:3]), "spacing": list(numbers[3:6]), "count": list(numbers[6:9])}
@@ -98,9 +109,9 @@ def read_grid(blob, offset):
 
 def read_info(blob):
     need(len(blob) == 160, "INFO: size")
-    keys = ("P", "Q", "buried", "irradiance_buried", "has_grid", "n", "m", "zero", "selectors", "bounces", "samples")
+    keys = ("P", "Q", "buried", "irradiance_buried", "has_grid", "n", "m", "form", "selectors", "bounces", "samples")
     d = dict(zip(keys, struct.unpack_from("<11I", blob, 0)))
-    need(d["zero"] == 0, "INFO: reserved")
+    need(d["form"] < len(FORMS), "INFO: form of irradiance")
     d["scale"], = struct.unpack_from("<f", blob, 44)
     d["scene_min"], d["scene_max"] = (list(struct.unpack_from("<3f", blob, at)) for at in (48, 60))
     d["grid"], d["irradiance_grid"] = read_grid(blob, 72), read_grid(blob, 108)
@@ -228,11 +239,16 @@ def check_light_field_probe(chunks, d, probe):
 
 def check_irradiance_probe(chunks, d, probe):
     m = d["m"]
-    irradiance, moments = record(chunks, "IRRA", probe), record(chunks, "MOME", probe)
-    check_border(f"IRRA of probe {probe}", irradiance, m)
+    irradiance, moments = record(chunks, irradiance_chunk(d)[0], probe), record(chunks, "MOME", probe)
+    if d["form"]:
+        values = [decode_half(code) for code in irradiance]
+        need(all(map(math.isfinite, values)) and min(values[:3]) >= 0, f"IRSH of probe {probe}")
+        need(d["form"] == 1 or irradiance[27] == 0, f"IRSH of probe {probe}: filling")
+    else:
+        check_border(f"IRRA of probe {probe}", irradiance, m)
+        for code in irradiance:
+            decode_color(code)
     check_border(f"MOME of probe {probe}", moments, m)
-    for code in irradiance:
-        decode_color(code)
     for code in moments:
         mean, square = decode_half(code & 0xFFFF), decode_half(code >> 16)
         need(0 <= mean <= 1.01 and 0 <= square < math.inf, f"MOME of probe {probe}")
@@ -351,8 +367,9 @@ def read(path):
         data = file.read()
     chunks = read_chunks(data)
     d = read_info(chunks["INFO"][0])
-    for name, shape in SHAPES.items():
-        element, elements, records = shape(d)
+    shapes = {name: shape(d) for name, shape in SHAPES.items() if name != "IRRA"} | dict([irradiance_chunk(d)])
+    need({"IRRA", "IRSH"} & set(chunks) == {irradiance_chunk(d)[0]}, "irradiance not in its form")
+    for name, (element, elements, records) in shapes.items():
         blob, record_bytes, element_bytes = chunks[name]
         need((element_bytes, record_bytes, len(blob)) == (element, element * elements, element * elements * records), name)
     for kind, count, buried, grid in (("P", d["P"], d["buried"], "grid"),
@@ -379,9 +396,9 @@ def read(path):
     names = [name for bit, name in enumerate(("cage", "voronoi", "octree", "bricks")) if d["selectors"] >> bit & 1]
     told = {
         "probes": d["P"], "irradiance_probes": d["Q"], "buried": d["buried"], "irradiance_buried": d["irradiance_buried"],
-        "radiance_size": d["n"], "irradiance_size": d["m"], "select": ",".join(names) or "none", "file_bytes": len(data),
+        "radiance_size": d["n"], "irradiance_size": d["m"], "irradiance": FORMS[d["form"]], "select": ",".join(names) or "none", "file_bytes": len(data),
         "bytes": {"radiance": size("RADI"), "normal": size("NORM"), "distance": size("DIST"), "pyramid": size("DMIN") + size("DMAX"),
-                  "irradiance": size("IRRA"), "moments": size("MOME"), "selector": sum(map(size, stored)),
+                  "irradiance": size(irradiance_chunk(d)[0]), "moments": size("MOME"), "selector": sum(map(size, stored)),
                   "classic": sum(size(name) for name in CLASSIC if name in chunks)},
         "irradiance_grid": d["irradiance_grid"], "bounces": d["bounces"], "samples": d["samples"],
         "distance_scale_metres": d["scale"], "scene_min": d["scene_min"], "scene_max": d["scene_max"],

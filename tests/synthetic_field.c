@@ -64,6 +64,7 @@ olx_field_header synthetic_header(const synthetic_shape *shape) {
                                       .irradiance_grid = grid_of(shape->irradiance_grid),
                                       .radiance_size = shape->n,
                                       .irradiance_size = shape->irradiance_n,
+                                      .irradiance_form = shape->irradiance_form,
                                       .select_mask = 1u << OLX_SELECT_CAGE,
                                       .distance_scale_metres = 12.5f,
                                       .scene_min = {-4.0f, -1.0f, -4.5f},
@@ -114,6 +115,15 @@ void synthetic_irradiance_maps(uint32_t n, uint32_t probe, uint32_t *irradiance,
     irradiance[i] = olx_r11g11b10f_pack(olx_v3(light, 1.0f - light, 0.5f));
     moments[i] = olx_half_pack(mean) | (uint32_t)olx_half_pack(mean * mean + spread) << 16;
   }
+}
+
+void synthetic_harmonics(olx_irradiance_form form, uint32_t probe, uint16_t halves[OLX_HARMONICS_MOST_HALVES]) {
+  olx_vec3 coefficients[OLX_HARMONICS_MOST];
+  for (uint32_t i = 0; i < OLX_HARMONICS_MOST; i++) {
+    const float value = 4.0f * olx_unit_float(olx_hash3(i, probe, 0xE000u)) - 2.0f;
+    coefficients[i] = i == 0 ? olx_splat(1.0f) : olx_v3(value, -value, 0.5f * value);
+  }
+  olx_harmonics_pack(coefficients, olx_irradiance_bands(form), halves);
 }
 
 olx_classic_record synthetic_classic_maps(uint32_t size, uint32_t probe, olx_vec3 position, synthetic_classic *maps) {
@@ -211,7 +221,10 @@ olx_result synthetic_write_probes(olx_field_writer *writer, const synthetic_shap
   }
   for (uint32_t i = 0; i < probes_of(shape->irradiance_grid) && result == OLX_OK; i++) {
     synthetic_irradiance_maps(shape->irradiance_n, i, first, second);
-    result = olx_field_writer_irradiance(writer, i, synthetic_flags(i), first, second);
+    uint16_t halves[OLX_HARMONICS_MOST_HALVES];
+    const bool map = shape->irradiance_form == OLX_IRRADIANCE_OCTAHEDRAL;
+    if (!map) synthetic_harmonics(shape->irradiance_form, i, halves);
+    result = olx_field_writer_irradiance(writer, i, synthetic_flags(i), map ? (const void *)first : halves, second);
   }
   olx_release(first);
   if (result == OLX_OK) result = write_classic(writer, shape);

@@ -11,6 +11,7 @@ typedef struct synthetic_shape {
   uint32_t classic_size; // texels along a side of classic maps; 0: none
   uint32_t relight_size; // of surfaces for relighting; 0: none
   uint32_t relight_points, relight_rays;
+  olx_irradiance_form irradiance_form;
 } synthetic_shape;
 
 // The header of such a field: a box around the origin, probes one metre apart, every third probe buried. Release
@@ -23,6 +24,9 @@ uint8_t synthetic_flags(uint32_t probe);
 // The maps of a probe, without border. The distances hold sky, emitters and a texel at distance 0.
 void synthetic_light_maps(uint32_t n, uint32_t probe, uint32_t *radiance, uint16_t *normal, uint16_t *distance);
 void synthetic_irradiance_maps(uint32_t n, uint32_t probe, uint32_t *irradiance, uint32_t *moments);
+
+// Irradiance of a probe in place of a map: harmonics that ring.
+void synthetic_harmonics(olx_irradiance_form form, uint32_t probe, uint16_t halves[OLX_HARMONICS_MOST_HALVES]);
 
 // Room for the largest classic maps of a probe.
 typedef struct synthetic_classic {

@@ -37,6 +37,10 @@ compare_devices builtin:labyrinth labyrinth.olx --spp 1
   --select voronoi,octree 2>stderr.txt
 compare_devices builtin:cornell-glossy neighbours.olx --spp 1 --select voronoi
 compare_devices builtin:cornell-glossy neighbours.olx --spp 1 --keep-buried
+# Spherical harmonics run on the CPU alone, too.
+"$OCTALUX" bake builtin:cornell-glossy -o harmonics.olx --radiance-size 8 --irradiance-size 8 --bounces 0 --irradiance sh2 2>stderr.txt
+expect_failure "harmonics.olx: irradiance as spherical harmonics .sh2. does not run on the GPU" render builtin:cornell-glossy \
+  --field harmonics.olx -o none.exr --size 8x8 --device vulkan
 expect_failure "'octree' does not run on the GPU" render builtin:cornell-glossy --field neighbours.olx -o none.exr --size 8x8 \
   --select octree --device vulkan
 expect_failure "voronoi" render builtin:cornell-glossy --field cornell.olx -o none.exr --size 8x8 --select voronoi --device vulkan

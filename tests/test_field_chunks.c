@@ -1,7 +1,8 @@
-// Optional chunks of field files, those of classic maps and of relighting: every refusal is reached.
+// Chunks that not every field has, those of classic maps, spherical harmonics and relighting: every refusal is reached.
 #include "field_fixture.h"
 
 #include "core/hooks.h"
+#include "field/field_writer.h"
 
 // --- Classic maps: chunks after the required ones, since the field has no selector but the cage
 
@@ -79,6 +80,49 @@ static void test_verify_reads_classic_maps(void **state) {
   olx_release(i.bytes);
 }
 
+// --- Irradiance as spherical harmonics
+
+static void test_refuses_wrong_harmonics(void **state) {
+  const field_image i = field_image_load(*state, &third_order);
+  const olx_file_info good = *i.info;
+  olx_file_chunk *chunk = &i.chunks[OLX_CHUNK_IRRADIANCE];
+  i.info->irradiance_form = OLX_IRRADIANCE_OCTAHEDRAL;
+  field_seal(&i);
+  assert_field_refused(&i, OLX_ERROR_FORMAT, "no chunk IRRA");
+  i.info->irradiance_form = OLX_IRRADIANCE_SH2; // the records are those of the third order
+  field_seal(&i);
+  assert_field_refused(&i, OLX_ERROR_FORMAT, "chunk IRSH: 336 bytes in records of 56");
+  *i.info = good;
+  chunk->type = OLX_FOUR_CC('I', 'R', 'R', 'A');
+  field_seal(&i);
+  assert_field_refused(&i, OLX_ERROR_FORMAT, "no chunk IRSH");
+  olx_release(i.bytes);
+}
+
+static void test_verify_reads_harmonics(void **state) {
+  const field_image i = field_image_load(*state, &third_order);
+  uint16_t *halves = (uint16_t *)(i.bytes + i.chunks[OLX_CHUNK_IRRADIANCE].offset);
+#define REFUSED(index, value, message)                                                                                 \
+  do {                                                                                                                 \
+    const uint16_t good = halves[index];                                                                               \
+    halves[index] = (value);                                                                                           \
+    field_seal(&i);                                                                                                    \
+    assert_field_unverified(&i, OLX_ERROR_FORMAT, message);                                                            \
+    halves[index] = good;                                                                                              \
+  } while (0)
+  REFUSED(28 * 2 + 13, 0x7C00, "irradiance of probe 2: coefficient 4: impossible (code 0x7c00)");
+  REFUSED(5, 0xFE00, "irradiance of probe 0: coefficient 1");   // NaN
+  REFUSED(28 + 1, 0xB800, "irradiance of probe 1: coefficient 0"); // a mean below zero
+  REFUSED(28 * 5 + 27, 1, "irradiance of probe 5: coefficient 9"); // what fills the last word
+#undef REFUSED
+  field_seal(&i);
+  olx_field *field;
+  assert_int_equal(olx_field_open_memory(i.bytes, i.size_bytes, &field), OLX_OK);
+  assert_int_equal(olx_field_verify(field), OLX_OK);
+  olx_field_close(field);
+  olx_release(i.bytes);
+}
+
 // --- What relighting needs
 
 enum { RLIT = OLX_CHUNK_REQUIRED, ALBE, SURF, FITP };
@@ -116,6 +160,16 @@ static void test_refuses_wrong_relight_chunks(void **state) {
   olx_release(i.bytes);
 }
 
+static void test_refuses_to_relight_harmonics(void **state) {
+  const field_fixture *f = *state;
+  olx_field_header header = synthetic_header(&relit);
+  header.info.irradiance_form = OLX_IRRADIANCE_SH2;
+  olx_field_writer *writer;
+  assert_int_equal(olx_field_writer_create(f->path, &header, &writer), OLX_ERROR_ARGUMENT);
+  assert_says("relighting needs octahedral irradiance, not sh2");
+  synthetic_header_release(&header);
+}
+
 static void test_verify_reads_relight_chunks(void **state) {
   const field_image i = field_image_load(*state, &relit);
 #define REFUSED(chunk, index, value, message)                                                                          \
@@ -150,6 +204,9 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test_setup_teardown(test_refuses_wrong_classic_maps, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_verify_reads_classic_maps, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_refuses_wrong_harmonics, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_verify_reads_harmonics, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_refuses_to_relight_harmonics, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_refuses_wrong_relight_chunks, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_verify_reads_relight_chunks, field_set_up, field_tear_down),
   };

@@ -210,7 +210,9 @@ static void test_refuses_a_wrong_description(void **state) {
   REFUSED(irradiance_grid.count[0] = 3, "irradiance grid: 3 x 1 x 3 is not the number of probes, 6");
   REFUSED(has_grid = 2, "grid flag");
   REFUSED(has_grid = 0, "the cage selector needs light field probes on a grid");
-  REFUSED(zero_a = 16, "reserved bytes");
+  REFUSED(irradiance_form = 3, "unknown form of irradiance 3");
+  REFUSED(irradiance_form = UINT32_MAX, "unknown form of irradiance");
+  REFUSED(irradiance_form = OLX_IRRADIANCE_SH2, "no chunk IRSH");
   REFUSED(zero_b = 1, "reserved bytes");
 #undef REFUSED
   i.info->select_mask = 1u << OLX_SELECT_BRICKS; // whose chunk is missing

@@ -5,6 +5,8 @@
 #include "core/hooks.h"
 
 static const synthetic_shape single = {.grid = {1, 1, 1}, .irradiance_grid = {1, 1, 1}, .n = 128, .irradiance_n = 32};
+static const synthetic_shape second_order = {
+    .grid = {1, 2, 1}, .irradiance_grid = {2, 1, 3}, .n = 8, .irradiance_n = 8, .irradiance_form = OLX_IRRADIANCE_SH2};
 static const synthetic_shape unfitted = {
     .grid = {1, 1, 1}, .irradiance_grid = {1, 2, 1}, .n = 8, .irradiance_n = 32, .relight_size = 32};
 
@@ -82,6 +84,21 @@ static void assert_relight(const olx_field *field, const synthetic_shape *shape)
   olx_release(albedo);
 }
 
+static void assert_irradiance(const olx_field *field, const synthetic_shape *shape, uint32_t probe, const uint32_t *map) {
+  const olx_irradiance_form form = shape->irradiance_form;
+  assert_int_equal(field->info.irradiance_form, form);
+  if (form == OLX_IRRADIANCE_OCTAHEDRAL) {
+    assert_map(field->irradiance + field->irradiance_texels * probe, map, shape->irradiance_n, 4);
+    return;
+  }
+  const uint32_t size_bytes = form == OLX_IRRADIANCE_SH2 ? 24 : 56;
+  uint16_t halves[OLX_HARMONICS_MOST_HALVES];
+  synthetic_harmonics(form, probe, halves);
+  assert_memory_equal(field->harmonics + (size_t)field->harmonic_halves * probe, halves, size_bytes);
+  assert_int_equal(field->info.irradiance_bytes, size_bytes * field->info.irradiance_probe_count);
+  assert_null(field->irradiance);
+}
+
 static void assert_round_trip(field_fixture *f, const synthetic_shape *shape) {
   olx_field *field;
   size_t size_bytes;
@@ -117,7 +134,7 @@ static void assert_round_trip(field_fixture *f, const synthetic_shape *shape) {
   }
   for (uint32_t i = 0; i < header.info.irradiance_probe_count; i++) {
     synthetic_irradiance_maps(m, i, color, moments);
-    assert_map(field->irradiance + field->irradiance_texels * i, color, m, 4);
+    assert_irradiance(field, shape, i, color);
     assert_map(field->moments + field->irradiance_texels * i, moments, m, 4);
     assert_memory_equal(&field->irradiance_positions[i], &header.irradiance_positions[i], sizeof(olx_vec3));
     assert_int_equal(field->irradiance_flags[i], synthetic_flags(i));
@@ -139,6 +156,8 @@ static void test_round_trip(void **state) {
   assert_round_trip(*state, &small);
   assert_round_trip(*state, &single);
   assert_round_trip(*state, &least);
+  assert_round_trip(*state, &second_order);
+  assert_round_trip(*state, &third_order);
 }
 
 // One near and one far texel, the near one marked as an emitter, change the nodes that hold them and no others.

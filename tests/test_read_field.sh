@@ -15,6 +15,8 @@ agree() {
 agree pillars --radiance-size 32 --irradiance-size 8 --bounces 0 --samples 1
 agree holodeck --radiance-size 64 --irradiance-size 16 --bounces 0 --samples 1
 agree two-rooms-gap --radiance-size 8 --irradiance-size 8 --bounces 0 --samples 1 --classic --classic-size 64 --cube-size 32
+agree cornell --radiance-size 8 --irradiance-size 16 --bounces 0 --samples 1 --irradiance sh2
+agree cornell --radiance-size 8 --irradiance-size 8 --bounces 0 --samples 1 --irradiance sh3
 agree cornell --grid 1x1x1 --radiance-size 8 --irradiance-size 32 --bounces 1 --samples 1
 
 # It can also say no.

@@ -25,6 +25,7 @@ typedef struct olx_bake_settings {
   olx_grid irradiance_grid; // irradiance probes; set to olx_bake_irradiance_grid of that
   uint32_t radiance_size;   // texels along a side: a power of two, 8 to 2048; default 1024
   uint32_t irradiance_size; // a power of two, 8 to 256; default 128
+  olx_irradiance_form irradiance_form; // spherical harmonics exclude `relight`; default OLX_IRRADIANCE_OCTAHEDRAL
   uint32_t samples;         // radiance samples along a texel's side, 1 to 8; default 2 (four a texel)
   uint32_t light_samples;   // shadow rays a radiance sample sends to area lights and to the sky, 1 to 64; default 1
   uint32_t bounces;         // further bounces after direct light, 0 to 64; default 3

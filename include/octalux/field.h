@@ -30,6 +30,16 @@ typedef enum olx_select {
 // "cage", "voronoi", "octree", "bricks", "exhaustive", "best".
 const char *olx_select_name(olx_select select);
 
+// How irradiance probes keep their irradiance. Their distance moments are octahedral maps in any case.
+typedef enum olx_irradiance_form {
+  OLX_IRRADIANCE_OCTAHEDRAL = 0, // an octahedral map (McGuire et al. 2017, section 5.2)
+  OLX_IRRADIANCE_SH2,            // spherical harmonics of 2nd order: bands 0 and 1, four coefficients a channel
+  OLX_IRRADIANCE_SH3             // of 3rd order: bands 0 to 2, nine coefficients (McGuire et al. 2017, section 7)
+} olx_irradiance_form;
+
+// "octahedral", "sh2", "sh3".
+const char *olx_irradiance_form_name(olx_irradiance_form form);
+
 // A regular grid of probes. Probe (x, y, z) has index x + count[0] * (y + count[1] * z) and stands at
 // origin + (x, y, z) * spacing. spacing is 0 along an axis with one probe.
 typedef struct olx_grid {
@@ -48,7 +58,8 @@ typedef struct olx_field_info {
   olx_grid grid;               // valid when has_grid
   olx_grid irradiance_grid;    // where the irradiance probes stand
   uint32_t radiance_size;      // texels along a side of a light field map: a power of two, 8 to 2048
-  uint32_t irradiance_size;    // texels along a side of an irradiance map: a power of two, 8 to 256
+  uint32_t irradiance_size;    // texels along a side of an irradiance probe's maps: a power of two, 8 to 256
+  olx_irradiance_form irradiance_form; // of irradiance; with spherical harmonics the maps hold moments alone
   uint32_t select_mask;        // bit (1 << olx_select) for each structure that is baked in; may be 0
   float distance_scale_metres; // stored distances times this are metres
   olx_vec3 scene_min, scene_max;
@@ -83,6 +94,8 @@ olx_field_info olx_field_describe(const olx_field *field);
 olx_vec3 olx_field_probe_position(const olx_field *field, uint32_t index);
 // Whether that probe was found inside geometry at bake time.
 bool olx_field_probe_buried(const olx_field *field, uint32_t index);
+// The same of an irradiance probe, index < irradiance_probe_count.
+bool olx_field_irradiance_probe_buried(const olx_field *field, uint32_t index);
 
 // Read every byte: checksums, zero padding, and the content of the maps (no NaN, distances not negative, moments
 // possible). OLX_OK, or what is wrong and where in olx_last_error.

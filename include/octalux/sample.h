@@ -73,6 +73,10 @@ void olx_trace_rays(const olx_field *field, const olx_sample_settings *settings,
 olx_vec3 olx_irradiance(const olx_field *field, const olx_sample_settings *settings, olx_vec3 position, olx_vec3 normal,
                         olx_vec3 view);
 
+// Irradiance in W/m^2 that irradiance probe `index` (< irradiance_probe_count) holds for surfaces of unit normal `normal`: not
+// interpolated, and with spherical harmonics as they ring, that is also below 0, where olx_irradiance says 0.
+olx_vec3 olx_probe_irradiance(const olx_field *field, uint32_t index, olx_vec3 normal);
+
 // One ray's estimate of the light that a GGX lobe of the given roughness (perceptual, 0..1; 0 is a mirror) gathers:
 // traces the reflection drawn by `random` (two numbers in [0, 1)) and returns its radiance; *weight receives the
 // BRDF times cosine over the pdf for Fresnel reflectance 1 (0: the reflection lies below the surface, and no ray was

@@ -121,12 +121,20 @@ static olx_result check_classic(const olx_bake_settings *settings) {
   return settings->classic_sharpness ? check_range(settings->classic_sharpness, 64, 65536, "sharpness") : OLX_OK;
 }
 
+static olx_result check_irradiance_form(const olx_bake_settings *settings) {
+  OLX_TRY(check_range(settings->irradiance_form, OLX_IRRADIANCE_OCTAHEDRAL, OLX_IRRADIANCE_SH3, "form of irradiance"));
+  if (!settings->relight || settings->irradiance_form == OLX_IRRADIANCE_OCTAHEDRAL) return OLX_OK;
+  return olx_fail(OLX_ERROR_ARGUMENT, "bake: relighting needs octahedral irradiance, not %s",
+                  olx_irradiance_form_name(settings->irradiance_form));
+}
+
 static olx_result check_settings(const olx_bake_settings *settings) {
   OLX_TRY(check_probes(settings));
   OLX_TRY(check_select(settings));
   OLX_TRY(check_grid(&settings->irradiance_grid, "irradiance grid"));
   OLX_TRY(check_size(settings->radiance_size, 8, 2048, "radiance size"));
   OLX_TRY(check_size(settings->irradiance_size, 8, 256, "irradiance size"));
+  OLX_TRY(check_irradiance_form(settings));
   OLX_TRY(check_classic(settings));
   OLX_TRY(check_range(settings->bounce_gather, OLX_GATHER_IRRADIANCE, OLX_GATHER_TRACED, "way to gather bounces"));
   OLX_TRY(check_range(settings->samples, 1, 8, "samples"));
@@ -182,6 +190,7 @@ static olx_result create_file(bake *b, const char *path) {
                .irradiance_grid = s->irradiance_grid,
                .radiance_size = s->radiance_size,
                .irradiance_size = s->irradiance_size,
+               .irradiance_form = s->irradiance_form,
                .select_mask = select_mask(s),
                .distance_scale_metres = b->distance_scale,
                .scene_min = b->scene->bounds_min,
@@ -346,6 +355,7 @@ static olx_result run(bake *b, const char *path) {
                            .threads = s->threads,
                            .distance_scale = b->distance_scale,
                            .task = &b->task,
+                           .form = s->irradiance_form,
                            .traces = s->bounce_gather == OLX_GATHER_TRACED};
   b->capture = (olx_capture){.shade = &b->shade,
                              .size = s->radiance_size,

@@ -270,6 +270,18 @@ static void final_job(void *user, uint32_t row) {
   olx_quadrature_irradiance(&gather->quadrature, cells_of(gather, gather->probe), n, row, gather->irradiance, n);
 }
 
+// One probe's final irradiance, as the file keeps it: at most a word a texel.
+static void pack_irradiance(const olx_gather *gather, uint32_t *packed) {
+  const uint32_t n = gather->quadrature.irradiance_size;
+  if (gather->form != OLX_IRRADIANCE_OCTAHEDRAL) {
+    olx_vec3 coefficients[OLX_HARMONICS_MOST];
+    olx_project(&gather->projection, gather->irradiance, coefficients);
+    olx_harmonics_pack(coefficients, gather->projection.bands, (uint16_t *)packed);
+    return;
+  }
+  for (uint32_t i = 0; i < n * n; i++) packed[i] = olx_r11g11b10f_pack(gather->irradiance[i]);
+}
+
 olx_result olx_gather_write(olx_gather *gather, olx_field_writer *writer, double *write_seconds) {
   const uint32_t n = gather->quadrature.irradiance_size;
   const size_t texels = (size_t)n * n;
@@ -284,9 +296,9 @@ olx_result olx_gather_write(olx_gather *gather, olx_field_writer *writer, double
     for (uint32_t i = 0; i < texels; i++) {
       if (gather->fit) gather->irradiance[i] = corrected(gather, probe, i % n, i / n, n, gather->irradiance[i]);
       const olx_vec2 m = moments[i / n * (n + 2) + i % n];
-      packed[i] = olx_r11g11b10f_pack(gather->irradiance[i]);
       packed[texels + i] = olx_half_pack(m.x) | (uint32_t)olx_half_pack(m.y) << 16;
     }
+    pack_irradiance(gather, packed);
     const double start = olx_seconds();
     result = olx_field_writer_irradiance(writer, probe, gather->flags[probe], packed, packed + texels);
     *write_seconds += olx_seconds() - start;
@@ -297,6 +309,8 @@ olx_result olx_gather_write(olx_gather *gather, olx_field_writer *writer, double
 
 olx_result olx_gather_create(olx_gather *gather, const olx_grid *grid, uint32_t irradiance_size, uint32_t bounces) {
   OLX_TRY(olx_quadrature_create(irradiance_size, &gather->quadrature));
+  const uint32_t bands = olx_irradiance_bands(gather->form);
+  if (bands) OLX_TRY(olx_projection_create(bands, irradiance_size, &gather->projection));
   const olx_quadrature *q = &gather->quadrature;
   const size_t probes = gather->probe_count, cells = (size_t)q->cells * q->cells;
   gather->map_size = irradiance_size < 64 ? irradiance_size : 64;
@@ -339,6 +353,7 @@ olx_result olx_gather_create(olx_gather *gather, const olx_grid *grid, uint32_t 
 
 void olx_gather_free(olx_gather *gather) {
   olx_quadrature_free(&gather->quadrature);
+  olx_projection_free(&gather->projection);
   olx_surface_fit_free(gather->fit);
   olx_traced_bounce_free(&gather->traced);
   olx_release(gather->hits);

@@ -2,6 +2,7 @@
 #ifndef OLX_BAKE_GATHER_H
 #define OLX_BAKE_GATHER_H
 
+#include "bake/projection.h"
 #include "bake/quadrature.h"
 #include "bake/shade_batch.h"
 #include "bake/surface_fit.h"
@@ -30,6 +31,8 @@ typedef struct olx_gather {
   uint32_t bounce;
   olx_vec3 *irradiance; // one probe's final map
   olx_surface_fit *fit; // NULL until the first olx_gather_fit
+  olx_irradiance_form form; // of the file's irradiance: the caller's to set
+  olx_projection projection; // where that is spherical harmonics
   bool traces;          // bounces are gathered by rays: the caller's to set
   olx_traced_bounce traced;
 } olx_gather;

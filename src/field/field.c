@@ -92,7 +92,10 @@ static olx_result find_chunks(olx_field *field) {
   field->irradiance_n = info->irradiance_size;
   field->irradiance_stride = field->irradiance_n + 2;
   field->irradiance_texels = (size_t)field->irradiance_stride * field->irradiance_stride;
-  field->irradiance = data[OLX_CHUNK_IRRADIANCE];
+  field->bands = olx_irradiance_bands(info->irradiance_form);
+  field->harmonic_halves = olx_harmonics_halves(field->bands);
+  if (field->bands) field->harmonics = data[OLX_CHUNK_IRRADIANCE];
+  else field->irradiance = data[OLX_CHUNK_IRRADIANCE];
   field->moments = data[OLX_CHUNK_MOMENTS];
   field->distance_scale = info->distance_scale_metres;
   return OLX_OK;
@@ -178,6 +181,12 @@ const char *olx_select_name(olx_select select) {
   return names[select];
 }
 
+const char *olx_irradiance_form_name(olx_irradiance_form form) {
+  static const char *const names[] = {"octahedral", "sh2", "sh3"};
+  assert(form <= OLX_IRRADIANCE_SH3);
+  return names[form];
+}
+
 olx_field_info olx_field_describe(const olx_field *field) {
   assert(field);
   return field->info;
@@ -191,4 +200,9 @@ olx_vec3 olx_field_probe_position(const olx_field *field, uint32_t index) {
 bool olx_field_probe_buried(const olx_field *field, uint32_t index) {
   assert(field && index < field->info.probe_count);
   return (field->probe_flags[index] & OLX_PROBE_BURIED) != 0;
+}
+
+bool olx_field_irradiance_probe_buried(const olx_field *field, uint32_t index) {
+  assert(field && index < field->info.irradiance_probe_count);
+  return (field->irradiance_flags[index] & OLX_PROBE_BURIED) != 0;
 }

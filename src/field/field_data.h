@@ -7,6 +7,7 @@
 
 #include "field/brick_data.h"
 #include "field/classic_data.h"
+#include "field/harmonic_data.h"
 #include "field/relight_data.h"
 
 #include <octalux/field.h>
@@ -39,7 +40,9 @@ struct olx_field {
 
   uint32_t irradiance_n, irradiance_stride;
   size_t irradiance_texels;
-  const uint32_t *irradiance; // R11G11B10F, W/m^2, indirect light only: emitters and sky left out
+  const uint32_t *irradiance; // R11G11B10F, W/m^2, indirect light only: emitters and sky left out; or, where this is NULL:
+  const uint16_t *harmonics;  // `harmonic_halves` a probe
+  uint32_t bands, harmonic_halves; // 0 for maps
   const uint32_t *moments;    // two halves: mean distance (low 16 bits), mean squared distance; sky counts as 1
 
   // What the selectors in info.select_mask were baked into, by olx_select; NULL and 0 where there is nothing.

@@ -5,6 +5,7 @@
 void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHUNK_KINDS]) {
   const uint64_t side = info->radiance_size + 2, texels = side * side;
   const uint64_t irradiance_side = info->irradiance_size + 2, irradiance_texels = irradiance_side * irradiance_side;
+  const uint32_t bands = olx_irradiance_bands(info->irradiance_form);
   const olx_pyramid_shape pyramid = olx_pyramid_shape_of(info->radiance_size);
   const uint32_t classic = info->classic_size, classic_probes = classic ? info->irradiance_probe_count : 0;
   const uint64_t classic_side = classic + 2;
@@ -24,7 +25,8 @@ void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHU
       [OLX_CHUNK_GREATEST] = {OLX_FOUR_CC('D', 'M', 'A', 'X'), 2, pyramid.greatest_nodes, info->probe_count},
       [OLX_CHUNK_IRRADIANCE_POSITIONS] = {OLX_FOUR_CC('I', 'P', 'O', 'S'), 4, 3, info->irradiance_probe_count},
       [OLX_CHUNK_IRRADIANCE_FLAGS] = {OLX_FOUR_CC('I', 'F', 'L', 'G'), 1, 1, info->irradiance_probe_count},
-      [OLX_CHUNK_IRRADIANCE] = {OLX_FOUR_CC('I', 'R', 'R', 'A'), 4, irradiance_texels, info->irradiance_probe_count},
+      [OLX_CHUNK_IRRADIANCE] = {bands ? OLX_FOUR_CC('I', 'R', 'S', 'H') : OLX_FOUR_CC('I', 'R', 'R', 'A'), bands ? 2 : 4,
+                                bands ? olx_harmonics_halves(bands) : irradiance_texels, info->irradiance_probe_count},
       [OLX_CHUNK_MOMENTS] = {OLX_FOUR_CC('M', 'O', 'M', 'E'), 4, irradiance_texels, info->irradiance_probe_count},
       [OLX_CHUNK_VORONOI] = {OLX_FOUR_CC('V', 'O', 'R', 'O'), 1, 0, 1},
       [OLX_CHUNK_OCTREE] = {OLX_FOUR_CC('O', 'C', 'T', 'R'), 1, 0, 1},
@@ -77,6 +79,7 @@ olx_file_info olx_field_info_store(const olx_field_info *info) {
                           .has_grid = info->has_grid,
                           .radiance_size = info->radiance_size,
                           .irradiance_size = info->irradiance_size,
+                          .irradiance_form = info->irradiance_form,
                           .select_mask = info->select_mask,
                           .bounces = info->bounces,
                           .samples = info->samples,
@@ -99,6 +102,7 @@ olx_field_info olx_field_info_load(const olx_file_info *stored) {
                           .irradiance_grid = load_grid(&stored->irradiance_grid),
                           .radiance_size = stored->radiance_size,
                           .irradiance_size = stored->irradiance_size,
+                          .irradiance_form = (olx_irradiance_form)stored->irradiance_form,
                           .select_mask = stored->select_mask,
                           .distance_scale_metres = stored->distance_scale,
                           .scene_min = olx_v3(stored->scene_min[0], stored->scene_min[1], stored->scene_min[2]),
@@ -161,6 +165,9 @@ static olx_result check_sizes(const olx_field_info *info, const char *name, olx_
   }
   if (!is_power_of_two_in(info->irradiance_size, 8, 256)) {
     return olx_fail(failure, "%s: irradiance size %u is not a power of two in 8..256", name, info->irradiance_size);
+  }
+  if ((uint32_t)info->irradiance_form > OLX_IRRADIANCE_SH3) {
+    return olx_fail(failure, "%s: unknown form of irradiance %u", name, (uint32_t)info->irradiance_form);
   }
   if (info->probe_count < 1 || info->irradiance_probe_count < 1) {
     return olx_fail(failure, "%s: no %s probes", name, info->probe_count < 1 ? "light field" : "irradiance");

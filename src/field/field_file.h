@@ -29,7 +29,7 @@ typedef struct olx_file_info {
   uint32_t buried_count, irradiance_buried_count;
   uint32_t has_grid;
   uint32_t radiance_size, irradiance_size;
-  uint32_t zero_a;
+  uint32_t irradiance_form; // olx_irradiance_form
   uint32_t select_mask;
   uint32_t bounces, samples;
   float distance_scale;

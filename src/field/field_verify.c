@@ -122,24 +122,30 @@ static olx_result check_probe(const olx_field *field, uint32_t probe) {
   return OLX_OK;
 }
 
-static olx_result check_irradiance(const olx_field *field, uint32_t probe) {
-  OLX_TRY(check_flags(field, "irradiance", probe, field->irradiance_flags[probe]));
-  const size_t texels = field->irradiance_texels;
-  const uint32_t stride = field->irradiance_stride;
-  const uint32_t *irradiance = field->irradiance + texels * probe, *moments = field->moments + texels * probe;
-  size_t bad = first_bad_color(irradiance, texels);
-  if (bad < texels) return fail_at(field, "irradiance", probe, bad, stride, irradiance[bad], "not a finite number");
-  bad = first_bad_moments(moments, texels);
-  if (bad < texels) return fail_at(field, "moments", probe, bad, stride, moments[bad], "impossible moments");
-  OLX_TRY(check_border(field, "irradiance", probe, irradiance, field->irradiance_n, 4));
-  return check_border(field, "moments", probe, moments, field->irradiance_n, 4);
-}
-
 static olx_result check_color_map(const olx_field *field, const char *what, uint32_t probe, const uint32_t *map,
                                   uint32_t n) {
   const size_t texels = (size_t)(n + 2) * (n + 2), bad = first_bad_color(map, texels);
   if (bad < texels) return fail_at(field, what, probe, bad, n + 2, map[bad], "not a finite number");
   return check_border(field, what, probe, map, n, 4);
+}
+
+static olx_result check_harmonics(const olx_field *field, uint32_t probe) {
+  const uint16_t *halves = field->harmonics + (size_t)field->harmonic_halves * probe;
+  const uint32_t bad = olx_harmonics_first_bad(halves, field->bands);
+  if (bad == field->harmonic_halves) return OLX_OK;
+  return olx_fail(OLX_ERROR_FORMAT, "%s: irradiance of probe %u: coefficient %u: impossible (code %#x)", field->name, probe,
+                  bad / 3, halves[bad]);
+}
+
+static olx_result check_irradiance(const olx_field *field, uint32_t probe) {
+  OLX_TRY(check_flags(field, "irradiance", probe, field->irradiance_flags[probe]));
+  const size_t texels = field->irradiance_texels;
+  const uint32_t n = field->irradiance_n, *moments = field->moments + texels * probe;
+  OLX_TRY(field->bands ? check_harmonics(field, probe)
+                       : check_color_map(field, "irradiance", probe, field->irradiance + texels * probe, n));
+  const size_t bad = first_bad_moments(moments, texels);
+  if (bad < texels) return fail_at(field, "moments", probe, bad, n + 2, moments[bad], "impossible moments");
+  return check_border(field, "moments", probe, moments, n, 4);
 }
 
 static olx_result check_classic(const olx_field *field, uint32_t probe) {

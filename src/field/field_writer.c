@@ -56,7 +56,7 @@ static olx_result allocate_buffers(olx_field_writer *writer, const olx_field_hea
   const olx_field_info *info = &writer->info;
   const olx_chunk_shape *shapes = writer->shapes;
   const uint64_t radiance = shapes[OLX_CHUNK_RADIANCE].record_bytes,
-                 irradiance = shapes[OLX_CHUNK_IRRADIANCE].record_bytes;
+                 irradiance = shapes[OLX_CHUNK_MOMENTS].record_bytes;
   const uint64_t classic = writer->info.classic_size ? shapes[OLX_CHUNK_CLASSIC_IRRADIANCE].record_bytes : 0;
   const uint64_t most = radiance > irradiance ? radiance : irradiance;
   writer->map = olx_allocate(most > classic ? most : classic, 1);
@@ -211,15 +211,17 @@ olx_result olx_field_writer_probe(olx_field_writer *writer, uint32_t index, uint
   return result;
 }
 
-static olx_result write_irradiance(olx_field_writer *writer, uint32_t index, const uint32_t *irradiance,
+static olx_result write_irradiance(olx_field_writer *writer, uint32_t index, const void *irradiance,
                                    const uint32_t *moments) {
   const uint32_t n = writer->info.irradiance_size;
-  OLX_TRY(put_map(writer, OLX_CHUNK_IRRADIANCE, index, irradiance, n));
+  const bool map = writer->info.irradiance_form == OLX_IRRADIANCE_OCTAHEDRAL;
+  OLX_TRY(map ? put_map(writer, OLX_CHUNK_IRRADIANCE, index, irradiance, n)
+              : put(writer, OLX_CHUNK_IRRADIANCE, index, irradiance));
   return put_map(writer, OLX_CHUNK_MOMENTS, index, moments, n);
 }
 
-olx_result olx_field_writer_irradiance(olx_field_writer *writer, uint32_t index, uint8_t flags,
-                                       const uint32_t *irradiance, const uint32_t *moments) {
+olx_result olx_field_writer_irradiance(olx_field_writer *writer, uint32_t index, uint8_t flags, const void *irradiance,
+                                       const uint32_t *moments) {
   if (index != writer->irradiance_written || index >= writer->info.irradiance_probe_count) {
     return refuse_order(writer, "irradiance", index, writer->irradiance_written);
   }

@@ -37,9 +37,10 @@ olx_result olx_field_writer_create(const char *path, const olx_field_header *hea
 olx_result olx_field_writer_probe(olx_field_writer *writer, uint32_t index, uint8_t flags, const uint32_t *radiance,
                                   const uint16_t *normal, const uint16_t *distance);
 
-// The maps of one irradiance probe, in order of index, without border.
-olx_result olx_field_writer_irradiance(olx_field_writer *writer, uint32_t index, uint8_t flags,
-                                       const uint32_t *irradiance, const uint32_t *moments);
+// The maps of one irradiance probe, in order of index, without border. `irradiance` is a map of R11G11B10F, or, as
+// info.irradiance_form says, what olx_harmonics_pack made.
+olx_result olx_field_writer_irradiance(olx_field_writer *writer, uint32_t index, uint8_t flags, const void *irradiance,
+                                       const uint32_t *moments);
 
 // The same for classic maps, where info.classic_size asks for them.
 olx_result olx_field_writer_classic(olx_field_writer *writer, uint32_t index, const olx_classic_record *record);

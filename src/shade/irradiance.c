@@ -1,5 +1,7 @@
 #include "shade/irradiance.h"
 
+#include <assert.h>
+
 // Half float moments are off by up to 2^-11 each, so the variance cannot be known better than about this share of r^2.
 static const float VARIANCE_FLOOR = 1e-3f;
 // Weights below this are pressed down by the square of their share of it (after Majercik et al. 2019).
@@ -22,6 +24,24 @@ static olx_vec3 map_irradiance(const olx_irradiance_source *s, uint32_t probe, c
     sum = olx_madd(sum, value, b->weight[i]);
   }
   return sum;
+}
+
+// Where irradiance for a normal lies in every probe's map, or the harmonics there.
+typedef struct normal_taps {
+  olx_bilinear texels;
+  float harmonics[OLX_HARMONICS_MOST];
+} normal_taps;
+
+static normal_taps taps_at(const olx_irradiance_source *s, olx_vec3 normal) {
+  normal_taps taps;
+  if (s->bands) olx_harmonics_at(normal, taps.harmonics);
+  else taps.texels = olx_bilinear_at(olx_octahedral_encode(normal), s->irradiance_n);
+  return taps;
+}
+
+static olx_vec3 probe_irradiance(const olx_irradiance_source *s, uint32_t probe, const normal_taps *taps) {
+  if (!s->bands) return map_irradiance(s, probe, &taps->texels);
+  return olx_harmonics_irradiance(s->harmonics + (size_t)s->harmonic_halves * probe, s->bands, taps->harmonics);
 }
 
 // Mean and mean square of the distance, in metres.
@@ -150,12 +170,12 @@ olx_irradiance_weights olx_irradiance_weigh(const olx_irradiance_source *s, uint
 olx_vec3 olx_irradiance_terms(const olx_irradiance_source *s, uint32_t terms, bool keep_buried, olx_vec3 position,
                               olx_vec3 normal, olx_vec3 view) {
   const olx_irradiance_weights weights = olx_irradiance_weigh(s, terms, keep_buried, position, normal, view);
-  const olx_bilinear texels = olx_bilinear_at(olx_octahedral_encode(normal), s->irradiance_n);
+  const normal_taps taps = taps_at(s, normal);
   olx_vec3 sum = {0};
   for (uint32_t i = 0; i < weights.count; i++) {
-    sum = olx_madd(sum, map_irradiance(s, weights.probe[i], &texels), weights.weight[i]);
+    sum = olx_madd(sum, probe_irradiance(s, weights.probe[i], &taps), weights.weight[i]);
   }
-  return sum;
+  return s->bands ? olx_max_each(sum, olx_splat(0.0f)) : sum; // probes' ringing may cancel before it is cut off
 }
 
 olx_vec3 olx_irradiance_from(const olx_irradiance_source *source, const olx_sample_settings *settings,
@@ -173,6 +193,9 @@ olx_irradiance_source olx_irradiance_source_of(const olx_field *field) {
       .moments_n = field->irradiance_n,
       .packed_irradiance = field->irradiance,
       .packed_moments = field->moments,
+      .harmonics = field->harmonics,
+      .bands = field->bands,
+      .harmonic_halves = field->harmonic_halves,
   };
 }
 
@@ -180,4 +203,11 @@ olx_vec3 olx_irradiance(const olx_field *field, const olx_sample_settings *setti
                         olx_vec3 view) {
   const olx_irradiance_source source = olx_irradiance_source_of(field);
   return olx_irradiance_from(&source, settings, position, normal, view);
+}
+
+olx_vec3 olx_probe_irradiance(const olx_field *field, uint32_t index, olx_vec3 normal) {
+  assert(field && index < field->info.irradiance_probe_count);
+  const olx_irradiance_source source = olx_irradiance_source_of(field);
+  const normal_taps taps = taps_at(&source, normal);
+  return probe_irradiance(&source, index, &taps);
 }

@@ -7,7 +7,7 @@
 
 #include <octalux/sample.h>
 
-// Where irradiance comes from: the packed maps of a field, or a baker's float maps. Maps carry a one-texel border, as
+// Where irradiance comes from: the packed maps or spherical harmonics of a field, or a baker's float maps. Maps carry a one-texel border, as
 // field_data.h says; sizes are without it.
 typedef struct olx_irradiance_source {
   olx_grid grid;
@@ -17,6 +17,8 @@ typedef struct olx_irradiance_source {
   const uint32_t *packed_irradiance, *packed_moments; // or, where these are NULL:
   const olx_vec3 *irradiance;
   const olx_vec2 *moments; // mean distance, mean squared distance
+  const uint16_t *harmonics; // in place of irradiance maps where `bands` is not 0; `harmonic_halves` a probe
+  uint32_t bands, harmonic_halves;
 } olx_irradiance_source;
 
 olx_irradiance_source olx_irradiance_source_of(const olx_field *field);

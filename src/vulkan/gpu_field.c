@@ -132,8 +132,15 @@ static olx_gpu_field field_constants(const olx_vulkan_field *gpu, const olx_fiel
   };
 }
 
+static olx_result check_irradiance_form(const olx_field *field) {
+  if (!field->bands) return OLX_OK;
+  return olx_fail(OLX_ERROR_UNSUPPORTED, "%s: irradiance as spherical harmonics (%s) does not run on the GPU: bake octahedral maps",
+                  field->name, olx_irradiance_form_name(field->info.irradiance_form));
+}
+
 // Images and buffers, as yet without memory.
 static olx_result create_resources(const olx_vulkan_host *host, const olx_field *field, olx_vulkan_field *gpu) {
+  OLX_TRY(check_irradiance_form(field));
   OLX_TRY(olx_vulkan_context_make(host, &gpu->context));
   OLX_TRY(check_bindings(&gpu->context));
   const uint32_t probes = field->info.probe_count, irradiance_probes = field->info.irradiance_probe_count;

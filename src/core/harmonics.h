@@ -1,0 +1,25 @@
+// Spherical harmonics of the bands 0, 1 and 2 as plain polynomials of a unit direction (docs/maths.md, "Spherical harmonics"):
+// 1; y, z, x; xy, yz, 3 z^2 - 1, xz, x^2 - y^2. Constant factors are left to the coefficients.
+#ifndef OLX_CORE_HARMONICS_H
+#define OLX_CORE_HARMONICS_H
+
+#include "core/vec.h"
+
+enum { OLX_HARMONICS_MOST_BANDS = 3, OLX_HARMONICS_MOST = OLX_HARMONICS_MOST_BANDS * OLX_HARMONICS_MOST_BANDS };
+
+static inline uint32_t olx_harmonics_count(uint32_t bands) { return bands * bands; }
+
+// The values of all of them in a direction.
+static inline void olx_harmonics_at(olx_vec3 d, float values[OLX_HARMONICS_MOST]) {
+  values[0] = 1.0f;
+  values[1] = d.y;
+  values[2] = d.z;
+  values[3] = d.x;
+  values[4] = d.x * d.y;
+  values[5] = d.y * d.z;
+  values[6] = 3.0f * d.z * d.z - 1.0f;
+  values[7] = d.x * d.z;
+  values[8] = d.x * d.x - d.y * d.y;
+}
+
+#endif

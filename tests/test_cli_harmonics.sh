@@ -1,0 +1,40 @@
+# Irradiance as spherical harmonics from the command line: bake --irradiance, what info tells, render and audit.
+source "$(dirname "$0")/cli/expect.sh"
+small=(--grid 2x2x2 --radiance-size 8 --irradiance-size 32 --bounces 1)
+
+for form in octahedral sh2 sh3; do
+  expect 0 bake builtin:cornell -o $form.olx "${small[@]}" --irradiance $form
+  expect 0 verify $form.olx
+  expect 0 render builtin:cornell --field $form.olx -o $form.exr --size 32x24 --spp 1
+done
+expect_json 'o["irradiance"] == "sh2" and o["bytes"]["irradiance"] == 24 * o["irradiance_probes"]' info sh2.olx
+expect_json 'o["irradiance"] == "sh3" and o["bytes"]["irradiance"] == 56 * o["irradiance_probes"]
+  and o["bytes"]["moments"] == 4 * 34 ** 2 * o["irradiance_probes"]' info sh3.olx
+expect_json 'o["irradiance"] == "octahedral" and o["bytes"]["irradiance"] == o["bytes"]["moments"]' info octahedral.olx
+expect 0 info sh3.olx
+grep -q "irradiance as  *sh3, maps of moments alone" stdout.txt || fail "info does not tell the form"
+expect 0 bake builtin:cornell -o plain.olx "${small[@]}"
+cmp -s plain.olx octahedral.olx || fail "maps are not the default"
+expect 0 bake builtin:cornell -o one.olx "${small[@]}" --irradiance sh3 --threads 1
+cmp -s one.olx sh3.olx || fail "the bytes depend on the threads"
+
+# The harmonics differ from the maps, those of more bands less; nothing else changes.
+for form in sh2 sh3; do
+  for layer in direct indirect_glossy albedo; do
+    expect_json 'all(l["max"] == 0 for l in o["layers"].values())' compare $form.exr octahedral.exr --layer $layer
+  done
+  expect_json 'all(l["max"] > 0 and l["relative_mse"] < 0.05 for l in o["layers"].values())' \
+    compare $form.exr octahedral.exr --layer indirect_diffuse
+  cp stdout.txt $form.json
+done
+python3 - <<'PYTHON' || fail "nine coefficients are no better than four"
+import json, sys
+error = lambda form: json.load(open(form + ".json"))["layers"]["indirect_diffuse"]["mse"]
+sys.exit(not error("sh3") < error("sh2"))
+PYTHON
+expect_json 'o["points"]["count"] == 50' audit builtin:cornell --field sh3.olx --rays 2 --points 50
+
+expect_usage "is not one of octahedral|sh2|sh3" bake builtin:cornell -o a.olx --irradiance sh4
+expect_usage "relight needs octahedral irradiance" bake builtin:cornell -o a.olx --irradiance sh2 --relight
+[ -e a.olx ] && fail "a refused bake leaves a file"
+finish

@@ -83,6 +83,7 @@ olx_result bench_field_make(const olx_scene *scene, const bench_probes *probes, 
   settings.irradiance_grid = bake->irradiance_grid;
   settings.irradiance_size = bake->irradiance_size;
   settings.light_samples = bake->light_samples;
+  settings.irradiance_form = bake->form;
   settings.bounces = bake->bounces;
   settings.bounce_gather = bake->gather;
   settings.classic = bake->classic_size > 0;

@@ -36,6 +36,7 @@ typedef struct bench_bake {
   olx_grid irradiance_grid; // the same for all, so that diffuse light is
   uint32_t irradiance_size, light_samples, bounces, threads;
   olx_bounce_gather gather;
+  olx_irradiance_form form;
   uint32_t classic_size; // of the maps of original irradiance probes; 0: none
   bool rough;            // place with few samples, for a quick look
 } bench_bake;

@@ -13,5 +13,5 @@ step "build: clang, release" configure_and_build release-clang &&
 step "build: address and undefined sanitizers" configure_and_build asan &&
   tests asan "tests: address and undefined sanitizers" -L 'check|fuzz_full' -LE once
 step "build: thread sanitizer" configure_and_build tsan &&
-  tests tsan "tests: thread sanitizer" -L check -LE once
+  tests tsan "tests: thread sanitizer" -L threads
 finish

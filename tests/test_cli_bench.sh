@@ -23,7 +23,7 @@ grep -q "cornell-glossy: timing" stderr.txt || fail "no progress"
 expect_json 'o["experiment"] == "wang-probes" and min(s["against_best_grid"] for s in o["scenes"][0]["sets"][:2]) == 1
   and len(o["scenes"][0]["sets"]) == 8 and all(0 <= s["unseen"] <= 1 and len(s["cameras"]) == 2
     for s in o["scenes"][0]["sets"])' bench wang-probes "${scenes[@]}" "${small[@]}"
-for n in 3 5; do "$OCTALUX" place builtin:cornell-glossy -o $n.json --count $n --candidates 100 --surfels 500 >stdout.txt; done
+for n in 3 5; do "$OCTALUX" place builtin:cornell-glossy -o $n.json --count $n --candidates 100 --surfels 500 --voxels 48 >stdout.txt; done
 expect_json '[s["name"] for s in o["scenes"][0]["sets"]] == ["2x1x2 grid, 32^2", "3.json, 32^2", "5.json, 64^2"]
   and [s["probes"] for s in o["scenes"][0]["sets"]] == [4, 3, 5] and o["scenes"][0]["sets"][0]["against_best_grid"] == 1' \
   bench wang-probes "${scenes[@]}" "${small[@]}" --probes 2x1x2,3.json,5.json@1024

@@ -9,6 +9,7 @@
 
 enum {
   ROUGH_SAMPLES = 600,
+  ROUGH_VOXELS = 48,
   FREE_SELECTORS = 1 << OLX_SELECT_VORONOI | 1 << OLX_SELECT_OCTREE | 1 << OLX_SELECT_BRICKS // of placed probes
 };
 
@@ -54,7 +55,10 @@ static olx_result place(const olx_scene *scene, const bench_probes *probes, cons
   settings.optimize = probes->optimize;
   settings.resolution = probes->texels;
   settings.threads = bake->threads;
-  if (bake->rough) settings.candidates = settings.surfels = ROUGH_SAMPLES;
+  if (bake->rough) {
+    settings.candidates = settings.surfels = ROUGH_SAMPLES;
+    settings.voxels = ROUGH_VOXELS;
+  }
   return olx_place(scene, &settings, progress, set);
 }
 

@@ -60,15 +60,15 @@ bool bench_leaves_out(bench *b, const char *name) {
 static olx_render_settings sized(const bench *b, olx_method method) {
   const bench_options *o = b->options;
   olx_render_settings settings = olx_render_settings_default(method);
-  settings.width = o->size[0] ? o->size[0] : o->quick ? 96 : 320;
-  settings.height = o->size[0] ? o->size[1] : o->quick ? 72 : 240;
+  settings.width = o->size[0] ? o->size[0] : o->quick ? 96 : 240;
+  settings.height = o->size[0] ? o->size[1] : o->quick ? 72 : 180;
   settings.threads = o->threads;
   return settings;
 }
 
 olx_render_settings bench_path_settings(const bench *b) {
   olx_render_settings settings = sized(b, OLX_METHOD_PATH);
-  settings.spp = b->options->spp ? b->options->spp : b->options->quick ? 32 : 96;
+  settings.spp = b->options->spp ? b->options->spp : b->options->quick ? 32 : 64;
   return settings;
 }
 

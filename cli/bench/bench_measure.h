@@ -44,8 +44,8 @@ typedef struct bench_bake {
 typedef struct bench_field {
   olx_field *field;
   olx_field_info info;
-  double place_seconds, bake_seconds;
-  double classic_seconds; // of these
+  double place_seconds, bake_seconds; // of processors
+  double classic_seconds;             // of these
   double coverage;        // of placed probes (olx_place_report); 0 for a grid
   char path[4096];
 } bench_field;

@@ -6,12 +6,12 @@
 enum { MANY = 16 };
 
 static const bench_column columns[] = {
-    {"bounces", "bounces", BENCH_NAME, NULL, "of indirect light; many: 16 in the field, all of them in the reference"},
+    {"bounces", "light after", BENCH_NAME, NULL, "of indirect light; many: 16 in the field, all of them in the reference"},
     {"gather", "gathered from", BENCH_NAME, NULL, NULL},
     {"count", "bounces", BENCH_COUNT, NULL, NULL},
     QUALITY_COLUMNS,
     {"mean", "mean", BENCH_QUALITY, NULL, "of indirect diffuse light in the picture"},
-    {"bake_s", "bake", BENCH_TIME, "s", "wall time on all processors"},
+    {"bake_s", "bake", BENCH_TIME, "s", "processor time"},
 };
 
 static const bench_plot plots[] = {

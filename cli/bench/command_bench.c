@@ -76,7 +76,8 @@ static void tell_findings(const bench *b, const experiment *e, const char *comma
     findings_add_json(&b->found, object);
     return;
   }
-  printf("%s: %s (%s; %.0f s)\n", e->name, e->what, e->source, b->found.seconds);
+  printf("%s: %s (%s; %.0f s, %.0f s of processors)\n", e->name, e->what, e->source, b->found.seconds,
+         b->found.processor_seconds);
   findings_print(&b->found);
   putchar('\n');
 }

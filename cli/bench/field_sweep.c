@@ -18,7 +18,7 @@ static const bench_column columns[] = {
     {"unresolved", "unresolved", BENCH_QUALITY, "%", "glossy rays that no probe could answer"},
     {"diffuse_ms", "diffuse pass", BENCH_TIME, "ms", "processor time of a million pixels, one sample each"},
     {"glossy_us", "glossy ray", BENCH_TIME, "\u00b5s", "processor time"},
-    {"bake_s", "bake", BENCH_TIME, "s", "wall time on all processors"},
+    {"bake_s", "bake", BENCH_TIME, "s", "processor time"},
 };
 
 typedef struct sweep {

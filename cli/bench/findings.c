@@ -185,6 +185,7 @@ static void add_skipped(const findings *f, cJSON *object) {
 
 void findings_add_json(const findings *f, cJSON *object) {
   add_number(object, "seconds", f->seconds);
+  add_number(object, "processor_seconds", f->processor_seconds);
   cJSON *list = cJSON_AddArrayToObject(object, "tables");
   for (uint32_t t = 0; t < f->table_count; ++t) add_table(&f->tables[t], list);
   add_skipped(f, object);
@@ -308,4 +309,5 @@ void findings_add_report(const findings *f, cJSON *section) {
   }
   if (f->skipped_count > 0) add_skipped(f, section);
   add_number(section, "seconds", f->seconds);
+  add_number(section, "processor_seconds", f->processor_seconds);
 }

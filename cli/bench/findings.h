@@ -56,7 +56,7 @@ typedef struct findings {
     char what[64], why[320];
   } skipped[FINDINGS_SKIPPED];
   bool exhausted; // memory
-  double seconds;
+  double seconds, processor_seconds; // processor: of all threads, however busy the machine is
 } findings;
 
 // A new table; columns and strings are static. It stays valid until findings_free.
@@ -75,7 +75,7 @@ void findings_skip(findings *f, const char *what, const char *why);
 void findings_free(findings *f);
 
 void findings_print(const findings *f);
-// Adds "tables", "skipped" and "seconds" to an object.
+// Adds "tables", "skipped", "seconds" and "processor_seconds" to an object.
 void findings_add_json(const findings *f, cJSON *object);
 // Adds tables, plots and what was skipped to a section of a report.
 void findings_add_report(const findings *f, cJSON *section);

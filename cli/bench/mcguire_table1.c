@@ -20,7 +20,7 @@ static const bench_column columns[] = {
     {"tried", "probes a ray", BENCH_QUALITY, NULL, NULL},
     {"unresolved", "unresolved", BENCH_QUALITY, "%", "rays that no probe could answer"},
     {"mib", "field", BENCH_COUNT, "MiB", NULL},
-    {"bake_s", "bake", BENCH_TIME, "s", "one further bounce, all processors; published: one to two minutes"},
+    {"bake_s", "bake", BENCH_TIME, "s", "processor time, one further bounce; published: one to two minutes"},
 };
 
 static const bench_plot plots[] = {

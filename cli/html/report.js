@@ -483,9 +483,10 @@
 
   const isSite = data.sections.filter(({ name }) => name).length > 1;
 
-  function makeSection({ name, heading, source, seconds, note, command, frames, tables, plots, skipped }) {
+  function makeSection({ name, heading, source, seconds, processor_seconds: spent, note, command, frames, tables, plots, skipped }) {
     const head = element("div", { className: "section-head" }, element("h2", { textContent: heading }));
-    const facts = [source, seconds === undefined ? null : `${decimal(Math.round(seconds))} s`].filter(Boolean);
+    const time = seconds === undefined ? null : `${decimal(Math.round(seconds))} s, ${decimal(Math.round(spent))} s of processors`;
+    const facts = [source, time].filter(Boolean);
     if (facts.length) head.append(element("p", { className: "note source", textContent: facts.join(" \u00b7 ") }));
     if (note) head.append(element("p", { className: "note", textContent: note }));
     if (command) head.append(element("p", { className: "note" }, element("code", { textContent: command })));

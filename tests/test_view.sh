@@ -162,6 +162,45 @@ check 'p[0].width == 48 and p[0].height == 60 and not uniform(p[0])' small.png
 check 'differing(p[0], p[1]) < 0.2 and abs(mean(p[0]) / mean(p[1]) - 1) < 0.1' back.png plain.png
 rm -f *.png
 
+# Lights that move, and indirect light that follows them or stays as it was. The same script gives the same pictures.
+printf '{"model": "builtin:cornell", "lights": [{"type": "point", "position": [0.1, 0.12, 0.1], "intensity": [0.4, 0.3, 0.5]}]}' >lit.json
+"$OCTALUX" bake lit.json -o lit.olx --grid 2x2x2 --radiance-size 16 --irradiance-size 16 --bounces 4 --relight >stdout.txt 2>stderr.txt
+cat >lights.txt <<'SCRIPT'
+frames 2
+screenshot before.png
+light 0 0.44 0.4 0.3
+screenshot moved.png
+frames 12
+screenshot settled.png
+dim 0 0
+frames 12
+screenshot dark.png
+press M
+press K
+hold LEFT 3
+frames 2
+screenshot left.png
+SCRIPT
+lights=(view lit.json --field lit.olx --size 64x48 --offscreen --script lights.txt)
+expect 0 "${lights[@]}" $validate
+check 'differing(p[0], p[1]) > 0.1' before.png moved.png
+check 'differing(p[0], p[1]) > 0.1 and mean(p[0]) < mean(p[1])' dark.png before.png
+check 'differing(p[0], p[1]) > 0.1 and mean(p[0]) > mean(p[1])' left.png dark.png
+mv settled.png stale.png
+expect 0 "${lights[@]}" --relight $validate
+check 'differing(p[0], p[1]) > 0.05' settled.png stale.png
+check 'differing(p[0], p[1]) > 0.05' settled.png moved.png
+check 'mean(p[0]) < 0.7 * mean(p[1])' dark.png before.png
+expect 0 render lit.json --field lit.olx --relight 1 --spp 1 --size 64x48 -o rendered.png
+check 'abs(mean(p[0]) / mean(p[1]) - 1) < 0.05' before.png rendered.png
+sed 's/"position": [^]]*]/"position": [0.44, 0.4, 0.3]/' lit.json >there.json
+expect 0 render there.json --field lit.olx --relight 15 --spp 1 --size 64x48 -o rendered.png
+check 'abs(mean(p[0]) / mean(p[1]) - 1) < 0.05' settled.png rendered.png
+mv settled.png first.png
+expect 0 "${lights[@]}" --relight
+cmp -s settled.png first.png || fail "the same script gives another picture"
+expect_failure "bake --relight" "${view[@]}" --relight --offscreen --frames 1
+
 # What cannot work says so, and leaves nothing.
 expect_failure "there is no display" "${view[@]}" --frames 1
 head -c 8 cornell.olx >newer.olx
@@ -177,6 +216,10 @@ expect_failure "octree does not run" view builtin:cornell-glossy --field wang.ol
 expect_failure "nosuch.txt: cannot be read" "${view[@]}" --offscreen --script nosuch.txt
 printf 'frames 2\npress ENTER\n' >wrong.txt
 expect_failure "wrong.txt:2: 'press'" "${view[@]}" --offscreen --script wrong.txt
+for line in "light 0 1 2" "light 16 1 2 3" "light -1 1 2 3" "light 0 1 2 x" "dim 0" "dim 0 -1"; do
+  echo "$line" >wrong.txt
+  expect_failure "wrong.txt:1: '${line%% *}'" "${view[@]}" --offscreen --script wrong.txt
+done
 VK_ICD_FILENAMES=/nonexistent.json expect_failure "Vulkan" "${view[@]}" --offscreen --frames 1
 
 # fault CALL:NUMBER:RESULT ...: run with that call of Vulkan failing.
@@ -228,6 +271,9 @@ check 'not uniform(p[0]) and mean(p[0]) > 10 and p[0].width == 96' flown.png
 check 'not uniform(p[0]) and mean(p[0]) > 10 and p[0].width == 200 and p[0].height == 150' larger.png
 check 'not uniform(p[0]) and p[0].width == 120' octalux-001.png
 [ -e after.png ] && fail "escape did not leave"
+# Relighting beside the pictures, on a thread of its own.
+expect 0 view lit.json --field lit.olx --size 64x48 --relight --frames 12 --screenshot beside.png $validate
+check 'not uniform(p[0]) and mean(p[0]) > 10' beside.png
 fault acquire:2:$out_of_date expect 0 "${view[@]}" --frames 4 --screenshot again.png
 check 'not uniform(p[0]) and mean(p[0]) > 10' again.png
 fault acquire:2:$surface_lost expect_failure "window" "${view[@]}" --frames 4

@@ -34,24 +34,29 @@ bool gpu_buffer_create(gpu_device *d, const char *what, VkDeviceSize bytes, VkBu
   return gpu_fail_result(d, result, what);
 }
 
-bool gpu_buffer_upload(gpu_device *d, const char *what, const void *data, VkDeviceSize bytes, VkBufferUsageFlags usage,
-                       gpu_buffer *b) {
+bool gpu_buffer_refill(gpu_device *d, const char *what, const void *data, gpu_buffer *b) {
   gpu_buffer staging;
-  *b = (gpu_buffer){.bytes = 0};
-  if (!gpu_buffer_create(d, what, bytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, true, &staging)) return false;
-  memcpy(staging.mapped, data, bytes);
-  bool fine = gpu_buffer_create(d, what, bytes, usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT, false, b);
-  if (fine) fine = gpu_commands_begin(d);
+  if (!gpu_buffer_create(d, what, b->bytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, true, &staging)) return false;
+  memcpy(staging.mapped, data, b->bytes);
+  bool fine = gpu_commands_begin(d);
   if (fine) {
-    const VkBufferCopy region = {.size = bytes};
+    const VkBufferCopy region = {.size = b->bytes};
     d->CmdCopyBuffer(d->commands, staging.buffer, b->buffer, 1, &region);
     gpu_memory_barrier(d, d->commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT,
                        VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_ACCESS_MEMORY_READ_BIT);
     fine = gpu_commands_run(d);
   }
   gpu_buffer_destroy(d, &staging);
-  if (!fine) gpu_buffer_destroy(d, b);
   return fine;
+}
+
+bool gpu_buffer_upload(gpu_device *d, const char *what, const void *data, VkDeviceSize bytes, VkBufferUsageFlags usage,
+                       gpu_buffer *b) {
+  if (gpu_buffer_create(d, what, bytes, usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT, false, b) &&
+      gpu_buffer_refill(d, what, data, b))
+    return true;
+  gpu_buffer_destroy(d, b);
+  return false;
 }
 
 void gpu_buffer_destroy(gpu_device *d, gpu_buffer *b) {

@@ -17,6 +17,8 @@ bool gpu_buffer_create(gpu_device *device, const char *what, VkDeviceSize bytes,
 // The same in device-local memory, with `data` in it.
 bool gpu_buffer_upload(gpu_device *device, const char *what, const void *data, VkDeviceSize bytes,
                        VkBufferUsageFlags usage, gpu_buffer *buffer);
+// Other data for a whole buffer that gpu_buffer_upload made; nothing that uses it may be pending.
+bool gpu_buffer_refill(gpu_device *device, const char *what, const void *data, gpu_buffer *buffer);
 void gpu_buffer_destroy(gpu_device *device, gpu_buffer *buffer);
 
 typedef struct gpu_image {

@@ -145,6 +145,14 @@ bool shadow_pass_create(gpu_device *d, VkDescriptorSetLayout set_layout, const o
   return fine;
 }
 
+bool shadow_pass_change(gpu_device *d, const lamp_list *list, shadow_pass *pass) {
+  if (list->lamp_count != pass->lamp_count || list->view_count != pass->view_count)
+    return gpu_fail(d, "lamps may move, but not come or go");
+  memcpy(pass->views, list->views, sizeof list->views);
+  return gpu_buffer_refill(d, "the lamps", list->lamps, &pass->lamps) &&
+         gpu_buffer_refill(d, "the lamps' views", list->views, &pass->matrices);
+}
+
 void shadow_pass_destroy(gpu_device *d, shadow_pass *pass) {
   for (uint32_t i = 0; i < pass->view_count && pass->framebuffers; i++) {
     if (pass->framebuffers[i]) d->DestroyFramebuffer(d->host.device, pass->framebuffers[i], NULL);

@@ -24,6 +24,10 @@ bool shadow_pass_create(gpu_device *device, VkDescriptorSetLayout set_layout, co
                         const lamp_settings *settings, shadow_pass *pass);
 void shadow_pass_destroy(gpu_device *device, shadow_pass *pass);
 
+// The same lamps in other places or of other strength: as many, with as many views. Nothing that uses the pass may be pending, and all
+// maps have to be drawn again.
+bool shadow_pass_change(gpu_device *device, const lamp_list *list, shadow_pass *pass);
+
 // Draw all maps. Waits for compute recorded before; compute that follows may read the maps.
 void shadow_pass_record(const gpu_device *device, const shadow_pass *pass, VkCommandBuffer commands,
                         const draw_item *items, uint32_t count);

@@ -1,9 +1,10 @@
 #include "view_input.h"
+#include "view_lights.h"
 
 #include <math.h>
 #include <string.h>
 
-static const float RADIANS_A_PIXEL = 0.004f, FAST = 4.0f, SLOW = 0.25f;
+static const float RADIANS_A_PIXEL = 0.004f, FAST = 4.0f, SLOW = 0.25f, RADIANS_A_SECOND = 0.5f;
 
 int view_key_named(const char *name) {
   static const char *const names[VIEW_KEYS] = {
@@ -46,6 +47,12 @@ static uint32_t next_probe(const view_facts *facts, uint32_t probe, bool back) {
   return next_of(probe == VIEW_ANSWERING ? count : probe, count + 1, back);
 }
 
+// The next light for the arrows; after the last one none.
+static uint32_t next_light(const view_state *s, bool back) {
+  const uint32_t count = s->lights.count, next = next_of(s->light == VIEW_NO_LIGHT ? count : s->light, count + 1, back);
+  return next == count ? VIEW_NO_LIGHT : next;
+}
+
 static void press(int key, bool back, const view_facts *facts, view_state *s, view_camera *camera) {
   if (key >= '1' && key < '1' + VIEW_MODES) s->mode = (uint32_t)(key - '1');
   switch (key) {
@@ -63,6 +70,10 @@ static void press(int key, bool back, const view_facts *facts, view_state *s, vi
   case 'L': s->emitters = !s->emitters; break;
   case 'V': s->visibility = !s->visibility; break;
   case 'X': s->object = !s->object; break;
+  case 'M': s->light = next_light(s, back); break;
+  case 'K':
+    if (s->light < s->lights.count) s->lights.strength[s->light] = s->lights.strength[s->light] > 0.0f ? 0.0f : 1.0f;
+    break;
   case '=': s->exposure = fminf(s->exposure * 1.25f, 1e4f); break;
   case '-': s->exposure = fmaxf(s->exposure / 1.25f, 1e-4f); break;
   case ']': s->scale = fminf(s->scale * 2.0f, 1.0f); break;
@@ -79,16 +90,28 @@ static float held_way(const view_input *input, int forth, int back) {
   return (float)input->held[forth] - (float)input->held[back];
 }
 
+static void turn_sun(const view_input *input, float seconds, view_state *s) {
+  const float step = RADIANS_A_SECOND * seconds * (input->held[VIEW_KEY_SHIFT] ? FAST : 1.0f);
+  const float up = held_way(input, VIEW_KEY_PAGE_UP, VIEW_KEY_PAGE_DOWN) + held_way(input, VIEW_KEY_UP, VIEW_KEY_DOWN);
+  view_lights_move(&s->lights, s->light, held_way(input, VIEW_KEY_RIGHT, VIEW_KEY_LEFT) * step, up * step, 0.0f, 0.0f);
+}
+
 static void fly(const view_input *input, float seconds, view_state *s, view_camera *camera) {
   float metres = s->speed * seconds;
   if (input->held[VIEW_KEY_SHIFT]) metres *= FAST;
   if (input->held[VIEW_KEY_CONTROL]) metres *= SLOW;
   view_camera_move(camera, held_way(input, 'D', 'A') * metres, held_way(input, 'E', 'Q') * metres,
                    held_way(input, 'W', 'S') * metres);
-  if (!s->object) return;
-  // The object goes where the arrows point in the picture, along the floor.
+  // A light, or else the object, goes where the arrows point in the picture, along the floor. Suns go across the sky.
   const float right = held_way(input, VIEW_KEY_RIGHT, VIEW_KEY_LEFT) * metres,
               away = held_way(input, VIEW_KEY_UP, VIEW_KEY_DOWN) * metres;
+  if (s->light < s->lights.count) {
+    const float up = held_way(input, VIEW_KEY_PAGE_UP, VIEW_KEY_PAGE_DOWN) * metres;
+    if (s->lights.light[s->light].type == OLX_LIGHT_SUN) turn_sun(input, seconds, s);
+    else view_lights_move(&s->lights, s->light, right, up, away, camera->yaw);
+    return;
+  }
+  if (!s->object) return;
   s->object_position.x += cosf(camera->yaw) * right + sinf(camera->yaw) * away;
   s->object_position.y += held_way(input, VIEW_KEY_PAGE_UP, VIEW_KEY_PAGE_DOWN) * metres;
   s->object_position.z += sinf(camera->yaw) * right - cosf(camera->yaw) * away;
@@ -111,6 +134,10 @@ void view_input_apply(view_input *input, float seconds, const view_facts *facts,
       state->pick[1] = e->y;
       break;
     case VIEW_EVENT_WHEEL: state->speed = fminf(fmaxf(state->speed * powf(1.2f, e->y), 1e-3f), 1e4f); break;
+    case VIEW_EVENT_LIGHT: view_lights_place(&state->lights, (uint32_t)e->key, (olx_vec3){e->x, e->y, e->z}); break;
+    case VIEW_EVENT_DIM:
+      if ((uint32_t)e->key < state->lights.count) state->lights.strength[e->key] = e->x;
+      break;
     case VIEW_EVENT_FORGET: memset(input->held, 0, sizeof input->held); break;
     }
   }

@@ -30,13 +30,15 @@ typedef enum view_event_kind {
   VIEW_EVENT_LOOK,  // the mouse was dragged by x, y pixels
   VIEW_EVENT_CLICK, // at x, y, 0..1 in the picture
   VIEW_EVENT_WHEEL, // by y
+  VIEW_EVENT_LIGHT, // light number `key` goes to x, y, z, or shines that way
+  VIEW_EVENT_DIM,   // light number `key` shines with x times the strength that the scene gives it
   VIEW_EVENT_FORGET // the keys that are held: the window lost them
 } view_event_kind;
 
 typedef struct view_event {
   view_event_kind kind;
   int key;
-  float x, y;
+  float x, y, z;
 } view_event;
 
 enum { VIEW_EVENTS_MAX = 256 };

@@ -1,5 +1,6 @@
 // octalux-view: a window on a scene that a field lights. `octalux view` starts it.
 #include "options.h"
+#include "view_lights.h"
 #include "view_options.h"
 #include "view_renderer.h"
 #include "view_script.h"
@@ -104,9 +105,11 @@ static bool load(viewer *v) {
   if (v->state.select == OLX_SELECT_OCTREE)
     return failure("view", "--select %s does not run on Vulkan", olx_select_name((olx_select)v->state.select)) ==
            EXIT_DONE;
-  if (olx_scene_describe(v->scene).hash != v->facts.field.scene_hash)
+  if (olx_scene_describe(v->scene).hash != v->facts.field.scene_hash && !o->relight)
     fprintf(stderr, "warning: %s was baked from another scene than %s\n", o->field, o->scene);
   if (!load_cameras(v)) return false;
+  const olx_scene_content content = olx_scene_get_content(v->scene);
+  v->state.lights = view_lights_of(&content);
   fit_state(v);
   return true;
 }
@@ -135,6 +138,9 @@ static bool open_device(viewer *v) {
   view_renderer_lit_size(&v->state, o->size, lit_size);
   if (!view_renderer_create(&v->device, v->scene, v->field, lit_size, &v->renderer) || !open_panel(v))
     return gpu_failure(v);
+  // Without hands nobody minds waiting, and pictures are to be the same each time.
+  const bool in_step = o->offscreen || o->script;
+  if (o->relight && !view_renderer_relight(&v->renderer, v->scene, v->field, in_step)) return gpu_failure(v);
   return true;
 }
 

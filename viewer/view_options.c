@@ -25,6 +25,7 @@ static view_state default_state(void) {
                       .exposure = 1.0f,
                       .scale = 1.0f,
                       .probe = VIEW_ANSWERING,
+                      .light = VIEW_NO_LIGHT,
                       .object_roughness = 0.1f,
                       .object_metallic = 1.0f,
                       .panel = true};
@@ -95,6 +96,8 @@ bool view_options_read(int argc, char **argv, view_options *o, int *exit_code) {
        100},
       {"--pick", OPTION_TEXT, &o->pick, "X,Y", "ask the ray of this pixel, as a click does", 0, 0},
       {"--object", OPTION_TEXT, &o->object, "X,Y,Z", "put a ball there, in metres", 0, 0},
+      {"--relight", OPTION_FLAG, &o->relight, NULL,
+       "let indirect light follow lights that move; a field of bake --relight", 0, 0},
       {"--frames", OPTION_COUNT, &o->frames, "N", "leave after N frames", 1, 100000000},
       {"--screenshot", OPTION_TEXT, &o->screenshot, "FILE.png", "write the last frame; without --frames, the first", 0,
        0},

@@ -8,7 +8,7 @@ typedef struct view_options {
   const char *scene, *field, *camera, *screenshot, *script, *pick, *object;
   uint32_t size[2];
   uint32_t frames; // 0: until the window is closed
-  bool offscreen, validate, panel, no_wait;
+  bool offscreen, validate, panel, no_wait, relight;
   view_state state;    // to begin with; what depends on the scene is filled later
   float pick_pixel[2]; // when pick is given
 } view_options;

@@ -81,6 +81,52 @@ void build_light(const view_facts *facts, view_state *s) {
   ImGui::SliderFloat("resolution", &s->scale, 0.125f, 1.0f, "%.3f");
 }
 
+// Where the sun stands, in degrees, instead of where its light goes.
+void build_sun(olx_light *light) {
+  const float degree = 57.2957795f;
+  const olx_vec3 d = light->direction;
+  float around = std::atan2(-d.x, -d.z) * degree, height = std::asin(std::clamp(-d.y, -1.0f, 1.0f)) * degree;
+  bool turned = ImGui::SliderFloat("around", &around, -180.0f, 180.0f, "%.1f deg");
+  turned |= ImGui::SliderFloat("height", &height, -89.0f, 89.0f, "%.1f deg");
+  if (!turned) return;
+  around /= degree;
+  height /= degree;
+  light->direction = {-std::cos(height) * std::sin(around), -std::sin(height), -std::cos(height) * std::cos(around)};
+}
+
+void build_lights(const view_relight_times *relight, view_state *s) {
+  static const char *const kinds[] = {"sun", "point", "spot"};
+  view_lights *lights = &s->lights;
+  for (uint32_t i = 0; i < lights->count; i++) {
+    ImGui::PushID(static_cast<int>(i));
+    olx_light *light = &lights->light[i];
+    bool chosen = s->light == i;
+    char name[32];
+    std::snprintf(name, sizeof name, "%s %u", kinds[light->type], i);
+    if (ImGui::Checkbox(name, &chosen)) s->light = chosen ? i : VIEW_NO_LIGHT;
+    if (light->type == OLX_LIGHT_SUN) build_sun(light);
+    else ImGui::DragFloat3("place", &light->position.x, 0.01f);
+    ImGui::SliderFloat("strength", &lights->strength[i], 0.0f, 10.0f, "%.2f", ImGuiSliderFlags_Logarithmic);
+    ImGui::PopID();
+  }
+  if (lights->count) ImGui::TextDisabled("the arrows move what is chosen");
+  ImGui::SliderFloat("surfaces", &lights->surfaces, 0.0f, 10.0f, "%.2f", ImGuiSliderFlags_Logarithmic);
+  ImGui::SliderFloat("sky", &lights->sky, 0.0f, 10.0f, "%.2f", ImGuiSliderFlags_Logarithmic);
+  if (!relight->on) ImGui::TextDisabled("indirect light stays as baked (--relight)");
+}
+
+void build_relight(const view_relight_times *t) {
+  const int shown = static_cast<int>(std::min<uint32_t>(t->frames, VIEW_HISTORY));
+  const int first = static_cast<int>(t->frames > VIEW_HISTORY ? t->frames % VIEW_HISTORY : 0);
+  float most = 0.0f;
+  for (int i = 0; i < shown; i++) most = std::max(most, t->history[i]);
+  ImGui::PlotLines("##relight", t->history, shown, first, nullptr, 0.0f, most * 1.1f, ImVec2(110.0f, 15.0f));
+  ImGui::SameLine();
+  ImGui::Text("%8.3f  relighting (CPU)", static_cast<double>(t->milliseconds));
+  ImGui::TextDisabled("%u probes not settled, %.0f kB copied, %.0f wait", t->awake,
+                      static_cast<double>(t->copied_bytes) / 1000.0, static_cast<double>(t->waiting_bytes) / 1000.0);
+}
+
 void build_camera(const view_facts *facts, view_state *s, view_camera *camera) {
   if (ImGui::BeginCombo("camera", facts->cameras[s->camera].name)) {
     for (uint32_t i = 0; i < facts->camera_count; i++) {
@@ -159,6 +205,7 @@ void build_times(const view_timings *t) {
     ImGui::Text("%8.3f  %s", static_cast<double>(t->latest[i]), t->names[i]);
     ImGui::PopID();
   }
+  if (t->relight.on) build_relight(&t->relight);
 }
 
 void build_keys() {
@@ -171,6 +218,7 @@ void build_keys() {
                       "- =            exposure      [ ] resolution\n"
                       "C              next camera   N  next map\n"
                       "X, arrows      the ball      P  screenshot\n"
+                      "M, arrows      the next light; K  it off and on\n"
                       "tab            this panel    escape  quit");
 }
 
@@ -184,6 +232,8 @@ void build_window(const view_facts *facts, const view_timings *timings, const vi
                       facts->field.radiance_size, facts->field.radiance_size);
   ImGui::PushItemWidth(170.0f);
   if (ImGui::CollapsingHeader("Light", ImGuiTreeNodeFlags_DefaultOpen)) build_light(facts, s);
+  if (ImGui::CollapsingHeader("Lights", s->light == VIEW_NO_LIGHT ? 0 : ImGuiTreeNodeFlags_DefaultOpen))
+    build_lights(&timings->relight, s);
   if (ImGui::CollapsingHeader("Camera", ImGuiTreeNodeFlags_DefaultOpen)) build_camera(facts, s, camera);
   if (ImGui::CollapsingHeader("Overlay", ImGuiTreeNodeFlags_DefaultOpen)) build_overlay(facts, pick, s);
   if (ImGui::CollapsingHeader("Object")) build_object(s);

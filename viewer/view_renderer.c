@@ -2,6 +2,7 @@
 #include "view_object.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 static bool upload_field(view_renderer *r, const olx_field *field) {
@@ -24,19 +25,32 @@ static bool attach(view_renderer *r) {
 bool view_renderer_create(gpu_device *device, const olx_scene *scene, const olx_field *field,
                           const uint32_t lit_size[2], view_renderer *r) {
   *r = (view_renderer){.device = device};
-  const olx_scene_content content = olx_scene_get_content(scene);
+  r->content = olx_scene_get_content(scene);
+  r->lights = view_lights_of(&r->content);
+  r->lamps = calloc(1, sizeof *r->lamps);
+  if (!r->lamps) return gpu_fail(device, "out of memory for the lamps");
   const lamp_settings lamps = lamp_settings_default();
-  r->near_metres = raster_view_near(content.bounds_min, content.bounds_max);
-  return upload_field(r, field) && rasteriser_create(device, &content, &lamps, lit_size[0], lit_size[1], &r->raster) &&
+  r->near_metres = raster_view_near(r->content.bounds_min, r->content.bounds_max);
+  return upload_field(r, field) &&
+         rasteriser_create(device, &r->content, &lamps, lit_size[0], lit_size[1], &r->raster) &&
          view_screen_create(device, &r->screen) &&
          view_passes_create(device, r->field, r->screen.render_pass, &r->passes) &&
          gpu_timer_create(device, &r->timer) && attach(r);
 }
 
+bool view_renderer_relight(view_renderer *r, const olx_scene *scene, const olx_field *field, bool in_step) {
+  r->relight = view_relight_create(r->device, scene, field, r->field, in_step);
+  if (r->relight) view_relight_lights(r->relight, &r->lights);
+  return r->relight != NULL;
+}
+
 void view_renderer_destroy(view_renderer *r) {
   gpu_device *d = r->device;
+  free(r->lamps);
+  r->lamps = NULL;
   if (!d || !d->host.device) return;
   d->DeviceWaitIdle(d->host.device);
+  view_relight_destroy(r->relight);
   gpu_timer_destroy(d, &r->timer);
   view_passes_destroy(d, &r->passes);
   view_screen_destroy(d, &r->screen);
@@ -95,6 +109,26 @@ static uint32_t denoised_lobes(const view_state *s) {
   return diffuse | (s->glossy ? OLX_VULKAN_LOBE_GLOSSY : 0u);
 }
 
+// Lamps that have moved since the last picture.
+static bool move_lights(view_renderer *r, const view_state *s) {
+  r->light_moves = !view_lights_same(&r->lights, &s->lights);
+  if (!r->light_moves) return true;
+  const lamp_settings settings = lamp_settings_default();
+  r->lights = s->lights;
+  r->shadowed = false;
+  if (r->relight) view_relight_lights(r->relight, &s->lights);
+  return (view_lights_lamps(&r->content, &s->lights, &settings, r->lamps) || gpu_fail(r->device, "out of memory")) &&
+         shadow_pass_change(r->device, r->lamps, &r->raster.shadows);
+}
+
+static bool record_relight(view_renderer *r, olx_vec3 eye, VkCommandBuffer commands, view_timings *t) {
+  if (!r->relight) return true;
+  if (!view_relight_record(r->device, r->relight, eye, commands, &t->relight)) return false;
+  r->light_moves |= t->relight.copied_bytes > 0;
+  gpu_timer_mark(r->device, &r->timer, commands, "new maps");
+  return true;
+}
+
 // Whether the light of the frames before is that of this one.
 static bool history_holds(const view_state *a, const view_state *b) {
   return a->mode == b->mode && denoised_lobes(a) == denoised_lobes(b) && a->select == b->select &&
@@ -111,9 +145,20 @@ static bool has_moved(const view_renderer *r, const view_state *s, const olx_vul
          s->object_metallic != before->object_metallic;
 }
 
-static olx_denoise_settings filters_of(const view_state *s) {
-  if (s->mode != VIEW_GATHER)
-    return s->denoise == 1 ? olx_denoise_settings_published() : olx_denoise_settings_default();
+// While light moves, memory is as short as the paper's of glossy light.
+static void shorten_memory(olx_lobe_filter *filter) {
+  static const float most = 0.75f;
+  filter->history = fminf(filter->history, most);
+  filter->still_history = fminf(filter->still_history, most);
+}
+
+static olx_denoise_settings filters_of(const view_state *s, bool light_moves) {
+  if (s->mode != VIEW_GATHER) {
+    olx_denoise_settings f = s->denoise == 1 ? olx_denoise_settings_published() : olx_denoise_settings_default();
+    if (light_moves) shorten_memory(&f.diffuse);
+    if (light_moves) shorten_memory(&f.glossy);
+    return f;
+  }
   olx_denoise_settings mean = olx_denoise_settings_none();
   mean.diffuse.history = mean.diffuse.still_history = 0.999f;
   mean.glossy.history = mean.glossy.still_history = 0.999f;
@@ -132,11 +177,11 @@ static olx_vulkan_settings settings_of(view_renderer *r, const view_state *s, co
   settings.sample_index = r->frame;
   settings.denoise.lobes = denoised_lobes(s);
   if (!settings.denoise.lobes || !history_holds(&r->history_of, s)) r->history = 0;
-  if (s->mode == VIEW_GATHER && has_moved(r, s, view)) r->history = 0;
+  if (s->mode == VIEW_GATHER && (r->light_moves || has_moved(r, s, view))) r->history = 0;
   r->history_of = *s;
   settings.denoise.frame = r->history;
   settings.denoise.previous = r->previous;
-  settings.denoise.filters = filters_of(s);
+  settings.denoise.filters = filters_of(s, r->light_moves);
   return settings;
 }
 
@@ -212,7 +257,10 @@ static void read_times(view_renderer *r, view_timings *t) {
   const uint32_t count = gpu_timer_read(r->device, &r->timer, milliseconds, names);
   bool same = count == t->pass_count || (count > VIEW_PASSES_MAX && t->pass_count == VIEW_PASSES_MAX);
   for (uint32_t i = 0; same && i < t->pass_count; i++) same = strcmp(names[i], t->names[i]) == 0;
-  if (!same) *t = (view_timings){.pass_count = count < VIEW_PASSES_MAX ? count : VIEW_PASSES_MAX};
+  if (!same) {
+    const view_relight_times relight = t->relight;
+    *t = (view_timings){.pass_count = count < VIEW_PASSES_MAX ? count : VIEW_PASSES_MAX, .relight = relight};
+  }
   const uint32_t at = t->frames++ % VIEW_HISTORY;
   t->total[at] = 0.0f;
   for (uint32_t i = 0; i < t->pass_count; i++) {
@@ -223,10 +271,11 @@ static void read_times(view_renderer *r, view_timings *t) {
 }
 
 static bool record(view_renderer *r, const view_state *s, const view_frame *frame, const view_output *out,
-                   uint32_t image) {
+                   uint32_t image, view_timings *timings) {
   gpu_device *d = r->device;
   if (!gpu_commands_begin(d)) return false;
   gpu_timer_begin(d, &r->timer, d->commands);
+  if (!record_relight(r, frame->view->lit.eye, d->commands, timings)) return false;
   if (!record_picture(r, s, d->commands, frame) || !record_screen(r, s, d->commands, frame, out->panel)) return false;
   if (image != UINT32_MAX) view_swapchain_record(d, out->chain, image, d->commands, &r->screen.picture);
   return gpu_commands_run(d);
@@ -236,7 +285,8 @@ bool view_renderer_draw(view_renderer *r, const view_state *state, const view_ca
                         view_timings *timings) {
   gpu_device *d = r->device;
   uint32_t image = UINT32_MAX;
-  if (!resize(r, state, out->size) || !make_object(r, state) || !view_passes_prepare(d, &r->passes, state))
+  if (!resize(r, state, out->size) || !make_object(r, state) || !move_lights(r, state) ||
+      !view_passes_prepare(d, &r->passes, state))
     return false;
   const olx_camera seen = view_camera_get(camera);
   raster_view view;
@@ -245,7 +295,7 @@ bool view_renderer_draw(view_renderer *r, const view_state *state, const view_ca
   }
   const view_frame frame = {state, &r->field_info, &view, &r->raster.images, out->size[0], out->size[1]};
   if (out->chain && !view_swapchain_acquire(d, out->chain, &image)) return false;
-  if (!record(r, state, &frame, out, image)) return false;
+  if (!record(r, state, &frame, out, image, timings)) return false;
   read_times(r, timings);
   r->frame++;
   if (image != UINT32_MAX && !view_swapchain_show(d, out->chain, image)) return false;

@@ -5,8 +5,10 @@
 #include "gpu_timer.h"
 #include "rasteriser.h"
 #include "view_camera.h"
+#include "view_lights.h"
 #include "view_panel.h"
 #include "view_passes.h"
+#include "view_relight.h"
 #include "view_screen.h"
 #include "view_swapchain.h"
 
@@ -22,6 +24,12 @@ typedef struct view_renderer {
   gpu_timer timer;
   float near_metres;
   uint32_t frame; // so far
+  // What the lamps and the relighter were told.
+  olx_scene_content content;
+  view_lights lights;
+  lamp_list *lamps;
+  view_relight *relight; // NULL: indirect light stays as it was baked
+  bool light_moves;      // in this picture
   // What the denoiser's history knows.
   uint32_t history; // frames
   view_state history_of;
@@ -33,9 +41,11 @@ typedef struct view_renderer {
 } view_renderer;
 
 // Upload scene and field, make pipelines and images of the size that is lit. False with a message in device->problem; destroy it
-// in either case. It must stay where it is.
+// in either case. It must stay where it is, and what the scene lies in as long.
 bool view_renderer_create(gpu_device *device, const olx_scene *scene, const olx_field *field,
                           const uint32_t lit_size[2], view_renderer *renderer);
+// Let indirect light follow the lights, as view_relight_create does. `field` is the one that the renderer was made with.
+bool view_renderer_relight(view_renderer *renderer, const olx_scene *scene, const olx_field *field, bool in_step);
 void view_renderer_destroy(view_renderer *renderer);
 
 // How many pixels are lit for a picture of a size.

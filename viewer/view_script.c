@@ -4,14 +4,27 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef enum script_word { PRESS, HOLD, LOOK, PICK, WHEEL, FRAMES, RESIZE, SCREENSHOT, QUIT, WORDS } script_word;
+typedef enum script_word {
+  PRESS,
+  HOLD,
+  LOOK,
+  PICK,
+  WHEEL,
+  FRAMES,
+  RESIZE,
+  SCREENSHOT,
+  LIGHT,
+  DIM,
+  QUIT,
+  WORDS
+} script_word;
 
-enum { LINE_MAX_BYTES = 1024 };
+enum { LINE_MAX_BYTES = 1024, MOST_WORDS = 5 };
 
 typedef struct script_line {
   script_word word;
   int key;
-  float x, y;
+  float x, y, z;
   uint32_t count;
   char *path;
 } script_line;
@@ -23,8 +36,8 @@ struct view_script {
   int held; // key to let go when the wait is over
 };
 
-static const char *const word_names[WORDS] = {"press",  "hold",   "look",       "pick", "wheel",
-                                              "frames", "resize", "screenshot", "quit"};
+static const char *const word_names[WORDS] = {"press",  "hold",       "look",  "pick", "wheel", "frames",
+                                              "resize", "screenshot", "light", "dim",  "quit"};
 
 static bool parse_number(const char *text, float *value) {
   char *end;
@@ -53,8 +66,14 @@ static bool parse_size(const char *text, script_line *line) {
   return true;
 }
 
+static bool parse_light(const char *text, script_line *line) {
+  if (!parse_count(text, &line->count) || line->count >= VIEW_LIGHTS_MAX) return false;
+  line->key = (int)line->count;
+  return true;
+}
+
 static bool parse_words(char **words, int count, script_line *line) {
-  static const int wanted[WORDS] = {2, 3, 3, 3, 2, 2, 2, 2, 1};
+  static const int wanted[WORDS] = {2, 3, 3, 3, 2, 2, 2, 2, 5, 3, 1};
   int word = 0;
   while (word < WORDS && strcmp(word_names[word], words[0]) != 0) word++;
   if (word == WORDS || count != wanted[word]) return false;
@@ -68,6 +87,10 @@ static bool parse_words(char **words, int count, script_line *line) {
   case FRAMES: return parse_count(words[1], &line->count);
   case RESIZE: return parse_size(words[1], line);
   case SCREENSHOT: line->path = strdup(words[1]); return line->path != NULL;
+  case LIGHT:
+    return parse_light(words[1], line) && parse_number(words[2], &line->x) && parse_number(words[3], &line->y) &&
+           parse_number(words[4], &line->z);
+  case DIM: return parse_light(words[1], line) && parse_number(words[2], &line->x) && line->x >= 0.0f;
   case QUIT: return true;
   case WORDS: return false;
   }
@@ -88,13 +111,13 @@ static int split(char *text, char **words, int most) {
 static bool read_lines(view_script *script, FILE *file, const char *path) {
   char text[LINE_MAX_BYTES];
   for (unsigned number = 1; fgets(text, sizeof text, file); number++) {
-    char *words[3];
-    const int count = split(text, words, 3);
+    char *words[MOST_WORDS];
+    const int count = split(text, words, MOST_WORDS);
     if (count == 0) continue;
     script_line line = {.path = NULL}, *lines = realloc(script->lines, (script->count + 1) * sizeof *lines);
     if (!lines) return false;
     script->lines = lines;
-    if (count > 3 || !parse_words(words, count, &line)) {
+    if (count > MOST_WORDS || !parse_words(words, count, &line)) {
       fprintf(stderr, "octalux view: %s:%u: '%s' is no line of a script\n", path, number, words[0]);
       return false;
     }
@@ -125,7 +148,7 @@ void view_script_free(view_script *script) {
 }
 
 static void push(view_input *input, view_event_kind kind, int key, float x, float y) {
-  view_input_push(input, (view_event){kind, key, x, y});
+  view_input_push(input, (view_event){.kind = kind, .key = key, .x = x, .y = y});
 }
 
 static void play(view_script *script, const script_line *line, const uint32_t size[2], view_input *input,
@@ -152,6 +175,8 @@ static void play(view_script *script, const script_line *line, const uint32_t si
     wishes->size[1] = (uint32_t)line->y;
     break;
   case SCREENSHOT: wishes->screenshot = line->path; break;
+  case LIGHT: view_input_push(input, (view_event){VIEW_EVENT_LIGHT, line->key, line->x, line->y, line->z}); break;
+  case DIM: push(input, VIEW_EVENT_DIM, line->key, line->x, 0); break;
   case QUIT: wishes->quit = true; break;
   case WORDS: break;
   }

@@ -5,6 +5,8 @@
 //   frames N           let N frames pass       wheel N      faster or slower
 //   resize WxH         0x0 is a minimised window
 //   screenshot FILE    of the frame that follows
+//   light N X Y Z      light number N of the scene goes there; a sun shines that way
+//   dim N FACTOR       it shines with so much of the strength that the scene gives it
 //   quit
 #ifndef OCTALUX_VIEW_SCRIPT_H
 #define OCTALUX_VIEW_SCRIPT_H

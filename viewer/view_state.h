@@ -49,6 +49,18 @@ static inline bool view_meets_emitters(uint32_t mode, bool emitters) {
   return emitters && (mode == VIEW_DENOISED || mode == VIEW_GATHER);
 }
 
+enum { VIEW_LIGHTS_MAX = 16 };
+
+// What hands may change of the scene's light.
+typedef struct view_lights {
+  uint32_t count; // of the scene's suns, points and spots; those beyond stay as they are
+  olx_light light[VIEW_LIGHTS_MAX];
+  float strength[VIEW_LIGHTS_MAX]; // factors of their emission
+  float surfaces, sky;             // factors of what shines with an extent, and of the environment
+} view_lights;
+
+#define VIEW_NO_LIGHT UINT32_MAX // as view_state.light: the arrows move the object
+
 #define VIEW_ANSWERING UINT32_MAX // as view_state.probe: the probe that answered the picked ray
 
 typedef struct view_state {
@@ -69,6 +81,8 @@ typedef struct view_state {
   bool object;   // a ball that is not in the scene
   olx_vec3 object_position;
   float object_radius, object_roughness, object_metallic;
+  view_lights lights;
+  uint32_t light;  // which of them the arrows move
   float speed;     // of the camera, metres a second
   uint32_t camera; // of the scene's, the one chosen last
   bool panel;
@@ -76,6 +90,15 @@ typedef struct view_state {
 } view_state;
 
 enum { VIEW_PASSES_MAX = 12, VIEW_HISTORY = 120 };
+
+// What relighting takes, beside the pictures.
+typedef struct view_relight_times {
+  bool on;
+  float milliseconds; // of the processor's clock, of the last frame of the relighter
+  float history[VIEW_HISTORY];
+  uint32_t frames, awake;               // frames so far; probes that are not settled
+  uint64_t copied_bytes, waiting_bytes; // for this picture; still to be copied
+} view_relight_times;
 
 // Milliseconds a pass took on the device, the newest last.
 typedef struct view_timings {
@@ -85,6 +108,7 @@ typedef struct view_timings {
   float history[VIEW_PASSES_MAX][VIEW_HISTORY];
   float total[VIEW_HISTORY];
   uint32_t frames; // so far
+  view_relight_times relight;
 } view_timings;
 
 // What the device says of the picked pixel.

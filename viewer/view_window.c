@@ -30,7 +30,7 @@ static int key_of(int key) {
 static view_window *window_of(GLFWwindow *glfw) { return glfwGetWindowUserPointer(glfw); }
 
 static void push(view_window *window, view_event_kind kind, int key, double x, double y) {
-  view_input_push(window->input, (view_event){kind, key, (float)x, (float)y});
+  view_input_push(window->input, (view_event){.kind = kind, .key = key, .x = (float)x, .y = (float)y});
 }
 
 static void on_key(GLFWwindow *glfw, int code, int scan, int action, int modifiers) {

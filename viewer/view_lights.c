@@ -1,0 +1,87 @@
+#include "view_lights.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static olx_vec3 times(olx_vec3 v, float s) { return (olx_vec3){v.x * s, v.y * s, v.z * s}; }
+
+view_lights view_lights_of(const olx_scene_content *content) {
+  view_lights lights = {.surfaces = 1.0f, .sky = 1.0f};
+  lights.count = content->light_count < VIEW_LIGHTS_MAX ? content->light_count : VIEW_LIGHTS_MAX;
+  for (uint32_t i = 0; i < lights.count; i++) {
+    lights.light[i] = content->lights[i];
+    lights.strength[i] = 1.0f;
+  }
+  return lights;
+}
+
+bool view_lights_same(const view_lights *a, const view_lights *b) {
+  return a->count == b->count && a->surfaces == b->surfaces && a->sky == b->sky &&
+         memcmp(a->strength, b->strength, a->count * sizeof a->strength[0]) == 0 &&
+         memcmp(a->light, b->light, a->count * sizeof a->light[0]) == 0;
+}
+
+void view_lights_place(view_lights *lights, uint32_t light, olx_vec3 to) {
+  if (light >= lights->count) return;
+  olx_light *l = &lights->light[light];
+  const float length = sqrtf(to.x * to.x + to.y * to.y + to.z * to.z);
+  if (l->type != OLX_LIGHT_SUN) l->position = to;
+  else if (length > 1e-6f) l->direction = times(to, 1.0f / length);
+}
+
+void view_lights_move(view_lights *lights, uint32_t light, float right, float up, float away, float yaw) {
+  if (light >= lights->count) return;
+  olx_light *l = &lights->light[light];
+  if (l->type != OLX_LIGHT_SUN) {
+    l->position.x += cosf(yaw) * right + sinf(yaw) * away;
+    l->position.y += up;
+    l->position.z += sinf(yaw) * right - cosf(yaw) * away;
+    return;
+  }
+  if (right == 0.0f && up == 0.0f) return;
+  static const float highest = 1.55f;
+  const olx_vec3 d = l->direction;
+  const float around = atan2f(-d.x, -d.z) - right;
+  const float height = fminf(fmaxf(asinf(fminf(fmaxf(-d.y, -1.0f), 1.0f)) + up, -highest), highest);
+  l->direction = (olx_vec3){-cosf(height) * sinf(around), -sinf(height), -cosf(height) * cosf(around)};
+}
+
+static void scale_lamp(const view_lights *lights, lamp *l) {
+  const bool sky = l->kind == LAMP_DISTANT && l->extent > 0.0f;
+  const float factor = l->kind == LAMP_SURFACE ? lights->surfaces : sky ? lights->sky : 1.0f;
+  for (int i = 0; i < 3; i++) l->emission[i] *= factor;
+}
+
+bool view_lights_lamps(const olx_scene_content *content, const view_lights *lights, const lamp_settings *settings,
+                       lamp_list *list) {
+  olx_light *moved = calloc((size_t)content->light_count + 1, sizeof *moved);
+  if (!moved) return false;
+  for (uint32_t i = 0; i < content->light_count; i++) {
+    const bool movable = i < lights->count;
+    moved[i] = movable ? lights->light[i] : content->lights[i];
+    if (movable) moved[i].emission = times(moved[i].emission, lights->strength[i]);
+  }
+  olx_scene_content changed = *content;
+  changed.lights = moved;
+  const bool made = lamp_list_make(&changed, settings, list);
+  free(moved);
+  for (uint32_t i = 0; made && i < list->lamp_count; i++) scale_lamp(lights, &list->lamps[i]);
+  return made;
+}
+
+void view_lights_relit(const view_lights *lights, olx_relight_light *relit, uint32_t count) {
+  for (uint32_t i = 0; i < count; i++) {
+    olx_relight_light *r = &relit[i];
+    if (i < lights->count) {
+      const olx_light *l = &lights->light[i];
+      r->position = l->position;
+      r->direction = l->direction;
+      r->emission = times(l->emission, lights->strength[i]);
+    } else if (r->type == OLX_RELIGHT_TRIANGLE) {
+      r->emission = times(r->emission, lights->surfaces);
+    } else if (r->type == OLX_RELIGHT_SKY) {
+      r->emission = times(r->emission, lights->sky);
+    }
+  }
+}

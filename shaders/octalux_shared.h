@@ -30,15 +30,14 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_BINDING_FIELD 0             // uniform buffer, olx_gpu_field
 #define OLX_BINDING_PROBES 1            // storage buffer, olx_gpu_probe[probe_count]
 #define OLX_BINDING_IRRADIANCE_PROBES 2 // storage buffer, olx_gpu_probe[irradiance_probe_count]
-#define OLX_BINDING_LEAST 3             // storage buffer, the pyramids of smallest distances, two halves a uint
+#define OLX_BINDING_WORDS 3             // storage buffer: pyramids, bricks, maps of neighbours and their tree, as in the file
 #define OLX_BINDING_RADIANCE 4          // combined image samplers, 2D arrays
 #define OLX_BINDING_NORMAL 5
 #define OLX_BINDING_DISTANCE 6
 #define OLX_BINDING_IRRADIANCE 7
 #define OLX_BINDING_MOMENTS 8
-#define OLX_BINDING_BRICKS 9   // storage buffer, the bricks as they lie in the file
-#define OLX_BINDING_VORONOI 10 // storage buffer, the maps of neighbours and the tree as they lie in the file
-#define OLX_FIELD_BINDINGS 11
+#define OLX_FIELD_BINDINGS 9
+#define OLX_FIELD_STORAGE_BUFFERS 3
 
 // The buffer of classic maps: a header of words, which tell what begins at which word, and then all of it as it lies in the file.
 #define OLX_CLASSIC_SIZE 0 // texels along a side
@@ -150,7 +149,7 @@ OLX_GPU_STRUCT(olx_gpu_field) {
   olx_gpu_float distance_scale;
   olx_gpu_uint select_mask; // bit (1 << olx_select) for each selector that is baked in and runs on the GPU
   olx_gpu_uint pyramid_levels;
-  olx_gpu_uint padding_a, padding_b;
+  olx_gpu_uint bricks_first, voronoi_first; // where they begin, in words; pyramids begin at word 0, two halves a word
   olx_gpu_uvec4 pyramid_first; // where its levels begin, the finest first
 };
 

@@ -1,5 +1,7 @@
 #include "analytic_field.h"
 
+#include "core/hooks.h"
+#include "core/sampling.h"
 #include "field/maps.h"
 #include "select/cage.h"
 
@@ -147,7 +149,48 @@ olx_field *analytic_field_make(const analytic_scene *scene, const olx_grid *grid
 }
 
 void analytic_field_free(olx_field *f) {
-  const void *blocks[] = {f->probe_positions, f->probe_flags, f->radiance, f->normal, f->distance,
-                          f->least, f->greatest, f->irradiance,  f->moments,  f};
+  const void *blocks[] = {f->probe_positions, f->probe_flags, f->radiance,   f->normal,  f->distance,
+                          f->least,           f->greatest,    f->irradiance, f->moments, f};
   for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) free((void *)(uintptr_t)blocks[i]);
+}
+
+static uint32_t *random_colors(size_t count, uint32_t seed) {
+  uint32_t *codes = olx_allocate(count, sizeof *codes);
+  for (size_t i = 0; i < count; i++) {
+    const float a = olx_unit_float(olx_hash2((uint32_t)i, seed)), b = olx_unit_float(olx_hash2((uint32_t)i, seed + 1));
+    codes[i] = olx_r11g11b10f_pack(olx_v3(a, b, 0.25f + a * b));
+  }
+  return codes;
+}
+
+void analytic_field_add_classic(olx_field *field, uint32_t size) {
+  const uint32_t probes = field->info.irradiance_probe_count;
+  olx_classic_maps *maps = &field->classic;
+  *maps = (olx_classic_maps){.size = size,
+                             .irradiance_texels = (size_t)(size + 2) * (size + 2),
+                             .radiance_texels = olx_classic_first(size, OLX_CLASSIC_LEVELS)};
+  for (uint32_t i = 0; i < OLX_CLASSIC_LEVELS; i++) maps->level_first[i] = olx_classic_first(size, i);
+  maps->irradiance = random_colors(maps->irradiance_texels * probes, 1);
+  maps->radiance = random_colors(maps->radiance_texels * probes, 3);
+  uint32_t *table = olx_allocate(OLX_CLASSIC_TABLE_ENTRIES, sizeof *table);
+  for (uint32_t i = 0; i < OLX_CLASSIC_TABLE_ENTRIES; i++) {
+    const float a = olx_unit_float(olx_hash2(i, 5));
+    table[i] = olx_half_pack(a) | (uint32_t)olx_half_pack(1.0f - a) << 16;
+  }
+  maps->table = table;
+  olx_classic_box *boxes = olx_allocate(probes, sizeof *boxes);
+  for (uint32_t i = 0; i < probes; i++) {
+    const olx_vec3 p = field->irradiance_positions[i],
+                   some = {0.3f + 0.1f * (float)(i % 5), 0.5f, 0.4f + 0.2f * (float)(i % 3)};
+    boxes[i] = (olx_classic_box){olx_sub(p, some), olx_add(p, olx_scale(some, 2.0f))};
+  }
+  maps->boxes = boxes;
+  field->info.classic_size = size;
+}
+
+void analytic_field_remove_classic(olx_field *field) {
+  olx_release((void *)(uintptr_t)field->classic.irradiance);
+  olx_release((void *)(uintptr_t)field->classic.radiance);
+  olx_release((void *)(uintptr_t)field->classic.table);
+  olx_release((void *)(uintptr_t)field->classic.boxes);
 }

@@ -1,9 +1,9 @@
 // Octalux on a Vulkan device: a baked field in the GPU's memory, and passes that add its indirect light to the host's picture.
 //
 // The host owns instance, device, queue, command buffers and images; Octalux creates only what it names here, reaches Vulkan
-// through the host's vkGetInstanceProcAddr and links no Vulkan library. It needs Vulkan 1.2, one queue with compute, five storage
-// buffers to a shader, and no feature or extension. The selectors cage, bricks, voronoi and exhaustive run there; naming octree
-// is OLX_ERROR_UNSUPPORTED.
+// through the host's vkGetInstanceProcAddr and links no Vulkan library. It needs Vulkan 1.2, one queue with compute, and no feature,
+// extension or limit beyond what every device has. The selectors cage, bricks, voronoi and exhaustive run there; naming octree is
+// OLX_ERROR_UNSUPPORTED.
 //
 // Two ways to use a field:
 //   1. Record the passes below into the host's command buffers.
@@ -50,11 +50,13 @@ typedef struct olx_vulkan_field olx_vulkan_field;
 
 typedef struct olx_vulkan_sizes {
   uint64_t device_bytes;  // that will be held in device-local memory, alignment included
+  uint64_t classic_bytes; // olx_vulkan_classic_create would hold beside them; 0 without classic maps, and of a frame
   uint64_t staging_bytes; // of host-visible memory, while it is created
   uint32_t allocations;   // of device memory
 } olx_vulkan_sizes;
 
-// What olx_vulkan_field_create would allocate. Allocates no memory itself.
+// What olx_vulkan_field_create would allocate, and olx_vulkan_classic_create after it (one more allocation, and as much staging
+// memory again). Allocates no memory itself.
 olx_result olx_vulkan_field_measure(const olx_vulkan_host *host, const olx_field *field, olx_vulkan_sizes *sizes);
 
 // Copy a field to the device, as it lies in its file, through a small ring of staging memory. Returns when the copy is

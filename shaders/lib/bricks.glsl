@@ -4,10 +4,6 @@
 
 #include "maps.glsl"
 
-layout(set = OLX_FIELD_SET, binding = OLX_BINDING_BRICKS, std430) readonly buffer olx_bricks_block {
-  uint olx_bricks[];
-};
-
 const uint OLX_BRICK_SIDE = 4u; // cells along the side of a brick
 const uint OLX_BRICK_CELL_WORDS = OLX_BRICK_SIDE * OLX_BRICK_SIDE * OLX_BRICK_SIDE / 2u;
 const uint OLX_BRICK_PROBES = 8u; // in a list
@@ -18,22 +14,26 @@ const uint OLX_BRICK_HEADER_WORDS = 16u; // origin, side of a cell, size in bric
 
 // Where the list of the cell that a point lies in begins; points outside count to the nearest cell.
 uint olx_bricks_list(vec3 point) {
-  vec3 origin = uintBitsToFloat(uvec3(olx_bricks[0], olx_bricks[1], olx_bricks[2]));
-  uvec3 size = uvec3(olx_bricks[4], olx_bricks[5], olx_bricks[6]);
-  precise float per_metre = 1.0 / uintBitsToFloat(olx_bricks[3]);
+  uint first = olx_field.bricks_first;
+  vec3 origin = uintBitsToFloat(uvec3(olx_words[first], olx_words[first + 1u], olx_words[first + 2u]));
+  uvec3 size = uvec3(olx_words[first + 4u], olx_words[first + 5u], olx_words[first + 6u]);
+  precise float per_metre = 1.0 / uintBitsToFloat(olx_words[first + 3u]);
   precise vec3 place = (point - origin) * per_metre;
   uvec3 at = uvec3(clamp(place, vec3(0.0), vec3(size * OLX_BRICK_SIDE - 1u)));
   uvec3 brick = at / OLX_BRICK_SIDE, cell = at % OLX_BRICK_SIDE;
   uint cells = OLX_BRICK_HEADER_WORDS + size.x * size.y * size.z;
-  uint list = olx_bricks[OLX_BRICK_HEADER_WORDS + (brick.z * size.y + brick.y) * size.x + brick.x];
+  uint list = olx_words[first + OLX_BRICK_HEADER_WORDS + (brick.z * size.y + brick.y) * size.x + brick.x];
   if ((list & OLX_BRICK_DIVIDED) != 0u) {
     uint c = (cell.z * OLX_BRICK_SIDE + cell.y) * OLX_BRICK_SIDE + cell.x;
-    list = olx_bricks[cells + (list & ~OLX_BRICK_DIVIDED) * OLX_BRICK_CELL_WORDS + c / 2u] >> (c % 2u * 16u) & 0xFFFFu;
+    uint word = cells + (list & ~OLX_BRICK_DIVIDED) * OLX_BRICK_CELL_WORDS + c / 2u;
+    list = olx_words[first + word] >> (c % 2u * 16u) & 0xFFFFu;
   }
-  return cells + olx_bricks[7] * OLX_BRICK_CELL_WORDS + list * OLX_BRICK_LIST_WORDS;
+  return cells + olx_words[first + 7u] * OLX_BRICK_CELL_WORDS + list * OLX_BRICK_LIST_WORDS;
 }
 
 // The i-th probe of a list, OLX_BRICK_NO_PROBE from its end on.
-uint olx_bricks_probe(uint list, uint i) { return olx_bricks[list + i / 2u] >> (i % 2u * 16u) & 0xFFFFu; }
+uint olx_bricks_probe(uint list, uint i) {
+  return olx_words[olx_field.bricks_first + list + i / 2u] >> (i % 2u * 16u) & 0xFFFFu;
+}
 
 #endif

@@ -16,7 +16,8 @@ layout(set = OLX_FIELD_SET, binding = OLX_BINDING_PROBES, std430) readonly buffe
 layout(set = OLX_FIELD_SET, binding = OLX_BINDING_IRRADIANCE_PROBES, std430) readonly buffer olx_irradiance_probe_block {
   olx_gpu_probe olx_irradiance_probes[];
 };
-layout(set = OLX_FIELD_SET, binding = OLX_BINDING_LEAST, std430) readonly buffer olx_least_block { uint olx_least[]; };
+// One buffer for all that lies there as words, since a shader of some devices has no more than four.
+layout(set = OLX_FIELD_SET, binding = OLX_BINDING_WORDS, std430) readonly buffer olx_word_block { uint olx_words[]; };
 layout(set = OLX_FIELD_SET, binding = OLX_BINDING_RADIANCE) uniform sampler2DArray olx_radiance_maps;
 layout(set = OLX_FIELD_SET, binding = OLX_BINDING_NORMAL) uniform usampler2DArray olx_normal_maps;
 layout(set = OLX_FIELD_SET, binding = OLX_BINDING_DISTANCE) uniform usampler2DArray olx_distance_maps;

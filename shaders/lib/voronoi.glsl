@@ -5,10 +5,6 @@
 
 #include "maps.glsl"
 
-layout(set = OLX_FIELD_SET, binding = OLX_BINDING_VORONOI, std430) readonly buffer olx_voronoi_block {
-  uint olx_voronoi[];
-};
-
 const uint OLX_VORONOI_HEADER_WORDS = 4u; // texels along the side of a map, three of nothing
 const uint OLX_CHOICES = 4u;              // probes that a texel names, best first
 const uint OLX_FEW_PROBES = 64u, OLX_MAX_DEPTH = 17u;
@@ -31,12 +27,15 @@ uint olx_probe_code_bytes(uint probe_count) { return probe_count <= 255u ? 1u : 
 
 uint olx_probe_code(uint code_bytes, uint index) {
   uint at = index * code_bytes, none = code_bytes == 1u ? 0xFFu : 0xFFFFu;
-  uint code = olx_voronoi[OLX_VORONOI_HEADER_WORDS + at / 4u] >> (at % 4u * 8u) & none;
+  uint code = olx_words[olx_field.voronoi_first + OLX_VORONOI_HEADER_WORDS + at / 4u] >> (at % 4u * 8u) & none;
   return code == none ? OLX_NO_PROBE : code;
 }
 
 // Where the k-d tree begins among the codes.
-uint olx_voronoi_tree() { return olx_field.probe_count * olx_voronoi[0] * olx_voronoi[0] * OLX_CHOICES; }
+uint olx_voronoi_tree() {
+  uint size = olx_words[olx_field.voronoi_first];
+  return olx_field.probe_count * size * size * OLX_CHOICES;
+}
 
 // The middle of the probes from begin to end - 1.
 uint olx_middle(uint begin, uint end) { return begin + (end - begin) / 2u; }
@@ -94,7 +93,7 @@ uint olx_choice_texel(float coordinate, uint size) {
 // The neighbours of a probe that are nearest in angle to a direction (any length) from it, best first; OLX_NO_PROBE fills
 // the rest. Names no probe beyond the field's, whatever the file holds.
 uvec4 olx_voronoi_neighbours(uint probe, vec3 direction) {
-  uint size = olx_voronoi[0], probes = olx_field.probe_count;
+  uint size = olx_words[olx_field.voronoi_first], probes = olx_field.probe_count;
   vec2 uv = olx_octahedral_encode(direction);
   uint texel = (probe * size + olx_choice_texel(uv.y, size)) * size + olx_choice_texel(uv.x, size);
   uvec4 choices;

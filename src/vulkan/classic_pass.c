@@ -44,7 +44,7 @@ static void list_parts(const olx_field *field, classic_part parts[PARTS]) {
   parts[3] = (classic_part){maps->radiance, probes * maps->radiance_texels, OLX_CLASSIC_RADIANCE};
 }
 
-static olx_result lay_out(olx_vulkan_classic *classic, const olx_field *field) {
+static void lay_out(olx_vulkan_classic *classic, const olx_field *field) {
   classic_part parts[PARTS];
   list_parts(field, parts);
   classic->header[OLX_CLASSIC_SIZE] = field->classic.size;
@@ -55,20 +55,42 @@ static olx_result lay_out(olx_vulkan_classic *classic, const olx_field *field) {
     words += parts[i].words;
   }
   classic->bytes = words * sizeof(uint32_t);
-  if (classic->bytes <= classic->field->context.limits.maxStorageBufferRange) return OLX_OK;
+}
+
+static olx_result check_range(const olx_vulkan_context *c, const olx_vulkan_classic *classic, const olx_field *field) {
+  if (classic->bytes <= c->limits.maxStorageBufferRange) return OLX_OK;
   return olx_fail(OLX_ERROR_UNSUPPORTED,
                   "classic maps of %u probes are more than a storage buffer of this device holds",
                   field->info.irradiance_probe_count);
 }
 
-static olx_result create_buffer(olx_vulkan_classic *classic) {
-  const olx_vulkan_context *c = &classic->field->context;
+// As yet without memory.
+static olx_result make_buffer(const olx_vulkan_context *c, olx_vulkan_classic *classic,
+                              VkMemoryRequirements *requirements) {
   const VkBufferCreateInfo info = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
                                    .size = classic->bytes,
                                    .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT};
   OLX_TRY(olx_vulkan_check(c->vk.CreateBuffer(c->host.device, &info, NULL, &classic->buffer), "vkCreateBuffer", WHAT));
+  c->vk.GetBufferMemoryRequirements(c->host.device, classic->buffer, requirements);
+  return OLX_OK;
+}
+
+olx_result olx_vulkan_classic_measure(const olx_vulkan_context *c, const olx_field *field, uint64_t *bytes) {
+  *bytes = 0;
+  if (field->classic.size == 0) return OLX_OK;
+  olx_vulkan_classic classic = {.bytes = 0};
   VkMemoryRequirements requirements;
-  c->vk.GetBufferMemoryRequirements(c->host.device, classic->buffer, &requirements);
+  lay_out(&classic, field);
+  OLX_TRY(make_buffer(c, &classic, &requirements));
+  c->vk.DestroyBuffer(c->host.device, classic.buffer, NULL);
+  *bytes = requirements.size;
+  return OLX_OK;
+}
+
+static olx_result create_buffer(olx_vulkan_classic *classic) {
+  const olx_vulkan_context *c = &classic->field->context;
+  VkMemoryRequirements requirements;
+  OLX_TRY(make_buffer(c, classic, &requirements));
   OLX_TRY(olx_vulkan_allocate(c, &requirements, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, WHAT, &classic->memory));
   return olx_vulkan_check(c->vk.BindBufferMemory(c->host.device, classic->buffer, classic->memory, 0),
                           "vkBindBufferMemory", WHAT);
@@ -146,7 +168,8 @@ static olx_result create_set(olx_vulkan_classic *classic) {
 
 static olx_result create_classic(olx_vulkan_classic *classic, const olx_field *field) {
   const olx_vulkan_context *c = &classic->field->context;
-  OLX_TRY(lay_out(classic, field));
+  lay_out(classic, field);
+  OLX_TRY(check_range(c, classic, field));
   OLX_TRY(create_buffer(classic));
   OLX_TRY(upload(classic, field));
   OLX_TRY(create_set(classic));

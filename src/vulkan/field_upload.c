@@ -95,10 +95,10 @@ static olx_result upload_everything(olx_vulkan_field *gpu, const olx_field *fiel
                         gpu->probes_offset));
   OLX_TRY(upload_probes(gpu, uploader, field->irradiance_positions, field->irradiance_flags,
                         field->info.irradiance_probe_count, gpu->irradiance_probes_offset));
+  OLX_TRY(upload_buffer(gpu, uploader, field->least, gpu->least_bytes, gpu->least_offset));
   OLX_TRY(upload_buffer(gpu, uploader, field->select_data[OLX_SELECT_BRICKS], gpu->bricks_bytes, gpu->bricks_offset));
   OLX_TRY(
       upload_buffer(gpu, uploader, field->select_data[OLX_SELECT_VORONOI], gpu->voronoi_bytes, gpu->voronoi_offset));
-  OLX_TRY(upload_buffer(gpu, uploader, field->least, gpu->least_bytes, gpu->least_offset));
   for (uint32_t i = 0; i < OLX_GPU_MAPS; i++) {
     for (uint32_t map = 0; map < gpu->maps[i].count; map++) OLX_TRY(upload_map(gpu, uploader, &gpu->maps[i], map));
   }

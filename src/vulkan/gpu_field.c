@@ -13,8 +13,9 @@ static olx_result lay_out_maps(const olx_vulkan_context *c, olx_gpu_maps *maps) 
     maps->layers = (maps->count + maps_a_layer - 1) / maps_a_layer;
     if (maps->layers <= most_layers) return OLX_OK;
   }
-  return olx_fail(OLX_ERROR_UNSUPPORTED, "%u maps of %u x %u texels do not fit into %u layers of %u x %u on this device",
-                  maps->count, maps->stride, maps->stride, most_layers, most_texels, most_texels);
+  return olx_fail(OLX_ERROR_UNSUPPORTED,
+                  "%u maps of %u x %u texels do not fit into %u layers of %u x %u on this device", maps->count,
+                  maps->stride, maps->stride, most_layers, most_texels, most_texels);
 }
 
 static olx_result check_format(const olx_vulkan_context *c, const olx_gpu_maps *maps) {
@@ -55,18 +56,21 @@ static VkDeviceSize align_buffer(const olx_vulkan_context *c, VkDeviceSize offse
 // Shaders read words, and codes of one byte may end within one.
 static VkDeviceSize whole_words(VkDeviceSize bytes) { return (bytes + 3) / 4 * 4; }
 
-static olx_result check_selector(const olx_vulkan_context *c, VkDeviceSize bytes, const char *what) {
-  if (whole_words(bytes) <= c->limits.maxStorageBufferRange) return OLX_OK;
+static olx_result check_range(const olx_vulkan_context *c, VkDeviceSize bytes, const char *what) {
+  if (bytes <= c->limits.maxStorageBufferRange) return OLX_OK;
   return olx_fail(OLX_ERROR_UNSUPPORTED, "%llu bytes of %s are more than a storage buffer of this device holds",
                   (unsigned long long)bytes, what);
 }
 
-// Vulkan itself promises no more than four to a stage.
-static olx_result check_bindings(const olx_vulkan_context *c) {
-  const uint32_t needed = OLX_FIELD_BINDINGS - OLX_GPU_MAPS - 1;
-  if (c->limits.maxPerStageDescriptorStorageBuffers >= needed) return OLX_OK;
-  return olx_fail(OLX_ERROR_UNSUPPORTED, "a field takes %u storage buffers, and this device has %u for a shader", needed,
-                  c->limits.maxPerStageDescriptorStorageBuffers);
+// Pyramids, bricks and neighbour maps one after the other: shaders have them as one array of words.
+static olx_result lay_out_words(olx_vulkan_field *gpu, const olx_field *field) {
+  gpu->least_bytes = sizeof(uint16_t) * (VkDeviceSize)field->pyramid.least_nodes * field->info.probe_count;
+  gpu->bricks_bytes = field->select_bytes[OLX_SELECT_BRICKS];
+  gpu->voronoi_bytes = field->select_bytes[OLX_SELECT_VORONOI];
+  gpu->bricks_offset = gpu->least_offset + whole_words(gpu->least_bytes);
+  gpu->voronoi_offset = gpu->bricks_offset + whole_words(gpu->bricks_bytes);
+  gpu->buffer_bytes = gpu->voronoi_offset + whole_words(gpu->voronoi_bytes);
+  return check_range(&gpu->context, gpu->buffer_bytes - gpu->least_offset, "pyramids, bricks and neighbour maps");
 }
 
 static olx_result create_buffer(olx_vulkan_field *gpu, const olx_field *field) {
@@ -77,22 +81,9 @@ static olx_result create_buffer(olx_vulkan_field *gpu, const olx_field *field) {
   gpu->probes_offset = align_buffer(c, sizeof(olx_gpu_field));
   gpu->irradiance_probes_offset = align_buffer(c, gpu->probes_offset + probes);
   gpu->least_offset = align_buffer(c, gpu->irradiance_probes_offset + irradiance_probes);
-  gpu->least_bytes = sizeof(uint16_t) * (VkDeviceSize)field->pyramid.least_nodes * info->probe_count;
-  if (gpu->least_bytes > c->limits.maxStorageBufferRange) {
-    return olx_fail(OLX_ERROR_UNSUPPORTED, "pyramids of %u probes are more than a storage buffer of this device holds",
-                    info->probe_count);
-  }
-  gpu->bricks_offset = align_buffer(c, gpu->least_offset + gpu->least_bytes);
-  gpu->bricks_bytes = field->select_bytes[OLX_SELECT_BRICKS];
-  gpu->voronoi_offset = align_buffer(c, gpu->bricks_offset + gpu->bricks_bytes);
-  gpu->voronoi_bytes = field->select_bytes[OLX_SELECT_VORONOI];
-  gpu->buffer_bytes = gpu->voronoi_offset + whole_words(gpu->voronoi_bytes);
-  OLX_TRY(check_selector(c, gpu->bricks_bytes, "bricks"));
-  OLX_TRY(check_selector(c, gpu->voronoi_bytes, "neighbour maps"));
-  if (probes > c->limits.maxStorageBufferRange || irradiance_probes > c->limits.maxStorageBufferRange) {
-    return olx_fail(OLX_ERROR_UNSUPPORTED, "%u probes are more than a storage buffer of this device holds",
-                    info->probe_count > info->irradiance_probe_count ? info->probe_count : info->irradiance_probe_count);
-  }
+  OLX_TRY(check_range(c, probes, "light field probes"));
+  OLX_TRY(check_range(c, irradiance_probes, "irradiance probes"));
+  OLX_TRY(lay_out_words(gpu, field));
   const VkBufferCreateInfo buffer = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
                                      .size = gpu->buffer_bytes,
                                      .usage = VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
@@ -128,7 +119,10 @@ static olx_gpu_field field_constants(const olx_vulkan_field *gpu, const olx_fiel
       .distance_scale = field->distance_scale,
       .select_mask = info->select_mask & OLX_SELECT_GPU_MASK,
       .pyramid_levels = field->pyramid.levels,
-      .pyramid_first = {field->pyramid.first[0], field->pyramid.first[1], field->pyramid.first[2], field->pyramid.first[3]},
+      .bricks_first = (uint32_t)((gpu->bricks_offset - gpu->least_offset) / 4),
+      .voronoi_first = (uint32_t)((gpu->voronoi_offset - gpu->least_offset) / 4),
+      .pyramid_first = {field->pyramid.first[0], field->pyramid.first[1], field->pyramid.first[2],
+                        field->pyramid.first[3]},
   };
 }
 
@@ -142,15 +136,14 @@ static olx_result check_irradiance_form(const olx_field *field) {
 static olx_result create_resources(const olx_vulkan_host *host, const olx_field *field, olx_vulkan_field *gpu) {
   OLX_TRY(check_irradiance_form(field));
   OLX_TRY(olx_vulkan_context_make(host, &gpu->context));
-  OLX_TRY(check_bindings(&gpu->context));
   const uint32_t probes = field->info.probe_count, irradiance_probes = field->info.irradiance_probe_count;
   const olx_gpu_maps maps[OLX_GPU_MAPS] = {
       [OLX_BINDING_RADIANCE - OLX_BINDING_RADIANCE] = {VK_FORMAT_B10G11R11_UFLOAT_PACK32, 4, field->stride, probes,
                                                        .texels = field->radiance},
-      [OLX_BINDING_NORMAL - OLX_BINDING_RADIANCE] = {VK_FORMAT_R16_UINT, 2, field->stride, probes,
-                                                     .texels = field->normal},
-      [OLX_BINDING_DISTANCE - OLX_BINDING_RADIANCE] = {VK_FORMAT_R16_UINT, 2, field->stride, probes,
-                                                       .texels = field->distance},
+      [OLX_BINDING_NORMAL -
+          OLX_BINDING_RADIANCE] = {VK_FORMAT_R16_UINT, 2, field->stride, probes, .texels = field->normal},
+      [OLX_BINDING_DISTANCE -
+          OLX_BINDING_RADIANCE] = {VK_FORMAT_R16_UINT, 2, field->stride, probes, .texels = field->distance},
       [OLX_BINDING_IRRADIANCE - OLX_BINDING_RADIANCE] = {VK_FORMAT_B10G11R11_UFLOAT_PACK32, 4, field->irradiance_stride,
                                                          irradiance_probes, .filtered = true,
                                                          .texels = field->irradiance},
@@ -178,7 +171,8 @@ static olx_result bind_memory(olx_vulkan_field *gpu) {
         .format = maps->format,
         .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, maps->layers},
     };
-    OLX_TRY(olx_vulkan_check(c->vk.CreateImageView(c->host.device, &view, NULL, &maps->view), "vkCreateImageView", WHAT));
+    OLX_TRY(
+        olx_vulkan_check(c->vk.CreateImageView(c->host.device, &view, NULL, &maps->view), "vkCreateImageView", WHAT));
   }
   OLX_TRY(olx_vulkan_allocate(c, &gpu->buffer_requirements, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, WHAT,
                               &gpu->buffer_memory));
@@ -198,7 +192,7 @@ static olx_result create_sampler(const olx_vulkan_context *c, VkFilter filter, V
 
 static VkDescriptorType binding_type(uint32_t binding) {
   if (binding == OLX_BINDING_FIELD) return VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
-  if (binding < OLX_BINDING_RADIANCE || binding >= OLX_BINDING_BRICKS) return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+  if (binding < OLX_BINDING_RADIANCE) return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
   return VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
 }
 
@@ -219,14 +213,14 @@ static olx_result create_set(olx_vulkan_field *gpu) {
   OLX_TRY(olx_vulkan_check(c->vk.CreateDescriptorSetLayout(c->host.device, &layout, NULL, &gpu->set_layout),
                            "vkCreateDescriptorSetLayout", WHAT));
   const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1},
-                                        {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, OLX_FIELD_BINDINGS - OLX_GPU_MAPS - 1},
+                                        {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, OLX_FIELD_STORAGE_BUFFERS},
                                         {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, OLX_GPU_MAPS}};
   const VkDescriptorPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
                                            .maxSets = 1,
                                            .poolSizeCount = sizeof sizes / sizeof sizes[0],
                                            .pPoolSizes = sizes};
-  OLX_TRY(olx_vulkan_check(c->vk.CreateDescriptorPool(c->host.device, &pool, NULL, &gpu->pool), "vkCreateDescriptorPool",
-                           WHAT));
+  OLX_TRY(olx_vulkan_check(c->vk.CreateDescriptorPool(c->host.device, &pool, NULL, &gpu->pool),
+                           "vkCreateDescriptorPool", WHAT));
   const VkDescriptorSetAllocateInfo set = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
                                            .descriptorPool = gpu->pool,
                                            .descriptorSetCount = 1,
@@ -236,21 +230,12 @@ static olx_result create_set(olx_vulkan_field *gpu) {
 }
 
 static void write_set(const olx_vulkan_field *gpu) {
-  const VkDescriptorBufferInfo constants = {gpu->buffer, 0, sizeof(olx_gpu_field)};
   const VkDescriptorBufferInfo buffers[OLX_FIELD_BINDINGS] = {
-      [OLX_BINDING_FIELD] = constants,
+      [OLX_BINDING_FIELD] = {gpu->buffer, 0, sizeof(olx_gpu_field)},
       [OLX_BINDING_PROBES] = {gpu->buffer, gpu->probes_offset, gpu->irradiance_probes_offset - gpu->probes_offset},
       [OLX_BINDING_IRRADIANCE_PROBES] = {gpu->buffer, gpu->irradiance_probes_offset,
                                          gpu->least_offset - gpu->irradiance_probes_offset},
-      [OLX_BINDING_LEAST] = {gpu->buffer, gpu->least_offset, gpu->least_bytes},
-      // Without a selector nothing reads its structure, but something has to be bound.
-      [OLX_BINDING_BRICKS] = gpu->bricks_bytes
-                                 ? (VkDescriptorBufferInfo){gpu->buffer, gpu->bricks_offset, gpu->bricks_bytes}
-                                 : constants,
-      [OLX_BINDING_VORONOI] =
-          gpu->voronoi_bytes
-              ? (VkDescriptorBufferInfo){gpu->buffer, gpu->voronoi_offset, whole_words(gpu->voronoi_bytes)}
-              : constants,
+      [OLX_BINDING_WORDS] = {gpu->buffer, gpu->least_offset, gpu->buffer_bytes - gpu->least_offset},
   };
   VkDescriptorImageInfo images[OLX_GPU_MAPS];
   VkWriteDescriptorSet writes[OLX_FIELD_BINDINGS];
@@ -276,11 +261,12 @@ olx_result olx_vulkan_field_measure(const olx_vulkan_host *host, const olx_field
   *sizes = (olx_vulkan_sizes){.staging_bytes = (uint64_t)OLX_STAGING_SLOTS * OLX_STAGING_SLOT_BYTES};
   olx_vulkan_field *gpu = olx_allocate_zero(1, sizeof *gpu);
   if (!gpu) return olx_fail(OLX_ERROR_MEMORY, "%s: no memory for its handle", WHAT);
-  const olx_result result = create_resources(host, field, gpu);
+  olx_result result = create_resources(host, field, gpu);
   if (result == OLX_OK) {
     sizes->device_bytes = gpu->buffer_requirements.size;
     for (uint32_t i = 0; i < OLX_GPU_MAPS; i++) sizes->device_bytes += gpu->maps[i].requirements.size;
     sizes->allocations = OLX_GPU_MAPS + 1;
+    result = olx_vulkan_classic_measure(&gpu->context, field, &sizes->classic_bytes);
   }
   olx_vulkan_field_destroy(gpu);
   return result;

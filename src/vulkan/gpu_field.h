@@ -6,7 +6,7 @@
 #include "vulkan/context.h"
 #include "vulkan/gpu_structs.h"
 
-enum { OLX_GPU_MAPS = OLX_BINDING_BRICKS - OLX_BINDING_RADIANCE };
+enum { OLX_GPU_MAPS = OLX_FIELD_BINDINGS - OLX_BINDING_RADIANCE };
 
 // The maps of one kind: map i lies in layer i / maps_a_side^2 of an image, maps_a_side of them along each side.
 typedef struct olx_gpu_maps {
@@ -28,14 +28,17 @@ struct olx_vulkan_field {
   VkBuffer buffer;                 // constants, probes, irradiance probes, pyramids, selectors
   VkDeviceMemory buffer_memory;
   VkMemoryRequirements buffer_requirements;
-  VkDeviceSize probes_offset, irradiance_probes_offset, least_offset, least_bytes, buffer_bytes;
-  VkDeviceSize bricks_offset, bricks_bytes;   // 0 bytes without bricks
-  VkDeviceSize voronoi_offset, voronoi_bytes; // 0 bytes without maps of neighbours
+  VkDeviceSize probes_offset, irradiance_probes_offset, buffer_bytes;
+  VkDeviceSize least_offset, bricks_offset, voronoi_offset; // in this order to the end: the words
+  VkDeviceSize least_bytes, bricks_bytes, voronoi_bytes;    // 0 for what the field lacks
   VkSampler nearest, linear;
   VkDescriptorSetLayout set_layout;
   VkDescriptorPool pool;
   VkDescriptorSet set;
 };
+
+// The device memory that olx_vulkan_classic_create would take; 0 for a field without classic maps.
+olx_result olx_vulkan_classic_measure(const olx_vulkan_context *context, const olx_field *field, uint64_t *bytes);
 
 // Fill a device's buffer and images. gpu_field.c makes them, field_upload.c fills them.
 olx_result olx_vulkan_field_upload(olx_vulkan_field *gpu, const olx_field *field);

@@ -17,6 +17,7 @@ _Static_assert(sizeof(olx_gpu_field) == 192 && offsetof(olx_gpu_field, irradianc
                    offsetof(olx_gpu_field, irradiance_n) == 144 && offsetof(olx_gpu_field, irradiance_maps_a_side) == 148 &&
                    offsetof(olx_gpu_field, irradiance_texel) == 152 && offsetof(olx_gpu_field, distance_scale) == 156 &&
                    offsetof(olx_gpu_field, select_mask) == 160 && offsetof(olx_gpu_field, pyramid_levels) == 164 &&
+                   offsetof(olx_gpu_field, bricks_first) == 168 && offsetof(olx_gpu_field, voronoi_first) == 172 &&
                    offsetof(olx_gpu_field, pyramid_first) == 176,
                "std140");
 _Static_assert(sizeof(olx_gpu_probe) == 16 && offsetof(olx_gpu_probe, flags) == 12, "std430");

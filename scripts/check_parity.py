@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Check that every function of shaders/lib is held to its C twin: it has a number in tests/parity_rows.h, a call in
-tests/parity.comp and an evaluation in tests/test_parity.c, or the same in the files of parity_classic, and no row is left
-without its function.
+"""Check that every function of shaders/lib is held to its C twin: it has a number in tests/parity_rows.h, a call in a
+tests/parity_*.comp and an evaluation in a tests/test_parity_*.c, or, for those of classic.glsl, the same in the files of
+parity_classic, and no row is left without its function.
 
 Usage: check_parity.py [ROOT]. Prints every violation and exits with 1 when there is one.
 """
@@ -14,14 +14,20 @@ FUNCTION = re.compile(r"^\w+ (\w+)\(", re.MULTILINE)
 NUMBER = re.compile(r"^#define ROW_(\w+) (\d+)$", re.MULTILINE)
 
 
-def check_rows(root, names, functions):
-    """Faults of the three files of a parity test, which hold the rows of these functions."""
+def read(root, pattern):
+    """All files of that name; those of classic maps only where they are named."""
+    paths = [path for path in sorted((root / "tests").glob(pattern)) if "classic" in pattern or "classic" not in path.name]
+    return "\n".join(path.read_text(encoding="utf-8") for path in paths)
+
+
+def check_rows(root, names, files, functions):
+    """Faults of the files of a parity test, which hold the rows of these functions."""
     faults = []
-    numbers = dict(NUMBER.findall((root / f"tests/{names}_rows.h").read_text(encoding="utf-8")))
-    calls = set(re.findall(r"case ROW_(\w+):", (root / f"tests/{names}.comp").read_text(encoding="utf-8")))
-    test = (root / f"tests/test_{names}.c").read_text(encoding="utf-8")
+    numbers = dict(NUMBER.findall(read(root, f"{names}_rows.h")))
+    calls = set(re.findall(r"case ROW_(\w+):", read(root, f"{files}.comp")))
+    test = read(root, f"test_{files}.c")
     evaluations = {"olx_" + name for name in re.findall(r"^ +PARITY\((\w+),", test, re.MULTILINE)}
-    places = ((f"{names}_rows.h", set(numbers)), (f"{names}.comp", calls), (f"test_{names}.c", evaluations))
+    places = ((f"{names}_rows.h", set(numbers)), (f"{files}.comp", calls), (f"test_{files}.c", evaluations))
     for place, rows in places:
         faults += [f"{functions[name]}: {name} has no row in {place}" for name in functions if name not in rows]
         faults += [f"{place}: {name} is no function of shaders/lib" for name in sorted(rows - set(functions))]
@@ -38,9 +44,9 @@ def main():
             functions[name] = path.name
             if not name.startswith("olx_"):
                 faults.append(f"{path.name}: {name} does not begin with olx_, and could clash with a host's names")
-    for names in ("parity", "parity_classic"):
+    for names, files in (("parity", "parity_*"), ("parity_classic", "parity_classic")):
         rows = [name for name in functions if (functions[name] == "classic.glsl") == (names == "parity_classic")]
-        faults += check_rows(root, names, {name: functions[name] for name in rows})
+        faults += check_rows(root, names, files, {name: functions[name] for name in rows})
     for fault in faults:
         print(fault)
     print(f"{len(functions)} functions, {len(faults)} violations")

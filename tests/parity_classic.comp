@@ -1,4 +1,5 @@
-// Every function of shaders/lib/classic.glsl on the inputs of test_parity_classic.c: one row a dispatch, one thread an item.
+// Every function of shaders/lib/classic.glsl on the inputs of test_parity_classic.c: one row a dispatch, one thread an
+// item.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #define OLX_CLASSIC_SET 2

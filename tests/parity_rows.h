@@ -1,4 +1,5 @@
-// The rows of the parity test: one for each function of shaders/lib, in the order in which they run. C and GLSL read this.
+// The rows of the parity test: one for each function of shaders/lib, in the order in which they run. C and GLSL read
+// this.
 #ifndef PARITY_ROWS_H
 #define PARITY_ROWS_H
 

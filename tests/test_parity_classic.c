@@ -1,5 +1,5 @@
-// shaders/lib/classic.glsl against its specification: every function and its C twin on the same inputs, on whatever Vulkan device
-// there is (a CPU one will do). The C file is included so that its inner functions can be called.
+// shaders/lib/classic.glsl against its specification: every function and its C twin on the same inputs, on whatever
+// Vulkan device there is (a CPU one will do). The C file is included so that its inner functions can be called.
 #include "shade/classic.c"
 
 #include "analytic_field.h"
@@ -97,13 +97,15 @@ ROW(small_float_unpack, put_f(r, olx_small_float_unpack(s->bits & 0x7BFu, 6)))
 ROW(r11g11b10f_unpack, put_3(r, olx_r11g11b10f_unpack(s->bits & 0x7BDEF7BFu)))
 ROW(classic_color, color(s, r))
 ROW(classic_vector, put_3(r, s->maps->boxes[s->probe].low))
-ROW(classic_parallax, put_3(r, olx_classic_parallax(&s->maps->boxes[s->probe], s->field->irradiance_positions[s->probe], s->point, s->direction)))
+ROW(classic_parallax, put_3(r, olx_classic_parallax(&s->maps->boxes[s->probe],
+        s->field->irradiance_positions[s->probe], s->point, s->direction)))
 ROW(classic_reflectance, reflectance(s, r))
 ROW(classic_side, put_u(r, olx_classic_side(s->maps->size, s->level)))
 ROW(classic_radiance, put_3(r, olx_classic_radiance(s->maps, s->probe, s->direction, 1.2f * s->random.z - 0.1f)))
 ROW(classic_weigh, weights(s, r))
 ROW(classic_irradiance, put_3(r, olx_classic_irradiance(s->field, &s->settings, s->point, s->direction)))
-ROW(classic_glossy, put_3(r, olx_classic_glossy(s->field, &s->settings, s->point, s->direction, s->view, s->random.x, olx_v3(fabsf(s->view.x), fabsf(s->view.y), fabsf(s->view.z)), s->random.y)))
+ROW(classic_glossy, put_3(r, olx_classic_glossy(s->field, &s->settings, s->point, s->direction, s->view, s->random.x,
+        olx_v3(fabsf(s->view.x), fabsf(s->view.y), fabsf(s->view.z)), s->random.y)))
 // clang-format on
 
 // Results off by more than `bound` are apart; of all items a share of `allowed` may be.
@@ -134,7 +136,7 @@ static const parity_row ROWS[] = {
 };
 // clang-format on
 
-// --- A field with classic maps at random: what matters is that both sides read the same ---------------------------------
+// --- A field with classic maps at random: what matters is that both sides read the same
 
 static olx_field *make_field(const olx_grid *grid, uint32_t size) {
   const analytic_scene scene = {.room = {{0, 0, 0}, {4, 3, 5}}};
@@ -161,7 +163,7 @@ static void fill_items(parity_item *items) {
   }
 }
 
-// --- The device ---------------------------------------------------------------------------------------------------------
+// --- The device
 
 typedef struct harness {
   vulkan_device device;

@@ -1,0 +1,346 @@
+#include "parity.h"
+
+#include "bake/voronoi_build.h"
+#include "core/hooks.h"
+#include "core/sampling.h"
+#include "pinned_drivers.h"
+#include "select/bricks.h"
+#include "vulkan_device.h"
+
+#include <stdio.h>
+
+#define ROOM                                                                                                           \
+  {                                                                                                                    \
+    {0, 0, 0}, { 4, 3, 5 }                                                                                             \
+  }
+#define FURNITURE                                                                                                      \
+  {                                                                                                                    \
+    {{0.9f, 0.0f, 1.1f}, {1.7f, 1.3f, 2.1f}}, {                                                                        \
+      {2.3f, 0.0f, 2.6f}, { 3.1f, 2.1f, 3.3f }                                                                         \
+    }                                                                                                                  \
+  }
+
+const parity_field PARITY_FURNISHED_ROOM = {"furnished room, 2 x 2 x 2 probes, 64 texels",
+                                            {.room = ROOM, .box_count = 2, .boxes = FURNITURE},
+                                            {{0.5f, 0.5f, 0.5f}, {3.0f, 2.0f, 4.0f}, {2, 2, 2}},
+                                            64,
+                                            16,
+                                            true,
+                                            true};
+const parity_field PARITY_OPEN_COURT = {"open court, 3 x 1 x 2 probes, 32 texels",
+                                        {.room = ROOM, .open = true, .box_count = 2, .boxes = FURNITURE},
+                                        {{0.5f, 1.2f, 0.5f}, {1.5f, 0.0f, 4.0f}, {3, 1, 2}},
+                                        32,
+                                        8,
+                                        true,
+                                        false};
+const parity_field PARITY_MANY_PROBES = {"many probes, 8 texels",
+                                         {.room = ROOM, .box_count = 2, .boxes = FURNITURE},
+                                         {{0.1f, 0.1f, 0.1f}, {0.3f, 0.23f, 0.38f}, {13, 13, 13}},
+                                         8,
+                                         8,
+                                         false,
+                                         true};
+
+// Bricks over the room with lists at random: what matters is that both sides read the same.
+enum { BRICKS = 12, DIVIDED = 6, LISTS = 32, BRICK_WORDS = 16 + BRICKS + DIVIDED * OLX_BRICK_CELL_WORDS + 4 * LISTS };
+
+static void add_bricks(olx_field *field, uint32_t words[BRICK_WORDS]) {
+  const olx_bricks_header header = {
+      .origin = {-0.1f, -0.1f, -0.1f}, .cell_metres = 0.52f, .size = {2, 2, 3}, .divided = DIVIDED, .lists = LISTS};
+  memcpy(words, &header, sizeof header);
+  uint32_t *word = words + 16;
+  for (uint32_t i = 0; i < BRICKS; i++) *word++ = i % 2 ? OLX_BRICK_DIVIDED | i / 2 : olx_hash(i) % LISTS;
+  for (uint32_t i = 0; i < DIVIDED * OLX_BRICK_CELL_WORDS; i++) {
+    *word++ = olx_hash2(i, 1) % LISTS | (olx_hash2(i, 2) % LISTS) << 16;
+  }
+  for (uint32_t i = 0; i < LISTS; i++) { // a rotation of the probes, some of them
+    const uint32_t count = field->info.probe_count < 8 ? field->info.probe_count : 8,
+                   length = olx_hash2(i, 3) % (count + 1);
+    for (uint32_t k = 0; k < 4; k++, word++) {
+      const uint32_t low = 2 * k < length ? (2 * k + i) % count : OLX_BRICK_NO_PROBE,
+                     high = 2 * k + 1 < length ? (2 * k + 1 + i) % count : OLX_BRICK_NO_PROBE;
+      *word = low | high << 16;
+    }
+  }
+  field->select_data[OLX_SELECT_BRICKS] = words;
+  field->select_bytes[OLX_SELECT_BRICKS] = BRICK_WORDS * sizeof words[0];
+  field->info.select_mask |= 1u << OLX_SELECT_BRICKS;
+  if (olx_bricks_open(words, BRICK_WORDS * sizeof words[0], field->info.probe_count, "bricks", &field->bricks) !=
+      OLX_OK) {
+    fail_msg("%s", olx_last_error());
+  }
+}
+
+// The maps and the tree as the baker makes them, in memory that is the caller's to release.
+static void *add_voronoi(olx_field *field) {
+  const olx_selector_input input = {.positions = field->probe_positions,
+                                    .flags = field->probe_flags,
+                                    .count = field->info.probe_count,
+                                    .radiance_size = field->n,
+                                    .distance_scale = field->distance_scale,
+                                    .threads = 1};
+  void *data = NULL;
+  const olx_result built = olx_voronoi_build(&input, &data, &field->select_bytes[OLX_SELECT_VORONOI]);
+  if (built != OLX_OK) fail_msg("%s", olx_last_error());
+  field->select_data[OLX_SELECT_VORONOI] = data;
+  field->info.select_mask |= 1u << OLX_SELECT_VORONOI;
+  return data;
+}
+
+static olx_field *make_field(const parity_field *p) {
+  olx_field *field = analytic_field_make(&p->scene, &p->grid, p->n, p->irradiance_n);
+  uint16_t *distance = (uint16_t *)(uintptr_t)field->distance;
+  for (size_t i = 0; i < field->texels * field->info.probe_count; i += 7) distance[i] |= 0x8000u; // emitters
+  uint8_t *flags = (uint8_t *)(uintptr_t)field->probe_flags;
+  for (uint32_t i = 0; i < field->info.probe_count; i += 5) flags[i] = OLX_PROBE_BURIED;
+  return field;
+}
+
+// Random items, and among them directions along axes and in coordinate planes, points on walls, and numbers at their
+// ends.
+static void fill_items(parity_item *items) {
+  for (uint32_t i = 0; i < PARITY_ITEMS; i++) {
+    parity_item *item = &items[i];
+    for (uint32_t k = 0; k < 4; k++) item->u[k] = olx_hash3(i, k, 99);
+    const olx_vec2 p = olx_stratified2(i, 1), q = olx_stratified2(i, 2);
+    olx_vec3 point = olx_v3(0.02f + 3.96f * p.x, 0.02f + 2.96f * p.y, 0.02f + 4.96f * q.x);
+    olx_vec3 direction = olx_sample_sphere(olx_stratified2(i, 3));
+    if (i % 16 == 3) direction = olx_v3(0.0f, i & 32 ? -1.0f : 1.0f, 0.0f);
+    if (i % 16 == 5) direction = olx_v3(i & 32 ? 0.6f : -1.0f, 0.0f, i & 32 ? 0.8f : 0.0f);
+    if (i % 16 == 7) point.y = 0.0f;
+    if (i % 64 == 9) point = olx_madd(point, direction, 3.0f);
+    const olx_vec3 view = olx_from_basis(olx_sample_cosine(olx_stratified2(i, 4)), direction);
+    const olx_vec2 a = olx_stratified2(i, 5), b = olx_stratified2(i, 6), c = olx_stratified2(i, 7);
+    const float values[16] = {point.x,
+                              point.y,
+                              point.z,
+                              direction.x,
+                              direction.y,
+                              direction.z,
+                              view.x,
+                              view.y,
+                              view.z,
+                              a.x,
+                              a.y,
+                              b.x,
+                              b.y,
+                              0.3f * q.y,
+                              i % 4 ? INFINITY : 0.5f + 4.0f * c.x,
+                              0.1f + 3.0f * c.y};
+    memcpy(item->v, values, sizeof values);
+    if (i % 64 == 11) item->v[9] = item->v[10] = 0.0f;
+    if (i % 64 == 13) item->v[11] = 0.01f; // a mirror
+  }
+}
+
+typedef struct harness {
+  vulkan_device device;
+  const char *problem; // why there is no device
+  shared_buffer items, results;
+  VkDescriptorSetLayout set_layout;
+  VkDescriptorPool pool;
+  VkDescriptorSet set;
+  VkPipelineLayout layout;
+  VkPipeline pipelines[PARITY_MOST_CODES];
+} harness;
+
+static harness gpu;
+
+static void make_set(void) {
+  vulkan_device *d = &gpu.device;
+  VkDescriptorSetLayoutBinding bindings[2];
+  for (uint32_t i = 0; i < 2; i++) {
+    bindings[i] = (VkDescriptorSetLayoutBinding){.binding = i,
+                                                 .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+                                                 .descriptorCount = 1,
+                                                 .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT};
+  }
+  const VkDescriptorSetLayoutCreateInfo layout = {
+      .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, .bindingCount = 2, .pBindings = bindings};
+  assert_int_equal(d->CreateDescriptorSetLayout(d->host.device, &layout, NULL, &gpu.set_layout), VK_SUCCESS);
+  const VkDescriptorPoolSize size = {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 2};
+  const VkDescriptorPoolCreateInfo pool = {
+      .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, .maxSets = 1, .poolSizeCount = 1, .pPoolSizes = &size};
+  assert_int_equal(d->CreateDescriptorPool(d->host.device, &pool, NULL, &gpu.pool), VK_SUCCESS);
+  const VkDescriptorSetAllocateInfo set = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
+                                           .descriptorPool = gpu.pool,
+                                           .descriptorSetCount = 1,
+                                           .pSetLayouts = &gpu.set_layout};
+  assert_int_equal(d->AllocateDescriptorSets(d->host.device, &set, &gpu.set), VK_SUCCESS);
+  const VkDescriptorBufferInfo buffers[2] = {{gpu.items.buffer, 0, VK_WHOLE_SIZE},
+                                             {gpu.results.buffer, 0, VK_WHOLE_SIZE}};
+  for (uint32_t i = 0; i < 2; i++) {
+    const VkWriteDescriptorSet write = {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                        .dstSet = gpu.set,
+                                        .dstBinding = i,
+                                        .descriptorCount = 1,
+                                        .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+                                        .pBufferInfo = &buffers[i]};
+    d->UpdateDescriptorSets(d->host.device, 1, &write, 0, NULL);
+  }
+}
+
+int parity_open(void **unused) {
+  (void)unused;
+  vulkan_device *d = &gpu.device;
+  pin_drivers();
+  gpu.problem = vulkan_device_open(d, false);
+  if (gpu.problem) return 0;
+  const VkBufferUsageFlags usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+  assert_int_equal(shared_buffer_create(d, sizeof(parity_item) * PARITY_ITEMS, usage, &gpu.items), VK_SUCCESS);
+  assert_int_equal(shared_buffer_create(d, 4u * PARITY_RESULTS * PARITY_ITEMS, usage, &gpu.results), VK_SUCCESS);
+  fill_items(gpu.items.mapped);
+  make_set();
+  return 0;
+}
+
+int parity_close(void **unused) {
+  (void)unused;
+  vulkan_device *d = &gpu.device;
+  if (gpu.problem) return 0;
+  for (uint32_t i = 0; i < PARITY_MOST_CODES; i++) d->DestroyPipeline(d->host.device, gpu.pipelines[i], NULL);
+  d->DestroyPipelineLayout(d->host.device, gpu.layout, NULL);
+  d->DestroyDescriptorPool(d->host.device, gpu.pool, NULL);
+  d->DestroyDescriptorSetLayout(d->host.device, gpu.set_layout, NULL);
+  shared_buffer_destroy(d, &gpu.items);
+  shared_buffer_destroy(d, &gpu.results);
+  vulkan_device_close(d);
+  return 0;
+}
+
+static void make_pipeline(const parity_code *code, VkPipeline *pipeline) {
+  vulkan_device *d = &gpu.device;
+  const VkShaderModuleCreateInfo module = {
+      .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = code->size_bytes, .pCode = code->words};
+  VkComputePipelineCreateInfo info = {.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
+                                      .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+                                                .stage = VK_SHADER_STAGE_COMPUTE_BIT,
+                                                .pName = "main"},
+                                      .layout = gpu.layout};
+  assert_int_equal(d->CreateShaderModule(d->host.device, &module, NULL, &info.stage.module), VK_SUCCESS);
+  assert_int_equal(d->CreateComputePipelines(d->host.device, VK_NULL_HANDLE, 1, &info, NULL, pipeline), VK_SUCCESS);
+  d->DestroyShaderModule(d->host.device, info.stage.module, NULL);
+}
+
+// Good for every field, since all their set layouts are alike.
+static void make_pipelines(const parity_suite *suite, const olx_vulkan_field *field) {
+  vulkan_device *d = &gpu.device;
+  if (gpu.layout) return;
+  const VkDescriptorSetLayout sets[] = {olx_vulkan_field_set_layout(field), gpu.set_layout};
+  const VkPushConstantRange range = {VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(uint32_t)};
+  const VkPipelineLayoutCreateInfo layout = {.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+                                             .setLayoutCount = 2,
+                                             .pSetLayouts = sets,
+                                             .pushConstantRangeCount = 1,
+                                             .pPushConstantRanges = &range};
+  assert_int_equal(d->CreatePipelineLayout(d->host.device, &layout, NULL, &gpu.layout), VK_SUCCESS);
+  assert_true(suite->code_count <= PARITY_MOST_CODES);
+  for (uint32_t i = 0; i < suite->code_count; i++) make_pipeline(&suite->codes[i], &gpu.pipelines[i]);
+}
+
+static VkPipeline pipeline_of(const parity_suite *suite, uint32_t row) {
+  uint32_t code = 0;
+  while (row >= suite->codes[code].end) code++;
+  return gpu.pipelines[code];
+}
+
+// Run one row over all items.
+static void run_row(const parity_suite *suite, const olx_vulkan_field *field, uint32_t row) {
+  vulkan_device *d = &gpu.device;
+  const VkDescriptorSet sets[] = {olx_vulkan_field_set(field), gpu.set};
+  assert_int_equal(device_commands_begin(d), VK_SUCCESS);
+  d->CmdBindPipeline(d->commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline_of(suite, row));
+  d->CmdBindDescriptorSets(d->commands, VK_PIPELINE_BIND_POINT_COMPUTE, gpu.layout, 0, 2, sets, 0, NULL);
+  d->CmdPushConstants(d->commands, gpu.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof row, &row);
+  d->CmdDispatch(d->commands, PARITY_ITEMS / 64, 1, 1);
+  device_barrier(d, NULL, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_UNDEFINED);
+  assert_int_equal(device_commands_run(d), VK_SUCCESS);
+}
+
+static float difference(uint32_t a_bits, uint32_t b_bits) {
+  const float a = olx_bits_float(a_bits), b = olx_bits_float(b_bits);
+  if (a == b || (isnan(a) && isnan(b))) return 0.0f;
+  const float d = fabsf(a - b) / olx_max(fabsf(b), 1.0f);
+  return d < INFINITY ? d : INFINITY;
+}
+
+static void derive(parity_state *s) {
+  const parity_item *item = s->item;
+  s->point = olx_v3(item->v[0], item->v[1], item->v[2]);
+  s->direction = olx_v3(item->v[3], item->v[4], item->v[5]);
+  s->view = olx_v3(item->v[6], item->v[7], item->v[8]);
+  memcpy(s->random, &item->v[9], sizeof s->random);
+  memcpy(s->bits, item->u, sizeof s->bits);
+  s->probe = s->bits[0] % s->field->info.probe_count;
+  s->irradiance_probe = s->bits[0] % s->field->info.irradiance_probe_count;
+  s->x = s->bits[1] % s->field->n;
+  s->y = s->bits[2] % s->field->n;
+  s->settings = olx_sample_settings_default();
+  s->settings.tracer = (olx_tracer)((s->bits[3] >> 8) % 3u);
+  s->settings.visibility = s->bits[3] & 6u ? OLX_VISIBILITY_CHEBYSHEV : OLX_VISIBILITY_NONE;
+  s->settings.keep_buried = (s->bits[3] & 8u) != 0;
+  s->settings.emitters = (s->bits[3] & 16u) != 0;
+  const olx_select selects[] = {OLX_SELECT_EXHAUSTIVE, OLX_SELECT_CAGE, OLX_SELECT_BRICKS, OLX_SELECT_VORONOI,
+                                OLX_SELECT_BEST};
+  s->settings.select = selects[(s->bits[3] >> 5) % 5u];
+  s->source = olx_irradiance_source_of(s->field);
+  const olx_vec3 color = olx_v3(fabsf(s->direction.x), fabsf(s->direction.y), fabsf(s->direction.z));
+  s->bsdf = olx_bsdf_make(color, s->random[0], s->random[1], s->random[2]);
+}
+
+// Compare a row's results; true when it keeps what it promises.
+static bool judge_row(const olx_field *field, const olx_vulkan_field *uploaded, const parity_row *row) {
+  uint32_t bad = 0, first = 0;
+  float worst = 0.0f;
+  for (uint32_t i = 0; i < PARITY_ITEMS; i++) {
+    parity_state s = {.field = field,
+                      .constants = &uploaded->constants,
+                      .item = (const parity_item *)gpu.items.mapped + i,
+                      .index = i};
+    derive(&s);
+    parity_result r = {.count = 0};
+    row->evaluate(&s, &r);
+    const uint32_t *words = (const uint32_t *)gpu.results.mapped + (size_t)PARITY_RESULTS * i;
+    float largest = 0.0f;
+    for (uint32_t k = 0; k < r.count; k++) {
+      const float d = r.is_float[k] ? difference(words[k], r.word[k]) : words[k] == r.word[k] ? 0.0f : INFINITY;
+      largest = olx_max(largest, d);
+    }
+    if (largest <= row->bound) worst = olx_max(worst, largest);
+    else if (bad++ == 0) first = i;
+  }
+  const double share = (double)bad / PARITY_ITEMS;
+  print_message("  %-28s off by %.2g at most, %.4f %% apart\n", row->name, (double)worst, 100.0 * share);
+  if (share <= row->allowed) return true;
+  print_error("%s: %u of %d items differ by more than %g, item %u first\n", row->name, bad, PARITY_ITEMS,
+              (double)row->bound, first);
+  return false;
+}
+
+void parity_compare(const parity_suite *suite, const parity_field *p, uint32_t first, uint32_t end) {
+  if (gpu.problem) {
+    print_message("skipped: %s\n", gpu.problem);
+    skip();
+  }
+  vulkan_device *d = &gpu.device;
+  olx_field *field = make_field(p);
+  _Alignas(64) uint32_t bricks[BRICK_WORDS];
+  if (p->bricks) add_bricks(field, bricks);
+  void *voronoi = p->voronoi ? add_voronoi(field) : NULL;
+  olx_vulkan_field *uploaded = NULL;
+  if (olx_vulkan_field_create(&d->host, field, &uploaded) != OLX_OK) fail_msg("%s", olx_last_error());
+  make_pipelines(suite, uploaded);
+  print_message("%s on %s\n", p->name, d->name);
+  uint32_t failures = 0;
+  for (uint32_t i = 0; i < suite->row_count; i++) {
+    const parity_row *row = &suite->rows[i];
+    if (row->number < first || row->number >= end) continue;
+    run_row(suite, uploaded, row->number);
+    failures += !judge_row(field, uploaded, row);
+  }
+  olx_vulkan_field_destroy(uploaded);
+  analytic_field_free(field);
+  olx_release(voronoi);
+  assert_int_equal(failures, 0);
+}

@@ -1,0 +1,191 @@
+// A ray against one probe's map: shaders/lib against C (tests/parity.h).
+#include "trace/march_hiz.c"
+#include "trace/probe_trace.c"
+#include "trace/surfel.c"
+
+#include "parity.h"
+
+static const uint32_t CODE[] = {
+#include "parity_march.spv.inc"
+};
+
+typedef struct march_state {
+  olx_probe_ray ray;
+  olx_march march;
+  olx_vec3 planes;
+  olx_piece piece;
+  olx_cell cell;
+  surfel surfel;
+} march_state;
+
+static void derive_march(const parity_state *s, march_state *e) {
+  const olx_field *f = s->field;
+  e->ray = (olx_probe_ray){.origin = olx_sub(s->point, f->probe_positions[s->probe]),
+                           .direction = s->direction,
+                           .t_min = s->bits[3] & 1u ? 0.0f : s->item->v[13],
+                           .t_max = s->bits[3] & 2u ? INFINITY : s->item->v[14]};
+  e->march = olx_begin_march(f, s->probe, &e->ray);
+  const olx_vec3 o = e->ray.origin, d = e->ray.direction;
+  e->planes = olx_v3(plane_at(o.x, d.x), plane_at(o.y, d.y), plane_at(o.z, d.z));
+  e->piece = make_piece(&e->march, e->planes, e->ray.t_min, next_cut(e->planes, e->ray.t_min, e->ray.t_max));
+  e->cell = (olx_cell){e->piece.u.first, e->piece.v.first, e->piece.t_begin};
+  e->surfel = read_surfel(&e->march, (int32_t)s->x, (int32_t)s->y, s->item->v[15]);
+}
+
+static void put_axis(parity_result *r, olx_image_axis a) {
+  put_f(r, a.begin);
+  put_f(r, a.travel);
+  put_i(r, a.step);
+  put_i(r, a.ahead);
+  put_i(r, a.first);
+}
+
+static olx_cell texel_cell(const parity_state *s) { return (olx_cell){(int32_t)s->x, (int32_t)s->y, 0.0f}; }
+static olx_vec2 ahead_of(const march_state *e) { return olx_crossings_ahead(&e->piece, e->cell.x, e->cell.y, 0); }
+static float cell_exit(const march_state *e) {
+  return olx_parameter_at(&e->piece, olx_min(ahead_of(e).x, ahead_of(e).y));
+}
+static float cell_far_squared(const march_state *e) { return olx_farthest_squared(&e->march, e->cell.t, cell_exit(e)); }
+static stand first_node(const march_state *e) {
+  return (stand){
+      .x = e->cell.x >> OLX_PYRAMID_FINEST, .y = e->cell.y >> OLX_PYRAMID_FINEST, .s = -1.0f, .t = e->cell.t};
+}
+
+// clang-format off
+#define MARCH_ROW(name, ...)                                                                                           \
+  static void row_##name(parity_state *s, parity_result *r) {                                                          \
+    march_state derived, *e = &derived;                                                                                \
+    derive_march(s, e);                                                                                                \
+    __VA_ARGS__                                                                                                        \
+  }
+
+MARCH_ROW(radius_squared, put_f(r, olx_radius_squared(&e->march, s->random[0]));)
+MARCH_ROW(farthest_squared, put_f(r, olx_farthest_squared(&e->march, s->random[0], s->random[0] + s->random[1]));)
+MARCH_ROW(reach_squared, put_f(r, olx_reach_squared(&e->march, &e->piece, s->random[0], s->random[0] + s->random[1]));)
+MARCH_ROW(nearest_squared, put_f(r, olx_nearest_squared(&e->march, s->random[0], s->random[0] + s->random[1]));)
+MARCH_ROW(clamp_texel, put_i(r, olx_clamp_texel(s->view.x, s->point.x * 8.0f, s->field->n));)
+MARCH_ROW(image_at, olx_vec2 image = {0}; put_u(r, olx_image_at(&e->march, &e->piece, e->ray.t_min, &image));
+    put_2(r, image);)
+MARCH_ROW(parameter_at, put_f(r, olx_parameter_at(&e->piece, s->random[0]));)
+MARCH_ROW(crossing, put_f(r, olx_crossing(&e->piece.u, (int32_t)s->x));)
+MARCH_ROW(texel_at, put_i(r, olx_texel_at(&e->piece.u, s->random[0], (s->bits[3] & 4u) != 0));)
+MARCH_ROW(pyramid_shift, put_u(r, olx_pyramid_shift(s->bits[0] & 3u));)
+MARCH_ROW(pyramid_index, const uint32_t side = 2u << (s->bits[0] & 7u);
+    put_u(r, olx_pyramid_index(side, s->bits[1] % side, s->bits[2] % side));)
+MARCH_ROW(least_squared, put_f(r, olx_least_squared(&e->march, 0, (int32_t)s->x >> OLX_PYRAMID_FINEST,
+                                              (int32_t)s->y >> OLX_PYRAMID_FINEST)); put_u(r, e->march.steps);)
+MARCH_ROW(read_surfel, put_f(r, e->surfel.distance); put_f(r, e->surfel.footprint); put_f(r, e->surfel.slack);
+    put_f(r, e->surfel.cosine); put_f(r, e->surfel.f0); put_f(r, e->surfel.f1);)
+MARCH_ROW(plane_tolerance, put_f(r, plane_tolerance(&e->surfel));)
+MARCH_ROW(beyond_reach, put_u(r, beyond_reach(&e->march, texel_cell(s), &e->surfel, 4.0f * s->random[0]));
+    put_u(r, e->march.steps);)
+MARCH_ROW(supported, put_u(r, supported(&e->march, &e->piece, e->cell, &e->surfel, e->ray.t_min + 0.1f * s->random[0]));
+    put_u(r, e->march.steps);)
+MARCH_ROW(judge_height, olx_probe_answer a = {0};
+    put_u(r, judge_height(&e->march, &e->piece, e->cell, cell_exit(e), &e->surfel, &a)); put_f(r, a.t);)
+MARCH_ROW(judge_surfel, olx_probe_answer a = {0};
+    put_u(r, olx_judge_surfel(&e->march, &e->piece, e->cell, cell_exit(e), s->item->v[15], &a)); put_answer(r, &a);)
+MARCH_ROW(visit_texel, olx_probe_answer a = {0};
+    put_u(r, olx_visit_texel(&e->march, &e->piece, e->cell, cell_exit(e), cell_far_squared(e), &a)); put_answer(r, &a);
+    put_u(r, e->march.steps);)
+MARCH_ROW(next_cell, const olx_cell c = olx_next_cell(&e->piece, e->cell, random_2(s), cell_exit(e)); put_i(r, c.x);
+    put_i(r, c.y);
+    put_f(r, c.t);)
+MARCH_ROW(crossings_ahead, put_2(r, olx_crossings_ahead(&e->piece, e->cell.x >> 2, e->cell.y >> 2, 2));)
+MARCH_ROW(march_texels, olx_probe_answer a = {0}; put_u(r, olx_march_texels(&e->march, &e->piece, &a));
+    put_answer(r, &a);)
+MARCH_ROW(march_two_level, olx_probe_answer a = {0}; put_u(r, olx_march_two_level(&e->march, &e->piece, &a));
+    put_answer(r, &a);
+    put_u(r, e->march.steps);)
+MARCH_ROW(leave, stand at = first_node(e); const int32_t x = at.x + (int32_t)(s->bits[0] % 5u) - 2;
+    const int32_t y = at.y + (int32_t)(s->bits[1] % 5u) - 2;
+    leave(&e->march, &at, x, y, s->random[0], cell_exit(e), true);
+    put_i(r, at.x); put_i(r, at.y); put_u(r, at.level);)
+MARCH_ROW(march_node, olx_probe_answer a = {0}; stand at = first_node(e);
+    put_u(r, march_node(&e->march, &e->piece, &at, 0.04f, &a)); put_answer(r, &a); put_i(r, at.x); put_i(r, at.y);)
+MARCH_ROW(visit_first, olx_probe_answer a = {0}; put_u(r, olx_visit_first(&e->march, &e->piece, &a));
+    put_answer(r, &a);)
+MARCH_ROW(march_hiz, olx_probe_answer a = {0}; put_u(r, olx_march_hiz(&e->march, &e->piece, &a)); put_answer(r, &a);
+    put_u(r, e->march.steps);)
+MARCH_ROW(march_piece, olx_probe_answer a = {0}; put_u(r, march_piece(&e->march, &e->piece, s->settings.tracer, &a));
+    put_answer(r, &a);)
+MARCH_ROW(end_at, const piece_end end = end_at(&e->march, &e->piece, e->ray.t_min + 0.3f * s->random[0]);
+    put_f(r, end.u);
+    put_f(r, end.v); put_f(r, end.inverse); put_u(r, end.centre);)
+MARCH_ROW(make_axis, put_axis(r, make_axis(s->point.x * 8.0f, s->point.y * 8.0f, s->view.x, s->field->n));)
+MARCH_ROW(plane_at, put_f(r, plane_at(s->point.x, s->direction.x));)
+MARCH_ROW(sign_after, put_f(r, sign_after(e->ray.origin.x, e->ray.direction.x, e->planes.x, s->random[0]));)
+MARCH_ROW(make_piece, put_axis(r, e->piece.u); put_axis(r, e->piece.v); put_f(r, e->piece.near);
+    put_f(r, e->piece.slope);
+    put_f(r, e->piece.rise);)
+MARCH_ROW(next_cut, put_f(r, next_cut(e->planes, e->ray.t_min, e->ray.t_max));)
+MARCH_ROW(begin_march, put_f(r, e->march.closest); put_f(r, e->march.miss_squared);
+    put_u(r, s->field->pyramid.least_nodes * s->probe);)
+MARCH_ROW(trace_probe, const olx_probe_answer a = olx_trace_probe(s->field, s->probe, &e->ray, s->settings.tracer);
+    put_answer(r, &a);)
+
+static const parity_row ROWS[] = {
+    PARITY(radius_squared, 1e-5f, 1e-3),
+    PARITY(farthest_squared, 1e-5f, 1e-3),
+    PARITY(reach_squared, 1e-5f, 1e-3),
+    PARITY(nearest_squared, 1e-5f, 1e-3),
+    PARITY(clamp_texel, 1e-5f, 1e-3),
+    PARITY(image_at, 1e-5f, 1e-3),
+    PARITY(parameter_at, 1e-5f, 1e-3),
+    PARITY(crossing, 1e-5f, 1e-3),
+    PARITY(texel_at, 1e-5f, 1e-3),
+    PARITY(pyramid_shift, 1e-5f, 1e-3),
+    PARITY(pyramid_index, 1e-5f, 1e-3),
+    PARITY(least_squared, 1e-5f, 1e-3),
+    PARITY(read_surfel, 1e-5f, 1e-3),
+    PARITY(plane_tolerance, 1e-5f, 1e-3),
+    PARITY(beyond_reach, 1e-5f, 1e-3),
+    PARITY(supported, 1e-5f, 1e-3),
+    PARITY(judge_height, 1e-5f, 1e-3),
+    PARITY(judge_surfel, 1e-5f, 1e-3),
+    PARITY(visit_texel, 1e-5f, 1e-3),
+    PARITY(next_cell, 1e-5f, 1e-3),
+    PARITY(crossings_ahead, 1e-5f, 1e-3),
+    PARITY(march_texels, 1e-5f, 1e-3),
+    PARITY(march_two_level, 1e-5f, 1e-3),
+    PARITY(leave, 1e-5f, 1e-3),
+    PARITY(march_node, 1e-5f, 1e-3),
+    PARITY(visit_first, 1e-5f, 1e-3),
+    PARITY(march_hiz, 1e-5f, 1e-3),
+    PARITY(march_piece, 1e-5f, 1e-3),
+    PARITY(end_at, 1e-5f, 1e-3),
+    PARITY(make_axis, 1e-5f, 1e-3),
+    PARITY(plane_at, 1e-5f, 1e-3),
+    PARITY(sign_after, 1e-5f, 1e-3),
+    PARITY(make_piece, 1e-5f, 1e-3),
+    PARITY(next_cut, 1e-5f, 1e-3),
+    PARITY(begin_march, 1e-5f, 1e-3),
+    PARITY(trace_probe, 1e-5f, 1e-3),
+};
+// clang-format on
+static const parity_code CODES[] = {{ROWS_OF_MARCH, CODE, sizeof CODE}};
+static const parity_suite SUITE = {ROWS, sizeof ROWS / sizeof ROWS[0], CODES, 1};
+
+static void in_a_furnished_room(void **unused) {
+  (void)unused;
+  parity_compare(&SUITE, &PARITY_FURNISHED_ROOM, ROWS_OF_FIELD, ROWS_OF_MARCH);
+}
+
+static void in_an_open_court(void **unused) {
+  (void)unused;
+  parity_compare(&SUITE, &PARITY_OPEN_COURT, ROWS_OF_FIELD, ROWS_OF_MARCH);
+}
+
+static void where_maps_share_layers(void **unused) {
+  (void)unused;
+  parity_compare(&SUITE, &PARITY_MANY_PROBES, ROWS_OF_FIELD, ROWS_OF_MARCH);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(in_a_furnished_room),
+      cmocka_unit_test(in_an_open_court),
+      cmocka_unit_test(where_maps_share_layers),
+  };
+  return cmocka_run_group_tests(tests, parity_open, parity_close);
+}

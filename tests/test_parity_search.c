@@ -1,0 +1,131 @@
+// A ray against probe after probe: shaders/lib against C (tests/parity.h).
+#include "trace/trace.c"
+
+#include "parity.h"
+
+static const uint32_t CODE[] = {
+#include "parity_search.spv.inc"
+};
+
+typedef struct search_state {
+  search search;
+} search_state;
+
+static void derive_search(const parity_state *s, search_state *e) {
+  e->search = (search){.field = s->field,
+                       .settings = &s->settings,
+                       .origin = s->point,
+                       .direction = s->direction,
+                       .t_max = olx_min(s->item->v[14], leave_bounds(s->field, s->point, s->direction)),
+                       .limit = MAX_ATTEMPTS,
+                       .fallback_probe = UINT32_MAX};
+}
+
+static void put_hit(parity_result *r, const olx_trace_hit *hit) {
+  put_u(r, hit->status);
+  put_u(r, hit->probe);
+  put_u(r, hit->emitter);
+  put_u(r, hit->texel_steps);
+  put_u(r, hit->probes_tried);
+  put_f(r, hit->distance_metres);
+  put_3(r, hit->position);
+  put_3(r, hit->normal);
+  put_3(r, hit->radiance);
+  put_f(r, hit->footprint_metres);
+}
+
+// clang-format off
+#define SEARCH_ROW(name, ...)                                                                                          \
+  static void row_##name(parity_state *s, parity_result *r) {                                                          \
+    search_state derived, *e = &derived;                                                                               \
+    derive_search(s, e);                                                                                               \
+    __VA_ARGS__                                                                                                        \
+  }
+
+SEARCH_ROW(usable, put_u(r, usable(&e->search, s->probe));)
+SEARCH_ROW(is_ray, put_u(r, is_ray(s->point, olx_scale(s->direction, 0.85f + 0.3f * s->random[0]),
+        s->random[1] - 0.1f));)
+SEARCH_ROW(was_asked, for (uint32_t i = 0; i < 4; i++) e->search.asked[e->search.attempts++] = s->bits[i] & 7u;
+    put_u(r, was_asked(&e->search, s->bits[0] >> 8 & 7u));)
+SEARCH_ROW(ray_point, put_3(r, ray_point(&e->search, s->random[0]));)
+SEARCH_ROW(line_distance_squared, put_f(r, line_distance_squared(&e->search, s->probe));)
+SEARCH_ROW(sees, put_u(r, sees(&e->search, s->probe));)
+SEARCH_ROW(probe_sees, put_u(r, olx_probe_sees(s->field, s->probe, s->point, s->random[0],
+        s->bits[0] & 1u ? &s->direction : NULL));)
+SEARCH_ROW(ask, olx_probe_answer a = {0}; put_u(r, ask(&e->search, s->probe, &a)); put_u(r, e->search.attempts);
+    put_f(r, e->search.t); put_f(r, e->search.lost); put_answer(r, &a);)
+SEARCH_ROW(first_corner, const olx_grid *grid = &s->field->info.grid; const olx_cage cage = olx_cage_at(grid, s->point);
+    put_u(r, first_corner(&e->search, grid, &cage));)
+SEARCH_ROW(search_cages, olx_probe_answer a = {0}; uint32_t found = 0; put_u(r, search_cages(&e->search, &found, &a));
+    put_u(r, e->search.attempts); put_f(r, e->search.t);)
+SEARCH_ROW(bricks_list, const uint32_t *words = s->field->select_data[OLX_SELECT_BRICKS];
+    put_u(r, words ? (uint32_t)(olx_bricks_list(&s->field->bricks, s->point) - words) : 0);)
+SEARCH_ROW(bricks_probe, const bool some = s->field->bricks.header != NULL;
+    put_u(r, some ? olx_bricks_probe(olx_bricks_list(&s->field->bricks, s->point), s->bits[0] & 7u) : 0);)
+SEARCH_ROW(next_listed, uint32_t found = OLX_BRICK_NO_PROBE; const bool some = s->field->bricks.header != NULL;
+    put_u(r, some && next_listed(&e->search, &found)); put_u(r, some ? found : 0);)
+SEARCH_ROW(search_bricks, olx_probe_answer a = {0}; uint32_t found = 0;
+    put_u(r, s->field->bricks.header && search_bricks(&e->search, &found, &a)); put_u(r, e->search.attempts);
+    put_f(r, e->search.t);)
+SEARCH_ROW(search_voronoi, olx_probe_answer a = {0}; uint32_t found = 0;
+    put_u(r, has_voronoi(s) && search_voronoi(&e->search, &found, &a)); put_u(r, e->search.attempts);
+    put_f(r, e->search.t);)
+SEARCH_ROW(search_everywhere, olx_probe_answer a = {0}; uint32_t found = 0;
+    put_u(r, search_everywhere(&e->search, &found, &a));
+    put_u(r, e->search.attempts); put_f(r, e->search.t);)
+SEARCH_ROW(search_selected, olx_probe_answer a = {0}; uint32_t found = 0;
+    put_u(r, search_selected(&e->search, &found, &a));
+    put_u(r, e->search.attempts); put_f(r, e->search.t);)
+SEARCH_ROW(sky_radiance, put_3(r, sky_radiance(&e->search));)
+SEARCH_ROW(describe, const olx_probe_answer a = {.status = (olx_trace_status)(s->bits[1] % 3u), .t = s->random[0],
+        .texel = texel_of(s)};
+    const olx_trace_hit hit = describe(&e->search, s->probe, &a, s->item->v[14]); put_hit(r, &hit);)
+SEARCH_ROW(leave_bounds, put_f(r, leave_bounds(s->field, s->point, s->direction));)
+SEARCH_ROW(trace, const olx_trace_hit hit = olx_trace(s->field, &s->settings, s->point, s->direction, s->item->v[14]);
+    put_hit(r, &hit);)
+// clang-format on
+
+static const parity_row ROWS[] = {
+    PARITY(usable, 1e-5f, 1e-3),
+    PARITY(is_ray, 1e-5f, 1e-3),
+    PARITY(was_asked, 1e-5f, 1e-3),
+    PARITY(ray_point, 1e-5f, 1e-3),
+    PARITY(line_distance_squared, 1e-5f, 1e-3),
+    PARITY(sees, 1e-5f, 1e-3),
+    PARITY(ask, 1e-5f, 1e-3),
+    PARITY(first_corner, 1e-5f, 1e-3),
+    PARITY(search_cages, 1e-5f, 1e-3),
+    PARITY(search_everywhere, 1e-5f, 1e-3),
+    PARITY(search_selected, 1e-5f, 1e-3),
+    PARITY(sky_radiance, 1e-5f, 1e-3),
+    PARITY(describe, 1e-5f, 1e-3),
+    PARITY(leave_bounds, 1e-5f, 1e-3),
+    PARITY(trace, 1e-5f, 1e-3),
+    PARITY(bricks_list, 1e-5f, 1e-3),
+    PARITY(bricks_probe, 1e-5f, 1e-3),
+    PARITY(next_listed, 1e-5f, 1e-3),
+    PARITY(search_bricks, 1e-5f, 1e-3),
+    PARITY(search_voronoi, 1e-5f, 1e-3),
+    PARITY(probe_sees, 1e-5f, 1e-3),
+};
+static const parity_code CODES[] = {{ROWS_OF_SEARCH, CODE, sizeof CODE}};
+static const parity_suite SUITE = {ROWS, sizeof ROWS / sizeof ROWS[0], CODES, 1};
+
+static void in_a_furnished_room(void **unused) {
+  (void)unused;
+  parity_compare(&SUITE, &PARITY_FURNISHED_ROOM, ROWS_OF_MARCH, ROWS_OF_SEARCH);
+}
+
+static void in_an_open_court(void **unused) {
+  (void)unused;
+  parity_compare(&SUITE, &PARITY_OPEN_COURT, ROWS_OF_MARCH, ROWS_OF_SEARCH);
+}
+
+// Not among many probes: llvmpipe ends loops after 65535 turns, which a search over so many can exceed.
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(in_a_furnished_room),
+      cmocka_unit_test(in_an_open_court),
+  };
+  return cmocka_run_group_tests(tests, parity_open, parity_close);
+}

@@ -82,9 +82,9 @@ typedef struct vulkan_device {
 #undef DECLARE
 } vulkan_device;
 
-// Open the best device that Octalux can use, a discrete GPU before others. NULL, or what is missing; then nothing is left to
-// close. With `validate`, the validation layers check every call (synchronisation too) and print to standard error; it is an
-// error when they are not installed.
+// Open the best device that Octalux can use, a discrete GPU before others. NULL, or what is missing; then nothing is
+// left to close. With `validate`, the validation layers check every call (synchronisation too) and print to standard
+// error; it is an error when they are not installed.
 const char *vulkan_device_open(vulkan_device *device, bool validate);
 void vulkan_device_close(vulkan_device *device);
 

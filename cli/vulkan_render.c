@@ -214,8 +214,8 @@ static const char *light_classically(vulkan_job *job, const olx_image *image) {
   return problem ? problem : add_glossy(job, 1.0f, image);
 }
 
-// How many of a sample's rays one dispatch traces: a divisor of them. A dispatch of many is long, and llvmpipe allows all loops of a
-// thread 65535 turns together.
+// How many of a sample's rays one dispatch traces: a divisor of them. A dispatch of many is long, and llvmpipe allows
+// all loops of a thread 65535 turns together.
 static uint32_t rays_at_once(uint32_t rays) {
   uint32_t some = 4;
   while (rays % some) some--;
@@ -280,7 +280,8 @@ static bool same_camera(const olx_camera *a, const olx_camera *b) {
          memcmp(&a->up, &b->up, sizeof a->up) == 0 && a->fov_y_degrees == b->fov_y_degrees;
 }
 
-// The surfaces of a frame, in the place of those of the frame before. Only the last picture needs all samples of direct light.
+// The surfaces of a frame, in the place of those of the frame before. Only the last picture needs all samples of direct
+// light.
 static olx_result render_surfaces(vulkan_job *job, const vulkan_request *r, uint32_t frame, olx_image *image,
                                   olx_render_stats *stats) {
   const olx_camera *camera = &r->cameras[frame];

@@ -1,4 +1,5 @@
-// Pictures whose surfaces and direct light the CPU renders, and whose indirect light comes from a field on a Vulkan device.
+// Pictures whose surfaces and direct light the CPU renders, and whose indirect light comes from a field on a Vulkan
+// device.
 #ifndef OCTALUX_CLI_VULKAN_RENDER_H
 #define OCTALUX_CLI_VULKAN_RENDER_H
 
@@ -23,8 +24,8 @@ typedef struct vulkan_request {
   const olx_progress *progress;
 } vulkan_request;
 
-// On success the image is the caller's to free. *problem: NULL, or what went wrong on the device; the result tells of everything
-// else, with a message of the library's.
+// On success the image is the caller's to free. *problem: NULL, or what went wrong on the device; the result tells of
+// everything else, with a message of the library's.
 olx_result vulkan_render(const vulkan_request *request, olx_image *image, olx_render_stats *stats,
                          vulkan_timing *timing, const char **problem);
 

@@ -1,7 +1,8 @@
-// What C and GLSL share: bindings, constants, and the structs that lie in the GPU's memory. Both compilers read this file.
+// What C and GLSL share: bindings, constants, and the structs that lie in the GPU's memory. Both compilers read this
+// file.
 //
-// Structs hold 32-bit scalars and vectors of four with explicit padding, so that std140, std430 and C lay them out alike;
-// src/vulkan/gpu_structs.h asserts every offset.
+// Structs hold 32-bit scalars and vectors of four with explicit padding, so that std140, std430 and C lay them out
+// alike; src/vulkan/gpu_structs.h asserts every offset.
 #ifndef OCTALUX_SHARED_H
 #define OCTALUX_SHARED_H
 
@@ -30,7 +31,7 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_BINDING_FIELD 0             // uniform buffer, olx_gpu_field
 #define OLX_BINDING_PROBES 1            // storage buffer, olx_gpu_probe[probe_count]
 #define OLX_BINDING_IRRADIANCE_PROBES 2 // storage buffer, olx_gpu_probe[irradiance_probe_count]
-#define OLX_BINDING_WORDS 3             // storage buffer: pyramids, bricks, maps of neighbours and their tree, as in the file
+#define OLX_BINDING_WORDS 3             // storage buffer: pyramids, bricks, maps of neighbours, as in the file
 #define OLX_BINDING_RADIANCE 4          // combined image samplers, 2D arrays
 #define OLX_BINDING_NORMAL 5
 #define OLX_BINDING_DISTANCE 6
@@ -39,7 +40,8 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_FIELD_BINDINGS 9
 #define OLX_FIELD_STORAGE_BUFFERS 3
 
-// The buffer of classic maps: a header of words, which tell what begins at which word, and then all of it as it lies in the file.
+// The buffer of classic maps: a header of words, which tell what begins at which word, and then all of it as it lies in
+// the file.
 #define OLX_CLASSIC_SIZE 0 // texels along a side
 #define OLX_CLASSIC_TABLE 1
 #define OLX_CLASSIC_BOXES 2
@@ -62,7 +64,8 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_FRAME_BINDINGS 7
 
 // The descriptor set of what a lobe's rays find, for the denoiser. Without it, the lobe's output stands there.
-#define OLX_BINDING_SAMPLE 0 // storage, rgba16f: light before albedo and Fresnel; alpha: 1 / distance, negative for none
+// Storage, rgba16f: light before albedo and Fresnel; alpha: 1 / distance, negative for none.
+#define OLX_BINDING_SAMPLE 0
 #define OLX_SAMPLE_BINDINGS 1
 
 // The descriptor set of the denoiser's mean over frames. "Now" is what it writes, "before" what the frame before wrote.
@@ -174,8 +177,8 @@ OLX_GPU_STRUCT(olx_gpu_frame) {
   olx_gpu_uint padding;
 };
 
-// A camera; its viewing axis stands upright on `right` and `up`. Projections may be shifted (by a jitter): pixel (x, y) is seen
-// where an unshifted picture has (x + eye.w, y + right.w).
+// A camera; its viewing axis stands upright on `right` and `up`. Projections may be shifted (by a jitter): pixel (x, y)
+// is seen where an unshifted picture has (x + eye.w, y + right.w).
 OLX_GPU_STRUCT(olx_gpu_camera) {
   olx_gpu_vec4 eye;
   olx_gpu_vec4 right, up; // from the middle of the image plane at distance 1 to its edges

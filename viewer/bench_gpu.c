@@ -1,4 +1,5 @@
-// octalux-bench-gpu: milliseconds of each pass on a Vulkan device, beside the paper's. Needs a Vulkan loader and nothing else.
+// octalux-bench-gpu: milliseconds of each pass on a Vulkan device, beside the paper's. Needs a Vulkan loader and
+// nothing else.
 #include "bench_report.h"
 
 #include <options.h>
@@ -82,7 +83,8 @@ static bench_settings settings_of(const arguments *a) {
   return settings;
 }
 
-// What was named by --scene and --field must be there; of --data's rows one at least, and none may fail. Rows that are skipped are told.
+// What was named by --scene and --field must be there; of --data's rows one at least, and none may fail. Rows that are
+// skipped are told.
 static int report_results(const arguments *a, const bench_report *report) {
   uint32_t done = 0, failed = 0;
   for (uint32_t i = 0; i < report->count; i++) {

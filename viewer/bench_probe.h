@@ -1,5 +1,5 @@
-// The benchmark's own passes: what the passes under test read for a pixel, the least that they could take, and how fast the device
-// copies.
+// The benchmark's own passes: what the passes under test read for a pixel, the least that they could take, and how fast
+// the device copies.
 #ifndef OCTALUX_VIEWER_BENCH_PROBE_H
 #define OCTALUX_VIEWER_BENCH_PROBE_H
 

@@ -1,5 +1,5 @@
-// Adds the lamps' light, with shadows, to color, and puts the environment behind everything. The picture then holds what
-// `octalux render` calls emission and direct light.
+// Adds the lamps' light, with shadows, to color, and puts the environment behind everything. The picture then holds
+// what `octalux render` calls emission and direct light.
 #ifndef OCTALUX_VIEWER_DIRECT_PASS_H
 #define OCTALUX_VIEWER_DIRECT_PASS_H
 
@@ -25,7 +25,8 @@ void direct_pass_destroy(gpu_device *device, direct_pass *pass);
 // Light these images from now on; nothing that uses the ones before may be pending.
 void direct_pass_attach(gpu_device *device, direct_pass *pass, const frame_images *images);
 
-// What to add. Without any of them the pass has nothing to do. The last is for renderers whose rays meet the other lamps.
+// What to add. Without any of them the pass has nothing to do. The last is for renderers whose rays meet the other
+// lamps.
 enum { DIRECT_LAMPS = 1, DIRECT_SKY = 2, DIRECT_WITHOUT_EXTENT = 4 };
 
 // After the G-buffer pass. Compute that follows may read and write color.

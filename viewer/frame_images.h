@@ -1,7 +1,8 @@
 // The images of a frame: the G-buffer that Octalux reads, what it writes, and the picture to show.
 //
 // Between passes depth is in VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL, normal, albedo and material are in
-// VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL (the G-buffer pass leaves them so), all others in VK_IMAGE_LAYOUT_GENERAL, always.
+// VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL (the G-buffer pass leaves them so), all others in VK_IMAGE_LAYOUT_GENERAL,
+// always.
 #ifndef OCTALUX_VIEWER_FRAME_IMAGES_H
 #define OCTALUX_VIEWER_FRAME_IMAGES_H
 

@@ -1,5 +1,5 @@
-// Draws scenes into depth, normal, albedo and material, and what they emit into color. Surfaces are two-sided and may have alpha
-// masks; which side is in front decides the normal's direction and who emits, as everywhere in Octalux.
+// Draws scenes into depth, normal, albedo and material, and what they emit into color. Surfaces are two-sided and may
+// have alpha masks; which side is in front decides the normal's direction and who emits, as everywhere in Octalux.
 #ifndef OCTALUX_VIEWER_GBUFFER_PASS_H
 #define OCTALUX_VIEWER_GBUFFER_PASS_H
 
@@ -22,7 +22,8 @@ void gbuffer_pass_destroy(gpu_device *device, gbuffer_pass *pass);
 // frame_images_create.
 bool gbuffer_pass_attach(gpu_device *device, gbuffer_pass *pass, const frame_images *images);
 
-// Clears and draws. Waits for compute and transfers that were recorded before; compute that follows may read and write all images.
+// Clears and draws. Waits for compute and transfers that were recorded before; compute that follows may read and write
+// all images.
 void gbuffer_pass_record(const gpu_device *device, const gbuffer_pass *pass, VkCommandBuffer commands,
                          const frame_images *images, const raster_view *view, const draw_item *items, uint32_t count);
 

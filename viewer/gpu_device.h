@@ -1,8 +1,8 @@
-// A Vulkan device for the viewer and the benchmark: instance, device and one queue, opened through the system's loader, which is
-// found at run time, so that nothing links Vulkan. With a window or without.
+// A Vulkan device for the viewer and the benchmark: instance, device and one queue, opened through the system's loader,
+// which is found at run time, so that nothing links Vulkan. With a window or without.
 //
-// Functions that can fail return false and leave a sentence in device->problem; what they were to create is then empty. Destroying
-// what is empty, or only half made, is allowed.
+// Functions that can fail return false and leave a sentence in device->problem; what they were to create is then empty.
+// Destroying what is empty, or only half made, is allowed.
 #ifndef OCTALUX_VIEWER_GPU_DEVICE_H
 #define OCTALUX_VIEWER_GPU_DEVICE_H
 
@@ -18,7 +18,8 @@ typedef struct gpu_device_options {
   uint32_t device; // which of the machine's devices, as gpu_device_list counts them; UINT32_MAX: the best
   const char *const *instance_extensions; // that the window system asks for
   uint32_t instance_extension_count;
-  // Make the window's surface; NULL: no window. The device then has VK_KHR_swapchain, and its queue presents to the surface.
+  // Make the window's surface; NULL: no window. The device then has VK_KHR_swapchain, and its queue presents to the
+  // surface.
   VkResult (*create_surface)(void *user, PFN_vkGetInstanceProcAddr get, VkInstance instance, VkSurfaceKHR *surface);
   void *user;
 } gpu_device_options;

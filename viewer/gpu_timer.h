@@ -15,8 +15,8 @@ typedef struct gpu_timer {
 bool gpu_timer_create(gpu_device *device, gpu_timer *timer);
 void gpu_timer_destroy(gpu_device *device, gpu_timer *timer);
 
-// Record: begin, outside a render pass, then a mark at the end of each part; `name` (static text) is what lies between it and the
-// mark before. At most GPU_TIMER_MARKS - 1 parts.
+// Record: begin, outside a render pass, then a mark at the end of each part; `name` (static text) is what lies between
+// it and the mark before. At most GPU_TIMER_MARKS - 1 parts.
 void gpu_timer_begin(const gpu_device *device, gpu_timer *timer, VkCommandBuffer commands);
 void gpu_timer_mark(const gpu_device *device, gpu_timer *timer, VkCommandBuffer commands, const char *name);
 

@@ -1,9 +1,9 @@
 // A scene's light as the direct pass samples it: a list of lamps, each with the views from which its shadows are drawn.
 //
-// Suns, points and spots are one lamp each. Light with an extent becomes several: emissive surfaces are points on them with a
-// hemisphere of shadow views each, the environment is distant lamps drawn by its radiance. Every such lamp is as broad as its share of
-// the whole, so that its highlight and its shadows' edges have a width. The light that they cast is what the path tracer calls direct,
-// approximately: shadows of wide lamps are made of overlapping steps.
+// Suns, points and spots are one lamp each. Light with an extent becomes several: emissive surfaces are points on them
+// with a hemisphere of shadow views each, the environment is distant lamps drawn by its radiance. Every such lamp is as
+// broad as its share of the whole, so that its highlight and its shadows' edges have a width. The light that they cast
+// is what the path tracer calls direct, approximately: shadows of wide lamps are made of overlapping steps.
 #ifndef OCTALUX_VIEWER_LAMP_SAMPLES_H
 #define OCTALUX_VIEWER_LAMP_SAMPLES_H
 

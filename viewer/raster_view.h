@@ -1,5 +1,5 @@
-// Where the eye is, as shaders and Octalux's passes need it. Depth is reversed and reaches to infinity: near / distance along the viewing
-// axis, 0 where nothing is.
+// Where the eye is, as shaders and Octalux's passes need it. Depth is reversed and reaches to infinity: near / distance
+// along the viewing axis, 0 where nothing is.
 #ifndef OCTALUX_VIEWER_RASTER_VIEW_H
 #define OCTALUX_VIEWER_RASTER_VIEW_H
 

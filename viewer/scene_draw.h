@@ -1,4 +1,5 @@
-// Recording the drawing of scenes, for the passes that do: pipelines without vertex input, which pull from the scene's buffers.
+// Recording the drawing of scenes, for the passes that do: pipelines without vertex input, which pull from the scene's
+// buffers.
 #ifndef OCTALUX_VIEWER_SCENE_DRAW_H
 #define OCTALUX_VIEWER_SCENE_DRAW_H
 

@@ -35,7 +35,8 @@ typedef struct gpu_scene {
 bool gpu_scene_create(gpu_device *device, const olx_scene_content *content, gpu_scene *scene);
 void gpu_scene_destroy(gpu_device *device, gpu_scene *scene);
 
-// Something to draw: a scene and where it stands. The first three rows of its matrix, by rows; turns, uniform scale and shift only.
+// Something to draw: a scene and where it stands. The first three rows of its matrix, by rows; turns, uniform scale and
+// shift only.
 typedef struct draw_item {
   const gpu_scene *scene;
   float to_world[12];

@@ -12,8 +12,8 @@ typedef struct tone_pass {
 
 bool tone_pass_create(gpu_device *device, tone_pass *pass);
 void tone_pass_destroy(gpu_device *device, tone_pass *pass);
-// Use these images from now on; nothing that uses the ones before may be pending. `shown` is one of the images of format
-// R16G16B16A16_SFLOAT: FRAME_COLOR, or another to look at.
+// Use these images from now on; nothing that uses the ones before may be pending. `shown` is one of the images of
+// format R16G16B16A16_SFLOAT: FRAME_COLOR, or another to look at.
 void tone_pass_attach(gpu_device *device, tone_pass *pass, const frame_images *images, frame_image shown);
 
 // Waits for compute recorded before. Afterwards the display image may be copied, blitted, drawn over and sampled.

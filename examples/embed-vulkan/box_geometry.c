@@ -18,7 +18,8 @@ static const box_material materials[] = {
     [LIGHT] = {.material = {1.0f, 0.0f, 0.0f}, .emission = {17.0f, 12.0f, 4.0f}},
 };
 
-// Counter-clockwise from the side that shows, in millimetres. The light is the last one; surface.frag knows where it is.
+// Counter-clockwise from the side that shows, in millimetres. The light is the last one; surface.frag knows where it
+// is.
 static const struct {
   int material;
   float corners[4][3];

@@ -1,5 +1,5 @@
-// The host's scene, as it has it in its own vertex and index buffers: the Cornell box of builtin:cornell-glossy. A field holds
-// light and no geometry, and that it was baked from the same scene is the host's business.
+// The host's scene, as it has it in its own vertex and index buffers: the Cornell box of builtin:cornell-glossy. A
+// field holds light and no geometry, and that it was baked from the same scene is the host's business.
 #ifndef BOX_GEOMETRY_H
 #define BOX_GEOMETRY_H
 

@@ -1,12 +1,12 @@
 // Octalux in a host's own Vulkan renderer: embed_vulkan FIELD PICTURE [--size WxH] [--own-shader] [--validate].
 //
-// The renderer draws the Cornell box in one pass (surface_pass.c): a G-buffer, and direct light with shadows. What Octalux
-// adds is in this file, in the order in which a host adds it: load_field, make_frame, record_frame, remove_octalux. FIELD
-// comes from
+// The renderer draws the Cornell box in one pass (surface_pass.c): a G-buffer, and direct light with shadows. What
+// Octalux adds is in this file, in the order in which a host adds it: load_field, make_frame, record_frame,
+// remove_octalux. FIELD comes from
 //   octalux bake builtin:cornell-glossy -o FIELD
-// and PICTURE is a .png, tone-mapped, or an .exr with the indirect layers beside. With --own-shader the diffuse light comes
-// from olx_irradiance, called in surface.frag, instead of the recorded pass. --validate fails on any message of the
-// validation layers. Exits with 77 where there is no Vulkan 1.2 device.
+// and PICTURE is a .png, tone-mapped, or an .exr with the indirect layers beside. With --own-shader the diffuse light
+// comes from olx_irradiance, called in surface.frag, instead of the recorded pass. --validate fails on any message of
+// the validation layers. Exits with 77 where there is no Vulkan 1.2 device.
 #include "surface_pass.h"
 
 #include <octalux/octalux.h>
@@ -134,7 +134,8 @@ static void record_frame(const renderer *r) {
   need_octalux(olx_vulkan_record_glossy(r->frame, g->commands, &view, &settings));
   need_octalux(olx_vulkan_record_composite(r->frame, g->commands, &view, &settings, add));
 
-  // Octalux's writes before what the host does with the picture: tone mapping, or, here, copies that begin with a barrier.
+  // Octalux's writes before what the host does with the picture: tone mapping, or, here, copies that begin with a
+  // barrier.
   record_copy(r, color, WITH);
   record_copy(r, &r->glossy, GLOSSY);
   gpu_barrier(g, (gpu_order){VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_HOST_BIT,
@@ -150,8 +151,8 @@ static void remove_octalux(renderer *r) {
 
 // ---- The host -----------------------------------------------------------------------------------------------------
 
-// The camera "front" of builtin:cornell-glossy, which looks along +z with +x on the left. Depth is reversed and endless:
-// NEAR / distance. clip_to_world is the inverse of world_to_clip, written down instead of computed.
+// The camera "front" of builtin:cornell-glossy, which looks along +z with +x on the left. Depth is reversed and
+// endless: NEAR / distance. clip_to_world is the inverse of world_to_clip, written down instead of computed.
 static void place_camera(renderer *r) {
   const float eye[3] = {0.278f, 0.273f, -0.8f}, near = 0.05f;
   const float y = tanf(39.3077f / 2.0f * 3.14159265f / 180.0f);
@@ -176,8 +177,8 @@ static olx_vec3 pixel(const renderer *r, uint32_t image, size_t i) {
   return (olx_vec3){half_float(half[0]), half_float(half[1]), half_float(half[2])};
 }
 
-// What the composite pass has added beside glossy light is diffuse light. The host's own shader adds it along with direct
-// light, and there is no such layer.
+// What the composite pass has added beside glossy light is diffuse light. The host's own shader adds it along with
+// direct light, and there is no such layer.
 static void save_picture(const renderer *r) {
   const uint32_t diffuse = r->options.own_shader ? 0 : 1u << OLX_LAYER_INDIRECT_DIFFUSE;
   olx_image image;

@@ -1,5 +1,5 @@
-// The host's own Vulkan: a device, buffers, images, shaders. Nothing here knows Octalux; an engine has all of it already.
-// What Vulkan refuses ends the program with a message.
+// The host's own Vulkan: a device, buffers, images, shaders. Nothing here knows Octalux; an engine has all of it
+// already. What Vulkan refuses ends the program with a message.
 #ifndef GPU_H
 #define GPU_H
 

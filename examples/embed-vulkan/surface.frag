@@ -1,8 +1,9 @@
-// The host's one pass: the G-buffer, and a picture with emitted and direct light. The light is a rectangle under the ceiling,
-// sampled, with shadow rays against every triangle of the scene: an engine has shadow maps, but 30 triangles are soon tried.
+// The host's one pass: the G-buffer, and a picture with emitted and direct light. The light is a rectangle under the
+// ceiling, sampled, with shadow rays against every triangle of the scene: an engine has shadow maps, but 30 triangles
+// are soon tried.
 //
-// Compiled a second time with OWN_DIFFUSE, it also asks the field for irradiance: the second way to use Octalux, for forward
-// renderers, without the recorded diffuse pass and its image.
+// Compiled a second time with OWN_DIFFUSE, it also asks the field for irradiance: the second way to use Octalux, for
+// forward renderers, without the recorded diffuse pass and its image.
 #version 460
 #ifdef OWN_DIFFUSE
 #extension GL_GOOGLE_include_directive : require

@@ -60,7 +60,8 @@ static void make_render_pass(const gpu *g, surface_pass *pass) {
                                         .colorAttachmentCount = COLORS,
                                         .pColorAttachments = colors,
                                         .pDepthStencilAttachment = &depth};
-  // The barriers between this pass and compute shaders, which Octalux's are: those of the frame before, and of this one.
+  // The barriers between this pass and compute shaders, which Octalux's are: those of the frame before, and of this
+  // one.
   const VkPipelineStageFlags tests =
       VK_PIPELINE_STAGE_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_LATE_FRAGMENT_TESTS_BIT;
   const VkAccessFlags writes = VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT | VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;

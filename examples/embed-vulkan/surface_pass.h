@@ -1,4 +1,5 @@
-// The host's one pass: the scene's triangles into depth, normal, albedo, material, and color with emitted and direct light.
+// The host's one pass: the scene's triangles into depth, normal, albedo, material, and color with emitted and direct
+// light.
 #ifndef SURFACE_PASS_H
 #define SURFACE_PASS_H
 

@@ -43,8 +43,8 @@ vec3 olx_bsdf_diffuse(olx_bsdf b, float cosine_view) {
 
 bool olx_bsdf_has_specular(olx_bsdf b) { return b.f90 > 0.0; }
 
-// Whether the specular lobe is rough and reflects less than `share` towards an eye at normal . view; and its light then: that
-// of all directions alike.
+// Whether the specular lobe is rough and reflects less than `share` towards an eye at normal . view; and its light
+// then: that of all directions alike.
 bool olx_lobe_is_dim(olx_bsdf b, float cosine_view, float share) {
   vec3 f = olx_fresnel(b, cosine_view);
   return b.alpha > 0.0 && max(f.x, max(f.y, f.z)) < share;

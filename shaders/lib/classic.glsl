@@ -1,5 +1,6 @@
-// Twin of src/shade/classic.c: original irradiance probes, the method that light field probes replace (docs/maths.md, "Classic
-// probes"). Not part of octalux.glsl: it needs a descriptor set of its own, with the classic maps as one buffer of words.
+// Twin of src/shade/classic.c: original irradiance probes, the method that light field probes replace (docs/maths.md,
+// "Classic probes"). Not part of octalux.glsl: it needs a descriptor set of its own, with the classic maps as one
+// buffer of words.
 #ifndef OLX_CLASSIC_GLSL
 #define OLX_CLASSIC_GLSL
 
@@ -18,7 +19,8 @@ struct olx_classic_weights {
   float weight[9];
 };
 
-// Unsigned small float with 5 exponent bits; subnormals are built as numbers, because devices may flush subnormal floats to 0.
+// Unsigned small float with 5 exponent bits; subnormals are built as numbers, because devices may flush subnormal
+// floats to 0.
 float olx_small_float_unpack(uint packed, uint mantissa) {
   if (packed < 1u << mantissa) return float(packed) * (1.0 / float(16384u << mantissa));
   return uintBitsToFloat((packed << (23u - mantissa)) + 0x38000000u);
@@ -45,7 +47,8 @@ vec3 olx_classic_vector(uint word) {
               uintBitsToFloat(olx_classic[word + 2u]));
 }
 
-// The direction in which the probe sees what the ray from `position` along `direction` meets, when its surroundings are its box.
+// The direction in which the probe sees what the ray from `position` along `direction` meets, when its surroundings are
+// its box.
 vec3 olx_classic_parallax(uint probe, vec3 position, vec3 direction) {
   uint box = olx_classic[OLX_CLASSIC_BOXES] + 6u * probe;
   vec3 low = olx_classic_vector(box), high = olx_classic_vector(box + 3u), from = clamp(position, low, high);
@@ -89,7 +92,8 @@ vec3 olx_classic_radiance(uint probe, vec3 direction, float roughness) {
   return mix(fine, coarse, level - float(below));
 }
 
-// Trilinear interpolation alone, but for probes inside geometry. Where the cage has none to ask, the nearest of the 4 x 4 x 4.
+// Trilinear interpolation alone, but for probes inside geometry. Where the cage has none to ask, the nearest of the 4 x
+// 4 x 4.
 olx_classic_weights olx_classic_weigh(olx_sample_settings settings, vec3 position) {
   olx_cage cage = olx_cage_at(olx_field.irradiance_grid, position);
   olx_classic_weights weights;
@@ -122,7 +126,8 @@ vec3 olx_classic_irradiance(olx_sample_settings settings, vec3 position, vec3 no
   uint size = olx_classic[OLX_CLASSIC_SIZE], words = (size + 2u) * (size + 2u);
   vec3 sum = vec3(0.0);
   for (uint i = 0u; i < weights.count; i++) {
-    sum += olx_classic_color(olx_classic[OLX_CLASSIC_IRRADIANCE] + words * weights.probe[i], size, uv) * weights.weight[i];
+    uint map = olx_classic[OLX_CLASSIC_IRRADIANCE] + words * weights.probe[i];
+    sum += olx_classic_color(map, size, uv) * weights.weight[i];
   }
   return sum;
 }

@@ -1,12 +1,12 @@
-// Twin of src/render/denoise.c: the separated denoiser of McGuire et al. 2017, section 5.1, as far as it does not read images.
-// shaders/pass has the loops over pixels.
+// Twin of src/render/denoise.c: the separated denoiser of McGuire et al. 2017, section 5.1, as far as it does not read
+// images. shaders/pass has the loops over pixels.
 #ifndef OLX_DENOISE_GLSL
 #define OLX_DENOISE_GLSL
 
 #include "vec.glsl"
 
-// Two pixels show one surface when the second lies off the first one's plane by at most so many pixels' width, or by this
-// share of their distance (normal maps tilt planes), ...
+// Two pixels show one surface when the second lies off the first one's plane by at most so many pixels' width, or by
+// this share of their distance (normal maps tilt planes), ...
 const float OLX_PLANE_PIXELS = 2.0, OLX_PLANE_SLOPE = 0.1;
 // ... and, for history, when their normals agree to this cosine.
 const float OLX_SAME_NORMAL = 0.9;
@@ -25,7 +25,8 @@ struct olx_camera_frame {
   vec3 eye, forward, right, up;
 };
 
-// Light that arrives at a surface, and 1 / distance to where it came from; negative: the pixel has no light of this kind.
+// Light that arrives at a surface, and 1 / distance to where it came from; negative: the pixel has no light of this
+// kind.
 struct olx_incident {
   vec3 light;
   float inverse_distance;
@@ -138,7 +139,8 @@ float olx_reach_weight(bool glossy, float reach, olx_shown middle, float nearnes
   return pixels > 0.0 ? olx_gaussian(olx_square(pixels / max(sigma_pixels, 1e-3))) : 1.0;
 }
 
-// How much of the light at `tap`, so many pixels away, the pixel in the middle takes. `reach`: 0 where the radius is all.
+// How much of the light at `tap`, so many pixels away, the pixel in the middle takes. `reach`: 0 where the radius is
+// all.
 float olx_tap_weight(bool glossy, float radius_pixels, float reach, olx_shown middle, olx_scales here, olx_shown tap,
                      float tap_inverse_distance, float pixels) {
   float cosine = max(0.0, olx_dot(tap.normal, middle.normal));

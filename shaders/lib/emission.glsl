@@ -4,8 +4,8 @@
 
 #include "trace.glsl"
 
-// Whether light straight from an emitter belongs to what a ray from `origin` found. A probe that saw an emitter's front says
-// nothing about its back, which rays meet when they come from behind.
+// Whether light straight from an emitter belongs to what a ray from `origin` found. A probe that saw an emitter's front
+// says nothing about its back, which rays meet when they come from behind.
 bool olx_emission_counts(olx_sample_settings settings, olx_trace_hit hit, vec3 origin) {
   if (!settings.emitters) return false;
   return hit.status == OLX_TRACE_MISS || olx_dot(hit.position - origin, hit.normal) < 0.0;

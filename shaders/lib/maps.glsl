@@ -13,7 +13,8 @@ layout(set = OLX_FIELD_SET, binding = OLX_BINDING_FIELD, std140) uniform olx_fie
 layout(set = OLX_FIELD_SET, binding = OLX_BINDING_PROBES, std430) readonly buffer olx_probe_block {
   olx_gpu_probe olx_probes[];
 };
-layout(set = OLX_FIELD_SET, binding = OLX_BINDING_IRRADIANCE_PROBES, std430) readonly buffer olx_irradiance_probe_block {
+layout(set = OLX_FIELD_SET, binding = OLX_BINDING_IRRADIANCE_PROBES, std430) readonly buffer
+    olx_irradiance_probe_block {
   olx_gpu_probe olx_irradiance_probes[];
 };
 // One buffer for all that lies there as words, since a shader of some devices has no more than four.

@@ -1,6 +1,6 @@
-// Twin of src/trace/probe_trace.c, ray_image.h, surfel.c and the three marches: a ray against what one probe sees (McGuire et
-// al. 2017, section 4.1; Wang 2018, section 4.3). What decides is `precise`: each crossing must come out the same wherever it
-// is computed.
+// Twin of src/trace/probe_trace.c, ray_image.h, surfel.c and the three marches: a ray against what one probe sees
+// (McGuire et al. 2017, section 4.1; Wang 2018, section 4.3). What decides is `precise`: each crossing must come out
+// the same wherever it is computed.
 #ifndef OLX_PROBE_TRACE_GLSL
 #define OLX_PROBE_TRACE_GLSL
 
@@ -119,8 +119,8 @@ float olx_crossing(olx_image_axis a, int k) {
   return s;
 }
 
-// The texel along one axis that stepping has reached at s; a line crossed at exactly s counts as passed when `inclusive`.
-// The image gives a guess, at most one off; the crossings that steps compare decide.
+// The texel along one axis that stepping has reached at s; a line crossed at exactly s counts as passed when
+// `inclusive`. The image gives a guess, at most one off; the crossings that steps compare decide.
 int olx_texel_at(olx_image_axis a, float s, bool inclusive) {
   precise float image = a.begin + a.travel * s;
   int x = int(image);
@@ -202,8 +202,8 @@ bool olx_beyond_reach(inout olx_march m, ivec2 at, olx_surfel s, float radius_sq
   return radius_squared > limit_squared;
 }
 
-// Whether the ray's image at t lies within the neighbourhood of a texel, and the texel there sees a surface about there too.
-// When it sees far past that point, the plane ends before it: an edge lies between the two texels.
+// Whether the ray's image at t lies within the neighbourhood of a texel, and the texel there sees a surface about there
+// too. When it sees far past that point, the plane ends before it: an edge lies between the two texels.
 bool olx_supported(inout olx_march m, olx_piece p, ivec2 at, olx_surfel s, float t) {
   vec2 image;
   if (!olx_image_at(m, p, t, image)) return false;
@@ -219,7 +219,8 @@ bool olx_supported(inout olx_march m, olx_piece p, ivec2 at, olx_surfel s, float
 }
 
 // What the surfel of texel c says about a ray that is above it, on it or below it there, up to t1.
-int olx_judge_height(inout olx_march m, olx_piece p, olx_cell c, float t1, olx_surfel s, inout olx_probe_answer answer) {
+int olx_judge_height(inout olx_march m, olx_piece p, olx_cell c, float t1, olx_surfel s,
+                     inout olx_probe_answer answer) {
   float tolerance = olx_plane_tolerance(s);
   precise float height0 = s.f0 + s.f1 * c.t;
   precise float plane = -s.f0 / s.f1;
@@ -233,8 +234,8 @@ int olx_judge_height(inout olx_march m, olx_piece p, olx_cell c, float t1, olx_s
     return OLX_VERDICT_HIT;
   }
   if (s.f1 >= 0.0) {
-    // Below, but rising: a ray that just left this surface is still within what rounding and curvature explain. One that began
-    // farther below comes through the surface from behind.
+    // Below, but rising: a ray that just left this surface is still within what rounding and curvature explain. One
+    // that began farther below comes through the surface from behind.
     return -min(height0, s.f0) <= 0.5 * s.footprint ? OLX_VERDICT_CLEAR : OLX_VERDICT_HIDDEN;
   }
   // A ray handed on by another probe may have slipped through this surface by that probe's tolerance, but no ray starts
@@ -248,7 +249,8 @@ int olx_judge_height(inout olx_march m, olx_piece p, olx_cell c, float t1, olx_s
 }
 
 // The ray reaches the stored distance (metres) inside texel c, which it leaves at t1: what does the texel's surfel say?
-int olx_judge_surfel(inout olx_march m, olx_piece p, olx_cell c, float t1, float stored, inout olx_probe_answer answer) {
+int olx_judge_surfel(inout olx_march m, olx_piece p, olx_cell c, float t1, float stored,
+                     inout olx_probe_answer answer) {
   olx_surfel s = olx_read_surfel(m, c.at, stored);
   float nearest_squared = olx_nearest_squared(m, c.t, t1);
   answer.texel = c.at;
@@ -261,7 +263,8 @@ int olx_judge_surfel(inout olx_march m, olx_piece p, olx_cell c, float t1, float
 }
 
 // The same for a texel that is yet to be read; `far_squared` is the ray's greatest squared distance over it.
-int olx_visit_texel(inout olx_march m, olx_piece p, olx_cell c, float t1, float far_squared, inout olx_probe_answer answer) {
+int olx_visit_texel(inout olx_march m, olx_piece p, olx_cell c, float t1, float far_squared,
+                    inout olx_probe_answer answer) {
   m.steps++;
   float stored = olx_texel_distance(m.map, c.at);
   precise float stored_squared = stored * stored;
@@ -321,7 +324,8 @@ struct olx_stand {
   ivec2 at;
   int level;
   float s, t;
-  bool by_v; // across a line of v: with it every line of both axes up to s is passed, else those of v at s itself are not
+  // Across a line of v: with it every line of both axes up to s is passed, else those of v at s itself are not.
+  bool by_v;
 };
 
 // Steps over the line ahead that comes first, and up a level where that left the parent as well.
@@ -331,9 +335,10 @@ void olx_leave(inout olx_stand at, ivec2 next, float s, float t, bool by_v) {
   at = olx_stand(up ? next >> OLX_PYRAMID_STEP : next, up ? at.level + 1 : at.level, s, t, by_v);
 }
 
-// The texels of a node of level 0 from the one on in which the march stands. The ray is in front of those that it passes
-// nearer than the node's smallest distance, so they are not read.
-int olx_march_node(inout olx_march m, olx_piece p, inout olx_stand at, float least_squared, inout olx_probe_answer answer) {
+// The texels of a node of level 0 from the one on in which the march stands. The ray is in front of those that it
+// passes nearer than the node's smallest distance, so they are not read.
+int olx_march_node(inout olx_march m, olx_piece p, inout olx_stand at, float least_squared,
+                   inout olx_probe_answer answer) {
   olx_cell c = olx_cell(ivec2(olx_texel_at(p.u, at.s, true), olx_texel_at(p.v, at.s, at.by_v)), at.t);
   for (;;) {
     vec2 s = olx_crossings_ahead(p, c.at, 0);

@@ -8,9 +8,9 @@ const float OLX_SIGHT_START = 0.5;
 const float OLX_SIGHT_STUCK = 1.0;
 const float OLX_SIGHT_LEAST_COSINE = 0.1;
 
-// Whether `point` lies in front of the plane of the surfel that the probe stores there, or no more than `slack` footprints
-// behind it, or nearer to the probe than the texel's surface can reach. `leaving`: a ray in this direction begins there; 0
-// for none.
+// Whether `point` lies in front of the plane of the surfel that the probe stores there, or no more than `slack`
+// footprints behind it, or nearer to the probe than the texel's surface can reach. `leaving`: a ray in this direction
+// begins there; 0 for none.
 bool olx_probe_sees(uint probe, vec3 point, float slack, vec3 leaving) {
   precise vec3 offset = point - olx_probe_position(probe);
   float n = float(olx_field.n);

@@ -1,5 +1,6 @@
-// Twin of src/select/voronoi.c: the nearest probe, then the Delaunay neighbours in the direction where a ray is stuck (Wang
-// 2018, section 4.1), from the maps and the tree as they lie in the file (docs/format.md, src/field/selector_data.h).
+// Twin of src/select/voronoi.c: the nearest probe, then the Delaunay neighbours in the direction where a ray is stuck
+// (Wang 2018, section 4.1), from the maps and the tree as they lie in the file (docs/format.md,
+// src/field/selector_data.h).
 #ifndef OLX_VORONOI_GLSL
 #define OLX_VORONOI_GLSL
 
@@ -90,8 +91,8 @@ uint olx_choice_texel(float coordinate, uint size) {
   return x > 0.0 ? min(uint(x), size - 1u) : 0u;
 }
 
-// The neighbours of a probe that are nearest in angle to a direction (any length) from it, best first; OLX_NO_PROBE fills
-// the rest. Names no probe beyond the field's, whatever the file holds.
+// The neighbours of a probe that are nearest in angle to a direction (any length) from it, best first; OLX_NO_PROBE
+// fills the rest. Names no probe beyond the field's, whatever the file holds.
 uvec4 olx_voronoi_neighbours(uint probe, vec3 direction) {
   uint size = olx_words[olx_field.voronoi_first], probes = olx_field.probe_count;
   vec2 uv = olx_octahedral_encode(direction);

@@ -1,5 +1,5 @@
-// The denoiser's mean over frames: each pixel's samples are mixed into the history of the surface that it shows, found through
-// the camera of the frame before.
+// The denoiser's mean over frames: each pixel's samples are mixed into the history of the surface that it shows, found
+// through the camera of the frame before.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "guide.glsl"

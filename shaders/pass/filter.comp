@@ -1,5 +1,5 @@
-// The denoiser's cross-bilateral filter over pixels, along rows or along columns. Columns end in the host's image: irradiance, or
-// glossy light times the Fresnel reflectance that it was divided by.
+// The denoiser's cross-bilateral filter over pixels, along rows or along columns. Columns end in the host's image:
+// irradiance, or glossy light times the Fresnel reflectance that it was divided by.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "guide.glsl"
@@ -22,8 +22,8 @@ bool glossy() { return has_flag(OLX_DENOISE_GLOSSY); }
 bool columns() { return has_flag(OLX_DENOISE_COLUMNS); }
 float count_of(uvec4 guide) { return glossy() ? guide_counts(guide).y : guide_counts(guide).x; }
 
-// The weighted mean over pixels along a line, and in alpha the sum of the weights: of the history, or of what the rows gave. A
-// column weighs its pixels by what their rows hold.
+// The weighted mean over pixels along a line, and in alpha the sum of the weights: of the history, or of what the rows
+// gave. A column weighs its pixels by what their rows hold.
 vec4 mean_along(ivec2 pixel, uvec4 guide, olx_camera_frame camera, olx_shown middle) {
   vec2 size = vec2(size_of(job.size)), shift = shift_of(job.camera);
   olx_scales here = olx_scales_of(incident_of(texelFetch(light_image, pixel, 0)), count_of(guide));

@@ -62,7 +62,8 @@ uint pixel_seed(uvec2 pixel, uint branch) {
   return olx_hash2(frame.seed != 0u ? olx_hash2(seed, frame.seed) : seed, branch);
 }
 
-// What the denoiser is to know of a pixel's rays, if the lobe is denoised; a negative nearness: that it has no such light.
+// What the denoiser is to know of a pixel's rays, if the lobe is denoised; a negative nearness: that it has no such
+// light.
 void write_sample(ivec2 pixel, vec3 light, float nearness) {
   if (has_flag(OLX_FRAME_SAMPLE)) imageStore(sample_image, pixel, storable(light, min(nearness, LARGEST_HALF)));
 }

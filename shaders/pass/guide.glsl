@@ -31,8 +31,8 @@ vec2 guide_counts(uvec4 guide) { return unpackHalf2x16(guide.z); }
 
 olx_shown guide_shows(uvec4 guide, olx_camera_frame camera, vec2 size, vec2 pixel) {
   float depth = uintBitsToFloat(guide.x);
-  return olx_shown(olx_guide_position(camera, size, pixel, depth), olx_octahedral_decode(unpackUnorm2x16(guide.y)), depth,
-                   unpackHalf2x16(guide.w).x, olx_pixel_angle(camera, size));
+  return olx_shown(olx_guide_position(camera, size, pixel, depth), olx_octahedral_decode(unpackUnorm2x16(guide.y)),
+                   depth, unpackHalf2x16(guide.w).x, olx_pixel_angle(camera, size));
 }
 
 olx_incident incident_of(vec4 texel) { return olx_incident(texel.rgb, texel.a); }

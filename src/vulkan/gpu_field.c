@@ -5,7 +5,8 @@
 
 static const char WHAT[] = "a field on the device";
 
-// How many maps share a layer, so that the image has no more layers, and the layers no more texels, than the device allows.
+// How many maps share a layer, so that the image has no more layers, and the layers no more texels, than the device
+// allows.
 static olx_result lay_out_maps(const olx_vulkan_context *c, olx_gpu_maps *maps) {
   const uint32_t most_layers = c->limits.maxImageArrayLayers, most_texels = c->limits.maxImageDimension2D;
   for (maps->maps_a_side = 1; maps->maps_a_side * maps->stride <= most_texels; maps->maps_a_side++) {
@@ -128,7 +129,8 @@ static olx_gpu_field field_constants(const olx_vulkan_field *gpu, const olx_fiel
 
 static olx_result check_irradiance_form(const olx_field *field) {
   if (!field->bands) return OLX_OK;
-  return olx_fail(OLX_ERROR_UNSUPPORTED, "%s: irradiance as spherical harmonics (%s) does not run on the GPU: bake octahedral maps",
+  return olx_fail(OLX_ERROR_UNSUPPORTED,
+                  "%s: irradiance as spherical harmonics (%s) does not run on the GPU: bake octahedral maps",
                   field->name, olx_irradiance_form_name(field->info.irradiance_form));
 }
 
@@ -140,10 +142,10 @@ static olx_result create_resources(const olx_vulkan_host *host, const olx_field 
   const olx_gpu_maps maps[OLX_GPU_MAPS] = {
       [OLX_BINDING_RADIANCE - OLX_BINDING_RADIANCE] = {VK_FORMAT_B10G11R11_UFLOAT_PACK32, 4, field->stride, probes,
                                                        .texels = field->radiance},
-      [OLX_BINDING_NORMAL -
-          OLX_BINDING_RADIANCE] = {VK_FORMAT_R16_UINT, 2, field->stride, probes, .texels = field->normal},
-      [OLX_BINDING_DISTANCE -
-          OLX_BINDING_RADIANCE] = {VK_FORMAT_R16_UINT, 2, field->stride, probes, .texels = field->distance},
+      [OLX_BINDING_NORMAL - OLX_BINDING_RADIANCE] = {VK_FORMAT_R16_UINT, 2, field->stride, probes,
+                                                     .texels = field->normal},
+      [OLX_BINDING_DISTANCE - OLX_BINDING_RADIANCE] = {VK_FORMAT_R16_UINT, 2, field->stride, probes,
+                                                       .texels = field->distance},
       [OLX_BINDING_IRRADIANCE - OLX_BINDING_RADIANCE] = {VK_FORMAT_B10G11R11_UFLOAT_PACK32, 4, field->irradiance_stride,
                                                          irradiance_probes, .filtered = true,
                                                          .texels = field->irradiance},

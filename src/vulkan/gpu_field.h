@@ -1,4 +1,5 @@
-// A field on the device: one image for each kind of map, one buffer for everything else, and the descriptor set of both.
+// A field on the device: one image for each kind of map, one buffer for everything else, and the descriptor set of
+// both.
 #ifndef OLX_VULKAN_GPU_FIELD_H
 #define OLX_VULKAN_GPU_FIELD_H
 

@@ -23,7 +23,8 @@ typedef struct olx_pass_code {
 extern const olx_pass_code olx_irradiance_pass, olx_diffuse_pass, olx_trace_pass, olx_composite_pass,
     olx_accumulate_pass, olx_filter_pass;
 
-// The denoiser of a frame that has a history. Of what stands twice, the one takes turns with the other from frame to frame.
+// The denoiser of a frame that has a history. Of what stands twice, the one takes turns with the other from frame to
+// frame.
 typedef struct olx_gpu_denoiser {
   VkDescriptorSetLayout accumulate_set_layout, filter_set_layout;
   VkPipelineLayout accumulate_layout, filter_layout;
@@ -45,7 +46,8 @@ struct olx_vulkan_frame {
   olx_gpu_denoiser denoiser;
 };
 
-// The pieces of a pipeline. Types of a set's bindings: sampled images before `first_storage`, storage images from there on.
+// The pieces of a pipeline. Types of a set's bindings: sampled images before `first_storage`, storage images from there
+// on.
 olx_result olx_gpu_set_layout_create(const olx_vulkan_context *context, uint32_t bindings, uint32_t first_storage,
                                      VkDescriptorSetLayout *layout);
 olx_result olx_gpu_layout_create(const olx_vulkan_context *context, uint32_t set_count,

@@ -1,4 +1,5 @@
-// What the denoiser remembers from frame to frame, in images of its own: surfaces, and each lobe's light. Two of each take turns.
+// What the denoiser remembers from frame to frame, in images of its own: surfaces, and each lobe's light. Two of each
+// take turns.
 #ifndef OLX_VULKAN_GPU_HISTORY_H
 #define OLX_VULKAN_GPU_HISTORY_H
 
@@ -26,8 +27,8 @@ void olx_gpu_history_destroy(const olx_vulkan_context *context, olx_gpu_history 
 // Whether there are images of a kind.
 bool olx_gpu_history_has(const olx_gpu_history *history, uint32_t kind);
 
-// Order everything that compute shaders have done with a kind's images before what they do next. When its history begins, the
-// images also get their layout, VK_IMAGE_LAYOUT_GENERAL, and lose what they held.
+// Order everything that compute shaders have done with a kind's images before what they do next. When its history
+// begins, the images also get their layout, VK_IMAGE_LAYOUT_GENERAL, and lose what they held.
 void olx_gpu_history_barrier(const olx_vulkan_context *context, const olx_gpu_history *history, uint32_t kind,
                              bool begins, VkCommandBuffer commands);
 

@@ -1,4 +1,5 @@
-// The structs of shaders/octalux_shared.h lie in C where std140 and std430 put them, and its numbers are those of the headers.
+// The structs of shaders/octalux_shared.h lie in C where std140 and std430 put them, and its numbers are those of the
+// headers.
 #ifndef OLX_VULKAN_GPU_STRUCTS_H
 #define OLX_VULKAN_GPU_STRUCTS_H
 
@@ -8,20 +9,23 @@
 
 #include <stddef.h>
 
-_Static_assert(sizeof(olx_gpu_grid) == 48 && offsetof(olx_gpu_grid, spacing) == 16 && offsetof(olx_gpu_grid, count) == 32,
+_Static_assert(sizeof(olx_gpu_grid) == 48 && offsetof(olx_gpu_grid, spacing) == 16 &&
+                   offsetof(olx_gpu_grid, count) == 32,
                "std140");
 _Static_assert(sizeof(olx_gpu_field) == 192 && offsetof(olx_gpu_field, irradiance_grid) == 48 &&
                    offsetof(olx_gpu_field, scene_min) == 96 && offsetof(olx_gpu_field, scene_max) == 112 &&
                    offsetof(olx_gpu_field, probe_count) == 128 && offsetof(olx_gpu_field, n) == 132 &&
                    offsetof(olx_gpu_field, least_nodes) == 136 && offsetof(olx_gpu_field, maps_a_side) == 140 &&
-                   offsetof(olx_gpu_field, irradiance_n) == 144 && offsetof(olx_gpu_field, irradiance_maps_a_side) == 148 &&
+                   offsetof(olx_gpu_field, irradiance_n) == 144 &&
+                   offsetof(olx_gpu_field, irradiance_maps_a_side) == 148 &&
                    offsetof(olx_gpu_field, irradiance_texel) == 152 && offsetof(olx_gpu_field, distance_scale) == 156 &&
                    offsetof(olx_gpu_field, select_mask) == 160 && offsetof(olx_gpu_field, pyramid_levels) == 164 &&
                    offsetof(olx_gpu_field, bricks_first) == 168 && offsetof(olx_gpu_field, voronoi_first) == 172 &&
                    offsetof(olx_gpu_field, pyramid_first) == 176,
                "std140");
 _Static_assert(sizeof(olx_gpu_probe) == 16 && offsetof(olx_gpu_probe, flags) == 12, "std430");
-_Static_assert(sizeof(olx_gpu_frame) == 128 && offsetof(olx_gpu_frame, eye) == 64 && offsetof(olx_gpu_frame, width) == 80 &&
+_Static_assert(sizeof(olx_gpu_frame) == 128 && offsetof(olx_gpu_frame, eye) == 64 &&
+                   offsetof(olx_gpu_frame, width) == 80 &&
                    offsetof(olx_gpu_frame, height) == 84 && offsetof(olx_gpu_frame, flags) == 88 &&
                    offsetof(olx_gpu_frame, tracer) == 92 && offsetof(olx_gpu_frame, select) == 96 &&
                    offsetof(olx_gpu_frame, max_probes) == 100 && offsetof(olx_gpu_frame, glossy_samples) == 104 &&

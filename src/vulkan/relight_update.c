@@ -1,4 +1,5 @@
-// Maps that a relighter has changed, copied to a field on the device: whole irradiance maps, tiles and borders of light field maps.
+// Maps that a relighter has changed, copied to a field on the device: whole irradiance maps, tiles and borders of light
+// field maps.
 #include "core/hooks.h"
 #include "shade/relighter.h"
 #include "vulkan/gpu_field.h"
@@ -7,7 +8,8 @@ static const char WHAT[] = "updates of a field on the device";
 
 enum { MOST_IN_FLIGHT = 8, COPY_ALIGNMENT = 16, BATCH = 64, TEXEL_BYTES = 4 };
 
-// Everything that changes by itself is a unit: irradiance maps first, then for each light field probe its tiles and its border.
+// Everything that changes by itself is a unit: irradiance maps first, then for each light field probe its tiles and its
+// border.
 struct olx_vulkan_update {
   olx_vulkan_field *gpu;
   const olx_relight *relight;

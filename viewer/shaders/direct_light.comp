@@ -98,7 +98,8 @@ uint view_of(lamp l, vec3 point) {
 
 float read_map(uint view, vec2 uv, float depth) { return texture(shadow_maps, vec4(uv, float(view), depth)); }
 
-// The share of a lamp that a point sees. The point is moved off its surface by about a texel; lamps without width are filtered over 3 x 3.
+// The share of a lamp that a point sees. The point is moved off its surface by about a texel; lamps without width are
+// filtered over 3 x 3.
 float visible(lamp l, vec3 point, vec3 normal, vec3 to_lamp, float distance) {
   uint view = view_of(l, point);
   float texel = views[view].texel * (l.kind == LAMP_DISTANT ? 1.0 : distance);

@@ -1,4 +1,5 @@
-// What the passes that draw a scene share: its buffers and textures as viewer/scene_upload.c binds them, and where it is drawn.
+// What the passes that draw a scene share: its buffers and textures as viewer/scene_upload.c binds them, and where it
+// is drawn.
 #ifndef RASTER_SHARED_GLSL
 #define RASTER_SHARED_GLSL
 

@@ -1,5 +1,6 @@
 #version 460
-// Linear radiance to sRGB, as `octalux render` writes .png files: a shoulder above 0.6; pixels that are no number are magenta.
+// Linear radiance to sRGB, as `octalux render` writes .png files: a shoulder above 0.6; pixels that are no number are
+// magenta.
 
 layout(local_size_x = 8, local_size_y = 8) in;
 

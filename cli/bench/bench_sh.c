@@ -34,7 +34,7 @@ static const bench_column columns[] = {
     {"negative_share", "negative", BENCH_QUALITY, "%", "directions in which a probe by itself holds irradiance below 0"},
     {"undershoot_share", "undershoot", BENCH_QUALITY, "%", "the furthest below 0, over the most that this probe holds"},
     {"ms", "diffuse pass", BENCH_TIME, "ms", "processor time of a million pixels, one sample each"},
-    {"bake_s", "bake", BENCH_TIME, "s", "wall time on all processors"},
+    {"bake_s", "bake", BENCH_TIME, "s", "processor time"},
 };
 
 static const bench_plot plots[] = {

@@ -77,7 +77,8 @@ const experiment experiments[] = {
     {"sh", "McGuire et al. 2017, section 7", "irradiance as spherical harmonics of second and third order, beside octahedral maps",
      "The paper leaves harmonics to the future: less memory, but they ring, and more bytes are read. Distance moments stay "
      "octahedral here, because ringing there would leak, and are of one size for each group of three rows: what differs in it "
-     "is the form of irradiance alone. Bakes are the same but for the last step, which projects the fitted maps.",
+     "is the form of irradiance alone. Bakes are the same but for the last step, which projects the maps and fits the "
+     "harmonics to the same surfaces.",
      run_sh},
 };
 const uint32_t experiment_count = sizeof experiments / sizeof *experiments;

@@ -2,6 +2,7 @@
 
 #include "bake/border.h"
 #include "bake/gather_points.h"
+#include "bake/harmonics_fit.h"
 #include "core/hooks.h"
 #include "core/pack.h"
 #include "core/result.h"
@@ -270,35 +271,56 @@ static void final_job(void *user, uint32_t row) {
   olx_quadrature_irradiance(&gather->quadrature, cells_of(gather, gather->probe), n, row, gather->irradiance, n);
 }
 
-// One probe's final irradiance, as the file keeps it: at most a word a texel.
-static void pack_irradiance(const olx_gather *gather, uint32_t *packed) {
-  const uint32_t n = gather->quadrature.irradiance_size;
-  if (gather->form != OLX_IRRADIANCE_OCTAHEDRAL) {
-    olx_vec3 coefficients[OLX_HARMONICS_MOST];
-    olx_project(&gather->projection, gather->irradiance, coefficients);
-    olx_harmonics_pack(coefficients, gather->projection.bands, (uint16_t *)packed);
-    return;
+// One probe's final map, not corrected.
+static olx_result make_final(olx_gather *gather, uint32_t probe) {
+  gather->probe = probe;
+  const uint32_t rows = gather->quadrature.irradiance_size / OLX_BLOCK_ROWS;
+  return olx_parallel_for(rows, gather->threads, final_job, gather, gather->task, 0);
+}
+
+// All probes' final irradiance, projected, then fitted.
+static olx_result make_harmonics(olx_gather *gather) {
+  const uint32_t bands = gather->projection.bands, count = olx_harmonics_count(bands);
+  gather->harmonics = olx_allocate((size_t)gather->probe_count * count, sizeof *gather->harmonics);
+  if (!gather->harmonics) return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for spherical harmonics");
+  for (uint32_t probe = 0; probe < gather->probe_count; probe++) {
+    OLX_TRY(make_final(gather, probe));
+    olx_project(&gather->projection, gather->irradiance, gather->harmonics + (size_t)probe * count);
   }
-  for (uint32_t i = 0; i < n * n; i++) packed[i] = olx_r11g11b10f_pack(gather->irradiance[i]);
+  return gather->fit ? olx_harmonics_fit(gather->fit, bands, gather->harmonics, gather->probe_count) : OLX_OK;
+}
+
+// One probe's final irradiance, as the file keeps it: at most a word a texel.
+static olx_result pack_irradiance(olx_gather *gather, uint32_t probe, uint32_t *packed) {
+  const uint32_t n = gather->quadrature.irradiance_size, bands = gather->projection.bands;
+  if (gather->harmonics) {
+    const olx_vec3 *coefficients = gather->harmonics + (size_t)probe * olx_harmonics_count(bands);
+    olx_harmonics_pack(coefficients, bands, (uint16_t *)packed);
+    return OLX_OK;
+  }
+  OLX_TRY(make_final(gather, probe));
+  for (uint32_t i = 0; i < n * n; i++) {
+    const olx_vec3 exact = gather->irradiance[i];
+    packed[i] = olx_r11g11b10f_pack(gather->fit ? corrected(gather, probe, i % n, i / n, n, exact) : exact);
+  }
+  return OLX_OK;
 }
 
 olx_result olx_gather_write(olx_gather *gather, olx_field_writer *writer, double *write_seconds) {
   const uint32_t n = gather->quadrature.irradiance_size;
   const size_t texels = (size_t)n * n;
+  if (gather->form != OLX_IRRADIANCE_OCTAHEDRAL) OLX_TRY(make_harmonics(gather));
   uint32_t *packed = olx_allocate(2 * texels, sizeof *packed);
   if (!packed) return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for an irradiance map");
   olx_result result = OLX_OK;
   for (uint32_t probe = 0; probe < gather->probe_count && result == OLX_OK; probe++) {
-    gather->probe = probe;
-    result = olx_parallel_for(n / OLX_BLOCK_ROWS, gather->threads, final_job, gather, gather->task, 0);
+    result = pack_irradiance(gather, probe, packed);
     if (result != OLX_OK) break;
     const olx_vec2 *moments = gather->moments + probe * bordered(n) + n + 3;
     for (uint32_t i = 0; i < texels; i++) {
-      if (gather->fit) gather->irradiance[i] = corrected(gather, probe, i % n, i / n, n, gather->irradiance[i]);
       const olx_vec2 m = moments[i / n * (n + 2) + i % n];
       packed[texels + i] = olx_half_pack(m.x) | (uint32_t)olx_half_pack(m.y) << 16;
     }
-    pack_irradiance(gather, packed);
     const double start = olx_seconds();
     result = olx_field_writer_irradiance(writer, probe, gather->flags[probe], packed, packed + texels);
     *write_seconds += olx_seconds() - start;
@@ -362,6 +384,7 @@ void olx_gather_free(olx_gather *gather) {
   olx_release(gather->distances);
   olx_release(gather->moments);
   olx_release(gather->irradiance);
+  olx_release(gather->harmonics);
   for (uint32_t k = 0; k <= OLX_KEPT_BOUNCES; k++) olx_release(gather->maps[k]);
   *gather = (olx_gather){0};
 }

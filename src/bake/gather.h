@@ -33,6 +33,7 @@ typedef struct olx_gather {
   olx_surface_fit *fit; // NULL until the first olx_gather_fit
   olx_irradiance_form form; // of the file's irradiance: the caller's to set
   olx_projection projection; // where that is spherical harmonics
+  olx_vec3 *harmonics;       // and the coefficients of all probes, once they are made
   bool traces;          // bounces are gathered by rays: the caller's to set
   olx_traced_bounce traced;
 } olx_gather;

@@ -20,6 +20,7 @@ enum {
 typedef struct fit_point {
   olx_vec3 position, normal; // moved off the surface
   olx_vec3 direct;           // irradiance from surfaces that carry direct light alone
+  olx_vec3 measured;         // irradiance of the bounce that was fitted last
   olx_vec3 residual;         // measured less interpolated irradiance
   olx_irradiance_weights weights;
   olx_correction_cells cells; // around the normal
@@ -147,6 +148,7 @@ static void interpolate(const olx_surface_fit *fit, fit_point *point, olx_vec3 m
       sum = olx_madd(sum, texel[texels.index[i]], texels.weight[i] * point->weights.weight[k]);
     }
   }
+  point->measured = measured;
   point->residual = olx_sub(measured, sum);
 }
 
@@ -224,7 +226,8 @@ olx_result olx_surface_fit_create(const olx_surface_fit_input *input, const olx_
   fit->point_count = input->probe_count * POINTS_PER_PROBE;
   fit->points = olx_allocate(fit->point_count, sizeof *fit->points);
   fit->hits = olx_allocate((size_t)fit->point_count * RAYS_PER_POINT, sizeof *fit->hits);
-  const bool allocated = olx_corrections_allocate(&fit->corrections, input->probe_count);
+  const size_t unknowns = (size_t)input->probe_count * OLX_CORRECTION_CELLS;
+  const bool allocated = olx_corrections_allocate(&fit->corrections, unknowns);
   if (!fit->points || !fit->hits || !allocated) {
     return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for fitting %u irradiance probes", input->probe_count);
   }
@@ -251,6 +254,12 @@ olx_result olx_surface_fit_solve(olx_surface_fit *fit, const olx_irradiance_sour
 
 olx_vec3 olx_surface_fit_correction(const olx_surface_fit *fit, uint32_t probe, olx_vec2 uv) {
   return olx_correction_at(fit->corrections.solution + (size_t)probe * OLX_CORRECTION_CELLS, uv);
+}
+
+bool olx_surface_fit_measurement(const olx_surface_fit *fit, uint32_t index, olx_surface_measurement *measurement) {
+  const fit_point *point = &fit->points[index];
+  *measurement = (olx_surface_measurement){point->normal, point->measured, &point->weights};
+  return point->valid;
 }
 
 bool olx_surface_fit_point(const olx_surface_fit *fit, uint32_t index, olx_vec3 *position, olx_vec3 *normal,

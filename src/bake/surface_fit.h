@@ -42,6 +42,14 @@ enum { OLX_FIT_POINTS_PER_PROBE = 512, OLX_FIT_RAYS = 64 };
 bool olx_surface_fit_point(const olx_surface_fit *fit, uint32_t index, olx_vec3 *position, olx_vec3 *normal,
                            const olx_ray_hit **hits);
 
+// What the last olx_surface_fit_solve measured at the point of that index, and the probes that it is interpolated from; false
+// when there is none.
+typedef struct olx_surface_measurement {
+  olx_vec3 normal, irradiance;
+  const olx_irradiance_weights *weights;
+} olx_surface_measurement;
+bool olx_surface_fit_measurement(const olx_surface_fit *fit, uint32_t index, olx_surface_measurement *measurement);
+
 // The correction that was solved last, for a direction of a probe's map.
 olx_vec3 olx_surface_fit_correction(const olx_surface_fit *fit, uint32_t probe, olx_vec2 uv);
 

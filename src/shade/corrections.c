@@ -51,8 +51,7 @@ olx_vec3 olx_correction_at(const olx_vec3 *cells, olx_vec2 uv) {
   return sum;
 }
 
-bool olx_corrections_allocate(olx_corrections *c, uint32_t probe_count) {
-  const size_t unknowns = (size_t)probe_count * OLX_CORRECTION_CELLS;
+bool olx_corrections_allocate(olx_corrections *c, size_t unknowns) {
   *c = (olx_corrections){
       .unknowns = unknowns,
       .solution = olx_allocate_zero(unknowns, sizeof(olx_vec3)),

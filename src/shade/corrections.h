@@ -36,13 +36,13 @@ olx_vec3 olx_correction_at(const olx_vec3 *cells, olx_vec2 uv);
 // Conjugate gradients on the normal equations, each colour channel on its own. The caller fills `gradient` (the right side
 // less the product with `solution`), and before each step `product`, that with `direction`.
 typedef struct olx_corrections {
-  size_t unknowns; // OLX_CORRECTION_CELLS a probe
+  size_t unknowns; // OLX_CORRECTION_CELLS a probe where maps are corrected
   olx_vec3 *solution, *gradient, *direction, *product;
   double norm[3];
 } olx_corrections;
 
-// Memory for that many probes; solution is 0. False when there is none; olx_corrections_free then too.
-bool olx_corrections_allocate(olx_corrections *c, uint32_t probe_count);
+// Memory for that many unknowns; solution is 0. False when there is none; olx_corrections_free then too.
+bool olx_corrections_allocate(olx_corrections *c, size_t unknowns);
 void olx_corrections_free(olx_corrections *c);
 
 // Add to `product` what the penalties on size and on differences between neighbouring cells make of `x`; `strength` is the

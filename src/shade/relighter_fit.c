@@ -23,7 +23,7 @@ void olx_relit_fit_free(olx_relit_fit *fit) {
 
 static olx_result allocate(olx_relight *r, uint32_t count) {
   olx_relit_fit *f = &r->fit;
-  const bool allocated = olx_corrections_allocate(&f->corrections, r->counts[0]);
+  const bool allocated = olx_corrections_allocate(&f->corrections, (size_t)r->counts[0] * OLX_CORRECTION_CELLS);
   f->texels = olx_allocate(count, sizeof *f->texels);
   f->tap_starts = olx_allocate((size_t)count + 1, sizeof *f->tap_starts);
   f->tap_probes = olx_allocate((size_t)count * MOST_TAPS, sizeof *f->tap_probes);

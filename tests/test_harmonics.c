@@ -82,12 +82,14 @@ static void functions_are_orthogonal(void **state) {
     olx_harmonics_at(olx_texel_direction(t % n, t / n, n), values);
     for (uint32_t k = 0; k < OLX_HARMONICS_MOST * OLX_HARMONICS_MOST; k++) {
       product[k / OLX_HARMONICS_MOST][k % OLX_HARMONICS_MOST] += olx_texel_solid_angle(t % n, t / n, n) *
-          (double)values[k / OLX_HARMONICS_MOST] * (double)values[k % OLX_HARMONICS_MOST];
+                                                                 (double)values[k / OLX_HARMONICS_MOST] *
+                                                                 (double)values[k % OLX_HARMONICS_MOST];
     }
   }
   for (uint32_t i = 0; i < OLX_HARMONICS_MOST; i++) {
     for (uint32_t j = 0; j < OLX_HARMONICS_MOST; j++) {
-      assert_true(fabs(product[i][j] / (4.0 * 3.14159265358979) - (i == j ? (double)olx_harmonics_mean_square(i) : 0.0)) < 1e-3);
+      assert_true(fabs(product[i][j] / (4.0 * 3.14159265358979) -
+                       (i == j ? (double)olx_harmonics_mean_square(i) : 0.0)) < 1e-3);
     }
   }
 }
@@ -107,8 +109,8 @@ static void a_sun_rings(void **state) {
     assert_float_equal(found[1], kept + 5.0f / 32.0f * (3.0f * c * c - 1.0f), 1e-3f);
     for (uint32_t k = 0; k < 2; k++) least[k] = olx_min(least[k], found[k]);
   }
-  assert_float_equal(least[0], -0.25f, 5e-3f);        // away from the sun
-  assert_float_equal(least[1], -0.0396f, 2e-3f);      // a little beyond the terminator
+  assert_float_equal(least[0], -0.25f, 5e-3f);                                // away from the sun
+  assert_float_equal(least[1], -0.0396f, 2e-3f);                              // a little beyond the terminator
   assert_float_equal(evaluate(three, 3, olx_negate(axis())), 0.0625f, 1e-3f); // and light on the far side
 }
 
@@ -197,9 +199,12 @@ static void the_runtime_shows_no_negative_light(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(what_is_in_the_bands_is_exact),   cmocka_unit_test(functions_are_orthogonal),
-      cmocka_unit_test(a_sun_rings),                     cmocka_unit_test(a_constant_environment_is_pi_l),
-      cmocka_unit_test(packing_keeps_numbers_possible),  cmocka_unit_test(the_runtime_shows_no_negative_light),
+      cmocka_unit_test(what_is_in_the_bands_is_exact),
+      cmocka_unit_test(functions_are_orthogonal),
+      cmocka_unit_test(a_sun_rings),
+      cmocka_unit_test(a_constant_environment_is_pi_l),
+      cmocka_unit_test(packing_keeps_numbers_possible),
+      cmocka_unit_test(the_runtime_shows_no_negative_light),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -14,7 +14,7 @@ typedef struct sh_scene {
 } sh_scene;
 
 static const sh_scene scenes[] = {
-    {"builtin:cornell", NULL, NULL, {3, 3, 3}},         {"builtin:two-rooms-sealed", "lit", "dark", {4, 2, 2}},
+    {"builtin:cornell", NULL, NULL, {3, 3, 3}},        {"builtin:two-rooms-sealed", "lit", "dark", {4, 2, 2}},
     {"builtin:labyrinth", "chamber", NULL, {3, 2, 3}}, {"sponza", "aisle", NULL, {8, 2, 4}},
     {"living-room", "sofa", NULL, {4, 4, 4}},
 };
@@ -23,22 +23,30 @@ enum { SCENES = sizeof scenes / sizeof *scenes };
 static const bench_column columns[] = {
     {"scene", "scene", BENCH_NAME, NULL, NULL},
     {"irradiance", "irradiance", BENCH_NAME, NULL, NULL},
-    {"texels", "moments", BENCH_NAME, NULL, "texels of the maps of distance moments, and of irradiance where it has maps"},
+    {"texels", "moments", BENCH_NAME, NULL,
+     "texels of the maps of distance moments, and of irradiance where it has maps"},
     {"bytes", "irradiance a probe", BENCH_COUNT, "bytes", "as stored, borders included"},
     {"all_bytes", "with moments", BENCH_COUNT, "bytes", NULL},
     {"filtered", "filtered reads", BENCH_COUNT, NULL, "a pixel, of four texels each, from the eight probes of a cage"},
     {"words", "words", BENCH_COUNT, NULL, "of four bytes, read beside them"},
     {"read_bytes", "read", BENCH_COUNT, "bytes", "a pixel, in all"},
     QUALITY_COLUMNS,
-    {"dark_over_lit_share", "leak", BENCH_QUALITY, "%", "mean light of the room that gets none over that of the lit room"},
-    {"negative_share", "negative", BENCH_QUALITY, "%", "directions in which a probe by itself holds irradiance below 0"},
+    {"dark_over_lit_share", "leak", BENCH_QUALITY, "%",
+     "mean light of the room that gets none over that of the lit room"},
+    {"negative_share", "negative", BENCH_QUALITY, "%",
+     "directions in which a probe by itself holds irradiance below 0"},
     {"undershoot_share", "undershoot", BENCH_QUALITY, "%", "the furthest below 0, over the most that this probe holds"},
     {"ms", "diffuse pass", BENCH_TIME, "ms", "processor time of a million pixels, one sample each"},
     {"bake_s", "bake", BENCH_TIME, "s", "processor time"},
 };
 
 static const bench_plot plots[] = {
-    {.caption = "Error against memory", .x = "all_bytes", .y = "relative_mse", .series = "irradiance", .log_x = true, .log_y = true},
+    {.caption = "Error against memory",
+     .x = "all_bytes",
+     .y = "relative_mse",
+     .series = "irradiance",
+     .log_x = true,
+     .log_y = true},
     {.caption = "Error of the indirect light", .y = "relative_mse"},
 };
 
@@ -99,9 +107,10 @@ static olx_result add_row(const study *s, olx_irradiance_form form, const bench_
   snprintf(texels, sizeof texels, "%u\u00b2", info->irradiance_size);
   FINDINGS_ROW(&s->b->found, s->table, TEXT_CELL(bench_scene_title(s->wanted->name)), TEXT_CELL(form_names[form]),
                TEXT_CELL(texels), NUMBER_CELL(bytes), NUMBER_CELL(bytes + (double)info->moments_bytes / probes),
-               NUMBER_CELL(filtered), NUMBER_CELL(words), NUMBER_CELL(16.0 * filtered + 4.0 * words), QUALITY_CELLS(quality),
-               NUMBER_CELL(dark / quality.error.mean), NUMBER_CELL(rings.negative), NUMBER_CELL(rings.undershoot),
-               NUMBER_CELL(1e9 * images->stats.diffuse_seconds / samples), NUMBER_CELL(made->bake_seconds));
+               NUMBER_CELL(filtered), NUMBER_CELL(words), NUMBER_CELL(16.0 * filtered + 4.0 * words),
+               QUALITY_CELLS(quality), NUMBER_CELL(dark / quality.error.mean), NUMBER_CELL(rings.negative),
+               NUMBER_CELL(rings.undershoot), NUMBER_CELL(1e9 * images->stats.diffuse_seconds / samples),
+               NUMBER_CELL(made->bake_seconds));
   return OLX_OK;
 }
 
@@ -133,8 +142,8 @@ static olx_result run_scene(study *s) {
   bench_images images[MOST_WAYS] = {0};
   bench_shown shown[MOST_WAYS];
   char names[MOST_WAYS][32], view[96];
-  olx_result result = bench_reference(s->b, s->scene, s->cameras, s->camera_count, &settings, bench_bounces(s->b) + 1,
-                                      &s->reference);
+  olx_result result =
+      bench_reference(s->b, s->scene, s->cameras, s->camera_count, &settings, bench_bounces(s->b) + 1, &s->reference);
   for (uint32_t i = 0; i < count && result == OLX_OK; ++i) {
     const olx_irradiance_form form = (olx_irradiance_form)(i % FORMS);
     const uint32_t size = sizes[size_count - 1 - i / FORMS]; // the finest comes first, beside the reference

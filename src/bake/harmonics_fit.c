@@ -18,7 +18,8 @@ typedef struct harmonics_fit {
   olx_corrections corrections;
 } harmonics_fit;
 
-static olx_vec3 predict(const harmonics_fit *h, const olx_vec3 *x, const olx_irradiance_weights *w, const float *values) {
+static olx_vec3 predict(const harmonics_fit *h, const olx_vec3 *x, const olx_irradiance_weights *w,
+                        const float *values) {
   olx_vec3 sum = {0};
   for (uint32_t k = 0; k < w->count; k++) {
     const olx_vec3 *probe = x + (size_t)w->probe[k] * h->count;

@@ -24,7 +24,11 @@ static inline void olx_harmonics_at(olx_vec3 d, float values[OLX_HARMONICS_MOST]
 
 // The mean of a function's square over the sphere.
 static inline float olx_harmonics_mean_square(uint32_t index) {
-  return index == 0 ? 1.0f : index < 4 ? 1.0f / 3.0f : index == 6 ? 4.0f / 5.0f : index == 8 ? 4.0f / 15.0f : 1.0f / 15.0f;
+  return index == 0   ? 1.0f
+         : index < 4  ? 1.0f / 3.0f
+         : index == 6 ? 4.0f / 5.0f
+         : index == 8 ? 4.0f / 15.0f
+                      : 1.0f / 15.0f;
 }
 
 #endif

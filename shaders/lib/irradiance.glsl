@@ -10,7 +10,7 @@
 
 const float OLX_VARIANCE_FLOOR = 1e-3;  // half float moments do not know the variance better than this share of r^2
 const float OLX_CRUSH_BELOW = 0.2;      // weights below are pressed down by the square of their share of it
-const float OLX_BIAS_TEXELS = 1.0;      // how far off the surface visibility is tested
+const float OLX_BIAS_MAP_SIZE = 32.0;   // visibility is tested off the surface by the angle of such a map's texel
 const float OLX_TRUSTED_WEIGHT = 0.01;  // when a cage's weights sum to less, a probe from farther away fills the rest
 
 struct olx_surface_point {
@@ -39,8 +39,8 @@ float olx_chebyshev(uint probe, vec3 offset) {
 
 float olx_visibility(bool visibility, uint probe, vec3 from_probe, olx_surface_point p) {
   if (!visibility) return 1.0;
-  float texel = length(from_probe) * OLX_TEXEL_ANGLE / float(olx_field.irradiance_n);
-  from_probe += olx_normalize(p.normal + p.view) * (OLX_BIAS_TEXELS * texel);
+  float angle = OLX_TEXEL_ANGLE / min(float(olx_field.irradiance_n), OLX_BIAS_MAP_SIZE);
+  from_probe += olx_normalize(p.normal + p.view) * (length(from_probe) * angle);
   float bound = olx_chebyshev(probe, from_probe);
   return bound * bound * bound;
 }

@@ -222,9 +222,9 @@ static olx_result make_tiles(olx_quadrature *q) {
 olx_result olx_quadrature_create(uint32_t irradiance_size, olx_quadrature *q) {
   *q = (olx_quadrature){.irradiance_size = irradiance_size};
   q->cells = irradiance_size >= 64 ? 64 : 32;
-  q->distance_cells = irradiance_size > q->cells ? irradiance_size : q->cells;
+  q->distance_cells = OLX_MOMENTS_CELLS;
   q->sample_size = 4 * q->cells > 2 * irradiance_size ? 4 * q->cells : 2 * irradiance_size;
-  const float ratio = (float)irradiance_size / OLX_MOMENTS_REFERENCE_SIZE;
+  const float ratio = olx_min((float)irradiance_size / OLX_MOMENTS_FULL_SIZE, 1.0f);
   const float exponent = OLX_MOMENTS_EXPONENT * ratio * ratio;
   q->lobe_exponent = (uint32_t)(olx_max(exponent, OLX_MOMENTS_EXPONENT_LEAST) + 0.5f);
   const size_t samples = (size_t)q->sample_size * q->sample_size, cells = (size_t)q->cells * q->cells;

@@ -4,11 +4,13 @@
 
 #include "core/octahedral.h"
 
-// The exponent of the cosine-power lobe that filters distances, on maps of OLX_MOMENTS_REFERENCE_SIZE texels a side. It goes
-// with the square of the size, so that the lobe spans the same number of texels (a deviation of about 3.6).
-#define OLX_MOMENTS_EXPONENT 100
-#define OLX_MOMENTS_REFERENCE_SIZE 128
+// The exponent of the cosine-power lobe that filters distances (a deviation of 0.17, ten degrees). Visibility needs a width
+// in angle, so finer maps keep it. Maps of less than OLX_MOMENTS_FULL_SIZE texels a side cannot hold it: theirs goes down with
+// the number of texels.
+#define OLX_MOMENTS_EXPONENT 35
+#define OLX_MOMENTS_FULL_SIZE 32
 #define OLX_MOMENTS_EXPONENT_LEAST 4
+#define OLX_MOMENTS_CELLS 64 // of distance, along a side
 
 // What depends on sizes alone. A probe's directions lie in sample_size^2 texels, which are summed into cells^2 cells of
 // light and distance_cells^2 cells of distance.

@@ -6,8 +6,9 @@
 static const float VARIANCE_FLOOR = 1e-3f;
 // Weights below this are pressed down by the square of their share of it (after Majercik et al. 2019).
 static const float CRUSH_BELOW = 0.2f;
-// How far off the surface visibility is tested, in texels of the moments map at the probe's distance.
-static const float BIAS_TEXELS = 1.0f;
+// How far off the surface visibility is tested, as an angle seen from the probe: a texel of a map of this size, two thirds of
+// the deviation of the filter on distances (bake/quadrature.h), or of the map where that is coarser.
+static const float BIAS_MAP_SIZE = 32.0f;
 // When the weights of a cage sum to less than this, a probe from farther away fills the rest.
 static const float TRUSTED_WEIGHT = 0.01f;
 
@@ -76,8 +77,8 @@ static float visibility(const olx_irradiance_source *s, uint32_t terms, uint32_t
                         const surface_point *p) {
   if (!(terms & OLX_WEIGHT_CHEBYSHEV)) return 1.0f;
   if (terms & OLX_WEIGHT_BIAS) {
-    const float texel = olx_length(from_probe) * 3.5449077f / (float)s->moments_n; // sqrt(4 pi / n^2)
-    from_probe = olx_madd(from_probe, olx_normalize(olx_add(p->normal, p->view)), BIAS_TEXELS * texel);
+    const float angle = 3.5449077f / olx_min((float)s->moments_n, BIAS_MAP_SIZE); // sqrt(4 pi / n^2)
+    from_probe = olx_madd(from_probe, olx_normalize(olx_add(p->normal, p->view)), olx_length(from_probe) * angle);
   }
   const float bound = chebyshev(s, probe, from_probe);
   return terms & OLX_WEIGHT_SHARPEN ? bound * bound * bound : bound;

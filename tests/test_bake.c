@@ -1,5 +1,6 @@
 // Baking, against scenes whose light is known: spheres and boxes that return what they get, mirrors, skies; and the file,
 // which is whole or untouched whatever happens, and the same for any number of threads.
+#include "bake/quadrature.h"
 #include "core/hooks.h"
 #include "core/pack.h"
 #include "core/sampling.h"
@@ -339,7 +340,7 @@ static void distances_are_those_of_the_box(void **state) {
     assert_float_equal(olx_dot(n, hit), -2.0f, 2e-3f);
   }
   // Straight at a wall the lobe sees r / cos; its mean over cos^e is r (e + 1) / e, that of the square r^2 (e + 1) / (e - 1).
-  const float e = 100.0f, r = 2.0f - 0.9f;
+  const float e = OLX_MOMENTS_EXPONENT, r = 2.0f - 0.9f;
   const size_t centre = texel_at(field->irradiance_stride, 64, 127); // towards +z, where v = 1
   const uint32_t packed = field->moments[centre];
   assert_float_equal(olx_half_unpack((uint16_t)packed) * scale, r * (e + 1.0f) / e, 0.005f * r);

@@ -39,12 +39,14 @@ for name in cornell temple sponza white-room kitchen small-house pandora; do
   echo "$name: fine"
 done
 
-# Held-out rays of the program, and the check's own.
+# Held-out rays of the program, and the check's own. Twenty seconds on two processors are told by processor time, which other
+# tests beside this one do not lengthen as they do the clock's.
 scene=$OCTALUX_SOURCE_DIR/scenes/sponza.json
 "$OCTALUX" scene "$scene" >/dev/null 2>&1 || { echo "no sponza in $OCTALUX_SCENES"; exit 77; }
 while read -r share options; do
-  "$OCTALUX" place "$scene" -o "$work/probes.json" $options --json 2>/dev/null |
-    holds "coverage >= $share and count <= 96 and seconds / max(1.0, os.getloadavg()[0] / os.cpu_count()) <= 20"
+  TIMEFORMAT=%U
+  { time "$OCTALUX" place "$scene" -o "$work/probes.json" $options --json >"$work/report.json" 2>/dev/null; } 2>"$work/processor"
+  holds "coverage >= $share and count <= 96 and $(cat "$work/processor") / 2 <= 20" <"$work/report.json"
   "$check" "$scene" "$work/probes.json" 400000 2>/dev/null | holds "covered >= $share - 0.0003"
   echo "sponza: $options covers $share"
 done <<'COUNTS'

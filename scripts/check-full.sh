@@ -11,7 +11,7 @@ step "build: gcc, release" configure_and_build release &&
 step "build: clang, release" configure_and_build release-clang &&
   tests release-clang "tests: clang, release" -L check -LE once
 step "build: address and undefined sanitizers" configure_and_build asan &&
-  tests asan "tests: address and undefined sanitizers" -L 'check|fuzz_full' -LE once
+  tests asan "tests: address and undefined sanitizers" -L 'check|full_sanitized' -LE once
 step "build: thread sanitizer" configure_and_build tsan &&
   tests tsan "tests: thread sanitizer" -L threads
 finish

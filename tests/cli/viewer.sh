@@ -1,0 +1,41 @@
+# Sourced by tests of the viewer: a field, pictures to be judged, calls of Vulkan that fail. A display of its own is used, never the
+# user's.
+source "$(dirname "${BASH_SOURCE[0]}")/expect.sh"
+unset DISPLAY WAYLAND_DISPLAY
+[ -x "$(dirname "$OCTALUX")/octalux-view" ] || { echo "this build has no viewer"; exit 77; }
+
+program=$OCTALUX
+# Under the address sanitizer the drivers are kept loaded, so that a leak report can name what they keep (leaks.supp).
+if ldd "$OCTALUX" | grep -q libasan; then
+  printf '#!/bin/sh\nexec env LD_PRELOAD="%s" ASAN_OPTIONS="%s:verify_asan_link_order=0" "%s" "$@"\n' \
+    "$OCTALUX_FAULT_LAYER/libkeep_drivers.so" "${ASAN_OPTIONS:-}" "$OCTALUX" >kept
+  chmod +x kept
+  OCTALUX=$folder/kept
+fi
+
+"$OCTALUX" bake builtin:cornell-glossy -o cornell.olx --radiance-size 64 --irradiance-size 16 --bounces 1 --select cage,bricks \
+  >stdout.txt 2>stderr.txt
+view=(view builtin:cornell-glossy --field cornell.olx --size 96x80)
+
+# check EXPRESSION FILE...: true of these pictures.
+check() { python3 "$OCTALUX_SOURCE_DIR/tests/read_png.py" "$@" || fail "pictures: $*"; }
+
+# fault CALL:NUMBER:RESULT ...: run with that call of Vulkan failing.
+fault() {
+  local wish=$1
+  shift
+  FAULT=$wish VK_LAYER_PATH=$OCTALUX_FAULT_LAYER VK_INSTANCE_LAYERS=VK_LAYER_OCTALUX_fault "$@"
+}
+lost=-4 out_of_memory=-2 out_of_date=-1000001004 surface_lost=-1000000000
+
+# A display of its own, or an end of the test where there is no Xvfb.
+start_display() {
+  command -v Xvfb >/dev/null || { echo "no Xvfb here: windows are not tested"; finish; }
+  Xvfb -displayfd 3 -screen 0 640x480x24 -nolisten tcp 3>display.txt 2>xvfb.txt &
+  server=$!
+  trap 'kill $server 2>/dev/null; wait $server 2>/dev/null; rm -rf "$folder"' EXIT
+  for _ in $(seq 100); do [ -s display.txt ] && break; sleep 0.1; done
+  [ -s display.txt ] || { fail "Xvfb does not start"; cat xvfb.txt; finish; }
+  DISPLAY=:$(cat display.txt)
+  export DISPLAY
+}

@@ -26,6 +26,18 @@ void put_axis(olx_image_axis a) { put(a.begin), put(a.travel), put(a.step), put(
 
 void put_answer(olx_probe_answer a) { put(a.status), put_texel(a.texel), put(a.steps), put(a.t), put(a.gap); }
 
+void put_stand(olx_stand at) { put(at.at), put(at.level); }
+
+// What a march over a whole ray found.
+void put_verdict(int verdict, olx_probe_answer answer) {
+  answer.status = verdict == OLX_VERDICT_CLEAR ? OLX_TRACE_MISS
+                  : verdict == OLX_VERDICT_HIT ? OLX_TRACE_HIT
+                                               : OLX_TRACE_UNKNOWN;
+  answer.steps = march.steps;
+  put(answer.status), put(answer.steps);
+  if (verdict != OLX_VERDICT_CLEAR) put_answer(answer);
+}
+
 // Start from an answer that nothing has written yet.
 olx_probe_answer blank() { return olx_probe_answer(OLX_TRACE_MISS, 0.0, ivec2(-1), 0.0, 0u); }
 
@@ -35,7 +47,8 @@ void march_rows() {
   vec2 ahead = olx_crossings_ahead(piece, cell.at, 0), image = vec2(0.0);
   float t1 = olx_parameter_at(piece, min(ahead.x, ahead.y));
   float far_squared = olx_farthest_squared(march, cell.t, t1);
-  olx_stand at = olx_stand(cell.at >> OLX_PYRAMID_FINEST, 0, -1.0, cell.t, false);
+  olx_stand at;
+  float stored;
   olx_piece_end end = olx_end_at(march, piece.sign, ray.t_min + 0.3 * random.x);
   olx_probe_answer answer = blank();
   bool b;
@@ -73,12 +86,6 @@ void march_rows() {
   case ROW_olx_march_two_level:
     put(olx_march_two_level(march, piece, answer)), put_answer(answer), put(march.steps);
     break;
-  case ROW_olx_leave:
-    olx_leave(at, at.at + ivec2(bits.xy % 5u) - 2, random.x, t1, b = true), put(at.at), put(at.level);
-    break;
-  case ROW_olx_march_node: put(olx_march_node(march, piece, at, 0.04, answer)), put_answer(answer), put(at.at); break;
-  case ROW_olx_visit_first: put(olx_visit_first(march, piece, answer)), put_answer(answer); break;
-  case ROW_olx_march_hiz: put(olx_march_hiz(march, piece, answer)), put_answer(answer), put(march.steps); break;
   case ROW_olx_march_piece: put(olx_march_piece(march, piece, settings.tracer, answer)), put_answer(answer); break;
   case ROW_olx_end_at: put(end.image), put(end.inverse), put(end.centre); break;
   case ROW_olx_make_axis: put_axis(olx_make_axis(point.x * 8.0, point.y * 8.0, view.x, n)); break;
@@ -88,6 +95,23 @@ void march_rows() {
     put_axis(piece.u), put_axis(piece.v), put(piece.near), put(piece.slope), put(piece.rise);
     break;
   case ROW_olx_next_cut: put(olx_next_cut(planes, ray.t_min, ray.t_max)); break;
+  case ROW_olx_begin_stand: at = olx_begin_stand(march, piece), put(at.at), put(at.t); break;
+  case ROW_olx_enter:
+    at = olx_stand(ivec2(0), int(bits.x % 3u), random.x, 0.0, (bits.y & 1u) != 0u, 0.0, false, false);
+    olx_enter(piece, at), put(at.at);
+    break;
+  case ROW_olx_leave:
+    at = olx_stand(cell.at, -1, 0.0, 0.0, true, 0.0, false, false);
+    olx_leave(at, at.at + ivec2(bits.xy % 33u) - 16, 0.0, 0.0, true), put_stand(at);
+    at.level = int(bits.z % olx_field.pyramid_levels), at.at = texel >> olx_pyramid_shift(at.level);
+    olx_leave(at, at.at + ivec2(bits.xy % 5u) - 2, 0.0, 0.0, true), put_stand(at);
+    break;
+  case ROW_olx_find_texel:
+    at = olx_begin_stand(march, piece), put(b = olx_find_texel(march, piece, at, stored));
+    if (b) put(at.at), put(at.t), put(stored);
+    break;
+  case ROW_olx_march_hiz: put_verdict(olx_march_hiz(march, planes, answer), answer); break;
+  case ROW_olx_march_pieces: put_verdict(olx_march_pieces(march, planes, settings.tracer, answer), answer); break;
   case ROW_olx_begin_march: put(march.closest), put(march.miss_squared), put(march.least); break;
   case ROW_olx_trace_probe: put_answer(olx_trace_probe(probe, ray, settings.tracer)); break;
   }

@@ -46,9 +46,60 @@ static float cell_exit(const march_state *e) {
   return olx_parameter_at(&e->piece, olx_min(ahead_of(e).x, ahead_of(e).y));
 }
 static float cell_far_squared(const march_state *e) { return olx_farthest_squared(&e->march, e->cell.t, cell_exit(e)); }
-static stand first_node(const march_state *e) {
-  return (stand){
-      .x = e->cell.x >> OLX_PYRAMID_FINEST, .y = e->cell.y >> OLX_PYRAMID_FINEST, .s = -1.0f, .t = e->cell.t};
+
+static olx_tracer plain_tracer(const parity_state *s) {
+  return s->settings.tracer == OLX_TRACER_TEXEL ? OLX_TRACER_TEXEL : OLX_TRACER_TWO_LEVEL;
+}
+
+// In GLSL texels are nodes of level -1, and the texel in which a ray begins that was handed on comes first.
+static stand begin_stand(const march_state *e) {
+  const bool first_piece = e->piece.t_begin <= e->ray.t_min, first = first_piece && e->piece.t_begin > 0.0f;
+  const uint32_t level = first_piece ? 0 : e->march.field->pyramid.levels - 1;
+  const uint32_t shift = first ? 0 : olx_pyramid_shift(level);
+  return (stand){.x = e->cell.x >> shift, .y = e->cell.y >> shift, .t = e->cell.t};
+}
+
+static void put_stand(parity_result *r, stand at) {
+  put_i(r, at.x);
+  put_i(r, at.y);
+  put_i(r, (int32_t)at.level);
+}
+
+// Out of a texel: within its node of level 0, or out of that.
+static stand left_texel(const olx_march *m, int32_t x, int32_t y, int32_t next_x, int32_t next_y) {
+  const uint32_t shift = OLX_PYRAMID_FINEST;
+  stand at = {.x = x >> shift, .y = y >> shift};
+  if (at.x == next_x >> shift && at.y == next_y >> shift) return (stand){.x = next_x, .y = next_y, .level = UINT32_MAX};
+  leave(m, &at, next_x >> shift, next_y >> shift, 0.0f, 0.0f, true);
+  return at;
+}
+
+static stand left_node(const olx_march *m, const parity_state *s) {
+  const uint32_t level = s->bits[2] % m->field->pyramid.levels;
+  stand at = {.x = (int32_t)s->x >> olx_pyramid_shift(level), .y = (int32_t)s->y >> olx_pyramid_shift(level), .level = level};
+  leave(m, &at, at.x + (int32_t)(s->bits[0] % 5u) - 2, at.y + (int32_t)(s->bits[1] % 5u) - 2, 0.0f, 0.0f, true);
+  return at;
+}
+
+// The first texel of a piece whose stored distance the ray reaches, without a pyramid.
+static bool find_texel(const march_state *e, olx_cell *c, float *stored) {
+  for (;;) {
+    const olx_vec2 s = olx_crossings_ahead(&e->piece, c->x, c->y, 0);
+    const float s1 = olx_min(s.x, s.y), t1 = olx_parameter_at(&e->piece, s1);
+    const olx_field *f = e->march.field;
+    *stored = olx_texel_distance(f, e->march.probe, olx_map_index(f->stride, c->x, c->y));
+    if (olx_farthest_squared(&e->march, c->t, t1) >= *stored * *stored && *stored < INFINITY) return true;
+    if (s1 >= 1.0f) return false;
+    *c = olx_next_cell(&e->piece, *c, s, t1);
+  }
+}
+
+// Texel and gap of an answer, for rays that meet something.
+static void put_answer_of_ray(parity_result *r, const olx_probe_answer *a) {
+  put_u(r, a->status);
+  put_u(r, a->steps);
+  if (a->status == OLX_TRACE_MISS) return;
+  put_answer(r, a);
 }
 
 // clang-format off
@@ -97,17 +148,7 @@ MARCH_ROW(march_texels, olx_probe_answer a = {0}; put_u(r, olx_march_texels(&e->
 MARCH_ROW(march_two_level, olx_probe_answer a = {0}; put_u(r, olx_march_two_level(&e->march, &e->piece, &a));
     put_answer(r, &a);
     put_u(r, e->march.steps);)
-MARCH_ROW(leave, stand at = first_node(e); const int32_t x = at.x + (int32_t)(s->bits[0] % 5u) - 2;
-    const int32_t y = at.y + (int32_t)(s->bits[1] % 5u) - 2;
-    leave(&e->march, &at, x, y, s->random[0], cell_exit(e), true);
-    put_i(r, at.x); put_i(r, at.y); put_u(r, at.level);)
-MARCH_ROW(march_node, olx_probe_answer a = {0}; stand at = first_node(e);
-    put_u(r, march_node(&e->march, &e->piece, &at, 0.04f, &a)); put_answer(r, &a); put_i(r, at.x); put_i(r, at.y);)
-MARCH_ROW(visit_first, olx_probe_answer a = {0}; put_u(r, olx_visit_first(&e->march, &e->piece, &a));
-    put_answer(r, &a);)
-MARCH_ROW(march_hiz, olx_probe_answer a = {0}; put_u(r, olx_march_hiz(&e->march, &e->piece, &a)); put_answer(r, &a);
-    put_u(r, e->march.steps);)
-MARCH_ROW(march_piece, olx_probe_answer a = {0}; put_u(r, march_piece(&e->march, &e->piece, s->settings.tracer, &a));
+MARCH_ROW(march_piece, olx_probe_answer a = {0}; put_u(r, march_piece(&e->march, &e->piece, plain_tracer(s), &a));
     put_answer(r, &a);)
 MARCH_ROW(end_at, const piece_end end = end_at(&e->march, &e->piece, e->ray.t_min + 0.3f * s->random[0]);
     put_f(r, end.u);
@@ -119,6 +160,20 @@ MARCH_ROW(make_piece, put_axis(r, e->piece.u); put_axis(r, e->piece.v); put_f(r,
     put_f(r, e->piece.slope);
     put_f(r, e->piece.rise);)
 MARCH_ROW(next_cut, put_f(r, next_cut(e->planes, e->ray.t_min, e->ray.t_max));)
+MARCH_ROW(begin_stand, const stand at = begin_stand(e); put_i(r, at.x); put_i(r, at.y); put_f(r, at.t);)
+MARCH_ROW(enter, const int32_t level = (int32_t)(s->bits[0] % 3u) - 1, shift = OLX_PYRAMID_STEP * (level + 1);
+    put_i(r, olx_texel_at(&e->piece.u, s->random[0], true) >> shift);
+    put_i(r, olx_texel_at(&e->piece.v, s->random[0], (s->bits[1] & 1u) != 0) >> shift);)
+MARCH_ROW(leave, const int32_t x = e->cell.x + (int32_t)(s->bits[0] % 33u) - 16;
+    const int32_t y = e->cell.y + (int32_t)(s->bits[1] % 33u) - 16;
+    put_stand(r, left_texel(&e->march, e->cell.x, e->cell.y, x, y)); put_stand(r, left_node(&e->march, s)); )
+MARCH_ROW(find_texel, float stored = INFINITY; olx_cell c = e->cell; const bool found = find_texel(e, &c, &stored);
+    put_u(r, found);
+    if (found) put_i(r, c.x), put_i(r, c.y), put_f(r, c.t), put_f(r, stored);)
+MARCH_ROW(march_hiz, const olx_probe_answer a = olx_trace_probe(s->field, s->probe, &e->ray, OLX_TRACER_HIZ);
+    put_answer_of_ray(r, &a);)
+MARCH_ROW(march_pieces, const olx_probe_answer a = olx_trace_probe(s->field, s->probe, &e->ray, plain_tracer(s));
+    put_answer_of_ray(r, &a);)
 MARCH_ROW(begin_march, put_f(r, e->march.closest); put_f(r, e->march.miss_squared);
     put_u(r, s->field->pyramid.least_nodes * s->probe);)
 MARCH_ROW(trace_probe, const olx_probe_answer a = olx_trace_probe(s->field, s->probe, &e->ray, s->settings.tracer);
@@ -148,10 +203,6 @@ static const parity_row ROWS[] = {
     PARITY(crossings_ahead, 1e-5f, 1e-3),
     PARITY(march_texels, 1e-5f, 1e-3),
     PARITY(march_two_level, 1e-5f, 1e-3),
-    PARITY(leave, 1e-5f, 1e-3),
-    PARITY(march_node, 1e-5f, 1e-3),
-    PARITY(visit_first, 1e-5f, 1e-3),
-    PARITY(march_hiz, 1e-5f, 1e-3),
     PARITY(march_piece, 1e-5f, 1e-3),
     PARITY(end_at, 1e-5f, 1e-3),
     PARITY(make_axis, 1e-5f, 1e-3),
@@ -159,6 +210,12 @@ static const parity_row ROWS[] = {
     PARITY(sign_after, 1e-5f, 1e-3),
     PARITY(make_piece, 1e-5f, 1e-3),
     PARITY(next_cut, 1e-5f, 1e-3),
+    PARITY(begin_stand, 1e-5f, 1e-3),
+    PARITY(enter, 1e-5f, 1e-3),
+    PARITY(leave, 1e-5f, 1e-3),
+    PARITY(find_texel, 1e-5f, 1e-3),
+    PARITY(march_hiz, 1e-5f, 1e-3),
+    PARITY(march_pieces, 1e-5f, 1e-3),
     PARITY(begin_march, 1e-5f, 1e-3),
     PARITY(trace_probe, 1e-5f, 1e-3),
 };

@@ -319,84 +319,10 @@ int olx_march_two_level(inout olx_march m, olx_piece p, inout olx_probe_answer a
   }
 }
 
-// The node in which the march stands, and where it entered it.
-struct olx_stand {
-  ivec2 at;
-  int level;
-  float s, t;
-  // Across a line of v: with it every line of both axes up to s is passed, else those of v at s itself are not.
-  bool by_v;
-};
-
-// Steps over the line ahead that comes first, and up a level where that left the parent as well.
-void olx_leave(inout olx_stand at, ivec2 next, float s, float t, bool by_v) {
-  ivec2 left_parent = (next ^ at.at) >> OLX_PYRAMID_STEP;
-  bool up = (left_parent.x | left_parent.y) != 0 && uint(at.level + 1) < olx_field.pyramid_levels;
-  at = olx_stand(up ? next >> OLX_PYRAMID_STEP : next, up ? at.level + 1 : at.level, s, t, by_v);
-}
-
-// The texels of a node of level 0 from the one on in which the march stands. The ray is in front of those that it
-// passes nearer than the node's smallest distance, so they are not read.
-int olx_march_node(inout olx_march m, olx_piece p, inout olx_stand at, float least_squared,
-                   inout olx_probe_answer answer) {
-  olx_cell c = olx_cell(ivec2(olx_texel_at(p.u, at.s, true), olx_texel_at(p.v, at.s, at.by_v)), at.t);
-  for (;;) {
-    vec2 s = olx_crossings_ahead(p, c.at, 0);
-    float s1 = min(s.x, s.y), t1 = olx_parameter_at(p, s1);
-    float far_squared = olx_farthest_squared(m, c.t, t1);
-    if (!(far_squared < least_squared)) {
-      int verdict = olx_visit_texel(m, p, c, t1, far_squared, answer);
-      if (verdict != OLX_VERDICT_CLEAR) return verdict;
-    }
-    at.s = s1;
-    if (s1 >= 1.0) return OLX_VERDICT_CLEAR;
-    c = olx_next_cell(p, c, s, t1);
-    if (c.at >> OLX_PYRAMID_FINEST == at.at) continue;
-    olx_leave(at, c.at >> OLX_PYRAMID_FINEST, s1, t1, s.x > s.y);
-    return OLX_VERDICT_CLEAR;
-  }
-}
-
-// Whether the texel in which a ray begins that another probe has handed on hides it, as it often does.
-int olx_visit_first(inout olx_march m, olx_piece p, inout olx_probe_answer answer) {
-  olx_cell c = olx_cell(ivec2(p.u.first, p.v.first), p.t_begin);
-  vec2 s = olx_crossings_ahead(p, c.at, 0);
-  float t1 = olx_parameter_at(p, min(s.x, s.y));
-  return olx_visit_texel(m, p, c, t1, olx_farthest_squared(m, c.t, t1), answer);
-}
-
-// Down and up the whole pyramid.
-int olx_march_hiz(inout olx_march m, olx_piece p, inout olx_probe_answer answer) {
-  bool first_piece = p.t_begin <= m.ray.t_min;
-  if (first_piece && p.t_begin > 0.0) {
-    int verdict = olx_visit_first(m, p, answer);
-    if (verdict != OLX_VERDICT_CLEAR) return verdict;
-  }
-  // A ray begins at a surface, where only small nodes are clear, and enters other faces in the open.
-  int level = first_piece ? 0 : int(olx_field.pyramid_levels) - 1;
-  olx_stand at = olx_stand(ivec2(p.u.first, p.v.first) >> olx_pyramid_shift(level), level, -1.0, p.t_begin, false);
-  for (;;) {
-    vec2 s = olx_crossings_ahead(p, at.at, olx_pyramid_shift(at.level));
-    float s1 = min(s.x, s.y), t1 = olx_parameter_at(p, s1);
-    float least_squared = olx_least_squared(m, at.level, at.at);
-    if (olx_reach_squared(m, p, at.t, t1) < least_squared) {
-      if (s1 >= 1.0) return OLX_VERDICT_CLEAR;
-      bool by_v = s.x > s.y;
-      olx_leave(at, at.at + (by_v ? ivec2(0, p.v.step) : ivec2(p.u.step, 0)), s1, t1, by_v);
-    } else if (at.level > 0) {
-      at.level--;
-      at.at = ivec2(olx_texel_at(p.u, at.s, true), olx_texel_at(p.v, at.s, at.by_v)) >> olx_pyramid_shift(at.level);
-    } else {
-      int verdict = olx_march_node(m, p, at, least_squared, answer);
-      if (verdict != OLX_VERDICT_CLEAR || at.s >= 1.0) return verdict;
-    }
-  }
-}
-
+// Every texel or every block, face after face.
 int olx_march_piece(inout olx_march m, olx_piece p, uint tracer, inout olx_probe_answer answer) {
   if (tracer == OLX_TRACER_TEXEL) return olx_march_texels(m, p, answer);
-  if (tracer == OLX_TRACER_TWO_LEVEL) return olx_march_two_level(m, p, answer);
-  return olx_march_hiz(m, p, answer);
+  return olx_march_two_level(m, p, answer);
 }
 
 // One end of a piece.
@@ -476,6 +402,112 @@ float olx_next_cut(vec3 planes, float t, float t_max) {
   return next;
 }
 
+// The node in which the march down and up the pyramid stands, and where it entered it. Texels are nodes of level -1.
+struct olx_stand {
+  ivec2 at;
+  int level;
+  float s, t;
+  // Across a line of v: with it every line of both axes up to s is passed, else those of v at s itself are not.
+  bool by_v;
+  float least_squared; // of the node of level 0 around a texel: texels that the ray passes nearer are not read
+  bool first;          // a texel that is read before anything else
+  bool judged;         // a texel whose surfel is clear
+};
+
+// Where the march over a piece begins: at a surface, where only small nodes are clear, and on further faces in the
+// open. The texel in which a ray begins that another probe has handed on often hides it, and comes first.
+olx_stand olx_begin_stand(olx_march m, olx_piece p) {
+  bool first_piece = p.t_begin <= m.ray.t_min, first = first_piece && p.t_begin > 0.0;
+  int level = first ? -1 : first_piece ? 0 : int(olx_field.pyramid_levels) - 1;
+  ivec2 texel = ivec2(p.u.first, p.v.first);
+  return olx_stand(texel >> olx_pyramid_shift(level), level, -1.0, p.t_begin, false, 0.0, first, false);
+}
+
+// Into the node below in which the march stands.
+void olx_enter(olx_piece p, inout olx_stand at) {
+  at.level--;
+  at.at = ivec2(olx_texel_at(p.u, at.s, true), olx_texel_at(p.v, at.s, at.by_v)) >> olx_pyramid_shift(at.level);
+}
+
+// Steps over the line ahead that comes first, and up a level where that left the parent as well; out of a texel and the
+// node around it two.
+void olx_leave(inout olx_stand at, ivec2 next, float s, float t, bool by_v) {
+  ivec2 sides = next ^ at.at;
+  int left = (sides.x | sides.y) >> OLX_PYRAMID_STEP, highest = int(olx_field.pyramid_levels) - 1;
+  int up = left == 0 ? 0 : at.level < 0 && left >> OLX_PYRAMID_STEP != 0 ? 2 : 1;
+  up = min(up, highest - at.level);
+  at = olx_stand(next >> OLX_PYRAMID_STEP * up, at.level + up, s, t, by_v, at.least_squared, false, false);
+}
+
+// On to the texel whose stored distance the ray reaches next. Nodes and texels take turns in one loop, and no surfel is
+// judged in it, so that rays side by side wait little for each other. False at the end of the piece.
+bool olx_find_texel(inout olx_march m, olx_piece p, inout olx_stand at, out float stored) {
+  stored = OLX_INFINITY;
+  for (;;) {
+    vec2 s = olx_crossings_ahead(p, at.at, olx_pyramid_shift(at.level));
+    float s1 = min(s.x, s.y), t1 = olx_parameter_at(p, s1);
+    bool enter = false;
+    if (at.level >= 0) {
+      at.least_squared = olx_least_squared(m, at.level, at.at);
+      enter = !(olx_reach_squared(m, p, at.t, t1) < at.least_squared);
+    } else if (!at.judged) {
+      float far_squared = olx_farthest_squared(m, at.t, t1);
+      if (!(far_squared < at.least_squared)) {
+        m.steps++;
+        stored = olx_texel_distance(m.map, at.at);
+        precise float stored_squared = stored * stored;
+        if (!(far_squared < stored_squared || stored >= OLX_INFINITY)) return true;
+      }
+    }
+    if (enter) {
+      olx_enter(p, at);
+    } else if (at.first) {
+      at = olx_stand(at.at >> OLX_PYRAMID_FINEST, 0, -1.0, p.t_begin, false, 0.0, false, false);
+    } else if (s1 >= 1.0) {
+      return false;
+    } else {
+      bool by_v = s.x > s.y;
+      olx_leave(at, at.at + (by_v ? ivec2(0, p.v.step) : ivec2(p.u.step, 0)), s1, t1, by_v);
+    }
+  }
+}
+
+// Down and up the whole pyramid, along all pieces of a ray. A ray that has come to the next face and one that has a
+// surfel to judge do so in the same turn.
+int olx_march_hiz(inout olx_march m, vec3 planes, inout olx_probe_answer answer) {
+  olx_piece p;
+  olx_stand at;
+  bool found = false;
+  for (float t = m.ray.t_min;;) {
+    if (!found) {
+      if (!(t < m.ray.t_max)) return OLX_VERDICT_CLEAR;
+      float t_end = olx_next_cut(planes, t, m.ray.t_max);
+      p = olx_make_piece(m, planes, t, t_end);
+      at = olx_begin_stand(m, p);
+      t = t_end;
+    }
+    float stored;
+    found = olx_find_texel(m, p, at, stored);
+    if (!found) continue;
+    vec2 s = olx_crossings_ahead(p, at.at, 0);
+    float t1 = olx_parameter_at(p, min(s.x, s.y));
+    int verdict = olx_judge_surfel(m, p, olx_cell(at.at, at.t), t1, stored, answer);
+    if (verdict != OLX_VERDICT_CLEAR) return verdict;
+    at.judged = true;
+  }
+}
+
+// Face after face by the plain tracers.
+int olx_march_pieces(inout olx_march m, vec3 planes, uint tracer, inout olx_probe_answer answer) {
+  for (float t = m.ray.t_min; t < m.ray.t_max;) {
+    float t_end = olx_next_cut(planes, t, m.ray.t_max);
+    int verdict = olx_march_piece(m, olx_make_piece(m, planes, t, t_end), tracer, answer);
+    if (verdict != OLX_VERDICT_CLEAR) return verdict;
+    t = t_end;
+  }
+  return OLX_VERDICT_CLEAR;
+}
+
 // What is fixed for the march of a ray through a probe's map.
 olx_march olx_begin_march(uint probe, olx_probe_ray ray) {
   olx_march m;
@@ -495,21 +527,16 @@ olx_probe_answer olx_trace_probe(uint probe, olx_probe_ray ray, uint tracer) {
   vec3 planes = vec3(olx_plane_at(ray.origin.x, ray.direction.x), olx_plane_at(ray.origin.y, ray.direction.y),
                      olx_plane_at(ray.origin.z, ray.direction.z));
   olx_probe_answer answer = olx_probe_answer(OLX_TRACE_MISS, ray.t_max, ivec2(0), 0.0, 0u);
-  for (float t = ray.t_min; t < ray.t_max;) {
-    float t_end = olx_next_cut(planes, t, ray.t_max);
-    olx_piece p = olx_make_piece(m, planes, t, t_end);
-    int result = olx_march_piece(m, p, tracer, answer);
-    if (result != OLX_VERDICT_CLEAR) {
-      answer.status = result == OLX_VERDICT_HIT ? OLX_TRACE_HIT : OLX_TRACE_UNKNOWN;
-      answer.steps = m.steps;
-      return answer;
-    }
-    t = t_end;
+  bool plain = tracer == OLX_TRACER_TEXEL || tracer == OLX_TRACER_TWO_LEVEL;
+  int verdict = plain ? olx_march_pieces(m, planes, tracer, answer) : olx_march_hiz(m, planes, answer);
+  answer.steps = m.steps;
+  if (verdict != OLX_VERDICT_CLEAR) {
+    answer.status = verdict == OLX_VERDICT_HIT ? OLX_TRACE_HIT : OLX_TRACE_UNKNOWN;
+    return answer;
   }
   answer.texel = olx_texel_towards(ray.direction);
   answer.t = ray.t_max;
   answer.gap = 0.0;
-  answer.steps = m.steps;
   return answer;
 }
 

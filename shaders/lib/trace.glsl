@@ -148,7 +148,7 @@ bool olx_search_voronoi(inout olx_search s, inout uint probe, inout olx_probe_an
 }
 
 // Of the probes that the bricks list for where the ray stands, the best that sees it: to begin with one near the origin
-// and the ray's line, later the nearest.
+// and the ray's line, later the nearest. Costs are read and written by constant indices alone, and so stay in registers.
 bool olx_next_listed(olx_search s, out uint next) {
   vec3 place = s.origin;
   if (s.attempts > 0u) place = olx_ray_point(s, s.lost);
@@ -157,7 +157,7 @@ bool olx_next_listed(olx_search s, out uint next) {
   for (uint i = 0u; i < OLX_BRICK_PROBES; i++) {
     uint probe = olx_bricks_probe(list, i);
     cost[i] = OLX_INFINITY;
-    if (probe == OLX_BRICK_NO_PROBE || !olx_usable(s, probe) || olx_was_asked(s, probe)) continue;
+    if (probe == OLX_BRICK_NO_PROBE) continue;
     precise vec3 offset = olx_probe_position(probe) - place;
     precise float from_line = s.attempts == 0u ? OLX_OFF_LINE * olx_line_distance_squared(s, probe) : 0.0;
     precise float total = olx_dot(offset, offset) + from_line;
@@ -166,11 +166,17 @@ bool olx_next_listed(olx_search s, out uint next) {
   next = OLX_BRICK_NO_PROBE;
   for (;;) {
     uint best = 0u;
-    for (uint i = 1u; i < OLX_BRICK_PROBES; i++) best = cost[i] < cost[best] ? i : best;
-    if (cost[best] >= OLX_INFINITY) return false;
-    next = olx_bricks_probe(list, best);
-    if (olx_sees(s, next)) return true;
-    cost[best] = OLX_INFINITY;
+    float least = OLX_INFINITY;
+    for (uint i = 0u; i < OLX_BRICK_PROBES; i++) {
+      best = cost[i] < least ? i : best;
+      least = min(cost[i], least);
+    }
+    if (least >= OLX_INFINITY) return false;
+    for (uint i = 0u; i < OLX_BRICK_PROBES; i++) cost[i] = i == best ? OLX_INFINITY : cost[i];
+    uint probe = olx_bricks_probe(list, best);
+    if (!olx_usable(s, probe) || olx_was_asked(s, probe)) continue;
+    next = probe;
+    if (olx_sees(s, probe)) return true;
   }
 }
 

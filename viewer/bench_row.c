@@ -87,7 +87,9 @@ static bool open_files(bench_job *job, const char *scene_path, const char *field
   job->result->radiance_size = info.radiance_size;
   job->result->triangles = job->content->triangle_count;
   job->result->other_scene = info.scene_hash != job->content->hash;
-  return true;
+  const uint32_t compared = 1u << OLX_SELECT_CAGE | 1u << OLX_SELECT_BRICKS;
+  if (!job->settings->compare || (info.select_mask & compared) == compared) return true;
+  return fail_job(job, "to compare, a field needs cage and bricks (bake --select cage,bricks)");
 }
 
 static bool find_view(bench_job *job) {

@@ -121,7 +121,14 @@ static void look_from(vulkan_job *job) {
   memcpy(job->view.clip_to_world, job->gbuffer.clip_to_world, sizeof job->view.clip_to_world);
 }
 
-static olx_result create_frame(vulkan_job *job) {
+// Those that are recorded below.
+static uint32_t passes_of(const olx_render_settings *s) {
+  if (s->method == OLX_METHOD_CLASSIC) return OLX_VULKAN_PASS_COMPOSITE;
+  return OLX_VULKAN_PASS_GLOSSY | OLX_VULKAN_PASS_COMPOSITE |
+         (s->diffuse == OLX_DIFFUSE_TRACED ? OLX_VULKAN_PASS_DIFFUSE : OLX_VULKAN_PASS_IRRADIANCE);
+}
+
+static olx_result create_frame(vulkan_job *job, uint32_t passes) {
   const VkImageLayout read = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
   olx_vulkan_image inputs[INPUTS];
   for (uint32_t i = 0; i < INPUTS; i++)
@@ -135,7 +142,8 @@ static olx_result create_frame(vulkan_job *job) {
                                       .irradiance = job->images[IRRADIANCE].view,
                                       .glossy = job->images[GLOSSY].view,
                                       .color = job->images[COLOR].view,
-                                      .denoise = job->settings.denoise.lobes};
+                                      .denoise = job->settings.denoise.lobes,
+                                      .passes = passes};
   return olx_vulkan_frame_create(job->field, &targets, &job->frame);
 }
 
@@ -345,7 +353,7 @@ static const char *prepare_device(vulkan_job *job, const vulkan_request *r) {
   if (!problem) problem = problem_of(create_images(job));
   if (!problem) problem = problem_of(upload_surfaces(job));
   if (!problem) problem = problem_of(clear_outputs(job));
-  if (!problem) problem = library_problem(create_frame(job));
+  if (!problem) problem = library_problem(create_frame(job, passes_of(r->settings)));
   if (!problem && r->settings->method == OLX_METHOD_CLASSIC) {
     problem = library_problem(olx_vulkan_classic_create(job->field, r->field, &job->classic));
   }

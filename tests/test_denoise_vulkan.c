@@ -16,7 +16,12 @@
 
 #include <cmocka.h>
 
-enum { WIDTH = 52, HEIGHT = 36, BOTH = OLX_VULKAN_LOBE_DIFFUSE | OLX_VULKAN_LOBE_GLOSSY };
+enum {
+  WIDTH = 52,
+  HEIGHT = 36,
+  BOTH = OLX_VULKAN_LOBE_DIFFUSE | OLX_VULKAN_LOBE_GLOSSY,
+  PASSES = OLX_VULKAN_PASS_DIFFUSE | OLX_VULKAN_PASS_GLOSSY
+};
 
 static const analytic_scene ROOM = {
     .room = {{0, 0, 0}, {4, 3, 5}}, .box_count = 1, .boxes = {{{0.9f, 0.0f, 1.1f}, {1.7f, 1.3f, 2.1f}}}};
@@ -120,6 +125,7 @@ static fixture make_fixture(uint32_t width, uint32_t height, uint32_t lobes, boo
   if (!runs) let_calls_fail(&f.uploaded->context.vk);
   f.host = host_images_make(&device, width, height, VK_FORMAT_R32G32B32A32_SFLOAT);
   f.host.targets.denoise = lobes;
+  f.host.targets.passes = PASSES;
   if (olx_vulkan_frame_create(f.uploaded, &f.host.targets, &f.frame) != OLX_OK) fail_msg("%s", olx_last_error());
   return f;
 }
@@ -402,6 +408,7 @@ static void any_size_begins_anew(void **unused) {
   for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
     host_images other = host_images_make(&device, sizes[i][0], sizes[i][1], VK_FORMAT_R32G32B32A32_SFLOAT);
     other.targets.denoise = BOTH;
+    other.targets.passes = PASSES;
     if (olx_vulkan_frame_resize(f.frame, &other.targets) != OLX_OK) fail_msg("%s", olx_last_error());
     host_images_free(&f.host);
     f.host = other;
@@ -503,6 +510,7 @@ static void a_frame_that_cannot_grow_stays_as_it_is(void **unused) {
   olx_vulkan_settings settings = settings_of(&filters, BOTH);
   host_images larger = host_images_make(&device, 2 * WIDTH, HEIGHT, VK_FORMAT_R32G32B32A32_SFLOAT);
   larger.targets.denoise = BOTH;
+  larger.targets.passes = PASSES;
   let_calls_fail(&f.uploaded->context.vk);
   failure = VK_ERROR_OUT_OF_DEVICE_MEMORY;
   for (uint32_t frame = 0; frame < 4; frame++) {

@@ -172,6 +172,7 @@ static void copies_end_with_the_maps_of_the_relighter(void **unused) {
   const uint32_t before = device.validation_messages;
   olx_relight *relight = begin_relight();
   lit_room room = {host_images_make(&device, WIDTH, HEIGHT, VK_FORMAT_R32G32B32A32_SFLOAT), upload(field), NULL};
+  room.images.targets.passes = OLX_VULKAN_PASS_IRRADIANCE | OLX_VULKAN_PASS_GLOSSY;
   ASSERT_OK(olx_vulkan_frame_create(room.uploaded, &room.images.targets, &room.frame));
   double errors[2];
   render(&room);

@@ -46,8 +46,11 @@ static void need_device(void) {
   skip();
 }
 
+// For the passes that run_frame records.
 static host_images make_host(uint32_t width, uint32_t height, VkFormat normal) {
-  return host_images_make(&device, width, height, normal);
+  host_images h = host_images_make(&device, width, height, normal);
+  h.targets.passes = OLX_VULKAN_PASS_IRRADIANCE | OLX_VULKAN_PASS_GLOSSY | OLX_VULKAN_PASS_COMPOSITE;
+  return h;
 }
 
 static void run_frame(host_images *h, const olx_vulkan_frame *frame, const olx_vulkan_settings *settings) {
@@ -240,39 +243,22 @@ static void wrong_images_are_named(void **unused) {
   olx_field *field = analytic_field_make(&ROOM, &GRID, 16, 8);
   olx_vulkan_field *uploaded = upload_field(field);
   host_images h = make_host(8, 8, VK_FORMAT_R32G32B32A32_SFLOAT);
-  const struct {
+  struct {
     olx_vulkan_targets targets;
     const char *message;
   } cases[] = {
       {{.width = 0, .height = 8}, "frame size 0 x 8"},
       {{.width = 8, .height = 20000}, "frame size 8 x 20000"},
       {{.width = 8, .height = 8}, "no depth image"},
-      {{8,
-        8,
-        h.targets.depth,
-        {h.targets.normal.view, VK_FORMAT_R8G8B8A8_UINT, h.targets.normal.layout},
-        {0},
-        {0},
-        0,
-        0,
-        0,
-        0},
-       "normal image's VkFormat"},
-      {{8,
-        8,
-        h.targets.depth,
-        h.targets.normal,
-        {h.targets.albedo.view, h.targets.albedo.format, VK_IMAGE_LAYOUT_UNDEFINED},
-        {0},
-        0,
-        0,
-        0,
-        0},
-       "albedo image cannot be sampled in VkImageLayout 0"},
-      {{8, 8, h.targets.depth, h.targets.normal, h.targets.albedo, h.targets.roughness, h.targets.irradiance, 0,
-        h.targets.color, 0},
-       "no glossy image"},
+      {h.targets, "normal image's VkFormat"},
+      {h.targets, "albedo image cannot be sampled in VkImageLayout 0"},
+      {h.targets, "no glossy image"},
+      {h.targets, "no pass 0x10"},
   };
+  cases[3].targets.normal.format = VK_FORMAT_R8G8B8A8_UINT;
+  cases[4].targets.albedo.layout = VK_IMAGE_LAYOUT_UNDEFINED;
+  cases[5].targets.glossy = VK_NULL_HANDLE;
+  cases[6].targets.passes = 16;
   for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
     olx_vulkan_frame *frame = (void *)1;
     assert_int_equal(olx_vulkan_frame_create(uploaded, &cases[i].targets, &frame), OLX_ERROR_ARGUMENT);
@@ -285,11 +271,130 @@ static void wrong_images_are_named(void **unused) {
   assert_int_equal(device.validation_messages, before);
 }
 
+static const uint32_t NOTHING[] = {
+#include "nothing.spv.inc"
+};
+static uint32_t pipelines_made;
+static VkPipelineCache cache_given;
+
+// Pipelines that are never run do not need their shaders, which take long to compile.
+static VKAPI_ATTR VkResult VKAPI_CALL make_empty_pipeline(VkDevice d, VkPipelineCache cache, uint32_t count,
+                                                          const VkComputePipelineCreateInfo *infos,
+                                                          const VkAllocationCallbacks *callbacks,
+                                                          VkPipeline *pipelines) {
+  const VkShaderModuleCreateInfo code = {
+      .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = sizeof NOTHING, .pCode = NOTHING};
+  VkComputePipelineCreateInfo info = *infos;
+  assert_int_equal(count, 1);
+  assert_int_equal(device.CreateShaderModule(d, &code, NULL, &info.stage.module), VK_SUCCESS);
+  const VkResult result = device.CreateComputePipelines(d, cache, 1, &info, callbacks, pipelines);
+  device.DestroyShaderModule(d, info.stage.module, NULL);
+  pipelines_made++;
+  cache_given = cache;
+  return result;
+}
+
+static olx_vulkan_field *upload_without_shaders(const olx_field *field) {
+  olx_vulkan_field *uploaded = upload_field(field);
+  uploaded->context.vk.CreateComputePipelines = make_empty_pipeline;
+  pipelines_made = 0;
+  return uploaded;
+}
+
+// Every pass that the mask names can be recorded, and no other.
+static void assert_passes(const olx_vulkan_frame *frame, uint32_t passes) {
+  static const char *const names[] = {"IRRADIANCE", "DIFFUSE", "GLOSSY", "COMPOSITE"};
+  const olx_vulkan_view view = host_vulkan_view(&VIEW);
+  const olx_vulkan_settings s = olx_vulkan_settings_default();
+  const VkCommandBuffer c = device.commands;
+  assert_int_equal(device_commands_begin(&device), VK_SUCCESS);
+  for (uint32_t i = 0; i < 4; i++) {
+    const olx_result result = i == 0   ? olx_vulkan_record_irradiance(frame, c, &view, &s)
+                              : i == 1 ? olx_vulkan_record_diffuse(frame, c, &view, &s)
+                              : i == 2 ? olx_vulkan_record_glossy(frame, c, &view, &s)
+                                       : olx_vulkan_record_composite(frame, c, &view, &s, OLX_VULKAN_ADD_GLOSSY);
+    const bool made = passes >> i & 1u;
+    assert_int_equal(result, made ? OLX_OK : OLX_ERROR_ARGUMENT);
+    char message[64];
+    snprintf(message, sizeof message, "made without OLX_VULKAN_PASS_%s", names[i]);
+    if (!made && !strstr(olx_last_error(), message)) fail_msg("'%s' lacks '%s'", olx_last_error(), message);
+  }
+  assert_int_equal(device_commands_run(&device), VK_SUCCESS);
+}
+
+static void only_the_passes_that_are_named_are_made(void **unused) {
+  (void)unused;
+  need_device();
+  const uint32_t before = device.validation_messages;
+  olx_field *field = analytic_field_make(&ROOM, &GRID, 16, 8);
+  olx_vulkan_field *uploaded = upload_without_shaders(field);
+  host_images h = make_host(8, 8, VK_FORMAT_R32G32B32A32_SFLOAT);
+  olx_vulkan_frame *frame;
+  h.targets.passes = OLX_VULKAN_PASS_COMPOSITE;
+  assert_int_equal(olx_vulkan_frame_create(uploaded, &h.targets, &frame), OLX_OK);
+  assert_int_equal(pipelines_made, 1);
+  assert_passes(frame, OLX_VULKAN_PASS_COMPOSITE);
+  h.targets.passes = OLX_VULKAN_PASS_COMPOSITE | OLX_VULKAN_PASS_GLOSSY;
+  assert_int_equal(olx_vulkan_frame_resize(frame, &h.targets), OLX_OK);
+  assert_int_equal(pipelines_made, 2);
+  h.targets.passes = OLX_VULKAN_PASS_IRRADIANCE;
+  assert_int_equal(olx_vulkan_frame_resize(frame, &h.targets), OLX_OK);
+  assert_int_equal(pipelines_made, 3);
+  assert_passes(frame, OLX_VULKAN_PASS_IRRADIANCE | OLX_VULKAN_PASS_GLOSSY | OLX_VULKAN_PASS_COMPOSITE);
+  h.targets.passes = 0;
+  assert_int_equal(olx_vulkan_frame_resize(frame, &h.targets), OLX_OK);
+  assert_int_equal(pipelines_made, 4);
+  assert_passes(frame, 15);
+  olx_vulkan_frame_destroy(frame);
+  assert_int_equal(olx_vulkan_frame_create(uploaded, &h.targets, &frame), OLX_OK);
+  assert_int_equal(pipelines_made, 8);
+  olx_vulkan_frame_destroy(frame);
+  host_images_free(&h);
+  olx_vulkan_field_destroy(uploaded);
+  analytic_field_free(field);
+  assert_int_equal(device.validation_messages, before);
+}
+
+static void pipelines_go_through_the_host_s_cache(void **unused) {
+  (void)unused;
+  need_device();
+  const uint32_t before = device.validation_messages;
+  const VkDevice d = device.host.device;
+  const PFN_vkCreatePipelineCache create =
+      (PFN_vkCreatePipelineCache)device.GetDeviceProcAddr(d, "vkCreatePipelineCache");
+  const PFN_vkDestroyPipelineCache destroy =
+      (PFN_vkDestroyPipelineCache)device.GetDeviceProcAddr(d, "vkDestroyPipelineCache");
+  const VkPipelineCacheCreateInfo info = {.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
+  VkPipelineCache cache;
+  assert_int_equal(create(d, &info, NULL, &cache), VK_SUCCESS);
+  olx_field *field = analytic_field_make(&ROOM, &GRID, 16, 8);
+  analytic_field_add_classic(field, 32);
+  device.host.pipeline_cache = cache;
+  olx_vulkan_field *uploaded = upload_without_shaders(field);
+  device.host.pipeline_cache = VK_NULL_HANDLE;
+  host_images h = make_host(8, 8, VK_FORMAT_R32G32B32A32_SFLOAT);
+  olx_vulkan_classic *classic;
+  olx_vulkan_frame *frame;
+  assert_int_equal(olx_vulkan_frame_create(uploaded, &h.targets, &frame), OLX_OK);
+  assert_true(cache_given == cache);
+  cache_given = VK_NULL_HANDLE;
+  assert_int_equal(olx_vulkan_classic_create(uploaded, field, &classic), OLX_OK);
+  assert_true(cache_given == cache);
+  olx_vulkan_frame_destroy(frame);
+  olx_vulkan_classic_destroy(classic);
+  host_images_free(&h);
+  olx_vulkan_field_destroy(uploaded);
+  analytic_field_remove_classic(field);
+  analytic_field_free(field);
+  destroy(d, cache, NULL);
+  assert_int_equal(device.validation_messages, before);
+}
+
 static void settings_that_cannot_be_are_refused(void **unused) {
   (void)unused;
   need_device();
   olx_field *field = analytic_field_make(&ROOM, &GRID, 16, 8);
-  olx_vulkan_field *uploaded = upload_field(field);
+  olx_vulkan_field *uploaded = upload_without_shaders(field);
   host_images h = make_host(8, 8, VK_FORMAT_R32G32B32A32_SFLOAT);
   olx_vulkan_frame *frame;
   assert_int_equal(olx_vulkan_frame_create(uploaded, &h.targets, &frame), OLX_OK);
@@ -521,6 +626,7 @@ static void passes_bind_no_more_than_every_device_has(void **unused) {
   olx_vulkan_classic *classic;
   olx_vulkan_frame *frame;
   assert_int_equal(olx_vulkan_field_create(&host, field, &uploaded), OLX_OK);
+  uploaded->context.vk.CreateComputePipelines = make_empty_pipeline;
   assert_int_equal(olx_vulkan_classic_create(uploaded, field, &classic), OLX_OK);
   host_images h = make_host(8, 8, VK_FORMAT_R32G32B32A32_SFLOAT);
   h.targets.denoise = OLX_VULKAN_LOBE_DIFFUSE | OLX_VULKAN_LOBE_GLOSSY;
@@ -558,6 +664,8 @@ int main(void) {
       cmocka_unit_test(a_frame_can_be_resized_and_reads_other_formats),
       cmocka_unit_test(diffuse_light_takes_hardly_more_reads_than_it_must),
       cmocka_unit_test(wrong_images_are_named),
+      cmocka_unit_test(only_the_passes_that_are_named_are_made),
+      cmocka_unit_test(pipelines_go_through_the_host_s_cache),
       cmocka_unit_test(settings_that_cannot_be_are_refused),
       cmocka_unit_test(running_out_of_memory_leaves_nothing_behind),
       cmocka_unit_test(a_lost_device_is_reported),

@@ -118,6 +118,7 @@ static bool prepare(bench_job *job) {
     return false;
   olx_vulkan_targets targets = frame_images_targets(&job->raster.images);
   targets.denoise = OLX_VULKAN_LOBE_GLOSSY;
+  targets.passes = OLX_VULKAN_PASS_IRRADIANCE | OLX_VULKAN_PASS_GLOSSY | OLX_VULKAN_PASS_COMPOSITE;
   if (!check_library(job, olx_vulkan_frame_create(job->uploaded, &targets, &job->frame))) return false;
   if (!bench_probe_create(d, job->uploaded, &job->raster, &job->probe) || !gpu_timer_create(d, &job->timer))
     return fail_gpu(job);
@@ -263,6 +264,7 @@ static bool run_all_frames(bench_job *job) {
   if (!run_frames(job, run_frame, 0, BENCH_FRAME_PARTS)) return false;
   olx_vulkan_targets targets = frame_images_targets(&job->raster.images);
   targets.denoise = OLX_VULKAN_LOBE_DIFFUSE | OLX_VULKAN_LOBE_GLOSSY;
+  targets.passes = OLX_VULKAN_PASS_DIFFUSE | OLX_VULKAN_PASS_GLOSSY;
   return check_library(job, olx_vulkan_frame_resize(job->frame, &targets)) &&
          run_frames(job, run_denoised_frame, BENCH_FRAME_PARTS, BENCH_PARTS - BENCH_FRAME_PARTS);
 }

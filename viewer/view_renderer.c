@@ -10,10 +10,19 @@ static bool upload_field(view_renderer *r, const olx_field *field) {
   return olx_vulkan_field_create(&r->device->host, field, &r->field) == OLX_OK || gpu_fail_library(r->device);
 }
 
-// The images have changed: tell those passes that are not the rasteriser's.
-static bool attach(view_renderer *r) {
+// Of Octalux's, those that a state wants; each is made when it is first wanted.
+static uint32_t wanted_passes(const view_state *s) {
+  uint32_t passes = OLX_VULKAN_PASS_COMPOSITE;
+  if (s->mode == VIEW_PROBES) return passes;
+  if (s->diffuse) passes |= s->mode == VIEW_PREFILTERED ? OLX_VULKAN_PASS_IRRADIANCE : OLX_VULKAN_PASS_DIFFUSE;
+  return passes | (s->glossy ? OLX_VULKAN_PASS_GLOSSY : 0u);
+}
+
+// The images or the passes have changed: tell those passes that are not the rasteriser's.
+static bool attach(view_renderer *r, uint32_t passes) {
   olx_vulkan_targets targets = frame_images_targets(&r->raster.images);
   targets.denoise = OLX_VULKAN_LOBE_DIFFUSE | OLX_VULKAN_LOBE_GLOSSY;
+  targets.passes = r->lit_passes |= passes;
   r->history = 0;
   const olx_result result =
       r->lit ? olx_vulkan_frame_resize(r->lit, &targets) : olx_vulkan_frame_create(r->field, &targets, &r->lit);
@@ -35,7 +44,7 @@ bool view_renderer_create(gpu_device *device, const olx_scene *scene, const olx_
          rasteriser_create(device, &r->content, &lamps, lit_size[0], lit_size[1], &r->raster) &&
          view_screen_create(device, &r->screen) &&
          view_passes_create(device, r->field, r->screen.render_pass, &r->passes) &&
-         gpu_timer_create(device, &r->timer) && attach(r);
+         gpu_timer_create(device, &r->timer);
 }
 
 bool view_renderer_relight(view_renderer *r, const olx_scene *scene, const olx_field *field, bool in_step) {
@@ -66,11 +75,12 @@ void view_renderer_lit_size(const view_state *state, const uint32_t size[2], uin
 
 static bool resize(view_renderer *r, const view_state *state, const uint32_t size[2]) {
   const frame_images *images = &r->raster.images;
+  const uint32_t passes = wanted_passes(state);
   uint32_t lit[2];
   view_renderer_lit_size(state, size, lit);
-  if (images->width != lit[0] || images->height != lit[1]) {
-    if (!rasteriser_resize(r->device, &r->raster, lit[0], lit[1]) || !attach(r)) return false;
-  }
+  const bool fits = images->width == lit[0] && images->height == lit[1];
+  if (!fits && !rasteriser_resize(r->device, &r->raster, lit[0], lit[1])) return false;
+  if ((!fits || !r->lit || passes & ~r->lit_passes) && !attach(r, passes)) return false;
   const gpu_image *picture = &r->screen.picture;
   if (picture->image && picture->width == size[0] && picture->height == size[1]) return true;
   return view_screen_resize(r->device, size[0], size[1], &r->screen);

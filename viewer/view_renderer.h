@@ -16,7 +16,8 @@ typedef struct view_renderer {
   gpu_device *device;
   olx_field_info field_info;
   olx_vulkan_field *field;
-  olx_vulkan_frame *lit; // the host's side of Octalux's passes
+  olx_vulkan_frame *lit; // the host's side of Octalux's passes; NULL before the first picture
+  uint32_t lit_passes;   // OLX_VULKAN_PASS_*: those that it has
   rasteriser raster;
   gpu_scene object;
   view_screen screen;

@@ -90,7 +90,9 @@ static void make_frame(renderer *r) {
                                       .roughness = inputs[SURFACE_MATERIAL],
                                       .irradiance = r->irradiance.view,
                                       .glossy = r->glossy.view,
-                                      .color = r->surfaces.images[SURFACE_COLOR].view};
+                                      .color = r->surfaces.images[SURFACE_COLOR].view,
+                                      .passes = OLX_VULKAN_PASS_GLOSSY | OLX_VULKAN_PASS_COMPOSITE |
+                                                (r->options.own_shader ? 0u : OLX_VULKAN_PASS_IRRADIANCE)};
   need_octalux(olx_vulkan_frame_create(r->field, &targets, &r->frame));
 }
 

@@ -43,6 +43,8 @@ typedef struct olx_vulkan_host {
   VkDevice device;
   VkQueue queue;
   uint32_t queue_family;
+  // Every pipeline is created with it; it must not have been created externally synchronized. VK_NULL_HANDLE: none.
+  VkPipelineCache pipeline_cache;
 } olx_vulkan_host;
 
 // A field in the GPU's memory.
@@ -82,6 +84,15 @@ typedef struct olx_vulkan_image {
 // The two kinds of indirect light, as bits of a mask.
 enum { OLX_VULKAN_LOBE_DIFFUSE = 1, OLX_VULKAN_LOBE_GLOSSY = 2 };
 
+// The passes whose pipelines are made with a frame, as bits of a mask. Those of olx_vulkan_record_denoise are made when
+// targets.denoise names a lobe, the baseline's by olx_vulkan_classic_create.
+enum {
+  OLX_VULKAN_PASS_IRRADIANCE = 1,
+  OLX_VULKAN_PASS_DIFFUSE = 2,
+  OLX_VULKAN_PASS_GLOSSY = 4,
+  OLX_VULKAN_PASS_COMPOSITE = 8
+};
+
 // The host's images, all of one size. Inputs need VK_IMAGE_USAGE_SAMPLED_BIT and a format that shaders read as floats.
 // Outputs need VK_IMAGE_USAGE_STORAGE_BIT, format VK_FORMAT_R16G16B16A16_SFLOAT, and layout GENERAL while passes run.
 typedef struct olx_vulkan_targets {
@@ -95,6 +106,7 @@ typedef struct olx_vulkan_targets {
   VkImageView glossy;     // out: radiance towards the eye; alpha: the share of rays that were answered
   VkImageView color;      // in and out: the host's picture in linear radiance
   uint32_t denoise;       // OLX_VULKAN_LOBE_*: lobes to keep a history for; 0: none, and no memory
+  uint32_t passes;        // OLX_VULKAN_PASS_*: those that will be recorded; 0: all. A driver takes long to compile a tracer
 } olx_vulkan_targets;
 
 // Pipelines, descriptor sets for one set of the host's images, and the denoiser's history, which is ours: 32 bytes a pixel and
@@ -111,7 +123,8 @@ olx_result olx_vulkan_frame_create(olx_vulkan_field *field, const olx_vulkan_tar
                                    olx_vulkan_frame **frame);
 
 // Take other images, of this or another size, with a history or without. The history begins anew: the next denoised frame has
-// the number 0. On failure the frame keeps what it had.
+// the number 0. Passes that targets->passes names and the frame lacks are added to those that it has. On failure the frame
+// keeps what it had.
 olx_result olx_vulkan_frame_resize(olx_vulkan_frame *frame, const olx_vulkan_targets *targets);
 
 // NULL is allowed. The host's images are not touched.
@@ -150,7 +163,7 @@ typedef struct olx_vulkan_settings {
 olx_vulkan_settings olx_vulkan_settings_default(void);
 
 // Recording. Call outside a render pass, in a command buffer of the field's queue family. Each call binds a compute pipeline,
-// descriptor sets 0 and 1, and push constants.
+// descriptor sets 0 and 1, and push constants. A pass that the frame was made without is OLX_ERROR_ARGUMENT.
 //
 // Barriers are the host's at both ends and ours between: before the first pass, the inputs' writes and earlier uses of the
 // outputs must be ordered before VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT with shader read and write; olx_vulkan_record_composite

@@ -10,6 +10,7 @@ olx_result olx_vulkan_record_composite(const olx_vulkan_frame *frame, VkCommandB
   if (add & ~(uint32_t)(OLX_VULKAN_ADD_DIFFUSE | OLX_VULKAN_ADD_GLOSSY)) {
     return olx_fail(OLX_ERROR_ARGUMENT, "the composite pass cannot add %#x", add);
   }
+  OLX_TRY(olx_vulkan_check_pass(frame, OLX_PASS_COMPOSITE, settings));
   const VkMemoryBarrier barrier = {.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
                                    .srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT,
                                    .dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT};

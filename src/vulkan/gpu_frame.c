@@ -4,6 +4,12 @@
 
 enum { MAX_SIZE = 16384, MAX_SAMPLES = 4096 };
 
+enum { ALL_PASSES = (1 << OLX_PASS_COUNT) - 1 };
+_Static_assert(OLX_VULKAN_PASS_IRRADIANCE == 1 << OLX_PASS_IRRADIANCE &&
+                   OLX_VULKAN_PASS_DIFFUSE == 1 << OLX_PASS_DIFFUSE && OLX_VULKAN_PASS_GLOSSY == 1 << OLX_PASS_TRACE &&
+                   OLX_VULKAN_PASS_COMPOSITE == 1 << OLX_PASS_COMPOSITE,
+               "the bits of passes");
+
 static const char WHAT[] = "a frame's passes";
 
 olx_vulkan_settings olx_vulkan_settings_default(void) {
@@ -103,6 +109,7 @@ static olx_result check_targets(const olx_vulkan_context *c, const olx_vulkan_ta
   if (t->denoise & ~(uint32_t)(OLX_VULKAN_LOBE_DIFFUSE | OLX_VULKAN_LOBE_GLOSSY)) {
     return olx_fail(OLX_ERROR_ARGUMENT, "there is no lobe %#x to denoise", t->denoise);
   }
+  if (t->passes & ~(uint32_t)ALL_PASSES) return olx_fail(OLX_ERROR_ARGUMENT, "there is no pass %#x", t->passes);
   return OLX_OK;
 }
 
@@ -113,6 +120,18 @@ static olx_result create_layouts(olx_vulkan_frame *f) {
   OLX_TRY(olx_gpu_set_layout_create(c, OLX_SAMPLE_BINDINGS, 0, &f->sample_set_layout));
   const VkDescriptorSetLayout sets[] = {f->field->set_layout, f->set_layout, f->sample_set_layout};
   return olx_gpu_layout_create(c, 3, sets, sizeof(olx_gpu_frame), &f->layout);
+}
+
+// Those of a mask of the host's that are not there yet.
+static olx_result create_pipelines(olx_vulkan_frame *f, uint32_t passes) {
+  const olx_pass_code *codes[OLX_PASS_COUNT] = {&olx_irradiance_pass, &olx_diffuse_pass, &olx_trace_pass,
+                                                &olx_composite_pass};
+  for (uint32_t i = 0; i < OLX_PASS_COUNT; i++) {
+    const bool wanted = passes == 0 || passes >> i & 1u;
+    if (!wanted || f->pipelines[i]) continue;
+    OLX_TRY(olx_gpu_pipeline_create(&f->field->context, codes[i], f->layout, &f->pipelines[i]));
+  }
+  return OLX_OK;
 }
 
 static olx_result create_sets(olx_vulkan_frame *f) {
@@ -151,6 +170,7 @@ static void write_sets(olx_vulkan_frame *f, const olx_vulkan_targets *t) {
 olx_result olx_vulkan_frame_resize(olx_vulkan_frame *f, const olx_vulkan_targets *t) {
   const olx_vulkan_context *c = &f->field->context;
   OLX_TRY(check_targets(c, t));
+  OLX_TRY(create_pipelines(f, t->passes));
   olx_gpu_history history;
   olx_result result = olx_gpu_history_begin(c, t->width, t->height, t->denoise, &history);
   if (result == OLX_OK) result = olx_gpu_history_allocate(c, &history);
@@ -187,14 +207,8 @@ olx_result olx_vulkan_frame_measure(const olx_vulkan_field *field, const olx_vul
 }
 
 static olx_result create_frame(olx_vulkan_frame *f, const olx_vulkan_targets *targets) {
-  const olx_pass_code *codes[OLX_PASS_COUNT] = {&olx_irradiance_pass, &olx_diffuse_pass, &olx_trace_pass,
-                                                &olx_composite_pass};
-  const olx_vulkan_context *c = &f->field->context;
-  OLX_TRY(check_targets(c, targets));
+  OLX_TRY(check_targets(&f->field->context, targets));
   OLX_TRY(create_layouts(f));
-  for (uint32_t i = 0; i < OLX_PASS_COUNT; i++) {
-    OLX_TRY(olx_gpu_pipeline_create(c, codes[i], f->layout, &f->pipelines[i]));
-  }
   OLX_TRY(create_sets(f));
   return olx_vulkan_frame_resize(f, targets);
 }
@@ -249,6 +263,14 @@ olx_result olx_vulkan_check_settings(const olx_vulkan_frame *f, const olx_vulkan
   return s->denoise.lobes ? olx_denoise_settings_check(&s->denoise.filters) : OLX_OK;
 }
 
+olx_result olx_vulkan_check_pass(const olx_vulkan_frame *f, olx_pass pass, const olx_vulkan_settings *s) {
+  static const char *const names[OLX_PASS_COUNT] = {"IRRADIANCE", "DIFFUSE", "GLOSSY", "COMPOSITE"};
+  if (!f->pipelines[pass]) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "the frame was made without OLX_VULKAN_PASS_%s", names[pass]);
+  }
+  return olx_vulkan_check_settings(f, s);
+}
+
 olx_gpu_frame olx_gpu_frame_constants(const olx_vulkan_frame *f, const olx_vulkan_view *view,
                                       const olx_vulkan_settings *s, uint32_t flags) {
   olx_gpu_frame constants = {
@@ -279,7 +301,7 @@ void olx_vulkan_dispatch(const olx_vulkan_frame *f, VkCommandBuffer commands) {
 
 olx_result olx_vulkan_record_pass(const olx_vulkan_frame *f, olx_pass pass, VkCommandBuffer commands,
                                   const olx_vulkan_view *view, const olx_vulkan_settings *settings, uint32_t flags) {
-  OLX_TRY(olx_vulkan_check_settings(f, settings));
+  OLX_TRY(olx_vulkan_check_pass(f, pass, settings));
   const olx_vulkan_functions *vk = &f->field->context.vk;
   const olx_gpu_frame constants = olx_gpu_frame_constants(f, view, settings, flags);
   const VkDescriptorSet sets[] = {f->field->set, f->set};
@@ -292,7 +314,7 @@ olx_result olx_vulkan_record_pass(const olx_vulkan_frame *f, olx_pass pass, VkCo
 
 olx_result olx_vulkan_record_rays(const olx_vulkan_frame *f, olx_pass pass, uint32_t lobe, VkCommandBuffer commands,
                                   const olx_vulkan_view *view, const olx_vulkan_settings *settings) {
-  OLX_TRY(olx_vulkan_check_settings(f, settings));
+  OLX_TRY(olx_vulkan_check_pass(f, pass, settings));
   const olx_vulkan_context *c = &f->field->context;
   const bool glossy = lobe == OLX_VULKAN_LOBE_GLOSSY, denoised = settings->denoise.lobes & lobe;
   const uint32_t frame = settings->denoise.frame;

@@ -5,6 +5,7 @@
 #include "vulkan/gpu_field.h"
 #include "vulkan/gpu_history.h"
 
+// In the order of OLX_VULKAN_PASS_*.
 typedef enum olx_pass {
   OLX_PASS_IRRADIANCE = 0,
   OLX_PASS_DIFFUSE,
@@ -39,7 +40,7 @@ struct olx_vulkan_frame {
   bool normal_unorm;
   VkDescriptorSetLayout set_layout, sample_set_layout;
   VkPipelineLayout layout;
-  VkPipeline pipelines[OLX_PASS_COUNT];
+  VkPipeline pipelines[OLX_PASS_COUNT]; // VK_NULL_HANDLE where the host wants none
   VkDescriptorPool pool;
   VkDescriptorSet set, sample_sets[2][2]; // as above
   olx_gpu_history history;
@@ -69,6 +70,8 @@ void olx_gpu_denoiser_write(olx_vulkan_frame *frame, const olx_vulkan_targets *t
 
 // Whether all settings are in their ranges and the frame has the histories that they want.
 olx_result olx_vulkan_check_settings(const olx_vulkan_frame *frame, const olx_vulkan_settings *settings);
+// The same, and whether the frame has the pass.
+olx_result olx_vulkan_check_pass(const olx_vulkan_frame *frame, olx_pass pass, const olx_vulkan_settings *settings);
 
 olx_gpu_frame olx_gpu_frame_constants(const olx_vulkan_frame *frame, const olx_vulkan_view *view,
                                       const olx_vulkan_settings *settings, uint32_t flags);

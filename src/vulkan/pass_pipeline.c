@@ -50,7 +50,8 @@ olx_result olx_gpu_pipeline_create(const olx_vulkan_context *c, const olx_pass_c
                 .pName = "main"},
       .layout = layout,
   };
-  const VkResult result = c->vk.CreateComputePipelines(c->host.device, VK_NULL_HANDLE, 1, &info, NULL, pipeline);
+  const VkResult result =
+      c->vk.CreateComputePipelines(c->host.device, c->host.pipeline_cache, 1, &info, NULL, pipeline);
   c->vk.DestroyShaderModule(c->host.device, module, NULL);
   return olx_vulkan_check(result, "vkCreateComputePipelines", code->name);
 }

@@ -16,6 +16,13 @@ olx_place_settings quick_settings(const olx_scene *scene, olx_place_method metho
   return settings;
 }
 
+olx_place_settings quicker_settings(const olx_scene *scene, olx_place_method method) {
+  olx_place_settings settings = quick_settings(scene, method);
+  settings.surfels = 375;
+  settings.candidates = 75;
+  return settings;
+}
+
 olx_probe_set place(const olx_scene *scene, const olx_place_settings *settings) {
   olx_probe_set set;
   ASSERT_OK(olx_place(scene, settings, NULL, &set));

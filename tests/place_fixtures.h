@@ -8,6 +8,8 @@
 
 // Settings that take a fraction of a second.
 olx_place_settings quick_settings(const olx_scene *scene, olx_place_method method);
+// The same with a quarter of the surfels, where what probes see is beside the point.
+olx_place_settings quicker_settings(const olx_scene *scene, olx_place_method method);
 olx_probe_set place(const olx_scene *scene, const olx_place_settings *settings);
 olx_scene *load(const char *name);
 uint32_t matte(olx_scene *scene);

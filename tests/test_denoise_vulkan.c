@@ -30,21 +30,6 @@ static const olx_grid GRID = {{0.5f, 0.5f, 0.5f}, {3.0f, 2.0f, 4.0f}, {2, 2, 2}}
 static vulkan_device device;
 static const char *problem;
 
-static int open_device(void **unused) {
-  (void)unused;
-  pin_drivers();
-  problem = vulkan_device_open(&device, true);
-  return 0;
-}
-
-static int close_device(void **unused) {
-  (void)unused;
-  if (problem) return 0;
-  const uint32_t before = device.validation_messages;
-  vulkan_device_close(&device);
-  return device.validation_messages == before ? 0 : 1; // the layers name what was not destroyed
-}
-
 // Of all calls that make something, the one when this reaches 0 fails.
 static int calls_left; // never, when negative
 static VkResult failure;
@@ -109,24 +94,38 @@ typedef struct fixture {
   olx_vulkan_frame *frame;
 } fixture;
 
-static void make_field(fixture *f) {
-  if (problem) {
-    print_message("skipped: %s\n", problem);
-    skip();
-  }
-  *f = (fixture){.messages = device.validation_messages, .field = analytic_field_make(&ROOM, &GRID, 64, 16)};
+static host_images make_images(uint32_t width, uint32_t height, uint32_t lobes) {
+  host_images host = host_images_make(&device, width, height, VK_FORMAT_R32G32B32A32_SFLOAT);
+  host.targets.denoise = lobes;
+  host.targets.passes = PASSES;
+  return host;
+}
+
+static void make_frame(fixture *f) {
+  if (olx_vulkan_frame_create(f->uploaded, &f->host.targets, &f->frame) != OLX_OK) fail_msg("%s", olx_last_error());
+}
+
+static void upload_field(fixture *f) {
+  f->messages = device.validation_messages;
+  f->field = analytic_field_make(&ROOM, &GRID, 64, 16);
   if (olx_vulkan_field_create(&device.host, f->field, &f->uploaded) != OLX_OK) fail_msg("%s", olx_last_error());
 }
 
-static fixture make_fixture(uint32_t width, uint32_t height, uint32_t lobes, bool runs) {
-  fixture f;
-  make_field(&f);
+static void need_device(void) {
+  if (!problem) return;
+  print_message("skipped: %s\n", problem);
+  skip();
+}
+
+// Its frame cannot run.
+static fixture make_fixture(uint32_t width, uint32_t height, uint32_t lobes) {
+  need_device();
+  fixture f = {.frame = NULL};
+  upload_field(&f);
   calls_left = -1;
-  if (!runs) let_calls_fail(&f.uploaded->context.vk);
-  f.host = host_images_make(&device, width, height, VK_FORMAT_R32G32B32A32_SFLOAT);
-  f.host.targets.denoise = lobes;
-  f.host.targets.passes = PASSES;
-  if (olx_vulkan_frame_create(f.uploaded, &f.host.targets, &f.frame) != OLX_OK) fail_msg("%s", olx_last_error());
+  let_calls_fail(&f.uploaded->context.vk);
+  f.host = make_images(width, height, lobes);
+  make_frame(&f);
   return f;
 }
 
@@ -137,6 +136,41 @@ static void free_fixture(fixture *f) {
   analytic_field_free(f->field);
   assert_int_equal(device.validation_messages, f->messages);
 }
+
+// One whose shaders are compiled once, which takes long. Tests resize its frame.
+static fixture running;
+
+static int set_up(void **unused) {
+  (void)unused;
+  pin_drivers();
+  problem = vulkan_device_open(&device, true);
+  if (problem) return 0;
+  upload_field(&running);
+  running.host = make_images(WIDTH, HEIGHT, BOTH);
+  make_frame(&running);
+  return 0;
+}
+
+static int tear_down(void **unused) {
+  (void)unused;
+  if (problem) return 0;
+  free_fixture(&running);
+  const uint32_t before = device.validation_messages;
+  vulkan_device_close(&device);
+  return device.validation_messages == before ? 0 : 1; // the layers name what was not destroyed
+}
+
+// With images of another size, and no history.
+static fixture *resize_running(uint32_t width, uint32_t height, uint32_t lobes) {
+  need_device();
+  host_images host = make_images(width, height, lobes);
+  if (olx_vulkan_frame_resize(running.frame, &host.targets) != OLX_OK) fail_msg("%s", olx_last_error());
+  host_images_free(&running.host);
+  running.host = host;
+  return &running;
+}
+
+static void assert_silent(const fixture *f) { assert_int_equal(device.validation_messages, f->messages); }
 
 static host_view view_of_frame(const fixture *f, uint32_t frame, olx_vec2 shift) {
   const float t = (float)frame;
@@ -329,63 +363,63 @@ static void compare_frames(fixture *f, const olx_denoise_settings *filters, olx_
 
 static void frames_are_those_of_the_cpu(void **unused) {
   (void)unused;
-  fixture f = make_fixture(WIDTH, HEIGHT, BOTH, true);
+  fixture *f = resize_running(WIDTH, HEIGHT, BOTH);
   const olx_denoise_settings adaptive = olx_denoise_settings_default(), published = olx_denoise_settings_published();
-  compare_frames(&f, &adaptive, (olx_vec2){0, 0}, false);
-  compare_frames(&f, &adaptive, (olx_vec2){0, 0}, true);
-  compare_frames(&f, &published, (olx_vec2){0, 0}, true);
-  compare_frames(&f, &adaptive, (olx_vec2){3, -2}, true); // as a jittered projection does
-  free_fixture(&f);
+  compare_frames(f, &adaptive, (olx_vec2){0, 0}, false);
+  compare_frames(f, &adaptive, (olx_vec2){0, 0}, true);
+  compare_frames(f, &published, (olx_vec2){0, 0}, true);
+  compare_frames(f, &adaptive, (olx_vec2){3, -2}, true); // as a jittered projection does
+  assert_silent(f);
 }
 
 static void any_number_of_frames_may_be_recorded_ahead(void **unused) {
   (void)unused;
-  fixture f = make_fixture(WIDTH, HEIGHT, BOTH, true);
+  fixture *f = resize_running(WIDTH, HEIGHT, BOTH);
   const olx_denoise_settings filters = olx_denoise_settings_default();
-  const host_view view = view_of_frame(&f, 0, (olx_vec2){0, 0});
+  const host_view view = view_of_frame(f, 0, (olx_vec2){0, 0});
   const olx_vulkan_view vulkan_view = host_vulkan_view(&view);
   olx_vulkan_settings settings = settings_of(&filters, BOTH);
-  for (uint32_t frame = 0; frame < 5; frame++) run_frame(&f, &view, &settings, frame);
+  for (uint32_t frame = 0; frame < 5; frame++) run_frame(f, &view, &settings, frame);
   const size_t bytes = (size_t)16 * WIDTH * HEIGHT * 2;
   void *apart = malloc(bytes);
   assert_non_null(apart);
-  memcpy(apart, f.host.staging.mapped, bytes);
+  memcpy(apart, f->host.staging.mapped, bytes);
   assert_int_equal(device_commands_begin(&device), VK_SUCCESS);
-  host_upload(&f.host, &view);
-  for (uint32_t frame = 0; frame < 5; frame++) record_frame(&f, &vulkan_view, &settings, frame);
-  host_download(&f.host);
+  host_upload(&f->host, &view);
+  for (uint32_t frame = 0; frame < 5; frame++) record_frame(f, &vulkan_view, &settings, frame);
+  host_download(&f->host);
   assert_int_equal(device_commands_run(&device), VK_SUCCESS);
   for (uint32_t i = 0; i < 2; i++) { // irradiance and glossy light
     const size_t at = (size_t)16 * WIDTH * HEIGHT * i;
-    assert_memory_equal((char *)apart + at, (char *)f.host.staging.mapped + at, (size_t)8 * WIDTH * HEIGHT);
+    assert_memory_equal((char *)apart + at, (char *)f->host.staging.mapped + at, (size_t)8 * WIDTH * HEIGHT);
   }
   free(apart);
-  free_fixture(&f);
+  assert_silent(f);
 }
 
 static void glossy_light_alone_needs_no_other_history(void **unused) {
   (void)unused;
-  fixture f = make_fixture(WIDTH, HEIGHT, OLX_VULKAN_LOBE_GLOSSY, true);
+  fixture *f = resize_running(WIDTH, HEIGHT, OLX_VULKAN_LOBE_GLOSSY);
   cpu_denoiser *c = make_cpu_denoiser();
   const olx_denoise_settings filters = olx_denoise_settings_default();
   olx_vulkan_settings settings = settings_of(&filters, OLX_VULKAN_LOBE_GLOSSY);
   for (uint32_t frame = 0; frame < 3; frame++) {
-    const host_view view = view_of_frame(&f, frame, (olx_vec2){0, 0});
-    run_frame(&f, &view, &settings, frame);
-    run_cpu_frame(c, f.field, &view, &filters, frame);
+    const host_view view = view_of_frame(f, frame, (olx_vec2){0, 0});
+    run_frame(f, &view, &settings, frame);
+    run_cpu_frame(c, f->field, &view, &filters, frame);
     double errors[2];
-    judge(&f, c, &view, errors);
+    judge(f, c, &view, errors);
     assert_true(errors[1] < 1e-5 && errors[0] > 1e-3); // diffuse light comes as its ray found it
   }
   free_cpu_denoiser(c);
-  free_fixture(&f);
+  assert_silent(f);
 }
 
 // ---- sizes
 
 static void memory_is_told_before(void **unused) {
   (void)unused;
-  fixture f = make_fixture(WIDTH, HEIGHT, 0, false);
+  fixture f = make_fixture(WIDTH, HEIGHT, 0);
   olx_vulkan_sizes sizes;
   assert_int_equal(olx_vulkan_frame_measure(f.uploaded, &f.host.targets, &sizes), OLX_OK);
   assert_true(sizes.device_bytes == 0 && sizes.allocations == 0 && f.frame->history.memory == VK_NULL_HANDLE);
@@ -402,35 +436,29 @@ static void memory_is_told_before(void **unused) {
 
 static void any_size_begins_anew(void **unused) {
   (void)unused;
-  fixture f = make_fixture(1, 1, BOTH, true);
   const olx_denoise_settings filters = olx_denoise_settings_published();
-  const uint32_t sizes[][2] = {{1, 1}, {1, 70}, {640, 2}, {500, 400}, {1, 1}};
+  const uint32_t sizes[][2] = {{1, 1}, {1, 70}, {640, 2}, {130, 101}, {1, 1}};
   for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
-    host_images other = host_images_make(&device, sizes[i][0], sizes[i][1], VK_FORMAT_R32G32B32A32_SFLOAT);
-    other.targets.denoise = BOTH;
-    other.targets.passes = PASSES;
-    if (olx_vulkan_frame_resize(f.frame, &other.targets) != OLX_OK) fail_msg("%s", olx_last_error());
-    host_images_free(&f.host);
-    f.host = other;
+    fixture *f = resize_running(sizes[i][0], sizes[i][1], BOTH);
     olx_vulkan_settings settings = settings_of(&filters, BOTH);
     settings.sample.select = OLX_SELECT_CAGE;
     for (uint32_t frame = 0; frame < 2; frame++) {
-      const host_view view = view_of_frame(&f, frame, (olx_vec2){0, 0});
-      run_frame(&f, &view, &settings, frame);
-      for (uint32_t k = 0; k < 2 * f.host.width * f.host.height; k++) {
+      const host_view view = view_of_frame(f, frame, (olx_vec2){0, 0});
+      run_frame(f, &view, &settings, frame);
+      for (uint32_t k = 0; k < 2 * f->host.width * f->host.height; k++) {
         float alpha;
-        assert_true(olx_finite(host_output(&f.host, k & 1, k / 2, &alpha)));
+        assert_true(olx_finite(host_output(&f->host, k & 1, k / 2, &alpha)));
       }
     }
+    assert_silent(f);
   }
-  free_fixture(&f);
 }
 
 // ---- what goes wrong
 
 static void wrong_settings_are_refused(void **unused) {
   (void)unused;
-  fixture f = make_fixture(8, 8, OLX_VULKAN_LOBE_GLOSSY, false);
+  fixture f = make_fixture(8, 8, OLX_VULKAN_LOBE_GLOSSY);
   const host_view view = view_of_frame(&f, 0, (olx_vec2){0, 0});
   const olx_vulkan_view good = host_vulkan_view(&view);
   const olx_denoise_settings filters = olx_denoise_settings_default();
@@ -464,7 +492,7 @@ static void wrong_settings_are_refused(void **unused) {
 
 static void a_device_with_too_small_images_is_refused(void **unused) {
   (void)unused;
-  fixture f = make_fixture(32, 8, BOTH, false);
+  fixture f = make_fixture(32, 8, BOTH);
   f.uploaded->context.limits.maxImageDimension2D = 31;
   olx_vulkan_sizes sizes;
   assert_int_equal(olx_vulkan_frame_measure(f.uploaded, &f.host.targets, &sizes), OLX_ERROR_UNSUPPORTED);
@@ -495,7 +523,7 @@ static void create_failing(fixture *f, VkResult result, olx_result expected, int
 
 static void a_frame_that_fails_at_any_call_leaves_nothing_behind(void **unused) {
   (void)unused;
-  fixture f = make_fixture(8, 8, BOTH, false);
+  fixture f = make_fixture(8, 8, BOTH);
   create_failing(&f, VK_ERROR_OUT_OF_DEVICE_MEMORY, OLX_ERROR_MEMORY, 1);
   create_failing(&f, VK_ERROR_OUT_OF_HOST_MEMORY, OLX_ERROR_MEMORY, 7);
   create_failing(&f, VK_ERROR_DEVICE_LOST, OLX_ERROR_GPU, 7);
@@ -504,32 +532,33 @@ static void a_frame_that_fails_at_any_call_leaves_nothing_behind(void **unused) 
 
 static void a_frame_that_cannot_grow_stays_as_it_is(void **unused) {
   (void)unused;
-  fixture f = make_fixture(WIDTH, HEIGHT, BOTH, true);
+  fixture *f = resize_running(WIDTH, HEIGHT, BOTH);
   cpu_denoiser *c = make_cpu_denoiser();
   const olx_denoise_settings filters = olx_denoise_settings_default();
   olx_vulkan_settings settings = settings_of(&filters, BOTH);
-  host_images larger = host_images_make(&device, 2 * WIDTH, HEIGHT, VK_FORMAT_R32G32B32A32_SFLOAT);
-  larger.targets.denoise = BOTH;
-  larger.targets.passes = PASSES;
-  let_calls_fail(&f.uploaded->context.vk);
+  host_images larger = make_images(2 * WIDTH, HEIGHT, BOTH);
+  const olx_vulkan_functions working = f->uploaded->context.vk;
+  let_calls_fail(&f->uploaded->context.vk);
   failure = VK_ERROR_OUT_OF_DEVICE_MEMORY;
   for (uint32_t frame = 0; frame < 4; frame++) {
     calls_left = 0; // the first image
-    assert_int_equal(olx_vulkan_frame_resize(f.frame, &larger.targets), OLX_ERROR_MEMORY);
+    assert_int_equal(olx_vulkan_frame_resize(f->frame, &larger.targets), OLX_ERROR_MEMORY);
     calls_left = 6 + (int)frame; // the memory, or an image's view
-    assert_int_equal(olx_vulkan_frame_resize(f.frame, &larger.targets), OLX_ERROR_MEMORY);
-    const host_view view = view_of_frame(&f, frame, (olx_vec2){0, 0});
-    run_frame(&f, &view, &settings, frame);
-    run_cpu_frame(c, f.field, &view, &filters, frame);
+    assert_int_equal(olx_vulkan_frame_resize(f->frame, &larger.targets), OLX_ERROR_MEMORY);
+    const host_view view = view_of_frame(f, frame, (olx_vec2){0, 0});
+    run_frame(f, &view, &settings, frame);
+    run_cpu_frame(c, f->field, &view, &filters, frame);
     double errors[2];
-    judge(&f, c, &view, errors);
+    judge(f, c, &view, errors);
     assert_true(errors[0] < 1e-5 && errors[1] < 1e-5);
   }
   calls_left = 1000;
-  assert_int_equal(olx_vulkan_frame_resize(f.frame, &larger.targets), OLX_OK);
+  assert_int_equal(olx_vulkan_frame_resize(f->frame, &larger.targets), OLX_OK);
+  assert_int_equal(olx_vulkan_frame_resize(f->frame, &f->host.targets), OLX_OK);
+  f->uploaded->context.vk = working;
   host_images_free(&larger);
   free_cpu_denoiser(c);
-  free_fixture(&f);
+  assert_silent(f);
 }
 
 int main(void) {
@@ -544,5 +573,5 @@ int main(void) {
       cmocka_unit_test(a_frame_that_fails_at_any_call_leaves_nothing_behind),
       cmocka_unit_test(a_frame_that_cannot_grow_stays_as_it_is),
   };
-  return cmocka_run_group_tests(tests, open_device, close_device);
+  return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -279,7 +279,7 @@ static void overrides_hold_while_probes_move(void **state) {
   for (int method = OLX_PLACE_SDF; method <= OLX_PLACE_MEDIAL; method++) {
     for (int how = OLX_OPTIMIZE_NONE; how <= OLX_OPTIMIZE_GIBBS; how++) {
       olx_scene *scene = load_ruled_room();
-      olx_place_settings settings = quick_settings(scene, (olx_place_method)method);
+      olx_place_settings settings = quicker_settings(scene, (olx_place_method)method);
       settings.optimize = (olx_place_optimizer)how;
       settings.count = 5;
       olx_probe_set set = place(scene, &settings);
@@ -303,7 +303,7 @@ static void no_probe_is_inside_geometry(void **state) {
     olx_scene *scene = load(names[k]);
     for (int method = OLX_PLACE_SDF; method <= OLX_PLACE_MEDIAL; method++) {
       for (int how = OLX_OPTIMIZE_NONE; how <= OLX_OPTIMIZE_GIBBS; how++) {
-        olx_place_settings settings = quick_settings(scene, (olx_place_method)method);
+        olx_place_settings settings = quicker_settings(scene, (olx_place_method)method);
         settings.optimize = (olx_place_optimizer)how;
         settings.count = 8;
         olx_probe_set set = place(scene, &settings);
@@ -341,7 +341,7 @@ static void threads_and_runs_do_not_matter(void **state) {
       const uint32_t threads[4] = {1, 1, 2, 5};
       size_t size = 0;
       for (int i = 0; i < 4; i++) {
-        olx_place_settings settings = quick_settings(scene, (olx_place_method)method);
+        olx_place_settings settings = quicker_settings(scene, (olx_place_method)method);
         settings.optimize = (olx_place_optimizer)how;
         settings.rounds = 2;
         settings.count = 4;

@@ -12,6 +12,6 @@ step "build: clang, release" configure_and_build release-clang &&
   tests release-clang "tests: clang, release" -L check -LE once
 step "build: address and undefined sanitizers" configure_and_build asan &&
   tests asan "tests: address and undefined sanitizers" -L 'check|full_sanitized' -LE once
-step "build: thread sanitizer" configure_and_build tsan &&
+step "build: thread sanitizer" configure_and_build tsan threads-tests &&
   tests tsan "tests: thread sanitizer" -L threads
 finish

@@ -6,6 +6,6 @@ source "$(dirname "$0")/steps.sh"
 step "packages" scripts/install-packages.sh
 step "layers, names, words" python3 scripts/check_layers.py
 step "build: gcc, release" configure_and_build release && tests release "tests: gcc, release" -L check
-step "build: address and undefined sanitizers" configure_and_build asan &&
+step "build: address and undefined sanitizers" configure_and_build asan quick-tests &&
   tests asan "tests: address and undefined sanitizers" -L check -LE "once|long"
 finish

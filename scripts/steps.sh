@@ -25,8 +25,9 @@ step() {
   fi
 }
 
+# configure_and_build PRESET [TARGET]: everything, or what one target needs.
 configure_and_build() {
-  cmake --preset "$1" && cmake --build "build/$1" --parallel "$jobs"
+  cmake --preset "$1" && cmake --build "build/$1" --parallel "$jobs" --target "${2:-all}"
 }
 
 # tests PRESET NAME CTEST-ARGUMENTS...: run CTest in build/PRESET and count every test case.

@@ -4,7 +4,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/expect.sh"
 # What drivers keep cannot be told by name once the loader has unloaded them; test_vulkan looks for leaks.
 export ASAN_OPTIONS="${ASAN_OPTIONS:-}:detect_leaks=0"
 
-"$OCTALUX" bake builtin:cornell-glossy -o cornell.olx --radiance-size 128 --irradiance-size 32 --bounces 1 --select cage,bricks \
+"$OCTALUX" bake builtin:cornell-glossy -o cornell.olx --radiance-size 128 --irradiance-size 16 --bounces 1 --select cage,bricks \
   2>stderr.txt
 
 # compare_devices SCENE FIELD OPTIONS...: every layer agrees, under the validation layers. A run compiles every shader, which takes

@@ -102,8 +102,9 @@ static void add_parallel(const olx_scene_content *content, uint32_t map_size, ol
   const float half_width = 0.5f * width * (1.0f + 4.0f / (float)map_size), depth = e.high[2] - e.low[2];
   const float center_x = 0.5f * (e.low[0] + e.high[0]), center_y = 0.5f * (e.low[1] + e.high[1]);
   for (uint32_t tile = 0; tile < tiles * tiles; tile++) {
-    const float x = center_x + width * ((float)(tile % tiles) + 0.5f - 0.5f * (float)tiles);
-    const float y = center_y + width * ((float)(tile / tiles) + 0.5f - 0.5f * (float)tiles);
+    const uint32_t column = tile % tiles, row = tile / tiles;
+    const float x = center_x + width * ((float)column + 0.5f - 0.5f * (float)tiles);
+    const float y = center_y + width * ((float)row + 0.5f - 0.5f * (float)tiles);
     const float s = 1.0f / half_width, t = -1.0f / (1.02f * depth);
     const float m[16] = {right.x * s,
                          down.x * s,
@@ -281,8 +282,9 @@ static olx_vec3 sky_texel(const olx_environment *e, size_t i) {
 }
 
 static olx_vec3 texel_direction(const olx_environment *e, size_t i) {
-  const float theta = PI * ((float)(i / e->width) + 0.5f) / (float)e->height;
-  const float phi = (((float)(i % e->width) + 0.5f) / (float)e->width - 0.5f) * 2.0f * PI - e->rotation_radians;
+  const size_t column = i % e->width, row = i / e->width;
+  const float theta = PI * ((float)row + 0.5f) / (float)e->height;
+  const float phi = (((float)column + 0.5f) / (float)e->width - 0.5f) * 2.0f * PI - e->rotation_radians;
   return (olx_vec3){sinf(theta) * cosf(phi), cosf(theta), sinf(theta) * sinf(phi)};
 }
 

@@ -43,8 +43,7 @@ bool view_renderer_create(gpu_device *device, const olx_scene *scene, const olx_
   return upload_field(r, field) &&
          rasteriser_create(device, &r->content, &lamps, lit_size[0], lit_size[1], &r->raster) &&
          view_screen_create(device, &r->screen) &&
-         view_passes_create(device, r->field, r->screen.render_pass, &r->passes) &&
-         gpu_timer_create(device, &r->timer);
+         view_passes_create(device, r->field, r->screen.render_pass, &r->passes) && gpu_timer_create(device, &r->timer);
 }
 
 bool view_renderer_relight(view_renderer *r, const olx_scene *scene, const olx_field *field, bool in_step) {
@@ -97,10 +96,17 @@ static bool make_object(view_renderer *r, const view_state *s) {
   return view_object_create(r->device, s->object_roughness, s->object_metallic, &r->object);
 }
 
+static bool same_place(olx_vec3 a, olx_vec3 b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+
+static bool same_view(const olx_vulkan_view *a, const olx_vulkan_view *b) {
+  bool same = same_place(a->eye, b->eye) && a->empty_depth == b->empty_depth;
+  for (uint32_t i = 0; i < 16; i++) same = same && a->clip_to_world[i] == b->clip_to_world[i];
+  return same;
+}
+
 static bool shadows_are_old(const view_renderer *r, const view_state *s) {
   if (!r->shadowed || r->shadow_of_object != s->object) return true;
-  return s->object && (memcmp(&r->object_position, &s->object_position, sizeof s->object_position) != 0 ||
-                       r->object_radius != s->object_radius);
+  return s->object && (!same_place(r->object_position, s->object_position) || r->object_radius != s->object_radius);
 }
 
 static void record_shadows(view_renderer *r, const view_state *s, VkCommandBuffer commands, const draw_item *items,
@@ -149,10 +155,9 @@ static bool history_holds(const view_state *a, const view_state *b) {
 // Gathered frames add up for as long as nothing moves.
 static bool has_moved(const view_renderer *r, const view_state *s, const olx_vulkan_view *view) {
   const view_state *before = &r->history_of;
-  return memcmp(&r->previous, view, sizeof *view) != 0 || s->object != before->object ||
-         memcmp(&s->object_position, &before->object_position, sizeof s->object_position) != 0 ||
-         s->object_radius != before->object_radius || s->object_roughness != before->object_roughness ||
-         s->object_metallic != before->object_metallic;
+  return !same_view(&r->previous, view) || s->object != before->object ||
+         !same_place(s->object_position, before->object_position) || s->object_radius != before->object_radius ||
+         s->object_roughness != before->object_roughness || s->object_metallic != before->object_metallic;
 }
 
 // While light moves, memory is as short as the paper's of glossy light.

@@ -33,8 +33,6 @@ void main() {
   settings.keep_buried = (item.u[2] & 1u) != 0u;
   olx_classic_weights weights;
   switch (row) {
-  case ROW_olx_small_float_unpack: put(olx_small_float_unpack(item.u[3] & 0x7BFu, 6u)); break;
-  case ROW_olx_r11g11b10f_unpack: put(olx_r11g11b10f_unpack(item.u[3] & 0x7BDEF7BFu)); break;
   case ROW_olx_classic_color:
     put(olx_classic_color(olx_classic[OLX_CLASSIC_IRRADIANCE] + (size + 2u) * (size + 2u) * probe, size, random.xy));
     break;

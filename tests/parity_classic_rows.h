@@ -5,16 +5,14 @@
 #define PARITY_CLASSIC_ITEMS 4096 // of every row: a multiple of the workgroup
 #define PARITY_CLASSIC_RESULTS 20 // words an item may give
 
-#define ROW_olx_small_float_unpack 0
-#define ROW_olx_r11g11b10f_unpack 1
-#define ROW_olx_classic_color 2
-#define ROW_olx_classic_vector 3
-#define ROW_olx_classic_parallax 4
-#define ROW_olx_classic_reflectance 5
-#define ROW_olx_classic_side 6
-#define ROW_olx_classic_radiance 7
-#define ROW_olx_classic_weigh 8
-#define ROW_olx_classic_irradiance 9
-#define ROW_olx_classic_glossy 10
+#define ROW_olx_classic_color 0
+#define ROW_olx_classic_vector 1
+#define ROW_olx_classic_parallax 2
+#define ROW_olx_classic_reflectance 3
+#define ROW_olx_classic_side 4
+#define ROW_olx_classic_radiance 5
+#define ROW_olx_classic_weigh 6
+#define ROW_olx_classic_irradiance 7
+#define ROW_olx_classic_glossy 8
 
 #endif

@@ -162,4 +162,29 @@
 #define ROW_olx_tap_weight 142
 #define ROWS_OF_DENOISE 143
 
+#define ROW_olx_hash3 143
+#define ROW_olx_sample_triangle 144
+#define ROW_olx_luminance 145
+#define ROW_olx_texel_direction 146
+#define ROW_olx_border_source 147
+#define ROW_olx_small_float_unpack 148
+#define ROW_olx_r11g11b10f_unpack 149
+#define ROW_olx_small_float_pack 150
+#define ROW_olx_r11g11b10f_pack 151
+#define ROW_olx_bilinear_at 152
+#define ROW_olx_without_border 153
+#define ROW_olx_surface_direction 154
+#define ROW_olx_relit_albedo 155
+#define ROW_olx_known_distance 156
+#define ROW_olx_alike 157
+#define ROW_olx_block_texel 158
+#define ROW_olx_light_varies 159
+#define ROW_olx_spot_falloff 160
+#define ROW_olx_point_light 161
+#define ROW_olx_area_light 162
+#define ROW_olx_aim 163
+#define ROW_olx_correction_cells_at 164
+#define ROW_olx_correction_neighbours 165
+#define ROWS_OF_RELIGHT 166
+
 #endif

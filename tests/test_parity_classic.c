@@ -93,8 +93,6 @@ static void weights(const state *s, result *r) {
 
 // clang-format off
 #define ROW(name, ...) static void row_##name(const state *s, result *r) { __VA_ARGS__; }
-ROW(small_float_unpack, put_f(r, olx_small_float_unpack(s->bits & 0x7BFu, 6)))
-ROW(r11g11b10f_unpack, put_3(r, olx_r11g11b10f_unpack(s->bits & 0x7BDEF7BFu)))
 ROW(classic_color, color(s, r))
 ROW(classic_vector, put_3(r, s->maps->boxes[s->probe].low))
 ROW(classic_parallax, put_3(r, olx_classic_parallax(&s->maps->boxes[s->probe],
@@ -122,8 +120,6 @@ typedef struct parity_row {
 
 // clang-format off
 static const parity_row ROWS[] = {
-    PARITY(small_float_unpack, 0.0f, 0),
-    PARITY(r11g11b10f_unpack, 0.0f, 0),
     PARITY(classic_color, 1e-5f, 0),
     PARITY(classic_vector, 0.0f, 0),
     PARITY(classic_parallax, 1e-4f, 1e-3),

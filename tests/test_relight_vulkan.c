@@ -1,20 +1,14 @@
 // A field on the device that follows a relighter: after all copies it is the field that an upload of the relighter's maps would
 // give, however few bytes a call may copy.
-#include "core/bsdf.h"
-#include "core/sampling.h"
 #include "pinned_drivers.h"
+#include "relit_room.h"
 #include "scene_files.h"
 #include "shade/relighter.h"
-#include "tiny_scenes.h"
-#include "vulkan_host.h"
 
 #include <octalux/bake.h>
 #include <octalux/vulkan.h>
 
-enum { WIDTH = 52, HEIGHT = 36, PIXELS = WIDTH * HEIGHT };
-
 static const analytic_scene ROOM = {.room = {{-1, -1, -1}, {1, 1, 1}}};
-static const host_view VIEW = {.scene = &ROOM, .eye = {0.3f, 0.2f, 0.8f}, .width = WIDTH, .height = HEIGHT};
 static const olx_relight_light LAMP = {
     .type = OLX_RELIGHT_POINT, .emission = {1.0f, 2.0f, 0.5f}, .position = {0.2f, 0.7f, -0.3f}};
 
@@ -83,56 +77,6 @@ static olx_vulkan_field *upload(const olx_field *from) {
   return uploaded;
 }
 
-typedef struct lit_room {
-  host_images images;
-  olx_vulkan_field *uploaded;
-  olx_vulkan_frame *frame;
-} lit_room;
-
-static void render(lit_room *room) {
-  const olx_vulkan_view view = host_vulkan_view(&VIEW);
-  const olx_vulkan_settings settings = olx_vulkan_settings_default();
-  assert_int_equal(device_commands_begin(&device), VK_SUCCESS);
-  host_upload(&room->images, &VIEW);
-  ASSERT_OK(olx_vulkan_record_irradiance(room->frame, device.commands, &view, &settings));
-  ASSERT_OK(olx_vulkan_record_glossy(room->frame, device.commands, &view, &settings));
-  host_download(&room->images);
-  assert_int_equal(device_commands_run(&device), VK_SUCCESS);
-}
-
-static olx_vec3 glossy_light(const olx_field *lit, const host_pixel *p, uint32_t x, uint32_t y) {
-  const olx_sample_settings sample = olx_sample_settings_default();
-  const float metallic = floorf(p->metallic * 255.0f + 0.5f) / 255.0f, w = floorf(p->weight * 255.0f + 0.5f) / 255.0f;
-  const olx_vec3 color =
-      olx_v3(floorf(p->color.x * 255.0f + 0.5f) / 255.0f, floorf(p->color.y * 255.0f + 0.5f) / 255.0f,
-             floorf(p->color.z * 255.0f + 0.5f) / 255.0f);
-  const olx_bsdf bsdf = olx_bsdf_make(color, metallic, p->roughness, w);
-  float weight, half_cosine;
-  const olx_vec2 random = olx_stratified2(0, olx_hash2(olx_hash2(x, y), 0x85EBCA6Bu + 3u));
-  const olx_vec3 radiance =
-      olx_glossy(lit, &sample, p->position, p->normal, p->view, p->roughness, random, &weight, &half_cosine, NULL);
-  return weight > 0.0f ? olx_scale(olx_mul(olx_fresnel(&bsdf, half_cosine), radiance), weight) : olx_splat(0.0f);
-}
-
-// Relative mean squared errors of irradiance and glossy light against what the CPU makes of a field.
-static void judge(const lit_room *room, const olx_field *lit, double errors[2]) {
-  const olx_sample_settings sample = olx_sample_settings_default();
-  double off[2] = {0}, sum[2] = {0};
-  for (uint32_t i = 0; i < PIXELS; i++) {
-    const host_pixel p = host_pixel_at(&VIEW, i % WIDTH, i / WIDTH);
-    if (p.empty) continue;
-    const olx_vec3 truth[2] = {olx_irradiance(lit, &sample, p.position, p.normal, p.view),
-                               glossy_light(lit, &p, i % WIDTH, i / WIDTH)};
-    for (uint32_t k = 0; k < 2; k++) {
-      float alpha;
-      const olx_vec3 d = olx_sub(host_output(&room->images, k, i, &alpha), truth[k]);
-      off[k] += (double)olx_dot(d, d);
-      sum[k] += (double)olx_dot(truth[k], truth[k]);
-    }
-  }
-  for (uint32_t k = 0; k < 2; k++) errors[k] = sum[k] > 0.0 ? off[k] / sum[k] : off[k];
-}
-
 static olx_vulkan_update_stats copy_once(olx_vulkan_update *update) {
   olx_vulkan_update_stats stats;
   assert_int_equal(device_commands_begin(&device), VK_SUCCESS);
@@ -171,12 +115,10 @@ static void copies_end_with_the_maps_of_the_relighter(void **unused) {
   need_device();
   const uint32_t before = device.validation_messages;
   olx_relight *relight = begin_relight();
-  lit_room room = {host_images_make(&device, WIDTH, HEIGHT, VK_FORMAT_R32G32B32A32_SFLOAT), upload(field), NULL};
-  room.images.targets.passes = OLX_VULKAN_PASS_IRRADIANCE | OLX_VULKAN_PASS_GLOSSY;
-  ASSERT_OK(olx_vulkan_frame_create(room.uploaded, &room.images.targets, &room.frame));
+  relit_room room = relit_room_make(&device, field);
   double errors[2];
-  render(&room);
-  judge(&room, field, errors);
+  relit_room_render(&room);
+  relit_room_judge(&room, field, errors);
   assert_true(errors[0] == 0.0 && errors[1] == 0.0); // as baked: dark
   const uint32_t budgets[] = {4 << 20, 10000, 1};
   for (uint32_t i = 0; i < 3; i++) {
@@ -185,15 +127,13 @@ static void copies_end_with_the_maps_of_the_relighter(void **unused) {
     lamp.emission = olx_scale(lamp.emission, 1.0f + (float)i);
     ASSERT_OK(olx_relight_set_lights(relight, &lamp, 1));
     follow(relight, room.uploaded, budgets[i]);
-    judge(&room, olx_relight_field(relight), errors);
+    relit_room_judge(&room, olx_relight_field(relight), errors);
     assert_true(errors[0] > 0.01 && errors[1] > 0.01); // the picture of before
-    render(&room);
-    judge(&room, olx_relight_field(relight), errors);
+    relit_room_render(&room);
+    relit_room_judge(&room, olx_relight_field(relight), errors);
     if (errors[0] > 1e-5 || errors[1] > 1e-5) fail_msg("%u bytes: %g, %g", budgets[i], errors[0], errors[1]);
   }
-  olx_vulkan_frame_destroy(room.frame);
-  host_images_free(&room.images);
-  olx_vulkan_field_destroy(room.uploaded);
+  relit_room_free(&room);
   olx_relight_free(relight);
   assert_int_equal(device.validation_messages, before);
 }

@@ -251,6 +251,51 @@ void olx_vulkan_update_destroy(olx_vulkan_update *update);
 olx_result olx_vulkan_record_update(olx_vulkan_update *update, VkCommandBuffer commands,
                                     olx_vulkan_update_stats *stats);
 
+// ---- Lights that change: frames of a relighter made on the device, as compute passes. The host of a relighter (octalux/relight.h)
+// goes on as before, and calls olx_vulkan_record_relight in the place of olx_relight_frame and olx_vulkan_record_update.
+typedef struct olx_vulkan_relight olx_vulkan_relight;
+
+typedef struct olx_vulkan_relight_settings {
+  uint32_t in_flight; // calls whose commands may be pending together, 1 to 8; default 2
+} olx_vulkan_relight_settings;
+
+olx_vulkan_relight_settings olx_vulkan_relight_settings_default(void);
+
+// What olx_vulkan_relight_create would allocate; staging_bytes counts 8 bytes an irradiance probe and frame in flight that stay.
+// Allocates no memory itself. Fails like olx_vulkan_relight_create.
+olx_result olx_vulkan_relight_measure(olx_vulkan_field *uploaded, olx_relight *relight,
+                                      const olx_vulkan_relight_settings *settings, olx_vulkan_sizes *sizes);
+
+// Take over the frames of a relighter that has made none yet: its state goes to the device, and olx_relight_frame is an error from
+// then on. Lights and settings stay the relighter's: budgets, samples, history, what sleeps. `uploaded` was made from the
+// relighter's field or from the one that it was made from; both must outlive this. OLX_ERROR_ARGUMENT, with a message, for settings
+// out of range, another field, a relighter with frames or with an occlusion function (shadow rays are traced through the field);
+// OLX_ERROR_UNSUPPORTED where a part would not fit into a storage buffer of the device (32 bytes a surface, the largest part, are
+// 512 kB an irradiance probe of 128 x 128 surfaces). Submits to the queue and waits, as creating a field does. On success *created
+// is the caller's to destroy, on failure it is NULL and the relighter as before.
+olx_result olx_vulkan_relight_create(olx_vulkan_field *uploaded, olx_relight *relight,
+                                     const olx_vulkan_relight_settings *settings, olx_vulkan_relight **created);
+// NULL is allowed. Nothing that was recorded with it may be pending. The relighter makes no more frames.
+void olx_vulkan_relight_destroy(olx_vulkan_relight *relight);
+
+// What a frame does.
+typedef struct olx_vulkan_relight_stats {
+  uint32_t irradiance_probes;               // updated
+  uint32_t irradiance_maps, radiance_tiles; // written to the field; a tile is up to 32 x 32 texels of a light field map
+  uint64_t surface_texels, radiance_texels; // lit anew
+  uint32_t awake;     // probes of both kinds that wait, as far as is known
+  uint32_t under_way; // frames, this one too, whose changes are not known yet; they may wake probes
+} olx_vulkan_relight_stats;
+
+// Record one frame, seen from `eye` (metres): schedule here, light there, and the field's maps are those of this frame for all
+// commands after. Call outside a render pass, in a command buffer for the queue on which the field is used; the one that was
+// recorded in_flight calls ago must have finished, because how much its maps have changed is read now. Waits for nothing. The
+// frame waits for all commands before; it has to be submitted, in the order of the calls. Binds compute pipelines, sets 0 and 1,
+// and push constants. Nothing is recorded when nothing is awake. stats may be NULL. With one frame in flight the schedule is
+// that of olx_relight_frame; with more, probes wake so many frames later.
+olx_result olx_vulkan_record_relight(olx_vulkan_relight *relight, VkCommandBuffer commands, olx_vec3 eye,
+                                     olx_vulkan_relight_stats *stats);
+
 #pragma GCC visibility pop
 #ifdef __cplusplus
 }

@@ -19,18 +19,6 @@ struct olx_classic_weights {
   float weight[9];
 };
 
-// Unsigned small float with 5 exponent bits; subnormals are built as numbers, because devices may flush subnormal
-// floats to 0.
-float olx_small_float_unpack(uint packed, uint mantissa) {
-  if (packed < 1u << mantissa) return float(packed) * (1.0 / float(16384u << mantissa));
-  return uintBitsToFloat((packed << (23u - mantissa)) + 0x38000000u);
-}
-
-vec3 olx_r11g11b10f_unpack(uint packed) {
-  return vec3(olx_small_float_unpack(packed & 0x7FFu, 6u), olx_small_float_unpack(packed >> 11 & 0x7FFu, 6u),
-              olx_small_float_unpack(packed >> 22, 5u));
-}
-
 // Bilinear look-up in a bordered map of n x n texels that begins at a word.
 vec3 olx_classic_color(uint map, uint n, vec2 uv) {
   precise vec2 at = uv * float(n) - 0.5;

@@ -17,9 +17,11 @@ struct olx_surface_point {
   vec3 position, normal, view;
 };
 
+#ifndef OLX_OWN_MAPS // else a function of this name, for maps that are not the field's, stands before this file
 vec3 olx_map_irradiance(uint probe, vec2 uv) {
   return textureLod(olx_irradiance_maps, olx_irradiance_coordinate(probe, uv), 0.0).rgb;
 }
+#endif
 
 // Mean and mean square of the distance, in metres.
 vec2 olx_map_moments(uint probe, vec3 direction) {

@@ -40,4 +40,14 @@ float olx_texel_solid_angle_near(vec2 uv, uint n) {
   return 4.0 / (float(n) * float(n) * length * length * length);
 }
 
+// Direction through the centre of a texel of a map with n texels a side.
+vec3 olx_texel_direction(uvec2 texel, uint n) { return olx_octahedral_decode((vec2(texel) + 0.5) / float(n)); }
+
+// The texel inside the map that a texel of the one-texel border repeats: x, y from -1 to n.
+ivec2 olx_border_source(ivec2 at, int n) {
+  if (at.x < 0 || at.x >= n) at = ivec2(at.x < 0 ? -1 - at.x : 2 * n - 1 - at.x, n - 1 - at.y);
+  if (at.y < 0 || at.y >= n) at = ivec2(n - 1 - at.x, at.y < 0 ? -1 - at.y : 2 * n - 1 - at.y);
+  return at;
+}
+
 #endif

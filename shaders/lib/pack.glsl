@@ -1,4 +1,4 @@
-// Twin of src/core/pack.h: the packed formats of a field, as far as the texture units do not unpack them.
+// Twin of src/core/pack.h: the packed formats of a field, where texture units do not unpack them.
 #ifndef OLX_PACK_GLSL
 #define OLX_PACK_GLSL
 
@@ -16,6 +16,35 @@ float olx_half_unpack(uint h) {
 vec3 olx_normal_unpack(uint packed) {
   precise vec2 uv = vec2(float(packed & 0xFFu), float(packed >> 8)) * (1.0 / 254.0);
   return olx_octahedral_decode(uv);
+}
+
+// Unsigned small float with 5 exponent bits; subnormals are built as numbers, because devices may flush subnormal
+// floats to 0.
+float olx_small_float_unpack(uint packed, uint mantissa) {
+  if (packed < 1u << mantissa) return float(packed) * (1.0 / float(16384u << mantissa));
+  return uintBitsToFloat((packed << (23u - mantissa)) + 0x38000000u);
+}
+
+vec3 olx_r11g11b10f_unpack(uint packed) {
+  return vec3(olx_small_float_unpack(packed & 0x7FFu, 6u), olx_small_float_unpack(packed >> 11 & 0x7FFu, 6u),
+              olx_small_float_unpack(packed >> 22, 5u));
+}
+
+// To nearest. Negative numbers and NaN become 0; what is too large becomes the largest finite value.
+uint olx_small_float_pack(float f, uint mantissa) {
+  if (!(f > 0.0)) return 0u;
+  uint shift = 23u - mantissa, largest = (31u << mantissa) - 1u, bits = floatBitsToUint(f), packed;
+  if (f < 1.0 / 16384.0) {
+    packed = uint(roundEven(f * float(16384u << mantissa)));
+  } else {
+    if (bits >= 0x7F800000u) return largest;
+    packed = (bits - 0x38000000u + (1u << (shift - 1u)) - 1u + (bits >> shift & 1u)) >> shift;
+  }
+  return min(packed, largest);
+}
+
+uint olx_r11g11b10f_pack(vec3 c) {
+  return olx_small_float_pack(c.x, 6u) | olx_small_float_pack(c.y, 6u) << 11 | olx_small_float_pack(c.z, 5u) << 22;
 }
 
 #endif

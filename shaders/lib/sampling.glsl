@@ -13,6 +13,8 @@ uint olx_hash(uint x) {
 
 uint olx_hash2(uint a, uint b) { return olx_hash(a ^ (olx_hash(b) + 0x9E3779B9u)); }
 
+uint olx_hash3(uint a, uint b, uint c) { return olx_hash2(olx_hash2(a, b), c); }
+
 // 24 bits to [0, 1).
 float olx_unit_float(uint bits) { return float(bits >> 8) * (1.0 / 16777216.0); }
 
@@ -49,6 +51,12 @@ vec2 olx_stratified2(uint i, uint seed) {
 vec3 olx_sample_cosine(vec2 random) {
   float r = sqrt(random.x), phi = 2.0 * OLX_PI * random.y;
   return vec3(r * cos(phi), r * sin(phi), sqrt(max(0.0, 1.0 - random.x)));
+}
+
+// Barycentric coordinates (of the second and third corner), uniform over a triangle.
+vec2 olx_sample_triangle(vec2 random) {
+  float s = sqrt(random.x);
+  return vec2(s * (1.0 - random.y), s * random.y);
 }
 
 #endif

@@ -27,6 +27,9 @@ vec3 olx_normalize(vec3 a) {
   return length > 0.0 ? a * (1.0 / length) : a;
 }
 
+// Rec.709 luminance.
+float olx_luminance(vec3 c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
+
 // Two unit vectors that complete the unit vector n to a right-handed orthonormal basis (Duff et al. 2017).
 void olx_basis(vec3 n, out vec3 tangent, out vec3 bitangent) {
   float s = n.z >= 0.0 ? 1.0 : -1.0, a = -1.0 / (s + n.z), b = n.x * n.y * a;

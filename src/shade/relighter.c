@@ -8,7 +8,6 @@
 #include <string.h>
 
 enum {
-  MOST_LIGHTS = 256,
   INITIAL_FIT_STEPS = 48,
   FIT_FRAMES = 8,
   BLOCK_SIDE = 2,
@@ -238,7 +237,7 @@ static void fill_tile_borders(olx_relight *r) {
   }
 }
 
-static uint32_t count_awake(const olx_relight *r) {
+uint32_t olx_relit_count_awake(const olx_relight *r) {
   uint32_t awake = r->current != UINT32_MAX;
   for (uint32_t kind = 0; kind < 2; kind++) {
     for (uint32_t i = 0; i < r->counts[kind]; i++) {
@@ -249,33 +248,47 @@ static uint32_t count_awake(const olx_relight *r) {
   return awake;
 }
 
-// Irradiance maps, fitted, of what the surfaces now send.
-static olx_result update_maps(olx_relight *r) {
-  const uint32_t threads = r->settings.threads;
+bool olx_relit_fits(olx_relight *r) {
   if (r->scheduled_count) r->fit_frames = FIT_FRAMES;
-  if (r->fit_frames == 0) return OLX_OK;
+  if (r->fit_frames == 0) return false;
   r->fit_frames--;
-  OLX_TRY(olx_parallel_for(r->scheduled_count, threads, map_job, r, NULL, 0));
-  OLX_TRY(olx_relit_fit_solve(r, r->settings.fit_steps));
-  OLX_TRY(olx_parallel_for(r->counts[0], threads, finish_job, r, NULL, 0));
+  return true;
+}
+
+void olx_relit_count_updates(olx_relight *r) {
   for (uint32_t i = 0; i < r->scheduled_count; i++) {
     olx_relit_probe *probe = &r->probes[0][r->scheduled[i]];
     probe->rounds++;
     probe->updates++;
     probe->last_frame = r->frame;
   }
+}
+
+// Irradiance maps, fitted, of what the surfaces now send.
+static olx_result update_maps(olx_relight *r) {
+  const uint32_t threads = r->settings.threads;
+  if (!olx_relit_fits(r)) return OLX_OK;
+  OLX_TRY(olx_parallel_for(r->scheduled_count, threads, map_job, r, NULL, 0));
+  OLX_TRY(olx_relit_fit_solve(r, r->settings.fit_steps));
+  OLX_TRY(olx_parallel_for(r->counts[0], threads, finish_job, r, NULL, 0));
+  olx_relit_count_updates(r);
   olx_relit_pass_on(r);
   return OLX_OK;
 }
 
-olx_result olx_relight_frame(olx_relight *r, olx_vec3 eye, olx_relight_stats *stats) {
-  assert(r);
-  const double start = olx_seconds();
+void olx_relit_begin_frame(olx_relight *r, olx_vec3 eye) {
   r->frame++;
-  atomic_store(&r->shadow_rays, 0);
-  atomic_store(&r->lookups, 0);
   if (!olx_finite(eye)) eye = olx_scale(olx_add(r->field.info.scene_min, r->field.info.scene_max), 0.5f);
   olx_relit_schedule(r, eye);
+}
+
+olx_result olx_relight_frame(olx_relight *r, olx_vec3 eye, olx_relight_stats *stats) {
+  assert(r);
+  if (r->on_device) return olx_fail(OLX_ERROR_ARGUMENT, "relight: its frames are made on a device");
+  const double start = olx_seconds();
+  atomic_store(&r->shadow_rays, 0);
+  atomic_store(&r->lookups, 0);
+  olx_relit_begin_frame(r, eye);
   const uint32_t threads = r->settings.threads;
   OLX_TRY(olx_parallel_for(r->scheduled_count * batches_of(r), threads, surfaces_job, r, NULL, 0));
   OLX_TRY(olx_parallel_for(r->tile_count, threads, texels_job, r, NULL, 0));
@@ -287,7 +300,7 @@ olx_result olx_relight_frame(olx_relight *r, olx_vec3 eye, olx_relight_stats *st
                                  .radiance_texels = (uint64_t)r->tile_count * r->tile_side * r->tile_side,
                                  .shadow_rays = atomic_load(&r->shadow_rays),
                                  .lookups = atomic_load(&r->lookups),
-                                 .awake = count_awake(r),
+                                 .awake = olx_relit_count_awake(r),
                                  .seconds = olx_seconds() - start};
   }
   return OLX_OK;
@@ -305,7 +318,7 @@ static bool is_light(const olx_relight_light *l) {
 
 olx_result olx_relight_set_lights(olx_relight *r, const olx_relight_light *lights, uint32_t count) {
   assert(r && (lights || count == 0));
-  if (count > MOST_LIGHTS) return olx_fail(OLX_ERROR_ARGUMENT, "relight: %u lights: at most %d", count, MOST_LIGHTS);
+  if (count > OLX_RELIT_MOST_LIGHTS) return olx_fail(OLX_ERROR_ARGUMENT, "relight: %u lights: at most %d", count, OLX_RELIT_MOST_LIGHTS);
   for (uint32_t i = 0; i < count; i++) {
     if ((uint32_t)lights[i].type > OLX_RELIGHT_SKY || !is_light(&lights[i])) {
       return olx_fail(OLX_ERROR_ARGUMENT, "relight: light %u: its type, a number or a direction is out of range", i);
@@ -313,6 +326,7 @@ olx_result olx_relight_set_lights(olx_relight *r, const olx_relight_light *light
   }
   if (count) memcpy(r->lights, lights, count * sizeof *lights);
   r->light_count = count;
+  r->light_changes++;
   r->field.info.scene_hash = 0;
   r->varying = false;
   for (uint32_t i = 0; i < count; i++) r->varying |= lights[i].type >= OLX_RELIGHT_RECT;
@@ -391,7 +405,7 @@ static void choose_sizes(olx_relight *r) {
 
 static olx_result allocate_maps(olx_relight *r) {
   const size_t probes = r->counts[0], surfaces = probes * r->surfaces;
-  r->lights = olx_allocate(MOST_LIGHTS, sizeof *r->lights);
+  r->lights = olx_allocate(OLX_RELIT_MOST_LIGHTS, sizeof *r->lights);
   r->scheduled = olx_allocate(r->scheduled_most, sizeof *r->scheduled);
   r->in_frame = olx_allocate_zero(probes, sizeof *r->in_frame);
   r->tiles = olx_allocate(r->tile_most, sizeof *r->tiles);

@@ -9,6 +9,7 @@
 #include <octalux/relight.h>
 
 enum {
+  OLX_RELIT_MOST_LIGHTS = 256,
   OLX_RELIT_BATCH = 256,     // surfaces that are lit together
   OLX_RELIT_TILE_SIDE = 32,  // texels of a light field map that are scheduled together, at most
   OLX_RELIT_MAP_MOST = 32,   // texels along a side of the maps that probes gather from
@@ -60,8 +61,10 @@ struct olx_relight {
   float near_metres;
   olx_relight_light *lights;
   uint32_t light_count;
-  bool varying; // some light has an area
+  bool varying;           // some light has an area
+  uint32_t light_changes; // how often lights were given
   uint32_t frame;
+  bool on_device; // frames are made there: of these probes' state, only the schedule's is kept up to date
 
   olx_relit_probe *probes[2]; // irradiance, light field
   uint32_t counts[2];
@@ -97,6 +100,16 @@ struct olx_relight {
   atomic_uint_fast64_t shadow_rays, lookups, texels;
 };
 
+// ---- A frame (relighter.c)
+
+// Its schedule.
+void olx_relit_begin_frame(olx_relight *relight, olx_vec3 eye);
+// Whether there are maps to be fitted in this frame; asked once a frame.
+bool olx_relit_fits(olx_relight *relight);
+// Count the updates of scheduled irradiance probes, whose maps are done.
+void olx_relit_count_updates(olx_relight *relight);
+uint32_t olx_relit_count_awake(const olx_relight *relight);
+
 // ---- Light of lights (relighter_light.c)
 
 typedef struct olx_relit_batch {
@@ -106,6 +119,8 @@ typedef struct olx_relit_batch {
   uint32_t slot[OLX_RELIT_BATCH];                            // whose it is
   olx_vec3 fixed[OLX_RELIT_BATCH], varying[OLX_RELIT_BATCH]; // irradiance of lights without and with an area
 } olx_relit_batch;
+
+static inline bool olx_relit_varies(const olx_relight_light *light) { return light->type >= OLX_RELIGHT_RECT; }
 
 // The irradiance of lights that do not vary, if `fixed`, and of those that do, if `varying`.
 void olx_relit_direct(olx_relight *relight, olx_relit_batch *batch, bool fixed, bool varying);
@@ -127,6 +142,8 @@ olx_result olx_relit_make_quadrature(olx_relight *relight);
 void olx_relit_gather(olx_relight *relight, uint32_t probe, float history);
 // maps from exact maps and corrections; and into the field what changed.
 void olx_relit_finish_map(olx_relight *relight, uint32_t probe);
+// Whether a map that is not scheduled has changed enough to be packed again; `sum` is its luminance over all texels.
+bool olx_relit_pack_due(const olx_relight *relight, uint32_t probe, float sum);
 // Working maps from what the field has.
 void olx_relit_read_map(olx_relight *relight, uint32_t probe);
 void olx_relit_fill_border(uint32_t *map, uint32_t n);

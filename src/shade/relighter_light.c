@@ -15,8 +15,6 @@ typedef struct light_rays {
   uint8_t occluded[OLX_RELIT_BATCH];
 } light_rays;
 
-static bool varies(const olx_relight_light *light) { return light->type >= OLX_RELIGHT_RECT; }
-
 static float spot_falloff(const olx_relight_light *light, float cosine) {
   if (cosine <= light->cosine_outer) return 0.0f;
   if (cosine >= light->cosine_inner) return 1.0f;
@@ -86,7 +84,7 @@ static void trace_occlusion(const olx_relight *relight, light_rays *rays) {
 
 static void light_by(olx_relight *relight, olx_relit_batch *batch, uint32_t index, uint32_t sample, light_rays *rays) {
   const olx_relight_light *light = &relight->lights[index];
-  const bool area = varies(light);
+  const bool area = olx_relit_varies(light);
   const uint32_t samples = area ? relight->settings.light_samples : 1;
   rays->count = 0;
   for (uint32_t i = 0; i < batch->count; i++) {
@@ -115,7 +113,7 @@ void olx_relit_direct(olx_relight *relight, olx_relit_batch *batch, bool fixed, 
   light_rays rays;
   for (uint32_t i = 0; i < batch->count; i++) batch->fixed[i] = batch->varying[i] = olx_splat(0.0f);
   for (uint32_t index = 0; index < relight->light_count; index++) {
-    const bool area = varies(&relight->lights[index]);
+    const bool area = olx_relit_varies(&relight->lights[index]);
     if (!(area ? varying : fixed)) continue;
     const uint32_t samples = area ? relight->settings.light_samples : 1;
     for (uint32_t sample = 0; sample < samples; sample++) light_by(relight, batch, index, sample, &rays);

@@ -128,6 +128,10 @@ static void pack_map(olx_relight *r, uint32_t probe) {
   r->map_frames[probe] = r->frame;
 }
 
+bool olx_relit_pack_due(const olx_relight *r, uint32_t probe, float sum) {
+  return r->unpacked[probe] > PACK_CHANGE * sum;
+}
+
 void olx_relit_finish_map(olx_relight *r, uint32_t probe) {
   const uint32_t n = r->map_size;
   const olx_vec3 *exact = r->exact + (size_t)n * n * probe;
@@ -149,7 +153,7 @@ void olx_relit_finish_map(olx_relight *r, uint32_t probe) {
   if (changed == 0.0f) return;
   fill_map_border(map, n);
   r->unpacked[probe] += changed;
-  if (r->in_frame[probe] || r->unpacked[probe] > PACK_CHANGE * sum) pack_map(r, probe);
+  if (r->in_frame[probe] || olx_relit_pack_due(r, probe, sum)) pack_map(r, probe);
 }
 
 void olx_relit_read_map(olx_relight *r, uint32_t probe) {

@@ -96,30 +96,13 @@ static olx_result create_buffer(olx_vulkan_classic *classic) {
                           "vkBindBufferMemory", WHAT);
 }
 
-static olx_result upload_words(olx_vulkan_classic *classic, olx_uploader *uploader, const void *data, uint64_t words,
-                               uint32_t to) {
-  const uint64_t bytes = words * sizeof(uint32_t);
-  for (uint64_t done = 0; done < bytes;) {
-    const uint64_t rest = bytes - done;
-    const uint32_t part = rest < OLX_STAGING_SLOT_BYTES ? (uint32_t)rest : OLX_STAGING_SLOT_BYTES;
-    void *memory;
-    VkDeviceSize offset;
-    VkCommandBuffer commands;
-    OLX_TRY(olx_uploader_reserve(uploader, part, &memory, &offset, &commands));
-    memcpy(memory, (const char *)data + done, part);
-    const VkBufferCopy region = {offset, to * sizeof(uint32_t) + done, part};
-    classic->field->context.vk.CmdCopyBuffer(commands, uploader->buffer, classic->buffer, 1, &region);
-    done += part;
-  }
-  return OLX_OK;
-}
-
 static olx_result upload_parts(olx_vulkan_classic *classic, const olx_field *field, olx_uploader *uploader) {
   classic_part parts[PARTS];
   list_parts(field, parts);
-  OLX_TRY(upload_words(classic, uploader, classic->header, OLX_CLASSIC_HEADER_WORDS, 0));
+  OLX_TRY(olx_uploader_copy(uploader, classic->header, sizeof classic->header, classic->buffer, 0));
   for (uint32_t i = 0; i < PARTS; i++) {
-    OLX_TRY(upload_words(classic, uploader, parts[i].data, parts[i].words, classic->header[parts[i].header]));
+    OLX_TRY(olx_uploader_copy(uploader, parts[i].data, parts[i].words * sizeof(uint32_t), classic->buffer,
+                              classic->header[parts[i].header] * sizeof(uint32_t)));
   }
   void *memory;
   VkDeviceSize offset;

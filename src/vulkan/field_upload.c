@@ -26,23 +26,6 @@ static void transition(const olx_vulkan_field *gpu, VkCommandBuffer commands, Vk
                                      first ? 0 : 1, &buffer, 0, NULL, OLX_GPU_MAPS, barriers);
 }
 
-static olx_result upload_buffer(olx_vulkan_field *gpu, olx_uploader *uploader, const void *data, VkDeviceSize bytes,
-                                VkDeviceSize to) {
-  for (VkDeviceSize done = 0; done < bytes;) {
-    const VkDeviceSize rest = bytes - done;
-    const uint32_t part = rest < OLX_STAGING_SLOT_BYTES ? (uint32_t)rest : OLX_STAGING_SLOT_BYTES;
-    void *memory;
-    VkDeviceSize offset;
-    VkCommandBuffer commands;
-    OLX_TRY(olx_uploader_reserve(uploader, part, &memory, &offset, &commands));
-    memcpy(memory, (const char *)data + done, part);
-    const VkBufferCopy region = {offset, to + done, part};
-    gpu->context.vk.CmdCopyBuffer(commands, uploader->buffer, gpu->buffer, 1, &region);
-    done += part;
-  }
-  return OLX_OK;
-}
-
 // Rows of one map, as many at a time as fit into the staging slot.
 static olx_result upload_map(olx_vulkan_field *gpu, olx_uploader *uploader, const olx_gpu_maps *maps, uint32_t map) {
   const uint32_t row_bytes = maps->stride * maps->texel_bytes, most = OLX_STAGING_SLOT_BYTES / row_bytes;
@@ -79,7 +62,7 @@ static olx_result upload_probes(olx_vulkan_field *gpu, olx_uploader *uploader, c
       const olx_vec3 p = positions[first + i];
       probes[i] = (olx_gpu_probe){p.x, p.y, p.z, flags[first + i]};
     }
-    OLX_TRY(upload_buffer(gpu, uploader, probes, part * sizeof probes[0], to + first * sizeof probes[0]));
+    OLX_TRY(olx_uploader_copy(uploader, probes, part * sizeof probes[0], gpu->buffer, to + first * sizeof probes[0]));
   }
   return OLX_OK;
 }
@@ -90,15 +73,16 @@ static olx_result upload_everything(olx_vulkan_field *gpu, const olx_field *fiel
   VkCommandBuffer commands;
   OLX_TRY(olx_uploader_reserve(uploader, 0, &memory, &offset, &commands));
   transition(gpu, commands, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-  OLX_TRY(upload_buffer(gpu, uploader, &gpu->constants, sizeof gpu->constants, 0));
+  OLX_TRY(olx_uploader_copy(uploader, &gpu->constants, sizeof gpu->constants, gpu->buffer, 0));
   OLX_TRY(upload_probes(gpu, uploader, field->probe_positions, field->probe_flags, field->info.probe_count,
                         gpu->probes_offset));
   OLX_TRY(upload_probes(gpu, uploader, field->irradiance_positions, field->irradiance_flags,
                         field->info.irradiance_probe_count, gpu->irradiance_probes_offset));
-  OLX_TRY(upload_buffer(gpu, uploader, field->least, gpu->least_bytes, gpu->least_offset));
-  OLX_TRY(upload_buffer(gpu, uploader, field->select_data[OLX_SELECT_BRICKS], gpu->bricks_bytes, gpu->bricks_offset));
-  OLX_TRY(
-      upload_buffer(gpu, uploader, field->select_data[OLX_SELECT_VORONOI], gpu->voronoi_bytes, gpu->voronoi_offset));
+  OLX_TRY(olx_uploader_copy(uploader, field->least, gpu->least_bytes, gpu->buffer, gpu->least_offset));
+  OLX_TRY(olx_uploader_copy(uploader, field->select_data[OLX_SELECT_BRICKS], gpu->bricks_bytes, gpu->buffer,
+                            gpu->bricks_offset));
+  OLX_TRY(olx_uploader_copy(uploader, field->select_data[OLX_SELECT_VORONOI], gpu->voronoi_bytes, gpu->buffer,
+                            gpu->voronoi_offset));
   for (uint32_t i = 0; i < OLX_GPU_MAPS; i++) {
     for (uint32_t map = 0; map < gpu->maps[i].count; map++) OLX_TRY(upload_map(gpu, uploader, &gpu->maps[i], map));
   }

@@ -5,6 +5,8 @@
 
 static const char WHAT[] = "a field on the device";
 
+enum { ALL_BINDINGS = (1 << OLX_FIELD_BINDINGS) - 1 };
+
 // How many maps share a layer, so that the image has no more layers, and the layers no more texels, than the device
 // allows.
 static olx_result lay_out_maps(const olx_vulkan_context *c, olx_gpu_maps *maps) {
@@ -198,22 +200,27 @@ static VkDescriptorType binding_type(uint32_t binding) {
   return VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
 }
 
-static olx_result create_set(olx_vulkan_field *gpu) {
-  const olx_vulkan_context *c = &gpu->context;
+olx_result olx_gpu_field_set_layout(const olx_vulkan_context *c, uint32_t mask, VkDescriptorSetLayout *layout) {
   VkDescriptorSetLayoutBinding bindings[OLX_FIELD_BINDINGS];
+  uint32_t count = 0;
   for (uint32_t i = 0; i < OLX_FIELD_BINDINGS; i++) {
-    bindings[i] = (VkDescriptorSetLayoutBinding){
+    if (!(mask >> i & 1u)) continue;
+    bindings[count++] = (VkDescriptorSetLayoutBinding){
         .binding = i,
         .descriptorType = binding_type(i),
         .descriptorCount = 1,
         .stageFlags = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT | VK_SHADER_STAGE_COMPUTE_BIT,
     };
   }
-  const VkDescriptorSetLayoutCreateInfo layout = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
-                                                  .bindingCount = OLX_FIELD_BINDINGS,
-                                                  .pBindings = bindings};
-  OLX_TRY(olx_vulkan_check(c->vk.CreateDescriptorSetLayout(c->host.device, &layout, NULL, &gpu->set_layout),
-                           "vkCreateDescriptorSetLayout", WHAT));
+  const VkDescriptorSetLayoutCreateInfo info = {
+      .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, .bindingCount = count, .pBindings = bindings};
+  return olx_vulkan_check(c->vk.CreateDescriptorSetLayout(c->host.device, &info, NULL, layout),
+                          "vkCreateDescriptorSetLayout", WHAT);
+}
+
+static olx_result create_set(olx_vulkan_field *gpu) {
+  const olx_vulkan_context *c = &gpu->context;
+  OLX_TRY(olx_gpu_field_set_layout(c, ALL_BINDINGS, &gpu->set_layout));
   const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1},
                                         {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, OLX_FIELD_STORAGE_BUFFERS},
                                         {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, OLX_GPU_MAPS}};
@@ -231,7 +238,7 @@ static olx_result create_set(olx_vulkan_field *gpu) {
                           WHAT);
 }
 
-static void write_set(const olx_vulkan_field *gpu) {
+void olx_gpu_field_write_set(const olx_vulkan_field *gpu, uint32_t mask, VkDescriptorSet set) {
   const VkDescriptorBufferInfo buffers[OLX_FIELD_BINDINGS] = {
       [OLX_BINDING_FIELD] = {gpu->buffer, 0, sizeof(olx_gpu_field)},
       [OLX_BINDING_PROBES] = {gpu->buffer, gpu->probes_offset, gpu->irradiance_probes_offset - gpu->probes_offset},
@@ -241,22 +248,25 @@ static void write_set(const olx_vulkan_field *gpu) {
   };
   VkDescriptorImageInfo images[OLX_GPU_MAPS];
   VkWriteDescriptorSet writes[OLX_FIELD_BINDINGS];
+  uint32_t count = 0;
   for (uint32_t i = 0; i < OLX_FIELD_BINDINGS; i++) {
-    writes[i] = (VkWriteDescriptorSet){.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
-                                       .dstSet = gpu->set,
-                                       .dstBinding = i,
-                                       .descriptorCount = 1,
-                                       .descriptorType = binding_type(i)};
+    if (!(mask >> i & 1u)) continue;
+    VkWriteDescriptorSet *write = &writes[count++];
+    *write = (VkWriteDescriptorSet){.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                    .dstSet = set,
+                                    .dstBinding = i,
+                                    .descriptorCount = 1,
+                                    .descriptorType = binding_type(i)};
     if (binding_type(i) != VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER) {
-      writes[i].pBufferInfo = &buffers[i];
+      write->pBufferInfo = &buffers[i];
       continue;
     }
     const olx_gpu_maps *maps = &gpu->maps[i - OLX_BINDING_RADIANCE];
     images[i - OLX_BINDING_RADIANCE] = (VkDescriptorImageInfo){maps->filtered ? gpu->linear : gpu->nearest, maps->view,
                                                                VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
-    writes[i].pImageInfo = &images[i - OLX_BINDING_RADIANCE];
+    write->pImageInfo = &images[i - OLX_BINDING_RADIANCE];
   }
-  gpu->context.vk.UpdateDescriptorSets(gpu->context.host.device, OLX_FIELD_BINDINGS, writes, 0, NULL);
+  gpu->context.vk.UpdateDescriptorSets(gpu->context.host.device, count, writes, 0, NULL);
 }
 
 olx_result olx_vulkan_field_measure(const olx_vulkan_host *host, const olx_field *field, olx_vulkan_sizes *sizes) {
@@ -281,7 +291,7 @@ static olx_result create_field(const olx_vulkan_host *host, const olx_field *fie
   OLX_TRY(create_sampler(&gpu->context, VK_FILTER_NEAREST, &gpu->nearest));
   OLX_TRY(create_sampler(&gpu->context, VK_FILTER_LINEAR, &gpu->linear));
   OLX_TRY(create_set(gpu));
-  write_set(gpu);
+  olx_gpu_field_write_set(gpu, ALL_BINDINGS, gpu->set);
   return OLX_OK;
 }
 

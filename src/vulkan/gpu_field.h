@@ -41,6 +41,10 @@ struct olx_vulkan_field {
 // The device memory that olx_vulkan_classic_create would take; 0 for a field without classic maps.
 olx_result olx_vulkan_classic_measure(const olx_vulkan_context *context, const olx_field *field, uint64_t *bytes);
 
+// Sets of pipelines that read a part of the field: the bindings in `mask`, bit (1 << OLX_BINDING_*).
+olx_result olx_gpu_field_set_layout(const olx_vulkan_context *context, uint32_t mask, VkDescriptorSetLayout *layout);
+void olx_gpu_field_write_set(const olx_vulkan_field *gpu, uint32_t mask, VkDescriptorSet set);
+
 // Fill a device's buffer and images. gpu_field.c makes them, field_upload.c fills them.
 olx_result olx_vulkan_field_upload(olx_vulkan_field *gpu, const olx_field *field);
 

@@ -2,11 +2,11 @@
 // field maps.
 #include "core/hooks.h"
 #include "shade/relighter.h"
-#include "vulkan/gpu_field.h"
+#include "vulkan/map_copies.h"
 
 static const char WHAT[] = "updates of a field on the device";
 
-enum { MOST_IN_FLIGHT = 8, COPY_ALIGNMENT = 16, BATCH = 64, TEXEL_BYTES = 4 };
+enum { MOST_IN_FLIGHT = 8, COPY_ALIGNMENT = 16, TEXEL_BYTES = 4 };
 
 // Everything that changes by itself is a unit: irradiance maps first, then for each light field probe its tiles and its
 // border.
@@ -24,24 +24,10 @@ struct olx_vulkan_update {
   uint32_t slot_bytes, slot, used;
 };
 
-// Copies to one of the two images that have been gathered but not recorded.
-typedef struct copy_batch {
-  const olx_gpu_maps *maps;
-  uint32_t count;
-  VkBufferImageCopy regions[BATCH];
-} copy_batch;
-
 typedef struct update_call {
   olx_vulkan_update *update;
-  VkCommandBuffer commands;
-  copy_batch radiance, irradiance;
+  olx_map_copies radiance, irradiance;
 } update_call;
-
-// Texels of a map, from (x, y) on, -1 being the border.
-typedef struct map_part {
-  int32_t x, y;
-  uint32_t width, height;
-} map_part;
 
 olx_vulkan_update_settings olx_vulkan_update_settings_default(void) {
   return (olx_vulkan_update_settings){.bytes = 4 << 20, .in_flight = 2};
@@ -56,33 +42,33 @@ static bool is_border(const olx_vulkan_update *u, uint32_t unit) {
 }
 
 // The rectangles of which a unit consists, and the number of its map.
-static uint32_t unit_parts(const olx_vulkan_update *u, uint32_t unit, uint32_t *map, map_part parts[4]) {
+static uint32_t unit_parts(const olx_vulkan_update *u, uint32_t unit, uint32_t *map, olx_map_part parts[4]) {
   const olx_relight *r = u->relight;
   if (unit < u->maps) {
     *map = unit;
-    parts[0] = (map_part){-1, -1, r->field.irradiance_stride, r->field.irradiance_stride};
+    parts[0] = (olx_map_part){-1, -1, r->field.irradiance_stride, r->field.irradiance_stride};
     return 1;
   }
   const uint32_t part = (unit - u->maps) % u->parts, n = r->field.n, side = r->tile_side;
   *map = (unit - u->maps) / u->parts;
   if (!is_border(u, unit)) {
     const uint32_t tiles = n / side;
-    parts[0] = (map_part){(int32_t)(part % tiles * side), (int32_t)(part / tiles * side), side, side};
+    parts[0] = (olx_map_part){(int32_t)(part % tiles * side), (int32_t)(part / tiles * side), side, side};
     return 1;
   }
-  parts[0] = (map_part){-1, -1, n + 2, 1};
-  parts[1] = (map_part){-1, (int32_t)n, n + 2, 1};
-  parts[2] = (map_part){-1, 0, 1, n};
-  parts[3] = (map_part){(int32_t)n, 0, 1, n};
+  parts[0] = (olx_map_part){-1, -1, n + 2, 1};
+  parts[1] = (olx_map_part){-1, (int32_t)n, n + 2, 1};
+  parts[2] = (olx_map_part){-1, 0, 1, n};
+  parts[3] = (olx_map_part){(int32_t)n, 0, 1, n};
   return 4;
 }
 
 static uint32_t aligned(uint32_t bytes) { return (bytes + COPY_ALIGNMENT - 1) / COPY_ALIGNMENT * COPY_ALIGNMENT; }
 
-static uint32_t part_bytes(const map_part *part) { return aligned(TEXEL_BYTES * part->width * part->height); }
+static uint32_t part_bytes(const olx_map_part *part) { return aligned(TEXEL_BYTES * part->width * part->height); }
 
 static uint32_t unit_bytes(const olx_vulkan_update *u, uint32_t unit) {
-  map_part parts[4];
+  olx_map_part parts[4];
   uint32_t map, bytes = 0;
   const uint32_t count = unit_parts(u, unit, &map, parts);
   for (uint32_t i = 0; i < count; i++) bytes += part_bytes(&parts[i]);
@@ -97,6 +83,9 @@ static olx_result check(const olx_vulkan_field *gpu, const olx_relight *relight,
   if (radiance->count != f->info.probe_count || irradiance->count != f->info.irradiance_probe_count ||
       radiance->stride != f->stride || irradiance->stride != f->irradiance_stride) {
     return olx_fail(OLX_ERROR_ARGUMENT, "%s: the relighter's field has maps of other number or size", WHAT);
+  }
+  if (relight->on_device) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "%s: the relighter's frames are made on a device", WHAT);
   }
   if (s->in_flight < 1 || s->in_flight > MOST_IN_FLIGHT) {
     return olx_fail(OLX_ERROR_ARGUMENT, "%s: %u frames in flight: must be from 1 to %d", WHAT, s->in_flight,
@@ -168,69 +157,28 @@ void olx_vulkan_update_destroy(olx_vulkan_update *u) {
 
 // ---- Recording
 
-static void barrier(const update_call *call, bool before) {
-  const olx_vulkan_field *gpu = call->update->gpu;
-  const olx_gpu_maps *maps[2] = {call->radiance.maps, call->irradiance.maps};
-  const VkImageLayout read = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, copy = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
-  VkImageMemoryBarrier barriers[2];
-  for (uint32_t i = 0; i < 2; i++) {
-    barriers[i] = (VkImageMemoryBarrier){
-        .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER,
-        .srcAccessMask = before ? 0 : VK_ACCESS_TRANSFER_WRITE_BIT,
-        .dstAccessMask = before ? VK_ACCESS_TRANSFER_WRITE_BIT : VK_ACCESS_SHADER_READ_BIT,
-        .oldLayout = before ? read : copy,
-        .newLayout = before ? copy : read,
-        .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-        .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-        .image = maps[i]->image,
-        .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, maps[i]->layers},
-    };
-  }
-  const VkPipelineStageFlags all = VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, transfer = VK_PIPELINE_STAGE_TRANSFER_BIT;
-  gpu->context.vk.CmdPipelineBarrier(call->commands, before ? all : transfer, before ? transfer : all, 0, 0, NULL, 0,
-                                     NULL, 2, barriers);
-}
-
-static void record_batch(const update_call *call, copy_batch *batch) {
-  if (batch->count == 0) return;
-  call->update->gpu->context.vk.CmdCopyBufferToImage(call->commands, call->update->buffer, batch->maps->image,
-                                                     VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, batch->count,
-                                                     batch->regions);
-  batch->count = 0;
-}
-
-static void copy_part(update_call *call, copy_batch *batch, uint32_t map, const uint32_t *texels,
-                      const map_part *part) {
-  olx_vulkan_update *u = call->update;
-  const olx_gpu_maps *maps = batch->maps;
-  const uint32_t a_layer = maps->maps_a_side * maps->maps_a_side, in_layer = map % a_layer;
-  const uint32_t x = (uint32_t)(part->x + 1), y = (uint32_t)(part->y + 1);
+static void copy_part(olx_vulkan_update *u, olx_map_copies *copies, uint32_t map, const uint32_t *texels,
+                      const olx_map_part *part) {
+  const uint32_t stride = copies->maps->stride, x = (uint32_t)(part->x + 1), y = (uint32_t)(part->y + 1);
   const VkDeviceSize offset = (VkDeviceSize)u->slot * u->slot_bytes + u->used;
   for (uint32_t row = 0; row < part->height; row++) {
-    memcpy(u->mapped + offset + (size_t)row * part->width * TEXEL_BYTES, texels + (size_t)(y + row) * maps->stride + x,
+    memcpy(u->mapped + offset + (size_t)row * part->width * TEXEL_BYTES, texels + (size_t)(y + row) * stride + x,
            (size_t)part->width * TEXEL_BYTES);
   }
   u->used += part_bytes(part);
-  if (batch->count == BATCH) record_batch(call, batch);
-  batch->regions[batch->count++] = (VkBufferImageCopy){
-      .bufferOffset = offset,
-      .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, map / a_layer, 1},
-      .imageOffset = {(int32_t)(in_layer % maps->maps_a_side * maps->stride + x),
-                      (int32_t)(in_layer / maps->maps_a_side * maps->stride + y), 0},
-      .imageExtent = {part->width, part->height, 1},
-  };
+  olx_map_copies_add(copies, map, part, offset);
 }
 
 static void copy_unit(update_call *call, uint32_t unit) {
   olx_vulkan_update *u = call->update;
   const olx_field *f = &u->relight->field;
-  map_part parts[4];
+  olx_map_part parts[4];
   uint32_t map;
   const uint32_t count = unit_parts(u, unit, &map, parts);
   const bool irradiance = unit < u->maps;
   const uint32_t *texels = irradiance ? f->irradiance + f->irradiance_texels * map : f->radiance + f->texels * map;
   for (uint32_t i = 0; i < count; i++) {
-    copy_part(call, irradiance ? &call->irradiance : &call->radiance, map, texels, &parts[i]);
+    copy_part(u, irradiance ? &call->irradiance : &call->radiance, map, texels, &parts[i]);
   }
   u->copied[unit] = changed_frame(u, unit);
 }
@@ -254,7 +202,7 @@ static void copy_changes(update_call *call, olx_vulkan_update_stats *stats) {
       stats->waiting_bytes += bytes;
       continue;
     }
-    if (u->used == 0) barrier(call, true);
+    if (u->used == 0) olx_map_copies_begin(u->gpu, call->radiance.commands);
     copy_unit(call, unit);
     count_unit(u, unit, bytes, stats);
   }
@@ -268,15 +216,14 @@ olx_result olx_vulkan_record_update(olx_vulkan_update *u, VkCommandBuffer comman
   *stats = (olx_vulkan_update_stats){.bytes = 0};
   if (u->scanned == u->relight->frame) return OLX_OK;
   update_call call = {.update = u,
-                      .commands = commands,
-                      .radiance.maps = &u->gpu->maps[0],
-                      .irradiance.maps = &u->gpu->maps[OLX_BINDING_IRRADIANCE - OLX_BINDING_RADIANCE]};
+                      .radiance = olx_map_copies_of(u->gpu, OLX_BINDING_RADIANCE, u->buffer, commands),
+                      .irradiance = olx_map_copies_of(u->gpu, OLX_BINDING_IRRADIANCE, u->buffer, commands)};
   u->used = 0;
   copy_changes(&call, stats);
   if (u->used == 0) return OLX_OK;
-  record_batch(&call, &call.radiance);
-  record_batch(&call, &call.irradiance);
-  barrier(&call, false);
+  olx_map_copies_record(&call.radiance);
+  olx_map_copies_record(&call.irradiance);
+  olx_map_copies_end(u->gpu, commands);
   u->slot = (u->slot + 1) % u->settings.in_flight;
   return OLX_OK;
 }

@@ -1,5 +1,7 @@
 #include "vulkan/uploader.h"
 
+#include <string.h>
+
 static const char WHAT[] = "uploading a field";
 
 static olx_result create_staging(olx_uploader *u) {
@@ -81,6 +83,22 @@ olx_result olx_uploader_reserve(olx_uploader *u, uint32_t bytes, void **memory, 
   *memory = u->mapped + *offset;
   *commands = u->commands[u->slot];
   u->used += (bytes + 15u) & ~15u;
+  return OLX_OK;
+}
+
+olx_result olx_uploader_copy(olx_uploader *u, const void *data, VkDeviceSize bytes, VkBuffer buffer, VkDeviceSize to) {
+  for (VkDeviceSize done = 0; done < bytes;) {
+    const VkDeviceSize rest = bytes - done;
+    const uint32_t part = rest < OLX_STAGING_SLOT_BYTES ? (uint32_t)rest : OLX_STAGING_SLOT_BYTES;
+    void *memory;
+    VkDeviceSize offset;
+    VkCommandBuffer commands;
+    OLX_TRY(olx_uploader_reserve(u, part, &memory, &offset, &commands));
+    memcpy(memory, (const char *)data + done, part);
+    const VkBufferCopy region = {offset, to + done, part};
+    u->context->vk.CmdCopyBuffer(commands, u->buffer, buffer, 1, &region);
+    done += part;
+  }
   return OLX_OK;
 }
 

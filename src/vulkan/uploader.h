@@ -25,6 +25,9 @@ olx_result olx_uploader_begin(const olx_vulkan_context *context, olx_uploader *u
 // Room for `bytes` (at most a slot) in the staging buffer, and the command buffer that copies from there.
 olx_result olx_uploader_reserve(olx_uploader *uploader, uint32_t bytes, void **memory, VkDeviceSize *offset,
                                 VkCommandBuffer *commands);
+// Copy any number of bytes to a buffer, a slot at a time.
+olx_result olx_uploader_copy(olx_uploader *uploader, const void *data, VkDeviceSize bytes, VkBuffer buffer,
+                             VkDeviceSize to);
 // Submit what is recorded and wait for everything.
 olx_result olx_uploader_finish(olx_uploader *uploader);
 void olx_uploader_end(olx_uploader *uploader);

@@ -26,6 +26,7 @@
   X(CmdDispatch)                                                                                                       \
   X(CmdPipelineBarrier)                                                                                                \
   X(CmdPushConstants)                                                                                                  \
+  X(CmdUpdateBuffer)                                                                                                   \
   X(CreateBuffer)                                                                                                      \
   X(CreateCommandPool)                                                                                                 \
   X(CreateComputePipelines)                                                                                            \

@@ -1,0 +1,35 @@
+// Copies from a buffer to parts of a field's radiance and irradiance maps, in batches.
+#ifndef OLX_VULKAN_MAP_COPIES_H
+#define OLX_VULKAN_MAP_COPIES_H
+
+#include "vulkan/gpu_field.h"
+
+enum { OLX_MAP_COPIES_BATCH = 64 };
+
+typedef struct olx_map_copies {
+  const olx_vulkan_context *context;
+  const olx_gpu_maps *maps;
+  VkBuffer buffer;
+  VkCommandBuffer commands;
+  uint32_t count; // that have been added but not recorded
+  VkBufferImageCopy regions[OLX_MAP_COPIES_BATCH];
+} olx_map_copies;
+
+// Texels of a map, from (x, y) on, -1 being the border.
+typedef struct olx_map_part {
+  int32_t x, y;
+  uint32_t width, height;
+} olx_map_part;
+
+// Barriers around all copies of a command buffer: the images wait for all commands before, and all after wait for them.
+void olx_map_copies_begin(const olx_vulkan_field *gpu, VkCommandBuffer commands);
+void olx_map_copies_end(const olx_vulkan_field *gpu, VkCommandBuffer commands);
+
+// `binding` is OLX_BINDING_RADIANCE or OLX_BINDING_IRRADIANCE.
+olx_map_copies olx_map_copies_of(const olx_vulkan_field *gpu, uint32_t binding, VkBuffer buffer,
+                                 VkCommandBuffer commands);
+// A part whose texels lie row by row from `offset` on, in bytes.
+void olx_map_copies_add(olx_map_copies *copies, uint32_t map, const olx_map_part *part, VkDeviceSize offset);
+void olx_map_copies_record(olx_map_copies *copies);
+
+#endif

@@ -1,0 +1,137 @@
+// Relighting: shaders/lib against C (tests/parity.h).
+#include "shade/corrections.c"
+#include "shade/relighter.c"
+#include "shade/relighter_fit.c"
+#include "shade/relighter_light.c"
+
+#include "parity.h"
+
+static const uint32_t RELIGHT_CODE[] = {
+#include "parity_relight.spv.inc"
+};
+
+static olx_relight_light some_light(const parity_state *s, uint32_t type) {
+  const bool area = type == OLX_RELIGHT_RECT || type == OLX_RELIGHT_TRIANGLE;
+  const olx_vec3 v = s->view;
+  return (olx_relight_light){.type = (olx_relight_light_type)type,
+                             .emission = olx_v3(fabsf(v.x), fabsf(v.y), fabsf(v.z)),
+                             .position = olx_madd(s->point, v, s->item->v[15]),
+                             .direction = s->direction,
+                             .edge_u = area ? olx_scale(s->direction, 0.5f) : s->direction,
+                             .edge_v = olx_scale(olx_v3(v.y, v.z, v.x), 0.4f),
+                             .both_sides = (s->bits[1] & 1u) != 0,
+                             .cosine_inner = s->random[0],
+                             .cosine_outer = s->random[0] - 0.5f * s->random[1]};
+}
+
+static surface_view some_view(const parity_state *s, olx_vec3 place, olx_vec3 normal) {
+  return (surface_view){.place = place, .normal = normal, .distance = 2.0f * s->random[2]};
+}
+
+static olx_vec3 some_normal(const parity_state *s) {
+  return s->bits[2] & 1u ? s->direction : olx_negate(s->direction);
+}
+static olx_vec2 later_random(const parity_state *s) { return (olx_vec2){s->random[2], s->random[3]}; }
+static uint32_t size_of(const parity_state *s) { return 8u << (s->bits[3] & 3u); }
+
+static void put_ray(parity_result *r, bool lit, const olx_shadow_ray *ray, olx_vec3 irradiance) {
+  put_u(r, lit);
+  if (!lit) return;
+  put_3(r, ray->direction);
+  put_f(r, ray->length_metres);
+  put_3(r, irradiance);
+}
+
+static void put_bilinear(parity_result *r, const olx_bilinear *b) {
+  for (uint32_t k = 0; k < 4; k++) {
+    put_u(r, (uint32_t)b->index[k]);
+    put_f(r, b->weight[k]);
+  }
+}
+
+// What C makes of all cells, of which the shader finds one by its neighbours.
+static float penalty(const parity_state *s, uint32_t cell) {
+  olx_vec3 x[OLX_CORRECTION_CELLS], product[OLX_CORRECTION_CELLS] = {{0}};
+  for (uint32_t i = 0; i < OLX_CORRECTION_CELLS; i++) x[i] = olx_splat(olx_unit_float(olx_hash2(i, s->bits[1])));
+  penalize(x, 1.0f, product);
+  return product[cell].x;
+}
+
+// clang-format off
+ROW(hash3, put_u(r, olx_hash3(s->bits[0], s->bits[1], s->bits[2]));)
+ROW(sample_triangle, put_2(r, olx_sample_triangle(random_2(s)));)
+ROW(luminance, put_f(r, olx_luminance(s->point));)
+ROW(texel_direction, const uint32_t n = size_of(s); put_3(r, olx_texel_direction(s->bits[1] % n, s->bits[2] % n, n));)
+ROW(border_source, const uint32_t n = size_of(s); int32_t x; int32_t y;
+    olx_border_source((int32_t)(s->bits[1] % (n + 2)) - 1, (int32_t)(s->bits[2] % (n + 2)) - 1, (int32_t)n, &x, &y);
+    put_i(r, x); put_i(r, y);)
+ROW(small_float_unpack, put_f(r, olx_small_float_unpack(s->bits[3] & 0x7BFu, 6));)
+ROW(r11g11b10f_unpack, put_3(r, olx_r11g11b10f_unpack(s->bits[3] & 0x7BDEF7BFu));)
+ROW(small_float_pack, put_u(r, olx_small_float_pack(olx_bits_float(s->bits[0]), 5 + (s->bits[1] & 1u)));)
+ROW(r11g11b10f_pack, put_u(r, olx_r11g11b10f_pack(olx_scale(s->point, exp2f((float)(s->bits[0] % 40u) - 20.0f))));)
+ROW(bilinear_at, const olx_bilinear b = olx_bilinear_at(random_2(s), size_of(s)); put_bilinear(r, &b);)
+ROW(without_border, const uint32_t n = size_of(s);
+    const olx_bilinear b = without_border(olx_bilinear_at(random_2(s), n), n); put_bilinear(r, &b);)
+ROW(surface_direction, const uint32_t n = size_of(s);
+    put_3(r, olx_surface_direction(s->bits[1] % n, s->bits[2] % n, n));)
+ROW(relit_albedo, put_3(r, olx_relit_albedo(s->bits[3] & 0x7BDEF7BFu));)
+ROW(known_distance, put_u(r, known_distance((uint16_t)s->bits[0]));)
+ROW(alike, const surface_view a = some_view(s, s->point, s->direction);
+    const surface_view b = some_view(s, olx_madd(s->point, s->view, 0.05f),
+                                     olx_normalize(olx_madd(s->direction, s->view, 0.1f)));
+    put_u(r, alike(&a, &b));)
+ROW(block_texel, const uint32_t n = size_of(s);
+    put_u(r, block_texel(s->bits[0] % (n * n / 16), s->bits[1] % 16u, 4, n));)
+ROW(light_varies, const olx_relight_light l = some_light(s, s->bits[0] % 6u); put_u(r, olx_relit_varies(&l));)
+ROW(spot_falloff, const olx_relight_light l = some_light(s, OLX_RELIGHT_SPOT);
+    put_f(r, spot_falloff(&l, s->random[2]));)
+ROW(point_light, const olx_relight_light l = some_light(s, 1u + (s->bits[0] & 1u)); olx_shadow_ray ray; olx_vec3 e;
+    const bool lit = point_light(&l, s->point, some_normal(s), &ray, &e); put_ray(r, lit, &ray, e);)
+ROW(area_light, const olx_relight_light l = some_light(s, 3u + (s->bits[0] & 1u)); olx_shadow_ray ray; olx_vec3 e;
+    const bool lit = area_light(&l, s->point, some_normal(s), later_random(s), &ray, &e); put_ray(r, lit, &ray, e);)
+ROW(aim, const olx_relight_light l = some_light(s, s->bits[0] % 6u); olx_shadow_ray ray; olx_vec3 e;
+    const bool lit = aim(&l, s->point, some_normal(s), later_random(s), &ray, &e); put_ray(r, lit, &ray, e);)
+ROW(correction_cells_at, const olx_correction_cells c = olx_correction_cells_at(random_2(s));
+    for (uint32_t k = 0; k < 4; k++) { put_u(r, c.cell[k]); put_f(r, c.weight[k]); })
+ROW(correction_neighbours, put_f(r, 1000.0f * penalty(s, s->bits[0] % OLX_CORRECTION_CELLS));)
+// clang-format on
+
+static const parity_row ROWS[] = {
+    PARITY(hash3, 2e-6f, 0),
+    PARITY(sample_triangle, 2e-6f, 0),
+    PARITY(luminance, 2e-6f, 0),
+    PARITY(texel_direction, 2e-6f, 0),
+    PARITY(border_source, 2e-6f, 0),
+    PARITY(small_float_unpack, 2e-6f, 0),
+    PARITY(r11g11b10f_unpack, 2e-6f, 0),
+    PARITY(small_float_pack, 2e-6f, 0),
+    PARITY(r11g11b10f_pack, 2e-6f, 0),
+    PARITY(bilinear_at, 1e-5f, 0),
+    PARITY(without_border, 1e-5f, 0),
+    PARITY(surface_direction, 2e-6f, 0),
+    PARITY(relit_albedo, 2e-6f, 0),
+    PARITY(known_distance, 2e-6f, 0),
+    PARITY(alike, 0.0f, 1e-3),
+    PARITY(block_texel, 2e-6f, 0),
+    PARITY(light_varies, 2e-6f, 0),
+    PARITY(spot_falloff, 1e-4f, 0),
+    PARITY(point_light, 1e-4f, 1e-3),
+    PARITY(area_light, 1e-4f, 1e-3),
+    PARITY(aim, 1e-4f, 1e-3),
+    PARITY(correction_cells_at, 1e-5f, 0),
+    PARITY(correction_neighbours, 1e-5f, 0),
+};
+static const parity_code CODES[] = {{ROWS_OF_RELIGHT, RELIGHT_CODE, sizeof RELIGHT_CODE}};
+static const parity_suite SUITE = {ROWS, sizeof ROWS / sizeof ROWS[0], CODES, sizeof CODES / sizeof CODES[0]};
+
+static void in_a_furnished_room(void **unused) {
+  (void)unused;
+  parity_compare(&SUITE, &PARITY_FURNISHED_ROOM, ROWS_OF_DENOISE, ROWS_OF_RELIGHT);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(in_a_furnished_room),
+  };
+  return cmocka_run_group_tests(tests, parity_open, parity_close);
+}

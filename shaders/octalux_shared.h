@@ -90,8 +90,8 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_BINDING_OUT_TARGET 6 // storage, rgba16f: the host's
 #define OLX_FILTER_BINDINGS 7
 
-// The descriptor set of a relighter's passes; the field's follows as set 1, as far as a pass reads it. A pass sees at most
-// four storage buffers.
+// The descriptor set of a relighter's passes; the field's follows as set 1, as far as a pass reads it. A pass sees at
+// most four storage buffers.
 #define OLX_BINDING_STATE 0  // storage buffers, of words: olx_gpu_relight, then lights, jobs, maps, corrections
 #define OLX_BINDING_PLACES 1 // surfaces of irradiance probes and their direct light; or texels of light field maps
 #define OLX_BINDING_SURFACE_RADIANCE 2 // that leaves surfaces

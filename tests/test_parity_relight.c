@@ -28,9 +28,7 @@ static surface_view some_view(const parity_state *s, olx_vec3 place, olx_vec3 no
   return (surface_view){.place = place, .normal = normal, .distance = 2.0f * s->random[2]};
 }
 
-static olx_vec3 some_normal(const parity_state *s) {
-  return s->bits[2] & 1u ? s->direction : olx_negate(s->direction);
-}
+static olx_vec3 some_normal(const parity_state *s) { return s->bits[2] & 1u ? s->direction : olx_negate(s->direction); }
 static olx_vec2 later_random(const parity_state *s) { return (olx_vec2){s->random[2], s->random[3]}; }
 static uint32_t size_of(const parity_state *s) { return 8u << (s->bits[3] & 3u); }
 

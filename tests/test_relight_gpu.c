@@ -1,5 +1,5 @@
-// Frames of a relighter on a device: lights that move, and the maps of each frame are those of olx_relight_frame; and what happens
-// when something does not fit or is missing.
+// Frames of a relighter on a device: lights that move, and the maps of each frame are those of olx_relight_frame; and
+// what happens when something does not fit or is missing.
 #include "pinned_drivers.h"
 #include "relit_room.h"
 #include "scene_files.h"
@@ -220,7 +220,8 @@ static void run_to_rest(both_sides *b) {
   assert_true(cpu.awake == 0 && gpu.awake == 0 && gpu.under_way == 0);
 }
 
-// Other settings: several frames in flight, history, more samples than a dispatch has rays, no fit, radiance left alone.
+// Other settings: several frames in flight, history, more samples than a dispatch has rays, no fit, radiance left
+// alone.
 static void many_frames_in_flight_come_to_the_same_rest(void **unused) {
   (void)unused;
   need_device();
@@ -361,7 +362,8 @@ static void memory_that_runs_out_leaves_nothing_behind(void **unused) {
   for (uint32_t i = 0; i < OLX_BUFFER_RESULTS; i++) bytes += frames->buffers[i].requirements.size;
   assert_int_equal(bytes, sizes.device_bytes);
   olx_vulkan_relight_destroy(frames);
-  assert_int_equal(olx_vulkan_relight_create(uploaded, relight, &own, &frames), OLX_ERROR_ARGUMENT); // taken over before
+  assert_int_equal(olx_vulkan_relight_create(uploaded, relight, &own, &frames),
+                   OLX_ERROR_ARGUMENT); // taken over before
   olx_vulkan_field_destroy(uploaded);
   olx_relight_free(relight);
   assert_int_equal(device.validation_messages, before);

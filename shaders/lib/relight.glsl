@@ -1,5 +1,5 @@
-// Twin of what relighting computes from numbers alone (src/shade/relighter*.c, corrections.c): places that are lit, rays
-// to lights, and the cells of corrections. Not part of octalux.glsl: passes of Octalux's own have its buffers.
+// Twin of what relighting computes from numbers alone (src/shade/relighter*.c, corrections.c): places that are lit,
+// rays to lights, and the cells of corrections. Not part of octalux.glsl: passes of Octalux's own have its buffers.
 #ifndef OLX_RELIGHT_GLSL
 #define OLX_RELIGHT_GLSL
 

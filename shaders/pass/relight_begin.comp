@@ -1,5 +1,5 @@
-// Direct light of surfaces and texels begins anew, before rays add to it. That of lights with an area is the mean over a
-// probe's updates since lights changed.
+// Direct light of surfaces and texels begins anew, before rays add to it. That of lights with an area is the mean over
+// a probe's updates since lights changed.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "relight_set.glsl"

@@ -318,7 +318,9 @@ static bool is_light(const olx_relight_light *l) {
 
 olx_result olx_relight_set_lights(olx_relight *r, const olx_relight_light *lights, uint32_t count) {
   assert(r && (lights || count == 0));
-  if (count > OLX_RELIT_MOST_LIGHTS) return olx_fail(OLX_ERROR_ARGUMENT, "relight: %u lights: at most %d", count, OLX_RELIT_MOST_LIGHTS);
+  if (count > OLX_RELIT_MOST_LIGHTS) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "relight: %u lights: at most %d", count, OLX_RELIT_MOST_LIGHTS);
+  }
   for (uint32_t i = 0; i < count; i++) {
     if ((uint32_t)lights[i].type > OLX_RELIGHT_SKY || !is_light(&lights[i])) {
       return olx_fail(OLX_ERROR_ARGUMENT, "relight: light %u: its type, a number or a direction is out of range", i);

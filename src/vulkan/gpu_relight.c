@@ -60,10 +60,9 @@ static olx_relight_group group_of(olx_relight_pass pass) {
 #define BIT(binding) (1u << (binding))
 static const uint32_t OWN_MASKS[OLX_RELIGHT_GROUPS] = {
     [OLX_GROUP_TRACE] = BIT(OLX_BINDING_STATE) | BIT(OLX_BINDING_PLACES),
-    [OLX_GROUP_LOOKUP] = BIT(OLX_BINDING_STATE) | BIT(OLX_BINDING_PLACES) |
-                         BIT(OLX_BINDING_SURFACE_RADIANCE),
-    [OLX_GROUP_MAPS] = BIT(OLX_BINDING_STATE) | BIT(OLX_BINDING_SURFACE_RADIANCE) |
-                       BIT(OLX_BINDING_FIT) | BIT(OLX_BINDING_PACKED),
+    [OLX_GROUP_LOOKUP] = BIT(OLX_BINDING_STATE) | BIT(OLX_BINDING_PLACES) | BIT(OLX_BINDING_SURFACE_RADIANCE),
+    [OLX_GROUP_MAPS] =
+        BIT(OLX_BINDING_STATE) | BIT(OLX_BINDING_SURFACE_RADIANCE) | BIT(OLX_BINDING_FIT) | BIT(OLX_BINDING_PACKED),
 };
 static const uint32_t FIELD_MASKS[OLX_RELIGHT_GROUPS] = {
     [OLX_GROUP_TRACE] = BIT(OLX_BINDING_FIELD) | BIT(OLX_BINDING_PROBES) | BIT(OLX_BINDING_WORDS) |
@@ -88,12 +87,12 @@ static olx_result make_buffers(olx_vulkan_relight *r) {
   const olx_vulkan_context *c = &r->gpu->context;
   for (uint32_t i = 0; i < OLX_RELIGHT_BUFFERS; i++) {
     olx_relight_storage *s = &r->buffers[i];
-    const VkBufferCreateInfo info = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
-                                     .size = s->words * sizeof(uint32_t),
-                                     .usage = usage_of(i)};
+    const VkBufferCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = s->words * sizeof(uint32_t), .usage = usage_of(i)};
     if (info.size > c->limits.maxStorageBufferRange) {
-      return olx_fail(OLX_ERROR_UNSUPPORTED, "%s: %llu bytes for %u irradiance probes are more than a storage buffer of "
-                                             "this device holds",
+      return olx_fail(OLX_ERROR_UNSUPPORTED,
+                      "%s: %llu bytes for %u irradiance probes are more than a storage buffer of "
+                      "this device holds",
                       WHAT, (unsigned long long)info.size, r->constants.probes);
     }
     OLX_TRY(olx_vulkan_check(c->vk.CreateBuffer(c->host.device, &info, NULL, &s->buffer), "vkCreateBuffer", WHAT));
@@ -217,8 +216,10 @@ static olx_result check(const olx_vulkan_field *gpu, const olx_relight *relight,
                     OLX_RELIGHT_MOST_IN_FLIGHT);
   }
   if (relight->settings.occlusion) {
-    return olx_fail(OLX_ERROR_ARGUMENT, "%s: shadow rays are traced through the field there, and the relighter has an "
-                                        "occlusion function", WHAT);
+    return olx_fail(OLX_ERROR_ARGUMENT,
+                    "%s: shadow rays are traced through the field there, and the relighter has an "
+                    "occlusion function",
+                    WHAT);
   }
   if (relight->frame > 0 || relight->on_device) {
     return olx_fail(OLX_ERROR_ARGUMENT, "%s: the relighter has made frames already", WHAT);

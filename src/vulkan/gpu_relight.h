@@ -1,5 +1,5 @@
-// A relighter on the device: its buffers, sets and pipelines. gpu_relight.c makes them, relight_fill.c lays out and fills the
-// buffers, relight_frame.c records frames. docs/relighting.md, "On Vulkan".
+// A relighter on the device: its buffers, sets and pipelines. gpu_relight.c makes them, relight_fill.c lays out and
+// fills the buffers, relight_frame.c records frames. docs/relighting.md, "On Vulkan".
 #ifndef OLX_VULKAN_GPU_RELIGHT_H
 #define OLX_VULKAN_GPU_RELIGHT_H
 

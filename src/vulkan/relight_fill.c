@@ -113,8 +113,7 @@ static olx_result copy_moments(olx_vulkan_relight *v, olx_uploader *uploader) {
   olx_vec3 *moments = olx_allocate(cells_of(r), sizeof *moments);
   if (!moments) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", WHAT);
   for (size_t i = 0; i < cells_of(r); i++) moments[i] = olx_v3(r->moment[0][i], r->moment[1][i], r->moment[2][i]);
-  const olx_result result =
-      copy_to_state(v, uploader, v->constants.moments, moments, VECTOR * cells_of(r));
+  const olx_result result = copy_to_state(v, uploader, v->constants.moments, moments, VECTOR * cells_of(r));
   olx_release(moments);
   return result;
 }
@@ -139,8 +138,7 @@ static olx_result copy_calls(olx_vulkan_relight *v, olx_uploader *uploader) {
           (olx_gpu_relight_call){.kind = kind, .first_ray = first, .end_ray = first + OLX_RELIGHT_RAYS};
     }
   }
-  const olx_result result =
-      copy_to_state(v, uploader, v->constants.calls, calls, OLX_CALL_WORDS * count);
+  const olx_result result = copy_to_state(v, uploader, v->constants.calls, calls, OLX_CALL_WORDS * count);
   olx_release(calls);
   return result;
 }
@@ -151,8 +149,7 @@ static olx_result copy_solution(olx_vulkan_relight *v, olx_uploader *uploader) {
   olx_vec3 *none = r->fit.count ? NULL : olx_allocate_zero(unknowns(r), sizeof *none);
   const olx_vec3 *solution = r->fit.count ? r->fit.corrections.solution : none;
   if (!solution) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", WHAT);
-  const olx_result result =
-      copy_to_state(v, uploader, v->constants.solution, solution, VECTOR * unknowns(r));
+  const olx_result result = copy_to_state(v, uploader, v->constants.solution, solution, VECTOR * unknowns(r));
   olx_release(none);
   return result;
 }

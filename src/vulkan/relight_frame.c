@@ -52,7 +52,8 @@ static void update_state(const olx_vulkan_relight *v, VkCommandBuffer commands, 
   for (uint32_t done = 0; done < count;) {
     const uint32_t rest = count - done, most = MOST_UPDATE_BYTES / WORD, part = rest < most ? rest : most;
     v->gpu->context.vk.CmdUpdateBuffer(commands, v->buffers[OLX_BUFFER_STATE].buffer,
-                                       ((VkDeviceSize)OLX_RELIGHT_HEADER_WORDS + at + done) * WORD, (VkDeviceSize)part * WORD, words + done);
+                                       ((VkDeviceSize)OLX_RELIGHT_HEADER_WORDS + at + done) * WORD,
+                                       (VkDeviceSize)part * WORD, words + done);
     done += part;
   }
 }
@@ -75,8 +76,8 @@ static void update_jobs(olx_vulkan_relight *v, VkCommandBuffer commands, uint32_
   *flags = 0;
   for (uint32_t i = 0; i < r->scheduled_count; i++) {
     const olx_relit_probe *p = &r->probes[0][r->scheduled[i]];
-    const uint32_t own = (p->rounds == 0 ? OLX_JOB_FIXED : 0u) |
-                         (r->varying && p->rounds < OLX_RELIT_ROUNDS ? OLX_JOB_VARYING : 0u);
+    const uint32_t own =
+        (p->rounds == 0 ? OLX_JOB_FIXED : 0u) | (r->varying && p->rounds < OLX_RELIT_ROUNDS ? OLX_JOB_VARYING : 0u);
     write_job(v->jobs + i * OLX_JOB_WORDS, r->scheduled[i], own, p->rounds, 0, p,
               p->updates > 0 ? r->settings.history : 0.0f);
     *flags |= own;
@@ -166,11 +167,9 @@ static void record_direct(const olx_vulkan_relight *v, VkCommandBuffer commands,
 
 static void record_reflect(const olx_vulkan_relight *v, VkCommandBuffer commands) {
   const olx_relight *r = v->relight;
-  const dispatch kinds[] = {{.threads = (uint32_t)r->surfaces / 4, .rows = r->scheduled_count, .call = OLX_CALL_SURFACES},
-                            {.texels = true,
-                             .threads = r->tile_side * r->tile_side / 16,
-                             .rows = r->tile_count,
-                             .call = OLX_CALL_TEXELS}};
+  const dispatch kinds[] = {
+      {.threads = (uint32_t)r->surfaces / 4, .rows = r->scheduled_count, .call = OLX_CALL_SURFACES},
+      {.texels = true, .threads = r->tile_side * r->tile_side / 16, .rows = r->tile_count, .call = OLX_CALL_TEXELS}};
   for (uint32_t i = 0; i < 2; i++) {
     dispatch d = kinds[i];
     d.pass = OLX_PASS_REFLECT;
@@ -262,9 +261,10 @@ static void copy_to_field(olx_vulkan_relight *v, VkCommandBuffer commands) {
 
 static void copy_results(olx_vulkan_relight *v, VkCommandBuffer commands) {
   const VkDeviceSize bytes = 2 * (VkDeviceSize)v->constants.probes * WORD;
-  const VkBufferCopy region = {((VkDeviceSize)OLX_RELIGHT_HEADER_WORDS + v->constants.changes) * WORD, bytes * v->slot, bytes};
-  v->gpu->context.vk.CmdCopyBuffer(commands, v->buffers[OLX_BUFFER_STATE].buffer,
-                                   v->buffers[OLX_BUFFER_RESULTS].buffer, 1, &region);
+  const VkBufferCopy region = {((VkDeviceSize)OLX_RELIGHT_HEADER_WORDS + v->constants.changes) * WORD, bytes * v->slot,
+                               bytes};
+  v->gpu->context.vk.CmdCopyBuffer(commands, v->buffers[OLX_BUFFER_STATE].buffer, v->buffers[OLX_BUFFER_RESULTS].buffer,
+                                   1, &region);
   v->written[v->slot] = true;
 }
 

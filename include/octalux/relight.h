@@ -89,7 +89,8 @@ typedef struct olx_relight_stats {
   double seconds;                // of the clock
 } olx_relight_stats;
 
-// One frame, seen from `eye` (metres). stats may be NULL. When no probe is awake nothing is done.
+// One frame, seen from `eye` (metres). stats may be NULL. When no probe is awake nothing is done. OLX_ERROR_ARGUMENT once frames are
+// made on a device (octalux/vulkan.h, olx_vulkan_relight_create); the field below then stays as it was.
 olx_result olx_relight_frame(olx_relight *relight, olx_vec3 eye, olx_relight_stats *stats);
 
 // The field with its radiance and irradiance as they are now: for octalux/sample.h and octalux/render.h. It belongs to the

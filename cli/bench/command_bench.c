@@ -92,6 +92,10 @@ static olx_result run_one(bench *b, const experiment *e, cJSON *report, cJSON *l
     if (section) findings_add_report(&b->found, section);
   }
   findings_free(&b->found);
+  // What has not ended is not shown.
+  if (result != OLX_OK && section) {
+    cJSON_Delete(cJSON_DetachItemViaPointer(cJSON_GetObjectItem(report, "sections"), section));
+  }
   return result;
 }
 
@@ -109,6 +113,22 @@ static int finish_json(const char *command, cJSON *list, bool all) {
   return print_json("bench", object);
 }
 
+// Experiments that have ended are kept when a later one fails or is interrupted. Takes report and list.
+static int write_findings(const bench_options *o, bool all, const char *command, uint32_t ended, cJSON *report,
+                          cJSON *list) {
+  int code = EXIT_DONE;
+  if (report && ended) {
+    char path[4096];
+    snprintf(path, sizeof path, "%s/index.html", o->report);
+    code = html_report_write("bench", report, path);
+  } else {
+    cJSON_Delete(report);
+  }
+  if (code == EXIT_DONE && o->json && ended) return finish_json(command, list, all);
+  cJSON_Delete(list);
+  return code;
+}
+
 static int run_experiments(const bench_options *o, const experiment *only, const char *command) {
   progress_line line;
   progress_begin(&line, "bench", false);
@@ -117,24 +137,19 @@ static int run_experiments(const bench_options *o, const experiment *only, const
   cJSON *list = cJSON_CreateArray();
   cJSON *report = o->report ? html_report_begin(only ? only->name : "The experiments, reproduced", command) : NULL;
   olx_result result = OLX_OK;
+  uint32_t ended = 0;
   for (uint32_t i = 0; i < experiment_count && result == OLX_OK; ++i) {
-    if (!only || only == &experiments[i]) result = run_one(&b, &experiments[i], report, list);
+    if (only && only != &experiments[i]) continue;
+    result = run_one(&b, &experiments[i], report, list);
+    ended += result == OLX_OK;
   }
   progress_end(&line);
   bench_close(&b);
   int code = result == OLX_OK                ? EXIT_DONE
              : result == OLX_ERROR_CANCELLED ? failure("bench", "interrupted")
                                              : library_failure("bench");
-  if (report && code == EXIT_DONE) {
-    char path[4096];
-    snprintf(path, sizeof path, "%s/index.html", o->report);
-    code = html_report_write("bench", report, path);
-  } else {
-    cJSON_Delete(report);
-  }
-  if (code == EXIT_DONE && o->json) return finish_json(command, list, !only);
-  cJSON_Delete(list);
-  return code;
+  const int written = write_findings(o, !only, command, ended, report, list);
+  return code == EXIT_DONE ? written : code;
 }
 
 // A folder that is there, or that can be made.

@@ -32,7 +32,7 @@ install: build
 	@cmake --install build/release --prefix $(PREFIX)
 
 tidy: build
-	@git ls-files 'src/*.c' 'cli/*.c' 'viewer/*.c' 'bench/*.c' | xargs -P $(JOBS) -n 4 clang-tidy --quiet -p build/release
+	@git ls-files 'src/*.c' 'host/*.c' 'cli/*.c' 'viewer/*.c' 'bench/*.c' | xargs -P $(JOBS) -n 4 clang-tidy --quiet -p build/release
 
 format:
 	@git ls-files '*.c' '*.h' | xargs clang-format -i

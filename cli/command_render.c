@@ -225,7 +225,7 @@ typedef struct render_job {
   olx_image image;
   olx_render_stats stats;
   vulkan_timing timing;
-  const char *problem; // on the Vulkan device
+  char problem[VULKAN_PROBLEM_BYTES]; // on the Vulkan device; empty: none
 } render_job;
 
 static olx_result render_on_cpu(render_job *job) {
@@ -251,9 +251,9 @@ static olx_result render_on_vulkan(render_job *job) {
                                   .settings = &settings,
                                   .validate = job->options->validate,
                                   .progress = job->progress};
-  return vulkan_render(&request, &job->image, &job->stats, &job->timing, &job->problem);
+  return vulkan_render(&request, &job->image, &job->stats, &job->timing, job->problem);
 #else
-  job->problem = "this program was built without the Vulkan runtime";
+  snprintf(job->problem, sizeof job->problem, "this program was built without the Vulkan runtime");
   return OLX_OK;
 #endif
 }
@@ -282,7 +282,7 @@ static int render_picture(const render_options *o, const olx_scene *scene, const
   progress_end(&line);
   free(cameras);
   olx_relight_free(job.relit.relight);
-  if (job.problem) return failure("render", "--device vulkan: %s", job.problem);
+  if (*job.problem) return failure("render", "--device vulkan: %s", job.problem);
   if (result == OLX_ERROR_CANCELLED) return failure("render", "%s: interrupted, nothing written", o->output);
   if (result != OLX_OK) return library_failure("render");
   int code = save_picture(o, field, &camera, &job.image);

@@ -1,5 +1,6 @@
 #include "vulkan_render.h"
-#include "vulkan_device.h"
+
+#include "gpu_memory.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -10,12 +11,12 @@
 enum { DEPTH, NORMAL, ALBEDO, MATERIAL, INPUTS, IRRADIANCE = INPUTS, GLOSSY, COLOR, IMAGES };
 
 typedef struct vulkan_job {
-  vulkan_device device;
+  gpu_device device;
   olx_vulkan_field *field;
   olx_vulkan_frame *frame;
   olx_vulkan_classic *classic; // NULL unless its maps give the light
-  shared_buffer staging;
-  device_image images[IMAGES];
+  gpu_buffer staging;
+  gpu_image images[IMAGES];
   olx_gbuffer gbuffer;
   olx_vulkan_view view;
   olx_vulkan_settings settings;
@@ -28,40 +29,27 @@ static double seconds(void) {
   return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-static const char *problem_of(VkResult result) {
-  switch (result) {
-  case VK_SUCCESS: return NULL;
-  case VK_ERROR_OUT_OF_HOST_MEMORY: return "out of host memory for the picture's images";
-  case VK_ERROR_OUT_OF_DEVICE_MEMORY: return "out of device memory for the picture's images";
-  case VK_ERROR_DEVICE_LOST: return "the Vulkan device was lost";
-  default: return "the Vulkan device refuses the picture's images";
-  }
-}
-
-static const char *library_problem(olx_result result) { return result == OLX_OK ? NULL : olx_last_error(); }
-
 static size_t pixel_count(const vulkan_job *job) { return (size_t)job->gbuffer.width * job->gbuffer.height; }
 
-static VkResult create_images(vulkan_job *job) {
+static bool create_images(vulkan_job *job) {
+  static const char what[] = "the picture's images";
   const VkImageUsageFlags read = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
   const VkImageUsageFlags write =
       VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
-  VkResult result =
-      shared_buffer_create(&job->device, 16 * pixel_count(job),
-                           VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, &job->staging);
-  for (uint32_t i = 0; i < IMAGES && result == VK_SUCCESS; i++) {
-    const VkFormat format = i == DEPTH   ? VK_FORMAT_R32_SFLOAT
-                            : i < INPUTS ? VK_FORMAT_R32G32B32A32_SFLOAT
-                                         : VK_FORMAT_R16G16B16A16_SFLOAT;
-    result = device_image_create(&job->device, job->gbuffer.width, job->gbuffer.height, format,
-                                 i < INPUTS ? read : write, &job->images[i]);
+  bool fine =
+      gpu_buffer_create(&job->device, what, 16 * pixel_count(job),
+                        VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, true, &job->staging);
+  for (uint32_t i = 0; i < IMAGES && fine; i++) {
+    const gpu_image_info info = {.what = what,
+                                 .format = i == DEPTH   ? VK_FORMAT_R32_SFLOAT
+                                           : i < INPUTS ? VK_FORMAT_R32G32B32A32_SFLOAT
+                                                        : VK_FORMAT_R16G16B16A16_SFLOAT,
+                                 .width = job->gbuffer.width,
+                                 .height = job->gbuffer.height,
+                                 .usage = i < INPUTS ? read : write};
+    fine = gpu_image_create(&job->device, &info, &job->images[i]);
   }
-  return result;
-}
-
-static VkBufferImageCopy whole_image(const vulkan_job *job) {
-  return (VkBufferImageCopy){.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
-                             .imageExtent = {job->gbuffer.width, job->gbuffer.height, 1}};
+  return fine;
 }
 
 static void fill_staging(const vulkan_job *job, uint32_t image) {
@@ -80,40 +68,31 @@ static void fill_staging(const vulkan_job *job, uint32_t image) {
   }
 }
 
-static VkResult upload_image(vulkan_job *job, uint32_t image) {
-  vulkan_device *d = &job->device;
+static bool upload_image(vulkan_job *job, uint32_t image) {
   fill_staging(job, image);
-  const VkResult result = device_commands_begin(d);
-  if (result != VK_SUCCESS) return result;
-  const VkBufferImageCopy region = whole_image(job);
-  const VkImageLayout copy = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
-  device_barrier(d, &job->images[image], VK_IMAGE_LAYOUT_UNDEFINED, copy);
-  d->CmdCopyBufferToImage(d->commands, job->staging.buffer, job->images[image].image, copy, 1, &region);
-  device_barrier(d, &job->images[image], copy, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
-  return device_commands_run(d);
+  return gpu_image_write(&job->device, &job->images[image], VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, &job->staging);
 }
 
 static void clear_image(vulkan_job *job, uint32_t image, VkImageLayout from) {
-  vulkan_device *d = &job->device;
+  gpu_device *d = &job->device;
   const VkClearColorValue black = {.float32 = {0}};
   const VkImageSubresourceRange range = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
   const VkImageLayout general = VK_IMAGE_LAYOUT_GENERAL;
-  device_barrier(d, &job->images[image], from, general);
+  gpu_image_barrier(d, d->commands, &job->images[image], from, general);
   d->CmdClearColorImage(d->commands, job->images[image].image, general, &black, 1, &range);
-  device_barrier(d, &job->images[image], general, general);
+  gpu_image_barrier(d, d->commands, &job->images[image], general, general);
 }
 
-static VkResult clear_outputs(vulkan_job *job) {
-  const VkResult result = device_commands_begin(&job->device);
-  if (result != VK_SUCCESS) return result;
+static bool clear_outputs(vulkan_job *job) {
+  if (!gpu_commands_begin(&job->device)) return false;
   for (uint32_t i = INPUTS; i < IMAGES; i++) clear_image(job, i, VK_IMAGE_LAYOUT_UNDEFINED);
-  return device_commands_run(&job->device);
+  return gpu_commands_run(&job->device);
 }
 
-static VkResult upload_surfaces(vulkan_job *job) {
-  VkResult result = VK_SUCCESS;
-  for (uint32_t i = 0; i < INPUTS && result == VK_SUCCESS; i++) result = upload_image(job, i);
-  return result;
+static bool upload_surfaces(vulkan_job *job) {
+  bool fine = true;
+  for (uint32_t i = 0; i < INPUTS && fine; i++) fine = upload_image(job, i);
+  return fine;
 }
 
 static void look_from(vulkan_job *job) {
@@ -128,7 +107,7 @@ static uint32_t passes_of(const olx_render_settings *s) {
          (s->diffuse == OLX_DIFFUSE_TRACED ? OLX_VULKAN_PASS_DIFFUSE : OLX_VULKAN_PASS_IRRADIANCE);
 }
 
-static olx_result create_frame(vulkan_job *job, uint32_t passes) {
+static bool create_frame(vulkan_job *job, uint32_t passes) {
   const VkImageLayout read = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
   olx_vulkan_image inputs[INPUTS];
   for (uint32_t i = 0; i < INPUTS; i++)
@@ -144,7 +123,7 @@ static olx_result create_frame(vulkan_job *job, uint32_t passes) {
                                       .color = job->images[COLOR].view,
                                       .denoise = job->settings.denoise.lobes,
                                       .passes = passes};
-  return olx_vulkan_frame_create(job->field, &targets, &job->frame);
+  return gpu_check_library(&job->device, olx_vulkan_frame_create(job->field, &targets, &job->frame));
 }
 
 static float half_float(uint16_t h) {
@@ -157,36 +136,26 @@ typedef olx_result (*record_pass)(const olx_vulkan_frame *frame, VkCommandBuffer
                                   const olx_vulkan_settings *settings);
 
 // Run one pass; the time it takes is added to *taken.
-static const char *run_pass(vulkan_job *job, record_pass record, double *taken) {
-  vulkan_device *d = &job->device;
+static bool run_pass(vulkan_job *job, record_pass record, double *taken) {
+  gpu_device *d = &job->device;
   const double start = seconds();
-  const VkResult begun = device_commands_begin(d);
-  if (begun != VK_SUCCESS) return problem_of(begun);
-  const olx_result result = record(job->frame, d->commands, &job->view, &job->settings);
-  const char *problem = result == OLX_OK ? problem_of(device_commands_run(d)) : library_problem(result);
+  const bool fine = gpu_commands_begin(d) &&
+                    gpu_check_library(d, record(job->frame, d->commands, &job->view, &job->settings)) &&
+                    gpu_commands_run(d);
   *taken += seconds() - start;
-  return problem;
+  return fine;
 }
 
 // Copy an image to the staging buffer and add `share` of it to a layer.
-static VkResult add_image(vulkan_job *job, uint32_t image, float share, olx_vec3 *layer) {
-  vulkan_device *d = &job->device;
-  VkResult result = device_commands_begin(d);
-  if (result != VK_SUCCESS) return result;
-  const VkBufferImageCopy region = whole_image(job);
-  const VkImageLayout copy = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
-  device_barrier(d, &job->images[image], VK_IMAGE_LAYOUT_GENERAL, copy);
-  d->CmdCopyImageToBuffer(d->commands, job->images[image].image, copy, job->staging.buffer, 1, &region);
-  device_barrier(d, &job->images[image], copy, VK_IMAGE_LAYOUT_GENERAL);
-  result = device_commands_run(d);
-  if (result != VK_SUCCESS) return result;
+static bool add_image(vulkan_job *job, uint32_t image, float share, olx_vec3 *layer) {
+  if (!gpu_image_read(&job->device, &job->images[image], VK_IMAGE_LAYOUT_GENERAL, &job->staging)) return false;
   const uint16_t *from = job->staging.mapped;
   for (size_t i = 0; i < pixel_count(job); i++, from += 4) {
     layer[i].x += share * half_float(from[0]);
     layer[i].y += share * half_float(from[1]);
     layer[i].z += share * half_float(from[2]);
   }
-  return VK_SUCCESS;
+  return true;
 }
 
 static olx_result record_composite(const olx_vulkan_frame *frame, VkCommandBuffer commands, const olx_vulkan_view *view,
@@ -195,31 +164,27 @@ static olx_result record_composite(const olx_vulkan_frame *frame, VkCommandBuffe
 }
 
 // Add `share` of the diffuse light, which irradiance gives, to its layer.
-static const char *add_diffuse(vulkan_job *job, float share, const olx_image *image) {
-  const VkResult begun = device_commands_begin(&job->device);
-  if (begun != VK_SUCCESS) return problem_of(begun);
+static bool add_diffuse(vulkan_job *job, float share, const olx_image *image) {
+  if (!gpu_commands_begin(&job->device)) return false;
   clear_image(job, COLOR, VK_IMAGE_LAYOUT_GENERAL);
-  const char *problem = problem_of(device_commands_run(&job->device));
-  if (!problem) problem = run_pass(job, record_composite, &job->timing->diffuse_seconds);
-  return problem ? problem : problem_of(add_image(job, COLOR, share, image->layers[OLX_LAYER_INDIRECT_DIFFUSE]));
+  return gpu_commands_run(&job->device) && run_pass(job, record_composite, &job->timing->diffuse_seconds) &&
+         add_image(job, COLOR, share, image->layers[OLX_LAYER_INDIRECT_DIFFUSE]);
 }
 
-static const char *add_glossy(vulkan_job *job, float share, const olx_image *image) {
-  return problem_of(add_image(job, GLOSSY, share, image->layers[OLX_LAYER_INDIRECT_GLOSSY]));
+static bool add_glossy(vulkan_job *job, float share, const olx_image *image) {
+  return add_image(job, GLOSSY, share, image->layers[OLX_LAYER_INDIRECT_GLOSSY]);
 }
 
 // The baseline's light, which is the same for all samples of a picture.
-static const char *light_classically(vulkan_job *job, const olx_image *image) {
-  vulkan_device *d = &job->device;
+static bool light_classically(vulkan_job *job, const olx_image *image) {
+  gpu_device *d = &job->device;
   const double start = seconds();
-  const VkResult begun = device_commands_begin(d);
-  if (begun != VK_SUCCESS) return problem_of(begun);
-  const olx_result result =
-      olx_vulkan_record_classic(job->frame, job->classic, d->commands, &job->view, &job->settings);
-  const char *problem = result == OLX_OK ? problem_of(device_commands_run(d)) : library_problem(result);
+  const bool fine = gpu_commands_begin(d) &&
+                    gpu_check_library(d, olx_vulkan_record_classic(job->frame, job->classic, d->commands, &job->view,
+                                                                   &job->settings)) &&
+                    gpu_commands_run(d);
   job->timing->diffuse_seconds += seconds() - start;
-  if (!problem) problem = add_diffuse(job, 1.0f, image);
-  return problem ? problem : add_glossy(job, 1.0f, image);
+  return fine && add_diffuse(job, 1.0f, image) && add_glossy(job, 1.0f, image);
 }
 
 // How many of a sample's rays one dispatch traces: a divisor of them. A dispatch of many is long, and llvmpipe allows
@@ -230,57 +195,50 @@ static uint32_t rays_at_once(uint32_t rays) {
   return some;
 }
 
-typedef const char *(*add_light)(vulkan_job *job, float share, const olx_image *image);
+typedef bool (*add_light)(vulkan_job *job, float share, const olx_image *image);
 
 // One lobe by rays, of settings.spp samples of so many rays each.
-static const char *trace_lobe(vulkan_job *job, uint32_t spp, uint32_t *rays, record_pass record, double *taken,
-                              add_light add, const olx_image *image) {
+static bool trace_lobe(vulkan_job *job, uint32_t spp, uint32_t *rays, record_pass record, double *taken, add_light add,
+                       const olx_image *image) {
   const uint32_t at_once = rays_at_once(*rays), dispatches = spp * (*rays / at_once);
-  const char *problem = NULL;
+  bool fine = true;
   *rays = at_once;
-  for (uint32_t i = 0; i < dispatches && !problem; i++) {
+  for (uint32_t i = 0; i < dispatches && fine; i++) {
     job->settings.sample_index = i;
-    problem = run_pass(job, record, taken);
-    if (!problem) problem = add(job, 1.0f / (float)dispatches, image);
+    fine = run_pass(job, record, taken) && add(job, 1.0f / (float)dispatches, image);
   }
-  return problem;
+  return fine;
 }
 
 // One picture. Irradiance from probes is the same for all samples.
-static const char *light_picture(vulkan_job *job, const olx_render_settings *settings, const olx_image *image) {
+static bool light_picture(vulkan_job *job, const olx_render_settings *settings, const olx_image *image) {
   double *taken = &job->timing->diffuse_seconds;
-  const char *problem;
-  if (settings->diffuse == OLX_DIFFUSE_TRACED) {
-    problem = trace_lobe(job, settings->spp, &job->settings.diffuse_samples, olx_vulkan_record_diffuse, taken,
-                         add_diffuse, image);
-  } else {
-    problem = run_pass(job, olx_vulkan_record_irradiance, taken);
-    if (!problem) problem = add_diffuse(job, 1.0f, image);
-  }
-  if (problem) return problem;
-  return trace_lobe(job, settings->spp, &job->settings.glossy_samples, olx_vulkan_record_glossy,
-                    &job->timing->glossy_seconds, add_glossy, image);
+  const bool fine = settings->diffuse == OLX_DIFFUSE_TRACED
+                        ? trace_lobe(job, settings->spp, &job->settings.diffuse_samples, olx_vulkan_record_diffuse,
+                                     taken, add_diffuse, image)
+                        : run_pass(job, olx_vulkan_record_irradiance, taken) && add_diffuse(job, 1.0f, image);
+  return fine && trace_lobe(job, settings->spp, &job->settings.glossy_samples, olx_vulkan_record_glossy,
+                            &job->timing->glossy_seconds, add_glossy, image);
+}
+
+static bool traces_diffuse(const vulkan_job *job) {
+  return (job->settings.denoise.lobes & OLX_VULKAN_LOBE_DIFFUSE) != 0;
 }
 
 // One frame of those that are denoised; its number is in the settings.
-static const char *light_frame(vulkan_job *job) {
-  const char *problem = NULL;
-  if (job->settings.denoise.lobes & OLX_VULKAN_LOBE_DIFFUSE) {
-    problem = run_pass(job, olx_vulkan_record_diffuse, &job->timing->diffuse_seconds);
-  }
-  if (!problem) problem = run_pass(job, olx_vulkan_record_glossy, &job->timing->glossy_seconds);
-  if (!problem) problem = run_pass(job, olx_vulkan_record_denoise, &job->timing->denoise_seconds);
+static bool light_frame(vulkan_job *job) {
+  vulkan_timing *t = job->timing;
+  const bool fine = (!traces_diffuse(job) || run_pass(job, olx_vulkan_record_diffuse, &t->diffuse_seconds)) &&
+                    run_pass(job, olx_vulkan_record_glossy, &t->glossy_seconds) &&
+                    run_pass(job, olx_vulkan_record_denoise, &t->denoise_seconds);
   job->settings.denoise.previous = job->view;
-  return problem;
+  return fine;
 }
 
-static const char *show_frame(vulkan_job *job, const olx_image *image) {
-  const char *problem = NULL;
-  if (!(job->settings.denoise.lobes & OLX_VULKAN_LOBE_DIFFUSE)) {
-    problem = run_pass(job, olx_vulkan_record_irradiance, &job->timing->diffuse_seconds);
-  }
-  if (!problem) problem = add_diffuse(job, 1.0f, image);
-  return problem ? problem : add_glossy(job, 1.0f, image);
+static bool show_frame(vulkan_job *job, const olx_image *image) {
+  double *taken = &job->timing->diffuse_seconds;
+  return (traces_diffuse(job) || run_pass(job, olx_vulkan_record_irradiance, taken)) && add_diffuse(job, 1.0f, image) &&
+         add_glossy(job, 1.0f, image);
 }
 
 static bool same_camera(const olx_camera *a, const olx_camera *b) {
@@ -311,55 +269,51 @@ static olx_result render_surfaces(vulkan_job *job, const vulkan_request *r, uint
 }
 
 static olx_result light_frames(vulkan_job *job, const vulkan_request *r, olx_image *image, olx_render_stats *stats,
-                               const char **problem) {
-  for (uint32_t i = 0; i < r->camera_count && !*problem; i++) {
+                               bool *fine) {
+  for (uint32_t i = 0; i < r->camera_count && *fine; i++) {
     if (i > 0 && !same_camera(&r->cameras[i], &r->cameras[i - 1])) {
       const olx_result result = render_surfaces(job, r, i, image, stats);
       if (result != OLX_OK) return result;
-      *problem = problem_of(upload_surfaces(job));
-      if (*problem) break;
+      *fine = upload_surfaces(job);
     }
     job->settings.sample_index = job->settings.denoise.frame = i;
-    *problem = light_frame(job);
+    *fine = *fine && light_frame(job);
   }
-  if (!*problem) *problem = show_frame(job, image);
+  *fine = *fine && show_frame(job, image);
   return OLX_OK;
 }
 
 // Copy all that the relighter has changed since the field was baked.
-static const char *update_field(vulkan_job *job, const olx_relight *relight) {
+static bool update_field(vulkan_job *job, const olx_relight *relight) {
+  gpu_device *d = &job->device;
   const double start = seconds();
   const olx_vulkan_update_settings settings = olx_vulkan_update_settings_default();
   olx_vulkan_update_stats stats = {.waiting_bytes = 1};
   olx_vulkan_update *update;
-  const char *problem = library_problem(olx_vulkan_update_create(job->field, relight, &settings, &update));
-  while (!problem && stats.waiting_bytes > 0) {
-    problem = problem_of(device_commands_begin(&job->device));
-    if (!problem) problem = library_problem(olx_vulkan_record_update(update, job->device.commands, &stats));
-    if (!problem) problem = problem_of(device_commands_run(&job->device));
+  bool fine = gpu_check_library(d, olx_vulkan_update_create(job->field, relight, &settings, &update));
+  while (fine && stats.waiting_bytes > 0) {
+    fine = gpu_commands_begin(d) && gpu_check_library(d, olx_vulkan_record_update(update, d->commands, &stats)) &&
+           gpu_commands_run(d);
     job->timing->updated_bytes += stats.bytes;
   }
   olx_vulkan_update_destroy(update);
   job->timing->update_seconds = seconds() - start;
-  return problem;
+  return fine;
 }
 
-static const char *prepare_device(vulkan_job *job, const vulkan_request *r) {
+static bool prepare_device(vulkan_job *job, const vulkan_request *r) {
   const double start = seconds();
-  const char *problem = vulkan_device_open(&job->device, r->validate);
-  if (problem) return problem;
-  snprintf(job->timing->device, sizeof job->timing->device, "%s", job->device.name);
-  problem = library_problem(olx_vulkan_field_create(&job->device.host, r->field, &job->field));
-  if (!problem) problem = problem_of(create_images(job));
-  if (!problem) problem = problem_of(upload_surfaces(job));
-  if (!problem) problem = problem_of(clear_outputs(job));
-  if (!problem) problem = library_problem(create_frame(job, passes_of(r->settings)));
-  if (!problem && r->settings->method == OLX_METHOD_CLASSIC) {
-    problem = library_problem(olx_vulkan_classic_create(job->field, r->field, &job->classic));
+  gpu_device *d = &job->device;
+  const gpu_device_options options = {.validate = r->validate, .compute_only = true, .device = UINT32_MAX};
+  if (!gpu_device_open(&options, d)) return false;
+  snprintf(job->timing->device, sizeof job->timing->device, "%s", d->properties.deviceName);
+  bool fine = gpu_check_library(d, olx_vulkan_field_create(&d->host, r->field, &job->field)) && create_images(job) &&
+              upload_surfaces(job) && clear_outputs(job) && create_frame(job, passes_of(r->settings));
+  if (fine && r->settings->method == OLX_METHOD_CLASSIC) {
+    fine = gpu_check_library(d, olx_vulkan_classic_create(job->field, r->field, &job->classic));
   }
   job->timing->upload_seconds = seconds() - start;
-  if (!problem && r->relight) problem = update_field(job, r->relight);
-  return problem;
+  return fine && (!r->relight || update_field(job, r->relight));
 }
 
 static void release_job(vulkan_job *job) {
@@ -367,9 +321,9 @@ static void release_job(vulkan_job *job) {
     olx_vulkan_classic_destroy(job->classic);
     olx_vulkan_frame_destroy(job->frame);
     olx_vulkan_field_destroy(job->field);
-    for (uint32_t i = 0; i < IMAGES; i++) device_image_destroy(&job->device, &job->images[i]);
-    shared_buffer_destroy(&job->device, &job->staging);
-    vulkan_device_close(&job->device);
+    for (uint32_t i = 0; i < IMAGES; i++) gpu_image_destroy(&job->device, &job->images[i]);
+    gpu_buffer_destroy(&job->device, &job->staging);
+    gpu_device_close(&job->device);
   }
   olx_gbuffer_free(&job->gbuffer);
 }
@@ -399,22 +353,23 @@ static olx_vulkan_settings pass_settings(const vulkan_request *r) {
 }
 
 olx_result vulkan_render(const vulkan_request *r, olx_image *image, olx_render_stats *stats, vulkan_timing *timing,
-                         const char **problem) {
+                         char problem[VULKAN_PROBLEM_BYTES]) {
   vulkan_job job = {.settings = pass_settings(r), .timing = timing};
+  gpu_device *d = &job.device;
   *timing = (vulkan_timing){.device = ""};
   *stats = (olx_render_stats){.seconds = 0};
   *image = (olx_image){.width = 0};
-  *problem = NULL;
   olx_result result = render_surfaces(&job, r, 0, image, stats);
-  if (result == OLX_OK) *problem = prepare_device(&job, r);
-  if (result == OLX_OK && !*problem) {
-    if (job.classic) *problem = light_classically(&job, image);
-    else if (r->denoised) result = light_frames(&job, r, image, stats, problem);
-    else *problem = light_picture(&job, r->settings, image);
+  bool fine = result != OLX_OK || prepare_device(&job, r);
+  if (result == OLX_OK && fine) {
+    if (job.classic) fine = light_classically(&job, image);
+    else if (r->denoised) result = light_frames(&job, r, image, stats, &fine);
+    else fine = light_picture(&job, r->settings, image);
   }
   release_job(&job);
-  if (!*problem && job.device.validation_messages) *problem = "the validation layers found fault (see above)";
-  if (result == OLX_OK && !*problem) add_to_beauty(image);
+  if (fine && d->validation_messages) fine = gpu_fail(d, "the validation layers found fault (see above)");
+  snprintf(problem, VULKAN_PROBLEM_BYTES, "%s", fine ? "" : d->problem);
+  if (result == OLX_OK && fine) add_to_beauty(image);
   else olx_image_free(image);
   stats->diffuse_seconds = timing->diffuse_seconds;
   stats->glossy_seconds = timing->glossy_seconds;

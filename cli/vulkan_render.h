@@ -5,6 +5,8 @@
 
 #include <octalux/render.h>
 
+enum { VULKAN_PROBLEM_BYTES = 512 };
+
 typedef struct vulkan_timing {
   char device[256];
   double upload_seconds, diffuse_seconds, glossy_seconds, denoise_seconds; // from recording to having the result
@@ -24,9 +26,9 @@ typedef struct vulkan_request {
   const olx_progress *progress;
 } vulkan_request;
 
-// On success the image is the caller's to free. *problem: NULL, or what went wrong on the device; the result tells of
+// On success the image is the caller's to free. problem: empty, or what went wrong on the device; the result tells of
 // everything else, with a message of the library's.
 olx_result vulkan_render(const vulkan_request *request, olx_image *image, olx_render_stats *stats,
-                         vulkan_timing *timing, const char **problem);
+                         vulkan_timing *timing, char problem[VULKAN_PROBLEM_BYTES]);
 
 #endif

@@ -3,9 +3,9 @@
 
 Folders under src form a ladder; a file may include its own folder and those before it:
 core < field < select < trace < shade < vulkan (the runtime) < scene < place < bake < render (the baker).
-Public headers stand on the same ladder. cli, viewer and examples see public headers only, public headers see public
-headers only, and the runtime knows no library but libc, libm, POSIX threads and xxHash, which is inlined. Links in Markdown
-files lead to files of the tree, and to headings that are there.
+Public headers stand on the same ladder. cli, viewer, host and examples see public headers only, cli and viewer
+those of host as well. Public headers see public headers only, and the runtime knows no library but libc, libm, POSIX
+threads and xxHash, which is inlined. Links in Markdown files lead to files of the tree, and to headings that are there.
 
 Usage: check_layers.py [ROOT]. Prints every violation and exits with 1 when there is one.
 """
@@ -107,7 +107,9 @@ def check_public(name, angled, target):
 def check_client(root, name, angled, target):
     if angled:
         return None
-    folders = (root / name).parent, root / name.split("/")[0]  # its own, and the client's
+    folders = [(root / name).parent, root / name.split("/")[0]]  # its own, and the client's
+    if name.startswith(("cli/", "viewer/")):
+        folders.append(root / "host")
     if ".." not in target and any(folder.joinpath(target).is_file() for folder in folders):
         return None
     if name.startswith("viewer/") and target in ("options.h", "sample_options.h"):  # a command like the others, apart
@@ -128,7 +130,7 @@ def check_includes(root, names):
                 fault = check_source(name, angled, target)
             elif top == "include":
                 fault = check_public(name, angled, target)
-            elif top in ("cli", "viewer", "examples"):
+            elif top in ("host", "cli", "viewer", "examples"):
                 fault = check_client(root, name, angled, target)
             if fault:
                 yield f"{name}:{number}: {fault}"

@@ -3,9 +3,9 @@
 #include "bake/voronoi_build.h"
 #include "core/hooks.h"
 #include "core/sampling.h"
-#include "pinned_drivers.h"
+#include "gpu_pipeline.h"
 #include "select/bricks.h"
-#include "vulkan_device.h"
+#include "vulkan_host.h"
 
 #include <stdio.h>
 
@@ -134,128 +134,66 @@ static void fill_items(parity_item *items) {
   }
 }
 
-typedef struct harness {
-  vulkan_device device;
-  const char *problem; // why there is no device
-  shared_buffer items, results;
-  VkDescriptorSetLayout set_layout;
-  VkDescriptorPool pool;
-  VkDescriptorSet set;
-  VkPipelineLayout layout;
-  VkPipeline pipelines[PARITY_MOST_CODES];
-} harness;
-
-static harness gpu;
-
-static void make_set(void) {
-  vulkan_device *d = &gpu.device;
-  VkDescriptorSetLayoutBinding bindings[2];
-  for (uint32_t i = 0; i < 2; i++) {
-    bindings[i] = (VkDescriptorSetLayoutBinding){.binding = i,
-                                                 .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
-                                                 .descriptorCount = 1,
-                                                 .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT};
-  }
-  const VkDescriptorSetLayoutCreateInfo layout = {
-      .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, .bindingCount = 2, .pBindings = bindings};
-  assert_int_equal(d->CreateDescriptorSetLayout(d->host.device, &layout, NULL, &gpu.set_layout), VK_SUCCESS);
-  const VkDescriptorPoolSize size = {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 2};
-  const VkDescriptorPoolCreateInfo pool = {
-      .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, .maxSets = 1, .poolSizeCount = 1, .pPoolSizes = &size};
-  assert_int_equal(d->CreateDescriptorPool(d->host.device, &pool, NULL, &gpu.pool), VK_SUCCESS);
-  const VkDescriptorSetAllocateInfo set = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
-                                           .descriptorPool = gpu.pool,
-                                           .descriptorSetCount = 1,
-                                           .pSetLayouts = &gpu.set_layout};
-  assert_int_equal(d->AllocateDescriptorSets(d->host.device, &set, &gpu.set), VK_SUCCESS);
-  const VkDescriptorBufferInfo buffers[2] = {{gpu.items.buffer, 0, VK_WHOLE_SIZE},
-                                             {gpu.results.buffer, 0, VK_WHOLE_SIZE}};
-  for (uint32_t i = 0; i < 2; i++) {
-    const VkWriteDescriptorSet write = {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
-                                        .dstSet = gpu.set,
-                                        .dstBinding = i,
-                                        .descriptorCount = 1,
-                                        .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
-                                        .pBufferInfo = &buffers[i]};
-    d->UpdateDescriptorSets(d->host.device, 1, &write, 0, NULL);
-  }
-}
+static struct {
+  gpu_device device;
+  gpu_buffer items, results;
+  gpu_set set;
+  gpu_compute computes[PARITY_MOST_CODES];
+} gpu;
 
 int parity_open(void **unused) {
   (void)unused;
-  vulkan_device *d = &gpu.device;
-  pin_drivers();
-  gpu.problem = vulkan_device_open(d, false);
-  if (gpu.problem) return 0;
+  gpu_device *d = &gpu.device;
+  if (!host_open_device(d, false)) return 0;
   const VkBufferUsageFlags usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
-  assert_int_equal(shared_buffer_create(d, sizeof(parity_item) * PARITY_ITEMS, usage, &gpu.items), VK_SUCCESS);
-  assert_int_equal(shared_buffer_create(d, 4u * PARITY_RESULTS * PARITY_ITEMS, usage, &gpu.results), VK_SUCCESS);
+  assert_true(gpu_buffer_create(d, "items", sizeof(parity_item) * PARITY_ITEMS, usage, true, &gpu.items));
+  assert_true(gpu_buffer_create(d, "results", 4u * PARITY_RESULTS * PARITY_ITEMS, usage, true, &gpu.results));
   fill_items(gpu.items.mapped);
-  make_set();
+  const VkDescriptorType storage = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, types[2] = {storage, storage};
+  const gpu_binding bindings[2] = {{.type = storage, .buffer = &gpu.items}, {.type = storage, .buffer = &gpu.results}};
+  assert_true(gpu_set_create(d, "items and results", types, 2, VK_SHADER_STAGE_COMPUTE_BIT, &gpu.set));
+  gpu_set_write(d, &gpu.set, bindings, 2);
   return 0;
 }
 
 int parity_close(void **unused) {
   (void)unused;
-  vulkan_device *d = &gpu.device;
-  if (gpu.problem) return 0;
-  for (uint32_t i = 0; i < PARITY_MOST_CODES; i++) d->DestroyPipeline(d->host.device, gpu.pipelines[i], NULL);
-  d->DestroyPipelineLayout(d->host.device, gpu.layout, NULL);
-  d->DestroyDescriptorPool(d->host.device, gpu.pool, NULL);
-  d->DestroyDescriptorSetLayout(d->host.device, gpu.set_layout, NULL);
-  shared_buffer_destroy(d, &gpu.items);
-  shared_buffer_destroy(d, &gpu.results);
-  vulkan_device_close(d);
-  return 0;
-}
-
-static void make_pipeline(const parity_code *code, VkPipeline *pipeline) {
-  vulkan_device *d = &gpu.device;
-  const VkShaderModuleCreateInfo module = {
-      .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = code->size_bytes, .pCode = code->words};
-  VkComputePipelineCreateInfo info = {.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
-                                      .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
-                                                .stage = VK_SHADER_STAGE_COMPUTE_BIT,
-                                                .pName = "main"},
-                                      .layout = gpu.layout};
-  assert_int_equal(d->CreateShaderModule(d->host.device, &module, NULL, &info.stage.module), VK_SUCCESS);
-  assert_int_equal(d->CreateComputePipelines(d->host.device, VK_NULL_HANDLE, 1, &info, NULL, pipeline), VK_SUCCESS);
-  d->DestroyShaderModule(d->host.device, info.stage.module, NULL);
+  gpu_device *d = &gpu.device;
+  if (!d->host.device) return 0;
+  for (uint32_t i = 0; i < PARITY_MOST_CODES; i++) gpu_compute_destroy(d, &gpu.computes[i]);
+  gpu_set_destroy(d, &gpu.set);
+  gpu_buffer_destroy(d, &gpu.items);
+  gpu_buffer_destroy(d, &gpu.results);
+  return host_close_device(d);
 }
 
 // Good for every field, since all their set layouts are alike.
 static void make_pipelines(const parity_suite *suite, const olx_vulkan_field *field) {
-  vulkan_device *d = &gpu.device;
-  if (gpu.layout) return;
-  const VkDescriptorSetLayout sets[] = {olx_vulkan_field_set_layout(field), gpu.set_layout};
-  const VkPushConstantRange range = {VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(uint32_t)};
-  const VkPipelineLayoutCreateInfo layout = {.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
-                                             .setLayoutCount = 2,
-                                             .pSetLayouts = sets,
-                                             .pushConstantRangeCount = 1,
-                                             .pPushConstantRanges = &range};
-  assert_int_equal(d->CreatePipelineLayout(d->host.device, &layout, NULL, &gpu.layout), VK_SUCCESS);
+  if (gpu.computes[0].pipeline) return;
+  const VkDescriptorSetLayout sets[] = {olx_vulkan_field_set_layout(field), gpu.set.layout};
   assert_true(suite->code_count <= PARITY_MOST_CODES);
-  for (uint32_t i = 0; i < suite->code_count; i++) make_pipeline(&suite->codes[i], &gpu.pipelines[i]);
+  for (uint32_t i = 0; i < suite->code_count; i++) {
+    const parity_code *code = &suite->codes[i];
+    assert_true(gpu_compute_create(&gpu.device, "rows", code->words, code->size_bytes, sets, 2, sizeof(uint32_t),
+                                   &gpu.computes[i]));
+  }
 }
 
-static VkPipeline pipeline_of(const parity_suite *suite, uint32_t row) {
+static const gpu_compute *compute_of(const parity_suite *suite, uint32_t row) {
   uint32_t code = 0;
   while (row >= suite->codes[code].end) code++;
-  return gpu.pipelines[code];
+  return &gpu.computes[code];
 }
 
 // Run one row over all items.
 static void run_row(const parity_suite *suite, const olx_vulkan_field *field, uint32_t row) {
-  vulkan_device *d = &gpu.device;
-  const VkDescriptorSet sets[] = {olx_vulkan_field_set(field), gpu.set};
-  assert_int_equal(device_commands_begin(d), VK_SUCCESS);
-  d->CmdBindPipeline(d->commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline_of(suite, row));
-  d->CmdBindDescriptorSets(d->commands, VK_PIPELINE_BIND_POINT_COMPUTE, gpu.layout, 0, 2, sets, 0, NULL);
-  d->CmdPushConstants(d->commands, gpu.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof row, &row);
-  d->CmdDispatch(d->commands, PARITY_ITEMS / 64, 1, 1);
-  device_barrier(d, NULL, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_UNDEFINED);
-  assert_int_equal(device_commands_run(d), VK_SUCCESS);
+  gpu_device *d = &gpu.device;
+  const VkDescriptorSet sets[] = {olx_vulkan_field_set(field), gpu.set.set};
+  assert_true(gpu_commands_begin(d));
+  const uint32_t width = PARITY_ITEMS / 8; // a group has 64 items
+  gpu_compute_record(d, compute_of(suite, row), sets, 2, &row, sizeof row, width, 8, d->commands);
+  gpu_full_barrier(d, d->commands);
+  assert_true(gpu_commands_run(d));
 }
 
 static float difference(uint32_t a_bits, uint32_t b_bits) {
@@ -319,11 +257,8 @@ static bool judge_row(const olx_field *field, const olx_vulkan_field *uploaded, 
 }
 
 void parity_compare(const parity_suite *suite, const parity_field *p, uint32_t first, uint32_t end) {
-  if (gpu.problem) {
-    print_message("skipped: %s\n", gpu.problem);
-    skip();
-  }
-  vulkan_device *d = &gpu.device;
+  host_need_device(&gpu.device);
+  gpu_device *d = &gpu.device;
   olx_field *field = make_field(p);
   _Alignas(64) uint32_t bricks[BRICK_WORDS];
   if (p->bricks) add_bricks(field, bricks);
@@ -331,7 +266,7 @@ void parity_compare(const parity_suite *suite, const parity_field *p, uint32_t f
   olx_vulkan_field *uploaded = NULL;
   if (olx_vulkan_field_create(&d->host, field, &uploaded) != OLX_OK) fail_msg("%s", olx_last_error());
   make_pipelines(suite, uploaded);
-  print_message("%s on %s\n", p->name, d->name);
+  print_message("%s on %s\n", p->name, d->properties.deviceName);
   uint32_t failures = 0;
   for (uint32_t i = 0; i < suite->row_count; i++) {
     const parity_row *row = &suite->rows[i];

@@ -8,7 +8,7 @@ enum { WIDTH = 52, HEIGHT = 36, PIXELS = WIDTH * HEIGHT };
 static const analytic_scene ROOM = {.room = {{-1, -1, -1}, {1, 1, 1}}};
 static const host_view VIEW = {.scene = &ROOM, .eye = {0.3f, 0.2f, 0.8f}, .width = WIDTH, .height = HEIGHT};
 
-relit_room relit_room_make(vulkan_device *device, const olx_field *field) {
+relit_room relit_room_make(gpu_device *device, const olx_field *field) {
   relit_room room = {.images = host_images_make(device, WIDTH, HEIGHT, VK_FORMAT_R32G32B32A32_SFLOAT)};
   room.images.targets.passes = OLX_VULKAN_PASS_IRRADIANCE | OLX_VULKAN_PASS_GLOSSY;
   ASSERT_OK(olx_vulkan_field_create(&device->host, field, &room.uploaded));
@@ -23,15 +23,15 @@ void relit_room_free(relit_room *room) {
 }
 
 void relit_room_render(relit_room *room) {
-  vulkan_device *device = room->images.device;
+  gpu_device *device = room->images.device;
   const olx_vulkan_view view = host_vulkan_view(&VIEW);
   const olx_vulkan_settings settings = olx_vulkan_settings_default();
-  assert_int_equal(device_commands_begin(device), VK_SUCCESS);
+  assert_true(gpu_commands_begin(device));
   host_upload(&room->images, &VIEW);
   ASSERT_OK(olx_vulkan_record_irradiance(room->frame, device->commands, &view, &settings));
   ASSERT_OK(olx_vulkan_record_glossy(room->frame, device->commands, &view, &settings));
   host_download(&room->images);
-  assert_int_equal(device_commands_run(device), VK_SUCCESS);
+  assert_true(gpu_commands_run(device));
 }
 
 static olx_vec3 glossy_light(const olx_field *lit, const host_pixel *p, uint32_t x, uint32_t y) {

@@ -12,7 +12,7 @@ typedef struct relit_room {
 } relit_room;
 
 // Asserts that nothing fails.
-relit_room relit_room_make(vulkan_device *device, const olx_field *field);
+relit_room relit_room_make(gpu_device *device, const olx_field *field);
 void relit_room_free(relit_room *room);
 
 // Irradiance and glossy light, from the field on the device.

@@ -2,7 +2,6 @@
 // denoiser makes of the same rays, whatever the views; and what happens when something is missing.
 #include "core/bsdf.h"
 #include "core/sampling.h"
-#include "pinned_drivers.h"
 #include "render/denoise.h"
 #include "shade/emission.h"
 #include "vulkan/gpu_frame.h"
@@ -27,8 +26,7 @@ static const analytic_scene ROOM = {
     .room = {{0, 0, 0}, {4, 3, 5}}, .box_count = 1, .boxes = {{{0.9f, 0.0f, 1.1f}, {1.7f, 1.3f, 2.1f}}}};
 static const olx_grid GRID = {{0.5f, 0.5f, 0.5f}, {3.0f, 2.0f, 4.0f}, {2, 2, 2}};
 
-static vulkan_device device;
-static const char *problem;
+static gpu_device device;
 
 // Of all calls that make something, the one when this reaches 0 fails.
 static int calls_left; // never, when negative
@@ -111,15 +109,9 @@ static void upload_field(fixture *f) {
   if (olx_vulkan_field_create(&device.host, f->field, &f->uploaded) != OLX_OK) fail_msg("%s", olx_last_error());
 }
 
-static void need_device(void) {
-  if (!problem) return;
-  print_message("skipped: %s\n", problem);
-  skip();
-}
-
 // Its frame cannot run.
 static fixture make_fixture(uint32_t width, uint32_t height, uint32_t lobes) {
-  need_device();
+  host_need_device(&device);
   fixture f = {.frame = NULL};
   upload_field(&f);
   calls_left = -1;
@@ -142,9 +134,7 @@ static fixture running;
 
 static int set_up(void **unused) {
   (void)unused;
-  pin_drivers();
-  problem = vulkan_device_open(&device, true);
-  if (problem) return 0;
+  if (!host_open_device(&device, true)) return 0;
   upload_field(&running);
   running.host = make_images(WIDTH, HEIGHT, BOTH);
   make_frame(&running);
@@ -153,16 +143,14 @@ static int set_up(void **unused) {
 
 static int tear_down(void **unused) {
   (void)unused;
-  if (problem) return 0;
+  if (!device.host.device) return 0;
   free_fixture(&running);
-  const uint32_t before = device.validation_messages;
-  vulkan_device_close(&device);
-  return device.validation_messages == before ? 0 : 1; // the layers name what was not destroyed
+  return host_close_device(&device);
 }
 
 // With images of another size, and no history.
 static fixture *resize_running(uint32_t width, uint32_t height, uint32_t lobes) {
-  need_device();
+  host_need_device(&device);
   host_images host = make_images(width, height, lobes);
   if (olx_vulkan_frame_resize(running.frame, &host.targets) != OLX_OK) fail_msg("%s", olx_last_error());
   host_images_free(&running.host);
@@ -198,11 +186,11 @@ static void record_frame(const fixture *f, const olx_vulkan_view *view, olx_vulk
 
 static void run_frame(fixture *f, const host_view *view, olx_vulkan_settings *settings, uint32_t frame) {
   const olx_vulkan_view vulkan_view = host_vulkan_view(view);
-  assert_int_equal(device_commands_begin(&device), VK_SUCCESS);
+  assert_true(gpu_commands_begin(&device));
   host_upload(&f->host, view);
   record_frame(f, &vulkan_view, settings, frame);
   host_download(&f->host);
-  assert_int_equal(device_commands_run(&device), VK_SUCCESS);
+  assert_true(gpu_commands_run(&device));
 }
 
 // ---- what the CPU makes of it
@@ -384,11 +372,11 @@ static void any_number_of_frames_may_be_recorded_ahead(void **unused) {
   void *apart = malloc(bytes);
   assert_non_null(apart);
   memcpy(apart, f->host.staging.mapped, bytes);
-  assert_int_equal(device_commands_begin(&device), VK_SUCCESS);
+  assert_true(gpu_commands_begin(&device));
   host_upload(&f->host, &view);
   for (uint32_t frame = 0; frame < 5; frame++) record_frame(f, &vulkan_view, &settings, frame);
   host_download(&f->host);
-  assert_int_equal(device_commands_run(&device), VK_SUCCESS);
+  assert_true(gpu_commands_run(&device));
   for (uint32_t i = 0; i < 2; i++) { // irradiance and glossy light
     const size_t at = (size_t)16 * WIDTH * HEIGHT * i;
     assert_memory_equal((char *)apart + at, (char *)f->host.staging.mapped + at, (size_t)8 * WIDTH * HEIGHT);

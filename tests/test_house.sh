@@ -9,15 +9,16 @@ failed=0
 
 clean_tree() {
   rm -rf "$work/tree"
-  mkdir -p "$work"/tree/{include/octalux,src/core,src/trace,src/scene,cli}
+  mkdir -p "$work"/tree/{include/octalux,src/core,src/trace,src/scene,host,cli}
   cd "$work/tree"
   printf '#include <stdint.h>\n' >include/octalux/base.h
   printf '#include <octalux/base.h>\n' >include/octalux/scene.h
   printf '#include <octalux/base.h>\n#include <math.h>\n' >src/core/vec.h
   printf '#include "core/vec.h"\n#include <xxhash.h>\n' >src/trace/trace.c
   printf '#include "trace/x.h"\n#include <embree3/rtcore.h>\n#include <octalux/scene.h>\n' >src/scene/bvh.c
-  printf '#include "command.h"\n#include <octalux/scene.h>\n#include <cjson/cJSON.h>\n' >cli/main.c
+  printf '#include "command.h"\n#include "device.h"\n#include <octalux/scene.h>\n#include <cjson/cJSON.h>\n' >cli/main.c
   : >cli/command.h
+  : >host/device.h
   printf '# Read me\n[code](src/core), [a file](src/core/vec.h), [here](#read-me), [there](https://example.com/x)\n' >README.md
 }
 
@@ -49,6 +50,7 @@ planted include/octalux/base.h '#include <stdio.h>'
 planted include/octalux/scene.h '#include "core/vec.h"'
 planted cli/main.c '#include "core/vec.h"'
 planted cli/main.c '#include "../src/core/vec.h"'
+planted host/device.h '#include "command.h"'
 planted cli/vec.h '// a second file of this name'
 planted README.md 'See [what](docs/what.md).'
 planted README.md '![a picture](picture.png)'

@@ -5,9 +5,9 @@
 #include "analytic_field.h"
 #include "core/hooks.h"
 #include "core/sampling.h"
+#include "gpu_pipeline.h"
 #include "parity_classic_rows.h"
-#include "pinned_drivers.h"
-#include "vulkan_device.h"
+#include "vulkan_host.h"
 
 #include <octalux/vulkan.h>
 
@@ -162,88 +162,33 @@ static void fill_items(parity_item *items) {
 // --- The device
 
 typedef struct harness {
-  vulkan_device device;
-  shared_buffer items, results;
-  VkDescriptorSetLayout set_layout;
-  VkDescriptorPool pool;
-  VkDescriptorSet set;
-  VkPipelineLayout layout;
-  VkPipeline pipeline;
+  gpu_device device;
+  gpu_buffer items, results;
+  gpu_set set;
+  gpu_compute compute;
 } harness;
 
-static void make_set(harness *gpu) {
-  vulkan_device *d = &gpu->device;
-  VkDescriptorSetLayoutBinding bindings[2];
-  const VkDescriptorBufferInfo buffers[2] = {{gpu->items.buffer, 0, VK_WHOLE_SIZE},
-                                             {gpu->results.buffer, 0, VK_WHOLE_SIZE}};
-  for (uint32_t i = 0; i < 2; i++) {
-    bindings[i] = (VkDescriptorSetLayoutBinding){.binding = i,
-                                                 .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
-                                                 .descriptorCount = 1,
-                                                 .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT};
-  }
-  const VkDescriptorSetLayoutCreateInfo layout = {
-      .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, .bindingCount = 2, .pBindings = bindings};
-  assert_int_equal(d->CreateDescriptorSetLayout(d->host.device, &layout, NULL, &gpu->set_layout), VK_SUCCESS);
-  const VkDescriptorPoolSize size = {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 2};
-  const VkDescriptorPoolCreateInfo pool = {
-      .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, .maxSets = 1, .poolSizeCount = 1, .pPoolSizes = &size};
-  assert_int_equal(d->CreateDescriptorPool(d->host.device, &pool, NULL, &gpu->pool), VK_SUCCESS);
-  const VkDescriptorSetAllocateInfo set = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
-                                           .descriptorPool = gpu->pool,
-                                           .descriptorSetCount = 1,
-                                           .pSetLayouts = &gpu->set_layout};
-  assert_int_equal(d->AllocateDescriptorSets(d->host.device, &set, &gpu->set), VK_SUCCESS);
-  for (uint32_t i = 0; i < 2; i++) {
-    const VkWriteDescriptorSet write = {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
-                                        .dstSet = gpu->set,
-                                        .dstBinding = i,
-                                        .descriptorCount = 1,
-                                        .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
-                                        .pBufferInfo = &buffers[i]};
-    d->UpdateDescriptorSets(d->host.device, 1, &write, 0, NULL);
-  }
-}
-
 static void make_pipeline(harness *gpu, const olx_vulkan_field *field, const olx_vulkan_classic *classic) {
-  vulkan_device *d = &gpu->device;
-  const VkDescriptorSetLayout sets[] = {olx_vulkan_field_set_layout(field), gpu->set_layout,
+  gpu_device *d = &gpu->device;
+  const VkDescriptorType storage = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, types[2] = {storage, storage};
+  const gpu_binding bindings[2] = {{.type = storage, .buffer = &gpu->items},
+                                   {.type = storage, .buffer = &gpu->results}};
+  assert_true(gpu_set_create(d, "items and results", types, 2, VK_SHADER_STAGE_COMPUTE_BIT, &gpu->set));
+  gpu_set_write(d, &gpu->set, bindings, 2);
+  const VkDescriptorSetLayout sets[] = {olx_vulkan_field_set_layout(field), gpu->set.layout,
                                         olx_vulkan_classic_set_layout(classic)};
-  const VkPushConstantRange range = {VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(uint32_t)};
-  const VkPipelineLayoutCreateInfo layout = {.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
-                                             .setLayoutCount = 3,
-                                             .pSetLayouts = sets,
-                                             .pushConstantRangeCount = 1,
-                                             .pPushConstantRanges = &range};
-  assert_int_equal(d->CreatePipelineLayout(d->host.device, &layout, NULL, &gpu->layout), VK_SUCCESS);
-  const VkShaderModuleCreateInfo module_info = {
-      .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = sizeof SPIRV, .pCode = SPIRV};
-  VkShaderModule module;
-  assert_int_equal(d->CreateShaderModule(d->host.device, &module_info, NULL, &module), VK_SUCCESS);
-  const VkComputePipelineCreateInfo info = {
-      .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
-      .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
-                .stage = VK_SHADER_STAGE_COMPUTE_BIT,
-                .module = module,
-                .pName = "main"},
-      .layout = gpu->layout,
-  };
-  assert_int_equal(d->CreateComputePipelines(d->host.device, VK_NULL_HANDLE, 1, &info, NULL, &gpu->pipeline),
-                   VK_SUCCESS);
-  d->DestroyShaderModule(d->host.device, module, NULL);
+  assert_true(gpu_compute_create(d, "rows", SPIRV, sizeof SPIRV, sets, 3, sizeof(uint32_t), &gpu->compute));
 }
 
 // Run one row over all items.
 static void run_row(harness *gpu, const olx_vulkan_field *field, const olx_vulkan_classic *classic, uint32_t row) {
-  vulkan_device *d = &gpu->device;
-  const VkDescriptorSet sets[] = {olx_vulkan_field_set(field), gpu->set, olx_vulkan_classic_set(classic)};
-  assert_int_equal(device_commands_begin(d), VK_SUCCESS);
-  d->CmdBindPipeline(d->commands, VK_PIPELINE_BIND_POINT_COMPUTE, gpu->pipeline);
-  d->CmdBindDescriptorSets(d->commands, VK_PIPELINE_BIND_POINT_COMPUTE, gpu->layout, 0, 3, sets, 0, NULL);
-  d->CmdPushConstants(d->commands, gpu->layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof row, &row);
-  d->CmdDispatch(d->commands, ITEMS / 64, 1, 1);
-  device_barrier(d, NULL, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_UNDEFINED);
-  assert_int_equal(device_commands_run(d), VK_SUCCESS);
+  gpu_device *d = &gpu->device;
+  const VkDescriptorSet sets[] = {olx_vulkan_field_set(field), gpu->set.set, olx_vulkan_classic_set(classic)};
+  const uint32_t width = ITEMS / 8; // a group has 64 items
+  assert_true(gpu_commands_begin(d));
+  gpu_compute_record(d, &gpu->compute, sets, 3, &row, sizeof row, width, 8, d->commands);
+  gpu_full_barrier(d, d->commands);
+  assert_true(gpu_commands_run(d));
 }
 
 static float difference(uint32_t a_bits, uint32_t b_bits) {
@@ -277,34 +222,27 @@ static bool judge_row(const harness *gpu, const olx_field *field, const parity_r
 
 static void compare(const char *name, const olx_grid *grid, uint32_t size) {
   harness gpu = {.items = {0}};
-  vulkan_device *d = &gpu.device;
-  pin_drivers();
-  const char *problem = vulkan_device_open(d, true);
-  if (problem) {
-    print_message("skipped: %s\n", problem);
-    skip();
-  }
+  gpu_device *d = &gpu.device;
+  host_open_device(d, true);
+  host_need_device(d);
   const VkBufferUsageFlags usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
-  assert_int_equal(shared_buffer_create(d, sizeof(parity_item) * ITEMS, usage, &gpu.items), VK_SUCCESS);
-  assert_int_equal(shared_buffer_create(d, 4u * RESULTS * ITEMS, usage, &gpu.results), VK_SUCCESS);
+  assert_true(gpu_buffer_create(d, "items", sizeof(parity_item) * ITEMS, usage, true, &gpu.items));
+  assert_true(gpu_buffer_create(d, "results", 4u * RESULTS * ITEMS, usage, true, &gpu.results));
   fill_items(gpu.items.mapped);
   olx_field *field = make_field(grid, size);
   olx_vulkan_field *uploaded = NULL;
   olx_vulkan_classic *classic = NULL;
   if (olx_vulkan_field_create(&d->host, field, &uploaded) != OLX_OK) fail_msg("%s", olx_last_error());
   if (olx_vulkan_classic_create(uploaded, field, &classic) != OLX_OK) fail_msg("%s", olx_last_error());
-  make_set(&gpu);
   make_pipeline(&gpu, uploaded, classic);
-  print_message("%s on %s\n", name, d->name);
+  print_message("%s on %s\n", name, d->properties.deviceName);
   uint32_t failures = 0;
   for (uint32_t i = 0; i < sizeof ROWS / sizeof ROWS[0]; i++) {
     run_row(&gpu, uploaded, classic, ROWS[i].number);
     failures += !judge_row(&gpu, field, &ROWS[i]);
   }
-  d->DestroyPipeline(d->host.device, gpu.pipeline, NULL);
-  d->DestroyPipelineLayout(d->host.device, gpu.layout, NULL);
-  d->DestroyDescriptorPool(d->host.device, gpu.pool, NULL);
-  d->DestroyDescriptorSetLayout(d->host.device, gpu.set_layout, NULL);
+  gpu_compute_destroy(d, &gpu.compute);
+  gpu_set_destroy(d, &gpu.set);
   olx_vulkan_classic_destroy(classic);
   olx_vulkan_classic_destroy(NULL);
   // A field without the maps says which option is missing, and leaves nothing behind.
@@ -315,12 +253,11 @@ static void compare(const char *name, const olx_grid *grid, uint32_t size) {
   assert_non_null(strstr(olx_last_error(), "bake --classic"));
   olx_vulkan_field_destroy(uploaded);
   analytic_field_free(field);
-  shared_buffer_destroy(d, &gpu.items);
-  shared_buffer_destroy(d, &gpu.results);
-  const uint32_t messages = d->validation_messages;
-  vulkan_device_close(d);
+  gpu_buffer_destroy(d, &gpu.items);
+  gpu_buffer_destroy(d, &gpu.results);
   assert_int_equal(failures, 0);
-  assert_int_equal(messages, 0);
+  assert_int_equal(d->validation_messages, 0);
+  assert_int_equal(host_close_device(d), 0);
 }
 
 static void in_a_room(void **unused) {

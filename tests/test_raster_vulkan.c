@@ -5,6 +5,7 @@
 #include "pinned_drivers.h"
 #include "rasteriser.h"
 #include "scene/scene_build.h"
+#include "vulkan_host.h"
 
 #include <octalux/render.h>
 
@@ -19,27 +20,17 @@
 enum { WIDTH = 96, HEIGHT = 72, PIXELS = WIDTH * HEIGHT };
 
 static gpu_device device;
-static bool opened;
 
 static int open_device(void **unused) {
   (void)unused;
   pin_drivers();
-  opened = gpu_device_open(&(gpu_device_options){.validate = true, .device = UINT32_MAX}, &device);
+  gpu_device_open(&(gpu_device_options){.validate = true, .device = UINT32_MAX}, &device);
   return 0;
 }
 
 static int close_device(void **unused) {
   (void)unused;
-  if (!opened) return 0;
-  const uint32_t before = device.validation_messages;
-  gpu_device_close(&device);
-  return device.validation_messages == before ? 0 : 1; // the layers name what was not destroyed
-}
-
-static void need_device(void) {
-  if (opened) return;
-  print_message("skipped: %s\n", device.problem);
-  skip();
+  return host_close_device(&device);
 }
 
 // One frame, read back.
@@ -250,7 +241,7 @@ static void judge_builtin(const char *name, double most_error, double most_bias)
 
 static void draws_what_rays_see(void **unused) {
   (void)unused;
-  need_device();
+  host_need_device(&device);
   judge_builtin("builtin:cornell", 0.002, 0.01);
   judge_builtin("builtin:cornell-glossy", 0.002, 0.01);
   judge_builtin("builtin:labyrinth", 0.02, 0.08);
@@ -325,7 +316,7 @@ static void judge_material(const char *name, const olx_material *material, olx_s
 
 static void textures_are_as_rays_find_them(void **unused) {
   (void)unused;
-  need_device();
+  host_need_device(&device);
   olx_material m = plain();
   judge_material("plain", &m, made_scene(), 0.005, 1e-3);
   olx_scene *scene = made_scene();
@@ -336,7 +327,7 @@ static void textures_are_as_rays_find_them(void **unused) {
 
 static void masks_leave_holes(void **unused) {
   (void)unused;
-  need_device();
+  host_need_device(&device);
   olx_material m = plain();
   olx_scene *scene = made_scene();
   m.alpha_cutoff = 0.5f;
@@ -352,7 +343,7 @@ static void masks_leave_holes(void **unused) {
 
 static void normals_are_bent(void **unused) {
   (void)unused;
-  need_device();
+  host_need_device(&device);
   olx_material m = plain();
   olx_scene *scene = made_scene();
   m.normal_texture = random_texture(scene, 5, false, 100, 200);
@@ -392,7 +383,7 @@ static void judge_lamp(const char *name, const olx_light *light, double most_err
 
 static void every_lamp_casts_its_shadow(void **unused) {
   (void)unused;
-  need_device();
+  host_need_device(&device);
   const olx_light sun = {.type = OLX_LIGHT_SUN, .direction = {0.3f, -0.9f, 0.2f}, .emission = {3, 2, 1}};
   const olx_light point = {.type = OLX_LIGHT_POINT, .position = {0.3f, 1.4f, -0.2f}, .emission = {5, 4, 3}};
   const olx_light narrow = {.type = OLX_LIGHT_SPOT,
@@ -413,7 +404,7 @@ static void every_lamp_casts_its_shadow(void **unused) {
 // A sphere of sky around a small square: every direction is looked up as the path tracer does, and lights from all sides.
 static void the_sky_is_where_rays_find_it(void **unused) {
   (void)unused;
-  need_device();
+  host_need_device(&device);
   enum { SKY_WIDTH = 16, SKY_HEIGHT = 8 };
   olx_scene *scene = made_scene();
   const olx_material m = plain();
@@ -451,7 +442,7 @@ static float tone(float x) {
 
 static void the_picture_is_tone_mapped(void **unused) {
   (void)unused;
-  need_device();
+  host_need_device(&device);
   olx_scene *scene;
   olx_camera camera;
   assert_int_equal(olx_scene_load("builtin:cornell", &scene), OLX_OK);
@@ -468,7 +459,7 @@ static void the_picture_is_tone_mapped(void **unused) {
 // The eye that is moved with the scene sees the same.
 static void scenes_can_be_moved(void **unused) {
   (void)unused;
-  need_device();
+  host_need_device(&device);
   olx_scene *scene;
   olx_camera camera;
   rasteriser raster;
@@ -510,7 +501,7 @@ static void scenes_can_be_moved(void **unused) {
 
 static void what_cannot_be_is_refused(void **unused) {
   (void)unused;
-  need_device();
+  host_need_device(&device);
   olx_scene *scene;
   rasteriser raster;
   raster_view view;

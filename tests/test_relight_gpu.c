@@ -1,18 +1,16 @@
 // Frames of a relighter on a device: lights that move, and the maps of each frame are those of olx_relight_frame; and
 // what happens when something does not fit or is missing.
-#include "pinned_drivers.h"
 #include "relit_room.h"
 #include "scene_files.h"
 #include "vulkan/gpu_relight.h"
 
 #include <octalux/bake.h>
 
-static vulkan_device device;
-static const char *problem;
+static gpu_device device;
 static scene_folder folder;
 static olx_scene *scene;
 static olx_field *field;
-static shared_buffer copied; // of the device's working maps
+static gpu_buffer copied; // of the device's working maps
 
 static olx_field *bake(const char *name, bool fit) {
   olx_bake_settings settings = olx_bake_settings_default(scene);
@@ -34,9 +32,8 @@ static olx_field *bake(const char *name, bool fit) {
 // A box with a screen in it that casts shadows, of colours, and a small lamp.
 static int set_up(void **unused) {
   (void)unused;
-  pin_drivers();
-  problem = vulkan_device_open(&device, true);
-  if (problem || !scene_folder_create(&folder)) return problem ? 0 : -1;
+  if (!host_open_device(&device, true)) return 0;
+  if (!scene_folder_create(&folder)) return -1;
   scene = tiny_scene();
   olx_material walls = tiny_lambert(0.6f, 0.0f), screen = tiny_lambert(0.3f, 0.0f), lamp = tiny_lambert(0.0f, 2.0f);
   walls.base_color = olx_v3(0.7f, 0.5f, 0.4f);
@@ -46,25 +43,18 @@ static int set_up(void **unused) {
   tiny_finish(scene);
   field = bake("box.olx", true);
   const VkDeviceSize bytes = sizeof(olx_vec3) * 34 * 34 * field->info.irradiance_probe_count;
-  return shared_buffer_create(&device, bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, &copied) == VK_SUCCESS ? 0 : -1;
+  const VkBufferUsageFlags usage = VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+  return gpu_buffer_create(&device, "copied maps", bytes, usage, true, &copied) ? 0 : -1;
 }
 
 static int tear_down(void **unused) {
   (void)unused;
-  if (problem) return 0;
-  shared_buffer_destroy(&device, &copied);
+  if (!device.host.device) return 0;
+  gpu_buffer_destroy(&device, &copied);
   olx_field_close(field);
   olx_scene_free(scene);
   scene_folder_remove(&folder);
-  const uint32_t before = device.validation_messages;
-  vulkan_device_close(&device);
-  return device.validation_messages == before ? 0 : 1; // the layers name what was not destroyed
-}
-
-static void need_device(void) {
-  if (!problem) return;
-  print_message("skipped: %s\n", problem);
-  skip();
+  return host_close_device(&device);
 }
 
 static olx_relight_settings small_budget(void) {
@@ -108,12 +98,12 @@ static olx_vulkan_relight_stats device_frame(both_sides *b, olx_vec3 eye) {
   const VkDeviceSize bytes = sizeof(olx_vec3) * b->gpu->map_texels * b->gpu->counts[0];
   const VkBufferCopy region = {((VkDeviceSize)OLX_RELIGHT_HEADER_WORDS + v->constants.maps) * 4, 0, bytes};
   olx_vulkan_relight_stats stats;
-  assert_int_equal(device_commands_begin(&device), VK_SUCCESS);
+  assert_true(gpu_commands_begin(&device));
   ASSERT_OK(olx_vulkan_record_relight(v, device.commands, eye, &stats));
-  device_barrier(&device, NULL, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_UNDEFINED);
+  gpu_full_barrier(&device, device.commands);
   v->gpu->context.vk.CmdCopyBuffer(device.commands, v->buffers[OLX_BUFFER_STATE].buffer, copied.buffer, 1, &region);
-  device_barrier(&device, NULL, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_UNDEFINED);
-  assert_int_equal(device_commands_run(&device), VK_SUCCESS);
+  gpu_full_barrier(&device, device.commands);
+  assert_true(gpu_commands_run(&device));
   return stats;
 }
 
@@ -185,13 +175,13 @@ static void expect_same(both_sides *b, uint32_t frames, const char *what) {
   relit_room_render(&b->room);
   relit_room_judge(&b->room, olx_relight_field(b->cpu), errors);
   print_message("%s: maps %.2g, irradiance %.2g, glossy light %.2g; %.3f s on the CPU, %.3f s on %s\n", what, maps,
-                errors[0], errors[1], seconds[0], seconds[1], device.name);
+                errors[0], errors[1], seconds[0], seconds[1], device.properties.deviceName);
   if (maps > 1e-9 || errors[0] > 1e-4 || errors[1] > 1e-5) fail_msg("%s", what);
 }
 
 static void frames_are_those_of_the_cpu(void **unused) {
   (void)unused;
-  need_device();
+  host_need_device(&device);
   const uint32_t before = device.validation_messages;
   olx_relight_settings settings = small_budget();
   settings.history = 0.2f;
@@ -224,7 +214,7 @@ static void run_to_rest(both_sides *b) {
 // Other settings: several frames in flight, more samples than a dispatch has rays, no fit, radiance left alone.
 static void many_frames_in_flight_come_to_the_same_rest(void **unused) {
   (void)unused;
-  need_device();
+  host_need_device(&device);
   const uint32_t before = device.validation_messages;
   olx_field *unfitted = bake("unfitted.olx", false);
   olx_relight_settings settings = small_budget();
@@ -247,7 +237,7 @@ static void many_frames_in_flight_come_to_the_same_rest(void **unused) {
 
 static void what_does_not_fit_is_refused(void **unused) {
   (void)unused;
-  need_device();
+  host_need_device(&device);
   const olx_relight_settings settings = small_budget();
   const olx_vulkan_relight_settings good = olx_vulkan_relight_settings_default();
   olx_vulkan_field *uploaded;
@@ -331,7 +321,7 @@ static VKAPI_ATTR VkResult VKAPI_CALL failing_CreateComputePipelines(VkDevice d,
 
 static void memory_that_runs_out_leaves_nothing_behind(void **unused) {
   (void)unused;
-  need_device();
+  host_need_device(&device);
   const uint32_t before = device.validation_messages;
   const olx_relight_settings settings = small_budget();
   const olx_vulkan_relight_settings own = olx_vulkan_relight_settings_default();

@@ -1,6 +1,5 @@
 // A field on the device that follows a relighter: after all copies it is the field that an upload of the relighter's maps would
 // give, however few bytes a call may copy.
-#include "pinned_drivers.h"
 #include "relit_room.h"
 #include "scene_files.h"
 #include "shade/relighter.h"
@@ -12,8 +11,7 @@ static const analytic_scene ROOM = {.room = {{-1, -1, -1}, {1, 1, 1}}};
 static const olx_relight_light LAMP = {
     .type = OLX_RELIGHT_POINT, .emission = {1.0f, 2.0f, 0.5f}, .position = {0.2f, 0.7f, -0.3f}};
 
-static vulkan_device device;
-static const char *problem;
+static gpu_device device;
 static scene_folder folder;
 static olx_scene *scene;
 static olx_field *field;
@@ -21,9 +19,8 @@ static olx_field *field;
 // A dark box, whose field knows how to be lit: 64 x 64 texels are four tiles.
 static int set_up(void **unused) {
   (void)unused;
-  pin_drivers();
-  problem = vulkan_device_open(&device, true);
-  if (problem || !scene_folder_create(&folder)) return problem ? 0 : -1;
+  if (!host_open_device(&device, true)) return 0;
+  if (!scene_folder_create(&folder)) return -1;
   scene = tiny_scene();
   const olx_material walls = tiny_lambert(0.5f, 0.0f);
   tiny_box(scene, &walls);
@@ -44,19 +41,11 @@ static int set_up(void **unused) {
 
 static int tear_down(void **unused) {
   (void)unused;
-  if (problem) return 0;
+  if (!device.host.device) return 0;
   olx_field_close(field);
   olx_scene_free(scene);
   scene_folder_remove(&folder);
-  const uint32_t before = device.validation_messages;
-  vulkan_device_close(&device);
-  return device.validation_messages == before ? 0 : 1; // the layers name what was not destroyed
-}
-
-static void need_device(void) {
-  if (!problem) return;
-  print_message("skipped: %s\n", problem);
-  skip();
+  return host_close_device(&device);
 }
 
 static olx_relight *begin_relight(void) {
@@ -79,9 +68,9 @@ static olx_vulkan_field *upload(const olx_field *from) {
 
 static olx_vulkan_update_stats copy_once(olx_vulkan_update *update) {
   olx_vulkan_update_stats stats;
-  assert_int_equal(device_commands_begin(&device), VK_SUCCESS);
+  assert_true(gpu_commands_begin(&device));
   ASSERT_OK(olx_vulkan_record_update(update, device.commands, &stats));
-  assert_int_equal(device_commands_run(&device), VK_SUCCESS);
+  assert_true(gpu_commands_run(&device));
   return stats;
 }
 
@@ -112,7 +101,7 @@ static void follow(olx_relight *relight, olx_vulkan_field *uploaded, uint32_t by
 
 static void copies_end_with_the_maps_of_the_relighter(void **unused) {
   (void)unused;
-  need_device();
+  host_need_device(&device);
   const uint32_t before = device.validation_messages;
   olx_relight *relight = begin_relight();
   relit_room room = relit_room_make(&device, field);
@@ -140,7 +129,7 @@ static void copies_end_with_the_maps_of_the_relighter(void **unused) {
 
 static void what_does_not_fit_is_refused(void **unused) {
   (void)unused;
-  need_device();
+  host_need_device(&device);
   olx_relight *relight = begin_relight();
   olx_vulkan_field *uploaded = upload(field);
   const olx_vulkan_update_settings good = olx_vulkan_update_settings_default();

@@ -3,7 +3,6 @@
 #include "core/bsdf.h"
 #include "core/hooks.h"
 #include "core/sampling.h"
-#include "pinned_drivers.h"
 #include "vulkan/gpu_frame.h"
 #include "vulkan_host.h"
 
@@ -22,28 +21,17 @@ static const analytic_scene ROOM = {
 static const olx_grid GRID = {{0.5f, 0.5f, 0.5f}, {3.0f, 2.0f, 4.0f}, {2, 2, 2}};
 static const host_view VIEW = {.scene = &ROOM, .eye = {3.1f, 1.6f, 4.2f}, .width = WIDTH, .height = HEIGHT};
 
-static vulkan_device device;
-static const char *problem;
+static gpu_device device;
 
 static int open_device(void **unused) {
   (void)unused;
-  pin_drivers();
-  problem = vulkan_device_open(&device, true);
+  host_open_device(&device, true);
   return 0;
 }
 
 static int close_device(void **unused) {
   (void)unused;
-  if (problem) return 0;
-  const uint32_t before = device.validation_messages;
-  vulkan_device_close(&device);
-  return device.validation_messages == before ? 0 : 1; // the layers name what was not destroyed
-}
-
-static void need_device(void) {
-  if (!problem) return;
-  print_message("skipped: %s\n", problem);
-  skip();
+  return host_close_device(&device);
 }
 
 // For the passes that run_frame records.
@@ -55,7 +43,7 @@ static host_images make_host(uint32_t width, uint32_t height, VkFormat normal) {
 
 static void run_frame(host_images *h, const olx_vulkan_frame *frame, const olx_vulkan_settings *settings) {
   const olx_vulkan_view view = host_vulkan_view(&VIEW);
-  assert_int_equal(device_commands_begin(&device), VK_SUCCESS);
+  assert_true(gpu_commands_begin(&device));
   host_upload(h, &VIEW);
   assert_int_equal(olx_vulkan_record_irradiance(frame, device.commands, &view, settings), OLX_OK);
   assert_int_equal(olx_vulkan_record_glossy(frame, device.commands, &view, settings), OLX_OK);
@@ -63,7 +51,7 @@ static void run_frame(host_images *h, const olx_vulkan_frame *frame, const olx_v
                                                OLX_VULKAN_ADD_DIFFUSE | OLX_VULKAN_ADD_GLOSSY),
                    OLX_OK);
   host_download(h);
-  assert_int_equal(device_commands_run(&device), VK_SUCCESS);
+  assert_true(gpu_commands_run(&device));
 }
 
 typedef struct light {
@@ -138,7 +126,7 @@ static olx_vulkan_field *upload_field(const olx_field *field) {
 
 static void passes_give_the_light_of_the_cpu(void **unused) {
   (void)unused;
-  need_device();
+  host_need_device(&device);
   const uint32_t before = device.validation_messages;
   olx_field *field = analytic_field_make(&ROOM, &GRID, 128, 16);
   olx_vulkan_field *uploaded = upload_field(field);
@@ -149,8 +137,8 @@ static void passes_give_the_light_of_the_cpu(void **unused) {
   double errors[OUTPUTS];
   run_frame(&h, frame, &settings);
   judge_frame(&h, field, &settings, errors);
-  print_message("%s: relative MSE of irradiance %.2e, glossy %.2e, composite %.2e\n", device.name, errors[0], errors[1],
-                errors[2]);
+  print_message("%s: relative MSE of irradiance %.2e, glossy %.2e, composite %.2e\n", device.properties.deviceName,
+                errors[0], errors[1], errors[2]);
   for (uint32_t k = 0; k < OUTPUTS; k++) assert_true(errors[k] < 1e-5);
   olx_vulkan_frame_destroy(frame);
   host_images_free(&h);
@@ -161,7 +149,7 @@ static void passes_give_the_light_of_the_cpu(void **unused) {
 
 static void a_frame_can_be_resized_and_reads_other_formats(void **unused) {
   (void)unused;
-  need_device();
+  host_need_device(&device);
   const uint32_t before = device.validation_messages;
   olx_field *field = analytic_field_make(&ROOM, &GRID, 64, 16);
   olx_vulkan_field *uploaded = upload_field(field);
@@ -196,7 +184,7 @@ static const uint32_t COUNT_READS[] = {
 
 static void diffuse_light_takes_hardly_more_reads_than_it_must(void **unused) {
   (void)unused;
-  need_device();
+  host_need_device(&device);
   olx_field *field = analytic_field_make(&ROOM, &GRID, 64, 32);
   olx_vulkan_field *uploaded = upload_field(field);
   host_images h = make_host(WIDTH, HEIGHT, VK_FORMAT_R32G32B32A32_SFLOAT);
@@ -238,7 +226,7 @@ static void diffuse_light_takes_hardly_more_reads_than_it_must(void **unused) {
 
 static void wrong_images_are_named(void **unused) {
   (void)unused;
-  need_device();
+  host_need_device(&device);
   const uint32_t before = device.validation_messages;
   olx_field *field = analytic_field_make(&ROOM, &GRID, 16, 8);
   olx_vulkan_field *uploaded = upload_field(field);
@@ -307,7 +295,7 @@ static void assert_passes(const olx_vulkan_frame *frame, uint32_t passes) {
   const olx_vulkan_view view = host_vulkan_view(&VIEW);
   const olx_vulkan_settings s = olx_vulkan_settings_default();
   const VkCommandBuffer c = device.commands;
-  assert_int_equal(device_commands_begin(&device), VK_SUCCESS);
+  assert_true(gpu_commands_begin(&device));
   for (uint32_t i = 0; i < 4; i++) {
     const olx_result result = i == 0   ? olx_vulkan_record_irradiance(frame, c, &view, &s)
                               : i == 1 ? olx_vulkan_record_diffuse(frame, c, &view, &s)
@@ -319,12 +307,12 @@ static void assert_passes(const olx_vulkan_frame *frame, uint32_t passes) {
     snprintf(message, sizeof message, "made without OLX_VULKAN_PASS_%s", names[i]);
     if (!made && !strstr(olx_last_error(), message)) fail_msg("'%s' lacks '%s'", olx_last_error(), message);
   }
-  assert_int_equal(device_commands_run(&device), VK_SUCCESS);
+  assert_true(gpu_commands_run(&device));
 }
 
 static void only_the_passes_that_are_named_are_made(void **unused) {
   (void)unused;
-  need_device();
+  host_need_device(&device);
   const uint32_t before = device.validation_messages;
   olx_field *field = analytic_field_make(&ROOM, &GRID, 16, 8);
   olx_vulkan_field *uploaded = upload_without_shaders(field);
@@ -357,7 +345,7 @@ static void only_the_passes_that_are_named_are_made(void **unused) {
 
 static void pipelines_go_through_the_host_s_cache(void **unused) {
   (void)unused;
-  need_device();
+  host_need_device(&device);
   const uint32_t before = device.validation_messages;
   const VkDevice d = device.host.device;
   const PFN_vkCreatePipelineCache create =
@@ -392,7 +380,7 @@ static void pipelines_go_through_the_host_s_cache(void **unused) {
 
 static void settings_that_cannot_be_are_refused(void **unused) {
   (void)unused;
-  need_device();
+  host_need_device(&device);
   olx_field *field = analytic_field_make(&ROOM, &GRID, 16, 8);
   olx_vulkan_field *uploaded = upload_without_shaders(field);
   host_images h = make_host(8, 8, VK_FORMAT_R32G32B32A32_SFLOAT);
@@ -467,7 +455,7 @@ static olx_vulkan_host failing_host(int allocations, bool lost) {
 
 static void running_out_of_memory_leaves_nothing_behind(void **unused) {
   (void)unused;
-  need_device();
+  host_need_device(&device);
   const uint32_t before = device.validation_messages;
   olx_field *field = analytic_field_make(&ROOM, &GRID, 16, 8);
   olx_vulkan_sizes sizes;
@@ -493,7 +481,7 @@ static void running_out_of_memory_leaves_nothing_behind(void **unused) {
 
 static void a_lost_device_is_reported(void **unused) {
   (void)unused;
-  need_device();
+  host_need_device(&device);
   olx_field *field = analytic_field_make(&ROOM, &GRID, 16, 8);
   const olx_vulkan_host host = failing_host(100, true);
   olx_vulkan_field *uploaded;
@@ -528,7 +516,7 @@ static void assert_measured(const olx_field *field) {
 
 static void all_memory_is_told_before(void **unused) {
   (void)unused;
-  need_device();
+  host_need_device(&device);
   enum { BRICK_BYTES = 4096, VORONOI_BYTES = 1000001 };
   olx_field *field = analytic_field_make(&ROOM, &GRID, 16, 8);
   olx_vulkan_sizes without, with;
@@ -617,7 +605,7 @@ static VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL judging_function(VkInstance inst
 
 static void passes_bind_no_more_than_every_device_has(void **unused) {
   (void)unused;
-  need_device();
+  host_need_device(&device);
   olx_field *field = analytic_field_make(&ROOM, &GRID, 16, 8);
   analytic_field_add_classic(field, 32);
   olx_vulkan_host host = device.host;
@@ -648,7 +636,7 @@ static void a_host_without_a_queue_is_refused(void **unused) {
   olx_vulkan_sizes sizes;
   assert_int_equal(olx_vulkan_field_create(&nothing, field, &uploaded), OLX_ERROR_ARGUMENT);
   assert_int_equal(olx_vulkan_field_measure(&nothing, field, &sizes), OLX_ERROR_ARGUMENT);
-  if (!problem) {
+  if (device.host.device) {
     olx_vulkan_host host = device.host;
     host.queue_family = 1000;
     assert_int_equal(olx_vulkan_field_create(&host, field, &uploaded), OLX_ERROR_ARGUMENT);

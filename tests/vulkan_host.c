@@ -2,12 +2,31 @@
 
 #include "core/pack.h"
 #include "core/sampling.h"
+#include "pinned_drivers.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
 #include <string.h>
 
 #include <cmocka.h>
+
+bool host_open_device(gpu_device *device, bool validate) {
+  pin_drivers();
+  const gpu_device_options options = {.validate = validate, .compute_only = true, .device = UINT32_MAX};
+  return gpu_device_open(&options, device);
+}
+
+void host_need_device(const gpu_device *device) {
+  if (device->host.device) return;
+  print_message("skipped: %s\n", device->problem);
+  skip();
+}
+
+int host_close_device(gpu_device *device) {
+  const uint32_t before = device->validation_messages;
+  gpu_device_close(device);
+  return device->validation_messages == before ? 0 : 1;
+}
 
 host_pixel host_pixel_at(const host_view *v, uint32_t x, uint32_t y) {
   const float cx = ((float)x + v->shift.x + 0.5f) / (float)v->width * 2.0f - 1.0f,
@@ -39,25 +58,25 @@ olx_vulkan_view host_vulkan_view(const host_view *v) {
                            .empty_depth = 0.0f};
 }
 
-host_images host_images_make(vulkan_device *device, uint32_t width, uint32_t height, VkFormat normal) {
+host_images host_images_make(gpu_device *device, uint32_t width, uint32_t height, VkFormat normal) {
   host_images h = {.device = device, .width = width, .height = height};
   const VkFormat formats[HOST_INPUTS] = {VK_FORMAT_R32_SFLOAT, normal, VK_FORMAT_R8G8B8A8_UNORM,
                                          VK_FORMAT_R8G8B8A8_UNORM};
   const VkBufferUsageFlags both = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
-  assert_int_equal(shared_buffer_create(device, (VkDeviceSize)width * height * 16 * HOST_INPUTS, both, &h.staging),
-                   VK_SUCCESS);
+  const VkDeviceSize bytes = (VkDeviceSize)width * height * 16 * HOST_INPUTS;
+  assert_true(gpu_buffer_create(device, "staging", bytes, both, true, &h.staging));
+  gpu_image_info info = {.what = "an input",
+                         .width = width,
+                         .height = height,
+                         .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT};
   for (uint32_t i = 0; i < HOST_INPUTS; i++) {
-    assert_int_equal(device_image_create(device, width, height, formats[i],
-                                         VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT, &h.inputs[i]),
-                     VK_SUCCESS);
+    info.format = formats[i];
+    assert_true(gpu_image_create(device, &info, &h.inputs[i]));
   }
-  for (uint32_t i = 0; i < HOST_OUTPUTS; i++) {
-    assert_int_equal(device_image_create(device, width, height, VK_FORMAT_R16G16B16A16_SFLOAT,
-                                         VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
-                                             VK_IMAGE_USAGE_TRANSFER_DST_BIT,
-                                         &h.outputs[i]),
-                     VK_SUCCESS);
-  }
+  info.what = "an output";
+  info.format = VK_FORMAT_R16G16B16A16_SFLOAT;
+  info.usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+  for (uint32_t i = 0; i < HOST_OUTPUTS; i++) assert_true(gpu_image_create(device, &info, &h.outputs[i]));
   const VkImageLayout read = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
   h.targets = (olx_vulkan_targets){.width = width,
                                    .height = height,
@@ -72,9 +91,9 @@ host_images host_images_make(vulkan_device *device, uint32_t width, uint32_t hei
 }
 
 void host_images_free(host_images *h) {
-  for (uint32_t i = 0; i < HOST_INPUTS; i++) device_image_destroy(h->device, &h->inputs[i]);
-  for (uint32_t i = 0; i < HOST_OUTPUTS; i++) device_image_destroy(h->device, &h->outputs[i]);
-  shared_buffer_destroy(h->device, &h->staging);
+  for (uint32_t i = 0; i < HOST_INPUTS; i++) gpu_image_destroy(h->device, &h->inputs[i]);
+  for (uint32_t i = 0; i < HOST_OUTPUTS; i++) gpu_image_destroy(h->device, &h->outputs[i]);
+  gpu_buffer_destroy(h->device, &h->staging);
 }
 
 static VkBufferImageCopy whole_image(const host_images *h, VkDeviceSize offset) {
@@ -92,7 +111,7 @@ static VkDeviceSize plane(const host_images *h, uint32_t image) {
 }
 
 void host_upload(host_images *h, const host_view *view) {
-  vulkan_device *device = h->device;
+  gpu_device *device = h->device;
   char *memory = h->staging.mapped;
   for (uint32_t i = 0; i < h->width * h->height; i++) {
     const host_pixel p = host_pixel_at(view, i % h->width, i / h->width);
@@ -108,30 +127,32 @@ void host_upload(host_images *h, const host_view *view) {
   }
   for (uint32_t i = 0; i < HOST_INPUTS; i++) {
     const VkBufferImageCopy region = whole_image(h, plane(h, i));
-    device_barrier(device, &h->inputs[i], VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    gpu_image_barrier(device, device->commands, &h->inputs[i], VK_IMAGE_LAYOUT_UNDEFINED,
+                      VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     device->CmdCopyBufferToImage(device->commands, h->staging.buffer, h->inputs[i].image,
                                  VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
-    device_barrier(device, &h->inputs[i], VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
-                   VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+    gpu_image_barrier(device, device->commands, &h->inputs[i], VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                      VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
   }
   const VkClearColorValue color = {.float32 = {HOST_BEFORE.x, HOST_BEFORE.y, HOST_BEFORE.z, 1.0f}};
   const VkImageSubresourceRange range = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
   for (uint32_t i = 0; i < HOST_OUTPUTS; i++) {
-    device_barrier(device, &h->outputs[i], VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL);
+    gpu_image_barrier(device, device->commands, &h->outputs[i], VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL);
     device->CmdClearColorImage(device->commands, h->outputs[i].image, VK_IMAGE_LAYOUT_GENERAL, &color, 1, &range);
   }
-  device_barrier(device, NULL, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_UNDEFINED);
+  gpu_full_barrier(device, device->commands);
 }
 
 void host_download(host_images *h) {
-  vulkan_device *device = h->device;
+  gpu_device *device = h->device;
   for (uint32_t i = 0; i < HOST_OUTPUTS; i++) {
     const VkBufferImageCopy region = whole_image(h, plane(h, i));
-    device_barrier(device, &h->outputs[i], VK_IMAGE_LAYOUT_GENERAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+    gpu_image_barrier(device, device->commands, &h->outputs[i], VK_IMAGE_LAYOUT_GENERAL,
+                      VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
     device->CmdCopyImageToBuffer(device->commands, h->outputs[i].image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
                                  h->staging.buffer, 1, &region);
   }
-  device_barrier(device, NULL, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_UNDEFINED);
+  gpu_full_barrier(device, device->commands);
 }
 
 olx_vec3 host_output(const host_images *h, uint32_t image, uint32_t i, float *alpha) {

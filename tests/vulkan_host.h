@@ -1,10 +1,17 @@
-// A host that the recorded passes are tested with: images of a room as a renderer would have drawn them, and what the passes
-// write, read back.
+// A host that the recorded passes are tested with: a device, images of a room as a renderer would have drawn them, and what the
+// passes write, read back.
 #ifndef OLX_TESTS_VULKAN_HOST_H
 #define OLX_TESTS_VULKAN_HOST_H
 
 #include "analytic_field.h"
-#include "vulkan_device.h"
+#include "gpu_memory.h"
+
+// The device that the tests of a program share: any will do, a CPU one too. Its driver stays loaded. False: there is none, and
+// tests that call host_need_device are skipped.
+bool host_open_device(gpu_device *device, bool validate);
+void host_need_device(const gpu_device *device);
+// 0; 1 when the validation layers name something that was not destroyed.
+int host_close_device(gpu_device *device);
 
 enum { HOST_INPUTS = 4, HOST_OUTPUTS = 3 };
 
@@ -33,15 +40,15 @@ host_pixel host_pixel_at(const host_view *view, uint32_t x, uint32_t y);
 olx_vulkan_view host_vulkan_view(const host_view *view);
 
 typedef struct host_images {
-  vulkan_device *device;
+  gpu_device *device;
   uint32_t width, height;
-  shared_buffer staging;
-  device_image inputs[HOST_INPUTS], outputs[HOST_OUTPUTS]; // outputs: irradiance, glossy, color
+  gpu_buffer staging;
+  gpu_image inputs[HOST_INPUTS], outputs[HOST_OUTPUTS]; // outputs: irradiance, glossy, color
   olx_vulkan_targets targets;
 } host_images;
 
 // Asserts that nothing fails. Normals are of the given format.
-host_images host_images_make(vulkan_device *device, uint32_t width, uint32_t height, VkFormat normal);
+host_images host_images_make(gpu_device *device, uint32_t width, uint32_t height, VkFormat normal);
 void host_images_free(host_images *host);
 
 // Record filling the inputs with what a view shows, and making outputs HOST_BEFORE; and copying the outputs to where

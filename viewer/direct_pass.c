@@ -47,16 +47,7 @@ static bool upload_sky(gpu_device *d, const olx_environment *e, direct_pass *pas
     for (size_t k = 0; k < 3; k++) to[4 * i + k] = e->texels ? e->texels[3 * i + k] : 1.0f;
     to[4 * i + 3] = 1.0f;
   }
-  bool fine = gpu_commands_begin(d);
-  if (fine) {
-    const VkImageLayout copy = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
-    const VkBufferImageCopy region = {.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
-                                      .imageExtent = {width, height, 1}};
-    gpu_image_barrier(d, d->commands, &pass->sky, VK_IMAGE_LAYOUT_UNDEFINED, copy);
-    d->CmdCopyBufferToImage(d->commands, staging.buffer, pass->sky.image, copy, 1, &region);
-    gpu_image_barrier(d, d->commands, &pass->sky, copy, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
-    fine = gpu_commands_run(d);
-  }
+  const bool fine = gpu_image_write(d, &pass->sky, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, &staging);
   gpu_buffer_destroy(d, &staging);
   return fine;
 }

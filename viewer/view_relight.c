@@ -85,7 +85,7 @@ view_relight *view_relight_create(gpu_device *d, const olx_scene *scene, const o
   }
   pthread_mutex_init(&r->lock, NULL);
   pthread_cond_init(&r->wake, NULL);
-  bool fine = make(scene, field, uploaded, r) == OLX_OK || gpu_fail_library(d);
+  bool fine = gpu_check_library(d, make(scene, field, uploaded, r));
   if (fine && !in_step) {
     r->has_thread = pthread_create(&r->thread, NULL, run_frames, r) == 0;
     fine = r->has_thread || gpu_fail(d, "no thread for the relighter");
@@ -137,7 +137,7 @@ bool view_relight_record(gpu_device *d, view_relight *r, olx_vec3 eye, VkCommand
   if (!r->has_thread) begin_frame(r, eye);
   if (r->result != OLX_OK) return gpu_fail(d, "%s", r->message);
   olx_vulkan_update_stats copied;
-  if (olx_vulkan_record_update(r->update, commands, &copied) != OLX_OK) return gpu_fail_library(d);
+  if (!gpu_check_library(d, olx_vulkan_record_update(r->update, commands, &copied))) return false;
   t->copied_bytes = copied.bytes;
   t->waiting_bytes = copied.waiting_bytes;
   t->awake = r->stats.awake;

@@ -7,7 +7,7 @@
 
 static bool upload_field(view_renderer *r, const olx_field *field) {
   r->field_info = olx_field_describe(field);
-  return olx_vulkan_field_create(&r->device->host, field, &r->field) == OLX_OK || gpu_fail_library(r->device);
+  return gpu_check_library(r->device, olx_vulkan_field_create(&r->device->host, field, &r->field));
 }
 
 // Of Octalux's, those that a state wants; each is made when it is first wanted.
@@ -26,7 +26,7 @@ static bool attach(view_renderer *r, uint32_t passes) {
   r->history = 0;
   const olx_result result =
       r->lit ? olx_vulkan_frame_resize(r->lit, &targets) : olx_vulkan_frame_create(r->field, &targets, &r->lit);
-  if (result != OLX_OK) return gpu_fail_library(r->device);
+  if (!gpu_check_library(r->device, result)) return false;
   view_passes_attach(r->device, &r->passes, &r->raster.images);
   return true;
 }
@@ -223,7 +223,7 @@ static bool record_light(view_renderer *r, const view_state *s, VkCommandBuffer 
     result = olx_vulkan_record_composite(r->lit, commands, &view->lit, &settings, add);
     gpu_timer_mark(r->device, &r->timer, commands, "composite");
   }
-  return result == OLX_OK || gpu_fail_library(r->device);
+  return gpu_check_library(r->device, result);
 }
 
 // The picture that is lit, in linear light.

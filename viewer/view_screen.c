@@ -133,9 +133,8 @@ bool view_screen_save(gpu_device *d, const view_screen *screen, const char *path
     for (int c = 0; c < 3; c++) rgb[3 * i + (size_t)c] = from[c];
   }
   if (saved) {
-    saved = (olx_png_encode(picture->width, picture->height, 3, rgb, &png, &png_bytes) == OLX_OK &&
-             olx_write_file(path, png, png_bytes) == OLX_OK) ||
-            gpu_fail_library(d);
+    saved = gpu_check_library(d, olx_png_encode(picture->width, picture->height, 3, rgb, &png, &png_bytes)) &&
+            gpu_check_library(d, olx_write_file(path, png, png_bytes));
   }
   olx_png_free(png);
   free(rgb);

@@ -1,6 +1,6 @@
 // Buffers, images and barriers. Every buffer and image has memory of its own.
-#ifndef OCTALUX_VIEWER_GPU_MEMORY_H
-#define OCTALUX_VIEWER_GPU_MEMORY_H
+#ifndef OCTALUX_HOST_GPU_MEMORY_H
+#define OCTALUX_HOST_GPU_MEMORY_H
 
 #include "gpu_device.h"
 
@@ -45,10 +45,14 @@ void gpu_image_destroy(gpu_device *device, gpu_image *image);
 // A barrier between all that was recorded before and all that follows, and a change of layout of the whole image.
 void gpu_image_barrier(const gpu_device *device, VkCommandBuffer commands, const gpu_image *image, VkImageLayout from,
                        VkImageLayout to);
+// A barrier for all memory between all that was recorded before and all that follows, the host's reading too.
+void gpu_full_barrier(const gpu_device *device, VkCommandBuffer commands);
 // A barrier for memory from one kind of use to another.
 void gpu_memory_barrier(const gpu_device *device, VkCommandBuffer commands, VkPipelineStageFlags from_stage,
                         VkAccessFlags from_access, VkPipelineStageFlags to_stage, VkAccessFlags to_access);
 
+// Copy `buffer`, tightly packed, into a plain color image (level 0), whatever it held; leave it in `layout`, and wait.
+bool gpu_image_write(gpu_device *device, const gpu_image *image, VkImageLayout layout, const gpu_buffer *buffer);
 // Copy a plain color image (level 0), which is in `layout` and stays in it, into `buffer`, tightly packed, and wait.
 bool gpu_image_read(gpu_device *device, const gpu_image *image, VkImageLayout layout, const gpu_buffer *buffer);
 

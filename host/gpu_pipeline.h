@@ -1,6 +1,6 @@
 // Descriptor sets, and pipelines from embedded SPIR-V.
-#ifndef OCTALUX_VIEWER_GPU_PIPELINE_H
-#define OCTALUX_VIEWER_GPU_PIPELINE_H
+#ifndef OCTALUX_HOST_GPU_PIPELINE_H
+#define OCTALUX_HOST_GPU_PIPELINE_H
 
 #include "gpu_memory.h"
 

@@ -34,10 +34,12 @@ bool gpu_fail_result(gpu_device *d, VkResult result, const char *what) {
   return gpu_fail(d, "%s: %s (VkResult %d)", what, meaning(result), (int)result);
 }
 
-bool gpu_fail_library(gpu_device *d) { return gpu_fail(d, "%s", olx_last_error()); }
-
 bool gpu_check(gpu_device *d, VkResult result, const char *what) {
   return result == VK_SUCCESS || gpu_fail_result(d, result, what);
+}
+
+bool gpu_check_library(gpu_device *d, olx_result result) {
+  return result == OLX_OK || gpu_fail(d, "%s", olx_last_error());
 }
 
 // ---- the instance
@@ -106,7 +108,7 @@ static bool create_instance(gpu_device *d, const gpu_device_options *options) {
                                      .ppEnabledExtensionNames = extensions};
   const PFN_vkCreateInstance create = (PFN_vkCreateInstance)get(NULL, "vkCreateInstance");
   if (!create) return gpu_fail(d, "the Vulkan loader has no vkCreateInstance");
-  if (!gpu_check(d, create(&info, NULL, &d->host.instance), "creating a Vulkan 1.2 instance")) return false;
+  if (!gpu_check(d, create(&info, NULL, &d->host.instance), "no Vulkan 1.2 instance can be created")) return false;
 #define LOAD(name) d->name = (PFN_vk##name)get(d->host.instance, "vk" #name);
   GPU_INSTANCE_FUNCTIONS(LOAD)
   if (options->create_surface) {
@@ -131,16 +133,16 @@ static int rank(VkPhysicalDeviceType type) {
   }
 }
 
-// The first family that does graphics and compute, and presents when there is a surface; UINT32_MAX without.
-static uint32_t find_family(const gpu_device *d, VkPhysicalDevice physical, VkQueueFamilyProperties *found) {
+// The first family that does all that is wanted, and presents when there is a surface; UINT32_MAX without.
+static uint32_t find_family(const gpu_device *d, VkPhysicalDevice physical, VkQueueFlags wanted,
+                            VkQueueFamilyProperties *found) {
   VkQueueFamilyProperties families[MAX_FAMILIES];
   uint32_t count = MAX_FAMILIES;
   d->GetPhysicalDeviceQueueFamilyProperties(physical, &count, families);
   for (uint32_t i = 0; i < count; i++) {
-    const VkQueueFlags both = VK_QUEUE_COMPUTE_BIT | VK_QUEUE_GRAPHICS_BIT;
     VkBool32 presents = VK_TRUE;
     if (d->surface && d->GetPhysicalDeviceSurfaceSupportKHR(physical, i, d->surface, &presents) != VK_SUCCESS) continue;
-    if ((families[i].queueFlags & both) != both || !presents) continue;
+    if ((families[i].queueFlags & wanted) != wanted || !presents) continue;
     *found = families[i];
     return i;
   }
@@ -161,7 +163,9 @@ static void describe_device(gpu_device *d) {
   d->driver.pNext = NULL;
 }
 
-static bool choose_device(gpu_device *d, uint32_t wanted) {
+static bool choose_device(gpu_device *d, const gpu_device_options *options) {
+  const uint32_t wanted = options->device;
+  const char *abilities = options->compute_only ? "compute" : "graphics and compute";
   VkPhysicalDevice devices[MAX_DEVICES];
   uint32_t count;
   if (!list_devices(d, devices, &count)) return false;
@@ -173,7 +177,10 @@ static bool choose_device(gpu_device *d, uint32_t wanted) {
     VkQueueFamilyProperties family;
     VkPhysicalDeviceProperties properties;
     d->GetPhysicalDeviceProperties(devices[i], &properties);
-    const uint32_t index = find_family(d, devices[i], &family);
+    uint32_t index = find_family(d, devices[i], VK_QUEUE_COMPUTE_BIT | VK_QUEUE_GRAPHICS_BIT, &family);
+    if (index == UINT32_MAX && options->compute_only) {
+      index = find_family(d, devices[i], VK_QUEUE_COMPUTE_BIT, &family);
+    }
     const bool able = properties.apiVersion >= VK_API_VERSION_1_2 && index != UINT32_MAX;
     if (!able || (wanted != UINT32_MAX && wanted != i) || rank(properties.deviceType) <= best) continue;
     best = rank(properties.deviceType);
@@ -184,9 +191,10 @@ static bool choose_device(gpu_device *d, uint32_t wanted) {
     d->timestamp_mask = bits >= 64 ? UINT64_MAX : (UINT64_C(1) << bits) - 1;
   }
   if (!best) {
-    return gpu_fail(d, "%s",
-                    wanted == UINT32_MAX ? "there is no Vulkan 1.2 device with graphics and compute"
-                                         : "that Vulkan device has no Vulkan 1.2 with graphics and compute");
+    return gpu_fail(d,
+                    wanted == UINT32_MAX ? "there is no Vulkan 1.2 device with %s"
+                                         : "that Vulkan device has no Vulkan 1.2 with %s",
+                    abilities);
   }
   describe_device(d);
   return true;
@@ -248,7 +256,7 @@ bool gpu_device_open(const gpu_device_options *options, gpu_device *d) {
         options->create_surface(options->user, d->host.get_instance_proc_addr, d->host.instance, &d->surface);
     fine = gpu_check(d, made, "a surface for the window");
   }
-  fine = fine && choose_device(d, options->device) && create_device(d) && create_commands(d);
+  fine = fine && choose_device(d, options) && create_device(d) && create_commands(d);
   if (!fine) gpu_device_close(d);
   return fine;
 }

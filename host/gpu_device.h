@@ -1,10 +1,10 @@
-// A Vulkan device for the viewer and the benchmark: instance, device and one queue, opened through the system's loader,
-// which is found at run time, so that nothing links Vulkan. With a window or without.
+// A Vulkan device for programs without one of their own: instance, device and one queue, opened through the system's
+// loader, which is found at run time, so that nothing links Vulkan. With a window or without.
 //
 // Functions that can fail return false and leave a sentence in device->problem; what they were to create is then empty.
 // Destroying what is empty, or only half made, is allowed.
-#ifndef OCTALUX_VIEWER_GPU_DEVICE_H
-#define OCTALUX_VIEWER_GPU_DEVICE_H
+#ifndef OCTALUX_HOST_GPU_DEVICE_H
+#define OCTALUX_HOST_GPU_DEVICE_H
 
 #ifndef VK_NO_PROTOTYPES
 #define VK_NO_PROTOTYPES
@@ -14,8 +14,9 @@
 #include "gpu_functions.h"
 
 typedef struct gpu_device_options {
-  bool validate;   // the validation layers check every call, synchronisation too, and print to standard error
-  uint32_t device; // which of the machine's devices, as gpu_device_list counts them; UINT32_MAX: the best
+  bool validate;     // the validation layers check every call, synchronisation too, and print to standard error
+  bool compute_only; // a queue without graphics will do
+  uint32_t device;   // which of the machine's devices, as gpu_device_list counts them; UINT32_MAX: the best
   const char *const *instance_extensions; // that the window system asks for
   uint32_t instance_extension_count;
   // Make the window's surface; NULL: no window. The device then has VK_KHR_swapchain, and its queue presents to the
@@ -50,18 +51,19 @@ typedef struct gpu_device {
 } gpu_device;
 
 // Needs Vulkan 1.2 and a queue with graphics and compute (and presentation). On failure nothing is left to close.
+// Validation layers that are asked for must be installed.
 bool gpu_device_open(const gpu_device_options *options, gpu_device *device);
 void gpu_device_close(gpu_device *device);
 
 // One line a device to standard output: number, name, driver. Opens none.
 bool gpu_device_list(gpu_device *device);
 
-// Keep a message; returns false. The second adds what Vulkan's result means, the third is the library's last error.
+// Keep a message; returns false. The second adds what Vulkan's result means.
 bool gpu_fail(gpu_device *device, const char *format, ...) __attribute__((format(printf, 2, 3)));
 bool gpu_fail_result(gpu_device *device, VkResult result, const char *what);
-bool gpu_fail_library(gpu_device *device);
-// True for VK_SUCCESS, else gpu_fail_result.
+// True for success; else the message is gpu_fail_result's, or the library's last error.
 bool gpu_check(gpu_device *device, VkResult result, const char *what);
+bool gpu_check_library(gpu_device *device, olx_result result);
 
 // Commands that run once: record into device->commands between these; the second submits and waits until they have run.
 bool gpu_commands_begin(gpu_device *device);

@@ -1,6 +1,6 @@
-// The functions of Vulkan that the viewer and the benchmark call, for tables of their pointers.
-#ifndef OCTALUX_VIEWER_GPU_FUNCTIONS_H
-#define OCTALUX_VIEWER_GPU_FUNCTIONS_H
+// The functions of Vulkan that programs call, for tables of their pointers.
+#ifndef OCTALUX_HOST_GPU_FUNCTIONS_H
+#define OCTALUX_HOST_GPU_FUNCTIONS_H
 
 // Of the instance.
 #define GPU_INSTANCE_FUNCTIONS(X)                                                                                      \

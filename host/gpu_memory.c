@@ -133,6 +133,12 @@ void gpu_image_barrier(const gpu_device *d, VkCommandBuffer commands, const gpu_
                         NULL, 1, &barrier);
 }
 
+void gpu_full_barrier(const gpu_device *d, VkCommandBuffer commands) {
+  gpu_memory_barrier(d, commands, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_ACCESS_MEMORY_WRITE_BIT,
+                     VK_PIPELINE_STAGE_ALL_COMMANDS_BIT | VK_PIPELINE_STAGE_HOST_BIT,
+                     VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT);
+}
+
 void gpu_memory_barrier(const gpu_device *d, VkCommandBuffer commands, VkPipelineStageFlags from_stage,
                         VkAccessFlags from_access, VkPipelineStageFlags to_stage, VkAccessFlags to_access) {
   const VkMemoryBarrier barrier = {
@@ -140,10 +146,24 @@ void gpu_memory_barrier(const gpu_device *d, VkCommandBuffer commands, VkPipelin
   d->CmdPipelineBarrier(commands, from_stage, to_stage, 0, 1, &barrier, 0, NULL, 0, NULL);
 }
 
+static VkBufferImageCopy whole_image(const gpu_image *image) {
+  return (VkBufferImageCopy){.imageSubresource = {image->aspect, 0, 0, 1},
+                             .imageExtent = {image->width, image->height, 1}};
+}
+
+bool gpu_image_write(gpu_device *d, const gpu_image *image, VkImageLayout layout, const gpu_buffer *buffer) {
+  if (!gpu_commands_begin(d)) return false;
+  const VkBufferImageCopy region = whole_image(image);
+  const VkImageLayout target = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
+  gpu_image_barrier(d, d->commands, image, VK_IMAGE_LAYOUT_UNDEFINED, target);
+  d->CmdCopyBufferToImage(d->commands, buffer->buffer, image->image, target, 1, &region);
+  gpu_image_barrier(d, d->commands, image, target, layout);
+  return gpu_commands_run(d);
+}
+
 bool gpu_image_read(gpu_device *d, const gpu_image *image, VkImageLayout layout, const gpu_buffer *buffer) {
   if (!gpu_commands_begin(d)) return false;
-  const VkBufferImageCopy region = {.imageSubresource = {image->aspect, 0, 0, 1},
-                                    .imageExtent = {image->width, image->height, 1}};
+  const VkBufferImageCopy region = whole_image(image);
   const VkImageLayout source = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
   gpu_image_barrier(d, d->commands, image, layout, source);
   d->CmdCopyImageToBuffer(d->commands, image->image, source, buffer->buffer, 1, &region);

@@ -59,38 +59,126 @@ void gpu_set_destroy(gpu_device *d, gpu_set *set) {
   *set = (gpu_set){.set = VK_NULL_HANDLE};
 }
 
-bool gpu_shader_create(gpu_device *d, const char *what, const uint32_t *words, size_t bytes, VkShaderModule *module) {
-  const VkShaderModuleCreateInfo info = {
-      .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = bytes, .pCode = words};
-  return gpu_check(d, d->CreateShaderModule(d->host.device, &info, NULL, module), what);
+bool gpu_layout_create(gpu_device *d, const char *what, const VkDescriptorSetLayout *sets, uint32_t set_count,
+                       VkShaderStageFlags stages, uint32_t push_bytes, VkPipelineLayout *layout) {
+  const VkPushConstantRange push = {stages, 0, push_bytes};
+  const VkPipelineLayoutCreateInfo info = {.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+                                           .setLayoutCount = set_count,
+                                           .pSetLayouts = sets,
+                                           .pushConstantRangeCount = 1,
+                                           .pPushConstantRanges = &push};
+  return gpu_check(d, d->CreatePipelineLayout(d->host.device, &info, NULL, layout), what);
 }
 
-bool gpu_compute_create(gpu_device *d, const char *what, const uint32_t *words, size_t bytes,
-                        const VkDescriptorSetLayout *sets, uint32_t set_count, uint32_t push_bytes,
-                        gpu_compute *compute) {
-  *compute = (gpu_compute){.pipeline = VK_NULL_HANDLE};
-  VkShaderModule module;
-  if (!gpu_shader_create(d, what, words, bytes, &module)) return false;
-  const VkPushConstantRange push = {VK_SHADER_STAGE_COMPUTE_BIT, 0, push_bytes};
-  const VkPipelineLayoutCreateInfo layout = {.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
-                                             .setLayoutCount = set_count,
-                                             .pSetLayouts = sets,
-                                             .pushConstantRangeCount = 1,
-                                             .pPushConstantRanges = &push};
-  VkResult result = d->CreatePipelineLayout(d->host.device, &layout, NULL, &compute->layout);
-  if (result == VK_SUCCESS) {
-    const VkComputePipelineCreateInfo info = {.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
-                                              .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
-                                                        .stage = VK_SHADER_STAGE_COMPUTE_BIT,
-                                                        .module = module,
-                                                        .pName = "main"},
-                                              .layout = compute->layout};
-    result = d->CreateComputePipelines(d->host.device, VK_NULL_HANDLE, 1, &info, NULL, &compute->pipeline);
+// The module is the caller's to destroy; it may be null.
+static bool create_stage(gpu_device *d, const char *what, gpu_code code, VkShaderStageFlagBits stage,
+                         VkPipelineShaderStageCreateInfo *info) {
+  *info = (VkPipelineShaderStageCreateInfo){
+      .sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, .stage = stage, .pName = "main"};
+  if (!code.words) return true;
+  const VkShaderModuleCreateInfo module = {
+      .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = code.bytes, .pCode = code.words};
+  return gpu_check(d, d->CreateShaderModule(d->host.device, &module, NULL, &info->module), what);
+}
+
+static void destroy_stages(gpu_device *d, const VkPipelineShaderStageCreateInfo *stages, uint32_t count) {
+  for (uint32_t i = 0; i < count; i++) {
+    if (stages[i].module) d->DestroyShaderModule(d->host.device, stages[i].module, NULL);
   }
-  d->DestroyShaderModule(d->host.device, module, NULL);
-  if (result == VK_SUCCESS) return true;
+}
+
+// ---- drawing
+
+static VkResult create_graphics(gpu_device *d, const gpu_graphics_info *info,
+                                const VkPipelineShaderStageCreateInfo stages[2], VkPipeline *pipeline) {
+  const VkPipelineVertexInputStateCreateInfo input = {.sType =
+                                                          VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
+  const VkPipelineInputAssemblyStateCreateInfo assembly = {
+      .sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
+      .topology = info->strip ? VK_PRIMITIVE_TOPOLOGY_TRIANGLE_STRIP : VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST};
+  const VkPipelineViewportStateCreateInfo viewport = {
+      .sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO, .viewportCount = 1, .scissorCount = 1};
+  const VkPipelineRasterizationStateCreateInfo raster = {.sType =
+                                                             VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
+                                                         .polygonMode = VK_POLYGON_MODE_FILL,
+                                                         .cullMode = VK_CULL_MODE_NONE,
+                                                         .depthBiasEnable = info->slope_bias != 0.0f,
+                                                         .depthBiasConstantFactor = info->slope_bias,
+                                                         .depthBiasSlopeFactor = info->slope_bias,
+                                                         .lineWidth = 1.0f};
+  const VkPipelineMultisampleStateCreateInfo samples = {
+      .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO, .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT};
+  const VkPipelineDepthStencilStateCreateInfo depth = {.sType =
+                                                           VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
+                                                       .depthTestEnable = VK_TRUE,
+                                                       .depthWriteEnable = VK_TRUE,
+                                                       .depthCompareOp = info->depth};
+  const VkPipelineColorBlendAttachmentState one = {.blendEnable = info->blended,
+                                                   .srcColorBlendFactor = VK_BLEND_FACTOR_SRC_ALPHA,
+                                                   .dstColorBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA,
+                                                   .srcAlphaBlendFactor = VK_BLEND_FACTOR_ZERO,
+                                                   .dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
+                                                   .colorWriteMask = 0xF};
+  const VkPipelineColorBlendAttachmentState attachments[4] = {one, one, one, one};
+  const VkPipelineColorBlendStateCreateInfo blend = {.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
+                                                     .attachmentCount = info->colors,
+                                                     .pAttachments = attachments};
+  const VkDynamicState dynamic[2] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
+  const VkPipelineDynamicStateCreateInfo dynamics = {
+      .sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO, .dynamicStateCount = 2, .pDynamicStates = dynamic};
+  const VkGraphicsPipelineCreateInfo create = {.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
+                                               .stageCount = stages[1].module ? 2 : 1,
+                                               .pStages = stages,
+                                               .pVertexInputState = &input,
+                                               .pInputAssemblyState = &assembly,
+                                               .pViewportState = &viewport,
+                                               .pRasterizationState = &raster,
+                                               .pMultisampleState = &samples,
+                                               .pDepthStencilState = &depth,
+                                               .pColorBlendState = &blend,
+                                               .pDynamicState = &dynamics,
+                                               .layout = info->layout,
+                                               .renderPass = info->render_pass};
+  return d->CreateGraphicsPipelines(d->host.device, VK_NULL_HANDLE, 1, &create, NULL, pipeline);
+}
+
+bool gpu_graphics_create(gpu_device *d, const gpu_graphics_info *info, VkPipeline *pipeline) {
+  VkPipelineShaderStageCreateInfo stages[2] = {{.module = VK_NULL_HANDLE}, {.module = VK_NULL_HANDLE}};
+  const bool fine = create_stage(d, info->what, info->vertex, VK_SHADER_STAGE_VERTEX_BIT, &stages[0]) &&
+                    create_stage(d, info->what, info->fragment, VK_SHADER_STAGE_FRAGMENT_BIT, &stages[1]) &&
+                    gpu_check(d, create_graphics(d, info, stages, pipeline), info->what);
+  destroy_stages(d, stages, 2);
+  return fine;
+}
+
+void gpu_viewport_record(const gpu_device *d, VkCommandBuffer commands, uint32_t width, uint32_t height) {
+  const VkViewport viewport = {.width = (float)width, .height = (float)height, .maxDepth = 1.0f};
+  const VkRect2D scissor = {.extent = {width, height}};
+  d->CmdSetViewport(commands, 0, 1, &viewport);
+  d->CmdSetScissor(commands, 0, 1, &scissor);
+}
+
+// ---- computing
+
+bool gpu_compute_pipeline_create(gpu_device *d, const char *what, gpu_code code, VkPipelineLayout layout,
+                                 VkPipeline *pipeline) {
+  VkComputePipelineCreateInfo info = {.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO, .layout = layout};
+  const bool fine =
+      create_stage(d, what, code, VK_SHADER_STAGE_COMPUTE_BIT, &info.stage) &&
+      gpu_check(d, d->CreateComputePipelines(d->host.device, VK_NULL_HANDLE, 1, &info, NULL, pipeline), what);
+  destroy_stages(d, &info.stage, 1);
+  return fine;
+}
+
+bool gpu_compute_create(gpu_device *d, const char *what, gpu_code code, const VkDescriptorSetLayout *sets,
+                        uint32_t set_count, uint32_t push_bytes, gpu_compute *compute) {
+  *compute = (gpu_compute){.pipeline = VK_NULL_HANDLE};
+  if (gpu_layout_create(d, what, sets, set_count, VK_SHADER_STAGE_COMPUTE_BIT, push_bytes, &compute->layout) &&
+      gpu_compute_pipeline_create(d, what, code, compute->layout, &compute->pipeline)) {
+    return true;
+  }
   gpu_compute_destroy(d, compute);
-  return gpu_fail_result(d, result, what);
+  return false;
 }
 
 void gpu_compute_destroy(gpu_device *d, gpu_compute *compute) {

@@ -20,27 +20,36 @@
     }                                                                                                                  \
   }
 
-const parity_field PARITY_FURNISHED_ROOM = {"furnished room, 2 x 2 x 2 probes, 64 texels",
-                                            {.room = ROOM, .box_count = 2, .boxes = FURNITURE},
-                                            {{0.5f, 0.5f, 0.5f}, {3.0f, 2.0f, 4.0f}, {2, 2, 2}},
-                                            64,
-                                            16,
-                                            true,
-                                            true};
-const parity_field PARITY_OPEN_COURT = {"open court, 3 x 1 x 2 probes, 32 texels",
-                                        {.room = ROOM, .open = true, .box_count = 2, .boxes = FURNITURE},
-                                        {{0.5f, 1.2f, 0.5f}, {1.5f, 0.0f, 4.0f}, {3, 1, 2}},
-                                        32,
-                                        8,
-                                        true,
-                                        false};
-const parity_field PARITY_MANY_PROBES = {"many probes, 8 texels",
-                                         {.room = ROOM, .box_count = 2, .boxes = FURNITURE},
-                                         {{0.1f, 0.1f, 0.1f}, {0.3f, 0.23f, 0.38f}, {13, 13, 13}},
-                                         8,
-                                         8,
-                                         false,
-                                         true};
+typedef struct parity_room {
+  const char *name;
+  analytic_scene scene;
+  olx_grid grid;
+  uint32_t n, irradiance_n;
+  bool bricks, voronoi;
+} parity_room;
+
+static const parity_room ROOMS[PARITY_ROOMS] = {
+    [PARITY_FURNISHED_ROOM] = {"furnished room, 2 x 2 x 2 probes, 64 texels",
+                               {.room = ROOM, .box_count = 2, .boxes = FURNITURE},
+                               {{0.5f, 0.5f, 0.5f}, {3.0f, 2.0f, 4.0f}, {2, 2, 2}},
+                               64,
+                               16,
+                               true,
+                               true},
+    [PARITY_OPEN_COURT] = {"open court, 3 x 1 x 2 probes, 32 texels",
+                           {.room = ROOM, .open = true, .box_count = 2, .boxes = FURNITURE},
+                           {{0.5f, 1.2f, 0.5f}, {1.5f, 0.0f, 4.0f}, {3, 1, 2}},
+                           32,
+                           8,
+                           true,
+                           false},
+    [PARITY_MANY_PROBES] = {"many probes, 8 texels",
+                            {.room = ROOM, .box_count = 2, .boxes = FURNITURE},
+                            {{0.1f, 0.1f, 0.1f}, {0.3f, 0.23f, 0.38f}, {13, 13, 13}},
+                            8,
+                            8,
+                            false,
+                            true}};
 
 // Bricks over the room with lists at random: what matters is that both sides read the same.
 enum { BRICKS = 12, DIVIDED = 6, LISTS = 32, BRICK_WORDS = 16 + BRICKS + DIVIDED * OLX_BRICK_CELL_WORDS + 4 * LISTS };
@@ -88,7 +97,7 @@ static void *add_voronoi(olx_field *field) {
   return data;
 }
 
-static olx_field *make_field(const parity_field *p) {
+static olx_field *make_field(const parity_room *p) {
   olx_field *field = analytic_field_make(&p->scene, &p->grid, p->n, p->irradiance_n);
   uint16_t *distance = (uint16_t *)(uintptr_t)field->distance;
   for (size_t i = 0; i < field->texels * field->info.probe_count; i += 7) distance[i] |= 0x8000u; // emitters
@@ -135,13 +144,14 @@ static void fill_items(parity_item *items) {
 }
 
 static struct {
+  const parity_suite *suite;
   gpu_device device;
   gpu_buffer items, results;
   gpu_set set;
   gpu_compute computes[PARITY_MOST_CODES];
 } gpu;
 
-int parity_open(void **unused) {
+static int set_up(void **unused) {
   (void)unused;
   gpu_device *d = &gpu.device;
   if (!host_open_device(d, false)) return 0;
@@ -156,7 +166,7 @@ int parity_open(void **unused) {
   return 0;
 }
 
-int parity_close(void **unused) {
+static int tear_down(void **unused) {
   (void)unused;
   gpu_device *d = &gpu.device;
   if (!d->host.device) return 0;
@@ -168,30 +178,29 @@ int parity_close(void **unused) {
 }
 
 // Good for every field, since all their set layouts are alike.
-static void make_pipelines(const parity_suite *suite, const olx_vulkan_field *field) {
+static void make_pipelines(const olx_vulkan_field *field) {
   if (gpu.computes[0].pipeline) return;
   const VkDescriptorSetLayout sets[] = {olx_vulkan_field_set_layout(field), gpu.set.layout};
-  assert_true(suite->code_count <= PARITY_MOST_CODES);
-  for (uint32_t i = 0; i < suite->code_count; i++) {
-    const parity_code *code = &suite->codes[i];
-    assert_true(gpu_compute_create(&gpu.device, "rows", code->words, code->size_bytes, sets, 2, sizeof(uint32_t),
-                                   &gpu.computes[i]));
+  assert_true(gpu.suite->code_count <= PARITY_MOST_CODES);
+  for (uint32_t i = 0; i < gpu.suite->code_count; i++) {
+    assert_true(
+        gpu_compute_create(&gpu.device, "rows", gpu.suite->codes[i].code, sets, 2, sizeof(uint32_t), &gpu.computes[i]));
   }
 }
 
-static const gpu_compute *compute_of(const parity_suite *suite, uint32_t row) {
+static const gpu_compute *compute_of(uint32_t row) {
   uint32_t code = 0;
-  while (row >= suite->codes[code].end) code++;
+  while (row >= gpu.suite->codes[code].end) code++;
   return &gpu.computes[code];
 }
 
 // Run one row over all items.
-static void run_row(const parity_suite *suite, const olx_vulkan_field *field, uint32_t row) {
+static void run_row(const olx_vulkan_field *field, uint32_t row) {
   gpu_device *d = &gpu.device;
   const VkDescriptorSet sets[] = {olx_vulkan_field_set(field), gpu.set.set};
   assert_true(gpu_commands_begin(d));
   const uint32_t width = PARITY_ITEMS / 8; // a group has 64 items
-  gpu_compute_record(d, compute_of(suite, row), sets, 2, &row, sizeof row, width, 8, d->commands);
+  gpu_compute_record(d, compute_of(row), sets, 2, &row, sizeof row, width, 8, d->commands);
   gpu_full_barrier(d, d->commands);
   assert_true(gpu_commands_run(d));
 }
@@ -256,26 +265,54 @@ static bool judge_row(const olx_field *field, const olx_vulkan_field *uploaded, 
   return false;
 }
 
-void parity_compare(const parity_suite *suite, const parity_field *p, uint32_t first, uint32_t end) {
+static void compare_room(uint32_t room) {
   host_need_device(&gpu.device);
-  gpu_device *d = &gpu.device;
+  const parity_room *p = &ROOMS[room];
   olx_field *field = make_field(p);
   _Alignas(64) uint32_t bricks[BRICK_WORDS];
   if (p->bricks) add_bricks(field, bricks);
   void *voronoi = p->voronoi ? add_voronoi(field) : NULL;
   olx_vulkan_field *uploaded = NULL;
-  if (olx_vulkan_field_create(&d->host, field, &uploaded) != OLX_OK) fail_msg("%s", olx_last_error());
-  make_pipelines(suite, uploaded);
-  print_message("%s on %s\n", p->name, d->properties.deviceName);
+  if (olx_vulkan_field_create(&gpu.device.host, field, &uploaded) != OLX_OK) fail_msg("%s", olx_last_error());
+  make_pipelines(uploaded);
+  print_message("%s on %s\n", p->name, gpu.device.properties.deviceName);
   uint32_t failures = 0;
-  for (uint32_t i = 0; i < suite->row_count; i++) {
-    const parity_row *row = &suite->rows[i];
-    if (row->number < first || row->number >= end) continue;
-    run_row(suite, uploaded, row->number);
+  for (uint32_t i = 0; i < gpu.suite->row_count; i++) {
+    const parity_row *row = &gpu.suite->rows[i];
+    if (row->number < gpu.suite->rooms[room].first || row->number >= gpu.suite->rooms[room].end) continue;
+    run_row(uploaded, row->number);
     failures += !judge_row(field, uploaded, row);
   }
   olx_vulkan_field_destroy(uploaded);
   analytic_field_free(field);
   olx_release(voronoi);
   assert_int_equal(failures, 0);
+}
+
+static void in_a_furnished_room(void **unused) {
+  (void)unused;
+  compare_room(PARITY_FURNISHED_ROOM);
+}
+
+static void in_an_open_court(void **unused) {
+  (void)unused;
+  compare_room(PARITY_OPEN_COURT);
+}
+
+static void where_maps_share_layers(void **unused) {
+  (void)unused;
+  compare_room(PARITY_MANY_PROBES);
+}
+
+int parity_run(const parity_suite *suite) {
+  static const CMUnitTestFunction rooms[PARITY_ROOMS] = {in_a_furnished_room, in_an_open_court,
+                                                         where_maps_share_layers};
+  static const char *const names[PARITY_ROOMS] = {"in_a_furnished_room", "in_an_open_court", "where_maps_share_layers"};
+  struct CMUnitTest tests[PARITY_ROOMS] = {{NULL}};
+  size_t count = 0;
+  for (uint32_t i = 0; i < PARITY_ROOMS; i++) {
+    if (suite->rooms[i].end) tests[count++] = (struct CMUnitTest){.name = names[i], .test_func = rooms[i]};
+  }
+  gpu.suite = suite;
+  return _cmocka_run_group_tests("rooms", tests, count, set_up, tear_down);
 }

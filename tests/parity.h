@@ -6,6 +6,7 @@
 
 #include "analytic_field.h"
 #include "core/bsdf.h"
+#include "gpu_pipeline.h"
 #include "parity_rows.h"
 #include "select/select.h"
 #include "shade/irradiance.h"
@@ -94,38 +95,32 @@ typedef struct parity_row {
 // A shader for the rows below `end` that no shader before has.
 typedef struct parity_code {
   uint32_t end;
-  const uint32_t *words;
-  size_t size_bytes;
+  gpu_code code;
 } parity_code;
 
 enum { PARITY_MOST_CODES = 2 };
+
+// Rooms and grids that between them have every kind of texel, block and cage; the last has so many probes that maps
+// share layers.
+enum { PARITY_FURNISHED_ROOM, PARITY_OPEN_COURT, PARITY_MANY_PROBES, PARITY_ROOMS };
+
+// Rows by their numbers; 0, 0: none.
+typedef struct parity_range {
+  uint32_t first, end;
+} parity_range;
 
 typedef struct parity_suite {
   const parity_row *rows;
   uint32_t row_count;
   const parity_code *codes;
-  uint32_t code_count; // at most PARITY_MOST_CODES
+  uint32_t code_count;       // at most PARITY_MOST_CODES
+  const parity_range *rooms; // PARITY_ROOMS of them: what is compared in each
 } parity_suite;
 
-// Rooms and grids that between them have every kind of texel, block and cage; the last has so many probes that maps
-// share layers. Rooms and grids that between them have every kind of texel, block and cage; the last has so many probes
-// that maps share layers.
-typedef struct parity_field {
-  const char *name;
-  analytic_scene scene;
-  olx_grid grid;
-  uint32_t n, irradiance_n;
-  bool bricks, voronoi;
-} parity_field;
+#define PARITY_COUNT(array) (sizeof(array) / sizeof(array)[0])
 
-extern const parity_field PARITY_FURNISHED_ROOM, PARITY_OPEN_COURT, PARITY_MANY_PROBES;
-
-// For cmocka_run_group_tests: the device and the items.
-int parity_open(void **unused);
-int parity_close(void **unused);
-
-// Compare the rows from number `first` to `end` - 1.
-void parity_compare(const parity_suite *suite, const parity_field *room, uint32_t first, uint32_t end);
+// Compare them all, a test a room: what main returns.
+int parity_run(const parity_suite *suite);
 
 static inline olx_vec2 random_2(const parity_state *s) { return (olx_vec2){s->random[0], s->random[1]}; }
 static inline size_t texel_of(const parity_state *s) {

@@ -177,7 +177,7 @@ static void make_pipeline(harness *gpu, const olx_vulkan_field *field, const olx
   gpu_set_write(d, &gpu->set, bindings, 2);
   const VkDescriptorSetLayout sets[] = {olx_vulkan_field_set_layout(field), gpu->set.layout,
                                         olx_vulkan_classic_set_layout(classic)};
-  assert_true(gpu_compute_create(d, "rows", SPIRV, sizeof SPIRV, sets, 3, sizeof(uint32_t), &gpu->compute));
+  assert_true(gpu_compute_create(d, "rows", GPU_CODE(SPIRV), sets, 3, sizeof(uint32_t), &gpu->compute));
 }
 
 // Run one row over all items.

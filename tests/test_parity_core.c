@@ -169,31 +169,13 @@ static const parity_row ROWS[] = {
     PARITY(voronoi_neighbours, 1e-6f, 1e-3),
 };
 static const parity_code CODES[] = {
-    {ROWS_OF_CORE, CORE_CODE, sizeof CORE_CODE},
-    {ROWS_OF_FIELD, FIELD_CODE, sizeof FIELD_CODE},
+    {ROWS_OF_CORE, {CORE_CODE, sizeof CORE_CODE}},
+    {ROWS_OF_FIELD, {FIELD_CODE, sizeof FIELD_CODE}},
 };
-static const parity_suite SUITE = {ROWS, sizeof ROWS / sizeof ROWS[0], CODES, sizeof CODES / sizeof CODES[0]};
+static const parity_range ROOMS[PARITY_ROOMS] = {
+    [PARITY_FURNISHED_ROOM] = {0, ROWS_OF_FIELD},
+    [PARITY_OPEN_COURT] = {ROWS_OF_CORE, ROWS_OF_FIELD},
+    [PARITY_MANY_PROBES] = {ROWS_OF_CORE, ROWS_OF_FIELD},
+};
 
-static void in_a_furnished_room(void **unused) {
-  (void)unused;
-  parity_compare(&SUITE, &PARITY_FURNISHED_ROOM, 0, ROWS_OF_FIELD);
-}
-
-static void in_an_open_court(void **unused) {
-  (void)unused;
-  parity_compare(&SUITE, &PARITY_OPEN_COURT, ROWS_OF_CORE, ROWS_OF_FIELD);
-}
-
-static void where_maps_share_layers(void **unused) {
-  (void)unused;
-  parity_compare(&SUITE, &PARITY_MANY_PROBES, ROWS_OF_CORE, ROWS_OF_FIELD);
-}
-
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(in_a_furnished_room),
-      cmocka_unit_test(in_an_open_court),
-      cmocka_unit_test(where_maps_share_layers),
-  };
-  return cmocka_run_group_tests(tests, parity_open, parity_close);
-}
+int main(void) { return parity_run(&(parity_suite){ROWS, PARITY_COUNT(ROWS), CODES, PARITY_COUNT(CODES), ROOMS}); }

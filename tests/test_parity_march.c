@@ -76,7 +76,8 @@ static stand left_texel(const olx_march *m, int32_t x, int32_t y, int32_t next_x
 
 static stand left_node(const olx_march *m, const parity_state *s) {
   const uint32_t level = s->bits[2] % m->field->pyramid.levels;
-  stand at = {.x = (int32_t)s->x >> olx_pyramid_shift(level), .y = (int32_t)s->y >> olx_pyramid_shift(level), .level = level};
+  stand at = {
+      .x = (int32_t)s->x >> olx_pyramid_shift(level), .y = (int32_t)s->y >> olx_pyramid_shift(level), .level = level};
   leave(m, &at, at.x + (int32_t)(s->bits[0] % 5u) - 2, at.y + (int32_t)(s->bits[1] % 5u) - 2, 0.0f, 0.0f, true);
   return at;
 }
@@ -220,29 +221,11 @@ static const parity_row ROWS[] = {
     PARITY(trace_probe, 1e-5f, 1e-3),
 };
 // clang-format on
-static const parity_code CODES[] = {{ROWS_OF_MARCH, CODE, sizeof CODE}};
-static const parity_suite SUITE = {ROWS, sizeof ROWS / sizeof ROWS[0], CODES, 1};
+static const parity_code CODES[] = {{ROWS_OF_MARCH, {CODE, sizeof CODE}}};
+static const parity_range ROOMS[PARITY_ROOMS] = {
+    [PARITY_FURNISHED_ROOM] = {ROWS_OF_FIELD, ROWS_OF_MARCH},
+    [PARITY_OPEN_COURT] = {ROWS_OF_FIELD, ROWS_OF_MARCH},
+    [PARITY_MANY_PROBES] = {ROWS_OF_FIELD, ROWS_OF_MARCH},
+};
 
-static void in_a_furnished_room(void **unused) {
-  (void)unused;
-  parity_compare(&SUITE, &PARITY_FURNISHED_ROOM, ROWS_OF_FIELD, ROWS_OF_MARCH);
-}
-
-static void in_an_open_court(void **unused) {
-  (void)unused;
-  parity_compare(&SUITE, &PARITY_OPEN_COURT, ROWS_OF_FIELD, ROWS_OF_MARCH);
-}
-
-static void where_maps_share_layers(void **unused) {
-  (void)unused;
-  parity_compare(&SUITE, &PARITY_MANY_PROBES, ROWS_OF_FIELD, ROWS_OF_MARCH);
-}
-
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(in_a_furnished_room),
-      cmocka_unit_test(in_an_open_court),
-      cmocka_unit_test(where_maps_share_layers),
-  };
-  return cmocka_run_group_tests(tests, parity_open, parity_close);
-}
+int main(void) { return parity_run(&(parity_suite){ROWS, PARITY_COUNT(ROWS), CODES, PARITY_COUNT(CODES), ROOMS}); }

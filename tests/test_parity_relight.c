@@ -119,17 +119,9 @@ static const parity_row ROWS[] = {
     PARITY(correction_cells_at, 1e-5f, 0),
     PARITY(correction_neighbours, 1e-5f, 0),
 };
-static const parity_code CODES[] = {{ROWS_OF_RELIGHT, RELIGHT_CODE, sizeof RELIGHT_CODE}};
-static const parity_suite SUITE = {ROWS, sizeof ROWS / sizeof ROWS[0], CODES, sizeof CODES / sizeof CODES[0]};
+static const parity_code CODES[] = {{ROWS_OF_RELIGHT, {RELIGHT_CODE, sizeof RELIGHT_CODE}}};
+static const parity_range ROOMS[PARITY_ROOMS] = {
+    [PARITY_FURNISHED_ROOM] = {ROWS_OF_DENOISE, ROWS_OF_RELIGHT},
+};
 
-static void in_a_furnished_room(void **unused) {
-  (void)unused;
-  parity_compare(&SUITE, &PARITY_FURNISHED_ROOM, ROWS_OF_DENOISE, ROWS_OF_RELIGHT);
-}
-
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(in_a_furnished_room),
-  };
-  return cmocka_run_group_tests(tests, parity_open, parity_close);
-}
+int main(void) { return parity_run(&(parity_suite){ROWS, PARITY_COUNT(ROWS), CODES, PARITY_COUNT(CODES), ROOMS}); }

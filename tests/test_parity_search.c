@@ -108,24 +108,11 @@ static const parity_row ROWS[] = {
     PARITY(search_voronoi, 1e-5f, 1e-3),
     PARITY(probe_sees, 1e-5f, 1e-3),
 };
-static const parity_code CODES[] = {{ROWS_OF_SEARCH, CODE, sizeof CODE}};
-static const parity_suite SUITE = {ROWS, sizeof ROWS / sizeof ROWS[0], CODES, 1};
-
-static void in_a_furnished_room(void **unused) {
-  (void)unused;
-  parity_compare(&SUITE, &PARITY_FURNISHED_ROOM, ROWS_OF_MARCH, ROWS_OF_SEARCH);
-}
-
-static void in_an_open_court(void **unused) {
-  (void)unused;
-  parity_compare(&SUITE, &PARITY_OPEN_COURT, ROWS_OF_MARCH, ROWS_OF_SEARCH);
-}
-
+static const parity_code CODES[] = {{ROWS_OF_SEARCH, {CODE, sizeof CODE}}};
 // Not among many probes: llvmpipe ends loops after 65535 turns, which a search over so many can exceed.
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(in_a_furnished_room),
-      cmocka_unit_test(in_an_open_court),
-  };
-  return cmocka_run_group_tests(tests, parity_open, parity_close);
-}
+static const parity_range ROOMS[PARITY_ROOMS] = {
+    [PARITY_FURNISHED_ROOM] = {ROWS_OF_MARCH, ROWS_OF_SEARCH},
+    [PARITY_OPEN_COURT] = {ROWS_OF_MARCH, ROWS_OF_SEARCH},
+};
+
+int main(void) { return parity_run(&(parity_suite){ROWS, PARITY_COUNT(ROWS), CODES, PARITY_COUNT(CODES), ROOMS}); }

@@ -185,32 +185,14 @@ static const parity_row ROWS[] = {
     PARITY(tap_weight, 1e-5f, 0),
 };
 static const parity_code CODES[] = {
-    {ROWS_OF_SHADE, SHADE_CODE, sizeof SHADE_CODE},
-    {ROWS_OF_DENOISE, DENOISE_CODE, sizeof DENOISE_CODE},
+    {ROWS_OF_SHADE, {SHADE_CODE, sizeof SHADE_CODE}},
+    {ROWS_OF_DENOISE, {DENOISE_CODE, sizeof DENOISE_CODE}},
 };
-static const parity_suite SUITE = {ROWS, sizeof ROWS / sizeof ROWS[0], CODES, sizeof CODES / sizeof CODES[0]};
+// llvmpipe ends loops after 65535 turns, which the search of glossy light over so many probes can exceed.
+static const parity_range ROOMS[PARITY_ROOMS] = {
+    [PARITY_FURNISHED_ROOM] = {ROWS_OF_SEARCH, ROWS_OF_DENOISE},
+    [PARITY_OPEN_COURT] = {ROWS_OF_SEARCH, ROWS_OF_SHADE},
+    [PARITY_MANY_PROBES] = {ROWS_OF_SEARCH, ROW_olx_glossy},
+};
 
-static void in_a_furnished_room(void **unused) {
-  (void)unused;
-  parity_compare(&SUITE, &PARITY_FURNISHED_ROOM, ROWS_OF_SEARCH, ROWS_OF_DENOISE);
-}
-
-static void in_an_open_court(void **unused) {
-  (void)unused;
-  parity_compare(&SUITE, &PARITY_OPEN_COURT, ROWS_OF_SEARCH, ROWS_OF_SHADE);
-}
-
-static void where_maps_share_layers(void **unused) {
-  (void)unused;
-  // llvmpipe ends loops after 65535 turns, which the search of glossy light over so many probes can exceed.
-  parity_compare(&SUITE, &PARITY_MANY_PROBES, ROWS_OF_SEARCH, ROW_olx_glossy);
-}
-
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(in_a_furnished_room),
-      cmocka_unit_test(in_an_open_court),
-      cmocka_unit_test(where_maps_share_layers),
-  };
-  return cmocka_run_group_tests(tests, parity_open, parity_close);
-}
+int main(void) { return parity_run(&(parity_suite){ROWS, PARITY_COUNT(ROWS), CODES, PARITY_COUNT(CODES), ROOMS}); }

@@ -46,10 +46,10 @@ static bool create_set(gpu_device *d, const rasteriser *raster, VkSampler sample
   return true;
 }
 
-static bool create_pipeline(gpu_device *d, const uint32_t *words, size_t bytes, VkDescriptorSetLayout field,
-                            VkDescriptorSetLayout own, gpu_compute *compute) {
+static bool create_pipeline(gpu_device *d, gpu_code code, VkDescriptorSetLayout field, VkDescriptorSetLayout own,
+                            gpu_compute *compute) {
   const VkDescriptorSetLayout sets[2] = {field, own};
-  return gpu_compute_create(d, "the benchmark's pipelines", words, bytes, sets, 2, sizeof(probe_constants), compute);
+  return gpu_compute_create(d, "the benchmark's pipelines", code, sets, 2, sizeof(probe_constants), compute);
 }
 
 bool bench_probe_create(gpu_device *d, const olx_vulkan_field *field, const rasteriser *raster, bench_probe *probe) {
@@ -66,8 +66,8 @@ bool bench_probe_create(gpu_device *d, const olx_vulkan_field *field, const rast
                                .layout = VK_IMAGE_LAYOUT_GENERAL};
     fine = create_set(d, raster, probe->sampler, &counted, &probe->counts_set) &&
            create_set(d, raster, probe->sampler, &light, &probe->floor_set) &&
-           create_pipeline(d, COUNTS_SHADER, sizeof COUNTS_SHADER, layout, probe->counts_set.layout, &probe->counts) &&
-           create_pipeline(d, FLOOR_SHADER, sizeof FLOOR_SHADER, layout, probe->floor_set.layout, &probe->floor);
+           create_pipeline(d, GPU_CODE(COUNTS_SHADER), layout, probe->counts_set.layout, &probe->counts) &&
+           create_pipeline(d, GPU_CODE(FLOOR_SHADER), layout, probe->floor_set.layout, &probe->floor);
   }
   if (!fine) bench_probe_destroy(d, probe);
   return fine;

@@ -84,7 +84,7 @@ bool direct_pass_create(gpu_device *d, const olx_scene_content *content, const s
   if (upload_sky(d, content->environment, pass) &&
       upload_environment(d, content->environment, shadows->lamp_count, pass) && create_samplers(d, pass) &&
       gpu_set_create(d, "descriptors for direct light", TYPES, BINDINGS, VK_SHADER_STAGE_COMPUTE_BIT, &pass->set) &&
-      gpu_compute_create(d, "the pipeline of direct light", SHADER, sizeof SHADER, &pass->set.layout, 1,
+      gpu_compute_create(d, "the pipeline of direct light", GPU_CODE(SHADER), &pass->set.layout, 1,
                          sizeof(direct_constants), &pass->compute)) {
     return true;
   }

@@ -66,21 +66,14 @@ static bool create_render_pass(gpu_device *d, gbuffer_pass *pass) {
 }
 
 static bool create_pipeline(gpu_device *d, gbuffer_pass *pass) {
-  VkShaderModule vertex = VK_NULL_HANDLE, fragment = VK_NULL_HANDLE;
-  bool fine = gpu_shader_create(d, "the G-buffer's shaders", VERTEX_SHADER, sizeof VERTEX_SHADER, &vertex) &&
-              gpu_shader_create(d, "the G-buffer's shaders", FRAGMENT_SHADER, sizeof FRAGMENT_SHADER, &fragment);
-  if (fine) {
-    const scene_pipeline_info info = {.what = "the G-buffer's pipeline",
-                                      .layout = pass->layout,
-                                      .render_pass = pass->render_pass,
-                                      .vertex = vertex,
-                                      .fragment = fragment,
-                                      .colors = FRAME_COLORS};
-    fine = scene_draw_pipeline(d, &info, &pass->pipeline);
-  }
-  if (vertex) d->DestroyShaderModule(d->host.device, vertex, NULL);
-  if (fragment) d->DestroyShaderModule(d->host.device, fragment, NULL);
-  return fine;
+  const gpu_graphics_info info = {.what = "the G-buffer's pipeline",
+                                  .layout = pass->layout,
+                                  .render_pass = pass->render_pass,
+                                  .vertex = GPU_CODE(VERTEX_SHADER),
+                                  .fragment = GPU_CODE(FRAGMENT_SHADER),
+                                  .colors = FRAME_COLORS,
+                                  .depth = VK_COMPARE_OP_GREATER};
+  return gpu_graphics_create(d, &info, &pass->pipeline);
 }
 
 bool gbuffer_pass_create(gpu_device *d, VkDescriptorSetLayout set_layout, gbuffer_pass *pass) {
@@ -125,7 +118,7 @@ void gbuffer_pass_record(const gpu_device *d, const gbuffer_pass *pass, VkComman
                                        .clearValueCount = FRAME_DRAWN,
                                        .pClearValues = black};
   d->CmdBeginRenderPass(commands, &begin, VK_SUBPASS_CONTENTS_INLINE);
-  scene_draw_viewport(d, commands, images->width, images->height);
+  gpu_viewport_record(d, commands, images->width, images->height);
   d->CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pass->pipeline);
   scene_draw_record(d, commands, pass->layout, view->world_to_clip, view->lit.eye, items, count,
                     DRAW_OPAQUE | DRAW_MASKED);

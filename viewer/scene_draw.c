@@ -1,5 +1,7 @@
 #include "scene_draw.h"
 
+#include "gpu_pipeline.h"
+
 #include <string.h>
 
 static const VkShaderStageFlags STAGES = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
@@ -7,69 +9,7 @@ static const VkShaderStageFlags STAGES = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_
 _Static_assert(sizeof(draw_constants) == 128, "what every device has room for");
 
 bool scene_draw_layout(gpu_device *d, VkDescriptorSetLayout set_layout, VkPipelineLayout *layout) {
-  const VkPushConstantRange push = {STAGES, 0, sizeof(draw_constants)};
-  const VkPipelineLayoutCreateInfo info = {.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
-                                           .setLayoutCount = 1,
-                                           .pSetLayouts = &set_layout,
-                                           .pushConstantRangeCount = 1,
-                                           .pPushConstantRanges = &push};
-  return gpu_check(d, d->CreatePipelineLayout(d->host.device, &info, NULL, layout), "a pipeline layout");
-}
-
-bool scene_draw_pipeline(gpu_device *d, const scene_pipeline_info *info, VkPipeline *pipeline) {
-  const VkPipelineShaderStageCreateInfo stages[2] = {{.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
-                                                      .stage = VK_SHADER_STAGE_VERTEX_BIT,
-                                                      .module = info->vertex,
-                                                      .pName = "main"},
-                                                     {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
-                                                      .stage = VK_SHADER_STAGE_FRAGMENT_BIT,
-                                                      .module = info->fragment,
-                                                      .pName = "main"}};
-  const VkPipelineVertexInputStateCreateInfo input = {.sType =
-                                                          VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
-  const VkPipelineInputAssemblyStateCreateInfo assembly = {
-      .sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
-      .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST};
-  const VkPipelineViewportStateCreateInfo viewport = {
-      .sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO, .viewportCount = 1, .scissorCount = 1};
-  const VkPipelineRasterizationStateCreateInfo raster = {.sType =
-                                                             VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
-                                                         .polygonMode = VK_POLYGON_MODE_FILL,
-                                                         .cullMode = VK_CULL_MODE_NONE,
-                                                         .depthBiasEnable = info->slope_bias != 0.0f,
-                                                         .depthBiasConstantFactor = info->slope_bias,
-                                                         .depthBiasSlopeFactor = info->slope_bias,
-                                                         .lineWidth = 1.0f};
-  const VkPipelineMultisampleStateCreateInfo samples = {
-      .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO, .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT};
-  const VkPipelineDepthStencilStateCreateInfo depth = {.sType =
-                                                           VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
-                                                       .depthTestEnable = VK_TRUE,
-                                                       .depthWriteEnable = VK_TRUE,
-                                                       .depthCompareOp = VK_COMPARE_OP_GREATER};
-  const VkPipelineColorBlendAttachmentState all = {.colorWriteMask = 0xF};
-  const VkPipelineColorBlendAttachmentState attachments[4] = {all, all, all, all};
-  const VkPipelineColorBlendStateCreateInfo blend = {.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
-                                                     .attachmentCount = info->colors,
-                                                     .pAttachments = attachments};
-  const VkDynamicState dynamic[2] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
-  const VkPipelineDynamicStateCreateInfo dynamics = {
-      .sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO, .dynamicStateCount = 2, .pDynamicStates = dynamic};
-  const VkGraphicsPipelineCreateInfo create = {.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
-                                               .stageCount = info->fragment ? 2 : 1,
-                                               .pStages = stages,
-                                               .pVertexInputState = &input,
-                                               .pInputAssemblyState = &assembly,
-                                               .pViewportState = &viewport,
-                                               .pRasterizationState = &raster,
-                                               .pMultisampleState = &samples,
-                                               .pDepthStencilState = &depth,
-                                               .pColorBlendState = &blend,
-                                               .pDynamicState = &dynamics,
-                                               .layout = info->layout,
-                                               .renderPass = info->render_pass};
-  return gpu_check(d, d->CreateGraphicsPipelines(d->host.device, VK_NULL_HANDLE, 1, &create, NULL, pipeline),
-                   info->what);
+  return gpu_layout_create(d, "a pipeline layout", &set_layout, 1, STAGES, sizeof(draw_constants), layout);
 }
 
 // Whether a batch's box lies wholly outside one of the planes of a view: left, right, top, bottom, behind.
@@ -111,11 +51,4 @@ void scene_draw_record(const gpu_device *d, VkCommandBuffer commands, VkPipeline
       d->CmdDraw(commands, 3 * batch->triangle_count, 1, 3 * batch->first_triangle, 0);
     }
   }
-}
-
-void scene_draw_viewport(const gpu_device *d, VkCommandBuffer commands, uint32_t width, uint32_t height) {
-  const VkViewport viewport = {.width = (float)width, .height = (float)height, .maxDepth = 1.0f};
-  const VkRect2D scissor = {.extent = {width, height}};
-  d->CmdSetViewport(commands, 0, 1, &viewport);
-  d->CmdSetScissor(commands, 0, 1, &scissor);
 }

@@ -1,5 +1,4 @@
-// Recording the drawing of scenes, for the passes that do: pipelines without vertex input, which pull from the scene's
-// buffers.
+// Recording the drawing of scenes, for the passes that do: their pipelines pull from the scene's buffers.
 #ifndef OCTALUX_VIEWER_SCENE_DRAW_H
 #define OCTALUX_VIEWER_SCENE_DRAW_H
 
@@ -15,24 +14,10 @@ typedef struct draw_constants {
 
 bool scene_draw_layout(gpu_device *device, VkDescriptorSetLayout set_layout, VkPipelineLayout *layout);
 
-typedef struct scene_pipeline_info {
-  const char *what;
-  VkPipelineLayout layout;
-  VkRenderPass render_pass;
-  VkShaderModule vertex, fragment; // fragment may be null
-  uint32_t colors;                 // attachments
-  float slope_bias;                // of depth; 0: none
-} scene_pipeline_info;
-
-// Triangles from both sides, depth reversed, viewport and scissor dynamic.
-bool scene_draw_pipeline(gpu_device *device, const scene_pipeline_info *info, VkPipeline *pipeline);
-
 enum { DRAW_OPAQUE = 1, DRAW_MASKED = 2 };
 // Draw the batches of those kinds that a view may show; within a render pass, the pipeline bound.
 void scene_draw_record(const gpu_device *device, VkCommandBuffer commands, VkPipelineLayout layout,
                        const float world_to_clip[16], olx_vec3 eye, const draw_item *items, uint32_t count,
                        uint32_t kinds);
-
-void scene_draw_viewport(const gpu_device *device, VkCommandBuffer commands, uint32_t width, uint32_t height);
 
 #endif

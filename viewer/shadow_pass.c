@@ -114,23 +114,16 @@ static bool create_framebuffers(gpu_device *d, shadow_pass *pass) {
 }
 
 static bool create_pipelines(gpu_device *d, VkDescriptorSetLayout set_layout, shadow_pass *pass) {
-  VkShaderModule vertex = VK_NULL_HANDLE, mask = VK_NULL_HANDLE;
-  bool fine = scene_draw_layout(d, set_layout, &pass->layout) &&
-              gpu_shader_create(d, "the shadows' shaders", VERTEX_SHADER, sizeof VERTEX_SHADER, &vertex) &&
-              gpu_shader_create(d, "the shadows' shaders", MASK_SHADER, sizeof MASK_SHADER, &mask);
-  if (fine) {
-    scene_pipeline_info info = {.what = "the shadows' pipelines",
-                                .layout = pass->layout,
-                                .render_pass = pass->render_pass,
-                                .vertex = vertex,
-                                .slope_bias = SLOPE_BIAS};
-    fine = scene_draw_pipeline(d, &info, &pass->opaque);
-    info.fragment = mask;
-    fine = fine && scene_draw_pipeline(d, &info, &pass->masked);
-  }
-  if (vertex) d->DestroyShaderModule(d->host.device, vertex, NULL);
-  if (mask) d->DestroyShaderModule(d->host.device, mask, NULL);
-  return fine;
+  if (!scene_draw_layout(d, set_layout, &pass->layout)) return false;
+  gpu_graphics_info info = {.what = "the shadows' pipelines",
+                            .layout = pass->layout,
+                            .render_pass = pass->render_pass,
+                            .vertex = GPU_CODE(VERTEX_SHADER),
+                            .depth = VK_COMPARE_OP_GREATER,
+                            .slope_bias = SLOPE_BIAS};
+  if (!gpu_graphics_create(d, &info, &pass->opaque)) return false;
+  info.fragment = GPU_CODE(MASK_SHADER);
+  return gpu_graphics_create(d, &info, &pass->masked);
 }
 
 bool shadow_pass_create(gpu_device *d, VkDescriptorSetLayout set_layout, const olx_scene_content *content,
@@ -186,7 +179,7 @@ void shadow_pass_record(const gpu_device *d, const shadow_pass *pass, VkCommandB
                                          .pClearValues = &far};
     const float *world_to_clip = pass->views[i].world_to_clip;
     d->CmdBeginRenderPass(commands, &begin, VK_SUBPASS_CONTENTS_INLINE);
-    scene_draw_viewport(d, commands, pass->map_size, pass->map_size);
+    gpu_viewport_record(d, commands, pass->map_size, pass->map_size);
     d->CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pass->opaque);
     scene_draw_record(d, commands, pass->layout, world_to_clip, nowhere, items, count, DRAW_OPAQUE);
     d->CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pass->masked);

@@ -17,8 +17,8 @@ typedef struct tone_constants {
 bool tone_pass_create(gpu_device *d, tone_pass *pass) {
   *pass = (tone_pass){.set = {.set = VK_NULL_HANDLE}};
   if (gpu_set_create(d, "descriptors for the tone map", TYPES, BINDINGS, VK_SHADER_STAGE_COMPUTE_BIT, &pass->set) &&
-      gpu_compute_create(d, "the tone map's pipeline", SHADER, sizeof SHADER, &pass->set.layout, 1,
-                         sizeof(tone_constants), &pass->compute)) {
+      gpu_compute_create(d, "the tone map's pipeline", GPU_CODE(SHADER), &pass->set.layout, 1, sizeof(tone_constants),
+                         &pass->compute)) {
     return true;
   }
   tone_pass_destroy(d, pass);

@@ -54,101 +54,25 @@ static bool create_layout(gpu_device *d, const olx_vulkan_field *field, view_pas
     return false;
   }
   const VkDescriptorSetLayout sets[] = {olx_vulkan_field_set_layout(field), p->set.layout};
-  const VkPushConstantRange range = {EVERYWHERE, 0, sizeof(view_gpu_push)};
-  const VkPipelineLayoutCreateInfo layout = {.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
-                                             .setLayoutCount = 2,
-                                             .pSetLayouts = sets,
-                                             .pushConstantRangeCount = 1,
-                                             .pPushConstantRanges = &range};
-  return gpu_check(d, d->CreatePipelineLayout(d->host.device, &layout, NULL, &p->layout), "the overlays' layout");
+  return gpu_layout_create(d, "the overlays' layout", sets, 2, EVERYWHERE, sizeof(view_gpu_push), &p->layout);
 }
 
-typedef struct shader_words {
-  const uint32_t *words;
-  size_t bytes;
-} shader_words;
-
-static bool create_compute(gpu_device *d, view_passes *p, view_pipeline which, shader_words shader) {
-  VkShaderModule module;
-  if (!gpu_shader_create(d, "an overlay", shader.words, shader.bytes, &module)) return false;
-  const VkComputePipelineCreateInfo info = {.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
-                                            .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
-                                                      .stage = VK_SHADER_STAGE_COMPUTE_BIT,
-                                                      .module = module,
-                                                      .pName = "main"},
-                                            .layout = p->layout};
-  const VkResult result =
-      d->CreateComputePipelines(d->host.device, VK_NULL_HANDLE, 1, &info, NULL, &p->pipelines[which]);
-  d->DestroyShaderModule(d->host.device, module, NULL);
-  return gpu_check(d, result, "an overlay's pipeline");
+static bool create_compute(gpu_device *d, view_passes *p, view_pipeline which, gpu_code code) {
+  return gpu_compute_pipeline_create(d, "an overlay's pipeline", code, p->layout, &p->pipelines[which]);
 }
 
 // Squares of four corners each, blended over what is there; nearer ones hide others.
-static VkResult create_squares(gpu_device *d, view_passes *p, view_pipeline which, const VkShaderModule modules[2]) {
-  const VkPipelineShaderStageCreateInfo stages[] = {{.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
-                                                     .stage = VK_SHADER_STAGE_VERTEX_BIT,
-                                                     .module = modules[0],
-                                                     .pName = "main"},
-                                                    {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
-                                                     .stage = VK_SHADER_STAGE_FRAGMENT_BIT,
-                                                     .module = modules[1],
-                                                     .pName = "main"}};
-  const VkPipelineVertexInputStateCreateInfo vertices = {.sType =
-                                                             VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
-  const VkPipelineInputAssemblyStateCreateInfo assembly = {
-      .sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
-      .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_STRIP};
-  const VkPipelineViewportStateCreateInfo viewport = {
-      .sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO, .viewportCount = 1, .scissorCount = 1};
-  const VkPipelineRasterizationStateCreateInfo raster = {.sType =
-                                                             VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
-                                                         .polygonMode = VK_POLYGON_MODE_FILL,
-                                                         .cullMode = VK_CULL_MODE_NONE,
-                                                         .lineWidth = 1.0f};
-  const VkPipelineMultisampleStateCreateInfo samples = {
-      .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO, .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT};
-  const VkPipelineDepthStencilStateCreateInfo depth = {.sType =
-                                                           VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
-                                                       .depthTestEnable = VK_TRUE,
-                                                       .depthWriteEnable = VK_TRUE,
-                                                       .depthCompareOp = VK_COMPARE_OP_GREATER_OR_EQUAL};
-  const VkPipelineColorBlendAttachmentState blend = {.blendEnable = VK_TRUE,
-                                                     .srcColorBlendFactor = VK_BLEND_FACTOR_SRC_ALPHA,
-                                                     .dstColorBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA,
-                                                     .srcAlphaBlendFactor = VK_BLEND_FACTOR_ZERO,
-                                                     .dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
-                                                     .colorWriteMask = 15};
-  const VkPipelineColorBlendStateCreateInfo blending = {
-      .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO, .attachmentCount = 1, .pAttachments = &blend};
-  const VkDynamicState states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
-  const VkPipelineDynamicStateCreateInfo dynamic = {
-      .sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO, .dynamicStateCount = 2, .pDynamicStates = states};
-  const VkGraphicsPipelineCreateInfo info = {.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
-                                             .stageCount = 2,
-                                             .pStages = stages,
-                                             .pVertexInputState = &vertices,
-                                             .pInputAssemblyState = &assembly,
-                                             .pViewportState = &viewport,
-                                             .pRasterizationState = &raster,
-                                             .pMultisampleState = &samples,
-                                             .pDepthStencilState = &depth,
-                                             .pColorBlendState = &blending,
-                                             .pDynamicState = &dynamic,
-                                             .layout = p->layout,
-                                             .renderPass = p->screen};
-  return d->CreateGraphicsPipelines(d->host.device, VK_NULL_HANDLE, 1, &info, NULL, &p->pipelines[which]);
-}
-
-static bool create_drawn(gpu_device *d, view_passes *p, view_pipeline which, shader_words vertex,
-                         shader_words fragment) {
-  VkShaderModule modules[2] = {VK_NULL_HANDLE, VK_NULL_HANDLE};
-  bool made = gpu_shader_create(d, "an overlay", vertex.words, vertex.bytes, &modules[0]) &&
-              gpu_shader_create(d, "an overlay", fragment.words, fragment.bytes, &modules[1]);
-  if (made) made = gpu_check(d, create_squares(d, p, which, modules), "an overlay's pipeline");
-  for (int i = 0; i < 2; i++) {
-    if (modules[i]) d->DestroyShaderModule(d->host.device, modules[i], NULL);
-  }
-  return made;
+static bool create_squares(gpu_device *d, view_passes *p, view_pipeline which, gpu_code vertex, gpu_code fragment) {
+  const gpu_graphics_info info = {.what = "an overlay's pipeline",
+                                  .layout = p->layout,
+                                  .render_pass = p->screen,
+                                  .vertex = vertex,
+                                  .fragment = fragment,
+                                  .strip = true,
+                                  .blended = true,
+                                  .colors = 1,
+                                  .depth = VK_COMPARE_OP_GREATER_OR_EQUAL};
+  return gpu_graphics_create(d, &info, &p->pipelines[which]);
 }
 
 bool view_passes_create(gpu_device *d, const olx_vulkan_field *field, VkRenderPass screen, view_passes *p) {
@@ -160,16 +84,14 @@ bool view_passes_create(gpu_device *d, const olx_vulkan_field *field, VkRenderPa
 }
 
 static bool make_pipeline(gpu_device *d, view_passes *p, view_pipeline which) {
-#define WORDS(name) ((shader_words){spirv_##name, sizeof spirv_##name})
   switch (which) {
-  case VIEW_PIPELINE_PRIMARY: return create_compute(d, p, which, WORDS(primary));
-  case VIEW_PIPELINE_PICK: return create_compute(d, p, which, WORDS(pick));
-  case VIEW_PIPELINE_OVERLAY: return create_compute(d, p, which, WORDS(overlay));
-  case VIEW_PIPELINE_BALLS: return create_drawn(d, p, which, WORDS(ball_corner), WORDS(ball));
-  case VIEW_PIPELINE_MAP: return create_drawn(d, p, which, WORDS(square), WORDS(map));
+  case VIEW_PIPELINE_PRIMARY: return create_compute(d, p, which, GPU_CODE(spirv_primary));
+  case VIEW_PIPELINE_PICK: return create_compute(d, p, which, GPU_CODE(spirv_pick));
+  case VIEW_PIPELINE_OVERLAY: return create_compute(d, p, which, GPU_CODE(spirv_overlay));
+  case VIEW_PIPELINE_BALLS: return create_squares(d, p, which, GPU_CODE(spirv_ball_corner), GPU_CODE(spirv_ball));
+  case VIEW_PIPELINE_MAP: return create_squares(d, p, which, GPU_CODE(spirv_square), GPU_CODE(spirv_map));
   case VIEW_PIPELINES: break;
   }
-#undef WORDS
   return false;
 }
 

@@ -5,6 +5,7 @@
 #include "render/denoise.h"
 #include "shade/emission.h"
 #include "vulkan/gpu_frame.h"
+#include "vulkan_faults.h"
 #include "vulkan_host.h"
 
 #include <setjmp.h>
@@ -22,75 +23,7 @@ enum {
   PASSES = OLX_VULKAN_PASS_DIFFUSE | OLX_VULKAN_PASS_GLOSSY
 };
 
-static const analytic_scene ROOM = {
-    .room = {{0, 0, 0}, {4, 3, 5}}, .box_count = 1, .boxes = {{{0.9f, 0.0f, 1.1f}, {1.7f, 1.3f, 2.1f}}}};
-static const olx_grid GRID = {{0.5f, 0.5f, 0.5f}, {3.0f, 2.0f, 4.0f}, {2, 2, 2}};
-
 static gpu_device device;
-
-// Of all calls that make something, the one when this reaches 0 fails.
-static int calls_left; // never, when negative
-static VkResult failure;
-
-#define FAILING(name, parameters, arguments)                                                                           \
-  static VKAPI_ATTR VkResult VKAPI_CALL failing_##name parameters {                                                    \
-    return calls_left-- == 0 ? failure : device.name arguments;                                                        \
-  }
-// clang-format off
-FAILING(AllocateMemory, (VkDevice d, const VkMemoryAllocateInfo *i, const VkAllocationCallbacks *a, VkDeviceMemory *m), (d, i, a, m))
-FAILING(BindImageMemory, (VkDevice d, VkImage i, VkDeviceMemory m, VkDeviceSize o), (d, i, m, o))
-FAILING(CreateImage, (VkDevice d, const VkImageCreateInfo *i, const VkAllocationCallbacks *a, VkImage *m), (d, i, a, m))
-FAILING(CreateImageView, (VkDevice d, const VkImageViewCreateInfo *i, const VkAllocationCallbacks *a, VkImageView *m), (d, i, a, m))
-FAILING(CreateShaderModule, (VkDevice d, const VkShaderModuleCreateInfo *i, const VkAllocationCallbacks *a, VkShaderModule *m), (d, i, a, m))
-FAILING(CreatePipelineLayout, (VkDevice d, const VkPipelineLayoutCreateInfo *i, const VkAllocationCallbacks *a, VkPipelineLayout *m), (d, i, a, m))
-FAILING(CreateDescriptorPool, (VkDevice d, const VkDescriptorPoolCreateInfo *i, const VkAllocationCallbacks *a, VkDescriptorPool *m), (d, i, a, m))
-FAILING(CreateDescriptorSetLayout, (VkDevice d, const VkDescriptorSetLayoutCreateInfo *i, const VkAllocationCallbacks *a, VkDescriptorSetLayout *m), (d, i, a, m))
-FAILING(AllocateDescriptorSets, (VkDevice d, const VkDescriptorSetAllocateInfo *i, VkDescriptorSet *m), (d, i, m))
-// clang-format on
-
-static const uint32_t NOTHING[] = {
-#include "nothing.spv.inc"
-};
-
-// Pipelines that are never run do not need their shaders, which take long to compile.
-static VKAPI_ATTR VkResult VKAPI_CALL failing_CreateComputePipelines(VkDevice d, VkPipelineCache cache, uint32_t count,
-                                                                     const VkComputePipelineCreateInfo *infos,
-                                                                     const VkAllocationCallbacks *callbacks,
-                                                                     VkPipeline *pipelines) {
-  if (calls_left-- == 0) return failure;
-  const VkShaderModuleCreateInfo code = {
-      .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = sizeof NOTHING, .pCode = NOTHING};
-  VkComputePipelineCreateInfo info = *infos;
-  assert_int_equal(count, 1);
-  assert_int_equal(device.CreateShaderModule(d, &code, NULL, &info.stage.module), VK_SUCCESS);
-  const VkResult result = device.CreateComputePipelines(d, cache, 1, &info, callbacks, pipelines);
-  device.DestroyShaderModule(d, info.stage.module, NULL);
-  return result;
-}
-
-static void let_calls_fail(olx_vulkan_functions *vk) {
-#define FAIL(name) vk->name = failing_##name;
-  FAIL(AllocateMemory)
-  FAIL(BindImageMemory)
-  FAIL(CreateImage)
-  FAIL(CreateImageView)
-  FAIL(CreateShaderModule)
-  FAIL(CreatePipelineLayout)
-  FAIL(CreateDescriptorPool)
-  FAIL(CreateDescriptorSetLayout)
-  FAIL(AllocateDescriptorSets)
-  FAIL(CreateComputePipelines)
-#undef FAIL
-}
-
-// A field, its copy on the device, and the host's images of one size.
-typedef struct fixture {
-  uint32_t messages; // before
-  olx_field *field;
-  olx_vulkan_field *uploaded;
-  host_images host;
-  olx_vulkan_frame *frame;
-} fixture;
 
 static host_images make_images(uint32_t width, uint32_t height, uint32_t lobes) {
   host_images host = host_images_make(&device, width, height, VK_FORMAT_R32G32B32A32_SFLOAT);
@@ -99,73 +32,52 @@ static host_images make_images(uint32_t width, uint32_t height, uint32_t lobes) 
   return host;
 }
 
-static void make_frame(fixture *f) {
-  if (olx_vulkan_frame_create(f->uploaded, &f->host.targets, &f->frame) != OLX_OK) fail_msg("%s", olx_last_error());
-}
-
-static void upload_field(fixture *f) {
-  f->messages = device.validation_messages;
-  f->field = analytic_field_make(&ROOM, &GRID, 64, 16);
-  if (olx_vulkan_field_create(&device.host, f->field, &f->uploaded) != OLX_OK) fail_msg("%s", olx_last_error());
-}
-
 // Its frame cannot run.
-static fixture make_fixture(uint32_t width, uint32_t height, uint32_t lobes) {
-  host_need_device(&device);
-  fixture f = {.frame = NULL};
-  upload_field(&f);
-  calls_left = -1;
-  let_calls_fail(&f.uploaded->context.vk);
-  f.host = make_images(width, height, lobes);
-  make_frame(&f);
+static host_fixture make_fixture(uint32_t width, uint32_t height, uint32_t lobes) {
+  host_fixture f = host_fixture_make(&device, 64, 16);
+  faults_install(&device, &f.uploaded->context.vk);
+  f.images = make_images(width, height, lobes);
+  host_fixture_add_frame(&f);
   return f;
 }
 
-static void free_fixture(fixture *f) {
-  olx_vulkan_frame_destroy(f->frame);
-  host_images_free(&f->host);
-  olx_vulkan_field_destroy(f->uploaded);
-  analytic_field_free(f->field);
-  assert_int_equal(device.validation_messages, f->messages);
-}
-
 // One whose shaders are compiled once, which takes long. Tests resize its frame.
-static fixture running;
+static host_fixture running;
 
 static int set_up(void **unused) {
   (void)unused;
   if (!host_open_device(&device, true)) return 0;
-  upload_field(&running);
-  running.host = make_images(WIDTH, HEIGHT, BOTH);
-  make_frame(&running);
+  running = host_fixture_make(&device, 64, 16);
+  running.images = make_images(WIDTH, HEIGHT, BOTH);
+  host_fixture_add_frame(&running);
   return 0;
 }
 
 static int tear_down(void **unused) {
   (void)unused;
   if (!device.host.device) return 0;
-  free_fixture(&running);
+  host_fixture_free(&running);
   return host_close_device(&device);
 }
 
 // With images of another size, and no history.
-static fixture *resize_running(uint32_t width, uint32_t height, uint32_t lobes) {
+static host_fixture *resize_running(uint32_t width, uint32_t height, uint32_t lobes) {
   host_need_device(&device);
   host_images host = make_images(width, height, lobes);
   if (olx_vulkan_frame_resize(running.frame, &host.targets) != OLX_OK) fail_msg("%s", olx_last_error());
-  host_images_free(&running.host);
-  running.host = host;
+  host_images_free(&running.images);
+  running.images = host;
   return &running;
 }
 
-static void assert_silent(const fixture *f) { assert_int_equal(device.validation_messages, f->messages); }
+static void assert_silent(const host_fixture *f) { assert_int_equal(device.validation_messages, f->messages); }
 
-static host_view view_of_frame(const fixture *f, uint32_t frame, olx_vec2 shift) {
+static host_view view_of_frame(const host_fixture *f, uint32_t frame, olx_vec2 shift) {
   const float t = (float)frame;
-  return (host_view){.scene = &ROOM,
+  return (host_view){.scene = &HOST_ROOM,
                      .eye = {3.1f + 0.02f * t, 1.6f, 4.2f - 0.03f * t},
-                     .width = f->host.width,
-                     .height = f->host.height,
+                     .width = f->images.width,
+                     .height = f->images.height,
                      .shift = shift};
 }
 
@@ -176,7 +88,8 @@ static olx_vulkan_settings settings_of(const olx_denoise_settings *filters, uint
   return settings;
 }
 
-static void record_frame(const fixture *f, const olx_vulkan_view *view, olx_vulkan_settings *settings, uint32_t frame) {
+static void record_frame(const host_fixture *f, const olx_vulkan_view *view, olx_vulkan_settings *settings,
+                         uint32_t frame) {
   settings->sample_index = settings->denoise.frame = frame;
   assert_int_equal(olx_vulkan_record_diffuse(f->frame, device.commands, view, settings), OLX_OK);
   assert_int_equal(olx_vulkan_record_glossy(f->frame, device.commands, view, settings), OLX_OK);
@@ -184,12 +97,12 @@ static void record_frame(const fixture *f, const olx_vulkan_view *view, olx_vulk
   settings->denoise.previous = *view;
 }
 
-static void run_frame(fixture *f, const host_view *view, olx_vulkan_settings *settings, uint32_t frame) {
+static void run_frame(host_fixture *f, const host_view *view, olx_vulkan_settings *settings, uint32_t frame) {
   const olx_vulkan_view vulkan_view = host_vulkan_view(view);
   assert_true(gpu_commands_begin(&device));
-  host_upload(&f->host, view);
+  host_upload(&f->images, view);
   record_frame(f, &vulkan_view, settings, frame);
-  host_download(&f->host);
+  host_download(&f->images);
   assert_true(gpu_commands_run(&device));
 }
 
@@ -312,7 +225,7 @@ static void run_cpu_frame(cpu_denoiser *c, const olx_field *field, const host_vi
 static double squared(olx_vec3 v) { return (double)olx_dot(v, v); }
 
 // Relative mean squared errors of irradiance and of reflected glossy light.
-static void judge(const fixture *f, const cpu_denoiser *c, const host_view *v, double errors[2]) {
+static void judge(const host_fixture *f, const cpu_denoiser *c, const host_view *v, double errors[2]) {
   double sums[2] = {0};
   errors[0] = errors[1] = 0;
   for (uint32_t i = 0; i < v->width * v->height; i++) {
@@ -320,7 +233,7 @@ static void judge(const fixture *f, const cpu_denoiser *c, const host_view *v, d
     const host_pixel p = host_pixel_at(v, x, y);
     for (uint32_t lobe = 0; lobe < 2; lobe++) {
       float alpha;
-      const olx_vec3 seen = host_output(&f->host, lobe, i, &alpha);
+      const olx_vec3 seen = host_output(&f->images, lobe, i, &alpha);
       assert_true(olx_finite(seen) && alpha >= 0.0f && alpha <= 1.0f);
       if (p.empty) assert_true(squared(seen) == 0.0);
       if (p.empty) continue;
@@ -333,7 +246,7 @@ static void judge(const fixture *f, const cpu_denoiser *c, const host_view *v, d
   for (uint32_t lobe = 0; lobe < 2; lobe++) errors[lobe] /= sums[lobe];
 }
 
-static void compare_frames(fixture *f, const olx_denoise_settings *filters, olx_vec2 shift, bool moves) {
+static void compare_frames(host_fixture *f, const olx_denoise_settings *filters, olx_vec2 shift, bool moves) {
   cpu_denoiser *c = make_cpu_denoiser();
   olx_vulkan_settings settings = settings_of(filters, BOTH);
   for (uint32_t frame = 0; frame < 4; frame++) {
@@ -351,7 +264,7 @@ static void compare_frames(fixture *f, const olx_denoise_settings *filters, olx_
 
 static void frames_are_those_of_the_cpu(void **unused) {
   (void)unused;
-  fixture *f = resize_running(WIDTH, HEIGHT, BOTH);
+  host_fixture *f = resize_running(WIDTH, HEIGHT, BOTH);
   const olx_denoise_settings adaptive = olx_denoise_settings_default(), published = olx_denoise_settings_published();
   compare_frames(f, &adaptive, (olx_vec2){0, 0}, false);
   compare_frames(f, &adaptive, (olx_vec2){0, 0}, true);
@@ -362,7 +275,7 @@ static void frames_are_those_of_the_cpu(void **unused) {
 
 static void any_number_of_frames_may_be_recorded_ahead(void **unused) {
   (void)unused;
-  fixture *f = resize_running(WIDTH, HEIGHT, BOTH);
+  host_fixture *f = resize_running(WIDTH, HEIGHT, BOTH);
   const olx_denoise_settings filters = olx_denoise_settings_default();
   const host_view view = view_of_frame(f, 0, (olx_vec2){0, 0});
   const olx_vulkan_view vulkan_view = host_vulkan_view(&view);
@@ -371,15 +284,15 @@ static void any_number_of_frames_may_be_recorded_ahead(void **unused) {
   const size_t bytes = (size_t)16 * WIDTH * HEIGHT * 2;
   void *apart = malloc(bytes);
   assert_non_null(apart);
-  memcpy(apart, f->host.staging.mapped, bytes);
+  memcpy(apart, f->images.staging.mapped, bytes);
   assert_true(gpu_commands_begin(&device));
-  host_upload(&f->host, &view);
+  host_upload(&f->images, &view);
   for (uint32_t frame = 0; frame < 5; frame++) record_frame(f, &vulkan_view, &settings, frame);
-  host_download(&f->host);
+  host_download(&f->images);
   assert_true(gpu_commands_run(&device));
   for (uint32_t i = 0; i < 2; i++) { // irradiance and glossy light
     const size_t at = (size_t)16 * WIDTH * HEIGHT * i;
-    assert_memory_equal((char *)apart + at, (char *)f->host.staging.mapped + at, (size_t)8 * WIDTH * HEIGHT);
+    assert_memory_equal((char *)apart + at, (char *)f->images.staging.mapped + at, (size_t)8 * WIDTH * HEIGHT);
   }
   free(apart);
   assert_silent(f);
@@ -387,7 +300,7 @@ static void any_number_of_frames_may_be_recorded_ahead(void **unused) {
 
 static void glossy_light_alone_needs_no_other_history(void **unused) {
   (void)unused;
-  fixture *f = resize_running(WIDTH, HEIGHT, OLX_VULKAN_LOBE_GLOSSY);
+  host_fixture *f = resize_running(WIDTH, HEIGHT, OLX_VULKAN_LOBE_GLOSSY);
   cpu_denoiser *c = make_cpu_denoiser();
   const olx_denoise_settings filters = olx_denoise_settings_default();
   olx_vulkan_settings settings = settings_of(&filters, OLX_VULKAN_LOBE_GLOSSY);
@@ -407,19 +320,19 @@ static void glossy_light_alone_needs_no_other_history(void **unused) {
 
 static void memory_is_told_before(void **unused) {
   (void)unused;
-  fixture f = make_fixture(WIDTH, HEIGHT, 0);
+  host_fixture f = make_fixture(WIDTH, HEIGHT, 0);
   olx_vulkan_sizes sizes;
-  assert_int_equal(olx_vulkan_frame_measure(f.uploaded, &f.host.targets, &sizes), OLX_OK);
+  assert_int_equal(olx_vulkan_frame_measure(f.uploaded, &f.images.targets, &sizes), OLX_OK);
   assert_true(sizes.device_bytes == 0 && sizes.allocations == 0 && f.frame->history.memory == VK_NULL_HANDLE);
   for (uint32_t lobes = 1; lobes <= BOTH; lobes++) {
-    f.host.targets.denoise = lobes;
-    assert_int_equal(olx_vulkan_frame_measure(f.uploaded, &f.host.targets, &sizes), OLX_OK);
+    f.images.targets.denoise = lobes;
+    assert_int_equal(olx_vulkan_frame_measure(f.uploaded, &f.images.targets, &sizes), OLX_OK);
     assert_true(sizes.device_bytes >= (uint64_t)WIDTH * HEIGHT * (lobes == BOTH ? 64 : 48));
     assert_true(sizes.allocations == 1 && sizes.staging_bytes == 0);
-    assert_int_equal(olx_vulkan_frame_resize(f.frame, &f.host.targets), OLX_OK);
+    assert_int_equal(olx_vulkan_frame_resize(f.frame, &f.images.targets), OLX_OK);
     assert_int_equal(f.frame->history.requirements.size, sizes.device_bytes);
   }
-  free_fixture(&f);
+  host_fixture_free(&f);
 }
 
 static void any_size_begins_anew(void **unused) {
@@ -427,15 +340,15 @@ static void any_size_begins_anew(void **unused) {
   const olx_denoise_settings filters = olx_denoise_settings_published();
   const uint32_t sizes[][2] = {{1, 1}, {1, 70}, {640, 2}, {130, 101}, {1, 1}};
   for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
-    fixture *f = resize_running(sizes[i][0], sizes[i][1], BOTH);
+    host_fixture *f = resize_running(sizes[i][0], sizes[i][1], BOTH);
     olx_vulkan_settings settings = settings_of(&filters, BOTH);
     settings.sample.select = OLX_SELECT_CAGE;
     for (uint32_t frame = 0; frame < 2; frame++) {
       const host_view view = view_of_frame(f, frame, (olx_vec2){0, 0});
       run_frame(f, &view, &settings, frame);
-      for (uint32_t k = 0; k < 2 * f->host.width * f->host.height; k++) {
+      for (uint32_t k = 0; k < 2 * f->images.width * f->images.height; k++) {
         float alpha;
-        assert_true(olx_finite(host_output(&f->host, k & 1, k / 2, &alpha)));
+        assert_true(olx_finite(host_output(&f->images, k & 1, k / 2, &alpha)));
       }
     }
     assert_silent(f);
@@ -446,7 +359,7 @@ static void any_size_begins_anew(void **unused) {
 
 static void wrong_settings_are_refused(void **unused) {
   (void)unused;
-  fixture f = make_fixture(8, 8, OLX_VULKAN_LOBE_GLOSSY);
+  host_fixture f = make_fixture(8, 8, OLX_VULKAN_LOBE_GLOSSY);
   const host_view view = view_of_frame(&f, 0, (olx_vec2){0, 0});
   const olx_vulkan_view good = host_vulkan_view(&view);
   const olx_denoise_settings filters = olx_denoise_settings_default();
@@ -473,31 +386,31 @@ static void wrong_settings_are_refused(void **unused) {
                      OLX_ERROR_ARGUMENT);
     if (!strstr(olx_last_error(), cases[i].message)) fail_msg("'%s' lacks '%s'", olx_last_error(), cases[i].message);
   }
-  f.host.targets.denoise = 4;
-  assert_int_equal(olx_vulkan_frame_resize(f.frame, &f.host.targets), OLX_ERROR_ARGUMENT);
-  free_fixture(&f);
+  f.images.targets.denoise = 4;
+  assert_int_equal(olx_vulkan_frame_resize(f.frame, &f.images.targets), OLX_ERROR_ARGUMENT);
+  host_fixture_free(&f);
 }
 
 static void a_device_with_too_small_images_is_refused(void **unused) {
   (void)unused;
-  fixture f = make_fixture(32, 8, BOTH);
+  host_fixture f = make_fixture(32, 8, BOTH);
   f.uploaded->context.limits.maxImageDimension2D = 31;
   olx_vulkan_sizes sizes;
-  assert_int_equal(olx_vulkan_frame_measure(f.uploaded, &f.host.targets, &sizes), OLX_ERROR_UNSUPPORTED);
-  assert_int_equal(olx_vulkan_frame_resize(f.frame, &f.host.targets), OLX_ERROR_UNSUPPORTED);
+  assert_int_equal(olx_vulkan_frame_measure(f.uploaded, &f.images.targets, &sizes), OLX_ERROR_UNSUPPORTED);
+  assert_int_equal(olx_vulkan_frame_resize(f.frame, &f.images.targets), OLX_ERROR_UNSUPPORTED);
   assert_non_null(strstr(olx_last_error(), "no images of 32 x 8"));
-  free_fixture(&f);
+  host_fixture_free(&f);
 }
 
 // Create a frame again and again, with one call more before the one that fails. The layers count what is left behind.
-static void create_failing(fixture *f, VkResult result, olx_result expected, int step) {
-  failure = result;
+static void create_failing(host_fixture *f, VkResult result, olx_result expected, int step) {
+  faults.failure = result;
   olx_result got = expected;
   int n = 0;
   for (; got != OLX_OK; n += step) {
-    calls_left = n;
+    faults.calls_left = n;
     olx_vulkan_frame *frame = (void *)1;
-    got = olx_vulkan_frame_create(f->uploaded, &f->host.targets, &frame);
+    got = olx_vulkan_frame_create(f->uploaded, &f->images.targets, &frame);
     if (got != OLX_OK) {
       assert_int_equal(got, expected);
       assert_null(frame);
@@ -511,27 +424,26 @@ static void create_failing(fixture *f, VkResult result, olx_result expected, int
 
 static void a_frame_that_fails_at_any_call_leaves_nothing_behind(void **unused) {
   (void)unused;
-  fixture f = make_fixture(8, 8, BOTH);
+  host_fixture f = make_fixture(8, 8, BOTH);
   create_failing(&f, VK_ERROR_OUT_OF_DEVICE_MEMORY, OLX_ERROR_MEMORY, 1);
   create_failing(&f, VK_ERROR_OUT_OF_HOST_MEMORY, OLX_ERROR_MEMORY, 7);
   create_failing(&f, VK_ERROR_DEVICE_LOST, OLX_ERROR_GPU, 7);
-  free_fixture(&f);
+  host_fixture_free(&f);
 }
 
 static void a_frame_that_cannot_grow_stays_as_it_is(void **unused) {
   (void)unused;
-  fixture *f = resize_running(WIDTH, HEIGHT, BOTH);
+  host_fixture *f = resize_running(WIDTH, HEIGHT, BOTH);
   cpu_denoiser *c = make_cpu_denoiser();
   const olx_denoise_settings filters = olx_denoise_settings_default();
   olx_vulkan_settings settings = settings_of(&filters, BOTH);
   host_images larger = make_images(2 * WIDTH, HEIGHT, BOTH);
   const olx_vulkan_functions working = f->uploaded->context.vk;
-  let_calls_fail(&f->uploaded->context.vk);
-  failure = VK_ERROR_OUT_OF_DEVICE_MEMORY;
+  faults_install(&device, &f->uploaded->context.vk);
   for (uint32_t frame = 0; frame < 4; frame++) {
-    calls_left = 0; // the first image
+    faults.calls_left = 0; // the first image
     assert_int_equal(olx_vulkan_frame_resize(f->frame, &larger.targets), OLX_ERROR_MEMORY);
-    calls_left = 6 + (int)frame; // the memory, or an image's view
+    faults.calls_left = 6 + (int)frame; // the memory, or an image's view
     assert_int_equal(olx_vulkan_frame_resize(f->frame, &larger.targets), OLX_ERROR_MEMORY);
     const host_view view = view_of_frame(f, frame, (olx_vec2){0, 0});
     run_frame(f, &view, &settings, frame);
@@ -540,9 +452,9 @@ static void a_frame_that_cannot_grow_stays_as_it_is(void **unused) {
     judge(f, c, &view, errors);
     assert_true(errors[0] < 1e-5 && errors[1] < 1e-5);
   }
-  calls_left = 1000;
+  faults.calls_left = 1000;
   assert_int_equal(olx_vulkan_frame_resize(f->frame, &larger.targets), OLX_OK);
-  assert_int_equal(olx_vulkan_frame_resize(f->frame, &f->host.targets), OLX_OK);
+  assert_int_equal(olx_vulkan_frame_resize(f->frame, &f->images.targets), OLX_OK);
   f->uploaded->context.vk = working;
   host_images_free(&larger);
   free_cpu_denoiser(c);

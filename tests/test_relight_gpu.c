@@ -3,6 +3,7 @@
 #include "relit_room.h"
 #include "scene_files.h"
 #include "vulkan/gpu_relight.h"
+#include "vulkan_faults.h"
 
 #include <octalux/bake.h>
 
@@ -284,41 +285,6 @@ static void what_does_not_fit_is_refused(void **unused) {
   olx_relight_free(relight);
 }
 
-// Of all calls that make something, the one when this reaches 0 fails.
-static int calls_left;
-
-#define FAILING(name, parameters, arguments)                                                                           \
-  static VKAPI_ATTR VkResult VKAPI_CALL failing_##name parameters {                                                    \
-    return calls_left-- == 0 ? VK_ERROR_OUT_OF_DEVICE_MEMORY : device.name arguments;                                  \
-  }
-// clang-format off
-FAILING(AllocateMemory, (VkDevice d, const VkMemoryAllocateInfo *i, const VkAllocationCallbacks *a, VkDeviceMemory *m), (d, i, a, m))
-FAILING(CreateBuffer, (VkDevice d, const VkBufferCreateInfo *i, const VkAllocationCallbacks *a, VkBuffer *m), (d, i, a, m))
-FAILING(CreatePipelineLayout, (VkDevice d, const VkPipelineLayoutCreateInfo *i, const VkAllocationCallbacks *a, VkPipelineLayout *m), (d, i, a, m))
-FAILING(CreateDescriptorPool, (VkDevice d, const VkDescriptorPoolCreateInfo *i, const VkAllocationCallbacks *a, VkDescriptorPool *m), (d, i, a, m))
-FAILING(CreateDescriptorSetLayout, (VkDevice d, const VkDescriptorSetLayoutCreateInfo *i, const VkAllocationCallbacks *a, VkDescriptorSetLayout *m), (d, i, a, m))
-FAILING(AllocateDescriptorSets, (VkDevice d, const VkDescriptorSetAllocateInfo *i, VkDescriptorSet *m), (d, i, m))
-// clang-format on
-
-static const uint32_t NOTHING[] = {
-#include "nothing.spv.inc"
-};
-
-// Pipelines that are never run do not need their shaders, which take long to compile.
-static VKAPI_ATTR VkResult VKAPI_CALL failing_CreateComputePipelines(VkDevice d, VkPipelineCache cache, uint32_t count,
-                                                                     const VkComputePipelineCreateInfo *infos,
-                                                                     const VkAllocationCallbacks *callbacks,
-                                                                     VkPipeline *pipelines) {
-  if (calls_left-- == 0) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
-  const VkShaderModuleCreateInfo code = {
-      .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = sizeof NOTHING, .pCode = NOTHING};
-  VkComputePipelineCreateInfo info = *infos;
-  assert_int_equal(device.CreateShaderModule(d, &code, NULL, &info.stage.module), VK_SUCCESS);
-  const VkResult result = device.CreateComputePipelines(d, cache, count, &info, callbacks, pipelines);
-  device.DestroyShaderModule(d, info.stage.module, NULL);
-  return result;
-}
-
 static void memory_that_runs_out_leaves_nothing_behind(void **unused) {
   (void)unused;
   host_need_device(&device);
@@ -328,22 +294,14 @@ static void memory_that_runs_out_leaves_nothing_behind(void **unused) {
   olx_relight *relight = begin_relight(field, &settings);
   olx_vulkan_field *uploaded;
   ASSERT_OK(olx_vulkan_field_create(&device.host, field, &uploaded));
-  olx_vulkan_functions *vk = &uploaded->context.vk;
-  vk->AllocateMemory = failing_AllocateMemory;
-  vk->CreateBuffer = failing_CreateBuffer;
-  vk->CreatePipelineLayout = failing_CreatePipelineLayout;
-  vk->CreateDescriptorPool = failing_CreateDescriptorPool;
-  vk->CreateDescriptorSetLayout = failing_CreateDescriptorSetLayout;
-  vk->AllocateDescriptorSets = failing_AllocateDescriptorSets;
-  vk->CreateComputePipelines = failing_CreateComputePipelines;
+  faults_install(&device, &uploaded->context.vk);
   olx_vulkan_sizes sizes;
-  calls_left = -1;
   ASSERT_OK(olx_vulkan_relight_measure(uploaded, relight, &own, &sizes));
   assert_true(sizes.device_bytes > 0 && sizes.allocations == OLX_RELIGHT_BUFFERS);
   olx_vulkan_relight *frames = NULL;
   int calls = 0;
   for (; !frames; calls++) {
-    calls_left = calls;
+    faults.calls_left = calls;
     const olx_result result = olx_vulkan_relight_create(uploaded, relight, &own, &frames);
     assert_int_equal(result, frames ? OLX_OK : OLX_ERROR_MEMORY);
   }

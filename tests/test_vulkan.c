@@ -4,6 +4,7 @@
 #include "core/hooks.h"
 #include "core/sampling.h"
 #include "vulkan/gpu_frame.h"
+#include "vulkan_faults.h"
 #include "vulkan_host.h"
 
 #include <octalux/sample.h>
@@ -16,10 +17,7 @@
 
 enum { WIDTH = 52, HEIGHT = 36, SAMPLES = 2, OUTPUTS = HOST_OUTPUTS };
 
-static const analytic_scene ROOM = {
-    .room = {{0, 0, 0}, {4, 3, 5}}, .box_count = 1, .boxes = {{{0.9f, 0.0f, 1.1f}, {1.7f, 1.3f, 2.1f}}}};
-static const olx_grid GRID = {{0.5f, 0.5f, 0.5f}, {3.0f, 2.0f, 4.0f}, {2, 2, 2}};
-static const host_view VIEW = {.scene = &ROOM, .eye = {3.1f, 1.6f, 4.2f}, .width = WIDTH, .height = HEIGHT};
+static const host_view VIEW = {.scene = &HOST_ROOM, .eye = {3.1f, 1.6f, 4.2f}, .width = WIDTH, .height = HEIGHT};
 
 static gpu_device device;
 
@@ -35,10 +33,26 @@ static int close_device(void **unused) {
 }
 
 // For the passes that run_frame records.
-static host_images make_host(uint32_t width, uint32_t height, VkFormat normal) {
+static host_images make_images(uint32_t width, uint32_t height, VkFormat normal) {
   host_images h = host_images_make(&device, width, height, normal);
   h.targets.passes = OLX_VULKAN_PASS_IRRADIANCE | OLX_VULKAN_PASS_GLOSSY | OLX_VULKAN_PASS_COMPOSITE;
   return h;
+}
+
+// Pictures of WIDTH x HEIGHT.
+static host_fixture make_fixture(uint32_t size, uint32_t irradiance_size) {
+  host_fixture f = host_fixture_make(&device, size, irradiance_size);
+  f.images = make_images(WIDTH, HEIGHT, VK_FORMAT_R32G32B32A32_SFLOAT);
+  host_fixture_add_frame(&f);
+  return f;
+}
+
+// Small, with pipelines that cannot run, and no frame.
+static host_fixture make_small_fixture(void) {
+  host_fixture f = host_fixture_make(&device, 16, 8);
+  f.images = make_images(8, 8, VK_FORMAT_R32G32B32A32_SFLOAT);
+  faults_empty_pipelines(&device, &f.uploaded->context.vk);
+  return f;
 }
 
 static void run_frame(host_images *h, const olx_vulkan_frame *frame, const olx_vulkan_settings *settings) {
@@ -118,64 +132,41 @@ static olx_vulkan_settings test_settings(void) {
   return settings;
 }
 
-static olx_vulkan_field *upload_field(const olx_field *field) {
-  olx_vulkan_field *uploaded = NULL;
-  if (olx_vulkan_field_create(&device.host, field, &uploaded) != OLX_OK) fail_msg("%s", olx_last_error());
-  return uploaded;
-}
-
 static void passes_give_the_light_of_the_cpu(void **unused) {
   (void)unused;
-  host_need_device(&device);
-  const uint32_t before = device.validation_messages;
-  olx_field *field = analytic_field_make(&ROOM, &GRID, 128, 16);
-  olx_vulkan_field *uploaded = upload_field(field);
-  host_images h = make_host(WIDTH, HEIGHT, VK_FORMAT_R32G32B32A32_SFLOAT);
-  olx_vulkan_frame *frame;
-  if (olx_vulkan_frame_create(uploaded, &h.targets, &frame) != OLX_OK) fail_msg("%s", olx_last_error());
+  host_fixture f = make_fixture(128, 16);
   const olx_vulkan_settings settings = test_settings();
   double errors[OUTPUTS];
-  run_frame(&h, frame, &settings);
-  judge_frame(&h, field, &settings, errors);
+  run_frame(&f.images, f.frame, &settings);
+  judge_frame(&f.images, f.field, &settings, errors);
   print_message("%s: relative MSE of irradiance %.2e, glossy %.2e, composite %.2e\n", device.properties.deviceName,
                 errors[0], errors[1], errors[2]);
   for (uint32_t k = 0; k < OUTPUTS; k++) assert_true(errors[k] < 1e-5);
-  olx_vulkan_frame_destroy(frame);
-  host_images_free(&h);
-  olx_vulkan_field_destroy(uploaded);
-  analytic_field_free(field);
-  assert_int_equal(device.validation_messages, before);
+  host_fixture_free(&f);
 }
 
 static void a_frame_can_be_resized_and_reads_other_formats(void **unused) {
   (void)unused;
-  host_need_device(&device);
-  const uint32_t before = device.validation_messages;
-  olx_field *field = analytic_field_make(&ROOM, &GRID, 64, 16);
-  olx_vulkan_field *uploaded = upload_field(field);
-  host_images small = make_host(WIDTH, 9, VK_FORMAT_R32G32B32A32_SFLOAT),
-              full = make_host(WIDTH, HEIGHT, VK_FORMAT_R8G8B8A8_UNORM);
-  olx_vulkan_frame *frame;
-  if (olx_vulkan_frame_create(uploaded, &small.targets, &frame) != OLX_OK) fail_msg("%s", olx_last_error());
+  host_fixture f = host_fixture_make(&device, 64, 16);
+  const host_images full = make_images(WIDTH, HEIGHT, VK_FORMAT_R8G8B8A8_UNORM);
+  f.images = make_images(WIDTH, 9, VK_FORMAT_R32G32B32A32_SFLOAT);
+  host_fixture_add_frame(&f);
   const olx_vulkan_settings settings = test_settings();
-  run_frame(&small, frame, &settings);
+  run_frame(&f.images, f.frame, &settings);
   olx_vulkan_targets wrong = full.targets;
   wrong.depth.format = VK_FORMAT_R32_UINT;
-  assert_int_equal(olx_vulkan_frame_resize(frame, &wrong), OLX_ERROR_ARGUMENT);
-  run_frame(&small, frame, &settings); // still the old ones
-  host_images_free(&small);
-  if (olx_vulkan_frame_resize(frame, &full.targets) != OLX_OK) fail_msg("%s", olx_last_error());
-  run_frame(&full, frame, &settings);
+  assert_int_equal(olx_vulkan_frame_resize(f.frame, &wrong), OLX_ERROR_ARGUMENT);
+  run_frame(&f.images, f.frame, &settings); // still the old ones
+  host_images_free(&f.images);
+  f.images = full;
+  if (olx_vulkan_frame_resize(f.frame, &full.targets) != OLX_OK) fail_msg("%s", olx_last_error());
+  run_frame(&f.images, f.frame, &settings);
   double errors[OUTPUTS];
-  judge_frame(&full, field, &settings, errors);
+  judge_frame(&f.images, f.field, &settings, errors);
   // A normal of eight bits is off by up to 1/255 along each axis.
   print_message("relative MSE of irradiance %.2e, glossy %.2e, composite %.2e\n", errors[0], errors[1], errors[2]);
   for (uint32_t k = 0; k < OUTPUTS; k++) assert_true(errors[k] < 2e-3);
-  olx_vulkan_frame_destroy(frame);
-  host_images_free(&full);
-  olx_vulkan_field_destroy(uploaded);
-  analytic_field_free(field);
-  assert_int_equal(device.validation_messages, before);
+  host_fixture_free(&f);
 }
 
 static const uint32_t COUNT_READS[] = {
@@ -184,32 +175,27 @@ static const uint32_t COUNT_READS[] = {
 
 static void diffuse_light_takes_hardly_more_reads_than_it_must(void **unused) {
   (void)unused;
-  host_need_device(&device);
-  olx_field *field = analytic_field_make(&ROOM, &GRID, 64, 32);
-  olx_vulkan_field *uploaded = upload_field(field);
-  host_images h = make_host(WIDTH, HEIGHT, VK_FORMAT_R32G32B32A32_SFLOAT);
-  olx_vulkan_frame *frame;
-  assert_int_equal(olx_vulkan_frame_create(uploaded, &h.targets, &frame), OLX_OK);
+  host_fixture f = make_fixture(64, 32);
   const VkShaderModuleCreateInfo code = {
       .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = sizeof COUNT_READS, .pCode = COUNT_READS};
   VkComputePipelineCreateInfo info = {.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
                                       .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
                                                 .stage = VK_SHADER_STAGE_COMPUTE_BIT,
                                                 .pName = "main"},
-                                      .layout = frame->layout};
+                                      .layout = f.frame->layout};
   assert_int_equal(device.CreateShaderModule(device.host.device, &code, NULL, &info.stage.module), VK_SUCCESS);
-  VkPipeline *pipeline = &frame->pipelines[OLX_PASS_IRRADIANCE];
+  VkPipeline *pipeline = &f.frame->pipelines[OLX_PASS_IRRADIANCE];
   device.DestroyPipeline(device.host.device, *pipeline, NULL);
   assert_int_equal(device.CreateComputePipelines(device.host.device, VK_NULL_HANDLE, 1, &info, NULL, pipeline),
                    VK_SUCCESS);
   device.DestroyShaderModule(device.host.device, info.stage.module, NULL);
   const olx_vulkan_settings settings = test_settings();
-  run_frame(&h, frame, &settings);
+  run_frame(&f.images, f.frame, &settings);
   double reads = 0, most = 0;
   uint32_t pixels = 0;
   for (uint32_t i = 0; i < WIDTH * HEIGHT; i++) {
     float surface;
-    const olx_vec3 result = host_output(&h, 0, i, &surface);
+    const olx_vec3 result = host_output(&f.images, 0, i, &surface);
     if (surface == 0.0f) continue;
     pixels++;
     reads += (double)result.x;
@@ -218,19 +204,12 @@ static void diffuse_light_takes_hardly_more_reads_than_it_must(void **unused) {
   const double least = 16; // irradiance and moments of eight probes
   print_message("%.2f filtered reads a pixel, %.0f at most\n", reads / pixels, most);
   assert_true(reads / pixels <= 1.3 * least);
-  olx_vulkan_frame_destroy(frame);
-  host_images_free(&h);
-  olx_vulkan_field_destroy(uploaded);
-  analytic_field_free(field);
+  host_fixture_free(&f);
 }
 
 static void wrong_images_are_named(void **unused) {
   (void)unused;
-  host_need_device(&device);
-  const uint32_t before = device.validation_messages;
-  olx_field *field = analytic_field_make(&ROOM, &GRID, 16, 8);
-  olx_vulkan_field *uploaded = upload_field(field);
-  host_images h = make_host(8, 8, VK_FORMAT_R32G32B32A32_SFLOAT);
+  host_fixture f = make_small_fixture();
   struct {
     olx_vulkan_targets targets;
     const char *message;
@@ -238,10 +217,10 @@ static void wrong_images_are_named(void **unused) {
       {{.width = 0, .height = 8}, "frame size 0 x 8"},
       {{.width = 8, .height = 20000}, "frame size 8 x 20000"},
       {{.width = 8, .height = 8}, "no depth image"},
-      {h.targets, "normal image's VkFormat"},
-      {h.targets, "albedo image cannot be sampled in VkImageLayout 0"},
-      {h.targets, "no glossy image"},
-      {h.targets, "no pass 0x10"},
+      {f.images.targets, "normal image's VkFormat"},
+      {f.images.targets, "albedo image cannot be sampled in VkImageLayout 0"},
+      {f.images.targets, "no glossy image"},
+      {f.images.targets, "no pass 0x10"},
   };
   cases[3].targets.normal.format = VK_FORMAT_R8G8B8A8_UINT;
   cases[4].targets.albedo.layout = VK_IMAGE_LAYOUT_UNDEFINED;
@@ -249,44 +228,11 @@ static void wrong_images_are_named(void **unused) {
   cases[6].targets.passes = 16;
   for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
     olx_vulkan_frame *frame = (void *)1;
-    assert_int_equal(olx_vulkan_frame_create(uploaded, &cases[i].targets, &frame), OLX_ERROR_ARGUMENT);
+    assert_int_equal(olx_vulkan_frame_create(f.uploaded, &cases[i].targets, &frame), OLX_ERROR_ARGUMENT);
     assert_null(frame);
     if (!strstr(olx_last_error(), cases[i].message)) fail_msg("'%s' lacks '%s'", olx_last_error(), cases[i].message);
   }
-  host_images_free(&h);
-  olx_vulkan_field_destroy(uploaded);
-  analytic_field_free(field);
-  assert_int_equal(device.validation_messages, before);
-}
-
-static const uint32_t NOTHING[] = {
-#include "nothing.spv.inc"
-};
-static uint32_t pipelines_made;
-static VkPipelineCache cache_given;
-
-// Pipelines that are never run do not need their shaders, which take long to compile.
-static VKAPI_ATTR VkResult VKAPI_CALL make_empty_pipeline(VkDevice d, VkPipelineCache cache, uint32_t count,
-                                                          const VkComputePipelineCreateInfo *infos,
-                                                          const VkAllocationCallbacks *callbacks,
-                                                          VkPipeline *pipelines) {
-  const VkShaderModuleCreateInfo code = {
-      .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = sizeof NOTHING, .pCode = NOTHING};
-  VkComputePipelineCreateInfo info = *infos;
-  assert_int_equal(count, 1);
-  assert_int_equal(device.CreateShaderModule(d, &code, NULL, &info.stage.module), VK_SUCCESS);
-  const VkResult result = device.CreateComputePipelines(d, cache, 1, &info, callbacks, pipelines);
-  device.DestroyShaderModule(d, info.stage.module, NULL);
-  pipelines_made++;
-  cache_given = cache;
-  return result;
-}
-
-static olx_vulkan_field *upload_without_shaders(const olx_field *field) {
-  olx_vulkan_field *uploaded = upload_field(field);
-  uploaded->context.vk.CreateComputePipelines = make_empty_pipeline;
-  pipelines_made = 0;
-  return uploaded;
+  host_fixture_free(&f);
 }
 
 // Every pass that the mask names can be recorded, and no other.
@@ -312,41 +258,32 @@ static void assert_passes(const olx_vulkan_frame *frame, uint32_t passes) {
 
 static void only_the_passes_that_are_named_are_made(void **unused) {
   (void)unused;
-  host_need_device(&device);
-  const uint32_t before = device.validation_messages;
-  olx_field *field = analytic_field_make(&ROOM, &GRID, 16, 8);
-  olx_vulkan_field *uploaded = upload_without_shaders(field);
-  host_images h = make_host(8, 8, VK_FORMAT_R32G32B32A32_SFLOAT);
-  olx_vulkan_frame *frame;
-  h.targets.passes = OLX_VULKAN_PASS_COMPOSITE;
-  assert_int_equal(olx_vulkan_frame_create(uploaded, &h.targets, &frame), OLX_OK);
-  assert_int_equal(pipelines_made, 1);
-  assert_passes(frame, OLX_VULKAN_PASS_COMPOSITE);
-  h.targets.passes = OLX_VULKAN_PASS_COMPOSITE | OLX_VULKAN_PASS_GLOSSY;
-  assert_int_equal(olx_vulkan_frame_resize(frame, &h.targets), OLX_OK);
-  assert_int_equal(pipelines_made, 2);
-  h.targets.passes = OLX_VULKAN_PASS_IRRADIANCE;
-  assert_int_equal(olx_vulkan_frame_resize(frame, &h.targets), OLX_OK);
-  assert_int_equal(pipelines_made, 3);
-  assert_passes(frame, OLX_VULKAN_PASS_IRRADIANCE | OLX_VULKAN_PASS_GLOSSY | OLX_VULKAN_PASS_COMPOSITE);
-  h.targets.passes = 0;
-  assert_int_equal(olx_vulkan_frame_resize(frame, &h.targets), OLX_OK);
-  assert_int_equal(pipelines_made, 4);
-  assert_passes(frame, 15);
-  olx_vulkan_frame_destroy(frame);
-  assert_int_equal(olx_vulkan_frame_create(uploaded, &h.targets, &frame), OLX_OK);
-  assert_int_equal(pipelines_made, 8);
-  olx_vulkan_frame_destroy(frame);
-  host_images_free(&h);
-  olx_vulkan_field_destroy(uploaded);
-  analytic_field_free(field);
-  assert_int_equal(device.validation_messages, before);
+  host_fixture f = make_small_fixture();
+  olx_vulkan_targets *targets = &f.images.targets;
+  targets->passes = OLX_VULKAN_PASS_COMPOSITE;
+  host_fixture_add_frame(&f);
+  assert_int_equal(faults.pipelines, 1);
+  assert_passes(f.frame, OLX_VULKAN_PASS_COMPOSITE);
+  targets->passes = OLX_VULKAN_PASS_COMPOSITE | OLX_VULKAN_PASS_GLOSSY;
+  assert_int_equal(olx_vulkan_frame_resize(f.frame, targets), OLX_OK);
+  assert_int_equal(faults.pipelines, 2);
+  targets->passes = OLX_VULKAN_PASS_IRRADIANCE;
+  assert_int_equal(olx_vulkan_frame_resize(f.frame, targets), OLX_OK);
+  assert_int_equal(faults.pipelines, 3);
+  assert_passes(f.frame, OLX_VULKAN_PASS_IRRADIANCE | OLX_VULKAN_PASS_GLOSSY | OLX_VULKAN_PASS_COMPOSITE);
+  targets->passes = 0;
+  assert_int_equal(olx_vulkan_frame_resize(f.frame, targets), OLX_OK);
+  assert_int_equal(faults.pipelines, 4);
+  assert_passes(f.frame, 15);
+  olx_vulkan_frame_destroy(f.frame);
+  host_fixture_add_frame(&f);
+  assert_int_equal(faults.pipelines, 8);
+  host_fixture_free(&f);
 }
 
 static void pipelines_go_through_the_host_s_cache(void **unused) {
   (void)unused;
   host_need_device(&device);
-  const uint32_t before = device.validation_messages;
   const VkDevice d = device.host.device;
   const PFN_vkCreatePipelineCache create =
       (PFN_vkCreatePipelineCache)device.GetDeviceProcAddr(d, "vkCreatePipelineCache");
@@ -355,51 +292,37 @@ static void pipelines_go_through_the_host_s_cache(void **unused) {
   const VkPipelineCacheCreateInfo info = {.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
   VkPipelineCache cache;
   assert_int_equal(create(d, &info, NULL, &cache), VK_SUCCESS);
-  olx_field *field = analytic_field_make(&ROOM, &GRID, 16, 8);
-  analytic_field_add_classic(field, 32);
   device.host.pipeline_cache = cache;
-  olx_vulkan_field *uploaded = upload_without_shaders(field);
+  host_fixture f = make_small_fixture();
   device.host.pipeline_cache = VK_NULL_HANDLE;
-  host_images h = make_host(8, 8, VK_FORMAT_R32G32B32A32_SFLOAT);
+  host_fixture_add_frame(&f);
+  assert_true(faults.cache == cache);
+  faults.cache = VK_NULL_HANDLE;
   olx_vulkan_classic *classic;
-  olx_vulkan_frame *frame;
-  assert_int_equal(olx_vulkan_frame_create(uploaded, &h.targets, &frame), OLX_OK);
-  assert_true(cache_given == cache);
-  cache_given = VK_NULL_HANDLE;
-  assert_int_equal(olx_vulkan_classic_create(uploaded, field, &classic), OLX_OK);
-  assert_true(cache_given == cache);
-  olx_vulkan_frame_destroy(frame);
+  analytic_field_add_classic(f.field, 32);
+  assert_int_equal(olx_vulkan_classic_create(f.uploaded, f.field, &classic), OLX_OK);
+  assert_true(faults.cache == cache);
   olx_vulkan_classic_destroy(classic);
-  host_images_free(&h);
-  olx_vulkan_field_destroy(uploaded);
-  analytic_field_remove_classic(field);
-  analytic_field_free(field);
+  analytic_field_remove_classic(f.field);
+  host_fixture_free(&f);
   destroy(d, cache, NULL);
-  assert_int_equal(device.validation_messages, before);
 }
 
 static void settings_that_cannot_be_are_refused(void **unused) {
   (void)unused;
-  host_need_device(&device);
-  olx_field *field = analytic_field_make(&ROOM, &GRID, 16, 8);
-  olx_vulkan_field *uploaded = upload_without_shaders(field);
-  host_images h = make_host(8, 8, VK_FORMAT_R32G32B32A32_SFLOAT);
-  olx_vulkan_frame *frame;
-  assert_int_equal(olx_vulkan_frame_create(uploaded, &h.targets, &frame), OLX_OK);
+  host_fixture f = make_small_fixture();
+  host_fixture_add_frame(&f);
   const olx_vulkan_view view = host_vulkan_view(&VIEW);
   olx_vulkan_settings settings = olx_vulkan_settings_default();
   settings.glossy_samples = 0;
-  assert_int_equal(olx_vulkan_record_glossy(frame, device.commands, &view, &settings), OLX_ERROR_ARGUMENT);
+  assert_int_equal(olx_vulkan_record_glossy(f.frame, device.commands, &view, &settings), OLX_ERROR_ARGUMENT);
   settings = olx_vulkan_settings_default();
   settings.sample.select = OLX_SELECT_OCTREE;
-  assert_int_equal(olx_vulkan_record_glossy(frame, device.commands, &view, &settings), OLX_ERROR_UNSUPPORTED);
+  assert_int_equal(olx_vulkan_record_glossy(f.frame, device.commands, &view, &settings), OLX_ERROR_UNSUPPORTED);
   assert_non_null(strstr(olx_last_error(), "octree"));
   settings = olx_vulkan_settings_default();
-  assert_int_equal(olx_vulkan_record_composite(frame, device.commands, &view, &settings, 4), OLX_ERROR_ARGUMENT);
-  olx_vulkan_frame_destroy(frame);
-  host_images_free(&h);
-  olx_vulkan_field_destroy(uploaded);
-  analytic_field_free(field);
+  assert_int_equal(olx_vulkan_record_composite(f.frame, device.commands, &view, &settings, 4), OLX_ERROR_ARGUMENT);
+  host_fixture_free(&f);
 }
 
 // Vulkan functions that fail at the n-th call of a kind.
@@ -457,7 +380,7 @@ static void running_out_of_memory_leaves_nothing_behind(void **unused) {
   (void)unused;
   host_need_device(&device);
   const uint32_t before = device.validation_messages;
-  olx_field *field = analytic_field_make(&ROOM, &GRID, 16, 8);
+  olx_field *field = host_field_make(16, 8);
   olx_vulkan_sizes sizes;
   assert_int_equal(olx_vulkan_field_measure(&device.host, field, &sizes), OLX_OK);
   assert_true(sizes.device_bytes >= 8 * (18 * 18 * 8 + 10 * 10 * 8) && sizes.staging_bytes > 0);
@@ -482,7 +405,7 @@ static void running_out_of_memory_leaves_nothing_behind(void **unused) {
 static void a_lost_device_is_reported(void **unused) {
   (void)unused;
   host_need_device(&device);
-  olx_field *field = analytic_field_make(&ROOM, &GRID, 16, 8);
+  olx_field *field = host_field_make(16, 8);
   const olx_vulkan_host host = failing_host(100, true);
   olx_vulkan_field *uploaded;
   assert_int_equal(olx_vulkan_field_create(&host, field, &uploaded), OLX_ERROR_GPU);
@@ -518,7 +441,7 @@ static void all_memory_is_told_before(void **unused) {
   (void)unused;
   host_need_device(&device);
   enum { BRICK_BYTES = 4096, VORONOI_BYTES = 1000001 };
-  olx_field *field = analytic_field_make(&ROOM, &GRID, 16, 8);
+  olx_field *field = host_field_make(16, 8);
   olx_vulkan_sizes without, with;
   assert_int_equal(olx_vulkan_field_measure(&device.host, field, &without), OLX_OK);
   assert_measured(field);
@@ -606,7 +529,7 @@ static VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL judging_function(VkInstance inst
 static void passes_bind_no_more_than_every_device_has(void **unused) {
   (void)unused;
   host_need_device(&device);
-  olx_field *field = analytic_field_make(&ROOM, &GRID, 16, 8);
+  olx_field *field = host_field_make(16, 8);
   analytic_field_add_classic(field, 32);
   olx_vulkan_host host = device.host;
   host.get_instance_proc_addr = judging_function;
@@ -614,9 +537,9 @@ static void passes_bind_no_more_than_every_device_has(void **unused) {
   olx_vulkan_classic *classic;
   olx_vulkan_frame *frame;
   assert_int_equal(olx_vulkan_field_create(&host, field, &uploaded), OLX_OK);
-  uploaded->context.vk.CreateComputePipelines = make_empty_pipeline;
+  faults_empty_pipelines(&device, &uploaded->context.vk);
   assert_int_equal(olx_vulkan_classic_create(uploaded, field, &classic), OLX_OK);
-  host_images h = make_host(8, 8, VK_FORMAT_R32G32B32A32_SFLOAT);
+  host_images h = make_images(8, 8, VK_FORMAT_R32G32B32A32_SFLOAT);
   h.targets.denoise = OLX_VULKAN_LOBE_DIFFUSE | OLX_VULKAN_LOBE_GLOSSY;
   assert_int_equal(olx_vulkan_frame_create(uploaded, &h.targets, &frame), OLX_OK);
   assert_true(pipeline_layout_count >= 4); // the passes of a frame, the two steps of the denoiser, the baseline
@@ -630,7 +553,7 @@ static void passes_bind_no_more_than_every_device_has(void **unused) {
 
 static void a_host_without_a_queue_is_refused(void **unused) {
   (void)unused;
-  olx_field *field = analytic_field_make(&ROOM, &GRID, 16, 8);
+  olx_field *field = host_field_make(16, 8);
   const olx_vulkan_host nothing = {.instance = VK_NULL_HANDLE};
   olx_vulkan_field *uploaded;
   olx_vulkan_sizes sizes;

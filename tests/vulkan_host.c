@@ -161,3 +161,31 @@ olx_vec3 host_output(const host_images *h, uint32_t image, uint32_t i, float *al
   *alpha = olx_half_unpack(half[3]);
   return olx_v3(olx_half_unpack(half[0]), olx_half_unpack(half[1]), olx_half_unpack(half[2]));
 }
+
+const analytic_scene HOST_ROOM = {
+    .room = {{0, 0, 0}, {4, 3, 5}}, .box_count = 1, .boxes = {{{0.9f, 0.0f, 1.1f}, {1.7f, 1.3f, 2.1f}}}};
+
+olx_field *host_field_make(uint32_t size, uint32_t irradiance_size) {
+  static const olx_grid grid = {{0.5f, 0.5f, 0.5f}, {3.0f, 2.0f, 4.0f}, {2, 2, 2}};
+  return analytic_field_make(&HOST_ROOM, &grid, size, irradiance_size);
+}
+
+host_fixture host_fixture_make(gpu_device *device, uint32_t size, uint32_t irradiance_size) {
+  host_need_device(device);
+  host_fixture f = {.device = device, .messages = device->validation_messages};
+  f.field = host_field_make(size, irradiance_size);
+  if (olx_vulkan_field_create(&device->host, f.field, &f.uploaded) != OLX_OK) fail_msg("%s", olx_last_error());
+  return f;
+}
+
+void host_fixture_add_frame(host_fixture *f) {
+  if (olx_vulkan_frame_create(f->uploaded, &f->images.targets, &f->frame) != OLX_OK) fail_msg("%s", olx_last_error());
+}
+
+void host_fixture_free(host_fixture *f) {
+  olx_vulkan_frame_destroy(f->frame);
+  if (f->images.device) host_images_free(&f->images);
+  olx_vulkan_field_destroy(f->uploaded);
+  analytic_field_free(f->field);
+  assert_int_equal(f->device->validation_messages, f->messages);
+}

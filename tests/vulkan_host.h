@@ -58,4 +58,24 @@ void host_upload(host_images *host, const host_view *view);
 void host_download(host_images *host);
 olx_vec3 host_output(const host_images *host, uint32_t image, uint32_t pixel, float *alpha);
 
+// A room with a box in it, and a field of 2 x 2 x 2 probes that light it (analytic_field_free).
+extern const analytic_scene HOST_ROOM;
+olx_field *host_field_make(uint32_t size, uint32_t irradiance_size);
+
+// That field on both sides. Images and a frame are the test's to add.
+typedef struct host_fixture {
+  gpu_device *device;
+  uint32_t messages; // of the validation layers, before
+  olx_field *field;
+  olx_vulkan_field *uploaded;
+  host_images images;
+  olx_vulkan_frame *frame;
+} host_fixture;
+
+// The test is skipped when there is no device.
+host_fixture host_fixture_make(gpu_device *device, uint32_t size, uint32_t irradiance_size);
+void host_fixture_add_frame(host_fixture *fixture);
+// The validation layers must have found nothing.
+void host_fixture_free(host_fixture *fixture);
+
 #endif

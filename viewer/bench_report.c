@@ -95,8 +95,32 @@ void bench_report_text(const bench_report *r) {
 
 // ---- JSON
 
-static void json_text(const char *key, const char *text) {
-  printf("\"%s\":\"", key);
+// What is written; between members and elements there are commas.
+typedef struct json_line {
+  bool more; // of what is open, something has been written
+} json_line;
+
+// key: NULL for an element of an array, or the whole.
+static void json_key(json_line *j, const char *key) {
+  if (j->more) putchar(',');
+  if (key) printf("\"%s\":", key);
+  j->more = true;
+}
+
+static void json_open(json_line *j, const char *key, char bracket) {
+  json_key(j, key);
+  putchar(bracket);
+  j->more = false;
+}
+
+static void json_close(json_line *j, char bracket) {
+  putchar(bracket);
+  j->more = true;
+}
+
+static void json_text(json_line *j, const char *key, const char *text) {
+  json_key(j, key);
+  putchar('"');
   for (const unsigned char *c = (const unsigned char *)text; *c; c++) {
     if (*c == '"' || *c == '\\') printf("\\%c", *c);
     else if (*c < 0x20) printf("\\u%04x", *c);
@@ -105,114 +129,114 @@ static void json_text(const char *key, const char *text) {
   putchar('"');
 }
 
-static void json_number(const char *key, double value) {
-  if (isfinite(value)) printf("\"%s\":%.6g", key, value);
-  else printf("\"%s\":null", key);
+static void json_number(json_line *j, const char *key, double value) {
+  json_key(j, key);
+  if (isfinite(value)) printf("%.6g", value);
+  else printf("null");
 }
 
-static void json_counts(const char *key, const bench_counts *c) {
-  printf("\"%s\":{", key);
-  json_number("filtered_reads", c->filtered);
-  putchar(',');
-  json_number("most_filtered_reads", c->most_filtered);
-  putchar(',');
-  json_number("fetches", c->fetched);
-  putchar(',');
-  json_number("steps", c->steps);
-  putchar(',');
-  json_number("probes", c->probes);
-  putchar(',');
-  json_number("surface_share", c->surfaces);
-  putchar(',');
-  json_number("ray_share", c->rays);
-  putchar(',');
-  json_number("unresolved", c->unresolved);
-  putchar('}');
+static void json_whole(json_line *j, const char *key, uint64_t value) {
+  json_key(j, key);
+  printf("%llu", (unsigned long long)value);
 }
 
-static void json_passes(const bench_report *r, const bench_result *result) {
-  printf("\"passes\":{");
-  for (uint32_t p = 0; p < BENCH_PARTS; p++) {
-    printf("%s\"%s\":{", p ? "," : "", bench_part_name((bench_part)p));
-    json_number("ms", result->milliseconds[p]);
-    putchar(',');
-    json_number("least_ms", result->least[p]);
-    printf(",\"bytes_a_pixel\":%u,", bench_part_bytes((bench_part)p));
-    json_number("stream_floor_ms", stream_floor(r, (bench_part)p));
-    putchar('}');
+static void json_bool(json_line *j, const char *key, bool value) {
+  json_key(j, key);
+  printf("%s", value ? "true" : "false");
+}
+
+static void json_counts(json_line *j, const bench_counts *c) {
+  json_open(j, "counts", '{');
+  json_number(j, "filtered_reads", c->filtered);
+  json_number(j, "most_filtered_reads", c->most_filtered);
+  json_number(j, "fetches", c->fetched);
+  json_number(j, "steps", c->steps);
+  json_number(j, "probes", c->probes);
+  json_number(j, "surface_share", c->surfaces);
+  json_number(j, "ray_share", c->rays);
+  json_number(j, "unresolved", c->unresolved);
+  json_close(j, '}');
+}
+
+static void json_passes(json_line *j, const bench_report *r, const bench_result *result) {
+  json_open(j, "passes", '{');
+  for (bench_part part = 0; part < BENCH_PARTS; part++) {
+    json_open(j, bench_part_name(part), '{');
+    json_number(j, "ms", result->milliseconds[part]);
+    json_number(j, "least_ms", result->least[part]);
+    json_whole(j, "bytes_a_pixel", bench_part_bytes(part));
+    json_number(j, "stream_floor_ms", stream_floor(r, part));
+    json_close(j, '}');
   }
-  putchar('}');
+  json_close(j, '}');
 }
 
-static void json_pair(const bench_result *result) {
+static void json_pair(json_line *j, const bench_result *result) {
   static const char *const names[BENCH_PAIR] = {"two-level+cage", "hiz+bricks"};
-  printf("\"compare\":{");
+  json_open(j, "compare", '{');
   for (uint32_t k = 0; k < BENCH_PAIR; k++) {
-    printf("\"%s\":{", names[k]);
-    json_number("ms", result->pair_milliseconds[k]);
-    putchar(',');
-    json_counts("counts", &result->pair_counts[k]);
-    printf("},");
+    json_open(j, names[k], '{');
+    json_number(j, "ms", result->pair_milliseconds[k]);
+    json_counts(j, &result->pair_counts[k]);
+    json_close(j, '}');
   }
-  json_number("ratio", over(result->pair_milliseconds[BENCH_OLD], result->pair_milliseconds[BENCH_NEW]));
-  putchar('}');
+  json_number(j, "ratio", over(result->pair_milliseconds[BENCH_OLD], result->pair_milliseconds[BENCH_NEW]));
+  json_close(j, '}');
 }
 
-static void json_row(const bench_report *r, const bench_row *row, const bench_result *result) {
-  static const char *const states[] = {"skipped", "done", "failed"};
-  putchar('{');
-  json_text("name", row->name);
-  putchar(',');
-  json_text("title", row->title);
-  putchar(',');
-  json_text("state", states[result->state]);
-  if (result->state != BENCH_DONE) {
-    putchar(',');
-    json_text("problem", result->problem);
-    putchar('}');
-    return;
-  }
-  printf(",\"probes\":%u,\"radiance_size\":%u,\"field_bytes\":%llu,\"scene_bytes\":%llu,\"triangles\":%llu,"
-         "\"lamps\":%u,\"shadow_maps\":%u,\"other_scene\":%s,\"as_published\":%s,",
-         result->probes, result->radiance_size, (unsigned long long)result->field_bytes,
-         (unsigned long long)result->scene_bytes, (unsigned long long)result->triangles, result->lamps,
-         result->shadow_maps, result->other_scene ? "true" : "false",
-         row->probes && !unlike_paper(row, result) ? "true" : "false");
-  if (row->probes) {
-    printf("\"paper\":{");
-    json_number("irradiance_ms", row->paper_diffuse);
-    putchar(',');
-    json_number("glossy_ms", row->paper_glossy);
-    printf("},");
-  }
+static void json_paper(json_line *j, const bench_row *row) {
+  json_open(j, "paper", '{');
+  json_number(j, "irradiance_ms", row->paper_diffuse);
+  json_number(j, "glossy_ms", row->paper_glossy);
+  json_close(j, '}');
+}
+
+static void json_done(json_line *j, const bench_report *r, const bench_row *row, const bench_result *result) {
+  json_whole(j, "probes", result->probes);
+  json_whole(j, "radiance_size", result->radiance_size);
+  json_whole(j, "field_bytes", result->field_bytes);
+  json_whole(j, "scene_bytes", result->scene_bytes);
+  json_whole(j, "triangles", result->triangles);
+  json_whole(j, "lamps", result->lamps);
+  json_whole(j, "shadow_maps", result->shadow_maps);
+  json_bool(j, "other_scene", result->other_scene);
+  json_bool(j, "as_published", row->probes && !unlike_paper(row, result));
+  if (row->probes) json_paper(j, row);
   if (r->settings->compare) {
-    json_pair(result);
+    json_pair(j, result);
   } else {
-    json_passes(r, result);
-    putchar(',');
-    json_counts("counts", &result->counts);
+    json_passes(j, r, result);
+    json_counts(j, &result->counts);
   }
-  putchar('}');
+}
+
+static void json_row(json_line *j, const bench_report *r, const bench_row *row, const bench_result *result) {
+  static const char *const states[] = {"skipped", "done", "failed"};
+  json_open(j, NULL, '{');
+  json_text(j, "name", row->name);
+  json_text(j, "title", row->title);
+  json_text(j, "state", states[result->state]);
+  if (result->state == BENCH_DONE) json_done(j, r, row, result);
+  else json_text(j, "problem", result->problem);
+  json_close(j, '}');
 }
 
 void bench_report_json(const bench_report *r) {
   const gpu_device *d = r->device;
-  putchar('{');
-  json_text("device", d->properties.deviceName);
-  putchar(',');
-  json_text("driver", d->driver.driverName);
-  putchar(',');
-  json_text("driver_info", d->driver.driverInfo);
-  printf(",\"width\":%u,\"height\":%u,\"frames\":%u,", r->settings->width, r->settings->height, r->settings->frames);
-  json_number("copy_gigabytes_a_second", r->copy_gigabytes);
-  putchar(',');
-  json_number("floor_gigabytes_a_second", r->settings->gigabytes);
-  putchar(',');
-  json_text("paper", PAPER);
-  printf(",\"rows\":[");
-  for (uint32_t i = 0; i < r->count; i++) {
-    if (i) putchar(',');
-    json_row(r, r->rows[i], &r->results[i]);
-  }
-  printf("]}\n");
+  json_line j = {.more = false};
+  json_open(&j, NULL, '{');
+  json_text(&j, "device", d->properties.deviceName);
+  json_text(&j, "driver", d->driver.driverName);
+  json_text(&j, "driver_info", d->driver.driverInfo);
+  json_whole(&j, "width", r->settings->width);
+  json_whole(&j, "height", r->settings->height);
+  json_whole(&j, "frames", r->settings->frames);
+  json_number(&j, "copy_gigabytes_a_second", r->copy_gigabytes);
+  json_number(&j, "floor_gigabytes_a_second", r->settings->gigabytes);
+  json_text(&j, "paper", PAPER);
+  json_open(&j, "rows", '[');
+  for (uint32_t i = 0; i < r->count; i++) json_row(&j, r, r->rows[i], &r->results[i]);
+  json_close(&j, ']');
+  json_close(&j, '}');
+  putchar('\n');
 }

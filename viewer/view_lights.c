@@ -2,7 +2,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 static olx_vec3 times(olx_vec3 v, float s) { return (olx_vec3){v.x * s, v.y * s, v.z * s}; }
 
@@ -16,10 +15,20 @@ view_lights view_lights_of(const olx_scene_content *content) {
   return lights;
 }
 
+static bool same_vector(olx_vec3 a, olx_vec3 b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+
+static bool same_light(const olx_light *a, const olx_light *b) {
+  return a->type == b->type && same_vector(a->position, b->position) && same_vector(a->direction, b->direction) &&
+         same_vector(a->emission, b->emission) && a->cosine_inner == b->cosine_inner &&
+         a->cosine_outer == b->cosine_outer;
+}
+
 bool view_lights_same(const view_lights *a, const view_lights *b) {
-  return a->count == b->count && a->surfaces == b->surfaces && a->sky == b->sky &&
-         memcmp(a->strength, b->strength, a->count * sizeof a->strength[0]) == 0 &&
-         memcmp(a->light, b->light, a->count * sizeof a->light[0]) == 0;
+  bool same = a->count == b->count && a->surfaces == b->surfaces && a->sky == b->sky;
+  for (uint32_t i = 0; i < a->count && same; i++) {
+    same = a->strength[i] == b->strength[i] && same_light(&a->light[i], &b->light[i]);
+  }
+  return same;
 }
 
 void view_lights_place(view_lights *lights, uint32_t light, olx_vec3 to) {

@@ -82,3 +82,26 @@ olx_result olx_vulkan_allocate(const olx_vulkan_context *c, const VkMemoryRequir
   }
   return olx_fail(OLX_ERROR_UNSUPPORTED, "%s: the device has no memory of a fitting type", what);
 }
+
+olx_result olx_staging_create(const olx_vulkan_context *c, VkDeviceSize bytes, const char *what, olx_staging *s) {
+  *s = (olx_staging){.mapped = NULL};
+  const VkBufferCreateInfo info = {
+      .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = bytes, .usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT};
+  OLX_TRY(olx_vulkan_check(c->vk.CreateBuffer(c->host.device, &info, NULL, &s->buffer), "vkCreateBuffer", what));
+  VkMemoryRequirements requirements;
+  c->vk.GetBufferMemoryRequirements(c->host.device, s->buffer, &requirements);
+  OLX_TRY(olx_vulkan_allocate(
+      c, &requirements, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT, what, &s->memory));
+  OLX_TRY(
+      olx_vulkan_check(c->vk.BindBufferMemory(c->host.device, s->buffer, s->memory, 0), "vkBindBufferMemory", what));
+  void *mapped;
+  OLX_TRY(
+      olx_vulkan_check(c->vk.MapMemory(c->host.device, s->memory, 0, VK_WHOLE_SIZE, 0, &mapped), "vkMapMemory", what));
+  s->mapped = mapped;
+  return OLX_OK;
+}
+
+void olx_staging_destroy(const olx_vulkan_context *c, olx_staging *s) {
+  c->vk.DestroyBuffer(c->host.device, s->buffer, NULL);
+  c->vk.FreeMemory(c->host.device, s->memory, NULL);
+}

@@ -22,4 +22,16 @@ olx_result olx_vulkan_check(VkResult result, const char *call, const char *what)
 olx_result olx_vulkan_allocate(const olx_vulkan_context *context, const VkMemoryRequirements *requirements,
                                VkMemoryPropertyFlags properties, const char *what, VkDeviceMemory *memory);
 
+// A buffer to copy from, in memory that host and device see.
+typedef struct olx_staging {
+  VkBuffer buffer;
+  VkDeviceMemory memory;
+  unsigned char *mapped;
+} olx_staging;
+
+// After a failure olx_staging_destroy still has to be called.
+olx_result olx_staging_create(const olx_vulkan_context *context, VkDeviceSize bytes, const char *what,
+                              olx_staging *staging);
+void olx_staging_destroy(const olx_vulkan_context *context, olx_staging *staging);
+
 #endif

@@ -45,8 +45,8 @@ static olx_result upload_map(olx_vulkan_field *gpu, olx_uploader *uploader, cons
                         (int32_t)(in_layer / maps->maps_a_side * maps->stride + row), 0},
         .imageExtent = {maps->stride, rows, 1},
     };
-    gpu->context.vk.CmdCopyBufferToImage(commands, uploader->buffer, maps->image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
-                                         1, &region);
+    gpu->context.vk.CmdCopyBufferToImage(commands, uploader->staging.buffer, maps->image,
+                                         VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
     row += rows;
   }
   return OLX_OK;

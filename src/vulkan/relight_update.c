@@ -18,9 +18,7 @@ struct olx_vulkan_update {
   uint32_t *copied;            // the frame of the relighter from which the device has a unit
   uint32_t next;               // unit to begin with, so that none starves
   uint32_t scanned;            // frame of the relighter of which nothing waits
-  VkBuffer buffer;
-  VkDeviceMemory memory;
-  unsigned char *mapped;
+  olx_staging staging;         // a slot for each frame in flight
   uint32_t slot_bytes, slot, used;
 };
 
@@ -95,25 +93,6 @@ static olx_result check(const olx_vulkan_field *gpu, const olx_relight *relight,
   return olx_fail(OLX_ERROR_ARGUMENT, "%s: %u bytes a frame: must be from 1 to 2^28", WHAT, s->bytes);
 }
 
-static olx_result create_staging(olx_vulkan_update *u) {
-  const olx_vulkan_context *c = &u->gpu->context;
-  const VkBufferCreateInfo info = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
-                                   .size = (VkDeviceSize)u->slot_bytes * u->settings.in_flight,
-                                   .usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT};
-  OLX_TRY(olx_vulkan_check(c->vk.CreateBuffer(c->host.device, &info, NULL, &u->buffer), "vkCreateBuffer", WHAT));
-  VkMemoryRequirements requirements;
-  c->vk.GetBufferMemoryRequirements(c->host.device, u->buffer, &requirements);
-  OLX_TRY(olx_vulkan_allocate(
-      c, &requirements, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT, WHAT, &u->memory));
-  OLX_TRY(
-      olx_vulkan_check(c->vk.BindBufferMemory(c->host.device, u->buffer, u->memory, 0), "vkBindBufferMemory", WHAT));
-  void *mapped;
-  OLX_TRY(
-      olx_vulkan_check(c->vk.MapMemory(c->host.device, u->memory, 0, VK_WHOLE_SIZE, 0, &mapped), "vkMapMemory", WHAT));
-  u->mapped = mapped;
-  return OLX_OK;
-}
-
 static olx_result build(olx_vulkan_update *u) {
   const olx_relight *r = u->relight;
   u->maps = r->counts[0];
@@ -128,7 +107,7 @@ static olx_result build(olx_vulkan_update *u) {
     const uint32_t bytes = unit_bytes(u, kinds[i]);
     if (u->slot_bytes < bytes) u->slot_bytes = bytes;
   }
-  return create_staging(u);
+  return olx_staging_create(&u->gpu->context, (VkDeviceSize)u->slot_bytes * u->settings.in_flight, WHAT, &u->staging);
 }
 
 olx_result olx_vulkan_update_create(olx_vulkan_field *field, const olx_relight *relight,
@@ -148,9 +127,7 @@ olx_result olx_vulkan_update_create(olx_vulkan_field *field, const olx_relight *
 
 void olx_vulkan_update_destroy(olx_vulkan_update *u) {
   if (!u) return;
-  const olx_vulkan_context *c = &u->gpu->context;
-  c->vk.DestroyBuffer(c->host.device, u->buffer, NULL);
-  c->vk.FreeMemory(c->host.device, u->memory, NULL);
+  olx_staging_destroy(&u->gpu->context, &u->staging);
   olx_release(u->copied);
   olx_release(u);
 }
@@ -162,8 +139,8 @@ static void copy_part(olx_vulkan_update *u, olx_map_copies *copies, uint32_t map
   const uint32_t stride = copies->maps->stride, x = (uint32_t)(part->x + 1), y = (uint32_t)(part->y + 1);
   const VkDeviceSize offset = (VkDeviceSize)u->slot * u->slot_bytes + u->used;
   for (uint32_t row = 0; row < part->height; row++) {
-    memcpy(u->mapped + offset + (size_t)row * part->width * TEXEL_BYTES, texels + (size_t)(y + row) * stride + x,
-           (size_t)part->width * TEXEL_BYTES);
+    memcpy(u->staging.mapped + offset + (size_t)row * part->width * TEXEL_BYTES,
+           texels + (size_t)(y + row) * stride + x, (size_t)part->width * TEXEL_BYTES);
   }
   u->used += part_bytes(part);
   olx_map_copies_add(copies, map, part, offset);
@@ -216,8 +193,8 @@ olx_result olx_vulkan_record_update(olx_vulkan_update *u, VkCommandBuffer comman
   *stats = (olx_vulkan_update_stats){.bytes = 0};
   if (u->scanned == u->relight->frame) return OLX_OK;
   update_call call = {.update = u,
-                      .radiance = olx_map_copies_of(u->gpu, OLX_BINDING_RADIANCE, u->buffer, commands),
-                      .irradiance = olx_map_copies_of(u->gpu, OLX_BINDING_IRRADIANCE, u->buffer, commands)};
+                      .radiance = olx_map_copies_of(u->gpu, OLX_BINDING_RADIANCE, u->staging.buffer, commands),
+                      .irradiance = olx_map_copies_of(u->gpu, OLX_BINDING_IRRADIANCE, u->staging.buffer, commands)};
   u->used = 0;
   copy_changes(&call, stats);
   if (u->used == 0) return OLX_OK;

@@ -4,28 +4,10 @@
 
 static const char WHAT[] = "uploading a field";
 
-static olx_result create_staging(olx_uploader *u) {
-  const olx_vulkan_context *c = u->context;
-  const VkBufferCreateInfo info = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
-                                   .size = (VkDeviceSize)OLX_STAGING_SLOTS * OLX_STAGING_SLOT_BYTES,
-                                   .usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT};
-  OLX_TRY(olx_vulkan_check(c->vk.CreateBuffer(c->host.device, &info, NULL, &u->buffer), "vkCreateBuffer", WHAT));
-  VkMemoryRequirements requirements;
-  c->vk.GetBufferMemoryRequirements(c->host.device, u->buffer, &requirements);
-  OLX_TRY(olx_vulkan_allocate(
-      c, &requirements, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT, WHAT, &u->memory));
-  OLX_TRY(
-      olx_vulkan_check(c->vk.BindBufferMemory(c->host.device, u->buffer, u->memory, 0), "vkBindBufferMemory", WHAT));
-  void *mapped;
-  OLX_TRY(
-      olx_vulkan_check(c->vk.MapMemory(c->host.device, u->memory, 0, VK_WHOLE_SIZE, 0, &mapped), "vkMapMemory", WHAT));
-  u->mapped = mapped;
-  return OLX_OK;
-}
-
 olx_result olx_uploader_begin(const olx_vulkan_context *c, olx_uploader *u) {
   *u = (olx_uploader){.context = c};
-  OLX_TRY(create_staging(u));
+  const VkDeviceSize bytes = (VkDeviceSize)OLX_STAGING_SLOTS * OLX_STAGING_SLOT_BYTES;
+  OLX_TRY(olx_staging_create(c, bytes, WHAT, &u->staging));
   const VkCommandPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
                                         .flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT |
                                                  VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT,
@@ -80,7 +62,7 @@ olx_result olx_uploader_reserve(olx_uploader *u, uint32_t bytes, void **memory, 
     u->used = 0;
   }
   *offset = (VkDeviceSize)u->slot * OLX_STAGING_SLOT_BYTES + u->used;
-  *memory = u->mapped + *offset;
+  *memory = u->staging.mapped + *offset;
   *commands = u->commands[u->slot];
   u->used += (bytes + 15u) & ~15u;
   return OLX_OK;
@@ -96,7 +78,7 @@ olx_result olx_uploader_copy(olx_uploader *u, const void *data, VkDeviceSize byt
     OLX_TRY(olx_uploader_reserve(u, part, &memory, &offset, &commands));
     memcpy(memory, (const char *)data + done, part);
     const VkBufferCopy region = {offset, to + done, part};
-    u->context->vk.CmdCopyBuffer(commands, u->buffer, buffer, 1, &region);
+    u->context->vk.CmdCopyBuffer(commands, u->staging.buffer, buffer, 1, &region);
     done += part;
   }
   return OLX_OK;
@@ -115,6 +97,5 @@ void olx_uploader_end(olx_uploader *u) {
     c->vk.DestroyFence(c->host.device, u->fences[i], NULL);
   }
   c->vk.DestroyCommandPool(c->host.device, u->pool, NULL);
-  c->vk.DestroyBuffer(c->host.device, u->buffer, NULL);
-  c->vk.FreeMemory(c->host.device, u->memory, NULL);
+  olx_staging_destroy(c, &u->staging);
 }

@@ -8,9 +8,7 @@ enum { OLX_STAGING_SLOTS = 2, OLX_STAGING_SLOT_BYTES = 8 << 20 };
 
 typedef struct olx_uploader {
   const olx_vulkan_context *context;
-  VkBuffer buffer;
-  VkDeviceMemory memory;
-  unsigned char *mapped;
+  olx_staging staging;
   VkCommandPool pool;
   VkCommandBuffer commands[OLX_STAGING_SLOTS];
   VkFence fences[OLX_STAGING_SLOTS];

@@ -118,8 +118,8 @@ void gpu_image_destroy(gpu_device *d, gpu_image *image) {
   *image = (gpu_image){.width = 0};
 }
 
-void gpu_image_barrier(const gpu_device *d, VkCommandBuffer commands, const gpu_image *image, VkImageLayout from,
-                       VkImageLayout to) {
+static void levels_barrier(const gpu_device *d, VkCommandBuffer commands, const gpu_image *image, uint32_t first,
+                           uint32_t count, VkImageLayout from, VkImageLayout to) {
   const VkImageMemoryBarrier barrier = {.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER,
                                         .srcAccessMask = VK_ACCESS_MEMORY_WRITE_BIT,
                                         .dstAccessMask = VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT,
@@ -128,9 +128,19 @@ void gpu_image_barrier(const gpu_device *d, VkCommandBuffer commands, const gpu_
                                         .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
                                         .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
                                         .image = image->image,
-                                        .subresourceRange = {image->aspect, 0, image->levels, 0, image->layers}};
+                                        .subresourceRange = {image->aspect, first, count, 0, image->layers}};
   d->CmdPipelineBarrier(commands, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, 0, NULL, 0,
                         NULL, 1, &barrier);
+}
+
+void gpu_image_barrier(const gpu_device *d, VkCommandBuffer commands, const gpu_image *image, VkImageLayout from,
+                       VkImageLayout to) {
+  levels_barrier(d, commands, image, 0, image->levels, from, to);
+}
+
+void gpu_level_barrier(const gpu_device *d, VkCommandBuffer commands, const gpu_image *image, uint32_t level,
+                       VkImageLayout from, VkImageLayout to) {
+  levels_barrier(d, commands, image, level, 1, from, to);
 }
 
 void gpu_full_barrier(const gpu_device *d, VkCommandBuffer commands) {

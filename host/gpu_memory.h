@@ -45,6 +45,9 @@ void gpu_image_destroy(gpu_device *device, gpu_image *image);
 // A barrier between all that was recorded before and all that follows, and a change of layout of the whole image.
 void gpu_image_barrier(const gpu_device *device, VkCommandBuffer commands, const gpu_image *image, VkImageLayout from,
                        VkImageLayout to);
+// The same for one level.
+void gpu_level_barrier(const gpu_device *device, VkCommandBuffer commands, const gpu_image *image, uint32_t level,
+                       VkImageLayout from, VkImageLayout to);
 // A barrier for all memory between all that was recorded before and all that follows, the host's reading too.
 void gpu_full_barrier(const gpu_device *device, VkCommandBuffer commands);
 // A barrier for memory from one kind of use to another.

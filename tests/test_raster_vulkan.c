@@ -266,17 +266,12 @@ static uint32_t random_texture(olx_scene *scene, uint32_t seed, bool srgb, uint8
 }
 
 static olx_material plain(void) {
-  return (olx_material){.base_color = {0.9f, 0.7f, 0.5f},
-                        .metallic = 0.5f,
-                        .roughness = 0.8f,
-                        .specular_weight = 1.0f,
-                        .alpha = 1.0f,
-                        .base_color_texture = OLX_NO_TEXTURE,
-                        .alpha_texture = OLX_NO_TEXTURE,
-                        .metallic_roughness_texture = OLX_NO_TEXTURE,
-                        .emission_texture = OLX_NO_TEXTURE,
-                        .normal_texture = OLX_NO_TEXTURE,
-                        .normal_scale = 1.0f};
+  olx_material material = olx_material_default();
+  material.base_color = olx_v3(0.9f, 0.7f, 0.5f);
+  material.metallic = 0.5f;
+  material.roughness = 0.8f;
+  material.specular_weight = 1.0f;
+  return material;
 }
 
 // A square with that material above a plain one, lit by a sun that comes down slantwise.

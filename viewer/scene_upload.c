@@ -120,22 +120,6 @@ static bool upload_materials(gpu_device *d, const olx_scene_content *content, gp
   return fine;
 }
 
-static void level_barrier(const gpu_device *d, const gpu_image *image, uint32_t level, VkImageLayout from,
-                          VkImageLayout to) {
-  const VkImageMemoryBarrier barrier = {.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER,
-                                        .srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT,
-                                        .dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_SHADER_READ_BIT,
-                                        .oldLayout = from,
-                                        .newLayout = to,
-                                        .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-                                        .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-                                        .image = image->image,
-                                        .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, level, 1, 0, 1}};
-  d->CmdPipelineBarrier(d->commands, VK_PIPELINE_STAGE_TRANSFER_BIT,
-                        VK_PIPELINE_STAGE_TRANSFER_BIT | VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT, 0, 0, NULL, 0, NULL, 1,
-                        &barrier);
-}
-
 static uint32_t half(uint32_t size) { return size > 1 ? size / 2 : 1; }
 
 // Each level is the one before, filtered in linear light.
@@ -143,7 +127,7 @@ static void record_levels(const gpu_device *d, const gpu_image *image) {
   const VkImageLayout source = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, target = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
   uint32_t width = image->width, height = image->height;
   for (uint32_t level = 0; level < image->levels; level++, width = half(width), height = half(height)) {
-    level_barrier(d, image, level, target, source);
+    gpu_level_barrier(d, d->commands, image, level, target, source);
     if (level + 1 == image->levels) break;
     const VkImageBlit blit = {.srcSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, level, 0, 1},
                               .srcOffsets = {{0, 0, 0}, {(int32_t)width, (int32_t)height, 1}},

@@ -41,20 +41,15 @@ static void add_skeleton(olx_probe_set *set, olx_vec3 place, float radius) {
 }
 
 static olx_result mark_balls(const olx_space *space, const olx_sight *sight, olx_probe_set *set) {
-  const olx_place_settings *settings = &set->settings;
-  olx_surfels surfels;
-  OLX_TRY(olx_surfels_create(space, sight, OLX_SPREAD_AREA, settings->surfels, settings->seed, settings->threads,
-                             &surfels));
   olx_medial_ball *balls = NULL;
   uint32_t count = 0;
-  olx_result result = olx_medial_balls(space, &surfels, settings->threads, &balls, &count);
+  olx_result result = olx_area_balls(space, sight, &set->settings, &balls, &count);
   if (result == OLX_OK) result = make_room(set, kept_of(count));
   for (uint64_t i = 0; result == OLX_OK && i < kept_of(count); i++) {
     const olx_medial_ball *ball = &balls[i * count / kept_of(count)];
     if (olx_space_reaches(space, ball->centre)) add_skeleton(set, ball->centre, ball->radius);
   }
   olx_release(balls);
-  olx_surfels_free(&surfels);
   return result;
 }
 

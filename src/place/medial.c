@@ -142,3 +142,13 @@ olx_result olx_medial_balls(const olx_space *space, const olx_surfels *surfels, 
   *balls = s.balls;
   return result;
 }
+
+olx_result olx_area_balls(const olx_space *space, const olx_sight *sight, const olx_place_settings *settings,
+                          olx_medial_ball **balls, uint32_t *count) {
+  olx_surfels surfels;
+  OLX_TRY(olx_surfels_create(space, sight, OLX_SPREAD_AREA, settings->surfels, settings->seed, settings->threads,
+                             &surfels));
+  const olx_result result = olx_medial_balls(space, &surfels, settings->threads, balls, count);
+  olx_surfels_free(&surfels);
+  return result;
+}

@@ -120,15 +120,11 @@ static olx_result cluster_balls(const olx_space *space, const olx_medial_ball *b
 
 olx_result olx_place_medial(const olx_space *space, const olx_sight *sight, const olx_place_settings *settings,
                             olx_candidate **probes, uint32_t *probe_count, uint32_t *candidates) {
-  olx_surfels surfels;
-  OLX_TRY(olx_surfels_create(space, sight, OLX_SPREAD_AREA, settings->surfels, settings->seed, settings->threads,
-                             &surfels));
   olx_medial_ball *balls = NULL;
   uint32_t count = 0;
-  olx_result result = olx_medial_balls(space, &surfels, settings->threads, &balls, &count);
+  olx_result result = olx_area_balls(space, sight, settings, &balls, &count);
   if (result == OLX_OK) result = cluster_balls(space, balls, count, settings, probes, probe_count, candidates);
   olx_release(balls);
-  olx_surfels_free(&surfels);
   return expect_probes(result, *probe_count, probes,
                        "no ball that touches two surfaces has its centre where one may be");
 }

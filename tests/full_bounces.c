@@ -1,11 +1,9 @@
 // Bounces between probes, by both ways of gathering them: against what is known, and against the path tracer.
-#include "core/hooks.h"
+#include "baked_field.h"
 #include "core/sampling.h"
 #include "field/maps.h"
 #include "render/path_tracer.h"
-#include "scene_files.h"
 
-#include <octalux/bake.h>
 #include <octalux/render.h>
 
 #include <setjmp.h>
@@ -35,18 +33,6 @@ static olx_bake_settings small_bake(const olx_scene *scene, olx_bounce_gather wa
   return settings;
 }
 
-static olx_field *bake(const olx_scene *scene, const olx_bake_settings *settings, olx_bake_stats *stats) {
-  scene_folder folder;
-  assert_true(scene_folder_create(&folder));
-  char path[512];
-  snprintf(path, sizeof path, "%s/field.olx", folder.path);
-  assert_int_equal(olx_bake(scene, settings, path, NULL, stats), OLX_OK);
-  olx_field *field = NULL;
-  assert_int_equal(olx_field_open(path, &field), OLX_OK);
-  scene_folder_remove(&folder);
-  return field;
-}
-
 // Mean of a probe's irradiance over its map.
 static double mean_irradiance(const olx_field *field, uint32_t probe) {
   const uint32_t n = field->irradiance_n;
@@ -67,7 +53,7 @@ static void each_bounce_of_a_furnace_adds_half_of_the_one_before(void **state) {
       olx_bake_settings settings = small_bake(scene, ways[way], bounces);
       settings.fit = false;
       olx_bake_stats stats;
-      olx_field *field = bake(scene, &settings, &stats);
+      olx_field *field = baked_field(scene, &settings, &stats);
       const double expected = (double)OLX_PI * (1.0 - 1.0 / (double)(2u << bounces));
       double mean = 0.0;
       for (uint32_t i = 0; i < field->info.irradiance_probe_count; i++) mean += mean_irradiance(field, i);
@@ -90,7 +76,7 @@ static void no_bounce_goes_through_a_wall(void **state) {
     olx_bake_settings settings = small_bake(scene, ways[way], 4);
     settings.irradiance_size = 64;
     settings.fit = false;
-    olx_field *field = bake(scene, &settings, NULL);
+    olx_field *field = baked_field(scene, &settings, NULL);
     double lit = 0.0, dark = 0.0;
     for (uint32_t i = 0; i < field->info.irradiance_probe_count; i++) {
       *(field->irradiance_positions[i].x < 0.0f ? &lit : &dark) += mean_irradiance(field, i);
@@ -136,7 +122,7 @@ static void both_ways_come_to_the_path_tracers_light(void **state) {
       olx_bake_settings settings = small_bake(scene, ways[way], counts[i]);
       assert_int_equal(olx_scene_probe_grid(scene, (const uint32_t[3]){4, 4, 4}, &settings.grid), OLX_OK);
       settings.irradiance_grid = settings.grid;
-      olx_field *field = bake(scene, &settings, NULL);
+      olx_field *field = baked_field(scene, &settings, NULL);
       const double bias = indirect_light(scene, field, 0) / truth - 1.0;
       print_message("%s, %u bounces: %+.2f %%\n", names[way], counts[i], 100.0 * bias);
       assert_true(fabs(bias) <= most[i]);
@@ -159,7 +145,7 @@ static void both_ways_fill_probes_as_paths_do(void **state) {
       assert_int_equal(olx_scene_probe_grid(scene, (const uint32_t[3]){4, 4, 4}, &settings.grid), OLX_OK);
       settings.irradiance_grid = settings.grid;
       settings.fit = false;
-      olx_field *field = bake(scene, &settings, NULL);
+      olx_field *field = baked_field(scene, &settings, NULL);
       double held = 0.0;
       for (uint32_t k = 0; k < field->info.irradiance_probe_count * NORMALS; k++) {
         const uint32_t probe = k / NORMALS, n = field->irradiance_n;
@@ -188,23 +174,8 @@ static void both_ways_fill_probes_as_paths_do(void **state) {
 static void bytes_do_not_depend_on_threads(void **state) {
   (void)state;
   olx_scene *scene = load("builtin:cornell-glossy");
-  static const uint32_t threads[] = {1, 2, 5};
-  void *first = NULL;
-  size_t first_bytes = 0;
-  for (uint32_t i = 0; i < 3; i++) {
-    olx_bake_settings settings = small_bake(scene, OLX_GATHER_TRACED, 2);
-    settings.threads = threads[i];
-    olx_field *field = bake(scene, &settings, NULL);
-    if (!first) {
-      first_bytes = field->size_bytes;
-      first = olx_allocate(first_bytes, 1);
-      memcpy(first, field->data, first_bytes);
-    }
-    assert_int_equal(field->size_bytes, first_bytes);
-    assert_memory_equal(field->data, first, first_bytes);
-    olx_field_close(field);
-  }
-  olx_release(first);
+  const olx_bake_settings settings = small_bake(scene, OLX_GATHER_TRACED, 2);
+  baked_field_at_any_threads(scene, &settings);
   olx_scene_free(scene);
 }
 

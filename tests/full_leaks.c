@@ -1,8 +1,7 @@
 // The field beside original irradiance probes where walls stand between probes: the dissertation's rooms (chapter 5) and the leak
 // figures of McGuire et al. 2017. Both methods have the same probes, the same light, and the same camera.
-#include "scene_files.h"
+#include "baked_field.h"
 
-#include <octalux/bake.h>
 #include <octalux/render.h>
 
 #include <setjmp.h>
@@ -30,13 +29,7 @@ static place make(const char *name) {
   settings.classic = true;
   settings.classic_size = 64;
   settings.classic_cube_size = 64;
-  scene_folder folder;
-  assert_true(scene_folder_create(&folder));
-  char path[512];
-  snprintf(path, sizeof path, "%s/field.olx", folder.path);
-  assert_int_equal(olx_bake(p.scene, &settings, path, NULL, NULL), OLX_OK);
-  assert_int_equal(olx_field_open(path, &p.field), OLX_OK);
-  scene_folder_remove(&folder);
+  p.field = baked_field(p.scene, &settings, NULL);
   return p;
 }
 

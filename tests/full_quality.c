@@ -1,11 +1,10 @@
 // The quality that the built-in scenes must show against ray casting and path tracing (docs/results.md).
+#include "baked_field.h"
 #include "core/hooks.h"
 #include "core/sampling.h"
 #include "field/field_data.h"
 #include "render/path_tracer.h"
-#include "scene_files.h"
 
-#include <octalux/bake.h>
 #include <octalux/render.h>
 
 #include <setjmp.h>
@@ -27,20 +26,12 @@ typedef struct baking {
 } baking;
 
 static olx_field *bake(const olx_scene *scene, baking how) {
-  scene_folder folder;
-  assert_true(scene_folder_create(&folder));
-  char path[512];
-  snprintf(path, sizeof path, "%s/field.olx", folder.path);
   olx_bake_settings settings = olx_bake_settings_default(scene);
   settings.radiance_size = how.size;
   settings.bounces = how.bounces;
   settings.fit = how.fit;
   if (how.same_grid) settings.irradiance_grid = settings.grid;
-  assert_int_equal(olx_bake(scene, &settings, path, NULL, NULL), OLX_OK);
-  olx_field *field = NULL;
-  assert_int_equal(olx_field_open(path, &field), OLX_OK);
-  scene_folder_remove(&folder);
-  return field;
+  return baked_field(scene, &settings, NULL);
 }
 
 // --- Leaks -----------------------------------------------------------------------------------------------------------

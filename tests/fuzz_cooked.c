@@ -3,14 +3,12 @@
 // lies behind them is met. Files depend on (seed, round) alone.
 #include "cooked_scenes.h"
 #include "core/sampling.h"
+#include "counted_memory.h"
 #include "scene/surface.h"
 
-#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#define MAX_ALLOCATION_BYTES ((size_t)1 << 30)
 
 typedef struct random_stream {
   uint32_t seed, round, drawn;
@@ -59,28 +57,6 @@ static void make_mutant(uint32_t seed, uint32_t round, const cooked_bytes *origi
   if (draw(&r, 16)) cooked_bytes_seal(*mutant);
 }
 
-static atomic_long live_allocations;
-
-static void *counted_allocate(void *user, size_t size_bytes) {
-  (void)user;
-  if (size_bytes > MAX_ALLOCATION_BYTES) return NULL;
-  void *memory = aligned_alloc(64, (size_bytes + 63) & ~(size_t)63);
-  if (memory) atomic_fetch_add(&live_allocations, 1);
-  return memory;
-}
-
-static void counted_release(void *user, void *memory) {
-  (void)user;
-  atomic_fetch_sub(&live_allocations, 1);
-  free(memory);
-}
-
-static void discard_message(void *user, olx_log_level level, const char *message) {
-  (void)user;
-  (void)level;
-  (void)message;
-}
-
 static void demand(bool holds, const char *what, uint32_t round) {
   if (holds) return;
   fprintf(stderr, "round %u: broken promise: %s\n", round, what);
@@ -110,7 +86,7 @@ int main(int argc, char **argv) {
   scene_folder folder;
   olx_scene *scene;
   char path[400];
-  olx_set_hooks(&(olx_hooks){.allocate = counted_allocate, .release = counted_release, .log = discard_message});
+  counted_memory_begin();
   if (!scene_folder_create(&folder)) return 1;
   snprintf(path, sizeof path, "%s/scene.olxs", folder.path);
   if (olx_scene_load(cooked_scenes_everything(&folder), &scene) != OLX_OK) return 1;
@@ -129,7 +105,7 @@ int main(int argc, char **argv) {
       demand(scene == NULL && strstr(olx_last_error(), "mutant.olxs"), "a refusal without a message", round);
     }
     olx_scene_free(scene);
-    demand(atomic_load(&live_allocations) == 0, "memory that was not released", round);
+    demand(counted_memory_held() == 0, "memory that was not released", round);
   }
   cooked_bytes_free(&original);
   cooked_bytes_free(&mutant);

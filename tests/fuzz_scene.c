@@ -4,6 +4,7 @@
 // goes on. Crashes, hangs and leaks of our own code fail it.
 #include "core/hooks.h"
 #include "core/sampling.h"
+#include "counted_memory.h"
 #include "scene/surface.h"
 #include "scene_files.h"
 
@@ -23,8 +24,6 @@
 #define BATCH 50u
 #define SECONDS_A_FILE 20u
 #define MAX_FILE_BYTES 65536u
-#define MAX_ALLOCATION_BYTES ((size_t)1 << 30)
-
 typedef struct shared_state {
   atomic_uint round, loaded, refused;
 } shared_state;
@@ -191,28 +190,6 @@ static const seed_file *make_mutant(const seed_file seeds[SEED_COUNT], uint32_t 
 
 // ---- one round, in the child
 
-static atomic_long live_allocations;
-
-static void *counted_allocate(void *user, size_t size_bytes) {
-  (void)user;
-  if (size_bytes > MAX_ALLOCATION_BYTES) return NULL;
-  void *memory = aligned_alloc(64, (size_bytes + 63) & ~(size_t)63);
-  if (memory) atomic_fetch_add(&live_allocations, 1);
-  return memory;
-}
-
-static void counted_release(void *user, void *memory) {
-  (void)user;
-  atomic_fetch_sub(&live_allocations, 1);
-  free(memory);
-}
-
-static void discard_message(void *user, olx_log_level level, const char *message) {
-  (void)user;
-  (void)level;
-  (void)message;
-}
-
 static void demand(bool holds, const char *what) {
   if (holds) return;
   fprintf(stderr, "broken promise: %s\n", what);
@@ -286,7 +263,7 @@ static void load_one(const scene_folder *folder, const seed_file seeds[SEED_COUN
     atomic_fetch_add(&shared->refused, 1);
   }
   olx_scene_free(scene);
-  demand(atomic_load(&live_allocations) == 0, "memory that was not released");
+  demand(counted_memory_held() == 0, "memory that was not released");
   scene_folder_write(folder, from->name, from->bytes, from->size_bytes);
 }
 
@@ -307,7 +284,7 @@ static void run_child(const scene_folder *folder, const char *trace_path, const 
   void *warm_up[1];
   backtrace(warm_up, 1); // loads what it needs while memory is in order
   for (size_t i = 0; i < sizeof signals / sizeof *signals; ++i) signal(signals[i], name_stack);
-  olx_set_hooks(&(olx_hooks){.allocate = counted_allocate, .release = counted_release, .log = discard_message});
+  counted_memory_begin();
   for (uint32_t round = first; round < end; ++round) {
     atomic_store(&shared->round, round);
     alarm(SECONDS_A_FILE);

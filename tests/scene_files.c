@@ -1,5 +1,7 @@
 #include "scene_files.h"
 
+#include <octalux/base.h>
+
 #include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -21,6 +23,23 @@ void scene_folder_remove(const scene_folder *folder) {
   }
   if (directory) closedir(directory);
   rmdir(folder->path);
+}
+
+static void discard_message(void *user, olx_log_level level, const char *message) {
+  (void)user, (void)level, (void)message;
+}
+
+int scene_folder_set_up(void **state) {
+  scene_folder *folder = malloc(sizeof *folder);
+  *state = folder;
+  olx_set_hooks(&(olx_hooks){.log = discard_message});
+  return folder && scene_folder_create(folder) ? 0 : -1;
+}
+
+int scene_folder_tear_down(void **state) {
+  scene_folder_remove(*state);
+  free(*state);
+  return 0;
 }
 
 const char *scene_folder_write(const scene_folder *folder, const char *name, const void *data, size_t size_bytes) {

@@ -14,6 +14,9 @@ typedef struct scene_folder {
 bool scene_folder_create(scene_folder *folder);
 // With everything in it.
 void scene_folder_remove(const scene_folder *folder);
+// For cmocka: *state is a new folder, and messages go nowhere.
+int scene_folder_set_up(void **state);
+int scene_folder_tear_down(void **state);
 // Write a file and return its path, which lives until the fourth next call on this thread.
 const char *scene_folder_write(const scene_folder *folder, const char *name, const void *data, size_t size_bytes);
 const char *scene_folder_write_text(const scene_folder *folder, const char *name, const char *text);

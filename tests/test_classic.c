@@ -1,15 +1,14 @@
 // Original irradiance probes, the baseline (docs/maths.md, "Classic probes"): against the integrals that their maps stand for,
 // and in scenes whose light is known.
 #include "bake/classic_filter.h"
+#include "baked_field.h"
 #include "core/bsdf.h"
 #include "core/hooks.h"
 #include "core/pack.h"
 #include "core/sampling.h"
 #include "field/field_data.h"
-#include "scene_files.h"
 #include "shade/classic.h"
 
-#include <octalux/bake.h>
 #include <octalux/render.h>
 
 #include <setjmp.h>
@@ -265,19 +264,6 @@ static olx_bake_settings small_bake(const olx_scene *scene) {
   return settings;
 }
 
-static olx_field *bake(const olx_scene *scene, const olx_bake_settings *settings) {
-  scene_folder folder;
-  assert_true(scene_folder_create(&folder));
-  char path[512];
-  snprintf(path, sizeof path, "%s/field.olx", folder.path);
-  assert_int_equal(olx_bake(scene, settings, path, NULL, NULL), OLX_OK);
-  olx_field *field = NULL;
-  assert_int_equal(olx_field_open(path, &field), OLX_OK);
-  assert_int_equal(olx_field_verify(field), OLX_OK);
-  scene_folder_remove(&folder);
-  return field;
-}
-
 // Everything emits 1 and reflects one half: reflected light is 1 - 1/2^(bounces + 1) everywhere. Lamps are drawn at random, so
 // single texels are noisy and their mean is not.
 static void a_furnace_is_even(void **state) {
@@ -285,7 +271,7 @@ static void a_furnace_is_even(void **state) {
   olx_scene *scene = load("builtin:furnace");
   olx_bake_settings settings = small_bake(scene);
   settings.bounces = 4;
-  olx_field *field = bake(scene, &settings);
+  olx_field *field = baked_field(scene, &settings, NULL);
   const olx_sample_settings sample = olx_sample_settings_default();
   const float light = 1.0f - 1.0f / 32.0f;
   enum { POINTS = 400 };
@@ -319,7 +305,7 @@ static void boxes_are_the_room(void **state) {
   olx_scene *scene = load("builtin:two-rooms-sealed");
   olx_bake_settings settings = small_bake(scene);
   settings.bounces = 0;
-  olx_field *field = bake(scene, &settings);
+  olx_field *field = baked_field(scene, &settings, NULL);
   for (uint32_t i = 0; i < field->info.irradiance_probe_count; i++) {
     const bool left = field->irradiance_positions[i].x < 0.0f;
     const olx_classic_box box = field->classic.boxes[i];
@@ -340,7 +326,7 @@ static void mirrors_show_the_walls(void **state) {
   olx_bake_settings settings = small_bake(scene);
   settings.classic_size = 64;
   settings.bounces = 1;
-  olx_field *field = bake(scene, &settings);
+  olx_field *field = baked_field(scene, &settings, NULL);
   const olx_sample_settings sample = olx_sample_settings_default();
   const olx_vec3 p = {0.278f, 0.45f, 0.1f}, white = olx_splat(1.0f);
   for (float roughness = 0.0f; roughness <= 0.3f; roughness += 0.15f) {
@@ -358,23 +344,8 @@ static void mirrors_show_the_walls(void **state) {
 static void bytes_do_not_depend_on_threads(void **state) {
   (void)state;
   olx_scene *scene = load("builtin:cornell-glossy");
-  olx_bake_settings settings = small_bake(scene);
-  static const uint32_t threads[] = {1, 2, 5};
-  void *first = NULL;
-  size_t first_bytes = 0;
-  for (uint32_t i = 0; i < 3; i++) {
-    settings.threads = threads[i];
-    olx_field *field = bake(scene, &settings);
-    if (!first) {
-      first_bytes = field->size_bytes;
-      first = olx_allocate(first_bytes, 1);
-      memcpy(first, field->data, first_bytes);
-    }
-    assert_int_equal(field->size_bytes, first_bytes);
-    assert_memory_equal(field->data, first, first_bytes);
-    olx_field_close(field);
-  }
-  olx_release(first);
+  const olx_bake_settings settings = small_bake(scene);
+  baked_field_at_any_threads(scene, &settings);
   olx_scene_free(scene);
 }
 
@@ -383,9 +354,9 @@ static void classic_maps_are_added_to_the_same_field(void **state) {
   (void)state;
   olx_scene *scene = load("builtin:cornell");
   olx_bake_settings settings = small_bake(scene);
-  olx_field *with = bake(scene, &settings);
+  olx_field *with = baked_field(scene, &settings, NULL);
   settings.classic = false;
-  olx_field *without = bake(scene, &settings);
+  olx_field *without = baked_field(scene, &settings, NULL);
   assert_int_equal(without->info.classic_size, 0);
   assert_int_equal(without->info.classic_bytes, 0);
   const size_t probes = with->info.probe_count, others = with->info.irradiance_probe_count;

@@ -1,12 +1,10 @@
 // The field renderer on fields whose content is known: what it must make of them follows in closed form.
 #include "analytic_field.h"
+#include "baked_field.h"
 #include "core/bsdf.h"
 #include "field/maps.h"
 #include "render/path_tracer.h"
-#include "scene_files.h"
 #include "tiny_scenes.h"
-
-#include <octalux/bake.h>
 
 static const analytic_scene room = {.room = {{-1, -1, -1}, {1, 1, 1}}};
 static const olx_grid grid = {.origin = {-0.4f, -0.4f, -0.4f}, .spacing = {0.8f, 0.8f, 0.8f}, .count = {2, 2, 2}};
@@ -231,20 +229,12 @@ static void test_emitters_are_counted_once(void **state) {
 // --- Baked fields ----------------------------------------------------------------------------------------------------
 
 static olx_field *bake(const olx_scene *scene, uint32_t bounces, bool fit) {
-  scene_folder folder;
-  assert_true(scene_folder_create(&folder));
-  char path[512];
-  snprintf(path, sizeof path, "%s/field.olx", folder.path);
   olx_bake_settings settings = olx_bake_settings_default(scene);
   settings.radiance_size = 64;
   settings.irradiance_size = 16;
   settings.bounces = bounces;
   settings.fit = fit;
-  ASSERT_OK(olx_bake(scene, &settings, path, NULL, NULL));
-  olx_field *field = NULL;
-  ASSERT_OK(olx_field_open(path, &field));
-  scene_folder_remove(&folder);
-  return field;
+  return baked_field(scene, &settings, NULL);
 }
 
 // In a furnace of albedo a and emission 1 a bake with N bounces holds reflected light a + a^2 + ... + a^(N + 1).

@@ -1,9 +1,7 @@
 // Frames against the renderer that averages camera samples: the same rays must give the same light.
 #include "analytic_field.h"
-#include "scene_files.h"
+#include "baked_field.h"
 #include "tiny_scenes.h"
-
-#include <octalux/bake.h>
 
 enum { WIDTH = 24, HEIGHT = 18, FRAME_PIXELS = WIDTH * HEIGHT };
 
@@ -244,19 +242,11 @@ static void test_traced_emitters_replace_their_direct_light(void **state) {
 }
 
 static olx_field *bake(const olx_scene *scene) {
-  scene_folder folder;
-  assert_true(scene_folder_create(&folder));
-  char path[512];
-  snprintf(path, sizeof path, "%s/field.olx", folder.path);
   olx_bake_settings settings = olx_bake_settings_default(scene);
   settings.radiance_size = 64;
   settings.irradiance_size = 8;
   settings.bounces = 0;
-  ASSERT_OK(olx_bake(scene, &settings, path, NULL, NULL));
-  olx_field *field = NULL;
-  ASSERT_OK(olx_field_open(path, &field));
-  scene_folder_remove(&folder);
-  return field;
+  return baked_field(scene, &settings, NULL);
 }
 
 static void test_emitters_seen_from_behind_are_dark(void **state) {

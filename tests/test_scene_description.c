@@ -16,27 +16,13 @@
 
 #include <cmocka.h>
 
-static void discard_message(void *user, olx_log_level level, const char *message) {
-  (void)user;
-  (void)level;
-  (void)message;
-}
-
 static int set_up(void **state) {
-  scene_folder *folder = malloc(sizeof *folder);
-  *state = folder;
-  olx_set_hooks(&(olx_hooks){.log = discard_message});
-  if (!scene_folder_create(folder)) return -1;
+  if (scene_folder_set_up(state) != 0) return -1;
+  const scene_folder *folder = *state;
   scene_folder_write_text(folder, "square.obj", scene_files_obj);
   scene_folder_write_text(folder, "square.mtl", "newmtl square\nKd 0.5 0.5 0.5\nmap_Kd four.tga\n");
   uint8_t tga[34];
   scene_folder_write(folder, "four.tga", tga, scene_files_tga(tga));
-  return 0;
-}
-
-static int tear_down(void **state) {
-  scene_folder_remove(*state);
-  free(*state);
   return 0;
 }
 
@@ -447,7 +433,7 @@ static void real_descriptions_put_cameras_into_free_space(void **state) {
   }
 }
 
-#define WITH_FOLDER(test) cmocka_unit_test_setup_teardown(test, set_up, tear_down)
+#define WITH_FOLDER(test) cmocka_unit_test_setup_teardown(test, set_up, scene_folder_tear_down)
 
 int main(void) {
   const struct CMUnitTest tests[] = {

@@ -14,25 +14,6 @@
 
 #include <cmocka.h>
 
-static void discard_message(void *user, olx_log_level level, const char *message) {
-  (void)user;
-  (void)level;
-  (void)message;
-}
-
-static int set_up(void **state) {
-  scene_folder *folder = malloc(sizeof *folder);
-  *state = folder;
-  olx_set_hooks(&(olx_hooks){.log = discard_message});
-  return scene_folder_create(folder) ? 0 : -1;
-}
-
-static int tear_down(void **state) {
-  scene_folder_remove(*state);
-  free(*state);
-  return 0;
-}
-
 static olx_scene *load(const char *path) {
   olx_scene *scene = NULL;
   if (olx_scene_load(path, &scene) != OLX_OK) fail_msg("%s", olx_last_error());
@@ -579,7 +560,7 @@ static void real_scenes_arrive_complete(void **state) {
   }
 }
 
-#define WITH_FOLDER(test) cmocka_unit_test_setup_teardown(test, set_up, tear_down)
+#define WITH_FOLDER(test) cmocka_unit_test_setup_teardown(test, scene_folder_set_up, scene_folder_tear_down)
 
 int main(void) {
   const struct CMUnitTest tests[] = {

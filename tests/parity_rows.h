@@ -3,9 +3,8 @@
 #ifndef PARITY_ROWS_H
 #define PARITY_ROWS_H
 
-#define PARITY_ITEMS 8192  // of every row: a multiple of the workgroup
-#define PARITY_GROUPS 6
-#define PARITY_RESULTS 18  // words an item may give
+#define PARITY_ITEMS 8192 // of every row: a multiple of the workgroup
+#define PARITY_RESULTS 20 // words an item may give
 
 #define ROW_olx_square 0
 #define ROW_olx_sign_not_zero 1
@@ -186,5 +185,16 @@
 #define ROW_olx_correction_cells_at 164
 #define ROW_olx_correction_neighbours 165
 #define ROWS_OF_RELIGHT 166
+
+#define ROW_olx_classic_color 166
+#define ROW_olx_classic_vector 167
+#define ROW_olx_classic_parallax 168
+#define ROW_olx_classic_reflectance 169
+#define ROW_olx_classic_side 170
+#define ROW_olx_classic_radiance 171
+#define ROW_olx_classic_weigh 172
+#define ROW_olx_classic_irradiance 173
+#define ROW_olx_classic_glossy 174
+#define ROWS_OF_CLASSIC 175
 
 #endif

@@ -308,6 +308,18 @@ static void pipelines_go_through_the_host_s_cache(void **unused) {
   destroy(d, cache, NULL);
 }
 
+// The message says which option is missing.
+static void classic_maps_that_are_not_there_are_named(void **unused) {
+  (void)unused;
+  host_fixture f = make_small_fixture();
+  olx_vulkan_classic *classic;
+  assert_int_equal(olx_vulkan_classic_create(f.uploaded, f.field, &classic), OLX_ERROR_ARGUMENT);
+  assert_null(classic);
+  assert_non_null(strstr(olx_last_error(), "bake --classic"));
+  olx_vulkan_classic_destroy(NULL);
+  host_fixture_free(&f);
+}
+
 static void settings_that_cannot_be_are_refused(void **unused) {
   (void)unused;
   host_fixture f = make_small_fixture();
@@ -577,6 +589,7 @@ int main(void) {
       cmocka_unit_test(wrong_images_are_named),
       cmocka_unit_test(only_the_passes_that_are_named_are_made),
       cmocka_unit_test(pipelines_go_through_the_host_s_cache),
+      cmocka_unit_test(classic_maps_that_are_not_there_are_named),
       cmocka_unit_test(settings_that_cannot_be_are_refused),
       cmocka_unit_test(running_out_of_memory_leaves_nothing_behind),
       cmocka_unit_test(a_lost_device_is_reported),

@@ -33,7 +33,7 @@ class Page:
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, preexec_fn=place_pipes, close_fds=False)
         os.close(to_browser)
         os.close(from_browser)
-        self.buffer, self.next_id, self.session, self.problems, self.requests = b"", 0, None, [], []
+        self.buffer, self.next_id, self.session, self.problems = b"", 0, None, []
         target = self.call("Target.createTarget", url="about:blank")["targetId"]
         self.session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         for domain in ("Page", "Runtime", "Log", "Network"):
@@ -77,13 +77,15 @@ class Page:
         """Remember what must not happen: errors, and requests that leave the file."""
         method, parameters = event.get("method"), event.get("params")
         if method == "Runtime.exceptionThrown":
-            self.problems.append(json.dumps(parameters["exceptionDetails"])[:500])
+            self.problems.append("console: " + json.dumps(parameters["exceptionDetails"])[:500])
         elif method == "Runtime.consoleAPICalled" and parameters["type"] in ("error", "warning", "assert"):
-            self.problems.append(json.dumps(parameters["args"])[:500])
+            self.problems.append("console: " + json.dumps(parameters["args"])[:500])
         elif method == "Log.entryAdded" and parameters["entry"]["level"] in ("error", "warning"):
-            self.problems.append(json.dumps(parameters["entry"])[:500])
+            self.problems.append("console: " + json.dumps(parameters["entry"])[:500])
         elif method == "Network.requestWillBeSent":
-            self.requests.append(parameters["request"]["url"][:200])
+            url = parameters["request"]["url"]
+            if not url.startswith(("file:", "data:", "blob:")):
+                self.problems.append("asked for " + url[:200])
 
     def open(self, path):
         self.call("Page.navigate", url=pathlib.Path(path).resolve().as_uri())

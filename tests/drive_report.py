@@ -195,9 +195,7 @@ def main():
             check(page.value("document.querySelector('td:nth-child(2)').textContent") == "\u2013", f"{path}: no FLIP")
         check_looks(page, sys.argv[2], sys.argv[5] if len(sys.argv) > 5 else None)
         for problem in page.problems:
-            check(False, "console: " + problem)
-        for request in page.requests:
-            check(request.startswith(("file:", "data:", "blob:")), "asked for " + request)
+            check(False, problem)
     finally:
         page.close()
     sys.exit(1 if faults else 0)

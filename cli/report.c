@@ -1,5 +1,6 @@
 #include "report.h"
 
+#include "clock.h"
 #include "options.h"
 
 #include <inttypes.h>
@@ -8,7 +9,6 @@
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
 #include <unistd.h>
 
 int print_json(const char *command, cJSON *object) {
@@ -73,16 +73,13 @@ static void on_signal(int number) {
   interrupted = 1;
 }
 
-static double now(void) {
-  struct timespec time;
-  clock_gettime(CLOCK_MONOTONIC, &time);
-  return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
-}
-
 void progress_begin(progress_line *line, const char *command, bool force) {
   const bool terminal = isatty(STDERR_FILENO) == 1;
-  *line = (progress_line){
-      .command = command, .shown = force || terminal, .terminal = terminal, .start = now(), .last_percent = -1};
+  *line = (progress_line){.command = command,
+                          .shown = force || terminal,
+                          .terminal = terminal,
+                          .start = clock_seconds(CLOCK_MONOTONIC),
+                          .last_percent = -1};
   // The first signal asks the work to stop in good order; a second one ends the program at once.
   struct sigaction action = {.sa_handler = on_signal, .sa_flags = (int)SA_RESETHAND};
   sigaction(SIGINT, &action, NULL);
@@ -96,7 +93,7 @@ static bool report(void *user, const char *stage, float done) {
   const bool due = line->terminal || percent >= line->last_percent + 5 || percent < line->last_percent;
   if (!line->shown || !due) return true;
   line->last_percent = percent;
-  const double elapsed = now() - line->start;
+  const double elapsed = clock_seconds(CLOCK_MONOTONIC) - line->start;
   char left[32] = "";
   if (done > 0.01f) {
     const long seconds = lround(elapsed * (1.0 - (double)done) / (double)done);

@@ -1,11 +1,11 @@
 #include "vulkan_render.h"
 
+#include "clock.h"
 #include "gpu_memory.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <time.h>
 
 // Images of the G-buffer, in the order of olx_vulkan_targets, and what the passes write.
 enum { DEPTH, NORMAL, ALBEDO, MATERIAL, INPUTS, IRRADIANCE = INPUTS, GLOSSY, COLOR, IMAGES };
@@ -22,12 +22,6 @@ typedef struct vulkan_job {
   olx_vulkan_settings settings;
   vulkan_timing *timing;
 } vulkan_job;
-
-static double seconds(void) {
-  struct timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 static size_t pixel_count(const vulkan_job *job) { return (size_t)job->gbuffer.width * job->gbuffer.height; }
 
@@ -138,11 +132,11 @@ typedef olx_result (*record_pass)(const olx_vulkan_frame *frame, VkCommandBuffer
 // Run one pass; the time it takes is added to *taken.
 static bool run_pass(vulkan_job *job, record_pass record, double *taken) {
   gpu_device *d = &job->device;
-  const double start = seconds();
+  const double start = clock_seconds(CLOCK_MONOTONIC);
   const bool fine = gpu_commands_begin(d) &&
                     gpu_check_library(d, record(job->frame, d->commands, &job->view, &job->settings)) &&
                     gpu_commands_run(d);
-  *taken += seconds() - start;
+  *taken += clock_seconds(CLOCK_MONOTONIC) - start;
   return fine;
 }
 
@@ -178,12 +172,12 @@ static bool add_glossy(vulkan_job *job, float share, const olx_image *image) {
 // The baseline's light, which is the same for all samples of a picture.
 static bool light_classically(vulkan_job *job, const olx_image *image) {
   gpu_device *d = &job->device;
-  const double start = seconds();
+  const double start = clock_seconds(CLOCK_MONOTONIC);
   const bool fine = gpu_commands_begin(d) &&
                     gpu_check_library(d, olx_vulkan_record_classic(job->frame, job->classic, d->commands, &job->view,
                                                                    &job->settings)) &&
                     gpu_commands_run(d);
-  job->timing->diffuse_seconds += seconds() - start;
+  job->timing->diffuse_seconds += clock_seconds(CLOCK_MONOTONIC) - start;
   return fine && add_diffuse(job, 1.0f, image) && add_glossy(job, 1.0f, image);
 }
 
@@ -286,7 +280,7 @@ static olx_result light_frames(vulkan_job *job, const vulkan_request *r, olx_ima
 // Copy all that the relighter has changed since the field was baked.
 static bool update_field(vulkan_job *job, const olx_relight *relight) {
   gpu_device *d = &job->device;
-  const double start = seconds();
+  const double start = clock_seconds(CLOCK_MONOTONIC);
   const olx_vulkan_update_settings settings = olx_vulkan_update_settings_default();
   olx_vulkan_update_stats stats = {.waiting_bytes = 1};
   olx_vulkan_update *update;
@@ -297,12 +291,12 @@ static bool update_field(vulkan_job *job, const olx_relight *relight) {
     job->timing->updated_bytes += stats.bytes;
   }
   olx_vulkan_update_destroy(update);
-  job->timing->update_seconds = seconds() - start;
+  job->timing->update_seconds = clock_seconds(CLOCK_MONOTONIC) - start;
   return fine;
 }
 
 static bool prepare_device(vulkan_job *job, const vulkan_request *r) {
-  const double start = seconds();
+  const double start = clock_seconds(CLOCK_MONOTONIC);
   gpu_device *d = &job->device;
   const gpu_device_options options = {.validate = r->validate, .compute_only = true, .device = UINT32_MAX};
   if (!gpu_device_open(&options, d)) return false;
@@ -312,7 +306,7 @@ static bool prepare_device(vulkan_job *job, const vulkan_request *r) {
   if (fine && r->settings->method == OLX_METHOD_CLASSIC) {
     fine = gpu_check_library(d, olx_vulkan_classic_create(job->field, r->field, &job->classic));
   }
-  job->timing->upload_seconds = seconds() - start;
+  job->timing->upload_seconds = clock_seconds(CLOCK_MONOTONIC) - start;
   return fine && (!r->relight || update_field(job, r->relight));
 }
 

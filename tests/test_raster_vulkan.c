@@ -1,6 +1,7 @@
 // The rasteriser of viewer/ on whatever Vulkan device there is, under the validation layers: its G-buffer is the ray caster's, its direct
 // light is near the path tracer's, and nothing is left behind.
 #include "core/bsdf.h"
+#include "core/pack.h"
 #include "made_scenes.h"
 #include "pinned_drivers.h"
 #include "rasteriser.h"
@@ -40,12 +41,6 @@ typedef struct drawn_frame {
   uint8_t display[PIXELS][4];
 } drawn_frame;
 
-static float half_float(uint16_t h) {
-  const float magnitude =
-      ldexpf((float)(h & 0x3FFu) + (h & 0x7C00u ? 1024.0f : 0.0f), (h & 0x7C00u ? h >> 10 & 31 : 1) - 25);
-  return h & 0x8000u ? -magnitude : magnitude;
-}
-
 static float decode_srgb(uint8_t byte) {
   const float x = (float)byte / 255.0f;
   return x <= 0.04045f ? x / 12.92f : powf((x + 0.055f) / 1.055f, 2.4f);
@@ -56,7 +51,7 @@ static void read_halves(const rasteriser *raster, frame_image image, VkImageLayo
   assert_true(gpu_image_read(&device, &raster->images.images[image], layout, buffer));
   const uint16_t *from = buffer->mapped;
   for (uint32_t i = 0; i < PIXELS; i++, from += 4) {
-    to[i] = olx_v3(half_float(from[0]), half_float(from[1]), half_float(from[2]));
+    to[i] = olx_v3(olx_half_unpack(from[0]), olx_half_unpack(from[1]), olx_half_unpack(from[2]));
   }
 }
 

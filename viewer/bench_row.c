@@ -1,9 +1,10 @@
 #include "bench_row.h"
 
+#include "clock.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 static const bench_row ROWS[] = {
@@ -197,12 +198,6 @@ static bool run_frame(bench_job *job, double milliseconds[GPU_TIMER_MARKS]) {
          fail_job(job, "the timestamps of a frame could not be read");
 }
 
-static double seconds(void) {
-  struct timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 static int by_value(const void *a, const void *b) {
   const double x = *(const double *)a, y = *(const double *)b;
   return x < y ? -1 : x > y;
@@ -236,9 +231,9 @@ typedef bool run_frame_function(bench_job *job, double milliseconds[GPU_TIMER_MA
 // Clocks rise under load: frames are thrown away until half a second has passed, and two at the least.
 static bool warm_up(bench_job *job, run_frame_function *run) {
   double milliseconds[GPU_TIMER_MARKS];
-  const double start = seconds();
+  const double start = clock_seconds(CLOCK_MONOTONIC);
   const bool quick = job->settings->quick;
-  for (uint32_t i = 0; i < (quick ? 1u : 2u) || (!quick && seconds() - start < 0.5); i++) {
+  for (uint32_t i = 0; i < (quick ? 1u : 2u) || (!quick && clock_seconds(CLOCK_MONOTONIC) - start < 0.5); i++) {
     if (!run(job, milliseconds)) return false;
   }
   return true;

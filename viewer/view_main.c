@@ -1,4 +1,5 @@
 // octalux-view: a window on a scene that a field lights. `octalux view` starts it.
+#include "clock.h"
 #include "options.h"
 #include "view_lights.h"
 #include "view_options.h"
@@ -10,7 +11,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 static const float SCRIPT_SECONDS = 1.0f / 60.0f; // of a frame, so that scripts always do the same
 
@@ -35,12 +35,6 @@ typedef struct viewer {
   uint32_t frame;
   uint32_t screenshots; // by the key
 } viewer;
-
-static double now(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 static bool gpu_failure(const viewer *v) {
   failure("view", "%s", v->device.problem);
@@ -216,9 +210,9 @@ static bool draw(viewer *v, const uint32_t size[2], float seconds, const char *s
 }
 
 static bool run(viewer *v) {
-  double before = now();
+  double before = clock_seconds(CLOCK_MONOTONIC);
   for (;;) {
-    const double at = now();
+    const double at = clock_seconds(CLOCK_MONOTONIC);
     const float seconds = v->script ? SCRIPT_SECONDS : (float)fmin(at - before, 0.1);
     before = at;
     const char *screenshot = NULL;

@@ -1,10 +1,11 @@
 #include "bench_measure.h"
 
+#include "clock.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 enum {
@@ -40,13 +41,6 @@ bench_name bench_probes_name(const bench_probes *probes) {
   return name;
 }
 
-// Of all threads.
-static double processor_seconds(void) {
-  struct timespec time;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-  return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
-}
-
 static olx_result place(const olx_scene *scene, const bench_probes *probes, const bench_bake *bake,
                         const olx_progress *progress, olx_probe_set *set) {
   if (probes->file) return olx_probe_set_load(probes->file, set);
@@ -67,10 +61,10 @@ static olx_result place(const olx_scene *scene, const bench_probes *probes, cons
 static olx_result find_positions(const olx_scene *scene, const bench_probes *probes, const bench_bake *bake,
                                  const olx_progress *progress, olx_vec3 **positions, bench_field *made) {
   olx_probe_set set;
-  const double start = processor_seconds();
+  const double start = clock_seconds(CLOCK_PROCESS_CPUTIME_ID);
   const olx_result result = place(scene, probes, bake, progress, &set);
   if (result != OLX_OK) return result;
-  made->place_seconds = processor_seconds() - start;
+  made->place_seconds = clock_seconds(CLOCK_PROCESS_CPUTIME_ID) - start;
   made->coverage = set.report.coverage;
   made->info.probe_count = set.count;
   *positions = malloc(set.count * sizeof **positions);
@@ -109,10 +103,10 @@ olx_result bench_field_make(const olx_scene *scene, const bench_probes *probes, 
     settings.probes = positions;
     settings.probe_count = made->info.probe_count;
   }
-  const double start = processor_seconds();
+  const double start = clock_seconds(CLOCK_PROCESS_CPUTIME_ID);
   olx_bake_stats stats = {.seconds = 0.0};
   if (result == OLX_OK) result = olx_bake(scene, &settings, made->path, progress, &stats);
-  made->bake_seconds = processor_seconds() - start;
+  made->bake_seconds = clock_seconds(CLOCK_PROCESS_CPUTIME_ID) - start;
   if (stats.seconds > 0.0) made->classic_seconds = made->bake_seconds * stats.classic_seconds / stats.seconds;
   free(positions);
   if (result == OLX_OK) result = olx_field_open(made->path, &made->field);

@@ -1,5 +1,6 @@
 #include "experiment.h"
 
+#include "clock.h"
 #include "html_report.h"
 #include "report.h"
 #include "wang_study.h"
@@ -9,7 +10,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 enum { PATH_TEXT = 4096 };
 
@@ -277,22 +277,16 @@ void bench_close(bench *b) {
   bench_folder_remove(&b->folder);
 }
 
-static double now(clockid_t clock) {
-  struct timespec time;
-  clock_gettime(clock, &time);
-  return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
-}
-
 olx_result bench_run(bench *b, const experiment *e, cJSON *section) {
-  const double start = now(CLOCK_MONOTONIC), spent = now(CLOCK_PROCESS_CPUTIME_ID);
+  const double start = clock_seconds(CLOCK_MONOTONIC), spent = clock_seconds(CLOCK_PROCESS_CPUTIME_ID);
   b->experiment = e;
   b->section = section;
   b->found = (findings){.table_count = 0};
   bench_tell(b, "begins");
   olx_result result = e->run(b);
   while (b->scene_count > 0) olx_scene_free(b->scenes[--b->scene_count].scene);
-  b->found.seconds = now(CLOCK_MONOTONIC) - start;
-  b->found.processor_seconds = now(CLOCK_PROCESS_CPUTIME_ID) - spent;
+  b->found.seconds = clock_seconds(CLOCK_MONOTONIC) - start;
+  b->found.processor_seconds = clock_seconds(CLOCK_PROCESS_CPUTIME_ID) - spent;
   if (result == OLX_OK && b->found.exhausted) result = OLX_ERROR_MEMORY;
   return result;
 }

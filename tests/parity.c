@@ -326,7 +326,7 @@ static void compare_room(void **state) {
 }
 
 int parity_run(const parity_suite *suite) {
-  struct CMUnitTest tests[PARITY_ROOMS] = {{NULL}};
+  struct CMUnitTest tests[PARITY_ROOMS] = {{.name = NULL}};
   size_t count = 0;
   for (uint32_t i = 0; i < PARITY_ROOMS; i++) {
     if (!suite->rooms[i].end) continue;

@@ -36,7 +36,7 @@ static void test_refuses_wrong_classic_maps(void **state) {
   REFUSED(box[6 * 5 + 5], INFINITY, "is not around probe 5");
   REFUSED(box[0], -2e18f, "is not around probe 0");
   const uint32_t strange = OLX_FOUR_CC('c', 'r', 'a', 'd');
-  REFUSED(i.chunks[CRAD].type, strange, "no chunk CRAD, but a chunk CLAS");
+  REFUSED(i.chunks[CRAD].type, strange, "no chunk CRAD, but chunk CLAS speaks of it");
   REFUSED(i.chunks[CBOX].type, i.chunks[CIRR].type, "two chunks CIRR");
   REFUSED(i.chunks[CLAS].type, strange, "a chunk CIRR, but no chunk CLAS");
   REFUSED(i.chunks[CIRR].record_bytes, 64, "chunk CIRR");

@@ -153,6 +153,28 @@ olx_result olx_chunk_find_optional_shaped(const olx_chunk_file *file, const olx_
   return chunk ? check_shape(file, chunk, shape, data) : OLX_OK;
 }
 
+olx_result olx_chunk_find_header(const olx_chunk_file *file, const olx_chunk_shape *shape, const void **data) {
+  const olx_file_chunk *chunk;
+  OLX_TRY(olx_chunk_find_optional_shaped(file, shape, data));
+  if (!*data) return OLX_OK;
+  OLX_TRY(olx_chunk_find_optional(file, shape->type, &chunk));
+  if (olx_content_hash(*data, shape->size_bytes) == chunk->hash) return OLX_OK;
+  return olx_fail(OLX_ERROR_CHECKSUM, "%s: chunk %s: wrong checksum", file->name,
+                  olx_chunk_type_name(shape->type).text);
+}
+
+olx_result olx_chunk_find_wanted(const olx_chunk_file *file, const olx_chunk_shape *shape, uint32_t header, bool wanted,
+                                 const void **data) {
+  const olx_file_chunk *chunk;
+  OLX_TRY(olx_chunk_find_optional(file, shape->type, &chunk));
+  if ((chunk != NULL) == wanted) return wanted ? olx_chunk_find_optional_shaped(file, shape, data) : OLX_OK;
+  const olx_chunk_name name = olx_chunk_type_name(shape->type), heading = olx_chunk_type_name(header);
+  return wanted ? olx_fail(OLX_ERROR_FORMAT, "%s: no chunk %s, but chunk %s speaks of it", file->name, name.text,
+                           heading.text)
+                : olx_fail(OLX_ERROR_FORMAT, "%s: a chunk %s, but no chunk %s that speaks of it", file->name, name.text,
+                           heading.text);
+}
+
 olx_result olx_chunk_refuse_unknown(const olx_chunk_file *file, const olx_chunk_shape *shapes, uint32_t count) {
   const olx_file_header *header = file->data;
   const olx_file_chunk *table = olx_chunk_table(file);

@@ -61,6 +61,20 @@ typedef struct olx_chunk_shape {
   uint64_t size_bytes;
 } olx_chunk_shape;
 
+// Records of so many elements of so many bytes.
+typedef struct olx_chunk_row {
+  uint32_t type, element_bytes;
+  uint64_t elements, records;
+} olx_chunk_row;
+
+static inline olx_chunk_shape olx_chunk_shape_of(const olx_chunk_row *row) {
+  const uint64_t record_bytes = row->elements * row->element_bytes;
+  return (olx_chunk_shape){.type = row->type,
+                           .element_bytes = row->element_bytes,
+                           .record_bytes = record_bytes,
+                           .size_bytes = record_bytes * row->records};
+}
+
 // The four characters of a type for messages; other bytes become '?'.
 typedef struct olx_chunk_name {
   char text[5];
@@ -90,6 +104,11 @@ olx_result olx_chunk_find_shaped(const olx_chunk_file *file, const olx_chunk_sha
 olx_result olx_chunk_find_optional(const olx_chunk_file *file, uint32_t type, const olx_file_chunk **found);
 // The same, when it has the sizes asked for; *data is NULL when it is missing.
 olx_result olx_chunk_find_optional_shaped(const olx_chunk_file *file, const olx_chunk_shape *shape, const void **data);
+// The same for a single record that says which other chunks there are: its checksum is right, too.
+olx_result olx_chunk_find_header(const olx_chunk_file *file, const olx_chunk_shape *shape, const void **data);
+// A chunk that is there when the chunk of type `header` says so (`wanted`), and only then.
+olx_result olx_chunk_find_wanted(const olx_chunk_file *file, const olx_chunk_shape *shape, uint32_t header, bool wanted,
+                                 const void **data);
 // OLX_ERROR_UNSUPPORTED when a chunk is neither optional nor among the `count` shapes.
 olx_result olx_chunk_refuse_unknown(const olx_chunk_file *file, const olx_chunk_shape *shapes, uint32_t count);
 // The checksum of chunk `index`, and the zero bytes after it.

@@ -17,6 +17,13 @@ static inline float olx_square(float x) { return x * x; }
 static inline float olx_sign_not_zero(float x) { return x >= 0.0f ? 1.0f : -1.0f; }
 
 static inline olx_vec3 olx_v3(float x, float y, float z) { return (olx_vec3){x, y, z}; }
+// As files hold them.
+static inline olx_vec3 olx_load3(const float stored[3]) { return olx_v3(stored[0], stored[1], stored[2]); }
+static inline void olx_store3(float stored[3], olx_vec3 v) {
+  stored[0] = v.x;
+  stored[1] = v.y;
+  stored[2] = v.z;
+}
 static inline olx_vec3 olx_splat(float s) { return olx_v3(s, s, s); }
 static inline olx_vec3 olx_add(olx_vec3 a, olx_vec3 b) { return olx_v3(a.x + b.x, a.y + b.y, a.z + b.z); }
 static inline olx_vec3 olx_sub(olx_vec3 a, olx_vec3 b) { return olx_v3(a.x - b.x, a.y - b.y, a.z - b.z); }

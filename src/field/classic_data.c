@@ -11,15 +11,10 @@ static olx_result check_header(const olx_field *field, const olx_classic_header 
 
 // What the header says becomes part of the field's description.
 static olx_result read_header(olx_field *field, const olx_chunk_file *file, const olx_chunk_shape *shape) {
-  const olx_file_chunk *chunk;
   const void *data;
-  OLX_TRY(olx_chunk_find_optional(file, shape->type, &chunk));
-  if (!chunk) return OLX_OK;
-  OLX_TRY(olx_chunk_find_optional_shaped(file, shape, &data));
+  OLX_TRY(olx_chunk_find_header(file, shape, &data));
+  if (!data) return OLX_OK;
   const olx_classic_header *header = data;
-  if (olx_content_hash(header, sizeof *header) != chunk->hash) {
-    return olx_fail(OLX_ERROR_CHECKSUM, "%s: chunk CLAS: wrong checksum", field->name);
-  }
   OLX_TRY(check_header(field, header));
   field->info.classic_size = header->size;
   field->info.classic_cube_size = header->cube_size;
@@ -27,21 +22,6 @@ static olx_result read_header(olx_field *field, const olx_chunk_file *file, cons
   OLX_TRY(olx_classic_info_check(&field->info, field->name, OLX_ERROR_FORMAT));
   field->classic.size = header->size;
   field->classic.table = header->table;
-  return OLX_OK;
-}
-
-// Classic maps come whole or not at all.
-static olx_result find_maps(const olx_field *field, const olx_chunk_file *file, const olx_chunk_shape *shapes,
-                            const void *data[OLX_CHUNK_KINDS]) {
-  for (uint32_t k = OLX_CHUNK_CLASSIC_IRRADIANCE; k <= OLX_CHUNK_CLASSIC_BOXES; k++) {
-    const olx_file_chunk *chunk;
-    OLX_TRY(olx_chunk_find_optional(file, shapes[k].type, &chunk));
-    if ((chunk != NULL) != (field->classic.size > 0)) {
-      return olx_fail(OLX_ERROR_FORMAT, "%s: %s chunk %s, but %s chunk CLAS", field->name, chunk ? "a" : "no",
-                      olx_chunk_type_name(shapes[k].type).text, chunk ? "no" : "a");
-    }
-    if (chunk) OLX_TRY(olx_chunk_find_optional_shaped(file, &shapes[k], &data[k]));
-  }
   return OLX_OK;
 }
 
@@ -70,7 +50,11 @@ olx_result olx_classic_open(olx_field *field) {
   olx_chunk_shapes(&field->info, shapes);
   OLX_TRY(read_header(field, &file, &shapes[OLX_CHUNK_CLASSIC]));
   olx_chunk_shapes(&field->info, shapes);
-  OLX_TRY(find_maps(field, &file, shapes, data));
+  // Classic maps come whole or not at all.
+  for (uint32_t k = OLX_CHUNK_CLASSIC_IRRADIANCE; k <= OLX_CHUNK_CLASSIC_BOXES; k++) {
+    OLX_TRY(
+        olx_chunk_find_wanted(&file, &shapes[k], shapes[OLX_CHUNK_CLASSIC].type, field->classic.size > 0, &data[k]));
+  }
   if (field->classic.size == 0) return OLX_OK;
   olx_classic_maps *maps = &field->classic;
   maps->irradiance = data[OLX_CHUNK_CLASSIC_IRRADIANCE];

@@ -11,10 +11,7 @@ void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHU
   const uint64_t classic_side = classic + 2;
   const uint32_t relit = info->relight_size ? info->probe_count : 0, surfaces = info->relight_size;
   const uint64_t fit_words = (uint64_t)info->relight_points * (4 + (uint64_t)info->relight_rays);
-  const struct {
-    uint32_t type, element_bytes;
-    uint64_t elements, records;
-  } table[OLX_CHUNK_KINDS] = {
+  const olx_chunk_row table[OLX_CHUNK_KINDS] = {
       [OLX_CHUNK_INFO] = {OLX_FOUR_CC('I', 'N', 'F', 'O'), sizeof(olx_file_info), 1, 1},
       [OLX_CHUNK_PROBE_POSITIONS] = {OLX_FOUR_CC('P', 'P', 'O', 'S'), 4, 3, info->probe_count},
       [OLX_CHUNK_PROBE_FLAGS] = {OLX_FOUR_CC('P', 'F', 'L', 'G'), 1, 1, info->probe_count},
@@ -25,8 +22,9 @@ void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHU
       [OLX_CHUNK_GREATEST] = {OLX_FOUR_CC('D', 'M', 'A', 'X'), 2, pyramid.greatest_nodes, info->probe_count},
       [OLX_CHUNK_IRRADIANCE_POSITIONS] = {OLX_FOUR_CC('I', 'P', 'O', 'S'), 4, 3, info->irradiance_probe_count},
       [OLX_CHUNK_IRRADIANCE_FLAGS] = {OLX_FOUR_CC('I', 'F', 'L', 'G'), 1, 1, info->irradiance_probe_count},
-      [OLX_CHUNK_IRRADIANCE] = {bands ? OLX_FOUR_CC('I', 'R', 'S', 'H') : OLX_FOUR_CC('I', 'R', 'R', 'A'), bands ? 2 : 4,
-                                bands ? olx_harmonics_halves(bands) : irradiance_texels, info->irradiance_probe_count},
+      [OLX_CHUNK_IRRADIANCE] = {bands ? OLX_FOUR_CC('I', 'R', 'S', 'H') : OLX_FOUR_CC('I', 'R', 'R', 'A'),
+                                bands ? 2 : 4, bands ? olx_harmonics_halves(bands) : irradiance_texels,
+                                info->irradiance_probe_count},
       [OLX_CHUNK_MOMENTS] = {OLX_FOUR_CC('M', 'O', 'M', 'E'), 4, irradiance_texels, info->irradiance_probe_count},
       [OLX_CHUNK_VORONOI] = {OLX_FOUR_CC('V', 'O', 'R', 'O'), 1, 0, 1},
       [OLX_CHUNK_OCTREE] = {OLX_FOUR_CC('O', 'C', 'T', 'R'), 1, 0, 1},
@@ -39,35 +37,23 @@ void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHU
       [OLX_CHUNK_CLASSIC_BOXES] = {OLX_FOUR_CC('C', 'B', 'O', 'X'), 4, 6, classic_probes},
       [OLX_CHUNK_RELIGHT] = {OLX_FOUR_CC('R', 'L', 'I', 'T'), sizeof(olx_relight_header), 1, 1},
       [OLX_CHUNK_ALBEDO] = {OLX_FOUR_CC('A', 'L', 'B', 'E'), 4, texels, relit},
-      [OLX_CHUNK_SURFACES] = {OLX_FOUR_CC('S', 'U', 'R', 'F'), sizeof(olx_surface_sample), (uint64_t)surfaces * surfaces,
-                              info->irradiance_probe_count},
+      [OLX_CHUNK_SURFACES] = {OLX_FOUR_CC('S', 'U', 'R', 'F'), sizeof(olx_surface_sample),
+                              (uint64_t)surfaces * surfaces, info->irradiance_probe_count},
       [OLX_CHUNK_FIT] = {OLX_FOUR_CC('F', 'I', 'T', 'P'), 4, fit_words, info->irradiance_probe_count},
   };
-  for (uint32_t i = 0; i < OLX_CHUNK_KINDS; i++) {
-    const uint64_t record_bytes = table[i].elements * table[i].element_bytes;
-    shapes[i] = (olx_chunk_shape){.type = table[i].type,
-                                  .element_bytes = table[i].element_bytes,
-                                  .record_bytes = record_bytes,
-                                  .size_bytes = record_bytes * table[i].records};
-  }
-}
-
-static void store_vec3(float stored[3], olx_vec3 v) {
-  stored[0] = v.x;
-  stored[1] = v.y;
-  stored[2] = v.z;
+  for (uint32_t i = 0; i < OLX_CHUNK_KINDS; i++) shapes[i] = olx_chunk_shape_of(&table[i]);
 }
 
 static olx_file_grid store_grid(const olx_grid *grid) {
   olx_file_grid stored = {.count = {grid->count[0], grid->count[1], grid->count[2]}};
-  store_vec3(stored.origin, grid->origin);
-  store_vec3(stored.spacing, grid->spacing);
+  olx_store3(stored.origin, grid->origin);
+  olx_store3(stored.spacing, grid->spacing);
   return stored;
 }
 
 static olx_grid load_grid(const olx_file_grid *stored) {
-  return (olx_grid){.origin = olx_v3(stored->origin[0], stored->origin[1], stored->origin[2]),
-                    .spacing = olx_v3(stored->spacing[0], stored->spacing[1], stored->spacing[2]),
+  return (olx_grid){.origin = olx_load3(stored->origin),
+                    .spacing = olx_load3(stored->spacing),
                     .count = {stored->count[0], stored->count[1], stored->count[2]}};
 }
 
@@ -87,8 +73,8 @@ olx_file_info olx_field_info_store(const olx_field_info *info) {
                           .irradiance_grid = store_grid(&info->irradiance_grid),
                           .scene_hash = info->scene_hash};
   if (info->has_grid) stored.grid = store_grid(&info->grid);
-  store_vec3(stored.scene_min, info->scene_min);
-  store_vec3(stored.scene_max, info->scene_max);
+  olx_store3(stored.scene_min, info->scene_min);
+  olx_store3(stored.scene_max, info->scene_max);
   return stored;
 }
 
@@ -105,8 +91,8 @@ olx_field_info olx_field_info_load(const olx_file_info *stored) {
                           .irradiance_form = (olx_irradiance_form)stored->irradiance_form,
                           .select_mask = stored->select_mask,
                           .distance_scale_metres = stored->distance_scale,
-                          .scene_min = olx_v3(stored->scene_min[0], stored->scene_min[1], stored->scene_min[2]),
-                          .scene_max = olx_v3(stored->scene_max[0], stored->scene_max[1], stored->scene_max[2]),
+                          .scene_min = olx_load3(stored->scene_min),
+                          .scene_max = olx_load3(stored->scene_max),
                           .bounces = stored->bounces,
                           .samples = stored->samples,
                           .scene_hash = stored->scene_hash};

@@ -15,8 +15,6 @@ typedef struct cooked_file {
   const void *data[OLX_COOKED_CHUNKS];
 } cooked_file;
 
-static olx_vec3 load_vec3(const float stored[3]) { return olx_v3(stored[0], stored[1], stored[2]); }
-
 static bool within(float value, float low, float high) { return value >= low && value <= high; }
 
 static bool is_light(olx_vec3 v) {
@@ -55,12 +53,12 @@ static olx_result check_info(const cooked_file *file) {
   else if (image && (!within((float)i->environment_width, 1.0f, OLX_COOKED_MAX_TEXTURE_SIZE) ||
                      !within((float)i->environment_height, 1.0f, OLX_COOKED_MAX_TEXTURE_SIZE)))
     problem = "an environment of impossible size";
-  else if (!is_light(load_vec3(i->environment_radiance)) || !isfinite(i->environment_rotation_radians))
+  else if (!is_light(olx_load3(i->environment_radiance)) || !isfinite(i->environment_rotation_radians))
     problem = "an impossible environment";
   else if (i->probe_flags & ~7u) problem = "unknown flags";
-  else if ((i->probe_flags & OLX_COOKED_PROBE_VOLUME) && !is_box(load_vec3(i->probes_min), load_vec3(i->probes_max)))
+  else if ((i->probe_flags & OLX_COOKED_PROBE_VOLUME) && !is_box(olx_load3(i->probes_min), olx_load3(i->probes_max)))
     problem = "an impossible volume of probes";
-  else if ((i->probe_flags & OLX_COOKED_PLAYABLE) && !is_box(load_vec3(i->playable_min), load_vec3(i->playable_max)))
+  else if ((i->probe_flags & OLX_COOKED_PLAYABLE) && !is_box(olx_load3(i->playable_min), olx_load3(i->playable_max)))
     problem = "an impossible playable box";
   else if (!within(i->min_distance, 0.0f, 1e9f)) problem = "an impossible distance between probes";
   for (uint32_t k = 0; k < 3 && !problem && (i->probe_flags & OLX_COOKED_PROBE_COUNT); k++) {
@@ -138,9 +136,9 @@ static olx_result check_material(const cooked_file *file, const olx_cooked_mater
       return refuse(file, "material", index, "no such texture");
     }
   }
-  const olx_vec3 c = load_vec3(m->base_color);
+  const olx_vec3 c = olx_load3(m->base_color);
   const bool sane = is_name(m->name, sizeof m->name) && is_light(c) && olx_max3(c) <= 1.0f &&
-                    is_light(load_vec3(m->emission)) && within(m->metallic, 0.0f, 1.0f) &&
+                    is_light(olx_load3(m->emission)) && within(m->metallic, 0.0f, 1.0f) &&
                     within(m->roughness, 0.0f, 1.0f) && within(m->specular_weight, 0.0f, 1.0f) &&
                     within(m->alpha, 0.0f, 1.0f) && within(m->alpha_cutoff, 0.0f, 1e20f) &&
                     within(m->normal_scale, -1e4f, 1e4f) && !(m->flags & ~3u);
@@ -153,11 +151,11 @@ static olx_result read_materials(const cooked_file *file, olx_scene *scene) {
     const olx_cooked_material *m = &stored[i];
     OLX_TRY(check_material(file, m, i));
     olx_material material = {
-        .base_color = load_vec3(m->base_color),
+        .base_color = olx_load3(m->base_color),
         .metallic = m->metallic,
         .roughness = m->roughness,
         .specular_weight = m->specular_weight,
-        .emission = load_vec3(m->emission),
+        .emission = olx_load3(m->emission),
         .emits_both_sides = m->flags & OLX_COOKED_EMITS_BOTH_SIDES,
         .alpha_cutoff = m->alpha_cutoff,
         .alpha = m->alpha,
@@ -246,9 +244,9 @@ static olx_result read_lights(const cooked_file *file, olx_scene *scene) {
   for (uint32_t i = 0; i < file->info->lights; i++) {
     const olx_cooked_light *l = &stored[i];
     const olx_light light = {.type = (olx_light_type)l->type,
-                             .position = load_vec3(l->position),
-                             .direction = load_vec3(l->direction),
-                             .emission = load_vec3(l->emission),
+                             .position = olx_load3(l->position),
+                             .direction = olx_load3(l->direction),
+                             .emission = olx_load3(l->emission),
                              .cosine_inner = l->cosine_inner,
                              .cosine_outer = l->cosine_outer};
     if (l->type > OLX_LIGHT_SPOT || !olx_sane_position(light.position) || !is_light(light.emission) ||
@@ -265,9 +263,9 @@ static olx_result read_cameras(const cooked_file *file, olx_scene *scene) {
   const olx_cooked_camera *stored = file->data[OLX_COOKED_CAMERAS];
   for (uint32_t i = 0; i < file->info->cameras; i++) {
     const olx_cooked_camera *c = &stored[i];
-    olx_camera camera = {.eye = load_vec3(c->eye),
-                         .target = load_vec3(c->target),
-                         .up = load_vec3(c->up),
+    olx_camera camera = {.eye = olx_load3(c->eye),
+                         .target = olx_load3(c->target),
+                         .up = olx_load3(c->up),
                          .fov_y_degrees = c->fov_y_degrees};
     if (!is_name(c->name, sizeof c->name) || !olx_sane_position(camera.eye) || !olx_finite(camera.target) ||
         !olx_finite(camera.up) || !(c->fov_y_degrees > 0.0f && c->fov_y_degrees < 180.0f)) {
@@ -282,7 +280,7 @@ static olx_result read_cameras(const cooked_file *file, olx_scene *scene) {
 static olx_result read_environment(const cooked_file *file, olx_scene *scene) {
   const olx_cooked_info *info = file->info;
   olx_environment *e = &scene->environment;
-  e->radiance = load_vec3(info->environment_radiance);
+  e->radiance = olx_load3(info->environment_radiance);
   e->rotation_radians = info->environment_rotation_radians;
   if (info->environment_width == 0) return OLX_OK;
   const uint32_t numbers = info->environment_width * info->environment_height * 3;
@@ -304,10 +302,10 @@ static olx_result read_probes(const cooked_file *file, olx_scene *scene) {
   scene->has_probe_volume = info->probe_flags & OLX_COOKED_PROBE_VOLUME;
   scene->has_probe_count = info->probe_flags & OLX_COOKED_PROBE_COUNT;
   rules->has_playable = info->probe_flags & OLX_COOKED_PLAYABLE;
-  scene->probes_min = load_vec3(info->probes_min);
-  scene->probes_max = load_vec3(info->probes_max);
+  scene->probes_min = olx_load3(info->probes_min);
+  scene->probes_max = olx_load3(info->probes_max);
   memcpy(scene->probes_count, info->probes_count, sizeof scene->probes_count);
-  rules->playable = (olx_box){load_vec3(info->playable_min), load_vec3(info->playable_max)};
+  rules->playable = (olx_box){olx_load3(info->playable_min), olx_load3(info->playable_max)};
   rules->min_distance = info->min_distance;
   COPY_ARRAY(file, OLX_COOKED_PINNED, info->pinned, rules->pinned);
   COPY_ARRAY(file, OLX_COOKED_FORBIDDEN, info->forbidden, rules->forbidden);

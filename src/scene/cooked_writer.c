@@ -7,10 +7,7 @@
 
 void olx_cooked_shapes(const olx_cooked_info *info, olx_chunk_shape shapes[OLX_COOKED_CHUNKS]) {
   const uint64_t environment_texels = (uint64_t)info->environment_width * info->environment_height;
-  const struct {
-    uint32_t type, element_bytes, elements;
-    uint64_t records;
-  } table[OLX_COOKED_CHUNKS] = {
+  const olx_chunk_row table[OLX_COOKED_CHUNKS] = {
       [OLX_COOKED_INFO] = {OLX_FOUR_CC('I', 'N', 'F', 'O'), sizeof(olx_cooked_info), 1, 1},
       [OLX_COOKED_POSITIONS] = {OLX_FOUR_CC('V', 'P', 'O', 'S'), 4, 3, info->vertices},
       [OLX_COOKED_NORMALS] = {OLX_FOUR_CC('V', 'N', 'O', 'R'), 4, 3, info->vertices},
@@ -27,19 +24,7 @@ void olx_cooked_shapes(const olx_cooked_info *info, olx_chunk_shape shapes[OLX_C
       [OLX_COOKED_FORBIDDEN] = {OLX_FOUR_CC('F', 'B', 'O', 'X'), 4, 6, info->forbidden},
       [OLX_COOKED_WARNINGS] = {OLX_FOUR_CC('W', 'A', 'R', 'N'), 1, 1, info->warning_bytes},
   };
-  for (uint32_t i = 0; i < OLX_COOKED_CHUNKS; i++) {
-    const uint64_t record_bytes = (uint64_t)table[i].element_bytes * table[i].elements;
-    shapes[i] = (olx_chunk_shape){.type = table[i].type,
-                                  .element_bytes = table[i].element_bytes,
-                                  .record_bytes = record_bytes,
-                                  .size_bytes = record_bytes * table[i].records};
-  }
-}
-
-static void store_vec3(float stored[3], olx_vec3 v) {
-  stored[0] = v.x;
-  stored[1] = v.y;
-  stored[2] = v.z;
+  for (uint32_t i = 0; i < OLX_COOKED_CHUNKS; i++) shapes[i] = olx_chunk_shape_of(&table[i]);
 }
 
 static olx_cooked_material store_material(const olx_material *m) {
@@ -59,26 +44,26 @@ static olx_cooked_material store_material(const olx_material *m) {
                (m->normal_is_height ? OLX_COOKED_NORMAL_IS_HEIGHT : 0u),
   };
   memcpy(stored.name, m->name, strlen(m->name));
-  store_vec3(stored.base_color, m->base_color);
-  store_vec3(stored.emission, m->emission);
+  olx_store3(stored.base_color, m->base_color);
+  olx_store3(stored.emission, m->emission);
   return stored;
 }
 
 static olx_cooked_light store_light(const olx_light *light) {
   olx_cooked_light stored = {
       .type = light->type, .cosine_inner = light->cosine_inner, .cosine_outer = light->cosine_outer};
-  store_vec3(stored.position, light->position);
-  store_vec3(stored.direction, light->direction);
-  store_vec3(stored.emission, light->emission);
+  olx_store3(stored.position, light->position);
+  olx_store3(stored.direction, light->direction);
+  olx_store3(stored.emission, light->emission);
   return stored;
 }
 
 static olx_cooked_camera store_camera(const olx_camera *camera) {
   olx_cooked_camera stored = {.fov_y_degrees = camera->fov_y_degrees};
   memcpy(stored.name, camera->name, strlen(camera->name));
-  store_vec3(stored.eye, camera->eye);
-  store_vec3(stored.target, camera->target);
-  store_vec3(stored.up, camera->up);
+  olx_store3(stored.eye, camera->eye);
+  olx_store3(stored.target, camera->target);
+  olx_store3(stored.up, camera->up);
   return stored;
 }
 
@@ -104,11 +89,11 @@ static olx_cooked_info store_info(const olx_scene *scene) {
       .min_distance = rules->min_distance,
       .warning_count = scene->warning_count,
   };
-  store_vec3(info.environment_radiance, e->radiance);
-  store_vec3(info.probes_min, scene->probes_min);
-  store_vec3(info.probes_max, scene->probes_max);
-  store_vec3(info.playable_min, rules->playable.min);
-  store_vec3(info.playable_max, rules->playable.max);
+  olx_store3(info.environment_radiance, e->radiance);
+  olx_store3(info.probes_min, scene->probes_min);
+  olx_store3(info.probes_max, scene->probes_max);
+  olx_store3(info.playable_min, rules->playable.min);
+  olx_store3(info.playable_max, rules->playable.max);
   return info;
 }
 

@@ -65,6 +65,7 @@ static int print_info_json(const olx_field_info *info) {
     add_number(relight, "size", info->relight_size);
     add_number(relight, "points", info->relight_points);
     add_number(relight, "rays", info->relight_rays);
+    add_number(relight, "hidden", info->relight_hidden);
   }
   add_text(object, "select", select_names(info->select_mask).text);
   add_number(object, "file_bytes", (double)info->file_bytes);
@@ -103,8 +104,8 @@ static void print_info(const char *path, const olx_field_info *info) {
            info->classic_size, info->classic_size, info->classic_cube_size, (double)info->classic_sharpness);
   }
   if (info->relight_size) {
-    printf("  relighting         albedo; %ux%u surfaces an irradiance probe, %u points of %u rays\n", info->relight_size,
-           info->relight_size, info->relight_points, info->relight_rays);
+    printf("  relighting         albedo; %ux%u surfaces an irradiance probe and %u hidden ones, %u points of %u rays\n",
+           info->relight_size, info->relight_size, info->relight_hidden, info->relight_points, info->relight_rays);
   }
   if (info->has_grid) print_grid("grid", &info->grid);
   print_grid("irradiance grid", &info->irradiance_grid);

@@ -25,7 +25,8 @@ static const synthetic_shape relit = {.grid = {2, 1, 1},
                                       .irradiance_n = 8,
                                       .relight_size = 16,
                                       .relight_points = 5,
-                                      .relight_rays = 9};
+                                      .relight_rays = 9,
+                                      .relight_hidden = 5};
 static const synthetic_shape third_order = {
     .grid = {1, 1, 1}, .irradiance_grid = {2, 1, 3}, .n = 16, .irradiance_n = 16, .irradiance_form = OLX_IRRADIANCE_SH3};
 static const synthetic_shape least = {.grid = {1, 4, 1}, .irradiance_grid = {1, 1, 1}, .n = 8, .irradiance_n = 8};

@@ -79,6 +79,7 @@ olx_field_header synthetic_header(const synthetic_shape *shape) {
   header.info.relight_size = shape->relight_size;
   header.info.relight_points = shape->relight_points;
   header.info.relight_rays = shape->relight_rays;
+  header.info.relight_hidden = shape->relight_hidden;
   return header;
 }
 
@@ -163,8 +164,24 @@ void synthetic_albedo(uint32_t n, uint32_t probe, uint32_t *albedo) {
   }
 }
 
+static olx_vec3 some_direction(uint32_t random) {
+  return olx_sample_sphere((olx_vec2){olx_unit_float(random), olx_unit_float(olx_hash(random))});
+}
+
+// Every fourth place is empty.
+void synthetic_hidden(const synthetic_shape *shape, uint32_t probe, olx_hidden_surface *hidden) {
+  for (uint32_t i = 0; i < shape->relight_hidden; i++) {
+    const uint32_t random = olx_hash3(i, probe, 0xF000u);
+    const olx_vec3 direction = some_direction(random);
+    hidden[i] = (olx_hidden_surface){olx_scale(direction, 3.0f), olx_normal_pack(olx_negate(direction)),
+                                     olx_r11g11b10f_pack(olx_splat(olx_unit_float(olx_hash(random + 1))))};
+    if (i % 4 == 3) hidden[i] = (olx_hidden_surface){.normal = OLX_FIT_NO_POINT};
+  }
+}
+
 void synthetic_surfaces(const synthetic_shape *shape, uint32_t probe, olx_surface_sample *surfaces, uint32_t *fit) {
   const uint32_t n = shape->relight_size, count = n * n;
+  const uint32_t all = (count + shape->relight_hidden) * probes_of(shape->irradiance_grid);
   for (uint32_t i = 0; i < count; i++) {
     const uint32_t random = olx_hash3(i, n, probe ^ 0xB000u);
     const olx_vec3 direction = olx_surface_direction(i % n, i / n, n);
@@ -176,11 +193,11 @@ void synthetic_surfaces(const synthetic_shape *shape, uint32_t probe, olx_surfac
   for (uint32_t p = 0; p < shape->relight_points; p++) {
     uint32_t *words = fit + (size_t)p * (4 + shape->relight_rays);
     const uint32_t random = olx_hash3(p, probe, 0xD000u);
-    const olx_vec3 normal = olx_sample_sphere((olx_vec2){olx_unit_float(random), olx_unit_float(olx_hash(random))});
+    const olx_vec3 normal = some_direction(random);
     const olx_fit_place place = {olx_scale(normal, 2.0f), p == 1 ? OLX_FIT_NO_POINT : olx_normal_pack(normal)};
     memcpy(words, &place, sizeof place);
     for (uint32_t k = 0; k < shape->relight_rays; k++) {
-      const uint32_t surface = olx_hash3(p, k, random) % (count * probes_of(shape->irradiance_grid));
+      const uint32_t surface = olx_hash3(p, k, random) % all;
       words[4 + k] = k % 7 == 5 ? OLX_FIT_RAY_SKY : k % 7 == 6 ? OLX_FIT_RAY_UNKNOWN : surface;
     }
   }
@@ -191,11 +208,13 @@ static olx_result write_relight(olx_field_writer *writer, const synthetic_shape 
   if (size == 0) return OLX_OK;
   olx_surface_sample *surfaces = olx_allocate((size_t)size * size, sizeof *surfaces);
   uint32_t *fit = olx_allocate((size_t)shape->relight_points * (4 + shape->relight_rays), sizeof *fit);
+  olx_hidden_surface *hidden = olx_allocate(shape->relight_hidden, sizeof *hidden);
   uint32_t *albedo = olx_allocate((size_t)n * n, sizeof *albedo);
   olx_result result = OLX_OK;
   for (uint32_t i = 0; i < probes_of(shape->irradiance_grid) && result == OLX_OK; i++) {
     synthetic_surfaces(shape, i, surfaces, fit);
-    result = olx_field_writer_relight(writer, i, &(olx_relight_record){surfaces, fit});
+    synthetic_hidden(shape, i, hidden);
+    result = olx_field_writer_relight(writer, i, &(olx_relight_record){surfaces, fit, hidden});
   }
   for (uint32_t i = 0; i < probes_of(shape->grid) && result == OLX_OK; i++) {
     synthetic_albedo(n, i, albedo);
@@ -203,6 +222,7 @@ static olx_result write_relight(olx_field_writer *writer, const synthetic_shape 
   }
   olx_release(surfaces);
   olx_release(fit);
+  olx_release(hidden);
   olx_release(albedo);
   return result;
 }

@@ -10,7 +10,7 @@ typedef struct synthetic_shape {
   uint32_t select_mask;  // beside the cage: of voronoi, and of octree as it is for cornell
   uint32_t classic_size; // texels along a side of classic maps; 0: none
   uint32_t relight_size; // of surfaces for relighting; 0: none
-  uint32_t relight_points, relight_rays;
+  uint32_t relight_points, relight_rays, relight_hidden;
   olx_irradiance_form irradiance_form;
 } synthetic_shape;
 
@@ -38,6 +38,7 @@ olx_classic_record synthetic_classic_maps(uint32_t size, uint32_t probe, olx_vec
 // What relighting needs of a probe.
 void synthetic_albedo(uint32_t n, uint32_t probe, uint32_t *albedo);
 void synthetic_surfaces(const synthetic_shape *shape, uint32_t probe, olx_surface_sample *surfaces, uint32_t *fit);
+void synthetic_hidden(const synthetic_shape *shape, uint32_t probe, olx_hidden_surface *hidden);
 
 // All probes, but no commit.
 olx_result synthetic_write_probes(olx_field_writer *writer, const synthetic_shape *shape);

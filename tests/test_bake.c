@@ -500,17 +500,28 @@ static olx_scene *busy_scene(void) {
   return finish_scene(scene);
 }
 
+static bool has_hidden_surfaces(const olx_field *field) {
+  bool some = false;
+  for (uint32_t i = 0; i < field->info.irradiance_probe_count * field->relight.hidden; i++) {
+    some |= field->relight.hidden_surfaces[i].normal != OLX_FIT_NO_POINT;
+  }
+  return some;
+}
+
 static void bytes_do_not_depend_on_threads(void **state) {
   const folder *f = *state;
   olx_scene *scene = busy_scene();
   olx_bake_settings settings = small_settings(scene, grid_of(olx_splat(-0.5f), olx_splat(1.0f), 2, 1, 2), 2);
+  settings.relight = true;
   const uint32_t threads[] = {1, 2, 5, 5};
   size_t size = 0, first_size = 0;
   char *first = NULL;
   for (uint32_t i = 0; i < 4; i++) {
     settings.threads = threads[i];
     olx_bake_stats stats;
-    olx_field_close(bake_field(scene, &settings, f->file, &stats));
+    olx_field *field = bake_field(scene, &settings, f->file, &stats);
+    assert_true(has_hidden_surfaces(field));
+    olx_field_close(field);
     char *bytes = read_bytes(f->file, &size);
     assert_int_equal(stats.file_bytes, size);
     assert_int_equal(stats.primary_rays, 4 * 32 * 32 * 4);

@@ -125,7 +125,7 @@ static void test_verify_reads_harmonics(void **state) {
 
 // --- What relighting needs
 
-enum { RLIT = OLX_CHUNK_REQUIRED, ALBE, SURF, FITP };
+enum { RLIT = OLX_CHUNK_REQUIRED, ALBE, SURF, FITP, HIDN };
 
 static void test_refuses_wrong_relight_chunks(void **state) {
   const field_image i = field_image_load(*state, &relit);
@@ -147,16 +147,32 @@ static void test_refuses_wrong_relight_chunks(void **state) {
   REFUSED(header->points, 6, "chunk FITP: 1560 bytes");
   REFUSED(header->rays, 0, "5 points of 0 rays");
   REFUSED(header->rays, 257, "5 points of 257 rays");
-  REFUSED(header->zero[12], 1, "chunk RLIT: reserved bytes");
+  REFUSED(header->hidden, 1025, "1025 hidden surfaces and 5 points a probe: at most 1024");
+  REFUSED(header->hidden, 6, "chunk HIDN: 600 bytes in records of 100");
+  REFUSED(header->hidden, 0, "a chunk HIDN, but no chunk RLIT that speaks of it");
+  REFUSED(header->zero[11], 1, "chunk RLIT: reserved bytes");
   const uint32_t strange = OLX_FOUR_CC('s', 'u', 'r', 'f');
   REFUSED(i.chunks[SURF].type, strange, "no chunk SURF, but chunk RLIT speaks of it");
   REFUSED(i.chunks[FITP].type, strange, "no chunk FITP");
+  REFUSED(i.chunks[HIDN].type, strange, "no chunk HIDN, but chunk RLIT speaks of it");
+  REFUSED(i.chunks[HIDN].element_bytes, 4, "chunk HIDN");
   REFUSED(i.chunks[RLIT].type, strange, "a chunk ALBE, but no chunk RLIT");
   REFUSED(i.chunks[ALBE].record_bytes, 64, "chunk ALBE");
 #undef REFUSED
   field_seal(&i);
   header->points ^= 1;
   assert_field_refused(&i, OLX_ERROR_CHECKSUM, "chunk RLIT: wrong checksum");
+  olx_release(i.bytes);
+}
+
+// Rays are what hidden surfaces are known by.
+static void test_refuses_hidden_surfaces_without_points(void **state) {
+  synthetic_shape shape = relit;
+  shape.relight_points = shape.relight_rays = shape.relight_hidden = 0;
+  const field_image i = field_image_load(*state, &shape);
+  ((olx_relight_header *)(i.bytes + i.chunks[RLIT].offset))->hidden = 5;
+  field_seal(&i);
+  assert_field_refused(&i, OLX_ERROR_FORMAT, "5 hidden surfaces and 0 points a probe: at most 1024, none without points");
   olx_release(i.bytes);
 }
 
@@ -190,7 +206,15 @@ static void test_verify_reads_relight_chunks(void **state) {
   REFUSED(FITP, 65 + 0, 0x7FC00000, "point 0 of probe 1");
   REFUSED(FITP, 13 + 3, 0xFFFF, "point 1 of probe 0");
   REFUSED(FITP, 13 * 4 + 3, 0x10000, "point 4 of probe 0");
-  REFUSED(FITP, 13 * 4 + 12, 6 * 256, "point 4 of probe 0");
+  REFUSED(FITP, 13 * 4 + 12, 6 * (256 + 5), "point 4 of probe 0");
+  REFUSED(HIDN, 25 + 1, 0x7FC00000, "chunk HIDN: surface 0 of probe 1 is impossible");
+  REFUSED(HIDN, 5 * 2 + 2, 0x5E5E0B6C, "surface 2 of probe 0"); // 4e18 metres
+  REFUSED(HIDN, 5 * 2 + 2, 0xFF800000, "surface 2 of probe 0");
+  REFUSED(HIDN, 5 * 3 + 0, 0x7F800000, "surface 3 of probe 0"); // even where there is none
+  REFUSED(HIDN, 5 * 4 + 3, 0xFFFF, "surface 4 of probe 0");
+  REFUSED(HIDN, 5 * 4 + 3, 0x10000, "surface 4 of probe 0");
+  REFUSED(HIDN, 25 * 5 + 4, 0x3C1, "surface 0 of probe 5"); // more than it gets
+  REFUSED(HIDN, 25 * 5 + 4, 0xF8000000, "surface 0 of probe 5");
 #undef REFUSED
   field_seal(&i);
   olx_field *field;
@@ -208,6 +232,7 @@ int main(void) {
       cmocka_unit_test_setup_teardown(test_verify_reads_harmonics, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_refuses_to_relight_harmonics, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_refuses_wrong_relight_chunks, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_refuses_hidden_surfaces_without_points, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_verify_reads_relight_chunks, field_set_up, field_tear_down),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -65,12 +65,16 @@ static void assert_relight(const olx_field *field, const synthetic_shape *shape)
     return;
   }
   const size_t words = shape->relight_points * (4 + (size_t)shape->relight_rays);
+  const uint32_t hidden_count = shape->relight_hidden;
   olx_surface_sample *surfaces = olx_allocate((size_t)size * size, sizeof *surfaces);
+  olx_hidden_surface *hidden = olx_allocate(hidden_count, sizeof *hidden);
   uint32_t *fit = olx_allocate(words, 4), *albedo = olx_allocate((size_t)n * n, 4);
   for (uint32_t i = 0; i < field->info.irradiance_probe_count; i++) {
     synthetic_surfaces(shape, i, surfaces, fit);
     assert_memory_equal(maps->surfaces + (size_t)size * size * i, surfaces, (size_t)size * size * sizeof *surfaces);
     if (words) assert_memory_equal(maps->fit + words * i, fit, 4 * words);
+    synthetic_hidden(shape, i, hidden);
+    if (hidden_count) assert_memory_equal(maps->hidden_surfaces + hidden_count * i, hidden, 20 * hidden_count);
   }
   for (uint32_t i = 0; i < field->info.probe_count; i++) {
     synthetic_albedo(n, i, albedo);
@@ -78,8 +82,11 @@ static void assert_relight(const olx_field *field, const synthetic_shape *shape)
   }
   const uint64_t probes = field->info.irradiance_probe_count;
   assert_int_equal(field->info.relight_bytes,
-                   64 + 4 * field->texels * field->info.probe_count + probes * (8ull * size * size + 4 * words));
+                   64 + 4 * field->texels * field->info.probe_count +
+                       probes * (8ull * size * size + 4 * words + 20ull * hidden_count));
+  assert_int_equal(field->info.relight_hidden, hidden_count);
   olx_release(surfaces);
+  olx_release(hidden);
   olx_release(fit);
   olx_release(albedo);
 }
@@ -153,6 +160,9 @@ static void test_round_trip(void **state) {
   assert_round_trip(*state, &classic);
   assert_round_trip(*state, &relit);
   assert_round_trip(*state, &unfitted);
+  synthetic_shape all_seen = relit; // as fields were before there was a chunk of hidden surfaces
+  all_seen.relight_hidden = 0;
+  assert_round_trip(*state, &all_seen);
   assert_round_trip(*state, &small);
   assert_round_trip(*state, &single);
   assert_round_trip(*state, &least);

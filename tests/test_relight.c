@@ -18,13 +18,14 @@ static void never(void *user, const olx_shadow_ray *rays, uint32_t count, uint8_
 }
 
 // A field of the scene, baked for relighting with small maps.
-static olx_field *bake(const scene_folder *folder, const char *name, const olx_scene *scene, const uint32_t counts[3],
-                       const uint32_t irradiance_counts[3], bool fit) {
+static olx_field *bake_with(const scene_folder *folder, const char *name, const olx_scene *scene,
+                            const uint32_t counts[3], const uint32_t irradiance_counts[3], bool fit,
+                            uint32_t irradiance_size) {
   olx_bake_settings settings = olx_bake_settings_default(scene);
   ASSERT_OK(olx_scene_probe_grid(scene, counts, &settings.grid));
   ASSERT_OK(olx_scene_probe_grid(scene, irradiance_counts, &settings.irradiance_grid));
   settings.radiance_size = 32;
-  settings.irradiance_size = 32;
+  settings.irradiance_size = irradiance_size;
   settings.bounces = 12;
   settings.light_samples = 4;
   settings.fit = fit;
@@ -36,6 +37,11 @@ static olx_field *bake(const scene_folder *folder, const char *name, const olx_s
   ASSERT_OK(olx_field_open(path, &field));
   ASSERT_OK(olx_field_verify(field));
   return field;
+}
+
+static olx_field *bake(const scene_folder *folder, const char *name, const olx_scene *scene, const uint32_t counts[3],
+                       const uint32_t irradiance_counts[3], bool fit) {
+  return bake_with(folder, name, scene, counts, irradiance_counts, fit, 32);
 }
 
 static const uint32_t two[3] = {2, 2, 2};
@@ -248,6 +254,133 @@ static void test_same_for_any_number_of_threads(void **state) {
   olx_scene_free(scene);
 }
 
+// ---- A niche behind a wall, round whose end no irradiance probe looks
+
+static const olx_relight_light niche_lamp = {
+    .type = OLX_RELIGHT_POINT, .emission = {2.0f, 2.0f, 2.0f}, .position = {0.75f, 0.3f, -0.2f}};
+
+static olx_scene *niche(bool lit) {
+  olx_scene *scene = tiny_scene();
+  const olx_material walls = tiny_lambert(0.7f, 0.0f);
+  const olx_vec3 along = {0.0f, 0.0f, 1.5f}, up = {0.0f, 2.0f, 0.0f};
+  tiny_box(scene, &walls);
+  tiny_quad(scene, &walls, olx_v3(0.45f, 0.0f, -0.25f), along, up);
+  tiny_quad(scene, &walls, olx_v3(0.5f, 0.0f, -0.25f), up, along);
+  if (lit) {
+    const olx_light lamp = {.type = OLX_LIGHT_POINT, .position = niche_lamp.position, .emission = niche_lamp.emission};
+    ASSERT_OK(olx_scene_add_light(scene, &lamp));
+  }
+  scene->has_probe_volume = true;
+  scene->probes_min = olx_splat(-0.7f);
+  scene->probes_max = olx_v3(0.1f, 0.7f, 0.3f);
+  return tiny_finish(scene);
+}
+
+// The same field as it would have been written before there were hidden surfaces.
+static olx_field without_hidden(const olx_field *field, uint32_t **fit) {
+  const size_t words = olx_fit_words(&field->relight) * field->relight.points * field->info.irradiance_probe_count;
+  const uint32_t first = field->relight.size * field->relight.size * field->info.irradiance_probe_count;
+  olx_field before = *field;
+  *fit = olx_allocate(words, sizeof **fit);
+  memcpy(*fit, field->relight.fit, words * sizeof **fit);
+  uint32_t turned = 0;
+  for (size_t i = 0; i < words; i++) {
+    if (i % olx_fit_words(&field->relight) < 4 || (*fit)[i] < first || (*fit)[i] >= OLX_FIT_RAY_UNKNOWN) continue;
+    (*fit)[i] = OLX_FIT_RAY_UNKNOWN;
+    turned++;
+  }
+  assert_true(turned > words / 200);
+  before.relight.fit = *fit;
+  before.relight.hidden = before.info.relight_hidden = 0;
+  before.relight.hidden_surfaces = NULL;
+  return before;
+}
+
+static olx_relight *lit_niche(const olx_field *field, const olx_scene *scene, uint32_t threads, uint32_t frames) {
+  olx_relight_settings settings = olx_relight_settings_default();
+  settings.occlusion = scene ? olx_scene_occlusion : NULL;
+  settings.user = (void *)(uintptr_t)scene;
+  settings.threads = threads;
+  olx_relight *relight = begin(field, &settings);
+  ASSERT_OK(olx_relight_set_lights(relight, &niche_lamp, 1));
+  for (uint32_t i = 0; i < frames; i++) ASSERT_OK(olx_relight_frame(relight, olx_splat(0.0f), NULL));
+  return relight;
+}
+
+static void test_light_from_where_no_probe_looks(void **state) {
+  const scene_folder *folder = *state;
+  olx_scene *scene = niche(false), *lit = niche(true);
+  olx_field *field = bake_with(folder, "dark.olx", scene, two, two, true, 64),
+            *fresh = bake_with(folder, "lit.olx", lit, two, two, true, 64);
+  uint32_t *fit;
+  const olx_field before = without_hidden(field, &fit);
+  olx_relight *with = lit_niche(field, scene, 1, 30), *without = lit_niche(&before, scene, 1, 30);
+  const difference d = compare(scene, olx_relight_field(with), fresh),
+                   guessed = compare(scene, olx_relight_field(without), fresh);
+  print_message("mean off by %.3f, rms %.3f; guessed: %.3f, %.3f\n", d.mean, d.rms, guessed.mean, guessed.rms);
+  assert_true(fabs(d.mean) < 0.05 && d.rms < 0.05);
+  assert_true(guessed.mean < -0.6 && guessed.rms > 0.6);
+  olx_relight_free(with);
+  olx_relight_free(without);
+  olx_release(fit);
+  olx_field_close(field);
+  olx_field_close(fresh);
+  olx_scene_free(scene);
+  olx_scene_free(lit);
+}
+
+static void assert_same_maps(const olx_relight *a, const olx_relight *b) {
+  const olx_field *x = olx_relight_field(a), *y = olx_relight_field(b);
+  assert_memory_equal(x->irradiance, y->irradiance, 4 * x->irradiance_texels * x->info.irradiance_probe_count);
+  assert_memory_equal(x->radiance, y->radiance, 4 * x->texels * x->info.probe_count);
+}
+
+// Through the field shadow rays do not get to where probes do not look, and the frame is the one without hidden surfaces.
+static void test_traced_shadows_leave_hidden_surfaces_unknown(void **state) {
+  const scene_folder *folder = *state;
+  olx_scene *scene = niche(false);
+  olx_field *field = bake(folder, "dark.olx", scene, two, two, true);
+  uint32_t *fit;
+  const olx_field before = without_hidden(field, &fit);
+  olx_relight *with = lit_niche(field, NULL, 2, 5), *without = lit_niche(&before, NULL, 2, 5);
+  assert_same_maps(with, without);
+  olx_relight_free(with);
+  olx_relight_free(without);
+  olx_release(fit);
+  olx_field_close(field);
+  olx_scene_free(scene);
+}
+
+// Of a probe, the places before the last that is in use.
+static uint32_t most_hidden(const olx_field *field) {
+  const uint32_t places = field->relight.hidden;
+  uint32_t most = 0;
+  for (uint32_t i = 0; i < places * field->info.irradiance_probe_count; i++) {
+    const bool used = field->relight.hidden_surfaces[i].normal != OLX_FIT_NO_POINT;
+    if (used && i % places >= most) most = i % places + 1;
+  }
+  assert_true(most > 0 && most <= places);
+  return most;
+}
+
+static void test_hidden_surfaces_are_counted_and_do_not_depend_on_threads(void **state) {
+  const scene_folder *folder = *state;
+  olx_scene *scene = niche(false);
+  olx_field *field = bake(folder, "dark.olx", scene, two, two, true);
+  olx_relight *one = lit_niche(field, scene, 1, 3), *five = lit_niche(field, scene, 5, 3);
+  assert_same_maps(one, five);
+  olx_relight_stats stats;
+  ASSERT_OK(olx_relight_set_lights(one, &niche_lamp, 1));
+  ASSERT_OK(olx_relight_frame(one, olx_splat(0.0f), &stats));
+  assert_int_equal(stats.irradiance_probes, 8);
+  assert_int_equal(stats.surface_texels, 8 * (32 * 32 + most_hidden(field)));
+  assert_true(stats.surface_texels <= 8 * 32 * 32 * 5 / 4);
+  olx_relight_free(one);
+  olx_relight_free(five);
+  olx_field_close(field);
+  olx_scene_free(scene);
+}
+
 // ---- The schedule
 
 static void test_near_first_and_none_starves(void **state) {
@@ -346,7 +479,8 @@ static void test_refuses_settings_and_lights(void **state) {
                                  .irradiance_n = 8,
                                  .relight_size = 16,
                                  .relight_points = 3,
-                                 .relight_rays = 4};
+                                 .relight_rays = 4,
+                                 .relight_hidden = 5};
   char path[400];
   snprintf(path, sizeof path, "%s/s.olx", folder->path);
   ASSERT_OK(synthetic_write(path, &shape, NULL));
@@ -395,8 +529,16 @@ static void test_refuses_settings_and_lights(void **state) {
   // After a refusal the lights are those given before; an eye that is nowhere is one in the middle.
   ASSERT_OK(olx_relight_frame(relight, olx_splat(NAN), NULL));
   olx_relight_free(relight);
-  // A ray to a surface that there is not.
-  ((uint32_t *)(uintptr_t)field->relight.fit)[4] = 2 * 256;
+  // A hidden surface that is nowhere, or without a normal; a ray to a surface that there is not.
+  olx_hidden_surface *hidden = (olx_hidden_surface *)(uintptr_t)&field->relight.hidden_surfaces[6];
+  const olx_hidden_surface good_surface = *hidden;
+  hidden->position.y = NAN;
+  assert_int_equal(olx_relight_create(field, &good, &relight), OLX_ERROR_FORMAT);
+  *hidden = good_surface;
+  hidden->normal = 0x10000;
+  assert_int_equal(olx_relight_create(field, &good, &relight), OLX_ERROR_FORMAT);
+  *hidden = good_surface;
+  ((uint32_t *)(uintptr_t)field->relight.fit)[4] = 2 * (256 + 5);
   assert_int_equal(olx_relight_create(field, &good, &relight), OLX_ERROR_FORMAT);
   assert_null(relight);
   olx_field_close(field);
@@ -420,6 +562,9 @@ int main(void) {
       cmocka_unit_test_setup_teardown(test_history_slows_and_arrives, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_arrives_at_a_fresh_bake, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_same_for_any_number_of_threads, set_up, tear_down),
+      cmocka_unit_test_setup_teardown(test_light_from_where_no_probe_looks, set_up, tear_down),
+      cmocka_unit_test_setup_teardown(test_traced_shadows_leave_hidden_surfaces_unknown, set_up, tear_down),
+      cmocka_unit_test_setup_teardown(test_hidden_surfaces_are_counted_and_do_not_depend_on_threads, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_near_first_and_none_starves, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_who_sees_no_change_sleeps, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_refuses_settings_and_lights, set_up, tear_down),

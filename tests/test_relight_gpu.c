@@ -30,7 +30,7 @@ static olx_field *bake(const char *name, bool fit) {
   return baked;
 }
 
-// A box with a screen in it that casts shadows, of colours, and a small lamp.
+// A box with a screen in it that casts shadows, of colours, a small lamp, and a panel behind which no probe looks.
 static int set_up(void **unused) {
   (void)unused;
   if (!host_open_device(&device, true)) return 0;
@@ -40,6 +40,8 @@ static int set_up(void **unused) {
   walls.base_color = olx_v3(0.7f, 0.5f, 0.4f);
   tiny_box(scene, &walls);
   tiny_quad(scene, &screen, olx_v3(0.1f, -0.35f, 0.05f), olx_v3(0, 0, 0.7f), olx_v3(0.6f, 0.1f, 0));
+  tiny_quad(scene, &screen, olx_v3(0.85f, 0.0f, 0.0f), olx_v3(0, 0, 1.0f), olx_v3(0, 1.0f, 0));
+  tiny_quad(scene, &screen, olx_v3(0.87f, 0.0f, 0.0f), olx_v3(0, 1.0f, 0), olx_v3(0, 0, 1.0f));
   tiny_quad(scene, &lamp, olx_v3(0, 0.99f, 0), olx_v3(0.4f, 0, 0), olx_v3(0, 0, 0.4f));
   tiny_finish(scene);
   field = bake("box.olx", true);
@@ -180,9 +182,21 @@ static void expect_same(both_sides *b, uint32_t frames, const char *what) {
   if (maps > 1e-9 || errors[0] > 1e-4 || errors[1] > 1e-5) fail_msg("%s", what);
 }
 
+// Rays of the fit's points that meet what no irradiance probe sees.
+static uint32_t hidden_rays(const olx_relight_maps *maps, uint32_t probes) {
+  const size_t words = olx_fit_words(maps);
+  uint32_t count = 0;
+  for (size_t i = 0; i < words * maps->points * probes; i++) {
+    count += i % words >= 4 && maps->fit[i] >= maps->size * maps->size * probes && maps->fit[i] < OLX_FIT_RAY_UNKNOWN;
+  }
+  return count;
+}
+
+// To the device, as to the CPU without an occlusion function, they are unknown.
 static void frames_are_those_of_the_cpu(void **unused) {
   (void)unused;
   host_need_device(&device);
+  assert_true(hidden_rays(&field->relight, 8) > 500);
   const uint32_t before = device.validation_messages;
   olx_relight_settings settings = small_budget();
   settings.history = 0.2f;

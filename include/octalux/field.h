@@ -71,6 +71,7 @@ typedef struct olx_field_info {
   float classic_sharpness;    // of the filter between the two
   uint32_t relight_size; // surfaces along a side of those that irradiance probes keep for relighting: 16 to 128; 0: baked without
   uint32_t relight_points, relight_rays; // for each irradiance probe, points that its irradiance is fitted to, and rays of each
+  uint32_t relight_hidden; // for each irradiance probe, places for surfaces that its points' rays meet and no probe sees
   uint64_t file_bytes;
   uint64_t radiance_bytes, normal_bytes, distance_bytes, pyramid_bytes, irradiance_bytes, moments_bytes,
       selector_bytes, classic_bytes, relight_bytes;

@@ -4,7 +4,8 @@
 // A relighter keeps radiance and irradiance maps of its own beside a field that stays as it is. In a frame, surfaces that the
 // scheduled probes see get the direct light of the lights given last, with shadows, and reflect the irradiance of the frame
 // before; from those surfaces come new irradiance maps. So every frame carries light one bounce further, and many frames
-// converge to many bounces. Geometry does not change, and neither does what is seen of emitters and of the sky themselves.
+// converge to many bounces. Hidden surfaces, which light what probes see but are seen by none, are lit with the probe next to
+// them. Geometry does not change, and neither does what is seen of emitters and of the sky themselves.
 // Surfaces reflect like matte ones with the same average albedo (docs/relighting.md).
 //
 // Threads: calls on one relighter must not overlap, and nobody may sample its field during olx_relight_frame; frames use
@@ -53,7 +54,8 @@ typedef struct olx_shadow_ray {
 typedef void (*olx_occlusion)(void *user, const olx_shadow_ray *rays, uint32_t count, uint8_t *occluded);
 
 typedef struct olx_relight_settings {
-  uint32_t surface_texels;  // of irradiance probes, lit anew in a frame, rounded up to whole probes; default 262144
+  uint32_t surface_texels;  // of irradiance probes, with hidden surfaces, lit anew in a frame, rounded up to whole probes;
+                            // default 262144
   uint32_t radiance_texels; // of light field probes, rounded up to 1024; 0: radiance stays as it is; default 65536
   uint32_t light_samples;   // shadow rays a texel to each light with an area and to the sky, 1 to 64; default 1
   uint32_t fit_steps; // of conjugate gradients a frame, by which irradiance is fitted to surfaces, 0 to 64; default 6
@@ -62,7 +64,8 @@ typedef struct olx_relight_settings {
   float
       near_metres; // probes nearer to the eye are updated most often; at each doubling of the distance half as often, at
                    // least an eighth; 0, the default: an eighth of the scene's diagonal
-  olx_occlusion occlusion; // NULL, the default: shadow rays are traced through the field
+  olx_occlusion occlusion; // NULL, the default: shadow rays are traced through the field, and light of hidden surfaces is
+                           // guessed
   void *user;              // handed to it
   uint32_t threads;        // 0: as many as the machine has
 } olx_relight_settings;
@@ -82,7 +85,7 @@ olx_result olx_relight_set_lights(olx_relight *relight, const olx_relight_light 
 // What a frame did.
 typedef struct olx_relight_stats {
   uint32_t irradiance_probes;    // updated
-  uint64_t surface_texels;       // of them
+  uint64_t surface_texels;       // of them, with hidden surfaces
   uint64_t radiance_texels;      // of light field probes
   uint64_t shadow_rays, lookups; // lookups: of irradiance
   uint32_t awake;                // probes of both kinds that wait, after the frame

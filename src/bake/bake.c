@@ -211,6 +211,7 @@ static olx_result create_file(bake *b, const char *path) {
     header.info.relight_size = olx_relight_surface_size(s->irradiance_size);
     header.info.relight_points = s->fit ? OLX_FIT_POINTS_PER_PROBE : 0;
     header.info.relight_rays = s->fit ? OLX_RELIGHT_RAYS : 0;
+    header.info.relight_hidden = s->fit ? olx_relight_hidden(header.info.relight_size) : 0;
   }
   for (olx_select select = OLX_SELECT_CAGE; select < OLX_SELECT_STORED; select++) {
     header.select_data[select] = b->selectors.data[select];

@@ -5,10 +5,23 @@
 #include "core/result.h"
 #include "select/cage.h"
 
-enum { PACKET = 128 };
+enum {
+  PACKET = 128,
+  PROBE_RAYS = OLX_FIT_POINTS_PER_PROBE * OLX_RELIGHT_RAYS,
+  SURFACES_A_HIDDEN = 4, // so many surfaces that a probe sees go with a place for one that none sees
+  HIDDEN_PLACES = 512    // at most
+};
+
+// A surface takes this share of a map of n x n directions, along a side: the root of 4 pi.
+static const float VIEW_SIDE = 3.5449077f;
 
 uint32_t olx_relight_surface_size(uint32_t irradiance_size) {
   return irradiance_size < 16 ? 16 : irradiance_size > 128 ? 128 : irradiance_size;
+}
+
+uint32_t olx_relight_hidden(uint32_t surface_size) {
+  const uint32_t places = surface_size * surface_size / SURFACES_A_HIDDEN;
+  return places < HIDDEN_PLACES ? places : HIDDEN_PLACES;
 }
 
 // Surfaces reflect here as they do on average over views, because they will be looked at from elsewhere.
@@ -53,7 +66,7 @@ static float mismatch(const olx_relight_bake *b, uint32_t probe, olx_vec3 point,
   *index = probe * b->size * b->size + i;
   if (s->distance >= 0x7C00u || olx_dot(olx_normal_unpack(s->normal), normal) < 0.8f) return INFINITY;
   const olx_vec3 away = olx_sub(point, surface_place(b, probe, i, s));
-  const float footprint = olx_half_unpack(s->distance) * b->distance_scale * 3.5449077f / n;
+  const float footprint = olx_half_unpack(s->distance) * b->distance_scale * VIEW_SIDE / n;
   const float height = fabsf(olx_dot(away, normal));
   return height > 0.5f * footprint ? INFINITY : olx_length(away);
 }
@@ -93,30 +106,66 @@ static olx_vec3 hit_place(const olx_scene *scene, const olx_ray_hit *hit, olx_ve
   return place;
 }
 
+// Where a ray ended that no probe sees there; shadow rays may begin at the place.
+static olx_ray_end ray_end(const olx_relight_bake *b, const olx_ray_hit *hit, olx_vec3 direction) {
+  const olx_surface surface = olx_surface_at(b->scene, hit, direction);
+  const olx_vec3 inside = olx_add(surface.position, surface.inward);
+  return (olx_ray_end){olx_madd(inside, surface.geometric_normal, surface.epsilon), surface.shading_normal,
+                       matte_albedo(&surface)};
+}
+
 static void find_points(void *user, uint32_t i) {
   const olx_relight_bake *b = user;
   uint32_t *words = b->fit + (size_t)i * (4 + OLX_RELIGHT_RAYS);
+  uint32_t *met = b->met + (size_t)i * OLX_RELIGHT_RAYS;
   olx_vec3 position = {0}, normal = {0};
   const olx_ray_hit *hits;
   const bool valid =
       olx_surface_fit_point(b->fitted, b->probe * OLX_FIT_POINTS_PER_PROBE + i, &position, &normal, &hits);
-  const olx_fit_place place = {valid ? position : olx_splat(0.0f), valid ? olx_normal_pack(normal) : OLX_FIT_NO_POINT};
-  memcpy(words, &place, sizeof place);
+  const olx_fit_place at = {valid ? position : olx_splat(0.0f), valid ? olx_normal_pack(normal) : OLX_FIT_NO_POINT};
+  memcpy(words, &at, sizeof at);
   for (uint32_t k = 0; k < OLX_RELIGHT_RAYS; k++) {
-    words[4 + k] = OLX_FIT_RAY_SKY;
+    met[k] = OLX_FIT_RAY_SKY;
     if (!valid || hits[k].triangle == OLX_NO_HIT) continue;
     olx_vec3 facing;
-    const olx_vec3 met = hit_place(b->scene, &hits[k], position, &facing);
-    words[4 + k] = find_surface(b, met, facing);
+    const olx_vec3 place = hit_place(b->scene, &hits[k], position, &facing);
+    met[k] = find_surface(b, place, facing);
+    if (met[k] != OLX_FIT_RAY_UNKNOWN) continue;
+    b->ends[(size_t)i * OLX_RELIGHT_RAYS + k] = ray_end(b, &hits[k], olx_normalize(olx_sub(place, position)));
   }
+}
+
+// The points of a probe, their rays and what is hidden there.
+static olx_result find_fit(olx_relight_bake *b) {
+  OLX_TRY(olx_parallel_for(OLX_FIT_POINTS_PER_PROBE, b->threads, find_points, b, b->task, 0));
+  const uint32_t most = olx_relight_hidden(b->size);
+  const olx_hidden_input input = {.ends = b->ends,
+                                  .rays = b->met,
+                                  .count = PROBE_RAYS,
+                                  .probe = b->positions[b->probe],
+                                  .angle = VIEW_SIDE / (float)b->size,
+                                  .least_length = 1e-6f * b->distance_scale,
+                                  .first = b->probe_count * b->size * b->size + b->probe * most,
+                                  .most = most};
+  if (!olx_hidden_merge(&input, b->hidden)) return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for surfaces");
+  for (uint32_t i = 0; i < OLX_FIT_POINTS_PER_PROBE; i++) {
+    memcpy(b->fit + (size_t)i * (4 + OLX_RELIGHT_RAYS) + 4, b->met + (size_t)i * OLX_RELIGHT_RAYS,
+           OLX_RELIGHT_RAYS * sizeof *b->met);
+  }
+  return OLX_OK;
 }
 
 olx_result olx_relight_bake_create(olx_relight_bake *b) {
   const size_t surfaces = (size_t)b->size * b->size, texels = (size_t)b->radiance_size * b->radiance_size;
   b->surfaces = olx_allocate(b->probe_count * surfaces, sizeof *b->surfaces);
   b->fit = olx_allocate((size_t)OLX_FIT_POINTS_PER_PROBE * (4 + OLX_RELIGHT_RAYS), sizeof *b->fit);
+  b->met = olx_allocate(PROBE_RAYS, sizeof *b->met);
+  b->ends = olx_allocate(PROBE_RAYS, sizeof *b->ends);
+  b->hidden = olx_allocate(olx_relight_hidden(b->size), sizeof *b->hidden);
   b->albedo = olx_allocate(texels, sizeof *b->albedo);
-  if (!b->surfaces || !b->fit || !b->albedo) return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for surfaces");
+  if (!b->surfaces || !b->fit || !b->met || !b->ends || !b->hidden || !b->albedo) {
+    return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for surfaces");
+  }
   b->rays += b->probe_count * surfaces;
   return olx_parallel_for(b->probe_count * b->size, b->threads, see_surfaces, b, b->task, 0);
 }
@@ -124,6 +173,9 @@ olx_result olx_relight_bake_create(olx_relight_bake *b) {
 void olx_relight_bake_free(olx_relight_bake *b) {
   olx_release(b->surfaces);
   olx_release(b->fit);
+  olx_release(b->met);
+  olx_release(b->ends);
+  olx_release(b->hidden);
   olx_release(b->albedo);
   *b = (olx_relight_bake){0};
 }
@@ -131,8 +183,9 @@ void olx_relight_bake_free(olx_relight_bake *b) {
 olx_result olx_relight_bake_write(olx_relight_bake *b, const olx_surface_fit *fit, olx_field_writer *writer) {
   b->fitted = fit;
   for (b->probe = 0; b->probe < b->probe_count; b->probe++) {
-    if (fit) OLX_TRY(olx_parallel_for(OLX_FIT_POINTS_PER_PROBE, b->threads, find_points, b, b->task, 0));
-    const olx_relight_record record = {b->surfaces + (size_t)b->probe * b->size * b->size, fit ? b->fit : NULL};
+    if (fit) OLX_TRY(find_fit(b));
+    const olx_relight_record record = {b->surfaces + (size_t)b->probe * b->size * b->size, fit ? b->fit : NULL,
+                                       fit ? b->hidden : NULL};
     OLX_TRY(olx_field_writer_relight(writer, b->probe, &record));
   }
   return OLX_OK;

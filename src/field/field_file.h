@@ -69,11 +69,13 @@ typedef enum olx_chunk_kind {
   OLX_CHUNK_CLASSIC_IRRADIANCE,
   OLX_CHUNK_CLASSIC_RADIANCE,
   OLX_CHUNK_CLASSIC_BOXES,
-  // What relighting needs: all of these or none, but for the last, which goes with irradiance that was fitted.
+  // What relighting needs: all of these or none, but for the last two: points go with irradiance that was fitted, hidden
+  // surfaces with rays from points that meet some.
   OLX_CHUNK_RELIGHT,
   OLX_CHUNK_ALBEDO,
   OLX_CHUNK_SURFACES,
   OLX_CHUNK_FIT,
+  OLX_CHUNK_HIDDEN,
   OLX_CHUNK_KINDS
 } olx_chunk_kind;
 
@@ -104,6 +106,8 @@ olx_result olx_classic_open(olx_field *field);
 // The same of what relighting needs.
 olx_result olx_relight_info_check(const olx_field_info *info, const char *name, olx_result failure);
 olx_result olx_relight_open(olx_field *field);
+// Whether a field of that description has such a chunk, from OLX_CHUNK_RELIGHT to OLX_CHUNK_HIDDEN.
+bool olx_relight_has_chunk(const olx_field_info *info, olx_chunk_kind kind);
 // Whether positions are finite and, with a grid, stand on it.
 olx_result olx_positions_check(const olx_vec3 *positions, uint32_t count, const olx_grid *grid, const char *kind,
                                const char *name, olx_result failure);

@@ -196,14 +196,32 @@ static olx_result check_surfaces(const olx_field *field, uint32_t probe) {
   return OLX_OK;
 }
 
+// A position with the normal there, of a point or a hidden surface.
+static bool is_bad_place(const void *place) {
+  olx_fit_place p;
+  memcpy(&p, place, sizeof p);
+  const float most = olx_max3(olx_max_each(p.position, olx_negate(p.position)));
+  return !olx_finite(p.position) || most > OLX_FIELD_MAX_LENGTH ||
+         (p.normal != OLX_FIT_NO_POINT && (p.normal > UINT16_MAX || is_bad_normal((uint16_t)p.normal)));
+}
+
+static olx_result check_hidden(const olx_field *field, uint32_t probe) {
+  const olx_relight_maps *maps = &field->relight;
+  for (uint32_t i = 0; i < maps->hidden; i++) {
+    const olx_hidden_surface *s = &maps->hidden_surfaces[(size_t)maps->hidden * probe + i];
+    if (!is_bad_place(s) && !is_bad_albedo(s->albedo)) continue;
+    return olx_fail(OLX_ERROR_FORMAT, "%s: chunk HIDN: surface %u of probe %u is impossible", field->name, i, probe);
+  }
+  return OLX_OK;
+}
+
 static olx_result check_fit(const olx_field *field, uint32_t probe) {
   const olx_relight_maps *maps = &field->relight;
   const size_t words = olx_fit_words(maps);
-  const uint32_t surfaces = maps->size * maps->size * field->info.irradiance_probe_count;
+  const uint32_t surfaces = (maps->size * maps->size + maps->hidden) * field->info.irradiance_probe_count;
   for (uint32_t i = 0; i < maps->points; i++) {
-    const uint32_t *point = maps->fit + (maps->points * (size_t)probe + i) * words, normal = point[3];
-    bool bad = normal != OLX_FIT_NO_POINT && (normal > UINT16_MAX || is_bad_normal((uint16_t)normal));
-    for (uint32_t k = 0; k < 3; k++) bad |= !(fabsf(olx_bits_float(point[k])) <= OLX_FIELD_MAX_LENGTH);
+    const uint32_t *point = maps->fit + (maps->points * (size_t)probe + i) * words;
+    bool bad = is_bad_place(point);
     for (size_t k = 4; k < words; k++) bad |= point[k] >= surfaces && point[k] < OLX_FIT_RAY_UNKNOWN;
     if (bad) return olx_fail(OLX_ERROR_FORMAT, "%s: chunk FITP: point %u of probe %u is impossible", field->name, i, probe);
   }
@@ -255,5 +273,6 @@ olx_result olx_field_verify(const olx_field *field) {
   if (!field->relight.size) return OLX_OK;
   OLX_TRY(check_all(field, check_albedo, field->info.probe_count));
   OLX_TRY(check_all(field, check_surfaces, field->info.irradiance_probe_count));
-  return field->relight.points ? check_all(field, check_fit, field->info.irradiance_probe_count) : OLX_OK;
+  if (field->relight.points) OLX_TRY(check_all(field, check_fit, field->info.irradiance_probe_count));
+  return field->relight.hidden ? check_all(field, check_hidden, field->info.irradiance_probe_count) : OLX_OK;
 }

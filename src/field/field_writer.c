@@ -38,8 +38,8 @@ static void lay_out(olx_field_writer *writer, const olx_field_header *header) {
   for (uint32_t k = OLX_CHUNK_CLASSIC; k <= OLX_CHUNK_CLASSIC_BOXES; k++) {
     writer->present[k] = writer->info.classic_size > 0;
   }
-  for (uint32_t k = OLX_CHUNK_RELIGHT; k <= OLX_CHUNK_FIT; k++) {
-    writer->present[k] = k == OLX_CHUNK_FIT ? writer->info.relight_points > 0 : writer->info.relight_size > 0;
+  for (uint32_t k = OLX_CHUNK_RELIGHT; k <= OLX_CHUNK_HIDDEN; k++) {
+    writer->present[k] = olx_relight_has_chunk(&writer->info, k);
   }
   for (uint32_t k = 0; k < OLX_CHUNK_KINDS; k++) writer->chunk_count += writer->present[k];
   uint64_t end = sizeof(olx_file_header) + writer->chunk_count * sizeof(olx_file_chunk);
@@ -112,8 +112,10 @@ static olx_result put_classic_header(olx_field_writer *writer, const olx_field_h
 
 static olx_result put_relight_header(olx_field_writer *writer) {
   if (!writer->present[OLX_CHUNK_RELIGHT]) return OLX_OK;
-  const olx_relight_header relight = {
-      .size = writer->info.relight_size, .points = writer->info.relight_points, .rays = writer->info.relight_rays};
+  const olx_relight_header relight = {.size = writer->info.relight_size,
+                                      .points = writer->info.relight_points,
+                                      .rays = writer->info.relight_rays,
+                                      .hidden = writer->info.relight_hidden};
   return put_whole(writer, OLX_CHUNK_RELIGHT, &relight);
 }
 
@@ -267,7 +269,8 @@ olx_result olx_field_writer_classic(olx_field_writer *writer, uint32_t index, co
 
 static olx_result write_relight(olx_field_writer *writer, uint32_t index, const olx_relight_record *record) {
   OLX_TRY(put(writer, OLX_CHUNK_SURFACES, index, record->surfaces));
-  return writer->present[OLX_CHUNK_FIT] ? put(writer, OLX_CHUNK_FIT, index, record->fit) : OLX_OK;
+  if (writer->present[OLX_CHUNK_FIT]) OLX_TRY(put(writer, OLX_CHUNK_FIT, index, record->fit));
+  return writer->present[OLX_CHUNK_HIDDEN] ? put(writer, OLX_CHUNK_HIDDEN, index, record->hidden) : OLX_OK;
 }
 
 olx_result olx_field_writer_relight(olx_field_writer *writer, uint32_t index, const olx_relight_record *record) {

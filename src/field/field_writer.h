@@ -26,6 +26,7 @@ typedef struct olx_classic_record {
 typedef struct olx_relight_record {
   const olx_surface_sample *surfaces; // info.relight_size^2
   const uint32_t *fit;                // info.relight_points points with their rays; NULL when there are none
+  const olx_hidden_surface *hidden;   // info.relight_hidden; NULL when there are none
 } olx_relight_record;
 
 // Lays the file out and creates it beside `path`. Positions are copied; what the selectors

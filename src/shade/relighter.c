@@ -68,8 +68,17 @@ typedef struct surface_view {
   float distance; // metres; infinite for the sky
 } surface_view;
 
+// Seen by no probe: at no distance, so that it shares its look-up with no other, whose neighbour it hardly is.
+static surface_view view_hidden(const olx_relight *r, uint32_t probe, size_t i) {
+  const olx_hidden_surface *s = &r->source->relight.hidden_surfaces[(size_t)r->hidden * probe + i];
+  if (s->normal == OLX_FIT_NO_POINT) return (surface_view){.distance = INFINITY};
+  const olx_vec3 normal = olx_normal_unpack((uint16_t)s->normal);
+  return (surface_view){s->position, normal, normal, olx_relit_albedo(s->albedo), 0.0f};
+}
+
 // Surface `i` of an irradiance probe, moved a little off.
 static surface_view view_surface(const olx_relight *r, uint32_t probe, uint32_t i) {
+  if (i >= r->surfaces) return view_hidden(r, probe, i - r->surfaces);
   const olx_field *f = r->source;
   const uint32_t n = f->relight.size;
   const olx_surface_sample *s = &f->relight.surfaces[r->surfaces * probe + i];
@@ -96,17 +105,23 @@ static uint32_t block_texel(uint32_t block, uint32_t k, uint32_t side, uint32_t 
   return (block / blocks * side + k / side) * n + block % blocks * side + k % side;
 }
 
-// The surfaces of a probe from number `first` on, in blocks: direct light.
-static void light_surfaces(olx_relight *r, uint32_t probe, uint32_t first, uint32_t count) {
+// The surface of a probe that is number `at` when maps go in blocks.
+static uint32_t block_surface(const olx_relight *r, uint32_t at) {
+  const uint32_t per_block = BLOCK_SIDE * BLOCK_SIDE;
+  if (at >= r->surfaces) return at;
+  return block_texel(at / per_block, at % per_block, BLOCK_SIDE, r->source->relight.size);
+}
+
+// The surfaces of a probe from number `first` to before `end`, in blocks: direct light.
+static void light_surfaces(olx_relight *r, uint32_t probe, uint32_t first, uint32_t end) {
   olx_relit_probe *p = &r->probes[0][probe];
   const bool fixed = p->rounds == 0, varying = r->varying && p->rounds < OLX_RELIT_ROUNDS;
   if (!fixed && !varying) return;
-  const uint32_t n = r->source->relight.size, per_block = BLOCK_SIDE * BLOCK_SIDE;
   olx_relit_batch batch = {.count = 0};
-  for (uint32_t at = first; at < first + count; at++) {
-    const uint32_t i = block_texel(at / per_block, at % per_block, BLOCK_SIDE, n);
+  for (uint32_t at = first; at < end; at++) {
+    const uint32_t i = block_surface(r, at);
     const surface_view v = view_surface(r, probe, i);
-    const size_t index = r->surfaces * probe + i;
+    const size_t index = olx_relit_surface_index(r, probe, i);
     if (fixed) r->direct[index] = r->varying_direct[index] = olx_splat(0.0f);
     if (!(v.distance < INFINITY)) continue;
     const uint32_t k = batch.count++;
@@ -118,7 +133,7 @@ static void light_surfaces(olx_relight *r, uint32_t probe, uint32_t first, uint3
   }
   olx_relit_direct(r, &batch, fixed, varying);
   for (uint32_t k = 0; k < batch.count; k++) {
-    const size_t index = r->surfaces * probe + batch.slot[k];
+    const size_t index = olx_relit_surface_index(r, probe, batch.slot[k]);
     if (fixed) r->direct[index] = batch.fixed[k];
     if (varying) {
       r->varying_direct[index] = olx_mix3(r->varying_direct[index], batch.varying[k], 1.0f / (float)(p->rounds + 1));
@@ -127,17 +142,16 @@ static void light_surfaces(olx_relight *r, uint32_t probe, uint32_t first, uint3
 }
 
 // And what they reflect of it and of the irradiance that there is.
-static void reflect_surfaces(olx_relight *r, uint32_t probe, uint32_t first, uint32_t count) {
-  const uint32_t n = r->source->relight.size, per_block = BLOCK_SIDE * BLOCK_SIDE;
+static void reflect_surfaces(olx_relight *r, uint32_t probe, uint32_t first, uint32_t end) {
   surface_view leader = {.distance = INFINITY};
   olx_vec3 irradiance = {0};
   uint64_t lookups = 0;
-  for (uint32_t at = first; at < first + count; at++) {
-    const uint32_t i = block_texel(at / per_block, at % per_block, BLOCK_SIDE, n);
+  for (uint32_t at = first; at < end; at++) {
+    const uint32_t i = block_surface(r, at);
     const surface_view v = view_surface(r, probe, i);
-    const size_t index = r->surfaces * probe + i;
+    const size_t index = olx_relit_surface_index(r, probe, i);
     r->radiance[index] = olx_splat(0.0f);
-    if (at % per_block == 0) leader.distance = INFINITY;
+    if (at % (BLOCK_SIDE * BLOCK_SIDE) == 0) leader.distance = INFINITY;
     if (!(v.distance < INFINITY)) continue;
     if (!(leader.distance < INFINITY) || !alike(&leader, &v)) {
       irradiance = look_up(r, &v);
@@ -150,13 +164,17 @@ static void reflect_surfaces(olx_relight *r, uint32_t probe, uint32_t first, uin
   atomic_fetch_add_explicit(&r->lookups, lookups, memory_order_relaxed);
 }
 
-static uint32_t batches_of(const olx_relight *r) { return (uint32_t)(r->surfaces / OLX_RELIT_BATCH); }
+static uint32_t batches_of(const olx_relight *r) {
+  return (uint32_t)((olx_relit_surfaces(r) + OLX_RELIT_BATCH - 1) / OLX_RELIT_BATCH);
+}
 
 static void surfaces_job(void *user, uint32_t index) {
   olx_relight *r = user;
   const uint32_t probe = r->scheduled[index / batches_of(r)], first = index % batches_of(r) * OLX_RELIT_BATCH;
-  light_surfaces(r, probe, first, OLX_RELIT_BATCH);
-  reflect_surfaces(r, probe, first, OLX_RELIT_BATCH);
+  const uint32_t all = (uint32_t)olx_relit_surfaces(r), left = all - first;
+  const uint32_t end = left < OLX_RELIT_BATCH ? all : first + OLX_RELIT_BATCH;
+  light_surfaces(r, probe, first, end);
+  reflect_surfaces(r, probe, first, end);
 }
 
 // Texel (x, y) of a light field map; what shines or is sky is left as it is.
@@ -296,7 +314,7 @@ olx_result olx_relight_frame(olx_relight *r, olx_vec3 eye, olx_relight_stats *st
   OLX_TRY(update_maps(r));
   if (stats) {
     *stats = (olx_relight_stats){.irradiance_probes = r->scheduled_count,
-                                 .surface_texels = r->scheduled_count * r->surfaces,
+                                 .surface_texels = r->scheduled_count * olx_relit_surfaces(r),
                                  .radiance_texels = (uint64_t)r->tile_count * r->tile_side * r->tile_side,
                                  .shadow_rays = atomic_load(&r->shadow_rays),
                                  .lookups = atomic_load(&r->lookups),
@@ -397,7 +415,7 @@ static void choose_sizes(olx_relight *r) {
   r->map_texels = (size_t)(r->map_size + 2) * (r->map_size + 2);
   r->tile_side = f->n < OLX_RELIT_TILE_SIDE ? f->n : OLX_RELIT_TILE_SIDE;
   r->tiles_a_probe = f->n / r->tile_side * (f->n / r->tile_side);
-  r->scheduled_most = rounded_up(r->settings.surface_texels, r->surfaces, r->counts[0]);
+  r->scheduled_most = rounded_up(r->settings.surface_texels, olx_relit_surfaces(r), r->counts[0]);
   r->tile_most = rounded_up(r->settings.radiance_texels, (size_t)r->tile_side * r->tile_side,
                             (uint64_t)r->counts[1] * r->tiles_a_probe);
   r->near_metres = r->settings.near_metres;
@@ -406,7 +424,7 @@ static void choose_sizes(olx_relight *r) {
 }
 
 static olx_result allocate_maps(olx_relight *r) {
-  const size_t probes = r->counts[0], surfaces = probes * r->surfaces;
+  const size_t probes = r->counts[0], surfaces = olx_relit_surface_count(r);
   r->lights = olx_allocate(OLX_RELIT_MOST_LIGHTS, sizeof *r->lights);
   r->scheduled = olx_allocate(r->scheduled_most, sizeof *r->scheduled);
   r->in_frame = olx_allocate_zero(probes, sizeof *r->in_frame);
@@ -436,9 +454,9 @@ static olx_result allocate_maps(olx_relight *r) {
 // Surfaces and maps as they were baked.
 static void start_job(void *user, uint32_t probe) {
   olx_relight *r = user;
-  for (uint32_t i = 0; i < r->surfaces; i++) {
+  for (uint32_t i = 0; i < olx_relit_surfaces(r); i++) { // rays to places that are empty have no light
     const surface_view v = view_surface(r, probe, i);
-    olx_vec3 *radiance = &r->radiance[r->surfaces * probe + i];
+    olx_vec3 *radiance = &r->radiance[olx_relit_surface_index(r, probe, i)];
     if (!(v.distance < INFINITY) || baked_radiance(r, v.place, radiance)) continue;
     *radiance = olx_scale(olx_mul(v.albedo, look_up(r, &v)), 1.0f / OLX_PI);
   }
@@ -460,10 +478,31 @@ static void copy_maps(olx_relight *r) {
   r->field.radiance = r->packed_radiance;
 }
 
+// Hidden surfaces: that they can be, which opening a file does not make sure of, and how many of each probe are to be lit.
+static olx_result read_hidden(olx_relight *r) {
+  const olx_relight_maps *maps = &r->source->relight;
+  uint32_t most = 0;
+  for (size_t i = 0; i < (size_t)maps->hidden * r->counts[0]; i++) {
+    const olx_hidden_surface *s = &maps->hidden_surfaces[i];
+    const uint32_t place = (uint32_t)(i % maps->hidden);
+    if (s->normal == OLX_FIT_NO_POINT) continue;
+    if (s->normal > UINT16_MAX || !olx_finite(s->position)) {
+      return olx_fail(OLX_ERROR_FORMAT, "%s: chunk HIDN: surface %u of probe %u is impossible", r->source->name, place,
+                      (uint32_t)(i / maps->hidden));
+    }
+    most = place >= most ? place + 1 : most;
+  }
+  const bool lit = r->settings.occlusion != NULL;
+  r->hidden = lit ? maps->hidden : 0;
+  r->hidden_most = lit ? most : 0;
+  return OLX_OK;
+}
+
 static olx_result build(olx_relight *r) {
   const olx_field *f = r->source;
   const uint32_t threads = r->settings.threads;
   OLX_TRY(make_probes(r));
+  OLX_TRY(read_hidden(r));
   choose_sizes(r);
   OLX_TRY(allocate_maps(r));
   copy_maps(r);

@@ -76,8 +76,10 @@ struct olx_relight {
   uint32_t current; // light field probe whose pass is under way, or UINT32_MAX
   olx_relit_shares shares;
 
-  // Surfaces of irradiance probes, `surfaces` each.
+  // Surfaces: `surfaces` of each irradiance probe, then `hidden` of each, as rays of the fit's points number them.
   size_t surfaces;
+  uint32_t hidden;                   // 0 where shadow rays are traced through the field, which does not see hidden surfaces
+  uint32_t hidden_most;              // of these places so many are in use at most
   olx_vec3 *direct, *varying_direct; // irradiance of lights without and with an area
   olx_vec3 *radiance;                // that leaves them
   // Working maps of irradiance, `map_size` texels a side.
@@ -159,6 +161,14 @@ olx_result olx_relit_fit_solve(olx_relight *relight, uint32_t steps);
 olx_vec3 olx_relit_correction(const olx_relit_fit *fit, uint32_t probe, olx_vec2 uv);
 
 // ---- Surfaces (relighter.c)
+
+// Those of an irradiance probe that are lit, and where each of them is among all probes'.
+static inline size_t olx_relit_surfaces(const olx_relight *r) { return r->surfaces + r->hidden_most; }
+static inline size_t olx_relit_surface_index(const olx_relight *r, uint32_t probe, size_t i) {
+  if (i < r->surfaces) return r->surfaces * probe + i;
+  return r->surfaces * r->counts[0] + (size_t)r->hidden * probe + i - r->surfaces;
+}
+static inline size_t olx_relit_surface_count(const olx_relight *r) { return (r->surfaces + r->hidden) * r->counts[0]; }
 
 static inline olx_vec3 olx_relit_albedo(uint32_t code) {
   return olx_min_each(olx_r11g11b10f_unpack(code), olx_splat(1.0f));

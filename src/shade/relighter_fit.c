@@ -53,7 +53,7 @@ static olx_bilinear without_border(olx_bilinear texels, uint32_t n) {
 // Everything about a point but its light. False when its record is impossible.
 static bool read_point(olx_relight *r, uint32_t point, uint32_t *taps) {
   const uint32_t *words = words_of(r, point), rays = r->source->relight.rays;
-  const size_t surfaces = r->surfaces * r->counts[0];
+  const size_t surfaces = (r->surfaces + r->source->relight.hidden) * r->counts[0];
   olx_relit_fit *f = &r->fit;
   olx_fit_place place;
   memcpy(&place, words, sizeof place);
@@ -96,13 +96,14 @@ olx_result olx_relit_fit_create(olx_relight *r) {
 
 void olx_relit_fit_measure(olx_relight *r, uint32_t probe) {
   const uint32_t points = r->source->relight.points, rays = r->source->relight.rays;
+  const size_t lit = olx_relit_surface_count(r); // hidden surfaces that are not are unknown
   for (uint32_t point = points * probe; point < points * (probe + 1); point++) {
     if (!r->fit.valid[point]) continue;
     const uint32_t *ray = words_of(r, point) + 4;
     olx_vec3 sum = {0};
     uint32_t known = 0;
     for (uint32_t k = 0; k < rays; k++) {
-      if (ray[k] == OLX_FIT_RAY_UNKNOWN) continue;
+      if (ray[k] >= lit && ray[k] != OLX_FIT_RAY_SKY) continue;
       known++;
       if (ray[k] != OLX_FIT_RAY_SKY) sum = olx_add(sum, r->radiance[ray[k]]);
     }

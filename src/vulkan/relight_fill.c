@@ -239,11 +239,29 @@ static olx_result copy_taps(olx_vulkan_relight *v, olx_uploader *uploader) {
   return result;
 }
 
+// Points with their rays, a probe at a time. Hidden surfaces are not lit here: rays to them are unknown.
+static olx_result copy_points(olx_vulkan_relight *v, olx_uploader *uploader) {
+  const olx_relight *r = v->relight;
+  const olx_relight_maps *maps = &r->source->relight;
+  const size_t words = olx_fit_words(maps), count = words * maps->points, surfaces = r->surfaces * r->counts[0];
+  uint32_t *copy = olx_allocate(count, sizeof *copy);
+  if (!copy) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", WHAT);
+  olx_result result = OLX_OK;
+  for (uint32_t probe = 0; probe < r->counts[0] && result == OLX_OK; probe++) {
+    memcpy(copy, maps->fit + count * probe, count * sizeof *copy);
+    for (size_t i = 0; i < count; i++) {
+      if (i % words >= 4 && copy[i] >= surfaces && copy[i] != OLX_FIT_RAY_SKY) copy[i] = OLX_FIT_RAY_UNKNOWN;
+    }
+    result = copy_words(v, uploader, OLX_BUFFER_FIT, (uint32_t)(count * probe), copy, count);
+  }
+  olx_release(copy);
+  return result;
+}
+
 static olx_result copy_fit(olx_vulkan_relight *v, olx_uploader *uploader) {
   const olx_relit_fit *f = &v->relight->fit;
-  const olx_relight_maps *maps = &v->relight->source->relight;
   if (!f->count) return OLX_OK;
-  OLX_TRY(copy_words(v, uploader, OLX_BUFFER_FIT, 0, maps->fit, olx_fit_words(maps) * f->count));
+  OLX_TRY(copy_points(v, uploader));
   OLX_TRY(copy_words(v, uploader, OLX_BUFFER_FIT, v->constants.tap_starts, f->tap_starts, (uint64_t)f->count + 1));
   OLX_TRY(copy_taps(v, uploader));
   return copy_transpose(v, uploader);

@@ -3,11 +3,10 @@
 #include "core/hooks.h"
 #include "core/pack.h"
 
-enum { MOST_TRIES = 16, NONE = -1 };
+enum { MOST_TRIES = 24, NONE = -1 };
 
-static const float GROWTH = 1.5f;
-static const float LEAST_COSINE =
-    0.8f; // between normals of what is one surface, as between a ray's end and a probe's surface
+static const float GROWTH = 1.25f;
+static const float LEAST_COSINE = 0.8f; // between normals of what is one surface
 
 // Ends that are one surface: it lies at the first.
 typedef struct group {
@@ -31,8 +30,8 @@ static int32_t nearest_group(const group *groups, uint32_t count, const olx_ray_
   return found;
 }
 
-// Groups of the ends that `scale` times the size of a surface reaches; of[i] becomes the group of ray i, or NONE. False once places run out, when
-// `all` ends have to find one.
+// Groups of ends, `scale` times as large as a surface of the probe's map; of[i] becomes the group of ray i, or NONE. False once
+// places run out, when `all` ends have to find one.
 static bool find_groups(const olx_hidden_input *in, float scale, bool all, group *groups, uint32_t *count,
                         int32_t *of) {
   *count = 0;

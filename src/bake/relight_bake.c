@@ -9,7 +9,7 @@ enum {
   PACKET = 128,
   PROBE_RAYS = OLX_FIT_POINTS_PER_PROBE * OLX_RELIGHT_RAYS,
   SURFACES_A_HIDDEN = 4, // so many surfaces that a probe sees go with a place for one that none sees
-  HIDDEN_PLACES = 512    // at most
+  HIDDEN_PLACES = 1024   // at most
 };
 
 // A surface takes this share of a map of n x n directions, along a side: the root of 4 pi.

@@ -83,3 +83,10 @@ void assert_field_unverified(const field_image *i, olx_result expected, const ch
   assert_says(message);
   olx_field_close(field);
 }
+
+void assert_field_sound(const field_image *i) {
+  olx_field *field;
+  assert_int_equal(olx_field_open_memory(i->bytes, i->size_bytes, &field), OLX_OK);
+  if (olx_field_verify(field) != OLX_OK) fail_msg("%s", olx_last_error());
+  olx_field_close(field);
+}

@@ -64,5 +64,6 @@ void assert_says(const char *expected);
 // Opening fails, or only verifying, with this result and these words.
 void assert_field_refused(const field_image *i, olx_result expected, const char *message);
 void assert_field_unverified(const field_image *i, olx_result expected, const char *message);
+void assert_field_sound(const field_image *i);
 
 #endif

@@ -4,6 +4,20 @@
 #include "core/hooks.h"
 #include "field/field_writer.h"
 
+// With a wrong value in a place of `i` the file is refused, or only when it is verified, with these words.
+#define WRONG(place, value, judge, message)                                                                            \
+  do {                                                                                                                 \
+    __typeof__(place) *at = &(place), good = *at;                                                                      \
+    *at = (value);                                                                                                     \
+    field_seal(&i);                                                                                                    \
+    judge(&i, OLX_ERROR_FORMAT, message);                                                                              \
+    *at = good;                                                                                                        \
+  } while (0)
+#define REFUSED(place, value, message) WRONG(place, value, assert_field_refused, message)
+#define UNVERIFIED(place, value, message) WRONG(place, value, assert_field_unverified, message)
+// A chunk of `i`.
+#define WORDS(chunk) ((uint32_t *)(i.bytes + i.chunks[chunk].offset))
+
 // --- Classic maps: chunks after the required ones, since the field has no selector but the cage
 
 enum { CLAS = OLX_CHUNK_REQUIRED, CIRR, CRAD, CBOX };
@@ -11,14 +25,6 @@ enum { CLAS = OLX_CHUNK_REQUIRED, CIRR, CRAD, CBOX };
 static void test_refuses_wrong_classic_maps(void **state) {
   const field_image i = field_image_load(*state, &classic);
   olx_classic_header *header = (olx_classic_header *)(i.bytes + i.chunks[CLAS].offset);
-#define REFUSED(place, value, message)                                                                                 \
-  do {                                                                                                                 \
-    __typeof__(place) *at = &(place), good = *at;                                                                      \
-    *at = (value);                                                                                                     \
-    field_seal(&i);                                                                                                    \
-    assert_field_refused(&i, OLX_ERROR_FORMAT, message);                                                               \
-    *at = good;                                                                                                        \
-  } while (0)
   REFUSED(header->size, 16, "classic size 16 is not a power of two in 32..256");
   REFUSED(header->size, 48, "classic size 48");
   REFUSED(header->size, 512, "classic size 512");
@@ -40,7 +46,6 @@ static void test_refuses_wrong_classic_maps(void **state) {
   REFUSED(i.chunks[CBOX].type, i.chunks[CIRR].type, "two chunks CIRR");
   REFUSED(i.chunks[CLAS].type, strange, "a chunk CIRR, but no chunk CLAS");
   REFUSED(i.chunks[CIRR].record_bytes, 64, "chunk CIRR");
-#undef REFUSED
   field_seal(&i);
   i.chunks[CRAD].flags = 0;
   field_seal(&i);
@@ -55,28 +60,16 @@ static void test_refuses_wrong_classic_maps(void **state) {
 static void test_verify_reads_classic_maps(void **state) {
   const field_image i = field_image_load(*state, &classic);
   const size_t texels = 66 * 66, record = olx_classic_first(64, OLX_CLASSIC_LEVELS);
-#define REFUSED(chunk, index, value, message)                                                                          \
-  do {                                                                                                                 \
-    uint32_t *codes = (uint32_t *)(i.bytes + i.chunks[chunk].offset), good = codes[index];                             \
-    codes[index] = (value);                                                                                            \
-    field_seal(&i);                                                                                                    \
-    assert_field_unverified(&i, OLX_ERROR_FORMAT, message);                                                            \
-    codes[index] = good;                                                                                               \
-  } while (0)
-  REFUSED(CIRR, 2 * texels + 70, 0x7C0, "classic irradiance of probe 2, texel (3, 0): not a finite");
-  REFUSED(CIRR, 0, 3, "classic irradiance of probe 0: border texel (-1, -1) differs");
-  REFUSED(CRAD, record + 70, 0xF8000000, "classic radiance of probe 1, texel (3, 0): not a finite");
-  REFUSED(CRAD, olx_classic_first(64, 4), 3, "classic radiance of probe 0: border texel (-1, -1) differs");
-  REFUSED(CLAS, 16 + 99, 0x7C00, "entry 99 of the table: impossible");
-  REFUSED(CLAS, 16, 0x7E000000, "entry 0 of the table: impossible");
-  REFUSED(CLAS, 16 + 4095, 0x80000000, "entry 4095 of the table: impossible");
-  REFUSED(CLAS, 16 + 1, 0x40004000, "entry 1 of the table: impossible");
-#undef REFUSED
+  UNVERIFIED(WORDS(CIRR)[2 * texels + 70], 0x7C0, "classic irradiance of probe 2, texel (3, 0): not a finite");
+  UNVERIFIED(WORDS(CIRR)[0], 3, "classic irradiance of probe 0: border texel (-1, -1) differs");
+  UNVERIFIED(WORDS(CRAD)[record + 70], 0xF8000000, "classic radiance of probe 1, texel (3, 0): not a finite");
+  UNVERIFIED(WORDS(CRAD)[olx_classic_first(64, 4)], 3, "classic radiance of probe 0: border texel (-1, -1) differs");
+  UNVERIFIED(WORDS(CLAS)[16 + 99], 0x7C00, "entry 99 of the table: impossible");
+  UNVERIFIED(WORDS(CLAS)[16], 0x7E000000, "entry 0 of the table: impossible");
+  UNVERIFIED(WORDS(CLAS)[16 + 4095], 0x80000000, "entry 4095 of the table: impossible");
+  UNVERIFIED(WORDS(CLAS)[16 + 1], 0x40004000, "entry 1 of the table: impossible");
   field_seal(&i);
-  olx_field *field;
-  assert_int_equal(olx_field_open_memory(i.bytes, i.size_bytes, &field), OLX_OK);
-  assert_int_equal(olx_field_verify(field), OLX_OK);
-  olx_field_close(field);
+  assert_field_sound(&i);
   olx_release(i.bytes);
 }
 
@@ -102,24 +95,12 @@ static void test_refuses_wrong_harmonics(void **state) {
 static void test_verify_reads_harmonics(void **state) {
   const field_image i = field_image_load(*state, &third_order);
   uint16_t *halves = (uint16_t *)(i.bytes + i.chunks[OLX_CHUNK_IRRADIANCE].offset);
-#define REFUSED(index, value, message)                                                                                 \
-  do {                                                                                                                 \
-    const uint16_t good = halves[index];                                                                               \
-    halves[index] = (value);                                                                                           \
-    field_seal(&i);                                                                                                    \
-    assert_field_unverified(&i, OLX_ERROR_FORMAT, message);                                                            \
-    halves[index] = good;                                                                                              \
-  } while (0)
-  REFUSED(28 * 2 + 13, 0x7C00, "irradiance of probe 2: coefficient 4: impossible (code 0x7c00)");
-  REFUSED(5, 0xFE00, "irradiance of probe 0: coefficient 1");   // NaN
-  REFUSED(28 + 1, 0xB800, "irradiance of probe 1: coefficient 0"); // a mean below zero
-  REFUSED(28 * 5 + 27, 1, "irradiance of probe 5: coefficient 9"); // what fills the last word
-#undef REFUSED
+  UNVERIFIED(halves[28 * 2 + 13], 0x7C00, "irradiance of probe 2: coefficient 4: impossible (code 0x7c00)");
+  UNVERIFIED(halves[5], 0xFE00, "irradiance of probe 0: coefficient 1");      // NaN
+  UNVERIFIED(halves[28 + 1], 0xB800, "irradiance of probe 1: coefficient 0"); // a mean below zero
+  UNVERIFIED(halves[28 * 5 + 27], 1, "irradiance of probe 5: coefficient 9"); // what fills the last word
   field_seal(&i);
-  olx_field *field;
-  assert_int_equal(olx_field_open_memory(i.bytes, i.size_bytes, &field), OLX_OK);
-  assert_int_equal(olx_field_verify(field), OLX_OK);
-  olx_field_close(field);
+  assert_field_sound(&i);
   olx_release(i.bytes);
 }
 
@@ -130,14 +111,6 @@ enum { RLIT = OLX_CHUNK_REQUIRED, ALBE, SURF, FITP, HIDN };
 static void test_refuses_wrong_relight_chunks(void **state) {
   const field_image i = field_image_load(*state, &relit);
   olx_relight_header *header = (olx_relight_header *)(i.bytes + i.chunks[RLIT].offset);
-#define REFUSED(place, value, message)                                                                                 \
-  do {                                                                                                                 \
-    __typeof__(place) *at = &(place), good = *at;                                                                      \
-    *at = (value);                                                                                                     \
-    field_seal(&i);                                                                                                    \
-    assert_field_refused(&i, OLX_ERROR_FORMAT, message);                                                               \
-    *at = good;                                                                                                        \
-  } while (0)
   REFUSED(header->size, 8, "8 surfaces along a side are not 16, 32, 64 or 128");
   REFUSED(header->size, 0, "0 surfaces");
   REFUSED(header->size, 256, "256 surfaces");
@@ -158,7 +131,6 @@ static void test_refuses_wrong_relight_chunks(void **state) {
   REFUSED(i.chunks[HIDN].element_bytes, 4, "chunk HIDN");
   REFUSED(i.chunks[RLIT].type, strange, "a chunk ALBE, but no chunk RLIT");
   REFUSED(i.chunks[ALBE].record_bytes, 64, "chunk ALBE");
-#undef REFUSED
   field_seal(&i);
   header->points ^= 1;
   assert_field_refused(&i, OLX_ERROR_CHECKSUM, "chunk RLIT: wrong checksum");
@@ -172,7 +144,8 @@ static void test_refuses_hidden_surfaces_without_points(void **state) {
   const field_image i = field_image_load(*state, &shape);
   ((olx_relight_header *)(i.bytes + i.chunks[RLIT].offset))->hidden = 5;
   field_seal(&i);
-  assert_field_refused(&i, OLX_ERROR_FORMAT, "5 hidden surfaces and 0 points a probe: at most 1024, none without points");
+  assert_field_refused(&i, OLX_ERROR_FORMAT,
+                       "5 hidden surfaces and 0 points a probe: at most 1024, none without points");
   olx_release(i.bytes);
 }
 
@@ -188,39 +161,27 @@ static void test_refuses_to_relight_harmonics(void **state) {
 
 static void test_verify_reads_relight_chunks(void **state) {
   const field_image i = field_image_load(*state, &relit);
-#define REFUSED(chunk, index, value, message)                                                                          \
-  do {                                                                                                                 \
-    uint32_t *codes = (uint32_t *)(i.bytes + i.chunks[chunk].offset), good = codes[index];                             \
-    codes[index] = (value);                                                                                            \
-    field_seal(&i);                                                                                                    \
-    assert_field_unverified(&i, OLX_ERROR_FORMAT, message);                                                            \
-    codes[index] = good;                                                                                               \
-  } while (0)
-  REFUSED(ALBE, 18 * 18 + 20, 0x3C1, "albedo of probe 1, texel (1, 0): not in 0..1");
-  REFUSED(ALBE, 20, 0x7C0, "albedo of probe 0, texel (1, 0): not in 0..1");
-  REFUSED(ALBE, 0, 3, "albedo of probe 0: border texel (-1, -1) differs");
-  REFUSED(SURF, 2 * 256, 0x7C0, "surface 0 of probe 1");
-  REFUSED(SURF, 2 * 7 + 1, 0x7C0100FF, "surface 7 of probe 0"); // a normal's coordinate beyond 254
-  REFUSED(SURF, 2 * 7 + 1, 0x7C010000, "surface 7 of probe 0"); // NaN
-  REFUSED(SURF, 2 * 7 + 1, 0x80000000, "surface 7 of probe 0"); // below zero
-  REFUSED(FITP, 65 + 0, 0x7FC00000, "point 0 of probe 1");
-  REFUSED(FITP, 13 + 3, 0xFFFF, "point 1 of probe 0");
-  REFUSED(FITP, 13 * 4 + 3, 0x10000, "point 4 of probe 0");
-  REFUSED(FITP, 13 * 4 + 12, 6 * (256 + 5), "point 4 of probe 0");
-  REFUSED(HIDN, 25 + 1, 0x7FC00000, "chunk HIDN: surface 0 of probe 1 is impossible");
-  REFUSED(HIDN, 5 * 2 + 2, 0x5E5E0B6C, "surface 2 of probe 0"); // 4e18 metres
-  REFUSED(HIDN, 5 * 2 + 2, 0xFF800000, "surface 2 of probe 0");
-  REFUSED(HIDN, 5 * 3 + 0, 0x7F800000, "surface 3 of probe 0"); // even where there is none
-  REFUSED(HIDN, 5 * 4 + 3, 0xFFFF, "surface 4 of probe 0");
-  REFUSED(HIDN, 5 * 4 + 3, 0x10000, "surface 4 of probe 0");
-  REFUSED(HIDN, 25 * 5 + 4, 0x3C1, "surface 0 of probe 5"); // more than it gets
-  REFUSED(HIDN, 25 * 5 + 4, 0xF8000000, "surface 0 of probe 5");
-#undef REFUSED
+  UNVERIFIED(WORDS(ALBE)[18 * 18 + 20], 0x3C1, "albedo of probe 1, texel (1, 0): not in 0..1");
+  UNVERIFIED(WORDS(ALBE)[20], 0x7C0, "albedo of probe 0, texel (1, 0): not in 0..1");
+  UNVERIFIED(WORDS(ALBE)[0], 3, "albedo of probe 0: border texel (-1, -1) differs");
+  UNVERIFIED(WORDS(SURF)[2 * 256], 0x7C0, "surface 0 of probe 1");
+  UNVERIFIED(WORDS(SURF)[2 * 7 + 1], 0x7C0100FF, "surface 7 of probe 0"); // a normal's coordinate beyond 254
+  UNVERIFIED(WORDS(SURF)[2 * 7 + 1], 0x7C010000, "surface 7 of probe 0"); // NaN
+  UNVERIFIED(WORDS(SURF)[2 * 7 + 1], 0x80000000, "surface 7 of probe 0"); // below zero
+  UNVERIFIED(WORDS(FITP)[65 + 0], 0x7FC00000, "point 0 of probe 1");
+  UNVERIFIED(WORDS(FITP)[13 + 3], 0xFFFF, "point 1 of probe 0");
+  UNVERIFIED(WORDS(FITP)[13 * 4 + 3], 0x10000, "point 4 of probe 0");
+  UNVERIFIED(WORDS(FITP)[13 * 4 + 12], 6 * (256 + 5), "point 4 of probe 0");
+  UNVERIFIED(WORDS(HIDN)[25 + 1], 0x7FC00000, "chunk HIDN: surface 0 of probe 1 is impossible");
+  UNVERIFIED(WORDS(HIDN)[5 * 2 + 2], 0x5E5E0B6C, "surface 2 of probe 0"); // 4e18 metres
+  UNVERIFIED(WORDS(HIDN)[5 * 2 + 2], 0xFF800000, "surface 2 of probe 0");
+  UNVERIFIED(WORDS(HIDN)[5 * 3 + 0], 0x7F800000, "surface 3 of probe 0"); // even where there is none
+  UNVERIFIED(WORDS(HIDN)[5 * 4 + 3], 0xFFFF, "surface 4 of probe 0");
+  UNVERIFIED(WORDS(HIDN)[5 * 4 + 3], 0x10000, "surface 4 of probe 0");
+  UNVERIFIED(WORDS(HIDN)[25 * 5 + 4], 0x3C1, "surface 0 of probe 5"); // more than it gets
+  UNVERIFIED(WORDS(HIDN)[25 * 5 + 4], 0xF8000000, "surface 0 of probe 5");
   field_seal(&i);
-  olx_field *field;
-  assert_int_equal(olx_field_open_memory(i.bytes, i.size_bytes, &field), OLX_OK);
-  assert_int_equal(olx_field_verify(field), OLX_OK);
-  olx_field_close(field);
+  assert_field_sound(&i);
   olx_release(i.bytes);
 }
 

@@ -27,15 +27,10 @@ olx_result olx_relight_info_check(const olx_field_info *info, const char *name, 
 
 // What the header says becomes part of the field's description.
 static olx_result read_header(olx_field *field, const olx_chunk_file *file, const olx_chunk_shape *shape) {
-  const olx_file_chunk *chunk;
   const void *data;
-  OLX_TRY(olx_chunk_find_optional(file, shape->type, &chunk));
-  if (!chunk) return OLX_OK;
-  OLX_TRY(olx_chunk_find_optional_shaped(file, shape, &data));
+  OLX_TRY(olx_chunk_find_header(file, shape, &data));
+  if (!data) return OLX_OK;
   const olx_relight_header *header = data;
-  if (olx_content_hash(header, sizeof *header) != chunk->hash) {
-    return olx_fail(OLX_ERROR_CHECKSUM, "%s: chunk RLIT: wrong checksum", field->name);
-  }
   for (uint32_t i = 0; i < sizeof header->zero / sizeof header->zero[0]; i++) {
     if (header->zero[i]) return olx_fail(OLX_ERROR_FORMAT, "%s: chunk RLIT: reserved bytes", field->name);
   }
@@ -51,22 +46,6 @@ bool olx_relight_has_chunk(const olx_field_info *info, olx_chunk_kind kind) {
   return kind == OLX_CHUNK_HIDDEN ? info->relight_hidden > 0 : info->relight_size > 0;
 }
 
-static olx_result find_maps(const olx_field *field, const olx_chunk_file *file, const olx_chunk_shape *shapes,
-                            const void *data[OLX_CHUNK_KINDS]) {
-  for (uint32_t k = OLX_CHUNK_ALBEDO; k <= OLX_CHUNK_HIDDEN; k++) {
-    const olx_file_chunk *chunk;
-    const bool wanted = olx_relight_has_chunk(&field->info, k);
-    OLX_TRY(olx_chunk_find_optional(file, shapes[k].type, &chunk));
-    if ((chunk != NULL) != wanted) {
-      return olx_fail(OLX_ERROR_FORMAT, "%s: %s chunk %s, but %s", field->name, chunk ? "a" : "no",
-                      olx_chunk_type_name(shapes[k].type).text,
-                      wanted ? "chunk RLIT speaks of it" : "no chunk RLIT that speaks of it");
-    }
-    if (chunk) OLX_TRY(olx_chunk_find_optional_shaped(file, &shapes[k], &data[k]));
-  }
-  return OLX_OK;
-}
-
 olx_result olx_relight_open(olx_field *field) {
   const olx_chunk_file file = olx_field_file(field);
   olx_chunk_shape shapes[OLX_CHUNK_KINDS];
@@ -74,7 +53,10 @@ olx_result olx_relight_open(olx_field *field) {
   olx_chunk_shapes(&field->info, shapes);
   OLX_TRY(read_header(field, &file, &shapes[OLX_CHUNK_RELIGHT]));
   olx_chunk_shapes(&field->info, shapes);
-  OLX_TRY(find_maps(field, &file, shapes, data));
+  for (uint32_t k = OLX_CHUNK_ALBEDO; k <= OLX_CHUNK_HIDDEN; k++) {
+    OLX_TRY(olx_chunk_find_wanted(&file, &shapes[k], shapes[OLX_CHUNK_RELIGHT].type,
+                                  olx_relight_has_chunk(&field->info, k), &data[k]));
+  }
   if (!field->info.relight_size) return OLX_OK;
   field->relight = (olx_relight_maps){.size = field->info.relight_size,
                                       .points = field->info.relight_points,

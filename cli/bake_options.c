@@ -59,6 +59,7 @@ olx_result resolve_bake_options(const olx_scene *scene, const bake_options *give
   if (given->classic_size) settings->classic_size = given->classic_size;
   if (given->classic_cube_size) settings->classic_cube_size = given->classic_cube_size;
   settings->classic_sharpness = given->classic_sharpness;
+  settings->seed = given->seed;
   settings->threads = given->threads;
   return given->probes ? load_probes(scene, given->probes, settings) : OLX_OK;
 }

@@ -10,7 +10,7 @@
 typedef struct bake_options {
   uint32_t grid[3], irradiance_grid[3];
   uint32_t radiance_size, irradiance_size, bounces, samples, light_samples, threads;
-  uint32_t classic_size, classic_cube_size, classic_sharpness, bounce_gather, irradiance_form;
+  uint32_t classic_size, classic_cube_size, classic_sharpness, bounce_gather, irradiance_form, seed;
   bool no_fit, classic, relight;
   const char *probes;
   uint32_t select_mask;
@@ -92,7 +92,7 @@ typedef struct bake_options {
        "exponent of the filter from these; default: a texel wide",                                                     \
        64,                                                                                                             \
        65536},                                                                                                         \
-  {                                                                                                                    \
+      {"--seed", OPTION_COUNT, &(b).seed, "N", "another one draws other random numbers; default 0", 0, UINT32_MAX}, {  \
     "--threads", OPTION_COUNT, &(b).threads, "N", "default 0: every processor; the result is the same", 0, 4096        \
   }
 

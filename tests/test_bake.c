@@ -550,6 +550,32 @@ static void bytes_do_not_depend_on_threads(void **state) {
 }
 
 // Every legal combination of sizes and samples fits the tiles the work is cut into.
+static double mean_irradiance(const olx_field *field) {
+  const size_t count = (size_t)field->info.irradiance_probe_count * (16 + 2) * (16 + 2);
+  double sum = 0.0;
+  for (size_t i = 0; i < count; i++) sum += (double)olx_r11g11b10f_unpack(field->irradiance[i]).y;
+  return sum / (double)count;
+}
+
+static void another_seed_draws_other_noise_alone(void **state) {
+  const folder *f = *state;
+  olx_scene *scene = busy_scene();
+  olx_bake_settings settings = small_settings(scene, grid_of(olx_splat(-0.5f), olx_splat(1.0f), 2, 1, 2), 2);
+  olx_field *first = bake_field(scene, &settings, f->file, NULL);
+  settings.seed = 7;
+  olx_field *other = bake_field(scene, &settings, f->file, NULL);
+  const size_t texels = (size_t)4 * (32 + 2) * (32 + 2);
+  assert_memory_equal(first->distance, other->distance, texels * sizeof *first->distance);
+  assert_memory_equal(first->normal, other->normal, texels * sizeof *first->normal);
+  assert_memory_not_equal(first->radiance, other->radiance, texels * sizeof *first->radiance);
+  const double mean = mean_irradiance(first), again = mean_irradiance(other);
+  assert_true(again != mean);
+  assert_true(fabs(again / mean - 1.0) < 0.02);
+  olx_field_close(first);
+  olx_field_close(other);
+  olx_scene_free(scene);
+}
+
 static void sizes_and_samples_combine(void **state) {
   const folder *f = *state;
   olx_scene *scene = busy_scene();
@@ -706,6 +732,7 @@ int main(void) {
       IN_FOLDER(odd_windings_bury_nobody),
       IN_FOLDER(blocks_bury_in_any_room),
       IN_FOLDER(bytes_do_not_depend_on_threads),
+      IN_FOLDER(another_seed_draws_other_noise_alone),
       IN_FOLDER(sizes_and_samples_combine),
       IN_FOLDER(bad_settings_are_refused),
       IN_FOLDER(unwritable_path_fails_before_light_is_gathered),

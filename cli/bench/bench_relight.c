@@ -73,6 +73,8 @@ static const bench_column work_columns[] = {
     {"before_rms", "RMS before", BENCH_QUALITY, "%", "of the light as it was baked against the fresh bake"},
     {"mean_off", "mean", BENCH_QUALITY, "%", "after 30 frames"},
     {"rms", "RMS", BENCH_QUALITY, "%", "after 30 frames"},
+    {"bakes_rms", "RMS of two bakes", BENCH_QUALITY, "%",
+     "between the fresh bake and another whose random numbers differ: what a bake repeats of itself"},
     {"frames", "frames to 5 %", BENCH_COUNT, NULL, "after which mean and RMS stay below"},
     {"rays", "rays", BENCH_COUNT, "%", "of all 30 frames, of those of a bake"},
     {"work", "processor time", BENCH_TIME, "%", "of all 30 frames, of that of a bake"},
@@ -104,7 +106,7 @@ typedef struct relit_run {
 typedef struct relit_total {
   double seconds, most_seconds, texels, most_texels, rays;
   uint32_t frames, last_apart; // the last frame that was not within 5 %
-  double before_rms, mean_off, rms;
+  double before_rms, bakes_rms, mean_off, rms;
 } relit_total;
 
 static double processor_seconds(void) {
@@ -151,7 +153,7 @@ static olx_result load_with(const relit_run *r, const char *light, olx_scene **s
   return result;
 }
 
-static olx_result bake(relit_run *r, const olx_scene *scene, bool relight, olx_field **field) {
+static olx_result bake(relit_run *r, const olx_scene *scene, bool relight, uint32_t seed, olx_field **field) {
   char path[4096];
   snprintf(path, sizeof path, "%s/%u.olx", r->b->folder.path, r->b->fields++);
   olx_bake_settings settings = olx_bake_settings_default(r->scene);
@@ -161,6 +163,7 @@ static olx_result bake(relit_run *r, const olx_scene *scene, bool relight, olx_f
   settings.irradiance_size = r->c->irradiance_size;
   settings.bounces = BOUNCES;
   settings.relight = relight;
+  settings.seed = seed;
   settings.threads = r->b->options->threads;
   olx_bake_stats stats = {0};
   const double start = processor_seconds();
@@ -255,10 +258,21 @@ static olx_result run_frame(relit_run *r, olx_relight *relight, relit_total *t) 
 static void add_work(relit_run *r, const relit_total *t) {
   const double frames = t->last_apart < t->frames ? (double)t->last_apart + 1.0 : (double)NAN;
   FINDINGS_ROW(&r->b->found, r->work, TEXT_CELL(bench_scene_title(r->c->scene)), TEXT_CELL(r->c->what),
-               NUMBER_CELL(t->before_rms), NUMBER_CELL(t->mean_off), NUMBER_CELL(t->rms), NUMBER_CELL(frames),
-               NUMBER_CELL(t->rays / (double)r->bake_rays), NUMBER_CELL(t->seconds / r->bake_seconds),
-               NUMBER_CELL(r->bake_seconds), NUMBER_CELL(t->most_texels * t->frames / t->texels),
+               NUMBER_CELL(t->before_rms), NUMBER_CELL(t->mean_off), NUMBER_CELL(t->rms), NUMBER_CELL(t->bakes_rms),
+               NUMBER_CELL(frames), NUMBER_CELL(t->rays / (double)r->bake_rays),
+               NUMBER_CELL(t->seconds / r->bake_seconds), NUMBER_CELL(r->bake_seconds),
+               NUMBER_CELL(t->most_texels * t->frames / t->texels),
                NUMBER_CELL(t->most_seconds * t->frames / t->seconds));
+}
+
+// What two fresh bakes differ by.
+static olx_result compare_bakes(relit_run *r, double *rms) {
+  olx_field *other = NULL;
+  double mean_off;
+  const olx_result result = bake(r, r->moved, false, 1, &other);
+  if (result == OLX_OK) measure(r, other, &mean_off, rms);
+  olx_field_close(other);
+  return result;
 }
 
 static olx_result run_frames(relit_run *r) {
@@ -275,7 +289,8 @@ static olx_result run_frames(relit_run *r) {
   relit_total total = {.frames = 0};
   measure(r, r->field, &total.mean_off, &total.before_rms);
   olx_relight *relight = NULL;
-  olx_result result = olx_scene_relight_lights(r->moved, lights, MOST_LIGHTS, &count);
+  olx_result result = compare_bakes(r, &total.bakes_rms);
+  if (result == OLX_OK) result = olx_scene_relight_lights(r->moved, lights, MOST_LIGHTS, &count);
   if (result == OLX_OK) result = olx_relight_create(r->field, &settings, &relight);
   if (result == OLX_OK) result = olx_relight_set_lights(relight, lights, count);
   for (uint32_t frame = 0; frame < FRAMES && result == OLX_OK; ++frame) result = run_frame(r, relight, &total);
@@ -288,8 +303,8 @@ static olx_result run_case(relit_run *r) {
   olx_result result = load_with(r, r->c->light, &r->scene);
   if (result == OLX_OK) result = load_with(r, r->c->moved, &r->moved);
   if (result == OLX_OK) result = olx_scene_find_camera(r->scene, r->c->camera, &r->camera);
-  if (result == OLX_OK) result = bake(r, r->scene, true, &r->field);
-  if (result == OLX_OK) result = bake(r, r->moved, false, &r->fresh);
+  if (result == OLX_OK) result = bake(r, r->scene, true, 0, &r->field);
+  if (result == OLX_OK) result = bake(r, r->moved, false, 0, &r->fresh);
   if (result == OLX_OK) result = find_points(r);
   if (result == OLX_OK) result = run_frames(r);
   free(r->points);

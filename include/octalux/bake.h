@@ -36,6 +36,7 @@ typedef struct olx_bake_settings {
   olx_bounce_gather bounce_gather; // for irradiance probes; default OLX_GATHER_IRRADIANCE
   bool relight;             // also keep what it takes to change lights later (octalux/relight.h); default false
   bool fit;                 // fit irradiance maps to the surfaces they light (docs/baking.md); default true
+  uint32_t seed;            // another one draws other random numbers, for an idea of a bake's noise; default 0
   uint32_t threads;         // 0: as many as the machine has; the result does not depend on it
   bool measure_embree;      // also time Embree alone on the primary rays, for stats.embree_seconds; default false
 } olx_bake_settings;

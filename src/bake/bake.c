@@ -413,7 +413,7 @@ static olx_result bake_scene(bake *b, const char *path, const olx_progress *prog
   OLX_TRY(place_probes(b, 1, &b->settings->irradiance_grid, NULL, 0));
   b->distance_scale = olx_length(olx_sub(b->scene->bounds_max, b->scene->bounds_min));
   olx_task_begin(&b->task, progress, "probes", 1);
-  olx_shade_context_begin(&b->shade, b->scene);
+  olx_shade_context_begin(&b->shade, b->scene, b->settings->seed);
   const float spacing = least_spacing(&b->settings->irradiance_grid, b->distance_scale);
   b->shade.share_distance = 0.01f * spacing;
   b->shade.lattice_distance = 0.08f * spacing;

@@ -147,7 +147,8 @@ static uint32_t point_of_sample(const olx_capture *c, olx_shade_scratch *scratch
 static void append_texel(const olx_capture *c, olx_shade_scratch *scratch, uint32_t tile, uint32_t texel) {
   const uint32_t per_texel = c->samples * c->samples, place = texel % LIGHT_BLOCK;
   const uint32_t seed = olx_hash3(c->probe, texel_index(c, tile, texel - place), SALT_TEXEL);
-  const uint32_t first = scratch->roots.count, start = olx_hash2(seed + place, SALT_CHOICE) % per_texel;
+  const uint32_t first = scratch->roots.count,
+                 start = olx_hash2(olx_shade_key(c->shade, seed) + place, SALT_CHOICE) % per_texel;
   float members[64];
   for (uint32_t i = 0; i < per_texel; i++) {
     const uint32_t k = texel * per_texel + (start + i < per_texel ? start + i : start + i - per_texel);

@@ -9,12 +9,14 @@
 
 #include <string.h>
 
+static uint32_t key_of(const olx_gather *gather, uint32_t probe) { return olx_shade_key(gather->shade, probe); }
+
 static void cast_tile(const olx_gather *gather, olx_shade_scratch *scratch, uint32_t tile) {
   const olx_quadrature *q = &gather->quadrature;
   const olx_vec3 origin = gather->positions[gather->probe];
   for (uint32_t i = 0; i < OLX_BATCH_POINTS; i++) {
     const olx_sample_place p = olx_place_of(q, tile, i);
-    scratch->directions[i] = olx_sample_direction(q, gather->probe, p);
+    scratch->directions[i] = olx_sample_direction(q, key_of(gather, gather->probe), p);
     scratch->weights[i] = q->sample_solid_angle[p.y * q->sample_size + p.x];
     scratch->rays[i] = (olx_ray){origin, scratch->directions[i], 0.0f, INFINITY};
   }
@@ -46,7 +48,7 @@ static void light_tile(const olx_gather *gather, olx_shade_scratch *scratch, uin
   scratch->roots.sparing = true;
   for (uint32_t i = 0; i < OLX_BATCH_POINTS; i++) {
     const uint32_t quarter = i / per_quarter, point = tile * (OLX_BATCH_POINTS / per_quarter) + quarter;
-    const bool picked = i % per_quarter == olx_picked_sample(probe, point, per_quarter);
+    const bool picked = i % per_quarter == olx_picked_sample(key_of(gather, probe), point, per_quarter);
     if (picked) hits[point] = scratch->hits[i];
     if (scratch->hits[i].triangle == OLX_NO_HIT) continue;
     const uint32_t cell = olx_place_of(q, tile, i).cell;
@@ -164,13 +166,14 @@ static void bounce_job(void *user, uint32_t index) {
   olx_shade_batch_begin(&scratch->roots, 1);
   for (uint32_t k = 0; k < OLX_BATCH_POINTS; k++) {
     const uint32_t point = first + k, tile = point / per_tile, quarter = point % per_tile;
-    const uint32_t i = quarter * per_quarter + olx_picked_sample(probe, point, per_quarter);
+    const uint32_t i = quarter * per_quarter + olx_picked_sample(key_of(gather, probe), point, per_quarter);
     const olx_sample_place p = olx_place_of(q, tile, i);
     if (k % 4 == 0) gather->total[cell_base + p.cell] = gather->direct[cell_base + p.cell];
     const olx_ray_hit *hit = &gather->hits[(size_t)probe * points + point];
     if (hit->triangle == OLX_NO_HIT) continue;
-    const uint32_t root = olx_shade_append(gather->shade, &scratch->roots, hit, olx_sample_direction(q, probe, p),
-                                           olx_cell_seed(probe, p.cell), i % per_cell);
+    const uint32_t root =
+        olx_shade_append(gather->shade, &scratch->roots, hit, olx_sample_direction(q, key_of(gather, probe), p),
+                         olx_cell_seed(probe, p.cell), i % per_cell);
     scratch->slot[root] = p.cell;
     scratch->owner[root] = point;
     scratch->weights[root] = olx_quarter_solid_angle(q, tile, quarter, per_quarter) / q->cell_solid_angle[p.cell];

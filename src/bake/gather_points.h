@@ -37,18 +37,18 @@ static inline olx_sample_place olx_place_of(const olx_quadrature *q, uint32_t ti
   return (olx_sample_place){x, y, y / per_cell * q->cells + x / per_cell};
 }
 
-// A direction within the sample's texel. It is drawn, because a regular one would meet edges of walls exactly, where
-// neither wall is certain, from a probe that stands as symmetrically as grids of probes tend to.
-static inline olx_vec3 olx_sample_direction(const olx_quadrature *q, uint32_t probe, olx_sample_place p) {
-  const uint32_t hash = olx_hash3(probe, p.y * q->sample_size + p.x, OLX_SALT_JITTER);
+// A direction within the sample's texel, drawn by a probe's key, because a regular one would meet edges of walls exactly,
+// where neither wall is certain, from a probe that stands as symmetrically as grids of probes tend to.
+static inline olx_vec3 olx_sample_direction(const olx_quadrature *q, uint32_t key, olx_sample_place p) {
+  const uint32_t hash = olx_hash3(key, p.y * q->sample_size + p.x, OLX_SALT_JITTER);
   const float scale = 1.0f / (float)q->sample_size, u = ((float)(hash & 0xFFFFu) + 0.5f) * 0x1p-16f;
   const float v = ((float)(hash >> 16) + 0.5f) * 0x1p-16f;
   return olx_octahedral_decode((olx_vec2){((float)p.x + u) * scale, ((float)p.y + v) * scale});
 }
 
 // A quarter of a cell holds consecutive samples; one of them, drawn by hash, is the gather point that stands for it.
-static inline uint32_t olx_picked_sample(uint32_t probe, uint32_t point, uint32_t per_quarter) {
-  return olx_hash3(probe, point, OLX_SALT_PICK) & (per_quarter - 1);
+static inline uint32_t olx_picked_sample(uint32_t key, uint32_t point, uint32_t per_quarter) {
+  return olx_hash3(key, point, OLX_SALT_PICK) & (per_quarter - 1);
 }
 
 static inline float olx_quarter_solid_angle(const olx_quadrature *q, uint32_t tile, uint32_t quarter,

@@ -9,7 +9,8 @@ enum {
   SALT_LOBE = 0x3000,
   SALT_SURVIVE = 0x4000,
   SALT_COSINE = 0x5000,
-  SALT_DARK = 0x7000
+  SALT_DARK = 0x7000,
+  SALT_BAKE = 0x42414B45
 };
 
 // One point in SCOUT_SHARE tells whether a tile sees a light; where it seems not to, one in DARK_SHARE sends shadow rays.
@@ -48,9 +49,11 @@ float olx_shade_scattering(const olx_shade_context *context, const olx_surface *
   return density > small_light ? 0.0f : density > large_light ? few_scattered : 1.0f;
 }
 
-void olx_shade_context_begin(olx_shade_context *context, const olx_scene *scene) {
-  *context = (olx_shade_context){
-      .scene = scene, .sample = olx_sample_settings_default(), .group_count = olx_emitters_group_count(scene)};
+void olx_shade_context_begin(olx_shade_context *context, const olx_scene *scene, uint32_t seed) {
+  *context = (olx_shade_context){.scene = scene,
+                                 .sample = olx_sample_settings_default(),
+                                 .seed = seed ? olx_hash2(seed, SALT_BAKE) : 0,
+                                 .group_count = olx_emitters_group_count(scene)};
   for (uint32_t g = 0; g < context->group_count; g++) {
     if (olx_emitters_group_varies(scene, g)) context->reflected_lights = true;
   }
@@ -97,7 +100,7 @@ uint32_t olx_shade_append(olx_shade_context *context, olx_shade_batch *batch, co
   const uint32_t i = batch->count++;
   batch->surface[i] = olx_surface_near(context->scene, hit, direction, i > 0 ? &batch->surface[i - 1] : NULL);
   batch->view[i] = olx_negate(direction);
-  batch->seed[i] = seed;
+  batch->seed[i] = olx_shade_key(context, seed);
   batch->sequence[i] = sequence;
   olx_shade_refresh(batch, i);
   batch->radiance[i] = olx_splat(0.0f);

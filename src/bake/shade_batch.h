@@ -70,6 +70,7 @@ typedef struct olx_shade_scratch {
 typedef struct olx_shade_context {
   const olx_scene *scene;
   olx_sample_settings sample;
+  uint32_t seed; // of the bake: keys of random numbers are mixed with it; 0 leaves them as they are
   uint32_t group_count;
   float least_light_pdf;           // of a point on an emitter, over area
   olx_vec3 lights_min, lights_max; // bounds of the emitters
@@ -82,7 +83,10 @@ typedef struct olx_shade_context {
   atomic_bool out_of_memory;
 } olx_shade_context;
 
-void olx_shade_context_begin(olx_shade_context *context, const olx_scene *scene);
+void olx_shade_context_begin(olx_shade_context *context, const olx_scene *scene, uint32_t seed);
+
+// A probe's or a point's key for random numbers, in this bake.
+static inline uint32_t olx_shade_key(const olx_shade_context *context, uint32_t key) { return key ^ context->seed; }
 void olx_shade_context_end(olx_shade_context *context);
 
 // A thread's working memory for one job, or NULL after noting that there is none.

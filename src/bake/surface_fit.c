@@ -56,7 +56,7 @@ static bool draw_point(const olx_surface_fit *fit, uint32_t index, olx_surface *
   const uint32_t probe = index / POINTS_PER_PROBE, i = index % POINTS_PER_PROBE;
   if (in->flags[probe] & OLX_PROBE_BURIED) return false;
   const uint32_t step = in->hit_count / POINTS_PER_PROBE;
-  const uint32_t at = i * step + olx_hash3(probe, i, SALT_POINT) % step;
+  const uint32_t at = i * step + olx_hash3(olx_shade_key(in->shade, probe), i, SALT_POINT) % step;
   const olx_ray_hit *seen = &in->hits[(size_t)probe * in->hit_count + at];
   if (seen->triangle == OLX_NO_HIT) return false;
   olx_surface first;
@@ -66,7 +66,7 @@ static bool draw_point(const olx_surface_fit *fit, uint32_t index, olx_surface *
     const olx_vec3 view = olx_normalize(olx_sub(any.position, in->positions[probe]));
     first = olx_surface_at(in->shade->scene, seen, view);
   }
-  const olx_ray ray = scattered_ray(&first, i, olx_hash2(probe, SALT_POINT));
+  const olx_ray ray = scattered_ray(&first, i, olx_hash2(olx_shade_key(in->shade, probe), SALT_POINT));
   const olx_ray_hit hit = olx_bvh_intersect(in->shade->scene->bvh, &ray);
   if (hit.triangle == OLX_NO_HIT) return false;
   *surface = olx_surface_at(in->shade->scene, &hit, ray.direction);
@@ -82,7 +82,9 @@ static void place_point(const olx_surface_fit *fit, const olx_surface *surface, 
   point->cells = olx_correction_cells_at(olx_octahedral_encode(point->normal));
 }
 
-static uint32_t ray_seed(uint32_t point) { return olx_hash2(point, SALT_RAY); }
+static uint32_t ray_seed(const olx_surface_fit *fit, uint32_t point) {
+  return olx_hash2(olx_shade_key(fit->input.shade, point), SALT_RAY);
+}
 
 // Appends the surfaces that a point's rays met to the batch.
 static void append_hits(const olx_surface_fit *fit, uint32_t index, olx_shade_scratch *scratch) {
@@ -90,10 +92,10 @@ static void append_hits(const olx_surface_fit *fit, uint32_t index, olx_shade_sc
   for (uint32_t j = 0; j < RAYS_PER_POINT; j++) {
     const olx_ray_hit *hit = &fit->hits[(size_t)index * RAYS_PER_POINT + j];
     if (hit->triangle == OLX_NO_HIT) continue;
-    const olx_vec3 local = olx_sample_cosine(olx_stratified2(j, ray_seed(index)));
+    const olx_vec3 local = olx_sample_cosine(olx_stratified2(j, ray_seed(fit, index)));
     const olx_vec3 direction = olx_normalize(olx_from_basis(local, point->normal));
     const uint32_t root =
-        olx_shade_append(fit->input.shade, &scratch->roots, hit, direction, olx_hash2(ray_seed(index), j), 0);
+        olx_shade_append(fit->input.shade, &scratch->roots, hit, direction, olx_hash2(ray_seed(fit, index), j), 0);
     scratch->slot[root] = index;
   }
 }
@@ -121,7 +123,7 @@ static void cast_job(void *user, uint32_t job) {
     *point = (fit_point){.valid = false};
     if (!draw_point(fit, index, &surface)) continue;
     place_point(fit, &surface, point);
-    for (uint32_t j = 0; j < RAYS_PER_POINT; j++) scratch->rays[j] = scattered_ray(&surface, j, ray_seed(index));
+    for (uint32_t j = 0; j < RAYS_PER_POINT; j++) scratch->rays[j] = scattered_ray(&surface, j, ray_seed(fit, index));
     olx_bvh_intersect_many(fit->input.shade->scene->bvh, scratch->rays, RAYS_PER_POINT, false,
                            fit->hits + (size_t)index * RAYS_PER_POINT);
     append_hits(fit, index, scratch);

@@ -22,10 +22,12 @@ static uint32_t point_towards(const olx_quadrature *q, uint32_t x, uint32_t y) {
   return tile * (OLX_BATCH_POINTS / per_quarter) + i / per_quarter;
 }
 
-static olx_vec3 stored_direction(const olx_quadrature *q, uint32_t probe, uint32_t point) {
+static olx_vec3 stored_direction(const olx_traced_bounce *t, uint32_t probe, uint32_t point) {
+  const olx_quadrature *q = t->quadrature;
   const uint32_t per_quarter = olx_samples_per_cell(q) / 4, per_tile = OLX_BATCH_POINTS / per_quarter;
-  const uint32_t i = point % per_tile * per_quarter + olx_picked_sample(probe, point, per_quarter);
-  return olx_sample_direction(q, probe, olx_place_of(q, point / per_tile, i));
+  const uint32_t key = olx_shade_key(t->shade, probe);
+  const uint32_t i = point % per_tile * per_quarter + olx_picked_sample(key, point, per_quarter);
+  return olx_sample_direction(q, key, olx_place_of(q, point / per_tile, i));
 }
 
 static olx_vec3 triangle_normal(const olx_scene *scene, uint32_t triangle, olx_vec3 direction) {
@@ -48,7 +50,7 @@ static bool stores(const olx_traced_bounce *t, uint32_t probe, uint32_t point, c
   const olx_ray_hit *hit = &t->hits[(size_t)probe * olx_gather_points(t->quadrature) + point];
   if (hit->triangle == OLX_NO_HIT) return false;
   if (hit->triangle == end->triangle) return true;
-  const olx_vec3 direction = stored_direction(t->quadrature, probe, point);
+  const olx_vec3 direction = stored_direction(t, probe, point);
   const olx_vec3 normal = triangle_normal(t->shade->scene, hit->triangle, direction);
   if (olx_dot(normal, end->normal) < least_normal) return false;
   const float cosine = olx_dot(normal, towards);
@@ -160,7 +162,7 @@ static void link_job(void *user, uint32_t index) {
     for (uint32_t number = 0; number < OLX_BOUNCE_RAYS; number++) t->links[global * OLX_BOUNCE_RAYS + number] = DARK;
     if (buried || t->hits[global].triangle == OLX_NO_HIT) continue;
     const uint32_t root =
-        olx_shade_append(t->shade, &scratch->roots, &t->hits[global], stored_direction(q, probe, point),
+        olx_shade_append(t->shade, &scratch->roots, &t->hits[global], stored_direction(t, probe, point),
                          olx_hash3(probe, point / 4, SALT_RAY), point % 4);
     scratch->slot[root] = (uint32_t)global;
   }

@@ -1,11 +1,11 @@
 // Whether placed probes are where they should be, found out without anything that placement itself uses.
 //
-//   placement_check SCENE PROBES.json [RAYS]
+//   placement_check SCENE RAYS PROBES.json...
 //
 // A ball of radius 1/800 of the scene's diagonal is moved over a lattice in the box of playable space (without one, the
 // scene's bounds), from the cameras, or from what a camera outside the box sees of its inside, wherever it touches no surface: by
 // exact distances to triangles, no voxels. Steps are at most its diameter, so it cannot jump over anything. Printed as one
-// JSON object:
+// JSON object a file of probes, each on a line:
 //   reached       share of probes next to which the ball can stand, with nothing between
 //   nearest       the least distance of a probe to a surface, in diagonals
 //   closest       the least distance of two probes, in diagonals
@@ -15,7 +15,7 @@
 //   covered       share of rays, from where the ball can be in any direction, that end where a probe sees it, with a
 //                 cosine of at least 0.02
 //   coverable     of the rays that no probe sees, none of 400 places of the ball does either: 1 less their share
-// Without a camera the ball starts at the first probe.
+// Without a camera the ball starts at the first probe of the first file.
 #include "core/hooks.h"
 #include "core/parallel.h"
 #include "core/sampling.h"
@@ -273,28 +273,43 @@ static void check_probes(const lattice *l, const olx_box *box, const olx_probe_s
          set->count > 1 ? (double)(closest / l->diagonal) : 1.0, worst_back, worst_sky, outside);
 }
 
-int main(int argc, char **argv) {
-  if (argc < 3) return fprintf(stderr, "usage: placement_check SCENE PROBES.json [RAYS]\n"), 2;
-  olx_scene *scene = NULL;
+// Moves the ball to wherever it can be.
+static void explore(lattice *l, const olx_box *box, const char *first_path) {
+  const olx_scene *scene = l->scene;
+  for (uint32_t i = 0; i < scene->camera_count; i++) enter_at(l, box, scene->cameras[i].eye);
+  if (scene->camera_count == 0) {
+    olx_probe_set set;
+    must(olx_probe_set_load(first_path, &set));
+    enter_at(l, box, set.probes[0].position);
+    olx_probe_set_free(&set);
+  }
+  flood(l);
+}
+
+static void check_file(const lattice *l, const olx_box *box, const char *path, uint32_t rays) {
   olx_probe_set set;
+  must(olx_probe_set_load(path, &set));
+  putchar('{');
+  check_probes(l, box, &set);
+  check_coverage(l, box, &set, rays);
+  puts("}");
+  olx_probe_set_free(&set);
+}
+
+int main(int argc, char **argv) {
+  const int rays = argc > 3 ? atoi(argv[2]) : 0;
+  if (rays < 1) return fprintf(stderr, "usage: placement_check SCENE RAYS PROBES.json...\n"), 2;
+  olx_scene *scene = NULL;
   must(olx_scene_load(argv[1], &scene));
-  must(olx_probe_set_load(argv[2], &set));
   const olx_box bounds = {scene->bounds_min, scene->bounds_max};
   const olx_box *box = scene->probe_rules.has_playable ? &scene->probe_rules.playable : &bounds;
-  const int rays = argc > 3 ? atoi(argv[3]) : 50000;
   lattice l = {0};
   start_lattice(scene, box, &l);
-  for (uint32_t i = 0; i < scene->camera_count; i++) enter_at(&l, box, scene->cameras[i].eye);
-  if (scene->camera_count == 0) enter_at(&l, box, set.probes[0].position);
-  flood(&l);
-  putchar('{');
-  check_probes(&l, box, &set);
-  check_coverage(&l, box, &set, rays > 0 ? (uint32_t)rays : 1);
-  puts("}");
+  explore(&l, box, argv[3]);
+  for (int i = 3; i < argc; i++) check_file(&l, box, argv[i], (uint32_t)rays);
   olx_release(l.state);
   olx_release(l.front);
   olx_release(l.next);
-  olx_probe_set_free(&set);
   olx_scene_free(scene);
   return 0;
 }

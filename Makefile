@@ -26,7 +26,7 @@ bench: build
 	@$(OCTALUX) bake builtin:cornell -o build/bench/speed.olx --grid 4x4x4 --radiance-size 256 --irradiance-size 64
 	@build/release/bench/runtime_speed build/bench/speed.olx
 	@$(OCTALUX) bench all --report build/bench/report
-	@python3 bench/results.py
+	@python3 bench/studies.py
 
 install: build
 	@cmake --install build/release --prefix $(PREFIX)

@@ -1,4 +1,4 @@
-# The living room on 4x4x4 probes of 1024^2: rays, irradiance and traced light within the numbers of docs/results.md, and
+# The living room on 4x4x4 probes of 1024^2: rays, irradiance and traced light within the numbers of docs/studies.md, and
 # memory within 1.5 times the file's size. Models are looked for in OCTALUX_SCENES, or in ../shared/scenes.
 set -euo pipefail
 export OCTALUX_SCENES=${OCTALUX_SCENES:-$OCTALUX_SOURCE_DIR/../shared/scenes}

@@ -1,4 +1,4 @@
-// The quality that the built-in scenes must show against ray casting and path tracing (docs/results.md).
+// The quality that the built-in scenes must show against ray casting and path tracing (docs/studies.md).
 #include "baked_field.h"
 #include "core/hooks.h"
 #include "core/sampling.h"

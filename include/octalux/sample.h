@@ -20,7 +20,7 @@ typedef enum olx_tracer {
 
 typedef enum olx_visibility {
   OLX_VISIBILITY_NONE = 0,     // trilinear interpolation alone: leaks, the baseline
-  OLX_VISIBILITY_CHEBYSHEV = 1 // McGuire et al. section 5.2 with the refinements that docs/results.md measures
+  OLX_VISIBILITY_CHEBYSHEV = 1 // McGuire et al. section 5.2 with the refinements that docs/studies.md measures
 } olx_visibility;
 
 typedef struct olx_sample_settings {

@@ -2,7 +2,7 @@
 
 #include "core/octahedral.h"
 
-// Up to so many probes are looked at one by one: about where the tree begins to pay (docs/results.md).
+// Up to so many probes are looked at one by one: about where the tree begins to pay (docs/studies.md).
 enum { FEW_PROBES = 64, MAX_DEPTH = 17 };
 
 typedef struct nearest {

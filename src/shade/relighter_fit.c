@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-// What no probe sees lies in hollows: it sends this share of what the rest does on average (docs/results.md).
+// What no probe sees lies in hollows: it sends this share of what the rest does on average (docs/studies.md).
 static const float UNSEEN_SHARE = 0.5f;
 
 enum { MOST_TAPS = 16 };

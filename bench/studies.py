@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Measure what docs/results.md reports beyond the papers' experiments (octalux bench), and print it as Markdown tables.
+"""Measure what docs/studies.md reports beyond the papers' experiments (octalux bench), and print it as Markdown tables.
 
-    bench/results.py [EXPERIMENT ...] [--program build/release/octalux] [--work DIR] [--quick] [--device cpu|vulkan ...] [--view NAME ...]
+    bench/studies.py [EXPERIMENT ...] [--program build/release/octalux] [--work DIR] [--quick] [--device cpu|vulkan ...] [--view NAME ...]
 
 Without an experiment all of them run. Scenes that are not to be found (OCTALUX_SCENES) are left out, visibly.
 """
@@ -352,7 +352,7 @@ def place(bench):
                 p = bench.run("place", source, "-o", probes, "--method", method, "--optimize", optimize)
                 after = os.times()
                 seconds = (after.children_user + after.children_system - before.children_user - before.children_system) / 2
-                done = subprocess.run([check, source, probes, "20000" if bench.quick else "100000"], stdout=subprocess.PIPE, check=True, text=True)
+                done = subprocess.run([check, source, "20000" if bench.quick else "100000", probes], stdout=subprocess.PIPE, check=True, text=True)
                 c = json.loads(done.stdout)
                 row(name, method + ("" if optimize == "none" else " + " + optimize), p["count"], "%.1f" % seconds, "%.2f %%" % (100 * p["coverage"]),
                     "%.2f %%" % (100 * c["covered"]), "%d of %d" % (round(c["reached"] * p["count"]), p["count"]), p["buried"] + c["outside"],

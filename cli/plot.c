@@ -182,7 +182,7 @@ static void put_bar(FILE *out, const axis *x, uint32_t color, double top, double
   fprintf(out, "<rect class=\"fill c%u\" x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"14\" rx=\"2\"/>", color % COLORS,
           fmin(zero, end), top, fmax(fabs(end - zero), 1.0));
   char label[32];
-  snprintf(label, sizeof label, "%.3g", value);
+  snprintf(label, sizeof label, fabs(value) >= 1000.0 && fabs(value) < 1e7 ? "%.0f" : "%.3g", value);
   put_label(out, value < 0.0 ? end - 6.0 : end + 6.0, top + 11.0,
             value < 0.0 ? "class=\"value\" text-anchor=\"end\"" : "class=\"value\"", label);
 }
@@ -196,7 +196,7 @@ char *plot_bars(const bar_plot *plot) {
   double longest = 0.0;
   for (uint32_t i = 0; i < plot->name_count; ++i) longest = fmax(longest, (double)strlen(plot->names[i]));
   for (uint32_t i = 0; i < plot->series_count; ++i) include_values(&x, plot->series[i].y, plot->name_count);
-  const double labels = fmin(CHARACTER * longest + 14.0, 220.0);
+  const double labels = fmin(CHARACTER * longest + 14.0, 0.65 * WIDTH);
   x.first_pixel = labels + (x.low < 0.0 ? 56.0 : 0.0); // room for the numbers of bars to the left
   round_axis(&x);
   const double top = plot->series_count > 1 ? 26.0 : 8.0, row = 16.0 * plot->series_count + 14.0;

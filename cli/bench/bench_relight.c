@@ -1,4 +1,5 @@
 // Per-frame updates: a light moves, a few probes a frame follow, against a fresh bake of the changed scene.
+#include "clock.h"
 #include "experiment_list.h"
 
 #include <octalux/relight.h>
@@ -7,9 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 enum { FRAMES = 30, MOST_LIGHTS = 64, BOUNCES = 8, MOST_FILE = 1 << 20 };
@@ -109,13 +108,6 @@ typedef struct relit_total {
   double before_rms, bakes_rms, mean_off, rms;
 } relit_total;
 
-static double processor_seconds(void) {
-  struct rusage usage;
-  getrusage(RUSAGE_SELF, &usage);
-  return (double)(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
-         1e-6 * (double)(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
-}
-
 static cJSON *read_description(const relit_run *r) {
   cJSON *object = NULL;
   if (strncmp(r->c->scene, "builtin:", 8) == 0) {
@@ -166,10 +158,10 @@ static olx_result bake(relit_run *r, const olx_scene *scene, bool relight, uint3
   settings.seed = seed;
   settings.threads = r->b->options->threads;
   olx_bake_stats stats = {0};
-  const double start = processor_seconds();
+  const double start = clock_seconds(CLOCK_PROCESS_CPUTIME_ID);
   bench_tell(r->b, "baking %s%s", bench_scene_title(r->c->scene), relight ? "" : " with the light moved");
   if (result == OLX_OK) result = olx_bake(scene, &settings, path, &r->b->progress, &stats);
-  r->bake_seconds = processor_seconds() - start;
+  r->bake_seconds = clock_seconds(CLOCK_PROCESS_CPUTIME_ID) - start;
   r->bake_rays = stats.rays;
   if (result == OLX_OK) result = olx_field_open(path, field);
   unlink(path); // the mapping stays
@@ -234,9 +226,9 @@ static void measure(const relit_run *r, const olx_field *field, double *mean_off
 
 static olx_result run_frame(relit_run *r, olx_relight *relight, relit_total *t) {
   olx_relight_stats stats;
-  const double start = processor_seconds();
+  const double start = clock_seconds(CLOCK_PROCESS_CPUTIME_ID);
   const olx_result result = olx_relight_frame(relight, r->camera.eye, &stats);
-  const double seconds = processor_seconds() - start;
+  const double seconds = clock_seconds(CLOCK_PROCESS_CPUTIME_ID) - start;
   if (result != OLX_OK) return result;
   const double texels = (double)(stats.surface_texels + stats.radiance_texels);
   t->frames++;

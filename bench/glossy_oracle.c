@@ -8,7 +8,7 @@
 #include "core/bsdf.h"
 #include "field/maps.h"
 #include "render/camera.h"
-#include "render/direct_light.h"
+#include "light/direct_light.h"
 #include "scene/surface.h"
 
 #include <octalux/sample.h>

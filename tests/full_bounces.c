@@ -2,7 +2,7 @@
 #include "baked_field.h"
 #include "core/sampling.h"
 #include "field/maps.h"
-#include "render/path_tracer.h"
+#include "light/path.h"
 
 #include <octalux/render.h>
 

@@ -3,7 +3,7 @@
 #include "core/hooks.h"
 #include "core/sampling.h"
 #include "field/field_data.h"
-#include "render/path_tracer.h"
+#include "light/path.h"
 
 #include <octalux/render.h>
 

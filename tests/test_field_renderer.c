@@ -3,7 +3,8 @@
 #include "baked_field.h"
 #include "core/bsdf.h"
 #include "field/maps.h"
-#include "render/path_tracer.h"
+#include "light/path.h"
+#include "render/camera.h"
 #include "tiny_scenes.h"
 
 static const analytic_scene room = {.room = {{-1, -1, -1}, {1, 1, 1}}};

@@ -1,5 +1,5 @@
 // The path tracer against what is known in closed form: it is the judge of everything else.
-#include "render/path_tracer.h"
+#include "light/path.h"
 #include "scene/emitters.h"
 #include "tiny_scenes.h"
 

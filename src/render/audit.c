@@ -5,7 +5,7 @@
 #include "core/sampling.h"
 #include "field/field_data.h"
 #include "render/camera.h"
-#include "render/path_tracer.h"
+#include "light/path.h"
 #include "scene/surface.h"
 
 #include <octalux/render.h>

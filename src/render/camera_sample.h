@@ -3,7 +3,7 @@
 #define OLX_RENDER_CAMERA_SAMPLE_H
 
 #include "render/camera.h"
-#include "render/sampler.h"
+#include "light/sampler.h"
 #include "scene/emitters.h"
 
 #include <octalux/render.h>

@@ -3,7 +3,7 @@
 #define OLX_RENDER_FIELD_RENDERER_H
 
 #include "render/camera_sample.h"
-#include "render/direct_light.h"
+#include "light/direct_light.h"
 
 void olx_field_render_tile(const olx_render_context *context, olx_tile_rays *rays, olx_camera_sample *samples,
                            olx_render_stats *stats);

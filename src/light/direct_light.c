@@ -1,4 +1,4 @@
-#include "render/direct_light.h"
+#include "light/direct_light.h"
 
 // Smallest cosine between shading normal and eye: below it interpolated normals face away from whoever sees the surface.
 #define MIN_VIEW_COSINE 1e-3f

@@ -1,10 +1,10 @@
 // Light that reaches a surface straight from emitters, by next-event estimation with multiple importance sampling (Veach's
 // power heuristic): lights are sampled here, lobes by whoever follows the sampled ray (the path tracer goes on with it,
 // olx_direct_light only looks whether it finds an emitter).
-#ifndef OLX_RENDER_DIRECT_LIGHT_H
-#define OLX_RENDER_DIRECT_LIGHT_H
+#ifndef OLX_LIGHT_DIRECT_LIGHT_H
+#define OLX_LIGHT_DIRECT_LIGHT_H
 
-#include "render/sampler.h"
+#include "light/sampler.h"
 #include "scene/emitters.h"
 
 // A surface made ready for shading from one direction.

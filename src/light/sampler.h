@@ -1,6 +1,6 @@
 // The random numbers of one camera sample or path: each pair of dimensions its own Owen-scrambled sequence over the samples.
-#ifndef OLX_RENDER_SAMPLER_H
-#define OLX_RENDER_SAMPLER_H
+#ifndef OLX_LIGHT_SAMPLER_H
+#define OLX_LIGHT_SAMPLER_H
 
 #include "core/sampling.h"
 

@@ -1,0 +1,31 @@
+// Paths of light through the scene, from a surface on: the reference that every other estimate is held against.
+//
+// `bounces` counts surfaces between the emitter and the shaded surface: 0 leaves no indirect light, 1 is the light of
+// surfaces that are lit directly, OLX_BOUNCES_INFINITE all of it.
+#ifndef OLX_LIGHT_PATH_H
+#define OLX_LIGHT_PATH_H
+
+#include "light/direct_light.h"
+
+typedef struct olx_path {
+  const olx_scene *scene;
+  uint32_t bounces;
+  bool emitters_can_be_hit; // olx_emitters_can_be_hit(scene)
+  olx_sampler sampler;      // of this path; whoever starts another path sets it anew
+  uint64_t rays;            // cast so far
+} olx_path;
+
+typedef struct olx_path_light {
+  olx_vec3 direct;   // straight from emitters
+  olx_vec3 indirect; // by way of at least one surface
+} olx_path_light;
+
+// Light that reaches the eye through one lobe of a surface, along `lobe`, which was drawn from it.
+olx_path_light olx_path_lobe(olx_path *path, const olx_surface *surface, const olx_lobe_ray *lobe);
+
+// Indirect irradiance in W/m^2 (emitters and sky excluded) at `position` with geometric normal `normal`, from `paths`
+// cosine-distributed paths that start `epsilon` off the surface. Depends on the arguments alone.
+olx_vec3 olx_path_irradiance(const olx_scene *scene, olx_vec3 position, olx_vec3 normal, float epsilon,
+                             uint32_t bounces, uint32_t paths, uint32_t seed);
+
+#endif

@@ -2,6 +2,7 @@
 #include "options.h"
 #include "report.h"
 #include "sample_options.h"
+#include "scene_options.h"
 
 #include <octalux/render.h>
 
@@ -11,6 +12,7 @@
 typedef struct audit_options {
   const char *scene, *field;
   olx_audit_settings settings;
+  scene_options loading;
   bool progress, json;
 } audit_options;
 
@@ -76,8 +78,8 @@ static int audit_field(const audit_options *o, const olx_scene *scene, const olx
 static int audit_scene(const audit_options *o) {
   olx_scene *scene = NULL;
   olx_field *field = NULL;
-  if (olx_scene_load(o->scene, &scene) != OLX_OK) return library_failure("audit");
-  int code;
+  int code = load_scene("audit", o->scene, &o->loading, &scene);
+  if (code != EXIT_DONE) return code;
   if (olx_field_open(o->field, &field) != OLX_OK) code = library_failure("audit");
   else code = audit_field(o, scene, field);
   olx_field_close(field);
@@ -98,6 +100,7 @@ int command_audit(int argc, char **argv) {
       {"--seed", OPTION_COUNT, &o.settings.seed, "N", "another choice of rays and points; default 0", 0, UINT32_MAX},
       {"--threads", OPTION_COUNT, &o.settings.threads, "N", "default 0: every processor; the result is the same", 0,
        4096},
+      SCENE_OPTION_ROWS(o.loading),
       {"--progress", OPTION_FLAG, &o.progress, NULL, "tell progress even when nobody watches", 0, 0},
       {"--json", OPTION_FLAG, &o.json, NULL, "print one JSON object", 0, 0},
   };

@@ -2,6 +2,7 @@
 #include "commands.h"
 #include "options.h"
 #include "report.h"
+#include "scene_options.h"
 
 #include <octalux/bake.h>
 
@@ -64,11 +65,13 @@ static int bake_scene(const olx_scene *scene, const olx_bake_settings *settings,
 int command_bake(int argc, char **argv) {
   bake_options given = BAKE_OPTIONS_NONE;
   const char *output = NULL;
+  scene_options loading = {0};
   bool measure_embree = false, progress = false, json = false;
   const option options[] = {
       {"-o", OPTION_TEXT, &output, "FILE.olx", "the field to write", 1, 0},
       BAKE_OPTION_ROWS(given),
       {"--measure-embree", OPTION_FLAG, &measure_embree, NULL, "also time Embree alone on the rays from probes", 0, 0},
+      SCENE_OPTION_ROWS(loading),
       {"--progress", OPTION_FLAG, &progress, NULL, "tell progress even when nobody watches", 0, 0},
       {"--json", OPTION_FLAG, &json, NULL, "print one JSON object", 0, 0},
   };
@@ -86,7 +89,8 @@ int command_bake(int argc, char **argv) {
   if (given.probes && given.grid[0]) return usage_error("bake", "--grid and --probes exclude each other");
   if (!check_output("bake", output)) return EXIT_FAILED;
   olx_scene *scene = NULL;
-  if (olx_scene_load(line.given[0], &scene) != OLX_OK) return library_failure("bake");
+  code = load_scene("bake", line.given[0], &loading, &scene);
+  if (code != EXIT_DONE) return code;
   olx_bake_settings settings;
   if (resolve_bake_options(scene, &given, &settings) != OLX_OK) {
     code = library_failure("bake");

@@ -2,6 +2,7 @@
 #include "options.h"
 #include "place_picture.h"
 #include "report.h"
+#include "scene_options.h"
 
 #include <octalux/place.h>
 
@@ -133,6 +134,7 @@ int command_place(int argc, char **argv) {
   place_picture picture = {0};
   const char *output = NULL;
   bool json = false;
+  scene_options loading = {0};
   const option options[] = {
       {"-o", OPTION_TEXT, &output, "FILE.json", "the probes to write", 1, 0},
       {"--method", OPTION_CHOICE, &given.method, "grid|sdf|medial|cover", "default cover: where they see most", 0, 0},
@@ -158,6 +160,7 @@ int command_place(int argc, char **argv) {
       {"--size", OPTION_SIZE, picture.size, "1280x720", "--picture: pixels; default 1280x720", 1, 16384},
       {"--seed", OPTION_COUNT, &given.seed, "N", "of all random choices; default 0", 0, UINT32_MAX},
       {"--threads", OPTION_COUNT, &given.threads, "N", "default 0: every processor; the result is the same", 0, 4096},
+      SCENE_OPTION_ROWS(loading),
       {"--json", OPTION_FLAG, &json, NULL, "print one JSON object", 0, 0},
   };
   command_line line = {.name = "place",
@@ -175,7 +178,8 @@ int command_place(int argc, char **argv) {
   }
   if (!check_output("place", output) || (picture.path && !check_output("place", picture.path))) return EXIT_FAILED;
   olx_scene *scene = NULL;
-  if (olx_scene_load(line.given[0], &scene) != OLX_OK) return library_failure("place");
+  code = load_scene("place", line.given[0], &loading, &scene);
+  if (code != EXIT_DONE) return code;
   code = place_probes(scene, &given, &picture, output, json);
   olx_scene_free(scene);
   return code;

@@ -4,6 +4,7 @@
 #include "relit_field.h"
 #include "report.h"
 #include "sample_options.h"
+#include "scene_options.h"
 #include "vulkan_render.h"
 
 #include <octalux/render.h>
@@ -20,6 +21,7 @@ typedef struct render_options {
   uint32_t method, size[2], spp, bounces, diffuse, diffuse_samples, glossy_samples, seed, threads, device;
   uint32_t mode, gather_samples, frames, cut, denoise, emitters, relight;
   sample_options sample;
+  scene_options loading;
   float exposure, dim_lobe;
   bool standard_error, show_probes, centered, validate, progress, json;
 } render_options;
@@ -295,8 +297,8 @@ static int render_picture(const render_options *o, const olx_scene *scene, const
 static int render_scene(const render_options *o) {
   olx_scene *scene = NULL;
   olx_field *field = NULL;
-  if (olx_scene_load(o->scene, &scene) != OLX_OK) return library_failure("render");
-  int code;
+  int code = load_scene("render", o->scene, &o->loading, &scene);
+  if (code != EXIT_DONE) return code;
   if (o->field && olx_field_open(o->field, &field) != OLX_OK) code = library_failure("render");
   else code = render_picture(o, scene, field);
   olx_field_close(field);
@@ -350,6 +352,7 @@ int command_render(int argc, char **argv) {
       {"--device", OPTION_CHOICE, &o.device, "cpu|vulkan",
        "where to compute indirect light; vulkan: camera samples through pixel centres; default cpu", 0, 0},
       {"--validate", OPTION_FLAG, &o.validate, NULL, "vulkan: check every call with the validation layers", 0, 0},
+      SCENE_OPTION_ROWS(o.loading),
       {"--progress", OPTION_FLAG, &o.progress, NULL, "tell progress even when nobody watches", 0, 0},
       {"--json", OPTION_FLAG, &o.json, NULL, "print one JSON object", 0, 0},
   };

@@ -1,6 +1,7 @@
 #include "commands.h"
 #include "options.h"
 #include "report.h"
+#include "scene_options.h"
 
 #include <octalux/scene.h>
 
@@ -60,8 +61,10 @@ static void print_scene(const char *name, const olx_scene *scene) {
 int command_scene(int argc, char **argv) {
   bool json = false;
   const char *cooked = NULL;
+  scene_options loading = {0};
   const option options[] = {
       {"--cook", OPTION_TEXT, &cooked, "FILE.olxs", "write all of it into one file that loads by itself", 0, 0},
+      SCENE_OPTION_ROWS(loading),
       {"--json", OPTION_FLAG, &json, NULL, "print one JSON object", 0, 0}};
   command_line line = {.name = "scene",
                        .summary = "What is in a scene: triangles, materials, lights, cameras, bounds, import warnings.",
@@ -73,7 +76,8 @@ int command_scene(int argc, char **argv) {
   olx_scene *scene = NULL;
   if (cooked && !ends_with(cooked, ".olxs")) return usage_error("scene", "--cook: '%s' does not end in .olxs", cooked);
   if (cooked && !check_output("scene", cooked)) return EXIT_FAILED;
-  if (olx_scene_load(line.given[0], &scene) != OLX_OK) return library_failure("scene");
+  code = load_scene("scene", line.given[0], &loading, &scene);
+  if (code != EXIT_DONE) return code;
   uint64_t file_bytes = 0;
   if (cooked && olx_scene_cook(scene, cooked, &file_bytes) != OLX_OK) {
     olx_scene_free(scene);

@@ -112,7 +112,7 @@ def check_client(root, name, angled, target):
         folders.append(root / "host")
     if ".." not in target and any(folder.joinpath(target).is_file() for folder in folders):
         return None
-    if name.startswith("viewer/") and target in ("clock.h", "options.h", "sample_options.h"):  # as the command line
+    if name.startswith("viewer/") and target in ("clock.h", "options.h", "sample_options.h", "scene_options.h"):  # as the command line
         return None
     if target.endswith(".spv.inc") or target == "lib/octalux.glsl":  # compiled shaders; what is installed for shaders
         return None

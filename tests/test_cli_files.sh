@@ -40,4 +40,19 @@ if [ -w /dev/full ]; then
   [ "$code" = 1 ] || fail "a full standard output: exit code $code, not 1"
 fi
 
+# A model reads nothing beyond its parent folder unless it is allowed to, and stays within limits unless they are raised.
+mkdir -p scenes/models
+printf 'newmtl square\nKd 1 0 0\n' >outside.mtl
+printf 'mtllib ../../outside.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nusemtl square\nf 1 2 4 3\n' >scenes/models/square.obj
+expect_failure "outside.mtl, which lies outside" scene scenes/models/square.obj
+"$OCTALUX" scene scenes/models/square.obj --allow-outside >/dev/null 2>stderr.txt || fail "--allow-outside: $(cat stderr.txt)"
+expect_failure "line 7: 4 corners in a polygon, more than the limit of 3" scene scenes/models/square.obj --import-limits polygon_corners=3
+for command in bake render place; do
+  case $command in bake) output=a.olx ;; render) output=a.exr ;; place) output=a.json ;; esac
+  expect_failure "outside.mtl, which lies outside" $command scenes/models/square.obj -o $output
+done
+code=0
+"$OCTALUX" scene builtin:cornell --import-limits corners=3 >/dev/null 2>stderr.txt || code=$?
+[ "$code" = 2 ] || fail "--import-limits corners=3: exit code $code, not 2"
+
 finish

@@ -104,6 +104,7 @@ bool view_options_read(int argc, char **argv, view_options *o, int *exit_code) {
       {"--script", OPTION_TEXT, &o->script, "FILE", "play keys, mouse and window from a file, then leave", 0, 0},
       {"--offscreen", OPTION_FLAG, &o->offscreen, NULL, "open no window", 0, 0},
       {"--panel", OPTION_FLAG, &o->panel, NULL, "keep the panel in screenshots", 0, 0},
+      SCENE_OPTION_ROWS(o->loading),
       {"--no-wait", OPTION_FLAG, &o->no_wait, NULL, "do not wait for the display between frames", 0, 0},
       {"--validate", OPTION_FLAG, &o->validate, NULL, "check every call with the validation layers", 0, 0},
   };

@@ -2,10 +2,12 @@
 #ifndef OCTALUX_VIEW_OPTIONS_H
 #define OCTALUX_VIEW_OPTIONS_H
 
+#include "scene_options.h"
 #include "view_state.h"
 
 typedef struct view_options {
   const char *scene, *field, *camera, *screenshot, *script, *pick, *object;
+  scene_options loading;
   uint32_t size[2];
   uint32_t frames; // 0: until the window is closed
   bool offscreen, validate, panel, no_wait, relight;

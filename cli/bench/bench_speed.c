@@ -2,6 +2,7 @@
 #include "commands.h"
 #include "options.h"
 #include "report.h"
+#include "scene_options.h"
 
 #include <octalux/bake.h>
 
@@ -14,6 +15,7 @@
 typedef struct speed_bench {
   const char *scene_name;
   bake_options given;
+  scene_options loading;
   bool progress, json;
 } speed_bench;
 
@@ -60,12 +62,12 @@ static int bake_to(const speed_bench *bench, const olx_scene *scene, const char 
 // How long a bake takes against Embree casting the same rays from the probes and nothing else.
 static int run_speed(const speed_bench *bench) {
   olx_scene *scene = NULL;
-  if (olx_scene_load(bench->scene_name, &scene) != OLX_OK) return library_failure("bench");
+  int code = load_scene("bench", bench->scene_name, &bench->loading, &scene);
+  if (code != EXIT_DONE) return code;
   const char *folder = getenv("TMPDIR");
   char path[4096];
   snprintf(path, sizeof path, "%s/octalux-bench-XXXXXX", folder && *folder ? folder : "/tmp");
   const int descriptor = mkstemp(path);
-  int code;
   if (descriptor < 0) {
     code = failure("bench", "%s: cannot create a temporary file", path);
   } else {
@@ -81,6 +83,7 @@ int command_bench_speed(int argc, char **argv) {
   speed_bench bench = {.scene_name = "builtin:cornell", .given = BAKE_OPTIONS_NONE};
   const option options[] = {
       BAKE_OPTION_ROWS(bench.given),
+      SCENE_OPTION_ROWS(bench.loading),
       {"--progress", OPTION_FLAG, &bench.progress, NULL, "tell progress even when nobody watches", 0, 0},
       {"--json", OPTION_FLAG, &bench.json, NULL, "print one JSON object", 0, 0},
   };

@@ -29,9 +29,35 @@ typedef struct olx_scene_info {
   uint64_t hash;         // of geometry, materials, textures, lights and environment
 } olx_scene_info;
 
+// What a model, or a whole scene, may ask for. A file of a megabyte can ask for gigabytes, so each of these is counted before
+// memory or time is spent on it, and a file that goes beyond one is refused with a message that names the file, the element,
+// the number found and the limit. Raise a limit for a file that is trusted and needs more. A limit of 0 is the default.
+typedef struct olx_scene_limits {
+  uint64_t
+      triangles;   // of the scene, those of instances counted each time; default 2^26, about 6 GiB while they are read
+  uint64_t texels; // of all images of the scene, 4 bytes each in memory (an environment 12); default 2^29
+  uint32_t
+      polygon_corners; // of one polygon of an OBJ file, whose triangulation takes their square in time; default 2048
+  uint32_t materials;  // of the scene, some 36 KiB each while they are read; default 8192
+  uint32_t nodes;      // of one model: glTF nodes and primitives, or OBJ objects, groups and changes of material, some
+                       // 3 KiB each while they are read; default 32768
+} olx_scene_limits;
+
+typedef struct olx_scene_load_settings {
+  olx_scene_limits limits;
+  // Read files that a model names (buffers, material files, images) wherever they lie. Without it they must lie in the
+  // folder that the model's folder is in, or below that; links are followed first. Default false. What a description names,
+  // and a description itself, is read from anywhere.
+  bool allow_outside;
+} olx_scene_load_settings;
+
+olx_scene_load_settings olx_scene_load_settings_default(void);
+
 // Load `name`: "builtin:NAME", or the path of a .gltf, .glb, .obj, .json or .olxs file. A model named by a description is looked
 // for beside it and in each folder of the environment variable OCTALUX_SCENES. On success *scene is the caller's.
 olx_result olx_scene_load(const char *name, olx_scene **scene);
+// Loads a scene by `settings`; NULL stands for the defaults. OLX_ERROR_UNSUPPORTED: a limit was exceeded, or a file lies outside.
+olx_result olx_scene_load_with(const char *name, const olx_scene_load_settings *settings, olx_scene **scene);
 
 // Write everything in a scene as one .olxs file (docs/cooked.md): beside, synced, renamed. It loads fast, has the same hash,
 // and gives the same bakes and pictures to the last bit. file_bytes may be NULL.

@@ -4,6 +4,7 @@
 #include "scene/builtin.h"
 #include "scene/import.h"
 #include "scene/json_value.h"
+#include "scene/name_index.h"
 #include "scene/scene_build.h"
 #include "scene/texture_file.h"
 
@@ -20,6 +21,9 @@ typedef struct description {
   const char *path;
   olx_scene *scene;
   uint32_t unknown_keys;
+  olx_name_index names; // of the models' materials, which the entries of "materials" look for
+  uint32_t *masks;      // of a texture of the models: the one that keeps its alpha; OLX_NO_TEXTURE: not made yet
+  uint32_t mask_count;
 } description;
 
 // An object of the description and where it stands in it: "lights[2]", or "" for the whole.
@@ -271,7 +275,7 @@ static olx_result read_environment(description *d, const place *root) {
   char path[4096];
   uint64_t repaired = 0;
   OLX_TRY(find_file(d, &at, "image", image, path, sizeof path));
-  const olx_result result = olx_environment_load(path, environment, &repaired);
+  const olx_result result = olx_environment_load(path, d->scene, environment, &repaired);
   if (result != OLX_OK) return olx_fail(result, "%s: environment.image: %s", d->path, olx_last_error());
   if (repaired) {
     olx_scene_warn(d->scene, "%s: %llu numbers were negative or not finite, now 0", path, (unsigned long long)repaired);
@@ -312,24 +316,38 @@ static olx_result read_material_change(description *d, const place *at, material
   return OLX_OK;
 }
 
-// Alpha keeps coming from the texture whose colour is replaced.
-static olx_result keep_mask(olx_scene *scene, olx_material *m) {
-  if (m->base_color_texture == OLX_NO_TEXTURE || m->alpha_cutoff <= 0.0f || m->alpha_texture != OLX_NO_TEXTURE) {
-    return OLX_OK;
-  }
-  olx_texture mask = scene->textures[m->base_color_texture];
+// A texture of nothing but the alpha of texture `of`.
+static olx_result make_mask(olx_scene *scene, uint32_t of, uint32_t *index) {
+  olx_texture mask = scene->textures[of];
   const size_t count = (size_t)mask.width * mask.height;
   const uint8_t *colors = mask.texels;
   mask.srgb = false;
   mask.texels = olx_allocate(count, 4);
   if (!mask.texels) return olx_fail(OLX_ERROR_MEMORY, "out of memory for a texture");
   for (size_t i = 0; i < count; ++i) memset(mask.texels + i * 4, colors[i * 4 + 3], 4);
-  return olx_scene_add_texture(scene, &mask, &m->alpha_texture);
+  return olx_scene_add_texture(scene, &mask, index);
 }
 
-static olx_result apply_change(olx_scene *scene, const material_change *change, olx_material *m) {
+// Alpha keeps coming from the texture whose colour is replaced. Materials of one texture share what is made of it.
+static olx_result keep_mask(description *d, olx_material *m) {
+  olx_scene *scene = d->scene;
+  if (m->base_color_texture == OLX_NO_TEXTURE || m->alpha_cutoff <= 0.0f || m->alpha_texture != OLX_NO_TEXTURE) {
+    return OLX_OK;
+  }
+  if (!d->masks) {
+    d->masks = olx_allocate(scene->texture_count, sizeof *d->masks);
+    if (!d->masks) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", d->path);
+    for (; d->mask_count < scene->texture_count; ++d->mask_count) d->masks[d->mask_count] = OLX_NO_TEXTURE;
+  }
+  uint32_t *mask = &d->masks[m->base_color_texture];
+  if (*mask == OLX_NO_TEXTURE) OLX_TRY(make_mask(scene, m->base_color_texture, mask));
+  m->alpha_texture = *mask;
+  return OLX_OK;
+}
+
+static olx_result apply_change(description *d, const material_change *change, olx_material *m) {
   if (change->base_color) {
-    OLX_TRY(keep_mask(scene, m));
+    OLX_TRY(keep_mask(d, m));
     m->base_color = change->base_color_value;
     m->base_color_texture = OLX_NO_TEXTURE;
   }
@@ -346,6 +364,25 @@ static olx_result apply_change(olx_scene *scene, const material_change *change, 
   return OLX_OK;
 }
 
+static olx_result apply_to_all(description *d, const material_change *change, uint32_t *matches) {
+  for (uint32_t i = 0; i < d->scene->material_count; ++i) {
+    if (d->scene->materials[i].rectangle_light) continue;
+    OLX_TRY(apply_change(d, change, &d->scene->materials[i]));
+    ++*matches;
+  }
+  return OLX_OK;
+}
+
+static olx_result apply_to_named(description *d, const char *name, const material_change *change, uint32_t *matches) {
+  for (uint32_t i = olx_name_index_find(&d->names, name, OLX_NO_ELEMENT); i != OLX_NO_ELEMENT;
+       i = olx_name_index_find(&d->names, name, i)) {
+    if (strcmp(d->scene->materials[i].name, name) != 0) continue;
+    OLX_TRY(apply_change(d, change, &d->scene->materials[i]));
+    ++*matches;
+  }
+  return OLX_OK;
+}
+
 // "*" first, so that a material's own entry wins over it wherever it stands.
 static olx_result read_materials(description *d, const place *root, bool everyone) {
   const cJSON *materials = member(root, "materials"), *item = NULL;
@@ -357,13 +394,15 @@ static olx_result read_materials(description *d, const place *root, bool everyon
     material_change change;
     OLX_TRY(read_material_change(d, &at, &change));
     uint32_t matches = 0;
-    for (uint32_t i = 0; i < d->scene->material_count; ++i) {
-      olx_material *material = &d->scene->materials[i];
-      if (everyone ? material->rectangle_light : strcmp(material->name, item->string) != 0) continue;
-      OLX_TRY(apply_change(d->scene, &change, material));
-      ++matches;
-    }
+    OLX_TRY(everyone ? apply_to_all(d, &change, &matches) : apply_to_named(d, item->string, &change, &matches));
     if (!matches) olx_scene_warn(d->scene, "%s: %s: no material of that name", d->path, at.name);
+  }
+  return OLX_OK;
+}
+
+static olx_result index_materials(description *d) {
+  while (d->names.count < d->scene->material_count) {
+    OLX_TRY(olx_name_index_add(&d->names, d->scene->materials[d->names.count].name));
   }
   return OLX_OK;
 }
@@ -465,6 +504,7 @@ static olx_result read_description(description *d, const place *root) {
   OLX_TRY(read_environment(d, root));
   if (member(root, "model")) OLX_TRY(read_model(d, root, "model"));
   OLX_TRY(read_list(d, root, "models", read_models_entry));
+  OLX_TRY(index_materials(d));
   OLX_TRY(read_materials(d, root, true));
   OLX_TRY(read_materials(d, root, false));
   OLX_TRY(read_list(d, root, "lights", read_light));
@@ -485,6 +525,8 @@ olx_result olx_import_description(const char *path, olx_scene *scene) {
   description d = {.path = path, .scene = scene};
   root.object = json;
   result = read_description(&d, &root);
+  olx_name_index_free(&d.names);
+  olx_release(d.masks);
   cJSON_Delete(json);
   return result;
 }

@@ -2,6 +2,7 @@
 
 #include "core/hooks.h"
 #include "core/result.h"
+#include "scene/import_limits.h"
 #include "scene/scene_build.h"
 
 #include <stdio.h>
@@ -299,6 +300,112 @@ static olx_result check_nodes(const checker *c) {
   return result;
 }
 
+// An accessor's count of elements, 0 where it is not there.
+static uint64_t element_count(const checker *c, const cJSON *accessor) {
+  uint64_t count = 0;
+  uint32_t index = 0;
+  bool valid;
+  if (olx_json_index(accessor, c->accessor_count, &index, &valid)) read_size(c->accessors[index], "count", 0, &count);
+  return count;
+}
+
+static uint64_t attribute_count(const checker *c, const cJSON *attributes) {
+  const cJSON *attribute = NULL;
+  uint64_t most = 0;
+  cJSON_ArrayForEach(attribute, attributes) {
+    const uint64_t count = element_count(c, attribute);
+    if (count > most) most = count;
+  }
+  return most;
+}
+
+// What a primitive costs to read, in triangles: those that it has, or as many as its vertices and morphs would make.
+static uint64_t primitive_triangles(const checker *c, const cJSON *primitive) {
+  const uint64_t vertices = attribute_count(c, member(primitive, "attributes"));
+  const uint64_t indices = element_count(c, member(primitive, "indices"));
+  uint64_t mode, corners = indices ? indices : vertices, morphed = vertices;
+  const cJSON *target = NULL;
+  read_size(primitive, "mode", 4, &mode);
+  cJSON_ArrayForEach(target, member(primitive, "targets")) morphed += attribute_count(c, target);
+  const uint64_t triangles = mode > 4 && corners > 2 ? corners - 2 : corners / 3;
+  return triangles > morphed / 3 ? triangles : morphed / 3;
+}
+
+// Triangles of every mesh, into `triangles`, and how many primitives there are.
+static olx_result count_triangles(const checker *c, const olx_scene *scene, uint64_t *triangles, uint64_t *primitives) {
+  const cJSON *mesh = NULL, *primitive = NULL;
+  uint64_t all = scene->triangle_count;
+  uint32_t i = 0;
+  cJSON_ArrayForEach(mesh, member(c->root, "meshes")) {
+    char element[32];
+    snprintf(element, sizeof element, "meshes[%u]", i);
+    triangles[i] = 0;
+    cJSON_ArrayForEach(primitive, member(mesh, "primitives")) {
+      triangles[i] += primitive_triangles(c, primitive);
+      ++*primitives;
+    }
+    all += triangles[i++];
+    OLX_TRY(olx_import_check_limit(scene, OLX_LIMIT_TRIANGLES, all, c->path, element));
+  }
+  return OLX_OK;
+}
+
+// A mesh is made once for every node that has it.
+static olx_result check_instances(const checker *c, const olx_scene *scene, const uint64_t *triangles) {
+  const cJSON *node = NULL;
+  uint64_t all = scene->triangle_count;
+  uint32_t i = 0;
+  cJSON_ArrayForEach(node, member(c->root, "nodes")) {
+    uint32_t mesh = 0;
+    bool valid;
+    char element[32];
+    snprintf(element, sizeof element, "nodes[%u]", i++);
+    if (!olx_json_index(member(node, "mesh"), c->mesh_count, &mesh, &valid)) continue;
+    all += triangles[mesh];
+    OLX_TRY(olx_import_check_limit(scene, OLX_LIMIT_TRIANGLES, all, c->path, element));
+  }
+  return OLX_OK;
+}
+
+// Every image inside the buffers is copied out of them.
+static olx_result check_image_bytes(const checker *c) {
+  uint64_t available = 0, taken = 0;
+  uint32_t i = 0;
+  for (uint32_t b = 0; b < c->buffer_count; ++b) {
+    uint64_t size_bytes;
+    if (read_size(c->buffers[b], "byteLength", 0, &size_bytes)) available += size_bytes;
+  }
+  const cJSON *image = NULL;
+  cJSON_ArrayForEach(image, member(c->root, "images")) {
+    uint32_t view = 0;
+    bool valid;
+    uint64_t size_bytes = 0;
+    if (olx_json_index(member(image, "bufferView"), c->view_count, &view, &valid)) {
+      read_size(c->views[view], "byteLength", 0, &size_bytes);
+    }
+    taken += size_bytes;
+    if (taken > available) return fail(c, "images", i, "it shares its bytes with other images");
+    ++i;
+  }
+  return OLX_OK;
+}
+
+static olx_result check_amounts(const checker *c, const olx_scene *scene) {
+  const uint64_t materials = (uint64_t)scene->material_count + c->material_count;
+  OLX_TRY(olx_import_check_limit(scene, OLX_LIMIT_MATERIALS, materials, c->path, "materials"));
+  OLX_TRY(olx_import_check_limit(scene, OLX_LIMIT_NODES, c->node_count, c->path, "nodes"));
+  uint64_t *triangles = olx_allocate(c->mesh_count, sizeof *triangles), primitives = 0;
+  if (!triangles) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", c->path);
+  olx_result result = count_triangles(c, scene, triangles, &primitives);
+  if (result == OLX_OK) {
+    result =
+        olx_import_check_limit(scene, OLX_LIMIT_NODES, c->node_count + primitives, c->path, "nodes and primitives");
+  }
+  if (result == OLX_OK) result = check_instances(c, scene, triangles);
+  olx_release(triangles);
+  return result == OLX_OK ? check_image_bytes(c) : result;
+}
+
 static olx_result check_all(checker *c, olx_scene *scene) {
   const cJSON *version = member(member(c->root, "asset"), "version");
   if (!cJSON_IsString(version)) return olx_fail(OLX_ERROR_FORMAT, "%s: not a glTF file: no asset.version", c->path);
@@ -318,7 +425,8 @@ static olx_result check_all(checker *c, olx_scene *scene) {
   for (uint32_t i = 0; i < c->accessor_count; ++i) OLX_TRY(check_accessor(c, i));
   OLX_TRY(check_meshes(c));
   OLX_TRY(check_images(c));
-  return check_nodes(c);
+  OLX_TRY(check_nodes(c));
+  return check_amounts(c, scene);
 }
 
 olx_result olx_gltf_check(const char *path, const cJSON *root, olx_scene *scene) {

@@ -4,6 +4,7 @@
 #include "core/hooks.h"
 #include "core/result.h"
 #include "scene/gltf_check.h"
+#include "scene/name_index.h"
 #include "scene/scene_build.h"
 
 #include <stdio.h>
@@ -12,8 +13,9 @@
 struct olx_gltf {
   char *path;
   cJSON *root;
-  const cJSON **nodes, **meshes, **materials; // elements as arrays
-  uint32_t node_count, mesh_count, material_count;
+  const cJSON **nodes, **meshes, **materials, **cameras, **lights; // elements as arrays
+  uint32_t node_count, mesh_count, material_count, camera_count, light_count;
+  olx_name_index names;     // of the materials
   uint32_t *material_order; // JSON index of the materials in the order of first use
   uint32_t ordered_count;
 };
@@ -27,6 +29,11 @@ typedef struct walk_entry {
 
 static const cJSON *member(const cJSON *object, const char *key) {
   return cJSON_GetObjectItemCaseSensitive(object, key);
+}
+
+static const char *own_name(const cJSON *object) {
+  const cJSON *name = member(object, "name");
+  return cJSON_IsString(name) ? name->valuestring : "";
 }
 
 static olx_result collect_elements(const cJSON *array, const cJSON ***elements, uint32_t *count) {
@@ -138,6 +145,12 @@ static olx_result open_mapped(const olx_mapped_file *file, olx_scene *scene, olx
   OLX_TRY(collect_elements(member(gltf->root, "nodes"), &gltf->nodes, &gltf->node_count));
   OLX_TRY(collect_elements(member(gltf->root, "meshes"), &gltf->meshes, &gltf->mesh_count));
   OLX_TRY(collect_elements(member(gltf->root, "materials"), &gltf->materials, &gltf->material_count));
+  const cJSON *punctual = member(member(gltf->root, "extensions"), "KHR_lights_punctual");
+  OLX_TRY(collect_elements(member(gltf->root, "cameras"), &gltf->cameras, &gltf->camera_count));
+  OLX_TRY(collect_elements(member(punctual, "lights"), &gltf->lights, &gltf->light_count));
+  for (uint32_t i = 0; i < gltf->material_count; ++i) {
+    OLX_TRY(olx_name_index_add(&gltf->names, own_name(gltf->materials[i])));
+  }
   return order_materials(gltf);
 }
 
@@ -165,21 +178,20 @@ void olx_gltf_close(olx_gltf *gltf) {
   olx_release(gltf->nodes);
   olx_release(gltf->meshes);
   olx_release(gltf->materials);
+  olx_release(gltf->cameras);
+  olx_release(gltf->lights);
+  olx_name_index_free(&gltf->names);
   olx_release(gltf->material_order);
   olx_release(gltf);
-}
-
-static bool has_name(const cJSON *object, const char *name) {
-  const cJSON *own = member(object, "name");
-  return strcmp(cJSON_IsString(own) ? own->valuestring : "", name) == 0;
 }
 
 static const cJSON *find_material(const olx_gltf *gltf, uint32_t assimp_index, const char *name) {
   if (assimp_index >= gltf->ordered_count) return NULL; // the default material, which Assimp appends
   const cJSON *expected = gltf->materials[gltf->material_order[assimp_index]];
-  if (has_name(expected, name)) return expected;
-  for (uint32_t i = 0; i < gltf->material_count; ++i) {
-    if (has_name(gltf->materials[i], name)) return gltf->materials[i];
+  if (strcmp(own_name(expected), name) == 0) return expected;
+  for (uint32_t i = olx_name_index_find(&gltf->names, name, OLX_NO_ELEMENT); i != OLX_NO_ELEMENT;
+       i = olx_name_index_find(&gltf->names, name, i)) {
+    if (strcmp(own_name(gltf->materials[i]), name) == 0) return gltf->materials[i];
   }
   return NULL;
 }
@@ -272,17 +284,15 @@ static olx_result add_light(const olx_gltf *gltf, const cJSON *node, const cJSON
 }
 
 static olx_result add_node(const olx_gltf *gltf, const cJSON *node, const olx_affine *parent, olx_scene *scene) {
-  const cJSON *cameras = member(gltf->root, "cameras");
-  const cJSON *lights = member(member(member(gltf->root, "extensions"), "KHR_lights_punctual"), "lights");
   const cJSON *light = member(member(member(node, "extensions"), "KHR_lights_punctual"), "light");
   const olx_affine local = node_transform(node), transform = olx_affine_multiply(parent, &local);
   uint32_t index = 0;
   bool valid;
-  if (olx_json_index(member(node, "camera"), (uint32_t)cJSON_GetArraySize(cameras), &index, &valid)) {
-    OLX_TRY(add_camera(gltf, node, cJSON_GetArrayItem(cameras, (int)index), &transform, scene));
+  if (olx_json_index(member(node, "camera"), gltf->camera_count, &index, &valid)) {
+    OLX_TRY(add_camera(gltf, node, gltf->cameras[index], &transform, scene));
   }
-  if (olx_json_index(light, (uint32_t)cJSON_GetArraySize(lights), &index, &valid)) {
-    OLX_TRY(add_light(gltf, node, cJSON_GetArrayItem(lights, (int)index), &transform, scene));
+  if (olx_json_index(light, gltf->light_count, &index, &valid)) {
+    OLX_TRY(add_light(gltf, node, gltf->lights[index], &transform, scene));
   }
   // olx_gltf_check has bounded the depth.
   const cJSON *child = NULL;

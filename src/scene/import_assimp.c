@@ -1,20 +1,16 @@
-#include "core/file.h"
 #include "core/hooks.h"
 #include "core/result.h"
 #include "scene/import_material.h"
+#include "scene/model_files.h"
+#include "scene/obj_check.h"
 #include "scene/scene_build.h"
 
 #include <assimp/cimport.h>
 #include <assimp/postprocess.h>
 
-#include <ctype.h>
-#include <pthread.h>
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
-#include <unistd.h>
-
-#define MAX_REPEATED_WARNINGS 32u
 
 typedef struct model_import {
   const char *path;
@@ -30,19 +26,6 @@ typedef struct model_import {
 static bool has_extension(const char *path, const char *extension) {
   const size_t length = strlen(path), tail = strlen(extension);
   return length >= tail && strcasecmp(path + length - tail, extension) == 0;
-}
-
-// Assimp keeps the message of a failed import in one global string.
-static const struct aiScene *read_with_assimp(const char *path, unsigned steps, char *error, size_t error_bytes) {
-  static pthread_mutex_t assimp_lock = PTHREAD_MUTEX_INITIALIZER;
-  pthread_mutex_lock(&assimp_lock);
-  const struct aiScene *source = aiImportFile(path, steps);
-  if (!source) snprintf(error, error_bytes, "%.400s", aiGetErrorString());
-  pthread_mutex_unlock(&assimp_lock);
-  for (char *c = error; *c; ++c) {
-    if (*c == '\n' || *c == '\r') *c = ' ';
-  }
-  return source;
 }
 
 // Leaves 0 in material_index for the materials that a mesh uses, UINT32_MAX for the others.
@@ -226,76 +209,12 @@ static olx_result import_source(model_import *import, const olx_affine *placemen
   return olx_gltf_add_cameras_and_lights(import->materials.gltf, placement, import->scene);
 }
 
-// Assimp crashes on properties that stand before the first material.
-static olx_result check_material_file(const char *path) {
-  olx_mapped_file file;
-  OLX_TRY(olx_map_file(path, &file));
-  olx_result result = OLX_OK;
-  const char *line = file.data, *const end = line + file.size_bytes;
-  for (unsigned number = 1; line < end; ++number) {
-    const char *stop = memchr(line, '\n', (size_t)(end - line));
-    if (!stop) stop = end;
-    while (line < stop && isspace((unsigned char)*line)) ++line;
-    if (line < stop && *line != '#') {
-      if (stop - line < 7 || memcmp(line, "newmtl", 6) != 0) {
-        result = olx_fail(OLX_ERROR_FORMAT, "%s: line %u: expected newmtl before anything else", path, number);
-      }
-      break;
-    }
-    line = stop + 1;
-  }
-  olx_unmap_file(&file);
-  return result;
-}
-
-static olx_result check_material_library(const char *path, const char *name, size_t length, uint32_t *missing,
-                                         olx_scene *scene) {
-  char library[4096];
-  const char *slash = strrchr(path, '/');
-  const int folder = name[0] == '/' || !slash ? 0 : (int)(slash - path) + 1;
-  snprintf(library, sizeof library, "%.*s%.*s", folder, path, (int)length, name);
-  if (access(library, R_OK) == 0) return check_material_file(library);
-  if (++*missing <= MAX_REPEATED_WARNINGS) {
-    olx_scene_warn(scene, "%s: material file %.*s not found", path, (int)length, name);
-  }
-  // Assimp then takes the file named like the model.
-  snprintf(library, sizeof library, "%.*s.mtl", (int)strlen(path) - 4, path);
-  return access(library, R_OK) == 0 ? check_material_file(library) : OLX_OK;
-}
-
-// Assimp passes over missing material files in silence.
-static olx_result check_obj_text(const char *path, const char *text, size_t size_bytes, olx_scene *scene) {
-  const char *line = text, *const end = text + size_bytes;
-  uint32_t missing = 0;
-  while (line < end) {
-    const char *stop = memchr(line, '\n', (size_t)(end - line));
-    if (!stop) stop = end;
-    if (stop - line > 7 && memcmp(line, "mtllib", 6) == 0 && isspace((unsigned char)line[6])) {
-      const char *name = line + 7;
-      size_t length = (size_t)(stop - name);
-      while (length && isspace((unsigned char)*name)) ++name, --length;
-      while (length && isspace((unsigned char)name[length - 1])) --length;
-      if (length > 0 && length < 1024) OLX_TRY(check_material_library(path, name, length, &missing, scene));
-    }
-    line = stop + 1;
-  }
-  return OLX_OK;
-}
-
-static olx_result check_obj(const char *path, olx_scene *scene) {
-  olx_mapped_file file;
-  OLX_TRY(olx_map_file(path, &file));
-  const olx_result result = check_obj_text(path, file.data, file.size_bytes, scene);
-  olx_unmap_file(&file);
-  return result;
-}
-
 static olx_result import_checked(const char *path, const olx_placement *placement, olx_scene *scene,
                                  const olx_gltf *gltf) {
-  char error[512] = "";
-  const struct aiScene *source = read_with_assimp(path, gltf ? 0 : aiProcess_Triangulate, error, sizeof error);
-  if (!source) return olx_fail(OLX_ERROR_FORMAT, "%s: cannot be read: %s", path, error[0] ? error : "no reason given");
-  model_import import = {.path = path, .scene = scene, .materials = {.path = path, .source = source, .gltf = gltf}};
+  const struct aiScene *source;
+  OLX_TRY(olx_model_read(path, gltf ? 0 : aiProcess_Triangulate, scene, &source));
+  model_import import = {
+      .path = path, .scene = scene, .materials = {.path = path, .scene = scene, .source = source, .gltf = gltf}};
   const olx_affine transform = olx_affine_from_placement(placement);
   const olx_result result = import_source(&import, &transform);
   olx_texture_table_free(&import.materials.textures);
@@ -308,7 +227,7 @@ static olx_result import_checked(const char *path, const olx_placement *placemen
 
 olx_result olx_import_model(const char *path, const olx_placement *placement, olx_scene *scene) {
   if (has_extension(path, ".obj")) {
-    OLX_TRY(check_obj(path, scene));
+    OLX_TRY(olx_obj_check(path, scene));
     return import_checked(path, placement, scene, NULL);
   }
   if (!has_extension(path, ".gltf") && !has_extension(path, ".glb")) {

@@ -2,6 +2,7 @@
 
 #include "core/hooks.h"
 #include "core/result.h"
+#include "scene/model_files.h"
 #include "scene/scene_build.h"
 
 #include <assimp/GltfMaterial.h>
@@ -96,6 +97,7 @@ static olx_result request_texture(olx_material_import *import, const source_mate
   if (name.data[0] == '*') return request_embedded(import, name.data, use, number);
   char path[8192];
   locate_texture(import->path, name.data, path, sizeof path);
+  OLX_TRY(olx_model_file_check(import->scene, import->path, path));
   return olx_texture_table_request(&import->textures, path, NULL, 0, use, number);
 }
 

@@ -17,6 +17,7 @@ void olx_name_list_add(olx_name_list *list, const char *name);
 
 typedef struct olx_material_import {
   const char *path; // of the model
+  const olx_scene *scene;
   const struct aiScene *source;
   const olx_gltf *gltf; // NULL for OBJ
   olx_texture_table textures;

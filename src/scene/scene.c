@@ -15,10 +15,11 @@ olx_result olx_scene_finish(olx_scene *scene) {
 }
 
 olx_result olx_scene_load_by(olx_result (*fill)(const char *name, olx_scene *scene), const char *name,
-                             olx_scene **scene) {
+                             const olx_scene_load_settings *settings, olx_scene **scene) {
   *scene = NULL;
   olx_scene *loaded = olx_allocate_zero(1, sizeof *loaded);
   if (!loaded) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", name);
+  if (settings) loaded->load = *settings;
   olx_result result = fill(name, loaded);
   if (result == OLX_OK) {
     result = olx_scene_finish(loaded);
@@ -33,7 +34,7 @@ olx_result olx_scene_load_by(olx_result (*fill)(const char *name, olx_scene *sce
 }
 
 olx_result olx_scene_load_cooked(const char *path, olx_scene **scene) {
-  return olx_scene_load_by(olx_scene_read_cooked, path, scene);
+  return olx_scene_load_by(olx_scene_read_cooked, path, NULL, scene);
 }
 
 void olx_scene_free(olx_scene *scene) {

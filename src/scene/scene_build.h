@@ -43,9 +43,9 @@ olx_result olx_scene_finish(olx_scene *scene);
 // Release what a scene holds but emitters and the ray caster, not the scene itself.
 void olx_scene_release_arrays(olx_scene *scene);
 
-// A new scene that `fill` makes of what is called `name`, finished.
+// A new scene that `fill` makes of what is called `name`, finished. `settings` may be NULL.
 olx_result olx_scene_load_by(olx_result (*fill)(const char *name, olx_scene *scene), const char *name,
-                             olx_scene **scene);
+                             const olx_scene_load_settings *settings, olx_scene **scene);
 
 // Append the content of a cooked scene to an empty one.
 olx_result olx_scene_read_cooked(const char *path, olx_scene *scene);

@@ -12,7 +12,7 @@ typedef struct olx_box {
 
 // What the description demands of probes, whoever places them.
 typedef struct olx_probe_rules {
-  olx_vec3 *pinned; // probes that are always there
+  olx_vec3 *pinned;   // probes that are always there
   olx_box *forbidden; // boxes that no other probe may stand in
   uint32_t pinned_count, forbidden_count;
   bool has_playable;
@@ -24,6 +24,7 @@ typedef struct olx_bvh olx_bvh;
 typedef struct olx_emitters olx_emitters;
 
 struct olx_scene {
+  olx_scene_load_settings load; // by which the scene is loaded: limits of 0 are their defaults
   uint32_t vertex_count, triangle_count;
   olx_vec3 *positions, *normals; // a vertex; normals unit
   olx_vec2 *uvs;

@@ -3,6 +3,7 @@
 #include "core/result.h"
 #include "scene/builtin.h"
 #include "scene/import.h"
+#include "scene/import_limits.h"
 #include "scene/scene_build.h"
 
 #include <string.h>
@@ -27,4 +28,12 @@ static olx_result fill_scene(const char *name, olx_scene *scene) {
                   name);
 }
 
-olx_result olx_scene_load(const char *name, olx_scene **scene) { return olx_scene_load_by(fill_scene, name, scene); }
+olx_scene_load_settings olx_scene_load_settings_default(void) {
+  return (olx_scene_load_settings){.limits = olx_import_limits(&(olx_scene_limits){0})};
+}
+
+olx_result olx_scene_load_with(const char *name, const olx_scene_load_settings *settings, olx_scene **scene) {
+  return olx_scene_load_by(fill_scene, name, settings, scene);
+}
+
+olx_result olx_scene_load(const char *name, olx_scene **scene) { return olx_scene_load_with(name, NULL, scene); }

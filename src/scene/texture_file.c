@@ -3,9 +3,12 @@
 #include "core/file.h"
 #include "core/hooks.h"
 #include "core/result.h"
+#include "scene/import_limits.h"
 
 #include <limits.h>
 #include <string.h>
+
+enum { LONGEST_SIDE = 16384 };
 
 static void *resize_memory(void *memory, size_t old_bytes, size_t new_bytes) {
   void *resized = olx_allocate(new_bytes, 1);
@@ -23,7 +26,7 @@ static void *resize_memory(void *memory, size_t old_bytes, size_t new_bytes) {
 #define STBI_ONLY_BMP
 #define STBI_ONLY_HDR
 #define STBI_NO_STDIO
-#define STBI_MAX_DIMENSIONS 16384
+#define STBI_MAX_DIMENSIONS (1 << 24) // images with sides above LONGEST_SIDE are refused here, in words of our own
 #define STBI_MALLOC(size_bytes) olx_allocate((size_bytes), 1)
 #define STBI_REALLOC_SIZED(memory, old_bytes, new_bytes) resize_memory((memory), (old_bytes), (new_bytes))
 #define STBI_FREE(memory) olx_release(memory)
@@ -36,16 +39,33 @@ static void *resize_memory(void *memory, size_t old_bytes, size_t new_bytes) {
 #include <stb/stb_image.h>
 #pragma GCC diagnostic pop
 
+// The size in a PNG's header, where stb_image gives none for images that it cannot decode.
+static void read_png_size(const void *data, size_t size_bytes, int *width, int *height) {
+  const uint8_t *b = data;
+  if (size_bytes < 24 || memcmp(b, "\x89PNG\r\n\x1a\n", 8) != 0 || memcmp(b + 12, "IHDR", 4) != 0) return;
+  const uint32_t sides[2] = {(uint32_t)b[16] << 24 | (uint32_t)b[17] << 16 | (uint32_t)b[18] << 8 | b[19],
+                             (uint32_t)b[20] << 24 | (uint32_t)b[21] << 16 | (uint32_t)b[22] << 8 | b[23]};
+  *width = sides[0] < INT_MAX ? (int)sides[0] : INT_MAX;
+  *height = sides[1] < INT_MAX ? (int)sides[1] : INT_MAX;
+}
+
 // A few hundred bytes can announce gigabytes; a compressed image cannot hold so many texels a byte.
-static olx_result check_header(const char *path, const void *data, size_t size_bytes) {
+static olx_result check_header(const char *path, const void *data, size_t size_bytes, uint64_t *texels) {
   int width = 0, height = 0, channels = 0;
   if (size_bytes > INT_MAX) return olx_fail(OLX_ERROR_UNSUPPORTED, "%s: an image of more than 2 GiB", path);
-  if (!stbi_info_from_memory(data, (int)size_bytes, &width, &height, &channels)) {
+  const bool known = stbi_info_from_memory(data, (int)size_bytes, &width, &height, &channels);
+  if (!known) read_png_size(data, size_bytes, &width, &height);
+  if (!known && width <= LONGEST_SIDE && height <= LONGEST_SIDE) {
     return olx_fail(OLX_ERROR_FORMAT, "%s: not an image that can be read (%s)", path, stbi_failure_reason());
   }
-  if (width < 1 || height < 1 || width > STBI_MAX_DIMENSIONS || height > STBI_MAX_DIMENSIONS ||
-      (size_t)width * (size_t)height / 16384 > size_bytes) {
-    return olx_fail(OLX_ERROR_FORMAT, "%s: an image of %d x %d texels in %zu bytes", path, width, height, size_bytes);
+  if (width > LONGEST_SIDE || height > LONGEST_SIDE) {
+    return olx_fail(OLX_ERROR_UNSUPPORTED, "%s: an image of %d x %d texels, of which a side can have %d at most", path,
+                    width, height, LONGEST_SIDE);
+  }
+  *texels = (uint64_t)width * (uint64_t)height;
+  if (width < 1 || height < 1 || *texels / 16384 > size_bytes) {
+    return olx_fail(OLX_ERROR_FORMAT, "%s: the header says %d x %d texels, which %zu bytes cannot hold", path, width,
+                    height, size_bytes);
   }
   return OLX_OK;
 }
@@ -59,7 +79,8 @@ static void alpha_to_red(olx_texture *texture) {
 
 static olx_result decode_texture(const char *path, const void *data, size_t size_bytes, olx_texture_use use,
                                  olx_texture *texture) {
-  OLX_TRY(check_header(path, data, size_bytes));
+  uint64_t count;
+  OLX_TRY(check_header(path, data, size_bytes, &count));
   int width = 0, height = 0, channels = 0;
   uint8_t *texels = stbi_load_from_memory(data, (int)size_bytes, &width, &height, &channels, 4);
   if (!texels) return olx_fail(OLX_ERROR_FORMAT, "%s: cannot decode the image (%s)", path, stbi_failure_reason());
@@ -80,8 +101,21 @@ olx_result olx_texture_load(const char *path, const void *data, size_t size_byte
   return result;
 }
 
-static olx_result decode_environment(const char *path, const olx_mapped_file *file, olx_environment *environment) {
-  OLX_TRY(check_header(path, file->data, file->size_bytes));
+olx_result olx_texture_measure(const char *path, const void *data, size_t size_bytes, uint64_t *texels) {
+  if (data) return check_header(path, data, size_bytes, texels);
+  olx_mapped_file file;
+  OLX_TRY(olx_map_file(path, &file));
+  const olx_result result = file.size_bytes ? check_header(path, file.data, file.size_bytes, texels)
+                                            : olx_fail(OLX_ERROR_FORMAT, "%s: the file is empty", path);
+  olx_unmap_file(&file);
+  return result;
+}
+
+static olx_result decode_environment(const char *path, const olx_mapped_file *file, const olx_scene *scene,
+                                     olx_environment *environment) {
+  uint64_t count;
+  OLX_TRY(check_header(path, file->data, file->size_bytes, &count));
+  OLX_TRY(olx_import_check_limit(scene, OLX_LIMIT_TEXELS, olx_scene_texels(scene) + count, path, "environment"));
   if (!stbi_is_hdr_from_memory(file->data, (int)file->size_bytes)) {
     return olx_fail(OLX_ERROR_UNSUPPORTED, "%s: an environment must be a Radiance .hdr image", path);
   }
@@ -94,10 +128,11 @@ static olx_result decode_environment(const char *path, const olx_mapped_file *fi
   return OLX_OK;
 }
 
-olx_result olx_environment_load(const char *path, olx_environment *environment, uint64_t *repaired) {
+olx_result olx_environment_load(const char *path, const olx_scene *scene, olx_environment *environment,
+                                uint64_t *repaired) {
   olx_mapped_file file;
   OLX_TRY(olx_map_file(path, &file));
-  const olx_result result = file.size_bytes ? decode_environment(path, &file, environment)
+  const olx_result result = file.size_bytes ? decode_environment(path, &file, scene, environment)
                                             : olx_fail(OLX_ERROR_FORMAT, "%s: the file is empty", path);
   olx_unmap_file(&file);
   if (result != OLX_OK) return result;

@@ -3,6 +3,7 @@
 #include "core/hooks.h"
 #include "core/parallel.h"
 #include "core/result.h"
+#include "scene/import_limits.h"
 #include "scene/scene_build.h"
 
 #include <stdio.h>
@@ -24,7 +25,8 @@ static olx_result make_room(olx_texture_table *table) {
 
 olx_result olx_texture_table_request(olx_texture_table *table, const char *path, const void *data, size_t size_bytes,
                                      olx_texture_use use, uint32_t *number) {
-  for (uint32_t i = 0; i < table->count; ++i) {
+  for (uint32_t i = olx_name_index_find(&table->paths, path, OLX_NO_ELEMENT); i != OLX_NO_ELEMENT;
+       i = olx_name_index_find(&table->paths, path, i)) {
     const olx_texture_request *known = &table->requests[i];
     if (known->use == use && known->data == data && strcmp(known->path, path) == 0) {
       *number = i;
@@ -35,6 +37,11 @@ olx_result olx_texture_table_request(olx_texture_table *table, const char *path,
   olx_texture_request request = {
       .data = data, .size_bytes = size_bytes, .use = use, .scene_index = OLX_NO_TEXTURE, .path = olx_copy_string(path)};
   if (!request.path) return olx_fail(OLX_ERROR_MEMORY, "out of memory for textures");
+  const olx_result result = olx_name_index_add(&table->paths, path);
+  if (result != OLX_OK) {
+    olx_release(request.path);
+    return result;
+  }
   *number = table->count;
   table->requests[table->count++] = request;
   return OLX_OK;
@@ -48,7 +55,23 @@ static void load_one(void *user, uint32_t index) {
   }
 }
 
+// What cannot be measured will be reported by decoding it.
+static olx_result check_texels(const olx_texture_table *table, const olx_scene *scene) {
+  uint64_t texels = olx_scene_texels(scene);
+  for (uint32_t i = 0; i < table->count; ++i) {
+    const olx_texture_request *request = &table->requests[i];
+    uint64_t own = 0;
+    if (olx_texture_measure(request->path, request->data, request->size_bytes, &own) != OLX_OK) continue;
+    texels += own;
+    char element[64];
+    snprintf(element, sizeof element, "image of %llu texels", (unsigned long long)own);
+    OLX_TRY(olx_import_check_limit(scene, OLX_LIMIT_TEXELS, texels, request->path, element));
+  }
+  return OLX_OK;
+}
+
 olx_result olx_texture_table_load(olx_texture_table *table, const char *model_path, olx_scene *scene) {
+  OLX_TRY(check_texels(table, scene));
   OLX_TRY(olx_parallel_for(table->count, 0, load_one, table, NULL, 0));
   uint32_t missing = 0;
   for (uint32_t i = 0; i < table->count; ++i) {
@@ -79,5 +102,6 @@ void olx_texture_table_free(olx_texture_table *table) {
     olx_release(table->requests[i].texture.texels);
   }
   olx_release(table->requests);
+  olx_name_index_free(&table->paths);
   *table = (olx_texture_table){0};
 }

@@ -1,0 +1,17 @@
+// The files that a model is made of: which may be read, and how Assimp reads them.
+#ifndef OLX_SCENE_MODEL_FILES_H
+#define OLX_SCENE_MODEL_FILES_H
+
+#include "scene/scene_data.h"
+
+struct aiScene;
+
+// Refuse a file that a model names and that lies neither in the folder that the model's folder is in nor below it, unless
+// the scene is loaded with allow_outside. Links are followed first. A file that does not exist passes.
+olx_result olx_model_file_check(const olx_scene *scene, const char *model_path, const char *path);
+
+// Let Assimp read a model, file by file through the check above; material files must begin with a material, are read once,
+// and their materials are counted. `steps` are Assimp's. The caller releases *source with aiReleaseImport.
+olx_result olx_model_read(const char *path, unsigned steps, const olx_scene *scene, const struct aiScene **source);
+
+#endif

@@ -52,8 +52,10 @@ static void print_scene(const char *name, const olx_scene *scene) {
   printf("  hash       %016" PRIx64 "\n", info.hash);
   for (uint32_t i = 0; i < info.cameras; ++i) {
     const olx_camera camera = olx_scene_camera(scene, i);
-    printf("  camera     %s: at (%g, %g, %g), %g degrees high\n", camera.name, (double)camera.eye.x,
-           (double)camera.eye.y, (double)camera.eye.z, (double)camera.fov_y_degrees);
+    char printable[4 * sizeof camera.name];
+    olx_printable(camera.name, printable, sizeof printable);
+    printf("  camera     %s: at (%g, %g, %g), %g degrees high\n", printable, (double)camera.eye.x, (double)camera.eye.y,
+           (double)camera.eye.z, (double)camera.fov_y_degrees);
   }
   for (uint32_t i = 0; i < info.warnings; ++i) printf("  warning    %s\n", olx_scene_warning(scene, i));
 }

@@ -14,8 +14,8 @@ typedef struct command {
 
 static const command commands[] = {
     {"scene", "scene SCENE", "what is in a scene: triangles, materials, lights, bounds", command_scene},
-    {"place", "place SCENE -o probes.json --method grid|sdf|medial|cover", "positions for probes, what they see and what they miss",
-     command_place},
+    {"place", "place SCENE -o probes.json --method grid|sdf|medial|cover",
+     "positions for probes, what they see and what they miss", command_place},
     {"bake", "bake SCENE -o out.olx", "bake a scene's light into a field", command_bake},
     {"render", "render SCENE -o out.exr --method field|path", "render a picture from a field, or path trace it",
      command_render},
@@ -35,7 +35,8 @@ static void print_help(FILE *stream) {
   }
   fputs("\nSCENE is a .gltf, .glb, .obj, .json or .olxs file, or builtin:NAME with one of these names:\n ", stream);
   for (uint32_t i = 0; olx_builtin_name(i); ++i) fprintf(stream, " %s", olx_builtin_name(i));
-  fputs("\n\n--json on any command prints one JSON object on standard output; messages and progress go to standard "
+  fputs("\n\n--json on any command but view prints one JSON object on standard output; messages and progress go to "
+        "standard "
         "error.\n"
         "Exit codes: 0 done, 1 failed, 2 wrong usage.\n",
         stream);

@@ -15,9 +15,10 @@
 static const char *program(const char *command) { return strncmp(command, "octalux", 7) == 0 ? "" : "octalux "; }
 
 static void complain(const char *command, const char *format, va_list arguments) {
-  char message[1536];
+  char message[1536], printable[sizeof message];
   vsnprintf(message, sizeof message, format, arguments);
-  fprintf(stderr, "%s%s: %s\n", command ? program(command) : "octalux", command ? command : "", message);
+  olx_printable(message, printable, sizeof printable);
+  fprintf(stderr, "%s%s: %s\n", command ? program(command) : "octalux", command ? command : "", printable);
 }
 
 int usage_error(const char *command, const char *format, ...) {

@@ -11,11 +11,20 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+// cJSON escapes control characters of ASCII alone; the others, which UTF-8 writes as C2 and 80 to 9F, and DEL are left.
+static void put_json(const char *text) {
+  for (const unsigned char *c = (const unsigned char *)text; *c; c++) {
+    if (*c == 0x7F || (*c == 0xC2 && c[1] >= 0x80 && c[1] < 0xA0)) printf("\\u00%02x", *c == 0x7F ? *c : *++c);
+    else putchar(*c);
+  }
+  putchar('\n');
+}
+
 int print_json(const char *command, cJSON *object) {
   char *text = cJSON_PrintUnformatted(object);
   cJSON_Delete(object);
   if (!text) return failure(command, "out of memory");
-  puts(text);
+  put_json(text);
   cJSON_free(text);
   return EXIT_DONE;
 }

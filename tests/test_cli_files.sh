@@ -55,4 +55,14 @@ code=0
 "$OCTALUX" scene builtin:cornell --import-limits corners=3 >/dev/null 2>stderr.txt || code=$?
 [ "$code" = 2 ] || fail "--import-limits corners=3: exit code $code, not 2"
 
+# What files say reaches no terminal unescaped: the name of a camera, and JSON.
+printf '{"model": "builtin:cornell", "cameras": [{"name": "\\u001b[2J\\u009b1m", "eye": [0,1,3], "target": [0,1,0]}], "\\u001bkey": 1}' >evil.json
+for arguments in "scene evil.json" "scene evil.json --json" "render evil.json --method path --camera none -o a.exr"; do
+  "$OCTALUX" $arguments >stdout.txt 2>stderr.txt
+  LC_ALL=C grep -q -e "$(printf '\033')" -e "$(printf '\302\233')" stdout.txt stderr.txt && fail "octalux $arguments: control characters"
+done
+expect_json 'o["camera_list"][0]["name"] == "\x1b[2J\x9b1m"' scene evil.json
+printf '\211PNG\r\n\032\nand more' >b.png
+expect_failure "b.png: not an OpenEXR image but a PNG" compare b.png b.png
+
 finish

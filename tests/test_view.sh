@@ -14,6 +14,7 @@ expect_usage "needs traced diffuse light" view builtin:cornell --field a.olx --e
 expect_usage "--offscreen needs" view builtin:cornell --field a.olx --offscreen
 expect_usage "is not a pixel" view builtin:cornell --field a.olx --pick 1280,0
 expect_usage "is not a place" view builtin:cornell --field a.olx --object 1,2
+expect_usage "has no numbers to print" view builtin:cornell --field a.olx --json
 expect_usage "does not end in .png" view builtin:cornell --field a.olx --screenshot a.jpg
 
 # With the validation layers, where they are installed.

@@ -75,6 +75,7 @@ bool view_options_read(int argc, char **argv, view_options *o, int *exit_code) {
   *o = (view_options){.size = {1280, 720}, .state = default_state()};
   view_state *s = &o->state;
   uint32_t scale_percent = 100, emitters = 0;
+  bool json = false;
   sample_options sample = SAMPLE_OPTIONS_DEFAULT;
   const option options[] = {
       {"--field", OPTION_TEXT, &o->field, "FILE.olx", "the field that gives indirect light", 1, 0},
@@ -106,6 +107,7 @@ bool view_options_read(int argc, char **argv, view_options *o, int *exit_code) {
       {"--panel", OPTION_FLAG, &o->panel, NULL, "keep the panel in screenshots", 0, 0},
       SCENE_OPTION_ROWS(o->loading),
       {"--no-wait", OPTION_FLAG, &o->no_wait, NULL, "do not wait for the display between frames", 0, 0},
+      {"--json", OPTION_FLAG, &json, NULL, "refused: a viewer shows pictures, and has no numbers to print", 0, 0},
       {"--validate", OPTION_FLAG, &o->validate, NULL, "check every call with the validation layers", 0, 0},
   };
   command_line line = {.name = "view",
@@ -114,6 +116,12 @@ bool view_options_read(int argc, char **argv, view_options *o, int *exit_code) {
                        .options = options,
                        .option_count = sizeof options / sizeof options[0]};
   if (!parse_options(&line, argc, argv, exit_code)) return false;
+  if (json) {
+    *exit_code =
+        usage_error("view", "--json: a viewer shows pictures, and has no numbers to print; --screenshot writes a "
+                            "picture, `octalux-bench-gpu --json` measures");
+    return false;
+  }
   o->scene = line.given[0];
   s->scale = (float)scale_percent / 100.0f;
   s->emitters = emitters == 1;

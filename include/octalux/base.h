@@ -83,6 +83,11 @@ typedef struct olx_progress {
   void *user;
 } olx_progress;
 
+// A copy of `text`, which may come from a file, that does nothing to a terminal: control characters and bytes that are no
+// UTF-8 become \xNN. Cut to fit into size_bytes, at least 1, with the end of the string; 4 bytes for every byte always fit.
+// Messages of olx_last_error, of the log and of olx_scene_warning are printable already.
+void olx_printable(const char *text, char *printable, size_t size_bytes);
+
 // Write a whole file: beside its place, synced, renamed, so that no reader ever sees half of it.
 olx_result olx_write_file(const char *path, const void *data, size_t size_bytes);
 

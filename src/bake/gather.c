@@ -359,8 +359,8 @@ olx_result olx_gather_create(olx_gather *gather, const olx_grid *grid, uint32_t 
                                                            .moments = gather->moments};
   }
   if (!complete) {
-    olx_gather_free(gather);
-    return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for %u irradiance probes", gather->probe_count);
+    olx_gather_free(gather); // which forgets how many probes there were
+    return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for %zu irradiance probes", probes);
   }
   gather->traces = gather->traces && bounces > 0;
   if (!gather->traces) return OLX_OK;

@@ -58,10 +58,11 @@ char *olx_copy_string(const char *text) {
 }
 
 void olx_log(olx_log_level level, const char *format, ...) {
-  char message[1024];
+  char message[1024], printable[sizeof message];
   va_list arguments;
   va_start(arguments, format);
   vsnprintf(message, sizeof message, format, arguments);
   va_end(arguments);
-  hooks.log(hooks.user, level, message);
+  olx_printable(message, printable, sizeof printable);
+  hooks.log(hooks.user, level, printable);
 }

@@ -12,7 +12,7 @@ olx_result olx_fail(olx_result result, const char *format, ...) {
   va_start(arguments, format);
   vsnprintf(message, sizeof message, format, arguments);
   va_end(arguments);
-  snprintf(last_error, sizeof last_error, "%s", message);
+  olx_printable(message, last_error, sizeof last_error);
   return result;
 }
 

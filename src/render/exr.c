@@ -75,6 +75,21 @@ static int64_t on_size(exr_const_context_t context, void *user) {
   return (int64_t)((const exr_stream *)user)->mapped->size_bytes;
 }
 
+// OpenEXR's own words for a file of another kind are about its bytes.
+static olx_result check_kind(const char *path, const olx_mapped_file *mapped) {
+  static const unsigned char magic[] = {0x76, 0x2F, 0x31, 0x01};
+  const unsigned char *data = mapped->data;
+  if (mapped->size_bytes == 0) return olx_fail(OLX_ERROR_FORMAT, "%s: the file is empty", path);
+  if (mapped->size_bytes >= sizeof magic && memcmp(data, magic, sizeof magic) == 0) return OLX_OK;
+  const bool png = mapped->size_bytes >= 4 && memcmp(data, "\x89PNG", 4) == 0;
+  const bool jpeg = mapped->size_bytes >= 3 && memcmp(data, "\xFF\xD8\xFF", 3) == 0;
+  return olx_fail(OLX_ERROR_FORMAT, "%s: not an OpenEXR image%s, which holds light as it is (`render -o FILE.exr`)",
+                  path,
+                  png    ? " but a PNG"
+                  : jpeg ? " but a JPEG"
+                         : "");
+}
+
 static exr_context_initializer_t initializer(exr_stream *stream) {
   exr_context_initializer_t settings = EXR_DEFAULT_CONTEXT_INITIALIZER;
   settings.error_handler_fn = on_error;
@@ -266,12 +281,16 @@ static olx_result read_stream(exr_stream *stream, exr_const_context_t context, o
 olx_result olx_exr_load(const char *path, olx_image *image) {
   olx_mapped_file mapped;
   OLX_TRY(olx_map_file(path, &mapped));
+  olx_result result = check_kind(path, &mapped);
+  if (result != OLX_OK) {
+    olx_unmap_file(&mapped);
+    return result;
+  }
   exr_stream stream = {.path = path, .mapped = &mapped};
   exr_context_initializer_t settings = initializer(&stream);
   settings.read_fn = on_read;
   settings.size_fn = on_size;
   exr_context_t context = NULL;
-  olx_result result = OLX_OK;
   const exr_result_t code = exr_start_read(&context, path, &settings);
   if (code == EXR_ERR_SUCCESS) {
     result = read_stream(&stream, context, image);

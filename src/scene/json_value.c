@@ -1,9 +1,13 @@
 #include "scene/json_value.h"
 
+#include "core/hooks.h"
 #include "core/result.h"
 
 #include <ctype.h>
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 static unsigned line_of(const char *text, const char *end) {
   unsigned line = 1;
@@ -11,16 +15,82 @@ static unsigned line_of(const char *text, const char *end) {
   return line;
 }
 
+// Strings of C end at the first NUL, whether it is a byte or the escape \u0000.
+static olx_result refuse_nul(const char *path, const char *text, size_t size_bytes) {
+  bool inside = false;
+  for (size_t i = 0; i < size_bytes; ++i) {
+    if (text[i] == '"') inside = !inside;
+    if (!inside) continue;
+    const bool escape = text[i] == '\\';
+    if (text[i] == 0 || (escape && size_bytes - i >= 6 && memcmp(text + i + 1, "u0000", 5) == 0)) {
+      return olx_fail(OLX_ERROR_FORMAT, "%s: line %u: a NUL character inside a string", path, line_of(text, text + i));
+    }
+    if (escape) ++i;
+  }
+  return OLX_OK;
+}
+
+static int compare_names(const void *a, const void *b) {
+  const cJSON *const *first = a, *const *second = b;
+  return strcmp((*first)->string, (*second)->string);
+}
+
+// Where an element is: "nodes[3].mesh".
+typedef struct json_place {
+  char text[200];
+} json_place;
+
+static json_place place_below(const json_place *parent, const cJSON *item, uint32_t index) {
+  json_place place;
+  const char *dot = parent->text[0] ? "." : "";
+  if (item->string) snprintf(place.text, sizeof place.text, "%.100s%s%.80s", parent->text, dot, item->string);
+  else snprintf(place.text, sizeof place.text, "%.100s[%u]", parent->text, index);
+  return place;
+}
+
+static olx_result refuse_twins(const char *path, const json_place *at, const cJSON *object, uint32_t count) {
+  const cJSON **members = olx_allocate(count, sizeof *members), *member = NULL;
+  if (!members) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", path);
+  uint32_t i = 0;
+  cJSON_ArrayForEach(member, object) members[i++] = member;
+  qsort(members, count, sizeof *members, compare_names);
+  olx_result result = OLX_OK;
+  for (i = 1; i < count && result == OLX_OK; ++i) {
+    if (strcmp(members[i - 1]->string, members[i]->string) != 0) continue;
+    const json_place place = place_below(at, members[i], 0);
+    result = olx_fail(OLX_ERROR_FORMAT, "%s: %s: there twice in one object", path, place.text);
+  }
+  olx_release(members);
+  return result;
+}
+
+// cJSON has bounded how deep values are nested.
+static olx_result check_members(const char *path, const json_place *at, const cJSON *value) {
+  const cJSON *item = NULL;
+  uint32_t count = 0;
+  cJSON_ArrayForEach(item, value) {
+    const uint32_t index = count++;
+    if (!item->child) continue;
+    const json_place below = place_below(at, item, index);
+    OLX_TRY(check_members(path, &below, item));
+  }
+  return cJSON_IsObject(value) && count > 1 ? refuse_twins(path, at, value, count) : OLX_OK;
+}
+
 olx_result olx_json_parse(const char *path, const char *text, size_t size_bytes, cJSON **root) {
   const char *end = text, *const limit = text + size_bytes;
   if (size_bytes == 0) return olx_fail(OLX_ERROR_FORMAT, "%s: the file is empty", path);
+  OLX_TRY(refuse_nul(path, text, size_bytes));
   *root = cJSON_ParseWithLengthOpts(text, size_bytes, &end, false);
   if (!*root) return olx_fail(OLX_ERROR_FORMAT, "%s: not valid JSON near line %u", path, line_of(text, end));
   while (end < limit && (isspace((unsigned char)*end) || *end == 0)) ++end;
-  if (end == limit) return OLX_OK;
+  const olx_result result = end == limit ? check_members(path, &(json_place){""}, *root)
+                                         : olx_fail(OLX_ERROR_FORMAT, "%s: line %u: text after the end of the JSON",
+                                                    path, line_of(text, end));
+  if (result == OLX_OK) return OLX_OK;
   cJSON_Delete(*root);
   *root = NULL;
-  return olx_fail(OLX_ERROR_FORMAT, "%s: line %u: text after the end of the JSON", path, line_of(text, end));
+  return result;
 }
 
 bool olx_json_index(const cJSON *item, uint32_t count, uint32_t *index, bool *valid) {

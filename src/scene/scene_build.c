@@ -41,16 +41,17 @@ void *olx_scene_array(uint32_t count, size_t element_bytes) {
   } while (0)
 
 void olx_scene_warn(olx_scene *scene, const char *format, ...) {
-  char message[1024];
+  char message[1024], printable[sizeof message];
   va_list arguments;
   va_start(arguments, format);
   vsnprintf(message, sizeof message, format, arguments);
   va_end(arguments);
-  olx_log(OLX_LOG_WARNING, "%s", message);
+  olx_printable(message, printable, sizeof printable);
+  olx_log(OLX_LOG_WARNING, "%s", printable);
   char **grown = grow(scene->warnings, scene->warning_count, 1, sizeof *grown);
   if (!grown) return;
   scene->warnings = grown;
-  char *copy = olx_copy_string(message);
+  char *copy = olx_copy_string(printable);
   if (copy) scene->warnings[scene->warning_count++] = copy;
 }
 

@@ -1,0 +1,35 @@
+// Text from files, made fit for terminals and logs: the one place that escapes it.
+#include <octalux/base.h>
+
+#include <assert.h>
+#include <stdio.h>
+#include <string.h>
+
+// How many bytes the UTF-8 character at `text` has; 0 when it is none, or a control character.
+static size_t character_bytes(const unsigned char *text) {
+  if (text[0] < 0x80) return text[0] >= 0x20 && text[0] != 0x7F ? 1 : 0;
+  const size_t count = text[0] >= 0xC2 && text[0] <= 0xDF   ? 2
+                       : text[0] >= 0xE0 && text[0] <= 0xEF ? 3
+                       : text[0] >= 0xF0 && text[0] <= 0xF4 ? 4
+                                                            : 0;
+  for (size_t i = 1; i < count; i++) {
+    if ((text[i] & 0xC0) != 0x80) return 0;
+  }
+  if (text[0] == 0xC2 && text[1] < 0xA0) return 0; // the control characters U+0080 to U+009F
+  return count;
+}
+
+void olx_printable(const char *text, char *printable, size_t size_bytes) {
+  assert(text && printable && size_bytes > 0);
+  const unsigned char *in = (const unsigned char *)text;
+  size_t used = 0;
+  while (*in) {
+    const size_t count = character_bytes(in), needed = count ? count : 4;
+    if (used + needed + 1 > size_bytes) break;
+    if (count) memcpy(printable + used, in, count);
+    else snprintf(printable + used, 5, "\\x%02x", *in);
+    used += needed;
+    in += count ? count : 1;
+  }
+  printable[used] = 0;
+}

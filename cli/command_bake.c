@@ -47,6 +47,67 @@ static void print_bake(const char *path, const olx_bake_settings *settings, cons
   printf("  memory   %s at most\n", text_of_bytes(stats->peak_memory_bytes).text);
 }
 
+static void add_bytes(cJSON *object, const char *key, uint64_t bytes) {
+  if (bytes == UINT64_MAX) cJSON_AddNullToObject(object, key);
+  else add_number(object, key, (double)bytes);
+}
+
+static int print_plan_json(const olx_bake_sizes *sizes, double seconds, bool fits) {
+  cJSON *object = cJSON_CreateObject();
+  add_number(object, "probes", (double)sizes->probes);
+  add_number(object, "irradiance_probes", (double)sizes->irradiance_probes);
+  add_bytes(object, "file_bytes", sizes->file_bytes);
+  add_bytes(object, "device_bytes", sizes->device_bytes);
+  add_bytes(object, "memory_bytes", sizes->memory_bytes);
+  add_bytes(object, "available_disk_bytes", sizes->available_disk_bytes);
+  add_bytes(object, "available_memory_bytes", sizes->available_memory_bytes);
+  add_number(object, "rays", (double)sizes->rays);
+  add_number(object, "estimated_seconds", seconds);
+  cJSON_AddBoolToObject(object, "fits", fits);
+  return print_json("bake", object);
+}
+
+static const char *available(uint64_t bytes, size_text *text) {
+  *text = text_of_bytes(bytes);
+  return bytes == UINT64_MAX ? "an unknown amount" : text->text;
+}
+
+static void print_plan(const char *path, const olx_bake_sizes *sizes, double seconds) {
+  size_text free_bytes;
+  printf("%s: nothing is baked; a bake would be\n", path);
+  printf("  probes   %" PRIu64 " of light, %" PRIu64 " of irradiance\n", sizes->probes, sizes->irradiance_probes);
+  printf("  file     %s (%" PRIu64 " bytes) and what selectors other than the cage add; %s free\n",
+         text_of_bytes(sizes->file_bytes).text, sizes->file_bytes, available(sizes->available_disk_bytes, &free_bytes));
+  if (sizes->device_bytes) printf("  GPU      %s\n", text_of_bytes(sizes->device_bytes).text);
+  else printf("  GPU      nothing: spherical harmonics are read on the CPU alone\n");
+  printf("  memory   %s beside the scene; %s available\n", text_of_bytes(sizes->memory_bytes).text,
+         available(sizes->available_memory_bytes, &free_bytes));
+  printf("  rays     %.3g\n", (double)sizes->rays);
+  printf("  seconds  about %.3g, from a few probes; half and twice as long are possible\n", seconds);
+}
+
+// Sizes and time of a bake that is not made. What does not fit is told by the exit code and a last line.
+static int plan_bake(const olx_scene *scene, const olx_bake_settings *settings, const char *path, bool force_progress,
+                     bool json) {
+  olx_bake_sizes sizes;
+  const olx_result fits = olx_bake_measure(scene, settings, path, &sizes);
+  if (fits != OLX_OK && !sizes.probes) return library_failure("bake");
+  char why[1024] = "";
+  if (fits != OLX_OK) snprintf(why, sizeof why, "%s", olx_last_error());
+  progress_line line;
+  double seconds;
+  progress_begin(&line, "bake", force_progress);
+  const olx_progress progress = progress_of(&line);
+  const olx_result result = olx_bake_estimate_seconds(scene, settings, &progress, &seconds);
+  progress_end(&line);
+  if (result == OLX_ERROR_CANCELLED) return failure("bake", "interrupted");
+  if (result != OLX_OK) return library_failure("bake");
+  int code = EXIT_DONE;
+  if (json) code = print_plan_json(&sizes, seconds, fits == OLX_OK);
+  else print_plan(path, &sizes, seconds);
+  return fits == OLX_OK ? code : failure("bake", "%s", why);
+}
+
 static int bake_scene(const olx_scene *scene, const olx_bake_settings *settings, const char *path, bool force_progress,
                       bool json) {
   progress_line line;
@@ -66,10 +127,11 @@ int command_bake(int argc, char **argv) {
   bake_options given = BAKE_OPTIONS_NONE;
   const char *output = NULL;
   scene_options loading = {0};
-  bool measure_embree = false, progress = false, json = false;
+  bool measure_embree = false, dry_run = false, progress = false, json = false;
   const option options[] = {
       {"-o", OPTION_TEXT, &output, "FILE.olx", "the field to write", 1, 0},
       BAKE_OPTION_ROWS(given),
+      {"--dry-run", OPTION_FLAG, &dry_run, NULL, "bake nothing: say how large, how much memory, about how long", 0, 0},
       {"--measure-embree", OPTION_FLAG, &measure_embree, NULL, "also time Embree alone on the rays from probes", 0, 0},
       SCENE_OPTION_ROWS(loading),
       {"--progress", OPTION_FLAG, &progress, NULL, "tell progress even when nobody watches", 0, 0},
@@ -96,7 +158,7 @@ int command_bake(int argc, char **argv) {
     code = library_failure("bake");
   } else {
     settings.measure_embree = measure_embree;
-    code = bake_scene(scene, &settings, output, progress, json);
+    code = (dry_run ? plan_bake : bake_scene)(scene, &settings, output, progress, json);
     release_bake_settings(&settings);
   }
   olx_scene_free(scene);

@@ -55,6 +55,18 @@ code=0
 "$OCTALUX" scene builtin:cornell --import-limits corners=3 >/dev/null 2>stderr.txt || code=$?
 [ "$code" = 2 ] || fail "--import-limits corners=3: exit code $code, not 2"
 
+# A bake says beforehand what it takes, and one that cannot be is refused before it begins.
+small="builtin:cornell -o a.olx --radiance-size 16 --irradiance-size 8 --samples 1"
+expect_json 'o["probes"] == 8 and o["fits"] and o["estimated_seconds"] > 0 and 0 < o["device_bytes"] < o["file_bytes"]' bake $small --dry-run
+planned=$(python3 -c 'import json; print(json.load(open("stdout.txt"))["file_bytes"])')
+[ -e a.olx ] && fail "--dry-run baked"
+expect_json "o['file_bytes'] == $planned" bake $small
+rm -f a.olx
+expect_failure "1000000 light field and 1000000 irradiance probes make a file of" bake builtin:cornell --grid 100x100x100 -o a.olx
+[ -e a.olx ] && fail "an impossible bake left a file"
+expect 1 bake builtin:cornell --grid 100x100x100 --radiance-size 2048 --samples 1 -o a.olx --dry-run
+grep -q "make a file of" stderr.txt && grep -q "1000000 of light" stdout.txt || fail "--dry-run of an impossible bake"
+
 # What files say reaches no terminal unescaped: the name of a camera, and JSON.
 printf '{"model": "builtin:cornell", "cameras": [{"name": "\\u001b[2J\\u009b1m", "eye": [0,1,3], "target": [0,1,0]}], "\\u001bkey": 1}' >evil.json
 for arguments in "scene evil.json" "scene evil.json --json" "render evil.json --method path --camera none -o a.exr"; do

@@ -17,28 +17,29 @@ typedef enum olx_bounce_gather {
 } olx_bounce_gather;
 
 typedef struct olx_bake_settings {
-  olx_grid grid;            // light field probes; set by olx_bake_settings_default to the scene's grid
-  const olx_vec3 *probes;   // light field probes anywhere instead of on `grid`, metres; the caller's; default NULL
-  uint32_t probe_count;     // of `probes`, 1 to 2^20
-  uint32_t select_mask;     // bit (1 << olx_select) for each structure to bake in (octalux/field.h), 0 for what fits best:
-                            // cage for a grid, bricks for `probes`. The cage needs the grid. Default 0
-  olx_grid irradiance_grid; // irradiance probes; set to olx_bake_irradiance_grid of that
-  uint32_t radiance_size;   // texels along a side: a power of two, 8 to 2048; default 1024
-  uint32_t irradiance_size; // a power of two, 8 to 256; default 128
+  olx_grid grid;          // light field probes; set by olx_bake_settings_default to the scene's grid
+  const olx_vec3 *probes; // light field probes anywhere instead of on `grid`, metres; the caller's; default NULL
+  uint32_t probe_count;   // of `probes`, 1 to 2^20
+  uint32_t select_mask; // bit (1 << olx_select) for each structure to bake in (octalux/field.h), 0 for what fits best:
+                        // cage for a grid, bricks for `probes`. The cage needs the grid. Default 0
+  olx_grid irradiance_grid;            // irradiance probes; set to olx_bake_irradiance_grid of that
+  uint32_t radiance_size;              // texels along a side: a power of two, 8 to 2048; default 1024
+  uint32_t irradiance_size;            // a power of two, 8 to 256; default 128
   olx_irradiance_form irradiance_form; // spherical harmonics exclude `relight`; default OLX_IRRADIANCE_OCTAHEDRAL
-  uint32_t samples;         // radiance samples along a texel's side, 1 to 8; default 2 (four a texel)
-  uint32_t light_samples;   // shadow rays a radiance sample sends to area lights and to the sky, 1 to 64; default 1
-  uint32_t bounces;         // further bounces after direct light, 0 to 64; default 3
-  bool classic;             // also make classic maps, of the method that light field probes replace; default false
-  uint32_t classic_size;    // texels along a side of these: a power of two, 32 to 256; default 128
-  uint32_t classic_cube_size; // along a face of the cube maps that they come from: a power of two, 32 to 1024; default 256
+  uint32_t samples;                    // radiance samples along a texel's side, 1 to 8; default 2 (four a texel)
+  uint32_t light_samples; // shadow rays a radiance sample sends to area lights and to the sky, 1 to 64; default 1
+  uint32_t bounces;       // further bounces after direct light, 0 to 64; default 3
+  bool classic;           // also make classic maps, of the method that light field probes replace; default false
+  uint32_t classic_size;  // texels along a side of these: a power of two, 32 to 256; default 128
+  uint32_t
+      classic_cube_size; // along a face of the cube maps that they come from: a power of two, 32 to 1024; default 256
   uint32_t classic_sharpness; // exponent of the filter between the two, 64 to 65536; 0, the default: as wide as a texel
   olx_bounce_gather bounce_gather; // for irradiance probes; default OLX_GATHER_IRRADIANCE
-  bool relight;             // also keep what it takes to change lights later (octalux/relight.h); default false
-  bool fit;                 // fit irradiance maps to the surfaces they light (docs/baking.md); default true
-  uint32_t seed;            // another one draws other random numbers, for an idea of a bake's noise; default 0
-  uint32_t threads;         // 0: as many as the machine has; the result does not depend on it
-  bool measure_embree;      // also time Embree alone on the primary rays, for stats.embree_seconds; default false
+  bool relight;                    // also keep what it takes to change lights later (octalux/relight.h); default false
+  bool fit;                        // fit irradiance maps to the surfaces they light (docs/baking.md); default true
+  uint32_t seed;                   // another one draws other random numbers, for an idea of a bake's noise; default 0
+  uint32_t threads;                // 0: as many as the machine has; the result does not depend on it
+  bool measure_embree; // also time Embree alone on the primary rays, for stats.embree_seconds; default false
 } olx_bake_settings;
 
 olx_bake_settings olx_bake_settings_default(const olx_scene *scene);
@@ -54,12 +55,33 @@ typedef struct olx_bake_stats {
   double write_seconds;
   double classic_seconds; // of them, for classic maps
   double relight_seconds; // and for what relighting needs
-  double embree_seconds; // the same primary rays with nothing but ray casting; 0 unless measured
+  double embree_seconds;  // the same primary rays with nothing but ray casting; 0 unless measured
   uint64_t peak_memory_bytes;
   uint64_t file_bytes;
   uint32_t buried, irradiance_buried;
-  double unseen; // OLX_GATHER_TRACED: share of the rays that met a surface which no probe nearby sees; they count for nothing
+  double
+      unseen; // OLX_GATHER_TRACED: share of the rays that met a surface which no probe nearby sees; they count for nothing
 } olx_bake_stats;
+
+// What a bake takes, reckoned by the code that allocates and lays out, without a ray.
+typedef struct olx_bake_sizes {
+  uint64_t probes, irradiance_probes;
+  uint64_t file_bytes;   // exact for probes on a grid; structures of other selectors than the cage come on top
+  uint64_t device_bytes; // that a Vulkan device holds of it, before alignment; 0 for irradiance as spherical harmonics
+  uint64_t memory_bytes; // that the bake takes at most at once, beside the scene and structures of selectors
+  uint64_t rays;         // of all probes, before shadows and reflections
+  uint64_t available_memory_bytes, available_disk_bytes; // UINT64_MAX: not known
+} olx_bake_sizes;
+
+// Reckon a bake to `path`. OLX_ERROR_ARGUMENT as olx_bake; OLX_ERROR_MEMORY or OLX_ERROR_FILE when the machine's memory or the
+// disk is too small for it, which olx_bake answers in the same words before it begins: *sizes is complete then, too.
+olx_result olx_bake_measure(const olx_scene *scene, const olx_bake_settings *settings, const char *path,
+                            olx_bake_sizes *sizes);
+
+// How long the bake would take on this machine as busy as it is, without writing the file and without building selectors. Bakes
+// eight probes of each kind, at most, to a temporary file, and multiplies. docs/baking.md says how far off it is.
+olx_result olx_bake_estimate_seconds(const olx_scene *scene, const olx_bake_settings *settings,
+                                     const olx_progress *progress, double *seconds);
 
 // Bake and write `path`: beside, synced, renamed, so that a failure or a kill at any moment leaves the old file or the new
 // one. The bytes depend on the scene and the settings alone, not on threads or runs. stats may be NULL.

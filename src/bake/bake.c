@@ -1,5 +1,6 @@
 #include <octalux/bake.h>
 
+#include "bake/available.h"
 #include "bake/buried.h"
 #include "bake/capture.h"
 #include "bake/classic_bake.h"
@@ -180,7 +181,8 @@ static uint32_t select_mask(const olx_bake_settings *settings) {
   return settings->probe_count <= OLX_BRICK_MOST_PROBES ? 1u << OLX_SELECT_BRICKS : 0;
 }
 
-static olx_result create_file(bake *b, const char *path) {
+// What the field will be: for the file, and to know its size before anything is made.
+static olx_field_header header_of(const bake *b) {
   const olx_bake_settings *s = b->settings;
   olx_field_header header = {
       .info = {.probe_count = b->counts[0],
@@ -217,6 +219,11 @@ static olx_result create_file(bake *b, const char *path) {
     header.select_data[select] = b->selectors.data[select];
     header.select_bytes[select] = b->selectors.size_bytes[select];
   }
+  return header;
+}
+
+static olx_result create_file(bake *b, const char *path) {
+  const olx_field_header header = header_of(b);
   return olx_field_writer_create(path, &header, &b->writer);
 }
 
@@ -262,9 +269,8 @@ static olx_result gather_light(bake *b) {
   return olx_gather_write(&b->gather, b->writer, &b->stats.write_seconds);
 }
 
-static olx_result prepare_classic(bake *b) {
+static void describe_classic(bake *b) {
   const olx_bake_settings *s = b->settings;
-  if (!s->classic) return OLX_OK;
   const uint32_t sharpness =
       s->classic_sharpness ? s->classic_sharpness : olx_classic_sharpness(s->classic_size, s->classic_cube_size);
   b->classic = (olx_classic_bake){
@@ -277,9 +283,14 @@ static olx_result prepare_classic(bake *b) {
       .bounces = s->bounces,
       .task = &b->task,
   };
+}
+
+static olx_result prepare_classic(bake *b) {
+  if (!b->settings->classic) return OLX_OK;
+  describe_classic(b);
   b->classic_table = olx_allocate(OLX_CLASSIC_TABLE_ENTRIES, sizeof *b->classic_table);
   if (!b->classic_table) return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for a table of reflectances");
-  OLX_TRY(olx_classic_table_make(b->classic_table, s->threads));
+  OLX_TRY(olx_classic_table_make(b->classic_table, b->settings->threads));
   return olx_classic_bake_create(&b->classic);
 }
 
@@ -298,11 +309,8 @@ static olx_result make_classic(bake *b) {
   return OLX_OK;
 }
 
-static olx_result make_surfaces(bake *b) {
+static void describe_relight(bake *b) {
   const olx_bake_settings *s = b->settings;
-  if (!s->relight) return OLX_OK;
-  olx_task_stage(&b->task, "surfaces");
-  const double start = olx_seconds();
   b->relight = (olx_relight_bake){.scene = b->scene,
                                   .positions = b->positions[1],
                                   .flags = b->flags[1],
@@ -314,6 +322,13 @@ static olx_result make_surfaces(bake *b) {
                                   .samples = s->samples,
                                   .distance_scale = b->distance_scale,
                                   .task = &b->task};
+}
+
+static olx_result make_surfaces(bake *b) {
+  if (!b->settings->relight) return OLX_OK;
+  olx_task_stage(&b->task, "surfaces");
+  const double start = olx_seconds();
+  describe_relight(b);
   OLX_TRY(olx_relight_bake_create(&b->relight));
   OLX_TRY(olx_relight_bake_write(&b->relight, b->gather.fit, b->writer));
   b->stats.relight_seconds = olx_seconds() - start;
@@ -345,8 +360,7 @@ static olx_result capture_probes(bake *b) {
   return OLX_OK;
 }
 
-// Everything but committing the file. What was made is released by finish.
-static olx_result run(bake *b, const char *path) {
+static void describe_work(bake *b) {
   const olx_bake_settings *s = b->settings;
   b->gather = (olx_gather){.shade = &b->shade,
                            .positions = b->positions[1],
@@ -366,6 +380,21 @@ static olx_result run(bake *b, const char *path) {
                              .threads = s->threads,
                              .distance_scale = b->distance_scale,
                              .task = &b->task};
+}
+
+// Units of progress, in rays; the quadrature of the gather must be known.
+static uint64_t units_of(const bake *b) {
+  const olx_bake_settings *s = b->settings;
+  uint64_t units = olx_gather_units(&b->gather, s->bounces) + b->counts[0] * olx_capture_units(&b->capture);
+  if (s->fit) units += olx_surface_fit_units(b->counts[1]);
+  if (s->classic) units += b->counts[1] * olx_classic_bake_units(&b->classic);
+  return units;
+}
+
+// Everything but committing the file. What was made is released by finish.
+static olx_result run(bake *b, const char *path) {
+  const olx_bake_settings *s = b->settings;
+  describe_work(b);
   OLX_TRY(find_buried(b));
   OLX_TRY(build_selectors(b));
   OLX_TRY(prepare_classic(b));
@@ -373,9 +402,7 @@ static olx_result run(bake *b, const char *path) {
   OLX_TRY(olx_gather_create(&b->gather, &s->irradiance_grid, s->irradiance_size, s->bounces));
   OLX_TRY(olx_capture_create(&b->capture));
   b->stats.primary_rays = b->counts[0] * olx_capture_units(&b->capture);
-  b->task.total_units = olx_gather_units(&b->gather, s->bounces) + b->stats.primary_rays;
-  if (s->fit) b->task.total_units += olx_surface_fit_units(b->counts[1]);
-  if (s->classic) b->task.total_units += b->counts[1] * olx_classic_bake_units(&b->classic);
+  b->task.total_units = units_of(b);
   OLX_TRY(gather_light(b));
   OLX_TRY(make_classic(b));
   OLX_TRY(make_surfaces(b));
@@ -420,10 +447,72 @@ static olx_result bake_scene(bake *b, const char *path, const olx_progress *prog
   return finish(b, run(b, path), start);
 }
 
-olx_result olx_bake(const olx_scene *scene, const olx_bake_settings *settings, const char *path,
-                    const olx_progress *progress, olx_bake_stats *stats) {
+static uint64_t grid_count(const olx_grid *grid) { return (uint64_t)grid->count[0] * grid->count[1] * grid->count[2]; }
+
+// What run would hold at once, of a bake that is described and not begun.
+static uint64_t memory_of(const bake *b, const olx_field_layout *layout) {
+  const olx_bake_settings *s = b->settings;
+  const uint32_t threads = s->threads ? s->threads : olx_processor_count();
+  const uint64_t probe_bytes = 2 * (sizeof(olx_vec3) + 1); // here and in the writer
+  uint64_t bytes = ((uint64_t)b->counts[0] + b->counts[1]) * probe_bytes + threads * sizeof(olx_shade_scratch);
+  bytes += olx_gather_bytes(&b->gather, s->irradiance_size, s->bounces, s->fit) + olx_capture_bytes(s->radiance_size);
+  bytes += layout->shapes[OLX_CHUNK_RADIANCE].record_bytes + layout->shapes[OLX_CHUNK_LEAST].record_bytes +
+           layout->shapes[OLX_CHUNK_GREATEST].record_bytes; // the writer's map and pyramid
+  if (s->classic) bytes += olx_classic_bake_bytes(&b->classic);
+  return s->relight ? bytes + olx_relight_bake_bytes(&b->relight) : bytes;
+}
+
+static olx_result check_available(const olx_bake_sizes *sizes, const char *path) {
+  const double gibibyte = 0x1p30;
+  if (sizes->file_bytes > sizes->available_disk_bytes) {
+    return olx_fail(
+        OLX_ERROR_FILE,
+        "%s: %llu light field and %llu irradiance probes make a file of %.2f GiB (%llu bytes), and %.2f GiB are "
+        "free there: fewer probes, or smaller maps (radiance_size, irradiance_size)",
+        path, (unsigned long long)sizes->probes, (unsigned long long)sizes->irradiance_probes,
+        (double)sizes->file_bytes / gibibyte, (unsigned long long)sizes->file_bytes,
+        (double)sizes->available_disk_bytes / gibibyte);
+  }
+  if (sizes->memory_bytes <= sizes->available_memory_bytes) return OLX_OK;
+  return olx_fail(
+      OLX_ERROR_MEMORY,
+      "%s: baking %llu irradiance probes takes %.2f GiB of memory (%llu bytes), and %.2f GiB are available: fewer "
+      "of them, or smaller maps (irradiance_size)",
+      path, (unsigned long long)sizes->irradiance_probes, (double)sizes->memory_bytes / gibibyte,
+      (unsigned long long)sizes->memory_bytes, (double)sizes->available_memory_bytes / gibibyte);
+}
+
+olx_result olx_bake_measure(const olx_scene *scene, const olx_bake_settings *settings, const char *path,
+                            olx_bake_sizes *sizes) {
+  *sizes = (olx_bake_sizes){0};
   OLX_TRY(check_settings(settings));
   if (scene->triangle_count == 0) return olx_fail(OLX_ERROR_EMPTY, "%s: the scene has no triangles", path);
+  bake b = {.scene = scene, .settings = settings, .distance_scale = 1.0f};
+  b.counts[0] = settings->probes ? settings->probe_count : (uint32_t)grid_count(&settings->grid);
+  b.counts[1] = (uint32_t)grid_count(&settings->irradiance_grid);
+  describe_work(&b);
+  if (settings->classic) describe_classic(&b);
+  describe_relight(&b);
+  b.gather.quadrature = olx_quadrature_shape(settings->irradiance_size);
+  b.gather.traces = b.gather.traces && settings->bounces > 0;
+  const olx_field_header header = header_of(&b);
+  olx_field_layout layout;
+  olx_field_lay_out(&header, &layout);
+  *sizes = (olx_bake_sizes){.probes = b.counts[0],
+                            .irradiance_probes = b.counts[1],
+                            .file_bytes = layout.file_bytes,
+                            .device_bytes = layout.device_bytes,
+                            .memory_bytes = memory_of(&b, &layout),
+                            .rays = units_of(&b),
+                            .available_memory_bytes = olx_available_memory(),
+                            .available_disk_bytes = olx_available_disk(path)};
+  return check_available(sizes, path);
+}
+
+olx_result olx_bake(const olx_scene *scene, const olx_bake_settings *settings, const char *path,
+                    const olx_progress *progress, olx_bake_stats *stats) {
+  olx_bake_sizes sizes;
+  OLX_TRY(olx_bake_measure(scene, settings, path, &sizes));
   olx_bake_settings used = *settings;
   used.grid = without_idle_spacing(settings->grid);
   used.irradiance_grid = without_idle_spacing(settings->irradiance_grid);

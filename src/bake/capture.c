@@ -425,6 +425,11 @@ olx_result olx_capture_measure(olx_capture *c, double *embree_seconds) {
   return OLX_OK;
 }
 
+uint64_t olx_capture_bytes(uint32_t size) {
+  const olx_capture *c = NULL;
+  return (uint64_t)size * size * (sizeof *c->radiance + sizeof *c->normal + sizeof *c->distance);
+}
+
 olx_result olx_capture_create(olx_capture *c) {
   const size_t texels = (size_t)c->size * c->size;
   c->tile_side = 32;

@@ -21,6 +21,8 @@ typedef struct olx_capture {
 
 // The fields up to `task` are the caller's to fill.
 olx_result olx_capture_create(olx_capture *capture);
+// The memory that maps of `size` texels along a side take. They need not be created.
+uint64_t olx_capture_bytes(uint32_t size);
 void olx_capture_free(olx_capture *capture);
 
 // Units of progress a probe takes, in rays.

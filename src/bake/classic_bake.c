@@ -208,6 +208,12 @@ olx_result olx_classic_bake_probe(olx_classic_bake *b, uint32_t probe, olx_vec3 
   return OLX_OK;
 }
 
+uint64_t olx_classic_bake_bytes(const olx_classic_bake *b) {
+  const uint64_t face = (uint64_t)b->filter.cube_size * b->filter.cube_size;
+  return OLX_CUBE_FACES * face * (sizeof *b->filter.cube + sizeof *b->side + sizeof *b->place) +
+         face * (sizeof *b->filter.face_direction + sizeof *b->filter.face_solid_angle);
+}
+
 olx_result olx_classic_bake_create(olx_classic_bake *b) {
   const size_t texels = OLX_CUBE_FACES * (size_t)b->filter.cube_size * b->filter.cube_size, size = b->filter.size;
   OLX_TRY(olx_classic_filter_create(&b->filter));

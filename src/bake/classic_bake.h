@@ -21,6 +21,8 @@ typedef struct olx_classic_bake {
 
 // The fields up to `task` are the caller's to fill.
 olx_result olx_classic_bake_create(olx_classic_bake *bake);
+// The memory that it holds, but for tables of less than a mebibyte. It need not be created.
+uint64_t olx_classic_bake_bytes(const olx_classic_bake *bake);
 void olx_classic_bake_free(olx_classic_bake *bake);
 
 // Units of progress a probe takes, in rays.

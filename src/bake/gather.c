@@ -1,5 +1,6 @@
 #include "bake/gather.h"
 
+#include "bake/arrays.h"
 #include "bake/border.h"
 #include "bake/gather_points.h"
 #include "bake/harmonics_fit.h"
@@ -332,24 +333,47 @@ olx_result olx_gather_write(olx_gather *gather, olx_field_writer *writer, double
   return result;
 }
 
+enum { GATHER_ARRAYS = 6 + OLX_KEPT_BOUNCES + 1 };
+
+static uint32_t list_arrays(olx_gather *g, const olx_quadrature *q, uint32_t bounces,
+                            olx_array_row rows[GATHER_ARRAYS]) {
+  const uint64_t probes = g->probe_count, cells = (uint64_t)q->cells * q->cells, size = q->irradiance_size;
+  const uint64_t map = bordered(size < 64 ? q->irradiance_size : 64);
+  uint32_t count = 0;
+  rows[count++] = (olx_array_row){&g->hits, probes * olx_gather_points(q), sizeof *g->hits, false};
+  rows[count++] = (olx_array_row){&g->direct, probes * cells, sizeof *g->direct, true};
+  rows[count++] =
+      (olx_array_row){&g->distances, (uint64_t)q->distance_cells * q->distance_cells, sizeof *g->distances, false};
+  rows[count++] = (olx_array_row){&g->moments, probes * bordered(q->irradiance_size), sizeof *g->moments, false};
+  rows[count++] = (olx_array_row){&g->irradiance, size * size, sizeof *g->irradiance, false};
+  if (bounces > 0) rows[count++] = (olx_array_row){&g->total, probes * cells, sizeof *g->total, false};
+  for (uint32_t k = 0; k <= bounces && k <= OLX_KEPT_BOUNCES; k++) {
+    rows[count++] = (olx_array_row){&g->maps[k], probes * map, sizeof *g->maps[k], false};
+  }
+  return count;
+}
+
+uint64_t olx_gather_bytes(const olx_gather *gather, uint32_t irradiance_size, uint32_t bounces, bool fits) {
+  const olx_quadrature q = olx_quadrature_shape(irradiance_size);
+  olx_gather unmade = *gather;
+  olx_array_row rows[GATHER_ARRAYS];
+  const uint32_t bands = olx_irradiance_bands(gather->form), count = list_arrays(&unmade, &q, bounces, rows);
+  uint64_t bytes = olx_arrays_bytes(rows, count);
+  if (fits) bytes += olx_surface_fit_bytes(gather->probe_count);
+  if (bands) bytes += (uint64_t)gather->probe_count * olx_harmonics_count(bands) * sizeof *gather->harmonics;
+  if (gather->traces && bounces > 0) bytes += olx_traced_bounce_bytes(gather->probe_count, olx_gather_points(&q));
+  return bytes;
+}
+
 olx_result olx_gather_create(olx_gather *gather, const olx_grid *grid, uint32_t irradiance_size, uint32_t bounces) {
   OLX_TRY(olx_quadrature_create(irradiance_size, &gather->quadrature));
   const uint32_t bands = olx_irradiance_bands(gather->form);
   if (bands) OLX_TRY(olx_projection_create(bands, irradiance_size, &gather->projection));
-  const olx_quadrature *q = &gather->quadrature;
-  const size_t probes = gather->probe_count, cells = (size_t)q->cells * q->cells;
+  const uint32_t probes = gather->probe_count;
+  olx_array_row rows[GATHER_ARRAYS];
+  const bool complete = olx_arrays_allocate(rows, list_arrays(gather, &gather->quadrature, bounces, rows));
   gather->map_size = irradiance_size < 64 ? irradiance_size : 64;
-  gather->hits = olx_allocate(probes * olx_gather_points(q), sizeof *gather->hits);
-  gather->direct = olx_allocate_zero(probes * cells, sizeof *gather->direct);
-  gather->total = bounces > 0 ? olx_allocate(probes * cells, sizeof *gather->total) : NULL;
-  gather->distances = olx_allocate((size_t)q->distance_cells * q->distance_cells, sizeof *gather->distances);
-  gather->moments = olx_allocate(probes * bordered(irradiance_size), sizeof *gather->moments);
-  gather->irradiance = olx_allocate((size_t)irradiance_size * irradiance_size, sizeof *gather->irradiance);
-  bool complete = gather->hits && gather->direct && gather->distances && gather->moments && gather->irradiance &&
-                  (bounces == 0 || gather->total);
   for (uint32_t k = 0; k <= bounces && k <= OLX_KEPT_BOUNCES; k++) {
-    gather->maps[k] = olx_allocate(probes * bordered(gather->map_size), sizeof(olx_vec3));
-    complete = complete && gather->maps[k];
     gather->shade->irradiance[k] = (olx_irradiance_source){.grid = *grid,
                                                            .flags = gather->flags,
                                                            .distance_scale = gather->distance_scale,
@@ -360,7 +384,7 @@ olx_result olx_gather_create(olx_gather *gather, const olx_grid *grid, uint32_t 
   }
   if (!complete) {
     olx_gather_free(gather); // which forgets how many probes there were
-    return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for %zu irradiance probes", probes);
+    return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for %u irradiance probes", probes);
   }
   gather->traces = gather->traces && bounces > 0;
   if (!gather->traces) return OLX_OK;

@@ -29,18 +29,21 @@ typedef struct olx_gather {
   olx_vec3 *maps[OLX_KEPT_BOUNCES + 1]; // irradiance with border, of bounce k at k mod (OLX_KEPT_BOUNCES + 1)
   uint32_t probe;                       // that is worked on, in loops over the parts of one
   uint32_t bounce;
-  olx_vec3 *irradiance; // one probe's final map
-  olx_surface_fit *fit; // NULL until the first olx_gather_fit
-  olx_irradiance_form form; // of the file's irradiance: the caller's to set
+  olx_vec3 *irradiance;      // one probe's final map
+  olx_surface_fit *fit;      // NULL until the first olx_gather_fit
+  olx_irradiance_form form;  // of the file's irradiance: the caller's to set
   olx_projection projection; // where that is spherical harmonics
   olx_vec3 *harmonics;       // and the coefficients of all probes, once they are made
-  bool traces;          // bounces are gathered by rays: the caller's to set
+  bool traces;               // bounces are gathered by rays: the caller's to set
   olx_traced_bounce traced;
 } olx_gather;
 
 // Everything but the tables and maps is the caller's to fill. `bounces` is the number of the last bounce.
 olx_result olx_gather_create(olx_gather *gather, const olx_grid *grid, uint32_t irradiance_size, uint32_t bounces);
 void olx_gather_free(olx_gather *gather);
+
+// The memory that gathering takes at most at once, with a fit of irradiance (`fits`) or without. The gather need not be created.
+uint64_t olx_gather_bytes(const olx_gather *gather, uint32_t irradiance_size, uint32_t bounces, bool fits);
 
 // Units of progress that the whole of gathering takes, in rays.
 uint64_t olx_gather_units(const olx_gather *gather, uint32_t bounces);

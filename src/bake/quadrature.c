@@ -45,7 +45,7 @@ static void block_row_directions(uint32_t x, uint32_t y, uint32_t size, lane_dir
 }
 
 OLX_WIDEST void olx_quadrature_irradiance(const olx_quadrature *quadrature, const olx_vec3 *radiance, uint32_t size,
-                                      uint32_t row, olx_vec3 *map, uint32_t stride) {
+                                          uint32_t row, olx_vec3 *map, uint32_t stride) {
   const uint32_t count = quadrature->cells * quadrature->cells;
   const float *mx = quadrature->moment_x, *my = quadrature->moment_y, *mz = quadrature->moment_z;
   for (uint32_t x = 0; x < size; x += OLX_BLOCK_COLUMNS) {
@@ -101,7 +101,7 @@ static void lobe_store(const lobe_sums *sums, olx_vec2 *texels) {
 }
 
 OLX_WIDEST void olx_quadrature_moments(const olx_quadrature *q, const olx_vec2 *distances, uint32_t row, olx_vec2 *map,
-                                   uint32_t stride) {
+                                       uint32_t stride) {
   const uint32_t size = q->irradiance_size, blocks = size / OLX_BLOCK_COLUMNS, tiles = q->distance_cells / TILE;
   for (uint32_t block = 0; block < blocks; block++) {
     const uint32_t x = block * OLX_BLOCK_COLUMNS;
@@ -219,11 +219,16 @@ static olx_result make_tiles(olx_quadrature *q) {
   return result;
 }
 
+olx_quadrature olx_quadrature_shape(uint32_t irradiance_size) {
+  const uint32_t cells = irradiance_size >= 64 ? 64 : 32;
+  return (olx_quadrature){.irradiance_size = irradiance_size,
+                          .cells = cells,
+                          .distance_cells = OLX_MOMENTS_CELLS,
+                          .sample_size = 4 * cells > 2 * irradiance_size ? 4 * cells : 2 * irradiance_size};
+}
+
 olx_result olx_quadrature_create(uint32_t irradiance_size, olx_quadrature *q) {
-  *q = (olx_quadrature){.irradiance_size = irradiance_size};
-  q->cells = irradiance_size >= 64 ? 64 : 32;
-  q->distance_cells = OLX_MOMENTS_CELLS;
-  q->sample_size = 4 * q->cells > 2 * irradiance_size ? 4 * q->cells : 2 * irradiance_size;
+  *q = olx_quadrature_shape(irradiance_size);
   const float ratio = olx_min((float)irradiance_size / OLX_MOMENTS_FULL_SIZE, 1.0f);
   const float exponent = OLX_MOMENTS_EXPONENT * ratio * ratio;
   q->lobe_exponent = (uint32_t)(olx_max(exponent, OLX_MOMENTS_EXPONENT_LEAST) + 0.5f);

@@ -1,5 +1,6 @@
 #include "bake/relight_bake.h"
 
+#include "bake/arrays.h"
 #include "core/hooks.h"
 #include "core/pack.h"
 #include "core/result.h"
@@ -155,15 +156,28 @@ static olx_result find_fit(olx_relight_bake *b) {
   return OLX_OK;
 }
 
+static uint32_t list_arrays(olx_relight_bake *b, olx_array_row rows[6]) {
+  const uint64_t surfaces = (uint64_t)b->size * b->size, texels = (uint64_t)b->radiance_size * b->radiance_size;
+  rows[0] = (olx_array_row){&b->surfaces, b->probe_count * surfaces, sizeof *b->surfaces, false};
+  rows[1] =
+      (olx_array_row){&b->fit, (uint64_t)OLX_FIT_POINTS_PER_PROBE * (4 + OLX_RELIGHT_RAYS), sizeof *b->fit, false};
+  rows[2] = (olx_array_row){&b->met, PROBE_RAYS, sizeof *b->met, false};
+  rows[3] = (olx_array_row){&b->ends, PROBE_RAYS, sizeof *b->ends, false};
+  rows[4] = (olx_array_row){&b->hidden, olx_relight_hidden(b->size), sizeof *b->hidden, false};
+  rows[5] = (olx_array_row){&b->albedo, texels, sizeof *b->albedo, false};
+  return 6;
+}
+
+uint64_t olx_relight_bake_bytes(const olx_relight_bake *b) {
+  olx_relight_bake unmade = *b;
+  olx_array_row rows[6];
+  return olx_arrays_bytes(rows, list_arrays(&unmade, rows));
+}
+
 olx_result olx_relight_bake_create(olx_relight_bake *b) {
-  const size_t surfaces = (size_t)b->size * b->size, texels = (size_t)b->radiance_size * b->radiance_size;
-  b->surfaces = olx_allocate(b->probe_count * surfaces, sizeof *b->surfaces);
-  b->fit = olx_allocate((size_t)OLX_FIT_POINTS_PER_PROBE * (4 + OLX_RELIGHT_RAYS), sizeof *b->fit);
-  b->met = olx_allocate(PROBE_RAYS, sizeof *b->met);
-  b->ends = olx_allocate(PROBE_RAYS, sizeof *b->ends);
-  b->hidden = olx_allocate(olx_relight_hidden(b->size), sizeof *b->hidden);
-  b->albedo = olx_allocate(texels, sizeof *b->albedo);
-  if (!b->surfaces || !b->fit || !b->met || !b->ends || !b->hidden || !b->albedo) {
+  const size_t surfaces = (size_t)b->size * b->size;
+  olx_array_row rows[6];
+  if (!olx_arrays_allocate(rows, list_arrays(b, rows))) {
     return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for surfaces");
   }
   b->rays += b->probe_count * surfaces;

@@ -38,6 +38,8 @@ uint32_t olx_relight_hidden(uint32_t surface_size);
 
 // The fields up to `task` are the caller's to fill. Casts rays from all irradiance probes.
 olx_result olx_relight_bake_create(olx_relight_bake *bake);
+// The memory that it holds. It need not be created.
+uint64_t olx_relight_bake_bytes(const olx_relight_bake *bake);
 void olx_relight_bake_free(olx_relight_bake *bake);
 
 // Surfaces and points of all irradiance probes, to the file. `fit` may be NULL.

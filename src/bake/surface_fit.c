@@ -1,5 +1,6 @@
 #include "bake/surface_fit.h"
 
+#include "bake/arrays.h"
 #include "core/hooks.h"
 #include "core/result.h"
 #include "core/sampling.h"
@@ -218,6 +219,20 @@ static olx_result check_memory(const olx_surface_fit *fit) {
   return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for the work of a thread");
 }
 
+static uint32_t list_arrays(olx_surface_fit *fit, olx_array_row rows[2]) {
+  const uint64_t points = fit->point_count;
+  rows[0] = (olx_array_row){&fit->points, points, sizeof *fit->points, false};
+  rows[1] = (olx_array_row){&fit->hits, points * RAYS_PER_POINT, sizeof *fit->hits, false};
+  return 2;
+}
+
+uint64_t olx_surface_fit_bytes(uint32_t probe_count) {
+  olx_surface_fit fit = {.point_count = probe_count * POINTS_PER_PROBE};
+  olx_array_row rows[2];
+  return olx_arrays_bytes(rows, list_arrays(&fit, rows)) +
+         olx_corrections_bytes((size_t)probe_count * OLX_CORRECTION_CELLS);
+}
+
 olx_result olx_surface_fit_create(const olx_surface_fit_input *input, const olx_irradiance_source *source,
                                   olx_surface_fit **out) {
   olx_surface_fit *fit = olx_allocate_zero(1, sizeof *fit);
@@ -226,11 +241,11 @@ olx_result olx_surface_fit_create(const olx_surface_fit_input *input, const olx_
   fit->input = *input;
   fit->source = source;
   fit->point_count = input->probe_count * POINTS_PER_PROBE;
-  fit->points = olx_allocate(fit->point_count, sizeof *fit->points);
-  fit->hits = olx_allocate((size_t)fit->point_count * RAYS_PER_POINT, sizeof *fit->hits);
+  olx_array_row rows[2];
+  const bool listed = olx_arrays_allocate(rows, list_arrays(fit, rows));
   const size_t unknowns = (size_t)input->probe_count * OLX_CORRECTION_CELLS;
   const bool allocated = olx_corrections_allocate(&fit->corrections, unknowns);
-  if (!fit->points || !fit->hits || !allocated) {
+  if (!listed || !allocated) {
     return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for fitting %u irradiance probes", input->probe_count);
   }
   OLX_TRY(olx_parallel_for(jobs_of(fit), input->threads, cast_job, fit, input->task, OLX_BATCH_POINTS));

@@ -33,6 +33,9 @@ void olx_surface_fit_free(olx_surface_fit *fit);
 // Units of progress of one creation, in rays.
 uint64_t olx_surface_fit_units(uint32_t probe_count);
 
+// The memory that a fit holds.
+uint64_t olx_surface_fit_bytes(uint32_t probe_count);
+
 // The corrections of `source`, float irradiance maps of bounce `bounce` (0: direct light alone), measured with the light of
 // the bounces before.
 olx_result olx_surface_fit_solve(olx_surface_fit *fit, const olx_irradiance_source *source, uint32_t bounce);

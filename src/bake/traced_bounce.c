@@ -1,5 +1,6 @@
 #include "bake/traced_bounce.h"
 
+#include "bake/arrays.h"
 #include "bake/gather_points.h"
 #include "core/hooks.h"
 #include "core/result.h"
@@ -190,6 +191,20 @@ olx_vec3 olx_traced_irradiance(const olx_traced_bounce *t, size_t point, uint32_
   return count ? olx_scale(sum, OLX_PI / (float)count) : sum;
 }
 
+static uint32_t list_arrays(olx_traced_bounce *t, uint64_t points, olx_array_row rows[4]) {
+  rows[0] = (olx_array_row){&t->links, points * OLX_BOUNCE_RAYS, sizeof *t->links, false};
+  rows[1] = (olx_array_row){&t->direct, points, sizeof *t->direct, true};
+  rows[2] = (olx_array_row){&t->light[0], points, sizeof *t->light[0], true};
+  rows[3] = (olx_array_row){&t->light[1], points, sizeof *t->light[1], true};
+  return 4;
+}
+
+uint64_t olx_traced_bounce_bytes(uint32_t probe_count, uint32_t gather_points) {
+  olx_traced_bounce unmade = {0};
+  olx_array_row rows[4];
+  return olx_arrays_bytes(rows, list_arrays(&unmade, (uint64_t)probe_count * gather_points, rows));
+}
+
 olx_result olx_traced_bounce_create(olx_traced_bounce *t) {
   const size_t points = (size_t)t->probe_count * olx_gather_points(t->quadrature);
   if (points >= UNSEEN) {
@@ -197,10 +212,8 @@ olx_result olx_traced_bounce_create(olx_traced_bounce *t) {
   }
   atomic_init(&t->rays, 0);
   atomic_init(&t->unseen, 0);
-  t->links = olx_allocate(points * OLX_BOUNCE_RAYS, sizeof *t->links);
-  t->direct = olx_allocate_zero(points, sizeof *t->direct);
-  for (uint32_t i = 0; i < 2; i++) t->light[i] = olx_allocate_zero(points, sizeof *t->light[i]);
-  if (t->links && t->direct && t->light[0] && t->light[1]) return OLX_OK;
+  olx_array_row rows[4];
+  if (olx_arrays_allocate(rows, list_arrays(t, points, rows))) return OLX_OK;
   olx_traced_bounce_free(t);
   return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for the bounces of %u irradiance probes", t->probe_count);
 }

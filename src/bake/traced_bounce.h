@@ -30,6 +30,8 @@ typedef struct olx_traced_bounce {
 } olx_traced_bounce;
 
 olx_result olx_traced_bounce_create(olx_traced_bounce *traced);
+// The memory that it holds, for so many probes of so many gather points.
+uint64_t olx_traced_bounce_bytes(uint32_t probe_count, uint32_t gather_points);
 void olx_traced_bounce_free(olx_traced_bounce *traced);
 
 // Casts the rays. The hits must be known.

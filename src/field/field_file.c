@@ -208,3 +208,19 @@ olx_result olx_positions_check(const olx_vec3 *positions, uint32_t count, const 
   }
   return OLX_OK;
 }
+
+bool olx_chunk_is_on_device(olx_chunk_kind kind) {
+  switch (kind) {
+  case OLX_CHUNK_RADIANCE:
+  case OLX_CHUNK_NORMAL:
+  case OLX_CHUNK_DISTANCE:
+  case OLX_CHUNK_LEAST:
+  case OLX_CHUNK_IRRADIANCE:
+  case OLX_CHUNK_MOMENTS:
+  case OLX_CHUNK_VORONOI:
+  case OLX_CHUNK_BRICKS:
+  case OLX_CHUNK_CLASSIC_IRRADIANCE:
+  case OLX_CHUNK_CLASSIC_RADIANCE: return true;
+  default: return false;
+  }
+}

@@ -12,8 +12,7 @@ enum {
   OLX_FIELD_MAX_GRID_COUNT = 1 << 20 // along an axis: indices stay exact in a float
 };
 
-#define OLX_FIELD_KIND                                                                                                 \
-  ((olx_file_kind){.magic = OLX_FIELD_MAGIC, .version = OLX_FIELD_VERSION, .noun = "field file"})
+#define OLX_FIELD_KIND ((olx_file_kind){.magic = OLX_FIELD_MAGIC, .version = OLX_FIELD_VERSION, .noun = "field file"})
 
 // Every length is at most this, in metres, so that squares are finite.
 #define OLX_FIELD_MAX_LENGTH 1e18f
@@ -87,6 +86,9 @@ static inline olx_chunk_kind olx_select_chunk(olx_select select) {
 // What each chunk must be, given the description of the field. Those of selectors are single records of any size: 0 bytes
 // here; so are classic maps where there are none.
 void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHUNK_KINDS]);
+
+// Whether a Vulkan device holds a chunk of that kind as it is (src/vulkan/gpu_field.c).
+bool olx_chunk_is_on_device(olx_chunk_kind kind);
 
 // The file behind a field, for core/chunk_file.h.
 static inline olx_chunk_file olx_field_file(const olx_field *field) {

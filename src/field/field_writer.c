@@ -3,7 +3,6 @@
 #include "core/file.h"
 #include "core/hooks.h"
 #include "core/result.h"
-#include "field/field_file.h"
 
 #include <assert.h>
 
@@ -13,10 +12,7 @@
 struct olx_field_writer {
   olx_output_file file;
   olx_field_info info;
-  olx_chunk_shape shapes[OLX_CHUNK_KINDS];
-  bool present[OLX_CHUNK_KINDS];
-  uint32_t chunk_count;
-  uint64_t offsets[OLX_CHUNK_KINDS], file_bytes;
+  olx_field_layout layout;
   XXH3_state_t hashes[OLX_CHUNK_KINDS]; // of what has been written to each chunk
   uint32_t probes_written, irradiance_written, classic_written, relight_written, albedo_written;
   bool failed;
@@ -27,34 +23,37 @@ struct olx_field_writer {
   uint16_t *least, *greatest; // one pyramid
 };
 
-static void lay_out(olx_field_writer *writer, const olx_field_header *header) {
-  olx_chunk_shapes(&writer->info, writer->shapes);
-  for (uint32_t k = 0; k < OLX_CHUNK_REQUIRED; k++) writer->present[k] = true;
+static void find_present(const olx_field_header *header, olx_field_layout *layout) {
+  const olx_field_info *info = &header->info;
+  for (uint32_t k = 0; k < OLX_CHUNK_REQUIRED; k++) layout->present[k] = true;
   for (olx_select select = OLX_SELECT_VORONOI; select < OLX_SELECT_STORED; select++) {
     const olx_chunk_kind kind = olx_select_chunk(select);
-    writer->present[kind] = (writer->info.select_mask & 1u << select) != 0;
-    writer->shapes[kind].size_bytes = writer->shapes[kind].record_bytes = header->select_bytes[select];
+    layout->present[kind] = (info->select_mask & 1u << select) != 0;
+    layout->shapes[kind].size_bytes = layout->shapes[kind].record_bytes = header->select_bytes[select];
   }
-  for (uint32_t k = OLX_CHUNK_CLASSIC; k <= OLX_CHUNK_CLASSIC_BOXES; k++) {
-    writer->present[k] = writer->info.classic_size > 0;
-  }
-  for (uint32_t k = OLX_CHUNK_RELIGHT; k <= OLX_CHUNK_HIDDEN; k++) {
-    writer->present[k] = olx_relight_has_chunk(&writer->info, k);
-  }
-  for (uint32_t k = 0; k < OLX_CHUNK_KINDS; k++) writer->chunk_count += writer->present[k];
-  uint64_t end = sizeof(olx_file_header) + writer->chunk_count * sizeof(olx_file_chunk);
+  for (uint32_t k = OLX_CHUNK_CLASSIC; k <= OLX_CHUNK_CLASSIC_BOXES; k++) layout->present[k] = info->classic_size > 0;
+  for (uint32_t k = OLX_CHUNK_RELIGHT; k <= OLX_CHUNK_HIDDEN; k++) layout->present[k] = olx_relight_has_chunk(info, k);
+}
+
+void olx_field_lay_out(const olx_field_header *header, olx_field_layout *layout) {
+  *layout = (olx_field_layout){0};
+  olx_chunk_shapes(&header->info, layout->shapes);
+  find_present(header, layout);
+  for (uint32_t k = 0; k < OLX_CHUNK_KINDS; k++) layout->chunk_count += layout->present[k];
+  const bool on_device = header->info.irradiance_form == OLX_IRRADIANCE_OCTAHEDRAL;
+  uint64_t end = sizeof(olx_file_header) + layout->chunk_count * sizeof(olx_file_chunk);
   for (uint32_t k = 0; k < OLX_CHUNK_KINDS; k++) {
-    if (!writer->present[k]) continue;
-    writer->offsets[k] = end;
-    end = olx_align_chunk(end + writer->shapes[k].size_bytes);
-    XXH3_64bits_reset(&writer->hashes[k]);
+    if (!layout->present[k]) continue;
+    layout->offsets[k] = end;
+    end = olx_align_chunk(end + layout->shapes[k].size_bytes);
+    if (on_device && olx_chunk_is_on_device(k)) layout->device_bytes += layout->shapes[k].size_bytes;
   }
-  writer->file_bytes = end;
+  layout->file_bytes = end;
 }
 
 static olx_result allocate_buffers(olx_field_writer *writer, const olx_field_header *header, const char *path) {
   const olx_field_info *info = &writer->info;
-  const olx_chunk_shape *shapes = writer->shapes;
+  const olx_chunk_shape *shapes = writer->layout.shapes;
   const uint64_t radiance = shapes[OLX_CHUNK_RADIANCE].record_bytes,
                  irradiance = shapes[OLX_CHUNK_MOMENTS].record_bytes;
   const uint64_t classic = writer->info.classic_size ? shapes[OLX_CHUNK_CLASSIC_IRRADIANCE].record_bytes : 0;
@@ -87,20 +86,20 @@ static void destroy(olx_field_writer *writer) {
 }
 
 static olx_result put_whole(olx_field_writer *writer, olx_chunk_kind kind, const void *data) {
-  XXH3_64bits_update(&writer->hashes[kind], data, writer->shapes[kind].size_bytes);
-  return olx_output_write_at(&writer->file, writer->offsets[kind], data, writer->shapes[kind].size_bytes);
+  XXH3_64bits_update(&writer->hashes[kind], data, writer->layout.shapes[kind].size_bytes);
+  return olx_output_write_at(&writer->file, writer->layout.offsets[kind], data, writer->layout.shapes[kind].size_bytes);
 }
 
 static olx_result put_selectors(olx_field_writer *writer, const olx_field_header *header) {
   for (olx_select select = OLX_SELECT_VORONOI; select < OLX_SELECT_STORED; select++) {
     const olx_chunk_kind kind = olx_select_chunk(select);
-    if (writer->present[kind]) OLX_TRY(put_whole(writer, kind, header->select_data[select]));
+    if (writer->layout.present[kind]) OLX_TRY(put_whole(writer, kind, header->select_data[select]));
   }
   return OLX_OK;
 }
 
 static olx_result put_classic_header(olx_field_writer *writer, const olx_field_header *header) {
-  if (!writer->present[OLX_CHUNK_CLASSIC]) return OLX_OK;
+  if (!writer->layout.present[OLX_CHUNK_CLASSIC]) return OLX_OK;
   olx_classic_header classic = {.size = header->info.classic_size,
                                 .cube_size = header->info.classic_cube_size,
                                 .levels = OLX_CLASSIC_LEVELS,
@@ -111,7 +110,7 @@ static olx_result put_classic_header(olx_field_writer *writer, const olx_field_h
 }
 
 static olx_result put_relight_header(olx_field_writer *writer) {
-  if (!writer->present[OLX_CHUNK_RELIGHT]) return OLX_OK;
+  if (!writer->layout.present[OLX_CHUNK_RELIGHT]) return OLX_OK;
   const olx_relight_header relight = {.size = writer->info.relight_size,
                                       .points = writer->info.relight_points,
                                       .rays = writer->info.relight_rays,
@@ -134,11 +133,12 @@ olx_result olx_field_writer_create(const char *path, const olx_field_header *hea
   olx_field_writer *writer = olx_allocate_zero(1, sizeof *writer);
   if (!writer) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", path);
   writer->info = info;
-  lay_out(writer, header);
+  olx_field_lay_out(header, &writer->layout);
+  for (uint32_t k = 0; k < OLX_CHUNK_KINDS; k++) XXH3_64bits_reset(&writer->hashes[k]);
   olx_result result;
   OLX_TRY_GOTO(allocate_buffers(writer, header, path), failed);
   OLX_TRY_GOTO(olx_output_open(path, &writer->file), failed);
-  OLX_TRY_GOTO(olx_output_reserve(&writer->file, writer->file_bytes), opened);
+  OLX_TRY_GOTO(olx_output_reserve(&writer->file, writer->layout.file_bytes), opened);
   OLX_TRY_GOTO(put_selectors(writer, header), opened);
   OLX_TRY_GOTO(put_classic_header(writer, header), opened);
   OLX_TRY_GOTO(put_relight_header(writer), opened);
@@ -154,9 +154,9 @@ failed:
 
 // Write the next record of a chunk.
 static olx_result put(olx_field_writer *writer, olx_chunk_kind kind, uint32_t index, const void *data) {
-  const uint64_t size_bytes = writer->shapes[kind].record_bytes;
+  const uint64_t size_bytes = writer->layout.shapes[kind].record_bytes;
   XXH3_64bits_update(&writer->hashes[kind], data, size_bytes);
-  return olx_output_write_at(&writer->file, writer->offsets[kind] + index * size_bytes, data, size_bytes);
+  return olx_output_write_at(&writer->file, writer->layout.offsets[kind] + index * size_bytes, data, size_bytes);
 }
 
 // A map of n x n texels with its border.
@@ -180,7 +180,7 @@ static const void *add_border(olx_field_writer *writer, const void *source, uint
 }
 
 static olx_result put_map(olx_field_writer *writer, olx_chunk_kind kind, uint32_t index, const void *map, uint32_t n) {
-  return put(writer, kind, index, add_border(writer, map, n, writer->shapes[kind].element_bytes));
+  return put(writer, kind, index, add_border(writer, map, n, writer->layout.shapes[kind].element_bytes));
 }
 
 static olx_result refuse_order(olx_field_writer *writer, const char *kind, uint32_t index, uint32_t next) {
@@ -237,8 +237,8 @@ olx_result olx_field_writer_irradiance(olx_field_writer *writer, uint32_t index,
 
 // The levels of radiance lie in one record.
 static olx_result put_levels(olx_field_writer *writer, uint32_t index, const uint32_t *const *levels) {
-  const uint64_t record = writer->shapes[OLX_CHUNK_CLASSIC_RADIANCE].record_bytes;
-  uint64_t offset = writer->offsets[OLX_CHUNK_CLASSIC_RADIANCE] + index * record;
+  const uint64_t record = writer->layout.shapes[OLX_CHUNK_CLASSIC_RADIANCE].record_bytes;
+  uint64_t offset = writer->layout.offsets[OLX_CHUNK_CLASSIC_RADIANCE] + index * record;
   for (uint32_t level = 0; level < OLX_CLASSIC_LEVELS; level++) {
     const uint32_t side = olx_classic_side(writer->info.classic_size, level);
     const uint64_t size_bytes = (uint64_t)(side + 2) * (side + 2) * sizeof(uint32_t);
@@ -269,8 +269,8 @@ olx_result olx_field_writer_classic(olx_field_writer *writer, uint32_t index, co
 
 static olx_result write_relight(olx_field_writer *writer, uint32_t index, const olx_relight_record *record) {
   OLX_TRY(put(writer, OLX_CHUNK_SURFACES, index, record->surfaces));
-  if (writer->present[OLX_CHUNK_FIT]) OLX_TRY(put(writer, OLX_CHUNK_FIT, index, record->fit));
-  return writer->present[OLX_CHUNK_HIDDEN] ? put(writer, OLX_CHUNK_HIDDEN, index, record->hidden) : OLX_OK;
+  if (writer->layout.present[OLX_CHUNK_FIT]) OLX_TRY(put(writer, OLX_CHUNK_FIT, index, record->fit));
+  return writer->layout.present[OLX_CHUNK_HIDDEN] ? put(writer, OLX_CHUNK_HIDDEN, index, record->hidden) : OLX_OK;
 }
 
 olx_result olx_field_writer_relight(olx_field_writer *writer, uint32_t index, const olx_relight_record *record) {
@@ -308,14 +308,15 @@ static olx_result write_frame(olx_field_writer *writer) {
   const char padding[OLX_CHUNK_ALIGNMENT] = {0};
   uint32_t count = 0;
   for (uint32_t k = 0; k < OLX_CHUNK_KINDS; k++) {
-    if (!writer->present[k]) continue;
-    const olx_chunk_shape *shape = &writer->shapes[k];
+    if (!writer->layout.present[k]) continue;
+    const olx_chunk_shape *shape = &writer->layout.shapes[k];
     const uint32_t flags = k < OLX_CHUNK_REQUIRED ? 0 : OLX_CHUNK_OPTIONAL;
-    head.chunks[count++] = olx_chunk_entry(shape, flags, writer->offsets[k], XXH3_64bits_digest(&writer->hashes[k]));
-    const uint64_t end = writer->offsets[k] + shape->size_bytes;
+    head.chunks[count++] =
+        olx_chunk_entry(shape, flags, writer->layout.offsets[k], XXH3_64bits_digest(&writer->hashes[k]));
+    const uint64_t end = writer->layout.offsets[k] + shape->size_bytes;
     OLX_TRY(olx_output_write_at(&writer->file, end, padding, olx_align_chunk(end) - end));
   }
-  head.header = olx_chunk_header(&OLX_FIELD_KIND, head.chunks, count, writer->file_bytes);
+  head.header = olx_chunk_header(&OLX_FIELD_KIND, head.chunks, count, writer->layout.file_bytes);
   return olx_output_write_at(&writer->file, 0, &head, sizeof head.header + count * sizeof head.chunks[0]);
 }
 
@@ -333,9 +334,10 @@ olx_result olx_field_writer_commit(olx_field_writer *writer, uint64_t *file_byte
                       writer->classic_written, writer->info.irradiance_probe_count);
   } else if (writer->info.relight_size && (writer->relight_written != writer->info.irradiance_probe_count ||
                                            writer->albedo_written != writer->info.probe_count)) {
-    result = olx_fail(OLX_ERROR_ARGUMENT, "%s: surfaces of %u of %u irradiance probes and albedo of %u of %u probes written",
-                      writer->file.path, writer->relight_written, writer->info.irradiance_probe_count,
-                      writer->albedo_written, writer->info.probe_count);
+    result =
+        olx_fail(OLX_ERROR_ARGUMENT, "%s: surfaces of %u of %u irradiance probes and albedo of %u of %u probes written",
+                 writer->file.path, writer->relight_written, writer->info.irradiance_probe_count,
+                 writer->albedo_written, writer->info.probe_count);
   } else {
     result = write_frame(writer);
   }
@@ -344,7 +346,7 @@ olx_result olx_field_writer_commit(olx_field_writer *writer, uint64_t *file_byte
     return result;
   }
   result = olx_output_commit(&writer->file);
-  if (result == OLX_OK && file_bytes) *file_bytes = writer->file_bytes;
+  if (result == OLX_OK && file_bytes) *file_bytes = writer->layout.file_bytes;
   destroy(writer);
   return result;
 }

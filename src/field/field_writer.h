@@ -2,7 +2,7 @@
 #ifndef OLX_FIELD_FIELD_WRITER_H
 #define OLX_FIELD_FIELD_WRITER_H
 
-#include "field/field_data.h"
+#include "field/field_file.h"
 
 typedef struct olx_field_writer olx_field_writer;
 
@@ -12,7 +12,8 @@ typedef struct olx_field_header {
   const olx_vec3 *probe_positions, *irradiance_positions;
   const void *select_data[OLX_SELECT_STORED]; // of each selector in info.select_mask but the cage
   size_t select_bytes[OLX_SELECT_STORED];
-  const uint32_t *classic_table; // of classic maps, OLX_CLASSIC_TABLE_ENTRIES; NULL, and info.classic_size 0, without them
+  const uint32_t
+      *classic_table; // of classic maps, OLX_CLASSIC_TABLE_ENTRIES; NULL, and info.classic_size 0, without them
 } olx_field_header;
 
 // The classic maps of a probe, packed, without border.
@@ -28,6 +29,20 @@ typedef struct olx_relight_record {
   const uint32_t *fit;                // info.relight_points points with their rays; NULL when there are none
   const olx_hidden_surface *hidden;   // info.relight_hidden; NULL when there are none
 } olx_relight_record;
+
+// Where every chunk of the file that a header describes will lie.
+typedef struct olx_field_layout {
+  olx_chunk_shape shapes[OLX_CHUNK_KINDS];
+  bool present[OLX_CHUNK_KINDS];
+  uint64_t offsets[OLX_CHUNK_KINDS];
+  uint32_t chunk_count;
+  uint64_t file_bytes;
+  uint64_t
+      device_bytes; // of the chunks that a Vulkan device holds as they are; 0 for a field that runs on the CPU alone
+} olx_field_layout;
+
+// The writer's own reckoning, for who must know sizes before there is anything to write: needs header->info without positions.
+void olx_field_lay_out(const olx_field_header *header, olx_field_layout *layout);
 
 // Lays the file out and creates it beside `path`. Positions are copied; what the selectors
 // were baked into is written at once.

@@ -51,6 +51,8 @@ olx_vec3 olx_correction_at(const olx_vec3 *cells, olx_vec2 uv) {
   return sum;
 }
 
+size_t olx_corrections_bytes(size_t unknowns) { return 4 * unknowns * sizeof(olx_vec3); }
+
 bool olx_corrections_allocate(olx_corrections *c, size_t unknowns) {
   *c = (olx_corrections){
       .unknowns = unknowns,

@@ -1,0 +1,34 @@
+// Arrays that are reckoned before they are made: one list of them serves both, so that what a bake says it needs is what it takes.
+#ifndef OLX_BAKE_ARRAYS_H
+#define OLX_BAKE_ARRAYS_H
+
+#include "core/hooks.h"
+
+#include <string.h>
+
+typedef struct olx_array_row {
+  void *at; // the address of the pointer to the array, of whatever type
+  uint64_t count;
+  size_t element_bytes;
+  bool zeroed;
+} olx_array_row;
+
+static inline uint64_t olx_arrays_bytes(const olx_array_row *rows, uint32_t count) {
+  uint64_t bytes = 0;
+  for (uint32_t i = 0; i < count; i++) bytes += rows[i].count * rows[i].element_bytes;
+  return bytes;
+}
+
+// Every array, or NULL in its place; false when one is missing.
+static inline bool olx_arrays_allocate(const olx_array_row *rows, uint32_t count) {
+  bool complete = true;
+  for (uint32_t i = 0; i < count; i++) {
+    void *memory = rows[i].zeroed ? olx_allocate_zero(rows[i].count, rows[i].element_bytes)
+                                  : olx_allocate(rows[i].count, rows[i].element_bytes);
+    memcpy(rows[i].at, &memory, sizeof memory);
+    complete = complete && memory;
+  }
+  return complete;
+}
+
+#endif

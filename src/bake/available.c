@@ -1,0 +1,47 @@
+// Asking Linux how much memory and disk there is. Where it does not say, nothing is refused.
+#include "bake/available.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/statvfs.h>
+
+// The one number in a file; UINT64_MAX when it holds none ("max").
+static uint64_t number_in(const char *path) {
+  FILE *file = fopen(path, "r");
+  unsigned long long number = 0;
+  const bool found = file && fscanf(file, "%llu", &number) == 1;
+  if (file) fclose(file);
+  return found ? number : UINT64_MAX;
+}
+
+static uint64_t machine_memory(void) {
+  FILE *file = fopen("/proc/meminfo", "r");
+  char line[128];
+  unsigned long long kibibytes;
+  uint64_t bytes = UINT64_MAX;
+  while (file && bytes == UINT64_MAX && fgets(line, sizeof line, file)) {
+    if (sscanf(line, "MemAvailable: %llu kB", &kibibytes) == 1) bytes = (uint64_t)kibibytes * 1024;
+  }
+  if (file) fclose(file);
+  return bytes;
+}
+
+uint64_t olx_available_memory(void) {
+  const uint64_t machine = machine_memory(), most = number_in("/sys/fs/cgroup/memory.max");
+  const uint64_t used = number_in("/sys/fs/cgroup/memory.current");
+  if (most == UINT64_MAX || used == UINT64_MAX) return machine;
+  const uint64_t group = used < most ? most - used : 0;
+  return group < machine ? group : machine;
+}
+
+uint64_t olx_available_disk(const char *path) {
+  struct stat status;
+  struct statvfs system;
+  char folder[4096];
+  if (stat(path, &status) == 0 && !S_ISREG(status.st_mode)) return UINT64_MAX;
+  const char *slash = strrchr(path, '/');
+  snprintf(folder, sizeof folder, "%.*s", !slash || slash == path ? 1 : (int)(slash - path), slash ? path : ".");
+  if (statvfs(folder, &system) != 0) return UINT64_MAX;
+  return (uint64_t)system.f_bavail * system.f_frsize;
+}

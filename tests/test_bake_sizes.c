@@ -1,0 +1,160 @@
+// A bake says beforehand what it takes, by the code that allocates and lays out: the file to the byte, memory to a few per
+// cent; and one that does not fit is refused before it begins.
+#include "core/hooks.h"
+#include "scene_files.h"
+
+#include <octalux/bake.h>
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+// Memory that knows how much of it is held at most.
+enum { HEADER_BYTES = 64 };
+static atomic_llong held, most_held;
+
+static void *allocate_counted(void *user, size_t size_bytes) {
+  (void)user;
+  char *memory = aligned_alloc(64, HEADER_BYTES + (size_bytes + 63) / 64 * 64);
+  if (!memory) return NULL;
+  memcpy(memory, &size_bytes, sizeof size_bytes);
+  const long long now = atomic_fetch_add(&held, (long long)size_bytes) + (long long)size_bytes;
+  long long most = atomic_load(&most_held);
+  while (now > most && !atomic_compare_exchange_weak(&most_held, &most, now)) continue;
+  return memory + HEADER_BYTES;
+}
+
+static void release_counted(void *user, void *memory) {
+  (void)user;
+  size_t size_bytes;
+  memcpy(&size_bytes, (char *)memory - HEADER_BYTES, sizeof size_bytes);
+  atomic_fetch_sub(&held, (long long)size_bytes);
+  free((char *)memory - HEADER_BYTES);
+}
+
+static olx_scene *load(const char *name) {
+  olx_scene *scene = NULL;
+  if (olx_scene_load(name, &scene) != OLX_OK) fail_msg("%s", olx_last_error());
+  return scene;
+}
+
+static void assert_as_measured(const scene_folder *folder, const olx_bake_settings *settings, const olx_scene *scene) {
+  char path[512];
+  olx_bake_sizes sizes;
+  olx_bake_stats stats;
+  snprintf(path, sizeof path, "%s/a.olx", folder->path);
+  if (olx_bake_measure(scene, settings, path, &sizes) != OLX_OK) fail_msg("%s", olx_last_error());
+  const long long before = atomic_load(&held);
+  atomic_store(&most_held, before);
+  if (olx_bake(scene, settings, path, NULL, &stats) != OLX_OK) fail_msg("%s", olx_last_error());
+  const double taken = (double)(atomic_load(&most_held) - before), said = (double)sizes.memory_bytes;
+  assert_int_equal(sizes.file_bytes, stats.file_bytes);
+  // Beside what is reckoned there are tables of a mebibyte or two, whatever the number of probes.
+  if (!(taken <= 1.02 * said + 0x1p21 && taken >= 0.95 * said)) fail_msg("%.0f bytes taken, %.0f said", taken, said);
+}
+
+static void bakes_take_what_they_say(void **state) {
+  olx_set_hooks(&(olx_hooks){.allocate = allocate_counted, .release = release_counted});
+  olx_scene *scene = load("builtin:cornell");
+  olx_bake_settings base = olx_bake_settings_default(scene);
+  base.radiance_size = 64;
+  base.irradiance_size = 32;
+  base.samples = 1;
+  base.threads = 2;
+  assert_as_measured(*state, &base, scene);
+  olx_bake_settings changed = base;
+  changed.bounces = 0;
+  changed.fit = false;
+  assert_as_measured(*state, &changed, scene);
+  changed = base;
+  changed.irradiance_form = OLX_IRRADIANCE_SH3;
+  changed.bounce_gather = OLX_GATHER_TRACED;
+  assert_as_measured(*state, &changed, scene);
+  changed = base;
+  changed.relight = changed.classic = true;
+  changed.classic_size = changed.classic_cube_size = 32;
+  changed.bounces = 6;
+  assert_as_measured(*state, &changed, scene);
+  olx_scene_free(scene);
+  olx_set_hooks(NULL);
+}
+
+static double now_seconds(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void what_does_not_fit_is_refused_at_once(void **state) {
+  const scene_folder *folder = *state;
+  char path[512];
+  olx_bake_sizes sizes;
+  snprintf(path, sizeof path, "%s/a.olx", folder->path);
+  olx_scene *scene = load("builtin:cornell");
+  olx_bake_settings settings = olx_bake_settings_default(scene);
+  const uint32_t count[3] = {100, 100, 100};
+  assert_int_equal(olx_scene_probe_grid(scene, count, &settings.grid), OLX_OK);
+  settings.irradiance_grid = olx_bake_irradiance_grid(&settings.grid);
+  const double start = now_seconds();
+  assert_int_equal(olx_bake(scene, &settings, path, NULL, NULL), OLX_ERROR_FILE);
+  assert_true(now_seconds() - start < 0.5); // 43 s before
+  assert_non_null(strstr(olx_last_error(), "a.olx: 1000000 light field and 1000000 irradiance probes make a file of "));
+  assert_non_null(strstr(olx_last_error(), " are free there"));
+  assert_int_not_equal(access(path, F_OK), 0);
+  assert_int_equal(olx_bake_measure(scene, &settings, path, &sizes), OLX_ERROR_FILE);
+  assert_int_equal(sizes.probes, 1000000);
+  assert_true(sizes.file_bytes > 8ull * 1026 * 1026 * 1000000);
+  // A small file, but more memory than a machine has: irradiance probes alone.
+  settings.radiance_size = settings.irradiance_size = 8;
+  settings.irradiance_form = OLX_IRRADIANCE_SH2;
+  const olx_result result = olx_bake_measure(scene, &settings, path, &sizes);
+  assert_true(sizes.memory_bytes > 500000000000);
+  if (sizes.available_memory_bytes < sizes.memory_bytes && sizes.available_disk_bytes > sizes.file_bytes) {
+    assert_int_equal(result, OLX_ERROR_MEMORY);
+    assert_non_null(strstr(olx_last_error(), "baking 1000000 irradiance probes takes "));
+  }
+  settings.grid.count[0] = 0;
+  assert_int_equal(olx_bake_measure(scene, &settings, path, &sizes), OLX_ERROR_ARGUMENT);
+  assert_int_equal(sizes.probes, 0);
+  olx_scene_free(scene);
+}
+
+// Twice the probes take twice the time, which is multiplied and not measured: the two estimates differ by noise alone.
+static void an_estimate_is_a_time(void **state) {
+  (void)state;
+  olx_scene *scene = load("builtin:cornell");
+  olx_bake_settings settings = olx_bake_settings_default(scene);
+  settings.radiance_size = 64;
+  settings.irradiance_size = 16;
+  double seconds = -1.0;
+  assert_int_equal(olx_bake_estimate_seconds(scene, &settings, NULL, &seconds), OLX_OK);
+  assert_true(seconds > 0.0 && seconds < 600.0);
+  const uint32_t count[3] = {100, 100, 100};
+  double many;
+  assert_int_equal(olx_scene_probe_grid(scene, count, &settings.grid), OLX_OK);
+  settings.irradiance_grid = settings.grid;
+  assert_int_equal(olx_bake_estimate_seconds(scene, &settings, NULL, &many), OLX_OK);
+  assert_true(many > 1000.0 * seconds); // 37,000 times as many of each at least
+  settings.samples = 99;
+  assert_int_equal(olx_bake_estimate_seconds(scene, &settings, NULL, &many), OLX_ERROR_ARGUMENT);
+  olx_scene_free(scene);
+}
+
+#define IN_FOLDER(test) cmocka_unit_test_setup_teardown(test, scene_folder_set_up, scene_folder_tear_down)
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      IN_FOLDER(bakes_take_what_they_say),
+      IN_FOLDER(what_does_not_fit_is_refused_at_once),
+      cmocka_unit_test(an_estimate_is_a_time),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

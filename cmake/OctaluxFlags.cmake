@@ -3,7 +3,8 @@ set(OLX_SANITIZE "" CACHE STRING "Sanitizers, as -fsanitize= takes them (address
 option(OLX_WERROR "Warnings are errors" ON)
 
 add_library(olx_flags INTERFACE)
-target_compile_definitions(olx_flags INTERFACE _GNU_SOURCE)
+# Assertions are for debug builds: a library must not end its host. Without a build type there are none either.
+target_compile_definitions(olx_flags INTERFACE _GNU_SOURCE $<$<NOT:$<CONFIG:Debug>>:NDEBUG>)
 target_compile_options(olx_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wundef -Wvla
   -ffp-contract=off -fno-math-errno -fvisibility=hidden

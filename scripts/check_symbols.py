@@ -2,9 +2,10 @@
 """Check what the libraries ask for and what they show.
 
 The shared runtime needs nothing but libc, libm and threads, and exports exactly the functions of its public headers.
-Every global symbol of the static libraries begins with olx_, so that they clash with nothing a host links.
+Every global symbol of the static libraries begins with olx_, so that they clash with nothing a host links. No library can
+end its host by an assertion, unless --debug says that this is a debug build.
 
-Usage: check_symbols.py INCLUDE-DIR LIBRARY.so RUNTIME.a BAKE.a [HEADER...]; HEADERs are public ones of the runtime that this
+Usage: check_symbols.py [--debug] INCLUDE-DIR LIBRARY.so RUNTIME.a BAKE.a [HEADER...]; HEADERs are public ones of the runtime that this
 build has beside those it always has.
 """
 
@@ -36,7 +37,9 @@ def declared(include, more):
 
 
 def main():
-    include, shared, runtime, bake = pathlib.Path(sys.argv[1]), *sys.argv[2:5]
+    debug = sys.argv[1] == "--debug"
+    arguments = sys.argv[2:] if debug else sys.argv[1:]
+    include, shared, runtime, bake = pathlib.Path(arguments[0]), *arguments[1:4]
     faults = []
     for line in output("readelf", "--dynamic", "--wide", shared).splitlines():
         match = re.search(r"\(NEEDED\).*\[(.+)\]", line)
@@ -47,12 +50,14 @@ def main():
         name, kind = line.split()[:2]
         if kind == "U" and "@" not in name:
             faults.append(f"the runtime does not define {name}")
-    exported, public = defined(shared, "--dynamic"), declared(include, sys.argv[5:])
+    exported, public = defined(shared, "--dynamic"), declared(include, arguments[4:])
     faults += [f"exported, but in no public header: {name}" for name in sorted(exported - public)]
     faults += [f"in a public header, but not exported: {name}" for name in sorted(public - exported)]
     for library in (runtime, bake):
         foreign = sorted(name for name in defined(library) if not name.startswith("olx_") and not name.endswith(":"))
         faults += [f"{pathlib.Path(library).name} defines {name}" for name in foreign]
+        if not debug and re.search(r"\b__assert", output("nm", "--undefined-only", "--format=posix", library)):
+            faults.append(f"{pathlib.Path(library).name} asserts, but this is no debug build")
     for fault in faults:
         print(fault)
     print(f"{len(exported)} exported functions, {len(public)} declared, {len(faults)} violations")

@@ -305,6 +305,38 @@ static void test_says_which_option_is_missing(void **state) {
   olx_field_close(field);
 }
 
+// A host may pass any number: nothing is read out of bounds, and nothing ends the host.
+static void test_answers_numbers_out_of_range(void **state) {
+  const field_fixture *f = *state;
+  olx_field *field;
+  assert_int_equal(synthetic_write(f->path, &least, NULL), OLX_OK);
+  assert_int_equal(olx_field_open(f->path, &field), OLX_OK);
+  const olx_field_info info = olx_field_describe(field);
+  const uint32_t beyond[] = {info.probe_count, info.irradiance_probe_count, 999, UINT32_MAX};
+  for (uint32_t i = 0; i < sizeof beyond / sizeof *beyond; i++) {
+    if (beyond[i] >= info.probe_count) {
+      const olx_vec3 position = olx_field_probe_position(field, beyond[i]);
+      assert_true(isnan(position.x) && isnan(position.y) && isnan(position.z));
+      assert_true(olx_field_probe_buried(field, beyond[i]));
+    }
+    if (beyond[i] < info.irradiance_probe_count) continue;
+    assert_true(olx_field_irradiance_probe_buried(field, beyond[i]));
+    const olx_vec3 irradiance = olx_probe_irradiance(field, beyond[i], olx_v3(0.0f, 1.0f, 0.0f));
+    assert_true(irradiance.x == 0.0f && irradiance.y == 0.0f && irradiance.z == 0.0f);
+  }
+  olx_sample_settings settings = olx_sample_settings_default();
+  settings.select = (olx_select)(OLX_SELECT_BEST + 1);
+  assert_int_equal(olx_sample_settings_check(field, &settings), OLX_ERROR_ARGUMENT);
+  assert_says(f->path);
+  settings = olx_sample_settings_default();
+  settings.tracer = (olx_tracer)77;
+  assert_int_equal(olx_sample_settings_check(field, &settings), OLX_ERROR_ARGUMENT);
+  olx_field_close(field);
+  assert_string_equal(olx_select_name((olx_select)(OLX_SELECT_BEST + 1)), "unknown");
+  assert_string_equal(olx_select_name((olx_select)-1), "unknown");
+  assert_string_equal(olx_irradiance_form_name((olx_irradiance_form)(OLX_IRRADIANCE_SH3 + 1)), "unknown");
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test_setup_teardown(test_round_trip, field_set_up, field_tear_down),
@@ -314,6 +346,7 @@ int main(void) {
       cmocka_unit_test_setup_teardown(test_two_fields_at_once, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_opening_names_the_file, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_says_which_option_is_missing, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_answers_numbers_out_of_range, field_set_up, field_tear_down),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -500,6 +500,25 @@ static void layers_have_the_names_that_files_use(void **state) {
   }
 }
 
+static void no_image_has_a_layer_that_does_not_exist(void **state) {
+  (void)state;
+  const olx_layer beyond[] = {OLX_LAYER_COUNT, (olx_layer)1000, (olx_layer)-1};
+  olx_image image;
+  assert_int_equal(olx_image_create(16, 16, UINT32_MAX, &image), OLX_OK);
+  for (uint32_t i = 0; i < sizeof beyond / sizeof *beyond; ++i) {
+    olx_metrics metrics;
+    olx_perceptual perceptual;
+    const olx_perceptual_settings settings = olx_perceptual_settings_default();
+    assert_int_equal(olx_compare(&image, &image, beyond[i], &metrics), OLX_ERROR_ARGUMENT);
+    assert_int_equal(olx_compare_perceptual(&image, &image, beyond[i], &settings, NULL, &perceptual),
+                     OLX_ERROR_ARGUMENT);
+    assert_int_equal(olx_compare_heatmap(&image, &image, beyond[i], "/nowhere/a.png"), OLX_ERROR_ARGUMENT);
+    assert_int_equal(olx_image_save_layer_png(&image, beyond[i], 1.0f, "/nowhere/a.png"), OLX_ERROR_ARGUMENT);
+    assert_false(olx_layer_is_color(beyond[i]));
+  }
+  olx_image_free(&image);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(an_exr_gives_back_every_bit_of_every_layer),
@@ -522,6 +541,7 @@ int main(void) {
       cmocka_unit_test(no_flipped_byte_crashes_the_loader),
       cmocka_unit_test(a_small_file_cannot_claim_a_huge_image),
       cmocka_unit_test(layers_have_the_names_that_files_use),
+      cmocka_unit_test(no_image_has_a_layer_that_does_not_exist),
   };
   return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

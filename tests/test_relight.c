@@ -453,6 +453,9 @@ static void test_who_sees_no_change_sleeps(void **state) {
   }
   assert_int_equal(least, 1);
   assert_true(most >= 4);
+  const olx_relight_state none = olx_relight_irradiance_state(relight, 8),
+                          neither = olx_relight_radiance_state(relight, UINT32_MAX);
+  assert_true(none.updates == 0 && !none.awake && neither.updates == 0 && !neither.awake);
   // Asleep, a frame costs nothing and changes nothing.
   const olx_field *now = olx_relight_field(relight);
   const size_t bytes = 4 * now->irradiance_texels * now->info.irradiance_probe_count;

@@ -259,6 +259,10 @@ static void unknown_keys_warn_with_their_place(void **state) {
   assert_true(has_warning(scene, "\"cameras[0].fov\""));
   assert_true(has_warning(scene, "materials.floor"));
   assert_non_null(strstr(olx_scene_warning(scene, 0), "scene.json"));
+  assert_null(olx_scene_warning(scene, 3));
+  assert_null(olx_scene_warning(scene, UINT32_MAX));
+  const olx_camera none = olx_scene_camera(scene, olx_scene_describe(scene).cameras);
+  assert_true(none.name[0] == 0 && none.fov_y_degrees == 0.0f);
   olx_scene_free(scene);
 }
 

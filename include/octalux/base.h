@@ -22,7 +22,9 @@ extern "C" {
 const char *olx_version(void);
 
 // What every fallible call returns. Anything that comes from outside (files, memory, settings) is answered with one of
-// these; programming mistakes (NULL handles, indices out of range) assert in debug builds.
+// these. An index or enumerator out of range is answered with the value that its function documents, and a name with
+// "unknown"; nothing is read out of bounds. NULL handles are programming mistakes: they assert in debug builds, and release
+// builds hold no assertion that could end the host.
 typedef enum olx_result {
   OLX_OK = 0,
   OLX_ERROR_ARGUMENT = 1,    // a setting outside its documented range

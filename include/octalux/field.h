@@ -91,11 +91,11 @@ void olx_field_close(olx_field *field);
 
 olx_field_info olx_field_describe(const olx_field *field);
 
-// Position in metres of a light field probe, index < probe_count.
+// Position in metres of a light field probe, index < probe_count; NaN for another index.
 olx_vec3 olx_field_probe_position(const olx_field *field, uint32_t index);
-// Whether that probe was found inside geometry at bake time.
+// Whether that probe was found inside geometry at bake time; true for an index that no probe has.
 bool olx_field_probe_buried(const olx_field *field, uint32_t index);
-// The same of an irradiance probe, index < irradiance_probe_count.
+// Whether an irradiance probe was found inside geometry, index < irradiance_probe_count; true for another index.
 bool olx_field_irradiance_probe_buried(const olx_field *field, uint32_t index);
 
 // Read every byte: checksums, zero padding, and the content of the maps (no NaN, distances not negative, moments

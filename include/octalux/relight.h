@@ -108,6 +108,7 @@ typedef struct olx_relight_state {
   bool awake;
 } olx_relight_state;
 
+// The state of a probe of each kind; all 0 for an index that no probe has.
 olx_relight_state olx_relight_irradiance_state(const olx_relight *relight, uint32_t probe);
 olx_relight_state olx_relight_radiance_state(const olx_relight *relight, uint32_t probe);
 

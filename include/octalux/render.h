@@ -161,14 +161,14 @@ typedef struct olx_metrics {
   double mse, relative_mse, psnr, bias, max;
 } olx_metrics;
 
-// OLX_ERROR_ARGUMENT when sizes differ or either image lacks the layer; OLX_ERROR_FORMAT, naming the pixel, when a value is
+// OLX_ERROR_ARGUMENT when sizes differ or either image lacks the layer (as every image lacks one that does not exist); OLX_ERROR_FORMAT, naming the pixel, when a value is
 // not finite. Depth that is infinite in both images is left out.
 olx_result olx_compare(const olx_image *a, const olx_image *b, olx_layer layer, olx_metrics *metrics);
 // Write a picture of |a - b| over the reference's mean (both averaged over channels), black to yellow over its square root,
 // with the scale from 0 to 100 % drawn at the right. Fails as olx_compare does.
 olx_result olx_compare_heatmap(const olx_image *a, const olx_image *b, olx_layer layer, const char *path);
 
-// Whether a layer shows colours that can be looked at: every layer but normal and depth.
+// Whether a layer shows colours that can be looked at: every layer that exists but normal and depth.
 bool olx_layer_is_color(olx_layer layer);
 
 typedef struct olx_perceptual_settings {

@@ -35,7 +35,8 @@ typedef struct olx_sample_settings {
 
 olx_sample_settings olx_sample_settings_default(void);
 
-// OLX_ERROR_ARGUMENT, with a message, when `settings` ask for a selector that the field was baked without.
+// OLX_ERROR_ARGUMENT, with a message, when `settings` name a selector that the field was baked without, or an enumerator that
+// does not exist. Sampling with such settings is safe: it takes OLX_SELECT_EXHAUSTIVE and the defaults in their place.
 olx_result olx_sample_settings_check(const olx_field *field, const olx_sample_settings *settings);
 
 typedef enum olx_trace_status {
@@ -74,7 +75,7 @@ olx_vec3 olx_irradiance(const olx_field *field, const olx_sample_settings *setti
                         olx_vec3 view);
 
 // Irradiance in W/m^2 that irradiance probe `index` (< irradiance_probe_count) holds for surfaces of unit normal `normal`: not
-// interpolated, and with spherical harmonics as they ring, that is also below 0, where olx_irradiance says 0.
+// interpolated, and with spherical harmonics as they ring, that is also below 0, where olx_irradiance says 0. 0 for another index.
 olx_vec3 olx_probe_irradiance(const olx_field *field, uint32_t index, olx_vec3 normal);
 
 // One ray's estimate of the light that a GGX lobe of the given roughness (perceptual, 0..1; 0 is a mirror) gathers:

@@ -70,10 +70,10 @@ void olx_scene_free(olx_scene *scene);
 
 olx_scene_info olx_scene_describe(const olx_scene *scene);
 
-// What was skipped or clamped at import, index < warnings. Lives as long as the scene.
+// What was skipped or clamped at import, index < warnings; NULL for another index. Lives as long as the scene.
 const char *olx_scene_warning(const olx_scene *scene, uint32_t index);
 
-// index < cameras.
+// A camera of the scene, index < cameras; one without a name, all of whose numbers are 0, for another index.
 olx_camera olx_scene_camera(const olx_scene *scene, uint32_t index);
 
 // The camera of that name; NULL asks for the first, or, in a scene without cameras, for one that sees the whole scene.

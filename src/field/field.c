@@ -177,14 +177,12 @@ void olx_field_close(olx_field *field) {
 
 const char *olx_select_name(olx_select select) {
   static const char *const names[] = {"cage", "voronoi", "octree", "bricks", "exhaustive", "best"};
-  assert(select <= OLX_SELECT_BEST);
-  return names[select];
+  return (size_t)select < sizeof names / sizeof *names ? names[select] : "unknown";
 }
 
 const char *olx_irradiance_form_name(olx_irradiance_form form) {
   static const char *const names[] = {"octahedral", "sh2", "sh3"};
-  assert(form <= OLX_IRRADIANCE_SH3);
-  return names[form];
+  return (size_t)form < sizeof names / sizeof *names ? names[form] : "unknown";
 }
 
 olx_field_info olx_field_describe(const olx_field *field) {
@@ -193,16 +191,16 @@ olx_field_info olx_field_describe(const olx_field *field) {
 }
 
 olx_vec3 olx_field_probe_position(const olx_field *field, uint32_t index) {
-  assert(field && index < field->info.probe_count);
-  return field->probe_positions[index];
+  assert(field);
+  return index < field->info.probe_count ? field->probe_positions[index] : olx_splat(NAN);
 }
 
 bool olx_field_probe_buried(const olx_field *field, uint32_t index) {
-  assert(field && index < field->info.probe_count);
-  return (field->probe_flags[index] & OLX_PROBE_BURIED) != 0;
+  assert(field);
+  return index >= field->info.probe_count || (field->probe_flags[index] & OLX_PROBE_BURIED) != 0;
 }
 
 bool olx_field_irradiance_probe_buried(const olx_field *field, uint32_t index) {
-  assert(field && index < field->info.irradiance_probe_count);
-  return (field->irradiance_flags[index] & OLX_PROBE_BURIED) != 0;
+  assert(field);
+  return index >= field->info.irradiance_probe_count || (field->irradiance_flags[index] & OLX_PROBE_BURIED) != 0;
 }

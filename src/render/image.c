@@ -23,7 +23,13 @@ const char *olx_layer_name(olx_layer layer) {
 
 uint32_t olx_layer_channels(olx_layer layer) { return layer == OLX_LAYER_DEPTH ? 1 : 3; }
 
-bool olx_layer_is_color(olx_layer layer) { return layer != OLX_LAYER_NORMAL && layer != OLX_LAYER_DEPTH; }
+bool olx_layer_is_color(olx_layer layer) {
+  return layer < OLX_LAYER_COUNT && layer != OLX_LAYER_NORMAL && layer != OLX_LAYER_DEPTH;
+}
+
+bool olx_image_has(const olx_image *image, olx_layer layer) {
+  return layer < OLX_LAYER_COUNT && image->layers[layer] != NULL;
+}
 
 olx_result olx_image_create(uint32_t width, uint32_t height, uint32_t layer_mask, olx_image *image) {
   *image = (olx_image){0};
@@ -88,11 +94,12 @@ void olx_tone_map(olx_vec3 radiance, float exposure, uint8_t rgb[3]) {
 }
 
 olx_result olx_image_save_layer_png(const olx_image *image, olx_layer layer, float exposure, const char *path) {
-  const olx_vec3 *pixels = image->layers[layer];
-  if (!pixels) return olx_fail(OLX_ERROR_ARGUMENT, "%s: the image has no layer %s", path, olx_layer_name(layer));
+  if (!olx_image_has(image, layer))
+    return olx_fail(OLX_ERROR_ARGUMENT, "%s: the image has no layer %s", path, olx_layer_name(layer));
   if (!(exposure > 0.0f) || !isfinite(exposure)) {
     return olx_fail(OLX_ERROR_ARGUMENT, "%s: exposure %g is not a positive number", path, (double)exposure);
   }
+  const olx_vec3 *pixels = image->layers[layer];
   const size_t count = (size_t)image->width * image->height;
   uint8_t *rgb = olx_allocate(count, 3);
   if (!rgb) return olx_fail(OLX_ERROR_MEMORY, "%s: no memory for %ux%u pixels", path, image->width, image->height);

@@ -18,6 +18,9 @@ olx_result olx_png_write(const char *path, uint32_t width, uint32_t height, cons
 // same slope, 0.6 + 0.4 (1 - exp(-(x - 0.6) / 0.4)), and encoded by the sRGB transfer function. Not a number is magenta.
 void olx_tone_map(olx_vec3 radiance, float exposure, uint8_t rgb[3]);
 
+// Whether an image has that layer. No image has a layer that the enumeration does not name.
+bool olx_image_has(const olx_image *image, olx_layer layer);
+
 // Channels of a layer that carry data: 1 for depth, else 3.
 uint32_t olx_layer_channels(olx_layer layer);
 

@@ -19,8 +19,8 @@ olx_result olx_compare_check(const olx_image *a, const olx_image *b, olx_layer l
     return olx_fail(OLX_ERROR_ARGUMENT, "sizes differ: the image has %ux%u pixels, the reference %ux%u", a->width,
                     a->height, b->width, b->height);
   }
-  if (!a->layers[layer]) return olx_fail(OLX_ERROR_ARGUMENT, "the image has no layer %s", name);
-  if (!b->layers[layer]) return olx_fail(OLX_ERROR_ARGUMENT, "the reference has no layer %s", name);
+  if (!olx_image_has(a, layer)) return olx_fail(OLX_ERROR_ARGUMENT, "the image has no layer %s", name);
+  if (!olx_image_has(b, layer)) return olx_fail(OLX_ERROR_ARGUMENT, "the reference has no layer %s", name);
   const size_t count = (size_t)a->width * a->height;
   for (size_t i = 0; i < count; ++i) {
     for (uint32_t channel = 0; channel < olx_layer_channels(layer); ++channel) {

@@ -4,7 +4,6 @@
 #include "scene/emitters.h"
 #include "scene/scene_build.h"
 
-#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -62,13 +61,11 @@ olx_scene_info olx_scene_describe(const olx_scene *scene) {
 }
 
 const char *olx_scene_warning(const olx_scene *scene, uint32_t index) {
-  assert(index < scene->warning_count);
-  return scene->warnings[index];
+  return index < scene->warning_count ? scene->warnings[index] : NULL;
 }
 
 olx_camera olx_scene_camera(const olx_scene *scene, uint32_t index) {
-  assert(index < scene->camera_count);
-  return scene->cameras[index];
+  return index < scene->camera_count ? scene->cameras[index] : (olx_camera){.name = ""};
 }
 
 // From a corner above and in front, far enough that the sphere around the bounds fits the field of view.

@@ -1,7 +1,8 @@
 #include "select/select.h"
 
 bool olx_select_available(const olx_field *field, olx_select select) {
-  return select >= OLX_SELECT_STORED || (field->info.select_mask & 1u << select) != 0;
+  if (select >= OLX_SELECT_STORED) return select <= OLX_SELECT_BEST;
+  return (field->info.select_mask & 1u << select) != 0;
 }
 
 olx_select olx_select_resolve(const olx_field *field, olx_select asked) {

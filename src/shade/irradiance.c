@@ -207,7 +207,8 @@ olx_vec3 olx_irradiance(const olx_field *field, const olx_sample_settings *setti
 }
 
 olx_vec3 olx_probe_irradiance(const olx_field *field, uint32_t index, olx_vec3 normal) {
-  assert(field && index < field->info.irradiance_probe_count);
+  assert(field);
+  if (index >= field->info.irradiance_probe_count) return olx_splat(0.0f);
   const olx_irradiance_source source = olx_irradiance_source_of(field);
   const normal_taps taps = taps_at(&source, normal);
   return probe_irradiance(&source, index, &taps);

@@ -356,19 +356,19 @@ olx_result olx_relight_set_lights(olx_relight *r, const olx_relight_light *light
 
 const olx_field *olx_relight_field(const olx_relight *r) { return &r->field; }
 
-static olx_relight_state state_of(const olx_relight *r, const olx_relit_probe *p) {
+static olx_relight_state state_of(const olx_relight *r, uint32_t set, uint32_t probe) {
+  if (probe >= r->counts[set]) return (olx_relight_state){.updates = 0};
+  const olx_relit_probe *p = &r->probes[set][probe];
   const uint32_t since = p->last_frame > p->woke_frame ? p->last_frame : p->woke_frame;
   return (olx_relight_state){p->updates, p->last_frame, r->frame - since, olx_relit_awake(r, p)};
 }
 
 olx_relight_state olx_relight_irradiance_state(const olx_relight *r, uint32_t probe) {
-  assert(probe < r->counts[0]);
-  return state_of(r, &r->probes[0][probe]);
+  return state_of(r, 0, probe);
 }
 
 olx_relight_state olx_relight_radiance_state(const olx_relight *r, uint32_t probe) {
-  assert(probe < r->counts[1]);
-  return state_of(r, &r->probes[1][probe]);
+  return state_of(r, 1, probe);
 }
 
 void olx_relight_free(olx_relight *r) {

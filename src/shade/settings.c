@@ -13,6 +13,12 @@ olx_sample_settings olx_sample_settings_default(void) {
 }
 
 olx_result olx_sample_settings_check(const olx_field *field, const olx_sample_settings *settings) {
+  if (settings->tracer > OLX_TRACER_HIZ || settings->select > OLX_SELECT_BEST ||
+      settings->visibility > OLX_VISIBILITY_CHEBYSHEV) {
+    return olx_fail(OLX_ERROR_ARGUMENT,
+                    "%s: settings name no tracer, selector or visibility that there is (%u, %u, %u)", field->name,
+                    (unsigned)settings->tracer, (unsigned)settings->select, (unsigned)settings->visibility);
+  }
   if (olx_select_available(field, settings->select)) return OLX_OK;
   return olx_fail(OLX_ERROR_ARGUMENT, "%s: baked without the selector '%s'", field->name,
                   olx_select_name(settings->select));

@@ -279,7 +279,7 @@ static void explore(lattice *l, const olx_box *box, const char *first_path) {
   for (uint32_t i = 0; i < scene->camera_count; i++) enter_at(l, box, scene->cameras[i].eye);
   if (scene->camera_count == 0) {
     olx_probe_set set;
-    must(olx_probe_set_load(first_path, &set));
+    must(olx_probe_set_load(first_path, scene->origin, &set));
     enter_at(l, box, set.probes[0].position);
     olx_probe_set_free(&set);
   }
@@ -288,7 +288,7 @@ static void explore(lattice *l, const olx_box *box, const char *first_path) {
 
 static void check_file(const lattice *l, const olx_box *box, const char *path, uint32_t rays) {
   olx_probe_set set;
-  must(olx_probe_set_load(path, &set));
+  must(olx_probe_set_load(path, l->scene->origin, &set));
   putchar('{');
   check_probes(l, box, &set);
   check_coverage(l, box, &set, rays);

@@ -16,9 +16,10 @@ double light_probe_count(const olx_bake_settings *settings) {
 // The positions of a file that `octalux place` wrote.
 static olx_result load_probes(const olx_scene *scene, const char *path, olx_bake_settings *settings) {
   olx_probe_set set;
-  const olx_result result = olx_probe_set_load(path, &set);
+  const olx_scene_info info = olx_scene_describe(scene);
+  const olx_result result = olx_probe_set_load(path, info.origin, &set);
   if (result != OLX_OK) return result;
-  if (set.scene_hash && set.scene_hash != olx_scene_describe(scene).hash) {
+  if (set.scene_hash && set.scene_hash != info.hash) {
     fprintf(stderr, "octalux: %s: placed in another scene, or in another version of this one\n", path);
   }
   olx_vec3 *positions = malloc(set.count * sizeof *positions);

@@ -45,7 +45,7 @@ static select_list select_names(uint32_t mask) {
   return list;
 }
 
-static int print_info_json(const olx_field_info *info) {
+static int print_info_json(const olx_field_info *info, const double origin[3]) {
   cJSON *object = cJSON_CreateObject();
   add_number(object, "probes", info->probe_count);
   add_number(object, "irradiance_probes", info->irradiance_probe_count);
@@ -73,6 +73,7 @@ static int print_info_json(const olx_field_info *info) {
   list_blocks(info, blocks);
   cJSON *bytes = cJSON_AddObjectToObject(object, "bytes");
   for (int i = 0; i < BLOCK_COUNT; ++i) add_number(bytes, blocks[i].name, (double)blocks[i].bytes);
+  cJSON_AddItemToObject(object, "origin", cJSON_CreateDoubleArray(origin, 3));
   if (info->has_grid) add_grid(object, "grid", &info->grid);
   add_grid(object, "irradiance_grid", &info->irradiance_grid);
   add_number(object, "bounces", info->bounces);
@@ -90,7 +91,7 @@ static void print_grid(const char *label, const olx_grid *grid) {
          (double)grid->spacing.x, (double)grid->spacing.y, (double)grid->spacing.z);
 }
 
-static void print_info(const char *path, const olx_field_info *info) {
+static void print_info(const char *path, const olx_field_info *info, const double origin[3]) {
   printf("%s: %s\n", path, text_of_bytes(info->file_bytes).text);
   printf("  light field probes %u, %u of them inside geometry, %ux%u texels\n", info->probe_count, info->buried_count,
          info->radiance_size, info->radiance_size);
@@ -106,6 +107,10 @@ static void print_info(const char *path, const olx_field_info *info) {
   if (info->relight_size) {
     printf("  relighting         albedo; %ux%u surfaces an irradiance probe and %u hidden ones, %u points of %u rays\n",
            info->relight_size, info->relight_size, info->relight_hidden, info->relight_points, info->relight_rays);
+  }
+  if (origin[0] != 0.0 || origin[1] != 0.0 || origin[2] != 0.0) {
+    printf("  relative to        (%.10g, %.10g, %.10g) m, as are all positions below\n", origin[0], origin[1],
+           origin[2]);
   }
   if (info->has_grid) print_grid("grid", &info->grid);
   print_grid("irradiance grid", &info->irradiance_grid);
@@ -131,8 +136,10 @@ int command_info(int argc, char **argv) {
   olx_field *field = NULL;
   if (olx_field_open(line.given[0], &field) != OLX_OK) return library_failure("info");
   const olx_field_info info = olx_field_describe(field);
-  if (json) code = print_info_json(&info);
-  else print_info(line.given[0], &info);
+  double origin[3];
+  olx_field_origin(field, origin);
+  if (json) code = print_info_json(&info, origin);
+  else print_info(line.given[0], &info, origin);
   olx_field_close(field);
   return code;
 }

@@ -71,7 +71,7 @@ static int print_place_json(const olx_probe_set *set) {
   cJSON *probes = cJSON_AddArrayToObject(object, "probes");
   for (uint32_t i = 0; i < set->count; ++i) {
     cJSON *probe = cJSON_CreateObject();
-    add_vec3(probe, "position", set->probes[i].position);
+    add_position(probe, "position", set->origin, set->probes[i].position);
     add_text(probe, "origin", olx_probe_origin_name(set->probes[i].origin));
     add_float(probe, "gain", set->probes[i].gain);
     cJSON_AddBoolToObject(probe, "buried", set->probes[i].buried);

@@ -17,8 +17,9 @@ static int print_scene_json(const olx_scene *scene, uint64_t cooked_bytes) {
   add_number(object, "textures", info.textures);
   add_number(object, "lights", info.lights);
   add_number(object, "cameras", info.cameras);
-  add_vec3(object, "bounds_min", info.bounds_min);
-  add_vec3(object, "bounds_max", info.bounds_max);
+  cJSON_AddItemToObject(object, "origin", cJSON_CreateDoubleArray(info.origin, 3));
+  add_position(object, "bounds_min", info.origin, info.bounds_min);
+  add_position(object, "bounds_max", info.origin, info.bounds_max);
   add_number(object, "warnings", info.warnings);
   cJSON *messages = cJSON_AddArrayToObject(object, "warning_messages");
   for (uint32_t i = 0; i < info.warnings; ++i) {
@@ -29,8 +30,8 @@ static int print_scene_json(const olx_scene *scene, uint64_t cooked_bytes) {
     const olx_camera camera = olx_scene_camera(scene, i);
     cJSON *entry = cJSON_CreateObject();
     add_text(entry, "name", camera.name);
-    add_vec3(entry, "eye", camera.eye);
-    add_vec3(entry, "target", camera.target);
+    add_position(entry, "eye", info.origin, camera.eye);
+    add_position(entry, "target", info.origin, camera.target);
     add_vec3(entry, "up", camera.up);
     add_float(entry, "fov_y_degrees", camera.fov_y_degrees);
     cJSON_AddItemToArray(cameras, entry);
@@ -44,18 +45,22 @@ static int print_scene_json(const olx_scene *scene, uint64_t cooked_bytes) {
 static void print_scene(const char *name, const olx_scene *scene) {
   const olx_scene_info info = olx_scene_describe(scene);
   const olx_vec3 low = info.bounds_min, high = info.bounds_max;
+  const double *o = info.origin;
+  const int digits = o[0] != 0.0 || o[1] != 0.0 || o[2] != 0.0 ? 12 : 6;
   printf("%s\n", name);
   printf("  triangles  %" PRIu64 "\n  vertices   %" PRIu64 "\n", info.triangles, info.vertices);
   printf("  materials  %u\n  textures   %u\n  lights     %u\n", info.materials, info.textures, info.lights);
-  printf("  bounds     (%g, %g, %g) to (%g, %g, %g) m\n", (double)low.x, (double)low.y, (double)low.z, (double)high.x,
-         (double)high.y, (double)high.z);
+  printf("  bounds     (%.*g, %.*g, %.*g) to (%.*g, %.*g, %.*g) m\n", digits, o[0] + (double)low.x, digits,
+         o[1] + (double)low.y, digits, o[2] + (double)low.z, digits, o[0] + (double)high.x, digits,
+         o[1] + (double)high.y, digits, o[2] + (double)high.z);
   printf("  hash       %016" PRIx64 "\n", info.hash);
   for (uint32_t i = 0; i < info.cameras; ++i) {
     const olx_camera camera = olx_scene_camera(scene, i);
     char printable[4 * sizeof camera.name];
     olx_printable(camera.name, printable, sizeof printable);
-    printf("  camera     %s: at (%g, %g, %g), %g degrees high\n", printable, (double)camera.eye.x, (double)camera.eye.y,
-           (double)camera.eye.z, (double)camera.fov_y_degrees);
+    printf("  camera     %s: at (%.*g, %.*g, %.*g), %g degrees high\n", printable, digits,
+           o[0] + (double)camera.eye.x, digits, o[1] + (double)camera.eye.y, digits, o[2] + (double)camera.eye.z,
+           (double)camera.fov_y_degrees);
   }
   for (uint32_t i = 0; i < info.warnings; ++i) printf("  warning    %s\n", olx_scene_warning(scene, i));
 }

@@ -53,6 +53,12 @@ void add_vec3(cJSON *object, const char *key, olx_vec3 value) {
   cJSON_AddItemToObject(object, key, cJSON_CreateDoubleArray(numbers, 3));
 }
 
+void add_position(cJSON *object, const char *key, const double origin[3], olx_vec3 value) {
+  const double numbers[3] = {origin[0] + shortest(value.x), origin[1] + shortest(value.y),
+                             origin[2] + shortest(value.z)};
+  cJSON_AddItemToObject(object, key, cJSON_CreateDoubleArray(numbers, 3));
+}
+
 void add_counts(cJSON *object, const char *key, const uint32_t counts[3]) {
   cJSON *array = cJSON_AddArrayToObject(object, key);
   for (int i = 0; i < 3; ++i) cJSON_AddItemToArray(array, cJSON_CreateNumber(counts[i]));

@@ -13,6 +13,8 @@ void add_number(cJSON *object, const char *key, double value); // null when it i
 void add_float(cJSON *object, const char *key, float value);   // with no more digits than a float has
 void add_text(cJSON *object, const char *key, const char *value);
 void add_vec3(cJSON *object, const char *key, olx_vec3 value);
+// A position that is relative to `origin`, in scene coordinates.
+void add_position(cJSON *object, const char *key, const double origin[3], olx_vec3 value);
 void add_counts(cJSON *object, const char *key, const uint32_t counts[3]);
 void add_hash(cJSON *object, const char *key, uint64_t hash);
 

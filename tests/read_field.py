@@ -48,7 +48,7 @@ def read_chunks(data):
         end = aligned(offset + size)
         need(end <= len(data), f"{name}: beyond the end")
         need(not any(data[offset + size:end]), f"{name}: padding")
-        if name in SHAPES or name == "IRSH":
+        if name in SHAPES or name in ("IRSH", "ORIG"):
             need(name not in chunks and flags == 0, f"{name}: twice, or optional")
             chunks[name] = (data[offset:offset + size], record, element)
         else:
@@ -100,6 +100,17 @@ def irradiance_chunk(d):
     if d["form"] == 0:
         return "IRRA", SHAPES["IRRA"](d)
     return "IRSH", (2, (12, 28)[d["form"] - 1], d["Q"])
+
+
+def read_origin(chunks):
+    """What positions are relative to."""
+    if "ORIG" not in chunks:
+        return [0.0, 0.0, 0.0]
+    blob, record, element = chunks["ORIG"]
+    need((len(blob), record, element) == (24, 24, 8), "ORIG: size")
+    origin = list(struct.unpack("<3d", blob))
+    need(any(origin) and all(abs(value) <= 2e7 for value in origin), "ORIG: 0, or not within 2e7 m")
+    return origin
 
 
 def read_grid(blob, offset):
@@ -396,7 +407,7 @@ def read(path):
     names = [name for bit, name in enumerate(("cage", "voronoi", "octree", "bricks")) if d["selectors"] >> bit & 1]
     told = {
         "probes": d["P"], "irradiance_probes": d["Q"], "buried": d["buried"], "irradiance_buried": d["irradiance_buried"],
-        "radiance_size": d["n"], "irradiance_size": d["m"], "irradiance": FORMS[d["form"]], "select": ",".join(names) or "none", "file_bytes": len(data),
+        "origin": read_origin(chunks), "radiance_size": d["n"], "irradiance_size": d["m"], "irradiance": FORMS[d["form"]], "select": ",".join(names) or "none", "file_bytes": len(data),
         "bytes": {"radiance": size("RADI"), "normal": size("NORM"), "distance": size("DIST"), "pyramid": size("DMIN") + size("DMAX"),
                   "irradiance": size(irradiance_chunk(d)[0]), "moments": size("MOME"), "selector": sum(map(size, stored)),
                   "classic": sum(size(name) for name in CLASSIC if name in chunks)},

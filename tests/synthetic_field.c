@@ -80,6 +80,7 @@ olx_field_header synthetic_header(const synthetic_shape *shape) {
   header.info.relight_points = shape->relight_points;
   header.info.relight_rays = shape->relight_rays;
   header.info.relight_hidden = shape->relight_hidden;
+  memcpy(header.origin, shape->origin, sizeof header.origin);
   return header;
 }
 

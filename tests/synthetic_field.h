@@ -12,6 +12,7 @@ typedef struct synthetic_shape {
   uint32_t relight_size; // of surfaces for relighting; 0: none
   uint32_t relight_points, relight_rays, relight_hidden;
   olx_irradiance_form irradiance_form;
+  double origin[3]; // that positions are relative to
 } synthetic_shape;
 
 // The header of such a field: a box around the origin, probes one metre apart, every third probe buried. Release

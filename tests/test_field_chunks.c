@@ -185,6 +185,38 @@ static void test_verify_reads_relight_chunks(void **state) {
   olx_release(i.bytes);
 }
 
+// --- The origin: after the required chunks, since the field has no other
+
+static const synthetic_shape far_away = {
+    .grid = {1, 4, 1}, .irradiance_grid = {1, 1, 1}, .n = 8, .irradiance_n = 8, .origin = {1e7, 0.0, -0.5}};
+
+static void test_the_origin_is_read_and_checked(void **state) {
+  field_image i = field_image_load(*state, &far_away);
+  assert_int_equal(i.chunks[OLX_CHUNK_REQUIRED].flags, 0);
+  olx_field *field;
+  assert_int_equal(olx_field_open_memory(i.bytes, i.size_bytes, &field), OLX_OK);
+  assert_int_equal(olx_field_verify(field), OLX_OK);
+  double read[3];
+  olx_field_origin(field, read);
+  assert_memory_equal(read, far_away.origin, sizeof read);
+  olx_field_close(field);
+  double *stored = (double *)(i.bytes + i.chunks[OLX_CHUNK_REQUIRED].offset);
+  REFUSED(stored[1], NAN, "chunk ORIG: the origin (1e+07 nan -0.5)");
+  REFUSED(stored[0], 2.1e7, "chunk ORIG");
+  REFUSED(i.chunks[OLX_CHUNK_REQUIRED].flags, OLX_CHUNK_OPTIONAL, "chunk ORIG: flagged optional, but it is not");
+  field_seal(&i);
+  stored[2] = 3.0;
+  assert_field_refused(&i, OLX_ERROR_CHECKSUM, "chunk ORIG: wrong checksum");
+  stored[0] = stored[2] = 0.0;
+  field_seal(&i);
+  assert_field_refused(&i, OLX_ERROR_FORMAT, "chunk ORIG: the origin (0 0 0) is 0");
+  olx_release(i.bytes);
+  // A field at the origin of coordinates has no such chunk.
+  i = field_image_load(*state, &least);
+  assert_int_equal(i.header->chunk_count, OLX_CHUNK_REQUIRED);
+  olx_release(i.bytes);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test_setup_teardown(test_refuses_wrong_classic_maps, field_set_up, field_tear_down),
@@ -195,6 +227,7 @@ int main(void) {
       cmocka_unit_test_setup_teardown(test_refuses_wrong_relight_chunks, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_refuses_hidden_surfaces_without_points, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_verify_reads_relight_chunks, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_the_origin_is_read_and_checked, field_set_up, field_tear_down),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

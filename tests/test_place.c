@@ -456,7 +456,7 @@ static void probe_files_come_back(void **state) {
   settings.seed = 4000000000u;
   olx_probe_set set = place(scene, &settings), back;
   ASSERT_OK(olx_probe_set_save(&set, path));
-  ASSERT_OK(olx_probe_set_load(path, &back));
+  ASSERT_OK(olx_probe_set_load(path, NULL, &back));
   assert_int_equal(back.count, set.count);
   assert_true(back.scene_hash == set.scene_hash);
   assert_int_equal(back.settings.method, OLX_PLACE_GRID);
@@ -469,7 +469,7 @@ static void probe_files_come_back(void **state) {
   }
   olx_probe_set_free(&back);
   write_text(path, "{\"probes\": [{\"position\": [1, 2.5, -3]}]}");
-  ASSERT_OK(olx_probe_set_load(path, &back));
+  ASSERT_OK(olx_probe_set_load(path, NULL, &back));
   assert_int_equal(back.count, 1);
   assert_true(back.probes[0].position.y == 2.5f && !back.probes[0].buried);
   olx_probe_set_free(&back);
@@ -489,7 +489,7 @@ static void probe_files_come_back(void **state) {
   };
   for (size_t i = 0; i < sizeof broken / sizeof *broken; i++) {
     write_text(path, broken[i][0]);
-    assert_int_not_equal(olx_probe_set_load(path, &back), OLX_OK);
+    assert_int_not_equal(olx_probe_set_load(path, NULL, &back), OLX_OK);
     assert_null(back.probes);
     if (!strstr(olx_last_error(), broken[i][1]) || !strstr(olx_last_error(), path)) {
       fail_msg("%s: \"%s\" does not name %s", broken[i][0], olx_last_error(), broken[i][1]);

@@ -355,7 +355,7 @@ static void threads_and_runs_do_not_matter(void **state) {
         if (i > 0) assert_memory_equal(bytes, first, size);
       }
       olx_probe_set back;
-      ASSERT_OK(olx_probe_set_load(path, &back));
+      ASSERT_OK(olx_probe_set_load(path, NULL, &back));
       assert_int_equal(back.settings.method, method);
       assert_int_equal(back.settings.optimize, how);
       assert_int_equal(back.settings.rounds, 2);

@@ -6,7 +6,8 @@ reader=$OCTALUX_SOURCE_DIR/tests/read_field.py
 agree() {
   local scene=$1
   shift
-  expect 0 bake "builtin:$scene" -o a.olx "$@"
+  [[ $scene == *.json ]] || scene=builtin:$scene
+  expect 0 bake "$scene" -o a.olx "$@"
   expect 0 verify a.olx
   expect 0 info a.olx --json
   python3 "$reader" a.olx stdout.txt 2>stderr.txt || fail "$scene: the reader disagrees"
@@ -18,6 +19,14 @@ agree two-rooms-gap --radiance-size 8 --irradiance-size 8 --bounces 0 --samples 
 agree cornell --radiance-size 8 --irradiance-size 16 --bounces 0 --samples 1 --irradiance sh2
 agree cornell --radiance-size 8 --irradiance-size 8 --bounces 0 --samples 1 --irradiance sh3
 agree cornell --grid 1x1x1 --radiance-size 8 --irradiance-size 32 --bounces 1 --samples 1
+
+# Far from the origin positions are relative to one of the field's own.
+echo '{"model": "builtin:cornell", "translate": [1e7, 0, -1e6]}' >far.json
+agree far.json --grid 1x1x1 --radiance-size 8 --irradiance-size 8 --bounces 0 --samples 1
+grep -q '"origin":\s*\[10000000, *0, *-1000000\]' stdout.txt || fail "a field far away has no origin"
+LC_ALL=C grep -qa ORIG a.olx || fail "a field far away has no chunk ORIG"
+agree cornell --grid 1x1x1 --radiance-size 8 --irradiance-size 32 --bounces 1 --samples 1
+LC_ALL=C grep -qa ORIG a.olx && fail "a field at the origin has a chunk ORIG"
 
 # It can also say no.
 sed 's/"probes": *1,/"probes":2,/' stdout.txt >other.json

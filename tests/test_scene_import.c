@@ -509,12 +509,12 @@ static void hash_follows_what_changes_the_light(void **state) {
 static void placement_scales_rotates_then_moves(void **state) {
   (void)state;
   const olx_placement about_x_then_y = {.scale = 2.0f, .translate = {10, 0, 0}, .rotate_degrees = {90, 90, 0}};
-  const olx_affine a = olx_affine_from_placement(&about_x_then_y);
+  const olx_affine a = olx_affine_from_placement(&about_x_then_y, (const double[3]){0.0, 0.0, 0.0});
   // y goes to z by x's turn, then to x by y's.
   assert_vec(olx_affine_point(&a, olx_v3(0, 1, 0)), 12, 0, 0);
   assert_vec(olx_affine_point(&a, olx_v3(1, 0, 0)), 10, 0, -2);
   const olx_placement about_z = {.scale = 1.0f, .rotate_degrees = {0, 0, 90}};
-  const olx_affine z = olx_affine_from_placement(&about_z);
+  const olx_affine z = olx_affine_from_placement(&about_z, (const double[3]){0.0, 0.0, 0.0});
   assert_vec(olx_affine_point(&z, olx_v3(1, 0, 0)), 0, 1, 0);
 }
 

@@ -87,6 +87,11 @@ static bool open_files(bench_job *job, const char *scene_path, const char *field
   job->result->probes = info.probe_count;
   job->result->radiance_size = info.radiance_size;
   job->result->triangles = job->content->triangle_count;
+  double origin[3];
+  olx_field_origin(job->field, origin);
+  if (memcmp(origin, job->content->origin, sizeof origin) != 0) {
+    return fail_job(job, "field and scene lie elsewhere: bake the field again");
+  }
   job->result->other_scene = info.scene_hash != job->content->hash;
   const uint32_t compared = 1u << OLX_SELECT_CAGE | 1u << OLX_SELECT_BRICKS;
   if (!job->settings->compare || (info.select_mask & compared) == compared) return true;

@@ -99,6 +99,10 @@ static bool load(viewer *v) {
   if (v->state.select == OLX_SELECT_OCTREE)
     return failure("view", "--select %s does not run on Vulkan", olx_select_name((olx_select)v->state.select)) ==
            EXIT_DONE;
+  double origin[3];
+  olx_field_origin(v->field, origin);
+  if (memcmp(origin, olx_scene_describe(v->scene).origin, sizeof origin) != 0)
+    return failure("view", "%s and %s lie elsewhere: bake the field again", o->field, o->scene) == EXIT_DONE;
   if (olx_scene_describe(v->scene).hash != v->facts.field.scene_hash && !o->relight)
     fprintf(stderr, "warning: %s was baked from another scene than %s\n", o->field, o->scene);
   if (!load_cameras(v)) return false;

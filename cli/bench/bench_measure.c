@@ -43,7 +43,7 @@ bench_name bench_probes_name(const bench_probes *probes) {
 
 static olx_result place(const olx_scene *scene, const bench_probes *probes, const bench_bake *bake,
                         const olx_progress *progress, olx_probe_set *set) {
-  if (probes->file) return olx_probe_set_load(probes->file, set);
+  if (probes->file) return olx_probe_set_load(probes->file, olx_scene_describe(scene).origin, set);
   olx_place_settings settings = olx_place_settings_default(scene);
   settings.method = probes->method;
   settings.count = probes->count;

@@ -54,6 +54,10 @@ typedef struct olx_vec3 {
   float x, y, z;
 } olx_vec3;
 
+// No position may have a coordinate farther than this from 0: what lies beyond is refused, or left out of a scene with a
+// warning. Scenes far from 0 keep their positions relative to an origin of their own (octalux/scene.h).
+#define OLX_POSITION_LIMIT_METRES 2e7
+
 typedef enum olx_log_level { OLX_LOG_INFO = 0, OLX_LOG_WARNING = 1, OLX_LOG_ERROR = 2 } olx_log_level;
 
 // Hooks by which a host takes over what a library otherwise takes from the system. A NULL member keeps the default.

@@ -91,6 +91,11 @@ void olx_field_close(olx_field *field);
 
 olx_field_info olx_field_describe(const olx_field *field);
 
+// The origin, in metres of scene coordinates, that all positions of the field are relative to, and those that the functions of the
+// runtime take and give. It is 0 unless the scene lies far from 0. A host subtracts it, in double precision, from the eye and
+// from what it passes in floats; nothing else differs.
+void olx_field_origin(const olx_field *field, double origin[3]);
+
 // Position in metres of a light field probe, index < probe_count; NaN for another index.
 olx_vec3 olx_field_probe_position(const olx_field *field, uint32_t index);
 // Whether that probe was found inside geometry at bake time; true for an index that no probe has.

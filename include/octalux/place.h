@@ -162,6 +162,7 @@ typedef struct olx_probe_set {
   olx_place_mark *marks; // the skeleton (of OLX_PLACE_MEDIAL its balls, else the far voxels), then held-out surfels
   olx_place_settings settings; // what made them
   olx_place_report report;
+  double origin[3]; // that positions are relative to: the scene's
   uint64_t scene_hash;
 } olx_probe_set;
 
@@ -173,12 +174,13 @@ olx_result olx_place(const olx_scene *scene, const olx_place_settings *settings,
 // Releases probes and marks; the struct itself is the caller's.
 void olx_probe_set_free(olx_probe_set *set);
 
-// Write the set as JSON (docs/place.md): beside, synced, renamed. The bytes depend on the set alone.
+// Write the set as JSON (docs/placement.md): beside, synced, renamed. The bytes depend on the set alone. Positions are written in
+// scene coordinates, in double precision.
 olx_result olx_probe_set_save(const olx_probe_set *set, const char *path);
 // Read what olx_probe_set_save wrote, or any JSON object whose "probes" is a list of objects with a "position": what
-// else is missing stays at its default. Errors name the file and the element. On success the set is the caller's to
-// free.
-olx_result olx_probe_set_load(const char *path, olx_probe_set *set);
+// else is missing stays at its default. Positions become relative to `origin`, the scene's (NULL: 0). Errors name the file and the
+// element; a position beyond OLX_POSITION_LIMIT_METRES is one. On success the set is the caller's to free.
+olx_result olx_probe_set_load(const char *path, const double origin[3], olx_probe_set *set);
 
 // Bytes of one light field probe in a field file: its maps with borders, and its pyramid.
 uint64_t olx_light_probe_bytes(uint32_t resolution);

@@ -1,5 +1,10 @@
 // Scenes: triangles, materials, lights, environment and cameras, from glTF, OBJ, JSON descriptions (docs/scenes.md) or
 // built in. Right-handed, Y up, metres. Part of liboctalux-bake.
+//
+// Positions are relative to the scene's origin (olx_scene_info.origin) wherever this and the other headers give or take them: of
+// triangles, lights, cameras, probes, bounds. It is 0 in scenes that hold the origin of coordinates or lie near it, within 16 of
+// their diagonals; else near the middle of the bounds. Only files have scene coordinates. So a scene 10^7 m away is baked and
+// drawn as exactly as one at 0.
 #ifndef OCTALUX_SCENE_H
 #define OCTALUX_SCENE_H
 
@@ -24,6 +29,7 @@ typedef struct olx_scene_info {
   uint64_t triangles, vertices;
   uint32_t materials, textures, lights, cameras;
   uint32_t warnings; // things skipped or clamped at import
+  double origin[3];  // in scene coordinates, metres
   olx_vec3 bounds_min, bounds_max;
   bool has_probe_volume; // the description names probes.min and probes.max
   uint64_t hash;         // of geometry, materials, textures, lights and environment
@@ -156,6 +162,7 @@ typedef struct olx_scene_content {
   const olx_light *lights;
   const olx_camera *cameras;
   const olx_environment *environment;
+  double origin[3]; // as olx_scene_info has it
   olx_vec3 bounds_min, bounds_max;
   uint64_t hash; // as olx_scene_info has it
 } olx_scene_content;

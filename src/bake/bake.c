@@ -80,7 +80,12 @@ static olx_result check_grid(const olx_grid *grid, const char *name) {
       return olx_fail(OLX_ERROR_ARGUMENT, "bake: %s: spacing %g along axis %u", name, (double)spacing[axis], axis);
     }
   }
-  if (!olx_finite(grid->origin)) return olx_fail(OLX_ERROR_ARGUMENT, "bake: %s: origin is not finite", name);
+  const olx_vec3 last = {grid->origin.x + spacing[0] * (float)(grid->count[0] - 1),
+                         grid->origin.y + spacing[1] * (float)(grid->count[1] - 1),
+                         grid->origin.z + spacing[2] * (float)(grid->count[2] - 1)};
+  if (!olx_is_position(grid->origin) || !olx_is_position(last)) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "bake: %s: its probes are not within 2e7 m", name);
+  }
   return OLX_OK;
 }
 
@@ -99,8 +104,8 @@ static olx_result check_probes(const olx_bake_settings *settings) {
   if (!settings->probes) return check_grid(&settings->grid, "probe grid");
   OLX_TRY(check_range(settings->probe_count, 1, MAX_PROBES, "probes"));
   for (uint32_t i = 0; i < settings->probe_count; i++) {
-    if (!olx_finite(settings->probes[i])) {
-      return olx_fail(OLX_ERROR_ARGUMENT, "bake: the position of probe %u is not finite", i);
+    if (!olx_is_position(settings->probes[i])) {
+      return olx_fail(OLX_ERROR_ARGUMENT, "bake: the position of probe %u is not within 2e7 m", i);
     }
   }
   return OLX_OK;
@@ -200,6 +205,7 @@ static olx_field_header header_of(const bake *b) {
                .bounces = s->bounces,
                .samples = s->samples,
                .scene_hash = b->scene->hash},
+      .origin = {b->scene->origin[0], b->scene->origin[1], b->scene->origin[2]},
       .probe_positions = b->positions[0],
       .irradiance_positions = b->positions[1],
       .classic_table = b->classic_table,

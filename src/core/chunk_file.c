@@ -4,6 +4,7 @@
 #include "core/result.h"
 
 #include <assert.h>
+#include <math.h>
 #include <string.h>
 
 #define XXH_INLINE_ALL
@@ -175,11 +176,34 @@ olx_result olx_chunk_find_wanted(const olx_chunk_file *file, const olx_chunk_sha
                            heading.text);
 }
 
+bool olx_origin_is_stored(const double origin[3]) { return origin[0] != 0.0 || origin[1] != 0.0 || origin[2] != 0.0; }
+
+olx_result olx_chunk_find_origin(const olx_chunk_file *file, double origin[3]) {
+  const olx_chunk_row row = OLX_CHUNK_ORIGIN_ROW;
+  const olx_chunk_shape shape = olx_chunk_shape_of(&row);
+  const olx_file_chunk *chunk;
+  const void *data;
+  origin[0] = origin[1] = origin[2] = 0.0;
+  OLX_TRY(find_at_most_one(file, shape.type, &chunk));
+  if (!chunk) return OLX_OK;
+  OLX_TRY(olx_chunk_find_shaped(file, &shape, &data));
+  if (olx_content_hash(data, shape.size_bytes) != chunk->hash) {
+    return olx_fail(OLX_ERROR_CHECKSUM, "%s: chunk ORIG: wrong checksum", file->name);
+  }
+  memcpy(origin, data, 3 * sizeof *origin);
+  bool within = olx_origin_is_stored(origin);
+  for (int axis = 0; axis < 3; axis++) within = within && fabs(origin[axis]) <= OLX_POSITION_LIMIT_METRES;
+  if (within) return OLX_OK;
+  return olx_fail(OLX_ERROR_FORMAT, "%s: chunk ORIG: the origin (%g %g %g) is 0, or not within 2e7 m", file->name,
+                  origin[0], origin[1], origin[2]);
+}
+
 olx_result olx_chunk_refuse_unknown(const olx_chunk_file *file, const olx_chunk_shape *shapes, uint32_t count) {
   const olx_file_header *header = file->data;
   const olx_file_chunk *table = olx_chunk_table(file);
+  const olx_chunk_row origin = OLX_CHUNK_ORIGIN_ROW;
   for (uint32_t i = 0; i < header->chunk_count; i++) {
-    bool known = (table[i].flags & OLX_CHUNK_OPTIONAL) != 0;
+    bool known = (table[i].flags & OLX_CHUNK_OPTIONAL) != 0 || table[i].type == origin.type;
     for (uint32_t k = 0; k < count && !known; k++) known = table[i].type == shapes[k].type;
     if (!known) {
       return olx_fail(OLX_ERROR_UNSUPPORTED, "%s: chunk %u (%s) is required, but this version does not know it",

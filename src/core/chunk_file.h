@@ -109,7 +109,12 @@ olx_result olx_chunk_find_header(const olx_chunk_file *file, const olx_chunk_sha
 // A chunk that is there when the chunk of type `header` says so (`wanted`), and only then.
 olx_result olx_chunk_find_wanted(const olx_chunk_file *file, const olx_chunk_shape *shape, uint32_t header, bool wanted,
                                  const void **data);
-// OLX_ERROR_UNSUPPORTED when a chunk is neither optional nor among the `count` shapes.
+// The origin that positions in a file are relative to: chunk ORIG, three doubles, which a file has when it is not 0. Readers must
+// know it, so it is not flagged optional.
+#define OLX_CHUNK_ORIGIN_ROW ((olx_chunk_row){OLX_FOUR_CC('O', 'R', 'I', 'G'), 8, 3, 1})
+bool olx_origin_is_stored(const double origin[3]);
+olx_result olx_chunk_find_origin(const olx_chunk_file *file, double origin[3]);
+// OLX_ERROR_UNSUPPORTED when a chunk is neither optional nor the origin nor among the `count` shapes.
 olx_result olx_chunk_refuse_unknown(const olx_chunk_file *file, const olx_chunk_shape *shapes, uint32_t count);
 // The checksum of chunk `index`, and the zero bytes after it.
 olx_result olx_chunk_check_content(const olx_chunk_file *file, uint32_t index);

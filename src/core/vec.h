@@ -58,6 +58,11 @@ static inline olx_vec3 olx_max_each(olx_vec3 a, olx_vec3 b) {
 // Rec.709 luminance.
 static inline float olx_luminance(olx_vec3 c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
 static inline bool olx_finite(olx_vec3 a) { return isfinite(a.x) && isfinite(a.y) && isfinite(a.z); }
+// Whether a position keeps to the limit of all positions; false for NaN.
+static inline bool olx_is_position(olx_vec3 p) {
+  const float limit = (float)OLX_POSITION_LIMIT_METRES;
+  return fabsf(p.x) <= limit && fabsf(p.y) <= limit && fabsf(p.z) <= limit;
+}
 
 // Two unit vectors that complete the unit vector n to a right-handed orthonormal basis (Duff et al. 2017).
 static inline void olx_basis(olx_vec3 n, olx_vec3 *tangent, olx_vec3 *bitangent) {

@@ -66,6 +66,7 @@ static olx_result find_chunks(olx_field *field) {
   const olx_chunk_file file = olx_field_file(field);
   olx_chunk_shapes(&field->info, shapes);
   for (uint32_t k = 0; k < OLX_CHUNK_REQUIRED; k++) OLX_TRY(olx_chunk_find_shaped(&file, &shapes[k], &data[k]));
+  OLX_TRY(olx_chunk_find_origin(&file, field->origin));
   OLX_TRY(olx_chunk_refuse_unknown(&file, shapes, OLX_CHUNK_REQUIRED));
   OLX_TRY(find_selectors(field, shapes));
   olx_field_info *info = &field->info;
@@ -188,6 +189,11 @@ const char *olx_irradiance_form_name(olx_irradiance_form form) {
 olx_field_info olx_field_describe(const olx_field *field) {
   assert(field);
   return field->info;
+}
+
+void olx_field_origin(const olx_field *field, double origin[3]) {
+  assert(field);
+  for (int axis = 0; axis < 3; axis++) origin[axis] = field->origin[axis];
 }
 
 olx_vec3 olx_field_probe_position(const olx_field *field, uint32_t index) {

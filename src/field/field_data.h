@@ -23,6 +23,7 @@ struct olx_field {
   size_t size_bytes;
   bool mapped; // by us, to be unmapped
   olx_field_info info;
+  double origin[3]; // that positions are relative to
 
   const olx_vec3 *probe_positions;
   const uint8_t *probe_flags; // OLX_PROBE_*

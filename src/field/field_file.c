@@ -42,6 +42,7 @@ void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHU
       [OLX_CHUNK_FIT] = {OLX_FOUR_CC('F', 'I', 'T', 'P'), 4, fit_words, info->irradiance_probe_count},
       [OLX_CHUNK_HIDDEN] = {OLX_FOUR_CC('H', 'I', 'D', 'N'), sizeof(olx_hidden_surface), info->relight_hidden,
                             info->irradiance_probe_count},
+      [OLX_CHUNK_ORIGIN] = OLX_CHUNK_ORIGIN_ROW,
   };
   for (uint32_t i = 0; i < OLX_CHUNK_KINDS; i++) shapes[i] = olx_chunk_shape_of(&table[i]);
 }

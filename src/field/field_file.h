@@ -75,6 +75,7 @@ typedef enum olx_chunk_kind {
   OLX_CHUNK_SURFACES,
   OLX_CHUNK_FIT,
   OLX_CHUNK_HIDDEN,
+  OLX_CHUNK_ORIGIN, // where the origin is not 0
   OLX_CHUNK_KINDS
 } olx_chunk_kind;
 

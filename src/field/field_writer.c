@@ -33,6 +33,7 @@ static void find_present(const olx_field_header *header, olx_field_layout *layou
   }
   for (uint32_t k = OLX_CHUNK_CLASSIC; k <= OLX_CHUNK_CLASSIC_BOXES; k++) layout->present[k] = info->classic_size > 0;
   for (uint32_t k = OLX_CHUNK_RELIGHT; k <= OLX_CHUNK_HIDDEN; k++) layout->present[k] = olx_relight_has_chunk(info, k);
+  layout->present[OLX_CHUNK_ORIGIN] = olx_origin_is_stored(header->origin);
 }
 
 void olx_field_lay_out(const olx_field_header *header, olx_field_layout *layout) {
@@ -142,6 +143,7 @@ olx_result olx_field_writer_create(const char *path, const olx_field_header *hea
   OLX_TRY_GOTO(put_selectors(writer, header), opened);
   OLX_TRY_GOTO(put_classic_header(writer, header), opened);
   OLX_TRY_GOTO(put_relight_header(writer), opened);
+  if (writer->present[OLX_CHUNK_ORIGIN]) OLX_TRY_GOTO(put_whole(writer, OLX_CHUNK_ORIGIN, header->origin), opened);
   *created = writer;
   return OLX_OK;
 
@@ -310,7 +312,7 @@ static olx_result write_frame(olx_field_writer *writer) {
   for (uint32_t k = 0; k < OLX_CHUNK_KINDS; k++) {
     if (!writer->layout.present[k]) continue;
     const olx_chunk_shape *shape = &writer->layout.shapes[k];
-    const uint32_t flags = k < OLX_CHUNK_REQUIRED ? 0 : OLX_CHUNK_OPTIONAL;
+    const uint32_t flags = k < OLX_CHUNK_REQUIRED || k == OLX_CHUNK_ORIGIN ? 0 : OLX_CHUNK_OPTIONAL;
     head.chunks[count++] =
         olx_chunk_entry(shape, flags, writer->layout.offsets[k], XXH3_64bits_digest(&writer->hashes[k]));
     const uint64_t end = writer->layout.offsets[k] + shape->size_bytes;

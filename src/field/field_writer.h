@@ -9,6 +9,7 @@ typedef struct olx_field_writer olx_field_writer;
 // What must be known before the first map: everything in olx_field_info that is not a count of bytes, and positions.
 typedef struct olx_field_header {
   olx_field_info info; // *_bytes and buried counts are filled in by the writer
+  double origin[3];    // that positions are relative to
   const olx_vec3 *probe_positions, *irradiance_positions;
   const void *select_data[OLX_SELECT_STORED]; // of each selector in info.select_mask but the cage
   size_t select_bytes[OLX_SELECT_STORED];

@@ -78,10 +78,10 @@ static bool is_within(uint32_t value, uint32_t low, uint32_t high) { return valu
 static olx_result check_grid(const olx_grid *grid) {
   const uint64_t plane = (uint64_t)grid->count[0] * grid->count[1];
   if (plane > 0 && plane <= MOST_PROBES && is_within(grid->count[2], 1, (uint32_t)(MOST_PROBES / plane)) &&
-      olx_finite(grid->origin) && olx_finite(grid->spacing)) {
+      olx_is_position(grid->origin) && olx_is_position(olx_grid_position(grid, (uint32_t)plane * grid->count[2] - 1))) {
     return OLX_OK;
   }
-  return olx_fail(OLX_ERROR_ARGUMENT, "place: a grid of %u x %u x %u: it must hold 1 to %u probes at finite places",
+  return olx_fail(OLX_ERROR_ARGUMENT, "place: a grid of %u x %u x %u: it must hold 1 to %u probes within 2e7 m",
                   grid->count[0], grid->count[1], grid->count[2], MOST_PROBES);
 }
 
@@ -230,6 +230,7 @@ olx_result olx_place(const olx_scene *scene, const olx_place_settings *settings,
                      olx_probe_set *set) {
   const double start = olx_seconds();
   *set = (olx_probe_set){.settings = *settings, .scene_hash = scene->hash};
+  memcpy(set->origin, scene->origin, sizeof set->origin);
   OLX_TRY(check_settings(settings));
   OLX_TRY(resolve(scene, &set->settings));
   olx_space space;

@@ -6,6 +6,7 @@
 #include <octalux/place.h>
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -55,7 +56,13 @@ static void add_vec3(cJSON *object, const char *key, olx_vec3 v) {
   cJSON_AddItemToObject(object, key, cJSON_CreateDoubleArray(numbers, 3));
 }
 
-static void write_settings(cJSON *root, const olx_place_settings *settings) {
+// A position in scene coordinates.
+static void add_position(cJSON *object, const char *key, const double origin[3], olx_vec3 p) {
+  const double numbers[3] = {origin[0] + shortest(p.x), origin[1] + shortest(p.y), origin[2] + shortest(p.z)};
+  cJSON_AddItemToObject(object, key, cJSON_CreateDoubleArray(numbers, 3));
+}
+
+static void write_settings(cJSON *root, const double origin[3], const olx_place_settings *settings) {
   cJSON *object = cJSON_AddObjectToObject(root, "settings");
   olx_place_settings copy = *settings;
   stored_number numbers[STORED_NUMBERS];
@@ -70,7 +77,7 @@ static void write_settings(cJSON *root, const olx_place_settings *settings) {
   if (settings->method != OLX_PLACE_GRID) return;
   cJSON *grid = cJSON_AddObjectToObject(object, "grid");
   const double counts[3] = {settings->grid.count[0], settings->grid.count[1], settings->grid.count[2]};
-  add_vec3(grid, "origin", settings->grid.origin);
+  add_position(grid, "origin", origin, settings->grid.origin);
   add_vec3(grid, "spacing", settings->grid.spacing);
   cJSON_AddItemToObject(grid, "count", cJSON_CreateDoubleArray(counts, 3));
 }
@@ -107,13 +114,13 @@ static cJSON *describe(const olx_probe_set *set) {
   cJSON_AddNumberToObject(root, "version", FORMAT_VERSION);
   cJSON_AddStringToObject(root, "scene_hash", hash);
   cJSON_AddStringToObject(root, "method", olx_place_method_name(set->settings.method));
-  write_settings(root, &set->settings);
+  write_settings(root, set->origin, &set->settings);
   write_report(root, &set->settings, &set->report);
   cJSON *probes = cJSON_AddArrayToObject(root, "probes");
   for (uint32_t i = 0; i < set->count; i++) {
     const olx_placed_probe *probe = &set->probes[i];
     cJSON *object = cJSON_CreateObject();
-    add_vec3(object, "position", probe->position);
+    add_position(object, "position", set->origin, probe->position);
     cJSON_AddStringToObject(object, "origin", olx_probe_origin_name(probe->origin));
     add_share(object, "gain", (double)probe->gain);
     if (probe->buried) cJSON_AddBoolToObject(object, "buried", true);
@@ -182,10 +189,15 @@ static olx_result read_settings(const char *path, const cJSON *root, olx_place_s
   return OLX_OK;
 }
 
-static olx_result read_probe(const char *path, const cJSON *item, uint32_t index, olx_placed_probe *probe) {
-  float position[3];
-  if (!olx_json_floats(cJSON_GetObjectItemCaseSensitive(item, "position"), position, 3)) {
+static olx_result read_probe(const char *path, const cJSON *item, uint32_t index, const double from[3],
+                             olx_placed_probe *probe) {
+  double position[3];
+  if (!olx_json_doubles(cJSON_GetObjectItemCaseSensitive(item, "position"), position, 3)) {
     return olx_fail(OLX_ERROR_FORMAT, "%s: probes[%u].position: expected three finite numbers [x, y, z]", path, index);
+  }
+  for (int axis = 0; axis < 3; axis++) {
+    if (fabs(position[axis]) <= OLX_POSITION_LIMIT_METRES) continue;
+    return olx_fail(OLX_ERROR_FORMAT, "%s: probes[%u].position: %g is not within 2e7 m", path, index, position[axis]);
   }
   const cJSON *origin = cJSON_GetObjectItemCaseSensitive(item, "origin");
   const cJSON *gain = cJSON_GetObjectItemCaseSensitive(item, "gain");
@@ -193,7 +205,9 @@ static olx_result read_probe(const char *path, const cJSON *item, uint32_t index
   if (origin && !find_name(origin, origin_name, LAST_ORIGIN, &which)) {
     return olx_fail(OLX_ERROR_FORMAT, "%s: probes[%u].origin: not one that is known", path, index);
   }
-  *probe = (olx_placed_probe){.position = {position[0], position[1], position[2]}, .origin = (olx_probe_origin)which};
+  *probe = (olx_placed_probe){
+      .position = {(float)(position[0] - from[0]), (float)(position[1] - from[1]), (float)(position[2] - from[2])},
+      .origin = (olx_probe_origin)which};
   if (gain && !olx_json_float(gain, &probe->gain)) {
     return olx_fail(OLX_ERROR_FORMAT, "%s: probes[%u].gain: expected a finite number", path, index);
   }
@@ -216,14 +230,15 @@ static olx_result read_set(const char *path, const cJSON *root, olx_probe_set *s
   set->probes = olx_allocate((size_t)cJSON_GetArraySize(probes), sizeof *set->probes);
   if (!set->probes) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", path);
   cJSON_ArrayForEach(item, probes) {
-    OLX_TRY(read_probe(path, item, set->count, &set->probes[set->count]));
+    OLX_TRY(read_probe(path, item, set->count, set->origin, &set->probes[set->count]));
     set->count++;
   }
   return OLX_OK;
 }
 
-olx_result olx_probe_set_load(const char *path, olx_probe_set *set) {
+olx_result olx_probe_set_load(const char *path, const double origin[3], olx_probe_set *set) {
   *set = (olx_probe_set){.settings = {.method = OLX_PLACE_COVER, .views = 1}};
+  if (origin) memcpy(set->origin, origin, sizeof set->origin);
   olx_mapped_file file;
   OLX_TRY(olx_map_file(path, &file));
   cJSON *root = NULL;

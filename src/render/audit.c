@@ -243,6 +243,7 @@ olx_result olx_audit_field(const olx_scene *scene, const olx_field *field, const
     return olx_fail(OLX_ERROR_ARGUMENT, "audit: at most 2^30 rays and points");
   }
   OLX_TRY(olx_sample_settings_check(field, &settings->sample));
+  OLX_TRY(olx_render_check_origin(scene, field));
   if (field->info.scene_hash != scene->hash) {
     olx_log(OLX_LOG_WARNING, "the field was baked from another scene, or from another version of this one");
   }

@@ -8,8 +8,9 @@ olx_result olx_camera_frame_make(const olx_camera *camera, uint32_t width, uint3
                     camera->name, (double)camera->fov_y_degrees);
   }
   const olx_vec3 forward = olx_normalize(olx_sub(camera->target, camera->eye));
-  if (!olx_finite(camera->eye) || !(olx_dot(forward, forward) > 0.5f)) {
-    return olx_fail(OLX_ERROR_ARGUMENT, "camera \"%s\": eye and target do not define a direction", camera->name);
+  if (!olx_is_position(camera->eye) || !(olx_dot(forward, forward) > 0.5f)) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "camera \"%s\": eye and target do not define a direction within 2e7 m",
+                    camera->name);
   }
   olx_vec3 right = olx_cross(forward, olx_normalize(camera->up));
   if (!(olx_length(right) > 1e-4f)) {

@@ -51,6 +51,8 @@ typedef void (*olx_tile_renderer)(const olx_render_context *context, olx_tile_ra
 void olx_tile_cast(const olx_render_context *context, const olx_tile *tile, uint32_t index, bool through_centers,
                    olx_tile_rays *rays, olx_camera_sample *samples);
 
+// A field lies in the scene when both have positions relative to the same origin.
+olx_result olx_render_check_origin(const olx_scene *scene, const olx_field *field);
 // Whether the settings that all renderers share are in their ranges, and the field is there and fits.
 olx_result olx_render_check(const olx_scene *scene, const olx_field *field, const olx_render_settings *settings);
 

@@ -201,9 +201,22 @@ static void warn_of_other_scene(const olx_scene *scene, const olx_field *field) 
   }
 }
 
+olx_result olx_render_check_origin(const olx_scene *scene, const olx_field *field) {
+  const double *at = scene->origin;
+  double baked[3];
+  olx_field_origin(field, baked);
+  if (at[0] == baked[0] && at[1] == baked[1] && at[2] == baked[2]) return OLX_OK;
+  return olx_fail(
+      OLX_ERROR_ARGUMENT,
+      "the field is relative to (%.17g, %.17g, %.17g) and the scene to (%.17g, %.17g, %.17g): bake it again", baked[0],
+      baked[1], baked[2], at[0], at[1], at[2]);
+}
+
 olx_result olx_render_check(const olx_scene *scene, const olx_field *field, const olx_render_settings *settings) {
   OLX_TRY(check_settings(settings, field));
-  if (settings->method != OLX_METHOD_PATH) warn_of_other_scene(scene, field);
+  if (settings->method == OLX_METHOD_PATH) return OLX_OK;
+  OLX_TRY(olx_render_check_origin(scene, field));
+  warn_of_other_scene(scene, field);
   return OLX_OK;
 }
 

@@ -73,11 +73,13 @@ static inline olx_affine olx_affine_from_trs(const double t[3], const double q[4
   return a;
 }
 
-static inline olx_affine olx_affine_from_placement(const olx_placement *placement) {
+// Into the local frame of a scene with that origin.
+static inline olx_affine olx_affine_from_placement(const olx_placement *placement, const double origin[3]) {
   const double half = 0.5 * 3.14159265358979323846 / 180.0, none[3] = {0, 0, 0}, one[3] = {1, 1, 1};
   const double ax = half * (double)placement->rotate_degrees.x, ay = half * (double)placement->rotate_degrees.y;
   const double az = half * (double)placement->rotate_degrees.z;
-  const double t[3] = {(double)placement->translate.x, (double)placement->translate.y, (double)placement->translate.z};
+  const double t[3] = {placement->translate[0] - origin[0], placement->translate[1] - origin[1],
+                       placement->translate[2] - origin[2]};
   const double s[3] = {(double)placement->scale, (double)placement->scale, (double)placement->scale};
   const olx_affine rx = olx_affine_from_trs(none, (const double[4]){sin(ax), 0, 0, cos(ax)}, s);
   const olx_affine ry = olx_affine_from_trs(none, (const double[4]){0, sin(ay), 0, cos(ay)}, one);

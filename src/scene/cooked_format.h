@@ -85,6 +85,8 @@ typedef enum olx_cooked_chunk {
   OLX_COOKED_PINNED,
   OLX_COOKED_FORBIDDEN,
   OLX_COOKED_WARNINGS,
+  OLX_COOKED_REQUIRED,                     // how many every cooked scene has
+  OLX_COOKED_ORIGIN = OLX_COOKED_REQUIRED, // where the origin is not 0
   OLX_COOKED_CHUNKS
 } olx_cooked_chunk;
 

@@ -23,8 +23,9 @@ static bool is_light(olx_vec3 v) {
 
 static bool is_unit(olx_vec3 n) { return fabsf(olx_dot(n, n) - 1.0f) < 2e-3f; }
 
-static bool is_box(olx_vec3 low, olx_vec3 high) {
-  return olx_finite(low) && olx_finite(high) && high.x >= low.x && high.y >= low.y && high.z >= low.z;
+static bool is_box(const olx_scene *scene, olx_vec3 low, olx_vec3 high) {
+  return olx_scene_holds(scene, low) && olx_scene_holds(scene, high) && high.x >= low.x && high.y >= low.y &&
+         high.z >= low.z;
 }
 
 // A name ends within its bytes, and zeros follow.
@@ -56,10 +57,6 @@ static olx_result check_info(const cooked_file *file) {
   else if (!is_light(olx_load3(i->environment_radiance)) || !isfinite(i->environment_rotation_radians))
     problem = "an impossible environment";
   else if (i->probe_flags & ~7u) problem = "unknown flags";
-  else if ((i->probe_flags & OLX_COOKED_PROBE_VOLUME) && !is_box(olx_load3(i->probes_min), olx_load3(i->probes_max)))
-    problem = "an impossible volume of probes";
-  else if ((i->probe_flags & OLX_COOKED_PLAYABLE) && !is_box(olx_load3(i->playable_min), olx_load3(i->playable_max)))
-    problem = "an impossible playable box";
   else if (!within(i->min_distance, 0.0f, 1e9f)) problem = "an impossible distance between probes";
   for (uint32_t k = 0; k < 3 && !problem && (i->probe_flags & OLX_COOKED_PROBE_COUNT); k++) {
     if (i->probes_count[k] < 1 || i->probes_count[k] > 1024) problem = "an impossible count of probes";
@@ -77,7 +74,7 @@ static olx_result find_chunks(const olx_chunk_file *chunks, cooked_file *file) {
   file->info = file->data[OLX_COOKED_INFO];
   OLX_TRY(check_info(file));
   olx_cooked_shapes(file->info, shapes);
-  for (uint32_t k = 1; k < OLX_COOKED_CHUNKS; k++) OLX_TRY(olx_chunk_find_shaped(chunks, &shapes[k], &file->data[k]));
+  for (uint32_t k = 1; k < OLX_COOKED_REQUIRED; k++) OLX_TRY(olx_chunk_find_shaped(chunks, &shapes[k], &file->data[k]));
   return olx_chunk_refuse_unknown(chunks, shapes, OLX_COOKED_CHUNKS);
 }
 
@@ -109,15 +106,15 @@ static olx_result read_geometry(const cooked_file *file, olx_scene *scene) {
   scene->vertex_count = vertices;
   scene->triangle_count = triangles;
   for (uint32_t v = 0; v < vertices; v++) {
-    if (!olx_sane_position(scene->positions[v]))
-      return refuse(file, "vertex", v, "a position that is NaN or beyond 1e9");
+    if (!olx_scene_holds(scene, scene->positions[v]))
+      return refuse(file, "vertex", v, "a position that is NaN or beyond 2e7 m");
     if (!isfinite(scene->uvs[v].x) || !isfinite(scene->uvs[v].y)) {
       return refuse(file, "vertex", v, "a texture coordinate that is not finite");
     }
   }
   for (uint32_t t = 0; t < triangles; t++) {
     const uint32_t *corner = scene->indices + (size_t)t * 3;
-    if (!olx_sane_triangle(scene->positions, vertices, corner)) {
+    if (!olx_sane_triangle(scene, scene->positions, vertices, corner)) {
       return refuse(file, "triangle", t, "a vertex out of range, or no area");
     }
     if (scene->material_index[t] >= file->info->materials) return refuse(file, "triangle", t, "no such material");
@@ -249,7 +246,7 @@ static olx_result read_lights(const cooked_file *file, olx_scene *scene) {
                              .emission = olx_load3(l->emission),
                              .cosine_inner = l->cosine_inner,
                              .cosine_outer = l->cosine_outer};
-    if (l->type > OLX_LIGHT_SPOT || !olx_sane_position(light.position) || !is_light(light.emission) ||
+    if (l->type > OLX_LIGHT_SPOT || !olx_scene_holds(scene, light.position) || !is_light(light.emission) ||
         !olx_finite(light.direction) || (l->type != OLX_LIGHT_POINT && !is_unit(light.direction)) ||
         !within(l->cosine_outer, -1.0f, 1.0f) || !within(l->cosine_inner, l->cosine_outer, 1.0f)) {
       return refuse(file, "light", i, "an unknown type, or a number out of range");
@@ -267,8 +264,9 @@ static olx_result read_cameras(const cooked_file *file, olx_scene *scene) {
                          .target = olx_load3(c->target),
                          .up = olx_load3(c->up),
                          .fov_y_degrees = c->fov_y_degrees};
-    if (!is_name(c->name, sizeof c->name) || !olx_sane_position(camera.eye) || !olx_finite(camera.target) ||
-        !olx_finite(camera.up) || !(c->fov_y_degrees > 0.0f && c->fov_y_degrees < 180.0f)) {
+    if (!is_name(c->name, sizeof c->name) || !olx_scene_holds(scene, camera.eye) ||
+        !olx_scene_holds(scene, camera.target) || !olx_finite(camera.up) ||
+        !(c->fov_y_degrees > 0.0f && c->fov_y_degrees < 180.0f)) {
       return refuse(file, "camera", i, "a name or number out of range");
     }
     memcpy(camera.name, c->name, sizeof camera.name);
@@ -311,12 +309,20 @@ static olx_result read_probes(const cooked_file *file, olx_scene *scene) {
   COPY_ARRAY(file, OLX_COOKED_FORBIDDEN, info->forbidden, rules->forbidden);
   rules->pinned_count = info->pinned;
   rules->forbidden_count = info->forbidden;
+  if (scene->has_probe_volume && !is_box(scene, scene->probes_min, scene->probes_max)) {
+    return olx_fail(OLX_ERROR_FORMAT, "%s: chunk INFO: an impossible volume of probes", file->name);
+  }
+  if (rules->has_playable && !is_box(scene, rules->playable.min, rules->playable.max)) {
+    return olx_fail(OLX_ERROR_FORMAT, "%s: chunk INFO: an impossible playable box", file->name);
+  }
   for (uint32_t i = 0; i < info->pinned; i++) {
-    if (!olx_finite(rules->pinned[i])) return refuse(file, "pinned probe", i, "a position that is not finite");
+    if (!olx_scene_holds(scene, rules->pinned[i])) {
+      return refuse(file, "pinned probe", i, "a position that is NaN or beyond 2e7 m");
+    }
   }
   for (uint32_t i = 0; i < info->forbidden; i++) {
-    if (!is_box(rules->forbidden[i].min, rules->forbidden[i].max)) {
-      return refuse(file, "forbidden box", i, "its ends are swapped or not finite");
+    if (!is_box(scene, rules->forbidden[i].min, rules->forbidden[i].max)) {
+      return refuse(file, "forbidden box", i, "its ends are swapped, NaN or beyond 2e7 m");
     }
   }
   return OLX_OK;
@@ -338,6 +344,7 @@ static olx_result read_warnings(const cooked_file *file, olx_scene *scene) {
 static olx_result read_scene(const olx_chunk_file *chunks, olx_scene *scene) {
   cooked_file file = {.name = chunks->name};
   OLX_TRY(find_chunks(chunks, &file));
+  OLX_TRY(olx_chunk_find_origin(chunks, scene->origin));
   OLX_TRY(read_geometry(&file, scene));
   OLX_TRY(read_materials(&file, scene));
   OLX_TRY(read_textures(&file, scene));

@@ -23,6 +23,7 @@ void olx_cooked_shapes(const olx_cooked_info *info, olx_chunk_shape shapes[OLX_C
       [OLX_COOKED_PINNED] = {OLX_FOUR_CC('P', 'I', 'N', 'S'), 4, 3, info->pinned},
       [OLX_COOKED_FORBIDDEN] = {OLX_FOUR_CC('F', 'B', 'O', 'X'), 4, 6, info->forbidden},
       [OLX_COOKED_WARNINGS] = {OLX_FOUR_CC('W', 'A', 'R', 'N'), 1, 1, info->warning_bytes},
+      [OLX_COOKED_ORIGIN] = OLX_CHUNK_ORIGIN_ROW,
   };
   for (uint32_t i = 0; i < OLX_COOKED_CHUNKS; i++) shapes[i] = olx_chunk_shape_of(&table[i]);
 }
@@ -182,10 +183,12 @@ olx_result olx_scene_cook(const olx_scene *scene, const char *path, uint64_t *fi
       [OLX_COOKED_PINNED] = scene->probe_rules.pinned,
       [OLX_COOKED_FORBIDDEN] = scene->probe_rules.forbidden,
       [OLX_COOKED_WARNINGS] = s.warnings,
+      [OLX_COOKED_ORIGIN] = scene->origin,
   };
   olx_chunk_shape shapes[OLX_COOKED_CHUNKS];
   olx_cooked_shapes(&s.info, shapes);
-  const olx_result result = olx_chunk_file_write(path, &OLX_COOKED_KIND, shapes, data, OLX_COOKED_CHUNKS, file_bytes);
+  const uint32_t count = olx_origin_is_stored(scene->origin) ? OLX_COOKED_CHUNKS : OLX_COOKED_REQUIRED;
+  const olx_result result = olx_chunk_file_write(path, &OLX_COOKED_KIND, shapes, data, count, file_bytes);
   release_stored(&s);
   return result;
 }

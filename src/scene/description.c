@@ -80,10 +80,43 @@ static olx_result read_vec3(const description *d, const place *at, const char *k
   return OLX_OK;
 }
 
-static olx_result read_position(const description *d, const place *at, const char *key, bool required,
-                                olx_vec3 *value) {
-  OLX_TRY(read_vec3(d, at, key, required, value));
-  return olx_sane_position(*value) ? OLX_OK : fail(d, at, key, "lengths must stay within 1e9");
+// A vector of metres.
+static olx_result read_lengths(const description *d, const place *at, const char *key, bool required, double value[3]) {
+  const cJSON *item = member(at, key);
+  if (!item && !required) return OLX_OK;
+  if (!item) return fail(d, at, key, "missing");
+  if (!olx_json_doubles(item, value, 3)) return fail(d, at, key, "expected three finite numbers [x, y, z]");
+  for (int i = 0; i < 3; ++i) {
+    if (!(fabs(value[i]) <= OLX_POSITION_LIMIT_METRES)) return fail(d, at, key, "coordinates must stay within 2e7");
+  }
+  return OLX_OK;
+}
+
+// An edge, which no origin moves.
+static olx_result read_edge(const description *d, const place *at, const char *key, olx_vec3 *value) {
+  double lengths[3] = {0.0};
+  OLX_TRY(read_lengths(d, at, key, true, lengths));
+  *value = olx_v3((float)lengths[0], (float)lengths[1], (float)lengths[2]);
+  return OLX_OK;
+}
+
+static olx_result read_position(const description *d, const place *at, const char *key, olx_vec3 *value) {
+  double position[3] = {0.0};
+  OLX_TRY(read_lengths(d, at, key, true, position));
+  *value = olx_scene_local(d->scene, position);
+  return OLX_OK;
+}
+
+// Two positions, and the way from the first to the second, which their local floats would not show far from the origin.
+static olx_result read_two_positions(const description *d, const place *at, const char *const keys[2], olx_vec3 *first,
+                                     olx_vec3 *second, olx_vec3 *way) {
+  double positions[2][3] = {{0.0}};
+  for (int i = 0; i < 2; ++i) OLX_TRY(read_lengths(d, at, keys[i], true, positions[i]));
+  *first = olx_scene_local(d->scene, positions[0]);
+  *second = olx_scene_local(d->scene, positions[1]);
+  *way = olx_v3((float)(positions[1][0] - positions[0][0]), (float)(positions[1][1] - positions[0][1]),
+                (float)(positions[1][2] - positions[0][2]));
+  return OLX_OK;
 }
 
 static olx_result read_light_color(const description *d, const place *at, const char *key, bool required,
@@ -157,7 +190,8 @@ static olx_result read_model(description *d, const place *at, const char *path_k
   char path[4096];
   OLX_TRY(read_string(d, at, path_key, true, &name));
   OLX_TRY(read_float(d, at, "scale", 1e-9f, 1e9f, &placement.scale));
-  OLX_TRY(read_position(d, at, "translate", false, &placement.translate));
+  OLX_TRY(read_lengths(d, at, "translate", false, placement.translate));
+  for (int i = 0; i < 3; ++i) placement.translate[i] = olx_scene_length(d->scene, placement.translate[i]);
   OLX_TRY(read_vec3(d, at, "rotate_degrees", false, &placement.rotate_degrees));
   const size_t prefix = sizeof OLX_BUILTIN_PREFIX - 1;
   olx_result result;
@@ -185,11 +219,11 @@ static olx_result read_camera(description *d, const place *at, uint32_t index) {
   OLX_TRY(read_string(d, at, "name", false, &name));
   if (strlen(name) >= sizeof camera.name) return fail(d, at, "name", "longer than 63 bytes");
   memcpy(camera.name, name, strlen(name) + 1);
-  OLX_TRY(read_position(d, at, "eye", true, &camera.eye));
-  OLX_TRY(read_position(d, at, "target", true, &camera.target));
-  OLX_TRY(read_position(d, at, "up", false, &camera.up));
+  olx_vec3 sight;
+  OLX_TRY(read_two_positions(d, at, (const char *const[]){"eye", "target"}, &camera.eye, &camera.target, &sight));
+  if (member(at, "up")) OLX_TRY(read_edge(d, at, "up", &camera.up));
   OLX_TRY(read_float(d, at, "fov_y_degrees", 0.1f, 179.0f, &camera.fov_y_degrees));
-  const olx_vec3 forward = olx_normalize(olx_sub(camera.target, camera.eye));
+  const olx_vec3 forward = olx_normalize(sight);
   if (!(olx_length(forward) > 0.5f)) return fail(d, at, "target", "it coincides with the eye");
   if (!(olx_length(olx_cross(forward, olx_normalize(camera.up))) > 1e-4f)) {
     return fail(d, at, "up", "it is parallel to the line of sight, or of length 0");
@@ -208,7 +242,7 @@ static olx_result read_sun(description *d, const place *at) {
 static olx_result read_point(description *d, const place *at) {
   olx_light light = {.type = OLX_LIGHT_POINT};
   OLX_TRY(open_object(d, at, (const char *const[]){"type", "position", "intensity", NULL}));
-  OLX_TRY(read_position(d, at, "position", true, &light.position));
+  OLX_TRY(read_position(d, at, "position", &light.position));
   OLX_TRY(read_light_color(d, at, "intensity", true, &light.emission));
   return olx_scene_add_light(d->scene, &light);
 }
@@ -218,7 +252,7 @@ static olx_result read_spot(description *d, const place *at) {
   float cone[2] = {20.0f, 30.0f};
   OLX_TRY(
       open_object(d, at, (const char *const[]){"type", "position", "direction", "intensity", "cone_degrees", NULL}));
-  OLX_TRY(read_position(d, at, "position", true, &light.position));
+  OLX_TRY(read_position(d, at, "position", &light.position));
   OLX_TRY(read_direction(d, at, "direction", &light.direction));
   OLX_TRY(read_light_color(d, at, "intensity", true, &light.emission));
   const cJSON *cones = member(at, "cone_degrees");
@@ -236,9 +270,9 @@ static olx_result read_spot(description *d, const place *at) {
 static olx_result read_rect(description *d, const place *at) {
   olx_vec3 center = {0}, edge_u = {0}, edge_v = {0}, radiance = {0};
   OLX_TRY(open_object(d, at, (const char *const[]){"type", "center", "edge_u", "edge_v", "radiance", NULL}));
-  OLX_TRY(read_position(d, at, "center", true, &center));
-  OLX_TRY(read_position(d, at, "edge_u", true, &edge_u));
-  OLX_TRY(read_position(d, at, "edge_v", true, &edge_v));
+  OLX_TRY(read_position(d, at, "center", &center));
+  OLX_TRY(read_edge(d, at, "edge_u", &edge_u));
+  OLX_TRY(read_edge(d, at, "edge_v", &edge_v));
   OLX_TRY(read_light_color(d, at, "radiance", true, &radiance));
   const float area = olx_length(olx_cross(edge_u, edge_v));
   if (!(area > 0.0f) || !isfinite(area)) return fail(d, at, "edge_v", "the rectangle has no area, or no finite one");
@@ -424,10 +458,9 @@ static olx_result read_probe_counts(description *d, const place *at) {
 
 static olx_result read_box(description *d, const place *at, olx_box *box) {
   OLX_TRY(open_object(d, at, (const char *const[]){"min", "max", NULL}));
-  OLX_TRY(read_vec3(d, at, "min", true, &box->min));
-  OLX_TRY(read_vec3(d, at, "max", true, &box->max));
-  const olx_vec3 extent = olx_sub(box->max, box->min);
-  if (extent.x >= 0.0f && extent.y >= 0.0f && extent.z >= 0.0f && olx_finite(extent)) return OLX_OK;
+  olx_vec3 extent;
+  OLX_TRY(read_two_positions(d, at, (const char *const[]){"min", "max"}, &box->min, &box->max, &extent));
+  if (extent.x >= 0.0f && extent.y >= 0.0f && extent.z >= 0.0f) return OLX_OK;
   return fail(d, at, "max", "it lies below min");
 }
 
@@ -440,13 +473,13 @@ static olx_result read_pinned(const description *d, const place *at, const cJSON
   olx_probe_rules *rules = &d->scene->probe_rules;
   const cJSON *element = NULL;
   cJSON_ArrayForEach(element, list) {
-    float numbers[3];
-    if (!olx_json_floats(element, numbers, 3)) {
-      char key[32];
-      snprintf(key, sizeof key, "pinned[%u]", rules->pinned_count);
-      return fail(d, at, key, "expected three finite numbers [x, y, z]");
-    }
-    rules->pinned[rules->pinned_count++] = olx_v3(numbers[0], numbers[1], numbers[2]);
+    double position[3];
+    char key[32];
+    snprintf(key, sizeof key, "pinned[%u]", rules->pinned_count);
+    if (!olx_json_doubles(element, position, 3)) return fail(d, at, key, "expected three finite numbers [x, y, z]");
+    const olx_vec3 pinned = olx_scene_local(d->scene, position);
+    if (!olx_scene_holds(d->scene, pinned)) return fail(d, at, key, "coordinates must stay within 2e7");
+    rules->pinned[rules->pinned_count++] = pinned;
   }
   return OLX_OK;
 }
@@ -476,12 +509,12 @@ static olx_result read_probes(description *d, const place *root) {
   OLX_TRY(read_probe_counts(d, &at));
   OLX_TRY(read_probe_rules(d, &at));
   if (!member(&at, "min") && !member(&at, "max")) return OLX_OK;
-  OLX_TRY(read_position(d, &at, "min", true, &scene->probes_min));
-  OLX_TRY(read_position(d, &at, "max", true, &scene->probes_max));
-  const olx_vec3 extent = olx_sub(scene->probes_max, scene->probes_min);
+  olx_vec3 extent;
+  OLX_TRY(
+      read_two_positions(d, &at, (const char *const[]){"min", "max"}, &scene->probes_min, &scene->probes_max, &extent));
   const float extents[3] = {extent.x, extent.y, extent.z};
   for (int i = 0; i < 3; ++i) {
-    if (!(extents[i] >= 0.0f) || !isfinite(extents[i])) return fail(d, &at, "max", "it lies below min");
+    if (!(extents[i] >= 0.0f)) return fail(d, &at, "max", "it lies below min");
     if (!(extents[i] > 0.0f) && scene->has_probe_count && scene->probes_count[i] > 1) {
       return fail(d, &at, "max", "it equals min along an axis with more than one probe");
     }

@@ -209,7 +209,24 @@ void olx_gltf_material_extensions(const olx_gltf *gltf, uint32_t assimp_index, c
   }
 }
 
-static olx_affine node_transform(const cJSON *node) {
+const cJSON *olx_gltf_roots(const olx_gltf *gltf) { return member(default_scene(gltf), "nodes"); }
+
+const cJSON *olx_gltf_children(const cJSON *node) { return member(node, "children"); }
+
+const cJSON *olx_gltf_node(const olx_gltf *gltf, const cJSON *number) {
+  uint32_t index = 0;
+  bool valid;
+  return olx_json_index(number, gltf->node_count, &index, &valid) ? gltf->nodes[index] : NULL;
+}
+
+void olx_gltf_translation(const cJSON *node, double translation[3]) {
+  double m[16];
+  translation[0] = translation[1] = translation[2] = 0.0;
+  if (olx_json_doubles(member(node, "matrix"), m, 16)) memcpy(translation, m + 12, 3 * sizeof *m);
+  else olx_json_doubles(member(node, "translation"), translation, 3);
+}
+
+static olx_affine linear_transform(const cJSON *node) {
   float m[16], t[3] = {0, 0, 0}, q[4] = {0, 0, 0, 1}, s[3] = {1, 1, 1};
   if (olx_json_floats(member(node, "matrix"), m, 16)) {
     olx_affine a;
@@ -224,6 +241,14 @@ static olx_affine node_transform(const cJSON *node) {
   return olx_affine_from_trs((const double[3]){(double)t[0], (double)t[1], (double)t[2]},
                              (const double[4]){(double)q[0], (double)q[1], (double)q[2], (double)q[3]},
                              (const double[3]){(double)s[0], (double)s[1], (double)s[2]});
+}
+
+static olx_affine node_transform(const olx_scene *scene, const cJSON *node) {
+  olx_affine transform = linear_transform(node);
+  double translation[3];
+  olx_gltf_translation(node, translation);
+  for (int row = 0; row < 3; ++row) transform.m[row][3] = olx_scene_length(scene, translation[row]);
+  return transform;
 }
 
 static const char *name_of(const cJSON *node, const cJSON *item, const char *otherwise) {
@@ -249,7 +274,7 @@ static olx_result add_camera(const olx_gltf *gltf, const cJSON *node, const cJSO
   camera.target = olx_add(camera.eye, forward);
   camera.up = olx_normalize(olx_affine_vector(transform, olx_v3(0.0f, 1.0f, 0.0f)));
   camera.fov_y_degrees = fov_y * 180.0f / OLX_PI;
-  if (!olx_sane_position(camera.eye) || !(olx_length(olx_cross(forward, camera.up)) > 1e-3f)) {
+  if (!olx_scene_holds(scene, camera.eye) || !(olx_length(olx_cross(forward, camera.up)) > 1e-3f)) {
     olx_scene_warn(scene, "%s: camera \"%s\" skipped: its transform is degenerate", gltf->path, camera.name);
     return OLX_OK;
   }
@@ -285,7 +310,7 @@ static olx_result add_light(const olx_gltf *gltf, const cJSON *node, const cJSON
 
 static olx_result add_node(const olx_gltf *gltf, const cJSON *node, const olx_affine *parent, olx_scene *scene) {
   const cJSON *light = member(member(member(node, "extensions"), "KHR_lights_punctual"), "light");
-  const olx_affine local = node_transform(node), transform = olx_affine_multiply(parent, &local);
+  const olx_affine local = node_transform(scene, node), transform = olx_affine_multiply(parent, &local);
   uint32_t index = 0;
   bool valid;
   if (olx_json_index(member(node, "camera"), gltf->camera_count, &index, &valid)) {

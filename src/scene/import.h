@@ -7,7 +7,8 @@
 // Placement of a model in the scene: scaled, then rotated about x, y, z in that order, then moved.
 typedef struct olx_placement {
   float scale;
-  olx_vec3 translate, rotate_degrees;
+  double translate[3]; // scene coordinates
+  olx_vec3 rotate_degrees;
 } olx_placement;
 
 // Append a glTF, GLB or OBJ model: triangles, materials, textures, lights and cameras.

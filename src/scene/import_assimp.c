@@ -21,6 +21,7 @@ typedef struct model_import {
   bool *absent;             // a material of the source
   uint64_t absent_triangles, thin_faces;
   uint32_t skinned_meshes, colored_meshes;
+  float farthest; // largest coordinate of a vertex, before it is placed
 } model_import;
 
 static bool has_extension(const char *path, const char *extension) {
@@ -90,12 +91,13 @@ typedef struct mesh_arrays {
   uint32_t triangle_count;
 } mesh_arrays;
 
-static void fill_vertices(const struct aiMesh *mesh, const struct aiVector3D *uvs, const olx_affine *transform,
-                          mesh_arrays *out) {
+static void fill_vertices(model_import *import, const struct aiMesh *mesh, const struct aiVector3D *uvs,
+                          const olx_affine *transform, mesh_arrays *out) {
   const olx_affine normals = olx_affine_normals(transform);
   const double mirrored = olx_affine_determinant(transform) < 0.0 ? -1.0 : 1.0;
   for (uint32_t i = 0; i < mesh->mNumVertices; ++i) {
     const struct aiVector3D p = mesh->mVertices[i];
+    import->farthest = olx_max(import->farthest, olx_max3(olx_v3(fabsf(p.x), fabsf(p.y), fabsf(p.z))));
     out->positions[i] = olx_affine_point(transform, olx_v3(p.x, p.y, p.z));
     if (out->normals) {
       const struct aiVector3D n = mesh->mNormals[i];
@@ -141,7 +143,7 @@ static olx_result add_mesh_arrays(model_import *import, const struct aiMesh *mes
   if (!out->positions || !out->indices || (mesh->mNormals && !out->normals) || (uvs && !out->uvs)) {
     return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory for mesh \"%.100s\"", import->path, mesh->mName.data);
   }
-  fill_vertices(mesh, uvs, transform, out);
+  fill_vertices(import, mesh, uvs, transform, out);
   fill_indices(import, mesh, olx_affine_determinant(transform) < 0.0, out);
   char name[2048];
   snprintf(name, sizeof name, "%.1024s: mesh \"%.100s\"", import->path, mesh->mName.data);
@@ -163,18 +165,61 @@ static olx_result add_mesh(model_import *import, const struct aiMesh *mesh, cons
   return result;
 }
 
-static olx_result add_node(model_import *import, const struct aiNode *node, const olx_affine *parent) {
+// Far from the origin a node's translation counts in double precision; Assimp has it in floats. `json` is the node in the file, or
+// NULL.
+static void refine_translation(const model_import *import, const cJSON *json, olx_affine *local) {
+  if (!json || !olx_scene_is_far(import->scene)) return;
+  double translation[3];
+  olx_gltf_translation(json, translation);
+  for (int row = 0; row < 3; ++row) {
+    if ((double)(float)translation[row] == local->m[row][3]) local->m[row][3] = translation[row];
+  }
+}
+
+// `json` is the node of the file that Assimp's is made of, `children` the numbers of its children; NULL where there is none.
+static olx_result add_node(model_import *import, const struct aiNode *node, const cJSON *json, const cJSON *children,
+                           const olx_affine *parent) {
   const struct aiMatrix4x4 *m = &node->mTransformation;
-  const olx_affine local = {{{(double)m->a1, (double)m->a2, (double)m->a3, (double)m->a4},
-                             {(double)m->b1, (double)m->b2, (double)m->b3, (double)m->b4},
-                             {(double)m->c1, (double)m->c2, (double)m->c3, (double)m->c4}}};
+  olx_affine local = {{{(double)m->a1, (double)m->a2, (double)m->a3, (double)m->a4},
+                       {(double)m->b1, (double)m->b2, (double)m->b3, (double)m->b4},
+                       {(double)m->c1, (double)m->c2, (double)m->c3, (double)m->c4}}};
+  refine_translation(import, json, &local);
   const olx_affine transform = olx_affine_multiply(parent, &local);
   for (uint32_t i = 0; i < node->mNumMeshes; ++i) {
     OLX_TRY(add_mesh(import, import->materials.source->mMeshes[node->mMeshes[i]], &transform));
   }
   // OBJ nodes are flat, and olx_gltf_check has bounded the depth of the others.
-  for (uint32_t i = 0; i < node->mNumChildren; ++i) OLX_TRY(add_node(import, node->mChildren[i], &transform));
+  const cJSON *number = children ? children->child : NULL;
+  for (uint32_t i = 0; i < node->mNumChildren; ++i) {
+    const cJSON *child = number ? olx_gltf_node(import->materials.gltf, number) : NULL;
+    OLX_TRY(add_node(import, node->mChildren[i], child, child ? olx_gltf_children(child) : NULL, &transform));
+    if (number) number = number->next;
+  }
   return OLX_OK;
+}
+
+// Assimp makes a root of its own above several roots of a file.
+static olx_result add_root(model_import *import, const olx_affine *placement) {
+  const struct aiNode *root = import->materials.source->mRootNode;
+  const olx_gltf *gltf = import->materials.gltf;
+  if (!root) return OLX_OK;
+  const cJSON *roots = gltf ? olx_gltf_roots(gltf) : NULL;
+  if (cJSON_GetArraySize(roots) != 1) return add_node(import, root, NULL, roots, placement);
+  const cJSON *node = olx_gltf_node(gltf, roots->child);
+  return add_node(import, root, node, node ? olx_gltf_children(node) : NULL, placement);
+}
+
+// Vertices are floats in the file, or are read as such: far from the model's own zero they are coarse.
+static void warn_about_coarse_vertices(model_import *import, float scale) {
+  const olx_box *box = &import->scene->made_of;
+  const float diagonal = olx_length(olx_sub(box->max, box->min));
+  const float apart = scale * (nextafterf(import->farthest, INFINITY) - import->farthest);
+  if (!(apart > 0x1p-18f * diagonal)) return;
+  olx_scene_warn(
+      import->scene,
+      "%s: vertices are up to %g from the model's own zero, where floats are %g m apart: keep vertices near it, and "
+      "move the model by a node or by \"translate\"",
+      import->path, (double)import->farthest, (double)apart);
 }
 
 static void warn_about_meshes(model_import *import) {
@@ -203,7 +248,7 @@ static olx_result import_source(model_import *import, const olx_affine *placemen
     return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", import->path);
   }
   OLX_TRY(import_materials(import));
-  if (source->mRootNode) OLX_TRY(add_node(import, source->mRootNode, placement));
+  OLX_TRY(add_root(import, placement));
   warn_about_meshes(import);
   if (!import->materials.gltf) return OLX_OK;
   return olx_gltf_add_cameras_and_lights(import->materials.gltf, placement, import->scene);
@@ -215,8 +260,9 @@ static olx_result import_checked(const char *path, const olx_placement *placemen
   OLX_TRY(olx_model_read(path, gltf ? 0 : aiProcess_Triangulate, scene, &source));
   model_import import = {
       .path = path, .scene = scene, .materials = {.path = path, .scene = scene, .source = source, .gltf = gltf}};
-  const olx_affine transform = olx_affine_from_placement(placement);
+  const olx_affine transform = olx_affine_from_placement(placement, scene->origin);
   const olx_result result = import_source(&import, &transform);
+  if (result == OLX_OK) warn_about_coarse_vertices(&import, placement->scale);
   olx_texture_table_free(&import.materials.textures);
   olx_release(import.material_index);
   olx_release(import.uv_set);

@@ -1,6 +1,9 @@
 #include "scene/affine.h"
 #include "scene/builtin.h"
 #include "scene/import.h"
+#include "scene/local_frame.h"
+
+#include <string.h>
 
 // Where the volume of probes is, which a scene built in as a part of another must not change.
 typedef struct probe_volume {
@@ -25,15 +28,28 @@ static void restore_volume(olx_scene *scene, const probe_volume *kept) {
   for (int i = 0; i < 3; ++i) scene->probes_count[i] = kept->count[i];
 }
 
+// Built-in scenes are made around 0, wherever they are placed then.
+static olx_result build_at_zero(const char *name, olx_scene *scene) {
+  const olx_scene before = *scene;
+  memset(scene->origin, 0, sizeof scene->origin);
+  const olx_result result = olx_builtin_build(name, scene);
+  memcpy(scene->origin, before.origin, sizeof scene->origin);
+  scene->made_of = before.made_of;
+  scene->is_made = before.is_made;
+  return result;
+}
+
 olx_result olx_import_builtin(const char *name, const olx_placement *placement, olx_scene *scene) {
   const uint32_t first_vertex = scene->vertex_count, first_camera = scene->camera_count;
   const probe_volume kept = keep_volume(scene);
-  const olx_result result = olx_builtin_build(name, scene);
+  const olx_result result = build_at_zero(name, scene);
   restore_volume(scene, &kept);
   if (result != OLX_OK) return result;
-  const olx_affine transform = olx_affine_from_placement(placement), normals = olx_affine_normals(&transform);
+  const olx_affine transform = olx_affine_from_placement(placement, scene->origin),
+                   normals = olx_affine_normals(&transform);
   for (uint32_t i = first_vertex; i < scene->vertex_count; ++i) {
     scene->positions[i] = olx_affine_point(&transform, scene->positions[i]);
+    olx_scene_include(scene, scene->positions[i]);
     scene->normals[i] = olx_normalize(olx_affine_vector(&normals, scene->normals[i]));
   }
   for (uint32_t i = first_camera; i < scene->camera_count; ++i) {

@@ -108,6 +108,18 @@ bool olx_json_float(const cJSON *item, float *value) {
   return true;
 }
 
+bool olx_json_doubles(const cJSON *item, double *values, int count) {
+  if (!cJSON_IsArray(item) || cJSON_GetArraySize(item) != count) return false;
+  const cJSON *element = NULL;
+  int i = 0;
+  cJSON_ArrayForEach(element, item) {
+    float rounded;
+    if (!olx_json_float(element, &rounded)) return false;
+    values[i++] = element->valuedouble;
+  }
+  return true;
+}
+
 bool olx_json_floats(const cJSON *item, float *values, int count) {
   if (!cJSON_IsArray(item) || cJSON_GetArraySize(item) != count) return false;
   const cJSON *element = NULL;

@@ -17,7 +17,8 @@ bool olx_json_index(const cJSON *item, uint32_t count, uint32_t *index, bool *va
 // A finite number that a float can hold.
 bool olx_json_float(const cJSON *item, float *value);
 
-// Exactly `count` finite numbers.
+// Exactly `count` finite numbers, in double precision and in floats. Neither takes what a float cannot hold.
+bool olx_json_doubles(const cJSON *item, double *values, int count);
 bool olx_json_floats(const cJSON *item, float *values, int count);
 
 #endif

@@ -13,13 +13,28 @@ olx_result olx_scene_finish(olx_scene *scene) {
   return olx_emitters_create(scene, &scene->emitters);
 }
 
+// Fill an empty scene, and again where what it is made of turns out to lie far from the origin. The first time positions are
+// known to a float only, which may be too coarse for the origin that the second time asks for.
+static olx_result fill_in_local_frame(olx_result (*fill)(const char *name, olx_scene *scene), const char *name,
+                                      olx_scene *scene) {
+  enum { MOST_TIMES = 4 };
+  for (uint32_t times = 1;; ++times) {
+    OLX_TRY(fill(name, scene));
+    double origin[3];
+    if (times == MOST_TIMES || !olx_scene_wants_origin(scene, origin)) return OLX_OK;
+    olx_scene_release_arrays(scene);
+    *scene = (olx_scene){.load = scene->load, .origin = {origin[0], origin[1], origin[2]}};
+  }
+}
+
 olx_result olx_scene_load_by(olx_result (*fill)(const char *name, olx_scene *scene), const char *name,
                              const olx_scene_load_settings *settings, olx_scene **scene) {
   *scene = NULL;
   olx_scene *loaded = olx_allocate_zero(1, sizeof *loaded);
   if (!loaded) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", name);
   if (settings) loaded->load = *settings;
-  olx_result result = fill(name, loaded);
+  olx_result result = fill_in_local_frame(fill, name, loaded);
+  olx_scene_log_warnings(loaded);
   if (result == OLX_OK) {
     result = olx_scene_finish(loaded);
     if (result != OLX_OK) olx_fail(result, "%s: %s", name, olx_last_error());
@@ -56,6 +71,7 @@ olx_scene_info olx_scene_describe(const olx_scene *scene) {
       .bounds_min = scene->bounds_min,
       .bounds_max = scene->bounds_max,
       .has_probe_volume = scene->has_probe_volume,
+      .origin = {scene->origin[0], scene->origin[1], scene->origin[2]},
       .hash = scene->hash,
   };
 }

@@ -47,12 +47,15 @@ void olx_scene_warn(olx_scene *scene, const char *format, ...) {
   vsnprintf(message, sizeof message, format, arguments);
   va_end(arguments);
   olx_printable(message, printable, sizeof printable);
-  olx_log(OLX_LOG_WARNING, "%s", printable);
   char **grown = grow(scene->warnings, scene->warning_count, 1, sizeof *grown);
   if (!grown) return;
   scene->warnings = grown;
   char *copy = olx_copy_string(printable);
   if (copy) scene->warnings[scene->warning_count++] = copy;
+}
+
+void olx_scene_log_warnings(const olx_scene *scene) {
+  for (uint32_t i = 0; i < scene->warning_count; ++i) olx_log(OLX_LOG_WARNING, "%s", scene->warnings[i]);
 }
 
 olx_material olx_material_default(void) {
@@ -90,8 +93,8 @@ olx_result olx_scene_add_texture(olx_scene *scene, const olx_texture *texture, u
 
 olx_result olx_scene_add_light(olx_scene *scene, const olx_light *light) {
   olx_light checked = *light;
-  if (!olx_sane_position(light->position) || !olx_finite(light->direction) || !olx_finite(light->emission)) {
-    return olx_fail(OLX_ERROR_ARGUMENT, "a light's position, direction or emission is not finite or beyond 1e9");
+  if (!olx_scene_holds(scene, light->position) || !olx_finite(light->direction) || !olx_finite(light->emission)) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "a light's position, direction or emission is not finite or beyond 2e7 m");
   }
   if (light->type != OLX_LIGHT_POINT) {
     checked.direction = olx_normalize(light->direction);
@@ -114,7 +117,7 @@ olx_result olx_scene_add_rect_light(olx_scene *scene, olx_vec3 center, olx_vec3 
                                     olx_vec3 radiance) {
   const olx_vec3 normal = olx_cross(edge_u, edge_v);
   const float area = olx_length(normal);
-  if (!olx_sane_position(center) || !olx_sane_position(edge_u) || !olx_sane_position(edge_v) || !(area > 0.0f) ||
+  if (!olx_scene_holds(scene, center) || !olx_finite(edge_u) || !olx_finite(edge_v) || !(area > 0.0f) ||
       !isfinite(area)) {
     return olx_fail(OLX_ERROR_ARGUMENT, "a rectangle light has no area, or is not finite");
   }
@@ -135,17 +138,19 @@ olx_result olx_scene_add_rect_light(olx_scene *scene, olx_vec3 center, olx_vec3 
 // Why a triangle is left out.
 typedef enum triangle_fault { FAULT_NONE, FAULT_INDEX, FAULT_POSITION, FAULT_AREA, FAULT_COUNT } triangle_fault;
 
-static triangle_fault judge_triangle(const olx_vec3 *positions, uint32_t vertex_count, const uint32_t corner[3]) {
+static triangle_fault judge_triangle(const olx_scene *scene, const olx_vec3 *positions, uint32_t vertex_count,
+                                     const uint32_t corner[3]) {
   if (corner[0] >= vertex_count || corner[1] >= vertex_count || corner[2] >= vertex_count) return FAULT_INDEX;
   const olx_vec3 a = positions[corner[0]], b = positions[corner[1]], c = positions[corner[2]];
-  if (!olx_sane_position(a) || !olx_sane_position(b) || !olx_sane_position(c)) return FAULT_POSITION;
+  if (!olx_scene_holds(scene, a) || !olx_scene_holds(scene, b) || !olx_scene_holds(scene, c)) return FAULT_POSITION;
   // In floats, as everything downstream computes its normal.
   const float area = olx_length(olx_cross(olx_sub(b, a), olx_sub(c, a)));
   return area > 0.0f && isfinite(area) ? FAULT_NONE : FAULT_AREA;
 }
 
-bool olx_sane_triangle(const olx_vec3 *positions, uint32_t vertex_count, const uint32_t corner[3]) {
-  return judge_triangle(positions, vertex_count, corner) == FAULT_NONE;
+bool olx_sane_triangle(const olx_scene *scene, const olx_vec3 *positions, uint32_t vertex_count,
+                       const uint32_t corner[3]) {
+  return judge_triangle(scene, positions, vertex_count, corner) == FAULT_NONE;
 }
 
 static olx_result reserve_mesh(olx_scene *scene, uint32_t vertices, uint32_t triangles) {
@@ -206,11 +211,10 @@ static void warn_about_faults(olx_scene *scene, const char *name, const uint32_t
                               uint32_t triangle_count) {
   const uint32_t skipped = faults[FAULT_INDEX] + faults[FAULT_POSITION] + faults[FAULT_AREA];
   if (!skipped) return;
-  olx_scene_warn(
-      scene,
-      "%s: skipped %u of %u triangles (%u without area, %u with a position that is NaN or beyond 1e9, %u with "
-      "a vertex index out of range)",
-      name, skipped, triangle_count, faults[FAULT_AREA], faults[FAULT_POSITION], faults[FAULT_INDEX]);
+  olx_scene_warn(scene,
+                 "%s: skipped %u of %u triangles (%u without area, %u with a position that is NaN or beyond 2e7 m, %u "
+                 "with a vertex index out of range)",
+                 name, skipped, triangle_count, faults[FAULT_AREA], faults[FAULT_POSITION], faults[FAULT_INDEX]);
 }
 
 olx_result olx_scene_add_mesh(olx_scene *scene, const char *name, const olx_vec3 *positions, const olx_vec3 *normals,
@@ -224,15 +228,18 @@ olx_result olx_scene_add_mesh(olx_scene *scene, const char *name, const olx_vec3
   if (normals) {
     for (uint32_t i = 0; i < vertex_count; ++i) {
       const olx_vec3 normal = olx_finite(normals[i]) ? olx_normalize(normals[i]) : olx_splat(0.0f);
-      append_vertex(scene, olx_sane_position(positions[i]) ? positions[i] : olx_splat(0.0f), normal,
+      append_vertex(scene, olx_scene_holds(scene, positions[i]) ? positions[i] : olx_splat(0.0f), normal,
                     uvs ? uvs[i] : (olx_vec2){0.0f, 0.0f});
     }
   }
   uint32_t faults[FAULT_COUNT] = {0};
   for (uint32_t t = 0; t < triangle_count; ++t) {
     const uint32_t *corner = indices + (size_t)t * 3;
-    const triangle_fault fault = judge_triangle(positions, vertex_count, corner);
+    const triangle_fault fault = judge_triangle(scene, positions, vertex_count, corner);
     ++faults[fault];
+    for (uint32_t k = 0; k < 3 && (fault == FAULT_NONE || fault == FAULT_AREA); ++k) {
+      olx_scene_include(scene, positions[corner[k]]);
+    }
     if (fault != FAULT_NONE) continue;
     if (normals) append_shared(scene, first, corner, material);
     else append_flat(scene, positions, uvs, corner, material);
@@ -311,6 +318,7 @@ static void compute_hash(olx_scene *scene) {
     XXH3_64bits_update(&state, texture->texels, (size_t)texture->width * texture->height * 4);
   }
   for (uint32_t i = 0; i < scene->light_count; ++i) hash_light(&state, &scene->lights[i]);
+  if (olx_scene_is_far(scene)) XXH3_64bits_update(&state, scene->origin, sizeof scene->origin);
   hash_environment(&state, &scene->environment);
   scene->hash = XXH3_64bits_digest(&state);
 }

@@ -2,15 +2,7 @@
 #ifndef OLX_SCENE_SCENE_BUILD_H
 #define OLX_SCENE_SCENE_BUILD_H
 
-#include "scene/scene_data.h"
-
-// Coordinates beyond this, in metres, are taken for mistakes: floats there are 64 m apart.
-#define OLX_LARGEST_COORDINATE 1e9f
-
-static inline bool olx_sane_position(olx_vec3 p) {
-  return fabsf(p.x) <= OLX_LARGEST_COORDINATE && fabsf(p.y) <= OLX_LARGEST_COORDINATE &&
-         fabsf(p.z) <= OLX_LARGEST_COORDINATE;
-}
+#include "scene/local_frame.h"
 
 // A material with white-ish Lambertian defaults: base colour 0.8, specular weight 0, roughness 1, no textures.
 olx_material olx_material_default(void);
@@ -18,8 +10,9 @@ olx_material olx_material_default(void);
 // An array of `count` elements with the room that the functions below count on when they append to it.
 void *olx_scene_array(uint32_t count, size_t element_bytes);
 
-// Whether a triangle's corners are among the vertices and sane, and it has an area.
-bool olx_sane_triangle(const olx_vec3 *positions, uint32_t vertex_count, const uint32_t corner[3]);
+// Whether a triangle's corners are among the vertices and within the limit of positions, and it has an area.
+bool olx_sane_triangle(const olx_scene *scene, const olx_vec3 *positions, uint32_t vertex_count,
+                       const uint32_t corner[3]);
 
 // Each appends and returns the new element's index through *index (may be NULL).
 olx_result olx_scene_add_material(olx_scene *scene, const olx_material *material, uint32_t *index);
@@ -35,6 +28,9 @@ olx_result olx_scene_add_rect_light(olx_scene *scene, olx_vec3 center, olx_vec3 
 olx_result olx_scene_add_mesh(olx_scene *scene, const char *name, const olx_vec3 *positions, const olx_vec3 *normals,
                               const olx_vec2 *uvs, uint32_t vertex_count, const uint32_t *indices,
                               uint32_t triangle_count, uint32_t material);
+
+// Log what was skipped or clamped, once the scene is as it stays.
+void olx_scene_log_warnings(const olx_scene *scene);
 
 // Bounds, hash and the count of lights; fails with OLX_ERROR_EMPTY for a scene without triangles.
 olx_result olx_scene_summarize(olx_scene *scene);

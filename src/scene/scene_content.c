@@ -30,6 +30,7 @@ olx_scene_content olx_scene_get_content(const olx_scene *scene) {
       .environment = &scene->environment,
       .bounds_min = scene->bounds_min,
       .bounds_max = scene->bounds_max,
+      .origin = {scene->origin[0], scene->origin[1], scene->origin[2]},
       .hash = scene->hash,
   };
 }
@@ -39,6 +40,7 @@ olx_result olx_scene_content_load(const char *path, olx_scene_content **content)
   loaded_content *loaded = olx_allocate_zero(1, sizeof *loaded);
   if (!loaded) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", path);
   olx_result result = olx_scene_read_cooked(path, &loaded->scene);
+  olx_scene_log_warnings(&loaded->scene);
   if (result == OLX_OK) {
     result = olx_scene_summarize(&loaded->scene);
     if (result != OLX_OK) olx_fail(result, "%s: %s", path, olx_last_error());

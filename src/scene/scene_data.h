@@ -25,6 +25,10 @@ typedef struct olx_emitters olx_emitters;
 
 struct olx_scene {
   olx_scene_load_settings load; // by which the scene is loaded: limits of 0 are their defaults
+  // Positions everywhere below are relative to this one: local_frame.h.
+  double origin[3];
+  olx_box made_of; // around the corners of all triangles that were added, when is_made
+  bool is_made;
   uint32_t vertex_count, triangle_count;
   olx_vec3 *positions, *normals; // a vertex; normals unit
   olx_vec2 *uvs;
@@ -49,7 +53,7 @@ struct olx_scene {
   olx_emitters *emitters; // emitters.h
 };
 
-// Record a warning (printf-style) and log it. After 32 of one kind of trouble importers count instead of repeating.
+// Record a warning (printf-style), to be logged when the scene is loaded. After 32 of one kind of trouble importers count instead of repeating.
 void olx_scene_warn(olx_scene *scene, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 #endif

@@ -325,7 +325,7 @@ olx_result olx_relight_frame(olx_relight *r, olx_vec3 eye, olx_relight_stats *st
 }
 
 static bool is_light(const olx_relight_light *l) {
-  const bool finite = olx_finite(l->emission) && olx_finite(l->position) && olx_finite(l->direction) &&
+  const bool finite = olx_finite(l->emission) && olx_is_position(l->position) && olx_finite(l->direction) &&
                       olx_finite(l->edge_u) && olx_finite(l->edge_v);
   if (!finite || l->emission.x < 0.0f || l->emission.y < 0.0f || l->emission.z < 0.0f) return false;
   if (l->type == OLX_RELIGHT_SUN || l->type == OLX_RELIGHT_SPOT) {

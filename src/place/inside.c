@@ -1,13 +1,17 @@
 #include "place/inside.h"
 
+#include "core/hooks.h"
 #include "core/octahedral.h"
 #include "core/parallel.h"
+#include "core/result.h"
 #include "scene/bvh.h"
 
 enum {
   MAP_SIZE = 16,   // rays a side by which a place looks for back faces
   DIRECTIONS = 33, // in which crossings are counted; odd, for the median
-  CROSSINGS = 512  // after which a direction is given up
+  CROSSINGS = 512, // after which a direction is given up
+  LOOK_SIDE = 4,   // rays along the height and width of a camera's picture by which it finds places that are free
+  LATTICE_SIDE = 6 // places along each axis of the box where probes go, where no camera says what is free
 };
 
 typedef struct depth_search {
@@ -81,4 +85,72 @@ olx_result olx_measure_depth(const olx_scene *scene, const olx_vec3 *positions, 
                              olx_depth *depths) {
   depth_search s = {.scene = scene, .positions = positions, .depths = depths};
   return olx_parallel_for(count, threads, depth_job, &s, NULL, 0);
+}
+
+// Places that are known to be free, as far as a scene can say.
+typedef struct free_places {
+  olx_vec3 *positions;
+  uint32_t count;
+} free_places;
+
+static bool is_within(const olx_box *box, olx_vec3 p) {
+  return p.x >= box->min.x && p.y >= box->min.y && p.z >= box->min.z && p.x <= box->max.x && p.y <= box->max.y &&
+         p.z <= box->max.z;
+}
+
+// The eye, and places half way and near the end of what it sees, within the scene's bounds.
+static void look_from(const olx_scene *scene, const olx_camera *camera, free_places *found) {
+  const olx_box bounds = {scene->bounds_min, scene->bounds_max};
+  const olx_vec3 forward = olx_normalize(olx_sub(camera->target, camera->eye));
+  const olx_vec3 right = olx_normalize(olx_cross(forward, camera->up)), up = olx_cross(right, forward);
+  const float half = tanf(0.5f * camera->fov_y_degrees * OLX_PI / 180.0f);
+  found->positions[found->count++] = camera->eye;
+  for (uint32_t i = 0; i < LOOK_SIDE * LOOK_SIDE; i++) {
+    const float x = ((float)(i % LOOK_SIDE) + 0.5f) * (2.0f / LOOK_SIDE) - 1.0f;
+    const float y = ((float)(i / LOOK_SIDE) + 0.5f) * (2.0f / LOOK_SIDE) - 1.0f;
+    const olx_vec3 direction = olx_normalize(olx_madd(olx_madd(forward, right, x * half), up, y * half));
+    const olx_ray ray = {camera->eye, direction, 0.0f, INFINITY};
+    const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
+    if (hit.triangle == OLX_NO_HIT) continue;
+    for (uint32_t k = 0; k < 2; k++) {
+      const olx_vec3 place = olx_madd(camera->eye, direction, (k ? 0.9f : 0.5f) * hit.t);
+      if (is_within(&bounds, place)) found->positions[found->count++] = place;
+    }
+  }
+}
+
+// Evenly spread over the box where probes go: the playable one, else the volume of probes, else the bounds.
+static void spread_over_box(const olx_scene *scene, free_places *found) {
+  olx_box box = {scene->bounds_min, scene->bounds_max};
+  if (scene->has_probe_volume) box = (olx_box){scene->probes_min, scene->probes_max};
+  if (scene->probe_rules.has_playable) box = scene->probe_rules.playable;
+  const olx_vec3 step = olx_scale(olx_sub(box.max, box.min), 1.0f / LATTICE_SIDE);
+  for (uint32_t i = 0; i < LATTICE_SIDE * LATTICE_SIDE * LATTICE_SIDE; i++) {
+    const olx_vec3 cell = {(float)(i % LATTICE_SIDE) + 0.5f, (float)(i / LATTICE_SIDE % LATTICE_SIDE) + 0.5f,
+                           (float)(i / (LATTICE_SIDE * LATTICE_SIDE)) + 0.5f};
+    found->positions[found->count++] = olx_add(box.min, olx_mul(cell, step));
+  }
+}
+
+olx_result olx_find_outside(const olx_scene *scene, uint32_t threads, int32_t *outside, uint64_t *rays) {
+  const size_t a_camera = 1 + 2 * LOOK_SIDE * LOOK_SIDE, lattice = LATTICE_SIDE * LATTICE_SIDE * LATTICE_SIDE;
+  const size_t most = scene->camera_count ? scene->camera_count * a_camera : lattice;
+  free_places found = {.positions = olx_allocate(most, sizeof *found.positions)};
+  olx_depth *depths = olx_allocate(most, sizeof *depths);
+  olx_result result = OLX_ERROR_MEMORY;
+  *outside = INT32_MAX;
+  if (found.positions && depths) {
+    for (uint32_t i = 0; i < scene->camera_count; i++) look_from(scene, &scene->cameras[i], &found);
+    if (scene->camera_count == 0) spread_over_box(scene, &found);
+    result = olx_measure_depth(scene, found.positions, found.count, threads, depths);
+  } else {
+    olx_fail(result, "out of memory for %zu places", most);
+  }
+  for (uint32_t i = 0; result == OLX_OK && i < found.count; i++) {
+    if (depths[i].depth < *outside) *outside = depths[i].depth;
+    if (rays) *rays += depths[i].rays;
+  }
+  olx_release(depths);
+  olx_release(found.positions);
+  return result;
 }

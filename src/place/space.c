@@ -162,7 +162,7 @@ static bool light_reaches(const olx_scene *scene, olx_vec3 p, uint32_t seed) {
 }
 
 static olx_result judge_components(const finder *f, component *list, uint32_t count, uint32_t threads,
-                                   int32_t *outside) {
+                                   int32_t outside) {
   const size_t most = (size_t)count * SAMPLES;
   olx_vec3 *places = olx_allocate(most, sizeof *places);
   olx_depth *depths = olx_allocate(most, sizeof *depths);
@@ -177,14 +177,10 @@ static olx_result judge_components(const finder *f, component *list, uint32_t co
   } else {
     olx_fail(result, "place: out of memory");
   }
-  *outside = 0; // of a place beyond everything
-  for (uint32_t i = 0; result == OLX_OK && i < total; i++) {
-    if (depths[i].depth < *outside) *outside = depths[i].depth;
-  }
   for (uint32_t i = 0, at = 0; result == OLX_OK && i < count; i++) {
     uint32_t buried = 0;
     for (uint32_t k = 0; k < list[i].sampled; k++, at++) {
-      buried += olx_depth_is_inside(depths[at], *outside);
+      buried += olx_depth_is_inside(depths[at], outside);
       list[i].lit = list[i].lit || light_reaches(f->scene, list[i].samples[k], at);
     }
     list[i].inside = 2 * buried > list[i].sampled;
@@ -206,7 +202,7 @@ static void choose_components(const finder *f, const component *list, uint32_t c
   if (best) chosen[best->label] = 1;
 }
 
-static olx_result flood_everything(const finder *f, uint32_t threads, int32_t *outside) {
+static olx_result flood_everything(const finder *f, uint32_t threads, int32_t outside) {
   component *list = olx_allocate_zero(MAX_COMPONENTS, sizeof *list);
   uint32_t count = 0, labels = 0;
   for (size_t voxel = 0; list && voxel < f->voxels->total; voxel++) {
@@ -303,47 +299,23 @@ static olx_result list_places(olx_space *space, uint32_t threads) {
   return OLX_OK;
 }
 
-// The least depth among the cameras' eyes and places spread over the space: that of a place inside nothing.
-static olx_result find_outside(olx_space *space, uint32_t threads) {
-  enum { EYES = 64, PLACES = 64 };
-  olx_vec3 positions[EYES + PLACES];
-  olx_depth depths[EYES + PLACES];
-  uint32_t count = 0;
-  const olx_scene *scene = space->scene;
-  for (uint32_t i = 0; i < scene->camera_count && i < EYES; i++) positions[count++] = scene->cameras[i].eye;
-  const size_t wanted = space->reachable_count < PLACES ? space->reachable_count : PLACES;
-  for (size_t i = 0, voxel = 0, nth = 0; i < wanted; i++) {
-    const size_t at = (2 * i + 1) * space->reachable_count / (2 * wanted);
-    while (nth <= at) nth += (space->reachable[voxel++] & OLX_REACHABLE) != 0;
-    positions[count++] = olx_voxel_centre(&space->voxels, voxel - 1);
-  }
-  OLX_TRY(olx_measure_depth(scene, positions, count, threads, depths));
-  for (uint32_t i = 0; i < count; i++) {
-    if (depths[i].depth < space->outside) space->outside = depths[i].depth;
-  }
-  return OLX_OK;
-}
-
 // Flood from the cameras, else everything; `excluded` voxels count as solid.
 static olx_result flood(olx_space *space, finder *f, const uint8_t *excluded, uint32_t threads) {
   const olx_voxels *v = &space->voxels;
   for (size_t i = 0; i < v->total; i++) f->labels[i] = v->solid[i] || (excluded && excluded[i]) ? SOLID : 0;
-  space->outside = INT32_MAX;
-  const bool by_camera = flood_from_cameras(f) > 0;
-  if (!by_camera) OLX_TRY(flood_everything(f, threads, &space->outside));
+  if (flood_from_cameras(f) == 0) OLX_TRY(flood_everything(f, threads, space->outside));
   space->reachable_count = 0;
   for (size_t i = 0; i < v->total; i++) {
     space->reachable[i] = f->labels[i] == 1 ? OLX_REACHABLE : 0;
     space->reachable_count += f->labels[i] == 1;
   }
-  return by_camera ? find_outside(space, threads) : OLX_OK;
+  return OLX_OK;
 }
 
 // Without a playable box, what is behind the scenery does not matter, unless hardly anything else is left.
 static olx_result leave_outdoors(olx_space *space, finder *f, uint32_t threads) {
   const size_t total = space->voxels.total;
   const size_t before = space->reachable_count;
-  const int32_t outside = space->outside;
   uint8_t *excluded = olx_allocate(total, 1), *whole = olx_allocate(total, 1);
   size_t count = 0;
   olx_result result = OLX_ERROR_MEMORY;
@@ -358,7 +330,6 @@ static olx_result leave_outdoors(olx_space *space, finder *f, uint32_t threads) 
     if (result == OLX_OK && (float)space->reachable_count < LEAST_INDOORS * (float)before) {
       memcpy(space->reachable, whole, total);
       space->reachable_count = before;
-      space->outside = outside;
     }
   }
   olx_release(excluded);
@@ -374,6 +345,7 @@ static olx_result find_space(olx_space *space, finder *f, uint32_t threads) {
     return olx_fail(OLX_ERROR_EMPTY, "nowhere to place probes: surfaces touch every voxel of %g m; try more voxels",
                     (double)v->size);
   }
+  OLX_TRY(olx_find_outside(space->scene, threads, &space->outside, NULL));
   OLX_TRY(flood(space, f, NULL, threads));
   if (!space->scene->probe_rules.has_playable) OLX_TRY(leave_outdoors(space, f, threads));
   if (space->reachable_count == 0) {

@@ -108,10 +108,29 @@ static void print_compare(const comparison *c) {
   }
 }
 
+static const char *bounces_text(const olx_image *image, char text[16]) {
+  if (image->bounces == OLX_BOUNCES_INFINITE) return "all";
+  snprintf(text, 16, "%u", image->bounces);
+  return text;
+}
+
+// Pictures with other bounces differ by light that one of them was never to have.
+static void warn_of_other_bounces(const comparison *c) {
+  const olx_image *a = &c->images[0], *b = &c->images[1];
+  char texts[2][16];
+  if (!a->bounces_known || !b->bounces_known || a->bounces == b->bounces) return;
+  fprintf(stderr,
+          "warning: %s has %s bounces of indirect light and %s has %s: render the reference with --field, which takes "
+          "those of "
+          "the field\n",
+          c->paths[0], bounces_text(a, texts[0]), c->paths[1], bounces_text(b, texts[1]));
+}
+
 static int compare_images(comparison *c, const char *command) {
   for (int i = 0; i < 2; ++i) {
     if (olx_image_load(c->paths[i], &c->images[i]) != OLX_OK) return library_failure("compare");
   }
+  warn_of_other_bounces(c);
   int code = compare_layers(c);
   if (code == EXIT_DONE && c->heatmap &&
       olx_compare_heatmap(&c->images[0], &c->images[1], drawn_layer(c), c->heatmap) != OLX_OK) {

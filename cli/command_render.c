@@ -51,7 +51,7 @@ static void apply_mode(const render_options *o, olx_render_settings *settings) {
   if (o->emitters) settings->diffuse = OLX_DIFFUSE_TRACED;
 }
 
-static olx_render_settings resolve(const render_options *o) {
+static olx_render_settings resolve(const render_options *o, const olx_field *field) {
   olx_render_settings settings = olx_render_settings_default((olx_method)o->method);
   if (o->size[0]) {
     settings.width = o->size[0];
@@ -60,6 +60,8 @@ static olx_render_settings resolve(const render_options *o) {
   apply_mode(o, &settings);
   if (o->spp) settings.spp = o->spp;
   if (o->bounces != NOT_GIVEN) settings.bounces = o->bounces;
+  // What a picture from the field shows: its bounces, and the one at the surface that is seen.
+  else if (o->method == OLX_METHOD_PATH && field) settings.bounces = olx_field_describe(field).bounces + 1;
   if (o->diffuse != NOT_GIVEN) settings.diffuse = (olx_diffuse)o->diffuse;
   if (o->diffuse_samples) settings.diffuse_samples = o->diffuse_samples;
   if (o->glossy_samples) settings.glossy_samples = o->glossy_samples;
@@ -231,7 +233,7 @@ typedef struct render_job {
 } render_job;
 
 static olx_result render_on_cpu(render_job *job) {
-  const olx_render_settings settings = resolve(job->options);
+  const olx_render_settings settings = resolve(job->options, job->field);
   const olx_field *field = job->relit.relight ? olx_relight_field(job->relit.relight) : job->field;
   if (!job->options->frames) {
     return olx_render(job->scene, field, job->cameras, &settings, job->progress, &job->image, &job->stats);
@@ -243,7 +245,7 @@ static olx_result render_on_cpu(render_job *job) {
 // Surfaces and direct light on the CPU, indirect light on the GPU.
 static olx_result render_on_vulkan(render_job *job) {
 #ifdef OLX_HAS_VULKAN
-  const olx_render_settings settings = resolve(job->options);
+  const olx_render_settings settings = resolve(job->options, job->field);
   const vulkan_request request = {.scene = job->scene,
                                   .field = job->field,
                                   .relight = job->relit.relight,
@@ -322,7 +324,8 @@ int command_render(int argc, char **argv) {
       {"--size", OPTION_SIZE, o.size, "1280x720", "pixels; default 1280x720", 1, 16384},
       {"--camera", OPTION_TEXT, &o.camera, "NAME", "a camera of the scene; default: the first", 0, 0},
       {"--spp", OPTION_COUNT, &o.spp, "N", "camera samples a pixel; default 64 for path, 4 for field", 1, 1u << 20},
-      {"--bounces", OPTION_BOUNCES, &o.bounces, "N|inf", "path: indirect bounces; default inf", 0, 1024},
+      {"--bounces", OPTION_BOUNCES, &o.bounces, "N|inf", "path: indirect bounces; default: as --field gives, else inf",
+       0, 1024},
       {"--centered", OPTION_FLAG, &o.centered, NULL, "all samples through the pixel's centre", 0, 0},
       {"--mode", OPTION_CHOICE, &o.mode, "gather|denoised|prefiltered",
        "field: gather by rays; one ray a lobe, denoised; or irradiance and glossy rays; default prefiltered", 0, 0},

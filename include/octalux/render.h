@@ -30,9 +30,15 @@ typedef enum olx_layer {
 const char *olx_layer_name(olx_layer layer);
 
 // An image of float layers. Pixel (x, y) of a layer, y down, is layers[layer][x + width * y]; absent layers are NULL.
+#define OLX_BOUNCES_INFINITE UINT32_MAX
+
 typedef struct olx_image {
   uint32_t width, height;
   olx_vec3 *layers[OLX_LAYER_COUNT];
+  // How often its indirect light has left a surface before the one that is seen: OLX_BOUNCES_INFINITE or a count, when known. From
+  // a field it is one more than the field's, since the picture reflects once more. EXR files keep it ("octaluxBounces").
+  bool bounces_known;
+  uint32_t bounces;
 } olx_image;
 
 // Allocate an image with the layers whose bits (1 << olx_layer) are set, filled with zero.
@@ -84,8 +90,6 @@ typedef enum olx_diffuse {
   OLX_DIFFUSE_IRRADIANCE = 0, // from irradiance probes (McGuire et al. section 5.2)
   OLX_DIFFUSE_TRACED = 1      // by cosine rays traced through the field (section 5, naive renderer)
 } olx_diffuse;
-
-#define OLX_BOUNCES_INFINITE UINT32_MAX
 
 typedef struct olx_render_settings {
   uint32_t width, height;    // 1 to 16384; default 1280 x 720

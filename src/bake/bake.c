@@ -9,6 +9,7 @@
 #include "bake/selectors.h"
 #include "core/hooks.h"
 #include "core/result.h"
+#include "scene/emitters.h"
 
 #include <string.h>
 #include <sys/resource.h>
@@ -519,6 +520,10 @@ olx_result olx_bake(const olx_scene *scene, const olx_bake_settings *settings, c
                     const olx_progress *progress, olx_bake_stats *stats) {
   olx_bake_sizes sizes;
   OLX_TRY(olx_bake_measure(scene, settings, path, &sizes));
+  if (olx_emitters_group_count(scene) == 0) {
+    olx_log(OLX_LOG_WARNING,
+            "the scene has no light: no lamp, no material that shines, no environment; the field will be black");
+  }
   olx_bake_settings used = *settings;
   used.grid = without_idle_spacing(settings->grid);
   used.irradiance_grid = without_idle_spacing(settings->irradiance_grid);

@@ -56,6 +56,9 @@ olx_result olx_render_check_origin(const olx_scene *scene, const olx_field *fiel
 // Whether the settings that all renderers share are in their ranges, and the field is there and fits.
 olx_result olx_render_check(const olx_scene *scene, const olx_field *field, const olx_render_settings *settings);
 
+// Keep in the image how many bounces its light has.
+void olx_render_note_bounces(const olx_field *field, const olx_render_settings *settings, olx_image *image);
+
 void olx_render_stats_add(olx_render_stats *sum, const olx_render_stats *more);
 
 #endif

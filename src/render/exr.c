@@ -19,6 +19,8 @@ typedef struct exr_stream {
   char message[256];
 } exr_stream;
 
+#define BOUNCES_ATTRIBUTE "octaluxBounces"
+
 static void channel_name(olx_layer layer, uint32_t component, char name[64]) {
   const char *components = layer == OLX_LAYER_NORMAL ? "XYZ" : layer == OLX_LAYER_DEPTH ? "Z" : "RGB";
   if (layer == OLX_LAYER_BEAUTY) snprintf(name, 64, "%c", components[component]);
@@ -126,6 +128,9 @@ static exr_result_t write_header(exr_context_t context, const olx_image *image) 
       EXR_TRY(exr_add_channel(context, part, name, EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LINEAR, 1, 1));
     }
   }
+  // Beyond what the attribute holds, and infinite: -1.
+  const int32_t bounces = image->bounces <= INT32_MAX ? (int32_t)image->bounces : -1;
+  if (image->bounces_known) EXR_TRY(exr_attr_set_int(context, part, BOUNCES_ATTRIBUTE, bounces));
   return exr_write_header(context);
 }
 
@@ -271,6 +276,10 @@ static olx_result read_stream(exr_stream *stream, exr_const_context_t context, o
   OLX_TRY(olx_image_create((uint32_t)(window.max.x - window.min.x + 1), (uint32_t)(window.max.y - window.min.y + 1),
                            layer_mask, image));
   exr_decode_pipeline_t pipeline = EXR_DECODE_PIPELINE_INITIALIZER;
+  int32_t bounces;
+  image->bounces_known = exr_attr_get_int(context, 0, BOUNCES_ATTRIBUTE, &bounces) == EXR_ERR_SUCCESS;
+  if (image->bounces_known) image->bounces = bounces < 0 ? OLX_BOUNCES_INFINITE : (uint32_t)bounces;
+  stream->message[0] = 0; // that another program's file lacks the attribute is no complaint
   code = read_chunks(context, &window, image, &pipeline);
   exr_decoding_destroy(context, &pipeline);
   if (code == EXR_ERR_SUCCESS) return OLX_OK;

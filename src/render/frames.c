@@ -283,6 +283,7 @@ olx_result olx_render_frames(const olx_scene *scene, const olx_field *field, con
   const double start = olx_seconds();
   pthread_mutex_init(&job.stats_lock, NULL);
   olx_result result = olx_image_create(settings->width, settings->height, (1u << OLX_LAYER_STANDARD_ERROR) - 1, image);
+  if (result == OLX_OK) olx_render_note_bounces(field, settings, image);
   if (result == OLX_OK) result = allocate_buffers(&job);
   if (result == OLX_OK) result = render_all(&job, cameras, count, progress);
   release_buffers(&job);

@@ -112,6 +112,7 @@ olx_result olx_render_surfaces(const olx_scene *scene, const olx_field *field, c
   const double start = olx_seconds();
   pthread_mutex_init(&job.stats_lock, NULL);
   olx_result result = olx_image_create(settings->width, settings->height, (1u << OLX_LAYER_STANDARD_ERROR) - 1, image);
+  if (result == OLX_OK) olx_render_note_bounces(field, settings, image);
   if (result == OLX_OK) result = gbuffer_create(settings->width, settings->height, &job.context.camera, gbuffer);
   if (result == OLX_OK) result = render_tiles(&job, progress);
   pthread_mutex_destroy(&job.stats_lock);

@@ -3,6 +3,7 @@
 #include "core/result.h"
 #include "render/field_renderer.h"
 #include "render/path_tracer.h"
+#include "scene/emitters.h"
 
 #include <string.h>
 
@@ -212,8 +213,21 @@ olx_result olx_render_check_origin(const olx_scene *scene, const olx_field *fiel
       baked[1], baked[2], at[0], at[1], at[2]);
 }
 
+void olx_render_note_bounces(const olx_field *field, const olx_render_settings *settings, olx_image *image) {
+  image->bounces_known = true;
+  image->bounces = settings->method == OLX_METHOD_PATH ? settings->bounces : olx_field_describe(field).bounces + 1;
+}
+
+static void warn_of_darkness(const olx_scene *scene) {
+  if (olx_emitters_group_count(scene) == 0) {
+    olx_log(OLX_LOG_WARNING,
+            "the scene has no light: no lamp, no material that shines, no environment; all will be black");
+  }
+}
+
 olx_result olx_render_check(const olx_scene *scene, const olx_field *field, const olx_render_settings *settings) {
   OLX_TRY(check_settings(settings, field));
+  warn_of_darkness(scene);
   if (settings->method == OLX_METHOD_PATH) return OLX_OK;
   OLX_TRY(olx_render_check_origin(scene, field));
   warn_of_other_scene(scene, field);
@@ -234,6 +248,7 @@ olx_result olx_render(const olx_scene *scene, const olx_field *field, const olx_
   uint32_t layers = (1u << OLX_LAYER_STANDARD_ERROR) - 1;
   if (settings->standard_error) layers |= 1u << OLX_LAYER_STANDARD_ERROR;
   OLX_TRY(olx_image_create(settings->width, settings->height, layers, image));
+  olx_render_note_bounces(field, settings, image);
   const double start = olx_seconds();
   const uint32_t tiles = olx_tile_count(settings->width, settings->height);
   olx_task task;

@@ -3,14 +3,17 @@ JOBS ?= $(shell nproc)
 PREFIX ?= /usr/local
 OCTALUX := build/release/octalux
 
-.PHONY: build demo check check-full bench install clean tidy format packages
+.PHONY: build demo check check-full bench install clean tidy format packages check-packages
 
 build: packages
 	@cmake --preset release $(if $(wildcard build/release/CMakeCache.txt),>/dev/null,)
 	@cmake --build build/release --parallel $(JOBS)
 
 packages:
-	@scripts/install-packages.sh
+	@scripts/install-packages.sh build
+
+check-packages:
+	@scripts/install-packages.sh check
 
 demo: build
 	@scripts/demo.sh $(OCTALUX) build/demo
@@ -21,7 +24,7 @@ check:
 check-full:
 	@JOBS=$(JOBS) scripts/check-full.sh
 
-bench: build
+bench: check-packages build
 	@mkdir -p build/bench
 	@$(OCTALUX) bake builtin:cornell -o build/bench/speed.olx --grid 4x4x4 --radiance-size 256 --irradiance-size 64
 	@build/release/bench/runtime_speed build/bench/speed.olx
@@ -31,10 +34,10 @@ bench: build
 install: build
 	@cmake --install build/release --prefix $(PREFIX)
 
-tidy: build
+tidy: check-packages build
 	@git ls-files 'src/*.c' 'host/*.c' 'cli/*.c' 'viewer/*.c' 'bench/*.c' | xargs -P $(JOBS) -n 4 clang-tidy --quiet -p build/release
 
-format:
+format: check-packages
 	@git ls-files '*.c' '*.h' | xargs clang-format -i
 
 clean:

@@ -1,15 +1,24 @@
 # Flags of every target. Floating-point contraction stays off so that results do not depend on the instruction set.
 set(OLX_SANITIZE "" CACHE STRING "Sanitizers, as -fsanitize= takes them (address,undefined or thread)")
 option(OLX_WERROR "Warnings are errors" ON)
+option(BUILD_SHARED_LIBS "Build liboctalux and liboctalux-bake as shared libraries, and programs that load them" OFF)
 
 add_library(olx_flags INTERFACE)
 # Assertions are for debug builds: a library must not end its host. Without a build type there are none either.
 target_compile_definitions(olx_flags INTERFACE _GNU_SOURCE $<$<NOT:$<CONFIG:Debug>>:NDEBUG>)
 target_compile_options(olx_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wundef -Wvla
-  -ffp-contract=off -fno-math-errno -fvisibility=hidden
+  -ffp-contract=off -fno-math-errno
   $<$<COMPILE_LANGUAGE:C>:-Wstrict-prototypes -Wmissing-prototypes>
   $<$<BOOL:${OLX_WERROR}>:-Werror>)
+# Functions of no public header are hidden, but where the baker and the tests find them in another library. Calls within a
+# library are bound to it either way.
+if(BUILD_SHARED_LIBS)
+  target_compile_options(olx_flags INTERFACE -fno-semantic-interposition)
+  target_link_options(olx_flags INTERFACE -Wl,-Bsymbolic-functions)
+else()
+  target_compile_options(olx_flags INTERFACE -fvisibility=hidden)
+endif()
 if(OLX_SANITIZE)
   target_compile_options(olx_flags INTERFACE -fsanitize=${OLX_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   target_link_options(olx_flags INTERFACE -fsanitize=${OLX_SANITIZE})

@@ -29,10 +29,12 @@ set(vulkan_header)
 if(OCTALUX_VULKAN)
   set(vulkan_header vulkan.h)
 endif()
-add_test(NAME symbols COMMAND Python3::Interpreter ${PROJECT_SOURCE_DIR}/scripts/check_symbols.py $<$<CONFIG:Debug>:--debug>
-         ${PROJECT_SOURCE_DIR}/include/octalux $<TARGET_FILE:octalux-shared> $<TARGET_FILE:octalux> $<TARGET_FILE:octalux-bake>
-         ${vulkan_header} COMMAND_EXPAND_LISTS)
-olx_label_test(symbols check)
+if(TARGET octalux-shared)
+  add_test(NAME symbols COMMAND Python3::Interpreter ${PROJECT_SOURCE_DIR}/scripts/check_symbols.py $<$<CONFIG:Debug>:--debug>
+           ${PROJECT_SOURCE_DIR}/include/octalux $<TARGET_FILE:octalux-shared> $<TARGET_FILE:octalux> $<TARGET_FILE:octalux-bake>
+           ${vulkan_header} COMMAND_EXPAND_LISTS)
+  olx_label_test(symbols check)
+endif()
 
 add_test(NAME install COMMAND bash ${PROJECT_SOURCE_DIR}/scripts/check_install.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
 olx_label_test(install check)

@@ -1,4 +1,5 @@
-# What `make install` puts where: headers, the static libraries, a CMake package, a pkg-config file. Programs are installed by their folders.
+# What `make install` puts where: headers, libraries, a CMake package, pkg-config files, documents. Programs are installed by their
+# folders.
 include(CMakePackageConfigHelpers)
 set(OLX_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/octalux)
 set(OLX_SHADER_DIR ${CMAKE_INSTALL_DATADIR}/octalux/shaders)
@@ -6,8 +7,12 @@ set(OLX_SHADER_DIR ${CMAKE_INSTALL_DATADIR}/octalux/shaders)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/octalux DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/shaders DESTINATION ${CMAKE_INSTALL_DATADIR}/octalux
         FILES_MATCHING PATTERN "octalux_shared.h" PATTERN "lib/*.glsl" PATTERN "pass" EXCLUDE)
-install(TARGETS octalux EXPORT octaluxTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(TARGETS octalux-bake EXPORT octaluxBakeTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+set(OLX_RUNTIME_LIBRARIES octalux)
+if(TARGET octalux-shared)
+  list(APPEND OLX_RUNTIME_LIBRARIES octalux-shared)
+endif()
+install(TARGETS ${OLX_RUNTIME_LIBRARIES} EXPORT octaluxTargets DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(TARGETS octalux-bake EXPORT octaluxBakeTargets DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(EXPORT octaluxTargets NAMESPACE octalux:: DESTINATION ${OLX_PACKAGE_DIR})
 install(EXPORT octaluxBakeTargets NAMESPACE octalux:: DESTINATION ${OLX_PACKAGE_DIR})
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/octaluxConfig.cmake.in ${PROJECT_BINARY_DIR}/octaluxConfig.cmake
@@ -18,6 +23,20 @@ install(FILES ${PROJECT_BINARY_DIR}/octaluxConfig.cmake ${PROJECT_BINARY_DIR}/oc
 
 file(RELATIVE_PATH OLX_PC_PREFIX /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
 string(REGEX REPLACE "/$" "" OLX_PC_PREFIX "${OLX_PC_PREFIX}")
-configure_file(${CMAKE_CURRENT_LIST_DIR}/octalux.pc.in ${PROJECT_BINARY_DIR}/octalux.pc @ONLY)
-install(FILES ${PROJECT_BINARY_DIR}/octalux.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
-install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+if(BUILD_SHARED_LIBS)
+  set(OLX_BAKE_PC_REQUIRES "Requires: octalux")
+  set(OLX_BAKE_PC_LIBS "-L\${libdir} -loctalux-bake")
+else()
+  # The static runtime, because the shared one does not show what the baker uses of it. Embree 3 has no pkg-config file.
+  set(OLX_BAKE_PC_REQUIRES "Requires: assimp libcjson qhull_r OpenEXR zlib")
+  set(OLX_BAKE_PC_LIBS "\${libdir}/liboctalux-bake.a \${libdir}/liboctalux.a -lembree3 -lm -pthread")
+endif()
+foreach(package octalux octalux-bake)
+  configure_file(${CMAKE_CURRENT_LIST_DIR}/${package}.pc.in ${PROJECT_BINARY_DIR}/${package}.pc @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/${package}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+endforeach()
+
+# What the README links to lies beside it as in the checkout.
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/CHANGELOG.md
+        ${PROJECT_SOURCE_DIR}/CONTRIBUTING.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs ${PROJECT_SOURCE_DIR}/examples DESTINATION ${CMAKE_INSTALL_DOCDIR})

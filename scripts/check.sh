@@ -3,7 +3,7 @@
 set -uo pipefail
 source "$(dirname "$0")/steps.sh"
 
-step "packages" scripts/install-packages.sh
+step "packages" scripts/install-packages.sh check
 step "layers, names, words" python3 scripts/check_layers.py
 step "tables of docs/results.md" python3 bench/record.py --check
 step "build: gcc, release" configure_and_build release && tests release "tests: gcc, release" -L check

@@ -1,28 +1,83 @@
 #!/usr/bin/env bash
 # Install a build, move it, and use it as others will: check_install.sh BUILD-FOLDER SOURCE-FOLDER. The examples are built
-# against the CMake package and against pkg-config, and run.
+# against the CMake package and against pkg-config, and run. The build's libraries may be static or shared.
 set -euo pipefail
-build=$1 source=$2
+build=$(realpath "$1") source=$(realpath "$2")
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
+prefix=$work/prefix
+
+fail() {
+  echo "$1" >&2
+  exit 1
+}
 
 cmake --install "$build" --prefix "$work/first" >/dev/null
-mv "$work/first" "$work/prefix"
+mv "$work/first" "$prefix"
+pkg_config_file=$(find "$prefix" -name octalux.pc)
+export PKG_CONFIG_PATH=${pkg_config_file%/*}
+libraries=${PKG_CONFIG_PATH%/pkgconfig}
 
-cmake -S "$source/examples" -B "$work/examples" -G Ninja -DCMAKE_PREFIX_PATH="$work/prefix" -DCMAKE_BUILD_TYPE=Release
+# What the installed documents link to is installed.
+documents=$prefix/share/doc/octalux
+[ -e "$documents/README.md" ] || fail "no README is installed"
+while IFS= read -r found; do
+  document=${found%%:*} link=${found#*:](}
+  target=${link%)} target=${target%%#*}
+  case $target in '' | http*:*) continue ;; esac
+  [ -e "${document%/*}/$target" ] || fail "${document#"$prefix/"} links to $target, which is not installed"
+done < <(grep -rHoE '\]\([^)]+\)' --include='*.md' "$documents")
+
+# The shared runtime has a name that programs load it by, and asks for nothing but libc and libm.
+readelf -d "$libraries/liboctalux.so" | grep -q 'SONAME.*\[liboctalux\.so\.[0-9]*\]' || fail "liboctalux.so has no SONAME"
+# needs_only FILE EXPRESSION: whatever FILE loads matches the expression, or is of the C library.
+needs_only() {
+  if ldd "$1" | grep -vE "linux-vdso|lib(c|m)\.so|ld-linux|libpthread|$2"; then fail "${1##*/} needs more than libc and libm"; fi
+}
+needs_only "$libraries/liboctalux.so" '^$'
+
+# The program finds libraries of ours in the installation, whatever the environment says, and nothing refers to the build.
+"$prefix/bin/octalux" scene builtin:cornell >/dev/null || fail "the installed program does not start"
+for file in "$prefix"/bin/* "$libraries"/*.so; do
+  if readelf -d "$file" | grep -E 'R(UN)?PATH' | grep -vE '\[\$ORIGIN[^:]*\]'; then fail "$file looks for libraries elsewhere"; fi
+done
+
+cmake -S "$source/examples" -B "$work/examples" -G Ninja -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_BUILD_TYPE=Release
 cmake --build "$work/examples"
 "$work/examples/bake_and_render" builtin:cornell "$work/cornell.olx" "$work/cornell.png"
 head -c 4 "$work/cornell.png" | grep -q PNG
 "$work/examples/minimal" "$work/cornell.olx" | tee "$work/package.txt"
 
-pkg_config_file=$(find "$work/prefix" -name octalux.pc)
-export PKG_CONFIG_PATH=${pkg_config_file%/*}
-read -ra flags <<<"$(pkg-config --cflags --libs octalux)"
-cc -std=c17 "$source/examples/minimal.c" "${flags[@]}" -o "$work/minimal"
-"$work/minimal" "$work/cornell.olx" | tee "$work/pkg-config.txt"
+# compiled NAME PACKAGE [FLAG...]: an example, compiled by what pkg-config says of a package.
+compiled() {
+  local name=$1 package=$2 flags
+  shift 2
+  read -ra flags <<<"$(pkg-config --cflags --libs "$package")"
+  cc -std=c17 "$source/examples/$name.c" "$@" "${flags[@]}" -o "$work/$name-$package"
+}
+compiled minimal octalux
+LD_LIBRARY_PATH=$libraries needs_only "$work/minimal-octalux" 'liboctalux\.so'
+LD_LIBRARY_PATH=$libraries "$work/minimal-octalux" "$work/cornell.olx" >"$work/pkg-config.txt"
 cmp "$work/package.txt" "$work/pkg-config.txt"
+compiled bake_and_render octalux-bake
+LD_LIBRARY_PATH=$libraries "$work/bake_and_render-octalux-bake" builtin:cornell "$work/again.olx" "$work/again.png"
+cmp "$work/cornell.olx" "$work/again.olx"
 
-shaders="$work/prefix/share/octalux/shaders"
+# Beside static libraries, the shared runtime is a target of the CMake package, too.
+if [ -e "$libraries/liboctalux.a" ]; then
+  needs_only "$work/examples/minimal" '^$'
+  printf '%s\n' 'cmake_minimum_required(VERSION 3.25)' 'project(shared LANGUAGES C)' 'find_package(octalux REQUIRED)' \
+    "add_executable(minimal $source/examples/minimal.c)" 'target_link_libraries(minimal octalux::octalux-shared)' \
+    >"$work/CMakeLists.txt"
+  cmake -S "$work" -B "$work/shared" -G Ninja -DCMAKE_PREFIX_PATH="$prefix" >/dev/null
+  cmake --build "$work/shared" >/dev/null
+  ldd "$work/shared/minimal" | grep -q liboctalux.so || fail "octalux::octalux-shared is not loaded"
+  "$work/shared/minimal" "$work/cornell.olx" | cmp "$work/package.txt" -
+else
+  ldd "$work/examples/minimal" | grep -q liboctalux.so || fail "a shared build's runtime is not loaded"
+fi
+
+shaders="$prefix/share/octalux/shaders"
 if command -v glslc >/dev/null; then
   printf '%s\n' '#version 460' '#extension GL_GOOGLE_include_directive : require' '#include "lib/octalux.glsl"' \
     'layout(location = 0) out vec3 light;' \
@@ -31,9 +86,5 @@ if command -v glslc >/dev/null; then
   glslc --target-env=vulkan1.2 -Werror -I "$shaders" "$work/host.frag" -o "$work/host.spv"
 fi
 
-if ldd "$work/minimal" | grep -vE 'linux-vdso|lib(c|m)\.so|ld-linux|libpthread'; then
-  echo "a program with the runtime needs more than libc and libm" >&2
-  exit 1
-fi
-"$work/minimal" "$work/cornell.png" && { echo "a picture passed for a field" >&2; exit 1; }
-"$work/prefix/bin/octalux" info "$work/cornell.olx"
+"$work/examples/minimal" "$work/cornell.png" && fail "a picture passed for a field"
+"$prefix/bin/octalux" info "$work/cornell.olx"

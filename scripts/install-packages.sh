@@ -1,40 +1,64 @@
 #!/usr/bin/env bash
-# Install the Debian packages that building and checking Octalux needs. Does nothing when all of them are there.
-# install-packages.sh full: also those of the full check alone.
+# Install the Debian packages that Octalux needs: install-packages.sh [build|check|full]. Does nothing when all of them are there.
+#   build   what building needs (the default), and what it leaves parts out without
+#   check   also what `make check` needs
+#   full    also what `make check-full` needs
 set -euo pipefail
+list=${1:-build}
 
-packages=(
-  gcc g++ clang clang-format clang-tidy libclang-rt-14-dev # compilers, sanitizer runtimes, tools
-  cmake ninja-build pkg-config python3 binutils
-  libembree-dev libassimp-dev libopenexr-dev libstb-dev libcjson-dev libqhull-dev libxxhash-dev zlib1g-dev
-  libcmocka-dev
-  glslc libvulkan-dev mesa-vulkan-drivers vulkan-validationlayers # shaders, Vulkan's headers and loader, its CPU device
-  libglfw3-dev libimgui-dev libfreetype-dev xvfb # the viewer, and a display for its test
-)
-[ "${1:-}" = full ] && packages+=(chromium) # looks at reports
+needed=(gcc g++ cmake ninja-build pkg-config
+  libembree-dev libassimp-dev libopenexr-dev libstb-dev libcjson-dev libqhull-dev libxxhash-dev zlib1g-dev)
+# Without these the build leaves out the Vulkan runtime or the viewer, and says so.
+wanted=(glslc libvulkan-dev libglfw3-dev libimgui-dev libfreetype-dev)
+case $list in
+  build) ;;
+  check | full)
+    needed+=(clang clang-format clang-tidy libclang-rt-14-dev python3 binutils libcmocka-dev
+      mesa-vulkan-drivers vulkan-validationlayers xvfb # Vulkan's CPU device and its layers, a display for the viewer
+      "${wanted[@]}")
+    wanted=()
+    [ "$list" = check ] || needed+=(chromium) # looks at reports
+    ;;
+  *)
+    echo "install-packages: '$list' is not one of build, check, full" >&2
+    exit 2
+    ;;
+esac
 
 if ! command -v dpkg-query >/dev/null; then
-  echo "install-packages: no dpkg here; provide these yourself: ${packages[*]}" >&2
+  echo "install-packages: no dpkg here; provide these yourself: ${needed[*]}${wanted[*]:+; and, to leave nothing out: ${wanted[*]}}" >&2
   exit 0
 fi
 
-missing=()
-for package in "${packages[@]}"; do
-  status=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null || true)
-  [ "$status" = installed ] || missing+=("$package")
-done
-[ ${#missing[@]} -eq 0 ] && exit 0
+# missing_of PACKAGE...: those that are not installed, one a line.
+missing_of() {
+  local package
+  for package; do
+    [ "$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null || true)" = installed ] || echo "$package"
+  done
+}
+mapfile -t missing < <(missing_of "${needed[@]}")
+mapfile -t missing_wanted < <(missing_of "${wanted[@]}")
+[ $((${#missing[@]} + ${#missing_wanted[@]})) -eq 0 ] && exit 0
 
 if [ "$(id -u)" -eq 0 ]; then
   as_root=(env)
 elif command -v sudo >/dev/null; then
   as_root=(sudo)
+elif [ ${#missing[@]} -eq 0 ]; then
+  echo "install-packages: building without what needs ${missing_wanted[*]}; as root, apt-get installs them" >&2
+  exit 0
 else
   echo "install-packages: these packages are missing and neither root nor sudo is at hand: ${missing[*]}" >&2
   echo "install-packages: as root, run: apt-get install ${missing[*]}" >&2
   exit 1
 fi
 
-echo "install-packages: installing ${missing[*]}"
-"${as_root[@]}" apt-get -q update
-"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -y install --no-install-recommends "${missing[@]}"
+apt_get() { "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q "$@"; }
+echo "install-packages: installing ${missing[*]} ${missing_wanted[*]}"
+apt_get update || [ ${#missing[@]} -eq 0 ]
+[ ${#missing[@]} -eq 0 ] || apt_get -y install --no-install-recommends "${missing[@]}"
+for package in "${missing_wanted[@]}"; do
+  apt_get -y install --no-install-recommends "$package" ||
+    echo "install-packages: $package cannot be had; building without what needs it" >&2
+done

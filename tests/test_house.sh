@@ -88,17 +88,43 @@ printf '#!%s\necho "apt-get $*" >>"$CALLS"\n' "$bash" >"$work/bin/apt-get"
 printf '#!%s\nwhile [[ $1 == *=* ]]; do shift; done\n"$@"\n' "$bash" >"$work/bin/env"
 chmod +x "$work"/bin/*
 
-# installs MISSING USER-ID: runs it, leaves its messages in $work/out and calls of apt-get in $work/calls.
+# installs MISSING USER-ID [LIST]: runs it, leaves its messages in $work/out and calls of apt-get in $work/calls.
 installs() {
   : >"$work/calls"
-  MISSING=$1 USER_ID=$2 CALLS=$work/calls PATH=$work/bin "$bash" "$install" >"$work/out" 2>&1
+  MISSING=$1 USER_ID=$2 CALLS=$work/calls PATH=$work/bin "$bash" "$install" ${3:+"$3"} >"$work/out" 2>&1
+}
+# complain WORDS: says what is wrong, with the messages and the calls.
+complain() {
+  echo "$1: $(cat "$work/out" "$work/calls")"
+  failed=1
 }
 
-installs none 1000 && [ ! -s "$work/calls" ] && [ ! -s "$work/out" ] || { echo "with all packages: $(cat "$work/out")"; failed=1; }
-installs libcmocka-dev 1000 && { echo "went on without a package"; failed=1; }
-grep -q 'apt-get install libcmocka-dev$' "$work/out" || { echo "unclear: $(cat "$work/out")"; failed=1; }
-[ ! -s "$work/calls" ] || { echo "a user ran apt-get"; failed=1; }
-installs libcmocka-dev 0 || { echo "root could not install: $(cat "$work/out")"; failed=1; }
-[ "$(sed 's/.* update/update/; s/.* install .* /install /' "$work/calls" | tr '\n' ';')" = "update;install libcmocka-dev;" ] ||
-  { echo "root ran: $(cat "$work/calls")"; failed=1; }
+for list in build check full; do
+  installs none 1000 $list && [ ! -s "$work/calls" ] && [ ! -s "$work/out" ] || complain "$list, with all packages"
+done
+installs none 1000 everything && complain "took a list that is none"
+installs libembree-dev 1000 && complain "went on without a package"
+grep -q 'apt-get install libembree-dev$' "$work/out" || complain "unclear"
+[ ! -s "$work/calls" ] || complain "a user ran apt-get"
+installs libembree-dev 0 || complain "root could not install"
+[ "$(sed 's/.* update/update/; s/.* install .* /install /' "$work/calls" | tr '\n' ';')" = "update;install libembree-dev;" ] ||
+  complain "root ran something else"
+
+# Building needs nothing of what tests and tools need, and goes on without a package whose part can be left out.
+for package in clang clang-tidy clang-format libcmocka-dev python3 vulkan-validationlayers mesa-vulkan-drivers xvfb chromium; do
+  installs $package 0 build && [ ! -s "$work/calls" ] || complain "building wants $package"
+  installs $package 1000 full && complain "the full check goes on without $package"
+done
+installs chromium 1000 check || complain "the check wants a browser"
+installs glslc 1000 check && complain "the check goes on without glslc"
+installs glslc 1000 build && grep -q "without what needs glslc" "$work/out" || complain "a user cannot build without glslc"
+printf '#!%s\necho "apt-get $*" >>"$CALLS"\n[ "${!#}" != "$MISSING" ]\n' "$bash" >"$work/bin/apt-get" # it cannot be had
+installs glslc 0 build && grep -q "glslc cannot be had" "$work/out" || complain "building stops at glslc"
+installs libembree-dev 0 build && complain "went on without Embree"
+
+# The README's PATH line names the folder that `make build` leaves the program in.
+path_line=$(grep -m1 '^export PATH=' "$OCTALUX_SOURCE_DIR/README.md" || true)
+[ "$(cd "$OCTALUX_SOURCE_DIR" && eval "$path_line" && echo "${PATH%%:*}")" = "$OCTALUX_SOURCE_DIR/build/release" ] ||
+  { echo "the README does not say where the program is: $path_line"; failed=1; }
+grep -q '^OCTALUX := build/release/octalux$' "$OCTALUX_SOURCE_DIR/Makefile" || { echo "make builds elsewhere"; failed=1; }
 exit "$failed"

@@ -1,0 +1,22 @@
+# The demo: its first picture is named long before its end, all of it takes at most 150 seconds of processor time, its references
+# are smooth, and its page holds every picture.
+set -euo pipefail
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+TIMEFORMAT='%U %S'
+{ time bash "$OCTALUX_SOURCE_DIR/scripts/demo.sh" "$OCTALUX" "$work/demo" >"$work/said.txt"; } 2>"$work/time.txt"
+cat "$work/said.txt" "$work/time.txt"
+awk '{ exit !($1 + $2 <= 150) }' "$work/time.txt" || { echo "the demo takes more than 150 s of processor time"; exit 1; }
+
+first=$(sed -n 's/.*the first picture: //p' "$work/said.txt")
+[ -s "$first" ] || { echo "no first picture: $first"; exit 1; }
+sed '/first picture/q' "$work/said.txt" | grep "path trace" && { echo "the first picture waits for the path tracer"; exit 1; }
+[ "$(grep -o '<img' "$work/demo/index.html" | wc -l)" -eq 18 ]
+
+# Noise: another seed's picture with a quarter of the samples differs from the reference by five times what the reference is off,
+# in mean square, and that is less than 0.005 of the indirect light's.
+source "$OCTALUX_SOURCE_DIR/tests/cli/holds.sh"
+"$OCTALUX" render "$work/demo/cornell.json" -o "$work/other.exr" --method path --camera front --size 176x176 --spp 100 \
+  --bounces 3 --seed 7 >/dev/null
+"$OCTALUX" compare "$work/other.exr" "$work/demo/cornell-path.exr" --json |
+  holds 'layers["indirect_diffuse"]["relative_mse"] < 5 * 0.005'

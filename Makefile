@@ -1,9 +1,10 @@
-# Octalux: `make demo` for a picture, `make check` for the tests. JOBS=N limits the processors a build uses.
+# Octalux: `make demo` for a picture, `make check` for the tests, `make check-full` and `make soak` for
+# more of them. JOBS=N limits the processors a build uses.
 JOBS ?= $(shell nproc)
 PREFIX ?= /usr/local
 OCTALUX := build/release/octalux
 
-.PHONY: build demo check check-full bench install clean tidy format packages check-packages
+.PHONY: build demo check check-full soak bench install clean tidy format packages check-packages
 
 build: packages
 	@cmake --preset release $(if $(wildcard build/release/CMakeCache.txt),>/dev/null,)
@@ -23,6 +24,9 @@ check:
 
 check-full:
 	@JOBS=$(JOBS) scripts/check-full.sh
+
+soak:
+	@JOBS=$(JOBS) scripts/soak.sh
 
 bench: check-packages build
 	@mkdir -p build/bench

@@ -1,11 +1,9 @@
 # Tests of the house itself, in builds without sanitizers: layers, public headers, symbols, installation.
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
 
-add_test(NAME layers COMMAND Python3::Interpreter ${PROJECT_SOURCE_DIR}/scripts/check_layers.py ${PROJECT_SOURCE_DIR})
-olx_label_test(layers check)
+olx_test(layers check COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/scripts/check_layers.py ${PROJECT_SOURCE_DIR})
 
-add_test(NAME parity_rows COMMAND Python3::Interpreter ${PROJECT_SOURCE_DIR}/scripts/check_parity.py ${PROJECT_SOURCE_DIR})
-olx_label_test(parity_rows check)
+olx_test(parity_rows check COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/scripts/check_parity.py ${PROJECT_SOURCE_DIR})
 
 # Every public header compiles alone, as C17 and as C++17, with both compilers.
 file(GLOB headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/include/octalux/*.h)
@@ -18,9 +16,8 @@ foreach(compiler gcc clang)
     get_filename_component(stem ${header} NAME_WE)
     foreach(language c c++)
       set(name header_${stem}_${language}17_${compiler})
-      add_test(NAME ${name} COMMAND ${OLX_${compiler}} -x ${language} -std=${language}17 -Wall -Wextra -Wpedantic -Werror
+      olx_test(${name} check COMMAND ${OLX_${compiler}} -x ${language} -std=${language}17 -Wall -Wextra -Wpedantic -Werror
                -fsyntax-only -I${PROJECT_SOURCE_DIR}/include ${header})
-      olx_label_test(${name} check)
     endforeach()
   endforeach()
 endforeach()
@@ -30,18 +27,15 @@ if(OCTALUX_VULKAN)
   set(vulkan_header vulkan.h)
 endif()
 if(TARGET octalux-shared)
-  add_test(NAME symbols COMMAND Python3::Interpreter ${PROJECT_SOURCE_DIR}/scripts/check_symbols.py $<$<CONFIG:Debug>:--debug>
+  olx_test(symbols check COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/scripts/check_symbols.py $<$<CONFIG:Debug>:--debug>
            ${PROJECT_SOURCE_DIR}/include/octalux $<TARGET_FILE:octalux-shared> $<TARGET_FILE:octalux> $<TARGET_FILE:octalux-bake>
            ${vulkan_header} COMMAND_EXPAND_LISTS)
-  olx_label_test(symbols check)
 endif()
 
-add_test(NAME install COMMAND bash ${PROJECT_SOURCE_DIR}/scripts/check_install.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
-olx_label_test(install check)
+olx_test(install check COMMAND bash ${PROJECT_SOURCE_DIR}/scripts/check_install.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
 
 if(OCTALUX_VULKAN)
-  add_test(NAME embed_vulkan COMMAND bash ${PROJECT_SOURCE_DIR}/scripts/check_embed_vulkan.sh ${PROJECT_BINARY_DIR}
+  olx_test(embed_vulkan check COMMAND bash ${PROJECT_SOURCE_DIR}/scripts/check_embed_vulkan.sh ${PROJECT_BINARY_DIR}
            ${PROJECT_SOURCE_DIR})
-  olx_label_test(embed_vulkan check)
   set_tests_properties(embed_vulkan PROPERTIES SKIP_RETURN_CODE 77)
 endif()

@@ -97,7 +97,7 @@ class Page:
             raise RuntimeError("%s: %s" % (expression, json.dumps(result["exceptionDetails"])[:500]))
         return result["result"].get("value")
 
-    def wait(self, expression, seconds=60):
+    def wait(self, expression, seconds=600):
         end = time.monotonic() + seconds
         while not self.value(expression):
             if time.monotonic() > end:

@@ -8,7 +8,7 @@ cp stdout.txt found.json
 python3 "$tests/check_bench.py" "$tests/bench_quick.json" found.json >stdout.txt || fail "numbers differ"
 
 if python3 -c "import sys; sys.path.insert(0, '$tests'); import browser; sys.exit(not browser.find())"; then
-  timeout 600 python3 "$tests/drive_site.py" site/index.html found.json ${OCTALUX_SCREENSHOTS:+"$OCTALUX_SCREENSHOTS"} \
+  timeout 6000 python3 "$tests/drive_site.py" site/index.html found.json ${OCTALUX_SCREENSHOTS:+"$OCTALUX_SCREENSHOTS"} \
     >stdout.txt 2>stderr.txt || fail "the report in a browser"
 else
   echo "skipped: no Chromium here to look at the report"
@@ -18,4 +18,19 @@ fi
 expect 0 bench mcguire-resolution --size 24x16 --spp 2 --scenes nowhere
 grep -q "mcguire-resolution: living-room is left out: nowhere/living-room.json" stderr.txt || fail "no word on standard error"
 grep -q "^Left out: living-room: nowhere/living-room.json" stdout.txt || fail "no word of the missing scene"
+
+# Stopped among all, it leaves those experiments that have ended, and no fields.
+export TMPDIR=$PWD/temporary
+mkdir temporary
+mkdir ended
+"$OCTALUX" bench all --quick --size 16x16 --spp 1 --json --progress --report ended >ended.json 2>stderr.txt &
+await $! "mcguire-leaks: path tracing"
+kill -TERM $!
+wait $!
+[ $? = 1 ] || fail "all experiments, stopped, do not fail"
+python3 -c 'import json; o = json.load(open("ended.json")); assert [e["experiment"] for e in o["experiments"]] == ["mcguire-table1"]' ||
+  fail "the JSON of what has ended"
+grep -q "mcguire-table1" ended/index.html || fail "the report of what has ended"
+grep -q "bench mcguire-leaks" ended/index.html && fail "the report shows what has not ended"
+[ -z "$(ls -A temporary)" ] || fail "experiments that are stopped leave fields"
 finish

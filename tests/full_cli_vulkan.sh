@@ -10,6 +10,7 @@ compare_devices builtin:cornell-glossy cornell.olx --spp 3 --glossy-samples 2 --
   --select voronoi,octree 2>stderr.txt
 compare_devices builtin:cornell-glossy neighbours.olx --spp 1 --keep-buried
 compare_devices builtin:cornell-glossy cornell.olx --mode denoised --frames 6
+compare_devices builtin:cornell-glossy cornell.olx --mode prefiltered --frames 4 --dim-lobe 0.2 --denoise published
 "$OCTALUX" bake builtin:two-rooms-gap -o two.olx --grid 2x2x2 --radiance-size 64 --irradiance-size 16 --bounces 1 2>stderr.txt
 compare_devices builtin:two-rooms-gap two.olx --spp 1
 compare_devices builtin:two-rooms-gap two.olx --mode denoised --frames 6 --camera dark --from-camera lit

@@ -15,6 +15,6 @@ expect 0 render builtin:cornell -o path.exr --method path --size 320x240 --spp 1
 expect 0 compare field.exr path.exr --report layers.html
 expect 0 compare field.exr path.exr --layer normal --report normal.html
 expect 0 compare field.exr field.exr --layer depth --report depth.html
-PYTHONDONTWRITEBYTECODE=1 timeout 300 python3 "$tests/drive_report.py" known.html layers.html normal.html depth.html ${OCTALUX_SCREENSHOTS:+"$OCTALUX_SCREENSHOTS"} >stdout.txt 2>stderr.txt ||
+PYTHONDONTWRITEBYTECODE=1 timeout 3000 python3 "$tests/drive_report.py" known.html layers.html normal.html depth.html ${OCTALUX_SCREENSHOTS:+"$OCTALUX_SCREENSHOTS"} >stdout.txt 2>stderr.txt ||
   fail "the report in a browser"
 finish

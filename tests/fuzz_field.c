@@ -4,6 +4,7 @@
 // most rounds the checksums are made right again, so that the checks behind them are reached. Nothing may crash, hang
 // or touch memory outside the file, and every refusal says why. A round depends on SEED and its number alone: FIRST
 // repeats one.
+#include "processor_alarm.h"
 #include "synthetic_field.h"
 
 #include "core/hooks.h"
@@ -296,7 +297,7 @@ static void report_round(void) {
 }
 
 static void on_signal(int number) {
-  fprintf(stderr, "fuzz_field: %s\n", number == SIGALRM ? "hangs" : "crashes");
+  fprintf(stderr, "fuzz_field: %s\n", number == PROCESSOR_ALARM ? "hangs" : "crashes");
   report_round();
   _exit(1);
 }
@@ -497,7 +498,7 @@ int main(int argc, char **argv) {
   const uint32_t seed = argc > 2 ? (uint32_t)strtoul(argv[2], NULL, 10) : 1;
   const uint32_t first = argc > 3 ? (uint32_t)strtoul(argv[3], NULL, 10) : 0;
   olx_set_hooks(&(olx_hooks){.parallel_for = run_in_order});
-  signal(SIGALRM, on_signal);
+  signal(PROCESSOR_ALARM, on_signal);
   if (__sanitizer_set_death_callback) {
     __sanitizer_set_death_callback(report_round);
   } else {
@@ -513,7 +514,7 @@ int main(int argc, char **argv) {
   }
   counts c = {0};
   for (uint32_t i = 0; i < count; i++) {
-    alarm(SECONDS_A_ROUND);
+    set_processor_alarm(SECONDS_A_ROUND);
     current = (dice){.seed = seed, .round = first + i};
     dice d = current;
     run_round(&d, &bases[draw_below(&d, SHAPES)], &scratch, &c);

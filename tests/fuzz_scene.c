@@ -5,6 +5,7 @@
 #include "core/hooks.h"
 #include "core/sampling.h"
 #include "counted_memory.h"
+#include "processor_alarm.h"
 #include "scene/surface.h"
 #include "scene_files.h"
 
@@ -269,25 +270,25 @@ static void load_one(const scene_folder *folder, const seed_file seeds[SEED_COUN
 
 static void name_stack(int signal_number) {
   void *frames[64];
-  const char *what = signal_number == SIGALRM ? "hang\n" : "crash\n";
+  const char *what = signal_number == PROCESSOR_ALARM ? "hang\n" : "crash\n";
   (void)!write(STDERR_FILENO, what, strlen(what));
   const int depth = backtrace(frames, 64); // the first is this function
   if (depth > 1) backtrace_symbols_fd(frames + 1, depth - 1, STDERR_FILENO);
-  _exit(signal_number == SIGALRM ? 3 : 2);
+  _exit(signal_number == PROCESSOR_ALARM ? 3 : 2);
 }
 
 static void run_child(const scene_folder *folder, const char *trace_path, const seed_file seeds[SEED_COUNT],
                       uint32_t seed, uint32_t first, uint32_t end, shared_state *shared) {
   const int trace = open(trace_path, O_CREAT | O_TRUNC | O_WRONLY, 0600);
   if (trace < 0 || dup2(trace, STDERR_FILENO) < 0) _exit(1);
-  const int signals[] = {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGALRM};
+  const int signals[] = {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, PROCESSOR_ALARM};
   void *warm_up[1];
   backtrace(warm_up, 1); // loads what it needs while memory is in order
   for (size_t i = 0; i < sizeof signals / sizeof *signals; ++i) signal(signals[i], name_stack);
   counted_memory_begin();
   for (uint32_t round = first; round < end; ++round) {
     atomic_store(&shared->round, round);
-    alarm(SECONDS_A_FILE);
+    set_processor_alarm(SECONDS_A_FILE);
     load_one(folder, seeds, seed, round, shared);
   }
   _exit(0);

@@ -43,27 +43,11 @@ grep -q "^Left out: living-room: --quick" stdout.txt || fail "no word of what is
 grep -q "mcguire-resolution: path tracing" stderr.txt || fail "no progress"
 
 # A stop on the way leaves nothing.
-"$OCTALUX" bench mcguire-leaks --quick --spp 100000 >stdout.txt 2>stderr.txt &
-sleep 2
+"$OCTALUX" bench mcguire-leaks --quick --spp 100000 --progress >stdout.txt 2>stderr.txt &
+await $! "mcguire-leaks: "
 kill -TERM $!
 wait $!
 [ $? = 1 ] || fail "a stopped experiment does not fail"
 grep -q "interrupted" stderr.txt || fail "a stopped experiment does not say so"
 [ -z "$(ls -A temporary)" ] || fail "a stopped experiment leaves fields"
-
-# Stopped among all, it leaves those that have ended.
-mkdir ended
-"$OCTALUX" bench all --quick --size 16x16 --spp 1 --json --progress --report ended >ended.json 2>stderr.txt &
-for _ in $(seq 600); do
-  grep -q "mcguire-leaks: path tracing" stderr.txt && break
-  sleep 0.1
-done
-kill -TERM $!
-wait $!
-[ $? = 1 ] || fail "all experiments, stopped, do not fail"
-python3 -c 'import json; o = json.load(open("ended.json")); assert [e["experiment"] for e in o["experiments"]] == ["mcguire-table1"]' ||
-  fail "the JSON of what has ended"
-grep -q "mcguire-table1" ended/index.html || fail "the report of what has ended"
-grep -q "bench mcguire-leaks" ended/index.html && fail "the report shows what has not ended"
-[ -z "$(ls -A temporary)" ] || fail "experiments that are stopped leave fields"
 finish

@@ -71,10 +71,7 @@ ls -A >before.txt
 "$OCTALUX" bake $scene -o old.olx --grid 8x8x8 --irradiance-grid 2x2x2 --radiance-size 256 --irradiance-size 8 --bounces 0 \
   --progress >stdout.txt 2>stderr.txt &
 bake=$!
-for _ in $(seq 200); do
-  grep -q '%' stderr.txt && break
-  sleep 0.05
-done
+await $bake '%'
 kill -INT $bake
 code=0
 wait $bake || code=$?

@@ -3,7 +3,7 @@ source "$(dirname "$0")/cli/expect.sh"
 scene=builtin:cornell-glossy
 small="--radiance-size 64 --irradiance-size 16 --bounces 1"
 
-expect 0 place $scene -o probes.json --count 5 --resolution 64
+expect 0 place $scene -o probes.json --count 5 --voxels 64 --surfels 4000 --candidates 400 --resolution 64
 expect_json 'o["probes"] == 5 and o["irradiance_probes"] == 27' bake $scene -o free.olx --probes probes.json $small
 expect_json 'o["probes"] == 5 and "grid" not in o and o["irradiance_grid"]["count"] == [3, 3, 3]' info free.olx
 expect 0 verify free.olx

@@ -3,6 +3,7 @@
 set -euo pipefail
 check=$OCTALUX_SOURCE_DIR/scripts/check_layers.py
 count=$OCTALUX_SOURCE_DIR/scripts/count_tests.py
+build_tests=$PWD
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 failed=0
@@ -121,6 +122,22 @@ installs glslc 1000 build && grep -q "without what needs glslc" "$work/out" || c
 printf '#!%s\necho "apt-get $*" >>"$CALLS"\n[ "${!#}" != "$MISSING" ]\n' "$bash" >"$work/bin/apt-get" # it cannot be had
 installs glslc 0 build && grep -q "glslc cannot be had" "$work/out" || complain "building stops at glslc"
 installs libembree-dev 0 build && complain "went on without Embree"
+
+# A limit counts the processor's time, not the clock's, and every test has one.
+limited=$OCTALUX_SOURCE_DIR/scripts/limited.sh
+[ "$(bash "$limited" 1 bash -c 'sleep 2; echo slept')" = slept ] || { echo "a limit counts time asleep"; failed=1; }
+if { bash "$limited" 1 bash -c 'while :; do :; done'; } 2>/dev/null; then echo "a limit does not hold"; failed=1; fi
+if [ -e "$build_tests/CTestTestfile.cmake" ]; then
+  ctest --test-dir "$build_tests" --show-only=json-v1 >"$work/tests.json"
+  python3 - "$work/tests.json" <<'PYTHON' || failed=1
+import json, sys
+for test in json.load(open(sys.argv[1]))["tests"]:
+    command = [*test.get("command", []), "", "", "1e9"]
+    clock = {p["name"]: p["value"] for p in test["properties"]}.get("TIMEOUT", 0)
+    if not command[1].endswith("limited.sh") or clock < 10 * float(command[2]):
+        sys.exit("no limit of processor time, or one of the clock's below ten times that: " + test["name"])
+PYTHON
+fi
 
 # The README's PATH line names the folder that `make build` leaves the program in.
 path_line=$(grep -m1 '^export PATH=' "$OCTALUX_SOURCE_DIR/README.md" || true)

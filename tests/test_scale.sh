@@ -3,7 +3,7 @@
 # change no rounding, so that the pictures are the same to the last bit.
 # full_scale.sh runs it at scales that do round: SCALES, MAP (texels), SIZE, SPP and BOUND (relative MSE) say how.
 set -eu
-scales=${SCALES:-0.0078125 128} map=${MAP:-128} size=${SIZE:-96x72} spp=${SPP:-4} bound=${BOUND:-0}
+scales=${SCALES:-0.0078125 128} map=${MAP:-64} size=${SIZE:-96x72} spp=${SPP:-4} bound=${BOUND:-0}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
@@ -57,7 +57,7 @@ describe() { # scale
 
 for scale in 1 $scales; do
   describe $scale
-  "$OCTALUX" bake "$work/room$scale.json" -o "$work/$scale.olx" --radiance-size $map --irradiance-size 32 --bounces 2 2> "$work/log"
+  "$OCTALUX" bake "$work/room$scale.json" -o "$work/$scale.olx" --radiance-size $map --irradiance-size ${IRRADIANCE:-16} --bounces 2 2> "$work/log"
   "$OCTALUX" render "$work/room$scale.json" -o "$work/$scale.exr" --method field --field "$work/$scale.olx" --size $size --spp $spp 2> "$work/log"
 done
 

@@ -61,6 +61,11 @@ expect_files() {
   [ "$found" = "$(printf '%s\n' "$@" | sed '/^$/d' | sort | tr '\n' ' ')" ] || fail "files: $found, not $*"
 }
 
+# await PROCESS PATTERN: until it stands on stderr.txt, or the process has ended.
+await() {
+  until grep -q -- "$2" stderr.txt || ! kill -0 "$1" 2>/dev/null; do sleep 0.05; done
+}
+
 finish() {
   if [ "$failures" -gt 0 ]; then
     echo "$failures failed"

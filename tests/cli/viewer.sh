@@ -34,7 +34,7 @@ start_display() {
   Xvfb -displayfd 3 -screen 0 640x480x24 -nolisten tcp 3>display.txt 2>xvfb.txt &
   server=$!
   trap 'kill $server 2>/dev/null; wait $server 2>/dev/null; rm -rf "$folder"' EXIT
-  for _ in $(seq 100); do [ -s display.txt ] && break; sleep 0.1; done
+  for _ in $(seq 1000); do [ -s display.txt ] && break; sleep 0.1; done
   [ -s display.txt ] || { fail "Xvfb does not start"; cat xvfb.txt; finish; }
   DISPLAY=:$(cat display.txt)
   export DISPLAY

@@ -175,8 +175,12 @@ static void light_says_which_room_matters(void **state) {
 
 static void nothing_to_place_in_is_said_clearly(void **state) {
   (void)state;
-  olx_scene *solid = made_scene();
-  ASSERT_OK(olx_add_box(solid, "solid", olx_v3(-1, -1, -1), olx_v3(1, 1, 1), matte(solid)));
+  // What is inside geometry is said by the camera, which sees the room around the solid.
+  olx_scene *solid = start_room();
+  ASSERT_OK(olx_add_box(solid, "solid", olx_v3(-0.5f, -0.5f, -0.5f), olx_v3(0.5f, 0.5f, 0.5f), matte(solid)));
+  add_camera(solid, olx_v3(0.8f, 0.8f, 0.8f), olx_v3(0, 0, 0));
+  solid->probe_rules.has_playable = true;
+  solid->probe_rules.playable = (olx_box){{-0.4f, -0.4f, -0.4f}, {0.4f, 0.4f, 0.4f}};
   expect_nothing(made_finish(solid), "inside geometry");
   olx_scene *quad = made_scene();
   made_square(quad, 0.0f, matte(quad));

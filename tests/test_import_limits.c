@@ -198,7 +198,7 @@ static void write_png(const scene_folder *folder, const char *name, uint32_t sid
   fwrite("\x89PNG\r\n\x1a\n", 1, 8, t.stream);
   put_chunk(t.stream, "IHDR", header, sizeof header);
   put_chunk(t.stream, "IDAT", packed, (uint32_t)packed_bytes);
-  put_chunk(t.stream, "IEND", NULL, 0);
+  put_chunk(t.stream, "IEND", header, 0);
   text_write(&t, folder, name);
   free(raw);
   free(packed);

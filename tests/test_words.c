@@ -114,7 +114,7 @@ static void files_of_json_refuse_twins(void **state) {
   assert_int_equal(olx_scene_load(path, &scene), OLX_ERROR_FORMAT);
   assert_non_null(strstr(olx_last_error(), "m.gltf: asset.version: there twice"));
   path = scene_folder_write_text(*state, "p.json", "{\"version\": 1, \"probes\": [], \"probes\": []}");
-  assert_int_equal(olx_probe_set_load(path, &set), OLX_ERROR_FORMAT);
+  assert_int_equal(olx_probe_set_load(path, (const double[3]){0}, &set), OLX_ERROR_FORMAT);
   assert_non_null(strstr(olx_last_error(), "p.json: probes: there twice"));
 }
 

@@ -143,7 +143,7 @@ olx_result olx_field_writer_create(const char *path, const olx_field_header *hea
   OLX_TRY_GOTO(put_selectors(writer, header), opened);
   OLX_TRY_GOTO(put_classic_header(writer, header), opened);
   OLX_TRY_GOTO(put_relight_header(writer), opened);
-  if (writer->present[OLX_CHUNK_ORIGIN]) OLX_TRY_GOTO(put_whole(writer, OLX_CHUNK_ORIGIN, header->origin), opened);
+  if (writer->layout.present[OLX_CHUNK_ORIGIN]) OLX_TRY_GOTO(put_whole(writer, OLX_CHUNK_ORIGIN, header->origin), opened);
   *created = writer;
   return OLX_OK;
 

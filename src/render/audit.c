@@ -4,7 +4,7 @@
 #include "core/result.h"
 #include "core/sampling.h"
 #include "field/field_data.h"
-#include "render/camera.h"
+#include "render/camera_sample.h"
 #include "light/path.h"
 #include "scene/surface.h"
 

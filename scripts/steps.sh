@@ -51,7 +51,15 @@ tests() {
   return 1
 }
 
+# What this check and all it has run have used of the processors. `times` is called here because a subshell has used nothing.
+show_processor_time() {
+  times >"$reports/times.txt"
+  awk '{ for (i = 1; i <= 2; i++) { split($i, t, /[ms]/); sum += 60 * t[1] + t[2] } }
+    END { printf "%-44s         %4.0f s\n", "processor time", sum }' "$reports/times.txt"
+}
+
 closing_line() {
+  show_processor_time
   [ ${#failures[@]} -eq 0 ] || printf 'failed step: %s\n' "${failures[@]}"
   if [ "$skipped" -gt 0 ]; then
     echo "$passed passed, $failed failed, $skipped skipped"

@@ -139,6 +139,15 @@ for test in json.load(open(sys.argv[1]))["tests"]:
 PYTHON
 fi
 
+# The gate's last line and exit status are those of the check, whoever runs it.
+mkdir -p "$work"/gate/{.ci,scripts}
+cp "$OCTALUX_SOURCE_DIR/.ci/run" "$work/gate/.ci"
+cp "$OCTALUX_SOURCE_DIR/Makefile" "$work/gate"
+printf '#!%s\necho "3 passed, 1 failed"\nexit 1\n' "$bash" >"$work/gate/scripts/check.sh"
+chmod +x "$work"/gate/*/*
+MAKELEVEL=1 "$work/gate/.ci/run" >"$work/out" && { echo "the gate hides a failure"; failed=1; }
+[ "$(tail -n 1 "$work/out")" = "3 passed, 1 failed" ] || { echo "the gate ends with: $(tail -n 1 "$work/out")"; failed=1; }
+
 # The README's PATH line names the folder that `make build` leaves the program in.
 path_line=$(grep -m1 '^export PATH=' "$OCTALUX_SOURCE_DIR/README.md" || true)
 [ "$(cd "$OCTALUX_SOURCE_DIR" && eval "$path_line" && echo "${PATH%%:*}")" = "$OCTALUX_SOURCE_DIR/build/release" ] ||

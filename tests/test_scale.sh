@@ -1,7 +1,8 @@
 #!/bin/bash
 # The same room, 128 times smaller or larger, gives the same picture: nothing depends on absolute lengths. Powers of two
 # change no rounding, so that the pictures are the same to the last bit.
-# full_scale.sh runs it at scales that do round: SCALES, MAP (texels), SIZE, SPP and BOUND (relative MSE) say how.
+# full_scale.sh runs it at scales that do round: SCALES, MAP and IRRADIANCE (texels), IRRADIANCE_GRID, SIZE, SPP and BOUND
+# (relative MSE) say how.
 set -eu
 scales=${SCALES:-0.0078125 128} map=${MAP:-64} size=${SIZE:-96x72} spp=${SPP:-4} bound=${BOUND:-0}
 work=$(mktemp -d)
@@ -57,7 +58,8 @@ describe() { # scale
 
 for scale in 1 $scales; do
   describe $scale
-  "$OCTALUX" bake "$work/room$scale.json" -o "$work/$scale.olx" --radiance-size $map --irradiance-size ${IRRADIANCE:-16} --bounces 2 2> "$work/log"
+  "$OCTALUX" bake "$work/room$scale.json" -o "$work/$scale.olx" --radiance-size $map --irradiance-size ${IRRADIANCE:-16} \
+    --irradiance-grid ${IRRADIANCE_GRID:-2x2x3} --bounces 2 2> "$work/log"
   "$OCTALUX" render "$work/room$scale.json" -o "$work/$scale.exr" --method field --field "$work/$scale.olx" --size $size --spp $spp 2> "$work/log"
 done
 

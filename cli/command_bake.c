@@ -1,5 +1,6 @@
 #include "bake_options.h"
 #include "commands.h"
+#include "files.h"
 #include "options.h"
 #include "report.h"
 #include "scene_options.h"
@@ -149,11 +150,18 @@ int command_bake(int argc, char **argv) {
   }
   if (given.relight && given.irradiance_form) return usage_error("bake", "--relight needs octahedral irradiance");
   if (given.probes && given.grid[0]) return usage_error("bake", "--grid and --probes exclude each other");
-  if (!check_output("bake", output)) return EXIT_FAILED;
+  const command_files files = {.inputs = {line.given[0], given.probes}, .outputs = {{output, false}}};
+  code = check_files("bake", &files, json);
+  if (code != EXIT_DONE) return code;
   olx_scene *scene = NULL;
   code = load_scene("bake", line.given[0], &loading, &scene);
   if (code != EXIT_DONE) return code;
   olx_bake_settings settings;
+  code = check_scene_files("bake", &files, scene);
+  if (code != EXIT_DONE) {
+    olx_scene_free(scene);
+    return code;
+  }
   if (resolve_bake_options(scene, &given, &settings) != OLX_OK) {
     code = library_failure("bake");
   } else {

@@ -1,5 +1,6 @@
 #include "commands.h"
 #include "comparison.h"
+#include "files.h"
 #include "html_report.h"
 #include "options.h"
 #include "report.h"
@@ -126,7 +127,7 @@ static void warn_of_other_bounces(const comparison *c) {
           c->paths[0], bounces_text(a, texts[0]), c->paths[1], bounces_text(b, texts[1]));
 }
 
-static int compare_images(comparison *c, const char *command) {
+static int compare_images(comparison *c, const command_files *files, const char *command) {
   for (int i = 0; i < 2; ++i) {
     if (olx_image_load(c->paths[i], &c->images[i]) != OLX_OK) return library_failure("compare");
   }
@@ -140,15 +141,14 @@ static int compare_images(comparison *c, const char *command) {
   if (code == EXIT_DONE && c->report) code = write_comparison_report(c, command);
   if (code != EXIT_DONE) return code;
   if (c->json) return print_compare_json(c);
+  print_beside_outputs(files);
   print_compare(c);
   return EXIT_DONE;
 }
 
-// Whether a file that was asked for can be written.
-static int check_file(const char *name, const char *path, const char *ending) {
-  if (!path) return EXIT_DONE;
-  if (!ends_with(path, ending)) return usage_error("compare", "%s: '%s' does not end in %s", name, path, ending);
-  return check_output("compare", path) ? EXIT_DONE : EXIT_FAILED;
+static int check_name(const char *name, const char *path, const char *ending) {
+  if (!path || is_output_named(path, ending)) return EXIT_DONE;
+  return usage_error("compare", "%s: '%s' does not end in %s", name, path, ending);
 }
 
 int command_compare(int argc, char **argv) {
@@ -179,14 +179,17 @@ int command_compare(int argc, char **argv) {
   if (c.perceptual.pixels_per_degree > 1000.0f) {
     return usage_error("compare", "--pixels-per-degree: %g is more than 1000", (double)c.perceptual.pixels_per_degree);
   }
-  code = check_file("--heatmap", c.heatmap, ".png");
-  if (code == EXIT_DONE) code = check_file("--flip-map", c.flip_map, ".png");
-  if (code == EXIT_DONE) code = check_file("--report", c.report, ".html");
+  code = check_name("--heatmap", c.heatmap, ".png");
+  if (code == EXIT_DONE) code = check_name("--flip-map", c.flip_map, ".png");
+  if (code == EXIT_DONE) code = check_name("--report", c.report, ".html");
+  const command_files files = {.inputs = {line.given[0], line.given[1]},
+                               .outputs = {{c.heatmap, true}, {c.flip_map, true}, {c.report, true}}};
+  if (code == EXIT_DONE) code = check_files("compare", &files, c.json);
   if (code != EXIT_DONE) return code;
   c.paths[0] = line.given[0];
   c.paths[1] = line.given[1];
   char *command = command_text(argc, argv);
-  code = command ? compare_images(&c, command) : failure("compare", "out of memory");
+  code = command ? compare_images(&c, &files, command) : failure("compare", "out of memory");
   free(command);
   for (int layer = 0; layer < OLX_LAYER_COUNT; ++layer) free(c.layers[layer].flip_map);
   for (int i = 0; i < 2; ++i) olx_image_free(&c.images[i]);

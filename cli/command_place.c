@@ -1,4 +1,5 @@
 #include "commands.h"
+#include "files.h"
 #include "options.h"
 #include "place_picture.h"
 #include "report.h"
@@ -106,8 +107,22 @@ static void print_place(const char *path, const olx_probe_set *set) {
   printf("  seconds    %.2f\n", report->seconds);
 }
 
+static int write_place(const olx_scene *scene, const olx_probe_set *set, const place_picture *picture,
+                       const command_files *files, bool json) {
+  const char *path = files->outputs[0].path;
+  if (olx_probe_set_save(set, path) != OLX_OK) return library_failure("place");
+  if (picture->path && draw_place_picture(scene, set, picture) != OLX_OK) return library_failure("place");
+  if (json) return print_place_json(set);
+  print_beside_outputs(files);
+  print_place(path, set);
+  return EXIT_DONE;
+}
+
 static int place_probes(const olx_scene *scene, const place_options *given, const place_picture *picture,
-                        const char *path, bool json) {
+                        const command_files *files, bool json) {
+  const char *path = files->outputs[0].path;
+  const int code = check_scene_files("place", files, scene);
+  if (code != EXIT_DONE) return code;
   olx_place_settings settings;
   if (resolve_place_options(scene, given, &settings) != OLX_OK) return library_failure("place");
   if (picture->path && find_picture_camera(scene, picture) != OLX_OK) return library_failure("place");
@@ -120,13 +135,9 @@ static int place_probes(const olx_scene *scene, const place_options *given, cons
   progress_end(&line);
   if (result == OLX_ERROR_CANCELLED) return failure("place", "%s: interrupted, nothing written", path);
   if (result != OLX_OK) return library_failure("place");
-  int code = EXIT_DONE;
-  if (olx_probe_set_save(&set, path) != OLX_OK) code = library_failure("place");
-  else if (picture->path && draw_place_picture(scene, &set, picture) != OLX_OK) code = library_failure("place");
-  else if (json) code = print_place_json(&set);
-  else print_place(path, &set);
+  const int printed = write_place(scene, &set, picture, files, json);
   olx_probe_set_free(&set);
-  return code;
+  return printed;
 }
 
 int command_place(int argc, char **argv) {
@@ -170,17 +181,19 @@ int command_place(int argc, char **argv) {
                        .option_count = sizeof options / sizeof options[0]};
   int code;
   if (!parse_options(&line, argc, argv, &code)) return code;
-  if (picture.path && !ends_with(picture.path, ".png")) {
+  if (picture.path && !is_output_named(picture.path, ".png")) {
     return usage_error("place", "--picture: '%s' does not end in .png", picture.path);
   }
   if (!picture.path && (picture.camera || picture.size[0])) {
     return usage_error("place", "--camera and --size go with --picture");
   }
-  if (!check_output("place", output) || (picture.path && !check_output("place", picture.path))) return EXIT_FAILED;
+  const command_files files = {.inputs = {line.given[0]}, .outputs = {{output, true}, {picture.path, true}}};
+  code = check_files("place", &files, json);
+  if (code != EXIT_DONE) return code;
   olx_scene *scene = NULL;
   code = load_scene("place", line.given[0], &loading, &scene);
   if (code != EXIT_DONE) return code;
-  code = place_probes(scene, &given, &picture, output, json);
+  code = place_probes(scene, &given, &picture, &files, json);
   olx_scene_free(scene);
   return code;
 }

@@ -1,10 +1,12 @@
 #include "commands.h"
+#include "files.h"
 #include "options.h"
 #include "probe_markers.h"
 #include "relit_field.h"
 #include "report.h"
 #include "sample_options.h"
 #include "scene_options.h"
+#include "stop.h"
 #include "vulkan_render.h"
 
 #include <octalux/render.h>
@@ -104,10 +106,10 @@ static int check_device(const render_options *o) {
 // What cannot be meant; 0 when all is well.
 static int check_options(render_options *o) {
   const bool exr = ends_with(o->output, ".exr");
-  if (!exr && !ends_with(o->output, ".png")) {
+  if (!exr && !is_output_named(o->output, ".png")) {
     return usage_error("render", "-o: '%s' ends in neither .exr nor .png", o->output);
   }
-  if (o->png && (!exr || !ends_with(o->png, ".png"))) {
+  if (o->png && (!exr || !is_output_named(o->png, ".png"))) {
     return usage_error("render", "--png FILE.png goes with -o FILE.exr");
   }
   if (!exr) o->png = o->output;
@@ -178,7 +180,7 @@ static void print_render(const char *path, const olx_render_stats *stats, const 
 }
 
 static int save_picture(const render_options *o, const olx_field *field, const olx_camera *camera, olx_image *image) {
-  if (progress_interrupted()) return failure("render", "%s: interrupted, nothing written", o->output);
+  if (stop_requested()) return failure("render", "%s: interrupted, nothing written", o->output);
   if (o->output != o->png && olx_image_save(image, o->output) != OLX_OK) return library_failure("render");
   if (!o->png) return EXIT_DONE;
   if (o->show_probes) draw_probe_markers(field, camera, image);
@@ -272,7 +274,8 @@ static olx_result render_job_run(render_job *job) {
   return o->device == DEVICE_VULKAN ? render_on_vulkan(job) : render_on_cpu(job);
 }
 
-static int render_picture(const render_options *o, const olx_scene *scene, const olx_field *field) {
+static int render_picture(const render_options *o, const olx_scene *scene, const olx_field *field,
+                          const command_files *files) {
   olx_camera camera;
   olx_result result;
   if (olx_scene_find_camera(scene, o->camera, &camera) != OLX_OK) return library_failure("render");
@@ -291,18 +294,26 @@ static int render_picture(const render_options *o, const olx_scene *scene, const
   if (result != OLX_OK) return library_failure("render");
   int code = save_picture(o, field, &camera, &job.image);
   if (code == EXIT_DONE && o->json) code = print_render_json(&job.stats, &job.timing, &job.relit, &job.image);
-  else if (code == EXIT_DONE) print_render(o->output, &job.stats, &job.relit, &job.image);
+  if (code == EXIT_DONE && !o->json) {
+    print_beside_outputs(files);
+    print_render(o->output, &job.stats, &job.relit, &job.image);
+  }
   olx_image_free(&job.image);
   return code;
 }
 
-static int render_scene(const render_options *o) {
+static int render_scene(const render_options *o, const command_files *files) {
   olx_scene *scene = NULL;
   olx_field *field = NULL;
   int code = load_scene("render", o->scene, &o->loading, &scene);
   if (code != EXIT_DONE) return code;
+  code = check_scene_files("render", files, scene);
+  if (code != EXIT_DONE) {
+    olx_scene_free(scene);
+    return code;
+  }
   if (o->field && olx_field_open(o->field, &field) != OLX_OK) code = library_failure("render");
-  else code = render_picture(o, scene, field);
+  else code = render_picture(o, scene, field, files);
   olx_field_close(field);
   olx_scene_free(scene);
   return code;
@@ -316,7 +327,7 @@ int command_render(int argc, char **argv) {
                       .denoise = 2,
                       .sample = SAMPLE_OPTIONS_DEFAULT};
   const option options[] = {
-      {"-o", OPTION_TEXT, &o.output, "FILE", ".exr: every layer, linear; .png: tone-mapped", 1, 0},
+      {"-o", OPTION_TEXT, &o.output, "FILE", ".exr: every layer, linear; .png, or -: tone-mapped", 1, 0},
       {"--png", OPTION_TEXT, &o.png, "FILE.png", "beside an .exr, the same picture tone-mapped", 0, 0},
       {"--method", OPTION_CHOICE, &o.method, "field|path|classic",
        "classic: from the maps of bake --classic; default: field with --field, else path", 0, 0},
@@ -369,9 +380,13 @@ int command_render(int argc, char **argv) {
   o.scene = line.given[0];
   code = check_options(&o);
   if (code != EXIT_DONE) return code;
-  if (!check_output("render", o.output) || (o.png && !check_output("render", o.png))) return EXIT_FAILED;
+  const bool exr = o.output != o.png;
+  const command_files files = {.inputs = {o.scene, o.field},
+                               .outputs = {{exr ? o.output : NULL, false}, {o.png, true}}};
+  code = check_files("render", &files, o.json);
+  if (code != EXIT_DONE) return code;
   if (o.method != OLX_METHOD_PATH && o.bounces != NOT_GIVEN) {
     fputs("warning: --bounces changes nothing here; a field's bounces are chosen when it is baked\n", stderr);
   }
-  return render_scene(&o);
+  return render_scene(&o, &files);
 }

@@ -1,4 +1,5 @@
 #include "commands.h"
+#include "files.h"
 #include "options.h"
 #include "report.h"
 #include "scene_options.h"
@@ -65,6 +66,32 @@ static void print_scene(const char *name, const olx_scene *scene) {
   for (uint32_t i = 0; i < info.warnings; ++i) printf("  warning    %s\n", olx_scene_warning(scene, i));
 }
 
+typedef struct cooking {
+  const olx_scene *scene;
+  const char *path;
+  uint64_t file_bytes;
+} cooking;
+
+static olx_result cook(void *user) {
+  cooking *c = user;
+  return olx_scene_cook(c->scene, c->path, &c->file_bytes);
+}
+
+static int cook_scene(const olx_scene *scene, const command_files *files, uint64_t *file_bytes) {
+  cooking c = {.scene = scene, .path = files->outputs[0].path};
+  if (!c.path) return EXIT_DONE;
+  const int code = check_scene_files("scene", files, scene);
+  if (code != EXIT_DONE) return code;
+  progress_line line;
+  progress_begin(&line, "scene", false);
+  const olx_progress progress = progress_of(&line);
+  const olx_result result = olx_watch(&progress, "cooking", cook, &c);
+  progress_end(&line);
+  *file_bytes = c.file_bytes;
+  if (result == OLX_ERROR_CANCELLED) return failure("scene", "%s: interrupted, nothing written", c.path);
+  return result == OLX_OK ? EXIT_DONE : library_failure("scene");
+}
+
 int command_scene(int argc, char **argv) {
   bool json = false;
   const char *cooked = NULL;
@@ -81,18 +108,19 @@ int command_scene(int argc, char **argv) {
   int code;
   if (!parse_options(&line, argc, argv, &code)) return code;
   olx_scene *scene = NULL;
-  if (cooked && !ends_with(cooked, ".olxs")) return usage_error("scene", "--cook: '%s' does not end in .olxs", cooked);
-  if (cooked && !check_output("scene", cooked)) return EXIT_FAILED;
+  if (cooked && !is_output_named(cooked, ".olxs"))
+    return usage_error("scene", "--cook: '%s' does not end in .olxs", cooked);
+  const command_files files = {.inputs = {line.given[0]}, .outputs = {{cooked, true}}};
+  code = check_files("scene", &files, json);
+  if (code != EXIT_DONE) return code;
   code = load_scene("scene", line.given[0], &loading, &scene);
   if (code != EXIT_DONE) return code;
   uint64_t file_bytes = 0;
-  if (cooked && olx_scene_cook(scene, cooked, &file_bytes) != OLX_OK) {
-    olx_scene_free(scene);
-    return library_failure("scene");
-  }
-  if (json) {
+  code = cook_scene(scene, &files, &file_bytes);
+  if (code == EXIT_DONE && json) {
     code = print_scene_json(scene, file_bytes);
-  } else {
+  } else if (code == EXIT_DONE) {
+    print_beside_outputs(&files);
     print_scene(line.given[0], scene);
     if (cooked) printf("  cooked     %s, %" PRIu64 " bytes\n", cooked, file_bytes);
   }

@@ -2,6 +2,7 @@
 // window system nor C++.
 #include "commands.h"
 #include "options.h"
+#include "stop.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -19,6 +20,7 @@ int command_view(int argc, char **argv) {
   char *slash = strrchr(path, '/');
   memcpy(slash ? slash + 1 : path, name, sizeof name);
   argv[0] = path;
+  stop_hand_over();
   execv(path, argv);
   if (errno != ENOENT) return failure("view", "%s: %s", path, strerror(errno));
   return failure("view", "%s is not there: this build has no viewer (it needs GLFW, Dear ImGui and Vulkan)", path);

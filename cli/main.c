@@ -1,6 +1,7 @@
 // octalux: the command line of Octalux.
 #include "commands.h"
 #include "options.h"
+#include "stop.h"
 
 #include <octalux/scene.h>
 
@@ -38,7 +39,8 @@ static void print_help(FILE *stream) {
   fputs("\n\n--json on any command but view prints one JSON object on standard output; messages and progress go to "
         "standard "
         "error.\n"
-        "Exit codes: 0 done, 1 failed, 2 wrong usage.\n",
+        "An output named - is standard output, where its format is written in order: .json, .png, .html, .olxs.\n"
+        "Exit codes: 0 done, 1 failed, 2 wrong usage, 128 + the signal's number when interrupted.\n",
         stream);
 }
 
@@ -57,7 +59,9 @@ static int dispatch(int argc, char **argv) {
     return EXIT_DONE;
   }
   for (size_t i = 0; i < sizeof commands / sizeof commands[0]; ++i) {
-    if (strcmp(name, commands[i].name) == 0) return commands[i].run(argc - 1, argv + 1);
+    if (strcmp(name, commands[i].name) != 0) continue;
+    stop_watch(name);
+    return stop_exit_code(commands[i].run(argc - 1, argv + 1));
   }
   return usage_error(NULL, "unknown command '%s' (see octalux --help)", name);
 }

@@ -2,14 +2,11 @@
 
 #include <octalux/base.h>
 
-#include <errno.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 // What stands before a command's name; programs of their own, octalux-NAME, have it in theirs.
 static const char *program(const char *command) { return strncmp(command, "octalux", 7) == 0 ? "" : "octalux "; }
@@ -44,19 +41,8 @@ bool ends_with(const char *text, const char *ending) {
   return length > ending_length && strcmp(text + length - ending_length, ending) == 0;
 }
 
-bool check_output(const char *command, const char *path) {
-  struct stat status;
-  if (stat(path, &status) == 0 && S_ISDIR(status.st_mode)) {
-    failure(command, "%s: cannot write: it is a folder", path);
-    return false;
-  }
-  char directory[4096];
-  const char *slash = strrchr(path, '/');
-  const int length = !slash ? 1 : slash == path ? 1 : (int)(slash - path);
-  snprintf(directory, sizeof directory, "%.*s", length, slash ? path : ".");
-  if (access(directory, W_OK | X_OK) == 0) return true;
-  failure(command, "%s: cannot write: %s", path, strerror(errno));
-  return false;
+bool check_output(const char *command, const char *path, bool in_order) {
+  return olx_output_check(path, in_order) == OLX_OK || library_failure(command) == EXIT_DONE;
 }
 
 // Digits up to the end of the text or `stop`; *next is where they ended.

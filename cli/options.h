@@ -52,7 +52,8 @@ int library_failure(const char *command);
 
 bool ends_with(const char *text, const char *ending);
 
-// Whether a file could be created at `path`, asked before long work; when not, a line says why.
-bool check_output(const char *command, const char *path);
+// Whether an output could be written at `path`, for a look before long work; when not, a line says why. in_order: the
+// format is written from its begin to its end. Commands that read files, too, check both by files.h.
+bool check_output(const char *command, const char *path, bool in_order);
 
 #endif

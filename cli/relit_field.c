@@ -1,16 +1,18 @@
 #include "relit_field.h"
 
+#include "stop.h"
+
 enum { MOST_LIGHTS = 256 };
 
 static olx_result run_frames(olx_vec3 eye, uint32_t frames, relit_field *relit) {
   olx_result result = OLX_OK;
   relit->last.awake = 1;
-  while (relit->frames < frames && relit->last.awake > 0 && result == OLX_OK) {
+  while (!stop_requested() && relit->frames < frames && relit->last.awake > 0 && result == OLX_OK) {
     result = olx_relight_frame(relit->relight, eye, &relit->last);
     relit->frames++;
     relit->seconds += relit->last.seconds;
   }
-  return result;
+  return stop_requested() ? OLX_ERROR_CANCELLED : result;
 }
 
 olx_result relit_field_make(const olx_scene *scene, const olx_field *field, olx_vec3 eye, uint32_t frames,

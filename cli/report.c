@@ -2,11 +2,10 @@
 
 #include "clock.h"
 #include "options.h"
+#include "stop.h"
 
 #include <inttypes.h>
 #include <math.h>
-#include <signal.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <unistd.h>
@@ -80,14 +79,6 @@ size_text text_of_bytes(uint64_t bytes) {
   return result;
 }
 
-// Set by a signal's handler and read by every thread: lock-free atomics are what both may touch.
-static atomic_int interrupted;
-
-static void on_signal(int number) {
-  (void)number;
-  interrupted = 1;
-}
-
 void progress_begin(progress_line *line, const char *command, bool force) {
   const bool terminal = isatty(STDERR_FILENO) == 1;
   *line = (progress_line){.command = command,
@@ -95,15 +86,12 @@ void progress_begin(progress_line *line, const char *command, bool force) {
                           .terminal = terminal,
                           .start = clock_seconds(CLOCK_MONOTONIC),
                           .last_percent = -1};
-  // The first signal asks the work to stop in good order; a second one ends the program at once.
-  struct sigaction action = {.sa_handler = on_signal, .sa_flags = (int)SA_RESETHAND};
-  sigaction(SIGINT, &action, NULL);
-  sigaction(SIGTERM, &action, NULL);
+  stop_work_begin();
 }
 
 static bool report(void *user, const char *stage, float done) {
   progress_line *line = user;
-  if (interrupted) return false;
+  if (stop_requested()) return false;
   const int percent = (int)(100.0f * (done < 0.0f ? 0.0f : done > 1.0f ? 1.0f : done));
   const bool due = line->terminal || percent >= line->last_percent + 5 || percent < line->last_percent;
   if (!line->shown || !due) return true;
@@ -125,6 +113,5 @@ olx_progress progress_of(progress_line *line) { return (olx_progress){.report = 
 void progress_end(progress_line *line) {
   if (line->drawn && line->terminal) fputs("\r\033[K", stderr);
   line->drawn = false;
+  stop_work_end();
 }
-
-bool progress_interrupted(void) { return interrupted != 0; }

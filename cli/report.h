@@ -24,7 +24,7 @@ typedef struct size_text {
 } size_text;
 size_text text_of_bytes(uint64_t bytes);
 
-// A line on standard error with stage, percentage and time left; an interrupt or a termination signal cancels the work.
+// A line on standard error with stage, percentage and time left, for work that a signal cancels (stop.h).
 typedef struct progress_line {
   const char *command;
   bool shown, terminal, drawn;
@@ -32,12 +32,10 @@ typedef struct progress_line {
   int last_percent;
 } progress_line;
 
-// Shown when standard error is a terminal, or always with `force`.
+// The work begins. The line is shown when standard error is a terminal, or always with `force`.
 void progress_begin(progress_line *line, const char *command, bool force);
 olx_progress progress_of(progress_line *line);
-// Wipe the line.
+// The work has ended: wipe the line.
 void progress_end(progress_line *line);
-// Whether a signal asked to stop.
-bool progress_interrupted(void);
 
 #endif

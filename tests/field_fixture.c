@@ -23,7 +23,9 @@ int field_tear_down(void **state) {
 uint32_t field_files_in(const char *folder) {
   uint32_t count = 0;
   DIR *directory = opendir(folder);
-  for (const struct dirent *entry; (entry = readdir(directory));) count += entry->d_name[0] != '.';
+  for (const struct dirent *entry; (entry = readdir(directory));) {
+    count += strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0;
+  }
   closedir(directory);
   return count;
 }

@@ -40,7 +40,9 @@ static uint32_t folder_entries(const folder *f) {
   uint32_t count = 0;
   DIR *directory = opendir(f->path);
   assert_non_null(directory);
-  for (struct dirent *entry; (entry = readdir(directory));) count += entry->d_name[0] != '.';
+  for (struct dirent *entry; (entry = readdir(directory));) {
+    count += strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0;
+  }
   closedir(directory);
   return count;
 }
@@ -410,7 +412,7 @@ static void a_file_appears_only_when_committed(void **state) {
   assert_int_equal(olx_output_write(&file, "hello", 5), OLX_OK);
   assert_int_equal(olx_output_write_at(&file, 1, "u", 1), OLX_OK);
   assert_int_equal(access(f->file, F_OK), -1);
-  assert_int_equal(folder_entries(f), 1);
+  assert_true(folder_entries(f) <= 1); // a file without a name, or a temporary one
   assert_int_equal(olx_output_commit(&file), OLX_OK);
   assert_content(f->file, "hullo");
   assert_int_equal(folder_entries(f), 1);
@@ -455,6 +457,7 @@ static void new_files_have_the_rights_the_user_wants(void **state) {
   const mode_t old = umask(0);
   for (size_t i = 0; i < sizeof masks / sizeof *masks; i++) {
     umask(masks[i]);
+    unlink(f->file);
     assert_int_equal(olx_write_file(f->file, "x", 1), OLX_OK);
     assert_int_equal(umask(masks[i]), masks[i]);
     struct stat status;

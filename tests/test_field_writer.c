@@ -80,9 +80,10 @@ static void test_old_file_survives(void **state) {
   olx_field_writer_discard(NULL);
   olx_field_writer_discard(begin(f, &small));
   olx_field_writer *writer = begin(f, &small);
-  assert_int_equal(field_files_in(f->folder), 2);
   assert_int_equal(synthetic_write_probes(writer, &small), OLX_OK);
+  assert_true(field_files_in(f->folder) <= 2); // the new one has no name, or a temporary one
   olx_field_writer_discard(writer);
+  assert_int_equal(field_files_in(f->folder), 1);
 
   // A limit on the size of files is a disk that is full: known at the start, or, where space cannot be reserved, later.
   struct rlimit limit;

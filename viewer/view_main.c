@@ -89,7 +89,7 @@ static void fit_state(viewer *v) {
 static bool load(viewer *v) {
   const view_options *o = &v->options;
   if (o->script && !(v->script = view_script_open(o->script))) return false;
-  if (o->screenshot && !check_output("view", o->screenshot)) return false;
+  if (o->screenshot && !check_output("view", o->screenshot, true)) return false;
   if (olx_field_open(o->field, &v->field) != OLX_OK) return library_failure("view") == EXIT_DONE;
   if (load_scene("view", o->scene, &o->loading, &v->scene) != EXIT_DONE) return false;
   v->facts.field = olx_field_describe(v->field);

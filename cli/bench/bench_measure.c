@@ -1,6 +1,7 @@
 #include "bench_measure.h"
 
 #include "clock.h"
+#include "stop.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -18,10 +19,15 @@ bool bench_folder_make(bench_folder *folder) {
   const char *parent = getenv("TMPDIR");
   const int length =
       snprintf(folder->path, sizeof folder->path, "%s/octalux-bench-XXXXXX", parent && *parent ? parent : "/tmp");
-  return length > 0 && (size_t)length < sizeof folder->path && mkdtemp(folder->path) != NULL;
+  if (length <= 0 || (size_t)length >= sizeof folder->path || !mkdtemp(folder->path)) return false;
+  stop_remove_folder(folder->path);
+  return true;
 }
 
-void bench_folder_remove(const bench_folder *folder) { rmdir(folder->path); }
+void bench_folder_remove(const bench_folder *folder) {
+  rmdir(folder->path);
+  stop_remove_folder(NULL);
+}
 
 bench_name bench_probes_name(const bench_probes *probes) {
   bench_name name;

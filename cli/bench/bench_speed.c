@@ -1,4 +1,5 @@
 #include "bake_options.h"
+#include "bench_measure.h"
 #include "commands.h"
 #include "options.h"
 #include "report.h"
@@ -64,16 +65,15 @@ static int run_speed(const speed_bench *bench) {
   olx_scene *scene = NULL;
   int code = load_scene("bench", bench->scene_name, &bench->loading, &scene);
   if (code != EXIT_DONE) return code;
-  const char *folder = getenv("TMPDIR");
-  char path[4096];
-  snprintf(path, sizeof path, "%s/octalux-bench-XXXXXX", folder && *folder ? folder : "/tmp");
-  const int descriptor = mkstemp(path);
-  if (descriptor < 0) {
-    code = failure("bench", "%s: cannot create a temporary file", path);
+  bench_folder folder;
+  char path[sizeof folder.path + 16];
+  if (!bench_folder_make(&folder)) {
+    code = failure("bench", "%s: cannot create a temporary folder", folder.path);
   } else {
-    close(descriptor);
+    snprintf(path, sizeof path, "%s/field.olx", folder.path);
     code = bake_to(bench, scene, path);
     unlink(path);
+    bench_folder_remove(&folder);
   }
   olx_scene_free(scene);
   return code;

@@ -158,7 +158,7 @@ static bool ready_folder(const char *path, const char *file) {
   if (!path) return true;
   mkdir(path, 0777);
   snprintf(name, sizeof name, "%s/%s", path, file);
-  return check_output("bench", name);
+  return check_output("bench", name, true);
 }
 
 static int run_command(int argc, char **argv) {

@@ -94,7 +94,26 @@ typedef struct olx_progress {
 // Messages of olx_last_error, of the log and of olx_scene_warning are printable already.
 void olx_printable(const char *text, char *printable, size_t size_bytes);
 
-// Write a whole file: beside its place, synced, renamed, so that no reader ever sees half of it.
+// Run work(user) on the calling thread, with `progress` for whatever it calls of Octalux on this thread: calls that take
+// no progress themselves (loading and cooking a scene, comparing images) then end with OLX_ERROR_CANCELLED soon after
+// report returned false. `stage` is the name that is reported. Returns what `work` returns. Importers' libraries are not
+// interrupted.
+olx_result olx_watch(const olx_progress *progress, const char *stage, olx_result (*work)(void *user), void *user);
+
+// Outputs. A regular file is written beside its place and put there when it is whole, so that no reader ever sees half
+// of it and a killed program leaves the old one. Links are followed: the file that they lead to is replaced, with its
+// owner and mode where that is permitted. Formats that are written in order (JSON, PNG, HTML, .olxs) may also go to
+// character devices, to pipes, and, by the name "-", to standard output; folders, block devices and sockets are
+// refused.
+
+// Whether an output could be written at `path`: OLX_OK, or OLX_ERROR_FILE and why not in olx_last_error. For a look
+// before long work.
+olx_result olx_output_check(const char *path, bool in_order);
+
+// Whether both paths lead to the same regular file, by device and inode.
+bool olx_same_file(const char *a, const char *b);
+
+// Write a whole output in order.
 olx_result olx_write_file(const char *path, const void *data, size_t size_bytes);
 
 #pragma GCC visibility pop

@@ -71,6 +71,10 @@ olx_result olx_scene_cook(const olx_scene *scene, const char *path, uint64_t *fi
 // Load an .olxs file. A program that loads scenes by this call alone needs Embree, but no importer's library.
 olx_result olx_scene_load_cooked(const char *path, olx_scene **scene);
 
+// Whether `path` leads to one of the files that the scene was read from (its description, models, buffers, images), by
+// device and inode. olx_scene_cook and olx_bake refuse to write there.
+bool olx_scene_was_read_from(const olx_scene *scene, const char *path);
+
 // NULL is allowed.
 void olx_scene_free(olx_scene *scene);
 

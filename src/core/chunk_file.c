@@ -1,6 +1,7 @@
 #include "core/chunk_file.h"
 
 #include "core/file.h"
+#include "core/parallel.h"
 #include "core/result.h"
 
 #include <assert.h>
@@ -253,6 +254,7 @@ static olx_result write_chunks(olx_output_file *file, const olx_chunk_shape *sha
   static const char padding[OLX_CHUNK_ALIGNMENT];
   uint64_t end = sizeof(olx_file_header) + count * sizeof(olx_file_chunk);
   for (uint32_t i = 0; i < count; i++) {
+    OLX_TRY(olx_check_cancelled());
     OLX_TRY(olx_output_write(file, data[i], shapes[i].size_bytes));
     end += shapes[i].size_bytes;
     OLX_TRY(olx_output_write(file, padding, olx_align_chunk(end) - end));
@@ -272,7 +274,7 @@ olx_result olx_chunk_file_write(const char *path, const olx_file_kind *kind, con
   }
   const olx_file_header header = olx_chunk_header(kind, table, count, end);
   olx_output_file file;
-  OLX_TRY(olx_output_open(path, &file));
+  OLX_TRY(olx_output_open_in_order(path, &file));
   olx_result result = olx_output_reserve(&file, end);
   if (result == OLX_OK) result = olx_output_write(&file, &header, sizeof header);
   if (result == OLX_OK) result = olx_output_write(&file, table, count * sizeof *table);

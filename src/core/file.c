@@ -2,56 +2,168 @@
 
 #include "core/hooks.h"
 #include "core/result.h"
-#include "core/sampling.h"
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
+#include <poll.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
-enum { TEMPORARY_NAME_ATTEMPTS = 100 };
+// Where an output goes.
+typedef struct output_place {
+  bool stream;   // a node that exists, and is written itself; else a file, which is put into place
+  bool replaces; // there is a file, with `status`
+  struct stat status;
+  char target[PATH_MAX]; // the file, after links
+} output_place;
 
-// As mkstemp, but with the rights any new file gets: asking for the process's mask would change it under other threads.
-static int create_temporary(const char *path, char *name, size_t size_bytes) {
-  for (uint32_t attempt = 0; attempt < TEMPORARY_NAME_ATTEMPTS; attempt++) {
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    const uint32_t tag = olx_hash3((uint32_t)getpid(), (uint32_t)now.tv_nsec, attempt);
-    snprintf(name, size_bytes, "%s.tmp-%08x", path, tag);
-    const int descriptor = open(name, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (descriptor >= 0 || errno != EEXIST) return descriptor;
-  }
-  return -1;
+static bool is_standard_output(const char *path) { return strcmp(path, "-") == 0; }
+
+static olx_result refuse(const char *path, const char *why) {
+  return olx_fail(OLX_ERROR_FILE, "%s: cannot write: %s", path, why);
 }
 
-olx_result olx_output_open(const char *path, olx_output_file *file) {
-  *file = (olx_output_file){.descriptor = -1};
-  const size_t size_bytes = strlen(path) + 16;
-  file->path = olx_copy_string(path);
-  file->temporary_path = olx_allocate(size_bytes, 1);
-  if (!file->path || !file->temporary_path) {
-    olx_output_discard(file);
-    return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", path);
+static const char *describe_node(mode_t mode) {
+  return S_ISDIR(mode)    ? "it is a folder"
+         : S_ISBLK(mode)  ? "it is a block device"
+         : S_ISSOCK(mode) ? "it is a socket"
+         : S_ISCHR(mode)  ? "it is a character device, and this format is not written in order"
+                          : "it is a pipe, and this format is not written in order";
+}
+
+// The folder of a path with its last slash; empty without one.
+static int folder_length(const char *path) {
+  const char *slash = strrchr(path, '/');
+  return slash ? (int)(slash - path) + 1 : 0;
+}
+
+// Follow links in place->target to what they lead to, which need not exist.
+static olx_result follow_links(const char *path, output_place *place) {
+  enum { MOST_LINKS = 40 };
+  char link[PATH_MAX], next[PATH_MAX];
+  for (int i = 0; i < MOST_LINKS; i++) {
+    const ssize_t length = readlink(place->target, link, sizeof link - 1);
+    if (length < 0) return OLX_OK;
+    link[length] = 0;
+    const int folder = link[0] == '/' ? 0 : folder_length(place->target);
+    if (snprintf(next, sizeof next, "%.*s%s", folder, place->target, link) >= (int)sizeof next) {
+      return refuse(path, strerror(ENAMETOOLONG));
+    }
+    memcpy(place->target, next, sizeof next);
   }
-  file->descriptor = create_temporary(path, file->temporary_path, size_bytes);
-  if (file->descriptor < 0) {
-    const int error = errno;
-    olx_output_discard(file);
-    return olx_fail(OLX_ERROR_FILE, "%s: cannot create: %s", path, strerror(error));
+  return refuse(path, strerror(ELOOP));
+}
+
+static olx_result find_place(const char *path, bool in_order, output_place *place) {
+  *place = (output_place){.stream = is_standard_output(path)};
+  if (place->stream) {
+    return in_order ? OLX_OK : refuse("standard output", "this format is not written in order, so it needs a file");
   }
+  if (snprintf(place->target, sizeof place->target, "%s", path) >= (int)sizeof place->target) {
+    return refuse(path, strerror(ENAMETOOLONG));
+  }
+  if (stat(path, &place->status) != 0) return follow_links(path, place);
+  const mode_t mode = place->status.st_mode;
+  place->stream = in_order && (S_ISCHR(mode) || S_ISFIFO(mode));
+  if (place->stream) return OLX_OK;
+  if (!S_ISREG(mode)) return refuse(path, describe_node(mode));
+  place->replaces = true;
+  struct stat followed;
+  OLX_TRY(follow_links(path, place));
+  const bool same = stat(place->target, &followed) == 0 && followed.st_dev == place->status.st_dev &&
+                    followed.st_ino == place->status.st_ino;
+  return same ? OLX_OK : refuse(path, "its link does not lead to a file with a name");
+}
+
+// The folder that a file lies in.
+static void folder_of(const char *target, char folder[PATH_MAX]) {
+  const int length = folder_length(target);
+  snprintf(folder, PATH_MAX, "%.*s", length ? length : 1, length ? target : ".");
+}
+
+olx_result olx_output_check(const char *path, bool in_order) {
+  output_place place;
+  char folder[PATH_MAX];
+  OLX_TRY(find_place(path, in_order, &place));
+  if (is_standard_output(path)) {
+    const int flags = fcntl(STDOUT_FILENO, F_GETFL);
+    return flags >= 0 && (flags & O_ACCMODE) != O_RDONLY ? OLX_OK : refuse("standard output", "it is closed");
+  }
+  folder_of(place.target, folder);
+  const bool may = place.stream ? faccessat(AT_FDCWD, path, W_OK, AT_EACCESS) == 0
+                                : faccessat(AT_FDCWD, folder, W_OK | X_OK, AT_EACCESS) == 0;
+  return may ? OLX_OK : refuse(path, strerror(errno));
+}
+
+static bool find_file(const char *path, struct stat *status) {
+  return stat(path, status) == 0 && S_ISREG(status->st_mode);
+}
+
+bool olx_same_file(const char *a, const char *b) {
+  struct stat first, second;
+  return find_file(a, &first) && find_file(b, &second) && first.st_dev == second.st_dev &&
+         first.st_ino == second.st_ino;
+}
+
+static olx_result open_stream(const char *path, olx_output_file *file) {
+  struct stat status;
+  file->stream = true;
+  file->descriptor = is_standard_output(path) ? STDOUT_FILENO : open(path, O_WRONLY | O_NOCTTY | O_CLOEXEC);
+  if (file->descriptor < 0) return refuse(path, strerror(errno));
+  if (is_standard_output(path) ||
+      (fstat(file->descriptor, &status) == 0 && (S_ISCHR(status.st_mode) || S_ISFIFO(status.st_mode)))) {
+    return OLX_OK;
+  }
+  return refuse(path, "another file has taken its place");
+}
+
+static olx_result open_file(const output_place *place, olx_output_file *file) {
+  char folder[PATH_MAX];
+  folder_of(place->target, folder);
+  file->name = olx_copy_string(place->target + folder_length(place->target));
+  if (!file->name) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", file->path);
+  // Who may not read the file that is replaced shall not read its successor either.
+  const int error = olx_temporary_create(folder, place->replaces ? 0600 : 0666, &file->temporary);
+  if (error) return olx_fail(OLX_ERROR_FILE, "%s: cannot create: %s", file->path, strerror(error));
+  file->descriptor = file->temporary.descriptor;
+  file->replaces = place->replaces;
+  file->owner = place->status.st_uid;
+  file->group = place->status.st_gid;
+  file->mode = place->status.st_mode & 07777;
   return OLX_OK;
+}
+
+static olx_result open_output(const char *path, bool in_order, olx_output_file *file) {
+  output_place place;
+  *file = (olx_output_file){.descriptor = -1};
+  OLX_TRY(find_place(path, in_order, &place));
+  file->path = olx_copy_string(is_standard_output(path) ? "standard output" : path);
+  if (!file->path) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", path);
+  const olx_result result = place.stream ? open_stream(path, file) : open_file(&place, file);
+  if (result != OLX_OK) olx_output_discard(file);
+  return result;
+}
+
+olx_result olx_output_open(const char *path, olx_output_file *file) { return open_output(path, false, file); }
+
+olx_result olx_output_open_in_order(const char *path, olx_output_file *file) { return open_output(path, true, file); }
+
+// Wait until a stream that does not block takes more.
+static bool wait_for_room(const olx_output_file *file) {
+  struct pollfd poller = {.fd = file->descriptor, .events = POLLOUT};
+  return errno == EINTR || (errno == EAGAIN && poll(&poller, 1, -1) >= 0);
 }
 
 static olx_result write_all(olx_output_file *file, bool at, uint64_t offset, const void *data, size_t size_bytes) {
   const char *bytes = data;
   while (size_bytes > 0) {
-    const ssize_t written = at ? pwrite(file->descriptor, bytes, size_bytes, (off_t)offset)
-                               : write(file->descriptor, bytes, size_bytes);
-    if (written < 0 && errno == EINTR) continue;
+    const ssize_t written =
+        at ? pwrite(file->descriptor, bytes, size_bytes, (off_t)offset) : write(file->descriptor, bytes, size_bytes);
+    if (written < 0 && wait_for_room(file)) continue;
     if (written <= 0) return olx_fail(OLX_ERROR_FILE, "%s: cannot write: %s", file->path, strerror(errno));
     bytes += written;
     offset += (uint64_t)written;
@@ -69,6 +181,7 @@ olx_result olx_output_write_at(olx_output_file *file, uint64_t offset, const voi
 }
 
 olx_result olx_output_reserve(olx_output_file *file, uint64_t size_bytes) {
+  if (file->stream) return OLX_OK;
   while (fallocate(file->descriptor, 0, 0, (off_t)size_bytes) != 0) {
     if (errno == EINTR) continue;
     if (errno == EOPNOTSUPP || errno == ENOSYS) break;
@@ -78,45 +191,40 @@ olx_result olx_output_reserve(olx_output_file *file, uint64_t size_bytes) {
   return OLX_OK;
 }
 
-static void sync_directory(const char *path) {
-  char directory[4096];
-  snprintf(directory, sizeof directory, "%s", path);
-  char *slash = strrchr(directory, '/');
-  if (slash == directory) slash[1] = 0;
-  else if (slash) *slash = 0;
-  else snprintf(directory, sizeof directory, ".");
-  const int descriptor = open(directory, O_RDONLY | O_DIRECTORY);
-  if (descriptor < 0) return;
-  (void)!fsync(descriptor);
-  close(descriptor);
+// The owner and the rights of the file that is replaced, as far as they may be given.
+static void keep_owner_and_mode(const olx_output_file *file) {
+  const bool owned = fchown(file->descriptor, file->owner, file->group) == 0;
+  // Another one's rights to run as the owner are not passed on.
+  if (!owned) (void)!fchown(file->descriptor, (uid_t)-1, file->group);
+  (void)fchmod(file->descriptor, owned ? file->mode : file->mode & 0777);
 }
 
 olx_result olx_output_commit(olx_output_file *file) {
-  olx_result result = OLX_OK;
-  if (fsync(file->descriptor) != 0) {
-    result = olx_fail(OLX_ERROR_FILE, "%s: cannot sync: %s", file->path, strerror(errno));
-  } else if (rename(file->temporary_path, file->path) != 0) {
-    result = olx_fail(OLX_ERROR_FILE, "%s: cannot rename into place: %s", file->path, strerror(errno));
+  int error = 0;
+  if (file->stream) {
+    if (file->descriptor != STDOUT_FILENO && close(file->descriptor) != 0) error = errno;
+    file->descriptor = -1;
   } else {
-    sync_directory(file->path);
-    olx_release(file->temporary_path);
-    file->temporary_path = NULL;
+    if (file->replaces) keep_owner_and_mode(file);
+    error = olx_temporary_put(&file->temporary, file->name);
   }
+  const olx_result result =
+      error ? olx_fail(OLX_ERROR_FILE, "%s: cannot write: %s", file->path, strerror(error)) : OLX_OK;
   olx_output_discard(file);
   return result;
 }
 
 void olx_output_discard(olx_output_file *file) {
-  if (file->path && file->descriptor >= 0) close(file->descriptor);
-  if (file->temporary_path && file->descriptor >= 0) unlink(file->temporary_path);
-  olx_release(file->temporary_path);
+  if (file->stream && file->descriptor >= 0 && file->descriptor != STDOUT_FILENO) close(file->descriptor);
+  olx_temporary_discard(&file->temporary);
+  olx_release(file->name);
   olx_release(file->path);
   *file = (olx_output_file){.descriptor = -1};
 }
 
 olx_result olx_write_file(const char *path, const void *data, size_t size_bytes) {
   olx_output_file file;
-  OLX_TRY(olx_output_open(path, &file));
+  OLX_TRY(olx_output_open_in_order(path, &file));
   const olx_result result = olx_output_write(&file, data, size_bytes);
   if (result != OLX_OK) {
     olx_output_discard(&file);

@@ -23,7 +23,12 @@ uint32_t olx_processor_count(void) {
   return count < 1 ? 1 : count > MAX_THREADS ? MAX_THREADS : (uint32_t)count;
 }
 
+// The innermost task that this thread has begun and not ended.
+static _Thread_local olx_task *current_task;
+
 void olx_task_begin(olx_task *task, const olx_progress *progress, const char *stage, uint64_t total_units) {
+  task->outer = current_task;
+  current_task = task;
   task->progress = progress;
   task->stage = stage;
   task->total_units = total_units ? total_units : 1;
@@ -35,14 +40,18 @@ void olx_task_begin(olx_task *task, const olx_progress *progress, const char *st
 
 void olx_task_stage(olx_task *task, const char *stage) { task->stage = stage; }
 
-void olx_task_end(olx_task *task) { pthread_mutex_destroy(&task->report_lock); }
+void olx_task_end(olx_task *task) {
+  current_task = task->outer;
+  pthread_mutex_destroy(&task->report_lock);
+}
 
 static bool report_due(olx_task *task) {
   return (uint64_t)(olx_seconds() * 1e3) >= atomic_load(&task->last_report_ms) + REPORT_INTERVAL_MS;
 }
 
-static void advance(olx_task *task, uint64_t units) {
-  const bool last = atomic_fetch_add(&task->done_units, units) + units >= task->total_units;
+void olx_task_advance(olx_task *task, uint64_t units) {
+  const uint64_t before = atomic_fetch_add(&task->done_units, units);
+  const bool last = before < task->total_units && before + units >= task->total_units;
   if (!task->progress || !task->progress->report) return;
   if (last) pthread_mutex_lock(&task->report_lock);
   else if (!report_due(task) || pthread_mutex_trylock(&task->report_lock) != 0) return;
@@ -55,6 +64,32 @@ static void advance(olx_task *task, uint64_t units) {
     }
   }
   pthread_mutex_unlock(&task->report_lock);
+}
+
+olx_task *olx_task_current(void) { return current_task; }
+
+bool olx_task_cancelled(olx_task *task) {
+  for (; task; task = task->outer) {
+    olx_task_advance(task, 0);
+    if (atomic_load(&task->cancelled)) return true;
+  }
+  return false;
+}
+
+static olx_result fail_cancelled(const olx_task *task) {
+  return olx_fail(OLX_ERROR_CANCELLED, "cancelled during %s", task->stage);
+}
+
+olx_result olx_check_cancelled(void) {
+  return olx_task_cancelled(current_task) ? fail_cancelled(current_task) : OLX_OK;
+}
+
+olx_result olx_watch(const olx_progress *progress, const char *stage, olx_result (*work)(void *user), void *user) {
+  olx_task task;
+  olx_task_begin(&task, progress, stage, 1);
+  const olx_result result = work(user);
+  olx_task_end(&task);
+  return result;
 }
 
 typedef struct loop {
@@ -70,7 +105,7 @@ static void run_index(void *user, uint32_t index) {
   loop *l = user;
   if (l->task && atomic_load_explicit(&l->task->cancelled, memory_order_relaxed)) return;
   l->job(l->user, index);
-  if (l->task) advance(l->task, l->units);
+  if (l->task) olx_task_advance(l->task, l->units);
 }
 
 static void *run_thread(void *user) {
@@ -83,7 +118,8 @@ static void *run_thread(void *user) {
 }
 
 olx_result olx_parallel_for(uint32_t count, uint32_t threads, olx_job job, void *user, olx_task *task, uint64_t units) {
-  loop l = {.job = job, .user = user, .task = task, .units = units, .count = count};
+  olx_task *const watched = task ? task : current_task;
+  loop l = {.job = job, .user = user, .task = watched, .units = task ? units : 0, .count = count};
   atomic_init(&l.next, 0);
   const olx_hooks *hooks = olx_get_hooks();
   if (hooks->parallel_for) {
@@ -99,6 +135,5 @@ olx_result olx_parallel_for(uint32_t count, uint32_t threads, olx_job job, void 
     run_thread(&l);
     for (uint32_t i = 0; i < started; i++) pthread_join(handles[i], NULL);
   }
-  if (task && atomic_load(&task->cancelled)) return olx_fail(OLX_ERROR_CANCELLED, "cancelled during %s", task->stage);
-  return OLX_OK;
+  return watched && atomic_load(&watched->cancelled) ? fail_cancelled(watched) : OLX_OK;
 }

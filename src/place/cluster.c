@@ -47,7 +47,7 @@ static olx_result assign(clustering *c) {
 }
 
 // The item nearest to the mean of all, then always the item farthest from the seeds so far.
-static void seed_clusters(clustering *c, uint32_t most, float reach, float *nearest) {
+static olx_result seed_clusters(clustering *c, uint32_t most, float reach, float *nearest) {
   double mean[OLX_FEATURES] = {0};
   float centre[OLX_FEATURES];
   for (uint32_t i = 0; i < c->count; i++) {
@@ -67,7 +67,9 @@ static void seed_clusters(clustering *c, uint32_t most, float reach, float *near
       if (nearest[i] > nearest[seed]) seed = i;
     }
     if (nearest[seed] <= reach * reach) break;
+    OLX_TRY(olx_check_cancelled());
   }
+  return OLX_OK;
 }
 
 // Centres to the means of their members; without members a centre goes.
@@ -113,7 +115,7 @@ olx_result olx_cluster(const olx_cluster_item *items, uint32_t count, uint32_t w
   *clusters = 0;
   if (c.centres && sums && sizes && nearest) {
     result = OLX_OK;
-    if (count > 0) seed_clusters(&c, most, wanted ? 0.0f : OLX_CLUSTER_REACH, nearest);
+    if (count > 0) result = seed_clusters(&c, most, wanted ? 0.0f : OLX_CLUSTER_REACH, nearest);
     for (uint32_t round = 0; round < ROUNDS && result == OLX_OK; round++) {
       result = assign(&c);
       if (result == OLX_OK && round + 1 < ROUNDS) move_centres(&c, sums, sizes);

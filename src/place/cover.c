@@ -110,6 +110,7 @@ static olx_result add_greedily(cover *c, uint32_t limit, double allowed) {
   heap h;
   olx_result result = heap_create(c, &h);
   while (result == OLX_OK && h.count > 0 && s->pick_count < limit && uncovered_share(c) > allowed) {
+    OLX_TRY_GOTO(olx_check_cancelled(), done);
     const uint32_t best = h.order[0];
     const uint64_t gain = s->unfit[best] ? 0 : olx_gain_value(olx_cover_gain(s, olx_cover_row(s, best)));
     if (gain < h.gains[best]) {
@@ -123,6 +124,7 @@ static olx_result add_greedily(cover *c, uint32_t limit, double allowed) {
     if (s->unfit[best]) continue;
     result = olx_cover_pick(s, s->candidates[best], olx_cover_row(s, best));
   }
+done:
   heap_free(&h);
   return result;
 }
@@ -215,8 +217,9 @@ static olx_result add_targets(cover *c, const olx_surfels *sample, const uint8_t
   olx_candidate *list = olx_allocate(TARGETS * TARGET_PLACES, sizeof *list);
   if (!list) return olx_fail(OLX_ERROR_MEMORY, "place: out of memory");
   uint32_t lacking = 0, nth = 0, targets = 0, count = 0;
+  olx_result result = OLX_OK;
   for (uint32_t i = 0; i < sample->count; i++) lacking += views[i] < c->state.views;
-  for (uint32_t i = 0; i < sample->count; i++) {
+  for (uint32_t i = 0; i < sample->count && result == OLX_OK; i++) {
     if (views[i] >= c->state.views || (uint64_t)nth++ * TARGETS < (uint64_t)targets * lacking) continue;
     olx_vec3 places[TARGET_TRIES];
     const uint32_t found =
@@ -227,9 +230,10 @@ static olx_result add_targets(cover *c, const olx_surfels *sample, const uint8_t
       kept++;
     }
     targets++;
+    result = olx_check_cancelled();
   }
   c->considered += count;
-  const olx_result result = olx_cover_add_candidates(&c->state, list, count, NULL);
+  if (result == OLX_OK) result = olx_cover_add_candidates(&c->state, list, count, NULL);
   olx_release(list);
   return result;
 }
@@ -269,9 +273,11 @@ static olx_result pin_probes(cover *c) {
   uint8_t *row = olx_allocate(s->columns.count, 1);
   olx_result result = row ? OLX_OK : olx_fail(OLX_ERROR_MEMORY, "place: out of memory");
   for (uint32_t i = 0; result == OLX_OK && i < rules->pinned_count; i++) {
+    OLX_TRY_GOTO(olx_check_cancelled(), done);
     olx_sight_row(c->space, c->sight, rules->pinned[i], &s->columns, row);
     result = olx_cover_pick(s, (olx_candidate){rules->pinned[i], OLX_ORIGIN_PINNED}, row);
   }
+done:
   olx_release(row);
   return result;
 }

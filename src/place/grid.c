@@ -1,6 +1,7 @@
 #include "place/grid.h"
 
 #include "core/hooks.h"
+#include "core/parallel.h"
 #include "core/result.h"
 
 static bool keeps_distance(const olx_candidate *probes, uint32_t count, olx_vec3 place, float least) {
@@ -20,7 +21,8 @@ olx_result olx_place_grid(const olx_scene *scene, const olx_grid *grid, olx_cand
   for (uint32_t i = 0; i < rules->pinned_count; i++) {
     (*probes)[(*count)++] = (olx_candidate){rules->pinned[i], OLX_ORIGIN_PINNED};
   }
-  for (uint64_t i = 0; i < total; i++) {
+  olx_result result = OLX_OK;
+  for (uint64_t i = 0; i < total && result == OLX_OK; i++) {
     const olx_vec3 cell = {(float)(i % grid->count[0]), (float)(i / grid->count[0] % grid->count[1]),
                            (float)(i / grid->count[0] / grid->count[1])};
     const olx_vec3 place = olx_add(grid->origin, olx_mul(cell, grid->spacing));
@@ -29,9 +31,11 @@ olx_result olx_place_grid(const olx_scene *scene, const olx_grid *grid, olx_cand
     } else {
       ++*rejected;
     }
+    result = olx_check_cancelled();
   }
-  if (*count > 0) return OLX_OK;
+  if (result == OLX_OK && *count > 0) return OLX_OK;
   olx_release(*probes);
   *probes = NULL;
+  if (result != OLX_OK) return result;
   return olx_fail(OLX_ERROR_EMPTY, "no probe is left: the description forbids all %u points of the grid", *rejected);
 }

@@ -122,7 +122,7 @@ typedef struct optimizer {
   const olx_space *space;
   const olx_surfels *surfels;
   const olx_place_settings *settings;
-  olx_task *task;
+  olx_task *task; // may be NULL
   olx_candidate *probes;
   uint32_t count, free_count;
   float *rows;         // a probe's fitness of each surfel
@@ -180,7 +180,7 @@ static olx_result try_supports(optimizer *o, uint32_t probe, float half, olx_vec
     wanted[i] = may_stand(o, places[i], probe);
   }
   row_maker maker = {o->space, o->surfels, places, wanted, o->support_rows};
-  OLX_TRY(olx_parallel_for(SUPPORTS, o->settings->threads, row_job, &maker, o->task, 1));
+  OLX_TRY(olx_parallel_for(SUPPORTS, o->settings->threads, row_job, &maker, o->task, 0));
   for (uint32_t i = 0; i < SUPPORTS; i++) {
     rewards[i] = wanted[i] ? mean_with(o->settings->reward, o->others, support_row(o, i), o->surfels->count) : 0.0;
   }
@@ -274,6 +274,7 @@ static olx_result run(optimizer *o, const olx_vec3 *places, olx_optimization *ou
   while (moved && !covered && outcome->rounds < o->settings->rounds) {
     moved = false;
     OLX_TRY(run_round(o, outcome->rounds++, &moved));
+    if (o->task) olx_task_advance(o->task, OLX_ROUND_UNITS);
     covered = covers_everything(o);
   }
   // A set that covers everything ends the search, unless it is rewarded less than the first.
@@ -286,10 +287,10 @@ static olx_result run(optimizer *o, const olx_vec3 *places, olx_optimization *ou
 }
 
 olx_result olx_optimize(const olx_space *space, const olx_surfels *surfels, const olx_place_settings *settings,
-                        const olx_progress *progress, olx_candidate *probes, uint32_t count,
-                        olx_optimization *outcome) {
+                        olx_task *task, olx_candidate *probes, uint32_t count, olx_optimization *outcome) {
   *outcome = (olx_optimization){0};
-  optimizer o = {.space = space, .surfels = surfels, .settings = settings, .probes = probes, .count = count};
+  optimizer o = {
+      .space = space, .surfels = surfels, .settings = settings, .task = task, .probes = probes, .count = count};
   for (uint32_t i = 0; i < count; i++) o.free_count += probes[i].origin != OLX_ORIGIN_PINNED;
   o.rows = olx_allocate((size_t)surfels->count * count, sizeof *o.rows);
   o.support_rows = olx_allocate((size_t)surfels->count * SUPPORTS, sizeof *o.support_rows);
@@ -299,12 +300,8 @@ olx_result olx_optimize(const olx_space *space, const olx_surfels *surfels, cons
   olx_vec3 *places = olx_allocate(count, sizeof *places);
   olx_result result = OLX_ERROR_MEMORY;
   if (o.rows && o.support_rows && o.others && o.best && o.halvings && places) {
-    olx_task task;
     for (uint32_t i = 0; i < count; i++) places[i] = probes[i].place;
-    o.task = &task;
-    olx_task_begin(&task, progress, "optimizing", (uint64_t)settings->rounds * o.free_count * SUPPORTS);
     result = run(&o, places, outcome);
-    olx_task_end(&task);
   } else {
     olx_fail(result, "place: no memory to optimize %u probes", count);
   }

@@ -6,6 +6,8 @@
 #include "place/candidates.h"
 #include "place/surfels.h"
 
+enum { OLX_ROUND_UNITS = 100 }; // of progress that a round takes
+
 typedef struct olx_optimization {
   double reward_before, reward_after; // never less than before
   uint32_t rounds;                    // that were run
@@ -26,6 +28,6 @@ olx_vec3 olx_sample_support(olx_vec3 centre, float half, const double fitness[8]
 
 // Move the probes that are not pinned, as settings say. The atlas is the caller's.
 olx_result olx_optimize(const olx_space *space, const olx_surfels *surfels, const olx_place_settings *settings,
-                        const olx_progress *progress, olx_candidate *probes, uint32_t count, olx_optimization *outcome);
+                        olx_task *task, olx_candidate *probes, uint32_t count, olx_optimization *outcome);
 
 #endif

@@ -135,7 +135,7 @@ static olx_result resolve(const olx_scene *scene, olx_place_settings *s) {
   return OLX_OK;
 }
 
-static olx_result choose_probes(const olx_space *space, const olx_sight *sight, const olx_progress *progress,
+static olx_result choose_probes(const olx_space *space, const olx_sight *sight, olx_task *task,
                                 olx_place_settings *settings, olx_candidate **probes, olx_probe_set *set) {
   if (settings->method == OLX_PLACE_GRID) {
     return olx_place_grid(space->scene, &settings->grid, probes, &set->count, &set->report.rejected);
@@ -158,18 +158,16 @@ static olx_result choose_probes(const olx_space *space, const olx_sight *sight, 
   if (settings->method == OLX_PLACE_MEDIAL) {
     return olx_place_medial(space, sight, settings, probes, &set->count, &report->candidates);
   }
-  olx_task task;
   olx_cover_result found = {0};
-  olx_task_begin(&task, progress, "looking from candidates", settings->candidates);
-  const olx_result result = olx_cover(space, sight, settings, &task, &found);
-  olx_task_end(&task);
+  olx_task_stage(task, "looking from candidates");
+  const olx_result result = olx_cover(space, sight, settings, task, &found);
   *probes = found.probes;
   set->count = found.count;
   report->candidates = found.candidates;
   return result;
 }
 
-static olx_result optimize(const olx_space *space, const olx_sight *sight, const olx_progress *progress,
+static olx_result optimize(const olx_space *space, const olx_sight *sight, olx_task *task,
                            const olx_place_settings *settings, olx_candidate *probes, olx_probe_set *set) {
   const uint64_t affordable = OPTIMIZE_BYTES / (sizeof(float) * ((uint64_t)set->count + 1));
   uint32_t points = settings->surfels < OPTIMIZE_SURFELS ? settings->surfels : OPTIMIZE_SURFELS;
@@ -178,8 +176,11 @@ static olx_result optimize(const olx_space *space, const olx_sight *sight, const
   OLX_TRY(
       olx_surfels_create(space, sight, OLX_SPREAD_RAYS, points, olx_hash(settings->seed), settings->threads, &surfels));
   olx_optimization outcome = {0};
+  olx_task_stage(task, "optimizing");
   olx_result result = olx_surfels_ask(space, sight, NULL, 0, settings->seed, settings->threads, &surfels);
-  if (result == OLX_OK) result = olx_optimize(space, &surfels, settings, progress, probes, set->count, &outcome);
+  if (result == OLX_OK) {
+    result = olx_optimize(space, &surfels, settings, task, probes, set->count, &outcome);
+  }
   olx_surfels_free(&surfels);
   set->report.reward_before = outcome.reward_before;
   set->report.reward_after = outcome.reward_after;
@@ -206,23 +207,31 @@ static olx_result measure_before(const olx_space *space, const olx_sight *sight,
   return result;
 }
 
-static olx_result place_in(const olx_space *space, const olx_progress *progress, olx_place_settings *settings,
-                           olx_probe_set *set) {
+static olx_result place_in(const olx_space *space, olx_task *task, olx_place_settings *settings, olx_probe_set *set) {
   const olx_scene *scene = space->scene;
   const olx_sight sight = olx_sight_create(scene, settings->min_cosine, settings->max_footprint, settings->resolution);
   const bool moves = settings->optimize != OLX_OPTIMIZE_NONE;
   olx_candidate *probes = NULL;
   olx_result result;
-  OLX_TRY_GOTO(choose_probes(space, &sight, progress, settings, &probes, set), done);
+  OLX_TRY_GOTO(choose_probes(space, &sight, task, settings, &probes, set), done);
   if (moves) OLX_TRY_GOTO(measure_before(space, &sight, probes, set), done);
-  if (moves) OLX_TRY_GOTO(optimize(space, &sight, progress, settings, probes, set), done);
+  if (moves) OLX_TRY_GOTO(optimize(space, &sight, task, settings, probes, set), done);
   OLX_TRY_GOTO(list_probes(probes, set), done);
+  olx_task_stage(task, "measuring coverage");
   OLX_TRY_GOTO(olx_measure_probes(space, &sight, set), done);
   if (settings->marks) OLX_TRY_GOTO(olx_mark_skeleton(space, &sight, set), done);
 done:
   olx_release(probes);
   set->report.space_voxels = space->reachable_count;
   set->report.voxel_metres = space->voxels.size;
+  return result;
+}
+
+static olx_result find_space_and_place(const olx_scene *scene, olx_task *task, olx_probe_set *set) {
+  olx_space space;
+  OLX_TRY(olx_space_create(scene, set->settings.voxels, set->settings.threads, &space));
+  const olx_result result = place_in(&space, task, &set->settings, set);
+  olx_space_free(&space);
   return result;
 }
 
@@ -233,10 +242,13 @@ olx_result olx_place(const olx_scene *scene, const olx_place_settings *settings,
   memcpy(set->origin, scene->origin, sizeof set->origin);
   OLX_TRY(check_settings(settings));
   OLX_TRY(resolve(scene, &set->settings));
-  olx_space space;
-  OLX_TRY(olx_space_create(scene, settings->voxels, settings->threads, &space));
-  const olx_result result = place_in(&space, progress, &set->settings, set);
-  olx_space_free(&space);
+  // Units of progress: a cover's candidate is one.
+  const uint64_t covering = settings->method == OLX_PLACE_COVER ? settings->candidates : 0;
+  const uint64_t moving = settings->optimize == OLX_OPTIMIZE_NONE ? 0 : (uint64_t)settings->rounds * OLX_ROUND_UNITS;
+  olx_task task;
+  olx_task_begin(&task, progress, "finding space", covering + moving);
+  const olx_result result = find_space_and_place(scene, &task, set);
+  olx_task_end(&task);
   if (result != OLX_OK) olx_probe_set_free(set);
   set->report.seconds = olx_seconds() - start;
   return result;

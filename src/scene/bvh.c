@@ -1,6 +1,7 @@
 #include "scene/bvh.h"
 
 #include "core/hooks.h"
+#include "core/parallel.h"
 #include "core/result.h"
 #include "scene/surface.h"
 
@@ -61,6 +62,12 @@ static olx_result split_by_mask(olx_bvh *bvh) {
   return OLX_OK;
 }
 
+// Embree queries this while it builds, from whatever thread it works on.
+static bool may_go_on(void *user, double done) {
+  (void)done;
+  return !olx_task_cancelled(user);
+}
+
 // Attach geometry 0 or 1. Returns false when Embree has no memory.
 static bool attach_geometry(olx_bvh *bvh, uint32_t geometry_id, uint32_t triangle_count, RTCBuffer vertices) {
   if (triangle_count == 0) return true;
@@ -106,14 +113,17 @@ static olx_result build(olx_bvh *bvh) {
     memcpy(rtcGetBufferData(vertices), scene->positions, vertices_bytes);
     rtcSetSceneFlags(bvh->accelerator, RTC_SCENE_FLAG_ROBUST);
     rtcSetSceneBuildQuality(bvh->accelerator, RTC_BUILD_QUALITY_MEDIUM);
+    rtcSetSceneProgressMonitorFunction(bvh->accelerator, may_go_on, olx_task_current());
     if (attach_geometry(bvh, 0, bvh->first[1], vertices) &&
         attach_geometry(bvh, 1, scene->triangle_count - bvh->first[1], vertices)) {
       rtcCommitScene(bvh->accelerator);
     }
+    rtcSetSceneProgressMonitorFunction(bvh->accelerator, NULL, NULL);
   }
   if (vertices) rtcReleaseBuffer(vertices);
   const enum RTCError error = rtcGetDeviceError(bvh->device);
   if (error == RTC_ERROR_NONE) return OLX_OK;
+  if (error == RTC_ERROR_CANCELLED) return olx_fail(OLX_ERROR_CANCELLED, "ray caster: cancelled while Embree built it");
   return olx_fail(error == RTC_ERROR_OUT_OF_MEMORY ? OLX_ERROR_MEMORY : OLX_ERROR_UNSUPPORTED,
                   "ray caster: Embree could not build over %u triangles (%s)", scene->triangle_count, bvh->message);
 }

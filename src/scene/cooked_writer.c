@@ -1,6 +1,8 @@
 #include "core/hooks.h"
+#include "core/parallel.h"
 #include "core/result.h"
 #include "scene/cooked_format.h"
+#include "scene/sources.h"
 #include "scene/texel_code.h"
 
 #include <string.h>
@@ -118,14 +120,17 @@ static void release_stored(stored_scene *s) {
   olx_release(s->warnings);
 }
 
-static bool store_textures(const olx_scene *scene, stored_scene *s) {
+static olx_result no_memory(void) { return olx_fail(OLX_ERROR_MEMORY, "out of memory"); }
+
+static olx_result store_textures(const olx_scene *scene, stored_scene *s) {
   s->textures = olx_allocate(scene->texture_count, sizeof *s->textures);
-  if (!s->textures) return false;
+  if (!s->textures) return no_memory();
   for (uint32_t i = 0; i < scene->texture_count; i++) {
     const olx_texture *t = &scene->textures[i];
     const uint32_t channels = olx_texel_channels(t);
     const size_t before = s->texels.size_bytes;
-    if (!olx_texel_encode(t, channels, &s->texels)) return false;
+    OLX_TRY(olx_check_cancelled());
+    if (!olx_texel_encode(t, channels, &s->texels)) return no_memory();
     s->textures[i] = (olx_cooked_texture){.width = t->width,
                                           .height = t->height,
                                           .channels = channels,
@@ -133,39 +138,42 @@ static bool store_textures(const olx_scene *scene, stored_scene *s) {
                                           .code_bytes = s->texels.size_bytes - before};
   }
   s->info.texel_code_bytes = s->texels.size_bytes;
-  return true;
+  return OLX_OK;
 }
 
-static bool store_warnings(const olx_scene *scene, stored_scene *s) {
+static olx_result store_warnings(const olx_scene *scene, stored_scene *s) {
   for (uint32_t i = 0; i < scene->warning_count; i++) s->info.warning_bytes += strlen(scene->warnings[i]) + 1;
   s->warnings = olx_allocate(s->info.warning_bytes, 1);
-  if (!s->warnings) return false;
+  if (!s->warnings) return no_memory();
   char *at = s->warnings;
   for (uint32_t i = 0; i < scene->warning_count; i++) {
     const size_t size_bytes = strlen(scene->warnings[i]) + 1;
     memcpy(at, scene->warnings[i], size_bytes);
     at += size_bytes;
   }
-  return true;
+  return OLX_OK;
 }
 
-static bool store_scene(const olx_scene *scene, stored_scene *s) {
+static olx_result store_scene(const olx_scene *scene, stored_scene *s) {
   s->info = store_info(scene);
   s->materials = olx_allocate(scene->material_count, sizeof *s->materials);
   s->lights = olx_allocate(scene->light_count, sizeof *s->lights);
   s->cameras = olx_allocate(scene->camera_count, sizeof *s->cameras);
-  if (!s->materials || !s->lights || !s->cameras) return false;
+  if (!s->materials || !s->lights || !s->cameras) return no_memory();
   for (uint32_t i = 0; i < scene->material_count; i++) s->materials[i] = store_material(&scene->materials[i]);
   for (uint32_t i = 0; i < scene->light_count; i++) s->lights[i] = store_light(&scene->lights[i]);
   for (uint32_t i = 0; i < scene->camera_count; i++) s->cameras[i] = store_camera(&scene->cameras[i]);
-  return store_textures(scene, s) && store_warnings(scene, s);
+  OLX_TRY(store_textures(scene, s));
+  return store_warnings(scene, s);
 }
 
 olx_result olx_scene_cook(const olx_scene *scene, const char *path, uint64_t *file_bytes) {
   stored_scene s = {0};
-  if (!store_scene(scene, &s)) {
+  OLX_TRY(olx_scene_check_output(scene, path));
+  const olx_result stored = store_scene(scene, &s);
+  if (stored != OLX_OK) {
     release_stored(&s);
-    return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", path);
+    return olx_fail(stored, "%s: %s", path, olx_last_error());
   }
   const void *data[OLX_COOKED_CHUNKS] = {
       [OLX_COOKED_INFO] = &s.info,

@@ -6,6 +6,7 @@
 #include "scene/json_value.h"
 #include "scene/name_index.h"
 #include "scene/scene_build.h"
+#include "scene/sources.h"
 #include "scene/texture_file.h"
 
 #include <stdio.h>
@@ -199,6 +200,7 @@ static olx_result read_model(description *d, const place *at, const char *path_k
     result = olx_import_builtin(name + prefix, &placement, d->scene);
   } else {
     OLX_TRY(find_file(d, at, path_key, name, path, sizeof path));
+    OLX_TRY(olx_scene_note_source(d->scene, path));
     result = olx_import_model(path, &placement, d->scene);
   }
   return result == OLX_OK ? OLX_OK : olx_fail(result, "%s: %s", d->path, olx_last_error());
@@ -309,6 +311,7 @@ static olx_result read_environment(description *d, const place *root) {
   char path[4096];
   uint64_t repaired = 0;
   OLX_TRY(find_file(d, &at, "image", image, path, sizeof path));
+  OLX_TRY(olx_scene_note_source(d->scene, path));
   const olx_result result = olx_environment_load(path, d->scene, environment, &repaired);
   if (result != OLX_OK) return olx_fail(result, "%s: environment.image: %s", d->path, olx_last_error());
   if (repaired) {

@@ -6,6 +6,7 @@
 #include "scene/gltf_check.h"
 #include "scene/name_index.h"
 #include "scene/scene_build.h"
+#include "scene/sources.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -136,12 +137,23 @@ static olx_result find_json(const char *path, const olx_mapped_file *file, const
   return OLX_OK;
 }
 
+static olx_result note_buffers(const olx_gltf *gltf, olx_scene *scene) {
+  const cJSON *buffer = NULL;
+  cJSON_ArrayForEach(buffer, member(gltf->root, "buffers")) {
+    const cJSON *uri = member(buffer, "uri");
+    if (!cJSON_IsString(uri) || strncmp(uri->valuestring, "data:", 5) == 0) continue;
+    OLX_TRY(olx_scene_note_named(scene, gltf->path, uri->valuestring, strlen(uri->valuestring)));
+  }
+  return OLX_OK;
+}
+
 static olx_result open_mapped(const olx_mapped_file *file, olx_scene *scene, olx_gltf *gltf) {
   const char *text;
   size_t size_bytes;
   OLX_TRY(find_json(gltf->path, file, &text, &size_bytes));
   OLX_TRY(olx_json_parse(gltf->path, text, size_bytes, &gltf->root));
   OLX_TRY(olx_gltf_check(gltf->path, gltf->root, scene));
+  OLX_TRY(note_buffers(gltf, scene));
   OLX_TRY(collect_elements(member(gltf->root, "nodes"), &gltf->nodes, &gltf->node_count));
   OLX_TRY(collect_elements(member(gltf->root, "meshes"), &gltf->meshes, &gltf->mesh_count));
   OLX_TRY(collect_elements(member(gltf->root, "materials"), &gltf->materials, &gltf->material_count));

@@ -6,6 +6,7 @@
 #include "core/hooks.h"
 #include "core/result.h"
 #include "scene/import_limits.h"
+#include "scene/sources.h"
 
 #include <assimp/cfileio.h>
 #include <assimp/cimport.h>
@@ -65,7 +66,7 @@ typedef struct file_identity {
 typedef struct model_reader {
   struct aiFileIO io;
   const char *path;
-  const olx_scene *scene;
+  olx_scene *scene;
   file_identity *seen; // the files read so far, but the model's own
   uint32_t seen_count;
   uint64_t materials; // begun in material files
@@ -186,6 +187,7 @@ static struct aiFile *open_for_assimp(struct aiFileIO *io, const char *path, con
   reader->result = olx_map_file(path, &file->mapped);
   file->data = file->mapped.data;
   file->size_bytes = file->mapped.size_bytes;
+  if (reader->result == OLX_OK) reader->result = olx_scene_note_source(reader->scene, path);
   if (reader->result == OLX_OK) reader->result = check_opened(reader, path, file);
   if (reader->result == OLX_OK) return &file->file;
   close_opened(file);
@@ -197,7 +199,7 @@ static void close_for_assimp(struct aiFileIO *io, struct aiFile *file) {
   close_opened((open_file *)(void *)file->UserData);
 }
 
-olx_result olx_model_read(const char *path, unsigned steps, const olx_scene *scene, const struct aiScene **source) {
+olx_result olx_model_read(const char *path, unsigned steps, olx_scene *scene, const struct aiScene **source) {
   // Assimp keeps the message of a failed import in one global string.
   static pthread_mutex_t assimp_lock = PTHREAD_MUTEX_INITIALIZER;
   char error[512] = "";

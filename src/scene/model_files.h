@@ -12,6 +12,6 @@ olx_result olx_model_file_check(const olx_scene *scene, const char *model_path, 
 
 // Let Assimp read a model, file by file through the check above; material files must begin with a material, are read once,
 // and their materials are counted. `steps` are Assimp's. The caller releases *source with aiReleaseImport.
-olx_result olx_model_read(const char *path, unsigned steps, const olx_scene *scene, const struct aiScene **source);
+olx_result olx_model_read(const char *path, unsigned steps, olx_scene *scene, const struct aiScene **source);
 
 #endif

@@ -3,6 +3,7 @@
 #include "scene/bvh.h"
 #include "scene/emitters.h"
 #include "scene/scene_build.h"
+#include "scene/sources.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -35,6 +36,7 @@ olx_result olx_scene_load_by(olx_result (*fill)(const char *name, olx_scene *sce
   if (settings) loaded->load = *settings;
   olx_result result = fill_in_local_frame(fill, name, loaded);
   olx_scene_log_warnings(loaded);
+  if (result == OLX_OK) result = olx_scene_note_source(loaded, name);
   if (result == OLX_OK) {
     result = olx_scene_finish(loaded);
     if (result != OLX_OK) olx_fail(result, "%s: %s", name, olx_last_error());

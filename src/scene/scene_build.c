@@ -2,6 +2,7 @@
 
 #include "core/hooks.h"
 #include "core/result.h"
+#include "scene/sources.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -347,4 +348,5 @@ void olx_scene_release_arrays(olx_scene *scene) {
   olx_release(scene->warnings);
   olx_release(scene->probe_rules.pinned);
   olx_release(scene->probe_rules.forbidden);
+  olx_scene_release_sources(scene);
 }

@@ -49,6 +49,8 @@ struct olx_scene {
   uint64_t hash;
   char **warnings;
   uint32_t warning_count;
+  struct olx_scene_source *sources; // sources.h
+  uint32_t source_count;
   olx_bvh *bvh;           // bvh.h
   olx_emitters *emitters; // emitters.h
 };

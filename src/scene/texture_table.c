@@ -5,6 +5,7 @@
 #include "core/result.h"
 #include "scene/import_limits.h"
 #include "scene/scene_build.h"
+#include "scene/sources.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -76,6 +77,7 @@ olx_result olx_texture_table_load(olx_texture_table *table, const char *model_pa
   uint32_t missing = 0;
   for (uint32_t i = 0; i < table->count; ++i) {
     olx_texture_request *request = &table->requests[i];
+    if (!request->data) OLX_TRY(olx_scene_note_source(scene, request->path));
     if (request->error[0]) {
       if (++missing <= MAX_REPEATED_WARNINGS) {
         olx_scene_warn(scene, "%s: texture left out: %s", model_path, request->error);

@@ -1,0 +1,91 @@
+// One thread takes the signals that end the program, so that what it does about them is ordinary code, not a signal
+// handler's.
+#include "stop.h"
+
+#include <dirent.h>
+#include <fcntl.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { PATIENCE_MS = 700 }; // for work that ends by itself
+
+// The process has one set of signals, so this is the process's.
+static struct {
+  const char *command;
+  sigset_t signals, usual;
+  atomic_int signal;
+  atomic_bool working;
+  pthread_mutex_t folder_lock;
+  char folder[4096];
+} stop = {.folder_lock = PTHREAD_MUTEX_INITIALIZER};
+
+static void remove_folder(void) {
+  pthread_mutex_lock(&stop.folder_lock);
+  DIR *entries = stop.folder[0] ? opendir(stop.folder) : NULL;
+  for (struct dirent *entry; entries && (entry = readdir(entries)) != NULL;) {
+    unlinkat(dirfd(entries), entry->d_name, 0); // fails for the folder itself and its parent
+  }
+  if (entries) closedir(entries);
+  if (stop.folder[0]) rmdir(stop.folder);
+  pthread_mutex_unlock(&stop.folder_lock);
+}
+
+_Noreturn static void leave_at_once(void) {
+  char line[128];
+  remove_folder();
+  // Past the streams: another thread may hold their locks.
+  const int length = snprintf(line, sizeof line, "octalux %.64s: interrupted\n", stop.command);
+  (void)!write(STDERR_FILENO, line, (size_t)length);
+  _exit(128 + stop.signal);
+}
+
+static void *wait_for_signal(void *user) {
+  (void)user;
+  int number = 0;
+  while (sigwait(&stop.signals, &number) != 0) {}
+  stop.signal = number;
+  const struct timespec patience = {.tv_nsec = PATIENCE_MS * 1000000L};
+  if (stop.working) sigtimedwait(&stop.signals, NULL, &patience);
+  leave_at_once();
+}
+
+void stop_watch(const char *command) {
+  pthread_t thread;
+  struct sigaction before;
+  stop.command = command;
+  sigemptyset(&stop.signals);
+  sigaddset(&stop.signals, SIGINT);
+  sigaddset(&stop.signals, SIGTERM);
+  // Under nohup the end of the terminal's session is to be ignored.
+  if (sigaction(SIGHUP, NULL, &before) == 0 && before.sa_handler != SIG_IGN) sigaddset(&stop.signals, SIGHUP);
+  // Shells let programs in the background ignore SIGINT, and an ignored signal would never be waited for.
+  signal(SIGINT, SIG_DFL);
+  signal(SIGTERM, SIG_DFL);
+  signal(SIGXFSZ, SIG_IGN); // a file that may not grow is an error of writing, with a message
+  pthread_sigmask(SIG_BLOCK, &stop.signals, &stop.usual);
+  if (pthread_create(&thread, NULL, wait_for_signal, NULL) == 0) pthread_detach(thread);
+  else pthread_sigmask(SIG_SETMASK, &stop.usual, NULL);
+}
+
+void stop_hand_over(void) {
+  signal(SIGXFSZ, SIG_DFL);
+  pthread_sigmask(SIG_SETMASK, &stop.usual, NULL);
+}
+
+void stop_work_begin(void) { stop.working = true; }
+void stop_work_end(void) { stop.working = false; }
+
+bool stop_requested(void) { return stop.signal != 0; }
+
+int stop_exit_code(int code) { return stop_requested() ? 128 + stop.signal : code; }
+
+void stop_remove_folder(const char *path) {
+  pthread_mutex_lock(&stop.folder_lock);
+  snprintf(stop.folder, sizeof stop.folder, "%s", path ? path : "");
+  pthread_mutex_unlock(&stop.folder_lock);
+}

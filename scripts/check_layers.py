@@ -26,8 +26,8 @@ PUBLIC = {"base.h": "core", "field.h": "field", "sample.h": "select", "denoiser.
 
 SYSTEM = set("""assert.h complex.h ctype.h errno.h fcntl.h fenv.h float.h inttypes.h limits.h locale.h math.h pthread.h
 sched.h setjmp.h signal.h stdalign.h stdarg.h stdatomic.h stdbool.h stddef.h stdint.h stdio.h stdlib.h stdnoreturn.h
-string.h strings.h tgmath.h time.h unistd.h sys/mman.h sys/stat.h sys/types.h sys/time.h sys/resource.h sys/wait.h
-xxhash.h""".split())
+string.h strings.h tgmath.h time.h unistd.h dirent.h poll.h sys/file.h sys/mman.h sys/stat.h sys/types.h sys/time.h
+sys/resource.h sys/wait.h xxhash.h""".split())
 
 SAME_NAME_ALLOWED = {"CMakeLists.txt", "README.md", "SOURCE.md", ".gitignore"}
 CODE = {".c", ".h", ".cpp", ".hpp", ".glsl", ".comp", ".frag", ".vert"}

@@ -1,10 +1,13 @@
-# A bake that is interrupted or killed leaves the old file or the new one, never half of one: test_kill.sh [ROUNDS].
+# A bake that is interrupted or killed leaves the old file or the new one, never half of one, and nothing else: neither
+# with unnamed temporary files nor, after the next output, with named ones. test_kill.sh [ROUNDS].
 set -euo pipefail
 set -m # without job control bash makes children ignore SIGINT
 rounds=${1:-4}
+: "${OCTALUX_NAMED_FILES:?the library that stands for a file system without unnamed files}"
 work=$(mktemp -d) log=$(mktemp)
 trap 'rm -rf "$work" "$log"' EXIT
-bake=("$OCTALUX" bake builtin:cornell -o "$work/field.olx" --grid 3x3x3 --radiance-size 128 --irradiance-size 16 --bounces 1)
+bake=("$OCTALUX" bake builtin:cornell -o "$work/field.olx" --grid 3x3x3 --radiance-size 128 --irradiance-size 16
+  --bounces 1)
 
 fail() {
   echo "$1" >&2
@@ -16,31 +19,58 @@ start=$(date +%s%N)
 bake_ms=$((($(date +%s%N) - start) / 1000000))
 sum=$(sha256sum <"$work/field.olx")
 
+# kill_bake SIGNAL MILLISECONDS PRELOADED: a bake gets the signal; its exit status is in $status.
+kill_bake() {
+  : >"$log"
+  LD_PRELOAD=$3 "${bake[@]}" --progress >/dev/null 2>"$log" &
+  local child=$!
+  # Until it is the program: a signal before that would meet a copy of this shell, which tidies up as this one does.
+  while [ "$(cat "/proc/$child/comm" 2>/dev/null)" = bash ]; do :; done
+  # In the midst of the bake, however busy the machine is by now.
+  until [ -s "$log" ] || ! kill -0 "$child" 2>/dev/null; do sleep 0.01; done
+  sleep "$(printf '%d.%03d' $(($2 / 1000)) $(($2 % 1000)))"
+  [ -z "$3" ] || [ "$(ls -A "$work")" = field.olx ] || named=1
+  kill -"$1" "$child" 2>/dev/null || true
+  status=0
+  wait "$child" 2>/dev/null || status=$?
+}
+
+# Whether the field is as it was, and alone.
+check_left() {
+  [ "$(sha256sum <"$work/field.olx")" = "$sum" ] || fail "$1: the file changed"
+  "$OCTALUX" verify "$work/field.olx" >/dev/null || fail "$1: the file is broken"
+  [ "$(ls -A "$work")" = field.olx ] || fail "$1: left behind: $(ls -A "$work")"
+}
+
 for ((round = 0; round < rounds; round++)); do
   # Moments spread over the whole bake, its start and its end included.
   delay_ms=$((bake_ms * (2 * round + 1) / (2 * rounds)))
-  for signal in KILL INT TERM; do
-    "${bake[@]}" --progress >/dev/null 2>"$log" &
-    child=$!
-    # Until it is the program: a signal before that would meet a copy of this shell, which tidies up as this one does.
-    while [ "$(cat "/proc/$child/comm" 2>/dev/null)" = bash ]; do :; done
-    if [ "$round" -eq 0 ]; then # in the midst of the bake, however fast the machine is by now
-      until [ -s "$log" ] || ! kill -0 "$child" 2>/dev/null; do sleep 0.01; done
-    else
-      sleep "$(printf '%d.%03d' $((delay_ms / 1000)) $((delay_ms % 1000)))"
-    fi
-    kill -"$signal" "$child" 2>/dev/null || true
-    status=0
-    wait "$child" 2>/dev/null || status=$?
-    [ "$(sha256sum <"$work/field.olx")" = "$sum" ] || fail "SIG$signal after $delay_ms ms: the file changed"
-    "$OCTALUX" verify "$work/field.olx" >/dev/null || fail "SIG$signal after $delay_ms ms: the file is broken"
-    if [ "$signal" = KILL ]; then
-      find "$work" -name '*.tmp-*' -delete
-    else
-      [ "$(ls "$work")" = field.olx ] || fail "SIG$signal after $delay_ms ms: left behind: $(ls "$work")"
-      # A late moment may come after the end of the bake.
-      [ "$status" -ne 0 ] || [ "$round" -gt 0 ] || fail "SIG$signal after $delay_ms ms: exit status 0"
-    fi
+  for signal in KILL HUP INT TERM XFSZ; do
+    kill_bake $signal $delay_ms ""
+    check_left "SIG$signal after $delay_ms ms"
+    # The first moment lies well inside the bake; a late one may come after its end. SIGXFSZ is an error of writing.
+    [ "$signal" = XFSZ ] || [ "$status" -ne 0 ] || [ "$round" -gt 0 ] ||
+      fail "SIG$signal after $delay_ms ms: exit status 0"
   done
 done
+
+# A limit on the size of files acts like a full disk: an error, wherever it is noticed.
+status=0
+(ulimit -f 64 && "${bake[@]}") >/dev/null 2>"$work.txt" || status=$?
+[ "$status" = 1 ] && grep -q "field.olx: cannot" "$work.txt" ||
+  fail "a limit of sizes: exit status $status: $(cat "$work.txt")"
+rm -f "$work.txt"
+check_left "a limit of sizes"
+
+# Named files go with the program when it may tidy up, and with the next output when it was killed.
+named=0
+for signal in KILL HUP TERM; do
+  kill_bake $signal $((bake_ms / 2)) "$OCTALUX_NAMED_FILES"
+  [ "$signal" = KILL ] || check_left "SIG$signal with named files"
+done
+kill_bake KILL $((bake_ms / 2)) "$OCTALUX_NAMED_FILES"
+[ "$named" = 1 ] || fail "no temporary file had a name: nothing was tested"
+"$OCTALUX" place builtin:cornell -o "$work/probes.json" --method grid --voxels 16 >/dev/null
+rm "$work/probes.json"
+check_left "the next output after SIGKILL with named files"
 echo "$rounds rounds over $bake_ms ms"

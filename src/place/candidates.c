@@ -1,6 +1,7 @@
 #include "place/candidates.h"
 
 #include "core/hooks.h"
+#include "core/parallel.h"
 #include "core/result.h"
 #include "core/sampling.h"
 
@@ -118,11 +119,13 @@ static olx_result add_spread(const olx_space *space, uint32_t most, uint32_t see
   // The smallest cells that are few enough, by halving: from one voxel a cell to all voxels in one.
   uint32_t low = 1, high = 1;
   for (int i = 0; i < 3; i++) high = space->voxels.count[i] > high ? space->voxels.count[i] : high;
-  while (low < high) {
+  olx_result result = OLX_OK;
+  while (low < high && result == OLX_OK) {
     const uint32_t middle = (low + high) / 2;
     const cells c = cut_cells(&space->voxels, middle);
     if (choose_in_cells(space, &c, seed, chosen) <= most) high = middle;
     else low = middle + 1;
+    result = olx_check_cancelled();
   }
   const cells c = cut_cells(&space->voxels, low);
   const size_t used = choose_in_cells(space, &c, seed, chosen);
@@ -131,7 +134,7 @@ static olx_result add_spread(const olx_space *space, uint32_t most, uint32_t see
     list[(*count)++] = (olx_candidate){olx_voxel_centre(&space->voxels, chosen[i]), OLX_ORIGIN_SPACE};
   }
   olx_release(chosen);
-  return OLX_OK;
+  return result;
 }
 
 olx_result olx_candidates_create(const olx_space *space, const olx_grid *grid, uint32_t wanted, uint32_t seed,

@@ -99,6 +99,7 @@ static olx_result cut_pieces(pieces *p, uint32_t threads) {
   for (size_t i = 0; i < total; i++) {
     if (!(p->space->reachable[i] & OLX_REACHABLE) || p->of[i] != NONE) continue;
     OLX_TRY(make_room(p));
+    OLX_TRY(olx_check_cancelled());
     grow_piece(p, i);
   }
   return olx_parallel_for((p->count + PIECES_A_JOB - 1) / PIECES_A_JOB, threads, look_job, p, NULL, 0);

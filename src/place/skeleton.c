@@ -1,12 +1,14 @@
 #include "place/skeleton.h"
 
 #include "core/hooks.h"
+#include "core/parallel.h"
 #include "core/result.h"
 
 // Above this growth of the distance, for each voxel of the way, a voxel is no skeleton.
 #define FAR_GROWTH 0.5
 #define FAR_LEAST 2.0 // voxels
 #define MOST_ITEMS 16384u
+#define PLACES_A_LOOK 4096u // at whether to stop
 
 static bool is_far(const olx_voxels *v, size_t voxel, double least) {
   uint32_t c[3];
@@ -51,20 +53,29 @@ olx_result olx_far_voxels(const olx_space *space, olx_cluster_item **items, uint
   const double least = least_distance(space);
   size_t found = 0, nth = 0;
   uint32_t used = 0;
-  for (size_t i = 0; i < space->place_count; i++) found += is_far(&space->voxels, space->places[i], least);
+  for (size_t i = 0; i < space->place_count; i++) {
+    if (i % PLACES_A_LOOK == 0) OLX_TRY(olx_check_cancelled());
+    found += is_far(&space->voxels, space->places[i], least);
+  }
   const size_t most = found < MOST_ITEMS ? found : MOST_ITEMS;
   *count = 0;
   *items = olx_allocate_zero(most, sizeof **items);
   if (!*items) return olx_fail(OLX_ERROR_MEMORY, "place: no memory for %zu voxels", most);
   const float scale = 1.0f / diagonal(space);
-  for (size_t i = 0; i < space->place_count && used < most; i++) {
+  olx_result result = OLX_OK;
+  for (size_t i = 0; i < space->place_count && used < most && result == OLX_OK; i++) {
+    if (i % PLACES_A_LOOK == 0) result = olx_check_cancelled();
     if (!is_far(&space->voxels, space->places[i], least)) continue;
     // Evenly thinned where there are too many.
     if (nth++ * most < used * found) continue;
     set_position(&(*items)[used++], olx_voxel_centre(&space->voxels, space->places[i]), scale);
   }
   *count = used;
-  return OLX_OK;
+  if (result != OLX_OK) {
+    olx_release(*items);
+    *items = NULL;
+  }
+  return result;
 }
 
 static olx_result expect_probes(olx_result result, uint32_t probe_count, olx_candidate **probes, const char *what) {

@@ -284,6 +284,7 @@ static olx_result list_places(olx_space *space, uint32_t threads) {
   const size_t total = space->voxels.total;
   OLX_TRY(olx_parallel_for((uint32_t)((total + PLACES_A_JOB - 1) / PLACES_A_JOB), threads, allow_job, space, NULL, 0));
   mark_fringe(space);
+  OLX_TRY(olx_check_cancelled());
   for (size_t i = 0; i < total; i++) {
     space->place_count += (space->reachable[i] & OLX_ALLOWED) != 0;
     space->start_count += space->reachable[i] != 0;
@@ -303,7 +304,9 @@ static olx_result list_places(olx_space *space, uint32_t threads) {
 static olx_result flood(olx_space *space, finder *f, const uint8_t *excluded, uint32_t threads) {
   const olx_voxels *v = &space->voxels;
   for (size_t i = 0; i < v->total; i++) f->labels[i] = v->solid[i] || (excluded && excluded[i]) ? SOLID : 0;
-  if (flood_from_cameras(f) == 0) OLX_TRY(flood_everything(f, threads, space->outside));
+  const bool by_camera = flood_from_cameras(f) > 0;
+  OLX_TRY(olx_check_cancelled());
+  if (!by_camera) OLX_TRY(flood_everything(f, threads, space->outside));
   space->reachable_count = 0;
   for (size_t i = 0; i < v->total; i++) {
     space->reachable[i] = f->labels[i] == 1 ? OLX_REACHABLE : 0;
@@ -347,6 +350,7 @@ static olx_result find_space(olx_space *space, finder *f, uint32_t threads) {
   }
   OLX_TRY(olx_find_outside(space->scene, threads, &space->outside, NULL));
   OLX_TRY(flood(space, f, NULL, threads));
+  OLX_TRY(olx_check_cancelled());
   if (!space->scene->probe_rules.has_playable) OLX_TRY(leave_outdoors(space, f, threads));
   if (space->reachable_count == 0) {
     return olx_fail(OLX_ERROR_EMPTY, "nowhere to place probes: every free place in %s is inside geometry",

@@ -1,0 +1,49 @@
+# Every command stops within a second of a signal, says that it was interrupted, exits with 128 + the signal's number, and
+# leaves nothing behind: at several moments of each, on built-in scenes.
+set -euo pipefail
+cd "$(dirname "$0")"
+stop=$PWD/stop.py
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+mkdir "$work/run"
+
+# stopped SIGNAL SECONDS ARGUMENTS...
+stopped() {
+  python3 "$stop" "$work/run" "$1" "$2" "$OCTALUX" "${@:3}"
+}
+
+"$OCTALUX" bake builtin:cornell-glossy -o "$work/field.olx" --radiance-size 64 --irradiance-size 16 --bounces 1 \
+  >/dev/null
+"$OCTALUX" render builtin:cornell --method path --spp 1 --size 2048x2048 -o "$work/picture.exr" >/dev/null
+
+stopped TERM 0.05 bake builtin:temple -o f.olx --grid 8x8x8 --threads 2
+stopped INT 1.5 bake builtin:temple -o f.olx --grid 8x8x8 --threads 2
+stopped HUP 0.5 bake builtin:temple -o f.olx --grid 8x8x8 --threads 2 --classic --relight
+
+large=(--surfels 1048576 --candidates 16384 --voxels 300)
+for seconds in 0.3 1.5; do
+  stopped INT "$seconds" place builtin:temple -o p.json --method grid --grid 40x40x40 "${large[@]}" --threads 2
+done
+stopped TERM 1.5 place builtin:temple -o p.json --method sdf "${large[@]}" --threads 2
+stopped TERM 1.5 place builtin:temple -o p.json --method medial "${large[@]}" --threads 2
+for seconds in 0.5 3; do
+  stopped INT "$seconds" place builtin:temple -o p.json --method cover "${large[@]}" --threads 2
+done
+for optimizer in gradient gibbs; do
+  stopped TERM 1.2 place builtin:temple -o p.json --method grid --grid 20x20x20 --threads 2 \
+    --optimize $optimizer --rounds 10000
+done
+
+stopped INT 0.5 render builtin:temple --method path -o p.exr --spp 10000 --threads 2
+stopped TERM 0.5 render builtin:cornell-glossy --field "$work/field.olx" -o p.png --spp 4096 --threads 2
+stopped INT 0.5 render builtin:cornell-glossy --field "$work/field.olx" -o p.png --frames 10000 --threads 2
+stopped TERM 0.5 audit builtin:cornell-glossy --field "$work/field.olx" --rays 100000000 --threads 2
+stopped INT 0.5 compare "$work/picture.exr" "$work/picture.exr" --report r.html --threads 2
+
+stopped TERM 0.5 bench mcguire-table1 --threads 2
+stopped INT 1 bench all --quick --threads 2
+stopped INT 1 bench speed builtin:temple --threads 2
+
+# What waits is stopped, too: a pipe that nobody reads.
+mkfifo "$work/run/pipe.json"
+stopped TERM 0.5 place builtin:cornell -o pipe.json --method grid --voxels 16

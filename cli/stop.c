@@ -2,6 +2,8 @@
 // handler's.
 #include "stop.h"
 
+#include "clock.h"
+
 #include <dirent.h>
 #include <fcntl.h>
 #include <pthread.h>
@@ -12,7 +14,12 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { PATIENCE_MS = 700 }; // for work that ends by itself
+// How long work has to end by itself. On a busy machine, where it gets little of the processors' time, it has longer; but not
+// when it uses none, since it waits for something then.
+#define PATIENCE_SECONDS 0.7
+#define MOST_PATIENCE_SECONDS 5.0
+#define BUSY_SECONDS 0.35 // of processors
+#define WAITING_SECONDS 0.01
 
 // The process has one set of signals, so this is the process's.
 static struct {
@@ -44,13 +51,27 @@ _Noreturn static void leave_at_once(void) {
   _exit(128 + stop.signal);
 }
 
+// Wait as long as the work, while `working`, may go on; false when another signal came.
+static bool wait_while(bool working) {
+  const struct timespec slice = {.tv_nsec = 20000000L};
+  const double start = clock_seconds(CLOCK_MONOTONIC), spent = clock_seconds(CLOCK_PROCESS_CPUTIME_ID);
+  while (stop.working == working) {
+    if (sigtimedwait(&stop.signals, NULL, &slice) >= 0) return false;
+    const double waited = clock_seconds(CLOCK_MONOTONIC) - start;
+    const double used = clock_seconds(CLOCK_PROCESS_CPUTIME_ID) - spent;
+    if (waited < PATIENCE_SECONDS) continue;
+    if (waited > MOST_PATIENCE_SECONDS || used > BUSY_SECONDS || used < WAITING_SECONDS) return false;
+  }
+  return true;
+}
+
 static void *wait_for_signal(void *user) {
   (void)user;
   int number = 0;
   while (sigwait(&stop.signals, &number) != 0) {}
   stop.signal = number;
-  const struct timespec patience = {.tv_nsec = PATIENCE_MS * 1000000L};
-  if (stop.working) sigtimedwait(&stop.signals, NULL, &patience);
+  // Work that has ended by itself has as long again to leave in good order.
+  if (stop.working && wait_while(true)) wait_while(false);
   leave_at_once();
 }
 

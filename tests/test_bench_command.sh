@@ -47,7 +47,7 @@ grep -q "mcguire-resolution: path tracing" stderr.txt || fail "no progress"
 await $! "mcguire-leaks: "
 kill -TERM $!
 wait $!
-[ $? = 1 ] || fail "a stopped experiment does not fail"
+[ $? = 143 ] || fail "a stopped experiment does not say by its exit code what stopped it"
 grep -q "interrupted" stderr.txt || fail "a stopped experiment does not say so"
 [ -z "$(ls -A temporary)" ] || fail "a stopped experiment leaves fields"
 finish

@@ -35,7 +35,7 @@ TMPDIR=$PWD/nowhere expect_failure "cannot create a temporary folder" bench wang
 await $! "cornell-glossy: "
 kill -TERM $!
 wait $!
-[ $? = 1 ] || fail "a stopped experiment does not fail"
+[ $? = 143 ] || fail "a stopped experiment does not say by its exit code what stopped it"
 grep -q "interrupted" stderr.txt || fail "a stopped experiment does not say so"
 [ -z "$(ls -A temporary)" ] || fail "a stopped experiment leaves fields"
 

@@ -520,6 +520,7 @@ olx_result olx_bake_measure(const olx_scene *scene, const olx_bake_settings *set
 olx_result olx_bake(const olx_scene *scene, const olx_bake_settings *settings, const char *path,
                     const olx_progress *progress, olx_bake_stats *stats) {
   olx_bake_sizes sizes;
+  OLX_TRY(olx_output_check(path, false));
   OLX_TRY(olx_scene_check_output(scene, path));
   OLX_TRY(olx_bake_measure(scene, settings, path, &sizes));
   if (olx_emitters_group_count(scene) == 0) {

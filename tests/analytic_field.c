@@ -2,7 +2,7 @@
 
 #include "core/hooks.h"
 #include "core/sampling.h"
-#include "field/maps.h"
+#include "field/texels.h"
 #include "select/cage.h"
 
 #include <stdlib.h>
@@ -58,6 +58,10 @@ olx_vec3 analytic_radiance(olx_vec3 p, olx_vec3 n) {
   return olx_v3(1.0f + 0.5f * sinf(p.x + n.x), 1.0f + 0.5f * cosf(p.y + n.y), 1.0f + 0.5f * sinf(p.z - n.z));
 }
 
+olx_vec3 analytic_albedo(olx_vec3 p, olx_vec3 n) {
+  return olx_v3(0.5f + 0.3f * sinf(2.0f * p.x + n.y), 0.5f + 0.3f * cosf(p.z - n.x), 0.5f + 0.3f * sinf(p.y + n.z));
+}
+
 static void *zeroed(size_t count, size_t size) {
   void *memory = calloc(count, size);
   if (!memory) abort();
@@ -79,6 +83,66 @@ static void fill_probe(const analytic_scene *scene, olx_field *f, uint32_t probe
       const olx_vec3 p = olx_madd(f->probe_positions[probe], d, hit.t);
       radiance[index] = olx_r11g11b10f_pack(hit.t < INFINITY ? analytic_radiance(p, hit.normal) : olx_splat(4.0f));
     }
+  }
+}
+
+// The maps of surfaces while they are made.
+typedef struct surface_maps {
+  uint32_t *base, *direct, *indirect, *emission, *tiles;
+  uint16_t *specular;
+} surface_maps;
+
+static void fill_surface(const analytic_scene *scene, const olx_field *f, uint32_t probe, int32_t x, int32_t y,
+                         const surface_maps *maps) {
+  int32_t sx, sy;
+  olx_border_source(x, y, (int32_t)f->n, &sx, &sy);
+  const olx_vec3 d = olx_texel_direction((uint32_t)sx, (uint32_t)sy, f->n);
+  const analytic_hit hit = analytic_cast(scene, f->probe_positions[probe], d);
+  if (!(hit.t < INFINITY)) return;
+  const size_t index = f->texels * probe + olx_map_index(f->stride, x, y);
+  const olx_vec3 p = olx_madd(f->probe_positions[probe], d, hit.t), albedo = analytic_albedo(p, hit.normal);
+  const olx_texel_material_codes material = olx_material_pack(albedo, 1.0f, 0.0f, 0.0f);
+  maps->base[index] = material.base;
+  maps->specular[index] = material.specular;
+  const olx_vec3 sent = olx_scale(analytic_radiance(p, hit.normal), OLX_PI);
+  maps->indirect[index] = olx_rgb9e5_pack(olx_v3(sent.x / albedo.x, sent.y / albedo.y, sent.z / albedo.z));
+}
+
+// All tiles that hold any sky are one and the same: what is not sky is not looked up there.
+static void fill_emission(const olx_field *f, uint32_t probe, const surface_maps *maps) {
+  const uint32_t side = f->surfaces.tile_side;
+  for (uint32_t i = 0; i < f->n * f->n; i++) {
+    const uint32_t x = i % f->n, y = i / f->n;
+    const size_t at = f->texels * probe + olx_map_index(f->stride, (int32_t)x, (int32_t)y);
+    const size_t tile = (size_t)y / OLX_EMISSION_TILE * side + x / OLX_EMISSION_TILE;
+    if (f->distance[at] == 0x7C00) maps->emission[(size_t)side * side * probe + tile] = 1;
+  }
+}
+
+static void fill_surfaces(const analytic_scene *scene, olx_field *f, uint32_t count) {
+  const uint32_t side = f->n / OLX_EMISSION_TILE;
+  const size_t texels = f->texels * count;
+  const surface_maps maps = {.base = zeroed(texels, 4),
+                             .direct = zeroed(texels, 4),
+                             .indirect = zeroed(texels, 4),
+                             .emission = zeroed((size_t)side * side * count, 4),
+                             .tiles = zeroed(OLX_EMISSION_TILE_TEXELS, 4),
+                             .specular = zeroed(texels, 2)};
+  f->surfaces = (olx_field_surfaces){.base = maps.base,
+                                     .specular = maps.specular,
+                                     .direct = maps.direct,
+                                     .indirect = maps.indirect,
+                                     .emission = maps.emission,
+                                     .tiles = maps.tiles,
+                                     .tile_side = side,
+                                     .tile_count = 1};
+  for (uint32_t i = 0; i < OLX_EMISSION_TILE_TEXELS; i++) maps.tiles[i] = olx_rgb9e5_pack(olx_splat(4.0f));
+  const int32_t n = (int32_t)f->n;
+  for (uint32_t probe = 0; probe < count; probe++) {
+    for (int32_t y = -1; y <= n; y++) {
+      for (int32_t x = -1; x <= n; x++) fill_surface(scene, f, probe, x, y, &maps);
+    }
+    fill_emission(f, probe, &maps);
   }
 }
 
@@ -145,12 +209,15 @@ olx_field *analytic_field_make(const analytic_scene *scene, const olx_grid *grid
                      least + (size_t)f->pyramid.least_nodes * i, greatest + (size_t)f->pyramid.greatest_nodes * i);
     fill_irradiance(scene, f, i, irradiance, moments);
   }
+  fill_surfaces(scene, f, count);
   return f;
 }
 
 void analytic_field_free(olx_field *f) {
-  const void *blocks[] = {f->probe_positions, f->probe_flags, f->radiance,   f->normal,  f->distance,
-                          f->least,           f->greatest,    f->irradiance, f->moments, f};
+  const void *blocks[] = {f->probe_positions,   f->probe_flags,       f->radiance,          f->normal,
+                          f->distance,          f->least,             f->greatest,          f->irradiance,
+                          f->moments,           f->surfaces.base,     f->surfaces.specular, f->surfaces.direct,
+                          f->surfaces.indirect, f->surfaces.emission, f->surfaces.tiles,    f};
   for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) free((void *)(uintptr_t)blocks[i]);
 }
 

@@ -26,7 +26,11 @@ analytic_hit analytic_cast(const analytic_scene *scene, olx_vec3 origin, olx_vec
 // Radiance that tells places apart: positive, smooth in position, different on each side of a box.
 olx_vec3 analytic_radiance(olx_vec3 position, olx_vec3 normal);
 
-// Every map of a grid of probes; irradiance maps hold the radiance's constant `irradiance` and exact moments of one texel.
+// Reflectance that tells places apart, from 0.2 to 0.8.
+olx_vec3 analytic_albedo(olx_vec3 position, olx_vec3 normal);
+
+// Every map of a grid of probes; surfaces are Lambertian with analytic_albedo, get pi * analytic_radiance / analytic_albedo of
+// indirect light and no direct light, and the sky has a radiance of 4; irradiance maps hold the radiance's constant `irradiance` and exact moments of one texel.
 // Free with analytic_field_free.
 olx_field *analytic_field_make(const analytic_scene *scene, const olx_grid *grid, uint32_t n, uint32_t irradiance_n);
 void analytic_field_free(olx_field *field);

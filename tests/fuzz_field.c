@@ -248,7 +248,9 @@ static void change_maps(dice *d, buffer *b) {
   static const olx_chunk_kind kinds[] = {OLX_CHUNK_RADIANCE,    OLX_CHUNK_NORMAL,          OLX_CHUNK_DISTANCE,
                                          OLX_CHUNK_DISTANCE,    OLX_CHUNK_LEAST,           OLX_CHUNK_GREATEST,
                                          OLX_CHUNK_IRRADIANCE,  OLX_CHUNK_MOMENTS,         OLX_CHUNK_MOMENTS,
-                                         OLX_CHUNK_PROBE_FLAGS, OLX_CHUNK_IRRADIANCE_FLAGS};
+                                         OLX_CHUNK_PROBE_FLAGS, OLX_CHUNK_IRRADIANCE_FLAGS, OLX_CHUNK_BASE,
+                                         OLX_CHUNK_DIRECT,      OLX_CHUNK_INDIRECT,        OLX_CHUNK_EMISSION,
+                                         OLX_CHUNK_LIGHTS};
   const buffer map = chunk_of(*b, kinds[draw_below(d, sizeof kinds / sizeof kinds[0])]);
   const size_t halves = map.size_bytes / 2;
   if (halves == 0) return;

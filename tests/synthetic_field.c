@@ -5,8 +5,20 @@
 #include "core/hooks.h"
 #include "core/result.h"
 #include "core/sampling.h"
+#include "field/texels.h"
 
 #include <stdlib.h>
+
+const olx_field_light synthetic_lights[SYNTHETIC_LIGHTS] = {
+    {.type = OLX_FIELD_SUN, .direction = {0.0f, -1.0f, 0.0f}, .emission = {3.0f, 2.0f, 1.0f}},
+    {.type = OLX_FIELD_POINT, .position = {1.0f, 2.0f, -1.0f}, .emission = {5.0f, 5.0f, 5.0f}},
+    {.type = OLX_FIELD_SPOT,
+     .position = {-1.0f, 2.5f, 0.5f},
+     .direction = {0.6f, -0.8f, 0.0f},
+     .emission = {0.0f, 7.0f, 0.0f},
+     .cosine_inner = 0.9f,
+     .cosine_outer = 0.5f},
+};
 
 static uint32_t probes_of(const uint32_t counts[3]) { return counts[0] * counts[1] * counts[2]; }
 
@@ -76,6 +88,8 @@ olx_field_header synthetic_header(const synthetic_shape *shape) {
   header.irradiance_positions = positions_of(&header.info.irradiance_grid, header.info.irradiance_probe_count);
   build_selectors(&header, shape->select_mask);
   if (shape->classic_size) describe_classic(&header, shape->classic_size);
+  header.lights = synthetic_lights;
+  header.light_count = SYNTHETIC_LIGHTS;
   header.info.relight_size = shape->relight_size;
   header.info.relight_points = shape->relight_points;
   header.info.relight_rays = shape->relight_rays;
@@ -107,6 +121,21 @@ void synthetic_light_maps(uint32_t n, uint32_t probe, uint32_t *radiance, uint16
     else if (random % 13 == 0) distance[i] |= 0x8000;
   }
   distance[n / 2] = 0;
+}
+
+olx_surface_maps synthetic_surface_maps(uint32_t n, uint32_t probe, const uint16_t *distance,
+                                        synthetic_surfaces_room *room) {
+  for (uint32_t i = 0; i < n * n; i++) {
+    const float a = olx_unit_float(olx_hash3(i, n, probe ^ 0x1000u)), b = olx_unit_float(olx_hash3(i, n, probe ^ 0x2000u));
+    const bool sky = distance[i] == 0x7C00, emits = distance[i] >= 0x7C00 && (probe % 2 == 0 || i >= n * n / 4 * 3);
+    const olx_texel_material_codes material = olx_material_pack(olx_v3(a, b, a * b), b, a > 0.5f, a);
+    room->base[i] = sky ? 0 : material.base;
+    room->specular[i] = sky ? 0 : material.specular;
+    room->direct[i] = sky ? 0 : olx_rgb9e5_pack(olx_v3(9.0f * a, b, 0.0f));
+    room->indirect[i] = sky ? 0 : olx_rgb9e5_pack(olx_v3(b, a, 0.1f));
+    room->emission[i] = emits ? olx_rgb9e5_pack(olx_v3(20.0f, 10.0f + a, b)) : 0;
+  }
+  return (olx_surface_maps){room->base, room->specular, room->direct, room->indirect, room->emission};
 }
 
 void synthetic_irradiance_maps(uint32_t n, uint32_t probe, uint32_t *irradiance, uint32_t *moments) {
@@ -233,12 +262,15 @@ olx_result synthetic_write_probes(olx_field_writer *writer, const synthetic_shap
                irradiance_texels = (size_t)shape->irradiance_n * shape->irradiance_n;
   const size_t most = texels > irradiance_texels ? texels : irradiance_texels;
   uint32_t *first = olx_allocate(most, 8), *second = first + most;
-  if (!first) return olx_fail(OLX_ERROR_MEMORY, "out of memory");
+  synthetic_surfaces_room *room = olx_allocate(1, sizeof *room);
+  if (!first || !room) return olx_fail(OLX_ERROR_MEMORY, "out of memory");
   olx_result result = OLX_OK;
   for (uint32_t i = 0; i < probes_of(shape->grid) && result == OLX_OK; i++) {
     uint16_t *normal = (uint16_t *)second, *distance = normal + texels;
     synthetic_light_maps(shape->n, i, first, normal, distance);
     result = olx_field_writer_probe(writer, i, synthetic_flags(i), first, normal, distance);
+    const olx_surface_maps maps = synthetic_surface_maps(shape->n, i, distance, room);
+    if (result == OLX_OK) result = olx_field_writer_surface(writer, i, &maps);
   }
   for (uint32_t i = 0; i < probes_of(shape->irradiance_grid) && result == OLX_OK; i++) {
     synthetic_irradiance_maps(shape->irradiance_n, i, first, second);
@@ -247,6 +279,7 @@ olx_result synthetic_write_probes(olx_field_writer *writer, const synthetic_shap
     if (!map) synthetic_harmonics(shape->irradiance_form, i, halves);
     result = olx_field_writer_irradiance(writer, i, synthetic_flags(i), map ? (const void *)first : halves, second);
   }
+  olx_release(room);
   olx_release(first);
   if (result == OLX_OK) result = write_classic(writer, shape);
   return result == OLX_OK ? write_relight(writer, shape) : result;

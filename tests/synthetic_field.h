@@ -24,6 +24,16 @@ uint8_t synthetic_flags(uint32_t probe);
 
 // The maps of a probe, without border. The distances hold sky, emitters and a texel at distance 0.
 void synthetic_light_maps(uint32_t n, uint32_t probe, uint32_t *radiance, uint16_t *normal, uint16_t *distance);
+// Room for the surfaces of a probe whose maps have up to 256 x 256 texels.
+typedef struct synthetic_surfaces_room {
+  uint32_t base[256 * 256], direct[256 * 256], indirect[256 * 256], emission[256 * 256];
+  uint16_t specular[256 * 256];
+} synthetic_surfaces_room;
+// Surfaces to go with these distances; what comes back points into `room`. Odd probes emit in their last quarter alone.
+olx_surface_maps synthetic_surface_maps(uint32_t n, uint32_t probe, const uint16_t *distance, synthetic_surfaces_room *room);
+// A sun, a lamp and a spotlight.
+enum { SYNTHETIC_LIGHTS = 3 };
+extern const olx_field_light synthetic_lights[SYNTHETIC_LIGHTS];
 void synthetic_irradiance_maps(uint32_t n, uint32_t probe, uint32_t *irradiance, uint32_t *moments);
 
 // Irradiance of a probe in place of a map: harmonics that ring.

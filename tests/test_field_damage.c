@@ -2,6 +2,11 @@
 #include "field_fixture.h"
 
 #include "core/hooks.h"
+#include "field/texels.h"
+
+// The chunks of a field that has nothing but the required ones; that of emission's tiles comes last.
+enum { REQUIRED = OLX_CHUNK_REQUIRED + 1 };
+static const olx_chunk_kind TILES = OLX_CHUNK_REQUIRED;
 
 static void test_refuses_a_wrong_header(void **state) {
   field_image i = field_image_load(*state, &small);
@@ -21,10 +26,10 @@ static void test_refuses_a_wrong_header(void **state) {
   i.header->magic[1] = 'o';
   assert_field_refused(&i, OLX_ERROR_FORMAT, "wrong magic");
   *i.header = good;
-  i.header->version = 0;
-  assert_field_refused(&i, OLX_ERROR_VERSION, "version 0 is older");
-  i.header->version = 2;
-  assert_field_refused(&i, OLX_ERROR_VERSION, "version 2 is newer");
+  i.header->version = 1;
+  assert_field_refused(&i, OLX_ERROR_VERSION, "version 1 is older");
+  i.header->version = 3;
+  assert_field_refused(&i, OLX_ERROR_VERSION, "version 3 is newer");
   *i.header = good;
   i.header->chunk_count++;
   assert_field_refused(&i, OLX_ERROR_CHECKSUM, "header: wrong checksum");
@@ -63,7 +68,7 @@ static void test_refuses_a_wrong_header(void **state) {
 
 static void test_refuses_a_wrong_chunk_table(void **state) {
   field_image i = field_image_load(*state, &small);
-  olx_file_chunk good[OLX_CHUNK_REQUIRED];
+  olx_file_chunk good[REQUIRED];
   memcpy(good, i.chunks, sizeof good);
   olx_file_chunk *normal = &i.chunks[OLX_CHUNK_NORMAL];
 #define REFUSED(result, message)                                                                                       \
@@ -88,7 +93,7 @@ static void test_refuses_a_wrong_chunk_table(void **state) {
   REFUSED(OLX_ERROR_FORMAT, "chunk 4 (NORM): 18446744073709551615 bytes");
   normal->size_bytes = UINT64_MAX - normal->offset; // the sum does not overflow, its padding would
   REFUSED(OLX_ERROR_FORMAT, "reach beyond the end of the file");
-  i.chunks[OLX_CHUNK_MOMENTS].size_bytes -= 64;
+  i.chunks[TILES].size_bytes -= 64;
   REFUSED(OLX_ERROR_FORMAT, "bytes after the last chunk");
   normal->size_bytes -= 1; // still the same place for the next chunk
   REFUSED(OLX_ERROR_FORMAT, "chunk NORM: 7775 bytes");
@@ -109,6 +114,7 @@ static void test_refuses_a_wrong_chunk_table(void **state) {
   i.chunks[OLX_CHUNK_INFO].size_bytes = 129;
   REFUSED(OLX_ERROR_FORMAT, "chunk INFO: 129 bytes, not 160");
   // A padding that would end behind the file: the last chunk, and the file cut inside its padding.
+  i.chunks[TILES].size_bytes -= 40;
   i.header->file_bytes -= 32;
   i.size_bytes -= 32;
   REFUSED(OLX_ERROR_FORMAT, "its padding reaches beyond");
@@ -118,7 +124,7 @@ static void test_refuses_a_wrong_chunk_table(void **state) {
 
 // The same file with one more chunk at the end of the table.
 static field_image with_chunk(const field_image *from, uint32_t type, uint32_t flags) {
-  const size_t old_table = OLX_CHUNK_REQUIRED * sizeof(olx_file_chunk), head = 64 + old_table;
+  const size_t old_table = REQUIRED * sizeof(olx_file_chunk), head = 64 + old_table;
   field_image i = {.size_bytes = from->size_bytes + 64 + 64};
   i.bytes = olx_allocate_zero(i.size_bytes, 1);
   memcpy(i.bytes, from->bytes, head);
@@ -127,15 +133,15 @@ static field_image with_chunk(const field_image *from, uint32_t type, uint32_t f
   i.chunks = (olx_file_chunk *)(i.bytes + 64);
   i.header->chunk_count++;
   i.header->file_bytes = i.size_bytes;
-  for (uint32_t k = 0; k < OLX_CHUNK_REQUIRED; k++) i.chunks[k].offset += 64;
+  for (uint32_t k = 0; k < REQUIRED; k++) i.chunks[k].offset += 64;
   memcpy(i.bytes + i.size_bytes - 64, "something new", 13);
-  i.chunks[OLX_CHUNK_REQUIRED] = (olx_file_chunk){.type = type,
-                                                  .flags = flags,
-                                                  .offset = i.size_bytes - 64,
-                                                  .size_bytes = 13,
-                                                  .record_bytes = 13,
-                                                  .element_bytes = 1,
-                                                  .hash = olx_content_hash("something new", 13)};
+  i.chunks[REQUIRED] = (olx_file_chunk){.type = type,
+                                        .flags = flags,
+                                        .offset = i.size_bytes - 64,
+                                        .size_bytes = 13,
+                                        .record_bytes = 13,
+                                        .element_bytes = 1,
+                                        .hash = olx_content_hash("something new", 13)};
   field_seal_table(&i);
   return i;
 }
@@ -144,16 +150,16 @@ static void test_skips_unknown_optional_chunks_only(void **state) {
   const field_image plain = field_image_load(*state, &small);
   const uint32_t type = OLX_FOUR_CC('G', 'L', 'O', 'W');
   field_image i = with_chunk(&plain, type, 0);
-  assert_field_refused(&i, OLX_ERROR_UNSUPPORTED, "chunk 12 (GLOW) is required");
+  assert_field_refused(&i, OLX_ERROR_UNSUPPORTED, "chunk 19 (GLOW) is required");
   olx_release(i.bytes);
 
   i = with_chunk(&plain, type, OLX_CHUNK_OPTIONAL);
   assert_field_sound(&i);
   i.bytes[i.size_bytes - 60] ^= 1;
-  assert_field_unverified(&i, OLX_ERROR_CHECKSUM, "chunk 12 (GLOW): wrong checksum");
+  assert_field_unverified(&i, OLX_ERROR_CHECKSUM, "chunk 19 (GLOW): wrong checksum");
   i.bytes[i.size_bytes - 60] ^= 1;
   i.bytes[i.size_bytes - 1] = 1;
-  assert_field_unverified(&i, OLX_ERROR_FORMAT, "chunk 12 (GLOW): padding");
+  assert_field_unverified(&i, OLX_ERROR_FORMAT, "chunk 19 (GLOW): padding");
   olx_release(i.bytes);
 
   i = with_chunk(&plain, plain.chunks[OLX_CHUNK_RADIANCE].type, 0);
@@ -252,9 +258,9 @@ static void test_verify_sees_every_flipped_bit(void **state) {
   }
   assert_true(seen_open > 900 && seen_verify > 900);
   // Every chunk, and the padding after each.
-  for (uint32_t k = 0; k < OLX_CHUNK_REQUIRED; k++) {
+  for (uint32_t k = 0; k < REQUIRED; k++) {
     const olx_file_chunk *chunk = &i.chunks[k];
-    if (k != OLX_CHUNK_INFO) { // whose checksum is looked at on opening
+    if (k != OLX_CHUNK_INFO && k != OLX_CHUNK_LIGHTS) { // whose content is looked at on opening
       char message[64];
       snprintf(message, sizeof message, "chunk %u (%s): wrong checksum", k, olx_chunk_type_name(chunk->type).text);
       i.bytes[chunk->offset] ^= 4;
@@ -314,6 +320,111 @@ static void test_verify_reads_the_content(void **state) {
   olx_release(i.bytes);
 }
 
+static void test_refuses_wrong_lights(void **state) {
+  field_image i = field_image_load(*state, &small);
+  olx_field_light *lights = field_chunk(&i, OLX_CHUNK_LIGHTS);
+#define REFUSED(index, change, message)                                                                                \
+  do {                                                                                                                 \
+    const olx_field_light good = lights[index];                                                                        \
+    lights[index].change;                                                                                              \
+    field_seal(&i);                                                                                                    \
+    assert_field_refused(&i, OLX_ERROR_FORMAT, "chunk LITE: light " #index ": " message);                              \
+    lights[index] = good;                                                                                              \
+  } while (0)
+  REFUSED(0, type = 3, "unknown type");
+  REFUSED(0, position.x = 1.0f, "impossible position"); // a sun has none
+  REFUSED(0, direction.x = 1.0f, "impossible direction");
+  REFUSED(0, direction.y = NAN, "impossible direction");
+  REFUSED(0, emission.x = -1.0f, "impossible emission");
+  REFUSED(1, emission.y = INFINITY, "impossible emission");
+  REFUSED(1, position.y = 2e18f, "impossible position");
+  REFUSED(1, direction.z = 1.0f, "impossible direction"); // a lamp shines everywhere
+  REFUSED(1, cosine_inner = 0.5f, "impossible cone");
+  REFUSED(2, position.z = NAN, "impossible position");
+  REFUSED(2, cosine_outer = 0.95f, "impossible cone");
+  REFUSED(2, cosine_inner = 1.5f, "impossible cone");
+  REFUSED(2, cosine_outer = NAN, "impossible cone");
+  REFUSED(2, zero[3] = 1, "reserved bytes");
+#undef REFUSED
+  olx_file_chunk *chunk = &i.chunks[OLX_CHUNK_LIGHTS];
+  const olx_file_chunk good = *chunk;
+  chunk->size_bytes -= 32;
+  field_seal(&i);
+  assert_field_refused(&i, OLX_ERROR_FORMAT, "chunk LITE: 160 bytes in records of 64");
+  *chunk = good;
+  chunk->record_bytes = 32;
+  field_seal(&i);
+  assert_field_refused(&i, OLX_ERROR_FORMAT, "chunk LITE: 192 bytes in records of 32");
+  *chunk = good;
+  i.chunks[TILES].element_bytes = 2;
+  field_seal(&i);
+  assert_field_refused(&i, OLX_ERROR_FORMAT, "chunk ETIL: 9216 bytes in records of 256 and elements of 2");
+  i.chunks[TILES].element_bytes = 4;
+  i.chunks[TILES].flags = OLX_CHUNK_OPTIONAL;
+  field_seal(&i);
+  assert_field_refused(&i, OLX_ERROR_FORMAT, "chunk ETIL: flagged optional, but it is not");
+  i.chunks[TILES].flags = 0;
+  i.chunks[TILES].type = OLX_FOUR_CC('E', 't', 'i', 'l');
+  field_seal(&i);
+  assert_field_refused(&i, OLX_ERROR_UNSUPPORTED, "chunk 18 (Etil) is required");
+  olx_release(i.bytes);
+}
+
+static void test_verify_reads_surfaces(void **state) {
+  const field_image i = field_image_load(*state, &small);
+  const uint16_t *distance = field_chunk(&i, OLX_CHUNK_DISTANCE);
+  size_t sky = 19, wall = 19; // texels of the first probe's inside
+  for (; distance[sky] != 0x7C00; sky++) continue;
+  for (; distance[wall] >= 0x7C00; wall++) continue;
+#define UNVERIFIED(kind, type, index, value, message)                                                                  \
+  do {                                                                                                                 \
+    type *codes = field_chunk(&i, kind);                                                                               \
+    const type good = codes[index];                                                                                    \
+    codes[index] = (type)(value);                                                                                      \
+    field_seal(&i);                                                                                                    \
+    assert_field_unverified(&i, OLX_ERROR_FORMAT, message);                                                            \
+    codes[index] = good;                                                                                               \
+  } while (0)
+  UNVERIFIED(OLX_CHUNK_BASE, uint32_t, 0, 1, "base colour of probe 0: border texel (-1, -1) differs");
+  UNVERIFIED(OLX_CHUNK_SPECULAR, uint16_t, 324 * 3, 1, "specular of probe 3: border texel (-1, -1) differs");
+  UNVERIFIED(OLX_CHUNK_DIRECT, uint32_t, 324 * 11, 1, "direct light of probe 11: border texel (-1, -1) differs");
+  UNVERIFIED(OLX_CHUNK_INDIRECT, uint32_t, 323, 1, "indirect light of probe 0: border texel (16, 16) differs");
+  // The border repeats some texels of the inside: the sky is looked for away from the edge.
+  for (; distance[sky] != 0x7C00 || sky % 18 < 2 || sky % 18 > 15 || sky / 18 < 2; sky++) continue;
+  UNVERIFIED(OLX_CHUNK_BASE, uint32_t, sky, 1, "base colour of probe 0, texel (");
+  UNVERIFIED(OLX_CHUNK_SPECULAR, uint16_t, sky, 1, "): not 0, but it sees the sky");
+  UNVERIFIED(OLX_CHUNK_DIRECT, uint32_t, sky, 1, "direct light of probe 0, texel (");
+  UNVERIFIED(OLX_CHUNK_INDIRECT, uint32_t, sky, 1, "indirect light of probe 0, texel (");
+  UNVERIFIED(OLX_CHUNK_EMISSION, uint32_t, 4 * 5 + 3, 37, "emission of probe 5, tile (1, 1): tile 36 of 36");
+  UNVERIFIED(OLX_CHUNK_EMISSION, uint32_t, 4 * 5 + 3, UINT32_MAX, "emission of probe 5, tile (1, 1): tile 4294967294");
+  const size_t x = wall % 18 - 1, y = wall / 18 - 1;
+  UNVERIFIED(TILES, uint32_t, (y / 8 * 2 + x / 8) * 64 + y % 8 * 8 + x % 8, 1,
+             "not 0, but its distance marks no emitter");
+#undef UNVERIFIED
+  field_seal(&i);
+  assert_field_sound(&i);
+  olx_release(i.bytes);
+}
+
+// What a damaged file names is not read.
+static void test_emission_stays_inside(void **state) {
+  const field_image i = field_image_load(*state, &small);
+  uint32_t *entries = field_chunk(&i, OLX_CHUNK_EMISSION);
+  const uint16_t *distance = field_chunk(&i, OLX_CHUNK_DISTANCE);
+  size_t sky = 19;
+  for (; distance[sky] != 0x7C00; sky++) continue;
+  olx_field *field;
+  assert_int_equal(olx_field_open_memory(i.bytes, i.size_bytes, &field), OLX_OK);
+  assert_true(olx_texel_emission(field, 0, sky).x == 20.0f);
+  static const uint32_t wrong[] = {37, 1u << 31, UINT32_MAX};
+  for (uint32_t k = 0; k < 3; k++) {
+    for (uint32_t tile = 0; tile < 4; tile++) entries[tile] = wrong[k];
+    assert_true(olx_texel_emission(field, 0, sky).x == 0.0f);
+  }
+  olx_field_close(field);
+  olx_release(i.bytes);
+}
+
 // The half that rounding a mean up and a second moment down leaves is no error: every mean with its own square passes.
 static void test_rounded_moments_are_possible(void **state) {
   const field_image i = field_image_load(*state, &least);
@@ -341,6 +452,9 @@ int main(void) {
       cmocka_unit_test_setup_teardown(test_refuses_a_wrong_description, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_verify_sees_every_flipped_bit, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_verify_reads_the_content, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_refuses_wrong_lights, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_verify_reads_surfaces, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_emission_stays_inside, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_rounded_moments_are_possible, field_set_up, field_tear_down),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -3,6 +3,7 @@
 
 #include "core/file.h"
 #include "core/hooks.h"
+#include "field/texels.h"
 
 static const synthetic_shape single = {.grid = {1, 1, 1}, .irradiance_grid = {1, 1, 1}, .n = 128, .irradiance_n = 32};
 static const synthetic_shape second_order = {
@@ -91,6 +92,25 @@ static void assert_relight(const olx_field *field, const synthetic_shape *shape)
   olx_release(albedo);
 }
 
+static void assert_surfaces(const olx_field *field, uint32_t probe, const uint16_t *distance, synthetic_surfaces_room *room) {
+  const olx_field_surfaces *s = &field->surfaces;
+  const uint32_t n = field->n;
+  const olx_surface_maps maps = synthetic_surface_maps(n, probe, distance, room);
+  assert_map(s->base + field->texels * probe, maps.base, n, 4);
+  assert_map(s->specular + field->texels * probe, maps.specular, n, 2);
+  assert_map(s->direct + field->texels * probe, maps.direct, n, 4);
+  assert_map(s->indirect + field->texels * probe, maps.indirect, n, 4);
+  const int32_t size = (int32_t)n;
+  for (int32_t y = -1; y <= size; y++) {
+    for (int32_t x = -1; x <= size; x++) {
+      int32_t source_x, source_y;
+      olx_border_source(x, y, size, &source_x, &source_y);
+      const olx_vec3 stored = olx_texel_emission(field, probe, olx_map_index(field->stride, x, y));
+      assert_int_equal(olx_rgb9e5_pack(stored), maps.emission[(uint32_t)source_y * n + (uint32_t)source_x]);
+    }
+  }
+}
+
 static void assert_irradiance(const olx_field *field, const synthetic_shape *shape, uint32_t probe, const uint32_t *map) {
   const olx_irradiance_form form = shape->irradiance_form;
   assert_int_equal(field->info.irradiance_form, form);
@@ -117,6 +137,9 @@ static void assert_round_trip(field_fixture *f, const synthetic_shape *shape) {
   const uint32_t n = shape->n, m = shape->irradiance_n;
   uint32_t *color = olx_allocate(256 * 256, 4), *moments = olx_allocate(256 * 256, 4);
   uint16_t *normal = olx_allocate(256 * 256, 2), *distance = olx_allocate(256 * 256, 2);
+  synthetic_surfaces_room *room = olx_allocate(1, sizeof *room);
+  assert_int_equal(field->info.light_count, SYNTHETIC_LIGHTS);
+  assert_memory_equal(field->surfaces.lights, synthetic_lights, sizeof synthetic_lights);
   for (uint32_t i = 0; i < header.info.probe_count; i++) {
     synthetic_light_maps(n, i, color, normal, distance);
     assert_map(field->radiance + field->texels * i, color, n, 4);
@@ -135,6 +158,7 @@ static void assert_round_trip(field_fixture *f, const synthetic_shape *shape) {
         }
       }
     }
+    assert_surfaces(field, i, distance, room);
     const olx_vec3 position = olx_field_probe_position(field, i);
     assert_memory_equal(&position, &header.probe_positions[i], sizeof position);
     assert_int_equal(olx_field_probe_buried(field, i), synthetic_flags(i));
@@ -148,6 +172,7 @@ static void assert_round_trip(field_fixture *f, const synthetic_shape *shape) {
   }
   assert_classic(field, &header);
   assert_relight(field, shape);
+  olx_release(room);
   olx_release(color);
   olx_release(moments);
   olx_release(normal);
@@ -238,6 +263,12 @@ static void test_describes(void **state) {
   assert_int_equal(info.irradiance_bytes, 6 * 10 * 10 * 4);
   assert_int_equal(info.moments_bytes, 6 * 10 * 10 * 4);
   assert_int_equal(info.selector_bytes, 0);
+  assert_int_equal(info.material_bytes, 12 * 18 * 18 * 6);
+  assert_int_equal(info.direct_bytes, 12 * 18 * 18 * 4);
+  assert_int_equal(info.indirect_bytes, 12 * 18 * 18 * 4);
+  // Four tiles a probe, of which odd probes hold the lower two alone.
+  assert_int_equal(info.emission_bytes, 12 * 4 * 4 + 6 * (4 + 2) * 64 * 4);
+  assert_int_equal(info.light_count, 3);
   olx_field_close(field);
 }
 

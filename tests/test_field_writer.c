@@ -24,8 +24,41 @@ static void test_writer_refuses_what_readers_would(void **state) {
   REFUSED(grid.spacing.x = 2.0f, "light field probe 1 stands at");
   REFUSED(has_grid = false, "needs light field probes on a grid");
 #undef REFUSED
+#define REFUSED_LIGHT(change, message)                                                                                  \
+  do {                                                                                                                 \
+    olx_field_light light = synthetic_lights[2];                                                                       \
+    light.change;                                                                                                      \
+    header.lights = &light;                                                                                            \
+    header.light_count = 1;                                                                                            \
+    assert_int_equal(olx_field_writer_create(f->path, &header, &writer), OLX_ERROR_ARGUMENT);                          \
+    assert_says(message);                                                                                              \
+  } while (0)
+  REFUSED_LIGHT(type = 3, "light 0: unknown type");
+  REFUSED_LIGHT(position.y = NAN, "light 0: impossible position");
+  REFUSED_LIGHT(emission.z = -1.0f, "light 0: impossible emission");
+#undef REFUSED_LIGHT
   assert_int_equal(field_files_in(f->folder), 0);
   synthetic_header_release(&header);
+}
+
+// Lights come with the header, surfaces with every probe.
+static void test_writer_wants_surfaces(void **state) {
+  const field_fixture *f = *state;
+  olx_field_header header = synthetic_header(&least);
+  olx_field_writer *writer;
+  assert_int_equal(olx_field_writer_create(f->path, &header, &writer), OLX_OK);
+  synthetic_header_release(&header);
+  uint32_t radiance[8 * 8], moments[8 * 8];
+  uint16_t normal[8 * 8], distance[8 * 8];
+  for (uint32_t i = 0; i < 4; i++) {
+    synthetic_light_maps(8, i, radiance, normal, distance);
+    assert_int_equal(olx_field_writer_probe(writer, i, 0, radiance, normal, distance), OLX_OK);
+  }
+  synthetic_irradiance_maps(8, 0, radiance, moments);
+  assert_int_equal(olx_field_writer_irradiance(writer, 0, 0, radiance, moments), OLX_OK);
+  assert_int_equal(olx_field_writer_commit(writer, NULL), OLX_ERROR_ARGUMENT);
+  assert_says("surfaces of 0 of 4 light field probes written");
+  assert_int_equal(field_files_in(f->folder), 0);
 }
 
 static olx_field_writer *begin(const field_fixture *f, const synthetic_shape *shape) {
@@ -46,6 +79,12 @@ static void test_writer_keeps_order(void **state) {
   assert_says("light field probe 1 written where 0 comes next");
   assert_int_equal(olx_field_writer_probe(writer, 0, 0, radiance, normal, distance), OLX_OK);
   assert_int_equal(olx_field_writer_probe(writer, 0, 0, radiance, normal, distance), OLX_ERROR_ARGUMENT);
+  synthetic_surfaces_room *room = olx_allocate(1, sizeof *room);
+  const olx_surface_maps maps = synthetic_surface_maps(16, 0, distance, room);
+  assert_int_equal(olx_field_writer_surface(writer, 1, &maps), OLX_ERROR_ARGUMENT);
+  assert_says("surfaces of probe 1 written where 0 comes next");
+  assert_int_equal(olx_field_writer_surface(writer, 0, &maps), OLX_OK);
+  olx_release(room);
   synthetic_irradiance_maps(8, 0, radiance, moments);
   assert_int_equal(olx_field_writer_irradiance(writer, 3, 0, radiance, moments), OLX_ERROR_ARGUMENT);
   assert_int_equal(olx_field_writer_irradiance(writer, 0, 0, radiance, moments), OLX_OK);
@@ -125,6 +164,7 @@ static void test_folder_that_cannot_be_written(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test_setup_teardown(test_writer_refuses_what_readers_would, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_writer_wants_surfaces, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_writer_keeps_order, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_old_file_survives, field_set_up, field_tear_down),
       cmocka_unit_test(test_folder_that_cannot_be_written),

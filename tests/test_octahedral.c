@@ -402,6 +402,56 @@ static void test_color_special_values(void **state) {
   assert_int_equal(olx_r11g11b10f_pack(olx_v3(0.0f, 0.0f, 1.0f)), 0x1E0u << 22);
 }
 
+// --- RGB9E5
+
+static double shared_value(uint32_t mantissa, uint32_t exponent) { return ldexp(mantissa, (int)exponent - 24); }
+
+static void test_shared_exponent_round_trip(void **state) {
+  (void)state;
+  for (uint32_t i = 0; i < 1000000; i++) {
+    const uint32_t random = olx_hash(i), exponent = i % 32;
+    // One mantissa has its highest bit, as packing makes it; with exponent 0 none needs it.
+    const uint32_t first = (random & 0x1FFu) | (exponent ? 0x100u : 0u), g = random >> 9 & 0x1FFu, b = random >> 18 & 0x1FFu;
+    const uint32_t packed = first | g << 9 | b << 18 | exponent << 27;
+    const olx_vec3 c = olx_rgb9e5_unpack(packed);
+    assert_true((double)c.x == shared_value(first, exponent) && (double)c.y == shared_value(g, exponent) &&
+                (double)c.z == shared_value(b, exponent));
+    assert_int_equal(olx_rgb9e5_pack(c), packed);
+  }
+}
+
+// The largest component decides the exponent; all are rounded to the nearest multiple of its step.
+static void test_shared_exponent_rounds_to_nearest(void **state) {
+  (void)state;
+  for (uint32_t i = 0; i < 500000; i++) {
+    const float most = 65408.0f * powf(0.5f, 45.0f * olx_unit_float(olx_hash(i)));
+    const olx_vec3 c = {most * olx_unit_float(olx_hash2(i, 1)), most, most * olx_unit_float(olx_hash2(i, 2))};
+    const olx_vec3 stored = olx_rgb9e5_unpack(olx_rgb9e5_pack(c));
+    // A step is the largest component's power of two over 256, or twice that where rounding goes up to the next power.
+    const float step = fmaxf(ldexpf(1.0f, ilogbf(stored.y > 0.0f ? fmaxf(stored.y, most) : most) - 8), 0x1p-24f);
+    assert_true(fabsf(stored.x - c.x) <= 0.5f * step && fabsf(stored.y - c.y) <= 0.5f * step &&
+                fabsf(stored.z - c.z) <= 0.5f * step);
+  }
+}
+
+static void test_shared_exponent_special_values(void **state) {
+  (void)state;
+  const uint32_t largest = olx_rgb9e5_pack(olx_splat(INFINITY));
+  assert_int_equal(largest, 0xFFFFFFFFu);
+  assert_true(olx_rgb9e5_unpack(largest).x == OLX_RGB9E5_MOST);
+  assert_int_equal(olx_rgb9e5_pack(olx_splat(3e38f)), largest);
+  assert_int_equal(olx_rgb9e5_pack(olx_splat(NAN)), 0);
+  assert_int_equal(olx_rgb9e5_pack(olx_splat(-1.0f)), 0);
+  assert_int_equal(olx_rgb9e5_pack(olx_splat(-INFINITY)), 0);
+  assert_int_equal(olx_rgb9e5_pack(olx_splat(0.0f)), 0);
+  assert_int_equal(olx_rgb9e5_pack(olx_splat(1e-45f)), 0);
+  assert_int_equal(olx_rgb9e5_pack(olx_v3(1.0f, 0.0f, 0.0f)), 16u << 27 | 256u);
+  assert_int_equal(olx_rgb9e5_pack(olx_v3(0.0f, 1.0f, 0.0f)), 16u << 27 | 256u << 9);
+  assert_int_equal(olx_rgb9e5_pack(olx_v3(NAN, -2.0f, 1.0f)), 16u << 27 | 256u << 18);
+  // 511.75 steps round up, to a whole power of two.
+  assert_int_equal(olx_rgb9e5_pack(olx_splat(1.9990234375f)), 17u << 27 | 256u | 256u << 9 | 256u << 18);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_directions_round_trip),
@@ -423,6 +473,9 @@ int main(void) {
       cmocka_unit_test(test_color_codes_round_trip),
       cmocka_unit_test(test_color_rounds_to_nearest),
       cmocka_unit_test(test_color_special_values),
+      cmocka_unit_test(test_shared_exponent_round_trip),
+      cmocka_unit_test(test_shared_exponent_rounds_to_nearest),
+      cmocka_unit_test(test_shared_exponent_special_values),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,4 +1,4 @@
-// The packed formats of a field: R11G11B10F, half floats, and unit vectors in two bytes. Packing rounds to nearest.
+// The packed formats of a field: R11G11B10F, RGB9E5, half floats, and unit vectors in two bytes. Packing rounds to nearest.
 #ifndef OLX_CORE_PACK_H
 #define OLX_CORE_PACK_H
 
@@ -67,6 +67,32 @@ static inline uint32_t olx_r11g11b10f_pack(olx_vec3 c) {
 static inline olx_vec3 olx_r11g11b10f_unpack(uint32_t packed) {
   return olx_v3(olx_small_float_unpack(packed & 0x7FFu, 6), olx_small_float_unpack((packed >> 11) & 0x7FFu, 6),
                 olx_small_float_unpack(packed >> 22, 5));
+}
+
+// The largest number that RGB9E5 holds.
+#define OLX_RGB9E5_MOST 65408.0f
+
+// Nine bits of mantissa for each of red (low bits), green and blue over one exponent in the high 5 bits:
+// VK_FORMAT_E5B9G9R9_UFLOAT_PACK32. Negative numbers and NaN become 0; what is too large becomes OLX_RGB9E5_MOST.
+static inline uint32_t olx_rgb9e5_pack(olx_vec3 c) {
+  const float red = c.x > 0.0f ? fminf(c.x, OLX_RGB9E5_MOST) : 0.0f, green = c.y > 0.0f ? fminf(c.y, OLX_RGB9E5_MOST) : 0.0f,
+              blue = c.z > 0.0f ? fminf(c.z, OLX_RGB9E5_MOST) : 0.0f;
+  const float most = fmaxf(red, fmaxf(green, blue));
+  const uint32_t bits = olx_float_bits(most), least = 111u << 23; // 2^-16
+  uint32_t exponent = bits > least ? (bits >> 23) - 111u : 0u;
+  float scale = olx_bits_float((151u - exponent) << 23); // 2^(24 - exponent)
+  if (rintf(most * scale) > 511.0f) {
+    exponent++;
+    scale *= 0.5f;
+  }
+  return (uint32_t)rintf(red * scale) | (uint32_t)rintf(green * scale) << 9 | (uint32_t)rintf(blue * scale) << 18 |
+         exponent << 27;
+}
+
+static inline olx_vec3 olx_rgb9e5_unpack(uint32_t packed) {
+  const float scale = olx_bits_float(((packed >> 27) + 103u) << 23); // 2^(exponent - 24)
+  return olx_v3((float)(packed & 0x1FFu) * scale, (float)(packed >> 9 & 0x1FFu) * scale,
+                (float)(packed >> 18 & 0x1FFu) * scale);
 }
 
 // A unit vector in two bytes: octahedral coordinates in steps of 1/254, so that the six axes are exact. Low byte u.

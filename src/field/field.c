@@ -60,14 +60,23 @@ static olx_result check_selectors(olx_field *field) {
   return OLX_OK;
 }
 
+static olx_result refuse_unknown(const olx_chunk_file *file, const olx_chunk_shape shapes[OLX_CHUNK_KINDS]) {
+  olx_chunk_shape required[OLX_CHUNK_KINDS];
+  uint32_t count = 0;
+  for (uint32_t k = 0; k < OLX_CHUNK_KINDS; k++) {
+    if (olx_chunk_is_required(k)) required[count++] = shapes[k];
+  }
+  return olx_chunk_refuse_unknown(file, required, count);
+}
+
 static olx_result find_chunks(olx_field *field) {
   olx_chunk_shape shapes[OLX_CHUNK_KINDS];
   const void *data[OLX_CHUNK_KINDS];
   const olx_chunk_file file = olx_field_file(field);
   olx_chunk_shapes(&field->info, shapes);
-  for (uint32_t k = 0; k < OLX_CHUNK_REQUIRED; k++) OLX_TRY(olx_chunk_find_shaped(&file, &shapes[k], &data[k]));
+  for (uint32_t k = 0; k < OLX_CHUNK_LIGHTS; k++) OLX_TRY(olx_chunk_find_shaped(&file, &shapes[k], &data[k]));
   OLX_TRY(olx_chunk_find_origin(&file, field->origin));
-  OLX_TRY(olx_chunk_refuse_unknown(&file, shapes, OLX_CHUNK_REQUIRED));
+  OLX_TRY(refuse_unknown(&file, shapes));
   OLX_TRY(find_selectors(field, shapes));
   olx_field_info *info = &field->info;
   info->file_bytes = field->size_bytes;
@@ -98,6 +107,16 @@ static olx_result find_chunks(olx_field *field) {
   if (field->bands) field->harmonics = data[OLX_CHUNK_IRRADIANCE];
   else field->irradiance = data[OLX_CHUNK_IRRADIANCE];
   field->moments = data[OLX_CHUNK_MOMENTS];
+  field->surfaces = (olx_field_surfaces){.base = data[OLX_CHUNK_BASE],
+                                         .specular = data[OLX_CHUNK_SPECULAR],
+                                         .direct = data[OLX_CHUNK_DIRECT],
+                                         .indirect = data[OLX_CHUNK_INDIRECT],
+                                         .emission = data[OLX_CHUNK_EMISSION],
+                                         .tile_side = field->n / OLX_EMISSION_TILE};
+  info->material_bytes = shapes[OLX_CHUNK_BASE].size_bytes + shapes[OLX_CHUNK_SPECULAR].size_bytes;
+  info->direct_bytes = shapes[OLX_CHUNK_DIRECT].size_bytes;
+  info->indirect_bytes = shapes[OLX_CHUNK_INDIRECT].size_bytes;
+  info->emission_bytes = shapes[OLX_CHUNK_EMISSION].size_bytes;
   field->distance_scale = info->distance_scale_metres;
   return OLX_OK;
 }
@@ -122,6 +141,7 @@ static olx_result check_structure(olx_field *field) {
   OLX_TRY(olx_positions_check(field->irradiance_positions, info->irradiance_probe_count, &info->irradiance_grid,
                               "irradiance", field->name, OLX_ERROR_FORMAT));
   OLX_TRY(check_selectors(field));
+  OLX_TRY(olx_surfaces_open(field));
   OLX_TRY(olx_classic_open(field));
   OLX_TRY(olx_relight_open(field));
   OLX_TRY(check_flags(field, field->probe_flags, info->probe_count, info->buried_count, "light field"));

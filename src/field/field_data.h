@@ -9,6 +9,7 @@
 #include "field/classic_data.h"
 #include "field/harmonic_data.h"
 #include "field/relight_data.h"
+#include "field/surface_data.h"
 
 #include <octalux/field.h>
 
@@ -35,6 +36,7 @@ struct olx_field {
   const uint32_t *radiance; // R11G11B10F, `texels` a probe
   const uint16_t *normal;   // olx_normal_pack, the surface's normal on the probe's side
   const uint16_t *distance; // half
+  olx_field_surfaces surfaces;
 
   olx_pyramid_shape pyramid;
   const uint16_t *least, *greatest; // halves: the pyramids over |distance|

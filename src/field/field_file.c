@@ -11,6 +11,7 @@ void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHU
   const uint64_t classic_side = classic + 2;
   const uint32_t relit = info->relight_size ? info->probe_count : 0, surfaces = info->relight_size;
   const uint64_t fit_words = (uint64_t)info->relight_points * (4 + (uint64_t)info->relight_rays);
+  const uint64_t tiles = (uint64_t)(info->radiance_size / OLX_EMISSION_TILE) * (info->radiance_size / OLX_EMISSION_TILE);
   const olx_chunk_row table[OLX_CHUNK_KINDS] = {
       [OLX_CHUNK_INFO] = {OLX_FOUR_CC('I', 'N', 'F', 'O'), sizeof(olx_file_info), 1, 1},
       [OLX_CHUNK_PROBE_POSITIONS] = {OLX_FOUR_CC('P', 'P', 'O', 'S'), 4, 3, info->probe_count},
@@ -26,6 +27,12 @@ void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHU
                                 bands ? 2 : 4, bands ? olx_harmonics_halves(bands) : irradiance_texels,
                                 info->irradiance_probe_count},
       [OLX_CHUNK_MOMENTS] = {OLX_FOUR_CC('M', 'O', 'M', 'E'), 4, irradiance_texels, info->irradiance_probe_count},
+      [OLX_CHUNK_BASE] = {OLX_FOUR_CC('B', 'A', 'S', 'E'), 4, texels, info->probe_count},
+      [OLX_CHUNK_SPECULAR] = {OLX_FOUR_CC('S', 'P', 'E', 'C'), 2, texels, info->probe_count},
+      [OLX_CHUNK_DIRECT] = {OLX_FOUR_CC('D', 'I', 'R', 'E'), 4, texels, info->probe_count},
+      [OLX_CHUNK_INDIRECT] = {OLX_FOUR_CC('I', 'N', 'D', 'I'), 4, texels, info->probe_count},
+      [OLX_CHUNK_EMISSION] = {OLX_FOUR_CC('E', 'M', 'I', 'S'), 4, tiles, info->probe_count},
+      [OLX_CHUNK_LIGHTS] = {OLX_FOUR_CC('L', 'I', 'T', 'E'), sizeof(olx_field_light), 1, 0},
       [OLX_CHUNK_VORONOI] = {OLX_FOUR_CC('V', 'O', 'R', 'O'), 1, 0, 1},
       [OLX_CHUNK_OCTREE] = {OLX_FOUR_CC('O', 'C', 'T', 'R'), 1, 0, 1},
       [OLX_CHUNK_BRICKS] = {OLX_FOUR_CC('B', 'R', 'I', 'K'), 1, 0, 1},
@@ -43,6 +50,7 @@ void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHU
       [OLX_CHUNK_HIDDEN] = {OLX_FOUR_CC('H', 'I', 'D', 'N'), sizeof(olx_hidden_surface), info->relight_hidden,
                             info->irradiance_probe_count},
       [OLX_CHUNK_ORIGIN] = OLX_CHUNK_ORIGIN_ROW,
+      [OLX_CHUNK_EMISSION_TILES] = {OLX_FOUR_CC('E', 'T', 'I', 'L'), 4, OLX_EMISSION_TILE_TEXELS, 0},
   };
   for (uint32_t i = 0; i < OLX_CHUNK_KINDS; i++) shapes[i] = olx_chunk_shape_of(&table[i]);
 }

@@ -8,7 +8,7 @@
 #define OLX_FIELD_MAGIC "\x89OLX\r\n\x1a\n"
 
 enum {
-  OLX_FIELD_VERSION = 1,
+  OLX_FIELD_VERSION = 2,
   OLX_FIELD_MAX_GRID_COUNT = 1 << 20 // along an axis: indices stay exact in a float
 };
 
@@ -58,7 +58,14 @@ typedef enum olx_chunk_kind {
   OLX_CHUNK_IRRADIANCE_FLAGS,
   OLX_CHUNK_IRRADIANCE,
   OLX_CHUNK_MOMENTS,
-  OLX_CHUNK_REQUIRED, // how many every field has
+  // The surfaces that light field probes see, and their light.
+  OLX_CHUNK_BASE,
+  OLX_CHUNK_SPECULAR,
+  OLX_CHUNK_DIRECT,
+  OLX_CHUNK_INDIRECT,
+  OLX_CHUNK_EMISSION,
+  OLX_CHUNK_LIGHTS,
+  OLX_CHUNK_REQUIRED, // how many every field has, and OLX_CHUNK_EMISSION_TILES at the end
   // Selectors: optional, because what a reader does not know it can do without.
   OLX_CHUNK_VORONOI = OLX_CHUNK_REQUIRED,
   OLX_CHUNK_OCTREE,
@@ -76,8 +83,14 @@ typedef enum olx_chunk_kind {
   OLX_CHUNK_FIT,
   OLX_CHUNK_HIDDEN,
   OLX_CHUNK_ORIGIN, // where the origin is not 0
+  // Required, and last in the file: a writer knows its size when all probes are written.
+  OLX_CHUNK_EMISSION_TILES,
   OLX_CHUNK_KINDS
 } olx_chunk_kind;
+
+static inline bool olx_chunk_is_required(olx_chunk_kind kind) {
+  return kind < OLX_CHUNK_REQUIRED || kind == OLX_CHUNK_EMISSION_TILES;
+}
 
 // The chunk of a selector, or OLX_CHUNK_KINDS for the cage, which needs none.
 static inline olx_chunk_kind olx_select_chunk(olx_select select) {
@@ -85,7 +98,8 @@ static inline olx_chunk_kind olx_select_chunk(olx_select select) {
 }
 
 // What each chunk must be, given the description of the field. Those of selectors are single records of any size: 0 bytes
-// here; so are classic maps where there are none.
+// here; so are classic maps where there are none. The description does not say how many lights and tiles of emission there
+// are: the sizes of these chunks are 0 here.
 void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHUNK_KINDS]);
 
 // Whether a Vulkan device holds a chunk of that kind as it is (src/vulkan/gpu_field.c).
@@ -104,6 +118,12 @@ olx_field_info olx_field_info_load(const olx_file_info *stored);
 olx_result olx_field_info_check(const olx_field_info *info, const char *name, olx_result failure);
 // Whether what a description says of classic maps can be.
 olx_result olx_classic_info_check(const olx_field_info *info, const char *name, olx_result failure);
+// Whether a light is one that a field may hold; `index` is for the message.
+olx_result olx_field_light_check(const olx_field_light *light, uint32_t index, const char *name, olx_result failure);
+// Finds the surfaces and the lights of an open field and checks all that readers rely on.
+olx_result olx_surfaces_open(olx_field *field);
+// Whether the surfaces of a probe, and all tiles of emission, hold what a writer makes of them.
+olx_result olx_surfaces_verify(const olx_field *field, uint32_t probe);
 // Finds the classic maps of an open field, if it has any, and checks their structure.
 olx_result olx_classic_open(olx_field *field);
 // The same of what relighting needs.

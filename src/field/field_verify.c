@@ -119,7 +119,12 @@ static olx_result check_probe(const olx_field *field, uint32_t probe) {
   OLX_TRY(check_border(field, "normal", probe, normal, field->n, 2));
   OLX_TRY(check_border(field, "distance", probe, distance, field->n, 2));
   for (uint32_t level = 0; level < field->pyramid.levels; level++) OLX_TRY(check_pyramid_level(field, probe, level));
-  return OLX_OK;
+  const olx_field_surfaces *s = &field->surfaces;
+  OLX_TRY(check_border(field, "base colour", probe, s->base + texels * probe, field->n, 4));
+  OLX_TRY(check_border(field, "specular", probe, s->specular + texels * probe, field->n, 2));
+  OLX_TRY(check_border(field, "direct light", probe, s->direct + texels * probe, field->n, 4));
+  OLX_TRY(check_border(field, "indirect light", probe, s->indirect + texels * probe, field->n, 4));
+  return olx_surfaces_verify(field, probe);
 }
 
 static olx_result check_color_map(const olx_field *field, const char *what, uint32_t probe, const uint32_t *map,

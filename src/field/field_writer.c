@@ -14,18 +14,21 @@ struct olx_field_writer {
   olx_field_info info;
   olx_field_layout layout;
   XXH3_state_t hashes[OLX_CHUNK_KINDS]; // of what has been written to each chunk
-  uint32_t probes_written, irradiance_written, classic_written, relight_written, albedo_written;
+  uint32_t probes_written, surfaces_written, irradiance_written, classic_written, relight_written, albedo_written;
   bool failed;
 
   olx_vec3 *probe_positions, *irradiance_positions;
   uint8_t *probe_flags, *irradiance_flags;
   void *map;                  // one map with its border
   uint16_t *least, *greatest; // one pyramid
+  uint32_t *tile_index;       // of one map of emission
+  uint32_t tile[OLX_EMISSION_TILE_TEXELS], tile_count; // the tile of emission written last, and how many there are
 };
 
 static void find_present(const olx_field_header *header, olx_field_layout *layout) {
   const olx_field_info *info = &header->info;
-  for (uint32_t k = 0; k < OLX_CHUNK_REQUIRED; k++) layout->present[k] = true;
+  for (uint32_t k = 0; k < OLX_CHUNK_KINDS; k++) layout->present[k] = olx_chunk_is_required(k);
+  layout->shapes[OLX_CHUNK_LIGHTS].size_bytes = header->light_count * sizeof(olx_field_light);
   for (olx_select select = OLX_SELECT_VORONOI; select < OLX_SELECT_STORED; select++) {
     const olx_chunk_kind kind = olx_select_chunk(select);
     layout->present[kind] = (info->select_mask & 1u << select) != 0;
@@ -62,12 +65,13 @@ static olx_result allocate_buffers(olx_field_writer *writer, const olx_field_hea
   writer->map = olx_allocate(most > classic ? most : classic, 1);
   writer->least = olx_allocate(shapes[OLX_CHUNK_LEAST].record_bytes, 1);
   writer->greatest = olx_allocate(shapes[OLX_CHUNK_GREATEST].record_bytes, 1);
+  writer->tile_index = olx_allocate(shapes[OLX_CHUNK_EMISSION].record_bytes, 1);
   writer->probe_flags = olx_allocate(info->probe_count, 1);
   writer->irradiance_flags = olx_allocate(info->irradiance_probe_count, 1);
   writer->probe_positions = olx_allocate(info->probe_count, sizeof(olx_vec3));
   writer->irradiance_positions = olx_allocate(info->irradiance_probe_count, sizeof(olx_vec3));
-  if (!writer->map || !writer->least || !writer->greatest || !writer->probe_flags || !writer->irradiance_flags ||
-      !writer->probe_positions || !writer->irradiance_positions) {
+  if (!writer->map || !writer->least || !writer->greatest || !writer->tile_index || !writer->probe_flags ||
+      !writer->irradiance_flags || !writer->probe_positions || !writer->irradiance_positions) {
     return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", path);
   }
   memcpy(writer->probe_positions, header->probe_positions, shapes[OLX_CHUNK_PROBE_POSITIONS].size_bytes);
@@ -79,6 +83,7 @@ static void destroy(olx_field_writer *writer) {
   olx_release(writer->map);
   olx_release(writer->least);
   olx_release(writer->greatest);
+  olx_release(writer->tile_index);
   olx_release(writer->probe_flags);
   olx_release(writer->irradiance_flags);
   olx_release(writer->probe_positions);
@@ -95,6 +100,17 @@ static olx_result put_selectors(olx_field_writer *writer, const olx_field_header
   for (olx_select select = OLX_SELECT_VORONOI; select < OLX_SELECT_STORED; select++) {
     const olx_chunk_kind kind = olx_select_chunk(select);
     if (writer->layout.present[kind]) OLX_TRY(put_whole(writer, kind, header->select_data[select]));
+  }
+  return OLX_OK;
+}
+
+static olx_result check_lights(const olx_field_header *header, const char *path) {
+  if (header->light_count > OLX_FIELD_MOST_LIGHTS) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "%s: %u lights are more than %d", path, header->light_count,
+                    OLX_FIELD_MOST_LIGHTS);
+  }
+  for (uint32_t i = 0; i < header->light_count; i++) {
+    OLX_TRY(olx_field_light_check(&header->lights[i], i, path, OLX_ERROR_ARGUMENT));
   }
   return OLX_OK;
 }
@@ -125,6 +141,7 @@ olx_result olx_field_writer_create(const char *path, const olx_field_header *hea
   olx_field_info info = header->info;
   info.buried_count = info.irradiance_buried_count = 0;
   OLX_TRY(olx_field_info_check(&info, path, OLX_ERROR_ARGUMENT));
+  OLX_TRY(check_lights(header, path));
   if (info.classic_size) OLX_TRY(olx_classic_info_check(&info, path, OLX_ERROR_ARGUMENT));
   if (info.relight_size) OLX_TRY(olx_relight_info_check(&info, path, OLX_ERROR_ARGUMENT));
   OLX_TRY(olx_positions_check(header->probe_positions, info.probe_count, info.has_grid ? &info.grid : NULL,
@@ -141,6 +158,7 @@ olx_result olx_field_writer_create(const char *path, const olx_field_header *hea
   OLX_TRY_GOTO(olx_output_open(path, &writer->file), failed);
   OLX_TRY_GOTO(olx_output_reserve(&writer->file, writer->layout.file_bytes), opened);
   OLX_TRY_GOTO(put_selectors(writer, header), opened);
+  OLX_TRY_GOTO(put_whole(writer, OLX_CHUNK_LIGHTS, header->lights), opened);
   OLX_TRY_GOTO(put_classic_header(writer, header), opened);
   OLX_TRY_GOTO(put_relight_header(writer), opened);
   if (writer->layout.present[OLX_CHUNK_ORIGIN]) OLX_TRY_GOTO(put_whole(writer, OLX_CHUNK_ORIGIN, header->origin), opened);
@@ -212,6 +230,54 @@ olx_result olx_field_writer_probe(olx_field_writer *writer, uint32_t index, uint
   writer->probe_flags[index] = flags;
   writer->info.buried_count += flags & OLX_PROBE_BURIED;
   writer->probes_written++;
+  return result;
+}
+
+// Appends a tile to those of the file, unless it is the one before once more: one of an even sky is written once.
+static olx_result put_tile(olx_field_writer *writer, const uint32_t tile[OLX_EMISSION_TILE_TEXELS], uint32_t *entry) {
+  static const uint32_t dark[OLX_EMISSION_TILE_TEXELS] = {0};
+  *entry = 0;
+  if (memcmp(tile, dark, sizeof dark) == 0) return OLX_OK;
+  if (writer->tile_count == 0 || memcmp(tile, writer->tile, sizeof writer->tile) != 0) {
+    if (writer->tile_count == UINT32_MAX - 1u) {
+      return olx_fail(OLX_ERROR_ARGUMENT, "%s: too many tiles of emission", writer->file.path);
+    }
+    memcpy(writer->tile, tile, sizeof writer->tile);
+    OLX_TRY(put(writer, OLX_CHUNK_EMISSION_TILES, writer->tile_count++, tile));
+  }
+  *entry = writer->tile_count;
+  return OLX_OK;
+}
+
+static olx_result put_emission(olx_field_writer *writer, uint32_t index, const uint32_t *emission) {
+  const uint32_t n = writer->info.radiance_size, side = n / OLX_EMISSION_TILE;
+  for (uint32_t i = 0; i < side * side; i++) {
+    uint32_t tile[OLX_EMISSION_TILE_TEXELS];
+    const uint32_t *corner = emission + (size_t)(i / side * OLX_EMISSION_TILE) * n + i % side * OLX_EMISSION_TILE;
+    for (uint32_t row = 0; row < OLX_EMISSION_TILE; row++) {
+      memcpy(tile + (size_t)row * OLX_EMISSION_TILE, corner + (size_t)row * n, OLX_EMISSION_TILE * sizeof *tile);
+    }
+    OLX_TRY(put_tile(writer, tile, &writer->tile_index[i]));
+  }
+  return put(writer, OLX_CHUNK_EMISSION, index, writer->tile_index);
+}
+
+static olx_result write_surface(olx_field_writer *writer, uint32_t index, const olx_surface_maps *maps) {
+  const uint32_t n = writer->info.radiance_size;
+  OLX_TRY(put_map(writer, OLX_CHUNK_BASE, index, maps->base, n));
+  OLX_TRY(put_map(writer, OLX_CHUNK_SPECULAR, index, maps->specular, n));
+  OLX_TRY(put_map(writer, OLX_CHUNK_DIRECT, index, maps->direct, n));
+  OLX_TRY(put_map(writer, OLX_CHUNK_INDIRECT, index, maps->indirect, n));
+  return put_emission(writer, index, maps->emission);
+}
+
+olx_result olx_field_writer_surface(olx_field_writer *writer, uint32_t index, const olx_surface_maps *maps) {
+  if (index != writer->surfaces_written || index >= writer->info.probe_count) {
+    return refuse_order(writer, "surfaces of", index, writer->surfaces_written);
+  }
+  const olx_result result = write_surface(writer, index, maps);
+  writer->failed |= result != OLX_OK;
+  writer->surfaces_written++;
   return result;
 }
 
@@ -303,6 +369,10 @@ static olx_result write_frame(olx_field_writer *writer) {
   OLX_TRY(put_whole(writer, OLX_CHUNK_PROBE_FLAGS, writer->probe_flags));
   OLX_TRY(put_whole(writer, OLX_CHUNK_IRRADIANCE_POSITIONS, writer->irradiance_positions));
   OLX_TRY(put_whole(writer, OLX_CHUNK_IRRADIANCE_FLAGS, writer->irradiance_flags));
+  writer->layout.shapes[OLX_CHUNK_EMISSION_TILES].size_bytes =
+      writer->tile_count * writer->layout.shapes[OLX_CHUNK_EMISSION_TILES].record_bytes;
+  writer->layout.file_bytes = olx_align_chunk(writer->layout.offsets[OLX_CHUNK_EMISSION_TILES] +
+                                       writer->layout.shapes[OLX_CHUNK_EMISSION_TILES].size_bytes);
   struct {
     olx_file_header header;
     olx_file_chunk chunks[OLX_CHUNK_KINDS];
@@ -312,7 +382,7 @@ static olx_result write_frame(olx_field_writer *writer) {
   for (uint32_t k = 0; k < OLX_CHUNK_KINDS; k++) {
     if (!writer->layout.present[k]) continue;
     const olx_chunk_shape *shape = &writer->layout.shapes[k];
-    const uint32_t flags = k < OLX_CHUNK_REQUIRED || k == OLX_CHUNK_ORIGIN ? 0 : OLX_CHUNK_OPTIONAL;
+    const uint32_t flags = olx_chunk_is_required(k) || k == OLX_CHUNK_ORIGIN ? 0 : OLX_CHUNK_OPTIONAL;
     head.chunks[count++] =
         olx_chunk_entry(shape, flags, writer->layout.offsets[k], XXH3_64bits_digest(&writer->hashes[k]));
     const uint64_t end = writer->layout.offsets[k] + shape->size_bytes;
@@ -331,6 +401,9 @@ olx_result olx_field_writer_commit(olx_field_writer *writer, uint64_t *file_byte
     result = olx_fail(OLX_ERROR_ARGUMENT, "%s: %u of %u light field probes and %u of %u irradiance probes written",
                       writer->file.path, writer->probes_written, writer->info.probe_count, writer->irradiance_written,
                       writer->info.irradiance_probe_count);
+  } else if (writer->surfaces_written != writer->info.probe_count) {
+    result = olx_fail(OLX_ERROR_ARGUMENT, "%s: surfaces of %u of %u light field probes written", writer->file.path,
+                      writer->surfaces_written, writer->info.probe_count);
   } else if (writer->info.classic_size && writer->classic_written != writer->info.irradiance_probe_count) {
     result = olx_fail(OLX_ERROR_ARGUMENT, "%s: classic maps of %u of %u irradiance probes written", writer->file.path,
                       writer->classic_written, writer->info.irradiance_probe_count);

@@ -13,9 +13,19 @@ typedef struct olx_field_header {
   const olx_vec3 *probe_positions, *irradiance_positions;
   const void *select_data[OLX_SELECT_STORED]; // of each selector in info.select_mask but the cage
   size_t select_bytes[OLX_SELECT_STORED];
-  const uint32_t
-      *classic_table; // of classic maps, OLX_CLASSIC_TABLE_ENTRIES; NULL, and info.classic_size 0, without them
+  const olx_field_light *lights; // without area; NULL when there are none
+  uint32_t light_count;
+  const uint32_t *classic_table; // of classic maps, OLX_CLASSIC_TABLE_ENTRIES; NULL, and info.classic_size 0, without them
 } olx_field_header;
+
+// The surfaces that a light field probe sees: maps of n * n texels, row by row, without border, as field/texels.h reads them.
+// All but emission are 0 for the sky.
+typedef struct olx_surface_maps {
+  const uint32_t *base;
+  const uint16_t *specular;
+  const uint32_t *direct, *indirect;
+  const uint32_t *emission; // 0 where the distance marks no emitter
+} olx_surface_maps;
 
 // The classic maps of a probe, packed, without border.
 typedef struct olx_classic_record {
@@ -53,6 +63,9 @@ olx_result olx_field_writer_create(const char *path, const olx_field_header *hea
 // are made here, from the stored values.
 olx_result olx_field_writer_probe(olx_field_writer *writer, uint32_t index, uint8_t flags, const uint32_t *radiance,
                                   const uint16_t *normal, const uint16_t *distance);
+
+// The surfaces of one light field probe, in order of index.
+olx_result olx_field_writer_surface(olx_field_writer *writer, uint32_t index, const olx_surface_maps *maps);
 
 // The maps of one irradiance probe, in order of index, without border. `irradiance` is a map of R11G11B10F, or, as
 // info.irradiance_form says, what olx_harmonics_pack made.

@@ -1,0 +1,108 @@
+// The chunks of surfaces and lights in a field file: finding them, and judging what they hold.
+#include "core/result.h"
+#include "field/field_file.h"
+
+// The chunk of one kind when it is whole records of its shape, of any number.
+static olx_result find_records(const olx_field *field, olx_chunk_kind kind, uint64_t most, const void **data,
+                               uint32_t *count) {
+  const olx_chunk_file file = olx_field_file(field);
+  olx_chunk_shape shapes[OLX_CHUNK_KINDS];
+  const olx_file_chunk *chunk;
+  olx_chunk_shapes(&field->info, shapes);
+  OLX_TRY(olx_chunk_find(&file, shapes[kind].type, &chunk));
+  const uint64_t records = chunk->size_bytes / shapes[kind].record_bytes;
+  if (records > most) {
+    return olx_fail(OLX_ERROR_FORMAT, "%s: chunk %s: %llu records are more than %llu", field->name,
+                    olx_chunk_type_name(shapes[kind].type).text, (unsigned long long)records, (unsigned long long)most);
+  }
+  shapes[kind].size_bytes = records * shapes[kind].record_bytes;
+  *count = (uint32_t)records;
+  return olx_chunk_find_shaped(&file, &shapes[kind], data);
+}
+
+static bool is_length(float f) { return fabsf(f) <= OLX_FIELD_MAX_LENGTH; }
+
+static bool is_unit(olx_vec3 v) { return fabsf(olx_dot(v, v) - 1.0f) <= 1e-3f; }
+
+static bool is_zero(olx_vec3 v) { return v.x == 0.0f && v.y == 0.0f && v.z == 0.0f; }
+
+// Conditions are written so that NaN fails.
+olx_result olx_field_light_check(const olx_field_light *light, uint32_t index, const char *name, olx_result failure) {
+  const char *problem = NULL;
+  const bool sun = light->type == OLX_FIELD_SUN, point = light->type == OLX_FIELD_POINT;
+  const olx_vec3 p = light->position, e = light->emission;
+  if (light->type > OLX_FIELD_SPOT) problem = "unknown type";
+  else if (sun ? !is_zero(p) : !(is_length(p.x) && is_length(p.y) && is_length(p.z))) problem = "impossible position";
+  else if (point ? !is_zero(light->direction) : !is_unit(light->direction)) problem = "impossible direction";
+  else if (!olx_finite(e) || e.x < 0.0f || e.y < 0.0f || e.z < 0.0f) problem = "impossible emission";
+  else if (light->type == OLX_FIELD_SPOT ? !(light->cosine_inner <= 1.0f && light->cosine_outer >= -1.0f &&
+                                             light->cosine_outer <= light->cosine_inner)
+                                         : light->cosine_inner != 0.0f || light->cosine_outer != 0.0f) {
+    problem = "impossible cone";
+  }
+  for (uint32_t i = 0; i < 4 && !problem; i++) problem = light->zero[i] ? "reserved bytes" : NULL;
+  return problem ? olx_fail(failure, "%s: chunk LITE: light %u: %s", name, index, problem) : OLX_OK;
+}
+
+olx_result olx_surfaces_open(olx_field *field) {
+  olx_field_surfaces *s = &field->surfaces;
+  const void *lights, *tiles;
+  OLX_TRY(find_records(field, OLX_CHUNK_LIGHTS, OLX_FIELD_MOST_LIGHTS, &lights, &s->light_count));
+  OLX_TRY(find_records(field, OLX_CHUNK_EMISSION_TILES, UINT32_MAX - 1u, &tiles, &s->tile_count));
+  s->lights = lights;
+  s->tiles = tiles;
+  for (uint32_t i = 0; i < s->light_count; i++) {
+    OLX_TRY(olx_field_light_check(&s->lights[i], i, field->name, OLX_ERROR_FORMAT));
+  }
+  field->info.light_count = s->light_count;
+  field->info.emission_bytes += (uint64_t)s->tile_count * OLX_EMISSION_TILE_TEXELS * sizeof *s->tiles;
+  return OLX_OK;
+}
+
+static olx_result fail_at(const olx_field *field, const char *what, uint32_t probe, uint32_t x, uint32_t y,
+                          const char *problem) {
+  return olx_fail(OLX_ERROR_FORMAT, "%s: %s of probe %u, texel (%u, %u): %s", field->name, what, probe, x, y, problem);
+}
+
+// The sky has neither material nor irradiance.
+static olx_result check_sky(const olx_field *field, uint32_t probe, uint32_t x, uint32_t y, size_t at) {
+  const olx_field_surfaces *s = &field->surfaces;
+  const char *what = s->base[at]       ? "base colour"
+                     : s->specular[at] ? "specular"
+                     : s->direct[at]   ? "direct light"
+                     : s->indirect[at] ? "indirect light"
+                                       : NULL;
+  return what ? fail_at(field, what, probe, x, y, "not 0, but it sees the sky") : OLX_OK;
+}
+
+static olx_result check_tile(const olx_field *field, uint32_t probe, uint32_t tile_x, uint32_t tile_y) {
+  const olx_field_surfaces *s = &field->surfaces;
+  const uint32_t entry = s->emission[(size_t)s->tile_side * s->tile_side * probe + tile_y * s->tile_side + tile_x];
+  if (entry == 0) return OLX_OK;
+  if (entry > s->tile_count) {
+    return olx_fail(OLX_ERROR_FORMAT, "%s: emission of probe %u, tile (%u, %u): tile %u of %u", field->name, probe,
+                    tile_x, tile_y, entry - 1, s->tile_count);
+  }
+  const uint32_t *texels = s->tiles + (size_t)(entry - 1) * OLX_EMISSION_TILE_TEXELS;
+  for (uint32_t i = 0; i < OLX_EMISSION_TILE_TEXELS; i++) {
+    const uint32_t x = tile_x * OLX_EMISSION_TILE + i % OLX_EMISSION_TILE,
+                   y = tile_y * OLX_EMISSION_TILE + i / OLX_EMISSION_TILE;
+    const size_t at = field->texels * probe + (size_t)(y + 1) * field->stride + x + 1;
+    if (texels[i] && field->distance[at] < 0x7C00u) {
+      return fail_at(field, "emission", probe, x, y, "not 0, but its distance marks no emitter");
+    }
+  }
+  return OLX_OK;
+}
+
+olx_result olx_surfaces_verify(const olx_field *field, uint32_t probe) {
+  for (uint32_t y = 0; y < field->n; y++) {
+    for (uint32_t x = 0; x < field->n; x++) {
+      const size_t at = field->texels * probe + (size_t)(y + 1) * field->stride + x + 1;
+      if (field->distance[at] == 0x7C00u) OLX_TRY(check_sky(field, probe, x, y, at));
+    }
+  }
+  const uint32_t side = field->surfaces.tile_side;
+  for (uint32_t i = 0; i < side * side; i++) OLX_TRY(check_tile(field, probe, i % side, i / side));
+  return OLX_OK;
+}

@@ -55,6 +55,8 @@ olx_result resolve_bake_options(const olx_scene *scene, const bake_options *give
   settings->select_mask = given->select_mask;
   settings->fit = !given->no_fit;
   settings->bounce_gather = (olx_bounce_gather)given->bounce_gather;
+  settings->light = (olx_bake_light)given->light;
+  if (given->reference_paths) settings->reference_paths = given->reference_paths;
   settings->classic = given->classic;
   settings->relight = given->relight;
   if (given->classic_size) settings->classic_size = given->classic_size;

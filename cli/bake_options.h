@@ -10,7 +10,7 @@
 typedef struct bake_options {
   uint32_t grid[3], irradiance_grid[3];
   uint32_t radiance_size, irradiance_size, bounces, samples, light_samples, threads;
-  uint32_t classic_size, classic_cube_size, classic_sharpness, bounce_gather, irradiance_form, seed;
+  uint32_t classic_size, classic_cube_size, classic_sharpness, bounce_gather, irradiance_form, light, reference_paths, seed;
   bool no_fit, classic, relight;
   const char *probes;
   uint32_t select_mask;
@@ -27,7 +27,7 @@ typedef struct bake_options {
        OPTION_CHOICES,                                                                                                 \
        &(b).select_mask,                                                                                               \
        "cage|voronoi|octree|bricks",                                                                                   \
-       "how probes are found, several with commas; default cage, bricks for --probes",                                 \
+       "how probes are found, several with commas; default cage for a grid; bricks always",                                 \
        0,                                                                                                              \
        0},                                                                                                             \
       {"--irradiance-grid",                                                                                            \
@@ -74,6 +74,20 @@ typedef struct bake_options {
        "shadow rays a sample and area light; default 1",                                                               \
        1,                                                                                                              \
        64},                                                                                                            \
+      {"--light",                                                                                                      \
+       OPTION_CHOICE,                                                                                                  \
+       &(b).light,                                                                                                     \
+       "cache|reference",                                                                                              \
+       "indirect light of what probes see: the baker's solution, or paths from every texel (slow); default cache",     \
+       0,                                                                                                              \
+       0},                                                                                                             \
+      {"--reference-paths",                                                                                            \
+       OPTION_COUNT,                                                                                                   \
+       &(b).reference_paths,                                                                                           \
+       "N",                                                                                                            \
+       "paths a texel for --light reference; default 64",                                                              \
+       1,                                                                                                              \
+       65536},                                                                                                         \
       {"--no-fit", OPTION_FLAG, &(b).no_fit, NULL, "keep irradiance exact at probes, unfitted to surfaces", 0, 0},     \
       {"--relight", OPTION_FLAG, &(b).relight, NULL, "also what it takes to change lights later", 0, 0},               \
       {"--classic", OPTION_FLAG, &(b).classic, NULL, "also maps for `render --method classic`", 0, 0},                 \

@@ -148,6 +148,9 @@ int command_bake(int argc, char **argv) {
   if (!given.classic && (given.classic_size || given.classic_cube_size || given.classic_sharpness)) {
     return usage_error("bake", "--classic-size, --cube-size and --sharpness go with --classic");
   }
+  if (given.reference_paths && given.light != OLX_LIGHT_REFERENCE) {
+    return usage_error("bake", "--reference-paths goes with --light reference");
+  }
   if (given.relight && given.irradiance_form) return usage_error("bake", "--relight needs octahedral irradiance");
   if (given.probes && given.grid[0]) return usage_error("bake", "--grid and --probes exclude each other");
   const command_files files = {.inputs = {line.given[0], given.probes}, .outputs = {{output, false}}};

@@ -12,11 +12,13 @@ typedef struct block {
   uint64_t bytes;
 } block;
 
-#define BLOCK_COUNT 9
+#define BLOCK_COUNT 13
 
 static void list_blocks(const olx_field_info *info, block blocks[BLOCK_COUNT]) {
   const block list[BLOCK_COUNT] = {{"radiance", info->radiance_bytes},     {"normal", info->normal_bytes},
                                    {"distance", info->distance_bytes},     {"pyramid", info->pyramid_bytes},
+                                   {"material", info->material_bytes},     {"direct", info->direct_bytes},
+                                   {"indirect", info->indirect_bytes},     {"emission", info->emission_bytes},
                                    {"irradiance", info->irradiance_bytes}, {"moments", info->moments_bytes},
                                    {"selector", info->selector_bytes},     {"classic", info->classic_bytes},
                                    {"relight", info->relight_bytes}};
@@ -76,6 +78,7 @@ static int print_info_json(const olx_field_info *info, const double origin[3]) {
   cJSON_AddItemToObject(object, "origin", cJSON_CreateDoubleArray(origin, 3));
   if (info->has_grid) add_grid(object, "grid", &info->grid);
   add_grid(object, "irradiance_grid", &info->irradiance_grid);
+  add_number(object, "lights", info->light_count);
   add_number(object, "bounces", info->bounces);
   add_number(object, "samples", info->samples);
   add_float(object, "distance_scale_metres", info->distance_scale_metres);
@@ -117,6 +120,7 @@ static void print_info(const char *path, const olx_field_info *info, const doubl
   printf("  selector           %s\n", select_names(info->select_mask).text);
   printf("  light              direct and %u further bounces, %ux%u samples a texel\n", info->bounces, info->samples,
          info->samples);
+  printf("  lights             %u without area\n", info->light_count);
   printf("  scene              %016" PRIx64 "\n", info->scene_hash);
   block blocks[BLOCK_COUNT];
   list_blocks(info, blocks);

@@ -35,7 +35,7 @@ static void test_writer_refuses_what_readers_would(void **state) {
   } while (0)
   REFUSED_LIGHT(type = 3, "light 0: unknown type");
   REFUSED_LIGHT(position.y = NAN, "light 0: impossible position");
-  REFUSED_LIGHT(emission.z = -1.0f, "light 0: impossible emission");
+  REFUSED_LIGHT(emission.z = INFINITY, "light 0: impossible emission");
 #undef REFUSED_LIGHT
   assert_int_equal(field_files_in(f->folder), 0);
   synthetic_header_release(&header);

@@ -16,23 +16,34 @@ typedef enum olx_bounce_gather {
   OLX_GATHER_TRACED = 1      // rays, which find what probes stored of the bounce before where they see the rays' ends
 } olx_bounce_gather;
 
+// Where the indirect light of what light field probes see comes from.
+typedef enum olx_bake_light {
+  OLX_LIGHT_CACHE = 0, // the baker's own solution
+  OLX_LIGHT_REFERENCE  // paths from every texel: slow, to judge the other by
+} olx_bake_light;
+
+// "cache", "reference".
+const char *olx_bake_light_name(olx_bake_light light);
+
 typedef struct olx_bake_settings {
-  olx_grid grid;          // light field probes; set by olx_bake_settings_default to the scene's grid
-  const olx_vec3 *probes; // light field probes anywhere instead of on `grid`, metres; the caller's; default NULL
-  uint32_t probe_count;   // of `probes`, 1 to 2^20
-  uint32_t select_mask; // bit (1 << olx_select) for each structure to bake in (octalux/field.h), 0 for what fits best:
-                        // cage for a grid, bricks for `probes`. The cage needs the grid. Default 0
-  olx_grid irradiance_grid;            // irradiance probes; set to olx_bake_irradiance_grid of that
-  uint32_t radiance_size;              // texels along a side: a power of two, 8 to 2048; default 1024
-  uint32_t irradiance_size;            // a power of two, 8 to 256; default 128
+  olx_grid grid;            // light field probes; set by olx_bake_settings_default to the scene's grid
+  const olx_vec3 *probes;   // light field probes anywhere instead of on `grid`, metres; the caller's; default NULL
+  uint32_t probe_count;     // of `probes`, 1 to 2^20
+  uint32_t select_mask;     // bit (1 << olx_select) for each structure to bake in (octalux/field.h), 0 for what fits best:
+                            // cage for a grid, bricks for `probes`. Bricks are there whatever is said, with up to 65535
+                            // probes. The cage needs the grid. Default 0
+  olx_grid irradiance_grid; // irradiance probes; set to olx_bake_irradiance_grid of that
+  uint32_t radiance_size;   // texels along a side: a power of two, 8 to 2048; default 1024
+  uint32_t irradiance_size; // a power of two, 8 to 256; default 128
   olx_irradiance_form irradiance_form; // spherical harmonics exclude `relight`; default OLX_IRRADIANCE_OCTAHEDRAL
-  uint32_t samples;                    // radiance samples along a texel's side, 1 to 8; default 2 (four a texel)
-  uint32_t light_samples; // shadow rays a radiance sample sends to area lights and to the sky, 1 to 64; default 1
-  uint32_t bounces;       // further bounces after direct light, 0 to 64; default 3
-  bool classic;           // also make classic maps, of the method that light field probes replace; default false
-  uint32_t classic_size;  // texels along a side of these: a power of two, 32 to 256; default 128
-  uint32_t
-      classic_cube_size; // along a face of the cube maps that they come from: a power of two, 32 to 1024; default 256
+  uint32_t samples;         // radiance samples along a texel's side, 1 to 8; default 2 (four a texel)
+  uint32_t light_samples;   // shadow rays a radiance sample sends to area lights and to the sky, 1 to 64; default 1
+  uint32_t bounces;         // further bounces after direct light, 0 to 64; default 3
+  olx_bake_light light;     // of what light field probes see; default OLX_LIGHT_CACHE
+  uint32_t reference_paths; // a texel, with OLX_LIGHT_REFERENCE, 1 to 65536; default 64
+  bool classic;             // also make classic maps, of the method that light field probes replace; default false
+  uint32_t classic_size;    // texels along a side of these: a power of two, 32 to 256; default 128
+  uint32_t classic_cube_size; // along a face of the cube maps that they come from: a power of two, 32 to 1024; default 256
   uint32_t classic_sharpness; // exponent of the filter between the two, 64 to 65536; 0, the default: as wide as a texel
   olx_bounce_gather bounce_gather; // for irradiance probes; default OLX_GATHER_IRRADIANCE
   bool relight;                    // also keep what it takes to change lights later (octalux/relight.h); default false

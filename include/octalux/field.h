@@ -24,7 +24,7 @@ typedef enum olx_select {
   OLX_SELECT_OCTREE,     // Wang 2018, section 4.2: a sparse voxel octree, up to four probes a leaf
   OLX_SELECT_BRICKS,     // cells of space that list the probes which see them (docs/maths.md)
   OLX_SELECT_EXHAUSTIVE, // every probe that sees where the ray stands, nearest first: slow, the reference
-  OLX_SELECT_BEST        // the first of bricks, cage, voronoi, octree that the field has, else exhaustive
+  OLX_SELECT_BEST        // the first of cage, bricks, voronoi, octree that the field has, else exhaustive
 } olx_select;
 
 // "cage", "voronoi", "octree", "bricks", "exhaustive", "best".

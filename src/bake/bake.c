@@ -7,11 +7,13 @@
 #include "bake/gather.h"
 #include "bake/relight_bake.h"
 #include "bake/selectors.h"
+#include "bake/surface_capture.h"
 #include "core/hooks.h"
 #include "core/result.h"
 #include "scene/emitters.h"
 #include "scene/sources.h"
 
+#include <assert.h>
 #include <string.h>
 #include <sys/resource.h>
 
@@ -32,6 +34,8 @@ typedef struct bake {
   olx_shade_context shade;
   olx_gather gather;
   olx_capture capture;
+  olx_surface_capture surfaces;
+  olx_field_light *lights;
   olx_classic_bake classic;
   uint32_t *classic_table; // NULL without classic maps
   olx_relight_bake relight;
@@ -47,12 +51,19 @@ olx_bake_settings olx_bake_settings_default(const olx_scene *scene) {
                                 .samples = 2,
                                 .light_samples = 1,
                                 .bounces = 3,
+                                .reference_paths = 64,
                                 .fit = true,
                                 .classic_size = 128,
                                 .classic_cube_size = 256};
   if (olx_scene_probe_grid(scene, NULL, &settings.grid) != OLX_OK) settings.grid = (olx_grid){0};
   settings.irradiance_grid = olx_bake_irradiance_grid(&settings.grid);
   return settings;
+}
+
+const char *olx_bake_light_name(olx_bake_light light) {
+  static const char *const names[] = {"cache", "reference"};
+  assert(light <= OLX_LIGHT_REFERENCE);
+  return names[light];
 }
 
 olx_grid olx_bake_irradiance_grid(const olx_grid *grid) {
@@ -145,6 +156,8 @@ static olx_result check_settings(const olx_bake_settings *settings) {
   OLX_TRY(check_irradiance_form(settings));
   OLX_TRY(check_classic(settings));
   OLX_TRY(check_range(settings->bounce_gather, OLX_GATHER_IRRADIANCE, OLX_GATHER_TRACED, "way to gather bounces"));
+  OLX_TRY(check_range(settings->light, OLX_LIGHT_CACHE, OLX_LIGHT_REFERENCE, "kind of light"));
+  OLX_TRY(check_range(settings->reference_paths, 1, 65536, "reference paths"));
   OLX_TRY(check_range(settings->samples, 1, 8, "samples"));
   OLX_TRY(check_range(settings->light_samples, 1, 64, "light samples"));
   return check_range(settings->bounces, 0, 64, "bounces");
@@ -182,10 +195,13 @@ static float least_spacing(const olx_grid *grid, float otherwise) {
   return least;
 }
 
+// Bricks are in every field that they can be in: surfaces that light is stored on are found by them.
 static uint32_t select_mask(const olx_bake_settings *settings) {
-  if (settings->select_mask) return settings->select_mask;
-  if (!settings->probes) return 1u << OLX_SELECT_CAGE;
-  return settings->probe_count <= OLX_BRICK_MOST_PROBES ? 1u << OLX_SELECT_BRICKS : 0;
+  const uint32_t *count = settings->grid.count;
+  const uint64_t probes = settings->probes ? settings->probe_count : (uint64_t)count[0] * count[1] * count[2];
+  const uint32_t bricks = probes <= OLX_BRICK_MOST_PROBES ? 1u << OLX_SELECT_BRICKS : 0;
+  if (settings->select_mask) return settings->select_mask | bricks;
+  return settings->probes ? bricks : 1u << OLX_SELECT_CAGE | bricks;
 }
 
 // What the field will be: for the file, and to know its size before anything is made.
@@ -210,6 +226,8 @@ static olx_field_header header_of(const bake *b) {
       .origin = {b->scene->origin[0], b->scene->origin[1], b->scene->origin[2]},
       .probe_positions = b->positions[0],
       .irradiance_positions = b->positions[1],
+      .lights = b->lights,
+      .light_count = b->scene->light_count,
       .classic_table = b->classic_table,
   };
   if (s->classic) {
@@ -266,7 +284,6 @@ static olx_result gather_light(bake *b) {
   OLX_TRY(olx_gather_direct(&b->gather));
   for (uint32_t bounce = 0; bounce <= bounces; bounce++) {
     if (bounce > 0) OLX_TRY(olx_gather_bounce(&b->gather, bounce));
-    if (bounce == bounces && !b->settings->fit) break; // the final maps are made when they are written
     OLX_TRY(olx_gather_irradiance(&b->gather, bounce));
     if (b->settings->fit) OLX_TRY(olx_gather_fit(&b->gather, bounce));
   }
@@ -361,8 +378,12 @@ static olx_result capture_probes(bake *b) {
                                    b->capture.distance));
     const double measured = olx_seconds();
     b->stats.write_seconds += measured - written;
+    olx_surface_maps maps;
+    OLX_TRY(olx_surface_capture_probe(&b->surfaces, &maps));
+    OLX_TRY(olx_field_writer_surface(b->writer, i, &maps));
+    const double surfaces = olx_seconds();
     if (b->settings->measure_embree) OLX_TRY(olx_capture_measure(&b->capture, &b->stats.embree_seconds));
-    b->measure_seconds += olx_seconds() - measured;
+    b->measure_seconds += olx_seconds() - surfaces;
     OLX_TRY(make_albedo(b, i));
   }
   return OLX_OK;
@@ -388,12 +409,14 @@ static void describe_work(bake *b) {
                              .threads = s->threads,
                              .distance_scale = b->distance_scale,
                              .task = &b->task};
+  b->surfaces = (olx_surface_capture){
+      .capture = &b->capture, .seed = s->seed, .light = s->light, .reference_paths = s->reference_paths};
 }
 
 // Units of progress, in rays; the quadrature of the gather must be known.
 static uint64_t units_of(const bake *b) {
   const olx_bake_settings *s = b->settings;
-  uint64_t units = olx_gather_units(&b->gather, s->bounces) + b->counts[0] * olx_capture_units(&b->capture);
+  uint64_t units = olx_gather_units(&b->gather, s->bounces) + 2 * b->counts[0] * olx_capture_units(&b->capture);
   if (s->fit) units += olx_surface_fit_units(b->counts[1]);
   if (s->classic) units += b->counts[1] * olx_classic_bake_units(&b->classic);
   return units;
@@ -403,12 +426,14 @@ static uint64_t units_of(const bake *b) {
 static olx_result run(bake *b, const char *path) {
   const olx_bake_settings *s = b->settings;
   describe_work(b);
+  OLX_TRY(olx_surface_lights(b->scene, &b->lights));
   OLX_TRY(find_buried(b));
   OLX_TRY(build_selectors(b));
   OLX_TRY(prepare_classic(b));
   OLX_TRY(create_file(b, path));
   OLX_TRY(olx_gather_create(&b->gather, &s->irradiance_grid, s->irradiance_size, s->bounces));
   OLX_TRY(olx_capture_create(&b->capture));
+  OLX_TRY(olx_surface_capture_create(&b->surfaces));
   b->stats.primary_rays = b->counts[0] * olx_capture_units(&b->capture);
   b->task.total_units = units_of(b);
   OLX_TRY(gather_light(b));
@@ -427,6 +452,9 @@ static olx_result finish(bake *b, olx_result result, double start) {
   }
   olx_selectors_free(&b->selectors);
   olx_capture_free(&b->capture);
+  olx_surface_capture_free(&b->surfaces);
+  olx_release(b->lights);
+  b->stats.rays += atomic_load(&b->surfaces.rays);
   olx_classic_bake_free(&b->classic);
   b->stats.rays += b->relight.rays;
   olx_relight_bake_free(&b->relight);

@@ -57,6 +57,7 @@ static void capture_geometry(const olx_capture *c, olx_shade_scratch *scratch, u
     const uint32_t texel = texel_index(c, tile, i);
     const olx_ray_hit *hit = &scratch->hits[i];
     const olx_vec3 direction = scratch->rays[i].direction;
+    c->hits[texel] = *hit;
     if (hit->triangle == OLX_NO_HIT) {
       c->distance[texel] = olx_half_pack(INFINITY);
       c->normal[texel] = olx_normal_pack(olx_negate(direction));
@@ -438,8 +439,9 @@ olx_result olx_capture_create(olx_capture *c) {
   c->radiance = olx_allocate(texels, sizeof *c->radiance);
   c->normal = olx_allocate(texels, sizeof *c->normal);
   c->distance = olx_allocate(texels, sizeof *c->distance);
+  c->hits = olx_allocate(texels, sizeof *c->hits);
   c->tile_seconds = olx_allocate(tile_count(c), sizeof *c->tile_seconds);
-  if (c->radiance && c->normal && c->distance && c->tile_seconds) return OLX_OK;
+  if (c->radiance && c->normal && c->distance && c->hits && c->tile_seconds) return OLX_OK;
   olx_capture_free(c);
   return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for maps of %u x %u texels", c->size, c->size);
 }
@@ -448,9 +450,11 @@ void olx_capture_free(olx_capture *c) {
   olx_release(c->radiance);
   olx_release(c->normal);
   olx_release(c->distance);
+  olx_release(c->hits);
   olx_release(c->tile_seconds);
   c->radiance = NULL;
   c->normal = c->distance = NULL;
+  c->hits = NULL;
   c->tile_seconds = NULL;
 }
 

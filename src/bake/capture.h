@@ -16,6 +16,7 @@ typedef struct olx_capture {
   uint32_t tile_side; // texels along the side of a tile, whose samples make one batch
   uint32_t *radiance; // packed, size^2
   uint16_t *normal, *distance;
+  olx_ray_hit *hits; // of rays through the middles of texels, size^2
   double *tile_seconds; // that the ray caster took for each tile, in olx_capture_measure
 } olx_capture;
 

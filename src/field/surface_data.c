@@ -34,7 +34,7 @@ olx_result olx_field_light_check(const olx_field_light *light, uint32_t index, c
   if (light->type > OLX_FIELD_SPOT) problem = "unknown type";
   else if (sun ? !is_zero(p) : !(is_length(p.x) && is_length(p.y) && is_length(p.z))) problem = "impossible position";
   else if (point ? !is_zero(light->direction) : !is_unit(light->direction)) problem = "impossible direction";
-  else if (!olx_finite(e) || e.x < 0.0f || e.y < 0.0f || e.z < 0.0f) problem = "impossible emission";
+  else if (!olx_finite(e)) problem = "impossible emission";
   else if (light->type == OLX_FIELD_SPOT ? !(light->cosine_inner <= 1.0f && light->cosine_outer >= -1.0f &&
                                              light->cosine_outer <= light->cosine_inner)
                                          : light->cosine_inner != 0.0f || light->cosine_outer != 0.0f) {

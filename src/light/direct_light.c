@@ -183,3 +183,11 @@ olx_lobes olx_direct_light(const olx_scene *scene, const olx_shading *shading, o
   }
   return sum;
 }
+
+olx_vec3 olx_direct_irradiance(const olx_scene *scene, const olx_surface *surface, olx_sampler *sampler,
+                               uint64_t *rays) {
+  olx_surface white = *surface;
+  white.bsdf = (olx_bsdf){.albedo = olx_splat(1.0f)};
+  const olx_shading shading = olx_shading_make(&white, olx_negate(white.shading_normal));
+  return olx_scale(olx_direct_light(scene, &shading, sampler, rays).diffuse, OLX_PI);
+}

@@ -60,4 +60,9 @@ olx_vec3 olx_sky_found(const olx_scene *scene, const olx_lobe_ray *ray);
 // All of the direct light: light samples and one ray a lobe.
 olx_lobes olx_direct_light(const olx_scene *scene, const olx_shading *shading, olx_sampler *sampler, uint64_t *rays);
 
+// Irradiance in W/m^2 that comes straight from emitters and the sky, about surface->shading_normal, whatever the surface
+// reflects and whoever looks at it: one light sample a group, and one ray.
+olx_vec3 olx_direct_irradiance(const olx_scene *scene, const olx_surface *surface, olx_sampler *sampler,
+                               uint64_t *rays);
+
 #endif

@@ -57,6 +57,14 @@ olx_path_light olx_path_lobe(olx_path *p, const olx_surface *surface, const olx_
   return gather(p, olx_surface_ray(surface, lobe->direction, INFINITY), surface->position, *lobe, p->bounces);
 }
 
+// The lobe along the cosine-distributed direction with which path `index` of a point begins.
+static olx_lobe_ray begin(olx_path *p, olx_vec3 normal, uint32_t seed, uint32_t index) {
+  p->sampler = (olx_sampler){.seed = seed, .index = index};
+  const olx_vec3 local = olx_sample_cosine(olx_sampler_next2(&p->sampler));
+  return (olx_lobe_ray){
+      .direction = olx_from_basis(local, normal), .weight = olx_splat(OLX_PI), .pdf = local.z * (1.0f / OLX_PI)};
+}
+
 olx_vec3 olx_path_irradiance(const olx_scene *scene, olx_vec3 position, olx_vec3 normal, float epsilon,
                              uint32_t bounces, uint32_t paths, uint32_t seed) {
   if (bounces == 0) return olx_splat(0.0f);
@@ -64,17 +72,27 @@ olx_vec3 olx_path_irradiance(const olx_scene *scene, olx_vec3 position, olx_vec3
   const olx_vec3 origin = olx_madd(position, normal, epsilon);
   double x = 0, y = 0, z = 0;
   for (uint32_t i = 0; i < paths; i++) {
-    p.sampler = (olx_sampler){.seed = seed, .index = i};
-    const olx_vec3 local = olx_sample_cosine(olx_sampler_next2(&p.sampler));
-    const olx_lobe_ray lobe = {
-        .direction = olx_from_basis(local, normal),
-        .weight = olx_splat(OLX_PI),
-        .pdf = local.z * (1.0f / OLX_PI),
-    };
+    const olx_lobe_ray lobe = begin(&p, normal, seed, i);
     const olx_ray ray = {.origin = origin, .direction = lobe.direction, .t_max = INFINITY};
     const olx_vec3 light = gather(&p, ray, position, lobe, bounces).indirect;
     x += (double)light.x, y += (double)light.y, z += (double)light.z;
   }
   const double scale = paths ? 1.0 / paths : 0.0;
   return olx_v3((float)(x * scale), (float)(y * scale), (float)(z * scale));
+}
+
+olx_vec3 olx_path_surface_irradiance(const olx_scene *scene, const olx_surface *surface, uint32_t bounces,
+                                     uint32_t paths, uint32_t seed, uint64_t *rays) {
+  if (bounces == 0 || paths == 0) return olx_splat(0.0f);
+  olx_path p = {.scene = scene, .bounces = bounces, .emitters_can_be_hit = olx_emitters_can_be_hit(scene)};
+  double x = 0, y = 0, z = 0;
+  for (uint32_t i = 0; i < paths; i++) {
+    const olx_lobe_ray lobe = begin(&p, surface->shading_normal, seed, i);
+    if (olx_dot(lobe.direction, surface->geometric_normal) <= 0.0f) continue;
+    const olx_ray ray = olx_surface_ray(surface, lobe.direction, INFINITY);
+    const olx_vec3 light = gather(&p, ray, surface->position, lobe, bounces).indirect;
+    x += (double)light.x, y += (double)light.y, z += (double)light.z;
+  }
+  *rays += p.rays;
+  return olx_v3((float)(x / paths), (float)(y / paths), (float)(z / paths));
 }

@@ -28,4 +28,10 @@ olx_path_light olx_path_lobe(olx_path *path, const olx_surface *surface, const o
 olx_vec3 olx_path_irradiance(const olx_scene *scene, olx_vec3 position, olx_vec3 normal, float epsilon,
                              uint32_t bounces, uint32_t paths, uint32_t seed);
 
+// Indirect irradiance in W/m^2 (emitters and sky excluded) of a surface about its shading normal, from `paths`
+// cosine-distributed paths; those that would leave it below its geometric normal count as nothing. Adds the rays that
+// it casts to *rays. Depends on the arguments alone.
+olx_vec3 olx_path_surface_irradiance(const olx_scene *scene, const olx_surface *surface, uint32_t bounces,
+                                     uint32_t paths, uint32_t seed, uint64_t *rays);
+
 #endif

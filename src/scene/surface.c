@@ -102,17 +102,34 @@ static olx_vec3 bend_normal(const olx_scene *scene, const olx_material *material
   return length > 0.0f ? olx_scale(bent, 1.0f / length) : normal;
 }
 
-// `outward` is the unit normal of the triangle's winding.
-static olx_vec3 shading_normal(const olx_scene *scene, const olx_material *material, const olx_corners *c, float u,
-                               float v, olx_vec2 uv, olx_vec3 outward, bool back_face) {
-  olx_vec3 n = olx_normalize(interpolate(scene->normals[c->i0], scene->normals[c->i1], scene->normals[c->i2], u, v));
+// The normal between those of the corners, on the side of `outward`, the unit normal of the triangle's winding.
+static olx_vec3 vertex_normal(const olx_scene *scene, const olx_corners *c, float u, float v, olx_vec3 outward) {
+  const olx_vec3 n =
+      olx_normalize(interpolate(scene->normals[c->i0], scene->normals[c->i1], scene->normals[c->i2], u, v));
   const float agreement = olx_dot(n, outward);
-  if (agreement < 0.0f) n = olx_negate(n);
-  if (!(fabsf(agreement) > 0.0f)) n = outward;
-  if (has_texture(material->normal_texture)) n = bend_normal(scene, material, c, uv, n);
+  if (!(fabsf(agreement) > 0.0f)) return outward;
+  return agreement < 0.0f ? olx_negate(n) : n;
+}
+
+// A normal that shades: never quite across the triangle, and on the side that is looked at.
+static olx_vec3 face(olx_vec3 n, olx_vec3 outward, bool back_face) {
   const float cosine = olx_dot(n, outward);
   if (cosine < OLX_MIN_NORMAL_COSINE) n = olx_normalize(olx_madd(n, outward, OLX_MIN_NORMAL_COSINE - cosine));
   return back_face ? olx_negate(n) : n;
+}
+
+static olx_vec3 shading_normal(const olx_scene *scene, const olx_material *material, const olx_corners *c, float u,
+                               float v, olx_vec2 uv, olx_vec3 outward, bool back_face) {
+  olx_vec3 n = vertex_normal(scene, c, u, v, outward);
+  if (has_texture(material->normal_texture)) n = bend_normal(scene, material, c, uv, n);
+  return face(n, outward, back_face);
+}
+
+olx_vec3 olx_surface_vertex_normal(const olx_scene *scene, const olx_ray_hit *hit, const olx_surface *surface) {
+  if (!has_texture(scene->materials[surface->material].normal_texture)) return surface->shading_normal;
+  const olx_corners c = corners_of(scene, hit->triangle);
+  const olx_vec3 n = surface->geometric_normal, outward = surface->back_face ? olx_negate(n) : n;
+  return face(vertex_normal(scene, &c, hit->u, hit->v, outward), outward, surface->back_face);
 }
 
 static void look_up_material(const olx_scene *scene, const olx_material *material, olx_vec2 uv, olx_surface *surface) {

@@ -1,0 +1,243 @@
+// Fills the texels of a light field probe with the surfaces that they see: material and emission by what rays meet, direct light
+// by shadow rays, indirect light by the baker's solution or by the plain reference, paths from every texel.
+#include "bake/surface_capture.h"
+
+#include "core/hooks.h"
+#include "core/result.h"
+#include "field/texels.h"
+#include "light/path.h"
+
+enum {
+  SALT_DIRECT = 0x44495245,
+  SALT_PATHS = 0x50415448,
+  CHUNK = 8,      // texels whose rays are cast together; divides the size of every map
+  MOST_SIDE = 8,  // samples along the side of a texel
+  LIGHT_SIDE = 4, // texels along the side of a block whose samples of lights are stratified together
+};
+
+// A texel's side, as a share of the distance, is this over the texels along a map's side: the root of 4 pi.
+static const float VIEW_SIDE = 3.5449077f;
+
+// Samples lie off the middles of their parts of a texel as those of radiance do.
+static const olx_vec2 sample_offset = {0.5078125f, 0.48828125f};
+
+// A texel, and what rays through the parts of it met.
+typedef struct texel_samples {
+  uint32_t x, y;
+  const olx_ray *rays;
+  const olx_ray_hit *hits;
+} texel_samples;
+
+// The material's numbers on average over the samples that lie on the texel's surface, and its direct light.
+typedef struct surface_sums {
+  olx_vec3 base_color, direct;
+  float roughness, metallic, count;
+} surface_sums;
+
+static uint32_t texel_index(const olx_surface_capture *c, const texel_samples *t) {
+  return t->y * c->capture->size + t->x;
+}
+
+static float footprint(const olx_surface_capture *c, float distance) {
+  return distance * VIEW_SIDE / (float)c->capture->size;
+}
+
+// Whether a sample lies on the surface at the texel's middle: of the same make, and no step in between.
+static bool on_surface(const olx_surface *middle, const olx_surface *sample, float tolerance) {
+  if (sample->material != middle->material || sample->back_face != middle->back_face) return false;
+  if (sample->triangle == middle->triangle) return true;
+  if (olx_dot(sample->geometric_normal, middle->geometric_normal) < 0.9f) return false;
+  const olx_vec3 step = olx_sub(sample->position, middle->position);
+  return fabsf(olx_dot(step, middle->geometric_normal)) <= tolerance;
+}
+
+// The surface as light that does not look at normal maps falls on it.
+static olx_surface smooth(const olx_scene *scene, const olx_ray_hit *hit, const olx_surface *surface) {
+  olx_surface s = *surface;
+  s.shading_normal = olx_surface_vertex_normal(scene, hit, surface);
+  return s;
+}
+
+// Direct irradiance at sample `k` of a texel. Neighbouring texels share out the samples of lights between them.
+static olx_vec3 direct_light(const olx_surface_capture *c, const texel_samples *t, uint32_t k,
+                             const olx_surface *surface, uint64_t *rays) {
+  const olx_capture *capture = c->capture;
+  const uint32_t place = t->y % LIGHT_SIDE * LIGHT_SIDE + t->x % LIGHT_SIDE, lights = capture->light_samples,
+                 block = t->y / LIGHT_SIDE * capture->size + t->x / LIGHT_SIDE;
+  const uint32_t seed = olx_hash3(capture->probe, block, SALT_DIRECT) ^ c->seed;
+  const uint32_t first = (place * capture->samples * capture->samples + k) * lights;
+  olx_vec3 sum = {0};
+  for (uint32_t i = 0; i < lights; i++) {
+    olx_sampler sampler = {.seed = seed, .index = first + i};
+    sum = olx_add(sum, olx_direct_irradiance(capture->shade->scene, surface, &sampler, rays));
+  }
+  return olx_scale(sum, 1.0f / (float)lights);
+}
+
+static void add_sample(const olx_surface_capture *c, const texel_samples *t, uint32_t k, const olx_ray_hit *hit,
+                       const olx_surface *surface, surface_sums *sums, uint64_t *rays) {
+  const olx_surface s = smooth(c->capture->shade->scene, hit, surface);
+  sums->base_color = olx_add(sums->base_color, s.base_color);
+  sums->roughness += s.roughness;
+  sums->metallic += s.metallic;
+  sums->direct = olx_add(sums->direct, direct_light(c, t, k, &s, rays));
+  sums->count += 1.0f;
+}
+
+// Light that has 1 to bounces + 1 surfaces between emitter and texel, as irradiance probes have it.
+static olx_vec3 indirect_light(const olx_surface_capture *c, const texel_samples *t, const olx_surface *surface,
+                               uint64_t *rays) {
+  const olx_capture *capture = c->capture;
+  const olx_shade_context *shade = capture->shade;
+  if (c->light == OLX_LIGHT_REFERENCE) {
+    const uint32_t seed = olx_hash3(capture->probe, texel_index(c, t), SALT_PATHS) ^ c->seed;
+    return olx_path_surface_irradiance(shade->scene, surface, capture->bounces + 1, c->reference_paths, seed, rays);
+  }
+  const olx_vec3 view = olx_normalize(olx_sub(capture->position, surface->position));
+  return olx_irradiance_from(&shade->irradiance[capture->bounces % (OLX_KEPT_BOUNCES + 1)], &shade->sample,
+                             surface->position, surface->shading_normal, view);
+}
+
+// Emission of the samples that emit, as the texel's middle does: a surface beside a lamp holds no share of it.
+static olx_vec3 mean_emission(const olx_surface_capture *c, const texel_samples *t, olx_vec3 middle, bool sky) {
+  const olx_scene *scene = c->capture->shade->scene;
+  const uint32_t per_texel = c->capture->samples * c->capture->samples;
+  olx_vec3 sum = {0};
+  float count = 0.0f;
+  for (uint32_t k = 0; k < per_texel; k++) {
+    if (sky != (t->hits[k].triangle == OLX_NO_HIT)) continue;
+    const olx_vec3 emission = sky ? olx_environment_radiance(scene, t->rays[k].direction)
+                                  : olx_surface_at(scene, &t->hits[k], t->rays[k].direction).emission;
+    if (!sky && olx_max3(emission) <= 0.0f) continue;
+    sum = olx_add(sum, emission);
+    count += 1.0f;
+  }
+  return count > 0.0f ? olx_scale(sum, 1.0f / count) : middle;
+}
+
+static void store_surface(const olx_surface_capture *c, uint32_t at, const olx_surface *middle,
+                          const surface_sums *sums, olx_vec3 indirect) {
+  const float share = 1.0f / sums->count;
+  const float weight = c->capture->shade->scene->materials[middle->material].specular_weight;
+  const olx_texel_material_codes codes =
+      olx_material_pack(olx_scale(sums->base_color, share), sums->roughness * share, sums->metallic * share, weight);
+  c->base[at] = codes.base;
+  c->specular[at] = codes.specular;
+  c->direct[at] = olx_rgb9e5_pack(olx_scale(sums->direct, share));
+  c->indirect[at] = olx_rgb9e5_pack(indirect);
+}
+
+static void capture_texel(olx_surface_capture *c, const texel_samples *t, uint64_t *rays) {
+  const olx_capture *capture = c->capture;
+  const olx_scene *scene = capture->shade->scene;
+  const uint32_t at = texel_index(c, t), per_texel = capture->samples * capture->samples;
+  const olx_vec3 direction = olx_texel_direction(t->x, t->y, capture->size);
+  const olx_ray_hit *hit = &capture->hits[at];
+  c->base[at] = c->direct[at] = c->indirect[at] = c->emission[at] = 0;
+  c->specular[at] = 0;
+  if (hit->triangle == OLX_NO_HIT) {
+    const olx_vec3 sky = olx_environment_radiance(scene, direction);
+    c->emission[at] = olx_rgb9e5_pack(mean_emission(c, t, sky, true));
+    return;
+  }
+  const olx_surface middle = olx_surface_at(scene, hit, direction);
+  const float tolerance = 0.25f * footprint(c, hit->t) + middle.epsilon;
+  surface_sums sums = {0};
+  for (uint32_t k = 0; k < per_texel; k++) {
+    if (t->hits[k].triangle == OLX_NO_HIT) continue;
+    const olx_surface sample = olx_surface_near(scene, &t->hits[k], t->rays[k].direction, &middle);
+    if (on_surface(&middle, &sample, tolerance)) add_sample(c, t, k, &t->hits[k], &sample, &sums, rays);
+  }
+  if (sums.count == 0.0f) add_sample(c, t, 0, hit, &middle, &sums, rays);
+  const olx_surface lit = smooth(scene, hit, &middle);
+  store_surface(c, at, &middle, &sums, indirect_light(c, t, &lit, rays));
+  if (olx_max3(middle.emission) > 0.0f) {
+    c->emission[at] = olx_rgb9e5_pack(mean_emission(c, t, middle.emission, false));
+  }
+}
+
+// Rays through samples^2 parts of each of CHUNK texels of a row.
+static void cast_samples(const olx_surface_capture *c, uint32_t x, uint32_t y, olx_ray *rays, olx_ray_hit *hits) {
+  const olx_capture *capture = c->capture;
+  const uint32_t side = capture->samples;
+  const float step = 1.0f / (float)(capture->size * side);
+  uint32_t count = 0;
+  for (uint32_t i = 0; i < CHUNK; i++) {
+    for (uint32_t k = 0; k < side * side; k++) {
+      const olx_vec2 uv = {((float)((x + i) * side + k % side) + sample_offset.x) * step,
+                           ((float)(y * side + k / side) + sample_offset.y) * step};
+      rays[count++] = (olx_ray){capture->position, olx_octahedral_decode(uv), 0.0f, INFINITY};
+    }
+  }
+  olx_bvh_intersect_many(capture->shade->scene->bvh, rays, count, true, hits);
+}
+
+static void capture_row(void *user, uint32_t y) {
+  olx_surface_capture *c = user;
+  const uint32_t per_texel = c->capture->samples * c->capture->samples;
+  olx_ray rays[CHUNK * MOST_SIDE * MOST_SIDE];
+  olx_ray_hit hits[CHUNK * MOST_SIDE * MOST_SIDE];
+  uint64_t cast = 0;
+  for (uint32_t x = 0; x < c->capture->size; x += CHUNK) {
+    cast_samples(c, x, y, rays, hits);
+    cast += (uint64_t)CHUNK * per_texel;
+    for (uint32_t i = 0; i < CHUNK; i++) {
+      const texel_samples t = {x + i, y, rays + (size_t)i * per_texel, hits + (size_t)i * per_texel};
+      capture_texel(c, &t, &cast);
+    }
+  }
+  atomic_fetch_add_explicit(&c->rays, cast, memory_order_relaxed);
+}
+
+uint64_t olx_surface_capture_units(const olx_surface_capture *c) { return olx_capture_units(c->capture); }
+
+olx_result olx_surface_capture_probe(olx_surface_capture *c, olx_surface_maps *maps) {
+  const uint32_t rows = c->capture->size;
+  *maps = (olx_surface_maps){c->base, c->specular, c->direct, c->indirect, c->emission};
+  return olx_parallel_for(rows, c->capture->threads, capture_row, c, c->capture->task,
+                          olx_surface_capture_units(c) / rows);
+}
+
+olx_result olx_surface_capture_create(olx_surface_capture *c) {
+  const size_t texels = (size_t)c->capture->size * c->capture->size;
+  c->base = olx_allocate(texels, sizeof *c->base);
+  c->direct = olx_allocate(texels, sizeof *c->direct);
+  c->indirect = olx_allocate(texels, sizeof *c->indirect);
+  c->emission = olx_allocate(texels, sizeof *c->emission);
+  c->specular = olx_allocate(texels, sizeof *c->specular);
+  if (c->base && c->direct && c->indirect && c->emission && c->specular) return OLX_OK;
+  olx_surface_capture_free(c);
+  return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for surfaces of %u x %u texels", c->capture->size,
+                  c->capture->size);
+}
+
+void olx_surface_capture_free(olx_surface_capture *c) {
+  olx_release(c->base);
+  olx_release(c->direct);
+  olx_release(c->indirect);
+  olx_release(c->emission);
+  olx_release(c->specular);
+  c->base = c->direct = c->indirect = c->emission = NULL;
+  c->specular = NULL;
+}
+
+// What a type of light does not use stays 0.
+static olx_field_light field_light(const olx_light *light) {
+  olx_field_light stored = {.type = OLX_FIELD_POINT, .emission = light->emission};
+  if (light->type == OLX_LIGHT_SUN) stored.type = OLX_FIELD_SUN;
+  if (light->type == OLX_LIGHT_SPOT) stored.type = OLX_FIELD_SPOT;
+  if (light->type != OLX_LIGHT_SUN) stored.position = light->position;
+  if (light->type != OLX_LIGHT_POINT) stored.direction = light->direction;
+  if (light->type == OLX_LIGHT_SPOT) {
+    stored.cosine_inner = light->cosine_inner;
+    stored.cosine_outer = light->cosine_outer;
+  }
+  return stored;
+}
+
+olx_result olx_surface_lights(const olx_scene *scene, olx_field_light **lights) {
+  *lights = olx_allocate(scene->light_count ? scene->light_count : 1, sizeof **lights);
+  if (!*lights) return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for %u lights", scene->light_count);
+  for (uint32_t i = 0; i < scene->light_count; i++) (*lights)[i] = field_light(&scene->lights[i]);
+  return OLX_OK;
+}

@@ -1,0 +1,34 @@
+// What light field probes see: the surfaces' material, their direct and indirect irradiance, and emission.
+#ifndef OLX_BAKE_SURFACE_CAPTURE_H
+#define OLX_BAKE_SURFACE_CAPTURE_H
+
+#include "bake/capture.h"
+#include "field/field_writer.h"
+
+#include <octalux/bake.h>
+
+// One probe at a time: the maps hold the surfaces of the probe that was captured last.
+typedef struct olx_surface_capture {
+  const olx_capture *capture; // of the same probe, done before
+  uint32_t seed;              // of the bake
+  olx_bake_light light;
+  uint32_t reference_paths; // of a texel, where the reference makes indirect light
+  uint32_t *base, *direct, *indirect, *emission;
+  uint16_t *specular;
+  atomic_uint_fast64_t rays; // cast so far
+} olx_surface_capture;
+
+// The fields up to `reference_paths` are the caller's to fill.
+olx_result olx_surface_capture_create(olx_surface_capture *surfaces);
+void olx_surface_capture_free(olx_surface_capture *surfaces);
+
+// Units of progress a probe takes, in samples of texels.
+uint64_t olx_surface_capture_units(const olx_surface_capture *surfaces);
+
+// *maps points into `surfaces`.
+olx_result olx_surface_capture_probe(olx_surface_capture *surfaces, olx_surface_maps *maps);
+
+// The lights of a scene that have no area, as a field holds them; *lights is to be given to olx_release.
+olx_result olx_surface_lights(const olx_scene *scene, olx_field_light **lights);
+
+#endif

@@ -1,0 +1,296 @@
+// The surfaces that light field probes store: material, direct and indirect irradiance, emission, lights, in scenes whose light is
+// known.
+#include "baked_field.h"
+#include "made_scenes.h"
+
+#include "core/octahedral.h"
+#include "scene/builtin_shapes.h"
+#include "trace/texel_shade.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+enum { SIZE = 32 };
+
+static olx_bake_settings settings_at(const olx_scene *scene, olx_vec3 position, olx_bake_light light) {
+  olx_bake_settings settings = olx_bake_settings_default(scene);
+  settings.grid = settings.irradiance_grid = (olx_grid){.origin = position, .count = {1, 1, 1}};
+  settings.radiance_size = SIZE;
+  settings.irradiance_size = 32;
+  settings.threads = 2;
+  settings.light = light;
+  return settings;
+}
+
+static olx_vec3 towards(uint32_t x, uint32_t y) { return olx_texel_direction(x, y, SIZE); }
+static size_t texel_at(uint32_t x, uint32_t y) { return olx_map_index(SIZE + 2, (int32_t)x, (int32_t)y); }
+
+static void assert_near(olx_vec3 found, olx_vec3 truth, float tolerance) {
+  const olx_vec3 off = olx_sub(found, truth);
+  if (fabsf(off.x) <= tolerance && fabsf(off.y) <= tolerance && fabsf(off.z) <= tolerance) return;
+  fail_msg("(%g, %g, %g) where (%g, %g, %g) belongs", (double)found.x, (double)found.y, (double)found.z,
+           (double)truth.x, (double)truth.y, (double)truth.z);
+}
+
+static float series(float ratio, uint32_t first, uint32_t last) {
+  float sum = 0.0f;
+  for (uint32_t i = first; i <= last; i++) sum += powf(ratio, (float)i);
+  return sum;
+}
+
+// Mean over the map of what a texel holds.
+typedef olx_vec3 (*texel_reader)(const olx_field *field, uint32_t probe, size_t texel);
+static float mean_of(const olx_field *field, texel_reader read) {
+  double sum = 0.0;
+  for (uint32_t i = 0; i < SIZE * SIZE; i++) sum += (double)read(field, 0, texel_at(i % SIZE, i / SIZE)).y;
+  return (float)(sum / (SIZE * SIZE));
+}
+
+// A closed room that glows by itself: its walls reflect what they get, whatever they emit. Shading them gives the series of all
+// bounces. A share of 2^-9 is what nine bits leave; the means of 1,024 texels carry noise of 0.2 %.
+static void furnace_keeps_its_light(olx_bake_light light) {
+  const float albedo = 0.5f, emission = 2.0f;
+  olx_scene *scene = made_scene();
+  const uint32_t wall = made_material(scene, &(olx_material){.base_color = olx_splat(albedo),
+                                                             .roughness = 1.0f,
+                                                             .emission = olx_splat(emission),
+                                                             .base_color_texture = OLX_NO_TEXTURE,
+                                                             .alpha_texture = OLX_NO_TEXTURE,
+                                                             .metallic_roughness_texture = OLX_NO_TEXTURE,
+                                                             .emission_texture = OLX_NO_TEXTURE,
+                                                             .normal_texture = OLX_NO_TEXTURE});
+  made_room(scene, olx_splat(0.0f), 2.0f, wall);
+  made_finish(scene);
+  for (uint32_t bounces = 0; bounces < 4; bounces += 3) {
+    olx_bake_settings settings = settings_at(scene, olx_v3(0.2f, 0.1f, -0.3f), light);
+    settings.bounces = bounces;
+    settings.light_samples = 4;
+    settings.reference_paths = 32;
+    olx_field *field = baked_field(scene, &settings, NULL);
+    for (uint32_t i = 0; i < SIZE * SIZE; i++) {
+      const size_t texel = texel_at(i % SIZE, i / SIZE);
+      assert_near(olx_texel_emission(field, 0, texel), olx_splat(emission), 0.0f);
+      assert_near(olx_texel_material(field, 0, texel).albedo, olx_splat(albedo), 0.003f); // half a step of the root
+    }
+    const float direct = OLX_PI * emission, indirect = direct * series(albedo, 1, bounces + 1);
+    assert_float_equal(mean_of(field, olx_texel_direct), direct, 0.005f * direct);
+    assert_float_equal(mean_of(field, olx_texel_indirect), indirect, 0.005f * indirect);
+    olx_sample_settings sample = olx_sample_settings_default();
+    double sum[2] = {0.0, 0.0};
+    for (uint32_t emitters = 0; emitters < 2; emitters++) {
+      sample.emitters = emitters != 0;
+      for (uint32_t i = 0; i < SIZE * SIZE; i++) {
+        const uint32_t x = i % SIZE, y = i / SIZE;
+        sum[emitters] += (double)olx_texel_shade(field, &sample, 0, texel_at(x, y), towards(x, y)).x / (SIZE * SIZE);
+      }
+    }
+    const float reflected = emission * series(albedo, 1, bounces + 2);
+    assert_float_equal((float)sum[0], reflected, 0.008f * reflected);
+    assert_float_equal((float)(sum[1] - sum[0]), emission, 0.001f * emission);
+    olx_field_close(field);
+  }
+  olx_scene_free(scene);
+}
+
+static void white_furnace_by_cache(void **state) {
+  (void)state;
+  furnace_keeps_its_light(OLX_LIGHT_CACHE);
+}
+
+static void white_furnace_by_reference(void **state) {
+  (void)state;
+  furnace_keeps_its_light(OLX_LIGHT_REFERENCE);
+}
+
+static olx_material plain(olx_vec3 base_color) {
+  return (olx_material){.base_color = base_color,
+                        .roughness = 1.0f,
+                        .base_color_texture = OLX_NO_TEXTURE,
+                        .alpha_texture = OLX_NO_TEXTURE,
+                        .metallic_roughness_texture = OLX_NO_TEXTURE,
+                        .emission_texture = OLX_NO_TEXTURE,
+                        .normal_texture = OLX_NO_TEXTURE};
+}
+
+static void add_light(olx_scene *scene, const olx_light *light) {
+  assert_int_equal(olx_scene_add_light(scene, light), OLX_OK);
+}
+
+// A lamp in a room: its walls get E = I cos / r^2 whether they glow faintly or not, and no more light than before is in them.
+static void faint_glow_hides_nothing(void **state) {
+  (void)state;
+  olx_field *field[2];
+  const float glow = 0.01f;
+  for (uint32_t k = 0; k < 2; k++) {
+    olx_scene *scene = made_scene();
+    olx_material material = plain(olx_v3(0.8f, 0.4f, 0.2f));
+    material.emission = olx_splat(k ? glow : 0.0f);
+    made_room(scene, olx_splat(0.0f), 2.0f, made_material(scene, &material));
+    add_light(scene,
+              &(olx_light){.type = OLX_LIGHT_POINT, .position = {0.0f, 0.0f, 0.0f}, .emission = {5.0f, 5.0f, 5.0f}});
+    made_finish(scene);
+    olx_bake_settings settings = settings_at(scene, olx_v3(0.2f, 0.1f, -0.3f), OLX_LIGHT_REFERENCE);
+    settings.reference_paths = 4;
+    field[k] = baked_field(scene, &settings, NULL);
+    olx_scene_free(scene);
+  }
+  for (uint32_t i = 0; i < SIZE * SIZE; i++) {
+    const size_t at = texel_at(i % SIZE, i / SIZE);
+    assert_int_equal(field[0]->surfaces.base[at], field[1]->surfaces.base[at]);
+    assert_near(olx_texel_emission(field[0], 0, at), olx_splat(0.0f), 0.0f);
+    assert_near(olx_texel_emission(field[1], 0, at), olx_splat(glow), glow / 512.0f);
+    const olx_vec3 p = olx_madd(olx_field_probe_position(field[1], 0), towards(i % SIZE, i / SIZE),
+                                olx_texel_distance(field[1], 0, at));
+    const float r = olx_length(p), cosine = -olx_dot(olx_texel_normal(field[1], 0, at), p) / r;
+    const float lamp = 5.0f * cosine / (r * r);
+    // Samples lie up to a quarter of a texel off its middle each way, and light falls with the cube of the distance. What the
+    // walls send each other straight is pi times the glow.
+    const float facing = -olx_dot(olx_texel_normal(field[1], 0, at), towards(i % SIZE, i / SIZE));
+    const float footprint = olx_texel_distance(field[1], 0, at) * 3.545f / SIZE / facing;
+    const float spread = lamp * 3.0f * 0.36f * footprint / r + 0.01f * lamp;
+    assert_near(olx_texel_direct(field[0], 0, at), olx_splat(lamp), spread);
+  }
+  olx_field_close(field[0]);
+  olx_field_close(field[1]);
+}
+
+// A square under an even sky and a sun. What is not square is sky.
+static void sky_and_sun_light_a_square(void **state) {
+  (void)state;
+  olx_scene *scene = made_scene();
+  const olx_material material = plain(olx_splat(0.6f));
+  made_square(scene, 0.0f, made_material(scene, &material));
+  // A sheet that throws its shadow on the half x > 0, out of sight of the probe.
+  made_quad(scene, olx_v3(1.0f, 50.0f, 0.0f), olx_v3(0.0f, 0.0f, 2.0f), olx_v3(2.0f, 0.0f, 0.0f), 0);
+  scene->environment.radiance = olx_v3(0.5f, 1.0f, 2.0f);
+  add_light(scene,
+            &(olx_light){.type = OLX_LIGHT_SUN, .direction = {0.0f, -1.0f, 0.0f}, .emission = {3.0f, 2.0f, 1.0f}});
+  made_finish(scene);
+  olx_bake_settings settings = settings_at(scene, olx_v3(0.0f, 0.5f, 0.0f), OLX_LIGHT_REFERENCE);
+  settings.reference_paths = 4;
+  settings.light_samples = 16;
+  settings.samples = 4;
+  olx_field *field = baked_field(scene, &settings, NULL);
+  uint32_t lit = 0, shaded = 0, sky = 0;
+  for (uint32_t i = 0; i < SIZE * SIZE; i++) {
+    const size_t at = texel_at(i % SIZE, i / SIZE);
+    const float distance = olx_texel_distance(field, 0, at);
+    const olx_vec3 d = towards(i % SIZE, i / SIZE), p = olx_madd(olx_v3(0.0f, 0.5f, 0.0f), d, distance);
+    if (distance == INFINITY) {
+      sky++;
+      assert_near(olx_texel_emission(field, 0, at), olx_v3(0.5f, 1.0f, 2.0f), 0.0f);
+      assert_near(olx_texel_direct(field, 0, at), olx_splat(0.0f), 0.0f);
+      continue;
+    }
+    if (p.y > 1.0f) continue; // the sheet
+    assert_near(olx_texel_emission(field, 0, at), olx_splat(0.0f), 0.0f);
+    if (fabsf(p.x) < 0.2f) continue; // texels that the shadow's edge may cross
+    const olx_vec3 direct =
+        olx_madd(p.x < 0.0f ? olx_v3(3.0f, 2.0f, 1.0f) : olx_splat(0.0f), olx_v3(0.5f, 1.0f, 2.0f), OLX_PI);
+    assert_near(olx_texel_direct(field, 0, at), direct, 0.02f * direct.z);
+    *(p.x < 0.0f ? &lit : &shaded) += 1;
+  }
+  // Of what a point sees of the sphere, the sheet takes 0.0004, and reflects no more than 0.6 of what it gets.
+  assert_true(mean_of(field, olx_texel_indirect) < 0.01f);
+  assert_true(lit > 50 && shaded > 50 && sky > 300);
+  const olx_field_light *sun = field->surfaces.lights;
+  assert_int_equal(field->surfaces.light_count, 1);
+  assert_true(sun->type == OLX_FIELD_SUN && sun->direction.y == -1.0f && sun->emission.x == 3.0f &&
+              sun->position.y == 0.0f);
+  olx_field_close(field);
+  olx_scene_free(scene);
+}
+
+// Red and blue stripes a tenth of a texel wide: many samples see about as much of both.
+static void texels_average_textures(void **state) {
+  (void)state;
+  enum { STRIPES = 256 };
+  uint8_t texels[STRIPES][4];
+  for (uint32_t i = 0; i < STRIPES; i++) {
+    texels[i][0] = i % 2 ? 255 : 0;
+    texels[i][2] = i % 2 ? 0 : 255;
+    texels[i][1] = 0;
+    texels[i][3] = 255;
+  }
+  olx_scene *scene = made_scene();
+  olx_material material = plain(olx_splat(0.9f));
+  material.base_color_texture = made_texture(scene, STRIPES, 1, &texels[0][0], false);
+  made_square(scene, 0.0f, made_material(scene, &material));
+  made_finish(scene);
+  olx_bake_settings settings = settings_at(scene, olx_v3(0.0f, 0.5f, 0.0f), OLX_LIGHT_REFERENCE);
+  settings.reference_paths = 1;
+  double off[2];
+  for (uint32_t k = 0; k < 2; k++) {
+    settings.samples = k ? 8 : 1;
+    olx_field *field = baked_field(scene, &settings, NULL);
+    off[k] = 0.0;
+    for (uint32_t i = 0; i < SIZE * SIZE; i++) {
+      const size_t at = texel_at(i % SIZE, i / SIZE);
+      if (olx_texel_distance(field, 0, at) == INFINITY) continue;
+      const olx_vec3 albedo = olx_texel_material(field, 0, at).albedo;
+      assert_float_equal(albedo.x + albedo.z, 0.9f, 0.008f);
+      off[k] += fabs((double)albedo.x - 0.45);
+    }
+    olx_field_close(field);
+  }
+  assert_true(off[1] < 0.3 * off[0]);
+  olx_scene_free(scene);
+}
+
+// What is stored of a material is what it was, to within a byte.
+static void materials_survive(void **state) {
+  (void)state;
+  olx_scene *scene = made_scene();
+  olx_material material = plain(olx_v3(0.9f, 0.3f, 0.01f));
+  material.roughness = 0.4f;
+  material.metallic = 0.25f;
+  material.specular_weight = 0.5f;
+  made_room(scene, olx_splat(0.0f), 2.0f, made_material(scene, &material));
+  add_light(scene, &(olx_light){.type = OLX_LIGHT_SPOT,
+                                .position = {0.1f, 0.2f, 0.3f},
+                                .direction = {0.0f, -1.0f, 0.0f},
+                                .emission = {1.0f, 2.0f, 3.0f},
+                                .cosine_inner = 0.9f,
+                                .cosine_outer = 0.7f});
+  made_finish(scene);
+  olx_bake_settings settings = settings_at(scene, olx_v3(0.2f, 0.1f, -0.3f), OLX_LIGHT_REFERENCE);
+  settings.reference_paths = 1;
+  olx_field *field = baked_field(scene, &settings, NULL);
+  const olx_bsdf truth = olx_bsdf_make(material.base_color, 0.25f, 0.4f, 0.5f);
+  for (uint32_t i = 0; i < SIZE * SIZE; i++) {
+    const olx_bsdf stored = olx_texel_material(field, 0, texel_at(i % SIZE, i / SIZE));
+    assert_near(stored.albedo, truth.albedo, 0.004f);
+    assert_near(stored.f0, truth.f0, 0.004f);
+    assert_float_equal(stored.f90, truth.f90, 0.004f);
+    assert_float_equal(stored.dielectric_weight, 0.5f, 0.002f);
+    assert_float_equal(sqrtf(stored.alpha), 0.4f, 0.002f);
+  }
+  const olx_field_light *spot = field->surfaces.lights;
+  assert_true(spot->type == OLX_FIELD_SPOT && spot->cosine_inner == 0.9f && spot->cosine_outer == 0.7f &&
+              spot->position.z == 0.3f && spot->emission.y == 2.0f);
+  olx_field_close(field);
+  olx_scene_free(scene);
+}
+
+static void any_threads_make_the_same_bytes(void **state) {
+  (void)state;
+  olx_scene *scene = NULL;
+  assert_int_equal(olx_scene_load("builtin:cornell-glossy", &scene), OLX_OK);
+  olx_bake_settings settings = settings_at(scene, olx_v3(0.0f, 1.0f, 0.0f), OLX_LIGHT_REFERENCE);
+  settings.reference_paths = 2;
+  baked_field_at_any_threads(scene, &settings);
+  olx_scene_free(scene);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(white_furnace_by_cache),          cmocka_unit_test(white_furnace_by_reference),
+      cmocka_unit_test(faint_glow_hides_nothing),        cmocka_unit_test(sky_and_sun_light_a_square),
+      cmocka_unit_test(texels_average_textures),         cmocka_unit_test(materials_survive),
+      cmocka_unit_test(any_threads_make_the_same_bytes),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -78,7 +78,7 @@ typedef struct bake_options {
        OPTION_CHOICE,                                                                                                  \
        &(b).light,                                                                                                     \
        "cache|reference",                                                                                              \
-       "indirect light of what probes see: the baker's solution, or paths from every texel (slow); default cache",     \
+       "indirect light on what probes see: the baker's own, or paths from each texel, slow; default cache",             \
        0,                                                                                                              \
        0},                                                                                                             \
       {"--reference-paths",                                                                                            \

@@ -13,6 +13,7 @@ typedef struct block {
 } block;
 
 #define BLOCK_COUNT 13
+#define CURRENT_VERSION 2 // of field files
 
 static void list_blocks(const olx_field_info *info, block blocks[BLOCK_COUNT]) {
   const block list[BLOCK_COUNT] = {{"radiance", info->radiance_bytes},     {"normal", info->normal_bytes},
@@ -47,8 +48,17 @@ static select_list select_names(uint32_t mask) {
   return list;
 }
 
-static int print_info_json(const olx_field_info *info, const double origin[3]) {
+// What a file says of itself.
+typedef struct description {
+  olx_field_info info;
+  double origin[3]; // metres: positions in `info` are relative to it
+  uint32_t version; // of the format
+} description;
+
+static int print_info_json(const description *d) {
+  const olx_field_info *info = &d->info;
   cJSON *object = cJSON_CreateObject();
+  add_number(object, "version", d->version);
   add_number(object, "probes", info->probe_count);
   add_number(object, "irradiance_probes", info->irradiance_probe_count);
   add_number(object, "buried", info->buried_count);
@@ -75,7 +85,7 @@ static int print_info_json(const olx_field_info *info, const double origin[3]) {
   list_blocks(info, blocks);
   cJSON *bytes = cJSON_AddObjectToObject(object, "bytes");
   for (int i = 0; i < BLOCK_COUNT; ++i) add_number(bytes, blocks[i].name, (double)blocks[i].bytes);
-  cJSON_AddItemToObject(object, "origin", cJSON_CreateDoubleArray(origin, 3));
+  cJSON_AddItemToObject(object, "origin", cJSON_CreateDoubleArray(d->origin, 3));
   if (info->has_grid) add_grid(object, "grid", &info->grid);
   add_grid(object, "irradiance_grid", &info->irradiance_grid);
   add_number(object, "lights", info->light_count);
@@ -94,8 +104,12 @@ static void print_grid(const char *label, const olx_grid *grid) {
          (double)grid->spacing.x, (double)grid->spacing.y, (double)grid->spacing.z);
 }
 
-static void print_info(const char *path, const olx_field_info *info, const double origin[3]) {
+static void print_info(const char *path, const description *d) {
+  const olx_field_info *info = &d->info;
+  const double *origin = d->origin;
   printf("%s: %s\n", path, text_of_bytes(info->file_bytes).text);
+  printf("  format version     %u%s\n", d->version,
+         d->version == CURRENT_VERSION ? "" : ", of another version of this program: bake the scene again to use it");
   printf("  light field probes %u, %u of them inside geometry, %ux%u texels\n", info->probe_count, info->buried_count,
          info->radiance_size, info->radiance_size);
   printf("  irradiance probes  %u, %u of them inside geometry, %ux%u texels\n", info->irradiance_probe_count,
@@ -120,11 +134,28 @@ static void print_info(const char *path, const olx_field_info *info, const doubl
   printf("  selector           %s\n", select_names(info->select_mask).text);
   printf("  light              direct and %u further bounces, %ux%u samples a texel\n", info->bounces, info->samples,
          info->samples);
-  printf("  lights             %u without area\n", info->light_count);
+  if (version == CURRENT_VERSION) printf("  lights             %u without area\n", info->light_count);
   printf("  scene              %016" PRIx64 "\n", info->scene_hash);
+  if (version != CURRENT_VERSION) return; // its chunks are not read
   block blocks[BLOCK_COUNT];
   list_blocks(info, blocks);
   for (int i = 0; i < BLOCK_COUNT; ++i) printf("  %-18s %s\n", blocks[i].name, text_of_bytes(blocks[i].bytes).text);
+}
+
+static olx_result describe(const char *path, description *d) {
+  olx_field *field = NULL;
+  olx_result result = olx_field_open(path, &field);
+  if (result == OLX_ERROR_VERSION && olx_field_describe_version_1(path, &d->info) != OLX_ERROR_VERSION) {
+    d->version = 1;
+    return olx_field_describe_version_1(path, &d->info);
+  }
+  if (result == OLX_ERROR_VERSION) result = olx_field_open(path, &field); // for its message
+  if (result == OLX_OK) {
+    d->info = olx_field_describe(field);
+    olx_field_origin(field, d->origin);
+  }
+  olx_field_close(field);
+  return result;
 }
 
 int command_info(int argc, char **argv) {
@@ -137,15 +168,11 @@ int command_info(int argc, char **argv) {
                        .option_count = sizeof options / sizeof options[0]};
   int code;
   if (!parse_options(&line, argc, argv, &code)) return code;
-  olx_field *field = NULL;
-  if (olx_field_open(line.given[0], &field) != OLX_OK) return library_failure("info");
-  const olx_field_info info = olx_field_describe(field);
-  double origin[3];
-  olx_field_origin(field, origin);
-  if (json) code = print_info_json(&info, origin);
-  else print_info(line.given[0], &info, origin);
-  olx_field_close(field);
-  return code;
+  description d = {.version = CURRENT_VERSION};
+  if (describe(line.given[0], &d) != OLX_OK) return library_failure("info");
+  if (json) return print_info_json(&d);
+  print_info(line.given[0], &d);
+  return EXIT_DONE;
 }
 
 int command_verify(int argc, char **argv) {

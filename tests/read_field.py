@@ -36,7 +36,7 @@ def read_chunks(data):
     need(len(data) >= 64, "no header")
     magic, version, count, file_bytes, _, *reserved, _ = struct.unpack_from("<8sIIQQ3QQ", data, 0)
     need(magic == MAGIC, "magic")
-    need(version == 1, f"version {version}")
+    need(version == 2, f"version {version}")
     need(file_bytes == len(data), f"{len(data)} bytes, but the header says {file_bytes}")
     need(1 <= count <= 256 and not any(reserved), "header")
     chunks, end = {}, 64 + 64 * count
@@ -89,6 +89,13 @@ SHAPES = {
     "IFLG": lambda d: (1, 1, d["Q"]),
     "IRRA": lambda d: (4, (d["m"] + 2) ** 2, d["Q"]),
     "MOME": lambda d: (4, (d["m"] + 2) ** 2, d["Q"]),
+    "BASE": lambda d: (4, (d["n"] + 2) ** 2, d["P"]),
+    "SPEC": lambda d: (2, (d["n"] + 2) ** 2, d["P"]),
+    "DIRE": lambda d: (4, (d["n"] + 2) ** 2, d["P"]),
+    "INDI": lambda d: (4, (d["n"] + 2) ** 2, d["P"]),
+    "EMIS": lambda d: (4, (d["n"] // 8) ** 2, d["P"]),
+    "LITE": lambda d: (64, 1, None),  # as many records as there are
+    "ETIL": lambda d: (4, 64, None),
 }
 
 
@@ -179,6 +186,11 @@ def decode_color(code):
     return [decode_small(code & 0x7FF, 6), decode_small(code >> 11 & 0x7FF, 6), decode_small(code >> 22, 5)]
 
 
+def decode_shared(code):
+    scale = 2.0 ** ((code >> 27) - 24)
+    return [(code & 0x1FF) * scale, (code >> 9 & 0x1FF) * scale, (code >> 18 & 0x1FF) * scale]
+
+
 def direction(u, v):
     x, z = 2 * u - 1, 2 * v - 1
     y = 1 - abs(x) - abs(z)
@@ -246,6 +258,46 @@ def check_light_field_probe(chunks, d, probe):
         nodes = [decode_half(code) for code in record(chunks, name, probe)]
         need(nodes == pyramid(stored_map, n, sides, choose), f"{name} of probe {probe}")
     return plausible / surfaces if surfaces else 1.0
+
+
+def check_surfaces(chunks, d, probe):
+    n, side = d["n"], d["n"] // 8
+    maps = {name: record(chunks, name, probe) for name in ("BASE", "SPEC", "DIRE", "INDI")}
+    for name, codes in maps.items():
+        check_border(f"{name} of probe {probe}", codes, n)
+    distance, tiles = record(chunks, "DIST", probe), record(chunks, "EMIS", probe)
+    count = len(chunks["ETIL"][0]) // 256
+    need(max(tiles) <= count, f"EMIS of probe {probe}: tile {max(tiles) - 1}")
+    for y in range(n):
+        for x in range(n):
+            at, entry = (y + 1) * (n + 2) + x + 1, tiles[y // 8 * side + x // 8]
+            emission = [0.0, 0.0, 0.0]
+            if entry:
+                code, = struct.unpack_from("<I", chunks["ETIL"][0], 256 * (entry - 1) + 4 * (y % 8 * 8 + x % 8))
+                emission = decode_shared(code)
+            need(distance[at] >= 0x7C00 or not any(emission), f"ETIL of probe {probe}: emission at ({x}, {y})")
+            if distance[at] == 0x7C00:
+                need(not any(codes[at] for codes in maps.values()), f"surface of probe {probe}: sky at ({x}, {y})")
+                continue
+            base, specular = maps["BASE"][at], maps["SPEC"][at]
+            color = [((base >> shift & 0xFF) / 255) ** 2 for shift in (0, 8, 16)]
+            # The baker clamps base colours to 0.95, and a code's root is off by half a step.
+            need(max(color) <= 0.96, f"BASE of probe {probe}: base colour {color}")
+            roughness, metallic, weight = (base >> 24) / 255, (specular & 0xFF) / 255, (specular >> 8) / 255
+            need(max(roughness, metallic, weight) <= 1, f"SPEC of probe {probe}")
+            light = decode_shared(maps["DIRE"][at]) + decode_shared(maps["INDI"][at])
+            need(all(map(math.isfinite, light)), f"light of probe {probe}")
+
+
+def check_lights(blob):
+    for i in range(len(blob) // 64):
+        kind, *numbers = struct.unpack_from("<I11f4I", blob, 64 * i)
+        position, way, emission, cone, zeros = numbers[0:3], numbers[3:6], numbers[6:9], numbers[9:11], numbers[11:]
+        need(kind <= 2 and not any(zeros), f"LITE: light {i}")
+        need(all(map(math.isfinite, position + emission)) and (kind or not any(position)), f"LITE: light {i}: place")
+        need(kind == 1 and not any(way) or abs(sum(a * a for a in way) - 1) <= 1e-3, f"LITE: light {i}: direction")
+        need(-1 <= cone[1] <= cone[0] <= 1 if kind == 2 else not any(cone), f"LITE: light {i}: cone")
+    return len(blob) // 64
 
 
 def check_irradiance_probe(chunks, d, probe):
@@ -382,6 +434,7 @@ def read(path):
     need({"IRRA", "IRSH"} & set(chunks) == {irradiance_chunk(d)[0]}, "irradiance not in its form")
     for name, (element, elements, records) in shapes.items():
         blob, record_bytes, element_bytes = chunks[name]
+        records = len(blob) // (element * elements) if records is None else records
         need((element_bytes, record_bytes, len(blob)) == (element, element * elements, element * elements * records), name)
     for kind, count, buried, grid in (("P", d["P"], d["buried"], "grid"),
                                       ("I", d["Q"], d["irradiance_buried"], "irradiance_grid")):
@@ -393,6 +446,8 @@ def read(path):
         need(set(flags) <= {0, 1} and sum(flags) == buried, f"{kind}FLG")
     plausible = [check_light_field_probe(chunks, d, i) for i in sample(d["P"]) if not chunks["PFLG"][0][i]]
     need(min(plausible, default=1) == 1, f"surfaces outside the scene or turned away ({1 - min(plausible, default=1):.3f})")
+    for i in sample(d["P"]):
+        check_surfaces(chunks, d, i)
     for i in sample(d["Q"]):
         check_irradiance_probe(chunks, d, i)
     size = lambda name: len(chunks[name][0])
@@ -406,10 +461,12 @@ def read(path):
         check_bricks(chunks["BRIK"][0], d["P"], sum(map(size, ("RADI", "NORM", "DIST"))))
     names = [name for bit, name in enumerate(("cage", "voronoi", "octree", "bricks")) if d["selectors"] >> bit & 1]
     told = {
+        "version": 2, "lights": check_lights(chunks["LITE"][0]),
         "probes": d["P"], "irradiance_probes": d["Q"], "buried": d["buried"], "irradiance_buried": d["irradiance_buried"],
         "origin": read_origin(chunks), "radiance_size": d["n"], "irradiance_size": d["m"], "irradiance": FORMS[d["form"]], "select": ",".join(names) or "none", "file_bytes": len(data),
         "bytes": {"radiance": size("RADI"), "normal": size("NORM"), "distance": size("DIST"), "pyramid": size("DMIN") + size("DMAX"),
-                  "irradiance": size(irradiance_chunk(d)[0]), "moments": size("MOME"), "selector": sum(map(size, stored)),
+                  "material": size("BASE") + size("SPEC"), "direct": size("DIRE"), "indirect": size("INDI"),
+                  "emission": size("EMIS") + size("ETIL"), "irradiance": size(irradiance_chunk(d)[0]), "moments": size("MOME"), "selector": sum(map(size, stored)),
                   "classic": sum(size(name) for name in CLASSIC if name in chunks)},
         "irradiance_grid": d["irradiance_grid"], "bounces": d["bounces"], "samples": d["samples"],
         "distance_scale_metres": d["scale"], "scene_min": d["scene_min"], "scene_max": d["scene_max"],

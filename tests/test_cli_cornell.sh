@@ -16,8 +16,8 @@ expect_files a.olx b.olx
 
 bytes=$(wc -c <a.olx)
 expect_json 'o["probes"] == 8 and o["irradiance_probes"] == 27 and o["radiance_size"] == 64 and o["irradiance_size"] == 16
-  and o["select"] == "cage" and o["file_bytes"] == '"$bytes"' and o["bounces"] == 1 and o["grid"]["count"] == [2, 2, 2]
-  and set("radiance normal distance pyramid irradiance moments selector".split()) <= set(o["bytes"])
+  and o["select"] == "cage,bricks" and o["version"] == 2 and o["lights"] == 0 and o["file_bytes"] == '"$bytes"' and o["bounces"] == 1 and o["grid"]["count"] == [2, 2, 2]
+  and set("radiance normal distance pyramid material direct indirect emission irradiance moments selector".split()) <= set(o["bytes"])
   and sum(o["bytes"].values()) <= o["file_bytes"]' info a.olx
 expect 0 info a.olx
 expect_json 'o["file_bytes"] == '"$bytes" verify a.olx

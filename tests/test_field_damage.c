@@ -1,6 +1,7 @@
 // Damaged field files: every refusal of the header, the table, the description and the content is reached.
 #include "field_fixture.h"
 
+#include "core/file.h"
 #include "core/hooks.h"
 #include "field/texels.h"
 
@@ -27,7 +28,7 @@ static void test_refuses_a_wrong_header(void **state) {
   assert_field_refused(&i, OLX_ERROR_FORMAT, "wrong magic");
   *i.header = good;
   i.header->version = 1;
-  assert_field_refused(&i, OLX_ERROR_VERSION, "version 1 is older");
+  assert_field_refused(&i, OLX_ERROR_VERSION, "version 1 is older than the 2 this library reads; bake the");
   i.header->version = 3;
   assert_field_refused(&i, OLX_ERROR_VERSION, "version 3 is newer");
   *i.header = good;
@@ -63,6 +64,31 @@ static void test_refuses_a_wrong_header(void **state) {
   assert_says("not aligned");
   assert_int_equal(olx_field_open_memory(i.bytes, i.size_bytes, &field), OLX_OK);
   olx_field_close(field);
+  olx_release(i.bytes);
+}
+
+// A file of version 1 cannot be used, but it says what it is.
+static void test_describes_version_1(void **state) {
+  const field_fixture *f = *state;
+  const field_image i = field_image_load(*state, &small);
+  olx_field_info info = {0};
+  assert_int_equal(olx_field_describe_version_1(f->path, &info), OLX_ERROR_VERSION);
+  assert_says("format version 2 is newer than the 1");
+  i.header->version = 1;
+  field_seal(&i);
+  assert_int_equal(olx_write_file(f->path, i.bytes, i.size_bytes), OLX_OK);
+  assert_int_equal(olx_field_describe_version_1(f->path, &info), OLX_OK);
+  assert_true(info.probe_count == 12 && info.radiance_size == 16 && info.scene_hash == 0x0123456789ABCDEFu);
+  assert_true(info.file_bytes == i.size_bytes && info.radiance_bytes == 0);
+  i.info->probe_count = 0;
+  assert_int_equal(olx_write_file(f->path, i.bytes, i.size_bytes), OLX_OK);
+  assert_int_equal(olx_field_describe_version_1(f->path, &info), OLX_ERROR_CHECKSUM);
+  field_seal(&i);
+  assert_int_equal(olx_write_file(f->path, i.bytes, i.size_bytes), OLX_OK);
+  assert_int_equal(olx_field_describe_version_1(f->path, &info), OLX_ERROR_FORMAT);
+  assert_says("no light field probes");
+  assert_int_equal(olx_write_file(f->path, i.bytes, 100), OLX_OK);
+  assert_int_equal(olx_field_describe_version_1(f->path, &info), OLX_ERROR_FORMAT);
   olx_release(i.bytes);
 }
 
@@ -447,6 +473,7 @@ static void test_rounded_moments_are_possible(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test_setup_teardown(test_refuses_a_wrong_header, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_describes_version_1, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_refuses_a_wrong_chunk_table, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_skips_unknown_optional_chunks_only, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_refuses_a_wrong_description, field_set_up, field_tear_down),

@@ -90,6 +90,11 @@ olx_result olx_field_open(const char *path, olx_field **field);
 // The same for a file that already lies in memory, 64-byte aligned; `data` must outlive the field.
 olx_result olx_field_open_memory(const void *data, size_t size_bytes, olx_field **field);
 
+// What a field file of format version 1 says of itself. Such a file cannot be opened, because its texels hold no surfaces: the
+// scene has to be baked again. Counts of bytes but file_bytes are 0, as is what optional chunks tell. OLX_ERROR_VERSION for a
+// file of another version.
+olx_result olx_field_describe_version_1(const char *path, olx_field_info *info);
+
 // NULL is allowed.
 void olx_field_close(olx_field *field);
 

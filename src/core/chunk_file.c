@@ -31,8 +31,9 @@ static olx_result check_header(const olx_chunk_file *file, const olx_file_kind *
     return olx_fail(OLX_ERROR_FORMAT, "%s: not a %s (wrong magic)", file->name, kind->noun);
   }
   if (header->version != kind->version) {
-    return olx_fail(OLX_ERROR_VERSION, "%s: format version %u is %s than the %u this library reads", file->name,
-                    header->version, header->version < kind->version ? "older" : "newer", kind->version);
+    const bool older = header->version < kind->version;
+    return olx_fail(OLX_ERROR_VERSION, "%s: format version %u is %s than the %u this library reads%s", file->name,
+                    header->version, older ? "older" : "newer", kind->version, older ? kind->remedy : "");
   }
   if (olx_content_hash(header, offsetof(olx_file_header, header_hash)) != header->header_hash) {
     return olx_fail(OLX_ERROR_CHECKSUM, "%s: header: wrong checksum", file->name);

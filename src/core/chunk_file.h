@@ -43,7 +43,8 @@ _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "files are read in pla
 typedef struct olx_file_kind {
   const char *magic; // 8 bytes
   uint32_t version;
-  const char *noun; // "field file": for messages
+  const char *noun;   // "field file": for messages
+  const char *remedy; // what to do about an older file, for messages: "; bake it again"
 } olx_file_kind;
 
 // A file in memory. The chunk table may be read once olx_chunk_file_check has passed it.

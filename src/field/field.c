@@ -6,29 +6,6 @@
 
 #include <assert.h>
 
-static olx_result read_info(olx_field *field) {
-  const olx_chunk_file file = olx_field_file(field);
-  const olx_file_chunk *chunk;
-  OLX_TRY(olx_chunk_find(&file, OLX_FOUR_CC('I', 'N', 'F', 'O'), &chunk));
-  if (chunk->size_bytes != sizeof(olx_file_info)) {
-    return olx_fail(OLX_ERROR_FORMAT, "%s: chunk INFO: %llu bytes, not %zu", field->name,
-                    (unsigned long long)chunk->size_bytes, sizeof(olx_file_info));
-  }
-  const olx_file_info *stored = (const void *)((const char *)field->data + chunk->offset);
-  if (olx_content_hash(stored, sizeof *stored) != chunk->hash) {
-    return olx_fail(OLX_ERROR_CHECKSUM, "%s: chunk INFO: wrong checksum", field->name);
-  }
-  field->info = olx_field_info_load(stored);
-  OLX_TRY(olx_field_info_check(&field->info, field->name, OLX_ERROR_FORMAT));
-  // What the description holds must be what a writer makes of it: reserved fields zero, flags 0 or 1.
-  const olx_file_info again = olx_field_info_store(&field->info);
-  if (memcmp(&again, stored, sizeof again) != 0) {
-    return olx_fail(OLX_ERROR_FORMAT, "%s: chunk INFO: grid flag, absent grid or reserved bytes are wrong",
-                    field->name);
-  }
-  return OLX_OK;
-}
-
 // The structures of the selectors that the description names, and no others.
 static olx_result find_selectors(olx_field *field, const olx_chunk_shape shapes[OLX_CHUNK_KINDS]) {
   const olx_chunk_file file = olx_field_file(field);
@@ -133,7 +110,7 @@ static olx_result check_flags(const olx_field *field, const uint8_t *flags, uint
 static olx_result check_structure(olx_field *field) {
   const olx_chunk_file file = olx_field_file(field);
   OLX_TRY(olx_chunk_file_check(&file, &OLX_FIELD_KIND));
-  OLX_TRY(read_info(field));
+  OLX_TRY(olx_field_info_read(&file, &field->info));
   OLX_TRY(find_chunks(field));
   const olx_field_info *info = &field->info;
   OLX_TRY(olx_positions_check(field->probe_positions, info->probe_count, info->has_grid ? &info->grid : NULL,
@@ -187,6 +164,27 @@ olx_result olx_field_open_memory(const void *data, size_t size_bytes, olx_field 
     return olx_fail(OLX_ERROR_ARGUMENT, "field in memory: not aligned to %d bytes", OLX_CHUNK_ALIGNMENT);
   }
   return open_data("field in memory", (olx_mapped_file){.data = data, .size_bytes = size_bytes}, false, field);
+}
+
+// The description has been the same since version 1.
+static olx_result describe_version_1(const olx_chunk_file *file, olx_field_info *info) {
+  olx_file_kind kind = OLX_FIELD_KIND;
+  kind.version = 1;
+  kind.remedy = "";
+  OLX_TRY(olx_chunk_file_check(file, &kind));
+  OLX_TRY(olx_field_info_read(file, info));
+  info->file_bytes = file->size_bytes;
+  return OLX_OK;
+}
+
+olx_result olx_field_describe_version_1(const char *path, olx_field_info *info) {
+  assert(path && info);
+  olx_mapped_file mapped = {0};
+  OLX_TRY(olx_map_file(path, &mapped));
+  const olx_chunk_file file = {.data = mapped.data, .size_bytes = mapped.size_bytes, .name = path};
+  const olx_result result = describe_version_1(&file, info);
+  olx_unmap_file(&mapped);
+  return result;
 }
 
 void olx_field_close(olx_field *field) {

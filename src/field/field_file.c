@@ -196,6 +196,25 @@ olx_result olx_field_info_check(const olx_field_info *info, const char *name, ol
   return OLX_OK;
 }
 
+olx_result olx_field_info_read(const olx_chunk_file *file, olx_field_info *info) {
+  const olx_file_chunk *chunk;
+  OLX_TRY(olx_chunk_find(file, OLX_FOUR_CC('I', 'N', 'F', 'O'), &chunk));
+  if (chunk->size_bytes != sizeof(olx_file_info)) {
+    return olx_fail(OLX_ERROR_FORMAT, "%s: chunk INFO: %llu bytes, not %zu", file->name,
+                    (unsigned long long)chunk->size_bytes, sizeof(olx_file_info));
+  }
+  const olx_file_info *stored = (const void *)((const char *)file->data + chunk->offset);
+  if (olx_content_hash(stored, sizeof *stored) != chunk->hash) {
+    return olx_fail(OLX_ERROR_CHECKSUM, "%s: chunk INFO: wrong checksum", file->name);
+  }
+  *info = olx_field_info_load(stored);
+  OLX_TRY(olx_field_info_check(info, file->name, OLX_ERROR_FORMAT));
+  // What the description holds must be what a writer makes of it: reserved fields zero, flags 0 or 1.
+  const olx_file_info again = olx_field_info_store(info);
+  if (memcmp(&again, stored, sizeof again) == 0) return OLX_OK;
+  return olx_fail(OLX_ERROR_FORMAT, "%s: chunk INFO: grid flag, absent grid or reserved bytes are wrong", file->name);
+}
+
 // Rounding of origin + index * spacing apart, probes stand where the grid says.
 static bool stands_on(float position, float expected, float spacing) {
   return fabsf(position - expected) <= 1e-4f * spacing + 1e-6f * fabsf(expected);

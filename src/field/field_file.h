@@ -12,7 +12,11 @@ enum {
   OLX_FIELD_MAX_GRID_COUNT = 1 << 20 // along an axis: indices stay exact in a float
 };
 
-#define OLX_FIELD_KIND ((olx_file_kind){.magic = OLX_FIELD_MAGIC, .version = OLX_FIELD_VERSION, .noun = "field file"})
+#define OLX_FIELD_KIND                                                                                                 \
+  ((olx_file_kind){.magic = OLX_FIELD_MAGIC,                                                                           \
+                   .version = OLX_FIELD_VERSION,                                                                       \
+                   .noun = "field file",                                                                               \
+                   .remedy = "; bake the scene again with this version"})
 
 // Every length is at most this, in metres, so that squares are finite.
 #define OLX_FIELD_MAX_LENGTH 1e18f
@@ -118,6 +122,9 @@ olx_field_info olx_field_info_load(const olx_file_info *stored);
 olx_result olx_field_info_check(const olx_field_info *info, const char *name, olx_result failure);
 // Whether what a description says of classic maps can be.
 olx_result olx_classic_info_check(const olx_field_info *info, const char *name, olx_result failure);
+// The description in a file whose header and table are sound: its chunk's size and checksum, and all that
+// olx_field_info_check judges.
+olx_result olx_field_info_read(const olx_chunk_file *file, olx_field_info *info);
 // Whether a light is one that a field may hold; `index` is for the message.
 olx_result olx_field_light_check(const olx_field_light *light, uint32_t index, const char *name, olx_result failure);
 // Finds the surfaces and the lights of an open field and checks all that readers rely on.

@@ -6,7 +6,8 @@
 
 #include <octalux/base.h>
 
-#define OLX_COOKED_KIND ((olx_file_kind){.magic = "\x89OXS\r\n\x1a\n", .version = 1, .noun = "cooked scene"})
+#define OLX_COOKED_KIND                                                                                                \
+  ((olx_file_kind){.magic = "\x89OXS\r\n\x1a\n", .version = 1, .noun = "cooked scene", .remedy = "; cook it again"})
 
 enum { OLX_COOKED_MAX_TEXTURE_SIZE = 16384, OLX_COOKED_MAX_WARNING_BYTES = 1 << 24 };
 

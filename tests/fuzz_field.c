@@ -10,6 +10,7 @@
 #include "core/hooks.h"
 #include "core/sampling.h"
 #include "field/field_file.h"
+#include "trace/texel_shade.h"
 
 #include <octalux/octalux.h>
 
@@ -362,6 +363,9 @@ static void use(dice *d, const olx_field *field, counts *c) {
     const olx_vec3 origin = draw_point(d, field), direction = draw_direction(d);
     const olx_trace_hit hit = olx_trace(field, &settings, origin, direction, draw_t_max(d));
     check_hit(field, &hit);
+    const uint32_t probe = draw_below(d, field->info.probe_count), texel = draw_below(d, (uint32_t)field->texels);
+    const olx_vec3 seen = olx_texel_shade(field, &settings, probe, texel, direction);
+    if (olx_finite(direction) && !olx_finite(seen)) fail("a texel sends light without end");
   }
   for (uint32_t i = 0; i < POINTS; i++) {
     const olx_sample_settings settings = draw_settings(d);

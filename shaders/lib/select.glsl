@@ -12,8 +12,8 @@ bool olx_select_available(uint select) {
 // What OLX_SELECT_BEST stands for, and OLX_SELECT_EXHAUSTIVE for a selector that the field does not have.
 uint olx_select_resolve(uint asked) {
   if (asked != OLX_SELECT_BEST) return olx_select_available(asked) ? asked : OLX_SELECT_EXHAUSTIVE;
-  if (olx_select_available(OLX_SELECT_BRICKS)) return OLX_SELECT_BRICKS;
   if (olx_select_available(OLX_SELECT_CAGE)) return OLX_SELECT_CAGE;
+  if (olx_select_available(OLX_SELECT_BRICKS)) return OLX_SELECT_BRICKS;
   return olx_select_available(OLX_SELECT_VORONOI) ? OLX_SELECT_VORONOI : OLX_SELECT_EXHAUSTIVE;
 }
 

@@ -56,6 +56,7 @@ olx_result resolve_bake_options(const olx_scene *scene, const bake_options *give
   settings->fit = !given->no_fit;
   settings->bounce_gather = (olx_bounce_gather)given->bounce_gather;
   settings->light = (olx_bake_light)given->light;
+  if (given->noise > 0.0f) settings->noise = given->noise;
   if (given->reference_paths) settings->reference_paths = given->reference_paths;
   settings->classic = given->classic;
   settings->relight = given->relight;

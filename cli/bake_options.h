@@ -12,6 +12,7 @@ typedef struct bake_options {
   uint32_t radiance_size, irradiance_size, bounces, samples, light_samples, threads;
   uint32_t classic_size, classic_cube_size, classic_sharpness, bounce_gather, irradiance_form, light, reference_paths, seed;
   bool no_fit, classic, relight;
+  float noise;
   const char *probes;
   uint32_t select_mask;
 } bake_options;
@@ -78,9 +79,10 @@ typedef struct bake_options {
        OPTION_CHOICE,                                                                                                  \
        &(b).light,                                                                                                     \
        "cache|reference",                                                                                              \
-       "indirect light on what probes see: the baker's own, or paths from each texel, slow; default cache",             \
+       "indirect light on what probes see: solved once in the world, or paths from each texel, slow; default cache",             \
        0,                                                                                                              \
        0},                                                                                                             \
+      {"--noise", OPTION_REAL, &(b).noise, "SHARE", "standard error of indirect light at most; default 0.02", 0, 0},   \
       {"--reference-paths",                                                                                            \
        OPTION_COUNT,                                                                                                   \
        &(b).reference_paths,                                                                                           \

@@ -20,6 +20,12 @@ static int print_bake_json(const olx_bake_settings *settings, const olx_bake_sta
   add_number(object, "primary_rays", (double)stats->primary_rays);
   add_number(object, "seconds", stats->seconds);
   add_number(object, "write_seconds", stats->write_seconds);
+  if (settings->light == OLX_LIGHT_CACHE) {
+    add_number(object, "surfels", stats->surfels);
+    add_number(object, "noise", stats->noise);
+    add_number(object, "light_seconds", stats->light_seconds);
+    add_number(object, "light_bytes", (double)stats->light_bytes);
+  }
   if (settings->classic) add_number(object, "classic_seconds", stats->classic_seconds);
   if (settings->relight) add_number(object, "relight_seconds", stats->relight_seconds);
   add_number(object, "embree_seconds", stats->embree_seconds);
@@ -36,6 +42,10 @@ static void print_bake(const char *path, const olx_bake_settings *settings, cons
          stats->irradiance_buried);
   printf("  rays     %" PRIu64 ", %" PRIu64 " of them from probes\n", stats->rays, stats->primary_rays);
   printf("  seconds  %.2f, and %.2f to write\n", stats->seconds, stats->write_seconds);
+  if (settings->light == OLX_LIGHT_CACHE) {
+    printf("  light    %u surfels with %s of links, noise %.2f %%; %.2f of these seconds\n", stats->surfels,
+           text_of_bytes(stats->light_bytes).text, 100.0 * stats->noise, stats->light_seconds);
+  }
   if (settings->bounce_gather == OLX_GATHER_TRACED) {
     printf("  unseen   %.3f %% of the rays between surfaces end where no probe sees\n", 100.0 * stats->unseen);
   }

@@ -18,7 +18,7 @@ typedef enum olx_bounce_gather {
 
 // Where the indirect light of what light field probes see comes from.
 typedef enum olx_bake_light {
-  OLX_LIGHT_CACHE = 0, // the baker's own solution
+  OLX_LIGHT_CACHE = 0, // solved once in world space, at surfels, and interpolated between them
   OLX_LIGHT_REFERENCE  // paths from every texel: slow, to judge the other by
 } olx_bake_light;
 
@@ -40,6 +40,7 @@ typedef struct olx_bake_settings {
   uint32_t light_samples;   // shadow rays a radiance sample sends to area lights and to the sky, 1 to 64; default 1
   uint32_t bounces;         // further bounces after direct light, 0 to 64; default 3
   olx_bake_light light;     // of what light field probes see; default OLX_LIGHT_CACHE
+  float noise;              // upper bound on the standard error of indirect light, as a share of it, 0.001 to 1; default 0.02
   uint32_t reference_paths; // a texel, with OLX_LIGHT_REFERENCE, 1 to 65536; default 64
   bool classic;             // also make classic maps, of the method that light field probes replace; default false
   uint32_t classic_size;    // texels along a side of these: a power of two, 32 to 256; default 128
@@ -63,6 +64,10 @@ typedef struct olx_bake_stats {
   uint64_t rays;         // primary, shadow and bounce rays together
   uint64_t primary_rays; // of the light field probes
   double seconds;        // everything but writing the file
+  double light_seconds;  // of them, for solving the light of the scene
+  uint32_t surfels;      // at which it was gathered
+  double noise;          // standard error of indirect light that was reached, as a share of it
+  uint64_t light_bytes;  // memory that surfels and their links took
   double write_seconds;
   double classic_seconds; // of them, for classic maps
   double relight_seconds; // and for what relighting needs

@@ -109,6 +109,9 @@ void olx_scene_occlusion(void *scene, const olx_shadow_ray *rays, uint32_t count
 
 #define OLX_NO_TEXTURE UINT32_MAX
 
+// A number of bounces: all of the light.
+#define OLX_BOUNCES_INFINITE UINT32_MAX
+
 // 8-bit RGBA texels, rows from v = 0 upwards as glTF has them. Wraps around.
 typedef struct olx_texture {
   uint32_t width, height;

@@ -34,6 +34,7 @@ typedef struct bake {
   olx_shade_context shade;
   olx_gather gather;
   olx_capture capture;
+  olx_scene_light *light; // NULL where indirect light is the plain reference
   olx_surface_capture surfaces;
   olx_field_light *lights;
   olx_classic_bake classic;
@@ -51,6 +52,7 @@ olx_bake_settings olx_bake_settings_default(const olx_scene *scene) {
                                 .samples = 2,
                                 .light_samples = 1,
                                 .bounces = 3,
+                                .noise = 0.02f,
                                 .reference_paths = 64,
                                 .fit = true,
                                 .classic_size = 128,
@@ -157,6 +159,8 @@ static olx_result check_settings(const olx_bake_settings *settings) {
   OLX_TRY(check_classic(settings));
   OLX_TRY(check_range(settings->bounce_gather, OLX_GATHER_IRRADIANCE, OLX_GATHER_TRACED, "way to gather bounces"));
   OLX_TRY(check_range(settings->light, OLX_LIGHT_CACHE, OLX_LIGHT_REFERENCE, "kind of light"));
+  if (!(settings->noise >= 0.001f && settings->noise <= 1.0f))
+    return olx_fail(OLX_ERROR_ARGUMENT, "bake: noise must be 0.001 to 1, not %g", (double)settings->noise);
   OLX_TRY(check_range(settings->reference_paths, 1, 65536, "reference paths"));
   OLX_TRY(check_range(settings->samples, 1, 8, "samples"));
   OLX_TRY(check_range(settings->light_samples, 1, 64, "light samples"));
@@ -369,6 +373,27 @@ static olx_result make_albedo(bake *b, uint32_t probe) {
   return OLX_OK;
 }
 
+static olx_result solve_light(bake *b) {
+  const olx_bake_settings *s = b->settings;
+  if (s->light == OLX_LIGHT_REFERENCE) return OLX_OK;
+  olx_task_stage(&b->task, "light");
+  olx_scene_light_settings settings = olx_scene_light_settings_default();
+  settings.bounces = s->bounces + 1;
+  settings.noise = s->noise;
+  settings.map_size = s->radiance_size;
+  settings.seed = b->shade.seed;
+  settings.threads = s->threads;
+  settings.task = &b->task;
+  OLX_TRY(olx_scene_light_create(b->scene, &settings, b->positions[0], b->flags[0], b->counts[0], &b->light));
+  const olx_scene_light_report report = olx_scene_light_describe(b->light);
+  b->stats.rays += report.rays;
+  b->stats.surfels = report.surfels;
+  b->stats.noise = report.noise;
+  b->stats.light_bytes = report.bytes;
+  b->stats.light_seconds = report.seconds;
+  return OLX_OK;
+}
+
 static olx_result capture_probes(bake *b) {
   olx_task_stage(&b->task, "light field");
   for (uint32_t i = 0; i < b->counts[0]; i++) {
@@ -409,8 +434,8 @@ static void describe_work(bake *b) {
                              .threads = s->threads,
                              .distance_scale = b->distance_scale,
                              .task = &b->task};
-  b->surfaces = (olx_surface_capture){
-      .capture = &b->capture, .seed = s->seed, .light = s->light, .reference_paths = s->reference_paths};
+  b->surfaces =
+      (olx_surface_capture){.capture = &b->capture, .seed = s->seed, .reference_paths = s->reference_paths};
 }
 
 // Units of progress, in rays; the quadrature of the gather must be known.
@@ -433,6 +458,8 @@ static olx_result run(bake *b, const char *path) {
   OLX_TRY(create_file(b, path));
   OLX_TRY(olx_gather_create(&b->gather, &s->irradiance_grid, s->irradiance_size, s->bounces));
   OLX_TRY(olx_capture_create(&b->capture));
+  OLX_TRY(solve_light(b));
+  b->surfaces.light = b->light;
   OLX_TRY(olx_surface_capture_create(&b->surfaces));
   b->stats.primary_rays = b->counts[0] * olx_capture_units(&b->capture);
   b->task.total_units = units_of(b);
@@ -453,6 +480,7 @@ static olx_result finish(bake *b, olx_result result, double start) {
   olx_selectors_free(&b->selectors);
   olx_capture_free(&b->capture);
   olx_surface_capture_free(&b->surfaces);
+  olx_scene_light_free(b->light);
   olx_release(b->lights);
   b->stats.rays += atomic_load(&b->surfaces.rays);
   olx_classic_bake_free(&b->classic);

@@ -2,6 +2,7 @@
 // by shadow rays, indirect light by the baker's solution or by the plain reference, paths from every texel.
 #include "bake/surface_capture.h"
 
+#include "bake/texel_light.h"
 #include "core/hooks.h"
 #include "core/result.h"
 #include "field/texels.h"
@@ -84,18 +85,15 @@ static void add_sample(const olx_surface_capture *c, const texel_samples *t, uin
   sums->count += 1.0f;
 }
 
-// Light that has 1 to bounces + 1 surfaces between emitter and texel, as irradiance probes have it.
+// Light that has 1 to bounces + 1 surfaces between emitter and texel.
 static olx_vec3 indirect_light(const olx_surface_capture *c, const texel_samples *t, const olx_surface *surface,
                                uint64_t *rays) {
   const olx_capture *capture = c->capture;
-  const olx_shade_context *shade = capture->shade;
-  if (c->light == OLX_LIGHT_REFERENCE) {
-    const uint32_t seed = olx_hash3(capture->probe, texel_index(c, t), SALT_PATHS) ^ c->seed;
-    return olx_path_surface_irradiance(shade->scene, surface, capture->bounces + 1, c->reference_paths, seed, rays);
-  }
-  const olx_vec3 view = olx_normalize(olx_sub(capture->position, surface->position));
-  return olx_irradiance_from(&shade->irradiance[capture->bounces % (OLX_KEPT_BOUNCES + 1)], &shade->sample,
-                             surface->position, surface->shading_normal, view);
+  const uint32_t texel = texel_index(c, t);
+  if (c->light) return c->irradiance[texel];
+  const uint32_t seed = olx_hash3(capture->probe, texel, SALT_PATHS) ^ c->seed;
+  return olx_path_surface_irradiance(capture->shade->scene, surface, capture->bounces + 1, c->reference_paths, seed,
+                                     rays);
 }
 
 // Emission of the samples that emit, as the texel's middle does: a surface beside a lamp holds no share of it.
@@ -194,6 +192,7 @@ uint64_t olx_surface_capture_units(const olx_surface_capture *c) { return olx_ca
 olx_result olx_surface_capture_probe(olx_surface_capture *c, olx_surface_maps *maps) {
   const uint32_t rows = c->capture->size;
   *maps = (olx_surface_maps){c->base, c->specular, c->direct, c->indirect, c->emission};
+  if (c->light) OLX_TRY(olx_texel_light(c->capture, c->light, c->irradiance));
   return olx_parallel_for(rows, c->capture->threads, capture_row, c, c->capture->task,
                           olx_surface_capture_units(c) / rows);
 }
@@ -204,8 +203,9 @@ olx_result olx_surface_capture_create(olx_surface_capture *c) {
   c->direct = olx_allocate(texels, sizeof *c->direct);
   c->indirect = olx_allocate(texels, sizeof *c->indirect);
   c->emission = olx_allocate(texels, sizeof *c->emission);
+  c->irradiance = olx_allocate(c->light ? texels : 0, sizeof *c->irradiance);
   c->specular = olx_allocate(texels, sizeof *c->specular);
-  if (c->base && c->direct && c->indirect && c->emission && c->specular) return OLX_OK;
+  if (c->base && c->direct && c->indirect && c->emission && c->specular && c->irradiance) return OLX_OK;
   olx_surface_capture_free(c);
   return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for surfaces of %u x %u texels", c->capture->size,
                   c->capture->size);
@@ -216,9 +216,11 @@ void olx_surface_capture_free(olx_surface_capture *c) {
   olx_release(c->direct);
   olx_release(c->indirect);
   olx_release(c->emission);
+  olx_release(c->irradiance);
   olx_release(c->specular);
   c->base = c->direct = c->indirect = c->emission = NULL;
   c->specular = NULL;
+  c->irradiance = NULL;
 }
 
 // What a type of light does not use stays 0.

@@ -4,15 +4,17 @@
 
 #include "bake/capture.h"
 #include "field/field_writer.h"
+#include "light/scene_light.h"
 
 #include <octalux/bake.h>
 
 // One probe at a time: the maps hold the surfaces of the probe that was captured last.
 typedef struct olx_surface_capture {
-  const olx_capture *capture; // of the same probe, done before
-  uint32_t seed;              // of the bake
-  olx_bake_light light;
-  uint32_t reference_paths; // of a texel, where the reference makes indirect light
+  const olx_capture *capture;   // of the same probe, done before
+  uint32_t seed;                // of the bake
+  const olx_scene_light *light; // NULL: indirect light is the plain reference
+  uint32_t reference_paths;     // of a texel, for the reference
+  olx_vec3 *irradiance;         // indirect, where `light` gives it
   uint32_t *base, *direct, *indirect, *emission;
   uint16_t *specular;
   atomic_uint_fast64_t rays; // cast so far

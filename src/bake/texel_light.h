@@ -1,0 +1,12 @@
+// Indirect irradiance at the texels of a light field probe, from the solved light of the scene.
+#ifndef OLX_BAKE_TEXEL_LIGHT_H
+#define OLX_BAKE_TEXEL_LIGHT_H
+
+#include "bake/capture.h"
+#include "light/scene_light.h"
+
+// Fills irradiance (size^2, W/m^2, for vertex normals; 0 for the sky) for the probe that was captured last. In blocks of
+// 4 x 4 texels that lie on one plane it is looked up at the corners and interpolated between them.
+olx_result olx_texel_light(const olx_capture *capture, const olx_scene_light *light, olx_vec3 *irradiance);
+
+#endif

@@ -1,0 +1,144 @@
+// Sends light over links, bounce after bounce, and measures how much the rays of a surfel differ in what they bring.
+#include "light/bounces.h"
+
+#include "core/hooks.h"
+#include "core/pack.h"
+#include "core/result.h"
+
+enum { SURFELS_PER_JOB = 256, KEPT = OLX_CHAIN_MOST + 1 };
+
+// Light of one bounce, and of those before it that chains of specular surfaces pass on.
+typedef struct bounce {
+  const olx_light_links *links;
+  const olx_link_batch *batch;
+  olx_vec3 *const *kept; // light after n surfaces, at n mod KEPT
+  uint32_t number, surfel_count;
+  olx_vec3 *sum;
+} bounce;
+
+static uint32_t end_of(const olx_link *link) { return link->end & OLX_LINK_NOWHERE; }
+static uint32_t chain_of(const olx_link *link) { return link->end >> OLX_LINK_CHAIN_SHIFT; }
+static bool brings_light(const olx_link *link) { return end_of(link) < OLX_LINK_UNSERVED; }
+
+static void add_links(void *user, uint32_t job) {
+  const bounce *b = user;
+  const uint32_t first = job * SURFELS_PER_JOB;
+  const uint32_t end = first + SURFELS_PER_JOB < b->batch->count ? first + SURFELS_PER_JOB : b->batch->count;
+  for (uint32_t n = first; n < end; n++) {
+    const olx_link *links = b->batch->links + (size_t)n * b->batch->rays;
+    olx_vec3 sum = {0};
+    for (uint32_t i = 0; i < b->batch->rays; i++) {
+      const uint32_t chain = chain_of(&links[i]);
+      if (!brings_light(&links[i]) || chain >= b->number) continue;
+      const olx_vec3 light = b->kept[(b->number - 1 - chain) % KEPT][end_of(&links[i])];
+      sum = olx_add(sum, olx_mul(olx_r11g11b10f_unpack(links[i].weight), light));
+    }
+    olx_vec3 *const to = &b->sum[olx_link_surfel(b->batch, n)];
+    *to = olx_add(*to, sum);
+  }
+}
+
+static uint32_t counted_rays(const olx_light_links *links, uint32_t surfel) {
+  const uint32_t counted = links->rays[surfel] - links->unserved[surfel];
+  return counted > 0 ? counted : 1;
+}
+
+// Light with exactly `number` surfaces on its way, into the place of the oldest.
+static olx_result add_bounce(bounce *b, uint32_t threads) {
+  olx_vec3 *sum = b->sum;
+  for (uint32_t i = 0; i < b->surfel_count; i++) {
+    sum[i] = b->number <= OLX_CHAIN_MOST ? b->links->fixed[i].sum[b->number - 1] : olx_splat(0.0f);
+  }
+  for (uint32_t k = 0; k < b->links->batch_count; k++) {
+    b->batch = &b->links->batches[k];
+    const uint32_t jobs = (b->batch->count + SURFELS_PER_JOB - 1) / SURFELS_PER_JOB;
+    OLX_TRY(olx_parallel_for(jobs, threads, add_links, b, NULL, 0));
+  }
+  for (uint32_t i = 0; i < b->surfel_count; i++) sum[i] = olx_scale(sum[i], 1.0f / (float)counted_rays(b->links, i));
+  return OLX_OK;
+}
+
+static double total(const olx_vec3 *light, uint32_t count) {
+  double sum = 0.0;
+  for (uint32_t i = 0; i < count; i++) sum += (double)olx_luminance(light[i]);
+  return sum;
+}
+
+static olx_result solve(bounce *b, uint32_t threads, uint32_t bounces, olx_vec3 **kept, olx_vec3 *irradiance,
+                        uint32_t *done) {
+  for (*done = 0; *done < bounces;) {
+    b->number = ++*done;
+    // No link needs the oldest light any more: chains are shorter than the ring.
+    olx_vec3 *const oldest = b->sum = kept[b->number % KEPT];
+    OLX_TRY(add_bounce(b, threads));
+    for (uint32_t i = 0; i < b->surfel_count; i++) irradiance[i] = olx_add(irradiance[i], oldest[i]);
+    if (total(oldest, b->surfel_count) < 0x1p-10 * total(irradiance, b->surfel_count)) break;
+  }
+  return OLX_OK;
+}
+
+olx_result olx_bounces_solve(const olx_light_links *links, uint32_t surfel_count, uint32_t threads,
+                             const olx_vec3 *direct, uint32_t bounces, olx_vec3 *irradiance, uint32_t *done) {
+  olx_vec3 *memory = olx_allocate_zero((size_t)KEPT * surfel_count, sizeof *memory);
+  if (!memory) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for bounces of %u surfels", surfel_count);
+  olx_vec3 *kept[KEPT];
+  for (uint32_t i = 0; i < KEPT; i++) kept[i] = memory + (size_t)i * surfel_count;
+  for (uint32_t i = 0; i < surfel_count; i++) {
+    kept[0][i] = direct[i];
+    irradiance[i] = olx_splat(0.0f);
+  }
+  bounce b = {.links = links, .kept = kept, .surfel_count = surfel_count};
+  const olx_result result = solve(&b, threads, bounces, kept, irradiance, done);
+  olx_release(memory);
+  return result;
+}
+
+typedef struct spread {
+  const olx_light_links *links;
+  const olx_link_batch *batch;
+  const olx_vec3 *light; // direct and indirect
+  double (*sums)[2];     // a surfel: of luminances and of their squares
+} spread;
+
+static void add_spread(void *user, uint32_t job) {
+  const spread *s = user;
+  const uint32_t first = job * SURFELS_PER_JOB;
+  const uint32_t end = first + SURFELS_PER_JOB < s->batch->count ? first + SURFELS_PER_JOB : s->batch->count;
+  for (uint32_t n = first; n < end; n++) {
+    const olx_link *links = s->batch->links + (size_t)n * s->batch->rays;
+    double *sums = s->sums[olx_link_surfel(s->batch, n)];
+    for (uint32_t i = 0; i < s->batch->rays; i++) {
+      if (!brings_light(&links[i])) continue;
+      const olx_vec3 weight = olx_r11g11b10f_unpack(links[i].weight);
+      const double value = (double)olx_luminance(olx_mul(weight, s->light[end_of(&links[i])]));
+      sums[0] += value;
+      sums[1] += value * value;
+    }
+  }
+}
+
+static float variance_of_mean(const olx_light_links *links, uint32_t i, const double sums[2]) {
+  const double n = (double)counted_rays(links, i);
+  double mean = sums[0];
+  for (uint32_t k = 0; k < OLX_CHAIN_MOST; k++) mean += (double)olx_luminance(links->fixed[i].sum[k]);
+  mean /= n;
+  const double square = (sums[1] + (double)links->fixed[i].square) / n;
+  return (float)fmax(0.0, (square - mean * mean) / n);
+}
+
+olx_result olx_bounces_variance(const olx_light_links *links, uint32_t surfel_count, uint32_t threads,
+                                const olx_vec3 *direct, const olx_vec3 *irradiance, float *variance) {
+  olx_vec3 *light = olx_allocate(surfel_count, sizeof *light);
+  spread s = {.links = links, .light = light, .sums = olx_allocate_zero(surfel_count, sizeof *s.sums)};
+  olx_result result = light && s.sums ? OLX_OK : olx_fail(OLX_ERROR_MEMORY, "light: out of memory for variances");
+  for (uint32_t i = 0; result == OLX_OK && i < surfel_count; i++) light[i] = olx_add(direct[i], irradiance[i]);
+  for (uint32_t k = 0; result == OLX_OK && k < links->batch_count; k++) {
+    s.batch = &links->batches[k];
+    const uint32_t jobs = (s.batch->count + SURFELS_PER_JOB - 1) / SURFELS_PER_JOB;
+    result = olx_parallel_for(jobs, threads, add_spread, &s, NULL, 0);
+  }
+  for (uint32_t i = 0; result == OLX_OK && i < surfel_count; i++) variance[i] = variance_of_mean(links, i, s.sums[i]);
+  olx_release(light);
+  olx_release(s.sums);
+  return result;
+}

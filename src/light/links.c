@@ -1,0 +1,181 @@
+// Casts the rays of surfels and follows each to the surfel whose light it brings, on through specular surfaces.
+#include "light/links.h"
+
+#include "core/hooks.h"
+#include "core/pack.h"
+#include "core/result.h"
+#include "light/direct_light.h"
+
+enum { SURFELS_PER_JOB = 8, PACKET = 64, SALT_RAY = 0x52415953, SALT_CHAIN = 0x434841494e & 0x7FFFFFFF };
+
+// What one ray brings.
+typedef struct ray_end {
+  olx_link link;
+  olx_surface_point point; // where the link is unserved
+  olx_vec3 fixed[OLX_CHAIN_MOST];
+} ray_end;
+
+typedef struct cast_job {
+  const olx_light_surfels *surfels;
+  olx_link_batch *batch;
+  olx_fixed_light *fixed;
+  olx_point_list *lists; // a job, or NULL
+  uint64_t *rays;        // a job
+  bool emitters_can_be_hit;
+  atomic_bool out_of_memory;
+} cast_job;
+
+static const olx_link no_link = {.end = OLX_LINK_NOWHERE};
+
+static void add_point(cast_job *c, olx_point_list *list, const olx_surface_point *point) {
+  if (list->count == list->capacity) {
+    const uint32_t capacity = list->capacity ? 2 * list->capacity : 64;
+    olx_surface_point *larger = olx_allocate(capacity, sizeof *larger);
+    if (!larger) {
+      atomic_store(&c->out_of_memory, true);
+      return;
+    }
+    for (uint32_t i = 0; i < list->count; i++) larger[i] = list->points[i];
+    olx_release(list->points);
+    list->points = larger;
+    list->capacity = capacity;
+  }
+  list->points[list->count++] = *point;
+}
+
+// A ray ends at the diffuse lobe of a surface: the surfel there knows how much light that gets.
+static olx_link link_to(const olx_light_surfels *s, const olx_surface *surface, const olx_ray_hit *hit, olx_vec3 weight,
+                        uint32_t chain, float footprint, ray_end *end) {
+  if (olx_max3(weight) <= 0.0f) return no_link;
+  end->point = olx_surface_point_make(&s->grid, surface, hit, footprint);
+  const uint32_t found = olx_light_surfels_find(s, end->point.key);
+  return (olx_link){.end = (found == OLX_CELL_NONE ? OLX_LINK_UNSERVED : found) | chain << OLX_LINK_CHAIN_SHIFT,
+                    .weight = olx_r11g11b10f_pack(weight)};
+}
+
+// Follows a ray that met `hit` until it ends at a diffuse lobe, at the sky, or nowhere. At a surface with both lobes it
+// takes one by chance.
+static void follow(cast_job *c, olx_ray ray, olx_ray_hit hit, uint32_t seed, uint32_t index, float footprint,
+                   ray_end *end, uint64_t *rays) {
+  const olx_scene *scene = c->surfels->scene;
+  olx_sampler sampler = {.seed = seed, .index = index};
+  olx_vec3 throughput = olx_splat(1.0f), origin = ray.origin;
+  olx_lobe_ray lobe = {.direction = ray.direction};
+  for (uint32_t chain = 0; chain < OLX_CHAIN_MOST; chain++) {
+    olx_vec3 *fixed = chain > 0 ? &end->fixed[chain - 1] : NULL;
+    if (hit.triangle == OLX_NO_HIT) {
+      if (fixed) *fixed = olx_add(*fixed, olx_mul(throughput, olx_sky_found(scene, &lobe)));
+      return;
+    }
+    const olx_surface surface = olx_surface_at(scene, &hit, ray.direction);
+    if (fixed) *fixed = olx_add(*fixed, olx_mul(throughput, olx_emission_found(scene, &surface, origin, &lobe)));
+    const olx_shading shading = olx_shading_make(&surface, ray.direction);
+    const float share = shading.has_specular ? shading.specular_share : 0.0f;
+    if (share <= 0.0f || (shading.has_diffuse && olx_sampler_next(&sampler) >= share)) {
+      const olx_vec3 weight = olx_scale(olx_mul(throughput, shading.diffuse), 1.0f / (1.0f - share));
+      end->link = link_to(c->surfels, &surface, &hit, weight, chain, footprint, end);
+      return;
+    }
+    throughput = olx_scale(throughput, 1.0f / share);
+    const olx_lobes lit = olx_direct_light_sampled(scene, &shading, OLX_MIS_EACH_LOBE, &sampler, rays);
+    end->fixed[chain] = olx_add(end->fixed[chain], olx_mul(throughput, lit.specular));
+    lobe = olx_lobe_ray_specular(&shading, olx_sampler_next2(&sampler));
+    throughput = olx_mul(throughput, lobe.weight);
+    if (olx_max3(throughput) <= 0.0f) return;
+    ray = olx_surface_ray(&surface, lobe.direction, INFINITY);
+    origin = surface.position;
+    ++*rays;
+    hit = olx_bvh_intersect(scene->bvh, &ray);
+  }
+}
+
+// A cosine-distributed ray about the shading normal; false when it lies below the surface and brings nothing.
+static bool make_ray(const olx_surface *surface, uint32_t seed, uint32_t index, olx_ray *ray) {
+  const olx_vec3 local = olx_sample_cosine(olx_stratified2(index, seed));
+  const olx_vec3 direction = olx_normalize(olx_from_basis(local, surface->shading_normal));
+  *ray = olx_surface_ray(surface, direction, INFINITY);
+  if (local.z > 0.0f && olx_dot(direction, surface->geometric_normal) > 0.0f) return true;
+  ray->t_max = -1.0f;
+  return false;
+}
+
+static void add_fixed(olx_fixed_light *fixed, const ray_end *end) {
+  float luminance = 0.0f;
+  for (uint32_t i = 0; i < OLX_CHAIN_MOST; i++) {
+    fixed->sum[i] = olx_madd(fixed->sum[i], end->fixed[i], OLX_PI);
+    luminance += OLX_PI * olx_luminance(end->fixed[i]);
+  }
+  fixed->square += luminance * luminance;
+}
+
+static void cast_surfel(cast_job *c, uint32_t n, uint32_t job) {
+  const olx_light_surfels *s = c->surfels;
+  olx_link_batch *batch = c->batch;
+  const uint32_t number = olx_link_surfel(batch, n);
+  const olx_light_surfel *surfel = &s->surfels[number];
+  const olx_surface surface = olx_surface_point_surface(s->scene, &surfel->point);
+  const uint32_t seed = olx_hash3(s->seed ^ (uint32_t)surfel->cell, (uint32_t)(surfel->cell >> 32), SALT_RAY);
+  const uint32_t chain_seed = olx_hash2(seed, SALT_CHAIN);
+  olx_ray rays[PACKET];
+  olx_ray_hit hits[PACKET];
+  for (uint32_t first = 0; first < batch->rays; first += PACKET) {
+    const uint32_t count = batch->rays - first < PACKET ? batch->rays - first : PACKET;
+    bool valid[PACKET];
+    for (uint32_t i = 0; i < count; i++) valid[i] = make_ray(&surface, seed, batch->first_ray + first + i, &rays[i]);
+    olx_bvh_intersect_many(s->scene->bvh, rays, count, false, hits);
+    c->rays[job] += count;
+    for (uint32_t i = 0; i < count; i++) {
+      ray_end end = {.link = no_link};
+      const float footprint = hits[i].t * 0.3f;
+      if (valid[i]) {
+        follow(c, rays[i], hits[i], chain_seed, batch->first_ray + first + i, footprint, &end, &c->rays[job]);
+      }
+      batch->links[(size_t)n * batch->rays + first + i] = end.link;
+      add_fixed(&c->fixed[number], &end);
+      const bool unserved = (end.link.end & OLX_LINK_NOWHERE) == OLX_LINK_UNSERVED;
+      if (unserved && c->lists) add_point(c, &c->lists[job], &end.point);
+    }
+  }
+}
+
+static void cast_some(void *user, uint32_t job) {
+  cast_job *c = user;
+  const uint32_t first = job * SURFELS_PER_JOB;
+  const uint32_t end = first + SURFELS_PER_JOB < c->batch->count ? first + SURFELS_PER_JOB : c->batch->count;
+  for (uint32_t n = first; n < end; n++) cast_surfel(c, n, job);
+}
+
+// Joins the lists of jobs, in the order of jobs.
+static olx_result join_lists(const olx_point_list *lists, uint32_t jobs, olx_point_list *all) {
+  uint32_t count = 0;
+  for (uint32_t i = 0; i < jobs; i++) count += lists[i].count;
+  *all = (olx_point_list){.points = olx_allocate(count, sizeof *all->points), .capacity = count};
+  if (!all->points) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u points of surfaces", count);
+  for (uint32_t i = 0; i < jobs; i++) {
+    for (uint32_t k = 0; k < lists[i].count; k++) all->points[all->count++] = lists[i].points[k];
+  }
+  return OLX_OK;
+}
+
+olx_result olx_links_cast(const olx_light_surfels *surfels, olx_link_batch *batch, olx_fixed_light *fixed,
+                          olx_point_list *unserved, uint64_t *rays) {
+  const uint32_t jobs = (batch->count + SURFELS_PER_JOB - 1) / SURFELS_PER_JOB;
+  cast_job c = {.surfels = surfels,
+                .batch = batch,
+                .fixed = fixed,
+                .lists = unserved ? olx_allocate_zero(jobs, sizeof *c.lists) : NULL,
+                .rays = olx_allocate_zero(jobs, sizeof *c.rays),
+                .emitters_can_be_hit = olx_emitters_can_be_hit(surfels->scene)};
+  olx_result result = OLX_OK;
+  if (!c.rays || (unserved && !c.lists)) result = olx_fail(OLX_ERROR_MEMORY, "light: out of memory for casting rays");
+  if (result == OLX_OK) result = olx_parallel_for(jobs, surfels->threads, cast_some, &c, surfels->task, 0);
+  if (result == OLX_OK && atomic_load(&c.out_of_memory)) {
+    result = olx_fail(OLX_ERROR_MEMORY, "light: out of memory for points of surfaces");
+  }
+  if (result == OLX_OK && unserved) result = join_lists(c.lists, jobs, unserved);
+  for (uint32_t i = 0; c.rays && i < jobs; i++) *rays += c.rays[i];
+  for (uint32_t i = 0; c.lists && i < jobs; i++) olx_release(c.lists[i].points);
+  olx_release(c.lists);
+  olx_release(c.rays);
+  return result;
+}

@@ -1,0 +1,366 @@
+// Solves the light of a scene: finds the surfaces that probes see, spreads surfels over them, casts their rays where light
+// varies most, and sends light over the links until it has bounced often enough.
+#include "light/scene_light.h"
+
+#include "core/hooks.h"
+#include "core/octahedral.h"
+#include "core/result.h"
+#include "light/bounces.h"
+#include "light/direct_light.h"
+#include "light/surfel_lookup.h"
+
+enum {
+  FIRST_RAYS = 64,    // of every surfel
+  MOST_RAYS = 1024,   // of one whose light varies much
+  HIDDEN_ROUNDS = 2,  // how often surfels are added where rays end without one
+  DIRECT_POINTS = 16, // at which the direct light of a cell is taken
+  MOST_BATCHES = 1 + HIDDEN_ROUNDS + 4,
+  MOST_VIEW_SIDE = 1024, // rays along the side of the map by which a probe looks around
+  SURFELS_PER_JOB = 16,
+  SALT_DIRECT = 0x44495245
+};
+
+// Interpolation averages the noise of several surfels: the variance of the result is about this share of a surfel's.
+static const float INTERPOLATED_VARIANCE = 0.2f;
+// Noise matters beside the light of a place, or beside this share of the mean light where there is less.
+static const float DARK_SHARE = 0.1f;
+
+struct olx_scene_light {
+  const olx_scene *scene;
+  olx_scene_light_settings settings;
+  olx_light_surfels surfels;
+  olx_link_batch batches[MOST_BATCHES];
+  olx_light_links links;
+  olx_vec3 *direct, *irradiance; // of surfels
+  uint32_t visible; // surfels on surfaces that probes see; the others, which only pass light on, come after them
+  olx_surfel_lookup lookup;
+  olx_scene_light_report report;
+};
+
+olx_scene_light_settings olx_scene_light_settings_default(void) {
+  return (olx_scene_light_settings){.bounces = OLX_BOUNCES_INFINITE, .noise = 0.02f, .spacing = 0.4f, .map_size = 512};
+}
+
+// What probes see, a ray for each 2 x 2 texels.
+typedef struct view_job {
+  const olx_scene_light *light;
+  const olx_vec3 *positions;
+  uint32_t size;             // rays along the side of a probe's map
+  olx_surface_point *points; // size^2 a probe
+  uint32_t *counts;          // points of each row of rays
+} view_job;
+
+static void view_row(void *user, uint32_t row) {
+  const view_job *v = user;
+  const uint32_t size = v->size, probe = row / size, y = row % size;
+  olx_ray rays[MOST_VIEW_SIDE] = {0};
+  olx_ray_hit hits[MOST_VIEW_SIDE];
+  for (uint32_t x = 0; x < size; x++) {
+    const olx_vec2 uv = {((float)x + 0.5078125f) / (float)size, ((float)y + 0.48828125f) / (float)size};
+    rays[x] = (olx_ray){v->positions[probe], olx_octahedral_decode(uv), 0.0f, INFINITY};
+  }
+  olx_bvh_intersect_many(v->light->scene->bvh, rays, size, true, hits);
+  olx_surface_point *points = v->points + (size_t)row * size;
+  uint32_t count = 0;
+  for (uint32_t x = 0; x < size; x++) {
+    if (hits[x].triangle == OLX_NO_HIT) continue;
+    const olx_surface surface = olx_surface_at(v->light->scene, &hits[x], rays[x].direction);
+    const float footprint = hits[x].t * 2.5f / (float)v->light->settings.map_size;
+    points[count++] = olx_surface_point_make(&v->light->surfels.grid, &surface, &hits[x], footprint);
+  }
+  v->counts[row] = count;
+}
+
+static olx_result look_around(olx_scene_light *l, const olx_vec3 *positions, uint32_t count) {
+  const uint32_t half = l->settings.map_size / 2, size = half < MOST_VIEW_SIDE ? half : MOST_VIEW_SIDE,
+                 rows = size * count;
+  view_job v = {.light = l,
+                .positions = positions,
+                .size = size,
+                .points = olx_allocate((size_t)rows * size, sizeof *v.points),
+                .counts = olx_allocate(rows, sizeof *v.counts)};
+  olx_result result = v.points && v.counts ? OLX_OK : olx_fail(OLX_ERROR_MEMORY, "light: out of memory for views");
+  if (result == OLX_OK) result = olx_parallel_for(rows, l->settings.threads, view_row, &v, l->settings.task, 0);
+  uint32_t kept = 0;
+  for (uint32_t row = 0; result == OLX_OK && row < rows; row++) {
+    for (uint32_t i = 0; i < v.counts[row]; i++) v.points[kept++] = v.points[(size_t)row * size + i];
+  }
+  l->report.rays += (uint64_t)rows * size;
+  if (result == OLX_OK) result = olx_light_surfels_add(&l->surfels, v.points, kept);
+  olx_release(v.points);
+  olx_release(v.counts);
+  return result;
+}
+
+static olx_result find_surfaces(olx_scene_light *l, const olx_vec3 *positions, const uint8_t *flags, uint32_t count) {
+  olx_vec3 *open = olx_allocate(count, sizeof *open);
+  if (!open) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u probes", count);
+  uint32_t kept = 0;
+  for (uint32_t i = 0; i < count; i++) {
+    if (flags[i] == 0) open[kept++] = positions[i];
+  }
+  const olx_result result = look_around(l, open, kept);
+  olx_release(open);
+  return result;
+}
+
+// Makes room for what is kept of each surfel.
+static olx_result grow_links(olx_scene_light *l, uint32_t from) {
+  const uint32_t count = l->surfels.count;
+  olx_fixed_light *fixed = olx_allocate_zero(count, sizeof *fixed);
+  uint32_t *rays = olx_allocate_zero(count, sizeof *rays), *unserved = olx_allocate_zero(count, sizeof *unserved);
+  for (uint32_t i = 0; fixed && i < from; i++) fixed[i] = l->links.fixed[i];
+  olx_release(l->links.fixed);
+  olx_release(l->links.rays);
+  olx_release(l->links.unserved);
+  l->links.fixed = fixed;
+  l->links.rays = rays;
+  l->links.unserved = unserved;
+  return fixed && rays && unserved ? OLX_OK : olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", count);
+}
+
+// Adds a batch and casts its rays.
+static olx_result cast(olx_scene_light *l, olx_link_batch batch, olx_point_list *unserved) {
+  const size_t links = (size_t)batch.count * batch.rays;
+  batch.links = olx_allocate(links, sizeof *batch.links);
+  if (!batch.links) {
+    return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %llu links of %u surfels", (unsigned long long)links,
+                    batch.count);
+  }
+  l->batches[l->links.batch_count++] = batch;
+  l->report.links += links;
+  return olx_links_cast(&l->surfels, &l->batches[l->links.batch_count - 1], l->links.fixed, unserved, &l->report.rays);
+}
+
+// Links of the last batch that ended without a surfel may have one now. Their points are in the order of the links.
+static void link_to_new(olx_scene_light *l, const olx_point_list *points) {
+  const olx_link_batch *batch = &l->batches[l->links.batch_count - 1];
+  uint32_t next = 0;
+  for (size_t i = 0; i < (size_t)batch->count * batch->rays; i++) {
+    olx_link *link = &batch->links[i];
+    if ((link->end & OLX_LINK_NOWHERE) != OLX_LINK_UNSERVED) continue;
+    const uint32_t found = olx_light_surfels_find(&l->surfels, points->points[next++].key);
+    if (found != OLX_CELL_NONE) link->end = (link->end & ~OLX_LINK_NOWHERE) | found;
+  }
+}
+
+// The first rays of every surfel, and surfels on surfaces that they meet and no probe sees.
+static olx_result cast_first(olx_scene_light *l) {
+  uint32_t from = 0;
+  for (uint32_t round = 0; round <= HIDDEN_ROUNDS && from < l->surfels.count; round++) {
+    const olx_link_batch batch = {.first_surfel = from, .count = l->surfels.count - from, .rays = FIRST_RAYS};
+    OLX_TRY(grow_links(l, from));
+    from = l->surfels.count;
+    olx_point_list unserved = {0};
+    olx_result result = cast(l, batch, &unserved);
+    if (result == OLX_OK && round < HIDDEN_ROUNDS && unserved.count > 0) {
+      result = olx_light_surfels_add(&l->surfels, unserved.points, unserved.count);
+      if (result == OLX_OK) link_to_new(l, &unserved);
+    }
+    olx_release(unserved.points);
+    OLX_TRY(result);
+    if (round == 0) l->visible = from;
+  }
+  l->report.hidden_surfels = l->surfels.count - l->visible;
+  return OLX_OK;
+}
+
+static void count_rays(olx_scene_light *l) {
+  for (uint32_t i = 0; i < l->surfels.count; i++) l->links.rays[i] = l->links.unserved[i] = 0;
+  uint64_t unserved = 0;
+  for (uint32_t k = 0; k < l->links.batch_count; k++) {
+    const olx_link_batch *batch = &l->batches[k];
+    for (uint32_t n = 0; n < batch->count; n++) {
+      const uint32_t surfel = olx_link_surfel(batch, n);
+      l->links.rays[surfel] += batch->rays;
+      for (uint32_t i = 0; i < batch->rays; i++) {
+        const uint32_t end = batch->links[(size_t)n * batch->rays + i].end & OLX_LINK_NOWHERE;
+        if (end != OLX_LINK_UNSERVED) continue;
+        l->links.unserved[surfel]++;
+        unserved++;
+      }
+    }
+  }
+  l->report.unserved = (double)unserved / fmax(1.0, (double)l->report.links);
+}
+
+typedef struct direct_job {
+  olx_scene_light *light;
+  uint64_t *rays; // a job
+} direct_job;
+
+// The mean over points that are spread over each cell.
+static void light_directly(void *user, uint32_t job) {
+  const direct_job *d = user;
+  const olx_light_surfels *s = &d->light->surfels;
+  const uint32_t first = job * SURFELS_PER_JOB,
+                 end = first + SURFELS_PER_JOB < s->count ? first + SURFELS_PER_JOB : s->count;
+  for (uint32_t i = first; i < end; i++) {
+    const olx_light_surfel *surfel = &s->surfels[i];
+    const uint32_t seed = olx_hash3(s->seed ^ (uint32_t)surfel->cell, (uint32_t)(surfel->cell >> 32), SALT_DIRECT);
+    olx_vec3 sum = {0};
+    for (uint32_t k = 0; k < DIRECT_POINTS; k++) {
+      const uint32_t offset = (uint32_t)((uint64_t)surfel->point_count * (2 * k + 1) / (2 * DIRECT_POINTS));
+      const olx_surface surface = olx_surface_point_surface(s->scene, &s->points[surfel->first_point + offset]);
+      olx_sampler sampler = {.seed = seed, .index = k};
+      sum = olx_add(sum, olx_direct_irradiance(s->scene, &surface, &sampler, &d->rays[job]));
+    }
+    d->light->direct[i] = olx_scale(sum, 1.0f / DIRECT_POINTS);
+  }
+}
+
+static olx_result add_direct(olx_scene_light *l) {
+  const uint32_t count = l->surfels.count, jobs = (count + SURFELS_PER_JOB - 1) / SURFELS_PER_JOB;
+  l->direct = olx_allocate(count, sizeof *l->direct);
+  l->irradiance = olx_allocate(count, sizeof *l->irradiance);
+  direct_job d = {.light = l, .rays = olx_allocate_zero(jobs, sizeof *d.rays)};
+  olx_result result = l->direct && l->irradiance && d.rays
+                          ? OLX_OK
+                          : olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", count);
+  if (result == OLX_OK) result = olx_parallel_for(jobs, l->settings.threads, light_directly, &d, l->settings.task, 0);
+  for (uint32_t i = 0; d.rays && i < jobs; i++) l->report.rays += d.rays[i];
+  olx_release(d.rays);
+  return result;
+}
+
+static olx_result solve(olx_scene_light *l) {
+  count_rays(l);
+  return olx_bounces_solve(&l->links, l->surfels.count, l->settings.threads, l->direct, l->settings.bounces,
+                           l->irradiance, &l->report.bounces);
+}
+
+static float mean_luminance(const olx_vec3 *light, uint32_t count) {
+  double sum = 0.0;
+  for (uint32_t i = 0; i < count; i++) sum += (double)olx_luminance(light[i]);
+  return count ? (float)(sum / count) : 0.0f;
+}
+
+// Standard error of interpolated light around each surfel over the light there.
+static olx_result measure_noise(olx_scene_light *l, float *noise) {
+  const uint32_t count = l->surfels.count;
+  OLX_TRY(olx_bounces_variance(&l->links, count, l->settings.threads, l->direct, l->irradiance, noise));
+  const float dark = DARK_SHARE * mean_luminance(l->irradiance, count);
+  double squares = 0.0;
+  for (uint32_t i = 0; i < count; i++) {
+    const float light = olx_max(olx_luminance(l->irradiance[i]), dark);
+    noise[i] = light > 0.0f ? sqrtf(INTERPOLATED_VARIANCE * noise[i]) / light : 0.0f;
+    if (i < l->visible) squares += (double)noise[i] * (double)noise[i];
+  }
+  l->report.noise = sqrt(squares / fmax(1.0, l->visible));
+  return OLX_OK;
+}
+
+// Rays that bring a surfel's noise down to the bound: a power of two.
+static uint32_t rays_wanted(const olx_scene_light *l, float noise) {
+  const float ratio = noise / l->settings.noise;
+  uint32_t rays = FIRST_RAYS;
+  while (rays < MOST_RAYS && (float)rays < FIRST_RAYS * ratio * ratio) rays *= 2;
+  return rays;
+}
+
+// One batch for the surfels that want the same number of rays.
+static olx_result cast_more(olx_scene_light *l, const float *noise) {
+  for (uint32_t rays = 2 * FIRST_RAYS; rays <= MOST_RAYS; rays *= 2) {
+    uint32_t *numbers = olx_allocate(l->surfels.count, sizeof *numbers), count = 0;
+    if (!numbers) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", l->surfels.count);
+    for (uint32_t i = 0; i < l->surfels.count; i++) {
+      if (i < l->visible && rays_wanted(l, noise[i]) == rays) numbers[count++] = i;
+    }
+    if (count == 0) {
+      olx_release(numbers);
+      continue;
+    }
+    const olx_link_batch batch = {
+        .surfels = numbers, .count = count, .first_ray = FIRST_RAYS, .rays = rays - FIRST_RAYS};
+    OLX_TRY(cast(l, batch, NULL));
+  }
+  return OLX_OK;
+}
+
+static olx_result refine(olx_scene_light *l) {
+  float *noise = olx_allocate(l->surfels.count, sizeof *noise);
+  if (!noise) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", l->surfels.count);
+  olx_result result = measure_noise(l, noise);
+  if (result == OLX_OK) result = cast_more(l, noise);
+  if (result == OLX_OK) result = solve(l);
+  if (result == OLX_OK) result = measure_noise(l, noise);
+  olx_release(noise);
+  return result;
+}
+
+static olx_result build(olx_scene_light *l, const olx_vec3 *positions, const uint8_t *flags, uint32_t count) {
+  const double start = olx_seconds();
+  OLX_TRY(olx_light_surfels_create(&l->surfels, l->scene, l->settings.spacing, l->settings.seed, l->settings.threads));
+  l->surfels.task = l->settings.task;
+  OLX_TRY(find_surfaces(l, positions, flags, count));
+  OLX_TRY(cast_first(l));
+  OLX_TRY(add_direct(l));
+  OLX_TRY(solve(l));
+  OLX_TRY(refine(l));
+  OLX_TRY(olx_surfel_lookup_create(&l->lookup, &l->surfels));
+  l->report.surfels = l->surfels.count;
+  l->report.rays += l->surfels.rays;
+  l->report.bytes = l->report.links * sizeof(olx_link) +
+                    l->surfels.count * (sizeof(olx_light_surfel) + 2 * sizeof(olx_vec3)) +
+                    l->surfels.point_count * sizeof(olx_surface_point);
+  l->report.seconds = olx_seconds() - start;
+  return OLX_OK;
+}
+
+olx_result olx_scene_light_create(const olx_scene *scene, const olx_scene_light_settings *settings,
+                                  const olx_vec3 *positions, const uint8_t *flags, uint32_t count,
+                                  olx_scene_light **light) {
+  *light = NULL;
+  olx_scene_light *l = olx_allocate_zero(1, sizeof *l);
+  if (!l) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory");
+  l->scene = scene;
+  l->settings = *settings;
+  l->links.batches = l->batches;
+  const olx_result result = build(l, positions, flags, count);
+  if (result == OLX_OK) {
+    *light = l;
+  } else {
+    olx_scene_light_free(l);
+  }
+  return result;
+}
+
+void olx_scene_light_free(olx_scene_light *l) {
+  if (!l) return;
+  for (uint32_t k = 0; k < l->links.batch_count; k++) {
+    olx_release(l->batches[k].links);
+    olx_release((void *)l->batches[k].surfels);
+  }
+  olx_release(l->links.fixed);
+  olx_release(l->links.rays);
+  olx_release(l->links.unserved);
+  olx_release(l->direct);
+  olx_release(l->irradiance);
+  olx_surfel_lookup_free(&l->lookup);
+  olx_light_surfels_free(&l->surfels);
+  olx_release(l);
+}
+
+olx_scene_light_report olx_scene_light_describe(const olx_scene_light *light) { return light->report; }
+
+// Light of the surfel whose cell holds the point, however far it lies from its plane.
+static olx_vec3 from_cell(const olx_scene_light *l, const olx_surface *surface) {
+  const uint64_t key = olx_cell_key(&l->surfels.grid, surface->position, surface->geometric_normal);
+  const uint32_t found = olx_light_surfels_find(&l->surfels, key);
+  return found == OLX_CELL_NONE ? olx_splat(0.0f) : l->irradiance[found];
+}
+
+olx_vec3 olx_scene_light_irradiance(const olx_scene_light *l, const olx_surface *surface) {
+  const olx_surfel_weights weights = olx_surfel_weigh(&l->lookup, surface);
+  if (weights.count == 0) return from_cell(l, surface);
+  olx_vec3 sum = {0}, least = olx_splat(INFINITY), most = olx_splat(0.0f);
+  for (uint32_t i = 0; i < weights.count; i++) {
+    const olx_vec3 light = l->irradiance[weights.surfel[i]];
+    sum = olx_madd(sum, light, weights.weight[i]);
+    least = olx_min_each(least, light);
+    most = olx_max_each(most, light);
+  }
+  // Slopes go on a little beyond the surfels that they were found between, and no farther.
+  const olx_vec3 margin = olx_scale(olx_sub(most, least), 0.25f);
+  return olx_max_each(olx_min_each(sum, olx_add(most, margin)), olx_max_each(olx_sub(least, margin), olx_splat(0.0f)));
+}

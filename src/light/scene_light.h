@@ -1,0 +1,48 @@
+// The light of a scene, solved once, in world space: irradiance on every surface that probes or their rays meet.
+//
+// Surfels (light_surfels.h) gather it over links (links.h); between them it is interpolated by a weighted linear fit to those
+// that lie on the same surface and see the point. The result depends on the scene, the probes and the settings alone,
+// not on the number of threads.
+#ifndef OLX_LIGHT_SCENE_LIGHT_H
+#define OLX_LIGHT_SCENE_LIGHT_H
+
+#include "core/parallel.h"
+#include "scene/surface.h"
+
+typedef struct olx_scene_light olx_scene_light;
+
+typedef struct olx_scene_light_settings {
+  uint32_t bounces;  // surfaces between emitter and lit surface; OLX_BOUNCES_INFINITE: until less than 2^-10 is missing
+  float noise;       // upper bound on the standard error of indirect irradiance, as a share of it; default 0.02
+  float spacing;     // of surfels, as a share of the harmonic mean distance of what they see; default 0.4
+  uint32_t map_size; // texels along the side of the probes' maps: surfels need not be denser than texels
+  uint32_t seed;     // other random numbers
+  uint32_t threads;  // 0: as many as the machine has
+  olx_task *task;    // may be NULL
+} olx_scene_light_settings;
+
+olx_scene_light_settings olx_scene_light_settings_default(void);
+
+// What solving took and reached.
+typedef struct olx_scene_light_report {
+  uint32_t surfels, hidden_surfels; // all, and those on surfaces that rays meet and no probe sees
+  uint32_t bounces;                 // light went so many times over the links
+  uint64_t rays, links, bytes;      // rays in all; links, and the memory of them and of surfels
+  double noise;    // standard error of interpolated irradiance over irradiance, RMS over visible surfels
+  double unserved; // share of rays that end where no surfel is: they count for what the others bring
+  double seconds;  // by the clock
+} olx_scene_light_report;
+
+// Solves the light of surfaces that are seen from the `count` positions with flags[i] == 0.
+olx_result olx_scene_light_create(const olx_scene *scene, const olx_scene_light_settings *settings,
+                                  const olx_vec3 *positions, const uint8_t *flags, uint32_t count,
+                                  olx_scene_light **light);
+void olx_scene_light_free(olx_scene_light *light);
+
+olx_scene_light_report olx_scene_light_describe(const olx_scene_light *light);
+
+// Indirect irradiance in W/m^2 on the side of the surface that it was looked at from, for its vertex normal. Emitters and
+// the sky seen directly are left out.
+olx_vec3 olx_scene_light_irradiance(const olx_scene_light *light, const olx_surface *surface);
+
+#endif

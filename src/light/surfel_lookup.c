@@ -1,0 +1,244 @@
+// Finds the surfels around a point of a surface and fits a plane to their light, so that neither their spacing nor their
+// noise is seen: a moving least squares fit of first order, with a small penalty on slopes.
+#include "light/surfel_lookup.h"
+
+#include "core/hooks.h"
+#include "core/result.h"
+
+#include <stdlib.h>
+
+// How far a surfel reaches, in sides of its cell.
+static const float REACH = 1.5f;
+// How far from a surfel's plane a point may lie: a share of the cell's side, and of the distance between them.
+static const float PLANE_OF_SIDE = 0.04f, PLANE_OF_DISTANCE = 0.2f;
+static const float LEAST_NORMAL_COSINE = 0.85f;
+// Within this share of the distance to the nearest thing that a surfel sees, nothing hides a point from it.
+static const float CLEAR_SHARE = 0.7f;
+// Rays between surfels and points run this share of their distance above the surface.
+static const float LIFT = 0.03f;
+static const float SLOPE_PENALTY = 0.01f;
+
+typedef struct cube_entry {
+  uint64_t cube;
+  uint32_t surfel;
+} cube_entry;
+
+typedef struct entry_list {
+  cube_entry *entries;
+  size_t count, capacity;
+} entry_list;
+
+static olx_result add_entry(entry_list *list, uint64_t cube, uint32_t surfel) {
+  if (list->count == list->capacity) {
+    const size_t capacity = list->capacity ? 2 * list->capacity : 65536;
+    cube_entry *larger = olx_allocate(capacity, sizeof *larger);
+    if (!larger) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for finding surfels");
+    for (size_t i = 0; i < list->count; i++) larger[i] = list->entries[i];
+    olx_release(list->entries);
+    list->entries = larger;
+    list->capacity = capacity;
+  }
+  list->entries[list->count++] = (cube_entry){cube, surfel};
+  return OLX_OK;
+}
+
+// A cube's name: as a cell's, without a normal.
+static uint64_t cube_key(const olx_cell_grid *grid, olx_vec3 position, uint32_t level) {
+  return olx_cell_at_level(olx_cell_key(grid, position, olx_v3(0.0f, 1.0f, 0.0f)), level);
+}
+
+static uint32_t level_of(const olx_cell_grid *grid, float side) {
+  int exponent;
+  frexpf(side / grid->finest, &exponent);
+  return (uint32_t)(exponent - 1);
+}
+
+// All cubes of the surfel's level that its reach touches near its plane.
+static olx_result add_cubes(const olx_light_surfels *s, uint32_t number, entry_list *list) {
+  const olx_light_surfel *surfel = &s->surfels[number];
+  const uint32_t level = level_of(&s->grid, surfel->side);
+  const olx_vec3 middle = olx_cell_middle(&s->grid, surfel->position, level);
+  for (int32_t z = -2; z <= 2; z++) {
+    for (int32_t y = -2; y <= 2; y++) {
+      for (int32_t x = -2; x <= 2; x++) {
+        const olx_vec3 cube = olx_madd(middle, olx_v3((float)x, (float)y, (float)z), surfel->side);
+        const olx_vec3 way = olx_sub(cube, surfel->position);
+        // Half the diagonal of a cube is 0.87 of its side.
+        if (fabsf(olx_dot(way, surfel->normal)) > (0.87f + PLANE_OF_DISTANCE * REACH) * surfel->side) continue;
+        if (olx_length(way) > (0.87f + REACH) * surfel->side) continue;
+        OLX_TRY(add_entry(list, cube_key(&s->grid, cube, level), number));
+      }
+    }
+  }
+  return OLX_OK;
+}
+
+static int by_cube(const void *a, const void *b) {
+  const cube_entry *p = a, *q = b;
+  if (p->cube != q->cube) return p->cube < q->cube ? -1 : 1;
+  return p->surfel < q->surfel ? -1 : p->surfel > q->surfel;
+}
+
+// Turns sorted entries into lists.
+static olx_result make_lists(olx_surfel_lookup *l, const entry_list *list) {
+  size_t cubes = 0;
+  for (size_t i = 0; i < list->count; i++) cubes += i == 0 || list->entries[i].cube != list->entries[i - 1].cube;
+  l->lists = olx_allocate(list->count + cubes, sizeof *l->lists);
+  if (!l->lists) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for finding surfels");
+  OLX_TRY(olx_cell_table_create(&l->cubes, (uint32_t)cubes));
+  uint32_t head = 0, end = 0;
+  for (size_t i = 0; i < list->count; i++) {
+    if (i == 0 || list->entries[i].cube != list->entries[i - 1].cube) {
+      head = end++;
+      l->lists[head] = 0;
+      OLX_TRY(olx_cell_table_set(&l->cubes, list->entries[i].cube, head));
+    }
+    l->lists[head]++;
+    l->lists[end++] = list->entries[i].surfel;
+  }
+  return OLX_OK;
+}
+
+olx_result olx_surfel_lookup_create(olx_surfel_lookup *l, const olx_light_surfels *surfels) {
+  *l = (olx_surfel_lookup){.surfels = surfels};
+  entry_list list = {0};
+  olx_result result = OLX_OK;
+  for (uint32_t i = 0; result == OLX_OK && i < surfels->count; i++) {
+    l->levels |= 1u << level_of(&surfels->grid, surfels->surfels[i].side);
+    result = add_cubes(surfels, i, &list);
+  }
+  if (result == OLX_OK) {
+    qsort(list.entries, list.count, sizeof *list.entries, by_cube);
+    result = make_lists(l, &list);
+  }
+  olx_release(list.entries);
+  return result;
+}
+
+void olx_surfel_lookup_free(olx_surfel_lookup *l) {
+  olx_cell_table_free(&l->cubes);
+  olx_release(l->lists);
+  *l = (olx_surfel_lookup){0};
+}
+
+// A surfel that may count for a point.
+typedef struct neighbour {
+  uint32_t surfel;
+  float weight, x, y; // the step to it in the point's tangent plane, metres
+} neighbour;
+
+typedef struct neighbourhood {
+  uint32_t count;
+  neighbour members[OLX_NEIGHBOURS_MOST];
+} neighbourhood;
+
+// Keeps the neighbours that weigh most.
+static void add_neighbour(neighbourhood *n, neighbour found) {
+  if (n->count < OLX_NEIGHBOURS_MOST) {
+    n->members[n->count++] = found;
+    return;
+  }
+  uint32_t least = 0;
+  for (uint32_t i = 1; i < n->count; i++) {
+    if (n->members[i].weight < n->members[least].weight) least = i;
+  }
+  if (found.weight > n->members[least].weight) n->members[least] = found;
+}
+
+// Whether nothing lies between a surfel and a point beside it.
+static bool sees(const olx_light_surfels *s, const olx_light_surfel *surfel, const olx_surface *surface,
+                 float distance) {
+  if (distance < CLEAR_SHARE * surfel->nearest) return true;
+  const float lift = LIFT * distance + 2.0f * surface->epsilon;
+  const olx_vec3 from = olx_madd(surface->position, surface->geometric_normal, lift);
+  const olx_vec3 way = olx_sub(olx_madd(surfel->position, surfel->normal, lift), from);
+  const olx_ray ray = {.origin = from, .direction = way, .t_min = 0.0f, .t_max = 1.0f};
+  return !olx_bvh_occluded(s->scene->bvh, &ray);
+}
+
+static void consider(const olx_light_surfels *s, uint32_t number, const olx_surface *surface, olx_vec3 tangent,
+                     olx_vec3 bitangent, neighbourhood *n) {
+  const olx_light_surfel *surfel = &s->surfels[number];
+  const olx_vec3 way = olx_sub(surfel->position, surface->position);
+  const float reach = REACH * surfel->side, squared = olx_dot(way, way);
+  if (squared >= reach * reach) return;
+  const float cosine = olx_dot(surfel->normal, surface->geometric_normal);
+  if (cosine < LEAST_NORMAL_COSINE) return;
+  const float distance = sqrtf(squared), off = PLANE_OF_SIDE * surfel->side + PLANE_OF_DISTANCE * distance;
+  if (fabsf(olx_dot(way, surfel->normal)) > off || fabsf(olx_dot(way, surface->geometric_normal)) > off) return;
+  if (!sees(s, surfel, surface, distance)) return;
+  const float near = 1.0f - distance / reach;
+  add_neighbour(
+      n,
+      (neighbour){.surfel = number, .weight = near * near, .x = olx_dot(way, tangent), .y = olx_dot(way, bitangent)});
+}
+
+static void collect(const olx_surfel_lookup *l, const olx_surface *surface, neighbourhood *n) {
+  olx_vec3 tangent, bitangent;
+  olx_basis(surface->geometric_normal, &tangent, &bitangent);
+  const uint64_t finest = cube_key(&l->surfels->grid, surface->position, 0);
+  for (uint32_t level = 0; l->levels >> level != 0; level++) {
+    if (!(l->levels >> level & 1u)) continue;
+    const uint32_t at = olx_cell_table_get(&l->cubes, olx_cell_at_level(finest, level));
+    if (at == OLX_CELL_NONE) continue;
+    for (uint32_t i = 0; i < l->lists[at]; i++) {
+      consider(l->surfels, l->lists[at + 1 + i], surface, tangent, bitangent, n);
+    }
+  }
+}
+
+// The moments of a neighbourhood, in units of its mean distance.
+typedef struct moments {
+  float w, x, y, xx, xy, yy;
+} moments;
+
+static moments sum_moments(neighbourhood *n) {
+  float distance = 0.0f, weight = 0.0f;
+  for (uint32_t i = 0; i < n->count; i++) {
+    const neighbour *m = &n->members[i];
+    distance += m->weight * sqrtf(m->x * m->x + m->y * m->y);
+    weight += m->weight;
+  }
+  const float scale = distance > 0.0f ? weight / distance : 0.0f;
+  moments sums = {0};
+  for (uint32_t i = 0; i < n->count; i++) {
+    neighbour *m = &n->members[i];
+    m->x *= scale;
+    m->y *= scale;
+    sums.w += m->weight;
+    sums.x += m->weight * m->x;
+    sums.y += m->weight * m->y;
+    sums.xx += m->weight * m->x * m->x;
+    sums.xy += m->weight * m->x * m->y;
+    sums.yy += m->weight * m->y * m->y;
+  }
+  sums.xx += SLOPE_PENALTY * sums.w;
+  sums.yy += SLOPE_PENALTY * sums.w;
+  return sums;
+}
+
+// The value at the origin of the plane that fits best is sum of w_i (a + b x_i + c y_i) E_i: a, b, c solve the normal
+// equations for the unit vector of the constant term.
+static void fit(neighbourhood *n, olx_surfel_weights *weights) {
+  const moments s = sum_moments(n);
+  const float a = s.xx * s.yy - s.xy * s.xy, b = s.xy * s.y - s.x * s.yy, c = s.x * s.xy - s.xx * s.y;
+  const float determinant = s.w * a + s.x * b + s.y * c;
+  const bool regular = determinant > 0.05f * s.w * s.xx * s.yy;
+  float sum = 0.0f;
+  for (uint32_t i = 0; i < n->count; i++) {
+    const neighbour *m = &n->members[i];
+    weights->surfel[i] = m->surfel;
+    weights->weight[i] = regular ? m->weight * (a + b * m->x + c * m->y) : m->weight;
+    sum += weights->weight[i];
+  }
+  weights->count = n->count;
+  for (uint32_t i = 0; i < n->count; i++) weights->weight[i] /= sum;
+}
+
+olx_surfel_weights olx_surfel_weigh(const olx_surfel_lookup *lookup, const olx_surface *surface) {
+  neighbourhood n = {0};
+  olx_surfel_weights weights = {0};
+  collect(lookup, surface, &n);
+  if (n.count > 0) fit(&n, &weights);
+  return weights;
+}

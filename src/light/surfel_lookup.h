@@ -1,0 +1,30 @@
+// The surfels around a point of a surface, and how much each counts for it.
+#ifndef OLX_LIGHT_SURFEL_LOOKUP_H
+#define OLX_LIGHT_SURFEL_LOOKUP_H
+
+#include "light/light_surfels.h"
+
+typedef struct olx_surfel_lookup {
+  const olx_light_surfels *surfels;
+  uint32_t levels;      // bit n: there are cells of that level
+  olx_cell_table cubes; // cubes of each level to places in `lists`
+  uint32_t *lists;      // the surfels of a cube: how many, then their numbers
+} olx_surfel_lookup;
+
+olx_result olx_surfel_lookup_create(olx_surfel_lookup *lookup, const olx_light_surfels *surfels);
+void olx_surfel_lookup_free(olx_surfel_lookup *lookup);
+
+enum { OLX_NEIGHBOURS_MOST = 24 };
+
+// Weights, which sum to 1, of the surfels whose light gives that of a point.
+typedef struct olx_surfel_weights {
+  uint32_t count;
+  uint32_t surfel[OLX_NEIGHBOURS_MOST];
+  float weight[OLX_NEIGHBOURS_MOST];
+} olx_surfel_weights;
+
+// The linear fit at `surface` to the surfels around it that lie on the same surface and see it. count is 0 when there is
+// none.
+olx_surfel_weights olx_surfel_weigh(const olx_surfel_lookup *lookup, const olx_surface *surface);
+
+#endif

@@ -147,7 +147,7 @@ def audit(bench):
     for scene in scenes(bench, "cornell", "labyrinth", "living-room", "sponza"):
         field = bench.bake(scene)
         a = bench.run("audit", scene.source, "--field", field, "--rays", 20000 if bench.quick else 200000, "--points", 200 if bench.quick else 2000)
-        r, p = a["rays"], a["points"]
+        r, p = a["rays"], a["irradiance_points"]
         row(scene.name, r["count"], *[number(100 * r[k]) + " %" for k in ("unresolved", "wrong", "unseen", "unresolved_seen", "wrong_seen")],
             number(r["distance_error_median"]), number(r["distance_error_p99"]), number(r["steps_mean"]), number(r["probes_mean"]),
             number(p["relative_mse"]), number(p["bias"]), number(p["leak"]))

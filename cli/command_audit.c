@@ -30,16 +30,23 @@ static void add_rays(cJSON *object, const char *key, const olx_audit_rays *rays)
   add_number(entry, "probes_mean", rays->probes_mean);
 }
 
+static void add_points(cJSON *object, const char *key, const olx_audit_points *points) {
+  cJSON *entry = cJSON_AddObjectToObject(object, key);
+  add_number(entry, "count", (double)points->count);
+  add_number(entry, "relative_mse", points->relative_mse);
+  add_number(entry, "bias", points->bias);
+  add_number(entry, "leak", points->leak);
+}
+
 static int print_audit_json(const olx_audit *audit) {
   cJSON *object = cJSON_CreateObject();
   add_rays(object, "rays", &audit->rays);
   add_rays(object, "cosine_rays", &audit->cosine);
   add_rays(object, "mirror_rays", &audit->mirror);
-  cJSON *points = cJSON_AddObjectToObject(object, "points");
-  add_number(points, "count", (double)audit->points.count);
-  add_number(points, "relative_mse", audit->points.relative_mse);
-  add_number(points, "bias", audit->points.bias);
-  add_number(points, "leak", audit->points.leak);
+  add_points(object, "points", &audit->points);
+  add_points(object, "stored_points", &audit->stored);
+  add_points(object, "fallen_back_points", &audit->fallen_back);
+  add_points(object, "irradiance_points", &audit->irradiance);
   return print_json("audit", object);
 }
 
@@ -50,15 +57,23 @@ static void print_rays(const char *kind, const olx_audit_rays *rays) {
          rays->steps_mean, rays->probes_mean);
 }
 
+static void print_points(const char *kind, const olx_audit_points *points, uint64_t all) {
+  printf("%-18s %10" PRIu64 " %9.3f%% %12.5f %+10.5f %10.5f\n", kind, points->count,
+         all > 0 ? 100.0 * (double)points->count / (double)all : 0.0, points->relative_mse, points->bias, points->leak);
+}
+
 static void print_audit(const olx_audit *audit) {
   printf("%-8s %10s %10s %10s %10s %10s %10s %10s %10s %8s %8s\n", "rays", "count", "unresolved", "wrong", "unseen",
          "unres.seen", "wrong.seen", "dist. 50%", "dist. 99%", "steps", "probes");
   print_rays("all", &audit->rays);
   print_rays("cosine", &audit->cosine);
   print_rays("mirror", &audit->mirror);
-  printf("\n%-8s %10s %12s %10s %10s\n", "points", "count", "relative mse", "bias", "leak");
-  printf("%-8s %10" PRIu64 " %12.5f %+10.5f %10.5f\n", "", audit->points.count, audit->points.relative_mse,
-         audit->points.bias, audit->points.leak);
+  const uint64_t all = audit->points.count;
+  printf("\n%-18s %10s %10s %12s %10s %10s\n", "points", "count", "share", "relative mse", "bias", "leak");
+  print_points("all", &audit->points, all);
+  print_points("stored at surfaces", &audit->stored, all);
+  print_points("fallen back", &audit->fallen_back, all);
+  print_points("irradiance probes", &audit->irradiance, all);
 }
 
 static int audit_field(const audit_options *o, const olx_scene *scene, const olx_field *field) {
@@ -106,8 +121,9 @@ int command_audit(int argc, char **argv) {
   };
   command_line line = {.name = "audit",
                        .summary =
-                           "Judge a field without a picture: rays through it against ray casting, its irradiance\n"
-                           "against path tracing.",
+                           "Judge a field without a picture: rays through it against ray casting, its diffuse\n"
+                           "light against path tracing: all of it, where light is stored, where it is not, and\n"
+                           "what irradiance probes alone would give.",
                        .arguments = {"SCENE"},
                        .options = options,
                        .option_count = sizeof options / sizeof options[0]};

@@ -94,6 +94,7 @@ enum { SIDE = 32, MANY = 8 };
 
 static double indirect_light(const olx_scene *scene, const olx_field *field, uint32_t bounces) {
   olx_render_settings settings = olx_render_settings_default(field ? OLX_METHOD_FIELD : OLX_METHOD_PATH);
+  settings.diffuse = OLX_DIFFUSE_IRRADIANCE;
   settings.width = settings.height = SIDE;
   settings.spp = field ? 16 : 400;
   settings.bounces = bounces;

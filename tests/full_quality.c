@@ -133,11 +133,11 @@ static void cornell_is_traced_and_lit_as_it_should(void **state) {
   olx_audit audit;
   assert_int_equal(olx_audit_field(scene, field, &settings, NULL, &audit), OLX_OK);
   print_message("unresolved %.5f, wrong %.5f of the rays whose hit is seen; irradiance: relative MSE %.4f, bias %.4f\n",
-                audit.rays.unresolved_seen, audit.rays.wrong_seen, audit.points.relative_mse, audit.points.bias);
+                audit.rays.unresolved_seen, audit.rays.wrong_seen, audit.irradiance.relative_mse, audit.irradiance.bias);
   assert_true(audit.rays.unresolved_seen <= 0.001);
   assert_true(audit.rays.wrong_seen <= 0.01);
-  assert_true(audit.points.relative_mse <= 0.03);
-  assert_true(fabs(audit.points.bias) <= 0.04);
+  assert_true(audit.irradiance.relative_mse <= 0.03);
+  assert_true(fabs(audit.irradiance.bias) <= 0.04);
   olx_field_close(field);
   olx_scene_free(scene);
 }
@@ -157,9 +157,9 @@ static void fitting_to_surfaces_pays(void **state) {
       settings.spp = 256;
       olx_audit audit;
       assert_int_equal(olx_audit_field(scene, field, &settings, NULL, &audit), OLX_OK);
-      error[fit] = audit.points.relative_mse;
+      error[fit] = audit.irradiance.relative_mse;
       print_message("%s, %s: relative MSE %.4f, bias %.4f\n", names[i], fit ? "fitted" : "exact",
-                    audit.points.relative_mse, audit.points.bias);
+                    audit.irradiance.relative_mse, audit.irradiance.bias);
       olx_field_close(field);
     }
     assert_true(error[1] < 0.8 * error[0]);

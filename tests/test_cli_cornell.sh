@@ -60,6 +60,15 @@ expect_json 'all('"$share"' for r in [o["rays"]]) and o["rays"]["count"] == 2000
   and set("unresolved_seen wrong_seen distance_error_median distance_error_p99 steps_mean probes_mean".split())
   <= set(o["rays"]) and o["points"]["relative_mse"] >= 0 and "bias" in o["points"] and "leak" in o["points"]' \
   audit $scene --field a.olx --rays 2000 --points 20 --spp 16
+# Points with stored light and those without are all of them, and irradiance probes are judged at the same.
+expect_json 'all(set(o[k]) == {"count", "relative_mse", "bias", "leak"} for k in
+    ("points", "stored_points", "fallen_back_points", "irradiance_points"))
+  and o["stored_points"]["count"] + o["fallen_back_points"]["count"] == o["points"]["count"] == 40
+  and o["stored_points"]["count"] >= 39 and o["irradiance_points"]["count"] == 40
+  and o["irradiance_points"]["relative_mse"] != o["points"]["relative_mse"]' \
+  audit $scene --field a.olx --rays 2 --points 40 --spp 64
+expect 0 audit $scene --field a.olx --rays 2 --points 5 --spp 4
+grep -q "stored at surfaces" stdout.txt || fail "the audit does not tell stored points apart"
 expect 0 audit $scene --field a.olx --rays 500 --points 5 --spp 4 --seed 7 --tracer texel --visibility none --threads 1
 
 expect_json 'o["experiment"] == "speed" and o["ratio"] > 0 and abs(o["ratio"] - o["seconds"] / o["embree_seconds"]) < 1e-6' \

@@ -5,7 +5,7 @@ small=(--grid 2x2x2 --radiance-size 8 --irradiance-size 16 --bounces 1)
 for form in octahedral sh2 sh3; do
   expect 0 bake builtin:cornell -o $form.olx "${small[@]}" --irradiance $form
   expect 0 verify $form.olx
-  expect 0 render builtin:cornell --field $form.olx -o $form.exr --size 32x24 --spp 1
+  expect 0 render builtin:cornell --field $form.olx -o $form.exr --size 32x24 --spp 1 --diffuse irradiance
 done
 expect_json 'o["irradiance"] == "sh2" and o["bytes"]["irradiance"] == 24 * o["irradiance_probes"]' info sh2.olx
 expect_json 'o["irradiance"] == "sh3" and o["bytes"]["irradiance"] == 56 * o["irradiance_probes"]
@@ -41,7 +41,7 @@ for field in unfitted sh2; do
 done
 python3 - <<'PYTHON' || fail "the fit does not help"
 import json, sys
-error = lambda field: json.load(open(field + ".json"))["points"]["relative_mse"]
+error = lambda field: json.load(open(field + ".json"))["irradiance_points"]["relative_mse"]
 sys.exit(not error("sh2") < 0.7 * error("unfitted"))
 PYTHON
 

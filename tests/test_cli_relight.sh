@@ -10,7 +10,7 @@ lamp "[0.44, 0.4, 0.3]" after.json
 bake=(--grid 2x2x2 --irradiance-grid 3x3x3 --radiance-size 32 --irradiance-size 16 --bounces 6)
 "$OCTALUX" bake before.json -o before.olx "${bake[@]}" --relight 2>stderr.txt
 "$OCTALUX" bake after.json -o after.olx "${bake[@]}" 2>stderr.txt
-picture=(--size 64x48 --spp 1 --centered)
+picture=(--size 64x48 --spp 1 --centered --diffuse irradiance)
 
 expect 0 render after.json --field after.olx -o fresh.exr "${picture[@]}"
 expect 0 render after.json --field before.olx -o stale.exr "${picture[@]}"

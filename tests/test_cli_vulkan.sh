@@ -22,6 +22,8 @@ expect_failure "bake --classic" render builtin:cornell-glossy --field cornell.ol
   --device vulkan
 
 expect_usage "--device vulkan goes with" render builtin:cornell -o a.exr --device vulkan
+expect_usage "--diffuse surface goes with --device cpu" render builtin:cornell -o a.exr --field cornell.olx --device vulkan \
+  --diffuse surface
 expect_usage "--standard-error goes with" render builtin:cornell -o a.exr --field cornell.olx --device vulkan --standard-error
 expect_failure "no camera named \"x\"" render builtin:cornell -o a.exr --field cornell.olx --frames 3 --from-camera x --device vulkan
 expect_usage "--validate goes with" render builtin:cornell -o a.exr --field cornell.olx --validate

@@ -10,8 +10,8 @@
 static const analytic_scene room = {.room = {{-1, -1, -1}, {1, 1, 1}}};
 static const olx_grid grid = {.origin = {-0.4f, -0.4f, -0.4f}, .spacing = {0.8f, 0.8f, 0.8f}, .count = {2, 2, 2}};
 
-// Numbers that the packed format holds exactly. The irradiance is not pi times the radiance, to tell which one was used.
-static const float field_radiance = 2.0f, field_irradiance = 6.25f;
+// Numbers that the packed formats hold exactly. Neither irradiance is pi times the radiance, to tell which one was used.
+static const float field_radiance = 2.0f, field_irradiance = 6.25f, field_stored = 5.5f;
 
 static olx_field *uniform_field(uint64_t scene_hash) {
   olx_field *field = analytic_field_make(&room, &grid, 64, 16);
@@ -21,6 +21,8 @@ static olx_field *uniform_field(uint64_t scene_hash) {
   for (size_t i = 0; i < probes * field->irradiance_texels; i++) {
     irradiance[i] = olx_r11g11b10f_pack(olx_splat(field_irradiance));
   }
+  uint32_t *stored = (uint32_t *)(uintptr_t)field->surfaces.indirect;
+  for (size_t i = 0; i < probes * field->texels; i++) stored[i] = olx_rgb9e5_pack(olx_splat(field_stored));
   field->info.scene_hash = scene_hash;
   return field;
 }
@@ -58,17 +60,23 @@ static void test_diffuse_light_is_reflectance_times_irradiance(void **state) {
     olx_field *field = uniform_field(scene->hash);
     olx_render_settings settings = field_settings(4, 2);
     const olx_camera camera = narrow_camera();
+    assert_int_equal(settings.diffuse, OLX_DIFFUSE_SURFACE);
     olx_image image = tiny_render(scene, field, &camera, &settings);
-    const double interpolated = tiny_mean(&image, OLX_LAYER_INDIRECT_DIFFUSE);
+    const double stored = tiny_mean(&image, OLX_LAYER_INDIRECT_DIFFUSE);
     assert_true(tiny_mean(&image, OLX_LAYER_DIRECT) == 0);
+    olx_image_free(&image);
+    settings.diffuse = OLX_DIFFUSE_IRRADIANCE;
+    image = tiny_render(scene, field, &camera, &settings);
+    const double interpolated = tiny_mean(&image, OLX_LAYER_INDIRECT_DIFFUSE);
     olx_image_free(&image);
     settings.diffuse = OLX_DIFFUSE_TRACED;
     image = tiny_render(scene, field, &camera, &settings);
     const double traced = tiny_mean(&image, OLX_LAYER_INDIRECT_DIFFUSE);
     olx_image_free(&image);
     if (m == 2) {
-      assert_true(interpolated == 0 && traced == 0);
+      assert_true(stored == 0 && interpolated == 0 && traced == 0);
     } else {
+      assert_close(stored, reflectance[m] * (double)field_stored / pi, 1e-4, "stored");
       assert_close(interpolated, reflectance[m] * (double)field_irradiance / pi, 1e-4, "interpolated");
       assert_close(traced, reflectance[m] * (double)field_radiance, 1e-4, "traced");
     }
@@ -343,20 +351,22 @@ static void test_same_bytes_at_any_number_of_threads(void **state) {
   olx_field *field = analytic_field_make(&room, &grid, 64, 16);
   field->info.scene_hash = scene->hash;
   olx_render_settings settings = field_settings(29, 3);
-  settings.diffuse = OLX_DIFFUSE_TRACED;
   settings.diffuse_samples = 4;
   settings.standard_error = true;
-  settings.threads = 1;
-  olx_image one = render_lit(scene, field, &settings);
-  for (uint32_t threads = 2; threads <= 5; threads += 3) {
-    settings.threads = threads;
-    olx_image other = render_lit(scene, field, &settings);
-    for (int layer = 0; layer < OLX_LAYER_COUNT; layer++) {
-      assert_memory_equal(one.layers[layer], other.layers[layer], 29 * 29 * sizeof(olx_vec3));
+  for (int diffuse = OLX_DIFFUSE_SURFACE; diffuse <= OLX_DIFFUSE_TRACED; diffuse++) {
+    settings.diffuse = (olx_diffuse)diffuse;
+    settings.threads = 1;
+    olx_image one = render_lit(scene, field, &settings);
+    for (uint32_t threads = 2; threads <= 5; threads += 3) {
+      settings.threads = threads;
+      olx_image other = render_lit(scene, field, &settings);
+      for (int layer = 0; layer < OLX_LAYER_COUNT; layer++) {
+        assert_memory_equal(one.layers[layer], other.layers[layer], 29 * 29 * sizeof(olx_vec3));
+      }
+      olx_image_free(&other);
     }
-    olx_image_free(&other);
+    olx_image_free(&one);
   }
-  olx_image_free(&one);
   analytic_field_free(field);
   olx_scene_free(scene);
 }

@@ -18,6 +18,7 @@ bench_probes wang_probes(const wang_run *run, const bench_probes *probes) {
 
 static olx_render_settings picture(const wang_run *run, olx_method method) {
   olx_render_settings settings = olx_render_settings_default(method);
+  settings.diffuse = OLX_DIFFUSE_IRRADIANCE; // as the papers have it
   settings.width = run->options->size[0];
   settings.height = run->options->size[1];
   settings.threads = run->options->threads;

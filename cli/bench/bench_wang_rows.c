@@ -63,6 +63,7 @@ olx_result wang_measure_errors(wang_run *run, wang_measured *t, bool keep_pictur
 // One round of one row: the glossy pass of every camera, on one processor, in milliseconds of its time.
 static olx_result time_row(wang_run *run, const wang_measured *t, wang_measured_row *row, uint32_t round) {
   olx_render_settings settings = olx_render_settings_default(OLX_METHOD_FIELD);
+  settings.diffuse = OLX_DIFFUSE_IRRADIANCE; // as the papers have it
   settings.width = run->options->size[0];
   settings.height = run->options->size[1];
   settings.spp = settings.glossy_samples = settings.threads = 1;

@@ -60,6 +60,7 @@ bool bench_leaves_out(bench *b, const char *name) {
 static olx_render_settings sized(const bench *b, olx_method method) {
   const bench_options *o = b->options;
   olx_render_settings settings = olx_render_settings_default(method);
+  settings.diffuse = OLX_DIFFUSE_IRRADIANCE; // as the papers have it
   settings.width = o->size[0] ? o->size[0] : o->quick ? 96 : 240;
   settings.height = o->size[0] ? o->size[1] : o->quick ? 72 : 180;
   settings.threads = o->threads;

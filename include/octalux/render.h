@@ -87,8 +87,9 @@ typedef enum olx_method {
 } olx_method;
 
 typedef enum olx_diffuse {
-  OLX_DIFFUSE_IRRADIANCE = 0, // from irradiance probes (McGuire et al. section 5.2)
-  OLX_DIFFUSE_TRACED = 1      // by cosine rays traced through the field (section 5, naive renderer)
+  OLX_DIFFUSE_SURFACE = 0,    // from the light that the field stores at surfaces (olx_surface_irradiance)
+  OLX_DIFFUSE_IRRADIANCE = 1, // from irradiance probes (McGuire et al. section 5.2)
+  OLX_DIFFUSE_TRACED = 2      // by cosine rays traced through the field (section 5, naive renderer)
 } olx_diffuse;
 
 typedef struct olx_render_settings {
@@ -96,7 +97,7 @@ typedef struct olx_render_settings {
   uint32_t spp;              // camera samples a pixel, 1 to 2^20; 1 shoots through pixel centres; default 64 for path, 4 for field
   uint32_t bounces;          // path: indirect bounces (0: direct light only), or OLX_BOUNCES_INFINITE (the default)
   olx_method method;
-  olx_diffuse diffuse;       // field; default OLX_DIFFUSE_IRRADIANCE
+  olx_diffuse diffuse;       // field; default OLX_DIFFUSE_SURFACE
   uint32_t diffuse_samples;  // field, traced: rays a camera sample, 1 to 4096; default 64
   uint32_t glossy_samples;   // field: rays a camera sample on glossy surfaces, 1 to 4096; default 4 (1 when smooth)
   uint32_t seed;             // another one gives other samples, so that two images have independent noise; default 0
@@ -129,7 +130,7 @@ olx_result olx_render(const olx_scene *scene, const olx_field *field, const olx_
 
 // Render as a real-time renderer does: `count` frames, seen from cameras[0..count), each with one camera ray a pixel (through
 // its centre) and one ray a lobe through the field, denoised over pixels and over frames; the image is the last one.
-// settings->diffuse chooses between a Lambertian ray (the paper's denoised mode) and prefiltered irradiance (its default);
+// settings->diffuse chooses between a Lambertian ray (the paper's denoised mode) and light stored at surfaces or at irradiance probes;
 // settings->spp is the number of samples of direct light in the last frame. Other counts of samples, and bounces, say
 // nothing here; the method must be OLX_METHOD_FIELD. The rest is as olx_render.
 olx_result olx_render_frames(const olx_scene *scene, const olx_field *field, const olx_camera *cameras, uint32_t count,
@@ -219,6 +220,7 @@ typedef struct olx_audit_rays {
   double steps_mean, probes_mean;
 } olx_audit_rays;
 
+// Errors of indirect irradiance at random surface points; 0 where there are none.
 typedef struct olx_audit_points {
   uint64_t count;
   double relative_mse, bias, leak;
@@ -227,7 +229,10 @@ typedef struct olx_audit_points {
 typedef struct olx_audit {
   olx_audit_rays rays;        // both kinds
   olx_audit_rays cosine, mirror; // each kind alone
-  olx_audit_points points;
+  olx_audit_points points;       // of olx_surface_irradiance, at all points
+  olx_audit_points stored;       // where light is stored for the point's surface: its share is stored.count / points.count
+  olx_audit_points fallen_back;  // where nothing is, and irradiance probes answer
+  olx_audit_points irradiance;   // of olx_irradiance, at all points
 } olx_audit;
 
 olx_result olx_audit_field(const olx_scene *scene, const olx_field *field, const olx_audit_settings *settings,

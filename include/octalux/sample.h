@@ -31,12 +31,18 @@ typedef struct olx_sample_settings {
   bool keep_buried;          // also ask probes inside geometry (the published failure, Fig. 10); default false
   bool emitters;             // count light that comes straight from an emitter or the sky; default false, because
                              // direct lighting samples those already (docs/maths.md, "layers")
+  float surface_tolerance;   // how far a surface may lie off where it was when the field was baked and still get its stored
+                             // light, in footprints of texels (their side where the surface is): for hosts that draw levels
+                             // of detail or displaced surfaces; 0 to OLX_MOST_SURFACE_TOLERANCE, default 0
 } olx_sample_settings;
+
+#define OLX_MOST_SURFACE_TOLERANCE 16.0f
 
 olx_sample_settings olx_sample_settings_default(void);
 
-// OLX_ERROR_ARGUMENT, with a message, when `settings` name a selector that the field was baked without, or an enumerator that
-// does not exist. Sampling with such settings is safe: it takes OLX_SELECT_EXHAUSTIVE and the defaults in their place.
+// OLX_ERROR_ARGUMENT, with a message, when `settings` name a selector that the field was baked without, an enumerator that
+// does not exist, or a surface tolerance out of range. Sampling with such settings is safe: it takes OLX_SELECT_EXHAUSTIVE and
+// the defaults in their place.
 olx_result olx_sample_settings_check(const olx_field *field, const olx_sample_settings *settings);
 
 typedef enum olx_trace_status {
@@ -73,6 +79,24 @@ void olx_trace_rays(const olx_field *field, const olx_sample_settings *settings,
 // albedo * irradiance / pi. McGuire et al. section 5.2.
 olx_vec3 olx_irradiance(const olx_field *field, const olx_sample_settings *settings, olx_vec3 position, olx_vec3 normal,
                         olx_vec3 view);
+
+// Indirect irradiance in W/m^2 on a static surface, one that was in the scene when the field was baked, from the light that
+// the field stores where surfaces are (docs/maths.md, "Light on surfaces"). It is more accurate than olx_irradiance and
+// lets no light through walls; where nothing is stored it is olx_irradiance for the shading normal. Use olx_irradiance for
+// what moves. Diffuse light leaving the surface is albedo * irradiance / pi.
+// - `position`: metres, on the surface to within a small share of a texel's footprint (settings->surface_tolerance).
+// - `geometric_normal`: unit, of the triangle, on the side that is looked at. It decides which stored surfaces are this one.
+// - `shading_normal`: unit. Light is stored for the normal between a triangle's corners, so smooth surfaces without a normal
+//   map pass the geometric normal here as well, and others the normal that the map makes of the geometric normal. Where
+//   the two differ, stored light is multiplied in each channel by olx_irradiance for this one over that for the geometric
+//   normal, at most 4; 0 / 0 is 1.
+// - `view`: unit, from the surface to the eye; pass the geometric normal where there is no eye.
+// Numbers that are not finite give 0.
+// The probes of the point's brick answer (of its cage in a field without bricks); where none of them sees the surface, or when
+// settings->select is OLX_SELECT_EXHAUSTIVE, the best max_probes of all. Of settings surface_tolerance, keep_buried and, for
+// olx_irradiance, visibility count as well.
+olx_vec3 olx_surface_irradiance(const olx_field *field, const olx_sample_settings *settings, olx_vec3 position,
+                                olx_vec3 geometric_normal, olx_vec3 shading_normal, olx_vec3 view);
 
 // Irradiance in W/m^2 that irradiance probe `index` (< irradiance_probe_count) holds for surfaces of unit normal `normal`: not
 // interpolated, and with spherical harmonics as they ring, that is also below 0, where olx_irradiance says 0. 0 for another index.

@@ -37,6 +37,7 @@ struct olx_field {
   const uint16_t *normal;   // olx_normal_pack, the surface's normal on the probe's side
   const uint16_t *distance; // half
   olx_field_surfaces surfaces;
+  bool relit; // lights have changed since the bake, and `surfaces` still holds the light of then
 
   olx_pyramid_shape pyramid;
   const uint16_t *least, *greatest; // halves: the pyramids over |distance|

@@ -1,4 +1,4 @@
-// Judging a field without a picture: its rays against the real triangles, its irradiance against path tracing.
+// Judging a field without a picture: its rays against the real triangles, its diffuse light against path tracing.
 #include "core/hooks.h"
 #include "core/parallel.h"
 #include "core/result.h"
@@ -7,6 +7,7 @@
 #include "render/camera_sample.h"
 #include "light/path.h"
 #include "scene/surface.h"
+#include "shade/surface_irradiance.h"
 
 #include <octalux/render.h>
 
@@ -21,9 +22,12 @@ typedef struct ray_verdict {
   uint32_t steps, probes;
 } ray_verdict;
 
+// Irradiance at one point.
 typedef struct point_verdict {
-  bool valid;
-  olx_vec3 estimate, truth;
+  bool valid, stored;
+  olx_vec3 surface; // as olx_surface_irradiance has it: stored, or where nothing is, that of irradiance probes
+  olx_vec3 volume;  // that of irradiance probes alone
+  olx_vec3 truth;
 } point_verdict;
 
 typedef struct audit {
@@ -60,12 +64,13 @@ static olx_ray view_ray(const audit *a, uint32_t index, uint32_t seed) {
 }
 
 // A random surface point that a camera sees; false when there is none in the random directions tried.
-static bool random_surface(const audit *a, uint32_t index, olx_surface *surface, olx_vec3 *towards) {
+static bool random_surface(const audit *a, uint32_t index, olx_ray_hit *hit, olx_surface *surface,
+                           olx_vec3 *towards) {
   for (uint32_t attempt = 0; attempt < MAX_ATTEMPTS; attempt++) {
     const olx_ray ray = view_ray(a, index, olx_hash3(a->settings->seed, 7, attempt));
-    const olx_ray_hit hit = olx_bvh_intersect(a->scene->bvh, &ray);
-    if (hit.triangle == OLX_NO_HIT) continue;
-    *surface = olx_surface_at(a->scene, &hit, ray.direction);
+    *hit = olx_bvh_intersect(a->scene->bvh, &ray);
+    if (hit->triangle == OLX_NO_HIT) continue;
+    *surface = olx_surface_at(a->scene, hit, ray.direction);
     *towards = ray.direction;
     return true;
   }
@@ -94,9 +99,10 @@ static bool seen_by_some_probe(const audit *a, const olx_surface *hit, olx_vec3 
 }
 
 static void judge_ray(const audit *a, uint32_t index, ray_verdict *verdict) {
+  olx_ray_hit met;
   olx_surface surface;
   olx_vec3 towards;
-  if (!random_surface(a, index, &surface, &towards)) return;
+  if (!random_surface(a, index, &met, &surface, &towards)) return;
   verdict->mirror = index & 1;
   const olx_vec3 normal = surface.geometric_normal;
   const olx_vec3 direction =
@@ -134,15 +140,28 @@ static void judge_rays(void *user, uint32_t batch) {
 
 static void judge_point(void *user, uint32_t index) {
   const audit *a = user;
+  const olx_sample_settings *sample = &a->settings->sample;
+  olx_ray_hit hit;
   olx_surface s;
   olx_vec3 towards;
   point_verdict *verdict = &a->points[index];
-  if (!random_surface(a, index, &s, &towards)) return;
-  verdict->valid = true;
-  const olx_vec3 origin = olx_madd(s.position, s.geometric_normal, s.epsilon);
-  verdict->estimate = olx_irradiance(a->field, &a->settings->sample, origin, s.geometric_normal, olx_negate(towards));
-  verdict->truth = olx_path_irradiance(a->scene, s.position, s.geometric_normal, s.epsilon, a->field->info.bounces + 1,
-                                       a->settings->spp, olx_hash2(a->settings->seed, index));
+  if (!random_surface(a, index, &hit, &s, &towards)) return;
+  s.shading_normal = olx_surface_vertex_normal(a->scene, &hit, &s); // light falls on the smooth surface
+  const olx_surface_point point = {.position = olx_madd(s.position, s.geometric_normal, s.epsilon),
+                                   .geometric_normal = s.geometric_normal,
+                                   .vertex_normal = s.shading_normal,
+                                   .shading_normal = s.shading_normal,
+                                   .view = olx_negate(towards)};
+  const olx_surface_light light = olx_surface_light_at(a->field, sample, &point);
+  uint64_t rays = 0;
+  *verdict = (point_verdict){
+      .valid = true,
+      .stored = light.probes > 0,
+      .surface = light.irradiance,
+      .volume = olx_irradiance(a->field, sample, point.position, s.shading_normal, point.view),
+      .truth = olx_path_surface_irradiance(a->scene, &s, a->field->info.bounces + 1, a->settings->spp,
+                                           olx_hash2(a->settings->seed, index), &rays),
+  };
 }
 
 static int compare_floats(const void *a, const void *b) {
@@ -186,21 +205,24 @@ static olx_audit_rays sum_rays(const audit *a, uint32_t kinds, float *errors) {
   return sum;
 }
 
-static olx_audit_points sum_points(const audit *a) {
+enum { POINTS_STORED = 1, POINTS_FALLEN_BACK = 2 };
+
+// Errors at points of these kinds, of irradiance probes alone with `volume`.
+static olx_audit_points sum_points(const audit *a, uint32_t kinds, bool volume) {
   double squared = 0.0, reference_squared = 0.0, difference = 0.0, reference = 0.0, dark_estimate = 0.0;
   uint64_t count = 0, dark = 0;
   for (uint32_t i = 0; i < a->settings->points; i++) {
     const point_verdict *v = &a->points[i];
-    if (!v->valid) continue;
+    if (!v->valid || !(kinds & (v->stored ? POINTS_STORED : POINTS_FALLEN_BACK))) continue;
     count++;
-    const olx_vec3 d = olx_sub(v->estimate, v->truth);
+    const olx_vec3 estimate = volume ? v->volume : v->surface, d = olx_sub(estimate, v->truth);
     squared += (double)olx_dot(d, d);
     reference_squared += (double)olx_dot(v->truth, v->truth);
     difference += (double)(d.x + d.y + d.z);
     reference += (double)(v->truth.x + v->truth.y + v->truth.z);
     if (olx_max3(v->truth) <= 0.0f) {
       dark++;
-      dark_estimate += (double)(v->estimate.x + v->estimate.y + v->estimate.z);
+      dark_estimate += (double)(estimate.x + estimate.y + estimate.z);
     }
   }
   return (olx_audit_points){
@@ -261,7 +283,10 @@ olx_result olx_audit_field(const olx_scene *scene, const olx_field *field, const
     out->rays = sum_rays(&a, RAYS_COSINE | RAYS_MIRROR, errors);
     out->cosine = sum_rays(&a, RAYS_COSINE, errors);
     out->mirror = sum_rays(&a, RAYS_MIRROR, errors);
-    out->points = sum_points(&a);
+    out->points = sum_points(&a, POINTS_STORED | POINTS_FALLEN_BACK, false);
+    out->stored = sum_points(&a, POINTS_STORED, false);
+    out->fallen_back = sum_points(&a, POINTS_FALLEN_BACK, false);
+    out->irradiance = sum_points(&a, POINTS_STORED | POINTS_FALLEN_BACK, true);
   }
   olx_release(errors);
   olx_release(a.points);

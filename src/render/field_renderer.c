@@ -3,6 +3,7 @@
 #include "core/parallel.h"
 #include "shade/emission.h"
 #include "shade/glossy.h"
+#include "shade/surface_irradiance.h"
 
 typedef struct shaded_tile {
   const olx_render_context *context;
@@ -76,43 +77,54 @@ static bool draw_glossy(const olx_shading *shading, olx_vec3 view, olx_vec2 rand
   return true;
 }
 
-static olx_field_light light_found(const olx_render_context *context, const field_ray *ray, const olx_trace_hit *hit,
+static olx_ray_light light_found(const olx_render_context *context, const field_ray *ray, const olx_trace_hit *hit,
                                    olx_render_stats *stats) {
   count_ray(stats, hit);
-  olx_field_light found = {.nearness = olx_nearness(hit)};
+  olx_ray_light found = {.nearness = olx_nearness(hit)};
   if (!hit->emitter || olx_emission_counts(&context->settings->sample, hit, ray->origin)) {
     found.light = olx_scale(olx_mul(ray->reflectance, hit->radiance), ray->weight);
   }
   return found;
 }
 
-static olx_field_light follow(const olx_render_context *context, const field_ray *ray, olx_render_stats *stats) {
+static olx_ray_light follow(const olx_render_context *context, const field_ray *ray, olx_render_stats *stats) {
   const olx_trace_hit hit =
       olx_trace(context->field, &context->settings->sample, ray->origin, ray->direction, INFINITY);
   return light_found(context, ray, &hit, stats);
 }
 
-olx_field_light olx_field_diffuse_ray(const olx_render_context *context, const olx_shading *shading, olx_vec2 random,
+olx_ray_light olx_field_diffuse_ray(const olx_render_context *context, const olx_shading *shading, olx_vec2 random,
                                       olx_render_stats *stats) {
   field_ray ray;
-  if (!draw_diffuse(shading, random, &ray)) return (olx_field_light){.nearness = 0.0f};
+  if (!draw_diffuse(shading, random, &ray)) return (olx_ray_light){.nearness = 0.0f};
   return follow(context, &ray, stats);
 }
 
-olx_field_light olx_field_glossy_ray(const olx_render_context *context, const olx_shading *shading, olx_vec3 view,
+olx_ray_light olx_field_glossy_ray(const olx_render_context *context, const olx_shading *shading, olx_vec3 view,
                                      olx_vec2 random, olx_render_stats *stats) {
   field_ray ray;
-  if (!draw_glossy(shading, view, random, &ray)) return (olx_field_light){.nearness = 0.0f};
+  if (!draw_glossy(shading, view, random, &ray)) return (olx_ray_light){.nearness = 0.0f};
   return follow(context, &ray, stats);
 }
 
-olx_vec3 olx_field_irradiance(const olx_render_context *context, const olx_shading *shading, olx_vec3 view) {
-  if (context->settings->method == OLX_METHOD_CLASSIC) {
-    return olx_classic_irradiance(context->field, &context->settings->sample, field_origin(shading->surface),
-                                  shading->normal);
+static olx_vec3 stored_irradiance(const olx_render_context *context, const olx_ray_hit *hit, const olx_surface *surface,
+                                  olx_vec3 view) {
+  const olx_surface_point point = {.position = field_origin(surface),
+                                   .geometric_normal = surface->geometric_normal,
+                                   .vertex_normal = olx_surface_vertex_normal(context->scene, hit, surface),
+                                   .shading_normal = surface->shading_normal,
+                                   .view = view};
+  return olx_surface_light_at(context->field, &context->settings->sample, &point).irradiance;
+}
+
+olx_vec3 olx_field_irradiance(const olx_render_context *context, const olx_ray_hit *hit, const olx_shading *shading,
+                              olx_vec3 view) {
+  const olx_render_settings *settings = context->settings;
+  if (settings->method == OLX_METHOD_CLASSIC) {
+    return olx_classic_irradiance(context->field, &settings->sample, field_origin(shading->surface), shading->normal);
   }
-  return olx_irradiance(context->field, &context->settings->sample, field_origin(shading->surface), shading->normal,
-                        view);
+  if (settings->diffuse == OLX_DIFFUSE_SURFACE) return stored_irradiance(context, hit, shading->surface, view);
+  return olx_irradiance(context->field, &settings->sample, field_origin(shading->surface), shading->normal, view);
 }
 
 bool olx_field_lobe_is_dim(const olx_render_context *context, const olx_shading *shading) {
@@ -192,7 +204,8 @@ static void light_diffusely(shaded_tile *tile) {
     if (!shading->has_diffuse) continue;
     const uint32_t i = tile->pixel[k];
     const olx_vec3 view = olx_negate(tile->rays->directions[i]);
-    const olx_vec3 irradiance = traced ? bundle.sum[k] : olx_field_irradiance(tile->context, shading, view);
+    const olx_vec3 irradiance =
+        traced ? bundle.sum[k] : olx_field_irradiance(tile->context, &tile->rays->hits[i], shading, view);
     tile->samples[i].indirect_diffuse = olx_scale(olx_mul(shading->diffuse, irradiance), 1.0f / OLX_PI);
   }
 }
@@ -236,7 +249,8 @@ static void light_glossily(shaded_tile *tile) {
     const uint32_t i = tile->pixel[k];
     const olx_vec3 view = olx_negate(tile->rays->directions[i]);
     tile->samples[i].indirect_glossy = dim[k] ? olx_dim_light(&shading->surface->bsdf, shading->view.z,
-                                                              olx_field_irradiance(tile->context, shading, view))
+                                                              olx_field_irradiance(tile->context, &tile->rays->hits[i],
+                                                                                   shading, view))
                                               : olx_scale(bundle.sum[k], 1.0f / (float)glossy_count(tile, shading));
   }
 }

@@ -16,20 +16,22 @@ olx_vec3 olx_field_direct(const olx_render_context *context, const olx_shading *
                           olx_render_stats *stats);
 
 // What one ray through the field found.
-typedef struct olx_field_light {
+typedef struct olx_ray_light {
   olx_vec3 light;
   float nearness; // 1 / distance to what was hit, 0 when nothing was
-} olx_field_light;
+} olx_ray_light;
 
 // Radiance along a cosine-distributed direction: its mean is irradiance / pi.
-olx_field_light olx_field_diffuse_ray(const olx_render_context *context, const olx_shading *shading, olx_vec2 random,
+olx_ray_light olx_field_diffuse_ray(const olx_render_context *context, const olx_shading *shading, olx_vec2 random,
                                       olx_render_stats *stats);
 // Light reflected towards `view` by the specular lobe.
-olx_field_light olx_field_glossy_ray(const olx_render_context *context, const olx_shading *shading, olx_vec3 view,
+olx_ray_light olx_field_glossy_ray(const olx_render_context *context, const olx_shading *shading, olx_vec3 view,
                                      olx_vec2 random, olx_render_stats *stats);
 
-// Prefiltered irradiance.
-olx_vec3 olx_field_irradiance(const olx_render_context *context, const olx_shading *shading, olx_vec3 view);
+// Irradiance without rays on the surface that `hit` met: from classic maps with that method; as it is stored at surfaces where
+// settings choose that for diffuse light; else from irradiance probes.
+olx_vec3 olx_field_irradiance(const olx_render_context *context, const olx_ray_hit *hit, const olx_shading *shading,
+                              olx_vec3 view);
 
 // Whether the specular lobe is left to irradiance (settings.dim_lobe).
 bool olx_field_lobe_is_dim(const olx_render_context *context, const olx_shading *shading);

@@ -26,7 +26,7 @@ typedef struct frame_job {
 
   olx_incident *diffuse_sample, *glossy_sample; // what this frame's rays found
   olx_vec3 *diffuse_factor, *glossy_factor;     // incident light times these is reflected light
-  olx_vec3 *expected;                           // prefiltered irradiance
+  olx_vec3 *expected;                           // irradiance found without rays
   olx_vec3 *filtered;
   olx_image *image;
   pthread_mutex_t stats_lock;
@@ -38,6 +38,7 @@ typedef struct frame_job {
 // A pixel that shows a surface, and where it is in the buffers.
 typedef struct shaded_pixel {
   size_t pixel;
+  const olx_ray_hit *hit;
   olx_shading shading;
   olx_vec3 view;
   olx_sampler sampler;
@@ -48,7 +49,7 @@ static void sample_diffuse(frame_job *job, const shaded_pixel *p, olx_render_sta
   *sample = (olx_incident){.inverse_distance = -1.0f};
   if (!p->shading.has_diffuse || job->context.settings->diffuse != OLX_DIFFUSE_TRACED) return;
   const olx_vec2 random = olx_stratified2(job->frame, olx_sampler_split(&p->sampler, OLX_DIFFUSE_BRANCH).seed);
-  const olx_field_light found = olx_field_diffuse_ray(&job->context, &p->shading, random, stats);
+  const olx_ray_light found = olx_field_diffuse_ray(&job->context, &p->shading, random, stats);
   *sample = (olx_incident){olx_scale(found.light, OLX_PI), found.nearness};
 }
 
@@ -58,7 +59,7 @@ static void sample_glossy(frame_job *job, const shaded_pixel *p, olx_render_stat
   const olx_vec3 factor = job->glossy_factor[p->pixel];
   if (!(factor.x > 0.0f)) return;
   const olx_vec2 random = olx_stratified2(job->frame, olx_sampler_split(&p->sampler, OLX_GLOSSY_BRANCH).seed);
-  const olx_field_light found = olx_field_glossy_ray(&job->context, &p->shading, p->view, random, stats);
+  const olx_ray_light found = olx_field_glossy_ray(&job->context, &p->shading, p->view, random, stats);
   const olx_vec3 light = {found.light.x / factor.x, found.light.y / factor.y, found.light.z / factor.z};
   *sample = (olx_incident){light, found.nearness};
 }
@@ -72,7 +73,7 @@ static void light_last_frame(frame_job *job, const shaded_pixel *p, olx_render_s
     sum = olx_add(sum, olx_field_direct(&job->context, &p->shading, &sampler, stats));
   }
   job->image->layers[OLX_LAYER_DIRECT][p->pixel] = olx_scale(sum, 1.0f / (float)spp);
-  job->expected[p->pixel] = olx_field_irradiance(&job->context, &p->shading, p->view);
+  job->expected[p->pixel] = olx_field_irradiance(&job->context, p->hit, &p->shading, p->view);
   if (p->shading.has_specular && olx_field_lobe_is_dim(&job->context, &p->shading)) {
     job->image->layers[OLX_LAYER_INDIRECT_GLOSSY][p->pixel] =
         olx_dim_light(&p->shading.surface->bsdf, p->shading.view.z, job->expected[p->pixel]);
@@ -131,6 +132,7 @@ static void sample_tile(void *user, uint32_t index) {
     } else {
       const olx_surface surface = olx_surface_at(job->context.scene, &rays.hits[i], rays.directions[i]);
       const shaded_pixel p = {.pixel = pixel,
+                              .hit = &rays.hits[i],
                               .shading = olx_shading_make(&surface, rays.directions[i]),
                               .view = olx_negate(rays.directions[i]),
                               .sampler = rays.samplers[i]};

@@ -16,7 +16,7 @@ olx_render_settings olx_render_settings_default(olx_method method) {
       .spp = method == OLX_METHOD_PATH ? 64 : 4,
       .bounces = OLX_BOUNCES_INFINITE,
       .method = method,
-      .diffuse = OLX_DIFFUSE_IRRADIANCE,
+      .diffuse = OLX_DIFFUSE_SURFACE,
       .diffuse_samples = 64,
       .glossy_samples = 4,
       .denoise = olx_denoise_settings_default(),
@@ -178,7 +178,7 @@ static olx_result check_settings(const olx_render_settings *s, const olx_field *
   if (s->method != OLX_METHOD_FIELD && s->method != OLX_METHOD_CLASSIC) return olx_fail(OLX_ERROR_ARGUMENT, "there is no render method %d", s->method);
   if (!field) return olx_fail(OLX_ERROR_ARGUMENT, "rendering with a field needs a field");
   if (s->method == OLX_METHOD_CLASSIC) return olx_classic_check(field);
-  if (s->diffuse != OLX_DIFFUSE_IRRADIANCE && s->diffuse != OLX_DIFFUSE_TRACED) {
+  if (s->diffuse != OLX_DIFFUSE_SURFACE && s->diffuse != OLX_DIFFUSE_IRRADIANCE && s->diffuse != OLX_DIFFUSE_TRACED) {
     return olx_fail(OLX_ERROR_ARGUMENT, "there is no method %d for diffuse light", s->diffuse);
   }
   if (s->diffuse_samples < 1 || s->diffuse_samples > MAX_SAMPLES) {

@@ -168,21 +168,39 @@ olx_irradiance_weights olx_irradiance_weigh(const olx_irradiance_source *s, uint
   return weights;
 }
 
-olx_vec3 olx_irradiance_terms(const olx_irradiance_source *s, uint32_t terms, bool keep_buried, olx_vec3 position,
-                              olx_vec3 normal, olx_vec3 view) {
-  const olx_irradiance_weights weights = olx_irradiance_weigh(s, terms, keep_buried, position, normal, view);
+static olx_vec3 weighted_irradiance(const olx_irradiance_source *s, const olx_irradiance_weights *weights,
+                                    olx_vec3 normal) {
   const normal_taps taps = taps_at(s, normal);
   olx_vec3 sum = {0};
-  for (uint32_t i = 0; i < weights.count; i++) {
-    sum = olx_madd(sum, probe_irradiance(s, weights.probe[i], &taps), weights.weight[i]);
+  for (uint32_t i = 0; i < weights->count; i++) {
+    sum = olx_madd(sum, probe_irradiance(s, weights->probe[i], &taps), weights->weight[i]);
   }
   return s->bands ? olx_max_each(sum, olx_splat(0.0f)) : sum; // probes' ringing may cancel before it is cut off
 }
 
+olx_vec3 olx_irradiance_terms(const olx_irradiance_source *s, uint32_t terms, bool keep_buried, olx_vec3 position,
+                              olx_vec3 normal, olx_vec3 view) {
+  const olx_irradiance_weights weights = olx_irradiance_weigh(s, terms, keep_buried, position, normal, view);
+  return weighted_irradiance(s, &weights, normal);
+}
+
+static uint32_t terms_of(const olx_sample_settings *settings) {
+  return settings->visibility == OLX_VISIBILITY_NONE ? OLX_WEIGHT_TRILINEAR : OLX_WEIGHT_ALL;
+}
+
+static float factor(float from, float to) { return from > 0.0f ? to / from : to > 0.0f ? INFINITY : 1.0f; }
+
+olx_vec3 olx_irradiance_change(const olx_irradiance_source *s, const olx_sample_settings *settings, olx_vec3 position,
+                               olx_vec3 from, olx_vec3 to, olx_vec3 view) {
+  const olx_irradiance_weights weights =
+      olx_irradiance_weigh(s, terms_of(settings), settings->keep_buried, position, from, view);
+  const olx_vec3 before = weighted_irradiance(s, &weights, from), after = weighted_irradiance(s, &weights, to);
+  return olx_v3(factor(before.x, after.x), factor(before.y, after.y), factor(before.z, after.z));
+}
+
 olx_vec3 olx_irradiance_from(const olx_irradiance_source *source, const olx_sample_settings *settings,
                              olx_vec3 position, olx_vec3 normal, olx_vec3 view) {
-  const uint32_t terms = settings->visibility == OLX_VISIBILITY_NONE ? OLX_WEIGHT_TRILINEAR : OLX_WEIGHT_ALL;
-  return olx_irradiance_terms(source, terms, settings->keep_buried, position, normal, view);
+  return olx_irradiance_terms(source, terms_of(settings), settings->keep_buried, position, normal, view);
 }
 
 olx_irradiance_source olx_irradiance_source_of(const olx_field *field) {

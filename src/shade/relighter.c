@@ -535,6 +535,7 @@ olx_result olx_relight_create(const olx_field *field, const olx_relight_settings
   if (!r) return olx_fail(OLX_ERROR_MEMORY, "relight: out of memory");
   r->source = field;
   r->field = *field;
+  r->field.relit = true;
   r->settings = *settings;
   r->sample = olx_sample_settings_default();
   r->current = UINT32_MAX;

@@ -19,6 +19,10 @@ olx_result olx_sample_settings_check(const olx_field *field, const olx_sample_se
                     "%s: settings name no tracer, selector or visibility that there is (%u, %u, %u)", field->name,
                     (unsigned)settings->tracer, (unsigned)settings->select, (unsigned)settings->visibility);
   }
+  if (!(settings->surface_tolerance >= 0.0f && settings->surface_tolerance <= OLX_MOST_SURFACE_TOLERANCE)) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "a surface tolerance of %g footprints is not within 0 to %g",
+                    (double)settings->surface_tolerance, (double)OLX_MOST_SURFACE_TOLERANCE);
+  }
   if (olx_select_available(field, settings->select)) return OLX_OK;
   return olx_fail(OLX_ERROR_ARGUMENT, "%s: baked without the selector '%s'", field->name,
                   olx_select_name(settings->select));

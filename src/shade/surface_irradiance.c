@@ -1,0 +1,269 @@
+// Diffuse light of static surfaces: of the probes near a point those that see its own surface answer, each by the four texels
+// around the point's direction, as far as they hold that surface.
+#include "shade/surface_irradiance.h"
+
+#include "field/texels.h"
+#include "select/bricks.h"
+#include "select/cage.h"
+#include "select/sight.h"
+#include "shade/irradiance.h"
+
+enum { MOST_RANKED = 128, MOST_BLENDED = 4 };
+
+// What packing does: a half float is off by this share, a normal of two bytes by this angle in radians.
+static const float DISTANCE_ERROR = 0x1p-11f;
+static const float NORMAL_ERROR = 0.0111f;
+// How far a texel's surface may miss the point beyond that, in footprints.
+static const float SURFACE_MISS = 0.05f;
+// How far away along its surface a texel may be, in footprints over the cosine at which its probe looks at it.
+static const float SURFACE_REACH = 2.0f;
+// Surfaces whose cosine to the probe is smaller than this are not resolved by its texels.
+static const float LEAST_FACING = 0.02f;
+// Normals agree fully above the second of these cosines, and not at all below the first.
+static const float LEAST_AGREEMENT = 0.7f, FULL_AGREEMENT = 0.8f;
+// A probe is blended in where it weighs more than this share of the best.
+static const float BLEND_ABOVE = 0.8f;
+// Less than this share of texels is no answer, but rounding.
+static const float LEAST_SHARE = 1e-5f;
+// The most by which a normal map brightens.
+static const float MOST_CHANGE = 4.0f;
+
+typedef struct ranked_probe {
+  uint32_t probe;
+  float weight; // cosine / r^2
+} ranked_probe;
+
+typedef struct ranking {
+  uint32_t count, most;
+  ranked_probe probes[MOST_RANKED];
+} ranking;
+
+static void rank(const olx_field *field, const olx_sample_settings *settings, const olx_surface_point *point,
+                 uint32_t probe, ranking *r) {
+  if (field->probe_flags[probe] & OLX_PROBE_BURIED && !settings->keep_buried) return;
+  const olx_vec3 way = olx_sub(field->probe_positions[probe], point->position);
+  const float squared = olx_dot(way, way), weight = olx_dot(way, point->geometric_normal) / (squared * sqrtf(squared));
+  if (!(weight > 0.0f && weight < INFINITY)) return;
+  uint32_t at = r->count;
+  while (at > 0 && r->probes[at - 1].weight < weight) at--;
+  if (at == r->most) return;
+  if (r->count < r->most) r->count++;
+  for (uint32_t i = r->count - 1; i > at; i--) r->probes[i] = r->probes[i - 1];
+  r->probes[at] = (ranked_probe){probe, weight};
+}
+
+static uint32_t most_ranked(const olx_sample_settings *settings) {
+  return settings->max_probes < MOST_RANKED ? settings->max_probes : MOST_RANKED;
+}
+
+// The probes of the point's brick, or of its cage in a field without bricks, best first.
+static void rank_near(const olx_field *field, const olx_sample_settings *settings, const olx_surface_point *point,
+                      ranking *r) {
+  r->count = 0;
+  r->most = most_ranked(settings);
+  if (field->bricks.header) {
+    const uint32_t *list = olx_bricks_list(&field->bricks, point->position);
+    for (uint32_t i = 0; i < OLX_BRICK_PROBES; i++) {
+      const uint32_t probe = olx_bricks_probe(list, i);
+      if (probe == OLX_BRICK_NO_PROBE) return;
+      rank(field, settings, point, probe, r);
+    }
+  } else if (field->info.has_grid) {
+    const olx_cage cage = olx_cage_at(&field->info.grid, point->position);
+    for (uint32_t corner = 0; corner < 8; corner++) {
+      if (!olx_cage_has(&cage, corner)) continue;
+      rank(field, settings, point, olx_cage_probe(&field->info.grid, &cage, corner), r);
+    }
+  }
+}
+
+static void rank_all(const olx_field *field, const olx_sample_settings *settings, const olx_surface_point *point,
+                     ranking *r) {
+  r->count = 0;
+  r->most = most_ranked(settings);
+  for (uint32_t probe = 0; probe < field->info.probe_count; probe++) rank(field, settings, point, probe, r);
+}
+
+// A point as a probe sees it.
+typedef struct probe_view {
+  uint32_t probe;
+  olx_vec3 offset; // from the probe
+  olx_vec3 normal; // geometric
+  float angle;     // side of a texel there, in radians
+  float miss;      // footprints
+} probe_view;
+
+// One of the four texels around the point's direction.
+typedef struct seen_texel {
+  float distance, facing; // facing: cosine of its surface to the probe
+  olx_vec3 normal;
+  olx_vec3 step; // from its surface, along the ray through its centre, to the point
+  float away;    // length of the step
+} seen_texel;
+
+// Texel (x, y), the border's among them; false for the sky.
+static bool see_texel(const olx_field *field, const probe_view *v, size_t texel, int32_t x, int32_t y, seen_texel *t) {
+  t->distance = olx_texel_distance(field, v->probe, texel);
+  if (!(t->distance < INFINITY)) return false;
+  int32_t source_x, source_y;
+  olx_border_source(x, y, (int32_t)field->n, &source_x, &source_y);
+  const olx_vec3 centre = olx_texel_direction((uint32_t)source_x, (uint32_t)source_y, field->n);
+  t->normal = olx_texel_normal(field, v->probe, texel);
+  t->facing = -olx_dot(t->normal, centre);
+  t->step = olx_madd(v->offset, centre, -t->distance);
+  t->away = olx_length(t->step);
+  return true;
+}
+
+// How far the point may seem off the texel's surface because of how it is packed.
+static float packing_error(const seen_texel *t) {
+  return DISTANCE_ERROR * t->distance * fabsf(t->facing) + NORMAL_ERROR * t->away;
+}
+
+// 1 where the texel holds the surface that the point lies on, 0 where it does not, and between where that is doubtful, so that
+// light changes smoothly as the point moves.
+//
+// On an arc the chord between two points is perpendicular to the mean of their normals, so the height that is judged is over
+// that mean: it is 0 on planes and on curved surfaces alike. Where normals differ, the surface may turn from one to the other
+// anywhere between, as facets do, so the chord may run along either.
+static float texel_agrees(const probe_view *v, const seen_texel *t) {
+  const float agreement = olx_dot(t->normal, v->normal), footprint = t->distance * v->angle;
+  if (!(t->facing > LEAST_FACING && agreement > LEAST_AGREEMENT)) return 0.0f;
+  const float mean_length = 1.5f + 0.5f * agreement; // of the sum of the normals: sqrt(2 + 2 cos), within 0.4 % here
+  const float height = fabsf(olx_dot(olx_add(t->normal, v->normal), t->step)) / mean_length;
+  const float half_turn = sqrtf(0.5f * olx_max(1.0f - agreement, 0.0f)); // sine of half the angle between the normals
+  const float allowed = v->miss * footprint + packing_error(t) + half_turn * t->away;
+  if (!(height < allowed)) return 0.0f;
+  if (t->away * t->away - height * height > olx_square(SURFACE_REACH * footprint / t->facing)) return 0.0f;
+  const float near = 2.0f - 2.0f * height / allowed,
+              alike = (agreement - LEAST_AGREEMENT) / (FULL_AGREEMENT - LEAST_AGREEMENT);
+  return olx_min(near, 1.0f) * olx_min(alike, 1.0f);
+}
+
+// How much of the light of `texel` reaches over to the point where a neighbouring texel sees `other`, another surface: nothing
+// when the one lies before and the other behind it, as floors do on both sides of a wall that stands on them.
+static float passes(const seen_texel *texel, const seen_texel *other) {
+  const float height = olx_dot(other->normal, other->step), allowed = packing_error(other);
+  if (!(height < -allowed) || height - olx_dot(other->normal, texel->step) <= allowed) return 1.0f;
+  return olx_max(2.0f + height / allowed, 0.0f);
+}
+
+// Irradiance from the texels of one probe that hold the point's surface, times their share.
+typedef struct texel_light {
+  olx_vec3 sum;
+  float share; // 0..1
+} texel_light;
+
+static texel_light read_texels(const olx_field *field, const olx_sample_settings *settings, uint32_t probe,
+                               const olx_surface_point *point) {
+  probe_view v = {.probe = probe,
+                  .offset = olx_sub(point->position, field->probe_positions[probe]),
+                  .normal = point->geometric_normal,
+                  .miss = SURFACE_MISS + settings->surface_tolerance};
+  const olx_vec2 uv = olx_octahedral_encode(v.offset);
+  v.angle = sqrtf(olx_texel_solid_angle_near(uv, field->n));
+  const olx_bilinear around = olx_bilinear_at(uv, field->n);
+  const uint32_t first = (uint32_t)around.index[0];
+  const int32_t x = (int32_t)(first % field->stride) - 1, y = (int32_t)(first / field->stride) - 1;
+  seen_texel texels[4];
+  float agrees[4];
+  bool seen[4];
+  for (int32_t i = 0; i < 4; i++) {
+    seen[i] = see_texel(field, &v, around.index[i], x + (i & 1), y + (i >> 1), &texels[i]);
+    agrees[i] = seen[i] ? texel_agrees(&v, &texels[i]) : 0.0f;
+  }
+  texel_light light = {.share = 0.0f};
+  for (uint32_t i = 0; i < 4; i++) {
+    float weight = around.weight[i] * agrees[i];
+    for (uint32_t k = 0; k < 4 && weight > 0.0f; k++) {
+      if (seen[k] && !(agrees[k] > 0.0f)) weight *= passes(&texels[i], &texels[k]);
+    }
+    if (!(weight > 0.0f)) continue;
+    light.sum = olx_madd(light.sum, olx_texel_indirect(field, probe, around.index[i]), weight);
+    light.share += weight;
+  }
+  return light;
+}
+
+// What is blended: irradiance of some probes, best first by what they could weigh.
+typedef struct blend {
+  uint32_t count;
+  float weight[MOST_BLENDED], best;
+  olx_vec3 irradiance[MOST_BLENDED];
+} blend;
+
+// A probe weighs cosine / r^2 times the share of its texels that hold the surface, less what a weight must exceed: so it
+// comes and goes at weight 0, and where another becomes the best both are alike.
+static void read_ranked(const olx_field *field, const olx_sample_settings *settings, const olx_surface_point *point,
+                        const ranking *r, blend *b) {
+  for (uint32_t i = 0; i < r->count && b->count < MOST_BLENDED; i++) {
+    if (r->probes[i].weight <= BLEND_ABOVE * b->best) break;
+    const texel_light light = read_texels(field, settings, r->probes[i].probe, point);
+    if (light.share < LEAST_SHARE) continue;
+    const float weight = r->probes[i].weight * light.share;
+    b->weight[b->count] = weight;
+    b->irradiance[b->count++] = olx_scale(light.sum, 1.0f / light.share);
+    b->best = olx_max(b->best, weight);
+  }
+}
+
+static void gather(const olx_field *field, const olx_sample_settings *settings, const olx_surface_point *point,
+                   blend *b) {
+  ranking r;
+  if (settings->select != OLX_SELECT_EXHAUSTIVE) {
+    rank_near(field, settings, point, &r);
+    read_ranked(field, settings, point, &r, b);
+  }
+  if (b->count > 0) return;
+  rank_all(field, settings, point, &r);
+  read_ranked(field, settings, point, &r, b);
+}
+
+static olx_vec3 mix(const blend *b, uint32_t *probes) {
+  olx_vec3 sum = {0};
+  float weights = 0.0f;
+  for (uint32_t i = 0; i < b->count; i++) {
+    const float weight = b->weight[i] / b->best - BLEND_ABOVE;
+    if (weight <= 0.0f) continue;
+    sum = olx_madd(sum, b->irradiance[i], weight);
+    weights += weight;
+    ++*probes;
+  }
+  return olx_scale(sum, 1.0f / weights);
+}
+
+static bool is_finite(const olx_surface_point *p) {
+  return olx_finite(p->position) && olx_finite(p->geometric_normal) && olx_finite(p->vertex_normal) &&
+         olx_finite(p->shading_normal) && olx_finite(p->view);
+}
+
+olx_surface_light olx_surface_light_at(const olx_field *field, const olx_sample_settings *settings,
+                                       const olx_surface_point *point) {
+  olx_surface_light light = {.probes = 0};
+  if (!is_finite(point)) return light;
+  blend b = {.count = 0};
+  if (!field->relit) gather(field, settings, point, &b);
+  if (b.count == 0) {
+    light.irradiance = olx_irradiance(field, settings, point->position, point->shading_normal, point->view);
+    return light;
+  }
+  light.irradiance = mix(&b, &light.probes);
+  const olx_vec3 bent = olx_sub(point->shading_normal, point->vertex_normal);
+  if (olx_dot(bent, bent) > 1e-6f) {
+    const olx_irradiance_source source = olx_irradiance_source_of(field);
+    const olx_vec3 change = olx_irradiance_change(&source, settings, point->position, point->vertex_normal,
+                                                  point->shading_normal, point->view);
+    light.irradiance = olx_mul(light.irradiance, olx_min_each(change, olx_splat(MOST_CHANGE)));
+  }
+  return light;
+}
+
+olx_vec3 olx_surface_irradiance(const olx_field *field, const olx_sample_settings *settings, olx_vec3 position,
+                                olx_vec3 geometric_normal, olx_vec3 shading_normal, olx_vec3 view) {
+  const olx_surface_point point = {.position = position,
+                                   .geometric_normal = geometric_normal,
+                                   .vertex_normal = geometric_normal,
+                                   .shading_normal = shading_normal,
+                                   .view = view};
+  return olx_surface_light_at(field, settings, &point).irradiance;
+}

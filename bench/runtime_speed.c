@@ -165,6 +165,54 @@ static void measure_irradiance(const olx_field *field, const olx_field_info *inf
   printf("| irradiance, %s | %.0f | | | %s | |\n", name, nanoseconds, isfinite(sum) ? "" : "not finite");
 }
 
+// Places on surfaces that probes see, and the normals there.
+static uint32_t surface_points(const olx_field *field, const olx_field_info *info, ray *points, uint32_t count) {
+  const olx_sample_settings settings = olx_sample_settings_default();
+  uint32_t made = 0;
+  for (uint64_t i = 0; made < count && i < (uint64_t)count * 64; i++) {
+    const uint32_t probe = (uint32_t)(unit(i, 5) * (float)info->probe_count);
+    if (olx_field_probe_buried(field, probe)) continue;
+    const olx_vec3 eye = olx_field_probe_position(field, probe);
+    const olx_trace_hit hit = olx_trace(field, &settings, eye, query_at(info, i).direction, INFINITY);
+    if (hit.status == OLX_TRACE_HIT) points[made++] = (ray){hit.position, hit.normal};
+  }
+  return made;
+}
+
+typedef olx_vec3 (*irradiance_call)(const olx_field *field, const olx_sample_settings *settings, const ray *point);
+
+static olx_vec3 from_probes(const olx_field *field, const olx_sample_settings *settings, const ray *p) {
+  return olx_irradiance(field, settings, p->origin, p->direction, p->direction);
+}
+
+static olx_vec3 from_surfaces(const olx_field *field, const olx_sample_settings *settings, const ray *p) {
+  return olx_surface_irradiance(field, settings, p->origin, p->direction, p->direction, p->direction);
+}
+
+// Both ways to diffuse light take turns on batches of the same points.
+static void measure_diffuse(const olx_field *field, const ray *points, uint32_t count) {
+  static const struct {
+    irradiance_call call;
+    const char *name;
+  } ways[] = {{from_probes, "irradiance probes"}, {from_surfaces, "stored there"}};
+  const olx_sample_settings settings = olx_sample_settings_default();
+  double taken[2] = {0};
+  float sum = 0.0f;
+  for (uint32_t first = 0; first < count; first += BATCH) {
+    const uint32_t end = count - first < BATCH ? count : first + BATCH;
+    for (uint32_t k = 0; k < 2; k++) {
+      const uint32_t way = (k + first / BATCH) % 2;
+      const double start = seconds();
+      for (uint32_t i = first; i < end; i++) sum += ways[way].call(field, &settings, &points[i]).y;
+      taken[way] += seconds() - start;
+    }
+  }
+  for (uint32_t way = 0; way < 2; way++) {
+    printf("| diffuse light on surfaces, %s | %.0f | | | %s | |\n", ways[way].name, 1e9 * taken[way] / (double)count,
+           isfinite(sum) ? "" : "not finite");
+  }
+}
+
 int main(int argc, char **argv) {
   const long count = argc > 2 ? strtol(argv[2], NULL, 10) : 100000;
   if (argc < 2 || count < 1 || count > INT32_MAX) {
@@ -185,6 +233,7 @@ int main(int argc, char **argv) {
   measure_rays(field, "from surfaces", rays, surface_rays(field, &info, rays, (uint32_t)count));
   measure_rays(field, "mirrored", rays, mirrored_rays(field, &info, rays, (uint32_t)count));
   measure_rays(field, "in space", rays, space_rays(&info, rays, (uint32_t)count));
+  measure_diffuse(field, rays, surface_points(field, &info, rays, (uint32_t)count));
   free(rays);
   measure_irradiance(field, &info, OLX_VISIBILITY_NONE, "no visibility", (uint32_t)count);
   measure_irradiance(field, &info, OLX_VISIBILITY_CHEBYSHEV, "Chebyshev", (uint32_t)count);

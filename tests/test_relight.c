@@ -114,6 +114,7 @@ static void test_furnace(void **state) {
     ASSERT_OK(olx_relight_set_lights(relight, &sky, 1));
     const olx_vec3 sent = olx_scale(sky.emission, albedo / (1.0f - albedo));
     assert_true(run(relight, olx_splat(0.0f), 200) < 200);
+    assert_true(olx_relight_field(relight)->relit && !field->relit); // so that surfaces' light of before is not read
     assert_furnace(olx_relight_field(relight), sent, 0.02f);
     // The same lights again change nothing.
     ASSERT_OK(olx_relight_set_lights(relight, &sky, 1));

@@ -152,7 +152,8 @@ static const analytic_scene stepped = {
 
 static olx_vec3 dark_step(olx_vec3 p, olx_vec3 n, uint32_t probe) {
   (void)n, (void)probe;
-  return olx_splat(p.x > 1.49f && p.x < 2.51f && p.z > 1.99f && p.z < 3.01f && p.y > 1e-3f && p.y < 0.16f ? 1.0f : 4.0f);
+  return olx_splat(p.x > 1.49f && p.x < 2.51f && p.z > 1.99f && p.z < 3.01f && p.y > 1e-3f && p.y < 0.16f ? 1.0f
+                                                                                                          : 4.0f);
 }
 
 static void edges_do_not_bleed(void **state) {
@@ -173,7 +174,8 @@ static const analytic_scene framed = {
 
 static olx_vec3 bright_frame(olx_vec3 p, olx_vec3 n, uint32_t probe) {
   (void)n, (void)probe;
-  return olx_splat(p.x > 0.005f && p.x < 0.1f && p.y > 0.99f && p.y < 1.81f && p.z > 1.99f && p.z < 3.01f ? 4.0f : 1.0f);
+  return olx_splat(p.x > 0.005f && p.x < 0.1f && p.y > 0.99f && p.y < 1.81f && p.z > 1.99f && p.z < 3.01f ? 4.0f
+                                                                                                          : 1.0f);
 }
 
 // The frame hangs a centimetre before the wall, a quarter of a texel's side from the probe.
@@ -340,10 +342,10 @@ static void points_that_no_probe_sees_get_the_volume(void **state) {
   static const analytic_scene open_court = {.room = {{0, 0, 0}, {4, 3, 5}}, .open = true};
   olx_field *f = field_of(&open_court, &single, 64, analytic_cast, colored);
   assert_true(light_at(f, olx_v3(1.0f, 0.0f, 1.0f), olx_v3(0, 1, 0)).probes == 1);
-  assert_volume(f, olx_v3(1.0f, 0.0f, 1.0f), olx_v3(0, -1, 0));  // the far side of the floor
-  assert_volume(f, olx_v3(1.0f, 0.3f, 1.0f), olx_v3(0, 1, 0));   // in the air
-  assert_volume(f, olx_v3(1.0f, -0.3f, 1.0f), olx_v3(0, 1, 0));  // below the floor
-  assert_volume(f, olx_v3(1.0f, 3.0f, 1.0f), olx_v3(0, -1, 0));  // a ceiling that was not there: the sky is stored
+  assert_volume(f, olx_v3(1.0f, 0.0f, 1.0f), olx_v3(0, -1, 0)); // the far side of the floor
+  assert_volume(f, olx_v3(1.0f, 0.3f, 1.0f), olx_v3(0, 1, 0));  // in the air
+  assert_volume(f, olx_v3(1.0f, -0.3f, 1.0f), olx_v3(0, 1, 0)); // below the floor
+  assert_volume(f, olx_v3(1.0f, 3.0f, 1.0f), olx_v3(0, -1, 0)); // a ceiling that was not there: the sky is stored
   analytic_field_free(f);
   static const analytic_scene pillar = {
       .room = {{0, 0, 0}, {4, 3, 5}}, .box_count = 1, .boxes = {{{1.0f, 0.0f, 1.0f}, {1.4f, 3.0f, 1.4f}}}};
@@ -370,7 +372,8 @@ static void fill_volume(olx_field *f, olx_vec3 below, olx_vec3 above) {
     const int32_t texel = (int32_t)(i % f->irradiance_texels);
     int32_t x, y;
     olx_border_source(texel % stride - 1, texel / stride - 1, n, &x, &y);
-    irradiance[i] = olx_r11g11b10f_pack(olx_texel_direction((uint32_t)x, (uint32_t)y, (uint32_t)n).y > 0.9f ? above : below);
+    irradiance[i] =
+        olx_r11g11b10f_pack(olx_texel_direction((uint32_t)x, (uint32_t)y, (uint32_t)n).y > 0.9f ? above : below);
   }
 }
 

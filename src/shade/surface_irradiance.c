@@ -129,15 +129,16 @@ static float packing_error(const seen_texel *t) {
 static float texel_agrees(const probe_view *v, const seen_texel *t) {
   const float agreement = olx_dot(t->normal, v->normal), footprint = t->distance * v->angle;
   if (!(t->facing > LEAST_FACING && agreement > LEAST_AGREEMENT)) return 0.0f;
-  const float mean_length = 1.5f + 0.5f * agreement; // of the sum of the normals: sqrt(2 + 2 cos), within 0.4 % here
-  const float height = fabsf(olx_dot(olx_add(t->normal, v->normal), t->step)) / mean_length;
+  // The sum of the normals is 2 cos(angle / 2) long, that is 1.5 + 0.5 cos(angle) within 0.4 % here.
+  const float height = fabsf(olx_dot(olx_add(t->normal, v->normal), t->step)) * (1.0f / (1.5f + 0.5f * agreement));
+  const float along = t->away * t->away - height * height;
+  if (along * olx_square(t->facing) > olx_square(SURFACE_REACH * footprint)) return 0.0f;
+  const float alike = olx_min((agreement - LEAST_AGREEMENT) / (FULL_AGREEMENT - LEAST_AGREEMENT), 1.0f);
+  const float flat = v->miss * footprint + packing_error(t);
+  if (2.0f * height <= flat) return alike;
   const float half_turn = sqrtf(0.5f * olx_max(1.0f - agreement, 0.0f)); // sine of half the angle between the normals
-  const float allowed = v->miss * footprint + packing_error(t) + half_turn * t->away;
-  if (!(height < allowed)) return 0.0f;
-  if (t->away * t->away - height * height > olx_square(SURFACE_REACH * footprint / t->facing)) return 0.0f;
-  const float near = 2.0f - 2.0f * height / allowed,
-              alike = (agreement - LEAST_AGREEMENT) / (FULL_AGREEMENT - LEAST_AGREEMENT);
-  return olx_min(near, 1.0f) * olx_min(alike, 1.0f);
+  const float allowed = flat + half_turn * t->away;
+  return olx_clamp(2.0f - 2.0f * height / allowed, 0.0f, 1.0f) * alike;
 }
 
 // How much of the light of `texel` reaches over to the point where a neighbouring texel sees `other`, another surface: nothing

@@ -18,7 +18,7 @@ typedef struct olx_surface_point {
 
 typedef struct olx_surface_light {
   olx_vec3 irradiance; // W/m^2
-  uint32_t probes;     // whose texels were blended; 0: nothing is stored for the point, and the irradiance volume answered
+  uint32_t probes; // whose texels were blended; 0: nothing is stored for the point, and the irradiance volume answered
 } olx_surface_light;
 
 olx_surface_light olx_surface_light_at(const olx_field *field, const olx_sample_settings *settings,

@@ -150,7 +150,7 @@ int main(int argc, char **argv) {
   olx_bake_settings bake = olx_bake_settings_default(scene);
   if (argc > 2 && strcmp(argv[2], "-") != 0) {
     olx_probe_set placed;
-    if (olx_probe_set_load(argv[2], &placed) != OLX_OK) return fail();
+    if (olx_probe_set_load(argv[2], scene->origin, &placed) != OLX_OK) return fail();
     set.count = placed.count;
     set.positions = malloc(set.count * sizeof *set.positions);
     for (uint32_t i = 0; i < set.count; i++) set.positions[i] = placed.probes[i].position;

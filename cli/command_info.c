@@ -134,9 +134,9 @@ static void print_info(const char *path, const description *d) {
   printf("  selector           %s\n", select_names(info->select_mask).text);
   printf("  light              direct and %u further bounces, %ux%u samples a texel\n", info->bounces, info->samples,
          info->samples);
-  if (version == CURRENT_VERSION) printf("  lights             %u without area\n", info->light_count);
+  if (d->version == CURRENT_VERSION) printf("  lights             %u without area\n", info->light_count);
   printf("  scene              %016" PRIx64 "\n", info->scene_hash);
-  if (version != CURRENT_VERSION) return; // its chunks are not read
+  if (d->version != CURRENT_VERSION) return; // its chunks are not read
   block blocks[BLOCK_COUNT];
   list_blocks(info, blocks);
   for (int i = 0; i < BLOCK_COUNT; ++i) printf("  %-18s %s\n", blocks[i].name, text_of_bytes(blocks[i].bytes).text);

@@ -5,7 +5,7 @@
 #include "core/hooks.h"
 #include "core/octahedral.h"
 #include "core/result.h"
-#include "light/bounces.h"
+#include "light/light_bounces.h"
 #include "light/direct_light.h"
 #include "light/surfel_lookup.h"
 

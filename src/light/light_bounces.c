@@ -1,5 +1,5 @@
 // Sends light over links, bounce after bounce, and measures how much the rays of a surfel differ in what they bring.
-#include "light/bounces.h"
+#include "light/light_bounces.h"
 
 #include "core/hooks.h"
 #include "core/pack.h"

@@ -1,6 +1,6 @@
 // Light going over links: from the direct light of surfels to their irradiance after any number of bounces.
-#ifndef OLX_LIGHT_BOUNCES_H
-#define OLX_LIGHT_BOUNCES_H
+#ifndef OLX_LIGHT_LIGHT_BOUNCES_H
+#define OLX_LIGHT_LIGHT_BOUNCES_H
 
 #include "light/links.h"
 

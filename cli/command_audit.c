@@ -105,6 +105,7 @@ static int audit_scene(const audit_options *o) {
 int command_audit(int argc, char **argv) {
   audit_options o = {.settings = olx_audit_settings_default()};
   sample_options sample = SAMPLE_OPTIONS_DEFAULT;
+  uint32_t max_probes = olx_sample_settings_default().max_probes;
   const option options[] = {
       {"--field", OPTION_TEXT, &o.field, "FILE.olx", "the field to judge", 1, 0},
       {"--rays", OPTION_COUNT, &o.settings.rays, "N", "rays to trace and cast; default 200000", 0, UINT32_MAX},
@@ -112,6 +113,7 @@ int command_audit(int argc, char **argv) {
       {"--spp", OPTION_COUNT, &o.settings.spp, "N", "paths a point for its true light; default 1024", 1, 1u << 20},
       {"--camera", OPTION_TEXT, &o.settings.camera, "NAME", "judge what this camera sees; default: all of them", 0, 0},
       SAMPLE_OPTION_ROWS(sample),
+      {"--max-probes", OPTION_COUNT, &max_probes, "N", "probes a ray may ask; default 16", 1, 65536},
       {"--seed", OPTION_COUNT, &o.settings.seed, "N", "another choice of rays and points; default 0", 0, UINT32_MAX},
       {"--threads", OPTION_COUNT, &o.settings.threads, "N", "default 0: every processor; the result is the same", 0,
        4096},
@@ -131,5 +133,6 @@ int command_audit(int argc, char **argv) {
   if (!parse_options(&line, argc, argv, &code)) return code;
   o.scene = line.given[0];
   o.settings.sample = resolve_sample_options(&sample);
+  o.settings.sample.max_probes = max_probes;
   return audit_scene(&o);
 }

@@ -116,7 +116,9 @@ static bool create_frame(vulkan_job *job, uint32_t passes) {
                                       .glossy = job->images[GLOSSY].view,
                                       .color = job->images[COLOR].view,
                                       .denoise = job->settings.denoise.lobes,
-                                      .passes = passes};
+                                      .passes = passes,
+                                      .tracers = 1u << job->settings.sample.tracer,
+                                      .selects = 1u << job->settings.sample.select};
   return gpu_check_library(&job->device, olx_vulkan_frame_create(job->field, &targets, &job->frame));
 }
 

@@ -127,7 +127,15 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_FIT_TURN 1
 
 #define OLX_SELECT_GPU_MASK 0xBu // bits (1 << olx_select) of the stored selectors that have a twin
-#define OLX_MAX_ATTEMPTS 128     // probes that a search remembers as asked
+
+// Specialisation constants of pipelines whose shaders sample a field: what a driver compiles for them is one tracer and
+// one selector. A host that has constants of its own by these numbers defines others before.
+#ifndef OLX_CONSTANT_TRACER
+#define OLX_CONSTANT_TRACER 0 // OLX_TRACER_*; default OLX_TRACER_HIZ
+#endif
+#ifndef OLX_CONSTANT_SELECT
+#define OLX_CONSTANT_SELECT 1 // OLX_SELECT_*, of which the field has what it needs; default OLX_SELECT_BRICKS
+#endif
 
 // C has these as enumerations, in octalux/sample.h, octalux/field.h and field/field_data.h.
 #ifdef GL_core_profile
@@ -203,14 +211,13 @@ OLX_GPU_STRUCT(olx_gpu_frame) {
   olx_gpu_vec4 eye;              // xyz; w: the depth of pixels that show no surface
   olx_gpu_uint width, height;
   olx_gpu_uint flags; // OLX_FRAME_*
-  olx_gpu_uint tracer, select;
   olx_gpu_uint max_probes;
   olx_gpu_uint glossy_samples; // rays a pixel on glossy surfaces
   olx_gpu_uint sample_index;   // of the frame: another draw of random numbers
   olx_gpu_float dim_lobe; // rough lobes that reflect less are not traced
   olx_gpu_uint seed;
   olx_gpu_uint diffuse_samples; // rays a pixel on diffuse surfaces, when they are traced
-  olx_gpu_uint padding;
+  olx_gpu_uint padding[3];
 };
 
 // A light, as olx_relight_light has it; the direction of a sun or spot stands in edge_u.

@@ -22,7 +22,9 @@ void derive_march() {
   surfel = olx_read_surfel(march, texel, item.v[15]);
 }
 
-void put_axis(olx_image_axis a) { put(a.begin), put(a.travel), put(a.step), put(a.ahead), put(a.first); }
+void put_axis(olx_image_axis a) {
+  put(a.begin), put(a.travel), put(olx_axis_step(a)), put(olx_axis_ahead(a)), put(a.first);
+ }
 
 void put_answer(olx_probe_answer a) { put(a.status), put_texel(a.texel), put(a.steps), put(a.t), put(a.gap); }
 
@@ -53,6 +55,8 @@ void march_rows() {
   olx_probe_answer answer = blank();
   bool b;
   switch (row) {
+  case ROW_olx_axis_step: put(olx_axis_step(piece.u)), put(olx_axis_step(piece.v)); break;
+  case ROW_olx_axis_ahead: put(olx_axis_ahead(piece.u)), put(olx_axis_ahead(piece.v)); break;
   case ROW_olx_radius_squared: put(olx_radius_squared(march, random.x)); break;
   case ROW_olx_farthest_squared: put(olx_farthest_squared(march, random.x, random.x + random.y)); break;
   case ROW_olx_reach_squared: put(olx_reach_squared(march, piece, random.x, random.x + random.y)); break;

@@ -8,6 +8,7 @@ void shade_rows() {
   olx_cage cage = olx_cage_at(olx_field.irradiance_grid, point);
   vec2 uv = olx_octahedral_encode(direction);
   uint nearest;
+  vec3 drawn;
   float weight, half_cosine;
   olx_trace_hit hit;
   bool seen;
@@ -24,6 +25,11 @@ void shade_rows() {
     break;
   case ROW_olx_add_from_afar: put(olx_add_from_afar(settings, surface, cage, uv)); break;
   case ROW_olx_irradiance: put(olx_irradiance(settings, point, direction, view)); break;
+  case ROW_olx_glossy_draw:
+    put(olx_glossy_draw(direction, view, random.z, random.xy, drawn, weight, half_cosine));
+    put(weight), put(half_cosine);
+    if (weight > 0.0) put(drawn);
+    break;
   case ROW_olx_glossy:
     put(olx_glossy(settings, point, direction, view, random.z, random.xy, weight, half_cosine, hit));
     put(weight), put(half_cosine), put(hit.status), put(hit.probe), put(hit.distance_metres);

@@ -111,6 +111,8 @@ static void put_answer_of_ray(parity_result *r, const olx_probe_answer *a) {
     __VA_ARGS__                                                                                                        \
   }
 
+MARCH_ROW(axis_step, put_i(r, e->piece.u.step); put_i(r, e->piece.v.step);)
+MARCH_ROW(axis_ahead, put_i(r, e->piece.u.ahead); put_i(r, e->piece.v.ahead);)
 MARCH_ROW(radius_squared, put_f(r, olx_radius_squared(&e->march, s->random[0]));)
 MARCH_ROW(farthest_squared, put_f(r, olx_farthest_squared(&e->march, s->random[0], s->random[0] + s->random[1]));)
 MARCH_ROW(reach_squared, put_f(r, olx_reach_squared(&e->march, &e->piece, s->random[0], s->random[0] + s->random[1]));)
@@ -181,6 +183,8 @@ MARCH_ROW(trace_probe, const olx_probe_answer a = olx_trace_probe(s->field, s->p
     put_answer(r, &a);)
 
 static const parity_row ROWS[] = {
+    PARITY(axis_step, 1e-5f, 1e-3),
+    PARITY(axis_ahead, 1e-5f, 1e-3),
     PARITY(radius_squared, 1e-5f, 1e-3),
     PARITY(farthest_squared, 1e-5f, 1e-3),
     PARITY(reach_squared, 1e-5f, 1e-3),

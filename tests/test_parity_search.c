@@ -17,8 +17,26 @@ static void derive_search(const parity_state *s, search_state *e) {
                        .origin = s->point,
                        .direction = s->direction,
                        .t_max = olx_min(s->item->v[14], leave_bounds(s->field, s->point, s->direction)),
-                       .limit = MAX_ATTEMPTS,
+                       .limit = s->settings.max_probes,
                        .fallback_probe = UINT32_MAX};
+}
+
+// A search that has asked some probes and lost the ray somewhere, or one that begins.
+static void ask_some(const parity_state *s, search *of) {
+  if (!(s->bits[1] & 1u)) return;
+  for (uint32_t i = 0; i < 3; i++) remember(of, s->bits[i] >> 12 & 15u);
+  of->t = of->lost = 0.5f * s->random[1];
+}
+
+static bool has_bricks(const parity_state *s) { return s->field->bricks.header != NULL; }
+static uint32_t last_asked(const parity_state *s) { return s->bits[2] % s->field->info.probe_count; }
+
+static uint32_t best_that_sees(const parity_state *s, const search *of) {
+  return s->bits[0] & 1u || !has_bricks(s) ? nearest_that_sees(of) : next_listed(of);
+}
+
+static uint32_t next_probe(const parity_state *s, const search *of) {
+  return s->bits[0] & 1u ? nearest_that_sees(of) : next_selected(of, last_asked(s));
 }
 
 static void put_hit(parity_result *r, const olx_trace_hit *hit) {
@@ -45,8 +63,10 @@ static void put_hit(parity_result *r, const olx_trace_hit *hit) {
 SEARCH_ROW(usable, put_u(r, usable(&e->search, s->probe));)
 SEARCH_ROW(is_ray, put_u(r, is_ray(s->point, olx_scale(s->direction, 0.85f + 0.3f * s->random[0]),
         s->random[1] - 0.1f));)
-SEARCH_ROW(was_asked, for (uint32_t i = 0; i < 4; i++) e->search.asked[e->search.attempts++] = s->bits[i] & 7u;
-    put_u(r, was_asked(&e->search, s->bits[0] >> 8 & 7u));)
+SEARCH_ROW(was_asked, for (uint32_t i = 0; i < 4; i++) remember(&e->search, s->bits[i] & 127u);
+    put_u(r, was_asked(&e->search, s->bits[0] >> 8 & 127u)); put_u(r, was_asked(&e->search, s->bits[0] & 127u));)
+SEARCH_ROW(remember, remember(&e->search, s->bits[0]); put_u(r, e->search.attempts);
+    for (uint32_t i = 0; i < 4; i++) put_u(r, e->search.asked[i]);)
 SEARCH_ROW(ray_point, put_3(r, ray_point(&e->search, s->random[0]));)
 SEARCH_ROW(line_distance_squared, put_f(r, line_distance_squared(&e->search, s->probe));)
 SEARCH_ROW(sees, put_u(r, sees(&e->search, s->probe));)
@@ -56,26 +76,19 @@ SEARCH_ROW(ask, olx_probe_answer a = {0}; put_u(r, ask(&e->search, s->probe, &a)
     put_f(r, e->search.t); put_f(r, e->search.lost); put_answer(r, &a);)
 SEARCH_ROW(first_corner, const olx_grid *grid = &s->field->info.grid; const olx_cage cage = olx_cage_at(grid, s->point);
     put_u(r, first_corner(&e->search, grid, &cage));)
-SEARCH_ROW(search_cages, olx_probe_answer a = {0}; uint32_t found = 0; put_u(r, search_cages(&e->search, &found, &a));
-    put_u(r, e->search.attempts); put_f(r, e->search.t);)
+SEARCH_ROW(next_corner, ask_some(s, &e->search); put_u(r, next_corner(&e->search));)
+SEARCH_ROW(next_neighbour, ask_some(s, &e->search);
+    put_u(r, has_voronoi(s) ? next_neighbour(&e->search, last_asked(s)) : 0);)
+SEARCH_ROW(best_that_sees, ask_some(s, &e->search); put_u(r, best_that_sees(s, &e->search));)
+SEARCH_ROW(next_probe, ask_some(s, &e->search); put_u(r, next_probe(s, &e->search));)
+SEARCH_ROW(search_probes, olx_probe_answer a = {0}; uint32_t found = OLX_NO_PROBE;
+    const bool settled = search_probes(&e->search, false, &found, &a) || search_probes(&e->search, true, &found, &a);
+    put_u(r, settled); put_u(r, e->search.attempts); put_f(r, e->search.t);
+    put_u(r, settled ? found : e->search.fallback_probe);)
 SEARCH_ROW(bricks_list, const uint32_t *words = s->field->select_data[OLX_SELECT_BRICKS];
     put_u(r, words ? (uint32_t)(olx_bricks_list(&s->field->bricks, s->point) - words) : 0);)
 SEARCH_ROW(bricks_probe, const bool some = s->field->bricks.header != NULL;
     put_u(r, some ? olx_bricks_probe(olx_bricks_list(&s->field->bricks, s->point), s->bits[0] & 7u) : 0);)
-SEARCH_ROW(next_listed, uint32_t found = OLX_BRICK_NO_PROBE; const bool some = s->field->bricks.header != NULL;
-    put_u(r, some && next_listed(&e->search, &found)); put_u(r, some ? found : 0);)
-SEARCH_ROW(search_bricks, olx_probe_answer a = {0}; uint32_t found = 0;
-    put_u(r, s->field->bricks.header && search_bricks(&e->search, &found, &a)); put_u(r, e->search.attempts);
-    put_f(r, e->search.t);)
-SEARCH_ROW(search_voronoi, olx_probe_answer a = {0}; uint32_t found = 0;
-    put_u(r, has_voronoi(s) && search_voronoi(&e->search, &found, &a)); put_u(r, e->search.attempts);
-    put_f(r, e->search.t);)
-SEARCH_ROW(search_everywhere, olx_probe_answer a = {0}; uint32_t found = 0;
-    put_u(r, search_everywhere(&e->search, &found, &a));
-    put_u(r, e->search.attempts); put_f(r, e->search.t);)
-SEARCH_ROW(search_selected, olx_probe_answer a = {0}; uint32_t found = 0;
-    put_u(r, search_selected(&e->search, &found, &a));
-    put_u(r, e->search.attempts); put_f(r, e->search.t);)
 SEARCH_ROW(sky_radiance, put_3(r, sky_radiance(&e->search));)
 SEARCH_ROW(describe, const olx_probe_answer a = {.status = (olx_trace_status)(s->bits[1] % 3u), .t = s->random[0],
         .texel = texel_of(s)};
@@ -83,31 +96,31 @@ SEARCH_ROW(describe, const olx_probe_answer a = {.status = (olx_trace_status)(s-
 SEARCH_ROW(leave_bounds, put_f(r, leave_bounds(s->field, s->point, s->direction));)
 SEARCH_ROW(trace, const olx_trace_hit hit = olx_trace(s->field, &s->settings, s->point, s->direction, s->item->v[14]);
     put_hit(r, &hit);)
-// clang-format on
 
 static const parity_row ROWS[] = {
     PARITY(usable, 1e-5f, 1e-3),
     PARITY(is_ray, 1e-5f, 1e-3),
     PARITY(was_asked, 1e-5f, 1e-3),
+    PARITY(remember, 1e-5f, 1e-3),
     PARITY(ray_point, 1e-5f, 1e-3),
     PARITY(line_distance_squared, 1e-5f, 1e-3),
     PARITY(sees, 1e-5f, 1e-3),
     PARITY(ask, 1e-5f, 1e-3),
     PARITY(first_corner, 1e-5f, 1e-3),
-    PARITY(search_cages, 1e-5f, 1e-3),
-    PARITY(search_everywhere, 1e-5f, 1e-3),
-    PARITY(search_selected, 1e-5f, 1e-3),
+    PARITY(next_corner, 1e-5f, 1e-3),
+    PARITY(next_neighbour, 1e-5f, 1e-3),
+    PARITY(best_that_sees, 1e-5f, 1e-3),
+    PARITY(next_probe, 1e-5f, 1e-3),
+    PARITY(search_probes, 1e-5f, 1e-3),
     PARITY(sky_radiance, 1e-5f, 1e-3),
     PARITY(describe, 1e-5f, 1e-3),
     PARITY(leave_bounds, 1e-5f, 1e-3),
     PARITY(trace, 1e-5f, 1e-3),
     PARITY(bricks_list, 1e-5f, 1e-3),
     PARITY(bricks_probe, 1e-5f, 1e-3),
-    PARITY(next_listed, 1e-5f, 1e-3),
-    PARITY(search_bricks, 1e-5f, 1e-3),
-    PARITY(search_voronoi, 1e-5f, 1e-3),
     PARITY(probe_sees, 1e-5f, 1e-3),
 };
+// clang-format on
 static const parity_code CODES[] = {{ROWS_OF_SEARCH, {CODE, sizeof CODE}}};
 // Not among many probes: llvmpipe ends loops after 65535 turns, which a search over so many can exceed.
 static const parity_range ROOMS[PARITY_ROOMS] = {

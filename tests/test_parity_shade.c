@@ -1,6 +1,7 @@
 // Irradiance, glossy light and the denoiser: shaders/lib against C (tests/parity.h).
 #include "render/denoise.c"
 #include "shade/emission.h"
+#include "shade/glossy.h"
 #include "shade/irradiance.c"
 
 #include "core/sampling.h"
@@ -109,6 +110,9 @@ SHADE_ROW(add_from_afar, const olx_cage cage = olx_cage_at(&s->source.grid, s->p
     for (uint32_t i = 0; i < w.count; i++) sum = olx_madd(sum, map_irradiance(&s->source, w.probe[i], &b), w.weight[i]);
     put_3(r, sum);)
 SHADE_ROW(irradiance, put_3(r, olx_irradiance(s->field, &s->settings, s->point, s->direction, s->view));)
+SHADE_ROW(glossy_draw, float weight; float half_cosine; olx_vec3 drawn;
+    put_u(r, olx_glossy_draw(s->direction, s->view, s->random[2], random_2(s), &drawn, &weight, &half_cosine));
+    put_f(r, weight); put_f(r, half_cosine); if (weight > 0.0f) put_3(r, drawn);)
 SHADE_ROW(glossy, float weight; float half_cosine; olx_trace_hit hit;
     put_3(r, olx_glossy(s->field, &s->settings, s->point, s->direction, s->view, s->random[2], random_2(s), &weight,
                         &half_cosine, &hit));
@@ -162,6 +166,7 @@ static const parity_row ROWS[] = {
     PARITY(nearest_visible, 1e-4f, 1e-3),
     PARITY(add_from_afar, 1e-4f, 1e-3),
     PARITY(irradiance, 1e-4f, 1e-3),
+    PARITY(glossy_draw, 1e-4f, 1e-3),
     PARITY(glossy, 1e-4f, 1e-3),
     PARITY(finite, 1e-5f, 0),
     PARITY(lobe_is_dim, 1e-5f, 1e-3),

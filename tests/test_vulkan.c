@@ -185,7 +185,7 @@ static void diffuse_light_takes_hardly_more_reads_than_it_must(void **unused) {
                                                 .pName = "main"},
                                       .layout = f.frame->layout};
   assert_int_equal(device.CreateShaderModule(device.host.device, &code, NULL, &info.stage.module), VK_SUCCESS);
-  VkPipeline *pipeline = &f.frame->pipelines[OLX_PASS_IRRADIANCE];
+  VkPipeline *pipeline = &f.frame->pipelines[OLX_PASS_IRRADIANCE][0][0];
   device.DestroyPipeline(device.host.device, *pipeline, NULL);
   assert_int_equal(device.CreateComputePipelines(device.host.device, VK_NULL_HANDLE, 1, &info, NULL, pipeline),
                    VK_SUCCESS);
@@ -222,17 +222,22 @@ static void wrong_images_are_named(void **unused) {
       {f.images.targets, "albedo image cannot be sampled in VkImageLayout 0"},
       {f.images.targets, "no glossy image"},
       {f.images.targets, "no pass 0x10"},
+      {f.images.targets, "no tracer in 0x9"},
   };
   cases[3].targets.normal.format = VK_FORMAT_R8G8B8A8_UINT;
   cases[4].targets.albedo.layout = VK_IMAGE_LAYOUT_UNDEFINED;
   cases[5].targets.glossy = VK_NULL_HANDLE;
   cases[6].targets.passes = 16;
+  cases[7].targets.tracers = 9;
   for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
     olx_vulkan_frame *frame = (void *)1;
     assert_int_equal(olx_vulkan_frame_create(f.uploaded, &cases[i].targets, &frame), OLX_ERROR_ARGUMENT);
     assert_null(frame);
     if (!strstr(olx_last_error(), cases[i].message)) fail_msg("'%s' lacks '%s'", olx_last_error(), cases[i].message);
   }
+  olx_vulkan_frame *frame;
+  f.images.targets.selects = 1u << OLX_SELECT_OCTREE;
+  assert_int_equal(olx_vulkan_frame_create(f.uploaded, &f.images.targets, &frame), OLX_ERROR_UNSUPPORTED);
   host_fixture_free(&f);
 }
 
@@ -265,20 +270,49 @@ static void only_the_passes_that_are_named_are_made(void **unused) {
   host_fixture_add_frame(&f);
   assert_int_equal(faults.pipelines, 1);
   assert_passes(f.frame, OLX_VULKAN_PASS_COMPOSITE);
-  targets->passes = OLX_VULKAN_PASS_COMPOSITE | OLX_VULKAN_PASS_GLOSSY;
-  assert_int_equal(olx_vulkan_frame_resize(f.frame, targets), OLX_OK);
-  assert_int_equal(faults.pipelines, 2);
-  targets->passes = OLX_VULKAN_PASS_IRRADIANCE;
+  targets->passes = OLX_VULKAN_PASS_COMPOSITE | OLX_VULKAN_PASS_GLOSSY; // of dim lobes, too
   assert_int_equal(olx_vulkan_frame_resize(f.frame, targets), OLX_OK);
   assert_int_equal(faults.pipelines, 3);
+  targets->passes = OLX_VULKAN_PASS_IRRADIANCE;
+  assert_int_equal(olx_vulkan_frame_resize(f.frame, targets), OLX_OK);
+  assert_int_equal(faults.pipelines, 4);
   assert_passes(f.frame, OLX_VULKAN_PASS_IRRADIANCE | OLX_VULKAN_PASS_GLOSSY | OLX_VULKAN_PASS_COMPOSITE);
   targets->passes = 0;
   assert_int_equal(olx_vulkan_frame_resize(f.frame, targets), OLX_OK);
-  assert_int_equal(faults.pipelines, 4);
+  assert_int_equal(faults.pipelines, 5);
   assert_passes(f.frame, 15);
   olx_vulkan_frame_destroy(f.frame);
   host_fixture_add_frame(&f);
-  assert_int_equal(faults.pipelines, 8);
+  assert_int_equal(faults.pipelines, 10);
+  host_fixture_free(&f);
+}
+
+// A driver compiles each pair of a tracer and a selector by itself, when the frame is made and not when it is recorded.
+static void each_tracer_and_selector_has_a_pipeline(void **unused) {
+  (void)unused;
+  host_fixture f = make_small_fixture();
+  olx_vulkan_targets *targets = &f.images.targets;
+  const olx_vulkan_view view = host_vulkan_view(&VIEW);
+  olx_vulkan_settings settings = olx_vulkan_settings_default();
+  targets->passes = OLX_VULKAN_PASS_GLOSSY;
+  targets->tracers = 1u << OLX_TRACER_TWO_LEVEL;
+  targets->selects = 1u << OLX_SELECT_CAGE;
+  host_fixture_add_frame(&f);
+  assert_int_equal(faults.pipelines, 2);
+  assert_true(gpu_commands_begin(&device));
+  assert_int_equal(olx_vulkan_record_glossy(f.frame, device.commands, &view, &settings), OLX_ERROR_ARGUMENT);
+  assert_non_null(strstr(olx_last_error(), "made without the tracer 'hiz'"));
+  settings.sample.tracer = OLX_TRACER_TWO_LEVEL;
+  settings.sample.select = OLX_SELECT_EXHAUSTIVE;
+  assert_int_equal(olx_vulkan_record_glossy(f.frame, device.commands, &view, &settings), OLX_ERROR_ARGUMENT);
+  assert_non_null(strstr(olx_last_error(), "selector 'exhaustive'"));
+  targets->tracers |= 1u << OLX_TRACER_HIZ;
+  targets->selects |= 1u << OLX_SELECT_EXHAUSTIVE;
+  assert_int_equal(olx_vulkan_frame_resize(f.frame, targets), OLX_OK);
+  assert_int_equal(faults.pipelines, 5);
+  assert_int_equal(olx_vulkan_record_glossy(f.frame, device.commands, &view, &settings), OLX_OK);
+  assert_int_equal(faults.pipelines, 5);
+  assert_true(gpu_commands_run(&device));
   host_fixture_free(&f);
 }
 
@@ -599,6 +633,7 @@ int main(void) {
       cmocka_unit_test(diffuse_light_takes_hardly_more_reads_than_it_must),
       cmocka_unit_test(wrong_images_are_named),
       cmocka_unit_test(only_the_passes_that_are_named_are_made),
+      cmocka_unit_test(each_tracer_and_selector_has_a_pipeline),
       cmocka_unit_test(pipelines_go_through_the_host_s_cache),
       cmocka_unit_test(classic_maps_that_are_not_there_are_named),
       cmocka_unit_test(settings_that_cannot_be_are_refused),

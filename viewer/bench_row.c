@@ -112,6 +112,22 @@ static bool find_view(bench_job *job) {
   return fail_job(job, message);
 }
 
+// The two ways that are compared.
+static const struct {
+  olx_tracer tracer;
+  olx_select select;
+} PAIR[BENCH_PAIR] = {{OLX_TRACER_TWO_LEVEL, OLX_SELECT_CAGE}, {OLX_TRACER_HIZ, OLX_SELECT_BRICKS}};
+
+// The tracers and selectors that will be recorded.
+static void name_ways(const bench_settings *s, olx_vulkan_targets *targets) {
+  targets->tracers = 1u << s->sample.tracer;
+  targets->selects = 1u << s->sample.select;
+  for (uint32_t k = 0; s->compare && k < BENCH_PAIR; k++) {
+    targets->tracers |= 1u << PAIR[k].tracer;
+    targets->selects |= 1u << PAIR[k].select;
+  }
+}
+
 static bool prepare(bench_job *job) {
   gpu_device *d = job->device;
   const bench_settings *s = job->settings;
@@ -125,6 +141,7 @@ static bool prepare(bench_job *job) {
   olx_vulkan_targets targets = frame_images_targets(&job->raster.images);
   targets.denoise = OLX_VULKAN_LOBE_GLOSSY;
   targets.passes = OLX_VULKAN_PASS_IRRADIANCE | OLX_VULKAN_PASS_GLOSSY | OLX_VULKAN_PASS_COMPOSITE;
+  name_ways(s, &targets);
   if (!check_library(job, olx_vulkan_frame_create(job->uploaded, &targets, &job->frame))) return false;
   if (!bench_probe_create(d, job->uploaded, &job->raster, &job->probe) || !gpu_timer_create(d, &job->timer))
     return fail_gpu(job);
@@ -265,6 +282,7 @@ static bool run_all_frames(bench_job *job) {
   olx_vulkan_targets targets = frame_images_targets(&job->raster.images);
   targets.denoise = OLX_VULKAN_LOBE_DIFFUSE | OLX_VULKAN_LOBE_GLOSSY;
   targets.passes = OLX_VULKAN_PASS_DIFFUSE | OLX_VULKAN_PASS_GLOSSY;
+  name_ways(job->settings, &targets);
   return check_library(job, olx_vulkan_frame_resize(job->frame, &targets)) &&
          run_frames(job, run_denoised_frame, BENCH_FRAME_PARTS, BENCH_PARTS - BENCH_FRAME_PARTS);
 }
@@ -289,15 +307,11 @@ static bool run_glossy(bench_job *job, uint32_t index, double *milliseconds) {
 // Frames of the two in turns, on the G-buffer of the last frame.
 static bool run_pair(bench_job *job) {
   job->lit.denoise.lobes = 0;
-  static const struct {
-    olx_tracer tracer;
-    olx_select select;
-  } pair[BENCH_PAIR] = {{OLX_TRACER_TWO_LEVEL, OLX_SELECT_CAGE}, {OLX_TRACER_HIZ, OLX_SELECT_BRICKS}};
   const uint32_t frames = job->settings->frames;
   for (uint32_t f = 0; f < frames + 1; f++) {
     for (uint32_t k = 0; k < BENCH_PAIR; k++) {
-      job->lit.sample.tracer = pair[k].tracer;
-      job->lit.sample.select = pair[k].select;
+      job->lit.sample.tracer = PAIR[k].tracer;
+      job->lit.sample.select = PAIR[k].select;
       double milliseconds = 0;
       if (!run_glossy(job, f, &milliseconds)) return false;
       if (f > 0) job->times[k * frames + f - 1] = milliseconds; // the first warms up
@@ -305,8 +319,8 @@ static bool run_pair(bench_job *job) {
   }
   for (uint32_t k = 0; k < BENCH_PAIR; k++) {
     job->result->pair_milliseconds[k] = median(job->times + k * frames, frames);
-    if (!bench_probe_count(job->device, &job->probe, job->uploaded, &job->raster, &job->view, pair[k].tracer,
-                           pair[k].select, 2, &job->result->pair_counts[k]))
+    if (!bench_probe_count(job->device, &job->probe, job->uploaded, &job->raster, &job->view, PAIR[k].tracer,
+                           PAIR[k].select, 2, &job->result->pair_counts[k]))
       return fail_gpu(job);
   }
   return true;

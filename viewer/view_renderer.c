@@ -19,10 +19,12 @@ static uint32_t wanted_passes(const view_state *s) {
 }
 
 // The images or the passes have changed: tell those passes that are not the rasteriser's.
-static bool attach(view_renderer *r, uint32_t passes) {
+static bool attach(view_renderer *r, const view_state *s) {
   olx_vulkan_targets targets = frame_images_targets(&r->raster.images);
   targets.denoise = OLX_VULKAN_LOBE_DIFFUSE | OLX_VULKAN_LOBE_GLOSSY;
-  targets.passes = r->lit_passes |= passes;
+  targets.passes = r->lit_passes |= wanted_passes(s);
+  targets.tracers = r->lit_tracers |= 1u << s->tracer;
+  targets.selects = r->lit_selects |= 1u << s->select;
   r->history = 0;
   const olx_result result =
       r->lit ? olx_vulkan_frame_resize(r->lit, &targets) : olx_vulkan_frame_create(r->field, &targets, &r->lit);
@@ -72,14 +74,19 @@ void view_renderer_lit_size(const view_state *state, const uint32_t size[2], uin
   for (int i = 0; i < 2; i++) lit_size[i] = (uint32_t)fmaxf(1.0f, roundf((float)size[i] * state->scale));
 }
 
+// Whether the frame has the pipelines that a state wants.
+static bool has_pipelines(const view_renderer *r, const view_state *s) {
+  return r->lit && !(wanted_passes(s) & ~r->lit_passes) && r->lit_tracers >> s->tracer & 1u &&
+         r->lit_selects >> s->select & 1u;
+}
+
 static bool resize(view_renderer *r, const view_state *state, const uint32_t size[2]) {
   const frame_images *images = &r->raster.images;
-  const uint32_t passes = wanted_passes(state);
   uint32_t lit[2];
   view_renderer_lit_size(state, size, lit);
   const bool fits = images->width == lit[0] && images->height == lit[1];
   if (!fits && !rasteriser_resize(r->device, &r->raster, lit[0], lit[1])) return false;
-  if ((!fits || !r->lit || passes & ~r->lit_passes) && !attach(r, passes)) return false;
+  if ((!fits || !has_pipelines(r, state)) && !attach(r, state)) return false;
   const gpu_image *picture = &r->screen.picture;
   if (picture->image && picture->width == size[0] && picture->height == size[1]) return true;
   return view_screen_resize(r->device, size[0], size[1], &r->screen);

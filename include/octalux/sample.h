@@ -27,7 +27,7 @@ typedef struct olx_sample_settings {
   olx_tracer tracer;         // default OLX_TRACER_HIZ
   olx_select select;         // default OLX_SELECT_BEST; what the field does not have is OLX_SELECT_EXHAUSTIVE
   olx_visibility visibility; // default OLX_VISIBILITY_CHEBYSHEV
-  uint32_t max_probes;       // probes a ray may ask before it gives up, at most 128; default 128
+  uint32_t max_probes;       // probes a ray may ask before it gives up; default 16
   bool keep_buried;          // also ask probes inside geometry (the published failure, Fig. 10); default false
   bool emitters;             // count light that comes straight from an emitter or the sky; default false, because
                              // direct lighting samples those already (docs/maths.md, "layers")

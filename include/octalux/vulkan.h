@@ -73,6 +73,11 @@ void olx_vulkan_field_destroy(olx_vulkan_field *field);
 VkDescriptorSetLayout olx_vulkan_field_set_layout(const olx_vulkan_field *field);
 VkDescriptorSet olx_vulkan_field_set(const olx_vulkan_field *field);
 
+// The selector that answers for `asked` on the device: of OLX_SELECT_BEST the best of those that the field has and that run there, of
+// one that it has not OLX_SELECT_EXHAUSTIVE. Pipelines of the host that trace rays take it as the specialisation constant
+// OLX_CONSTANT_SELECT of shaders/octalux_shared.h, unless it is OLX_SELECT_BRICKS, the constant's default.
+olx_select olx_vulkan_field_select(const olx_vulkan_field *field, olx_select asked);
+
 // An image that passes sample. `layout` is the one it will have while the passes run: VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
 // GENERAL, or a read-only depth layout. The view shows one 2D layer and mip; its components may be swizzled.
 typedef struct olx_vulkan_image {
@@ -106,7 +111,10 @@ typedef struct olx_vulkan_targets {
   VkImageView glossy;     // out: radiance towards the eye; alpha: the share of rays that were answered
   VkImageView color;      // in and out: the host's picture in linear radiance
   uint32_t denoise;       // OLX_VULKAN_LOBE_*: lobes to keep a history for; 0: none, and no memory
-  uint32_t passes;        // OLX_VULKAN_PASS_*: those that will be recorded; 0: all. A driver takes long to compile a tracer
+  uint32_t passes;        // OLX_VULKAN_PASS_*: those that will be recorded; 0: all
+  // Tracers and selectors that settings will name, as bits 1 << olx_tracer and 1 << olx_select. Each of a pair has a pipeline of
+  // its own, made here, so that recording makes none. 0: OLX_TRACER_HIZ; OLX_SELECT_BEST.
+  uint32_t tracers, selects;
 } olx_vulkan_targets;
 
 // Pipelines, descriptor sets for one set of the host's images, and the denoiser's history, which is ours: 32 bytes a pixel and
@@ -123,8 +131,8 @@ olx_result olx_vulkan_frame_create(olx_vulkan_field *field, const olx_vulkan_tar
                                    olx_vulkan_frame **frame);
 
 // Take other images, of this or another size, with a history or without. The history begins anew: the next denoised frame has
-// the number 0. Passes that targets->passes names and the frame lacks are added to those that it has. On failure the frame
-// keeps what it had.
+// the number 0. Passes, tracers and selectors that targets name and the frame lacks are added to those that it has. On failure the
+// frame keeps what it had.
 olx_result olx_vulkan_frame_resize(olx_vulkan_frame *frame, const olx_vulkan_targets *targets);
 
 // NULL is allowed. The host's images are not touched.
@@ -163,7 +171,8 @@ typedef struct olx_vulkan_settings {
 olx_vulkan_settings olx_vulkan_settings_default(void);
 
 // Recording. Call outside a render pass, in a command buffer of the field's queue family. Each call binds a compute pipeline,
-// descriptor sets 0 and 1, and push constants. A pass that the frame was made without is OLX_ERROR_ARGUMENT.
+// descriptor sets 0 and 1, and push constants. A pass, a tracer or a selector that the frame was made without is
+// OLX_ERROR_ARGUMENT.
 //
 // Barriers are the host's at both ends and ours between: before the first pass, the inputs' writes and earlier uses of the
 // outputs must be ordered before VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT with shader read and write; olx_vulkan_record_composite

@@ -39,13 +39,11 @@ struct olx_march {
   uint steps;
 };
 
-// One coordinate of the image, in texels: begin + travel s. Where the image stands still, no line is ever reached.
+// One coordinate of the image, in texels: begin + travel s. Line k is crossed at s = (k - begin) * inverse. Where the
+// image stands still, `begin` is the middle of a texel and no line is ever reached.
 struct olx_image_axis {
-  float begin, travel;
-  float origin, inverse; // line k is crossed at s = (k - origin) * inverse
-  int step;              // -1, 0, 1: the direction of travel
-  int ahead;             // the line ahead of texel x is x + ahead: 1 or 0
-  int first;             // texel where the image begins
+  float begin, travel, inverse;
+  int first; // texel where the image begins
 };
 
 // A part of the ray whose image lies on one face of the octahedron.
@@ -53,7 +51,6 @@ struct olx_piece {
   olx_image_axis u, v;
   float t_begin, t_end, rise, near, slope; // t(s) = t_begin + rise s / (near + slope s)
   vec3 sign;                               // of the octant
-  float slack;                             // by how much rounding may move t(s), metres
 };
 
 // The texel in which the march stands, and the ray's parameter where it entered it.
@@ -65,6 +62,12 @@ struct olx_cell {
 #define OLX_VERDICT_CLEAR 0
 #define OLX_VERDICT_HIT 1
 #define OLX_VERDICT_HIDDEN 2
+
+// The direction of travel along an axis: -1, 0, 1.
+int olx_axis_step(olx_image_axis a) { return int(a.travel > 0.0) - int(a.travel < 0.0); }
+
+// The line ahead of texel x is x + this.
+int olx_axis_ahead(olx_image_axis a) { return int(a.travel >= 0.0); }
 
 float olx_radius_squared(olx_march m, float t) {
   precise float along = t - m.closest;
@@ -79,7 +82,9 @@ float olx_farthest_squared(olx_march m, float t0, float t1) {
 
 // The same, and not less than that of any part of [t0, t1], whatever rounding does to the part's ends.
 float olx_reach_squared(olx_march m, olx_piece p, float t0, float t1) {
-  precise float along = max(m.closest - t0, t1 - m.closest) + p.slack;
+  // By how much rounding may move t(s), metres.
+  precise float slack = p.t_end < OLX_INFINITY ? OLX_PARAMETER_ROUNDING * p.t_end : 0.0;
+  precise float along = max(m.closest - t0, t1 - m.closest) + slack;
   precise float squared = (m.miss_squared + along * along) * (1.0 + 1.0 / 65536.0);
   return squared;
 }
@@ -115,7 +120,7 @@ float olx_parameter_at(olx_piece p, float s) {
 
 // Where the image crosses the line between texels k - 1 and k. Lines behind the end of the piece give 1 or more.
 float olx_crossing(olx_image_axis a, int k) {
-  precise float s = (float(k) - a.origin) * a.inverse;
+  precise float s = (float(k) - a.begin) * a.inverse;
   return s;
 }
 
@@ -123,15 +128,15 @@ float olx_crossing(olx_image_axis a, int k) {
 // `inclusive`. The image gives a guess, at most one off; the crossings that steps compare decide.
 int olx_texel_at(olx_image_axis a, float s, bool inclusive) {
   precise float image = a.begin + a.travel * s;
-  int x = int(image);
-  if ((x - a.first) * a.step <= 0) {
+  int x = int(image), step = olx_axis_step(a), ahead = olx_axis_ahead(a);
+  if ((x - a.first) * step <= 0) {
     x = a.first;
   } else {
-    float entered = olx_crossing(a, x + 1 - a.ahead);
-    if (!(inclusive ? entered <= s : entered < s)) x -= a.step;
+    float entered = olx_crossing(a, x + 1 - ahead);
+    if (!(inclusive ? entered <= s : entered < s)) x -= step;
   }
-  float left = olx_crossing(a, x + a.ahead);
-  return (inclusive ? left <= s : left < s) ? x + a.step : x;
+  float left = olx_crossing(a, x + ahead);
+  return (inclusive ? left <= s : left < s) ? x + step : x;
 }
 
 int olx_pyramid_shift(int level) { return OLX_PYRAMID_FINEST + OLX_PYRAMID_STEP * level; }
@@ -274,12 +279,13 @@ int olx_visit_texel(inout olx_march m, olx_piece p, olx_cell c, float t1, float 
 
 // The texel after c, which the image leaves at the crossings s of the lines ahead; t1 is the ray's parameter there.
 olx_cell olx_next_cell(olx_piece p, olx_cell c, vec2 s, float t1) {
-  return olx_cell(c.at + (s.x <= s.y ? ivec2(p.u.step, 0) : ivec2(0, p.v.step)), t1);
+  return olx_cell(c.at + (s.x <= s.y ? ivec2(olx_axis_step(p.u), 0) : ivec2(0, olx_axis_step(p.v))), t1);
 }
 
 // Where the image crosses the lines ahead of a node of 2^shift texels along both axes.
 vec2 olx_crossings_ahead(olx_piece p, ivec2 node, int shift) {
-  return vec2(olx_crossing(p.u, (node.x + p.u.ahead) << shift), olx_crossing(p.v, (node.y + p.v.ahead) << shift));
+  return vec2(olx_crossing(p.u, (node.x + olx_axis_ahead(p.u)) << shift),
+              olx_crossing(p.v, (node.y + olx_axis_ahead(p.v)) << shift));
 }
 
 // Every texel, with no pyramid: the referee.
@@ -350,10 +356,10 @@ olx_image_axis olx_make_axis(float begin, float end, float sign, int n) {
   precise float travel = end - begin;
   int first = olx_clamp_texel(sign, begin, n);
   // Standing still, lines ahead are never crossed, and those behind always have been.
-  if (!(abs(travel) > OLX_STILL_TEXELS)) return olx_image_axis(begin, 0.0, float(first) + 0.5, OLX_NEVER, 0, 1, first);
+  if (!(abs(travel) > OLX_STILL_TEXELS)) return olx_image_axis(float(first) + 0.5, 0.0, OLX_NEVER, first);
   // A little more than 1 / travel, so that rounding never puts a line from `end` on before the end.
   precise float inverse = (1.0 + 1.0 / 2097152.0) / travel;
-  return olx_image_axis(begin, travel, begin, inverse, travel > 0.0 ? 1 : -1, travel > 0.0 ? 1 : 0, first);
+  return olx_image_axis(begin, travel, inverse, first);
 }
 
 // Where the ray crosses the plane through the probe across one axis; -infinity when it runs along it.
@@ -385,11 +391,9 @@ olx_piece olx_make_piece(olx_march m, vec3 planes, float t_begin, float t_end) {
   p.v = olx_make_axis(begin.image.y, end.image.y, p.sign.z, n);
   precise float slope = end.inverse - begin.inverse, rise = (t_end - t_begin) * end.inverse;
   precise float endless_rise = 1.0 / (p.sign.x * d.x + p.sign.y * d.y + p.sign.z * d.z);
-  precise float slack = OLX_PARAMETER_ROUNDING * t_end;
   p.near = begin.inverse;
   p.slope = slope;
   p.rise = endless ? endless_rise : rise;
-  p.slack = endless ? 0.0 : slack;
   return p;
 }
 
@@ -442,6 +446,7 @@ void olx_leave(inout olx_stand at, ivec2 next, float s, float t, bool by_v) {
 // On to the texel whose stored distance the ray reaches next. Nodes and texels take turns in one loop, and no surfel is
 // judged in it, so that rays side by side wait little for each other. False at the end of the piece.
 bool olx_find_texel(inout olx_march m, olx_piece p, inout olx_stand at, out float stored) {
+  bool found = false;
   stored = OLX_INFINITY;
   for (;;) {
     vec2 s = olx_crossings_ahead(p, at.at, olx_pyramid_shift(at.level));
@@ -456,31 +461,34 @@ bool olx_find_texel(inout olx_march m, olx_piece p, inout olx_stand at, out floa
         m.steps++;
         stored = olx_texel_distance(m.map, at.at);
         precise float stored_squared = stored * stored;
-        if (!(far_squared < stored_squared || stored >= OLX_INFINITY)) return true;
+        found = !(far_squared < stored_squared || stored >= OLX_INFINITY);
       }
     }
+    if (found || (!enter && !at.first && s1 >= 1.0)) break;
     if (enter) {
       olx_enter(p, at);
     } else if (at.first) {
       at = olx_stand(at.at >> OLX_PYRAMID_FINEST, 0, -1.0, p.t_begin, false, 0.0, false, false);
-    } else if (s1 >= 1.0) {
-      return false;
     } else {
       bool by_v = s.x > s.y;
-      olx_leave(at, at.at + (by_v ? ivec2(0, p.v.step) : ivec2(p.u.step, 0)), s1, t1, by_v);
+      olx_leave(at, at.at + (by_v ? ivec2(0, olx_axis_step(p.v)) : ivec2(olx_axis_step(p.u), 0)), s1, t1, by_v);
     }
   }
+  return found;
 }
 
 // Down and up the whole pyramid, along all pieces of a ray. A ray that has come to the next face and one that has a
 // surfel to judge do so in the same turn.
 int olx_march_hiz(inout olx_march m, vec3 planes, inout olx_probe_answer answer) {
-  olx_piece p;
-  olx_stand at;
+  // Values to begin with, though nothing reads them: without, compilers keep those of the ray's last probe.
+  olx_image_axis axis = olx_image_axis(0.0, 0.0, 0.0, 0);
+  olx_piece p = olx_piece(axis, axis, 0.0, 0.0, 0.0, 0.0, 0.0, vec3(0.0));
+  olx_stand at = olx_stand(ivec2(0), 0, 0.0, 0.0, false, 0.0, false, false);
+  int verdict = OLX_VERDICT_CLEAR;
   bool found = false;
   for (float t = m.ray.t_min;;) {
     if (!found) {
-      if (!(t < m.ray.t_max)) return OLX_VERDICT_CLEAR;
+      if (!(t < m.ray.t_max)) break;
       float t_end = olx_next_cut(planes, t, m.ray.t_max);
       p = olx_make_piece(m, planes, t, t_end);
       at = olx_begin_stand(m, p);
@@ -491,10 +499,11 @@ int olx_march_hiz(inout olx_march m, vec3 planes, inout olx_probe_answer answer)
     if (!found) continue;
     vec2 s = olx_crossings_ahead(p, at.at, 0);
     float t1 = olx_parameter_at(p, min(s.x, s.y));
-    int verdict = olx_judge_surfel(m, p, olx_cell(at.at, at.t), t1, stored, answer);
-    if (verdict != OLX_VERDICT_CLEAR) return verdict;
+    verdict = olx_judge_surfel(m, p, olx_cell(at.at, at.t), t1, stored, answer);
+    if (verdict != OLX_VERDICT_CLEAR) break;
     at.judged = true;
   }
+  return verdict;
 }
 
 // Face after face by the plain tracers.

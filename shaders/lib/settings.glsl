@@ -4,17 +4,21 @@
 
 #include "../octalux_shared.h"
 
-// See olx_sample_settings in octalux/sample.h.
+layout(constant_id = OLX_CONSTANT_TRACER) const uint olx_constant_tracer = 2u; // OLX_TRACER_HIZ
+layout(constant_id = OLX_CONSTANT_SELECT) const uint olx_constant_select = 3u; // OLX_SELECT_BRICKS
+
+// See olx_sample_settings in octalux/sample.h. Tracer and selector that are no constants make a shader that holds all of
+// them: several times the code, which takes drivers several times as long to compile.
 struct olx_sample_settings {
   uint tracer; // OLX_TRACER_*
   uint select; // OLX_SELECT_*
   bool visibility;
-  uint max_probes; // at most OLX_MAX_ATTEMPTS
+  uint max_probes;
   bool keep_buried, emitters;
 };
 
 olx_sample_settings olx_sample_settings_default() {
-  return olx_sample_settings(OLX_TRACER_HIZ, OLX_SELECT_BEST, true, OLX_MAX_ATTEMPTS, false, false);
+  return olx_sample_settings(olx_constant_tracer, olx_constant_select, true, 16u, false, false);
 }
 
 #endif

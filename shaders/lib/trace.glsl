@@ -14,6 +14,7 @@
 const float OLX_HAND_OVER_FOOTPRINTS = 0.5;
 const float OLX_VANISHED_FOOTPRINTS = 1.5;
 const float OLX_OFF_LINE = 4.0;
+const uint OLX_REMEMBERED = 127u; // as in C
 
 struct olx_trace_hit {
   uint status;           // OLX_TRACE_*
@@ -32,15 +33,13 @@ struct olx_search {
   vec3 origin, direction;
   float t, t_max; // the ray is known to be free up to t
   float lost;     // where the probe that followed it farthest lost it
-  uint attempts, limit;
+  uint attempts;
+  uvec4 asked; // a bit for each probe that was asked, by its number modulo OLX_REMEMBERED
   uint steps;
-  // The best guess should no probe know: the occluder behind which the ray vanished by the smallest gap.
-  olx_probe_answer fallback;
-  uint fallback_probe;
+  // What settled the ray, and until then the best guess: the occluder behind which it vanished by the smallest gap.
+  olx_probe_answer answer;
+  uint answered; // the probe that said so, or OLX_NO_PROBE
 };
-
-// The probes that the search has asked. Not in olx_search: compilers copy structs, and this is long.
-uint olx_asked[OLX_MAX_ATTEMPTS];
 
 bool olx_usable(olx_search s, uint probe) {
   return s.settings.keep_buried || (olx_probes[probe].flags & OLX_PROBE_BURIED) == 0u;
@@ -53,10 +52,15 @@ bool olx_is_ray(vec3 origin, vec3 direction, float t_max) {
 }
 
 bool olx_was_asked(olx_search s, uint probe) {
-  for (uint i = 0u; i < s.attempts; i++) {
-    if (olx_asked[i] == probe) return true;
-  }
-  return false;
+  uint bit = probe % OLX_REMEMBERED, word = bit >> 5;
+  uint asked = word == 0u ? s.asked.x : word == 1u ? s.asked.y : word == 2u ? s.asked.z : s.asked.w;
+  return (asked >> (bit & 31u) & 1u) != 0u;
+}
+
+void olx_remember(inout olx_search s, uint probe) {
+  uint bit = probe % OLX_REMEMBERED;
+  s.asked |= mix(uvec4(0u), uvec4(1u << (bit & 31u)), equal(uvec4(bit >> 5), uvec4(0u, 1u, 2u, 3u)));
+  s.attempts++;
 }
 
 vec3 olx_ray_point(olx_search s, float t) {
@@ -78,18 +82,20 @@ bool olx_sees(olx_search s, uint probe) {
 }
 
 // Ask one probe. True when it settles the ray.
-bool olx_ask(inout olx_search s, uint probe, inout olx_probe_answer answer) {
-  olx_asked[s.attempts++] = probe;
+bool olx_ask(inout olx_search s, uint probe) {
+  olx_remember(s, probe);
   precise vec3 origin = s.origin - olx_probe_position(probe);
-  answer = olx_trace_probe(probe, olx_probe_ray(origin, s.direction, s.t, s.t_max), s.settings.tracer);
+  olx_probe_answer answer =
+      olx_trace_probe(probe, olx_probe_ray(origin, s.direction, s.t, s.t_max), s.settings.tracer);
   s.steps += answer.steps;
   // Lost in front of what the probe stores there, the ray has gone behind nothing: it ends.
   if (answer.status == OLX_TRACE_UNKNOWN && answer.gap < 0.0) answer.status = OLX_TRACE_HIT;
-  if (answer.status != OLX_TRACE_UNKNOWN) return true;
-  if (s.fallback_probe == OLX_NO_PROBE || answer.gap < s.fallback.gap) {
-    s.fallback = answer;
-    s.fallback_probe = probe;
+  bool settled = answer.status != OLX_TRACE_UNKNOWN;
+  if (settled || s.answered == OLX_NO_PROBE || answer.gap < s.answer.gap) {
+    s.answer = answer;
+    s.answered = probe;
   }
+  if (settled) return true;
   precise vec3 lost = origin + s.direction * answer.t;
   precise float footprint = OLX_TEXEL_ANGLE / float(olx_field.n) * sqrt(olx_dot(lost, lost));
   precise float before = answer.t - OLX_HAND_OVER_FOOTPRINTS * footprint;
@@ -113,126 +119,110 @@ uint olx_first_corner(olx_search s, olx_cage cage) {
   return best;
 }
 
-// Ask the probes of the cage around the ray's free end, and of each further cage the ray advances into.
-bool olx_search_cages(inout olx_search s, inout uint probe, inout olx_probe_answer answer) {
-  for (;;) {
-    olx_cage cage = olx_cage_at(olx_field.grid, olx_ray_point(s, s.lost));
-    uint corner = olx_first_corner(s, cage);
-    bool moved = false;
-    for (uint i = 0u; i < 8u && !moved; i++, corner = (corner + 3u) & 7u) {
-      if (!olx_cage_has(cage, corner)) continue;
-      probe = olx_cage_probe(olx_field.grid, cage, corner);
-      if (!olx_usable(s, probe) || olx_was_asked(s, probe)) continue;
-      if (s.attempts >= s.limit) return false;
-      if (olx_ask(s, probe, answer)) return true;
-      moved = olx_cage_at(olx_field.grid, olx_ray_point(s, s.lost)).base != cage.base;
-    }
-    if (!moved) return false;
+// The next probe of the cage around the place to which the ray is followed. Corners are taken in steps of three, so that
+// each is far from the one before.
+uint olx_next_corner(olx_search s) {
+  olx_cage cage = olx_cage_at(olx_field.grid, olx_ray_point(s, s.lost));
+  uint corner = olx_first_corner(s, cage);
+  for (uint i = 0u; i < 8u; i++, corner = (corner + 3u) & 7u) {
+    if (!olx_cage_has(cage, corner)) continue;
+    uint probe = olx_cage_probe(olx_field.grid, cage, corner);
+    if (olx_usable(s, probe) && !olx_was_asked(s, probe)) return probe;
   }
+  return OLX_NO_PROBE;
 }
 
-// Ask the nearest probe, then from probe to probe the neighbour in whose direction the ray went out of sight.
-bool olx_search_voronoi(inout olx_search s, inout uint probe, inout olx_probe_answer answer) {
-  uint next = olx_voronoi_nearest(s.origin, s.settings.keep_buried);
-  while (next != OLX_NO_PROBE && s.attempts < s.limit) {
-    probe = next;
-    if (olx_ask(s, probe, answer)) return true;
-    precise vec3 stuck = olx_ray_point(s, s.t) - olx_probe_position(probe);
-    uvec4 choices = olx_voronoi_neighbours(probe, stuck);
-    next = OLX_NO_PROBE;
-    for (uint i = 0u; i < OLX_CHOICES && next == OLX_NO_PROBE; i++) {
-      if (choices[i] != OLX_NO_PROBE && olx_usable(s, choices[i]) && !olx_was_asked(s, choices[i])) next = choices[i];
-    }
+// The nearest probe, and from the probe that was asked last its neighbour in whose direction the ray went out of sight.
+uint olx_next_neighbour(olx_search s, uint last) {
+  if (s.attempts == 0u) return olx_voronoi_nearest(s.origin, s.settings.keep_buried);
+  precise vec3 stuck = olx_ray_point(s, s.t) - olx_probe_position(last);
+  uvec4 choices = olx_voronoi_neighbours(last, stuck);
+  for (uint i = 0u; i < OLX_CHOICES; i++) {
+    if (choices[i] != OLX_NO_PROBE && olx_usable(s, choices[i]) && !olx_was_asked(s, choices[i])) return choices[i];
   }
-  return false;
+  return OLX_NO_PROBE;
 }
 
-// Of the probes that the bricks list for where the ray stands, the best that sees it: to begin with one near the origin
-// and the ray's line, later the nearest. Costs are read and written by constant indices alone, and so stay in registers.
-bool olx_next_listed(olx_search s, out uint next) {
+// The best probe that sees where the ray stands: of those that the bricks list there, to begin with one near the origin
+// and the ray's line; of all, or later, the nearest. Costs are computed for each probe anew and none is kept.
+uint olx_best_that_sees(olx_search s, bool everywhere) {
   vec3 place = s.origin;
   if (s.attempts > 0u) place = olx_ray_point(s, s.lost);
-  uint list = olx_bricks_list(place);
-  float cost[OLX_BRICK_PROBES];
-  for (uint i = 0u; i < OLX_BRICK_PROBES; i++) {
-    uint probe = olx_bricks_probe(list, i);
-    cost[i] = OLX_INFINITY;
-    if (probe == OLX_BRICK_NO_PROBE) continue;
-    precise vec3 offset = olx_probe_position(probe) - place;
-    precise float from_line = s.attempts == 0u ? OLX_OFF_LINE * olx_line_distance_squared(s, probe) : 0.0;
-    precise float total = olx_dot(offset, offset) + from_line;
-    cost[i] = total;
-  }
-  next = OLX_BRICK_NO_PROBE;
-  for (;;) {
-    uint best = 0u;
-    float least = OLX_INFINITY;
-    for (uint i = 0u; i < OLX_BRICK_PROBES; i++) {
-      best = cost[i] < least ? i : best;
-      least = min(cost[i], least);
-    }
-    if (least >= OLX_INFINITY) return false;
-    for (uint i = 0u; i < OLX_BRICK_PROBES; i++) cost[i] = i == best ? OLX_INFINITY : cost[i];
-    uint probe = olx_bricks_probe(list, best);
+  uint list = everywhere ? 0u : olx_bricks_list(place), best = OLX_NO_PROBE;
+  uint count = everywhere ? olx_field.probe_count : OLX_BRICK_PROBES;
+  float least = OLX_INFINITY;
+  for (uint i = 0u; i < count; i++) {
+    uint probe = i;
+    if (!everywhere) probe = olx_bricks_probe(list, i);
+    if (!everywhere && probe == OLX_BRICK_NO_PROBE) break;
     if (!olx_usable(s, probe) || olx_was_asked(s, probe)) continue;
-    next = probe;
-    if (olx_sees(s, probe)) return true;
+    precise vec3 offset = olx_probe_position(probe) - place;
+    precise float from_line = everywhere || s.attempts > 0u ? 0.0 : OLX_OFF_LINE * olx_line_distance_squared(s, probe);
+    precise float cost = olx_dot(offset, offset) + from_line;
+    if (cost >= least || !olx_sees(s, probe)) continue;
+    least = cost;
+    best = probe;
   }
+  return best;
 }
 
-bool olx_search_bricks(inout olx_search s, inout uint probe, inout olx_probe_answer answer) {
-  while (s.attempts < s.limit && olx_next_listed(s, probe)) {
-    if (olx_ask(s, probe, answer)) return true;
-  }
-  return false;
+// The next probe to ask: one that the selector names or, everywhere, whichever sees the place where the ray is stuck.
+// OLX_NO_PROBE when there is none, as of all these functions.
+uint olx_next_probe(olx_search s, bool everywhere, uint last) {
+  uint select = olx_select_resolve(s.settings.select);
+  if (everywhere || select == OLX_SELECT_BRICKS) return olx_best_that_sees(s, everywhere);
+  if (select == OLX_SELECT_CAGE) return olx_next_corner(s);
+  if (select == OLX_SELECT_VORONOI) return olx_next_neighbour(s, last);
+  return OLX_NO_PROBE;
 }
 
-// Ask whichever other probes see the place where the ray is stuck, nearest first.
-bool olx_search_everywhere(inout olx_search s, inout uint probe, inout olx_probe_answer answer) {
-  while (s.attempts < s.limit) {
-    vec3 place = s.origin;
-    if (s.attempts > 0u) place = olx_ray_point(s, s.lost);
-    float best_distance = OLX_INFINITY;
-    for (uint i = 0u; i < olx_field.probe_count; i++) {
-      if (!olx_usable(s, i) || olx_was_asked(s, i)) continue;
-      precise vec3 offset = olx_probe_position(i) - place;
-      float distance = olx_dot(offset, offset);
-      if (distance >= best_distance || !olx_sees(s, i)) continue;
-      best_distance = distance;
-      probe = i;
+// Ask probe after probe, at first those that the selector names, then others. True when one settles the ray. There is
+// one place that asks, because compilers put the whole march there; rays for which the selector names no more probes
+// wait until all that run beside them have come as far.
+bool olx_search_probes(inout olx_search s) {
+  bool settled = false;
+  uint last = OLX_NO_PROBE;
+  for (uint part = 0u; part < 2u; part++) {
+    while (!settled && s.attempts < s.settings.max_probes) {
+      uint next = olx_next_probe(s, part != 0u, last);
+      if (next == OLX_NO_PROBE) break;
+      last = next;
+      settled = olx_ask(s, next);
     }
-    if (best_distance >= OLX_INFINITY) return false;
-    if (olx_ask(s, probe, answer)) return true;
   }
-  return false;
+  return settled;
 }
 
 // The sky's radiance in the ray's direction, from the first probe that sees it there; 0 when none does.
 vec3 olx_sky_radiance(vec3 direction) {
   ivec2 texel = olx_texel_towards(direction);
+  vec3 radiance = vec3(0.0);
   for (uint probe = 0u; probe < olx_field.probe_count; probe++) {
     ivec3 map = olx_map_origin(probe);
-    if (olx_texel_distance(map, texel) >= OLX_INFINITY) return olx_texel_radiance(map, texel);
+    if (olx_texel_distance(map, texel) < OLX_INFINITY) continue;
+    radiance = olx_texel_radiance(map, texel);
+    break;
   }
-  return vec3(0.0);
+  return radiance;
 }
 
-olx_trace_hit olx_describe(olx_search s, uint probe, olx_probe_answer answer, float t_max) {
+// What the search's answer says of a ray that was to end at t_max.
+olx_trace_hit olx_describe(olx_search s, float t_max) {
+  olx_probe_answer answer = s.answer;
   olx_trace_hit hit = olx_trace_hit(answer.status, answer.t, olx_ray_point(s, answer.t), vec3(0.0), vec3(0.0), false,
-                                    probe, 0.0, s.steps, s.attempts);
-  if (answer.status == OLX_TRACE_MISS) {
-    if (s.t_max >= t_max) return hit; // ends in free space
+                                    s.answered, 0.0, s.steps, s.attempts);
+  if (answer.status != OLX_TRACE_MISS) {
+    ivec3 map = olx_map_origin(s.answered);
+    hit.radiance = olx_texel_radiance(map, answer.texel);
+    hit.emitter = olx_texel_emits(map, answer.texel);
+    hit.normal = olx_texel_normal(map, answer.texel);
+    vec2 uv = olx_octahedral_encode(hit.position - olx_probe_position(s.answered));
+    hit.footprint_metres = olx_texel_distance(map, answer.texel) * sqrt(olx_texel_solid_angle_near(uv, olx_field.n));
+  } else if (s.t_max < t_max) { // else it ends in free space
     hit.distance_metres = OLX_INFINITY;
     hit.emitter = true;
     hit.radiance = olx_sky_radiance(s.direction);
-    return hit;
   }
-  ivec3 map = olx_map_origin(probe);
-  hit.radiance = olx_texel_radiance(map, answer.texel);
-  hit.emitter = olx_texel_emits(map, answer.texel);
-  hit.normal = olx_texel_normal(map, answer.texel);
-  vec2 uv = olx_octahedral_encode(hit.position - olx_probe_position(probe));
-  hit.footprint_metres = olx_texel_distance(map, answer.texel) * sqrt(olx_texel_solid_angle_near(uv, olx_field.n));
   return hit;
 }
 
@@ -251,34 +241,22 @@ float olx_leave_bounds(vec3 origin, vec3 direction) {
   return max(t, 0.0);
 }
 
-// Ask the probes that the selector names.
-bool olx_search_selected(inout olx_search s, inout uint probe, inout olx_probe_answer answer) {
-  switch (olx_select_resolve(s.settings.select)) {
-  case OLX_SELECT_CAGE: return olx_search_cages(s, probe, answer);
-  case OLX_SELECT_BRICKS: return olx_search_bricks(s, probe, answer);
-  case OLX_SELECT_VORONOI: return olx_search_voronoi(s, probe, answer);
-  default: return false;
-  }
-}
-
 // What does the ray from `origin` (metres) along the unit vector `direction` see first, within t_max_metres
 // (OLX_INFINITY for no limit)?
 olx_trace_hit olx_trace(olx_sample_settings settings, vec3 origin, vec3 direction, float t_max_metres) {
   vec3 none = vec3(0.0);
-  olx_trace_hit nothing = olx_trace_hit(OLX_TRACE_UNKNOWN, 0.0, none, none, none, false, OLX_NO_PROBE, 0.0, 0u, 0u);
-  if (!olx_is_ray(origin, direction, t_max_metres)) return nothing;
-  olx_probe_answer answer = olx_probe_answer(OLX_TRACE_UNKNOWN, 0.0, ivec2(0), 0.0, 0u);
-  float t_max = min(t_max_metres, olx_leave_bounds(origin, direction));
-  uint limit = min(settings.max_probes, OLX_MAX_ATTEMPTS);
-  olx_search s = olx_search(settings, origin, direction, 0.0, t_max, 0.0, 0u, limit, 0u, answer, OLX_NO_PROBE);
-  uint probe = 0u;
-  if (olx_search_selected(s, probe, answer) || olx_search_everywhere(s, probe, answer)) {
-    return olx_describe(s, probe, answer, t_max_metres);
+  olx_trace_hit hit = olx_trace_hit(OLX_TRACE_UNKNOWN, 0.0, none, none, none, false, OLX_NO_PROBE, 0.0, 0u, 0u);
+  if (olx_is_ray(origin, direction, t_max_metres)) {
+    olx_probe_answer unknown = olx_probe_answer(OLX_TRACE_UNKNOWN, 0.0, ivec2(0), 0.0, 0u);
+    float t_max = min(t_max_metres, olx_leave_bounds(origin, direction));
+    olx_search s =
+        olx_search(settings, origin, direction, 0.0, t_max, 0.0, 0u, uvec4(0u), 0u, unknown, OLX_NO_PROBE);
+    bool settled = olx_search_probes(s);
+    if (!settled && s.answer.gap < OLX_VANISHED_FOOTPRINTS) s.answer.status = OLX_TRACE_HIT;
+    hit.probes_tried = s.attempts;
+    if (s.answered != OLX_NO_PROBE) hit = olx_describe(s, t_max_metres);
   }
-  if (s.fallback_probe != OLX_NO_PROBE && s.fallback.gap < OLX_VANISHED_FOOTPRINTS) s.fallback.status = OLX_TRACE_HIT;
-  if (s.fallback_probe != OLX_NO_PROBE) return olx_describe(s, s.fallback_probe, s.fallback, t_max_metres);
-  nothing.probes_tried = s.attempts;
-  return nothing;
+  return hit;
 }
 
 #endif

@@ -30,7 +30,7 @@ struct frame_surface {
 bool has_flag(uint flag) { return (frame.flags & flag) != 0u; }
 
 olx_sample_settings frame_settings() {
-  return olx_sample_settings(frame.tracer, frame.select, has_flag(OLX_FRAME_VISIBILITY), frame.max_probes,
+  return olx_sample_settings(olx_constant_tracer, olx_constant_select, has_flag(OLX_FRAME_VISIBILITY), frame.max_probes,
                              has_flag(OLX_FRAME_KEEP_BURIED), has_flag(OLX_FRAME_EMITTERS));
 }
 
@@ -38,6 +38,7 @@ bool outside_frame(ivec2 pixel) { return pixel.x >= int(frame.width) || pixel.y 
 
 // False where the pixel shows no surface.
 bool read_surface(ivec2 pixel, out frame_surface surface) {
+  surface = frame_surface(vec3(0.0), vec3(0.0), vec3(0.0), olx_bsdf_make(vec3(0.0), 0.0, 0.0, 0.0), 0.0);
   float depth = texelFetch(depth_image, pixel, 0).r;
   if (depth == frame.eye.w) return false;
   vec2 clip = (vec2(pixel) + 0.5) / vec2(frame.width, frame.height) * 2.0 - 1.0;

@@ -8,7 +8,7 @@ olx_sample_settings olx_sample_settings_default(void) {
       .tracer = OLX_TRACER_HIZ,
       .select = OLX_SELECT_BEST,
       .visibility = OLX_VISIBILITY_CHEBYSHEV,
-      .max_probes = 128,
+      .max_probes = 16,
   };
 }
 

@@ -14,7 +14,7 @@ enum { LANES = OLX_WIDE_LANES, GROUPS = 2, WORTH_RENEWING = 2 };
 #define NO_JOB UINT32_MAX
 
 typedef struct wide_axis {
-  reals begin, travel, origin, inverse;
+  reals begin, travel, inverse;
   words step, ahead, first;
 } wide_axis;
 
@@ -87,9 +87,8 @@ WIDE void set_axis(wide_axis *a, words which, reals begin, reals end, reals sign
   const reals travel = end - begin;
   const words moving = magnitude(travel) > OLX_STILL_TEXELS, forward = travel > 0.0f;
   const reals inverse = pick(moving, (1.0f + 0x1p-21f) / travel, splat(0x1p100f));
-  a->begin = pick(which, begin, a->begin);
+  a->begin = pick(which, pick(moving, begin, real(first) + 0.5f), a->begin);
   a->travel = pick(which, (reals)(moving & (words)travel), a->travel);
-  a->origin = pick(which, pick(moving, begin, real(first) + 0.5f), a->origin);
   a->inverse = pick(which, inverse, a->inverse);
   a->step = pick_word(which, moving & (-2 * forward - 1), a->step);
   a->ahead = pick_word(which, (~moving | forward) & 1, a->ahead);
@@ -137,7 +136,6 @@ WIDE void set_pieces(lanes *l, words which) {
 WIDE olx_image_axis axis_of(const wide_axis *a, uint32_t lane) {
   return (olx_image_axis){.begin = a->begin[lane],
                           .travel = a->travel[lane],
-                          .origin = a->origin[lane],
                           .inverse = a->inverse[lane],
                           .step = a->step[lane],
                           .ahead = a->ahead[lane],
@@ -240,7 +238,7 @@ WIDE words codes_at(const lanes *l, words texel) {
   return code & 0x7FFF;
 }
 
-WIDE reals crossing(const wide_axis *a, words line) { return (real(line) - a->origin) * a->inverse; }
+WIDE reals crossing(const wide_axis *a, words line) { return (real(line) - a->begin) * a->inverse; }
 
 // As olx_texel_at.
 WIDE words texel_at(const wide_axis *a, reals s, words inclusive) {

@@ -30,13 +30,11 @@ static olx_image_axis make_axis(float begin, float end, float sign, uint32_t n) 
   const float travel = end - begin;
   const int32_t first = olx_clamp_texel(sign, begin, n);
   if (!(fabsf(travel) > OLX_STILL_TEXELS)) { // lines ahead are never crossed, those behind always have been
-    return (olx_image_axis){
-        .begin = begin, .origin = (float)first + 0.5f, .inverse = 0x1p100f, .ahead = 1, .first = first};
+    return (olx_image_axis){.begin = (float)first + 0.5f, .inverse = 0x1p100f, .ahead = 1, .first = first};
   }
   return (olx_image_axis){
       .begin = begin,
       .travel = travel,
-      .origin = begin,
       .inverse = (1.0f + 0x1p-21f) / travel, // so that rounding never puts a line from `end` on before the end
       .step = travel > 0.0f ? 1 : -1,
       .ahead = travel > 0.0f ? 1 : 0,

@@ -25,10 +25,10 @@ typedef struct olx_march {
   uint32_t steps;
 } olx_march;
 
-// One coordinate of the image, in texels: begin + travel s. Where the image stands still, no line is ever reached.
+// One coordinate of the image, in texels: begin + travel s. Line k is crossed at s = (k - begin) * inverse. Where the image stands
+// still, `begin` is the middle of a texel and no line is ever reached.
 typedef struct olx_image_axis {
-  float begin, travel;
-  float origin, inverse; // line k is crossed at s = (k - origin) * inverse
+  float begin, travel, inverse;
   int32_t step;          // -1, 0, 1: the direction of travel
   int32_t ahead;         // the line ahead of texel x is x + ahead: 1 or 0
   int32_t first;         // texel where the image begins
@@ -128,7 +128,7 @@ static inline float olx_least_squared(olx_march *m, uint32_t level, int32_t x, i
 }
 
 // Where the image crosses the line between texels k - 1 and k. Lines behind the end of the piece give 1 or more.
-static inline float olx_crossing(const olx_image_axis *a, int32_t k) { return ((float)k - a->origin) * a->inverse; }
+static inline float olx_crossing(const olx_image_axis *a, int32_t k) { return ((float)k - a->begin) * a->inverse; }
 
 // Where the image crosses the lines ahead of a node of 2^shift texels along both axes.
 static inline olx_vec2 olx_crossings_ahead(const olx_piece *p, int32_t x, int32_t y, uint32_t shift) {

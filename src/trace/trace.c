@@ -7,8 +7,11 @@
 #include "select/voronoi.h"
 #include "trace/probe_trace.h"
 
-// Probes remembered as asked: the most that olx_sample_settings.max_probes can be.
-enum { MAX_ATTEMPTS = 128 };
+#include <string.h>
+
+// Probes are remembered as asked by their numbers modulo this, a bit each: exact in fields of no more probes. In larger ones a probe
+// may count as asked in the place of another. A prime, so that the strides of grids do not meet.
+enum { REMEMBERED = 127 };
 // Rays that olx_trace_rays follows side by side.
 enum { TOGETHER = 64 };
 
@@ -27,7 +30,7 @@ typedef struct search {
   float t, t_max; // the ray is known to be free up to t
   float lost;     // where the probe that followed it farthest lost it
   uint32_t attempts, limit;
-  uint32_t asked[MAX_ATTEMPTS];
+  uint32_t asked[(REMEMBERED + 31) / 32];
   uint32_t steps;
   // The best guess should no probe know: the occluder behind which the ray vanished by the smallest gap.
   olx_probe_answer fallback;
@@ -45,10 +48,14 @@ static bool is_ray(olx_vec3 origin, olx_vec3 direction, float t_max) {
 }
 
 static bool was_asked(const search *s, uint32_t probe) {
-  for (uint32_t i = 0; i < s->attempts; i++) {
-    if (s->asked[i] == probe) return true;
-  }
-  return false;
+  const uint32_t bit = probe % REMEMBERED;
+  return s->asked[bit / 32] >> bit % 32 & 1u;
+}
+
+static void remember(search *s, uint32_t probe) {
+  const uint32_t bit = probe % REMEMBERED;
+  s->asked[bit / 32] |= 1u << bit % 32;
+  s->attempts++;
 }
 
 static olx_vec3 ray_point(const search *s, float t) { return olx_madd(s->origin, s->direction, t); }
@@ -68,7 +75,7 @@ static bool sees(const search *s, uint32_t probe) {
 
 // What to ask a probe.
 static olx_probe_job question(search *s, uint32_t probe) {
-  s->asked[s->attempts++] = probe;
+  remember(s, probe);
   return (olx_probe_job){.probe = probe,
                          .ray = {.origin = olx_sub(s->origin, s->field->probe_positions[probe]),
                                  .direction = s->direction,
@@ -115,61 +122,41 @@ static uint32_t first_corner(const search *s, const olx_grid *grid, const olx_ca
   return best;
 }
 
-// Ask the probes of the cage around the ray's free end, and of each further cage the ray advances into.
-static bool search_cages(search *s, uint32_t *probe, olx_probe_answer *answer) {
+// The next probe of the cage around the place to which the ray is followed. Corners are taken in steps of three, so that each is
+// far from the one before.
+static uint32_t next_corner(const search *s) {
   const olx_grid *grid = &s->field->info.grid;
-  for (;;) {
-    const olx_cage cage = olx_cage_at(grid, ray_point(s, s->lost));
-    uint32_t corner = first_corner(s, grid, &cage);
-    bool moved = false;
-    for (uint32_t i = 0; i < 8 && !moved; i++, corner = (corner + 3) & 7u) {
-      if (!olx_cage_has(&cage, corner)) continue;
-      *probe = olx_cage_probe(grid, &cage, corner);
-      if (!usable(s, *probe) || was_asked(s, *probe)) continue;
-      if (s->attempts >= s->limit) return false;
-      if (ask(s, *probe, answer)) return true;
-      const olx_cage now = olx_cage_at(grid, ray_point(s, s->lost));
-      moved = now.base[0] != cage.base[0] || now.base[1] != cage.base[1] || now.base[2] != cage.base[2];
-    }
-    if (!moved) return false;
+  const olx_cage cage = olx_cage_at(grid, ray_point(s, s->lost));
+  uint32_t corner = first_corner(s, grid, &cage);
+  for (uint32_t i = 0; i < 8; i++, corner = (corner + 3) & 7u) {
+    if (!olx_cage_has(&cage, corner)) continue;
+    const uint32_t probe = olx_cage_probe(grid, &cage, corner);
+    if (usable(s, probe) && !was_asked(s, probe)) return probe;
   }
+  return OLX_NO_PROBE;
 }
 
-// Ask the nearest probe, then from probe to probe the neighbour in whose direction the ray went out of sight.
-static bool search_voronoi(search *s, uint32_t *probe, olx_probe_answer *answer) {
-  uint32_t next = olx_voronoi_nearest(s->field, s->origin, s->settings->keep_buried);
-  while (next != OLX_NO_PROBE && s->attempts < s->limit) {
-    *probe = next;
-    if (ask(s, *probe, answer)) return true;
-    const olx_vec3 stuck = olx_sub(ray_point(s, s->t), s->field->probe_positions[*probe]);
-    uint32_t choices[OLX_CHOICES];
-    olx_voronoi_neighbours(s->field, *probe, stuck, choices);
-    next = OLX_NO_PROBE;
-    for (uint32_t i = 0; i < OLX_CHOICES && next == OLX_NO_PROBE; i++) {
-      if (choices[i] != OLX_NO_PROBE && usable(s, choices[i]) && !was_asked(s, choices[i])) next = choices[i];
-    }
+// The first of some choices that may be asked.
+static uint32_t first_choice(const search *s, const uint32_t choices[OLX_CHOICES]) {
+  for (uint32_t i = 0; i < OLX_CHOICES; i++) {
+    if (choices[i] != OLX_NO_PROBE && usable(s, choices[i]) && !was_asked(s, choices[i])) return choices[i];
   }
-  return false;
+  return OLX_NO_PROBE;
 }
 
-// Ask the probes of the leaf around the ray's free end, and of each further leaf the ray advances into.
-static bool search_octree(search *s, uint32_t *probe, olx_probe_answer *answer) {
-  uint32_t leaf = olx_octree_leaf(s->field, ray_point(s, s->lost));
-  for (;;) {
-    uint32_t choices[OLX_CHOICES];
-    olx_octree_choices(s->field, leaf, choices);
-    bool moved = false;
-    for (uint32_t i = 0; i < OLX_CHOICES && !moved; i++) {
-      *probe = choices[i];
-      if (*probe == OLX_NO_PROBE || !usable(s, *probe) || was_asked(s, *probe)) continue;
-      if (s->attempts >= s->limit) return false;
-      if (ask(s, *probe, answer)) return true;
-      const uint32_t now = olx_octree_leaf(s->field, ray_point(s, s->lost));
-      moved = now != leaf;
-      leaf = now;
-    }
-    if (!moved) return false;
-  }
+// The nearest probe, and from the probe that was asked last its neighbour in whose direction the ray went out of sight.
+static uint32_t next_neighbour(const search *s, uint32_t last) {
+  if (s->attempts == 0) return olx_voronoi_nearest(s->field, s->origin, s->settings->keep_buried);
+  uint32_t choices[OLX_CHOICES];
+  olx_voronoi_neighbours(s->field, last, olx_sub(ray_point(s, s->t), s->field->probe_positions[last]), choices);
+  return first_choice(s, choices);
+}
+
+// The next probe of the octree's leaf around the place to which the ray is followed.
+static uint32_t next_in_leaf(const search *s) {
+  uint32_t choices[OLX_CHOICES];
+  olx_octree_choices(s->field, olx_octree_leaf(s->field, ray_point(s, s->lost)), choices);
+  return first_choice(s, choices);
 }
 
 // Where the ray begins or, once others have lost it, where that was.
@@ -207,29 +194,21 @@ static uint32_t take_best(listed *l) {
 }
 
 // Of the probes that the bricks list, the best that sees where the ray stands.
-static bool next_listed(const search *s, uint32_t *next) {
+static uint32_t next_listed(const search *s) {
   listed l = look_up(s);
   for (;;) {
     const uint32_t best = take_best(&l);
-    if (best == OLX_BRICK_NO_PROBE) return false;
-    *next = best;
-    if (sees(s, best)) return true;
+    if (best == OLX_BRICK_NO_PROBE) return OLX_NO_PROBE;
+    if (sees(s, best)) return best;
   }
 }
 
-static bool search_bricks(search *s, uint32_t *probe, olx_probe_answer *answer) {
-  while (s->attempts < s->limit && next_listed(s, probe)) {
-    if (ask(s, *probe, answer)) return true;
-  }
-  return false;
-}
-
-// The nearest of all probes not yet asked that sees the place; UINT32_MAX when there is none.
+// The nearest of all probes not yet asked that sees the place.
 static uint32_t nearest_that_sees(const search *s) {
   enum { SOME = 16 };
   const olx_vec3 place = sought(s);
   float best_distance = INFINITY;
-  uint32_t best = UINT32_MAX;
+  uint32_t best = OLX_NO_PROBE;
   for (uint32_t next = 0; next < s->field->info.probe_count;) {
     uint32_t probes[SOME], count = 0;
     float distances[SOME];
@@ -255,12 +234,25 @@ static uint32_t nearest_that_sees(const search *s) {
   return best;
 }
 
-// Ask whichever other probes see the place where the ray is stuck, nearest first.
-static bool search_everywhere(search *s, uint32_t *probe, olx_probe_answer *answer) {
+// The next probe that the selector names; `last` was asked before. OLX_NO_PROBE when there is none, as of all these functions.
+static uint32_t next_selected(const search *s, uint32_t last) {
+  switch (olx_select_resolve(s->field, s->settings->select)) {
+  case OLX_SELECT_CAGE: return next_corner(s);
+  case OLX_SELECT_BRICKS: return next_listed(s);
+  case OLX_SELECT_VORONOI: return next_neighbour(s, last);
+  case OLX_SELECT_OCTREE: return next_in_leaf(s);
+  default: return OLX_NO_PROBE;
+  }
+}
+
+// Ask the probes that the selector names or, everywhere, whichever see the place where the ray is stuck, nearest first. True when
+// one settles the ray.
+static bool search_probes(search *s, bool everywhere, uint32_t *probe, olx_probe_answer *answer) {
   while (s->attempts < s->limit) {
-    *probe = nearest_that_sees(s);
-    if (*probe == UINT32_MAX) return false;
-    if (ask(s, *probe, answer)) return true;
+    const uint32_t next = everywhere ? nearest_that_sees(s) : next_selected(s, *probe);
+    if (next == OLX_NO_PROBE) return false;
+    *probe = next;
+    if (ask(s, next, answer)) return true;
   }
   return false;
 }
@@ -314,17 +306,6 @@ static float leave_bounds(const olx_field *field, olx_vec3 origin, olx_vec3 dire
   return olx_max(t, 0.0f);
 }
 
-// Ask the probes that the selector names.
-static bool search_selected(search *s, uint32_t *probe, olx_probe_answer *answer) {
-  switch (olx_select_resolve(s->field, s->settings->select)) {
-  case OLX_SELECT_CAGE: return search_cages(s, probe, answer);
-  case OLX_SELECT_BRICKS: return search_bricks(s, probe, answer);
-  case OLX_SELECT_VORONOI: return search_voronoi(s, probe, answer);
-  case OLX_SELECT_OCTREE: return search_octree(s, probe, answer);
-  default: return false;
-  }
-}
-
 static const olx_trace_hit NOTHING_KNOWN = {.status = OLX_TRACE_UNKNOWN, .probe = UINT32_MAX};
 
 // False for what is no ray.
@@ -337,7 +318,8 @@ static bool begin_search(search *s, const olx_field *field, const olx_sample_set
   s->direction = direction;
   s->t = s->lost = 0.0f;
   s->t_max = olx_min(t_max, leave_bounds(field, origin, direction));
-  s->limit = settings->max_probes < MAX_ATTEMPTS ? settings->max_probes : MAX_ATTEMPTS;
+  s->limit = settings->max_probes;
+  memset(s->asked, 0, sizeof s->asked);
   s->attempts = s->steps = 0;
   s->fallback_probe = UINT32_MAX;
   return true;
@@ -345,9 +327,9 @@ static bool begin_search(search *s, const olx_field *field, const olx_sample_set
 
 // When no probe that the selector names has settled the ray.
 static olx_trace_hit search_rest(search *s, float t_max) {
-  uint32_t probe;
+  uint32_t probe = OLX_NO_PROBE;
   olx_probe_answer answer;
-  if (search_everywhere(s, &probe, &answer)) return describe(s, probe, &answer, t_max);
+  if (search_probes(s, true, &probe, &answer)) return describe(s, probe, &answer, t_max);
   if (s->fallback_probe == UINT32_MAX) {
     olx_trace_hit hit = NOTHING_KNOWN;
     hit.probes_tried = s->attempts;
@@ -360,10 +342,10 @@ static olx_trace_hit search_rest(search *s, float t_max) {
 olx_trace_hit olx_trace(const olx_field *field, const olx_sample_settings *settings, olx_vec3 origin,
                         olx_vec3 direction, float t_max_metres) {
   search s;
-  uint32_t probe;
+  uint32_t probe = OLX_NO_PROBE;
   olx_probe_answer answer;
   if (!begin_search(&s, field, settings, origin, direction, t_max_metres)) return NOTHING_KNOWN;
-  if (search_selected(&s, &probe, &answer)) return describe(&s, probe, &answer, t_max_metres);
+  if (search_probes(&s, false, &probe, &answer)) return describe(&s, probe, &answer, t_max_metres);
   return search_rest(&s, t_max_metres);
 }
 

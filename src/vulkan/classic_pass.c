@@ -161,7 +161,7 @@ static olx_result create_classic(olx_vulkan_classic *classic, const olx_field *f
   const VkDescriptorSetLayout sets[] = {classic->field->set_layout, classic->frame_set_layout,
                                         classic->sample_set_layout, classic->set_layout};
   OLX_TRY(olx_gpu_layout_create(c, 4, sets, sizeof(olx_gpu_frame), &classic->layout));
-  return olx_gpu_pipeline_create(c, &CODE, classic->layout, &classic->pipeline);
+  return olx_gpu_pipeline_create(c, &CODE, NULL, classic->layout, &classic->pipeline);
 }
 
 olx_result olx_vulkan_classic_create(olx_vulkan_field *uploaded, const olx_field *field, olx_vulkan_classic **created) {

@@ -14,8 +14,8 @@ olx_result olx_gpu_denoiser_create(olx_vulkan_frame *f) {
   OLX_TRY(olx_gpu_set_layout_create(c, OLX_FILTER_BINDINGS, FILTER_STORAGE, &d->filter_set_layout));
   OLX_TRY(olx_gpu_layout_create(c, 1, &d->accumulate_set_layout, sizeof(olx_gpu_accumulate), &d->accumulate_layout));
   OLX_TRY(olx_gpu_layout_create(c, 1, &d->filter_set_layout, sizeof(olx_gpu_filter), &d->filter_layout));
-  OLX_TRY(olx_gpu_pipeline_create(c, &olx_accumulate_pass, d->accumulate_layout, &d->accumulate));
-  OLX_TRY(olx_gpu_pipeline_create(c, &olx_filter_pass, d->filter_layout, &d->filter));
+  OLX_TRY(olx_gpu_pipeline_create(c, &olx_accumulate_pass, NULL, d->accumulate_layout, &d->accumulate));
+  OLX_TRY(olx_gpu_pipeline_create(c, &olx_filter_pass, NULL, d->filter_layout, &d->filter));
   OLX_TRY(olx_gpu_pool_create(c, 6, SAMPLED, STORED, &d->pool));
   for (uint32_t i = 0; i < 2; i++) {
     OLX_TRY(olx_gpu_set_allocate(c, d->pool, d->accumulate_set_layout, &d->accumulate_sets[i]));

@@ -4,13 +4,19 @@
 
 enum { MAX_SIZE = 16384, MAX_SAMPLES = 4096 };
 
-enum { ALL_PASSES = (1 << OLX_PASS_COUNT) - 1 };
+enum { ALL_PASSES = (1 << (OLX_PASS_COMPOSITE + 1)) - 1 };
 _Static_assert(OLX_VULKAN_PASS_IRRADIANCE == 1 << OLX_PASS_IRRADIANCE &&
                    OLX_VULKAN_PASS_DIFFUSE == 1 << OLX_PASS_DIFFUSE && OLX_VULKAN_PASS_GLOSSY == 1 << OLX_PASS_TRACE &&
                    OLX_VULKAN_PASS_COMPOSITE == 1 << OLX_PASS_COMPOSITE,
                "the bits of passes");
 
+enum {
+  ALL_TRACERS = (1 << OLX_GPU_TRACERS) - 1,
+  ALL_SELECTS = OLX_SELECT_GPU_MASK | 1 << OLX_SELECT_EXHAUSTIVE | 1 << OLX_SELECT_BEST
+};
+
 static const char WHAT[] = "a frame's passes";
+static const char *const TRACERS[] = {"texel", "two-level", "hiz"};
 
 olx_vulkan_settings olx_vulkan_settings_default(void) {
   return (olx_vulkan_settings){.sample = olx_sample_settings_default(),
@@ -110,6 +116,10 @@ static olx_result check_targets(const olx_vulkan_context *c, const olx_vulkan_ta
     return olx_fail(OLX_ERROR_ARGUMENT, "there is no lobe %#x to denoise", t->denoise);
   }
   if (t->passes & ~(uint32_t)ALL_PASSES) return olx_fail(OLX_ERROR_ARGUMENT, "there is no pass %#x", t->passes);
+  if (t->tracers & ~(uint32_t)ALL_TRACERS) return olx_fail(OLX_ERROR_ARGUMENT, "there is no tracer in %#x", t->tracers);
+  if (t->selects & ~(uint32_t)ALL_SELECTS) {
+    return olx_fail(OLX_ERROR_UNSUPPORTED, "of the selectors %#x not all run on the GPU", t->selects);
+  }
   return OLX_OK;
 }
 
@@ -122,14 +132,43 @@ static olx_result create_layouts(olx_vulkan_frame *f) {
   return olx_gpu_layout_create(c, 3, sets, sizeof(olx_gpu_frame), &f->layout);
 }
 
-// Those of a mask of the host's that are not there yet.
-static olx_result create_pipelines(olx_vulkan_frame *f, uint32_t passes) {
-  const olx_pass_code *codes[OLX_PASS_COUNT] = {&olx_irradiance_pass, &olx_diffuse_pass, &olx_trace_pass,
-                                                &olx_composite_pass};
-  for (uint32_t i = 0; i < OLX_PASS_COUNT; i++) {
-    const bool wanted = passes == 0 || passes >> i & 1u;
-    if (!wanted || f->pipelines[i]) continue;
-    OLX_TRY(olx_gpu_pipeline_create(&f->field->context, codes[i], f->layout, &f->pipelines[i]));
+static bool traces(uint32_t pass) { return pass == OLX_PASS_DIFFUSE || pass == OLX_PASS_TRACE; }
+
+static VkPipeline *pipeline_of(olx_vulkan_frame *f, uint32_t pass, const olx_pass_constants *constants) {
+  if (!traces(pass)) return &f->pipelines[pass][0][0];
+  return &f->pipelines[pass][constants->tracer][constants->select];
+}
+
+static olx_result create_pipeline(olx_vulkan_frame *f, uint32_t pass, const olx_pass_constants *constants) {
+  static const olx_pass_code *const codes[OLX_PASS_COUNT] = {&olx_irradiance_pass, &olx_diffuse_pass, &olx_trace_pass,
+                                                             &olx_composite_pass, &olx_dim_pass};
+  VkPipeline *pipeline = pipeline_of(f, pass, constants);
+  if (*pipeline) return OLX_OK;
+  OLX_TRY(olx_gpu_pipeline_create(&f->field->context, codes[pass], constants, f->layout, pipeline));
+  f->passes |= 1u << pass;
+  return OLX_OK;
+}
+
+// Of a pass that traces, one for each tracer and selector that the targets name.
+static olx_result create_variants(olx_vulkan_frame *f, uint32_t pass, const olx_vulkan_targets *t) {
+  const uint32_t tracers = t->tracers ? t->tracers : 1u << OLX_TRACER_HIZ;
+  const uint32_t selects = t->selects ? t->selects : 1u << OLX_SELECT_BEST;
+  for (uint32_t tracer = 0; tracer < OLX_GPU_TRACERS; tracer++) {
+    for (uint32_t select = 0; select <= OLX_SELECT_BEST; select++) {
+      if (!(tracers >> tracer & 1u) || !(selects >> select & 1u)) continue;
+      const olx_pass_constants constants = {(olx_tracer)tracer, olx_vulkan_field_select(f->field, (olx_select)select)};
+      OLX_TRY(create_pipeline(f, pass, &constants));
+    }
+  }
+  return OLX_OK;
+}
+
+// Those that the targets name and that are not there yet.
+static olx_result create_pipelines(olx_vulkan_frame *f, const olx_vulkan_targets *t) {
+  for (uint32_t pass = 0; pass < OLX_PASS_COUNT; pass++) {
+    const uint32_t named = pass == OLX_PASS_DIM ? OLX_PASS_TRACE : pass;
+    if (t->passes != 0 && !(t->passes >> named & 1u)) continue;
+    OLX_TRY(traces(pass) ? create_variants(f, pass, t) : create_pipeline(f, pass, NULL));
   }
   return OLX_OK;
 }
@@ -170,7 +209,7 @@ static void write_sets(olx_vulkan_frame *f, const olx_vulkan_targets *t) {
 olx_result olx_vulkan_frame_resize(olx_vulkan_frame *f, const olx_vulkan_targets *t) {
   const olx_vulkan_context *c = &f->field->context;
   OLX_TRY(check_targets(c, t));
-  OLX_TRY(create_pipelines(f, t->passes));
+  OLX_TRY(create_pipelines(f, t));
   olx_gpu_history history;
   olx_result result = olx_gpu_history_begin(c, t->width, t->height, t->denoise, &history);
   if (result == OLX_OK) result = olx_gpu_history_allocate(c, &history);
@@ -235,7 +274,9 @@ void olx_vulkan_frame_destroy(olx_vulkan_frame *f) {
   olx_gpu_denoiser_destroy(f);
   olx_gpu_history_destroy(&f->field->context, &f->history);
   vk->DestroyDescriptorPool(device, f->pool, NULL);
-  for (uint32_t i = 0; i < OLX_PASS_COUNT; i++) vk->DestroyPipeline(device, f->pipelines[i], NULL);
+  VkPipeline *const pipelines = &f->pipelines[0][0][0];
+  for (uint32_t i = 0; i < sizeof f->pipelines / sizeof *pipelines; i++)
+    vk->DestroyPipeline(device, pipelines[i], NULL);
   vk->DestroyPipelineLayout(device, f->layout, NULL);
   vk->DestroyDescriptorSetLayout(device, f->set_layout, NULL);
   vk->DestroyDescriptorSetLayout(device, f->sample_set_layout, NULL);
@@ -263,12 +304,20 @@ olx_result olx_vulkan_check_settings(const olx_vulkan_frame *f, const olx_vulkan
   return s->denoise.lobes ? olx_denoise_settings_check(&s->denoise.filters) : OLX_OK;
 }
 
+static olx_pass_constants constants_of(const olx_vulkan_frame *f, const olx_vulkan_settings *s) {
+  return (olx_pass_constants){s->sample.tracer, olx_vulkan_field_select(f->field, s->sample.select)};
+}
+
 olx_result olx_vulkan_check_pass(const olx_vulkan_frame *f, olx_pass pass, const olx_vulkan_settings *s) {
-  static const char *const names[OLX_PASS_COUNT] = {"IRRADIANCE", "DIFFUSE", "GLOSSY", "COMPOSITE"};
-  if (!f->pipelines[pass]) {
+  static const char *const names[OLX_PASS_COUNT] = {"IRRADIANCE", "DIFFUSE", "GLOSSY", "COMPOSITE", "GLOSSY"};
+  if (!(f->passes >> pass & 1u)) {
     return olx_fail(OLX_ERROR_ARGUMENT, "the frame was made without OLX_VULKAN_PASS_%s", names[pass]);
   }
-  return olx_vulkan_check_settings(f, s);
+  OLX_TRY(olx_vulkan_check_settings(f, s));
+  const olx_pass_constants constants = constants_of(f, s);
+  if (!traces(pass) || f->pipelines[pass][constants.tracer][constants.select]) return OLX_OK;
+  return olx_fail(OLX_ERROR_ARGUMENT, "the frame was made without the tracer '%s' with the selector '%s'",
+                  TRACERS[constants.tracer], olx_select_name(constants.select));
 }
 
 olx_gpu_frame olx_gpu_frame_constants(const olx_vulkan_frame *f, const olx_vulkan_view *view,
@@ -281,8 +330,6 @@ olx_gpu_frame olx_gpu_frame_constants(const olx_vulkan_frame *f, const olx_vulka
                (s->sample.emitters ? OLX_FRAME_EMITTERS : 0u) |
                (s->sample.visibility == OLX_VISIBILITY_CHEBYSHEV ? OLX_FRAME_VISIBILITY : 0u) |
                (f->normal_unorm ? OLX_FRAME_NORMAL_UNORM : 0u),
-      .tracer = (uint32_t)s->sample.tracer,
-      .select = (uint32_t)s->sample.select,
       .max_probes = s->sample.max_probes,
       .glossy_samples = s->glossy_samples,
       .sample_index = s->sample_index,
@@ -305,7 +352,10 @@ olx_result olx_vulkan_record_pass(const olx_vulkan_frame *f, olx_pass pass, VkCo
   const olx_vulkan_functions *vk = &f->field->context.vk;
   const olx_gpu_frame constants = olx_gpu_frame_constants(f, view, settings, flags);
   const VkDescriptorSet sets[] = {f->field->set, f->set};
-  vk->CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, f->pipelines[pass]);
+  const olx_pass_constants choice = constants_of(f, settings);
+  const VkPipeline pipeline =
+      traces(pass) ? f->pipelines[pass][choice.tracer][choice.select] : f->pipelines[pass][0][0];
+  vk->CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
   vk->CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, f->layout, 0, 2, sets, 0, NULL);
   vk->CmdPushConstants(commands, f->layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
   olx_vulkan_dispatch(f, commands);

@@ -11,6 +11,7 @@ typedef enum olx_pass {
   OLX_PASS_DIFFUSE,
   OLX_PASS_TRACE,
   OLX_PASS_COMPOSITE,
+  OLX_PASS_DIM, // goes with OLX_PASS_TRACE: the pixels whose lobe is dim
   OLX_PASS_COUNT
 } olx_pass;
 
@@ -21,8 +22,17 @@ typedef struct olx_pass_code {
   size_t bytes;
 } olx_pass_code;
 
-extern const olx_pass_code olx_irradiance_pass, olx_diffuse_pass, olx_trace_pass, olx_composite_pass,
+extern const olx_pass_code olx_irradiance_pass, olx_diffuse_pass, olx_trace_pass, olx_composite_pass, olx_dim_pass,
     olx_accumulate_pass, olx_filter_pass;
+
+// What a pipeline is specialised for.
+typedef struct olx_pass_constants {
+  olx_tracer tracer;
+  olx_select select; // one that olx_vulkan_field_select gives
+} olx_pass_constants;
+
+// Tracers, and selectors that olx_vulkan_field_select may give.
+enum { OLX_GPU_TRACERS = OLX_TRACER_HIZ + 1, OLX_GPU_SELECTS = OLX_SELECT_EXHAUSTIVE + 1 };
 
 // The denoiser of a frame that has a history. Of what stands twice, the one takes turns with the other from frame to
 // frame.
@@ -40,7 +50,9 @@ struct olx_vulkan_frame {
   bool normal_unorm;
   VkDescriptorSetLayout set_layout, sample_set_layout;
   VkPipelineLayout layout;
-  VkPipeline pipelines[OLX_PASS_COUNT]; // VK_NULL_HANDLE where the host wants none
+  // VK_NULL_HANDLE where the host wants none. Passes that trace no rays have one, by tracer 0 and selector 0.
+  VkPipeline pipelines[OLX_PASS_COUNT][OLX_GPU_TRACERS][OLX_GPU_SELECTS];
+  uint32_t passes; // that have any: 1 << olx_pass
   VkDescriptorPool pool;
   VkDescriptorSet set, sample_sets[2][2]; // as above
   olx_gpu_history history;
@@ -53,8 +65,9 @@ olx_result olx_gpu_set_layout_create(const olx_vulkan_context *context, uint32_t
                                      VkDescriptorSetLayout *layout);
 olx_result olx_gpu_layout_create(const olx_vulkan_context *context, uint32_t set_count,
                                  const VkDescriptorSetLayout *sets, uint32_t constant_bytes, VkPipelineLayout *layout);
+// Constants of NULL are the shader's defaults.
 olx_result olx_gpu_pipeline_create(const olx_vulkan_context *context, const olx_pass_code *code,
-                                   VkPipelineLayout layout, VkPipeline *pipeline);
+                                   const olx_pass_constants *constants, VkPipelineLayout layout, VkPipeline *pipeline);
 olx_result olx_gpu_pool_create(const olx_vulkan_context *context, uint32_t sets, uint32_t sampled, uint32_t stored,
                                VkDescriptorPool *pool);
 olx_result olx_gpu_set_allocate(const olx_vulkan_context *context, VkDescriptorPool pool, VkDescriptorSetLayout layout,

@@ -35,19 +35,25 @@ olx_result olx_gpu_layout_create(const olx_vulkan_context *c, uint32_t set_count
                           WHAT);
 }
 
-olx_result olx_gpu_pipeline_create(const olx_vulkan_context *c, const olx_pass_code *code, VkPipelineLayout layout,
-                                   VkPipeline *pipeline) {
+olx_result olx_gpu_pipeline_create(const olx_vulkan_context *c, const olx_pass_code *code,
+                                   const olx_pass_constants *constants, VkPipelineLayout layout, VkPipeline *pipeline) {
   const VkShaderModuleCreateInfo module_info = {
       .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = code->bytes, .pCode = code->words};
   VkShaderModule module;
   OLX_TRY(olx_vulkan_check(c->vk.CreateShaderModule(c->host.device, &module_info, NULL, &module),
                            "vkCreateShaderModule", code->name));
+  const uint32_t values[] = {constants ? (uint32_t)constants->tracer : 0, constants ? (uint32_t)constants->select : 0};
+  const VkSpecializationMapEntry entries[] = {{OLX_CONSTANT_TRACER, 0, sizeof values[0]},
+                                              {OLX_CONSTANT_SELECT, sizeof values[0], sizeof values[0]}};
+  const VkSpecializationInfo special = {
+      .mapEntryCount = 2, .pMapEntries = entries, .dataSize = sizeof values, .pData = values};
   const VkComputePipelineCreateInfo info = {
       .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
       .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
                 .stage = VK_SHADER_STAGE_COMPUTE_BIT,
                 .module = module,
-                .pName = "main"},
+                .pName = "main",
+                .pSpecializationInfo = constants ? &special : NULL},
       .layout = layout,
   };
   const VkResult result =

@@ -23,9 +23,9 @@ bool skips(inout olx_march m, olx_piece p, float s) {
   ivec2 block = ivec2(olx_texel_at(p.u, s, true), olx_texel_at(p.v, s, true)) >> shift;
   block = clamp(block, ivec2(0), ivec2((int(olx_field.n) >> shift) - 1));
   vec2 ahead = olx_crossings_ahead(p, block, shift);
-  vec2 behind = vec2(olx_crossing(p.u, (block.x + 1 - p.u.ahead) << shift),
-                     olx_crossing(p.v, (block.y + 1 - p.v.ahead) << shift));
-  float enter = max(0.0, max(p.u.step == 0 ? 0.0 : behind.x, p.v.step == 0 ? 0.0 : behind.y));
+  vec2 behind = vec2(olx_crossing(p.u, (block.x + 1 - olx_axis_ahead(p.u)) << shift),
+                     olx_crossing(p.v, (block.y + 1 - olx_axis_ahead(p.v)) << shift));
+  float enter = max(0.0, max(olx_axis_step(p.u) == 0 ? 0.0 : behind.x, olx_axis_step(p.v) == 0 ? 0.0 : behind.y));
   float t0 = enter <= 0.0 ? p.t_begin : olx_parameter_at(p, enter), t1 = olx_parameter_at(p, min(ahead.x, ahead.y));
   return olx_reach_squared(m, p, t0, t1) < olx_least_squared(m, level, block);
 }

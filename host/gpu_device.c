@@ -200,23 +200,47 @@ static bool choose_device(gpu_device *d, const gpu_device_options *options) {
   return true;
 }
 
-static bool create_device(gpu_device *d) {
+// Whether the device reports what its compiler makes of pipelines.
+static bool has_statistics(const gpu_device *d) {
+  enum { MOST = 512 };
+  const PFN_vkEnumerateDeviceExtensionProperties list =
+      (PFN_vkEnumerateDeviceExtensionProperties)d->host.get_instance_proc_addr(d->host.instance,
+                                                                               "vkEnumerateDeviceExtensionProperties");
+  VkExtensionProperties *found = calloc(MOST, sizeof *found);
+  uint32_t count = MOST;
+  bool has = false;
+  if (found && list(d->host.physical_device, NULL, &count, found) >= 0) {
+    for (uint32_t i = 0; i < count; i++) {
+      has |= strcmp(found[i].extensionName, VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME) == 0;
+    }
+  }
+  free(found);
+  return has;
+}
+
+static bool create_device(gpu_device *d, bool compile_only) {
   const float priority = 1.0f;
   const VkDeviceQueueCreateInfo queue = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
                                          .queueFamilyIndex = d->host.queue_family,
                                          .queueCount = 1,
                                          .pQueuePriorities = &priority};
-  const char *extensions[] = {VK_KHR_SWAPCHAIN_EXTENSION_NAME};
+  d->statistics = compile_only && has_statistics(d);
+  const char *extension =
+      d->statistics ? VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME : VK_KHR_SWAPCHAIN_EXTENSION_NAME;
+  VkPhysicalDevicePipelineExecutablePropertiesFeaturesKHR statistics = {
+      .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PIPELINE_EXECUTABLE_PROPERTIES_FEATURES_KHR,
+      .pipelineExecutableInfo = VK_TRUE};
   VkPhysicalDeviceFeatures has;
   d->GetPhysicalDeviceFeatures(d->host.physical_device, &has);
   // Mesa's CPU device blurs magnified textures with it, and takes its time.
   d->anisotropy = has.samplerAnisotropy && d->properties.deviceType != VK_PHYSICAL_DEVICE_TYPE_CPU;
   const VkPhysicalDeviceFeatures features = {.samplerAnisotropy = d->anisotropy};
   const VkDeviceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                   .pNext = d->statistics ? &statistics : NULL,
                                    .queueCreateInfoCount = 1,
                                    .pQueueCreateInfos = &queue,
-                                   .enabledExtensionCount = d->surface ? 1 : 0,
-                                   .ppEnabledExtensionNames = extensions,
+                                   .enabledExtensionCount = d->surface || d->statistics ? 1 : 0,
+                                   .ppEnabledExtensionNames = &extension,
                                    .pEnabledFeatures = &features};
   const VkResult opened = d->CreateDevice(d->host.physical_device, &info, NULL, &d->host.device);
   if (!gpu_check(d, opened, "opening the Vulkan device")) return false;
@@ -256,7 +280,8 @@ bool gpu_device_open(const gpu_device_options *options, gpu_device *d) {
         options->create_surface(options->user, d->host.get_instance_proc_addr, d->host.instance, &d->surface);
     fine = gpu_check(d, made, "a surface for the window");
   }
-  fine = fine && choose_device(d, options) && create_device(d) && create_commands(d);
+  fine = fine && choose_device(d, options) && create_device(d, options->compile_only) &&
+         (options->compile_only || create_commands(d));
   if (!fine) gpu_device_close(d);
   return fine;
 }

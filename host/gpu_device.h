@@ -16,6 +16,8 @@
 typedef struct gpu_device_options {
   bool validate;     // the validation layers check every call, synchronisation too, and print to standard error
   bool compute_only; // a queue without graphics will do
+  // For making pipelines alone: no commands can be run, so that a driver's device that does not exist will do.
+  bool compile_only;
   uint32_t device;   // which of the machine's devices, as gpu_device_list counts them; UINT32_MAX: the best
   const char *const *instance_extensions; // that the window system asks for
   uint32_t instance_extension_count;
@@ -32,6 +34,7 @@ typedef struct gpu_device {
   VkPhysicalDeviceDriverProperties driver;
   VkPhysicalDeviceMemoryProperties memory;
   bool anisotropy;              // samplers may be anisotropic, up to 16
+  bool statistics;              // with compile_only: VK_KHR_pipeline_executable_properties is there and on
   double timestamp_nanoseconds; // of one tick; 0: the queue has no timestamps
   uint64_t timestamp_mask;      // the bits that count
   uint32_t validation_messages; // warnings and errors so far

@@ -15,8 +15,7 @@ void derive_march() {
   ray = olx_probe_ray(origin, direction, (bits.w & 1u) != 0u ? 0.0 : item.v[13],
                       (bits.w & 2u) != 0u ? OLX_INFINITY : item.v[14]);
   march = olx_begin_march(probe, ray);
-  planes = vec3(olx_plane_at(origin.x, direction.x), olx_plane_at(origin.y, direction.y),
-                olx_plane_at(origin.z, direction.z));
+  planes = olx_planes_of(ray);
   piece = olx_make_piece(march, planes, ray.t_min, olx_next_cut(planes, ray.t_min, ray.t_max));
   cell = olx_cell(ivec2(piece.u.first, piece.v.first), piece.t_begin);
   surfel = olx_read_surfel(march, texel, item.v[15]);
@@ -94,6 +93,7 @@ void march_rows() {
   case ROW_olx_end_at: put(end.image), put(end.inverse), put(end.centre); break;
   case ROW_olx_make_axis: put_axis(olx_make_axis(point.x * 8.0, point.y * 8.0, view.x, n)); break;
   case ROW_olx_plane_at: put(olx_plane_at(point.x, direction.x)); break;
+  case ROW_olx_planes_of: put(olx_planes_of(ray)); break;
   case ROW_olx_sign_after: put(olx_sign_after(ray.origin.x, ray.direction.x, planes.x, random.x)); break;
   case ROW_olx_make_piece:
     put_axis(piece.u), put_axis(piece.v), put(piece.near), put(piece.slope), put(piece.rise);
@@ -114,8 +114,8 @@ void march_rows() {
     at = olx_begin_stand(march, piece), put(b = olx_find_texel(march, piece, at, stored));
     if (b) put(at.at), put(at.t), put(stored);
     break;
-  case ROW_olx_march_hiz: put_verdict(olx_march_hiz(march, planes, answer), answer); break;
-  case ROW_olx_march_pieces: put_verdict(olx_march_pieces(march, planes, settings.tracer, answer), answer); break;
+  case ROW_olx_march_hiz: put_verdict(olx_march_hiz(march, answer), answer); break;
+  case ROW_olx_march_pieces: put_verdict(olx_march_pieces(march, settings.tracer, answer), answer); break;
   case ROW_olx_begin_march: put(march.closest), put(march.miss_squared), put(march.least); break;
   case ROW_olx_trace_probe: put_answer(olx_trace_probe(probe, ray, settings.tracer)); break;
   }

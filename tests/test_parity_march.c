@@ -158,6 +158,7 @@ MARCH_ROW(end_at, const piece_end end = end_at(&e->march, &e->piece, e->ray.t_mi
     put_f(r, end.v); put_f(r, end.inverse); put_u(r, end.centre);)
 MARCH_ROW(make_axis, put_axis(r, make_axis(s->point.x * 8.0f, s->point.y * 8.0f, s->view.x, s->field->n));)
 MARCH_ROW(plane_at, put_f(r, plane_at(s->point.x, s->direction.x));)
+MARCH_ROW(planes_of, put_3(r, e->planes);)
 MARCH_ROW(sign_after, put_f(r, sign_after(e->ray.origin.x, e->ray.direction.x, e->planes.x, s->random[0]));)
 MARCH_ROW(make_piece, put_axis(r, e->piece.u); put_axis(r, e->piece.v); put_f(r, e->piece.near);
     put_f(r, e->piece.slope);
@@ -212,6 +213,7 @@ static const parity_row ROWS[] = {
     PARITY(end_at, 1e-5f, 1e-3),
     PARITY(make_axis, 1e-5f, 1e-3),
     PARITY(plane_at, 1e-5f, 1e-3),
+    PARITY(planes_of, 1e-5f, 1e-3),
     PARITY(sign_after, 1e-5f, 1e-3),
     PARITY(make_piece, 1e-5f, 1e-3),
     PARITY(next_cut, 1e-5f, 1e-3),

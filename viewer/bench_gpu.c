@@ -1,5 +1,6 @@
 // octalux-bench-gpu: milliseconds of each pass on a Vulkan device, beside the paper's. Needs a Vulkan loader and
 // nothing else.
+#include "bench_compile.h"
 #include "bench_report.h"
 
 #include <options.h>
@@ -16,7 +17,7 @@ typedef struct arguments {
   const char *data, *scene, *field, *rows, *camera;
   uint32_t size[2], frames, device, tracer, select;
   float bandwidth;
-  bool json, quick, compare, list, validate;
+  bool json, quick, compare, list, validate, compile;
 } arguments;
 
 // The rows that were asked for; false when one is unknown.
@@ -43,6 +44,11 @@ static bool choose_rows(const char *names, const bench_row **rows, uint32_t *cou
 static bool check_arguments(const arguments *a) {
   const char *problem = NULL;
   if (a->list) return true;
+  if (a->compile) {
+    if (a->field && !a->scene && !a->data) return true;
+    usage_error(NAME, "--compile goes with --field FILE.olx");
+    return false;
+  }
   if (!a->scene != !a->field) problem = "--scene and --field go together";
   else if (!a->scene == !a->data) problem = "either --data DIR, or --scene FILE.olxs and --field FILE.olx";
   else if (a->scene && a->rows) problem = "--rows chooses among those of --data";
@@ -117,8 +123,13 @@ static int open_and_run(const arguments *a, const bench_row **rows, uint32_t cou
   int code;
   if (a->list) {
     code = gpu_device_list(device) ? EXIT_DONE : failure(NAME, "%s", device->problem);
-  } else if (!gpu_device_open(&(gpu_device_options){.validate = a->validate, .device = a->device}, device)) {
+  } else if (!gpu_device_open(
+                 &(gpu_device_options){.validate = a->validate, .device = a->device, .compile_only = a->compile},
+                 device)) {
     code = failure(NAME, "%s", device->problem);
+  } else if (a->compile) {
+    code = bench_compile(device, a->field, a->json) ? EXIT_DONE : failure(NAME, "%s", device->problem);
+    gpu_device_close(device);
   } else {
     code = device->timestamp_nanoseconds > 0.0 ? run(device, a, rows, count)
                                                : failure(NAME, "the device's queue has no timestamps");
@@ -147,6 +158,8 @@ int main(int argc, char **argv) {
       {"--select", OPTION_CHOICE, &a.select, "best|cage|bricks|exhaustive", "default best", 0, 0},
       {"--compare", OPTION_FLAG, &a.compare, NULL,
        "glossy light alone: two-level + cage against hi-Z + bricks, frames in turns", 0, 0},
+      {"--compile", OPTION_FLAG, &a.compile, NULL,
+       "make every pipeline for --field, print what the compiler reports of each, and run nothing", 0, 0},
       {"--bandwidth", OPTION_REAL, &a.bandwidth, "GB/s", "for the floors; default: as copies are measured", 0, 0},
       {"--quick", OPTION_FLAG, &a.quick, NULL, "coarse shadows and hardly a warm-up: a test that it runs", 0, 0},
       {"--device", OPTION_COUNT, &a.device, "N", "one of --list; default: the best", 0, 15},

@@ -368,6 +368,12 @@ float olx_plane_at(float o, float d) {
   return d == 0.0 ? -OLX_INFINITY : t;
 }
 
+// Of all three planes through the probe.
+vec3 olx_planes_of(olx_probe_ray ray) {
+  return vec3(olx_plane_at(ray.origin.x, ray.direction.x), olx_plane_at(ray.origin.y, ray.direction.y),
+              olx_plane_at(ray.origin.z, ray.direction.z));
+}
+
 // Sign of a coordinate o + d t just after t; `plane` is where it is zero.
 float olx_sign_after(float o, float d, float plane, float t) {
   if (d == 0.0) return olx_sign_not_zero(o);
@@ -478,21 +484,21 @@ bool olx_find_texel(inout olx_march m, olx_piece p, inout olx_stand at, out floa
 }
 
 // Down and up the whole pyramid, along all pieces of a ray. A ray that has come to the next face and one that has a
-// surfel to judge do so in the same turn.
-int olx_march_hiz(inout olx_march m, vec3 planes, inout olx_probe_answer answer) {
+// surfel to judge do so in the same turn. Planes are found anew for each piece: less is kept in between.
+int olx_march_hiz(inout olx_march m, inout olx_probe_answer answer) {
   // Values to begin with, though nothing reads them: without, compilers keep those of the ray's last probe.
   olx_image_axis axis = olx_image_axis(0.0, 0.0, 0.0, 0);
   olx_piece p = olx_piece(axis, axis, 0.0, 0.0, 0.0, 0.0, 0.0, vec3(0.0));
   olx_stand at = olx_stand(ivec2(0), 0, 0.0, 0.0, false, 0.0, false, false);
   int verdict = OLX_VERDICT_CLEAR;
   bool found = false;
-  for (float t = m.ray.t_min;;) {
+  p.t_end = m.ray.t_min;
+  for (;;) {
     if (!found) {
-      if (!(t < m.ray.t_max)) break;
-      float t_end = olx_next_cut(planes, t, m.ray.t_max);
-      p = olx_make_piece(m, planes, t, t_end);
+      if (!(p.t_end < m.ray.t_max)) break;
+      vec3 planes = olx_planes_of(m.ray);
+      p = olx_make_piece(m, planes, p.t_end, olx_next_cut(planes, p.t_end, m.ray.t_max));
       at = olx_begin_stand(m, p);
-      t = t_end;
     }
     float stored;
     found = olx_find_texel(m, p, at, stored);
@@ -507,7 +513,8 @@ int olx_march_hiz(inout olx_march m, vec3 planes, inout olx_probe_answer answer)
 }
 
 // Face after face by the plain tracers.
-int olx_march_pieces(inout olx_march m, vec3 planes, uint tracer, inout olx_probe_answer answer) {
+int olx_march_pieces(inout olx_march m, uint tracer, inout olx_probe_answer answer) {
+  vec3 planes = olx_planes_of(m.ray);
   for (float t = m.ray.t_min; t < m.ray.t_max;) {
     float t_end = olx_next_cut(planes, t, m.ray.t_max);
     int verdict = olx_march_piece(m, olx_make_piece(m, planes, t, t_end), tracer, answer);
@@ -533,11 +540,9 @@ olx_march olx_begin_march(uint probe, olx_probe_ray ray) {
 
 olx_probe_answer olx_trace_probe(uint probe, olx_probe_ray ray, uint tracer) {
   olx_march m = olx_begin_march(probe, ray);
-  vec3 planes = vec3(olx_plane_at(ray.origin.x, ray.direction.x), olx_plane_at(ray.origin.y, ray.direction.y),
-                     olx_plane_at(ray.origin.z, ray.direction.z));
   olx_probe_answer answer = olx_probe_answer(OLX_TRACE_MISS, ray.t_max, ivec2(0), 0.0, 0u);
   bool plain = tracer == OLX_TRACER_TEXEL || tracer == OLX_TRACER_TWO_LEVEL;
-  int verdict = plain ? olx_march_pieces(m, planes, tracer, answer) : olx_march_hiz(m, planes, answer);
+  int verdict = plain ? olx_march_pieces(m, tracer, answer) : olx_march_hiz(m, answer);
   answer.steps = m.steps;
   if (verdict != OLX_VERDICT_CLEAR) {
     answer.status = verdict == OLX_VERDICT_HIT ? OLX_TRACE_HIT : OLX_TRACE_UNKNOWN;

@@ -8,19 +8,13 @@
 
 const uint OLX_VORONOI_HEADER_WORDS = 4u; // texels along the side of a map, three of nothing
 const uint OLX_CHOICES = 4u;              // probes that a texel names, best first
-const uint OLX_FEW_PROBES = 64u, OLX_MAX_DEPTH = 17u;
+const uint OLX_FEW_PROBES = 64u;
 
 struct olx_nearest {
   vec3 point;
   bool buried;
   uint probe;
   float distance; // squared
-};
-
-// A part of the tree that lies beyond a plane at a squared distance.
-struct olx_tree_range {
-  uint begin, end, axis;
-  float beyond;
 };
 
 // Probes are named by a byte each where 255 probes are the most, else by two; all bits set name none.
@@ -50,27 +44,43 @@ void olx_consider(inout olx_nearest n, uint probe) {
   n.probe = probe;
 }
 
-// Down to the point, leaving the other halves for later; then those that may hold a nearer one.
+// Down to the point, leaving the other halves for later; then those that may hold a nearer one, the deepest first. C keeps
+// their ranges; here a bit for each depth says that the other half waits, and another which half was taken, because an
+// array would lie in memory: the range is found again from the root.
 void olx_search_tree(inout olx_nearest n) {
   uint tree = olx_voronoi_tree(), count = olx_field.probe_count, code_bytes = olx_probe_code_bytes(count);
-  olx_tree_range later[OLX_MAX_DEPTH + 1u];
-  later[0] = olx_tree_range(0u, count, 0u, 0.0);
-  for (uint waiting = 1u; waiting > 0u;) {
-    olx_tree_range range = later[--waiting];
-    if (range.beyond > n.distance) continue;
-    while (range.begin < range.end) {
-      uint middle = olx_middle(range.begin, range.end), next = (range.axis + 1u) % 3u;
-      uint probe = olx_probe_code(code_bytes, tree + middle);
+  uint begin = 0u, end = count, depth = 0u, waiting = 0u, upper = 0u;
+  for (;;) {
+    while (begin < end) {
+      uint middle = olx_middle(begin, end), probe = olx_probe_code(code_bytes, tree + middle);
       if (probe >= count) break;
       olx_consider(n, probe);
-      precise float gap = n.point[range.axis] - olx_probe_position(probe)[range.axis];
-      precise float beyond = gap * gap;
-      bool low_first = gap < 0.0;
-      later[waiting++] = low_first ? olx_tree_range(middle + 1u, range.end, next, beyond)
-                                   : olx_tree_range(range.begin, middle, next, beyond);
-      range = low_first ? olx_tree_range(range.begin, middle, next, 0.0)
-                        : olx_tree_range(middle + 1u, range.end, next, 0.0);
+      precise float gap = n.point[depth % 3u] - olx_probe_position(probe)[depth % 3u];
+      waiting |= 1u << depth;
+      if (gap < 0.0) end = middle;
+      else begin = middle + 1u, upper |= 1u << depth;
+      depth++;
     }
+    bool nearer = false;
+    while (waiting != 0u && !nearer) {
+      depth = uint(findMSB(waiting));
+      waiting &= ~(1u << depth);
+      begin = 0u, end = count;
+      for (uint i = 0u; i < depth; i++) {
+        uint middle = olx_middle(begin, end);
+        if ((upper >> i & 1u) != 0u) begin = middle + 1u;
+        else end = middle;
+      }
+      uint middle = olx_middle(begin, end), probe = olx_probe_code(code_bytes, tree + middle);
+      precise float gap = n.point[depth % 3u] - olx_probe_position(probe)[depth % 3u];
+      precise float beyond = gap * gap;
+      nearer = beyond <= n.distance;
+      upper = (upper ^ 1u << depth) & (2u << depth) - 1u;
+      if ((upper >> depth & 1u) != 0u) begin = middle + 1u;
+      else end = middle;
+    }
+    if (!nearer) break;
+    depth++;
   }
 }
 

@@ -34,8 +34,7 @@ vec3 draw_ray(uint probe, vec3 under) {
   vec3 direction = pick.direction.xyz, origin = pick.position.xyz - olx_probe_position(probe);
   olx_probe_ray ray = olx_probe_ray(origin, direction, 0.0, pick.direction.w);
   olx_march m = olx_begin_march(probe, ray);
-  vec3 planes = vec3(olx_plane_at(origin.x, direction.x), olx_plane_at(origin.y, direction.y),
-                     olx_plane_at(origin.z, direction.z));
+  vec3 planes = olx_planes_of(ray);
   float a_texel = view.radius / float(olx_field.n);
   vec2 here = uv * float(olx_field.n), first = vec2(0.0), last = vec2(0.0);
   for (float t = 0.0; t < ray.t_max;) {

@@ -1,0 +1,30 @@
+# Compilers of real GPUs get along with every pipeline: registers, spills, scratch memory and code on two AMD chips that RADV compiles for
+# though they are not there, within tests/shader_bounds.tsv. The bounds are of Debian 12's Mesa 22.3.
+source "$(dirname "$0")/cli/expect.sh"
+bench=$(dirname "$OCTALUX")/octalux-bench-gpu
+tests=$OCTALUX_SOURCE_DIR/tests
+[ -x "$bench" ] || { echo "skipped: built without Vulkan"; exit 77; }
+export ASAN_OPTIONS="${ASAN_OPTIONS:-}:detect_leaks=0" # drivers keep things that cannot be told by name
+
+"$OCTALUX" bake builtin:cornell-glossy -o tiny.olx --grid 2x2x2 --irradiance-grid 2x2x2 --radiance-size 16 --irradiance-size 16 \
+  --select cage,bricks,voronoi --relight --classic --classic-size 32 --samples 1 --bounces 0 >/dev/null || fail "bake"
+OCTALUX=$bench
+expect_usage "--compile goes with --field" --compile
+expect_usage "--compile goes with --field" --compile --field tiny.olx --data .
+
+status=0
+"$OCTALUX_SOURCE_DIR/scripts/shader_stats.sh" "$bench" tiny.olx >statistics.json 2>stderr.txt || status=$?
+if [ $status = 77 ]; then cat stderr.txt; echo "skipped"; exit 77; fi
+[ $status = 0 ] || { cat stderr.txt; fail "shader_stats.sh exits with $status"; }
+python3 "$tests/check_shader_stats.py" "$tests/shader_bounds.tsv" statistics.json >found.txt || status=1
+if ! grep -q '"radv Mesa 22\.3\.' statistics.json; then echo "skipped: the bounds are of Mesa 22.3"; exit 77; fi
+cat found.txt
+[ $status = 0 ] || fail "a pipeline takes more than it may"
+
+# The check finds what is too much, and what is missing.
+sed 's/^glossy\t[0-9]*/glossy\t8/; /^dim\t/d' "$tests/shader_bounds.tsv" >narrow.tsv
+python3 "$tests/check_shader_stats.py" narrow.tsv statistics.json >found.txt && fail "a bound of 8 registers holds"
+grep -q "NAVI21.*: glossy: VGPRs is [0-9]*, at most 8 allowed" found.txt || fail "the register bound is not named"
+grep -q "dim is in the table or among the pipelines, but not in both" found.txt || fail "a pipeline without bounds is not named"
+
+finish

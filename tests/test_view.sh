@@ -168,4 +168,6 @@ check 'not uniform(p[0]) and mean(p[0]) > 10 and p[0].width == 96' flown.png
 check 'not uniform(p[0]) and mean(p[0]) > 10 and p[0].width == 200 and p[0].height == 150' larger.png
 check 'not uniform(p[0]) and p[0].width == 120' octalux-001.png
 [ -e after.png ] && fail "escape did not leave"
+# For the first picture, and for the first overlay.
+[ "$(grep -c "^compiling shaders ...$" stderr.txt)" = 2 ] || fail "not told twice that shaders are compiled"
 finish

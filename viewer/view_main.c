@@ -21,6 +21,7 @@ typedef struct viewer {
   olx_camera *cameras;
   view_script *script;
   view_window window;
+  bool compiling; // the window says so
   view_input input;
   gpu_device device;
   view_renderer renderer;
@@ -191,6 +192,15 @@ static bool refresh_swapchain(viewer *v, const uint32_t size[2]) {
   return fits || view_swapchain_create(&v->device, size[0], size[1], !v->options.no_wait, &v->chain);
 }
 
+// People are told what they wait for.
+static void tell_compiling(viewer *v, const view_state *shown, bool begins) {
+  static const char message[] = "compiling shaders ...";
+  if (!v->window.glfw || (begins && view_renderer_is_ready(&v->renderer, shown))) return;
+  if (begins) fprintf(stderr, "%s\n", message);
+  if (begins || v->compiling) view_window_tell(&v->window, begins ? message : NULL);
+  v->compiling = begins;
+}
+
 static bool draw(viewer *v, const uint32_t size[2], float seconds, const char *screenshot) {
   char name[64];
   if (v->state.take_screenshot && !screenshot) {
@@ -203,9 +213,11 @@ static bool draw(viewer *v, const uint32_t size[2], float seconds, const char *s
   if (screenshot && !v->options.panel) shown.panel = false;
   const bool hidden = shown.panel != v->state.panel;
   view_panel_build(v->panel, size, seconds, &v->facts, &v->timings, &v->pick, &shown, &v->camera);
+  tell_compiling(v, &shown, true);
   const view_output output = {{size[0], size[1]}, v->panel, v->window.glfw ? &v->chain : NULL, screenshot};
   if (!refresh_swapchain(v, size) || !view_renderer_draw(&v->renderer, &shown, &v->camera, &output, &v->timings))
     return gpu_failure(v);
+  tell_compiling(v, &shown, false);
   if (hidden) shown.panel = v->state.panel;
   v->state = shown;
   if (v->state.picked) v->pick = view_passes_read_pick(&v->renderer.passes);

@@ -107,6 +107,13 @@ static bool is_wanted(view_pipeline which, const view_state *s) {
   return false;
 }
 
+bool view_passes_are_ready(const view_passes *p, const view_state *state) {
+  for (view_pipeline which = 0; which < VIEW_PIPELINES; which++) {
+    if (!p->pipelines[which] && is_wanted(which, state)) return false;
+  }
+  return true;
+}
+
 bool view_passes_prepare(gpu_device *d, view_passes *p, const view_state *state) {
   for (view_pipeline which = 0; which < VIEW_PIPELINES; which++) {
     if (!p->pipelines[which] && is_wanted(which, state) && !make_pipeline(d, p, which)) return false;

@@ -29,7 +29,8 @@ typedef struct view_passes {
 // `screen` is the render pass in which balls and the map are drawn. The field must outlive the passes.
 bool view_passes_create(gpu_device *device, const olx_vulkan_field *field, VkRenderPass screen, view_passes *passes);
 void view_passes_destroy(gpu_device *device, view_passes *passes);
-// Make the pipelines that a state wants and that are not there yet.
+// Whether the pipelines that a state wants are there; view_passes_prepare makes those that are not.
+bool view_passes_are_ready(const view_passes *passes, const view_state *state);
 bool view_passes_prepare(gpu_device *device, view_passes *passes, const view_state *state);
 void view_passes_attach(gpu_device *device, view_passes *passes, const frame_images *images);
 

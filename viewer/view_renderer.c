@@ -80,6 +80,10 @@ static bool has_pipelines(const view_renderer *r, const view_state *s) {
          r->lit_selects >> s->select & 1u;
 }
 
+bool view_renderer_is_ready(const view_renderer *r, const view_state *s) {
+  return has_pipelines(r, s) && view_passes_are_ready(&r->passes, s);
+}
+
 static bool resize(view_renderer *r, const view_state *state, const uint32_t size[2]) {
   const frame_images *images = &r->raster.images;
   uint32_t lit[2];

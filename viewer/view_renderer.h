@@ -61,6 +61,9 @@ typedef struct view_output {
   const char *screenshot; // NULL: none
 } view_output;
 
+// Whether all shaders of a state are compiled; else view_renderer_draw compiles them first, which may take seconds.
+bool view_renderer_is_ready(const view_renderer *renderer, const view_state *state);
+
 // Draw, show and save a frame, and wait until it is done.
 bool view_renderer_draw(view_renderer *renderer, const view_state *state, const view_camera *camera,
                         const view_output *output, view_timings *timings);

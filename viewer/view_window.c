@@ -119,6 +119,12 @@ void view_window_fill(view_window *window, gpu_device_options *options) {
   options->user = window;
 }
 
+void view_window_tell(view_window *window, const char *message) {
+  char title[128];
+  snprintf(title, sizeof title, "Octalux%s%s", message ? ": " : "", message ? message : "");
+  glfwSetWindowTitle(window->glfw, title);
+}
+
 bool view_window_poll(view_window *window) {
   int width, height;
   glfwGetFramebufferSize(window->glfw, &width, &height);

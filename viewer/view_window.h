@@ -26,6 +26,9 @@ void view_window_fill(view_window *window, gpu_device_options *options);
 // Take what has happened; when the window is minimised, wait for a moment. False once it should close.
 bool view_window_poll(view_window *window);
 
+// What the window's title says after the program's name; NULL: nothing.
+void view_window_tell(view_window *window, const char *message);
+
 // In pixels; 0 x 0 when minimised.
 void view_window_size(const view_window *window, uint32_t size[2]);
 void view_window_resize(view_window *window, const uint32_t size[2]);

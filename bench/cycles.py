@@ -4,11 +4,14 @@
     bench/cycles.py SCENE -o OUT.exr [--camera NAME] [--size 160x90] [--spp N] [--bounces N] [--matte] [--seed N]
     bench/cycles.py SCENE --compare [--within PERCENT] [the same options]
 
-SCENE is what `octalux render` takes. The picture has the layers direct, indirect_diffuse, indirect_glossy, albedo and beauty, so that
-`octalux compare` finds them. --matte makes every surface Lambertian, in which case both programs compute the same integral; as
-they are, specular lobes agree to some percent only (bench/cycles_scene.py says why). --compare also renders the scene with
-`octalux render --method path` and prints, for each layer, how much brighter Octalux is, with the standard error that the noise of
-both leaves; with --within PERCENT the exit status is 1 when a layer differs by more than that and three standard errors.
+SCENE is what `octalux render` takes. The picture has the layers direct, indirect_diffuse, indirect_glossy, albedo and
+beauty, so that `octalux compare` finds them. --matte makes every surface Lambertian, in which case both programs
+compute the same integral; as they are, specular lobes agree to some percent only (bench/cycles_scene.py says why).
+
+--compare also renders the scene with `octalux render --method path` and prints, for each layer, how much brighter
+Octalux is, with the standard error that the noise of both leaves; with --within PERCENT the exit status is 1 when a
+layer differs by more than that and three standard errors.
+
 Needs Debian's packages blender and python3-numpy; without them the exit status is 77.
 """
 import argparse
@@ -35,15 +38,17 @@ def find_blender():
     if not blender:
         raise Missing("blender is not installed")
     # Blender's module paths follow the first python3 on PATH, which has to be the distribution's own.
-    found = subprocess.run([blender, "-b", "--factory-startup", "--python-expr", "import numpy; print('numpy', 'found')"], text=True,
-                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env={**os.environ, "PATH": os.defpath})
+    look = [blender, "-b", "--factory-startup", "--python-expr", "import numpy; print('numpy', 'found')"]
+    found = subprocess.run(look, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                           env={**os.environ, "PATH": os.defpath})
     if "numpy found" not in found.stdout:
         raise Missing("blender has no numpy (python3-numpy)")
     return blender
 
 
 def run(command, **environment):
-    done = subprocess.run([str(c) for c in command], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env={**os.environ, **environment})
+    done = subprocess.run([str(c) for c in command], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                          env={**os.environ, **environment})
     if done.returncode != 0:
         raise SystemExit("%s failed:\n%s%s" % (os.path.basename(command[0]), done.stdout[-4000:], done.stderr[-4000:]))
     return done.stdout
@@ -78,18 +83,19 @@ class Cycles:
         tool = os.path.join(os.path.dirname(program), "bench", "scene_arrays")
         run([tool, scene, self.arrays] + ([camera] if camera else []))
 
-    def render(self, output, size, spp, bounces, seed=0, threads=2, textures="float", normals="smooth", shadow_terminator=0.0,
-               clamp_indirect=0.0, light_threshold=0.0, model=None):
+    def render(self, output, size, spp, bounces, seed=0, threads=2, textures="float", normals="smooth",
+               shadow_terminator=0.0, clamp_indirect=0.0, light_threshold=0.0, model=None):
         settings = {
-            "folder": self.arrays, "output": os.path.abspath(output), "passes": os.path.join(self.work, "passes.exr"), "size": size,
-            "spp": spp, "bounces": bounces, "seed": seed, "threads": threads, "textures": textures, "normals": normals,
-            "shadow_terminator": shadow_terminator, "clamp_indirect": clamp_indirect, "light_threshold": light_threshold,
-            "import": model,
+            "folder": self.arrays, "output": os.path.abspath(output), "passes": os.path.join(self.work, "passes.exr"),
+            "size": size, "spp": spp, "bounces": bounces, "seed": seed, "threads": threads, "textures": textures,
+            "normals": normals, "shadow_terminator": shadow_terminator, "clamp_indirect": clamp_indirect,
+            "light_threshold": light_threshold, "import": model,
         }
         path = os.path.join(self.work, "settings.json")
         with open(path, "w") as file:
             json.dump(settings, file)
-        log = run([self.blender, "-b", "--factory-startup", "-noaudio", "-P", os.path.join(HERE, "cycles_scene.py"), "--", path], PATH=os.defpath)
+        script = os.path.join(HERE, "cycles_scene.py")
+        log = run([self.blender, "-b", "--factory-startup", "-noaudio", "-P", script, "--", path], PATH=os.defpath)
         if "cycles: done" not in log:
             raise SystemExit("blender failed:\n" + log[-6000:])
         return log
@@ -97,7 +103,10 @@ class Cycles:
 
 def mean_bias(program, pairs, layer):
     """The mean of Octalux over Cycles less 1, in pictures of independent seeds, and its standard error."""
-    found = [json.loads(run([program, "compare", a, b, "--layer", layer, "--json"]))["layers"][layer]["bias"] for a, b in pairs]
+    found = []
+    for a, b in pairs:
+        compared = run([program, "compare", a, b, "--layer", layer, "--json"])
+        found.append(json.loads(compared)["layers"][layer]["bias"])
     mean = sum(found) / len(found)
     variance = sum((b - mean) ** 2 for b in found) / (len(found) - 1)
     return mean, math.sqrt(variance / len(found))
@@ -110,12 +119,12 @@ def compare(program, scene, a, cycles, work, **toggles):
     for i in range(SEEDS):
         ours, theirs = (os.path.join(work, "%s%d.exr" % (name, i)) for name in ("octalux", "cycles"))
         camera = ["--camera", a.camera] if a.camera else []
-        run([program, "render", scene, "-o", ours, "--method", "path", "--size", "%dx%d" % (width, height), "--spp", a.spp, "--bounces", a.bounces,
-             "--seed", a.seed + i, "--threads", a.threads, *camera])
+        run([program, "render", scene, "-o", ours, "--method", "path", "--size", "%dx%d" % (width, height),
+             "--spp", a.spp, "--bounces", a.bounces, "--seed", a.seed + i, "--threads", a.threads, *camera])
         cycles.render(theirs, a.size, a.spp, a.bounces, a.seed + i, a.threads, **toggles)
         pairs.append((ours, theirs))
-    return [(layer, *mean_bias(program, pairs, layer)) for layer in (("direct", "indirect_diffuse") if a.matte else
-                                                                     ("direct", "indirect_diffuse", "indirect_glossy"))]
+    layers = ["direct", "indirect_diffuse"] + ([] if a.matte else ["indirect_glossy"])
+    return [(layer, *mean_bias(program, pairs, layer)) for layer in layers]
 
 
 def size(text):
@@ -137,13 +146,15 @@ def parse():
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--threads", type=int, default=os.cpu_count())
     parser.add_argument("--textures", choices=("float", "bytes", "closest"), default="float",
-                        help="bytes: Cycles filters textures of 8 bits before it decodes sRGB; closest: it does not filter; default float")
+                        help="bytes: Cycles filters textures of 8 bits before it decodes sRGB; closest: it does not "
+                             "filter; float: they are decoded first, as in Octalux; default float")
     parser.add_argument("--normals", choices=("smooth", "flat"), default="smooth")
     parser.add_argument("--shadow-terminator", type=float, default=0.0, help="Blender's default is 0.1")
     parser.add_argument("--clamp-indirect", type=float, default=0.0, help="Blender's default is 10")
     parser.add_argument("--light-threshold", type=float, default=0.0, help="Blender's default is 0.01")
     parser.add_argument("--import", dest="model", metavar="MODEL.gltf",
-                        help="with --matte: geometry and textures by Blender's own importer, from the scene's one model, which is not moved")
+                        help="with --matte: geometry and textures by Blender's own importer, from the scene's one "
+                             "model, which is not moved")
     parser.add_argument("--program", default=os.path.join(SOURCE, "build", "release", "octalux"))
     arguments = parser.parse_args()
     if not arguments.compare and not arguments.output:

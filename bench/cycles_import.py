@@ -1,12 +1,16 @@
 """Runs inside Blender: a glTF model read by Blender's own importer instead of Octalux's, every surface Lambertian.
 
-It checks what scene_arrays cannot: that Octalux understood the file. The importer turns Y up into Z up, which is undone.
+It checks what scene_arrays cannot: that Octalux understood the file. The importer turns Y up into Z up, which is
+undone.
 """
 import math
 
 import bpy
 import mathutils
 import numpy
+
+# Debian's importer is older than its numpy, which no longer has this name.
+numpy.bool = bool
 
 
 def decoded(image):

@@ -2,12 +2,14 @@
 
     blender -b --factory-startup -P bench/cycles_scene.py -- SETTINGS.json
 
-bench/cycles.py writes the settings and starts Blender. Blender's world is given the scene's own coordinates (Y up), metres and
-linear Rec.709, in which Cycles computes, so that nothing is converted. Materials are rebuilt from Octalux's parameters:
+bench/cycles.py writes the settings and starts Blender. Blender's world is given the scene's own coordinates (Y up),
+metres and linear Rec.709, in which Cycles computes, so that nothing is converted. Materials are rebuilt from Octalux's
+parameters:
 
 - the diffuse lobe is Lambert's, albedo times 1 - w F(normal . view), exactly;
-- the specular lobe is Cycles' GGX with the same alpha, F0 and F90. Cycles uses the separable Smith term and the Fresnel equations where
-  Octalux has the height-correlated term and Schlick's formula: glossy light agrees to some percent only;
+- the specular lobe is Cycles' GGX with the same alpha, F0 and F90. Cycles uses the separable Smith term and the
+  Fresnel equations where Octalux has the height-correlated term and Schlick's formula: glossy light agrees to some
+  percent only;
 - alpha masks, one-sided emission, base colours clamped to 0.95 and bilinear texture look-ups are the same.
 """
 import json
@@ -75,8 +77,8 @@ def rgba(color):
 
 
 class Textures:
-    """Images by texture and use. `bytes` leaves colours as they are in the file, which Cycles filters before it decodes them;
-    `float` decodes them first, as Octalux does; `closest` does not filter."""
+    """Images by texture and use. `bytes` leaves colours as they are in the file, which Cycles filters before it decodes
+    them; `float` decodes them first, as Octalux does; `closest` does not filter."""
 
     def __init__(self, folder, described, how):
         self.folder, self.described, self.how = folder, described, how
@@ -98,7 +100,8 @@ class Textures:
 
     def image(self, index, use, make):
         if (index, use) not in self.images:
-            self.images[index, use] = make("texture %d %s" % (index, use), self.texels(index).astype(numpy.float32) / 255)
+            name = "texture %d %s" % (index, use)
+            self.images[index, use] = make(name, self.texels(index).astype(numpy.float32) / 255)
         return self.images[index, use]
 
     def color(self, name, values):
@@ -196,10 +199,14 @@ def reflection(nodes, textures, m):
     lobes = nodes.node("ShaderNodeBsdfDiffuse", {"Color": diffuse, "Roughness": 0.0, **turned}).outputs[0]
     if w <= 0 and not varies and metallic <= 0:
         return lobes
-    smooth = roughness if isinstance(roughness, bpy.types.NodeSocket) else (0 if roughness < MIRROR_ROUGHNESS else roughness)
-    common = {"Roughness": smooth, "Specular": 0.5, **turned}
-    glazed = nodes.node("ShaderNodeBsdfPrincipled", {"Base Color": rgba([0, 0, 0]), "Metallic": 0.0, **common}).outputs[0]
-    metal = nodes.node("ShaderNodeBsdfPrincipled", {"Base Color": color, "Metallic": 1.0, **common}).outputs[0]
+    if not isinstance(roughness, bpy.types.NodeSocket) and roughness < MIRROR_ROUGHNESS:
+        roughness = 0.0
+    common = {"Roughness": roughness, "Specular": 0.5, **turned}
+
+    def lobe(color, metallic):
+        return nodes.node("ShaderNodeBsdfPrincipled", {"Base Color": color, "Metallic": metallic, **common}).outputs[0]
+
+    glazed, metal = lobe(rgba([0, 0, 0]), 0.0), lobe(color, 1.0)
     nothing = nodes.node("ShaderNodeBsdfDiffuse", {"Color": rgba([0, 0, 0])}).outputs[0]
     specular = nodes.mix(metallic, nodes.mix(w, nothing, glazed), metal)
     return nodes.add(lobes, specular)
@@ -236,8 +243,8 @@ def make_material(textures, m, index):
 
 
 def turn_to_normals(positions, normals, indices, keep):
-    """Octalux turns interpolated normals to the side of the triangle's winding; Cycles believes them. Triangles whose normals all
-    point to the other side are wound the other way here, but those that emit (`keep`)."""
+    """Octalux turns interpolated normals to the side of the triangle's winding; Cycles believes them. Triangles whose
+    normals all point to the other side are wound the other way here, but those that emit (`keep`)."""
     corner = positions[indices]
     outward = numpy.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     agreement = numpy.einsum("ijk,ik->ij", normals[indices], outward)
@@ -343,14 +350,15 @@ def make_world(folder, e):
     nodes = Nodes(world.node_tree)
     color = nodes.node("ShaderNodeCombineXYZ", dict(enumerate(e["radiance"]))).outputs[0]
     if e["width"]:
-        rows = numpy.fromfile(os.path.join(folder, "environment.f32"), dtype=numpy.float32).reshape(e["height"], e["width"], 3)
+        rows = numpy.fromfile(os.path.join(folder, "environment.f32"), dtype=numpy.float32)
+        rows = rows.reshape(e["height"], e["width"], 3)[::-1]
         image = bpy.data.images.new("environment", e["width"], e["height"], alpha=True, float_buffer=True)
         image.colorspace_settings.name = "Non-Color"
-        image.pixels.foreach_set(numpy.dstack([rows[::-1], numpy.ones_like(rows[..., :1])]).astype(numpy.float32).ravel())
+        image.pixels.foreach_set(numpy.dstack([rows, numpy.ones_like(rows[..., :1])]).ravel())
         image.pack()
         # Blender's images of an environment have Z up, and run against the azimuth.
         direction = nodes.node("ShaderNodeTexCoord").outputs["Generated"]
-        for axis, angle in ((("X_AXIS"), math.pi / 2), (("Z_AXIS"), -e["rotation_radians"])):
+        for axis, angle in (("X_AXIS", math.pi / 2), ("Z_AXIS", -e["rotation_radians"])):
             turn = nodes.node("ShaderNodeVectorRotate", {"Vector": direction, "Angle": angle}, rotation_type=axis)
             direction = turn.outputs[0]
         found = nodes.node("ShaderNodeTexEnvironment", {"Vector": direction}, image=image).outputs["Color"]
@@ -385,8 +393,8 @@ def configure(settings):
     cycles.sample_clamp_indirect = settings["clamp_indirect"]
     cycles.light_sampling_threshold = settings["light_threshold"]
     layer = scene.view_layers[0]
-    for name in ("diffuse_direct", "diffuse_indirect", "diffuse_color", "glossy_direct", "glossy_indirect", "glossy_color", "emit",
-                 "environment"):
+    for name in ("diffuse_direct", "diffuse_indirect", "diffuse_color", "glossy_direct", "glossy_indirect",
+                 "glossy_color", "emit", "environment"):
         setattr(layer, "use_pass_" + name, True)
     picture = scene.render.image_settings
     picture.file_format, picture.color_depth, picture.exr_codec = "OPEN_EXR_MULTILAYER", "32", "NONE"

@@ -1,4 +1,4 @@
-"""Plain OpenEXR files: one part, scanlines, 32-bit floats, not compressed. As Blender writes them when it is told to, and as Octalux reads them."""
+"""Plain OpenEXR files of one part: scanlines of 32-bit floats, not compressed. Blender writes them, Octalux reads them."""
 import struct
 
 import numpy
@@ -50,7 +50,8 @@ def read(path):
     picture = numpy.empty((height, len(names), width), dtype=numpy.float32)
     for offset in struct.unpack_from("<%dQ" % height, data, at):
         (y,) = struct.unpack_from("<i", data, offset)
-        picture[y - y0] = numpy.frombuffer(data, dtype="<f4", count=len(names) * width, offset=offset + 8).reshape(len(names), width)
+        row = numpy.frombuffer(data, dtype="<f4", count=len(names) * width, offset=offset + 8)
+        picture[y - y0] = row.reshape(len(names), width)
     return {name: picture[:, i] for i, name in enumerate(names)}
 
 
@@ -63,8 +64,10 @@ def write(path, channels):
     header = struct.pack("<II", MAGIC, 2)
     for name, kind, value in (
             ("channels", "chlist", listed), ("compression", "compression", b"\0"), ("dataWindow", "box2i", window),
-            ("displayWindow", "box2i", window), ("lineOrder", "lineOrder", b"\0"), ("pixelAspectRatio", "float", struct.pack("<f", 1)),
-            ("screenWindowCenter", "v2f", struct.pack("<ff", 0, 0)), ("screenWindowWidth", "float", struct.pack("<f", 1))):
+            ("displayWindow", "box2i", window), ("lineOrder", "lineOrder", b"\0"),
+            ("pixelAspectRatio", "float", struct.pack("<f", 1)),
+            ("screenWindowCenter", "v2f", struct.pack("<ff", 0, 0)),
+            ("screenWindowWidth", "float", struct.pack("<f", 1))):
         header += name.encode() + b"\0" + kind.encode() + b"\0" + struct.pack("<I", len(value)) + value
     header += b"\0"
     row_bytes = 4 * width * len(names)

@@ -196,6 +196,26 @@ static void textures_are_bilinear_and_wrap_around(void **state) {
   assert_true(olx_finite(olx_texture_sample(&texture, (olx_vec2){3e38f, -1e-30f}).color));
 }
 
+// Light is linear: a textured wall reflects, on the whole, what its texels reflect, however near one looks. Filtering the
+// encoded texels would make it darker.
+static void filtering_keeps_what_srgb_texels_reflect(void **state) {
+  (void)state;
+  enum { TEXELS = 16, LOOK_UPS = 8 * TEXELS };
+  uint8_t rgba[TEXELS * 4];
+  double of_texels = 0.0, of_look_ups = 0.0;
+  for (uint32_t i = 0; i < TEXELS; i++) {
+    const float c = floorf(made_random(7, i).x * 255.0f) / 255.0f;
+    for (uint32_t k = 0; k < 4; k++) rgba[4 * i + k] = (uint8_t)(c * 255.0f + 0.5f);
+    of_texels += (double)(c <= 0.04045f ? c / 12.92f : powf((c + 0.055f) / 1.055f, 2.4f)) / TEXELS;
+  }
+  const olx_texture texture = {.width = TEXELS, .height = 1, .texels = rgba, .srgb = true};
+  for (uint32_t i = 0; i < LOOK_UPS; i++) {
+    const olx_vec2 uv = {((float)i + 0.5f) / LOOK_UPS, 0.5f};
+    of_look_ups += (double)olx_texture_sample(&texture, uv).color.y / LOOK_UPS;
+  }
+  assert_near((float)of_look_ups, (float)of_texels, 1e-5f);
+}
+
 static void textures_scale_the_factors_and_albedo_stays_below_one(void **state) {
   (void)state;
   olx_scene *scene = made_scene();
@@ -346,6 +366,7 @@ int main(void) {
       cmocka_unit_test(textures_without_a_tangent_frame_leave_the_normal),
       cmocka_unit_test(srgb_is_decoded_as_the_standard_says),
       cmocka_unit_test(textures_are_bilinear_and_wrap_around),
+      cmocka_unit_test(filtering_keeps_what_srgb_texels_reflect),
       cmocka_unit_test(textures_scale_the_factors_and_albedo_stays_below_one),
       cmocka_unit_test(one_sided_emitters_are_dark_from_behind),
       cmocka_unit_test(alpha_below_the_cutoff_is_absent),

@@ -8,8 +8,8 @@ parameters:
 
 - the diffuse lobe is Lambert's, albedo times 1 - w F(normal . view), exactly;
 - the specular lobe is Cycles' GGX with the same alpha, F0 and F90. Cycles uses the separable Smith term and the
-  Fresnel equations where Octalux has the height-correlated term and Schlick's formula: glossy light agrees to some
-  percent only;
+  Fresnel equations where Octalux has the height-correlated term and Schlick's formula, which gives as much on the whole:
+  glossy light agrees to some percent only;
 - alpha masks, one-sided emission, base colours clamped to 0.95 and bilinear texture look-ups are the same.
 """
 import json
@@ -27,6 +27,9 @@ import exr_file  # noqa: E402
 
 LARGEST_ALBEDO = 0.95
 MIRROR_ROUGHNESS = 0.03
+# Blender's metals rise from F0 to 1 as the Fresnel equations of some index of refraction do, which this sets. At 1.345
+# the mean over the hemisphere is that of Schlick's (1 - cosine)^5, 1 / 21.
+FRESNEL_SPECULAR = 0.27
 
 
 class Nodes:
@@ -201,12 +204,12 @@ def reflection(nodes, textures, m):
         return lobes
     if not isinstance(roughness, bpy.types.NodeSocket) and roughness < MIRROR_ROUGHNESS:
         roughness = 0.0
-    common = {"Roughness": roughness, "Specular": 0.5, **turned}
 
-    def lobe(color, metallic):
-        return nodes.node("ShaderNodeBsdfPrincipled", {"Base Color": color, "Metallic": metallic, **common}).outputs[0]
+    def lobe(f0):
+        inputs = {"Base Color": f0, "Metallic": 1.0, "Roughness": roughness, "Specular": FRESNEL_SPECULAR, **turned}
+        return nodes.node("ShaderNodeBsdfPrincipled", inputs).outputs[0]
 
-    glazed, metal = lobe(rgba([0, 0, 0]), 0.0), lobe(color, 1.0)
+    glazed, metal = lobe(rgba([0.04] * 3)), lobe(color)
     nothing = nodes.node("ShaderNodeBsdfDiffuse", {"Color": rgba([0, 0, 0])}).outputs[0]
     specular = nodes.mix(metallic, nodes.mix(w, nothing, glazed), metal)
     return nodes.add(lobes, specular)
@@ -254,6 +257,16 @@ def turn_to_normals(positions, normals, indices, keep):
     print("normals: %d triangles wound the other way, %d with normals on both sides" % (turned.sum(), mixed))
 
 
+def without_twins(positions, indices):
+    """Which triangles to keep: of several with the same corners the first. Cycles lets such twins shadow each other in
+    blotches, because rays begin on one and meet the other; Octalux begins them off both."""
+    _, place = numpy.unique(positions, axis=0, return_inverse=True)
+    corners = numpy.sort(place.reshape(-1)[indices], axis=1)
+    _, first = numpy.unique(corners, axis=0, return_index=True)
+    print("twins: %d of %d triangles left out" % (len(indices) - len(first), len(indices)))
+    return numpy.sort(first)
+
+
 def make_mesh(folder, described, textures, settings):
     def load(name, dtype, width):
         return numpy.fromfile(os.path.join(folder, name), dtype=dtype).reshape(-1, width)
@@ -264,6 +277,8 @@ def make_mesh(folder, described, textures, settings):
     if settings["import"]:
         lamps = numpy.array([m["rectangle_light"] for m in described["materials"]])[material_index]
         indices, material_index = indices[lamps], material_index[lamps]
+    kept = without_twins(positions, indices)
+    indices, material_index = indices[kept], material_index[kept]
     emits = numpy.array([max(m["emission"]) > 0 for m in described["materials"]])
     turn_to_normals(positions, normals, indices, emits[material_index])
     mesh = bpy.data.meshes.new("scene")

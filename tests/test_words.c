@@ -65,6 +65,7 @@ static void messages_and_warnings_are_printable(void **state) {
   olx_scene scene = {0};
   olx_set_hooks(&(olx_hooks){.log = keep_message});
   olx_scene_warn(&scene, "material %s", "\x1b[31m");
+  olx_scene_log_warnings(&scene);
   olx_set_hooks(NULL);
   assert_string_equal(logged, "material \\x1b[31m");
   assert_string_equal(scene.warnings[0], logged);

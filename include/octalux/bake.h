@@ -82,9 +82,11 @@ typedef struct olx_bake_stats {
 // What a bake takes, reckoned by the code that allocates and lays out, without a ray.
 typedef struct olx_bake_sizes {
   uint64_t probes, irradiance_probes;
-  uint64_t file_bytes;   // exact for probes on a grid; structures of other selectors than the cage come on top
+  uint64_t file_bytes;   // structures of other selectors than the cage come on top, and, where probes see emitters or the
+                         // sky, at most 4 bytes a texel
   uint64_t device_bytes; // that a Vulkan device holds of it, before alignment; 0 for irradiance as spherical harmonics
-  uint64_t memory_bytes; // that the bake takes at most at once, beside the scene and structures of selectors
+  uint64_t memory_bytes; // that the bake takes at most at once, beside the scene, structures of selectors, and surfels with
+                         // their links (olx_bake_stats.light_bytes)
   uint64_t rays;         // of all probes, before shadows and reflections
   uint64_t available_memory_bytes, available_disk_bytes; // UINT64_MAX: not known
 } olx_bake_sizes;

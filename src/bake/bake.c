@@ -522,6 +522,7 @@ static uint64_t memory_of(const bake *b, const olx_field_layout *layout) {
   bytes += olx_gather_bytes(&b->gather, s->irradiance_size, s->bounces, s->fit) + olx_capture_bytes(s->radiance_size);
   bytes += layout->shapes[OLX_CHUNK_RADIANCE].record_bytes + layout->shapes[OLX_CHUNK_LEAST].record_bytes +
            layout->shapes[OLX_CHUNK_GREATEST].record_bytes; // the writer's map and pyramid
+  bytes += olx_surface_capture_bytes(s->radiance_size, s->light == OLX_LIGHT_CACHE);
   if (s->classic) bytes += olx_classic_bake_bytes(&b->classic);
   return s->relight ? bytes + olx_relight_bake_bytes(&b->relight) : bytes;
 }
@@ -576,9 +577,9 @@ olx_result olx_bake_measure(const olx_scene *scene, const olx_bake_settings *set
 olx_result olx_bake(const olx_scene *scene, const olx_bake_settings *settings, const char *path,
                     const olx_progress *progress, olx_bake_stats *stats) {
   olx_bake_sizes sizes;
+  OLX_TRY(olx_bake_measure(scene, settings, path, &sizes));
   OLX_TRY(olx_output_check(path, false));
   OLX_TRY(olx_scene_check_output(scene, path));
-  OLX_TRY(olx_bake_measure(scene, settings, path, &sizes));
   if (olx_emitters_group_count(scene) == 0) {
     olx_log(OLX_LOG_WARNING,
             "the scene has no light: no lamp, no material that shines, no environment; the field will be black");

@@ -428,7 +428,7 @@ olx_result olx_capture_measure(olx_capture *c, double *embree_seconds) {
 
 uint64_t olx_capture_bytes(uint32_t size) {
   const olx_capture *c = NULL;
-  return (uint64_t)size * size * (sizeof *c->radiance + sizeof *c->normal + sizeof *c->distance);
+  return (uint64_t)size * size * (sizeof *c->radiance + sizeof *c->normal + sizeof *c->distance + sizeof *c->hits);
 }
 
 olx_result olx_capture_create(olx_capture *c) {

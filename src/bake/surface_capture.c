@@ -197,6 +197,13 @@ olx_result olx_surface_capture_probe(olx_surface_capture *c, olx_surface_maps *m
                           olx_surface_capture_units(c) / rows);
 }
 
+uint64_t olx_surface_capture_bytes(uint32_t size, bool solved) {
+  const olx_surface_capture *c = NULL;
+  const uint64_t texel = sizeof *c->base + sizeof *c->direct + sizeof *c->indirect + sizeof *c->emission +
+                         sizeof *c->specular + (solved ? sizeof *c->irradiance : 0);
+  return (uint64_t)size * size * texel;
+}
+
 olx_result olx_surface_capture_create(olx_surface_capture *c) {
   const size_t texels = (size_t)c->capture->size * c->capture->size;
   c->base = olx_allocate(texels, sizeof *c->base);

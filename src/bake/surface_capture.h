@@ -22,6 +22,8 @@ typedef struct olx_surface_capture {
 
 // The fields up to `reference_paths` are the caller's to fill.
 olx_result olx_surface_capture_create(olx_surface_capture *surfaces);
+// Bytes that the maps of a probe take; `solved`: with indirect light that is not the plain reference.
+uint64_t olx_surface_capture_bytes(uint32_t size, bool solved);
 void olx_surface_capture_free(olx_surface_capture *surfaces);
 
 // Units of progress a probe takes, in samples of texels.

@@ -64,12 +64,13 @@ void olx_light_surfels_free(olx_light_surfels *s) {
   *s = (olx_light_surfels){0};
 }
 
-uint32_t olx_light_surfels_find(const olx_light_surfels *s, uint64_t finest_key) {
-  uint32_t found = OLX_CELL_NONE;
+olx_surfel_found olx_light_surfels_find(const olx_light_surfels *s, uint64_t finest_key) {
+  olx_surfel_found found = {.surfel = OLX_CELL_NONE};
   for (uint32_t level = FIRST_LEVEL + 1; level-- > 0;) {
     const uint32_t value = olx_cell_table_get(&s->table, olx_cell_at_level(finest_key, level));
     if (value == OLX_CELL_NONE) break;
-    if (value != OLX_CELL_DIVIDED) found = value;
+    found.surfel = value & ~OLX_CELL_DIVIDED;
+    found.side = value & OLX_CELL_DIVIDED ? olx_cell_side(&s->grid, level) : 0.0f;
   }
   return found;
 }
@@ -199,6 +200,17 @@ static olx_result append_surfel(olx_light_surfels *s, const cell_round *r, const
   return OLX_OK;
 }
 
+// Lets a new surfel stand for the divided cells around it that have none yet.
+static olx_result stand_for_divided(olx_light_surfels *s, uint32_t surfel, uint32_t level) {
+  const uint64_t finest = s->surfels[surfel].point.key;
+  while (++level <= FIRST_LEVEL) {
+    const uint64_t key = olx_cell_at_level(finest, level);
+    if (olx_cell_table_get(&s->table, key) != OLX_CELL_NONE) break;
+    OLX_TRY(olx_cell_table_set(&s->table, key, surfel | OLX_CELL_DIVIDED));
+  }
+  return OLX_OK;
+}
+
 // What was examined becomes surfels, or smaller cells in `next`; returns how many of these.
 static olx_result settle_round(cell_round *r, uint32_t base, cell_work *next, uint32_t *next_count) {
   olx_light_surfels *s = r->surfels;
@@ -207,13 +219,12 @@ static olx_result settle_round(cell_round *r, uint32_t base, cell_work *next, ui
     const cell_work *cell = &r->cells[i];
     const uint64_t key = olx_cell_at_level(r->points[cell->first].key, cell->level);
     if (cell->divide) {
-      if (olx_cell_table_get(&s->table, key) == OLX_CELL_NONE)
-        OLX_TRY(olx_cell_table_set(&s->table, key, OLX_CELL_DIVIDED));
       *next_count += split(r->points, cell->first, cell->end, cell->level - 1, next + *next_count);
       continue;
     }
     OLX_TRY(olx_cell_table_set(&s->table, key, s->count));
     OLX_TRY(append_surfel(s, r, cell, base));
+    OLX_TRY(stand_for_divided(s, s->count - 1, cell->level));
   }
   return OLX_OK;
 }

@@ -41,11 +41,11 @@ typedef struct olx_light_surfels {
   uint32_t point_count;
   olx_light_surfel *surfels;
   uint32_t count, capacity;
-  olx_cell_table table; // cells to surfels, or to OLX_CELL_DIVIDED
+  olx_cell_table table; // cells to surfels; divided ones to the first of those in their parts, marked OLX_CELL_DIVIDED
   uint64_t rays;        // cast to explore
 } olx_light_surfels;
 
-#define OLX_CELL_DIVIDED (OLX_CELL_NONE - 1) // a cell without a surfel whose smaller cells may have some
+#define OLX_CELL_DIVIDED 0x80000000u
 
 olx_result olx_light_surfels_create(olx_light_surfels *surfels, const olx_scene *scene, float spacing, uint32_t seed,
                                     uint32_t threads);
@@ -54,7 +54,14 @@ void olx_light_surfels_free(olx_light_surfels *surfels);
 // Adds surfels for points that no cell serves yet. The points are copied; their order does not matter.
 olx_result olx_light_surfels_add(olx_light_surfels *surfels, const olx_surface_point *points, uint32_t count);
 
-// The surfel whose cell holds a point with that finest key, the smallest such cell; OLX_CELL_NONE when there is none.
-uint32_t olx_light_surfels_find(const olx_light_surfels *surfels, uint64_t finest_key);
+// The surfel that serves a point.
+typedef struct olx_surfel_found {
+  uint32_t surfel; // OLX_CELL_NONE when there is none
+  float side;      // of the smallest cell that holds both, metres; 0 when it is the surfel's own
+} olx_surfel_found;
+
+// The surfel whose cell holds a point with that finest key; where that part of a divided cell has none, the surfel that
+// stands for the smallest cell around it.
+olx_surfel_found olx_light_surfels_find(const olx_light_surfels *surfels, uint64_t finest_key);
 
 #endif

@@ -43,19 +43,30 @@ static void add_point(cast_job *c, olx_point_list *list, const olx_surface_point
   list->points[list->count++] = *point;
 }
 
-// A ray ends at the diffuse lobe of a surface: the surfel there knows how much light that gets.
-static olx_link link_to(const olx_light_surfels *s, const olx_surface *surface, const olx_ray_hit *hit, olx_vec3 weight,
-                        uint32_t chain, float footprint, ray_end *end) {
+// Rays of a surfel are about this share of their length apart where they end.
+static const float RAY_FOOTPRINT = 0.3f;
+
+// Whether a surfel is near enough to the end of a ray: in a cell that looks small from where the ray comes from.
+static bool is_served(olx_surfel_found found, float distance) {
+  return found.surfel != OLX_CELL_NONE && found.side <= 0.5f * distance;
+}
+
+// A ray ends at the diffuse lobe of a surface: the surfel there knows how much light that gets. One that is far from it
+// serves where no others will be added.
+static olx_link link_to(const cast_job *c, const olx_surface *surface, const olx_ray_hit *hit, olx_vec3 weight,
+                        uint32_t chain, float distance, ray_end *end) {
+  const olx_light_surfels *s = c->surfels;
   if (olx_max3(weight) <= 0.0f) return no_link;
-  end->point = olx_surface_point_make(&s->grid, surface, hit, footprint);
-  const uint32_t found = olx_light_surfels_find(s, end->point.key);
-  return (olx_link){.end = (found == OLX_CELL_NONE ? OLX_LINK_UNSERVED : found) | chain << OLX_LINK_CHAIN_SHIFT,
-                    .weight = olx_r11g11b10f_pack(weight)};
+  end->point = olx_surface_point_make(&s->grid, surface, hit, RAY_FOOTPRINT * distance);
+  const olx_surfel_found found = olx_light_surfels_find(s, end->point.key);
+  const bool served = is_served(found, distance) || (!c->lists && found.surfel != OLX_CELL_NONE);
+  const uint32_t number = served ? found.surfel : OLX_LINK_UNSERVED;
+  return (olx_link){.end = number | chain << OLX_LINK_CHAIN_SHIFT, .weight = olx_r11g11b10f_pack(weight)};
 }
 
 // Follows a ray that met `hit` until it ends at a diffuse lobe, at the sky, or nowhere. At a surface with both lobes it
 // takes one by chance.
-static void follow(cast_job *c, olx_ray ray, olx_ray_hit hit, uint32_t seed, uint32_t index, float footprint,
+static void follow(cast_job *c, olx_ray ray, olx_ray_hit hit, uint32_t seed, uint32_t index, float distance,
                    ray_end *end, uint64_t *rays) {
   const olx_scene *scene = c->surfels->scene;
   olx_sampler sampler = {.seed = seed, .index = index};
@@ -73,7 +84,7 @@ static void follow(cast_job *c, olx_ray ray, olx_ray_hit hit, uint32_t seed, uin
     const float share = shading.has_specular ? shading.specular_share : 0.0f;
     if (share <= 0.0f || (shading.has_diffuse && olx_sampler_next(&sampler) >= share)) {
       const olx_vec3 weight = olx_scale(olx_mul(throughput, shading.diffuse), 1.0f / (1.0f - share));
-      end->link = link_to(c->surfels, &surface, &hit, weight, chain, footprint, end);
+      end->link = link_to(c, &surface, &hit, weight, chain, distance, end);
       return;
     }
     throughput = olx_scale(throughput, 1.0f / share);
@@ -126,9 +137,8 @@ static void cast_surfel(cast_job *c, uint32_t n, uint32_t job) {
     c->rays[job] += count;
     for (uint32_t i = 0; i < count; i++) {
       ray_end end = {.link = no_link};
-      const float footprint = hits[i].t * 0.3f;
       if (valid[i]) {
-        follow(c, rays[i], hits[i], chain_seed, batch->first_ray + first + i, footprint, &end, &c->rays[job]);
+        follow(c, rays[i], hits[i], chain_seed, batch->first_ray + first + i, hits[i].t, &end, &c->rays[job]);
       }
       batch->links[(size_t)n * batch->rays + first + i] = end.link;
       add_fixed(&c->fixed[number], &end);

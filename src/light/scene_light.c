@@ -5,15 +5,17 @@
 #include "core/hooks.h"
 #include "core/octahedral.h"
 #include "core/result.h"
-#include "light/light_bounces.h"
 #include "light/direct_light.h"
+#include "light/light_bounces.h"
 #include "light/surfel_lookup.h"
 
 enum {
   FIRST_RAYS = 64,    // of every surfel
   MOST_RAYS = 1024,   // of one whose light varies much
   HIDDEN_ROUNDS = 2,  // how often surfels are added where rays end without one
-  DIRECT_POINTS = 16, // at which the direct light of a cell is taken
+  LEAST_DIRECT = 16,  // points at which the direct light of a cell is taken, and as many as make
+  ALL_DIRECT = 1 << 18, // this number of them in all, where cells are few, but no more than
+  MOST_DIRECT = 256,
   MOST_BATCHES = 1 + HIDDEN_ROUNDS + 4,
   MOST_VIEW_SIDE = 1024, // rays along the side of the map by which a probe looks around
   SURFELS_PER_JOB = 16,
@@ -139,8 +141,8 @@ static void link_to_new(olx_scene_light *l, const olx_point_list *points) {
   for (size_t i = 0; i < (size_t)batch->count * batch->rays; i++) {
     olx_link *link = &batch->links[i];
     if ((link->end & OLX_LINK_NOWHERE) != OLX_LINK_UNSERVED) continue;
-    const uint32_t found = olx_light_surfels_find(&l->surfels, points->points[next++].key);
-    if (found != OLX_CELL_NONE) link->end = (link->end & ~OLX_LINK_NOWHERE) | found;
+    const olx_surfel_found found = olx_light_surfels_find(&l->surfels, points->points[next++].key);
+    if (found.surfel != OLX_CELL_NONE) link->end = (link->end & ~OLX_LINK_NOWHERE) | found.surfel;
   }
 }
 
@@ -186,6 +188,7 @@ static void count_rays(olx_scene_light *l) {
 
 typedef struct direct_job {
   olx_scene_light *light;
+  uint32_t points; // of a cell
   uint64_t *rays; // a job
 } direct_job;
 
@@ -199,13 +202,13 @@ static void light_directly(void *user, uint32_t job) {
     const olx_light_surfel *surfel = &s->surfels[i];
     const uint32_t seed = olx_hash3(s->seed ^ (uint32_t)surfel->cell, (uint32_t)(surfel->cell >> 32), SALT_DIRECT);
     olx_vec3 sum = {0};
-    for (uint32_t k = 0; k < DIRECT_POINTS; k++) {
-      const uint32_t offset = (uint32_t)((uint64_t)surfel->point_count * (2 * k + 1) / (2 * DIRECT_POINTS));
+    for (uint32_t k = 0; k < d->points; k++) {
+      const uint32_t offset = (uint32_t)((uint64_t)surfel->point_count * (2 * k + 1) / (2 * d->points));
       const olx_surface surface = olx_surface_point_surface(s->scene, &s->points[surfel->first_point + offset]);
       olx_sampler sampler = {.seed = seed, .index = k};
       sum = olx_add(sum, olx_direct_irradiance(s->scene, &surface, &sampler, &d->rays[job]));
     }
-    d->light->direct[i] = olx_scale(sum, 1.0f / DIRECT_POINTS);
+    d->light->direct[i] = olx_scale(sum, 1.0f / (float)d->points);
   }
 }
 
@@ -213,7 +216,9 @@ static olx_result add_direct(olx_scene_light *l) {
   const uint32_t count = l->surfels.count, jobs = (count + SURFELS_PER_JOB - 1) / SURFELS_PER_JOB;
   l->direct = olx_allocate(count, sizeof *l->direct);
   l->irradiance = olx_allocate(count, sizeof *l->irradiance);
-  direct_job d = {.light = l, .rays = olx_allocate_zero(jobs, sizeof *d.rays)};
+  uint32_t points = LEAST_DIRECT;
+  while (points < MOST_DIRECT && (uint64_t)points * count < ALL_DIRECT) points *= 2;
+  direct_job d = {.light = l, .points = points, .rays = olx_allocate_zero(jobs, sizeof *d.rays)};
   olx_result result = l->direct && l->irradiance && d.rays
                           ? OLX_OK
                           : olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", count);
@@ -346,8 +351,8 @@ olx_scene_light_report olx_scene_light_describe(const olx_scene_light *light) { 
 // Light of the surfel whose cell holds the point, however far it lies from its plane.
 static olx_vec3 from_cell(const olx_scene_light *l, const olx_surface *surface) {
   const uint64_t key = olx_cell_key(&l->surfels.grid, surface->position, surface->geometric_normal);
-  const uint32_t found = olx_light_surfels_find(&l->surfels, key);
-  return found == OLX_CELL_NONE ? olx_splat(0.0f) : l->irradiance[found];
+  const olx_surfel_found found = olx_light_surfels_find(&l->surfels, key);
+  return found.surfel == OLX_CELL_NONE ? olx_splat(0.0f) : l->irradiance[found.surfel];
 }
 
 olx_vec3 olx_scene_light_irradiance(const olx_scene_light *l, const olx_surface *surface) {

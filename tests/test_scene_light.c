@@ -1,0 +1,211 @@
+// The light of a scene, solved once: held against path tracing, against what is known of sealed rooms, and against itself with
+// other threads and other random numbers.
+#include "light/path.h"
+#include "light/scene_light.h"
+#include "scene/scene_data.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { POINTS = 128, MOST_PROBES = 128 };
+
+// A scene with the probes of its grid, and points of its surfaces that these see.
+typedef struct setting {
+  olx_scene *scene;
+  olx_vec3 probes[MOST_PROBES];
+  uint8_t flags[MOST_PROBES];
+  uint32_t probe_count;
+  olx_surface points[POINTS];
+} setting;
+
+// A probe that sees most surfaces from behind stands inside a solid.
+static bool is_buried(const olx_scene *scene, olx_vec3 probe) {
+  enum { RAYS = 64 };
+  uint32_t behind = 0;
+  for (uint32_t i = 0; i < RAYS; i++) {
+    const olx_vec3 direction = olx_sample_sphere(olx_hammersley(i, RAYS));
+    const olx_ray ray = {probe, direction, 0.0f, INFINITY};
+    const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
+    behind += hit.triangle != OLX_NO_HIT && olx_surface_at(scene, &hit, direction).back_face;
+  }
+  return behind > RAYS / 2;
+}
+
+static void load(setting *s, const char *name) {
+  memset(s, 0, sizeof *s);
+  assert_int_equal(olx_scene_load(name, &s->scene), OLX_OK);
+  olx_grid grid;
+  assert_int_equal(olx_scene_probe_grid(s->scene, NULL, &grid), OLX_OK);
+  s->probe_count = grid.count[0] * grid.count[1] * grid.count[2];
+  assert_true(s->probe_count <= MOST_PROBES);
+  for (uint32_t i = 0; i < s->probe_count; i++) {
+    const uint32_t x = i % grid.count[0], y = i / grid.count[0] % grid.count[1], z = i / grid.count[0] / grid.count[1];
+    s->probes[i] = olx_add(grid.origin, olx_mul(grid.spacing, olx_v3((float)x, (float)y, (float)z)));
+    s->flags[i] = is_buried(s->scene, s->probes[i]);
+  }
+  for (uint32_t i = 0, tried = 0; i < POINTS; tried++) {
+    assert_true(tried < 100 * POINTS);
+    const olx_vec3 direction = olx_sample_sphere(olx_stratified2(tried, 3));
+    const olx_ray ray = {s->probes[tried % s->probe_count], direction, 0.0f, INFINITY};
+    const olx_ray_hit hit = olx_bvh_intersect(s->scene->bvh, &ray);
+    if (s->flags[tried % s->probe_count] || hit.triangle == OLX_NO_HIT) continue;
+    s->points[i] = olx_surface_at(s->scene, &hit, direction);
+    s->points[i].shading_normal = olx_surface_vertex_normal(s->scene, &hit, &s->points[i]);
+    i++;
+  }
+}
+
+static olx_scene_light_settings small_settings(void) {
+  olx_scene_light_settings settings = olx_scene_light_settings_default();
+  settings.map_size = 128;
+  settings.threads = 2;
+  return settings;
+}
+
+static olx_scene_light *solve(const setting *s, const olx_scene_light_settings *settings) {
+  olx_scene_light *light;
+  assert_int_equal(olx_scene_light_create(s->scene, settings, s->probes, s->flags, s->probe_count, &light), OLX_OK);
+  return light;
+}
+
+static double squared(olx_vec3 a) { return (double)olx_dot(a, a); }
+
+// Squared error over squared light, without the noise of the reference, which comes in two halves.
+static double relative_error(const setting *s, const olx_scene_light *light, uint32_t bounces, double *bias) {
+  double error = 0.0, squares = 0.0, sum = 0.0, off = 0.0;
+  uint64_t rays = 0;
+  for (uint32_t i = 0; i < POINTS; i++) {
+    const olx_vec3 found = olx_scene_light_irradiance(light, &s->points[i]);
+    olx_vec3 half[2];
+    for (uint32_t k = 0; k < 2; k++) {
+      half[k] = olx_path_surface_irradiance(s->scene, &s->points[i], bounces, 256, 2 * i + k, &rays);
+    }
+    error += (double)olx_dot(olx_sub(found, half[0]), olx_sub(found, half[1]));
+    squares += (double)olx_dot(half[0], half[1]);
+    sum += (double)olx_luminance(half[0]) + (double)olx_luminance(half[1]);
+    off += 2.0 * (double)olx_luminance(found) - (double)olx_luminance(half[0]) - (double)olx_luminance(half[1]);
+  }
+  *bias = off / sum;
+  return error / squares;
+}
+
+// Interpolated light has an error of a few per cent of the light where it changes fast; 256 paths twice at 200 points say the
+// bias to half a per cent.
+static void irradiance_is_that_of_path_tracing(void **state) {
+  (void)state;
+  setting *s = malloc(sizeof *s);
+  load(s, "builtin:pillars");
+  for (uint32_t bounces = 1; bounces <= 4; bounces += 3) {
+    olx_scene_light_settings settings = small_settings();
+    settings.bounces = bounces;
+    settings.map_size = 256;
+    olx_scene_light *light = solve(s, &settings);
+    double bias;
+    const double error = relative_error(s, light, bounces, &bias);
+    if (error > 0.015 || fabs(bias) > 0.04) {
+      fail_msg("%u bounces: relative MSE %g, bias %g", bounces, error, bias);
+    }
+    olx_scene_light_free(light);
+  }
+  olx_scene_free(s->scene);
+  free(s);
+}
+
+// The lamp is on the left; a wall 0.2 m thick reaches from floor to ceiling.
+static void sealed_rooms_get_no_light_of_each_other(void **state) {
+  (void)state;
+  setting *s = malloc(sizeof *s);
+  load(s, "builtin:two-rooms-sealed");
+  const olx_scene_light_settings settings = small_settings();
+  olx_scene_light *light = solve(s, &settings);
+  uint32_t lit = 0;
+  for (uint32_t i = 0; i < POINTS; i++) {
+    const olx_vec3 found = olx_scene_light_irradiance(light, &s->points[i]);
+    if (s->points[i].position.x > 0.0f) assert_float_equal(olx_max3(found), 0.0f, 1e-6f);
+    lit += olx_max3(found) > 0.1f;
+  }
+  assert_true(lit > POINTS / 4);
+  olx_scene_light_free(light);
+  olx_scene_free(s->scene);
+  free(s);
+}
+
+static void threads_and_runs_do_not_matter(void **state) {
+  (void)state;
+  setting *s = malloc(sizeof *s);
+  load(s, "builtin:cornell-glossy");
+  olx_scene_light_settings settings = small_settings();
+  olx_scene_light *with_two = solve(s, &settings);
+  settings.threads = 1;
+  olx_scene_light *with_one = solve(s, &settings);
+  for (uint32_t i = 0; i < POINTS; i++) {
+    const olx_vec3 a = olx_scene_light_irradiance(with_two, &s->points[i]);
+    const olx_vec3 b = olx_scene_light_irradiance(with_one, &s->points[i]);
+    assert_memory_equal(&a, &b, sizeof a);
+  }
+  olx_scene_light_free(with_one);
+  olx_scene_light_free(with_two);
+  olx_scene_free(s->scene);
+  free(s);
+}
+
+// Two solutions with other random numbers differ by the root of two times their noise, which is bounded.
+static void noise_stays_below_its_bound_and_costs_rays(void **state) {
+  (void)state;
+  setting *s = malloc(sizeof *s);
+  load(s, "builtin:cornell");
+  olx_scene_light_settings settings = small_settings();
+  uint64_t links[2];
+  for (uint32_t n = 0; n < 2; n++) {
+    settings.noise = n == 0 ? 0.08f : 0.02f;
+    olx_scene_light *light[2];
+    for (uint32_t k = 0; k < 2; k++) {
+      settings.seed = k;
+      light[k] = solve(s, &settings);
+    }
+    double difference = 0.0, squares = 0.0;
+    for (uint32_t i = 0; i < POINTS; i++) {
+      const olx_vec3 a = olx_scene_light_irradiance(light[0], &s->points[i]);
+      difference += squared(olx_sub(a, olx_scene_light_irradiance(light[1], &s->points[i])));
+      squares += squared(a);
+    }
+    assert_true(sqrt(0.5 * difference / squares) < 1.2 * (double)settings.noise);
+    links[n] = olx_scene_light_describe(light[0]).links;
+    olx_scene_light_free(light[0]);
+    olx_scene_light_free(light[1]);
+  }
+  assert_true(links[1] > 2 * links[0]);
+  olx_scene_free(s->scene);
+  free(s);
+}
+
+static void without_probes_that_see_there_is_no_light(void **state) {
+  (void)state;
+  setting *s = malloc(sizeof *s);
+  load(s, "builtin:cornell");
+  memset(s->flags, 1, sizeof s->flags);
+  const olx_scene_light_settings settings = small_settings();
+  olx_scene_light *light = solve(s, &settings);
+  assert_int_equal(olx_scene_light_describe(light).surfels, 0);
+  for (uint32_t i = 0; i < POINTS; i++) {
+    assert_float_equal(olx_max3(olx_scene_light_irradiance(light, &s->points[i])), 0.0f, 0.0f);
+  }
+  olx_scene_light_free(light);
+  olx_scene_free(s->scene);
+  free(s);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(irradiance_is_that_of_path_tracing),
+      cmocka_unit_test(sealed_rooms_get_no_light_of_each_other),
+      cmocka_unit_test(threads_and_runs_do_not_matter),
+      cmocka_unit_test(noise_stays_below_its_bound_and_costs_rays),
+      cmocka_unit_test(without_probes_that_see_there_is_no_light),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

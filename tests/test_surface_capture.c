@@ -193,7 +193,7 @@ static void sky_and_sun_light_a_square(void **state) {
     assert_near(olx_texel_direct(field, 0, at), direct, 0.02f * direct.z);
     *(p.x < 0.0f ? &lit : &shaded) += 1;
   }
-  // Of what a point sees of the sphere, the sheet takes 0.0004, and reflects no more than 0.6 of what it gets.
+  // The sheet takes 0.0004 of the sphere that a point sees, and reflects no more than 0.6 of what it gets.
   assert_true(mean_of(field, olx_texel_indirect) < 0.01f);
   assert_true(lit > 50 && shaded > 50 && sky > 300);
   const olx_field_light *sun = field->surfaces.lights;

@@ -12,7 +12,7 @@ enum { EXPLORING_RAYS = 32, CELLS_PER_JOB = 16, SALT_EXPLORE = 0x4558504C };
 
 // Cells are not divided below this many footprints of the points in them.
 static const float LEAST_FOOTPRINTS = 2.0f;
-// Nor when fewer points than this are in them: surfaces that so few rays meet send little light.
+// Cells with fewer points than this are not divided: surfaces that so few rays meet send little light.
 enum { LEAST_POINTS = 8 };
 // Cells begin at this many halvings of the largest.
 enum { FIRST_LEVEL = OLX_CELL_LEVELS - 3 };

@@ -163,7 +163,7 @@ static olx_result create_variants(olx_vulkan_frame *f, uint32_t pass, const olx_
   return OLX_OK;
 }
 
-// Those that the targets name and that are not there yet.
+// Makes the pipelines that the targets name and that do not exist yet.
 static olx_result create_pipelines(olx_vulkan_frame *f, const olx_vulkan_targets *t) {
   for (uint32_t pass = 0; pass < OLX_PASS_COUNT; pass++) {
     const uint32_t named = pass == OLX_PASS_DIM ? OLX_PASS_TRACE : pass;

@@ -84,12 +84,12 @@ class Cycles:
         run([tool, scene, self.arrays] + ([camera] if camera else []))
 
     def render(self, output, size, spp, bounces, seed=0, threads=2, textures="float", normals="smooth",
-               shadow_terminator=0.0, clamp_indirect=0.0, light_threshold=0.0, model=None):
+               shadow_terminator=0.0, clamp_indirect=0.0, light_threshold=0.0, emitters="sampled", model=None):
         settings = {
             "folder": self.arrays, "output": os.path.abspath(output), "passes": os.path.join(self.work, "passes.exr"),
             "size": size, "spp": spp, "bounces": bounces, "seed": seed, "threads": threads, "textures": textures,
             "normals": normals, "shadow_terminator": shadow_terminator, "clamp_indirect": clamp_indirect,
-            "light_threshold": light_threshold, "import": model,
+            "light_threshold": light_threshold, "emitters": emitters, "import": model,
         }
         path = os.path.join(self.work, "settings.json")
         with open(path, "w") as file:
@@ -152,6 +152,8 @@ def parse():
     parser.add_argument("--shadow-terminator", type=float, default=0.0, help="Blender's default is 0.1")
     parser.add_argument("--clamp-indirect", type=float, default=0.0, help="Blender's default is 10")
     parser.add_argument("--light-threshold", type=float, default=0.0, help="Blender's default is 0.01")
+    parser.add_argument("--emitters", choices=("sampled", "hit"), default="sampled",
+                        help="hit: Cycles finds lamps with an area by chance alone, which is noisier; default sampled")
     parser.add_argument("--import", dest="model", metavar="MODEL.gltf",
                         help="with --matte: geometry and textures by Blender's own importer, from the scene's one "
                              "model, which is not moved")
@@ -169,7 +171,7 @@ def parse():
 def main():
     a = parse()
     toggles = {"textures": a.textures, "normals": a.normals, "shadow_terminator": a.shadow_terminator,
-               "clamp_indirect": a.clamp_indirect, "light_threshold": a.light_threshold,
+               "clamp_indirect": a.clamp_indirect, "light_threshold": a.light_threshold, "emitters": a.emitters,
                "model": a.model and os.path.abspath(a.model)}
     with tempfile.TemporaryDirectory(prefix="octalux-cycles-") as work:
         scene = matte_description(a.scene, work) if a.matte else a.scene

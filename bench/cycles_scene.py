@@ -8,8 +8,8 @@ parameters:
 
 - the diffuse lobe is Lambert's, albedo times 1 - w F(normal . view), exactly;
 - the specular lobe is Cycles' GGX with the same alpha, F0 and F90. Cycles uses the separable Smith term and the
-  Fresnel equations where Octalux has the height-correlated term and Schlick's formula, which gives as much on the whole:
-  glossy light agrees to some percent only;
+  Fresnel equations where Octalux has the height-correlated term and Schlick's formula, which gives as much on the
+  whole: glossy light agrees to some percent only;
 - alpha masks, one-sided emission, base colours clamped to 0.95 and bilinear texture look-ups are the same.
 """
 import json
@@ -230,8 +230,9 @@ def emission(nodes, textures, m):
     return nodes.node("ShaderNodeEmission", {"Color": color, "Strength": strength}).outputs[0]
 
 
-def make_material(textures, m, index):
+def make_material(textures, m, index, emitters):
     material = bpy.data.materials.new("%d" % index)
+    material.cycles.sample_as_light = emitters == "sampled"
     material.use_nodes = True
     nodes = Nodes(material.node_tree)
     shader = reflection(nodes, textures, m)
@@ -292,7 +293,7 @@ def make_mesh(folder, described, textures, settings):
     mesh.polygons.foreach_set("use_smooth", numpy.full(len(indices), settings["normals"] == "smooth"))
     mesh.uv_layers.new(name="uv").data.foreach_set("uv", uvs[indices.ravel()].ravel())
     for i, m in enumerate(described["materials"]):
-        mesh.materials.append(make_material(textures, m, i))
+        mesh.materials.append(make_material(textures, m, i, settings["emitters"]))
     mesh.polygons.foreach_set("material_index", material_index)
     mesh.update(calc_edges=True)
     if settings["normals"] == "smooth":

@@ -1,4 +1,4 @@
-"""Plain OpenEXR files of one part: scanlines of 32-bit floats, not compressed. Blender writes them, Octalux reads them."""
+"""Plain OpenEXR files of one part: scanlines of 32-bit floats, not compressed. Octalux and Blender know them."""
 import struct
 
 import numpy

@@ -11,7 +11,7 @@ compare() {
 }
 
 compare builtin:cornell --size 64x64 --spp 256 --within 0.1
-compare builtin:temple --size 64x48 --spp 128 --within 0.3
+compare builtin:temple --size 64x48 --spp 512 --emitters hit --within 0.3
 if build/release/octalux scene scenes/sponza.json >/dev/null 2>&1; then
   compare scenes/sponza.json --size 96x54 --spp 128 --within 0.3
 else

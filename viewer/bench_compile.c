@@ -241,8 +241,11 @@ static bool compile_frame(olx_vulkan_field *field, olx_vulkan_targets targets) {
   static const struct {
     olx_select select;
     const char *name;
-  } others[] = {
-      {OLX_SELECT_CAGE, ", cage"}, {OLX_SELECT_VORONOI, ", voronoi"}, {OLX_SELECT_EXHAUSTIVE, ", exhaustive"}};
+  } selectors[] = {{OLX_SELECT_CAGE, ", cage"},
+                   {OLX_SELECT_BRICKS, ", bricks"},
+                   {OLX_SELECT_VORONOI, ", voronoi"},
+                   {OLX_SELECT_EXHAUSTIVE, ", exhaustive"}};
+  const olx_select best = olx_vulkan_field_select(field, OLX_SELECT_BEST); // compiled already
   olx_vulkan_frame *frame = NULL;
   targets.passes = OLX_VULKAN_PASS_IRRADIANCE | OLX_VULKAN_PASS_COMPOSITE;
   bool fine = begin_step(&plain, "") && end_step(olx_vulkan_frame_create(field, &targets, &frame));
@@ -256,10 +259,11 @@ static bool compile_frame(olx_vulkan_field *field, olx_vulkan_targets targets) {
     fine = begin_step(&again, tracers[tracer]) && end_step(olx_vulkan_frame_resize(frame, &targets));
   }
   targets.tracers = 1u << OLX_TRACER_HIZ;
-  for (uint32_t i = 0; fine && i < sizeof others / sizeof others[0]; i++) {
-    if (olx_vulkan_field_select(field, others[i].select) != others[i].select) continue; // not in the field
-    targets.selects = 1u << others[i].select;
-    fine = begin_step(&again, others[i].name) && end_step(olx_vulkan_frame_resize(frame, &targets));
+  for (uint32_t i = 0; fine && i < sizeof selectors / sizeof selectors[0]; i++) {
+    const olx_select select = selectors[i].select;
+    if (select == best || olx_vulkan_field_select(field, select) != select) continue; // compiled, or not in the field
+    targets.selects = 1u << select;
+    fine = begin_step(&again, selectors[i].name) && end_step(olx_vulkan_frame_resize(frame, &targets));
   }
   olx_vulkan_frame_destroy(frame);
   return fine;

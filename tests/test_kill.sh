@@ -20,14 +20,16 @@ bake_ms=$((($(date +%s%N) - start) / 1000000))
 sum=$(sha256sum <"$work/field.olx")
 
 # kill_bake SIGNAL MILLISECONDS PRELOADED: a bake gets the signal; its exit status is in $status. With a library preloaded
-# the time counts from when its temporary file has a name.
+# the time counts from when its temporary file has a name: one that an earlier bake left behind does not count.
 kill_bake() {
+  local before
+  before=$(ls -A "$work")
   LD_PRELOAD=$3 "${bake[@]}" >/dev/null 2>&1 &
   local child=$!
   # Until it is the program: a signal before that would meet a copy of this shell, which tidies up as this one does.
   while [ "$(cat "/proc/$child/comm" 2>/dev/null)" = bash ]; do :; done
   if [ -n "$3" ]; then
-    while [ "$(ls -A "$work")" = field.olx ] && kill -0 "$child" 2>/dev/null; do sleep 0.01; done
+    while [ "$(ls -A "$work")" = "$before" ] && kill -0 "$child" 2>/dev/null; do sleep 0.01; done
     [ "$(ls -A "$work")" = field.olx ] || named=1
   fi
   sleep "$(printf '%d.%03d' $(($2 / 1000)) $(($2 % 1000)))"

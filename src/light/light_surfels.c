@@ -1,5 +1,6 @@
 // Divides the surfaces that probes and rays meet into cells and chooses a surfel in each: cells are halved until they are
-// small beside the distance to what they see, or no larger than the points that found them are apart.
+// small beside the distance to what they see, or no larger than the points that found them are apart. Points of a cell that
+// do not see each other, such as floors on two sides of a thin wall, get surfels of their own.
 #include "light/light_surfels.h"
 
 #include "core/hooks.h"
@@ -14,6 +15,12 @@ enum { EXPLORING_RAYS = 32, CELLS_PER_JOB = 16, SALT_EXPLORE = 0x4558504C };
 static const float LEAST_FOOTPRINTS = 2.0f;
 // Cells with fewer points than this are not divided: surfaces that so few rays meet send little light.
 enum { LEAST_POINTS = 8 };
+// Points of a cell that are tried before all are, and surfels that a cell gets at most at once.
+enum { TRIED_POINTS = 16, MOST_GROUPS = 4 };
+// Within this share of the distance to the nearest thing that a surfel sees, nothing hides a point from it.
+static const float CLEAR_SHARE = 0.7f;
+// Rays between surfels and points run this share of their distance above the surface, and this share of the world.
+static const float LIFT_OF_DISTANCE = 0.03f, LIFT_OF_WORLD = 0x1p-21f;
 // Cells begin at this many halvings of the largest.
 enum { FIRST_LEVEL = OLX_CELL_LEVELS - 3 };
 
@@ -64,7 +71,42 @@ void olx_light_surfels_free(olx_light_surfels *s) {
   *s = (olx_light_surfels){0};
 }
 
-olx_surfel_found olx_light_surfels_find(const olx_light_surfels *s, uint64_t finest_key) {
+// A place on a side of a surface.
+typedef struct place {
+  olx_vec3 position, normal;
+} place;
+
+static place place_of(const olx_scene *scene, const olx_surface_point *p) {
+  const olx_vec3 a = corner(scene, p->triangle, 0), b = corner(scene, p->triangle, 1),
+                 c = corner(scene, p->triangle, 2);
+  const olx_vec3 outward = olx_normalize(olx_cross(olx_sub(b, a), olx_sub(c, a)));
+  return (place){position_of(scene, p), p->back_face ? olx_negate(outward) : outward};
+}
+
+// Whether nothing lies between two places side by side.
+static bool is_clear(const olx_light_surfels *s, place from, place to) {
+  const float lift =
+      LIFT_OF_DISTANCE * olx_length(olx_sub(to.position, from.position)) + LIFT_OF_WORLD * s->grid.coarsest;
+  const olx_vec3 begin = olx_madd(from.position, from.normal, lift), end = olx_madd(to.position, to.normal, lift);
+  const olx_ray ray = {.origin = begin, .direction = olx_sub(end, begin), .t_min = 0.0f, .t_max = 1.0f};
+  return !olx_bvh_occluded(s->scene->bvh, &ray);
+}
+
+bool olx_light_surfels_see(const olx_light_surfels *s, const olx_light_surfel *surfel, const olx_surface *surface) {
+  const olx_vec3 way = olx_sub(surface->position, surfel->position);
+  const float clear = CLEAR_SHARE * surfel->nearest;
+  if (olx_dot(way, way) < clear * clear) return true;
+  return is_clear(s, (place){surface->position, surface->geometric_normal}, (place){surfel->position, surfel->normal});
+}
+
+// That of the surfels of a cell which sees the surface.
+static uint32_t seeing(const olx_light_surfels *s, uint32_t head, const olx_surface *surface) {
+  while (head != OLX_CELL_NONE && !olx_light_surfels_see(s, &s->surfels[head], surface)) head = s->surfels[head].next;
+  return head;
+}
+
+olx_surfel_found olx_light_surfels_find(const olx_light_surfels *s, uint64_t finest_key, const olx_surface *surface,
+                                        float most_side) {
   olx_surfel_found found = {.surfel = OLX_CELL_NONE};
   for (uint32_t level = FIRST_LEVEL + 1; level-- > 0;) {
     const uint32_t value = olx_cell_table_get(&s->table, olx_cell_at_level(finest_key, level));
@@ -72,31 +114,44 @@ olx_surfel_found olx_light_surfels_find(const olx_light_surfels *s, uint64_t fin
     found.surfel = value & ~OLX_CELL_DIVIDED;
     found.side = value & OLX_CELL_DIVIDED ? olx_cell_side(&s->grid, level) : 0.0f;
   }
+  if (found.surfel == OLX_CELL_NONE) return found;
+  const bool alone = found.side == 0.0f && s->surfels[found.surfel].next == OLX_CELL_NONE;
+  if (found.side > most_side) found.surfel = OLX_CELL_NONE;
+  else if (!alone) {
+    found.surfel = seeing(s, found.surfel, surface);
+    if (found.surfel == OLX_CELL_NONE && found.side == 0) found.side = -1.0f;
+  }
   return found;
 }
 
-// A cell that is to be divided or to get a surfel, and what is found out about it.
+// Points of a cell that one of them sees, and that one, where the surfel will be.
+typedef struct point_group {
+  uint32_t chosen, end; // up to which they lie in the batch
+  float nearest;
+} point_group;
+
+// A cell that is to be divided or to get surfels, and what is found out about it.
 typedef struct cell_work {
   uint32_t first, end, level; // points of the batch
-  uint32_t chosen;            // point for the surfel
-  float nearest;
-  bool divide;
+  uint32_t group_count;       // 0: it is to be divided
+  point_group groups[MOST_GROUPS];
 } cell_work;
 
 typedef struct cell_round {
   olx_light_surfels *surfels;
-  const olx_surface_point *points;
+  olx_surface_point *points;
   cell_work *cells;
   uint32_t count;
 } cell_round;
 
-// The point nearest to the middle of the cell's points, so that surfels of neighbouring cells are evenly spaced.
-static uint32_t choose_point(const cell_round *r, const cell_work *cell) {
+// Of the points from `first` on that nearest to the middle of the cell, so that surfels of neighbouring cells are evenly
+// spaced.
+static uint32_t choose_point(const cell_round *r, const cell_work *cell, uint32_t first) {
   const olx_scene *scene = r->surfels->scene;
   const olx_vec3 middle = olx_cell_middle(&r->surfels->grid, position_of(scene, &r->points[cell->first]), cell->level);
-  uint32_t best = cell->first;
+  uint32_t best = first;
   float least = INFINITY;
-  for (uint32_t i = cell->first; i < cell->end; i++) {
+  for (uint32_t i = first; i < cell->end; i++) {
     const olx_vec3 way = olx_sub(position_of(scene, &r->points[i]), middle);
     const float distance = olx_dot(way, way);
     if (distance < least) {
@@ -113,7 +168,7 @@ static float least_footprint(const cell_round *r, const cell_work *cell) {
   return least;
 }
 
-// Harmonic mean distance of what a surface sees, and the least distance.
+// Geometric mean distance of what a surface sees, and the least distance. The sky is as far as the farthest of the rest.
 static float explore(const olx_light_surfels *s, const olx_surface *surface, uint64_t cell, float *nearest) {
   olx_ray rays[EXPLORING_RAYS];
   olx_ray_hit hits[EXPLORING_RAYS];
@@ -123,26 +178,74 @@ static float explore(const olx_light_surfels *s, const olx_surface *surface, uin
     rays[i] = olx_surface_ray(surface, olx_from_basis(local, surface->geometric_normal), INFINITY);
   }
   olx_bvh_intersect_many(s->scene->bvh, rays, EXPLORING_RAYS, false, hits);
-  float inverse_sum = 0.0f;
+  float sum = 0.0f, farthest = 0.0f;
+  uint32_t found = 0;
   *nearest = INFINITY;
   for (uint32_t i = 0; i < EXPLORING_RAYS; i++) {
     if (hits[i].triangle == OLX_NO_HIT) continue;
-    inverse_sum += 1.0f / olx_max(hits[i].t, s->grid.finest);
+    const float distance = olx_max(hits[i].t, s->grid.finest);
+    sum += logf(distance);
+    farthest = olx_max(farthest, distance);
     *nearest = olx_min(*nearest, hits[i].t);
+    found++;
   }
-  return inverse_sum > 0.0f ? EXPLORING_RAYS / inverse_sum : INFINITY;
+  if (found == 0) return INFINITY;
+  return expf((sum + (float)(EXPLORING_RAYS - found) * logf(farthest)) / EXPLORING_RAYS);
+}
+
+// Whether all points from `first` on seem to see the chosen one: some of them are tried.
+static bool seem_clear(const cell_round *r, uint32_t first, uint32_t end, place chosen) {
+  const uint32_t count = end - first, tried = count < TRIED_POINTS ? count : TRIED_POINTS;
+  for (uint32_t i = 0; i < tried; i++) {
+    const uint32_t at = first + (uint32_t)((uint64_t)count * (2 * i + 1) / (2 * tried));
+    if (!is_clear(r->surfels, place_of(r->surfels->scene, &r->points[at]), chosen)) return false;
+  }
+  return true;
+}
+
+// Moves the points from `first` on that see the chosen one to the front; returns where the others begin.
+static uint32_t part(const cell_round *r, uint32_t first, uint32_t end, place chosen) {
+  for (uint32_t i = first; i < end; i++) {
+    const olx_surface_point point = r->points[i];
+    if (!is_clear(r->surfels, place_of(r->surfels->scene, &point), chosen)) continue;
+    r->points[i] = r->points[first];
+    r->points[first++] = point;
+  }
+  return first;
+}
+
+// Parts the points of a cell that is not divided into groups, the first of which has been begun.
+static void make_groups(const cell_round *r, cell_work *cell) {
+  const olx_light_surfels *s = r->surfels;
+  for (uint32_t first = cell->first; first < cell->end;) {
+    point_group *group = &cell->groups[cell->group_count++];
+    if (cell->group_count > 1) {
+      group->chosen = choose_point(r, cell, first);
+      const olx_surface surface = olx_surface_point_surface(s->scene, &r->points[group->chosen]);
+      explore(s, &surface, olx_cell_at_level(r->points[group->chosen].key, cell->level), &group->nearest);
+    }
+    const olx_surface_point chosen = r->points[group->chosen];
+    r->points[group->chosen] = r->points[first];
+    r->points[first] = chosen;
+    group->chosen = first;
+    const place middle = place_of(s->scene, &chosen);
+    const bool whole = cell->group_count == MOST_GROUPS || seem_clear(r, first + 1, cell->end, middle);
+    group->end = whole ? cell->end : part(r, first + 1, cell->end, middle);
+    first = group->end;
+  }
 }
 
 static void examine_cell(const cell_round *r, cell_work *cell) {
   const olx_light_surfels *s = r->surfels;
-  cell->chosen = choose_point(r, cell);
+  point_group *group = &cell->groups[0];
+  group->chosen = choose_point(r, cell, cell->first);
   const float side = olx_cell_side(&s->grid, cell->level);
-  const olx_surface surface = olx_surface_point_surface(s->scene, &r->points[cell->chosen]);
-  const uint64_t key = olx_cell_at_level(r->points[cell->chosen].key, cell->level);
-  const float mean = explore(s, &surface, key, &cell->nearest);
+  const olx_surface surface = olx_surface_point_surface(s->scene, &r->points[group->chosen]);
+  const uint64_t key = olx_cell_at_level(r->points[group->chosen].key, cell->level);
+  const float mean = explore(s, &surface, key, &group->nearest);
   const bool small = cell->level == 0 || cell->end - cell->first < LEAST_POINTS ||
                      0.5f * side < LEAST_FOOTPRINTS * least_footprint(r, cell);
-  cell->divide = !small && side > s->spacing * mean;
+  if (small || side <= s->spacing * mean) make_groups(r, cell);
 }
 
 static void examine_cells(void *user, uint32_t job) {
@@ -177,7 +280,9 @@ static uint32_t split(const olx_surface_point *points, uint32_t first, uint32_t 
   return count;
 }
 
-static olx_result append_surfel(olx_light_surfels *s, const cell_round *r, const cell_work *cell, uint32_t base) {
+// One surfel for the points first to group->end of a cell.
+static olx_result append_surfel(olx_light_surfels *s, const cell_round *r, const cell_work *cell,
+                                const point_group *group, uint32_t first, uint32_t base) {
   if (s->count == s->capacity) {
     const uint32_t capacity = s->capacity ? 2 * s->capacity : 4096;
     olx_light_surfel *larger = olx_allocate(capacity, sizeof *larger);
@@ -187,16 +292,33 @@ static olx_result append_surfel(olx_light_surfels *s, const cell_round *r, const
     s->surfels = larger;
     s->capacity = capacity;
   }
-  const olx_surface_point *point = &r->points[cell->chosen];
-  const olx_surface surface = olx_surface_point_surface(s->scene, point);
+  const olx_surface_point *point = &r->points[group->chosen];
+  const place at = place_of(s->scene, point);
   s->surfels[s->count++] = (olx_light_surfel){.cell = olx_cell_at_level(point->key, cell->level),
                                               .point = *point,
-                                              .position = surface.position,
-                                              .normal = surface.geometric_normal,
+                                              .position = at.position,
+                                              .normal = at.normal,
                                               .side = olx_cell_side(&s->grid, cell->level),
-                                              .nearest = cell->nearest,
-                                              .first_point = base + cell->first,
-                                              .point_count = cell->end - cell->first};
+                                              .nearest = group->nearest,
+                                              .first_point = base + first,
+                                              .point_count = group->end - first,
+                                              .next = OLX_CELL_NONE};
+  return OLX_OK;
+}
+
+// A surfel for each group of a cell. One that had surfels before keeps them, before the new.
+static olx_result append_cell(olx_light_surfels *s, const cell_round *r, const cell_work *cell, uint32_t base) {
+  const uint64_t key = olx_cell_at_level(r->points[cell->first].key, cell->level);
+  const uint32_t old = olx_cell_table_get(&s->table, key);
+  uint32_t first = cell->first, last = old == OLX_CELL_NONE || old & OLX_CELL_DIVIDED ? OLX_CELL_NONE : old;
+  if (last == OLX_CELL_NONE) OLX_TRY(olx_cell_table_set(&s->table, key, s->count));
+  while (last != OLX_CELL_NONE && s->surfels[last].next != OLX_CELL_NONE) last = s->surfels[last].next;
+  for (uint32_t i = 0; i < cell->group_count; i++) {
+    OLX_TRY(append_surfel(s, r, cell, &cell->groups[i], first, base));
+    if (last != OLX_CELL_NONE) s->surfels[last].next = s->count - 1;
+    last = s->count - 1;
+    first = cell->groups[i].end;
+  }
   return OLX_OK;
 }
 
@@ -217,19 +339,17 @@ static olx_result settle_round(cell_round *r, uint32_t base, cell_work *next, ui
   *next_count = 0;
   for (uint32_t i = 0; i < r->count; i++) {
     const cell_work *cell = &r->cells[i];
-    const uint64_t key = olx_cell_at_level(r->points[cell->first].key, cell->level);
-    if (cell->divide) {
+    if (cell->group_count == 0) {
       *next_count += split(r->points, cell->first, cell->end, cell->level - 1, next + *next_count);
       continue;
     }
-    OLX_TRY(olx_cell_table_set(&s->table, key, s->count));
-    OLX_TRY(append_surfel(s, r, cell, base));
+    OLX_TRY(append_cell(s, r, cell, base));
     OLX_TRY(stand_for_divided(s, s->count - 1, cell->level));
   }
   return OLX_OK;
 }
 
-static olx_result divide_cells(olx_light_surfels *s, const olx_surface_point *points, uint32_t count, uint32_t base,
+static olx_result divide_cells(olx_light_surfels *s, olx_surface_point *points, uint32_t count, uint32_t base,
                                cell_work *cells, cell_work *next) {
   cell_round r = {.surfels = s, .points = points, .cells = cells};
   r.count = split(points, 0, count, FIRST_LEVEL, cells);

@@ -2,17 +2,19 @@
 #include "light/links.h"
 
 #include "core/hooks.h"
+#include <stdlib.h>
 #include "core/pack.h"
 #include "core/result.h"
 #include "light/direct_light.h"
 
-enum { SURFELS_PER_JOB = 8, PACKET = 64, SALT_RAY = 0x52415953, SALT_CHAIN = 0x434841494e & 0x7FFFFFFF };
+enum { SURFELS_PER_JOB = 8, PACKET = 64, SALT_RAY = 0x52415953, SALT_CHAIN = 0x48414E43 };
 
 // What one ray brings.
 typedef struct ray_end {
   olx_link link;
   olx_surface_point point; // where the link is unserved
   olx_vec3 fixed[OLX_CHAIN_MOST];
+  int skip;
 } ray_end;
 
 typedef struct cast_job {
@@ -21,7 +23,6 @@ typedef struct cast_job {
   olx_fixed_light *fixed;
   olx_point_list *lists; // a job, or NULL
   uint64_t *rays;        // a job
-  bool emitters_can_be_hit;
   atomic_bool out_of_memory;
 } cast_job;
 
@@ -46,10 +47,8 @@ static void add_point(cast_job *c, olx_point_list *list, const olx_surface_point
 // Rays of a surfel are about this share of their length apart where they end.
 static const float RAY_FOOTPRINT = 0.3f;
 
-// Whether a surfel is near enough to the end of a ray: in a cell that looks small from where the ray comes from.
-static bool is_served(olx_surfel_found found, float distance) {
-  return found.surfel != OLX_CELL_NONE && found.side <= 0.5f * distance;
-}
+// A surfel that stands for a larger cell serves a ray when that cell looks no larger than this share of the ray's length.
+static const float MOST_SERVED = 0.5f;
 
 // A ray ends at the diffuse lobe of a surface: the surfel there knows how much light that gets. One that is far from it
 // serves where no others will be added.
@@ -58,9 +57,11 @@ static olx_link link_to(const cast_job *c, const olx_surface *surface, const olx
   const olx_light_surfels *s = c->surfels;
   if (olx_max3(weight) <= 0.0f) return no_link;
   end->point = olx_surface_point_make(&s->grid, surface, hit, RAY_FOOTPRINT * distance);
-  const olx_surfel_found found = olx_light_surfels_find(s, end->point.key);
-  const bool served = is_served(found, distance) || (!c->lists && found.surfel != OLX_CELL_NONE);
-  const uint32_t number = served ? found.surfel : OLX_LINK_UNSERVED;
+  const float most_side = c->lists ? MOST_SERVED * distance : INFINITY;
+  const olx_surfel_found f0 = olx_light_surfels_find(s, end->point.key, surface, most_side);
+  const uint32_t found = f0.surfel;
+  if (f0.side == -1.0f && getenv("NOADD")) end->skip = 1;
+  const uint32_t number = found == OLX_CELL_NONE ? OLX_LINK_UNSERVED : found;
   return (olx_link){.end = number | chain << OLX_LINK_CHAIN_SHIFT, .weight = olx_r11g11b10f_pack(weight)};
 }
 
@@ -119,6 +120,24 @@ static void add_fixed(olx_fixed_light *fixed, const ray_end *end) {
   fixed->square += luminance * luminance;
 }
 
+// Casts up to PACKET rays of a surface, from number `first` on, and says what each brings.
+static void cast_packet(cast_job *c, const olx_surface *surface, uint32_t seed, uint32_t first, uint32_t count,
+                        ray_end *ends, uint64_t *cast) {
+  olx_ray rays[PACKET];
+  olx_ray_hit hits[PACKET];
+  bool valid[PACKET];
+  const uint32_t chain_seed = olx_hash2(seed, SALT_CHAIN);
+  for (uint32_t i = 0; i < count; i++) valid[i] = make_ray(surface, seed, first + i, &rays[i]);
+  olx_bvh_intersect_many(c->surfels->scene->bvh, rays, count, false, hits);
+  *cast += count;
+  for (uint32_t i = 0; i < count; i++) {
+    ends[i] = (ray_end){.link = no_link};
+    if (valid[i]) follow(c, rays[i], hits[i], chain_seed, first + i, hits[i].t, &ends[i], cast);
+  }
+}
+
+static bool is_unserved(const ray_end *end) { return (end->link.end & OLX_LINK_NOWHERE) == OLX_LINK_UNSERVED; }
+
 static void cast_surfel(cast_job *c, uint32_t n, uint32_t job) {
   const olx_light_surfels *s = c->surfels;
   olx_link_batch *batch = c->batch;
@@ -126,26 +145,39 @@ static void cast_surfel(cast_job *c, uint32_t n, uint32_t job) {
   const olx_light_surfel *surfel = &s->surfels[number];
   const olx_surface surface = olx_surface_point_surface(s->scene, &surfel->point);
   const uint32_t seed = olx_hash3(s->seed ^ (uint32_t)surfel->cell, (uint32_t)(surfel->cell >> 32), SALT_RAY);
-  const uint32_t chain_seed = olx_hash2(seed, SALT_CHAIN);
-  olx_ray rays[PACKET];
-  olx_ray_hit hits[PACKET];
   for (uint32_t first = 0; first < batch->rays; first += PACKET) {
     const uint32_t count = batch->rays - first < PACKET ? batch->rays - first : PACKET;
-    bool valid[PACKET];
-    for (uint32_t i = 0; i < count; i++) valid[i] = make_ray(&surface, seed, batch->first_ray + first + i, &rays[i]);
-    olx_bvh_intersect_many(s->scene->bvh, rays, count, false, hits);
-    c->rays[job] += count;
+    ray_end ends[PACKET];
+    cast_packet(c, &surface, seed, batch->first_ray + first, count, ends, &c->rays[job]);
     for (uint32_t i = 0; i < count; i++) {
-      ray_end end = {.link = no_link};
-      if (valid[i]) {
-        follow(c, rays[i], hits[i], chain_seed, batch->first_ray + first + i, hits[i].t, &end, &c->rays[job]);
-      }
-      batch->links[(size_t)n * batch->rays + first + i] = end.link;
-      add_fixed(&c->fixed[number], &end);
-      const bool unserved = (end.link.end & OLX_LINK_NOWHERE) == OLX_LINK_UNSERVED;
-      if (unserved && c->lists) add_point(c, &c->lists[job], &end.point);
+      batch->links[(size_t)n * batch->rays + first + i] = ends[i].link;
+      add_fixed(&c->fixed[number], &ends[i]);
+      if (c->lists && is_unserved(&ends[i]) && !(ends[i].skip)) add_point(c, &c->lists[job], &ends[i].point);
     }
   }
+}
+
+olx_vec3 olx_links_gather(const olx_light_surfels *surfels, const olx_surface *surface, uint32_t seed, uint32_t rays,
+                          uint32_t bounces, const olx_vec3 *light) {
+  cast_job c = {.surfels = surfels};
+  olx_fixed_light fixed = {0};
+  olx_vec3 sum = {0};
+  uint32_t counted = rays;
+  uint64_t cast = 0;
+  for (uint32_t first = 0; first < rays; first += PACKET) {
+    const uint32_t count = rays - first < PACKET ? rays - first : PACKET;
+    ray_end ends[PACKET];
+    cast_packet(&c, surface, seed, first, count, ends, &cast);
+    for (uint32_t i = 0; i < count; i++) {
+      add_fixed(&fixed, &ends[i]);
+      const uint32_t end = ends[i].link.end & OLX_LINK_NOWHERE;
+      if (end == OLX_LINK_UNSERVED) counted--;
+      if (end >= OLX_LINK_UNSERVED) continue;
+      sum = olx_add(sum, olx_mul(olx_r11g11b10f_unpack(ends[i].link.weight), light[end]));
+    }
+  }
+  for (uint32_t i = 0; i < OLX_CHAIN_MOST && i < bounces; i++) sum = olx_add(sum, fixed.sum[i]);
+  return olx_scale(sum, 1.0f / (float)(counted > 0 ? counted : 1));
 }
 
 static void cast_some(void *user, uint32_t job) {
@@ -174,8 +206,7 @@ olx_result olx_links_cast(const olx_light_surfels *surfels, olx_link_batch *batc
                 .batch = batch,
                 .fixed = fixed,
                 .lists = unserved ? olx_allocate_zero(jobs, sizeof *c.lists) : NULL,
-                .rays = olx_allocate_zero(jobs, sizeof *c.rays),
-                .emitters_can_be_hit = olx_emitters_can_be_hit(surfels->scene)};
+                .rays = olx_allocate_zero(jobs, sizeof *c.rays)};
   olx_result result = OLX_OK;
   if (!c.rays || (unserved && !c.lists)) result = olx_fail(OLX_ERROR_MEMORY, "light: out of memory for casting rays");
   if (result == OLX_OK) result = olx_parallel_for(jobs, surfels->threads, cast_some, &c, surfels->task, 0);

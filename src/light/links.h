@@ -45,6 +45,11 @@ typedef struct olx_point_list {
 olx_result olx_links_cast(const olx_light_surfels *surfels, olx_link_batch *batch, olx_fixed_light *fixed,
                           olx_point_list *unserved, uint64_t *rays);
 
+// Indirect irradiance in W/m^2 of any surface, about its shading normal, from `rays` rays of its own that end at surfels with
+// `light`: direct and indirect irradiance of all bounces but the last of `bounces`.
+olx_vec3 olx_links_gather(const olx_light_surfels *surfels, const olx_surface *surface, uint32_t seed, uint32_t rays,
+                          uint32_t bounces, const olx_vec3 *light);
+
 // The n-th surfel of a batch.
 static inline uint32_t olx_link_surfel(const olx_link_batch *batch, uint32_t n) {
   return batch->surfels ? batch->surfels[n] : batch->first_surfel + n;

@@ -3,6 +3,7 @@
 #include "light/scene_light.h"
 
 #include "core/hooks.h"
+#include <stdlib.h>
 #include "core/octahedral.h"
 #include "core/result.h"
 #include "light/direct_light.h"
@@ -19,7 +20,9 @@ enum {
   MOST_BATCHES = 1 + HIDDEN_ROUNDS + 4,
   MOST_VIEW_SIDE = 1024, // rays along the side of the map by which a probe looks around
   SURFELS_PER_JOB = 16,
-  SALT_DIRECT = 0x44495245
+  GATHERED_RAYS = 256,
+  SALT_DIRECT = 0x44495245,
+  SALT_GATHER = 0x47415448
 };
 
 // Interpolation averages the noise of several surfels: the variance of the result is about this share of a surfel's.
@@ -34,13 +37,14 @@ struct olx_scene_light {
   olx_link_batch batches[MOST_BATCHES];
   olx_light_links links;
   olx_vec3 *direct, *irradiance; // of surfels
+  olx_vec3 *passed_on;           // direct light and all bounces but the last: what the surfels' surfaces reflect
   uint32_t visible; // surfels on surfaces that probes see; the others, which only pass light on, come after them
   olx_surfel_lookup lookup;
   olx_scene_light_report report;
 };
 
 olx_scene_light_settings olx_scene_light_settings_default(void) {
-  return (olx_scene_light_settings){.bounces = OLX_BOUNCES_INFINITE, .noise = 0.02f, .spacing = 0.4f, .map_size = 512};
+  return (olx_scene_light_settings){.bounces = OLX_BOUNCES_INFINITE, .noise = 0.02f, .spacing = 0.2f, .map_size = 512};
 }
 
 // What probes see, a ray for each 2 x 2 texels.
@@ -141,7 +145,10 @@ static void link_to_new(olx_scene_light *l, const olx_point_list *points) {
   for (size_t i = 0; i < (size_t)batch->count * batch->rays; i++) {
     olx_link *link = &batch->links[i];
     if ((link->end & OLX_LINK_NOWHERE) != OLX_LINK_UNSERVED) continue;
-    const olx_surfel_found found = olx_light_surfels_find(&l->surfels, points->points[next++].key);
+    if (getenv("NOADD")) break;
+    const olx_surface_point *point = &points->points[next++];
+    const olx_surface surface = olx_surface_point_surface(l->scene, point);
+    const olx_surfel_found found = olx_light_surfels_find(&l->surfels, point->key, &surface, INFINITY);
     if (found.surfel != OLX_CELL_NONE) link->end = (link->end & ~OLX_LINK_NOWHERE) | found.surfel;
   }
 }
@@ -216,10 +223,11 @@ static olx_result add_direct(olx_scene_light *l) {
   const uint32_t count = l->surfels.count, jobs = (count + SURFELS_PER_JOB - 1) / SURFELS_PER_JOB;
   l->direct = olx_allocate(count, sizeof *l->direct);
   l->irradiance = olx_allocate(count, sizeof *l->irradiance);
+  l->passed_on = olx_allocate(count, sizeof *l->passed_on);
   uint32_t points = LEAST_DIRECT;
   while (points < MOST_DIRECT && (uint64_t)points * count < ALL_DIRECT) points *= 2;
   direct_job d = {.light = l, .points = points, .rays = olx_allocate_zero(jobs, sizeof *d.rays)};
-  olx_result result = l->direct && l->irradiance && d.rays
+  olx_result result = l->direct && l->irradiance && l->passed_on && d.rays
                           ? OLX_OK
                           : olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", count);
   if (result == OLX_OK) result = olx_parallel_for(jobs, l->settings.threads, light_directly, &d, l->settings.task, 0);
@@ -231,7 +239,7 @@ static olx_result add_direct(olx_scene_light *l) {
 static olx_result solve(olx_scene_light *l) {
   count_rays(l);
   return olx_bounces_solve(&l->links, l->surfels.count, l->settings.threads, l->direct, l->settings.bounces,
-                           l->irradiance, &l->report.bounces);
+                           l->irradiance, l->passed_on, &l->report.bounces);
 }
 
 static float mean_luminance(const olx_vec3 *light, uint32_t count) {
@@ -306,7 +314,7 @@ static olx_result build(olx_scene_light *l, const olx_vec3 *positions, const uin
   l->report.surfels = l->surfels.count;
   l->report.rays += l->surfels.rays;
   l->report.bytes = l->report.links * sizeof(olx_link) +
-                    l->surfels.count * (sizeof(olx_light_surfel) + 2 * sizeof(olx_vec3)) +
+                    l->surfels.count * (sizeof(olx_light_surfel) + 3 * sizeof(olx_vec3)) +
                     l->surfels.point_count * sizeof(olx_surface_point);
   l->report.seconds = olx_seconds() - start;
   return OLX_OK;
@@ -341,6 +349,7 @@ void olx_scene_light_free(olx_scene_light *l) {
   olx_release(l->links.unserved);
   olx_release(l->direct);
   olx_release(l->irradiance);
+  olx_release(l->passed_on);
   olx_surfel_lookup_free(&l->lookup);
   olx_light_surfels_free(&l->surfels);
   olx_release(l);
@@ -348,16 +357,16 @@ void olx_scene_light_free(olx_scene_light *l) {
 
 olx_scene_light_report olx_scene_light_describe(const olx_scene_light *light) { return light->report; }
 
-// Light of the surfel whose cell holds the point, however far it lies from its plane.
-static olx_vec3 from_cell(const olx_scene_light *l, const olx_surface *surface) {
+// Light from rays of the point's own, where surfels do not tell it.
+static olx_vec3 gather(const olx_scene_light *l, const olx_surface *surface) {
   const uint64_t key = olx_cell_key(&l->surfels.grid, surface->position, surface->geometric_normal);
-  const olx_surfel_found found = olx_light_surfels_find(&l->surfels, key);
-  return found.surfel == OLX_CELL_NONE ? olx_splat(0.0f) : l->irradiance[found.surfel];
+  const uint32_t seed = olx_hash3(l->surfels.seed ^ (uint32_t)key, (uint32_t)(key >> 32), SALT_GATHER);
+  return olx_links_gather(&l->surfels, surface, seed, GATHERED_RAYS, l->settings.bounces, l->passed_on);
 }
 
 olx_vec3 olx_scene_light_irradiance(const olx_scene_light *l, const olx_surface *surface) {
   const olx_surfel_weights weights = olx_surfel_weigh(&l->lookup, surface);
-  if (weights.count == 0) return from_cell(l, surface);
+  if (weights.count == 0) return gather(l, surface);
   olx_vec3 sum = {0}, least = olx_splat(INFINITY), most = olx_splat(0.0f);
   for (uint32_t i = 0; i < weights.count; i++) {
     const olx_vec3 light = l->irradiance[weights.surfel[i]];

@@ -8,14 +8,10 @@
 #include <stdlib.h>
 
 // How far a surfel reaches, in sides of its cell.
-static const float REACH = 1.5f;
+static const float REACH = 1.2f;
 // How far from a surfel's plane a point may lie: a share of the cell's side, and of the distance between them.
 static const float PLANE_OF_SIDE = 0.04f, PLANE_OF_DISTANCE = 0.2f;
 static const float LEAST_NORMAL_COSINE = 0.85f;
-// Within this share of the distance to the nearest thing that a surfel sees, nothing hides a point from it.
-static const float CLEAR_SHARE = 0.7f;
-// Rays between surfels and points run this share of their distance above the surface.
-static const float LIFT = 0.03f;
 static const float SLOPE_PENALTY = 0.01f;
 
 typedef struct cube_entry {
@@ -145,17 +141,8 @@ static void add_neighbour(neighbourhood *n, neighbour found) {
   if (found.weight > n->members[least].weight) n->members[least] = found;
 }
 
-// Whether nothing lies between a surfel and a point beside it.
-static bool sees(const olx_light_surfels *s, const olx_light_surfel *surfel, const olx_surface *surface,
-                 float distance) {
-  if (distance < CLEAR_SHARE * surfel->nearest) return true;
-  const float lift = LIFT * distance + 2.0f * surface->epsilon;
-  const olx_vec3 from = olx_madd(surface->position, surface->geometric_normal, lift);
-  const olx_vec3 way = olx_sub(olx_madd(surfel->position, surfel->normal, lift), from);
-  const olx_ray ray = {.origin = from, .direction = way, .t_min = 0.0f, .t_max = 1.0f};
-  return !olx_bvh_occluded(s->scene->bvh, &ray);
-}
-
+// Surfels count for the area that they stand for no less than for their nearness: weights are inverse to the squares of
+// their cells' sides, so that where large cells meet small ones the small are heard.
 static void consider(const olx_light_surfels *s, uint32_t number, const olx_surface *surface, olx_vec3 tangent,
                      olx_vec3 bitangent, neighbourhood *n) {
   const olx_light_surfel *surfel = &s->surfels[number];
@@ -166,11 +153,18 @@ static void consider(const olx_light_surfels *s, uint32_t number, const olx_surf
   if (cosine < LEAST_NORMAL_COSINE) return;
   const float distance = sqrtf(squared), off = PLANE_OF_SIDE * surfel->side + PLANE_OF_DISTANCE * distance;
   if (fabsf(olx_dot(way, surfel->normal)) > off || fabsf(olx_dot(way, surface->geometric_normal)) > off) return;
-  if (!sees(s, surfel, surface, distance)) return;
-  const float near = 1.0f - distance / reach;
+  const float near = (1.0f - distance / reach) * s->grid.finest / surfel->side;
   add_neighbour(
       n,
       (neighbour){.surfel = number, .weight = near * near, .x = olx_dot(way, tangent), .y = olx_dot(way, bitangent)});
+}
+
+static void drop_hidden(const olx_light_surfels *s, const olx_surface *surface, neighbourhood *n) {
+  uint32_t kept = 0;
+  for (uint32_t i = 0; i < n->count; i++) {
+    if (olx_light_surfels_see(s, &s->surfels[n->members[i].surfel], surface)) n->members[kept++] = n->members[i];
+  }
+  n->count = kept;
 }
 
 static void collect(const olx_surfel_lookup *l, const olx_surface *surface, neighbourhood *n) {
@@ -185,6 +179,7 @@ static void collect(const olx_surfel_lookup *l, const olx_surface *surface, neig
       consider(l->surfels, l->lists[at + 1 + i], surface, tangent, bitangent, n);
     }
   }
+  drop_hidden(l->surfels, surface, n);
 }
 
 // The moments of a neighbourhood, in units of its mean distance.

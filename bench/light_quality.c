@@ -1,7 +1,7 @@
 // How right the solved light of a scene is: irradiance at random points that cameras see, from surfels, against path
 // tracing, with the noise of the reference taken out; and how far two solutions with other random numbers differ.
 //
-//   light_quality SCENE [PROBES.json|-] [NOISE] [SPACING] [MAP] [POINTS] [PATHS] [BOUNCES]
+//   light_quality SCENE [PROBES.json|-] [NOISE] [SPACING] [MAP] [POINTS] [PATHS] [BOUNCES] [BOUNCES]
 //
 // Without probes (or with "-") they stand on the scene's grid.
 #include "core/parallel.h"
@@ -134,7 +134,9 @@ static void report_points(const job *j, uint32_t count) {
   for (uint32_t i = 0; f && i < count; i++) {
     const point *p = &j->points[i];
     if (!p->valid) continue;
-    fprintf(f, "%g %g %g %g %g %g %g %g %g\n", p->surface.position.x, p->surface.position.y, p->surface.position.z, p->surface.geometric_normal.x, p->surface.geometric_normal.y, p->surface.geometric_normal.z, olx_luminance(p->found[0]), olx_luminance(p->half[0]), olx_luminance(p->half[1]));
+    fprintf(f, "%g %g %g %g %g %g %g %g %g\n", p->surface.position.x, p->surface.position.y, p->surface.position.z,
+            p->surface.geometric_normal.x, p->surface.geometric_normal.y, p->surface.geometric_normal.z,
+            olx_luminance(p->found[0]), olx_luminance(p->half[0]), olx_luminance(p->half[1]));
   }
   if (f) fclose(f);
   free(each);
@@ -152,7 +154,9 @@ static int fail(void) { return fprintf(stderr, "light_quality: %s\n", olx_last_e
 int main(int argc, char **argv) {
   olx_scene *scene = NULL;
   if (argc < 2)
-    return fprintf(stderr, "usage: light_quality SCENE [PROBES.json|-] [NOISE] [SPACING] [MAP] [POINTS] [PATHS] [BOUNCES]\n"), 2;
+    return fprintf(stderr, "usage: light_quality SCENE [PROBES.json|-] [NOISE] [SPACING] [MAP] [POINTS] [PATHS] "
+                           "[BOUNCES] [BOUNCES]\n"),
+           2;
   if (olx_scene_load(argv[1], &scene) != OLX_OK) return fail();
   probe_set set = {0};
   olx_bake_settings bake = olx_bake_settings_default(scene);
@@ -178,9 +182,12 @@ int main(int argc, char **argv) {
   if (argc > 4) s.spacing = (float)atof(argv[4]);
   if (argc > 5) s.map_size = (uint32_t)atoi(argv[5]);
   s.bounces = argc > 8 ? (uint32_t)atoi(argv[8]) : 4;
+  s.bounces = argc > 8 ? (uint32_t)atoi(argv[8]) : 4;
   const uint32_t points = argc > 6 ? (uint32_t)atoi(argv[6]) : 2000;
-  job j = {
-      .scene = scene, .bounces = s.bounces, .points = calloc(points, sizeof *j.points), .paths = argc > 7 ? (uint32_t)atoi(argv[7]) : 512};
+  job j = {.scene = scene,
+           .bounces = s.bounces,
+           .points = calloc(points, sizeof *j.points),
+           .paths = argc > 7 ? (uint32_t)atoi(argv[7]) : 512};
   for (uint32_t i = 0; i < scene->camera_count && i < 64; i++)
     if (olx_camera_frame_make(&scene->cameras[i], 16, 9, &j.frame[j.frames]) == OLX_OK) j.frames++;
   olx_scene_light *light[2];

@@ -9,12 +9,13 @@
 
 #include <stdlib.h>
 
-enum { EXPLORING_RAYS = 32, CELLS_PER_JOB = 16, SALT_EXPLORE = 0x4558504C };
+enum { EXPLORED_POINTS = 4, EXPLORING_RAYS = 32, CELLS_PER_JOB = 16, SALT_EXPLORE = 0x4558504C };
 
 // Cells are not divided below this many footprints of the points in them.
 static const float LEAST_FOOTPRINTS = 2.0f;
-// Cells with fewer points than this are not divided: surfaces that so few rays meet send little light.
-enum { LEAST_POINTS = 8 };
+// Cells with fewer points than this are not divided: surfaces that so few rays meet send little light. The second is for
+// surfaces that only rays meet, whose light nobody sees.
+enum { LEAST_POINTS = 8, LEAST_HIDDEN_POINTS = 64 };
 // Points of a cell that are tried before all are, and surfels that a cell gets at most at once.
 enum { TRIED_POINTS = 16, MOST_GROUPS = 4 };
 // Within this share of the distance to the nearest thing that a surfel sees, nothing hides a point from it.
@@ -117,10 +118,7 @@ olx_surfel_found olx_light_surfels_find(const olx_light_surfels *s, uint64_t fin
   if (found.surfel == OLX_CELL_NONE) return found;
   const bool alone = found.side == 0.0f && s->surfels[found.surfel].next == OLX_CELL_NONE;
   if (found.side > most_side) found.surfel = OLX_CELL_NONE;
-  else if (!alone) {
-    found.surfel = seeing(s, found.surfel, surface);
-    if (found.surfel == OLX_CELL_NONE && found.side == 0) found.side = -1.0f;
-  }
+  else if (!alone) found.surfel = seeing(s, found.surfel, surface);
   return found;
 }
 
@@ -142,6 +140,7 @@ typedef struct cell_round {
   olx_surface_point *points;
   cell_work *cells;
   uint32_t count;
+  uint32_t least_points; // cells with fewer are not divided
 } cell_round;
 
 // Of the points from `first` on that nearest to the middle of the cell, so that surfels of neighbouring cells are evenly
@@ -235,6 +234,16 @@ static void make_groups(const cell_round *r, cell_work *cell) {
   }
 }
 
+// Geometric mean distance of what point i of those that are spread over a cell sees.
+static float explore_point(const cell_round *r, const cell_work *cell, uint32_t i) {
+  const uint32_t count = cell->end - cell->first;
+  const uint32_t offset = (uint32_t)((uint64_t)count * (2 * i + 1) / (2 * EXPLORED_POINTS));
+  const olx_surface_point *point = &r->points[cell->first + offset];
+  const olx_surface surface = olx_surface_point_surface(r->surfels->scene, point);
+  float nearest;
+  return explore(r->surfels, &surface, point->key, &nearest);
+}
+
 static void examine_cell(const cell_round *r, cell_work *cell) {
   const olx_light_surfels *s = r->surfels;
   point_group *group = &cell->groups[0];
@@ -242,9 +251,12 @@ static void examine_cell(const cell_round *r, cell_work *cell) {
   const float side = olx_cell_side(&s->grid, cell->level);
   const olx_surface surface = olx_surface_point_surface(s->scene, &r->points[group->chosen]);
   const uint64_t key = olx_cell_at_level(r->points[group->chosen].key, cell->level);
-  const float mean = explore(s, &surface, key, &group->nearest);
-  const bool small = cell->level == 0 || cell->end - cell->first < LEAST_POINTS ||
+  float mean = explore(s, &surface, key, &group->nearest);
+  const bool small = cell->level == 0 || cell->end - cell->first < r->least_points ||
                      0.5f * side < LEAST_FOOTPRINTS * least_footprint(r, cell);
+  for (uint32_t i = 0; i < EXPLORED_POINTS && !small && side <= s->spacing * mean; i++) {
+    mean = olx_min(mean, explore_point(r, cell, i));
+  }
   if (small || side <= s->spacing * mean) make_groups(r, cell);
 }
 
@@ -351,7 +363,8 @@ static olx_result settle_round(cell_round *r, uint32_t base, cell_work *next, ui
 
 static olx_result divide_cells(olx_light_surfels *s, olx_surface_point *points, uint32_t count, uint32_t base,
                                cell_work *cells, cell_work *next) {
-  cell_round r = {.surfels = s, .points = points, .cells = cells};
+  cell_round r = {
+      .surfels = s, .points = points, .cells = cells, .least_points = base == 0 ? LEAST_POINTS : LEAST_HIDDEN_POINTS};
   r.count = split(points, 0, count, FIRST_LEVEL, cells);
   while (r.count > 0) {
     const uint32_t jobs = (r.count + CELLS_PER_JOB - 1) / CELLS_PER_JOB;

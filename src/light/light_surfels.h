@@ -56,7 +56,8 @@ void olx_light_surfels_free(olx_light_surfels *surfels);
 olx_result olx_light_surfels_add(olx_light_surfels *surfels, const olx_surface_point *points, uint32_t count);
 
 // Whether nothing lies between a surfel and a surface beside it.
-bool olx_light_surfels_see(const olx_light_surfels *surfels, const olx_light_surfel *surfel, const olx_surface *surface);
+bool olx_light_surfels_see(const olx_light_surfels *surfels, const olx_light_surfel *surfel,
+                           const olx_surface *surface);
 
 // The surfel that serves a point.
 typedef struct olx_surfel_found {

@@ -2,7 +2,6 @@
 #include "light/links.h"
 
 #include "core/hooks.h"
-#include <stdlib.h>
 #include "core/pack.h"
 #include "core/result.h"
 #include "light/direct_light.h"
@@ -14,7 +13,6 @@ typedef struct ray_end {
   olx_link link;
   olx_surface_point point; // where the link is unserved
   olx_vec3 fixed[OLX_CHAIN_MOST];
-  int skip;
 } ray_end;
 
 typedef struct cast_job {
@@ -58,9 +56,7 @@ static olx_link link_to(const cast_job *c, const olx_surface *surface, const olx
   if (olx_max3(weight) <= 0.0f) return no_link;
   end->point = olx_surface_point_make(&s->grid, surface, hit, RAY_FOOTPRINT * distance);
   const float most_side = c->lists ? MOST_SERVED * distance : INFINITY;
-  const olx_surfel_found f0 = olx_light_surfels_find(s, end->point.key, surface, most_side);
-  const uint32_t found = f0.surfel;
-  if (f0.side == -1.0f && getenv("NOADD")) end->skip = 1;
+  const uint32_t found = olx_light_surfels_find(s, end->point.key, surface, most_side).surfel;
   const uint32_t number = found == OLX_CELL_NONE ? OLX_LINK_UNSERVED : found;
   return (olx_link){.end = number | chain << OLX_LINK_CHAIN_SHIFT, .weight = olx_r11g11b10f_pack(weight)};
 }
@@ -152,7 +148,7 @@ static void cast_surfel(cast_job *c, uint32_t n, uint32_t job) {
     for (uint32_t i = 0; i < count; i++) {
       batch->links[(size_t)n * batch->rays + first + i] = ends[i].link;
       add_fixed(&c->fixed[number], &ends[i]);
-      if (c->lists && is_unserved(&ends[i]) && !(ends[i].skip)) add_point(c, &c->lists[job], &ends[i].point);
+      if (c->lists && is_unserved(&ends[i])) add_point(c, &c->lists[job], &ends[i].point);
     }
   }
 }

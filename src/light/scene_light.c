@@ -3,7 +3,6 @@
 #include "light/scene_light.h"
 
 #include "core/hooks.h"
-#include <stdlib.h>
 #include "core/octahedral.h"
 #include "core/result.h"
 #include "light/direct_light.h"
@@ -11,15 +10,17 @@
 #include "light/surfel_lookup.h"
 
 enum {
-  FIRST_RAYS = 64,    // of every surfel
-  MOST_RAYS = 1024,   // of one whose light varies much
-  HIDDEN_ROUNDS = 2,  // how often surfels are added where rays end without one
-  LEAST_DIRECT = 16,  // points at which the direct light of a cell is taken, and as many as make
+  FIRST_RAYS = 64,      // of every surfel,
+  LEAST_RAYS = 16,      // or as few as this where memory is short
+  MOST_RAYS = 1024,     // of one whose light varies much
+  HIDDEN_ROUNDS = 2,    // how often surfels are added where rays end without one
+  LEAST_DIRECT = 16,    // points at which the direct light of a cell is taken, and as many as make
   ALL_DIRECT = 1 << 18, // this number of them in all, where cells are few, but no more than
   MOST_DIRECT = 256,
-  MOST_BATCHES = 1 + HIDDEN_ROUNDS + 4,
+  MOST_BATCHES = 1 + HIDDEN_ROUNDS + 6,
   MOST_VIEW_SIDE = 1024, // rays along the side of the map by which a probe looks around
   SURFELS_PER_JOB = 16,
+  LEAST_NEIGHBOURS = 3, // with fewer, or where these differ much, a point casts rays of its own, so many:
   GATHERED_RAYS = 256,
   SALT_DIRECT = 0x44495245,
   SALT_GATHER = 0x47415448
@@ -29,6 +30,10 @@ enum {
 static const float INTERPOLATED_VARIANCE = 0.2f;
 // Noise matters beside the light of a place, or beside this share of the mean light where there is less.
 static const float DARK_SHARE = 0.1f;
+// Neighbours whose light has a standard deviation above this share of its mean do not tell what lies between them.
+static const float ROUGH_SPREAD = 0.3f;
+// The memory of links: where it does not suffice, surfels get fewer rays.
+static const uint64_t MOST_LINKS = (1ull << 30) / sizeof(olx_link);
 
 struct olx_scene_light {
   const olx_scene *scene;
@@ -38,7 +43,8 @@ struct olx_scene_light {
   olx_light_links links;
   olx_vec3 *direct, *irradiance; // of surfels
   olx_vec3 *passed_on;           // direct light and all bounces but the last: what the surfels' surfaces reflect
-  uint32_t visible; // surfels on surfaces that probes see; the others, which only pass light on, come after them
+  uint32_t visible;    // surfels on surfaces that probes see; the others, which only pass light on, come after them
+  uint32_t first_rays; // of every surfel
   olx_surfel_lookup lookup;
   olx_scene_light_report report;
 };
@@ -145,7 +151,6 @@ static void link_to_new(olx_scene_light *l, const olx_point_list *points) {
   for (size_t i = 0; i < (size_t)batch->count * batch->rays; i++) {
     olx_link *link = &batch->links[i];
     if ((link->end & OLX_LINK_NOWHERE) != OLX_LINK_UNSERVED) continue;
-    if (getenv("NOADD")) break;
     const olx_surface_point *point = &points->points[next++];
     const olx_surface surface = olx_surface_point_surface(l->scene, point);
     const olx_surfel_found found = olx_light_surfels_find(&l->surfels, point->key, &surface, INFINITY);
@@ -155,9 +160,11 @@ static void link_to_new(olx_scene_light *l, const olx_point_list *points) {
 
 // The first rays of every surfel, and surfels on surfaces that they meet and no probe sees.
 static olx_result cast_first(olx_scene_light *l) {
-  uint32_t from = 0;
+  uint32_t from = 0, rays = FIRST_RAYS;
+  while (rays > LEAST_RAYS && (uint64_t)rays * l->surfels.count > MOST_LINKS / 2) rays /= 2;
+  l->first_rays = rays;
   for (uint32_t round = 0; round <= HIDDEN_ROUNDS && from < l->surfels.count; round++) {
-    const olx_link_batch batch = {.first_surfel = from, .count = l->surfels.count - from, .rays = FIRST_RAYS};
+    const olx_link_batch batch = {.first_surfel = from, .count = l->surfels.count - from, .rays = rays};
     OLX_TRY(grow_links(l, from));
     from = l->surfels.count;
     olx_point_list unserved = {0};
@@ -196,7 +203,7 @@ static void count_rays(olx_scene_light *l) {
 typedef struct direct_job {
   olx_scene_light *light;
   uint32_t points; // of a cell
-  uint64_t *rays; // a job
+  uint64_t *rays;  // a job
 } direct_job;
 
 // The mean over points that are spread over each cell.
@@ -264,27 +271,38 @@ static olx_result measure_noise(olx_scene_light *l, float *noise) {
 }
 
 // Rays that bring a surfel's noise down to the bound: a power of two.
-static uint32_t rays_wanted(const olx_scene_light *l, float noise) {
+static uint32_t rays_wanted(const olx_scene_light *l, float noise, uint32_t most) {
   const float ratio = noise / l->settings.noise;
-  uint32_t rays = FIRST_RAYS;
-  while (rays < MOST_RAYS && (float)rays < FIRST_RAYS * ratio * ratio) rays *= 2;
+  uint32_t rays = l->first_rays;
+  while (rays < most && (float)rays < (float)l->first_rays * ratio * ratio) rays *= 2;
   return rays;
+}
+
+// The most rays of a surfel for which there is memory.
+static uint32_t most_rays(const olx_scene_light *l, const float *noise) {
+  for (uint32_t most = MOST_RAYS; most > l->first_rays; most /= 2) {
+    uint64_t links = l->report.links;
+    for (uint32_t i = 0; i < l->visible; i++) links += rays_wanted(l, noise[i], most) - l->first_rays;
+    if (links <= MOST_LINKS) return most;
+  }
+  return l->first_rays;
 }
 
 // One batch for the surfels that want the same number of rays.
 static olx_result cast_more(olx_scene_light *l, const float *noise) {
-  for (uint32_t rays = 2 * FIRST_RAYS; rays <= MOST_RAYS; rays *= 2) {
+  const uint32_t most = most_rays(l, noise);
+  for (uint32_t rays = 2 * l->first_rays; rays <= most; rays *= 2) {
     uint32_t *numbers = olx_allocate(l->surfels.count, sizeof *numbers), count = 0;
     if (!numbers) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", l->surfels.count);
     for (uint32_t i = 0; i < l->surfels.count; i++) {
-      if (i < l->visible && rays_wanted(l, noise[i]) == rays) numbers[count++] = i;
+      if (i < l->visible && rays_wanted(l, noise[i], most) == rays) numbers[count++] = i;
     }
     if (count == 0) {
       olx_release(numbers);
       continue;
     }
     const olx_link_batch batch = {
-        .surfels = numbers, .count = count, .first_ray = FIRST_RAYS, .rays = rays - FIRST_RAYS};
+        .surfels = numbers, .count = count, .first_ray = l->first_rays, .rays = rays - l->first_rays};
     OLX_TRY(cast(l, batch, NULL));
   }
   return OLX_OK;
@@ -310,7 +328,7 @@ static olx_result build(olx_scene_light *l, const olx_vec3 *positions, const uin
   OLX_TRY(add_direct(l));
   OLX_TRY(solve(l));
   OLX_TRY(refine(l));
-  OLX_TRY(olx_surfel_lookup_create(&l->lookup, &l->surfels));
+  OLX_TRY(olx_surfel_lookup_create(&l->lookup, &l->surfels, l->visible));
   l->report.surfels = l->surfels.count;
   l->report.rays += l->surfels.rays;
   l->report.bytes = l->report.links * sizeof(olx_link) +
@@ -364,9 +382,22 @@ static olx_vec3 gather(const olx_scene_light *l, const olx_surface *surface) {
   return olx_links_gather(&l->surfels, surface, seed, GATHERED_RAYS, l->settings.bounces, l->passed_on);
 }
 
+// Whether light changes so much between the neighbours that what lies between them cannot be told from them.
+static bool is_rough(const olx_scene_light *l, const olx_surfel_weights *weights) {
+  float sum = 0.0f, mean = 0.0f, square = 0.0f;
+  for (uint32_t i = 0; i < weights->count; i++) {
+    const float weight = fabsf(weights->weight[i]), light = olx_luminance(l->irradiance[weights->surfel[i]]);
+    sum += weight;
+    mean += weight * light;
+    square += weight * light * light;
+  }
+  mean /= sum;
+  return square / sum - mean * mean > ROUGH_SPREAD * ROUGH_SPREAD * mean * mean;
+}
+
 olx_vec3 olx_scene_light_irradiance(const olx_scene_light *l, const olx_surface *surface) {
   const olx_surfel_weights weights = olx_surfel_weigh(&l->lookup, surface);
-  if (weights.count == 0) return gather(l, surface);
+  if (weights.count < LEAST_NEIGHBOURS || is_rough(l, &weights)) return gather(l, surface);
   olx_vec3 sum = {0}, least = olx_splat(INFINITY), most = olx_splat(0.0f);
   for (uint32_t i = 0; i < weights.count; i++) {
     const olx_vec3 light = l->irradiance[weights.surfel[i]];

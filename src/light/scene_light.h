@@ -1,8 +1,8 @@
 // The light of a scene, solved once, in world space: irradiance on every surface that probes or their rays meet.
 //
 // Surfels (light_surfels.h) gather it over links (links.h); between them it is interpolated by a weighted linear fit to those
-// that lie on the same surface and see the point. The result depends on the scene, the probes and the settings alone,
-// not on the number of threads.
+// that lie on the same surface and see the point; where these are few or differ much, the point casts rays of its own. The
+// result depends on the scene, the probes and the settings alone, not on the number of threads.
 #ifndef OLX_LIGHT_SCENE_LIGHT_H
 #define OLX_LIGHT_SCENE_LIGHT_H
 

@@ -95,11 +95,11 @@ static olx_result make_lists(olx_surfel_lookup *l, const entry_list *list) {
   return OLX_OK;
 }
 
-olx_result olx_surfel_lookup_create(olx_surfel_lookup *l, const olx_light_surfels *surfels) {
+olx_result olx_surfel_lookup_create(olx_surfel_lookup *l, const olx_light_surfels *surfels, uint32_t count) {
   *l = (olx_surfel_lookup){.surfels = surfels};
   entry_list list = {0};
   olx_result result = OLX_OK;
-  for (uint32_t i = 0; result == OLX_OK && i < surfels->count; i++) {
+  for (uint32_t i = 0; result == OLX_OK && i < count; i++) {
     l->levels |= 1u << level_of(&surfels->grid, surfels->surfels[i].side);
     result = add_cubes(surfels, i, &list);
   }

@@ -33,7 +33,7 @@ typedef struct olx_bake_settings {
                             // cage for a grid, bricks for `probes`. Bricks are there whatever is said, with up to 65535
                             // probes. The cage needs the grid. Default 0
   olx_grid irradiance_grid; // irradiance probes; set to olx_bake_irradiance_grid of that
-  uint32_t radiance_size;   // texels along a side: a power of two, 8 to 2048; default 1024
+  uint32_t radiance_size;   // texels along a side: a power of two, 8 to 2048; default 512
   uint32_t irradiance_size; // a power of two, 8 to 256; default 128
   olx_irradiance_form irradiance_form; // spherical harmonics exclude `relight`; default OLX_IRRADIANCE_OCTAHEDRAL
   uint32_t samples;         // radiance samples along a texel's side, 1 to 8; default 2 (four a texel)

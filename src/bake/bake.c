@@ -47,7 +47,7 @@ typedef struct bake {
 } bake;
 
 olx_bake_settings olx_bake_settings_default(const olx_scene *scene) {
-  olx_bake_settings settings = {.radiance_size = 1024,
+  olx_bake_settings settings = {.radiance_size = 512,
                                 .irradiance_size = 128,
                                 .samples = 2,
                                 .light_samples = 1,

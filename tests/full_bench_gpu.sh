@@ -57,8 +57,8 @@ expect_json "o['width'] == 64 and o['height'] == 36 and o['frames'] == 3 and o['
 grep -q "sponza: skipped: data/sponza.olxs is not there" stderr.txt || fail "a row is skipped silently"
 grep -q "^validation" stderr.txt && fail "the validation layers found fault"
 expect_failure "no row could be run" --data data --rows kitchen,sponza "${tiny[@]}" --json
-"$bake_cooked" glossy.olxs cage.olx 16 8 2x2x2 cage || fail "bake_cooked without bricks"
-expect_failure "needs cage and bricks" --scene glossy.olxs --field cage.olx --compare "${tiny[@]}"
+"$bake_cooked" glossy.olxs voronoi.olx 16 8 2x2x2 voronoi || fail "bake_cooked without cage"
+expect_failure "needs cage and bricks" --scene glossy.olxs --field voronoi.olx --compare "${tiny[@]}"
 
 # Both ways to trace.
 expect_json "(lambda c: c['two-level+cage']['counts']['steps'] > c['hiz+bricks']['counts']['steps'] > 1 and c['ratio'] > 0)(

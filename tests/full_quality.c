@@ -45,13 +45,14 @@ static double mean_of_layer(const olx_image *image, olx_layer layer) {
   return sum / (3.0 * image->width * image->height);
 }
 
-// Mean of all indirect light that a camera sees.
+// Mean of all indirect light that a camera sees, diffuse light from irradiance probes.
 static double indirect_light(const olx_scene *scene, const olx_field *field, const char *view,
                              olx_visibility visibility) {
   olx_render_settings settings = olx_render_settings_default(OLX_METHOD_FIELD);
   settings.width = 160;
   settings.height = 120;
   settings.spp = 4;
+  settings.diffuse = OLX_DIFFUSE_IRRADIANCE;
   settings.sample.visibility = visibility;
   olx_camera camera;
   olx_image image;

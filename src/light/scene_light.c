@@ -29,7 +29,7 @@ enum {
 // Interpolation averages the noise of several surfels: the variance of the result is about this share of a surfel's.
 static const float INTERPOLATED_VARIANCE = 0.2f;
 // Noise matters beside the light of a place, or beside this share of the mean light where there is less.
-static const float DARK_SHARE = 0.1f;
+static const float DARK_SHARE = 0.02f;
 // Neighbours whose light has a standard deviation above this share of its mean do not tell what lies between them.
 static const float ROUGH_SPREAD = 0.3f;
 // The memory of links: where it does not suffice, surfels get fewer rays.

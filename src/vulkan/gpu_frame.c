@@ -117,8 +117,10 @@ static olx_result check_targets(const olx_vulkan_context *c, const olx_vulkan_ta
   }
   if (t->passes & ~(uint32_t)ALL_PASSES) return olx_fail(OLX_ERROR_ARGUMENT, "there is no pass %#x", t->passes);
   if (t->tracers & ~(uint32_t)ALL_TRACERS) return olx_fail(OLX_ERROR_ARGUMENT, "there is no tracer in %#x", t->tracers);
-  if (t->selects & ~(uint32_t)ALL_SELECTS) {
-    return olx_fail(OLX_ERROR_UNSUPPORTED, "of the selectors %#x not all run on the GPU", t->selects);
+  for (uint32_t select = 0; select < 32; select++) {
+    if (!(t->selects >> select & ~((uint32_t)ALL_SELECTS >> select) & 1u)) continue;
+    return olx_fail(OLX_ERROR_UNSUPPORTED, "the selector '%s' does not run on the GPU",
+                    olx_select_name((olx_select)select));
   }
   return OLX_OK;
 }

@@ -58,6 +58,7 @@ olx_result resolve_bake_options(const olx_scene *scene, const bake_options *give
   settings->light = (olx_bake_light)given->light;
   if (given->noise > 0.0f) settings->noise = given->noise;
   if (given->reference_paths) settings->reference_paths = given->reference_paths;
+  if (given->volume_cells != UINT32_MAX) settings->volume_cells = given->volume_cells;
   settings->classic = given->classic;
   settings->relight = given->relight;
   if (given->classic_size) settings->classic_size = given->classic_size;

@@ -11,6 +11,7 @@ typedef struct bake_options {
   uint32_t grid[3], irradiance_grid[3];
   uint32_t radiance_size, irradiance_size, bounces, samples, light_samples, threads;
   uint32_t classic_size, classic_cube_size, classic_sharpness, bounce_gather, irradiance_form, light, reference_paths, seed;
+  uint32_t volume_cells; // UINT32_MAX when it is not given
   bool no_fit, classic, relight;
   float noise;
   const char *probes;
@@ -18,7 +19,7 @@ typedef struct bake_options {
 } bake_options;
 
 #define BAKE_OPTIONS_NONE                                                                                              \
-  { .bounces = UINT32_MAX }
+  { .bounces = UINT32_MAX, .volume_cells = UINT32_MAX }
 
 // Rows of an option table that fill `b`.
 #define BAKE_OPTION_ROWS(b)                                                                                            \
@@ -90,6 +91,13 @@ typedef struct bake_options {
        "paths a texel for --light reference; default 64",                                                              \
        1,                                                                                                              \
        65536},                                                                                                         \
+      {"--volume-cells",                                                                                               \
+       OPTION_COUNT,                                                                                                   \
+       &(b).volume_cells,                                                                                              \
+       "N",                                                                                                            \
+       "smallest cells of the irradiance volume along the space, at most; 0: no volume; default 32",                   \
+       0,                                                                                                              \
+       256},                                                                                                           \
       {"--no-fit", OPTION_FLAG, &(b).no_fit, NULL, "keep irradiance exact at probes, unfitted to surfaces", 0, 0},     \
       {"--relight", OPTION_FLAG, &(b).relight, NULL, "also what it takes to change lights later", 0, 0},               \
       {"--classic", OPTION_FLAG, &(b).classic, NULL, "also maps for `render --method classic`", 0, 0},                 \

@@ -47,6 +47,11 @@ static int print_audit_json(const olx_audit *audit) {
   add_points(object, "stored_points", &audit->stored);
   add_points(object, "fallen_back_points", &audit->fallen_back);
   add_points(object, "irradiance_points", &audit->irradiance);
+  if (audit->space_volume.count) {
+    add_points(object, "space_volume", &audit->space_volume);
+    add_points(object, "space_irradiance_probes", &audit->space_probes);
+    add_number(object, "space_served", audit->space_served);
+  }
   return print_json("audit", object);
 }
 
@@ -74,6 +79,11 @@ static void print_audit(const olx_audit *audit) {
   print_points("stored at surfaces", &audit->stored, all);
   print_points("fallen back", &audit->fallen_back, all);
   print_points("irradiance probes", &audit->irradiance, all);
+  if (!audit->space_volume.count) return;
+  printf("\n%-18s %10s %10s %12s %10s %10s\n", "free space", "count", "share", "relative mse", "bias", "leak");
+  print_points("irradiance volume", &audit->space_volume, audit->space_volume.count);
+  print_points("irradiance probes", &audit->space_probes, audit->space_probes.count);
+  printf("the volume has cells at %.3f %% of these places\n", 100.0 * audit->space_served);
 }
 
 static int audit_field(const audit_options *o, const olx_scene *scene, const olx_field *field) {
@@ -110,6 +120,8 @@ int command_audit(int argc, char **argv) {
       {"--field", OPTION_TEXT, &o.field, "FILE.olx", "the field to judge", 1, 0},
       {"--rays", OPTION_COUNT, &o.settings.rays, "N", "rays to trace and cast; default 200000", 0, UINT32_MAX},
       {"--points", OPTION_COUNT, &o.settings.points, "N", "points to light; default 2000", 0, UINT32_MAX},
+      {"--space", OPTION_COUNT, &o.settings.space_points, "N",
+       "places of free space to light, six normals each: the volume and irradiance probes; default 0", 0, 1u << 26},
       {"--spp", OPTION_COUNT, &o.settings.spp, "N", "paths a point for its true light; default 1024", 1, 1u << 20},
       {"--camera", OPTION_TEXT, &o.settings.camera, "NAME", "judge what this camera sees; default: all of them", 0, 0},
       SAMPLE_OPTION_ROWS(sample),
@@ -125,7 +137,7 @@ int command_audit(int argc, char **argv) {
                        .summary =
                            "Judge a field without a picture: rays through it against ray casting, its diffuse\n"
                            "light against path tracing: all of it, where light is stored, where it is not, and\n"
-                           "what irradiance probes alone would give.",
+                           "what irradiance probes alone would give; and light in free space.",
                        .arguments = {"SCENE"},
                        .options = options,
                        .option_count = sizeof options / sizeof options[0]};

@@ -26,6 +26,13 @@ static int print_bake_json(const olx_bake_settings *settings, const olx_bake_sta
     add_number(object, "light_seconds", stats->light_seconds);
     add_number(object, "light_bytes", (double)stats->light_bytes);
   }
+  if (stats->volume_probes) {
+    add_number(object, "volume_probes", stats->volume_probes);
+    add_number(object, "volume_cells", stats->volume_cells);
+    add_number(object, "volume_bytes", (double)stats->volume_bytes);
+    add_number(object, "volume_unserved", stats->volume_unserved);
+    add_number(object, "volume_seconds", stats->volume_seconds);
+  }
   if (settings->classic) add_number(object, "classic_seconds", stats->classic_seconds);
   if (settings->relight) add_number(object, "relight_seconds", stats->relight_seconds);
   add_number(object, "embree_seconds", stats->embree_seconds);
@@ -45,6 +52,13 @@ static void print_bake(const char *path, const olx_bake_settings *settings, cons
   if (settings->light == OLX_LIGHT_CACHE) {
     printf("  light    %u surfels with %s of links, noise %.2f %%; %.2f of these seconds\n", stats->surfels,
            text_of_bytes(stats->light_bytes).text, 100.0 * stats->noise, stats->light_seconds);
+  }
+  if (stats->volume_probes) {
+    printf("  volume   %u probes, %s (%.0f bytes a probe); %.2f of these seconds\n", stats->volume_probes,
+           text_of_bytes(stats->volume_bytes).text, (double)stats->volume_bytes / stats->volume_probes,
+           stats->volume_seconds);
+    printf("  unserved %.3f %% of the surfaces that probes see have no volume probe in their room\n",
+           100.0 * stats->volume_unserved);
   }
   if (settings->bounce_gather == OLX_GATHER_TRACED) {
     printf("  unseen   %.3f %% of the rays between surfaces end where no probe sees\n", 100.0 * stats->unseen);

@@ -12,7 +12,7 @@ typedef struct block {
   uint64_t bytes;
 } block;
 
-#define BLOCK_COUNT 13
+#define BLOCK_COUNT 14
 #define CURRENT_VERSION 2 // of field files
 
 static void list_blocks(const olx_field_info *info, block blocks[BLOCK_COUNT]) {
@@ -22,7 +22,7 @@ static void list_blocks(const olx_field_info *info, block blocks[BLOCK_COUNT]) {
                                    {"indirect", info->indirect_bytes},     {"emission", info->emission_bytes},
                                    {"irradiance", info->irradiance_bytes}, {"moments", info->moments_bytes},
                                    {"selector", info->selector_bytes},     {"classic", info->classic_bytes},
-                                   {"relight", info->relight_bytes}};
+                                   {"relight", info->relight_bytes},       {"volume", info->volume_bytes}};
   for (int i = 0; i < BLOCK_COUNT; ++i) blocks[i] = list[i];
 }
 
@@ -65,6 +65,7 @@ static int print_info_json(const description *d) {
   add_number(object, "irradiance_buried", info->irradiance_buried_count);
   add_number(object, "radiance_size", info->radiance_size);
   add_number(object, "irradiance_size", info->irradiance_size);
+  add_number(object, "volume_probes", info->volume_probe_count);
   add_text(object, "irradiance", olx_irradiance_form_name(info->irradiance_form));
   if (info->classic_size) {
     cJSON *classic = cJSON_AddObjectToObject(object, "classic");
@@ -117,6 +118,7 @@ static void print_info(const char *path, const description *d) {
   if (info->irradiance_form != OLX_IRRADIANCE_OCTAHEDRAL) {
     printf("  irradiance as      %s, maps of moments alone\n", olx_irradiance_form_name(info->irradiance_form));
   }
+  if (info->volume_probe_count) printf("  irradiance volume  %u probes\n", info->volume_probe_count);
   if (info->classic_size) {
     printf("  classic maps       at irradiance probes, %ux%u texels from cube maps of %u, sharpness %g\n",
            info->classic_size, info->classic_size, info->classic_cube_size, (double)info->classic_sharpness);

@@ -87,7 +87,7 @@ head -c 1000 glossy.olx >cut.olx
 expect_failure "cut.olx: " --scene glossy.olxs --field cut.olx "${tiny[@]}"
 "$octalux" bake builtin:cornell-glossy -o plain.olx --radiance-size 16 --irradiance-size 8 --bounces 0 --no-fit --select cage \
   2>stderr.txt || fail "bake"
-expect_failure "voronoi" --scene glossy.olxs --field plain.olx "${tiny[@]}" --select voronoi
+expect_usage "'voronoi' is not one of" --scene glossy.olxs --field plain.olx "${tiny[@]}" --select voronoi
 "$bake_cooked" glossy.olxs plain.olx 16 8 2x2 2>/dev/null && fail "bake_cooked takes a grid of two numbers"
 "$bake_cooked" glossy.olxs plain.olx 16 8 2x2x2 cage,kd-tree 2>/dev/null && fail "bake_cooked takes an unknown selector"
 finish

@@ -53,7 +53,7 @@ def read_chunks(data):
             chunks[name] = (data[offset:offset + size], record, element)
         else:
             need(flags & 1, f"{name}: required and unknown")
-            if name in SELECTORS + CLASSIC:
+            if name in SELECTORS + CLASSIC + VOLUME:
                 need(name not in chunks, f"{name}: twice")
                 chunks[name] = (data[offset:offset + size], record, element)
     need(end == len(data), "bytes after the last chunk")
@@ -64,6 +64,7 @@ def read_chunks(data):
 
 SELECTORS = ("VORO", "OCTR", "BRIK")
 CLASSIC = ("CLAS", "CIRR", "CRAD", "CBOX")
+VOLUME = ("VOLU", "VPOS", "VIRR")
 
 
 def node_sides(n):
@@ -390,6 +391,54 @@ def check_bricks(blob, probes, map_bytes):
         check_choices("BRIK", [None if probe == 0xFFFF else probe for probe in named[i:i + 8]], probes)
 
 
+def check_volume_entry(entry, counts, lowest):
+    """An entry of a cube, block or split; what it names lies behind where it stands."""
+    kind, level, number = entry >> 30, entry >> 27 & 7, entry & 0x7FFFFFF
+    if kind == 1:
+        need(level <= 4 and number < counts["cells"], f"VOLU: cell {entry:#x}")
+    elif kind in (2, 3):
+        need(kind in lowest and level == 0, f"VOLU: {entry:#x}")
+        need(lowest[kind] <= number < counts["blocks" if kind == 2 else "splits"], f"VOLU: {entry:#x}")
+    else:
+        need(entry == 0, f"VOLU: {entry:#x}")
+
+
+def check_volume(chunks):
+    """Returns how many probes the volume has."""
+    need(all(name in chunks for name in VOLUME), "volume: not all of it")
+    blob = chunks["VOLU"][0]
+    need(len(blob) >= 64, "VOLU: size")
+    x, y, z, cube = struct.unpack_from("<4f", blob, 0)
+    nx, ny, nz, blocks, splits, cells, probes, *zeros = struct.unpack_from("<12I", blob, 16)
+    need(all(map(math.isfinite, (x, y, z))) and math.frexp(cube)[0] == 0.5 and not any(zeros), "VOLU: header")
+    need(all(1 <= n <= 65536 for n in (nx, ny, nz)) and cells >= 1 and probes >= 1, "VOLU: counts")
+    need(len(blob) == 64 + 32 * splits + 32 * cells + 256 * blocks + 4 * nx * ny * nz, "VOLU: size")
+    counts, at = {"blocks": blocks, "splits": splits, "cells": cells}, 64
+    for i in range(splits):
+        a, b, c, offset, behind, front, *zeros = struct.unpack_from("<4f4I", blob, at + 32 * i)
+        need(abs(a * a + b * b + c * c - 1) <= 1e-3 and math.isfinite(offset) and not any(zeros), f"VOLU: split {i}")
+        check_volume_entry(behind, counts, {3: i + 1})
+        check_volume_entry(front, counts, {3: i + 1})
+    at += 32 * splits
+    need(all(probe < probes for probe in struct.unpack_from(f"<{8 * cells}I", blob, at)), "VOLU: cells")
+    at += 32 * cells
+    for i, entry in enumerate(struct.unpack_from(f"<{64 * blocks}I", blob, at)):
+        check_volume_entry(entry, counts, {2: i // 64 + 1, 3: 0})
+    for entry in struct.unpack_from(f"<{nx * ny * nz}I", blob, at + 256 * blocks):
+        check_volume_entry(entry, counts, {2: 0, 3: 0})
+    for name, element, elements in (("VPOS", 4, 3), ("VIRR", 2, 28)):
+        blob, record, size = chunks[name]
+        need((size, record, len(blob)) == (element, element * elements, element * elements * probes), name)
+    for probe in sample(probes):
+        values = [decode_half(code) for code in record_of_halves(chunks["VIRR"][0], probe)]
+        need(all(map(math.isfinite, values)) and min(values[:3]) >= 0 and values[27] == 0, f"VIRR of probe {probe}")
+    return probes
+
+
+def record_of_halves(blob, probe):
+    return struct.unpack_from("<28H", blob, 56 * probe)
+
+
 def check_classic(chunks, d):
     """Returns the sizes that `octalux info` tells."""
     need(all(name in chunks for name in CLASSIC), "classic maps: not all of them")
@@ -463,11 +512,13 @@ def read(path):
     told = {
         "version": 2, "lights": check_lights(chunks["LITE"][0]),
         "probes": d["P"], "irradiance_probes": d["Q"], "buried": d["buried"], "irradiance_buried": d["irradiance_buried"],
+        "volume_probes": check_volume(chunks) if "VOLU" in chunks else 0,
         "origin": read_origin(chunks), "radiance_size": d["n"], "irradiance_size": d["m"], "irradiance": FORMS[d["form"]], "select": ",".join(names) or "none", "file_bytes": len(data),
         "bytes": {"radiance": size("RADI"), "normal": size("NORM"), "distance": size("DIST"), "pyramid": size("DMIN") + size("DMAX"),
                   "material": size("BASE") + size("SPEC"), "direct": size("DIRE"), "indirect": size("INDI"),
                   "emission": size("EMIS") + size("ETIL"), "irradiance": size(irradiance_chunk(d)[0]), "moments": size("MOME"), "selector": sum(map(size, stored)),
-                  "classic": sum(size(name) for name in CLASSIC if name in chunks)},
+                  "classic": sum(size(name) for name in CLASSIC if name in chunks),
+                  "volume": sum(size(name) for name in VOLUME if name in chunks)},
         "irradiance_grid": d["irradiance_grid"], "bounces": d["bounces"], "samples": d["samples"],
         "distance_scale_metres": d["scale"], "scene_min": d["scene_min"], "scene_max": d["scene_max"],
         "scene_hash": f"{d['scene_hash']:016x}",

@@ -42,6 +42,8 @@ typedef struct olx_bake_settings {
   olx_bake_light light;     // of what light field probes see; default OLX_LIGHT_CACHE
   float noise;              // upper bound on the standard error of indirect light, as a share of it, 0.001 to 1; default 0.02
   uint32_t reference_paths; // a texel, with OLX_LIGHT_REFERENCE, 1 to 65536; default 64
+  uint32_t volume_cells;    // smallest cells of the irradiance volume along the longest side of free space, 0 to 256, and
+                            // at most radiance_size / 16; 0, or OLX_LIGHT_REFERENCE: no volume. Default 32
   bool classic;             // also make classic maps, of the method that light field probes replace; default false
   uint32_t classic_size;    // texels along a side of these: a power of two, 32 to 256; default 128
   uint32_t classic_cube_size; // along a face of the cube maps that they come from: a power of two, 32 to 1024; default 256
@@ -68,6 +70,10 @@ typedef struct olx_bake_stats {
   uint32_t surfels;      // at which it was gathered
   double noise;          // standard error of indirect light that was reached, as a share of it
   uint64_t light_bytes;  // memory that surfels and their links took
+  uint32_t volume_probes, volume_cells; // of the irradiance volume: probes, and sides of cells that have some
+  uint64_t volume_bytes;                // in the file
+  double volume_unserved; // share of surfaces in sight of light field probes, by solid angle, where it has no cell
+  double volume_seconds;  // of `seconds`, for the volume
   double write_seconds;
   double classic_seconds; // of them, for classic maps
   double relight_seconds; // and for what relighting needs
@@ -82,7 +88,7 @@ typedef struct olx_bake_stats {
 // What a bake takes, reckoned by the code that allocates and lays out, without a ray.
 typedef struct olx_bake_sizes {
   uint64_t probes, irradiance_probes;
-  uint64_t file_bytes;   // structures of other selectors than the cage come on top, and, where probes see emitters or the
+  uint64_t file_bytes;   // structures of other selectors than the cage and the irradiance volume come on top, and, where probes see emitters or the
                          // sky, at most 4 bytes a texel
   uint64_t device_bytes; // that a Vulkan device holds of it, before alignment; 0 for irradiance as spherical harmonics
   uint64_t memory_bytes; // that the bake takes at most at once, beside the scene, structures of selectors, and surfels with

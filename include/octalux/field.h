@@ -72,13 +72,14 @@ typedef struct olx_field_info {
   uint32_t relight_size; // surfaces along a side of those that irradiance probes keep for relighting: 16 to 128; 0: baked without
   uint32_t relight_points, relight_rays; // for each irradiance probe, points that its irradiance is fitted to, and rays of each
   uint32_t relight_hidden; // for each irradiance probe, places for surfaces that its points' rays meet and no probe sees
+  uint32_t volume_probe_count; // probes of the irradiance volume; 0: baked without
   uint32_t light_count;    // lights of the scene that have no area
   uint64_t file_bytes;
   // Of the surfaces that light field probes see: base colour and reflectance, irradiance straight from emitters, irradiance
   // from surfaces, emission with the sky.
   uint64_t material_bytes, direct_bytes, indirect_bytes, emission_bytes;
   uint64_t radiance_bytes, normal_bytes, distance_bytes, pyramid_bytes, irradiance_bytes, moments_bytes,
-      selector_bytes, classic_bytes, relight_bytes;
+      selector_bytes, classic_bytes, relight_bytes, volume_bytes; // of the volume with its cells
   uint64_t select_bytes[OLX_SELECT_EXHAUSTIVE]; // of each selector in the file; their sum is selector_bytes
 } olx_field_info;
 

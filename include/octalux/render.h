@@ -201,7 +201,8 @@ olx_result olx_flip_map_save(const float *flip_map, uint32_t width, uint32_t hei
 
 typedef struct olx_audit_settings {
   uint32_t rays;   // default 200,000
-  uint32_t points; // default 2,000
+  uint32_t points; // on surfaces; default 2,000
+  uint32_t space_points; // in free space, six normals each, with spp / 16 paths in each of two halves; default 0
   uint32_t spp;    // paths a point for the reference irradiance; default 1024
   uint32_t seed;
   uint32_t threads;
@@ -231,8 +232,13 @@ typedef struct olx_audit {
   olx_audit_rays cosine, mirror; // each kind alone
   olx_audit_points points;       // of olx_surface_irradiance, at all points
   olx_audit_points stored;       // where light is stored for the point's surface: its share is stored.count / points.count
-  olx_audit_points fallen_back;  // where nothing is, and irradiance probes answer
+  olx_audit_points fallen_back;  // where nothing is, and the irradiance volume answers
   olx_audit_points irradiance;   // of olx_irradiance, at all points
+  // At settings->space_points places of the space that the viewer reaches, noise of the reference removed; count is that of places
+  // times normals.
+  olx_audit_points space_volume; // of olx_volume_irradiance
+  olx_audit_points space_probes; // of olx_irradiance
+  double space_served;           // share of the places at which the irradiance volume has a cell
 } olx_audit;
 
 olx_result olx_audit_field(const olx_scene *scene, const olx_field *field, const olx_audit_settings *settings,

@@ -82,13 +82,13 @@ olx_vec3 olx_irradiance(const olx_field *field, const olx_sample_settings *setti
 
 // Indirect irradiance in W/m^2 on a static surface, one that was in the scene when the field was baked, from the light that
 // the field stores where surfaces are (docs/maths.md, "Light on surfaces"). It is more accurate than olx_irradiance and
-// lets no light through walls; where nothing is stored it is olx_irradiance for the shading normal. Use olx_irradiance for
+// lets no light through walls; where nothing is stored it is olx_volume_irradiance for the shading normal. Use olx_irradiance for
 // what moves. Diffuse light leaving the surface is albedo * irradiance / pi.
 // - `position`: metres, on the surface to within a small share of a texel's footprint (settings->surface_tolerance).
 // - `geometric_normal`: unit, of the triangle, on the side that is looked at. It decides which stored surfaces are this one.
 // - `shading_normal`: unit. Light is stored for the normal between a triangle's corners, so smooth surfaces without a normal
 //   map pass the geometric normal here as well, and others the normal that the map makes of the geometric normal. Where
-//   the two differ, stored light is multiplied in each channel by olx_irradiance for this one over that for the geometric
+//   the two differ, stored light is multiplied in each channel by olx_volume_irradiance for this one over that for the geometric
 //   normal, at most 4; 0 / 0 is 1.
 // - `view`: unit, from the surface to the eye; pass the geometric normal where there is no eye.
 // Numbers that are not finite give 0.
@@ -97,6 +97,14 @@ olx_vec3 olx_irradiance(const olx_field *field, const olx_sample_settings *setti
 // olx_irradiance, visibility count as well.
 olx_vec3 olx_surface_irradiance(const olx_field *field, const olx_sample_settings *settings, olx_vec3 position,
                                 olx_vec3 geometric_normal, olx_vec3 shading_normal, olx_vec3 view);
+
+// Indirect irradiance in W/m^2 anywhere in free space, for what moves and for volumes, from the field's irradiance volume
+// (docs/maths.md, "The irradiance volume"). It lets no light through surfaces that were there when the field was baked.
+// - `position`: metres. `normal`: unit, of the surface of the object there; a place is looked up 1/4096 of the smallest cell before it.
+// Where the volume has no cell, because neither cameras nor light field probes reach that space, in a field without a volume
+// (olx_field_info.volume_probe_count is 0), and in one whose lights have changed since it was baked, this is olx_irradiance with default
+// settings. Numbers that are not finite give 0.
+olx_vec3 olx_volume_irradiance(const olx_field *field, olx_vec3 position, olx_vec3 normal);
 
 // Irradiance in W/m^2 that irradiance probe `index` (< irradiance_probe_count) holds for surfaces of unit normal `normal`: not
 // interpolated, and with spherical harmonics as they ring, that is also below 0, where olx_irradiance says 0. 0 for another index.

@@ -8,6 +8,7 @@
 #include "bake/relight_bake.h"
 #include "bake/selectors.h"
 #include "bake/surface_capture.h"
+#include "bake/volume_bake.h"
 #include "core/hooks.h"
 #include "core/result.h"
 #include "scene/emitters.h"
@@ -37,6 +38,7 @@ typedef struct bake {
   olx_scene_light *light; // NULL where indirect light is the plain reference
   olx_surface_capture surfaces;
   olx_field_light *lights;
+  olx_volume_bake volume;
   olx_classic_bake classic;
   uint32_t *classic_table; // NULL without classic maps
   olx_relight_bake relight;
@@ -54,6 +56,7 @@ olx_bake_settings olx_bake_settings_default(const olx_scene *scene) {
                                 .bounces = 3,
                                 .noise = 0.02f,
                                 .reference_paths = 64,
+                                .volume_cells = 32,
                                 .fit = true,
                                 .classic_size = 128,
                                 .classic_cube_size = 256};
@@ -162,6 +165,7 @@ static olx_result check_settings(const olx_bake_settings *settings) {
   if (!(settings->noise >= 0.001f && settings->noise <= 1.0f))
     return olx_fail(OLX_ERROR_ARGUMENT, "bake: noise must be 0.001 to 1, not %g", (double)settings->noise);
   OLX_TRY(check_range(settings->reference_paths, 1, 65536, "reference paths"));
+  OLX_TRY(check_range(settings->volume_cells, 0, 256, "cells of the volume"));
   OLX_TRY(check_range(settings->samples, 1, 8, "samples"));
   OLX_TRY(check_range(settings->light_samples, 1, 64, "light samples"));
   return check_range(settings->bounces, 0, 64, "bounces");
@@ -233,7 +237,11 @@ static olx_field_header header_of(const bake *b) {
       .lights = b->lights,
       .light_count = b->scene->light_count,
       .classic_table = b->classic_table,
+      .volume = b->volume.cells.data,
+      .volume_bytes = b->volume.cells.size_bytes,
+      .volume_positions = b->volume.cells.positions,
   };
+  header.info.volume_probe_count = b->volume.cells.probe_count;
   if (s->classic) {
     header.info.classic_size = s->classic_size;
     header.info.classic_cube_size = s->classic_cube_size;
@@ -394,6 +402,17 @@ static olx_result solve_light(bake *b) {
   return OLX_OK;
 }
 
+static olx_result make_volume_cells(bake *b) {
+  b->volume = (olx_volume_bake){.scene = b->scene,
+                                .settings = b->settings,
+                                .positions = b->positions[0],
+                                .flags = b->flags[0],
+                                .probe_count = b->counts[0],
+                                .seed = b->shade.seed,
+                                .task = &b->task};
+  return olx_volume_bake_create(&b->volume, &b->stats);
+}
+
 static olx_result capture_probes(bake *b) {
   olx_task_stage(&b->task, "light field");
   for (uint32_t i = 0; i < b->counts[0]; i++) {
@@ -455,10 +474,12 @@ static olx_result run(bake *b, const char *path) {
   OLX_TRY(find_buried(b));
   OLX_TRY(build_selectors(b));
   OLX_TRY(prepare_classic(b));
+  OLX_TRY(make_volume_cells(b));
   OLX_TRY(create_file(b, path));
   OLX_TRY(olx_gather_create(&b->gather, &s->irradiance_grid, s->irradiance_size, s->bounces));
   OLX_TRY(olx_capture_create(&b->capture));
   OLX_TRY(solve_light(b));
+  OLX_TRY(olx_volume_bake_write(&b->volume, b->light, b->writer, &b->stats));
   b->surfaces.light = b->light;
   OLX_TRY(olx_surface_capture_create(&b->surfaces));
   b->stats.primary_rays = b->counts[0] * olx_capture_units(&b->capture);
@@ -481,6 +502,7 @@ static olx_result finish(bake *b, olx_result result, double start) {
   olx_capture_free(&b->capture);
   olx_surface_capture_free(&b->surfaces);
   olx_scene_light_free(b->light);
+  olx_volume_bake_free(&b->volume);
   olx_release(b->lights);
   b->stats.rays += atomic_load(&b->surfaces.rays);
   olx_classic_bake_free(&b->classic);

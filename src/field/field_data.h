@@ -10,6 +10,7 @@
 #include "field/harmonic_data.h"
 #include "field/relight_data.h"
 #include "field/surface_data.h"
+#include "field/volume_data.h"
 
 #include <octalux/field.h>
 
@@ -56,6 +57,7 @@ struct olx_field {
 
   olx_classic_maps classic;
   olx_relight_maps relight;
+  olx_volume volume;
 
   float distance_scale;
 

@@ -49,6 +49,9 @@ void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHU
       [OLX_CHUNK_FIT] = {OLX_FOUR_CC('F', 'I', 'T', 'P'), 4, fit_words, info->irradiance_probe_count},
       [OLX_CHUNK_HIDDEN] = {OLX_FOUR_CC('H', 'I', 'D', 'N'), sizeof(olx_hidden_surface), info->relight_hidden,
                             info->irradiance_probe_count},
+      [OLX_CHUNK_VOLUME] = {OLX_FOUR_CC('V', 'O', 'L', 'U'), 1, 0, 1},
+      [OLX_CHUNK_VOLUME_POSITIONS] = {OLX_FOUR_CC('V', 'P', 'O', 'S'), 4, 3, info->volume_probe_count},
+      [OLX_CHUNK_VOLUME_IRRADIANCE] = {OLX_FOUR_CC('V', 'I', 'R', 'R'), 2, OLX_VOLUME_HALVES, info->volume_probe_count},
       [OLX_CHUNK_ORIGIN] = OLX_CHUNK_ORIGIN_ROW,
       [OLX_CHUNK_EMISSION_TILES] = {OLX_FOUR_CC('E', 'T', 'I', 'L'), 4, OLX_EMISSION_TILE_TEXELS, 0},
   };

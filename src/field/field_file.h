@@ -86,6 +86,10 @@ typedef enum olx_chunk_kind {
   OLX_CHUNK_SURFACES,
   OLX_CHUNK_FIT,
   OLX_CHUNK_HIDDEN,
+  // The irradiance volume: all of these or none.
+  OLX_CHUNK_VOLUME,
+  OLX_CHUNK_VOLUME_POSITIONS,
+  OLX_CHUNK_VOLUME_IRRADIANCE,
   OLX_CHUNK_ORIGIN, // where the origin is not 0
   // Required, and last in the file: a writer knows its size when all probes are written.
   OLX_CHUNK_EMISSION_TILES,
@@ -138,6 +142,10 @@ olx_result olx_relight_info_check(const olx_field_info *info, const char *name, 
 olx_result olx_relight_open(olx_field *field);
 // Whether a field of that description has such a chunk, from OLX_CHUNK_RELIGHT to OLX_CHUNK_HIDDEN.
 bool olx_relight_has_chunk(const olx_field_info *info, olx_chunk_kind kind);
+// Finds the irradiance volume of an open field, if it has one, and checks its structure.
+olx_result olx_field_volume_open(olx_field *field);
+// Whether the irradiance of a probe of the volume is what a writer makes of it.
+olx_result olx_volume_verify(const olx_field *field, uint32_t probe);
 // Whether positions are finite and, with a grid, stand on it.
 olx_result olx_positions_check(const olx_vec3 *positions, uint32_t count, const olx_grid *grid, const char *kind,
                                const char *name, olx_result failure);

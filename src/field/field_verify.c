@@ -275,6 +275,7 @@ olx_result olx_field_verify(const olx_field *field) {
     OLX_TRY(check_classic_table(field));
     OLX_TRY(check_all(field, check_classic, field->info.irradiance_probe_count));
   }
+  if (field->volume.header) OLX_TRY(check_all(field, olx_volume_verify, field->info.volume_probe_count));
   if (!field->relight.size) return OLX_OK;
   OLX_TRY(check_all(field, check_albedo, field->info.probe_count));
   OLX_TRY(check_all(field, check_surfaces, field->info.irradiance_probe_count));

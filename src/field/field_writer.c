@@ -15,7 +15,7 @@ struct olx_field_writer {
   olx_field_layout layout;
   XXH3_state_t hashes[OLX_CHUNK_KINDS]; // of what has been written to each chunk
   uint32_t probes_written, surfaces_written, irradiance_written, classic_written, relight_written, albedo_written;
-  bool failed;
+  bool failed, volume_written;
 
   olx_vec3 *probe_positions, *irradiance_positions;
   uint8_t *probe_flags, *irradiance_flags;
@@ -36,6 +36,8 @@ static void find_present(const olx_field_header *header, olx_field_layout *layou
   }
   for (uint32_t k = OLX_CHUNK_CLASSIC; k <= OLX_CHUNK_CLASSIC_BOXES; k++) layout->present[k] = info->classic_size > 0;
   for (uint32_t k = OLX_CHUNK_RELIGHT; k <= OLX_CHUNK_HIDDEN; k++) layout->present[k] = olx_relight_has_chunk(info, k);
+  for (uint32_t k = OLX_CHUNK_VOLUME; k <= OLX_CHUNK_VOLUME_IRRADIANCE; k++) layout->present[k] = header->volume_bytes > 0;
+  layout->shapes[OLX_CHUNK_VOLUME].size_bytes = layout->shapes[OLX_CHUNK_VOLUME].record_bytes = header->volume_bytes;
   layout->present[OLX_CHUNK_ORIGIN] = olx_origin_is_stored(header->origin);
 }
 
@@ -135,6 +137,24 @@ static olx_result put_relight_header(olx_field_writer *writer) {
   return put_whole(writer, OLX_CHUNK_RELIGHT, &relight);
 }
 
+// The structure as readers check it, and what it says of the probes.
+static olx_result check_volume(const olx_field_header *header, const char *path) {
+  olx_volume volume;
+  if (header->volume_bytes == 0) return OLX_OK;
+  OLX_TRY(olx_volume_open(header->volume, header->volume_bytes, path, &volume));
+  if (volume.header->probes != header->info.volume_probe_count) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "%s: a volume of %u probes, not %u", path, volume.header->probes,
+                    header->info.volume_probe_count);
+  }
+  return olx_positions_check(header->volume_positions, volume.header->probes, NULL, "volume", path, OLX_ERROR_ARGUMENT);
+}
+
+static olx_result put_volume(olx_field_writer *writer, const olx_field_header *header) {
+  if (!writer->layout.present[OLX_CHUNK_VOLUME]) return OLX_OK;
+  OLX_TRY(put_whole(writer, OLX_CHUNK_VOLUME, header->volume));
+  return put_whole(writer, OLX_CHUNK_VOLUME_POSITIONS, header->volume_positions);
+}
+
 olx_result olx_field_writer_create(const char *path, const olx_field_header *header, olx_field_writer **created) {
   assert(path && header && created);
   *created = NULL;
@@ -142,6 +162,7 @@ olx_result olx_field_writer_create(const char *path, const olx_field_header *hea
   info.buried_count = info.irradiance_buried_count = 0;
   OLX_TRY(olx_field_info_check(&info, path, OLX_ERROR_ARGUMENT));
   OLX_TRY(check_lights(header, path));
+  OLX_TRY(check_volume(header, path));
   if (info.classic_size) OLX_TRY(olx_classic_info_check(&info, path, OLX_ERROR_ARGUMENT));
   if (info.relight_size) OLX_TRY(olx_relight_info_check(&info, path, OLX_ERROR_ARGUMENT));
   OLX_TRY(olx_positions_check(header->probe_positions, info.probe_count, info.has_grid ? &info.grid : NULL,
@@ -161,6 +182,7 @@ olx_result olx_field_writer_create(const char *path, const olx_field_header *hea
   OLX_TRY_GOTO(put_whole(writer, OLX_CHUNK_LIGHTS, header->lights), opened);
   OLX_TRY_GOTO(put_classic_header(writer, header), opened);
   OLX_TRY_GOTO(put_relight_header(writer), opened);
+  OLX_TRY_GOTO(put_volume(writer, header), opened);
   if (writer->layout.present[OLX_CHUNK_ORIGIN]) OLX_TRY_GOTO(put_whole(writer, OLX_CHUNK_ORIGIN, header->origin), opened);
   *created = writer;
   return OLX_OK;
@@ -361,6 +383,16 @@ olx_result olx_field_writer_albedo(olx_field_writer *writer, uint32_t index, con
   return result;
 }
 
+olx_result olx_field_writer_volume(olx_field_writer *writer, const uint16_t *irradiance) {
+  if (!writer->layout.present[OLX_CHUNK_VOLUME] || writer->volume_written) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "%s: a volume that the header does not have, or twice", writer->file.path);
+  }
+  const olx_result result = put_whole(writer, OLX_CHUNK_VOLUME_IRRADIANCE, irradiance);
+  writer->failed |= result != OLX_OK;
+  writer->volume_written = true;
+  return result;
+}
+
 // The description, the padding after every chunk, the chunk table and the header.
 static olx_result write_frame(olx_field_writer *writer) {
   const olx_file_info info = olx_field_info_store(&writer->info);
@@ -404,6 +436,8 @@ olx_result olx_field_writer_commit(olx_field_writer *writer, uint64_t *file_byte
   } else if (writer->surfaces_written != writer->info.probe_count) {
     result = olx_fail(OLX_ERROR_ARGUMENT, "%s: surfaces of %u of %u light field probes written", writer->file.path,
                       writer->surfaces_written, writer->info.probe_count);
+  } else if (writer->layout.present[OLX_CHUNK_VOLUME] && !writer->volume_written) {
+    result = olx_fail(OLX_ERROR_ARGUMENT, "%s: the irradiance of the volume was not written", writer->file.path);
   } else if (writer->info.classic_size && writer->classic_written != writer->info.irradiance_probe_count) {
     result = olx_fail(OLX_ERROR_ARGUMENT, "%s: classic maps of %u of %u irradiance probes written", writer->file.path,
                       writer->classic_written, writer->info.irradiance_probe_count);

@@ -15,6 +15,9 @@ typedef struct olx_field_header {
   size_t select_bytes[OLX_SELECT_STORED];
   const olx_field_light *lights; // without area; NULL when there are none
   uint32_t light_count;
+  const void *volume; // the structure of the irradiance volume (field/volume_data.h), with info.volume_probe_count positions
+  size_t volume_bytes; // of the structure; 0 without a volume
+  const olx_vec3 *volume_positions;
   const uint32_t *classic_table; // of classic maps, OLX_CLASSIC_TABLE_ENTRIES; NULL, and info.classic_size 0, without them
 } olx_field_header;
 
@@ -78,6 +81,9 @@ olx_result olx_field_writer_classic(olx_field_writer *writer, uint32_t index, co
 // Where info.relight_size asks for it: the same for an irradiance probe, and the albedo map of a light field probe (as its radiance).
 olx_result olx_field_writer_relight(olx_field_writer *writer, uint32_t index, const olx_relight_record *record);
 olx_result olx_field_writer_albedo(olx_field_writer *writer, uint32_t index, const uint32_t *albedo);
+
+// The irradiance of all probes of the volume, OLX_VOLUME_HALVES each, where the header has one.
+olx_result olx_field_writer_volume(olx_field_writer *writer, const uint16_t *irradiance);
 
 // Checksums, sync, rename. Frees the writer whatever comes back. All probes must have been written.
 olx_result olx_field_writer_commit(olx_field_writer *writer, uint64_t *file_bytes);

@@ -43,6 +43,7 @@ struct olx_scene_light {
   olx_light_links links;
   olx_vec3 *direct, *irradiance; // of surfels
   olx_vec3 *passed_on;           // direct light and all bounces but the last: what the surfels' surfaces reflect
+  olx_vec3 *before;              // irradiance with one bounce less
   uint32_t visible;    // surfels on surfaces that probes see; the others, which only pass light on, come after them
   uint32_t first_rays; // of every surfel
   olx_surfel_lookup lookup;
@@ -249,6 +250,15 @@ static olx_result solve(olx_scene_light *l) {
                            l->irradiance, l->passed_on, &l->report.bounces);
 }
 
+static olx_result keep_before(olx_scene_light *l) {
+  l->before = olx_allocate(l->surfels.count, sizeof *l->before);
+  if (!l->before) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", l->surfels.count);
+  for (uint32_t i = 0; i < l->surfels.count; i++) {
+    l->before[i] = olx_max_each(olx_sub(l->passed_on[i], l->direct[i]), olx_splat(0.0f));
+  }
+  return OLX_OK;
+}
+
 static float mean_luminance(const olx_vec3 *light, uint32_t count) {
   double sum = 0.0;
   for (uint32_t i = 0; i < count; i++) sum += (double)olx_luminance(light[i]);
@@ -328,11 +338,12 @@ static olx_result build(olx_scene_light *l, const olx_vec3 *positions, const uin
   OLX_TRY(add_direct(l));
   OLX_TRY(solve(l));
   OLX_TRY(refine(l));
+  OLX_TRY(keep_before(l));
   OLX_TRY(olx_surfel_lookup_create(&l->lookup, &l->surfels, l->visible));
   l->report.surfels = l->surfels.count;
   l->report.rays += l->surfels.rays;
   l->report.bytes = l->report.links * sizeof(olx_link) +
-                    l->surfels.count * (sizeof(olx_light_surfel) + 3 * sizeof(olx_vec3)) +
+                    l->surfels.count * (sizeof(olx_light_surfel) + 4 * sizeof(olx_vec3)) +
                     l->surfels.point_count * sizeof(olx_surface_point);
   l->report.seconds = olx_seconds() - start;
   return OLX_OK;
@@ -368,6 +379,7 @@ void olx_scene_light_free(olx_scene_light *l) {
   olx_release(l->direct);
   olx_release(l->irradiance);
   olx_release(l->passed_on);
+  olx_release(l->before);
   olx_surfel_lookup_free(&l->lookup);
   olx_light_surfels_free(&l->surfels);
   olx_release(l);
@@ -395,17 +407,29 @@ static bool is_rough(const olx_scene_light *l, const olx_surfel_weights *weights
   return square / sum - mean * mean > ROUGH_SPREAD * ROUGH_SPREAD * mean * mean;
 }
 
-olx_vec3 olx_scene_light_irradiance(const olx_scene_light *l, const olx_surface *surface) {
-  const olx_surfel_weights weights = olx_surfel_weigh(&l->lookup, surface);
-  if (weights.count < LEAST_NEIGHBOURS || is_rough(l, &weights)) return gather(l, surface);
+static olx_vec3 interpolate(const olx_surfel_weights *weights, const olx_vec3 *irradiance) {
   olx_vec3 sum = {0}, least = olx_splat(INFINITY), most = olx_splat(0.0f);
-  for (uint32_t i = 0; i < weights.count; i++) {
-    const olx_vec3 light = l->irradiance[weights.surfel[i]];
-    sum = olx_madd(sum, light, weights.weight[i]);
+  for (uint32_t i = 0; i < weights->count; i++) {
+    const olx_vec3 light = irradiance[weights->surfel[i]];
+    sum = olx_madd(sum, light, weights->weight[i]);
     least = olx_min_each(least, light);
     most = olx_max_each(most, light);
   }
   // Slopes go on a little beyond the surfels that they were found between, and no farther.
   const olx_vec3 margin = olx_scale(olx_sub(most, least), 0.25f);
   return olx_max_each(olx_min_each(sum, olx_add(most, margin)), olx_max_each(olx_sub(least, margin), olx_splat(0.0f)));
+}
+
+olx_vec3 olx_scene_light_irradiance(const olx_scene_light *l, const olx_surface *surface) {
+  const olx_surfel_weights weights = olx_surfel_weigh(&l->lookup, surface);
+  if (weights.count < LEAST_NEIGHBOURS || is_rough(l, &weights)) return gather(l, surface);
+  return interpolate(&weights, l->irradiance);
+}
+
+olx_vec3 olx_scene_light_irradiance_before(const olx_scene_light *l, const olx_surface *surface) {
+  const olx_surfel_weights weights = olx_surfel_weigh(&l->lookup, surface);
+  if (weights.count > 0) return interpolate(&weights, l->before);
+  const uint64_t key = olx_cell_key(&l->surfels.grid, surface->position, surface->geometric_normal);
+  const uint32_t found = olx_light_surfels_find(&l->surfels, key, surface, INFINITY).surfel;
+  return found == OLX_CELL_NONE ? olx_splat(0.0f) : l->before[found];
 }

@@ -44,5 +44,8 @@ olx_scene_light_report olx_scene_light_describe(const olx_scene_light *light);
 // Indirect irradiance in W/m^2 on the side of the surface that it was looked at from, for its vertex normal. Emitters and
 // the sky seen directly are left out.
 olx_vec3 olx_scene_light_irradiance(const olx_scene_light *light, const olx_surface *surface);
+// The same with one bounce less: what a ray that ends there brings, with the direct light of the surface, to a place whose light
+// has bounced as often as the solution's.
+olx_vec3 olx_scene_light_irradiance_before(const olx_scene_light *light, const olx_surface *surface);
 
 #endif

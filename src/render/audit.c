@@ -4,6 +4,7 @@
 #include "core/result.h"
 #include "core/sampling.h"
 #include "field/field_data.h"
+#include "render/audit_space.h"
 #include "render/camera_sample.h"
 #include "light/path.h"
 #include "scene/surface.h"
@@ -25,8 +26,8 @@ typedef struct ray_verdict {
 // Irradiance at one point.
 typedef struct point_verdict {
   bool valid, stored;
-  olx_vec3 surface; // as olx_surface_irradiance has it: stored, or where nothing is, that of irradiance probes
-  olx_vec3 volume;  // that of irradiance probes alone
+  olx_vec3 surface; // as olx_surface_irradiance has it: stored, or where nothing is, that of the irradiance volume
+  olx_vec3 probes;  // that of irradiance probes alone
   olx_vec3 truth;
 } point_verdict;
 
@@ -158,7 +159,7 @@ static void judge_point(void *user, uint32_t index) {
       .valid = true,
       .stored = light.probes > 0,
       .surface = light.irradiance,
-      .volume = olx_irradiance(a->field, sample, point.position, s.shading_normal, point.view),
+      .probes = olx_irradiance(a->field, sample, point.position, s.shading_normal, point.view),
       .truth = olx_path_surface_irradiance(a->scene, &s, a->field->info.bounces + 1, a->settings->spp,
                                            olx_hash2(a->settings->seed, index), &rays),
   };
@@ -207,15 +208,15 @@ static olx_audit_rays sum_rays(const audit *a, uint32_t kinds, float *errors) {
 
 enum { POINTS_STORED = 1, POINTS_FALLEN_BACK = 2 };
 
-// Errors at points of these kinds, of irradiance probes alone with `volume`.
-static olx_audit_points sum_points(const audit *a, uint32_t kinds, bool volume) {
+// Errors at points of these kinds, of irradiance probes alone with `probes`.
+static olx_audit_points sum_points(const audit *a, uint32_t kinds, bool probes) {
   double squared = 0.0, reference_squared = 0.0, difference = 0.0, reference = 0.0, dark_estimate = 0.0;
   uint64_t count = 0, dark = 0;
   for (uint32_t i = 0; i < a->settings->points; i++) {
     const point_verdict *v = &a->points[i];
     if (!v->valid || !(kinds & (v->stored ? POINTS_STORED : POINTS_FALLEN_BACK))) continue;
     count++;
-    const olx_vec3 estimate = volume ? v->volume : v->surface, d = olx_sub(estimate, v->truth);
+    const olx_vec3 estimate = probes ? v->probes : v->surface, d = olx_sub(estimate, v->truth);
     squared += (double)olx_dot(d, d);
     reference_squared += (double)olx_dot(v->truth, v->truth);
     difference += (double)(d.x + d.y + d.z);
@@ -247,13 +248,15 @@ static olx_result make_frames(audit *a, olx_camera_frame *frames) {
   return OLX_OK;
 }
 
-static olx_result run(audit *a, const olx_progress *progress) {
+static olx_result run(audit *a, const olx_progress *progress, olx_audit *out) {
   const uint32_t batches = (a->settings->rays + BATCH - 1) / BATCH;
   olx_task task;
-  olx_task_begin(&task, progress, "auditing rays", (uint64_t)batches + a->settings->points);
+  olx_task_begin(&task, progress, "auditing rays", (uint64_t)batches + a->settings->points + a->settings->space_points);
   olx_result result = olx_parallel_for(batches, a->settings->threads, judge_rays, a, &task, 1);
   olx_task_stage(&task, "auditing points");
   if (result == OLX_OK) result = olx_parallel_for(a->settings->points, a->settings->threads, judge_point, a, &task, 1);
+  olx_task_stage(&task, "auditing free space");
+  if (result == OLX_OK) result = olx_audit_space(a->scene, a->field, a->settings, &task, out);
   olx_task_end(&task);
   return result;
 }
@@ -261,8 +264,8 @@ static olx_result run(audit *a, const olx_progress *progress) {
 olx_result olx_audit_field(const olx_scene *scene, const olx_field *field, const olx_audit_settings *settings,
                            const olx_progress *progress, olx_audit *out) {
   *out = (olx_audit){0};
-  if (settings->rays > 1u << 30 || settings->points > 1u << 30) {
-    return olx_fail(OLX_ERROR_ARGUMENT, "audit: at most 2^30 rays and points");
+  if (settings->rays > 1u << 30 || settings->points > 1u << 30 || settings->space_points > 1u << 26) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "audit: at most 2^30 rays and points, 2^26 of them in free space");
   }
   OLX_TRY(olx_sample_settings_check(field, &settings->sample));
   OLX_TRY(olx_render_check_origin(scene, field));
@@ -278,7 +281,7 @@ olx_result olx_audit_field(const olx_scene *scene, const olx_field *field, const
   olx_result result = OLX_OK;
   if (!frames || !a.rays || !a.points || !errors) result = olx_fail(OLX_ERROR_MEMORY, "audit: out of memory");
   if (result == OLX_OK) result = make_frames(&a, frames);
-  if (result == OLX_OK) result = run(&a, progress);
+  if (result == OLX_OK) result = run(&a, progress, out);
   if (result == OLX_OK) {
     out->rays = sum_rays(&a, RAYS_COSINE | RAYS_MIRROR, errors);
     out->cosine = sum_rays(&a, RAYS_COSINE, errors);

@@ -47,6 +47,9 @@ typedef struct olx_irradiance_weights {
 olx_irradiance_weights olx_irradiance_weigh(const olx_irradiance_source *source, uint32_t terms, bool keep_buried,
                                             olx_vec3 position, olx_vec3 normal, olx_vec3 view);
 
+// By what factor light changes in each channel. 0 / 0 is 1, and light from darkness an infinite factor.
+olx_vec3 olx_light_change(olx_vec3 before, olx_vec3 after);
+
 // By what factor irradiance changes in each channel when a surface's normal turns from one to the other: the probes around
 // the point keep the weights that they have for `from`. 0 / 0 is 1, and light from darkness an infinite factor.
 olx_vec3 olx_irradiance_change(const olx_irradiance_source *source, const olx_sample_settings *settings,

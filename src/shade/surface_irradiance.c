@@ -7,6 +7,7 @@
 #include "select/cage.h"
 #include "select/sight.h"
 #include "shade/irradiance.h"
+#include "shade/volume_irradiance.h"
 
 enum { MOST_RANKED = 128, MOST_BLENDED = 4 };
 
@@ -238,6 +239,29 @@ static bool is_finite(const olx_surface_point *p) {
          olx_finite(p->shading_normal) && olx_finite(p->view);
 }
 
+// Where nothing is stored: the irradiance volume, and without it irradiance probes.
+static olx_vec3 fallen_back(const olx_field *field, const olx_sample_settings *settings,
+                            const olx_surface_point *point) {
+  olx_volume_light_at volume;
+  if (olx_volume_gather(field, point->position, point->geometric_normal, &volume)) {
+    return olx_volume_towards(&volume, point->shading_normal);
+  }
+  return olx_irradiance(field, settings, point->position, point->shading_normal, point->view);
+}
+
+// By what the light changes where a normal map bends the normal.
+static olx_vec3 normal_map_change(const olx_field *field, const olx_sample_settings *settings,
+                                  const olx_surface_point *point) {
+  olx_volume_light_at volume;
+  if (olx_volume_gather(field, point->position, point->geometric_normal, &volume)) {
+    return olx_light_change(olx_volume_towards(&volume, point->vertex_normal),
+                            olx_volume_towards(&volume, point->shading_normal));
+  }
+  const olx_irradiance_source source = olx_irradiance_source_of(field);
+  return olx_irradiance_change(&source, settings, point->position, point->vertex_normal, point->shading_normal,
+                               point->view);
+}
+
 olx_surface_light olx_surface_light_at(const olx_field *field, const olx_sample_settings *settings,
                                        const olx_surface_point *point) {
   olx_surface_light light = {.probes = 0};
@@ -245,15 +269,13 @@ olx_surface_light olx_surface_light_at(const olx_field *field, const olx_sample_
   blend b = {.count = 0};
   if (!field->relit) gather(field, settings, point, &b);
   if (b.count == 0) {
-    light.irradiance = olx_irradiance(field, settings, point->position, point->shading_normal, point->view);
+    light.irradiance = fallen_back(field, settings, point);
     return light;
   }
   light.irradiance = mix(&b, &light.probes);
   const olx_vec3 bent = olx_sub(point->shading_normal, point->vertex_normal);
   if (olx_dot(bent, bent) > 1e-6f) {
-    const olx_irradiance_source source = olx_irradiance_source_of(field);
-    const olx_vec3 change = olx_irradiance_change(&source, settings, point->position, point->vertex_normal,
-                                                  point->shading_normal, point->view);
+    const olx_vec3 change = normal_map_change(field, settings, point);
     light.irradiance = olx_mul(light.irradiance, olx_min_each(change, olx_splat(MOST_CHANGE)));
   }
   return light;

@@ -1,0 +1,32 @@
+// The irradiance volume of a bake: cells from geometry before the file is laid out, light when it has been solved.
+#ifndef OLX_BAKE_VOLUME_BAKE_H
+#define OLX_BAKE_VOLUME_BAKE_H
+
+#include "bake/volume_cells.h"
+#include "field/field_writer.h"
+#include "light/scene_light.h"
+
+#include <octalux/bake.h>
+
+typedef struct olx_volume_bake {
+  const olx_scene *scene;
+  const olx_bake_settings *settings;
+  const olx_vec3 *positions; // of light field probes
+  const uint8_t *flags;
+  uint32_t probe_count;
+  uint32_t seed;
+  olx_task *task;
+  olx_volume_cells cells; // made first
+} olx_volume_bake;
+
+// Whether a bake with such settings makes a volume, where there is free space.
+bool olx_volume_is_baked(const olx_bake_settings *settings);
+
+// The cells, and the share of surfaces in sight of probes at which there is none.
+olx_result olx_volume_bake_create(olx_volume_bake *bake, olx_bake_stats *stats);
+// The light of the probes, to the file.
+olx_result olx_volume_bake_write(olx_volume_bake *bake, const olx_scene_light *light, olx_field_writer *writer,
+                                 olx_bake_stats *stats);
+void olx_volume_bake_free(olx_volume_bake *bake);
+
+#endif

@@ -1,0 +1,116 @@
+// Finds the free space that the irradiance volume covers, and tells places on the two sides of a surface apart by rays.
+#include "bake/volume_space.h"
+
+#include "core/hooks.h"
+#include "core/result.h"
+#include "scene/bvh.h"
+
+static bool clear(const olx_scene *scene, olx_vec3 from, olx_vec3 to) {
+  const olx_ray ray = {from, olx_sub(to, from), 0.0f, 1.0f};
+  return !olx_bvh_occluded(scene->bvh, &ray);
+}
+
+// The voxels around a place, itself first.
+typedef struct voxel_range {
+  int32_t low[3], high[3];
+} voxel_range;
+
+static int32_t voxel_of(float metres, float size, uint32_t count) {
+  return (int32_t)olx_clamp(floorf(metres / size), 0.0f, (float)count - 1.0f);
+}
+
+static voxel_range range_of(const olx_voxels *v, olx_vec3 low, olx_vec3 high) {
+  const olx_vec3 a = olx_sub(low, v->low), b = olx_sub(high, v->low);
+  const float from[3] = {a.x, a.y, a.z}, to[3] = {b.x, b.y, b.z};
+  voxel_range range;
+  for (int axis = 0; axis < 3; axis++) {
+    range.low[axis] = voxel_of(from[axis] - v->size, v->size, v->count[axis]);
+    range.high[axis] = voxel_of(to[axis] + v->size, v->size, v->count[axis]);
+  }
+  return range;
+}
+
+static size_t voxel_index(const olx_voxels *v, int32_t x, int32_t y, int32_t z) {
+  return (size_t)x + v->count[0] * ((size_t)y + v->count[1] * (size_t)z);
+}
+
+static bool is_reached(const olx_volume_space *s, size_t voxel) { return s->space.reachable[voxel] & OLX_REACHABLE; }
+
+// Floods from the voxel of a probe, or where surfaces touch that, from one beside it that the probe sees.
+static void flood_from(olx_volume_space *s, olx_vec3 position, uint32_t *labels, size_t *stack) {
+  const olx_voxels *v = &s->space.voxels;
+  if (olx_voxel_at(v, position) == OLX_NO_VOXEL) return;
+  const voxel_range around = range_of(v, position, position);
+  for (int32_t z = around.low[2]; z <= around.high[2]; z++) {
+    for (int32_t y = around.low[1]; y <= around.high[1]; y++) {
+      for (int32_t x = around.low[0]; x <= around.high[0]; x++) {
+        const size_t voxel = voxel_index(v, x, y, z);
+        if (labels[voxel] != 0 || !clear(s->scene, position, olx_voxel_centre(v, voxel))) continue;
+        olx_voxels_flood(v, voxel, 1, labels, stack);
+      }
+    }
+  }
+}
+
+static olx_result flood_from_probes(olx_volume_space *s, const olx_vec3 *positions, const uint8_t *flags,
+                                    uint32_t count) {
+  const size_t total = s->space.voxels.total;
+  uint32_t *labels = olx_allocate(total, sizeof *labels);
+  size_t *stack = olx_allocate(total, sizeof *stack);
+  olx_result result = labels && stack ? OLX_OK : olx_fail(OLX_ERROR_MEMORY, "bake: no memory for %zu voxels", total);
+  if (result == OLX_OK) {
+    for (size_t i = 0; i < total; i++) labels[i] = s->space.voxels.solid[i] ? UINT32_MAX : is_reached(s, i);
+    for (uint32_t i = 0; i < count; i++) {
+      if (flags[i] == 0) flood_from(s, positions[i], labels, stack);
+    }
+    for (size_t i = 0; i < total; i++) {
+      if (labels[i] == 1) s->space.reachable[i] |= OLX_REACHABLE;
+    }
+  }
+  olx_release(labels);
+  olx_release(stack);
+  return result;
+}
+
+olx_result olx_volume_space_create(const olx_scene *scene, const olx_vec3 *positions, const uint8_t *flags,
+                                   uint32_t count, uint32_t resolution, uint32_t threads, olx_volume_space *s) {
+  *s = (olx_volume_space){.scene = scene};
+  const olx_result result = olx_space_create(scene, resolution, threads, &s->space);
+  if (result == OLX_ERROR_EMPTY) {
+    s->empty = true;
+    return OLX_OK;
+  }
+  OLX_TRY(result);
+  return flood_from_probes(s, positions, flags, count);
+}
+
+void olx_volume_space_free(olx_volume_space *s) { olx_space_free(&s->space); }
+
+bool olx_volume_space_touches(const olx_volume_space *s, olx_vec3 low, olx_vec3 high) {
+  const olx_voxels *v = &s->space.voxels;
+  const voxel_range range = range_of(v, low, high);
+  for (int32_t z = range.low[2]; z <= range.high[2]; z++) {
+    for (int32_t y = range.low[1]; y <= range.high[1]; y++) {
+      for (int32_t x = range.low[0]; x <= range.high[0]; x++) {
+        if (is_reached(s, voxel_index(v, x, y, z))) return true;
+      }
+    }
+  }
+  return false;
+}
+
+bool olx_volume_space_holds(const olx_volume_space *s, olx_vec3 place) {
+  const olx_voxels *v = &s->space.voxels;
+  const size_t own = olx_voxel_at(v, place);
+  if (own != OLX_NO_VOXEL && !v->solid[own]) return is_reached(s, own);
+  const voxel_range around = range_of(v, place, place);
+  for (int32_t z = around.low[2]; z <= around.high[2]; z++) {
+    for (int32_t y = around.low[1]; y <= around.high[1]; y++) {
+      for (int32_t x = around.low[0]; x <= around.high[0]; x++) {
+        const size_t voxel = voxel_index(v, x, y, z);
+        if (is_reached(s, voxel) && clear(s->scene, place, olx_voxel_centre(v, voxel))) return true;
+      }
+    }
+  }
+  return false;
+}

@@ -1,0 +1,118 @@
+// The irradiance volume: probes in the corners of cells of free space, for what moves and for surfaces whose light is
+// stored nowhere. The structure lies in the file as it is read (docs/format.md, "Volume"); src/bake builds it,
+// src/shade looks it up.
+#ifndef OLX_FIELD_VOLUME_DATA_H
+#define OLX_FIELD_VOLUME_DATA_H
+
+#include "core/vec.h"
+#include "field/harmonic_data.h"
+
+#include <octalux/field.h>
+
+enum {
+  OLX_VOLUME_LEVELS = 4,         // how often a cube may be halved
+  OLX_VOLUME_BLOCK_ENTRIES = 64, // 4 x 4 x 4 parts of a cube, or of such a part
+  OLX_VOLUME_CORNERS = 8,
+  OLX_VOLUME_BANDS = 3, // of spherical harmonics
+  OLX_VOLUME_HALVES = 28,
+  OLX_VOLUME_MOST_SPLITS = 4, // one after the other
+  OLX_VOLUME_LEVEL_SHIFT = 27
+};
+
+// Places are looked up so far before their surface, in sides of a cube: 1 / 4096 of the smallest cell.
+#define OLX_VOLUME_LIFT 0x1p-16f
+
+// What an entry names, in its two highest bits. An entry of 0 names nothing: no free space was found there.
+#define OLX_VOLUME_KIND 0xC0000000u
+#define OLX_VOLUME_CELL 0x40000000u   // a cell; bits 27 to 29: how often its cube was halved
+#define OLX_VOLUME_BLOCK 0x80000000u  // 64 entries for the parts
+#define OLX_VOLUME_SPLIT 0xC0000000u  // a plane with an entry for either side
+#define OLX_VOLUME_NUMBER 0x07FFFFFFu // of the cell, block or split
+
+typedef struct olx_volume_header {
+  float origin[3];
+  float cube_metres; // side of the largest cells: a power of two
+  uint32_t size[3];  // cubes along each axis
+  uint32_t blocks, splits, cells, probes;
+  uint32_t zero[5];
+} olx_volume_header;
+
+_Static_assert(sizeof(olx_volume_header) == 64, "docs/format.md");
+
+// A surface through a cell: places in front of it and behind it have probes of their own.
+typedef struct olx_volume_split {
+  float normal[3], offset; // in front: dot(normal, position) > offset, metres
+  uint32_t behind, front;  // entries
+  uint32_t zero[2];
+} olx_volume_split;
+
+_Static_assert(sizeof(olx_volume_split) == 32, "docs/format.md");
+
+// The probes of a cell's corners: bit 0 of the place among the eight is x, bit 1 y, bit 2 z.
+typedef struct olx_volume_cell {
+  uint32_t probes[OLX_VOLUME_CORNERS];
+} olx_volume_cell;
+
+// Pointers into the structure; every number is in range once olx_volume_open has passed.
+typedef struct olx_volume {
+  const olx_volume_header *header; // NULL: the field has none
+  const uint32_t *index;           // an entry for each cube, x fastest, then y, then z
+  const uint32_t *blocks;          // OLX_VOLUME_BLOCK_ENTRIES each
+  const olx_volume_split *splits;
+  const olx_volume_cell *cells;
+  const olx_vec3 *positions;  // of probes
+  const uint16_t *irradiance; // OLX_VOLUME_HALVES a probe, as olx_harmonics_pack makes them
+} olx_volume;
+
+// Check all of a structure and point into it; positions and irradiance are the caller's to set. `name` begins the
+// message.
+olx_result olx_volume_open(const void *data, size_t size_bytes, const char *name, olx_volume *volume);
+
+// The cell of a place, and how much each of its corners counts there.
+typedef struct olx_volume_place {
+  const uint32_t *probes;
+  float weights[OLX_VOLUME_CORNERS]; // their sum is 1
+} olx_volume_place;
+
+static inline uint32_t olx_volume_part(float coordinate, float parts) { return (uint32_t)(coordinate * parts); }
+
+// False where the volume has no cell.
+static inline bool olx_volume_find(const olx_volume *v, olx_vec3 position, olx_volume_place *place) {
+  const olx_volume_header *h = v->header;
+  const float scale = 1.0f / h->cube_metres;
+  const float x = (position.x - h->origin[0]) * scale, y = (position.y - h->origin[1]) * scale,
+              z = (position.z - h->origin[2]) * scale;
+  // Written so that NaN is outside.
+  if (!(x >= 0.0f && x < (float)h->size[0] && y >= 0.0f && y < (float)h->size[1] && z >= 0.0f &&
+        z < (float)h->size[2])) {
+    return false;
+  }
+  uint32_t entry = v->index[(uint32_t)x + h->size[0] * ((uint32_t)y + (size_t)h->size[1] * (uint32_t)z)];
+  for (float parts = 4.0f; parts <= 16.0f && (entry & OLX_VOLUME_KIND) == OLX_VOLUME_BLOCK; parts *= 4.0f) {
+    const uint32_t part = (olx_volume_part(x, parts) & 3u) | (olx_volume_part(y, parts) & 3u) << 2 |
+                          (olx_volume_part(z, parts) & 3u) << 4;
+    entry = v->blocks[(size_t)(entry & OLX_VOLUME_NUMBER) * OLX_VOLUME_BLOCK_ENTRIES + part];
+  }
+  while ((entry & OLX_VOLUME_KIND) == OLX_VOLUME_SPLIT) {
+    const olx_volume_split *split = &v->splits[entry & OLX_VOLUME_NUMBER];
+    entry = olx_dot(olx_load3(split->normal), position) > split->offset ? split->front : split->behind;
+  }
+  if ((entry & OLX_VOLUME_KIND) != OLX_VOLUME_CELL) return false;
+  const float cells = (float)(1u << (entry >> OLX_VOLUME_LEVEL_SHIFT & 7u));
+  const float fx = x * cells - floorf(x * cells), fy = y * cells - floorf(y * cells),
+              fz = z * cells - floorf(z * cells);
+  place->probes = v->cells[entry & OLX_VOLUME_NUMBER].probes;
+  for (uint32_t i = 0; i < OLX_VOLUME_CORNERS; i++) {
+    place->weights[i] = (i & 1 ? fx : 1.0f - fx) * (i & 2 ? fy : 1.0f - fy) * (i & 4 ? fz : 1.0f - fz);
+  }
+  return true;
+}
+
+// The same for a place on a surface or of an object with that unit normal: looked up a little before the surface,
+// because a sheet without thickness may divide the cell right there.
+static inline bool olx_volume_find_at(const olx_volume *v, olx_vec3 position, olx_vec3 normal,
+                                      olx_volume_place *place) {
+  return olx_volume_find(v, olx_madd(position, normal, v->header->cube_metres * OLX_VOLUME_LIFT), place);
+}
+
+#endif

@@ -1,0 +1,15 @@
+// Indirect light along a ray, from the solved light of the scene.
+#ifndef OLX_LIGHT_RAY_LIGHT_H
+#define OLX_LIGHT_RAY_LIGHT_H
+
+#include "light/direct_light.h"
+#include "light/scene_light.h"
+
+// Radiance in W/(sr m^2) that surfaces send back along `ray`, which met `hit`: what their diffuse lobes reflect of
+// direct and solved indirect light of one bounce less than the solution's, passed on by specular surfaces on the way.
+// Emitters and the sky seen by the ray itself are left out. `ray->direction` is unit. Adds the further rays that it
+// casts to *rays.
+olx_vec3 olx_ray_light(const olx_scene *scene, const olx_scene_light *light, const olx_ray *ray, const olx_ray_hit *hit,
+                       olx_sampler *sampler, uint64_t *rays);
+
+#endif

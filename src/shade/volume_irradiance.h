@@ -1,0 +1,20 @@
+// Irradiance in free space, interpolated between the probes of the irradiance volume.
+#ifndef OLX_SHADE_VOLUME_IRRADIANCE_H
+#define OLX_SHADE_VOLUME_IRRADIANCE_H
+
+#include "field/field_data.h"
+
+#include <octalux/sample.h>
+
+// Irradiance at a place for every normal.
+typedef struct olx_volume_light_at {
+  olx_vec3 coefficients[OLX_HARMONICS_MOST];
+} olx_volume_light_at;
+
+// False where the field has no volume, or that no cell there, or lights have changed since it was baked. `normal` is
+// that of the surface at `position`.
+bool olx_volume_gather(const olx_field *field, olx_vec3 position, olx_vec3 normal, olx_volume_light_at *light);
+// Irradiance for one unit normal, not below 0.
+olx_vec3 olx_volume_towards(const olx_volume_light_at *light, olx_vec3 normal);
+
+#endif

@@ -201,4 +201,11 @@
 #define ROW_olx_classic_glossy 178
 #define ROWS_OF_CLASSIC 179
 
+// With a test and a shader of their own, since no field is needed.
+#define ROW_olx_volume_find 179
+#define ROW_olx_volume_coefficient 180
+#define ROW_olx_harmonics_at 181
+#define ROW_olx_volume_gather 182
+#define ROW_olx_volume_towards 183
+
 #endif

@@ -205,7 +205,6 @@ static bool has_corner(const cell_places *c, uint64_t part, olx_vec3 anchor, olx
 static uint32_t make_side(cell_places *c, uint64_t set) {
   const uint64_t part = largest_part(c, set);
   if (!part) return 0;
-  c->out->mixed |= part != set;
   const uint32_t number = c->out->side_count++;
   olx_volume_side *side = &c->out->sides[number];
   *side = (olx_volume_side){.anchor = find_anchor(c, part)};

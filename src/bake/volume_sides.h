@@ -19,7 +19,6 @@ typedef struct olx_volume_sides {
   uint32_t split_count, side_count;
   olx_volume_split splits[OLX_VOLUME_MOST_SIDES - 1]; // each before those that it names
   olx_volume_side sides[OLX_VOLUME_MOST_SIDES];
-  bool mixed; // some side is of parts that no plane tells apart
 } olx_volume_sides;
 
 olx_vec3 olx_volume_corner(olx_vec3 low, float side, uint32_t corner);

@@ -195,7 +195,25 @@ static void bytes_do_not_depend_on_threads(void **state) {
   olx_scene_free(scene);
 }
 
-// Where the volume has nothing to say, irradiance probes do.
+// Nothing reaches the space behind the walls, and no light of the room is taken for its own.
+static void space_that_nothing_reaches_is_dark(void **state) {
+  (void)state;
+  olx_scene *scene = made_scene();
+  add_room(scene, olx_v3(-2, -1, -1), olx_v3(1.9f, 1.3f, 1.4f), grey(scene, 1.0f));
+  add_room(scene, olx_v3(3, -1, -1), olx_v3(6, 1.3f, 1.4f), grey(scene, 0.0f));
+  made_finish(scene);
+  olx_bake_settings settings = small_settings(scene);
+  set_two_probes(&settings);
+  olx_field *field = baked_field(scene, &settings, NULL);
+  for (uint32_t i = 0; i < PLACES; i++) {
+    const olx_vec3 place = random_place(olx_v3(2.0f, -1, -1), olx_v3(7, 1.3f, 1.4f), i);
+    assert_true(olx_max3(olx_volume_irradiance(field, place, random_normal(i))) == 0.0f);
+  }
+  olx_field_close(field);
+  olx_scene_free(scene);
+}
+
+// A field without a volume has irradiance probes.
 static void without_a_volume_irradiance_probes_answer(void **state) {
   (void)state;
   olx_scene *scene = made_scene();
@@ -329,6 +347,7 @@ int main(void) {
       cmocka_unit_test(the_sides_of_a_sheet_have_probes_of_their_own),
       cmocka_unit_test(light_in_free_space_is_that_of_path_tracing),
       cmocka_unit_test(bytes_do_not_depend_on_threads),
+      cmocka_unit_test(space_that_nothing_reaches_is_dark),
       cmocka_unit_test(without_a_volume_irradiance_probes_answer),
       cmocka_unit_test(a_place_finds_its_cell),
       cmocka_unit_test(structures_that_lead_nowhere_are_refused),

@@ -101,9 +101,9 @@ olx_vec3 olx_surface_irradiance(const olx_field *field, const olx_sample_setting
 // Indirect irradiance in W/m^2 anywhere in free space, for what moves and for volumes, from the field's irradiance volume
 // (docs/maths.md, "The irradiance volume"). It lets no light through surfaces that were there when the field was baked.
 // - `position`: metres. `normal`: unit, of the surface of the object there; a place is looked up 1/4096 of the smallest cell before it.
-// Where the volume has no cell, because neither cameras nor light field probes reach that space, in a field without a volume
-// (olx_field_info.volume_probe_count is 0), and in one whose lights have changed since it was baked, this is olx_irradiance with default
-// settings. Numbers that are not finite give 0.
+// Where the volume has no cell, because neither cameras nor light field probes reach that space, this is 0: light of another room
+// would be a leak. In a field without a volume (olx_field_info.volume_probe_count is 0), and in one whose lights have changed since
+// it was baked, it is olx_irradiance with default settings. Numbers that are not finite give 0.
 olx_vec3 olx_volume_irradiance(const olx_field *field, olx_vec3 position, olx_vec3 normal);
 
 // Irradiance in W/m^2 that irradiance probe `index` (< irradiance_probe_count) holds for surfaces of unit normal `normal`: not

@@ -9,6 +9,7 @@ enum {
   RAYS = 256,           // of a probe
   MOST_CELLS = 1 << 15, // beyond that they become larger
   TEXELS_A_CELL = 16,   // of a light field map's side for one of the smallest cells along the space
+  VOXELS_A_CELL = 8,    // along a smallest cell, or fewer where space would have more than so many
   LEAST_VOXELS = 32,    // along the longest side of space
   MOST_VOXELS = 160
 };
@@ -22,7 +23,7 @@ static uint32_t cells_along(const olx_bake_settings *s) {
 }
 
 static olx_result make_cells(olx_volume_bake *b) {
-  const uint32_t along = cells_along(b->settings), wanted = 2 * along, threads = b->settings->threads;
+  const uint32_t along = cells_along(b->settings), wanted = VOXELS_A_CELL * along, threads = b->settings->threads;
   const uint32_t voxels = wanted < LEAST_VOXELS ? LEAST_VOXELS : wanted > MOST_VOXELS ? MOST_VOXELS : wanted;
   olx_volume_space space;
   OLX_TRY(olx_volume_space_create(b->scene, b->positions, b->flags, b->probe_count, voxels, threads, &space));

@@ -31,6 +31,7 @@ olx_vec3 olx_volume_irradiance(const olx_field *field, olx_vec3 position, olx_ve
   olx_volume_light_at light;
   if (!olx_finite(position) || !olx_finite(normal)) return olx_splat(0.0f);
   if (olx_volume_gather(field, position, normal, &light)) return olx_volume_towards(&light, normal);
+  if (field->volume.header && !field->relit) return olx_splat(0.0f);
   const olx_sample_settings settings = olx_sample_settings_default();
   return olx_irradiance(field, &settings, position, normal, normal);
 }

@@ -37,7 +37,8 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_BINDING_DISTANCE 6
 #define OLX_BINDING_IRRADIANCE 7
 #define OLX_BINDING_MOMENTS 8
-#define OLX_FIELD_BINDINGS 9
+#define OLX_BINDING_INDIRECT 9
+#define OLX_FIELD_BINDINGS 10
 #define OLX_FIELD_STORAGE_BUFFERS 3
 
 // The buffer of classic maps: a header of words, which tell what begins at which word, and then all of it as it lies in
@@ -217,7 +218,8 @@ OLX_GPU_STRUCT(olx_gpu_frame) {
   olx_gpu_float dim_lobe; // rough lobes that reflect less are not traced
   olx_gpu_uint seed;
   olx_gpu_uint diffuse_samples; // rays a pixel on diffuse surfaces, when they are traced
-  olx_gpu_uint padding[3];
+  olx_gpu_float surface_tolerance; // footprints
+  olx_gpu_uint padding[2];
 };
 
 // A light, as olx_relight_light has it; the direction of a sun or spot stands in edge_u.

@@ -113,12 +113,31 @@ static void *add_voronoi(olx_field *field) {
   return data;
 }
 
+// Irradiance that depends on the normal: it changes manyfold in two channels, and is 0 on one side in the third.
+static void vary_irradiance(olx_field *field) {
+  uint32_t *codes = (uint32_t *)(uintptr_t)field->irradiance;
+  const int32_t n = (int32_t)field->irradiance_n;
+  for (uint32_t probe = 0; probe < field->info.irradiance_probe_count; probe++) {
+    for (int32_t y = -1; y <= n; y++) {
+      for (int32_t x = -1; x <= n; x++) {
+        int32_t sx, sy;
+        olx_border_source(x, y, n, &sx, &sy);
+        const olx_vec3 d = olx_texel_direction((uint32_t)sx, (uint32_t)sy, field->irradiance_n);
+        uint32_t *code = &codes[field->irradiance_texels * probe + olx_map_index(field->irradiance_stride, x, y)];
+        *code = olx_r11g11b10f_pack(
+            olx_mul(olx_r11g11b10f_unpack(*code), olx_v3(1.0f + 0.9f * d.x, 1.0f + 0.9f * d.y, olx_max(d.z, 0.0f))));
+      }
+    }
+  }
+}
+
 static olx_field *make_field(const parity_room *p) {
   olx_field *field = analytic_field_make(&p->scene, &p->grid, p->n, p->irradiance_n);
   uint16_t *distance = (uint16_t *)(uintptr_t)field->distance;
   for (size_t i = 0; i < field->texels * field->info.probe_count; i += 7) distance[i] |= 0x8000u; // emitters
   uint8_t *flags = (uint8_t *)(uintptr_t)field->probe_flags;
   for (uint32_t i = 0; i < field->info.probe_count; i += 5) flags[i] = OLX_PROBE_BURIED;
+  vary_irradiance(field);
   if (p->classic) {
     analytic_field_add_classic(field, p->classic);
     uint8_t *buried = (uint8_t *)(uintptr_t)field->irradiance_flags;

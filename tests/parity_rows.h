@@ -201,11 +201,33 @@
 #define ROW_olx_classic_glossy 178
 #define ROWS_OF_CLASSIC 179
 
+#define ROW_olx_texel_indirect 179
+#define ROW_olx_rank_weight 180
+#define ROW_olx_has_bricks 181
+#define ROW_olx_ranked_count 182
+#define ROW_olx_next_ranked 183
+#define ROW_olx_view_from 184
+#define ROW_olx_see_texel 185
+#define ROW_olx_packing_error 186
+#define ROW_olx_texel_agrees 187
+#define ROW_olx_passes 188
+#define ROW_olx_passes_all 189
+#define ROW_olx_read_texels 190
+#define ROW_olx_blend_add 191
+#define ROW_olx_mix 192
+#define ROW_olx_gather 193
+#define ROW_olx_map_irradiance_both 194
+#define ROW_olx_irradiance_both 195
+#define ROW_olx_factor 196
+#define ROW_olx_surface_light_at 197
+#define ROW_olx_surface_irradiance 198
+#define ROWS_OF_SURFACE 199
+
 // With a test and a shader of their own, since no field is needed.
-#define ROW_olx_volume_find 179
-#define ROW_olx_volume_coefficient 180
-#define ROW_olx_harmonics_at 181
-#define ROW_olx_volume_gather 182
-#define ROW_olx_volume_towards 183
+#define ROW_olx_volume_find 199
+#define ROW_olx_volume_coefficient 200
+#define ROW_olx_harmonics_at 201
+#define ROW_olx_volume_gather 202
+#define ROW_olx_volume_towards 203
 
 #endif

@@ -23,7 +23,7 @@ void shade_rows() {
   case ROW_olx_nearest_visible:
     seen = olx_nearest_visible(settings, surface, cage, nearest), put(seen), put(seen ? nearest : 0u);
     break;
-  case ROW_olx_add_from_afar: put(olx_add_from_afar(settings, surface, cage, uv)); break;
+  case ROW_olx_add_from_afar: put(olx_add_from_afar(settings, surface, cage, uv.xyxy)[0]); break;
   case ROW_olx_irradiance: put(olx_irradiance(settings, point, direction, view)); break;
   case ROW_olx_glossy_draw:
     put(olx_glossy_draw(direction, view, random.z, random.xy, drawn, weight, half_cosine));

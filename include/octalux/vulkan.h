@@ -7,8 +7,8 @@
 //
 // Two ways to use a field:
 //   1. Record the passes below into the host's command buffers.
-//   2. Include shaders/lib/octalux.glsl in the host's own shaders, bind olx_vulkan_field_set, and call olx_irradiance,
-//      olx_trace and olx_glossy there. The GLSL is installed in share/octalux/shaders.
+//   2. Include shaders/lib/octalux.glsl in the host's own shaders, bind olx_vulkan_field_set, and call
+//      olx_surface_irradiance, olx_irradiance, olx_trace and olx_glossy there. The GLSL is installed in share/octalux/shaders.
 //
 // Threads: calls on one handle must not overlap, but for recording into different command buffers. Creating a field submits to
 // the queue and waits: the host keeps other threads off the queue meanwhile. Nothing may be destroyed or resized while a

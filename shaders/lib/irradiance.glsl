@@ -23,6 +23,11 @@ vec3 olx_map_irradiance(uint probe, vec2 uv) {
 }
 #endif
 
+// Irradiance for two normals, whose coordinates are uv.xy and uv.zw.
+mat2x3 olx_map_irradiance_both(uint probe, vec4 uv) {
+  return mat2x3(olx_map_irradiance(probe, uv.xy), olx_map_irradiance(probe, uv.zw));
+}
+
 // Mean and mean square of the distance, in metres.
 vec2 olx_map_moments(uint probe, vec3 direction) {
   vec2 uv = olx_octahedral_encode(direction);
@@ -81,28 +86,27 @@ bool olx_nearest_visible(olx_sample_settings settings, olx_surface_point p, olx_
 
 // Irradiance where the cage sees too little of the point: of the nearest visible probe, or, with none, of all of the
 // cage alike.
-vec3 olx_add_from_afar(olx_sample_settings settings, olx_surface_point p, olx_cage cage, vec2 uv) {
+mat2x3 olx_add_from_afar(olx_sample_settings settings, olx_surface_point p, olx_cage cage, vec4 uv) {
   uint nearest;
-  if (olx_nearest_visible(settings, p, cage, nearest)) return olx_map_irradiance(nearest, uv);
-  vec3 sum = vec3(0.0);
+  if (olx_nearest_visible(settings, p, cage, nearest)) return olx_map_irradiance_both(nearest, uv);
+  mat2x3 sum = mat2x3(0.0);
   float count = 0.0;
   for (uint corner = 0u; corner < 8u; corner++) {
     if (!olx_cage_has(cage, corner)) continue;
     uint probe = olx_cage_probe(olx_field.irradiance_grid, cage, corner);
     if (!olx_irradiance_usable(settings, probe)) continue;
-    sum += olx_map_irradiance(probe, uv);
+    sum += olx_map_irradiance_both(probe, uv);
     count += 1.0;
   }
-  return count > 0.0 ? sum / count : vec3(0.0);
+  return sum / max(count, 1.0);
 }
 
-// Indirect irradiance in W/m^2 on a surface at `position` with unit normal `normal`, seen from the direction `view`
-// (unit, from the surface to the eye). Diffuse light leaving the surface is albedo * irradiance / pi.
-vec3 olx_irradiance(olx_sample_settings settings, vec3 position, vec3 normal, vec3 view) {
-  olx_surface_point p = olx_surface_point(position, normal, view);
+// Irradiance for the normals `from` and `to`, by the weights that the probes around the point have for `from`.
+mat2x3 olx_irradiance_both(olx_sample_settings settings, vec3 position, vec3 from, vec3 to, vec3 view) {
+  olx_surface_point p = olx_surface_point(position, from, view);
   olx_cage cage = olx_cage_at(olx_field.irradiance_grid, position);
-  vec2 uv = olx_octahedral_encode(normal);
-  vec3 irradiance = vec3(0.0);
+  vec4 uv = vec4(olx_octahedral_encode(from), olx_octahedral_encode(to));
+  mat2x3 irradiance = mat2x3(0.0);
   float sum = 0.0;
   for (uint corner = 0u; corner < 8u; corner++) {
     if (!olx_cage_has(cage, corner)) continue;
@@ -113,7 +117,7 @@ vec3 olx_irradiance(olx_sample_settings settings, vec3 position, vec3 normal, ve
     if (trilinear <= 0.0) continue;
     float weight = trilinear * olx_probe_weight(settings.visibility, probe, from_probe, p);
     if (weight <= 0.0) continue;
-    irradiance += olx_map_irradiance(probe, uv) * weight;
+    irradiance += olx_map_irradiance_both(probe, uv) * weight;
     sum += weight;
   }
   irradiance /= max(sum, OLX_TRUSTED_WEIGHT);
@@ -122,5 +126,14 @@ vec3 olx_irradiance(olx_sample_settings settings, vec3 position, vec3 normal, ve
   }
   return irradiance;
 }
+
+// Indirect irradiance in W/m^2 on a surface at `position` with unit normal `normal`, seen from the direction `view`
+// (unit, from the surface to the eye). Diffuse light leaving the surface is albedo * irradiance / pi.
+vec3 olx_irradiance(olx_sample_settings settings, vec3 position, vec3 normal, vec3 view) {
+  return olx_irradiance_both(settings, position, normal, normal, view)[0];
+}
+
+// By what factor a channel changes: 0 / 0 is 1, and light from darkness an infinite factor.
+float olx_factor(float from, float to) { return from > 0.0 ? to / from : to > 0.0 ? OLX_INFINITY : 1.0; }
 
 #endif

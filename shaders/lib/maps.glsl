@@ -24,6 +24,7 @@ layout(set = OLX_FIELD_SET, binding = OLX_BINDING_NORMAL) uniform usampler2DArra
 layout(set = OLX_FIELD_SET, binding = OLX_BINDING_DISTANCE) uniform usampler2DArray olx_distance_maps;
 layout(set = OLX_FIELD_SET, binding = OLX_BINDING_IRRADIANCE) uniform sampler2DArray olx_irradiance_maps;
 layout(set = OLX_FIELD_SET, binding = OLX_BINDING_MOMENTS) uniform sampler2DArray olx_moments_maps;
+layout(set = OLX_FIELD_SET, binding = OLX_BINDING_INDIRECT) uniform sampler2DArray olx_indirect_maps;
 
 vec3 olx_probe_position(uint probe) { return vec3(olx_probes[probe].x, olx_probes[probe].y, olx_probes[probe].z); }
 

@@ -1,6 +1,7 @@
 // Octalux for shaders: a host includes this file, binds the descriptor set of a field as set OLX_FIELD_SET (0 unless
 // defined before), and calls
 //
+//   olx_surface_irradiance(settings, position, geometric_normal, shading_normal, view)   irradiance on a static surface
 //   olx_irradiance(settings, position, normal, view)           irradiance at a point
 //   olx_trace(settings, origin, direction, t_max)              what a ray sees
 //   olx_glossy(settings, position, normal, view, roughness, random, weight, half_cosine, hit)   light along a lobe
@@ -13,5 +14,6 @@
 #include "glossy.glsl"
 #include "irradiance.glsl"
 #include "sampling.glsl"
+#include "surface_irradiance.glsl"
 
 #endif

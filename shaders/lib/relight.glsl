@@ -4,6 +4,7 @@
 #define OLX_RELIGHT_GLSL
 
 #include "../octalux_shared.h"
+#include "bilinear.glsl"
 #include "pack.glsl"
 #include "sampling.glsl"
 
@@ -12,12 +13,6 @@ const float OLX_SHARED_PLANE = 0.01;        // look-ups are shared in one plane 
 const float OLX_END_SHARE = 1e-3;           // how far from its end a ray to a light may stop
 const float OLX_SIZE_PENALTY = 1e-4;
 const float OLX_SMOOTHNESS_PENALTY = 3e-4;
-
-// The four texels around a point of a map, and their bilinear weights.
-struct olx_bilinear {
-  uvec4 texel;
-  vec4 weight;
-};
 
 // A place that is lit, moved a little off its surface.
 struct olx_surface_view {
@@ -30,16 +25,6 @@ struct olx_light_ray {
   float length_metres;
   vec3 irradiance; // that arrives when nothing is between
 };
-
-// In a map of n x n texels with its border.
-olx_bilinear olx_bilinear_at(vec2 uv, uint n) {
-  precise vec2 at = uv * float(n) - 0.5;
-  vec2 first = clamp(floor(at), vec2(-1.0), vec2(float(n) - 1.0)), part = clamp(at - first, vec2(0.0), vec2(1.0));
-  uint index = uint(int(first.y) + 1) * (n + 2u) + uint(int(first.x) + 1);
-  return olx_bilinear(uvec4(index, index + 1u, index + n + 2u, index + n + 3u),
-                      vec4((1.0 - part.x) * (1.0 - part.y), part.x * (1.0 - part.y), (1.0 - part.x) * part.y,
-                           part.x * part.y));
-}
 
 // The same texels of a map that has no border.
 olx_bilinear olx_without_border(olx_bilinear texels, uint n) {

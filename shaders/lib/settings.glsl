@@ -15,10 +15,11 @@ struct olx_sample_settings {
   bool visibility;
   uint max_probes;
   bool keep_buried, emitters;
+  float surface_tolerance; // footprints
 };
 
 olx_sample_settings olx_sample_settings_default() {
-  return olx_sample_settings(olx_constant_tracer, olx_constant_select, true, 16u, false, false);
+  return olx_sample_settings(olx_constant_tracer, olx_constant_select, true, 16u, false, false, 0.0);
 }
 
 #endif

@@ -251,7 +251,8 @@ bool olx_chunk_is_on_device(olx_chunk_kind kind) {
   case OLX_CHUNK_VORONOI:
   case OLX_CHUNK_BRICKS:
   case OLX_CHUNK_CLASSIC_IRRADIANCE:
-  case OLX_CHUNK_CLASSIC_RADIANCE: return true;
+  case OLX_CHUNK_CLASSIC_RADIANCE:
+  case OLX_CHUNK_INDIRECT: return true;
   default: return false;
   }
 }

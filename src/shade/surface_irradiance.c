@@ -39,12 +39,19 @@ typedef struct ranking {
   ranked_probe probes[MOST_RANKED];
 } ranking;
 
-static void rank(const olx_field *field, const olx_sample_settings *settings, const olx_surface_point *point,
-                 uint32_t probe, ranking *r) {
-  if (field->probe_flags[probe] & OLX_PROBE_BURIED && !settings->keep_buried) return;
+// 0 for a probe that cannot answer.
+static float rank_weight(const olx_field *field, const olx_sample_settings *settings, const olx_surface_point *point,
+                         uint32_t probe) {
+  if (field->probe_flags[probe] & OLX_PROBE_BURIED && !settings->keep_buried) return 0.0f;
   const olx_vec3 way = olx_sub(field->probe_positions[probe], point->position);
   const float squared = olx_dot(way, way), weight = olx_dot(way, point->geometric_normal) / (squared * sqrtf(squared));
-  if (!(weight > 0.0f && weight < INFINITY)) return;
+  return weight > 0.0f && weight < INFINITY ? weight : 0.0f;
+}
+
+static void rank(const olx_field *field, const olx_sample_settings *settings, const olx_surface_point *point,
+                 uint32_t probe, ranking *r) {
+  const float weight = rank_weight(field, settings, point, probe);
+  if (!(weight > 0.0f)) return;
   uint32_t at = r->count;
   while (at > 0 && r->probes[at - 1].weight < weight) at--;
   if (at == r->most) return;
@@ -156,15 +163,20 @@ typedef struct texel_light {
   float share; // 0..1
 } texel_light;
 
+static probe_view view_from(const olx_field *field, const olx_sample_settings *settings, uint32_t probe,
+                            const olx_surface_point *point) {
+  const olx_vec3 offset = olx_sub(point->position, field->probe_positions[probe]);
+  return (probe_view){.probe = probe,
+                      .offset = offset,
+                      .normal = point->geometric_normal,
+                      .angle = sqrtf(olx_texel_solid_angle_near(olx_octahedral_encode(offset), field->n)),
+                      .miss = SURFACE_MISS + settings->surface_tolerance};
+}
+
 static texel_light read_texels(const olx_field *field, const olx_sample_settings *settings, uint32_t probe,
                                const olx_surface_point *point) {
-  probe_view v = {.probe = probe,
-                  .offset = olx_sub(point->position, field->probe_positions[probe]),
-                  .normal = point->geometric_normal,
-                  .miss = SURFACE_MISS + settings->surface_tolerance};
-  const olx_vec2 uv = olx_octahedral_encode(v.offset);
-  v.angle = sqrtf(olx_texel_solid_angle_near(uv, field->n));
-  const olx_bilinear around = olx_bilinear_at(uv, field->n);
+  const probe_view v = view_from(field, settings, probe, point);
+  const olx_bilinear around = olx_bilinear_at(olx_octahedral_encode(v.offset), field->n);
   const uint32_t first = (uint32_t)around.index[0];
   const int32_t x = (int32_t)(first % field->stride) - 1, y = (int32_t)(first / field->stride) - 1;
   seen_texel texels[4];
@@ -194,6 +206,15 @@ typedef struct blend {
   olx_vec3 irradiance[MOST_BLENDED];
 } blend;
 
+// Adds the light of a probe; of texels whose share is but rounding, nothing.
+static void add_light(blend *b, const texel_light *light, float weight_of_rank) {
+  if (light->share < LEAST_SHARE) return;
+  const float weight = weight_of_rank * light->share;
+  b->weight[b->count] = weight;
+  b->irradiance[b->count++] = olx_scale(light->sum, 1.0f / light->share);
+  b->best = olx_max(b->best, weight);
+}
+
 // A probe weighs cosine / r^2 times the share of its texels that hold the surface, less what a weight must exceed: so it
 // comes and goes at weight 0, and where another becomes the best both are alike.
 static void read_ranked(const olx_field *field, const olx_sample_settings *settings, const olx_surface_point *point,
@@ -201,11 +222,7 @@ static void read_ranked(const olx_field *field, const olx_sample_settings *setti
   for (uint32_t i = 0; i < r->count && b->count < MOST_BLENDED; i++) {
     if (r->probes[i].weight <= BLEND_ABOVE * b->best) break;
     const texel_light light = read_texels(field, settings, r->probes[i].probe, point);
-    if (light.share < LEAST_SHARE) continue;
-    const float weight = r->probes[i].weight * light.share;
-    b->weight[b->count] = weight;
-    b->irradiance[b->count++] = olx_scale(light.sum, 1.0f / light.share);
-    b->best = olx_max(b->best, weight);
+    add_light(b, &light, r->probes[i].weight);
   }
 }
 

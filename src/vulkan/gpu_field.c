@@ -153,6 +153,8 @@ static olx_result create_resources(const olx_vulkan_host *host, const olx_field 
                                                          .texels = field->irradiance},
       [OLX_BINDING_MOMENTS - OLX_BINDING_RADIANCE] = {VK_FORMAT_R16G16_SFLOAT, 4, field->irradiance_stride,
                                                       irradiance_probes, .filtered = true, .texels = field->moments},
+      [OLX_BINDING_INDIRECT - OLX_BINDING_RADIANCE] = {VK_FORMAT_E5B9G9R9_UFLOAT_PACK32, 4, field->stride, probes,
+                                                       .texels = field->surfaces.indirect},
   };
   memcpy(gpu->maps, maps, sizeof maps);
   for (uint32_t i = 0; i < OLX_GPU_MAPS; i++) OLX_TRY(create_image(&gpu->context, &gpu->maps[i]));

@@ -299,6 +299,10 @@ olx_result olx_vulkan_check_settings(const olx_vulkan_frame *f, const olx_vulkan
   if (s->diffuse_samples < 1 || s->diffuse_samples > MAX_SAMPLES) {
     return olx_fail(OLX_ERROR_ARGUMENT, "%u diffuse rays are not within 1 to %d", s->diffuse_samples, MAX_SAMPLES);
   }
+  if (!(s->sample.surface_tolerance >= 0.0f && s->sample.surface_tolerance <= OLX_MOST_SURFACE_TOLERANCE)) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "a surface tolerance of %g footprints is not within 0 to %g",
+                    (double)s->sample.surface_tolerance, (double)OLX_MOST_SURFACE_TOLERANCE);
+  }
   if (s->denoise.lobes & ~f->history.lobes) {
     return olx_fail(OLX_ERROR_ARGUMENT, "the frame was not made to denoise lobe %#x",
                     s->denoise.lobes & ~f->history.lobes);
@@ -338,6 +342,7 @@ olx_gpu_frame olx_gpu_frame_constants(const olx_vulkan_frame *f, const olx_vulka
       .dim_lobe = s->dim_lobe,
       .seed = s->seed,
       .diffuse_samples = s->diffuse_samples,
+      .surface_tolerance = s->sample.surface_tolerance,
   };
   memcpy(constants.clip_to_world, view->clip_to_world, sizeof constants.clip_to_world);
   return constants;

@@ -29,7 +29,8 @@ _Static_assert(sizeof(olx_gpu_frame) == 128 && offsetof(olx_gpu_frame, eye) == 6
                    offsetof(olx_gpu_frame, height) == 84 && offsetof(olx_gpu_frame, flags) == 88 &&
                    offsetof(olx_gpu_frame, max_probes) == 92 && offsetof(olx_gpu_frame, glossy_samples) == 96 &&
                    offsetof(olx_gpu_frame, sample_index) == 100 && offsetof(olx_gpu_frame, dim_lobe) == 104 &&
-                   offsetof(olx_gpu_frame, seed) == 108 && offsetof(olx_gpu_frame, diffuse_samples) == 112,
+                   offsetof(olx_gpu_frame, seed) == 108 && offsetof(olx_gpu_frame, diffuse_samples) == 112 &&
+                   offsetof(olx_gpu_frame, surface_tolerance) == 116,
                "std430; every device has 128 bytes of push constants");
 _Static_assert(sizeof(olx_gpu_accumulate) == 128 && offsetof(olx_gpu_accumulate, before) == 48 &&
                    offsetof(olx_gpu_accumulate, size) == 96 && offsetof(olx_gpu_accumulate, flags) == 100 &&

@@ -11,7 +11,7 @@ bool has_flag(uint flag) { return (view.flags & flag) != 0u; }
 
 olx_sample_settings view_settings(bool emitters) {
   return olx_sample_settings(view.tracer, view.select, has_flag(VIEW_FLAG_VISIBILITY), olx_sample_settings_default().max_probes,
-                             has_flag(VIEW_FLAG_KEEP_BURIED), emitters);
+                             has_flag(VIEW_FLAG_KEEP_BURIED), emitters, 0.0);
 }
 
 vec3 srgb(vec3 linear) {

@@ -1,0 +1,259 @@
+// Twin of src/shade/surface_irradiance.c: diffuse light of static surfaces, of whose nearby probes those that see the very
+// surface answer. The C sorts the probes first and reads them after; here each turn looks for the best probe below the one
+// before, because a list that is sorted would lie in memory.
+#ifndef OLX_SURFACE_IRRADIANCE_GLSL
+#define OLX_SURFACE_IRRADIANCE_GLSL
+
+#include "bilinear.glsl"
+#include "bricks.glsl"
+#include "irradiance.glsl"
+#include "texels.glsl"
+
+const uint OLX_MOST_RANKED = 128u, OLX_MOST_BLENDED = 4u;
+const float OLX_DISTANCE_ERROR = 1.0 / 2048.0;
+const float OLX_NORMAL_ERROR = 0.0111;
+const float OLX_SURFACE_MISS = 0.05;
+const float OLX_SURFACE_REACH = 2.0;
+const float OLX_LEAST_FACING = 0.02;
+const float OLX_LEAST_AGREEMENT = 0.7, OLX_FULL_AGREEMENT = 0.8;
+const float OLX_BLEND_ABOVE = 0.8;
+const float OLX_LEAST_TEXEL_SHARE = 1e-5;
+const float OLX_MOST_CHANGE = 4.0;
+
+struct olx_ranked_probe {
+  uint place; // among those that are ranked
+  uint probe;
+  float weight; // cosine / r^2; 0: there is none
+};
+
+// A point as a probe sees it.
+struct olx_probe_view {
+  ivec3 map;
+  vec3 offset; // from the probe
+  vec3 normal; // geometric
+  float angle; // side of a texel there, in radians
+  float miss;  // footprints
+};
+
+// One of the four texels around the point's direction.
+struct olx_seen_texel {
+  bool seen; // not the sky
+  float distance, facing;
+  vec3 normal, step;
+  float away;
+};
+
+// Irradiance from the texels of one probe that hold the point's surface, times their share.
+struct olx_texel_light {
+  vec3 sum;
+  float share;
+};
+
+// What is blended: irradiance of some probes, and their weights.
+struct olx_blend {
+  uint count;
+  float best;
+  vec4 first, second, third, fourth;
+};
+
+struct olx_surface_light {
+  vec3 irradiance; // W/m^2
+  uint probes;     // whose texels were blended; 0: nothing is stored for the point, and the irradiance volume answered
+};
+
+// 0 for a probe that cannot answer.
+float olx_rank_weight(olx_sample_settings settings, vec3 position, vec3 normal, uint probe) {
+  bool usable = settings.keep_buried || (olx_probes[probe].flags & OLX_PROBE_BURIED) == 0u;
+  precise vec3 way = olx_probe_position(probe) - position;
+  float squared = olx_dot(way, way);
+  precise float weight = olx_dot(way, normal) / (squared * sqrt(squared));
+  return usable && weight > 0.0 && weight < OLX_INFINITY ? weight : 0.0;
+}
+
+bool olx_has_bricks() { return (olx_field.select_mask & 1u << OLX_SELECT_BRICKS) != 0u; }
+
+// How many probes are ranked: all, those of the point's brick, or of its cage in a field without bricks.
+uint olx_ranked_count(bool all) {
+  if (all) return olx_field.probe_count;
+  return olx_has_bricks() || olx_field.grid.count.w > 0u ? OLX_BRICK_PROBES : 0u;
+}
+
+// The best of the probes that come after `last`: of equal ones the first. `list` is that of the point's brick.
+olx_ranked_probe olx_next_ranked(olx_sample_settings settings, vec3 position, vec3 normal, bool all, uint list,
+                                 olx_ranked_probe last) {
+  bool bricks = olx_has_bricks();
+  olx_cage cage = olx_cage_at(olx_field.grid, position);
+  olx_ranked_probe best = olx_ranked_probe(0u, OLX_NO_PROBE, 0.0);
+  uint count = olx_ranked_count(all);
+  for (uint i = 0u; i < count; i++) {
+    uint probe = i;
+    if (!all) {
+      probe = bricks ? olx_bricks_probe(list, i) : olx_cage_probe(olx_field.grid, cage, i);
+      if (bricks ? probe == OLX_BRICK_NO_PROBE : !olx_cage_has(cage, i)) probe = OLX_NO_PROBE;
+    }
+    float weight = probe != OLX_NO_PROBE ? olx_rank_weight(settings, position, normal, probe) : 0.0;
+    bool after = weight < last.weight || (weight == last.weight && i > last.place);
+    if (after && weight > best.weight) best = olx_ranked_probe(i, probe, weight);
+  }
+  return best;
+}
+
+olx_probe_view olx_view_from(olx_sample_settings settings, uint probe, vec3 position, vec3 normal) {
+  precise vec3 offset = position - olx_probe_position(probe);
+  float angle = sqrt(olx_texel_solid_angle_near(olx_octahedral_encode(offset), olx_field.n));
+  return olx_probe_view(olx_map_origin(probe), offset, normal, angle, OLX_SURFACE_MISS + settings.surface_tolerance);
+}
+
+// A texel, the border's among them.
+olx_seen_texel olx_see_texel(olx_probe_view v, ivec2 texel) {
+  olx_seen_texel t;
+  float distance = olx_texel_distance(v.map, texel);
+  t.seen = distance < OLX_INFINITY;
+  t.distance = t.seen ? distance : 0.0;
+  vec3 centre = olx_texel_direction(uvec2(olx_border_source(texel, int(olx_field.n))), olx_field.n);
+  t.normal = olx_texel_normal(v.map, texel);
+  t.facing = -olx_dot(t.normal, centre);
+  precise vec3 beyond = v.offset - centre * t.distance;
+  t.step = beyond;
+  t.away = sqrt(olx_dot(t.step, t.step));
+  return t;
+}
+
+// How far the point may seem off the texel's surface because of how it is packed.
+float olx_packing_error(olx_seen_texel t) {
+  return OLX_DISTANCE_ERROR * t.distance * abs(t.facing) + OLX_NORMAL_ERROR * t.away;
+}
+
+// 1 where the texel holds the surface that the point lies on, 0 where it does not, and between where that is doubtful.
+float olx_texel_agrees(olx_probe_view v, olx_seen_texel t) {
+  float agreement = olx_dot(t.normal, v.normal), footprint = t.distance * v.angle;
+  float height = abs(olx_dot(t.normal + v.normal, t.step)) * (1.0 / (1.5 + 0.5 * agreement));
+  float along = t.away * t.away - height * height;
+  float alike = min((agreement - OLX_LEAST_AGREEMENT) / (OLX_FULL_AGREEMENT - OLX_LEAST_AGREEMENT), 1.0);
+  float flat_error = v.miss * footprint + olx_packing_error(t);
+  float half_turn = sqrt(0.5 * max(1.0 - agreement, 0.0));
+  float allowed = flat_error + half_turn * t.away;
+  float fits = 2.0 * height <= flat_error ? 1.0 : clamp(2.0 - 2.0 * height / allowed, 0.0, 1.0);
+  bool near = along * olx_square(t.facing) <= olx_square(OLX_SURFACE_REACH * footprint);
+  return t.seen && near && t.facing > OLX_LEAST_FACING && agreement > OLX_LEAST_AGREEMENT ? fits * alike : 0.0;
+}
+
+// How much of the light of `texel` reaches over to the point where a neighbouring texel sees `other`, another surface.
+float olx_passes(olx_seen_texel texel, olx_seen_texel other) {
+  float height = olx_dot(other.normal, other.step), allowed = olx_packing_error(other);
+  bool before = !(height < -allowed) || height - olx_dot(other.normal, texel.step) <= allowed;
+  return before ? 1.0 : max(2.0 + height / allowed, 0.0);
+}
+
+// The same past those of four texels that see another surface.
+float olx_passes_all(olx_seen_texel texel, olx_seen_texel a, olx_seen_texel b, olx_seen_texel c, olx_seen_texel d,
+                     bvec4 others) {
+  float share = others.x ? olx_passes(texel, a) : 1.0;
+  if (others.y) share *= olx_passes(texel, b);
+  if (others.z) share *= olx_passes(texel, c);
+  if (others.w) share *= olx_passes(texel, d);
+  return share;
+}
+
+olx_texel_light olx_read_texels(olx_sample_settings settings, uint probe, vec3 position, vec3 normal) {
+  olx_probe_view v = olx_view_from(settings, probe, position, normal);
+  olx_bilinear around = olx_bilinear_at(olx_octahedral_encode(v.offset), olx_field.n);
+  uint stride = olx_field.n + 2u;
+  ivec2 at = ivec2(around.texel.x % stride, around.texel.x / stride) - 1;
+  olx_seen_texel a = olx_see_texel(v, at), b = olx_see_texel(v, at + ivec2(1, 0)),
+                 c = olx_see_texel(v, at + ivec2(0, 1)), d = olx_see_texel(v, at + ivec2(1, 1));
+  vec4 agrees = vec4(olx_texel_agrees(v, a), olx_texel_agrees(v, b), olx_texel_agrees(v, c), olx_texel_agrees(v, d));
+  vec4 weight = around.weight * agrees;
+  bvec4 others = bvec4(a.seen && !(agrees.x > 0.0), b.seen && !(agrees.y > 0.0), c.seen && !(agrees.z > 0.0),
+                       d.seen && !(agrees.w > 0.0));
+  if (any(others)) {
+    weight *= vec4(olx_passes_all(a, a, b, c, d, others), olx_passes_all(b, a, b, c, d, others),
+                   olx_passes_all(c, a, b, c, d, others), olx_passes_all(d, a, b, c, d, others));
+  }
+  vec3 sum = vec3(0.0);
+  if (weight.x > 0.0) sum += olx_texel_indirect(v.map, at) * weight.x;
+  if (weight.y > 0.0) sum += olx_texel_indirect(v.map, at + ivec2(1, 0)) * weight.y;
+  if (weight.z > 0.0) sum += olx_texel_indirect(v.map, at + ivec2(0, 1)) * weight.z;
+  if (weight.w > 0.0) sum += olx_texel_indirect(v.map, at + ivec2(1, 1)) * weight.w;
+  return olx_texel_light(sum, weight.x + weight.y + weight.z + weight.w);
+}
+
+// Adds the light of a probe; of texels whose share is but rounding, nothing.
+void olx_blend_add(inout olx_blend b, olx_texel_light light, float rank_weight) {
+  if (light.share >= OLX_LEAST_TEXEL_SHARE) {
+    vec4 added = vec4(light.sum / light.share, rank_weight * light.share);
+    b.first = b.count == 0u ? added : b.first;
+    b.second = b.count == 1u ? added : b.second;
+    b.third = b.count == 2u ? added : b.third;
+    b.fourth = b.count == 3u ? added : b.fourth;
+    b.best = max(b.best, added.w);
+    b.count++;
+  }
+}
+
+olx_blend olx_gather(olx_sample_settings settings, vec3 position, vec3 normal) {
+  olx_blend b = olx_blend(0u, 0.0, vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
+  bool all = settings.select == OLX_SELECT_EXHAUSTIVE;
+  uint most = min(settings.max_probes, OLX_MOST_RANKED), tried = 0u;
+  uint list = olx_has_bricks() ? olx_bricks_list(position) : 0u;
+  olx_ranked_probe last = olx_ranked_probe(0u, 0u, OLX_INFINITY);
+  bool searching = most > 0u;
+  while (searching) {
+    last = olx_next_ranked(settings, position, normal, all, list, last);
+    bool more = last.weight > OLX_BLEND_ABOVE * b.best;
+    if (more) {
+      olx_blend_add(b, olx_read_texels(settings, last.probe, position, normal), last.weight);
+      tried++;
+      more = tried < most && b.count < OLX_MOST_BLENDED;
+    }
+    if (!more) { // once more among all probes, where none of those nearby holds the surface
+      searching = !all && b.count == 0u;
+      all = true;
+      tried = 0u;
+      last = olx_ranked_probe(0u, 0u, OLX_INFINITY);
+    }
+  }
+  return b;
+}
+
+olx_surface_light olx_mix(olx_blend b) {
+  vec4 weight = vec4(b.first.w, b.second.w, b.third.w, b.fourth.w) / b.best - OLX_BLEND_ABOVE;
+  weight = max(weight, vec4(0.0));
+  vec3 sum = b.first.xyz * weight.x + b.second.xyz * weight.y + b.third.xyz * weight.z + b.fourth.xyz * weight.w;
+  uvec4 counts = uvec4(greaterThan(weight, vec4(0.0)));
+  return olx_surface_light(sum / (weight.x + weight.y + weight.z + weight.w),
+                           counts.x + counts.y + counts.z + counts.w);
+}
+
+// Irradiance in W/m^2 at a point of a surface. Directions are unit; normals are on the side that is looked at: that of the
+// triangle, that between its corners, and that as a normal map bends it. With settings.max_probes 0 nothing stored is
+// looked for, and the irradiance volume answers.
+olx_surface_light olx_surface_light_at(olx_sample_settings settings, vec3 position, vec3 geometric_normal,
+                                       vec3 vertex_normal, vec3 shading_normal, vec3 view) {
+  olx_surface_light light = olx_surface_light(vec3(0.0), 0u);
+  bool finite = olx_finite(position) && olx_finite(geometric_normal) && olx_finite(vertex_normal) &&
+                olx_finite(shading_normal) && olx_finite(view);
+  if (finite) {
+    olx_blend b = olx_gather(settings, position, geometric_normal);
+    bool stored = b.count > 0u;
+    if (stored) light = olx_mix(b);
+    vec3 bent = shading_normal - vertex_normal;
+    if (!stored || olx_dot(bent, bent) > 1e-6) {
+      vec3 from = stored ? vertex_normal : shading_normal;
+      mat2x3 e = olx_irradiance_both(settings, position, from, shading_normal, view);
+      vec3 change = vec3(olx_factor(e[0].x, e[1].x), olx_factor(e[0].y, e[1].y), olx_factor(e[0].z, e[1].z));
+      light.irradiance = stored ? light.irradiance * min(change, vec3(OLX_MOST_CHANGE)) : e[1];
+    }
+  }
+  return light;
+}
+
+// Indirect irradiance in W/m^2 on a static surface, from the light that the field stores where surfaces are: what
+// olx_surface_irradiance in octalux/sample.h says. For what moves, and in a field whose lights have changed since it was
+// baked, use olx_irradiance.
+vec3 olx_surface_irradiance(olx_sample_settings settings, vec3 position, vec3 geometric_normal, vec3 shading_normal,
+                            vec3 view) {
+  return olx_surface_light_at(settings, position, geometric_normal, geometric_normal, shading_normal, view).irradiance;
+}
+
+#endif

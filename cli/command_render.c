@@ -65,7 +65,6 @@ static olx_render_settings resolve(const render_options *o, const olx_field *fie
   // What a picture from the field shows: its bounces, and the one at the surface that is seen.
   else if (o->method == OLX_METHOD_PATH && field) settings.bounces = olx_field_describe(field).bounces + 1;
   if (o->diffuse != NOT_GIVEN) settings.diffuse = (olx_diffuse)o->diffuse;
-  if (o->device == DEVICE_VULKAN && settings.diffuse == OLX_DIFFUSE_SURFACE) settings.diffuse = OLX_DIFFUSE_IRRADIANCE;
   if (o->diffuse_samples) settings.diffuse_samples = o->diffuse_samples;
   if (o->glossy_samples) settings.glossy_samples = o->glossy_samples;
   settings.standard_error = o->standard_error;
@@ -101,7 +100,6 @@ static int check_device(const render_options *o) {
   if (o->device != DEVICE_VULKAN) return EXIT_DONE;
   if (o->method == OLX_METHOD_PATH) return usage_error("render", "--device vulkan goes with --method field or classic");
   if (o->standard_error) return usage_error("render", "--standard-error goes with --device cpu");
-  if (o->diffuse == OLX_DIFFUSE_SURFACE) return usage_error("render", "--diffuse surface goes with --device cpu");
   return EXIT_DONE;
 }
 
@@ -355,7 +353,7 @@ int command_render(int argc, char **argv) {
        "lamps with an area: sampled by direct light, or found by rays; default sampled", 0, 0},
       {"--dim-lobe", OPTION_REAL, &o.dim_lobe, "F", "do not trace rough lobes that reflect less than this share", 0, 0},
       {"--diffuse", OPTION_CHOICE, &o.diffuse, "surface|irradiance|traced",
-       "field: diffuse light stored at surfaces, at irradiance probes, or from rays; default surface, on Vulkan irradiance",
+       "field: diffuse light stored at surfaces, at irradiance probes, or from rays; default surface",
        0, 0},
       {"--diffuse-samples", OPTION_COUNT, &o.diffuse_samples, "N", "field: rays a sample when traced; default 64", 1,
        4096},
@@ -390,9 +388,6 @@ int command_render(int argc, char **argv) {
   if (code != EXIT_DONE) return code;
   if (o.method != OLX_METHOD_PATH && o.bounces != NOT_GIVEN) {
     fputs("warning: --bounces changes nothing here; a field's bounces are chosen when it is baked\n", stderr);
-  }
-  if (o.device == DEVICE_VULKAN && o.diffuse == NOT_GIVEN && resolve(&o, NULL).diffuse == OLX_DIFFUSE_IRRADIANCE) {
-    fputs("note: diffuse light comes from irradiance probes on this device, not from what is stored at surfaces\n", stderr);
   }
   return render_scene(&o, &files);
 }

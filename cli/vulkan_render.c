@@ -8,7 +8,7 @@
 #include <string.h>
 
 // Images of the G-buffer, in the order of olx_vulkan_targets, and what the passes write.
-enum { DEPTH, NORMAL, ALBEDO, MATERIAL, INPUTS, IRRADIANCE = INPUTS, GLOSSY, COLOR, IMAGES };
+enum { DEPTH, NORMAL, ALBEDO, MATERIAL, GEOMETRIC_NORMAL, VERTEX_NORMAL, INPUTS, IRRADIANCE = INPUTS, GLOSSY, COLOR, IMAGES };
 
 typedef struct vulkan_job {
   gpu_device device;
@@ -53,7 +53,12 @@ static void fill_staging(const vulkan_job *job, uint32_t image) {
     memcpy(to, g->inverse_depth, pixel_count(job) * sizeof *to);
     return;
   }
-  const olx_vec3 *from = image == NORMAL ? g->normal : image == ALBEDO ? g->base_color : g->material;
+  const olx_vec3 *const planes[INPUTS] = {[NORMAL] = g->normal,
+                                          [ALBEDO] = g->base_color,
+                                          [MATERIAL] = g->material,
+                                          [GEOMETRIC_NORMAL] = g->geometric_normal,
+                                          [VERTEX_NORMAL] = g->vertex_normal};
+  const olx_vec3 *from = planes[image];
   for (size_t i = 0; i < pixel_count(job); i++, to += 4) {
     to[0] = from[i].x;
     to[1] = from[i].y;
@@ -112,6 +117,8 @@ static bool create_frame(vulkan_job *job, uint32_t passes) {
                                       .normal = inputs[NORMAL],
                                       .albedo = inputs[ALBEDO],
                                       .roughness = inputs[MATERIAL],
+                                      .geometric_normal = inputs[GEOMETRIC_NORMAL],
+                                      .vertex_normal = inputs[VERTEX_NORMAL],
                                       .irradiance = job->images[IRRADIANCE].view,
                                       .glossy = job->images[GLOSSY].view,
                                       .color = job->images[COLOR].view,
@@ -337,6 +344,7 @@ static olx_vulkan_settings pass_settings(const vulkan_request *r) {
   settings.sample = r->settings->sample;
   settings.seed = r->settings->seed;
   settings.dim_lobe = r->settings->dim_lobe;
+  settings.volume = r->settings->diffuse != OLX_DIFFUSE_SURFACE;
   settings.denoise.filters = r->settings->denoise;
   if (r->denoised) {
     const bool traced = r->settings->diffuse == OLX_DIFFUSE_TRACED;

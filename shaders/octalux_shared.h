@@ -59,10 +59,13 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_BINDING_SURFACE_NORMAL 1
 #define OLX_BINDING_ALBEDO 2
 #define OLX_BINDING_ROUGHNESS 3
-#define OLX_BINDING_OUT_IRRADIANCE 4 // storage, rgba16f
-#define OLX_BINDING_OUT_GLOSSY 5
-#define OLX_BINDING_OUT_COLOR 6
-#define OLX_FRAME_BINDINGS 7
+#define OLX_BINDING_GEOMETRIC_NORMAL 4 // where the host has none of these three, another image stands there, unread
+#define OLX_BINDING_VERTEX_NORMAL 5
+#define OLX_BINDING_DYNAMIC 6
+#define OLX_BINDING_OUT_IRRADIANCE 7 // storage, rgba16f
+#define OLX_BINDING_OUT_GLOSSY 8
+#define OLX_BINDING_OUT_COLOR 9
+#define OLX_FRAME_BINDINGS 10
 
 // The descriptor set of what a lobe's rays find, for the denoiser. Without it, the lobe's output stands there.
 // Storage, rgba16f: light before albedo and Fresnel; alpha: 1 / distance, negative for none.
@@ -163,6 +166,13 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_FRAME_DIFFUSE 16     // what the composite pass adds
 #define OLX_FRAME_GLOSSY 32
 #define OLX_FRAME_SAMPLE 64 // the lobe is denoised: write samples
+#define OLX_FRAME_VOLUME 128 // irradiance comes from the irradiance volume alone
+#define OLX_FRAME_RANK_ALL 256 // all probes are ranked for light on surfaces, not those nearby
+#define OLX_FRAME_GEOMETRIC_NORMAL 512 // the host gives this image
+#define OLX_FRAME_GEOMETRIC_UNORM 1024
+#define OLX_FRAME_VERTEX_NORMAL 2048
+#define OLX_FRAME_VERTEX_UNORM 4096
+#define OLX_FRAME_DYNAMIC 8192
 
 // Bits of olx_gpu_accumulate.flags and olx_gpu_filter.flags.
 #define OLX_DENOISE_DIFFUSE 1 // the lobes to mix into their histories

@@ -1,16 +1,30 @@
-// The irradiance pass, writing how many filtered texture reads it took instead of light.
+// The irradiance pass, writing what it reads of the field's images instead of light: filtered reads of the irradiance
+// volume, and texels of light field maps.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
-uint reads = 0u;
+uint filtered = 0u, fetched = 0u;
 
 vec4 counted_read(sampler2DArray maps, vec3 at, float lod) {
-  reads++;
+  filtered++;
   return textureLod(maps, at, lod);
 }
 
+vec4 counted_fetch(sampler2DArray maps, ivec3 at, int lod) {
+  fetched++;
+  return texelFetch(maps, at, lod);
+}
+
+uvec4 counted_fetch(usampler2DArray maps, ivec3 at, int lod) {
+  fetched++;
+  return texelFetch(maps, at, lod);
+}
+
+vec4 counted_fetch(sampler2D host_image, ivec2 at, int lod) { return texelFetch(host_image, at, lod); }
+
 #define textureLod counted_read
-#include "shaders/pass/frame.glsl"
+#define texelFetch counted_fetch
+#include "shaders/pass/frame_irradiance.glsl"
 
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
@@ -19,6 +33,6 @@ void main() {
   bool found = read_surface(pixel, surface);
   // The light is kept, or compilers would drop the reads.
   vec3 light = vec3(0.0);
-  if (found) light = olx_irradiance(frame_settings(), surface.position, surface.normal, surface.view);
-  imageStore(irradiance_image, pixel, vec4(float(reads), light.rg, found ? 1.0 : 0.0));
+  if (found) light = frame_irradiance(pixel, surface);
+  imageStore(irradiance_image, pixel, vec4(float(filtered), float(fetched), light.r, found ? 1.0 : 0.0));
 }

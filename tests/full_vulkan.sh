@@ -14,9 +14,7 @@ view=(--field "$work/field.olx" --size 160x90)
 "$OCTALUX" bake "$description" -o "$work/field.olx" --grid 4x4x4 --radiance-size 256 --irradiance-size 64 --bounces 1 \
   --select cage,bricks 2>/dev/null
 compare_devices() {
-  local diffuse=(--diffuse irradiance)
-  [[ "$*" == *gather* || "$*" == *denoised* ]] && diffuse=()
-  "$OCTALUX" render "$description" -o "$work/cpu.exr" "${view[@]}" "$@" "${diffuse[@]}" --centered 2>/dev/null
+  "$OCTALUX" render "$description" -o "$work/cpu.exr" "${view[@]}" "$@" --centered 2>/dev/null
   "$OCTALUX" render "$description" -o "$work/vulkan.exr" "${view[@]}" "$@" --device vulkan 2>"$work/messages.txt" || {
     cat "$work/messages.txt"
     grep -qE "no Vulkan|without the Vulkan runtime" "$work/messages.txt" && exit 77

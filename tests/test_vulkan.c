@@ -4,6 +4,7 @@
 #include "core/hooks.h"
 #include "core/sampling.h"
 #include "field/field_writer.h"
+#include "shade/surface_irradiance.h"
 #include "vulkan/gpu_frame.h"
 #include "vulkan_faults.h"
 #include "vulkan_host.h"
@@ -73,9 +74,18 @@ typedef struct light {
   olx_vec3 irradiance, glossy;
 } light;
 
+static olx_vec3 surface_irradiance(const olx_field *field, const olx_vulkan_settings *settings, const host_pixel *p) {
+  const olx_surface_point point = {.position = p->position,
+                                   .geometric_normal = p->geometric_normal,
+                                   .vertex_normal = p->vertex_normal,
+                                   .shading_normal = p->normal,
+                                   .view = p->view};
+  return olx_surface_light_at(field, &settings->sample, &point).irradiance;
+}
+
 static light expected_light(const olx_field *field, const olx_vulkan_settings *settings, const host_pixel *p,
                             const olx_bsdf *bsdf, uint32_t x, uint32_t y) {
-  light l = {.irradiance = olx_irradiance(field, &settings->sample, p->position, p->normal, p->view)};
+  light l = {.irradiance = surface_irradiance(field, settings, p)};
   const uint32_t seed = olx_hash2(olx_hash2(x, y), 0x85EBCA6Bu + 3u), count = bsdf->alpha > 0.0f ? SAMPLES : 1;
   for (uint32_t j = 0; j < count; j++) {
     float weight, half_cosine;
@@ -146,6 +156,98 @@ static void passes_give_the_light_of_the_cpu(void **unused) {
   host_fixture_free(&f);
 }
 
+// How far irradiance is off that of the CPU.
+typedef struct misses {
+  double relative_mse, share; // of pixels that are off by more than one part in a hundred
+} misses;
+
+typedef olx_vec3 (*irradiance_function)(const olx_field *field, const olx_vulkan_settings *settings,
+                                        const host_pixel *pixel);
+
+static misses judge_irradiance(const host_fixture *f, const host_view *view, const olx_vulkan_settings *settings,
+                               irradiance_function expected) {
+  const olx_vulkan_view seen = host_vulkan_view(view);
+  assert_true(gpu_commands_begin(&device));
+  host_upload((host_images *)(uintptr_t)&f->images, view);
+  if (olx_vulkan_record_irradiance(f->frame, device.commands, &seen, settings) != OLX_OK) {
+    fail_msg("%s", olx_last_error());
+  }
+  host_download((host_images *)(uintptr_t)&f->images);
+  assert_true(gpu_commands_run(&device));
+  double off = 0, sum = 0, bad = 0, pixels = 0;
+  for (uint32_t i = 0; i < WIDTH * HEIGHT; i++) {
+    const host_pixel p = host_pixel_at(view, i % WIDTH, i / WIDTH);
+    if (p.empty) continue;
+    float alpha;
+    const olx_vec3 truth = expected(f->field, settings, &p);
+    const double miss = squared(olx_sub(host_output(&f->images, 0, i, &alpha), truth));
+    off += miss;
+    sum += squared(truth);
+    bad += miss > 1e-4 * squared(truth);
+    pixels++;
+  }
+  return (misses){off / sum, bad / pixels};
+}
+
+static olx_vec3 volume_irradiance(const olx_field *field, const olx_vulkan_settings *settings, const host_pixel *p) {
+  return olx_irradiance(field, &settings->sample, p->position, p->normal, p->view);
+}
+
+static olx_vec3 masked_irradiance(const olx_field *field, const olx_vulkan_settings *settings, const host_pixel *p) {
+  return p->dynamic ? volume_irradiance(field, settings, p) : surface_irradiance(field, settings, p);
+}
+
+// Normals of the three kinds, and what they do to light, in 32 bits a channel and in 8.
+static void images_tell_normals_and_what_is_dynamic(void **unused) {
+  (void)unused;
+  static const VkFormat formats[] = {VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_R8G8B8A8_UNORM};
+  static const double limits[] = {1e-5, 2e-3}; // a normal of eight bits is off by up to 1/255 along each axis
+  host_view view = VIEW;
+  view.bend = 0.5f;
+  for (uint32_t i = 0; i < 2; i++) {
+    host_fixture f = host_fixture_make(&device, 128, 16);
+    f.images = make_images(WIDTH, HEIGHT, formats[i]);
+    f.images.targets.geometric_normal = host_input(&f.images, HOST_GEOMETRIC_NORMAL);
+    f.images.targets.vertex_normal = host_input(&f.images, HOST_VERTEX_NORMAL);
+    f.images.targets.dynamic = host_input(&f.images, HOST_DYNAMIC);
+    host_fixture_add_frame(&f);
+    olx_vulkan_settings settings = test_settings();
+    const double masked = judge_irradiance(&f, &view, &settings, masked_irradiance).relative_mse;
+    settings.volume = true;
+    const double volume = judge_irradiance(&f, &view, &settings, volume_irradiance).relative_mse;
+    settings.volume = false;
+    const double other = judge_irradiance(&f, &view, &settings, surface_irradiance).relative_mse;
+    print_message("relative MSE with a mask %.2e, by the volume %.2e; of all as static %.2e\n", masked, volume, other);
+    assert_true(masked < limits[i] && volume < limits[i] && other > 1e-2);
+    host_fixture_free(&f);
+  }
+}
+
+// The eye moves: at no place is irradiance other than on the CPU, where it hangs on places and normals alone, whether the
+// geometric normal is given or found from depth.
+static void irradiance_stays_as_the_eye_moves(void **unused) {
+  (void)unused;
+  host_fixture f = make_fixture(128, 16);
+  const olx_vulkan_settings settings = test_settings();
+  for (uint32_t given = 0; given < 2; given++) {
+    if (given) f.images.targets.geometric_normal = host_input(&f.images, HOST_GEOMETRIC_NORMAL);
+    assert_int_equal(olx_vulkan_frame_resize(f.frame, &f.images.targets), OLX_OK);
+    misses worst = {0};
+    for (uint32_t i = 0; i < 8; i++) {
+      host_view view = VIEW;
+      view.eye = olx_add(view.eye, olx_v3(-0.03f * (float)i, 0.01f * (float)i, -0.05f * (float)i));
+      view.shift = (olx_vec2){0.1f * (float)i, -0.07f * (float)i};
+      const misses m = judge_irradiance(&f, &view, &settings, surface_irradiance);
+      worst.relative_mse = fmax(worst.relative_mse, m.relative_mse);
+      worst.share = fmax(worst.share, m.share);
+    }
+    print_message("geometric normals %s: relative MSE %.2e, %.4f %% of pixels off by more than 1 %%\n",
+                  given ? "given" : "derived", worst.relative_mse, 100.0 * worst.share);
+    assert_true(worst.relative_mse < 1e-5 && worst.share < 2e-3);
+  }
+  host_fixture_free(&f);
+}
+
 static void a_frame_can_be_resized_and_reads_other_formats(void **unused) {
   (void)unused;
   host_fixture f = host_fixture_make(&device, 64, 16);
@@ -174,6 +276,26 @@ static const uint32_t COUNT_READS[] = {
 #include "count_reads.spv.inc"
 };
 
+// Of the field's images, a pixel that shows a surface.
+typedef struct reads {
+  double filtered, fetched;
+} reads;
+
+static reads count_reads(const host_fixture *f, const olx_vulkan_settings *settings) {
+  run_frame((host_images *)(uintptr_t)&f->images, f->frame, settings);
+  reads sum = {0};
+  uint32_t pixels = 0;
+  for (uint32_t i = 0; i < WIDTH * HEIGHT; i++) {
+    float surface;
+    const olx_vec3 result = host_output(&f->images, 0, i, &surface);
+    if (surface == 0.0f) continue;
+    pixels++;
+    sum.filtered += (double)result.x;
+    sum.fetched += (double)result.y;
+  }
+  return (reads){sum.filtered / pixels, sum.fetched / pixels};
+}
+
 static void diffuse_light_takes_hardly_more_reads_than_it_must(void **unused) {
   (void)unused;
   host_fixture f = make_fixture(64, 32);
@@ -190,21 +312,16 @@ static void diffuse_light_takes_hardly_more_reads_than_it_must(void **unused) {
   assert_int_equal(device.CreateComputePipelines(device.host.device, VK_NULL_HANDLE, 1, &info, NULL, pipeline),
                    VK_SUCCESS);
   device.DestroyShaderModule(device.host.device, info.stage.module, NULL);
-  const olx_vulkan_settings settings = test_settings();
-  run_frame(&f.images, f.frame, &settings);
-  double reads = 0, most = 0;
-  uint32_t pixels = 0;
-  for (uint32_t i = 0; i < WIDTH * HEIGHT; i++) {
-    float surface;
-    const olx_vec3 result = host_output(&f.images, 0, i, &surface);
-    if (surface == 0.0f) continue;
-    pixels++;
-    reads += (double)result.x;
-    most = (double)result.x > most ? (double)result.x : most;
-  }
-  const double least = 16; // irradiance and moments of eight probes
-  print_message("%.2f filtered reads a pixel, %.0f at most\n", reads / pixels, most);
-  assert_true(reads / pixels <= 1.3 * least);
+  // Of a probe four texels, each of distance, normal and light; 1.3 probes are read on average, and the second only where its
+  // light may weigh enough. By the volume irradiance and moments of eight probes.
+  olx_vulkan_settings settings = test_settings();
+  const reads stored = count_reads(&f, &settings);
+  settings.volume = true;
+  const reads volume = count_reads(&f, &settings);
+  print_message("stored: %.2f texels, %.2f filtered; volume: %.2f filtered\n", stored.fetched, stored.filtered,
+                volume.filtered);
+  assert_true(stored.fetched >= 12.0 && stored.fetched <= 2.5 * 12.0 && stored.filtered <= 1.0);
+  assert_true(volume.fetched == 0.0 && volume.filtered <= 1.3 * 24.0);
   host_fixture_free(&f);
 }
 
@@ -223,12 +340,18 @@ static void wrong_images_are_named(void **unused) {
       {f.images.targets, "no glossy image"},
       {f.images.targets, "no pass 0x10"},
       {f.images.targets, "no tracer in 0x9"},
+      {f.images.targets, "geometric normal image's VkFormat"},
+      {f.images.targets, "dynamic image cannot be sampled in VkImageLayout 0"},
   };
   cases[3].targets.normal.format = VK_FORMAT_R8G8B8A8_UINT;
   cases[4].targets.albedo.layout = VK_IMAGE_LAYOUT_UNDEFINED;
   cases[5].targets.glossy = VK_NULL_HANDLE;
   cases[6].targets.passes = 16;
   cases[7].targets.tracers = 9;
+  cases[8].targets.geometric_normal = host_input(&f.images, HOST_GEOMETRIC_NORMAL);
+  cases[8].targets.geometric_normal.format = VK_FORMAT_R8G8B8A8_UINT;
+  cases[9].targets.dynamic = host_input(&f.images, HOST_DYNAMIC);
+  cases[9].targets.dynamic.layout = VK_IMAGE_LAYOUT_UNDEFINED;
   for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
     olx_vulkan_frame *frame = (void *)1;
     assert_int_equal(olx_vulkan_frame_create(f.uploaded, &cases[i].targets, &frame), OLX_ERROR_ARGUMENT);
@@ -367,6 +490,10 @@ static void settings_that_cannot_be_are_refused(void **unused) {
   settings.sample.select = OLX_SELECT_OCTREE;
   assert_int_equal(olx_vulkan_record_glossy(f.frame, device.commands, &view, &settings), OLX_ERROR_UNSUPPORTED);
   assert_non_null(strstr(olx_last_error(), "octree"));
+  settings = olx_vulkan_settings_default();
+  settings.sample.surface_tolerance = 2.0f * OLX_MOST_SURFACE_TOLERANCE;
+  assert_int_equal(olx_vulkan_record_irradiance(f.frame, device.commands, &view, &settings), OLX_ERROR_ARGUMENT);
+  assert_non_null(strstr(olx_last_error(), "surface tolerance of 32"));
   settings = olx_vulkan_settings_default();
   assert_int_equal(olx_vulkan_record_composite(f.frame, device.commands, &view, &settings, 4), OLX_ERROR_ARGUMENT);
   host_fixture_free(&f);
@@ -629,6 +756,8 @@ static void a_host_without_a_queue_is_refused(void **unused) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(passes_give_the_light_of_the_cpu),
+      cmocka_unit_test(images_tell_normals_and_what_is_dynamic),
+      cmocka_unit_test(irradiance_stays_as_the_eye_moves),
       cmocka_unit_test(a_frame_can_be_resized_and_reads_other_formats),
       cmocka_unit_test(diffuse_light_takes_hardly_more_reads_than_it_must),
       cmocka_unit_test(wrong_images_are_named),

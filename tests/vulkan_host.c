@@ -28,6 +28,11 @@ int host_close_device(gpu_device *device) {
   return device->validation_messages == before ? 0 : 1;
 }
 
+static olx_vec3 bent_normal(olx_vec3 normal, uint32_t x, uint32_t y, float bend) {
+  const olx_vec3 aside = olx_v3(sinf(0.3f * (float)x), sinf(0.4f * (float)y), sinf(0.2f * (float)(x + y)));
+  return bend > 0.0f ? olx_normalize(olx_madd(normal, aside, bend)) : normal;
+}
+
 host_pixel host_pixel_at(const host_view *v, uint32_t x, uint32_t y) {
   const float cx = ((float)x + v->shift.x + 0.5f) / (float)v->width * 2.0f - 1.0f,
               cy = ((float)y + v->shift.y + 0.5f) / (float)v->height * 2.0f - 1.0f;
@@ -35,7 +40,10 @@ host_pixel host_pixel_at(const host_view *v, uint32_t x, uint32_t y) {
   const analytic_hit hit = analytic_cast(v->scene, v->eye, d);
   const uint32_t h = olx_hash2(x, y);
   host_pixel p = {.empty = x < 4,
-                  .normal = hit.normal,
+                  .normal = bent_normal(hit.normal, x, y, v->bend),
+                  .geometric_normal = hit.normal,
+                  .vertex_normal = bent_normal(hit.normal, x, y, 0.2f * v->bend),
+                  .dynamic = (x / 4 + y / 4) % 2 != 0,
                   .view = olx_negate(d),
                   .color = olx_v3(0.9f, 0.5f, 0.25f),
                   .roughness = (float)(h & 255u) / 255.0f,
@@ -61,7 +69,7 @@ olx_vulkan_view host_vulkan_view(const host_view *v) {
 host_images host_images_make(gpu_device *device, uint32_t width, uint32_t height, VkFormat normal) {
   host_images h = {.device = device, .width = width, .height = height};
   const VkFormat formats[HOST_INPUTS] = {VK_FORMAT_R32_SFLOAT, normal, VK_FORMAT_R8G8B8A8_UNORM,
-                                         VK_FORMAT_R8G8B8A8_UNORM};
+                                         VK_FORMAT_R8G8B8A8_UNORM, normal, normal, VK_FORMAT_R8G8B8A8_UNORM};
   const VkBufferUsageFlags both = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
   const VkDeviceSize bytes = (VkDeviceSize)width * height * 16 * HOST_INPUTS;
   assert_true(gpu_buffer_create(device, "staging", bytes, both, true, &h.staging));
@@ -90,6 +98,10 @@ host_images host_images_make(gpu_device *device, uint32_t width, uint32_t height
   return h;
 }
 
+olx_vulkan_image host_input(const host_images *h, uint32_t input) {
+  return (olx_vulkan_image){h->inputs[input].view, h->inputs[input].format, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
+}
+
 void host_images_free(host_images *h) {
   for (uint32_t i = 0; i < HOST_INPUTS; i++) gpu_image_destroy(h->device, &h->inputs[i]);
   for (uint32_t i = 0; i < HOST_OUTPUTS; i++) gpu_image_destroy(h->device, &h->outputs[i]);
@@ -110,18 +122,26 @@ static VkDeviceSize plane(const host_images *h, uint32_t image) {
   return (VkDeviceSize)h->width * h->height * 16 * image;
 }
 
+static void stage_normal(host_images *h, uint32_t input, uint32_t pixel, olx_vec3 normal) {
+  char *memory = (char *)h->staging.mapped + plane(h, input);
+  if (h->inputs[input].format == VK_FORMAT_R8G8B8A8_UNORM) {
+    ((uint32_t *)(void *)memory)[pixel] = unorm(olx_madd(olx_splat(0.5f), normal, 0.5f));
+  } else {
+    const float n[4] = {normal.x, normal.y, normal.z, 0.0f};
+    memcpy(memory + (size_t)16 * pixel, n, sizeof n);
+  }
+}
+
 void host_upload(host_images *h, const host_view *view) {
   gpu_device *device = h->device;
   char *memory = h->staging.mapped;
   for (uint32_t i = 0; i < h->width * h->height; i++) {
     const host_pixel p = host_pixel_at(view, i % h->width, i / h->width);
     ((float *)(void *)(memory + plane(h, 0)))[i] = p.depth;
-    if (h->inputs[1].format == VK_FORMAT_R8G8B8A8_UNORM) {
-      ((uint32_t *)(void *)(memory + plane(h, 1)))[i] = unorm(olx_madd(olx_splat(0.5f), p.normal, 0.5f));
-    } else {
-      const float n[4] = {p.normal.x, p.normal.y, p.normal.z, 0.0f};
-      memcpy(memory + plane(h, 1) + (size_t)16 * i, n, sizeof n);
-    }
+    stage_normal(h, 1, i, p.normal);
+    stage_normal(h, HOST_GEOMETRIC_NORMAL, i, p.geometric_normal);
+    stage_normal(h, HOST_VERTEX_NORMAL, i, p.vertex_normal);
+    ((uint32_t *)(void *)(memory + plane(h, HOST_DYNAMIC)))[i] = p.dynamic ? 255u : 0u;
     ((uint32_t *)(void *)(memory + plane(h, 2)))[i] = unorm(p.color);
     ((uint32_t *)(void *)(memory + plane(h, 3)))[i] = unorm(olx_v3(p.roughness, p.metallic, p.weight));
   }

@@ -13,7 +13,8 @@ void host_need_device(const gpu_device *device);
 // 0; 1 when the validation layers name something that was not destroyed.
 int host_close_device(gpu_device *device);
 
-enum { HOST_INPUTS = 4, HOST_OUTPUTS = 3 };
+// Inputs: depth, normal, albedo, roughness, and what a test may add to the targets: geometric normal, vertex normal, dynamic.
+enum { HOST_GEOMETRIC_NORMAL = 4, HOST_VERTEX_NORMAL, HOST_DYNAMIC, HOST_INPUTS, HOST_OUTPUTS = 3 };
 
 // A view along -z with reversed, endless depth: HOST_NEAR / distance. Pixel (x, y) of width * height; `shift` moves the picture
 // over the image plane, in pixels, as a jittered projection does.
@@ -24,6 +25,7 @@ typedef struct host_view {
   olx_vec3 eye;
   uint32_t width, height;
   olx_vec2 shift;
+  float bend; // how far normals are bent: the vertex normal a little off the geometric one, the shading normal more
 } host_view;
 
 // What the host has rendered: every pixel of another roughness, metallic and weight; its four columns at the left show nothing.
@@ -31,7 +33,8 @@ typedef struct host_pixel {
   bool empty;
   float depth;  // as the depth image has it
   float metres; // along the viewing axis
-  olx_vec3 position, normal, view, color;
+  olx_vec3 position, normal, geometric_normal, vertex_normal, view, color;
+  bool dynamic; // squares of 4 x 4 pixels, as on a chessboard
   float roughness, metallic, weight;
 } host_pixel;
 
@@ -49,6 +52,8 @@ typedef struct host_images {
 
 // Asserts that nothing fails. Normals are of the given format.
 host_images host_images_make(gpu_device *device, uint32_t width, uint32_t height, VkFormat normal);
+// An input that targets may name.
+olx_vulkan_image host_input(const host_images *host, uint32_t input);
 void host_images_free(host_images *host);
 
 // Record filling the inputs with what a view shows, and making outputs HOST_BEFORE; and copying the outputs to where

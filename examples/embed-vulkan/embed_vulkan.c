@@ -88,6 +88,7 @@ static void make_frame(renderer *r) {
                                       .normal = inputs[SURFACE_NORMAL],
                                       .albedo = inputs[SURFACE_ALBEDO],
                                       .roughness = inputs[SURFACE_MATERIAL],
+                                      .geometric_normal = inputs[SURFACE_NORMAL], // boxes are flat
                                       .irradiance = r->irradiance.view,
                                       .glossy = r->glossy.view,
                                       .color = r->surfaces.images[SURFACE_COLOR].view,

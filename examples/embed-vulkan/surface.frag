@@ -98,7 +98,8 @@ void main() {
   vec3 n = normalize(surface_normal), view = normalize(eye.xyz - position);
   vec3 light = emission + direct_light(n, view);
 #ifdef OWN_DIFFUSE
-  light += diffuse_reflectance(n, view) / PI * olx_irradiance(olx_sample_settings_default(), position, n, view);
+  // Boxes are flat, and nothing moves: the normal is that of the triangle, and no normal map bends it.
+  light += diffuse_reflectance(n, view) / PI * olx_surface_irradiance(olx_sample_settings_default(), position, n, n, view);
 #endif
   normal_image = vec4(n, 0.0);
   albedo_image = vec4(base_color, 1.0);

@@ -144,6 +144,8 @@ typedef struct olx_gbuffer {
   uint32_t width, height;
   float *inverse_depth; // 1 / distance along the viewing axis in metres; 0 where nothing is seen
   olx_vec3 *normal;     // shading normal, bent towards the eye where it faces away from it
+  olx_vec3 *geometric_normal; // of the triangle, on the side of the eye
+  olx_vec3 *vertex_normal;    // between the triangle's corners, without a normal map, on that side
   olx_vec3 *base_color;
   olx_vec3 *material; // roughness, metallic, specular weight
   olx_vec3 eye;

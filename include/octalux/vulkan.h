@@ -107,6 +107,13 @@ typedef struct olx_vulkan_targets {
   olx_vulkan_image albedo;    // linear base colour, .rgb (sRGB formats decode themselves)
   olx_vulkan_image roughness; // .r perceptual roughness, .g metallic, .b specular weight (1: F0 = 0.04; 0: Lambertian).
       // A view with swizzles maps other packings; VK_COMPONENT_SWIZZLE_ONE fills a missing weight
+  // Optional; a view of VK_NULL_HANDLE: none. The three tell olx_vulkan_record_irradiance which stored surface a pixel shows
+  // (octalux/sample.h, olx_surface_irradiance). Normals are in world space, .xyz, as in `normal`.
+  olx_vulkan_image geometric_normal; // of the triangle, of either side. None: it is derived from depth, which wants 24 bits or more
+  olx_vulkan_image vertex_normal; // between the triangle's corners, on the side that is looked at, and `normal` is this one bent by
+      // normal maps. None: `normal` stands for it, and normal maps do not show in light that is stored
+  olx_vulkan_image dynamic; // .r above 0.5 where a pixel shows what was not there when the field was baked, or has moved since: it
+      // takes the irradiance volume. None: nothing has
   VkImageView irradiance; // out: W/m^2; alpha 1 where there is a surface
   VkImageView glossy;     // out: radiance towards the eye; alpha: the share of rays that were answered
   VkImageView color;      // in and out: the host's picture in linear radiance
@@ -163,6 +170,7 @@ typedef struct olx_vulkan_settings {
   uint32_t glossy_samples;    // rays a pixel on glossy surfaces, 1 to 4096; default 1. Mirrors take 1
   uint32_t sample_index;      // which part of a pixel's sequence of random numbers: count frames here; default 0
   uint32_t seed;              // another sequence for every pixel; default 0
+  bool volume; // irradiance comes from the irradiance volume alone, as if all were dynamic; default false
   float dim_lobe; // rough specular lobes that reflect less than this share towards the eye are not traced but
                   // take irradiance; default 0 (section 6)
   olx_vulkan_denoise denoise;
@@ -184,7 +192,9 @@ olx_vulkan_settings olx_vulkan_settings_default(void);
 //   denoised     olx_vulkan_record_diffuse, _glossy, _denoise, _composite, one sample each, denoise.lobes both
 //   prefiltered  olx_vulkan_record_irradiance, _glossy, _denoise, _composite, denoise.lobes OLX_VULKAN_LOBE_GLOSSY
 
-// Diffuse: targets.irradiance from the irradiance probes (McGuire et al. 2017, section 5.2).
+// Diffuse: targets.irradiance from the light that the field stores where surfaces are (octalux/sample.h,
+// olx_surface_irradiance); of dynamic objects, where nothing is stored, in a field whose lights a relighter changes, and with
+// settings->volume, from the irradiance probes (McGuire et al. 2017, section 5.2).
 olx_result olx_vulkan_record_irradiance(const olx_vulkan_frame *frame, VkCommandBuffer commands,
                                         const olx_vulkan_view *view, const olx_vulkan_settings *settings);
 

@@ -2,7 +2,7 @@
 // the pixels that trace.comp leaves out.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "frame.glsl"
+#include "frame_irradiance.glsl"
 
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
@@ -11,7 +11,7 @@ void main() {
   if (!read_surface(pixel, surface) || !olx_bsdf_has_specular(surface.bsdf)) return;
   float cosine = olx_dot(surface.view, surface.normal);
   if (!olx_lobe_is_dim(surface.bsdf, cosine, frame.dim_lobe)) return;
-  vec3 irradiance = olx_irradiance(frame_settings(), surface.position, surface.normal, surface.view);
+  vec3 irradiance = frame_irradiance(pixel, surface);
   imageStore(glossy_image, pixel, storable(olx_dim_light(surface.bsdf, cosine, irradiance), 1.0));
   write_sample(pixel, vec3(0.0), -1.0);
 }

@@ -11,6 +11,9 @@ layout(set = 1, binding = OLX_BINDING_DEPTH) uniform sampler2D depth_image;
 layout(set = 1, binding = OLX_BINDING_SURFACE_NORMAL) uniform sampler2D normal_image;
 layout(set = 1, binding = OLX_BINDING_ALBEDO) uniform sampler2D albedo_image;
 layout(set = 1, binding = OLX_BINDING_ROUGHNESS) uniform sampler2D roughness_image;
+layout(set = 1, binding = OLX_BINDING_GEOMETRIC_NORMAL) uniform sampler2D geometric_normal_image;
+layout(set = 1, binding = OLX_BINDING_VERTEX_NORMAL) uniform sampler2D vertex_normal_image;
+layout(set = 1, binding = OLX_BINDING_DYNAMIC) uniform sampler2D dynamic_image;
 layout(set = 1, binding = OLX_BINDING_OUT_IRRADIANCE, rgba16f) uniform image2D irradiance_image;
 layout(set = 1, binding = OLX_BINDING_OUT_GLOSSY, rgba16f) uniform image2D glossy_image;
 layout(set = 1, binding = OLX_BINDING_OUT_COLOR, rgba16f) uniform image2D color_image;
@@ -36,19 +39,27 @@ olx_sample_settings frame_settings() {
 
 bool outside_frame(ivec2 pixel) { return pixel.x >= int(frame.width) || pixel.y >= int(frame.height); }
 
+vec3 position_at(ivec2 pixel, float depth) {
+  vec2 clip = (vec2(pixel) + 0.5) / vec2(frame.width, frame.height) * 2.0 - 1.0;
+  vec4 world = frame.clip_to_world[0] * clip.x + frame.clip_to_world[1] * clip.y + frame.clip_to_world[2] * depth +
+               frame.clip_to_world[3];
+  return world.xyz / world.w;
+}
+
+vec3 read_normal(sampler2D image, ivec2 pixel, uint unorm) {
+  vec3 normal = texelFetch(image, pixel, 0).xyz;
+  return olx_normalize(has_flag(unorm) ? normal * 2.0 - 1.0 : normal);
+}
+
 // False where the pixel shows no surface.
 bool read_surface(ivec2 pixel, out frame_surface surface) {
   surface = frame_surface(vec3(0.0), vec3(0.0), vec3(0.0), olx_bsdf_make(vec3(0.0), 0.0, 0.0, 0.0), 0.0);
   float depth = texelFetch(depth_image, pixel, 0).r;
   if (depth == frame.eye.w) return false;
-  vec2 clip = (vec2(pixel) + 0.5) / vec2(frame.width, frame.height) * 2.0 - 1.0;
-  vec4 world = frame.clip_to_world[0] * clip.x + frame.clip_to_world[1] * clip.y + frame.clip_to_world[2] * depth +
-               frame.clip_to_world[3];
-  vec3 normal = texelFetch(normal_image, pixel, 0).xyz;
   vec3 base_color = texelFetch(albedo_image, pixel, 0).rgb;
   vec3 material = texelFetch(roughness_image, pixel, 0).rgb; // roughness, metallic, specular weight
-  surface.position = world.xyz / world.w;
-  surface.normal = olx_normalize(has_flag(OLX_FRAME_NORMAL_UNORM) ? normal * 2.0 - 1.0 : normal);
+  surface.position = position_at(pixel, depth);
+  surface.normal = read_normal(normal_image, pixel, OLX_FRAME_NORMAL_UNORM);
   surface.view = olx_normalize(frame.eye.xyz - surface.position);
   surface.bsdf = olx_bsdf_make(base_color, material.y, material.x, material.z);
   surface.roughness = material.x;

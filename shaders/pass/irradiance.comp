@@ -1,7 +1,8 @@
-// Indirect irradiance at the surface of each pixel, from the irradiance probes. Alpha is 1 where there is a surface.
+// Indirect irradiance at the surface of each pixel: of static surfaces as texels store it, else from the irradiance volume.
+// Alpha is 1 where there is a surface.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "frame.glsl"
+#include "frame_irradiance.glsl"
 
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
@@ -9,8 +10,7 @@ void main() {
   frame_surface surface;
   vec4 result = vec4(0.0);
   if (read_surface(pixel, surface)) {
-    vec3 irradiance = olx_irradiance(frame_settings(), surface.position, surface.normal, surface.view);
-    result = storable(irradiance, 1.0);
+    result = storable(frame_irradiance(pixel, surface), 1.0);
   }
   imageStore(irradiance_image, pixel, result);
 }

@@ -15,6 +15,8 @@ typedef struct gbuffer_job {
 void olx_gbuffer_free(olx_gbuffer *g) {
   olx_release(g->inverse_depth);
   olx_release(g->normal);
+  olx_release(g->geometric_normal);
+  olx_release(g->vertex_normal);
   olx_release(g->base_color);
   olx_release(g->material);
   *g = (olx_gbuffer){.width = 0};
@@ -28,19 +30,24 @@ static olx_result gbuffer_create(uint32_t width, uint32_t height, const olx_came
                      .height = height,
                      .inverse_depth = olx_allocate_zero(count, sizeof(float)),
                      .normal = olx_allocate_zero(count, sizeof(olx_vec3)),
+                     .geometric_normal = olx_allocate_zero(count, sizeof(olx_vec3)),
+                     .vertex_normal = olx_allocate_zero(count, sizeof(olx_vec3)),
                      .base_color = olx_allocate_zero(count, sizeof(olx_vec3)),
                      .material = olx_allocate_zero(count, sizeof(olx_vec3)),
                      .eye = e,
                      .clip_to_world = {r.x, r.y, r.z, 0, -u.x, -u.y, -u.z, 0, e.x, e.y, e.z, 1, f.x, f.y, f.z, 0}};
-  if (g->inverse_depth && g->normal && g->base_color && g->material) return OLX_OK;
+  const bool normals = g->normal && g->geometric_normal && g->vertex_normal;
+  if (g->inverse_depth && normals && g->base_color && g->material) return OLX_OK;
   olx_gbuffer_free(g);
   return olx_fail(OLX_ERROR_MEMORY, "no memory for the surfaces of %ux%u pixels", width, height);
 }
 
-static void write_surface(const gbuffer_job *job, size_t pixel, const olx_surface *surface,
+static void write_surface(const gbuffer_job *job, size_t pixel, const olx_ray_hit *hit, const olx_surface *surface,
                           const olx_shading *shading) {
   olx_gbuffer *g = job->gbuffer;
   g->normal[pixel] = shading->normal;
+  g->geometric_normal[pixel] = surface->geometric_normal;
+  g->vertex_normal[pixel] = olx_surface_vertex_normal(job->context.scene, hit, surface);
   g->base_color[pixel] = surface->base_color;
   g->material[pixel] = olx_v3(surface->roughness, surface->metallic, surface->bsdf.dielectric_weight);
   job->image->layers[OLX_LAYER_ALBEDO][pixel] = surface->bsdf.albedo;
@@ -74,7 +81,7 @@ static void render_tile(void *user, uint32_t index) {
     if (rays.hits[i].triangle != OLX_NO_HIT) {
       const olx_surface surface = olx_surface_at(job->context.scene, &rays.hits[i], rays.directions[i]);
       const olx_shading shading = olx_shading_make(&surface, rays.directions[i]);
-      write_surface(job, pixel, &surface, &shading);
+      write_surface(job, pixel, &rays.hits[i], &surface, &shading);
       job->gbuffer->inverse_depth[pixel] = 1.0f / samples[i].depth;
       emission = surface.emission;
       direct = direct_light(job, &shading, rays.samplers[i].seed, &stats);

@@ -32,6 +32,7 @@ struct olx_vulkan_field {
   VkDeviceSize probes_offset, irradiance_probes_offset, buffer_bytes;
   VkDeviceSize least_offset, bricks_offset, voronoi_offset; // in this order to the end: the words
   VkDeviceSize least_bytes, bricks_bytes, voronoi_bytes;    // 0 for what the field lacks
+  bool relit; // a relighter changes lights, and texels still hold the light of before
   VkSampler nearest, linear;
   VkDescriptorSetLayout set_layout;
   VkDescriptorPool pool;

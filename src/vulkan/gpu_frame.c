@@ -106,6 +106,9 @@ static olx_result check_targets(const olx_vulkan_context *c, const olx_vulkan_ta
   OLX_TRY(check_input(c, &t->normal, "normal"));
   OLX_TRY(check_input(c, &t->albedo, "albedo"));
   OLX_TRY(check_input(c, &t->roughness, "roughness"));
+  if (t->geometric_normal.view) OLX_TRY(check_input(c, &t->geometric_normal, "geometric normal"));
+  if (t->vertex_normal.view) OLX_TRY(check_input(c, &t->vertex_normal, "vertex normal"));
+  if (t->dynamic.view) OLX_TRY(check_input(c, &t->dynamic, "dynamic"));
   if (!t->irradiance || !t->glossy || !t->color) {
     return olx_fail(OLX_ERROR_ARGUMENT, "the frame has no %s image",
                     !t->irradiance ? "irradiance"
@@ -185,9 +188,27 @@ static olx_result create_sets(olx_vulkan_frame *f) {
   return olx_gpu_set_allocate(c, f->pool, f->set_layout, &f->set);
 }
 
+static uint32_t flags_of_normal(const olx_vulkan_image *image, uint32_t given, uint32_t unorm) {
+  if (!image->view) return 0;
+  return given | (find_format(image->format)->unorm ? unorm : 0u);
+}
+
+static uint32_t flags_of_images(const olx_vulkan_targets *t) {
+  return flags_of_normal(&t->normal, 0, OLX_FRAME_NORMAL_UNORM) |
+         flags_of_normal(&t->geometric_normal, OLX_FRAME_GEOMETRIC_NORMAL, OLX_FRAME_GEOMETRIC_UNORM) |
+         flags_of_normal(&t->vertex_normal, OLX_FRAME_VERTEX_NORMAL, OLX_FRAME_VERTEX_UNORM) |
+         (t->dynamic.view ? OLX_FRAME_DYNAMIC : 0u);
+}
+
 static void write_sets(olx_vulkan_frame *f, const olx_vulkan_targets *t) {
   const olx_vulkan_context *c = &f->field->context;
-  const olx_vulkan_image inputs[] = {t->depth, t->normal, t->albedo, t->roughness};
+  const olx_vulkan_image inputs[] = {t->depth,
+                                     t->normal,
+                                     t->albedo,
+                                     t->roughness,
+                                     t->geometric_normal.view ? t->geometric_normal : t->normal,
+                                     t->vertex_normal.view ? t->vertex_normal : t->normal,
+                                     t->dynamic.view ? t->dynamic : t->roughness};
   const VkImageView outputs[] = {t->irradiance, t->glossy, t->color};
   VkDescriptorImageInfo images[OLX_FRAME_BINDINGS];
   for (uint32_t i = 0; i < OLX_FRAME_BINDINGS; i++) {
@@ -227,7 +248,7 @@ olx_result olx_vulkan_frame_resize(olx_vulkan_frame *f, const olx_vulkan_targets
   f->history = history;
   f->width = t->width;
   f->height = t->height;
-  f->normal_unorm = find_format(t->normal.format)->unorm;
+  f->image_flags = flags_of_images(t);
   write_sets(f, t);
   return OLX_OK;
 }
@@ -335,7 +356,8 @@ olx_gpu_frame olx_gpu_frame_constants(const olx_vulkan_frame *f, const olx_vulka
       .flags = flags | (s->sample.keep_buried ? OLX_FRAME_KEEP_BURIED : 0u) |
                (s->sample.emitters ? OLX_FRAME_EMITTERS : 0u) |
                (s->sample.visibility == OLX_VISIBILITY_CHEBYSHEV ? OLX_FRAME_VISIBILITY : 0u) |
-               (f->normal_unorm ? OLX_FRAME_NORMAL_UNORM : 0u),
+               (s->volume || f->field->relit ? OLX_FRAME_VOLUME : 0u) |
+               (s->sample.select == OLX_SELECT_EXHAUSTIVE ? OLX_FRAME_RANK_ALL : 0u) | f->image_flags,
       .max_probes = s->sample.max_probes,
       .glossy_samples = s->glossy_samples,
       .sample_index = s->sample_index,

@@ -47,7 +47,7 @@ typedef struct olx_gpu_denoiser {
 struct olx_vulkan_frame {
   olx_vulkan_field *field;
   uint32_t width, height;
-  bool normal_unorm;
+  uint32_t image_flags; // OLX_FRAME_*: which images the host gives, and which of them hold normals as 0..1
   VkDescriptorSetLayout set_layout, sample_set_layout;
   VkPipelineLayout layout;
   // VK_NULL_HANDLE where the host wants none. Passes that trace no rays have one, by tracer 0 and selector 0.

@@ -282,6 +282,7 @@ olx_result olx_vulkan_relight_create(olx_vulkan_field *field, olx_relight *relig
     return result;
   }
   relight->on_device = true;
+  field->relit = true;
   *created = r;
   return OLX_OK;
 }

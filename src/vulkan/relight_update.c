@@ -122,6 +122,7 @@ olx_result olx_vulkan_update_create(olx_vulkan_field *field, const olx_relight *
   const olx_result result = build(u);
   if (result == OLX_OK) *update = u;
   else olx_vulkan_update_destroy(u);
+  if (result == OLX_OK) field->relit = true;
   return result;
 }
 

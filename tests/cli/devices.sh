@@ -13,10 +13,7 @@ compared=0
 compare_devices() {
   local scene=$1 field=$2
   shift 2
-  # Devices read irradiance probes where the CPU by default reads what is stored at surfaces.
-  local diffuse=(--diffuse irradiance)
-  [[ "$*" == *gather* || "$*" == *denoised* ]] && diffuse=()
-  expect 0 render "$scene" --field "$field" -o cpu.exr --size 120x90 --centered "${diffuse[@]}" "$@"
+  expect 0 render "$scene" --field "$field" -o cpu.exr --size 120x90 --centered "$@"
   expect_json 'o["device"] and o["passes"]["indirect_diffuse"] > 0 and o["passes"]["upload"] > 0' \
     render "$scene" --field "$field" -o vulkan.exr --size 120x90 --device vulkan --validate "$@"
   if [ $compared = 0 ] && grep -qE "no Vulkan|without the Vulkan runtime" stderr.txt; then

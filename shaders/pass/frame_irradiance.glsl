@@ -1,0 +1,58 @@
+// Irradiance at the surface that a pixel shows, and which of its normals is which.
+#ifndef OLX_FRAME_IRRADIANCE_GLSL
+#define OLX_FRAME_IRRADIANCE_GLSL
+
+#include "frame.glsl"
+
+// A derived normal that is farther than this cosine from the shading normal is not believed, nor are steps from pixel to
+// pixel that turn by more than the other.
+const float LEAST_DERIVED_COSINE = 0.5, LEAST_STRAIGHTNESS = 0.98;
+
+// The step from a pixel's position to that of the next along an axis, before it or behind. Steps go on straight to the pixel
+// after, so they stay on one surface, and that which is nearer to perpendicular to the shading normal is on the pixel's own.
+// 0 where neither goes on.
+vec3 step_along(ivec2 pixel, ivec2 axis, frame_surface surface) {
+  float least = 1.0;
+  vec3 way = vec3(0.0);
+  for (int side = -1; side <= 1; side += 2) {
+    ivec2 near = pixel + axis * side, far = near + axis * side;
+    if (any(lessThan(far, ivec2(0))) || any(greaterThanEqual(far, ivec2(frame.width, frame.height)))) continue;
+    float near_depth = texelFetch(depth_image, near, 0).r, far_depth = texelFetch(depth_image, far, 0).r;
+    if (near_depth == frame.eye.w || far_depth == frame.eye.w) continue;
+    vec3 beside = position_at(near, near_depth), first = beside - surface.position;
+    vec3 along = olx_normalize(first), after = olx_normalize(position_at(far, far_depth) - beside);
+    float rise = abs(olx_dot(along, surface.normal));
+    if (olx_dot(along, after) < LEAST_STRAIGHTNESS || rise >= least) continue;
+    least = rise;
+    way = first * float(side);
+  }
+  return way;
+}
+
+// From the depths around a pixel; the shading normal where they tell none.
+vec3 derived_normal(ivec2 pixel, frame_surface surface) {
+  vec3 across = cross(step_along(pixel, ivec2(1, 0), surface), step_along(pixel, ivec2(0, 1), surface));
+  float size = sqrt(olx_dot(across, across)), cosine = olx_dot(across, surface.normal);
+  return abs(cosine) > LEAST_DERIVED_COSINE * size ? across * (sign(cosine) / size) : surface.normal;
+}
+
+// On the side that is looked at.
+vec3 geometric_normal(ivec2 pixel, frame_surface surface) {
+  if (!has_flag(OLX_FRAME_GEOMETRIC_NORMAL)) return derived_normal(pixel, surface);
+  vec3 normal = read_normal(geometric_normal_image, pixel, OLX_FRAME_GEOMETRIC_UNORM);
+  return olx_dot(normal, surface.view) < 0.0 ? -normal : normal;
+}
+
+vec3 frame_irradiance(ivec2 pixel, frame_surface surface) {
+  olx_sample_settings settings = frame_settings();
+  bool volume = has_flag(OLX_FRAME_VOLUME) ||
+                (has_flag(OLX_FRAME_DYNAMIC) && texelFetch(dynamic_image, pixel, 0).r > 0.5);
+  vec3 geometric = surface.normal, vertex = surface.normal;
+  if (!volume) geometric = geometric_normal(pixel, surface);
+  if (has_flag(OLX_FRAME_VERTEX_NORMAL)) vertex = read_normal(vertex_normal_image, pixel, OLX_FRAME_VERTEX_UNORM);
+  settings.max_probes = volume ? 0u : settings.max_probes;
+  settings.select = has_flag(OLX_FRAME_RANK_ALL) ? OLX_SELECT_EXHAUSTIVE : OLX_SELECT_BEST;
+  return olx_surface_light_at(settings, surface.position, geometric, vertex, surface.normal, surface.view).irradiance;
+}
+
+#endif

@@ -119,7 +119,7 @@ static VkResult create_graphics(gpu_device *d, const gpu_graphics_info *info,
                                                    .srcAlphaBlendFactor = VK_BLEND_FACTOR_ZERO,
                                                    .dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
                                                    .colorWriteMask = 0xF};
-  const VkPipelineColorBlendAttachmentState attachments[4] = {one, one, one, one};
+  const VkPipelineColorBlendAttachmentState attachments[GPU_MOST_COLORS] = {one, one, one, one, one};
   const VkPipelineColorBlendStateCreateInfo blend = {.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
                                                      .attachmentCount = info->colors,
                                                      .pAttachments = attachments};

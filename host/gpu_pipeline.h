@@ -39,6 +39,8 @@ typedef struct gpu_code {
 bool gpu_layout_create(gpu_device *device, const char *what, const VkDescriptorSetLayout *sets, uint32_t set_count,
                        VkShaderStageFlags stages, uint32_t push_bytes, VkPipelineLayout *layout);
 
+enum { GPU_MOST_COLORS = 5 }; // attachments of a graphics pipeline
+
 typedef struct gpu_graphics_info {
   const char *what;
   VkPipelineLayout layout;
@@ -46,7 +48,7 @@ typedef struct gpu_graphics_info {
   gpu_code vertex, fragment; // there may be no fragment shader
   bool strip;                // of triangles, in place of separate ones
   bool blended;              // by alpha over what is there, of one attachment
-  uint32_t colors;           // attachments
+  uint32_t colors;           // attachments, at most GPU_MOST_COLORS
   VkCompareOp depth;         // of what is drawn with what is there
   float slope_bias;          // of depth; 0: none
 } gpu_graphics_info;

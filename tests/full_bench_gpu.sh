@@ -52,7 +52,7 @@ expect_json "o['width'] == 64 and o['height'] == 36 and o['frames'] == 3 and o['
   all(0 < p['least_ms'] <= p['ms'] < 60000 for p in o['rows'][1]['passes'].values()) and
   o['rows'][1]['paper'] == {'irradiance_ms': 0.302, 'glossy_ms': 0} and not o['rows'][1]['as_published'] and
   o['rows'][1]['probes'] == 8 and o['rows'][1]['radiance_size'] == 16 and not o['rows'][1]['other_scene'] and
-  1 < o['rows'][1]['counts']['filtered_reads'] <= 16 and o['rows'][1]['counts']['ray_share'] > 0.1 and
+  12 <= o['rows'][1]['counts']['surface_texels'] <= 48 and 0 <= o['rows'][1]['counts']['filtered_reads'] <= 16 and o['rows'][1]['counts']['ray_share'] > 0.1 and
   o['rows'][1]['counts']['fetches'] > 3" --data data "${tiny[@]}" $validate
 grep -q "sponza: skipped: data/sponza.olxs is not there" stderr.txt || fail "a row is skipped silently"
 grep -q "^validation" stderr.txt && fail "the validation layers found fault"

@@ -22,7 +22,7 @@ typedef struct probe_constants {
 // As shaders/bench_counts.comp declares them.
 typedef struct pixel_counts {
   uint32_t filtered, fetched, steps, probes;
-  uint32_t surface, ray, unknown;
+  uint32_t surface, ray, unknown, texels;
   float light;
 } pixel_counts;
 
@@ -104,6 +104,7 @@ static void sum_counts(const pixel_counts *pixels, uint32_t count, bench_counts 
     const pixel_counts *p = &pixels[i];
     sums->filtered += p->filtered;
     if (p->filtered > sums->most_filtered) sums->most_filtered = p->filtered;
+    sums->texels += p->texels;
     sums->fetched += p->fetched;
     sums->steps += p->steps;
     sums->probes += p->probes;
@@ -113,6 +114,7 @@ static void sum_counts(const pixel_counts *pixels, uint32_t count, bench_counts 
   }
   const double surfaces = sums->surfaces > 0.0 ? sums->surfaces : 1.0, rays = sums->rays > 0.0 ? sums->rays : 1.0;
   sums->filtered /= surfaces;
+  sums->texels /= surfaces;
   sums->fetched /= rays;
   sums->steps /= rays;
   sums->probes /= rays;

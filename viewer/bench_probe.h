@@ -10,6 +10,7 @@
 typedef struct bench_counts {
   double filtered;       // filtered texture reads of the diffuse pass, a pixel with a surface
   double most_filtered;  // of one pixel
+  double texels;         // texel fetches of the diffuse pass, a pixel with a surface
   double fetched;        // texel fetches a glossy ray
   double steps, probes;  // texels that the ray passes, probes that it asks
   double surfaces, rays; // shares of all pixels

@@ -34,10 +34,9 @@ static void print_pass(const bench_report *r, const bench_result *result, bench_
 static void print_floors(const bench_result *result) {
   const double *ms = result->milliseconds;
   const bench_counts *c = &result->counts;
-  printf("  diffuse light: %.2f filtered reads a pixel, %.0f at most; a pass with nothing but 16 such reads takes %.4f "
-         "ms: "
-         "%.2f times that\n",
-         c->filtered, c->most_filtered, ms[BENCH_FLOOR_DIFFUSE], over(ms[BENCH_IRRADIANCE], ms[BENCH_FLOOR_DIFFUSE]));
+  printf("  diffuse light: %.2f texels a pixel, and %.2f filtered reads, %.0f at most; a pass with nothing but the 12 texels "
+         "of one probe takes %.4f ms: %.2f times that\n",
+         c->texels, c->filtered, c->most_filtered, ms[BENCH_FLOOR_DIFFUSE], over(ms[BENCH_IRRADIANCE], ms[BENCH_FLOOR_DIFFUSE]));
   if (!(c->rays > 0.0)) {
     printf("  glossy light: no ray\n");
     return;
@@ -147,6 +146,7 @@ static void json_bool(json_line *j, const char *key, bool value) {
 
 static void json_counts(json_line *j, const bench_counts *c) {
   json_open(j, "counts", '{');
+  json_number(j, "surface_texels", c->texels);
   json_number(j, "filtered_reads", c->filtered);
   json_number(j, "most_filtered_reads", c->most_filtered);
   json_number(j, "fetches", c->fetched);

@@ -20,14 +20,14 @@ const bench_row *bench_row_at(uint32_t index) { return index < sizeof ROWS / siz
 
 static const struct {
   const char *name;
-  // Of depth 4, normal 8, albedo 4, material 4, color 8, irradiance 8, glossy 8, display 4; in the denoiser's three
+  // Of depth 4, normal 8, albedo 4, material 4, vertex normal 8, color 8, irradiance 8, glossy 8, display 4; in the denoiser's three
   // passes also of the guide 16, light of a lobe 8, its rows 8.
   uint32_t bytes;
 } PARTS[BENCH_PARTS] = {
     [BENCH_SHADOW] = {"shadow", 0},
-    [BENCH_GBUFFER] = {"gbuffer", 4 + 8 + 4 + 4 + 8},
+    [BENCH_GBUFFER] = {"gbuffer", 4 + 8 + 4 + 4 + 8 + 8},
     [BENCH_DIRECT] = {"direct", 4 + 8 + 4 + 4 + 8 + 8},
-    [BENCH_IRRADIANCE] = {"irradiance", 4 + 8 + 8},
+    [BENCH_IRRADIANCE] = {"irradiance", 4 + 8 + 4 + 8 + 8},
     [BENCH_GLOSSY] = {"glossy", 4 + 8 + 4 + 4 + 8 + 8},
     [BENCH_DENOISE] = {"denoise", (4 + 8 + 4 + 16 + 8 + 8 + 16 + 8) + (16 + 8 + 8) + (16 + 8 + 8 + 4 + 4 + 8 + 8)},
     [BENCH_COMPOSITE] = {"composite", 4 + 8 + 4 + 4 + 8 + 8 + 8 + 8},

@@ -10,6 +10,7 @@ static const struct {
     [FRAME_NORMAL] = {"the image of normals", VK_FORMAT_R16G16B16A16_SFLOAT, DRAWN},
     [FRAME_ALBEDO] = {"the image of albedos", VK_FORMAT_R8G8B8A8_SRGB, DRAWN},
     [FRAME_MATERIAL] = {"the image of materials", VK_FORMAT_R8G8B8A8_UNORM, DRAWN},
+    [FRAME_VERTEX_NORMAL] = {"the image of vertex normals", VK_FORMAT_R16G16B16A16_SFLOAT, DRAWN},
     [FRAME_COLOR] = {"the image of colors", VK_FORMAT_R16G16B16A16_SFLOAT, DRAWN | COMPUTED},
     [FRAME_DEPTH] = {"the image of depths", VK_FORMAT_D32_SFLOAT,
                      VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT |
@@ -28,6 +29,16 @@ static VkImageLayout resting_layout(uint32_t image) {
   return image < FRAME_COLOR ? VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL : VK_IMAGE_LAYOUT_GENERAL;
 }
 
+static bool create_moved(gpu_device *d, frame_images *images) {
+  const VkImageViewCreateInfo info = {.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
+                                      .image = images->images[FRAME_MATERIAL].image,
+                                      .viewType = VK_IMAGE_VIEW_TYPE_2D,
+                                      .format = IMAGES[FRAME_MATERIAL].format,
+                                      .components = {.r = VK_COMPONENT_SWIZZLE_A},
+                                      .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1}};
+  return gpu_check(d, d->CreateImageView(d->host.device, &info, NULL, &images->moved), "a view of moved objects");
+}
+
 bool frame_images_create(gpu_device *d, uint32_t width, uint32_t height, frame_images *images) {
   *images = (frame_images){.width = width, .height = height};
   bool fine = true;
@@ -36,7 +47,7 @@ bool frame_images_create(gpu_device *d, uint32_t width, uint32_t height, frame_i
         .what = IMAGES[i].what, .format = IMAGES[i].format, .width = width, .height = height, .usage = IMAGES[i].usage};
     fine = gpu_image_create(d, &info, &images->images[i]);
   }
-  fine = fine && gpu_commands_begin(d);
+  fine = fine && create_moved(d, images) && gpu_commands_begin(d);
   for (uint32_t i = 0; i < FRAME_IMAGES && fine; i++) {
     gpu_image_barrier(d, d->commands, &images->images[i], VK_IMAGE_LAYOUT_UNDEFINED, resting_layout(i));
   }
@@ -46,6 +57,7 @@ bool frame_images_create(gpu_device *d, uint32_t width, uint32_t height, frame_i
 }
 
 void frame_images_destroy(gpu_device *d, frame_images *images) {
+  if (images->moved) d->DestroyImageView(d->host.device, images->moved, NULL);
   for (uint32_t i = 0; i < FRAME_IMAGES; i++) gpu_image_destroy(d, &images->images[i]);
   *images = (frame_images){.width = 0};
 }
@@ -61,6 +73,8 @@ olx_vulkan_targets frame_images_targets(const frame_images *images) {
                               .normal = inputs[FRAME_NORMAL],
                               .albedo = inputs[FRAME_ALBEDO],
                               .roughness = inputs[FRAME_MATERIAL],
+                              .vertex_normal = inputs[FRAME_VERTEX_NORMAL],
+                              .dynamic = {images->moved, IMAGES[FRAME_MATERIAL].format, resting_layout(FRAME_MATERIAL)},
                               .irradiance = images->images[FRAME_IRRADIANCE].view,
                               .glossy = images->images[FRAME_GLOSSY].view,
                               .color = images->images[FRAME_COLOR].view};

@@ -11,7 +11,8 @@
 typedef enum frame_image {
   FRAME_NORMAL = 0, // R16G16B16A16_SFLOAT, world space, towards the eye
   FRAME_ALBEDO,     // R8G8B8A8_SRGB, base colour
-  FRAME_MATERIAL,   // R8G8B8A8_UNORM: roughness, metallic, specular weight
+  FRAME_MATERIAL,   // R8G8B8A8_UNORM: roughness, metallic, specular weight; alpha 1 where an object has been moved
+  FRAME_VERTEX_NORMAL, // R16G16B16A16_SFLOAT, world space, towards the eye, without a normal map
   FRAME_COLOR,      // R16G16B16A16_SFLOAT: linear radiance
   FRAME_DEPTH,      // D32_SFLOAT, reversed
   FRAME_IRRADIANCE, // R16G16B16A16_SFLOAT, written by Octalux
@@ -28,6 +29,7 @@ enum {
 typedef struct frame_images {
   uint32_t width, height;
   gpu_image images[FRAME_IMAGES];
+  VkImageView moved; // the alpha of FRAME_MATERIAL, as red
 } frame_images;
 
 // Waits for the device: layouts are set.

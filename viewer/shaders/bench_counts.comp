@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// What the passes read for a pixel: the diffuse light's filtered reads, the glossy ray's fetches, steps and probes.
+// What the passes read for a pixel: the diffuse light's filtered reads and texels, the glossy ray's fetches, steps and probes.
 #include "bench_surface.glsl"
 
 float depth_at(ivec2 pixel) { return texelFetch(depths, pixel, 0).r; }
@@ -30,7 +30,7 @@ vec4 counted_fetch(sampler2DArray maps, ivec3 at, int lod) {
 
 struct pixel_counts {
   uint filtered, fetched, steps, probes;
-  uint surface, ray, unknown;
+  uint surface, ray, unknown, texels;
   float light; // kept, or compilers would drop the reads
 };
 
@@ -56,14 +56,15 @@ void main() {
   uvec2 size = (uvec2(width, height) + stride - 1u) / stride;
   if (any(greaterThanEqual(gl_GlobalInvocationID.xy, size))) return;
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy * stride);
-  pixel_counts c = pixel_counts(0u, 0u, 0u, 0u, 0u, 0u, 0u, 0.0);
+  pixel_counts c = pixel_counts(0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u, 0.0);
   float depth = depth_at(pixel);
   if (depth != 0.0) {
     vec3 position = position_of(pixel, depth), normal = normal_at(pixel), surface = surface_at(pixel);
     vec3 view = normalize(eye - position);
     c.surface = 1u;
-    c.light = olx_irradiance(olx_sample_settings_default(), position, normal, view).g;
+    c.light = olx_surface_irradiance(olx_sample_settings_default(), position, normal, normal, view).g;
     c.filtered = filtered;
+    c.texels = fetched;
     if (has_specular(surface)) trace_glossy(position, normal, view, surface, pixel, c);
   }
   of_pixel[gl_GlobalInvocationID.x + size.x * gl_GlobalInvocationID.y] = c;

@@ -12,7 +12,8 @@ layout(location = 5) flat in vec3 along_v;
 layout(location = 0) out vec4 out_normal;
 layout(location = 1) out vec4 out_albedo;
 layout(location = 2) out vec4 out_material;
-layout(location = 3) out vec4 out_color;
+layout(location = 3) out vec4 out_vertex_normal;
+layout(location = 4) out vec4 out_color;
 
 const float MAX_ALBEDO = 0.95, MIN_NORMAL_COSINE = 0.01, MIN_VIEW_COSINE = 1e-3, LARGEST_HALF = 65504.0;
 
@@ -39,11 +40,22 @@ vec3 bend(raster_material m, vec3 n) {
   return size > 0.0 ? bent / size : n;
 }
 
-// The shading normal on the side that the eye sees, as the ray caster's surfaces have it.
-vec3 shading_normal(raster_material m, vec3 to_eye, bool back) {
+// Whether the object lies elsewhere than in the scene.
+bool is_moved() {
+  return to_world[0] != vec4(1.0, 0.0, 0.0, 0.0) || to_world[1] != vec4(0.0, 1.0, 0.0, 0.0) ||
+         to_world[2] != vec4(0.0, 0.0, 1.0, 0.0);
+}
+
+// The normal between the triangle's corners, on the side of its winding.
+vec3 vertex_normal() {
   vec3 n = normalize(normal);
   float agreement = dot(n, outward);
-  n = agreement < 0.0 ? -n : agreement > 0.0 ? n : outward;
+  return agreement < 0.0 ? -n : agreement > 0.0 ? n : outward;
+}
+
+// The shading normal on the side that the eye sees, as the ray caster's surfaces have it.
+vec3 shading_normal(raster_material m, vec3 to_eye, bool back) {
+  vec3 n = vertex_normal();
   if ((m.flags & NORMAL_MAP) != 0u) n = bend(m, n);
   float cosine = dot(n, outward);
   if (cosine < MIN_NORMAL_COSINE) n = normalize(n + outward * (MIN_NORMAL_COSINE - cosine));
@@ -65,6 +77,8 @@ void main() {
   if (back && (m.flags & EMITS_BOTH_SIDES) == 0u) emission = vec3(0.0);
   out_normal = vec4(n, 1.0);
   out_albedo = vec4(min(base_color, vec3(MAX_ALBEDO)), 1.0);
-  out_material = vec4(m.roughness * roughness_metallic.x, m.metallic * roughness_metallic.y, m.specular_weight, 1.0);
+  out_material = vec4(m.roughness * roughness_metallic.x, m.metallic * roughness_metallic.y, m.specular_weight,
+                      is_moved() ? 1.0 : 0.0);
+  out_vertex_normal = vec4(back ? -vertex_normal() : vertex_normal(), 1.0);
   out_color = vec4(min(emission, vec3(LARGEST_HALF)), 1.0);
 }

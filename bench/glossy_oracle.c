@@ -66,7 +66,7 @@ static void answer(oracle *o, olx_vec3 origin, olx_vec3 direction, const olx_ray
                    olx_vec3 light[WAYS]) {
   const olx_trace_hit found = olx_trace(o->field, &o->settings, origin, direction, INFINITY);
   const olx_ray_hit hit = olx_bvh_intersect(o->scene->bvh, cast);
-  for (int w = 0; w < WAYS; w++) light[w] = found.emitter ? olx_splat(0.0f) : found.radiance;
+  for (int w = 0; w < WAYS; w++) light[w] = found.radiance;
   o->rays++;
   if (hit.triangle == OLX_NO_HIT) {
     light[TRUTH] = olx_splat(0.0f);

@@ -56,7 +56,7 @@ static bool shade(const comparison *c, const olx_camera_frame *frame, uint32_t p
     const olx_vec3 factor = olx_scale(lobe.weight, 1.0f / RAYS);
     for (uint32_t i = 0; i < c->fields; i++) {
       const olx_trace_hit found = olx_trace(c->field[i], &c->settings, origin, lobe.direction, INFINITY);
-      if (!found.emitter) light[i] = olx_add(light[i], olx_mul(factor, found.radiance));
+      light[i] = olx_add(light[i], olx_mul(factor, found.radiance));
     }
     const olx_ray ray = olx_surface_ray(&surface, lobe.direction, INFINITY);
     olx_sampler sampler = {.seed = olx_hash3(pixel, half, 5), .index = j};

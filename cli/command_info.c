@@ -91,6 +91,7 @@ static int print_info_json(const description *d) {
   add_grid(object, "irradiance_grid", &info->irradiance_grid);
   add_number(object, "lights", info->light_count);
   add_number(object, "bounces", info->bounces);
+  add_float(object, "last_bounce", info->last_bounce);
   add_number(object, "samples", info->samples);
   add_float(object, "distance_scale_metres", info->distance_scale_metres);
   add_vec3(object, "scene_min", info->scene_min);

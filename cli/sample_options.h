@@ -8,12 +8,14 @@
 
 // The words of the options stand in the order of the library's enumerations.
 typedef struct sample_options {
-  uint32_t tracer, select, visibility;
+  uint32_t tracer, select, visibility, hits;
   bool keep_buried;
 } sample_options;
 
+#define HITS_NOT_GIVEN UINT32_MAX
+
 #define SAMPLE_OPTIONS_DEFAULT                                                                                         \
-  { .tracer = OLX_TRACER_HIZ, .select = OLX_SELECT_BEST, .visibility = OLX_VISIBILITY_CHEBYSHEV }
+  { .tracer = OLX_TRACER_HIZ, .select = OLX_SELECT_BEST, .visibility = OLX_VISIBILITY_CHEBYSHEV, .hits = HITS_NOT_GIVEN }
 
 #define SAMPLE_OPTION_ROWS(s)                                                                                           \
   {                                                                                                                     \
@@ -33,6 +35,13 @@ typedef struct sample_options {
        "whether irradiance probes that do not see a point are left out; default chebyshev",                             \
        0,                                                                                                               \
        0},                                                                                                              \
+      {"--hits",                                                                                                        \
+       OPTION_CHOICE,                                                                                                   \
+       &(s).hits,                                                                                                       \
+       "shaded|stored",                                                                                                 \
+       "light where rays end: of the surface there, or as a probe saw it; default shaded, on Vulkan stored",            \
+       0,                                                                                                               \
+       0},                                                                                                              \
   {                                                                                                                     \
     "--keep-buried", OPTION_FLAG, &(s).keep_buried, NULL, "also ask probes inside geometry", 0, 0                       \
   }
@@ -42,6 +51,7 @@ static inline olx_sample_settings resolve_sample_options(const sample_options *g
   settings.tracer = (olx_tracer)given->tracer;
   settings.select = (olx_select)given->select;
   settings.visibility = (olx_visibility)given->visibility;
+  if (given->hits != HITS_NOT_GIVEN) settings.hits = (olx_hits)given->hits;
   settings.keep_buried = given->keep_buried;
   return settings;
 }

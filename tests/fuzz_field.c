@@ -345,6 +345,7 @@ static olx_sample_settings draw_settings(dice *d) {
   if (draw_below(d, 4) == 0) settings.max_probes = extreme_u32(d);
   settings.keep_buried = draw(d) & 1u;
   settings.emitters = draw(d) & 1u;
+  settings.hits = draw(d) & 1u ? OLX_HITS_SHADED : OLX_HITS_STORED;
   return settings;
 }
 
@@ -364,8 +365,9 @@ static void use(dice *d, const olx_field *field, counts *c) {
     const olx_trace_hit hit = olx_trace(field, &settings, origin, direction, draw_t_max(d));
     check_hit(field, &hit);
     const uint32_t probe = draw_below(d, field->info.probe_count), texel = draw_below(d, (uint32_t)field->texels);
-    const olx_vec3 seen = olx_texel_shade(field, &settings, probe, texel, direction);
-    if (olx_finite(direction) && !olx_finite(seen)) fail("a texel sends light without end");
+    const olx_texel_light seen = olx_texel_shade(field, probe, texel, origin, direction);
+    const bool known = olx_finite(origin) && olx_finite(direction) && fabsf(olx_dot(direction, direction) - 1.0f) < 0.01f;
+    if (known && !(olx_finite(seen.reflected) && olx_finite(seen.lobe))) fail("a texel sends light without end");
   }
   for (uint32_t i = 0; i < POINTS; i++) {
     const olx_sample_settings settings = draw_settings(d);

@@ -272,6 +272,7 @@ static void derive(parity_state *s) {
   s->x = s->bits[1] % s->field->n;
   s->y = s->bits[2] % s->field->n;
   s->settings = olx_sample_settings_default();
+  s->settings.hits = OLX_HITS_STORED; // as on the device
   s->settings.tracer = (olx_tracer)((s->bits[3] >> 8) % 3u);
   s->settings.visibility = s->bits[3] & 6u ? OLX_VISIBILITY_CHEBYSHEV : OLX_VISIBILITY_NONE;
   s->settings.keep_buried = (s->bits[3] & 8u) != 0;

@@ -134,7 +134,8 @@ def read_info(blob):
     d["scale"], = struct.unpack_from("<f", blob, 44)
     d["scene_min"], d["scene_max"] = (list(struct.unpack_from("<3f", blob, at)) for at in (48, 60))
     d["grid"], d["irradiance_grid"] = read_grid(blob, 72), read_grid(blob, 108)
-    d["scene_hash"], zero = struct.unpack_from("<QQ", blob, 144)
+    d["scene_hash"], d["last_bounce"], zero = struct.unpack_from("<QfI", blob, 144)
+    need(0 <= d["last_bounce"] <= 1, "INFO: last bounce")
     need(d["n"] in [2 ** i for i in range(3, 12)] and d["m"] in [2 ** i for i in range(3, 9)], "sizes")
     need(d["P"] >= 1 and d["Q"] >= 1 and d["has_grid"] in (0, 1) and d["samples"] >= 1 and zero == 0, "INFO")
     need(d["has_grid"] or not d["selectors"] & 1, "selectors")
@@ -519,7 +520,7 @@ def read(path):
                   "emission": size("EMIS") + size("ETIL"), "irradiance": size(irradiance_chunk(d)[0]), "moments": size("MOME"), "selector": sum(map(size, stored)),
                   "classic": sum(size(name) for name in CLASSIC if name in chunks),
                   "volume": sum(size(name) for name in VOLUME if name in chunks)},
-        "irradiance_grid": d["irradiance_grid"], "bounces": d["bounces"], "samples": d["samples"],
+        "irradiance_grid": d["irradiance_grid"], "bounces": d["bounces"], "last_bounce": d["last_bounce"], "samples": d["samples"],
         "distance_scale_metres": d["scale"], "scene_min": d["scene_min"], "scene_max": d["scene_max"],
         "scene_hash": f"{d['scene_hash']:016x}",
     }

@@ -222,6 +222,9 @@ static void test_refuses_a_wrong_description(void **state) {
   REFUSED(distance_scale = NAN, "distance scale");
   REFUSED(distance_scale = INFINITY, "distance scale inf");
   REFUSED(distance_scale = 1e-40f, "distance scale");
+  REFUSED(last_bounce = -0.1f, "last bounce of -0.1");
+  REFUSED(last_bounce = 1.5f, "last bounce of 1.5");
+  REFUSED(last_bounce = NAN, "last bounce");
   REFUSED(scene_min[0] = 5.0f, "are not a box");
   REFUSED(scene_max[2] = NAN, "are not a box");
   REFUSED(scene_min[1] = -INFINITY, "are not a box");

@@ -2,7 +2,7 @@
 #include "analytic_field.h"
 #include "baked_field.h"
 #include "core/bsdf.h"
-#include "field/maps.h"
+#include "field/texels.h"
 #include "light/path.h"
 #include "render/camera.h"
 #include "tiny_scenes.h"
@@ -10,8 +10,12 @@
 static const analytic_scene room = {.room = {{-1, -1, -1}, {1, 1, 1}}};
 static const olx_grid grid = {.origin = {-0.4f, -0.4f, -0.4f}, .spacing = {0.8f, 0.8f, 0.8f}, .count = {2, 2, 2}};
 
-// Numbers that the packed formats hold exactly. Neither irradiance is pi times the radiance, to tell which one was used.
+// Numbers that the packed formats hold exactly. No two of them give the same light, to tell which one was used.
 static const float field_radiance = 2.0f, field_irradiance = 6.25f, field_stored = 5.5f;
+static const float field_albedo = (128.0f / 255.0f) * (128.0f / 255.0f), field_emission = 4.0f;
+
+// What the surfaces of that field reflect of the light that they store.
+static double field_shaded(void) { return (double)(field_albedo * field_stored / OLX_PI); }
 
 static olx_field *uniform_field(uint64_t scene_hash) {
   olx_field *field = analytic_field_make(&room, &grid, 64, 16);
@@ -22,7 +26,11 @@ static olx_field *uniform_field(uint64_t scene_hash) {
     irradiance[i] = olx_r11g11b10f_pack(olx_splat(field_irradiance));
   }
   uint32_t *stored = (uint32_t *)(uintptr_t)field->surfaces.indirect;
-  for (size_t i = 0; i < probes * field->texels; i++) stored[i] = olx_rgb9e5_pack(olx_splat(field_stored));
+  uint32_t *base = (uint32_t *)(uintptr_t)field->surfaces.base;
+  for (size_t i = 0; i < probes * field->texels; i++) {
+    stored[i] = olx_rgb9e5_pack(olx_splat(field_stored));
+    base[i] = olx_material_pack(olx_splat(field_albedo), 1.0f, 0.0f, 0.0f).base;
+  }
   field->info.scene_hash = scene_hash;
   return field;
 }
@@ -30,6 +38,9 @@ static olx_field *uniform_field(uint64_t scene_hash) {
 static void mark_everything_as_emitter(olx_field *field) {
   uint16_t *distance = (uint16_t *)(uintptr_t)field->distance;
   for (size_t i = 0; i < field->info.probe_count * field->texels; i++) distance[i] |= 0x8000u;
+  uint32_t *emission = (uint32_t *)(uintptr_t)field->surfaces.emission; // the one tile of an analytic field, for all
+  const size_t tiles = (size_t)field->surfaces.tile_side * field->surfaces.tile_side;
+  for (size_t i = 0; i < field->info.probe_count * tiles; i++) emission[i] = 1;
 }
 
 static olx_scene *unlit_box(const olx_material *walls) {
@@ -73,12 +84,17 @@ static void test_diffuse_light_is_reflectance_times_irradiance(void **state) {
     image = tiny_render(scene, field, &camera, &settings);
     const double traced = tiny_mean(&image, OLX_LAYER_INDIRECT_DIFFUSE);
     olx_image_free(&image);
+    settings.sample.hits = OLX_HITS_STORED;
+    image = tiny_render(scene, field, &camera, &settings);
+    const double as_seen = tiny_mean(&image, OLX_LAYER_INDIRECT_DIFFUSE);
+    olx_image_free(&image);
     if (m == 2) {
-      assert_true(stored == 0 && interpolated == 0 && traced == 0);
+      assert_true(stored == 0 && interpolated == 0 && traced == 0 && as_seen == 0);
     } else {
       assert_close(stored, reflectance[m] * (double)field_stored / pi, 1e-4, "stored");
       assert_close(interpolated, reflectance[m] * (double)field_irradiance / pi, 1e-4, "interpolated");
-      assert_close(traced, reflectance[m] * (double)field_radiance, 1e-4, "traced");
+      assert_close(traced, reflectance[m] * field_shaded(), 1e-4, "traced");
+      assert_close(as_seen, reflectance[m] * (double)field_radiance, 1e-4, "traced, as probes saw it");
     }
     analytic_field_free(field);
     olx_scene_free(scene);
@@ -100,7 +116,7 @@ static void test_glossy_light_is_directional_albedo_times_radiance(void **state)
       const double f0 = m ? 0.04 : 0.7;
       const double albedo = roughness[i] > 0 ? tiny_directional_albedo(f0, (double)roughness[i], view_cosine)
                                              : f0 + (1 - f0) * pow(1 - view_cosine, 5);
-      assert_close(tiny_mean(&image, OLX_LAYER_INDIRECT_GLOSSY), albedo * (double)field_radiance, 5e-3, "glossy");
+      assert_close(tiny_mean(&image, OLX_LAYER_INDIRECT_GLOSSY), albedo * field_shaded(), 5e-3, "glossy");
       olx_image_free(&image);
       analytic_field_free(field);
       olx_scene_free(scene);
@@ -211,22 +227,29 @@ static void test_emitters_are_counted_once(void **state) {
   (void)state;
   olx_scene *with_lamp = lit_box(true), *without = lit_box(false);
   olx_field *field = uniform_field(with_lamp->hash);
-  mark_everything_as_emitter(field);
   olx_render_settings settings = field_settings(16, 4);
   settings.diffuse = OLX_DIFFUSE_TRACED;
-  // Direct light samples emitters, so what is traced leaves them out.
+  olx_image dark = render_lit(with_lamp, field, &settings);
+  mark_everything_as_emitter(field);
+  // Direct light samples emitters, so what is traced leaves out what they emit, and keeps what they reflect.
   olx_image sampled = render_lit(with_lamp, field, &settings);
-  assert_true(tiny_mean(&sampled, OLX_LAYER_INDIRECT_DIFFUSE) == 0);
-  assert_true(tiny_mean(&sampled, OLX_LAYER_INDIRECT_GLOSSY) == 0);
+  const size_t bytes = 16 * 16 * sizeof(olx_vec3);
+  assert_memory_equal(sampled.layers[OLX_LAYER_INDIRECT_DIFFUSE], dark.layers[OLX_LAYER_INDIRECT_DIFFUSE], bytes);
+  assert_memory_equal(sampled.layers[OLX_LAYER_INDIRECT_GLOSSY], dark.layers[OLX_LAYER_INDIRECT_GLOSSY], bytes);
   // Traced emitters are in the indirect layers, and direct light is that of the lamps without area alone.
   settings.sample.emitters = true;
   olx_image traced = render_lit(with_lamp, field, &settings);
-  assert_true(tiny_mean(&traced, OLX_LAYER_INDIRECT_DIFFUSE) > 0.5);
-  assert_true(tiny_mean(&traced, OLX_LAYER_INDIRECT_GLOSSY) > 0.05);
+  const double more = 1 + (double)field_emission / field_shaded();
+  for (int layer = OLX_LAYER_INDIRECT_DIFFUSE; layer <= OLX_LAYER_INDIRECT_GLOSSY; layer++) {
+    const double reflected = tiny_mean(&sampled, (olx_layer)layer);
+    assert_true(reflected > 0.01);
+    assert_close(tiny_mean(&traced, (olx_layer)layer), more * reflected, 1e-4, "emitted and reflected");
+  }
   field->info.scene_hash = without->hash;
   olx_image points = render_lit(without, field, &settings);
   assert_close(tiny_mean(&traced, OLX_LAYER_DIRECT), tiny_mean(&points, OLX_LAYER_DIRECT), 2e-2, "direct light");
   assert_true(tiny_mean(&traced, OLX_LAYER_DIRECT) < 0.8 * tiny_mean(&sampled, OLX_LAYER_DIRECT));
+  olx_image_free(&dark);
   olx_image_free(&sampled);
   olx_image_free(&traced);
   olx_image_free(&points);
@@ -264,10 +287,49 @@ static void test_baked_furnace(void **state) {
     settings.diffuse = OLX_DIFFUSE_TRACED;
     image = render_lit(scene, field, &settings);
     assert_true(tiny_mean(&image, OLX_LAYER_DIRECT) == 0);
-    assert_close(tiny_mean(&image, OLX_LAYER_INDIRECT_DIFFUSE), 0.5 * (1 + reflected), 5e-3, "traced");
+    assert_close(tiny_mean(&image, OLX_LAYER_INDIRECT_DIFFUSE), 0.5 * (1 + reflected), 5e-3, "traced with emitters");
+    olx_image_free(&image);
+    settings.sample.emitters = false;
+    image = render_lit(scene, field, &settings);
+    assert_close(tiny_mean(&image, OLX_LAYER_INDIRECT_DIFFUSE), 0.5 * reflected, 5e-3, "traced");
     olx_image_free(&image);
     olx_field_close(field);
   }
+  olx_scene_free(scene);
+}
+
+// A glossy box under a lamp whose walls emit faintly keeps the light that they reflect.
+static void test_faintly_emitting_box_is_the_path_tracers(void **state) {
+  (void)state;
+  olx_scene *scene = tiny_scene();
+  olx_material walls = tiny_plastic(0.7f, 0.4f);
+  walls.emission = olx_splat(0.01f);
+  tiny_box(scene, &walls);
+  const olx_light point = {.type = OLX_LIGHT_POINT, .position = {0.2f, 0.5f, 0.1f}, .emission = {1, 2, 3}};
+  ASSERT_OK(olx_scene_add_light(scene, &point));
+  tiny_finish(scene);
+  olx_field *field = bake(scene, 3, true);
+  olx_render_settings settings = olx_render_settings_default(OLX_METHOD_PATH);
+  settings.width = settings.height = 24;
+  settings.spp = 256;
+  settings.bounces = 4;
+  olx_image reference = render_lit(scene, NULL, &settings);
+  settings = field_settings(24, 16);
+  settings.diffuse = OLX_DIFFUSE_TRACED;
+  for (int hits = OLX_HITS_SHADED; hits <= OLX_HITS_STORED; hits++) {
+    settings.sample.hits = (olx_hits)hits;
+    olx_image image = render_lit(scene, field, &settings);
+    for (int layer = OLX_LAYER_INDIRECT_DIFFUSE; layer <= OLX_LAYER_INDIRECT_GLOSSY; layer++) {
+      olx_metrics metrics;
+      ASSERT_OK(olx_compare(&image, &reference, (olx_layer)layer, &metrics));
+      print_message("hits %d, %s: bias %.4f, relative mse %.5f\n", hits, olx_layer_name((olx_layer)layer), metrics.bias,
+                    metrics.relative_mse);
+      assert_true(fabs(metrics.bias) < 0.03);
+    }
+    olx_image_free(&image);
+  }
+  olx_image_free(&reference);
+  olx_field_close(field);
   olx_scene_free(scene);
 }
 
@@ -425,6 +487,7 @@ int main(void) {
       cmocka_unit_test(test_direct_light_is_the_path_tracers),
       cmocka_unit_test(test_emitters_are_counted_once),
       cmocka_unit_test(test_baked_furnace),
+      cmocka_unit_test(test_faintly_emitting_box_is_the_path_tracers),
       cmocka_unit_test(test_irradiance_at_probes_is_the_path_tracers),
       cmocka_unit_test(test_baked_room_agrees_with_the_path_tracer),
       cmocka_unit_test(test_surfaces_beside_a_lamp_hold_none_of_its_light),

@@ -78,18 +78,20 @@ static void furnace_keeps_its_light(olx_bake_light light) {
     const float direct = OLX_PI * emission, indirect = direct * series(albedo, 1, bounces + 1);
     assert_float_equal(mean_of(field, olx_texel_direct), direct, 0.005f * direct);
     assert_float_equal(mean_of(field, olx_texel_indirect), indirect, 0.005f * indirect);
-    olx_sample_settings sample = olx_sample_settings_default();
-    double sum[2] = {0.0, 0.0};
-    for (uint32_t emitters = 0; emitters < 2; emitters++) {
-      sample.emitters = emitters != 0;
-      for (uint32_t i = 0; i < SIZE * SIZE; i++) {
-        const uint32_t x = i % SIZE, y = i / SIZE;
-        sum[emitters] += (double)olx_texel_shade(field, &sample, 0, texel_at(x, y), towards(x, y)).x / (SIZE * SIZE);
-      }
+    double sum = 0.0;
+    for (uint32_t i = 0; i < SIZE * SIZE; i++) {
+      const uint32_t x = i % SIZE, y = i / SIZE;
+      const size_t texel = texel_at(x, y);
+      const olx_vec3 direction = towards(x, y),
+                     position = olx_madd(field->probe_positions[0], direction, olx_texel_distance(field, 0, texel));
+      const olx_texel_light seen = olx_texel_shade(field, 0, texel, position, direction);
+      assert_near(seen.lobe, olx_splat(0.0f), 0.0f);
+      sum += (double)seen.reflected.x / (SIZE * SIZE);
     }
-    const float reflected = emission * series(albedo, 1, bounces + 2);
-    assert_float_equal((float)sum[0], reflected, 0.008f * reflected);
-    assert_float_equal((float)(sum[1] - sum[0]), emission, 0.001f * emission);
+    // Paths from texels do not tell which share came with the last bounce, so that is not left out.
+    const uint32_t surfaces = light == OLX_LIGHT_REFERENCE ? bounces + 2 : bounces + 1;
+    const float reflected = emission * series(albedo, 1, surfaces);
+    assert_float_equal((float)sum, reflected, 0.008f * reflected);
     olx_field_close(field);
   }
   olx_scene_free(scene);

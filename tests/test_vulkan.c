@@ -85,12 +85,14 @@ static olx_vec3 surface_irradiance(const olx_field *field, const olx_vulkan_sett
 
 static light expected_light(const olx_field *field, const olx_vulkan_settings *settings, const host_pixel *p,
                             const olx_bsdf *bsdf, uint32_t x, uint32_t y) {
+  olx_sample_settings sample = settings->sample;
+  sample.hits = OLX_HITS_STORED; // as on the device
   light l = {.irradiance = surface_irradiance(field, settings, p)};
   const uint32_t seed = olx_hash2(olx_hash2(x, y), 0x85EBCA6Bu + 3u), count = bsdf->alpha > 0.0f ? SAMPLES : 1;
   for (uint32_t j = 0; j < count; j++) {
     float weight, half_cosine;
     const olx_vec2 random = olx_stratified2(settings->sample_index * count + j, seed);
-    const olx_vec3 radiance = olx_glossy(field, &settings->sample, p->position, p->normal, p->view, p->roughness,
+    const olx_vec3 radiance = olx_glossy(field, &sample, p->position, p->normal, p->view, p->roughness,
                                          random, &weight, &half_cosine, NULL);
     const olx_vec3 reflected = olx_mul(olx_fresnel(bsdf, half_cosine), radiance);
     if (weight > 0.0f) l.glossy = olx_madd(l.glossy, reflected, weight / (float)count);

@@ -23,6 +23,11 @@ typedef enum olx_visibility {
   OLX_VISIBILITY_CHEBYSHEV = 1 // McGuire et al. section 5.2 with the refinements that docs/studies.md measures
 } olx_visibility;
 
+typedef enum olx_hits {
+  OLX_HITS_SHADED = 0, // the surface that the texel holds, shaded for the ray's own direction
+  OLX_HITS_STORED = 1  // radiance as the probe saw it, lobes averaged over views: cheaper, the reference
+} olx_hits;
+
 typedef struct olx_sample_settings {
   olx_tracer tracer;         // default OLX_TRACER_HIZ
   olx_select select;         // default OLX_SELECT_BEST; what the field does not have is OLX_SELECT_EXHAUSTIVE
@@ -31,6 +36,8 @@ typedef struct olx_sample_settings {
   bool keep_buried;          // also ask probes inside geometry (the published failure, Fig. 10); default false
   bool emitters;             // count light that comes straight from an emitter or the sky; default false, because
                              // direct lighting samples those already (docs/maths.md, "layers")
+  olx_hits hits;             // what light a ray finds where it ends; default OLX_HITS_SHADED. In a field whose lights have
+                             // changed since it was baked it is always OLX_HITS_STORED
   float surface_tolerance;   // how far a surface may lie off where it was when the field was baked and still get its stored
                              // light, in footprints of texels (their side where the surface is): for hosts that draw levels
                              // of detail or displaced surfaces; 0 to OLX_MOST_SURFACE_TOLERANCE, default 0
@@ -56,9 +63,13 @@ typedef struct olx_trace_hit {
   float distance_metres; // along the ray; infinite for a miss to the sky
   olx_vec3 position;
   olx_vec3 normal;    // of the surface, towards the probe that saw it
-  olx_vec3 radiance;  // linear Rec.709, W/(sr m^2); of the sky for a miss
-  bool emitter;       // the radiance comes straight from an emitter or the sky
+  olx_vec3 radiance;  // that the surface reflects along the ray: linear Rec.709, W/(sr m^2); 0 for a miss
+  olx_vec3 lobe;      // the part of `radiance` that stands for the surface's specular lobe, highlights of lights without area
+                      // left out, where all light is taken to come from all directions alike; 0 with OLX_HITS_STORED
+  olx_vec3 emission;  // that an emitter sends towards the probe, or the sky along the ray; add it to `radiance` where that counts
+  bool emitter;       // the ray ends at an emitter or in the sky
   uint32_t probe;     // that answered, or UINT32_MAX
+  uint32_t texel;     // of the probe's maps, border included: (y + 1) * (n + 2) + x + 1; 0 for a miss
   float footprint_metres; // of the texel that answered: stored distance times the root of its solid angle
   uint32_t texel_steps;   // texels whose distance was read, over all probes
   uint32_t probes_tried;

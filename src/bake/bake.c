@@ -397,6 +397,7 @@ static olx_result solve_light(bake *b) {
   b->stats.rays += report.rays;
   b->stats.surfels = report.surfels;
   b->stats.noise = report.noise;
+  olx_field_writer_last_bounce(b->writer, (float)report.last_bounce);
   b->stats.light_bytes = report.bytes;
   b->stats.light_seconds = report.seconds;
   return OLX_OK;

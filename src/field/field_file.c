@@ -85,7 +85,8 @@ olx_file_info olx_field_info_store(const olx_field_info *info) {
                           .samples = info->samples,
                           .distance_scale = info->distance_scale_metres,
                           .irradiance_grid = store_grid(&info->irradiance_grid),
-                          .scene_hash = info->scene_hash};
+                          .scene_hash = info->scene_hash,
+                          .last_bounce = info->last_bounce};
   if (info->has_grid) stored.grid = store_grid(&info->grid);
   olx_store3(stored.scene_min, info->scene_min);
   olx_store3(stored.scene_max, info->scene_max);
@@ -109,7 +110,8 @@ olx_field_info olx_field_info_load(const olx_file_info *stored) {
                           .scene_max = olx_load3(stored->scene_max),
                           .bounces = stored->bounces,
                           .samples = stored->samples,
-                          .scene_hash = stored->scene_hash};
+                          .scene_hash = stored->scene_hash,
+                          .last_bounce = stored->last_bounce};
 }
 
 static bool is_power_of_two_in(uint32_t size, uint32_t low, uint32_t high) {
@@ -185,6 +187,9 @@ olx_result olx_field_info_check(const olx_field_info *info, const char *name, ol
   if (!(scale >= OLX_FIELD_MIN_SCALE && is_length(scale))) {
     return olx_fail(failure, "%s: distance scale %g is not in %g..%g", name, (double)scale, (double)OLX_FIELD_MIN_SCALE,
                     (double)OLX_FIELD_MAX_LENGTH);
+  }
+  if (!(info->last_bounce >= 0.0f && info->last_bounce <= 1.0f)) {
+    return olx_fail(failure, "%s: a share of the last bounce of %g is not in 0..1", name, (double)info->last_bounce);
   }
   const olx_vec3 low = info->scene_min, high = info->scene_max;
   if (!is_place(low) || !is_place(high) || low.x > high.x || low.y > high.y || low.z > high.z) {

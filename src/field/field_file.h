@@ -39,12 +39,13 @@ typedef struct olx_file_info {
   float scene_min[3], scene_max[3];
   olx_file_grid grid, irradiance_grid;
   uint64_t scene_hash;
-  uint64_t zero_b;
+  float last_bounce; // share of indirect light at texels that has bounces + 1 surfaces on its way
+  uint32_t zero_b;
 } olx_file_info;
 
 _Static_assert(sizeof(olx_file_info) == 160 && offsetof(olx_file_info, scene_min) == 48 &&
                    offsetof(olx_file_info, grid) == 72 && offsetof(olx_file_info, irradiance_grid) == 108 &&
-                   offsetof(olx_file_info, scene_hash) == 144,
+                   offsetof(olx_file_info, scene_hash) == 144 && offsetof(olx_file_info, last_bounce) == 152,
                "docs/format.md");
 _Static_assert(sizeof(olx_vec3) == 12, "positions are read in place");
 

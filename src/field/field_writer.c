@@ -424,6 +424,10 @@ static olx_result write_frame(olx_field_writer *writer) {
   return olx_output_write_at(&writer->file, 0, &head, sizeof head.header + count * sizeof head.chunks[0]);
 }
 
+void olx_field_writer_last_bounce(olx_field_writer *writer, float share) {
+  writer->info.last_bounce = olx_clamp(share, 0.0f, 1.0f);
+}
+
 olx_result olx_field_writer_commit(olx_field_writer *writer, uint64_t *file_bytes) {
   olx_result result = OLX_OK;
   if (writer->failed) {

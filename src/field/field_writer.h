@@ -84,6 +84,8 @@ olx_result olx_field_writer_albedo(olx_field_writer *writer, uint32_t index, con
 
 // The irradiance of all probes of the volume, OLX_VOLUME_HALVES each, where the header has one.
 olx_result olx_field_writer_volume(olx_field_writer *writer, const uint16_t *irradiance);
+// Share of the indirect light at texels that has bounces + 1 surfaces on its way, once it is known; else that of the header.
+void olx_field_writer_last_bounce(olx_field_writer *writer, float share);
 
 // Checksums, sync, rename. Frees the writer whatever comes back. All probes must have been written.
 olx_result olx_field_writer_commit(olx_field_writer *writer, uint64_t *file_bytes);

@@ -244,10 +244,23 @@ static olx_result add_direct(olx_scene_light *l) {
   return result;
 }
 
+// What surfels get beyond what they pass on is light of the last bounce.
+static double last_bounce(const olx_scene_light *l) {
+  double last = 0.0, all = 0.0;
+  for (uint32_t i = 0; i < l->visible; i++) {
+    const double indirect = (double)olx_luminance(l->irradiance[i]);
+    last += (double)olx_luminance(l->direct[i]) + indirect - (double)olx_luminance(l->passed_on[i]);
+    all += indirect;
+  }
+  return all > 0.0 ? fmin(fmax(last / all, 0.0), 1.0) : 0.0;
+}
+
 static olx_result solve(olx_scene_light *l) {
   count_rays(l);
-  return olx_bounces_solve(&l->links, l->surfels.count, l->settings.threads, l->direct, l->settings.bounces,
-                           l->irradiance, l->passed_on, &l->report.bounces);
+  OLX_TRY(olx_bounces_solve(&l->links, l->surfels.count, l->settings.threads, l->direct, l->settings.bounces,
+                            l->irradiance, l->passed_on, &l->report.bounces));
+  l->report.last_bounce = last_bounce(l);
+  return OLX_OK;
 }
 
 static olx_result keep_before(olx_scene_light *l) {

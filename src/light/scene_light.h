@@ -29,6 +29,7 @@ typedef struct olx_scene_light_report {
   uint32_t bounces;                 // light went so many times over the links
   uint64_t rays, links, bytes;      // rays in all; links, and the memory of them and of surfels
   double noise;    // standard error of interpolated irradiance over irradiance, RMS over visible surfels
+  double last_bounce; // share of visible surfels' indirect light that has `bounces` surfaces on its way
   double unserved; // share of rays that end where no surfel is: they count for what the others bring
   double seconds;  // by the clock
 } olx_scene_light_report;

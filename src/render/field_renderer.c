@@ -2,6 +2,7 @@
 
 #include "core/parallel.h"
 #include "shade/emission.h"
+#include "shade/further.h"
 #include "shade/glossy.h"
 #include "shade/surface_irradiance.h"
 
@@ -55,6 +56,7 @@ static void count_ray(olx_render_stats *stats, const olx_trace_hit *hit) {
 typedef struct field_ray {
   olx_vec3 origin, direction, reflectance;
   float weight;
+  olx_vec2 random; // that drew it
 } field_ray;
 
 static bool draw_diffuse(const olx_shading *shading, olx_vec2 random, field_ray *ray) {
@@ -73,38 +75,43 @@ static bool draw_glossy(const olx_shading *shading, olx_vec3 view, olx_vec2 rand
     return false;
   }
   ray->origin = field_origin(surface);
+  ray->random = random;
   ray->reflectance = olx_fresnel(&surface->bsdf, half_cosine);
   return true;
 }
 
-static olx_ray_light light_found(const olx_render_context *context, const field_ray *ray, const olx_trace_hit *hit,
-                                   olx_render_stats *stats) {
-  count_ray(stats, hit);
-  olx_ray_light found = {.nearness = olx_nearness(hit)};
-  if (!hit->emitter || olx_emission_counts(&context->settings->sample, hit, ray->origin)) {
-    found.light = olx_scale(olx_mul(ray->reflectance, hit->radiance), ray->weight);
-  }
-  return found;
+static olx_ray_light light_found(const olx_render_context *context, const field_ray *ray, const olx_trace_hit *hit) {
+  const olx_vec3 light = olx_light_found(&context->settings->sample, hit, ray->origin);
+  return (olx_ray_light){.light = olx_scale(olx_mul(ray->reflectance, light), ray->weight),
+                         .nearness = olx_nearness(hit)};
 }
 
-static olx_ray_light follow(const olx_render_context *context, const field_ray *ray, olx_render_stats *stats) {
-  const olx_trace_hit hit =
-      olx_trace(context->field, &context->settings->sample, ray->origin, ray->direction, INFINITY);
-  return light_found(context, ray, &hit, stats);
+static olx_trace_hit follow(const olx_render_context *context, olx_vec3 origin, olx_vec3 direction,
+                            olx_render_stats *stats) {
+  const olx_trace_hit hit = olx_trace(context->field, &context->settings->sample, origin, direction, INFINITY);
+  count_ray(stats, &hit);
+  return hit;
 }
 
 olx_ray_light olx_field_diffuse_ray(const olx_render_context *context, const olx_shading *shading, olx_vec2 random,
                                       olx_render_stats *stats) {
   field_ray ray;
   if (!draw_diffuse(shading, random, &ray)) return (olx_ray_light){.nearness = 0.0f};
-  return follow(context, &ray, stats);
+  const olx_trace_hit hit = follow(context, ray.origin, ray.direction, stats);
+  return light_found(context, &ray, &hit);
 }
 
 olx_ray_light olx_field_glossy_ray(const olx_render_context *context, const olx_shading *shading, olx_vec3 view,
                                      olx_vec2 random, olx_render_stats *stats) {
   field_ray ray;
   if (!draw_glossy(shading, view, random, &ray)) return (olx_ray_light){.nearness = 0.0f};
-  return follow(context, &ray, stats);
+  olx_trace_hit hit = follow(context, ray.origin, ray.direction, stats);
+  olx_further_ray further;
+  if (olx_further_draw(context->field, &hit, ray.direction, random, &further)) {
+    const olx_trace_hit found = follow(context, further.origin, further.direction, stats);
+    hit.radiance = olx_further_light(&hit, &further, &found);
+  }
+  return light_found(context, &ray, &hit);
 }
 
 static olx_vec3 stored_irradiance(const olx_render_context *context, const olx_ray_hit *hit, const olx_surface *surface,
@@ -143,29 +150,58 @@ static void light_directly(shaded_tile *tile) {
 enum { BUNDLE = 256 };
 
 typedef struct ray_bundle {
+  bool glossy; // else of diffuse lobes
   uint32_t count;
   uint32_t owner[BUNDLE]; // index of the surface
   field_ray rays[BUNDLE];
   olx_vec3 sum[OLX_TILE_PIXELS];
 } ray_bundle;
 
-static void begin_bundle(ray_bundle *bundle) {
+static void begin_bundle(ray_bundle *bundle, bool glossy) {
+  bundle->glossy = glossy;
   bundle->count = 0;
   for (uint32_t k = 0; k < OLX_TILE_PIXELS; k++) bundle->sum[k] = olx_splat(0.0f);
 }
 
+static void trace_together(const shaded_tile *tile, uint32_t count, const olx_vec3 *origins, const olx_vec3 *directions,
+                           olx_trace_hit *hits) {
+  olx_trace_rays(tile->context->field, &tile->context->settings->sample, count, origins, directions, INFINITY, hits);
+  for (uint32_t i = 0; i < count; i++) count_ray(tile->stats, &hits[i]);
+}
+
+// Further rays from what glossy rays have found.
+static void follow_further(const shaded_tile *tile, const ray_bundle *bundle, olx_trace_hit *hits) {
+  olx_further_ray rays[BUNDLE];
+  olx_vec3 origins[BUNDLE] = {{0}}, directions[BUNDLE] = {{0}};
+  olx_trace_hit found[BUNDLE];
+  uint32_t from[BUNDLE], count = 0;
+  for (uint32_t i = 0; i < bundle->count; i++) {
+    const field_ray *ray = &bundle->rays[i];
+    if (!olx_further_draw(tile->context->field, &hits[i], ray->direction, ray->random, &rays[count])) continue;
+    origins[count] = rays[count].origin;
+    directions[count] = rays[count].direction;
+    from[count++] = i;
+  }
+  if (count == 0) return;
+  trace_together(tile, count, origins, directions, found);
+  for (uint32_t k = 0; k < count; k++) {
+    olx_trace_hit *first = &hits[from[k]];
+    first->radiance = olx_further_light(first, &rays[k], &found[k]);
+  }
+}
+
 static void follow_bundle(const shaded_tile *tile, ray_bundle *bundle) {
-  olx_vec3 origins[BUNDLE], directions[BUNDLE];
+  olx_vec3 origins[BUNDLE] = {{0}}, directions[BUNDLE] = {{0}};
   olx_trace_hit hits[BUNDLE];
   for (uint32_t i = 0; i < bundle->count; i++) {
     origins[i] = bundle->rays[i].origin;
     directions[i] = bundle->rays[i].direction;
   }
-  olx_trace_rays(tile->context->field, &tile->context->settings->sample, bundle->count, origins, directions, INFINITY,
-                 hits);
+  trace_together(tile, bundle->count, origins, directions, hits);
+  if (bundle->glossy) follow_further(tile, bundle, hits);
   for (uint32_t i = 0; i < bundle->count; i++) {
     olx_vec3 *sum = &bundle->sum[bundle->owner[i]];
-    *sum = olx_add(*sum, light_found(tile->context, &bundle->rays[i], &hits[i], tile->stats).light);
+    *sum = olx_add(*sum, light_found(tile->context, &bundle->rays[i], &hits[i]).light);
   }
   bundle->count = 0;
 }
@@ -197,7 +233,7 @@ static void light_diffusely(shaded_tile *tile) {
   const olx_render_settings *settings = tile->context->settings;
   const bool traced = settings->method == OLX_METHOD_FIELD && settings->diffuse == OLX_DIFFUSE_TRACED;
   ray_bundle bundle;
-  begin_bundle(&bundle);
+  begin_bundle(&bundle, false);
   if (traced) trace_diffuse(tile, &bundle);
   for (uint32_t k = 0; k < tile->count; k++) {
     const olx_shading *shading = &tile->shadings[k];
@@ -228,7 +264,7 @@ static uint32_t glossy_count(const shaded_tile *tile, const olx_shading *shading
 
 static void light_glossily(shaded_tile *tile) {
   ray_bundle bundle;
-  begin_bundle(&bundle);
+  begin_bundle(&bundle, true);
   bool dim[OLX_TILE_PIXELS];
   for (uint32_t k = 0; k < tile->count; k++) {
     const olx_shading *shading = &tile->shadings[k];

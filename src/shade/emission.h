@@ -6,11 +6,16 @@
 
 #include <octalux/sample.h>
 
-// Whether light straight from an emitter belongs to what a ray from `origin` found. A probe that saw an emitter's front says
-// nothing about its back, which rays meet when they come from behind.
-static inline bool olx_emission_counts(const olx_sample_settings *settings, const olx_trace_hit *hit, olx_vec3 origin) {
-  if (!settings->emitters) return false;
+// Whether a ray from `origin` found the shining side of what emits. A probe that saw an emitter's front says nothing about its
+// back, which rays meet when they come from behind.
+static inline bool olx_emission_faces(const olx_trace_hit *hit, olx_vec3 origin) {
   return hit->status == OLX_TRACE_MISS || olx_dot(olx_sub(hit->position, origin), hit->normal) < 0.0f;
+}
+
+// Light that a ray from `origin` found: what the surface reflects, and what it emits where that counts.
+static inline olx_vec3 olx_light_found(const olx_sample_settings *settings, const olx_trace_hit *hit, olx_vec3 origin) {
+  if (!settings->emitters || !olx_emission_faces(hit, origin)) return hit->radiance;
+  return olx_add(hit->radiance, hit->emission);
 }
 
 // 1 / distance to what a ray met, 0 for the sky. Nearer than a texel is wide, distances say nothing.

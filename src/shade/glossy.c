@@ -1,5 +1,8 @@
 #include "shade/glossy.h"
 
+#include "shade/emission.h"
+#include "shade/further.h"
+
 bool olx_glossy_draw(olx_vec3 normal, olx_vec3 view, float roughness, olx_vec2 random, olx_vec3 *direction,
                      float *weight, float *half_cosine) {
   olx_vec3 tangent, bitangent;
@@ -20,7 +23,12 @@ olx_vec3 olx_glossy(const olx_field *field, const olx_sample_settings *settings,
     if (hit) *hit = (olx_trace_hit){.status = OLX_TRACE_MISS, .distance_metres = INFINITY, .probe = UINT32_MAX};
     return olx_splat(0.0f);
   }
-  const olx_trace_hit found = olx_trace(field, settings, position, direction, INFINITY);
+  olx_trace_hit found = olx_trace(field, settings, position, direction, INFINITY);
   if (hit) *hit = found;
-  return found.emitter && !settings->emitters ? olx_splat(0.0f) : found.radiance;
+  olx_further_ray further;
+  if (olx_further_draw(field, &found, direction, random, &further)) {
+    const olx_trace_hit second = olx_trace(field, settings, further.origin, further.direction, INFINITY);
+    found.radiance = olx_further_light(&found, &further, &second);
+  }
+  return olx_light_found(settings, &found, position);
 }

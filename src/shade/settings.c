@@ -14,10 +14,11 @@ olx_sample_settings olx_sample_settings_default(void) {
 
 olx_result olx_sample_settings_check(const olx_field *field, const olx_sample_settings *settings) {
   if (settings->tracer > OLX_TRACER_HIZ || settings->select > OLX_SELECT_BEST ||
-      settings->visibility > OLX_VISIBILITY_CHEBYSHEV) {
+      settings->visibility > OLX_VISIBILITY_CHEBYSHEV || settings->hits > OLX_HITS_STORED) {
     return olx_fail(OLX_ERROR_ARGUMENT,
-                    "%s: settings name no tracer, selector or visibility that there is (%u, %u, %u)", field->name,
-                    (unsigned)settings->tracer, (unsigned)settings->select, (unsigned)settings->visibility);
+                    "%s: settings name no tracer, selector, visibility or light of hits that there is (%u, %u, %u, %u)",
+                    field->name, (unsigned)settings->tracer, (unsigned)settings->select, (unsigned)settings->visibility,
+                    (unsigned)settings->hits);
   }
   if (!(settings->surface_tolerance >= 0.0f && settings->surface_tolerance <= OLX_MOST_SURFACE_TOLERANCE)) {
     return olx_fail(OLX_ERROR_ARGUMENT, "a surface tolerance of %g footprints is not within 0 to %g",

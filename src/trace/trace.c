@@ -6,6 +6,7 @@
 #include "select/sight.h"
 #include "select/voronoi.h"
 #include "trace/probe_trace.h"
+#include "trace/texel_shade.h"
 
 #include <string.h>
 
@@ -261,9 +262,23 @@ static bool search_probes(search *s, bool everywhere, uint32_t *probe, olx_probe
 static olx_vec3 sky_radiance(const search *s) {
   for (uint32_t probe = 0; probe < s->field->info.probe_count; probe++) {
     const size_t texel = olx_texel_towards(s->field, s->direction);
-    if (olx_texel_distance(s->field, probe, texel) == INFINITY) return olx_texel_radiance(s->field, probe, texel);
+    if (olx_texel_distance(s->field, probe, texel) == INFINITY) return olx_texel_emission(s->field, probe, texel);
   }
   return olx_splat(0.0f);
+}
+
+// Light that the hit's texel holds. The surfaces of a field whose lights have changed hold the light of before.
+static void read_light(const search *s, uint32_t probe, size_t texel, olx_trace_hit *hit) {
+  const olx_field *field = s->field;
+  hit->emitter = olx_texel_emits(field, probe, texel);
+  if (hit->emitter) hit->emission = olx_texel_emission(field, probe, texel);
+  const bool stored = field->relit || s->settings->hits == OLX_HITS_STORED;
+  if (stored && !hit->emitter) hit->radiance = olx_texel_radiance(field, probe, texel);
+  if (field->relit || (stored && !hit->emitter)) return;
+  // Stored radiance of a texel that emits is the sum of both.
+  const olx_texel_light light = olx_texel_shade(field, probe, texel, hit->position, s->direction);
+  hit->radiance = olx_add(light.reflected, light.lobe);
+  if (!stored) hit->lobe = light.lobe;
 }
 
 static olx_trace_hit describe(const search *s, uint32_t probe, const olx_probe_answer *answer, float t_max) {
@@ -280,11 +295,11 @@ static olx_trace_hit describe(const search *s, uint32_t probe, const olx_probe_a
     if (s->t_max >= t_max) return hit; // ends in free space
     hit.distance_metres = INFINITY;
     hit.emitter = true;
-    hit.radiance = sky_radiance(s);
+    hit.emission = sky_radiance(s);
     return hit;
   }
-  hit.radiance = olx_texel_radiance(field, probe, answer->texel);
-  hit.emitter = olx_texel_emits(field, probe, answer->texel);
+  hit.texel = (uint32_t)answer->texel;
+  read_light(s, probe, answer->texel, &hit);
   hit.normal = olx_texel_normal(field, probe, answer->texel);
   const olx_vec2 uv = olx_octahedral_encode(olx_sub(hit.position, field->probe_positions[probe]));
   const float distance = olx_texel_distance(field, probe, answer->texel);
@@ -398,6 +413,18 @@ static void choose_by_bricks(bundle *b, const olx_field *field) {
   for (uint32_t k = 0; k < rest_count; k++) b->open[b->asking + k] = rest[k];
 }
 
+static void prefetch_light(const olx_field *field, const olx_sample_settings *settings, uint32_t probe, size_t texel) {
+  const size_t at = field->texels * probe + texel;
+  if (settings->hits == OLX_HITS_STORED) {
+    __builtin_prefetch(&field->radiance[at]);
+    return;
+  }
+  __builtin_prefetch(&field->surfaces.base[at]);
+  __builtin_prefetch(&field->surfaces.specular[at]);
+  __builtin_prefetch(&field->surfaces.direct[at]);
+  __builtin_prefetch(&field->surfaces.indirect[at]);
+}
+
 // All rays ask the first probe that they are to ask, then those that are not settled the second, and so on.
 static void trace_by_bricks(const olx_field *field, const olx_sample_settings *settings, uint32_t count,
                             const olx_vec3 *origins, const olx_vec3 *directions, float t_max, olx_trace_hit *hits) {
@@ -412,7 +439,7 @@ static void trace_by_bricks(const olx_field *field, const olx_sample_settings *s
     for (uint32_t k = b.asking; k < b.open_count; k++) hits[b.open[k]] = search_rest(&b.searches[b.open[k]], t_max);
     olx_trace_probes(field, b.jobs, b.asking, settings->tracer, b.answers);
     for (uint32_t k = 0; k < b.asking; k++) {
-      __builtin_prefetch(&field->radiance[field->texels * b.jobs[k].probe + b.answers[k].texel]);
+      prefetch_light(field, settings, b.jobs[k].probe, b.answers[k].texel);
     }
     b.open_count = 0;
     for (uint32_t k = 0; k < b.asking; k++) {

@@ -1,0 +1,29 @@
+// The lights without area that a field keeps (LITE), as they would light a surface if nothing stood between.
+#ifndef OLX_FIELD_LIGHTS_H
+#define OLX_FIELD_LIGHTS_H
+
+#include "field/field_data.h"
+
+// What arrives from one light.
+typedef struct olx_light_arrival {
+  olx_vec3 direction;  // unit, from the surface to the light
+  olx_vec3 irradiance; // W/m^2 on a surface that faces the light, shadows left out
+} olx_light_arrival;
+
+// The share of a spot's light at an angle of this cosine off its axis (docs/maths.md, "Lights").
+static inline float olx_field_light_cone(const olx_field_light *light, float cosine) {
+  if (light->type != OLX_FIELD_SPOT || cosine >= light->cosine_inner) return 1.0f;
+  if (cosine <= light->cosine_outer) return 0.0f;
+  return olx_square((cosine - light->cosine_outer) / (light->cosine_inner - light->cosine_outer));
+}
+
+static inline olx_light_arrival olx_field_light_arrival(const olx_field_light *light, olx_vec3 position) {
+  if (light->type == OLX_FIELD_SUN) return (olx_light_arrival){olx_negate(light->direction), light->emission};
+  const olx_vec3 away = olx_sub(light->position, position);
+  const float inverse = 1.0f / olx_max(olx_length(away), 0x1p-60f);
+  const olx_vec3 direction = olx_scale(away, inverse);
+  const float cone = olx_field_light_cone(light, -olx_dot(direction, light->direction));
+  return (olx_light_arrival){direction, olx_scale(light->emission, cone * olx_square(inverse))};
+}
+
+#endif

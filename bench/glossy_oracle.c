@@ -3,13 +3,14 @@
 //   field      what the field answers;
 //   exact, ... a probe that truly sees what the ray meets, by its texel: the nearest, the one that looks from the most similar
 //              direction, or the one whose texel is smallest there;
+//   shaded     the surface in the texel of the finest such probe, shaded for the ray: what hits in the right place would give;
 //   light, ... light computed anew where the ray meets a surface, as seen from such a probe: a perfect texel.
 // Errors are products of two independent halves, so noise adds nothing to them on average.
 #include "core/bsdf.h"
-#include "field/maps.h"
 #include "render/camera.h"
 #include "light/direct_light.h"
 #include "scene/surface.h"
+#include "trace/texel_shade.h"
 
 #include <octalux/sample.h>
 
@@ -20,8 +21,8 @@
 
 enum { RAYS = 32, WIDTH = 320, HEIGHT = 180, MOST_CAMERAS = 8 };
 
-typedef enum way { FIELD, EXACT_NEAREST, EXACT_VIEW, EXACT_FINEST, LIGHT_NEAREST, LIGHT_VIEW, TRUTH, WAYS } way;
-static const char *const way_names[WAYS] = {"field",          "exact, nearest", "exact, nearest in direction", "exact, finest",
+typedef enum way { FIELD, EXACT_NEAREST, EXACT_VIEW, EXACT_FINEST, SHADED, LIGHT_NEAREST, LIGHT_VIEW, TRUTH, WAYS } way;
+static const char *const way_names[WAYS] = {"field",          "exact, nearest", "exact, nearest in direction", "exact, finest", "shaded",
                                             "light, nearest", "light, nearest in direction", "truth"};
 
 typedef struct oracle {
@@ -42,6 +43,12 @@ static olx_vec3 outgoing(oracle *o, const olx_ray_hit *hit, olx_vec3 direction, 
 static olx_vec3 texel_light(const olx_field *field, uint32_t probe, olx_vec3 position) {
   const size_t texel = olx_texel_towards(field, olx_sub(position, field->probe_positions[probe]));
   return olx_texel_emits(field, probe, texel) ? olx_splat(0.0f) : olx_texel_radiance(field, probe, texel);
+}
+
+static olx_vec3 shaded_light(const olx_field *field, uint32_t probe, olx_vec3 position, olx_vec3 direction) {
+  const size_t texel = olx_texel_towards(field, olx_sub(position, field->probe_positions[probe]));
+  const olx_texel_light light = olx_texel_shade(field, probe, texel, position, direction);
+  return olx_add(light.reflected, light.lobe);
 }
 
 // The probes that truly see the surface: nearest, in the most similar direction, finest. False when none does.
@@ -82,6 +89,7 @@ static void answer(oracle *o, olx_vec3 origin, olx_vec3 direction, const olx_ray
     return;
   }
   for (int i = 0; i < 3; i++) light[EXACT_NEAREST + i] = texel_light(o->field, chosen[i], surface.position);
+  light[SHADED] = shaded_light(o->field, chosen[2], surface.position, direction);
   for (int i = 0; i < 2; i++) {
     const olx_vec3 view = olx_normalize(olx_sub(surface.position, o->field->probe_positions[chosen[i]]));
     light[LIGHT_NEAREST + i] = outgoing(o, &hit, view, sampler);

@@ -43,7 +43,7 @@ typedef struct bake_options {
        OPTION_POWER_OF_TWO,                                                                                            \
        &(b).radiance_size,                                                                                             \
        "N",                                                                                                            \
-       "texels along a map of light; default 1024",                                                                    \
+       "texels along a map of light; default 512",                                                                    \
        8,                                                                                                              \
        2048},                                                                                                          \
       {"--irradiance-size",                                                                                            \

@@ -71,10 +71,10 @@ if [ -e "$libraries/liboctalux.a" ]; then
     >"$work/CMakeLists.txt"
   cmake -S "$work" -B "$work/shared" -G Ninja -DCMAKE_PREFIX_PATH="$prefix" >/dev/null
   cmake --build "$work/shared" >/dev/null
-  ldd "$work/shared/minimal" | grep -q liboctalux.so || fail "octalux::octalux-shared is not loaded"
+  ldd "$work/shared/minimal" | grep liboctalux.so >/dev/null || fail "octalux::octalux-shared is not loaded"
   "$work/shared/minimal" "$work/cornell.olx" | cmp "$work/package.txt" -
 else
-  ldd "$work/examples/minimal" | grep -q liboctalux.so || fail "a shared build's runtime is not loaded"
+  ldd "$work/examples/minimal" | grep liboctalux.so >/dev/null || fail "a shared build's runtime is not loaded"
 fi
 
 shaders="$prefix/share/octalux/shaders"

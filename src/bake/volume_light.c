@@ -19,17 +19,18 @@ typedef struct light_job {
   uint64_t *rays; // a job
 } light_job;
 
-static uint32_t float_bits(float value) {
+// The bits of a number but its exponent, so that random numbers do not depend on the unit of length.
+static uint32_t mantissa_bits(float value) {
   union {
     float value;
     uint32_t bits;
   } both = {.value = value};
-  return both.bits;
+  return both.bits & 0x807FFFFFu;
 }
 
 // Random numbers come from a probe's place.
 static uint32_t seed_at(olx_vec3 p, uint32_t seed) {
-  return olx_hash2(olx_hash3(float_bits(p.x), float_bits(p.y), float_bits(p.z)), seed);
+  return olx_hash2(olx_hash3(mantissa_bits(p.x), mantissa_bits(p.y), mantissa_bits(p.z)), seed);
 }
 
 static void add_light(olx_vec3 *sums, olx_vec3 direction, olx_vec3 radiance) {

@@ -167,8 +167,10 @@ static float least_footprint(const cell_round *r, const cell_work *cell) {
   return least;
 }
 
-// Geometric mean distance of what a surface sees, and the least distance. The sky is as far as the farthest of the rest.
-static float explore(const olx_light_surfels *s, const olx_surface *surface, uint64_t cell, float *nearest) {
+// Geometric mean distance of what a surface sees, in units of `side`, and the least distance in metres. The sky is as far as
+// the farthest of the rest. (Logarithms are of shares of a power of two, so that they do not depend on the unit of length.)
+static float explore(const olx_light_surfels *s, const olx_surface *surface, uint64_t cell, float side,
+                     float *nearest) {
   olx_ray rays[EXPLORING_RAYS];
   olx_ray_hit hits[EXPLORING_RAYS];
   const uint32_t seed = olx_hash3((uint32_t)cell, (uint32_t)(cell >> 32), SALT_EXPLORE);
@@ -182,7 +184,7 @@ static float explore(const olx_light_surfels *s, const olx_surface *surface, uin
   *nearest = INFINITY;
   for (uint32_t i = 0; i < EXPLORING_RAYS; i++) {
     if (hits[i].triangle == OLX_NO_HIT) continue;
-    const float distance = olx_max(hits[i].t, s->grid.finest);
+    const float distance = olx_max(hits[i].t, s->grid.finest) / side;
     sum += logf(distance);
     farthest = olx_max(farthest, distance);
     *nearest = olx_min(*nearest, hits[i].t);
@@ -221,7 +223,8 @@ static void make_groups(const cell_round *r, cell_work *cell) {
     if (cell->group_count > 1) {
       group->chosen = choose_point(r, cell, first);
       const olx_surface surface = olx_surface_point_surface(s->scene, &r->points[group->chosen]);
-      explore(s, &surface, olx_cell_at_level(r->points[group->chosen].key, cell->level), &group->nearest);
+      explore(s, &surface, olx_cell_at_level(r->points[group->chosen].key, cell->level),
+              olx_cell_side(&s->grid, cell->level), &group->nearest);
     }
     const olx_surface_point chosen = r->points[group->chosen];
     r->points[group->chosen] = r->points[first];
@@ -234,14 +237,14 @@ static void make_groups(const cell_round *r, cell_work *cell) {
   }
 }
 
-// Geometric mean distance of what point i of those that are spread over a cell sees.
+// Geometric mean distance, in sides of the cell, of what point i of those that are spread over it sees.
 static float explore_point(const cell_round *r, const cell_work *cell, uint32_t i) {
   const uint32_t count = cell->end - cell->first;
   const uint32_t offset = (uint32_t)((uint64_t)count * (2 * i + 1) / (2 * EXPLORED_POINTS));
   const olx_surface_point *point = &r->points[cell->first + offset];
   const olx_surface surface = olx_surface_point_surface(r->surfels->scene, point);
   float nearest;
-  return explore(r->surfels, &surface, point->key, &nearest);
+  return explore(r->surfels, &surface, point->key, olx_cell_side(&r->surfels->grid, cell->level), &nearest);
 }
 
 static void examine_cell(const cell_round *r, cell_work *cell) {
@@ -251,13 +254,13 @@ static void examine_cell(const cell_round *r, cell_work *cell) {
   const float side = olx_cell_side(&s->grid, cell->level);
   const olx_surface surface = olx_surface_point_surface(s->scene, &r->points[group->chosen]);
   const uint64_t key = olx_cell_at_level(r->points[group->chosen].key, cell->level);
-  float mean = explore(s, &surface, key, &group->nearest);
+  float mean = explore(s, &surface, key, side, &group->nearest);
   const bool small = cell->level == 0 || cell->end - cell->first < r->least_points ||
                      0.5f * side < LEAST_FOOTPRINTS * least_footprint(r, cell);
-  for (uint32_t i = 0; i < EXPLORED_POINTS && !small && side <= s->spacing * mean; i++) {
+  for (uint32_t i = 0; i < EXPLORED_POINTS && !small && s->spacing * mean >= 1.0f; i++) {
     mean = olx_min(mean, explore_point(r, cell, i));
   }
-  if (small || side <= s->spacing * mean) make_groups(r, cell);
+  if (small || s->spacing * mean >= 1.0f) make_groups(r, cell);
 }
 
 static void examine_cells(void *user, uint32_t job) {

@@ -1,13 +1,15 @@
-// Reads the solved light of the scene at what the texels of a probe see: at four texels of a block that lies on one plane,
-// at every texel elsewhere.
+// Reads the solved light of the scene at what the texels of a probe see: at four texels of a block that lies on one plane, at
+// every texel elsewhere. Where it has to be gathered, texels of a block that lie on one surface share the result.
 #include "bake/texel_light.h"
 
 #include "core/octahedral.h"
 
-enum { BLOCK = 4 };
+enum { BLOCK = 4, NOT_FOUND = BLOCK * BLOCK };
 
 // How far a texel of a block may lie from the plane of its first, in footprints, and how far their normals may part.
 static const float FLAT_FOOTPRINTS = 0.25f, FLAT_COSINE = 0.999f;
+// The same for texels that share gathered light.
+static const float SHARED_FOOTPRINTS = 1.0f, SHARED_COSINE = 0.9f;
 
 typedef struct texel_light {
   const olx_capture *capture;
@@ -56,6 +58,46 @@ static void interpolate(const texel_light *t, uint32_t block, const olx_surface 
   }
 }
 
+// Texels of a block whose light was gathered.
+typedef struct gathered_texels {
+  uint32_t count;
+  uint8_t texels[BLOCK * BLOCK];
+} gathered_texels;
+
+// The gathered texel nearest to a surface among those that lie on it; NOT_FOUND when there is none.
+static uint32_t find_gathered(const gathered_texels *g, const olx_surface surface[BLOCK * BLOCK],
+                              const olx_surface *point, float footprint) {
+  uint32_t found = NOT_FOUND;
+  float least = INFINITY;
+  for (uint32_t i = 0; i < g->count; i++) {
+    const olx_surface *other = &surface[g->texels[i]];
+    const olx_vec3 way = olx_sub(other->position, point->position);
+    if (olx_dot(other->geometric_normal, point->geometric_normal) < SHARED_COSINE) continue;
+    if (olx_dot(other->shading_normal, point->shading_normal) < SHARED_COSINE) continue;
+    if (fabsf(olx_dot(way, point->geometric_normal)) > SHARED_FOOTPRINTS * footprint) continue;
+    const float squared = olx_dot(way, way);
+    if (squared >= least) continue;
+    least = squared;
+    found = g->texels[i];
+  }
+  return found;
+}
+
+static void light_texel(const texel_light *t, uint32_t block, uint32_t i, const olx_surface surface[BLOCK * BLOCK],
+                        gathered_texels *gathered) {
+  const uint32_t texel = texel_of(t, block, i);
+  olx_vec3 *irradiance = &t->irradiance[texel];
+  if (olx_scene_light_interpolate(t->light, &surface[i], irradiance)) return;
+  const float footprint = 2.0f * t->capture->hits[texel].t / (float)t->capture->size;
+  const uint32_t found = find_gathered(gathered, surface, &surface[i], footprint);
+  if (found != NOT_FOUND) {
+    *irradiance = t->irradiance[texel_of(t, block, found)];
+    return;
+  }
+  *irradiance = olx_scene_light_gather(t->light, &surface[i]);
+  gathered->texels[gathered->count++] = (uint8_t)i;
+}
+
 static void light_block(const texel_light *t, uint32_t block) {
   olx_surface surface[BLOCK * BLOCK];
   bool whole = true;
@@ -72,10 +114,9 @@ static void light_block(const texel_light *t, uint32_t block) {
     interpolate(t, block, surface);
     return;
   }
+  gathered_texels gathered = {0};
   for (uint32_t i = 0; i < BLOCK * BLOCK; i++) {
-    const uint32_t texel = texel_of(t, block, i);
-    if (t->capture->hits[texel].triangle == OLX_NO_HIT) continue;
-    t->irradiance[texel] = olx_scene_light_irradiance(t->light, &surface[i]);
+    if (t->capture->hits[texel_of(t, block, i)].triangle != OLX_NO_HIT) light_texel(t, block, i, surface, &gathered);
   }
 }
 

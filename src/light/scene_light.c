@@ -400,8 +400,7 @@ void olx_scene_light_free(olx_scene_light *l) {
 
 olx_scene_light_report olx_scene_light_describe(const olx_scene_light *light) { return light->report; }
 
-// Light from rays of the point's own, where surfels do not tell it.
-static olx_vec3 gather(const olx_scene_light *l, const olx_surface *surface) {
+olx_vec3 olx_scene_light_gather(const olx_scene_light *l, const olx_surface *surface) {
   const uint64_t key = olx_cell_key(&l->surfels.grid, surface->position, surface->geometric_normal);
   const uint32_t seed = olx_hash3(l->surfels.seed ^ (uint32_t)key, (uint32_t)(key >> 32), SALT_GATHER);
   return olx_links_gather(&l->surfels, surface, seed, GATHERED_RAYS, l->settings.bounces, l->passed_on);
@@ -433,10 +432,16 @@ static olx_vec3 interpolate(const olx_surfel_weights *weights, const olx_vec3 *i
   return olx_max_each(olx_min_each(sum, olx_add(most, margin)), olx_max_each(olx_sub(least, margin), olx_splat(0.0f)));
 }
 
-olx_vec3 olx_scene_light_irradiance(const olx_scene_light *l, const olx_surface *surface) {
+bool olx_scene_light_interpolate(const olx_scene_light *l, const olx_surface *surface, olx_vec3 *irradiance) {
   const olx_surfel_weights weights = olx_surfel_weigh(&l->lookup, surface);
-  if (weights.count < LEAST_NEIGHBOURS || is_rough(l, &weights)) return gather(l, surface);
-  return interpolate(&weights, l->irradiance);
+  if (weights.count < LEAST_NEIGHBOURS || is_rough(l, &weights)) return false;
+  *irradiance = interpolate(&weights, l->irradiance);
+  return true;
+}
+
+olx_vec3 olx_scene_light_irradiance(const olx_scene_light *l, const olx_surface *surface) {
+  olx_vec3 irradiance;
+  return olx_scene_light_interpolate(l, surface, &irradiance) ? irradiance : olx_scene_light_gather(l, surface);
 }
 
 olx_vec3 olx_scene_light_irradiance_before(const olx_scene_light *l, const olx_surface *surface) {

@@ -28,10 +28,10 @@ typedef struct olx_scene_light_report {
   uint32_t surfels, hidden_surfels; // all, and those on surfaces that rays meet and no probe sees
   uint32_t bounces;                 // light went so many times over the links
   uint64_t rays, links, bytes;      // rays in all; links, and the memory of them and of surfels
-  double noise;    // standard error of interpolated irradiance over irradiance, RMS over visible surfels
+  double noise;       // standard error of interpolated irradiance over irradiance, RMS over visible surfels
   double last_bounce; // share of visible surfels' indirect light that has `bounces` surfaces on its way
-  double unserved; // share of rays that end where no surfel is: they count for what the others bring
-  double seconds;  // by the clock
+  double unserved;    // share of rays that end where no surfel is: they count for what the others bring
+  double seconds;     // by the clock
 } olx_scene_light_report;
 
 // Solves the light of surfaces that are seen from the `count` positions with flags[i] == 0.
@@ -45,7 +45,13 @@ olx_scene_light_report olx_scene_light_describe(const olx_scene_light *light);
 // Indirect irradiance in W/m^2 on the side of the surface that it was looked at from, for its vertex normal. Emitters and
 // the sky seen directly are left out.
 olx_vec3 olx_scene_light_irradiance(const olx_scene_light *light, const olx_surface *surface);
-// The same with one bounce less: what a ray that ends there brings, with the direct light of the surface, to a place whose light
+
+// The two ways to it. Interpolation fails where surfels do not tell the light of the point; a gather casts 256 rays, which
+// takes about fifty times as long.
+bool olx_scene_light_interpolate(const olx_scene_light *light, const olx_surface *surface, olx_vec3 *irradiance);
+olx_vec3 olx_scene_light_gather(const olx_scene_light *light, const olx_surface *surface);
+
+// Irradiance as olx_scene_light_irradiance gives it, with one bounce less: what a ray that ends there brings, with the direct light of the surface, to a place whose light
 // has bounced as often as the solution's.
 olx_vec3 olx_scene_light_irradiance_before(const olx_scene_light *light, const olx_surface *surface);
 

@@ -98,7 +98,7 @@ static void in_rooms_of_every_size(void **state) {
   (void)state;
   counts c = {0};
   for (uint32_t n = 8; n <= 2048; n *= 2) {
-    const uint32_t rays = n <= 256 ? 20000 : 4000;
+    const uint32_t rays = n <= 256 ? 8000 : 1600;
     olx_field *field = analytic_field_make(&furnished, n <= 512 ? &pair : &single, n, 16);
     compare(field, rays, 2.0f, &c);
     analytic_field_free(field);
@@ -106,7 +106,7 @@ static void in_rooms_of_every_size(void **state) {
     compare(field, rays, 2.0f, &c);
     analytic_field_free(field);
   }
-  for (uint32_t s = 0; s < 3; s++) assert_true(c.of[s] > 10000);
+  for (uint32_t s = 0; s < 3; s++) assert_true(c.of[s] > 4000);
 }
 
 // Distances that no room has.
@@ -162,7 +162,7 @@ static void among_distances_that_no_room_has(void **state) {
   for (uint32_t k = 0; k < sizeof kinds / sizeof kinds[0]; k++) {
     for (uint32_t n = 8; n <= 1024; n *= k < 2 ? 2 : 4) {
       olx_field *field = made_up_field(n, kinds[k]);
-      compare(field, n <= 256 ? 10000 : 3000, 0.3f * field->distance_scale, &c);
+      compare(field, n <= 256 ? 4000 : 1200, 0.3f * field->distance_scale, &c);
       analytic_field_free(field);
     }
   }
@@ -270,6 +270,8 @@ static void in_baked_fields_with_fewer_fetches(void **state) {
     settings.irradiance_grid.count[0] = settings.irradiance_grid.count[1] = settings.irradiance_grid.count[2] = 1;
     settings.irradiance_grid.spacing = olx_splat(0.0f);
     settings.fit = false;
+    settings.noise = 1.0f; // what rays find is of no concern
+    settings.volume_cells = 0;
     assert_int_equal(olx_bake(scene, &settings, path, NULL, NULL), OLX_OK);
     olx_scene_free(scene);
     olx_field *field;

@@ -18,7 +18,7 @@ bool olx_volume_is_baked(const olx_bake_settings *s) { return s->light == OLX_LI
 
 // Small maps of light field probes get a coarse volume.
 static uint32_t cells_along(const olx_bake_settings *s) {
-  const uint32_t most = s->radiance_size / TEXELS_A_CELL;
+  const uint32_t most = s->radiance_size > TEXELS_A_CELL ? s->radiance_size / TEXELS_A_CELL : 1;
   return s->volume_cells < most ? s->volume_cells : most;
 }
 

@@ -119,7 +119,7 @@ static void add_fixed(olx_fixed_light *fixed, const ray_end *end) {
 // Casts up to PACKET rays of a surface, from number `first` on, and says what each brings.
 static void cast_packet(cast_job *c, const olx_surface *surface, uint32_t seed, uint32_t first, uint32_t count,
                         ray_end *ends, uint64_t *cast) {
-  olx_ray rays[PACKET];
+  olx_ray rays[PACKET] = {0};
   olx_ray_hit hits[PACKET];
   bool valid[PACKET];
   const uint32_t chain_seed = olx_hash2(seed, SALT_CHAIN);

@@ -270,8 +270,8 @@ static void in_baked_fields_with_fewer_fetches(void **state) {
     settings.irradiance_grid.count[0] = settings.irradiance_grid.count[1] = settings.irradiance_grid.count[2] = 1;
     settings.irradiance_grid.spacing = olx_splat(0.0f);
     settings.fit = false;
-    settings.noise = 1.0f; // what rays find is of no concern
-    settings.volume_cells = 0;
+    settings.light = OLX_LIGHT_REFERENCE; // what rays find is of no concern
+    settings.reference_paths = 1;
     assert_int_equal(olx_bake(scene, &settings, path, NULL, NULL), OLX_OK);
     olx_scene_free(scene);
     olx_field *field;

@@ -114,31 +114,6 @@ static void report_points(const job *j, uint32_t count) {
          "%.2f %%\n",
          error / squares, worst / squares, 100 * bias / sum, 100 * sqrt(two / squares), 100.0 * bright / valid,
          100.0 * dark / valid);
-  const char *list = getenv("WORST");
-  for (uint32_t n = 0; list && n < 12; n++) {
-    const double limit = each[valid - 1 - n * (valid / 400)];
-    for (uint32_t i = 0; i < count; i++) {
-      const point *p = &j->points[i];
-      if (!p->valid) continue;
-      const double e = dot3(olx_sub(p->found[0], p->half[0]), olx_sub(p->found[0], p->half[1]));
-      if (e != limit) continue;
-      printf("  at %.3f %.3f %.3f normal %.2f %.2f %.2f: %.4g, truth %.4g (share %.4f)\n", p->surface.position.x,
-             p->surface.position.y, p->surface.position.z, p->surface.geometric_normal.x, p->surface.geometric_normal.y,
-             p->surface.geometric_normal.z, olx_luminance(p->found[0]),
-             0.5f * (olx_luminance(p->half[0]) + olx_luminance(p->half[1])), e / squares);
-      break;
-    }
-  }
-  const char *dump = getenv("DUMP");
-  FILE *f = dump ? fopen(dump, "w") : NULL;
-  for (uint32_t i = 0; f && i < count; i++) {
-    const point *p = &j->points[i];
-    if (!p->valid) continue;
-    fprintf(f, "%g %g %g %g %g %g %g %g %g\n", p->surface.position.x, p->surface.position.y, p->surface.position.z,
-            p->surface.geometric_normal.x, p->surface.geometric_normal.y, p->surface.geometric_normal.z,
-            olx_luminance(p->found[0]), olx_luminance(p->half[0]), olx_luminance(p->half[1]));
-  }
-  if (f) fclose(f);
   free(each);
 }
 

@@ -64,8 +64,8 @@ typedef struct bake_options {
       {"--bounce-gather",                                                                                              \
        OPTION_CHOICE,                                                                                                  \
        &(b).bounce_gather,                                                                                             \
-       "irradiance|traced",                                                                                            \
-       "where bounces between probes find light: irradiance maps, or rays; default irradiance",                        \
+       "solved|irradiance|traced",                                                                                     \
+       "light of irradiance probes: solved for the scene, or bounces by their maps or rays; default solved",           \
        0,                                                                                                              \
        0},                                                                                                             \
       {"--samples", OPTION_COUNT, &(b).samples, "N", "samples along a texel's side; default 2", 1, 8},                 \

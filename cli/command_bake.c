@@ -19,6 +19,8 @@ static int print_bake_json(const olx_bake_settings *settings, const olx_bake_sta
   add_number(object, "rays", (double)stats->rays);
   add_number(object, "primary_rays", (double)stats->primary_rays);
   add_number(object, "seconds", stats->seconds);
+  add_number(object, "irradiance_seconds", stats->irradiance_seconds);
+  add_number(object, "capture_seconds", stats->capture_seconds);
   add_number(object, "write_seconds", stats->write_seconds);
   if (settings->light == OLX_LIGHT_CACHE) {
     add_number(object, "surfels", stats->surfels);
@@ -48,7 +50,8 @@ static void print_bake(const char *path, const olx_bake_settings *settings, cons
          light_probe_count(settings), stats->buried, grid_probe_count(&settings->irradiance_grid),
          stats->irradiance_buried);
   printf("  rays     %" PRIu64 ", %" PRIu64 " of them from probes\n", stats->rays, stats->primary_rays);
-  printf("  seconds  %.2f, and %.2f to write\n", stats->seconds, stats->write_seconds);
+  printf("  seconds  %.2f, and %.2f to write; %.2f of them for irradiance probes, %.2f for what the others see\n",
+         stats->seconds, stats->write_seconds, stats->irradiance_seconds, stats->capture_seconds);
   if (settings->light == OLX_LIGHT_CACHE) {
     printf("  light    %u surfels with %s of links, noise %.2f %%; %.2f of these seconds\n", stats->surfels,
            text_of_bytes(stats->light_bytes).text, 100.0 * stats->noise, stats->light_seconds);

@@ -100,7 +100,6 @@ static int check_device(const render_options *o) {
   if (o->device != DEVICE_VULKAN) return EXIT_DONE;
   if (o->method == OLX_METHOD_PATH) return usage_error("render", "--device vulkan goes with --method field or classic");
   if (o->standard_error) return usage_error("render", "--standard-error goes with --device cpu");
-  if (o->sample.hits == OLX_HITS_SHADED) return usage_error("render", "--hits shaded goes with --device cpu");
   return EXIT_DONE;
 }
 

@@ -12,10 +12,8 @@ typedef struct sample_options {
   bool keep_buried;
 } sample_options;
 
-#define HITS_NOT_GIVEN UINT32_MAX
-
 #define SAMPLE_OPTIONS_DEFAULT                                                                                         \
-  { .tracer = OLX_TRACER_HIZ, .select = OLX_SELECT_BEST, .visibility = OLX_VISIBILITY_CHEBYSHEV, .hits = HITS_NOT_GIVEN }
+  { .tracer = OLX_TRACER_HIZ, .select = OLX_SELECT_BEST, .visibility = OLX_VISIBILITY_CHEBYSHEV, .hits = OLX_HITS_SHADED }
 
 #define SAMPLE_OPTION_ROWS(s)                                                                                           \
   {                                                                                                                     \
@@ -39,7 +37,7 @@ typedef struct sample_options {
        OPTION_CHOICE,                                                                                                   \
        &(s).hits,                                                                                                       \
        "shaded|stored",                                                                                                 \
-       "light where rays end: of the surface there, or as a probe saw it; default shaded, on Vulkan stored",            \
+       "light where rays end: of the surface there, or as a probe saw it; default shaded",            \
        0,                                                                                                               \
        0},                                                                                                              \
   {                                                                                                                     \
@@ -51,7 +49,7 @@ static inline olx_sample_settings resolve_sample_options(const sample_options *g
   settings.tracer = (olx_tracer)given->tracer;
   settings.select = (olx_select)given->select;
   settings.visibility = (olx_visibility)given->visibility;
-  if (given->hits != HITS_NOT_GIVEN) settings.hits = (olx_hits)given->hits;
+  settings.hits = (olx_hits)given->hits;
   settings.keep_buried = given->keep_buried;
   return settings;
 }

@@ -125,7 +125,8 @@ static bool create_frame(vulkan_job *job, uint32_t passes) {
                                       .denoise = job->settings.denoise.lobes,
                                       .passes = passes,
                                       .tracers = 1u << job->settings.sample.tracer,
-                                      .selects = 1u << job->settings.sample.select};
+                                      .selects = 1u << job->settings.sample.select,
+                                      .hits = 1u << job->settings.sample.hits};
   return gpu_check_library(&job->device, olx_vulkan_frame_create(job->field, &targets, &job->frame));
 }
 
@@ -311,12 +312,13 @@ static bool prepare_device(vulkan_job *job, const vulkan_request *r) {
   if (!gpu_device_open(&options, d)) return false;
   snprintf(job->timing->device, sizeof job->timing->device, "%s", d->properties.deviceName);
   bool fine = gpu_check_library(d, olx_vulkan_field_create(&d->host, r->field, &job->field)) && create_images(job) &&
-              upload_surfaces(job) && clear_outputs(job) && create_frame(job, passes_of(r->settings));
+              upload_surfaces(job) && clear_outputs(job);
+  fine = fine && (!r->relight || update_field(job, r->relight)) && create_frame(job, passes_of(r->settings));
   if (fine && r->settings->method == OLX_METHOD_CLASSIC) {
     fine = gpu_check_library(d, olx_vulkan_classic_create(job->field, r->field, &job->classic));
   }
-  job->timing->upload_seconds = clock_seconds(CLOCK_MONOTONIC) - start;
-  return fine && (!r->relight || update_field(job, r->relight));
+  job->timing->upload_seconds = clock_seconds(CLOCK_MONOTONIC) - start - job->timing->update_seconds;
+  return fine;
 }
 
 static void release_job(vulkan_job *job) {
@@ -344,7 +346,7 @@ static olx_vulkan_settings pass_settings(const vulkan_request *r) {
   settings.sample = r->settings->sample;
   settings.seed = r->settings->seed;
   settings.dim_lobe = r->settings->dim_lobe;
-  settings.volume = r->settings->diffuse != OLX_DIFFUSE_SURFACE;
+  settings.irradiance_probes = r->settings->diffuse != OLX_DIFFUSE_SURFACE;
   settings.denoise.filters = r->settings->denoise;
   if (r->denoised) {
     const bool traced = r->settings->diffuse == OLX_DIFFUSE_TRACED;

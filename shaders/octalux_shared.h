@@ -31,14 +31,17 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_BINDING_FIELD 0             // uniform buffer, olx_gpu_field
 #define OLX_BINDING_PROBES 1            // storage buffer, olx_gpu_probe[probe_count]
 #define OLX_BINDING_IRRADIANCE_PROBES 2 // storage buffer, olx_gpu_probe[irradiance_probe_count]
-#define OLX_BINDING_WORDS 3             // storage buffer: pyramids, bricks, maps of neighbours, as in the file
+#define OLX_BINDING_WORDS 3             // storage buffer: pyramids, selectors, emission, lights, the volume
 #define OLX_BINDING_RADIANCE 4          // combined image samplers, 2D arrays
 #define OLX_BINDING_NORMAL 5
 #define OLX_BINDING_DISTANCE 6
 #define OLX_BINDING_IRRADIANCE 7
 #define OLX_BINDING_MOMENTS 8
 #define OLX_BINDING_INDIRECT 9
-#define OLX_FIELD_BINDINGS 10
+#define OLX_BINDING_DIRECT 10
+#define OLX_BINDING_BASE 11     // base colour and roughness
+#define OLX_BINDING_SPECULAR 12 // metallic and specular weight
+#define OLX_FIELD_BINDINGS 13
 #define OLX_FIELD_STORAGE_BUFFERS 3
 
 // The buffer of classic maps: a header of words, which tell what begins at which word, and then all of it as it lies in
@@ -132,14 +135,19 @@ typedef struct olx_gpu_uvec4 {
 
 #define OLX_SELECT_GPU_MASK 0xBu // bits (1 << olx_select) of the stored selectors that have a twin
 
-// Specialisation constants of pipelines whose shaders sample a field: what a driver compiles for them is one tracer and
-// one selector. A host that has constants of its own by these numbers defines others before.
+// Specialisation constants of pipelines whose shaders sample a field: what a driver compiles for them is one tracer,
+// one selector and one kind of light at the end of rays. A host that has constants of its own by these numbers defines
+// others before.
 #ifndef OLX_CONSTANT_TRACER
 #define OLX_CONSTANT_TRACER 0 // OLX_TRACER_*; default OLX_TRACER_HIZ
 #endif
 #ifndef OLX_CONSTANT_SELECT
 #define OLX_CONSTANT_SELECT 1 // OLX_SELECT_*, of which the field has what it needs; default OLX_SELECT_BRICKS
 #endif
+#ifndef OLX_CONSTANT_HITS
+#define OLX_CONSTANT_HITS 2 // OLX_HITS_*; default OLX_HITS_SHADED
+#endif
+#define OLX_HITS_RELIT 2 // stored radiance, in a field whose lights have changed since it was baked
 
 // C has these as enumerations, in octalux/sample.h, octalux/field.h and field/field_data.h.
 #ifdef GL_core_profile
@@ -151,6 +159,8 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_SELECT_BRICKS 3
 #define OLX_SELECT_EXHAUSTIVE 4
 #define OLX_SELECT_BEST 5
+#define OLX_HITS_SHADED 0
+#define OLX_HITS_STORED 1
 #define OLX_TRACE_MISS 0
 #define OLX_TRACE_HIT 1
 #define OLX_TRACE_UNKNOWN 2
@@ -166,7 +176,7 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_FRAME_DIFFUSE 16     // what the composite pass adds
 #define OLX_FRAME_GLOSSY 32
 #define OLX_FRAME_SAMPLE 64 // the lobe is denoised: write samples
-#define OLX_FRAME_VOLUME 128 // irradiance comes from the irradiance volume alone
+#define OLX_FRAME_IRRADIANCE_PROBES 128 // irradiance comes from irradiance probes alone
 #define OLX_FRAME_RANK_ALL 256 // all probes are ranked for light on surfaces, not those nearby
 #define OLX_FRAME_GEOMETRIC_NORMAL 512 // the host gives this image
 #define OLX_FRAME_GEOMETRIC_UNORM 1024
@@ -208,6 +218,11 @@ OLX_GPU_STRUCT(olx_gpu_field) {
   olx_gpu_uint select_mask; // bit (1 << olx_select) for each selector that is baked in and runs on the GPU
   olx_gpu_uint pyramid_levels;
   olx_gpu_uint bricks_first, voronoi_first; // where they begin, in words; pyramids begin at word 0, two halves a word
+  olx_gpu_uint emission_first, tiles_first; // emission, in words: tile_side^2 numbers of tiles a probe; the tiles
+  olx_gpu_uint tile_side, tile_count;
+  olx_gpu_uint lights_first, light_count; // without area; none where there are more than OLX_MOST_HIGHLIGHTS
+  olx_gpu_float last_bounce;              // the share of indirect light that has all bounces behind it
+  olx_gpu_uint volume_first;              // the irradiance volume, in words; 0: the field has none
   olx_gpu_uvec4 pyramid_first; // where its levels begin, the finest first
 };
 

@@ -6,15 +6,15 @@ compare_devices builtin:cornell-glossy cornell.olx --spp 3 --glossy-samples 2 --
   --select exhaustive --visibility none --keep-buried
 # Neighbour maps, with so many probes that the nearest is found by the tree; they are the best of what this field has for the
 # device. Voxels run on the CPU alone.
-"$OCTALUX" bake builtin:cornell-glossy -o neighbours.olx --grid 5x4x4 --radiance-size 32 --irradiance-size 8 --bounces 0 --volume-cells 0 \
+"$OCTALUX" bake builtin:cornell-glossy -o neighbours.olx --grid 5x4x4 --radiance-size 32 --irradiance-size 8 --bounces 0 \
   --select voronoi,octree 2>stderr.txt
 compare_devices builtin:cornell-glossy neighbours.olx --spp 1 --keep-buried
 compare_devices builtin:cornell-glossy cornell.olx --mode denoised --frames 6
 compare_devices builtin:cornell-glossy cornell.olx --mode prefiltered --frames 4 --dim-lobe 0.2 --denoise published
-"$OCTALUX" bake builtin:two-rooms-gap -o two.olx --grid 2x2x2 --radiance-size 64 --irradiance-size 16 --bounces 1 --volume-cells 0 2>stderr.txt
+"$OCTALUX" bake builtin:two-rooms-gap -o two.olx --grid 2x2x2 --radiance-size 64 --irradiance-size 16 --bounces 1 2>stderr.txt
 compare_devices builtin:two-rooms-gap two.olx --spp 1
 compare_devices builtin:two-rooms-gap two.olx --mode denoised --frames 6 --camera dark --from-camera lit
-"$OCTALUX" bake builtin:pillars -o pillars.olx --radiance-size 32 --irradiance-size 32 --bounces 1 --volume-cells 0 --classic --classic-size 32 \
+"$OCTALUX" bake builtin:pillars -o pillars.olx --radiance-size 32 --irradiance-size 32 --bounces 1 --classic --classic-size 32 \
   --cube-size 32 2>stderr.txt
 compare_devices builtin:pillars pillars.olx --spp 1 --method classic --keep-buried
 expect_failure "'octree' does not run on the GPU" render builtin:cornell-glossy --field neighbours.olx -o none.exr --size 8x8 \

@@ -10,7 +10,7 @@ trap 'rm -rf "$work"' EXIT
 source "$OCTALUX_SOURCE_DIR/tests/cli/holds.sh"
 
 # Rays meet distances and normals alone: light is baked as cheaply as can be.
-dark="--radiance-size 512 --samples 1 --bounces 0 --no-fit --irradiance-size 8 --irradiance-grid 1x1x1"
+dark="--radiance-size 512 --samples 1 --bounces 0 --no-fit --irradiance-size 8 --irradiance-grid 1x1x1 --light reference --reference-paths 1"
 
 # SCENE COUNT UNRESOLVED WRONG PROBES: shares of rays, and how many probes one asks.
 hold_rays() {

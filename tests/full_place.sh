@@ -1,8 +1,10 @@
 # Every method places probes in every scene where they may be, by a check that shares nothing with placement; cover sees
-# what docs/studies.md says it sees. Models are looked for in OCTALUX_SCENES, or in ../shared/scenes beside the checkout.
+# what docs/studies.md says it sees. Models are looked for in OCTALUX_SCENES, or in ../shared/scenes beside the checkout. Probes are
+# moved by both optimizers in the scenes that OPTIMIZED names; soak_place.sh does so in all.
 set -euo pipefail
 export OCTALUX_SCENES=${OCTALUX_SCENES:-$OCTALUX_SOURCE_DIR/../shared/scenes}
 check=$(dirname "$OCTALUX")/bench/placement_check
+optimized=${OPTIMIZED:-cornell kitchen}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
@@ -28,7 +30,9 @@ for name in cornell temple sponza white-room kitchen small-house pandora; do
     covered=$told
     [ $name = pandora ] && covered=0.38
     [ $name = pandora ] && [ $method = cover ] && covered=0.42
-    for optimize in none gradient gibbs; do
+    ways=none
+    [[ " $optimized " != *" $name "* ]] || ways="none gradient gibbs"
+    for optimize in $ways; do
       what="count > 0 and buried == 0 and coverage > $told"
       [ $optimize = none ] || what="$what and reward_after >= reward_before"
       "$OCTALUX" place "$scene" -o "$work/$method-$optimize.json" --method $method --optimize $optimize --json 2>/dev/null |

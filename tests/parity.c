@@ -3,11 +3,13 @@
 #include "bake/voronoi_build.h"
 #include "core/hooks.h"
 #include "core/sampling.h"
+#include "field/texels.h"
 #include "gpu_pipeline.h"
 #include "select/bricks.h"
 #include "vulkan_host.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 
 #define ROOM                                                                                                           \
   {                                                                                                                    \
@@ -27,6 +29,8 @@ typedef struct parity_room {
   uint32_t n, irradiance_n;
   bool bricks, voronoi;
   uint32_t classic; // texels along a side of classic maps; 0: none
+  uint32_t lights;  // of LIGHTS
+  bool volume;
 } parity_room;
 
 static const parity_room ROOMS[PARITY_ROOMS] = {
@@ -37,14 +41,17 @@ static const parity_room ROOMS[PARITY_ROOMS] = {
                                .n = 64,
                                .irradiance_n = 16,
                                .bricks = true,
-                               .voronoi = true},
+                               .voronoi = true,
+                               .lights = 3,
+                               .volume = true},
     [PARITY_OPEN_COURT] = {.name = "in_an_open_court",
                            .title = "open court, 3 x 1 x 2 probes, 32 texels",
                            .scene = {.room = ROOM, .open = true, .box_count = 2, .boxes = FURNITURE},
                            .grid = {{0.5f, 1.2f, 0.5f}, {1.5f, 0.0f, 4.0f}, {3, 1, 2}},
                            .n = 32,
                            .irradiance_n = 8,
-                           .bricks = true},
+                           .bricks = true,
+                           .lights = 4},
     [PARITY_MANY_PROBES] = {.name = "where_maps_share_layers",
                             .title = "many probes, 8 texels",
                             .scene = {.room = ROOM, .box_count = 2, .boxes = FURNITURE},
@@ -131,6 +138,92 @@ static void vary_irradiance(olx_field *field) {
   }
 }
 
+// Lights of every type, and one that no number holds.
+static const olx_field_light LIGHTS[] = {
+    {.type = OLX_FIELD_SUN, .direction = {0.6f, -0.64f, 0.48f}, .emission = {1.0f, 0.9f, 0.5f}},
+    {.type = OLX_FIELD_POINT, .position = {2.0f, 2.6f, 1.0f}, .emission = {3.0f, 1.0f, 0.2f}},
+    {.type = OLX_FIELD_SPOT,
+     .position = {1.0f, 2.9f, 4.0f},
+     .direction = {0.0f, -1.0f, 0.0f},
+     .emission = {2.0f, 4.0f, 6.0f},
+     .cosine_inner = 0.9f,
+     .cosine_outer = 0.4f},
+    {.type = OLX_FIELD_POINT, .position = {0.0f, 1.0f, 0.0f}, .emission = {INFINITY, 0.0f, 0.0f}}};
+
+// Materials of all kinds, direct light, and emission where texels are marked, at random but alike within blocks of 3 x 3
+// texels that do not end where the tiles of emission do.
+static void vary_surfaces(olx_field *field, uint32_t lights) {
+  olx_field_surfaces *s = &field->surfaces;
+  uint32_t *base = (uint32_t *)(uintptr_t)s->base, *direct = (uint32_t *)(uintptr_t)s->direct;
+  uint16_t *specular = (uint16_t *)(uintptr_t)s->specular;
+  for (size_t i = 0; i < field->texels * field->info.probe_count; i++) {
+    const uint32_t x = (uint32_t)(i % field->stride) / 3, y = (uint32_t)(i / field->stride) / 3;
+    const uint32_t a = olx_hash2(x, y), b = olx_hash(a), c = olx_hash(b);
+    const float metal = a & 1u ? 0.0f : olx_unit_float(a), weight = a & 6u ? olx_unit_float(b) : 0.0f;
+    const olx_vec3 color = {olx_unit_float(b), olx_unit_float(c), olx_unit_float(a)};
+    const olx_texel_material_codes codes = olx_material_pack(color, a & 24u ? olx_unit_float(c) : 0.0f, metal, weight);
+    base[i] = codes.base;
+    specular[i] = codes.specular;
+    direct[i] = a & 32u ? olx_rgb9e5_pack(olx_scale(color, 2.0f * olx_unit_float(olx_hash(c)))) : 0;
+  }
+  s->tile_count = 5;
+  s->tiles = realloc((void *)(uintptr_t)s->tiles, sizeof *s->tiles * OLX_EMISSION_TILE_TEXELS * s->tile_count);
+  for (uint32_t i = 0; i < OLX_EMISSION_TILE_TEXELS * s->tile_count; i++) {
+    ((uint32_t *)(uintptr_t)s->tiles)[i] = olx_hash2(i, 17) & 0x87FFFFFFu; // up to 511 / 256
+  }
+  for (uint32_t i = 0; i < s->tile_side * s->tile_side * field->info.probe_count; i++) {
+    ((uint32_t *)(uintptr_t)s->emission)[i] = olx_hash2(i, 19) % (s->tile_count + 2); // one is not there
+  }
+  s->lights = LIGHTS;
+  s->light_count = lights;
+  field->info.last_bounce = 0.25f;
+}
+
+// A volume over the room and beyond, with cells, blocks, splits, and places that it knows nothing of.
+enum {
+  VOLUME_CUBES = 3 * 2 * 3,
+  VOLUME_CELLS = 8,
+  VOLUME_PROBES = 20,
+  VOLUME_WORDS = 16 + 2 * 8 + 8 * VOLUME_CELLS + OLX_VOLUME_BLOCK_ENTRIES + VOLUME_CUBES
+};
+
+typedef struct parity_volume {
+  uint32_t words[VOLUME_WORDS];
+  uint16_t irradiance[OLX_VOLUME_HALVES * VOLUME_PROBES];
+} parity_volume;
+
+static uint32_t volume_entry(uint32_t i, uint32_t level, uint32_t split) {
+  if (i % 6 == 0) return 0;
+  if (i % 6 == 1) return OLX_VOLUME_SPLIT | split;
+  return OLX_VOLUME_CELL | level << OLX_VOLUME_LEVEL_SHIFT | olx_hash(i) % VOLUME_CELLS;
+}
+
+static void add_volume(olx_field *field, parity_volume *v) {
+  const olx_volume_header header = {.origin = {-0.6f, -0.6f, -0.4f},
+                                    .cube_metres = 2.0f,
+                                    .size = {3, 2, 3},
+                                    .blocks = 1,
+                                    .splits = 2,
+                                    .cells = VOLUME_CELLS,
+                                    .probes = VOLUME_PROBES};
+  const olx_volume_split splits[2] = {
+      {.normal = {1, 0, 0}, .offset = 2.1f, .behind = OLX_VOLUME_CELL | 1, .front = OLX_VOLUME_CELL | 2},
+      {.normal = {0.6f, 0, 0.8f}, .offset = 1.9f, .behind = volume_entry(2, 2, 0), .front = 0}};
+  uint32_t *word = v->words;
+  memcpy(word, &header, sizeof header);
+  memcpy(word += 16, splits, sizeof splits);
+  word += 16;
+  for (uint32_t i = 0; i < 8 * VOLUME_CELLS; i++) *word++ = olx_hash2(i, 5) % VOLUME_PROBES;
+  for (uint32_t i = 0; i < OLX_VOLUME_BLOCK_ENTRIES; i++) *word++ = volume_entry(i, 2, 1);
+  for (uint32_t i = 0; i < VOLUME_CUBES; i++) *word++ = i % 4 == 3 ? OLX_VOLUME_BLOCK : volume_entry(i, 0, 0);
+  for (uint32_t i = 0; i < sizeof v->irradiance / 2; i++) {
+    v->irradiance[i] =
+        olx_half_pack(2.0f * olx_unit_float(olx_hash2(i, 7)) - (i % OLX_VOLUME_HALVES < 3 ? 0.0f : 1.0f));
+  }
+  if (olx_volume_open(v->words, sizeof v->words, "volume", &field->volume) != OLX_OK) fail_msg("%s", olx_last_error());
+  field->volume.irradiance = v->irradiance;
+}
+
 static olx_field *make_field(const parity_room *p) {
   olx_field *field = analytic_field_make(&p->scene, &p->grid, p->n, p->irradiance_n);
   uint16_t *distance = (uint16_t *)(uintptr_t)field->distance;
@@ -138,6 +231,7 @@ static olx_field *make_field(const parity_room *p) {
   uint8_t *flags = (uint8_t *)(uintptr_t)field->probe_flags;
   for (uint32_t i = 0; i < field->info.probe_count; i += 5) flags[i] = OLX_PROBE_BURIED;
   vary_irradiance(field);
+  vary_surfaces(field, p->lights);
   if (p->classic) {
     analytic_field_add_classic(field, p->classic);
     uint8_t *buried = (uint8_t *)(uintptr_t)field->irradiance_flags;
@@ -272,11 +366,11 @@ static void derive(parity_state *s) {
   s->x = s->bits[1] % s->field->n;
   s->y = s->bits[2] % s->field->n;
   s->settings = olx_sample_settings_default();
-  s->settings.hits = OLX_HITS_STORED; // as on the device
   s->settings.tracer = (olx_tracer)((s->bits[3] >> 8) % 3u);
   s->settings.visibility = s->bits[3] & 6u ? OLX_VISIBILITY_CHEBYSHEV : OLX_VISIBILITY_NONE;
   s->settings.keep_buried = (s->bits[3] & 8u) != 0;
   s->settings.emitters = (s->bits[3] & 16u) != 0;
+  s->settings.hits = s->bits[3] & 0x1800u ? OLX_HITS_SHADED : OLX_HITS_STORED;
   const olx_select selects[] = {OLX_SELECT_EXHAUSTIVE, OLX_SELECT_CAGE, OLX_SELECT_BRICKS, OLX_SELECT_VORONOI,
                                 OLX_SELECT_BEST};
   s->settings.select = selects[(s->bits[3] >> 5) % 5u];
@@ -320,6 +414,8 @@ static void compare_room(void **state) {
   const parity_range *range = &gpu.suite->rooms[p - ROOMS];
   olx_field *field = make_field(p);
   _Alignas(64) uint32_t bricks[BRICK_WORDS];
+  parity_volume volume;
+  if (p->volume) add_volume(field, &volume);
   if (p->bricks) add_bricks(field, bricks);
   void *voronoi = p->voronoi ? add_voronoi(field) : NULL;
   uploaded_room room = {NULL, NULL};

@@ -53,6 +53,7 @@ void derive() {
   settings.visibility = (bits.w & 6u) != 0u;
   settings.keep_buried = (bits.w & 8u) != 0u;
   settings.emitters = (bits.w & 16u) != 0u;
+  settings.hits = (bits.w & 0x1800u) != 0u ? OLX_HITS_SHADED : OLX_HITS_STORED;
   settings.select = uint[](OLX_SELECT_EXHAUSTIVE, OLX_SELECT_CAGE, OLX_SELECT_BRICKS, OLX_SELECT_VORONOI,
                            OLX_SELECT_BEST)[(bits.w >> 5) % 5u];
   bsdf = olx_bsdf_make(abs(direction), random.x, random.y, random.z);

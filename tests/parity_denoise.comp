@@ -33,8 +33,8 @@ void put_incident(olx_incident i) { put(i.light), put(i.inverse_distance); }
 // A hit that may be an emitter's, from before or behind, and may be the sky's.
 olx_trace_hit some_hit() {
   float distance = (bits.x & 4u) != 0u ? OLX_INFINITY : item.v[15];
-  return olx_trace_hit(bits.x % 3u, distance, point + direction * item.v[15], view, vec3(1.0), true, 0u,
-                       2.0 * random.x, 1u, 1u);
+  return olx_trace_hit(bits.x % 3u, distance, point + direction * item.v[15], view, direction, vec3(0.0), view, true, 0u,
+                       ivec2(0), 2.0 * random.x, 1u, 1u);
 }
 
 void denoise_rows() {
@@ -48,7 +48,8 @@ void denoise_rows() {
   case ROW_olx_finite: put(olx_finite(light_here.light)), put(olx_finite(light_there.light)); break;
   case ROW_olx_lobe_is_dim: put(olx_lobe_is_dim(bsdf, random.w, random.z)); break;
   case ROW_olx_dim_light: put(olx_dim_light(bsdf, random.w, abs(view))); break;
-  case ROW_olx_emission_counts: put(olx_emission_counts(settings, some_hit(), point)); break;
+  case ROW_olx_emission_faces: put(olx_emission_faces(some_hit(), point)); break;
+  case ROW_olx_light_found: put(olx_light_found(settings, some_hit(), point)); break;
   case ROW_olx_nearness: put(olx_nearness(some_hit())); break;
   case ROW_olx_nothing_known: known = olx_nothing_known(), put_incident(known.incident), put(known.count); break;
   case ROW_olx_guide_position: put(olx_guide_position(camera, PICTURE, pixel, item.v[15])); break;

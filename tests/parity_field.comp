@@ -58,7 +58,7 @@ void field_rows() {
   case ROW_olx_sample_settings_default:
     settings = olx_sample_settings_default();
     put(settings.tracer), put(settings.select), put(settings.visibility), put(settings.max_probes);
-    put(settings.keep_buried), put(settings.emitters);
+    put(settings.keep_buried), put(settings.emitters), put(settings.hits), put(settings.surface_tolerance);
     break;
   }
 }

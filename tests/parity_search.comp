@@ -11,9 +11,11 @@ void derive_search() {
   search = olx_search(settings, point, direction, 0.0, t_max, 0.0, 0u, uvec4(0u), 0u, answer, OLX_NO_PROBE);
 }
 
+void put_light(olx_trace_hit hit) { put(hit.radiance), put(hit.lobe), put(hit.emission); }
+
 void put_hit(olx_trace_hit hit) {
   put(hit.status), put(hit.probe), put(hit.emitter), put(hit.texel_steps), put(hit.probes_tried);
-  put(hit.distance_metres), put(hit.position), put(hit.normal), put(hit.radiance), put(hit.footprint_metres);
+  put(hit.distance_metres), put(hit.position), put(hit.normal), put_light(hit), put(hit.footprint_metres);
 }
 
 void put_answer(olx_probe_answer a) { put(a.status), put_texel(a.texel), put(a.steps), put(a.t), put(a.gap); }
@@ -26,6 +28,16 @@ void ask_some() {
 }
 
 bool has_bricks() { return olx_select_available(OLX_SELECT_BRICKS); }
+
+olx_trace_hit lit_hit(uint hits) {
+  olx_trace_hit hit = olx_unknown_hit(OLX_TRACE_HIT, 0.0);
+  hit.position = point;
+  hit.probe = probe;
+  hit.texel = texel;
+  search.settings.hits = hits;
+  olx_read_light(search, hit);
+  return hit;
+}
 
 void search_rows() {
   derive_search();
@@ -64,6 +76,14 @@ void search_rows() {
     search.answered = probe;
     put_hit(olx_describe(search, t_max));
     break;
+  case ROW_olx_read_light: {
+    olx_trace_hit hit = lit_hit(settings.hits);
+    put(hit.emitter), put_light(hit), put_light(lit_hit(OLX_HITS_RELIT));
+  } break;
+  case ROW_olx_unknown_hit: {
+    olx_trace_hit hit = olx_unknown_hit(OLX_TRACE_UNKNOWN, 0.0);
+    put(hit.status), put(hit.probe), put(hit.emitter), put(hit.distance_metres), put_light(hit);
+  } break;
   case ROW_olx_leave_bounds: put(olx_leave_bounds(point, direction)); break;
   case ROW_olx_trace: put_hit(olx_trace(settings, point, direction, t_max)); break;
   }

@@ -87,6 +87,17 @@ void surface_rows() {
   case ROW_olx_factor:
     put(olx_factor(random.x, random.y)), put(olx_factor(0.0, random.x)), put(olx_factor(0.0, 0.0));
     break;
+  case ROW_olx_has_volume: put(olx_has_volume()); break;
+  case ROW_olx_volume_word: put(olx_has_volume() ? olx_volume_word(bits.x % 400u) : 0u); break;
+  case ROW_olx_fallen_back: {
+    mat2x3 e = olx_fallen_back(settings, 6u, point, direction, direction, view, view);
+    put(e[0]), put(e[1]);
+  } break;
+  case ROW_olx_surface_light_from:
+    put(olx_surface_light_from(settings, bits.z & 1u, place, geometric, geometric, bent, view));
+    break;
+  case ROW_olx_volume_source: put(olx_volume_source()); break;
+  case ROW_olx_volume_irradiance: put(olx_volume_irradiance(point, direction)); break;
   case ROW_olx_surface_light_at: {
     if ((bits.w & 0x40000u) != 0u) settings.max_probes = 0u;
     put(olx_surface_light_at(settings, place, geometric, geometric, bent, view));

@@ -13,6 +13,7 @@ layout(set = 0, binding = 0, std430) readonly buffer items_block { volume_item i
 layout(set = 0, binding = 1, std430) writeonly buffer results_block { uint results[]; };
 layout(set = 0, binding = 2, std430) readonly buffer words_block { uint words[]; };
 
+#define OLX_OWN_VOLUME
 uint olx_volume_word(uint index) { return words[index]; }
 
 #include "shaders/lib/volume_irradiance.glsl"
@@ -25,27 +26,33 @@ void put(vec3 v) { put(v.x), put(v.y), put(v.z); }
 void main() {
   vec3 position = items[gl_GlobalInvocationID.x].position.xyz, normal = items[gl_GlobalInvocationID.x].normal.xyz;
   uint cell;
-  float weights[8], values[9];
-  vec3 coefficients[9];
+  float values[9];
+  vec3 fraction;
+  mat2x3 light;
   switch (row) {
   case ROW_olx_volume_find:
-    put(olx_volume_find(position, cell, weights) ? 1u : 0u), put(cell);
-    for (uint i = 0u; i < 8u; i++) put(weights[i]);
+    put(olx_volume_find(position, cell, fraction) ? 1u : 0u), put(cell);
+    for (uint i = 0u; i < 8u; i++) put(cell != 0u ? olx_volume_weight(fraction, i) : 0.0);
     break;
-  case ROW_olx_volume_coefficient:
-    for (uint k = 0u; k < 6u; k++) put(olx_volume_coefficient(gl_GlobalInvocationID.x % words[10], k + 3u));
+  case ROW_olx_volume_weight:
+    for (uint i = 0u; i < 8u; i++) put(olx_volume_weight(fract(normal), i));
     break;
+  case ROW_olx_volume_light: put(olx_volume_light(gl_GlobalInvocationID.x % words[10])); break;
+  case ROW_olx_volume_coefficient: {
+    uint first = olx_volume_light(gl_GlobalInvocationID.x % words[10]);
+    for (uint k = 0u; k < 6u; k++) put(olx_volume_coefficient(first, k + 3u));
+  } break;
   case ROW_olx_harmonics_at:
     olx_harmonics_at(normal, values);
     for (uint k = 0u; k < 9u; k++) put(values[k]);
     break;
-  case ROW_olx_volume_gather:
-    put(olx_volume_gather(position, normal, coefficients) ? 1u : 0u);
-    for (uint k = 0u; k < 5u; k++) put(coefficients[k]);
+  case ROW_olx_volume_probe:
+    light = olx_volume_probe(gl_GlobalInvocationID.x % words[10], normal, normal.yzx);
+    put(light[0]), put(light[1]);
     break;
-  case ROW_olx_volume_towards:
-    olx_volume_gather(position, normal, coefficients);
-    put(olx_volume_towards(coefficients, normal.yzx));
+  case ROW_olx_volume_both:
+    put(olx_volume_both(position, normal, normal, normal.yzx, light) ? 1u : 0u);
+    put(light[0]), put(light[1]);
     break;
   }
 }

@@ -35,8 +35,7 @@ void relit_room_render(relit_room *room) {
 }
 
 static olx_vec3 glossy_light(const olx_field *lit, const host_pixel *p, uint32_t x, uint32_t y) {
-  olx_sample_settings sample = olx_sample_settings_default();
-  sample.hits = OLX_HITS_STORED; // as on the device
+  const olx_sample_settings sample = olx_sample_settings_default();
   const float metallic = floorf(p->metallic * 255.0f + 0.5f) / 255.0f, w = floorf(p->weight * 255.0f + 0.5f) / 255.0f;
   const olx_vec3 color =
       olx_v3(floorf(p->color.x * 255.0f + 0.5f) / 255.0f, floorf(p->color.y * 255.0f + 0.5f) / 255.0f,

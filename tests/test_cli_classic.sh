@@ -28,6 +28,6 @@ expect_failure "plain.olx: .*bake --classic" render builtin:cornell --field plai
 # Bounces by rays.
 expect_json '0 <= o["unseen"] < 0.02' bake builtin:cornell -o traced.olx --radiance-size 8 --irradiance-size 32 --bounces 2 \
   --bounce-gather traced
-expect_usage "is not one of irradiance|traced" bake builtin:cornell -o a.olx --bounce-gather magic
+expect_usage "is not one of solved|irradiance|traced" bake builtin:cornell -o a.olx --bounce-gather magic
 
 finish

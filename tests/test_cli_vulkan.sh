@@ -5,7 +5,7 @@ source "$(dirname "$0")/cli/devices.sh"
 # Diffuse light comes from what is stored at surfaces, and where all probes are ranked from the same texels but for rounding.
 compare_devices builtin:cornell-glossy cornell.olx --spp 1 --glossy-samples 4 --select cage --tracer two-level --dim-lobe 0.06
 compare_devices builtin:cornell-glossy cornell.olx --spp 1 --select exhaustive
-compare_devices builtin:cornell-glossy cornell.olx --spp 1 --diffuse irradiance
+compare_devices builtin:cornell-glossy cornell.olx --spp 1 --diffuse irradiance --hits stored
 # Spherical harmonics run on the CPU alone, too.
 "$OCTALUX" bake builtin:cornell-glossy -o harmonics.olx --radiance-size 8 --irradiance-size 8 --bounces 0 --volume-cells 0 --irradiance sh2 2>stderr.txt
 expect_failure "harmonics.olx: irradiance as spherical harmonics .sh2. does not run on the GPU" render builtin:cornell-glossy \
@@ -14,11 +14,11 @@ expect_failure "voronoi" render builtin:cornell-glossy --field cornell.olx -o no
 # Two of the three modes, with the same random numbers. Histories of half floats, and kernels that follow from them, leave a little more
 # than half floats alone do.
 compare_devices builtin:cornell-glossy cornell.olx --mode gather --gather-samples 6 --spp 2 --emitters traced
-"$OCTALUX" bake builtin:two-rooms-gap -o two.olx --grid 2x2x2 --radiance-size 64 --irradiance-size 16 --bounces 1 --volume-cells 0 2>stderr.txt
+"$OCTALUX" bake builtin:two-rooms-gap -o two.olx --grid 2x2x2 --radiance-size 64 --irradiance-size 16 --bounces 1 2>stderr.txt
 compare_devices builtin:two-rooms-gap two.olx --mode denoised --frames 5 --camera dark --from-camera lit --cut 2
 
 # The baseline.
-"$OCTALUX" bake builtin:cornell-glossy -o classic.olx --radiance-size 32 --irradiance-size 16 --bounces 1 --volume-cells 0 --classic \
+"$OCTALUX" bake builtin:cornell-glossy -o classic.olx --radiance-size 32 --irradiance-size 16 --bounces 1 --classic \
   --classic-size 64 --cube-size 64 2>stderr.txt
 compare_devices builtin:cornell-glossy classic.olx --spp 1 --method classic
 expect_failure "bake --classic" render builtin:cornell-glossy --field cornell.olx -o none.exr --size 8x8 --method classic \

@@ -148,21 +148,15 @@ static olx_vec3 glossy_factor(const host_pixel *p) {
 }
 
 // What the device's rays find where they end.
-static olx_sample_settings stored_hits(void) {
-  olx_sample_settings settings = olx_sample_settings_default();
-  settings.hits = OLX_HITS_STORED;
-  return settings;
-}
-
 static olx_incident sample_diffuse(const olx_field *field, const host_pixel *p, olx_vec2 random) {
-  const olx_sample_settings settings = stored_hits();
+  const olx_sample_settings settings = olx_sample_settings_default();
   const olx_vec3 direction = olx_from_basis(olx_sample_cosine(random), p->normal);
   const olx_trace_hit hit = olx_trace(field, &settings, p->position, direction, INFINITY);
   return (olx_incident){hit.emitter ? olx_splat(0.0f) : olx_scale(hit.radiance, OLX_PI), olx_nearness(&hit)};
 }
 
 static olx_incident sample_glossy(const olx_field *field, const host_pixel *p, olx_vec2 random) {
-  const olx_sample_settings settings = stored_hits();
+  const olx_sample_settings settings = olx_sample_settings_default();
   const olx_bsdf bsdf = bsdf_of(p);
   float weight, half_cosine;
   olx_trace_hit hit;

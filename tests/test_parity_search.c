@@ -39,13 +39,13 @@ static uint32_t next_probe(const parity_state *s, const search *of) {
   return s->bits[0] & 1u ? nearest_that_sees(of) : next_selected(of, last_asked(s));
 }
 
-// The device knows what emits from what it reflects by a mark alone.
-static olx_vec3 light_on_device(const olx_field *field, const olx_trace_hit *hit) {
-  if (!hit->emitter) return hit->radiance;
-  return hit->status == OLX_TRACE_MISS ? hit->emission : olx_texel_radiance(field, hit->probe, hit->texel);
+static void put_light(parity_result *r, const olx_trace_hit *hit) {
+  put_3(r, hit->radiance);
+  put_3(r, hit->lobe);
+  put_3(r, hit->emission);
 }
 
-static void put_hit(const parity_state *s, parity_result *r, const olx_trace_hit *hit) {
+static void put_hit(parity_result *r, const olx_trace_hit *hit) {
   put_u(r, hit->status);
   put_u(r, hit->probe);
   put_u(r, hit->emitter);
@@ -54,7 +54,7 @@ static void put_hit(const parity_state *s, parity_result *r, const olx_trace_hit
   put_f(r, hit->distance_metres);
   put_3(r, hit->position);
   put_3(r, hit->normal);
-  put_3(r, light_on_device(s->field, hit));
+  put_light(r, hit);
   put_f(r, hit->footprint_metres);
 }
 
@@ -98,10 +98,16 @@ SEARCH_ROW(bricks_probe, const bool some = s->field->bricks.header != NULL;
 SEARCH_ROW(sky_radiance, put_3(r, sky_radiance(&e->search));)
 SEARCH_ROW(describe, const olx_probe_answer a = {.status = (olx_trace_status)(s->bits[1] % 3u), .t = s->random[0],
         .texel = texel_of(s)};
-    const olx_trace_hit hit = describe(&e->search, s->probe, &a, s->item->v[14]); put_hit(s, r, &hit);)
+    const olx_trace_hit hit = describe(&e->search, s->probe, &a, s->item->v[14]); put_hit(r, &hit);)
+SEARCH_ROW(read_light, olx_trace_hit hit = {.position = s->point}; read_light(&e->search, s->probe, texel_of(s), &hit);
+    put_u(r, hit.emitter); put_light(r, &hit);
+    olx_field relit = *s->field; relit.relit = true; e->search.field = &relit;
+    hit = (olx_trace_hit){.position = s->point}; read_light(&e->search, s->probe, texel_of(s), &hit); put_light(r, &hit);)
+SEARCH_ROW(unknown_hit, put_u(r, NOTHING_KNOWN.status); put_u(r, NOTHING_KNOWN.probe); put_u(r, NOTHING_KNOWN.emitter);
+    put_f(r, NOTHING_KNOWN.distance_metres); put_light(r, &NOTHING_KNOWN);)
 SEARCH_ROW(leave_bounds, put_f(r, leave_bounds(s->field, s->point, s->direction));)
 SEARCH_ROW(trace, const olx_trace_hit hit = olx_trace(s->field, &s->settings, s->point, s->direction, s->item->v[14]);
-    put_hit(s, r, &hit);)
+    put_hit(r, &hit);)
 
 static const parity_row ROWS[] = {
     PARITY(usable, 1e-5f, 1e-3),
@@ -119,9 +125,11 @@ static const parity_row ROWS[] = {
     PARITY(next_probe, 1e-5f, 1e-3),
     PARITY(search_probes, 1e-5f, 1e-3),
     PARITY(sky_radiance, 1e-5f, 1e-3),
-    PARITY(describe, 1e-5f, 1e-3),
+    PARITY(describe, 1e-4f, 1e-3),
+    PARITY(read_light, 1e-4f, 1e-3),
+    PARITY(unknown_hit, 1e-5f, 0),
     PARITY(leave_bounds, 1e-5f, 1e-3),
-    PARITY(trace, 1e-5f, 1e-3),
+    PARITY(trace, 1e-4f, 1e-3),
     PARITY(bricks_list, 1e-5f, 1e-3),
     PARITY(bricks_probe, 1e-5f, 1e-3),
     PARITY(probe_sees, 1e-5f, 1e-3),

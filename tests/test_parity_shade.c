@@ -65,13 +65,6 @@ static olx_trace_hit some_hit(const parity_state *s) {
                          .footprint_metres = 2.0f * s->random[0]};
 }
 
-// The device knows what emits from what it reflects by a mark alone.
-static olx_vec3 emitted_on_device(const parity_state *s, const olx_trace_hit *hit) {
-  if (!s->settings.emitters) return olx_splat(0.0f);
-  return hit->probe == UINT32_MAX || hit->status == OLX_TRACE_MISS ? hit->emission
-                                                                   : olx_texel_radiance(s->field, hit->probe, hit->texel);
-}
-
 static olx_vec2 pixel_of(const denoise_state *e, float dx, float dy) {
   return (olx_vec2){(float)e->pixel_x + dx, (float)e->pixel_y + dy};
 }
@@ -123,7 +116,7 @@ SHADE_ROW(glossy_draw, float weight; float half_cosine; olx_vec3 drawn;
 SHADE_ROW(glossy, float weight; float half_cosine; olx_trace_hit hit;
     const olx_vec3 light = olx_glossy(s->field, &s->settings, s->point, s->direction, s->view, s->random[2], random_2(s),
                                       &weight, &half_cosine, &hit);
-    put_3(r, hit.emitter ? emitted_on_device(s, &hit) : light);
+    put_3(r, light);
     put_f(r, weight); put_f(r, half_cosine); put_u(r, hit.status); put_u(r, hit.probe); put_f(r, hit.distance_metres);)
 #define DENOISE_ROW(name, ...)                                                                                         \
   static void row_##name(parity_state *s, parity_result *r) {                                                          \
@@ -136,8 +129,9 @@ DENOISE_ROW(finite, put_u(r, olx_finite(e->light_here.light)); put_u(r, olx_fini
 DENOISE_ROW(lobe_is_dim, put_u(r, olx_lobe_is_dim(&s->bsdf, s->random[3], s->random[2]));)
 DENOISE_ROW(dim_light, const olx_vec3 v = s->view; const olx_vec3 light = olx_v3(fabsf(v.x), fabsf(v.y), fabsf(v.z));
     put_3(r, olx_dim_light(&s->bsdf, s->random[3], light));)
-DENOISE_ROW(emission_counts, const olx_trace_hit hit = some_hit(s);
-    put_u(r, s->settings.emitters && olx_emission_faces(&hit, s->point));)
+DENOISE_ROW(emission_faces, const olx_trace_hit hit = some_hit(s); put_u(r, olx_emission_faces(&hit, s->point));)
+DENOISE_ROW(light_found, olx_trace_hit hit = some_hit(s); hit.radiance = s->direction; hit.emission = s->view;
+    put_3(r, olx_light_found(&s->settings, &hit, s->point));)
 DENOISE_ROW(nearness, const olx_trace_hit hit = some_hit(s); put_f(r, olx_nearness(&hit));)
 DENOISE_ROW(nothing_known, put_known(r, nothing_known);)
 DENOISE_ROW(guide_position, put_3(r, olx_guide_position(&e->guide, e->pixel_x, e->pixel_y));)
@@ -179,7 +173,8 @@ static const parity_row ROWS[] = {
     PARITY(finite, 1e-5f, 0),
     PARITY(lobe_is_dim, 1e-5f, 1e-3),
     PARITY(dim_light, 1e-5f, 0),
-    PARITY(emission_counts, 1e-5f, 1e-3),
+    PARITY(emission_faces, 1e-5f, 1e-3),
+    PARITY(light_found, 1e-5f, 1e-3),
     PARITY(nearness, 1e-5f, 0),
     PARITY(nothing_known, 1e-5f, 0),
     PARITY(guide_position, 1e-5f, 0),

@@ -50,6 +50,40 @@ static bool see(const parity_state *s, const surface_state *e, int32_t x, int32_
   return false;
 }
 
+// The structure, and right behind it the light.
+static uint32_t volume_word(const parity_state *s, uint32_t index) {
+  const olx_volume *v = &s->field->volume;
+  if (!v->header) return 0;
+  const uint32_t *words = (const uint32_t *)(const void *)v->header;
+  const uint32_t count = (uint32_t)(v->index - words) + v->header->size[0] * v->header->size[1] * v->header->size[2];
+  uint32_t word;
+  memcpy(&word, index < count ? words + index : (const uint32_t *)(const void *)v->irradiance + (index - count), 4);
+  return word;
+}
+
+typedef struct fallen {
+  olx_vec3 from, to;
+} fallen;
+
+// Light from the point's direction and its view as normals; irradiance probes are weighed for the first.
+static fallen fall_back(const parity_state *s) {
+  const olx_surface_point p = {.position = s->point, .geometric_normal = s->direction, .view = s->view};
+  olx_volume_light_at volume;
+  if (olx_volume_gather(s->field, p.position, p.geometric_normal, &volume)) {
+    return (fallen){olx_volume_towards(&volume, s->direction), olx_volume_towards(&volume, s->view)};
+  }
+  const olx_irradiance_weights w = olx_irradiance_weigh(&s->source, terms_of(&s->settings), s->settings.keep_buried,
+                                                        s->point, s->direction, s->view);
+  const olx_bilinear from = olx_bilinear_at(olx_octahedral_encode(s->direction), s->source.irradiance_n),
+                     to = olx_bilinear_at(olx_octahedral_encode(s->view), s->source.irradiance_n);
+  fallen f = {{0, 0, 0}, {0, 0, 0}};
+  for (uint32_t i = 0; i < w.count; i++) {
+    f.from = olx_madd(f.from, map_irradiance(&s->source, w.probe[i], &from), w.weight[i]);
+    f.to = olx_madd(f.to, map_irradiance(&s->source, w.probe[i], &to), w.weight[i]);
+  }
+  return f;
+}
+
 static void put_ranking(const parity_state *s, const surface_state *e, parity_result *r) {
   olx_sample_settings settings = s->settings;
   settings.max_probes = MOST_RANKED;
@@ -142,6 +176,17 @@ SURFACE_ROW(irradiance_both, const olx_irradiance_weights w = olx_irradiance_wei
     put_3(r, weighted_irradiance(&s->source, &w, s->direction)); put_3(r, weighted_irradiance(&s->source, &w, s->view));)
 SURFACE_ROW(factor, put_f(r, factor(s->random[0], s->random[1])); put_f(r, factor(0.0f, s->random[0]));
     put_f(r, factor(0.0f, 0.0f));)
+SURFACE_ROW(has_volume, put_u(r, s->field->volume.header != NULL);)
+SURFACE_ROW(volume_word, put_u(r, volume_word(s, s->bits[0] % 400u));)
+SURFACE_ROW(fallen_back, const fallen f = fall_back(s); put_3(r, f.from); put_3(r, f.to);)
+SURFACE_ROW(surface_light_from, olx_surface_light light = {.probes = 0}; blend b = {.count = 0};
+    if (s->bits[2] & 1u) gather(s->field, &s->settings, &e->p, &b);
+    if (b.count > 0) light = olx_surface_light_at(s->field, &s->settings, &e->p);
+    const bool bent = (s->bits[3] & 0x10000u) != 0;
+    if (b.count > 0 && bent) light.irradiance = mix(&b, &(uint32_t){0}); // without a source, 0 / 0 changes nothing
+    put_u(r, light.probes); put_3(r, light.irradiance);)
+SURFACE_ROW(volume_source, put_u(r, s->field->volume.header ? 2 : 4);)
+SURFACE_ROW(volume_irradiance, put_3(r, olx_volume_irradiance(s->field, s->point, s->direction));)
 SURFACE_ROW(surface_light_at, if (s->bits[3] & 0x40000u) s->settings.max_probes = 0;
     const olx_surface_light light = olx_surface_light_at(s->field, &s->settings, &e->p);
     put_light(r, light.irradiance, light.probes);)
@@ -168,6 +213,12 @@ static const parity_row ROWS[] = {
     PARITY(map_irradiance_both, 1e-4f, 1e-3),
     PARITY(irradiance_both, 1e-4f, 1e-3),
     PARITY(factor, 1e-5f, 0),
+    PARITY(has_volume, 0, 0),
+    PARITY(volume_word, 0, 0),
+    PARITY(fallen_back, 1e-4f, 1e-3),
+    PARITY(surface_light_from, 1e-3f, 1e-3),
+    PARITY(volume_source, 0, 0),
+    PARITY(volume_irradiance, 1e-4f, 1e-3),
     PARITY(surface_light_at, 1e-3f, 1e-3),
     PARITY(surface_irradiance, 1e-3f, 1e-3),
 };

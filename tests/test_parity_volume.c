@@ -148,18 +148,43 @@ static void harmonics_at(const setting *s, uint32_t i, olx_vec3 p, olx_vec3 n, a
   olx_harmonics_at(n, a->floats);
 }
 
-static void volume_gather(const setting *s, uint32_t i, olx_vec3 p, olx_vec3 n, answer *a) {
+static void volume_weight(const setting *s, uint32_t i, olx_vec3 p, olx_vec3 n, answer *a) {
+  (void)s, (void)i, (void)p;
+  const float x = n.x - floorf(n.x), y = n.y - floorf(n.y), z = n.z - floorf(n.z);
+  a->float_count = 8;
+  for (uint32_t k = 0; k < 8; k++) a->floats[k] = (k & 1 ? x : 1 - x) * (k & 2 ? y : 1 - y) * (k & 4 ? z : 1 - z);
+}
+
+// The light lies right behind the structure.
+static void volume_light(const setting *s, uint32_t i, olx_vec3 p, olx_vec3 n, answer *a) {
+  (void)p, (void)n;
+  a->whole_count = 1;
+  a->wholes[0] = (uint32_t)(s->cells.size_bytes / 4 + OLX_VOLUME_HALVES / 2 * (i % s->cells.probe_count));
+}
+
+static olx_vec3 probe_towards(const setting *s, uint32_t probe, olx_vec3 n) {
+  const uint16_t *halves = s->irradiance + (size_t)OLX_VOLUME_HALVES * probe;
+  float values[OLX_HARMONICS_MOST];
+  olx_harmonics_at(n, values);
+  olx_vec3 sum = {0, 0, 0};
+  for (uint32_t k = 0; k < OLX_HARMONICS_MOST; k++) {
+    sum = olx_madd(sum, olx_harmonics_coefficient(halves, k), values[k]);
+  }
+  return sum;
+}
+
+static void volume_probe(const setting *s, uint32_t i, olx_vec3 p, olx_vec3 n, answer *a) {
+  (void)p;
+  put_3(a, probe_towards(s, i % s->cells.probe_count, n));
+  put_3(a, probe_towards(s, i % s->cells.probe_count, olx_v3(n.y, n.z, n.x)));
+}
+
+static void volume_both(const setting *s, uint32_t i, olx_vec3 p, olx_vec3 n, answer *a) {
   (void)i;
   olx_volume_light_at light = {.coefficients = {{0}}};
   a->whole_count = 1;
   a->wholes[0] = olx_volume_gather(&s->field, p, n, &light);
-  for (uint32_t k = 0; k < 5; k++) put_3(a, light.coefficients[k]);
-}
-
-static void volume_towards(const setting *s, uint32_t i, olx_vec3 p, olx_vec3 n, answer *a) {
-  (void)i;
-  olx_volume_light_at light = {.coefficients = {{0}}};
-  olx_volume_gather(&s->field, p, n, &light);
+  put_3(a, olx_volume_towards(&light, n));
   put_3(a, olx_volume_towards(&light, olx_v3(n.y, n.z, n.x)));
 }
 
@@ -174,10 +199,12 @@ typedef struct volume_row {
 
 static const volume_row ROWS[] = {
     PARITY(volume_find, volume_find),
+    PARITY(volume_weight, volume_weight),
+    PARITY(volume_light, volume_light),
     PARITY(volume_coefficient, volume_coefficient),
     PARITY(harmonics_at, harmonics_at),
-    PARITY(volume_gather, volume_gather),
-    PARITY(volume_towards, volume_towards),
+    PARITY(volume_probe, volume_probe),
+    PARITY(volume_both, volume_both),
 };
 // clang-format on
 

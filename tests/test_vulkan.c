@@ -85,14 +85,12 @@ static olx_vec3 surface_irradiance(const olx_field *field, const olx_vulkan_sett
 
 static light expected_light(const olx_field *field, const olx_vulkan_settings *settings, const host_pixel *p,
                             const olx_bsdf *bsdf, uint32_t x, uint32_t y) {
-  olx_sample_settings sample = settings->sample;
-  sample.hits = OLX_HITS_STORED; // as on the device
   light l = {.irradiance = surface_irradiance(field, settings, p)};
   const uint32_t seed = olx_hash2(olx_hash2(x, y), 0x85EBCA6Bu + 3u), count = bsdf->alpha > 0.0f ? SAMPLES : 1;
   for (uint32_t j = 0; j < count; j++) {
     float weight, half_cosine;
     const olx_vec2 random = olx_stratified2(settings->sample_index * count + j, seed);
-    const olx_vec3 radiance = olx_glossy(field, &sample, p->position, p->normal, p->view, p->roughness,
+    const olx_vec3 radiance = olx_glossy(field, &settings->sample, p->position, p->normal, p->view, p->roughness,
                                          random, &weight, &half_cosine, NULL);
     const olx_vec3 reflected = olx_mul(olx_fresnel(bsdf, half_cosine), radiance);
     if (weight > 0.0f) l.glossy = olx_madd(l.glossy, reflected, weight / (float)count);
@@ -191,12 +189,12 @@ static misses judge_irradiance(const host_fixture *f, const host_view *view, con
   return (misses){off / sum, bad / pixels};
 }
 
-static olx_vec3 volume_irradiance(const olx_field *field, const olx_vulkan_settings *settings, const host_pixel *p) {
+static olx_vec3 probe_irradiance(const olx_field *field, const olx_vulkan_settings *settings, const host_pixel *p) {
   return olx_irradiance(field, &settings->sample, p->position, p->normal, p->view);
 }
 
 static olx_vec3 masked_irradiance(const olx_field *field, const olx_vulkan_settings *settings, const host_pixel *p) {
-  return p->dynamic ? volume_irradiance(field, settings, p) : surface_irradiance(field, settings, p);
+  return p->dynamic ? probe_irradiance(field, settings, p) : surface_irradiance(field, settings, p);
 }
 
 // Normals of the three kinds, and what they do to light, in 32 bits a channel and in 8.
@@ -215,14 +213,64 @@ static void images_tell_normals_and_what_is_dynamic(void **unused) {
     host_fixture_add_frame(&f);
     olx_vulkan_settings settings = test_settings();
     const double masked = judge_irradiance(&f, &view, &settings, masked_irradiance).relative_mse;
-    settings.volume = true;
-    const double volume = judge_irradiance(&f, &view, &settings, volume_irradiance).relative_mse;
-    settings.volume = false;
+    settings.irradiance_probes = true;
+    const double probes = judge_irradiance(&f, &view, &settings, probe_irradiance).relative_mse;
+    settings.irradiance_probes = false;
     const double other = judge_irradiance(&f, &view, &settings, surface_irradiance).relative_mse;
-    print_message("relative MSE with a mask %.2e, by the volume %.2e; of all as static %.2e\n", masked, volume, other);
-    assert_true(masked < limits[i] && volume < limits[i] && other > 1e-2);
+    print_message("relative MSE with a mask %.2e, by irradiance probes %.2e; of all as static %.2e\n", masked, probes, other);
+    assert_true(masked < limits[i] && probes < limits[i] && other > 1e-2);
     host_fixture_free(&f);
   }
+}
+
+// A volume whose one row of cubes fills the half of the room towards x = 0.
+typedef struct half_volume {
+  uint32_t words[16 + OLX_VOLUME_CORNERS + 6];
+  uint16_t irradiance[OLX_VOLUME_CORNERS * OLX_VOLUME_HALVES];
+} half_volume;
+
+static void add_volume(olx_field *field, half_volume *v) {
+  const olx_volume_header header = {
+      .origin = {0, 0, 0}, .cube_metres = 2.0f, .size = {1, 2, 3}, .cells = 1, .probes = OLX_VOLUME_CORNERS};
+  memcpy(v->words, &header, sizeof header);
+  for (uint32_t i = 0; i < OLX_VOLUME_CORNERS; i++) v->words[16 + i] = i;
+  for (uint32_t i = 0; i < 6; i++) v->words[16 + OLX_VOLUME_CORNERS + i] = OLX_VOLUME_CELL;
+  for (uint32_t i = 0; i < sizeof v->irradiance / 2; i++) {
+    v->irradiance[i] = olx_half_pack(olx_unit_float(olx_hash(i)) + (i % OLX_VOLUME_HALVES < 3 ? 3.0f : -0.5f));
+  }
+  assert_int_equal(olx_volume_open(v->words, sizeof v->words, "half", &field->volume), OLX_OK);
+  field->volume.irradiance = v->irradiance;
+}
+
+static olx_vec3 masked_volume(const olx_field *field, const olx_vulkan_settings *settings, const host_pixel *p) {
+  return p->dynamic ? olx_volume_irradiance(field, p->position, p->normal) : surface_irradiance(field, settings, p);
+}
+
+// What moves takes the volume, and no light where that has no cell; in the other half of the room irradiance probes answer for
+// static surfaces whose light is not stored.
+static void dynamic_objects_take_the_irradiance_volume(void **unused) {
+  (void)unused;
+  host_need_device(&device);
+  host_fixture f = {.device = &device, .messages = device.validation_messages, .field = host_field_make(128, 16)};
+  half_volume volume;
+  add_volume(f.field, &volume);
+  assert_int_equal(olx_vulkan_field_create(&device.host, f.field, &f.uploaded), OLX_OK);
+  f.images = make_images(WIDTH, HEIGHT, VK_FORMAT_R32G32B32A32_SFLOAT);
+  f.images.targets.geometric_normal = host_input(&f.images, HOST_GEOMETRIC_NORMAL);
+  f.images.targets.vertex_normal = host_input(&f.images, HOST_VERTEX_NORMAL);
+  f.images.targets.dynamic = host_input(&f.images, HOST_DYNAMIC);
+  host_fixture_add_frame(&f);
+  host_view view = VIEW;
+  view.bend = 0.5f;
+  olx_vulkan_settings settings = test_settings();
+  const double masked = judge_irradiance(&f, &view, &settings, masked_volume).relative_mse,
+               probes = judge_irradiance(&f, &view, &settings, masked_irradiance).relative_mse;
+  settings.sample.max_probes = 0; // nothing is stored
+  const double fallen = judge_irradiance(&f, &view, &settings, masked_volume).relative_mse;
+  print_message("relative MSE by the volume %.2e, without stored light %.2e; as if by irradiance probes %.2e\n", masked,
+                fallen, probes);
+  assert_true(masked < 1e-5 && fallen < 1e-5 && probes > 1e-2);
+  host_fixture_free(&f);
 }
 
 // The eye moves: at no place is irradiance other than on the CPU, where it hangs on places and normals alone, whether the
@@ -309,7 +357,7 @@ static void diffuse_light_takes_hardly_more_reads_than_it_must(void **unused) {
                                                 .pName = "main"},
                                       .layout = f.frame->layout};
   assert_int_equal(device.CreateShaderModule(device.host.device, &code, NULL, &info.stage.module), VK_SUCCESS);
-  VkPipeline *pipeline = &f.frame->pipelines[OLX_PASS_IRRADIANCE][0][0];
+  VkPipeline *pipeline = &f.frame->pipelines[OLX_PASS_IRRADIANCE][0][0][0];
   device.DestroyPipeline(device.host.device, *pipeline, NULL);
   assert_int_equal(device.CreateComputePipelines(device.host.device, VK_NULL_HANDLE, 1, &info, NULL, pipeline),
                    VK_SUCCESS);
@@ -318,7 +366,7 @@ static void diffuse_light_takes_hardly_more_reads_than_it_must(void **unused) {
   // light may weigh enough. By the volume irradiance and moments of eight probes.
   olx_vulkan_settings settings = test_settings();
   const reads stored = count_reads(&f, &settings);
-  settings.volume = true;
+  settings.irradiance_probes = true;
   const reads volume = count_reads(&f, &settings);
   print_message("stored: %.2f texels, %.2f filtered; volume: %.2f filtered\n", stored.fetched, stored.filtered,
                 volume.filtered);
@@ -342,6 +390,7 @@ static void wrong_images_are_named(void **unused) {
       {f.images.targets, "no glossy image"},
       {f.images.targets, "no pass 0x10"},
       {f.images.targets, "no tracer in 0x9"},
+      {f.images.targets, "no light of hits in 0x5"},
       {f.images.targets, "geometric normal image's VkFormat"},
       {f.images.targets, "dynamic image cannot be sampled in VkImageLayout 0"},
   };
@@ -350,10 +399,11 @@ static void wrong_images_are_named(void **unused) {
   cases[5].targets.glossy = VK_NULL_HANDLE;
   cases[6].targets.passes = 16;
   cases[7].targets.tracers = 9;
-  cases[8].targets.geometric_normal = host_input(&f.images, HOST_GEOMETRIC_NORMAL);
-  cases[8].targets.geometric_normal.format = VK_FORMAT_R8G8B8A8_UINT;
-  cases[9].targets.dynamic = host_input(&f.images, HOST_DYNAMIC);
-  cases[9].targets.dynamic.layout = VK_IMAGE_LAYOUT_UNDEFINED;
+  cases[8].targets.hits = 5;
+  cases[9].targets.geometric_normal = host_input(&f.images, HOST_GEOMETRIC_NORMAL);
+  cases[9].targets.geometric_normal.format = VK_FORMAT_R8G8B8A8_UINT;
+  cases[10].targets.dynamic = host_input(&f.images, HOST_DYNAMIC);
+  cases[10].targets.dynamic.layout = VK_IMAGE_LAYOUT_UNDEFINED;
   for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
     olx_vulkan_frame *frame = (void *)1;
     assert_int_equal(olx_vulkan_frame_create(f.uploaded, &cases[i].targets, &frame), OLX_ERROR_ARGUMENT);
@@ -412,7 +462,7 @@ static void only_the_passes_that_are_named_are_made(void **unused) {
   host_fixture_free(&f);
 }
 
-// A driver compiles each pair of a tracer and a selector by itself, when the frame is made and not when it is recorded.
+// A driver compiles each tracer with each selector and light of hits by itself, when the frame is made and not when it is recorded.
 static void each_tracer_and_selector_has_a_pipeline(void **unused) {
   (void)unused;
   host_fixture f = make_small_fixture();
@@ -436,6 +486,13 @@ static void each_tracer_and_selector_has_a_pipeline(void **unused) {
   assert_int_equal(olx_vulkan_frame_resize(f.frame, targets), OLX_OK);
   assert_int_equal(faults.pipelines, 5);
   assert_int_equal(olx_vulkan_record_glossy(f.frame, device.commands, &view, &settings), OLX_OK);
+  settings.sample.hits = OLX_HITS_STORED;
+  assert_int_equal(olx_vulkan_record_glossy(f.frame, device.commands, &view, &settings), OLX_ERROR_ARGUMENT);
+  assert_non_null(strstr(olx_last_error(), "light of hits 'stored'"));
+  settings.sample.hits = (olx_hits)2;
+  assert_int_equal(olx_vulkan_record_glossy(f.frame, device.commands, &view, &settings), OLX_ERROR_ARGUMENT);
+  assert_non_null(strstr(olx_last_error(), "no light of hits 2"));
+  settings.sample.hits = OLX_HITS_SHADED;
   assert_int_equal(faults.pipelines, 5);
   assert_true(gpu_commands_run(&device));
   host_fixture_free(&f);
@@ -759,6 +816,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(passes_give_the_light_of_the_cpu),
       cmocka_unit_test(images_tell_normals_and_what_is_dynamic),
+      cmocka_unit_test(dynamic_objects_take_the_irradiance_volume),
       cmocka_unit_test(irradiance_stays_as_the_eye_moves),
       cmocka_unit_test(a_frame_can_be_resized_and_reads_other_formats),
       cmocka_unit_test(diffuse_light_takes_hardly_more_reads_than_it_must),

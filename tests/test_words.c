@@ -153,6 +153,7 @@ static void memory_ends_with_a_true_count(void **state) {
   olx_bake_settings settings = olx_bake_settings_default(scene);
   settings.radiance_size = 8;
   settings.irradiance_grid = settings.grid;
+  settings.light = OLX_LIGHT_REFERENCE;
   const olx_result result = olx_bake(scene, &settings, path, NULL, NULL);
   olx_scene_free(scene);
   olx_set_hooks(NULL);

@@ -233,10 +233,11 @@ static olx_vulkan_targets make_targets(void) {
                               .denoise = OLX_VULKAN_LOBE_DIFFUSE | OLX_VULKAN_LOBE_GLOSSY};
 }
 
-// The passes of a frame, first as most games record them, then with the other tracers and selectors.
-static bool compile_frame(olx_vulkan_field *field, olx_vulkan_targets targets) {
+// The passes of a frame, first as most games record them, then with other light of hits, tracers and selectors.
+static bool compile_frame(olx_vulkan_field *field, const olx_field *source, olx_vulkan_targets targets) {
   static const compile_step plain = {{"irradiance", "composite", "accumulate", "filter"}, 4};
   static const compile_step glossy = {{"glossy", "dim"}, 2}, diffuse = {{"diffuse"}, 1}, again = {{"glossy"}, 1};
+  static const compile_step stored = {{"glossy, stored"}, 1}, relit = {{"glossy, stored", "glossy, relit"}, 2};
   static const char *const tracers[] = {", texel", ", two-level", ", hi-Z"};
   static const struct {
     olx_select select;
@@ -250,10 +251,15 @@ static bool compile_frame(olx_vulkan_field *field, olx_vulkan_targets targets) {
   targets.passes = OLX_VULKAN_PASS_IRRADIANCE | OLX_VULKAN_PASS_COMPOSITE;
   bool fine = begin_step(&plain, "") && end_step(olx_vulkan_frame_create(field, &targets, &frame));
   targets.passes = OLX_VULKAN_PASS_GLOSSY;
+  targets.hits = 1u << OLX_HITS_SHADED;
   fine = fine && begin_step(&glossy, "") && end_step(olx_vulkan_frame_resize(frame, &targets));
   targets.passes = OLX_VULKAN_PASS_DIFFUSE;
   fine = fine && begin_step(&diffuse, "") && end_step(olx_vulkan_frame_resize(frame, &targets));
   targets.passes = OLX_VULKAN_PASS_GLOSSY;
+  targets.hits = 1u << OLX_HITS_STORED;
+  fine = fine && begin_step(olx_field_describe(source).relight_size ? &relit : &stored, "") &&
+         end_step(olx_vulkan_frame_resize(frame, &targets));
+  targets.hits = 1u << OLX_HITS_SHADED;
   for (olx_tracer tracer = OLX_TRACER_TEXEL; fine && tracer < OLX_TRACER_HIZ; tracer++) {
     targets.tracers = 1u << tracer;
     fine = begin_step(&again, tracers[tracer]) && end_step(olx_vulkan_frame_resize(frame, &targets));
@@ -300,7 +306,7 @@ static bool compile_all(const olx_field *field) {
   host.get_instance_proc_addr = get_function;
   olx_vulkan_field *uploaded = NULL;
   const bool fine = gpu_check_library(job.device, olx_vulkan_field_create(&host, field, &uploaded)) &&
-                    compile_frame(uploaded, make_targets()) && compile_classic(uploaded, field) &&
+                    compile_frame(uploaded, field, make_targets()) && compile_classic(uploaded, field) &&
                     compile_relight(uploaded, field);
   olx_vulkan_field_destroy(uploaded);
   return fine;

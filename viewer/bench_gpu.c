@@ -15,7 +15,7 @@ enum { MAX_ROWS = 16, PATH_BYTES = 4096 };
 
 typedef struct arguments {
   const char *data, *scene, *field, *rows, *camera;
-  uint32_t size[2], frames, device, tracer, select;
+  uint32_t size[2], frames, device, tracer, select, hits;
   float bandwidth;
   bool json, quick, compare, list, validate, compile;
 } arguments;
@@ -86,6 +86,7 @@ static bench_settings settings_of(const arguments *a) {
   static const olx_select selectors[] = {OLX_SELECT_BEST, OLX_SELECT_CAGE, OLX_SELECT_BRICKS, OLX_SELECT_EXHAUSTIVE};
   settings.sample.tracer = (olx_tracer)a->tracer;
   settings.sample.select = selectors[a->select];
+  settings.sample.hits = (olx_hits)a->hits;
   return settings;
 }
 
@@ -156,6 +157,8 @@ int main(int argc, char **argv) {
       {"--frames", OPTION_COUNT, &a.frames, "N", "frames to take the median of; default 100", 1, 100000},
       {"--tracer", OPTION_CHOICE, &a.tracer, "texel|two-level|hiz", "default hiz", 0, 0},
       {"--select", OPTION_CHOICE, &a.select, "best|cage|bricks|exhaustive", "default best", 0, 0},
+      {"--hits", OPTION_CHOICE, &a.hits, "shaded|stored",
+       "light where rays end: of the surface there, or as a probe saw it; default shaded", 0, 0},
       {"--compare", OPTION_FLAG, &a.compare, NULL,
        "glossy light alone: two-level + cage against hi-Z + bricks, frames in turns", 0, 0},
       {"--compile", OPTION_FLAG, &a.compile, NULL,

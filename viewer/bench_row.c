@@ -118,10 +118,11 @@ static const struct {
   olx_select select;
 } PAIR[BENCH_PAIR] = {{OLX_TRACER_TWO_LEVEL, OLX_SELECT_CAGE}, {OLX_TRACER_HIZ, OLX_SELECT_BRICKS}};
 
-// The tracers and selectors that will be recorded.
+// The tracers, selectors and light of hits that will be recorded.
 static void name_ways(const bench_settings *s, olx_vulkan_targets *targets) {
   targets->tracers = 1u << s->sample.tracer;
   targets->selects = 1u << s->sample.select;
+  targets->hits = 1u << s->sample.hits;
   for (uint32_t k = 0; s->compare && k < BENCH_PAIR; k++) {
     targets->tracers |= 1u << PAIR[k].tracer;
     targets->selects |= 1u << PAIR[k].select;

@@ -127,6 +127,7 @@ bool view_options_read(int argc, char **argv, view_options *o, int *exit_code) {
   s->emitters = emitters == 1;
   s->tracer = sample.tracer;
   s->select = sample.select;
+  s->hits = sample.hits;
   s->visibility = sample.visibility == OLX_VISIBILITY_CHEBYSHEV;
   s->keep_buried = sample.keep_buried;
   if (o->screenshot && !o->frames && !o->script) o->frames = 1;

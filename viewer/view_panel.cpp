@@ -57,6 +57,7 @@ bool choose(const char *label, const char *words, uint32_t allowed, uint32_t *va
 void build_light(const view_facts *facts, view_state *s) {
   choose("mode", VIEW_MODE_WORDS, ~0u, &s->mode);
   choose("tracer", VIEW_TRACER_WORDS, ~0u, &s->tracer);
+  choose("hits", VIEW_HITS_WORDS, ~0u, &s->hits);
   const uint32_t baked =
       facts->field.select_mask & (1u << OLX_SELECT_CAGE | 1u << OLX_SELECT_BRICKS | 1u << OLX_SELECT_VORONOI);
   choose("selector", VIEW_SELECT_WORDS, baked | 1u << OLX_SELECT_EXHAUSTIVE | 1u << OLX_SELECT_BEST, &s->select);

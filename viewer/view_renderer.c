@@ -25,6 +25,7 @@ static bool attach(view_renderer *r, const view_state *s) {
   targets.passes = r->lit_passes |= wanted_passes(s);
   targets.tracers = r->lit_tracers |= 1u << s->tracer;
   targets.selects = r->lit_selects |= 1u << s->select;
+  targets.hits = r->lit_hits |= 1u << s->hits;
   r->history = 0;
   const olx_result result =
       r->lit ? olx_vulkan_frame_resize(r->lit, &targets) : olx_vulkan_frame_create(r->field, &targets, &r->lit);
@@ -77,7 +78,7 @@ void view_renderer_lit_size(const view_state *state, const uint32_t size[2], uin
 // Whether the frame has the pipelines that a state wants.
 static bool has_pipelines(const view_renderer *r, const view_state *s) {
   return r->lit && !(wanted_passes(s) & ~r->lit_passes) && r->lit_tracers >> s->tracer & 1u &&
-         r->lit_selects >> s->select & 1u;
+         r->lit_selects >> s->select & 1u && r->lit_hits >> s->hits & 1u;
 }
 
 bool view_renderer_is_ready(const view_renderer *r, const view_state *s) {
@@ -158,7 +159,7 @@ static bool record_relight(view_renderer *r, olx_vec3 eye, VkCommandBuffer comma
 
 // Whether the light of the frames before is that of this one.
 static bool history_holds(const view_state *a, const view_state *b) {
-  return a->mode == b->mode && denoised_lobes(a) == denoised_lobes(b) && a->select == b->select &&
+  return a->mode == b->mode && denoised_lobes(a) == denoised_lobes(b) && a->select == b->select && a->hits == b->hits &&
          a->visibility == b->visibility && a->keep_buried == b->keep_buried && a->emitters == b->emitters &&
          a->dim_lobe == b->dim_lobe && a->denoise == b->denoise;
 }
@@ -195,6 +196,7 @@ static olx_vulkan_settings settings_of(view_renderer *r, const view_state *s, co
   olx_vulkan_settings settings = olx_vulkan_settings_default();
   settings.sample.tracer = (olx_tracer)s->tracer;
   settings.sample.select = (olx_select)s->select;
+  settings.sample.hits = (olx_hits)s->hits;
   settings.sample.visibility = s->visibility ? OLX_VISIBILITY_CHEBYSHEV : OLX_VISIBILITY_NONE;
   settings.sample.keep_buried = s->keep_buried;
   settings.sample.emitters = view_meets_emitters(s->mode, s->emitters);
@@ -319,7 +321,8 @@ bool view_renderer_draw(view_renderer *r, const view_state *state, const view_ca
   if (!raster_view_make(&seen, r->raster.images.width, r->raster.images.height, r->near_metres, &view)) {
     return gpu_fail(d, "the camera has no view");
   }
-  const view_frame frame = {state, &r->field_info, &view, &r->raster.images, out->size[0], out->size[1]};
+  const view_frame frame = {state, &r->field_info, &view, &r->raster.images, out->size[0], out->size[1],
+                            r->relight != NULL};
   if (out->chain && !view_swapchain_acquire(d, out->chain, &image)) return false;
   if (!record(r, state, &frame, out, image, timings)) return false;
   read_times(r, timings);

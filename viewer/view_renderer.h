@@ -18,7 +18,7 @@ typedef struct view_renderer {
   olx_vulkan_field *field;
   olx_vulkan_frame *lit; // the host's side of Octalux's passes; NULL before the first picture
   uint32_t lit_passes;   // OLX_VULKAN_PASS_*: those that it has
-  uint32_t lit_tracers, lit_selects; // that were chosen so far, as olx_vulkan_targets has them
+  uint32_t lit_tracers, lit_selects, lit_hits; // that were chosen so far, as olx_vulkan_targets has them
   rasteriser raster;
   gpu_scene object;
   view_screen screen;

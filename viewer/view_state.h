@@ -39,6 +39,7 @@ typedef enum view_overlay {
 #define VIEW_OVERLAY_WORDS "none|probes|radiance|irradiance|weights|answer|unresolved|steps|map"
 
 #define VIEW_TRACER_WORDS "texel|two-level|hiz"
+#define VIEW_HITS_WORDS "shaded|stored"
 #define VIEW_SELECT_WORDS "cage|voronoi|octree|bricks|exhaustive|best"
 
 // The word of a list like the ones above, for people to read.
@@ -65,7 +66,7 @@ typedef struct view_lights {
 
 typedef struct view_state {
   uint32_t mode, overlay;
-  uint32_t tracer, select; // olx_tracer, olx_select
+  uint32_t tracer, select, hits; // olx_tracer, olx_select, olx_hits
   bool visibility, keep_buried;
   bool emitters;                // rays find lamps with an extent; with irradiance probes nothing could
   bool direct, diffuse, glossy; // layers that are added up

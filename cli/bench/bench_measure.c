@@ -96,7 +96,8 @@ olx_result bench_field_make(const olx_scene *scene, const bench_probes *probes, 
   if (settings.classic) settings.classic_cube_size = 2 * bake->classic_size;
   settings.radiance_size = probes->texels;
   settings.threads = bake->threads;
-  settings.select_mask = probes->grid[0] ? 1u << OLX_SELECT_CAGE : FREE_SELECTORS;
+  settings.seed = bake->seed;
+  settings.select_mask = bake->plain ? 0 : probes->grid[0] ? 1u << OLX_SELECT_CAGE : FREE_SELECTORS;
   olx_vec3 *positions = NULL;
   olx_result result;
   if (probes->exact) {

@@ -39,6 +39,8 @@ typedef struct bench_bake {
   olx_irradiance_form form;
   uint32_t classic_size; // of the maps of original irradiance probes; 0: none
   bool rough;            // place with few samples, for a quick look
+  bool plain;            // no structures of selectors but those that a bake makes anyway
+  uint32_t seed;         // of random numbers
 } bench_bake;
 
 typedef struct bench_field {

@@ -20,6 +20,7 @@ static const bench_plot plots[] = {
     {.caption = "Time of the bake", .x = "count", .y = "bake_s", .series = "gather", .log_x = true},
 };
 
+static const olx_bounce_gather ways[] = {OLX_GATHER_IRRADIANCE, OLX_GATHER_TRACED};
 static const char *const gather_names[] = {[OLX_GATHER_IRRADIANCE] = "irradiance maps", [OLX_GATHER_TRACED] = "rays"};
 
 // A field whose maps hold `bounces` - 1 of them, so that the picture holds `bounces`.
@@ -61,8 +62,8 @@ static olx_result run_count(bench *b, const olx_scene *scene, uint32_t bounces, 
   result =
       bench_reference(b, scene, &camera, 1, &settings, bounces < MANY ? bounces : OLX_BOUNCES_INFINITE, &reference);
   for (uint32_t i = 0; i < 2 && result == OLX_OK; ++i) {
-    shown[i] = (bench_shown){.way = gather_names[i], .images = &images[i]};
-    result = measure(b, scene, &camera, bounces, (olx_bounce_gather)i, reference, &images[i], table);
+    shown[i] = (bench_shown){.way = gather_names[ways[i]], .images = &images[i]};
+    result = measure(b, scene, &camera, bounces, ways[i], reference, &images[i], table);
   }
   if (bounces < MANY) snprintf(view, sizeof view, "%u bounce%s", bounces, bounces > 1 ? "s" : "");
   else snprintf(view, sizeof view, "many bounces");

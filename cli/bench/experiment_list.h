@@ -18,5 +18,6 @@ olx_result run_dissertation_table1(bench *b);
 olx_result run_bounces(bench *b);
 olx_result run_relight(bench *b);
 olx_result run_sh(bench *b);
+olx_result run_surfaces(bench *b);
 
 #endif

@@ -10,10 +10,11 @@ extern "C" {
 #endif
 #pragma GCC visibility push(default)
 
-// Where a bounce's diffuse light comes from (docs/baking.md).
+// Where irradiance probes find indirect light (docs/baking.md).
 typedef enum olx_bounce_gather {
-  OLX_GATHER_IRRADIANCE = 0, // the irradiance maps of the bounce before (McGuire et al. 2017, section 5.2)
-  OLX_GATHER_TRACED = 1      // rays, which find what probes stored of the bounce before where they see the rays' ends
+  OLX_GATHER_SOLVED = 0, // the light of the scene, solved once; with `relight` or OLX_LIGHT_REFERENCE the next
+  OLX_GATHER_IRRADIANCE, // bounces between them: the irradiance maps of the bounce before (McGuire et al. 2017, section 5.2)
+  OLX_GATHER_TRACED      // bounces between them: rays, which find what probes stored of the bounce before
 } olx_bounce_gather;
 
 // Where the indirect light of what light field probes see comes from.
@@ -36,10 +37,10 @@ typedef struct olx_bake_settings {
   uint32_t radiance_size;   // texels along a side: a power of two, 8 to 2048; default 512
   uint32_t irradiance_size; // a power of two, 8 to 256; default 128
   olx_irradiance_form irradiance_form; // spherical harmonics exclude `relight`; default OLX_IRRADIANCE_OCTAHEDRAL
-  uint32_t samples;         // radiance samples along a texel's side, 1 to 8; default 2 (four a texel)
-  uint32_t light_samples;   // shadow rays a radiance sample sends to area lights and to the sky, 1 to 64; default 1
+  uint32_t samples;         // samples of surfaces along a texel's side, 1 to 8; default 2 (four a texel)
+  uint32_t light_samples;   // shadow rays a sample sends to area lights and to the sky, 1 to 64; default 1
   uint32_t bounces;         // further bounces after direct light, 0 to 64; default 3
-  olx_bake_light light;     // of what light field probes see; default OLX_LIGHT_CACHE
+  olx_bake_light light;     // default OLX_LIGHT_CACHE
   float noise;              // upper bound on the standard error of indirect light, as a share of it, 0.001 to 1; default 0.02
   uint32_t reference_paths; // a texel, with OLX_LIGHT_REFERENCE, 1 to 65536; default 64
   uint32_t volume_cells;    // smallest cells of the irradiance volume along the longest side of free space, 0 to 256, and
@@ -48,7 +49,7 @@ typedef struct olx_bake_settings {
   uint32_t classic_size;    // texels along a side of these: a power of two, 32 to 256; default 128
   uint32_t classic_cube_size; // along a face of the cube maps that they come from: a power of two, 32 to 1024; default 256
   uint32_t classic_sharpness; // exponent of the filter between the two, 64 to 65536; 0, the default: as wide as a texel
-  olx_bounce_gather bounce_gather; // for irradiance probes; default OLX_GATHER_IRRADIANCE
+  olx_bounce_gather bounce_gather; // for irradiance probes; default OLX_GATHER_SOLVED
   bool relight;                    // also keep what it takes to change lights later (octalux/relight.h); default false
   bool fit;                        // fit irradiance maps to the surfaces they light (docs/baking.md); default true
   uint32_t seed;                   // another one draws other random numbers, for an idea of a bake's noise; default 0
@@ -67,6 +68,8 @@ typedef struct olx_bake_stats {
   uint64_t primary_rays; // of the light field probes
   double seconds;        // everything but writing the file
   double light_seconds;  // of them, for solving the light of the scene
+  double irradiance_seconds; // and for irradiance probes
+  double capture_seconds;    // and for what light field probes see
   uint32_t surfels;      // at which it was gathered
   double noise;          // standard error of indirect light that was reached, as a share of it
   uint64_t light_bytes;  // memory that surfels and their links took

@@ -119,9 +119,11 @@ typedef struct olx_vulkan_targets {
   VkImageView color;      // in and out: the host's picture in linear radiance
   uint32_t denoise;       // OLX_VULKAN_LOBE_*: lobes to keep a history for; 0: none, and no memory
   uint32_t passes;        // OLX_VULKAN_PASS_*: those that will be recorded; 0: all
-  // Tracers and selectors that settings will name, as bits 1 << olx_tracer and 1 << olx_select. Each of a pair has a pipeline of
-  // its own, made here, so that recording makes none. 0: OLX_TRACER_HIZ; OLX_SELECT_BEST.
-  uint32_t tracers, selects;
+  // Tracers, selectors and kinds of light at the end of rays that settings will name, as bits 1 << olx_tracer, 1 << olx_select and
+  // 1 << olx_hits. Each three have a pipeline of their own, made here, so that recording makes none. 0: OLX_TRACER_HIZ;
+  // OLX_SELECT_BEST; OLX_HITS_SHADED, and for a field that was baked for relighting OLX_HITS_STORED as well. Once a relighter changes
+  // the field's lights it is OLX_HITS_STORED whatever settings name.
+  uint32_t tracers, selects, hits;
 } olx_vulkan_targets;
 
 // Pipelines, descriptor sets for one set of the host's images, and the denoiser's history, which is ours: 32 bytes a pixel and
@@ -138,8 +140,8 @@ olx_result olx_vulkan_frame_create(olx_vulkan_field *field, const olx_vulkan_tar
                                    olx_vulkan_frame **frame);
 
 // Take other images, of this or another size, with a history or without. The history begins anew: the next denoised frame has
-// the number 0. Passes, tracers and selectors that targets name and the frame lacks are added to those that it has. On failure the
-// frame keeps what it had.
+// the number 0. Passes, tracers, selectors and kinds of light that targets name and the frame lacks are added to
+// those that it has. On failure the frame keeps what it had.
 olx_result olx_vulkan_frame_resize(olx_vulkan_frame *frame, const olx_vulkan_targets *targets);
 
 // NULL is allowed. The host's images are not touched.
@@ -170,7 +172,7 @@ typedef struct olx_vulkan_settings {
   uint32_t glossy_samples;    // rays a pixel on glossy surfaces, 1 to 4096; default 1. Mirrors take 1
   uint32_t sample_index;      // which part of a pixel's sequence of random numbers: count frames here; default 0
   uint32_t seed;              // another sequence for every pixel; default 0
-  bool volume; // irradiance comes from the irradiance volume alone, as if all were dynamic; default false
+  bool irradiance_probes; // irradiance comes from irradiance probes alone; default false
   float dim_lobe; // rough specular lobes that reflect less than this share towards the eye are not traced but
                   // take irradiance; default 0 (section 6)
   olx_vulkan_denoise denoise;
@@ -179,7 +181,7 @@ typedef struct olx_vulkan_settings {
 olx_vulkan_settings olx_vulkan_settings_default(void);
 
 // Recording. Call outside a render pass, in a command buffer of the field's queue family. Each call binds a compute pipeline,
-// descriptor sets 0 and 1, and push constants. A pass, a tracer or a selector that the frame was made without is
+// descriptor sets 0 and 1, and push constants. A pass, a tracer, a selector or light of hits that the frame was made without is
 // OLX_ERROR_ARGUMENT.
 //
 // Barriers are the host's at both ends and ours between: before the first pass, the inputs' writes and earlier uses of the
@@ -193,8 +195,9 @@ olx_vulkan_settings olx_vulkan_settings_default(void);
 //   prefiltered  olx_vulkan_record_irradiance, _glossy, _denoise, _composite, denoise.lobes OLX_VULKAN_LOBE_GLOSSY
 
 // Diffuse: targets.irradiance from the light that the field stores where surfaces are (octalux/sample.h,
-// olx_surface_irradiance); of dynamic objects, where nothing is stored, in a field whose lights a relighter changes, and with
-// settings->volume, from the irradiance probes (McGuire et al. 2017, section 5.2).
+// olx_surface_irradiance), and where nothing is stored and on dynamic objects from the irradiance volume (olx_volume_irradiance). In
+// a field whose lights a relighter changes, and with settings->irradiance_probes, from irradiance probes (McGuire et al. 2017,
+// section 5.2).
 olx_result olx_vulkan_record_irradiance(const olx_vulkan_frame *frame, VkCommandBuffer commands,
                                         const olx_vulkan_view *view, const olx_vulkan_settings *settings);
 

@@ -43,6 +43,16 @@ vec3 olx_bsdf_diffuse(olx_bsdf b, float cosine_view) {
 
 bool olx_bsdf_has_specular(olx_bsdf b) { return b.f90 > 0.0; }
 
+// What the specular lobe reflects of light that comes from all directions alike, towards an eye at normal . view. For a mirror
+// it is Fresnel's factor; rough lobes reflect less, at grazing angles far less.
+vec3 olx_bsdf_specular_albedo(olx_bsdf b, float cosine_view) {
+  float m = clamp(cosine_view, 0.0, 1.0), m2 = m * m, a = b.alpha, r = sqrt(a);
+  float lost = a * (0.469 + 1.058 * m - 1.429 * m2 + r * (-0.389 + 0.254 * m + 0.754 * m2));
+  float spread = a * (11.661 - 87.714 * m + 111.745 * m2 + r * (11.937 + 73.136 * m - 134.926 * m2));
+  float grazing = olx_pow5(1.0 - m) / max(1.0 + spread, 1.0);
+  return b.f0 * max(1.0 - lost - grazing, 0.0) + vec3(b.f90 * grazing);
+}
+
 // Whether the specular lobe is rough and reflects less than `share` towards an eye at normal . view; and its light
 // then: that of all directions alike.
 bool olx_lobe_is_dim(olx_bsdf b, float cosine_view, float share) {
@@ -51,7 +61,7 @@ bool olx_lobe_is_dim(olx_bsdf b, float cosine_view, float share) {
 }
 
 vec3 olx_dim_light(olx_bsdf b, float cosine_view, vec3 irradiance) {
-  return olx_fresnel(b, cosine_view) * irradiance * (1.0 / OLX_PI);
+  return olx_bsdf_specular_albedo(b, cosine_view) * irradiance * (1.0 / OLX_PI);
 }
 
 // Smith's lambda.

@@ -4,11 +4,15 @@
 
 #include "trace.glsl"
 
-// Whether light straight from an emitter belongs to what a ray from `origin` found. A probe that saw an emitter's front
-// says nothing about its back, which rays meet when they come from behind.
-bool olx_emission_counts(olx_sample_settings settings, olx_trace_hit hit, vec3 origin) {
-  if (!settings.emitters) return false;
+// Whether a ray from `origin` found the shining side of what emits. A probe that saw an emitter's front says nothing
+// about its back, which rays meet when they come from behind.
+bool olx_emission_faces(olx_trace_hit hit, vec3 origin) {
   return hit.status == OLX_TRACE_MISS || olx_dot(hit.position - origin, hit.normal) < 0.0;
+}
+
+// Light that a ray from `origin` found: what the surface reflects, and what it emits where that counts.
+vec3 olx_light_found(olx_sample_settings settings, olx_trace_hit hit, vec3 origin) {
+  return hit.radiance + (settings.emitters && olx_emission_faces(hit, origin) ? hit.emission : vec3(0.0));
 }
 
 // 1 / distance to what a ray met, 0 for the sky. Nearer than a texel is wide, distances say nothing.

@@ -3,6 +3,7 @@
 #define OLX_GLOSSY_GLSL
 
 #include "bsdf.glsl"
+#include "further.glsl"
 #include "trace.glsl"
 
 // Draws a reflection by `random` (two numbers in [0, 1)). `weight` receives the BRDF times cosine over the pdf for Fresnel
@@ -19,18 +20,30 @@ bool olx_glossy_draw(vec3 normal, vec3 view, float roughness, vec2 random, out v
   return weight > 0.0;
 }
 
-// Traces the reflection that olx_glossy_draw draws and returns its radiance. `hit` receives what the ray found; no ray
-// is traced below the surface.
+// Traces the reflection that olx_glossy_draw draws and returns its light. `hit` receives what the ray found; no ray is
+// traced below the surface. There is one place that traces, because compilers put the whole search there.
 vec3 olx_glossy(olx_sample_settings settings, vec3 position, vec3 normal, vec3 view, float roughness, vec2 random,
                 out float weight, out float half_cosine, out olx_trace_hit hit) {
-  vec3 direction;
-  if (!olx_glossy_draw(normal, view, roughness, random, direction, weight, half_cosine)) {
-    vec3 none = vec3(0.0);
-    hit = olx_trace_hit(OLX_TRACE_MISS, OLX_INFINITY, none, none, none, false, OLX_NO_PROBE, 0.0, 0u, 0u);
-    return vec3(0.0);
+  hit = olx_unknown_hit(OLX_TRACE_MISS, OLX_INFINITY);
+  olx_further_ray ray = olx_further_ray(position, vec3(0.0), vec3(1.0));
+  vec3 light = vec3(0.0), lobe = vec3(0.0);
+  bool further = false;
+  bool more = olx_glossy_draw(normal, view, roughness, random, ray.direction, weight, half_cosine);
+  while (more) {
+    olx_trace_hit found = olx_trace(settings, ray.origin, ray.direction, OLX_INFINITY);
+    if (further) {
+      light += olx_further_light(lobe, ray, found);
+      more = false;
+    } else {
+      hit = found;
+      light = olx_light_found(settings, hit, position);
+      more = olx_further_draw(hit, ray.direction, random, ray);
+      lobe = hit.lobe;
+      if (more) light -= lobe;
+      further = true;
+    }
   }
-  hit = olx_trace(settings, position, direction, OLX_INFINITY);
-  return hit.emitter && !settings.emitters ? vec3(0.0) : hit.radiance;
+  return light;
 }
 
 #endif

@@ -25,6 +25,9 @@ layout(set = OLX_FIELD_SET, binding = OLX_BINDING_DISTANCE) uniform usampler2DAr
 layout(set = OLX_FIELD_SET, binding = OLX_BINDING_IRRADIANCE) uniform sampler2DArray olx_irradiance_maps;
 layout(set = OLX_FIELD_SET, binding = OLX_BINDING_MOMENTS) uniform sampler2DArray olx_moments_maps;
 layout(set = OLX_FIELD_SET, binding = OLX_BINDING_INDIRECT) uniform sampler2DArray olx_indirect_maps;
+layout(set = OLX_FIELD_SET, binding = OLX_BINDING_DIRECT) uniform sampler2DArray olx_direct_maps;
+layout(set = OLX_FIELD_SET, binding = OLX_BINDING_BASE) uniform sampler2DArray olx_base_maps;
+layout(set = OLX_FIELD_SET, binding = OLX_BINDING_SPECULAR) uniform sampler2DArray olx_specular_maps;
 
 vec3 olx_probe_position(uint probe) { return vec3(olx_probes[probe].x, olx_probes[probe].y, olx_probes[probe].z); }
 

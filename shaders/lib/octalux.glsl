@@ -2,7 +2,8 @@
 // defined before), and calls
 //
 //   olx_surface_irradiance(settings, position, geometric_normal, shading_normal, view)   irradiance on a static surface
-//   olx_irradiance(settings, position, normal, view)           irradiance at a point
+//   olx_volume_irradiance(position, normal)                    irradiance in free space
+//   olx_irradiance(settings, position, normal, view)           irradiance at a point, of irradiance probes
 //   olx_trace(settings, origin, direction, t_max)              what a ray sees
 //   olx_glossy(settings, position, normal, view, roughness, random, weight, half_cosine, hit)   light along a lobe
 //

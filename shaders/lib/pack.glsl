@@ -30,6 +30,11 @@ vec3 olx_r11g11b10f_unpack(uint packed) {
               olx_small_float_unpack(packed >> 22, 5u));
 }
 
+vec3 olx_rgb9e5_unpack(uint packed) {
+  float scale = uintBitsToFloat(((packed >> 27) + 103u) << 23); // 2^(exponent - 24)
+  return vec3(packed & 0x1FFu, packed >> 9 & 0x1FFu, packed >> 18 & 0x1FFu) * scale;
+}
+
 // To nearest. Negative numbers and NaN become 0; what is too large becomes the largest finite value.
 uint olx_small_float_pack(float f, uint mantissa) {
   if (!(f > 0.0)) return 0u;

@@ -6,20 +6,23 @@
 
 layout(constant_id = OLX_CONSTANT_TRACER) const uint olx_constant_tracer = 2u; // OLX_TRACER_HIZ
 layout(constant_id = OLX_CONSTANT_SELECT) const uint olx_constant_select = 3u; // OLX_SELECT_BRICKS
+layout(constant_id = OLX_CONSTANT_HITS) const uint olx_constant_hits = 0u;     // OLX_HITS_SHADED
 
-// See olx_sample_settings in octalux/sample.h. Tracer and selector that are no constants make a shader that holds all of
-// them: several times the code, which takes drivers several times as long to compile.
+// See olx_sample_settings in octalux/sample.h. Tracer, selector and light of hits that are no constants make a shader
+// that holds all of them: several times the code, which takes drivers several times as long to compile.
 struct olx_sample_settings {
   uint tracer; // OLX_TRACER_*
   uint select; // OLX_SELECT_*
   bool visibility;
   uint max_probes;
   bool keep_buried, emitters;
+  uint hits;               // OLX_HITS_*
   float surface_tolerance; // footprints
 };
 
 olx_sample_settings olx_sample_settings_default() {
-  return olx_sample_settings(olx_constant_tracer, olx_constant_select, true, 16u, false, false, 0.0);
+  return olx_sample_settings(olx_constant_tracer, olx_constant_select, true, 16u, false, false, olx_constant_hits,
+                             0.0);
 }
 
 #endif

@@ -8,6 +8,7 @@
 #include "bricks.glsl"
 #include "irradiance.glsl"
 #include "texels.glsl"
+#include "volume_irradiance.glsl"
 
 const uint OLX_MOST_RANKED = 128u, OLX_MOST_BLENDED = 4u;
 const float OLX_DISTANCE_ERROR = 1.0 / 2048.0;
@@ -19,6 +20,8 @@ const float OLX_LEAST_AGREEMENT = 0.7, OLX_FULL_AGREEMENT = 0.8;
 const float OLX_BLEND_ABOVE = 0.8;
 const float OLX_LEAST_TEXEL_SHARE = 1e-5;
 const float OLX_MOST_CHANGE = 4.0;
+// Where light is looked for, as bits.
+const uint OLX_SOURCE_TEXELS = 1u, OLX_SOURCE_VOLUME = 2u, OLX_SOURCE_PROBES = 4u;
 
 struct olx_ranked_probe {
   uint place; // among those that are ranked
@@ -145,7 +148,8 @@ float olx_passes(olx_seen_texel texel, olx_seen_texel other) {
   return before ? 1.0 : max(2.0 + height / allowed, 0.0);
 }
 
-// The same past those of four texels that see another surface.
+// How much of the light of `texel` reaches over to the point, where those of four texels a to d that are marked in `others`
+// see another surface.
 float olx_passes_all(olx_seen_texel texel, olx_seen_texel a, olx_seen_texel b, olx_seen_texel c, olx_seen_texel d,
                      bvec4 others) {
   float share = others.x ? olx_passes(texel, a) : 1.0;
@@ -225,22 +229,37 @@ olx_surface_light olx_mix(olx_blend b) {
                            counts.x + counts.y + counts.z + counts.w);
 }
 
-// Irradiance in W/m^2 at a point of a surface. Directions are unit; normals are on the side that is looked at: that of the
-// triangle, that between its corners, and that as a normal map bends it. With settings.max_probes 0 nothing stored is
-// looked for, and the irradiance volume answers.
-olx_surface_light olx_surface_light_at(olx_sample_settings settings, vec3 position, vec3 geometric_normal,
-                                       vec3 vertex_normal, vec3 shading_normal, vec3 view) {
+// Irradiance for two normals where nothing is stored, of those sources that are named: the irradiance volume, and where it
+// has no cell irradiance probes.
+mat2x3 olx_fallen_back(olx_sample_settings settings, uint sources, vec3 position, vec3 geometric_normal, vec3 from,
+                       vec3 to, vec3 view) {
+  mat2x3 irradiance = mat2x3(0.0);
+  bool found = false;
+  if ((sources & OLX_SOURCE_VOLUME) != 0u && olx_has_volume()) {
+    found = olx_volume_both(position, geometric_normal, from, to, irradiance);
+  }
+  if (!found && (sources & OLX_SOURCE_PROBES) != 0u) {
+    irradiance = olx_irradiance_both(settings, position, from, to, view);
+  }
+  return irradiance;
+}
+
+// Irradiance in W/m^2 at a point of a surface, of OLX_SOURCE_*. Directions are unit; normals are on the side that is
+// looked at: that of the triangle, that between its corners, and that as a normal map bends it.
+olx_surface_light olx_surface_light_from(olx_sample_settings settings, uint sources, vec3 position,
+                                         vec3 geometric_normal, vec3 vertex_normal, vec3 shading_normal, vec3 view) {
   olx_surface_light light = olx_surface_light(vec3(0.0), 0u);
   bool finite = olx_finite(position) && olx_finite(geometric_normal) && olx_finite(vertex_normal) &&
                 olx_finite(shading_normal) && olx_finite(view);
   if (finite) {
+    if ((sources & OLX_SOURCE_TEXELS) == 0u) settings.max_probes = 0u;
     olx_blend b = olx_gather(settings, position, geometric_normal);
     bool stored = b.count > 0u;
     if (stored) light = olx_mix(b);
     vec3 bent = shading_normal - vertex_normal;
     if (!stored || olx_dot(bent, bent) > 1e-6) {
       vec3 from = stored ? vertex_normal : shading_normal;
-      mat2x3 e = olx_irradiance_both(settings, position, from, shading_normal, view);
+      mat2x3 e = olx_fallen_back(settings, sources, position, geometric_normal, from, shading_normal, view);
       vec3 change = vec3(olx_factor(e[0].x, e[1].x), olx_factor(e[0].y, e[1].y), olx_factor(e[0].z, e[1].z));
       light.irradiance = stored ? light.irradiance * min(change, vec3(OLX_MOST_CHANGE)) : e[1];
     }
@@ -248,9 +267,31 @@ olx_surface_light olx_surface_light_at(olx_sample_settings settings, vec3 positi
   return light;
 }
 
+// Irradiance of all sources.
+olx_surface_light olx_surface_light_at(olx_sample_settings settings, vec3 position, vec3 geometric_normal,
+                                       vec3 vertex_normal, vec3 shading_normal, vec3 view) {
+  return olx_surface_light_from(settings, OLX_SOURCE_TEXELS | OLX_SOURCE_VOLUME | OLX_SOURCE_PROBES, position,
+                                geometric_normal, vertex_normal, shading_normal, view);
+}
+
+// Of irradiance probes where the field has no volume.
+uint olx_volume_source() { return olx_has_volume() ? OLX_SOURCE_VOLUME : OLX_SOURCE_PROBES; }
+
+// Indirect irradiance in W/m^2 anywhere in free space, for what moves: what olx_volume_irradiance in octalux/sample.h
+// says. In a field whose lights have changed since it was baked, use olx_irradiance.
+vec3 olx_volume_irradiance(vec3 position, vec3 normal) {
+  bool finite = olx_finite(position) && olx_finite(normal);
+  vec3 irradiance = vec3(0.0);
+  if (finite) {
+    irradiance = olx_fallen_back(olx_sample_settings_default(), olx_volume_source(), position, normal, normal, normal,
+                                 normal)[0];
+  }
+  return irradiance;
+}
+
 // Indirect irradiance in W/m^2 on a static surface, from the light that the field stores where surfaces are: what
-// olx_surface_irradiance in octalux/sample.h says. For what moves, and in a field whose lights have changed since it was
-// baked, use olx_irradiance.
+// olx_surface_irradiance in octalux/sample.h says. For what moves use olx_volume_irradiance, and in a field whose lights
+// have changed since it was baked olx_irradiance.
 vec3 olx_surface_irradiance(olx_sample_settings settings, vec3 position, vec3 geometric_normal, vec3 shading_normal,
                             vec3 view) {
   return olx_surface_light_at(settings, position, geometric_normal, geometric_normal, shading_normal, view).irradiance;

@@ -9,6 +9,7 @@
 #include "select.glsl"
 #include "settings.glsl"
 #include "sight.glsl"
+#include "texel_shade.glsl"
 #include "voronoi.glsl"
 
 const float OLX_HAND_OVER_FOOTPRINTS = 0.5;
@@ -21,9 +22,12 @@ struct olx_trace_hit {
   float distance_metres; // along the ray; infinite for a miss to the sky
   vec3 position;
   vec3 normal;   // of the surface, towards the probe that saw it
-  vec3 radiance; // of the sky for a miss
-  bool emitter;  // the radiance comes straight from an emitter or the sky
+  vec3 radiance; // that the surface reflects along the ray; 0 for a miss
+  vec3 lobe;     // the part of it that stands for the specular lobe, as in octalux/sample.h
+  vec3 emission; // that an emitter sends towards the probe, or the sky along the ray
+  bool emitter;  // the ray ends at an emitter or in the sky
   uint probe;    // that answered, or OLX_NO_PROBE
+  ivec2 texel;   // of the probe's maps
   float footprint_metres;
   uint texel_steps, probes_tried;
 };
@@ -200,28 +204,54 @@ vec3 olx_sky_radiance(vec3 direction) {
   for (uint probe = 0u; probe < olx_field.probe_count; probe++) {
     ivec3 map = olx_map_origin(probe);
     if (olx_texel_distance(map, texel) < OLX_INFINITY) continue;
-    radiance = olx_texel_radiance(map, texel);
+    radiance = olx_texel_emission(probe, texel);
     break;
   }
   return radiance;
 }
 
+// What no probe knows anything of.
+olx_trace_hit olx_unknown_hit(uint status, float distance_metres) {
+  vec3 none = vec3(0.0);
+  return olx_trace_hit(status, distance_metres, none, none, none, none, none, false, OLX_NO_PROBE, ivec2(0), 0.0,
+                       0u, 0u);
+}
+
+// Light that the hit's texel holds. The surfaces of a field whose lights have changed hold the light of before.
+void olx_read_light(olx_search s, inout olx_trace_hit hit) {
+  ivec3 map = olx_map_origin(hit.probe);
+  hit.emitter = olx_texel_emits(map, hit.texel);
+  if (hit.emitter) hit.emission = olx_texel_emission(hit.probe, hit.texel);
+  uint hits = s.settings.hits;
+  bool stored = hits != OLX_HITS_SHADED;
+  if (stored && !hit.emitter) hit.radiance = olx_texel_radiance(map, hit.texel);
+  // Stored radiance of a texel that emits is the sum of both.
+  if (hits != OLX_HITS_RELIT && (!stored || hit.emitter)) {
+    olx_reflection light = olx_texel_shade(map, hit.texel, hit.position, s.direction);
+    hit.radiance = light.reflected + light.lobe;
+    if (!stored) hit.lobe = light.lobe;
+  }
+}
+
 // What the search's answer says of a ray that was to end at t_max.
 olx_trace_hit olx_describe(olx_search s, float t_max) {
   olx_probe_answer answer = s.answer;
-  olx_trace_hit hit = olx_trace_hit(answer.status, answer.t, olx_ray_point(s, answer.t), vec3(0.0), vec3(0.0), false,
-                                    s.answered, 0.0, s.steps, s.attempts);
+  olx_trace_hit hit = olx_unknown_hit(answer.status, answer.t);
+  hit.position = olx_ray_point(s, answer.t);
+  hit.probe = s.answered;
+  hit.texel_steps = s.steps;
+  hit.probes_tried = s.attempts;
   if (answer.status != OLX_TRACE_MISS) {
     ivec3 map = olx_map_origin(s.answered);
-    hit.radiance = olx_texel_radiance(map, answer.texel);
-    hit.emitter = olx_texel_emits(map, answer.texel);
+    hit.texel = answer.texel;
+    olx_read_light(s, hit);
     hit.normal = olx_texel_normal(map, answer.texel);
     vec2 uv = olx_octahedral_encode(hit.position - olx_probe_position(s.answered));
     hit.footprint_metres = olx_texel_distance(map, answer.texel) * sqrt(olx_texel_solid_angle_near(uv, olx_field.n));
   } else if (s.t_max < t_max) { // else it ends in free space
     hit.distance_metres = OLX_INFINITY;
     hit.emitter = true;
-    hit.radiance = olx_sky_radiance(s.direction);
+    hit.emission = olx_sky_radiance(s.direction);
   }
   return hit;
 }
@@ -244,8 +274,7 @@ float olx_leave_bounds(vec3 origin, vec3 direction) {
 // What does the ray from `origin` (metres) along the unit vector `direction` see first, within t_max_metres
 // (OLX_INFINITY for no limit)?
 olx_trace_hit olx_trace(olx_sample_settings settings, vec3 origin, vec3 direction, float t_max_metres) {
-  vec3 none = vec3(0.0);
-  olx_trace_hit hit = olx_trace_hit(OLX_TRACE_UNKNOWN, 0.0, none, none, none, false, OLX_NO_PROBE, 0.0, 0u, 0u);
+  olx_trace_hit hit = olx_unknown_hit(OLX_TRACE_UNKNOWN, 0.0);
   if (olx_is_ray(origin, direction, t_max_metres)) {
     olx_probe_answer unknown = olx_probe_answer(OLX_TRACE_UNKNOWN, 0.0, ivec2(0), 0.0, 0u);
     float t_max = min(t_max_metres, olx_leave_bounds(origin, direction));

@@ -1,11 +1,21 @@
 // Twin of src/shade/volume_irradiance.c and olx_volume_find: irradiance in free space from the irradiance volume
-// (docs/maths.md). Whoever includes this has declared `uint olx_volume_word(uint index)` before: the words of chunk
-// VOLU, and behind them those of VIRR, as they lie in the file (docs/format.md). A look-up reads at most three entries,
-// some splits, eight numbers of probes and fourteen words of each.
+// (docs/maths.md). A look-up reads at most three entries, some splits, eight numbers of probes and fourteen words of
+// each. The C adds up coefficients of harmonics first and evaluates their sum; here each probe is evaluated for the
+// normals that are wanted, and light is added up: no array lies in memory.
 #ifndef OLX_VOLUME_IRRADIANCE_GLSL
 #define OLX_VOLUME_IRRADIANCE_GLSL
 
 #include "pack.glsl"
+
+#ifndef OLX_OWN_VOLUME // else a function of this name, for words that are not the field's, stands before this file
+#include "maps.glsl"
+
+// The words of chunk VOLU, and behind them those of VIRR, as they lie in the file (docs/format.md).
+uint olx_volume_word(uint index) { return olx_words[olx_field.volume_first + index]; }
+
+// Whether the field has a volume; pyramids stand before it.
+bool olx_has_volume() { return olx_field.volume_first != 0u; }
+#endif
 
 const uint OLX_VOLUME_HEADER_WORDS = 16u;
 const uint OLX_VOLUME_SPLIT_WORDS = 8u;
@@ -16,8 +26,8 @@ const uint OLX_VOLUME_CELL = 1u, OLX_VOLUME_BLOCK = 2u, OLX_VOLUME_SPLIT = 3u; /
 const uint OLX_VOLUME_NUMBER = 0x07FFFFFFu;
 const float OLX_VOLUME_LIFT = 1.0 / 65536.0; // before a surface, in sides of a cube
 
-// Where the probes of a place's cell are listed, and how much each counts; false where there is no cell.
-bool olx_volume_find(vec3 position, out uint cell, out float weights[8]) {
+// Where the probes of a place's cell are listed, and where in the cell the place is; false where there is no cell.
+bool olx_volume_find(vec3 position, out uint cell, out vec3 fraction) {
   vec3 origin = vec3(uintBitsToFloat(olx_volume_word(0u)), uintBitsToFloat(olx_volume_word(1u)),
                      uintBitsToFloat(olx_volume_word(2u)));
   uvec3 size = uvec3(olx_volume_word(4u), olx_volume_word(5u), olx_volume_word(6u));
@@ -27,7 +37,7 @@ bool olx_volume_find(vec3 position, out uint cell, out float weights[8]) {
   precise float scale = 1.0 / uintBitsToFloat(olx_volume_word(3u));
   precise vec3 place = (position - origin) * scale;
   cell = 0u;
-  weights = float[](0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+  fraction = vec3(0.0);
   if (!(all(greaterThanEqual(place, vec3(0.0))) && all(lessThan(place, vec3(size))))) return false;
   uvec3 cube = uvec3(place);
   uint entry = olx_volume_word(index + cube.x + size.x * (cube.y + size.y * cube.z));
@@ -45,23 +55,30 @@ bool olx_volume_find(vec3 position, out uint cell, out float weights[8]) {
   }
   if (entry >> 30 != OLX_VOLUME_CELL) return false;
   cell = cells + (entry & OLX_VOLUME_NUMBER) * OLX_VOLUME_CELL_WORDS;
-  vec3 f = fract(place * float(1u << (entry >> 27 & 7u)));
-  for (uint i = 0u; i < 8u; i++) {
-    weights[i] = ((i & 1u) != 0u ? f.x : 1.0 - f.x) * ((i & 2u) != 0u ? f.y : 1.0 - f.y) *
-                 ((i & 4u) != 0u ? f.z : 1.0 - f.z);
-  }
+  fraction = fract(place * float(1u << (entry >> 27 & 7u)));
   return true;
 }
 
-// The k-th coefficient of a probe, k from 0 to 8.
-vec3 olx_volume_coefficient(uint probe, uint k) {
+// How much corner i of a cell counts, i from 0 to 7.
+float olx_volume_weight(vec3 f, uint i) {
+  return ((i & 1u) != 0u ? f.x : 1.0 - f.x) * ((i & 2u) != 0u ? f.y : 1.0 - f.y) *
+         ((i & 4u) != 0u ? f.z : 1.0 - f.z);
+}
+
+// Where the coefficients of a probe begin.
+uint olx_volume_light(uint probe) {
   uint splits = olx_volume_word(8u), cells = olx_volume_word(9u), blocks = olx_volume_word(7u);
   uint cubes = olx_volume_word(4u) * olx_volume_word(5u) * olx_volume_word(6u);
-  uint first = OLX_VOLUME_HEADER_WORDS + splits * OLX_VOLUME_SPLIT_WORDS + cells * OLX_VOLUME_CELL_WORDS +
-               blocks * OLX_VOLUME_BLOCK_ENTRIES + cubes + probe * OLX_VOLUME_PROBE_WORDS + 3u * k / 2u;
-  uint low = olx_volume_word(first), high = olx_volume_word(first + 1u);
-  if (k % 2u == 0u) return vec3(olx_half_unpack(low & 0xFFFFu), olx_half_unpack(low >> 16), olx_half_unpack(high & 0xFFFFu));
-  return vec3(olx_half_unpack(low >> 16), olx_half_unpack(high & 0xFFFFu), olx_half_unpack(high >> 16));
+  return OLX_VOLUME_HEADER_WORDS + splits * OLX_VOLUME_SPLIT_WORDS + cells * OLX_VOLUME_CELL_WORDS +
+         blocks * OLX_VOLUME_BLOCK_ENTRIES + cubes + probe * OLX_VOLUME_PROBE_WORDS;
+}
+
+// The k-th coefficient of those that begin at a word, k from 0 to 8.
+vec3 olx_volume_coefficient(uint light, uint k) {
+  uint low = olx_volume_word(light + 3u * k / 2u), high = olx_volume_word(light + 3u * k / 2u + 1u);
+  bool odd = k % 2u != 0u;
+  return vec3(olx_half_unpack(odd ? low >> 16 : low & 0xFFFFu), olx_half_unpack(odd ? high & 0xFFFFu : low >> 16),
+              olx_half_unpack(odd ? high >> 16 : high & 0xFFFFu));
 }
 
 // Twin of olx_harmonics_at.
@@ -69,27 +86,35 @@ void olx_harmonics_at(vec3 d, out float values[9]) {
   values = float[](1.0, d.y, d.z, d.x, d.x * d.y, d.y * d.z, 3.0 * d.z * d.z - 1.0, d.x * d.z, d.x * d.x - d.y * d.y);
 }
 
-// Irradiance at a place for every normal, as coefficients of harmonics. `normal` is that of the surface there.
-bool olx_volume_gather(vec3 position, vec3 normal, out vec3 coefficients[9]) {
-  uint cell;
-  float weights[8];
-  for (uint k = 0u; k < 9u; k++) coefficients[k] = vec3(0.0);
-  precise vec3 lifted = position + normal * (uintBitsToFloat(olx_volume_word(3u)) * OLX_VOLUME_LIFT);
-  if (!olx_volume_find(lifted, cell, weights)) return false;
-  for (uint i = 0u; i < 8u; i++) {
-    uint probe = olx_volume_word(cell + i);
-    for (uint k = 0u; k < 9u; k++) coefficients[k] += olx_volume_coefficient(probe, k) * weights[i];
+// What a probe holds for two unit normals; ringing may take it below 0.
+mat2x3 olx_volume_probe(uint probe, vec3 from, vec3 to) {
+  float values_from[9], values_to[9];
+  olx_harmonics_at(from, values_from);
+  olx_harmonics_at(to, values_to);
+  uint light = olx_volume_light(probe);
+  mat2x3 sum = mat2x3(0.0);
+  for (uint k = 0u; k < 9u; k++) {
+    vec3 coefficient = olx_volume_coefficient(light, k);
+    sum += mat2x3(coefficient * values_from[k], coefficient * values_to[k]);
   }
-  return true;
+  return sum;
 }
 
-// Irradiance for one unit normal, not below 0.
-vec3 olx_volume_towards(vec3 coefficients[9], vec3 normal) {
-  float values[9];
-  olx_harmonics_at(normal, values);
-  vec3 sum = vec3(0.0);
-  for (uint k = 0u; k < 9u; k++) sum += coefficients[k] * values[k];
-  return max(sum, vec3(0.0));
+// Irradiance at a place for two unit normals, not below 0; false where the volume has no cell. `normal` is that of the
+// surface there.
+bool olx_volume_both(vec3 position, vec3 normal, vec3 from, vec3 to, out mat2x3 irradiance) {
+  uint cell;
+  vec3 fraction;
+  precise vec3 lifted = position + normal * (uintBitsToFloat(olx_volume_word(3u)) * OLX_VOLUME_LIFT);
+  bool found = olx_volume_find(lifted, cell, fraction);
+  mat2x3 sum = mat2x3(0.0);
+  if (found) {
+    for (uint i = 0u; i < 8u; i++) {
+      sum += olx_volume_probe(olx_volume_word(cell + i), from, to) * olx_volume_weight(fraction, i);
+    }
+  }
+  irradiance = mat2x3(max(sum[0], vec3(0.0)), max(sum[1], vec3(0.0)));
+  return found;
 }
 
 #endif

@@ -13,7 +13,7 @@ void gather(ivec2 pixel, frame_surface surface) {
     vec2 random = olx_stratified2(frame.sample_index * count + j, seed);
     vec3 direction = olx_from_basis(olx_sample_cosine(random), surface.normal);
     olx_trace_hit hit = olx_trace(settings, surface.position, direction, OLX_INFINITY);
-    if (!hit.emitter || olx_emission_counts(settings, hit, surface.position)) sum += hit.radiance;
+    sum += olx_light_found(settings, hit, surface.position);
     nearness += olx_nearness(hit);
   }
   vec3 irradiance = sum * (OLX_PI / float(count));

@@ -34,7 +34,8 @@ bool has_flag(uint flag) { return (frame.flags & flag) != 0u; }
 
 olx_sample_settings frame_settings() {
   return olx_sample_settings(olx_constant_tracer, olx_constant_select, has_flag(OLX_FRAME_VISIBILITY), frame.max_probes,
-                             has_flag(OLX_FRAME_KEEP_BURIED), has_flag(OLX_FRAME_EMITTERS), frame.surface_tolerance);
+                             has_flag(OLX_FRAME_KEEP_BURIED), has_flag(OLX_FRAME_EMITTERS), olx_constant_hits,
+                             frame.surface_tolerance);
 }
 
 bool outside_frame(ivec2 pixel) { return pixel.x >= int(frame.width) || pixel.y >= int(frame.height); }

@@ -43,16 +43,22 @@ vec3 geometric_normal(ivec2 pixel, frame_surface surface) {
   return olx_dot(normal, surface.view) < 0.0 ? -normal : normal;
 }
 
+// What the pixel's light may come from: OLX_SOURCE_*.
+uint sources_of(ivec2 pixel) {
+  bool dynamic = has_flag(OLX_FRAME_DYNAMIC) && texelFetch(dynamic_image, pixel, 0).r > 0.5;
+  uint sources = dynamic ? olx_volume_source() : OLX_SOURCE_TEXELS | OLX_SOURCE_VOLUME | OLX_SOURCE_PROBES;
+  return has_flag(OLX_FRAME_IRRADIANCE_PROBES) ? OLX_SOURCE_PROBES : sources;
+}
+
 vec3 frame_irradiance(ivec2 pixel, frame_surface surface) {
   olx_sample_settings settings = frame_settings();
-  bool volume = has_flag(OLX_FRAME_VOLUME) ||
-                (has_flag(OLX_FRAME_DYNAMIC) && texelFetch(dynamic_image, pixel, 0).r > 0.5);
+  uint sources = sources_of(pixel);
   vec3 geometric = surface.normal, vertex = surface.normal;
-  if (!volume) geometric = geometric_normal(pixel, surface);
+  if ((sources & OLX_SOURCE_TEXELS) != 0u) geometric = geometric_normal(pixel, surface);
   if (has_flag(OLX_FRAME_VERTEX_NORMAL)) vertex = read_normal(vertex_normal_image, pixel, OLX_FRAME_VERTEX_UNORM);
-  settings.max_probes = volume ? 0u : settings.max_probes;
   settings.select = has_flag(OLX_FRAME_RANK_ALL) ? OLX_SELECT_EXHAUSTIVE : OLX_SELECT_BEST;
-  return olx_surface_light_at(settings, surface.position, geometric, vertex, surface.normal, surface.view).irradiance;
+  return olx_surface_light_from(settings, sources, surface.position, geometric, vertex, surface.normal, surface.view)
+      .irradiance;
 }
 
 #endif

@@ -1,4 +1,5 @@
-// Glossy indirect light that leaves the surface of each pixel towards the eye, by rays traced through the field. Alpha
+// Glossy indirect light that leaves the surface of each pixel towards the eye, by rays traced through the field, and by one
+// more from what each has found where that is smooth. One place traces both, because compilers put the whole search there. Alpha
 // is the share of rays that found an answer, 1 where none was needed. Pixels whose lobe is dim are left to dim.comp.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -14,17 +15,36 @@ struct gathered {
   uint unknown;
 };
 
-// Adds what one ray finds.
-void trace_ray(frame_surface surface, vec2 random, inout gathered sum) {
+// The ray that a surface which a pixel's ray found sends further, and how its light counts in the pixel's.
+struct waiting_ray {
+  bool waits;
+  olx_further_ray ray;
+  vec3 lobe; // what it takes the place of
+};
+
+// Adds what one ray finds: the one that waits, or else one that the pixel's surface draws, which may leave another waiting.
+void trace_ray(frame_surface surface, vec2 random, inout waiting_ray next, inout gathered sum) {
   olx_sample_settings settings = frame_settings();
-  float weight, half_cosine;
-  vec3 direction;
-  if (!olx_glossy_draw(surface.normal, surface.view, surface.roughness, random, direction, weight, half_cosine)) return;
-  vec3 reflected = olx_fresnel(surface.bsdf, half_cosine) * weight;
-  olx_trace_hit hit = olx_trace(settings, surface.position, direction, OLX_INFINITY);
-  sum.unknown += uint(hit.status == OLX_TRACE_UNKNOWN);
-  sum.nearness += olx_nearness(hit);
-  if (!hit.emitter || olx_emission_counts(settings, hit, surface.position)) sum.light += reflected * hit.radiance;
+  bool further = next.waits;
+  if (!further) {
+    float weight, half_cosine;
+    vec3 direction;
+    if (!olx_glossy_draw(surface.normal, surface.view, surface.roughness, random, direction, weight, half_cosine)) return;
+    next.ray = olx_further_ray(surface.position, direction, olx_fresnel(surface.bsdf, half_cosine) * weight);
+  }
+  olx_trace_hit hit = olx_trace(settings, next.ray.origin, next.ray.direction, OLX_INFINITY);
+  if (further) {
+    sum.light += olx_further_light(next.lobe, next.ray, hit);
+    next.waits = false;
+  } else {
+    sum.unknown += uint(hit.status == OLX_TRACE_UNKNOWN);
+    sum.nearness += olx_nearness(hit);
+    vec3 reflected = next.ray.weight, light = olx_light_found(settings, hit, next.ray.origin);
+    next.waits = olx_further_draw(hit, next.ray.direction, random, next.ray);
+    next.ray.weight *= reflected;
+    next.lobe = reflected * hit.lobe;
+    sum.light += reflected * (next.waits ? light - hit.lobe : light);
+  }
 }
 
 void write_gathered(ivec2 pixel, frame_surface surface, gathered sum, uint count) {
@@ -38,8 +58,10 @@ void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   if (outside_frame(pixel)) return;
   gathered sum = gathered(vec3(0.0), 0.0, 0u);
+  vec3 none = vec3(0.0);
+  waiting_ray next = waiting_ray(false, olx_further_ray(none, none, none), none);
   // The surface is read again for each ray, and once more after the last: less is kept while rays are traced.
-  for (uint j = 0u;; j++) {
+  for (uint j = 0u;; j += uint(!next.waits)) {
     frame_surface surface;
     if (!read_surface(pixel, surface) || !olx_bsdf_has_specular(surface.bsdf)) {
       imageStore(glossy_image, pixel, vec4(0.0, 0.0, 0.0, 1.0));
@@ -53,6 +75,6 @@ void main() {
       return;
     }
     vec2 random = olx_stratified2(frame.sample_index * count + j, pixel_seed(uvec2(pixel), GLOSSY_BRANCH));
-    trace_ray(surface, random, sum);
+    trace_ray(surface, random, next, sum);
   }
 }

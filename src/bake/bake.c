@@ -5,6 +5,7 @@
 #include "bake/capture.h"
 #include "bake/classic_bake.h"
 #include "bake/gather.h"
+#include "bake/gather_bounces.h"
 #include "bake/relight_bake.h"
 #include "bake/selectors.h"
 #include "bake/surface_capture.h"
@@ -160,7 +161,7 @@ static olx_result check_settings(const olx_bake_settings *settings) {
   OLX_TRY(check_size(settings->irradiance_size, 8, 256, "irradiance size"));
   OLX_TRY(check_irradiance_form(settings));
   OLX_TRY(check_classic(settings));
-  OLX_TRY(check_range(settings->bounce_gather, OLX_GATHER_IRRADIANCE, OLX_GATHER_TRACED, "way to gather bounces"));
+  OLX_TRY(check_range(settings->bounce_gather, OLX_GATHER_SOLVED, OLX_GATHER_TRACED, "way to gather bounces"));
   OLX_TRY(check_range(settings->light, OLX_LIGHT_CACHE, OLX_LIGHT_REFERENCE, "kind of light"));
   if (!(settings->noise >= 0.001f && settings->noise <= 1.0f))
     return olx_fail(OLX_ERROR_ARGUMENT, "bake: noise must be 0.001 to 1, not %g", (double)settings->noise);
@@ -291,9 +292,17 @@ static olx_result build_selectors(bake *b) {
   return olx_selectors_build(&input, select_mask(s), &b->selectors);
 }
 
-static olx_result gather_light(bake *b) {
+static olx_result gather_solved(bake *b) {
+  OLX_TRY(olx_gather_look(&b->gather));
+  OLX_TRY(olx_gather_solved(&b->gather));
+  OLX_TRY(olx_gather_irradiance(&b->gather, 0));
+  return b->settings->fit ? olx_gather_fit(&b->gather, 0) : OLX_OK;
+}
+
+static olx_result gather_bounces(bake *b) {
   const uint32_t bounces = b->settings->bounces;
-  OLX_TRY(olx_gather_direct(&b->gather));
+  OLX_TRY(olx_gather_look(&b->gather));
+  OLX_TRY(olx_gather_link(&b->gather));
   for (uint32_t bounce = 0; bounce <= bounces; bounce++) {
     if (bounce > 0) OLX_TRY(olx_gather_bounce(&b->gather, bounce));
     OLX_TRY(olx_gather_irradiance(&b->gather, bounce));
@@ -303,6 +312,13 @@ static olx_result gather_light(bake *b) {
     b->stats.unseen =
         (double)atomic_load(&b->gather.traced.unseen) / fmax(1.0, (double)atomic_load(&b->gather.traced.rays));
   }
+  return OLX_OK;
+}
+
+static olx_result gather_light(bake *b) {
+  const double start = olx_seconds();
+  OLX_TRY(b->gather.light ? gather_solved(b) : gather_bounces(b));
+  b->stats.irradiance_seconds = olx_seconds() - start;
   return olx_gather_write(&b->gather, b->writer, &b->stats.write_seconds);
 }
 
@@ -417,21 +433,28 @@ static olx_result make_volume_cells(bake *b) {
 static olx_result capture_probes(bake *b) {
   olx_task_stage(&b->task, "light field");
   for (uint32_t i = 0; i < b->counts[0]; i++) {
-    OLX_TRY(olx_capture_probe(&b->capture, i, b->positions[0][i]));
-    const double written = olx_seconds();
-    OLX_TRY(olx_field_writer_probe(b->writer, i, b->flags[0][i], b->capture.radiance, b->capture.normal,
-                                   b->capture.distance));
-    const double measured = olx_seconds();
-    b->stats.write_seconds += measured - written;
+    const double start = olx_seconds();
     olx_surface_maps maps;
+    OLX_TRY(olx_capture_probe(&b->capture, i, b->positions[0][i]));
     OLX_TRY(olx_surface_capture_probe(&b->surfaces, &maps));
+    const double captured = olx_seconds();
+    b->stats.capture_seconds += captured - start;
+    OLX_TRY(olx_field_writer_probe(b->writer, i, b->flags[0][i], b->surfaces.radiance, b->capture.normal,
+                                   b->capture.distance));
     OLX_TRY(olx_field_writer_surface(b->writer, i, &maps));
-    const double surfaces = olx_seconds();
+    const double written = olx_seconds();
+    b->stats.write_seconds += written - captured;
     if (b->settings->measure_embree) OLX_TRY(olx_capture_measure(&b->capture, &b->stats.embree_seconds));
-    b->measure_seconds += olx_seconds() - surfaces;
+    b->measure_seconds += olx_seconds() - written;
     OLX_TRY(make_albedo(b, i));
   }
   return OLX_OK;
+}
+
+// Whether irradiance probes, too, get their light from the solution for the whole scene. Relighting sends light from probe to
+// probe, and has to begin with light that came the same way.
+static bool is_solved(const olx_bake_settings *s) {
+  return s->light == OLX_LIGHT_CACHE && s->bounce_gather == OLX_GATHER_SOLVED && !s->relight;
 }
 
 static void describe_work(bake *b) {
@@ -446,7 +469,7 @@ static void describe_work(bake *b) {
                            .task = &b->task,
                            .form = s->irradiance_form,
                            .traces = s->bounce_gather == OLX_GATHER_TRACED};
-  b->capture = (olx_capture){.shade = &b->shade,
+  b->capture = (olx_capture){.scene = b->scene,
                              .size = s->radiance_size,
                              .samples = s->samples,
                              .light_samples = s->light_samples,
@@ -461,8 +484,9 @@ static void describe_work(bake *b) {
 // Units of progress, in rays; the quadrature of the gather must be known.
 static uint64_t units_of(const bake *b) {
   const olx_bake_settings *s = b->settings;
-  uint64_t units = olx_gather_units(&b->gather, s->bounces) + 2 * b->counts[0] * olx_capture_units(&b->capture);
-  if (s->fit) units += olx_surface_fit_units(b->counts[1]);
+  uint64_t units = olx_gather_units(&b->gather, s->bounces, is_solved(s)) +
+                   b->counts[0] * olx_capture_units(&b->capture);
+  if (s->fit) units += olx_surface_fit_units(b->counts[1], is_solved(s));
   if (s->classic) units += b->counts[1] * olx_classic_bake_units(&b->classic);
   return units;
 }
@@ -477,9 +501,10 @@ static olx_result run(bake *b, const char *path) {
   OLX_TRY(prepare_classic(b));
   OLX_TRY(make_volume_cells(b));
   OLX_TRY(create_file(b, path));
-  OLX_TRY(olx_gather_create(&b->gather, &s->irradiance_grid, s->irradiance_size, s->bounces));
   OLX_TRY(olx_capture_create(&b->capture));
   OLX_TRY(solve_light(b));
+  if (is_solved(s)) b->gather.light = b->shade.light = b->light;
+  OLX_TRY(olx_gather_create(&b->gather, &s->irradiance_grid, s->irradiance_size, s->bounces));
   OLX_TRY(olx_volume_bake_write(&b->volume, b->light, b->writer, &b->stats));
   b->surfaces.light = b->light;
   OLX_TRY(olx_surface_capture_create(&b->surfaces));
@@ -505,7 +530,7 @@ static olx_result finish(bake *b, olx_result result, double start) {
   olx_scene_light_free(b->light);
   olx_volume_bake_free(&b->volume);
   olx_release(b->lights);
-  b->stats.rays += atomic_load(&b->surfaces.rays);
+  b->stats.rays += b->capture.rays + atomic_load(&b->surfaces.rays);
   olx_classic_bake_free(&b->classic);
   b->stats.rays += b->relight.rays;
   olx_relight_bake_free(&b->relight);
@@ -530,7 +555,6 @@ static olx_result bake_scene(bake *b, const char *path, const olx_progress *prog
   olx_shade_context_begin(&b->shade, b->scene, b->settings->seed);
   const float spacing = least_spacing(&b->settings->irradiance_grid, b->distance_scale);
   b->shade.share_distance = 0.01f * spacing;
-  b->shade.lattice_distance = 0.08f * spacing;
   return finish(b, run(b, path), start);
 }
 
@@ -542,7 +566,8 @@ static uint64_t memory_of(const bake *b, const olx_field_layout *layout) {
   const uint32_t threads = s->threads ? s->threads : olx_processor_count();
   const uint64_t probe_bytes = 2 * (sizeof(olx_vec3) + 1); // here and in the writer
   uint64_t bytes = ((uint64_t)b->counts[0] + b->counts[1]) * probe_bytes + threads * sizeof(olx_shade_scratch);
-  bytes += olx_gather_bytes(&b->gather, s->irradiance_size, s->bounces, s->fit) + olx_capture_bytes(s->radiance_size);
+  bytes += olx_gather_bytes(&b->gather, s->irradiance_size, s->bounces, is_solved(s), s->fit);
+  bytes += olx_capture_bytes(s->radiance_size);
   bytes += layout->shapes[OLX_CHUNK_RADIANCE].record_bytes + layout->shapes[OLX_CHUNK_LEAST].record_bytes +
            layout->shapes[OLX_CHUNK_GREATEST].record_bytes; // the writer's map and pyramid
   bytes += olx_surface_capture_bytes(s->radiance_size, s->light == OLX_LIGHT_CACHE);

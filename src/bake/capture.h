@@ -1,23 +1,28 @@
-// Light field probes: radiance, normal and distance in every direction, from rays.
+// What light field probes see in every direction: the triangle that a ray meets, and that surface's distance and normal.
 #ifndef OLX_BAKE_CAPTURE_H
 #define OLX_BAKE_CAPTURE_H
 
-#include "bake/shade_batch.h"
 #include "core/parallel.h"
+#include "scene/surface.h"
+
+enum {
+  OLX_CAPTURE_CHUNK = 8,     // texels whose samples are cast together; divides the size of every map
+  OLX_CAPTURE_MOST_SIDE = 8, // samples along the side of a texel
+  OLX_CAPTURE_MOST_RAYS = OLX_CAPTURE_CHUNK * OLX_CAPTURE_MOST_SIDE * OLX_CAPTURE_MOST_SIDE
+};
 
 // One probe at a time: the maps hold the probe that was captured last.
 typedef struct olx_capture {
-  olx_shade_context *shade;
+  const olx_scene *scene;
   uint32_t size, samples, light_samples, bounces, threads;
   float distance_scale;
   olx_task *task;
   uint32_t probe; // the number enters the random numbers
   olx_vec3 position;
-  uint32_t tile_side; // texels along the side of a tile, whose samples make one batch
-  uint32_t *radiance; // packed, size^2
-  uint16_t *normal, *distance;
-  olx_ray_hit *hits; // of rays through the middles of texels, size^2
-  double *tile_seconds; // that the ray caster took for each tile, in olx_capture_measure
+  uint16_t *normal, *distance; // as the file holds them, size^2
+  olx_ray_hit *hits;           // of rays through the middles of texels, size^2
+  double *row_seconds;         // that the ray caster took for the samples of each row, in olx_capture_measure
+  uint64_t rays;               // cast so far
 } olx_capture;
 
 // The fields up to `task` are the caller's to fill.
@@ -26,12 +31,17 @@ olx_result olx_capture_create(olx_capture *capture);
 uint64_t olx_capture_bytes(uint32_t size);
 void olx_capture_free(olx_capture *capture);
 
-// Units of progress a probe takes, in rays.
+// Rays through the samples of a probe's texels, which are its units of progress, too.
 uint64_t olx_capture_units(const olx_capture *capture);
 
 olx_result olx_capture_probe(olx_capture *capture, uint32_t probe, olx_vec3 position);
 
-// Cast the primary rays of the probe again and do nothing with what they hit: adds the ray caster's time on `threads`
+// Casts rays through the samples^2 parts of each of OLX_CAPTURE_CHUNK texels of row `y` from column `x` on, one texel's after
+// another's. Returns how many they are.
+uint32_t olx_capture_cast_samples(const olx_capture *capture, uint32_t x, uint32_t y,
+                                  olx_ray rays[OLX_CAPTURE_MOST_RAYS], olx_ray_hit hits[OLX_CAPTURE_MOST_RAYS]);
+
+// Casts the rays of all samples of the probe and does nothing with what they hit: adds the ray caster's time on `threads`
 // threads to *embree_seconds.
 olx_result olx_capture_measure(olx_capture *capture, double *embree_seconds);
 

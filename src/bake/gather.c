@@ -1,14 +1,23 @@
+// Looks around from irradiance probes, integrates the light that they see and the distances, fits irradiance to surfaces, and
+// writes the maps. Light comes from the solution for the whole scene, or from bounces between the probes.
 #include "bake/gather.h"
 
 #include "bake/arrays.h"
 #include "bake/border.h"
+#include "bake/gather_bounces.h"
 #include "bake/gather_points.h"
 #include "bake/harmonics_fit.h"
 #include "core/hooks.h"
 #include "core/pack.h"
 #include "core/result.h"
+#include "light/ray_light.h"
 
 #include <string.h>
+
+enum {
+  SOLVED_POINTS = 64, // gather points over which samples of lights are stratified
+  SALT_SOLVED = 0x534F4C56
+};
 
 static uint32_t key_of(const olx_gather *gather, uint32_t probe) { return olx_shade_key(gather->shade, probe); }
 
@@ -39,66 +48,24 @@ static void sum_distances(const olx_gather *gather, const olx_shade_scratch *scr
   }
 }
 
-// Lights the samples of a tile and leaves their radiance in scratch->roots.
-static void light_tile(const olx_gather *gather, olx_shade_scratch *scratch, uint32_t tile) {
+static void keep_hits(const olx_gather *gather, const olx_shade_scratch *scratch, uint32_t tile) {
   const olx_quadrature *q = &gather->quadrature;
-  const uint32_t per_cell = olx_samples_per_cell(q), per_quarter = per_cell / 4, probe = gather->probe;
-  olx_ray_hit *hits = gather->hits + (size_t)probe * olx_gather_points(q);
-  uint32_t reflections = 0;
-  olx_shade_batch_begin(&scratch->roots, gather->light_samples);
-  scratch->roots.sparing = true;
-  for (uint32_t i = 0; i < OLX_BATCH_POINTS; i++) {
-    const uint32_t quarter = i / per_quarter, point = tile * (OLX_BATCH_POINTS / per_quarter) + quarter;
-    const bool picked = i % per_quarter == olx_picked_sample(key_of(gather, probe), point, per_quarter);
-    if (picked) hits[point] = scratch->hits[i];
-    if (scratch->hits[i].triangle == OLX_NO_HIT) continue;
-    const uint32_t cell = olx_place_of(q, tile, i).cell;
-    const uint32_t root = olx_shade_append(gather->shade, &scratch->roots, &scratch->hits[i], scratch->directions[i],
-                                           olx_cell_seed(probe, cell), i % per_cell);
-    scratch->slot[root] = i;
-    scratch->roots.scattered[root] = gather->shade->reflected_lights ? 1.0f : 0.0f;
-    if (!picked || !gather->shade->reflected_lights) continue;
-    const float weight = olx_quarter_solid_angle(q, tile, quarter, per_quarter) / scratch->weights[i];
-    olx_shade_path path = {.root = root, .from = root, .throughput = olx_splat(weight), .diffuse = true};
-    scratch->paths[0][reflections++] = path;
-    path.diffuse = false;
-    if (scratch->roots.reflects[root]) scratch->paths[0][reflections++] = path;
-  }
-  olx_shade_direct(gather->shade, scratch, &scratch->roots);
-  olx_shade_reflections(gather->shade, scratch, reflections, 0, OLX_REFLECT_LIGHTS);
-}
-
-// The direct light of gather points, each the mean of what its quarter of a cell shows.
-static void keep_direct(const olx_gather *gather, const olx_shade_scratch *scratch, uint32_t tile) {
-  const olx_quadrature *q = &gather->quadrature;
-  const uint32_t per_quarter = olx_samples_per_cell(q) / 4, per_tile = OLX_BATCH_POINTS / per_quarter;
-  olx_vec3 *direct = gather->traced.direct + (size_t)gather->probe * olx_gather_points(q) + tile * per_tile;
-  float weights[OLX_BATCH_POINTS] = {0.0f};
-  for (uint32_t k = 0; k < scratch->roots.count; k++) {
-    const uint32_t i = scratch->slot[k];
-    weights[i / per_quarter] += scratch->weights[i];
-    direct[i / per_quarter] = olx_madd(direct[i / per_quarter], scratch->roots.radiance[k], scratch->weights[i]);
-  }
-  for (uint32_t point = 0; point < per_tile; point++) {
-    if (weights[point] > 0.0f) direct[point] = olx_scale(direct[point], 1.0f / weights[point]);
+  const uint32_t probe = gather->probe, per_quarter = olx_samples_per_cell(q) / 4;
+  const uint32_t points = OLX_BATCH_POINTS / per_quarter, first = tile * points;
+  olx_ray_hit *hits = gather->hits + (size_t)probe * olx_gather_points(q) + first;
+  for (uint32_t i = 0; i < points; i++) {
+    hits[i] = scratch->hits[i * per_quarter + olx_picked_sample(key_of(gather, probe), first + i, per_quarter)];
   }
 }
 
-static void direct_job(void *user, uint32_t tile) {
+static void look_job(void *user, uint32_t tile) {
   const olx_gather *gather = user;
-  const olx_quadrature *q = &gather->quadrature;
   olx_shade_scratch *scratch = olx_shade_scratch_take(gather->shade);
   if (!scratch) return;
   cast_tile(gather, scratch, tile);
   sum_distances(gather, scratch, tile);
-  light_tile(gather, scratch, tile);
-  olx_vec3 *direct = gather->direct + (size_t)gather->probe * q->cells * q->cells;
-  for (uint32_t k = 0; k < scratch->roots.count; k++) {
-    const uint32_t i = scratch->slot[k], cell = olx_place_of(q, tile, i).cell;
-    const float share = scratch->weights[i] / q->cell_solid_angle[cell];
-    direct[cell] = olx_madd(direct[cell], scratch->roots.radiance[k], share);
-  }
-  if (gather->traces) keep_direct(gather, scratch, tile);
+  keep_hits(gather, scratch, tile);
+  if (!gather->light) olx_gather_light_tile(gather, scratch, tile);
   olx_shade_scratch_give(gather->shade, scratch);
 }
 
@@ -111,98 +78,71 @@ static void moments_job(void *user, uint32_t row) {
   olx_quadrature_moments(&gather->quadrature, gather->distances, row, map, stride);
 }
 
-static olx_result check_memory(const olx_gather *gather) {
+olx_result olx_gather_check_memory(const olx_gather *gather) {
   if (!atomic_load(&gather->shade->out_of_memory)) return OLX_OK;
   return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for the work of a thread");
 }
 
-olx_result olx_gather_direct(olx_gather *gather) {
+olx_result olx_gather_look(olx_gather *gather) {
   const olx_quadrature *q = &gather->quadrature;
-  olx_task_stage(gather->task, "direct light");
+  olx_task_stage(gather->task, gather->light ? "irradiance probes" : "direct light");
   for (uint32_t probe = 0; probe < gather->probe_count; probe++) {
     gather->probe = probe;
     memset(gather->distances, 0, (size_t)q->distance_cells * q->distance_cells * sizeof(olx_vec2));
-    OLX_TRY(olx_parallel_for(olx_gather_tiles(q), gather->threads, direct_job, gather, gather->task, OLX_BATCH_POINTS));
-    OLX_TRY(check_memory(gather));
+    OLX_TRY(olx_parallel_for(olx_gather_tiles(q), gather->threads, look_job, gather, gather->task, OLX_BATCH_POINTS));
+    OLX_TRY(olx_gather_check_memory(gather));
     OLX_TRY(
         olx_parallel_for(q->irradiance_size / OLX_BLOCK_ROWS, gather->threads, moments_job, gather, gather->task, 0));
     olx_fill_border(gather->moments + probe * bordered(q->irradiance_size), q->irradiance_size, sizeof(olx_vec2));
   }
-  if (!gather->traces) return OLX_OK;
-  olx_task_stage(gather->task, "rays between surfaces");
-  return olx_traced_bounce_link(&gather->traced);
+  return OLX_OK;
 }
 
-// The diffuse reflection of what rays find of the bounce before.
-static void add_traced(const olx_gather *gather, olx_shade_scratch *scratch, uint32_t probe) {
-  olx_shade_batch *roots = &scratch->roots;
-  const size_t first = (size_t)probe * olx_gather_points(&gather->quadrature);
-  for (uint32_t k = 0; k < roots->count; k++) {
-    const olx_vec3 irradiance = olx_traced_irradiance(&gather->traced, first + scratch->owner[k], gather->bounce - 1);
-    roots->radiance[k] = olx_madd(roots->radiance[k], olx_mul(roots->diffuse[k], irradiance), 1.0f);
-  }
+// Which cell a gather point lies in, and its share of that.
+typedef struct point_place {
+  olx_sample_place sample;
+  float share;
+} point_place;
+
+static point_place place_of_point(const olx_gather *gather, uint32_t probe, uint32_t point) {
+  const olx_quadrature *q = &gather->quadrature;
+  const uint32_t per_quarter = olx_samples_per_cell(q) / 4, per_tile = OLX_BATCH_POINTS / per_quarter;
+  const uint32_t tile = point / per_tile, quarter = point % per_tile;
+  const uint32_t i = quarter * per_quarter + olx_picked_sample(key_of(gather, probe), point, per_quarter);
+  const olx_sample_place p = olx_place_of(q, tile, i);
+  return (point_place){p, olx_quarter_solid_angle(q, tile, quarter, per_quarter) / q->cell_solid_angle[p.cell]};
 }
 
-// What the next bounce will find.
-static void keep_traced(const olx_gather *gather, const olx_shade_scratch *scratch, uint32_t probe) {
-  const size_t first = (size_t)probe * olx_gather_points(&gather->quadrature);
-  olx_vec3 *light = olx_traced_light(&gather->traced, gather->bounce);
-  for (uint32_t k = 0; k < scratch->roots.count; k++) {
-    const size_t point = first + scratch->owner[k];
-    light[point] = olx_add(gather->traced.direct[point], scratch->roots.radiance[k]);
-  }
-}
-
-// Light of one batch of a probe's gather points.
-static void bounce_job(void *user, uint32_t index) {
+// Light that SOLVED_POINTS gather points of a probe, which fill whole cells, get from the solution.
+static void solved_job(void *user, uint32_t index) {
   const olx_gather *gather = user;
   const olx_quadrature *q = &gather->quadrature;
-  const uint32_t points = olx_gather_points(q), batches = points / OLX_BATCH_POINTS, probe = index / batches;
-  const uint32_t per_cell = olx_samples_per_cell(q), per_quarter = per_cell / 4;
-  const uint32_t first = index % batches * OLX_BATCH_POINTS, per_tile = OLX_BATCH_POINTS / per_quarter;
-  const size_t cell_base = (size_t)probe * q->cells * q->cells;
-  olx_shade_scratch *scratch = olx_shade_scratch_take(gather->shade);
-  if (!scratch) return;
-  uint32_t reflections = 0;
-  olx_shade_batch_begin(&scratch->roots, 1);
-  for (uint32_t k = 0; k < OLX_BATCH_POINTS; k++) {
-    const uint32_t point = first + k, tile = point / per_tile, quarter = point % per_tile;
-    const uint32_t i = quarter * per_quarter + olx_picked_sample(key_of(gather, probe), point, per_quarter);
-    const olx_sample_place p = olx_place_of(q, tile, i);
-    if (k % 4 == 0) gather->total[cell_base + p.cell] = gather->direct[cell_base + p.cell];
+  const uint32_t points = olx_gather_points(q), jobs = points / SOLVED_POINTS, probe = index / jobs;
+  const uint32_t first = index % jobs * SOLVED_POINTS, key = key_of(gather, probe);
+  const uint32_t bounces = olx_scene_light_bounces(gather->light);
+  olx_vec3 *cells = gather->total + (size_t)probe * q->cells * q->cells;
+  uint64_t rays = 0;
+  for (uint32_t point = first; point < first + SOLVED_POINTS; point++) {
+    const point_place p = place_of_point(gather, probe, point);
+    olx_vec3 *cell = &cells[p.sample.cell];
+    if (point % 4 == 0) *cell = olx_splat(0.0f);
     const olx_ray_hit *hit = &gather->hits[(size_t)probe * points + point];
     if (hit->triangle == OLX_NO_HIT) continue;
-    const uint32_t root =
-        olx_shade_append(gather->shade, &scratch->roots, hit, olx_sample_direction(q, key_of(gather, probe), p),
-                         olx_cell_seed(probe, p.cell), i % per_cell);
-    scratch->slot[root] = p.cell;
-    scratch->owner[root] = point;
-    scratch->weights[root] = olx_quarter_solid_angle(q, tile, quarter, per_quarter) / q->cell_solid_angle[p.cell];
-    if (!scratch->roots.reflects[root]) continue;
-    scratch->paths[0][reflections++] = (olx_shade_path){.root = root, .from = root, .throughput = olx_splat(1.0f)};
+    const olx_ray ray = {gather->positions[probe], olx_sample_direction(q, key, p.sample), 0.0f, INFINITY};
+    olx_sampler sampler = {.seed = olx_hash3(key, first, SALT_SOLVED), .index = point - first};
+    const olx_vec3 light = olx_ray_light(gather->shade->scene, gather->light, bounces, &ray, hit, &sampler, &rays);
+    *cell = olx_madd(*cell, light, p.share);
   }
-  if (gather->traces) add_traced(gather, scratch, probe);
-  else olx_shade_diffuse(gather->shade, &scratch->roots, gather->bounce - 1);
-  olx_shade_reflections(gather->shade, scratch, reflections, gather->bounce, OLX_REFLECT_BOUNCES);
-  if (gather->traces) keep_traced(gather, scratch, probe);
-  for (uint32_t k = 0; k < scratch->roots.count; k++) {
-    olx_vec3 *cell = &gather->total[cell_base + scratch->slot[k]];
-    *cell = olx_madd(*cell, scratch->roots.radiance[k], scratch->weights[k]);
-  }
-  olx_shade_scratch_give(gather->shade, scratch);
+  atomic_fetch_add_explicit(&gather->shade->rays, rays, memory_order_relaxed);
 }
 
-olx_result olx_gather_bounce(olx_gather *gather, uint32_t bounce) {
-  olx_task_stage(gather->task, "bounces");
-  gather->bounce = bounce;
-  const uint32_t batches = olx_gather_points(&gather->quadrature) / OLX_BATCH_POINTS;
-  OLX_TRY(olx_parallel_for(gather->probe_count * batches, gather->threads, bounce_job, gather, gather->task,
-                           OLX_BATCH_POINTS));
-  return check_memory(gather);
+olx_result olx_gather_solved(olx_gather *gather) {
+  const uint32_t jobs = olx_gather_points(&gather->quadrature) / SOLVED_POINTS;
+  return olx_parallel_for(gather->probe_count * jobs, gather->threads, solved_job, gather, gather->task, SOLVED_POINTS);
 }
 
 static const olx_vec3 *cells_of(const olx_gather *gather, uint32_t probe) {
-  const olx_vec3 *radiance = gather->bounce > 0 ? gather->total : gather->direct;
+  const olx_vec3 *radiance = gather->light || gather->bounce > 0 ? gather->total : gather->direct;
   return radiance + (size_t)probe * gather->quadrature.cells * gather->quadrature.cells;
 }
 
@@ -261,6 +201,7 @@ olx_result olx_gather_fit(olx_gather *gather, uint32_t bounce) {
                                          .threads = gather->threads,
                                          .hits = gather->hits,
                                          .hit_count = olx_gather_points(&gather->quadrature),
+                                         .light = gather->light,
                                          .task = gather->task};
     OLX_TRY(olx_surface_fit_create(&input, source_of(gather, bounce), &gather->fit));
   }
@@ -335,31 +276,37 @@ olx_result olx_gather_write(olx_gather *gather, olx_field_writer *writer, double
 
 enum { GATHER_ARRAYS = 6 + OLX_KEPT_BOUNCES + 1 };
 
-static uint32_t list_arrays(olx_gather *g, const olx_quadrature *q, uint32_t bounces,
+// Bounces between probes each have maps of their own, as far as later ones look back.
+static uint32_t kept_maps(bool solved, uint32_t bounces) {
+  if (solved) return 1;
+  return bounces < OLX_KEPT_BOUNCES ? bounces + 1 : OLX_KEPT_BOUNCES + 1;
+}
+
+static uint32_t list_arrays(olx_gather *g, const olx_quadrature *q, bool solved, uint32_t bounces,
                             olx_array_row rows[GATHER_ARRAYS]) {
   const uint64_t probes = g->probe_count, cells = (uint64_t)q->cells * q->cells, size = q->irradiance_size;
   const uint64_t map = bordered(size < 64 ? q->irradiance_size : 64);
   uint32_t count = 0;
   rows[count++] = (olx_array_row){&g->hits, probes * olx_gather_points(q), sizeof *g->hits, false};
-  rows[count++] = (olx_array_row){&g->direct, probes * cells, sizeof *g->direct, true};
+  if (!solved) rows[count++] = (olx_array_row){&g->direct, probes * cells, sizeof *g->direct, true};
   rows[count++] =
       (olx_array_row){&g->distances, (uint64_t)q->distance_cells * q->distance_cells, sizeof *g->distances, false};
   rows[count++] = (olx_array_row){&g->moments, probes * bordered(q->irradiance_size), sizeof *g->moments, false};
   rows[count++] = (olx_array_row){&g->irradiance, size * size, sizeof *g->irradiance, false};
-  if (bounces > 0) rows[count++] = (olx_array_row){&g->total, probes * cells, sizeof *g->total, false};
-  for (uint32_t k = 0; k <= bounces && k <= OLX_KEPT_BOUNCES; k++) {
+  if (solved || bounces > 0) rows[count++] = (olx_array_row){&g->total, probes * cells, sizeof *g->total, false};
+  for (uint32_t k = 0; k < kept_maps(solved, bounces); k++) {
     rows[count++] = (olx_array_row){&g->maps[k], probes * map, sizeof *g->maps[k], false};
   }
   return count;
 }
 
-uint64_t olx_gather_bytes(const olx_gather *gather, uint32_t irradiance_size, uint32_t bounces, bool fits) {
+uint64_t olx_gather_bytes(const olx_gather *gather, uint32_t irradiance_size, uint32_t bounces, bool solved, bool fits) {
   const olx_quadrature q = olx_quadrature_shape(irradiance_size);
   olx_gather unmade = *gather;
   olx_array_row rows[GATHER_ARRAYS];
-  const uint32_t bands = olx_irradiance_bands(gather->form), count = list_arrays(&unmade, &q, bounces, rows);
+  const uint32_t bands = olx_irradiance_bands(gather->form), count = list_arrays(&unmade, &q, solved, bounces, rows);
   uint64_t bytes = olx_arrays_bytes(rows, count);
-  if (fits) bytes += olx_surface_fit_bytes(gather->probe_count);
+  if (fits) bytes += olx_surface_fit_bytes(gather->probe_count, solved);
   if (bands) bytes += (uint64_t)gather->probe_count * olx_harmonics_count(bands) * sizeof *gather->harmonics;
   if (gather->traces && bounces > 0) bytes += olx_traced_bounce_bytes(gather->probe_count, olx_gather_points(&q));
   return bytes;
@@ -371,9 +318,9 @@ olx_result olx_gather_create(olx_gather *gather, const olx_grid *grid, uint32_t 
   if (bands) OLX_TRY(olx_projection_create(bands, irradiance_size, &gather->projection));
   const uint32_t probes = gather->probe_count;
   olx_array_row rows[GATHER_ARRAYS];
-  const bool complete = olx_arrays_allocate(rows, list_arrays(gather, &gather->quadrature, bounces, rows));
+  const bool complete = olx_arrays_allocate(rows, list_arrays(gather, &gather->quadrature, gather->light, bounces, rows));
   gather->map_size = irradiance_size < 64 ? irradiance_size : 64;
-  for (uint32_t k = 0; k <= bounces && k <= OLX_KEPT_BOUNCES; k++) {
+  for (uint32_t k = 0; k < kept_maps(gather->light, bounces); k++) {
     gather->shade->irradiance[k] = (olx_irradiance_source){.grid = *grid,
                                                            .flags = gather->flags,
                                                            .distance_scale = gather->distance_scale,
@@ -416,9 +363,10 @@ void olx_gather_free(olx_gather *gather) {
   *gather = (olx_gather){0};
 }
 
-uint64_t olx_gather_units(const olx_gather *gather, uint32_t bounces) {
+uint64_t olx_gather_units(const olx_gather *gather, uint32_t bounces, bool solved) {
   const olx_quadrature *q = &gather->quadrature;
   const uint64_t samples = (uint64_t)q->sample_size * q->sample_size;
   const uint64_t traced = gather->traces ? (uint64_t)OLX_BOUNCE_RAYS * olx_gather_points(q) : 0;
-  return gather->probe_count * (samples + traced + (uint64_t)bounces * olx_gather_points(q));
+  const uint64_t passes = solved ? 1 : bounces;
+  return gather->probe_count * (samples + traced + passes * olx_gather_points(q));
 }

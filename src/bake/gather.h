@@ -1,4 +1,4 @@
-// Irradiance probes: what each sees, gathered into cells, and the bounces of light between them.
+// Irradiance probes: what each sees, gathered into cells, and the maps that are made of it.
 #ifndef OLX_BAKE_GATHER_H
 #define OLX_BAKE_GATHER_H
 
@@ -9,6 +9,7 @@
 #include "bake/traced_bounce.h"
 #include "core/parallel.h"
 #include "field/field_writer.h"
+#include "light/scene_light.h"
 
 #include <octalux/bake.h>
 
@@ -19,14 +20,15 @@ typedef struct olx_gather {
   uint32_t probe_count, light_samples, threads;
   float distance_scale;
   olx_task *task;
+  const olx_scene_light *light; // solved for the whole scene, or NULL: bounces between the probes (gather_bounces.h)
   olx_quadrature quadrature;
   uint32_t map_size;   // of the maps of the bounces
-  olx_ray_hit *hits;   // of each probe's gather points, where light of later bounces is found: four a cell
-  olx_vec3 *direct;    // radiance of each probe's cells: direct light
-  olx_vec3 *total;     // and with bounces
+  olx_ray_hit *hits;   // of each probe's gather points, four a cell
+  olx_vec3 *total;     // radiance of each probe's cells
+  olx_vec3 *direct;    // direct light in it; NULL with `light`
   olx_vec2 *distances; // of one probe's distance cells: mean and mean square
   olx_vec2 *moments;   // maps with border
-  olx_vec3 *maps[OLX_KEPT_BOUNCES + 1]; // irradiance with border, of bounce k at k mod (OLX_KEPT_BOUNCES + 1)
+  olx_vec3 *maps[OLX_KEPT_BOUNCES + 1]; // irradiance with border, of bounce k at k mod (OLX_KEPT_BOUNCES + 1); with `light` one
   uint32_t probe;                       // that is worked on, in loops over the parts of one
   uint32_t bounce;
   olx_vec3 *irradiance;      // one probe's final map
@@ -42,21 +44,25 @@ typedef struct olx_gather {
 olx_result olx_gather_create(olx_gather *gather, const olx_grid *grid, uint32_t irradiance_size, uint32_t bounces);
 void olx_gather_free(olx_gather *gather);
 
-// The memory that gathering takes at most at once, with a fit of irradiance (`fits`) or without. The gather need not be created.
-uint64_t olx_gather_bytes(const olx_gather *gather, uint32_t irradiance_size, uint32_t bounces, bool fits);
+// The memory that gathering takes at most at once, from the solution (`solved`) or by bounces, with a fit of irradiance (`fits`)
+// or without. The gather need not be created.
+uint64_t olx_gather_bytes(const olx_gather *gather, uint32_t irradiance_size, uint32_t bounces, bool solved, bool fits);
 
 // Units of progress that the whole of gathering takes, in rays.
-uint64_t olx_gather_units(const olx_gather *gather, uint32_t bounces);
+uint64_t olx_gather_units(const olx_gather *gather, uint32_t bounces, bool solved);
 
-// Direct light and distances of all probes.
-olx_result olx_gather_direct(olx_gather *gather);
-// Light of bounce `bounce`, at least 1, from the one before: from its irradiance, or by rays.
-olx_result olx_gather_bounce(olx_gather *gather, uint32_t bounce);
-// The irradiance of bounce `bounce`, for the next to gather from and for shading.
+// What all probes see, and distances; without `light` also direct light.
+olx_result olx_gather_look(olx_gather *gather);
+// Light of all that probes see, from the solution.
+olx_result olx_gather_solved(olx_gather *gather);
+// The irradiance of bounce `bounce`, for the next to gather from and for shading; with `light`, of all light, bounce 0.
 olx_result olx_gather_irradiance(olx_gather *gather, uint32_t bounce);
-// Fits the irradiance of bounce `bounce`, made before, to the surfaces.
+// Fits that irradiance, made before, to the surfaces.
 olx_result olx_gather_fit(olx_gather *gather, uint32_t bounce);
 // The final maps, corrected by the last fit, to the file.
 olx_result olx_gather_write(olx_gather *gather, olx_field_writer *writer, double *write_seconds);
+
+// Fails when some thread had no memory to work in.
+olx_result olx_gather_check_memory(const olx_gather *gather);
 
 #endif

@@ -245,9 +245,10 @@ static const olx_irradiance_source *irradiance_of(const olx_shade_context *conte
   return &context->irradiance[bounce % (OLX_KEPT_BOUNCES + 1)];
 }
 
-olx_vec3 olx_shade_irradiance(const olx_shade_context *context, const olx_shade_batch *batch, uint32_t point,
+static olx_vec3 irradiance_at(const olx_shade_context *context, const olx_shade_batch *batch, uint32_t point,
                               uint32_t bounce) {
   const olx_surface *s = &batch->surface[point];
+  if (context->light) return olx_scene_light_irradiance_before(context->light, s);
   return olx_irradiance_from(irradiance_of(context, bounce), &context->sample, s->position, s->shading_normal,
                              batch->view[point]);
 }
@@ -266,7 +267,7 @@ void olx_shade_diffuse(olx_shade_context *context, olx_shade_batch *batch, uint3
                olx_dot(s->shading_normal, batch->surface[last].shading_normal) > 0.995f;
     }
     if (!shared) {
-      irradiance = olx_shade_irradiance(context, batch, i, bounce);
+      irradiance = irradiance_at(context, batch, i, bounce);
       last = i;
     }
     batch->radiance[i] = olx_add(batch->radiance[i], olx_mul(batch->diffuse[i], irradiance));
@@ -317,10 +318,6 @@ static float light_share(const olx_shade_batch *from, const olx_shade_path *path
   return path->pdf > 0.0f ? path->pdf / (path->pdf + light_pdf * (float)from->light_samples) : 1.0f;
 }
 
-static bool may_emit(const olx_scene *scene, uint32_t triangle) {
-  return olx_max3(scene->materials[scene->material_index[triangle]].emission) > 0.0f;
-}
-
 // Light that a ray gets from the emitter or the sky at its end.
 static olx_vec3 light_at_end(const olx_shade_context *context, const olx_shade_batch *from, const olx_shade_path *path,
                              const olx_surface *end) {
@@ -353,7 +350,7 @@ static uint32_t end_paths(olx_shade_context *context, olx_shade_scratch *scratch
       next[i].from = i;
       end = &to->surface[i];
     } else {
-      if (!may_emit(scene, hit->triangle)) continue;
+      if (!olx_triangle_may_emit(scene, hit->triangle)) continue;
       met = olx_surface_at(scene, hit, path->direction);
       end = &met;
     }

@@ -7,6 +7,7 @@
 #define OLX_BAKE_SHADE_BATCH_H
 
 #include "bake/scratch_pool.h"
+#include "light/scene_light.h"
 #include "scene/emitters.h"
 #include "scene/surface.h"
 #include "shade/irradiance.h"
@@ -57,13 +58,8 @@ typedef struct olx_shade_scratch {
   olx_shade_path paths[2][2 * OLX_BATCH_POINTS]; // one through each lobe at most
   uint32_t slot[OLX_BATCH_POINTS];               // which sample of a tile a point of `roots` is
   uint32_t owner[OLX_BATCH_POINTS];              // which point lights a sample
-  uint32_t leader[OLX_BATCH_POINTS];             // which point casts the reflection that a point shows
-  olx_vec3 unreflected[OLX_BATCH_POINTS];        // light of points before reflections
   olx_vec3 directions[OLX_BATCH_POINTS];         // of a tile's samples
   float weights[OLX_BATCH_POINTS];               // their shares of solid angle
-  olx_vec3 colors[OLX_BATCH_POINTS];             // their radiance
-  olx_vec3 emission[OLX_BATCH_POINTS];           // the share of it that comes straight from an emitter or the sky
-  bool emits[OLX_BATCH_POINTS];                  // whether there can be such a share
 } olx_shade_scratch;
 
 // What lighting needs to know of the bake.
@@ -76,7 +72,7 @@ typedef struct olx_shade_context {
   olx_vec3 lights_min, lights_max; // bounds of the emitters
   bool reflected_lights;           // some light has an area, so that a reflected ray can meet it
   float share_distance;            // points of a texel that lie this close together share one look-up of irradiance
-  float lattice_distance;          // and look-ups this close are interpolated between
+  const olx_scene_light *light;    // solved for the whole scene, where irradiance is looked up; NULL: in the maps that follow
   olx_irradiance_source irradiance[OLX_KEPT_BOUNCES + 1]; // of bounce k at k mod (OLX_KEPT_BOUNCES + 1)
   olx_scratch_pool pool;
   atomic_uint_fast64_t rays;
@@ -110,10 +106,7 @@ float olx_shade_scattering(const olx_shade_context *context, const olx_surface *
 // Add what the lights send, through both lobes, except what only a reflected ray can find.
 void olx_shade_direct(olx_shade_context *context, olx_shade_scratch *scratch, olx_shade_batch *batch);
 
-// Irradiance of bounce `bounce` at a point of the batch.
-olx_vec3 olx_shade_irradiance(const olx_shade_context *context, const olx_shade_batch *batch, uint32_t point,
-                              uint32_t bounce);
-// Add the diffuse reflection of the irradiance of bounce `bounce`.
+// Add the diffuse reflection of the irradiance of bounce `bounce`; of the solution's, where there is one.
 void olx_shade_diffuse(olx_shade_context *context, olx_shade_batch *batch, uint32_t bounce);
 
 // Which light a reflected ray brings.

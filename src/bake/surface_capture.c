@@ -1,8 +1,10 @@
 // Fills the texels of a light field probe with the surfaces that they see: material and emission by what rays meet, direct light
-// by shadow rays, indirect light by the baker's solution or by the plain reference, paths from every texel.
+// by shadow rays, indirect light by the baker's solution or by the plain reference, paths from every texel. Radiance as the
+// probe sees it is what that surface sends to the probe.
 #include "bake/surface_capture.h"
 
 #include "bake/texel_light.h"
+#include "bake/texel_radiance.h"
 #include "core/hooks.h"
 #include "core/result.h"
 #include "field/texels.h"
@@ -11,16 +13,12 @@
 enum {
   SALT_DIRECT = 0x44495245,
   SALT_PATHS = 0x50415448,
-  CHUNK = 8,      // texels whose rays are cast together; divides the size of every map
-  MOST_SIDE = 8,  // samples along the side of a texel
+  SALT_LOBE = 0x4C4F4245,
   LIGHT_SIDE = 4, // texels along the side of a block whose samples of lights are stratified together
 };
 
 // A texel's side, as a share of the distance, is this over the texels along a map's side: the root of 4 pi.
 static const float VIEW_SIDE = 3.5449077f;
-
-// Samples lie off the middles of their parts of a texel as those of radiance do.
-static const olx_vec2 sample_offset = {0.5078125f, 0.48828125f};
 
 // A texel, and what rays through the parts of it met.
 typedef struct texel_samples {
@@ -29,9 +27,10 @@ typedef struct texel_samples {
   const olx_ray_hit *hits;
 } texel_samples;
 
-// The material's numbers on average over the samples that lie on the texel's surface, and its direct light.
+// The material's numbers, summed over the samples that lie on the texel's surface, direct light, and what narrow specular lobes
+// reflect to the probe.
 typedef struct surface_sums {
-  olx_vec3 base_color, direct;
+  olx_vec3 base_color, direct, mirrored;
   float roughness, metallic, count;
 } surface_sums;
 
@@ -70,19 +69,25 @@ static olx_vec3 direct_light(const olx_surface_capture *c, const texel_samples *
   olx_vec3 sum = {0};
   for (uint32_t i = 0; i < lights; i++) {
     olx_sampler sampler = {.seed = seed, .index = first + i};
-    sum = olx_add(sum, olx_direct_irradiance(capture->shade->scene, surface, &sampler, rays));
+    sum = olx_add(sum, olx_direct_irradiance(capture->scene, surface, &sampler, rays));
   }
   return olx_scale(sum, 1.0f / (float)lights);
 }
 
 static void add_sample(const olx_surface_capture *c, const texel_samples *t, uint32_t k, const olx_ray_hit *hit,
                        const olx_surface *surface, surface_sums *sums, uint64_t *rays) {
-  const olx_surface s = smooth(c->capture->shade->scene, hit, surface);
+  const olx_surface s = smooth(c->capture->scene, hit, surface);
   sums->base_color = olx_add(sums->base_color, s.base_color);
   sums->roughness += s.roughness;
   sums->metallic += s.metallic;
   sums->direct = olx_add(sums->direct, direct_light(c, t, k, &s, rays));
   sums->count += 1.0f;
+  if (!olx_texel_is_mirror(&surface->bsdf)) return;
+  const uint32_t seed = olx_hash3(c->capture->probe, texel_index(c, t), SALT_LOBE) ^ c->seed;
+  const olx_lobe_source source = {c->capture->scene, c->light, c->capture->bounces};
+  olx_sampler sampler = {.seed = seed, .index = k};
+  sums->mirrored =
+      olx_add(sums->mirrored, olx_texel_mirrored(&source, surface, t->rays[k].direction, &sampler, rays));
 }
 
 // Light that has 1 to bounces + 1 surfaces between emitter and texel.
@@ -92,13 +97,13 @@ static olx_vec3 indirect_light(const olx_surface_capture *c, const texel_samples
   const uint32_t texel = texel_index(c, t);
   if (c->light) return c->irradiance[texel];
   const uint32_t seed = olx_hash3(capture->probe, texel, SALT_PATHS) ^ c->seed;
-  return olx_path_surface_irradiance(capture->shade->scene, surface, capture->bounces + 1, c->reference_paths, seed,
+  return olx_path_surface_irradiance(capture->scene, surface, capture->bounces + 1, c->reference_paths, seed,
                                      rays);
 }
 
 // Emission of the samples that emit, as the texel's middle does: a surface beside a lamp holds no share of it.
 static olx_vec3 mean_emission(const olx_surface_capture *c, const texel_samples *t, olx_vec3 middle, bool sky) {
-  const olx_scene *scene = c->capture->shade->scene;
+  const olx_scene *scene = c->capture->scene;
   const uint32_t per_texel = c->capture->samples * c->capture->samples;
   olx_vec3 sum = {0};
   float count = 0.0f;
@@ -113,29 +118,35 @@ static olx_vec3 mean_emission(const olx_surface_capture *c, const texel_samples 
   return count > 0.0f ? olx_scale(sum, 1.0f / count) : middle;
 }
 
-static void store_surface(const olx_surface_capture *c, uint32_t at, const olx_surface *middle,
+static void store_surface(const olx_surface_capture *c, uint32_t at, const olx_surface *middle, olx_vec3 direction,
                           const surface_sums *sums, olx_vec3 indirect) {
   const float share = 1.0f / sums->count;
-  const float weight = c->capture->shade->scene->materials[middle->material].specular_weight;
+  const olx_vec3 direct = olx_scale(sums->direct, share);
+  const float weight = c->capture->scene->materials[middle->material].specular_weight;
   const olx_texel_material_codes codes =
       olx_material_pack(olx_scale(sums->base_color, share), sums->roughness * share, sums->metallic * share, weight);
   c->base[at] = codes.base;
   c->specular[at] = codes.specular;
-  c->direct[at] = olx_rgb9e5_pack(olx_scale(sums->direct, share));
+  c->direct[at] = olx_rgb9e5_pack(direct);
   c->indirect[at] = olx_rgb9e5_pack(indirect);
+  const olx_bsdf bsdf = olx_material_unpack(codes);
+  const olx_vec3 irradiance = olx_madd(direct, indirect, 1.0f - c->last_bounce);
+  const olx_vec3 reflected = olx_texel_reflected(&bsdf, -olx_dot(middle->shading_normal, direction), irradiance);
+  c->radiance[at] = olx_r11g11b10f_pack(olx_madd(reflected, sums->mirrored, share));
 }
 
 static void capture_texel(olx_surface_capture *c, const texel_samples *t, uint64_t *rays) {
   const olx_capture *capture = c->capture;
-  const olx_scene *scene = capture->shade->scene;
+  const olx_scene *scene = capture->scene;
   const uint32_t at = texel_index(c, t), per_texel = capture->samples * capture->samples;
   const olx_vec3 direction = olx_texel_direction(t->x, t->y, capture->size);
   const olx_ray_hit *hit = &capture->hits[at];
   c->base[at] = c->direct[at] = c->indirect[at] = c->emission[at] = 0;
   c->specular[at] = 0;
   if (hit->triangle == OLX_NO_HIT) {
-    const olx_vec3 sky = olx_environment_radiance(scene, direction);
-    c->emission[at] = olx_rgb9e5_pack(mean_emission(c, t, sky, true));
+    const olx_vec3 sky = mean_emission(c, t, olx_environment_radiance(scene, direction), true);
+    c->emission[at] = olx_rgb9e5_pack(sky);
+    c->radiance[at] = olx_r11g11b10f_pack(sky);
     return;
   }
   const olx_surface middle = olx_surface_at(scene, hit, direction);
@@ -148,38 +159,22 @@ static void capture_texel(olx_surface_capture *c, const texel_samples *t, uint64
   }
   if (sums.count == 0.0f) add_sample(c, t, 0, hit, &middle, &sums, rays);
   const olx_surface lit = smooth(scene, hit, &middle);
-  store_surface(c, at, &middle, &sums, indirect_light(c, t, &lit, rays));
-  if (olx_max3(middle.emission) > 0.0f) {
-    c->emission[at] = olx_rgb9e5_pack(mean_emission(c, t, middle.emission, false));
-  }
-}
-
-// Rays through samples^2 parts of each of CHUNK texels of a row.
-static void cast_samples(const olx_surface_capture *c, uint32_t x, uint32_t y, olx_ray *rays, olx_ray_hit *hits) {
-  const olx_capture *capture = c->capture;
-  const uint32_t side = capture->samples;
-  const float step = 1.0f / (float)(capture->size * side);
-  uint32_t count = 0;
-  for (uint32_t i = 0; i < CHUNK; i++) {
-    for (uint32_t k = 0; k < side * side; k++) {
-      const olx_vec2 uv = {((float)((x + i) * side + k % side) + sample_offset.x) * step,
-                           ((float)(y * side + k / side) + sample_offset.y) * step};
-      rays[count++] = (olx_ray){capture->position, olx_octahedral_decode(uv), 0.0f, INFINITY};
-    }
-  }
-  olx_bvh_intersect_many(capture->shade->scene->bvh, rays, count, true, hits);
+  store_surface(c, at, &middle, direction, &sums, indirect_light(c, t, &lit, rays));
+  if (olx_max3(middle.emission) <= 0.0f) return;
+  const olx_vec3 emission = mean_emission(c, t, middle.emission, false);
+  c->emission[at] = olx_rgb9e5_pack(emission);
+  c->radiance[at] = olx_r11g11b10f_pack(olx_add(olx_r11g11b10f_unpack(c->radiance[at]), emission));
 }
 
 static void capture_row(void *user, uint32_t y) {
   olx_surface_capture *c = user;
   const uint32_t per_texel = c->capture->samples * c->capture->samples;
-  olx_ray rays[CHUNK * MOST_SIDE * MOST_SIDE];
-  olx_ray_hit hits[CHUNK * MOST_SIDE * MOST_SIDE];
+  olx_ray rays[OLX_CAPTURE_MOST_RAYS];
+  olx_ray_hit hits[OLX_CAPTURE_MOST_RAYS];
   uint64_t cast = 0;
-  for (uint32_t x = 0; x < c->capture->size; x += CHUNK) {
-    cast_samples(c, x, y, rays, hits);
-    cast += (uint64_t)CHUNK * per_texel;
-    for (uint32_t i = 0; i < CHUNK; i++) {
+  for (uint32_t x = 0; x < c->capture->size; x += OLX_CAPTURE_CHUNK) {
+    cast += olx_capture_cast_samples(c->capture, x, y, rays, hits);
+    for (uint32_t i = 0; i < OLX_CAPTURE_CHUNK; i++) {
       const texel_samples t = {x + i, y, rays + (size_t)i * per_texel, hits + (size_t)i * per_texel};
       capture_texel(c, &t, &cast);
     }
@@ -192,6 +187,7 @@ uint64_t olx_surface_capture_units(const olx_surface_capture *c) { return olx_ca
 olx_result olx_surface_capture_probe(olx_surface_capture *c, olx_surface_maps *maps) {
   const uint32_t rows = c->capture->size;
   *maps = (olx_surface_maps){c->base, c->specular, c->direct, c->indirect, c->emission};
+  c->last_bounce = c->light ? (float)olx_scene_light_describe(c->light).last_bounce : 0.0f;
   if (c->light) OLX_TRY(olx_texel_light(c->capture, c->light, c->irradiance));
   return olx_parallel_for(rows, c->capture->threads, capture_row, c, c->capture->task,
                           olx_surface_capture_units(c) / rows);
@@ -200,7 +196,7 @@ olx_result olx_surface_capture_probe(olx_surface_capture *c, olx_surface_maps *m
 uint64_t olx_surface_capture_bytes(uint32_t size, bool solved) {
   const olx_surface_capture *c = NULL;
   const uint64_t texel = sizeof *c->base + sizeof *c->direct + sizeof *c->indirect + sizeof *c->emission +
-                         sizeof *c->specular + (solved ? sizeof *c->irradiance : 0);
+                         sizeof *c->radiance + sizeof *c->specular + (solved ? sizeof *c->irradiance : 0);
   return (uint64_t)size * size * texel;
 }
 
@@ -210,9 +206,11 @@ olx_result olx_surface_capture_create(olx_surface_capture *c) {
   c->direct = olx_allocate(texels, sizeof *c->direct);
   c->indirect = olx_allocate(texels, sizeof *c->indirect);
   c->emission = olx_allocate(texels, sizeof *c->emission);
+  c->radiance = olx_allocate(texels, sizeof *c->radiance);
   c->irradiance = olx_allocate(c->light ? texels : 0, sizeof *c->irradiance);
   c->specular = olx_allocate(texels, sizeof *c->specular);
-  if (c->base && c->direct && c->indirect && c->emission && c->specular && c->irradiance) return OLX_OK;
+  const bool complete = c->base && c->direct && c->indirect && c->emission && c->radiance && c->specular;
+  if (complete && c->irradiance) return OLX_OK;
   olx_surface_capture_free(c);
   return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for surfaces of %u x %u texels", c->capture->size,
                   c->capture->size);
@@ -223,9 +221,10 @@ void olx_surface_capture_free(olx_surface_capture *c) {
   olx_release(c->direct);
   olx_release(c->indirect);
   olx_release(c->emission);
+  olx_release(c->radiance);
   olx_release(c->irradiance);
   olx_release(c->specular);
-  c->base = c->direct = c->indirect = c->emission = NULL;
+  c->base = c->direct = c->indirect = c->emission = c->radiance = NULL;
   c->specular = NULL;
   c->irradiance = NULL;
 }

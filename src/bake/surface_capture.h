@@ -1,4 +1,5 @@
-// What light field probes see: the surfaces' material, their direct and indirect irradiance, and emission.
+// What light field probes see: the surfaces' material, their direct and indirect irradiance, emission, and the radiance that
+// reaches the probe.
 #ifndef OLX_BAKE_SURFACE_CAPTURE_H
 #define OLX_BAKE_SURFACE_CAPTURE_H
 
@@ -15,7 +16,8 @@ typedef struct olx_surface_capture {
   const olx_scene_light *light; // NULL: indirect light is the plain reference
   uint32_t reference_paths;     // of a texel, for the reference
   olx_vec3 *irradiance;         // indirect, where `light` gives it
-  uint32_t *base, *direct, *indirect, *emission;
+  float last_bounce;            // share of that light that is one bounce more than radiance holds
+  uint32_t *base, *direct, *indirect, *emission, *radiance;
   uint16_t *specular;
   atomic_uint_fast64_t rays; // cast so far
 } olx_surface_capture;
@@ -29,7 +31,7 @@ void olx_surface_capture_free(olx_surface_capture *surfaces);
 // Units of progress a probe takes, in samples of texels.
 uint64_t olx_surface_capture_units(const olx_surface_capture *surfaces);
 
-// *maps points into `surfaces`.
+// *maps points into `surfaces`; surfaces->radiance is filled, too.
 olx_result olx_surface_capture_probe(olx_surface_capture *surfaces, olx_surface_maps *maps);
 
 // The lights of a scene that have no area, as a field holds them; *lights is to be given to olx_release.

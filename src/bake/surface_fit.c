@@ -1,3 +1,5 @@
+// Measures irradiance at points on surfaces, and finds the corrections of probes' maps with which interpolation comes closest
+// to it, by conjugate gradients.
 #include "bake/surface_fit.h"
 
 #include "bake/arrays.h"
@@ -20,7 +22,7 @@ enum {
 // A surface point, its measured irradiance and how it is interpolated.
 typedef struct fit_point {
   olx_vec3 position, normal; // moved off the surface
-  olx_vec3 direct;           // irradiance from surfaces that carry direct light alone
+  olx_vec3 direct;           // irradiance from surfaces that carry direct light alone; of the solution all of it
   olx_vec3 measured;         // irradiance of the bounce that was fitted last
   olx_vec3 residual;         // measured less interpolated irradiance
   olx_irradiance_weights weights;
@@ -40,8 +42,10 @@ struct olx_surface_fit {
 
 static uint32_t jobs_of(const olx_surface_fit *fit) { return fit->point_count / POINTS_PER_JOB; }
 
-uint64_t olx_surface_fit_units(uint32_t probe_count) {
-  return (uint64_t)probe_count * POINTS_PER_PROBE * RAYS_PER_POINT;
+static uint64_t units_of_point(bool solved) { return solved ? 1 : RAYS_PER_POINT; }
+
+uint64_t olx_surface_fit_units(uint32_t probe_count, bool solved) {
+  return (uint64_t)probe_count * POINTS_PER_PROBE * units_of_point(solved);
 }
 
 // A ray from a surface into the half space it faces, cosine distributed.
@@ -111,12 +115,20 @@ static uint32_t choose_reflections(olx_shade_scratch *scratch) {
   return count;
 }
 
+// What the solution has for the point; about the geometric normal, as the point's rays are.
+static olx_vec3 solved_irradiance(const olx_surface_fit *fit, const olx_surface *surface) {
+  olx_surface flat = *surface;
+  flat.shading_normal = surface->geometric_normal;
+  return olx_scene_light_irradiance(fit->input.light, &flat);
+}
+
 // Draws the points of one job, casts their rays, and sums the light of surfaces that carry direct light.
 static void cast_job(void *user, uint32_t job) {
   olx_surface_fit *fit = user;
   const uint32_t first = job * POINTS_PER_JOB;
   olx_shade_scratch *scratch = olx_shade_scratch_take(fit->input.shade);
   if (!scratch) return;
+  uint64_t cast = POINTS_PER_JOB;
   olx_shade_batch_begin(&scratch->roots, 1);
   for (uint32_t index = first; index < first + POINTS_PER_JOB; index++) {
     fit_point *point = &fit->points[index];
@@ -124,12 +136,17 @@ static void cast_job(void *user, uint32_t job) {
     *point = (fit_point){.valid = false};
     if (!draw_point(fit, index, &surface)) continue;
     place_point(fit, &surface, point);
+    if (fit->input.light) {
+      point->direct = solved_irradiance(fit, &surface);
+      continue;
+    }
     for (uint32_t j = 0; j < RAYS_PER_POINT; j++) scratch->rays[j] = scattered_ray(&surface, j, ray_seed(fit, index));
     olx_bvh_intersect_many(fit->input.shade->scene->bvh, scratch->rays, RAYS_PER_POINT, false,
                            fit->hits + (size_t)index * RAYS_PER_POINT);
+    cast += RAYS_PER_POINT;
     append_hits(fit, index, scratch);
   }
-  atomic_fetch_add_explicit(&fit->input.shade->rays, OLX_BATCH_POINTS, memory_order_relaxed);
+  atomic_fetch_add_explicit(&fit->input.shade->rays, cast, memory_order_relaxed);
   const uint32_t reflections = choose_reflections(scratch);
   olx_shade_direct(fit->input.shade, scratch, &scratch->roots);
   olx_shade_reflections(fit->input.shade, scratch, reflections, 0, OLX_REFLECT_LIGHTS);
@@ -162,13 +179,14 @@ static void measure_job(void *user, uint32_t job) {
   olx_shade_scratch *scratch = olx_shade_scratch_take(fit->input.shade);
   if (!scratch) return;
   uint32_t reflections = 0;
+  const bool bounces = fit->bounce > 0 && !fit->input.light;
   olx_shade_batch_begin(&scratch->roots, 1);
   olx_vec3 measured[POINTS_PER_JOB];
   for (uint32_t i = 0; i < POINTS_PER_JOB; i++) {
     measured[i] = fit->points[first + i].direct;
-    if (fit->bounce > 0 && fit->points[first + i].valid) append_hits(fit, first + i, scratch);
+    if (bounces && fit->points[first + i].valid) append_hits(fit, first + i, scratch);
   }
-  if (fit->bounce > 0) {
+  if (bounces) {
     reflections = choose_reflections(scratch);
     olx_shade_diffuse(fit->input.shade, &scratch->roots, fit->bounce - 1);
     olx_shade_reflections(fit->input.shade, scratch, reflections, fit->bounce, OLX_REFLECT_BOUNCES);
@@ -219,17 +237,17 @@ static olx_result check_memory(const olx_surface_fit *fit) {
   return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for the work of a thread");
 }
 
-static uint32_t list_arrays(olx_surface_fit *fit, olx_array_row rows[2]) {
+static uint32_t list_arrays(olx_surface_fit *fit, bool solved, olx_array_row rows[2]) {
   const uint64_t points = fit->point_count;
   rows[0] = (olx_array_row){&fit->points, points, sizeof *fit->points, false};
   rows[1] = (olx_array_row){&fit->hits, points * RAYS_PER_POINT, sizeof *fit->hits, false};
-  return 2;
+  return solved ? 1 : 2;
 }
 
-uint64_t olx_surface_fit_bytes(uint32_t probe_count) {
+uint64_t olx_surface_fit_bytes(uint32_t probe_count, bool solved) {
   olx_surface_fit fit = {.point_count = probe_count * POINTS_PER_PROBE};
   olx_array_row rows[2];
-  return olx_arrays_bytes(rows, list_arrays(&fit, rows)) +
+  return olx_arrays_bytes(rows, list_arrays(&fit, solved, rows)) +
          olx_corrections_bytes((size_t)probe_count * OLX_CORRECTION_CELLS);
 }
 
@@ -242,13 +260,14 @@ olx_result olx_surface_fit_create(const olx_surface_fit_input *input, const olx_
   fit->source = source;
   fit->point_count = input->probe_count * POINTS_PER_PROBE;
   olx_array_row rows[2];
-  const bool listed = olx_arrays_allocate(rows, list_arrays(fit, rows));
+  const bool solved = input->light;
+  const bool listed = olx_arrays_allocate(rows, list_arrays(fit, solved, rows));
   const size_t unknowns = (size_t)input->probe_count * OLX_CORRECTION_CELLS;
   const bool allocated = olx_corrections_allocate(&fit->corrections, unknowns);
   if (!listed || !allocated) {
     return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for fitting %u irradiance probes", input->probe_count);
   }
-  OLX_TRY(olx_parallel_for(jobs_of(fit), input->threads, cast_job, fit, input->task, OLX_BATCH_POINTS));
+  OLX_TRY(olx_parallel_for(jobs_of(fit), input->threads, cast_job, fit, input->task, POINTS_PER_JOB * units_of_point(solved)));
   return check_memory(fit);
 }
 

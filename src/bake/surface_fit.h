@@ -9,11 +9,13 @@
 
 #include "bake/shade_batch.h"
 #include "core/parallel.h"
+#include "light/scene_light.h"
 #include "shade/corrections.h"
 
 typedef struct olx_surface_fit olx_surface_fit;
 
-// Everything the fit needs of the gather: `hits` are `hit_count` surface points that each probe sees.
+// Everything the fit needs of the gather: `hits` are `hit_count` surface points that each probe sees. Irradiance at the points
+// comes from `light`, or is measured by rays where that is NULL.
 typedef struct olx_surface_fit_input {
   olx_shade_context *shade;
   const olx_vec3 *positions;
@@ -21,6 +23,7 @@ typedef struct olx_surface_fit_input {
   uint32_t probe_count, threads;
   const olx_ray_hit *hits;
   uint32_t hit_count;
+  const olx_scene_light *light;
   olx_task *task;
 } olx_surface_fit_input;
 
@@ -30,17 +33,18 @@ olx_result olx_surface_fit_create(const olx_surface_fit_input *input, const olx_
                                   olx_surface_fit **fit);
 void olx_surface_fit_free(olx_surface_fit *fit);
 
-// Units of progress of one creation, in rays.
-uint64_t olx_surface_fit_units(uint32_t probe_count);
+// Units of progress of one creation, in rays; `solved`: irradiance comes from a solution.
+uint64_t olx_surface_fit_units(uint32_t probe_count, bool solved);
 
 // The memory that a fit holds.
-uint64_t olx_surface_fit_bytes(uint32_t probe_count);
+uint64_t olx_surface_fit_bytes(uint32_t probe_count, bool solved);
 
 // The corrections of `source`, float irradiance maps of bounce `bounce` (0: direct light alone), measured with the light of
-// the bounces before.
+// the bounces before; of `light`, all of it, whatever the bounce.
 olx_result olx_surface_fit_solve(olx_surface_fit *fit, const olx_irradiance_source *source, uint32_t bounce);
 
-// Point `index`, OLX_FIT_POINTS_PER_PROBE of them a probe: where it is, and what OLX_FIT_RAYS rays from it met; false when there is none.
+// Point `index`, OLX_FIT_POINTS_PER_PROBE of them a probe: where it is, and what OLX_FIT_RAYS rays
+// from it met; false when there is none. Not for a fit to a solution, which casts no rays.
 enum { OLX_FIT_POINTS_PER_PROBE = 512, OLX_FIT_RAYS = 64 };
 bool olx_surface_fit_point(const olx_surface_fit *fit, uint32_t index, olx_vec3 *position, olx_vec3 *normal,
                            const olx_ray_hit **hits);

@@ -4,11 +4,18 @@
 
 #include "core/octahedral.h"
 
-enum { BLOCK = 4, NOT_FOUND = BLOCK * BLOCK };
+#include <stdlib.h>
+
+enum {
+  BLOCK = 4,
+  NOT_FOUND = BLOCK * BLOCK,
+  SHARED_SHARE = 64 // texels share gathered light over this part of a map's side, or less
+};
 
 // How far a texel of a block may lie from the plane of its first, in footprints, and how far their normals may part.
 static const float FLAT_FOOTPRINTS = 0.25f, FLAT_COSINE = 0.999f;
-// The same for texels that share gathered light.
+// How far a texel may lie from the plane of another whose gathered light it shares, in footprints, and how far their normals
+// may part.
 static const float SHARED_FOOTPRINTS = 1.0f, SHARED_COSINE = 0.9f;
 
 typedef struct texel_light {
@@ -25,7 +32,7 @@ static uint32_t texel_of(const texel_light *t, uint32_t block, uint32_t i) {
 
 static olx_surface surface_of(const texel_light *t, uint32_t texel) {
   const olx_capture *c = t->capture;
-  const olx_scene *scene = c->shade->scene;
+  const olx_scene *scene = c->scene;
   const olx_ray_hit *hit = &c->hits[texel];
   olx_surface surface = olx_surface_at(scene, hit, olx_texel_direction(texel % c->size, texel / c->size, c->size));
   surface.shading_normal = olx_surface_vertex_normal(scene, hit, &surface);
@@ -64,12 +71,21 @@ typedef struct gathered_texels {
   uint8_t texels[BLOCK * BLOCK];
 } gathered_texels;
 
-// The gathered texel nearest to a surface among those that lie on it; NOT_FOUND when there is none.
-static uint32_t find_gathered(const gathered_texels *g, const olx_surface surface[BLOCK * BLOCK],
-                              const olx_surface *point, float footprint) {
+static uint32_t texels_apart(uint32_t a, uint32_t b) {
+  const uint32_t columns = (uint32_t)abs((int)(a % BLOCK) - (int)(b % BLOCK)),
+                 rows = (uint32_t)abs((int)(a / BLOCK) - (int)(b / BLOCK));
+  return columns > rows ? columns : rows;
+}
+
+// The gathered texel nearest to another of the block, less than `shared` texels from it, among those that lie on its surface;
+// NOT_FOUND when there is none.
+static uint32_t find_gathered(const gathered_texels *g, const olx_surface surface[BLOCK * BLOCK], uint32_t texel,
+                              uint32_t shared, float footprint) {
   uint32_t found = NOT_FOUND;
   float least = INFINITY;
+  const olx_surface *point = &surface[texel];
   for (uint32_t i = 0; i < g->count; i++) {
+    if (texels_apart(g->texels[i], texel) >= shared) continue;
     const olx_surface *other = &surface[g->texels[i]];
     const olx_vec3 way = olx_sub(other->position, point->position);
     if (olx_dot(other->geometric_normal, point->geometric_normal) < SHARED_COSINE) continue;
@@ -89,7 +105,7 @@ static void light_texel(const texel_light *t, uint32_t block, uint32_t i, const 
   olx_vec3 *irradiance = &t->irradiance[texel];
   if (olx_scene_light_interpolate(t->light, &surface[i], irradiance)) return;
   const float footprint = 2.0f * t->capture->hits[texel].t / (float)t->capture->size;
-  const uint32_t found = find_gathered(gathered, surface, &surface[i], footprint);
+  const uint32_t found = find_gathered(gathered, surface, i, t->capture->size / SHARED_SHARE, footprint);
   if (found != NOT_FOUND) {
     *irradiance = t->irradiance[texel_of(t, block, found)];
     return;

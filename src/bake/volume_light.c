@@ -44,6 +44,7 @@ static void light_probe(const light_job *j, uint32_t probe, uint64_t *cast) {
   const olx_vec3 position = j->positions[probe];
   const uint32_t seed = seed_at(position, v->seed), direction_seed = olx_hash2(seed, SALT_DIRECTION),
                  light_seed = olx_hash2(seed, SALT_LIGHT);
+  const uint32_t bounces = olx_scene_light_bounces(v->light);
   olx_vec3 sums[OLX_HARMONICS_MOST] = {{0}};
   olx_ray rays[PACKET];
   olx_ray_hit hits[PACKET];
@@ -57,7 +58,7 @@ static void light_probe(const light_job *j, uint32_t probe, uint64_t *cast) {
     *cast += count;
     for (uint32_t i = 0; i < count; i++) {
       olx_sampler sampler = {.seed = light_seed, .index = first + i};
-      const olx_vec3 radiance = olx_ray_light(v->scene, v->light, &rays[i], &hits[i], &sampler, cast);
+      const olx_vec3 radiance = olx_ray_light(v->scene, v->light, bounces, &rays[i], &hits[i], &sampler, cast);
       add_light(sums, rays[i].direction, radiance);
     }
   }

@@ -257,7 +257,15 @@ bool olx_chunk_is_on_device(olx_chunk_kind kind) {
   case OLX_CHUNK_BRICKS:
   case OLX_CHUNK_CLASSIC_IRRADIANCE:
   case OLX_CHUNK_CLASSIC_RADIANCE:
-  case OLX_CHUNK_INDIRECT: return true;
+  case OLX_CHUNK_DIRECT:
+  case OLX_CHUNK_INDIRECT:
+  case OLX_CHUNK_BASE:
+  case OLX_CHUNK_SPECULAR:
+  case OLX_CHUNK_EMISSION:
+  case OLX_CHUNK_LIGHTS:
+  case OLX_CHUNK_VOLUME:
+  case OLX_CHUNK_VOLUME_IRRADIANCE:
+  case OLX_CHUNK_EMISSION_TILES: return true;
   default: return false;
   }
 }

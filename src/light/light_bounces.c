@@ -31,7 +31,7 @@ static void add_links(void *user, uint32_t job) {
       const uint32_t chain = chain_of(&links[i]);
       if (!brings_light(&links[i]) || chain >= b->number) continue;
       const olx_vec3 light = b->kept[(b->number - 1 - chain) % KEPT][end_of(&links[i])];
-      sum = olx_add(sum, olx_mul(olx_r11g11b10f_unpack(links[i].weight), light));
+      sum = olx_add(sum, olx_mul(olx_rgb9e5_unpack(links[i].weight), light));
     }
     olx_vec3 *const to = &b->sum[olx_link_surfel(b->batch, n)];
     *to = olx_add(*to, sum);
@@ -114,7 +114,7 @@ static void add_spread(void *user, uint32_t job) {
     double *sums = s->sums[olx_link_surfel(s->batch, n)];
     for (uint32_t i = 0; i < s->batch->rays; i++) {
       if (!brings_light(&links[i])) continue;
-      const olx_vec3 weight = olx_r11g11b10f_unpack(links[i].weight);
+      const olx_vec3 weight = olx_rgb9e5_unpack(links[i].weight);
       const double value = (double)olx_luminance(olx_mul(weight, s->light[end_of(&links[i])]));
       sums[0] += value;
       sums[1] += value * value;

@@ -1,5 +1,6 @@
-// Surfels: the points of the scene's surfaces at which its light is gathered, one in each cell of surface, dense where other surfaces are near: spaced by the geometric mean distance of what each sees. (Ward's harmonic mean spends most surfels
-// where walls meet, though light there is as smooth as elsewhere.)
+// Surfels: the points of the scene's surfaces at which its light is gathered, one in each cell of surface, dense where other
+// surfaces are near: spaced by the geometric mean distance of what each sees. Ward's harmonic mean spends most surfels where
+// walls meet, though light there is as smooth as elsewhere.
 #ifndef OLX_LIGHT_LIGHT_SURFELS_H
 #define OLX_LIGHT_LIGHT_SURFELS_H
 

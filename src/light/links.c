@@ -58,7 +58,7 @@ static olx_link link_to(const cast_job *c, const olx_surface *surface, const olx
   const float most_side = c->lists ? MOST_SERVED * distance : INFINITY;
   const uint32_t found = olx_light_surfels_find(s, end->point.key, surface, most_side).surfel;
   const uint32_t number = found == OLX_CELL_NONE ? OLX_LINK_UNSERVED : found;
-  return (olx_link){.end = number | chain << OLX_LINK_CHAIN_SHIFT, .weight = olx_r11g11b10f_pack(weight)};
+  return (olx_link){.end = number | chain << OLX_LINK_CHAIN_SHIFT, .weight = olx_rgb9e5_pack(weight)};
 }
 
 // Follows a ray that met `hit` until it ends at a diffuse lobe, at the sky, or nowhere. At a surface with both lobes it
@@ -169,7 +169,7 @@ olx_vec3 olx_links_gather(const olx_light_surfels *surfels, const olx_surface *s
       const uint32_t end = ends[i].link.end & OLX_LINK_NOWHERE;
       if (end == OLX_LINK_UNSERVED) counted--;
       if (end >= OLX_LINK_UNSERVED) continue;
-      sum = olx_add(sum, olx_mul(olx_r11g11b10f_unpack(ends[i].link.weight), light[end]));
+      sum = olx_add(sum, olx_mul(olx_rgb9e5_unpack(ends[i].link.weight), light[end]));
     }
   }
   for (uint32_t i = 0; i < OLX_CHAIN_MOST && i < bounces; i++) sum = olx_add(sum, fixed.sum[i]);

@@ -18,7 +18,7 @@ enum {
 
 typedef struct olx_link {
   uint32_t end;    // the surfel's number, and the surfaces on the way
-  uint32_t weight; // R11G11B10F: irradiance at the end times this is pi times the radiance that arrives
+  uint32_t weight; // RGB9E5: irradiance at the end times this is pi times the radiance that arrives
 } olx_link;
 
 // Rays first_ray to first_ray + rays - 1 of some surfels.

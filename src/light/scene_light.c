@@ -10,18 +10,22 @@
 #include "light/surfel_lookup.h"
 
 enum {
-  FIRST_RAYS = 64,      // of every surfel,
-  LEAST_RAYS = 16,      // or as few as this where memory is short
-  MOST_RAYS = 1024,     // of one whose light varies much
+  FIRST_RAYS = 64,      // of every surfel at first
+  LEAST_RAYS = 16,      // of every surfel where memory is short
+  MOST_RAYS = 16384,    // of one whose light varies much
   HIDDEN_ROUNDS = 2,    // how often surfels are added where rays end without one
-  LEAST_DIRECT = 16,    // points at which the direct light of a cell is taken, and as many as make
-  ALL_DIRECT = 1 << 18, // this number of them in all, where cells are few, but no more than
-  MOST_DIRECT = 256,
-  MOST_BATCHES = 1 + HIDDEN_ROUNDS + 6,
-  MOST_VIEW_SIDE = 1024, // rays along the side of the map by which a probe looks around
+  LEAST_DIRECT = 16,    // points at which the direct light of a cell is taken, at least
+  MOST_DIRECT = 256,    // points at which the direct light of a cell is taken, at most
+  ALL_DIRECT = 1 << 18, // points at which direct light is taken in all, as far as the two bounds for a cell allow
+  MOST_BATCHES = 1 + HIDDEN_ROUNDS + 10,
+  NOISE_LEVELS = 3, // noise is measured over cells of this many levels above the surfels'
+  LEAST_MAP_SIZE = 64,   // smaller maps get surfels as dense as these: light that is told too coarsely is biased
+  MOST_VIEW_SIDE = 1024, // rays along the side of the map by which a probe looks around, at most
+  LEAST_VIEW_SIDE = 32,  // rays along the side of that map, at least
+  MOST_VIEW_RAYS = 1 << 24, // by which all probes look around, as far as the least side allows
   SURFELS_PER_JOB = 16,
-  LEAST_NEIGHBOURS = 3, // with fewer, or where these differ much, a point casts rays of its own, so many:
-  GATHERED_RAYS = 256,
+  LEAST_NEIGHBOURS = 3, // with fewer surfels around it a point casts rays of its own
+  GATHERED_RAYS = 256,  // of a point that casts rays of its own
   SALT_DIRECT = 0x44495245,
   SALT_GATHER = 0x47415448
 };
@@ -43,7 +47,6 @@ struct olx_scene_light {
   olx_light_links links;
   olx_vec3 *direct, *irradiance; // of surfels
   olx_vec3 *passed_on;           // direct light and all bounces but the last: what the surfels' surfaces reflect
-  olx_vec3 *before;              // irradiance with one bounce less
   uint32_t visible;    // surfels on surfaces that probes see; the others, which only pass light on, come after them
   uint32_t first_rays; // of every surfel
   olx_surfel_lookup lookup;
@@ -84,9 +87,15 @@ static void view_row(void *user, uint32_t row) {
   v->counts[row] = count;
 }
 
+// Many probes see the same surfaces, so each looks less closely.
+static uint32_t view_side(uint32_t map_size, uint32_t probes) {
+  uint32_t side = map_size / 2 < MOST_VIEW_SIDE ? map_size / 2 : MOST_VIEW_SIDE;
+  while (side > LEAST_VIEW_SIDE && (uint64_t)side * side * probes > MOST_VIEW_RAYS) side /= 2;
+  return side;
+}
+
 static olx_result look_around(olx_scene_light *l, const olx_vec3 *positions, uint32_t count) {
-  const uint32_t half = l->settings.map_size / 2, size = half < MOST_VIEW_SIDE ? half : MOST_VIEW_SIDE,
-                 rows = size * count;
+  const uint32_t size = view_side(l->settings.map_size, count), rows = size * count;
   view_job v = {.light = l,
                 .positions = positions,
                 .size = size,
@@ -263,34 +272,71 @@ static olx_result solve(olx_scene_light *l) {
   return OLX_OK;
 }
 
-static olx_result keep_before(olx_scene_light *l) {
-  l->before = olx_allocate(l->surfels.count, sizeof *l->before);
-  if (!l->before) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", l->surfels.count);
-  for (uint32_t i = 0; i < l->surfels.count; i++) {
-    l->before[i] = olx_max_each(olx_sub(l->passed_on[i], l->direct[i]), olx_splat(0.0f));
-  }
-  return OLX_OK;
-}
-
 static float mean_luminance(const olx_vec3 *light, uint32_t count) {
   double sum = 0.0;
   for (uint32_t i = 0; i < count; i++) sum += (double)olx_luminance(light[i]);
   return count ? (float)(sum / count) : 0.0f;
 }
 
+// Light and variance of the surfels in a larger cell, summed.
+typedef struct noise_cell {
+  double light, variance;
+  uint32_t count;
+} noise_cell;
+
+// A surfel's few first rays may all miss a small bright place, and then seem to agree. Surfels of the same size around it, which
+// see about the same, tell how much its rays really vary.
+static olx_result average_noise(const olx_scene_light *l, olx_cell_table *table, noise_cell *cells, float *variance,
+                                float *light) {
+  const uint32_t count = l->surfels.count;
+  for (uint32_t i = 0; i < count; i++) {
+    const uint64_t key = olx_cell_at_level(l->surfels.surfels[i].cell, NOISE_LEVELS);
+    uint32_t number = olx_cell_table_get(table, key);
+    if (number == OLX_CELL_NONE) {
+      number = table->count;
+      OLX_TRY(olx_cell_table_set(table, key, number));
+    }
+    cells[number].light += (double)olx_luminance(l->irradiance[i]);
+    cells[number].variance += (double)variance[i];
+    cells[number].count++;
+  }
+  for (uint32_t i = 0; i < count; i++) {
+    const uint64_t key = olx_cell_at_level(l->surfels.surfels[i].cell, NOISE_LEVELS);
+    const noise_cell *cell = &cells[olx_cell_table_get(table, key)];
+    light[i] = (float)(cell->light / cell->count);
+    variance[i] = (float)(cell->variance / cell->count);
+  }
+  return OLX_OK;
+}
+
+static olx_result smooth_noise(const olx_scene_light *l, float *variance, float *light) {
+  olx_cell_table table = {0};
+  noise_cell *cells = olx_allocate_zero(l->surfels.count, sizeof *cells);
+  olx_result result = cells ? olx_cell_table_create(&table, l->surfels.count)
+                            : olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", l->surfels.count);
+  if (result == OLX_OK) result = average_noise(l, &table, cells, variance, light);
+  olx_cell_table_free(&table);
+  olx_release(cells);
+  return result;
+}
+
 // Standard error of interpolated light around each surfel over the light there.
 static olx_result measure_noise(olx_scene_light *l, float *noise) {
   const uint32_t count = l->surfels.count;
-  OLX_TRY(olx_bounces_variance(&l->links, count, l->settings.threads, l->direct, l->irradiance, noise));
+  float *light = olx_allocate(count, sizeof *light);
+  if (!light) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", count);
+  olx_result result = olx_bounces_variance(&l->links, count, l->settings.threads, l->direct, l->irradiance, noise);
+  if (result == OLX_OK) result = smooth_noise(l, noise, light);
   const float dark = DARK_SHARE * mean_luminance(l->irradiance, count);
   double squares = 0.0;
-  for (uint32_t i = 0; i < count; i++) {
-    const float light = olx_max(olx_luminance(l->irradiance[i]), dark);
-    noise[i] = light > 0.0f ? sqrtf(INTERPOLATED_VARIANCE * noise[i]) / light : 0.0f;
+  for (uint32_t i = 0; result == OLX_OK && i < count; i++) {
+    const float level = olx_max(light[i], dark);
+    noise[i] = level > 0.0f ? sqrtf(INTERPOLATED_VARIANCE * noise[i]) / level : 0.0f;
     if (i < l->visible) squares += (double)noise[i] * (double)noise[i];
   }
   l->report.noise = sqrt(squares / fmax(1.0, l->visible));
-  return OLX_OK;
+  olx_release(light);
+  return result;
 }
 
 // Rays that bring a surfel's noise down to the bound: a power of two.
@@ -351,12 +397,11 @@ static olx_result build(olx_scene_light *l, const olx_vec3 *positions, const uin
   OLX_TRY(add_direct(l));
   OLX_TRY(solve(l));
   OLX_TRY(refine(l));
-  OLX_TRY(keep_before(l));
   OLX_TRY(olx_surfel_lookup_create(&l->lookup, &l->surfels, l->visible));
   l->report.surfels = l->surfels.count;
   l->report.rays += l->surfels.rays;
   l->report.bytes = l->report.links * sizeof(olx_link) +
-                    l->surfels.count * (sizeof(olx_light_surfel) + 4 * sizeof(olx_vec3)) +
+                    l->surfels.count * (sizeof(olx_light_surfel) + 3 * sizeof(olx_vec3)) +
                     l->surfels.point_count * sizeof(olx_surface_point);
   l->report.seconds = olx_seconds() - start;
   return OLX_OK;
@@ -370,6 +415,7 @@ olx_result olx_scene_light_create(const olx_scene *scene, const olx_scene_light_
   if (!l) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory");
   l->scene = scene;
   l->settings = *settings;
+  if (l->settings.map_size < LEAST_MAP_SIZE) l->settings.map_size = LEAST_MAP_SIZE;
   l->links.batches = l->batches;
   const olx_result result = build(l, positions, flags, count);
   if (result == OLX_OK) {
@@ -392,11 +438,12 @@ void olx_scene_light_free(olx_scene_light *l) {
   olx_release(l->direct);
   olx_release(l->irradiance);
   olx_release(l->passed_on);
-  olx_release(l->before);
   olx_surfel_lookup_free(&l->lookup);
   olx_light_surfels_free(&l->surfels);
   olx_release(l);
 }
+
+uint32_t olx_scene_light_bounces(const olx_scene_light *l) { return l->settings.bounces; }
 
 olx_scene_light_report olx_scene_light_describe(const olx_scene_light *light) { return light->report; }
 
@@ -419,23 +466,30 @@ static bool is_rough(const olx_scene_light *l, const olx_surfel_weights *weights
   return square / sum - mean * mean > ROUGH_SPREAD * ROUGH_SPREAD * mean * mean;
 }
 
-static olx_vec3 interpolate(const olx_surfel_weights *weights, const olx_vec3 *irradiance) {
+// `light`: that of the neighbours, in their order.
+static olx_vec3 interpolate(const olx_surfel_weights *weights, const olx_vec3 light[OLX_NEIGHBOURS_MOST]) {
   olx_vec3 sum = {0}, least = olx_splat(INFINITY), most = olx_splat(0.0f);
   for (uint32_t i = 0; i < weights->count; i++) {
-    const olx_vec3 light = irradiance[weights->surfel[i]];
-    sum = olx_madd(sum, light, weights->weight[i]);
-    least = olx_min_each(least, light);
-    most = olx_max_each(most, light);
+    sum = olx_madd(sum, light[i], weights->weight[i]);
+    least = olx_min_each(least, light[i]);
+    most = olx_max_each(most, light[i]);
   }
   // Slopes go on a little beyond the surfels that they were found between, and no farther.
   const olx_vec3 margin = olx_scale(olx_sub(most, least), 0.25f);
   return olx_max_each(olx_min_each(sum, olx_add(most, margin)), olx_max_each(olx_sub(least, margin), olx_splat(0.0f)));
 }
 
+// Irradiance of a surfel with one bounce less.
+static olx_vec3 before(const olx_scene_light *l, uint32_t surfel) {
+  return olx_max_each(olx_sub(l->passed_on[surfel], l->direct[surfel]), olx_splat(0.0f));
+}
+
 bool olx_scene_light_interpolate(const olx_scene_light *l, const olx_surface *surface, olx_vec3 *irradiance) {
   const olx_surfel_weights weights = olx_surfel_weigh(&l->lookup, surface);
   if (weights.count < LEAST_NEIGHBOURS || is_rough(l, &weights)) return false;
-  *irradiance = interpolate(&weights, l->irradiance);
+  olx_vec3 light[OLX_NEIGHBOURS_MOST];
+  for (uint32_t i = 0; i < weights.count; i++) light[i] = l->irradiance[weights.surfel[i]];
+  *irradiance = interpolate(&weights, light);
   return true;
 }
 
@@ -446,8 +500,10 @@ olx_vec3 olx_scene_light_irradiance(const olx_scene_light *l, const olx_surface 
 
 olx_vec3 olx_scene_light_irradiance_before(const olx_scene_light *l, const olx_surface *surface) {
   const olx_surfel_weights weights = olx_surfel_weigh(&l->lookup, surface);
-  if (weights.count > 0) return interpolate(&weights, l->before);
+  olx_vec3 light[OLX_NEIGHBOURS_MOST];
+  for (uint32_t i = 0; i < weights.count; i++) light[i] = before(l, weights.surfel[i]);
+  if (weights.count > 0) return interpolate(&weights, light);
   const uint64_t key = olx_cell_key(&l->surfels.grid, surface->position, surface->geometric_normal);
   const uint32_t found = olx_light_surfels_find(&l->surfels, key, surface, INFINITY).surfel;
-  return found == OLX_CELL_NONE ? olx_splat(0.0f) : l->before[found];
+  return found == OLX_CELL_NONE ? olx_splat(0.0f) : before(l, found);
 }

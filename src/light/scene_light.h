@@ -15,7 +15,7 @@ typedef struct olx_scene_light_settings {
   uint32_t bounces;  // surfaces between emitter and lit surface; OLX_BOUNCES_INFINITE: until less than 2^-10 is missing
   float noise;       // upper bound on the standard error of indirect irradiance, as a share of it; default 0.02
   float spacing;     // of surfels, as a share of the geometric mean distance of what they see; default 0.2
-  uint32_t map_size; // texels along the side of the probes' maps: surfels need not be denser than texels
+  uint32_t map_size; // texels along the side of the probes' maps: surfels need not be denser than texels of maps of at least 64^2
   uint32_t seed;     // other random numbers
   uint32_t threads;  // 0: as many as the machine has
   olx_task *task;    // may be NULL
@@ -40,6 +40,9 @@ olx_result olx_scene_light_create(const olx_scene *scene, const olx_scene_light_
                                   olx_scene_light **light);
 void olx_scene_light_free(olx_scene_light *light);
 
+// Surfaces between emitter and lit surface that the solution was asked for.
+uint32_t olx_scene_light_bounces(const olx_scene_light *light);
+
 olx_scene_light_report olx_scene_light_describe(const olx_scene_light *light);
 
 // Indirect irradiance in W/m^2 on the side of the surface that it was looked at from, for its vertex normal. Emitters and
@@ -51,8 +54,8 @@ olx_vec3 olx_scene_light_irradiance(const olx_scene_light *light, const olx_surf
 bool olx_scene_light_interpolate(const olx_scene_light *light, const olx_surface *surface, olx_vec3 *irradiance);
 olx_vec3 olx_scene_light_gather(const olx_scene_light *light, const olx_surface *surface);
 
-// Irradiance as olx_scene_light_irradiance gives it, with one bounce less: what a ray that ends there brings, with the direct light of the surface, to a place whose light
-// has bounced as often as the solution's.
+// Irradiance as olx_scene_light_irradiance gives it, with one bounce less. Together with the surface's direct light it is what
+// a ray that ends there brings to a place whose light has bounced as often as the solution's.
 olx_vec3 olx_scene_light_irradiance_before(const olx_scene_light *light, const olx_surface *surface);
 
 #endif

@@ -22,10 +22,10 @@ olx_cell_grid olx_cell_grid_make(olx_vec3 scene_min, olx_vec3 scene_max);
 // The cell of the finest size (level 0) at a point of a surface with that normal.
 uint64_t olx_cell_key(const olx_cell_grid *grid, olx_vec3 position, olx_vec3 normal);
 
-// The cell of `level` that holds a finest cell. Its side is finest * 2^level.
-static inline uint64_t olx_cell_at_level(uint64_t finest_key, uint32_t level) {
-  const uint64_t bin = finest_key & ((1u << OLX_CELL_BIN_BITS) - 1);
-  return ((finest_key >> OLX_CELL_BIN_BITS) >> (3 * level)) << OLX_CELL_BIN_BITS | bin;
+// The cell that holds another and whose side is 2^levels times as long; of a finest cell, the one of that level.
+static inline uint64_t olx_cell_at_level(uint64_t key, uint32_t levels) {
+  const uint64_t bin = key & ((1u << OLX_CELL_BIN_BITS) - 1);
+  return ((key >> OLX_CELL_BIN_BITS) >> (3 * levels)) << OLX_CELL_BIN_BITS | bin;
 }
 
 static inline float olx_cell_side(const olx_cell_grid *grid, uint32_t level) {

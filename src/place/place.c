@@ -247,7 +247,9 @@ olx_result olx_place(const olx_scene *scene, const olx_place_settings *settings,
   const uint64_t moving = settings->optimize == OLX_OPTIMIZE_NONE ? 0 : (uint64_t)settings->rounds * OLX_ROUND_UNITS;
   olx_task task;
   olx_task_begin(&task, progress, "finding space", covering + moving);
-  const olx_result result = find_space_and_place(scene, &task, set);
+  olx_result result = find_space_and_place(scene, &task, set);
+  // What an interrupted search did not find may yet be there.
+  if (atomic_load(&task.cancelled)) result = olx_fail(OLX_ERROR_CANCELLED, "cancelled during %s", task.stage);
   olx_task_end(&task);
   if (result != OLX_OK) olx_probe_set_free(set);
   set->report.seconds = olx_seconds() - start;

@@ -4,7 +4,7 @@
 
 #include <octalux/base.h>
 
-enum { OLX_NO_ELEMENT = UINT32_MAX };
+#define OLX_NO_ELEMENT UINT32_MAX
 
 // Zero-initialise. Elements are numbered from 0 in the order in which they are added.
 typedef struct olx_name_index {

@@ -51,4 +51,9 @@ olx_ray olx_surface_ray(const olx_surface *surface, olx_vec3 direction, float t_
 // A ray from the surface to another point, stopping short of it by `epsilon_end`; direction is unit.
 olx_ray olx_surface_ray_to(const olx_surface *surface, olx_vec3 point, float epsilon_end);
 
+// Whether the triangle's material emits at all, somewhere on it: cheaper to know than the emission of a place.
+static inline bool olx_triangle_may_emit(const olx_scene *scene, uint32_t triangle) {
+  return olx_max3(scene->materials[scene->material_index[triangle]].emission) > 0.0f;
+}
+
 #endif

@@ -73,6 +73,6 @@ olx_texel_light olx_texel_shade(const olx_field *field, uint32_t probe, size_t t
   const float share = lit_share(s.direct, free.irradiance);
   light.reflected = olx_madd(light.reflected, free.specular, share);
   const olx_vec3 rest = olx_max_each(olx_madd(all, free.irradiance, -share), olx_splat(0.0f));
-  light.lobe = olx_scale(olx_mul(olx_fresnel(&s.bsdf, s.cosine), rest), 1.0f / OLX_PI);
+  light.lobe = olx_scale(olx_mul(olx_bsdf_specular_albedo(&s.bsdf, s.cosine), rest), 1.0f / OLX_PI);
   return light;
 }

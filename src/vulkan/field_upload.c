@@ -78,11 +78,10 @@ static olx_result upload_everything(olx_vulkan_field *gpu, const olx_field *fiel
                         gpu->probes_offset));
   OLX_TRY(upload_probes(gpu, uploader, field->irradiance_positions, field->irradiance_flags,
                         field->info.irradiance_probe_count, gpu->irradiance_probes_offset));
-  OLX_TRY(olx_uploader_copy(uploader, field->least, gpu->least_bytes, gpu->buffer, gpu->least_offset));
-  OLX_TRY(olx_uploader_copy(uploader, field->select_data[OLX_SELECT_BRICKS], gpu->bricks_bytes, gpu->buffer,
-                            gpu->bricks_offset));
-  OLX_TRY(olx_uploader_copy(uploader, field->select_data[OLX_SELECT_VORONOI], gpu->voronoi_bytes, gpu->buffer,
-                            gpu->voronoi_offset));
+  for (uint32_t i = 0; i < OLX_GPU_WORDS; i++) {
+    const olx_gpu_words *part = &gpu->words[i];
+    OLX_TRY(olx_uploader_copy(uploader, part->data, part->bytes, gpu->buffer, part->offset));
+  }
   for (uint32_t i = 0; i < OLX_GPU_MAPS; i++) {
     for (uint32_t map = 0; map < gpu->maps[i].count; map++) OLX_TRY(upload_map(gpu, uploader, &gpu->maps[i], map));
   }

@@ -1,6 +1,7 @@
 #include "vulkan/gpu_field.h"
 
 #include "core/hooks.h"
+#include "trace/texel_shade.h"
 #include "vulkan/uploader.h"
 
 static const char WHAT[] = "a field on the device";
@@ -65,15 +66,47 @@ static olx_result check_range(const olx_vulkan_context *c, VkDeviceSize bytes, c
                   (unsigned long long)bytes, what);
 }
 
-// Pyramids, bricks and neighbour maps one after the other: shaders have them as one array of words.
-static olx_result lay_out_words(olx_vulkan_field *gpu, const olx_field *field) {
-  gpu->least_bytes = sizeof(uint16_t) * (VkDeviceSize)field->pyramid.least_nodes * field->info.probe_count;
-  gpu->bricks_bytes = field->select_bytes[OLX_SELECT_BRICKS];
-  gpu->voronoi_bytes = field->select_bytes[OLX_SELECT_VORONOI];
-  gpu->bricks_offset = gpu->least_offset + whole_words(gpu->least_bytes);
-  gpu->voronoi_offset = gpu->bricks_offset + whole_words(gpu->bricks_bytes);
-  gpu->buffer_bytes = gpu->voronoi_offset + whole_words(gpu->voronoi_bytes);
-  return check_range(&gpu->context, gpu->buffer_bytes - gpu->least_offset, "pyramids, bricks and neighbour maps");
+// More lights than have highlights are as good as none.
+static uint32_t highlight_count(const olx_field *field) {
+  return field->surfaces.light_count > OLX_MOST_HIGHLIGHTS ? 0 : field->surfaces.light_count;
+}
+
+// Of the chunk, which ends with the entries of cubes; 0 for a field without a volume.
+static VkDeviceSize volume_bytes(const olx_volume *v) {
+  if (!v->header) return 0;
+  const size_t cubes = (size_t)v->header->size[0] * v->header->size[1] * v->header->size[2];
+  return (VkDeviceSize)((const char *)(v->index + cubes) - (const char *)v->header);
+}
+
+// Pyramids, selectors, emission, lights and the volume one after the other from `first` on: shaders have them as one array of
+// words.
+static olx_result lay_out_words(olx_vulkan_field *gpu, const olx_field *field, VkDeviceSize first) {
+  const olx_field_surfaces *s = &field->surfaces;
+  const VkDeviceSize probes = field->info.probe_count,
+                     volume_probes = field->volume.header ? field->volume.header->probes : 0,
+                     light_bytes = sizeof(uint16_t) * OLX_VOLUME_HALVES * volume_probes;
+  const olx_gpu_words words[OLX_GPU_WORDS] = {
+      [OLX_WORDS_LEAST] = {field->least, sizeof(uint16_t) * field->pyramid.least_nodes * probes, 0},
+      [OLX_WORDS_BRICKS] = {field->select_data[OLX_SELECT_BRICKS], field->select_bytes[OLX_SELECT_BRICKS], 0},
+      [OLX_WORDS_VORONOI] = {field->select_data[OLX_SELECT_VORONOI], field->select_bytes[OLX_SELECT_VORONOI], 0},
+      [OLX_WORDS_EMISSION] = {s->emission, sizeof(uint32_t) * s->tile_side * s->tile_side * probes, 0},
+      [OLX_WORDS_TILES] = {s->tiles, sizeof(uint32_t) * OLX_EMISSION_TILE_TEXELS * (VkDeviceSize)s->tile_count, 0},
+      [OLX_WORDS_LIGHTS] = {s->lights, sizeof(olx_field_light) * highlight_count(field), 0},
+      [OLX_WORDS_VOLUME] = {field->volume.header, volume_bytes(&field->volume), 0},
+      [OLX_WORDS_VOLUME_LIGHT] = {field->volume.irradiance, light_bytes, 0},
+  };
+  gpu->buffer_bytes = first;
+  for (uint32_t i = 0; i < OLX_GPU_WORDS; i++) {
+    gpu->words[i] = words[i];
+    gpu->words[i].offset = gpu->buffer_bytes;
+    gpu->buffer_bytes += whole_words(words[i].bytes);
+  }
+  return check_range(&gpu->context, gpu->buffer_bytes - first, "pyramids, selectors, emission, lights and volume");
+}
+
+// Where a part begins, in words of the array.
+static uint32_t first_word(const olx_vulkan_field *gpu, olx_gpu_words_part part) {
+  return (uint32_t)((gpu->words[part].offset - gpu->words[0].offset) / 4);
 }
 
 static olx_result create_buffer(olx_vulkan_field *gpu, const olx_field *field) {
@@ -83,10 +116,9 @@ static olx_result create_buffer(olx_vulkan_field *gpu, const olx_field *field) {
                      irradiance_probes = sizeof(olx_gpu_probe) * (VkDeviceSize)info->irradiance_probe_count;
   gpu->probes_offset = align_buffer(c, sizeof(olx_gpu_field));
   gpu->irradiance_probes_offset = align_buffer(c, gpu->probes_offset + probes);
-  gpu->least_offset = align_buffer(c, gpu->irradiance_probes_offset + irradiance_probes);
   OLX_TRY(check_range(c, probes, "light field probes"));
   OLX_TRY(check_range(c, irradiance_probes, "irradiance probes"));
-  OLX_TRY(lay_out_words(gpu, field));
+  OLX_TRY(lay_out_words(gpu, field, align_buffer(c, gpu->irradiance_probes_offset + irradiance_probes)));
   const VkBufferCreateInfo buffer = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
                                      .size = gpu->buffer_bytes,
                                      .usage = VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
@@ -122,8 +154,16 @@ static olx_gpu_field field_constants(const olx_vulkan_field *gpu, const olx_fiel
       .distance_scale = field->distance_scale,
       .select_mask = info->select_mask & OLX_SELECT_GPU_MASK,
       .pyramid_levels = field->pyramid.levels,
-      .bricks_first = (uint32_t)((gpu->bricks_offset - gpu->least_offset) / 4),
-      .voronoi_first = (uint32_t)((gpu->voronoi_offset - gpu->least_offset) / 4),
+      .bricks_first = first_word(gpu, OLX_WORDS_BRICKS),
+      .voronoi_first = first_word(gpu, OLX_WORDS_VORONOI),
+      .emission_first = first_word(gpu, OLX_WORDS_EMISSION),
+      .tiles_first = first_word(gpu, OLX_WORDS_TILES),
+      .tile_side = field->surfaces.tile_side,
+      .tile_count = field->surfaces.tile_count,
+      .lights_first = first_word(gpu, OLX_WORDS_LIGHTS),
+      .light_count = highlight_count(field),
+      .last_bounce = info->last_bounce,
+      .volume_first = field->volume.header ? first_word(gpu, OLX_WORDS_VOLUME) : 0,
       .pyramid_first = {field->pyramid.first[0], field->pyramid.first[1], field->pyramid.first[2],
                         field->pyramid.first[3]},
   };
@@ -144,10 +184,10 @@ static olx_result create_resources(const olx_vulkan_host *host, const olx_field 
   const olx_gpu_maps maps[OLX_GPU_MAPS] = {
       [OLX_BINDING_RADIANCE - OLX_BINDING_RADIANCE] = {VK_FORMAT_B10G11R11_UFLOAT_PACK32, 4, field->stride, probes,
                                                        .texels = field->radiance},
-      [OLX_BINDING_NORMAL - OLX_BINDING_RADIANCE] = {VK_FORMAT_R16_UINT, 2, field->stride, probes,
-                                                     .texels = field->normal},
-      [OLX_BINDING_DISTANCE - OLX_BINDING_RADIANCE] = {VK_FORMAT_R16_UINT, 2, field->stride, probes,
-                                                       .texels = field->distance},
+      [OLX_BINDING_NORMAL -
+          OLX_BINDING_RADIANCE] = {VK_FORMAT_R16_UINT, 2, field->stride, probes, .texels = field->normal},
+      [OLX_BINDING_DISTANCE -
+          OLX_BINDING_RADIANCE] = {VK_FORMAT_R16_UINT, 2, field->stride, probes, .texels = field->distance},
       [OLX_BINDING_IRRADIANCE - OLX_BINDING_RADIANCE] = {VK_FORMAT_B10G11R11_UFLOAT_PACK32, 4, field->irradiance_stride,
                                                          irradiance_probes, .filtered = true,
                                                          .texels = field->irradiance},
@@ -155,11 +195,18 @@ static olx_result create_resources(const olx_vulkan_host *host, const olx_field 
                                                       irradiance_probes, .filtered = true, .texels = field->moments},
       [OLX_BINDING_INDIRECT - OLX_BINDING_RADIANCE] = {VK_FORMAT_E5B9G9R9_UFLOAT_PACK32, 4, field->stride, probes,
                                                        .texels = field->surfaces.indirect},
+      [OLX_BINDING_DIRECT - OLX_BINDING_RADIANCE] = {VK_FORMAT_E5B9G9R9_UFLOAT_PACK32, 4, field->stride, probes,
+                                                     .texels = field->surfaces.direct},
+      [OLX_BINDING_BASE -
+          OLX_BINDING_RADIANCE] = {VK_FORMAT_R8G8B8A8_UNORM, 4, field->stride, probes, .texels = field->surfaces.base},
+      [OLX_BINDING_SPECULAR -
+          OLX_BINDING_RADIANCE] = {VK_FORMAT_R8G8_UNORM, 2, field->stride, probes, .texels = field->surfaces.specular},
   };
   memcpy(gpu->maps, maps, sizeof maps);
   for (uint32_t i = 0; i < OLX_GPU_MAPS; i++) OLX_TRY(create_image(&gpu->context, &gpu->maps[i]));
   OLX_TRY(create_buffer(gpu, field));
   gpu->constants = field_constants(gpu, field);
+  gpu->may_relit = field->info.relight_size > 0;
   return OLX_OK;
 }
 
@@ -245,8 +292,8 @@ void olx_gpu_field_write_set(const olx_vulkan_field *gpu, uint32_t mask, VkDescr
       [OLX_BINDING_FIELD] = {gpu->buffer, 0, sizeof(olx_gpu_field)},
       [OLX_BINDING_PROBES] = {gpu->buffer, gpu->probes_offset, gpu->irradiance_probes_offset - gpu->probes_offset},
       [OLX_BINDING_IRRADIANCE_PROBES] = {gpu->buffer, gpu->irradiance_probes_offset,
-                                         gpu->least_offset - gpu->irradiance_probes_offset},
-      [OLX_BINDING_WORDS] = {gpu->buffer, gpu->least_offset, gpu->buffer_bytes - gpu->least_offset},
+                                         gpu->words[0].offset - gpu->irradiance_probes_offset},
+      [OLX_BINDING_WORDS] = {gpu->buffer, gpu->words[0].offset, gpu->buffer_bytes - gpu->words[0].offset},
   };
   VkDescriptorImageInfo images[OLX_GPU_MAPS];
   VkWriteDescriptorSet writes[OLX_FIELD_BINDINGS];

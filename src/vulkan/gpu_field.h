@@ -22,17 +22,36 @@ typedef struct olx_gpu_maps {
   VkMemoryRequirements requirements;
 } olx_gpu_maps;
 
+// Parts of a field that shaders read as words of one buffer, in their order there.
+typedef enum olx_gpu_words_part {
+  OLX_WORDS_LEAST = 0,
+  OLX_WORDS_BRICKS,
+  OLX_WORDS_VORONOI,
+  OLX_WORDS_EMISSION,
+  OLX_WORDS_TILES,
+  OLX_WORDS_LIGHTS,
+  OLX_WORDS_VOLUME,
+  OLX_WORDS_VOLUME_LIGHT, // right behind
+  OLX_GPU_WORDS
+} olx_gpu_words_part;
+
+typedef struct olx_gpu_words {
+  const void *data;    // in the file
+  VkDeviceSize bytes;  // 0 for what the field lacks
+  VkDeviceSize offset; // in the buffer
+} olx_gpu_words;
+
 struct olx_vulkan_field {
   olx_vulkan_context context;
   olx_gpu_field constants;
   olx_gpu_maps maps[OLX_GPU_MAPS]; // in the order of the bindings
-  VkBuffer buffer;                 // constants, probes, irradiance probes, pyramids, selectors
+  VkBuffer buffer;                 // constants, probes, irradiance probes, words
   VkDeviceMemory buffer_memory;
   VkMemoryRequirements buffer_requirements;
   VkDeviceSize probes_offset, irradiance_probes_offset, buffer_bytes;
-  VkDeviceSize least_offset, bricks_offset, voronoi_offset; // in this order to the end: the words
-  VkDeviceSize least_bytes, bricks_bytes, voronoi_bytes;    // 0 for what the field lacks
-  bool relit; // a relighter changes lights, and texels still hold the light of before
+  olx_gpu_words words[OLX_GPU_WORDS]; // one after the other to the end
+  bool may_relit;                     // the field has what a relighter needs
+  bool relit;                         // a relighter changes lights, and texels still hold the light of before
   VkSampler nearest, linear;
   VkDescriptorSetLayout set_layout;
   VkDescriptorPool pool;

@@ -12,11 +12,13 @@ _Static_assert(OLX_VULKAN_PASS_IRRADIANCE == 1 << OLX_PASS_IRRADIANCE &&
 
 enum {
   ALL_TRACERS = (1 << OLX_GPU_TRACERS) - 1,
-  ALL_SELECTS = OLX_SELECT_GPU_MASK | 1 << OLX_SELECT_EXHAUSTIVE | 1 << OLX_SELECT_BEST
+  ALL_SELECTS = OLX_SELECT_GPU_MASK | 1 << OLX_SELECT_EXHAUSTIVE | 1 << OLX_SELECT_BEST,
+  ALL_HITS = 1 << OLX_HITS_SHADED | 1 << OLX_HITS_STORED
 };
 
 static const char WHAT[] = "a frame's passes";
 static const char *const TRACERS[] = {"texel", "two-level", "hiz"};
+static const char *const HITS[] = {"shaded", "stored", "stored, of changed lights"};
 
 olx_vulkan_settings olx_vulkan_settings_default(void) {
   return (olx_vulkan_settings){.sample = olx_sample_settings_default(),
@@ -120,6 +122,7 @@ static olx_result check_targets(const olx_vulkan_context *c, const olx_vulkan_ta
   }
   if (t->passes & ~(uint32_t)ALL_PASSES) return olx_fail(OLX_ERROR_ARGUMENT, "there is no pass %#x", t->passes);
   if (t->tracers & ~(uint32_t)ALL_TRACERS) return olx_fail(OLX_ERROR_ARGUMENT, "there is no tracer in %#x", t->tracers);
+  if (t->hits & ~(uint32_t)ALL_HITS) return olx_fail(OLX_ERROR_ARGUMENT, "there is no light of hits in %#x", t->hits);
   for (uint32_t select = 0; select < 32; select++) {
     if (!(t->selects >> select & ~((uint32_t)ALL_SELECTS >> select) & 1u)) continue;
     return olx_fail(OLX_ERROR_UNSUPPORTED, "the selector '%s' does not run on the GPU",
@@ -140,8 +143,8 @@ static olx_result create_layouts(olx_vulkan_frame *f) {
 static bool traces(uint32_t pass) { return pass == OLX_PASS_DIFFUSE || pass == OLX_PASS_TRACE; }
 
 static VkPipeline *pipeline_of(olx_vulkan_frame *f, uint32_t pass, const olx_pass_constants *constants) {
-  if (!traces(pass)) return &f->pipelines[pass][0][0];
-  return &f->pipelines[pass][constants->tracer][constants->select];
+  if (!traces(pass)) return &f->pipelines[pass][0][0][0];
+  return &f->pipelines[pass][constants->tracer][constants->select][constants->hits];
 }
 
 static olx_result create_pipeline(olx_vulkan_frame *f, uint32_t pass, const olx_pass_constants *constants) {
@@ -154,15 +157,28 @@ static olx_result create_pipeline(olx_vulkan_frame *f, uint32_t pass, const olx_
   return OLX_OK;
 }
 
-// Of a pass that traces, one for each tracer and selector that the targets name.
+// The kinds of light at the end of rays that may be recorded, as bits. Pipelines for changed lights are there before a
+// relighter takes the field, where the host says so or leaves it open.
+static uint32_t hits_of(const olx_vulkan_field *field, const olx_vulkan_targets *t) {
+  const uint32_t relit = 1u << OLX_HITS_RELIT, stored = 1u << OLX_HITS_STORED;
+  if (field->relit) return relit;
+  const uint32_t later = field->may_relit && (!t->hits || t->hits & stored) ? relit : 0u;
+  return (t->hits ? t->hits : 1u << OLX_HITS_SHADED) | later;
+}
+
+// Of a pass that traces, one for each tracer, selector and light of hits that the targets name.
 static olx_result create_variants(olx_vulkan_frame *f, uint32_t pass, const olx_vulkan_targets *t) {
   const uint32_t tracers = t->tracers ? t->tracers : 1u << OLX_TRACER_HIZ;
   const uint32_t selects = t->selects ? t->selects : 1u << OLX_SELECT_BEST;
+  const uint32_t all_hits = hits_of(f->field, t);
   for (uint32_t tracer = 0; tracer < OLX_GPU_TRACERS; tracer++) {
     for (uint32_t select = 0; select <= OLX_SELECT_BEST; select++) {
       if (!(tracers >> tracer & 1u) || !(selects >> select & 1u)) continue;
-      const olx_pass_constants constants = {(olx_tracer)tracer, olx_vulkan_field_select(f->field, (olx_select)select)};
-      OLX_TRY(create_pipeline(f, pass, &constants));
+      for (uint32_t hits = 0; hits < OLX_GPU_HITS; hits++) {
+        const olx_select used = olx_vulkan_field_select(f->field, (olx_select)select);
+        const olx_pass_constants constants = {(olx_tracer)tracer, used, hits};
+        if (all_hits >> hits & 1u) OLX_TRY(create_pipeline(f, pass, &constants));
+      }
     }
   }
   return OLX_OK;
@@ -297,7 +313,7 @@ void olx_vulkan_frame_destroy(olx_vulkan_frame *f) {
   olx_gpu_denoiser_destroy(f);
   olx_gpu_history_destroy(&f->field->context, &f->history);
   vk->DestroyDescriptorPool(device, f->pool, NULL);
-  VkPipeline *const pipelines = &f->pipelines[0][0][0];
+  VkPipeline *const pipelines = &f->pipelines[0][0][0][0];
   for (uint32_t i = 0; i < sizeof f->pipelines / sizeof *pipelines; i++)
     vk->DestroyPipeline(device, pipelines[i], NULL);
   vk->DestroyPipelineLayout(device, f->layout, NULL);
@@ -313,6 +329,9 @@ olx_result olx_vulkan_check_settings(const olx_vulkan_frame *f, const olx_vulkan
   if (s->sample.select < OLX_SELECT_EXHAUSTIVE && !(OLX_SELECT_GPU_MASK >> s->sample.select & 1u)) {
     return olx_fail(OLX_ERROR_UNSUPPORTED, "the selector '%s' does not run on the GPU",
                     olx_select_name(s->sample.select));
+  }
+  if ((uint32_t)s->sample.hits > OLX_HITS_STORED) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "there is no light of hits %d", (int)s->sample.hits);
   }
   if (s->glossy_samples < 1 || s->glossy_samples > MAX_SAMPLES) {
     return olx_fail(OLX_ERROR_ARGUMENT, "%u glossy rays are not within 1 to %d", s->glossy_samples, MAX_SAMPLES);
@@ -332,7 +351,8 @@ olx_result olx_vulkan_check_settings(const olx_vulkan_frame *f, const olx_vulkan
 }
 
 static olx_pass_constants constants_of(const olx_vulkan_frame *f, const olx_vulkan_settings *s) {
-  return (olx_pass_constants){s->sample.tracer, olx_vulkan_field_select(f->field, s->sample.select)};
+  return (olx_pass_constants){s->sample.tracer, olx_vulkan_field_select(f->field, s->sample.select),
+                              f->field->relit ? OLX_HITS_RELIT : (uint32_t)s->sample.hits};
 }
 
 olx_result olx_vulkan_check_pass(const olx_vulkan_frame *f, olx_pass pass, const olx_vulkan_settings *s) {
@@ -342,9 +362,10 @@ olx_result olx_vulkan_check_pass(const olx_vulkan_frame *f, olx_pass pass, const
   }
   OLX_TRY(olx_vulkan_check_settings(f, s));
   const olx_pass_constants constants = constants_of(f, s);
-  if (!traces(pass) || f->pipelines[pass][constants.tracer][constants.select]) return OLX_OK;
-  return olx_fail(OLX_ERROR_ARGUMENT, "the frame was made without the tracer '%s' with the selector '%s'",
-                  TRACERS[constants.tracer], olx_select_name(constants.select));
+  if (!traces(pass) || f->pipelines[pass][constants.tracer][constants.select][constants.hits]) return OLX_OK;
+  return olx_fail(OLX_ERROR_ARGUMENT,
+                  "the frame was made without the tracer '%s' with the selector '%s' and light of hits '%s'",
+                  TRACERS[constants.tracer], olx_select_name(constants.select), HITS[constants.hits]);
 }
 
 olx_gpu_frame olx_gpu_frame_constants(const olx_vulkan_frame *f, const olx_vulkan_view *view,
@@ -356,7 +377,7 @@ olx_gpu_frame olx_gpu_frame_constants(const olx_vulkan_frame *f, const olx_vulka
       .flags = flags | (s->sample.keep_buried ? OLX_FRAME_KEEP_BURIED : 0u) |
                (s->sample.emitters ? OLX_FRAME_EMITTERS : 0u) |
                (s->sample.visibility == OLX_VISIBILITY_CHEBYSHEV ? OLX_FRAME_VISIBILITY : 0u) |
-               (s->volume || f->field->relit ? OLX_FRAME_VOLUME : 0u) |
+               (s->irradiance_probes || f->field->relit ? OLX_FRAME_IRRADIANCE_PROBES : 0u) |
                (s->sample.select == OLX_SELECT_EXHAUSTIVE ? OLX_FRAME_RANK_ALL : 0u) | f->image_flags,
       .max_probes = s->sample.max_probes,
       .glossy_samples = s->glossy_samples,
@@ -383,7 +404,7 @@ olx_result olx_vulkan_record_pass(const olx_vulkan_frame *f, olx_pass pass, VkCo
   const VkDescriptorSet sets[] = {f->field->set, f->set};
   const olx_pass_constants choice = constants_of(f, settings);
   const VkPipeline pipeline =
-      traces(pass) ? f->pipelines[pass][choice.tracer][choice.select] : f->pipelines[pass][0][0];
+      traces(pass) ? f->pipelines[pass][choice.tracer][choice.select][choice.hits] : f->pipelines[pass][0][0][0];
   vk->CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
   vk->CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, f->layout, 0, 2, sets, 0, NULL);
   vk->CmdPushConstants(commands, f->layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);

@@ -29,10 +29,15 @@ extern const olx_pass_code olx_irradiance_pass, olx_diffuse_pass, olx_trace_pass
 typedef struct olx_pass_constants {
   olx_tracer tracer;
   olx_select select; // one that olx_vulkan_field_select gives
+  uint32_t hits;     // OLX_HITS_*; OLX_HITS_RELIT once a relighter has the field
 } olx_pass_constants;
 
-// Tracers, and selectors that olx_vulkan_field_select may give.
-enum { OLX_GPU_TRACERS = OLX_TRACER_HIZ + 1, OLX_GPU_SELECTS = OLX_SELECT_EXHAUSTIVE + 1 };
+// Tracers, selectors that olx_vulkan_field_select may give, and kinds of light at the end of rays.
+enum {
+  OLX_GPU_TRACERS = OLX_TRACER_HIZ + 1,
+  OLX_GPU_SELECTS = OLX_SELECT_EXHAUSTIVE + 1,
+  OLX_GPU_HITS = OLX_HITS_RELIT + 1
+};
 
 // The denoiser of a frame that has a history. Of what stands twice, the one takes turns with the other from frame to
 // frame.
@@ -50,8 +55,8 @@ struct olx_vulkan_frame {
   uint32_t image_flags; // OLX_FRAME_*: which images the host gives, and which of them hold normals as 0..1
   VkDescriptorSetLayout set_layout, sample_set_layout;
   VkPipelineLayout layout;
-  // VK_NULL_HANDLE where the host wants none. Passes that trace no rays have one, by tracer 0 and selector 0.
-  VkPipeline pipelines[OLX_PASS_COUNT][OLX_GPU_TRACERS][OLX_GPU_SELECTS];
+  // VK_NULL_HANDLE where the host wants none. Passes that trace no rays have one, by 0, 0 and 0.
+  VkPipeline pipelines[OLX_PASS_COUNT][OLX_GPU_TRACERS][OLX_GPU_SELECTS][OLX_GPU_HITS];
   uint32_t passes; // that have any: 1 << olx_pass
   VkDescriptorPool pool;
   VkDescriptorSet set, sample_sets[2][2]; // as above

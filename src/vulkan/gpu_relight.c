@@ -66,7 +66,9 @@ static const uint32_t OWN_MASKS[OLX_RELIGHT_GROUPS] = {
 };
 static const uint32_t FIELD_MASKS[OLX_RELIGHT_GROUPS] = {
     [OLX_GROUP_TRACE] = BIT(OLX_BINDING_FIELD) | BIT(OLX_BINDING_PROBES) | BIT(OLX_BINDING_WORDS) |
-                        BIT(OLX_BINDING_RADIANCE) | BIT(OLX_BINDING_NORMAL) | BIT(OLX_BINDING_DISTANCE),
+                        BIT(OLX_BINDING_RADIANCE) | BIT(OLX_BINDING_NORMAL) | BIT(OLX_BINDING_DISTANCE) |
+                        BIT(OLX_BINDING_INDIRECT) | BIT(OLX_BINDING_DIRECT) | BIT(OLX_BINDING_BASE) |
+                        BIT(OLX_BINDING_SPECULAR),
     [OLX_GROUP_LOOKUP] = BIT(OLX_BINDING_FIELD) | BIT(OLX_BINDING_IRRADIANCE_PROBES) | BIT(OLX_BINDING_RADIANCE) |
                          BIT(OLX_BINDING_NORMAL) | BIT(OLX_BINDING_DISTANCE) | BIT(OLX_BINDING_MOMENTS),
 };
@@ -196,7 +198,7 @@ static olx_result make_group(olx_vulkan_relight *r, olx_relight_group index) {
 static olx_result make_pipelines(olx_vulkan_relight *r) {
   OLX_TRY(make_pool(r));
   for (uint32_t i = 0; i < OLX_RELIGHT_GROUPS; i++) OLX_TRY(make_group(r, i));
-  const olx_pass_constants constants = {OLX_TRACER_HIZ, olx_vulkan_field_select(r->gpu, OLX_SELECT_BEST)};
+  const olx_pass_constants constants = {OLX_TRACER_HIZ, olx_vulkan_field_select(r->gpu, OLX_SELECT_BEST), OLX_HITS_RELIT};
   for (uint32_t i = 0; i < OLX_RELIGHT_PASSES; i++) {
     OLX_TRY(olx_gpu_pipeline_create(&r->gpu->context, &CODES[i], &constants, r->groups[group_of(i)].layout,
                                     &r->pipelines[i]));

@@ -9,6 +9,8 @@ void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   if (pixel.x >= int(view.width) || pixel.y >= int(view.height)) return;
   pixel_ray ray = eye_ray(pixel);
-  olx_trace_hit hit = olx_trace(view_settings(true), ray.origin, ray.direction, OLX_INFINITY);
-  imageStore(color_image, pixel, vec4(clamp(hit.radiance, vec3(0.0), vec3(65504.0)), 1.0));
+  olx_sample_settings settings = view_settings(true);
+  olx_trace_hit hit = olx_trace(settings, ray.origin, ray.direction, OLX_INFINITY);
+  vec3 light = olx_light_found(settings, hit, ray.origin);
+  imageStore(color_image, pixel, vec4(clamp(light, vec3(0.0), vec3(65504.0)), 1.0));
 }

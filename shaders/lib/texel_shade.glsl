@@ -1,0 +1,87 @@
+// Twin of src/trace/texel_shade.c: light that leaves the surface of a texel towards an eye of the caller's, not that of
+// the probe (docs/maths.md, "Light at the end of a ray").
+#ifndef OLX_TEXEL_SHADE_GLSL
+#define OLX_TEXEL_SHADE_GLSL
+
+#include "lights.glsl"
+#include "texels.glsl"
+
+const float OLX_STORED_NORMAL_ERROR = 0.0111; // radians
+
+// A texel's surface, made ready for shading.
+struct olx_texel_surface {
+  olx_bsdf bsdf;
+  vec3 position, normal;
+  vec3 view;    // to the eye
+  float cosine; // of normal and view
+  vec3 direct;  // irradiance
+};
+
+// What the lights without area would do if nothing stood between them and the surface.
+struct olx_unshadowed {
+  vec3 irradiance;
+  vec3 specular; // radiance towards the eye
+};
+
+// Light in W/(sr m^2) that a surface reflects towards an eye.
+struct olx_reflection {
+  vec3 reflected; // through the diffuse lobe, and the highlights of lights without area
+  vec3 lobe;      // what the specular lobe makes of all other light, as if it came from all directions alike
+};
+
+// Specular light towards the eye per irradiance on a surface that faces the light; the cosine at the surface is
+// included.
+vec3 olx_highlight(olx_texel_surface s, vec3 to_light, float cosine_light) {
+  float alpha = sqrt(olx_square(s.bsdf.alpha) + olx_square(OLX_STORED_NORMAL_ERROR));
+  vec3 half_vector = olx_normalize(s.view + to_light), off = cross(half_vector, s.normal);
+  float sine2 = olx_dot(off, off), along = olx_dot(half_vector, s.normal), a2 = alpha * alpha;
+  float d = sine2 + along * along * a2;
+  float g = 1.0 / (1.0 + olx_ggx_lambda(alpha, s.cosine) + olx_ggx_lambda(alpha, cosine_light));
+  return olx_fresnel(s.bsdf, olx_dot(s.view, half_vector)) * (a2 * g / (4.0 * OLX_PI * d * d * s.cosine));
+}
+
+olx_unshadowed olx_light_without_shadows(olx_texel_surface s) {
+  olx_unshadowed sum = olx_unshadowed(vec3(0.0), vec3(0.0));
+  bool shines = s.bsdf.alpha > 0.0 && olx_bsdf_has_specular(s.bsdf);
+  for (uint i = 0u; i < olx_field.light_count; i++) {
+    olx_light_arrival light = olx_field_light_arrival(olx_field_light_at(i), s.position);
+    float cosine = olx_dot(light.direction, s.normal);
+    if (!(cosine > 0.0)) continue;
+    sum.irradiance += light.irradiance * cosine;
+    if (shines) sum.specular += light.irradiance * olx_highlight(s, light.direction, cosine);
+  }
+  // A damaged file may hold a light that no number can.
+  bool finite = olx_finite(sum.irradiance) && olx_finite(sum.specular);
+  return olx_unshadowed(finite ? sum.irradiance : vec3(0.0), finite ? sum.specular : vec3(0.0));
+}
+
+// The share of that light which arrives: no more of any colour than is stored.
+float olx_lit_share(vec3 stored, vec3 most) {
+  float share = 1.0;
+  if (most.x > 0.0) share = min(share, stored.x / most.x);
+  if (most.y > 0.0) share = min(share, stored.y / most.y);
+  if (most.z > 0.0) share = min(share, stored.z / most.z);
+  return share;
+}
+
+// `position`: metres, on the texel's surface; `direction`: of the ray that found it, unit. 0 for the sky.
+olx_reflection olx_texel_shade(ivec3 origin, ivec2 texel, vec3 position, vec3 direction) {
+  vec3 normal = olx_texel_normal(origin, texel);
+  olx_texel_surface s =
+      olx_texel_surface(olx_texel_material(origin, texel), position, normal, -direction,
+                        max(abs(olx_dot(normal, direction)), 1e-3), olx_texel_direct(origin, texel));
+  // This surface is one more on the light's way, so the last of the bounces that are stored is left out.
+  vec3 all_light = s.direct + olx_texel_indirect(origin, texel) * (1.0 - olx_field.last_bounce);
+  olx_reflection light =
+      olx_reflection(olx_bsdf_diffuse(s.bsdf, s.cosine) * all_light * (1.0 / OLX_PI), vec3(0.0));
+  if (olx_bsdf_has_specular(s.bsdf)) {
+    olx_unshadowed free = olx_light_without_shadows(s);
+    float share = olx_lit_share(s.direct, free.irradiance);
+    light.reflected += free.specular * share;
+    vec3 rest = max(all_light - free.irradiance * share, vec3(0.0));
+    light.lobe = olx_bsdf_specular_albedo(s.bsdf, s.cosine) * rest * (1.0 / OLX_PI);
+  }
+  return light;
+}
+
+#endif

@@ -1,0 +1,83 @@
+// Light at the end of a ray: what texels hold, lights, texel shading and the further ray.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "parity.glsl"
+
+// A surface under light that is not stored.
+olx_texel_surface some_surface() {
+  return olx_texel_surface(olx_texel_material(olx_map_origin(probe), texel), point, direction, view,
+                           max(abs(olx_dot(direction, view)), 1e-3), abs(view));
+}
+
+// One of the field's lights, or in a field without any one that is at random.
+olx_field_light some_light() {
+  olx_field_light light =
+      olx_field_light(bits.x % 3u, view, direction, abs(view), 0.5 + 0.4 * random.x, 0.4 * random.y);
+  if (olx_field.light_count > 0u) light = olx_field_light_at(bits.y % olx_field.light_count);
+  return light;
+}
+
+// What a ray might have found in the texel, and its reflection might have.
+olx_trace_hit some_hit(uint status) {
+  olx_trace_hit hit = olx_unknown_hit(status, item.v[15]);
+  hit.position = point;
+  hit.normal = direction;
+  hit.lobe = (bits.w & 0x70000u) != 0u ? abs(view) : vec3(0.0);
+  hit.radiance = abs(direction) + hit.lobe;
+  hit.emission = abs(direction.yzx);
+  hit.probe = (bits.w & 0x80000u) != 0u || status == OLX_TRACE_HIT ? probe : OLX_NO_PROBE;
+  hit.texel = texel;
+  hit.footprint_metres = 0.1 * random.w;
+  return hit;
+}
+
+void hits_rows() {
+  ivec3 map = olx_map_origin(probe);
+  switch (row) {
+  case ROW_olx_rgb9e5_unpack: put(olx_rgb9e5_unpack(bits.w)); break;
+  case ROW_olx_texel_material: {
+    olx_bsdf b = olx_texel_material(map, texel);
+    put(b.albedo), put(b.f0), put(b.f90), put(b.dielectric_weight), put(b.alpha);
+  } break;
+  case ROW_olx_texel_direct: put(olx_texel_direct(map, texel)); break;
+  case ROW_olx_texel_emission: put(olx_texel_emission(probe, texel)); break;
+  case ROW_olx_word_vector:
+    put(olx_field.light_count > 0u ? olx_word_vector(olx_field.lights_first + 7u) : vec3(0.0));
+    break;
+  case ROW_olx_field_light_at: {
+    olx_field_light l = some_light();
+    put(l.type), put(l.position), put(l.direction), put(l.emission), put(l.cosine_inner), put(l.cosine_outer);
+  } break;
+  case ROW_olx_field_light_cone: put(olx_field_light_cone(some_light(), 2.0 * random.z - 1.0)); break;
+  case ROW_olx_field_light_arrival: {
+    olx_light_arrival a = olx_field_light_arrival(some_light(), point);
+    put(a.direction), put(a.irradiance);
+  } break;
+  case ROW_olx_highlight: put(olx_highlight(some_surface(), view, random.x)); break;
+  case ROW_olx_light_without_shadows: {
+    olx_unshadowed free = olx_light_without_shadows(some_surface());
+    put(free.irradiance), put(free.specular);
+  } break;
+  case ROW_olx_lit_share: put(olx_lit_share(abs(direction), vec3(random.x, 0.0, random.y))); break;
+  case ROW_olx_texel_shade: {
+    olx_reflection light = olx_texel_shade(map, texel, point, direction);
+    put(light.reflected), put(light.lobe);
+  } break;
+  case ROW_olx_further_draw: {
+    olx_further_ray ray;
+    bool drawn = olx_further_draw(some_hit(OLX_TRACE_HIT), -view, random.xy, ray);
+    put(drawn);
+    if (drawn) put(ray.origin), put(ray.direction), put(ray.weight);
+  } break;
+  case ROW_olx_further_light: {
+    olx_trace_hit first = some_hit(OLX_TRACE_HIT);
+    olx_further_ray ray = olx_further_ray(point - direction * (random.x - 0.5), view, random.xyz);
+    put(first.radiance - first.lobe + olx_further_light(first.lobe, ray, some_hit(bits.z % 3u)));
+  } break;
+  }
+}
+
+void main() {
+  begin();
+  hits_rows();
+}

@@ -33,6 +33,7 @@ void core_rows() {
   case ROW_olx_fresnel: put(olx_fresnel(bsdf, random.w)); break;
   case ROW_olx_bsdf_diffuse: put(olx_bsdf_diffuse(bsdf, random.w)); break;
   case ROW_olx_bsdf_has_specular: put(olx_bsdf_has_specular(olx_bsdf_make(point, 0.0, 0.5, float(bits.x & 1u)))); break;
+  case ROW_olx_bsdf_specular_albedo: put(olx_bsdf_specular_albedo(bsdf, random.w)); break;
   case ROW_olx_ggx_lambda: put(olx_ggx_lambda(random.x, random.y)); break;
   case ROW_olx_ggx_sample_half: put(olx_ggx_sample_half(random.z, local_view, random.xy)); break;
   case ROW_olx_ggx_sample:

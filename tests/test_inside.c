@@ -26,6 +26,8 @@ static olx_bake_settings tiny_bake(const olx_scene *scene) {
   settings.radiance_size = settings.irradiance_size = 8;
   settings.samples = 1;
   settings.bounces = 0;
+  settings.light = OLX_LIGHT_REFERENCE; // what probes see of it is of no concern
+  settings.reference_paths = 1;
   settings.fit = false;
   return settings;
 }

@@ -58,6 +58,7 @@ ROW(fresnel, put_3(r, olx_fresnel(&s->bsdf, s->random[3]));)
 ROW(bsdf_diffuse, put_3(r, olx_bsdf_diffuse(&s->bsdf, s->random[3]));)
 ROW(bsdf_has_specular, const olx_bsdf b = olx_bsdf_make(s->point, 0.0f, 0.5f, (float)(s->bits[0] & 1u));
     put_u(r, olx_bsdf_has_specular(&b));)
+ROW(bsdf_specular_albedo, put_3(r, olx_bsdf_specular_albedo(&s->bsdf, s->random[3]));)
 ROW(ggx_lambda, put_f(r, olx_ggx_lambda(s->random[0], s->random[1]));)
 ROW(ggx_sample_half, put_3(r, olx_ggx_sample_half(s->random[2], local_view(s), random_2(s)));)
 ROW(ggx_sample, float weight; float half_cosine; const olx_vec2 random = {s->random[2], s->random[3]};
@@ -138,6 +139,7 @@ static const parity_row ROWS[] = {
     PARITY(fresnel, 2e-6f, 0),
     PARITY(bsdf_diffuse, 2e-6f, 0),
     PARITY(bsdf_has_specular, 2e-6f, 0),
+    PARITY(bsdf_specular_albedo, 2e-6f, 0),
     PARITY(ggx_lambda, 2e-6f, 0),
     PARITY(ggx_sample_half, 1e-4f, 0),
     PARITY(ggx_sample, 1e-4f, 0),

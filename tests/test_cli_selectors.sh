@@ -8,7 +8,7 @@ check_selectors() {
   local scene=$1 count=$2 voronoi=$3 octree=$4
   expect 0 place "$scene" -o probes.json --count "$count" --voxels 60 --surfels 2000 --candidates 300 --resolution 64
   expect 0 bake "$scene" -o field.olx --probes probes.json --radiance-size 128 --irradiance-size 16 --bounces 0 \
-    --irradiance-grid 2x2x2 --select voronoi,octree,bricks
+    --irradiance-grid 2x2x2 --light reference --reference-paths 1 --select voronoi,octree,bricks
   for select in exhaustive voronoi octree bricks; do
     expect 0 audit "$scene" --field field.olx --rays 20000 --points 0 --select $select --json
     cp stdout.txt $select.json

@@ -85,6 +85,37 @@ static void probes_elsewhere_bury_none(void **state) {
   olx_scene_free(scene);
 }
 
+// A room whose wall has a hole, within a closed hull: the space between them is behind the scenery although it sees no sky.
+static olx_scene *room_in_a_hull(const scene_folder *folder) {
+  (void)scene_folder_write_text(
+      folder, "hull.obj",
+      "v -1 -1 -1\nv -1 -1 1\nv -1 1 -1\nv -1 1 1\nv 1 -1 -1\nv 1 -1 1\nv 1 1 -1\nv 1 1 1\n"
+      "v 1 -0.3 -0.3\nv 1 -0.3 0.3\nv 1 0.3 -0.3\nv 1 0.3 0.3\n"
+      "f 3 4 2 1\nf 2 6 5 1\nf 7 8 4 3\nf 5 7 3 1\nf 4 8 6 2\nf 6 8 12 10\nf 8 7 11 12\nf 7 5 9 11\nf 5 6 10 9\n"
+      "v -2 -2 -2\nv -2 -2 2\nv -2 2 -2\nv -2 2 2\nv 2 -2 -2\nv 2 -2 2\nv 2 2 -2\nv 2 2 2\n"
+      "f 13 14 16 15\nf 17 19 20 18\nf 13 17 18 14\nf 15 16 20 19\nf 13 15 19 17\nf 14 18 20 16\n");
+  const char *text = "{\"model\": \"hull.obj\", \"environment\": {\"radiance\": [1, 1, 1]},"
+                     " \"cameras\": [{\"eye\": [0, 0, 0.5], \"target\": [0, 0, -1]}]}";
+  olx_scene *scene = NULL;
+  ASSERT_OK(olx_scene_load(scene_folder_write_text(folder, "hull.json", text), &scene));
+  return scene;
+}
+
+static void space_behind_walls_gets_no_probes(void **state) {
+  olx_scene *scene = room_in_a_hull(*state);
+  const olx_place_settings settings = olx_place_settings_default(scene);
+  olx_probe_set set;
+  ASSERT_OK(olx_place(scene, &settings, NULL, &set));
+  assert_true(set.report.coverage > 0.99);
+  assert_true(set.count <= 4);
+  for (uint32_t i = 0; i < set.count; i++) {
+    const olx_vec3 p = set.probes[i].position;
+    assert_true(fabsf(p.x) < 1.1f && fabsf(p.y) < 1.0f && fabsf(p.z) < 1.0f);
+  }
+  olx_probe_set_free(&set);
+  olx_scene_free(scene);
+}
+
 // A grid over a whole scene has probes inside its solids, and both find the same ones.
 static void assert_grid_agrees(const char *name, const uint32_t counts[3], bool some) {
   olx_scene *scene = NULL;
@@ -124,6 +155,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       WITH_FOLDER(a_closed_box_is_placed_in_however_it_is_wound),
       WITH_FOLDER(probes_elsewhere_bury_none),
+      WITH_FOLDER(space_behind_walls_gets_no_probes),
       cmocka_unit_test(placing_and_baking_agree_in_built_in_scenes),
       cmocka_unit_test(placing_and_baking_agree_in_an_apartment),
   };

@@ -103,22 +103,33 @@ static double uncovered_share(const cover *c) {
   return all ? (double)olx_cover_uncovered(&c->state) / (double)all : 0.0;
 }
 
-// Add the best candidate again and again, until there are `limit` probes or no more than `allowed` of the surface is
-// uncovered.
-static olx_result add_greedily(cover *c, uint32_t limit, double allowed) {
+// What a candidate is worth beside the picks. Where coverage decides how many probes there are, one that covers nothing more
+// is worth nothing.
+static uint64_t worth(const cover *c, uint32_t candidate, double allowed) {
+  if (c->state.unfit[candidate]) return 0;
+  const olx_gain gain = olx_cover_gain(&c->state, olx_cover_row(&c->state, candidate));
+  return allowed >= 0.0 && gain.covered == 0 ? 0 : olx_gain_value(gain);
+}
+
+// Adds the best candidate again and again, until there are `limit` probes, no more than `allowed` of the surface is
+// uncovered, or none is worth a probe. *exhausted, which may be NULL, becomes true in the last case.
+static olx_result add_greedily(cover *c, uint32_t limit, double allowed, bool *exhausted) {
   olx_cover_state *s = &c->state;
   heap h;
   olx_result result = heap_create(c, &h);
   while (result == OLX_OK && h.count > 0 && s->pick_count < limit && uncovered_share(c) > allowed) {
     OLX_TRY_GOTO(olx_check_cancelled(), done);
     const uint32_t best = h.order[0];
-    const uint64_t gain = s->unfit[best] ? 0 : olx_gain_value(olx_cover_gain(s, olx_cover_row(s, best)));
+    const uint64_t gain = worth(c, best, allowed);
     if (gain < h.gains[best]) {
       h.gains[best] = gain;
       sift_down(&h, 0);
       continue;
     }
-    if (gain == 0) break;
+    if (gain == 0) {
+      if (exhausted) *exhausted = true;
+      break;
+    }
     s->unfit[best] = !olx_cover_keeps_distance(s, s->candidates[best].place, s->pick_count) ||
                      olx_space_is_inside_geometry(c->space, s->candidates[best].place);
     if (s->unfit[best]) continue;
@@ -300,17 +311,19 @@ static olx_result choose(cover *c) {
   // With a count, probes that only see better are welcome when nothing is left to cover.
   const double allowed = c->settings->count && c->target >= 1.0 ? -1.0 : with_margin(c, AIM_DEVIATIONS);
   OLX_TRY(pin_probes(c));
-  OLX_TRY(add_greedily(c, c->limit, 1.0 - FIRST_COVERAGE > allowed ? 1.0 - FIRST_COVERAGE : allowed));
+  bool exhausted = false;
+  OLX_TRY(add_greedily(c, c->limit, 1.0 - FIRST_COVERAGE > allowed ? 1.0 - FIRST_COVERAGE : allowed, &exhausted));
   uint32_t refined = 0;
   for (uint32_t round = 0; round < MOST_ROUNDS; round++) {
     const bool full = c->state.pick_count >= c->limit;
     if (full && round >= c->settings->refinements) break;
-    if (uncovered_share(c) < SPARSE_UNCOVERED) {
+    if (exhausted || uncovered_share(c) < SPARSE_UNCOVERED) {
       double covered;
       OLX_TRY(look_closer(c, olx_hash2(c->settings->seed, 100u + round), &covered));
       if (!full && allowed >= 0.0 && 1.0 - covered <= with_margin(c, DONE_DEVIATIONS)) break;
     }
-    OLX_TRY(add_greedily(c, next_limit(c, allowed), allowed));
+    exhausted = false;
+    OLX_TRY(add_greedily(c, next_limit(c, allowed), allowed, &exhausted));
     if (c->state.pick_count == 0) break; // nothing is seen well, and no further round would find more
     refined += c->state.pick_count - pinned;
     if (round >= c->settings->refinements || refined > REFINED_PROBES) continue;

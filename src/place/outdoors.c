@@ -10,7 +10,6 @@
 
 #define INDOOR_SKY 0.25f    // share of directions that leave the scene: an indoor place sees less,
 #define OUTDOOR_SKY 0.4f    // an outdoor place more;
-#define NO_SKY 0.02f        // a place behind walls at least so much
 #define INDOOR_PIECES 0.25f // of a scene without cameras that is indoors
 enum { EDGE = 4, LOOKS = 64, PIECES_A_JOB = 32 };
 
@@ -130,7 +129,6 @@ static void judge_job(void *user, uint32_t index) {
   const judge *j = user;
   const olx_space *space = j->of->space;
   piece *one = &j->of->items[index];
-  if (one->sky < NO_SKY) return;
   one->outdoors = j->indoor && one->sky >= OUTDOOR_SKY;
   if (one->outdoors || one->back <= 0.5f * (1.0f - one->sky)) return;
   const olx_vec3 place = olx_voxel_centre(&space->voxels, one->voxel);

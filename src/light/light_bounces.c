@@ -16,10 +16,6 @@ typedef struct bounce {
   olx_vec3 *sum;
 } bounce;
 
-static uint32_t end_of(const olx_link *link) { return link->end & OLX_LINK_NOWHERE; }
-static uint32_t chain_of(const olx_link *link) { return link->end >> OLX_LINK_CHAIN_SHIFT; }
-static bool brings_light(const olx_link *link) { return end_of(link) < OLX_LINK_UNSERVED; }
-
 static void add_links(void *user, uint32_t job) {
   const bounce *b = user;
   const uint32_t first = job * SURFELS_PER_JOB;
@@ -28,19 +24,15 @@ static void add_links(void *user, uint32_t job) {
     const olx_link *links = b->batch->links + (size_t)n * b->batch->rays;
     olx_vec3 sum = {0};
     for (uint32_t i = 0; i < b->batch->rays; i++) {
-      const uint32_t chain = chain_of(&links[i]);
-      if (!brings_light(&links[i]) || chain >= b->number) continue;
-      const olx_vec3 light = b->kept[(b->number - 1 - chain) % KEPT][end_of(&links[i])];
+      const uint32_t chain = olx_link_chain(&links[i]);
+      if (!olx_link_brings_light(&links[i]) || chain >= b->number) continue;
+      if (chain + 1 == b->number && links[i].end & OLX_LINK_LIT) continue;
+      const olx_vec3 light = b->kept[(b->number - 1 - chain) % KEPT][olx_link_end(&links[i])];
       sum = olx_add(sum, olx_mul(olx_rgb9e5_unpack(links[i].weight), light));
     }
     olx_vec3 *const to = &b->sum[olx_link_surfel(b->batch, n)];
     *to = olx_add(*to, sum);
   }
-}
-
-static uint32_t counted_rays(const olx_light_links *links, uint32_t surfel) {
-  const uint32_t counted = links->rays[surfel] - links->unserved[surfel];
-  return counted > 0 ? counted : 1;
 }
 
 // Light with exactly `number` surfaces on its way, into the place of the oldest.
@@ -54,7 +46,7 @@ static olx_result add_bounce(bounce *b, uint32_t threads) {
     const uint32_t jobs = (b->batch->count + SURFELS_PER_JOB - 1) / SURFELS_PER_JOB;
     OLX_TRY(olx_parallel_for(jobs, threads, add_links, b, NULL, 0));
   }
-  for (uint32_t i = 0; i < b->surfel_count; i++) sum[i] = olx_scale(sum[i], 1.0f / (float)counted_rays(b->links, i));
+  for (uint32_t i = 0; i < b->surfel_count; i++) sum[i] = olx_scale(sum[i], 1.0f / b->links->worth[i]);
   return OLX_OK;
 }
 
@@ -101,8 +93,8 @@ olx_result olx_bounces_solve(const olx_light_links *links, uint32_t surfel_count
 typedef struct spread {
   const olx_light_links *links;
   const olx_link_batch *batch;
-  const olx_vec3 *light; // direct and indirect
-  double (*sums)[2];     // a surfel: of luminances and of their squares
+  const olx_vec3 *direct, *irradiance;
+  double *squares; // a surfel: sum of its luminances' squared distances from the mean of their batch
 } spread;
 
 static void add_spread(void *user, uint32_t job) {
@@ -111,39 +103,39 @@ static void add_spread(void *user, uint32_t job) {
   const uint32_t end = first + SURFELS_PER_JOB < s->batch->count ? first + SURFELS_PER_JOB : s->batch->count;
   for (uint32_t n = first; n < end; n++) {
     const olx_link *links = s->batch->links + (size_t)n * s->batch->rays;
-    double *sums = s->sums[olx_link_surfel(s->batch, n)];
+    double sum = 0.0, square = 0.0;
     for (uint32_t i = 0; i < s->batch->rays; i++) {
-      if (!brings_light(&links[i])) continue;
-      const olx_vec3 weight = olx_rgb9e5_unpack(links[i].weight);
-      const double value = (double)olx_luminance(olx_mul(weight, s->light[end_of(&links[i])]));
-      sums[0] += value;
-      sums[1] += value * value;
+      const double value = (double)olx_luminance(olx_link_light(&links[i], s->direct, s->irradiance));
+      sum += value;
+      square += value * value;
     }
+    s->squares[olx_link_surfel(s->batch, n)] += square - sum * sum / s->batch->rays;
   }
 }
 
-static float variance_of_mean(const olx_light_links *links, uint32_t i, const double sums[2]) {
-  const double n = (double)counted_rays(links, i);
-  double mean = sums[0];
-  for (uint32_t k = 0; k < OLX_CHAIN_MOST; k++) mean += (double)olx_luminance(links->fixed[i].sum[k]);
-  mean /= n;
-  const double square = (sums[1] + (double)links->fixed[i].square) / n;
-  return (float)fmax(0.0, (square - mean * mean) / n);
+// Batches differ in what their rays count for, so that each has a mean of its own.
+static float variance_of_mean(const olx_light_links *links, uint32_t i, double squares) {
+  const double n = (double)links->worth[i];
+  double fixed = 0.0;
+  for (uint32_t k = 0; k < OLX_CHAIN_MOST; k++) fixed += (double)olx_luminance(links->fixed[i].sum[k]);
+  squares += (double)links->fixed[i].square - fixed * fixed / n;
+  return (float)(fmax(0.0, squares) / (n * n));
 }
 
 olx_result olx_bounces_variance(const olx_light_links *links, uint32_t surfel_count, uint32_t threads,
                                 const olx_vec3 *direct, const olx_vec3 *irradiance, float *variance) {
-  olx_vec3 *light = olx_allocate(surfel_count, sizeof *light);
-  spread s = {.links = links, .light = light, .sums = olx_allocate_zero(surfel_count, sizeof *s.sums)};
-  olx_result result = light && s.sums ? OLX_OK : olx_fail(OLX_ERROR_MEMORY, "light: out of memory for variances");
-  for (uint32_t i = 0; result == OLX_OK && i < surfel_count; i++) light[i] = olx_add(direct[i], irradiance[i]);
+  spread s = {.links = links,
+              .direct = direct,
+              .irradiance = irradiance,
+              .squares = olx_allocate_zero(surfel_count, sizeof *s.squares)};
+  olx_result result = s.squares ? OLX_OK : olx_fail(OLX_ERROR_MEMORY, "light: out of memory for variances");
   for (uint32_t k = 0; result == OLX_OK && k < links->batch_count; k++) {
     s.batch = &links->batches[k];
     const uint32_t jobs = (s.batch->count + SURFELS_PER_JOB - 1) / SURFELS_PER_JOB;
     result = olx_parallel_for(jobs, threads, add_spread, &s, NULL, 0);
   }
-  for (uint32_t i = 0; result == OLX_OK && i < surfel_count; i++) variance[i] = variance_of_mean(links, i, s.sums[i]);
-  olx_release(light);
-  olx_release(s.sums);
+  for (uint32_t i = 0; result == OLX_OK && i < surfel_count; i++)
+    variance[i] = variance_of_mean(links, i, s.squares[i]);
+  olx_release(s.squares);
   return result;
 }

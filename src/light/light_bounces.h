@@ -9,8 +9,7 @@ typedef struct olx_light_links {
   olx_link_batch *batches;
   uint32_t batch_count;
   olx_fixed_light *fixed; // a surfel
-  uint32_t *rays;         // cast by each surfel
-  uint32_t *unserved;     // of them, those that end where no surfel is
+  float *worth;           // a surfel: of its rays, in rays of even density
 } olx_light_links;
 
 // Irradiance of surfels in W/m^2, without emitters and sky seen directly, for `direct` irradiance from these. Stops before

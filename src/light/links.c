@@ -6,13 +6,14 @@
 #include "core/result.h"
 #include "light/direct_light.h"
 
-enum { SURFELS_PER_JOB = 8, PACKET = 64, SALT_RAY = 0x52415953, SALT_CHAIN = 0x48414E43 };
+enum { SURFELS_PER_JOB = 8, PACKET = 64, SALT_RAY = 0x52415953, SALT_CHAIN = 0x48414E43, SALT_UNSERVED = 0x554E5356 };
 
 // What one ray brings.
 typedef struct ray_end {
   olx_link link;
   olx_surface_point point; // where the link is unserved
   olx_vec3 fixed[OLX_CHAIN_MOST];
+  olx_vec3 lit; // radiance of direct light at the end, where the link is OLX_LINK_LIT or unserved
 } ray_end;
 
 typedef struct cast_job {
@@ -48,6 +49,9 @@ static const float RAY_FOOTPRINT = 0.3f;
 // A surfel that stands for a larger cell serves a ray when that cell looks no larger than this share of the ray's length.
 static const float MOST_SERVED = 0.5f;
 
+// One whose cell looks larger than this tells the direct light of a ray's end too coarsely: shadows' edges cross it.
+static const float MOST_LIT_SIDE = 0.3f;
+
 // A ray ends at the diffuse lobe of a surface: the surfel there knows how much light that gets. One that is far from it
 // serves where no others will be added.
 static olx_link link_to(const cast_job *c, const olx_surface *surface, const olx_ray_hit *hit, olx_vec3 weight,
@@ -56,18 +60,34 @@ static olx_link link_to(const cast_job *c, const olx_surface *surface, const olx
   if (olx_max3(weight) <= 0.0f) return no_link;
   end->point = olx_surface_point_make(&s->grid, surface, hit, RAY_FOOTPRINT * distance);
   const float most_side = c->lists ? MOST_SERVED * distance : INFINITY;
-  const uint32_t found = olx_light_surfels_find(s, end->point.key, surface, most_side).surfel;
-  const uint32_t number = found == OLX_CELL_NONE ? OLX_LINK_UNSERVED : found;
-  return (olx_link){.end = number | chain << OLX_LINK_CHAIN_SHIFT, .weight = olx_rgb9e5_pack(weight)};
+  const olx_surfel_found found = olx_light_surfels_find(s, end->point.key, surface, most_side);
+  olx_link link = {.end = OLX_LINK_UNSERVED | chain << OLX_LINK_CHAIN_SHIFT, .weight = olx_rgb9e5_pack(weight)};
+  if (found.surfel == OLX_CELL_NONE) return link;
+  const float side = olx_max(found.side, s->surfels[found.surfel].side);
+  link.end = found.surfel | chain << OLX_LINK_CHAIN_SHIFT | (side > MOST_LIT_SIDE * distance ? OLX_LINK_LIT : 0);
+  return link;
+}
+
+static bool is_unserved(const ray_end *end) { return olx_link_end(&end->link) == OLX_LINK_UNSERVED; }
+
+// Links the end of a ray. Points for which surfels will be sought wait for their light.
+static void end_ray(const cast_job *c, const olx_surface *surface, const olx_ray_hit *hit, olx_vec3 weight,
+                    uint32_t chain, float distance, olx_sampler *sampler, ray_end *end, uint64_t *rays) {
+  end->link = link_to(c, surface, hit, weight, chain, distance, end);
+  const bool waits = c->lists && is_unserved(end);
+  if (waits || !(end->link.end & OLX_LINK_LIT || is_unserved(end))) return;
+  const olx_vec3 irradiance = olx_direct_irradiance(c->surfels->scene, surface, sampler, rays);
+  end->lit = olx_scale(olx_mul(weight, irradiance), 1.0f / OLX_PI);
 }
 
 // Follows a ray that met `hit` until it ends at a diffuse lobe, at the sky, or nowhere. At a surface with both lobes it
-// takes one by chance.
-static void follow(cast_job *c, olx_ray ray, olx_ray_hit hit, uint32_t seed, uint32_t index, float distance,
-                   ray_end *end, uint64_t *rays) {
+// takes one by chance. What it brings is multiplied by `factor`.
+static void follow(cast_job *c, olx_ray ray, olx_ray_hit hit, float factor, uint32_t seed, uint32_t index, ray_end *end,
+                   uint64_t *rays) {
   const olx_scene *scene = c->surfels->scene;
   olx_sampler sampler = {.seed = seed, .index = index};
-  olx_vec3 throughput = olx_splat(1.0f), origin = ray.origin;
+  const float distance = hit.t;
+  olx_vec3 throughput = olx_splat(factor), origin = ray.origin;
   olx_lobe_ray lobe = {.direction = ray.direction};
   for (uint32_t chain = 0; chain < OLX_CHAIN_MOST; chain++) {
     olx_vec3 *fixed = chain > 0 ? &end->fixed[chain - 1] : NULL;
@@ -81,7 +101,7 @@ static void follow(cast_job *c, olx_ray ray, olx_ray_hit hit, uint32_t seed, uin
     const float share = shading.has_specular ? shading.specular_share : 0.0f;
     if (share <= 0.0f || (shading.has_diffuse && olx_sampler_next(&sampler) >= share)) {
       const olx_vec3 weight = olx_scale(olx_mul(throughput, shading.diffuse), 1.0f / (1.0f - share));
-      end->link = link_to(c, &surface, &hit, weight, chain, distance, end);
+      end_ray(c, &surface, &hit, weight, chain, distance, &sampler, end, rays);
       return;
     }
     throughput = olx_scale(throughput, 1.0f / share);
@@ -97,9 +117,21 @@ static void follow(cast_job *c, olx_ray ray, olx_ray_hit hit, uint32_t seed, uin
   }
 }
 
-// A cosine-distributed ray about the shading normal; false when it lies below the surface and brings nothing.
-static bool make_ray(const olx_surface *surface, uint32_t seed, uint32_t index, olx_ray *ray) {
-  const olx_vec3 local = olx_sample_cosine(olx_stratified2(index, seed));
+// How the rays of a surface are drawn: by a pool's density, or evenly when there is none.
+typedef struct ray_plan {
+  const olx_ray_pool *pool;
+  float factor; // of what all rays bring
+  uint32_t seed;
+} ray_plan;
+
+// A ray about the shading normal, cosine-distributed or by the plan's density, and the factor of what it brings; false when it
+// lies below the surface and brings nothing.
+static bool make_ray(const olx_surface *surface, const ray_plan *plan, uint32_t index, olx_ray *ray, float *factor) {
+  olx_vec2 point = olx_stratified2(index, plan->seed);
+  float density = 1.0f;
+  if (plan->pool) point = olx_guide_warp(plan->pool, point, &density);
+  *factor = plan->factor / density;
+  const olx_vec3 local = olx_sample_cosine(point);
   const olx_vec3 direction = olx_normalize(olx_from_basis(local, surface->shading_normal));
   *ray = olx_surface_ray(surface, direction, INFINITY);
   if (local.z > 0.0f && olx_dot(direction, surface->geometric_normal) > 0.0f) return true;
@@ -108,31 +140,57 @@ static bool make_ray(const olx_surface *surface, uint32_t seed, uint32_t index, 
 }
 
 static void add_fixed(olx_fixed_light *fixed, const ray_end *end) {
-  float luminance = 0.0f;
+  float luminance = OLX_PI * olx_luminance(end->lit);
   for (uint32_t i = 0; i < OLX_CHAIN_MOST; i++) {
     fixed->sum[i] = olx_madd(fixed->sum[i], end->fixed[i], OLX_PI);
     luminance += OLX_PI * olx_luminance(end->fixed[i]);
   }
+  olx_vec3 *lit = &fixed->sum[olx_link_chain(&end->link)];
+  *lit = olx_madd(*lit, end->lit, OLX_PI);
   fixed->square += luminance * luminance;
 }
 
 // Casts up to PACKET rays of a surface, from number `first` on, and says what each brings.
-static void cast_packet(cast_job *c, const olx_surface *surface, uint32_t seed, uint32_t first, uint32_t count,
+static void cast_packet(cast_job *c, const olx_surface *surface, const ray_plan *plan, uint32_t first, uint32_t count,
                         ray_end *ends, uint64_t *cast) {
   olx_ray rays[PACKET] = {0};
   olx_ray_hit hits[PACKET];
   bool valid[PACKET];
-  const uint32_t chain_seed = olx_hash2(seed, SALT_CHAIN);
-  for (uint32_t i = 0; i < count; i++) valid[i] = make_ray(surface, seed, first + i, &rays[i]);
+  float factors[PACKET];
+  const uint32_t chain_seed = olx_hash2(plan->seed, SALT_CHAIN);
+  for (uint32_t i = 0; i < count; i++) valid[i] = make_ray(surface, plan, first + i, &rays[i], &factors[i]);
   olx_bvh_intersect_many(c->surfels->scene->bvh, rays, count, false, hits);
   *cast += count;
   for (uint32_t i = 0; i < count; i++) {
     ends[i] = (ray_end){.link = no_link};
-    if (valid[i]) follow(c, rays[i], hits[i], chain_seed, first + i, hits[i].t, &ends[i], cast);
+    if (valid[i]) follow(c, rays[i], hits[i], factors[i], chain_seed, first + i, &ends[i], cast);
   }
 }
 
-static bool is_unserved(const ray_end *end) { return (end->link.end & OLX_LINK_NOWHERE) == OLX_LINK_UNSERVED; }
+static uint32_t seed_of(const olx_light_surfels *s, uint32_t surfel) {
+  const uint64_t cell = s->surfels[surfel].cell;
+  return olx_hash3(s->seed ^ (uint32_t)cell, (uint32_t)(cell >> 32), SALT_RAY);
+}
+
+void olx_link_light_unserved(const olx_light_surfels *surfels, uint32_t surfel, uint32_t ray, const olx_link *link,
+                             const olx_surface *surface, olx_fixed_light *fixed, uint64_t *rays) {
+  olx_sampler sampler = {.seed = olx_hash2(seed_of(surfels, surfel), SALT_UNSERVED), .index = ray};
+  const olx_vec3 light =
+      olx_mul(olx_rgb9e5_unpack(link->weight), olx_direct_irradiance(surfels->scene, surface, &sampler, rays));
+  olx_vec3 *sum = &fixed->sum[olx_link_chain(link)];
+  *sum = olx_add(*sum, light);
+  fixed->square += olx_luminance(light) * olx_luminance(light);
+}
+
+olx_vec2 olx_links_ray_point(const olx_light_surfels *surfels, uint32_t surfel, uint32_t ray) {
+  return olx_stratified2(ray, seed_of(surfels, surfel));
+}
+
+static ray_plan plan_of(const olx_light_surfels *s, const olx_link_batch *batch, uint32_t surfel) {
+  return (ray_plan){.pool = batch->guide ? &batch->guide->pools[batch->guide->pool_of[surfel]] : NULL,
+                    .factor = olx_link_worth(batch, surfel),
+                    .seed = seed_of(s, surfel)};
+}
 
 static void cast_surfel(cast_job *c, uint32_t n, uint32_t job) {
   const olx_light_surfels *s = c->surfels;
@@ -140,11 +198,11 @@ static void cast_surfel(cast_job *c, uint32_t n, uint32_t job) {
   const uint32_t number = olx_link_surfel(batch, n);
   const olx_light_surfel *surfel = &s->surfels[number];
   const olx_surface surface = olx_surface_point_surface(s->scene, &surfel->point);
-  const uint32_t seed = olx_hash3(s->seed ^ (uint32_t)surfel->cell, (uint32_t)(surfel->cell >> 32), SALT_RAY);
+  const ray_plan plan = plan_of(s, batch, number);
   for (uint32_t first = 0; first < batch->rays; first += PACKET) {
     const uint32_t count = batch->rays - first < PACKET ? batch->rays - first : PACKET;
     ray_end ends[PACKET];
-    cast_packet(c, &surface, seed, batch->first_ray + first, count, ends, &c->rays[job]);
+    cast_packet(c, &surface, &plan, batch->first_ray + first, count, ends, &c->rays[job]);
     for (uint32_t i = 0; i < count; i++) {
       batch->links[(size_t)n * batch->rays + first + i] = ends[i].link;
       add_fixed(&c->fixed[number], &ends[i]);
@@ -153,27 +211,30 @@ static void cast_surfel(cast_job *c, uint32_t n, uint32_t job) {
   }
 }
 
-olx_vec3 olx_links_gather(const olx_light_surfels *surfels, const olx_surface *surface, uint32_t seed, uint32_t rays,
-                          uint32_t bounces, const olx_vec3 *light) {
-  cast_job c = {.surfels = surfels};
-  olx_fixed_light fixed = {0};
+static olx_vec3 gathered(const ray_end *end, const olx_passed_light *light) {
   olx_vec3 sum = {0};
-  uint32_t counted = rays;
+  for (uint32_t k = 0; k < OLX_CHAIN_MOST && k < light->bounces; k++) sum = olx_add(sum, end->fixed[k]);
+  if (olx_link_chain(&end->link) < light->bounces) sum = olx_add(sum, end->lit);
+  sum = olx_scale(sum, OLX_PI);
+  if (!olx_link_brings_light(&end->link)) return sum;
+  const uint32_t at = olx_link_end(&end->link);
+  const olx_vec3 passed = end->link.end & OLX_LINK_LIT ? olx_sub(light->all[at], light->direct[at]) : light->all[at];
+  return olx_add(sum, olx_mul(olx_rgb9e5_unpack(end->link.weight), passed));
+}
+
+olx_vec3 olx_links_gather(const olx_light_surfels *surfels, const olx_surface *surface, const olx_ray_pool *pool,
+                          uint32_t seed, uint32_t rays, const olx_passed_light *light) {
+  cast_job c = {.surfels = surfels};
+  const ray_plan plan = {.pool = pool, .factor = 1.0f, .seed = seed};
+  olx_vec3 sum = {0};
   uint64_t cast = 0;
   for (uint32_t first = 0; first < rays; first += PACKET) {
     const uint32_t count = rays - first < PACKET ? rays - first : PACKET;
     ray_end ends[PACKET];
-    cast_packet(&c, surface, seed, first, count, ends, &cast);
-    for (uint32_t i = 0; i < count; i++) {
-      add_fixed(&fixed, &ends[i]);
-      const uint32_t end = ends[i].link.end & OLX_LINK_NOWHERE;
-      if (end == OLX_LINK_UNSERVED) counted--;
-      if (end >= OLX_LINK_UNSERVED) continue;
-      sum = olx_add(sum, olx_mul(olx_rgb9e5_unpack(ends[i].link.weight), light[end]));
-    }
+    cast_packet(&c, surface, &plan, first, count, ends, &cast);
+    for (uint32_t i = 0; i < count; i++) sum = olx_add(sum, gathered(&ends[i], light));
   }
-  for (uint32_t i = 0; i < OLX_CHAIN_MOST && i < bounces; i++) sum = olx_add(sum, fixed.sum[i]);
-  return olx_scale(sum, 1.0f / (float)(counted > 0 ? counted : 1));
+  return olx_scale(sum, 1.0f / (float)rays);
 }
 
 static void cast_some(void *user, uint32_t job) {

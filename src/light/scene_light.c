@@ -6,22 +6,22 @@
 #include "core/octahedral.h"
 #include "core/result.h"
 #include "light/direct_light.h"
-#include "light/light_bounces.h"
+#include "light/learn_rays.h"
 #include "light/surfel_lookup.h"
 
 enum {
   FIRST_RAYS = 64,      // of every surfel at first
   LEAST_RAYS = 16,      // of every surfel where memory is short
-  MOST_RAYS = 16384,    // of one whose light varies much
+  MOST_RAYS = 16384,    // that a surfel whose light varies much gets at a time
   HIDDEN_ROUNDS = 2,    // how often surfels are added where rays end without one
   LEAST_DIRECT = 16,    // points at which the direct light of a cell is taken, at least
   MOST_DIRECT = 256,    // points at which the direct light of a cell is taken, at most
   ALL_DIRECT = 1 << 18, // points at which direct light is taken in all, as far as the two bounds for a cell allow
-  MOST_BATCHES = 1 + HIDDEN_ROUNDS + 10,
-  NOISE_LEVELS = 3, // noise is measured over cells of this many levels above the surfels'
-  LEAST_MAP_SIZE = 64,   // smaller maps get surfels as dense as these: light that is told too coarsely is biased
-  MOST_VIEW_SIDE = 1024, // rays along the side of the map by which a probe looks around, at most
-  LEAST_VIEW_SIDE = 32,  // rays along the side of that map, at least
+  REFINEMENTS = 3,      // how often rays are added where noise is high
+  MOST_BATCHES = 1 + HIDDEN_ROUNDS + REFINEMENTS * 11,
+  LEAST_MAP_SIZE = 64,      // smaller maps get surfels as dense as these: light that is told too coarsely is biased
+  MOST_VIEW_SIDE = 1024,    // rays along the side of the map by which a probe looks around, at most
+  LEAST_VIEW_SIDE = 32,     // rays along the side of that map, at least
   MOST_VIEW_RAYS = 1 << 24, // by which all probes look around, as far as the least side allows
   SURFELS_PER_JOB = 16,
   LEAST_NEIGHBOURS = 3, // with fewer surfels around it a point casts rays of its own
@@ -30,6 +30,8 @@ enum {
   SALT_GATHER = 0x47415448
 };
 
+// Fewer further rays than this share of the first are not worth a batch.
+static const float ENOUGH_RAYS = 0.25f;
 // Interpolation averages the noise of several surfels: the variance of the result is about this share of a surfel's.
 static const float INTERPOLATED_VARIANCE = 0.2f;
 // Noise matters beside the light of a place, or beside this share of the mean light where there is less.
@@ -45,6 +47,7 @@ struct olx_scene_light {
   olx_light_surfels surfels;
   olx_link_batch batches[MOST_BATCHES];
   olx_light_links links;
+  olx_ray_guide guide;
   olx_vec3 *direct, *irradiance; // of surfels
   olx_vec3 *passed_on;           // direct light and all bounces but the last: what the surfels' surfaces reflect
   uint32_t visible;    // surfels on surfaces that probes see; the others, which only pass light on, come after them
@@ -130,15 +133,13 @@ static olx_result find_surfaces(olx_scene_light *l, const olx_vec3 *positions, c
 static olx_result grow_links(olx_scene_light *l, uint32_t from) {
   const uint32_t count = l->surfels.count;
   olx_fixed_light *fixed = olx_allocate_zero(count, sizeof *fixed);
-  uint32_t *rays = olx_allocate_zero(count, sizeof *rays), *unserved = olx_allocate_zero(count, sizeof *unserved);
+  float *worth = olx_allocate_zero(count, sizeof *worth);
   for (uint32_t i = 0; fixed && i < from; i++) fixed[i] = l->links.fixed[i];
   olx_release(l->links.fixed);
-  olx_release(l->links.rays);
-  olx_release(l->links.unserved);
+  olx_release(l->links.worth);
   l->links.fixed = fixed;
-  l->links.rays = rays;
-  l->links.unserved = unserved;
-  return fixed && rays && unserved ? OLX_OK : olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", count);
+  l->links.worth = worth;
+  return fixed && worth ? OLX_OK : olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", count);
 }
 
 // Adds a batch and casts its rays.
@@ -154,17 +155,23 @@ static olx_result cast(olx_scene_light *l, olx_link_batch batch, olx_point_list 
   return olx_links_cast(&l->surfels, &l->batches[l->links.batch_count - 1], l->links.fixed, unserved, &l->report.rays);
 }
 
-// Links of the last batch that ended without a surfel may have one now. Their points are in the order of the links.
+// Links of the last batch that ended without a surfel may have one now; the others bring direct light alone. Their points are in
+// the order of the links.
 static void link_to_new(olx_scene_light *l, const olx_point_list *points) {
   const olx_link_batch *batch = &l->batches[l->links.batch_count - 1];
   uint32_t next = 0;
   for (size_t i = 0; i < (size_t)batch->count * batch->rays; i++) {
     olx_link *link = &batch->links[i];
-    if ((link->end & OLX_LINK_NOWHERE) != OLX_LINK_UNSERVED) continue;
+    if (olx_link_end(link) != OLX_LINK_UNSERVED) continue;
     const olx_surface_point *point = &points->points[next++];
     const olx_surface surface = olx_surface_point_surface(l->scene, point);
     const olx_surfel_found found = olx_light_surfels_find(&l->surfels, point->key, &surface, INFINITY);
-    if (found.surfel != OLX_CELL_NONE) link->end = (link->end & ~OLX_LINK_NOWHERE) | found.surfel;
+    if (found.surfel != OLX_CELL_NONE) {
+      link->end = (link->end & ~OLX_LINK_NOWHERE) | found.surfel;
+      continue;
+    }
+    const uint32_t surfel = olx_link_surfel(batch, (uint32_t)(i / batch->rays)), ray = (uint32_t)(i % batch->rays);
+    olx_link_light_unserved(&l->surfels, surfel, ray, link, &surface, &l->links.fixed[surfel], &l->report.rays);
   }
 }
 
@@ -191,20 +198,23 @@ static olx_result cast_first(olx_scene_light *l) {
   return OLX_OK;
 }
 
+static uint32_t count_unserved(const olx_link_batch *batch) {
+  uint32_t count = 0;
+  for (size_t i = 0; i < (size_t)batch->count * batch->rays; i++) {
+    count += olx_link_end(&batch->links[i]) == OLX_LINK_UNSERVED;
+  }
+  return count;
+}
+
 static void count_rays(olx_scene_light *l) {
-  for (uint32_t i = 0; i < l->surfels.count; i++) l->links.rays[i] = l->links.unserved[i] = 0;
+  for (uint32_t i = 0; i < l->surfels.count; i++) l->links.worth[i] = 0.0f;
   uint64_t unserved = 0;
   for (uint32_t k = 0; k < l->links.batch_count; k++) {
     const olx_link_batch *batch = &l->batches[k];
+    unserved += count_unserved(batch);
     for (uint32_t n = 0; n < batch->count; n++) {
       const uint32_t surfel = olx_link_surfel(batch, n);
-      l->links.rays[surfel] += batch->rays;
-      for (uint32_t i = 0; i < batch->rays; i++) {
-        const uint32_t end = batch->links[(size_t)n * batch->rays + i].end & OLX_LINK_NOWHERE;
-        if (end != OLX_LINK_UNSERVED) continue;
-        l->links.unserved[surfel]++;
-        unserved++;
-      }
+      l->links.worth[surfel] += olx_link_worth(batch, surfel) * (float)batch->rays;
     }
   }
   l->report.unserved = (double)unserved / fmax(1.0, (double)l->report.links);
@@ -216,24 +226,38 @@ typedef struct direct_job {
   uint64_t *rays;  // a job
 } direct_job;
 
-// The mean over points that are spread over each cell.
+// Area that a point of a cell stands for, but for a factor: points were found by rays that spread out.
+static float area_of(const olx_surface_point *point) { return point->footprint * point->footprint; }
+
+static olx_vec3 light_point(const direct_job *d, const olx_light_surfel *surfel, const olx_surface_point *point,
+                            uint32_t k, uint64_t *rays) {
+  const olx_light_surfels *s = &d->light->surfels;
+  const uint32_t seed = olx_hash3(s->seed ^ (uint32_t)surfel->cell, (uint32_t)(surfel->cell >> 32), SALT_DIRECT);
+  const olx_surface surface = olx_surface_point_surface(s->scene, point);
+  olx_sampler sampler = {.seed = seed, .index = k};
+  return olx_direct_irradiance(s->scene, &surface, &sampler, rays);
+}
+
+// The mean over points that are spread over the area of the cell: most of its points lie where probes are near.
+static olx_vec3 light_cell(const direct_job *d, const olx_light_surfel *surfel, uint64_t *rays) {
+  const olx_surface_point *points = d->light->surfels.points + surfel->first_point;
+  float area = 0.0f, passed = 0.0f;
+  for (uint32_t i = 0; i < surfel->point_count; i++) area += area_of(&points[i]);
+  olx_vec3 sum = {0};
+  for (uint32_t k = 0, i = 0; k < d->points; k++) {
+    const float wanted = area * ((float)k + 0.5f) / (float)d->points;
+    while (i + 1 < surfel->point_count && passed + area_of(&points[i]) < wanted) passed += area_of(&points[i++]);
+    sum = olx_add(sum, light_point(d, surfel, &points[i], k, rays));
+  }
+  return olx_scale(sum, 1.0f / (float)d->points);
+}
+
 static void light_directly(void *user, uint32_t job) {
   const direct_job *d = user;
   const olx_light_surfels *s = &d->light->surfels;
   const uint32_t first = job * SURFELS_PER_JOB,
                  end = first + SURFELS_PER_JOB < s->count ? first + SURFELS_PER_JOB : s->count;
-  for (uint32_t i = first; i < end; i++) {
-    const olx_light_surfel *surfel = &s->surfels[i];
-    const uint32_t seed = olx_hash3(s->seed ^ (uint32_t)surfel->cell, (uint32_t)(surfel->cell >> 32), SALT_DIRECT);
-    olx_vec3 sum = {0};
-    for (uint32_t k = 0; k < d->points; k++) {
-      const uint32_t offset = (uint32_t)((uint64_t)surfel->point_count * (2 * k + 1) / (2 * d->points));
-      const olx_surface surface = olx_surface_point_surface(s->scene, &s->points[surfel->first_point + offset]);
-      olx_sampler sampler = {.seed = seed, .index = k};
-      sum = olx_add(sum, olx_direct_irradiance(s->scene, &surface, &sampler, &d->rays[job]));
-    }
-    d->light->direct[i] = olx_scale(sum, 1.0f / (float)d->points);
-  }
+  for (uint32_t i = first; i < end; i++) d->light->direct[i] = light_cell(d, &s->surfels[i], &d->rays[job]);
 }
 
 static olx_result add_direct(olx_scene_light *l) {
@@ -278,46 +302,31 @@ static float mean_luminance(const olx_vec3 *light, uint32_t count) {
   return count ? (float)(sum / count) : 0.0f;
 }
 
-// Light and variance of the surfels in a larger cell, summed.
-typedef struct noise_cell {
+// Light and variance of the surfels of a pool, summed.
+typedef struct noise_sum {
   double light, variance;
   uint32_t count;
-} noise_cell;
+} noise_sum;
 
 // A surfel's few first rays may all miss a small bright place, and then seem to agree. Surfels of the same size around it, which
-// see about the same, tell how much its rays really vary.
-static olx_result average_noise(const olx_scene_light *l, olx_cell_table *table, noise_cell *cells, float *variance,
-                                float *light) {
-  const uint32_t count = l->surfels.count;
-  for (uint32_t i = 0; i < count; i++) {
-    const uint64_t key = olx_cell_at_level(l->surfels.surfels[i].cell, NOISE_LEVELS);
-    uint32_t number = olx_cell_table_get(table, key);
-    if (number == OLX_CELL_NONE) {
-      number = table->count;
-      OLX_TRY(olx_cell_table_set(table, key, number));
-    }
-    cells[number].light += (double)olx_luminance(l->irradiance[i]);
-    cells[number].variance += (double)variance[i];
-    cells[number].count++;
-  }
-  for (uint32_t i = 0; i < count; i++) {
-    const uint64_t key = olx_cell_at_level(l->surfels.surfels[i].cell, NOISE_LEVELS);
-    const noise_cell *cell = &cells[olx_cell_table_get(table, key)];
-    light[i] = (float)(cell->light / cell->count);
-    variance[i] = (float)(cell->variance / cell->count);
-  }
-  return OLX_OK;
-}
-
+// see about the same, tell how much its rays really vary. (Hidden surfels never get more than their first rays.)
 static olx_result smooth_noise(const olx_scene_light *l, float *variance, float *light) {
-  olx_cell_table table = {0};
-  noise_cell *cells = olx_allocate_zero(l->surfels.count, sizeof *cells);
-  olx_result result = cells ? olx_cell_table_create(&table, l->surfels.count)
-                            : olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", l->surfels.count);
-  if (result == OLX_OK) result = average_noise(l, &table, cells, variance, light);
-  olx_cell_table_free(&table);
-  olx_release(cells);
-  return result;
+  const uint32_t count = l->surfels.count;
+  noise_sum *sums = olx_allocate_zero(l->guide.pool_count, sizeof *sums);
+  if (!sums) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", count);
+  for (uint32_t i = 0; i < l->visible; i++) {
+    noise_sum *sum = &sums[l->guide.pool_of[i]];
+    sum->light += (double)olx_luminance(l->irradiance[i]);
+    sum->variance += (double)variance[i];
+    sum->count++;
+  }
+  for (uint32_t i = 0; i < l->visible; i++) {
+    const noise_sum *sum = &sums[l->guide.pool_of[i]];
+    light[i] = (float)(sum->light / sum->count);
+    variance[i] = (float)(sum->variance / sum->count);
+  }
+  olx_release(sums);
+  return OLX_OK;
 }
 
 // Standard error of interpolated light around each surfel over the light there.
@@ -329,50 +338,71 @@ static olx_result measure_noise(olx_scene_light *l, float *noise) {
   if (result == OLX_OK) result = smooth_noise(l, noise, light);
   const float dark = DARK_SHARE * mean_luminance(l->irradiance, count);
   double squares = 0.0;
-  for (uint32_t i = 0; result == OLX_OK && i < count; i++) {
+  for (uint32_t i = 0; result == OLX_OK && i < l->visible; i++) {
     const float level = olx_max(light[i], dark);
     noise[i] = level > 0.0f ? sqrtf(INTERPOLATED_VARIANCE * noise[i]) / level : 0.0f;
-    if (i < l->visible) squares += (double)noise[i] * (double)noise[i];
+    squares += (double)noise[i] * (double)noise[i];
   }
   l->report.noise = sqrt(squares / fmax(1.0, l->visible));
   olx_release(light);
   return result;
 }
 
-// Rays that bring a surfel's noise down to the bound: a power of two.
-static uint32_t rays_wanted(const olx_scene_light *l, float noise, uint32_t most) {
+static const olx_ray_pool *pool_of(const olx_scene_light *l, uint32_t surfel) {
+  return &l->guide.pools[l->guide.pool_of[surfel]];
+}
+
+// Guided rays that bring a surfel's noise down to the bound: none, or first_rays times a power of two.
+static uint32_t rays_wanted(const olx_scene_light *l, uint32_t surfel, float noise, uint32_t most) {
   const float ratio = noise / l->settings.noise;
+  const float wanted = pool_of(l, surfel)->spread * l->links.worth[surfel] * (ratio * ratio - 1.0f);
+  if (wanted < ENOUGH_RAYS * (float)l->first_rays) return 0;
   uint32_t rays = l->first_rays;
-  while (rays < most && (float)rays < (float)l->first_rays * ratio * ratio) rays *= 2;
+  while (rays < most && (float)rays < wanted) rays *= 2;
   return rays;
 }
 
-// The most rays of a surfel for which there is memory.
+// The most rays of a surfel for which there is memory; 0 when there is none.
 static uint32_t most_rays(const olx_scene_light *l, const float *noise) {
-  for (uint32_t most = MOST_RAYS; most > l->first_rays; most /= 2) {
+  for (uint32_t most = MOST_RAYS; most >= l->first_rays; most /= 2) {
     uint64_t links = l->report.links;
-    for (uint32_t i = 0; i < l->visible; i++) links += rays_wanted(l, noise[i], most) - l->first_rays;
+    for (uint32_t i = 0; i < l->visible; i++) links += rays_wanted(l, i, noise[i], most);
     if (links <= MOST_LINKS) return most;
   }
-  return l->first_rays;
+  return 0;
 }
 
-// One batch for the surfels that want the same number of rays.
-static olx_result cast_more(olx_scene_light *l, const float *noise) {
+// One batch for the surfels that want the same number of rays. Each round takes another part of the sequence of rays.
+static olx_result cast_more(olx_scene_light *l, const float *noise, uint32_t round) {
   const uint32_t most = most_rays(l, noise);
-  for (uint32_t rays = 2 * l->first_rays; rays <= most; rays *= 2) {
+  for (uint32_t rays = l->first_rays; rays <= most; rays *= 2) {
     uint32_t *numbers = olx_allocate(l->surfels.count, sizeof *numbers), count = 0;
     if (!numbers) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", l->surfels.count);
-    for (uint32_t i = 0; i < l->surfels.count; i++) {
-      if (i < l->visible && rays_wanted(l, noise[i], most) == rays) numbers[count++] = i;
+    for (uint32_t i = 0; i < l->visible; i++) {
+      if (rays_wanted(l, i, noise[i], most) == rays) numbers[count++] = i;
     }
     if (count == 0) {
       olx_release(numbers);
       continue;
     }
     const olx_link_batch batch = {
-        .surfels = numbers, .count = count, .first_ray = l->first_rays, .rays = rays - l->first_rays};
+        .surfels = numbers, .count = count, .first_ray = (round + 1) * MOST_RAYS, .rays = rays, .guide = &l->guide};
     OLX_TRY(cast(l, batch, NULL));
+  }
+  return OLX_OK;
+}
+
+// Rays are added until the noise that they show is low enough: few rays do not tell well how many it takes.
+static olx_result refine_with(olx_scene_light *l, float *noise) {
+  OLX_TRY(olx_ray_guide_create(&l->guide, &l->surfels));
+  OLX_TRY(olx_rays_learn(&l->guide, &l->surfels, &l->links, l->direct, l->irradiance));
+  OLX_TRY(measure_noise(l, noise));
+  for (uint32_t round = 0; round < REFINEMENTS; round++) {
+    const uint32_t batches = l->links.batch_count;
+    OLX_TRY(cast_more(l, noise, round));
+    if (l->links.batch_count == batches) break;
+    OLX_TRY(solve(l));
+    OLX_TRY(measure_noise(l, noise));
   }
   return OLX_OK;
 }
@@ -380,10 +410,7 @@ static olx_result cast_more(olx_scene_light *l, const float *noise) {
 static olx_result refine(olx_scene_light *l) {
   float *noise = olx_allocate(l->surfels.count, sizeof *noise);
   if (!noise) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", l->surfels.count);
-  olx_result result = measure_noise(l, noise);
-  if (result == OLX_OK) result = cast_more(l, noise);
-  if (result == OLX_OK) result = solve(l);
-  if (result == OLX_OK) result = measure_noise(l, noise);
+  const olx_result result = refine_with(l, noise);
   olx_release(noise);
   return result;
 }
@@ -433,11 +460,11 @@ void olx_scene_light_free(olx_scene_light *l) {
     olx_release((void *)l->batches[k].surfels);
   }
   olx_release(l->links.fixed);
-  olx_release(l->links.rays);
-  olx_release(l->links.unserved);
+  olx_release(l->links.worth);
   olx_release(l->direct);
   olx_release(l->irradiance);
   olx_release(l->passed_on);
+  olx_ray_guide_free(&l->guide);
   olx_surfel_lookup_free(&l->lookup);
   olx_light_surfels_free(&l->surfels);
   olx_release(l);
@@ -450,7 +477,10 @@ olx_scene_light_report olx_scene_light_describe(const olx_scene_light *light) { 
 olx_vec3 olx_scene_light_gather(const olx_scene_light *l, const olx_surface *surface) {
   const uint64_t key = olx_cell_key(&l->surfels.grid, surface->position, surface->geometric_normal);
   const uint32_t seed = olx_hash3(l->surfels.seed ^ (uint32_t)key, (uint32_t)(key >> 32), SALT_GATHER);
-  return olx_links_gather(&l->surfels, surface, seed, GATHERED_RAYS, l->settings.bounces, l->passed_on);
+  const uint32_t near = olx_light_surfels_find(&l->surfels, key, surface, INFINITY).surfel;
+  const olx_ray_pool *pool = near == OLX_CELL_NONE ? NULL : pool_of(l, near);
+  const olx_passed_light light = {l->direct, l->passed_on, l->settings.bounces};
+  return olx_links_gather(&l->surfels, surface, pool, seed, GATHERED_RAYS, &light);
 }
 
 // Whether light changes so much between the neighbours that what lies between them cannot be told from them.

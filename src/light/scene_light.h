@@ -12,13 +12,14 @@
 typedef struct olx_scene_light olx_scene_light;
 
 typedef struct olx_scene_light_settings {
-  uint32_t bounces;  // surfaces between emitter and lit surface; OLX_BOUNCES_INFINITE: until less than 2^-10 is missing
-  float noise;       // upper bound on the standard error of indirect irradiance, as a share of it; default 0.02
-  float spacing;     // of surfels, as a share of the geometric mean distance of what they see; default 0.2
-  uint32_t map_size; // texels along the side of the probes' maps: surfels need not be denser than texels of maps of at least 64^2
-  uint32_t seed;     // other random numbers
-  uint32_t threads;  // 0: as many as the machine has
-  olx_task *task;    // may be NULL
+  uint32_t bounces; // surfaces between emitter and lit surface; OLX_BOUNCES_INFINITE: until less than 2^-10 is missing
+  float noise;      // upper bound on the standard error of indirect irradiance, as a share of it; default 0.02
+  float spacing;    // of surfels, as a share of the geometric mean distance of what they see; default 0.2
+  uint32_t
+      map_size; // texels along the side of the probes' maps: surfels need not be denser than texels of maps of at least 64^2
+  uint32_t seed;    // other random numbers
+  uint32_t threads; // 0: as many as the machine has
+  olx_task *task;   // may be NULL
 } olx_scene_light_settings;
 
 olx_scene_light_settings olx_scene_light_settings_default(void);
@@ -30,7 +31,7 @@ typedef struct olx_scene_light_report {
   uint64_t rays, links, bytes;      // rays in all; links, and the memory of them and of surfels
   double noise;       // standard error of interpolated irradiance over irradiance, RMS over visible surfels
   double last_bounce; // share of visible surfels' indirect light that has `bounces` surfaces on its way
-  double unserved;    // share of rays that end where no surfel is: they count for what the others bring
+  double unserved;    // share of rays that end where no surfel is: they bring direct light alone
   double seconds;     // by the clock
 } olx_scene_light_report;
 

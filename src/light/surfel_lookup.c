@@ -104,7 +104,7 @@ olx_result olx_surfel_lookup_create(olx_surfel_lookup *l, const olx_light_surfel
     result = add_cubes(surfels, i, &list);
   }
   if (result == OLX_OK) {
-    qsort(list.entries, list.count, sizeof *list.entries, by_cube);
+    if (list.count > 0) qsort(list.entries, list.count, sizeof *list.entries, by_cube);
     result = make_lists(l, &list);
   }
   olx_release(list.entries);

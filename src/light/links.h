@@ -14,18 +14,18 @@ enum {
   OLX_LINK_CHAIN_MASK = 3
 };
 
-#define OLX_LINK_LIT                                                                                                   \
-  (1u << 31) // of `end`: the direct light at the end was found by the ray, and is not brought by the link
+// Of `end`: the ray found the direct light at the end itself, and the link does not bring it.
+#define OLX_LINK_LIT (1u << 31)
 
 #define OLX_LINK_NOWHERE                                                                                               \
   ((1u << OLX_LINK_CHAIN_SHIFT) - 1)             // the ray brings nothing: sky, an emitter's own light, black
 #define OLX_LINK_UNSERVED (OLX_LINK_NOWHERE - 1) // it meets a surface without a surfel
 
+// Irradiance at the end times the weight is pi times the radiance that arrives, times what the ray is worth, over the density
+// of rays there.
 typedef struct olx_link {
-  uint32_t end; // the surfel's number, and the surfaces on the way
-  uint32_t
-      weight; // RGB9E5: irradiance at the end times this is pi times the radiance that arrives, times the ray's worth,
-              // over the density of rays there
+  uint32_t end;    // the surfel's number, the surfaces on the way, and OLX_LINK_LIT
+  uint32_t weight; // RGB9E5
 } olx_link;
 
 // Rays first_ray to first_ray + rays - 1 of some surfels.
@@ -36,8 +36,7 @@ typedef struct olx_link_batch {
   olx_link *links;            // `rays` a surfel
 } olx_link_batch;
 
-// Light that rays bring without a link, by the number of surfaces that it met between its emitter and the surfel, less
-// one: what specular surfaces on the way reflect of emitters and the sky, and direct light where a ray ends that no surfel, or
+// Light that rays bring without a link, by the number of surfaces that it met between its emitter and the surfel, less one: what specular surfaces on the way reflect of emitters and the sky, and direct light where a ray ends that no surfel, or
 // one of a cell that is large beside the ray, stands for. Sums over rays, of radiance times pi.
 typedef struct olx_fixed_light {
   olx_vec3 sum[OLX_CHAIN_MOST];

@@ -19,7 +19,6 @@ expect_json 'o["experiment"] == "mcguire-resolution" and o["source"].startswith(
     and r["bake_s"] > 0 and 0 <= r["unresolved"] <= 1 for r in o["tables"][0]["rows"])
   and {c["key"]: c["kind"] for c in o["tables"][0]["columns"]}["bake_s"] == "time"' \
   bench mcguire-resolution "${small[@]}" --report report --images images
-cp stdout.txt all.json
 grep -q 'octalux bench mcguire-resolution --quick --size 24x16 --spp 2' report/index.html || fail "no command in the report"
 for way in 2x2x2__256__ path 2x2x2__16__; do
   [ -s "images/mcguire-resolution-cornell-glossy__front-$way-indirect_glossy.png" ] || fail "no picture of $way"
@@ -27,8 +26,10 @@ done
 [ -z "$(ls -A temporary)" ] || fail "temporary fields are left"
 
 # The same numbers from any number of threads, and as text.
-expect 0 bench mcguire-resolution "${small[@]}" --threads 3 --json
-python3 - all.json stdout.txt <<'PYTHON' || fail "numbers depend on the threads"
+expect 0 bench mcguire-single-probe "${small[@]}" --threads 1 --json
+cp stdout.txt one.json
+expect 0 bench mcguire-single-probe "${small[@]}" --threads 3 --json
+python3 - one.json stdout.txt <<'PYTHON' || fail "numbers depend on the threads"
 import json, sys
 def qualities(path):
     table = json.load(open(path))["tables"][0]

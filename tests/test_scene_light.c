@@ -185,6 +185,21 @@ static void noise_stays_below_its_bound_and_costs_rays(void **state) {
   free(s);
 }
 
+// Surfels on surfaces that no probe sees keep their few rays, whose noise must not count for those that probes see.
+static void the_bound_is_met_beside_surfaces_that_no_probe_sees(void **state) {
+  (void)state;
+  setting *s = malloc(sizeof *s);
+  load(s, "builtin:cornell-glossy");
+  const olx_scene_light_settings settings = small_settings();
+  olx_scene_light *light = solve(s, &settings);
+  const olx_scene_light_report report = olx_scene_light_describe(light);
+  assert_true(report.hidden_surfels > 0);
+  assert_true(report.noise > 0.0 && report.noise <= (double)settings.noise);
+  olx_scene_light_free(light);
+  olx_scene_free(s->scene);
+  free(s);
+}
+
 // A point that no surfel knows of casts rays of its own, and where these end direct light is known.
 static void without_probes_that_see_light_bounces_once(void **state) {
   (void)state;
@@ -208,6 +223,7 @@ int main(void) {
       cmocka_unit_test(sealed_rooms_get_no_light_of_each_other),
       cmocka_unit_test(threads_and_runs_do_not_matter),
       cmocka_unit_test(noise_stays_below_its_bound_and_costs_rays),
+      cmocka_unit_test(the_bound_is_met_beside_surfaces_that_no_probe_sees),
       cmocka_unit_test(without_probes_that_see_light_bounces_once),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -10,9 +10,9 @@
 #include "light/light_surfels.h"
 
 enum {
-  OLX_GUIDE_SIDE = 8,
-  OLX_GUIDE_BINS = OLX_GUIDE_SIDE * OLX_GUIDE_SIDE
-}; // bins along a side of the square; in rows
+  OLX_GUIDE_SIDE = 8,                              // bins along a side of the square
+  OLX_GUIDE_BINS = OLX_GUIDE_SIDE * OLX_GUIDE_SIDE // in rows of equal y
+};
 
 // What the surfels of one cell have learnt.
 typedef struct olx_ray_pool {
@@ -36,11 +36,12 @@ typedef struct olx_guide_sums {
   uint32_t count, counts[OLX_GUIDE_BINS];
 } olx_guide_sums;
 
-// Adds a ray made from a point of the square.
+// Adds what a ray brought that was made from a point of the square.
 void olx_guide_add(olx_guide_sums *sums, olx_vec2 point, float light);
+// The density of least variance for rays that go on to bring what they brought. Where they brought nothing it is even.
 void olx_guide_learn(olx_ray_pool *pool, const olx_guide_sums *sums);
 
-// Takes evenly spread points of the square to points of a pool's density. *density: how dense they are there.
+// Takes evenly spread points of the square to points of a pool's density. *density is how many times denser they lie there.
 olx_vec2 olx_guide_warp(const olx_ray_pool *pool, olx_vec2 even, float *density);
 
 #endif

@@ -1,0 +1,101 @@
+// Guided rays: densities that are densities, rays that follow them, and means that do not depend on them.
+#include "core/sampling.h"
+#include "light/ray_guide.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+enum { RAYS = 4096 };
+
+// Light that comes from one corner of the square, and a little from everywhere.
+static float corner_light(olx_vec2 p) { return p.x > 0.8f && p.y < 0.2f ? 10.0f : 0.1f; }
+
+static olx_ray_pool learn(float (*light)(olx_vec2)) {
+  olx_guide_sums sums = {0};
+  for (uint32_t i = 0; i < RAYS; i++) {
+    const olx_vec2 point = olx_stratified2(i, 1);
+    olx_guide_add(&sums, point, light(point));
+  }
+  olx_ray_pool pool;
+  olx_guide_learn(&pool, &sums);
+  return pool;
+}
+
+static float no_light(olx_vec2 p) { return 0.0f * p.x; }
+static float even_light(olx_vec2 p) { return 2.0f + 0.0f * p.x; }
+
+static void a_density_has_a_mean_of_one_and_leaves_nothing_out(void **state) {
+  (void)state;
+  float (*const lights[])(olx_vec2) = {corner_light, even_light, no_light};
+  for (uint32_t k = 0; k < 3; k++) {
+    const olx_ray_pool pool = learn(lights[k]);
+    float sum = 0.0f;
+    for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) {
+      assert_true(pool.density[i] >= 0.25f);
+      sum += pool.density[i];
+    }
+    assert_float_equal(sum / OLX_GUIDE_BINS, 1.0f, 1e-5f);
+  }
+}
+
+static void where_all_directions_bring_alike_rays_stay_even(void **state) {
+  (void)state;
+  float (*const lights[])(olx_vec2) = {even_light, no_light};
+  for (uint32_t k = 0; k < 2; k++) {
+    const olx_ray_pool pool = learn(lights[k]);
+    assert_float_equal(pool.spread, 1.0f, 0.0f);
+    for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) assert_float_equal(pool.density[i], 1.0f, 1e-5f);
+  }
+}
+
+// The mean of light over density is the mean of light, and varies as much less as the pool says.
+static void guided_rays_find_the_same_mean_with_less_variance(void **state) {
+  (void)state;
+  const olx_ray_pool pool = learn(corner_light);
+  double even = 0.0, even_squares = 0.0, guided = 0.0, guided_squares = 0.0;
+  for (uint32_t i = 0; i < RAYS; i++) {
+    const olx_vec2 point = olx_stratified2(i, 2);
+    float density;
+    const olx_vec2 warped = olx_guide_warp(&pool, point, &density);
+    assert_true(warped.x >= 0.0f && warped.x < 1.0f && warped.y >= 0.0f && warped.y < 1.0f);
+    const double a = (double)corner_light(point), b = (double)(corner_light(warped) / density);
+    even += a / RAYS, even_squares += a * a / RAYS;
+    guided += b / RAYS, guided_squares += b * b / RAYS;
+  }
+  assert_float_equal((float)guided, (float)even, 0.01f * (float)even);
+  const double ratio = (guided_squares - guided * guided) / (even_squares - even * even);
+  assert_true(ratio < 0.5);
+  assert_float_equal((float)ratio, pool.spread, 0.2f * pool.spread);
+}
+
+// Rays fall into each bin as often as its density says.
+static void rays_follow_the_density(void **state) {
+  (void)state;
+  const olx_ray_pool pool = learn(corner_light);
+  uint32_t counts[OLX_GUIDE_BINS] = {0};
+  for (uint32_t i = 0; i < RAYS; i++) {
+    float density;
+    const olx_vec2 p = olx_guide_warp(&pool, olx_stratified2(i, 3), &density);
+    const uint32_t bin = (uint32_t)(p.y * OLX_GUIDE_SIDE) * OLX_GUIDE_SIDE + (uint32_t)(p.x * OLX_GUIDE_SIDE);
+    assert_float_equal(density, pool.density[bin], 0.0f);
+    counts[bin]++;
+  }
+  for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) {
+    const float expected = pool.density[i] * RAYS / OLX_GUIDE_BINS;
+    assert_float_equal((float)counts[i], expected, 0.1f * expected + 3.0f);
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(a_density_has_a_mean_of_one_and_leaves_nothing_out),
+      cmocka_unit_test(where_all_directions_bring_alike_rays_stay_even),
+      cmocka_unit_test(guided_rays_find_the_same_mean_with_less_variance),
+      cmocka_unit_test(rays_follow_the_density),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

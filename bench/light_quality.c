@@ -118,10 +118,10 @@ static void report_points(const job *j, uint32_t count) {
 }
 
 static void print_report(const olx_scene_light_report *r) {
-  printf("%u surfels (%u hidden)  %.2f M rays  %.2f M links  %.0f MB  %u bounces  noise %.2f %%  unserved %.2f %%  "
+  printf("%u surfels (%u hidden)  %.2f M rays  %.2f M links  %.0f MB  %u bounces  noise %.2f %%  "
          "%.1f s\n",
          r->surfels, r->hidden_surfels, (double)r->rays * 1e-6, (double)r->links * 1e-6, (double)r->bytes * 1e-6,
-         r->bounces, 100 * r->noise, 100 * r->unserved, r->seconds);
+         r->bounces, 100 * r->noise, r->seconds);
 }
 
 static int fail(void) { return fprintf(stderr, "light_quality: %s\n", olx_last_error()), 1; }
@@ -156,7 +156,6 @@ int main(int argc, char **argv) {
   if (argc > 3) s.noise = (float)atof(argv[3]);
   if (argc > 4) s.spacing = (float)atof(argv[4]);
   if (argc > 5) s.map_size = (uint32_t)atoi(argv[5]);
-  s.bounces = argc > 8 ? (uint32_t)atoi(argv[8]) : 4;
   s.bounces = argc > 8 ? (uint32_t)atoi(argv[8]) : 4;
   const uint32_t points = argc > 6 ? (uint32_t)atoi(argv[6]) : 2000;
   job j = {.scene = scene,

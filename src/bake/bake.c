@@ -31,6 +31,7 @@ typedef struct bake {
   uint32_t counts[2]; // light field probes, irradiance probes
   olx_vec3 *positions[2];
   uint8_t *flags[2];
+  uint32_t bounces; // that light between irradiance probes made
   float distance_scale;
   olx_task task;
   olx_shade_context shade;
@@ -54,7 +55,7 @@ olx_bake_settings olx_bake_settings_default(const olx_scene *scene) {
                                 .irradiance_size = 128,
                                 .samples = 2,
                                 .light_samples = 1,
-                                .bounces = 3,
+                                .bounces = 32,
                                 .noise = 0.02f,
                                 .reference_paths = 64,
                                 .volume_cells = 32,
@@ -299,15 +300,18 @@ static olx_result gather_solved(bake *b) {
   return b->settings->fit ? olx_gather_fit(&b->gather, 0) : OLX_OK;
 }
 
+// All bounces that are asked for, as long as they bring light.
 static olx_result gather_bounces(bake *b) {
-  const uint32_t bounces = b->settings->bounces;
   OLX_TRY(olx_gather_look(&b->gather));
   OLX_TRY(olx_gather_link(&b->gather));
-  for (uint32_t bounce = 0; bounce <= bounces; bounce++) {
+  for (uint32_t bounce = 0; bounce <= b->settings->bounces; bounce++) {
     if (bounce > 0) OLX_TRY(olx_gather_bounce(&b->gather, bounce));
     OLX_TRY(olx_gather_irradiance(&b->gather, bounce));
     if (b->settings->fit) OLX_TRY(olx_gather_fit(&b->gather, bounce));
+    b->bounces = bounce;
+    if (bounce > 0 && !olx_gather_brought_light(&b->gather, bounce)) break;
   }
+  olx_gather_skip(&b->gather, b->settings->bounces - b->bounces);
   if (b->gather.traces) {
     b->stats.unseen =
         (double)atomic_load(&b->gather.traced.unseen) / fmax(1.0, (double)atomic_load(&b->gather.traced.rays));
@@ -316,6 +320,7 @@ static olx_result gather_bounces(bake *b) {
 }
 
 static olx_result gather_light(bake *b) {
+  b->bounces = b->settings->bounces;
   const double start = olx_seconds();
   OLX_TRY(b->gather.light ? gather_solved(b) : gather_bounces(b));
   b->stats.irradiance_seconds = olx_seconds() - start;
@@ -333,7 +338,6 @@ static void describe_classic(bake *b) {
                  .sharpness = sharpness,
                  .threads = s->threads},
       .light_samples = s->light_samples,
-      .bounces = s->bounces,
       .task = &b->task,
   };
 }
@@ -350,6 +354,7 @@ static olx_result prepare_classic(bake *b) {
 static olx_result make_classic(bake *b) {
   if (!b->settings->classic) return OLX_OK;
   olx_task_stage(&b->task, "classic maps");
+  b->classic.bounces = b->bounces;
   const double start = olx_seconds();
   for (uint32_t i = 0; i < b->counts[1]; i++) {
     olx_classic_record record;

@@ -135,3 +135,21 @@ olx_result olx_gather_link(olx_gather *gather) {
   olx_task_stage(gather->task, "rays between surfaces");
   return olx_traced_bounce_link(&gather->traced);
 }
+
+static double total(const olx_gather *gather, uint32_t bounce) {
+  const olx_vec3 *maps = gather->maps[bounce % (OLX_KEPT_BOUNCES + 1)];
+  const size_t count = (size_t)gather->probe_count * (gather->map_size + 2) * (gather->map_size + 2);
+  double sum = 0.0;
+  for (size_t i = 0; i < count; i++) sum += (double)olx_luminance(maps[i]);
+  return sum;
+}
+
+bool olx_gather_brought_light(const olx_gather *gather, uint32_t bounce) {
+  const double now = total(gather, bounce);
+  return now - total(gather, bounce - 1) >= 0x1p-10 * now;
+}
+
+void olx_gather_skip(olx_gather *gather, uint32_t bounces) {
+  const uint64_t points = (uint64_t)gather->probe_count * olx_gather_points(&gather->quadrature);
+  olx_task_advance(gather->task, bounces * points);
+}

@@ -13,4 +13,9 @@ olx_result olx_gather_link(olx_gather *gather);
 // Light of bounce `bounce`, at least 1, from the one before.
 olx_result olx_gather_bounce(olx_gather *gather, uint32_t bounce);
 
+// Whether the irradiance of bounce `bounce`, at least 1, is more than that of the one before by 2^-10 of it.
+bool olx_gather_brought_light(const olx_gather *gather, uint32_t bounce);
+// Counts the work of so many bounces as done that are not made.
+void olx_gather_skip(olx_gather *gather, uint32_t bounces);
+
 #endif

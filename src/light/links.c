@@ -13,7 +13,6 @@ typedef struct ray_end {
   olx_link link;
   olx_surface_point point; // where the link is unserved
   olx_vec3 fixed[OLX_CHAIN_MOST];
-  olx_vec3 lit; // radiance of direct light at the end, where the link is OLX_LINK_LIT or unserved
 } ray_end;
 
 typedef struct cast_job {
@@ -70,50 +69,93 @@ static olx_link link_to(const cast_job *c, const olx_surface *surface, const olx
 
 static bool is_unserved(const ray_end *end) { return olx_link_end(&end->link) == OLX_LINK_UNSERVED; }
 
-// Links the end of a ray. Points for which surfels will be sought wait for their light.
-static void end_ray(const cast_job *c, const olx_surface *surface, const olx_ray_hit *hit, olx_vec3 weight,
-                    uint32_t chain, float distance, olx_sampler *sampler, ray_end *end, uint64_t *rays) {
-  end->link = link_to(c, surface, hit, weight, chain, distance, end);
-  const bool waits = c->lists && is_unserved(end);
-  if (waits || !(end->link.end & OLX_LINK_LIT || is_unserved(end))) return;
-  const olx_vec3 irradiance = olx_direct_irradiance(c->surfels->scene, surface, sampler, rays);
-  end->lit = olx_scale(olx_mul(weight, irradiance), 1.0f / OLX_PI);
+// A ray on its way from surface to surface.
+typedef struct way {
+  olx_lobe_ray lobe; // that it was drawn from
+  olx_vec3 origin, throughput;
+  olx_ray_hit hit;
+  uint32_t chain; // surfaces that have passed it on
+  bool lit;       // direct light of the last of them has counted what emits
+  float distance; // metres that tell how fine the surfels at its end should be
+  olx_sampler sampler;
+} way;
+
+// Adds light with `surfaces` surfaces between its emitter and the start of the way.
+static void add_light(ray_end *end, uint32_t surfaces, olx_vec3 light) {
+  if (surfaces > 0) end->fixed[surfaces - 1] = olx_add(end->fixed[surfaces - 1], light);
 }
 
-// Follows a ray that met `hit` until it ends at a diffuse lobe, at the sky, or nowhere. At a surface with both lobes it
-// takes one by chance. What it brings is multiplied by `factor`.
-static void follow(cast_job *c, olx_ray ray, olx_ray_hit hit, float factor, uint32_t seed, uint32_t index, ray_end *end,
-                   uint64_t *rays) {
+static void cast_on(const cast_job *c, way *w, const olx_surface *surface, uint64_t *rays) {
+  const olx_ray ray = olx_surface_ray(surface, w->lobe.direction, INFINITY);
+  w->origin = surface->position;
+  w->chain++;
+  ++*rays;
+  w->hit = olx_bvh_intersect(c->surfels->scene->bvh, &ray);
+}
+
+// The specular lobe, which was chosen with probability `share`, reflects emitters, and a ray goes on; false when it brings nothing.
+static bool pass_specular(const cast_job *c, way *w, const olx_shading *shading, float share, ray_end *end,
+                          uint64_t *rays) {
   const olx_scene *scene = c->surfels->scene;
-  olx_sampler sampler = {.seed = seed, .index = index};
-  const float distance = hit.t;
-  olx_vec3 throughput = olx_splat(factor), origin = ray.origin;
-  olx_lobe_ray lobe = {.direction = ray.direction};
-  for (uint32_t chain = 0; chain < OLX_CHAIN_MOST; chain++) {
-    olx_vec3 *fixed = chain > 0 ? &end->fixed[chain - 1] : NULL;
-    if (hit.triangle == OLX_NO_HIT) {
-      if (fixed) *fixed = olx_add(*fixed, olx_mul(throughput, olx_sky_found(scene, &lobe)));
+  w->throughput = olx_scale(w->throughput, 1.0f / share);
+  const olx_lobes found = olx_direct_light_sampled(scene, shading, OLX_MIS_EACH_LOBE, &w->sampler, rays);
+  add_light(end, w->chain + 1, olx_mul(w->throughput, found.specular));
+  w->lobe = olx_lobe_ray_specular(shading, olx_sampler_next2(&w->sampler));
+  w->lit = false;
+  w->throughput = olx_mul(w->throughput, w->lobe.weight);
+  if (olx_max3(w->throughput) <= 0.0f) return false;
+  cast_on(c, w, shading->surface, rays);
+  return true;
+}
+
+// A surface that no surfel serves reflects its direct light, `weight` of it over pi, and a ray goes on for the rest.
+static bool pass_diffuse(const cast_job *c, way *w, const olx_surface *surface, olx_vec3 weight, ray_end *end,
+                         uint64_t *rays) {
+  const olx_vec3 irradiance = olx_direct_irradiance(c->surfels->scene, surface, &w->sampler, rays);
+  add_light(end, w->chain + 1, olx_scale(olx_mul(weight, irradiance), 1.0f / OLX_PI));
+  end->link = no_link;
+  if (w->chain + 1 == OLX_CHAIN_MOST) return false;
+  w->lobe.direction = olx_from_basis(olx_sample_cosine(olx_sampler_next2(&w->sampler)), surface->shading_normal);
+  w->lit = true;
+  w->throughput = weight;
+  if (olx_dot(w->lobe.direction, surface->geometric_normal) <= 0.0f) return false;
+  cast_on(c, w, surface, rays);
+  w->distance = w->hit.t;
+  return true;
+}
+
+// Ends the way at a diffuse lobe when a surfel serves it, or when surfels will be sought for it; false when it must go on.
+static bool end_way(const cast_job *c, way *w, const olx_surface *surface, olx_vec3 weight, ray_end *end,
+                    uint64_t *rays) {
+  end->link = link_to(c, surface, &w->hit, weight, w->chain, w->distance, end);
+  if (is_unserved(end)) return c->lists;
+  if (!(end->link.end & OLX_LINK_LIT) || !olx_link_brings_light(&end->link)) return true;
+  const olx_vec3 irradiance = olx_direct_irradiance(c->surfels->scene, surface, &w->sampler, rays);
+  add_light(end, w->chain + 1, olx_scale(olx_mul(weight, irradiance), 1.0f / OLX_PI));
+  return true;
+}
+
+// Follows a way from a surface that it has met until it ends at a surfel, at the sky, or nowhere. At a surface with both lobes it
+// takes one by chance.
+static void follow(const cast_job *c, way *w, ray_end *end, uint64_t *rays) {
+  const olx_scene *scene = c->surfels->scene;
+  while (w->chain < OLX_CHAIN_MOST) {
+    if (w->hit.triangle == OLX_NO_HIT) {
+      if (!w->lit) add_light(end, w->chain, olx_mul(w->throughput, olx_sky_found(scene, &w->lobe)));
       return;
     }
-    const olx_surface surface = olx_surface_at(scene, &hit, ray.direction);
-    if (fixed) *fixed = olx_add(*fixed, olx_mul(throughput, olx_emission_found(scene, &surface, origin, &lobe)));
-    const olx_shading shading = olx_shading_make(&surface, ray.direction);
+    const olx_surface surface = olx_surface_at(scene, &w->hit, w->lobe.direction);
+    if (!w->lit) {
+      add_light(end, w->chain, olx_mul(w->throughput, olx_emission_found(scene, &surface, w->origin, &w->lobe)));
+    }
+    const olx_shading shading = olx_shading_make(&surface, w->lobe.direction);
     const float share = shading.has_specular ? shading.specular_share : 0.0f;
-    if (share <= 0.0f || (shading.has_diffuse && olx_sampler_next(&sampler) >= share)) {
-      const olx_vec3 weight = olx_scale(olx_mul(throughput, shading.diffuse), 1.0f / (1.0f - share));
-      end_ray(c, &surface, &hit, weight, chain, distance, &sampler, end, rays);
+    if (share <= 0.0f || (shading.has_diffuse && olx_sampler_next(&w->sampler) >= share)) {
+      const olx_vec3 weight = olx_scale(olx_mul(w->throughput, shading.diffuse), 1.0f / (1.0f - share));
+      if (end_way(c, w, &surface, weight, end, rays) || !pass_diffuse(c, w, &surface, weight, end, rays)) return;
+    } else if (!pass_specular(c, w, &shading, share, end, rays)) {
       return;
     }
-    throughput = olx_scale(throughput, 1.0f / share);
-    const olx_lobes lit = olx_direct_light_sampled(scene, &shading, OLX_MIS_EACH_LOBE, &sampler, rays);
-    end->fixed[chain] = olx_add(end->fixed[chain], olx_mul(throughput, lit.specular));
-    lobe = olx_lobe_ray_specular(&shading, olx_sampler_next2(&sampler));
-    throughput = olx_mul(throughput, lobe.weight);
-    if (olx_max3(throughput) <= 0.0f) return;
-    ray = olx_surface_ray(&surface, lobe.direction, INFINITY);
-    origin = surface.position;
-    ++*rays;
-    hit = olx_bvh_intersect(scene->bvh, &ray);
   }
 }
 
@@ -140,13 +182,11 @@ static bool make_ray(const olx_surface *surface, const ray_plan *plan, uint32_t 
 }
 
 static void add_fixed(olx_fixed_light *fixed, const ray_end *end) {
-  float luminance = OLX_PI * olx_luminance(end->lit);
+  float luminance = 0.0f;
   for (uint32_t i = 0; i < OLX_CHAIN_MOST; i++) {
     fixed->sum[i] = olx_madd(fixed->sum[i], end->fixed[i], OLX_PI);
     luminance += OLX_PI * olx_luminance(end->fixed[i]);
   }
-  olx_vec3 *lit = &fixed->sum[olx_link_chain(&end->link)];
-  *lit = olx_madd(*lit, end->lit, OLX_PI);
   fixed->square += luminance * luminance;
 }
 
@@ -163,7 +203,14 @@ static void cast_packet(cast_job *c, const olx_surface *surface, const ray_plan 
   *cast += count;
   for (uint32_t i = 0; i < count; i++) {
     ends[i] = (ray_end){.link = no_link};
-    if (valid[i]) follow(c, rays[i], hits[i], factors[i], chain_seed, first + i, &ends[i], cast);
+    if (!valid[i]) continue;
+    way w = {.lobe = {.direction = rays[i].direction},
+             .origin = rays[i].origin,
+             .throughput = olx_splat(factors[i]),
+             .hit = hits[i],
+             .distance = hits[i].t,
+             .sampler = {.seed = chain_seed, .index = first + i}};
+    follow(c, &w, &ends[i], cast);
   }
 }
 
@@ -172,14 +219,15 @@ static uint32_t seed_of(const olx_light_surfels *s, uint32_t surfel) {
   return olx_hash3(s->seed ^ (uint32_t)cell, (uint32_t)(cell >> 32), SALT_RAY);
 }
 
-void olx_link_light_unserved(const olx_light_surfels *surfels, uint32_t surfel, uint32_t ray, const olx_link *link,
-                             const olx_surface *surface, olx_fixed_light *fixed, uint64_t *rays) {
-  olx_sampler sampler = {.seed = olx_hash2(seed_of(surfels, surfel), SALT_UNSERVED), .index = ray};
-  const olx_vec3 light =
-      olx_mul(olx_rgb9e5_unpack(link->weight), olx_direct_irradiance(surfels->scene, surface, &sampler, rays));
-  olx_vec3 *sum = &fixed->sum[olx_link_chain(link)];
-  *sum = olx_add(*sum, light);
-  fixed->square += olx_luminance(light) * olx_luminance(light);
+void olx_link_go_on(const olx_light_surfels *surfels, uint32_t surfel, uint32_t ray, const olx_surface *surface,
+                    olx_link *link, olx_fixed_light *fixed, uint64_t *rays) {
+  const cast_job c = {.surfels = surfels};
+  way w = {.chain = olx_link_chain(link),
+           .sampler = {.seed = olx_hash2(seed_of(surfels, surfel), SALT_UNSERVED), .index = ray}};
+  ray_end end = {.link = no_link};
+  if (pass_diffuse(&c, &w, surface, olx_rgb9e5_unpack(link->weight), &end, rays)) follow(&c, &w, &end, rays);
+  add_fixed(fixed, &end);
+  *link = end.link;
 }
 
 olx_vec2 olx_links_ray_point(const olx_light_surfels *surfels, uint32_t surfel, uint32_t ray) {
@@ -214,7 +262,6 @@ static void cast_surfel(cast_job *c, uint32_t n, uint32_t job) {
 static olx_vec3 gathered(const ray_end *end, const olx_passed_light *light) {
   olx_vec3 sum = {0};
   for (uint32_t k = 0; k < OLX_CHAIN_MOST && k < light->bounces; k++) sum = olx_add(sum, end->fixed[k]);
-  if (olx_link_chain(&end->link) < light->bounces) sum = olx_add(sum, end->lit);
   sum = olx_scale(sum, OLX_PI);
   if (!olx_link_brings_light(&end->link)) return sum;
   const uint32_t at = olx_link_end(&end->link);

@@ -1,5 +1,6 @@
 // Links: what the rays of surfels meet. Each ends at the surfel that serves the surface there, with the share of that
-// surface's light that comes back along the ray; on the way it may have been passed on by specular surfaces.
+// surface's light that comes back along the ray; on the way it may have been passed on by specular surfaces, and by surfaces
+// that no surfel serves.
 //
 // Rays are cast once. Light then goes over links as often as it bounces.
 #ifndef OLX_LIGHT_LINKS_H
@@ -9,8 +10,8 @@
 #include "light/ray_guide.h"
 
 enum {
-  OLX_CHAIN_MOST = 4,        // specular surfaces that pass a ray on before it is given up
-  OLX_LINK_CHAIN_SHIFT = 29, // bits of `end` above the surfel's number: how many specular surfaces are on the way
+  OLX_CHAIN_MOST = 4,        // surfaces that pass a ray on before it is given up
+  OLX_LINK_CHAIN_SHIFT = 29, // bits of `end` above the surfel's number: how many surfaces have passed the ray on
   OLX_LINK_CHAIN_MASK = 3
 };
 
@@ -19,7 +20,7 @@ enum {
 
 #define OLX_LINK_NOWHERE                                                                                               \
   ((1u << OLX_LINK_CHAIN_SHIFT) - 1)             // the ray brings nothing: sky, an emitter's own light, black
-#define OLX_LINK_UNSERVED (OLX_LINK_NOWHERE - 1) // it meets a surface without a surfel
+#define OLX_LINK_UNSERVED (OLX_LINK_NOWHERE - 1) // it meets a surface for which surfels are sought
 
 // Irradiance at the end times the weight is pi times the radiance that arrives, times what the ray is worth, over the density
 // of rays there.
@@ -36,15 +37,16 @@ typedef struct olx_link_batch {
   olx_link *links;            // `rays` a surfel
 } olx_link_batch;
 
-// Light that rays bring without a link, by the number of surfaces that it met between its emitter and the surfel, less one: what specular surfaces on the way reflect of emitters and the sky, and direct light where a ray ends that no surfel, or
-// one of a cell that is large beside the ray, stands for. Sums over rays, of radiance times pi.
+// Light that rays bring without a link, by the number of surfaces between its emitter and the surfel, less one: what surfaces
+// that pass a ray on reflect of emitters and the sky, and direct light at its end where the link is OLX_LINK_LIT. Sums over rays,
+// of radiance times pi.
 typedef struct olx_fixed_light {
   olx_vec3 sum[OLX_CHAIN_MOST];
   float square; // sum over rays of the squared luminance
 } olx_fixed_light;
 
-// Casts the rays of a batch. Ends at surfaces without a surfel are marked OLX_LINK_UNSERVED; with `unserved` not NULL
-// their points are appended to it.
+// Casts the rays of a batch. With `unserved` not NULL, ends at surfaces without a surfel are marked OLX_LINK_UNSERVED and their
+// points appended to it, in the order of the links; else their rays go on from there.
 typedef struct olx_point_list {
   olx_surface_point *points;
   uint32_t count, capacity;
@@ -53,9 +55,9 @@ typedef struct olx_point_list {
 olx_result olx_links_cast(const olx_light_surfels *surfels, olx_link_batch *batch, olx_fixed_light *fixed,
                           olx_point_list *unserved, uint64_t *rays);
 
-// Adds to what a surfel gets the direct light of the surface at the end of a link of its own, which no surfel serves.
-void olx_link_light_unserved(const olx_light_surfels *surfels, uint32_t surfel, uint32_t ray, const olx_link *link,
-                             const olx_surface *surface, olx_fixed_light *fixed, uint64_t *rays);
+// The ray of an unserved link, whose surface no surfel serves after all, goes on from there by a cosine-distributed ray to others.
+void olx_link_go_on(const olx_light_surfels *surfels, uint32_t surfel, uint32_t ray, const olx_surface *surface,
+                    olx_link *link, olx_fixed_light *fixed, uint64_t *rays);
 
 // The point of the unit square that a ray of a surfel was made from, without a guide.
 olx_vec2 olx_links_ray_point(const olx_light_surfels *surfels, uint32_t surfel, uint32_t ray);

@@ -18,6 +18,7 @@ enum {
   MOST_DIRECT = 256,    // points at which the direct light of a cell is taken, at most
   ALL_DIRECT = 1 << 18, // points at which direct light is taken in all, as far as the two bounds for a cell allow
   REFINEMENTS = 3,      // how often rays are added where noise is high
+  FEW_BOUNCES = 4,      // tell where noise is high
   MOST_BATCHES = 1 + HIDDEN_ROUNDS + REFINEMENTS * 11,
   LEAST_MAP_SIZE = 64,      // smaller maps get surfels as dense as these: light that is told too coarsely is biased
   MOST_VIEW_SIDE = 1024,    // rays along the side of the map by which a probe looks around, at most
@@ -155,8 +156,7 @@ static olx_result cast(olx_scene_light *l, olx_link_batch batch, olx_point_list 
   return olx_links_cast(&l->surfels, &l->batches[l->links.batch_count - 1], l->links.fixed, unserved, &l->report.rays);
 }
 
-// Links of the last batch that ended without a surfel may have one now; the others bring direct light alone. Their points are in
-// the order of the links.
+// Links of the last batch that ended without a surfel may have one now; the rays of the others go on.
 static void link_to_new(olx_scene_light *l, const olx_point_list *points) {
   const olx_link_batch *batch = &l->batches[l->links.batch_count - 1];
   uint32_t next = 0;
@@ -171,7 +171,7 @@ static void link_to_new(olx_scene_light *l, const olx_point_list *points) {
       continue;
     }
     const uint32_t surfel = olx_link_surfel(batch, (uint32_t)(i / batch->rays)), ray = (uint32_t)(i % batch->rays);
-    olx_link_light_unserved(&l->surfels, surfel, ray, link, &surface, &l->links.fixed[surfel], &l->report.rays);
+    olx_link_go_on(&l->surfels, surfel, ray, &surface, link, &l->links.fixed[surfel], &l->report.rays);
   }
 }
 
@@ -185,8 +185,8 @@ static olx_result cast_first(olx_scene_light *l) {
     OLX_TRY(grow_links(l, from));
     from = l->surfels.count;
     olx_point_list unserved = {0};
-    olx_result result = cast(l, batch, &unserved);
-    if (result == OLX_OK && round < HIDDEN_ROUNDS && unserved.count > 0) {
+    olx_result result = cast(l, batch, round < HIDDEN_ROUNDS ? &unserved : NULL);
+    if (result == OLX_OK && unserved.count > 0) {
       result = olx_light_surfels_add(&l->surfels, unserved.points, unserved.count);
       if (result == OLX_OK) link_to_new(l, &unserved);
     }
@@ -198,26 +198,15 @@ static olx_result cast_first(olx_scene_light *l) {
   return OLX_OK;
 }
 
-static uint32_t count_unserved(const olx_link_batch *batch) {
-  uint32_t count = 0;
-  for (size_t i = 0; i < (size_t)batch->count * batch->rays; i++) {
-    count += olx_link_end(&batch->links[i]) == OLX_LINK_UNSERVED;
-  }
-  return count;
-}
-
 static void count_rays(olx_scene_light *l) {
   for (uint32_t i = 0; i < l->surfels.count; i++) l->links.worth[i] = 0.0f;
-  uint64_t unserved = 0;
   for (uint32_t k = 0; k < l->links.batch_count; k++) {
     const olx_link_batch *batch = &l->batches[k];
-    unserved += count_unserved(batch);
     for (uint32_t n = 0; n < batch->count; n++) {
       const uint32_t surfel = olx_link_surfel(batch, n);
       l->links.worth[surfel] += olx_link_worth(batch, surfel) * (float)batch->rays;
     }
   }
-  l->report.unserved = (double)unserved / fmax(1.0, (double)l->report.links);
 }
 
 typedef struct direct_job {
@@ -277,21 +266,23 @@ static olx_result add_direct(olx_scene_light *l) {
   return result;
 }
 
-// What surfels get beyond what they pass on is light of the last bounce.
+// What surfels get beyond what they pass on is light of the last bounce. Each counts for its share of the surface.
 static double last_bounce(const olx_scene_light *l) {
   double last = 0.0, all = 0.0;
   for (uint32_t i = 0; i < l->visible; i++) {
-    const double indirect = (double)olx_luminance(l->irradiance[i]);
-    last += (double)olx_luminance(l->direct[i]) + indirect - (double)olx_luminance(l->passed_on[i]);
-    all += indirect;
+    const double side = (double)l->surfels.surfels[i].side, indirect = (double)olx_luminance(l->irradiance[i]);
+    last += side * side * ((double)olx_luminance(l->direct[i]) + indirect - (double)olx_luminance(l->passed_on[i]));
+    all += side * side * indirect;
   }
   return all > 0.0 ? fmin(fmax(last / all, 0.0), 1.0) : 0.0;
 }
 
-static olx_result solve(olx_scene_light *l) {
+// `bounces`: at most so many of those that are asked for.
+static olx_result solve(olx_scene_light *l, uint32_t bounces) {
+  const uint32_t asked = l->settings.bounces;
   count_rays(l);
-  OLX_TRY(olx_bounces_solve(&l->links, l->surfels.count, l->settings.threads, l->direct, l->settings.bounces,
-                            l->irradiance, l->passed_on, &l->report.bounces));
+  OLX_TRY(olx_bounces_solve(&l->links, l->surfels.count, l->settings.threads, l->direct,
+                            bounces < asked ? bounces : asked, l->irradiance, l->passed_on, &l->report.bounces));
   l->report.last_bounce = last_bounce(l);
   return OLX_OK;
 }
@@ -401,10 +392,12 @@ static olx_result refine_with(olx_scene_light *l, float *noise) {
     const uint32_t batches = l->links.batch_count;
     OLX_TRY(cast_more(l, noise, round));
     if (l->links.batch_count == batches) break;
-    OLX_TRY(solve(l));
+    OLX_TRY(solve(l, FEW_BOUNCES));
     OLX_TRY(measure_noise(l, noise));
   }
-  return OLX_OK;
+  if (l->settings.bounces <= FEW_BOUNCES) return OLX_OK;
+  OLX_TRY(solve(l, l->settings.bounces));
+  return measure_noise(l, noise);
 }
 
 static olx_result refine(olx_scene_light *l) {
@@ -422,7 +415,7 @@ static olx_result build(olx_scene_light *l, const olx_vec3 *positions, const uin
   OLX_TRY(find_surfaces(l, positions, flags, count));
   OLX_TRY(cast_first(l));
   OLX_TRY(add_direct(l));
-  OLX_TRY(solve(l));
+  OLX_TRY(solve(l, FEW_BOUNCES));
   OLX_TRY(refine(l));
   OLX_TRY(olx_surfel_lookup_create(&l->lookup, &l->surfels, l->visible));
   l->report.surfels = l->surfels.count;

@@ -31,7 +31,6 @@ typedef struct olx_scene_light_report {
   uint64_t rays, links, bytes;      // rays in all; links, and the memory of them and of surfels
   double noise;       // standard error of interpolated irradiance over irradiance, RMS over visible surfels
   double last_bounce; // share of visible surfels' indirect light that has `bounces` surfaces on its way
-  double unserved;    // share of rays that end where no surfel is: they bring direct light alone
   double seconds;     // by the clock
 } olx_scene_light_report;
 

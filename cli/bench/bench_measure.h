@@ -38,7 +38,7 @@ typedef struct bench_bake {
   olx_bounce_gather gather;
   olx_irradiance_form form;
   uint32_t classic_size; // of the maps of original irradiance probes; 0: none
-  bool rough;            // place with few samples, for a quick look
+  bool rough;            // place with few samples and solve light with noise, for a quick look
   bool plain;            // no structures of selectors but those that a bake makes anyway
   uint32_t seed;         // of random numbers
 } bench_bake;

@@ -72,6 +72,11 @@ typedef struct surface_run {
 // Placed probes, and the grid unless a quick look is enough.
 static uint32_t way_count(const surface_run *r) { return r->b->options->quick ? 1 : 2; }
 
+// As many as a bake makes when nothing else is said.
+static uint32_t bounces(const surface_run *r) {
+  return r->b->options->quick ? bench_bounces(r->b) : olx_bake_settings_default(r->scene).bounces;
+}
+
 static const char *where(const surface_run *r) { return r->placed ? "placed" : "grid"; }
 
 // As `place` and `bake` do it when nothing else is said.
@@ -84,7 +89,7 @@ static olx_result bake(const surface_run *r, uint32_t seed, bench_field *made) {
   const bench_bake wanted = {.irradiance_grid = defaults.irradiance_grid,
                              .irradiance_size = quick ? 16 : defaults.irradiance_size,
                              .light_samples = defaults.light_samples,
-                             .bounces = bench_bounces(r->b),
+                             .bounces = bounces(r),
                              .plain = true,
                              .seed = seed};
   return bench_bake_field(r->b, r->scene, &probes, &wanted, made);
@@ -235,7 +240,7 @@ static olx_result run_scene(surface_run *r) {
   olx_result result = open_scene(r);
   if (result != OLX_OK || !r->scene || r->camera_count == 0) return result;
   const olx_render_settings settings = bench_path_settings(r->b);
-  result = bench_reference(r->b, r->scene, r->cameras, r->camera_count, &settings, bench_bounces(r->b) + 1, &r->reference);
+  result = bench_reference(r->b, r->scene, r->cameras, r->camera_count, &settings, bounces(r) + 1, &r->reference);
   for (uint32_t way = 0; way < way_count(r) && result == OLX_OK; ++way) {
     r->placed = way == 0;
     result = run_way(r);
@@ -257,7 +262,7 @@ static olx_result run_leak(surface_run *r, const char *wall) {
   r->camera_count = 2;
   olx_render_settings settings = bench_path_settings(r->b);
   settings.spp *= 4; // little light comes through
-  result = bench_reference(r->b, r->scene, r->cameras, 2, &settings, bench_bounces(r->b) + 1, &r->reference);
+  result = bench_reference(r->b, r->scene, r->cameras, 2, &settings, bounces(r) + 1, &r->reference);
   for (uint32_t way = 0; way < way_count(r) && result == OLX_OK; ++way) {
     r->placed = way == 0;
     bench_field made;

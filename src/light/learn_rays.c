@@ -11,11 +11,9 @@ typedef struct lesson {
   olx_guide_sums *sums; // a pool
 } lesson;
 
-// What a surfel tells of the end counts also where the ray found the direct light itself.
-static float brought(const lesson *l, const olx_link *link) {
-  if (!olx_link_brings_light(link)) return 0.0f;
-  const uint32_t end = olx_link_end(link);
-  return olx_luminance(olx_mul(olx_rgb9e5_unpack(link->weight), olx_add(l->direct[end], l->irradiance[end])));
+// What a ray brings with its link, and without.
+static float brought(const lesson *l, const olx_link *link, float fixed) {
+  return fixed + olx_luminance(olx_link_light(link, l->direct, l->irradiance));
 }
 
 static void add_batch(const lesson *l, const olx_link_batch *batch) {
@@ -24,7 +22,8 @@ static void add_batch(const lesson *l, const olx_link_batch *batch) {
     olx_guide_sums *sums = &l->sums[l->guide->pool_of[surfel]];
     for (uint32_t i = 0; i < batch->rays; i++) {
       const olx_vec2 point = olx_links_ray_point(l->surfels, surfel, batch->first_ray + i);
-      olx_guide_add(sums, point, brought(l, &batch->links[(size_t)n * batch->rays + i]));
+      const size_t at = (size_t)n * batch->rays + i;
+      olx_guide_add(sums, point, brought(l, &batch->links[at], batch->fixed[at]));
     }
   }
 }

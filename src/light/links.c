@@ -181,13 +181,15 @@ static bool make_ray(const olx_surface *surface, const ray_plan *plan, uint32_t 
   return false;
 }
 
-static void add_fixed(olx_fixed_light *fixed, const ray_end *end) {
+// Luminance that the ray brings without its link, times pi.
+static float add_fixed(olx_fixed_light *fixed, const ray_end *end) {
   float luminance = 0.0f;
   for (uint32_t i = 0; i < OLX_CHAIN_MOST; i++) {
     fixed->sum[i] = olx_madd(fixed->sum[i], end->fixed[i], OLX_PI);
     luminance += OLX_PI * olx_luminance(end->fixed[i]);
   }
   fixed->square += luminance * luminance;
+  return luminance;
 }
 
 // Casts up to PACKET rays of a surface, from number `first` on, and says what each brings.
@@ -219,14 +221,17 @@ static uint32_t seed_of(const olx_light_surfels *s, uint32_t surfel) {
   return olx_hash3(s->seed ^ (uint32_t)cell, (uint32_t)(cell >> 32), SALT_RAY);
 }
 
-void olx_link_go_on(const olx_light_surfels *surfels, uint32_t surfel, uint32_t ray, const olx_surface *surface,
-                    olx_link *link, olx_fixed_light *fixed, uint64_t *rays) {
+void olx_link_go_on(const olx_light_surfels *surfels, olx_link_batch *batch, size_t i, const olx_surface *surface,
+                    olx_fixed_light *fixed, uint64_t *rays) {
   const cast_job c = {.surfels = surfels};
+  const uint32_t surfel = olx_link_surfel(batch, (uint32_t)(i / batch->rays)), ray = (uint32_t)(i % batch->rays);
+  olx_link *link = &batch->links[i];
   way w = {.chain = olx_link_chain(link),
            .sampler = {.seed = olx_hash2(seed_of(surfels, surfel), SALT_UNSERVED), .index = ray}};
   ray_end end = {.link = no_link};
   if (pass_diffuse(&c, &w, surface, olx_rgb9e5_unpack(link->weight), &end, rays)) follow(&c, &w, &end, rays);
-  add_fixed(fixed, &end);
+  const float luminance = add_fixed(&fixed[surfel], &end);
+  if (batch->fixed) batch->fixed[i] += luminance;
   *link = end.link;
 }
 
@@ -252,8 +257,10 @@ static void cast_surfel(cast_job *c, uint32_t n, uint32_t job) {
     ray_end ends[PACKET];
     cast_packet(c, &surface, &plan, batch->first_ray + first, count, ends, &c->rays[job]);
     for (uint32_t i = 0; i < count; i++) {
-      batch->links[(size_t)n * batch->rays + first + i] = ends[i].link;
-      add_fixed(&c->fixed[number], &ends[i]);
+      const size_t at = (size_t)n * batch->rays + first + i;
+      batch->links[at] = ends[i].link;
+      const float fixed = add_fixed(&c->fixed[number], &ends[i]);
+      if (batch->fixed) batch->fixed[at] = fixed;
       if (c->lists && is_unserved(&ends[i])) add_point(c, &c->lists[job], &ends[i].point);
     }
   }
@@ -261,12 +268,14 @@ static void cast_surfel(cast_job *c, uint32_t n, uint32_t job) {
 
 static olx_vec3 gathered(const ray_end *end, const olx_passed_light *light) {
   olx_vec3 sum = {0};
-  for (uint32_t k = 0; k < OLX_CHAIN_MOST && k < light->bounces; k++) sum = olx_add(sum, end->fixed[k]);
-  sum = olx_scale(sum, OLX_PI);
-  if (!olx_link_brings_light(&end->link)) return sum;
-  const uint32_t at = olx_link_end(&end->link);
-  const olx_vec3 passed = end->link.end & OLX_LINK_LIT ? olx_sub(light->all[at], light->direct[at]) : light->all[at];
-  return olx_add(sum, olx_mul(olx_rgb9e5_unpack(end->link.weight), passed));
+  for (uint32_t k = 0; k < OLX_CHAIN_MOST && k < light->bounces; k++) sum = olx_madd(sum, end->fixed[k], OLX_PI);
+  if (olx_link_brings_light(&end->link)) {
+    const uint32_t at = olx_link_end(&end->link);
+    const olx_vec3 passed = end->link.end & OLX_LINK_LIT ? olx_sub(light->all[at], light->direct[at]) : light->all[at];
+    sum = olx_add(sum, olx_mul(olx_rgb9e5_unpack(end->link.weight), passed));
+  }
+  const float luminance = olx_luminance(sum);
+  return luminance > light->most ? olx_scale(sum, light->most / luminance) : sum;
 }
 
 olx_vec3 olx_links_gather(const olx_light_surfels *surfels, const olx_surface *surface, const olx_ray_pool *pool,

@@ -35,6 +35,7 @@ typedef struct olx_link_batch {
   uint32_t first_surfel, count, first_ray, rays;
   const olx_ray_guide *guide; // by which rays are drawn; NULL: evenly
   olx_link *links;            // `rays` a surfel
+  float *fixed;               // luminance that each ray brings without its link, times pi; NULL: not wanted
 } olx_link_batch;
 
 // Light that rays bring without a link, by the number of surfaces between its emitter and the surfel, less one: what surfaces
@@ -55,9 +56,10 @@ typedef struct olx_point_list {
 olx_result olx_links_cast(const olx_light_surfels *surfels, olx_link_batch *batch, olx_fixed_light *fixed,
                           olx_point_list *unserved, uint64_t *rays);
 
-// The ray of an unserved link, whose surface no surfel serves after all, goes on from there by a cosine-distributed ray to others.
-void olx_link_go_on(const olx_light_surfels *surfels, uint32_t surfel, uint32_t ray, const olx_surface *surface,
-                    olx_link *link, olx_fixed_light *fixed, uint64_t *rays);
+// The ray of link `i` of a batch, which ends at a surface that no surfel serves after all, goes on from there by a
+// cosine-distributed ray to others.
+void olx_link_go_on(const olx_light_surfels *surfels, olx_link_batch *batch, size_t i, const olx_surface *surface,
+                    olx_fixed_light *fixed, uint64_t *rays);
 
 // The point of the unit square that a ray of a surfel was made from, without a guide.
 olx_vec2 olx_links_ray_point(const olx_light_surfels *surfels, uint32_t surfel, uint32_t ray);
@@ -66,6 +68,7 @@ olx_vec2 olx_links_ray_point(const olx_light_surfels *surfels, uint32_t surfel, 
 typedef struct olx_passed_light {
   const olx_vec3 *direct, *all;
   uint32_t bounces;
+  float most; // luminance times pi that a gathered ray may bring: what one in hundreds finds by luck makes a blotch
 } olx_passed_light;
 
 // Indirect irradiance in W/m^2 of any surface, about its shading normal, from `rays` rays of its own. They are drawn by what a

@@ -39,6 +39,8 @@ static const float INTERPOLATED_VARIANCE = 0.2f;
 static const float DARK_SHARE = 0.02f;
 // Neighbours whose light has a standard deviation above this share of its mean do not tell what lies between them.
 static const float ROUGH_SPREAD = 0.3f;
+// The share of the light around it that one ray of a point that casts rays of its own may bring.
+static const float MOST_OF_A_RAY = 0.25f;
 // The memory of links: where it does not suffice, surfels get fewer rays.
 static const uint64_t MOST_LINKS = (1ull << 30) / sizeof(olx_link);
 
@@ -147,7 +149,10 @@ static olx_result grow_links(olx_scene_light *l, uint32_t from) {
 static olx_result cast(olx_scene_light *l, olx_link_batch batch, olx_point_list *unserved) {
   const size_t links = (size_t)batch.count * batch.rays;
   batch.links = olx_allocate(links, sizeof *batch.links);
-  if (!batch.links) {
+  if (!batch.guide) batch.fixed = olx_allocate(links, sizeof *batch.fixed);
+  if (!batch.links || (!batch.guide && !batch.fixed)) {
+    olx_release(batch.links);
+    olx_release(batch.fixed);
     return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %llu links of %u surfels", (unsigned long long)links,
                     batch.count);
   }
@@ -158,7 +163,7 @@ static olx_result cast(olx_scene_light *l, olx_link_batch batch, olx_point_list 
 
 // Links of the last batch that ended without a surfel may have one now; the rays of the others go on.
 static void link_to_new(olx_scene_light *l, const olx_point_list *points) {
-  const olx_link_batch *batch = &l->batches[l->links.batch_count - 1];
+  olx_link_batch *batch = &l->batches[l->links.batch_count - 1];
   uint32_t next = 0;
   for (size_t i = 0; i < (size_t)batch->count * batch->rays; i++) {
     olx_link *link = &batch->links[i];
@@ -170,8 +175,7 @@ static void link_to_new(olx_scene_light *l, const olx_point_list *points) {
       link->end = (link->end & ~OLX_LINK_NOWHERE) | found.surfel;
       continue;
     }
-    const uint32_t surfel = olx_link_surfel(batch, (uint32_t)(i / batch->rays)), ray = (uint32_t)(i % batch->rays);
-    olx_link_go_on(&l->surfels, surfel, ray, &surface, link, &l->links.fixed[surfel], &l->report.rays);
+    olx_link_go_on(&l->surfels, batch, i, &surface, l->links.fixed, &l->report.rays);
   }
 }
 
@@ -387,6 +391,10 @@ static olx_result cast_more(olx_scene_light *l, const float *noise, uint32_t rou
 static olx_result refine_with(olx_scene_light *l, float *noise) {
   OLX_TRY(olx_ray_guide_create(&l->guide, &l->surfels));
   OLX_TRY(olx_rays_learn(&l->guide, &l->surfels, &l->links, l->direct, l->irradiance));
+  for (uint32_t k = 0; k < l->links.batch_count; k++) {
+    olx_release(l->batches[k].fixed);
+    l->batches[k].fixed = NULL;
+  }
   OLX_TRY(measure_noise(l, noise));
   for (uint32_t round = 0; round < REFINEMENTS; round++) {
     const uint32_t batches = l->links.batch_count;
@@ -450,6 +458,7 @@ void olx_scene_light_free(olx_scene_light *l) {
   if (!l) return;
   for (uint32_t k = 0; k < l->links.batch_count; k++) {
     olx_release(l->batches[k].links);
+    olx_release(l->batches[k].fixed);
     olx_release((void *)l->batches[k].surfels);
   }
   olx_release(l->links.fixed);
@@ -472,7 +481,8 @@ olx_vec3 olx_scene_light_gather(const olx_scene_light *l, const olx_surface *sur
   const uint32_t seed = olx_hash3(l->surfels.seed ^ (uint32_t)key, (uint32_t)(key >> 32), SALT_GATHER);
   const uint32_t near = olx_light_surfels_find(&l->surfels, key, surface, INFINITY).surfel;
   const olx_ray_pool *pool = near == OLX_CELL_NONE ? NULL : pool_of(l, near);
-  const olx_passed_light light = {l->direct, l->passed_on, l->settings.bounces};
+  const float around = near == OLX_CELL_NONE ? INFINITY : olx_luminance(l->irradiance[near]);
+  const olx_passed_light light = {l->direct, l->passed_on, l->settings.bounces, MOST_OF_A_RAY * GATHERED_RAYS * around};
   return olx_links_gather(&l->surfels, surface, pool, seed, GATHERED_RAYS, &light);
 }
 

@@ -213,6 +213,40 @@ static void space_that_nothing_reaches_is_dark(void **state) {
   olx_scene_free(scene);
 }
 
+// Whoever looks at a lit room from outside sees dark walls: texels hold nothing of them, and what does not know them guesses
+// nothing. A wall's two faces, and a sheet's.
+static void a_room_does_not_glow_outside(void **state) {
+  (void)state;
+  static const olx_vec3 outwards[] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+  for (uint32_t faces = 1; faces <= 2; faces++) {
+    const olx_vec3 low = {-2, -1, -1}, high = {1.9f, 1.3f, 1.4f}, wall = olx_splat(faces == 2 ? 0.05f : 0.0f);
+    const olx_vec3 outer_low = olx_sub(low, wall), outer_high = olx_add(high, wall);
+    olx_scene *scene = made_scene();
+    add_room(scene, low, high, grey(scene, 1.0f));
+    if (faces == 2) add_room(scene, outer_low, outer_high, grey(scene, 0.0f));
+    made_finish(scene);
+    olx_bake_settings settings = small_settings(scene);
+    set_two_probes(&settings);
+    olx_field *field = baked_field(scene, &settings, NULL);
+    const olx_sample_settings sample = olx_sample_settings_default();
+    for (uint32_t i = 0; i < PLACES; i++) {
+      olx_vec3 p = random_place(outer_low, outer_high, i);
+      const uint32_t side = i % 6;
+      const float away = i % 12 < 6 ? 0.0f : 0.1f * olx_unit_float(olx_hash(i));
+      if (side < 2) p.x = side ? outer_low.x - away : outer_high.x + away;
+      else if (side < 4) p.y = side & 1 ? outer_low.y - away : outer_high.y + away;
+      else p.z = side & 1 ? outer_low.z - away : outer_high.z + away;
+      const olx_vec3 normal = outwards[side];
+      const olx_vec3 light = olx_surface_irradiance(field, &sample, p, normal, normal, normal);
+      if (olx_max3(light) > 0.0f || olx_max3(olx_volume_irradiance(field, p, normal)) > 0.0f) {
+        fail_msg("%u faces: light of %g at (%g %g %g)", faces, (double)light.y, (double)p.x, (double)p.y, (double)p.z);
+      }
+    }
+    olx_field_close(field);
+    olx_scene_free(scene);
+  }
+}
+
 // A field without a volume has irradiance probes.
 static void without_a_volume_irradiance_probes_answer(void **state) {
   (void)state;
@@ -348,6 +382,7 @@ int main(void) {
       cmocka_unit_test(light_in_free_space_is_that_of_path_tracing),
       cmocka_unit_test(bytes_do_not_depend_on_threads),
       cmocka_unit_test(space_that_nothing_reaches_is_dark),
+      cmocka_unit_test(a_room_does_not_glow_outside),
       cmocka_unit_test(without_a_volume_irradiance_probes_answer),
       cmocka_unit_test(a_place_finds_its_cell),
       cmocka_unit_test(structures_that_lead_nowhere_are_refused),

@@ -267,15 +267,15 @@ olx_surface_light olx_surface_light_from(olx_sample_settings settings, uint sour
   return light;
 }
 
-// Irradiance of all sources.
+// The irradiance volume, or irradiance probes where the field has none.
+uint olx_volume_source() { return olx_has_volume() ? OLX_SOURCE_VOLUME : OLX_SOURCE_PROBES; }
+
+// Irradiance of texels, and where they hold none of the volume.
 olx_surface_light olx_surface_light_at(olx_sample_settings settings, vec3 position, vec3 geometric_normal,
                                        vec3 vertex_normal, vec3 shading_normal, vec3 view) {
-  return olx_surface_light_from(settings, OLX_SOURCE_TEXELS | OLX_SOURCE_VOLUME | OLX_SOURCE_PROBES, position,
-                                geometric_normal, vertex_normal, shading_normal, view);
+  return olx_surface_light_from(settings, OLX_SOURCE_TEXELS | olx_volume_source(), position, geometric_normal,
+                                vertex_normal, shading_normal, view);
 }
-
-// Of irradiance probes where the field has no volume.
-uint olx_volume_source() { return olx_has_volume() ? OLX_SOURCE_VOLUME : OLX_SOURCE_PROBES; }
 
 // Indirect irradiance in W/m^2 anywhere in free space, for what moves: what olx_volume_irradiance in octalux/sample.h
 // says. In a field whose lights have changed since it was baked, use olx_irradiance.

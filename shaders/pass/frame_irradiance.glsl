@@ -46,7 +46,7 @@ vec3 geometric_normal(ivec2 pixel, frame_surface surface) {
 // What the pixel's light may come from: OLX_SOURCE_*.
 uint sources_of(ivec2 pixel) {
   bool dynamic = has_flag(OLX_FRAME_DYNAMIC) && texelFetch(dynamic_image, pixel, 0).r > 0.5;
-  uint sources = dynamic ? olx_volume_source() : OLX_SOURCE_TEXELS | OLX_SOURCE_VOLUME | OLX_SOURCE_PROBES;
+  uint sources = olx_volume_source() | (dynamic ? 0u : OLX_SOURCE_TEXELS);
   return has_flag(OLX_FRAME_IRRADIANCE_PROBES) ? OLX_SOURCE_PROBES : sources;
 }
 

@@ -113,7 +113,8 @@ static void find_sides(void *user, uint32_t job) {
   for (uint32_t i = job * CELLS_PER_JOB; i < end; i++) {
     const leaf *l = &b->leaves[i];
     const float side = b->part * (float)(PARTS >> l->level);
-    olx_volume_sides_find(b->space, place_of(b, l->x, l->y, l->z), side, &b->sides[i]);
+    olx_volume_sides_find(b->space, place_of(b, l->x, l->y, l->z), side, b->header.cube_metres * OLX_VOLUME_LIFT,
+                          &b->sides[i]);
   }
 }
 

@@ -1,5 +1,6 @@
 // Tells the sides of a cell apart: places spread over the cell are connected where they see each other, and what is not
-// connected is divided by the planes of the triangles between, until each part is one.
+// connected is divided by the planes of the triangles between, until each part is one. What is outside all rooms is divided
+// off as well.
 #include "bake/volume_sides.h"
 
 #include "core/sampling.h"
@@ -8,9 +9,10 @@
 enum {
   LATTICE = 4, // places along each axis
   PLACES = LATTICE * LATTICE * LATTICE,
-  PAIRS = 256, // of places that are not connected yet and may see each other
-  PLANES = 32, // that are tried for a division
-  DEPTH = 3    // divisions one after the other
+  PAIRS = 256,                                 // of places that are not connected yet and may see each other
+  PLANES = 32,                                 // that are tried for a division
+  DEPTH = 3,                                   // divisions one after the other
+  OUTER_FACES = OLX_VOLUME_MOST_SPLITS - DEPTH // around a side
 };
 
 // The outermost places lie this share of a side within the cell: a wall that cuts off less is not seen.
@@ -23,10 +25,11 @@ static const float UNTOUCHED = 0.93f;
 typedef struct cell_places {
   const olx_volume_space *space;
   olx_vec3 low;
-  float side;
+  float side, lift;
   olx_vec3 places[PLACES];
   uint8_t part[PLACES]; // a place of the same connected part, the root of a tree
   uint64_t free;        // bit n: place n is in the space that the volume covers
+  uint64_t shut_out;    // bit n: it is outside that space
   olx_volume_sides *out;
 } cell_places;
 
@@ -42,12 +45,13 @@ static bool clear(const olx_scene *scene, olx_vec3 from, olx_vec3 to) {
 static void spread_places(cell_places *c) {
   static const float third = 1.0f / 3.0f;
   const float steps[LATTICE] = {INSET, third, 2.0f * third, 1.0f - INSET};
-  c->free = 0;
+  c->free = c->shut_out = 0;
   for (uint32_t i = 0; i < PLACES; i++) {
     const olx_vec3 step = olx_v3(steps[i % 4], steps[i / 4 % 4], steps[i / 16]);
     c->places[i] = olx_madd(c->low, step, c->side);
     c->part[i] = (uint8_t)i;
     if (olx_volume_space_holds(c->space, c->places[i])) c->free |= 1ull << i;
+    else if (olx_volume_space_shuts_out(c->space, c->places[i])) c->shut_out |= 1ull << i;
   }
 }
 
@@ -202,9 +206,7 @@ static bool has_corner(const cell_places *c, uint64_t part, olx_vec3 anchor, olx
   return clear(c->space->scene, c->places[near], corner) || clear(c->space->scene, anchor, corner);
 }
 
-static uint32_t make_side(cell_places *c, uint64_t set) {
-  const uint64_t part = largest_part(c, set);
-  if (!part) return 0;
+static uint32_t make_side(cell_places *c, uint64_t part) {
   const uint32_t number = c->out->side_count++;
   olx_volume_side *side = &c->out->sides[number];
   *side = (olx_volume_side){.anchor = find_anchor(c, part)};
@@ -216,19 +218,66 @@ static uint32_t make_side(cell_places *c, uint64_t set) {
   return OLX_VOLUME_CELL | number;
 }
 
-static uint32_t make_entry(cell_places *c, uint64_t set, uint32_t depth) {
+// The plane of an outer face that has all places of the space in a region before it and most of those that are shut out behind it,
+// or the other way about.
+static bool shut_out(const cell_places *c, uint64_t region, uint64_t part, olx_volume_split *split,
+                     bool *inside_before) {
+  const uint64_t inside = region & c->free, outside = region & c->shut_out;
+  int most = 0;
+  for (uint32_t i = 0, tried = 0; outside && i < 64 * PLANES && tried < PLANES; i++) {
+    const uint32_t hash = olx_hash(i), a = hash % PLACES, b = hash / PLACES % PLACES;
+    olx_vec3 normal;
+    float offset;
+    if (!(part >> a & outside >> b & 1)) continue;
+    tried++;
+    if (!plane_between(c->space->scene, c->places[b], c->places[a], &normal, &offset)) continue;
+    // Half a lift outside the face, so that rounding takes neither what lies on it nor what lies in its corners.
+    offset += olx_dot(normal, c->places[b]) > offset ? 0.5f * c->lift : -0.5f * c->lift;
+    const uint64_t before = in_front(c, inside | outside, normal, offset);
+    const bool first = before >> a & 1;
+    const uint64_t behind = first ? ~before : before;
+    if (inside & behind || __builtin_popcountll(outside & behind) <= most) continue;
+    most = __builtin_popcountll(outside & behind);
+    *inside_before = first;
+    *split = (olx_volume_split){.normal = {normal.x, normal.y, normal.z}, .offset = offset};
+  }
+  return most > 0;
+}
+
+// The side of a part, and outer faces around it, one after the other: what they shut out has no cell, and no light from within.
+static uint32_t make_shell(cell_places *c, uint64_t part, uint64_t region, uint32_t faces) {
   olx_volume_split split;
-  uint64_t front;
-  if (depth == DEPTH || largest_part(c, set) == set || !divide(c, set, &split, &front)) return make_side(c, set);
+  bool inside_before;
+  if (faces == 0 || !shut_out(c, region, part, &split, &inside_before)) return make_side(c, part);
   const uint32_t number = c->out->split_count++;
-  split.behind = make_entry(c, set & ~front, depth + 1);
-  split.front = make_entry(c, front, depth + 1);
+  const uint64_t before = in_front(c, region, olx_load3(split.normal), split.offset);
+  const uint32_t inside = make_shell(c, part, region & (inside_before ? before : ~before), faces - 1);
+  split.front = inside_before ? inside : 0;
+  split.behind = inside_before ? 0 : inside;
   c->out->splits[number] = split;
   return OLX_VOLUME_SPLIT | number;
 }
 
-void olx_volume_sides_find(const olx_volume_space *space, olx_vec3 low, float side, olx_volume_sides *out) {
-  cell_places c = {.space = space, .low = low, .side = side, .out = out};
+static uint32_t make_end(cell_places *c, uint64_t set, uint64_t region) {
+  const uint64_t part = largest_part(c, set);
+  return part ? make_shell(c, part, region, OUTER_FACES) : 0;
+}
+
+// `region`: all places on this side of the planes so far; `set`: those of them that are in the space.
+static uint32_t make_entry(cell_places *c, uint64_t set, uint64_t region, uint32_t depth) {
+  olx_volume_split split;
+  uint64_t front;
+  if (depth == DEPTH || largest_part(c, set) == set || !divide(c, set, &split, &front)) return make_end(c, set, region);
+  const uint32_t number = c->out->split_count++;
+  const uint64_t before = in_front(c, region, olx_load3(split.normal), split.offset);
+  split.behind = make_entry(c, set & ~front, region & ~before, depth + 1);
+  split.front = make_entry(c, front, before, depth + 1);
+  c->out->splits[number] = split;
+  return OLX_VOLUME_SPLIT | number;
+}
+
+void olx_volume_sides_find(const olx_volume_space *space, olx_vec3 low, float side, float lift, olx_volume_sides *out) {
+  cell_places c = {.space = space, .low = low, .side = side, .lift = lift, .out = out};
   *out = (olx_volume_sides){0};
   const olx_vec3 middle = olx_add(low, olx_splat(0.5f * side));
   if (olx_bvh_distance(space->scene->bvh, middle, UNTOUCHED * side) >= UNTOUCHED * side) {
@@ -239,5 +288,5 @@ void olx_volume_sides_find(const olx_volume_space *space, olx_vec3 low, float si
   }
   spread_places(&c);
   connect_places(&c);
-  out->root = make_entry(&c, c.free, 0);
+  out->root = make_entry(&c, c.free, ~0ull, 0);
 }

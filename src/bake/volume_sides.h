@@ -17,13 +17,15 @@ typedef struct olx_volume_side {
 typedef struct olx_volume_sides {
   uint32_t root; // an entry whose numbers are those of `splits` and `sides`; 0: no free space
   uint32_t split_count, side_count;
-  olx_volume_split splits[OLX_VOLUME_MOST_SIDES - 1]; // each before those that it names
+  olx_volume_split splits[OLX_VOLUME_MOST_SIDES * OLX_VOLUME_MOST_SPLITS]; // each before those that it names
   olx_volume_side sides[OLX_VOLUME_MOST_SIDES];
 } olx_volume_sides;
 
 olx_vec3 olx_volume_corner(olx_vec3 low, float side, uint32_t corner);
 
-// The sides of the cube with that low corner. Depends on the arguments alone.
-void olx_volume_sides_find(const olx_volume_space *space, olx_vec3 low, float side, olx_volume_sides *sides);
+// The sides of the cube with that low corner; places will be looked up `lift` metres before their surface. Depends on the arguments
+// alone.
+void olx_volume_sides_find(const olx_volume_space *space, olx_vec3 low, float side, float lift,
+                           olx_volume_sides *sides);
 
 #endif

@@ -5,6 +5,8 @@
 #include "core/result.h"
 #include "scene/bvh.h"
 
+enum { OUTSIDE = 2 }; // label of voxels
+
 static bool clear(const olx_scene *scene, olx_vec3 from, olx_vec3 to) {
   const olx_ray ray = {from, olx_sub(to, from), 0.0f, 1.0f};
   return !olx_bvh_occluded(scene->bvh, &ray);
@@ -52,12 +54,26 @@ static void flood_from(olx_volume_space *s, olx_vec3 position, uint32_t *labels,
   }
 }
 
+// Floods from the faces of the box what the probes' floods left.
+static void flood_from_outside(olx_volume_space *s, uint32_t *labels, size_t *stack) {
+  const olx_voxels *v = &s->space.voxels;
+  for (size_t i = 0; i < v->total; i++) {
+    uint32_t c[3];
+    olx_voxel_coordinates(v, i, c);
+    bool face = false;
+    for (int axis = 0; axis < 3; axis++) face |= c[axis] == 0 || c[axis] + 1 == v->count[axis];
+    if (face && labels[i] == 0) olx_voxels_flood(v, i, OUTSIDE, labels, stack);
+  }
+}
+
 static olx_result flood_from_probes(olx_volume_space *s, const olx_vec3 *positions, const uint8_t *flags,
                                     uint32_t count) {
   const size_t total = s->space.voxels.total;
   uint32_t *labels = olx_allocate(total, sizeof *labels);
   size_t *stack = olx_allocate(total, sizeof *stack);
-  olx_result result = labels && stack ? OLX_OK : olx_fail(OLX_ERROR_MEMORY, "bake: no memory for %zu voxels", total);
+  s->outside = olx_allocate(total, sizeof *s->outside);
+  olx_result result =
+      labels && stack && s->outside ? OLX_OK : olx_fail(OLX_ERROR_MEMORY, "bake: no memory for %zu voxels", total);
   if (result == OLX_OK) {
     for (size_t i = 0; i < total; i++) labels[i] = s->space.voxels.solid[i] ? UINT32_MAX : is_reached(s, i);
     for (uint32_t i = 0; i < count; i++) {
@@ -66,6 +82,8 @@ static olx_result flood_from_probes(olx_volume_space *s, const olx_vec3 *positio
     for (size_t i = 0; i < total; i++) {
       if (labels[i] == 1) s->space.reachable[i] |= OLX_REACHABLE;
     }
+    flood_from_outside(s, labels, stack);
+    for (size_t i = 0; i < total; i++) s->outside[i] = labels[i] == OUTSIDE;
   }
   olx_release(labels);
   olx_release(stack);
@@ -84,7 +102,10 @@ olx_result olx_volume_space_create(const olx_scene *scene, const olx_vec3 *posit
   return flood_from_probes(s, positions, flags, count);
 }
 
-void olx_volume_space_free(olx_volume_space *s) { olx_space_free(&s->space); }
+void olx_volume_space_free(olx_volume_space *s) {
+  olx_release(s->outside);
+  olx_space_free(&s->space);
+}
 
 bool olx_volume_space_touches(const olx_volume_space *s, olx_vec3 low, olx_vec3 high) {
   const olx_voxels *v = &s->space.voxels;
@@ -99,18 +120,28 @@ bool olx_volume_space_touches(const olx_volume_space *s, olx_vec3 low, olx_vec3 
   return false;
 }
 
-bool olx_volume_space_holds(const olx_volume_space *s, olx_vec3 place) {
+static bool is_outside(const olx_volume_space *s, size_t voxel) { return s->outside[voxel]; }
+
+// Whether the place is in a voxel of a kind without surfaces, or sees such a one beside it.
+static bool belongs_to(const olx_volume_space *s, olx_vec3 place, bool (*is_kind)(const olx_volume_space *, size_t)) {
   const olx_voxels *v = &s->space.voxels;
   const size_t own = olx_voxel_at(v, place);
-  if (own != OLX_NO_VOXEL && !v->solid[own]) return is_reached(s, own);
+  if (own != OLX_NO_VOXEL && !v->solid[own]) return is_kind(s, own);
   const voxel_range around = range_of(v, place, place);
   for (int32_t z = around.low[2]; z <= around.high[2]; z++) {
     for (int32_t y = around.low[1]; y <= around.high[1]; y++) {
       for (int32_t x = around.low[0]; x <= around.high[0]; x++) {
         const size_t voxel = voxel_index(v, x, y, z);
-        if (is_reached(s, voxel) && clear(s->scene, place, olx_voxel_centre(v, voxel))) return true;
+        if (is_kind(s, voxel) && clear(s->scene, place, olx_voxel_centre(v, voxel))) return true;
       }
     }
   }
   return false;
+}
+
+bool olx_volume_space_holds(const olx_volume_space *s, olx_vec3 place) { return belongs_to(s, place, is_reached); }
+
+bool olx_volume_space_shuts_out(const olx_volume_space *s, olx_vec3 place) {
+  if (olx_volume_space_holds(s, place)) return false;
+  return olx_voxel_at(&s->space.voxels, place) == OLX_NO_VOXEL || belongs_to(s, place, is_outside);
 }

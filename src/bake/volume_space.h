@@ -7,6 +7,7 @@
 typedef struct olx_volume_space {
   const olx_scene *scene;
   olx_space space; // `reachable` is OLX_REACHABLE also where probes stand
+  bool *outside;   // a voxel: free, not reached, and so are voxels from there to a face of their box
   bool empty;      // nothing is free
 } olx_volume_space;
 
@@ -21,5 +22,8 @@ bool olx_volume_space_touches(const olx_volume_space *space, olx_vec3 low, olx_v
 // Whether a place is in that space: in such a voxel, or where a surface is near, in sight of the middle of one beside
 // it.
 bool olx_volume_space_holds(const olx_volume_space *space, olx_vec3 place);
+// Whether a place is not, but beyond all voxels, or in the same way in voxels outside. What is shut in, such as the inside of a
+// table's leg, is not shut out.
+bool olx_volume_space_shuts_out(const olx_volume_space *space, olx_vec3 place);
 
 #endif

@@ -15,7 +15,7 @@ enum {
   OLX_VOLUME_CORNERS = 8,
   OLX_VOLUME_BANDS = 3, // of spherical harmonics
   OLX_VOLUME_HALVES = 28,
-  OLX_VOLUME_MOST_SPLITS = 4, // one after the other
+  OLX_VOLUME_MOST_SPLITS = 6, // one after the other
   OLX_VOLUME_LEVEL_SHIFT = 27
 };
 

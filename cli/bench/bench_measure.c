@@ -47,9 +47,6 @@ bench_name bench_probes_name(const bench_probes *probes) {
   return name;
 }
 
-// The noise of light in a quick look.
-static const float ROUGH_NOISE = 0.05f;
-
 static olx_result place(const olx_scene *scene, const bench_probes *probes, const bench_bake *bake,
                         const olx_progress *progress, olx_probe_set *set) {
   if (probes->file) return olx_probe_set_load(probes->file, olx_scene_describe(scene).origin, set);
@@ -100,7 +97,7 @@ olx_result bench_field_make(const olx_scene *scene, const bench_probes *probes, 
   settings.radiance_size = probes->texels;
   settings.threads = bake->threads;
   settings.seed = bake->seed;
-  if (bake->rough) settings.noise = ROUGH_NOISE;
+  if (bake->noise > 0.0f) settings.noise = bake->noise;
   settings.select_mask = bake->plain ? 0 : probes->grid[0] ? 1u << OLX_SELECT_CAGE : FREE_SELECTORS;
   olx_vec3 *positions = NULL;
   olx_result result;

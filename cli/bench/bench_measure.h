@@ -31,6 +31,9 @@ typedef struct bench_name {
 } bench_name;
 bench_name bench_probes_name(const bench_probes *probes);
 
+// The noise of light in a quick look.
+#define BENCH_ROUGH_NOISE 0.05f
+
 // How all fields of an experiment are baked.
 typedef struct bench_bake {
   olx_grid irradiance_grid; // the same for all, so that diffuse light is
@@ -38,7 +41,8 @@ typedef struct bench_bake {
   olx_bounce_gather gather;
   olx_irradiance_form form;
   uint32_t classic_size; // of the maps of original irradiance probes; 0: none
-  bool rough;            // place with few samples and solve light with noise, for a quick look
+  float noise;           // of the solved light; 0: as bakes have it when nothing is said
+  bool rough;            // place with few samples, for a quick look
   bool plain;            // no structures of selectors but those that a bake makes anyway
   uint32_t seed;         // of random numbers
 } bench_bake;
@@ -48,7 +52,7 @@ typedef struct bench_field {
   olx_field_info info;
   double place_seconds, bake_seconds; // of processors
   double classic_seconds;             // of these
-  double coverage;        // of placed probes (olx_place_report); 0 for a grid
+  double coverage;                    // of placed probes (olx_place_report); 0 for a grid
   char path[4096];
 } bench_field;
 

@@ -97,6 +97,7 @@ olx_result wang_prepare(wang_run *run) {
   run->bake = (bench_bake){.irradiance_size = COARSE_IRRADIANCE, .light_samples = o->quick ? 1 : 4};
   run->bake.threads = o->threads;
   run->bake.rough = o->quick;
+  if (o->quick) run->bake.noise = BENCH_ROUGH_NOISE;
   const olx_result result = olx_scene_probe_grid(run->scene, NULL, &run->bake.irradiance_grid);
   run->bake.irradiance_grid = olx_bake_irradiance_grid(&run->bake.irradiance_grid);
   return result == OLX_OK ? render_references(run) : result;

@@ -151,6 +151,7 @@ bench_bake bench_bake_settings(const bench *b, bool classic) {
                       .classic_size = !classic ? 0
                                       : quick  ? 32
                                                : 128,
+                      .noise = quick ? BENCH_ROUGH_NOISE : 0.0f,
                       .bounces = bench_bounces(b)};
 }
 

@@ -60,7 +60,7 @@ typedef struct bake_options {
        "irradiance as maps, or as spherical harmonics of 2nd or 3rd order; default octahedral",                        \
        0,                                                                                                              \
        0},                                                                                                             \
-      {"--bounces", OPTION_COUNT, &(b).bounces, "N", "bounces after direct light; default 3", 0, 64},                  \
+      {"--bounces", OPTION_COUNT, &(b).bounces, "N", "bounces after direct light, while they bring some; default 32", 0, 64}, \
       {"--bounce-gather",                                                                                              \
        OPTION_CHOICE,                                                                                                  \
        &(b).bounce_gather,                                                                                             \

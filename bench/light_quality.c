@@ -118,8 +118,7 @@ static void report_points(const job *j, uint32_t count) {
 }
 
 static void print_report(const olx_scene_light_report *r) {
-  printf("%u surfels (%u hidden)  %.2f M rays  %.2f M links  %.0f MB  %u bounces  noise %.2f %%  "
-         "%.1f s\n",
+  printf("%u surfels (%u hidden)  %.2f M rays  %.2f M links  %.0f MB  %u bounces  noise %.2f %%  %.1f s\n",
          r->surfels, r->hidden_surfels, (double)r->rays * 1e-6, (double)r->links * 1e-6, (double)r->bytes * 1e-6,
          r->bounces, 100 * r->noise, r->seconds);
 }

@@ -72,7 +72,7 @@ typedef struct surface_run {
 // Placed probes, and the grid unless a quick look is enough.
 static uint32_t way_count(const surface_run *r) { return r->b->options->quick ? 1 : 2; }
 
-// As many as a bake makes when nothing else is said.
+// As many as a bake makes when nothing else is said, or one in a quick look.
 static uint32_t bounces(const surface_run *r) {
   return r->b->options->quick ? bench_bounces(r->b) : olx_bake_settings_default(r->scene).bounces;
 }

@@ -15,8 +15,7 @@ typedef struct olx_scene_light_settings {
   uint32_t bounces; // surfaces between emitter and lit surface; OLX_BOUNCES_INFINITE: until less than 2^-10 is missing
   float noise;      // upper bound on the standard error of indirect irradiance, as a share of it; default 0.02
   float spacing;    // of surfels, as a share of the geometric mean distance of what they see; default 0.2
-  uint32_t
-      map_size; // texels along the side of the probes' maps: surfels need not be denser than texels of maps of at least 64^2
+  uint32_t map_size; // texels along the side of the probes' maps: surfels are not denser than texels of maps of at least 64^2
   uint32_t seed;    // other random numbers
   uint32_t threads; // 0: as many as the machine has
   olx_task *task;   // may be NULL

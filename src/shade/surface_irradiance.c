@@ -256,8 +256,6 @@ static bool is_finite(const olx_surface_point *p) {
          olx_finite(p->shading_normal) && olx_finite(p->view);
 }
 
-static bool has_volume(const olx_field *field) { return field->volume.header && !field->relit; }
-
 // Where nothing is stored: the irradiance volume, which has no light where it has no cell; without it irradiance probes.
 static olx_vec3 fallen_back(const olx_field *field, const olx_sample_settings *settings,
                             const olx_surface_point *point) {
@@ -265,7 +263,7 @@ static olx_vec3 fallen_back(const olx_field *field, const olx_sample_settings *s
   if (olx_volume_gather(field, point->position, point->geometric_normal, &volume)) {
     return olx_volume_towards(&volume, point->shading_normal);
   }
-  if (has_volume(field)) return olx_splat(0.0f);
+  if (olx_volume_answers(field)) return olx_splat(0.0f);
   return olx_irradiance(field, settings, point->position, point->shading_normal, point->view);
 }
 
@@ -277,7 +275,7 @@ static olx_vec3 normal_map_change(const olx_field *field, const olx_sample_setti
     return olx_light_change(olx_volume_towards(&volume, point->vertex_normal),
                             olx_volume_towards(&volume, point->shading_normal));
   }
-  if (has_volume(field)) return olx_splat(1.0f);
+  if (olx_volume_answers(field)) return olx_splat(1.0f);
   const olx_irradiance_source source = olx_irradiance_source_of(field);
   return olx_irradiance_change(&source, settings, point->position, point->vertex_normal, point->shading_normal,
                                point->view);

@@ -7,7 +7,7 @@
 bool olx_volume_gather(const olx_field *field, olx_vec3 position, olx_vec3 normal, olx_volume_light_at *light) {
   const olx_volume *volume = &field->volume;
   olx_volume_place place;
-  if (!volume->header || field->relit || !olx_volume_find_at(volume, position, normal, &place)) return false;
+  if (!olx_volume_answers(field) || !olx_volume_find_at(volume, position, normal, &place)) return false;
   *light = (olx_volume_light_at){.coefficients = {{0}}};
   for (uint32_t i = 0; i < OLX_VOLUME_CORNERS; i++) {
     const uint16_t *halves = volume->irradiance + (size_t)OLX_VOLUME_HALVES * place.probes[i];
@@ -31,7 +31,7 @@ olx_vec3 olx_volume_irradiance(const olx_field *field, olx_vec3 position, olx_ve
   olx_volume_light_at light;
   if (!olx_finite(position) || !olx_finite(normal)) return olx_splat(0.0f);
   if (olx_volume_gather(field, position, normal, &light)) return olx_volume_towards(&light, normal);
-  if (field->volume.header && !field->relit) return olx_splat(0.0f);
+  if (olx_volume_answers(field)) return olx_splat(0.0f);
   const olx_sample_settings settings = olx_sample_settings_default();
   return olx_irradiance(field, &settings, position, normal, normal);
 }

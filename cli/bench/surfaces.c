@@ -86,9 +86,7 @@ static olx_result bake(const surface_run *r, uint32_t seed, bench_field *made) {
   const bench_probes probes = {.method = OLX_PLACE_COVER,
                                .exact = r->placed ? NULL : &r->grid,
                                .texels = quick ? QUICK_TEXELS : TEXELS};
-  const bench_bake wanted = {.irradiance_grid = defaults.irradiance_grid,
-                             .irradiance_size = quick ? 16 : defaults.irradiance_size,
-                             .light_samples = defaults.light_samples,
+  const bench_bake wanted = {.light_samples = defaults.light_samples,
                              .bounces = bounces(r),
                              .plain = true,
                              .seed = seed};

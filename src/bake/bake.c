@@ -67,6 +67,12 @@ olx_bake_settings olx_bake_settings_default(const olx_scene *scene) {
   return settings;
 }
 
+bool olx_bake_keeps_probe_light(const olx_bake_settings *s) {
+  const bool volume = s->volume_cells > 0 && s->light == OLX_LIGHT_CACHE;
+  return s->probe_light || s->classic || s->relight || !volume || s->irradiance_form != OLX_IRRADIANCE_OCTAHEDRAL ||
+         s->bounce_gather != OLX_GATHER_SOLVED;
+}
+
 const char *olx_bake_light_name(olx_bake_light light) {
   static const char *const names[] = {"cache", "reference"};
   assert(light <= OLX_LIGHT_REFERENCE);
@@ -154,15 +160,19 @@ static olx_result check_irradiance_form(const olx_bake_settings *settings) {
                   olx_irradiance_form_name(settings->irradiance_form));
 }
 
+static olx_result check_probe_light(const olx_bake_settings *settings) {
+  OLX_TRY(check_grid(&settings->irradiance_grid, "irradiance grid"));
+  OLX_TRY(check_size(settings->irradiance_size, 8, 256, "irradiance size"));
+  OLX_TRY(check_irradiance_form(settings));
+  return check_range(settings->bounce_gather, OLX_GATHER_SOLVED, OLX_GATHER_TRACED, "way to gather bounces");
+}
+
 static olx_result check_settings(const olx_bake_settings *settings) {
   OLX_TRY(check_probes(settings));
   OLX_TRY(check_select(settings));
-  OLX_TRY(check_grid(&settings->irradiance_grid, "irradiance grid"));
   OLX_TRY(check_size(settings->radiance_size, 8, 2048, "radiance size"));
-  OLX_TRY(check_size(settings->irradiance_size, 8, 256, "irradiance size"));
-  OLX_TRY(check_irradiance_form(settings));
+  if (olx_bake_keeps_probe_light(settings)) OLX_TRY(check_probe_light(settings));
   OLX_TRY(check_classic(settings));
-  OLX_TRY(check_range(settings->bounce_gather, OLX_GATHER_SOLVED, OLX_GATHER_TRACED, "way to gather bounces"));
   OLX_TRY(check_range(settings->light, OLX_LIGHT_CACHE, OLX_LIGHT_REFERENCE, "kind of light"));
   if (!(settings->noise >= 0.001f && settings->noise <= 1.0f))
     return olx_fail(OLX_ERROR_ARGUMENT, "bake: noise must be 0.001 to 1, not %g", (double)settings->noise);
@@ -222,10 +232,7 @@ static olx_field_header header_of(const bake *b) {
                .irradiance_probe_count = b->counts[1],
                .has_grid = !s->probes,
                .grid = s->grid,
-               .irradiance_grid = s->irradiance_grid,
                .radiance_size = s->radiance_size,
-               .irradiance_size = s->irradiance_size,
-               .irradiance_form = s->irradiance_form,
                .select_mask = select_mask(s),
                .distance_scale_metres = b->distance_scale,
                .scene_min = b->scene->bounds_min,
@@ -244,6 +251,11 @@ static olx_field_header header_of(const bake *b) {
       .volume_positions = b->volume.cells.positions,
   };
   header.info.volume_probe_count = b->volume.cells.probe_count;
+  if (b->counts[1]) {
+    header.info.irradiance_grid = s->irradiance_grid;
+    header.info.irradiance_size = s->irradiance_size;
+    header.info.irradiance_form = s->irradiance_form;
+  }
   if (s->classic) {
     header.info.classic_size = s->classic_size;
     header.info.classic_cube_size = s->classic_cube_size;
@@ -321,6 +333,7 @@ static olx_result gather_bounces(bake *b) {
 
 static olx_result gather_light(bake *b) {
   b->bounces = b->settings->bounces;
+  if (!b->counts[1]) return OLX_OK;
   const double start = olx_seconds();
   OLX_TRY(b->gather.light ? gather_solved(b) : gather_bounces(b));
   b->stats.irradiance_seconds = olx_seconds() - start;
@@ -483,7 +496,8 @@ static void describe_work(bake *b) {
                              .distance_scale = b->distance_scale,
                              .task = &b->task};
   b->surfaces =
-      (olx_surface_capture){.capture = &b->capture, .seed = s->seed, .reference_paths = s->reference_paths};
+      (olx_surface_capture){.capture = &b->capture, .seed = s->seed, .reference_paths = s->reference_paths,
+                            .has_radiance = b->counts[1] > 0};
 }
 
 // Units of progress, in rays; the quadrature of the gather must be known.
@@ -509,7 +523,7 @@ static olx_result run(bake *b, const char *path) {
   OLX_TRY(olx_capture_create(&b->capture));
   OLX_TRY(solve_light(b));
   if (is_solved(s)) b->gather.light = b->shade.light = b->light;
-  OLX_TRY(olx_gather_create(&b->gather, &s->irradiance_grid, s->irradiance_size, s->bounces));
+  if (b->counts[1]) OLX_TRY(olx_gather_create(&b->gather, &s->irradiance_grid, s->irradiance_size, s->bounces));
   OLX_TRY(olx_volume_bake_write(&b->volume, b->light, b->writer, &b->stats));
   b->surfaces.light = b->light;
   OLX_TRY(olx_surface_capture_create(&b->surfaces));
@@ -554,7 +568,7 @@ static olx_result finish(bake *b, olx_result result, double start) {
 static olx_result bake_scene(bake *b, const char *path, const olx_progress *progress) {
   const double start = olx_seconds();
   OLX_TRY(place_probes(b, 0, &b->settings->grid, b->settings->probes, b->settings->probe_count));
-  OLX_TRY(place_probes(b, 1, &b->settings->irradiance_grid, NULL, 0));
+  if (olx_bake_keeps_probe_light(b->settings)) OLX_TRY(place_probes(b, 1, &b->settings->irradiance_grid, NULL, 0));
   b->distance_scale = olx_length(olx_sub(b->scene->bounds_max, b->scene->bounds_min));
   olx_task_begin(&b->task, progress, "probes", 1);
   olx_shade_context_begin(&b->shade, b->scene, b->settings->seed);
@@ -571,11 +585,11 @@ static uint64_t memory_of(const bake *b, const olx_field_layout *layout) {
   const uint32_t threads = s->threads ? s->threads : olx_processor_count();
   const uint64_t probe_bytes = 2 * (sizeof(olx_vec3) + 1); // here and in the writer
   uint64_t bytes = ((uint64_t)b->counts[0] + b->counts[1]) * probe_bytes + threads * sizeof(olx_shade_scratch);
-  bytes += olx_gather_bytes(&b->gather, s->irradiance_size, s->bounces, is_solved(s), s->fit);
+  if (b->counts[1]) bytes += olx_gather_bytes(&b->gather, s->irradiance_size, s->bounces, is_solved(s), s->fit);
   bytes += olx_capture_bytes(s->radiance_size);
   bytes += layout->shapes[OLX_CHUNK_RADIANCE].record_bytes + layout->shapes[OLX_CHUNK_LEAST].record_bytes +
            layout->shapes[OLX_CHUNK_GREATEST].record_bytes; // the writer's map and pyramid
-  bytes += olx_surface_capture_bytes(s->radiance_size, s->light == OLX_LIGHT_CACHE);
+  bytes += olx_surface_capture_bytes(s->radiance_size, s->light == OLX_LIGHT_CACHE, b->counts[1] > 0);
   if (s->classic) bytes += olx_classic_bake_bytes(&b->classic);
   return s->relight ? bytes + olx_relight_bake_bytes(&b->relight) : bytes;
 }
@@ -607,7 +621,7 @@ olx_result olx_bake_measure(const olx_scene *scene, const olx_bake_settings *set
   if (scene->triangle_count == 0) return olx_fail(OLX_ERROR_EMPTY, "%s: the scene has no triangles", path);
   bake b = {.scene = scene, .settings = settings, .distance_scale = 1.0f};
   b.counts[0] = settings->probes ? settings->probe_count : (uint32_t)grid_count(&settings->grid);
-  b.counts[1] = (uint32_t)grid_count(&settings->irradiance_grid);
+  if (olx_bake_keeps_probe_light(settings)) b.counts[1] = (uint32_t)grid_count(&settings->irradiance_grid);
   describe_work(&b);
   if (settings->classic) describe_classic(&b);
   describe_relight(&b);

@@ -36,15 +36,14 @@ typedef struct bake_options {
        OPTION_FLAG,                                                                                                    \
        &(b).probe_light,                                                                                               \
        NULL,                                                                                                           \
-       "also radiance as probes saw it and irradiance probes, for --hits stored and --diffuse irradiance; "            \
-       "--irradiance*, --bounce-gather, --no-fit, --relight, --classic imply it",                                      \
+       "also radiance as probes saw it and irradiance probes, for --hits stored, --diffuse irradiance",                \
        0,                                                                                                              \
        0},                                                                                                             \
       {"--irradiance-grid",                                                                                            \
        OPTION_GRID,                                                                                                    \
        (b).irradiance_grid,                                                                                            \
        "4x4x4",                                                                                                        \
-       "irradiance probes; default: as --grid, or half its spacing",                                                   \
+       "irradiance probes (this and what shapes them implies --probe-light); default: as --grid, or half its spacing",                                                   \
        1,                                                                                                              \
        1024},                                                                                                          \
       {"--radiance-size",                                                                                              \

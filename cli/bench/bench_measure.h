@@ -43,7 +43,8 @@ typedef struct bench_bake {
   uint32_t classic_size; // of the maps of original irradiance probes; 0: none
   float noise;           // of the solved light; 0: as bakes have it when nothing is said
   bool rough;            // place with few samples, for a quick look
-  bool plain;            // no probe light, and no structures of selectors but those that a bake makes anyway
+  bool plain;            // no structures of selectors but those that a bake makes anyway
+  bool no_probe_light;   // as bakes are when nothing is said
   uint32_t seed;         // of random numbers
 } bench_bake;
 

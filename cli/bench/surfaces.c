@@ -79,16 +79,19 @@ static uint32_t bounces(const surface_run *r) {
 
 static const char *where(const surface_run *r) { return r->placed ? "placed" : "grid"; }
 
-// As `place` and `bake` do it when nothing else is said.
-static olx_result bake(const surface_run *r, uint32_t seed, bench_field *made) {
+// As `place` and `bake` do it when nothing else is said, but for probe light, which an audit judges.
+static olx_result bake(const surface_run *r, uint32_t seed, bool probe_light, bench_field *made) {
   const olx_bake_settings defaults = olx_bake_settings_default(r->scene);
   const bool quick = r->b->options->quick;
   const bench_probes probes = {.method = OLX_PLACE_COVER,
                                .exact = r->placed ? NULL : &r->grid,
                                .texels = quick ? QUICK_TEXELS : TEXELS};
-  const bench_bake wanted = {.light_samples = defaults.light_samples,
+  const bench_bake wanted = {.irradiance_grid = defaults.irradiance_grid,
+                             .irradiance_size = quick ? 16 : defaults.irradiance_size,
+                             .light_samples = defaults.light_samples,
                              .bounces = bounces(r),
                              .plain = true,
+                             .no_probe_light = !probe_light,
                              .seed = seed};
   return bench_bake_field(r->b, r->scene, &probes, &wanted, made);
 }
@@ -155,13 +158,12 @@ static olx_result add_pictures(const surface_run *r, bench_images *images) {
   return OLX_OK;
 }
 
-// RMS difference of the pictures of two fields, over the mean.
-static olx_result compare_bakes(const surface_run *r, bench_images *images, double *rms) {
-  bench_field other;
+// RMS difference of the pictures of two fields, over the mean. What is told of the other one stays in *other.
+static olx_result compare_bakes(const surface_run *r, bench_images *images, bench_field *other, double *rms) {
   bench_images again = {0};
   double squares = 0.0, sum = 0.0, pixels = 0.0;
-  olx_result result = bake(r, 1, &other);
-  if (result == OLX_OK) result = render(r, other.field, &again);
+  olx_result result = bake(r, 1, false, other);
+  if (result == OLX_OK) result = render(r, other->field, &again);
   for (uint32_t c = 0; c < r->camera_count && result == OLX_OK; ++c) {
     const olx_image *a = bench_images_mean(images, c), *b = bench_images_mean(&again, c);
     if (!a || !b) {
@@ -177,7 +179,7 @@ static olx_result compare_bakes(const surface_run *r, bench_images *images, doub
   }
   *rms = sum > 0.0 ? sqrt(squares * pixels) / sum : NAN;
   bench_images_free(&again);
-  bench_field_close(&other);
+  bench_field_close(other);
   return result;
 }
 
@@ -192,29 +194,30 @@ static olx_result add_field(const surface_run *r, const bench_field *made, bench
   settings.space_points = quick ? 50 : 2000;
   settings.spp = quick ? 64 : 1024;
   olx_audit audit;
+  bench_field plain; // of the size and the time that bakes take when nothing else is said
   double rms;
   bench_tell(r->b, "audit of %s", r->name);
   olx_result result = olx_audit_field(r->scene, made->field, &settings, &r->b->progress, &audit);
-  if (result == OLX_OK) result = compare_bakes(r, images, &rms);
+  if (result == OLX_OK) result = compare_bakes(r, images, &plain, &rms);
   if (result != OLX_OK) return result;
   const olx_render_stats *stats = &images->stats;
   const olx_image *image = &images->half[0][0];
   const double samples = 2.0 * r->camera_count * image->width * image->height * bench_spp(r->b);
   FINDINGS_ROW(&r->b->found, r->fields, TEXT_CELL(bench_scene_title(r->name)), TEXT_CELL(where(r)),
-               NUMBER_CELL(made->info.probe_count), NUMBER_CELL((double)made->info.file_bytes / 1048576.0),
+               NUMBER_CELL(made->info.probe_count), NUMBER_CELL((double)plain.info.file_bytes / 1048576.0),
                NUMBER_CELL((double)audit.stored.count / (double)audit.points.count),
                NUMBER_CELL(error_or_none(&audit.stored)), NUMBER_CELL(error_or_none(&audit.fallen_back)),
                NUMBER_CELL(error_or_none(&audit.space_volume)), NUMBER_CELL(error_or_none(&audit.space_probes)),
                NUMBER_CELL(rms), NUMBER_CELL(1e9 * stats->diffuse_seconds / samples),
                NUMBER_CELL(stats->field_rays ? 1e6 * stats->glossy_seconds / (double)stats->field_rays : NAN),
-               NUMBER_CELL(r->placed ? made->place_seconds : NAN), NUMBER_CELL(made->bake_seconds));
+               NUMBER_CELL(r->placed ? plain.place_seconds : NAN), NUMBER_CELL(plain.bake_seconds));
   return OLX_OK;
 }
 
 static olx_result run_way(surface_run *r) {
   bench_field made;
   bench_images images = {0};
-  olx_result result = bake(r, 0, &made);
+  olx_result result = bake(r, 0, true, &made);
   if (result == OLX_OK) result = render(r, made.field, &images);
   if (result == OLX_OK) result = add_pictures(r, &images);
   if (result == OLX_OK) result = add_field(r, &made, &images);
@@ -265,7 +268,7 @@ static olx_result run_leak(surface_run *r, const char *wall) {
     r->placed = way == 0;
     bench_field made;
     bench_images images = {0};
-    result = bake(r, 0, &made);
+    result = bake(r, 0, false, &made);
     if (result == OLX_OK) result = render(r, made.field, &images);
     if (result == OLX_OK) {
       const double lit = camera_light(r->reference, 0), truth = camera_light(r->reference, 1);

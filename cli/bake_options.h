@@ -43,7 +43,7 @@ typedef struct bake_options {
        OPTION_GRID,                                                                                                    \
        (b).irradiance_grid,                                                                                            \
        "4x4x4",                                                                                                        \
-       "irradiance probes (this and what shapes them implies --probe-light); default: as --grid, or half its spacing",                                                   \
+       "irradiance probes (implies --probe-light); default: as --grid, or half its spacing",                           \
        1,                                                                                                              \
        1024},                                                                                                          \
       {"--radiance-size",                                                                                              \

@@ -48,7 +48,8 @@ static void print_bake(const char *path, const olx_bake_settings *settings, cons
   printf("%s: %s\n", path, text_of_bytes(stats->file_bytes).text);
   const bool probe_light = olx_bake_keeps_probe_light(settings);
   printf("  probes   %.0f of light, %u of them inside geometry", light_probe_count(settings), stats->buried);
-  if (probe_light) printf("; %.0f of irradiance, %u inside", irradiance_probe_count(settings), stats->irradiance_buried);
+  if (probe_light)
+    printf("; %.0f of irradiance, %u inside", irradiance_probe_count(settings), stats->irradiance_buried);
   printf("\n  rays     %" PRIu64 ", %" PRIu64 " of them from probes\n", stats->rays, stats->primary_rays);
   printf("  seconds  %.2f, and %.2f to write; %.2f of them for what light field probes see", stats->seconds,
          stats->write_seconds, stats->capture_seconds);

@@ -200,7 +200,8 @@ static void test_probe_light_comes_whole_or_not_at_all(void **state) {
   const uint32_t types[] = {OLX_FOUR_CC('R', 'A', 'D', 'I'), OLX_FOUR_CC('I', 'P', 'O', 'S'),
                             OLX_FOUR_CC('I', 'F', 'L', 'G'), OLX_FOUR_CC('I', 'R', 'R', 'A'),
                             OLX_FOUR_CC('M', 'O', 'M', 'E')};
-  olx_file_chunk *lights = &i.chunks[i.header->chunk_count - 2]; // the only chunk but the tiles that is looked for later
+  // The only chunk but the tiles of emission that is looked for later.
+  olx_file_chunk *lights = &i.chunks[i.header->chunk_count - 2];
   for (size_t k = 0; k < sizeof types / sizeof *types; k++) {
     REFUSED(lights->type, types[k], "but the description has no irradiance probes");
   }

@@ -238,7 +238,8 @@ static void test_samples_without_probe_light(void **state) {
     assert_memory_equal(&a.radiance, &b.radiance, sizeof a.radiance);
     reflecting += a.radiance.x > 0.0f;
     const olx_vec3 none[] = {olx_irradiance(field, &shaded, origin, direction, direction),
-                             olx_probe_irradiance(field, i, direction), olx_volume_irradiance(field, origin, direction)};
+                             olx_probe_irradiance(field, i, direction),
+                             olx_volume_irradiance(field, origin, direction)};
     for (int k = 0; k < 3; k++) assert_true(none[k].x == 0.0f && none[k].y == 0.0f && none[k].z == 0.0f);
   }
   assert_true(reflecting > 0);

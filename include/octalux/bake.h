@@ -35,8 +35,8 @@ typedef struct olx_bake_settings {
                             // probes. The cage needs the grid. Default 0
   uint32_t radiance_size;   // texels along a side: a power of two, 8 to 2048; default 512
   // Also keep light as probes have it (McGuire et al. 2017): radiance as each light field probe saw it (section 3), and irradiance
-  // probes with filtered visibility (section 5.2). OLX_HITS_STORED, OLX_DIFFUSE_IRRADIANCE and olx_irradiance read it, nothing else
-  // does. Default false, and implied where olx_bake_keeps_probe_light says so. The four settings after it, and `fit`, shape it alone.
+  // probes with filtered visibility (section 5.2). OLX_HITS_STORED, OLX_DIFFUSE_IRRADIANCE and olx_irradiance read it, and no
+  // default picture does (docs/baking.md). Default false, and implied where olx_bake_keeps_probe_light says so. The four settings after it, and `fit`, shape it alone.
   bool probe_light;
   olx_grid irradiance_grid; // irradiance probes; set to olx_bake_irradiance_grid of `grid`
   uint32_t irradiance_size; // a power of two, 8 to 256; default 128

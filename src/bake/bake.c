@@ -495,9 +495,8 @@ static void describe_work(bake *b) {
                              .threads = s->threads,
                              .distance_scale = b->distance_scale,
                              .task = &b->task};
-  b->surfaces =
-      (olx_surface_capture){.capture = &b->capture, .seed = s->seed, .reference_paths = s->reference_paths,
-                            .has_radiance = b->counts[1] > 0};
+  b->surfaces = (olx_surface_capture){
+      .capture = &b->capture, .seed = s->seed, .reference_paths = s->reference_paths, .has_radiance = b->counts[1] > 0};
 }
 
 // Units of progress, in rays; the quadrature of the gather must be known.

@@ -424,8 +424,8 @@ static olx_result write_frame(olx_field_writer *writer) {
     if (!writer->layout.present[k]) continue;
     const olx_chunk_shape *shape = &writer->layout.shapes[k];
     const bool required = olx_chunk_is_required(&writer->info, k) || k == OLX_CHUNK_ORIGIN;
-    head.chunks[count++] =
-        olx_chunk_entry(shape, required ? 0 : OLX_CHUNK_OPTIONAL, writer->layout.offsets[k], XXH3_64bits_digest(&writer->hashes[k]));
+    head.chunks[count++] = olx_chunk_entry(shape, required ? 0 : OLX_CHUNK_OPTIONAL, writer->layout.offsets[k],
+                                           XXH3_64bits_digest(&writer->hashes[k]));
     const uint64_t end = writer->layout.offsets[k] + shape->size_bytes;
     OLX_TRY(olx_output_write_at(&writer->file, end, padding, olx_align_chunk(end) - end));
   }

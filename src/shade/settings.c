@@ -14,10 +14,11 @@ olx_sample_settings olx_sample_settings_default(void) {
 
 olx_result olx_probe_light_check(const olx_field *field) {
   if (field->info.irradiance_probe_count) return OLX_OK;
-  return olx_fail(OLX_ERROR_ARGUMENT,
-                  "%s: baked without probe light, that is radiance as probes saw it and irradiance probes: `octalux bake "
-                  "--probe-light` stores it",
-                  field->name);
+  return olx_fail(
+      OLX_ERROR_ARGUMENT,
+      "%s: baked without probe light, that is radiance as probes saw it and irradiance probes: `octalux bake "
+      "--probe-light` stores it",
+      field->name);
 }
 
 olx_result olx_sample_settings_check(const olx_field *field, const olx_sample_settings *settings) {

@@ -103,8 +103,8 @@ static olx_result check_input(const olx_vulkan_context *c, const olx_vulkan_imag
 // A field on the device without probe light has no grid of irradiance probes.
 static olx_result check_probe_light(const olx_vulkan_field *field, const char *what) {
   if (field->constants.irradiance_grid.count.w) return OLX_OK;
-  return olx_fail(OLX_ERROR_ARGUMENT, "%s: the field was baked without probe light (`octalux bake --probe-light` stores it)",
-                  what);
+  return olx_fail(OLX_ERROR_ARGUMENT,
+                  "%s: the field was baked without probe light (`octalux bake --probe-light` stores it)", what);
 }
 
 static olx_result check_targets(const olx_vulkan_field *field, const olx_vulkan_targets *t) {

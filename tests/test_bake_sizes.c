@@ -149,7 +149,7 @@ static void what_does_not_fit_is_refused_at_once(void **state) {
   assert_true(sizes.memory_bytes > 500000000000);
   if (sizes.available_memory_bytes < sizes.memory_bytes && sizes.available_disk_bytes > sizes.file_bytes) {
     assert_int_equal(result, OLX_ERROR_MEMORY);
-    assert_non_null(strstr(olx_last_error(), "baking 1000000 irradiance probes takes "));
+    assert_non_null(strstr(olx_last_error(), "baking 1000000 light field and 1000000 irradiance probes takes "));
   }
   settings.grid.count[0] = 0;
   assert_int_equal(olx_bake_measure(scene, &settings, path, &sizes), OLX_ERROR_ARGUMENT);

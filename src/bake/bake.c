@@ -16,6 +16,7 @@
 #include "scene/sources.h"
 
 #include <assert.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/resource.h>
 
@@ -593,24 +594,37 @@ static uint64_t memory_of(const bake *b, const olx_field_layout *layout) {
   return s->relight ? bytes + olx_relight_bake_bytes(&b->relight) : bytes;
 }
 
+// "12 light field and 27 irradiance probes"
+typedef struct probes_text {
+  char text[80];
+} probes_text;
+
+static probes_text name_probes(const olx_bake_sizes *sizes) {
+  probes_text name;
+  const unsigned long long light = sizes->probes, irradiance = sizes->irradiance_probes;
+  if (irradiance)
+    snprintf(name.text, sizeof name.text, "%llu light field and %llu irradiance probes", light, irradiance);
+  else snprintf(name.text, sizeof name.text, "%llu light field probes", light);
+  return name;
+}
+
 static olx_result check_available(const olx_bake_sizes *sizes, const char *path) {
   const double gibibyte = 0x1p30;
+  const probes_text probes = name_probes(sizes);
   if (sizes->file_bytes > sizes->available_disk_bytes) {
     return olx_fail(
         OLX_ERROR_FILE,
-        "%s: %llu light field and %llu irradiance probes make a file of %.2f GiB (%llu bytes), and %.2f GiB are "
-        "free there: fewer probes, or smaller maps (radiance_size, irradiance_size)",
-        path, (unsigned long long)sizes->probes, (unsigned long long)sizes->irradiance_probes,
-        (double)sizes->file_bytes / gibibyte, (unsigned long long)sizes->file_bytes,
+        "%s: %s make a file of %.2f GiB (%llu bytes), and %.2f GiB are free there: fewer probes, or smaller "
+        "maps (radiance_size, irradiance_size)",
+        path, probes.text, (double)sizes->file_bytes / gibibyte, (unsigned long long)sizes->file_bytes,
         (double)sizes->available_disk_bytes / gibibyte);
   }
   if (sizes->memory_bytes <= sizes->available_memory_bytes) return OLX_OK;
-  return olx_fail(
-      OLX_ERROR_MEMORY,
-      "%s: baking %llu irradiance probes takes %.2f GiB of memory (%llu bytes), and %.2f GiB are available: fewer "
-      "of them, or smaller maps (irradiance_size)",
-      path, (unsigned long long)sizes->irradiance_probes, (double)sizes->memory_bytes / gibibyte,
-      (unsigned long long)sizes->memory_bytes, (double)sizes->available_memory_bytes / gibibyte);
+  return olx_fail(OLX_ERROR_MEMORY,
+                  "%s: baking %s takes %.2f GiB of memory (%llu bytes), and %.2f GiB are available: fewer of them, or "
+                  "smaller maps (radiance_size, irradiance_size)",
+                  path, probes.text, (double)sizes->memory_bytes / gibibyte, (unsigned long long)sizes->memory_bytes,
+                  (double)sizes->available_memory_bytes / gibibyte);
 }
 
 olx_result olx_bake_measure(const olx_scene *scene, const olx_bake_settings *settings, const char *path,

@@ -422,6 +422,25 @@ static void probes_in_pillars_are_found(void **state) {
   olx_scene_free(scene);
 }
 
+// Nobody asks for their maps, so no rays are spent on gathering light inside of a pillar.
+static void probes_in_pillars_hold_no_indirect_light(void **state) {
+  const folder *f = *state;
+  uint32_t irradiance;
+  olx_grid grid;
+  olx_scene *scene = load("builtin:pillars");
+  assert_int_equal(olx_scene_probe_grid(scene, NULL, &grid), OLX_OK);
+  count_buried(scene, grid, f->file, &irradiance);
+  olx_field *field = NULL;
+  assert_int_equal(olx_field_open(f->file, &field), OLX_OK);
+  for (uint32_t probe = 0; probe < field->info.probe_count; probe++) {
+    uint32_t lit = 0;
+    for (size_t i = 0; i < field->texels; i++) lit += field->surfaces.indirect[field->texels * probe + i] != 0;
+    assert_true((lit == 0) == olx_field_probe_buried(field, probe));
+  }
+  olx_field_close(field);
+  olx_scene_free(scene);
+}
+
 // Back faces alone bury nobody: a room whose walls all face outwards, and a sheet seen from behind.
 static void odd_windings_bury_nobody(void **state) {
   const folder *f = *state;
@@ -805,6 +824,7 @@ int main(void) {
       IN_FOLDER(distances_are_those_of_the_box),
       IN_FOLDER(sky_is_infinitely_far),
       IN_FOLDER(probes_in_pillars_are_found),
+      IN_FOLDER(probes_in_pillars_hold_no_indirect_light),
       IN_FOLDER(odd_windings_bury_nobody),
       IN_FOLDER(blocks_bury_in_any_room),
       IN_FOLDER(bytes_do_not_depend_on_threads),

@@ -455,7 +455,7 @@ static olx_result capture_probes(bake *b) {
     const double start = olx_seconds();
     olx_surface_maps maps;
     OLX_TRY(olx_capture_probe(&b->capture, i, b->positions[0][i]));
-    OLX_TRY(olx_surface_capture_probe(&b->surfaces, &maps));
+    OLX_TRY(olx_surface_capture_probe(&b->surfaces, b->flags[0][i] & OLX_PROBE_BURIED, &maps));
     const double captured = olx_seconds();
     b->stats.capture_seconds += captured - start;
     OLX_TRY(olx_field_writer_probe(b->writer, i, b->flags[0][i], b->surfaces.radiance, b->capture.normal,

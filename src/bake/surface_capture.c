@@ -10,6 +10,8 @@
 #include "field/texels.h"
 #include "light/path.h"
 
+#include <string.h>
+
 enum {
   SALT_DIRECT = 0x44495245,
   SALT_PATHS = 0x50415448,
@@ -194,11 +196,20 @@ static void capture_row(void *user, uint32_t y) {
 
 uint64_t olx_surface_capture_units(const olx_surface_capture *c) { return olx_capture_units(c->capture); }
 
-olx_result olx_surface_capture_probe(olx_surface_capture *c, olx_surface_maps *maps) {
+// Of the probe's texels, where the solved light gives it.
+static olx_result find_irradiance(const olx_surface_capture *c, bool buried) {
+  const size_t texels = (size_t)c->capture->size * c->capture->size;
+  if (!c->light) return OLX_OK;
+  if (!buried) return olx_texel_light(c->capture, c->light, c->irradiance);
+  memset(c->irradiance, 0, texels * sizeof *c->irradiance);
+  return OLX_OK;
+}
+
+olx_result olx_surface_capture_probe(olx_surface_capture *c, bool buried, olx_surface_maps *maps) {
   const uint32_t rows = c->capture->size;
   *maps = (olx_surface_maps){c->base, c->specular, c->direct, c->indirect, c->emission};
   c->last_bounce = c->light ? (float)olx_scene_light_describe(c->light).last_bounce : 0.0f;
-  if (c->light) OLX_TRY(olx_texel_light(c->capture, c->light, c->irradiance));
+  OLX_TRY(find_irradiance(c, buried));
   return olx_parallel_for(rows, c->capture->threads, capture_row, c, c->capture->task,
                           olx_surface_capture_units(c) / rows);
 }

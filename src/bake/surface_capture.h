@@ -32,8 +32,9 @@ void olx_surface_capture_free(olx_surface_capture *surfaces);
 // Units of progress a probe takes, in samples of texels.
 uint64_t olx_surface_capture_units(const olx_surface_capture *surfaces);
 
-// *maps points into `surfaces`; surfaces->radiance is filled, too, where it is wanted.
-olx_result olx_surface_capture_probe(olx_surface_capture *surfaces, olx_surface_maps *maps);
+// *maps points into `surfaces`; surfaces->radiance is filled, too, where it is wanted. Inside geometry, where `buried` says that the
+// probe stands, indirect light is taken as 0: surfels are not spread there, and each texel would have to gather light by rays.
+olx_result olx_surface_capture_probe(olx_surface_capture *surfaces, bool buried, olx_surface_maps *maps);
 
 // The lights of a scene that have no area, as a field holds them; *lights is to be given to olx_release.
 olx_result olx_surface_lights(const olx_scene *scene, olx_field_light **lights);

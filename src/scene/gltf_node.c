@@ -32,9 +32,14 @@ static olx_result note_children(const olx_gltf *gltf, uint32_t node, uint32_t *p
 // Every node has one parent at most, so walking up ends at a root or never.
 static olx_result check_depth(const olx_gltf *gltf, uint32_t node, const uint32_t *parents) {
   uint32_t depth = 0;
-  for (uint32_t at = node; parents[at] != OLX_GLTF_NONE && depth <= MAX_NODE_DEPTH; at = parents[at]) ++depth;
+  for (uint32_t at = node; parents[at] < NAMED_ROOT && depth <= MAX_NODE_DEPTH; at = parents[at]) ++depth;
   if (depth <= MAX_NODE_DEPTH) return OLX_OK;
   return olx_gltf_fail(gltf, "nodes", node, "nodes contain each other, or are nested too deep");
+}
+
+static olx_result check_depths(const olx_gltf *gltf, const uint32_t *parents) {
+  for (uint32_t i = 0; i < gltf->nodes.count; ++i) OLX_TRY(check_depth(gltf, i, parents));
+  return OLX_OK;
 }
 
 static olx_result find_parents(const olx_gltf *gltf, uint32_t *parents) {
@@ -46,7 +51,6 @@ static olx_result find_parents(const olx_gltf *gltf, uint32_t *parents) {
     }
     OLX_TRY(note_children(gltf, i, parents));
   }
-  for (uint32_t i = 0; i < gltf->nodes.count; ++i) OLX_TRY(check_depth(gltf, i, parents));
   return OLX_OK;
 }
 
@@ -91,6 +95,7 @@ olx_result olx_gltf_find_roots(const olx_gltf *gltf, olx_gltf_roots *roots) {
   olx_result result = parents && roots->nodes ? find_parents(gltf, parents)
                                               : olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", gltf->path);
   if (result == OLX_OK) result = read_scenes(gltf, parents, roots);
+  if (result == OLX_OK) result = check_depths(gltf, parents);
   olx_release(parents);
   return result;
 }

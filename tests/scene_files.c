@@ -84,6 +84,14 @@ static void encode_base64(const uint8_t *bytes, size_t size_bytes, char *text) {
   *text = 0;
 }
 
+char *scene_files_data_uri(const void *data, size_t size_bytes) {
+  static const char head[] = "data:application/octet-stream;base64,";
+  char *uri = malloc(sizeof head + size_bytes * 2 + 8);
+  memcpy(uri, head, sizeof head);
+  encode_base64(data, size_bytes, uri + sizeof head - 1);
+  return uri;
+}
+
 char *scene_files_gltf(const char *materials, int mesh_material, const char *nodes, const char *more, bool binary) {
   uint8_t bytes[SQUARE_BYTES];
   char base64[SQUARE_BYTES * 2], uri[SQUARE_BYTES * 2 + 64] = "", material[32] = "";

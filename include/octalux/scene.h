@@ -173,10 +173,11 @@ typedef struct olx_scene_content {
   uint32_t vertex_count, triangle_count, material_count, texture_count, light_count, camera_count;
   const olx_vec3 *positions, *normals; // a vertex; normals unit where a triangle uses them
   const olx_vec2 *uvs;
-  const olx_vec2 *second_uvs;     // NULL: no material uses them
-  const olx_vec4 *colors;         // linear RGB that multiplies base colours, and alpha, all 0 to 1; NULL: all 1
-  const olx_vec4 *tangents;       // unit x, y, z along increasing u; w: +1 or -1, the side of cross(normal, tangent) that v decreases to,
-                                  // or 0: follows from uvs. NULL: all follow from uvs
+  const olx_vec2 *second_uvs; // NULL: no material uses them
+  const olx_vec4 *colors;     // linear RGB that multiplies base colours, and alpha, all 0 to 1; NULL: all 1
+  const olx_vec4 *
+      tangents; // unit x, y, z along increasing u; w: +1 or -1, the side of cross(normal, tangent) that v decreases to,
+                // or 0: follows from uvs. NULL: all follow from uvs
   const uint32_t *indices;        // three a triangle
   const uint32_t *material_index; // one a triangle
   const olx_material *materials;

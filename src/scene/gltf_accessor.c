@@ -39,8 +39,8 @@ static uint64_t view_size(const olx_gltf *gltf, uint32_t view) {
 
 // Where `count` packed elements of `element_bytes` begin that an object's bufferView and byteOffset name; false when they are not
 // all there.
-static bool find_packed(const olx_gltf *gltf, const cJSON *object, uint64_t count, uint64_t element_bytes, uint32_t *view,
-                        uint64_t *offset) {
+static bool find_packed(const olx_gltf *gltf, const cJSON *object, uint64_t count, uint64_t element_bytes,
+                        uint32_t *view, uint64_t *offset) {
   return olx_gltf_index(object, "bufferView", gltf->views.count, view) && *view != OLX_GLTF_NONE &&
          olx_json_size(object, "byteOffset", 0, offset) && *offset + count * element_bytes <= view_size(gltf, *view);
 }
@@ -60,7 +60,8 @@ static olx_result read_sparse(const olx_gltf *gltf, uint32_t i, const cJSON *ele
   }
   s->index_type = (olx_gltf_component)type;
   if (!find_packed(gltf, indices, s->count, component_bytes(type), &s->index_view, &s->index_offset) ||
-      !find_packed(gltf, values, s->count, a->components * component_bytes(a->type), &s->value_view, &s->value_offset)) {
+      !find_packed(gltf, values, s->count, a->components * component_bytes(a->type), &s->value_view,
+                   &s->value_offset)) {
     return olx_gltf_fail(gltf, "accessors", i, "its sparse indices or values are not in their bufferView");
   }
   return OLX_OK;
@@ -69,7 +70,8 @@ static olx_result read_sparse(const olx_gltf *gltf, uint32_t i, const cJSON *ele
 // Zeros take memory that no byte of the file pays for.
 static olx_result check_zeros(const olx_gltf *gltf, uint32_t i, const olx_gltf_accessor *a) {
   uint64_t size_bytes = gltf->file.size_bytes;
-  if (!a->sparse.count) return olx_gltf_fail(gltf, "accessors", i, "it has no data: neither a bufferView nor sparse values");
+  if (!a->sparse.count)
+    return olx_gltf_fail(gltf, "accessors", i, "it has no data: neither a bufferView nor sparse values");
   for (uint32_t b = 0; b < gltf->buffers.count; ++b) size_bytes += gltf->buffer_data[b].bytes.size_bytes;
   if (a->count <= size_bytes) return OLX_OK;
   return olx_gltf_fail(gltf, "accessors", i, "it has no bufferView, and more elements than the file has bytes");
@@ -188,7 +190,8 @@ static olx_result replace_sparse(const olx_gltf *gltf, uint32_t accessor, uint32
   for (uint64_t i = 0; i < s->count; ++i) {
     const uint32_t place = integer_at(indices.data + s->index_offset + i * index_bytes, s->index_type);
     if (place >= a->count) return olx_gltf_fail(gltf, "accessors", accessor, "a sparse index is out of range");
-    read_element(a, values.data + s->value_offset + i * value_bytes, components, numbers + (uint64_t)place * components);
+    read_element(a, values.data + s->value_offset + i * value_bytes, components,
+                 numbers + (uint64_t)place * components);
   }
   return OLX_OK;
 }

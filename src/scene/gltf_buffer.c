@@ -48,7 +48,8 @@ static olx_result open_buffer(const olx_gltf *gltf, uint32_t index) {
   uint64_t size_bytes;
   buffer->fallback = cJSON_IsTrue(olx_json_member(olx_gltf_meshopt_of(gltf->buffers.elements[index]), "fallback"));
   if (buffer->fallback) return OLX_OK;
-  if (!olx_json_size(gltf->buffers.elements[index], "byteLength", UINT64_MAX, &size_bytes) || size_bytes == UINT64_MAX) {
+  if (!olx_json_size(gltf->buffers.elements[index], "byteLength", UINT64_MAX, &size_bytes) ||
+      size_bytes == UINT64_MAX) {
     return olx_gltf_fail(gltf, "buffers", index, "its byteLength is not a number of bytes");
   }
   OLX_TRY(find_bytes(gltf, index, buffer));
@@ -99,7 +100,8 @@ static olx_result check_compressed(const olx_gltf *gltf) {
   for (uint32_t i = 0; i < gltf->buffers.count; ++i) available += gltf->buffer_data[i].bytes.size_bytes;
   for (uint32_t i = 0; i < gltf->views.count; ++i) {
     if (gltf->view_data[i].compressed) taken += gltf->view_data[i].bytes.size_bytes;
-    if (taken > available) return olx_gltf_fail(gltf, "bufferViews", i, "it shares its bytes with other compressed views");
+    if (taken > available)
+      return olx_gltf_fail(gltf, "bufferViews", i, "it shares its bytes with other compressed views");
   }
   return OLX_OK;
 }

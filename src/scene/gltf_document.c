@@ -66,14 +66,20 @@ static olx_result parse_json(olx_gltf *gltf) {
 // ---- version and extensions
 
 static const char *const supported_extensions[] = {
-    "EXT_meshopt_compression", "KHR_lights_punctual",     "KHR_materials_emissive_strength",
-    "KHR_materials_specular",  "KHR_mesh_quantization",   "KHR_meshopt_compression",
-    "KHR_texture_transform",   "MESHOPT_compression"};
+    "EXT_meshopt_compression", "KHR_lights_punctual",     "KHR_materials_emissive_strength", "KHR_materials_specular",
+    "KHR_mesh_quantization",   "KHR_meshopt_compression", "KHR_texture_transform",           "MESHOPT_compression"};
 // They change the look of a material, or nothing, so a scene can do without them.
-static const char *const ignored_extensions[] = {
-    "KHR_materials_anisotropy", "KHR_materials_clearcoat",    "KHR_materials_dispersion", "KHR_materials_ior",
-    "KHR_materials_iridescence", "KHR_materials_sheen",       "KHR_materials_transmission", "KHR_materials_unlit",
-    "KHR_materials_variants",   "KHR_materials_volume",       "KHR_xmp_json_ld"};
+static const char *const ignored_extensions[] = {"KHR_materials_anisotropy",
+                                                 "KHR_materials_clearcoat",
+                                                 "KHR_materials_dispersion",
+                                                 "KHR_materials_ior",
+                                                 "KHR_materials_iridescence",
+                                                 "KHR_materials_sheen",
+                                                 "KHR_materials_transmission",
+                                                 "KHR_materials_unlit",
+                                                 "KHR_materials_variants",
+                                                 "KHR_materials_volume",
+                                                 "KHR_xmp_json_ld"};
 
 static bool listed(const char *name, const char *const *list, size_t count) {
   for (size_t i = 0; i < count; ++i) {
@@ -156,8 +162,8 @@ olx_result olx_gltf_open(const char *path, olx_scene *scene, olx_gltf *gltf) {
 }
 
 void olx_gltf_close(olx_gltf *gltf) {
-  olx_gltf_list *const lists[] = {&gltf->buffers, &gltf->views,  &gltf->accessors, &gltf->materials,
-                                  &gltf->meshes,  &gltf->nodes,  &gltf->scenes,    &gltf->images,
+  olx_gltf_list *const lists[] = {&gltf->buffers,  &gltf->views,   &gltf->accessors, &gltf->materials,
+                                  &gltf->meshes,   &gltf->nodes,   &gltf->scenes,    &gltf->images,
                                   &gltf->textures, &gltf->cameras, &gltf->lights};
   olx_gltf_release_images(gltf);
   olx_release(gltf->accessor_data);

@@ -52,7 +52,9 @@ static bool read_light(const cJSON *item, const olx_affine *transform, olx_light
   olx_json_float(olx_json_member(item, "intensity"), &intensity);
   olx_json_float(olx_json_member(spot, "innerConeAngle"), &inner);
   olx_json_float(olx_json_member(spot, "outerConeAngle"), &outer);
-  *light = (olx_light){.type = sun ? OLX_LIGHT_SUN : point ? OLX_LIGHT_POINT : OLX_LIGHT_SPOT,
+  *light = (olx_light){.type = sun     ? OLX_LIGHT_SUN
+                               : point ? OLX_LIGHT_POINT
+                                       : OLX_LIGHT_SPOT,
                        .position = olx_affine_point(transform, olx_splat(0.0f)),
                        .direction = olx_normalize(olx_affine_vector(transform, olx_v3(0.0f, 0.0f, -1.0f))),
                        .emission = olx_scale(olx_load3(color), intensity),

@@ -28,7 +28,8 @@ static olx_vec3 color_of(const cJSON *object, const char *key, float otherwise) 
   return olx_load3(c);
 }
 
-static olx_result request(material_reader *r, const cJSON *info, const char *key, olx_texture_use use, uint32_t *number) {
+static olx_result request(material_reader *r, const cJSON *info, const char *key, olx_texture_use use,
+                          uint32_t *number) {
   uint32_t texture;
   if (olx_gltf_index(info, "index", r->gltf->textures.count, &texture) && texture != OLX_GLTF_NONE) {
     return olx_gltf_request_texture(r->gltf, r->import, texture, use, number);

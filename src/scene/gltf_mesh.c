@@ -33,8 +33,11 @@ static const char *find_mismatch(const char *name, const olx_gltf_accessor *a) {
     size_t length;
     uint32_t fewest, most;
     const char *wanted;
-  } rows[] = {{"POSITION", 9, 3, 3, "three"},  {"NORMAL", 7, 3, 3, "three"},       {"TANGENT", 8, 4, 4, "four"},
-              {"TEXCOORD_", 9, 2, 2, "two"}, {"COLOR_0", 8, 3, 4, "three or four"}};
+  } rows[] = {{"POSITION", 9, 3, 3, "three"},
+              {"NORMAL", 7, 3, 3, "three"},
+              {"TANGENT", 8, 4, 4, "four"},
+              {"TEXCOORD_", 9, 2, 2, "two"},
+              {"COLOR_0", 8, 3, 4, "three or four"}};
   for (size_t i = 0; i < sizeof rows / sizeof *rows; ++i) {
     if (strncmp(name, rows[i].name, rows[i].length) != 0) continue;
     return fits_vector(a, rows[i].fewest, rows[i].most) ? NULL : rows[i].wanted;
@@ -60,7 +63,8 @@ static olx_result check_indices(const olx_gltf *gltf, uint32_t mesh, const cJSON
     return olx_gltf_fail(gltf, "meshes", mesh, "the accessor of its indices does not exist");
   }
   const olx_gltf_accessor *a = accessor_at(gltf, index);
-  if (!a || (a->components == 1 && a->type != OLX_GLTF_INT8 && a->type != OLX_GLTF_INT16 && a->type != OLX_GLTF_FLOAT)) {
+  if (!a ||
+      (a->components == 1 && a->type != OLX_GLTF_INT8 && a->type != OLX_GLTF_INT16 && a->type != OLX_GLTF_FLOAT)) {
     return OLX_OK;
   }
   return olx_gltf_fail(gltf, "meshes", mesh, "its indices are not unsigned numbers");
@@ -143,7 +147,8 @@ typedef struct primitive_reader {
 } primitive_reader;
 
 static void release_reader(primitive_reader *r) {
-  void *const arrays[] = {r->corner, r->positions, r->normals, r->uvs, r->second_uvs, r->colors, r->tangents, r->indices};
+  void *const arrays[] = {r->corner,     r->positions, r->normals,  r->uvs,
+                          r->second_uvs, r->colors,    r->tangents, r->indices};
   for (size_t i = 0; i < sizeof arrays / sizeof *arrays; ++i) olx_release(arrays[i]);
 }
 
@@ -195,7 +200,8 @@ static olx_result read_normals(primitive_reader *r) {
 // They say nothing where there is no normal map, nor without normals.
 static olx_result read_tangents(primitive_reader *r) {
   const olx_material *m = &r->gltf->scene->materials[r->surface->material];
-  const uint32_t index = r->normals && m->normal_texture != OLX_NO_TEXTURE ? usable_attribute(r, "TANGENT") : OLX_GLTF_NONE;
+  const uint32_t index =
+      r->normals && m->normal_texture != OLX_NO_TEXTURE ? usable_attribute(r, "TANGENT") : OLX_GLTF_NONE;
   if (index == OLX_GLTF_NONE) return OLX_OK;
   r->tangents = olx_allocate(r->vertices, sizeof *r->tangents);
   if (!r->tangents) return no_memory(r);

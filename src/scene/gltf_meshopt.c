@@ -12,7 +12,13 @@
 #define MOST_EXPANSION 64u
 
 typedef enum meshopt_mode { MODE_ATTRIBUTES, MODE_TRIANGLES, MODE_INDICES, MODE_UNKNOWN } meshopt_mode;
-typedef enum meshopt_filter { FILTER_NONE, FILTER_OCTAHEDRAL, FILTER_QUATERNION, FILTER_EXPONENTIAL, FILTER_UNKNOWN } meshopt_filter;
+typedef enum meshopt_filter {
+  FILTER_NONE,
+  FILTER_OCTAHEDRAL,
+  FILTER_QUATERNION,
+  FILTER_EXPONENTIAL,
+  FILTER_UNKNOWN
+} meshopt_filter;
 
 const cJSON *olx_gltf_meshopt_of(const cJSON *element) {
   static const char *const names[] = {"EXT_meshopt_compression", "KHR_meshopt_compression", "MESHOPT_compression"};
@@ -66,7 +72,8 @@ static const char *find_problem(const cJSON *compressed, uint64_t size_bytes) {
   if (indices ? stride != 2 && stride != 4 : stride == 0 || stride > 256 || stride % 4) {
     return "its meshopt byteStride is not one that its mode can have";
   }
-  if (indices ? filter != FILTER_NONE : !fits_filter(filter, stride)) return "its meshopt filter does not fit its elements";
+  if (indices ? filter != FILTER_NONE : !fits_filter(filter, stride))
+    return "its meshopt filter does not fit its elements";
   if (mode == MODE_TRIANGLES && count % 3) return "its meshopt count is not that of triangles";
   if (count * stride / MOST_EXPANSION > size_bytes) return "its bytes cannot hold so many elements";
   return NULL;

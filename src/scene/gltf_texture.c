@@ -98,9 +98,10 @@ static olx_result refuse_kind(const olx_gltf *gltf, uint32_t texture) {
   static const char *const kinds[] = {"KHR_texture_basisu", "EXT_texture_webp", "EXT_texture_avif", "MSFT_texture_dds"};
   for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i) {
     if (!olx_gltf_extension(gltf->textures.elements[texture], kinds[i])) continue;
-    return olx_fail(OLX_ERROR_UNSUPPORTED,
-                    "%s: textures[%u]: its only image is one of %s, which is not supported: give it a source in PNG or JPEG",
-                    gltf->path, texture, kinds[i]);
+    return olx_fail(
+        OLX_ERROR_UNSUPPORTED,
+        "%s: textures[%u]: its only image is one of %s, which is not supported: give it a source in PNG or JPEG",
+        gltf->path, texture, kinds[i]);
   }
   return OLX_OK;
 }

@@ -20,7 +20,8 @@ void olx_name_list_add(olx_name_list *list, const char *name) {
   }
 }
 
-olx_result olx_import_texture_file(olx_material_import *import, const char *name, olx_texture_use use, uint32_t *number) {
+olx_result olx_import_texture_file(olx_material_import *import, const char *name, olx_texture_use use,
+                                   uint32_t *number) {
   char path[8192];
   olx_model_file_locate(import->path, name, path, sizeof path);
   OLX_TRY(olx_model_file_check(import->scene, import->path, path));

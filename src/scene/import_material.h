@@ -22,7 +22,8 @@ typedef struct olx_material_import {
 } olx_material_import;
 
 // Ask for an image that the model names by a path relative to its own; *number is that of import->textures.
-olx_result olx_import_texture_file(olx_material_import *import, const char *name, olx_texture_use use, uint32_t *number);
+olx_result olx_import_texture_file(olx_material_import *import, const char *name, olx_texture_use use,
+                                   uint32_t *number);
 
 // Bring the numbers of a material into their ranges.
 void olx_import_repair_material(olx_material_import *import, olx_material *material);

@@ -8,7 +8,8 @@
 typedef struct olx_model_notes {
   uint64_t absent_triangles; // of materials whose opacity is below their cutoff
   uint64_t thin_faces;       // points and lines
-  float farthest, apart;     // the largest coordinate of the coarsest vertices, and how far floats are apart there, in metres
+  float farthest,
+      apart; // the largest coordinate of the coarsest vertices, and how far floats are apart there, in metres
 } olx_model_notes;
 
 // Note the largest coordinate of vertices that are floats in their file and are placed by `transform`.

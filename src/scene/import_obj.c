@@ -64,7 +64,8 @@ typedef struct mesh_arrays {
   uint32_t triangle_count;
 } mesh_arrays;
 
-static void fill_vertices(obj_import *import, const struct aiMesh *mesh, const olx_affine *transform, mesh_arrays *out) {
+static void fill_vertices(obj_import *import, const struct aiMesh *mesh, const olx_affine *transform,
+                          mesh_arrays *out) {
   const olx_affine normals = olx_affine_normals(transform);
   const double mirrored = olx_affine_determinant(transform) < 0.0 ? -1.0 : 1.0;
   float farthest = 0.0f;

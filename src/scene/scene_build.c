@@ -322,10 +322,13 @@ static void hash_material(XXH3_state_t *state, const olx_material *m) {
   const float numbers[] = {m->base_color.x, m->base_color.y, m->base_color.z, m->metallic,
                            m->roughness,    m->emission.x,   m->emission.y,   m->emission.z,
                            m->alpha,        m->alpha_cutoff, m->normal_scale, m->specular_weight};
-  const uint32_t words[] = {
-      m->base_color_texture, m->alpha_texture,  m->metallic_roughness_texture,
-      m->emission_texture,   m->normal_texture, (m->emits_both_sides ? 1u : 0u) | (m->normal_is_height ? 2u : 0u) |
-                                                   (m->vertex_colors ? 4u : 0u) | m->second_uvs << 8};
+  const uint32_t words[] = {m->base_color_texture,
+                            m->alpha_texture,
+                            m->metallic_roughness_texture,
+                            m->emission_texture,
+                            m->normal_texture,
+                            (m->emits_both_sides ? 1u : 0u) | (m->normal_is_height ? 2u : 0u) |
+                                (m->vertex_colors ? 4u : 0u) | m->second_uvs << 8};
   XXH3_64bits_update(state, numbers, sizeof numbers);
   XXH3_64bits_update(state, words, sizeof words);
 }

@@ -163,8 +163,8 @@ static olx_vec3 bend_normal(const olx_scene *scene, const olx_material *material
   if (!frame_by_tangents(scene, c, u, v, normal, &frame) && !frame_by_uvs(scene, material, c, normal, &frame)) {
     return normal;
   }
-  const olx_vec3 n = mapped_normal(material, &scene->textures[material->normal_texture],
-                                   uv_for(material, OLX_SLOT_NORMAL, uvs));
+  const olx_vec3 n =
+      mapped_normal(material, &scene->textures[material->normal_texture], uv_for(material, OLX_SLOT_NORMAL, uvs));
   const olx_vec3 bent =
       olx_add(olx_add(olx_scale(frame.tangent, n.x), olx_scale(frame.bitangent, n.y)), olx_scale(normal, n.z));
   const float length = olx_length(bent);
@@ -206,8 +206,8 @@ static olx_vec3 base_color_at(const olx_scene *scene, const olx_material *materi
                               float v, const olx_place_uvs *uvs) {
   olx_vec3 base_color = tint(scene, material, c, u, v, material->base_color);
   if (has_texture(material->base_color_texture)) {
-    base_color = olx_mul(base_color,
-                         look_up(scene, material, material->base_color_texture, OLX_SLOT_BASE_COLOR, uvs).color);
+    base_color =
+        olx_mul(base_color, look_up(scene, material, material->base_color_texture, OLX_SLOT_BASE_COLOR, uvs).color);
   }
   return olx_min_each(base_color, olx_splat(OLX_MAX_ALBEDO));
 }

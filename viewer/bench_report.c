@@ -34,11 +34,9 @@ static void print_pass(const bench_report *r, const bench_result *result, bench_
 static void print_floors(const bench_result *result) {
   const double *ms = result->milliseconds;
   const bench_counts *c = &result->counts;
-  printf("  diffuse light: %.2f texels a pixel, and %.2f filtered reads, %.0f at most; a pass with nothing but the 12 "
-         "texels "
+  printf("  diffuse light: %.2f texels a pixel, and %.2f filtered reads, %.0f at most; a pass with nothing but the 12 texels "
          "of one probe takes %.4f ms: %.2f times that\n",
-         c->texels, c->filtered, c->most_filtered, ms[BENCH_FLOOR_DIFFUSE],
-         over(ms[BENCH_IRRADIANCE], ms[BENCH_FLOOR_DIFFUSE]));
+         c->texels, c->filtered, c->most_filtered, ms[BENCH_FLOOR_DIFFUSE], over(ms[BENCH_IRRADIANCE], ms[BENCH_FLOOR_DIFFUSE]));
   if (!(c->rays > 0.0)) {
     printf("  glossy light: no ray\n");
     return;

@@ -321,8 +321,8 @@ bool view_renderer_draw(view_renderer *r, const view_state *state, const view_ca
   if (!raster_view_make(&seen, r->raster.images.width, r->raster.images.height, r->near_metres, &view)) {
     return gpu_fail(d, "the camera has no view");
   }
-  const view_frame frame = {state,        &r->field_info,    &view, &r->raster.images, out->size[0],
-                            out->size[1], r->relight != NULL};
+  const view_frame frame = {state, &r->field_info, &view, &r->raster.images, out->size[0], out->size[1],
+                            r->relight != NULL};
   if (out->chain && !view_swapchain_acquire(d, out->chain, &image)) return false;
   if (!record(r, state, &frame, out, image, timings)) return false;
   read_times(r, timings);

@@ -17,9 +17,8 @@ typedef struct olx_light_sample {
   float epsilon_end;  // how far short of target the shadow ray must stop
   bool infinite;      // target is a direction only: the shadow ray has no end
   bool delta;         // cannot be hit by chance: no MIS
-  olx_vec3
-      emission; // radiance (delta: what arrives, W/m^2 on a facing surface) divided by pdf; visibility not included
-  float pdf;    // over solid angle at the surface; 1 for delta
+  olx_vec3 emission;  // radiance (delta: what arrives, W/m^2 on a facing surface) divided by pdf; visibility not included
+  float pdf;          // over solid angle at the surface; 1 for delta
 } olx_light_sample;
 
 olx_result olx_emitters_create(const olx_scene *scene, olx_emitters **emitters);
@@ -30,8 +29,8 @@ uint32_t olx_emitters_group_count(const olx_scene *scene);
 bool olx_emitters_group_varies(const olx_scene *scene, uint32_t group);
 
 // Draw a light from a group for a surface point. False when it cannot contribute (behind, dark).
-bool olx_emitters_sample(const olx_scene *scene, uint32_t group, olx_vec3 position, olx_vec2 random, float random_pick,
-                         olx_light_sample *sample);
+bool olx_emitters_sample(const olx_scene *scene, uint32_t group, olx_vec3 position, olx_vec2 random,
+                         float random_pick, olx_light_sample *sample);
 
 // Density over solid angle at `position` with which olx_emitters_sample would have drawn the emitting `surface` seen from
 // there along `direction`.

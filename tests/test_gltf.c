@@ -1,5 +1,6 @@
 // What glTF files hold beyond a square of floats: quantised, sparse and compressed accessors, strips and fans, several texture
 // coordinates, vertex colours, tangents, scenes, extensions. Each file is made here, and says one thing.
+#include "gltf_maker.h"
 #include "scene/scene_build.h"
 #include "scene/surface.h"
 #include "scene_files.h"
@@ -16,64 +17,14 @@
 
 #include <cmocka.h>
 
-enum { INT8 = 5120, UINT8 = 5121, INT16 = 5122, UINT16 = 5123, UINT32 = 5125, FLOAT = 5126 };
-
 // ---- making files
 
-// A glTF text in pieces: one buffer, and a view and an accessor for each array that is added to it.
-typedef struct maker {
-  uint8_t bytes[4096];
-  size_t size_bytes;
-  char views[4096], accessors[4096];
-  uint32_t view_count, accessor_count;
-} maker;
-
-static void append(char *text, size_t capacity, const char *format, ...) {
-  va_list arguments;
-  va_start(arguments, format);
-  const size_t used = strlen(text);
-  vsnprintf(text + used, capacity - used, format, arguments);
-  va_end(arguments);
-}
-
-// The number of a new view. `more` is appended to its object and starts with a comma unless it is empty.
-static uint32_t add_view(maker *m, const void *data, size_t size_bytes, const char *more) {
-  m->size_bytes = (m->size_bytes + 3) & ~(size_t)3;
-  memcpy(m->bytes + m->size_bytes, data, size_bytes);
-  append(m->views, sizeof m->views, "%s{\"buffer\": 0, \"byteOffset\": %zu, \"byteLength\": %zu%s}",
-         m->view_count ? ", " : "", m->size_bytes, size_bytes, more);
-  m->size_bytes += size_bytes;
-  return m->view_count++;
-}
-
-static uint32_t add_accessor(maker *m, const char *of, uint32_t count, int component, const char *type) {
-  append(m->accessors, sizeof m->accessors, "%s{%s\"count\": %u, \"componentType\": %d, \"type\": \"%s\"}",
-         m->accessor_count ? ", " : "", of, count, component, type);
-  return m->accessor_count++;
-}
-
-// The number of an accessor of packed elements.
-static uint32_t add(maker *m, const void *data, size_t size_bytes, uint32_t count, int component, const char *type,
-                    bool normalized) {
-  char of[64];
-  snprintf(of, sizeof of, "\"bufferView\": %u, \"normalized\": %s, ", add_view(m, data, size_bytes, ""),
-           normalized ? "true" : "false");
-  return add_accessor(m, of, count, component, type);
-}
-
-// The whole file. `primitive` and `nodes` are JSON; `more` is appended to the root object and starts with a comma.
-static const char *write_model(const maker *m, const scene_folder *folder, const char *primitive, const char *nodes,
-                               const char *more) {
-  static char text[32768];
-  char *uri = scene_files_data_uri(m->bytes, m->size_bytes);
-  snprintf(text, sizeof text,
-           "{\"asset\": {\"version\": \"2.0\"}, \"scenes\": [{\"nodes\": [0]}], \"nodes\": %s,\n"
-           "\"meshes\": [{\"primitives\": [%s]}],\n\"accessors\": [%s],\n\"bufferViews\": [%s],\n"
-           "\"buffers\": [{\"byteLength\": %zu, \"uri\": \"%s\"}, {\"byteLength\": 4096, \"extensions\": "
-           "{\"EXT_meshopt_compression\": {\"fallback\": true}}}]%s}",
-           nodes, primitive, m->accessors, m->views, m->size_bytes, uri, more);
-  free(uri);
-  return scene_folder_write_text(folder, "made.gltf", text);
+static const char *write_model(const gltf_maker *m, const scene_folder *folder, const char *primitive,
+                               const char *nodes, const char *more) {
+  char *text = gltf_maker_text(m, primitive, nodes, more, false);
+  const char *path = scene_folder_write_text(folder, "made.gltf", text);
+  free(text);
+  return path;
 }
 
 static olx_scene *load(const char *path) {
@@ -130,11 +81,11 @@ static const uint16_t square_indices[6] = {0, 1, 2, 0, 2, 3};
 // The TGA of scene_files_tga: upper left red, upper right green, lower left blue, lower right white with alpha 0.
 #define FOUR_COLORS "data:image/png;base64,AAACAAAAAAAAAAAAAgACACAoAAD//wD/AP//AAD/////AA=="
 
-static uint32_t add_square(maker *m) {
-  const uint32_t first = add(m, square_positions, sizeof square_positions, 4, FLOAT, "VEC3", false);
-  add(m, square_normals, sizeof square_normals, 4, FLOAT, "VEC3", false);
-  add(m, square_uvs, sizeof square_uvs, 4, FLOAT, "VEC2", false);
-  add(m, square_indices, sizeof square_indices, 6, UINT16, "SCALAR", false);
+static uint32_t add_square(gltf_maker *m) {
+  const uint32_t first = gltf_add(m, square_positions, sizeof square_positions, 4, GLTF_FLOAT, "VEC3", false);
+  gltf_add(m, square_normals, sizeof square_normals, 4, GLTF_FLOAT, "VEC3", false);
+  gltf_add(m, square_uvs, sizeof square_uvs, 4, GLTF_FLOAT, "VEC2", false);
+  gltf_add(m, square_indices, sizeof square_indices, 6, GLTF_UINT16, "SCALAR", false);
   return first;
 }
 
@@ -154,9 +105,9 @@ static void strips_and_fans_become_triangles_that_face_one_way(void **state) {
   const float fan[15] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, -1, 1, 0};
   const float *const shapes[2] = {strip, fan};
   for (int i = 0; i < 2; ++i) {
-    maker m = {0};
+    gltf_maker m = {0};
     char primitive[96];
-    add(&m, shapes[i], sizeof strip, 5, FLOAT, "VEC3", false);
+    gltf_add(&m, shapes[i], sizeof strip, 5, GLTF_FLOAT, "VEC3", false);
     snprintf(primitive, sizeof primitive, "{\"attributes\": {\"POSITION\": 0}, \"mode\": %d}", 5 + i);
     olx_scene *scene = load(write_model(&m, *state, primitive, "[{\"mesh\": 0}]", ""));
     assert_int_equal(scene->triangle_count, 3);
@@ -169,7 +120,7 @@ static void strips_and_fans_become_triangles_that_face_one_way(void **state) {
 }
 
 static void points_and_lines_are_left_out_and_counted(void **state) {
-  maker m = {0};
+  gltf_maker m = {0};
   add_square(&m);
   olx_scene *scene = load(write_model(&m, *state,
                                       "{\"attributes\": {\"POSITION\": 0}, \"indices\": 3}, {\"attributes\": "
@@ -188,13 +139,14 @@ static void indices_of_every_width_are_the_same(void **state) {
     const void *data;
     size_t size_bytes;
     int component;
-  } kinds[] = {
-      {bytes, sizeof bytes, UINT8}, {square_indices, sizeof square_indices, UINT16}, {words, sizeof words, UINT32}};
+  } kinds[] = {{bytes, sizeof bytes, GLTF_UINT8},
+               {square_indices, sizeof square_indices, GLTF_UINT16},
+               {words, sizeof words, GLTF_UINT32}};
   uint64_t hashes[3];
   for (int i = 0; i < 3; ++i) {
-    maker m = {0};
-    add(&m, square_positions, sizeof square_positions, 4, FLOAT, "VEC3", false);
-    add(&m, kinds[i].data, kinds[i].size_bytes, 6, kinds[i].component, "SCALAR", false);
+    gltf_maker m = {0};
+    gltf_add(&m, square_positions, sizeof square_positions, 4, GLTF_FLOAT, "VEC3", false);
+    gltf_add(&m, kinds[i].data, kinds[i].size_bytes, 6, kinds[i].component, "SCALAR", false);
     olx_scene *scene =
         load(write_model(&m, *state, "{\"attributes\": {\"POSITION\": 0}, \"indices\": 1}", "[{\"mesh\": 0}]", ""));
     assert_int_equal(scene->triangle_count, 2);
@@ -207,9 +159,9 @@ static void indices_of_every_width_are_the_same(void **state) {
 static void without_normals_triangles_are_flat(void **state) {
   const float roof[12] = {0, 0, 0, 1, 0, 1, 1, 1, 1, 2, 0, 0};
   const uint8_t indices[6] = {0, 1, 2, 1, 3, 2};
-  maker m = {0};
-  add(&m, roof, sizeof roof, 4, FLOAT, "VEC3", false);
-  add(&m, indices, sizeof indices, 6, UINT8, "SCALAR", false);
+  gltf_maker m = {0};
+  gltf_add(&m, roof, sizeof roof, 4, GLTF_FLOAT, "VEC3", false);
+  gltf_add(&m, indices, sizeof indices, 6, GLTF_UINT8, "SCALAR", false);
   olx_scene *scene =
       load(write_model(&m, *state, "{\"attributes\": {\"POSITION\": 0}, \"indices\": 1}", "[{\"mesh\": 0}]", ""));
   assert_int_equal(scene->vertex_count, 6); // no normal is shared
@@ -221,9 +173,9 @@ static void without_normals_triangles_are_flat(void **state) {
 }
 
 static void attributes_that_do_not_fit_their_positions_are_left_out(void **state) {
-  maker m = {0};
+  gltf_maker m = {0};
   add_square(&m);
-  add(&m, square_normals, 24, 2, FLOAT, "VEC3", false);
+  gltf_add(&m, square_normals, 24, 2, GLTF_FLOAT, "VEC3", false);
   olx_scene *scene = load(write_model(&m, *state, "{\"attributes\": {\"POSITION\": 0, \"NORMAL\": 4}, \"indices\": 3}",
                                       "[{\"mesh\": 0}]", ""));
   assert_warned(scene, "1 attributes are ignored");
@@ -237,15 +189,16 @@ static void quantised_vertices_are_those_of_floats(void **state) {
   const int16_t corners[16] = {0, 0, 0, 0, 1000, 0, 0, 0, 1000, 1000, 0, 0, 0, 1000, 0, 0};
   const int8_t normals[16] = {0, 0, 127, 0, 0, 0, 127, 0, 0, 0, 127, 0, 0, 0, 127, 0};
   const uint16_t uvs[8] = {0, 65535, 65535, 65535, 65535, 0, 0, 0};
-  maker m = {0};
+  gltf_maker m = {0};
   char of[3][80];
-  snprintf(of[0], sizeof of[0], "\"bufferView\": %u, ", add_view(&m, corners, sizeof corners, ", \"byteStride\": 8"));
+  snprintf(of[0], sizeof of[0], "\"bufferView\": %u, ",
+           gltf_add_view(&m, corners, sizeof corners, ", \"byteStride\": 8"));
   snprintf(of[1], sizeof of[1], "\"normalized\": true, \"bufferView\": %u, ",
-           add_view(&m, normals, sizeof normals, ", \"byteStride\": 4"));
-  add_accessor(&m, of[0], 4, INT16, "VEC3");
-  add_accessor(&m, of[1], 4, INT8, "VEC3");
-  add(&m, uvs, sizeof uvs, 4, UINT16, "VEC2", true);
-  add(&m, square_indices, sizeof square_indices, 6, UINT16, "SCALAR", false);
+           gltf_add_view(&m, normals, sizeof normals, ", \"byteStride\": 4"));
+  gltf_add_accessor(&m, of[0], 4, GLTF_INT16, "VEC3");
+  gltf_add_accessor(&m, of[1], 4, GLTF_INT8, "VEC3");
+  gltf_add(&m, uvs, sizeof uvs, 4, GLTF_UINT16, "VEC2", true);
+  gltf_add(&m, square_indices, sizeof square_indices, 6, GLTF_UINT16, "SCALAR", false);
   olx_scene *scene = load(
       write_model(&m, *state, "{\"attributes\": {\"POSITION\": 0, \"NORMAL\": 1, \"TEXCOORD_0\": 2}, \"indices\": 3}",
                   "[{\"mesh\": 0, \"scale\": [0.002, 0.002, 0.002], \"translation\": [1, 0, 0]}]",
@@ -270,13 +223,13 @@ static void normalised_integers_reach_from_minus_one_to_one(void **state) {
     size_t size_bytes;
     int component;
     float low;
-  } kinds[] = {{small, sizeof small, INT8, -1.0f},
-               {large, sizeof large, INT16, -1.0f},
-               {positive, sizeof positive, UINT8, 0.0f}};
+  } kinds[] = {{small, sizeof small, GLTF_INT8, -1.0f},
+               {large, sizeof large, GLTF_INT16, -1.0f},
+               {positive, sizeof positive, GLTF_UINT8, 0.0f}};
   for (int i = 0; i < 3; ++i) {
-    maker m = {0};
-    add(&m, kinds[i].data, kinds[i].size_bytes, 4, kinds[i].component, "VEC3", true);
-    add(&m, square_indices, sizeof square_indices, 6, UINT16, "SCALAR", false);
+    gltf_maker m = {0};
+    gltf_add(&m, kinds[i].data, kinds[i].size_bytes, 4, kinds[i].component, "VEC3", true);
+    gltf_add(&m, square_indices, sizeof square_indices, 6, GLTF_UINT16, "SCALAR", false);
     olx_scene *scene =
         load(write_model(&m, *state, "{\"attributes\": {\"POSITION\": 0}, \"indices\": 1}", "[{\"mesh\": 0}]", ""));
     assert_vec(scene->bounds_min, kinds[i].low, kinds[i].low, 0, 0);
@@ -287,25 +240,25 @@ static void normalised_integers_reach_from_minus_one_to_one(void **state) {
 
 // ---- sparse accessors
 
-static maker sparse_square(const char *base, uint16_t moved) {
+static gltf_maker sparse_square(const char *base, uint16_t moved) {
   const float corner[3] = {3, 3, 0};
-  maker m = {0};
+  gltf_maker m = {0};
   char of[400];
-  add_view(&m, square_positions, sizeof square_positions, "");
-  add_view(&m, &moved, sizeof moved, "");
-  add_view(&m, corner, sizeof corner, "");
+  gltf_add_view(&m, square_positions, sizeof square_positions, "");
+  gltf_add_view(&m, &moved, sizeof moved, "");
+  gltf_add_view(&m, corner, sizeof corner, "");
   snprintf(of, sizeof of,
            "%s\"sparse\": {\"count\": 1, \"indices\": {\"bufferView\": 1, \"componentType\": 5123}, \"values\": "
            "{\"bufferView\": 2}}, ",
            base);
-  add_accessor(&m, of, 4, FLOAT, "VEC3");
-  add(&m, square_indices, sizeof square_indices, 6, UINT16, "SCALAR", false);
+  gltf_add_accessor(&m, of, 4, GLTF_FLOAT, "VEC3");
+  gltf_add(&m, square_indices, sizeof square_indices, 6, GLTF_UINT16, "SCALAR", false);
   return m;
 }
 
 static void sparse_elements_replace_those_of_the_view_or_zeros(void **state) {
   const char *primitive = "{\"attributes\": {\"POSITION\": 0}, \"indices\": 1}";
-  maker m = sparse_square("\"bufferView\": 0, ", 2);
+  gltf_maker m = sparse_square("\"bufferView\": 0, ", 2);
   olx_scene *scene = load(write_model(&m, *state, primitive, "[{\"mesh\": 0}]", ""));
   assert_vec(scene->bounds_max, 3, 3, 0, 0);
   assert_int_equal(scene->triangle_count, 2);
@@ -319,18 +272,18 @@ static void sparse_elements_replace_those_of_the_view_or_zeros(void **state) {
 }
 
 static void accessors_without_data_are_refused(void **state) {
-  maker m = {0};
+  gltf_maker m = {0};
   add_square(&m);
-  add_accessor(&m, "", 4, FLOAT, "VEC3");
+  gltf_add_accessor(&m, "", 4, GLTF_FLOAT, "VEC3");
   assert_refused(write_model(&m, *state, square_with(""), "[{\"mesh\": 0}]", ", \"materials\": [{}]"), OLX_ERROR_FORMAT,
                  "accessors[4]: it has no data");
   // Zeros cost a few bytes in the file and gigabytes in memory.
-  m = (maker){0};
+  m = (gltf_maker){0};
   add_square(&m);
-  add_accessor(&m,
-               "\"sparse\": {\"count\": 1, \"indices\": {\"bufferView\": 3, \"componentType\": 5123}, \"values\": "
-               "{\"bufferView\": 0}}, ",
-               100000000, FLOAT, "VEC3");
+  gltf_add_accessor(&m,
+                    "\"sparse\": {\"count\": 1, \"indices\": {\"bufferView\": 3, \"componentType\": 5123}, \"values\": "
+                    "{\"bufferView\": 0}}, ",
+                    100000000, GLTF_FLOAT, "VEC3");
   assert_refused(write_model(&m, *state, square_with(""), "[{\"mesh\": 0}]", ", \"materials\": [{}]"), OLX_ERROR_FORMAT,
                  "accessors[4]: it has no bufferView, and more elements than the file has bytes");
 }
@@ -344,9 +297,9 @@ static void accessors_without_data_are_refused(void **state) {
 
 static void two_sets_of_texture_coordinates(void **state) {
   const float upside_down[8] = {0, 0, 1, 0, 1, 1, 0, 1};
-  maker m = {0};
+  gltf_maker m = {0};
   add_square(&m);
-  add(&m, upside_down, sizeof upside_down, 4, FLOAT, "VEC2", false);
+  gltf_add(&m, upside_down, sizeof upside_down, 4, GLTF_FLOAT, "VEC2", false);
   olx_scene *scene = load(write_model(&m, *state, square_with(", \"TEXCOORD_1\": 4"), "[{\"mesh\": 0}]",
                                       TEXTURED("", ", \"texCoord\": 1")));
   assert_int_equal(scene->materials[0].second_uvs, OLX_SLOT_EMISSION);
@@ -366,7 +319,7 @@ static void two_sets_of_texture_coordinates(void **state) {
 
 // The example of the extension's specification: of the image, its lower left quarter alone, turned clockwise by 90 degrees.
 static void texture_transforms_scale_turn_and_move(void **state) {
-  maker m = {0};
+  gltf_maker m = {0};
   add_square(&m);
   olx_scene *scene = load(
       write_model(&m, *state, square_with(""), "[{\"mesh\": 0}]",
@@ -385,9 +338,9 @@ static void texture_transforms_scale_turn_and_move(void **state) {
 
 static void a_texture_transform_may_name_another_set(void **state) {
   const float upside_down[8] = {0, 0, 1, 0, 1, 1, 0, 1};
-  maker m = {0};
+  gltf_maker m = {0};
   add_square(&m);
-  add(&m, upside_down, sizeof upside_down, 4, FLOAT, "VEC2", false);
+  gltf_add(&m, upside_down, sizeof upside_down, 4, GLTF_FLOAT, "VEC2", false);
   olx_scene *scene = load(write_model(&m, *state, square_with(", \"TEXCOORD_1\": 4"), "[{\"mesh\": 0}]",
                                       TEXTURED(TRANSFORM("\"texCoord\": 1"), TRANSFORM("\"texCoord\": 1"))));
   assert_null(scene->second_uvs);
@@ -396,19 +349,18 @@ static void a_texture_transform_may_name_another_set(void **state) {
 }
 
 static void a_third_kind_of_coordinates_is_warned_about(void **state) {
-  maker m = {0};
+  gltf_maker m = {0};
   add_square(&m);
   olx_scene *scene = load(write_model(
       &m, *state, square_with(""), "[{\"mesh\": 0}]",
       ", \"materials\": [{\"name\": \"busy\", \"pbrMetallicRoughness\": {\"baseColorTexture\": {\"index\": 0}}, "
-      "\"normalTexture\": {\"index\": 0" TRANSFORM("\"scale\": [2, 2]") "}, \"emissiveTexture\": {\"index\": "
-                                                                        "0" TRANSFORM(
-                                                                            "\"scale\": [3, 3]") "}}], \"textures\": "
-                                                                                                 "[{\"source\": 0}], "
-                                                                                                 "\"images\": "
-                                                                                                 "[{\"uri\": "
-                                                                                                 "\"" FOUR_COLORS
-                                                                                                 "\"}]"));
+      "\"normalTexture\": {\"index\": 0" TRANSFORM(
+          "\"scale\": [2, 2]") "}, \"emissiveTexture\": {\"index\": "
+                               "0" TRANSFORM("\"scale\": [3, 3]") "}}], \"textures\": "
+                                                                  "[{\"source\": 0}], "
+                                                                  "\"images\": "
+                                                                  "[{\"uri\": "
+                                                                  "\"" FOUR_COLORS "\"}]"));
   assert_warned(scene, "1 material has textures with more than two kinds of coordinates");
   assert_warned(scene, "(busy)");
   olx_scene_free(scene);
@@ -417,7 +369,7 @@ static void a_third_kind_of_coordinates_is_warned_about(void **state) {
 static void images_of_other_kinds_are_refused_or_replaced_by_their_source(void **state) {
   static const char *const kinds[] = {"KHR_texture_basisu", "EXT_texture_webp"};
   for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i) {
-    maker m = {0};
+    gltf_maker m = {0};
     char more[600];
     add_square(&m);
     const char *form = ", \"materials\": [{\"pbrMetallicRoughness\": {\"baseColorTexture\": {\"index\": 0}}}], "
@@ -435,9 +387,9 @@ static void images_of_other_kinds_are_refused_or_replaced_by_their_source(void *
 
 static void vertex_colours_multiply_the_base_colour(void **state) {
   const float colors[12] = {1, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0};
-  maker m = {0};
+  gltf_maker m = {0};
   add_square(&m);
-  add(&m, colors, sizeof colors, 4, FLOAT, "VEC3", false);
+  gltf_add(&m, colors, sizeof colors, 4, GLTF_FLOAT, "VEC3", false);
   const char *more = ", \"materials\": [{\"name\": \"m\", \"pbrMetallicRoughness\": {\"baseColorFactor\": [0.5, 0.5, "
                      "0.5, 1], \"metallicFactor\": 0}}]";
   const char *path = write_model(&m, *state, square_with(", \"COLOR_0\": 4"), "[{\"mesh\": 0}]", more);
@@ -453,9 +405,9 @@ static void vertex_colours_multiply_the_base_colour(void **state) {
 
 static void white_vertices_are_as_good_as_none(void **state) {
   const uint8_t white[16] = {255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255};
-  maker m = {0};
+  gltf_maker m = {0};
   add_square(&m);
-  add(&m, white, sizeof white, 4, UINT8, "VEC4", true);
+  gltf_add(&m, white, sizeof white, 4, GLTF_UINT8, "VEC4", true);
   olx_scene *scene =
       load(write_model(&m, *state, square_with(", \"COLOR_0\": 4"), "[{\"mesh\": 0}]", ", \"materials\": [{}]"));
   assert_null(scene->colors);
@@ -466,9 +418,9 @@ static void white_vertices_are_as_good_as_none(void **state) {
 static void the_alpha_of_vertices_masks(void **state) {
   const uint16_t colors[16] = {65535, 65535, 65535, 0,     65535, 65535, 65535, 65535,
                                65535, 65535, 65535, 65535, 65535, 65535, 65535, 0};
-  maker m = {0};
+  gltf_maker m = {0};
   add_square(&m);
-  add(&m, colors, sizeof colors, 4, UINT16, "VEC4", true);
+  gltf_add(&m, colors, sizeof colors, 4, GLTF_UINT16, "VEC4", true);
   olx_scene *scene = load(write_model(&m, *state, square_with(", \"COLOR_0\": 4"), "[{\"mesh\": 0}]",
                                       ", \"materials\": [{\"alphaMode\": \"MASK\"}]"));
   const olx_ray absent = {{0.25f, 0.5f, 1.0f}, {0.0f, 0.0f, -1.0f}, 0.0f, INFINITY};
@@ -485,9 +437,9 @@ static void the_alpha_of_vertices_masks(void **state) {
 
 static void tangents_of_the_file_go_before_texture_coordinates(void **state) {
   const float tangents[16] = {0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-  maker m = {0};
+  gltf_maker m = {0};
   add_square(&m);
-  add(&m, tangents, sizeof tangents, 4, FLOAT, "VEC4", false);
+  gltf_add(&m, tangents, sizeof tangents, 4, GLTF_FLOAT, "VEC4", false);
   olx_scene *scene = load(write_model(&m, *state, square_with(""), "[{\"mesh\": 0}]", BUMPED));
   assert_true(look_at(scene, 0.5f, 0.25f).shading_normal.x > 0.99f);
   olx_scene_free(scene);
@@ -508,9 +460,9 @@ static void bitangents_lie_on_the_side_that_tangents_say(void **state) {
   float tangents[16];
   for (int side = -1; side <= 1; side += 2) {
     for (int v = 0; v < 4; ++v) memcpy(tangents + 4 * v, (const float[4]){1, 0, 0, (float)side}, 4 * sizeof(float));
-    maker m = {0};
+    gltf_maker m = {0};
     add_square(&m);
-    add(&m, tangents, sizeof tangents, 4, FLOAT, "VEC4", false);
+    gltf_add(&m, tangents, sizeof tangents, 4, GLTF_FLOAT, "VEC4", false);
     const char *more = ", \"materials\": [{\"normalTexture\": {\"index\": 0}}], \"textures\": [{\"source\": 0}], "
                        "\"images\": [{\"uri\": \"" UPWARDS "\"}]";
     olx_scene *scene = load(write_model(&m, *state, square_with(", \"TANGENT\": 4"), "[{\"mesh\": 0}]", more));
@@ -524,7 +476,7 @@ static void bitangents_lie_on_the_side_that_tangents_say(void **state) {
 }
 
 static void specular_factors_count_and_what_is_ignored_is_named(void **state) {
-  maker m = {0};
+  gltf_maker m = {0};
   add_square(&m);
   olx_scene *scene = load(write_model(
       &m, *state, square_with(""), "[{\"mesh\": 0}]",
@@ -542,10 +494,10 @@ static void specular_factors_count_and_what_is_ignored_is_named(void **state) {
 static void cooked_scenes_keep_all_that_vertices_have(void **state) {
   const float colors[12] = {1, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0},
               tangents[16] = {0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, -1};
-  maker m = {0};
+  gltf_maker m = {0};
   add_square(&m);
-  add(&m, colors, sizeof colors, 4, FLOAT, "VEC3", false);
-  add(&m, tangents, sizeof tangents, 4, FLOAT, "VEC4", false);
+  gltf_add(&m, colors, sizeof colors, 4, GLTF_FLOAT, "VEC3", false);
+  gltf_add(&m, tangents, sizeof tangents, 4, GLTF_FLOAT, "VEC4", false);
   const char *model = write_model(
       &m, *state, square_with(", \"COLOR_0\": 4, \"TANGENT\": 5"), "[{\"mesh\": 0}]",
       ", \"materials\": [{\"pbrMetallicRoughness\": {\"baseColorTexture\": {\"index\": 0}}, \"normalTexture\": "
@@ -570,7 +522,7 @@ static void cooked_scenes_keep_all_that_vertices_have(void **state) {
 // ---- scenes and nodes
 
 static void the_scene_of_the_file_is_the_one_that_is_read(void **state) {
-  maker m = {0};
+  gltf_maker m = {0};
   add_square(&m);
   const char *nodes = "[{\"mesh\": 0}, {\"mesh\": 0, \"translation\": [5, 0, 0]}]";
   char *uri = scene_files_data_uri(m.bytes, m.size_bytes);
@@ -597,13 +549,13 @@ static void the_scene_of_the_file_is_the_one_that_is_read(void **state) {
 }
 
 static void nodes_may_be_nested_but_not_without_end(void **state) {
-  maker m = {0};
+  gltf_maker m = {0};
   add_square(&m);
   const int depths[2] = {200, 300};
   for (int i = 0; i < 2; ++i) {
     char nodes[16384] = "[";
-    for (int n = 0; n < depths[i]; ++n) append(nodes, sizeof nodes, "{\"children\": [%d]}, ", n + 1);
-    append(nodes, sizeof nodes, "{\"mesh\": 0}]");
+    for (int n = 0; n < depths[i]; ++n) gltf_append(nodes, sizeof nodes, "{\"children\": [%d]}, ", n + 1);
+    gltf_append(nodes, sizeof nodes, "{\"mesh\": 0}]");
     const char *path = write_model(&m, *state, square_with(""), nodes, ", \"materials\": [{}]");
     if (i == 0) olx_scene_free(load(path));
     else assert_refused(path, OLX_ERROR_FORMAT, "nested too deep");
@@ -611,7 +563,7 @@ static void nodes_may_be_nested_but_not_without_end(void **state) {
 }
 
 static void skins_and_morphs_are_warned_about(void **state) {
-  maker m = {0};
+  gltf_maker m = {0};
   add_square(&m);
   olx_scene *scene = load(
       write_model(&m, *state, "{\"attributes\": {\"POSITION\": 0}, \"indices\": 3, \"targets\": [{\"POSITION\": 0}]}",
@@ -629,7 +581,7 @@ static void buffers_lie_in_files_beside_the_model(void **state) {
       "[{\"primitives\": [{\"attributes\": {\"POSITION\": 0}, \"indices\": 3}]}], \"accessors\": [%s], "
       "\"bufferViews\": "
       "[%s], \"buffers\": [{\"byteLength\": %zu, \"uri\": \"%s\"}]}";
-  maker m = {0};
+  gltf_maker m = {0};
   char text[32768];
   add_square(&m);
   scene_folder_write(*state, "with space.bin", m.bytes, m.size_bytes);
@@ -655,7 +607,7 @@ static void extensions_that_a_file_needs_are_refused_by_name(void **state) {
   static const char *const names[] = {"KHR_draco_mesh_compression", "KHR_texture_basisu", "EXT_mesh_gpu_instancing",
                                       "ABC_unheard_of"};
   for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
-    maker m = {0};
+    gltf_maker m = {0};
     char more[128];
     add_square(&m);
     snprintf(more, sizeof more, ", \"materials\": [{}], \"extensionsRequired\": [\"%s\"]", names[i]);
@@ -664,42 +616,6 @@ static void extensions_that_a_file_needs_are_refused_by_name(void **state) {
 }
 
 // ---- EXT_meshopt_compression
-
-// A view of compressed bytes, whose plain form would lie in the second buffer.
-static uint32_t add_compressed(maker *m, const char *name, const uint8_t *code, size_t size_bytes, uint32_t count,
-                               uint32_t stride, const char *mode) {
-  m->size_bytes = (m->size_bytes + 3) & ~(size_t)3;
-  memcpy(m->bytes + m->size_bytes, code, size_bytes);
-  append(m->views, sizeof m->views,
-         "%s{\"buffer\": 1, \"byteLength\": %u, \"extensions\": {\"%s\": {\"buffer\": 0, \"byteOffset\": %zu, "
-         "\"byteLength\": %zu, \"byteStride\": %u, \"count\": %u, %s}}}",
-         m->view_count ? ", " : "", count * stride, name, m->size_bytes, size_bytes, stride, count, mode);
-  m->size_bytes += size_bytes;
-  return m->view_count++;
-}
-
-static void add_vertices(maker *m, const char *name, const void *vertices, uint32_t stride, const char *filter,
-                         const char *of, int component) {
-  uint8_t code[512];
-  char mode[96], place[160];
-  const size_t size_bytes = meshopt_encodeVertexBuffer(code, sizeof code, vertices, 4, stride);
-  snprintf(mode, sizeof mode, "\"mode\": \"ATTRIBUTES\"%s", filter);
-  snprintf(place, sizeof place, "\"bufferView\": %u, %s", add_compressed(m, name, code, size_bytes, 4, stride, mode),
-           of);
-  add_accessor(m, place, 4, component, "VEC3");
-}
-
-static void add_indices(maker *m, const char *name, bool triangles) {
-  const unsigned indices[6] = {0, 1, 2, 0, 2, 3};
-  uint8_t code[512];
-  char place[64];
-  const size_t size_bytes = triangles ? meshopt_encodeIndexBuffer(code, sizeof code, indices, 6)
-                                      : meshopt_encodeIndexSequence(code, sizeof code, indices, 6);
-  const uint32_t view = add_compressed(m, name, code, size_bytes, 6, triangles ? 2 : 4,
-                                       triangles ? "\"mode\": \"TRIANGLES\"" : "\"mode\": \"INDICES\"");
-  snprintf(place, sizeof place, "\"bufferView\": %u, ", view);
-  add_accessor(m, place, 6, triangles ? UINT16 : UINT32, "SCALAR");
-}
 
 #define COMPRESSED "{\"attributes\": {\"POSITION\": 0, \"NORMAL\": 1}, \"indices\": 2}"
 
@@ -710,12 +626,12 @@ static void compressed_views_are_decoded(void **state) {
     int8_t normals[16];
     const float up[16] = {0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0};
     char more[80];
-    maker m = {0};
+    gltf_maker m = {0};
     meshopt_encodeFilterExp(positions, 4, 12, 15, square_positions);
     meshopt_encodeFilterOct(normals, 4, 4, 8, up);
-    add_vertices(&m, names[i], positions, 12, ", \"filter\": \"EXPONENTIAL\"", "", FLOAT);
-    add_vertices(&m, names[i], normals, 4, ", \"filter\": \"OCTAHEDRAL\"", "\"normalized\": true, ", INT8);
-    add_indices(&m, names[i], i != 0);
+    gltf_add_vertices(&m, names[i], positions, 12, ", \"filter\": \"EXPONENTIAL\"", "", GLTF_FLOAT);
+    gltf_add_vertices(&m, names[i], normals, 4, ", \"filter\": \"OCTAHEDRAL\"", "\"normalized\": true, ", GLTF_INT8);
+    gltf_add_indices(&m, names[i], i != 0);
     snprintf(more, sizeof more, ", \"extensionsRequired\": [\"%s\"]", names[i]);
     olx_scene *scene = load(write_model(&m, *state, COMPRESSED, "[{\"mesh\": 0}]", more));
     assert_int_equal(scene->triangle_count, 2);
@@ -747,12 +663,12 @@ static void broken_compression_is_refused_by_its_view(void **state) {
       {5, 12, "\"mode\": \"ATTRIBUTES\"", "its meshopt data cannot be decoded", true},
   };
   for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-    maker m = {0};
+    gltf_maker m = {0};
     char of[64];
-    const uint32_t view =
-        add_compressed(&m, name, code, cases[i].cut ? 20 : size_bytes, cases[i].count, cases[i].stride, cases[i].mode);
+    const uint32_t view = gltf_add_compressed(&m, name, code, cases[i].cut ? 20 : size_bytes, cases[i].count,
+                                              cases[i].stride, cases[i].mode);
     snprintf(of, sizeof of, "\"bufferView\": %u, ", view);
-    add_accessor(&m, of, 4, FLOAT, "VEC3");
+    gltf_add_accessor(&m, of, 4, GLTF_FLOAT, "VEC3");
     assert_refused(write_model(&m, *state, "{\"attributes\": {\"POSITION\": 0}}", "[{\"mesh\": 0}]", ""),
                    OLX_ERROR_FORMAT, cases[i].message);
   }
@@ -761,21 +677,21 @@ static void broken_compression_is_refused_by_its_view(void **state) {
 static void compressed_views_share_no_bytes(void **state) {
   uint8_t code[512];
   const size_t size_bytes = meshopt_encodeVertexBuffer(code, sizeof code, square_positions, 4, 12);
-  maker m = {0};
-  add_compressed(&m, "EXT_meshopt_compression", code, size_bytes, 4, 12, "\"mode\": \"ATTRIBUTES\"");
-  append(m.views, sizeof m.views,
-         ", {\"buffer\": 1, \"byteLength\": 48, \"extensions\": {\"EXT_meshopt_compression\": {\"buffer\": 0, "
-         "\"byteLength\": %zu, \"byteStride\": 12, \"count\": 4, \"mode\": \"ATTRIBUTES\"}}}",
-         size_bytes);
-  add_accessor(&m, "\"bufferView\": 1, ", 4, FLOAT, "VEC3");
+  gltf_maker m = {0};
+  gltf_add_compressed(&m, "EXT_meshopt_compression", code, size_bytes, 4, 12, "\"mode\": \"ATTRIBUTES\"");
+  gltf_append(m.views, sizeof m.views,
+              ", {\"buffer\": 1, \"byteLength\": 48, \"extensions\": {\"EXT_meshopt_compression\": {\"buffer\": 0, "
+              "\"byteLength\": %zu, \"byteStride\": 12, \"count\": 4, \"mode\": \"ATTRIBUTES\"}}}",
+              size_bytes);
+  gltf_add_accessor(&m, "\"bufferView\": 1, ", 4, GLTF_FLOAT, "VEC3");
   assert_refused(write_model(&m, *state, "{\"attributes\": {\"POSITION\": 0}}", "[{\"mesh\": 0}]", ""),
                  OLX_ERROR_FORMAT, "bufferViews[1]: it shares its bytes with other compressed views");
 }
 
 static void fallback_buffers_are_not_read(void **state) {
-  maker m = {0};
+  gltf_maker m = {0};
   add_square(&m);
-  append(m.views, sizeof m.views, ", {\"buffer\": 1, \"byteLength\": 48}");
+  gltf_append(m.views, sizeof m.views, ", {\"buffer\": 1, \"byteLength\": 48}");
   assert_refused(write_model(&m, *state, square_with(""), "[{\"mesh\": 0}]", ", \"materials\": [{}]"), OLX_ERROR_FORMAT,
                  "bufferViews[4]: its buffer is a fallback");
 }
@@ -783,7 +699,7 @@ static void fallback_buffers_are_not_read(void **state) {
 // ---- environments
 
 static void environments_are_read_from_exr(void **state) {
-  maker m = {0};
+  gltf_maker m = {0};
   char path[600];
   olx_image image;
   add_square(&m);

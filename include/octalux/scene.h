@@ -44,9 +44,9 @@ typedef struct olx_scene_limits {
   uint64_t texels; // of all images of the scene, 4 bytes each in memory (an environment 12); default 2^29
   uint32_t
       polygon_corners; // of one polygon of an OBJ file, whose triangulation takes their square in time; default 2048
-  uint32_t materials;  // of the scene, some 36 KiB each while they are read; default 8192
-  uint32_t nodes;      // of one model: glTF nodes and primitives, or OBJ objects, groups and changes of material, some
-                       // 3 KiB each while they are read; default 32768
+  uint32_t materials;  // of the scene, some 36 KiB each while an MTL file is read; default 8192
+  uint32_t nodes;      // of one model: glTF nodes and primitives, or OBJ objects, groups and changes of material, of
+                       // which each takes some 3 KiB while it is read; default 32768
 } olx_scene_limits;
 
 typedef struct olx_scene_load_settings {

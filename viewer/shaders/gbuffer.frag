@@ -10,6 +10,8 @@ layout(location = 4) flat in vec3 along_u;
 layout(location = 5) flat in vec3 along_v;
 layout(location = 6) in vec4 color;
 layout(location = 7) in vec4 tangent;
+// Of the material, as all of a quad's pixels must know them that choose coordinates: pixels beside the triangle read no buffers.
+layout(location = 8) flat in uint flags;
 
 layout(location = 0) out vec4 out_normal;
 layout(location = 1) out vec4 out_albedo;
@@ -21,7 +23,7 @@ const float MAX_ALBEDO = 0.95, MIN_NORMAL_COSINE = 0.01, MIN_VIEW_COSINE = 1e-3,
 
 // In the tangent frame: x along increasing u, y along decreasing v.
 vec3 mapped_normal(raster_material m) {
-  vec2 uv = uv_for(m, SECOND_NORMAL, uvs);
+  vec2 uv = uv_for(flags, SECOND_NORMAL, uvs);
   if ((m.flags & NORMAL_IS_HEIGHT) == 0u) {
     vec3 n = texture(normal_texture, uv).xyz * 2.0 - 1.0;
     return vec3(n.xy * m.normal_scale, n.z);
@@ -82,11 +84,11 @@ vec3 shading_normal(raster_material m, vec3 to_eye, bool back) {
 void main() {
   raster_material m = materials[material];
   // Looked up before the mask discards pixels: levels of detail need their neighbours.
-  vec3 base_color = m.base_color_alpha.rgb * texture(base_color_texture, uv_for(m, SECOND_BASE_COLOR, uvs)).rgb;
+  vec3 base_color = m.base_color_alpha.rgb * texture(base_color_texture, uv_for(flags, SECOND_BASE_COLOR, uvs)).rgb;
   if ((m.flags & VERTEX_COLORS) != 0u) base_color *= color.rgb;
-  vec3 emission = m.emission_cutoff.rgb * texture(emission_texture, uv_for(m, SECOND_EMISSION, uvs)).rgb;
+  vec3 emission = m.emission_cutoff.rgb * texture(emission_texture, uv_for(flags, SECOND_EMISSION, uvs)).rgb;
   vec2 roughness_metallic =
-      texture(metallic_roughness_texture, uv_for(m, SECOND_METALLIC_ROUGHNESS, uvs)).gb;
+      texture(metallic_roughness_texture, uv_for(flags, SECOND_METALLIC_ROUGHNESS, uvs)).gb;
   vec3 to_eye = normalize(eye - position);
   bool back = dot(outward, to_eye) < 0.0;
   vec3 n = shading_normal(m, to_eye, back);

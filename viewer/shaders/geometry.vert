@@ -10,6 +10,7 @@ layout(location = 4) flat out vec3 along_u; // zero where texture coordinates sp
 layout(location = 5) flat out vec3 along_v;
 layout(location = 6) out vec4 color;
 layout(location = 7) out vec4 tangent;
+layout(location = 8) flat out uint flags; // of the material
 
 vec2 uv_of(raster_vertex v) { return vec2(v.position_u.w, v.normal_v.w); }
 
@@ -46,6 +47,7 @@ void main() {
   raster_rare more = rare_of(m, indices[gl_VertexIndex], uv_of(own));
   uvs = vec4(uv_of(own), more.second_uv.xy);
   color = more.color;
+  flags = m.flags;
   tangent = vec4(place_direction(more.tangent.xyz), more.tangent.w);
   gl_Position = world_to_clip * vec4(position, 1.0);
 }

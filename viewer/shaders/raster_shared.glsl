@@ -57,15 +57,15 @@ raster_rare rare_of(raster_material m, uint vertex, vec2 uv) {
 }
 
 // xy: the coordinates of most textures, zw: those of the others.
-vec2 uv_for(raster_material m, uint second, vec4 uvs) { return (m.flags & second) != 0u ? uvs.zw : uvs.xy; }
+vec2 uv_for(uint flags, uint second, vec4 uvs) { return (flags & second) != 0u ? uvs.zw : uvs.xy; }
 
 // Whether the surface is there. The mask is read at its finest level: coarser ones would thin out leaves with distance.
 bool mask_present(raster_material m, vec4 uvs, float vertex_alpha) {
   float cutoff = m.emission_cutoff.a;
   if (cutoff <= 0.0) return true;
   float alpha = m.base_color_alpha.a * vertex_alpha;
-  alpha *= textureLod(base_color_texture, uv_for(m, SECOND_BASE_COLOR, uvs), 0.0).a;
-  if ((m.flags & ALPHA_MAP) != 0u) alpha *= textureLod(alpha_texture, uv_for(m, SECOND_ALPHA, uvs), 0.0).r;
+  alpha *= textureLod(base_color_texture, uv_for(m.flags, SECOND_BASE_COLOR, uvs), 0.0).a;
+  if ((m.flags & ALPHA_MAP) != 0u) alpha *= textureLod(alpha_texture, uv_for(m.flags, SECOND_ALPHA, uvs), 0.0).r;
   return alpha >= cutoff;
 }
 

@@ -1,3 +1,5 @@
+// A glTF file is made of arrays that are put behind each other into one buffer; the JSON that names them grows
+// beside it.
 #include "gltf_maker.h"
 
 #include "scene_files.h"

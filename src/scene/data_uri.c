@@ -1,3 +1,5 @@
+// Decoding base64 as data: URIs of models have it: digits of both alphabets, with or without padding.
+// Anything else in the text makes it no data.
 #include "scene/data_uri.h"
 
 #include "core/hooks.h"

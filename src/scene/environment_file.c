@@ -1,3 +1,5 @@
+// An environment is the plain channels R, G and B of an OpenEXR image, whichever of its other channels
+// and layers there are; half floats become floats.
 #include "scene/environment_file.h"
 
 #include "core/hooks.h"

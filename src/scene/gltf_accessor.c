@@ -1,3 +1,5 @@
+// Accessors are checked against their views once, so that reading them needs no checks: only indices of sparse
+// elements are looked at again.
 #include "scene/gltf_accessor.h"
 
 #include "core/hooks.h"

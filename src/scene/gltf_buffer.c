@@ -1,3 +1,5 @@
+// Buffers are mapped where they are files and decoded where they are data: URIs; views are pieces of them.
+// Nothing is copied but what is compressed.
 #include "scene/gltf_buffer.h"
 
 #include "core/hooks.h"

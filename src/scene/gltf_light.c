@@ -1,3 +1,5 @@
+// A glTF node that carries a camera or a light looks along its -z, up along its y. Photometric numbers of lights are
+// taken for radiometric ones, one to one.
 #include "scene/gltf_light.h"
 
 #include "core/result.h"

@@ -1,3 +1,5 @@
+// The metallic-roughness model is ours; what extensions add to it is taken where our materials have it, and else
+// named in a warning.
 #include "scene/gltf_material.h"
 
 #include "core/result.h"
@@ -73,12 +75,12 @@ static void read_alpha(const material_reader *r, const cJSON *element, float alp
 
 static void read_specular(const material_reader *r, const cJSON *element) {
   const cJSON *specular = olx_gltf_extension(element, "KHR_materials_specular");
-  static const char *const ignored[] = {"specularTexture", "specularColorFactor", "specularColorTexture"};
+  const olx_vec3 color = color_of(specular, "specularColorFactor", 1.0f);
+  const bool textured =
+      olx_json_member(specular, "specularTexture") || olx_json_member(specular, "specularColorTexture");
   r->material->specular_weight = olx_clamp(number_of(specular, "specularFactor", 1.0f), 0.0f, 1.0f);
-  for (size_t i = 0; i < sizeof ignored / sizeof *ignored; ++i) {
-    if (!olx_json_member(specular, ignored[i])) continue;
+  if (textured || color.x != 1.0f || color.y != 1.0f || color.z != 1.0f) {
     olx_name_list_add(&r->import->half_specular, r->material->name);
-    return;
   }
 }
 

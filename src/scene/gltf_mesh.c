@@ -1,3 +1,5 @@
+// A primitive is read anew for each node that has it, straight into arrays in the scene's space. Its material says
+// which attributes are wanted.
 #include "scene/gltf_mesh.h"
 
 #include "core/hooks.h"
@@ -7,6 +9,9 @@
 
 #include <stdio.h>
 #include <string.h>
+
+// Every instance of a primitive looks through its attributes.
+#define MOST_ATTRIBUTES 256
 
 enum { MODE_POINTS, MODE_LINES, MODE_LOOP, MODE_LINE_STRIP, MODE_TRIANGLES, MODE_STRIP, MODE_FAN, MODES };
 
@@ -96,6 +101,9 @@ static olx_result check_primitive(const olx_gltf *gltf, uint32_t mesh, const cJS
     return olx_gltf_fail(gltf, "meshes", mesh, "its material does not exist");
   }
   if (!cJSON_IsObject(attributes)) return olx_gltf_fail(gltf, "meshes", mesh, "it has no attributes");
+  if (cJSON_GetArraySize(attributes) > MOST_ATTRIBUTES) {
+    return olx_gltf_fail(gltf, "meshes", mesh, "a primitive has more than 256 attributes");
+  }
   cJSON_ArrayForEach(attribute, attributes) OLX_TRY(check_attribute(gltf, mesh, attribute));
   OLX_TRY(check_indices(gltf, mesh, primitive));
   return check_mode(gltf, mesh, primitive);
@@ -123,7 +131,8 @@ uint64_t olx_gltf_mesh_triangles(const olx_gltf *gltf, uint32_t mesh) {
     uint64_t mode;
     olx_json_size(primitive, "mode", MODE_TRIANGLES, &mode);
     const uint64_t triangles = mode > MODE_TRIANGLES && corners > 2 ? corners - 2 : corners / 3;
-    all += triangles > vertices ? triangles : vertices;
+    const uint64_t cost = triangles > vertices ? triangles : vertices;
+    all += cost ? cost : 1;
   }
   return all;
 }

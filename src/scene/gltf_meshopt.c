@@ -1,3 +1,5 @@
+// Compressed views are checked for what they promise before memory is spent on them, and decoded by meshoptimizer,
+// which is safe on hostile streams.
 #include "scene/gltf_meshopt.h"
 
 #include "core/hooks.h"

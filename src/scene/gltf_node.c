@@ -1,3 +1,5 @@
+// That nodes form trees of bounded depth is checked from the children up, before anything walks down them by
+// recursion.
 #include "scene/gltf_node.h"
 
 #include "core/hooks.h"

@@ -1,3 +1,5 @@
+// Textures of materials: transforms of their coordinates, which vertices take on at import, and images in files, views
+// and URIs.
 #include "scene/gltf_texture.h"
 
 #include "core/hooks.h"

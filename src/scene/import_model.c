@@ -1,3 +1,5 @@
+// Which importer reads a model is told by its name; what importers note about vertices and triangles becomes
+// warnings here.
 #include "scene/import_model.h"
 
 #include "core/result.h"

@@ -696,6 +696,57 @@ static void fallback_buffers_are_not_read(void **state) {
                  "bufferViews[4]: its buffer is a fallback");
 }
 
+// ---- without memory
+
+static long allocations_left;
+
+static void *allocate_some(void *user, size_t size_bytes) {
+  (void)user;
+  return allocations_left-- > 0 ? aligned_alloc(64, (size_bytes + 63) & ~(size_t)63) : NULL;
+}
+
+static void release_some(void *user, void *memory) {
+  (void)user;
+  free(memory);
+}
+
+static void discard_message(void *user, olx_log_level level, const char *message) {
+  (void)user, (void)level, (void)message;
+}
+
+// A file with a bit of everything, wherever memory ends while it is loaded.
+static void files_are_refused_when_memory_ends(void **state) {
+  const float colors[12] = {1, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0},
+              tangents[16] = {0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+  gltf_maker m = {0};
+  add_square(&m);
+  gltf_add(&m, colors, sizeof colors, 4, GLTF_FLOAT, "VEC3", false);
+  gltf_add(&m, tangents, sizeof tangents, 4, GLTF_FLOAT, "VEC4", false);
+  gltf_add_indices(&m, "EXT_meshopt_compression", true);
+  const char *path = write_model(
+      &m, *state,
+      "{\"attributes\": {\"POSITION\": 0, \"NORMAL\": 1, \"TEXCOORD_0\": 2, \"COLOR_0\": 4, \"TANGENT\": 5}, "
+      "\"indices\": 6, "
+      "\"material\": 0}, {\"attributes\": {\"POSITION\": 0}, \"indices\": 3}",
+      "[{\"mesh\": 0}]",
+      ", \"materials\": [{\"pbrMetallicRoughness\": {\"baseColorTexture\": {\"index\": 0}}, \"normalTexture\": "
+      "{\"index\": "
+      "0" TRANSFORM("\"scale\": [2, 2]") "}}], \"textures\": [{\"source\": 0}], \"images\": [{\"uri\": \"" FOUR_COLORS
+                                         "\"}]");
+  olx_set_hooks(&(olx_hooks){.allocate = allocate_some, .release = release_some, .log = discard_message});
+  uint32_t refused = 0;
+  olx_result result = OLX_ERROR_MEMORY;
+  for (; result == OLX_ERROR_MEMORY && refused < 1000; ++refused) {
+    olx_scene *scene = NULL;
+    allocations_left = refused;
+    result = olx_scene_load(path, &scene);
+    olx_scene_free(scene);
+  }
+  olx_set_hooks(&(olx_hooks){.log = discard_message});
+  assert_int_equal(result, OLX_OK);
+  assert_true(refused > 30);
+}
+
 // ---- environments
 
 static void environments_are_read_from_exr(void **state) {
@@ -760,6 +811,7 @@ int main(void) {
       WITH_FOLDER(broken_compression_is_refused_by_its_view),
       WITH_FOLDER(compressed_views_share_no_bytes),
       WITH_FOLDER(fallback_buffers_are_not_read),
+      WITH_FOLDER(files_are_refused_when_memory_ends),
       WITH_FOLDER(environments_are_read_from_exr),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -130,7 +130,7 @@ static olx_result check_asset(const olx_gltf *gltf) {
 static olx_result collect(const olx_gltf *gltf, const cJSON *parent, const char *key, olx_gltf_list *list) {
   const cJSON *array = olx_json_member(parent, key), *element = NULL;
   if (array && !cJSON_IsArray(array)) return olx_fail(OLX_ERROR_FORMAT, "%s: %s: not an array", gltf->path, key);
-  list->elements = olx_allocate((size_t)cJSON_GetArraySize(array), sizeof *list->elements);
+  list->elements = olx_allocate((size_t)cJSON_GetArraySize(array), sizeof(const cJSON *));
   if (!list->elements) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", gltf->path);
   cJSON_ArrayForEach(element, array) {
     if (!cJSON_IsObject(element)) return olx_gltf_fail(gltf, key, list->count, "not an object");
@@ -162,13 +162,14 @@ olx_result olx_gltf_open(const char *path, olx_scene *scene, olx_gltf *gltf) {
 }
 
 void olx_gltf_close(olx_gltf *gltf) {
-  olx_gltf_list *const lists[] = {&gltf->buffers,  &gltf->views,   &gltf->accessors, &gltf->materials,
-                                  &gltf->meshes,   &gltf->nodes,   &gltf->scenes,    &gltf->images,
-                                  &gltf->textures, &gltf->cameras, &gltf->lights};
+  void *const lists[] = {gltf->buffers.elements,   gltf->views.elements,  gltf->accessors.elements,
+                         gltf->materials.elements, gltf->meshes.elements, gltf->nodes.elements,
+                         gltf->scenes.elements,    gltf->images.elements, gltf->textures.elements,
+                         gltf->cameras.elements,   gltf->lights.elements};
   olx_gltf_release_images(gltf);
   olx_release(gltf->accessor_data);
   olx_gltf_release_buffers(gltf);
-  for (size_t i = 0; i < sizeof lists / sizeof *lists; ++i) olx_release(lists[i]->elements);
+  for (size_t i = 0; i < sizeof lists / sizeof *lists; ++i) olx_release(lists[i]);
   cJSON_Delete(gltf->root);
   olx_unmap_file(&gltf->file);
 }

@@ -91,13 +91,17 @@ static olx_result read_scenes(const olx_gltf *gltf, uint32_t *parents, olx_gltf_
   return OLX_OK;
 }
 
+static olx_result find_roots(const olx_gltf *gltf, uint32_t *parents, olx_gltf_roots *roots) {
+  OLX_TRY(find_parents(gltf, parents));
+  OLX_TRY(read_scenes(gltf, parents, roots));
+  return check_depths(gltf, parents);
+}
+
 olx_result olx_gltf_find_roots(const olx_gltf *gltf, olx_gltf_roots *roots) {
   uint32_t *parents = olx_allocate(gltf->nodes.count, sizeof *parents);
   *roots = (olx_gltf_roots){.nodes = olx_allocate(gltf->nodes.count, sizeof *roots->nodes)};
-  olx_result result = parents && roots->nodes ? find_parents(gltf, parents)
-                                              : olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", gltf->path);
-  if (result == OLX_OK) result = read_scenes(gltf, parents, roots);
-  if (result == OLX_OK) result = check_depths(gltf, parents);
+  const olx_result result = parents && roots->nodes ? find_roots(gltf, parents, roots)
+                                                    : olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", gltf->path);
   olx_release(parents);
   return result;
 }

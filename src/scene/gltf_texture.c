@@ -38,9 +38,15 @@ olx_gltf_placement olx_gltf_read_placement(const cJSON *info) {
   return place;
 }
 
+static bool same_placement(const olx_gltf_placement *a, const olx_gltf_placement *b) {
+  bool same = a->set == b->set;
+  for (int i = 0; i < 6; ++i) same = same && a->rows[i / 3][i % 3] == b->rows[i / 3][i % 3];
+  return same;
+}
+
 bool olx_gltf_find_placement(olx_gltf_placements *placements, const olx_gltf_placement *place, uint32_t *number) {
   for (*number = 0; *number < placements->count; ++*number) {
-    if (memcmp(&placements->places[*number], place, sizeof *place) == 0) return true;
+    if (same_placement(&placements->places[*number], place)) return true;
   }
   if (placements->count == 2) return false;
   placements->places[placements->count++] = *place;
@@ -82,7 +88,7 @@ static olx_result request_image(olx_gltf *gltf, olx_material_import *import, uin
   const cJSON *element = gltf->images.elements[image];
   const char *uri = olx_json_text(element, "uri");
   uint32_t view;
-  olx_gltf_bytes bytes;
+  olx_gltf_bytes bytes = {NULL, 0};
   if (uri[0] && !olx_is_data_uri(uri)) return olx_import_texture_file(import, uri, use, number);
   if (uri[0]) {
     OLX_TRY(decode_image(gltf, image, uri, &bytes));

@@ -33,17 +33,23 @@ typedef struct olx_place_uvs {
   olx_vec2 first, second;
 } olx_place_uvs;
 
-static olx_place_uvs uvs_at(const olx_scene *scene, const olx_corners *corners, float u, float v) {
-  const olx_vec2 first = interpolate_uv(scene->uvs, corners, u, v);
-  return (olx_place_uvs){first, scene->second_uvs ? interpolate_uv(scene->second_uvs, corners, u, v) : first};
+static inline olx_place_uvs uvs_at(const olx_scene *scene, const olx_material *material, const olx_corners *corners,
+                                   float u, float v) {
+  const uint32_t textures = material->base_color_texture & material->alpha_texture & material->emission_texture &
+                            material->metallic_roughness_texture & material->normal_texture;
+  olx_place_uvs uvs = {{0.0f, 0.0f}, {0.0f, 0.0f}};
+  if (textures == OLX_NO_TEXTURE) return uvs; // all of them are none
+  uvs.first = interpolate_uv(scene->uvs, corners, u, v);
+  if (material->second_uvs) uvs.second = interpolate_uv(scene->second_uvs, corners, u, v);
+  return uvs;
 }
 
-static olx_vec2 uv_for(const olx_material *material, olx_texture_slot slot, const olx_place_uvs *uvs) {
-  return material->second_uvs & slot ? uvs->second : uvs->first;
+static olx_vec2 uv_for(const olx_material *material, olx_texture_slot slot, olx_place_uvs uvs) {
+  return material->second_uvs & slot ? uvs.second : uvs.first;
 }
 
 static olx_texel look_up(const olx_scene *scene, const olx_material *material, uint32_t texture, olx_texture_slot slot,
-                         const olx_place_uvs *uvs) {
+                         olx_place_uvs uvs) {
   return olx_texture_sample(&scene->textures[texture], uv_for(material, slot, uvs));
 }
 
@@ -55,11 +61,12 @@ static olx_vec4 interpolate_four(const olx_vec4 *numbers, const olx_corners *cor
                     a.w * w + b.w * u + c.w * v};
 }
 
-static olx_vec3 tint(const olx_scene *scene, const olx_material *material, const olx_corners *corners, float u, float v,
-                     olx_vec3 color) {
-  if (!material->vertex_colors) return color;
+// What multiplies a base colour between the corners.
+static olx_vec3 tint_at(const olx_scene *scene, const olx_material *material, const olx_corners *corners, float u,
+                        float v) {
+  if (!material->vertex_colors) return olx_splat(1.0f);
   const olx_vec4 c = interpolate_four(scene->colors, corners, u, v);
-  return olx_mul(color, olx_v3(c.x, c.y, c.z));
+  return olx_v3(c.x, c.y, c.z);
 }
 
 static float largest_coordinate(olx_vec3 p) { return olx_max3(olx_v3(fabsf(p.x), fabsf(p.y), fabsf(p.z))); }
@@ -80,28 +87,28 @@ bool olx_surface_present(const olx_scene *scene, uint32_t triangle, float u, flo
   const olx_material *material = &scene->materials[scene->material_index[triangle]];
   if (material->alpha_cutoff <= 0.0f) return true;
   const olx_corners corners = corners_of(scene, triangle);
-  const olx_place_uvs uvs = uvs_at(scene, &corners, u, v);
+  const olx_place_uvs uvs = uvs_at(scene, material, &corners, u, v);
   float alpha = material->alpha;
   if (has_texture(material->base_color_texture)) {
-    alpha *= look_up(scene, material, material->base_color_texture, OLX_SLOT_BASE_COLOR, &uvs).alpha;
+    alpha *= look_up(scene, material, material->base_color_texture, OLX_SLOT_BASE_COLOR, uvs).alpha;
   }
   if (has_texture(material->alpha_texture)) {
-    alpha *= look_up(scene, material, material->alpha_texture, OLX_SLOT_ALPHA, &uvs).color.x;
+    alpha *= look_up(scene, material, material->alpha_texture, OLX_SLOT_ALPHA, uvs).color.x;
   }
   if (scene->colors) alpha *= interpolate_four(scene->colors, &corners, u, v).w;
   return alpha >= material->alpha_cutoff;
 }
 
-static olx_vec3 emission_at_uvs(const olx_scene *scene, const olx_material *material, const olx_place_uvs *uvs) {
+static olx_vec3 emission_at_uvs(const olx_scene *scene, const olx_material *material, olx_place_uvs uvs) {
   if (!has_texture(material->emission_texture)) return material->emission;
   return olx_mul(material->emission,
                  look_up(scene, material, material->emission_texture, OLX_SLOT_EMISSION, uvs).color);
 }
 
 olx_vec3 olx_surface_emission(const olx_scene *scene, uint32_t triangle, float u, float v) {
+  const olx_material *material = &scene->materials[scene->material_index[triangle]];
   const olx_corners corners = corners_of(scene, triangle);
-  const olx_place_uvs uvs = uvs_at(scene, &corners, u, v);
-  return emission_at_uvs(scene, &scene->materials[scene->material_index[triangle]], &uvs);
+  return emission_at_uvs(scene, material, uvs_at(scene, material, &corners, u, v));
 }
 
 // The normal that a normal or height map holds, in the tangent frame: x along increasing u, y along decreasing v.
@@ -158,7 +165,7 @@ static bool frame_by_tangents(const olx_scene *scene, const olx_corners *c, floa
 
 // Bend `normal` by the normal map. Where neither tangents nor texture coordinates give a frame it stays as it is.
 static olx_vec3 bend_normal(const olx_scene *scene, const olx_material *material, const olx_corners *c, float u,
-                            float v, const olx_place_uvs *uvs, olx_vec3 normal) {
+                            float v, olx_place_uvs uvs, olx_vec3 normal) {
   tangent_frame frame;
   if (!frame_by_tangents(scene, c, u, v, normal, &frame) && !frame_by_uvs(scene, material, c, normal, &frame)) {
     return normal;
@@ -188,7 +195,7 @@ static olx_vec3 face(olx_vec3 n, olx_vec3 outward, bool back_face) {
 }
 
 static olx_vec3 shading_normal(const olx_scene *scene, const olx_material *material, const olx_corners *c, float u,
-                               float v, const olx_place_uvs *uvs, olx_vec3 outward, bool back_face) {
+                               float v, olx_place_uvs uvs, olx_vec3 outward, bool back_face) {
   olx_vec3 n = vertex_normal(scene, c, u, v, outward);
   if (has_texture(material->normal_texture)) n = bend_normal(scene, material, c, u, v, uvs, n);
   return face(n, outward, back_face);
@@ -201,10 +208,10 @@ olx_vec3 olx_surface_vertex_normal(const olx_scene *scene, const olx_ray_hit *hi
   return face(vertex_normal(scene, &c, hit->u, hit->v, outward), outward, surface->back_face);
 }
 
-// The base colour between the corners, clamped.
-static olx_vec3 base_color_at(const olx_scene *scene, const olx_material *material, const olx_corners *c, float u,
-                              float v, const olx_place_uvs *uvs) {
-  olx_vec3 base_color = tint(scene, material, c, u, v, material->base_color);
+// The base colour at a place whose vertices multiply it by `tint`, clamped.
+static inline olx_vec3 base_color_at(const olx_scene *scene, const olx_material *material, olx_place_uvs uvs,
+                                     olx_vec3 tint) {
+  olx_vec3 base_color = olx_mul(material->base_color, tint);
   if (has_texture(material->base_color_texture)) {
     base_color =
         olx_mul(base_color, look_up(scene, material, material->base_color_texture, OLX_SLOT_BASE_COLOR, uvs).color);
@@ -212,9 +219,9 @@ static olx_vec3 base_color_at(const olx_scene *scene, const olx_material *materi
   return olx_min_each(base_color, olx_splat(OLX_MAX_ALBEDO));
 }
 
-static void look_up_material(const olx_scene *scene, const olx_material *material, const olx_corners *c, float u,
-                             float v, const olx_place_uvs *uvs, olx_surface *surface) {
-  const olx_vec3 base_color = base_color_at(scene, material, c, u, v, uvs);
+static void look_up_material(const olx_scene *scene, const olx_material *material, olx_place_uvs uvs, olx_vec3 tint,
+                             olx_surface *surface) {
+  const olx_vec3 base_color = base_color_at(scene, material, uvs, tint);
   float metallic = material->metallic, roughness = material->roughness;
   if (has_texture(material->metallic_roughness_texture)) {
     const olx_vec3 t =
@@ -252,8 +259,8 @@ bool olx_surface_albedo(const olx_scene *scene, const olx_ray_hit *hit, const ol
     return false;
   }
   const olx_corners c = corners_of(scene, hit->triangle);
-  const olx_place_uvs uvs = uvs_at(scene, &c, hit->u, hit->v);
-  *albedo = base_color_at(scene, material, &c, hit->u, hit->v, &uvs);
+  const olx_place_uvs uvs = uvs_at(scene, material, &c, hit->u, hit->v);
+  *albedo = base_color_at(scene, material, uvs, tint_at(scene, material, &c, hit->u, hit->v));
   return true;
 }
 
@@ -263,7 +270,7 @@ olx_surface olx_surface_near(const olx_scene *scene, const olx_ray_hit *hit, olx
   const olx_corners c = corners_of(scene, hit->triangle);
   const uint32_t material_index = scene->material_index[hit->triangle];
   const olx_material *material = &scene->materials[material_index];
-  const olx_place_uvs uvs = uvs_at(scene, &c, hit->u, hit->v);
+  const olx_place_uvs uvs = uvs_at(scene, material, &c, hit->u, hit->v);
   olx_vec3 outward;
   if (again) {
     outward = previous->back_face ? olx_negate(previous->geometric_normal) : previous->geometric_normal;
@@ -274,7 +281,7 @@ olx_surface olx_surface_near(const olx_scene *scene, const olx_ray_hit *hit, olx
   olx_surface surface = {
       .position = interpolate(c.p0, c.p1, c.p2, hit->u, hit->v),
       .geometric_normal = back_face ? olx_negate(outward) : outward,
-      .shading_normal = shading_normal(scene, material, &c, hit->u, hit->v, &uvs, outward, back_face),
+      .shading_normal = shading_normal(scene, material, &c, hit->u, hit->v, uvs, outward, back_face),
       .back_face = back_face,
       .epsilon = again ? previous->epsilon : olx_surface_epsilon(scene, hit->triangle),
       .triangle = hit->triangle,
@@ -288,7 +295,7 @@ olx_surface olx_surface_near(const olx_scene *scene, const olx_ray_hit *hit, olx
     surface.roughness = previous->roughness;
     surface.emission = previous->emission;
   } else {
-    look_up_material(scene, material, &c, hit->u, hit->v, &uvs, &surface);
+    look_up_material(scene, material, uvs, tint_at(scene, material, &c, hit->u, hit->v), &surface);
   }
   if (olx_max3(surface.emission) > 0.0f) surface.area_pdf = olx_emitters_area_pdf(scene, hit->triangle);
   return surface;

@@ -24,6 +24,9 @@ static bool write_array(const char *folder, const char *name, const void *data, 
 }
 
 static bool write_arrays(const char *folder, const olx_scene_content *c) {
+  if (c->colors || c->second_uvs || c->tangents) {
+    fputs("scene_arrays: colours, second texture coordinates and tangents of vertices are left out\n", stderr);
+  }
   bool good = write_array(folder, "positions.f32", c->positions, sizeof *c->positions, c->vertex_count) &&
               write_array(folder, "normals.f32", c->normals, sizeof *c->normals, c->vertex_count) &&
               write_array(folder, "uvs.f32", c->uvs, sizeof *c->uvs, c->vertex_count) &&

@@ -27,9 +27,9 @@ if(BUILD_SHARED_LIBS)
   set(OLX_BAKE_PC_REQUIRES "Requires: octalux")
   set(OLX_BAKE_PC_LIBS "-L\${libdir} -loctalux-bake")
 else()
-  # The static runtime, because the shared one does not show what the baker uses of it. Embree 3 has no pkg-config file.
+  # The static runtime, because the shared one does not show what the baker uses of it. Embree 3 and meshoptimizer have no pkg-config files.
   set(OLX_BAKE_PC_REQUIRES "Requires: assimp libcjson qhull_r OpenEXR zlib")
-  set(OLX_BAKE_PC_LIBS "\${libdir}/liboctalux-bake.a \${libdir}/liboctalux.a -lembree3 -lm -pthread")
+  set(OLX_BAKE_PC_LIBS "\${libdir}/liboctalux-bake.a \${libdir}/liboctalux.a -lembree3 -lmeshoptimizer -lm -pthread")
 endif()
 foreach(package octalux octalux-bake)
   configure_file(${CMAKE_CURRENT_LIST_DIR}/${package}.pc.in ${PROJECT_BINARY_DIR}/${package}.pc @ONLY)

@@ -8,9 +8,11 @@
 #define MOST_BYTES ((size_t)1 << 30)
 
 static atomic_long held;
+static atomic_size_t asked;
 
 static void *counted_allocate(void *user, size_t size_bytes) {
   (void)user;
+  atomic_fetch_add(&asked, size_bytes);
   if (size_bytes > MOST_BYTES) return NULL;
   void *memory = aligned_alloc(64, (size_bytes + 63) & ~(size_t)63);
   if (memory) atomic_fetch_add(&held, 1);
@@ -32,3 +34,5 @@ void counted_memory_begin(void) {
 }
 
 long counted_memory_held(void) { return atomic_load(&held); }
+
+size_t counted_memory_asked(void) { return atomic_exchange(&asked, 0); }

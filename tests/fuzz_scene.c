@@ -1,16 +1,19 @@
-// Hostile scene files: fuzz_scene COUNT [SEED] loads COUNT mutated descriptions, OBJ, MTL, glTF, GLB and image files.
-// Each must become a scene whose numbers are in order, or be refused with a message. Files are made from (seed, round)
-// alone, so a failure can be had again; rounds run in a child, so that a crash inside Assimp is counted and the run
-// goes on. Crashes, hangs and leaks of our own code fail it.
+// Hostile scene files: fuzz_scene COUNT [SEED [PART]] loads COUNT mutated descriptions, OBJ, MTL, glTF, GLB and image files, or
+// those alone whose names contain PART, such as ".gl". Each must become a scene whose numbers are in order, or be refused with a
+// message, within seconds and without memory out of proportion. Files are made from (seed, round) alone, so a failure can
+// be had again; rounds run in a child, so that a crash inside Assimp is counted and the run goes on. Crashes, hangs and leaks of our
+// own code fail it.
 #include "core/hooks.h"
 #include "core/sampling.h"
 #include "counted_memory.h"
+#include "gltf_maker.h"
 #include "processor_alarm.h"
 #include "scene/surface.h"
 #include "scene_files.h"
 
 #include <execinfo.h>
 #include <fcntl.h>
+#include <meshoptimizer.h>
 #include <signal.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -23,10 +26,14 @@
 #include <unistd.h>
 
 #define BATCH 50u
-#define SECONDS_A_FILE 20u
+#define SECONDS_A_FILE 5u
+// Images of some 100 bytes may have 16384 texels a byte, an environment twelve bytes a texel and as much again to sample it.
+#define MOST_BYTES_A_FILE ((size_t)64 << 20)
 #define MAX_FILE_BYTES 65536u
 typedef struct shared_state {
   atomic_uint round, loaded, refused;
+  atomic_size_t most_bytes; // that one file asked for
+  char part[32];            // of the names of the files that are mutated
 } shared_state;
 
 // ---- the files that mutations start from
@@ -37,7 +44,7 @@ typedef struct seed_file {
   size_t size_bytes;
 } seed_file;
 
-enum { SEED_COUNT = 7 };
+enum { SEED_COUNT = 11 };
 
 static const char description_text[] =
     "{\"model\": \"square.obj\", \"scale\": 1.5, \"models\": [{\"path\": \"square.gltf\", \"scale\": 2, \"translate\": "
@@ -99,6 +106,76 @@ static seed_file text_seed(const char *name, const char *opened, const char *tex
   return (seed_file){.name = name, .opened = opened, .bytes = (uint8_t *)strdup(text), .size_bytes = strlen(text)};
 }
 
+static const float square_positions[12] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
+
+// Quantised, sparse and interleaved vertices with everything that a vertex can have, strips and fans.
+static void make_rich(gltf_maker *m) {
+  const int16_t corners[16] = {0, 0, 0, 0, 1000, 0, 0, 0, 1000, 1000, 0, 0, 0, 1000, 0, 0};
+  const int8_t normals[16] = {0, 0, 127, 0, 0, 0, 127, 0, 0, 0, 127, 0, 0, 0, 127, 0};
+  const uint16_t uvs[8] = {0, 65535, 65535, 65535, 65535, 0, 0, 0}, moved = 2;
+  const uint8_t colors[16] = {255, 0, 0, 255, 255, 255, 0, 255, 0, 255, 0, 128, 0, 0, 255, 255},
+                strip[4] = {0, 1, 3, 2};
+  const float tangents[16] = {1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, -1}, corner[3] = {2, 2, 1};
+  gltf_add_view(m, corners, sizeof corners, ", \"byteStride\": 8");
+  gltf_add_view(m, normals, sizeof normals, ", \"byteStride\": 4");
+  gltf_add_accessor(m, "\"bufferView\": 0, ", 4, GLTF_INT16, "VEC3");
+  gltf_add_accessor(m, "\"bufferView\": 1, \"normalized\": true, ", 4, GLTF_INT8, "VEC3");
+  gltf_add(m, uvs, sizeof uvs, 4, GLTF_UINT16, "VEC2", true);
+  gltf_add(m, colors, sizeof colors, 4, GLTF_UINT8, "VEC4", true);
+  gltf_add(m, tangents, sizeof tangents, 4, GLTF_FLOAT, "VEC4", false);
+  gltf_add(m, strip, sizeof strip, 4, GLTF_UINT8, "SCALAR", false);
+  gltf_add(m, square_positions, sizeof square_positions, 4, GLTF_FLOAT, "VEC3", false);
+  gltf_add_view(m, &moved, sizeof moved, "");
+  gltf_add_view(m, corner, sizeof corner, "");
+  gltf_add_accessor(m,
+                    "\"bufferView\": 6, \"sparse\": {\"count\": 1, \"indices\": {\"bufferView\": 7, "
+                    "\"componentType\": 5123}, \"values\": {\"bufferView\": 8}}, ",
+                    4, GLTF_FLOAT, "VEC3");
+}
+
+static const char rich_primitives[] =
+    "{\"attributes\": {\"POSITION\": 0, \"NORMAL\": 1, \"TEXCOORD_0\": 2, \"TEXCOORD_1\": 2, \"COLOR_0\": 3, "
+    "\"TANGENT\": 4}, \"indices\": 5, \"mode\": 5, \"material\": 0}, {\"attributes\": {\"POSITION\": 7}, \"mode\": 6}";
+static const char rich_nodes[] = "[{\"children\": [1], \"scale\": [0.001, 0.001, 0.001]}, {\"mesh\": 0, \"skin\": 0}]";
+static const char rich_more[] =
+    ", \"scene\": 0, \"materials\": [{\"alphaMode\": \"MASK\", \"pbrMetallicRoughness\": {\"baseColorTexture\": "
+    "{\"index\": "
+    "0}}, \"normalTexture\": {\"index\": 0, \"texCoord\": 1, \"extensions\": {\"KHR_texture_transform\": {\"offset\": "
+    "[0.5, "
+    "0], \"rotation\": 1, \"scale\": [2, 3], \"texCoord\": 1}}}, \"emissiveTexture\": {\"index\": 0}, "
+    "\"emissiveFactor\": [1, "
+    "1, 1]}], \"textures\": [{\"source\": 0}], \"images\": [{\"uri\": "
+    "\"data:image/png;base64,AAACAAAAAAAAAAAAAgACACAoAAD//wD/AP//AAD/////AA==\"}], \"extensionsUsed\": "
+    "[\"KHR_mesh_quantization\", \"KHR_texture_transform\"]";
+
+static void make_packed(gltf_maker *m) {
+  const char *name = "EXT_meshopt_compression";
+  const float up[16] = {0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0};
+  float positions[12];
+  int8_t normals[16];
+  meshopt_encodeFilterExp(positions, 4, 12, 15, square_positions);
+  meshopt_encodeFilterOct(normals, 4, 4, 8, up);
+  gltf_add_vertices(m, name, positions, 12, ", \"filter\": \"EXPONENTIAL\"", "", GLTF_FLOAT);
+  gltf_add_vertices(m, name, normals, 4, ", \"filter\": \"OCTAHEDRAL\"", "\"normalized\": true, ", GLTF_INT8);
+  gltf_add_indices(m, name, true);
+  gltf_add_indices(m, name, false);
+}
+
+static const char packed_primitives[] = "{\"attributes\": {\"POSITION\": 0, \"NORMAL\": 1}, \"indices\": 2}, "
+                                        "{\"attributes\": {\"POSITION\": 0}, \"indices\": 3}";
+
+// Two seeds of a made file: as text and as .glb.
+static void make_gltf_seeds(const gltf_maker *m, const char *primitives, const char *nodes, const char *more,
+                            const char *const names[2], seed_file seeds[2]) {
+  char *text = gltf_maker_text(m, primitives, nodes, more, true);
+  seeds[0] = (seed_file){.name = names[0], .opened = names[0]};
+  seeds[0].bytes = (uint8_t *)gltf_maker_text(m, primitives, nodes, more, false);
+  seeds[0].size_bytes = strlen((char *)seeds[0].bytes);
+  seeds[1] = (seed_file){.name = names[1], .opened = names[1]};
+  seeds[1].size_bytes = gltf_make_glb(text, strlen(text), m->bytes, m->size_bytes, &seeds[1].bytes);
+  free(text);
+}
+
 static void make_seeds(seed_file seeds[SEED_COUNT]) {
   seeds[0] = text_seed("scene.json", "scene.json", description_text);
   seeds[1] = text_seed("square.obj", "square.obj", obj_text);
@@ -112,6 +189,13 @@ static void make_seeds(seed_file seeds[SEED_COUNT]) {
   seeds[5].size_bytes = scene_files_tga(seeds[5].bytes);
   seeds[6] = (seed_file){.name = "sky.hdr", .opened = "scene.json", .bytes = malloc(256)};
   seeds[6].size_bytes = make_hdr(seeds[6].bytes);
+  gltf_maker rich = {0}, packed = {0};
+  make_rich(&rich);
+  make_gltf_seeds(&rich, rich_primitives, rich_nodes, rich_more, (const char *const[]){"rich.gltf", "rich.glb"},
+                  seeds + 7);
+  make_packed(&packed);
+  make_gltf_seeds(&packed, packed_primitives, "[{\"mesh\": 0}]", "", (const char *const[]){"packed.gltf", "packed.glb"},
+                  seeds + 9);
 }
 
 // ---- mutations
@@ -144,9 +228,10 @@ static bool in_number(uint8_t byte) { return (byte >= '0' && byte <= '9') || byt
 
 static void replace_number(mutant *m, random_stream *r) {
   static const char *const numbers[] = {
-      "NaN",        "1e38",  "-1", "4294967295", "0",    "1e-45", "1e999", "inf",
-      "2147483648", "-1e38", "7",  "65535",      "1e20", "-0",    "1.5",   "99999999999999999999",
-      "null",       "0x7f"};
+      "NaN",        "1e38",  "-1",   "4294967295", "0",    "1e-45", "1e999", "inf",
+      "2147483648", "-1e38", "7",    "65535",      "1e20", "-0",    "1.5",   "99999999999999999999",
+      "null",       "0x7f",  "2",    "3",          "4",    "8",     "5120",  "5121",
+      "5122",       "5123",  "5125", "5126"};
   size_t at = draw(r, (uint32_t)m->size_bytes);
   for (size_t tried = 0; tried < m->size_bytes && !in_number(m->bytes[at]); ++tried) at = (at + 1) % m->size_bytes;
   if (!in_number(m->bytes[at])) return;
@@ -166,6 +251,21 @@ static void insert_token(mutant *m, random_stream *r) {
   splice_bytes(m, draw(r, (uint32_t)m->size_bytes + 1), 0, token, strlen(token));
 }
 
+// Another word of glTF in place of one: "VEC3" or "mode".
+static void replace_word(mutant *m, random_stream *r) {
+  static const char *const words[] = {"SCALAR",     "VEC2",     "VEC3",       "VEC4",       "MAT4",        "ATTRIBUTES",
+                                      "TRIANGLES",  "INDICES",  "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL", "NONE",
+                                      "POSITION",   "NORMAL",   "TANGENT",    "TEXCOORD_0", "TEXCOORD_1",  "COLOR_0",
+                                      "indices",    "count",    "byteStride", "byteOffset", "byteLength",  "buffer",
+                                      "bufferView", "children", "mesh",       "source"};
+  size_t at = draw(r, (uint32_t)m->size_bytes);
+  while (at < m->size_bytes && m->bytes[at] != '"') ++at;
+  size_t end = at + 1;
+  while (end < m->size_bytes && m->bytes[end] != '"') ++end;
+  const char *word = words[draw(r, sizeof words / sizeof *words)];
+  if (end < m->size_bytes && end - at < 32) splice_bytes(m, at + 1, end - at - 1, word, strlen(word));
+}
+
 static void mutate_once(mutant *m, random_stream *r) {
   if (m->size_bytes == 0) return;
   const uint32_t size = (uint32_t)m->size_bytes, at = draw(r, size);
@@ -177,15 +277,47 @@ static void mutate_once(mutant *m, random_stream *r) {
   else if (kind == 5) splice_bytes(m, at, length > size - at ? size - at : length, "", 0);
   else if (kind == 6) splice_bytes(m, draw(r, size), 0, m->bytes + at, length > size - at ? size - at : length);
   else if (kind == 7) insert_token(m, r);
+  else if (kind <= 9) replace_word(m, r);
   else replace_number(m, r);
 }
 
-static const seed_file *make_mutant(const seed_file seeds[SEED_COUNT], uint32_t seed, uint32_t round, mutant *m) {
+static void set_mutant(mutant *m, const uint8_t *bytes, size_t size_bytes) {
+  m->size_bytes = size_bytes < sizeof m->bytes ? size_bytes : sizeof m->bytes;
+  memcpy(m->bytes, bytes, m->size_bytes);
+}
+
+static void mutate(mutant *m, random_stream *r) {
+  for (uint32_t count = 1 + draw(r, 3); count > 0; --count) mutate_once(m, r);
+}
+
+// Only one of the two parts of a .glb, inside a frame that is right.
+static void mutate_part(const seed_file *from, mutant *m, random_stream *r) {
+  uint32_t text_bytes;
+  uint8_t *made;
+  memcpy(&text_bytes, from->bytes + 12, sizeof text_bytes);
+  const uint8_t *text = from->bytes + 20, *bytes = text + text_bytes + 8;
+  const size_t size_bytes = from->size_bytes - 28 - text_bytes;
+  const bool json = draw(r, 2) == 0;
+  set_mutant(m, json ? text : bytes, json ? text_bytes : size_bytes);
+  mutate(m, r);
+  const size_t total = json ? gltf_make_glb((const char *)m->bytes, m->size_bytes, bytes, size_bytes, &made)
+                            : gltf_make_glb((const char *)text, text_bytes, m->bytes, m->size_bytes, &made);
+  set_mutant(m, made, total);
+  free(made);
+}
+
+static const seed_file *make_mutant(const seed_file seeds[SEED_COUNT], const char *part, uint32_t seed, uint32_t round,
+                                    mutant *m) {
   random_stream r = {.seed = seed, .round = round};
-  const seed_file *from = &seeds[draw(&r, SEED_COUNT)];
-  memcpy(m->bytes, from->bytes, from->size_bytes);
-  m->size_bytes = from->size_bytes;
-  for (uint32_t count = 1 + draw(&r, 3); count > 0; --count) mutate_once(m, &r);
+  const seed_file *from;
+  do from = &seeds[draw(&r, SEED_COUNT)];
+  while (!strstr(from->name, part));
+  if (strstr(from->name, ".glb") && draw(&r, 4)) {
+    mutate_part(from, m, &r);
+  } else {
+    set_mutant(m, from->bytes, from->size_bytes);
+    mutate(m, &r);
+  }
   return from;
 }
 
@@ -249,8 +381,9 @@ static void load_one(const scene_folder *folder, const seed_file seeds[SEED_COUN
                      shared_state *shared) {
   static mutant m;
   char path[600];
-  const seed_file *from = make_mutant(seeds, seed, round, &m);
+  const seed_file *from = make_mutant(seeds, shared->part, seed, round, &m);
   scene_folder_write(folder, from->name, m.bytes, m.size_bytes);
+  counted_memory_asked();
   snprintf(path, sizeof path, "%s/%s", folder->path, from->opened);
   olx_scene *scene = NULL;
   const olx_result result = olx_scene_load(path, &scene);
@@ -265,6 +398,9 @@ static void load_one(const scene_folder *folder, const seed_file seeds[SEED_COUN
   }
   olx_scene_free(scene);
   demand(counted_memory_held() == 0, "memory that was not released");
+  const size_t asked = counted_memory_asked();
+  if (asked > atomic_load(&shared->most_bytes)) atomic_store(&shared->most_bytes, asked);
+  demand(asked <= MOST_BYTES_A_FILE, "memory out of proportion");
   scene_folder_write(folder, from->name, from->bytes, from->size_bytes);
 }
 
@@ -336,10 +472,10 @@ typedef struct tally {
 } tally;
 
 static void record_failure(const scene_folder *kept, const char *trace_path, const seed_file seeds[SEED_COUNT],
-                           uint32_t seed, uint32_t round, int status, tally *counts) {
+                           const char *part, uint32_t seed, uint32_t round, int status, tally *counts) {
   static mutant m;
   char frame[400];
-  const seed_file *from = make_mutant(seeds, seed, round, &m);
+  const seed_file *from = make_mutant(seeds, part, seed, round, &m);
   const bool hang = WIFEXITED(status) && WEXITSTATUS(status) == 3;
   const blame guilty = find_blame(trace_path, frame, sizeof frame);
   keep_failure(kept, trace_path, from, &m, round);
@@ -372,7 +508,7 @@ static void run_all(uint32_t count, uint32_t seed, shared_state *shared, const s
       continue;
     }
     const uint32_t round = atomic_load(&shared->round);
-    record_failure(kept, trace_path, seeds, seed, round, status, counts);
+    record_failure(kept, trace_path, seeds, shared->part, seed, round, status, counts);
     next = round + 1;
     for (uint32_t i = 0; i < SEED_COUNT; ++i) {
       scene_folder_write(&folder, seeds[i].name, seeds[i].bytes, seeds[i].size_bytes);
@@ -389,13 +525,14 @@ int main(int argc, char **argv) {
   scene_folder kept;
   tally counts = {0};
   if (shared == MAP_FAILED || !scene_folder_create(&kept)) return 1;
+  snprintf(shared->part, sizeof shared->part, "%s", argc > 3 ? argv[3] : "");
   run_all(count, seed, shared, &kept, &counts);
   const uint32_t failures = counts.ours + counts.assimp_crashes + counts.assimp_hangs;
   if (failures) printf("the files are kept in %s\n", kept.path);
   else scene_folder_remove(&kept);
   printf("fuzz_scene: %u files, seed %u: %u loaded, %u refused, %u crashes and %u hangs inside Assimp, %u failures of "
-         "our own\n",
+         "our own; %.1f MiB asked for at most\n",
          count, seed, atomic_load(&shared->loaded), atomic_load(&shared->refused), counts.assimp_crashes,
-         counts.assimp_hangs, counts.ours);
+         counts.assimp_hangs, counts.ours, (double)atomic_load(&shared->most_bytes) / 1048576.0);
   return counts.ours ? 1 : 0;
 }

@@ -1,5 +1,7 @@
 #include "scene_files.h"
 
+#include "gltf_maker.h"
+
 #include <octalux/base.h>
 
 #include <dirent.h>
@@ -84,6 +86,14 @@ static void encode_base64(const uint8_t *bytes, size_t size_bytes, char *text) {
   *text = 0;
 }
 
+char *scene_files_data_uri(const void *data, size_t size_bytes) {
+  static const char head[] = "data:application/octet-stream;base64,";
+  char *uri = malloc(sizeof head + size_bytes * 2 + 8);
+  memcpy(uri, head, sizeof head);
+  encode_base64(data, size_bytes, uri + sizeof head - 1);
+  return uri;
+}
+
 char *scene_files_gltf(const char *materials, int mesh_material, const char *nodes, const char *more, bool binary) {
   uint8_t bytes[SQUARE_BYTES];
   char base64[SQUARE_BYTES * 2], uri[SQUARE_BYTES * 2 + 64] = "", material[32] = "";
@@ -113,19 +123,11 @@ char *scene_files_gltf(const char *materials, int mesh_material, const char *nod
 
 size_t scene_files_glb(const char *materials, int mesh_material, const char *nodes, const char *more, uint8_t **data) {
   char *text = scene_files_gltf(materials, mesh_material, nodes, more, true);
-  const size_t text_bytes = strlen(text), padded = (text_bytes + 3) & ~(size_t)3;
-  const size_t total = 12 + 8 + padded + 8 + SQUARE_BYTES;
-  uint8_t *bytes = malloc(total);
-  const uint32_t header[5] = {0x46546C67u, 2, (uint32_t)total, (uint32_t)padded, 0x4E4F534Au};
-  const uint32_t chunk[2] = {SQUARE_BYTES, 0x004E4942u};
-  memcpy(bytes, header, sizeof header);
-  memset(bytes + 20, ' ', padded);
-  memcpy(bytes + 20, text, text_bytes);
-  memcpy(bytes + 20 + padded, chunk, sizeof chunk);
-  square_buffer(bytes + 28 + padded);
+  uint8_t bytes[SQUARE_BYTES];
+  square_buffer(bytes);
+  const size_t size_bytes = gltf_make_glb(text, strlen(text), bytes, sizeof bytes, data);
   free(text);
-  *data = bytes;
-  return total;
+  return size_bytes;
 }
 
 size_t scene_files_tga(uint8_t data[34]) {

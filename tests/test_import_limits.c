@@ -1,6 +1,7 @@
 // Imports must not grow faster than their input: what a small file asks for is counted before it is given, refused with
 // a message that says how to raise the limit, and given once the limit is raised. A model reads no files outside.
 #include "core/file.h"
+#include "gltf_maker.h"
 #include "scene/scene_data.h"
 #include "scene_files.h"
 
@@ -156,6 +157,28 @@ static void test_instances(void **state) {
   assert_int_equal(olx_scene_load_with(path, &few, &scene), OLX_ERROR_UNSUPPORTED);
   assert_non_null(strstr(olx_last_error(), "nodes[999]: 2000 triangles"));
   olx_scene_free(load_with(path, &enough));
+}
+
+// A point costs no triangle to draw, but an instance of it time to read.
+static void test_primitives(void **state) {
+  const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+  gltf_maker m = {0};
+  char nodes[8192] = "[{\"mesh\": 0}";
+  olx_scene *scene;
+  gltf_add(&m, corners, sizeof corners, 3, GLTF_FLOAT, "VEC3", false);
+  gltf_add(&m, corners, 12, 1, GLTF_FLOAT, "VEC3", false);
+  for (unsigned i = 1; i < 100; i++) gltf_append(nodes, sizeof nodes, ", {\"mesh\": 0}");
+  gltf_append(nodes, sizeof nodes, "]");
+  char *model = gltf_maker_text(
+      &m, "{\"attributes\": {\"POSITION\": 0}}, {\"attributes\": {\"POSITION\": 1}, \"mode\": 0}", nodes, "", false);
+  const char *path = scene_folder_write_text(*state, "points.gltf", model);
+  free(model);
+  const olx_scene_load_settings few = {.limits = {.triangles = 199}}, enough = {.limits = {.triangles = 200}};
+  assert_int_equal(olx_scene_load_with(path, &few, &scene), OLX_ERROR_UNSUPPORTED);
+  assert_non_null(strstr(olx_last_error(), "nodes[99]: 200 triangles"));
+  scene = load_with(path, &enough);
+  assert_int_equal(scene->triangle_count, 1);
+  olx_scene_free(scene);
 }
 
 static void test_materials_of_gltf(void **state) {
@@ -363,6 +386,7 @@ int main(void) {
       IN_FOLDER(test_objects),
       IN_FOLDER(test_nodes),
       IN_FOLDER(test_instances),
+      IN_FOLDER(test_primitives),
       IN_FOLDER(test_materials_of_gltf),
       IN_FOLDER(test_texels),
       IN_FOLDER(test_large_image),

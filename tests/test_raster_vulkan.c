@@ -269,10 +269,9 @@ static olx_material plain(void) {
   return material;
 }
 
-// A square with that material above a plain one, lit by a sun that comes down slantwise.
-static olx_scene *made_squares(const olx_material *material, olx_scene *scene) {
+// A plain square below what is there, lit by a sun that comes down slantwise.
+static olx_scene *made_surroundings(olx_scene *scene) {
   const olx_material below = plain();
-  made_square(scene, 0.0f, made_material(scene, material));
   made_quad(scene, olx_v3(0, -0.5f, 0), olx_v3(0, 0, 8), olx_v3(8, 0, 0), made_material(scene, &below));
   scene->lights = olx_scene_array(1, sizeof *scene->lights);
   const olx_light sun = {.type = OLX_LIGHT_SUN, .direction = {0.6f, -0.8f, 0.0f}, .emission = {3.0f, 2.5f, 2.0f}};
@@ -280,10 +279,10 @@ static olx_scene *made_squares(const olx_material *material, olx_scene *scene) {
   return made_finish(scene);
 }
 
-static void judge_material(const char *name, const olx_material *material, olx_scene *scene, double most_edges,
-                           double most_normal) {
+// Releases the scene, which is not finished yet.
+static void judge_scene(const char *name, olx_scene *scene, double most_edges, double most_normal) {
   cast_frame cast;
-  made_squares(material, scene);
+  made_surroundings(scene);
   cast_scene(scene, &FROM_ABOVE, 1, &cast);
   draw_scene(scene, &FROM_ABOVE, &drawn);
   const difference d = compare(&drawn, &cast);
@@ -302,6 +301,12 @@ static void judge_material(const char *name, const olx_material *material, olx_s
   assert_int_equal(device.validation_messages, 0);
   release_cast(&cast);
   olx_scene_free(scene);
+}
+
+static void judge_material(const char *name, const olx_material *material, olx_scene *scene, double most_edges,
+                           double most_normal) {
+  made_square(scene, 0.0f, made_material(scene, material));
+  judge_scene(name, scene, most_edges, most_normal);
 }
 
 static void textures_are_as_rays_find_them(void **unused) {
@@ -345,6 +350,51 @@ static void normals_are_bent(void **unused) {
   m.normal_is_height = true;
   m.normal_scale = 0.8f;
   judge_material("height map", &m, scene, 0.005, 5e-2);
+}
+
+// A square with a material, and with all that vertices may have.
+static void made_rich_square(olx_scene *scene, const olx_material *material) {
+  const olx_vec3 corners[4] = {{-1, 0, -1}, {-1, 0, 1}, {1, 0, 1}, {1, 0, -1}},
+                 up[4] = {{0, 1, 0}, {0, 1, 0}, {0, 1, 0}, {0, 1, 0}};
+  const olx_vec2 uvs[4] = {{0, 0}, {0, 1}, {1, 1}, {1, 0}},
+                 second_uvs[4] = {{0.25f, 0.5f}, {0.25f, 1}, {0.75f, 1}, {0.75f, 0.5f}};
+  const olx_vec4 colors[4] = {{1, 0, 0, 1}, {0, 1, 0, 0.2f}, {1, 1, 1, 1}, {0.2f, 0.3f, 1, 0.8f}};
+  const olx_vec4 tangents[4] = {{0, 0, 1, -1}, {0.6f, 0, 0.8f, -1}, {1, 0, 0, -1}, {0, 0, 1, -1}};
+  const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
+  const olx_mesh mesh = {.positions = corners,
+                         .normals = up,
+                         .uvs = uvs,
+                         .second_uvs = second_uvs,
+                         .colors = colors,
+                         .tangents = tangents,
+                         .indices = indices,
+                         .vertex_count = 4,
+                         .triangle_count = 2,
+                         .material = made_material(scene, material)};
+  assert_int_equal(olx_scene_append_mesh(scene, "rich square", &mesh), OLX_OK);
+}
+
+static void vertices_are_as_rays_find_them(void **unused) {
+  (void)unused;
+  host_need_device(&device);
+  olx_material m = plain();
+  olx_scene *scene = made_scene();
+  m.alpha_cutoff = 0.4f;
+  made_rich_square(scene, &m);
+  judge_scene("colours of vertices, and their alpha", scene, 0.02, 1e-3);
+  m = plain();
+  scene = made_scene();
+  m.base_color_texture = random_texture(scene, 1, true, 0, 255);
+  m.metallic_roughness_texture = random_texture(scene, 2, false, 0, 255);
+  m.second_uvs = OLX_SLOT_METALLIC_ROUGHNESS;
+  made_rich_square(scene, &m);
+  judge_scene("second texture coordinates", scene, 0.005, 1e-3);
+  m = plain();
+  scene = made_scene();
+  m.normal_texture = random_texture(scene, 5, false, 100, 200);
+  m.second_uvs = OLX_SLOT_NORMAL;
+  made_rich_square(scene, &m);
+  judge_scene("tangents", scene, 0.005, 5e-2);
 }
 
 // ---- light
@@ -520,10 +570,15 @@ static void what_cannot_be_is_refused(void **unused) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(draws_what_rays_see),         cmocka_unit_test(textures_are_as_rays_find_them),
-      cmocka_unit_test(masks_leave_holes),           cmocka_unit_test(normals_are_bent),
-      cmocka_unit_test(every_lamp_casts_its_shadow), cmocka_unit_test(the_sky_is_where_rays_find_it),
-      cmocka_unit_test(the_picture_is_tone_mapped),  cmocka_unit_test(scenes_can_be_moved),
+      cmocka_unit_test(draws_what_rays_see),
+      cmocka_unit_test(textures_are_as_rays_find_them),
+      cmocka_unit_test(masks_leave_holes),
+      cmocka_unit_test(normals_are_bent),
+      cmocka_unit_test(vertices_are_as_rays_find_them),
+      cmocka_unit_test(every_lamp_casts_its_shadow),
+      cmocka_unit_test(the_sky_is_where_rays_find_it),
+      cmocka_unit_test(the_picture_is_tone_mapped),
+      cmocka_unit_test(scenes_can_be_moved),
       cmocka_unit_test(what_cannot_be_is_refused),
   };
   return cmocka_run_group_tests(tests, open_device, close_device);

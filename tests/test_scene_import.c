@@ -300,7 +300,7 @@ static void gltf_alpha_modes(void **state) {
   free(text);
 }
 
-// Assimp numbers materials in the order of first use, not as the file lists them; names may repeat.
+// Materials are told apart by their numbers: names may repeat, and materials that nothing uses are left out.
 static void extensions_stay_with_their_material(void **state) {
   olx_scene *scene = load_gltf(
       *state,
@@ -410,7 +410,6 @@ static void malformed_gltf_is_refused_by_name(void **state) {
   assert_refused(scene_folder_write_text(*state, "empty.gltf", ""), OLX_ERROR_FORMAT, "empty.gltf");
 }
 
-// What reads past its buffer must not reach Assimp.
 static void accessors_past_their_buffer_are_refused(void **state) {
   const struct {
     const char *from, *to, *element;

@@ -182,7 +182,8 @@ static olx_vec3 mean_emission(const olx_scene_content *content, uint32_t triangl
   if (m->emission_texture == OLX_NO_TEXTURE || !(luminance(m->emission) > 0.0f)) return m->emission;
   const olx_texture *texture = &content->textures[m->emission_texture];
   const uint32_t *corner = content->indices + 3 * (size_t)triangle;
-  const olx_vec2 a = content->uvs[corner[0]], b = content->uvs[corner[1]], c = content->uvs[corner[2]];
+  const olx_vec2 *uvs = m->second_uvs & OLX_SLOT_EMISSION ? content->second_uvs : content->uvs;
+  const olx_vec2 a = uvs[corner[0]], b = uvs[corner[1]], c = uvs[corner[2]];
   olx_vec3 sum = {0};
   for (uint32_t i = 0; i < 16; i++) {
     olx_vec2 w = even_pair(i);

@@ -3,11 +3,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { TEXTURE_SLOTS = 5, BUFFERS = 3, FIRST_TEXTURE = BUFFERS };
+enum { TEXTURE_SLOTS = 5, BUFFERS = 4, FIRST_TEXTURE = BUFFERS };
 
 typedef struct raster_vertex {
   float position[3], u, normal[3], v;
 } raster_vertex;
+
+// What few vertices have.
+typedef struct raster_rare {
+  float color[4], tangent[4], second_uv[2], unused[2];
+} raster_rare;
 
 // As shaders/raster_shared.glsl declares it.
 typedef struct raster_material {
@@ -17,7 +22,15 @@ typedef struct raster_material {
   uint32_t flags, unused[3];
 } raster_material;
 
-enum { EMITS_BOTH_SIDES = 1, NORMAL_MAP = 2, NORMAL_IS_HEIGHT = 4, ALPHA_MAP = 8 };
+enum {
+  EMITS_BOTH_SIDES = 1,
+  NORMAL_MAP = 2,
+  NORMAL_IS_HEIGHT = 4,
+  ALPHA_MAP = 8,
+  VERTEX_COLORS = 16,
+  RARE = 32,
+  SLOTS = 8
+};
 
 static const VkShaderStageFlags STAGES = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
 
@@ -35,6 +48,28 @@ static bool upload_vertices(gpu_device *d, const olx_scene_content *content, gpu
       gpu_buffer_upload(d, "the scene's vertices", vertices, (VkDeviceSize)content->vertex_count * sizeof *vertices,
                         VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, &scene->vertices);
   free(vertices);
+  return fine;
+}
+
+static bool has_rare(const olx_scene_content *content) {
+  return content->colors || content->tangents || content->second_uvs;
+}
+
+static raster_rare rare_of(const olx_scene_content *content, uint32_t i) {
+  const olx_vec4 c = content->colors ? content->colors[i] : (olx_vec4){1.0f, 1.0f, 1.0f, 1.0f};
+  const olx_vec4 t = content->tangents ? content->tangents[i] : (olx_vec4){0};
+  const olx_vec2 uv = content->second_uvs ? content->second_uvs[i] : content->uvs[i];
+  return (raster_rare){.color = {c.x, c.y, c.z, c.w}, .tangent = {t.x, t.y, t.z, t.w}, .second_uv = {uv.x, uv.y}};
+}
+
+static bool upload_rare(gpu_device *d, const olx_scene_content *content, gpu_scene *scene) {
+  const uint32_t count = has_rare(content) ? content->vertex_count : 1;
+  raster_rare *rare = malloc((size_t)count * sizeof *rare);
+  if (!rare) return gpu_fail(d, "out of memory for %u vertices", count);
+  for (uint32_t i = 0; i < count; i++) rare[i] = rare_of(content, i);
+  const bool fine = gpu_buffer_upload(d, "what few vertices have", rare, (VkDeviceSize)count * sizeof *rare,
+                                      VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, &scene->rare);
+  free(rare);
   return fine;
 }
 
@@ -94,7 +129,7 @@ static bool upload_indices(gpu_device *d, const olx_scene_content *content, gpu_
 
 // ---- materials and textures
 
-static raster_material material_of(const olx_material *m) {
+static raster_material material_of(const olx_material *m, bool rare) {
   return (raster_material){
       .base_color = {m->base_color.x, m->base_color.y, m->base_color.z},
       .alpha = m->alpha,
@@ -105,14 +140,16 @@ static raster_material material_of(const olx_material *m) {
       .specular_weight = m->specular_weight,
       .normal_scale = m->normal_scale,
       .flags = (m->emits_both_sides ? EMITS_BOTH_SIDES : 0u) | (m->normal_texture != OLX_NO_TEXTURE ? NORMAL_MAP : 0u) |
-               (m->normal_is_height ? NORMAL_IS_HEIGHT : 0u) | (m->alpha_texture != OLX_NO_TEXTURE ? ALPHA_MAP : 0u),
+               (m->normal_is_height ? NORMAL_IS_HEIGHT : 0u) | (m->alpha_texture != OLX_NO_TEXTURE ? ALPHA_MAP : 0u) |
+               (m->vertex_colors ? VERTEX_COLORS : 0u) | (rare ? RARE : 0u) | m->second_uvs << SLOTS,
   };
 }
 
 static bool upload_materials(gpu_device *d, const olx_scene_content *content, gpu_scene *scene) {
   raster_material *materials = malloc((size_t)content->material_count * sizeof *materials);
   if (!materials) return gpu_fail(d, "out of memory for %u materials", content->material_count);
-  for (uint32_t i = 0; i < content->material_count; i++) materials[i] = material_of(&content->materials[i]);
+  const bool rare = has_rare(content);
+  for (uint32_t i = 0; i < content->material_count; i++) materials[i] = material_of(&content->materials[i], rare);
   const bool fine = gpu_buffer_upload(d, "the scene's materials", materials,
                                       (VkDeviceSize)content->material_count * sizeof *materials,
                                       VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, &scene->materials);
@@ -214,7 +251,7 @@ static bool create_set_layout(gpu_device *d, gpu_scene *scene) {
 }
 
 static void write_set(const gpu_device *d, const olx_material *m, const gpu_scene *scene, VkDescriptorSet set) {
-  const gpu_buffer *from[BUFFERS] = {&scene->vertices, &scene->indices, &scene->materials};
+  const gpu_buffer *from[BUFFERS] = {&scene->vertices, &scene->indices, &scene->materials, &scene->rare};
   const uint32_t textures[TEXTURE_SLOTS] = {m->base_color_texture, m->alpha_texture, m->metallic_roughness_texture,
                                             m->emission_texture, m->normal_texture};
   VkDescriptorBufferInfo buffers[BUFFERS];
@@ -268,7 +305,7 @@ static bool create_sets(gpu_device *d, const olx_scene_content *content, gpu_sce
 }
 
 static void count_bytes(gpu_scene *scene) {
-  scene->bytes = scene->vertices.bytes + scene->indices.bytes + scene->materials.bytes;
+  scene->bytes = scene->vertices.bytes + scene->rare.bytes + scene->indices.bytes + scene->materials.bytes;
   for (uint32_t i = 0; i < scene->texture_count; i++) {
     uint64_t width = scene->textures[i].width, height = scene->textures[i].height;
     for (uint32_t level = 0; level < scene->textures[i].levels; level++) {
@@ -281,8 +318,9 @@ static void count_bytes(gpu_scene *scene) {
 
 bool gpu_scene_create(gpu_device *d, const olx_scene_content *content, gpu_scene *scene) {
   *scene = (gpu_scene){.triangle_count = content->triangle_count};
-  if (upload_vertices(d, content, scene) && upload_indices(d, content, scene) && upload_materials(d, content, scene) &&
-      upload_textures(d, content, scene) && create_set_layout(d, scene) && create_sets(d, content, scene)) {
+  if (upload_vertices(d, content, scene) && upload_rare(d, content, scene) && upload_indices(d, content, scene) &&
+      upload_materials(d, content, scene) && upload_textures(d, content, scene) && create_set_layout(d, scene) &&
+      create_sets(d, content, scene)) {
     count_bytes(scene);
     return true;
   }
@@ -296,6 +334,7 @@ void gpu_scene_destroy(gpu_device *d, gpu_scene *scene) {
   if (scene->sampler) d->DestroySampler(d->host.device, scene->sampler, NULL);
   for (uint32_t i = 0; i < scene->texture_count; i++) gpu_image_destroy(d, &scene->textures[i]);
   gpu_buffer_destroy(d, &scene->vertices);
+  gpu_buffer_destroy(d, &scene->rare);
   gpu_buffer_destroy(d, &scene->indices);
   gpu_buffer_destroy(d, &scene->materials);
   free(scene->textures);

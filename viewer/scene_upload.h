@@ -16,6 +16,7 @@ typedef struct scene_batch {
 
 typedef struct gpu_scene {
   gpu_buffer vertices;  // position, u, normal, v: eight floats each
+  gpu_buffer rare;      // colour, tangent and second uv of a vertex; of one alone where the scene has none of them
   gpu_buffer indices;   // three a triangle, sorted by material
   gpu_buffer materials; // as shaders/raster_shared.glsl declares them
   gpu_image *textures;  // mipmapped; the last is a white texel, for materials without

@@ -50,6 +50,10 @@ typedef struct olx_vec2 {
   float x, y;
 } olx_vec2;
 
+typedef struct olx_vec4 {
+  float x, y, z, w;
+} olx_vec4;
+
 typedef struct olx_vec3 {
   float x, y, z;
 } olx_vec3;

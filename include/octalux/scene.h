@@ -44,9 +44,9 @@ typedef struct olx_scene_limits {
   uint64_t texels; // of all images of the scene, 4 bytes each in memory (an environment 12); default 2^29
   uint32_t
       polygon_corners; // of one polygon of an OBJ file, whose triangulation takes their square in time; default 2048
-  uint32_t materials;  // of the scene, some 36 KiB each while they are read; default 8192
-  uint32_t nodes;      // of one model: glTF nodes and primitives, or OBJ objects, groups and changes of material, some
-                       // 3 KiB each while they are read; default 32768
+  uint32_t materials;  // of the scene, some 36 KiB each while an MTL file is read; default 8192
+  uint32_t nodes;      // of one model: glTF nodes and primitives, or OBJ objects, groups and changes of material, of
+                       // which each takes some 3 KiB while it is read; default 32768
 } olx_scene_limits;
 
 typedef struct olx_scene_load_settings {
@@ -119,6 +119,15 @@ typedef struct olx_texture {
   bool srgb; // colour channels are sRGB-encoded (alpha never is)
 } olx_texture;
 
+// Textures of a material, as bits.
+typedef enum olx_texture_slot {
+  OLX_SLOT_BASE_COLOR = 1,
+  OLX_SLOT_ALPHA = 2,
+  OLX_SLOT_METALLIC_ROUGHNESS = 4,
+  OLX_SLOT_EMISSION = 8,
+  OLX_SLOT_NORMAL = 16
+} olx_texture_slot;
+
 typedef struct olx_material {
   char name[128];
   olx_vec3 base_color; // linear, at most 0.95 (clamped at import; a texture times it, where it is looked up)
@@ -136,6 +145,8 @@ typedef struct olx_material {
   float normal_scale;
   bool rectangle_light;  // the surface of a lamp: "*" of a description does not mean it
   bool normal_is_height; // the normal texture is a height map (MTL bump) in texels, scaled by normal_scale
+  bool vertex_colors;    // the colours of vertices multiply the base colour
+  uint32_t second_uvs;   // olx_texture_slot bits of the textures that are looked up by second_uvs
 } olx_material;
 
 typedef enum olx_light_type { OLX_LIGHT_SUN = 0, OLX_LIGHT_POINT = 1, OLX_LIGHT_SPOT = 2 } olx_light_type;
@@ -162,6 +173,11 @@ typedef struct olx_scene_content {
   uint32_t vertex_count, triangle_count, material_count, texture_count, light_count, camera_count;
   const olx_vec3 *positions, *normals; // a vertex; normals unit where a triangle uses them
   const olx_vec2 *uvs;
+  const olx_vec2 *second_uvs; // NULL: no material uses them
+  const olx_vec4 *colors;     // linear RGB that multiplies base colours, and alpha, all 0 to 1; NULL: all 1
+  const olx_vec4 *
+      tangents; // unit x, y, z along increasing u; w: +1 or -1, the side of cross(normal, tangent) that v decreases to,
+                // or 0: follows from uvs. NULL: all follow from uvs
   const uint32_t *indices;        // three a triangle
   const uint32_t *material_index; // one a triangle
   const olx_material *materials;

@@ -13,7 +13,8 @@ enum { OLX_COOKED_MAX_TEXTURE_SIZE = 16384, OLX_COOKED_MAX_WARNING_BYTES = 1 << 
 
 // Bits of olx_cooked_info.probe_flags, olx_cooked_material.flags and olx_cooked_texture.flags.
 enum { OLX_COOKED_PROBE_VOLUME = 1, OLX_COOKED_PROBE_COUNT = 2, OLX_COOKED_PLAYABLE = 4 };
-enum { OLX_COOKED_EMITS_BOTH_SIDES = 1, OLX_COOKED_NORMAL_IS_HEIGHT = 2 };
+enum { OLX_COOKED_EMITS_BOTH_SIDES = 1, OLX_COOKED_NORMAL_IS_HEIGHT = 2, OLX_COOKED_VERTEX_COLORS = 4 };
+enum { OLX_COOKED_SECOND_UVS_SHIFT = 8, OLX_COOKED_SECOND_UVS = 31 << OLX_COOKED_SECOND_UVS_SHIFT };
 enum { OLX_COOKED_SRGB = 1 };
 
 typedef struct olx_cooked_info {
@@ -88,6 +89,9 @@ typedef enum olx_cooked_chunk {
   OLX_COOKED_WARNINGS,
   OLX_COOKED_REQUIRED,                     // how many every cooked scene has
   OLX_COOKED_ORIGIN = OLX_COOKED_REQUIRED, // where the origin is not 0
+  OLX_COOKED_SECOND_UVS_CHUNK,             // these where vertices have them
+  OLX_COOKED_COLORS,
+  OLX_COOKED_TANGENTS,
   OLX_COOKED_CHUNKS
 } olx_cooked_chunk;
 

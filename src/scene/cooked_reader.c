@@ -74,7 +74,11 @@ static olx_result find_chunks(const olx_chunk_file *chunks, cooked_file *file) {
   file->info = file->data[OLX_COOKED_INFO];
   OLX_TRY(check_info(file));
   olx_cooked_shapes(file->info, shapes);
-  for (uint32_t k = 1; k < OLX_COOKED_REQUIRED; k++) OLX_TRY(olx_chunk_find_shaped(chunks, &shapes[k], &file->data[k]));
+  for (uint32_t k = 1; k < OLX_COOKED_CHUNKS; k++) {
+    const olx_file_chunk *chunk = NULL;
+    if (k >= OLX_COOKED_REQUIRED) OLX_TRY(olx_chunk_find_any(chunks, shapes[k].type, &chunk));
+    if (k < OLX_COOKED_REQUIRED || chunk) OLX_TRY(olx_chunk_find_shaped(chunks, &shapes[k], &file->data[k]));
+  }
   return olx_chunk_refuse_unknown(chunks, shapes, OLX_COOKED_CHUNKS);
 }
 
@@ -95,6 +99,38 @@ static olx_result copy_array(const cooked_file *file, olx_cooked_chunk chunk, ui
     OLX_TRY(copy_array((file), (chunk), (count), sizeof *(array), &copy_));                                            \
     (array) = copy_;                                                                                                   \
   } while (0)
+
+static bool is_tangent(olx_vec4 t) {
+  const bool none = t.x == 0.0f && t.y == 0.0f && t.z == 0.0f && t.w == 0.0f;
+  return none || (is_unit(olx_v3(t.x, t.y, t.z)) && fabsf(t.w) == 1.0f);
+}
+
+static bool is_color(olx_vec4 c) {
+  return within(c.x, 0.0f, 1.0f) && within(c.y, 0.0f, 1.0f) && within(c.z, 0.0f, 1.0f) && within(c.w, 0.0f, 1.0f);
+}
+
+static const char *find_rare_problem(const olx_scene *scene, uint32_t v) {
+  const olx_vec2 *uvs = scene->second_uvs;
+  if (uvs && (!isfinite(uvs[v].x) || !isfinite(uvs[v].y))) return "a second texture coordinate that is not finite";
+  if (scene->colors && !is_color(scene->colors[v])) return "a colour that is not within 0 to 1";
+  if (scene->tangents && !is_tangent(scene->tangents[v])) return "a tangent that is not unit, or without a side";
+  return NULL;
+}
+
+// Attributes that few scenes have.
+static olx_result read_rare(const cooked_file *file, olx_scene *scene) {
+  const uint32_t vertices = file->info->vertices;
+  if (file->data[OLX_COOKED_SECOND_UVS_CHUNK]) {
+    COPY_ARRAY(file, OLX_COOKED_SECOND_UVS_CHUNK, vertices, scene->second_uvs);
+  }
+  if (file->data[OLX_COOKED_COLORS]) COPY_ARRAY(file, OLX_COOKED_COLORS, vertices, scene->colors);
+  if (file->data[OLX_COOKED_TANGENTS]) COPY_ARRAY(file, OLX_COOKED_TANGENTS, vertices, scene->tangents);
+  for (uint32_t v = 0; v < vertices; v++) {
+    const char *problem = find_rare_problem(scene, v);
+    if (problem) return refuse(file, "vertex", v, problem);
+  }
+  return OLX_OK;
+}
 
 static olx_result read_geometry(const cooked_file *file, olx_scene *scene) {
   const uint32_t vertices = file->info->vertices, triangles = file->info->triangles;
@@ -138,7 +174,9 @@ static olx_result check_material(const cooked_file *file, const olx_cooked_mater
                     is_light(olx_load3(m->emission)) && within(m->metallic, 0.0f, 1.0f) &&
                     within(m->roughness, 0.0f, 1.0f) && within(m->specular_weight, 0.0f, 1.0f) &&
                     within(m->alpha, 0.0f, 1.0f) && within(m->alpha_cutoff, 0.0f, 1e20f) &&
-                    within(m->normal_scale, -1e4f, 1e4f) && !(m->flags & ~3u);
+                    within(m->normal_scale, -1e4f, 1e4f) && !(m->flags & ~(7u | OLX_COOKED_SECOND_UVS)) &&
+                    (file->data[OLX_COOKED_COLORS] || !(m->flags & OLX_COOKED_VERTEX_COLORS)) &&
+                    (file->data[OLX_COOKED_SECOND_UVS_CHUNK] || !(m->flags & OLX_COOKED_SECOND_UVS));
   return sane ? OLX_OK : refuse(file, "material", index, "a name, number or flag out of range");
 }
 
@@ -163,6 +201,8 @@ static olx_result read_materials(const cooked_file *file, olx_scene *scene) {
         .normal_texture = m->normal_texture,
         .normal_scale = m->normal_scale,
         .normal_is_height = m->flags & OLX_COOKED_NORMAL_IS_HEIGHT,
+        .vertex_colors = m->flags & OLX_COOKED_VERTEX_COLORS,
+        .second_uvs = (m->flags & OLX_COOKED_SECOND_UVS) >> OLX_COOKED_SECOND_UVS_SHIFT,
     };
     memcpy(material.name, m->name, sizeof material.name);
     OLX_TRY(olx_scene_add_material(scene, &material, NULL));
@@ -346,6 +386,7 @@ static olx_result read_scene(const olx_chunk_file *chunks, olx_scene *scene) {
   OLX_TRY(find_chunks(chunks, &file));
   OLX_TRY(olx_chunk_find_origin(chunks, scene->origin));
   OLX_TRY(read_geometry(&file, scene));
+  OLX_TRY(read_rare(&file, scene));
   OLX_TRY(read_materials(&file, scene));
   OLX_TRY(read_textures(&file, scene));
   OLX_TRY(read_lights(&file, scene));

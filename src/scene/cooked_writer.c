@@ -26,6 +26,9 @@ void olx_cooked_shapes(const olx_cooked_info *info, olx_chunk_shape shapes[OLX_C
       [OLX_COOKED_FORBIDDEN] = {OLX_FOUR_CC('F', 'B', 'O', 'X'), 4, 6, info->forbidden},
       [OLX_COOKED_WARNINGS] = {OLX_FOUR_CC('W', 'A', 'R', 'N'), 1, 1, info->warning_bytes},
       [OLX_COOKED_ORIGIN] = OLX_CHUNK_ORIGIN_ROW,
+      [OLX_COOKED_SECOND_UVS_CHUNK] = {OLX_FOUR_CC('V', 'T', 'X', '2'), 4, 2, info->vertices},
+      [OLX_COOKED_COLORS] = {OLX_FOUR_CC('V', 'C', 'O', 'L'), 4, 4, info->vertices},
+      [OLX_COOKED_TANGENTS] = {OLX_FOUR_CC('V', 'T', 'A', 'N'), 4, 4, info->vertices},
   };
   for (uint32_t i = 0; i < OLX_COOKED_CHUNKS; i++) shapes[i] = olx_chunk_shape_of(&table[i]);
 }
@@ -44,7 +47,8 @@ static olx_cooked_material store_material(const olx_material *m) {
       .emission_texture = m->emission_texture,
       .normal_texture = m->normal_texture,
       .flags = (m->emits_both_sides ? OLX_COOKED_EMITS_BOTH_SIDES : 0u) |
-               (m->normal_is_height ? OLX_COOKED_NORMAL_IS_HEIGHT : 0u),
+               (m->normal_is_height ? OLX_COOKED_NORMAL_IS_HEIGHT : 0u) |
+               (m->vertex_colors ? OLX_COOKED_VERTEX_COLORS : 0u) | m->second_uvs << OLX_COOKED_SECOND_UVS_SHIFT,
   };
   memcpy(stored.name, m->name, strlen(m->name));
   olx_store3(stored.base_color, m->base_color);
@@ -167,6 +171,17 @@ static olx_result store_scene(const olx_scene *scene, stored_scene *s) {
   return store_warnings(scene, s);
 }
 
+// Moves what is there to the front; returns how much there is.
+static uint32_t keep_present(olx_chunk_shape shapes[OLX_COOKED_CHUNKS], const void *data[OLX_COOKED_CHUNKS]) {
+  uint32_t count = OLX_COOKED_REQUIRED;
+  for (uint32_t i = OLX_COOKED_REQUIRED; i < OLX_COOKED_CHUNKS; i++) {
+    if (!data[i]) continue;
+    shapes[count] = shapes[i];
+    data[count++] = data[i];
+  }
+  return count;
+}
+
 olx_result olx_scene_cook(const olx_scene *scene, const char *path, uint64_t *file_bytes) {
   stored_scene s = {0};
   OLX_TRY(olx_scene_check_output(scene, path));
@@ -191,11 +206,14 @@ olx_result olx_scene_cook(const olx_scene *scene, const char *path, uint64_t *fi
       [OLX_COOKED_PINNED] = scene->probe_rules.pinned,
       [OLX_COOKED_FORBIDDEN] = scene->probe_rules.forbidden,
       [OLX_COOKED_WARNINGS] = s.warnings,
-      [OLX_COOKED_ORIGIN] = scene->origin,
+      [OLX_COOKED_ORIGIN] = olx_origin_is_stored(scene->origin) ? scene->origin : NULL,
+      [OLX_COOKED_SECOND_UVS_CHUNK] = scene->second_uvs,
+      [OLX_COOKED_COLORS] = scene->colors,
+      [OLX_COOKED_TANGENTS] = scene->tangents,
   };
   olx_chunk_shape shapes[OLX_COOKED_CHUNKS];
   olx_cooked_shapes(&s.info, shapes);
-  const uint32_t count = olx_origin_is_stored(scene->origin) ? OLX_COOKED_CHUNKS : OLX_COOKED_REQUIRED;
+  const uint32_t count = keep_present(shapes, data);
   const olx_result result = olx_chunk_file_write(path, &OLX_COOKED_KIND, shapes, data, count, file_bytes);
   release_stored(&s);
   return result;

@@ -379,6 +379,7 @@ static olx_result keep_mask(description *d, olx_material *m) {
   uint32_t *mask = &d->masks[m->base_color_texture];
   if (*mask == OLX_NO_TEXTURE) OLX_TRY(make_mask(scene, m->base_color_texture, mask));
   m->alpha_texture = *mask;
+  if (m->second_uvs & OLX_SLOT_BASE_COLOR) m->second_uvs |= OLX_SLOT_ALPHA;
   return OLX_OK;
 }
 
@@ -387,6 +388,7 @@ static olx_result apply_change(description *d, const material_change *change, ol
     OLX_TRY(keep_mask(d, m));
     m->base_color = change->base_color_value;
     m->base_color_texture = OLX_NO_TEXTURE;
+    m->vertex_colors = false;
   }
   if (change->roughness || change->metallic) m->metallic_roughness_texture = OLX_NO_TEXTURE;
   if (change->metallic) m->metallic = change->metallic_value;

@@ -39,9 +39,11 @@ static float triangle_area(const olx_scene *scene, uint32_t triangle) {
 }
 
 // Texels that the triangle covers in its emission texture.
-static float covered_texels(const olx_scene *scene, uint32_t triangle, const olx_texture *texture) {
+static float covered_texels(const olx_scene *scene, uint32_t triangle, const olx_material *material) {
+  const olx_texture *texture = &scene->textures[material->emission_texture];
+  const olx_vec2 *uvs = material->second_uvs & OLX_SLOT_EMISSION ? scene->second_uvs : scene->uvs;
   const uint32_t *i = scene->indices + 3 * (size_t)triangle;
-  const olx_vec2 a = scene->uvs[i[0]], b = scene->uvs[i[1]], c = scene->uvs[i[2]];
+  const olx_vec2 a = uvs[i[0]], b = uvs[i[1]], c = uvs[i[2]];
   const float area = 0.5f * fabsf((b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y));
   return area * (float)texture->width * (float)texture->height;
 }
@@ -51,7 +53,7 @@ static float mean_luminance(const olx_scene *scene, uint32_t triangle) {
   const olx_material *material = &scene->materials[scene->material_index[triangle]];
   if (!(olx_max3(material->emission) > 0.0f)) return 0.0f;
   if (material->emission_texture == OLX_NO_TEXTURE) return olx_luminance(material->emission);
-  const float texels = covered_texels(scene, triangle, &scene->textures[material->emission_texture]);
+  const float texels = covered_texels(scene, triangle, material);
   const uint32_t count = (uint32_t)olx_clamp(2.0f * texels, 16.0f, 1024.0f);
   float sum = 0.0f;
   for (uint32_t i = 0; i < count; i++) {

@@ -93,6 +93,11 @@ olx_result olx_json_parse(const char *path, const char *text, size_t size_bytes,
   return result;
 }
 
+const char *olx_json_text(const cJSON *object, const char *key) {
+  const cJSON *item = olx_json_member(object, key);
+  return cJSON_IsString(item) ? item->valuestring : "";
+}
+
 bool olx_json_index(const cJSON *item, uint32_t count, uint32_t *index, bool *valid) {
   *valid = true;
   if (!item) return false;
@@ -100,6 +105,16 @@ bool olx_json_index(const cJSON *item, uint32_t count, uint32_t *index, bool *va
   *valid = number >= 0.0 && number < (double)count && number == floor(number);
   if (*valid) *index = (uint32_t)number;
   return *valid;
+}
+
+bool olx_json_size(const cJSON *object, const char *key, uint64_t otherwise, uint64_t *size) {
+  const cJSON *item = olx_json_member(object, key);
+  *size = otherwise;
+  if (!item) return true;
+  const double number = cJSON_IsNumber(item) ? item->valuedouble : -1.0;
+  if (!(number >= 0.0 && number <= 0x1p48) || number != floor(number)) return false;
+  *size = (uint64_t)number;
+  return true;
 }
 
 bool olx_json_float(const cJSON *item, float *value) {

@@ -1,5 +1,5 @@
-// Every file of a model comes through here, whether Assimp or the texture loader asks for it. A model is not trusted to
-// name any file of the machine it is loaded on, nor to have one file read many times.
+// Every file that a model names is judged here, whoever reads it: a model is not trusted to name any file of the machine it is
+// loaded on. Assimp reads all of its files through here, each material file once.
 #include "scene/model_files.h"
 
 #include "core/file.h"
@@ -16,7 +16,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -55,6 +54,24 @@ olx_result olx_model_file_check(const olx_scene *scene, const char *model_path, 
   }
   free(resolved);
   return result;
+}
+
+void olx_model_file_locate(const char *model_path, const char *name, char *path, size_t size_bytes) {
+  const char *slash = strrchr(model_path, '/');
+  const int folder = name[0] == '/' || !slash ? 0 : (int)(slash - model_path) + 1;
+  snprintf(path, size_bytes, "%.*s%s", folder, model_path, name);
+  if (access(path, R_OK) == 0) return;
+  char *out = path + folder;
+  for (const char *in = out; *in; ++in, ++out) {
+    unsigned code;
+    if (in[0] == '%' && sscanf(in + 1, "%2x", &code) == 1 && code) {
+      *out = (char)code;
+      in += 2;
+    } else {
+      *out = *in == '\\' ? '/' : *in;
+    }
+  }
+  *out = 0;
 }
 
 typedef struct file_identity {
@@ -154,11 +171,8 @@ static olx_result note_file(model_reader *reader, const char *path, bool *before
 static olx_result check_opened(model_reader *reader, const char *path, open_file *file) {
   if (strcmp(path, reader->path) == 0) return OLX_OK;
   bool before;
-  const size_t length = strlen(path);
-  const bool material = length >= 4 && strcasecmp(reader->path + strlen(reader->path) - 4, ".obj") == 0;
   OLX_TRY(note_file(reader, path, &before));
-  if (!before) return material ? check_material_file(reader, path, file) : OLX_OK;
-  if (!material) return olx_fail(OLX_ERROR_FORMAT, "%s: two buffers are the same file, %s", reader->path, path);
+  if (!before) return check_material_file(reader, path, file);
   // Its materials are known, and Assimp refuses a file of a few bytes.
   static const char nothing[] = "# its materials have been read before\n";
   file->data = nothing;

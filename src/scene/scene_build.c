@@ -34,6 +34,19 @@ void *olx_scene_array(uint32_t count, size_t element_bytes) {
   return olx_allocate((size_t)capacity_for(count), element_bytes);
 }
 
+// Makes room for an attribute that few meshes have: `array` is NULL until one of them comes, and the vertices before it get
+// `otherwise`.
+static olx_result reserve_rare(void **array, bool wanted, uint32_t count, uint32_t added, size_t element_bytes,
+                               const void *otherwise) {
+  if (!*array && !wanted) return OLX_OK;
+  uint8_t *grown = *array ? grow(*array, count, added, element_bytes)
+                          : olx_allocate((size_t)capacity_for((uint64_t)count + added), element_bytes);
+  if (!grown) return olx_fail(OLX_ERROR_MEMORY, "out of memory for the scene");
+  for (uint32_t i = 0; !*array && i < count; ++i) memcpy(grown + i * element_bytes, otherwise, element_bytes);
+  *array = grown;
+  return OLX_OK;
+}
+
 #define RESERVE(array, count, added)                                                                                   \
   do {                                                                                                                 \
     void *const grown_ = grow((array), (count), (added), sizeof *(array));                                             \
@@ -154,7 +167,18 @@ bool olx_sane_triangle(const olx_scene *scene, const olx_vec3 *positions, uint32
   return judge_triangle(scene, positions, vertex_count, corner) == FAULT_NONE;
 }
 
-static olx_result reserve_mesh(olx_scene *scene, uint32_t vertices, uint32_t triangles) {
+static const olx_vec4 white = {1.0f, 1.0f, 1.0f, 1.0f}, no_tangent = {0.0f, 0.0f, 0.0f, 0.0f};
+static const olx_vec2 no_uv = {0.0f, 0.0f};
+
+#define RESERVE_RARE(array, wanted, count, added, otherwise)                                                           \
+  do {                                                                                                                 \
+    void *rare_ = (array);                                                                                             \
+    OLX_TRY(reserve_rare(&rare_, (wanted), (count), (added), sizeof *(array), (otherwise)));                           \
+    (array) = rare_;                                                                                                   \
+  } while (0)
+
+static olx_result reserve_mesh(olx_scene *scene, const olx_mesh *mesh) {
+  const uint32_t triangles = mesh->triangle_count, vertices = mesh->normals ? mesh->vertex_count : triangles * 3;
   const uint32_t v = scene->vertex_count, t = scene->triangle_count;
   if ((uint64_t)t + triangles >= UINT32_MAX / 3 || (uint64_t)v + vertices >= UINT32_MAX) {
     return olx_fail(OLX_ERROR_UNSUPPORTED, "the scene has more than %u triangles or %u vertices", UINT32_MAX / 3,
@@ -163,6 +187,9 @@ static olx_result reserve_mesh(olx_scene *scene, uint32_t vertices, uint32_t tri
   RESERVE(scene->positions, v, vertices);
   RESERVE(scene->normals, v, vertices);
   RESERVE(scene->uvs, v, vertices);
+  RESERVE_RARE(scene->second_uvs, mesh->second_uvs != NULL, v, vertices, &no_uv);
+  RESERVE_RARE(scene->colors, mesh->colors != NULL, v, vertices, &white);
+  RESERVE_RARE(scene->tangents, mesh->tangents != NULL, v, vertices, &no_tangent);
   RESERVE(scene->indices, t * 3, triangles * 3);
   RESERVE(scene->material_index, t, triangles);
   return OLX_OK;
@@ -175,11 +202,19 @@ static olx_vec3 triangle_normal(const olx_vec3 *positions, const uint32_t corner
 
 static bool is_unit(olx_vec3 n) { return fabsf(olx_dot(n, n) - 1.0f) < 1e-3f; }
 
-static void append_vertex(olx_scene *scene, olx_vec3 position, olx_vec3 normal, olx_vec2 uv) {
+static olx_vec2 uv_of(const olx_vec2 *uvs, uint32_t vertex) {
+  return uvs && isfinite(uvs[vertex].x) && isfinite(uvs[vertex].y) ? uvs[vertex] : no_uv;
+}
+
+// Vertex `from` of a mesh, at that position and with that normal.
+static void append_vertex(olx_scene *scene, const olx_mesh *mesh, uint32_t from, olx_vec3 position, olx_vec3 normal) {
   const uint32_t v = scene->vertex_count++;
   scene->positions[v] = position;
   scene->normals[v] = normal;
-  scene->uvs[v] = isfinite(uv.x) && isfinite(uv.y) ? uv : (olx_vec2){0.0f, 0.0f};
+  scene->uvs[v] = uv_of(mesh->uvs, from);
+  if (scene->second_uvs) scene->second_uvs[v] = uv_of(mesh->second_uvs, from);
+  if (scene->colors) scene->colors[v] = mesh->colors ? mesh->colors[from] : white;
+  if (scene->tangents) scene->tangents[v] = mesh->tangents ? mesh->tangents[from] : no_tangent;
 }
 
 static void append_triangle(olx_scene *scene, const uint32_t corner[3], uint32_t material) {
@@ -189,14 +224,11 @@ static void append_triangle(olx_scene *scene, const uint32_t corner[3], uint32_t
 }
 
 // Without normals every triangle gets three vertices of its own.
-static void append_flat(olx_scene *scene, const olx_vec3 *positions, const olx_vec2 *uvs, const uint32_t corner[3],
-                        uint32_t material) {
+static void append_flat(olx_scene *scene, const olx_mesh *mesh, const uint32_t corner[3]) {
   const uint32_t first = scene->vertex_count;
-  const olx_vec3 normal = triangle_normal(positions, corner);
-  for (uint32_t k = 0; k < 3; ++k) {
-    append_vertex(scene, positions[corner[k]], normal, uvs ? uvs[corner[k]] : (olx_vec2){0.0f, 0.0f});
-  }
-  append_triangle(scene, (const uint32_t[3]){first, first + 1, first + 2}, material);
+  const olx_vec3 normal = triangle_normal(mesh->positions, corner);
+  for (uint32_t k = 0; k < 3; ++k) append_vertex(scene, mesh, corner[k], mesh->positions[corner[k]], normal);
+  append_triangle(scene, (const uint32_t[3]){first, first + 1, first + 2}, mesh->material);
 }
 
 // A vertex whose normal is not usable takes that of the first triangle that uses it.
@@ -218,35 +250,49 @@ static void warn_about_faults(olx_scene *scene, const char *name, const uint32_t
                  name, skipped, triangle_count, faults[FAULT_AREA], faults[FAULT_POSITION], faults[FAULT_INDEX]);
 }
 
+static void append_vertices(olx_scene *scene, const olx_mesh *mesh) {
+  for (uint32_t i = 0; i < mesh->vertex_count; ++i) {
+    const olx_vec3 normal = olx_finite(mesh->normals[i]) ? olx_normalize(mesh->normals[i]) : olx_splat(0.0f);
+    const olx_vec3 position = olx_scene_holds(scene, mesh->positions[i]) ? mesh->positions[i] : olx_splat(0.0f);
+    append_vertex(scene, mesh, i, position, normal);
+  }
+}
+
+olx_result olx_scene_append_mesh(olx_scene *scene, const char *name, const olx_mesh *mesh) {
+  if (mesh->triangle_count >= UINT32_MAX / 3) {
+    return olx_fail(OLX_ERROR_UNSUPPORTED, "%s: %u triangles are too many", name, mesh->triangle_count);
+  }
+  OLX_TRY(reserve_mesh(scene, mesh));
+  const uint32_t first = scene->vertex_count;
+  if (mesh->normals) append_vertices(scene, mesh);
+  if (mesh->colors) scene->materials[mesh->material].vertex_colors = true;
+  uint32_t faults[FAULT_COUNT] = {0};
+  for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
+    const uint32_t *corner = mesh->indices + (size_t)t * 3;
+    const triangle_fault fault = judge_triangle(scene, mesh->positions, mesh->vertex_count, corner);
+    ++faults[fault];
+    for (uint32_t k = 0; k < 3 && (fault == FAULT_NONE || fault == FAULT_AREA); ++k) {
+      olx_scene_include(scene, mesh->positions[corner[k]]);
+    }
+    if (fault != FAULT_NONE) continue;
+    if (mesh->normals) append_shared(scene, first, corner, mesh->material);
+    else append_flat(scene, mesh, corner);
+  }
+  warn_about_faults(scene, name, faults, mesh->triangle_count);
+  return OLX_OK;
+}
+
 olx_result olx_scene_add_mesh(olx_scene *scene, const char *name, const olx_vec3 *positions, const olx_vec3 *normals,
                               const olx_vec2 *uvs, uint32_t vertex_count, const uint32_t *indices,
                               uint32_t triangle_count, uint32_t material) {
-  if (triangle_count >= UINT32_MAX / 3) {
-    return olx_fail(OLX_ERROR_UNSUPPORTED, "%s: %u triangles are too many", name, triangle_count);
-  }
-  OLX_TRY(reserve_mesh(scene, normals ? vertex_count : triangle_count * 3, triangle_count));
-  const uint32_t first = scene->vertex_count;
-  if (normals) {
-    for (uint32_t i = 0; i < vertex_count; ++i) {
-      const olx_vec3 normal = olx_finite(normals[i]) ? olx_normalize(normals[i]) : olx_splat(0.0f);
-      append_vertex(scene, olx_scene_holds(scene, positions[i]) ? positions[i] : olx_splat(0.0f), normal,
-                    uvs ? uvs[i] : (olx_vec2){0.0f, 0.0f});
-    }
-  }
-  uint32_t faults[FAULT_COUNT] = {0};
-  for (uint32_t t = 0; t < triangle_count; ++t) {
-    const uint32_t *corner = indices + (size_t)t * 3;
-    const triangle_fault fault = judge_triangle(scene, positions, vertex_count, corner);
-    ++faults[fault];
-    for (uint32_t k = 0; k < 3 && (fault == FAULT_NONE || fault == FAULT_AREA); ++k) {
-      olx_scene_include(scene, positions[corner[k]]);
-    }
-    if (fault != FAULT_NONE) continue;
-    if (normals) append_shared(scene, first, corner, material);
-    else append_flat(scene, positions, uvs, corner, material);
-  }
-  warn_about_faults(scene, name, faults, triangle_count);
-  return OLX_OK;
+  return olx_scene_append_mesh(scene, name,
+                               &(olx_mesh){.positions = positions,
+                                           .normals = normals,
+                                           .uvs = uvs,
+                                           .indices = indices,
+                                           .vertex_count = vertex_count,
+                                           .triangle_count = triangle_count,
+                                           .material = material});
 }
 
 static void compute_bounds(olx_scene *scene) {
@@ -276,9 +322,13 @@ static void hash_material(XXH3_state_t *state, const olx_material *m) {
   const float numbers[] = {m->base_color.x, m->base_color.y, m->base_color.z, m->metallic,
                            m->roughness,    m->emission.x,   m->emission.y,   m->emission.z,
                            m->alpha,        m->alpha_cutoff, m->normal_scale, m->specular_weight};
-  const uint32_t words[] = {
-      m->base_color_texture, m->alpha_texture,  m->metallic_roughness_texture,
-      m->emission_texture,   m->normal_texture, (m->emits_both_sides ? 1u : 0u) | (m->normal_is_height ? 2u : 0u)};
+  const uint32_t words[] = {m->base_color_texture,
+                            m->alpha_texture,
+                            m->metallic_roughness_texture,
+                            m->emission_texture,
+                            m->normal_texture,
+                            (m->emits_both_sides ? 1u : 0u) | (m->normal_is_height ? 2u : 0u) |
+                                (m->vertex_colors ? 4u : 0u) | m->second_uvs << 8};
   XXH3_64bits_update(state, numbers, sizeof numbers);
   XXH3_64bits_update(state, words, sizeof words);
 }
@@ -299,6 +349,14 @@ static void hash_environment(XXH3_state_t *state, const olx_environment *e) {
   if (e->texels) XXH3_64bits_update(state, e->texels, (size_t)e->width * e->height * 3 * sizeof(float));
 }
 
+// Attributes that few scenes have.
+static void hash_rare(XXH3_state_t *state, const olx_scene *scene) {
+  const size_t count = scene->vertex_count;
+  if (scene->second_uvs) XXH3_64bits_update(state, scene->second_uvs, count * sizeof *scene->second_uvs);
+  if (scene->colors) XXH3_64bits_update(state, scene->colors, count * sizeof *scene->colors);
+  if (scene->tangents) XXH3_64bits_update(state, scene->tangents, count * sizeof *scene->tangents);
+}
+
 // Names, cameras and probes stay out: they do not change the light in the scene.
 static void compute_hash(olx_scene *scene) {
   XXH3_state_t state;
@@ -309,6 +367,7 @@ static void compute_hash(olx_scene *scene) {
   XXH3_64bits_update(&state, scene->positions, scene->vertex_count * sizeof *scene->positions);
   XXH3_64bits_update(&state, scene->normals, scene->vertex_count * sizeof *scene->normals);
   XXH3_64bits_update(&state, scene->uvs, scene->vertex_count * sizeof *scene->uvs);
+  hash_rare(&state, scene);
   XXH3_64bits_update(&state, scene->indices, (size_t)scene->triangle_count * 3 * sizeof *scene->indices);
   XXH3_64bits_update(&state, scene->material_index, scene->triangle_count * sizeof *scene->material_index);
   for (uint32_t i = 0; i < scene->material_count; ++i) hash_material(&state, &scene->materials[i]);
@@ -338,6 +397,9 @@ void olx_scene_release_arrays(olx_scene *scene) {
   olx_release(scene->positions);
   olx_release(scene->normals);
   olx_release(scene->uvs);
+  olx_release(scene->second_uvs);
+  olx_release(scene->colors);
+  olx_release(scene->tangents);
   olx_release(scene->indices);
   olx_release(scene->material_index);
   olx_release(scene->materials);

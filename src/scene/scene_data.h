@@ -31,7 +31,8 @@ struct olx_scene {
   bool is_made;
   uint32_t vertex_count, triangle_count;
   olx_vec3 *positions, *normals; // a vertex; normals unit
-  olx_vec2 *uvs;
+  olx_vec2 *uvs, *second_uvs;    // second_uvs, colors and tangents are NULL until a mesh has them
+  olx_vec4 *colors, *tangents;
   uint32_t *indices;        // three a triangle
   uint32_t *material_index; // one a triangle
   uint32_t material_count, texture_count, light_count, camera_count;

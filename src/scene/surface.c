@@ -22,10 +22,51 @@ static olx_vec3 interpolate(olx_vec3 a, olx_vec3 b, olx_vec3 c, float u, float v
   return olx_add(olx_add(olx_scale(a, 1.0f - u - v), olx_scale(b, u)), olx_scale(c, v));
 }
 
-static olx_vec2 uv_at(const olx_scene *scene, const olx_corners *corners, float u, float v) {
-  const olx_vec2 a = scene->uvs[corners->i0], b = scene->uvs[corners->i1], c = scene->uvs[corners->i2];
+static olx_vec2 interpolate_uv(const olx_vec2 *uvs, const olx_corners *corners, float u, float v) {
+  const olx_vec2 a = uvs[corners->i0], b = uvs[corners->i1], c = uvs[corners->i2];
   const float w = 1.0f - u - v;
   return (olx_vec2){a.x * w + b.x * u + c.x * v, a.y * w + b.y * u + c.y * v};
+}
+
+// Texture coordinates at a place: those of most textures, and those of the others.
+typedef struct olx_place_uvs {
+  olx_vec2 first, second;
+} olx_place_uvs;
+
+static inline olx_place_uvs uvs_at(const olx_scene *scene, const olx_material *material, const olx_corners *corners,
+                                   float u, float v) {
+  const uint32_t textures = material->base_color_texture & material->alpha_texture & material->emission_texture &
+                            material->metallic_roughness_texture & material->normal_texture;
+  olx_place_uvs uvs = {{0.0f, 0.0f}, {0.0f, 0.0f}};
+  if (textures == OLX_NO_TEXTURE) return uvs; // all of them are none
+  uvs.first = interpolate_uv(scene->uvs, corners, u, v);
+  if (material->second_uvs) uvs.second = interpolate_uv(scene->second_uvs, corners, u, v);
+  return uvs;
+}
+
+static olx_vec2 uv_for(const olx_material *material, olx_texture_slot slot, olx_place_uvs uvs) {
+  return material->second_uvs & slot ? uvs.second : uvs.first;
+}
+
+static olx_texel look_up(const olx_scene *scene, const olx_material *material, uint32_t texture, olx_texture_slot slot,
+                         olx_place_uvs uvs) {
+  return olx_texture_sample(&scene->textures[texture], uv_for(material, slot, uvs));
+}
+
+// A number of the vertices, between the corners.
+static olx_vec4 interpolate_four(const olx_vec4 *numbers, const olx_corners *corners, float u, float v) {
+  const olx_vec4 a = numbers[corners->i0], b = numbers[corners->i1], c = numbers[corners->i2];
+  const float w = 1.0f - u - v;
+  return (olx_vec4){a.x * w + b.x * u + c.x * v, a.y * w + b.y * u + c.y * v, a.z * w + b.z * u + c.z * v,
+                    a.w * w + b.w * u + c.w * v};
+}
+
+// What multiplies a base colour between the corners.
+static olx_vec3 tint_at(const olx_scene *scene, const olx_material *material, const olx_corners *corners, float u,
+                        float v) {
+  if (!material->vertex_colors) return olx_splat(1.0f);
+  const olx_vec4 c = interpolate_four(scene->colors, corners, u, v);
+  return olx_v3(c.x, c.y, c.z);
 }
 
 static float largest_coordinate(olx_vec3 p) { return olx_max3(olx_v3(fabsf(p.x), fabsf(p.y), fabsf(p.z))); }
@@ -46,25 +87,28 @@ bool olx_surface_present(const olx_scene *scene, uint32_t triangle, float u, flo
   const olx_material *material = &scene->materials[scene->material_index[triangle]];
   if (material->alpha_cutoff <= 0.0f) return true;
   const olx_corners corners = corners_of(scene, triangle);
-  const olx_vec2 uv = uv_at(scene, &corners, u, v);
+  const olx_place_uvs uvs = uvs_at(scene, material, &corners, u, v);
   float alpha = material->alpha;
   if (has_texture(material->base_color_texture)) {
-    alpha *= olx_texture_sample(&scene->textures[material->base_color_texture], uv).alpha;
+    alpha *= look_up(scene, material, material->base_color_texture, OLX_SLOT_BASE_COLOR, uvs).alpha;
   }
   if (has_texture(material->alpha_texture)) {
-    alpha *= olx_texture_sample(&scene->textures[material->alpha_texture], uv).color.x;
+    alpha *= look_up(scene, material, material->alpha_texture, OLX_SLOT_ALPHA, uvs).color.x;
   }
+  if (scene->colors) alpha *= interpolate_four(scene->colors, &corners, u, v).w;
   return alpha >= material->alpha_cutoff;
 }
 
-static olx_vec3 emission_at_uv(const olx_scene *scene, const olx_material *material, olx_vec2 uv) {
+static olx_vec3 emission_at_uvs(const olx_scene *scene, const olx_material *material, olx_place_uvs uvs) {
   if (!has_texture(material->emission_texture)) return material->emission;
-  return olx_mul(material->emission, olx_texture_sample(&scene->textures[material->emission_texture], uv).color);
+  return olx_mul(material->emission,
+                 look_up(scene, material, material->emission_texture, OLX_SLOT_EMISSION, uvs).color);
 }
 
 olx_vec3 olx_surface_emission(const olx_scene *scene, uint32_t triangle, float u, float v) {
+  const olx_material *material = &scene->materials[scene->material_index[triangle]];
   const olx_corners corners = corners_of(scene, triangle);
-  return emission_at_uv(scene, &scene->materials[scene->material_index[triangle]], uv_at(scene, &corners, u, v));
+  return emission_at_uvs(scene, material, uvs_at(scene, material, &corners, u, v));
 }
 
 // The normal that a normal or height map holds, in the tangent frame: x along increasing u, y along decreasing v.
@@ -82,22 +126,54 @@ static olx_vec3 mapped_normal(const olx_material *material, const olx_texture *t
   return olx_v3(-along_u * material->normal_scale, along_v * material->normal_scale, 1.0f);
 }
 
-// Bend `normal` by the normal map. Where texture coordinates do not span a tangent frame it stays as it is.
-static olx_vec3 bend_normal(const olx_scene *scene, const olx_material *material, const olx_corners *c, olx_vec2 uv,
-                            olx_vec3 normal) {
-  const olx_vec2 t0 = scene->uvs[c->i0], t1 = scene->uvs[c->i1], t2 = scene->uvs[c->i2];
+// The directions of a normal map's x and y, square to a normal.
+typedef struct tangent_frame {
+  olx_vec3 tangent, bitangent;
+} tangent_frame;
+
+// That of the triangle's texture coordinates; false where they span none.
+static bool frame_by_uvs(const olx_scene *scene, const olx_material *material, const olx_corners *c, olx_vec3 normal,
+                         tangent_frame *frame) {
+  const olx_vec2 *uvs = material->second_uvs & OLX_SLOT_NORMAL ? scene->second_uvs : scene->uvs;
+  const olx_vec2 t0 = uvs[c->i0], t1 = uvs[c->i1], t2 = uvs[c->i2];
   const float du1 = t1.x - t0.x, dv1 = t1.y - t0.y, du2 = t2.x - t0.x, dv2 = t2.y - t0.y;
   const float determinant = du1 * dv2 - du2 * dv1;
-  if (determinant == 0.0f) return normal;
+  if (determinant == 0.0f) return false;
   const float orientation = determinant > 0.0f ? 1.0f : -1.0f;
   const olx_vec3 e1 = olx_sub(c->p1, c->p0), e2 = olx_sub(c->p2, c->p0);
   const olx_vec3 along_u = olx_scale(olx_sub(olx_scale(e1, dv2), olx_scale(e2, dv1)), orientation);
   const olx_vec3 along_v = olx_scale(olx_sub(olx_scale(e2, du1), olx_scale(e1, du2)), orientation);
-  const olx_vec3 tangent = olx_normalize(olx_madd(along_u, normal, -olx_dot(along_u, normal)));
-  const olx_vec3 across = olx_cross(normal, tangent);
-  const olx_vec3 bitangent = olx_dot(across, along_v) > 0.0f ? olx_negate(across) : across;
-  const olx_vec3 n = mapped_normal(material, &scene->textures[material->normal_texture], uv);
-  const olx_vec3 bent = olx_add(olx_add(olx_scale(tangent, n.x), olx_scale(bitangent, n.y)), olx_scale(normal, n.z));
+  frame->tangent = olx_normalize(olx_madd(along_u, normal, -olx_dot(along_u, normal)));
+  const olx_vec3 across = olx_cross(normal, frame->tangent);
+  frame->bitangent = olx_dot(across, along_v) > 0.0f ? olx_negate(across) : across;
+  return true;
+}
+
+// That of the vertices' tangents; false where they have none. Their sides are those of normals that are not turned round.
+static bool frame_by_tangents(const olx_scene *scene, const olx_corners *c, float u, float v, olx_vec3 normal,
+                              tangent_frame *frame) {
+  if (!scene->tangents) return false;
+  const olx_vec4 t = interpolate_four(scene->tangents, c, u, v);
+  const olx_vec3 given = olx_v3(t.x, t.y, t.z), flat = olx_madd(given, normal, -olx_dot(given, normal));
+  if (t.w == 0.0f || !(olx_length(flat) > 1e-3f)) return false;
+  const bool turned =
+      olx_dot(interpolate(scene->normals[c->i0], scene->normals[c->i1], scene->normals[c->i2], u, v), normal) < 0.0f;
+  frame->tangent = olx_normalize(flat);
+  frame->bitangent = olx_scale(olx_cross(normal, frame->tangent), (t.w < 0.0f) != turned ? -1.0f : 1.0f);
+  return true;
+}
+
+// Bend `normal` by the normal map. Where neither tangents nor texture coordinates give a frame it stays as it is.
+static olx_vec3 bend_normal(const olx_scene *scene, const olx_material *material, const olx_corners *c, float u,
+                            float v, olx_place_uvs uvs, olx_vec3 normal) {
+  tangent_frame frame;
+  if (!frame_by_tangents(scene, c, u, v, normal, &frame) && !frame_by_uvs(scene, material, c, normal, &frame)) {
+    return normal;
+  }
+  const olx_vec3 n =
+      mapped_normal(material, &scene->textures[material->normal_texture], uv_for(material, OLX_SLOT_NORMAL, uvs));
+  const olx_vec3 bent =
+      olx_add(olx_add(olx_scale(frame.tangent, n.x), olx_scale(frame.bitangent, n.y)), olx_scale(normal, n.z));
   const float length = olx_length(bent);
   return length > 0.0f ? olx_scale(bent, 1.0f / length) : normal;
 }
@@ -119,9 +195,9 @@ static olx_vec3 face(olx_vec3 n, olx_vec3 outward, bool back_face) {
 }
 
 static olx_vec3 shading_normal(const olx_scene *scene, const olx_material *material, const olx_corners *c, float u,
-                               float v, olx_vec2 uv, olx_vec3 outward, bool back_face) {
+                               float v, olx_place_uvs uvs, olx_vec3 outward, bool back_face) {
   olx_vec3 n = vertex_normal(scene, c, u, v, outward);
-  if (has_texture(material->normal_texture)) n = bend_normal(scene, material, c, uv, n);
+  if (has_texture(material->normal_texture)) n = bend_normal(scene, material, c, u, v, uvs, n);
   return face(n, outward, back_face);
 }
 
@@ -132,15 +208,24 @@ olx_vec3 olx_surface_vertex_normal(const olx_scene *scene, const olx_ray_hit *hi
   return face(vertex_normal(scene, &c, hit->u, hit->v, outward), outward, surface->back_face);
 }
 
-static void look_up_material(const olx_scene *scene, const olx_material *material, olx_vec2 uv, olx_surface *surface) {
-  olx_vec3 base_color = material->base_color;
+// The base colour at a place whose vertices multiply it by `tint`, clamped.
+static inline olx_vec3 base_color_at(const olx_scene *scene, const olx_material *material, olx_place_uvs uvs,
+                                     olx_vec3 tint) {
+  olx_vec3 base_color = olx_mul(material->base_color, tint);
   if (has_texture(material->base_color_texture)) {
-    base_color = olx_mul(base_color, olx_texture_sample(&scene->textures[material->base_color_texture], uv).color);
+    base_color =
+        olx_mul(base_color, look_up(scene, material, material->base_color_texture, OLX_SLOT_BASE_COLOR, uvs).color);
   }
-  base_color = olx_min_each(base_color, olx_splat(OLX_MAX_ALBEDO));
+  return olx_min_each(base_color, olx_splat(OLX_MAX_ALBEDO));
+}
+
+static void look_up_material(const olx_scene *scene, const olx_material *material, olx_place_uvs uvs, olx_vec3 tint,
+                             olx_surface *surface) {
+  const olx_vec3 base_color = base_color_at(scene, material, uvs, tint);
   float metallic = material->metallic, roughness = material->roughness;
   if (has_texture(material->metallic_roughness_texture)) {
-    const olx_vec3 t = olx_texture_sample(&scene->textures[material->metallic_roughness_texture], uv).color;
+    const olx_vec3 t =
+        look_up(scene, material, material->metallic_roughness_texture, OLX_SLOT_METALLIC_ROUGHNESS, uvs).color;
     metallic *= t.z;
     roughness *= t.y;
   }
@@ -149,7 +234,7 @@ static void look_up_material(const olx_scene *scene, const olx_material *materia
   surface->roughness = roughness;
   surface->bsdf = olx_bsdf_make(base_color, metallic, roughness, material->specular_weight);
   surface->emission =
-      surface->back_face && !material->emits_both_sides ? olx_splat(0.0f) : emission_at_uv(scene, material, uv);
+      surface->back_face && !material->emits_both_sides ? olx_splat(0.0f) : emission_at_uvs(scene, material, uvs);
 }
 
 // The step from `position` to the middle of the triangle, no longer than `length`.
@@ -162,7 +247,7 @@ static olx_vec3 step_inward(const olx_corners *c, olx_vec3 position, float lengt
 
 static bool varies_over_triangle(const olx_material *material) {
   return has_texture(material->base_color_texture) || has_texture(material->metallic_roughness_texture) ||
-         has_texture(material->emission_texture);
+         has_texture(material->emission_texture) || material->vertex_colors;
 }
 
 bool olx_surface_albedo(const olx_scene *scene, const olx_ray_hit *hit, const olx_surface *surface, olx_vec3 *albedo) {
@@ -174,9 +259,8 @@ bool olx_surface_albedo(const olx_scene *scene, const olx_ray_hit *hit, const ol
     return false;
   }
   const olx_corners c = corners_of(scene, hit->triangle);
-  const olx_texture *texture = &scene->textures[material->base_color_texture];
-  const olx_vec3 color = olx_texture_sample(texture, uv_at(scene, &c, hit->u, hit->v)).color;
-  *albedo = olx_min_each(olx_mul(material->base_color, color), olx_splat(OLX_MAX_ALBEDO));
+  const olx_place_uvs uvs = uvs_at(scene, material, &c, hit->u, hit->v);
+  *albedo = base_color_at(scene, material, uvs, tint_at(scene, material, &c, hit->u, hit->v));
   return true;
 }
 
@@ -186,7 +270,7 @@ olx_surface olx_surface_near(const olx_scene *scene, const olx_ray_hit *hit, olx
   const olx_corners c = corners_of(scene, hit->triangle);
   const uint32_t material_index = scene->material_index[hit->triangle];
   const olx_material *material = &scene->materials[material_index];
-  const olx_vec2 uv = uv_at(scene, &c, hit->u, hit->v);
+  const olx_place_uvs uvs = uvs_at(scene, material, &c, hit->u, hit->v);
   olx_vec3 outward;
   if (again) {
     outward = previous->back_face ? olx_negate(previous->geometric_normal) : previous->geometric_normal;
@@ -197,7 +281,7 @@ olx_surface olx_surface_near(const olx_scene *scene, const olx_ray_hit *hit, olx
   olx_surface surface = {
       .position = interpolate(c.p0, c.p1, c.p2, hit->u, hit->v),
       .geometric_normal = back_face ? olx_negate(outward) : outward,
-      .shading_normal = shading_normal(scene, material, &c, hit->u, hit->v, uv, outward, back_face),
+      .shading_normal = shading_normal(scene, material, &c, hit->u, hit->v, uvs, outward, back_face),
       .back_face = back_face,
       .epsilon = again ? previous->epsilon : olx_surface_epsilon(scene, hit->triangle),
       .triangle = hit->triangle,
@@ -211,7 +295,7 @@ olx_surface olx_surface_near(const olx_scene *scene, const olx_ray_hit *hit, olx
     surface.roughness = previous->roughness;
     surface.emission = previous->emission;
   } else {
-    look_up_material(scene, material, uv, &surface);
+    look_up_material(scene, material, uvs, tint_at(scene, material, &c, hit->u, hit->v), &surface);
   }
   if (olx_max3(surface.emission) > 0.0f) surface.area_pdf = olx_emitters_area_pdf(scene, hit->triangle);
   return surface;

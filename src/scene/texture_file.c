@@ -3,6 +3,8 @@
 #include "core/file.h"
 #include "core/hooks.h"
 #include "core/result.h"
+#include "scene/environment_file.h"
+#include "scene/exr_file.h"
 #include "scene/import_limits.h"
 
 #include <limits.h>
@@ -114,10 +116,11 @@ olx_result olx_texture_measure(const char *path, const void *data, size_t size_b
 static olx_result decode_environment(const char *path, const olx_mapped_file *file, const olx_scene *scene,
                                      olx_environment *environment) {
   uint64_t count;
+  if (olx_is_exr(file->data, file->size_bytes)) return olx_environment_read_exr(path, scene, environment);
   OLX_TRY(check_header(path, file->data, file->size_bytes, &count));
   OLX_TRY(olx_import_check_limit(scene, OLX_LIMIT_TEXELS, olx_scene_texels(scene) + count, path, "environment"));
   if (!stbi_is_hdr_from_memory(file->data, (int)file->size_bytes)) {
-    return olx_fail(OLX_ERROR_UNSUPPORTED, "%s: an environment must be a Radiance .hdr image", path);
+    return olx_fail(OLX_ERROR_UNSUPPORTED, "%s: an environment must be a Radiance .hdr or an OpenEXR image", path);
   }
   int width = 0, height = 0, channels = 0;
   float *texels = stbi_loadf_from_memory(file->data, (int)file->size_bytes, &width, &height, &channels, 3);

@@ -1,4 +1,4 @@
-// Decoding image files: textures (JPEG, PNG, TGA, BMP) and environments (Radiance .hdr).
+// Decoding image files: textures (JPEG, PNG, TGA, BMP) and environments (Radiance .hdr, OpenEXR).
 #ifndef OLX_SCENE_TEXTURE_FILE_H
 #define OLX_SCENE_TEXTURE_FILE_H
 
@@ -18,7 +18,7 @@ olx_result olx_texture_load(const char *path, const void *data, size_t size_byte
 // How many texels an image has, by its header alone. Where olx_texture_load would fail for the header, so does this.
 olx_result olx_texture_measure(const char *path, const void *data, size_t size_bytes, uint64_t *texels);
 
-// Decode a latitude-longitude .hdr image into width, height and texels of `environment`. Texels that are negative or
+// Decode a latitude-longitude .hdr or .exr image, told apart by their content, into width, height and texels of `environment`. Texels that are negative or
 // not finite become 0 and are counted in *repaired. An image beyond the scene's limit of texels is refused.
 olx_result olx_environment_load(const char *path, const olx_scene *scene, olx_environment *environment,
                                 uint64_t *repaired);

@@ -4,10 +4,14 @@
 
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
-layout(location = 2) in vec2 uv;
+layout(location = 2) in vec4 uvs;
 layout(location = 3) flat in vec3 outward;
 layout(location = 4) flat in vec3 along_u;
 layout(location = 5) flat in vec3 along_v;
+layout(location = 6) in vec4 color;
+layout(location = 7) in vec4 tangent;
+// Of the material, as all of a quad's pixels must know them that choose coordinates: pixels beside the triangle read no buffers.
+layout(location = 8) flat in uint flags;
 
 layout(location = 0) out vec4 out_normal;
 layout(location = 1) out vec4 out_albedo;
@@ -19,6 +23,7 @@ const float MAX_ALBEDO = 0.95, MIN_NORMAL_COSINE = 0.01, MIN_VIEW_COSINE = 1e-3,
 
 // In the tangent frame: x along increasing u, y along decreasing v.
 vec3 mapped_normal(raster_material m) {
+  vec2 uv = uv_for(flags, SECOND_NORMAL, uvs);
   if ((m.flags & NORMAL_IS_HEIGHT) == 0u) {
     vec3 n = texture(normal_texture, uv).xyz * 2.0 - 1.0;
     return vec3(n.xy * m.normal_scale, n.z);
@@ -29,13 +34,25 @@ vec3 mapped_normal(raster_material m) {
   return vec3(-rise_u * m.normal_scale, rise_v * m.normal_scale, 1.0);
 }
 
+// The directions of a normal map's x and y at a normal, by the vertices' tangents or, where there are none, by texture coordinates.
+bool find_frame(vec3 n, out vec3 x, out vec3 y) {
+  vec3 given = tangent.xyz - n * dot(tangent.xyz, n);
+  if (tangent.w != 0.0 && length(given) > 1e-3) {
+    x = normalize(given);
+    y = cross(n, x) * ((tangent.w < 0.0) != (dot(normal, n) < 0.0) ? -1.0 : 1.0);
+    return true;
+  }
+  x = normalize(along_u - n * dot(along_u, n));
+  vec3 across = cross(n, x);
+  y = dot(across, along_v) > 0.0 ? -across : across;
+  return dot(along_u, along_u) != 0.0;
+}
+
 vec3 bend(raster_material m, vec3 n) {
-  if (dot(along_u, along_u) == 0.0) return n;
-  vec3 tangent = normalize(along_u - n * dot(along_u, n));
-  vec3 across = cross(n, tangent);
-  vec3 bitangent = dot(across, along_v) > 0.0 ? -across : across;
+  vec3 x, y;
+  if (!find_frame(n, x, y)) return n;
   vec3 local = mapped_normal(m);
-  vec3 bent = tangent * local.x + bitangent * local.y + n * local.z;
+  vec3 bent = x * local.x + y * local.y + n * local.z;
   float size = length(bent);
   return size > 0.0 ? bent / size : n;
 }
@@ -67,13 +84,15 @@ vec3 shading_normal(raster_material m, vec3 to_eye, bool back) {
 void main() {
   raster_material m = materials[material];
   // Looked up before the mask discards pixels: levels of detail need their neighbours.
-  vec3 base_color = m.base_color_alpha.rgb * texture(base_color_texture, uv).rgb;
-  vec3 emission = m.emission_cutoff.rgb * texture(emission_texture, uv).rgb;
-  vec2 roughness_metallic = texture(metallic_roughness_texture, uv).gb;
+  vec3 base_color = m.base_color_alpha.rgb * texture(base_color_texture, uv_for(flags, SECOND_BASE_COLOR, uvs)).rgb;
+  if ((m.flags & VERTEX_COLORS) != 0u) base_color *= color.rgb;
+  vec3 emission = m.emission_cutoff.rgb * texture(emission_texture, uv_for(flags, SECOND_EMISSION, uvs)).rgb;
+  vec2 roughness_metallic =
+      texture(metallic_roughness_texture, uv_for(flags, SECOND_METALLIC_ROUGHNESS, uvs)).gb;
   vec3 to_eye = normalize(eye - position);
   bool back = dot(outward, to_eye) < 0.0;
   vec3 n = shading_normal(m, to_eye, back);
-  if (!mask_present(m, uv)) discard;
+  if (!mask_present(m, uvs, color.a)) discard;
   if (back && (m.flags & EMITS_BOTH_SIDES) == 0u) emission = vec3(0.0);
   out_normal = vec4(n, 1.0);
   out_albedo = vec4(min(base_color, vec3(MAX_ALBEDO)), 1.0);

@@ -1,0 +1,136 @@
+// The metallic-roughness model is ours; what extensions add to it is taken where our materials have it, and else
+// named in a warning.
+#include "scene/gltf_material.h"
+
+#include "core/result.h"
+#include "scene/scene_build.h"
+
+#include <stdio.h>
+#include <string.h>
+
+// One material being read. `index` is OLX_GLTF_NONE for the one that primitives without have.
+typedef struct material_reader {
+  olx_gltf *gltf;
+  olx_material_import *import;
+  uint32_t index;
+  olx_material *material;
+  olx_gltf_placements *placements;
+  bool crowded; // a texture needs a third placement
+} material_reader;
+
+static float number_of(const cJSON *object, const char *key, float otherwise) {
+  float number = otherwise;
+  olx_json_float(olx_json_member(object, key), &number);
+  return number;
+}
+
+static olx_vec3 color_of(const cJSON *object, const char *key, float otherwise) {
+  float c[3] = {otherwise, otherwise, otherwise};
+  olx_json_floats(olx_json_member(object, key), c, 3);
+  return olx_load3(c);
+}
+
+static olx_result request(material_reader *r, const cJSON *info, const char *key, olx_texture_use use,
+                          uint32_t *number) {
+  uint32_t texture;
+  if (olx_gltf_index(info, "index", r->gltf->textures.count, &texture) && texture != OLX_GLTF_NONE) {
+    return olx_gltf_request_texture(r->gltf, r->import, texture, use, number);
+  }
+  return olx_fail(OLX_ERROR_FORMAT, "%s: materials[%u]: the texture of its %s does not exist", r->gltf->path, r->index,
+                  key);
+}
+
+// The texture of a material's member, and which coordinates it is looked up by.
+static olx_result read_texture(material_reader *r, const cJSON *parent, const char *key, olx_texture_use use,
+                               olx_texture_slot slot, uint32_t *number) {
+  const cJSON *info = olx_json_member(parent, key);
+  if (!info) return OLX_OK;
+  OLX_TRY(request(r, info, key, use, number));
+  if (*number == OLX_NO_TEXTURE) return OLX_OK;
+  const olx_gltf_placement place = olx_gltf_read_placement(info);
+  uint32_t which;
+  if (!olx_gltf_find_placement(r->placements, &place, &which)) r->crowded = true;
+  else if (which == 1) r->material->second_uvs |= slot;
+  return OLX_OK;
+}
+
+static olx_result read_textures(material_reader *r, const cJSON *element) {
+  const cJSON *pbr = olx_json_member(element, "pbrMetallicRoughness");
+  olx_material *m = r->material;
+  OLX_TRY(read_texture(r, pbr, "baseColorTexture", OLX_TEXTURE_COLOR, OLX_SLOT_BASE_COLOR, &m->base_color_texture));
+  OLX_TRY(read_texture(r, pbr, "metallicRoughnessTexture", OLX_TEXTURE_DATA, OLX_SLOT_METALLIC_ROUGHNESS,
+                       &m->metallic_roughness_texture));
+  OLX_TRY(read_texture(r, element, "emissiveTexture", OLX_TEXTURE_COLOR, OLX_SLOT_EMISSION, &m->emission_texture));
+  return read_texture(r, element, "normalTexture", OLX_TEXTURE_DATA, OLX_SLOT_NORMAL, &m->normal_texture);
+}
+
+static void read_alpha(const material_reader *r, const cJSON *element, float alpha) {
+  const char *mode = olx_json_text(element, "alphaMode");
+  const bool mask = strcmp(mode, "MASK") == 0, blend = strcmp(mode, "BLEND") == 0;
+  if (!mask && !blend) return;
+  r->material->alpha = alpha;
+  r->material->alpha_cutoff = mask ? number_of(element, "alphaCutoff", 0.5f) : 0.5f;
+  if (blend) olx_name_list_add(&r->import->translucent, r->material->name);
+}
+
+static void read_specular(const material_reader *r, const cJSON *element) {
+  const cJSON *specular = olx_gltf_extension(element, "KHR_materials_specular");
+  const olx_vec3 color = color_of(specular, "specularColorFactor", 1.0f);
+  const bool textured =
+      olx_json_member(specular, "specularTexture") || olx_json_member(specular, "specularColorTexture");
+  r->material->specular_weight = olx_clamp(number_of(specular, "specularFactor", 1.0f), 0.0f, 1.0f);
+  if (textured || color.x != 1.0f || color.y != 1.0f || color.z != 1.0f) {
+    olx_name_list_add(&r->import->half_specular, r->material->name);
+  }
+}
+
+static olx_result read_material(material_reader *r, const cJSON *element) {
+  const cJSON *pbr = olx_json_member(element, "pbrMetallicRoughness");
+  olx_material *m = r->material;
+  float base_color[4] = {1.0f, 1.0f, 1.0f, 1.0f};
+  *m = olx_material_default();
+  snprintf(m->name, sizeof m->name, "%.127s", olx_json_text(element, "name"));
+  olx_json_floats(olx_json_member(pbr, "baseColorFactor"), base_color, 4);
+  m->base_color = olx_load3(base_color);
+  m->metallic = number_of(pbr, "metallicFactor", 1.0f);
+  m->roughness = number_of(pbr, "roughnessFactor", 1.0f);
+  m->normal_scale = number_of(olx_json_member(element, "normalTexture"), "scale", 1.0f);
+  const cJSON *strength = olx_gltf_extension(element, "KHR_materials_emissive_strength");
+  m->emission = olx_scale(color_of(element, "emissiveFactor", 0.0f),
+                          olx_max(number_of(strength, "emissiveStrength", 1.0f), 0.0f));
+  m->emits_both_sides = cJSON_IsTrue(olx_json_member(element, "doubleSided"));
+  read_alpha(r, element, base_color[3]);
+  read_specular(r, element);
+  OLX_TRY(read_textures(r, element));
+  if (r->crowded) olx_name_list_add(&r->import->crowded, m->name);
+  return OLX_OK;
+}
+
+static olx_result import_material(olx_gltf *gltf, olx_material_import *import, uint32_t index,
+                                  olx_gltf_surface *surface) {
+  olx_material material;
+  material_reader reader = {
+      .gltf = gltf, .import = import, .index = index, .material = &material, .placements = &surface->placements};
+  OLX_TRY(read_material(&reader, index < gltf->materials.count ? gltf->materials.elements[index] : NULL));
+  olx_import_repair_material(import, &material);
+  // Texture coordinates that no texture uses stay as they are in the file.
+  if (!surface->placements.count) {
+    const olx_gltf_placement plain = olx_gltf_read_placement(NULL);
+    surface->placements = (olx_gltf_placements){.count = 1, .places = {plain}};
+  }
+  surface->absent = olx_material_absent(&material);
+  return olx_scene_add_material(gltf->scene, &material, &surface->material);
+}
+
+olx_result olx_gltf_import_materials(olx_gltf *gltf, olx_gltf_surface *surfaces) {
+  olx_material_import import = {.path = gltf->path, .scene = gltf->scene};
+  const uint32_t first = gltf->scene->material_count;
+  olx_result result = OLX_OK;
+  for (uint32_t i = 0; i <= gltf->materials.count && result == OLX_OK; ++i) {
+    if (surfaces[i].used) result = import_material(gltf, &import, i, &surfaces[i]);
+  }
+  if (result == OLX_OK) result = olx_import_load_textures(&import, first);
+  if (result == OLX_OK) olx_import_warn_about_materials(&import);
+  olx_texture_table_free(&import.textures);
+  return result;
+}

@@ -1,0 +1,12 @@
+// Materials of OBJ models.
+#ifndef OLX_SCENE_MTL_MATERIAL_H
+#define OLX_SCENE_MTL_MATERIAL_H
+
+#include "scene/import_material.h"
+
+struct aiMaterial;
+
+// One of Assimp's materials; its texture members are numbers of import->textures.
+olx_result olx_import_mtl(olx_material_import *import, const struct aiMaterial *source, olx_material *material);
+
+#endif

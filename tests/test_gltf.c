@@ -1,0 +1,818 @@
+// What glTF files hold beyond a square of floats: quantised, sparse and compressed accessors, strips and fans, several texture
+// coordinates, vertex colours, tangents, scenes, extensions. Each file is made here, and says one thing.
+#include "gltf_maker.h"
+#include "scene/scene_build.h"
+#include "scene/surface.h"
+#include "scene_files.h"
+
+#include <octalux/render.h>
+
+#include <meshoptimizer.h>
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+// ---- making files
+
+static const char *write_model(const gltf_maker *m, const scene_folder *folder, const char *primitive,
+                               const char *nodes, const char *more) {
+  char *text = gltf_maker_text(m, primitive, nodes, more, false);
+  const char *path = scene_folder_write_text(folder, "made.gltf", text);
+  free(text);
+  return path;
+}
+
+static olx_scene *load(const char *path) {
+  olx_scene *scene = NULL;
+  if (olx_scene_load(path, &scene) != OLX_OK) fail_msg("%s", olx_last_error());
+  return scene;
+}
+
+static void assert_refused(const char *path, olx_result expected, const char *part) {
+  olx_scene *scene = NULL;
+  const olx_result result = olx_scene_load(path, &scene);
+  olx_scene_free(scene);
+  if (result != expected || !strstr(olx_last_error(), part) || !strstr(olx_last_error(), "made.gltf")) {
+    fail_msg("%d, \"%s\" does not say \"%s\" of made.gltf", result, olx_last_error(), part);
+  }
+}
+
+static void assert_warned(const olx_scene *scene, const char *part) {
+  for (uint32_t i = 0; i < scene->warning_count; ++i) {
+    if (strstr(scene->warnings[i], part)) return;
+  }
+  fail_msg("no warning says \"%s\"", part);
+}
+
+static void assert_near(float a, float b, float tolerance) {
+  if (!(fabsf(a - b) <= tolerance)) fail_msg("%g is not %g", (double)a, (double)b);
+}
+
+static void assert_vec(olx_vec3 v, float x, float y, float z, float tolerance) {
+  if (!(olx_length(olx_sub(v, olx_v3(x, y, z))) <= tolerance)) {
+    fail_msg("(%g %g %g) is not (%g %g %g)", (double)v.x, (double)v.y, (double)v.z, (double)x, (double)y, (double)z);
+  }
+}
+
+static olx_vec3 winding_normal(const olx_scene *scene, uint32_t triangle) {
+  const uint32_t *i = scene->indices + (size_t)triangle * 3;
+  const olx_vec3 a = scene->positions[i[0]];
+  return olx_normalize(olx_cross(olx_sub(scene->positions[i[1]], a), olx_sub(scene->positions[i[2]], a)));
+}
+
+// The surface that a ray down on the square from z = 1 meets.
+static olx_surface look_at(const olx_scene *scene, float x, float y) {
+  const olx_ray ray = {{x, y, 1.0f}, {0.0f, 0.0f, -1.0f}, 0.0f, INFINITY};
+  const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
+  assert_int_not_equal(hit.triangle, OLX_NO_HIT);
+  return olx_surface_at(scene, &hit, ray.direction);
+}
+
+// A unit square in the xy plane that faces +z; v = 0 at the top.
+static const float square_positions[12] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
+static const float square_normals[12] = {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1};
+static const float square_uvs[8] = {0, 1, 1, 1, 1, 0, 0, 0};
+static const uint16_t square_indices[6] = {0, 1, 2, 0, 2, 3};
+// The TGA of scene_files_tga: upper left red, upper right green, lower left blue, lower right white with alpha 0.
+#define FOUR_COLORS "data:image/png;base64,AAACAAAAAAAAAAAAAgACACAoAAD//wD/AP//AAD/////AA=="
+
+static uint32_t add_square(gltf_maker *m) {
+  const uint32_t first = gltf_add(m, square_positions, sizeof square_positions, 4, GLTF_FLOAT, "VEC3", false);
+  gltf_add(m, square_normals, sizeof square_normals, 4, GLTF_FLOAT, "VEC3", false);
+  gltf_add(m, square_uvs, sizeof square_uvs, 4, GLTF_FLOAT, "VEC2", false);
+  gltf_add(m, square_indices, sizeof square_indices, 6, GLTF_UINT16, "SCALAR", false);
+  return first;
+}
+
+#define SQUARE                                                                                                         \
+  "{\"attributes\": {\"POSITION\": 0, \"NORMAL\": 1, \"TEXCOORD_0\": 2%s}, \"indices\": 3, \"material\": 0}"
+
+static const char *square_with(const char *attributes) {
+  static char text[512];
+  snprintf(text, sizeof text, SQUARE, attributes);
+  return text;
+}
+
+// ---- primitives
+
+static void strips_and_fans_become_triangles_that_face_one_way(void **state) {
+  const float strip[15] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 2, 0};
+  const float fan[15] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, -1, 1, 0};
+  const float *const shapes[2] = {strip, fan};
+  for (int i = 0; i < 2; ++i) {
+    gltf_maker m = {0};
+    char primitive[96];
+    gltf_add(&m, shapes[i], sizeof strip, 5, GLTF_FLOAT, "VEC3", false);
+    snprintf(primitive, sizeof primitive, "{\"attributes\": {\"POSITION\": 0}, \"mode\": %d}", 5 + i);
+    olx_scene *scene = load(write_model(&m, *state, primitive, "[{\"mesh\": 0}]", ""));
+    assert_int_equal(scene->triangle_count, 3);
+    for (uint32_t t = 0; t < 3; ++t) assert_vec(winding_normal(scene, t), 0, 0, 1, 1e-6f);
+    olx_scene_free(scene);
+    scene = load(write_model(&m, *state, primitive, "[{\"mesh\": 0, \"scale\": [-1, 1, 1]}]", ""));
+    for (uint32_t t = 0; t < 3; ++t) assert_vec(winding_normal(scene, t), 0, 0, 1, 1e-6f);
+    olx_scene_free(scene);
+  }
+}
+
+static void points_and_lines_are_left_out_and_counted(void **state) {
+  gltf_maker m = {0};
+  add_square(&m);
+  olx_scene *scene = load(write_model(&m, *state,
+                                      "{\"attributes\": {\"POSITION\": 0}, \"indices\": 3}, {\"attributes\": "
+                                      "{\"POSITION\": 0}, \"mode\": 0}, {\"attributes\": {\"POSITION\": 0}, \"mode\": "
+                                      "1}, {\"attributes\": {\"POSITION\": 0}, \"mode\": 3}",
+                                      "[{\"mesh\": 0}]", ""));
+  assert_int_equal(scene->triangle_count, 2);
+  assert_warned(scene, "skipped 9 points and lines"); // 4 points, 2 lines, and 3 of a strip
+  olx_scene_free(scene);
+}
+
+static void indices_of_every_width_are_the_same(void **state) {
+  const uint8_t bytes[6] = {0, 1, 2, 0, 2, 3};
+  const uint32_t words[6] = {0, 1, 2, 0, 2, 3};
+  const struct {
+    const void *data;
+    size_t size_bytes;
+    int component;
+  } kinds[] = {{bytes, sizeof bytes, GLTF_UINT8},
+               {square_indices, sizeof square_indices, GLTF_UINT16},
+               {words, sizeof words, GLTF_UINT32}};
+  uint64_t hashes[3];
+  for (int i = 0; i < 3; ++i) {
+    gltf_maker m = {0};
+    gltf_add(&m, square_positions, sizeof square_positions, 4, GLTF_FLOAT, "VEC3", false);
+    gltf_add(&m, kinds[i].data, kinds[i].size_bytes, 6, kinds[i].component, "SCALAR", false);
+    olx_scene *scene =
+        load(write_model(&m, *state, "{\"attributes\": {\"POSITION\": 0}, \"indices\": 1}", "[{\"mesh\": 0}]", ""));
+    assert_int_equal(scene->triangle_count, 2);
+    hashes[i] = scene->hash;
+    olx_scene_free(scene);
+  }
+  assert_true(hashes[0] == hashes[1] && hashes[1] == hashes[2]);
+}
+
+static void without_normals_triangles_are_flat(void **state) {
+  const float roof[12] = {0, 0, 0, 1, 0, 1, 1, 1, 1, 2, 0, 0};
+  const uint8_t indices[6] = {0, 1, 2, 1, 3, 2};
+  gltf_maker m = {0};
+  gltf_add(&m, roof, sizeof roof, 4, GLTF_FLOAT, "VEC3", false);
+  gltf_add(&m, indices, sizeof indices, 6, GLTF_UINT8, "SCALAR", false);
+  olx_scene *scene =
+      load(write_model(&m, *state, "{\"attributes\": {\"POSITION\": 0}, \"indices\": 1}", "[{\"mesh\": 0}]", ""));
+  assert_int_equal(scene->vertex_count, 6); // no normal is shared
+  for (uint32_t v = 0; v < 6; ++v) {
+    const olx_vec3 n = winding_normal(scene, v / 3);
+    assert_vec(scene->normals[scene->indices[v]], n.x, n.y, n.z, 1e-6f);
+  }
+  olx_scene_free(scene);
+}
+
+static void attributes_that_do_not_fit_their_positions_are_left_out(void **state) {
+  gltf_maker m = {0};
+  add_square(&m);
+  gltf_add(&m, square_normals, 24, 2, GLTF_FLOAT, "VEC3", false);
+  olx_scene *scene = load(write_model(&m, *state, "{\"attributes\": {\"POSITION\": 0, \"NORMAL\": 4}, \"indices\": 3}",
+                                      "[{\"mesh\": 0}]", ""));
+  assert_warned(scene, "1 attributes are ignored");
+  assert_vec(scene->normals[scene->indices[0]], 0, 0, 1, 1e-6f);
+  olx_scene_free(scene);
+}
+
+// ---- quantised numbers (KHR_mesh_quantization)
+
+static void quantised_vertices_are_those_of_floats(void **state) {
+  const int16_t corners[16] = {0, 0, 0, 0, 1000, 0, 0, 0, 1000, 1000, 0, 0, 0, 1000, 0, 0};
+  const int8_t normals[16] = {0, 0, 127, 0, 0, 0, 127, 0, 0, 0, 127, 0, 0, 0, 127, 0};
+  const uint16_t uvs[8] = {0, 65535, 65535, 65535, 65535, 0, 0, 0};
+  gltf_maker m = {0};
+  char of[3][80];
+  snprintf(of[0], sizeof of[0], "\"bufferView\": %u, ",
+           gltf_add_view(&m, corners, sizeof corners, ", \"byteStride\": 8"));
+  snprintf(of[1], sizeof of[1], "\"normalized\": true, \"bufferView\": %u, ",
+           gltf_add_view(&m, normals, sizeof normals, ", \"byteStride\": 4"));
+  gltf_add_accessor(&m, of[0], 4, GLTF_INT16, "VEC3");
+  gltf_add_accessor(&m, of[1], 4, GLTF_INT8, "VEC3");
+  gltf_add(&m, uvs, sizeof uvs, 4, GLTF_UINT16, "VEC2", true);
+  gltf_add(&m, square_indices, sizeof square_indices, 6, GLTF_UINT16, "SCALAR", false);
+  olx_scene *scene = load(
+      write_model(&m, *state, "{\"attributes\": {\"POSITION\": 0, \"NORMAL\": 1, \"TEXCOORD_0\": 2}, \"indices\": 3}",
+                  "[{\"mesh\": 0, \"scale\": [0.002, 0.002, 0.002], \"translation\": [1, 0, 0]}]",
+                  ", \"extensionsRequired\": [\"KHR_mesh_quantization\"]"));
+  assert_int_equal(scene->warning_count, 1); // about the albedo of the default material
+  for (uint32_t v = 0; v < 4; ++v) {
+    const float *p = square_positions + 3 * v, *uv = square_uvs + 2 * v;
+    assert_vec(scene->positions[v], 1.0f + 2.0f * p[0], 2.0f * p[1], 0, 1e-6f);
+    assert_vec(scene->normals[v], 0, 0, 1, 1e-6f);
+    assert_near(scene->uvs[v].x, uv[0], 0);
+    assert_near(scene->uvs[v].y, uv[1], 0);
+  }
+  olx_scene_free(scene);
+}
+
+static void normalised_integers_reach_from_minus_one_to_one(void **state) {
+  const int8_t small[12] = {-128, -127, 0, 127, -127, 0, 127, 127, 0, -127, 127, 0};
+  const int16_t large[12] = {-32768, -32767, 0, 32767, -32767, 0, 32767, 32767, 0, -32767, 32767, 0};
+  const uint8_t positive[12] = {0, 0, 0, 255, 0, 0, 255, 255, 0, 0, 255, 0};
+  const struct {
+    const void *data;
+    size_t size_bytes;
+    int component;
+    float low;
+  } kinds[] = {{small, sizeof small, GLTF_INT8, -1.0f},
+               {large, sizeof large, GLTF_INT16, -1.0f},
+               {positive, sizeof positive, GLTF_UINT8, 0.0f}};
+  for (int i = 0; i < 3; ++i) {
+    gltf_maker m = {0};
+    gltf_add(&m, kinds[i].data, kinds[i].size_bytes, 4, kinds[i].component, "VEC3", true);
+    gltf_add(&m, square_indices, sizeof square_indices, 6, GLTF_UINT16, "SCALAR", false);
+    olx_scene *scene =
+        load(write_model(&m, *state, "{\"attributes\": {\"POSITION\": 0}, \"indices\": 1}", "[{\"mesh\": 0}]", ""));
+    assert_vec(scene->bounds_min, kinds[i].low, kinds[i].low, 0, 0);
+    assert_vec(scene->bounds_max, 1, 1, 0, 0);
+    olx_scene_free(scene);
+  }
+}
+
+// ---- sparse accessors
+
+static gltf_maker sparse_square(const char *base, uint16_t moved) {
+  const float corner[3] = {3, 3, 0};
+  gltf_maker m = {0};
+  char of[400];
+  gltf_add_view(&m, square_positions, sizeof square_positions, "");
+  gltf_add_view(&m, &moved, sizeof moved, "");
+  gltf_add_view(&m, corner, sizeof corner, "");
+  snprintf(of, sizeof of,
+           "%s\"sparse\": {\"count\": 1, \"indices\": {\"bufferView\": 1, \"componentType\": 5123}, \"values\": "
+           "{\"bufferView\": 2}}, ",
+           base);
+  gltf_add_accessor(&m, of, 4, GLTF_FLOAT, "VEC3");
+  gltf_add(&m, square_indices, sizeof square_indices, 6, GLTF_UINT16, "SCALAR", false);
+  return m;
+}
+
+static void sparse_elements_replace_those_of_the_view_or_zeros(void **state) {
+  const char *primitive = "{\"attributes\": {\"POSITION\": 0}, \"indices\": 1}";
+  gltf_maker m = sparse_square("\"bufferView\": 0, ", 2);
+  olx_scene *scene = load(write_model(&m, *state, primitive, "[{\"mesh\": 0}]", ""));
+  assert_vec(scene->bounds_max, 3, 3, 0, 0);
+  assert_int_equal(scene->triangle_count, 2);
+  olx_scene_free(scene);
+  // Of zeros and one other corner no triangle can be made.
+  m = sparse_square("", 2);
+  assert_refused(write_model(&m, *state, primitive, "[{\"mesh\": 0}]", ""), OLX_ERROR_EMPTY, "no triangles");
+  m = sparse_square("\"bufferView\": 0, ", 4);
+  assert_refused(write_model(&m, *state, primitive, "[{\"mesh\": 0}]", ""), OLX_ERROR_FORMAT,
+                 "accessors[0]: a sparse index is out of range");
+}
+
+static void accessors_without_data_are_refused(void **state) {
+  gltf_maker m = {0};
+  add_square(&m);
+  gltf_add_accessor(&m, "", 4, GLTF_FLOAT, "VEC3");
+  assert_refused(write_model(&m, *state, square_with(""), "[{\"mesh\": 0}]", ", \"materials\": [{}]"), OLX_ERROR_FORMAT,
+                 "accessors[4]: it has no data");
+  // Zeros cost a few bytes in the file and gigabytes in memory.
+  m = (gltf_maker){0};
+  add_square(&m);
+  gltf_add_accessor(&m,
+                    "\"sparse\": {\"count\": 1, \"indices\": {\"bufferView\": 3, \"componentType\": 5123}, \"values\": "
+                    "{\"bufferView\": 0}}, ",
+                    100000000, GLTF_FLOAT, "VEC3");
+  assert_refused(write_model(&m, *state, square_with(""), "[{\"mesh\": 0}]", ", \"materials\": [{}]"), OLX_ERROR_FORMAT,
+                 "accessors[4]: it has no bufferView, and more elements than the file has bytes");
+}
+
+// ---- textures and their coordinates
+
+#define TEXTURED(base, emission)                                                                                       \
+  ", \"materials\": [{\"emissiveFactor\": [1, 1, 1], \"pbrMetallicRoughness\": {\"baseColorTexture\": {\"index\": "    \
+  "0" base "}}, \"emissiveTexture\": {\"index\": 0" emission                                                           \
+  "}}], \"textures\": [{\"source\": 0}], \"images\": [{\"uri\": \"" FOUR_COLORS "\"}]"
+
+static void two_sets_of_texture_coordinates(void **state) {
+  const float upside_down[8] = {0, 0, 1, 0, 1, 1, 0, 1};
+  gltf_maker m = {0};
+  add_square(&m);
+  gltf_add(&m, upside_down, sizeof upside_down, 4, GLTF_FLOAT, "VEC2", false);
+  olx_scene *scene = load(write_model(&m, *state, square_with(", \"TEXCOORD_1\": 4"), "[{\"mesh\": 0}]",
+                                      TEXTURED("", ", \"texCoord\": 1")));
+  assert_int_equal(scene->materials[0].second_uvs, OLX_SLOT_EMISSION);
+  const olx_surface top = look_at(scene, 0.25f, 0.75f);
+  assert_vec(top.base_color, 0.95f, 0, 0, 1e-5f);
+  assert_vec(top.emission, 0, 0, 1, 1e-5f);
+  olx_scene_free(scene);
+  // Where all textures use the second set, it is the only one.
+  scene = load(write_model(&m, *state, square_with(", \"TEXCOORD_1\": 4"), "[{\"mesh\": 0}]",
+                           TEXTURED(", \"texCoord\": 1", ", \"texCoord\": 1")));
+  assert_null(scene->second_uvs);
+  assert_vec(look_at(scene, 0.25f, 0.75f).base_color, 0, 0, 0.95f, 1e-5f);
+  olx_scene_free(scene);
+}
+
+#define TRANSFORM(what) ", \"extensions\": {\"KHR_texture_transform\": {" what "}}"
+
+// The example of the extension's specification: of the image, its lower left quarter alone, turned clockwise by 90 degrees.
+static void texture_transforms_scale_turn_and_move(void **state) {
+  gltf_maker m = {0};
+  add_square(&m);
+  olx_scene *scene = load(
+      write_model(&m, *state, square_with(""), "[{\"mesh\": 0}]",
+                  TEXTURED(TRANSFORM("\"offset\": [0, 1], \"rotation\": 1.57079632679, \"scale\": [0.5, 0.5]"), "")));
+  const olx_vec2 upper_left = scene->uvs[3], upper_right = scene->uvs[2], lower_left = scene->uvs[0];
+  assert_near(upper_left.x, 0.0f, 1e-6f); // (0, 0) goes to the lower left of the image
+  assert_near(upper_left.y, 1.0f, 1e-6f);
+  assert_near(upper_right.x, 0.0f, 1e-6f); // u goes up
+  assert_near(upper_right.y, 0.5f, 1e-6f);
+  assert_near(lower_left.x, 0.5f, 1e-6f); // v goes right
+  assert_near(lower_left.y, 1.0f, 1e-6f);
+  assert_vec(look_at(scene, 0.5f, 0.5f).base_color, 0, 0, 0.95f, 1e-5f);
+  assert_vec(look_at(scene, 0.25f, 0.75f).emission, 1, 0, 0, 1e-5f); // which has no transform
+  olx_scene_free(scene);
+}
+
+static void a_texture_transform_may_name_another_set(void **state) {
+  const float upside_down[8] = {0, 0, 1, 0, 1, 1, 0, 1};
+  gltf_maker m = {0};
+  add_square(&m);
+  gltf_add(&m, upside_down, sizeof upside_down, 4, GLTF_FLOAT, "VEC2", false);
+  olx_scene *scene = load(write_model(&m, *state, square_with(", \"TEXCOORD_1\": 4"), "[{\"mesh\": 0}]",
+                                      TEXTURED(TRANSFORM("\"texCoord\": 1"), TRANSFORM("\"texCoord\": 1"))));
+  assert_null(scene->second_uvs);
+  assert_vec(look_at(scene, 0.25f, 0.75f).base_color, 0, 0, 0.95f, 1e-5f);
+  olx_scene_free(scene);
+}
+
+static void a_third_kind_of_coordinates_is_warned_about(void **state) {
+  gltf_maker m = {0};
+  add_square(&m);
+  olx_scene *scene = load(write_model(
+      &m, *state, square_with(""), "[{\"mesh\": 0}]",
+      ", \"materials\": [{\"name\": \"busy\", \"pbrMetallicRoughness\": {\"baseColorTexture\": {\"index\": 0}}, "
+      "\"normalTexture\": {\"index\": 0" TRANSFORM(
+          "\"scale\": [2, 2]") "}, \"emissiveTexture\": {\"index\": "
+                               "0" TRANSFORM("\"scale\": [3, 3]") "}}], \"textures\": "
+                                                                  "[{\"source\": 0}], "
+                                                                  "\"images\": "
+                                                                  "[{\"uri\": "
+                                                                  "\"" FOUR_COLORS "\"}]"));
+  assert_warned(scene, "1 material has textures with more than two kinds of coordinates");
+  assert_warned(scene, "(busy)");
+  olx_scene_free(scene);
+}
+
+static void images_of_other_kinds_are_refused_or_replaced_by_their_source(void **state) {
+  static const char *const kinds[] = {"KHR_texture_basisu", "EXT_texture_webp"};
+  for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i) {
+    gltf_maker m = {0};
+    char more[600];
+    add_square(&m);
+    const char *form = ", \"materials\": [{\"pbrMetallicRoughness\": {\"baseColorTexture\": {\"index\": 0}}}], "
+                       "\"textures\": [{%s\"extensions\": {\"%s\": {\"source\": 0}}}], \"images\": [{\"uri\": \"%s\"}]";
+    snprintf(more, sizeof more, form, "", kinds[i], FOUR_COLORS);
+    assert_refused(write_model(&m, *state, square_with(""), "[{\"mesh\": 0}]", more), OLX_ERROR_UNSUPPORTED, kinds[i]);
+    snprintf(more, sizeof more, form, "\"source\": 0, ", kinds[i], FOUR_COLORS);
+    olx_scene *scene = load(write_model(&m, *state, square_with(""), "[{\"mesh\": 0}]", more));
+    assert_int_equal(scene->texture_count, 1);
+    olx_scene_free(scene);
+  }
+}
+
+// ---- colours, tangents, materials
+
+static void vertex_colours_multiply_the_base_colour(void **state) {
+  const float colors[12] = {1, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0};
+  gltf_maker m = {0};
+  add_square(&m);
+  gltf_add(&m, colors, sizeof colors, 4, GLTF_FLOAT, "VEC3", false);
+  const char *more = ", \"materials\": [{\"name\": \"m\", \"pbrMetallicRoughness\": {\"baseColorFactor\": [0.5, 0.5, "
+                     "0.5, 1], \"metallicFactor\": 0}}]";
+  const char *path = write_model(&m, *state, square_with(", \"COLOR_0\": 4"), "[{\"mesh\": 0}]", more);
+  olx_scene *scene = load(path);
+  assert_vec(look_at(scene, 0.5f, 0.25f).base_color, 0.375f, 0.125f, 0, 1e-5f);
+  olx_scene_free(scene);
+  // A description's colour is the colour.
+  scene = load(scene_folder_write_text(
+      *state, "made.json", "{\"model\": \"made.gltf\", \"materials\": {\"m\": {\"base_color\": [0.25, 0.25, 0.25]}}}"));
+  assert_vec(look_at(scene, 0.5f, 0.25f).base_color, 0.25f, 0.25f, 0.25f, 1e-5f);
+  olx_scene_free(scene);
+}
+
+static void white_vertices_are_as_good_as_none(void **state) {
+  const uint8_t white[16] = {255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255};
+  gltf_maker m = {0};
+  add_square(&m);
+  gltf_add(&m, white, sizeof white, 4, GLTF_UINT8, "VEC4", true);
+  olx_scene *scene =
+      load(write_model(&m, *state, square_with(", \"COLOR_0\": 4"), "[{\"mesh\": 0}]", ", \"materials\": [{}]"));
+  assert_null(scene->colors);
+  assert_false(scene->materials[0].vertex_colors);
+  olx_scene_free(scene);
+}
+
+static void the_alpha_of_vertices_masks(void **state) {
+  const uint16_t colors[16] = {65535, 65535, 65535, 0,     65535, 65535, 65535, 65535,
+                               65535, 65535, 65535, 65535, 65535, 65535, 65535, 0};
+  gltf_maker m = {0};
+  add_square(&m);
+  gltf_add(&m, colors, sizeof colors, 4, GLTF_UINT16, "VEC4", true);
+  olx_scene *scene = load(write_model(&m, *state, square_with(", \"COLOR_0\": 4"), "[{\"mesh\": 0}]",
+                                      ", \"materials\": [{\"alphaMode\": \"MASK\"}]"));
+  const olx_ray absent = {{0.25f, 0.5f, 1.0f}, {0.0f, 0.0f, -1.0f}, 0.0f, INFINITY};
+  assert_int_equal(olx_bvh_intersect(scene->bvh, &absent).triangle, OLX_NO_HIT);
+  look_at(scene, 0.75f, 0.5f);
+  olx_scene_free(scene);
+}
+
+// A normal map of one texel, (1, 0.5, 0.5): normals lie along the tangent.
+#define SIDEWAYS "data:image/png;base64,AAACAAAAAAAAAAAAAQABACAogID//w=="
+#define BUMPED                                                                                                         \
+  ", \"materials\": [{\"normalTexture\": {\"index\": 0}}], \"textures\": [{\"source\": 0}], \"images\": [{\"uri\": "   \
+  "\"" SIDEWAYS "\"}]"
+
+static void tangents_of_the_file_go_before_texture_coordinates(void **state) {
+  const float tangents[16] = {0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+  gltf_maker m = {0};
+  add_square(&m);
+  gltf_add(&m, tangents, sizeof tangents, 4, GLTF_FLOAT, "VEC4", false);
+  olx_scene *scene = load(write_model(&m, *state, square_with(""), "[{\"mesh\": 0}]", BUMPED));
+  assert_true(look_at(scene, 0.5f, 0.25f).shading_normal.x > 0.99f);
+  olx_scene_free(scene);
+  scene = load(write_model(&m, *state, square_with(", \"TANGENT\": 4"), "[{\"mesh\": 0}]", BUMPED));
+  assert_true(look_at(scene, 0.5f, 0.25f).shading_normal.y > 0.99f);
+  olx_scene_free(scene);
+  scene = load(write_model(&m, *state, square_with(", \"TANGENT\": 4"),
+                           "[{\"mesh\": 0, \"rotation\": [0, 0, 0.70710678, 0.70710678], \"translation\": [1, 0, 0]}]",
+                           BUMPED));
+  assert_true(look_at(scene, 0.5f, 0.25f).shading_normal.x < -0.99f);
+  olx_scene_free(scene);
+}
+
+// (0.5, 1, 0.5): along the bitangent, which a mirror turns round with the picture.
+#define UPWARDS "data:image/png;base64,AAACAAAAAAAAAAAAAQABACAogP+A/w=="
+
+static void bitangents_lie_on_the_side_that_tangents_say(void **state) {
+  float tangents[16];
+  for (int side = -1; side <= 1; side += 2) {
+    for (int v = 0; v < 4; ++v) memcpy(tangents + 4 * v, (const float[4]){1, 0, 0, (float)side}, 4 * sizeof(float));
+    gltf_maker m = {0};
+    add_square(&m);
+    gltf_add(&m, tangents, sizeof tangents, 4, GLTF_FLOAT, "VEC4", false);
+    const char *more = ", \"materials\": [{\"normalTexture\": {\"index\": 0}}], \"textures\": [{\"source\": 0}], "
+                       "\"images\": [{\"uri\": \"" UPWARDS "\"}]";
+    olx_scene *scene = load(write_model(&m, *state, square_with(", \"TANGENT\": 4"), "[{\"mesh\": 0}]", more));
+    assert_true((float)side * look_at(scene, 0.5f, 0.25f).shading_normal.y > 0.99f);
+    olx_scene_free(scene);
+    scene = load(write_model(&m, *state, square_with(", \"TANGENT\": 4"),
+                             "[{\"mesh\": 0, \"scale\": [1, -1, 1], \"translation\": [0, 1, 0]}]", more));
+    assert_true((float)side * look_at(scene, 0.5f, 0.25f).shading_normal.y < -0.99f);
+    olx_scene_free(scene);
+  }
+}
+
+static void specular_factors_count_and_what_is_ignored_is_named(void **state) {
+  gltf_maker m = {0};
+  add_square(&m);
+  olx_scene *scene = load(write_model(
+      &m, *state, square_with(""), "[{\"mesh\": 0}]",
+      ", \"materials\": [{\"name\": \"dull\", \"extensions\": {\"KHR_materials_specular\": {\"specularFactor\": 0.25, "
+      "\"specularColorFactor\": [1, 0, 0]}}}], \"extensionsUsed\": [\"KHR_materials_specular\", "
+      "\"KHR_materials_unlit\", "
+      "\"ABC_unheard_of\"]"));
+  assert_near(scene->materials[0].specular_weight, 0.25f, 1e-6f);
+  assert_warned(scene, "colours or textures of KHR_materials_specular, of which its factor alone is used (dull)");
+  assert_warned(scene, "the glTF extension KHR_materials_unlit is ignored");
+  assert_warned(scene, "the glTF extension ABC_unheard_of is ignored");
+  olx_scene_free(scene);
+}
+
+static void cooked_scenes_keep_all_that_vertices_have(void **state) {
+  const float colors[12] = {1, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0},
+              tangents[16] = {0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, -1};
+  gltf_maker m = {0};
+  add_square(&m);
+  gltf_add(&m, colors, sizeof colors, 4, GLTF_FLOAT, "VEC3", false);
+  gltf_add(&m, tangents, sizeof tangents, 4, GLTF_FLOAT, "VEC4", false);
+  const char *model = write_model(
+      &m, *state, square_with(", \"COLOR_0\": 4, \"TANGENT\": 5"), "[{\"mesh\": 0}]",
+      ", \"materials\": [{\"pbrMetallicRoughness\": {\"baseColorTexture\": {\"index\": 0}}, \"normalTexture\": "
+      "{\"index\": 0" TRANSFORM(
+          "\"scale\": [2, 2]") "}}], \"textures\": [{\"source\": 0}], \"images\": [{\"uri\": \"" SIDEWAYS "\"}]");
+  char path[600];
+  snprintf(path, sizeof path, "%s/made.olxs", ((scene_folder *)*state)->path);
+  olx_scene *scene = load(model), *cooked = NULL;
+  assert_true(scene->colors && scene->tangents && scene->second_uvs);
+  assert_int_equal(olx_scene_cook(scene, path, NULL), OLX_OK);
+  if (olx_scene_load_cooked(path, &cooked) != OLX_OK) fail_msg("%s", olx_last_error());
+  assert_true(cooked->hash == scene->hash);
+  assert_memory_equal(cooked->colors, scene->colors, 4 * sizeof *scene->colors);
+  assert_memory_equal(cooked->tangents, scene->tangents, 4 * sizeof *scene->tangents);
+  assert_memory_equal(cooked->second_uvs, scene->second_uvs, 4 * sizeof *scene->second_uvs);
+  assert_int_equal(cooked->materials[0].second_uvs, OLX_SLOT_NORMAL);
+  assert_true(cooked->materials[0].vertex_colors);
+  olx_scene_free(cooked);
+  olx_scene_free(scene);
+}
+
+// ---- scenes and nodes
+
+static void the_scene_of_the_file_is_the_one_that_is_read(void **state) {
+  gltf_maker m = {0};
+  add_square(&m);
+  const char *nodes = "[{\"mesh\": 0}, {\"mesh\": 0, \"translation\": [5, 0, 0]}]";
+  char *uri = scene_files_data_uri(m.bytes, m.size_bytes);
+  const struct {
+    const char *scenes;
+    uint32_t triangles;
+    float low;
+  } cases[] = {{"\"scenes\": [{\"nodes\": [0]}, {\"nodes\": [1]}], \"scene\": 1, ", 2, 5.0f},
+               {"\"scenes\": [{\"nodes\": [0]}, {\"nodes\": [1]}], ", 2, 0.0f},
+               {"", 4, 0.0f}}; // without scenes all of it
+  for (int i = 0; i < 3; ++i) {
+    char text[32768];
+    snprintf(text, sizeof text,
+             "{\"asset\": {\"version\": \"2.0\"}, %s\"nodes\": %s, \"meshes\": [{\"primitives\": [{\"attributes\": "
+             "{\"POSITION\": 0}, \"indices\": 3}]}], \"accessors\": [%s], \"bufferViews\": [%s], \"buffers\": "
+             "[{\"byteLength\": %zu, \"uri\": \"%s\"}]}",
+             cases[i].scenes, nodes, m.accessors, m.views, m.size_bytes, uri);
+    olx_scene *scene = load(scene_folder_write_text(*state, "made.gltf", text));
+    assert_int_equal(scene->triangle_count, cases[i].triangles);
+    assert_vec(scene->bounds_min, cases[i].low, 0, 0, 0);
+    olx_scene_free(scene);
+  }
+  free(uri);
+}
+
+static void nodes_may_be_nested_but_not_without_end(void **state) {
+  gltf_maker m = {0};
+  add_square(&m);
+  const int depths[2] = {200, 300};
+  for (int i = 0; i < 2; ++i) {
+    char nodes[16384] = "[";
+    for (int n = 0; n < depths[i]; ++n) gltf_append(nodes, sizeof nodes, "{\"children\": [%d]}, ", n + 1);
+    gltf_append(nodes, sizeof nodes, "{\"mesh\": 0}]");
+    const char *path = write_model(&m, *state, square_with(""), nodes, ", \"materials\": [{}]");
+    if (i == 0) olx_scene_free(load(path));
+    else assert_refused(path, OLX_ERROR_FORMAT, "nested too deep");
+  }
+}
+
+static void skins_and_morphs_are_warned_about(void **state) {
+  gltf_maker m = {0};
+  add_square(&m);
+  olx_scene *scene = load(
+      write_model(&m, *state, "{\"attributes\": {\"POSITION\": 0}, \"indices\": 3, \"targets\": [{\"POSITION\": 0}]}",
+                  "[{\"mesh\": 0, \"skin\": 0}]", ""));
+  assert_warned(scene, "1 skinned meshes stand in their bind pose");
+  assert_warned(scene, "the morph targets of 1 meshes are ignored");
+  olx_scene_free(scene);
+}
+
+// ---- buffers
+
+static void buffers_lie_in_files_beside_the_model(void **state) {
+  static const char form[] =
+      "{\"asset\": {\"version\": \"2.0\"}, \"scenes\": [{\"nodes\": [0]}], \"nodes\": [{\"mesh\": 0}], \"meshes\": "
+      "[{\"primitives\": [{\"attributes\": {\"POSITION\": 0}, \"indices\": 3}]}], \"accessors\": [%s], "
+      "\"bufferViews\": "
+      "[%s], \"buffers\": [{\"byteLength\": %zu, \"uri\": \"%s\"}]}";
+  gltf_maker m = {0};
+  char text[32768];
+  add_square(&m);
+  scene_folder_write(*state, "with space.bin", m.bytes, m.size_bytes);
+  snprintf(text, sizeof text, form, m.accessors, m.views, m.size_bytes, "with%20space.bin");
+  olx_scene *scene = load(scene_folder_write_text(*state, "made.gltf", text));
+  assert_int_equal(scene->triangle_count, 2);
+  char path[600];
+  snprintf(path, sizeof path, "%s/with space.bin", ((scene_folder *)*state)->path);
+  assert_true(olx_scene_was_read_from(scene, path));
+  olx_scene_free(scene);
+  snprintf(text, sizeof text, form, m.accessors, m.views, m.size_bytes, "gone.bin");
+  assert_refused(scene_folder_write_text(*state, "made.gltf", text), OLX_ERROR_FILE, "buffers[0]: ");
+  assert_non_null(strstr(olx_last_error(), "gone.bin"));
+  snprintf(text, sizeof text, form, m.accessors, m.views, m.size_bytes + 1, "with%20space.bin");
+  assert_refused(scene_folder_write_text(*state, "made.gltf", text), OLX_ERROR_FORMAT,
+                 "buffers[0]: it has 140 bytes, not the 141 that its byteLength says");
+  snprintf(text, sizeof text, form, m.accessors, m.views, m.size_bytes, "data:text/plain,hello");
+  assert_refused(scene_folder_write_text(*state, "made.gltf", text), OLX_ERROR_FORMAT,
+                 "buffers[0]: its data: URI is not in base64");
+}
+
+static void extensions_that_a_file_needs_are_refused_by_name(void **state) {
+  static const char *const names[] = {"KHR_draco_mesh_compression", "KHR_texture_basisu", "EXT_mesh_gpu_instancing",
+                                      "ABC_unheard_of"};
+  for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
+    gltf_maker m = {0};
+    char more[128];
+    add_square(&m);
+    snprintf(more, sizeof more, ", \"materials\": [{}], \"extensionsRequired\": [\"%s\"]", names[i]);
+    assert_refused(write_model(&m, *state, square_with(""), "[{\"mesh\": 0}]", more), OLX_ERROR_UNSUPPORTED, names[i]);
+  }
+}
+
+// ---- EXT_meshopt_compression
+
+#define COMPRESSED "{\"attributes\": {\"POSITION\": 0, \"NORMAL\": 1}, \"indices\": 2}"
+
+static void compressed_views_are_decoded(void **state) {
+  static const char *const names[] = {"EXT_meshopt_compression", "KHR_meshopt_compression", "MESHOPT_compression"};
+  for (size_t i = 0; i < 3; ++i) {
+    float positions[12];
+    int8_t normals[16];
+    const float up[16] = {0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0};
+    char more[80];
+    gltf_maker m = {0};
+    meshopt_encodeFilterExp(positions, 4, 12, 15, square_positions);
+    meshopt_encodeFilterOct(normals, 4, 4, 8, up);
+    gltf_add_vertices(&m, names[i], positions, 12, ", \"filter\": \"EXPONENTIAL\"", "", GLTF_FLOAT);
+    gltf_add_vertices(&m, names[i], normals, 4, ", \"filter\": \"OCTAHEDRAL\"", "\"normalized\": true, ", GLTF_INT8);
+    gltf_add_indices(&m, names[i], i != 0);
+    snprintf(more, sizeof more, ", \"extensionsRequired\": [\"%s\"]", names[i]);
+    olx_scene *scene = load(write_model(&m, *state, COMPRESSED, "[{\"mesh\": 0}]", more));
+    assert_int_equal(scene->triangle_count, 2);
+    for (uint32_t v = 0; v < 4; ++v) {
+      const float *p = square_positions + 3 * v;
+      assert_vec(scene->positions[v], p[0], p[1], p[2], 1e-4f);
+      assert_vec(scene->normals[v], 0, 0, 1, 1e-6f);
+    }
+    olx_scene_free(scene);
+  }
+}
+
+static void broken_compression_is_refused_by_its_view(void **state) {
+  const char *name = "EXT_meshopt_compression";
+  uint8_t code[512];
+  const size_t size_bytes = meshopt_encodeVertexBuffer(code, sizeof code, square_positions, 4, 12);
+  const struct {
+    uint32_t count, stride;
+    const char *mode, *message;
+    bool cut;
+  } cases[] = {
+      {4, 12, "\"mode\": \"SPIRAL\"", "bufferViews[0]: its meshopt mode is not known", false},
+      {4, 12, "\"mode\": \"ATTRIBUTES\", \"filter\": \"COLOR\"", "its meshopt filter is not known", false},
+      {4, 12, "\"mode\": \"ATTRIBUTES\", \"filter\": \"OCTAHEDRAL\"", "filter does not fit", false},
+      {4, 13, "\"mode\": \"ATTRIBUTES\"", "its meshopt byteStride", false},
+      {4, 12, "\"mode\": \"TRIANGLES\"", "its meshopt byteStride", false},
+      {4, 4, "\"mode\": \"TRIANGLES\"", "not that of triangles", false},
+      {100000, 12, "\"mode\": \"ATTRIBUTES\"", "its bytes cannot hold so many elements", false},
+      {5, 12, "\"mode\": \"ATTRIBUTES\"", "its meshopt data cannot be decoded", true},
+  };
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+    gltf_maker m = {0};
+    char of[64];
+    const uint32_t view = gltf_add_compressed(&m, name, code, cases[i].cut ? 20 : size_bytes, cases[i].count,
+                                              cases[i].stride, cases[i].mode);
+    snprintf(of, sizeof of, "\"bufferView\": %u, ", view);
+    gltf_add_accessor(&m, of, 4, GLTF_FLOAT, "VEC3");
+    assert_refused(write_model(&m, *state, "{\"attributes\": {\"POSITION\": 0}}", "[{\"mesh\": 0}]", ""),
+                   OLX_ERROR_FORMAT, cases[i].message);
+  }
+}
+
+static void compressed_views_share_no_bytes(void **state) {
+  uint8_t code[512];
+  const size_t size_bytes = meshopt_encodeVertexBuffer(code, sizeof code, square_positions, 4, 12);
+  gltf_maker m = {0};
+  gltf_add_compressed(&m, "EXT_meshopt_compression", code, size_bytes, 4, 12, "\"mode\": \"ATTRIBUTES\"");
+  gltf_append(m.views, sizeof m.views,
+              ", {\"buffer\": 1, \"byteLength\": 48, \"extensions\": {\"EXT_meshopt_compression\": {\"buffer\": 0, "
+              "\"byteLength\": %zu, \"byteStride\": 12, \"count\": 4, \"mode\": \"ATTRIBUTES\"}}}",
+              size_bytes);
+  gltf_add_accessor(&m, "\"bufferView\": 1, ", 4, GLTF_FLOAT, "VEC3");
+  assert_refused(write_model(&m, *state, "{\"attributes\": {\"POSITION\": 0}}", "[{\"mesh\": 0}]", ""),
+                 OLX_ERROR_FORMAT, "bufferViews[1]: it shares its bytes with other compressed views");
+}
+
+static void fallback_buffers_are_not_read(void **state) {
+  gltf_maker m = {0};
+  add_square(&m);
+  gltf_append(m.views, sizeof m.views, ", {\"buffer\": 1, \"byteLength\": 48}");
+  assert_refused(write_model(&m, *state, square_with(""), "[{\"mesh\": 0}]", ", \"materials\": [{}]"), OLX_ERROR_FORMAT,
+                 "bufferViews[4]: its buffer is a fallback");
+}
+
+// ---- without memory
+
+static long allocations_left;
+
+static void *allocate_some(void *user, size_t size_bytes) {
+  (void)user;
+  return allocations_left-- > 0 ? aligned_alloc(64, (size_bytes + 63) & ~(size_t)63) : NULL;
+}
+
+static void release_some(void *user, void *memory) {
+  (void)user;
+  free(memory);
+}
+
+static void discard_message(void *user, olx_log_level level, const char *message) {
+  (void)user, (void)level, (void)message;
+}
+
+// A file with a bit of everything, wherever memory ends while it is loaded.
+static void files_are_refused_when_memory_ends(void **state) {
+  const float colors[12] = {1, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0},
+              tangents[16] = {0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+  gltf_maker m = {0};
+  add_square(&m);
+  gltf_add(&m, colors, sizeof colors, 4, GLTF_FLOAT, "VEC3", false);
+  gltf_add(&m, tangents, sizeof tangents, 4, GLTF_FLOAT, "VEC4", false);
+  gltf_add_indices(&m, "EXT_meshopt_compression", true);
+  const char *path = write_model(
+      &m, *state,
+      "{\"attributes\": {\"POSITION\": 0, \"NORMAL\": 1, \"TEXCOORD_0\": 2, \"COLOR_0\": 4, \"TANGENT\": 5}, "
+      "\"indices\": 6, "
+      "\"material\": 0}, {\"attributes\": {\"POSITION\": 0}, \"indices\": 3}",
+      "[{\"mesh\": 0}]",
+      ", \"materials\": [{\"pbrMetallicRoughness\": {\"baseColorTexture\": {\"index\": 0}}, \"normalTexture\": "
+      "{\"index\": "
+      "0" TRANSFORM("\"scale\": [2, 2]") "}}], \"textures\": [{\"source\": 0}], \"images\": [{\"uri\": \"" FOUR_COLORS
+                                         "\"}]");
+  olx_set_hooks(&(olx_hooks){.allocate = allocate_some, .release = release_some, .log = discard_message});
+  uint32_t refused = 0;
+  olx_result result = OLX_ERROR_MEMORY;
+  for (; result == OLX_ERROR_MEMORY && refused < 1000; ++refused) {
+    olx_scene *scene = NULL;
+    allocations_left = refused;
+    result = olx_scene_load(path, &scene);
+    olx_scene_free(scene);
+  }
+  olx_set_hooks(&(olx_hooks){.log = discard_message});
+  assert_int_equal(result, OLX_OK);
+  assert_true(refused > 30);
+}
+
+// ---- environments
+
+static void environments_are_read_from_exr(void **state) {
+  gltf_maker m = {0};
+  char path[600];
+  olx_image image;
+  add_square(&m);
+  write_model(&m, *state, square_with(""), "[{\"mesh\": 0}]", ", \"materials\": [{}]");
+  assert_int_equal(olx_image_create(4, 2, 1u << OLX_LAYER_BEAUTY, &image), OLX_OK);
+  for (uint32_t i = 0; i < 8; ++i) image.layers[OLX_LAYER_BEAUTY][i] = olx_v3((float)i, 0.5f, i == 7 ? -1.0f : 3000.0f);
+  snprintf(path, sizeof path, "%s/sky.exr", ((scene_folder *)*state)->path);
+  assert_int_equal(olx_image_save(&image, path), OLX_OK);
+  const char *description = scene_folder_write_text(
+      *state, "sky.json", "{\"model\": \"made.gltf\", \"environment\": {\"image\": \"sky.exr\", \"gain\": 2}}");
+  olx_scene *scene = load(description);
+  assert_int_equal(scene->environment.width, 4);
+  assert_int_equal(scene->environment.height, 2);
+  for (uint32_t i = 0; i < 8; ++i) {
+    const float *texel = scene->environment.texels + 3 * i;
+    assert_vec(olx_v3(texel[0], texel[1], texel[2]), (float)i, 0.5f, i == 7 ? 0.0f : 3000.0f, 0);
+  }
+  assert_warned(scene, "sky.exr: 1 numbers were negative or not finite, now 0");
+  assert_true(olx_scene_was_read_from(scene, path));
+  olx_scene_free(scene);
+  const olx_scene_load_settings few = {.limits = {.texels = 7}};
+  assert_int_equal(olx_scene_load_with(description, &few, &scene), OLX_ERROR_UNSUPPORTED);
+  assert_non_null(strstr(olx_last_error(), "sky.exr: environment: 8 texels"));
+  olx_image_free(&image);
+}
+
+#define WITH_FOLDER(test) cmocka_unit_test_setup_teardown(test, scene_folder_set_up, scene_folder_tear_down)
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      WITH_FOLDER(strips_and_fans_become_triangles_that_face_one_way),
+      WITH_FOLDER(points_and_lines_are_left_out_and_counted),
+      WITH_FOLDER(indices_of_every_width_are_the_same),
+      WITH_FOLDER(without_normals_triangles_are_flat),
+      WITH_FOLDER(attributes_that_do_not_fit_their_positions_are_left_out),
+      WITH_FOLDER(quantised_vertices_are_those_of_floats),
+      WITH_FOLDER(normalised_integers_reach_from_minus_one_to_one),
+      WITH_FOLDER(sparse_elements_replace_those_of_the_view_or_zeros),
+      WITH_FOLDER(accessors_without_data_are_refused),
+      WITH_FOLDER(two_sets_of_texture_coordinates),
+      WITH_FOLDER(texture_transforms_scale_turn_and_move),
+      WITH_FOLDER(a_texture_transform_may_name_another_set),
+      WITH_FOLDER(a_third_kind_of_coordinates_is_warned_about),
+      WITH_FOLDER(images_of_other_kinds_are_refused_or_replaced_by_their_source),
+      WITH_FOLDER(vertex_colours_multiply_the_base_colour),
+      WITH_FOLDER(white_vertices_are_as_good_as_none),
+      WITH_FOLDER(the_alpha_of_vertices_masks),
+      WITH_FOLDER(tangents_of_the_file_go_before_texture_coordinates),
+      WITH_FOLDER(bitangents_lie_on_the_side_that_tangents_say),
+      WITH_FOLDER(specular_factors_count_and_what_is_ignored_is_named),
+      WITH_FOLDER(cooked_scenes_keep_all_that_vertices_have),
+      WITH_FOLDER(the_scene_of_the_file_is_the_one_that_is_read),
+      WITH_FOLDER(nodes_may_be_nested_but_not_without_end),
+      WITH_FOLDER(skins_and_morphs_are_warned_about),
+      WITH_FOLDER(buffers_lie_in_files_beside_the_model),
+      WITH_FOLDER(extensions_that_a_file_needs_are_refused_by_name),
+      WITH_FOLDER(compressed_views_are_decoded),
+      WITH_FOLDER(broken_compression_is_refused_by_its_view),
+      WITH_FOLDER(compressed_views_share_no_bytes),
+      WITH_FOLDER(fallback_buffers_are_not_read),
+      WITH_FOLDER(files_are_refused_when_memory_ends),
+      WITH_FOLDER(environments_are_read_from_exr),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

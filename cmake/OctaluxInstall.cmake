@@ -28,7 +28,7 @@ if(BUILD_SHARED_LIBS)
   set(OLX_BAKE_PC_LIBS "-L\${libdir} -loctalux-bake")
 else()
   # The static runtime, because the shared one does not show what the baker uses of it. Embree 3 has no pkg-config file.
-  set(OLX_BAKE_PC_REQUIRES "Requires: assimp libcjson qhull_r OpenEXR zlib")
+  set(OLX_BAKE_PC_REQUIRES "Requires: assimp libcjson qhull_r libzstd OpenEXR zlib")
   set(OLX_BAKE_PC_LIBS "\${libdir}/liboctalux-bake.a \${libdir}/liboctalux.a -lembree3 -lm -pthread")
 endif()
 foreach(package octalux octalux-bake)

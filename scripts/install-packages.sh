@@ -7,7 +7,7 @@ set -euo pipefail
 list=${1:-build}
 
 needed=(gcc g++ cmake ninja-build pkg-config
-  libembree-dev libassimp-dev libopenexr-dev libstb-dev libcjson-dev libqhull-dev libxxhash-dev zlib1g-dev)
+  libembree-dev libassimp-dev libopenexr-dev libstb-dev libcjson-dev libqhull-dev libxxhash-dev libzstd-dev zlib1g-dev)
 # Without these the build leaves out the Vulkan runtime or the viewer, and says so.
 wanted=(glslc libvulkan-dev libglfw3-dev libimgui-dev libfreetype-dev)
 case $list in

@@ -68,7 +68,7 @@ static void spoil_blocks(random_stream *r, const packed_image *original, packed_
     flip_bit(r, i->bytes + chunk->offset, chunk->size_bytes);
   } else if (chunk->size_bytes) {
     const uint32_t number = (uint32_t)extreme_number(r);
-    memcpy(i->bytes + ((unsigned char *)packed_image_words(original, index) - original->bytes), &number, sizeof number);
+    memcpy(i->bytes + (packed_image_words(original, index) - original->bytes), &number, sizeof number);
   }
 }
 

@@ -42,8 +42,8 @@ void packed_image_seal(const packed_image *i) {
   seal_header(i, i->header);
 }
 
-uint32_t *packed_image_words(const packed_image *i, uint32_t index) {
+unsigned char *packed_image_words(const packed_image *i, uint32_t index) {
   const olx_file_chunk *chunk = &i->chunks[index + 1];
   const uint64_t blocks = olx_packed_blocks(i->field_chunks[index].size_bytes);
-  return (uint32_t *)(void *)(i->bytes + chunk->offset + chunk->size_bytes - blocks * sizeof(uint32_t));
+  return i->bytes + chunk->offset + chunk->size_bytes - blocks * sizeof(uint32_t);
 }

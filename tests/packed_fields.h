@@ -20,7 +20,7 @@ typedef struct packed_image {
 packed_image packed_image_load(const char *path, size_t room_bytes);
 // Make every checksum of the packed file right again, and those of the field's header and table; what lies outside the file is left.
 void packed_image_seal(const packed_image *i);
-// The words of a chunk's blocks, `index` as in the field.
-uint32_t *packed_image_words(const packed_image *i, uint32_t index);
+// The first of the words of a chunk's blocks, `index` as in the field: 4 bytes that need not be aligned.
+unsigned char *packed_image_words(const packed_image *i, uint32_t index);
 
 #endif

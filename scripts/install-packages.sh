@@ -13,7 +13,7 @@ wanted=(glslc libvulkan-dev libglfw3-dev libimgui-dev libfreetype-dev)
 case $list in
   build) ;;
   check | full)
-    needed+=(clang clang-format clang-tidy libclang-rt-14-dev python3 binutils libcmocka-dev
+    needed+=(clang clang-format clang-tidy libclang-rt-14-dev python3 python3-numpy python3-venv binutils libcmocka-dev
       mesa-vulkan-drivers vulkan-validationlayers xvfb # Vulkan's CPU device and its layers, a display for the viewer
       "${wanted[@]}")
     wanted=()

@@ -1,5 +1,5 @@
-// Fields on their way elsewhere: packed for shipping, and unpacked. Part of liboctalux-bake; a program that calls nothing else of it
-// links zstd, and neither Embree nor any importer's library.
+// Fields on their way elsewhere: packed for shipping, and unpacked; their maps as pictures; what they consist of as a model to look at.
+// Part of liboctalux-bake. A program that calls nothing of it but packing links zstd, and neither Embree nor any importer's library.
 #ifndef OCTALUX_EXPORT_H
 #define OCTALUX_EXPORT_H
 
@@ -60,6 +60,86 @@ bool olx_is_packed_field(const char *path);
 
 // What a packed file says of itself, once its header and its tables are found to be sound. The chunks are not read.
 olx_result olx_packed_describe(const char *path, olx_packed_info *info);
+
+// ---- Maps as pictures.
+
+// What a map holds, linear and as 32-bit floats. A texel of a light field probe is the surface that the ray through its middle meets.
+typedef enum olx_map {
+  // Of light field probes.
+  OLX_MAP_DISTANCE = 0,    // metres, infinite for the sky
+  OLX_MAP_EMITTER,         // 1 where the texel sees an emitter or the sky, else 0
+  OLX_MAP_NORMAL,          // unit vector on the probe's side; any one for the sky
+  OLX_MAP_BASE_COLOR,      // 0 to 1
+  OLX_MAP_ROUGHNESS,       // perceptual, 0 to 1
+  OLX_MAP_METALLIC,        // 0 to 1
+  OLX_MAP_SPECULAR_WEIGHT, // 0 to 1
+  OLX_MAP_DIRECT,          // irradiance straight from emitters, W/m^2
+  OLX_MAP_INDIRECT,        // irradiance from surfaces, W/m^2
+  OLX_MAP_EMISSION,        // radiance of emitters and of the sky, W/(sr m^2)
+  OLX_MAP_RADIANCE,        // as the probe saw it, W/(sr m^2); needs probe light
+  OLX_MAP_ALBEDO,          // share of light that is reflected; needs a field baked for relighting
+  // Of irradiance probes, which a field with probe light has.
+  OLX_MAP_IRRADIANCE,           // for surfaces that face in that direction, W/m^2; of spherical harmonics their values
+  OLX_MAP_MEAN_DISTANCE,        // metres; the sky counts as the distance scale
+  OLX_MAP_MEAN_SQUARE_DISTANCE, // square metres
+  OLX_MAP_CLASSIC_IRRADIANCE,   // W/m^2; these six need classic maps
+  OLX_MAP_CLASSIC_RADIANCE_0,   // prefiltered for a roughness of 0, W/(sr m^2)
+  OLX_MAP_CLASSIC_RADIANCE_1,   // of 1/4
+  OLX_MAP_CLASSIC_RADIANCE_2,   // of 1/2
+  OLX_MAP_CLASSIC_RADIANCE_3,   // of 3/4
+  OLX_MAP_CLASSIC_RADIANCE_4,   // of 1
+  OLX_MAP_SURFACE_ALBEDO,       // of surfaces for relighting; these three need a field baked for it
+  OLX_MAP_SURFACE_NORMAL,       // unit vector
+  OLX_MAP_SURFACE_DISTANCE,     // metres, infinite for the sky
+  // Of the probes of the irradiance volume: spherical harmonics at 32 x 32 directions.
+  OLX_MAP_VOLUME_IRRADIANCE, // W/m^2
+  OLX_MAP_COUNT
+} olx_map;
+
+// "distance", "emitter", ... as the enumerators; "unknown" for what is none.
+const char *olx_map_name(olx_map map);
+
+// How directions lie in a picture, row 0 at the top. Each pixel holds the texel of the map that its middle's direction falls into.
+typedef enum olx_map_projection {
+  OLX_PROJECTION_OCTAHEDRAL = 0, // the map as it is stored, n x n texels without border (docs/format.md, "Maps")
+  OLX_PROJECTION_LATLONG,        // 2 n x n: +y at the top, -x at the left edge, +x in the middle, +z three quarters across, as
+                                 // environments of scenes have it
+  OLX_PROJECTION_CUBE            // n x 6 n: the faces +x, -x, +y, -y, +z, -z below one another, each as OpenGL's cube maps have it
+} olx_map_projection;
+
+// "octahedral", "latlong", "cube".
+const char *olx_map_projection_name(olx_map_projection projection);
+
+typedef struct olx_map_picture {
+  olx_map map;
+  olx_map_projection projection;
+  uint32_t probe; // of the map's kind of probes
+  uint32_t size;  // n of latlong and cube, 1 to 2048; 0, the default: the map's own for latlong, half of it for cube. Octahedral: 0
+} olx_map_picture;
+
+// Write a map as an .exr: channels R, G, B (of normals x, y, z), or Y of a single number. Beside, synced, renamed. *width and *height
+// receive the size in pixels; either may be NULL. OLX_ERROR_ARGUMENT for a map that the field does not have, a probe that it does not
+// have, and a size out of range.
+olx_result olx_export_map(const olx_field *field, const olx_map_picture *picture, const char *path, uint32_t *width,
+                          uint32_t *height);
+
+// ---- A model of what a field consists of.
+
+// What was written.
+typedef struct olx_gltf_counts {
+  uint32_t probes, irradiance_probes; // nodes
+  uint32_t volume_probes, volume_cells;
+  uint32_t bricks, divided_bricks;
+} olx_gltf_counts;
+
+// Write probes, irradiance volume and bricks as a .gltf (2.0, buffers within) to look at: in metres of scene coordinates, so that it lies
+// over the scene. Below one node are
+// - "light field probes" and "irradiance probes": a node for each, an octahedron at its position, red inside geometry
+// - "irradiance volume": the octahedra of its probes in one mesh, coloured by their mean irradiance over pi, cut at 1; and the edges of
+//   its cells
+// - "bricks": the edges of those that list a probe, whole ones and divided ones apart
+// and what a field does not have is left out. Beside, synced, renamed; or to a stream. `counts` may be NULL.
+olx_result olx_export_gltf(const olx_field *field, const char *path, olx_gltf_counts *counts);
 
 #pragma GCC visibility pop
 #ifdef __cplusplus

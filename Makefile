@@ -4,7 +4,7 @@ JOBS ?= $(shell nproc)
 PREFIX ?= /usr/local
 OCTALUX := build/release/octalux
 
-.PHONY: build demo check check-full soak bench install clean tidy format packages check-packages
+.PHONY: build demo check check-full soak bench install wheel clean tidy format packages check-packages
 
 build: packages
 	@cmake --preset release $(if $(wildcard build/release/CMakeCache.txt),>/dev/null,)
@@ -37,6 +37,9 @@ bench: check-packages build
 
 install: build
 	@cmake --install build/release --prefix $(PREFIX)
+
+wheel: build
+	@python3 python/wheel_backend.py build/release build/wheel
 
 tidy: check-packages build
 	@git ls-files 'src/*.c' 'host/*.c' 'cli/*.c' 'viewer/*.c' 'bench/*.c' | xargs -P $(JOBS) -n 4 clang-tidy --quiet -p build/release

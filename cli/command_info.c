@@ -2,6 +2,7 @@
 #include "options.h"
 #include "report.h"
 
+#include <octalux/export.h>
 #include <octalux/field.h>
 
 #include <inttypes.h>
@@ -16,13 +17,12 @@ typedef struct block {
 #define CURRENT_VERSION 2 // of field files
 
 static void list_blocks(const olx_field_info *info, block blocks[BLOCK_COUNT]) {
-  const block list[BLOCK_COUNT] = {{"radiance", info->radiance_bytes},     {"normal", info->normal_bytes},
-                                   {"distance", info->distance_bytes},     {"pyramid", info->pyramid_bytes},
-                                   {"material", info->material_bytes},     {"direct", info->direct_bytes},
-                                   {"indirect", info->indirect_bytes},     {"emission", info->emission_bytes},
-                                   {"irradiance", info->irradiance_bytes}, {"moments", info->moments_bytes},
-                                   {"selector", info->selector_bytes},     {"classic", info->classic_bytes},
-                                   {"relight", info->relight_bytes},       {"volume", info->volume_bytes}};
+  const block list[BLOCK_COUNT] = {
+      {"radiance", info->radiance_bytes}, {"normal", info->normal_bytes},     {"distance", info->distance_bytes},
+      {"pyramid", info->pyramid_bytes},   {"material", info->material_bytes}, {"direct", info->direct_bytes},
+      {"indirect", info->indirect_bytes}, {"emission", info->emission_bytes}, {"irradiance", info->irradiance_bytes},
+      {"moments", info->moments_bytes},   {"selector", info->selector_bytes}, {"classic", info->classic_bytes},
+      {"relight", info->relight_bytes},   {"volume", info->volume_bytes}};
   for (int i = 0; i < BLOCK_COUNT; ++i) blocks[i] = list[i];
 }
 
@@ -150,6 +150,36 @@ static void print_info(const char *path, const description *d) {
   for (int i = 0; i < BLOCK_COUNT; ++i) printf("  %-18s %s\n", blocks[i].name, text_of_bytes(blocks[i].bytes).text);
 }
 
+static int print_packed_json(const olx_packed_info *info) {
+  cJSON *object = cJSON_CreateObject();
+  cJSON_AddBoolToObject(object, "packed", true);
+  add_number(object, "file_bytes", (double)info->packed_bytes);
+  add_number(object, "field_bytes", (double)info->field_bytes);
+  cJSON *chunks = cJSON_AddArrayToObject(object, "chunks");
+  for (uint32_t i = 0; i < info->chunk_count; ++i) {
+    cJSON *chunk = cJSON_CreateObject();
+    add_text(chunk, "type", info->chunks[i].type);
+    add_number(chunk, "field_bytes", (double)info->chunks[i].field_bytes);
+    add_number(chunk, "packed_bytes", (double)info->chunks[i].packed_bytes);
+    cJSON_AddItemToArray(chunks, chunk);
+  }
+  return print_json("info", object);
+}
+
+static int print_packed(const char *path, bool json) {
+  olx_packed_info info;
+  if (olx_packed_describe(path, &info) != OLX_OK) return library_failure("info");
+  if (json) return print_packed_json(&info);
+  printf("%s: a packed field, %s; `octalux unpack %s` makes the field of %s that can be used\n", path,
+         text_of_bytes(info.packed_bytes).text, path, text_of_bytes(info.field_bytes).text);
+  for (uint32_t i = 0; i < info.chunk_count; ++i) {
+    const olx_packed_chunk *chunk = &info.chunks[i];
+    printf("  %-4s  %12s of %12s\n", chunk->type, text_of_bytes(chunk->packed_bytes).text,
+           text_of_bytes(chunk->field_bytes).text);
+  }
+  return EXIT_DONE;
+}
+
 static olx_result describe(const char *path, description *d) {
   olx_field *field = NULL;
   olx_result result = olx_field_open(path, &field);
@@ -176,11 +206,32 @@ int command_info(int argc, char **argv) {
                        .option_count = sizeof options / sizeof options[0]};
   int code;
   if (!parse_options(&line, argc, argv, &code)) return code;
+  if (olx_is_packed_field(line.given[0])) return print_packed(line.given[0], json);
   description d = {.version = CURRENT_VERSION};
   if (describe(line.given[0], &d) != OLX_OK) return library_failure("info");
   if (json) return print_info_json(&d);
   print_info(line.given[0], &d);
   return EXIT_DONE;
+}
+
+// A packed field is unpacked to nowhere.
+static olx_result verify_packed(const char *path, uint64_t *bytes) {
+  const olx_unpack_settings settings = {.most_bytes = UINT64_MAX};
+  olx_packed_info info;
+  const olx_result result = olx_field_unpack(path, &settings, NULL, NULL, &info);
+  if (result == OLX_OK) *bytes = info.packed_bytes;
+  return result;
+}
+
+static olx_result verify(const char *path, uint64_t *bytes) {
+  if (olx_is_packed_field(path)) return verify_packed(path, bytes);
+  olx_field *field = NULL;
+  olx_result result = olx_field_open(path, &field);
+  if (result != OLX_OK) return result;
+  *bytes = olx_field_describe(field).file_bytes;
+  result = olx_field_verify(field);
+  olx_field_close(field);
+  return result;
 }
 
 int command_verify(int argc, char **argv) {
@@ -193,12 +244,8 @@ int command_verify(int argc, char **argv) {
                        .option_count = sizeof options / sizeof options[0]};
   int code;
   if (!parse_options(&line, argc, argv, &code)) return code;
-  olx_field *field = NULL;
-  if (olx_field_open(line.given[0], &field) != OLX_OK) return library_failure("verify");
-  const uint64_t bytes = olx_field_describe(field).file_bytes;
-  const olx_result result = olx_field_verify(field);
-  olx_field_close(field);
-  if (result != OLX_OK) return library_failure("verify");
+  uint64_t bytes = 0;
+  if (verify(line.given[0], &bytes) != OLX_OK) return library_failure("verify");
   if (!json) {
     printf("%s: sound, %s\n", line.given[0], text_of_bytes(bytes).text);
     return EXIT_DONE;

@@ -10,6 +10,9 @@ int command_compare(int argc, char **argv);
 int command_audit(int argc, char **argv);
 int command_info(int argc, char **argv);
 int command_verify(int argc, char **argv);
+int command_pack(int argc, char **argv);
+int command_unpack(int argc, char **argv);
+int command_export(int argc, char **argv);
 int command_view(int argc, char **argv);
 int command_bench(int argc, char **argv);
 int command_bench_wang(int argc, char **argv); // `bench wang` and `bench wang-probes`

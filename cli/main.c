@@ -25,6 +25,9 @@ static const command commands[] = {
     {"audit", "audit SCENE --field out.olx", "a field against ray casting and path tracing", command_audit},
     {"info", "info out.olx", "what is in a field, sizes, settings", command_info},
     {"verify", "verify out.olx", "structure and checksums of a field", command_verify},
+    {"pack", "pack out.olx", "store a field smaller, for shipping: out.olxz", command_pack},
+    {"unpack", "unpack out.olxz", "make the same field of it again", command_unpack},
+    {"export", "export exr|gltf out.olx -o FILE", "a probe's map as a picture, or all probes as a model", command_export},
     {"view", "view SCENE --field out.olx", "fly through a scene lit by a field, on Vulkan", command_view},
     {"bench", "bench EXPERIMENT", "measure a stated experiment", command_bench},
 };

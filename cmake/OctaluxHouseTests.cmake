@@ -29,7 +29,7 @@ endif()
 if(TARGET octalux-shared)
   olx_test(symbols check COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/scripts/check_symbols.py $<$<CONFIG:Debug>:--debug>
            ${PROJECT_SOURCE_DIR}/include/octalux $<TARGET_FILE:octalux-shared> $<TARGET_FILE:octalux> $<TARGET_FILE:octalux-bake>
-           ${vulkan_header} COMMAND_EXPAND_LISTS)
+           $<TARGET_FILE:octalux-bake-shared> ${vulkan_header} COMMAND_EXPAND_LISTS)
 endif()
 
 olx_test(install check COMMAND bash ${PROJECT_SOURCE_DIR}/scripts/check_install.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})

@@ -28,7 +28,7 @@ if(BUILD_SHARED_LIBS)
   set(OLX_BAKE_PC_LIBS "-L\${libdir} -loctalux-bake")
 else()
   # The static runtime, because the shared one does not show what the baker uses of it. Embree 3 and meshoptimizer have no pkg-config files.
-  set(OLX_BAKE_PC_REQUIRES "Requires: assimp libcjson qhull_r OpenEXR zlib")
+  set(OLX_BAKE_PC_REQUIRES "Requires: assimp libcjson qhull_r libzstd OpenEXR zlib")
   set(OLX_BAKE_PC_LIBS "\${libdir}/liboctalux-bake.a \${libdir}/liboctalux.a -lembree3 -lmeshoptimizer -lm -pthread")
 endif()
 foreach(package octalux octalux-bake)
@@ -39,4 +39,5 @@ endforeach()
 # What the README links to lies beside it as in the checkout.
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/CHANGELOG.md
         ${PROJECT_SOURCE_DIR}/CONTRIBUTING.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs ${PROJECT_SOURCE_DIR}/examples DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs ${PROJECT_SOURCE_DIR}/examples ${PROJECT_SOURCE_DIR}/python DESTINATION ${CMAKE_INSTALL_DOCDIR}
+        PATTERN __pycache__ EXCLUDE)

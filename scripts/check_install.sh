@@ -73,6 +73,16 @@ if [ -e "$libraries/liboctalux.a" ]; then
   cmake --build "$work/shared" >/dev/null
   ldd "$work/shared/minimal" | grep liboctalux.so >/dev/null || fail "octalux::octalux-shared is not loaded"
   "$work/shared/minimal" "$work/cornell.olx" | cmp "$work/package.txt" -
+
+  # A program that unpacks fields, and calls nothing else of the baker, needs zstd alone.
+  printf '%s\n' '#include <octalux/export.h>' 'int main(int argc, char **argv) {' \
+    'const olx_unpack_settings settings = olx_unpack_settings_default();' \
+    'return argc != 3 || olx_field_unpack(argv[1], &settings, argv[2], 0, 0) != OLX_OK; }' >"$work/unpack.c"
+  cc -std=c17 -I"$prefix/include" "$work/unpack.c" "$libraries"/liboctalux{-bake,}.a -lzstd -lm -pthread -o "$work/unpack"
+  needs_only "$work/unpack" 'libzstd\.so'
+  "$prefix/bin/octalux" pack "$work/cornell.olx" -o "$work/cornell.olxz" --level 1
+  "$work/unpack" "$work/cornell.olxz" "$work/unpacked.olx"
+  cmp "$work/cornell.olx" "$work/unpacked.olx"
 else
   ldd "$work/examples/minimal" | grep liboctalux.so >/dev/null || fail "a shared build's runtime is not loaded"
 fi

@@ -5,7 +5,9 @@ The shared runtime needs nothing but libc, libm and threads, and exports exactly
 Every global symbol of the static libraries begins with olx_, so that they clash with nothing a host links. No library can
 end its host by an assertion, unless --debug says that this is a debug build.
 
-Usage: check_symbols.py [--debug] INCLUDE-DIR LIBRARY.so RUNTIME.a BAKE.a [HEADER...]; HEADERs are public ones of the runtime that this
+The shared baker, beside static libraries, exports the functions of all public headers and nothing else.
+
+Usage: check_symbols.py [--debug] INCLUDE-DIR LIBRARY.so RUNTIME.a BAKE.a BAKE.so [HEADER...]; HEADERs are public ones of the runtime that this
 build has beside those it always has.
 """
 
@@ -16,6 +18,7 @@ import sys
 
 NEEDED = re.compile(r"^(libc\.so|libm\.so|libpthread\.so|libdl\.so|librt\.so|ld-linux|ld-musl|libgcc_s\.so)")
 RUNTIME_HEADERS = ["base.h", "denoiser.h", "field.h", "relight.h", "sample.h", "octalux.h"]
+BAKER_HEADERS = ["bake.h", "export.h", "place.h", "render.h", "scene.h"]
 
 
 def output(*command):
@@ -29,7 +32,7 @@ def defined(library, *options):
 
 def declared(include, more):
     names = set()
-    for header in RUNTIME_HEADERS + more:
+    for header in more:
         text = re.sub(r"//[^\n]*", "", (include / header).read_text())
         # A declaration begins in the first column; members of a struct do not.
         names |= set(re.findall(r"^[A-Za-z][\w\s*]*?\b(olx_\w+)\(", text, re.MULTILINE))
@@ -39,7 +42,8 @@ def declared(include, more):
 def main():
     debug = sys.argv[1] == "--debug"
     arguments = sys.argv[2:] if debug else sys.argv[1:]
-    include, shared, runtime, bake = pathlib.Path(arguments[0]), *arguments[1:4]
+    include, shared, runtime, bake, shared_bake = pathlib.Path(arguments[0]), *arguments[1:5]
+    runtime_headers = RUNTIME_HEADERS + arguments[5:]
     faults = []
     for line in output("readelf", "--dynamic", "--wide", shared).splitlines():
         match = re.search(r"\(NEEDED\).*\[(.+)\]", line)
@@ -50,9 +54,11 @@ def main():
         name, kind = line.split()[:2]
         if kind == "U" and "@" not in name:
             faults.append(f"the runtime does not define {name}")
-    exported, public = defined(shared, "--dynamic"), declared(include, arguments[4:])
-    faults += [f"exported, but in no public header: {name}" for name in sorted(exported - public)]
-    faults += [f"in a public header, but not exported: {name}" for name in sorted(public - exported)]
+    for library, headers in ((shared_bake, runtime_headers + BAKER_HEADERS), (shared, runtime_headers)):
+        exported, public = defined(library, "--dynamic"), declared(include, headers)
+        stem = pathlib.Path(library).name
+        faults += [f"exported by {stem}, but in no public header: {name}" for name in sorted(exported - public)]
+        faults += [f"in a public header, but not exported by {stem}: {name}" for name in sorted(public - exported)]
     for library in (runtime, bake):
         foreign = sorted(name for name in defined(library) if not name.startswith("olx_") and not name.endswith(":"))
         faults += [f"{pathlib.Path(library).name} defines {name}" for name in foreign]

@@ -7,13 +7,13 @@ set -euo pipefail
 list=${1:-build}
 
 needed=(gcc g++ cmake ninja-build pkg-config
-  libembree-dev libassimp-dev libopenexr-dev libstb-dev libcjson-dev libqhull-dev libxxhash-dev libmeshoptimizer-dev zlib1g-dev)
+  libembree-dev libassimp-dev libopenexr-dev libstb-dev libcjson-dev libqhull-dev libxxhash-dev libmeshoptimizer-dev libzstd-dev zlib1g-dev)
 # Without these the build leaves out the Vulkan runtime or the viewer, and says so.
 wanted=(glslc libvulkan-dev libglfw3-dev libimgui-dev libfreetype-dev)
 case $list in
   build) ;;
   check | full)
-    needed+=(clang clang-format clang-tidy libclang-rt-14-dev python3 binutils libcmocka-dev
+    needed+=(clang clang-format clang-tidy libclang-rt-14-dev python3 python3-numpy python3-venv binutils libcmocka-dev
       gltfpack # makes compressed models to read
       mesa-vulkan-drivers vulkan-validationlayers xvfb # Vulkan's CPU device and its layers, a display for the viewer
       "${wanted[@]}")

@@ -9,6 +9,8 @@
 
 #include "core/hooks.h"
 #include "core/sampling.h"
+#include "export/gltf_boxes.h"
+#include "export/map_texels.h"
 #include "field/field_file.h"
 #include "trace/texel_shade.h"
 
@@ -359,7 +361,22 @@ static void check_hit(const olx_field *field, const olx_trace_hit *hit) {
   if (hit->texel_steps > (uint64_t)hit->probes_tried * 16 * info.radiance_size) fail("a ray took too many steps");
 }
 
+// A texel of every map that the field has, and the boxes of its model.
+static void show(dice *d, const olx_field *field) {
+  olx_export_boxes boxes = {0};
+  for (olx_map map = OLX_MAP_DISTANCE; map < OLX_MAP_COUNT; map++) {
+    const uint32_t probe = draw_below(d, 4);
+    if (olx_map_check(field, map, probe) != OLX_OK) continue;
+    const uint32_t side = olx_map_side(field, map);
+    (void)olx_map_texel(field, map, probe, draw_below(d, side), draw_below(d, side));
+  }
+  (void)(olx_export_volume_cells(field, &boxes) && olx_export_bricks(field, false, &boxes) &&
+         olx_export_bricks(field, true, &boxes));
+  olx_release(boxes.boxes);
+}
+
 static void use(dice *d, const olx_field *field, counts *c) {
+  show(d, field);
   for (uint32_t i = 0; i < RAYS; i++) {
     const olx_sample_settings settings = draw_settings(d);
     const olx_vec3 origin = draw_point(d, field), direction = draw_direction(d);

@@ -72,7 +72,7 @@ expect_files
 help="$OCTALUX_SOURCE_DIR/tests/cli/help.txt"
 {
   "$OCTALUX" --help
-  for command in scene place bake render compare audit info verify bench; do
+  for command in scene place bake render compare audit info verify pack unpack export "export exr" "export gltf" bench; do
     echo
     echo "== octalux $command --help"
     "$OCTALUX" $command --help

@@ -109,6 +109,11 @@ olx_vec3 olx_irradiance(const olx_field *field, const olx_sample_settings *setti
 olx_vec3 olx_surface_irradiance(const olx_field *field, const olx_sample_settings *settings, olx_vec3 position,
                                 olx_vec3 geometric_normal, olx_vec3 shading_normal, olx_vec3 view);
 
+// The same for `count` points: irradiance[i] is what olx_surface_irradiance says of positions[i] and the others of that index.
+void olx_surface_irradiance_points(const olx_field *field, const olx_sample_settings *settings, uint32_t count,
+                                   const olx_vec3 *positions, const olx_vec3 *geometric_normals,
+                                   const olx_vec3 *shading_normals, const olx_vec3 *views, olx_vec3 *irradiance);
+
 // Indirect irradiance in W/m^2 anywhere in free space, for what moves and for volumes, from the field's irradiance volume
 // (docs/maths.md, "The irradiance volume"). It lets no light through surfaces that were there when the field was baked.
 // - `position`: metres. `normal`: unit, of the surface of the object there; a place is looked up 1/4096 of the smallest cell before it.
@@ -132,6 +137,12 @@ olx_vec3 olx_probe_irradiance(const olx_field *field, uint32_t index, olx_vec3 n
 olx_vec3 olx_glossy(const olx_field *field, const olx_sample_settings *settings, olx_vec3 position, olx_vec3 normal,
                     olx_vec3 view, float roughness, olx_vec2 random, float *weight, float *half_cosine,
                     olx_trace_hit *hit);
+
+// The same for `count` points: radiance[i], weights[i] and half_cosines[i] are what olx_glossy says of positions[i] and the others of
+// that index; half_cosines[i] means nothing where weights[i] is 0.
+void olx_glossy_rays(const olx_field *field, const olx_sample_settings *settings, uint32_t count,
+                     const olx_vec3 *positions, const olx_vec3 *normals, const olx_vec3 *views, const float *roughness,
+                     const olx_vec2 *random, olx_vec3 *radiance, float *weights, float *half_cosines);
 
 // The method that light field probes replace, as a baseline (docs/baking.md, "Classic maps"): irradiance and prefiltered
 // radiance of the irradiance probes around a point, interpolated without asking what they see. Of `settings` only keep_buried

@@ -5,6 +5,7 @@
 #include "field/selector_data.h"
 
 #include <assert.h>
+#include <string.h>
 
 // The structures of the selectors that the description names, and no others.
 static olx_result find_selectors(olx_field *field, const olx_chunk_shape shapes[OLX_CHUNK_KINDS]) {
@@ -128,8 +129,15 @@ static olx_result check_flags(const olx_field *field, const uint8_t *flags, uint
                   found, kind, buried);
 }
 
+static olx_result refuse_packed(const olx_field *field) {
+  const size_t magic_bytes = sizeof OLX_PACKED_MAGIC - 1;
+  if (field->size_bytes < magic_bytes || memcmp(field->data, OLX_PACKED_MAGIC, magic_bytes) != 0) return OLX_OK;
+  return olx_fail(OLX_ERROR_UNSUPPORTED, "%s: a packed field; `octalux unpack` makes a field of it again", field->name);
+}
+
 static olx_result check_structure(olx_field *field) {
   const olx_chunk_file file = olx_field_file(field);
+  OLX_TRY(refuse_packed(field));
   OLX_TRY(olx_chunk_file_check(&file, &OLX_FIELD_KIND));
   OLX_TRY(olx_field_info_read(&file, &field->info));
   OLX_TRY(find_chunks(field));

@@ -6,6 +6,7 @@
 #include "field/field_data.h"
 
 #define OLX_FIELD_MAGIC "\x89OLX\r\n\x1a\n"
+#define OLX_PACKED_MAGIC "\x89OLZ\r\n\x1a\n" // of a packed field (src/export), which the runtime refuses by name
 
 enum {
   OLX_FIELD_VERSION = 2,

@@ -81,22 +81,15 @@ static olx_result stream_failure(const exr_stream *stream, exr_result_t code) {
     if (exr_try_code_ != EXR_ERR_SUCCESS) return exr_try_code_;                                                        \
   } while (0)
 
-static exr_result_t write_header(exr_context_t context, const olx_image *image) {
+static exr_result_t write_header(exr_context_t context, const olx_exr_picture *picture) {
   int part = 0;
   EXR_TRY(exr_add_part(context, NULL, EXR_STORAGE_SCANLINE, &part));
-  EXR_TRY(exr_initialize_required_attr_simple(context, part, (int32_t)image->width, (int32_t)image->height,
+  EXR_TRY(exr_initialize_required_attr_simple(context, part, (int32_t)picture->width, (int32_t)picture->height,
                                               EXR_COMPRESSION_ZIP));
-  for (uint32_t layer = 0; layer < OLX_LAYER_COUNT; ++layer) {
-    if (!image->layers[layer]) continue;
-    for (uint32_t component = 0; component < olx_layer_channels((olx_layer)layer); ++component) {
-      char name[64];
-      channel_name((olx_layer)layer, component, name);
-      EXR_TRY(exr_add_channel(context, part, name, EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LINEAR, 1, 1));
-    }
+  for (uint32_t i = 0; i < picture->channel_count; ++i) {
+    EXR_TRY(exr_add_channel(context, part, picture->channels[i].name, EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LINEAR, 1, 1));
   }
-  // Beyond what the attribute holds, and infinite: -1.
-  const int32_t bounces = image->bounces <= INT32_MAX ? (int32_t)image->bounces : -1;
-  if (image->bounces_known) EXR_TRY(exr_attr_set_int(context, part, BOUNCES_ATTRIBUTE, bounces));
+  if (picture->bounces) EXR_TRY(exr_attr_set_int(context, part, BOUNCES_ATTRIBUTE, *picture->bounces));
   return exr_write_header(context);
 }
 
@@ -111,55 +104,79 @@ static olx_exr_target find_target(void *user, const char *channel, uint32_t row)
                           .line_bytes = (int32_t)(image->width * sizeof(olx_vec3))};
 }
 
-static void attach_channel(exr_coding_channel_info_t *channel, const olx_image *image, uint32_t row) {
-  olx_image parts = *image;
-  const olx_exr_target target = find_target(&parts, channel->channel_name, row);
-  if (!target.pixels) return;
-  channel->encode_from_ptr = (const uint8_t *)target.pixels;
-  channel->user_bytes_per_element = sizeof(float);
-  channel->user_data_type = EXR_PIXEL_FLOAT;
-  channel->user_pixel_stride = target.pixel_bytes;
-  channel->user_line_stride = target.line_bytes;
+// Point a channel of a chunk at its values from `row` on.
+static void take_channel(exr_coding_channel_info_t *channel, const olx_exr_picture *picture, uint32_t row) {
+  for (uint32_t i = 0; i < picture->channel_count; ++i) {
+    const olx_exr_channel *c = &picture->channels[i];
+    if (strcmp(c->name, channel->channel_name) != 0) continue;
+    channel->encode_from_ptr = (const uint8_t *)(c->values + (size_t)row * picture->width * c->stride_floats);
+    channel->user_bytes_per_element = sizeof(float);
+    channel->user_data_type = EXR_PIXEL_FLOAT;
+    channel->user_pixel_stride = (int32_t)(c->stride_floats * sizeof(float));
+    channel->user_line_stride = (int32_t)(picture->width * c->stride_floats * sizeof(float));
+  }
 }
 
-static exr_result_t write_chunks(exr_context_t context, const olx_image *image, exr_encode_pipeline_t *pipeline) {
+static exr_result_t write_chunks(exr_context_t context, const olx_exr_picture *picture,
+                                 exr_encode_pipeline_t *pipeline) {
   int32_t lines = 0;
   EXR_TRY(exr_get_scanlines_per_chunk(context, 0, &lines));
-  for (uint32_t row = 0; row < image->height; row += (uint32_t)lines) {
+  for (uint32_t row = 0; row < picture->height; row += (uint32_t)lines) {
     exr_chunk_info_t chunk;
     EXR_TRY(exr_write_scanline_chunk_info(context, 0, (int)row, &chunk));
     if (row == 0) EXR_TRY(exr_encoding_initialize(context, 0, &chunk, pipeline));
     else EXR_TRY(exr_encoding_update(context, 0, &chunk, pipeline));
-    for (int16_t i = 0; i < pipeline->channel_count; ++i) attach_channel(&pipeline->channels[i], image, row);
+    for (int16_t i = 0; i < pipeline->channel_count; ++i) take_channel(&pipeline->channels[i], picture, row);
     if (row == 0) EXR_TRY(exr_encoding_choose_default_routines(context, 0, pipeline));
     EXR_TRY(exr_encoding_run(context, 0, pipeline));
   }
   return EXR_ERR_SUCCESS;
 }
 
-static olx_result write_stream(exr_stream *stream, const olx_image *image) {
+static olx_result write_stream(exr_stream *stream, const olx_exr_picture *picture) {
   exr_context_initializer_t settings = initializer(stream);
   settings.write_fn = on_write;
   exr_context_t context = NULL;
   exr_result_t code = exr_start_write(&context, stream->path, EXR_WRITE_FILE_DIRECTLY, &settings);
   if (code != EXR_ERR_SUCCESS) return stream_failure(stream, code);
   exr_encode_pipeline_t pipeline = EXR_ENCODE_PIPELINE_INITIALIZER;
-  code = write_header(context, image);
-  if (code == EXR_ERR_SUCCESS) code = write_chunks(context, image, &pipeline);
+  code = write_header(context, picture);
+  if (code == EXR_ERR_SUCCESS) code = write_chunks(context, picture, &pipeline);
   exr_encoding_destroy(context, &pipeline);
   const exr_result_t finish_code = exr_finish(&context);
   if (code == EXR_ERR_SUCCESS) code = finish_code;
   return code == EXR_ERR_SUCCESS ? OLX_OK : stream_failure(stream, code);
 }
 
-olx_result olx_exr_save(const olx_image *image, const char *path) {
+olx_result olx_exr_write(const olx_exr_picture *picture, const char *path) {
   olx_output_file output;
   OLX_TRY(olx_output_open(path, &output));
   exr_stream stream = {.path = path, .output = &output};
-  const olx_result result = write_stream(&stream, image);
+  const olx_result result = write_stream(&stream, picture);
   if (result == OLX_OK) return olx_output_commit(&output);
   olx_output_discard(&output);
   return result;
+}
+
+olx_result olx_exr_save(const olx_image *image, const char *path) {
+  olx_exr_channel channels[3 * OLX_LAYER_COUNT];
+  uint32_t count = 0;
+  for (uint32_t layer = 0; layer < OLX_LAYER_COUNT; ++layer) {
+    if (!image->layers[layer]) continue;
+    for (uint32_t component = 0; component < olx_layer_channels((olx_layer)layer); ++component) {
+      channel_name((olx_layer)layer, component, channels[count].name);
+      channels[count].values = &image->layers[layer]->x + component;
+      channels[count++].stride_floats = 3;
+    }
+  }
+  // Beyond what the attribute holds, and infinite: -1.
+  const int32_t bounces = image->bounces <= INT32_MAX ? (int32_t)image->bounces : -1;
+  const olx_exr_picture picture = {.width = image->width,
+                                   .height = image->height,
+                                   .channels = channels,
+                                   .channel_count = count,
+                                   .bounces = image->bounces_known ? &bounces : NULL};
+  return olx_exr_write(&picture, path);
 }
 
 // The channels that are there, as bits of their layer's components.

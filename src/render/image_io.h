@@ -7,7 +7,24 @@
 // Largest width and height of any image.
 #define OLX_IMAGE_MAX_SIZE 16384
 
-// Every present layer as 32-bit float channels, one part, scanlines, ZIP.
+// A channel of an EXR file. The value of pixel (x, y) is values[stride_floats * (x + width * y)].
+typedef struct olx_exr_channel {
+  char name[64];
+  const float *values;
+  uint32_t stride_floats;
+} olx_exr_channel;
+
+// What an EXR file is written from. Channels in any order.
+typedef struct olx_exr_picture {
+  uint32_t width, height;
+  const olx_exr_channel *channels;
+  uint32_t channel_count;
+  const int32_t *bounces; // "octaluxBounces"; NULL: not known
+} olx_exr_picture;
+
+// 32-bit float channels, one part, scanlines, ZIP. Beside, synced, renamed.
+olx_result olx_exr_write(const olx_exr_picture *picture, const char *path);
+// The same of every present layer.
 olx_result olx_exr_save(const olx_image *image, const char *path);
 olx_result olx_exr_load(const char *path, olx_image *image);
 

@@ -1,0 +1,138 @@
+// octalux export: maps of probes as pictures, and a field's parts as a model, for other tools.
+#include "commands.h"
+#include "files.h"
+#include "options.h"
+#include "report.h"
+
+#include <octalux/export.h>
+
+#include <stdio.h>
+#include <string.h>
+
+#define MAPS                                                                                                           \
+  "distance|emitter|normal|base_color|roughness|metallic|specular_weight|direct|indirect|emission|radiance|albedo|"    \
+  "irradiance|mean_distance|mean_square_distance|classic_irradiance|classic_radiance_0|classic_radiance_1|"            \
+  "classic_radiance_2|classic_radiance_3|classic_radiance_4|surface_albedo|surface_normal|surface_distance|"           \
+  "volume_irradiance"
+
+// The output, checked, and the field, which is the caller's to close.
+static int open_export(const char *command, const char *input, const char *output, const char *ending, bool in_order,
+                       bool json, olx_field **field) {
+  const command_files files = {.inputs = {input}, .outputs = {{output, in_order}}};
+  if (in_order ? !is_output_named(output, ending) : !ends_with(output, ending)) {
+    return usage_error(command, "-o: '%s' does not end in %s", output, ending);
+  }
+  const int code = check_files(command, &files, json);
+  if (code != EXIT_DONE) return code;
+  return olx_field_open(input, field) == OLX_OK ? EXIT_DONE : library_failure(command);
+}
+
+static int report_map(const char *output, const olx_map_picture *picture, uint32_t width, uint32_t height, bool json) {
+  const char *map = olx_map_name(picture->map), *projection = olx_map_projection_name(picture->projection);
+  if (!json) {
+    printf("%s: %s of probe %u, %ux%u pixels, %s\n", output, map, picture->probe, width, height, projection);
+    return EXIT_DONE;
+  }
+  cJSON *object = cJSON_CreateObject();
+  add_text(object, "output", output);
+  add_text(object, "map", map);
+  add_text(object, "projection", projection);
+  add_number(object, "probe", picture->probe);
+  add_number(object, "width", width);
+  add_number(object, "height", height);
+  return print_json("export exr", object);
+}
+
+static int export_exr(int argc, char **argv) {
+  bool json = false;
+  const char *output = NULL;
+  uint32_t map = UINT32_MAX, projection = OLX_PROJECTION_OCTAHEDRAL;
+  olx_map_picture picture = {0};
+  const option options[] = {{"-o", OPTION_TEXT, &output, "FILE.exr", "the picture to write", 1, 0},
+                            {"--map", OPTION_CHOICE, &map, MAPS,
+                             "what to show; from irradiance on of irradiance probes, the last of the volume's", 0, 0},
+                            {"--probe", OPTION_COUNT, &picture.probe, "N",
+                             "counted from 0, of the map's kind of probes; default 0", 0, UINT32_MAX - 1},
+                            {"--projection", OPTION_CHOICE, &projection, "octahedral|latlong|cube",
+                             "default octahedral: as it is stored", 0, 0},
+                            {"--size", OPTION_COUNT, &picture.size, "N",
+                             "height of latlong, side of a cube's face; default: the map's, half of it", 1, 2048},
+                            {"--json", OPTION_FLAG, &json, NULL, "print one JSON object", 0, 0}};
+  command_line line = {.name = "export exr",
+                       .summary = "Write a map of a probe as a picture of 32-bit floats.",
+                       .arguments = {"FIELD"},
+                       .options = options,
+                       .option_count = sizeof options / sizeof options[0]};
+  int code;
+  if (!parse_options(&line, argc, argv, &code)) return code;
+  if (map == UINT32_MAX) return usage_error(line.name, "--map NAME is missing (see octalux export exr --help)");
+  picture.map = (olx_map)map;
+  picture.projection = (olx_map_projection)projection;
+  olx_field *field = NULL;
+  code = open_export(line.name, line.given[0], output, ".exr", false, json, &field);
+  if (code != EXIT_DONE) return code;
+  uint32_t width, height;
+  const olx_result result = olx_export_map(field, &picture, output, &width, &height);
+  olx_field_close(field);
+  return result == OLX_OK ? report_map(output, &picture, width, height, json) : library_failure(line.name);
+}
+
+static int report_gltf(const command_files *files, const olx_gltf_counts *counts, bool json) {
+  const char *output = files->outputs[0].path;
+  if (!json) {
+    print_beside_outputs(files);
+    printf(
+        "%s: %u light field probes, %u irradiance probes, %u probes and %u cells of the volume, %u bricks whole and %u "
+        "divided\n",
+        output, counts->probes, counts->irradiance_probes, counts->volume_probes, counts->volume_cells, counts->bricks,
+        counts->divided_bricks);
+    return EXIT_DONE;
+  }
+  cJSON *object = cJSON_CreateObject();
+  add_text(object, "output", output);
+  add_number(object, "probes", counts->probes);
+  add_number(object, "irradiance_probes", counts->irradiance_probes);
+  add_number(object, "volume_probes", counts->volume_probes);
+  add_number(object, "volume_cells", counts->volume_cells);
+  add_number(object, "bricks", counts->bricks);
+  add_number(object, "divided_bricks", counts->divided_bricks);
+  return print_json("export gltf", object);
+}
+
+static int export_gltf(int argc, char **argv) {
+  bool json = false;
+  const char *output = NULL;
+  const option options[] = {{"-o", OPTION_TEXT, &output, "FILE.gltf", "the model to write", 1, 0},
+                            {"--json", OPTION_FLAG, &json, NULL, "print one JSON object", 0, 0}};
+  command_line line = {.name = "export gltf",
+                       .summary = "Write probes, irradiance volume and bricks as a model to look at, over the scene.",
+                       .arguments = {"FIELD"},
+                       .options = options,
+                       .option_count = sizeof options / sizeof options[0]};
+  int code;
+  if (!parse_options(&line, argc, argv, &code)) return code;
+  olx_field *field = NULL;
+  code = open_export(line.name, line.given[0], output, ".gltf", true, json, &field);
+  if (code != EXIT_DONE) return code;
+  olx_gltf_counts counts;
+  const olx_result result = olx_export_gltf(field, output, &counts);
+  olx_field_close(field);
+  const command_files files = {.outputs = {{output, true}}};
+  return result == OLX_OK ? report_gltf(&files, &counts, json) : library_failure(line.name);
+}
+
+static int print_formats(FILE *stream) {
+  fputs("usage: octalux export FORMAT FIELD -o FILE [options] (octalux export FORMAT --help says more)\n\n"
+        "  octalux export exr FIELD --map NAME -o FILE.exr     a map of a probe as a picture\n"
+        "  octalux export gltf FIELD -o FILE.gltf              probes, irradiance volume and bricks as a model\n",
+        stream);
+  return EXIT_DONE;
+}
+
+int command_export(int argc, char **argv) {
+  if (argc < 2) return usage_error("export", "FORMAT is missing: exr or gltf (see octalux export --help)");
+  if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0) return print_formats(stdout);
+  if (strcmp(argv[1], "exr") == 0) return export_exr(argc - 1, argv + 1);
+  if (strcmp(argv[1], "gltf") == 0) return export_gltf(argc - 1, argv + 1);
+  return usage_error("export", "'%s' is not one of exr, gltf", argv[1]);
+}

@@ -1,0 +1,149 @@
+// Fields on their way elsewhere: packed for shipping, and unpacked; their maps as pictures; what they consist of as a model to look at.
+// Part of liboctalux-bake. A program that calls nothing of it but packing links zstd, and neither Embree nor any importer's library.
+#ifndef OCTALUX_EXPORT_H
+#define OCTALUX_EXPORT_H
+
+#include <octalux/field.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+#pragma GCC visibility push(default)
+
+// ---- Packing: a field (.olx) is stored smaller (.olxz) and comes back to the last byte (docs/format.md, "Packed fields"). A packed
+// field cannot be sampled; the runtime refuses it with a message.
+
+typedef struct olx_pack_settings {
+  uint32_t level;   // of zstd, 1 (fast) to 22 (small); default 19
+  uint32_t threads; // 0, the default: as many as the machine has; the bytes do not depend on it
+} olx_pack_settings;
+
+olx_pack_settings olx_pack_settings_default(void);
+
+#define OLX_PACKED_MOST_CHUNKS 255
+
+// What is in a packed field.
+typedef struct olx_packed_chunk {
+  char type[5]; // its four characters, those that are not printable as '?'
+  uint64_t field_bytes, packed_bytes;
+} olx_packed_chunk;
+
+typedef struct olx_packed_info {
+  uint64_t field_bytes;  // of the field file that comes back
+  uint64_t packed_bytes; // of the packed file
+  uint32_t chunk_count;  // 1 to OLX_PACKED_MOST_CHUNKS
+  olx_packed_chunk chunks[OLX_PACKED_MOST_CHUNKS];
+} olx_packed_info;
+
+// Pack the field at `field_path` into `path`: beside, synced, renamed. Every checksum of the field is checked before. The bytes depend on
+// the field, the level and the version of zstd alone. Takes some 20 MiB of memory a thread, whatever the field's size. OLX_ERROR_ARGUMENT
+// for settings out of range, OLX_ERROR_UNSUPPORTED for a field of more chunks than OLX_PACKED_MOST_CHUNKS, and what olx_field_open and
+// olx_field_verify say of a damaged field. `info` may be NULL.
+olx_result olx_field_pack(const char *field_path, const olx_pack_settings *settings, const char *path,
+                          const olx_progress *progress, olx_packed_info *info);
+
+typedef struct olx_unpack_settings {
+  uint64_t most_bytes; // a field file larger than this is refused before space is taken for it; default 2^35
+  uint32_t threads;    // 0, the default: as many as the machine has
+} olx_unpack_settings;
+
+olx_unpack_settings olx_unpack_settings_default(void);
+
+// Unpack `packed_path` into the field file that it was made from: beside, synced, renamed. `path` may be NULL: then everything is checked
+// and nothing written. Takes some 3 MiB of memory a thread, whatever the file says. OLX_ERROR_FORMAT or OLX_ERROR_CHECKSUM for a damaged
+// file, OLX_ERROR_UNSUPPORTED for a field larger than settings->most_bytes. `info` may be NULL.
+olx_result olx_field_unpack(const char *packed_path, const olx_unpack_settings *settings, const char *path,
+                            const olx_progress *progress, olx_packed_info *info);
+
+// Whether a file begins as packed fields do; false when it cannot be read.
+bool olx_is_packed_field(const char *path);
+
+// What a packed file says of itself, once its header and its tables are found to be sound. The chunks are not read.
+olx_result olx_packed_describe(const char *path, olx_packed_info *info);
+
+// ---- Maps as pictures.
+
+// What a map holds, linear and as 32-bit floats. A texel of a light field probe is the surface that the ray through its middle meets.
+typedef enum olx_map {
+  // Of light field probes.
+  OLX_MAP_DISTANCE = 0,    // metres, infinite for the sky
+  OLX_MAP_EMITTER,         // 1 where the texel sees an emitter or the sky, else 0
+  OLX_MAP_NORMAL,          // unit vector on the probe's side; any one for the sky
+  OLX_MAP_BASE_COLOR,      // 0 to 1
+  OLX_MAP_ROUGHNESS,       // perceptual, 0 to 1
+  OLX_MAP_METALLIC,        // 0 to 1
+  OLX_MAP_SPECULAR_WEIGHT, // 0 to 1
+  OLX_MAP_DIRECT,          // irradiance straight from emitters, W/m^2
+  OLX_MAP_INDIRECT,        // irradiance from surfaces, W/m^2
+  OLX_MAP_EMISSION,        // radiance of emitters and of the sky, W/(sr m^2)
+  OLX_MAP_RADIANCE,        // as the probe saw it, W/(sr m^2); needs probe light
+  OLX_MAP_ALBEDO,          // share of light that is reflected; needs a field baked for relighting
+  // Of irradiance probes, which a field with probe light has.
+  OLX_MAP_IRRADIANCE,           // for surfaces that face in that direction, W/m^2; of spherical harmonics their values
+  OLX_MAP_MEAN_DISTANCE,        // metres; the sky counts as the distance scale
+  OLX_MAP_MEAN_SQUARE_DISTANCE, // square metres
+  OLX_MAP_CLASSIC_IRRADIANCE,   // W/m^2; these six need classic maps
+  OLX_MAP_CLASSIC_RADIANCE_0,   // prefiltered for a roughness of 0, W/(sr m^2)
+  OLX_MAP_CLASSIC_RADIANCE_1,   // of 1/4
+  OLX_MAP_CLASSIC_RADIANCE_2,   // of 1/2
+  OLX_MAP_CLASSIC_RADIANCE_3,   // of 3/4
+  OLX_MAP_CLASSIC_RADIANCE_4,   // of 1
+  OLX_MAP_SURFACE_ALBEDO,       // of surfaces for relighting; these three need a field baked for it
+  OLX_MAP_SURFACE_NORMAL,       // unit vector
+  OLX_MAP_SURFACE_DISTANCE,     // metres, infinite for the sky
+  // Of the probes of the irradiance volume: spherical harmonics at 32 x 32 directions.
+  OLX_MAP_VOLUME_IRRADIANCE, // W/m^2
+  OLX_MAP_COUNT
+} olx_map;
+
+// "distance", "emitter", ... as the enumerators; "unknown" for what is none.
+const char *olx_map_name(olx_map map);
+
+// How directions lie in a picture, row 0 at the top. Each pixel holds the texel of the map that its middle's direction falls into.
+typedef enum olx_map_projection {
+  OLX_PROJECTION_OCTAHEDRAL = 0, // the map as it is stored, n x n texels without border (docs/format.md, "Maps")
+  OLX_PROJECTION_LATLONG,        // 2 n x n: +y at the top, -x at the left edge, +x in the middle, +z three quarters across, as
+                                 // environments of scenes have it
+  OLX_PROJECTION_CUBE            // n x 6 n: the faces +x, -x, +y, -y, +z, -z below one another, each as OpenGL's cube maps have it
+} olx_map_projection;
+
+// "octahedral", "latlong", "cube".
+const char *olx_map_projection_name(olx_map_projection projection);
+
+typedef struct olx_map_picture {
+  olx_map map;
+  olx_map_projection projection;
+  uint32_t probe; // of the map's kind of probes
+  uint32_t size;  // n of latlong and cube, 1 to 2048; 0, the default: the map's own for latlong, half of it for cube. Octahedral: 0
+} olx_map_picture;
+
+// Write a map as an .exr: channels R, G, B (of normals x, y, z), or Y of a single number. Beside, synced, renamed. *width and *height
+// receive the size in pixels; either may be NULL. OLX_ERROR_ARGUMENT for a map that the field does not have, a probe that it does not
+// have, and a size out of range.
+olx_result olx_export_map(const olx_field *field, const olx_map_picture *picture, const char *path, uint32_t *width,
+                          uint32_t *height);
+
+// ---- A model of what a field consists of.
+
+// What was written.
+typedef struct olx_gltf_counts {
+  uint32_t probes, irradiance_probes; // nodes
+  uint32_t volume_probes, volume_cells;
+  uint32_t bricks, divided_bricks;
+} olx_gltf_counts;
+
+// Write probes, irradiance volume and bricks as a .gltf (2.0, buffers within) to look at: in metres of scene coordinates, so that it lies
+// over the scene. Below one node are
+// - "light field probes" and "irradiance probes": a node for each, an octahedron at its position, red inside geometry
+// - "irradiance volume": the octahedra of its probes in one mesh, coloured by their mean irradiance over pi, cut at 1; and the edges of
+//   its cells
+// - "bricks": the edges of those that list a probe, whole ones and divided ones apart
+// and what a field does not have is left out. Beside, synced, renamed; or to a stream. `counts` may be NULL.
+olx_result olx_export_gltf(const olx_field *field, const char *path, olx_gltf_counts *counts);
+
+#pragma GCC visibility pop
+#ifdef __cplusplus
+}
+#endif
+
+#endif

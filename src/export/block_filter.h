@@ -1,0 +1,27 @@
+// Filters that put the bytes of a block in another order, or their differences in their place, so that they pack smaller. Each can
+// be undone to the last byte.
+#ifndef OLX_EXPORT_BLOCK_FILTER_H
+#define OLX_EXPORT_BLOCK_FILTER_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+// Bits of a filter, applied in this order and undone in the other.
+enum {
+  OLX_FILTER_COLORS =
+      1, // of RGB9E5, in elements of 4 bytes: one byte for the high bits of each channel, one for the rest
+  OLX_FILTER_DIFFERENCES = 2, // each byte less the byte of the same place in the element before
+  OLX_FILTER_PLANES = 4,      // the first bytes of all elements, then the second ones, and so on
+  OLX_FILTERS = 8
+};
+
+// Whether there is such a filter for elements of that many bytes: 1, 2, 4 or 8.
+bool olx_filter_exists(uint32_t filter, uint32_t element_bytes);
+
+// `room` is as large as the data. Bytes after the last whole element stay where they are. What comes back is `data` or `room`,
+// whichever holds the result; the other one is overwritten.
+uint8_t *olx_filter_apply(uint32_t filter, uint32_t element_bytes, uint8_t *data, uint8_t *room, size_t size_bytes);
+uint8_t *olx_filter_undo(uint32_t filter, uint32_t element_bytes, uint8_t *data, uint8_t *room, size_t size_bytes);
+
+#endif

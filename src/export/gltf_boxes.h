@@ -1,0 +1,25 @@
+// The boxes that a field divides space into: cells of the irradiance volume, and bricks.
+#ifndef OLX_EXPORT_GLTF_BOXES_H
+#define OLX_EXPORT_GLTF_BOXES_H
+
+#include "field/field_data.h"
+
+// A cube: its low corner and its side, metres.
+typedef struct olx_export_box {
+  olx_vec3 low;
+  float side;
+} olx_export_box;
+
+typedef struct olx_export_boxes {
+  olx_export_box *boxes; // to be given to olx_release
+  uint32_t count, most;
+} olx_export_boxes;
+
+// Every function adds to what is there; false when there is no memory.
+
+// Each cell of the irradiance volume once, whatever sides it has; none in a field without one.
+bool olx_export_volume_cells(const olx_field *field, olx_export_boxes *boxes);
+// The bricks in which some cell lists a probe: those that are divided, or those that are not.
+bool olx_export_bricks(const olx_field *field, bool divided, olx_export_boxes *boxes);
+
+#endif

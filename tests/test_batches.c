@@ -1,0 +1,82 @@
+// Many points at once: what is said of each is what the call for one point says, to the last bit.
+#include "baked_field.h"
+
+#include "core/sampling.h"
+
+#include <octalux/sample.h>
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { POINTS = 300 };
+
+// Points of a box, on surfaces and off them.
+typedef struct points {
+  olx_vec3 positions[POINTS], normals[POINTS], shading[POINTS], views[POINTS];
+  float roughness[POINTS];
+  olx_vec2 random[POINTS];
+} points;
+
+static float draw(uint32_t i, uint32_t what) { return olx_unit_float(olx_hash3(i, what, 5)); }
+
+static void draw_points(const olx_field_info *info, points *p) {
+  const olx_vec3 size = olx_sub(info->scene_max, info->scene_min);
+  for (uint32_t i = 0; i < POINTS; i++) {
+    const olx_vec3 place = olx_v3(draw(i, 0), i % 2 ? 0.0f : draw(i, 1), draw(i, 2));
+    p->positions[i] = olx_add(info->scene_min, olx_mul(size, place));
+    p->normals[i] = i % 2 ? olx_v3(0.0f, 1.0f, 0.0f) : olx_sample_sphere((olx_vec2){draw(i, 3), draw(i, 4)});
+    p->shading[i] = olx_normalize(olx_madd(p->normals[i], olx_v3(1.0f, 0.0f, 0.0f), 0.3f * draw(i, 5)));
+    p->views[i] = olx_sample_sphere((olx_vec2){draw(i, 6), draw(i, 7)});
+    p->roughness[i] = draw(i, 8);
+    p->random[i] = (olx_vec2){draw(i, 9), draw(i, 10)};
+  }
+}
+
+static olx_field *box_field(void) {
+  olx_scene *scene;
+  assert_int_equal(olx_scene_load("builtin:cornell-glossy", &scene), OLX_OK);
+  olx_bake_settings settings = olx_bake_settings_default(scene);
+  settings.radiance_size = 32;
+  settings.noise = 0.3f;
+  olx_field *field = baked_field(scene, &settings, NULL);
+  olx_scene_free(scene);
+  return field;
+}
+
+static void test_batches_say_what_single_calls_say(void **state) {
+  (void)state;
+  static points p;
+  static olx_vec3 irradiance[POINTS], radiance[POINTS];
+  static float weights[POINTS], half_cosines[POINTS];
+  olx_field *field = box_field();
+  const olx_field_info info = olx_field_describe(field);
+  const olx_sample_settings settings = olx_sample_settings_default();
+  uint32_t lit = 0, traced = 0;
+  draw_points(&info, &p);
+  olx_surface_irradiance_points(field, &settings, POINTS, p.positions, p.normals, p.shading, p.views, irradiance);
+  olx_glossy_rays(field, &settings, POINTS, p.positions, p.normals, p.views, p.roughness, p.random, radiance, weights,
+                  half_cosines);
+  for (uint32_t i = 0; i < POINTS; i++) {
+    const olx_vec3 one =
+        olx_surface_irradiance(field, &settings, p.positions[i], p.normals[i], p.shading[i], p.views[i]);
+    assert_memory_equal(&irradiance[i], &one, sizeof one);
+    lit += one.x > 0.0f;
+    float weight, half_cosine = 0.0f;
+    const olx_vec3 glossy = olx_glossy(field, &settings, p.positions[i], p.normals[i], p.views[i], p.roughness[i],
+                                       p.random[i], &weight, &half_cosine, NULL);
+    assert_memory_equal(&radiance[i], &glossy, sizeof glossy);
+    assert_memory_equal(&weights[i], &weight, sizeof weight);
+    if (weight > 0.0f) assert_memory_equal(&half_cosines[i], &half_cosine, sizeof half_cosine);
+    traced += weight > 0.0f;
+  }
+  assert_true(lit > POINTS / 3 && traced > POINTS / 5 && traced < POINTS);
+  olx_field_close(field);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_batches_say_what_single_calls_say)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,73 @@
+# octalux export as a user types it: maps are what the field stores, in every projection; the model is sound and stands where probes do.
+source "$(dirname "$0")/cli/expect.sh"
+read_export=$OCTALUX_SOURCE_DIR/tests/read_export.py
+check() { python3 "$read_export" "$@" >stdout.txt 2>stderr.txt || fail "read_export.py $*"; }
+
+"$OCTALUX" bake builtin:cornell-glossy -o all.olx --radiance-size 32 --irradiance-size 16 --noise 0.2 --relight --classic --classic-size 32 \
+  --select cage,bricks >stdout.txt 2>stderr.txt
+"$OCTALUX" bake builtin:cornell -o plain.olx --radiance-size 16 --noise 0.5 --grid 2x1x2 >stdout.txt 2>stderr.txt
+
+# Every map, as it is stored; names are the library's.
+light="distance emitter normal base_color roughness metallic specular_weight direct indirect radiance albedo"
+for map in $light irradiance mean_distance mean_square_distance classic_irradiance; do
+  expect_json "o['map'] == '$map' and o['probe'] == 1 and o['width'] == o['height'] and o['projection'] == 'octahedral'" \
+    export exr all.olx --map $map --probe 1 -o $map.exr
+  check exr all.olx $map 1 octahedral 0 $map.exr
+done
+for map in emission classic_radiance_0 classic_radiance_1 classic_radiance_2 classic_radiance_3 classic_radiance_4 surface_albedo \
+  surface_normal surface_distance volume_irradiance; do
+  expect_json "o['map'] == '$map'" export exr all.olx --map $map -o other.exr
+done
+expect 0 compare radiance.exr radiance.exr # any tool that reads EXR reads them
+
+# Projections, at the sizes they have and at others.
+for projection in latlong cube; do
+  expect 0 export exr all.olx --map direct --projection $projection -o a.exr
+  check exr all.olx direct 0 $projection 0 a.exr
+  expect 0 export exr all.olx --map distance --probe 7 --projection $projection --size 25 -o a.exr
+  check exr all.olx distance 7 $projection 25 a.exr
+done
+expect 0 export exr all.olx --map normal --projection cube -o a.exr
+check exr all.olx normal 0 cube 0 a.exr
+
+# What cannot be is said.
+expect_failure "plain.olx: no map radiance: baked without probe light (bake --probe-light)" export exr plain.olx --map radiance -o b.exr
+expect_failure "no map albedo: baked without what relighting needs" export exr plain.olx --map albedo -o b.exr
+expect_failure "no map classic_irradiance: baked without classic maps" export exr plain.olx --map classic_irradiance -o b.exr
+expect_failure "no probe 4: map distance is of 4 light field probes" export exr plain.olx --map distance --probe 4 -o b.exr
+expect_failure "an octahedral picture has that of its map, 16" export exr plain.olx --map distance --size 8 -o b.exr
+expect_failure "no/b.exr: cannot write" export exr plain.olx --map distance -o no/b.exr
+expect_failure "none.olx" export gltf none.olx -o b.gltf
+"$OCTALUX" pack plain.olx --level 1 >stdout.txt 2>stderr.txt
+expect_failure "a packed field" export gltf plain.olxz -o b.gltf
+expect_usage "FORMAT is missing" export
+expect_usage "'obj' is not one of exr, gltf" export obj all.olx -o b.obj
+expect_usage "FIELD is missing" export exr
+expect_usage "-o FILE.exr is missing" export exr all.olx --map direct
+expect_usage "--map NAME is missing" export exr all.olx -o b.exr
+expect_usage "'light' is not one of distance|" export exr all.olx --map light -o b.exr
+expect_usage "'b.png' does not end in .exr" export exr all.olx --map direct -o b.png
+expect_usage "'b.glb' does not end in .gltf" export gltf all.olx -o b.glb
+expect_usage "whole number from 1 to 2048" export exr all.olx --map direct --projection cube --size 4096 -o b.exr
+ls b.* 2>/dev/null && fail "a refused export left a file"
+
+# Models: of a field with all there is, of one without irradiance probes, of a scene far away.
+printf '{"model": "far.obj", "cameras": [{"name": "a", "eye": [5000001, 1, 1], "target": [5000001, 0, 0]}]}' >far.json
+python3 - <<'PYTHON'
+x = 5e6
+corners = [(x + i, j, k) for i in (0, 2) for j in (0, 2) for k in (0, 2)]
+faces = ((1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4))
+open("far.obj", "w").write("".join(f"v {a} {b} {c}\n" for a, b, c in corners) + "".join(f"f {' '.join(map(str, f))}\n" for f in faces))
+PYTHON
+"$OCTALUX" bake far.json -o far.olx --radiance-size 16 --noise 0.5 --grid 2x2x1 >stdout.txt 2>stderr.txt || fail "a bake far away"
+for name in all plain far; do
+  expect_json "o['output'] == '$name.gltf' and o['probes'] > 0" export gltf $name.olx -o $name.gltf
+  cp stdout.txt $name.json.txt
+  check gltf $name.olx $name.gltf $name.json.txt
+done
+grep -q '"translation":\[[0-9]*[1-9]' far.gltf || fail "a model of a scene far away has no origin"
+expect 0 export gltf all.olx -o all.gltf
+grep -q "^all.gltf: 8 light field probes, 27 irradiance probes, .* bricks whole and .* divided$" stdout.txt || fail "export says what it wrote"
+"$OCTALUX" export gltf all.olx -o - 2>stderr.txt | cmp - all.gltf || fail "standard output is another model"
+expect_json 'o["triangles"] >= 8 * (8 + 27)' scene all.gltf # an importer of ours reads it, octahedra and all
+finish

@@ -1,11 +1,13 @@
 #include "cooked_scenes.h"
 
+#include "gltf_maker.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 static const char description[] =
-    "{\"model\": \"square.obj\", \"unknown\": 1,\n"
+    "{\"model\": \"square.obj\", \"unknown\": 1, \"models\": [{\"path\": \"rich.gltf\", \"translate\": [3, 0, 0]}],\n"
     "\"cameras\": [{\"name\": \"first\", \"eye\": [0, 0, 5], \"target\": [0, 1, 0], \"fov_y_degrees\": 50},\n"
     "{\"name\": \"second\", \"eye\": [1, 2, 3], \"target\": [0, 0, 0], \"up\": [0, 0, 1]}],\n"
     "\"lights\": [{\"type\": \"sun\", \"direction\": [0, -1, 0.2], \"irradiance\": [10, 9, 8]},\n"
@@ -19,6 +21,31 @@ static const char description[] =
     "\"max\": [2, 2, 2]},\n\"pinned\": [[0, 1, 0], [1, 0, 0.5]], \"forbidden\": [{\"min\": [0, 0, 0], \"max\": [1, 1, "
     "1]}], \"min_distance\": 0.1}}";
 
+// A triangle with all that vertices may have.
+static void write_rich(const scene_folder *folder) {
+  const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0}, normals[9] = {0, 0, 1, 0, 0, 1, 0, 0, 1};
+  const float uvs[6] = {0, 1, 1, 1, 0, 0}, colors[12] = {1, 0, 0, 1, 0, 1, 0, 0.5f, 0, 0, 1, 1};
+  const float tangents[12] = {1, 0, 0, 1, 0, 1, 0, -1, 1, 0, 0, 1};
+  gltf_maker m = {0};
+  gltf_add(&m, corners, sizeof corners, 3, GLTF_FLOAT, "VEC3", false);
+  gltf_add(&m, normals, sizeof normals, 3, GLTF_FLOAT, "VEC3", false);
+  gltf_add(&m, uvs, sizeof uvs, 3, GLTF_FLOAT, "VEC2", false);
+  gltf_add(&m, colors, sizeof colors, 3, GLTF_FLOAT, "VEC4", false);
+  gltf_add(&m, tangents, sizeof tangents, 3, GLTF_FLOAT, "VEC4", false);
+  char *text = gltf_maker_text(&m,
+                               "{\"attributes\": {\"POSITION\": 0, \"NORMAL\": 1, \"TEXCOORD_0\": 2, \"COLOR_0\": 3, "
+                               "\"TANGENT\": 4}, \"material\": 0}",
+                               "[{\"mesh\": 0}]",
+                               ", \"materials\": [{\"name\": \"rich\", \"pbrMetallicRoughness\": "
+                               "{\"baseColorTexture\": {\"index\": 0}}, \"normalTexture\": "
+                               "{\"index\": 0, \"extensions\": {\"KHR_texture_transform\": {\"scale\": [2, 2]}}}}], "
+                               "\"textures\": [{\"source\": 0}], "
+                               "\"images\": [{\"uri\": \"four.tga\"}]",
+                               false);
+  scene_folder_write_text(folder, "rich.gltf", text);
+  free(text);
+}
+
 const char *cooked_scenes_everything(const scene_folder *folder) {
   uint8_t tga[34], hdr[256];
   scene_folder_write_text(folder, "square.obj", scene_files_obj);
@@ -26,6 +53,7 @@ const char *cooked_scenes_everything(const scene_folder *folder) {
                           "newmtl square\nNs 100\nKd 0.5 0.25 0.125\nKs 0.1 0.1 0.1\nKe 1 2 3\nmap_Kd four.tga\nmap_d "
                           "four.tga\nmap_bump -bm 0.5 four.tga\n");
   scene_folder_write(folder, "four.tga", tga, scene_files_tga(tga));
+  write_rich(folder);
   const int header = snprintf((char *)hdr, sizeof hdr, "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 4\n");
   for (int i = 0; i < 64; ++i) hdr[header + i] = (uint8_t)(i % 4 == 3 ? 130 : i * 4);
   scene_folder_write(folder, "sky.hdr", hdr, (size_t)header + 64);

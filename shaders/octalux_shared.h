@@ -195,6 +195,15 @@ typedef struct olx_gpu_uvec4 {
 
 #define OLX_PASS_SIZE 8 // threads along a side of a pass's workgroup
 
+// Geometry blocks (src/block/geometry_block.h): texels along a side, the form of a block, in the two highest bits of its
+// last word, and what is added to the exponent of a coded plane to be that of a float.
+#define OLX_BLOCK_SIDE 4u
+#define OLX_GEOMETRY_ONE 0u  // one plane, three floats
+#define OLX_GEOMETRY_TWO 1u  // two coded planes, a bit a texel
+#define OLX_GEOMETRY_POOL 2u // the number of the first plane in the pool, four bits a texel to add
+#define OLX_PLANE_EXPONENT 45u
+#define OLX_NO_PLANE 0xFFFFFFFFu
+
 // A regular grid of probes.
 OLX_GPU_STRUCT(olx_gpu_grid) {
   olx_gpu_vec4 origin;  // xyz

@@ -1,0 +1,32 @@
+// Light in 16 bytes a 4 x 4 texels: BC6H with unsigned half floats, VK_FORMAT_BC6H_UFLOAT_BLOCK. What a texture unit makes of
+// a block, a texel at a time (docs/maths.md, "Blocks"). Interpolated numbers are the bits of half floats, so that steps
+// are about equal in proportion.
+#ifndef OLX_BLOCK_BC6H_H
+#define OLX_BLOCK_BC6H_H
+
+#include "core/pack.h"
+
+// Zeros are black.
+typedef struct olx_bc6h_block {
+  uint32_t words[4];
+} olx_bc6h_block;
+
+enum { OLX_BC6H_SHAPES = 32 };
+
+// For each way to divide 16 texels into two regions, a bit for each texel of the second one.
+extern const uint16_t olx_bc6h_shapes[OLX_BC6H_SHAPES];
+// The texel of the second region whose index has one bit less.
+extern const uint8_t olx_bc6h_anchors[OLX_BC6H_SHAPES];
+// The share of `to` in 64ths, by the index: 16 for one region, 8 for two.
+extern const uint8_t olx_bc6h_shares_16[16], olx_bc6h_shares_8[8];
+
+// A quantised number of so many bits as 16 bits.
+static inline uint32_t olx_bc6h_unquantize(uint32_t code, uint32_t bits) {
+  if (bits >= 15 || code == 0) return code;
+  return code == (1u << bits) - 1 ? 0xFFFFu : ((code << 16) + 0x8000u) >> bits;
+}
+
+// A texel, row by row from 0 to 15: never negative, at most 65504. Blocks of the four unused modes are black.
+olx_vec3 olx_bc6h_texel(const olx_bc6h_block *block, uint32_t texel);
+
+#endif

@@ -258,4 +258,13 @@
 #define ROW_olx_volume_probe 228
 #define ROW_olx_volume_both 229
 
+// Geometry blocks, which need no field either.
+#define ROW_olx_plane_decode 230
+#define ROW_olx_geometry_pooled 231
+#define ROW_olx_geometry_plane_of 232
+#define ROW_olx_plane_depth 233
+#define ROW_olx_plane_normal 234
+#define ROW_olx_plane_distance 235
+#define ROW_olx_block_texel_point 236
+
 #endif

@@ -2,8 +2,12 @@
 // the time that it takes to encode and to decode.
 //
 //   block_quality FIELD.olx [TOLERANCE] [LEAST_COSINE]
+#include "block/bc1_encode.h"
+#include "block/bc4_encode.h"
 #include "block/bc6h_encode.h"
+#include "block/bc7_encode.h"
 #include "block/geometry_encode.h"
+#include "block/reflectance.h"
 #include "field/texels.h"
 
 #include <octalux/field.h>
@@ -25,6 +29,8 @@ typedef struct probe_blocks {
   olx_geometry_texel *surfaces;
   olx_vec3 *direct, *indirect;
   float *brightness; // of all light, a texel
+  uint32_t *base;    // base colour and roughness
+  uint8_t *roughness, *reflectance;
   olx_geometry_code *codes;
   olx_bc6h_block *light;
   olx_vec3 *decoded;
@@ -42,6 +48,13 @@ typedef struct light_report {
   double encode_seconds, decode_seconds;
 } light_report;
 
+// Bytes of a material after a way of coding them.
+typedef struct material_report {
+  double error, square; // of base colour
+  samples color, bytes; // relative errors of base colours; errors of roughness or reflectance, of 255
+  double encode_seconds, decode_seconds;
+} material_report;
+
 typedef struct report {
   uint64_t blocks, texels, seen;
   uint64_t forms[5]; // one plane, two, pool; sky alone; sky beside a plane
@@ -49,6 +62,7 @@ typedef struct report {
   samples miss, radial, angle;
   double encode_seconds, decode_seconds;
   light_report direct, indirect;
+  material_report bc7, bc1, bc4_roughness, bc4_reflectance;
 } report;
 
 static double now(void) {
@@ -98,6 +112,9 @@ static probe_blocks make_blocks(uint32_t n) {
                     .direct = allocate(texels, sizeof *b.direct),
                     .indirect = allocate(texels, sizeof *b.indirect),
                     .brightness = allocate(texels, sizeof *b.brightness),
+                    .base = allocate(texels, sizeof *b.base),
+                    .roughness = allocate(texels, sizeof *b.roughness),
+                    .reflectance = allocate(texels, sizeof *b.reflectance),
                     .codes = allocate(count, sizeof *b.codes),
                     .light = allocate(count, sizeof *b.light),
                     .decoded = allocate(texels, sizeof *b.decoded)};
@@ -120,6 +137,11 @@ static void read_block(const olx_field *field, uint32_t probe, probe_blocks *b, 
     b->direct[at] = olx_texel_direct(field, probe, texel);
     b->indirect[at] = olx_texel_indirect(field, probe, texel);
     b->brightness[at] = olx_max3(olx_add(b->direct[at], b->indirect[at]));
+    const uint32_t specular = field->surfaces.specular[field->texels * probe + texel];
+    b->base[at] = field->surfaces.base[field->texels * probe + texel];
+    b->roughness[at] = (uint8_t)(b->base[at] >> 24);
+    b->reflectance[at] = olx_reflectance_pack(
+        (olx_reflectance){olx_byte_unpack_unit(specular), olx_byte_unpack_unit(specular >> 8)});
   }
 }
 
@@ -204,6 +226,78 @@ static void judge_light(light_report *r, probe_blocks *b, const olx_vec3 *light,
   }
 }
 
+static bool is_seen(const probe_blocks *b, uint32_t texel) { return b->seen[texel / TEXELS] >> texel % TEXELS & 1u; }
+
+static void judge_color(material_report *r, uint32_t found, uint32_t wanted) {
+  const olx_vec3 color = olx_base_color_unpack(wanted), off = olx_sub(olx_base_color_unpack(found), color);
+  r->error += (double)olx_dot(off, off);
+  r->square += (double)olx_dot(color, color);
+  add_sample(&r->color, sqrt((double)olx_dot(off, off) / 3.0) / fmax((double)olx_max3(color), 0.01));
+}
+
+static void judge_byte(material_report *r, uint32_t found, uint32_t wanted) {
+  add_sample(&r->bytes, fabs((double)(found & 255u) - (double)wanted));
+}
+
+static void judge_bc7(material_report *r, const probe_blocks *b) {
+  static const float WEIGHTS[4] = {1.0f, 1.0f, 1.0f, 0.5f};
+  olx_bc7_block *blocks = allocate(b->count, sizeof *blocks);
+  uint32_t *found = allocate(b->count * TEXELS, sizeof *found);
+  double begin = now();
+  for (uint32_t i = 0; i < b->count; i++) blocks[i] = olx_bc7_encode(b->base + TEXELS * i, WEIGHTS, b->seen[i]);
+  r->encode_seconds += now() - begin;
+  begin = now();
+  for (uint32_t i = 0; i < b->count * TEXELS; i++) found[i] = olx_bc7_texel(&blocks[i / TEXELS], i % TEXELS);
+  r->decode_seconds += now() - begin;
+  for (uint32_t i = 0; i < b->count * TEXELS; i++) {
+    if (!is_seen(b, i)) continue;
+    judge_color(r, found[i], b->base[i]);
+    judge_byte(r, found[i] >> 24, b->base[i] >> 24);
+  }
+  free(found);
+  free(blocks);
+}
+
+static void judge_bc1(material_report *r, const probe_blocks *b) {
+  olx_bc1_block *blocks = allocate(b->count, sizeof *blocks);
+  uint32_t *found = allocate(b->count * TEXELS, sizeof *found);
+  double begin = now();
+  for (uint32_t i = 0; i < b->count; i++) blocks[i] = olx_bc1_encode(b->base + TEXELS * i, b->seen[i]);
+  r->encode_seconds += now() - begin;
+  begin = now();
+  for (uint32_t i = 0; i < b->count * TEXELS; i++) found[i] = olx_bc1_texel(&blocks[i / TEXELS], i % TEXELS);
+  r->decode_seconds += now() - begin;
+  for (uint32_t i = 0; i < b->count * TEXELS; i++) {
+    if (is_seen(b, i)) judge_color(r, found[i], b->base[i]);
+  }
+  free(found);
+  free(blocks);
+}
+
+static void judge_bc4(material_report *r, const probe_blocks *b, const uint8_t *bytes) {
+  olx_bc4_block *blocks = allocate(b->count, sizeof *blocks);
+  uint32_t *found = allocate(b->count * TEXELS, sizeof *found);
+  double begin = now();
+  for (uint32_t i = 0; i < b->count; i++) blocks[i] = olx_bc4_encode(bytes + TEXELS * i, b->seen[i]);
+  r->encode_seconds += now() - begin;
+  begin = now();
+  for (uint32_t i = 0; i < b->count * TEXELS; i++) found[i] = olx_bc4_texel(&blocks[i / TEXELS], i % TEXELS);
+  r->decode_seconds += now() - begin;
+  for (uint32_t i = 0; i < b->count * TEXELS; i++) {
+    if (is_seen(b, i)) judge_byte(r, found[i], bytes[i]);
+  }
+  free(found);
+  free(blocks);
+}
+
+static void print_material(const char *name, material_report *r, const report *all) {
+  printf("%s, %.0f ns a block to encode, %.1f ns a texel to decode\n", name,
+         1e9 * r->encode_seconds / (double)all->blocks, 1e9 * r->decode_seconds / (double)all->texels);
+  if (r->color.count) printf("  relative MSE of base colour %.2e\n", r->error / r->square);
+  if (r->color.count) print_quantiles("relative error of base colour", &r->color);
+  if (r->bytes.count) print_quantiles("error of a byte", &r->bytes);
+}
+
 static void print_light(const char *name, light_report *r, const report *all) {
   printf("%s: 1 byte a texel, relative MSE %.2e, mean squared relative error of texels %.2e, %.0f ns a block to encode, "
          "%.1f ns a texel to decode\n",
@@ -243,11 +337,19 @@ int main(int argc, char **argv) {
     judge_geometry(&r, &b, &settings);
     judge_light(&r.direct, &b, b.direct, b.brightness);
     judge_light(&r.indirect, &b, b.indirect, NULL);
+    judge_bc7(&r.bc7, &b);
+    judge_bc1(&r.bc1, &b);
+    judge_bc4(&r.bc4_roughness, &b, b.roughness);
+    judge_bc4(&r.bc4_reflectance, &b, b.reflectance);
   }
   printf("%u probes of %u x %u texels\n", field->info.probe_count, field->n, field->n);
   print_geometry(&r);
   print_light("direct", &r.direct, &r);
   print_light("indirect", &r.indirect, &r);
+  print_material("base colour and roughness in BC7: 1 byte a texel", &r.bc7, &r);
+  print_material("base colour in BC1: 0.5 bytes a texel", &r.bc1, &r);
+  print_material("roughness in BC4: 0.5 bytes a texel", &r.bc4_roughness, &r);
+  print_material("reflectance in BC4: 0.5 bytes a texel", &r.bc4_reflectance, &r);
   olx_field_close(field);
   return 0;
 }

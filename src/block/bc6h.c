@@ -2,14 +2,14 @@
 // directly; those with two by the runs of bits that the format scatters theirs into.
 #include "block/bc6h.h"
 
+#include "block/shares.h"
+
 const uint16_t olx_bc6h_shapes[OLX_BC6H_SHAPES] = {
     0xCCCC, 0x8888, 0xEEEE, 0xECC8, 0xC880, 0xFEEC, 0xFEC8, 0xEC80, 0xC800, 0xFFEC, 0xFE80,
     0xE800, 0xFFE8, 0xFF00, 0xFFF0, 0xF000, 0xF710, 0x008E, 0x7100, 0x08CE, 0x008C, 0x7310,
     0x3100, 0x8CCE, 0x088C, 0x3110, 0x6666, 0x366C, 0x17E8, 0x0FF0, 0x718E, 0x399C};
 const uint8_t olx_bc6h_anchors[OLX_BC6H_SHAPES] = {15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15,
                                                    15, 2,  8,  2,  2,  8,  8,  15, 2,  8,  2,  2,  8,  8,  2,  2};
-const uint8_t olx_bc6h_shares_16[16] = {0, 4, 9, 13, 17, 21, 26, 30, 34, 38, 43, 47, 51, 55, 60, 64};
-const uint8_t olx_bc6h_shares_8[8] = {0, 9, 18, 27, 37, 46, 55, 64};
 
 enum { CHANNELS = 3, ENDS = 4, TWO_REGION_INDICES = 82, SHAPE_AT = 77, SHAPE_BITS = 5 };
 
@@ -147,7 +147,7 @@ INLINE olx_vec3 one_region_texel(bits b, uint32_t texel, uint32_t precision, uin
                                               second_end(b, 1, precision, difference_bits, g),
                                               second_end(b, 2, precision, difference_bits, l), 0};
   const uint32_t index = texel == 0 ? (uint32_t)b.high >> 1 & 7u : (uint32_t)(b.high >> 4 * texel) & 15u;
-  return mix_line(unquantize(from, precision), unquantize(to, precision), olx_bc6h_shares_16[index]);
+  return mix_line(unquantize(from, precision), unquantize(to, precision), olx_share_of_16(index));
 }
 
 // Apart, because it needs more registers than the modes that the encoder writes.
@@ -157,7 +157,7 @@ __attribute__((noinline)) static olx_vec3 two_region_texel(bits b, uint32_t texe
   const uint32_t index = read(b, at, texel == 0 || texel == anchor ? 2 : 3);
   four_words from = {0}, to = {0};
   read_region(b, m, olx_bc6h_shapes[shape] >> texel & 1u, &from, &to);
-  return mix_line(unquantize(from, m->precision), unquantize(to, m->precision), olx_bc6h_shares_8[index]);
+  return mix_line(unquantize(from, m->precision), unquantize(to, m->precision), olx_share_of_8(index));
 }
 
 olx_vec3 olx_bc6h_texel(const olx_bc6h_block *block, uint32_t texel) {

@@ -17,9 +17,6 @@ enum { OLX_BC6H_SHAPES = 32 };
 extern const uint16_t olx_bc6h_shapes[OLX_BC6H_SHAPES];
 // The texel of the second region whose index has one bit less.
 extern const uint8_t olx_bc6h_anchors[OLX_BC6H_SHAPES];
-// The share of `to` in 64ths, by the index: 16 for one region, 8 for two.
-extern const uint8_t olx_bc6h_shares_16[16], olx_bc6h_shares_8[8];
-
 // A quantised number of so many bits as 16 bits.
 static inline uint32_t olx_bc6h_unquantize(uint32_t code, uint32_t bits) {
   if (bits >= 15 || code == 0) return code;

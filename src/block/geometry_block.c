@@ -35,10 +35,15 @@ olx_block_bounds olx_geometry_bounds(const olx_geometry_block *block, const olx_
   return bounds;
 }
 
+// Neither infinite nor a number that devices may take for 0.
+static bool is_plain(uint32_t word) {
+  const uint32_t exponent = word >> 23 & 255u;
+  return exponent != 255 && (exponent != 0 || (word & 0x7FFFFFFFu) == 0);
+}
+
 static const char *check_one(const uint32_t *w) {
   if (w[3] != 0) return "reserved bits";
-  return olx_finite(olx_v3(olx_bits_float(w[0]), olx_bits_float(w[1]), olx_bits_float(w[2]))) ? NULL
-                                                                                              : "a plane that is not finite";
+  return is_plain(w[0]) && is_plain(w[1]) && is_plain(w[2]) ? NULL : "a plane that is not finite, or subnormal";
 }
 
 static const char *check_pooled(const olx_geometry_block *block, uint32_t pool_count) {

@@ -12,8 +12,9 @@ static const double SLOPE_WEIGHT = 0.05;
 static const float SEARCH_SHARE = 0.9f;
 // Surfaces under a flatter angle are tilted to this one: no plane may pass through the probe.
 static const float LEAST_FACING = 1e-3f;
-// A texel's decoded inverse depth is at least this share of its own.
-static const float LEAST_DEPTH_SHARE = 0.25f;
+// A texel's decoded inverse depth lies between these shares of its own: seen under flat angles a plane may be near, but its point
+// far away.
+static const float LEAST_DEPTH_SHARE = 0.5f, MOST_DEPTH_SHARE = 2.0f;
 // Inverse depths that numbers hold well.
 static const float MOST_INVERSE = 0x1p56f, LEAST_INVERSE = 0x1p-56f;
 
@@ -74,13 +75,12 @@ static olx_vec3 plane_of_fit(const frame *f, fit k) {
                 (float)(f->sign_z * (middle + along_z)));
 }
 
-// Slopes of a plane; `a` is what makes its inverse depth right where row . fit is `inverse`.
-static fit fit_of_plane(const frame *f, olx_vec3 plane, const float row[NUMBERS], float inverse) {
+// The inverse of plane_of_fit.
+static fit fit_of_plane(const frame *f, olx_vec3 plane) {
   const double x = f->sign_x * plane.x, y = plane.y, z = f->sign_z * plane.z;
   const double middle = f->upper ? y : x + y + z;
-  fit k = {.b = f->sign_x * (x - middle) / f->place.n, .c = f->sign_z * (z - middle) / f->place.n};
-  k.a = (inverse - row[1] * k.b - row[2] * k.c) / row[0];
-  return k;
+  const double b = f->sign_x * (x - middle) / f->place.n, c = f->sign_z * (z - middle) / f->place.n;
+  return (fit){middle + b * f->x + c * f->z, b, c};
 }
 
 static void set_row(views *v, uint32_t texel, olx_vec3 point) {
@@ -112,9 +112,7 @@ static void set_texel(views *v, uint32_t i, olx_geometry_texel texel) {
   v->seen |= 1u << i;
   v->inverse[i] = olx_clamp(length / texel.distance, LEAST_INVERSE, MOST_INVERSE);
   const olx_vec3 normal = facing_normal(texel.normal, direction);
-  const float row[NUMBERS] = {v->row[0][i], v->row[1][i], v->row[2][i]};
-  const float height = -olx_dot(normal, q); // of the plane over the probe, times inverse depth
-  v->own[i] = fit_of_plane(&v->frame, olx_scale(normal, -v->inverse[i] / height), row, v->inverse[i]);
+  v->own[i] = fit_of_plane(&v->frame, olx_scale(normal, v->inverse[i] / olx_dot(normal, q)));
   const float components[NUMBERS] = {normal.x, normal.y, normal.z};
   for (uint32_t k = 0; k < NUMBERS; k++) v->normal[k][i] = components[k];
 }
@@ -128,7 +126,8 @@ static uint32_t texels_on(const views *v, olx_vec3 plane, fit k, float tolerance
     const float inverse = v->row[0][i] * a + v->row[1][i] * b + v->row[2][i] * c;
     const float off = fabsf(inverse - v->inverse[i]) * height * v->scale[i];
     const float cosine = v->normal[0][i] * normal.x + v->normal[1][i] * normal.y + v->normal[2][i] * normal.z;
-    on[i] = (off <= tolerance) & (cosine >= v->least_cosine) & (inverse >= LEAST_DEPTH_SHARE * v->inverse[i]);
+    const float share = inverse / v->inverse[i];
+    on[i] = (off <= tolerance) & (cosine >= v->least_cosine) & (share >= LEAST_DEPTH_SHARE) & (share <= MOST_DEPTH_SHARE);
   }
   uint32_t mask = 0;
   for (uint32_t i = 0; i < OLX_BLOCK_TEXELS; i++) mask |= (uint32_t)on[i] << i;
@@ -143,7 +142,8 @@ static uint32_t texels_on_fit(const views *v, fit k, uint32_t wanted) {
 static float miss(const views *v, olx_vec3 plane, uint32_t i) {
   const float inverse = olx_dot(plane, olx_block_texel_point(v->frame.place, i)), height = 1.0f / olx_length(plane);
   const float cosine = -height * (v->normal[0][i] * plane.x + v->normal[1][i] * plane.y + v->normal[2][i] * plane.z);
-  if (!(inverse >= LEAST_DEPTH_SHARE * v->inverse[i]) || !(cosine >= v->least_cosine)) return INFINITY;
+  const float share = inverse / v->inverse[i];
+  if (!(share >= LEAST_DEPTH_SHARE && share <= MOST_DEPTH_SHARE && cosine >= v->least_cosine)) return INFINITY;
   return fabsf(inverse - v->inverse[i]) * height * v->scale[i];
 }
 
@@ -192,7 +192,7 @@ static olx_plane_code code_fit(const views *v, fit k, uint32_t mask) {
     shift += v->row[1][i] * (k.b - b * unit) + v->row[2][i] * (k.c - c * unit);
     share += v->row[0][i];
   }
-  const double middle = k.a + (share != 0.0 ? shift / share : 0.0);
+  const double middle = k.a + (share >= 0.5 ? shift / share : 0.0); // beyond a fold shares may cancel
   const int32_t a = round_within(middle / (4.0 * unit), -65536, 65535);
   return (olx_plane_code){{((uint32_t)a & 0x1FFFFu) | (uint32_t)b << 17, ((uint32_t)c & 0x7FFFu) | (uint32_t)e << 15}};
 }
@@ -275,8 +275,11 @@ static bool all_on(const views *v, olx_vec3 plane) {
   return true;
 }
 
+// Subnormal numbers, which devices may take for 0, become 0.
+static uint32_t plain_bits(float f) { return fabsf(f) < 0x1p-126f ? 0 : olx_float_bits(f); }
+
 static olx_geometry_block one_plane(olx_vec3 plane) {
-  return (olx_geometry_block){{olx_float_bits(plane.x), olx_float_bits(plane.y), olx_float_bits(plane.z), 0}};
+  return (olx_geometry_block){{plain_bits(plane.x), plain_bits(plane.y), plain_bits(plane.z), 0}};
 }
 
 // The sky is a plane of zeros.

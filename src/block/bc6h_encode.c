@@ -10,7 +10,8 @@ enum { CHANNELS = 3, TEXELS = 16, GROUPS = OLX_LINE_ROWS, LANES = OLX_LINE_LANES
 
 // Interpolated numbers are 64/31 of the bits of a half float.
 static const float BITS_SCALE = 64.0f / 31.0f;
-// Light below this share of what errors are relative to may as well have it: zeros would take half of a line's range.
+// Light below this share of what errors are relative to may as well have it, where the channel is as bright elsewhere in the block:
+// zeros would take half of a line's range.
 static const float LEAST_SHARE = 1.0f / 128.0f;
 // What errors are relative to is at least this share of the brightest light of the block, unless it is given.
 static const float DARKNESS = 1.0f / 100.0f;
@@ -38,15 +39,16 @@ typedef struct coding {
 
 static inline olx_row square(olx_row a) { return a * a; }
 
-// Bits of half floats, with a fraction, in interpolated numbers; of light from 0 to MOST_LIGHT.
+// Bits of half floats, with a fraction, in interpolated numbers; of light from 0 to MOST_LIGHT. Decoding drops fractions, so a
+// half more is rounding.
 static inline olx_row places_of(olx_row light) {
   const olx_row normal = __builtin_convertvector((olx_row_words)light - 0x38000000, olx_row) * 0x1p-13f;
-  return olx_row_pick(light < 0x1p-14f, light * 0x1p24f, normal) * BITS_SCALE;
+  return (olx_row_pick(light < 0x1p-14f, light * 0x1p24f, normal) + 0.5f) * BITS_SCALE;
 }
 
-// The light at places: the inverse, without rounding to a half float.
+// The light at places on average: the inverse, without rounding to a half float.
 static inline olx_row light_at(olx_row place) {
-  const olx_row bits = place * (1.0f / BITS_SCALE);
+  const olx_row bits = olx_row_most(place * (1.0f / BITS_SCALE) - 0.5f, olx_row_splat(0.0f));
   const olx_row normal = (olx_row)(__builtin_convertvector(bits * 0x1p13f, olx_row_words) + 0x38000000);
   return olx_row_pick(bits < 1024.0f, bits * 0x1p-24f, normal);
 }
@@ -61,28 +63,32 @@ static void load(const olx_vec3 *texels, const olx_row on[GROUPS], olx_row light
   }
 }
 
-static float brightest(olx_row light[CHANNELS][GROUPS]) {
-  olx_row highest = olx_row_splat(0.0f);
-  for (uint32_t k = 0; k < CHANNELS; k++) {
-    for (uint32_t g = 0; g < GROUPS; g++) highest = olx_row_most(highest, light[k][g]);
-  }
+static float brightest(const olx_row channel[GROUPS]) {
+  olx_row highest = channel[0];
+  for (uint32_t g = 1; g < GROUPS; g++) highest = olx_row_most(highest, channel[g]);
   return olx_row_highest(highest);
+}
+
+// What the errors of a row are relative to.
+static olx_row unit_of(const olx_row own, const float *given, float least) {
+  const olx_row wanted = given ? olx_row_most((olx_row){given[0], given[1], given[2], given[3]}, own * 0x1p-10f) : own;
+  return olx_row_least(olx_row_most(wanted, olx_row_splat(least)), olx_row_splat(0x1p30f));
 }
 
 static void set_colours(colours *s, const olx_vec3 *texels, const float *relative_to, uint32_t counted) {
   olx_row light[CHANNELS][GROUPS];
   for (uint32_t i = 0; i < TEXELS; i++) s->line.on[i / LANES][i % LANES] = (float)(counted >> i & 1u);
   load(texels, s->line.on, light);
-  const float floor = olx_max(0x1p-24f, relative_to ? 0.0f : DARKNESS * brightest(light));
+  const float most[CHANNELS] = {brightest(light[0]), brightest(light[1]), brightest(light[2])};
+  const float least = relative_to ? 0.0f : DARKNESS * olx_max(most[0], olx_max(most[1], most[2]));
   for (uint32_t g = 0; g < GROUPS; g++) {
-    const float *given = relative_to + LANES * g;
     const olx_row own = olx_row_most(light[0][g], olx_row_most(light[1][g], light[2][g]));
-    const olx_row wanted = relative_to ? (olx_row){given[0], given[1], given[2], given[3]} : own;
-    const olx_row unit = olx_row_least(olx_row_most(olx_row_most(wanted, own * 0x1p-10f), olx_row_splat(floor)), olx_row_splat(0x1p30f));
+    const olx_row unit = unit_of(own, relative_to ? relative_to + LANES * g : NULL, olx_max(least, 0x1p-24f));
     s->unit[g] = 1.0f / unit;
     for (uint32_t k = 0; k < CHANNELS; k++) {
+      const olx_row floor = olx_row_least(unit * LEAST_SHARE, olx_row_splat(most[k]));
       s->value[k][g] = light[k][g] * s->unit[g];
-      s->line.place[k][g] = places_of(olx_row_least(olx_row_most(light[k][g], unit * LEAST_SHARE), olx_row_splat(MOST_LIGHT)));
+      s->line.place[k][g] = places_of(olx_row_most(light[k][g], floor));
       s->line.weight[k][g] = s->line.on[g] * square(olx_row_most(s->value[k][g], olx_row_splat(LEAST_WEIGHT)));
     }
   }

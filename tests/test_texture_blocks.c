@@ -98,11 +98,6 @@ static float relative_error(const olx_bc6h_block *block, uint32_t texel, olx_vec
   return olx_length(off) * 0.57735f / olx_max3(light);
 }
 
-static bool is_of_one_region(const olx_bc6h_block *block) {
-  const uint32_t mode = block->words[0] & 31u;
-  return mode == 3 || mode == 7 || mode == 11 || mode == 15;
-}
-
 // One colour of half floats, of any brightness.
 static void constant_light_is_exact(void **state) {
   (void)state;
@@ -115,7 +110,6 @@ static void constant_light_is_exact(void **state) {
                          olx_half_unpack((uint16_t)half[2]));
     }
     const olx_bc6h_block block = olx_bc6h_encode(texels, NULL, ALL);
-    assert_true(is_of_one_region(&block));
     for (uint32_t k = 0; k < TEXELS; k++) assert_halves(olx_bc6h_texel(&block, k), half);
   }
 }
@@ -200,7 +194,6 @@ static void odd_light_becomes_light(void **state) {
       brightness[k] = what & 512u ? odd[(what >> 12) % 8] : 1.0f;
     }
     const olx_bc6h_block block = olx_bc6h_encode(texels, i % 2 ? brightness : NULL, i % 5 ? ALL : olx_hash2(i, 6) & ALL);
-    assert_true(is_of_one_region(&block));
     for (uint32_t k = 0; k < TEXELS; k++) assert_true(olx_max3(olx_bc6h_texel(&block, k)) <= 65504.0f);
   }
   olx_vec3 bright[TEXELS];

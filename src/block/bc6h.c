@@ -11,7 +11,7 @@ const uint16_t olx_bc6h_shapes[OLX_BC6H_SHAPES] = {
 const uint8_t olx_bc6h_anchors[OLX_BC6H_SHAPES] = {15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15,
                                                    15, 2,  8,  2,  2,  8,  8,  15, 2,  8,  2,  2,  8,  8,  2,  2};
 
-enum { CHANNELS = 3, ENDS = 4, TWO_REGION_INDICES = 82, SHAPE_AT = 77, SHAPE_BITS = 5 };
+enum { CHANNELS = OLX_BC6H_CHANNELS, ENDS = OLX_BC6H_ENDS, TWO_REGION_INDICES = 82, SHAPE_AT = 77, SHAPE_BITS = 5 };
 
 // Into each mode's case, where its numbers of bits are known.
 #define INLINE __attribute__((always_inline)) static inline
@@ -59,59 +59,48 @@ INLINE int32_t second_end(bits b, uint32_t c, uint32_t precision, uint32_t diffe
   return (int32_t)(precision > 10 ? add_signed((uint32_t)first, difference, difference_bits, precision) : difference);
 }
 
-// Where bits go: to the number `of`, from its bit `first` on.
-typedef struct run {
-  uint8_t of, first, count;
-} run;
-
-// The ends of the two regions' lines, channel by channel: the first region's w and x, the second one's y and z.
-enum { RW, GW, BW, RX, GX, BX, RY, GY, BY, RZ, GZ, BZ, MOST_RUNS = 25 };
-
-// Bits of w, of the three differences, and what fills the block up to bit 77.
-typedef struct mode {
-  uint8_t mode_bits, precision, difference_bits[CHANNELS];
-  run runs[MOST_RUNS];
-} mode;
+// Ends 0 to 3 are w, x, y and z.
+enum { RW, GW, BW, RX, GX, BX, RY, GY, BY, RZ, GZ, BZ };
 
 // clang-format off
-static const mode TWO_REGIONS[10] = {
-    {2, 10, {5, 5, 5}, {{GY, 4, 1}, {BY, 4, 1}, {BZ, 4, 1}, {RW, 0, 10}, {GW, 0, 10}, {BW, 0, 10}, {RX, 0, 5}, {GZ, 4, 1},
+const olx_bc6h_mode olx_bc6h_two_region_modes[OLX_BC6H_TWO_REGION_MODES] = {
+    {2, 0, 10, {5, 5, 5}, {{GY, 4, 1}, {BY, 4, 1}, {BZ, 4, 1}, {RW, 0, 10}, {GW, 0, 10}, {BW, 0, 10}, {RX, 0, 5}, {GZ, 4, 1},
      {GY, 0, 4}, {GX, 0, 5}, {BZ, 0, 1}, {GZ, 0, 4}, {BX, 0, 5}, {BZ, 1, 1}, {BY, 0, 4}, {RY, 0, 5}, {BZ, 2, 1},
      {RZ, 0, 5}, {BZ, 3, 1}}},
-    {2, 7, {6, 6, 6}, {{GY, 5, 1}, {GZ, 4, 2}, {RW, 0, 7}, {BZ, 0, 2}, {BY, 4, 1}, {GW, 0, 7}, {BY, 5, 1}, {BZ, 2, 1},
+    {2, 1, 7, {6, 6, 6}, {{GY, 5, 1}, {GZ, 4, 2}, {RW, 0, 7}, {BZ, 0, 2}, {BY, 4, 1}, {GW, 0, 7}, {BY, 5, 1}, {BZ, 2, 1},
      {GY, 4, 1}, {BW, 0, 7}, {BZ, 3, 1}, {BZ, 5, 1}, {BZ, 4, 1}, {RX, 0, 6}, {GY, 0, 4}, {GX, 0, 6}, {GZ, 0, 4},
      {BX, 0, 6}, {BY, 0, 4}, {RY, 0, 6}, {RZ, 0, 6}}},
-    {5, 11, {5, 4, 4}, {{RW, 0, 10}, {GW, 0, 10}, {BW, 0, 10}, {RX, 0, 5}, {RW, 10, 1}, {GY, 0, 4}, {GX, 0, 4}, {GW, 10, 1},
+    {5, 2, 11, {5, 4, 4}, {{RW, 0, 10}, {GW, 0, 10}, {BW, 0, 10}, {RX, 0, 5}, {RW, 10, 1}, {GY, 0, 4}, {GX, 0, 4}, {GW, 10, 1},
      {BZ, 0, 1}, {GZ, 0, 4}, {BX, 0, 4}, {BW, 10, 1}, {BZ, 1, 1}, {BY, 0, 4}, {RY, 0, 5}, {BZ, 2, 1}, {RZ, 0, 5},
      {BZ, 3, 1}}},
-    {5, 11, {4, 5, 4}, {{RW, 0, 10}, {GW, 0, 10}, {BW, 0, 10}, {RX, 0, 4}, {RW, 10, 1}, {GZ, 4, 1}, {GY, 0, 4}, {GX, 0, 5},
+    {5, 6, 11, {4, 5, 4}, {{RW, 0, 10}, {GW, 0, 10}, {BW, 0, 10}, {RX, 0, 4}, {RW, 10, 1}, {GZ, 4, 1}, {GY, 0, 4}, {GX, 0, 5},
      {GW, 10, 1}, {GZ, 0, 4}, {BX, 0, 4}, {BW, 10, 1}, {BZ, 1, 1}, {BY, 0, 4}, {RY, 0, 4}, {BZ, 0, 1}, {BZ, 2, 1},
      {RZ, 0, 4}, {GY, 4, 1}, {BZ, 3, 1}}},
-    {5, 11, {4, 4, 5}, {{RW, 0, 10}, {GW, 0, 10}, {BW, 0, 10}, {RX, 0, 4}, {RW, 10, 1}, {BY, 4, 1}, {GY, 0, 4}, {GX, 0, 4},
+    {5, 10, 11, {4, 4, 5}, {{RW, 0, 10}, {GW, 0, 10}, {BW, 0, 10}, {RX, 0, 4}, {RW, 10, 1}, {BY, 4, 1}, {GY, 0, 4}, {GX, 0, 4},
      {GW, 10, 1}, {BZ, 0, 1}, {GZ, 0, 4}, {BX, 0, 5}, {BW, 10, 1}, {BY, 0, 4}, {RY, 0, 4}, {BZ, 1, 2}, {RZ, 0, 4},
      {BZ, 4, 1}, {BZ, 3, 1}}},
-    {5, 9, {5, 5, 5}, {{RW, 0, 9}, {BY, 4, 1}, {GW, 0, 9}, {GY, 4, 1}, {BW, 0, 9}, {BZ, 4, 1}, {RX, 0, 5}, {GZ, 4, 1},
+    {5, 14, 9, {5, 5, 5}, {{RW, 0, 9}, {BY, 4, 1}, {GW, 0, 9}, {GY, 4, 1}, {BW, 0, 9}, {BZ, 4, 1}, {RX, 0, 5}, {GZ, 4, 1},
      {GY, 0, 4}, {GX, 0, 5}, {BZ, 0, 1}, {GZ, 0, 4}, {BX, 0, 5}, {BZ, 1, 1}, {BY, 0, 4}, {RY, 0, 5}, {BZ, 2, 1},
      {RZ, 0, 5}, {BZ, 3, 1}}},
-    {5, 8, {6, 5, 5}, {{RW, 0, 8}, {GZ, 4, 1}, {BY, 4, 1}, {GW, 0, 8}, {BZ, 2, 1}, {GY, 4, 1}, {BW, 0, 8}, {BZ, 3, 2},
+    {5, 18, 8, {6, 5, 5}, {{RW, 0, 8}, {GZ, 4, 1}, {BY, 4, 1}, {GW, 0, 8}, {BZ, 2, 1}, {GY, 4, 1}, {BW, 0, 8}, {BZ, 3, 2},
      {RX, 0, 6}, {GY, 0, 4}, {GX, 0, 5}, {BZ, 0, 1}, {GZ, 0, 4}, {BX, 0, 5}, {BZ, 1, 1}, {BY, 0, 4}, {RY, 0, 6},
      {RZ, 0, 6}}},
-    {5, 8, {5, 6, 5}, {{RW, 0, 8}, {BZ, 0, 1}, {BY, 4, 1}, {GW, 0, 8}, {GY, 5, 1}, {GY, 4, 1}, {BW, 0, 8}, {GZ, 5, 1},
+    {5, 22, 8, {5, 6, 5}, {{RW, 0, 8}, {BZ, 0, 1}, {BY, 4, 1}, {GW, 0, 8}, {GY, 5, 1}, {GY, 4, 1}, {BW, 0, 8}, {GZ, 5, 1},
      {BZ, 4, 1}, {RX, 0, 5}, {GZ, 4, 1}, {GY, 0, 4}, {GX, 0, 6}, {GZ, 0, 4}, {BX, 0, 5}, {BZ, 1, 1}, {BY, 0, 4},
      {RY, 0, 5}, {BZ, 2, 1}, {RZ, 0, 5}, {BZ, 3, 1}}},
-    {5, 8, {5, 5, 6}, {{RW, 0, 8}, {BZ, 1, 1}, {BY, 4, 1}, {GW, 0, 8}, {BY, 5, 1}, {GY, 4, 1}, {BW, 0, 8}, {BZ, 5, 1},
+    {5, 26, 8, {5, 5, 6}, {{RW, 0, 8}, {BZ, 1, 1}, {BY, 4, 1}, {GW, 0, 8}, {BY, 5, 1}, {GY, 4, 1}, {BW, 0, 8}, {BZ, 5, 1},
      {BZ, 4, 1}, {RX, 0, 5}, {GZ, 4, 1}, {GY, 0, 4}, {GX, 0, 5}, {BZ, 0, 1}, {GZ, 0, 4}, {BX, 0, 6}, {BY, 0, 4},
      {RY, 0, 5}, {BZ, 2, 1}, {RZ, 0, 5}, {BZ, 3, 1}}},
-    {5, 6, {0, 0, 0}, {{RW, 0, 6}, {GZ, 4, 1}, {BZ, 0, 2}, {BY, 4, 1}, {GW, 0, 6}, {GY, 5, 1}, {BY, 5, 1}, {BZ, 2, 1},
+    {5, 30, 6, {0, 0, 0}, {{RW, 0, 6}, {GZ, 4, 1}, {BZ, 0, 2}, {BY, 4, 1}, {GW, 0, 6}, {GY, 5, 1}, {BY, 5, 1}, {BZ, 2, 1},
      {GY, 4, 1}, {BW, 0, 6}, {GZ, 5, 1}, {BZ, 3, 1}, {BZ, 5, 1}, {BZ, 4, 1}, {RX, 0, 6}, {GY, 0, 4}, {GX, 0, 6},
      {GZ, 0, 4}, {BX, 0, 6}, {BY, 0, 4}, {RY, 0, 6}, {RZ, 0, 6}}},
 };
 // clang-format on
 
 // The ends of one of the two regions of a block.
-static void read_region(bits b, const mode *m, uint32_t region, four_words *from, four_words *to) {
-  uint32_t ends[CHANNELS * ENDS] = {0}, at = m->mode_bits;
-  for (const run *r = m->runs; r < m->runs + MOST_RUNS && r->count; r++) {
+static void read_region(bits b, const olx_bc6h_mode *m, uint32_t region, four_words *from, four_words *to) {
+  uint32_t ends[CHANNELS * ENDS] = {0}, at = m->code_bits;
+  for (const olx_bc6h_run *r = m->runs; r->count; r++) {
     ends[r->of] |= read(b, at, r->count) << r->first;
     at += r->count;
   }
@@ -151,7 +140,7 @@ INLINE olx_vec3 one_region_texel(bits b, uint32_t texel, uint32_t precision, uin
 }
 
 // Apart, because it needs more registers than the modes that the encoder writes.
-__attribute__((noinline)) static olx_vec3 two_region_texel(bits b, uint32_t texel, const mode *m) {
+__attribute__((noinline)) static olx_vec3 two_region_texel(bits b, uint32_t texel, const olx_bc6h_mode *m) {
   const uint32_t shape = read(b, SHAPE_AT, SHAPE_BITS), anchor = olx_bc6h_anchors[shape];
   const uint32_t at = TWO_REGION_INDICES + 3 * texel - (texel > 0) - (texel > anchor);
   const uint32_t index = read(b, at, texel == 0 || texel == anchor ? 2 : 3);
@@ -172,6 +161,6 @@ olx_vec3 olx_bc6h_texel(const olx_bc6h_block *block, uint32_t texel) {
   case 23:
   case 27:
   case 31: return olx_splat(0.0f);
-  default: return two_region_texel(b, texel, &TWO_REGIONS[(code & 3u) < 2 ? code & 3u : 2 + code / 4]);
+  default: return two_region_texel(b, texel, &olx_bc6h_two_region_modes[(code & 3u) < 2 ? code & 3u : 2 + code / 4]);
   }
 }

@@ -11,7 +11,28 @@ typedef struct olx_bc6h_block {
   uint32_t words[4];
 } olx_bc6h_block;
 
-enum { OLX_BC6H_SHAPES = 32 };
+enum {
+  OLX_BC6H_CHANNELS = 3,
+  OLX_BC6H_ENDS = 4, // of two lines
+  OLX_BC6H_SHAPES = 32,
+  OLX_BC6H_TWO_REGION_MODES = 10,
+  OLX_BC6H_MOST_RUNS = 23
+};
+
+// Where bits of a block go: to the number `of` (channel + 3 end), from its bit `first` on.
+typedef struct olx_bc6h_run {
+  uint8_t of, first, count;
+} olx_bc6h_run;
+
+// A mode with two regions. Ends 0 and 1 are of the first region, 2 and 3 of the second; all but the first are differences from that
+// one, unless they have no bits.
+typedef struct olx_bc6h_mode {
+  uint8_t code_bits, code; // that name the mode
+  uint8_t precision, difference_bits[OLX_BC6H_CHANNELS];
+  olx_bc6h_run runs[OLX_BC6H_MOST_RUNS]; // up to the shape; the last has no bits
+} olx_bc6h_mode;
+
+extern const olx_bc6h_mode olx_bc6h_two_region_modes[OLX_BC6H_TWO_REGION_MODES];
 
 // For each way to divide 16 texels into two regions, a bit for each texel of the second one.
 extern const uint16_t olx_bc6h_shapes[OLX_BC6H_SHAPES];

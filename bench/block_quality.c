@@ -1,11 +1,10 @@
-// What blocks of 4 x 4 texels make of a baked field (docs/maths.md, "Blocks"): bytes, errors against what the field stores, and
-// the time that it takes to encode and to decode.
+// What blocks of 4 x 4 texels make of a baked field (docs/maths.md, "Blocks"): bytes, errors against what the field
+// stores, and the time that it takes to encode and to decode.
 //
 //   block_quality FIELD.olx [TOLERANCE] [LEAST_COSINE]
 #include "block/bc1_encode.h"
 #include "block/bc4_encode.h"
 #include "block/bc6h_encode.h"
-#include "block/bc7_encode.h"
 #include "block/geometry_encode.h"
 #include "block/reflectance.h"
 #include "field/texels.h"
@@ -58,11 +57,12 @@ typedef struct material_report {
 typedef struct report {
   uint64_t blocks, texels, seen;
   uint64_t forms[5]; // one plane, two, pool; sky alone; sky beside a plane
-  uint64_t pooled, odd; // planes in the pool; texels in blocks of the pool that are not on their two most frequent planes
+  uint64_t pooled,
+      odd; // planes in the pool; texels in blocks of the pool that are not on their two most frequent planes
   samples miss, radial, angle;
   double encode_seconds, decode_seconds;
   light_report direct, indirect;
-  material_report bc7, bc1, bc4_roughness, bc4_reflectance;
+  material_report bc1, bc4_roughness, bc4_reflectance;
 } report;
 
 static double now(void) {
@@ -140,8 +140,8 @@ static void read_block(const olx_field *field, uint32_t probe, probe_blocks *b, 
     const uint32_t specular = field->surfaces.specular[field->texels * probe + texel];
     b->base[at] = field->surfaces.base[field->texels * probe + texel];
     b->roughness[at] = (uint8_t)(b->base[at] >> 24);
-    b->reflectance[at] = olx_reflectance_pack(
-        (olx_reflectance){olx_byte_unpack_unit(specular), olx_byte_unpack_unit(specular >> 8)});
+    b->reflectance[at] =
+        olx_reflectance_pack((olx_reflectance){olx_byte_unpack_unit(specular), olx_byte_unpack_unit(specular >> 8)});
   }
 }
 
@@ -239,25 +239,6 @@ static void judge_byte(material_report *r, uint32_t found, uint32_t wanted) {
   add_sample(&r->bytes, fabs((double)(found & 255u) - (double)wanted));
 }
 
-static void judge_bc7(material_report *r, const probe_blocks *b) {
-  static const float WEIGHTS[4] = {1.0f, 1.0f, 1.0f, 0.5f};
-  olx_bc7_block *blocks = allocate(b->count, sizeof *blocks);
-  uint32_t *found = allocate(b->count * TEXELS, sizeof *found);
-  double begin = now();
-  for (uint32_t i = 0; i < b->count; i++) blocks[i] = olx_bc7_encode(b->base + TEXELS * i, WEIGHTS, b->seen[i]);
-  r->encode_seconds += now() - begin;
-  begin = now();
-  for (uint32_t i = 0; i < b->count * TEXELS; i++) found[i] = olx_bc7_texel(&blocks[i / TEXELS], i % TEXELS);
-  r->decode_seconds += now() - begin;
-  for (uint32_t i = 0; i < b->count * TEXELS; i++) {
-    if (!is_seen(b, i)) continue;
-    judge_color(r, found[i], b->base[i]);
-    judge_byte(r, found[i] >> 24, b->base[i] >> 24);
-  }
-  free(found);
-  free(blocks);
-}
-
 static void judge_bc1(material_report *r, const probe_blocks *b) {
   olx_bc1_block *blocks = allocate(b->count, sizeof *blocks);
   uint32_t *found = allocate(b->count * TEXELS, sizeof *found);
@@ -299,10 +280,11 @@ static void print_material(const char *name, material_report *r, const report *a
 }
 
 static void print_light(const char *name, light_report *r, const report *all) {
-  printf("%s: 1 byte a texel, relative MSE %.2e, mean squared relative error of texels %.2e, %.0f ns a block to encode, "
-         "%.1f ns a texel to decode\n",
-         name, r->error / r->square, r->relative / (double)r->each.count,
-         1e9 * r->encode_seconds / (double)all->blocks, 1e9 * r->decode_seconds / (double)all->texels);
+  printf(
+      "%s: 1 byte a texel, relative MSE %.2e, mean squared relative error of texels %.2e, %.0f ns a block to encode, "
+      "%.1f ns a texel to decode\n",
+      name, r->error / r->square, r->relative / (double)r->each.count, 1e9 * r->encode_seconds / (double)all->blocks,
+      1e9 * r->decode_seconds / (double)all->texels);
   print_quantiles("relative error of a texel", &r->each);
 }
 
@@ -311,7 +293,8 @@ static void print_geometry(report *r) {
   printf("geometry: %.3f bytes a texel, %.0f ns a block to encode, %.1f ns a texel to decode\n",
          1.0 + (double)(r->pooled * sizeof(olx_plane_code)) / (double)r->texels,
          1e9 * r->encode_seconds / (double)r->blocks, 1e9 * r->decode_seconds / (double)r->texels);
-  printf("  %.2f %% of blocks one plane, %.2f %% two, %.2f %% one and sky, %.2f %% sky, %.2f %% in the pool with %.2f planes "
+  printf("  %.2f %% of blocks one plane, %.2f %% two, %.2f %% one and sky, %.2f %% sky, %.2f %% in the pool with %.2f "
+         "planes "
          "each; %.2f %% of texels on none of two planes\n",
          (double)r->forms[0] / blocks, (double)r->forms[1] / blocks, (double)r->forms[4] / blocks,
          (double)r->forms[3] / blocks, (double)r->forms[2] / blocks,
@@ -337,7 +320,6 @@ int main(int argc, char **argv) {
     judge_geometry(&r, &b, &settings);
     judge_light(&r.direct, &b, b.direct, b.brightness);
     judge_light(&r.indirect, &b, b.indirect, NULL);
-    judge_bc7(&r.bc7, &b);
     judge_bc1(&r.bc1, &b);
     judge_bc4(&r.bc4_roughness, &b, b.roughness);
     judge_bc4(&r.bc4_reflectance, &b, b.reflectance);
@@ -346,7 +328,6 @@ int main(int argc, char **argv) {
   print_geometry(&r);
   print_light("direct", &r.direct, &r);
   print_light("indirect", &r.indirect, &r);
-  print_material("base colour and roughness in BC7: 1 byte a texel", &r.bc7, &r);
   print_material("base colour in BC1: 0.5 bytes a texel", &r.bc1, &r);
   print_material("roughness in BC4: 0.5 bytes a texel", &r.bc4_roughness, &r);
   print_material("reflectance in BC4: 0.5 bytes a texel", &r.bc4_reflectance, &r);

@@ -1,4 +1,5 @@
-// Geometry blocks: planes that are encoded come back within the tolerance, bounds hold, and nothing that a file may hold does harm.
+// Geometry blocks: planes that are encoded come back within the tolerance, bounds hold, and nothing that a file may
+// hold does harm.
 #include "block/geometry_encode.h"
 #include "core/sampling.h"
 
@@ -199,16 +200,16 @@ static void curved_surfaces_keep_to_the_tolerance(void **state) {
   assert_true(pooled > 1000 && pooled < 19000);
 }
 
-// By hand: a block in the quarter x, z > 0 of a map of 8 x 8 texels, whose middle lies 4 of 8 half texels from the map's along
-// both axes, on the fold.
+// By hand: a block in the quarter x, z > 0 of a map of 8 x 8 texels, whose middle lies 4 of 8 half texels from the
+// map's along both axes, on the fold.
 static void coded_planes_mean_what_is_written(void **state) {
   (void)state;
   const olx_block_place place = {8, 1, 1};
   // a = 2^14, b = c = 0, exponent 66: inverse depth 4 * 2^14 * 2^(66 - 82) = 1 everywhere, so x + y + z = 1.
   const olx_vec3 even = olx_plane_decode((olx_plane_code){{1u << 14, 66u << 15}}, place);
   assert_true(even.x == 1.0f && even.y == 1.0f && even.z == 1.0f);
-  // b = 2^10, c = -2^11: 2^16 + 2^10 u - 2^11 v, u and v half texels from the block's middle. In the middle of the map, at
-  // u = v = -4, 2^16 - 2^12 + 2^13 are m.y; 8 further along x another 2^13 make m.x, and 8 along z -2^14 make m.z.
+  // b = 2^10, c = -2^11: 2^16 + 2^10 u - 2^11 v, u and v half texels from the block's middle. In the middle of the map,
+  // at u = v = -4, 2^16 - 2^12 + 2^13 are m.y; 8 further along x another 2^13 make m.x, and 8 along z -2^14 make m.z.
   const olx_plane_code code = {{1u << 14 | 1u << 27, ((uint32_t)-2048 & 0x7FFFu) | 66u << 15}};
   const olx_vec3 plane = olx_plane_decode(code, place);
   const float unit = 0x1p-16f;
@@ -253,7 +254,9 @@ static void bounds_hold_all_that_is_decoded(void **state) {
     for (uint32_t k = 0; k < 32; k++) planes[k / 2].words[k % 2] = olx_hash3(i, k, 17);
     olx_geometry_block block = {{0, 0x76543210u, 0xFEDCBA98u, OLX_GEOMETRY_POOL << 30}};
     const olx_plane_pool pool = {planes, 16};
-    if (i % 3 == 1) block = (olx_geometry_block){{olx_hash2(i, 4), olx_hash2(i, 5), olx_hash2(i, 6), 1u << 30 | olx_hash2(i, 7) >> 2}};
+    if (i % 3 == 1)
+      block =
+          (olx_geometry_block){{olx_hash2(i, 4), olx_hash2(i, 5), olx_hash2(i, 6), 1u << 30 | olx_hash2(i, 7) >> 2}};
     if (i % 3 == 2) {
       const olx_vec3 m = olx_scale(random_direction(i, 8), exp2f(20.0f * random_unit(i, 9)));
       block = (olx_geometry_block){{olx_float_bits(m.x), olx_float_bits(m.y), olx_float_bits(m.z), 0}};
@@ -298,17 +301,16 @@ static void any_bits_decode(void **state) {
 static void impossible_blocks_are_refused(void **state) {
   (void)state;
   const uint32_t nan = 0x7FC00000u, tiny = 1;
-  const olx_geometry_block bad[] = {
-      {{nan, 0, 0, 0}},
-      {{0, 0x7F800000u, 0, 0}},
-      {{0, 0, tiny, 0}},                             // devices may take it for 0
-      {{0, 0, 0, 1}},                                // reserved bits
-      {{0, 0, 1u << 30, OLX_GEOMETRY_TWO << 30}},
-      {{7, 0, 0, OLX_GEOMETRY_POOL << 30}},          // beyond the pool
-      {{0, 0, 0x70000000u, OLX_GEOMETRY_POOL << 30}}, // for one texel
-      {{UINT32_MAX, 2, 0, OLX_GEOMETRY_POOL << 30}}, // the sum overflows
-      {{0, 0, 0, OLX_GEOMETRY_POOL << 30 | 1}},
-      {{0, 0, 0, 3u << 30}}}; // unknown form
+  const olx_geometry_block bad[] = {{{nan, 0, 0, 0}},
+                                    {{0, 0x7F800000u, 0, 0}},
+                                    {{0, 0, tiny, 0}}, // devices may take it for 0
+                                    {{0, 0, 0, 1}},    // reserved bits
+                                    {{0, 0, 1u << 30, OLX_GEOMETRY_TWO << 30}},
+                                    {{7, 0, 0, OLX_GEOMETRY_POOL << 30}},           // beyond the pool
+                                    {{0, 0, 0x70000000u, OLX_GEOMETRY_POOL << 30}}, // for one texel
+                                    {{UINT32_MAX, 2, 0, OLX_GEOMETRY_POOL << 30}},  // the sum overflows
+                                    {{0, 0, 0, OLX_GEOMETRY_POOL << 30 | 1}},
+                                    {{0, 0, 0, 3u << 30}}}; // unknown form
   for (uint32_t i = 0; i < sizeof bad / sizeof bad[0]; i++) assert_non_null(olx_geometry_check(&bad[i], 7));
   assert_null(olx_geometry_check(&(olx_geometry_block){{0, 0x66666666u, 6, OLX_GEOMETRY_POOL << 30}}, 7));
 }
@@ -344,7 +346,8 @@ static void the_same_texels_give_the_same_bytes(void **state) {
   for (uint32_t i = 0; i < 2000; i++) {
     block_input in = {.place = random_place(i)}, other;
     for (uint32_t k = 0; k < TEXELS; k++) {
-      in.texels[k] = see_plane(in.place, k, facing_normal(in.place, i, k % (1 + i % 4)), 1.0f + (float)(k % (1 + i % 4)));
+      in.texels[k] =
+          see_plane(in.place, k, facing_normal(in.place, i, k % (1 + i % 4)), 1.0f + (float)(k % (1 + i % 4)));
       if (i % 7 == k % 7) in.texels[k].distance = INFINITY;
     }
     other = in;

@@ -1,5 +1,5 @@
-// shaders/lib/geometry_block.glsl against its specification, src/block/geometry_block.h, on blocks of all forms with any bits:
-// what decisions hang on, planes and depths, agrees to the last bit.
+// shaders/lib/geometry_block.glsl against its specification, src/block/geometry_block.h, on blocks of all forms with
+// any bits: what decisions hang on, planes and depths, agrees to the last bit.
 #include "block/geometry_block.h"
 #include "core/sampling.h"
 #include "gpu_pipeline.h"
@@ -34,7 +34,8 @@ typedef struct setting {
   gpu_compute compute;
 } setting;
 
-// Any bits but exponents of floats that devices may treat in their own way: of planes in floats these are within 2^-32 and 2^32.
+// Any bits but exponents of floats that devices may treat in their own way: of planes in floats these are within 2^-32
+// and 2^32.
 static uint32_t float_word(uint32_t bits) { return (bits & 0x807FFFFFu) | (95u + (bits >> 23 & 63u)) << 23; }
 
 static block_item make_item(uint32_t i) {

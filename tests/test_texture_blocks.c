@@ -29,20 +29,34 @@ typedef struct known_block {
 // One block of each mode, of random bits, and what a reading of the format's definition bit by bit makes of them.
 static const known_block KNOWN[] = {
     // clang-format off
-    {{{0x9F767C44, 0x4164D839, 0xBDE5C099, 0x5BC8FBBC}}, {{0, {0x788C, 0x5ABD, 0x1929}}, {13, {0x7951, 0x5AF8, 0x19E0}}}},
-    {{{0x77330BD9, 0xC6A53877, 0xF17FD374, 0x3FC1EA36}}, {{1, {0x425C, 0x57AC, 0x31E4}}, {14, {0x425C, 0x57AC, 0x31E4}}}},
-    {{{0x28276882, 0x1CFB10F6, 0x5F2DD97F, 0x7814E8A2}}, {{6, {0x3222, 0x4283, 0x6D77}}, {7, {0x325D, 0x4263, 0x6D5B}}}},
-    {{{0x8B33E966, 0x1A1AFE87, 0x92EDCF45, 0x3FD42359}}, {{0, {0x7112, 0x2509, 0x788F}}, {11, {0x7104, 0x2561, 0x7895}}}},
-    {{{0x377B9AAA, 0x687C966C, 0x478C281D, 0x2E9C82B1}}, {{2, {0x0CBE, 0x2E3A, 0x1FB2}}, {12, {0x0CD2, 0x2E20, 0x201A}}}},
-    {{{0xC30D8B6E, 0xCC11D357, 0x126A1E48, 0x238642EA}}, {{2, {0x178F, 0x089E, 0x737E}}, {14, {0x1602, 0x03FC, 0x74AA}}}},
-    {{{0x21DA8972, 0x00745130, 0xF8EB18B9, 0xDF1461AA}}, {{0, {0x2107, 0x582F, 0x07FE}}, {3, {0x2617, 0x5A33, 0x0B06}}}},
-    {{{0xC60A3CB6, 0x3729C619, 0xF5CAE3BF, 0xFB7FF337}}, {{5, {0x709E, 0x10B6, 0x74FA}}, {13, {0x6FC6, 0x0CCA, 0x710E}}}},
-    {{{0x2A9EBA1A, 0x4A0FE75D, 0x504B74BA, 0xF6236BF2}}, {{6, {0x66E6, 0x1A33, 0x49D8}}, {8, {0x673D, 0x1D95, 0x4C80}}}},
-    {{{0xE049549E, 0xAD864C44, 0xA02FDAA1, 0x346C6E2B}}, {{5, {0x1078, 0x61D8, 0x3548}}, {11, {0x1819, 0x5920, 0x3B00}}}},
-    {{{0x3266AA23, 0xF770C226, 0xF7108E96, 0xE4CC4132}}, {{4, {0x28DE, 0x18E2, 0x6016}}, {12, {0x0EE9, 0x5C24, 0x433C}}}},
-    {{{0x0585A007, 0x5C76F18A, 0x6A375391, 0x2A7C1880}}, {{4, {0x4EEB, 0x6B1F, 0x52DF}}, {15, {0x4DF2, 0x6C93, 0x4F37}}}},
-    {{{0x10ACFF0B, 0x54F46A69, 0x4D25DEB3, 0xD1412584}}, {{0, {0x5CEB, 0x6748, 0x22F7}}, {9, {0x5E03, 0x65F6, 0x21BB}}}},
-    {{{0xAD8D194F, 0xB52A43AB, 0x568068B9, 0x10E6D8E6}}, {{5, {0x6CE3, 0x52E1, 0x3532}}, {9, {0x6CE4, 0x52E1, 0x3530}}}},
+    {{{0x9F767C44, 0x4164D839, 0xBDE5C099, 0x5BC8FBBC}},
+     {{0, {0x788C, 0x5ABD, 0x1929}}, {13, {0x7951, 0x5AF8, 0x19E0}}}},
+    {{{0x77330BD9, 0xC6A53877, 0xF17FD374, 0x3FC1EA36}},
+     {{1, {0x425C, 0x57AC, 0x31E4}}, {14, {0x425C, 0x57AC, 0x31E4}}}},
+    {{{0x28276882, 0x1CFB10F6, 0x5F2DD97F, 0x7814E8A2}},
+     {{6, {0x3222, 0x4283, 0x6D77}}, {7, {0x325D, 0x4263, 0x6D5B}}}},
+    {{{0x8B33E966, 0x1A1AFE87, 0x92EDCF45, 0x3FD42359}},
+     {{0, {0x7112, 0x2509, 0x788F}}, {11, {0x7104, 0x2561, 0x7895}}}},
+    {{{0x377B9AAA, 0x687C966C, 0x478C281D, 0x2E9C82B1}},
+     {{2, {0x0CBE, 0x2E3A, 0x1FB2}}, {12, {0x0CD2, 0x2E20, 0x201A}}}},
+    {{{0xC30D8B6E, 0xCC11D357, 0x126A1E48, 0x238642EA}},
+     {{2, {0x178F, 0x089E, 0x737E}}, {14, {0x1602, 0x03FC, 0x74AA}}}},
+    {{{0x21DA8972, 0x00745130, 0xF8EB18B9, 0xDF1461AA}},
+     {{0, {0x2107, 0x582F, 0x07FE}}, {3, {0x2617, 0x5A33, 0x0B06}}}},
+    {{{0xC60A3CB6, 0x3729C619, 0xF5CAE3BF, 0xFB7FF337}},
+     {{5, {0x709E, 0x10B6, 0x74FA}}, {13, {0x6FC6, 0x0CCA, 0x710E}}}},
+    {{{0x2A9EBA1A, 0x4A0FE75D, 0x504B74BA, 0xF6236BF2}},
+     {{6, {0x66E6, 0x1A33, 0x49D8}}, {8, {0x673D, 0x1D95, 0x4C80}}}},
+    {{{0xE049549E, 0xAD864C44, 0xA02FDAA1, 0x346C6E2B}},
+     {{5, {0x1078, 0x61D8, 0x3548}}, {11, {0x1819, 0x5920, 0x3B00}}}},
+    {{{0x3266AA23, 0xF770C226, 0xF7108E96, 0xE4CC4132}},
+     {{4, {0x28DE, 0x18E2, 0x6016}}, {12, {0x0EE9, 0x5C24, 0x433C}}}},
+    {{{0x0585A007, 0x5C76F18A, 0x6A375391, 0x2A7C1880}},
+     {{4, {0x4EEB, 0x6B1F, 0x52DF}}, {15, {0x4DF2, 0x6C93, 0x4F37}}}},
+    {{{0x10ACFF0B, 0x54F46A69, 0x4D25DEB3, 0xD1412584}},
+     {{0, {0x5CEB, 0x6748, 0x22F7}}, {9, {0x5E03, 0x65F6, 0x21BB}}}},
+    {{{0xAD8D194F, 0xB52A43AB, 0x568068B9, 0x10E6D8E6}},
+     {{5, {0x6CE3, 0x52E1, 0x3532}}, {9, {0x6CE4, 0x52E1, 0x3530}}}},
     // clang-format on
 };
 
@@ -119,8 +133,9 @@ static void smooth_light_is_right_to_a_hundredth(void **state) {
   (void)state;
   double squares = 0.0;
   for (uint32_t i = 0; i < 20000; i++) {
-    const olx_vec3 light = olx_scale(olx_v3(0.3f + random_unit(i, 0), 0.3f + random_unit(i, 1), 0.3f + random_unit(i, 2)),
-                                     exp2f(20.0f * random_unit(i, 3) - 10.0f));
+    const olx_vec3 light =
+        olx_scale(olx_v3(0.3f + random_unit(i, 0), 0.3f + random_unit(i, 1), 0.3f + random_unit(i, 2)),
+                  exp2f(20.0f * random_unit(i, 3) - 10.0f));
     const float along_x = 0.06f * random_unit(i, 4) - 0.03f, along_y = 0.06f * random_unit(i, 5) - 0.03f;
     olx_vec3 texels[TEXELS];
     for (uint32_t k = 0; k < TEXELS; k++) {
@@ -137,19 +152,22 @@ static void smooth_light_is_right_to_a_hundredth(void **state) {
   assert_true(squares / (20000.0 * TEXELS) < 1e-5);
 }
 
-// A lit floor beside a dark step: 1:2 to 1:100 between them, each with a gradient of its own. Neither takes light of the other.
+// A lit floor beside a dark step: 1:2 to 1:100 between them, each with a gradient of its own. Neither takes light of
+// the other.
 static void darkness_beside_light_stays_dark(void **state) {
   (void)state;
   double squares = 0.0;
   for (uint32_t i = 0; i < 20000; i++) {
-    const float bright = exp2f(10.0f * random_unit(i, 0) - 3.0f), dark = bright * exp2f(-1.0f - 5.6f * random_unit(i, 1));
+    const float bright = exp2f(10.0f * random_unit(i, 0) - 3.0f),
+                dark = bright * exp2f(-1.0f - 5.6f * random_unit(i, 1));
     const float angle = 6.2831853f * random_unit(i, 2), shift = 2.0f * random_unit(i, 3) - 1.0f;
     olx_vec3 texels[TEXELS];
     for (uint32_t k = 0; k < TEXELS; k++) {
       const float x = (float)(k % 4) - 1.5f, y = (float)(k / 4) - 1.5f;
       const bool lit = x * cosf(angle) + y * sinf(angle) > shift;
       const float gradient = 1.0f + 0.02f * x + 0.03f * y;
-      texels[k] = olx_scale(lit ? olx_v3(1.0f, 0.9f, 0.7f) : olx_v3(0.6f, 0.8f, 1.0f), (lit ? bright : dark) * gradient);
+      texels[k] =
+          olx_scale(lit ? olx_v3(1.0f, 0.9f, 0.7f) : olx_v3(0.6f, 0.8f, 1.0f), (lit ? bright : dark) * gradient);
     }
     const olx_bc6h_block block = olx_bc6h_encode(texels, NULL, ALL);
     for (uint32_t k = 0; k < TEXELS; k++) {
@@ -193,7 +211,8 @@ static void odd_light_becomes_light(void **state) {
       if (what & 64u) texels[k].x = odd[(what >> 8) % 8];
       brightness[k] = what & 512u ? odd[(what >> 12) % 8] : 1.0f;
     }
-    const olx_bc6h_block block = olx_bc6h_encode(texels, i % 2 ? brightness : NULL, i % 5 ? ALL : olx_hash2(i, 6) & ALL);
+    const olx_bc6h_block block =
+        olx_bc6h_encode(texels, i % 2 ? brightness : NULL, i % 5 ? ALL : olx_hash2(i, 6) & ALL);
     for (uint32_t k = 0; k < TEXELS; k++) assert_true(olx_max3(olx_bc6h_texel(&block, k)) <= 65504.0f);
   }
   olx_vec3 bright[TEXELS];
@@ -270,7 +289,8 @@ static void bc4_by_hand(void **state) {
   (void)state;
   const uint64_t indices = 0xFAC688ull; // texel i has index i: 0 1 2 3 4 5 6 7, three bits each
   const uint64_t down = 7ull | indices << 16, up = 0ull | 5ull << 8 | indices << 16;
-  const olx_bc4_block first = {{(uint32_t)down, (uint32_t)(down >> 32)}}, second = {{(uint32_t)up, (uint32_t)(up >> 32)}};
+  const olx_bc4_block first = {{(uint32_t)down, (uint32_t)(down >> 32)}},
+                      second = {{(uint32_t)up, (uint32_t)(up >> 32)}};
   const uint32_t of_eight[8] = {7, 0, 6, 5, 4, 3, 2, 1}, of_six[8] = {0, 5, 1, 2, 3, 4, 0, 255};
   for (uint32_t k = 0; k < 8; k++) {
     assert_int_equal(olx_bc4_texel(&first, k), of_eight[k]);
@@ -281,7 +301,8 @@ static void bc4_by_hand(void **state) {
 static void bytes_are_kept_to_half_a_step(void **state) {
   (void)state;
   for (uint32_t i = 0; i < 20000; i++) {
-    const uint32_t low = olx_hash2(i, 1) % 256, high = low + olx_hash2(i, 2) % (256 - low), counted = olx_hash2(i, 3) & ALL;
+    const uint32_t low = olx_hash2(i, 1) % 256, high = low + olx_hash2(i, 2) % (256 - low),
+                   counted = olx_hash2(i, 3) & ALL;
     uint8_t texels[TEXELS];
     double plain = 0.0, found = 0.0;
     for (uint32_t k = 0; k < TEXELS; k++) {
@@ -303,7 +324,8 @@ static void bytes_are_kept_to_half_a_step(void **state) {
 
 static void reflectance_keeps_metals_and_weights(void **state) {
   (void)state;
-  for (uint32_t code = 0; code < 256; code++) assert_int_equal(olx_reflectance_pack(olx_reflectance_unpack(code)), code);
+  for (uint32_t code = 0; code < 256; code++)
+    assert_int_equal(olx_reflectance_pack(olx_reflectance_unpack(code)), code);
   for (uint32_t i = 0; i <= 1000; i++) {
     const float share = (float)i / 1000.0f;
     const olx_reflectance weight = olx_reflectance_unpack(olx_reflectance_pack((olx_reflectance){0.0f, share})),

@@ -1,5 +1,5 @@
-// Encodes BC1: the line through the texels' colours by least squares; a single colour as the pair that gives it best in thirds.
-// Blocks have four colours, never black for transparency.
+// Encodes BC1: the line through the texels' colours by least squares; a single colour as the pair that gives it best in
+// thirds. Blocks have four colours, never black for transparency.
 #include "block/bc1_encode.h"
 
 #include "block/line_encode.h"

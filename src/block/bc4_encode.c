@@ -1,5 +1,5 @@
-// Encodes BC4 between the least and the largest number of a block, or moved inwards by least squares where that is better.
-// Zeros that are exact stay exact, since the ends are.
+// Encodes BC4 between the least and the largest number of a block, or moved inwards by least squares where that is
+// better. Zeros that are exact stay exact, since the ends are.
 #include "block/bc4_encode.h"
 
 #include "block/line_encode.h"

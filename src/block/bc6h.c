@@ -2,12 +2,10 @@
 // directly; those with two by the runs of bits that the format scatters theirs into.
 #include "block/bc6h.h"
 
-#include "block/shares.h"
-
-const uint16_t olx_bc6h_shapes[OLX_BC6H_SHAPES] = {
-    0xCCCC, 0x8888, 0xEEEE, 0xECC8, 0xC880, 0xFEEC, 0xFEC8, 0xEC80, 0xC800, 0xFFEC, 0xFE80,
-    0xE800, 0xFFE8, 0xFF00, 0xFFF0, 0xF000, 0xF710, 0x008E, 0x7100, 0x08CE, 0x008C, 0x7310,
-    0x3100, 0x8CCE, 0x088C, 0x3110, 0x6666, 0x366C, 0x17E8, 0x0FF0, 0x718E, 0x399C};
+const uint16_t olx_bc6h_shapes[OLX_BC6H_SHAPES] = {0xCCCC, 0x8888, 0xEEEE, 0xECC8, 0xC880, 0xFEEC, 0xFEC8, 0xEC80,
+                                                   0xC800, 0xFFEC, 0xFE80, 0xE800, 0xFFE8, 0xFF00, 0xFFF0, 0xF000,
+                                                   0xF710, 0x008E, 0x7100, 0x08CE, 0x008C, 0x7310, 0x3100, 0x8CCE,
+                                                   0x088C, 0x3110, 0x6666, 0x366C, 0x17E8, 0x0FF0, 0x718E, 0x399C};
 const uint8_t olx_bc6h_anchors[OLX_BC6H_SHAPES] = {15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15,
                                                    15, 2,  8,  2,  2,  8,  8,  15, 2,  8,  2,  2,  8,  8,  2,  2};
 
@@ -41,14 +39,18 @@ INLINE uint32_t reversed(uint32_t value, uint32_t count) {
   return result;
 }
 
+// The share of a line's second end in 64ths, by the index among 16 or 8.
+INLINE uint32_t share_of_16(uint32_t index) { return (64 * index + 7) / 15; }
+INLINE uint32_t share_of_8(uint32_t index) { return (64 * index + 3) / 7; }
+
 // A difference of so many bits with sign.
 INLINE uint32_t add_signed(uint32_t base, uint32_t difference, uint32_t difference_bits, uint32_t precision) {
   const uint32_t sign = 1u << (difference_bits - 1);
   return (base + (difference ^ sign) - sign) & ((1u << precision) - 1);
 }
 
-// The modes with one region. Each channel has ten bits of its first end, and ten that share a difference and what more the
-// first end has, the highest bit first.
+// The modes with one region. Each channel has ten bits of its first end, and ten that share a difference and what more
+// the first end has, the highest bit first.
 INLINE int32_t first_end(bits b, uint32_t c, uint32_t precision, uint32_t difference_bits) {
   const uint32_t more = reversed(read(b, 35 + 10 * c, 10) >> difference_bits, precision - 10);
   return (int32_t)(read(b, 5 + 10 * c, 10) | more << 10);
@@ -64,36 +66,44 @@ enum { RW, GW, BW, RX, GX, BX, RY, GY, BY, RZ, GZ, BZ };
 
 // clang-format off
 const olx_bc6h_mode olx_bc6h_two_region_modes[OLX_BC6H_TWO_REGION_MODES] = {
-    {2, 0, 10, {5, 5, 5}, {{GY, 4, 1}, {BY, 4, 1}, {BZ, 4, 1}, {RW, 0, 10}, {GW, 0, 10}, {BW, 0, 10}, {RX, 0, 5}, {GZ, 4, 1},
-     {GY, 0, 4}, {GX, 0, 5}, {BZ, 0, 1}, {GZ, 0, 4}, {BX, 0, 5}, {BZ, 1, 1}, {BY, 0, 4}, {RY, 0, 5}, {BZ, 2, 1},
-     {RZ, 0, 5}, {BZ, 3, 1}}},
-    {2, 1, 7, {6, 6, 6}, {{GY, 5, 1}, {GZ, 4, 2}, {RW, 0, 7}, {BZ, 0, 2}, {BY, 4, 1}, {GW, 0, 7}, {BY, 5, 1}, {BZ, 2, 1},
-     {GY, 4, 1}, {BW, 0, 7}, {BZ, 3, 1}, {BZ, 5, 1}, {BZ, 4, 1}, {RX, 0, 6}, {GY, 0, 4}, {GX, 0, 6}, {GZ, 0, 4},
-     {BX, 0, 6}, {BY, 0, 4}, {RY, 0, 6}, {RZ, 0, 6}}},
-    {5, 2, 11, {5, 4, 4}, {{RW, 0, 10}, {GW, 0, 10}, {BW, 0, 10}, {RX, 0, 5}, {RW, 10, 1}, {GY, 0, 4}, {GX, 0, 4}, {GW, 10, 1},
-     {BZ, 0, 1}, {GZ, 0, 4}, {BX, 0, 4}, {BW, 10, 1}, {BZ, 1, 1}, {BY, 0, 4}, {RY, 0, 5}, {BZ, 2, 1}, {RZ, 0, 5},
-     {BZ, 3, 1}}},
-    {5, 6, 11, {4, 5, 4}, {{RW, 0, 10}, {GW, 0, 10}, {BW, 0, 10}, {RX, 0, 4}, {RW, 10, 1}, {GZ, 4, 1}, {GY, 0, 4}, {GX, 0, 5},
-     {GW, 10, 1}, {GZ, 0, 4}, {BX, 0, 4}, {BW, 10, 1}, {BZ, 1, 1}, {BY, 0, 4}, {RY, 0, 4}, {BZ, 0, 1}, {BZ, 2, 1},
-     {RZ, 0, 4}, {GY, 4, 1}, {BZ, 3, 1}}},
-    {5, 10, 11, {4, 4, 5}, {{RW, 0, 10}, {GW, 0, 10}, {BW, 0, 10}, {RX, 0, 4}, {RW, 10, 1}, {BY, 4, 1}, {GY, 0, 4}, {GX, 0, 4},
-     {GW, 10, 1}, {BZ, 0, 1}, {GZ, 0, 4}, {BX, 0, 5}, {BW, 10, 1}, {BY, 0, 4}, {RY, 0, 4}, {BZ, 1, 2}, {RZ, 0, 4},
-     {BZ, 4, 1}, {BZ, 3, 1}}},
-    {5, 14, 9, {5, 5, 5}, {{RW, 0, 9}, {BY, 4, 1}, {GW, 0, 9}, {GY, 4, 1}, {BW, 0, 9}, {BZ, 4, 1}, {RX, 0, 5}, {GZ, 4, 1},
-     {GY, 0, 4}, {GX, 0, 5}, {BZ, 0, 1}, {GZ, 0, 4}, {BX, 0, 5}, {BZ, 1, 1}, {BY, 0, 4}, {RY, 0, 5}, {BZ, 2, 1},
-     {RZ, 0, 5}, {BZ, 3, 1}}},
-    {5, 18, 8, {6, 5, 5}, {{RW, 0, 8}, {GZ, 4, 1}, {BY, 4, 1}, {GW, 0, 8}, {BZ, 2, 1}, {GY, 4, 1}, {BW, 0, 8}, {BZ, 3, 2},
-     {RX, 0, 6}, {GY, 0, 4}, {GX, 0, 5}, {BZ, 0, 1}, {GZ, 0, 4}, {BX, 0, 5}, {BZ, 1, 1}, {BY, 0, 4}, {RY, 0, 6},
-     {RZ, 0, 6}}},
-    {5, 22, 8, {5, 6, 5}, {{RW, 0, 8}, {BZ, 0, 1}, {BY, 4, 1}, {GW, 0, 8}, {GY, 5, 1}, {GY, 4, 1}, {BW, 0, 8}, {GZ, 5, 1},
-     {BZ, 4, 1}, {RX, 0, 5}, {GZ, 4, 1}, {GY, 0, 4}, {GX, 0, 6}, {GZ, 0, 4}, {BX, 0, 5}, {BZ, 1, 1}, {BY, 0, 4},
-     {RY, 0, 5}, {BZ, 2, 1}, {RZ, 0, 5}, {BZ, 3, 1}}},
-    {5, 26, 8, {5, 5, 6}, {{RW, 0, 8}, {BZ, 1, 1}, {BY, 4, 1}, {GW, 0, 8}, {BY, 5, 1}, {GY, 4, 1}, {BW, 0, 8}, {BZ, 5, 1},
-     {BZ, 4, 1}, {RX, 0, 5}, {GZ, 4, 1}, {GY, 0, 4}, {GX, 0, 5}, {BZ, 0, 1}, {GZ, 0, 4}, {BX, 0, 6}, {BY, 0, 4},
-     {RY, 0, 5}, {BZ, 2, 1}, {RZ, 0, 5}, {BZ, 3, 1}}},
-    {5, 30, 6, {0, 0, 0}, {{RW, 0, 6}, {GZ, 4, 1}, {BZ, 0, 2}, {BY, 4, 1}, {GW, 0, 6}, {GY, 5, 1}, {BY, 5, 1}, {BZ, 2, 1},
-     {GY, 4, 1}, {BW, 0, 6}, {GZ, 5, 1}, {BZ, 3, 1}, {BZ, 5, 1}, {BZ, 4, 1}, {RX, 0, 6}, {GY, 0, 4}, {GX, 0, 6},
-     {GZ, 0, 4}, {BX, 0, 6}, {BY, 0, 4}, {RY, 0, 6}, {RZ, 0, 6}}},
+    {2, 0, 10, {5, 5, 5},
+     {{GY, 4, 1}, {BY, 4, 1}, {BZ, 4, 1}, {RW, 0, 10}, {GW, 0, 10}, {BW, 0, 10}, {RX, 0, 5}, {GZ, 4, 1}, {GY, 0, 4},
+      {GX, 0, 5}, {BZ, 0, 1}, {GZ, 0, 4}, {BX, 0, 5}, {BZ, 1, 1}, {BY, 0, 4}, {RY, 0, 5}, {BZ, 2, 1}, {RZ, 0, 5},
+      {BZ, 3, 1}}},
+    {2, 1, 7, {6, 6, 6},
+     {{GY, 5, 1}, {GZ, 4, 2}, {RW, 0, 7}, {BZ, 0, 2}, {BY, 4, 1}, {GW, 0, 7}, {BY, 5, 1}, {BZ, 2, 1}, {GY, 4, 1},
+      {BW, 0, 7}, {BZ, 3, 1}, {BZ, 5, 1}, {BZ, 4, 1}, {RX, 0, 6}, {GY, 0, 4}, {GX, 0, 6}, {GZ, 0, 4}, {BX, 0, 6},
+      {BY, 0, 4}, {RY, 0, 6}, {RZ, 0, 6}}},
+    {5, 2, 11, {5, 4, 4},
+     {{RW, 0, 10}, {GW, 0, 10}, {BW, 0, 10}, {RX, 0, 5}, {RW, 10, 1}, {GY, 0, 4}, {GX, 0, 4}, {GW, 10, 1}, {BZ, 0, 1},
+      {GZ, 0, 4}, {BX, 0, 4}, {BW, 10, 1}, {BZ, 1, 1}, {BY, 0, 4}, {RY, 0, 5}, {BZ, 2, 1}, {RZ, 0, 5}, {BZ, 3, 1}}},
+    {5, 6, 11, {4, 5, 4},
+     {{RW, 0, 10}, {GW, 0, 10}, {BW, 0, 10}, {RX, 0, 4}, {RW, 10, 1}, {GZ, 4, 1}, {GY, 0, 4}, {GX, 0, 5}, {GW, 10, 1},
+      {GZ, 0, 4}, {BX, 0, 4}, {BW, 10, 1}, {BZ, 1, 1}, {BY, 0, 4}, {RY, 0, 4}, {BZ, 0, 1}, {BZ, 2, 1}, {RZ, 0, 4},
+      {GY, 4, 1}, {BZ, 3, 1}}},
+    {5, 10, 11, {4, 4, 5},
+     {{RW, 0, 10}, {GW, 0, 10}, {BW, 0, 10}, {RX, 0, 4}, {RW, 10, 1}, {BY, 4, 1}, {GY, 0, 4}, {GX, 0, 4}, {GW, 10, 1},
+      {BZ, 0, 1}, {GZ, 0, 4}, {BX, 0, 5}, {BW, 10, 1}, {BY, 0, 4}, {RY, 0, 4}, {BZ, 1, 2}, {RZ, 0, 4}, {BZ, 4, 1},
+      {BZ, 3, 1}}},
+    {5, 14, 9, {5, 5, 5},
+     {{RW, 0, 9}, {BY, 4, 1}, {GW, 0, 9}, {GY, 4, 1}, {BW, 0, 9}, {BZ, 4, 1}, {RX, 0, 5}, {GZ, 4, 1}, {GY, 0, 4},
+      {GX, 0, 5}, {BZ, 0, 1}, {GZ, 0, 4}, {BX, 0, 5}, {BZ, 1, 1}, {BY, 0, 4}, {RY, 0, 5}, {BZ, 2, 1}, {RZ, 0, 5},
+      {BZ, 3, 1}}},
+    {5, 18, 8, {6, 5, 5},
+     {{RW, 0, 8}, {GZ, 4, 1}, {BY, 4, 1}, {GW, 0, 8}, {BZ, 2, 1}, {GY, 4, 1}, {BW, 0, 8}, {BZ, 3, 2}, {RX, 0, 6},
+      {GY, 0, 4}, {GX, 0, 5}, {BZ, 0, 1}, {GZ, 0, 4}, {BX, 0, 5}, {BZ, 1, 1}, {BY, 0, 4}, {RY, 0, 6}, {RZ, 0, 6}}},
+    {5, 22, 8, {5, 6, 5},
+     {{RW, 0, 8}, {BZ, 0, 1}, {BY, 4, 1}, {GW, 0, 8}, {GY, 5, 1}, {GY, 4, 1}, {BW, 0, 8}, {GZ, 5, 1}, {BZ, 4, 1},
+      {RX, 0, 5}, {GZ, 4, 1}, {GY, 0, 4}, {GX, 0, 6}, {GZ, 0, 4}, {BX, 0, 5}, {BZ, 1, 1}, {BY, 0, 4}, {RY, 0, 5},
+      {BZ, 2, 1}, {RZ, 0, 5}, {BZ, 3, 1}}},
+    {5, 26, 8, {5, 5, 6},
+     {{RW, 0, 8}, {BZ, 1, 1}, {BY, 4, 1}, {GW, 0, 8}, {BY, 5, 1}, {GY, 4, 1}, {BW, 0, 8}, {BZ, 5, 1}, {BZ, 4, 1},
+      {RX, 0, 5}, {GZ, 4, 1}, {GY, 0, 4}, {GX, 0, 5}, {BZ, 0, 1}, {GZ, 0, 4}, {BX, 0, 6}, {BY, 0, 4}, {RY, 0, 5},
+      {BZ, 2, 1}, {RZ, 0, 5}, {BZ, 3, 1}}},
+    {5, 30, 6, {0, 0, 0},
+     {{RW, 0, 6}, {GZ, 4, 1}, {BZ, 0, 2}, {BY, 4, 1}, {GW, 0, 6}, {GY, 5, 1}, {BY, 5, 1}, {BZ, 2, 1}, {GY, 4, 1},
+      {BW, 0, 6}, {GZ, 5, 1}, {BZ, 3, 1}, {BZ, 5, 1}, {BZ, 4, 1}, {RX, 0, 6}, {GY, 0, 4}, {GX, 0, 6}, {GZ, 0, 4},
+      {BX, 0, 6}, {BY, 0, 4}, {RY, 0, 6}, {RZ, 0, 6}}},
 };
 // clang-format on
 
@@ -116,7 +126,8 @@ static void read_region(bits b, const olx_bc6h_mode *m, uint32_t region, four_wo
 // Whole numbers up to 2^22 are exact in floats, and those multiply at once on any machine.
 INLINE olx_vec3 mix_line(four_words from, four_words to, uint32_t share) {
   const float part = (float)share;
-  const four mixed = __builtin_convertvector(from, four) * (64.0f - part) + __builtin_convertvector(to, four) * part + 32.0f;
+  const four mixed =
+      __builtin_convertvector(from, four) * (64.0f - part) + __builtin_convertvector(to, four) * part + 32.0f;
   const four_words whole = __builtin_convertvector(mixed, four_words) >> 6, half = ((whole << 5) - whole) >> 6;
   const four light = (four)(half << 13) * 0x1p112f;
   return olx_v3(light[0], light[1], light[2]);
@@ -136,7 +147,7 @@ INLINE olx_vec3 one_region_texel(bits b, uint32_t texel, uint32_t precision, uin
                                               second_end(b, 1, precision, difference_bits, g),
                                               second_end(b, 2, precision, difference_bits, l), 0};
   const uint32_t index = texel == 0 ? (uint32_t)b.high >> 1 & 7u : (uint32_t)(b.high >> 4 * texel) & 15u;
-  return mix_line(unquantize(from, precision), unquantize(to, precision), olx_share_of_16(index));
+  return mix_line(unquantize(from, precision), unquantize(to, precision), share_of_16(index));
 }
 
 // Apart, because it needs more registers than the modes that the encoder writes.
@@ -146,7 +157,7 @@ __attribute__((noinline)) static olx_vec3 two_region_texel(bits b, uint32_t texe
   const uint32_t index = read(b, at, texel == 0 || texel == anchor ? 2 : 3);
   four_words from = {0}, to = {0};
   read_region(b, m, olx_bc6h_shapes[shape] >> texel & 1u, &from, &to);
-  return mix_line(unquantize(from, m->precision), unquantize(to, m->precision), olx_share_of_8(index));
+  return mix_line(unquantize(from, m->precision), unquantize(to, m->precision), share_of_8(index));
 }
 
 olx_vec3 olx_bc6h_texel(const olx_bc6h_block *block, uint32_t texel) {

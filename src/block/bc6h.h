@@ -1,6 +1,6 @@
-// Light in 16 bytes a 4 x 4 texels: BC6H with unsigned half floats, VK_FORMAT_BC6H_UFLOAT_BLOCK. What a texture unit makes of
-// a block, a texel at a time (docs/maths.md, "Blocks"). Interpolated numbers are the bits of half floats, so that steps
-// are about equal in proportion.
+// Light in 16 bytes a 4 x 4 texels: BC6H with unsigned half floats, VK_FORMAT_BC6H_UFLOAT_BLOCK. What a texture unit
+// makes of a block, a texel at a time (docs/maths.md, "Blocks"). Interpolated numbers are the bits of half floats, so
+// that steps are about equal in proportion.
 #ifndef OLX_BLOCK_BC6H_H
 #define OLX_BLOCK_BC6H_H
 
@@ -24,8 +24,8 @@ typedef struct olx_bc6h_run {
   uint8_t of, first, count;
 } olx_bc6h_run;
 
-// A mode with two regions. Ends 0 and 1 are of the first region, 2 and 3 of the second; all but the first are differences from that
-// one, unless they have no bits.
+// A mode with two regions. Ends 0 and 1 are of the first region, 2 and 3 of the second; all but the first are
+// differences from that one, unless they have no bits.
 typedef struct olx_bc6h_mode {
   uint8_t code_bits, code; // that name the mode
   uint8_t precision, difference_bits[OLX_BC6H_CHANNELS];

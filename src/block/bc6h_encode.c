@@ -1,26 +1,37 @@
-// Encodes BC6H blocks: lines between two colours by weighted least squares on the bits of half floats, which are nearly logarithms,
-// in the mode whose numbers hold them best. Blocks that one line does not serve get two where that is better.
+// Encodes BC6H blocks: lines between two colours by weighted least squares on the bits of half floats, which are nearly
+// logarithms, in the mode whose numbers hold them best. Blocks that one line does not serve get two where that is
+// better.
 #include "block/bc6h_encode.h"
 
 #include "block/line_encode.h"
 
 #include <stdlib.h>
 
-enum { CHANNELS = 3, TEXELS = 16, GROUPS = OLX_LINE_ROWS, LANES = OLX_LINE_LANES, REFINEMENTS = 2, STARTS = 3, REGIONS = 2, SHAPES_TRIED = 3 };
+enum {
+  CHANNELS = 3,
+  TEXELS = 16,
+  GROUPS = OLX_LINE_ROWS,
+  LANES = OLX_LINE_LANES,
+  REFINEMENTS = 2,
+  STARTS = 3,
+  REGIONS = 2,
+  SHAPES_TRIED = 3
+};
 
 // Interpolated numbers are 64/31 of the bits of a half float.
 static const float BITS_SCALE = 64.0f / 31.0f;
-// Light below this share of what errors are relative to may as well have it, where the channel is as bright elsewhere in the block:
-// zeros would take half of a line's range.
+// Light below this share of what errors are relative to may as well have it, where the channel is as bright elsewhere
+// in the block: zeros would take half of a line's range.
 static const float LEAST_SHARE = 1.0f / 128.0f;
-// What errors are relative to is at least this share of the brightest light of the block, or a tenth of that where it is given.
+// What errors are relative to is at least this share of the brightest light of the block, or a tenth of that where it
+// is given.
 static const float DARKNESS = 1.0f / 100.0f;
 // A change of a dark channel counts as if it were at least this share.
 static const float LEAST_WEIGHT = 1.0f / 32.0f;
 // Lines over more than this, 2.5 factors of 2, are also begun from brighter ends.
 static const float LONG_LINE = 2.5f * 1024.0f * 64.0f / 31.0f;
 // A mean squared relative error of texels above which two lines are tried.
-static const float ENOUGH = 5e-5f;
+static const float ENOUGH = 2e-4f;
 static const olx_line_steps SIXTEEN = {CHANNELS, 15.0f, 64.0f}, EIGHT = {CHANNELS, 7.0f, 64.0f};
 // The largest half float.
 static const float MOST_LIGHT = 65504.0f;
@@ -52,8 +63,8 @@ typedef struct two_regions {
 
 static inline olx_row square(olx_row a) { return a * a; }
 
-// Bits of half floats, with a fraction, in interpolated numbers; of light from 0 to MOST_LIGHT. Decoding drops fractions, so a
-// half more is rounding.
+// Bits of half floats, with a fraction, in interpolated numbers; of light from 0 to MOST_LIGHT. Decoding drops
+// fractions, so a half more is rounding.
 static inline olx_row places_of(olx_row light) {
   const olx_row normal = __builtin_convertvector((olx_row_words)light - 0x38000000, olx_row) * 0x1p-13f;
   return (olx_row_pick(light < 0x1p-14f, light * 0x1p24f, normal) + 0.5f) * BITS_SCALE;
@@ -70,9 +81,10 @@ static inline olx_row light_at(olx_row place) {
 static void load(const olx_vec3 *texels, const olx_row on[GROUPS], olx_row light[CHANNELS][GROUPS]) {
   for (uint32_t g = 0; g < GROUPS; g++) {
     const olx_vec3 *t = texels + LANES * g;
-    const olx_row c[CHANNELS] = {{t[0].x, t[1].x, t[2].x, t[3].x}, {t[0].y, t[1].y, t[2].y, t[3].y},
-                              {t[0].z, t[1].z, t[2].z, t[3].z}};
-    for (uint32_t k = 0; k < CHANNELS; k++) light[k][g] = on[g] * olx_row_least(olx_row_most(c[k], olx_row_splat(0.0f)), olx_row_splat(MOST_LIGHT));
+    const olx_row c[CHANNELS] = {
+        {t[0].x, t[1].x, t[2].x, t[3].x}, {t[0].y, t[1].y, t[2].y, t[3].y}, {t[0].z, t[1].z, t[2].z, t[3].z}};
+    for (uint32_t k = 0; k < CHANNELS; k++)
+      light[k][g] = on[g] * olx_row_least(olx_row_most(c[k], olx_row_splat(0.0f)), olx_row_splat(MOST_LIGHT));
   }
 }
 
@@ -110,7 +122,8 @@ static void set_colours(colours *s, const olx_vec3 *texels, const float *relativ
 // The code of so many bits that unquantises nearest.
 static uint32_t quantize(float place, uint32_t bits) {
   const float clamped = olx_clamp(place, 0.0f, 65535.0f);
-  const uint32_t code = bits >= 16 ? (uint32_t)(clamped + 0.5f) : (uint32_t)(clamped * olx_bits_float((111u + bits) << 23));
+  const uint32_t code =
+      bits >= 16 ? (uint32_t)(clamped + 0.5f) : (uint32_t)(clamped * olx_bits_float((111u + bits) << 23));
   const uint32_t most = bits >= 16 ? 0xFFFFu : (1u << bits) - 1;
   return code > most ? most : code;
 }
@@ -222,7 +235,8 @@ static void nearest_shapes(uint32_t side, uint32_t counted, uint32_t nearest[SHA
   for (uint32_t k = 0; k < SHAPES_TRIED; k++) distances[k] = TEXELS + 1;
   const int all = __builtin_popcount(counted);
   for (uint32_t shape = 0; shape < OLX_BC6H_SHAPES; shape++) {
-    const int off = __builtin_popcount((side ^ olx_bc6h_shapes[shape]) & counted), distance = off < all - off ? off : all - off;
+    const int off = __builtin_popcount((side ^ olx_bc6h_shapes[shape]) & counted),
+              distance = off < all - off ? off : all - off;
     uint32_t place = SHAPES_TRIED;
     while (place > 0 && distance < distances[place - 1]) place--;
     for (uint32_t k = SHAPES_TRIED - 1; k > place && k < SHAPES_TRIED; k--) {
@@ -244,7 +258,8 @@ static void keep_texels(colours *s, uint32_t texels) {
   }
 }
 
-// Whether the mode holds the differences of all ends from either end of the first line, whichever its indices put first.
+// Whether the mode holds the differences of all ends from either end of the first line, whichever its indices put
+// first.
 static bool mode_reaches(const olx_bc6h_mode *m, const coded_line lines[REGIONS]) {
   if (!m->difference_bits[0]) return true;
   const coded_line *first = &lines[0], *second = &lines[1];

@@ -13,7 +13,8 @@ static void include(olx_block_bounds *bounds, olx_vec3 plane, olx_vec2 uv) {
 }
 
 // A plane is affine on each of the two triangles that a fold leaves of a square, and a fold goes from corner to corner.
-static void include_square(olx_block_bounds *bounds, olx_vec3 plane, uint32_t x, uint32_t y, uint32_t side, uint32_t n) {
+static void include_square(olx_block_bounds *bounds, olx_vec3 plane, uint32_t x, uint32_t y, uint32_t side,
+                           uint32_t n) {
   for (uint32_t corner = 0; corner < 4; corner++) {
     const float u = (float)(x + (corner & 1u) * side), v = (float)(y + (corner >> 1) * side);
     include(bounds, plane, (olx_vec2){u / (float)n, v / (float)n});

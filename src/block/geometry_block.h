@@ -1,13 +1,13 @@
 // Geometry of 4 x 4 texels of a light field map in 16 bytes (docs/maths.md, "Blocks"): which planes the texels see.
 //
-// A plane that does not pass through the probe is the set of points p, relative to the probe, with m . p = 1; m points away
-// from the probe and is 1 / h long, where h is the plane's distance. m = 0 is the sky. What lies in front of a plane has
-// m . p < 1, so nothing has to be divided to decide where a point lies, and C and GLSL decide alike to the last bit. At the
-// point q of the octahedron |x| + |y| + |z| = 1 the plane has the inverse depth 1 / |p|_1 = m . q, which is affine in the
-// coordinates of the map on each face.
+// A plane that does not pass through the probe is the set of points p, relative to the probe, with m . p = 1; m points
+// away from the probe and is 1 / h long, where h is the plane's distance. m = 0 is the sky. What lies in front of a
+// plane has m . p < 1, so nothing has to be divided to decide where a point lies, and C and GLSL decide alike to the
+// last bit. At the point q of the octahedron |x| + |y| + |z| = 1 the plane has the inverse depth 1 / |p|_1 = m . q,
+// which is affine in the coordinates of the map on each face.
 //
-// A block holds one plane in floats, or two coded ones with a bit for each texel, or the numbers of coded planes in a pool. Any
-// 16 bytes decode without harm; those that olx_geometry_check refuses are not written by the baker.
+// A block holds one plane in floats, or two coded ones with a bit for each texel, or the numbers of coded planes in a
+// pool. Any 16 bytes decode without harm; those that olx_geometry_check refuses are not written by the baker.
 #ifndef OLX_BLOCK_GEOMETRY_BLOCK_H
 #define OLX_BLOCK_GEOMETRY_BLOCK_H
 
@@ -57,15 +57,16 @@ static inline olx_vec3 olx_plane_decode(olx_plane_code code, olx_block_place pla
                 (float)(sign_z * (middle + along_z)) * scale);
 }
 
-// Where the plane of a texel is in the pool, for a block that names it there; else OLX_NO_PLANE. Texels count row by row.
+// Where the plane of a texel is in the pool, for a block that names it there; else OLX_NO_PLANE. Texels count row by
+// row.
 static inline uint32_t olx_geometry_pooled(const olx_geometry_block *block, uint32_t texel) {
   if (block->words[3] >> 30 != OLX_GEOMETRY_POOL) return OLX_NO_PLANE;
   return block->words[0] + (block->words[1 + texel / 8] >> 4 * (texel % 8) & 15u);
 }
 
 // The plane that a texel sees; `pooled` is that of olx_geometry_pooled, or zeros.
-static inline olx_vec3 olx_geometry_plane_of(const olx_geometry_block *block, olx_plane_code pooled, olx_block_place place,
-                                             uint32_t texel) {
+static inline olx_vec3 olx_geometry_plane_of(const olx_geometry_block *block, olx_plane_code pooled,
+                                             olx_block_place place, uint32_t texel) {
   const uint32_t *w = block->words, mode = w[3] >> 30;
   if (mode == OLX_GEOMETRY_ONE) return olx_v3(olx_bits_float(w[0]), olx_bits_float(w[1]), olx_bits_float(w[2]));
   if (mode == OLX_GEOMETRY_TWO) {

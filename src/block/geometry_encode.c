@@ -1,25 +1,28 @@
-// Finds the planes of geometry blocks: one for all texels where it serves, else planes by the texels they hold, most first.
-// Inverse depths are affine over a block, so a plane is fitted by plain least squares.
+// Finds the planes of geometry blocks: one for all texels where it serves, else planes by the texels they hold, most
+// first. Inverse depths are affine over a block, so a plane is fitted by plain least squares.
 #include "block/geometry_encode.h"
 
 #include <stdlib.h>
 
 enum { NUMBERS = 3, SKY = OLX_BLOCK_TEXELS };
 
-// How much the slope of a texel's own surface counts against the position of its point, when a plane is fitted to several.
+// How much the slope of a texel's own surface counts against the position of its point, when a plane is fitted to
+// several.
 static const double SLOPE_WEIGHT = 0.05;
+// That of its depth in the middle of the block, which texels beyond a fold may say nothing of.
+static const double MIDDLE_WEIGHT = 1e-6;
 // Planes are looked for with so much of the tolerance; the rest is for rounding their codes.
 static const float SEARCH_SHARE = 0.9f;
 // Surfaces under a flatter angle are tilted to this one: no plane may pass through the probe.
 static const float LEAST_FACING = 1e-3f;
-// A texel's decoded inverse depth lies between these shares of its own: seen under flat angles a plane may be near, but its point
-// far away.
+// A texel's decoded inverse depth lies between these shares of its own: seen under flat angles a plane may be near, but
+// its point far away.
 static const float LEAST_DEPTH_SHARE = 0.5f, MOST_DEPTH_SHARE = 2.0f;
 // Inverse depths that numbers hold well.
 static const float MOST_INVERSE = 0x1p56f, LEAST_INVERSE = 0x1p-56f;
 
-// A plane as a code has it, before rounding: inverse depth in the middle of the block, and what it grows by in half a texel
-// along the map's axes.
+// A plane as a code has it, before rounding: inverse depth in the middle of the block, and what it grows by in half a
+// texel along the map's axes.
 typedef struct fit {
   double a, b, c;
 } fit;
@@ -34,10 +37,10 @@ typedef struct frame {
 // What the texels see, an array for each number, so that a plane is held against all of them at once.
 typedef struct views {
   frame frame;
-  uint32_t seen;                          // a bit for each texel that is not sky
-  float inverse[OLX_BLOCK_TEXELS];        // depth |p|_1 of the point
-  float row[NUMBERS][OLX_BLOCK_TEXELS];   // of a fit, its inverse depth at the texel is the product with this
-  float scale[OLX_BLOCK_TEXELS];          // footprints, for one of inverse depth and of a plane's distance
+  uint32_t seen;                        // a bit for each texel that is not sky
+  float inverse[OLX_BLOCK_TEXELS];      // depth |p|_1 of the point
+  float row[NUMBERS][OLX_BLOCK_TEXELS]; // of a fit, its inverse depth at the texel is the product with this
+  float scale[OLX_BLOCK_TEXELS];        // footprints, for one of inverse depth and of a plane's distance
   float normal[NUMBERS][OLX_BLOCK_TEXELS];
   fit own[OLX_BLOCK_TEXELS]; // the plane of the texel alone
   float tolerance, least_cosine;
@@ -96,7 +99,7 @@ static void set_row(views *v, uint32_t texel, olx_vec3 point) {
 // The normal, made to face the probe.
 static olx_vec3 facing_normal(olx_vec3 normal, olx_vec3 direction) {
   const float length = olx_length(normal);
-  if (!(length > 0.0f && length < INFINITY)) return olx_negate(direction);
+  if (!(length > 0.5f && length < 2.0f)) return olx_negate(direction); // not one of unit length
   const olx_vec3 unit = olx_scale(normal, 1.0f / length);
   const float facing = -olx_dot(unit, direction);
   return facing >= LEAST_FACING ? unit : olx_normalize(olx_madd(unit, direction, facing - LEAST_FACING));
@@ -127,7 +130,8 @@ static uint32_t texels_on(const views *v, olx_vec3 plane, fit k, float tolerance
     const float off = fabsf(inverse - v->inverse[i]) * height * v->scale[i];
     const float cosine = v->normal[0][i] * normal.x + v->normal[1][i] * normal.y + v->normal[2][i] * normal.z;
     const float share = inverse / v->inverse[i];
-    on[i] = (off <= tolerance) & (cosine >= v->least_cosine) & (share >= LEAST_DEPTH_SHARE) & (share <= MOST_DEPTH_SHARE);
+    on[i] =
+        (off <= tolerance) & (cosine >= v->least_cosine) & (share >= LEAST_DEPTH_SHARE) & (share <= MOST_DEPTH_SHARE);
   }
   uint32_t mask = 0;
   for (uint32_t i = 0; i < OLX_BLOCK_TEXELS; i++) mask |= (uint32_t)on[i] << i;
@@ -161,13 +165,13 @@ static fit fit_texels(const views *v, uint32_t mask) {
   for (uint32_t left = mask; left; left &= left - 1) {
     const uint32_t i = (uint32_t)__builtin_ctz(left);
     const double p = v->row[0][i], q = v->row[1][i], s = v->row[2][i], inverse = v->inverse[i];
-    m[0] += p * p;
+    m[0] += p * p + MIDDLE_WEIGHT;
     m[1] += p * q;
     m[2] += p * s;
     m[3] += q * q + SLOPE_WEIGHT;
     m[4] += q * s;
     m[5] += s * s + SLOPE_WEIGHT;
-    r[0] += p * inverse;
+    r[0] += p * inverse + MIDDLE_WEIGHT * v->own[i].a;
     r[1] += q * inverse + SLOPE_WEIGHT * v->own[i].b;
     r[2] += s * inverse + SLOPE_WEIGHT * v->own[i].c;
   }
@@ -175,7 +179,8 @@ static fit fit_texels(const views *v, uint32_t mask) {
 }
 
 static int32_t round_within(double value, int32_t least, int32_t most) {
-  return value <= least ? least : value >= most ? most : (int32_t)floor(value + 0.5);
+  if (!(value > least)) return least; // nor what is not a number
+  return value >= most ? most : (int32_t)floor(value + 0.5);
 }
 
 // Codes a plane; once its slopes are rounded, what that shifts at the texels it is for is taken out of `a`.

@@ -23,8 +23,8 @@ typedef struct olx_geometry_code {
 
 olx_geometry_settings olx_geometry_settings_default(void);
 
-// Encodes a block of texels, row by row. A footprint is distance times the root of the texel's solid angle. Where a tolerance
-// cannot be met because numbers have no more bits, the texel gets the nearest plane there is.
+// Encodes a block of texels, row by row. A footprint is distance times the root of the texel's solid angle. Where a
+// tolerance cannot be met because numbers have no more bits, the texel gets the nearest plane there is.
 olx_geometry_code olx_geometry_encode(const olx_geometry_texel texels[OLX_BLOCK_TEXELS], olx_block_place place,
                                       const olx_geometry_settings *settings);
 

@@ -1,5 +1,5 @@
-// What encoders of texture blocks share: the line on which 16 colours lie best. Each texel's colour becomes a step of the line, so
-// only its ends and the steps are stored.
+// What encoders of texture blocks share: the line on which 16 colours lie best. Each texel's colour becomes a step of
+// the line, so only its ends and the steps are stored.
 #ifndef OLX_BLOCK_LINE_ENCODE_H
 #define OLX_BLOCK_LINE_ENCODE_H
 
@@ -50,7 +50,8 @@ static inline float olx_line_product(const olx_row a[OLX_LINE_ROWS], const olx_r
   return olx_line_sum(part);
 }
 
-// The mean place, and the direction in which places spread most by a few steps of power iteration; false where they do not.
+// The mean place, and the direction in which places spread most by a few steps of power iteration; false where they do
+// not.
 static inline bool olx_line_spread(const olx_line_colours *s, uint32_t channels, float middle[OLX_LINE_CHANNELS],
                                    float axis[OLX_LINE_CHANNELS]) {
   float scale[OLX_LINE_CHANNELS], covariance[OLX_LINE_CHANNELS][OLX_LINE_CHANNELS];

@@ -1,5 +1,5 @@
-// How metallic a surface is and its specular weight in one byte, so that four channels of a texture hold a material with base colour
-// and roughness left: surfaces are either metallic or have a weight other than 1.
+// How metallic a surface is and its specular weight in one byte, so that four channels of a texture hold a material
+// with base colour and roughness left: surfaces are either metallic or have a weight other than 1.
 #ifndef OLX_BLOCK_REFLECTANCE_H
 #define OLX_BLOCK_REFLECTANCE_H
 

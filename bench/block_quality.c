@@ -1,7 +1,10 @@
 // What blocks of 4 x 4 texels make of a baked field (docs/maths.md, "Blocks"): bytes, errors against what the field
 // stores, and the time that it takes to encode and to decode.
 //
-//   block_quality FIELD.olx [TOLERANCE] [LEAST_COSINE]
+//   block_quality FIELD.olx [TOLERANCE] [LEAST_COSINE] [SCENE]
+//
+// With the field's scene, random rays are traced through the field before and after its distances and normals have been
+// replaced by those of decoded planes.
 #include "block/bc1_encode.h"
 #include "block/bc4_encode.h"
 #include "block/bc6h_encode.h"
@@ -9,7 +12,7 @@
 #include "block/reflectance.h"
 #include "field/texels.h"
 
-#include <octalux/field.h>
+#include <octalux/render.h>
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -92,13 +95,14 @@ static double quantile(samples *s, double share) {
 }
 
 static void print_quantiles(const char *what, samples *s) {
+  if (!s->count) return;
   qsort(s->values, s->count, sizeof *s->values, by_value);
   printf("  %-34s median %.5f  99 %% %.4f  99.9 %% %.4f  most %.4f\n", what, quantile(s, 0.5), quantile(s, 0.99),
          quantile(s, 0.999), quantile(s, 1.0));
 }
 
 static void *allocate(size_t count, size_t size) {
-  void *memory = calloc(count, size);
+  void *memory = calloc(count ? count : 1, size);
   if (!memory) exit(1);
   return memory;
 }
@@ -304,10 +308,88 @@ static void print_geometry(report *r) {
   print_quantiles("degrees between normals", &r->angle);
 }
 
+// Distances and normals of a probe become those of the planes in its codes; which texels are marked or sky stays.
+static void replace_geometry(olx_field *field, uint32_t probe, const probe_blocks *b) {
+  const size_t first = field->texels * probe;
+  uint16_t *distance = (uint16_t *)(uintptr_t)field->distance + first,
+           *normal = (uint16_t *)(uintptr_t)field->normal + first;
+  for (uint32_t i = 0; i < b->count * TEXELS; i++) {
+    if (!is_seen(b, i)) continue;
+    const olx_block_place place = b->places[i / TEXELS];
+    const olx_plane_pool pool = {b->codes[i / TEXELS].planes, b->codes[i / TEXELS].pooled};
+    const olx_vec3 plane = olx_geometry_plane(&b->codes[i / TEXELS].block, &pool, place, i % TEXELS);
+    const float metres = olx_plane_distance(plane, olx_normalize(olx_block_texel_point(place, i % TEXELS)));
+    const size_t at = texel_index(field, place, i % TEXELS);
+    distance[at] = (uint16_t)((distance[at] & 0x8000u) | olx_half_pack(metres / field->distance_scale));
+    normal[at] = olx_normal_pack(olx_plane_normal(plane));
+  }
+  const int32_t n = (int32_t)field->n;
+  for (int32_t y = -1; y <= n; y++) {
+    for (int32_t x = -1; x <= n; x++) {
+      int32_t source_x, source_y;
+      olx_border_source(x, y, n, &source_x, &source_y);
+      distance[olx_map_index(field->stride, x, y)] = distance[olx_map_index(field->stride, source_x, source_y)];
+      normal[olx_map_index(field->stride, x, y)] = normal[olx_map_index(field->stride, source_x, source_y)];
+    }
+  }
+  olx_pyramid_make(&field->pyramid, distance + field->stride + 1, field->stride,
+                   (uint16_t *)(uintptr_t)field->least + (size_t)field->pyramid.least_nodes * probe,
+                   (uint16_t *)(uintptr_t)field->greatest + (size_t)field->pyramid.greatest_nodes * probe);
+}
+
+static void print_rays(const char *when, const olx_scene *scene, const olx_field *field) {
+  olx_audit_settings settings = olx_audit_settings_default();
+  settings.points = 0;
+  olx_audit audit;
+  if (olx_audit_field(scene, field, &settings, NULL, &audit) != OLX_OK) {
+    exit(fprintf(stderr, "block_quality: %s\n", olx_last_error()));
+  }
+  printf("rays %s: of those whose hit is seen %.3f %% unresolved, %.3f %% wrong; of all %.3f %%, %.3f %%; distances "
+         "off by "
+         "%.2e in the median, %.2e at 99 %%\n",
+         when, 100.0 * audit.rays.unresolved_seen, 100.0 * audit.rays.wrong_seen, 100.0 * audit.rays.unresolved,
+         100.0 * audit.rays.wrong, audit.rays.distance_error_median, audit.rays.distance_error_p99);
+}
+
+// A file in memory that may be written.
+static void *read_file(const char *path, size_t *bytes) {
+  FILE *file = fopen(path, "rb");
+  if (!file || fseek(file, 0, SEEK_END) != 0) exit(fprintf(stderr, "block_quality: cannot read %s\n", path));
+  *bytes = (size_t)ftell(file);
+  void *data = aligned_alloc(64, (*bytes + 63) / 64 * 64);
+  rewind(file);
+  if (!data || fread(data, 1, *bytes, file) != *bytes) exit(fprintf(stderr, "block_quality: cannot read %s\n", path));
+  fclose(file);
+  return data;
+}
+
+static void judge_rays(const char *scene_path, olx_field *field, probe_blocks *b,
+                       const olx_geometry_settings *settings) {
+  olx_scene *scene = NULL;
+  if (olx_scene_load(scene_path, &scene) != OLX_OK) {
+    exit(fprintf(stderr, "block_quality: %s\n", olx_last_error()));
+  }
+  print_rays("of the field", scene, field);
+  for (uint32_t probe = 0; probe < field->info.probe_count; probe++) {
+    for (uint32_t i = 0; i < b->count; i++) {
+      read_block(field, probe, b, i);
+      b->codes[i] = olx_geometry_encode(b->surfaces + TEXELS * i, b->places[i], settings);
+    }
+    replace_geometry(field, probe, b);
+  }
+  print_rays("of decoded planes", scene, field);
+  olx_scene_free(scene);
+}
+
 int main(int argc, char **argv) {
   olx_field *field;
-  if (argc < 2) return fprintf(stderr, "usage: block_quality FIELD.olx [TOLERANCE] [LEAST_COSINE]\n"), 2;
-  if (olx_field_open(argv[1], &field) != OLX_OK) return fprintf(stderr, "block_quality: %s\n", olx_last_error()), 1;
+  size_t bytes;
+  if (argc < 2) return fprintf(stderr, "usage: block_quality FIELD.olx [TOLERANCE] [LEAST_COSINE] [SCENE]\n"), 2;
+  void *data = read_file(argv[1], &bytes);
+  if (olx_field_open_memory(data, bytes, &field) != OLX_OK) {
+    free(data);
+    return fprintf(stderr, "block_quality: %s\n", olx_last_error()), 1;
+  }
   olx_geometry_settings settings = olx_geometry_settings_default();
   if (argc > 2) settings.tolerance = (float)atof(argv[2]);
   if (argc > 3) settings.least_cosine = (float)atof(argv[3]);
@@ -331,6 +413,8 @@ int main(int argc, char **argv) {
   print_material("base colour in BC1: 0.5 bytes a texel", &r.bc1, &r);
   print_material("roughness in BC4: 0.5 bytes a texel", &r.bc4_roughness, &r);
   print_material("reflectance in BC4: 0.5 bytes a texel", &r.bc4_reflectance, &r);
+  if (argc > 4) judge_rays(argv[4], field, &b, &settings);
   olx_field_close(field);
+  free(data);
   return 0;
 }

@@ -78,7 +78,7 @@ olx_bc1_block olx_bc1_encode(const uint32_t texels[16], uint32_t counted) {
   olx_line_colours s;
   load(&s, texels, counted);
   olx_line l = olx_line_through(&s, CHANNELS);
-  if (memcmp(l.from, l.to, CHANNELS * sizeof *l.from) == 0) return encode_single(&l);
+  if (l.from[0] == l.to[0] && l.from[1] == l.to[1] && l.from[2] == l.to[2]) return encode_single(&l);
   for (uint32_t round = 0; round < REFINEMENTS; round++) olx_line_refine(&s, STEPS, &l);
   uint32_t ends[2][CHANNELS];
   for (uint32_t k = 0; k < CHANNELS; k++) {

@@ -192,16 +192,19 @@ static olx_line brighter_part(const olx_line *l, float share) {
   return part;
 }
 
+static one_region refined_line(const colours *s, olx_line l) {
+  for (uint32_t round = 0; round < REFINEMENTS; round++) olx_line_refine(&s->line, SIXTEEN, &l);
+  return code_line(s, &l);
+}
+
 static one_region best_line(const colours *s) {
   const olx_line whole = olx_line_through(&s->line, CHANNELS);
   float length = 0.0f;
   for (uint32_t k = 0; k < CHANNELS; k++) length = olx_max(length, fabsf(whole.to[k] - whole.from[k]));
-  one_region best = {.line = {.error = INFINITY}};
-  for (uint32_t start = 0; start < (length > LONG_LINE ? STARTS : 1); start++) {
-    olx_line l = brighter_part(&whole, 0.25f * (float)start);
-    for (uint32_t round = 0; round < REFINEMENTS; round++) olx_line_refine(&s->line, SIXTEEN, &l);
-    const one_region r = code_line(s, &l);
-    if (r.line.error < best.line.error || start == 0) best = r;
+  one_region best = refined_line(s, whole);
+  for (uint32_t start = 1; start < STARTS && length > LONG_LINE; start++) {
+    const one_region r = refined_line(s, brighter_part(&whole, 0.25f * (float)start));
+    if (r.line.error < best.line.error) best = r;
   }
   return best;
 }
@@ -282,7 +285,7 @@ static void code_lines(const colours parts[REGIONS], const olx_line lines[REGION
 }
 
 static two_regions best_lines(const colours *s, const coded_line *one, uint32_t counted) {
-  uint32_t shapes[SHAPES_TRIED];
+  uint32_t shapes[SHAPES_TRIED] = {0};
   two_regions best = {.error = INFINITY};
   nearest_shapes(second_side(one, counted), counted, shapes);
   for (uint32_t i = 0; i < SHAPES_TRIED; i++) {
@@ -328,6 +331,7 @@ static olx_bc6h_block stored(const olx_block_writer *w) {
 
 static olx_bc6h_block write_one(one_region *r) {
   coded_line *c = &r->line;
+  const uint32_t more = r->precision > 10 ? r->precision - 10 : 0;
   turn(c, 0, 15);
   olx_block_writer w = {0, 0, 0};
   olx_block_put(&w, r->code, 5);
@@ -335,7 +339,7 @@ static olx_bc6h_block write_one(one_region *r) {
   for (uint32_t k = 0; k < CHANNELS; k++) {
     const uint32_t difference = r->precision == 10 ? c->to[k] : c->to[k] - c->from[k];
     olx_block_put(&w, difference & ((1u << r->difference_bits) - 1), r->difference_bits);
-    olx_block_put(&w, reversed(c->from[k] >> 10, r->precision - 10), r->precision - 10);
+    olx_block_put(&w, reversed(c->from[k] >> 10, more), more);
   }
   for (uint32_t i = 0; i < TEXELS; i++) olx_block_put(&w, (uint32_t)c->index[i], i == 0 ? 3 : 4);
   return stored(&w);

@@ -38,7 +38,7 @@ typedef struct frame {
 typedef struct views {
   frame frame;
   uint32_t seen;                        // a bit for each texel that is not sky
-  float inverse[OLX_BLOCK_TEXELS];      // depth |p|_1 of the point
+  float inverse[OLX_BLOCK_TEXELS];      // 1 / |p|_1 of the point
   float row[NUMBERS][OLX_BLOCK_TEXELS]; // of a fit, its inverse depth at the texel is the product with this
   float scale[OLX_BLOCK_TEXELS];        // footprints, for one of inverse depth and of a plane's distance
   float normal[NUMBERS][OLX_BLOCK_TEXELS];

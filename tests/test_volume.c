@@ -166,6 +166,7 @@ static void light_in_free_space_is_that_of_path_tracing(void **state) {
     assert_int_equal(olx_scene_load(names[i], &scene), OLX_OK);
     olx_bake_settings settings = small_settings(scene);
     settings.radiance_size = 256;
+    settings.probe_light = true; // to compare with
     olx_bake_stats stats;
     olx_field *field = baked_field(scene, &settings, &stats);
     assert_true(stats.volume_bytes <= 1300ull * stats.volume_probes);
@@ -257,6 +258,7 @@ static void without_a_volume_irradiance_probes_answer(void **state) {
   settings.radiance_size = 32;
   settings.grid = (olx_grid){.origin = {0, 1, 0}, .count = {1, 1, 1}};
   settings.irradiance_grid = settings.grid;
+  settings.probe_light = true;
   olx_bake_stats stats;
   olx_field *field = baked_field(scene, &settings, &stats);
   assert_int_equal(stats.volume_probes, 0);

@@ -256,9 +256,11 @@ static bool compile_frame(olx_vulkan_field *field, const olx_field *source, olx_
   targets.passes = OLX_VULKAN_PASS_DIFFUSE;
   fine = fine && begin_step(&diffuse, "") && end_step(olx_vulkan_frame_resize(frame, &targets));
   targets.passes = OLX_VULKAN_PASS_GLOSSY;
-  targets.hits = 1u << OLX_HITS_STORED;
-  fine = fine && begin_step(olx_field_describe(source).relight_size ? &relit : &stored, "") &&
-         end_step(olx_vulkan_frame_resize(frame, &targets));
+  if (olx_probe_light_check(source) == OLX_OK) {
+    targets.hits = 1u << OLX_HITS_STORED;
+    fine = fine && begin_step(olx_field_describe(source).relight_size ? &relit : &stored, "") &&
+           end_step(olx_vulkan_frame_resize(frame, &targets));
+  }
   targets.hits = 1u << OLX_HITS_SHADED;
   for (olx_tracer tracer = OLX_TRACER_TEXEL; fine && tracer < OLX_TRACER_HIZ; tracer++) {
     targets.tracers = 1u << tracer;

@@ -155,6 +155,7 @@ static olx_result bake(relit_run *r, const olx_scene *scene, bool relight, uint3
   settings.irradiance_size = r->c->irradiance_size;
   settings.bounces = BOUNCES;
   settings.relight = relight;
+  settings.probe_light = true; // both are compared at irradiance probes
   settings.seed = seed;
   settings.threads = r->b->options->threads;
   olx_bake_stats stats = {0};

@@ -122,7 +122,7 @@ typedef struct olx_vulkan_targets {
   // Tracers, selectors and kinds of light at the end of rays that settings will name, as bits 1 << olx_tracer, 1 << olx_select and
   // 1 << olx_hits. Each three have a pipeline of their own, made here, so that recording makes none. 0: OLX_TRACER_HIZ;
   // OLX_SELECT_BEST; OLX_HITS_SHADED, and for a field that was baked for relighting OLX_HITS_STORED as well. Once a relighter changes
-  // the field's lights it is OLX_HITS_STORED whatever settings name.
+  // the field's lights it is OLX_HITS_STORED whatever settings name. Naming OLX_HITS_STORED needs a field with probe light.
   uint32_t tracers, selects, hits;
 } olx_vulkan_targets;
 
@@ -172,7 +172,7 @@ typedef struct olx_vulkan_settings {
   uint32_t glossy_samples;    // rays a pixel on glossy surfaces, 1 to 4096; default 1. Mirrors take 1
   uint32_t sample_index;      // which part of a pixel's sequence of random numbers: count frames here; default 0
   uint32_t seed;              // another sequence for every pixel; default 0
-  bool irradiance_probes; // irradiance comes from irradiance probes alone; default false
+  bool irradiance_probes; // irradiance comes from irradiance probes alone, of a field with probe light; default false
   float dim_lobe; // rough specular lobes that reflect less than this share towards the eye are not traced but
                   // take irradiance; default 0 (section 6)
   olx_vulkan_denoise denoise;

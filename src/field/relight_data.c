@@ -7,6 +7,7 @@ olx_result olx_relight_info_check(const olx_field_info *info, const char *name, 
   if (size != 16 && size != 32 && size != 64 && size != 128) {
     return olx_fail(failure, "%s: %u surfaces along a side are not 16, 32, 64 or 128", name, size);
   }
+  if (!info->irradiance_probe_count) return olx_fail(failure, "%s: relighting, but no irradiance probes", name);
   if (info->irradiance_form != OLX_IRRADIANCE_OCTAHEDRAL) {
     return olx_fail(failure, "%s: relighting needs octahedral irradiance, not %s", name,
                     olx_irradiance_form_name(info->irradiance_form));

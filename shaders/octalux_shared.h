@@ -233,6 +233,9 @@ OLX_GPU_STRUCT(olx_gpu_field) {
   olx_gpu_float last_bounce;              // the share of indirect light that has all bounces behind it
   olx_gpu_uint volume_first;              // the irradiance volume, in words; 0: the field has none
   olx_gpu_uvec4 pyramid_first; // where its levels begin, the finest first
+  olx_gpu_uint surface_stride; // of maps of surfaces: n, or n + 2 where they have borders
+  olx_gpu_uint compressed;     // 1: materials are packed as in blocks, whatever format their images have
+  olx_gpu_uint padding[2];
 };
 
 OLX_GPU_STRUCT(olx_gpu_probe) {

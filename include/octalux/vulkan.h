@@ -45,6 +45,9 @@ typedef struct olx_vulkan_host {
   uint32_t queue_family;
   // Every pipeline is created with it; it must not have been created externally synchronized. VK_NULL_HANDLE: none.
   VkPipelineCache pipeline_cache;
+  // The device was created with the feature textureCompressionBC: it holds light and material as a field has them, 3.5 bytes a
+  // texel, which else are decoded to 14 (octalux/field.h, olx_field_info.compressed).
+  bool texture_compression_bc;
 } olx_vulkan_host;
 
 // A field in the GPU's memory.

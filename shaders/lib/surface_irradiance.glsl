@@ -175,10 +175,10 @@ olx_texel_light olx_read_texels(olx_sample_settings settings, uint probe, vec3 p
                    olx_passes_all(c, a, b, c, d, others), olx_passes_all(d, a, b, c, d, others));
   }
   vec3 sum = vec3(0.0);
-  if (weight.x > 0.0) sum += olx_texel_indirect(v.map, at) * weight.x;
-  if (weight.y > 0.0) sum += olx_texel_indirect(v.map, at + ivec2(1, 0)) * weight.y;
-  if (weight.z > 0.0) sum += olx_texel_indirect(v.map, at + ivec2(0, 1)) * weight.z;
-  if (weight.w > 0.0) sum += olx_texel_indirect(v.map, at + ivec2(1, 1)) * weight.w;
+  if (weight.x > 0.0) sum += olx_texel_indirect(probe, at) * weight.x;
+  if (weight.y > 0.0) sum += olx_texel_indirect(probe, at + ivec2(1, 0)) * weight.y;
+  if (weight.z > 0.0) sum += olx_texel_indirect(probe, at + ivec2(0, 1)) * weight.z;
+  if (weight.w > 0.0) sum += olx_texel_indirect(probe, at + ivec2(1, 1)) * weight.w;
   return olx_texel_light(sum, weight.x + weight.y + weight.z + weight.w);
 }
 

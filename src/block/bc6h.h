@@ -16,7 +16,8 @@ enum {
   OLX_BC6H_ENDS = 4, // of two lines
   OLX_BC6H_SHAPES = 32,
   OLX_BC6H_TWO_REGION_MODES = 10,
-  OLX_BC6H_MOST_RUNS = 23
+  OLX_BC6H_MOST_RUNS = 23,
+  OLX_BC6H_BLACK = 3 // first word of the block that the encoder makes of nothing; the others are 0
 };
 
 // Where bits of a block go: to the number `of` (channel + 3 end), from its bit `first` on.
@@ -43,6 +44,9 @@ static inline uint32_t olx_bc6h_unquantize(uint32_t code, uint32_t bits) {
   if (bits >= 15 || code == 0) return code;
   return code == (1u << bits) - 1 ? 0xFFFFu : ((code << 16) + 0x8000u) >> bits;
 }
+
+// Whether a block is of one of the fourteen modes.
+static inline bool olx_bc6h_is_valid(const olx_bc6h_block *block) { return (block->words[0] & 19u) != 19u; }
 
 // A texel, row by row from 0 to 15: never negative, at most 65504. Blocks of the four unused modes are black.
 olx_vec3 olx_bc6h_texel(const olx_bc6h_block *block, uint32_t texel);

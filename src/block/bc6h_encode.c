@@ -367,7 +367,7 @@ static olx_bc6h_block write_two(two_regions *r) {
 
 olx_bc6h_block olx_bc6h_encode(const olx_vec3 texels[16], const float relative_to[16], uint32_t counted) {
   counted &= 0xFFFFu;
-  if (!counted) return (olx_bc6h_block){{3}}; // of one region, since that is decoded fastest
+  if (!counted) return (olx_bc6h_block){{OLX_BC6H_BLACK}}; // of one region, since that is decoded fastest
   colours s;
   set_colours(&s, texels, relative_to, counted);
   one_region one = best_line(&s);

@@ -390,6 +390,11 @@ int main(int argc, char **argv) {
     free(data);
     return fprintf(stderr, "block_quality: %s\n", olx_last_error()), 1;
   }
+  if (field->info.compressed) {
+    olx_field_close(field);
+    free(data);
+    return fprintf(stderr, "block_quality: %s: has blocks already; bake it with --uncompressed\n", argv[1]), 1;
+  }
   olx_geometry_settings settings = olx_geometry_settings_default();
   if (argc > 2) settings.tolerance = (float)atof(argv[2]);
   if (argc > 3) settings.least_cosine = (float)atof(argv[3]);

@@ -233,9 +233,10 @@ OLX_GPU_STRUCT(olx_gpu_field) {
   olx_gpu_float last_bounce;              // the share of indirect light that has all bounces behind it
   olx_gpu_uint volume_first;              // the irradiance volume, in words; 0: the field has none
   olx_gpu_uvec4 pyramid_first; // where its levels begin, the finest first
-  olx_gpu_uint surface_stride; // of maps of surfaces: n, or n + 2 where they have borders
+  olx_gpu_float surface_scale; // of where maps of surfaces begin to where others do: less than 1 where they have no border
+  olx_gpu_uint surface_border; // 1, or 0 without
   olx_gpu_uint compressed;     // 1: materials are packed as in blocks, whatever format their images have
-  olx_gpu_uint padding[2];
+  olx_gpu_uint padding;
 };
 
 OLX_GPU_STRUCT(olx_gpu_probe) {

@@ -52,7 +52,7 @@ void surface_rows() {
   ivec2 first = texel - ivec2(corner & 1u, corner >> 1 & 1u);
   olx_probe_view v = olx_view_from(settings, probe, place, geometric);
   switch (row) {
-  case ROW_olx_texel_indirect: put(olx_texel_indirect(probe, texel)); break;
+  case ROW_olx_texel_indirect: put(olx_texel_indirect(olx_map_origin(probe), texel)); break;
   case ROW_olx_rank_weight: put(olx_rank_weight(settings, place, geometric, probe)); break;
   case ROW_olx_has_bricks: put(olx_has_bricks()); break;
   case ROW_olx_ranked_count: put(olx_ranked_count(false)), put(olx_ranked_count(true)); break;

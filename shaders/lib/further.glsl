@@ -26,7 +26,7 @@ bool olx_further_draw(olx_trace_hit hit, vec3 direction, vec2 random, out olx_fu
   ray = olx_further_ray(vec3(0.0), vec3(0.0), vec3(0.0));
   bool drawn = hit.lobe.x + hit.lobe.y + hit.lobe.z > 0.0;
   if (drawn) {
-    olx_bsdf bsdf = olx_texel_material(hit.probe, hit.texel);
+    olx_bsdf bsdf = olx_texel_material(olx_map_origin(hit.probe), hit.texel);
     vec3 view = -direction;
     float cosine = olx_dot(view, hit.normal);
     vec3 reflectance = olx_fresnel(bsdf, cosine);

@@ -66,13 +66,13 @@ float olx_lit_share(vec3 stored, vec3 most) {
 
 // `position`: metres, on the texel's surface; `direction`: of the ray that found it, unit. The texel is not sky, nor one
 // of the border.
-olx_reflection olx_texel_shade(uint probe, ivec2 texel, vec3 position, vec3 direction) {
-  vec3 normal = olx_texel_normal(olx_map_origin(probe), texel);
+olx_reflection olx_texel_shade(ivec3 origin, ivec2 texel, vec3 position, vec3 direction) {
+  vec3 normal = olx_texel_normal(origin, texel);
   olx_texel_surface s =
-      olx_texel_surface(olx_texel_material(probe, texel), position, normal, -direction,
-                        max(abs(olx_dot(normal, direction)), 1e-3), olx_texel_direct(probe, texel));
+      olx_texel_surface(olx_texel_material(origin, texel), position, normal, -direction,
+                        max(abs(olx_dot(normal, direction)), 1e-3), olx_texel_direct(origin, texel));
   // This surface is one more on the light's way, so the last of the bounces that are stored is left out.
-  vec3 all_light = s.direct + olx_texel_indirect(probe, texel) * (1.0 - olx_field.last_bounce);
+  vec3 all_light = s.direct + olx_texel_indirect(origin, texel) * (1.0 - olx_field.last_bounce);
   olx_reflection light =
       olx_reflection(olx_bsdf_diffuse(s.bsdf, s.cosine) * all_light * (1.0 / OLX_PI), vec3(0.0));
   if (olx_bsdf_has_specular(s.bsdf)) {

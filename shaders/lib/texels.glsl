@@ -9,17 +9,16 @@
 const uint OLX_EMISSION_TILE = 8u; // texels along a side of a tile of emission
 const float OLX_REFLECTANCE_FULL = 128.0; // a specular weight of 1
 
-// Where the images of surfaces hold a texel, which may be one of the border. Images of blocks have none.
-ivec3 olx_surface_at(uint probe, ivec2 texel) {
-  int n = int(olx_field.n), border = (int(olx_field.surface_stride) - n) / 2;
-  ivec3 corner = olx_map_corner(probe, olx_field.surface_stride, olx_field.maps_a_side);
-  return corner + ivec3(olx_border_source(texel, n) + border, 0);
+// Where the images of surfaces hold a texel, none of the border, of the maps that begin at `origin`: images of blocks have none.
+ivec3 olx_surface_at(ivec3 origin, ivec2 texel) {
+  ivec2 corner = ivec2(vec2(origin.xy - 1) * olx_field.surface_scale + 0.5);
+  return ivec3(corner + int(olx_field.surface_border) + texel, origin.z);
 }
 
 // How the surface reflects. Texture units make shares of the bytes; a field of blocks has reflectance in one byte, as
 // src/block/reflectance.h packs it, and roughness beside that.
-olx_bsdf olx_texel_material(uint probe, ivec2 texel) {
-  ivec3 at = olx_surface_at(probe, texel);
+olx_bsdf olx_texel_material(ivec3 origin, ivec2 texel) {
+  ivec3 at = olx_surface_at(origin, texel);
   vec4 base = texelFetch(olx_base_maps, at, 0);
   vec2 specular = texelFetch(olx_specular_maps, at, 0).rg;
   bool packed = olx_field.compressed != 0u;
@@ -31,13 +30,13 @@ olx_bsdf olx_texel_material(uint probe, ivec2 texel) {
 }
 
 // Irradiance in W/m^2 that reaches the surface straight from emitters and the sky.
-vec3 olx_texel_direct(uint probe, ivec2 texel) {
-  return texelFetch(olx_direct_maps, olx_surface_at(probe, texel), 0).rgb;
+vec3 olx_texel_direct(ivec3 origin, ivec2 texel) {
+  return texelFetch(olx_direct_maps, olx_surface_at(origin, texel), 0).rgb;
 }
 
 // Irradiance in W/m^2 of light that has at least one surface between emitter and texel.
-vec3 olx_texel_indirect(uint probe, ivec2 texel) {
-  return texelFetch(olx_indirect_maps, olx_surface_at(probe, texel), 0).rgb;
+vec3 olx_texel_indirect(ivec3 origin, ivec2 texel) {
+  return texelFetch(olx_indirect_maps, olx_surface_at(origin, texel), 0).rgb;
 }
 
 // Radiance in W/(sr m^2) that an emitter sends towards the probe, or that of the sky; 0 for a surface that does not emit.

@@ -227,7 +227,7 @@ void olx_read_light(olx_search s, inout olx_trace_hit hit) {
   if (stored && !hit.emitter) hit.radiance = olx_texel_radiance(map, hit.texel);
   // Stored radiance of a texel that emits is the sum of both.
   if (hits != OLX_HITS_RELIT && (!stored || hit.emitter)) {
-    olx_reflection light = olx_texel_shade(hit.probe, hit.texel, hit.position, s.direction);
+    olx_reflection light = olx_texel_shade(map, hit.texel, hit.position, s.direction);
     hit.radiance = light.reflected + light.lobe;
     if (!stored) hit.lobe = light.lobe;
   }

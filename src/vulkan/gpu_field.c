@@ -141,7 +141,8 @@ static olx_gpu_grid grid_constants(const olx_grid *grid) {
 static olx_gpu_field field_constants(const olx_vulkan_field *gpu, const olx_field *field) {
   const olx_field_info *info = &field->info;
   const olx_gpu_maps *distance = &gpu->maps[OLX_BINDING_DISTANCE - OLX_BINDING_RADIANCE],
-                     *irradiance = &gpu->maps[OLX_BINDING_IRRADIANCE - OLX_BINDING_RADIANCE];
+                     *irradiance = &gpu->maps[OLX_BINDING_IRRADIANCE - OLX_BINDING_RADIANCE],
+                     *surfaces = &gpu->maps[OLX_BINDING_BASE - OLX_BINDING_RADIANCE];
   return (olx_gpu_field){
       .grid = info->has_grid ? grid_constants(&info->grid) : (olx_gpu_grid){.count = {0, 0, 0, 0}},
       .irradiance_grid = grid_constants(&info->irradiance_grid),
@@ -169,7 +170,8 @@ static olx_gpu_field field_constants(const olx_vulkan_field *gpu, const olx_fiel
       .volume_first = field->volume.header ? first_word(gpu, OLX_WORDS_VOLUME) : 0,
       .pyramid_first = {field->pyramid.first[0], field->pyramid.first[1], field->pyramid.first[2],
                         field->pyramid.first[3]},
-      .surface_stride = gpu->maps[OLX_BINDING_BASE - OLX_BINDING_RADIANCE].stride,
+      .surface_scale = (float)surfaces->stride / (float)field->stride,
+      .surface_border = !surfaces->blocks,
       .compressed = !field->surfaces.base,
   };
 }

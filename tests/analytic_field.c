@@ -247,16 +247,16 @@ void analytic_field_compress(olx_field *f) {
   f->surfaces.indirect_blocks = all.indirect;
   f->surfaces.base = f->surfaces.direct = f->surfaces.indirect = NULL;
   f->surfaces.specular = NULL;
-  const void *done[] = {plain.base, plain.specular, plain.direct, plain.indirect, base, specular, direct, indirect,
-                        distance};
+  const void *done[] = {plain.base, plain.specular, plain.direct, plain.indirect, base,
+                        specular,   direct,         indirect,     distance};
   for (size_t i = 0; i < sizeof done / sizeof *done; i++) free((void *)(uintptr_t)done[i]);
 }
 
 void analytic_field_free(olx_field *f) {
   const olx_field_surfaces *s = &f->surfaces;
-  const void *blocks[] = {f->probe_positions, f->probe_flags,     f->radiance,      f->normal,         f->distance,
-                          f->least,           f->greatest,        f->irradiance,    f->moments,        s->base,
-                          s->specular,        s->direct,          s->indirect,      s->emission,       s->tiles,
+  const void *blocks[] = {f->probe_positions, f->probe_flags,     f->radiance,      f->normal,          f->distance,
+                          f->least,           f->greatest,        f->irradiance,    f->moments,         s->base,
+                          s->specular,        s->direct,          s->indirect,      s->emission,        s->tiles,
                           s->base_blocks,     s->specular_blocks, s->direct_blocks, s->indirect_blocks, f};
   for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) free((void *)(uintptr_t)blocks[i]);
 }

@@ -281,7 +281,7 @@ olx_result synthetic_write_probes(olx_field_writer *writer, const synthetic_shap
     const bool probe_light = probes_of(shape->irradiance_grid) > 0;
     result = olx_field_writer_probe(writer, i, synthetic_flags(i), probe_light ? first : NULL, normal, distance);
     olx_surface_maps maps = synthetic_surface_maps(shape->n, i, distance, room);
-    olx_surface_blocks blocks = {NULL};
+    olx_surface_blocks blocks = {0};
     if (shape->compressed) blocks = synthetic_surface_blocks(shape->n, distance, &maps);
     if (result == OLX_OK) result = olx_field_writer_surface(writer, i, &maps);
     olx_surface_blocks_free(&blocks);

@@ -205,10 +205,8 @@ static void an_estimate_is_a_time(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      IN_FOLDER(bakes_take_what_they_say),
-      IN_FOLDER(probe_light_has_its_size),
-      IN_FOLDER(blocks_have_their_size),
-      IN_FOLDER(what_does_not_fit_is_refused_at_once),
+      IN_FOLDER(bakes_take_what_they_say),     IN_FOLDER(probe_light_has_its_size),
+      IN_FOLDER(blocks_have_their_size),       IN_FOLDER(what_does_not_fit_is_refused_at_once),
       cmocka_unit_test(an_estimate_is_a_time),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

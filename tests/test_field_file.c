@@ -232,7 +232,8 @@ static void test_texels_of_blocks(void **state) {
                    texel = (uint32_t)(source_y % 4 * 4 + source_x % 4);
     const size_t at = olx_map_index(field->stride, x, y);
     const olx_field_surfaces *s = &field->surfaces;
-    const olx_vec3 light = olx_texel_direct(field, probe, at), expected = olx_bc6h_texel(&s->direct_blocks[block], texel);
+    const olx_vec3 light = olx_texel_direct(field, probe, at),
+                   expected = olx_bc6h_texel(&s->direct_blocks[block], texel);
     assert_memory_equal(&light, &expected, sizeof light);
     olx_surface_row(field, OLX_SURFACE_BASE, probe, (uint32_t)(y + 1), base);
     olx_surface_row(field, OLX_SURFACE_SPECULAR, probe, (uint32_t)(y + 1), specular);

@@ -64,8 +64,9 @@ typedef struct olx_vulkan_sizes {
 // memory again). Allocates no memory itself.
 olx_result olx_vulkan_field_measure(const olx_vulkan_host *host, const olx_field *field, olx_vulkan_sizes *sizes);
 
-// Copy a field to the device, as it lies in its file but for blocks that the device cannot read, through a small ring of staging memory. Returns when the copy is
-// complete; `field` may then be closed. On success *uploaded is the caller's to destroy, on failure it is NULL.
+// Copy a field to the device, as it lies in its file but for blocks that the device cannot read, through a small ring of staging
+// memory. Returns when the copy is complete; `field` may then be closed. On success *uploaded is the caller's to destroy, on
+// failure it is NULL.
 olx_result olx_vulkan_field_create(const olx_vulkan_host *host, const olx_field *field, olx_vulkan_field **uploaded);
 
 // NULL is allowed. Frames made from it must be destroyed before.

@@ -9,7 +9,8 @@
 const uint OLX_EMISSION_TILE = 8u; // texels along a side of a tile of emission
 const float OLX_REFLECTANCE_FULL = 128.0; // a specular weight of 1
 
-// Where the images of surfaces hold a texel, none of the border, of the maps that begin at `origin`: images of blocks have none.
+// Where images of surfaces hold a texel of the probe whose maps begin at `origin`. Images of blocks have no border, so here
+// and in what follows a texel is none of the border.
 ivec3 olx_surface_at(ivec3 origin, ivec2 texel) {
   ivec2 corner = ivec2(vec2(origin.xy - 1) * olx_field.surface_scale + 0.5);
   return ivec3(corner + int(olx_field.surface_border) + texel, origin.z);
@@ -23,7 +24,8 @@ olx_bsdf olx_texel_material(ivec3 origin, ivec2 texel) {
   vec2 specular = texelFetch(olx_specular_maps, at, 0).rg;
   bool packed = olx_field.compressed != 0u;
   float code = specular.g * 255.0;
-  float metallic = packed ? max((code - OLX_REFLECTANCE_FULL) * (1.0 / (255.0 - OLX_REFLECTANCE_FULL)), 0.0) : specular.r;
+  float metallic =
+      packed ? max((code - OLX_REFLECTANCE_FULL) * (1.0 / (255.0 - OLX_REFLECTANCE_FULL)), 0.0) : specular.r;
   float roughness = packed ? specular.r : base.a;
   float weight = packed ? min(code * (1.0 / OLX_REFLECTANCE_FULL), 1.0) : specular.g;
   return olx_bsdf_make(base.rgb * base.rgb, metallic, roughness, weight);

@@ -199,8 +199,7 @@ olx_result olx_surface_capture_probe(olx_surface_capture *c, olx_surface_maps *m
   const uint32_t rows = capture->size;
   c->last_bounce = c->light ? (float)olx_scene_light_describe(c->light).last_bounce : 0.0f;
   if (c->light) OLX_TRY(olx_texel_light(capture, c->light, c->irradiance));
-  OLX_TRY(olx_parallel_for(rows, capture->threads, capture_row, c, capture->task,
-                           olx_surface_capture_units(c) / rows));
+  OLX_TRY(olx_parallel_for(rows, capture->threads, capture_row, c, capture->task, olx_surface_capture_units(c) / rows));
   *maps = (olx_surface_maps){c->base, c->specular, c->direct, c->indirect, c->emission};
   if (!c->compressed) return OLX_OK;
   const olx_surface_texels texels = {c->base, c->specular, c->direct, c->indirect, capture->distance};

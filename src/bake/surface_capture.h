@@ -4,8 +4,8 @@
 #define OLX_BAKE_SURFACE_CAPTURE_H
 
 #include "bake/capture.h"
-#include "field/surface_encode.h"
 #include "field/field_writer.h"
+#include "field/surface_encode.h"
 #include "light/scene_light.h"
 
 #include <octalux/bake.h>

@@ -243,7 +243,8 @@ olx_result olx_field_info_read(const olx_chunk_file *file, olx_field_info *info)
   // What the description holds must be what a writer makes of it: flags 0 or 1, what there is not 0.
   const olx_file_info again = olx_field_info_store(info);
   if (memcmp(&again, stored, sizeof again) == 0) return OLX_OK;
-  return olx_fail(OLX_ERROR_FORMAT, "%s: chunk INFO: a flag that is not 0 or 1, or an absent grid that is not 0", file->name);
+  return olx_fail(OLX_ERROR_FORMAT, "%s: chunk INFO: a flag that is not 0 or 1, or an absent grid that is not 0",
+                  file->name);
 }
 
 // Rounding of origin + index * spacing apart, probes stand where the grid says.

@@ -80,7 +80,8 @@ static olx_result check_sky(const olx_field *field, uint32_t probe, uint32_t x, 
 
 static bool all_is_sky(const olx_field *field, uint32_t probe, uint32_t x, uint32_t y) {
   for (uint32_t i = 0; i < OLX_BLOCK_SIDE * OLX_BLOCK_SIDE; i++) {
-    const size_t texel = olx_map_index(field->stride, (int32_t)(x + i % OLX_BLOCK_SIDE), (int32_t)(y + i / OLX_BLOCK_SIDE));
+    const size_t texel =
+        olx_map_index(field->stride, (int32_t)(x + i % OLX_BLOCK_SIDE), (int32_t)(y + i / OLX_BLOCK_SIDE));
     if (field->distance[field->texels * probe + texel] != 0x7C00u) return false;
   }
   return true;
@@ -103,7 +104,7 @@ static olx_result check_blocks(const olx_field *field, uint32_t probe, uint32_t 
              *indirect = check_light_block(&s->indirect_blocks[at], sky);
   if (direct) return fail_at(field, "direct light", probe, x, y, direct);
   if (indirect) return fail_at(field, "indirect light", probe, x, y, indirect);
-  const char *what = memcmp(&s->base_blocks[at], &no_base, sizeof no_base) != 0             ? "base colour"
+  const char *what = memcmp(&s->base_blocks[at], &no_base, sizeof no_base) != 0               ? "base colour"
                      : memcmp(&s->specular_blocks[at], &no_specular, sizeof no_specular) != 0 ? "reflectance"
                                                                                               : NULL;
   return sky && what ? fail_at(field, what, probe, x, y, "a block of sky that is not 0") : OLX_OK;

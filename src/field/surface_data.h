@@ -38,8 +38,8 @@ typedef struct olx_field_surfaces {
   const uint32_t *direct;   // RGB9E5, W/m^2
   const uint32_t *indirect; // RGB9E5, W/m^2
   // Maps of blocks have none: (n / 4)^2 for each probe, row by row.
-  const olx_bc1_block *base_blocks;     // the roots of base colours
-  const olx_bc5_block *specular_blocks; // roughness and olx_reflectance_pack
+  const olx_bc1_block *base_blocks;                      // the roots of base colours
+  const olx_bc5_block *specular_blocks;                  // roughness and olx_reflectance_pack
   const olx_bc6h_block *direct_blocks, *indirect_blocks; // W/m^2
   const uint32_t *emission; // tile_side^2 words a probe, rows of tiles: 0, or 1 and the number of a tile
   const uint32_t *tiles;    // OLX_EMISSION_TILE_TEXELS texels each, rows, RGB9E5, W/(sr m^2)

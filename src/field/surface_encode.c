@@ -85,5 +85,5 @@ void olx_surface_blocks_free(olx_surface_blocks *b) {
   olx_release(b->specular);
   olx_release(b->direct);
   olx_release(b->indirect);
-  *b = (olx_surface_blocks){NULL};
+  *b = (olx_surface_blocks){0};
 }

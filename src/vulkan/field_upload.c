@@ -44,7 +44,8 @@ static void fill_rows(const olx_field *field, const olx_gpu_maps *maps, uint32_t
 static olx_result upload_map(olx_vulkan_field *gpu, const olx_field *field, olx_uploader *uploader,
                              const olx_gpu_maps *maps, uint32_t map) {
   const uint32_t unit = maps->blocks ? OLX_BLOCK_SIDE : 1; // texels along a side of what has texel_bytes
-  const uint32_t all = maps->stride / unit, row_bytes = all * maps->texel_bytes, most = OLX_STAGING_SLOT_BYTES / row_bytes;
+  const uint32_t all = maps->stride / unit, row_bytes = all * maps->texel_bytes,
+                 most = OLX_STAGING_SLOT_BYTES / row_bytes;
   const uint32_t maps_a_layer = maps->maps_a_side * maps->maps_a_side, in_layer = map % maps_a_layer;
   for (uint32_t row = 0; row < all;) {
     const uint32_t rest = all - row, rows = rest < most ? rest : most;

@@ -24,10 +24,9 @@ _Static_assert(sizeof(olx_gpu_field) == 240 && offsetof(olx_gpu_field, irradianc
                    offsetof(olx_gpu_field, emission_first) == 176 && offsetof(olx_gpu_field, tiles_first) == 180 &&
                    offsetof(olx_gpu_field, tile_side) == 184 && offsetof(olx_gpu_field, tile_count) == 188 &&
                    offsetof(olx_gpu_field, lights_first) == 192 && offsetof(olx_gpu_field, light_count) == 196 &&
-                   offsetof(olx_gpu_field, last_bounce) == 200 &&
-                   offsetof(olx_gpu_field, volume_first) == 204 && offsetof(olx_gpu_field, pyramid_first) == 208 &&
-                   offsetof(olx_gpu_field, surface_scale) == 224 && offsetof(olx_gpu_field, surface_border) == 228 &&
-                   offsetof(olx_gpu_field, compressed) == 232,
+                   offsetof(olx_gpu_field, last_bounce) == 200 && offsetof(olx_gpu_field, volume_first) == 204 &&
+                   offsetof(olx_gpu_field, pyramid_first) == 208 && offsetof(olx_gpu_field, surface_scale) == 224 &&
+                   offsetof(olx_gpu_field, surface_border) == 228 && offsetof(olx_gpu_field, compressed) == 232,
                "std140");
 _Static_assert(sizeof(olx_gpu_probe) == 16 && offsetof(olx_gpu_probe, flags) == 12, "std430");
 _Static_assert(sizeof(olx_gpu_frame) == 128 && offsetof(olx_gpu_frame, eye) == 64 &&

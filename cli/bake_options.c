@@ -72,6 +72,7 @@ olx_result resolve_bake_options(const olx_scene *scene, const bake_options *give
   if (given->volume_cells != UINT32_MAX) settings->volume_cells = given->volume_cells;
   settings->classic = given->classic;
   settings->relight = given->relight;
+  settings->uncompressed = given->uncompressed;
   if (given->classic_size) settings->classic_size = given->classic_size;
   if (given->classic_cube_size) settings->classic_cube_size = given->classic_cube_size;
   settings->classic_sharpness = given->classic_sharpness;

@@ -12,7 +12,7 @@ typedef struct bake_options {
   uint32_t radiance_size, irradiance_size, samples, light_samples, threads;
   uint32_t classic_size, classic_cube_size, classic_sharpness, light, reference_paths, seed;
   uint32_t bounces, bounce_gather, irradiance_form, volume_cells; // UINT32_MAX when not given
-  bool probe_light, no_fit, classic, relight;
+  bool probe_light, no_fit, classic, relight, uncompressed;
   float noise;
   const char *probes;
   uint32_t select_mask;
@@ -107,6 +107,7 @@ typedef struct bake_options {
        256},                                                                                                           \
       {"--no-fit", OPTION_FLAG, &(b).no_fit, NULL, "keep irradiance exact at probes, unfitted to surfaces", 0, 0},     \
       {"--relight", OPTION_FLAG, &(b).relight, NULL, "also what it takes to change lights later", 0, 0},               \
+      {"--uncompressed", OPTION_FLAG, &(b).uncompressed, NULL, "light and material as texels, not as 4 x 4 blocks", 0, 0}, \
       {"--classic", OPTION_FLAG, &(b).classic, NULL, "also maps for `render --method classic`", 0, 0},                 \
       {"--classic-size", OPTION_POWER_OF_TWO, &(b).classic_size, "N", "texels along these; default 128", 32, 256},     \
       {"--cube-size",                                                                                                  \

@@ -66,6 +66,7 @@ static int print_info_json(const description *d) {
   add_number(object, "irradiance_buried", info->irradiance_buried_count);
   add_number(object, "radiance_size", info->radiance_size);
   add_number(object, "irradiance_size", info->irradiance_size);
+  cJSON_AddBoolToObject(object, "compressed", info->compressed);
   add_number(object, "volume_probes", info->volume_probe_count);
   if (info->irradiance_probe_count) add_text(object, "irradiance", olx_irradiance_form_name(info->irradiance_form));
   if (info->classic_size) {
@@ -142,7 +143,10 @@ static void print_info(const char *path, const description *d) {
   printf("  selector           %s\n", select_names(info->select_mask).text);
   printf("  light              direct and %u further bounces, %ux%u samples a texel\n", info->bounces, info->samples,
          info->samples);
-  if (d->version == CURRENT_VERSION) printf("  lights             %u without area\n", info->light_count);
+  if (d->version == CURRENT_VERSION) {
+    printf("  lights             %u without area\n", info->light_count);
+    printf("  light, material    %s\n", info->compressed ? "in blocks of 4x4 texels" : "as texels, uncompressed");
+  }
   printf("  scene              %016" PRIx64 "\n", info->scene_hash);
   if (d->version != CURRENT_VERSION) return; // its chunks are not read
   block blocks[BLOCK_COUNT];

@@ -234,7 +234,9 @@ static bool create_device(gpu_device *d, bool compile_only) {
   d->GetPhysicalDeviceFeatures(d->host.physical_device, &has);
   // Mesa's CPU device blurs magnified textures with it, and takes its time.
   d->anisotropy = has.samplerAnisotropy && d->properties.deviceType != VK_PHYSICAL_DEVICE_TYPE_CPU;
-  const VkPhysicalDeviceFeatures features = {.samplerAnisotropy = d->anisotropy};
+  d->host.texture_compression_bc = has.textureCompressionBC;
+  const VkPhysicalDeviceFeatures features = {.samplerAnisotropy = d->anisotropy,
+                                             .textureCompressionBC = has.textureCompressionBC};
   const VkDeviceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
                                    .pNext = d->statistics ? &statistics : NULL,
                                    .queueCreateInfoCount = 1,

@@ -195,6 +195,15 @@ typedef struct olx_gpu_uvec4 {
 
 #define OLX_PASS_SIZE 8 // threads along a side of a pass's workgroup
 
+// Geometry blocks (src/block/geometry_block.h): texels along a side, the form of a block, in the two highest bits of its
+// last word, and what is added to the exponent of a coded plane to be that of a float.
+#define OLX_BLOCK_SIDE 4u
+#define OLX_GEOMETRY_ONE 0u  // one plane, three floats
+#define OLX_GEOMETRY_TWO 1u  // two coded planes, a bit a texel
+#define OLX_GEOMETRY_POOL 2u // the number of the first plane in the pool, four bits a texel to add
+#define OLX_PLANE_EXPONENT 45u
+#define OLX_NO_PLANE 0xFFFFFFFFu
+
 // A regular grid of probes.
 OLX_GPU_STRUCT(olx_gpu_grid) {
   olx_gpu_vec4 origin;  // xyz
@@ -224,6 +233,10 @@ OLX_GPU_STRUCT(olx_gpu_field) {
   olx_gpu_float last_bounce;              // the share of indirect light that has all bounces behind it
   olx_gpu_uint volume_first;              // the irradiance volume, in words; 0: the field has none
   olx_gpu_uvec4 pyramid_first; // where its levels begin, the finest first
+  olx_gpu_float surface_scale; // of where maps of surfaces begin to where others do: less than 1 where they have no border
+  olx_gpu_uint surface_border; // 1, or 0 without
+  olx_gpu_uint compressed;     // 1: materials are packed as in blocks, whatever format their images have
+  olx_gpu_uint padding;
 };
 
 OLX_GPU_STRUCT(olx_gpu_probe) {

@@ -2,6 +2,7 @@
 
 #include "core/hooks.h"
 #include "core/sampling.h"
+#include "field/surface_encode.h"
 #include "field/texels.h"
 #include "select/cage.h"
 
@@ -213,11 +214,50 @@ olx_field *analytic_field_make(const analytic_scene *scene, const olx_grid *grid
   return f;
 }
 
+// The inside of a bordered map.
+static void copy_inside(const olx_field *f, const void *map, uint32_t probe, size_t texel_bytes, void *inside) {
+  const char *from = (const char *)map + f->texels * probe * texel_bytes;
+  for (uint32_t y = 0; y < f->n; y++) {
+    memcpy((char *)inside + y * f->n * texel_bytes, from + olx_map_index(f->stride, 0, (int32_t)y) * texel_bytes,
+           f->n * texel_bytes);
+  }
+}
+
+void analytic_field_compress(olx_field *f) {
+  const size_t texels = (size_t)f->n * f->n, blocks = texels / 16, count = blocks * f->info.probe_count;
+  const olx_field_surfaces plain = f->surfaces;
+  uint32_t *base = zeroed(texels, 4), *direct = zeroed(texels, 4), *indirect = zeroed(texels, 4);
+  uint16_t *specular = zeroed(texels, 2), *distance = zeroed(texels, 2);
+  const olx_surface_blocks all = {zeroed(count, 8), zeroed(count, 16), zeroed(count, 16), zeroed(count, 16)};
+  const olx_surface_texels inside = {base, specular, direct, indirect, distance};
+  for (uint32_t probe = 0; probe < f->info.probe_count; probe++) {
+    copy_inside(f, plain.base, probe, 4, base);
+    copy_inside(f, plain.specular, probe, 2, specular);
+    copy_inside(f, plain.direct, probe, 4, direct);
+    copy_inside(f, plain.indirect, probe, 4, indirect);
+    copy_inside(f, f->distance, probe, 2, distance);
+    const size_t first = blocks * probe;
+    const olx_surface_blocks own = {all.base + first, all.specular + first, all.direct + first, all.indirect + first};
+    if (olx_surface_encode(&inside, f->n, 1, &own) != OLX_OK) abort();
+  }
+  f->info.compressed = true;
+  f->surfaces.base_blocks = all.base;
+  f->surfaces.specular_blocks = all.specular;
+  f->surfaces.direct_blocks = all.direct;
+  f->surfaces.indirect_blocks = all.indirect;
+  f->surfaces.base = f->surfaces.direct = f->surfaces.indirect = NULL;
+  f->surfaces.specular = NULL;
+  const void *done[] = {plain.base, plain.specular, plain.direct, plain.indirect, base,
+                        specular,   direct,         indirect,     distance};
+  for (size_t i = 0; i < sizeof done / sizeof *done; i++) free((void *)(uintptr_t)done[i]);
+}
+
 void analytic_field_free(olx_field *f) {
-  const void *blocks[] = {f->probe_positions,   f->probe_flags,       f->radiance,          f->normal,
-                          f->distance,          f->least,             f->greatest,          f->irradiance,
-                          f->moments,           f->surfaces.base,     f->surfaces.specular, f->surfaces.direct,
-                          f->surfaces.indirect, f->surfaces.emission, f->surfaces.tiles,    f};
+  const olx_field_surfaces *s = &f->surfaces;
+  const void *blocks[] = {f->probe_positions, f->probe_flags,     f->radiance,      f->normal,          f->distance,
+                          f->least,           f->greatest,        f->irradiance,    f->moments,         s->base,
+                          s->specular,        s->direct,          s->indirect,      s->emission,        s->tiles,
+                          s->base_blocks,     s->specular_blocks, s->direct_blocks, s->indirect_blocks, f};
   for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) free((void *)(uintptr_t)blocks[i]);
 }
 

@@ -35,6 +35,9 @@ olx_vec3 analytic_albedo(olx_vec3 position, olx_vec3 normal);
 olx_field *analytic_field_make(const analytic_scene *scene, const olx_grid *grid, uint32_t n, uint32_t irradiance_n);
 void analytic_field_free(olx_field *field);
 
+// Surfaces become blocks, in place of texels.
+void analytic_field_compress(olx_field *field);
+
 // Classic maps of `size` texels along a side, at random: for tests that ask what is read, not what it looks like. Take them away
 // before the field is freed.
 void analytic_field_add_classic(olx_field *field, uint32_t size);

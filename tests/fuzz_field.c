@@ -22,7 +22,7 @@
 #include <unistd.h>
 
 #define ALL (1u << OLX_SELECT_VORONOI | 1u << OLX_SELECT_OCTREE | 1u << OLX_SELECT_BRICKS)
-enum { SHAPES = 15, RAYS = 6, POINTS = 3, SECONDS_A_ROUND = 20, MOST_ADDED = 4096 };
+enum { SHAPES = 17, RAYS = 6, POINTS = 3, SECONDS_A_ROUND = 20, MOST_ADDED = 4096 };
 
 static const synthetic_shape shapes[SHAPES] = {
     {.grid = {1, 1, 1}, .irradiance_grid = {1, 1, 1}, .n = 8, .irradiance_n = 8},
@@ -52,6 +52,8 @@ static const synthetic_shape shapes[SHAPES] = {
     {.grid = {1, 1, 1}, .irradiance_grid = {2, 1, 2}, .n = 8, .irradiance_n = 8, .irradiance_form = OLX_IRRADIANCE_SH2},
     {.grid = {1, 1, 1}, .irradiance_grid = {2, 2, 2}, .n = 8, .irradiance_n = 16, .irradiance_form = OLX_IRRADIANCE_SH3},
     {.grid = {2, 1, 2}, .n = 16, .select_mask = ALL},
+    {.grid = {2, 1, 2}, .n = 16, .select_mask = ALL, .compressed = true},
+    {.grid = {1, 1, 3}, .irradiance_grid = {1, 1, 1}, .n = 32, .irradiance_n = 8, .compressed = true},
 };
 
 typedef struct buffer {
@@ -253,8 +255,8 @@ static void change_maps(dice *d, buffer *b) {
                                          OLX_CHUNK_DISTANCE,    OLX_CHUNK_LEAST,           OLX_CHUNK_GREATEST,
                                          OLX_CHUNK_IRRADIANCE,  OLX_CHUNK_MOMENTS,         OLX_CHUNK_MOMENTS,
                                          OLX_CHUNK_PROBE_FLAGS, OLX_CHUNK_IRRADIANCE_FLAGS, OLX_CHUNK_BASE,
-                                         OLX_CHUNK_DIRECT,      OLX_CHUNK_INDIRECT,        OLX_CHUNK_EMISSION,
-                                         OLX_CHUNK_LIGHTS};
+                                         OLX_CHUNK_SPECULAR,    OLX_CHUNK_DIRECT,          OLX_CHUNK_INDIRECT,
+                                         OLX_CHUNK_EMISSION,    OLX_CHUNK_LIGHTS};
   const buffer map = chunk_of(*b, kinds[draw_below(d, sizeof kinds / sizeof kinds[0])]);
   const size_t halves = map.size_bytes / 2;
   if (halves == 0) return;

@@ -32,14 +32,14 @@ olx_trace_hit some_hit(uint status) {
 }
 
 void hits_rows() {
-  ivec3 map = olx_map_origin(probe);
   switch (row) {
   case ROW_olx_rgb9e5_unpack: put(olx_rgb9e5_unpack(bits.w)); break;
   case ROW_olx_texel_material: {
-    olx_bsdf b = olx_texel_material(map, texel);
+    olx_bsdf b = olx_texel_material(olx_map_origin(probe), texel);
     put(b.albedo), put(b.f0), put(b.f90), put(b.dielectric_weight), put(b.alpha);
   } break;
-  case ROW_olx_texel_direct: put(olx_texel_direct(map, texel)); break;
+  case ROW_olx_surface_at: put(olx_surface_at(olx_map_origin(probe), texel)); break;
+  case ROW_olx_texel_direct: put(olx_texel_direct(olx_map_origin(probe), texel)); break;
   case ROW_olx_texel_emission: put(olx_texel_emission(probe, texel)); break;
   case ROW_olx_word_vector:
     put(olx_field.light_count > 0u ? olx_word_vector(olx_field.lights_first + 7u) : vec3(0.0));
@@ -60,7 +60,7 @@ void hits_rows() {
   } break;
   case ROW_olx_lit_share: put(olx_lit_share(abs(direction), vec3(random.x, 0.0, random.y))); break;
   case ROW_olx_texel_shade: {
-    olx_reflection light = olx_texel_shade(map, texel, point, direction);
+    olx_reflection light = olx_texel_shade(olx_map_origin(probe), texel, point, direction);
     put(light.reflected), put(light.lobe);
   } break;
   case ROW_olx_further_draw: {

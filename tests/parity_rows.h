@@ -247,15 +247,25 @@
 #define ROW_olx_texel_shade 220
 #define ROW_olx_further_draw 221
 #define ROW_olx_further_light 222
-#define ROWS_OF_HITS 223
+#define ROW_olx_surface_at 223
+#define ROWS_OF_HITS 224
 
 // With a test and a shader of their own, since no field is needed.
-#define ROW_olx_volume_find 223
-#define ROW_olx_volume_weight 224
-#define ROW_olx_volume_light 225
-#define ROW_olx_volume_coefficient 226
-#define ROW_olx_harmonics_at 227
-#define ROW_olx_volume_probe 228
-#define ROW_olx_volume_both 229
+#define ROW_olx_volume_find 224
+#define ROW_olx_volume_weight 225
+#define ROW_olx_volume_light 226
+#define ROW_olx_volume_coefficient 227
+#define ROW_olx_harmonics_at 228
+#define ROW_olx_volume_probe 229
+#define ROW_olx_volume_both 230
+
+// Geometry blocks, which need no field either.
+#define ROW_olx_plane_decode 231
+#define ROW_olx_geometry_pooled 232
+#define ROW_olx_geometry_plane_of 233
+#define ROW_olx_plane_depth 234
+#define ROW_olx_plane_normal 235
+#define ROW_olx_plane_distance 236
+#define ROW_olx_block_texel_point 237
 
 #endif

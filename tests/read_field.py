@@ -3,6 +3,9 @@
 
 Usage: read_field.py FIELD.olx            print what is in it as JSON, keys as `octalux info --json` has them
        read_field.py FIELD.olx INFO.json  compare with what `octalux info --json` printed
+       read_field.py FIELD.olx --like TEXELS.olx
+                                          compare light and material with those of a field of the same scene that was baked with
+                                          --uncompressed, and print relative errors
 
 Checks everything the page specifies but the hashes: XXH3 is not in Python's standard library. In the maps it looks at
 a sample of the probes. Beyond the page it asks that decoded surfaces lie within the scene and face their probe, as they do
@@ -57,13 +60,16 @@ def read_chunks(data):
                 need(name not in chunks, f"{name}: twice")
                 chunks[name] = (data[offset:offset + size], record, element)
     need(end == len(data), "bytes after the last chunk")
-    needed = set(SHAPES) - PROBE_LIGHT
+    needed = set(SHAPES) - PROBE_LIGHT - set(TEXELS) - set(BLOCKS)
     need(needed <= set(chunks), f"missing: {sorted(needed - set(chunks))}")
     return chunks
 
 
 # All of them, with IRSH in place of IRRA in some fields, or none.
 PROBE_LIGHT = {"RADI", "IPOS", "IFLG", "IRRA", "MOME"}
+# Material and light of surfaces: one or the other.
+TEXELS = ("BASE", "SPEC", "DIRE", "INDI")
+BLOCKS = ("BAS1", "REF5", "DIR6", "IND6")
 SELECTORS = ("VORO", "OCTR", "BRIK")
 CLASSIC = ("CLAS", "CIRR", "CRAD", "CBOX")
 VOLUME = ("VOLU", "VPOS", "VIRR")
@@ -96,6 +102,10 @@ SHAPES = {
     "SPEC": lambda d: (2, (d["n"] + 2) ** 2, d["P"]),
     "DIRE": lambda d: (4, (d["n"] + 2) ** 2, d["P"]),
     "INDI": lambda d: (4, (d["n"] + 2) ** 2, d["P"]),
+    "BAS1": lambda d: (8, d["n"] ** 2 // 16, d["P"]),
+    "REF5": lambda d: (16, d["n"] ** 2 // 16, d["P"]),
+    "DIR6": lambda d: (16, d["n"] ** 2 // 16, d["P"]),
+    "IND6": lambda d: (16, d["n"] ** 2 // 16, d["P"]),
     "EMIS": lambda d: (4, (d["n"] // 8) ** 2, d["P"]),
     "LITE": lambda d: (64, 1, None),  # as many records as there are
     "ETIL": lambda d: (4, 64, None),
@@ -136,11 +146,11 @@ def read_info(blob):
     d["scale"], = struct.unpack_from("<f", blob, 44)
     d["scene_min"], d["scene_max"] = (list(struct.unpack_from("<3f", blob, at)) for at in (48, 60))
     d["grid"], d["irradiance_grid"] = read_grid(blob, 72), read_grid(blob, 108)
-    d["scene_hash"], d["last_bounce"], zero = struct.unpack_from("<QfI", blob, 144)
+    d["scene_hash"], d["last_bounce"], d["blocks"] = struct.unpack_from("<QfI", blob, 144)
     need(0 <= d["last_bounce"] <= 1, "INFO: last bounce")
     need(d["n"] in [2 ** i for i in range(3, 12)] and d["m"] in [2 ** i for i in range(3, 9)] + [0] * (not d["Q"]), "sizes")
     need(d["Q"] or (d["form"], d["m"], blob[108:144]) == (0, 0, bytes(36)), "INFO: speaks of irradiance probes")
-    need(d["P"] >= 1 and d["has_grid"] in (0, 1) and d["samples"] >= 1 and zero == 0, "INFO")
+    need(d["P"] >= 1 and d["has_grid"] in (0, 1) and d["samples"] >= 1 and d["blocks"] in (0, 1), "INFO")
     need(d["has_grid"] or not d["selectors"] & 1, "selectors")
     need(1e-18 <= d["scale"] <= 1e18, "distance scale")
     need(all(a <= b for a, b in zip(d["scene_min"], d["scene_max"])), "bounds")
@@ -268,11 +278,199 @@ def check_light_field_probe(chunks, d, probe):
     return plausible / surfaces if surfaces else 1.0
 
 
+# BC6H. Modes with one region: precision, bits of difference; those with two: bits of the mode, precision, bits of difference of
+# each channel, and the runs of bits of their ends.
+ONE_REGION = {3: (10, 10), 7: (11, 9), 11: (12, 8), 15: (16, 4)}
+TWO_REGIONS = {
+    0: (2, 10, (5, 5, 5),
+        "g2.4 b2.4 b3.4 r0.0-9 g0.0-9 b0.0-9 r1.0-4 g3.4 g2.0-3 "
+        "g1.0-4 b3.0 g3.0-3 b1.0-4 b3.1 b2.0-3 r2.0-4 b3.2 r3.0-4 b3.3"),
+    1: (2, 7, (6, 6, 6),
+        "g2.5 g3.4-5 r0.0-6 b3.0-1 b2.4 g0.0-6 b2.5 b3.2 g2.4 b0.0-6 b3.3 "
+        "b3.5 b3.4 r1.0-5 g2.0-3 g1.0-5 g3.0-3 b1.0-5 b2.0-3 r2.0-5 r3.0-5"),
+    2: (5, 11, (5, 4, 4),
+        "r0.0-9 g0.0-9 b0.0-9 r1.0-4 r0.10 g2.0-3 g1.0-3 g0.10 "
+        "b3.0 g3.0-3 b1.0-3 b0.10 b3.1 b2.0-3 r2.0-4 b3.2 r3.0-4 b3.3"),
+    6: (5, 11, (4, 5, 4),
+        "r0.0-9 g0.0-9 b0.0-9 r1.0-3 r0.10 g3.4 g2.0-3 g1.0-4 g0.10 "
+        "g3.0-3 b1.0-3 b0.10 b3.1 b2.0-3 r2.0-3 b3.0 b3.2 r3.0-3 g2.4 b3.3"),
+    10: (5, 11, (4, 4, 5),
+        "r0.0-9 g0.0-9 b0.0-9 r1.0-3 r0.10 b2.4 g2.0-3 g1.0-3 g0.10 "
+        "b3.0 g3.0-3 b1.0-4 b0.10 b2.0-3 r2.0-3 b3.1-2 r3.0-3 b3.4 b3.3"),
+    14: (5, 9, (5, 5, 5),
+        "r0.0-8 b2.4 g0.0-8 g2.4 b0.0-8 b3.4 r1.0-4 g3.4 g2.0-3 "
+        "g1.0-4 b3.0 g3.0-3 b1.0-4 b3.1 b2.0-3 r2.0-4 b3.2 r3.0-4 b3.3"),
+    18: (5, 8, (6, 5, 5),
+        "r0.0-7 g3.4 b2.4 g0.0-7 b3.2 g2.4 b0.0-7 b3.3-4 r1.0-5 "
+        "g2.0-3 g1.0-4 b3.0 g3.0-3 b1.0-4 b3.1 b2.0-3 r2.0-5 r3.0-5"),
+    22: (5, 8, (5, 6, 5),
+        "r0.0-7 b3.0 b2.4 g0.0-7 g2.5 g2.4 b0.0-7 g3.5 b3.4 r1.0-4 g3.4 "
+        "g2.0-3 g1.0-5 g3.0-3 b1.0-4 b3.1 b2.0-3 r2.0-4 b3.2 r3.0-4 b3.3"),
+    26: (5, 8, (5, 5, 6),
+        "r0.0-7 b3.1 b2.4 g0.0-7 b2.5 g2.4 b0.0-7 b3.5 b3.4 r1.0-4 g3.4 "
+        "g2.0-3 g1.0-4 b3.0 g3.0-3 b1.0-5 b2.0-3 r2.0-4 b3.2 r3.0-4 b3.3"),
+    30: (5, 6, (0, 0, 0),
+        "r0.0-5 g3.4 b3.0-1 b2.4 g0.0-5 g2.5 b2.5 b3.2 g2.4 b0.0-5 g3.5 "
+        "b3.3 b3.5 b3.4 r1.0-5 g2.0-3 g1.0-5 g3.0-3 b1.0-5 b2.0-3 r2.0-5 r3.0-5"),
+}
+TWO_REGION_SHAPES = [int(word, 16) for word in """
+    CCCC 8888 EEEE ECC8 C880 FEEC FEC8 EC80 C800 FFEC FE80 E800 FFE8 FF00 FFF0 F000
+    F710 008E 7100 08CE 008C 7310 3100 8CCE 088C 3110 6666 366C 17E8 0FF0 718E 399C""".split()]
+ANCHORS = [15] * 17 + [2, 8, 2, 2, 8, 8, 15, 2, 8, 2, 2, 8, 8, 2, 2]
+
+
+def bits_of(block, first, count):
+    return block >> first & (1 << count) - 1
+
+
+def add_difference(end, difference, bits, precision):
+    if difference >> (bits - 1):
+        difference -= 1 << bits
+    return (end + difference) % (1 << precision)
+
+
+def read_one_region(block, precision, difference_bits):
+    """The two ends of the line, three channels each."""
+    first, second = [], []
+    for channel in range(3):
+        rest = bits_of(block, 35 + 10 * channel, 10)
+        low, difference, more = bits_of(block, 5 + 10 * channel, 10), rest % (1 << difference_bits), rest >> difference_bits
+        for i in range(precision - 10):
+            low |= (more >> i & 1) << (precision - 1 - i)
+        first.append(low)
+        second.append(difference if precision == 10 else add_difference(low, difference, difference_bits, precision))
+    return first, second
+
+
+def read_two_regions(block, code_bits, precision, difference_bits, runs):
+    """The ends of both lines."""
+    ends, at = [[0] * 3 for _ in range(4)], code_bits
+    for run in runs.split():
+        name, place = run.split(".")
+        first, last = (place + "-" + place).split("-")[:2]
+        count = int(last) - int(first) + 1
+        ends[int(name[1])]["rgb".index(name[0])] |= bits_of(block, at, count) << int(first)
+        at += count
+    need(at == 77, "BC6H: runs")
+    for end in ends[1:]:
+        for channel, bits in enumerate(difference_bits):
+            if bits:
+                end[channel] = add_difference(ends[0][channel], end[channel], bits, precision)
+    return ends
+
+
+def unquantize(number, precision):
+    if precision == 16 or number == 0:
+        return number
+    return 0xFFFF if number == (1 << precision) - 1 else ((number << 16) + 0x8000) >> precision
+
+
+def mix_light(ends, precision, share):
+    pairs = zip(*[[unquantize(number, precision) for number in end] for end in ends])
+    return [decode_half((a * (64 - share) + b * share + 32 >> 6) * 31 >> 6) for a, b in pairs]
+
+
+def decode_bc6h(data):
+    block = int.from_bytes(data, "little")
+    mode = block & 31
+    if mode in ONE_REGION:
+        precision, difference_bits = ONE_REGION[mode]
+        ends = read_one_region(block, precision, difference_bits)
+        indices = [bits_of(block, 65, 3)] + [bits_of(block, 64 + 4 * i, 4) for i in range(1, 16)]
+        return [mix_light(ends, precision, (64 * index + 7) // 15) for index in indices]
+    mode = mode & 3 if mode & 3 < 2 else mode
+    need(mode in TWO_REGIONS, f"BC6H: mode {mode}")
+    code_bits, precision, difference_bits, runs = TWO_REGIONS[mode]
+    ends = read_two_regions(block, code_bits, precision, difference_bits, runs)
+    shape, at, texels = TWO_REGION_SHAPES[bits_of(block, 77, 5)], 82, []
+    for i in range(16):
+        count = 2 if i in (0, ANCHORS[bits_of(block, 77, 5)]) else 3
+        index, region = bits_of(block, at, count), shape >> i & 1
+        texels.append(mix_light(ends[2 * region:2 * region + 2], precision, (64 * index + 3) // 7))
+        at += count
+    return texels
+
+
+def decode_bc1(data):
+    first, second, indices = struct.unpack("<HHI", data)
+    widen = lambda code: [(code >> 11) * 33 >> 2, (code >> 5 & 63) * 65 >> 4, (code & 31) * 33 >> 2]
+    a, b = widen(first), widen(second)
+    if first > second:
+        line = [a, b, [(2 * x + y + 1) // 3 for x, y in zip(a, b)], [(x + 2 * y + 1) // 3 for x, y in zip(a, b)]]
+    else:
+        line = [a, b, [(x + y + 1) // 2 for x, y in zip(a, b)], [0, 0, 0]]
+    return [line[indices >> 2 * i & 3] for i in range(16)]
+
+
+def decode_bc4(data):
+    block = int.from_bytes(data, "little")
+    first, second = block & 255, block >> 8 & 255
+    parts = 7 if first > second else 5
+    line = [first, second] + [(2 * ((parts - i) * first + i * second) + parts) // (2 * parts) for i in range(1, parts)]
+    line += [0, 255] if parts == 5 else []
+    return [line[bits_of(block, 16 + 3 * i, 3)] for i in range(16)]
+
+
+def unblock(chunks, name, d, probe, decode, size, offset=0, bytes_used=None):
+    """A map of blocks as rows of texels."""
+    blob, record_bytes, _ = chunks[name]
+    n, used = d["n"], bytes_used or size
+    rows = [[None] * n for _ in range(n)]
+    for block in range(n * n // 16):
+        at = record_bytes * probe + size * block + offset
+        for i, texel in enumerate(decode(blob[at:at + used])):
+            rows[block // (n // 4) * 4 + i // 4][block % (n // 4) * 4 + i % 4] = texel
+    return rows
+
+
+def check_sky_blocks(chunks, d, probe, sky):
+    """Blocks of nothing but sky are 0, and 3 in the first word of light."""
+    for name, size, first in (("BAS1", 8, 0), ("REF5", 16, 0), ("DIR6", 16, 3), ("IND6", 16, 3)):
+        blob, record_bytes, _ = chunks[name]
+        for block in range(d["n"] ** 2 // 16):
+            x, y = block % (d["n"] // 4) * 4, block // (d["n"] // 4) * 4
+            at = record_bytes * probe + size * block
+            if all(sky[y + i // 4][x + i % 4] for i in range(16)):
+                need(int.from_bytes(blob[at:at + size], "little") == first, f"{name} of probe {probe}: sky at ({x}, {y})")
+
+
+def read_surfaces(chunks, d, probe, sky):
+    """Rows of (base colour, roughness, metallic, specular weight, direct light, indirect light); None for the sky."""
+    n, rows = d["n"], []
+    if d["blocks"]:
+        check_sky_blocks(chunks, d, probe, sky)
+        base = unblock(chunks, "BAS1", d, probe, decode_bc1, 8)
+        roughness = unblock(chunks, "REF5", d, probe, decode_bc4, 16, 0, 8)
+        reflectance = unblock(chunks, "REF5", d, probe, decode_bc4, 16, 8, 8)
+        direct, indirect = (unblock(chunks, name, d, probe, decode_bc6h, 16) for name in ("DIR6", "IND6"))
+    else:
+        maps = {name: record(chunks, name, probe) for name in TEXELS}
+        for name, codes in maps.items():
+            check_border(f"{name} of probe {probe}", codes, n)
+    for y in range(n):
+        rows.append([])
+        for x in range(n):
+            if d["blocks"]:
+                r = reflectance[y][x]
+                surface = ([(b / 255) ** 2 for b in base[y][x]], roughness[y][x] / 255, max(r - 128, 0) / 127,
+                           min(r / 128, 1), direct[y][x], indirect[y][x])
+            else:
+                codes = [maps[name][(y + 1) * (n + 2) + x + 1] for name in TEXELS]
+                need(not (sky[y][x] and any(codes)), f"surface of probe {probe}: sky at ({x}, {y})")
+                surface = ([((codes[0] >> shift & 0xFF) / 255) ** 2 for shift in (0, 8, 16)], (codes[0] >> 24) / 255,
+                           (codes[1] & 0xFF) / 255, (codes[1] >> 8) / 255, decode_shared(codes[2]), decode_shared(codes[3]))
+            rows[y].append(None if sky[y][x] else surface)
+    return rows
+
+
+def sky_of(chunks, d, probe):
+    distance, n = record(chunks, "DIST", probe), d["n"]
+    return [[distance[(y + 1) * (n + 2) + x + 1] == 0x7C00 for x in range(n)] for y in range(n)]
+
+
 def check_surfaces(chunks, d, probe):
     n, side = d["n"], d["n"] // 8
-    maps = {name: record(chunks, name, probe) for name in ("BASE", "SPEC", "DIRE", "INDI")}
-    for name, codes in maps.items():
-        check_border(f"{name} of probe {probe}", codes, n)
+    surfaces = read_surfaces(chunks, d, probe, sky_of(chunks, d, probe))
     distance, tiles = record(chunks, "DIST", probe), record(chunks, "EMIS", probe)
     count = len(chunks["ETIL"][0]) // 256
     need(max(tiles) <= count, f"EMIS of probe {probe}: tile {max(tiles) - 1}")
@@ -284,17 +482,40 @@ def check_surfaces(chunks, d, probe):
                 code, = struct.unpack_from("<I", chunks["ETIL"][0], 256 * (entry - 1) + 4 * (y % 8 * 8 + x % 8))
                 emission = decode_shared(code)
             need(distance[at] >= 0x7C00 or not any(emission), f"ETIL of probe {probe}: emission at ({x}, {y})")
-            if distance[at] == 0x7C00:
-                need(not any(codes[at] for codes in maps.values()), f"surface of probe {probe}: sky at ({x}, {y})")
+            if surfaces[y][x] is None:
                 continue
-            base, specular = maps["BASE"][at], maps["SPEC"][at]
-            color = [((base >> shift & 0xFF) / 255) ** 2 for shift in (0, 8, 16)]
-            # The baker clamps base colours to 0.95, and a code's root is off by half a step.
-            need(max(color) <= 0.96, f"BASE of probe {probe}: base colour {color}")
-            roughness, metallic, weight = (base >> 24) / 255, (specular & 0xFF) / 255, (specular >> 8) / 255
-            need(max(roughness, metallic, weight) <= 1, f"SPEC of probe {probe}")
-            light = decode_shared(maps["DIRE"][at]) + decode_shared(maps["INDI"][at])
-            need(all(map(math.isfinite, light)), f"light of probe {probe}")
+            color, roughness, metallic, weight, direct, indirect = surfaces[y][x]
+            # The baker clamps base colours to 0.95; a code's root is off by half a step, a block's by half one of 31.
+            need(max(color) <= (1.0 if d["blocks"] else 0.96), f"base colour of probe {probe}: {color}")
+            need(max(roughness, metallic, weight) <= 1, f"material of probe {probe}")
+            need(all(map(math.isfinite, direct + indirect)), f"light of probe {probe}")
+
+
+def errors_against(path, reference):
+    """Relative MSE of base colour, direct and indirect light over the probes looked at, and mean errors of the other numbers."""
+    fields = []
+    for name in (path, reference):
+        with open(name, "rb") as file:
+            chunks = read_chunks(file.read())
+        fields.append((chunks, read_info(chunks["INFO"][0])))
+    (chunks, d), (plain, e) = fields
+    need((d["P"], d["n"], d["blocks"], e["blocks"]) == (e["P"], e["n"], 1, 0), "not a field of blocks and one of texels")
+    names = ("base_color", "roughness", "metallic", "weight", "direct", "indirect")
+    off, of, count = [0.0] * 6, [0.0] * 6, 0
+    for probe in sample(d["P"]):
+        sky = sky_of(chunks, d, probe)
+        need(sky == sky_of(plain, e, probe), f"other surfaces at probe {probe}")
+        for found, wanted in zip(read_surfaces(chunks, d, probe, sky), read_surfaces(plain, e, probe, sky)):
+            for a, b in zip(found, wanted):
+                if a is None:
+                    continue
+                count += 1
+                for i, (x, y) in enumerate(zip(a, b)):
+                    pairs = list(zip(x, y)) if isinstance(x, list) else [(x, y)]
+                    off[i] += sum((p - q) ** 2 for p, q in pairs)
+                    of[i] += sum(q * q for p, q in pairs)
+    relative = {name: off[i] / of[i] if of[i] else off[i] for i, name in enumerate(names) if i in (0, 4, 5)}
+    return relative | {name: math.sqrt(off[i] / max(count, 1)) for i, name in enumerate(names) if i in (1, 2, 3)}
 
 
 def check_lights(blob):
@@ -489,6 +710,7 @@ def read(path):
     shapes = {name: shape(d) for name, shape in SHAPES.items() if name != "IRRA"} | dict([irradiance_chunk(d)])
     probe_light = PROBE_LIGHT - {"IRRA"} | {irradiance_chunk(d)[0]}
     need((PROBE_LIGHT | {"IRSH"}) & set(chunks) == (probe_light if d["Q"] else set()), "probe light in part, or in another form")
+    need(set(TEXELS + BLOCKS) & set(chunks) == set(BLOCKS if d["blocks"] else TEXELS), "surfaces in part, or in another form")
     shapes = {name: shape for name, shape in shapes.items() if name in chunks}
     for name, (element, elements, records) in shapes.items():
         blob, record_bytes, element_bytes = chunks[name]
@@ -522,12 +744,12 @@ def read(path):
         check_bricks(chunks["BRIK"][0], d["P"], 8 * d["P"] * (d["n"] + 2) ** 2)
     names = [name for bit, name in enumerate(("cage", "voronoi", "octree", "bricks")) if d["selectors"] >> bit & 1]
     told = {
-        "version": 2, "probe_light": d["Q"] > 0, "lights": check_lights(chunks["LITE"][0]),
+        "version": 2, "compressed": d["blocks"] == 1, "probe_light": d["Q"] > 0, "lights": check_lights(chunks["LITE"][0]),
         "probes": d["P"], "irradiance_probes": d["Q"], "buried": d["buried"], "irradiance_buried": d["irradiance_buried"],
         "volume_probes": check_volume(chunks) if "VOLU" in chunks else 0,
         "origin": read_origin(chunks), "radiance_size": d["n"], "irradiance_size": d["m"], "select": ",".join(names) or "none", "file_bytes": len(data),
         "bytes": {"radiance": size("RADI"), "normal": size("NORM"), "distance": size("DIST"), "pyramid": size("DMIN") + size("DMAX"),
-                  "material": size("BASE") + size("SPEC"), "direct": size("DIRE"), "indirect": size("INDI"),
+                  "material": sum(map(size, ("BASE", "SPEC", "BAS1", "REF5"))), "direct": size("DIRE") + size("DIR6"), "indirect": size("INDI") + size("IND6"),
                   "emission": size("EMIS") + size("ETIL"), "irradiance": size(irradiance_chunk(d)[0]), "moments": size("MOME"), "selector": sum(map(size, stored)),
                   "classic": sum(size(name) for name in CLASSIC if name in chunks),
                   "volume": sum(size(name) for name in VOLUME if name in chunks)},
@@ -563,10 +785,14 @@ def differences(mine, theirs, where=""):
 
 
 def main():
-    if len(sys.argv) not in (2, 3):
+    like = len(sys.argv) == 4 and sys.argv[2] == "--like"
+    if len(sys.argv) not in (2, 3) and not like:
         print(__doc__, file=sys.stderr)
         return 2
     try:
+        if like:
+            print(json.dumps(errors_against(sys.argv[1], sys.argv[3])))
+            return 0
         mine = read(sys.argv[1])
     except (Malformed, OSError, struct.error) as error:
         print(f"{sys.argv[1]}: {error}", file=sys.stderr)

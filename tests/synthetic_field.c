@@ -82,7 +82,8 @@ olx_field_header synthetic_header(const synthetic_shape *shape) {
                                       .scene_max = {4.0f, 3.0f, 4.5f},
                                       .bounces = 3,
                                       .samples = 2,
-                                      .scene_hash = 0x0123456789ABCDEFu}};
+                                      .scene_hash = 0x0123456789ABCDEFu,
+                                      .compressed = shape->compressed}};
   if (header.info.irradiance_probe_count) header.info.irradiance_grid = grid_of(shape->irradiance_grid);
   header.probe_positions = positions_of(&header.info.grid, header.info.probe_count);
   header.irradiance_positions = positions_of(&header.info.irradiance_grid, header.info.irradiance_probe_count);
@@ -121,6 +122,7 @@ void synthetic_light_maps(uint32_t n, uint32_t probe, uint32_t *radiance, uint16
     else if (random % 13 == 0) distance[i] |= 0x8000;
   }
   distance[n / 2] = 0;
+  for (uint32_t i = 0; i < 16 && n >= 16 && probe % 4 == 3; i++) distance[(4 + i / 4) * n + 8 + i % 4] = 0x7C00;
 }
 
 olx_surface_maps synthetic_surface_maps(uint32_t n, uint32_t probe, const uint16_t *distance,
@@ -136,6 +138,14 @@ olx_surface_maps synthetic_surface_maps(uint32_t n, uint32_t probe, const uint16
     room->emission[i] = emits ? olx_rgb9e5_pack(olx_v3(20.0f, 10.0f + a, b)) : 0;
   }
   return (olx_surface_maps){room->base, room->specular, room->direct, room->indirect, room->emission};
+}
+
+olx_surface_blocks synthetic_surface_blocks(uint32_t n, const uint16_t *distance, olx_surface_maps *maps) {
+  const olx_surface_texels texels = {maps->base, maps->specular, maps->direct, maps->indirect, distance};
+  olx_surface_blocks blocks;
+  if (olx_surface_blocks_create(n, &blocks) != OLX_OK || olx_surface_encode(&texels, n, 1, &blocks) != OLX_OK) abort();
+  *maps = (olx_surface_maps){blocks.base, blocks.specular, blocks.direct, blocks.indirect, maps->emission};
+  return blocks;
 }
 
 void synthetic_irradiance_maps(uint32_t n, uint32_t probe, uint32_t *irradiance, uint32_t *moments) {
@@ -270,8 +280,11 @@ olx_result synthetic_write_probes(olx_field_writer *writer, const synthetic_shap
     synthetic_light_maps(shape->n, i, first, normal, distance);
     const bool probe_light = probes_of(shape->irradiance_grid) > 0;
     result = olx_field_writer_probe(writer, i, synthetic_flags(i), probe_light ? first : NULL, normal, distance);
-    const olx_surface_maps maps = synthetic_surface_maps(shape->n, i, distance, room);
+    olx_surface_maps maps = synthetic_surface_maps(shape->n, i, distance, room);
+    olx_surface_blocks blocks = {0};
+    if (shape->compressed) blocks = synthetic_surface_blocks(shape->n, distance, &maps);
     if (result == OLX_OK) result = olx_field_writer_surface(writer, i, &maps);
+    olx_surface_blocks_free(&blocks);
   }
   for (uint32_t i = 0; i < probes_of(shape->irradiance_grid) && result == OLX_OK; i++) {
     synthetic_irradiance_maps(shape->irradiance_n, i, first, second);

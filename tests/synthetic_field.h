@@ -3,6 +3,7 @@
 #define SYNTHETIC_FIELD_H
 
 #include "field/field_writer.h"
+#include "field/surface_encode.h"
 
 typedef struct synthetic_shape {
   uint32_t grid[3], irradiance_grid[3]; // the second all 0, with irradiance_n: no probe light
@@ -12,6 +13,7 @@ typedef struct synthetic_shape {
   uint32_t relight_size; // of surfaces for relighting; 0: none
   uint32_t relight_points, relight_rays, relight_hidden;
   olx_irradiance_form irradiance_form;
+  bool compressed;  // surfaces as blocks
   double origin[3]; // that positions are relative to
 } synthetic_shape;
 
@@ -22,13 +24,16 @@ void synthetic_header_release(olx_field_header *header);
 
 uint8_t synthetic_flags(uint32_t probe);
 
-// The maps of a probe, without border. The distances hold sky, emitters and a texel at distance 0.
+// The maps of a probe, without border. The distances hold sky, emitters and a texel at distance 0;
+// those of every fourth probe also a block of nothing but sky, texels (8, 4) to (11, 7).
 void synthetic_light_maps(uint32_t n, uint32_t probe, uint32_t *radiance, uint16_t *normal, uint16_t *distance);
 // Room for the surfaces of a probe whose maps have up to 256 x 256 texels.
 typedef struct synthetic_surfaces_room {
   uint32_t base[256 * 256], direct[256 * 256], indirect[256 * 256], emission[256 * 256];
   uint16_t specular[256 * 256];
 } synthetic_surfaces_room;
+// The blocks of such surfaces, to be freed; maps point to them from then on.
+olx_surface_blocks synthetic_surface_blocks(uint32_t n, const uint16_t *distance, olx_surface_maps *maps);
 // Surfaces to go with these distances; what comes back points into `room`. Odd probes emit in their last quarter alone.
 olx_surface_maps synthetic_surface_maps(uint32_t n, uint32_t probe, const uint16_t *distance, synthetic_surfaces_room *room);
 // A sun, a lamp and a spotlight.

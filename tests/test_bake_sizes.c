@@ -87,6 +87,9 @@ static void bakes_take_what_they_say(void **state) {
   changed.classic_size = changed.classic_cube_size = 32;
   changed.bounces = 6;
   assert_as_measured(*state, &changed, scene);
+  changed = base;
+  changed.uncompressed = true;
+  assert_as_measured(*state, &changed, scene);
   olx_scene_free(scene);
   olx_set_hooks(NULL);
 }
@@ -112,6 +115,25 @@ static void probe_light_has_its_size(void **state) {
   settings.probe_light = false;
   assert_int_equal(olx_bake_estimate_seconds(scene, &settings, NULL, &seconds), OLX_OK);
   assert_true(seconds > 0.0 && seconds < 600.0);
+  olx_scene_free(scene);
+}
+
+// Light and material take 56 bytes a block of 16 texels, in the file and on a device; as texels 14 bytes each, with a border.
+static void blocks_have_their_size(void **state) {
+  const scene_folder *folder = *state;
+  char path[512];
+  snprintf(path, sizeof path, "%s/a.olx", folder->path);
+  olx_scene *scene = load("builtin:cornell");
+  olx_bake_settings settings = olx_bake_settings_default(scene);
+  settings.radiance_size = 64;
+  olx_bake_sizes blocks, texels;
+  assert_int_equal(olx_bake_measure(scene, &settings, path, &blocks), OLX_OK);
+  settings.uncompressed = true;
+  assert_int_equal(olx_bake_measure(scene, &settings, path, &texels), OLX_OK);
+  const uint64_t saved = blocks.probes * (14ull * 66 * 66 - 56ull * 16 * 16);
+  assert_in_range(texels.file_bytes - blocks.file_bytes, saved - 256, saved + 256); // chunks begin at multiples of 64
+  assert_int_equal(texels.device_bytes - blocks.device_bytes, saved);
+  assert_int_equal(blocks.memory_bytes - texels.memory_bytes, 56 * 16 * 16); // a probe's blocks, beside its texels
   olx_scene_free(scene);
 }
 
@@ -183,9 +205,8 @@ static void an_estimate_is_a_time(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      IN_FOLDER(bakes_take_what_they_say),
-      IN_FOLDER(probe_light_has_its_size),
-      IN_FOLDER(what_does_not_fit_is_refused_at_once),
+      IN_FOLDER(bakes_take_what_they_say),     IN_FOLDER(probe_light_has_its_size),
+      IN_FOLDER(blocks_have_their_size),       IN_FOLDER(what_does_not_fit_is_refused_at_once),
       cmocka_unit_test(an_estimate_is_a_time),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

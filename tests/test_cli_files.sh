@@ -60,7 +60,13 @@ small="builtin:cornell -o a.olx --radiance-size 16 --irradiance-size 8 --samples
 expect_json 'o["probes"] == 8 and o["fits"] and o["estimated_seconds"] > 0 and 0 < o["device_bytes"] < o["file_bytes"]' bake $small --dry-run
 planned=$(python3 -c 'import json; print(json.load(open("stdout.txt"))["file_bytes"])')
 [ -e a.olx ] && fail "--dry-run baked"
-expect_json "$planned <= o['file_bytes'] <= 1.1 * $planned" bake $small
+expect_json "$planned <= o['file_bytes'] <= $planned + 4 * 8 * 16**2 + 64" bake $small # emission: at most 4 bytes a texel
+expect_json 'o["compressed"] is True and (o["bytes"]["material"], o["bytes"]["direct"]) == (8 * 16 * 24, 8 * 16 * 16)' info a.olx
+expect 0 info a.olx
+grep -q "light, material *in blocks of 4x4 texels" stdout.txt || fail "info does not tell of blocks"
+expect 0 bake $small --uncompressed
+expect_json 'o["compressed"] is False and (o["bytes"]["material"], o["bytes"]["direct"]) == (8 * 18**2 * 6, 8 * 18**2 * 4)' info a.olx
+expect 0 verify a.olx
 rm -f a.olx
 expect_failure "1000000 light field probes make a file of" bake builtin:cornell --grid 100x100x100 -o a.olx
 expect_failure "1000000 light field and 1000000 irradiance probes make a file of" bake builtin:cornell --grid 100x100x100 --probe-light -o a.olx

@@ -240,12 +240,13 @@ static void test_refuses_a_wrong_description(void **state) {
   REFUSED(grid.spacing[2] = 1.5f, "light field probe 6 stands at");
   REFUSED(irradiance_grid.spacing[1] = 1.0f, "irradiance grid: spacing 1 along y");
   REFUSED(irradiance_grid.count[0] = 3, "irradiance grid: 3 x 1 x 3 is not the number of probes, 6");
-  REFUSED(has_grid = 2, "grid flag");
+  REFUSED(has_grid = 2, "a flag that is not 0 or 1");
   REFUSED(has_grid = 0, "the cage selector needs light field probes on a grid");
   REFUSED(irradiance_form = 3, "unknown form of irradiance 3");
   REFUSED(irradiance_form = UINT32_MAX, "unknown form of irradiance");
   REFUSED(irradiance_form = OLX_IRRADIANCE_SH2, "no chunk IRSH");
-  REFUSED(zero_b = 1, "reserved bytes");
+  REFUSED(compressed = 2, "a flag that is not 0 or 1");
+  REFUSED(compressed = 1, "no chunk BAS1");
 #undef REFUSED
   i.info->select_mask = 1u << OLX_SELECT_BRICKS; // whose chunk is missing
   field_seal(&i);
@@ -435,6 +436,77 @@ static void test_verify_reads_surfaces(void **state) {
   olx_release(i.bytes);
 }
 
+// Which of two fields a description is of is told by its chunks, and an older reader refuses what it does not know.
+static void test_refuses_texels_for_blocks(void **state) {
+  const field_image i = field_image_load(*state, &of_blocks);
+  const olx_file_info good = *i.info;
+  i.info->compressed = 0;
+  field_seal(&i);
+  assert_field_refused(&i, OLX_ERROR_FORMAT, "no chunk BASE");
+  i.info->compressed = 2;
+  field_seal(&i);
+  assert_field_refused(&i, OLX_ERROR_FORMAT, "a flag that is not 0 or 1");
+  *i.info = good;
+  const olx_chunk_kind kinds[] = {OLX_CHUNK_BASE, OLX_CHUNK_SPECULAR, OLX_CHUNK_DIRECT, OLX_CHUNK_INDIRECT};
+  static const char *const names[] = {"BAS1", "REF5", "DIR6", "IND6"};
+  for (uint32_t k = 0; k < 4; k++) {
+    olx_file_chunk *chunk = &i.chunks[kinds[k]];
+    const olx_file_chunk kept = *chunk;
+    char message[32];
+    snprintf(message, sizeof message, "no chunk %s", names[k]);
+    chunk->type = OLX_FOUR_CC('B', 'A', 'S', 'E');
+    field_seal(&i);
+    assert_field_refused(&i, OLX_ERROR_FORMAT, message);
+    *chunk = kept;
+    chunk->record_bytes *= 2;
+    field_seal(&i);
+    assert_field_refused(&i, OLX_ERROR_FORMAT, names[k]);
+    *chunk = kept;
+  }
+  olx_release(i.bytes);
+}
+
+// Light has fourteen modes, and the sky is nothing.
+static void test_verify_reads_blocks(void **state) {
+  const field_image i = field_image_load(*state, &of_blocks);
+  enum { FIRST = 16 * 7 + 5, SKY = 16 * 3 + 6 }; // blocks of probes 7 and 3
+  const olx_chunk_kind lights[] = {OLX_CHUNK_DIRECT, OLX_CHUNK_INDIRECT};
+  static const char *const names[] = {"direct light", "indirect light"};
+  for (uint32_t k = 0; k < 2; k++) {
+    olx_bc6h_block *blocks = field_chunk(&i, lights[k]);
+    char message[64];
+    for (uint32_t mode = 0; mode < 32; mode++) {
+      const uint32_t good = blocks[FIRST].words[0];
+      blocks[FIRST].words[0] = (good & ~31u) | mode;
+      field_seal(&i);
+      snprintf(message, sizeof message, "%s of probe 7, texel (4, 4): a block of no mode", names[k]);
+      if (mode == 19 || mode == 23 || mode == 27 || mode == 31) assert_field_unverified(&i, OLX_ERROR_FORMAT, message);
+      else assert_field_sound(&i);
+      blocks[FIRST].words[0] = good;
+    }
+    snprintf(message, sizeof message, "%s of probe 3, texel (8, 4): a block of sky that is not black", names[k]);
+    for (uint32_t word = 0; word < 4; word++) {
+      blocks[SKY].words[word] ^= 0x100;
+      field_seal(&i);
+      assert_field_unverified(&i, OLX_ERROR_FORMAT, message);
+      blocks[SKY].words[word] ^= 0x100;
+    }
+  }
+  olx_bc1_block *base = field_chunk(&i, OLX_CHUNK_BASE);
+  base[SKY].words[1] = 1;
+  field_seal(&i);
+  assert_field_unverified(&i, OLX_ERROR_FORMAT, "base colour of probe 3, texel (8, 4): a block of sky that is not 0");
+  base[SKY].words[1] = 0;
+  olx_bc5_block *specular = field_chunk(&i, OLX_CHUNK_SPECULAR);
+  specular[SKY].green.words[1] = 1;
+  field_seal(&i);
+  assert_field_unverified(&i, OLX_ERROR_FORMAT, "reflectance of probe 3, texel (8, 4): a block of sky that is not 0");
+  specular[SKY].green.words[1] = 0;
+  field_seal(&i);
+  assert_field_sound(&i);
+  olx_release(i.bytes);
+}
+
 // What a damaged file names is not read.
 static void test_emission_stays_inside(void **state) {
   const field_image i = field_image_load(*state, &small);
@@ -484,6 +556,8 @@ int main(void) {
       cmocka_unit_test_setup_teardown(test_verify_reads_the_content, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_refuses_wrong_lights, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_verify_reads_surfaces, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_refuses_texels_for_blocks, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_verify_reads_blocks, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_emission_stays_inside, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_rounded_moments_are_possible, field_set_up, field_tear_down),
   };

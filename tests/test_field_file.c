@@ -92,14 +92,30 @@ static void assert_relight(const olx_field *field, const synthetic_shape *shape)
   olx_release(albedo);
 }
 
+static void assert_blocks(const olx_field *field, uint32_t probe, const olx_surface_blocks *blocks) {
+  const olx_field_surfaces *s = &field->surfaces;
+  const size_t count = (size_t)field->n * field->n / 16, first = count * probe;
+  assert_memory_equal(s->base_blocks + first, blocks->base, 8 * count);
+  assert_memory_equal(s->specular_blocks + first, blocks->specular, 16 * count);
+  assert_memory_equal(s->direct_blocks + first, blocks->direct, 16 * count);
+  assert_memory_equal(s->indirect_blocks + first, blocks->indirect, 16 * count);
+  assert_true(!s->base && !s->specular && !s->direct && !s->indirect);
+}
+
 static void assert_surfaces(const olx_field *field, uint32_t probe, const uint16_t *distance, synthetic_surfaces_room *room) {
   const olx_field_surfaces *s = &field->surfaces;
   const uint32_t n = field->n;
-  const olx_surface_maps maps = synthetic_surface_maps(n, probe, distance, room);
-  assert_map(s->base + field->texels * probe, maps.base, n, 4);
-  assert_map(s->specular + field->texels * probe, maps.specular, n, 2);
-  assert_map(s->direct + field->texels * probe, maps.direct, n, 4);
-  assert_map(s->indirect + field->texels * probe, maps.indirect, n, 4);
+  olx_surface_maps maps = synthetic_surface_maps(n, probe, distance, room);
+  if (field->info.compressed) {
+    olx_surface_blocks blocks = synthetic_surface_blocks(n, distance, &maps);
+    assert_blocks(field, probe, &blocks);
+    olx_surface_blocks_free(&blocks);
+  } else {
+    assert_map(s->base + field->texels * probe, maps.base, n, 4);
+    assert_map(s->specular + field->texels * probe, maps.specular, n, 2);
+    assert_map(s->direct + field->texels * probe, maps.direct, n, 4);
+    assert_map(s->indirect + field->texels * probe, maps.indirect, n, 4);
+  }
   const int32_t size = (int32_t)n;
   for (int32_t y = -1; y <= size; y++) {
     for (int32_t x = -1; x <= size; x++) {
@@ -195,6 +211,46 @@ static void test_round_trip(void **state) {
   assert_round_trip(*state, &second_order);
   assert_round_trip(*state, &third_order);
   assert_round_trip(*state, &without_probe_light);
+  assert_round_trip(*state, &of_blocks);
+}
+
+// A texel of the border is the one inside that it repeats, and rows for those who cannot read blocks are what is read.
+static void test_texels_of_blocks(void **state) {
+  field_fixture *f = *state;
+  olx_field *field;
+  assert_int_equal(synthetic_write(f->path, &of_blocks, NULL), OLX_OK);
+  assert_int_equal(olx_field_open(f->path, &field), OLX_OK);
+  const int32_t n = (int32_t)field->n;
+  uint32_t base[18], direct[18], indirect[18];
+  uint16_t specular[18];
+  for (int32_t i = 0; i < 18 * 18; i++) {
+    const int32_t x = i % 18 - 1, y = i / 18 - 1;
+    int32_t source_x, source_y;
+    olx_border_source(x, y, n, &source_x, &source_y);
+    const uint32_t probe = (uint32_t)i % field->info.probe_count,
+                   block = 16 * probe + (uint32_t)(source_y / 4 * 4 + source_x / 4),
+                   texel = (uint32_t)(source_y % 4 * 4 + source_x % 4);
+    const size_t at = olx_map_index(field->stride, x, y);
+    const olx_field_surfaces *s = &field->surfaces;
+    const olx_vec3 light = olx_texel_direct(field, probe, at),
+                   expected = olx_bc6h_texel(&s->direct_blocks[block], texel);
+    assert_memory_equal(&light, &expected, sizeof light);
+    olx_surface_row(field, OLX_SURFACE_BASE, probe, (uint32_t)(y + 1), base);
+    olx_surface_row(field, OLX_SURFACE_SPECULAR, probe, (uint32_t)(y + 1), specular);
+    olx_surface_row(field, OLX_SURFACE_DIRECT, probe, (uint32_t)(y + 1), direct);
+    olx_surface_row(field, OLX_SURFACE_INDIRECT, probe, (uint32_t)(y + 1), indirect);
+    assert_int_equal(base[x + 1], olx_bc1_texel(&s->base_blocks[block], texel));
+    assert_int_equal(specular[x + 1] & 255u, olx_bc4_texel(&s->specular_blocks[block].red, texel));
+    assert_int_equal(specular[x + 1] >> 8, olx_bc4_texel(&s->specular_blocks[block].green, texel));
+    assert_int_equal(direct[x + 1], olx_rgb9e5_pack(light));
+    assert_int_equal(indirect[x + 1], olx_rgb9e5_pack(olx_texel_indirect(field, probe, at)));
+    const olx_bsdf bsdf = olx_texel_material(field, probe, at);
+    const olx_reflectance r = olx_reflectance_unpack(specular[x + 1] >> 8);
+    const olx_bsdf made = olx_bsdf_make(olx_base_color_unpack(base[x + 1]), r.metallic,
+                                        (float)(specular[x + 1] & 255u) * (1.0f / 255.0f), r.specular_weight);
+    assert_memory_equal(&bsdf, &made, sizeof bsdf);
+  }
+  olx_field_close(field);
 }
 
 // Nothing is said of irradiance probes that a field does not have, and what reads probe light says how to get it.
@@ -324,6 +380,21 @@ static void test_describes(void **state) {
   // Four tiles a probe, of which odd probes hold the lower two alone.
   assert_int_equal(info.emission_bytes, 12 * 4 * 4 + 6 * (4 + 2) * 64 * 4);
   assert_int_equal(info.light_count, 3);
+  assert_false(info.compressed);
+  olx_field_close(field);
+}
+
+// 56 bytes a block: 3.5 a texel where texels take 14 and have borders.
+static void test_describes_blocks(void **state) {
+  field_fixture *f = *state;
+  olx_field *field;
+  assert_int_equal(synthetic_write(f->path, &of_blocks, NULL), OLX_OK);
+  assert_int_equal(olx_field_open(f->path, &field), OLX_OK);
+  const olx_field_info info = olx_field_describe(field);
+  assert_true(info.compressed);
+  assert_int_equal(info.material_bytes, 12 * 16 * (8 + 16));
+  assert_int_equal(info.direct_bytes, 12 * 16 * 16);
+  assert_int_equal(info.indirect_bytes, 12 * 16 * 16);
   olx_field_close(field);
 }
 
@@ -426,6 +497,8 @@ static void test_answers_numbers_out_of_range(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test_setup_teardown(test_round_trip, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_texels_of_blocks, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_describes_blocks, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_opens_without_probe_light, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_samples_without_probe_light, field_set_up, field_tear_down),
       cmocka_unit_test(test_pyramids_bound_their_nodes),

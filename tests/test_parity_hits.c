@@ -50,6 +50,10 @@ static olx_trace_hit some_hit(const parity_state *s, olx_trace_status status) {
 ROW(rgb9e5_unpack, put_3(r, olx_rgb9e5_unpack(s->bits[3]));)
 ROW(texel_material, const olx_bsdf b = olx_texel_material(s->field, s->probe, texel_of(s)); put_3(r, b.albedo);
     put_3(r, b.f0); put_f(r, b.f90); put_f(r, b.dielectric_weight); put_f(r, b.alpha);)
+ROW(surface_at, const uint32_t side = s->constants->maps_a_side, border = s->constants->surface_border;
+    const uint32_t map = s->probe % (side * side), stride = s->field->n + 2 * border;
+    put_u(r, map % side * stride + border + s->x); put_u(r, map / side * stride + border + s->y);
+    put_u(r, s->probe / (side * side));)
 ROW(texel_direct, put_3(r, olx_texel_direct(s->field, s->probe, texel_of(s)));)
 ROW(texel_emission, put_3(r, olx_texel_emission(s->field, s->probe, texel_of(s)));)
 ROW(word_vector, const olx_field_surfaces *f = &s->field->surfaces;
@@ -78,6 +82,7 @@ ROW(further_light, const olx_trace_hit first = some_hit(s, OLX_TRACE_HIT);
 static const parity_row ROWS[] = {
     PARITY(rgb9e5_unpack, 0, 0),
     PARITY(texel_material, 2e-6f, 0),
+    PARITY(surface_at, 0, 0),
     PARITY(texel_direct, 0, 0),
     PARITY(texel_emission, 0, 0),
     PARITY(word_vector, 0, 0),

@@ -23,6 +23,18 @@ agree cornell --radiance-size 8 --irradiance-size 16 --bounces 0 --samples 1 --i
 agree cornell --radiance-size 8 --irradiance-size 8 --bounces 0 --samples 1 --irradiance sh3
 agree cornell --grid 1x1x1 --radiance-size 8 --irradiance-size 32 --bounces 1 --samples 1
 
+# Blocks decode to what texels hold, and texels have as much said of them.
+agree cornell-glossy --grid 2x1x1 --radiance-size 32 --bounces 1 --noise 0.1 --uncompressed
+mv a.olx texels.olx
+agree cornell-glossy --grid 2x1x1 --radiance-size 32 --bounces 1 --noise 0.1
+python3 "$reader" a.olx --like texels.olx >like.json 2>stderr.txt || fail "the reader does not compare"
+python3 - <<'PYTHON' || fail "blocks hold something else: $(cat like.json)"
+import json
+e = json.load(open("like.json"))
+assert max(e["direct"], e["indirect"]) < 3e-3 and e["base_color"] < 2e-3, e
+assert max(e["roughness"], e["weight"], e["metallic"]) < 0.02, e
+PYTHON
+
 # Far from the origin positions are relative to one of the field's own.
 echo '{"model": "builtin:cornell", "translate": [1e7, 0, -1e6]}' >far.json
 agree far.json --grid 1x1x1 --radiance-size 8 --irradiance-size 8 --bounces 0 --samples 1

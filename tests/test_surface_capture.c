@@ -22,6 +22,7 @@ static olx_bake_settings settings_at(const olx_scene *scene, olx_vec3 position, 
   settings.irradiance_size = 32;
   settings.threads = 2;
   settings.light = light;
+  settings.uncompressed = true; // what is captured, to the step that texels hold
   return settings;
 }
 
@@ -284,6 +285,47 @@ static void any_threads_make_the_same_bytes(void **state) {
   olx_bake_settings settings = settings_at(scene, olx_v3(0.0f, 1.0f, 0.0f), OLX_LIGHT_REFERENCE);
   settings.reference_paths = 2;
   baked_field_at_any_threads(scene, &settings);
+  settings.uncompressed = false;
+  baked_field_at_any_threads(scene, &settings);
+  olx_scene_free(scene);
+}
+
+// The light of surfaces, next to that of another bake.
+static void assert_alike(const olx_field *a, const olx_field *b, texel_reader read, double most) {
+  double off = 0.0, all = 0.0;
+  for (uint32_t i = 0; i < SIZE * SIZE; i++) {
+    const size_t at = texel_at(i % SIZE, i / SIZE);
+    if (olx_texel_distance(a, 0, at) == INFINITY) continue;
+    const olx_vec3 difference = olx_sub(read(a, 0, at), read(b, 0, at)), light = read(b, 0, at);
+    off += (double)olx_dot(difference, difference);
+    all += (double)olx_dot(light, light);
+  }
+  print_message("relative MSE of blocks: %.2g\n", off / all);
+  assert_true(all > 0.0 && off / all < most);
+}
+
+// What blocks lose, and that nothing else differs.
+static void blocks_hold_what_texels_hold(void **state) {
+  (void)state;
+  olx_scene *scene = NULL;
+  assert_int_equal(olx_scene_load("builtin:cornell-glossy", &scene), OLX_OK);
+  const olx_scene_info info = olx_scene_describe(scene);
+  const olx_vec3 middle = olx_scale(olx_add(info.bounds_min, info.bounds_max), 0.5f);
+  olx_bake_settings settings = settings_at(scene, middle, OLX_LIGHT_CACHE);
+  settings.noise = 0.1f;
+  olx_field *texels = baked_field(scene, &settings, NULL);
+  settings.uncompressed = false;
+  olx_field *blocks = baked_field(scene, &settings, NULL);
+  const size_t count = texels->texels * texels->info.probe_count;
+  assert_memory_equal(texels->distance, blocks->distance, 2 * count);
+  assert_memory_equal(texels->normal, blocks->normal, 2 * count);
+  assert_memory_equal(texels->surfaces.tiles, blocks->surfaces.tiles,
+                      sizeof *texels->surfaces.tiles * OLX_EMISSION_TILE_TEXELS * texels->surfaces.tile_count);
+  assert_int_equal(texels->surfaces.tile_count, blocks->surfaces.tile_count);
+  assert_alike(blocks, texels, olx_texel_direct, 2e-3);
+  assert_alike(blocks, texels, olx_texel_indirect, 2e-3);
+  olx_field_close(texels);
+  olx_field_close(blocks);
   olx_scene_free(scene);
 }
 
@@ -292,7 +334,7 @@ int main(void) {
       cmocka_unit_test(white_furnace_by_cache),          cmocka_unit_test(white_furnace_by_reference),
       cmocka_unit_test(faint_glow_hides_nothing),        cmocka_unit_test(sky_and_sun_light_a_square),
       cmocka_unit_test(texels_average_textures),         cmocka_unit_test(materials_survive),
-      cmocka_unit_test(any_threads_make_the_same_bytes),
+      cmocka_unit_test(any_threads_make_the_same_bytes), cmocka_unit_test(blocks_hold_what_texels_hold),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

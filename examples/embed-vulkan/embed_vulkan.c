@@ -61,7 +61,8 @@ static void load_field(renderer *r) {
                                 .physical_device = g->physical_device,
                                 .device = g->device,
                                 .queue = g->queue,
-                                .queue_family = g->queue_family};
+                                .queue_family = g->queue_family,
+                                .texture_compression_bc = g->texture_compression_bc};
   olx_field *field;
   olx_vulkan_sizes sizes;
   need_octalux(olx_field_open(r->options.field_path, &field));

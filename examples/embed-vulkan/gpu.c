@@ -106,8 +106,14 @@ bool gpu_open(gpu *g, bool validate) {
                                          .queueFamilyIndex = g->queue_family,
                                          .queueCount = 1,
                                          .pQueuePriorities = &priority};
-  const VkDeviceCreateInfo device = {
-      .sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, .queueCreateInfoCount = 1, .pQueueCreateInfos = &queue};
+  VkPhysicalDeviceFeatures has;
+  vkGetPhysicalDeviceFeatures(g->physical_device, &has);
+  g->texture_compression_bc = has.textureCompressionBC;
+  const VkPhysicalDeviceFeatures features = {.textureCompressionBC = has.textureCompressionBC};
+  const VkDeviceCreateInfo device = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                     .queueCreateInfoCount = 1,
+                                     .pQueueCreateInfos = &queue,
+                                     .pEnabledFeatures = &features};
   gpu_need(vkCreateDevice(g->physical_device, &device, NULL, &g->device), "a device");
   vkGetDeviceQueue(g->device, g->queue_family, 0, &g->queue);
   const VkCommandPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,

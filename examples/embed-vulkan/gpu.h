@@ -15,6 +15,7 @@ typedef struct gpu {
   VkDevice device;
   VkQueue queue;
   uint32_t queue_family; // graphics and compute
+  bool texture_compression_bc; // the device has it, and it is enabled
   VkCommandPool pool;
   VkCommandBuffer commands;
   char name[VK_MAX_PHYSICAL_DEVICE_NAME_SIZE];

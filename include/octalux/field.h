@@ -68,6 +68,7 @@ typedef struct olx_field_info {
   float last_bounce;   // share of the indirect light at texels that has bounces + 1 surfaces between emitter and texel, 0 to 1:
                        // rays leave it out where they end, since surfaces that they light add one; 0 when not known
   uint32_t samples;    // radiance samples along a texel's side (2: four samples a texel)
+  bool compressed;     // material and light of surfaces lie in blocks of 4 x 4 texels that graphics hardware decodes
   uint64_t scene_hash; // of geometry, materials, textures, lights and environment; 0 of a field that is relit
   uint32_t classic_size;      // texels along a side of the classic maps: a power of two, 32 to 256; 0: baked without them
   uint32_t classic_cube_size; // along a face of the cube maps that they were made from

@@ -45,6 +45,9 @@ typedef struct olx_vulkan_host {
   uint32_t queue_family;
   // Every pipeline is created with it; it must not have been created externally synchronized. VK_NULL_HANDLE: none.
   VkPipelineCache pipeline_cache;
+  // The device was created with the feature textureCompressionBC: it holds light and material as a field has them, 3.5 bytes a
+  // texel, which else are decoded to 14 (octalux/field.h, olx_field_info.compressed).
+  bool texture_compression_bc;
 } olx_vulkan_host;
 
 // A field in the GPU's memory.
@@ -61,8 +64,9 @@ typedef struct olx_vulkan_sizes {
 // memory again). Allocates no memory itself.
 olx_result olx_vulkan_field_measure(const olx_vulkan_host *host, const olx_field *field, olx_vulkan_sizes *sizes);
 
-// Copy a field to the device, as it lies in its file, through a small ring of staging memory. Returns when the copy is
-// complete; `field` may then be closed. On success *uploaded is the caller's to destroy, on failure it is NULL.
+// Copy a field to the device, as it lies in its file but for blocks that the device cannot read, through a small ring of staging
+// memory. Returns when the copy is complete; `field` may then be closed. On success *uploaded is the caller's to destroy, on
+// failure it is NULL.
 olx_result olx_vulkan_field_create(const olx_vulkan_host *host, const olx_field *field, olx_vulkan_field **uploaded);
 
 // NULL is allowed. Frames made from it must be destroyed before.

@@ -163,6 +163,7 @@ olx_texel_light olx_read_texels(olx_sample_settings settings, uint probe, vec3 p
   olx_probe_view v = olx_view_from(settings, probe, position, normal);
   olx_bilinear around = olx_bilinear_at(olx_octahedral_encode(v.offset), olx_field.n);
   uint stride = olx_field.n + 2u;
+  int n = int(olx_field.n);
   ivec2 at = ivec2(around.texel.x % stride, around.texel.x / stride) - 1;
   olx_seen_texel a = olx_see_texel(v, at), b = olx_see_texel(v, at + ivec2(1, 0)),
                  c = olx_see_texel(v, at + ivec2(0, 1)), d = olx_see_texel(v, at + ivec2(1, 1));
@@ -175,10 +176,10 @@ olx_texel_light olx_read_texels(olx_sample_settings settings, uint probe, vec3 p
                    olx_passes_all(c, a, b, c, d, others), olx_passes_all(d, a, b, c, d, others));
   }
   vec3 sum = vec3(0.0);
-  if (weight.x > 0.0) sum += olx_texel_indirect(v.map, at) * weight.x;
-  if (weight.y > 0.0) sum += olx_texel_indirect(v.map, at + ivec2(1, 0)) * weight.y;
-  if (weight.z > 0.0) sum += olx_texel_indirect(v.map, at + ivec2(0, 1)) * weight.z;
-  if (weight.w > 0.0) sum += olx_texel_indirect(v.map, at + ivec2(1, 1)) * weight.w;
+  if (weight.x > 0.0) sum += olx_texel_indirect(v.map, olx_border_source(at, n)) * weight.x;
+  if (weight.y > 0.0) sum += olx_texel_indirect(v.map, olx_border_source(at + ivec2(1, 0), n)) * weight.y;
+  if (weight.z > 0.0) sum += olx_texel_indirect(v.map, olx_border_source(at + ivec2(0, 1), n)) * weight.z;
+  if (weight.w > 0.0) sum += olx_texel_indirect(v.map, olx_border_source(at + ivec2(1, 1), n)) * weight.w;
   return olx_texel_light(sum, weight.x + weight.y + weight.z + weight.w);
 }
 

@@ -64,7 +64,8 @@ float olx_lit_share(vec3 stored, vec3 most) {
   return share;
 }
 
-// `position`: metres, on the texel's surface; `direction`: of the ray that found it, unit. 0 for the sky.
+// `position`: metres, on the texel's surface; `direction`: of the ray that found it, unit. The texel is not sky, nor one
+// of the border.
 olx_reflection olx_texel_shade(ivec3 origin, ivec2 texel, vec3 position, vec3 direction) {
   vec3 normal = olx_texel_normal(origin, texel);
   olx_texel_surface s =

@@ -1,5 +1,5 @@
 // Twin of src/field/texels.h: reads what a texel of a light field probe holds of the surface that it sees. Its distance
-// and its normal are read by maps.glsl.
+// and its normal are read by maps.glsl. What it says of the sky, but for emission, means nothing.
 #ifndef OLX_TEXELS_GLSL
 #define OLX_TEXELS_GLSL
 
@@ -7,23 +7,38 @@
 #include "maps.glsl"
 
 const uint OLX_EMISSION_TILE = 8u; // texels along a side of a tile of emission
+const float OLX_REFLECTANCE_FULL = 128.0; // a specular weight of 1
 
-// How the surface reflects; that of the sky reflects nothing through its diffuse lobe. Texture units make shares of the
-// bytes.
+// Where images of surfaces hold a texel of the probe whose maps begin at `origin`. Images of blocks have no border, so here
+// and in what follows a texel is none of the border.
+ivec3 olx_surface_at(ivec3 origin, ivec2 texel) {
+  ivec2 corner = ivec2(vec2(origin.xy - 1) * olx_field.surface_scale + 0.5);
+  return ivec3(corner + int(olx_field.surface_border) + texel, origin.z);
+}
+
+// How the surface reflects. Texture units make shares of the bytes; a field of blocks has reflectance in one byte, as
+// src/block/reflectance.h packs it, and roughness beside that.
 olx_bsdf olx_texel_material(ivec3 origin, ivec2 texel) {
-  vec4 base = texelFetch(olx_base_maps, origin + ivec3(texel, 0), 0);
-  vec2 specular = texelFetch(olx_specular_maps, origin + ivec3(texel, 0), 0).rg;
-  return olx_bsdf_make(base.rgb * base.rgb, specular.r, base.a, specular.g);
+  ivec3 at = olx_surface_at(origin, texel);
+  vec4 base = texelFetch(olx_base_maps, at, 0);
+  vec2 specular = texelFetch(olx_specular_maps, at, 0).rg;
+  bool packed = olx_field.compressed != 0u;
+  float code = specular.g * 255.0;
+  float metallic =
+      packed ? max((code - OLX_REFLECTANCE_FULL) * (1.0 / (255.0 - OLX_REFLECTANCE_FULL)), 0.0) : specular.r;
+  float roughness = packed ? specular.r : base.a;
+  float weight = packed ? min(code * (1.0 / OLX_REFLECTANCE_FULL), 1.0) : specular.g;
+  return olx_bsdf_make(base.rgb * base.rgb, metallic, roughness, weight);
 }
 
-// Irradiance in W/m^2 that reaches the surface straight from emitters and the sky; 0 for the sky.
+// Irradiance in W/m^2 that reaches the surface straight from emitters and the sky.
 vec3 olx_texel_direct(ivec3 origin, ivec2 texel) {
-  return texelFetch(olx_direct_maps, origin + ivec3(texel, 0), 0).rgb;
+  return texelFetch(olx_direct_maps, olx_surface_at(origin, texel), 0).rgb;
 }
 
-// Irradiance in W/m^2 of light that has at least one surface between emitter and texel; 0 for the sky.
+// Irradiance in W/m^2 of light that has at least one surface between emitter and texel.
 vec3 olx_texel_indirect(ivec3 origin, ivec2 texel) {
-  return texelFetch(olx_indirect_maps, origin + ivec3(texel, 0), 0).rgb;
+  return texelFetch(olx_indirect_maps, olx_surface_at(origin, texel), 0).rgb;
 }
 
 // Radiance in W/(sr m^2) that an emitter sends towards the probe, or that of the sky; 0 for a surface that does not emit.

@@ -240,7 +240,8 @@ static olx_field_header header_of(const bake *b) {
                .scene_max = b->scene->bounds_max,
                .bounces = s->bounces,
                .samples = s->samples,
-               .scene_hash = b->scene->hash},
+               .scene_hash = b->scene->hash,
+               .compressed = !s->uncompressed},
       .origin = {b->scene->origin[0], b->scene->origin[1], b->scene->origin[2]},
       .probe_positions = b->positions[0],
       .irradiance_positions = b->positions[1],
@@ -496,8 +497,11 @@ static void describe_work(bake *b) {
                              .threads = s->threads,
                              .distance_scale = b->distance_scale,
                              .task = &b->task};
-  b->surfaces = (olx_surface_capture){
-      .capture = &b->capture, .seed = s->seed, .reference_paths = s->reference_paths, .has_radiance = b->counts[1] > 0};
+  b->surfaces = (olx_surface_capture){.capture = &b->capture,
+                                      .seed = s->seed,
+                                      .reference_paths = s->reference_paths,
+                                      .has_radiance = b->counts[1] > 0,
+                                      .compressed = !s->uncompressed};
 }
 
 // Units of progress, in rays; the quadrature of the gather must be known.
@@ -589,7 +593,7 @@ static uint64_t memory_of(const bake *b, const olx_field_layout *layout) {
   bytes += olx_capture_bytes(s->radiance_size);
   bytes += layout->shapes[OLX_CHUNK_RADIANCE].record_bytes + layout->shapes[OLX_CHUNK_LEAST].record_bytes +
            layout->shapes[OLX_CHUNK_GREATEST].record_bytes; // the writer's map and pyramid
-  bytes += olx_surface_capture_bytes(s->radiance_size, s->light == OLX_LIGHT_CACHE, b->counts[1] > 0);
+  bytes += olx_surface_capture_bytes(&b->surfaces, s->light == OLX_LIGHT_CACHE);
   if (s->classic) bytes += olx_classic_bake_bytes(&b->classic);
   return s->relight ? bytes + olx_relight_bake_bytes(&b->relight) : bytes;
 }

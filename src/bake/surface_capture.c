@@ -206,20 +206,24 @@ static olx_result find_irradiance(const olx_surface_capture *c, bool buried) {
 }
 
 olx_result olx_surface_capture_probe(olx_surface_capture *c, bool buried, olx_surface_maps *maps) {
-  const uint32_t rows = c->capture->size;
-  *maps = (olx_surface_maps){c->base, c->specular, c->direct, c->indirect, c->emission};
+  const olx_capture *capture = c->capture;
+  const uint32_t rows = capture->size;
   c->last_bounce = c->light ? (float)olx_scene_light_describe(c->light).last_bounce : 0.0f;
   OLX_TRY(find_irradiance(c, buried));
-  return olx_parallel_for(rows, c->capture->threads, capture_row, c, c->capture->task,
-                          olx_surface_capture_units(c) / rows);
+  OLX_TRY(olx_parallel_for(rows, capture->threads, capture_row, c, capture->task, olx_surface_capture_units(c) / rows));
+  *maps = (olx_surface_maps){c->base, c->specular, c->direct, c->indirect, c->emission};
+  if (!c->compressed) return OLX_OK;
+  const olx_surface_texels texels = {c->base, c->specular, c->direct, c->indirect, capture->distance};
+  *maps = (olx_surface_maps){c->blocks.base, c->blocks.specular, c->blocks.direct, c->blocks.indirect, c->emission};
+  return olx_surface_encode(&texels, rows, capture->threads, &c->blocks);
 }
 
-uint64_t olx_surface_capture_bytes(uint32_t size, bool solved, bool radiance) {
-  const olx_surface_capture *c = NULL;
+uint64_t olx_surface_capture_bytes(const olx_surface_capture *c, bool solved) {
+  const uint32_t size = c->capture->size;
   const uint64_t texel = sizeof *c->base + sizeof *c->direct + sizeof *c->indirect + sizeof *c->emission +
-                         sizeof *c->specular + (radiance ? sizeof *c->radiance : 0) +
+                         sizeof *c->specular + (c->has_radiance ? sizeof *c->radiance : 0) +
                          (solved ? sizeof *c->irradiance : 0);
-  return (uint64_t)size * size * texel;
+  return (uint64_t)size * size * texel + (c->compressed ? olx_surface_blocks_bytes(size) : 0);
 }
 
 olx_result olx_surface_capture_create(olx_surface_capture *c) {
@@ -232,8 +236,9 @@ olx_result olx_surface_capture_create(olx_surface_capture *c) {
   c->irradiance = olx_allocate(c->light ? texels : 0, sizeof *c->irradiance);
   c->specular = olx_allocate(texels, sizeof *c->specular);
   const bool complete = c->base && c->direct && c->indirect && c->emission && c->specular && c->irradiance;
-  if (complete && (c->radiance || !c->has_radiance)) return OLX_OK;
-  olx_surface_capture_free(c);
+  if (complete && (c->radiance || !c->has_radiance)) {
+    return c->compressed ? olx_surface_blocks_create(c->capture->size, &c->blocks) : OLX_OK;
+  }
   return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for surfaces of %u x %u texels", c->capture->size,
                   c->capture->size);
 }
@@ -246,6 +251,7 @@ void olx_surface_capture_free(olx_surface_capture *c) {
   olx_release(c->radiance);
   olx_release(c->irradiance);
   olx_release(c->specular);
+  olx_surface_blocks_free(&c->blocks);
   c->base = c->direct = c->indirect = c->emission = c->radiance = NULL;
   c->specular = NULL;
   c->irradiance = NULL;

@@ -5,6 +5,7 @@
 
 #include "bake/capture.h"
 #include "field/field_writer.h"
+#include "field/surface_encode.h"
 #include "light/scene_light.h"
 
 #include <octalux/bake.h>
@@ -16,17 +17,19 @@ typedef struct olx_surface_capture {
   const olx_scene_light *light; // NULL: indirect light is the plain reference
   uint32_t reference_paths;     // of a texel, for the reference
   bool has_radiance;            // `radiance` is wanted
+  bool compressed;              // maps are wanted as blocks
   olx_vec3 *irradiance;         // indirect, where `light` gives it
   float last_bounce;            // share of that light that is one bounce more than radiance holds
   uint32_t *base, *direct, *indirect, *emission, *radiance; // `radiance` is NULL where it is not wanted
   uint16_t *specular;
+  olx_surface_blocks blocks; // made from them, where they are wanted
   atomic_uint_fast64_t rays; // cast so far
 } olx_surface_capture;
 
-// The fields up to `has_radiance` are the caller's to fill.
+// The fields up to `compressed` are the caller's to fill.
 olx_result olx_surface_capture_create(olx_surface_capture *surfaces);
-// Bytes that the maps of a probe take; `solved`: with indirect light that is not the plain reference; `radiance`: with that.
-uint64_t olx_surface_capture_bytes(uint32_t size, bool solved, bool radiance);
+// Bytes that the maps of a probe take, of what is described so far but for `light`; `solved`: there will be one.
+uint64_t olx_surface_capture_bytes(const olx_surface_capture *surfaces, bool solved);
 void olx_surface_capture_free(olx_surface_capture *surfaces);
 
 // Units of progress a probe takes, in samples of texels.

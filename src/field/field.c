@@ -106,12 +106,16 @@ static olx_result find_chunks(olx_field *field) {
   if (field->bands) field->harmonics = data[OLX_CHUNK_IRRADIANCE];
   else field->irradiance = data[OLX_CHUNK_IRRADIANCE];
   field->moments = data[OLX_CHUNK_MOMENTS];
-  field->surfaces = (olx_field_surfaces){.base = data[OLX_CHUNK_BASE],
-                                         .specular = data[OLX_CHUNK_SPECULAR],
-                                         .direct = data[OLX_CHUNK_DIRECT],
-                                         .indirect = data[OLX_CHUNK_INDIRECT],
-                                         .emission = data[OLX_CHUNK_EMISSION],
-                                         .tile_side = field->n / OLX_EMISSION_TILE};
+  field->surfaces = info->compressed ? (olx_field_surfaces){.base_blocks = data[OLX_CHUNK_BASE],
+                                                            .specular_blocks = data[OLX_CHUNK_SPECULAR],
+                                                            .direct_blocks = data[OLX_CHUNK_DIRECT],
+                                                            .indirect_blocks = data[OLX_CHUNK_INDIRECT]}
+                                     : (olx_field_surfaces){.base = data[OLX_CHUNK_BASE],
+                                                            .specular = data[OLX_CHUNK_SPECULAR],
+                                                            .direct = data[OLX_CHUNK_DIRECT],
+                                                            .indirect = data[OLX_CHUNK_INDIRECT]};
+  field->surfaces.emission = data[OLX_CHUNK_EMISSION];
+  field->surfaces.tile_side = field->n / OLX_EMISSION_TILE;
   info->material_bytes = shapes[OLX_CHUNK_BASE].size_bytes + shapes[OLX_CHUNK_SPECULAR].size_bytes;
   info->direct_bytes = shapes[OLX_CHUNK_DIRECT].size_bytes;
   info->indirect_bytes = shapes[OLX_CHUNK_INDIRECT].size_bytes;

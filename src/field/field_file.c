@@ -2,6 +2,14 @@
 
 #include "core/result.h"
 
+// A map of surfaces, as texels or as blocks.
+static olx_chunk_row surface_row(const olx_field_info *info, uint32_t texel_type, uint32_t texel_bytes,
+                                 uint32_t block_type, uint32_t block_bytes) {
+  const uint64_t stride = info->radiance_size + 2, side = info->radiance_size / OLX_BLOCK_SIDE;
+  return info->compressed ? (olx_chunk_row){block_type, block_bytes, side * side, info->probe_count}
+                          : (olx_chunk_row){texel_type, texel_bytes, stride * stride, info->probe_count};
+}
+
 void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHUNK_KINDS]) {
   const uint64_t side = info->radiance_size + 2, texels = side * side;
   const uint32_t radiance_maps = olx_chunk_is_required(info, OLX_CHUNK_RADIANCE) ? info->probe_count : 0;
@@ -28,10 +36,10 @@ void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHU
                                 bands ? 2 : 4, bands ? olx_harmonics_halves(bands) : irradiance_texels,
                                 info->irradiance_probe_count},
       [OLX_CHUNK_MOMENTS] = {OLX_FOUR_CC('M', 'O', 'M', 'E'), 4, irradiance_texels, info->irradiance_probe_count},
-      [OLX_CHUNK_BASE] = {OLX_FOUR_CC('B', 'A', 'S', 'E'), 4, texels, info->probe_count},
-      [OLX_CHUNK_SPECULAR] = {OLX_FOUR_CC('S', 'P', 'E', 'C'), 2, texels, info->probe_count},
-      [OLX_CHUNK_DIRECT] = {OLX_FOUR_CC('D', 'I', 'R', 'E'), 4, texels, info->probe_count},
-      [OLX_CHUNK_INDIRECT] = {OLX_FOUR_CC('I', 'N', 'D', 'I'), 4, texels, info->probe_count},
+      [OLX_CHUNK_BASE] = surface_row(info, OLX_FOUR_CC('B', 'A', 'S', 'E'), 4, OLX_FOUR_CC('B', 'A', 'S', '1'), 8),
+      [OLX_CHUNK_SPECULAR] = surface_row(info, OLX_FOUR_CC('S', 'P', 'E', 'C'), 2, OLX_FOUR_CC('R', 'E', 'F', '5'), 16),
+      [OLX_CHUNK_DIRECT] = surface_row(info, OLX_FOUR_CC('D', 'I', 'R', 'E'), 4, OLX_FOUR_CC('D', 'I', 'R', '6'), 16),
+      [OLX_CHUNK_INDIRECT] = surface_row(info, OLX_FOUR_CC('I', 'N', 'D', 'I'), 4, OLX_FOUR_CC('I', 'N', 'D', '6'), 16),
       [OLX_CHUNK_EMISSION] = {OLX_FOUR_CC('E', 'M', 'I', 'S'), 4, tiles, info->probe_count},
       [OLX_CHUNK_LIGHTS] = {OLX_FOUR_CC('L', 'I', 'T', 'E'), sizeof(olx_field_light), 1, 0},
       [OLX_CHUNK_VORONOI] = {OLX_FOUR_CC('V', 'O', 'R', 'O'), 1, 0, 1},
@@ -87,7 +95,8 @@ olx_file_info olx_field_info_store(const olx_field_info *info) {
                           .distance_scale = info->distance_scale_metres,
                           .irradiance_grid = store_grid(&info->irradiance_grid),
                           .scene_hash = info->scene_hash,
-                          .last_bounce = info->last_bounce};
+                          .last_bounce = info->last_bounce,
+                          .compressed = info->compressed};
   if (info->has_grid) stored.grid = store_grid(&info->grid);
   olx_store3(stored.scene_min, info->scene_min);
   olx_store3(stored.scene_max, info->scene_max);
@@ -112,7 +121,8 @@ olx_field_info olx_field_info_load(const olx_file_info *stored) {
                           .bounces = stored->bounces,
                           .samples = stored->samples,
                           .scene_hash = stored->scene_hash,
-                          .last_bounce = stored->last_bounce};
+                          .last_bounce = stored->last_bounce,
+                          .compressed = stored->compressed != 0};
 }
 
 static bool is_power_of_two_in(uint32_t size, uint32_t low, uint32_t high) {
@@ -230,10 +240,11 @@ olx_result olx_field_info_read(const olx_chunk_file *file, olx_field_info *info)
   }
   *info = olx_field_info_load(stored);
   OLX_TRY(olx_field_info_check(info, file->name, OLX_ERROR_FORMAT));
-  // What the description holds must be what a writer makes of it: reserved fields zero, flags 0 or 1.
+  // What the description holds must be what a writer makes of it: flags 0 or 1, what there is not 0.
   const olx_file_info again = olx_field_info_store(info);
   if (memcmp(&again, stored, sizeof again) == 0) return OLX_OK;
-  return olx_fail(OLX_ERROR_FORMAT, "%s: chunk INFO: grid flag, absent grid or reserved bytes are wrong", file->name);
+  return olx_fail(OLX_ERROR_FORMAT, "%s: chunk INFO: a flag that is not 0 or 1, or an absent grid that is not 0",
+                  file->name);
 }
 
 // Rounding of origin + index * spacing apart, probes stand where the grid says.

@@ -41,12 +41,13 @@ typedef struct olx_file_info {
   olx_file_grid grid, irradiance_grid;
   uint64_t scene_hash;
   float last_bounce; // share of indirect light at texels that has bounces + 1 surfaces on its way
-  uint32_t zero_b;
+  uint32_t compressed;
 } olx_file_info;
 
 _Static_assert(sizeof(olx_file_info) == 160 && offsetof(olx_file_info, scene_min) == 48 &&
                    offsetof(olx_file_info, grid) == 72 && offsetof(olx_file_info, irradiance_grid) == 108 &&
-                   offsetof(olx_file_info, scene_hash) == 144 && offsetof(olx_file_info, last_bounce) == 152,
+                   offsetof(olx_file_info, scene_hash) == 144 && offsetof(olx_file_info, last_bounce) == 152 &&
+                   offsetof(olx_file_info, compressed) == 156,
                "docs/format.md");
 _Static_assert(sizeof(olx_vec3) == 12, "positions are read in place");
 
@@ -64,7 +65,7 @@ typedef enum olx_chunk_kind {
   OLX_CHUNK_IRRADIANCE_FLAGS,
   OLX_CHUNK_IRRADIANCE,
   OLX_CHUNK_MOMENTS,
-  // The surfaces that light field probes see, and their light.
+  // The surfaces that light field probes see, and their light: the first four as texels or as blocks.
   OLX_CHUNK_BASE,
   OLX_CHUNK_SPECULAR,
   OLX_CHUNK_DIRECT,
@@ -142,6 +143,9 @@ olx_result olx_field_info_read(const olx_chunk_file *file, olx_field_info *info)
 olx_result olx_field_light_check(const olx_field_light *light, uint32_t index, const char *name, olx_result failure);
 // Finds the surfaces and the lights of an open field and checks all that readers rely on.
 olx_result olx_surfaces_open(olx_field *field);
+// A row of a map of blocks as texels, border included, for those who cannot read blocks. Light is RGB9E5; base colours are the
+// bytes of their roots, red lowest; of specular the low byte is roughness, the high byte olx_reflectance_pack.
+void olx_surface_row(const olx_field *field, olx_surface_map map, uint32_t probe, uint32_t row, void *texels);
 // Whether the surfaces of a probe, and all tiles of emission, hold what a writer makes of them.
 olx_result olx_surfaces_verify(const olx_field *field, uint32_t probe);
 // Finds the classic maps of an open field, if it has any, and checks their structure.

@@ -102,6 +102,15 @@ static olx_result check_pyramid_level(const olx_field *field, uint32_t probe, ui
   return OLX_OK;
 }
 
+static olx_result check_surface_borders(const olx_field *field, uint32_t probe) {
+  const olx_field_surfaces *s = &field->surfaces;
+  const size_t first = field->texels * probe;
+  OLX_TRY(check_border(field, "base colour", probe, s->base + first, field->n, 4));
+  OLX_TRY(check_border(field, "specular", probe, s->specular + first, field->n, 2));
+  OLX_TRY(check_border(field, "direct light", probe, s->direct + first, field->n, 4));
+  return check_border(field, "indirect light", probe, s->indirect + first, field->n, 4);
+}
+
 static olx_result check_probe(const olx_field *field, uint32_t probe) {
   OLX_TRY(check_flags(field, "light field", probe, field->probe_flags[probe]));
   const size_t texels = field->texels;
@@ -115,11 +124,7 @@ static olx_result check_probe(const olx_field *field, uint32_t probe) {
   OLX_TRY(check_border(field, "normal", probe, normal, field->n, 2));
   OLX_TRY(check_border(field, "distance", probe, distance, field->n, 2));
   for (uint32_t level = 0; level < field->pyramid.levels; level++) OLX_TRY(check_pyramid_level(field, probe, level));
-  const olx_field_surfaces *s = &field->surfaces;
-  OLX_TRY(check_border(field, "base colour", probe, s->base + texels * probe, field->n, 4));
-  OLX_TRY(check_border(field, "specular", probe, s->specular + texels * probe, field->n, 2));
-  OLX_TRY(check_border(field, "direct light", probe, s->direct + texels * probe, field->n, 4));
-  OLX_TRY(check_border(field, "indirect light", probe, s->indirect + texels * probe, field->n, 4));
+  if (!field->info.compressed) OLX_TRY(check_surface_borders(field, probe));
   return olx_surfaces_verify(field, probe);
 }
 

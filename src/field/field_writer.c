@@ -291,12 +291,16 @@ static olx_result put_emission(olx_field_writer *writer, uint32_t index, const u
   return put(writer, OLX_CHUNK_EMISSION, index, writer->tile_index);
 }
 
+static olx_result put_surface(olx_field_writer *writer, olx_chunk_kind kind, uint32_t index, const void *map) {
+  return writer->info.compressed ? put(writer, kind, index, map)
+                                 : put_map(writer, kind, index, map, writer->info.radiance_size);
+}
+
 static olx_result write_surface(olx_field_writer *writer, uint32_t index, const olx_surface_maps *maps) {
-  const uint32_t n = writer->info.radiance_size;
-  OLX_TRY(put_map(writer, OLX_CHUNK_BASE, index, maps->base, n));
-  OLX_TRY(put_map(writer, OLX_CHUNK_SPECULAR, index, maps->specular, n));
-  OLX_TRY(put_map(writer, OLX_CHUNK_DIRECT, index, maps->direct, n));
-  OLX_TRY(put_map(writer, OLX_CHUNK_INDIRECT, index, maps->indirect, n));
+  OLX_TRY(put_surface(writer, OLX_CHUNK_BASE, index, maps->base));
+  OLX_TRY(put_surface(writer, OLX_CHUNK_SPECULAR, index, maps->specular));
+  OLX_TRY(put_surface(writer, OLX_CHUNK_DIRECT, index, maps->direct));
+  OLX_TRY(put_surface(writer, OLX_CHUNK_INDIRECT, index, maps->indirect));
   return put_emission(writer, index, maps->emission);
 }
 

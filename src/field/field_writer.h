@@ -21,13 +21,12 @@ typedef struct olx_field_header {
   const uint32_t *classic_table; // of classic maps, OLX_CLASSIC_TABLE_ENTRIES; NULL, and info.classic_size 0, without them
 } olx_field_header;
 
-// The surfaces that a light field probe sees: maps of n * n texels, row by row, without border, as field/texels.h reads them.
-// All but emission are 0 for the sky.
+// The surfaces that a light field probe sees, row by row, without border, as field/texels.h reads them. As info.compressed says,
+// the first four are maps of n * n texels that are 0 for the sky, or of blocks that are 0 where all of it is sky
+// (field/surface_encode.h).
 typedef struct olx_surface_maps {
-  const uint32_t *base;
-  const uint16_t *specular;
-  const uint32_t *direct, *indirect;
-  const uint32_t *emission; // 0 where the distance marks no emitter
+  const void *base, *specular, *direct, *indirect;
+  const uint32_t *emission; // n * n texels, 0 where the distance marks no emitter
 } olx_surface_maps;
 
 // The classic maps of a probe, packed, without border.

@@ -1,6 +1,7 @@
 // The chunks of surfaces and lights in a field file: finding them, and judging what they hold.
 #include "core/result.h"
 #include "field/field_file.h"
+#include "field/texels.h"
 
 // The chunk of one kind when it is whole records of its shape, of any number.
 static olx_result find_records(const olx_field *field, olx_chunk_kind kind, uint64_t most, const void **data,
@@ -65,14 +66,48 @@ static olx_result fail_at(const olx_field *field, const char *what, uint32_t pro
 }
 
 // The sky has neither material nor irradiance.
-static olx_result check_sky(const olx_field *field, uint32_t probe, uint32_t x, uint32_t y, size_t at) {
+static olx_result check_sky(const olx_field *field, uint32_t probe, uint32_t x, uint32_t y) {
   const olx_field_surfaces *s = &field->surfaces;
+  const size_t at = field->texels * probe + olx_map_index(field->stride, (int32_t)x, (int32_t)y);
+  if (field->distance[at] != 0x7C00u) return OLX_OK;
   const char *what = s->base[at]       ? "base colour"
                      : s->specular[at] ? "specular"
                      : s->direct[at]   ? "direct light"
                      : s->indirect[at] ? "indirect light"
                                        : NULL;
   return what ? fail_at(field, what, probe, x, y, "not 0, but it sees the sky") : OLX_OK;
+}
+
+static bool all_is_sky(const olx_field *field, uint32_t probe, uint32_t x, uint32_t y) {
+  for (uint32_t i = 0; i < OLX_BLOCK_SIDE * OLX_BLOCK_SIDE; i++) {
+    const size_t texel =
+        olx_map_index(field->stride, (int32_t)(x + i % OLX_BLOCK_SIDE), (int32_t)(y + i / OLX_BLOCK_SIDE));
+    if (field->distance[field->texels * probe + texel] != 0x7C00u) return false;
+  }
+  return true;
+}
+
+static const char *check_light_block(const olx_bc6h_block *block, bool sky) {
+  const uint32_t *w = block->words;
+  if (!olx_bc6h_is_valid(block)) return "a block of no mode";
+  return sky && (w[0] != OLX_BC6H_BLACK || w[1] || w[2] || w[3]) ? "a block of sky that is not black" : NULL;
+}
+
+// The block whose first texel is (x, y).
+static olx_result check_blocks(const olx_field *field, uint32_t probe, uint32_t x, uint32_t y) {
+  static const olx_bc1_block no_base = {0};
+  static const olx_bc5_block no_specular = {0};
+  const olx_field_surfaces *s = &field->surfaces;
+  const size_t at = olx_texel_block_of(field, probe, olx_map_index(field->stride, (int32_t)x, (int32_t)y)).block;
+  const bool sky = all_is_sky(field, probe, x, y);
+  const char *direct = check_light_block(&s->direct_blocks[at], sky),
+             *indirect = check_light_block(&s->indirect_blocks[at], sky);
+  if (direct) return fail_at(field, "direct light", probe, x, y, direct);
+  if (indirect) return fail_at(field, "indirect light", probe, x, y, indirect);
+  const char *what = memcmp(&s->base_blocks[at], &no_base, sizeof no_base) != 0               ? "base colour"
+                     : memcmp(&s->specular_blocks[at], &no_specular, sizeof no_specular) != 0 ? "reflectance"
+                                                                                              : NULL;
+  return sky && what ? fail_at(field, what, probe, x, y, "a block of sky that is not 0") : OLX_OK;
 }
 
 static olx_result check_tile(const olx_field *field, uint32_t probe, uint32_t tile_x, uint32_t tile_y) {
@@ -96,13 +131,27 @@ static olx_result check_tile(const olx_field *field, uint32_t probe, uint32_t ti
 }
 
 olx_result olx_surfaces_verify(const olx_field *field, uint32_t probe) {
-  for (uint32_t y = 0; y < field->n; y++) {
-    for (uint32_t x = 0; x < field->n; x++) {
-      const size_t at = field->texels * probe + (size_t)(y + 1) * field->stride + x + 1;
-      if (field->distance[at] == 0x7C00u) OLX_TRY(check_sky(field, probe, x, y, at));
+  const uint32_t step = field->info.compressed ? OLX_BLOCK_SIDE : 1;
+  for (uint32_t y = 0; y < field->n; y += step) {
+    for (uint32_t x = 0; x < field->n; x += step) {
+      OLX_TRY(field->info.compressed ? check_blocks(field, probe, x, y) : check_sky(field, probe, x, y));
     }
   }
   const uint32_t side = field->surfaces.tile_side;
   for (uint32_t i = 0; i < side * side; i++) OLX_TRY(check_tile(field, probe, i % side, i / side));
   return OLX_OK;
+}
+
+void olx_surface_row(const olx_field *field, olx_surface_map map, uint32_t probe, uint32_t row, void *texels) {
+  const olx_field_surfaces *s = &field->surfaces;
+  uint16_t *halves = texels;
+  uint32_t *words = texels;
+  for (uint32_t x = 0; x < field->stride; x++) {
+    const size_t texel = (size_t)field->stride * row + x;
+    const olx_texel_block at = olx_texel_block_of(field, probe, texel);
+    if (map == OLX_SURFACE_BASE) words[x] = olx_bc1_texel(&s->base_blocks[at.block], at.texel);
+    if (map == OLX_SURFACE_SPECULAR) halves[x] = olx_bc5_texel(&s->specular_blocks[at.block], at.texel);
+    if (map == OLX_SURFACE_DIRECT) words[x] = olx_rgb9e5_pack(olx_texel_direct(field, probe, texel));
+    if (map == OLX_SURFACE_INDIRECT) words[x] = olx_rgb9e5_pack(olx_texel_indirect(field, probe, texel));
+  }
 }

@@ -3,9 +3,11 @@
 #ifndef OLX_FIELD_SURFACE_DATA_H
 #define OLX_FIELD_SURFACE_DATA_H
 
-#include "core/vec.h"
+#include "block/bc1.h"
+#include "block/bc4.h"
+#include "block/bc6h.h"
 
-#include <octalux/base.h>
+#include "shaders/octalux_shared.h"
 
 enum {
   OLX_EMISSION_TILE = 8, // texels along a side of a tile of emission
@@ -27,12 +29,18 @@ typedef struct olx_field_light {
 
 _Static_assert(sizeof(olx_field_light) == 64, "docs/format.md");
 
-// The surfaces of a field. Maps have borders, `texels` of the field for each probe, but for emission.
+// The surfaces of a field: each of material, direct and indirect light as texels or as blocks, whichever is not NULL.
+// Emission is always as texels.
 typedef struct olx_field_surfaces {
+  // Maps of texels have borders, `texels` of the field for each probe.
   const uint32_t *base;     // base colour and roughness
   const uint16_t *specular; // metallic and specular weight
   const uint32_t *direct;   // RGB9E5, W/m^2
   const uint32_t *indirect; // RGB9E5, W/m^2
+  // Maps of blocks have none: (n / 4)^2 for each probe, row by row.
+  const olx_bc1_block *base_blocks;                      // the roots of base colours
+  const olx_bc5_block *specular_blocks;                  // roughness and olx_reflectance_pack
+  const olx_bc6h_block *direct_blocks, *indirect_blocks; // W/m^2
   const uint32_t *emission; // tile_side^2 words a probe, rows of tiles: 0, or 1 and the number of a tile
   const uint32_t *tiles;    // OLX_EMISSION_TILE_TEXELS texels each, rows, RGB9E5, W/(sr m^2)
   uint32_t tile_side;       // tiles along a side of a map
@@ -40,5 +48,14 @@ typedef struct olx_field_surfaces {
   const olx_field_light *lights;
   uint32_t light_count;
 } olx_field_surfaces;
+
+// The maps that may be blocks.
+typedef enum olx_surface_map {
+  OLX_SURFACE_BASE = 0,
+  OLX_SURFACE_SPECULAR,
+  OLX_SURFACE_DIRECT,
+  OLX_SURFACE_INDIRECT,
+  OLX_SURFACE_MAPS
+} olx_surface_map;
 
 #endif

@@ -1,8 +1,10 @@
 // Reads what a texel of a light field probe holds of the surface that it sees. `texel` is an index into a bordered map
-// (olx_map_index, olx_texel_towards). This header is the only place that decodes these chunks.
+// (olx_map_index, olx_texel_towards), whether the field holds texels or blocks. This header is the only place that decodes
+// these chunks. What it says of the sky, but for emission, means nothing.
 #ifndef OLX_FIELD_TEXELS_H
 #define OLX_FIELD_TEXELS_H
 
+#include "block/reflectance.h"
 #include "core/bsdf.h"
 #include "field/maps.h"
 
@@ -37,20 +39,69 @@ static inline olx_bsdf olx_material_unpack(olx_texel_material_codes codes) {
                        olx_byte_unpack_unit(codes.base >> 24), olx_byte_unpack_unit((uint32_t)codes.specular >> 8));
 }
 
-// How the surface reflects; that of the sky reflects nothing through its diffuse lobe.
+// The texel inside the map that a texel stands for, which may be one of the border.
+static inline void olx_texel_source(const olx_field *field, size_t texel, uint32_t *x, uint32_t *y) {
+  const uint32_t at = (uint32_t)texel, stride = field->stride;
+  int32_t source_x, source_y;
+  olx_border_source((int32_t)(at % stride) - 1, (int32_t)(at / stride) - 1, (int32_t)field->n, &source_x, &source_y);
+  *x = (uint32_t)source_x;
+  *y = (uint32_t)source_y;
+}
+
+// Where a texel lies in a field's maps of blocks.
+typedef struct olx_texel_block {
+  size_t block;
+  uint32_t texel; // of the block, row by row
+} olx_texel_block;
+
+static inline olx_texel_block olx_texel_block_of(const olx_field *field, uint32_t probe, size_t texel) {
+  uint32_t x, y;
+  olx_texel_source(field, texel, &x, &y);
+  const uint32_t side = field->n / OLX_BLOCK_SIDE;
+  return (olx_texel_block){((size_t)side * probe + y / OLX_BLOCK_SIDE) * side + x / OLX_BLOCK_SIDE,
+                           y % OLX_BLOCK_SIDE * OLX_BLOCK_SIDE + x % OLX_BLOCK_SIDE};
+}
+
+// How the surface reflects.
 static inline olx_bsdf olx_texel_material(const olx_field *field, uint32_t probe, size_t texel) {
-  const size_t at = field->texels * probe + texel;
-  return olx_material_unpack((olx_texel_material_codes){field->surfaces.base[at], field->surfaces.specular[at]});
+  const olx_field_surfaces *s = &field->surfaces;
+  if (s->base) {
+    const size_t at = field->texels * probe + texel;
+    return olx_material_unpack((olx_texel_material_codes){s->base[at], s->specular[at]});
+  }
+  const olx_texel_block at = olx_texel_block_of(field, probe, texel);
+  const uint32_t specular = olx_bc5_texel(&s->specular_blocks[at.block], at.texel);
+  const olx_reflectance r = olx_reflectance_unpack(specular >> 8);
+  return olx_bsdf_make(olx_base_color_unpack(olx_bc1_texel(&s->base_blocks[at.block], at.texel)), r.metallic,
+                       olx_byte_unpack_unit(specular), r.specular_weight);
 }
 
-// Irradiance in W/m^2 that reaches the surface straight from emitters and the sky; 0 for the sky.
+// One of two maps, whichever there is.
+static inline olx_vec3 olx_texel_irradiance(const olx_field *field, const uint32_t *texels,
+                                            const olx_bc6h_block *blocks, uint32_t probe, size_t texel) {
+  if (texels) return olx_rgb9e5_unpack(texels[field->texels * probe + texel]);
+  const olx_texel_block at = olx_texel_block_of(field, probe, texel);
+  return olx_bc6h_texel(&blocks[at.block], at.texel);
+}
+
+// Irradiance in W/m^2 that reaches the surface straight from emitters and the sky.
 static inline olx_vec3 olx_texel_direct(const olx_field *field, uint32_t probe, size_t texel) {
-  return olx_rgb9e5_unpack(field->surfaces.direct[field->texels * probe + texel]);
+  return olx_texel_irradiance(field, field->surfaces.direct, field->surfaces.direct_blocks, probe, texel);
 }
 
-// Irradiance in W/m^2 of light that has at least one surface between emitter and texel; 0 for the sky.
+// Irradiance in W/m^2 of light that has at least one surface between emitter and texel.
 static inline olx_vec3 olx_texel_indirect(const olx_field *field, uint32_t probe, size_t texel) {
-  return olx_rgb9e5_unpack(field->surfaces.indirect[field->texels * probe + texel]);
+  return olx_texel_irradiance(field, field->surfaces.indirect, field->surfaces.indirect_blocks, probe, texel);
+}
+
+// Fetches ahead what the functions above read.
+static inline void olx_texel_prefetch(const olx_field *field, uint32_t probe, size_t texel) {
+  const olx_field_surfaces *s = &field->surfaces;
+  const size_t plain = field->texels * probe + texel, block = olx_texel_block_of(field, probe, texel).block;
+  __builtin_prefetch(s->base ? (const void *)&s->base[plain] : &s->base_blocks[block]);
+  __builtin_prefetch(s->specular ? (const void *)&s->specular[plain] : &s->specular_blocks[block]);
+  __builtin_prefetch(s->direct ? (const void *)&s->direct[plain] : &s->direct_blocks[block]);
+  __builtin_prefetch(s->indirect ? (const void *)&s->indirect[plain] : &s->indirect_blocks[block]);
 }
 
 // Radiance in W/(sr m^2) that an emitter sends towards the probe, or that of the sky; 0 for a surface that does not emit.
@@ -58,10 +109,8 @@ static inline olx_vec3 olx_texel_emission(const olx_field *field, uint32_t probe
   const uint32_t distance = field->distance[field->texels * probe + texel];
   if (distance < 0x7C00u) return olx_splat(0.0f);
   const olx_field_surfaces *s = &field->surfaces;
-  int32_t x, y;
-  olx_border_source((int32_t)(texel % field->stride) - 1, (int32_t)(texel / field->stride) - 1, (int32_t)field->n, &x,
-                    &y);
-  const uint32_t column = (uint32_t)x, row = (uint32_t)y;
+  uint32_t column, row;
+  olx_texel_source(field, texel, &column, &row);
   const size_t tile = (size_t)(row / OLX_EMISSION_TILE) * s->tile_side + column / OLX_EMISSION_TILE;
   const uint32_t entry = s->emission[(size_t)s->tile_side * s->tile_side * probe + tile];
   if (entry == 0 || entry > s->tile_count) return olx_splat(0.0f); // a damaged file may name what there is not

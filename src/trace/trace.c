@@ -414,15 +414,9 @@ static void choose_by_bricks(bundle *b, const olx_field *field) {
 }
 
 static void prefetch_light(const olx_field *field, const olx_sample_settings *settings, uint32_t probe, size_t texel) {
-  const size_t at = field->texels * probe + texel;
-  if (field->radiance && settings->hits == OLX_HITS_STORED) {
-    __builtin_prefetch(&field->radiance[at]);
-    return;
-  }
-  __builtin_prefetch(&field->surfaces.base[at]);
-  __builtin_prefetch(&field->surfaces.specular[at]);
-  __builtin_prefetch(&field->surfaces.direct[at]);
-  __builtin_prefetch(&field->surfaces.indirect[at]);
+  const bool stored = field->radiance && settings->hits == OLX_HITS_STORED;
+  if (stored) __builtin_prefetch(&field->radiance[field->texels * probe + texel]);
+  else olx_texel_prefetch(field, probe, texel);
 }
 
 // All rays ask the first probe that they are to ask, then those that are not settled the second, and so on.

@@ -1,3 +1,4 @@
+#include "field/field_file.h"
 #include "vulkan/gpu_field.h"
 #include "vulkan/uploader.h"
 
@@ -26,24 +27,39 @@ static void transition(const olx_vulkan_field *gpu, VkCommandBuffer commands, Vk
                                      first ? 0 : 1, &buffer, 0, NULL, OLX_GPU_MAPS, barriers);
 }
 
+// Rows of texels or of blocks, from the file or decoded.
+static void fill_rows(const olx_field *field, const olx_gpu_maps *maps, uint32_t map, uint32_t row, uint32_t rows,
+                      uint32_t row_bytes, unsigned char *memory) {
+  const size_t rows_a_map = maps->blocks ? maps->stride / OLX_BLOCK_SIDE : maps->stride;
+  if (!maps->decoded) {
+    memcpy(memory, (const char *)maps->texels + (rows_a_map * map + row) * row_bytes, (size_t)rows * row_bytes);
+    return;
+  }
+  for (uint32_t i = 0; i < rows; i++) {
+    olx_surface_row(field, maps->kind, map, row + i, memory + (size_t)i * row_bytes);
+  }
+}
+
 // Rows of one map, as many at a time as fit into the staging slot.
-static olx_result upload_map(olx_vulkan_field *gpu, olx_uploader *uploader, const olx_gpu_maps *maps, uint32_t map) {
-  const uint32_t row_bytes = maps->stride * maps->texel_bytes, most = OLX_STAGING_SLOT_BYTES / row_bytes;
+static olx_result upload_map(olx_vulkan_field *gpu, const olx_field *field, olx_uploader *uploader,
+                             const olx_gpu_maps *maps, uint32_t map) {
+  const uint32_t unit = maps->blocks ? OLX_BLOCK_SIDE : 1; // texels along a side of what has texel_bytes
+  const uint32_t all = maps->stride / unit, row_bytes = all * maps->texel_bytes,
+                 most = OLX_STAGING_SLOT_BYTES / row_bytes;
   const uint32_t maps_a_layer = maps->maps_a_side * maps->maps_a_side, in_layer = map % maps_a_layer;
-  const char *texels = (const char *)maps->texels + (size_t)maps->stride * row_bytes * map;
-  for (uint32_t row = 0; row < maps->stride;) {
-    const uint32_t rest = maps->stride - row, rows = rest < most ? rest : most;
+  for (uint32_t row = 0; row < all;) {
+    const uint32_t rest = all - row, rows = rest < most ? rest : most;
     void *memory;
     VkDeviceSize offset;
     VkCommandBuffer commands;
     OLX_TRY(olx_uploader_reserve(uploader, rows * row_bytes, &memory, &offset, &commands));
-    memcpy(memory, texels + (size_t)row * row_bytes, (size_t)rows * row_bytes);
+    fill_rows(field, maps, map, row, rows, row_bytes, memory);
     const VkBufferImageCopy region = {
         .bufferOffset = offset,
         .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, map / maps_a_layer, 1},
         .imageOffset = {(int32_t)(in_layer % maps->maps_a_side * maps->stride),
-                        (int32_t)(in_layer / maps->maps_a_side * maps->stride + row), 0},
-        .imageExtent = {maps->stride, rows, 1},
+                        (int32_t)(in_layer / maps->maps_a_side * maps->stride + unit * row), 0},
+        .imageExtent = {maps->stride, unit * rows, 1},
     };
     gpu->context.vk.CmdCopyBufferToImage(commands, uploader->staging.buffer, maps->image,
                                          VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
@@ -83,7 +99,9 @@ static olx_result upload_everything(olx_vulkan_field *gpu, const olx_field *fiel
     OLX_TRY(olx_uploader_copy(uploader, part->data, part->bytes, gpu->buffer, part->offset));
   }
   for (uint32_t i = 0; i < OLX_GPU_MAPS; i++) {
-    for (uint32_t map = 0; map < gpu->maps[i].count; map++) OLX_TRY(upload_map(gpu, uploader, &gpu->maps[i], map));
+    for (uint32_t map = 0; map < gpu->maps[i].count; map++) {
+      OLX_TRY(upload_map(gpu, field, uploader, &gpu->maps[i], map));
+    }
   }
   OLX_TRY(olx_uploader_reserve(uploader, 0, &memory, &offset, &commands));
   transition(gpu, commands, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);

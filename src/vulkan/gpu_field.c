@@ -140,7 +140,9 @@ static olx_gpu_grid grid_constants(const olx_grid *grid) {
 
 static olx_gpu_field field_constants(const olx_vulkan_field *gpu, const olx_field *field) {
   const olx_field_info *info = &field->info;
-  const olx_gpu_maps *radiance = &gpu->maps[0], *irradiance = &gpu->maps[OLX_BINDING_IRRADIANCE - OLX_BINDING_RADIANCE];
+  const olx_gpu_maps *distance = &gpu->maps[OLX_BINDING_DISTANCE - OLX_BINDING_RADIANCE],
+                     *irradiance = &gpu->maps[OLX_BINDING_IRRADIANCE - OLX_BINDING_RADIANCE],
+                     *surfaces = &gpu->maps[OLX_BINDING_BASE - OLX_BINDING_RADIANCE];
   return (olx_gpu_field){
       .grid = info->has_grid ? grid_constants(&info->grid) : (olx_gpu_grid){.count = {0, 0, 0, 0}},
       .irradiance_grid = grid_constants(&info->irradiance_grid),
@@ -149,7 +151,7 @@ static olx_gpu_field field_constants(const olx_vulkan_field *gpu, const olx_fiel
       .probe_count = info->probe_count,
       .n = field->n,
       .least_nodes = field->pyramid.least_nodes,
-      .maps_a_side = radiance->maps_a_side,
+      .maps_a_side = distance->maps_a_side, // as of all maps of light field probes
       .irradiance_n = field->irradiance_n,
       .irradiance_maps_a_side = irradiance->maps_a_side,
       .irradiance_texel = 1.0f / (float)(irradiance->maps_a_side * irradiance->stride),
@@ -168,7 +170,31 @@ static olx_gpu_field field_constants(const olx_vulkan_field *gpu, const olx_fiel
       .volume_first = field->volume.header ? first_word(gpu, OLX_WORDS_VOLUME) : 0,
       .pyramid_first = {field->pyramid.first[0], field->pyramid.first[1], field->pyramid.first[2],
                         field->pyramid.first[3]},
+      .surface_scale = (float)surfaces->stride / (float)field->stride,
+      .surface_border = !surfaces->blocks,
+      .compressed = !field->surfaces.base,
   };
+}
+
+// Maps of surfaces, as blocks where both field and device have them, else as texels.
+static olx_gpu_maps surface_maps(const olx_vulkan_context *c, const olx_field *field, olx_surface_map kind) {
+  static const VkFormat TEXELS[OLX_SURFACE_MAPS] = {VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_R8G8_UNORM,
+                                                    VK_FORMAT_E5B9G9R9_UFLOAT_PACK32, VK_FORMAT_E5B9G9R9_UFLOAT_PACK32},
+                        BLOCKS[OLX_SURFACE_MAPS] = {VK_FORMAT_BC1_RGB_UNORM_BLOCK, VK_FORMAT_BC5_UNORM_BLOCK,
+                                                    VK_FORMAT_BC6H_UFLOAT_BLOCK, VK_FORMAT_BC6H_UFLOAT_BLOCK};
+  static const uint32_t TEXEL_BYTES[OLX_SURFACE_MAPS] = {4, 2, 4, 4}, BLOCK_BYTES[OLX_SURFACE_MAPS] = {8, 16, 16, 16};
+  const olx_field_surfaces *s = &field->surfaces;
+  const void *texels[OLX_SURFACE_MAPS] = {s->base, s->specular, s->direct, s->indirect},
+             *blocks[OLX_SURFACE_MAPS] = {s->base_blocks, s->specular_blocks, s->direct_blocks, s->indirect_blocks};
+  const bool stored = !texels[kind], keeps = stored && c->host.texture_compression_bc;
+  return (olx_gpu_maps){.format = keeps ? BLOCKS[kind] : TEXELS[kind],
+                        .texel_bytes = keeps ? BLOCK_BYTES[kind] : TEXEL_BYTES[kind],
+                        .stride = keeps ? field->n : field->stride,
+                        .count = field->info.probe_count,
+                        .blocks = keeps,
+                        .decoded = stored && !keeps,
+                        .kind = kind,
+                        .texels = stored ? blocks[kind] : texels[kind]};
 }
 
 // What stands for maps of a kind that the field lacks: one of a single black texel.
@@ -205,14 +231,10 @@ static olx_result create_resources(const olx_vulkan_host *host, const olx_field 
                                                          .texels = field->irradiance},
       [OLX_BINDING_MOMENTS - OLX_BINDING_RADIANCE] = {VK_FORMAT_R16G16_SFLOAT, 4, field->irradiance_stride,
                                                       irradiance_probes, .filtered = true, .texels = field->moments},
-      [OLX_BINDING_INDIRECT - OLX_BINDING_RADIANCE] = {VK_FORMAT_E5B9G9R9_UFLOAT_PACK32, 4, field->stride, probes,
-                                                       .texels = field->surfaces.indirect},
-      [OLX_BINDING_DIRECT - OLX_BINDING_RADIANCE] = {VK_FORMAT_E5B9G9R9_UFLOAT_PACK32, 4, field->stride, probes,
-                                                     .texels = field->surfaces.direct},
-      [OLX_BINDING_BASE -
-          OLX_BINDING_RADIANCE] = {VK_FORMAT_R8G8B8A8_UNORM, 4, field->stride, probes, .texels = field->surfaces.base},
-      [OLX_BINDING_SPECULAR -
-          OLX_BINDING_RADIANCE] = {VK_FORMAT_R8G8_UNORM, 2, field->stride, probes, .texels = field->surfaces.specular},
+      [OLX_BINDING_INDIRECT - OLX_BINDING_RADIANCE] = surface_maps(&gpu->context, field, OLX_SURFACE_INDIRECT),
+      [OLX_BINDING_DIRECT - OLX_BINDING_RADIANCE] = surface_maps(&gpu->context, field, OLX_SURFACE_DIRECT),
+      [OLX_BINDING_BASE - OLX_BINDING_RADIANCE] = surface_maps(&gpu->context, field, OLX_SURFACE_BASE),
+      [OLX_BINDING_SPECULAR - OLX_BINDING_RADIANCE] = surface_maps(&gpu->context, field, OLX_SURFACE_SPECULAR),
   };
   memcpy(gpu->maps, maps, sizeof maps);
   fill_missing(gpu->maps);

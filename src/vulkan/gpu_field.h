@@ -12,10 +12,13 @@ enum { OLX_GPU_MAPS = OLX_FIELD_BINDINGS - OLX_BINDING_RADIANCE };
 // The maps of one kind: map i lies in layer i / maps_a_side^2 of an image, maps_a_side of them along each side.
 typedef struct olx_gpu_maps {
   VkFormat format;
-  uint32_t texel_bytes, stride; // of a map, border included
+  uint32_t texel_bytes; // or bytes of a block
+  uint32_t stride;      // of a map, in texels, border included; there is none in images of blocks
   uint32_t count, maps_a_side, layers;
-  bool filtered;
-  const void *texels; // in the file
+  bool filtered, blocks;
+  bool decoded;         // the field has blocks, and the image texels
+  olx_surface_map kind; // of these
+  const void *texels;   // in the file; blocks of a format of blocks, and where they are decoded
   VkImage image;
   VkImageView view;
   VkDeviceMemory memory;

@@ -4,8 +4,10 @@ source "$(dirname "${BASH_SOURCE[0]}")/expect.sh"
 # What drivers keep cannot be told by name once the loader has unloaded them; test_vulkan looks for leaks.
 export ASAN_OPTIONS="${ASAN_OPTIONS:-}:detect_leaks=0"
 
+# As texels, which devices read to the last bit. What lies between the colours of a block they round as they like.
 "$OCTALUX" bake builtin:cornell-glossy -o cornell.olx --radiance-size 128 --irradiance-size 16 --bounces 1 --select cage,bricks \
-  2>stderr.txt
+  --uncompressed 2>stderr.txt
+most_error=1e-5
 
 # compare_devices SCENE FIELD OPTIONS...: every layer agrees, under the validation layers. A run compiles every shader, which takes
 # most of this test's time: so each shows several options at once.
@@ -21,7 +23,7 @@ compare_devices() {
     exit 77
   fi
   compared=$((compared + 1))
-  expect_json 'len(o["layers"]) == 4 and all(l["relative_mse"] < 1e-5 for l in o["layers"].values())' compare vulkan.exr cpu.exr
+  expect_json 'len(o["layers"]) == 4 and all(l["relative_mse"] < '$most_error' for l in o["layers"].values())' compare vulkan.exr cpu.exr
   for layer in albedo normal depth; do
     expect_json 'all(l["relative_mse"] < 1e-5 for l in o["layers"].values())' compare vulkan.exr cpu.exr --layer $layer
   done

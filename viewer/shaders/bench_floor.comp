@@ -16,8 +16,8 @@ vec4 diffuse(ivec2 pixel, float depth) {
   ivec2 first = ivec2(floor(olx_octahedral_encode(offset) * float(olx_field.n) - 0.5));
   vec4 sum = vec4(normal, 0.0);
   for (int i = 0; i < 4; i++) {
-    ivec2 texel = first + ivec2(i & 1, i >> 1);
-    sum += vec4(olx_texel_indirect(origin, texel) + olx_texel_normal(origin, texel), olx_texel_distance(origin, texel));
+    ivec2 texel = first + ivec2(i & 1, i >> 1), inside = olx_border_source(texel, int(olx_field.n));
+    sum += vec4(olx_texel_indirect(origin, inside) + olx_texel_normal(origin, texel), olx_texel_distance(origin, texel));
   }
   return sum;
 }

@@ -1,0 +1,27 @@
+// How metallic a surface is and its specular weight in one byte, so that four channels of a texture hold a material
+// with base colour and roughness left: surfaces are either metallic or have a weight other than 1.
+#ifndef OLX_BLOCK_REFLECTANCE_H
+#define OLX_BLOCK_REFLECTANCE_H
+
+#include "core/vec.h"
+
+enum { OLX_REFLECTANCE_FULL = 128 }; // a weight of 1; above it how metallic, and below it the weight
+
+typedef struct olx_reflectance {
+  float metallic, specular_weight;
+} olx_reflectance;
+
+// Both from 0 to 1. What is metallic gets a weight of 1.
+static inline uint8_t olx_reflectance_pack(olx_reflectance r) {
+  const float full = (float)OLX_REFLECTANCE_FULL;
+  return (uint8_t)(r.metallic * (255.0f - full) >= 0.5f ? full + rintf(r.metallic * (255.0f - full))
+                                                        : rintf(r.specular_weight * full));
+}
+
+static inline olx_reflectance olx_reflectance_unpack(uint32_t code) {
+  const float metallic = ((float)code - (float)OLX_REFLECTANCE_FULL) * (1.0f / (255.0f - (float)OLX_REFLECTANCE_FULL)),
+              weight = (float)code * (1.0f / (float)OLX_REFLECTANCE_FULL);
+  return (olx_reflectance){olx_max(metallic, 0.0f), olx_min(weight, 1.0f)};
+}
+
+#endif

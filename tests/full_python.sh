@@ -1,0 +1,14 @@
+# The Python example reproduces its figure: errors fall as maps grow, and a picture of them is drawn. Skipped without NumPy.
+set -euo pipefail
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+for python in "${PYTHON:-python3}" /usr/bin/python3 none; do
+  [ "$python" != none ] || { echo "skipped: no Python with NumPy here (Debian: python3-numpy)"; exit 77; }
+  if "$python" -c 'import numpy' 2>/dev/null; then break; fi
+done
+cd "$work"
+PYTHONPATH=$OCTALUX_SOURCE_DIR/python OCTALUX_LIBRARIES=$(dirname "$OCTALUX")/src PYTHONDONTWRITEBYTECODE=1 \
+  "$python" "$OCTALUX_SOURCE_DIR/python/examples/resolution.py" | tee found.txt
+head -c 4 resolution.png | grep -q PNG
+# Glossy light, which is the last number of a line, at the smallest and at the largest maps.
+awk '{ gsub(",", ""); value[NR] = $NF } END { exit !(NR == 5 && value[5] < 0.3 * value[1]) }' found.txt

@@ -29,16 +29,16 @@ static olx_vec3 read_normal(const olx_field *f, const texel_place *p) {
   return olx_texel_normal(f, p->probe, p->index);
 }
 static olx_vec3 read_base_color(const olx_field *f, const texel_place *p) {
-  return olx_base_color_unpack(f->surfaces.base[f->texels * p->probe + p->index]);
+  return olx_texel_parameters_of(f, p->probe, p->index).base_color;
 }
 static olx_vec3 read_roughness(const olx_field *f, const texel_place *p) {
-  return single(olx_byte_unpack_unit(f->surfaces.base[f->texels * p->probe + p->index] >> 24));
+  return single(olx_texel_parameters_of(f, p->probe, p->index).roughness);
 }
 static olx_vec3 read_metallic(const olx_field *f, const texel_place *p) {
-  return single(olx_byte_unpack_unit(f->surfaces.specular[f->texels * p->probe + p->index]));
+  return single(olx_texel_parameters_of(f, p->probe, p->index).metallic);
 }
 static olx_vec3 read_specular_weight(const olx_field *f, const texel_place *p) {
-  return single(olx_byte_unpack_unit((uint32_t)f->surfaces.specular[f->texels * p->probe + p->index] >> 8));
+  return single(olx_texel_parameters_of(f, p->probe, p->index).specular_weight);
 }
 static olx_vec3 read_direct(const olx_field *f, const texel_place *p) {
   return olx_texel_direct(f, p->probe, p->index);

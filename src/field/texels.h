@@ -62,18 +62,31 @@ static inline olx_texel_block olx_texel_block_of(const olx_field *field, uint32_
                            y % OLX_BLOCK_SIDE * OLX_BLOCK_SIDE + x % OLX_BLOCK_SIDE};
 }
 
-// How the surface reflects.
-static inline olx_bsdf olx_texel_material(const olx_field *field, uint32_t probe, size_t texel) {
+// What makes the surface's reflectance: base colour, and shares.
+typedef struct olx_texel_parameters {
+  olx_vec3 base_color;
+  float roughness, metallic, specular_weight;
+} olx_texel_parameters;
+
+static inline olx_texel_parameters olx_texel_parameters_of(const olx_field *field, uint32_t probe, size_t texel) {
   const olx_field_surfaces *s = &field->surfaces;
   if (s->base) {
     const size_t at = field->texels * probe + texel;
-    return olx_material_unpack((olx_texel_material_codes){s->base[at], s->specular[at]});
+    const uint32_t base = s->base[at], specular = s->specular[at];
+    return (olx_texel_parameters){olx_base_color_unpack(base), olx_byte_unpack_unit(base >> 24),
+                                  olx_byte_unpack_unit(specular), olx_byte_unpack_unit(specular >> 8)};
   }
   const olx_texel_block at = olx_texel_block_of(field, probe, texel);
   const uint32_t specular = olx_bc5_texel(&s->specular_blocks[at.block], at.texel);
   const olx_reflectance r = olx_reflectance_unpack(specular >> 8);
-  return olx_bsdf_make(olx_base_color_unpack(olx_bc1_texel(&s->base_blocks[at.block], at.texel)), r.metallic,
-                       olx_byte_unpack_unit(specular), r.specular_weight);
+  return (olx_texel_parameters){olx_base_color_unpack(olx_bc1_texel(&s->base_blocks[at.block], at.texel)),
+                                olx_byte_unpack_unit(specular), r.metallic, r.specular_weight};
+}
+
+// How the surface reflects.
+static inline olx_bsdf olx_texel_material(const olx_field *field, uint32_t probe, size_t texel) {
+  const olx_texel_parameters p = olx_texel_parameters_of(field, probe, texel);
+  return olx_bsdf_make(p.base_color, p.metallic, p.roughness, p.specular_weight);
 }
 
 // One of two maps, whichever there is.

@@ -3,7 +3,7 @@ source "$(dirname "$0")/cli/expect.sh"
 read_export=$OCTALUX_SOURCE_DIR/tests/read_export.py
 check() { python3 "$read_export" "$@" >stdout.txt 2>stderr.txt || fail "read_export.py $*"; }
 
-"$OCTALUX" bake builtin:cornell-glossy -o all.olx --radiance-size 32 --irradiance-size 16 --noise 0.2 --relight --classic --classic-size 32 \
+"$OCTALUX" bake builtin:cornell-glossy -o all.olx --uncompressed --radiance-size 32 --irradiance-size 16 --noise 0.2 --relight --classic --classic-size 32 \
   --select cage,bricks >stdout.txt 2>stderr.txt
 "$OCTALUX" bake builtin:cornell -o plain.olx --radiance-size 16 --noise 0.5 --grid 2x1x2 >stdout.txt 2>stderr.txt
 

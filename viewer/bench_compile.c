@@ -2,7 +2,6 @@
 // library is given Vulkan functions of which those that make pipelines are the driver's, and the others do nothing.
 #include "bench_compile.h"
 
-#include <octalux/relight.h>
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -234,10 +233,10 @@ static olx_vulkan_targets make_targets(void) {
 }
 
 // The passes of a frame, first as most games record them, then with other light of hits, tracers and selectors.
-static bool compile_frame(olx_vulkan_field *field, const olx_field *source, olx_vulkan_targets targets) {
+static bool compile_frame(olx_vulkan_field *field, olx_vulkan_targets targets) {
   static const compile_step plain = {{"irradiance", "composite", "accumulate", "filter"}, 4};
   static const compile_step glossy = {{"glossy", "dim"}, 2}, diffuse = {{"diffuse"}, 1}, again = {{"glossy"}, 1};
-  static const compile_step stored = {{"glossy, stored"}, 1}, relit = {{"glossy, stored", "glossy, relit"}, 2};
+  static const compile_step stored = {{"glossy, stored"}, 1};
   static const char *const tracers[] = {", texel", ", two-level", ", hi-Z"};
   static const struct {
     olx_select select;
@@ -257,8 +256,7 @@ static bool compile_frame(olx_vulkan_field *field, const olx_field *source, olx_
   fine = fine && begin_step(&diffuse, "") && end_step(olx_vulkan_frame_resize(frame, &targets));
   targets.passes = OLX_VULKAN_PASS_GLOSSY;
   targets.hits = 1u << OLX_HITS_STORED;
-  fine = fine && begin_step(olx_field_describe(source).relight_size ? &relit : &stored, "") &&
-         end_step(olx_vulkan_frame_resize(frame, &targets));
+  fine = fine && begin_step(&stored, "") && end_step(olx_vulkan_frame_resize(frame, &targets));
   targets.hits = 1u << OLX_HITS_SHADED;
   for (olx_tracer tracer = OLX_TRACER_TEXEL; fine && tracer < OLX_TRACER_HIZ; tracer++) {
     targets.tracers = 1u << tracer;
@@ -284,30 +282,12 @@ static bool compile_classic(olx_vulkan_field *uploaded, const olx_field *field) 
   return fine;
 }
 
-static bool compile_relight(olx_vulkan_field *uploaded, const olx_field *field) {
-  static const compile_step step = {{"relight_begin", "relight_direct", "relight_reflect", "relight_exact",
-                                     "relight_points", "relight_predict", "relight_gather", "relight_advance",
-                                     "relight_finish", "relight_pack"},
-                                    10};
-  if (olx_field_describe(field).relight_size == 0) return true;
-  const olx_relight_settings settings = olx_relight_settings_default();
-  const olx_vulkan_relight_settings on_device = olx_vulkan_relight_settings_default();
-  olx_relight *relight = NULL;
-  olx_vulkan_relight *made = NULL;
-  const bool fine = gpu_check_library(job.device, olx_relight_create(field, &settings, &relight)) &&
-                    begin_step(&step, "") && end_step(olx_vulkan_relight_create(uploaded, relight, &on_device, &made));
-  olx_vulkan_relight_destroy(made);
-  olx_relight_free(relight);
-  return fine;
-}
-
 static bool compile_all(const olx_field *field) {
   olx_vulkan_host host = job.device->host;
   host.get_instance_proc_addr = get_function;
   olx_vulkan_field *uploaded = NULL;
   const bool fine = gpu_check_library(job.device, olx_vulkan_field_create(&host, field, &uploaded)) &&
-                    compile_frame(uploaded, field, make_targets()) && compile_classic(uploaded, field) &&
-                    compile_relight(uploaded, field);
+                    compile_frame(uploaded, make_targets()) && compile_classic(uploaded, field);
   olx_vulkan_field_destroy(uploaded);
   return fine;
 }

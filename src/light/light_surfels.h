@@ -60,6 +60,10 @@ olx_result olx_light_surfels_add(olx_light_surfels *surfels, const olx_surface_p
 bool olx_light_surfels_see(const olx_light_surfels *surfels, const olx_light_surfel *surfel,
                            const olx_surface *surface);
 
+// Whether nothing lies between two surfels side by side.
+bool olx_light_surfels_beside(const olx_light_surfels *surfels, const olx_light_surfel *one,
+                              const olx_light_surfel *other);
+
 // The surfel that serves a point.
 typedef struct olx_surfel_found {
   uint32_t surfel; // OLX_CELL_NONE when there is none

@@ -10,6 +10,7 @@
 enum {
   OLX_CELL_LEVELS = 17,  // sizes of cubes: the scene's diagonal, rounded up to a power of two, and down to 2^-16 of it
   OLX_CELL_BIN_BITS = 6, // 6 faces of a cube of normals by 3 x 3
+  OLX_CELL_BINS_A_FACE = 9
 };
 
 typedef struct olx_cell_grid {

@@ -66,7 +66,7 @@ static olx_result check_range(const olx_vulkan_context *c, VkDeviceSize bytes, c
                   (unsigned long long)bytes, what);
 }
 
-// More lights than have highlights are as good as none.
+// More lights than have highlights are as good as none. Lights that change may be more than those of the bake.
 static uint32_t highlight_count(const olx_field *field) {
   return field->surfaces.light_count > OLX_MOST_HIGHLIGHTS ? 0 : field->surfaces.light_count;
 }
@@ -95,11 +95,12 @@ static olx_result lay_out_words(olx_vulkan_field *gpu, const olx_field *field, V
       [OLX_WORDS_VOLUME] = {field->volume.header, volume_bytes(&field->volume), 0},
       [OLX_WORDS_VOLUME_LIGHT] = {field->volume.irradiance, light_bytes, 0},
   };
+  gpu->light_room = field->relight.header ? OLX_MOST_HIGHLIGHTS : highlight_count(field);
   gpu->buffer_bytes = first;
   for (uint32_t i = 0; i < OLX_GPU_WORDS; i++) {
     gpu->words[i] = words[i];
     gpu->words[i].offset = gpu->buffer_bytes;
-    gpu->buffer_bytes += whole_words(words[i].bytes);
+    gpu->buffer_bytes += i == OLX_WORDS_LIGHTS ? sizeof(olx_field_light) * gpu->light_room : whole_words(words[i].bytes);
   }
   return check_range(&gpu->context, gpu->buffer_bytes - first, "pyramids, selectors, emission, lights and volume");
 }
@@ -206,7 +207,6 @@ static olx_result create_resources(const olx_vulkan_host *host, const olx_field 
   for (uint32_t i = 0; i < OLX_GPU_MAPS; i++) OLX_TRY(create_image(&gpu->context, &gpu->maps[i]));
   OLX_TRY(create_buffer(gpu, field));
   gpu->constants = field_constants(gpu, field);
-  gpu->may_relit = field->info.relight_size > 0;
   return OLX_OK;
 }
 

@@ -50,8 +50,7 @@ struct olx_vulkan_field {
   VkMemoryRequirements buffer_requirements;
   VkDeviceSize probes_offset, irradiance_probes_offset, buffer_bytes;
   olx_gpu_words words[OLX_GPU_WORDS]; // one after the other to the end
-  bool may_relit;                     // the field has what a relighter needs
-  bool relit;                         // a relighter changes lights, and texels still hold the light of before
+  uint32_t light_room;                // lights that have room among the words
   VkSampler nearest, linear;
   VkDescriptorSetLayout set_layout;
   VkDescriptorPool pool;

@@ -33,7 +33,7 @@ static const relit_case cases[] = {
      COMPANION("[0.44, 0.4, 0.3]"),
      {2, 2, 2},
      {3, 3, 3},
-     32,
+     128,
      32},
     {"living-room",
      "sofa",

@@ -71,8 +71,8 @@ typedef struct olx_relight_settings {
 olx_relight_settings olx_relight_settings_default(void);
 
 // OLX_ERROR_ARGUMENT, with a message, for settings out of range and for a field that was baked without what relighting needs. The
-// field must outlive the relighter. On success *relight is the caller's to free, on failure it is NULL. It takes 9 bytes a texel
-// of light field maps, 56 a surfel, and some 10 ns a texel.
+// field must outlive the relighter. On success *relight is the caller's to free, on failure it is NULL. It takes 8 bytes a texel
+// of light field maps and 56 a surfel.
 olx_result olx_relight_create(const olx_field *field, const olx_relight_settings *settings, olx_relight **relight);
 // NULL is allowed.
 void olx_relight_free(olx_relight *relight);

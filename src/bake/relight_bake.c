@@ -11,7 +11,7 @@
 #include <string.h>
 
 enum {
-  MOST_LINKS = 64, // of a place
+  MOST_LINKS = 128, // of a place
   PLACES_PER_JOB = 256,
   VOLUME_RAYS = 256, // of a volume probe
   PACKET = 64,
@@ -24,7 +24,7 @@ static const float MOST_SCALE = 2.0f;
 // The merged links of all places, PLACES_PER_JOB a job.
 typedef struct merge_job {
   const olx_relight_bake *bake;
-  const olx_vec3 *light;     // of surfels and nodes, direct and indirect
+  const olx_vec3 *light;     // of surfels, direct and indirect
   const olx_vec3 *positions; // of volume probes
   uint32_t count;
   olx_merged_link *links; // MOST_LINKS a place
@@ -51,28 +51,29 @@ static float scale_to(float wanted, float found) {
   return found > 0.0f ? olx_clamp(wanted / found, 1.0f / MOST_SCALE, MOST_SCALE) : 1.0f;
 }
 
-// What rays found by way of specular surfaces and at near ends has no links: the others are scaled to bring it, too.
-static void scale_links(olx_merged_link *links, uint32_t count, const olx_vec3 *light, olx_vec3 wanted) {
-  olx_vec3 sum = {0};
-  for (uint32_t i = 0; i < count; i++) sum = olx_add(sum, olx_mul(links[i].weight, light[links[i].from]));
-  const olx_vec3 scale = {scale_to(wanted.x, sum.x), scale_to(wanted.y, sum.y), scale_to(wanted.z, sum.z)};
+// What rays found by way of specular surfaces and at near ends has no links: the others, which bring `found`, are scaled to bring
+// all that is wanted.
+static void scale_links(olx_merged_link *links, uint32_t count, olx_vec3 found, olx_vec3 wanted) {
+  const olx_vec3 scale = {scale_to(wanted.x, found.x), scale_to(wanted.y, found.y), scale_to(wanted.z, found.z)};
   for (uint32_t i = 0; i < count; i++) links[i].weight = olx_mul(links[i].weight, scale);
 }
 
 static uint32_t merge_surfel(const merge_job *j, olx_link_merger *merger, uint32_t surfel, olx_merged_link *links) {
   const olx_scene_light_parts parts = olx_scene_light_open(j->bake->light);
   const float share = 1.0f / parts.links->worth[surfel];
+  olx_vec3 found = {0};
   for (uint32_t k = 0; k < parts.links->batch_count; k++) {
     const olx_link_batch *batch = &parts.links->batches[k];
     const olx_link *from = links_of(batch, surfel);
     for (uint32_t i = 0; from && i < batch->rays; i++) {
       if (!olx_link_brings_light(&from[i])) continue;
       const olx_vec3 weight = olx_scale(olx_rgb9e5_unpack(from[i].weight), share);
+      found = olx_add(found, olx_mul(weight, j->light[olx_link_end(&from[i])]));
       olx_link_merger_add(merger, olx_link_end(&from[i]), weight, olx_splat(0.0f));
     }
   }
   const uint32_t count = olx_link_merger_take(merger, MOST_LINKS, links);
-  scale_links(links, count, j->light, parts.irradiance[surfel]);
+  scale_links(links, count, found, parts.irradiance[surfel]);
   return count;
 }
 
@@ -155,10 +156,9 @@ static olx_result merge(merge_job *j, olx_relight_rows *rows) {
 olx_result olx_relight_bake_create(olx_relight_bake *b) {
   const olx_scene_light_parts parts = olx_scene_light_open(b->light);
   OLX_TRY(olx_link_tree_create(&b->tree, parts.surfels, parts.links));
-  olx_vec3 *light = olx_allocate(b->tree.count, sizeof *light);
-  if (!light) return olx_fail(OLX_ERROR_MEMORY, "relight: out of memory for light of %u nodes", b->tree.count);
+  olx_vec3 *light = olx_allocate(b->tree.leaves, sizeof *light);
+  if (!light) return olx_fail(OLX_ERROR_MEMORY, "relight: out of memory for light of %u surfels", b->tree.leaves);
   for (uint32_t i = 0; i < b->tree.leaves; i++) light[i] = olx_add(parts.direct[i], parts.irradiance[i]);
-  olx_link_tree_sum(&b->tree, light);
   merge_job j = {.bake = b, .light = light, .count = b->tree.leaves};
   const olx_result result = merge(&j, &b->surfels);
   olx_release(light);
@@ -197,17 +197,22 @@ static void put(output *o, const void *data, size_t size_bytes) {
   o->next += size_bytes;
 }
 
-// Points spread over those that the surfel stands for, a little off the surface.
+// Area that a point of a cell stands for, but for a factor: points were found by rays that spread out.
+static float area_of(const olx_surface_point *point) { return point->footprint * point->footprint; }
+
+// Points spread over the area that the surfel stands for, a little off the surface.
 static olx_relight_surfel stored_surfel(const olx_relight_bake *b, uint32_t index) {
   const olx_scene_light_parts parts = olx_scene_light_open(b->light);
   const olx_light_surfel *s = &parts.surfels->surfels[index];
   olx_relight_surfel stored = {.irradiance = olx_rgb9e5_pack(parts.irradiance[index])};
-  for (uint32_t i = 0; i < OLX_RELIGHT_POINTS; i++) {
-    const uint32_t at = (uint32_t)((uint64_t)s->point_count * (2 * i + 1) / (2 * OLX_RELIGHT_POINTS));
-    const olx_surface_point *point = &parts.surfels->points[s->first_point + at];
-    const olx_surface surface = olx_surface_point_surface(b->scene, point);
-    const olx_vec3 off = olx_surface_ray(&surface, surface.geometric_normal, INFINITY).origin;
-    olx_store3(stored.points[i], off);
+  const olx_surface_point *points = parts.surfels->points + s->first_point;
+  float area = 0.0f, passed = 0.0f;
+  for (uint32_t k = 0; k < s->point_count; k++) area += area_of(&points[k]);
+  for (uint32_t i = 0, k = 0; i < OLX_RELIGHT_POINTS; i++) {
+    const float wanted = area * ((float)i + 0.5f) / OLX_RELIGHT_POINTS;
+    while (k + 1 < s->point_count && passed + area_of(&points[k]) < wanted) passed += area_of(&points[k++]);
+    const olx_surface surface = olx_surface_point_surface(b->scene, &points[k]);
+    olx_store3(stored.points[i], olx_surface_ray(&surface, surface.geometric_normal, INFINITY).origin);
   }
   const olx_surface middle = olx_surface_point_surface(b->scene, &s->point);
   stored.normal = olx_normal_pack(middle.shading_normal);

@@ -9,7 +9,7 @@
 #include <octalux/base.h>
 
 enum {
-  OLX_RELIGHT_POINTS = 4,        // of a surfel, at which its direct light is taken
+  OLX_RELIGHT_POINTS = 8,        // of a surfel, at which its direct light is taken
   OLX_RELIGHT_BLOCK = 4,         // texels along a side of a block
   OLX_RELIGHT_BLOCK_SITES = 4,   // of a block, at most
   OLX_RELIGHT_MOST = 1u << 28,   // of anything that the structure counts
@@ -33,7 +33,7 @@ typedef struct olx_relight_surfel {
   uint32_t irradiance;                 // RGB9E5, W/m^2: indirect, as baked
 } olx_relight_surfel;
 
-_Static_assert(sizeof(olx_relight_surfel) == 56, "docs/format.md");
+_Static_assert(sizeof(olx_relight_surfel) == 104, "docs/format.md");
 
 // Irradiance at `from`, direct and indirect, a surfel or, from `surfels` on, a node, times the weight arrives by this link.
 typedef struct olx_relight_link {

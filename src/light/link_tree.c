@@ -37,13 +37,15 @@ static int by_key(const void *a, const void *b) {
   return p->number < q->number ? -1 : p->number > q->number;
 }
 
-// How much of all light ends at each surfel.
-static void weigh(const olx_light_links *links, uint32_t count, float *weights) {
-  for (uint32_t i = 0; i < count; i++) weights[i] = LEAST_WEIGHT;
+// How much of the light of all surfaces ends at each surfel: surfels that gather it count by their area, so that what merged links
+// bring is too much nowhere without being too little elsewhere.
+static void weigh(const olx_light_surfels *surfels, const olx_light_links *links, float *weights) {
+  for (uint32_t i = 0; i < surfels->count; i++) weights[i] = LEAST_WEIGHT * olx_square(surfels->surfels[i].side);
   for (uint32_t k = 0; k < links->batch_count; k++) {
     const olx_link_batch *batch = &links->batches[k];
     for (uint32_t n = 0; n < batch->count; n++) {
-      const float share = 1.0f / links->worth[olx_link_surfel(batch, n)];
+      const uint32_t surfel = olx_link_surfel(batch, n);
+      const float share = olx_square(surfels->surfels[surfel].side) / links->worth[surfel];
       for (uint32_t i = 0; i < batch->rays; i++) {
         const olx_link *link = &batch->links[(size_t)n * batch->rays + i];
         if (olx_link_brings_light(link)) {
@@ -139,7 +141,7 @@ static olx_result build(olx_link_tree *t, const olx_light_surfels *s, const olx_
   tree_build b = {.surfels = s, .tree = t, .items = olx_allocate(s->count, sizeof *b.items), .count = s->count};
   olx_result result = OLX_OK;
   if (weights && b.items) {
-    weigh(links, s->count, weights);
+    weigh(s, links, weights);
     for (uint32_t i = 0; i < s->count; i++) {
       t->parents[i] = OLX_TREE_NONE;
       b.items[i] = (tree_item){.finest = s->surfels[i].point.key, .number = i, .surfel = i, .weight = weights[i]};

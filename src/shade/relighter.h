@@ -61,7 +61,6 @@ struct olx_relight {
 
   // Texels
   uint32_t *direct_map, *indirect_map; // RGB9E5, of `field`
-  uint8_t *detail;                     // of a texel without border: baked light over that which surfels told then
   olx_relit_tile *tiles;
   uint32_t tile_count, tile_side, tiles_a_probe;
   uint32_t *scheduled, scheduled_count; // tiles of this frame

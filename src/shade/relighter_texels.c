@@ -1,5 +1,4 @@
-// Lights the texels of light field maps, tile by tile: direct light at each, indirect light as surfels tell it, with the detail
-// that the bake found between surfels.
+// Lights the texels of light field maps, tile by tile: direct light at each, indirect light as surfels tell it.
 #include "core/hooks.h"
 #include "core/octahedral.h"
 #include "core/pack.h"
@@ -10,12 +9,10 @@
 
 #include <string.h>
 
-enum { SALT_TEXEL = 0x5445584C, DETAIL_ONE = 128, DETAIL_STEPS = 64, LIGHT_SIDE = 4, TILE_SAMPLES = 4 };
+enum { SALT_TEXEL = 0x5445584C, LIGHT_SIDE = 4, TILE_SAMPLES = 4 };
 
 // Surfaces are known to within half a unit in the last place of their distance's half float: rays start this share of it off them.
 static const float OFF_SURFACE = 0x1p-10f;
-// Beside this share of a map's mean light, what surfels told and the bake found hold no detail.
-static const float DARK = 1e-3f;
 
 static olx_vec3 told_by(const olx_relight *r, uint32_t site, uint32_t column, uint32_t row, const olx_vec3 *light) {
   enum { LAST = OLX_RELIGHT_BLOCK - 1 };
@@ -41,44 +38,8 @@ olx_vec3 olx_relit_told(const olx_relight *r, uint32_t probe, uint32_t x, uint32
   return told_by(r, block->first_site + which, column, row, r->irradiance);
 }
 
-static size_t detail_at(const olx_relight *r, uint32_t probe, uint32_t x, uint32_t y) {
-  return ((size_t)probe * r->field.n + y) * r->field.n + x;
-}
-
 static bool is_surface(const olx_field *f, uint32_t probe, size_t texel) {
   return (f->distance[f->texels * probe + texel] & 0x7FFFu) < 0x7C00u;
-}
-
-// ---- Detail
-
-static double mean_light(const olx_relight *r, uint32_t probe) {
-  const olx_field *f = r->source;
-  double sum = 0.0;
-  for (uint32_t y = 0; y < f->n; y += LIGHT_SIDE) {
-    for (uint32_t x = 0; x < f->n; x += LIGHT_SIDE) {
-      sum += (double)olx_luminance(olx_texel_indirect(f, probe, olx_map_index(f->stride, (int32_t)x, (int32_t)y)));
-    }
-  }
-  return sum * LIGHT_SIDE * LIGHT_SIDE / ((double)f->n * f->n);
-}
-
-// The ratio of light as it was baked to what surfels tell, in steps of an octave's 64th, from a half to two.
-static void find_detail(void *user, uint32_t probe) {
-  olx_relight *r = user;
-  const olx_field *f = r->source;
-  const float dark = DARK * (float)mean_light(r, probe);
-  for (uint32_t y = 0; y < f->n; y++) {
-    for (uint32_t x = 0; x < f->n; x++) {
-      const float baked = olx_luminance(olx_texel_indirect(f, probe, olx_map_index(f->stride, (int32_t)x, (int32_t)y))),
-                  told = olx_luminance(olx_relit_told(r, probe, x, y));
-      const float octaves = baked > dark && told > dark ? olx_clamp(log2f(baked / told), -1.0f, 1.0f) : 0.0f;
-      r->detail[detail_at(r, probe, x, y)] = (uint8_t)(DETAIL_ONE + rintf(octaves * DETAIL_STEPS));
-    }
-  }
-}
-
-static float detail_of(const olx_relight *r, uint32_t probe, uint32_t x, uint32_t y) {
-  return exp2f(((float)r->detail[detail_at(r, probe, x, y)] - DETAIL_ONE) / DETAIL_STEPS);
 }
 
 // ---- Making it
@@ -123,13 +84,12 @@ olx_result olx_relit_texels_create(olx_relight *r) {
   r->tile_count = r->tiles_a_probe * f->info.probe_count;
   r->direct_map = olx_allocate(texels, sizeof *r->direct_map);
   r->indirect_map = olx_allocate(texels, sizeof *r->indirect_map);
-  r->detail = olx_allocate((size_t)f->n * f->n * f->info.probe_count, sizeof *r->detail);
   r->tiles = olx_allocate(r->tile_count, sizeof *r->tiles);
   r->scheduled = olx_allocate(r->tile_count, sizeof *r->scheduled);
   r->lit = olx_allocate(r->tile_count, sizeof *r->lit);
   r->due = olx_allocate(r->tile_count, sizeof *r->due);
   r->part_frames = olx_allocate_zero((size_t)f->info.probe_count * (r->tiles_a_probe + 1), sizeof *r->part_frames);
-  if (!r->direct_map || !r->indirect_map || !r->detail || !r->tiles || !r->scheduled || !r->lit || !r->due ||
+  if (!r->direct_map || !r->indirect_map || !r->tiles || !r->scheduled || !r->lit || !r->due ||
       !r->part_frames) {
     return olx_fail(OLX_ERROR_MEMORY, "relight: out of memory for %u light field maps", f->info.probe_count);
   }
@@ -138,13 +98,12 @@ olx_result olx_relit_texels_create(olx_relight *r) {
   r->field.surfaces.direct = r->direct_map;
   r->field.surfaces.indirect = r->indirect_map;
   make_tiles(r);
-  return olx_parallel_for(f->info.probe_count, r->settings.threads, find_detail, r, NULL, 0);
+  return OLX_OK;
 }
 
 void olx_relit_texels_free(olx_relight *r) {
   olx_release(r->direct_map);
   olx_release(r->indirect_map);
-  olx_release(r->detail);
   olx_release(r->tiles);
   olx_release(r->scheduled);
   olx_release(r->lit);
@@ -194,8 +153,7 @@ static void tell_texels(olx_relight *r, const olx_relit_tile *tile) {
     for (uint32_t x = tile->first_x; x < tile->first_x + r->tile_side; x++) {
       const size_t texel = olx_map_index(f->stride, (int32_t)x, (int32_t)y);
       if (!is_surface(f, tile->probe, texel)) continue;
-      const olx_vec3 light = olx_scale(olx_relit_told(r, tile->probe, x, y), detail_of(r, tile->probe, x, y));
-      r->indirect_map[f->texels * tile->probe + texel] = olx_rgb9e5_pack(light);
+      r->indirect_map[f->texels * tile->probe + texel] = olx_rgb9e5_pack(olx_relit_told(r, tile->probe, x, y));
     }
   }
 }

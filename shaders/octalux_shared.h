@@ -97,6 +97,31 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_BINDING_OUT_TARGET 6 // storage, rgba16f: the host's
 #define OLX_FILTER_BINDINGS 7
 
+// The descriptor set of a relighter's passes; the field's follows as set 1, as far as a pass reads it. A pass sees at most four
+// storage buffers.
+#define OLX_BINDING_STATE 0        // storage buffers, of words: olx_gpu_relight, then lights, tiles, light
+#define OLX_BINDING_STRUCTURE 1    // surfels, their links and nodes; or sites of texels, and links of volume probes
+#define OLX_BINDING_VOLUME_LIGHT 2 // the field's words, whose irradiance of the volume is written
+#define OLX_RELIGHT_BINDINGS 3
+#define OLX_RELIGHT_GROUP 64 // threads of a workgroup
+#define OLX_LIGHT_WORDS 20u
+#define OLX_TILE_WORDS 4u // of a scheduled tile: probe, first x, first y, samples that its direct light is the mean of
+#ifdef GL_core_profile
+#define OLX_LIGHT_SUN 0u
+#define OLX_LIGHT_POINT 1u
+#define OLX_LIGHT_SPOT 2u
+#define OLX_LIGHT_RECT 3u
+#define OLX_LIGHT_TRIANGLE 4u
+#define OLX_LIGHT_SKY 5u
+#define OLX_RELIGHT_POINTS 8u
+#define OLX_RELIGHT_BLOCK 4u
+#define OLX_RELIGHT_NO_SITE 0xFFFFFFFFu
+#endif
+
+// Bits of olx_gpu_relight_call.flags: the dispatch is the first, or the last, for its places.
+#define OLX_CALL_BEGINS 1u
+#define OLX_CALL_ENDS 2u
+
 #define OLX_SELECT_GPU_MASK 0xBu // bits (1 << olx_select) of the stored selectors that have a twin
 
 // Specialisation constants of pipelines whose shaders sample a field: what a driver compiles for them is one tracer,
@@ -192,6 +217,40 @@ OLX_GPU_STRUCT(olx_gpu_field) {
 OLX_GPU_STRUCT(olx_gpu_probe) {
   olx_gpu_float x, y, z;
   olx_gpu_uint flags; // OLX_PROBE_*
+};
+
+// A light, as olx_relight_light has it; the direction of a sun or spot stands in edge_u.
+OLX_GPU_STRUCT(olx_gpu_light) {
+  olx_gpu_vec4 emission, position, edge_u, edge_v; // xyz
+  olx_gpu_uint type, both_sides;
+  olx_gpu_float cosine_inner, cosine_outer;
+};
+
+// A relighter: where its parts begin, in words. Vectors are three words.
+OLX_GPU_STRUCT(olx_gpu_relight) {
+  olx_gpu_uint surfels;
+  olx_gpu_uint light_samples;
+  olx_gpu_uint tile_side, tile_words; // of a map's part: texels, and what of the map's border repeats them
+  // In the state, counted from behind this
+  olx_gpu_uint lights, tiles, probes;      // lights; scheduled tiles and volume probes
+  olx_gpu_uint direct, irradiance, values; // vectors: of surfels; of surfels and nodes, sums of rays meanwhile
+  olx_gpu_uint sums;                       // change and light of each workgroup that follows links
+  olx_gpu_uint tile_light;                 // of scheduled tiles: sums of rays, vectors
+  olx_gpu_uint tile_direct, tile_indirect; // tile_words for each of them
+  // In the structure: surfels begin at word 0, or blocks do
+  olx_gpu_uint link_starts, links, member_starts, members;
+  olx_gpu_uint level_starts, level_nodes; // nodes whose members are all of levels before
+  olx_gpu_uint entry_starts, entries, volume_starts, volume_links;
+  olx_gpu_uint volume_light; // in the field's words
+  olx_gpu_uint padding;
+};
+
+// Push constants of a relighter's passes.
+OLX_GPU_STRUCT(olx_gpu_relight_call) {
+  olx_gpu_uint first, count;              // surfels or levels; threads that have something to do, or levels
+  olx_gpu_uint round, before;             // samples that surfels have: the first `before` of them so many, the others one more
+  olx_gpu_uint light, light_sample, rays; // of every place: from this sample of a light on, so many
+  olx_gpu_uint flags;                     // OLX_CALL_*
 };
 
 // Push constants of the recorded passes.

@@ -272,6 +272,51 @@ void olx_vulkan_update_destroy(olx_vulkan_update *update);
 olx_result olx_vulkan_record_update(olx_vulkan_update *update, VkCommandBuffer commands,
                                     olx_vulkan_update_stats *stats);
 
+// ---- Lights that change: frames of a relighter made on the device, as compute passes. The host of a relighter (octalux/relight.h)
+// goes on as before, and calls olx_vulkan_record_relight in the place of olx_relight_frame and olx_vulkan_record_update.
+typedef struct olx_vulkan_relight olx_vulkan_relight;
+
+typedef struct olx_vulkan_relight_settings {
+  uint32_t in_flight; // calls whose commands may be pending together, 1 to 8; default 2
+} olx_vulkan_relight_settings;
+
+olx_vulkan_relight_settings olx_vulkan_relight_settings_default(void);
+
+// What olx_vulkan_relight_create would allocate; staging_bytes counts 8 bytes for 64 surfels and frame in flight that stay.
+// Allocates no memory itself. Fails like olx_vulkan_relight_create.
+olx_result olx_vulkan_relight_measure(olx_vulkan_field *uploaded, olx_relight *relight,
+                                      const olx_vulkan_relight_settings *settings, olx_vulkan_sizes *sizes);
+
+// Take over the frames of a relighter that has made none yet: its light goes to the device, and olx_relight_frame is an error from
+// then on. Lights and settings stay the relighter's: budgets, samples, what sleeps. `uploaded` was made from the relighter's field
+// or from the one that it was made from; both must outlive this. OLX_ERROR_ARGUMENT, with a message, for settings out of range,
+// another field, a relighter with frames or with an occlusion function (shadow rays are traced through the field);
+// OLX_ERROR_UNSUPPORTED where surfels and their links, or sites, or 20 bytes for each texel that a frame lights would not fit into a
+// storage buffer of the device. Submits to the queue and waits, as creating a field does. On success *created is the caller's to
+// destroy, on failure it is NULL and the relighter as before.
+olx_result olx_vulkan_relight_create(olx_vulkan_field *uploaded, olx_relight *relight,
+                                     const olx_vulkan_relight_settings *settings, olx_vulkan_relight **created);
+// NULL is allowed. Nothing that was recorded with it may be pending. The relighter makes no more frames.
+void olx_vulkan_relight_destroy(olx_vulkan_relight *relight);
+
+// What a frame does.
+typedef struct olx_vulkan_relight_stats {
+  uint32_t surfels_lit, surfels_gathered; // get a sample of direct light; gather light from others
+  uint64_t texels;                        // of light field probes
+  uint32_t volume_probes;
+  uint32_t awake; // tiles, surfels and volume probes that wait, as far as is known; 0: everything has arrived
+} olx_vulkan_relight_stats;
+
+// Record one frame, seen from `eye` (metres): schedule here, light there, and the field's light is that of this frame for all
+// commands after. Call outside a render pass, in a command buffer for the queue on which the field is used; the one that was
+// recorded in_flight calls ago must have finished, because how much light it changed is read now. Waits for nothing. The
+// frame waits for all commands before; it has to be submitted, in the order of the calls. Binds compute pipelines, sets 0 and 1,
+// and push constants. Nothing is recorded when nothing is awake. stats may be NULL. It differs from olx_relight_frame in that tiles
+// and volume probes are woken by a round of bounces in_flight frames later, and in that the budget counts shadow rays that no light
+// needs, being behind its surface.
+olx_result olx_vulkan_record_relight(olx_vulkan_relight *relight, VkCommandBuffer commands, olx_vec3 eye,
+                                     olx_vulkan_relight_stats *stats);
+
 #pragma GCC visibility pop
 #ifdef __cplusplus
 }

@@ -1,5 +1,5 @@
 // Makes a relighter, takes its lights, and runs its frames.
-#include "shade/relighter.h"
+#include "shade/relighter_schedule.h"
 
 #include "core/hooks.h"
 #include "core/result.h"
@@ -147,7 +147,7 @@ olx_result olx_relight_set_lights(olx_relight *r, const olx_relight_light *light
 
 // ---- A frame
 
-static uint32_t count_awake(const olx_relight *r) {
+uint32_t olx_relit_awake(const olx_relight *r) {
   const uint32_t waiting = olx_relit_tiles_waiting(r) + r->volume_waiting + r->dark;
   return waiting > 0 || r->settled ? waiting : 1;
 }
@@ -172,7 +172,7 @@ olx_result olx_relight_frame(olx_relight *r, olx_vec3 eye, olx_relight_stats *st
                                .texels = (uint64_t)r->scheduled_count * r->tile_side * r->tile_side,
                                .volume_probes = probes,
                                .shadow_rays = atomic_load(&r->shadow_rays),
-                               .awake = count_awake(r),
+                               .awake = olx_relit_awake(r),
                                .seconds = olx_seconds() - start};
   return OLX_OK;
 }

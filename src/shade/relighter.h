@@ -90,6 +90,11 @@ typedef struct olx_relit_batch {
 
 static inline bool olx_relit_varies(const olx_relight_light *light) { return light->type >= OLX_RELIGHT_RECT; }
 
+// Shadow rays that a place takes to a light.
+static inline uint32_t olx_relit_samples(const olx_relight *relight, const olx_relight_light *light) {
+  return olx_relit_varies(light) ? relight->settings.light_samples : 1;
+}
+
 void olx_relit_direct(olx_relight *relight, olx_relit_batch *batch);
 // Shadow rays that a place takes, at most.
 uint32_t olx_relit_rays(const olx_relight *relight);
@@ -113,8 +118,6 @@ uint32_t olx_relit_bounce(olx_relight *relight);
 
 olx_result olx_relit_texels_create(olx_relight *relight);
 void olx_relit_texels_free(olx_relight *relight);
-// Chooses the tiles of this frame, within the budgets of texels and of `rays`.
-void olx_relit_schedule(olx_relight *relight, olx_vec3 eye, uint64_t rays);
 void olx_relit_light_tiles(olx_relight *relight);
 bool olx_relit_tile_waits(const olx_relight *relight, const olx_relit_tile *tile);
 uint32_t olx_relit_tiles_waiting(const olx_relight *relight);

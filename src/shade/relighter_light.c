@@ -83,14 +83,10 @@ static void trace_occlusion(const olx_relight *relight, light_rays *rays) {
   }
 }
 
-static uint32_t samples_of(const olx_relight *relight, const olx_relight_light *light) {
-  return olx_relit_varies(light) ? relight->settings.light_samples : 1;
-}
-
 static void light_by(olx_relight *relight, olx_relit_batch *batch, uint32_t index, uint32_t sample, light_rays *rays) {
   const olx_relight_light *light = &relight->lights[index];
   const bool area = olx_relit_varies(light);
-  const uint32_t samples = samples_of(relight, light);
+  const uint32_t samples = olx_relit_samples(relight, light);
   rays->count = 0;
   for (uint32_t i = 0; i < batch->count; i++) {
     const uint32_t k = rays->count;
@@ -118,13 +114,13 @@ void olx_relit_direct(olx_relight *relight, olx_relit_batch *batch) {
   light_rays rays;
   for (uint32_t i = 0; i < batch->count; i++) batch->irradiance[i] = olx_splat(0.0f);
   for (uint32_t index = 0; index < relight->light_count; index++) {
-    const uint32_t samples = samples_of(relight, &relight->lights[index]);
+    const uint32_t samples = olx_relit_samples(relight, &relight->lights[index]);
     for (uint32_t sample = 0; sample < samples; sample++) light_by(relight, batch, index, sample, &rays);
   }
 }
 
 uint32_t olx_relit_rays(const olx_relight *relight) {
   uint32_t rays = 0;
-  for (uint32_t i = 0; i < relight->light_count; i++) rays += samples_of(relight, &relight->lights[i]);
+  for (uint32_t i = 0; i < relight->light_count; i++) rays += olx_relit_samples(relight, &relight->lights[i]);
   return rays;
 }

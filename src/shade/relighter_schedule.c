@@ -1,5 +1,5 @@
 // Chooses the tiles of light field maps that a frame lights: those that have waited longest for how near they are.
-#include "shade/relighter.h"
+#include "shade/relighter_schedule.h"
 
 #include <stdlib.h>
 

@@ -4,7 +4,7 @@
 #include "core/pack.h"
 #include "core/result.h"
 #include "core/sampling.h"
-#include "shade/relighter.h"
+#include "shade/relighter_schedule.h"
 
 #include <string.h>
 
@@ -64,12 +64,12 @@ static void light_batch(void *user, uint32_t job) {
   }
   olx_relit_direct(r, &batch);
   for (uint32_t k = 0; k < batch.count; k++) {
-    const uint32_t i = batch.slot[k], round = r->rounds[i]++;
-    r->direct[i] = olx_mix3(r->direct[i], batch.irradiance[k], 1.0f / (float)(round + 1));
+    const uint32_t i = batch.slot[k];
+    r->direct[i] = olx_mix3(r->direct[i], batch.irradiance[k], 1.0f / (float)(r->rounds[i] + 1));
   }
 }
 
-uint32_t olx_relit_light_surfels(olx_relight *r, uint64_t rays) {
+uint32_t olx_relit_take_surfels(olx_relight *r, uint64_t rays) {
   const uint32_t count = surfel_count(r), each = olx_relit_rays(r), rounds = olx_relit_surfel_rounds(r);
   const uint64_t most = each ? rays / each : count;
   if (r->dark == 0) return 0;
@@ -79,10 +79,20 @@ uint32_t olx_relit_light_surfels(olx_relight *r, uint64_t rays) {
     i = i + 1 < count ? i + 1 : 0;
   }
   r->next_direct = i;
+  return found;
+}
+
+void olx_relit_surfels_lit(olx_relight *r, uint32_t count) {
+  const uint32_t rounds = olx_relit_surfel_rounds(r);
+  for (uint32_t k = 0; k < count; k++) r->dark -= ++r->rounds[r->queue[k]] == rounds;
+}
+
+uint32_t olx_relit_light_surfels(olx_relight *r, uint64_t rays) {
+  const uint32_t found = olx_relit_take_surfels(r, rays);
   const uint32_t jobs = (found + OLX_RELIT_BATCH - 1) / OLX_RELIT_BATCH;
   direct_job j = {r, found};
   if (jobs > 0) olx_parallel_for(jobs, r->settings.threads, light_batch, &j, NULL, 0);
-  for (uint32_t k = 0; k < found; k++) r->dark -= r->rounds[r->queue[k]] == rounds;
+  olx_relit_surfels_lit(r, found);
   return found;
 }
 
@@ -99,6 +109,28 @@ static void sum_nodes(olx_relight *r) {
     }
     r->values[surfels + node] = sum;
   }
+}
+
+bool olx_relit_take_links(olx_relight *r, olx_relit_sweep_part *part) {
+  const uint32_t all = surfel_count(r), left = all - r->swept;
+  *part = (olx_relit_sweep_part){.first = r->next_bounce};
+  if (r->settled) return false;
+  part->count = r->settings.surfels < left ? r->settings.surfels : left;
+  part->dark = r->dark > 0;
+  part->ends = part->count == left;
+  r->next_bounce = all ? (uint32_t)(((uint64_t)r->next_bounce + part->count) % all) : 0;
+  r->swept = part->ends ? 0 : r->swept + part->count;
+  return true;
+}
+
+void olx_relit_links_followed(olx_relight *r, const olx_relit_sweep_part *part, double change, double sum) {
+  r->change += change;
+  r->sum += sum;
+  if (!part->ends) return;
+  const bool changed = r->change > (double)r->settings.sleep * r->sum;
+  if (changed || part->dark) r->solution++;
+  r->settled = !changed && !part->dark;
+  r->change = r->sum = 0.0;
 }
 
 typedef struct bounce_job {
@@ -131,30 +163,19 @@ static void bounce_some(void *user, uint32_t job) {
   r->job_sums[job] = sum;
 }
 
-// All surfels have had their turn: whether there is more to do.
-static void end_sweep(olx_relight *r) {
-  const bool changed = r->change > (double)r->settings.sleep * r->sum;
-  if (changed || r->dark > 0) r->solution++;
-  r->settled = !changed && r->dark == 0;
-  r->change = r->sum = 0.0;
-  r->swept = 0;
-}
-
 uint32_t olx_relit_bounce(olx_relight *r) {
-  const uint32_t all = surfel_count(r), left = all - r->swept;
-  if (r->settled) return 0;
-  const uint32_t count = r->settings.surfels < left ? r->settings.surfels : left,
-                 jobs = (count + LINKS_JOB - 1) / LINKS_JOB;
+  olx_relit_sweep_part part;
+  if (!olx_relit_take_links(r, &part)) return 0;
+  const uint32_t jobs = (part.count + LINKS_JOB - 1) / LINKS_JOB;
   sum_nodes(r);
-  bounce_job j = {r, r->next_bounce, count};
+  bounce_job j = {r, part.first, part.count};
   if (jobs > 0) olx_parallel_for(jobs, r->settings.threads, bounce_some, &j, NULL, 0);
+  double change = 0.0, sum = 0.0;
   for (uint32_t i = 0; i < jobs; i++) {
-    r->change += r->job_changes[i];
-    r->sum += r->job_sums[i];
+    change += r->job_changes[i];
+    sum += r->job_sums[i];
   }
-  r->next_bounce = all ? (uint32_t)(((uint64_t)r->next_bounce + count) % all) : 0;
-  r->swept += count;
-  if (r->swept >= all) end_sweep(r);
+  olx_relit_links_followed(r, &part, change, sum);
   sum_nodes(r);
-  return count;
+  return part.count;
 }

@@ -5,7 +5,7 @@
 #include "core/result.h"
 #include "core/sampling.h"
 #include "field/texels.h"
-#include "shade/relighter.h"
+#include "shade/relighter_schedule.h"
 
 #include <string.h>
 
@@ -14,11 +14,20 @@ enum { SALT_TEXEL = 0x5445584C, LIGHT_SIDE = 4, TILE_SAMPLES = 4 };
 // Surfaces are known to within half a unit in the last place of their distance's half float: rays start this share of it off them.
 static const float OFF_SURFACE = 0x1p-10f;
 
-static olx_vec3 told_by(const olx_relight *r, uint32_t site, uint32_t column, uint32_t row, const olx_vec3 *light) {
+// How much a site's weights at the corners of its block count for a texel.
+static void site_corners(uint32_t column, uint32_t row, float corner[4]) {
   enum { LAST = OLX_RELIGHT_BLOCK - 1 };
-  const olx_relight_data *d = &r->source->relight;
   const float x = (float)column / (float)LAST, y = (float)row / (float)LAST;
-  const float corner[4] = {(1.0f - x) * (1.0f - y), x * (1.0f - y), (1.0f - x) * y, x * y};
+  corner[0] = (1.0f - x) * (1.0f - y);
+  corner[1] = x * (1.0f - y);
+  corner[2] = (1.0f - x) * y;
+  corner[3] = x * y;
+}
+
+static olx_vec3 told_by(const olx_relight *r, uint32_t site, uint32_t column, uint32_t row, const olx_vec3 *light) {
+  const olx_relight_data *d = &r->source->relight;
+  float corner[4];
+  site_corners(column, row, corner);
   olx_vec3 sum = {0};
   for (uint32_t i = d->entry_starts[site]; i < d->entry_starts[site + 1]; i++) {
     const uint8_t *w = d->entries[i].weights;
@@ -160,15 +169,12 @@ static void tell_texels(olx_relight *r, const olx_relit_tile *tile) {
 
 static void light_tile(void *user, uint32_t job) {
   olx_relight *r = user;
-  olx_relit_tile *tile = &r->tiles[r->scheduled[job]];
+  const olx_relit_tile *tile = &r->tiles[r->scheduled[job]];
   const uint32_t texels = r->tile_side * r->tile_side;
   for (uint32_t first = 0; r->lit[job] && first < texels; first += OLX_RELIT_BATCH) {
     light_texels(r, tile, first, first + OLX_RELIT_BATCH < texels ? first + OLX_RELIT_BATCH : texels);
   }
-  if (r->lit[job]) tile->rounds++;
   tell_texels(r, tile);
-  tile->solution = r->solution;
-  tile->last_frame = r->frame;
 }
 
 // The border repeats texels of the map's edges: those that lie in this tile.
@@ -194,15 +200,25 @@ static bool on_edge(const olx_relight *r, const olx_relit_tile *tile) {
          tile->first_y + r->tile_side == r->field.n;
 }
 
+void olx_relit_tiles_lit(olx_relight *r) {
+  for (uint32_t i = 0; i < r->scheduled_count; i++) {
+    const uint32_t number = r->scheduled[i];
+    olx_relit_tile *tile = &r->tiles[number];
+    uint32_t *parts = r->part_frames + (size_t)tile->probe * (r->tiles_a_probe + 1);
+    tile->rounds += r->lit[i];
+    tile->solution = r->solution;
+    tile->last_frame = r->frame;
+    parts[number % r->tiles_a_probe] = r->frame;
+    if (on_edge(r, tile)) parts[r->tiles_a_probe] = r->frame;
+  }
+}
+
 void olx_relit_light_tiles(olx_relight *r) {
   if (r->scheduled_count == 0) return;
   olx_parallel_for(r->scheduled_count, r->settings.threads, light_tile, r, NULL, 0);
   for (uint32_t i = 0; i < r->scheduled_count; i++) {
-    const uint32_t tile = r->scheduled[i], probe = tile / r->tiles_a_probe;
-    uint32_t *parts = r->part_frames + (size_t)probe * (r->tiles_a_probe + 1);
-    parts[tile % r->tiles_a_probe] = r->frame;
-    if (!on_edge(r, &r->tiles[tile])) continue;
-    copy_border(r, &r->tiles[tile]);
-    parts[r->tiles_a_probe] = r->frame;
+    const olx_relit_tile *tile = &r->tiles[r->scheduled[i]];
+    if (on_edge(r, tile)) copy_border(r, tile);
   }
+  olx_relit_tiles_lit(r);
 }

@@ -5,7 +5,7 @@
 #include "core/pack.h"
 #include "core/result.h"
 #include "field/harmonic_data.h"
-#include "shade/relighter.h"
+#include "shade/relighter_schedule.h"
 
 #include <string.h>
 
@@ -50,7 +50,6 @@ static void light_probe(olx_relight *r, uint32_t probe) {
     sums[k] = olx_scale(sums[k], cosine_band[band] / olx_harmonics_mean_square(k));
   }
   olx_harmonics_pack(sums, OLX_VOLUME_BANDS, r->volume + (size_t)OLX_VOLUME_HALVES * probe);
-  r->volume_solution[probe] = r->solution;
 }
 
 typedef struct volume_job {
@@ -64,24 +63,29 @@ static void light_some(void *user, uint32_t job) {
   for (uint32_t i = job * PROBES_JOB; i < end; i++) light_probe(j->relight, j->relight->queue[i]);
 }
 
-uint32_t olx_relit_light_volume(olx_relight *r) {
+uint32_t olx_relit_take_volume(olx_relight *r) {
   const uint32_t count = probe_count(r), most = r->settings.volume_probes;
   uint32_t found = 0, waiting = 0, i = r->next_volume;
   for (uint32_t k = 0; k < count; k++) {
     const bool waits = r->volume_solution[i] != r->solution;
     if (waits && found < most) {
       r->queue[found++] = i;
+      r->volume_solution[i] = r->solution;
       r->next_volume = i + 1 < count ? i + 1 : 0;
     } else {
       waiting += waits;
     }
     i = i + 1 < count ? i + 1 : 0;
   }
-  volume_job j = {r, found};
-  if (found > 0) {
-    olx_parallel_for((found + PROBES_JOB - 1) / PROBES_JOB, r->settings.threads, light_some, &j, NULL, 0);
-    r->volume_frame = r->frame;
-  }
+  if (found > 0) r->volume_frame = r->frame;
   r->volume_waiting = waiting;
+  return found;
+}
+
+uint32_t olx_relit_light_volume(olx_relight *r) {
+  const uint32_t found = olx_relit_take_volume(r);
+  volume_job j = {r, found};
+  if (found == 0) return 0;
+  olx_parallel_for((found + PROBES_JOB - 1) / PROBES_JOB, r->settings.threads, light_some, &j, NULL, 0);
   return found;
 }

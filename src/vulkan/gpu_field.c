@@ -243,6 +243,13 @@ static olx_result create_sampler(const olx_vulkan_context *c, VkFilter filter, V
   return olx_vulkan_check(c->vk.CreateSampler(c->host.device, &info, NULL, sampler), "vkCreateSampler", WHAT);
 }
 
+bool olx_gpu_field_relights(const olx_vulkan_field *gpu, const olx_field *field) {
+  const olx_gpu_maps *maps = &gpu->maps[OLX_BINDING_INDIRECT - OLX_BINDING_RADIANCE];
+  const VkDeviceSize volume = sizeof(uint16_t) * OLX_VOLUME_HALVES * (VkDeviceSize)field->info.volume_probe_count;
+  return maps->count == field->info.probe_count && maps->stride == field->stride &&
+         gpu->words[OLX_WORDS_VOLUME_LIGHT].bytes == volume;
+}
+
 static VkDescriptorType binding_type(uint32_t binding) {
   if (binding == OLX_BINDING_FIELD) return VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
   if (binding < OLX_BINDING_RADIANCE) return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;

@@ -60,6 +60,9 @@ struct olx_vulkan_field {
 // The device memory that olx_vulkan_classic_create would take; 0 for a field without classic maps.
 olx_result olx_vulkan_classic_measure(const olx_vulkan_context *context, const olx_field *field, uint64_t *bytes);
 
+// Whether what relighting changes lies on the device in the field's number and size.
+bool olx_gpu_field_relights(const olx_vulkan_field *gpu, const olx_field *field);
+
 // Sets of pipelines that read a part of the field: the bindings in `mask`, bit (1 << OLX_BINDING_*).
 olx_result olx_gpu_field_set_layout(const olx_vulkan_context *context, uint32_t mask, VkDescriptorSetLayout *layout);
 void olx_gpu_field_write_set(const olx_vulkan_field *gpu, uint32_t mask, VkDescriptorSet set);

@@ -85,11 +85,7 @@ static uint32_t unit_bytes(const olx_vulkan_update *u, uint32_t unit) {
 // ---- Making it
 
 static olx_result check(const olx_vulkan_field *gpu, const olx_relight *relight, const olx_vulkan_update_settings *s) {
-  const olx_gpu_maps *maps = &gpu->maps[OLX_BINDING_INDIRECT - OLX_BINDING_RADIANCE];
-  const olx_field *f = &relight->field;
-  const uint32_t volume_bytes = f->info.volume_probe_count * OLX_VOLUME_HALVES * (uint32_t)sizeof(uint16_t);
-  if (maps->count != f->info.probe_count || maps->stride != f->stride ||
-      gpu->words[OLX_WORDS_VOLUME_LIGHT].bytes != volume_bytes) {
+  if (!olx_gpu_field_relights(gpu, &relight->field)) {
     return olx_fail(OLX_ERROR_ARGUMENT, "%s: the relighter's field has maps of other number or size", WHAT);
   }
   if (s->in_flight < 1 || s->in_flight > MOST_IN_FLIGHT) {

@@ -1,0 +1,107 @@
+// Twin of what relighting computes from numbers alone (src/shade/relighter*.c): rays to lights, and how texels and probes of the
+// volume take light from surfels. Not part of octalux.glsl: passes of Octalux's own have its buffers.
+#ifndef OLX_RELIGHT_GLSL
+#define OLX_RELIGHT_GLSL
+
+#include "../octalux_shared.h"
+#include "harmonics.glsl"
+#include "pack.glsl"
+#include "sampling.glsl"
+
+const float OLX_OFF_SURFACE = 1.0 / 1024.0; // rays start this share of the distance off a surface
+const float OLX_END_SHARE = 1e-3;           // how far from its end a ray to a light may stop
+
+struct olx_light_ray {
+  vec3 direction;
+  float length_metres;
+  vec3 irradiance; // that arrives when nothing is between
+};
+
+// ---- Rays to lights
+
+bool olx_light_varies(olx_gpu_light light) { return light.type >= OLX_LIGHT_RECT; }
+
+float olx_spot_falloff(olx_gpu_light light, float cosine) {
+  if (cosine <= light.cosine_outer) return 0.0;
+  if (cosine >= light.cosine_inner) return 1.0;
+  return olx_square((cosine - light.cosine_outer) / (light.cosine_inner - light.cosine_outer));
+}
+
+bool olx_point_light(olx_gpu_light light, vec3 position, vec3 normal, out olx_light_ray ray) {
+  vec3 away = light.position.xyz - position;
+  float distance = sqrt(olx_dot(away, away)), cosine = olx_dot(away, normal) / distance;
+  vec3 direction = away * (1.0 / distance);
+  float strength = cosine / (distance * distance);
+  if (light.type == OLX_LIGHT_SPOT) strength *= olx_spot_falloff(light, -olx_dot(direction, light.edge_u.xyz));
+  ray = olx_light_ray(direction, distance * (1.0 - OLX_END_SHARE), light.emission.xyz * strength);
+  return cosine > 0.0 && strength > 0.0;
+}
+
+bool olx_area_light(olx_gpu_light light, vec3 position, vec3 normal, vec2 random, out olx_light_ray ray) {
+  bool is_half = light.type == OLX_LIGHT_TRIANGLE;
+  if (is_half) random = olx_sample_triangle(random);
+  vec3 target = light.position.xyz + light.edge_u.xyz * random.x + light.edge_v.xyz * random.y;
+  vec3 area = cross(light.edge_u.xyz, light.edge_v.xyz) * (is_half ? 0.5 : 1.0);
+  vec3 away = target - position;
+  float distance = sqrt(olx_dot(away, away)), cosine = olx_dot(away, normal) / distance;
+  vec3 direction = away * (1.0 / distance);
+  float facing = -olx_dot(area, direction);
+  if (light.both_sides != 0u) facing = abs(facing);
+  // However near, a light sends no more than it would from all around.
+  ray = olx_light_ray(direction, distance * (1.0 - OLX_END_SHARE),
+                      light.emission.xyz * min(cosine * facing / (distance * distance), OLX_PI));
+  return cosine > 0.0 && facing > 0.0;
+}
+
+// A ray from a place towards a light; false when the light cannot reach it.
+bool olx_aim(olx_gpu_light light, vec3 position, vec3 normal, vec2 random, out olx_light_ray ray) {
+  if (light.type == OLX_LIGHT_POINT || light.type == OLX_LIGHT_SPOT) {
+    return olx_point_light(light, position, normal, ray);
+  }
+  if (light.type == OLX_LIGHT_RECT || light.type == OLX_LIGHT_TRIANGLE) {
+    return olx_area_light(light, position, normal, random, ray);
+  }
+  if (light.type == OLX_LIGHT_SKY) {
+    vec3 direction = olx_normalize(olx_from_basis(olx_sample_cosine(random), normal));
+    ray = olx_light_ray(direction, OLX_INFINITY, light.emission.xyz * OLX_PI);
+    return true;
+  }
+  float cosine = -olx_dot(light.edge_u.xyz, normal);
+  ray = olx_light_ray(-light.edge_u.xyz, OLX_INFINITY, light.emission.xyz * cosine);
+  return cosine > 0.0;
+}
+
+// ---- Texels and the volume
+
+// Whether a stored distance is that of a surface, and not the sky's; an emitter's is, too.
+bool olx_surface_distance(uint bits) { return (bits & 0x7FFFu) < 0x7C00u; }
+
+// Texel i of a tile, whose blocks of 4 x 4 come one after the other: those share out samples of lights.
+uvec2 olx_tile_texel(uint i, uint tile_side) {
+  uint in_block = i % 16u, block = i / 16u, blocks = tile_side / 4u;
+  return uvec2(block % blocks * 4u + in_block % 4u, block / blocks * 4u + in_block / 4u);
+}
+
+// How much a site's weights at the corners of its block count for a texel.
+vec4 olx_site_corners(uvec2 in_block) {
+  vec2 at = vec2(in_block) / float(OLX_RELIGHT_BLOCK - 1u);
+  return vec4((1.0 - at.x) * (1.0 - at.y), at.x * (1.0 - at.y), (1.0 - at.x) * at.y, at.x * at.y);
+}
+
+// The share of a surfel in a texel's indirect light; `weights` are an entry's, a byte each.
+float olx_site_weight(uint weights, vec4 corners) {
+  vec4 bytes = vec4(weights & 0xFFu, weights >> 8 & 0xFFu, weights >> 16 & 0xFFu, weights >> 24);
+  return dot(corners, bytes) * (1.0 / 255.0);
+}
+
+// What makes coefficients of irradiance of sums over directions (Ramamoorthi and Hanrahan 2001).
+float olx_irradiance_scale(uint k) {
+  float band = k == 0u ? OLX_PI : k < 4u ? 2.0 / 3.0 * OLX_PI : 0.25 * OLX_PI;
+  float mean_square = k == 0u ? 1.0 : k < 4u ? 1.0 / 3.0 : k == 6u ? 4.0 / 5.0 : k == 8u ? 4.0 / 15.0 : 1.0 / 15.0;
+  return band / mean_square;
+}
+
+// A number of a coefficient as a half; what does not fit stays finite.
+uint olx_half_pack_finite(float value) { return olx_half_pack(clamp(value, -65504.0, 65504.0)); }
+
+#endif

@@ -1,0 +1,36 @@
+// What the passes of a relighter share: its buffers, and vectors in them. docs/relighting.md, "Frames on the device",
+// tells their order.
+#ifndef RELIGHT_SET_GLSL
+#define RELIGHT_SET_GLSL
+
+#define OLX_FIELD_SET 1
+#include "../lib/relight.glsl"
+
+#ifndef RELIGHT_STATE
+#define RELIGHT_STATE // how the state is accessed
+#endif
+
+layout(local_size_x = OLX_RELIGHT_GROUP) in;
+layout(push_constant, std430) uniform call_block { olx_gpu_relight_call call; };
+layout(set = 0, binding = OLX_BINDING_STATE, std430) RELIGHT_STATE buffer state_block {
+  olx_gpu_relight relight;
+  uint state[];
+};
+layout(set = 0, binding = OLX_BINDING_STRUCTURE, std430) readonly buffer structure_block { uint structure[]; };
+
+// Workgroups lie in two dimensions, since devices bound how many there may be along one.
+uint group_index() { return gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x; }
+uint thread_index() { return group_index() * OLX_RELIGHT_GROUP + gl_LocalInvocationIndex; }
+
+vec3 state_vector(uint at) { return uintBitsToFloat(uvec3(state[at], state[at + 1u], state[at + 2u])); }
+
+void set_state(uint at, vec3 v) {
+  state[at] = floatBitsToUint(v.x);
+  state[at + 1u] = floatBitsToUint(v.y);
+  state[at + 2u] = floatBitsToUint(v.z);
+}
+
+// The surfel of a thread, of those that follow each other from call.first on.
+uint surfel_of(uint thread) { return (call.first + thread) % relight.surfels; }
+
+#endif

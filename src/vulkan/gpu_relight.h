@@ -1,0 +1,87 @@
+// A relighter on the device: its buffers, sets and pipelines. gpu_relight.c makes them, relight_fill.c lays out and
+// fills the buffers, relight_frame.c records frames. docs/relighting.md, "Frames on the device".
+#ifndef OLX_VULKAN_GPU_RELIGHT_H
+#define OLX_VULKAN_GPU_RELIGHT_H
+
+#include "shade/relighter_schedule.h"
+#include "vulkan/gpu_frame.h"
+
+enum { OLX_RELIGHT_MOST_IN_FLIGHT = 8 };
+
+typedef enum olx_relight_pass {
+  OLX_RELIGHT_SURFELS = 0,
+  OLX_RELIGHT_VALUES,
+  OLX_RELIGHT_NODES,
+  OLX_RELIGHT_BOUNCE,
+  OLX_RELIGHT_TEXELS,
+  OLX_RELIGHT_TELL,
+  OLX_RELIGHT_VOLUME,
+  OLX_RELIGHT_PASSES
+} olx_relight_pass;
+
+// Passes that see the same buffers and the same part of the field.
+typedef enum olx_relight_group {
+  OLX_GROUP_SURFELS = 0, // all before OLX_RELIGHT_TELL
+  OLX_GROUP_SITES,
+  OLX_RELIGHT_GROUPS
+} olx_relight_group;
+
+typedef struct olx_gpu_group {
+  VkDescriptorSetLayout own_layout, field_layout;
+  VkPipelineLayout layout;
+  VkDescriptorSet own, field;
+} olx_gpu_group;
+
+typedef enum olx_relight_buffer {
+  OLX_BUFFER_STATE = 0,
+  OLX_BUFFER_SURFELS, // with their links, and nodes
+  OLX_BUFFER_SITES,   // and links of volume probes
+  OLX_BUFFER_RESULTS, // host-visible: sums of change and light, `in_flight` times
+  OLX_RELIGHT_BUFFERS
+} olx_relight_buffer;
+
+typedef struct olx_relight_storage {
+  uint64_t words;
+  VkBuffer buffer;
+  VkDeviceMemory memory;
+  VkMemoryRequirements requirements;
+} olx_relight_storage;
+
+// Words of the state before what its offsets count.
+#define OLX_RELIGHT_HEADER_WORDS ((uint32_t)(sizeof(olx_gpu_relight) / sizeof(uint32_t)))
+
+// Of which frame a slot of the results tells.
+typedef struct olx_relight_reading {
+  bool written;
+  olx_relit_sweep_part part;
+  uint32_t light_changes; // of the relighter
+} olx_relight_reading;
+
+struct olx_vulkan_relight {
+  olx_vulkan_field *gpu;
+  olx_relight *relight;
+  olx_vulkan_relight_settings settings;
+  olx_gpu_relight constants;
+  olx_relight_storage buffers[OLX_RELIGHT_BUFFERS];
+  const float *results; // mapped
+  uint32_t result_words; // of a slot
+  olx_gpu_group groups[OLX_RELIGHT_GROUPS];
+  VkDescriptorPool pool;
+  VkPipeline pipelines[OLX_RELIGHT_PASSES];
+  uint32_t *level_starts, levels; // nodes of each level, one after the other, and the end
+  uint32_t *tiles;                // words of a frame's tiles, OLX_TILE_WORDS each
+  uint32_t light_changes;         // of the relighter, that the device knows of
+  uint32_t slot;                  // of the results
+  olx_relight_reading readings[OLX_RELIGHT_MOST_IN_FLIGHT];
+};
+
+// Tiles and volume probes that a frame has at most.
+uint32_t olx_relight_most_tiles(const olx_relight *relight);
+uint32_t olx_relight_most_volume_probes(const olx_relight *relight);
+
+// What lies where, and how many words each buffer has.
+void olx_relight_lay_out(olx_vulkan_relight *relight);
+// The buffers' contents, from the relighter.
+olx_result olx_relight_fill(olx_vulkan_relight *relight);
+
+#endif

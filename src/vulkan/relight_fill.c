@@ -1,0 +1,99 @@
+// What lies where in the buffers of a relighter on the device, and what they hold when it is made.
+#include "core/hooks.h"
+#include "vulkan/gpu_relight.h"
+#include "vulkan/uploader.h"
+
+static const char WHAT[] = "relighting on the device";
+
+enum { VECTOR = 3, STRIPS = 4, CORNERS = 4 };
+
+// ---- What lies where
+
+uint32_t olx_relight_most_tiles(const olx_relight *r) {
+  const uint64_t texels = (uint64_t)r->tile_side * r->tile_side, most = (r->settings.texels + texels - 1) / texels;
+  return most < r->tile_count ? (uint32_t)most : r->tile_count;
+}
+
+uint32_t olx_relight_most_volume_probes(const olx_relight *r) {
+  const uint32_t all = r->source->relight.header->volume_probes;
+  return r->settings.volume_probes < all ? r->settings.volume_probes : all;
+}
+
+// The next `words` of a buffer that has had `used`.
+static uint32_t take(uint64_t *used, uint64_t words) {
+  const uint64_t first = *used;
+  *used += words;
+  return (uint32_t)first; // whole as long as the buffer can be bound
+}
+
+static void lay_out_state(olx_gpu_relight *c, const olx_relight *r, olx_vulkan_relight *v) {
+  const olx_relight_header *h = r->source->relight.header;
+  const uint64_t tiles = olx_relight_most_tiles(r), texels = (uint64_t)r->tile_side * r->tile_side;
+  const uint32_t swept = r->settings.surfels < h->surfels ? r->settings.surfels : h->surfels;
+  uint64_t used = 0;
+  v->result_words = 2 * ((swept + OLX_RELIGHT_GROUP - 1) / OLX_RELIGHT_GROUP);
+  c->lights = take(&used, OLX_RELIT_MOST_LIGHTS * OLX_LIGHT_WORDS);
+  c->tiles = take(&used, OLX_TILE_WORDS * tiles);
+  c->probes = take(&used, olx_relight_most_volume_probes(r));
+  c->direct = take(&used, VECTOR * (uint64_t)h->surfels);
+  c->irradiance = take(&used, VECTOR * (uint64_t)h->surfels);
+  c->values = take(&used, VECTOR * ((uint64_t)h->surfels + h->nodes));
+  c->sums = take(&used, v->result_words);
+  c->tile_light = take(&used, VECTOR * texels * tiles);
+  c->tile_direct = take(&used, c->tile_words * tiles);
+  c->tile_indirect = take(&used, c->tile_words * tiles);
+  v->buffers[OLX_BUFFER_STATE].words = OLX_RELIGHT_HEADER_WORDS + used;
+}
+
+static uint32_t words_between(const void *first, const void *later) {
+  return (uint32_t)((size_t)((const char *)later - (const char *)first) / sizeof(uint32_t));
+}
+
+// As the structure has them in the file; levels of nodes follow the surfels' part.
+static void lay_out_structure(olx_gpu_relight *c, const olx_relight_data *d, olx_vulkan_relight *v) {
+  uint64_t used = (uint64_t)((const char *)(const void *)d->blocks - (const char *)d->surfels) / sizeof(uint32_t);
+  c->link_starts = words_between(d->surfels, d->link_starts);
+  c->links = words_between(d->surfels, d->links);
+  c->member_starts = words_between(d->surfels, d->member_starts);
+  c->members = words_between(d->surfels, d->members);
+  c->level_starts = take(&used, (uint64_t)v->levels + 1);
+  c->level_nodes = take(&used, d->header->nodes);
+  v->buffers[OLX_BUFFER_SURFELS].words = used;
+  c->entry_starts = words_between(d->blocks, d->entry_starts);
+  c->entries = words_between(d->blocks, d->entries);
+  c->volume_starts = words_between(d->blocks, d->volume_starts);
+  c->volume_links = words_between(d->blocks, d->volume_links);
+  const char *end = (const char *)(d->volume_links + d->header->volume_links);
+  v->buffers[OLX_BUFFER_SITES].words = (uint64_t)(end - (const char *)d->blocks) / sizeof(uint32_t);
+}
+
+void olx_relight_lay_out(olx_vulkan_relight *v) {
+  const olx_relight *r = v->relight;
+  const olx_gpu_words *words = v->gpu->words;
+  v->constants = (olx_gpu_relight){
+      .surfels = r->source->relight.header->surfels,
+      .light_samples = r->settings.light_samples,
+      .tile_side = r->tile_side,
+      .tile_words = r->tile_side * r->tile_side + STRIPS * r->tile_side + CORNERS,
+      .volume_light = (uint32_t)((words[OLX_WORDS_VOLUME_LIGHT].offset - words[0].offset) / sizeof(uint32_t))};
+  lay_out_state(&v->constants, r, v);
+  lay_out_structure(&v->constants, &r->source->relight, v);
+  v->buffers[OLX_BUFFER_RESULTS].words = (uint64_t)v->result_words * v->settings.in_flight;
+}
+
+// ---- Levels of nodes
+
+// The level of a node is above those of all its members. Returns how many levels there are.
+static uint32_t find_levels(const olx_relight_data *d, uint32_t *level) {
+  const uint32_t surfels = d->header->surfels;
+  uint32_t levels = 0;
+  for (uint32_t node = 0; node < d->header->nodes; node++) {
+    level[node] = 0;
+    for (uint32_t i = d->member_starts[node]; i < d->member_starts[node + 1]; i++) {
+      const uint32_t number = d->members[i].number;
+      if (number >= surfels && level[number - surfels] >= level[node]) level[node] = level[number - surfels] + 1;
+    }
+    if (level[node] >= levels) levels = level[node] + 1;
+  }
+  return levels;
+}

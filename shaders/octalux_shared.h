@@ -242,7 +242,6 @@ OLX_GPU_STRUCT(olx_gpu_relight) {
   olx_gpu_uint level_starts, level_nodes; // nodes whose members are all of levels before
   olx_gpu_uint entry_starts, entries, volume_starts, volume_links;
   olx_gpu_uint volume_light; // in the field's words
-  olx_gpu_uint padding;
 };
 
 // Push constants of a relighter's passes.

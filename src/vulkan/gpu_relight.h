@@ -68,7 +68,7 @@ struct olx_vulkan_relight {
   olx_gpu_group groups[OLX_RELIGHT_GROUPS];
   VkDescriptorPool pool;
   VkPipeline pipelines[OLX_RELIGHT_PASSES];
-  uint32_t *level_starts, levels; // nodes of each level, one after the other, and the end
+  uint32_t *level_starts, *level_nodes, levels; // nodes, by how many levels of nodes are below them; and the end
   uint32_t *tiles;                // words of a frame's tiles, OLX_TILE_WORDS each
   uint32_t light_changes;         // of the relighter, that the device knows of
   uint32_t slot;                  // of the results
@@ -79,6 +79,8 @@ struct olx_vulkan_relight {
 uint32_t olx_relight_most_tiles(const olx_relight *relight);
 uint32_t olx_relight_most_volume_probes(const olx_relight *relight);
 
+// By which nodes are summed.
+olx_result olx_relight_find_levels(olx_vulkan_relight *relight);
 // What lies where, and how many words each buffer has.
 void olx_relight_lay_out(olx_vulkan_relight *relight);
 // The buffers' contents, from the relighter.

@@ -97,3 +97,63 @@ static uint32_t find_levels(const olx_relight_data *d, uint32_t *level) {
   }
   return levels;
 }
+
+// Nodes by their levels; `starts` begin as 0.
+static void sort_nodes(const uint32_t *level, uint32_t nodes, uint32_t *starts, uint32_t levels, uint32_t *sorted) {
+  for (uint32_t node = 0; node < nodes; node++) starts[level[node] + 1]++;
+  for (uint32_t i = 0; i < levels; i++) starts[i + 1] += starts[i];
+  for (uint32_t node = 0; node < nodes; node++) sorted[starts[level[node]]++] = node;
+  for (uint32_t i = levels; i > 0; i--) starts[i] = starts[i - 1]; // filling has moved each to its end
+  starts[0] = 0;
+}
+
+olx_result olx_relight_find_levels(olx_vulkan_relight *v) {
+  const olx_relight_data *d = &v->relight->source->relight;
+  const uint32_t nodes = d->header->nodes;
+  uint32_t *level = olx_allocate((size_t)nodes + 1, sizeof *level);
+  if (level) v->levels = find_levels(d, level);
+  v->level_starts = olx_allocate_zero((size_t)v->levels + 2, sizeof *v->level_starts);
+  v->level_nodes = olx_allocate((size_t)nodes + 1, sizeof *v->level_nodes);
+  const bool made = level && v->level_starts && v->level_nodes;
+  if (made) sort_nodes(level, nodes, v->level_starts, v->levels, v->level_nodes);
+  olx_release(level);
+  return made ? OLX_OK : olx_fail(OLX_ERROR_MEMORY, "%s: out of memory for %u nodes", WHAT, nodes);
+}
+
+// ---- Filling
+
+static olx_result copy_words(olx_vulkan_relight *v, olx_uploader *uploader, olx_relight_buffer to, uint32_t at,
+                             const void *words, uint64_t count) {
+  return olx_uploader_copy(uploader, words, count * sizeof(uint32_t), v->buffers[to].buffer,
+                           (VkDeviceSize)at * sizeof(uint32_t));
+}
+
+// Values need none: they are found before they are read.
+static olx_result copy_state(olx_vulkan_relight *v, olx_uploader *uploader) {
+  const olx_relight *r = v->relight;
+  const olx_gpu_relight *c = &v->constants;
+  OLX_TRY(copy_words(v, uploader, OLX_BUFFER_STATE, 0, c, OLX_RELIGHT_HEADER_WORDS));
+  OLX_TRY(copy_words(v, uploader, OLX_BUFFER_STATE, OLX_RELIGHT_HEADER_WORDS + c->direct, r->direct,
+                     VECTOR * (uint64_t)c->surfels));
+  return copy_words(v, uploader, OLX_BUFFER_STATE, OLX_RELIGHT_HEADER_WORDS + c->irradiance, r->irradiance,
+                    VECTOR * (uint64_t)c->surfels);
+}
+
+static olx_result copy_structure(olx_vulkan_relight *v, olx_uploader *uploader) {
+  const olx_relight_data *d = &v->relight->source->relight;
+  const olx_gpu_relight *c = &v->constants;
+  OLX_TRY(copy_words(v, uploader, OLX_BUFFER_SURFELS, 0, d->surfels, c->level_starts));
+  OLX_TRY(copy_words(v, uploader, OLX_BUFFER_SURFELS, c->level_starts, v->level_starts, (uint64_t)v->levels + 1));
+  OLX_TRY(copy_words(v, uploader, OLX_BUFFER_SURFELS, c->level_nodes, v->level_nodes, d->header->nodes));
+  return copy_words(v, uploader, OLX_BUFFER_SITES, 0, d->blocks, v->buffers[OLX_BUFFER_SITES].words);
+}
+
+olx_result olx_relight_fill(olx_vulkan_relight *v) {
+  olx_uploader uploader;
+  olx_result result = olx_uploader_begin(&v->gpu->context, &uploader);
+  if (result == OLX_OK) result = copy_state(v, &uploader);
+  if (result == OLX_OK) result = copy_structure(v, &uploader);
+  if (result == OLX_OK) result = olx_uploader_finish(&uploader);
+  olx_uploader_end(&uploader);
+  return result;
+}

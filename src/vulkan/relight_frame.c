@@ -1,0 +1,306 @@
+// Records frames of a relighter: chooses what they light as the CPU does, and when their results are read.
+#include "vulkan/gpu_relight.h"
+#include "vulkan/map_copies.h"
+
+enum {
+  WORD = sizeof(uint32_t),
+  MOST_UPDATE_BYTES = 65536,
+  MOST_GROUPS = 65535, // workgroups along an axis that every device can do
+  PLACE_RAYS = 4,      // of a place in one dispatch: some devices bound the time or the loops of one
+  SMALL_LEVEL = 4 * OLX_RELIGHT_GROUP // nodes of which one workgroup takes level after level
+};
+
+// ---- What is known of the frames before
+
+// It means as much as it would have on the CPU, only later. Once light has arrived, or lights are others, it means nothing.
+static void read_results(olx_vulkan_relight *v) {
+  olx_relight *r = v->relight;
+  olx_relight_reading *reading = &v->readings[v->slot];
+  const float *results = v->results + (size_t)v->result_words * v->slot;
+  double change = 0.0, sum = 0.0;
+  if (!reading->written) return;
+  reading->written = false;
+  if (r->settled || reading->light_changes != r->light_changes) return;
+  for (uint32_t i = 0; OLX_RELIGHT_GROUP * i < reading->part.count; i++) {
+    change += (double)results[2 * i];
+    sum += (double)results[2 * i + 1];
+  }
+  olx_relit_links_followed(r, &reading->part, change, sum);
+}
+
+// ---- What a frame does
+
+typedef struct frame_plan {
+  olx_gpu_relight_call surfels; // that get direct light
+  bool bounces;
+  olx_relit_sweep_part part;
+  uint32_t tiles, lit_tiles; // lit ones come first
+  uint32_t volume_probes;
+} frame_plan;
+
+// Those of the queue follow each other, and at most once the number of their samples changes among them.
+static void plan_surfels(olx_relight *r, uint64_t rays, olx_gpu_relight_call *call) {
+  const uint32_t count = olx_relit_take_surfels(r, rays);
+  *call = (olx_gpu_relight_call){.count = count};
+  if (count == 0) return;
+  call->first = r->queue[0];
+  call->round = r->rounds[call->first];
+  while (call->before < count && r->rounds[r->queue[call->before]] == call->round) call->before++;
+  olx_relit_surfels_lit(r, count);
+}
+
+static void plan_tiles(olx_vulkan_relight *v, frame_plan *plan) {
+  olx_relight *r = v->relight;
+  uint32_t *words = v->tiles;
+  for (uint32_t pass = 0; pass < 2; pass++) {
+    for (uint32_t i = 0; i < r->scheduled_count; i++) {
+      if (r->lit[i] != (pass == 0)) continue;
+      const olx_relit_tile *tile = &r->tiles[r->scheduled[i]];
+      const uint32_t own[OLX_TILE_WORDS] = {tile->probe, tile->first_x, tile->first_y, tile->rounds};
+      memcpy(words, own, sizeof own);
+      words += OLX_TILE_WORDS;
+      plan->lit_tiles += pass == 0;
+    }
+  }
+  plan->tiles = r->scheduled_count;
+  olx_relit_tiles_lit(r);
+}
+
+static frame_plan plan_frame(olx_vulkan_relight *v, olx_vec3 eye) {
+  olx_relight *r = v->relight;
+  const uint64_t rays = r->settings.shadow_rays;
+  frame_plan plan = {.tiles = 0};
+  plan_surfels(r, rays / 2, &plan.surfels);
+  plan.bounces = olx_relit_take_links(r, &plan.part);
+  const uint64_t spent = (uint64_t)plan.surfels.count * olx_relit_rays(r);
+  olx_relit_schedule(r, eye, rays > spent ? rays - spent : 0);
+  plan_tiles(v, &plan);
+  plan.volume_probes = olx_relit_take_volume(r);
+  return plan;
+}
+
+// ---- What a frame needs from the host
+
+static void order(const olx_vulkan_relight *v, VkCommandBuffer commands, VkPipelineStageFlags before,
+                  VkPipelineStageFlags after) {
+  const VkMemoryBarrier barrier = {.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
+                                   .srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT,
+                                   .dstAccessMask = VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT};
+  v->gpu->context.vk.CmdPipelineBarrier(commands, before, after, 0, 1, &barrier, 0, NULL, 0, NULL);
+}
+
+// Between two steps.
+static void next_step(const olx_vulkan_relight *v, VkCommandBuffer commands) {
+  const VkPipelineStageFlags ours = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT;
+  order(v, commands, ours, ours);
+}
+
+static void update(const olx_vulkan_relight *v, VkCommandBuffer commands, VkBuffer buffer, VkDeviceSize to,
+                   const void *data, size_t bytes) {
+  for (size_t done = 0; done < bytes; done += MOST_UPDATE_BYTES) {
+    const size_t rest = bytes - done, part = rest < MOST_UPDATE_BYTES ? rest : MOST_UPDATE_BYTES;
+    v->gpu->context.vk.CmdUpdateBuffer(commands, buffer, to + done, part, (const char *)data + done);
+  }
+}
+
+static VkDeviceSize state_at(uint32_t word) { return ((VkDeviceSize)OLX_RELIGHT_HEADER_WORDS + word) * WORD; }
+
+static void update_state(const olx_vulkan_relight *v, VkCommandBuffer commands, uint32_t at, const void *words,
+                         size_t count) {
+  update(v, commands, v->buffers[OLX_BUFFER_STATE].buffer, state_at(at), words, count * WORD);
+}
+
+static olx_gpu_vec4 with_zero(olx_vec3 a) { return (olx_gpu_vec4){a.x, a.y, a.z, 0.0f}; }
+
+static olx_gpu_light gpu_light(const olx_relight_light *l) {
+  const bool area = l->type == OLX_RELIGHT_RECT || l->type == OLX_RELIGHT_TRIANGLE;
+  return (olx_gpu_light){.emission = with_zero(l->emission),
+                         .position = with_zero(l->position),
+                         .edge_u = with_zero(area ? l->edge_u : l->direction),
+                         .edge_v = with_zero(l->edge_v),
+                         .type = l->type,
+                         .both_sides = l->both_sides,
+                         .cosine_inner = l->cosine_inner,
+                         .cosine_outer = l->cosine_outer};
+}
+
+// Lights of the relighter, and those that the field has.
+static void update_lights(olx_vulkan_relight *v, VkCommandBuffer commands) {
+  const olx_relight *r = v->relight;
+  const olx_vulkan_field *gpu = v->gpu;
+  if (v->light_changes == r->light_changes) return;
+  v->light_changes = r->light_changes;
+  for (uint32_t i = 0; i < r->light_count; i++) {
+    const olx_gpu_light light = gpu_light(&r->lights[i]);
+    update_state(v, commands, v->constants.lights + i * OLX_LIGHT_WORDS, &light, OLX_LIGHT_WORDS);
+  }
+  const uint32_t count = r->field_light_count > gpu->light_room ? 0 : r->field_light_count;
+  update(v, commands, gpu->buffer, gpu->words[OLX_WORDS_LIGHTS].offset, r->field_lights,
+         count * sizeof *r->field_lights);
+  update(v, commands, gpu->buffer, offsetof(olx_gpu_field, light_count), &count, sizeof count);
+}
+
+// ---- Passes
+
+// `threads` are rounded up to whole workgroups.
+static void record(const olx_vulkan_relight *v, VkCommandBuffer commands, olx_relight_pass pass, uint64_t threads,
+                   const olx_gpu_relight_call *call) {
+  if (threads == 0) return;
+  const olx_vulkan_functions *vk = &v->gpu->context.vk;
+  const olx_gpu_group *g = &v->groups[pass < OLX_RELIGHT_TELL ? OLX_GROUP_SURFELS : OLX_GROUP_SITES];
+  const VkDescriptorSet sets[] = {g->own, g->field};
+  const uint32_t groups = (uint32_t)((threads + OLX_RELIGHT_GROUP - 1) / OLX_RELIGHT_GROUP),
+                 along = groups < MOST_GROUPS ? groups : MOST_GROUPS;
+  vk->CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, v->pipelines[pass]);
+  vk->CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, g->layout, 0, 2, sets, 0, NULL);
+  vk->CmdPushConstants(commands, g->layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof *call, call);
+  vk->CmdDispatch(commands, along, (groups + along - 1) / along, 1);
+  next_step(v, commands);
+}
+
+static void skip_rays(const olx_relight *r, olx_gpu_relight_call *call) {
+  for (uint32_t i = 0; i < call->rays; i++) {
+    if (++call->light_sample < olx_relit_samples(r, &r->lights[call->light])) continue;
+    call->light_sample = 0;
+    call->light++;
+  }
+}
+
+// One dispatch after the other, each with a few rays of every place. Without lights there is one that finds darkness.
+static void record_rays(const olx_vulkan_relight *v, VkCommandBuffer commands, olx_relight_pass pass,
+                        olx_gpu_relight_call call) {
+  uint32_t left = olx_relit_rays(v->relight);
+  call.flags = OLX_CALL_BEGINS;
+  for (;;) {
+    call.rays = left < PLACE_RAYS ? left : PLACE_RAYS;
+    left -= call.rays;
+    if (left == 0) call.flags |= OLX_CALL_ENDS;
+    record(v, commands, pass, call.count, &call);
+    if (left == 0) return;
+    skip_rays(v->relight, &call);
+    call.flags = 0;
+  }
+}
+
+// Large levels have a dispatch each.
+static void record_values(const olx_vulkan_relight *v, VkCommandBuffer commands) {
+  const uint32_t *starts = v->level_starts;
+  const olx_gpu_relight_call surfels = {.count = v->constants.surfels};
+  record(v, commands, OLX_RELIGHT_VALUES, surfels.count, &surfels);
+  for (uint32_t level = 0; level < v->levels;) {
+    olx_gpu_relight_call call = {.first = level, .count = 1};
+    uint32_t threads = starts[level + 1] - starts[level];
+    while (threads <= SMALL_LEVEL && level + call.count < v->levels &&
+           starts[level + call.count + 1] - starts[level + call.count] <= SMALL_LEVEL) {
+      call.count++;
+    }
+    if (call.count > 1) threads = OLX_RELIGHT_GROUP;
+    record(v, commands, OLX_RELIGHT_NODES, threads, &call);
+    level += call.count;
+  }
+}
+
+static void record_bounce(olx_vulkan_relight *v, VkCommandBuffer commands, const olx_relit_sweep_part *part) {
+  const olx_gpu_relight_call call = {.first = part->first, .count = part->count};
+  const VkBufferCopy region = {state_at(v->constants.sums), (VkDeviceSize)v->result_words * WORD * v->slot,
+                               (VkDeviceSize)v->result_words * WORD};
+  record_values(v, commands);
+  record(v, commands, OLX_RELIGHT_BOUNCE, call.count, &call);
+  if (v->result_words > 0) {
+    v->gpu->context.vk.CmdCopyBuffer(commands, v->buffers[OLX_BUFFER_STATE].buffer,
+                                     v->buffers[OLX_BUFFER_RESULTS].buffer, 1, &region);
+  }
+  v->readings[v->slot] =
+      (olx_relight_reading){.written = true, .part = *part, .light_changes = v->relight->light_changes};
+  record_values(v, commands);
+}
+
+// ---- Into the field
+
+// A tile's words from `first` on, and what the map's border repeats of them.
+static void copy_tile(const olx_vulkan_relight *v, olx_map_copies *copies, const uint32_t *tile, uint32_t first) {
+  const olx_relight *r = v->relight;
+  const uint32_t n = r->field.n, side = r->tile_side, strips = first + side * side, corners = strips + 4 * side;
+  const int32_t x = (int32_t)tile[1], y = (int32_t)tile[2], end = (int32_t)n;
+  const int32_t back_x = end - x - (int32_t)side, back_y = end - y - (int32_t)side; // where the border repeats an edge
+  const bool left = x == 0, right = back_x == 0, top = y == 0, bottom = back_y == 0;
+  const struct {
+    bool has;
+    olx_map_part part;
+    uint32_t at;
+  } parts[] = {
+      {true, {x, y, side, side}, first},
+      {top, {back_x, -1, side, 1}, strips},
+      {bottom, {back_x, end, side, 1}, strips + side},
+      {left, {-1, back_y, 1, side}, strips + 2 * side},
+      {right, {end, back_y, 1, side}, strips + 3 * side},
+      {top && left, {end, end, 1, 1}, corners}, // which repeat the corners across
+      {top && right, {-1, end, 1, 1}, corners + 1},
+      {bottom && left, {end, -1, 1, 1}, corners + 2},
+      {bottom && right, {-1, -1, 1, 1}, corners + 3},
+  };
+  for (uint32_t i = 0; i < sizeof parts / sizeof *parts; i++) {
+    if (parts[i].has) olx_map_copies_add(copies, tile[0], &parts[i].part, state_at(parts[i].at));
+  }
+}
+
+static void copy_tiles(const olx_vulkan_relight *v, VkCommandBuffer commands, const frame_plan *plan) {
+  const VkBuffer state = v->buffers[OLX_BUFFER_STATE].buffer;
+  const olx_gpu_relight *c = &v->constants;
+  olx_map_copies direct = olx_map_copies_of(v->gpu, OLX_BINDING_DIRECT, state, commands),
+                 indirect = olx_map_copies_of(v->gpu, OLX_BINDING_INDIRECT, state, commands);
+  olx_map_copies_begin(v->gpu, commands);
+  for (uint32_t slot = 0; slot < plan->tiles; slot++) {
+    const uint32_t *tile = v->tiles + (size_t)OLX_TILE_WORDS * slot;
+    if (slot < plan->lit_tiles) copy_tile(v, &direct, tile, c->tile_direct + c->tile_words * slot);
+    copy_tile(v, &indirect, tile, c->tile_indirect + c->tile_words * slot);
+  }
+  olx_map_copies_record(&direct);
+  olx_map_copies_record(&indirect);
+  olx_map_copies_end(v->gpu, commands);
+}
+
+static void record_tiles(const olx_vulkan_relight *v, VkCommandBuffer commands, const frame_plan *plan) {
+  const uint32_t texels = v->relight->tile_side * v->relight->tile_side;
+  const olx_gpu_relight_call lit = {.count = plan->lit_tiles * texels}, told = {.count = plan->tiles * texels};
+  if (plan->tiles == 0) return;
+  if (lit.count > 0) record_rays(v, commands, OLX_RELIGHT_TEXELS, lit);
+  record(v, commands, OLX_RELIGHT_TELL, told.count, &told);
+  copy_tiles(v, commands, plan);
+}
+
+// ---- A frame
+
+static void record_frame(olx_vulkan_relight *v, VkCommandBuffer commands, const frame_plan *plan) {
+  const olx_relight *r = v->relight;
+  const olx_gpu_relight_call probes = {.count = plan->volume_probes};
+  order(v, commands, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT,
+        VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT);
+  update_lights(v, commands);
+  update_state(v, commands, v->constants.tiles, v->tiles, (size_t)plan->tiles * OLX_TILE_WORDS);
+  update_state(v, commands, v->constants.probes, r->queue, plan->volume_probes);
+  next_step(v, commands);
+  if (plan->surfels.count > 0) record_rays(v, commands, OLX_RELIGHT_SURFELS, plan->surfels);
+  if (plan->bounces) record_bounce(v, commands, &plan->part);
+  record_tiles(v, commands, plan);
+  record(v, commands, OLX_RELIGHT_VOLUME, probes.count, &probes);
+  order(v, commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT,
+        VK_PIPELINE_STAGE_ALL_COMMANDS_BIT | VK_PIPELINE_STAGE_HOST_BIT);
+}
+
+olx_result olx_vulkan_record_relight(olx_vulkan_relight *v, VkCommandBuffer commands, olx_vec3 eye,
+                                     olx_vulkan_relight_stats *stats) {
+  olx_relight *r = v->relight;
+  read_results(v);
+  r->frame++;
+  const frame_plan plan = plan_frame(v, eye);
+  if (plan.surfels.count || plan.bounces || plan.tiles || plan.volume_probes) record_frame(v, commands, &plan);
+  v->slot = (v->slot + 1) % v->settings.in_flight;
+  if (!stats) return OLX_OK;
+  *stats = (olx_vulkan_relight_stats){.surfels_lit = plan.surfels.count,
+                                      .surfels_gathered = plan.part.count,
+                                      .texels = (uint64_t)plan.tiles * r->tile_side * r->tile_side,
+                                      .volume_probes = plan.volume_probes,
+                                      .awake = olx_relit_awake(r)};
+  return OLX_OK;
+}

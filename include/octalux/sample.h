@@ -99,8 +99,8 @@ olx_vec3 olx_irradiance(const olx_field *field, const olx_sample_settings *setti
 // - `geometric_normal`: unit, of the triangle, on the side that is looked at. It decides which stored surfaces are this one.
 // - `shading_normal`: unit. Light is stored for the normal between a triangle's corners, so smooth surfaces without a normal
 //   map pass the geometric normal here as well, and others the normal that the map makes of the geometric normal. Where
-//   the two differ, stored light is multiplied in each channel by olx_volume_irradiance for this one over that for the geometric
-//   normal, at most 4; 0 / 0 is 1.
+//   the two differ, stored light is multiplied in each channel by olx_volume_irradiance for this one, less its share from below
+//   the surface, over that for the geometric normal, at most 4; 0 / 0 is 1.
 // - `view`: unit, from the surface to the eye; pass the geometric normal where there is no eye.
 // Numbers that are not finite give 0.
 // The probes of the point's brick answer (of its cage in a field without bricks); where none of them sees the surface, or when

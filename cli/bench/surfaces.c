@@ -59,7 +59,7 @@ static uint32_t bounces(const surface_run *r) {
 
 const char *surface_where(const surface_run *r) { return r->placed ? "placed" : "grid"; }
 
-olx_result surface_bake(const surface_run *r, uint32_t seed, bench_field *made) {
+olx_result surface_bake(const surface_run *r, uint32_t seed, bool probe_light, bench_field *made) {
   const olx_bake_settings defaults = olx_bake_settings_default(r->scene);
   const bool quick = r->b->options->quick;
   const bench_probes probes = {
@@ -69,6 +69,7 @@ olx_result surface_bake(const surface_run *r, uint32_t seed, bench_field *made) 
                              .light_samples = defaults.light_samples,
                              .bounces = bounces(r),
                              .plain = true,
+                             .no_probe_light = !probe_light,
                              .seed = seed};
   return bench_bake_field(r->b, r->scene, &probes, &wanted, made);
 }

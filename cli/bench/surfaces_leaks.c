@@ -35,7 +35,7 @@ static olx_result leak_of_way(surface_run *r) {
   way.settings.diffuse = OLX_DIFFUSE_SURFACE;
   bench_field made;
   bench_images images = {0};
-  olx_result result = surface_bake(r, 0, &made);
+  olx_result result = surface_bake(r, 0, false, &made);
   way.field = made.field;
   if (result == OLX_OK) result = bench_pictures(r->b, r->scene, r->cameras, 2, &way, &images);
   if (result == OLX_OK) {
@@ -100,7 +100,7 @@ olx_result surface_thin_wall(surface_run *r) {
   olx_result result = surface_keep_cameras(r, 2, rooms);
   if (result != OLX_OK) return result;
   bench_field made;
-  result = surface_bake(r, 0, &made);
+  result = surface_bake(r, 0, true, &made);
   for (uint32_t mode = 0; mode < SURFACE_MODES && result == OLX_OK; ++mode) result = add_thin(r, made.field, mode);
   if (result == OLX_OK) {
     FINDINGS_ROW(&r->b->found, r->thin, TEXT_CELL(r->what), TEXT_CELL("irradiance volume"),

@@ -73,13 +73,14 @@ static bakes_sum compare_two(const olx_image *a, const olx_image *b) {
   return sum;
 }
 
-// RMS difference of the pictures of two fields over their mean, of each camera and last of all.
-static olx_result compare_bakes(const surface_run *r, bench_images *images, double rms[BENCH_CAMERAS + 1]) {
-  bench_field other;
+// RMS difference of the pictures of two fields over their mean, of each camera and last of all. What is told of the other field, a
+// bake as it is when nothing is said, stays in *other.
+static olx_result compare_bakes(const surface_run *r, bench_images *images, bench_field *other,
+                                double rms[BENCH_CAMERAS + 1]) {
   bench_images again = {0};
   bakes_sum all = {0};
-  olx_result result = surface_bake(r, 1, &other);
-  if (result == OLX_OK) result = render(r, other.field, &again);
+  olx_result result = surface_bake(r, 1, false, other);
+  if (result == OLX_OK) result = render(r, other->field, &again);
   for (uint32_t c = 0; c < r->camera_count && result == OLX_OK; ++c) {
     const olx_image *a = bench_images_mean(images, c), *b = bench_images_mean(&again, c);
     if (!a || !b) {
@@ -92,7 +93,7 @@ static olx_result compare_bakes(const surface_run *r, bench_images *images, doub
   }
   rms[BENCH_CAMERAS] = rms_of(&all);
   bench_images_free(&again);
-  bench_field_close(&other);
+  bench_field_close(other);
   return result;
 }
 
@@ -120,7 +121,9 @@ static olx_result add_pictures(const surface_run *r, bench_images *images, const
 
 static double error_or_none(const olx_audit_points *points) { return points->count ? points->relative_mse : NAN; }
 
-static olx_result add_field(const surface_run *r, const bench_field *made, bench_images *images, double bakes_rms) {
+// `plain`: of which size and time are told.
+static olx_result add_field(const surface_run *r, const bench_field *made, const bench_field *plain, bench_images *images,
+                            double bakes_rms) {
   const bool quick = r->b->options->quick;
   olx_audit_settings settings = olx_audit_settings_default();
   settings.threads = r->b->options->threads;
@@ -136,24 +139,25 @@ static olx_result add_field(const surface_run *r, const bench_field *made, bench
   if (result != OLX_OK) return result;
   const olx_render_stats *stats = &images->stats;
   FINDINGS_ROW(&r->b->found, r->fields, TEXT_CELL(bench_scene_title(r->name)), TEXT_CELL(surface_where(r)),
-               NUMBER_CELL(made->info.probe_count), NUMBER_CELL((double)made->info.file_bytes / 1048576.0),
+               NUMBER_CELL(made->info.probe_count), NUMBER_CELL((double)plain->info.file_bytes / 1048576.0),
                NUMBER_CELL((double)audit.stored.count / (double)audit.points.count),
                NUMBER_CELL(error_or_none(&audit.stored)), NUMBER_CELL(error_or_none(&audit.fallen_back)),
                NUMBER_CELL(error_or_none(&audit.space_volume)), NUMBER_CELL(error_or_none(&audit.space_probes)),
                NUMBER_CELL(bakes_rms), NUMBER_CELL(surface_ns), NUMBER_CELL(irradiance_ns),
                NUMBER_CELL(stats->field_rays ? 1e6 * stats->glossy_seconds / (double)stats->field_rays : NAN),
-               NUMBER_CELL(r->placed ? made->place_seconds : NAN), NUMBER_CELL(made->bake_seconds));
+               NUMBER_CELL(r->placed ? plain->place_seconds : NAN), NUMBER_CELL(plain->bake_seconds));
   return OLX_OK;
 }
 
 static olx_result run_way(surface_run *r, bench_field *made) {
   bench_images images = {0};
+  bench_field plain = {.field = NULL};
   double bakes_rms[BENCH_CAMERAS + 1];
-  olx_result result = surface_bake(r, 0, made);
+  olx_result result = surface_bake(r, 0, true, made);
   if (result == OLX_OK) result = render(r, made->field, &images);
-  if (result == OLX_OK) result = compare_bakes(r, &images, bakes_rms);
+  if (result == OLX_OK) result = compare_bakes(r, &images, &plain, bakes_rms);
   if (result == OLX_OK) result = add_pictures(r, &images, bakes_rms);
-  if (result == OLX_OK) result = add_field(r, made, &images, bakes_rms[BENCH_CAMERAS]);
+  if (result == OLX_OK) result = add_field(r, made, &plain, &images, bakes_rms[BENCH_CAMERAS]);
   bench_images_free(&images);
   return result;
 }

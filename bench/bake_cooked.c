@@ -25,6 +25,7 @@ static uint32_t parse_selectors(const char *text) {
 static olx_result bake(const olx_scene *scene, int argc, char **argv) {
   olx_bake_settings settings = olx_bake_settings_default(scene);
   settings.radiance_size = (uint32_t)strtoul(argv[3], NULL, 10);
+  settings.probe_light = true;
   settings.irradiance_size = (uint32_t)strtoul(argv[4], NULL, 10);
   uint32_t count[3];
   if (argc > 5 && sscanf(argv[5], "%ux%ux%u", &count[0], &count[1], &count[2]) == 3) {

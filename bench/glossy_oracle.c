@@ -140,7 +140,8 @@ int main(int argc, char **argv) {
   olx_scene *scene = NULL;
   olx_field *field = NULL;
   if (argc < 3) return fprintf(stderr, "usage: glossy_oracle SCENE FIELD.olx [PIXELS]\n"), 2;
-  if (olx_scene_load(argv[1], &scene) != OLX_OK || olx_field_open(argv[2], &field) != OLX_OK) {
+  if (olx_scene_load(argv[1], &scene) != OLX_OK || olx_field_open(argv[2], &field) != OLX_OK ||
+      olx_probe_light_check(field) != OLX_OK) {
     return fprintf(stderr, "%s\n", olx_last_error()), 1;
   }
   const uint32_t pixels = argc > 3 ? (uint32_t)atoi(argv[3]) : 1500, cameras = olx_scene_describe(scene).cameras;

@@ -220,7 +220,7 @@ int main(int argc, char **argv) {
     return 2;
   }
   olx_field *field;
-  if (olx_field_open(argv[1], &field) != OLX_OK) {
+  if (olx_field_open(argv[1], &field) != OLX_OK || olx_probe_light_check(field) != OLX_OK) {
     fprintf(stderr, "runtime_speed: %s\n", olx_last_error());
     return 1;
   }

@@ -145,7 +145,7 @@ int main(int argc, char **argv) {
   const olx_field_info info = olx_field_describe(field);
   look(&p, &camera);
   printf("{");
-  print_layer(&p, OLX_LAYER_INDIRECT_DIFFUSE, &info.irradiance_grid);
+  if (info.irradiance_probe_count) print_layer(&p, OLX_LAYER_INDIRECT_DIFFUSE, &info.irradiance_grid);
   if (info.has_grid) print_layer(&p, OLX_LAYER_INDIRECT_GLOSSY, &info.grid);
   printf("\"not_finite\":%llu}\n", (unsigned long long)count_broken(&p.image));
   olx_image_free(&p.image);

@@ -71,7 +71,7 @@ class Bench:
         grid = ["--grid", scene.grid] if scene.grid else []
         if scene.same_grid:
             grid += ["--irradiance-grid", scene.grid]
-        self.run("bake", scene.source, "-o", out, *grid, "--radiance-size", scene.radiance, "--bounces", scene.bounces, *extra)
+        self.run("bake", scene.source, "-o", out, *grid, "--probe-light", "--radiance-size", scene.radiance, "--bounces", scene.bounces, *extra)
         return out
 
     def view(self, scene):
@@ -158,7 +158,7 @@ def speed(bench):
     head("scene", "probes", "bake, s", "Embree, s", "ratio", "rays", "peak memory, MiB", "file, MiB")
     for scene in scenes(bench, "living-room"):
         size = 256 if bench.quick else scene.radiance
-        b = bench.run("bake", scene.source, "-o", bench.path("speed.olx"), "--grid", scene.grid, "--radiance-size", size, "--bounces", 3, "--measure-embree")
+        b = bench.run("bake", scene.source, "-o", bench.path("speed.olx"), "--grid", scene.grid, "--probe-light", "--radiance-size", size, "--bounces", 3, "--measure-embree")
         row(scene.name, b["probes"], number(b["seconds"]), number(b["embree_seconds"]), number(b["seconds"] / b["embree_seconds"]),
             "%.0f million" % (b["rays"] / 1e6), round(b["peak_memory_bytes"] / 2**20), round(b["file_bytes"] / 2**20))
 

@@ -9,6 +9,10 @@ double grid_probe_count(const olx_grid *grid) {
   return (double)grid->count[0] * (double)grid->count[1] * (double)grid->count[2];
 }
 
+double irradiance_probe_count(const olx_bake_settings *settings) {
+  return olx_bake_keeps_probe_light(settings) ? grid_probe_count(&settings->irradiance_grid) : 0.0;
+}
+
 double light_probe_count(const olx_bake_settings *settings) {
   return settings->probes ? (double)settings->probe_count : grid_probe_count(&settings->grid);
 }
@@ -35,6 +39,12 @@ void release_bake_settings(olx_bake_settings *settings) {
   settings->probes = NULL;
 }
 
+// Who says how probe light is to be made wants it.
+static bool asks_for_probe_light(const bake_options *given) {
+  return given->probe_light || given->irradiance_grid[0] || given->irradiance_size || given->no_fit ||
+         given->irradiance_form != UINT32_MAX || given->bounce_gather != UINT32_MAX;
+}
+
 olx_result resolve_bake_options(const olx_scene *scene, const bake_options *given, olx_bake_settings *settings) {
   *settings = olx_bake_settings_default(scene);
   if (given->grid[0]) {
@@ -48,13 +58,14 @@ olx_result resolve_bake_options(const olx_scene *scene, const bake_options *give
   }
   if (given->radiance_size) settings->radiance_size = given->radiance_size;
   if (given->irradiance_size) settings->irradiance_size = given->irradiance_size;
-  settings->irradiance_form = (olx_irradiance_form)given->irradiance_form;
+  if (given->irradiance_form != UINT32_MAX) settings->irradiance_form = (olx_irradiance_form)given->irradiance_form;
   if (given->bounces != UINT32_MAX) settings->bounces = given->bounces;
   if (given->samples) settings->samples = given->samples;
   if (given->light_samples) settings->light_samples = given->light_samples;
   settings->select_mask = given->select_mask;
   settings->fit = !given->no_fit;
-  settings->bounce_gather = (olx_bounce_gather)given->bounce_gather;
+  if (given->bounce_gather != UINT32_MAX) settings->bounce_gather = (olx_bounce_gather)given->bounce_gather;
+  settings->probe_light = asks_for_probe_light(given);
   settings->light = (olx_bake_light)given->light;
   if (given->noise > 0.0f) settings->noise = given->noise;
   if (given->reference_paths) settings->reference_paths = given->reference_paths;

@@ -6,20 +6,20 @@
 
 #include <octalux/bake.h>
 
-// 0 is "not given", except for bounces, which may be 0 and are UINT32_MAX when not given.
+// 0 is "not given", except where 0 is a choice: that is UINT32_MAX when it is not given.
 typedef struct bake_options {
   uint32_t grid[3], irradiance_grid[3];
-  uint32_t radiance_size, irradiance_size, bounces, samples, light_samples, threads;
-  uint32_t classic_size, classic_cube_size, classic_sharpness, bounce_gather, irradiance_form, light, reference_paths, seed;
-  uint32_t volume_cells; // UINT32_MAX when it is not given
-  bool no_fit, classic, relight;
+  uint32_t radiance_size, irradiance_size, samples, light_samples, threads;
+  uint32_t classic_size, classic_cube_size, classic_sharpness, light, reference_paths, seed;
+  uint32_t bounces, bounce_gather, irradiance_form, volume_cells; // UINT32_MAX when not given
+  bool probe_light, no_fit, classic, relight;
   float noise;
   const char *probes;
   uint32_t select_mask;
 } bake_options;
 
 #define BAKE_OPTIONS_NONE                                                                                              \
-  { .bounces = UINT32_MAX, .volume_cells = UINT32_MAX }
+  { .bounces = UINT32_MAX, .bounce_gather = UINT32_MAX, .irradiance_form = UINT32_MAX, .volume_cells = UINT32_MAX }
 
 // Rows of an option table that fill `b`.
 #define BAKE_OPTION_ROWS(b)                                                                                            \
@@ -32,11 +32,18 @@ typedef struct bake_options {
        "how probes are found, several with commas; default cage for a grid; bricks always",                                 \
        0,                                                                                                              \
        0},                                                                                                             \
+      {"--probe-light",                                                                                                \
+       OPTION_FLAG,                                                                                                    \
+       &(b).probe_light,                                                                                               \
+       NULL,                                                                                                           \
+       "also radiance as probes saw it and irradiance probes, for --hits stored, --diffuse irradiance",                \
+       0,                                                                                                              \
+       0},                                                                                                             \
       {"--irradiance-grid",                                                                                            \
        OPTION_GRID,                                                                                                    \
        (b).irradiance_grid,                                                                                            \
        "4x4x4",                                                                                                        \
-       "irradiance probes; default: as --grid, or half its spacing",                                                   \
+       "irradiance probes (implies --probe-light); default: as --grid, or half its spacing",                           \
        1,                                                                                                              \
        1024},                                                                                                          \
       {"--radiance-size",                                                                                              \
@@ -121,6 +128,8 @@ typedef struct bake_options {
   }
 
 double grid_probe_count(const olx_grid *grid);
+// 0 without probe light.
+double irradiance_probe_count(const olx_bake_settings *settings);
 double light_probe_count(const olx_bake_settings *settings);
 
 // The scene's defaults with what was given in their place. Release what they hold when the bake is done.

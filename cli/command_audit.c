@@ -46,10 +46,10 @@ static int print_audit_json(const olx_audit *audit) {
   add_points(object, "points", &audit->points);
   add_points(object, "stored_points", &audit->stored);
   add_points(object, "fallen_back_points", &audit->fallen_back);
-  add_points(object, "irradiance_points", &audit->irradiance);
+  if (audit->irradiance.count) add_points(object, "irradiance_points", &audit->irradiance);
   if (audit->space_volume.count) {
     add_points(object, "space_volume", &audit->space_volume);
-    add_points(object, "space_irradiance_probes", &audit->space_probes);
+    if (audit->space_probes.count) add_points(object, "space_irradiance_probes", &audit->space_probes);
     add_number(object, "space_served", audit->space_served);
   }
   return print_json("audit", object);
@@ -78,11 +78,11 @@ static void print_audit(const olx_audit *audit) {
   print_points("all", &audit->points, all);
   print_points("stored at surfaces", &audit->stored, all);
   print_points("fallen back", &audit->fallen_back, all);
-  print_points("irradiance probes", &audit->irradiance, all);
+  if (audit->irradiance.count) print_points("irradiance probes", &audit->irradiance, all);
   if (!audit->space_volume.count) return;
   printf("\n%-18s %10s %10s %12s %10s %10s\n", "free space", "count", "share", "relative mse", "bias", "leak");
   print_points("irradiance volume", &audit->space_volume, audit->space_volume.count);
-  print_points("irradiance probes", &audit->space_probes, audit->space_probes.count);
+  if (audit->space_probes.count) print_points("irradiance probes", &audit->space_probes, audit->space_probes.count);
   printf("the volume has cells at %.3f %% of these places\n", 100.0 * audit->space_served);
 }
 

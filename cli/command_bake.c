@@ -13,13 +13,13 @@
 static int print_bake_json(const olx_bake_settings *settings, const olx_bake_stats *stats) {
   cJSON *object = cJSON_CreateObject();
   add_number(object, "probes", light_probe_count(settings));
-  add_number(object, "irradiance_probes", grid_probe_count(&settings->irradiance_grid));
+  add_number(object, "irradiance_probes", irradiance_probe_count(settings));
   add_number(object, "buried", stats->buried);
   add_number(object, "irradiance_buried", stats->irradiance_buried);
   add_number(object, "rays", (double)stats->rays);
   add_number(object, "primary_rays", (double)stats->primary_rays);
   add_number(object, "seconds", stats->seconds);
-  add_number(object, "irradiance_seconds", stats->irradiance_seconds);
+  if (olx_bake_keeps_probe_light(settings)) add_number(object, "irradiance_seconds", stats->irradiance_seconds);
   add_number(object, "capture_seconds", stats->capture_seconds);
   add_number(object, "write_seconds", stats->write_seconds);
   if (settings->light == OLX_LIGHT_CACHE) {
@@ -46,12 +46,15 @@ static int print_bake_json(const olx_bake_settings *settings, const olx_bake_sta
 
 static void print_bake(const char *path, const olx_bake_settings *settings, const olx_bake_stats *stats) {
   printf("%s: %s\n", path, text_of_bytes(stats->file_bytes).text);
-  printf("  probes   %.0f of light, %u of them inside geometry; %.0f of irradiance, %u inside\n",
-         light_probe_count(settings), stats->buried, grid_probe_count(&settings->irradiance_grid),
-         stats->irradiance_buried);
-  printf("  rays     %" PRIu64 ", %" PRIu64 " of them from probes\n", stats->rays, stats->primary_rays);
-  printf("  seconds  %.2f, and %.2f to write; %.2f of them for irradiance probes, %.2f for what the others see\n",
-         stats->seconds, stats->write_seconds, stats->irradiance_seconds, stats->capture_seconds);
+  const bool probe_light = olx_bake_keeps_probe_light(settings);
+  printf("  probes   %.0f of light, %u of them inside geometry", light_probe_count(settings), stats->buried);
+  if (probe_light)
+    printf("; %.0f of irradiance, %u inside", irradiance_probe_count(settings), stats->irradiance_buried);
+  printf("\n  rays     %" PRIu64 ", %" PRIu64 " of them from probes\n", stats->rays, stats->primary_rays);
+  printf("  seconds  %.2f, and %.2f to write; %.2f of them for what light field probes see", stats->seconds,
+         stats->write_seconds, stats->capture_seconds);
+  if (probe_light) printf(", %.2f for irradiance probes", stats->irradiance_seconds);
+  printf("\n");
   if (settings->light == OLX_LIGHT_CACHE) {
     printf("  light    %u surfels with %s of links, noise %.2f %%; %.2f of these seconds\n", stats->surfels,
            text_of_bytes(stats->light_bytes).text, 100.0 * stats->noise, stats->light_seconds);

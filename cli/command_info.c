@@ -60,13 +60,14 @@ static int print_info_json(const description *d) {
   cJSON *object = cJSON_CreateObject();
   add_number(object, "version", d->version);
   add_number(object, "probes", info->probe_count);
+  cJSON_AddBoolToObject(object, "probe_light", info->irradiance_probe_count > 0);
   add_number(object, "irradiance_probes", info->irradiance_probe_count);
   add_number(object, "buried", info->buried_count);
   add_number(object, "irradiance_buried", info->irradiance_buried_count);
   add_number(object, "radiance_size", info->radiance_size);
   add_number(object, "irradiance_size", info->irradiance_size);
   add_number(object, "volume_probes", info->volume_probe_count);
-  add_text(object, "irradiance", olx_irradiance_form_name(info->irradiance_form));
+  if (info->irradiance_probe_count) add_text(object, "irradiance", olx_irradiance_form_name(info->irradiance_form));
   if (info->classic_size) {
     cJSON *classic = cJSON_AddObjectToObject(object, "classic");
     add_number(classic, "size", info->classic_size);
@@ -86,7 +87,7 @@ static int print_info_json(const description *d) {
   for (int i = 0; i < BLOCK_COUNT; ++i) add_number(bytes, blocks[i].name, (double)blocks[i].bytes);
   cJSON_AddItemToObject(object, "origin", cJSON_CreateDoubleArray(d->origin, 3));
   if (info->has_grid) add_grid(object, "grid", &info->grid);
-  add_grid(object, "irradiance_grid", &info->irradiance_grid);
+  if (info->irradiance_probe_count) add_grid(object, "irradiance_grid", &info->irradiance_grid);
   add_number(object, "lights", info->light_count);
   add_number(object, "bounces", info->bounces);
   add_float(object, "last_bounce", info->last_bounce);
@@ -112,8 +113,12 @@ static void print_info(const char *path, const description *d) {
          d->version == CURRENT_VERSION ? "" : ", of another version of this program: bake the scene again to use it");
   printf("  light field probes %u, %u of them inside geometry, %ux%u texels\n", info->probe_count, info->buried_count,
          info->radiance_size, info->radiance_size);
-  printf("  irradiance probes  %u, %u of them inside geometry, %ux%u texels\n", info->irradiance_probe_count,
-         info->irradiance_buried_count, info->irradiance_size, info->irradiance_size);
+  if (info->irradiance_probe_count) {
+    printf("  irradiance probes  %u, %u of them inside geometry, %ux%u texels\n", info->irradiance_probe_count,
+           info->irradiance_buried_count, info->irradiance_size, info->irradiance_size);
+  } else {
+    printf("  probe light        none: no --hits stored and no --diffuse irradiance (bake --probe-light stores it)\n");
+  }
   if (info->irradiance_form != OLX_IRRADIANCE_OCTAHEDRAL) {
     printf("  irradiance as      %s, maps of moments alone\n", olx_irradiance_form_name(info->irradiance_form));
   }
@@ -130,7 +135,7 @@ static void print_info(const char *path, const description *d) {
            origin[2]);
   }
   if (info->has_grid) print_grid("grid", &info->grid);
-  print_grid("irradiance grid", &info->irradiance_grid);
+  if (info->irradiance_probe_count) print_grid("irradiance grid", &info->irradiance_grid);
   printf("  selector           %s\n", select_names(info->select_mask).text);
   printf("  light              direct and %u further bounces, %ux%u samples a texel\n", info->bounces, info->samples,
          info->samples);

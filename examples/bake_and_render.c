@@ -14,7 +14,6 @@ static olx_result run(const char *scene_name, const char *field_path, const char
 
   olx_bake_settings bake = olx_bake_settings_default(scene);
   bake.radiance_size = 64;
-  bake.irradiance_size = 16;
   result = olx_bake(scene, &bake, field_path, NULL, NULL);
   if (result == OLX_OK) result = olx_field_open(field_path, &field);
   if (result == OLX_OK) result = olx_scene_find_camera(scene, NULL, &camera);

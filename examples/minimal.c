@@ -15,7 +15,9 @@ int main(int argc, char **argv) {
   const olx_vec3 from = olx_field_probe_position(field, 0), up = {0, 1, 0}, down = {0, -1, 0};
 
   const olx_trace_hit hit = olx_trace(field, &settings, from, down, INFINITY);
-  const olx_vec3 light = olx_irradiance(field, &settings, hit.status == OLX_TRACE_HIT ? hit.position : from, up, up);
+  const olx_vec3 light = hit.status == OLX_TRACE_HIT
+                             ? olx_surface_irradiance(field, &settings, hit.position, up, up, up)
+                             : olx_volume_irradiance(field, from, up);
   printf("%u probes; %s after %.2f m; irradiance %.3f %.3f %.3f W/m^2\n", info.probe_count,
          hit.status == OLX_TRACE_HIT ? "floor" : "nothing", (double)hit.distance_metres, (double)light.x,
          (double)light.y, (double)light.z);

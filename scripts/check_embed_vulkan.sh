@@ -15,7 +15,7 @@ cmake --build "$work/examples" --target embed_vulkan
 
 octalux="$work/prefix/bin/octalux" embed="$work/examples/embed-vulkan/embed_vulkan"
 cd "$work"
-"$octalux" bake builtin:cornell-glossy -o field.olx --radiance-size 128 --irradiance-size 32 --bounces 1 \
+"$octalux" bake builtin:cornell-glossy -o field.olx --radiance-size 128 --bounces 1 \
   --select cage,bricks >/dev/null 2>bake.txt || { cat bake.txt; exit 1; }
 
 code=0

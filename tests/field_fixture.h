@@ -29,6 +29,7 @@ static const synthetic_shape relit = {.grid = {2, 1, 1},
                                       .relight_hidden = 5};
 static const synthetic_shape third_order = {
     .grid = {1, 1, 1}, .irradiance_grid = {2, 1, 3}, .n = 16, .irradiance_n = 16, .irradiance_form = OLX_IRRADIANCE_SH3};
+static const synthetic_shape without_probe_light = {.grid = {3, 2, 2}, .n = 16};
 static const synthetic_shape least = {.grid = {1, 4, 1}, .irradiance_grid = {1, 1, 1}, .n = 8, .irradiance_n = 8};
 
 // A new folder; tearing down takes away the file at `path` and fails when another was left behind.

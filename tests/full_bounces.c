@@ -24,6 +24,7 @@ static olx_scene *load(const char *name) {
 
 static olx_bake_settings small_bake(const olx_scene *scene, olx_bounce_gather way, uint32_t bounces) {
   olx_bake_settings settings = olx_bake_settings_default(scene);
+  settings.probe_light = true;
   settings.irradiance_grid = settings.grid;
   settings.radiance_size = 16;
   settings.irradiance_size = 32;

@@ -10,7 +10,7 @@ trap 'rm -rf "$work"' EXIT
 source "$OCTALUX_SOURCE_DIR/tests/cli/holds.sh"
 
 view=(--camera sofa --size 160x120)
-"$OCTALUX" bake "$description" -o "$work/field.olx" --grid 4x4x4 --json 2>/dev/null |
+"$OCTALUX" bake "$description" -o "$work/field.olx" --grid 4x4x4 --probe-light --json 2>/dev/null |
   holds 'probes == 64 and peak_memory_bytes < 1.5 * file_bytes + light_bytes'
 "$OCTALUX" audit "$description" --field "$work/field.olx" --camera sofa --points 500 --json 2>/dev/null |
   holds 'rays["count"] == 200000 and rays["unresolved_seen"] <= 0.007 and rays["wrong_seen"] <= 0.02 and rays["unresolved"] <= rays["unseen"] + 0.008'

@@ -27,6 +27,7 @@ typedef struct baking {
 
 static olx_field *bake(const olx_scene *scene, baking how) {
   olx_bake_settings settings = olx_bake_settings_default(scene);
+  settings.probe_light = true;
   settings.radiance_size = how.size;
   settings.bounces = how.bounces;
   settings.fit = how.fit;

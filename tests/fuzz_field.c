@@ -20,7 +20,7 @@
 #include <unistd.h>
 
 #define ALL (1u << OLX_SELECT_VORONOI | 1u << OLX_SELECT_OCTREE | 1u << OLX_SELECT_BRICKS)
-enum { SHAPES = 14, RAYS = 6, POINTS = 3, SECONDS_A_ROUND = 20, MOST_ADDED = 4096 };
+enum { SHAPES = 15, RAYS = 6, POINTS = 3, SECONDS_A_ROUND = 20, MOST_ADDED = 4096 };
 
 static const synthetic_shape shapes[SHAPES] = {
     {.grid = {1, 1, 1}, .irradiance_grid = {1, 1, 1}, .n = 8, .irradiance_n = 8},
@@ -49,6 +49,7 @@ static const synthetic_shape shapes[SHAPES] = {
     {.grid = {2, 1, 1}, .irradiance_grid = {1, 2, 1}, .n = 64, .irradiance_n = 16, .relight_size = 32},
     {.grid = {1, 1, 1}, .irradiance_grid = {2, 1, 2}, .n = 8, .irradiance_n = 8, .irradiance_form = OLX_IRRADIANCE_SH2},
     {.grid = {1, 1, 1}, .irradiance_grid = {2, 2, 2}, .n = 8, .irradiance_n = 16, .irradiance_form = OLX_IRRADIANCE_SH3},
+    {.grid = {2, 1, 2}, .n = 16, .select_mask = ALL},
 };
 
 typedef struct buffer {

@@ -57,11 +57,13 @@ def read_chunks(data):
                 need(name not in chunks, f"{name}: twice")
                 chunks[name] = (data[offset:offset + size], record, element)
     need(end == len(data), "bytes after the last chunk")
-    needed = set(SHAPES) - {"IRRA"}
+    needed = set(SHAPES) - PROBE_LIGHT
     need(needed <= set(chunks), f"missing: {sorted(needed - set(chunks))}")
     return chunks
 
 
+# All of them, with IRSH in place of IRRA in some fields, or none.
+PROBE_LIGHT = {"RADI", "IPOS", "IFLG", "IRRA", "MOME"}
 SELECTORS = ("VORO", "OCTR", "BRIK")
 CLASSIC = ("CLAS", "CIRR", "CRAD", "CBOX")
 VOLUME = ("VOLU", "VPOS", "VIRR")
@@ -136,8 +138,9 @@ def read_info(blob):
     d["grid"], d["irradiance_grid"] = read_grid(blob, 72), read_grid(blob, 108)
     d["scene_hash"], d["last_bounce"], zero = struct.unpack_from("<QfI", blob, 144)
     need(0 <= d["last_bounce"] <= 1, "INFO: last bounce")
-    need(d["n"] in [2 ** i for i in range(3, 12)] and d["m"] in [2 ** i for i in range(3, 9)], "sizes")
-    need(d["P"] >= 1 and d["Q"] >= 1 and d["has_grid"] in (0, 1) and d["samples"] >= 1 and zero == 0, "INFO")
+    need(d["n"] in [2 ** i for i in range(3, 12)] and d["m"] in [2 ** i for i in range(3, 9)] + [0] * (not d["Q"]), "sizes")
+    need(d["Q"] or (d["form"], d["m"], blob[108:144]) == (0, 0, bytes(36)), "INFO: speaks of irradiance probes")
+    need(d["P"] >= 1 and d["has_grid"] in (0, 1) and d["samples"] >= 1 and zero == 0, "INFO")
     need(d["has_grid"] or not d["selectors"] & 1, "selectors")
     need(1e-18 <= d["scale"] <= 1e18, "distance scale")
     need(all(a <= b for a, b in zip(d["scene_min"], d["scene_max"])), "bounds")
@@ -234,16 +237,19 @@ def pyramid(texels, n, sides, choose):
 def check_light_field_probe(chunks, d, probe):
     """Returns the share of surfaces that lie within the scene and face the probe."""
     n = d["n"]
-    radiance, normal, distance = (record(chunks, name, probe) for name in ("RADI", "NORM", "DIST"))
+    normal, distance = record(chunks, "NORM", probe), record(chunks, "DIST", probe)
+    radiance = record(chunks, "RADI", probe) if d["Q"] else []
     for name, codes in (("RADI", radiance), ("NORM", normal), ("DIST", distance)):
-        check_border(f"{name} of probe {probe}", codes, n)
+        if codes:
+            check_border(f"{name} of probe {probe}", codes, n)
+    for code in radiance:
+        decode_color(code)
     stored_map = [[0.0] * n for _ in range(n)]
     position = struct.unpack_from("<3f", chunks["PPOS"][0], 12 * probe)
     plausible = surfaces = 0
     for y in range(n):
         for x in range(n):
             at = (y + 1) * (n + 2) + x + 1
-            decode_color(radiance[at])
             stored = distance[at]
             need(stored != 0xFC00, "marked sky")
             r = decode_half(stored & 0x7FFF)
@@ -481,13 +487,18 @@ def read(path):
     chunks = read_chunks(data)
     d = read_info(chunks["INFO"][0])
     shapes = {name: shape(d) for name, shape in SHAPES.items() if name != "IRRA"} | dict([irradiance_chunk(d)])
-    need({"IRRA", "IRSH"} & set(chunks) == {irradiance_chunk(d)[0]}, "irradiance not in its form")
+    probe_light = PROBE_LIGHT - {"IRRA"} | {irradiance_chunk(d)[0]}
+    need((PROBE_LIGHT | {"IRSH"}) & set(chunks) == (probe_light if d["Q"] else set()), "probe light in part, or in another form")
+    shapes = {name: shape for name, shape in shapes.items() if name in chunks}
     for name, (element, elements, records) in shapes.items():
         blob, record_bytes, element_bytes = chunks[name]
         records = len(blob) // (element * elements) if records is None else records
         need((element_bytes, record_bytes, len(blob)) == (element, element * elements, element * elements * records), name)
     for kind, count, buried, grid in (("P", d["P"], d["buried"], "grid"),
                                       ("I", d["Q"], d["irradiance_buried"], "irradiance_grid")):
+        if not count:
+            need(buried == 0, "buried, but not there")
+            continue
         positions = struct.unpack(f"<{3 * count}f", chunks[kind + "POS"][0])
         need(all(abs(x) <= 1e18 for x in positions), f"{kind}POS")
         if kind == "I" or d["has_grid"]:
@@ -500,7 +511,7 @@ def read(path):
         check_surfaces(chunks, d, i)
     for i in sample(d["Q"]):
         check_irradiance_probe(chunks, d, i)
-    size = lambda name: len(chunks[name][0])
+    size = lambda name: len(chunks[name][0]) if name in chunks else 0
     stored = [name for bit, name in enumerate(SELECTORS, 1) if d["selectors"] >> bit & 1]
     need(stored == [name for name in SELECTORS if name in chunks], "selectors without their chunks")
     if "VORO" in chunks:
@@ -508,22 +519,24 @@ def read(path):
     if "OCTR" in chunks:
         check_octree(chunks["OCTR"][0], d["P"])
     if "BRIK" in chunks:
-        check_bricks(chunks["BRIK"][0], d["P"], sum(map(size, ("RADI", "NORM", "DIST"))))
+        check_bricks(chunks["BRIK"][0], d["P"], 8 * d["P"] * (d["n"] + 2) ** 2)
     names = [name for bit, name in enumerate(("cage", "voronoi", "octree", "bricks")) if d["selectors"] >> bit & 1]
     told = {
-        "version": 2, "lights": check_lights(chunks["LITE"][0]),
+        "version": 2, "probe_light": d["Q"] > 0, "lights": check_lights(chunks["LITE"][0]),
         "probes": d["P"], "irradiance_probes": d["Q"], "buried": d["buried"], "irradiance_buried": d["irradiance_buried"],
         "volume_probes": check_volume(chunks) if "VOLU" in chunks else 0,
-        "origin": read_origin(chunks), "radiance_size": d["n"], "irradiance_size": d["m"], "irradiance": FORMS[d["form"]], "select": ",".join(names) or "none", "file_bytes": len(data),
+        "origin": read_origin(chunks), "radiance_size": d["n"], "irradiance_size": d["m"], "select": ",".join(names) or "none", "file_bytes": len(data),
         "bytes": {"radiance": size("RADI"), "normal": size("NORM"), "distance": size("DIST"), "pyramid": size("DMIN") + size("DMAX"),
                   "material": size("BASE") + size("SPEC"), "direct": size("DIRE"), "indirect": size("INDI"),
                   "emission": size("EMIS") + size("ETIL"), "irradiance": size(irradiance_chunk(d)[0]), "moments": size("MOME"), "selector": sum(map(size, stored)),
                   "classic": sum(size(name) for name in CLASSIC if name in chunks),
                   "volume": sum(size(name) for name in VOLUME if name in chunks)},
-        "irradiance_grid": d["irradiance_grid"], "bounces": d["bounces"], "last_bounce": d["last_bounce"], "samples": d["samples"],
+        "bounces": d["bounces"], "last_bounce": d["last_bounce"], "samples": d["samples"],
         "distance_scale_metres": d["scale"], "scene_min": d["scene_min"], "scene_max": d["scene_max"],
         "scene_hash": f"{d['scene_hash']:016x}",
     }
+    if d["Q"]:
+        told |= {"irradiance": FORMS[d["form"]], "irradiance_grid": d["irradiance_grid"]}
     if any(name in chunks for name in CLASSIC):
         told["classic"] = check_classic(chunks, d)
     return {**told, "grid": d["grid"]} if d["has_grid"] else told

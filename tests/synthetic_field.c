@@ -73,7 +73,6 @@ olx_field_header synthetic_header(const synthetic_shape *shape) {
                                       .irradiance_probe_count = probes_of(shape->irradiance_grid),
                                       .has_grid = true,
                                       .grid = grid_of(shape->grid),
-                                      .irradiance_grid = grid_of(shape->irradiance_grid),
                                       .radiance_size = shape->n,
                                       .irradiance_size = shape->irradiance_n,
                                       .irradiance_form = shape->irradiance_form,
@@ -84,6 +83,7 @@ olx_field_header synthetic_header(const synthetic_shape *shape) {
                                       .bounces = 3,
                                       .samples = 2,
                                       .scene_hash = 0x0123456789ABCDEFu}};
+  if (header.info.irradiance_probe_count) header.info.irradiance_grid = grid_of(shape->irradiance_grid);
   header.probe_positions = positions_of(&header.info.grid, header.info.probe_count);
   header.irradiance_positions = positions_of(&header.info.irradiance_grid, header.info.irradiance_probe_count);
   build_selectors(&header, shape->select_mask);
@@ -268,7 +268,8 @@ olx_result synthetic_write_probes(olx_field_writer *writer, const synthetic_shap
   for (uint32_t i = 0; i < probes_of(shape->grid) && result == OLX_OK; i++) {
     uint16_t *normal = (uint16_t *)second, *distance = normal + texels;
     synthetic_light_maps(shape->n, i, first, normal, distance);
-    result = olx_field_writer_probe(writer, i, synthetic_flags(i), first, normal, distance);
+    const bool probe_light = probes_of(shape->irradiance_grid) > 0;
+    result = olx_field_writer_probe(writer, i, synthetic_flags(i), probe_light ? first : NULL, normal, distance);
     const olx_surface_maps maps = synthetic_surface_maps(shape->n, i, distance, room);
     if (result == OLX_OK) result = olx_field_writer_surface(writer, i, &maps);
   }

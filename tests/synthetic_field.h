@@ -5,7 +5,7 @@
 #include "field/field_writer.h"
 
 typedef struct synthetic_shape {
-  uint32_t grid[3], irradiance_grid[3];
+  uint32_t grid[3], irradiance_grid[3]; // the second all 0, with irradiance_n: no probe light
   uint32_t n, irradiance_n;
   uint32_t select_mask;  // beside the cage: of voronoi, and of octree as it is for cornell
   uint32_t classic_size; // texels along a side of classic maps; 0: none

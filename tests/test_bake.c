@@ -4,7 +4,7 @@
 #include "core/hooks.h"
 #include "core/pack.h"
 #include "core/sampling.h"
-#include "field/field_data.h"
+#include "field/field_file.h"
 #include "scene/scene_build.h"
 
 #include <octalux/bake.h>
@@ -149,6 +149,7 @@ static olx_grid grid_of(olx_vec3 origin, olx_vec3 spacing, uint32_t nx, uint32_t
 static olx_bake_settings small_settings(const olx_scene *scene, olx_grid grid, uint32_t bounces) {
   olx_bake_settings settings = olx_bake_settings_default(scene);
   settings.grid = settings.irradiance_grid = grid;
+  settings.probe_light = true;
   settings.radiance_size = 32;
   settings.irradiance_size = 16;
   settings.bounces = bounces;
@@ -611,6 +612,80 @@ static bool watch_progress(void *user, const char *stage, float done) {
   return done < w->stop_at;
 }
 
+static bool keeps(const olx_scene *scene, olx_bake_settings settings, const folder *f) {
+  olx_bake_sizes sizes;
+  assert_int_equal(olx_bake_measure(scene, &settings, f->file, &sizes), OLX_OK);
+  assert_true((sizes.irradiance_probes > 0) == olx_bake_keeps_probe_light(&settings));
+  return sizes.irradiance_probes > 0;
+}
+
+// Probe light is kept when it is asked for, when something else stands at irradiance probes or says how they get their light, and
+// where no volume would answer in their place.
+static void probe_light_is_kept_where_something_needs_it(void **state) {
+  const folder *f = *state;
+  olx_scene *scene = busy_scene();
+  olx_bake_settings plain = small_settings(scene, grid_of(olx_splat(-0.5f), olx_splat(1.0f), 2, 2, 2), 1);
+  plain.probe_light = false;
+  assert_false(keeps(scene, plain, f));
+  assert_false(olx_bake_settings_default(scene).probe_light);
+  for (uint32_t i = 0; i < 7; i++) {
+    olx_bake_settings settings = plain;
+    switch (i) {
+    case 0: settings.probe_light = true; break;
+    case 1: settings.classic = true; break;
+    case 2: settings.relight = true; break;
+    case 3: settings.irradiance_form = OLX_IRRADIANCE_SH2; break;
+    case 4: settings.bounce_gather = OLX_GATHER_TRACED; break;
+    case 5: settings.volume_cells = 0; break;
+    case 6: settings.light = OLX_LIGHT_REFERENCE; break;
+    }
+    assert_true(keeps(scene, settings, f));
+  }
+  plain.irradiance_grid.count[0] = plain.irradiance_size = 0; // they shape nothing
+  assert_false(keeps(scene, plain, f));
+  olx_scene_free(scene);
+}
+
+// The chunks of a file, but the description and probe light.
+static uint32_t assert_in_both(const olx_file_header *a, const olx_file_header *b) {
+  const olx_file_chunk *in_a = (const void *)(a + 1), *in_b = (const void *)(b + 1);
+  uint32_t alike = 0;
+  for (uint32_t i = 0; i < a->chunk_count; i++) {
+    if (in_a[i].type == OLX_FOUR_CC('I', 'N', 'F', 'O')) continue;
+    uint32_t k = 0;
+    while (k < b->chunk_count && in_b[k].type != in_a[i].type) k++;
+    assert_true(k < b->chunk_count);
+    assert_int_equal(in_a[i].size_bytes, in_b[k].size_bytes);
+    assert_int_equal(in_a[i].hash, in_b[k].hash);
+    alike++;
+  }
+  return alike;
+}
+
+// Leaving probe light out changes no byte of the rest.
+static void probe_light_stands_beside_the_rest(void **state) {
+  const folder *f = *state;
+  olx_scene *scene = busy_scene();
+  olx_bake_settings settings = small_settings(scene, grid_of(olx_splat(-0.5f), olx_splat(1.0f), 2, 2, 2), 1);
+  olx_bake_stats with, without;
+  size_t size;
+  olx_field_close(bake_field(scene, &settings, f->file, &with));
+  char *full = read_bytes(f->file, &size);
+  settings.probe_light = false;
+  olx_field *field = bake_field(scene, &settings, f->file, &without);
+  assert_int_equal(field->info.irradiance_probe_count, 0);
+  olx_field_close(field);
+  char *plain = read_bytes(f->file, &size);
+  const olx_file_header *a = (const void *)plain, *b = (const void *)full;
+  assert_int_equal(assert_in_both(a, b), a->chunk_count - 1);
+  assert_int_equal(a->chunk_count + 5, b->chunk_count);
+  assert_true(without.file_bytes < with.file_bytes && without.rays < with.rays);
+  assert_true(without.irradiance_seconds == 0.0 && without.irradiance_buried == 0);
+  free(full);
+  free(plain);
+  olx_scene_free(scene);
+}
+
 static void bad_settings_are_refused(void **state) {
   const folder *f = *state;
   olx_scene *scene = busy_scene();
@@ -735,6 +810,8 @@ int main(void) {
       IN_FOLDER(bytes_do_not_depend_on_threads),
       IN_FOLDER(another_seed_draws_other_noise_alone),
       IN_FOLDER(sizes_and_samples_combine),
+      IN_FOLDER(probe_light_is_kept_where_something_needs_it),
+      IN_FOLDER(probe_light_stands_beside_the_rest),
       IN_FOLDER(bad_settings_are_refused),
       IN_FOLDER(unwritable_path_fails_before_light_is_gathered),
       IN_FOLDER(cancelling_keeps_the_old_file),

@@ -91,6 +91,30 @@ static void bakes_take_what_they_say(void **state) {
   olx_set_hooks(NULL);
 }
 
+// Without probe light neither irradiance probes nor radiance are in the file, and nobody looks around for them.
+static void probe_light_has_its_size(void **state) {
+  const scene_folder *folder = *state;
+  char path[512];
+  snprintf(path, sizeof path, "%s/a.olx", folder->path);
+  olx_scene *scene = load("builtin:cornell");
+  olx_bake_settings settings = olx_bake_settings_default(scene);
+  settings.radiance_size = 64;
+  olx_bake_sizes without, with;
+  assert_int_equal(olx_bake_measure(scene, &settings, path, &without), OLX_OK);
+  settings.probe_light = true;
+  assert_int_equal(olx_bake_measure(scene, &settings, path, &with), OLX_OK);
+  const uint64_t radiance = 4ull * 66 * 66 * with.probes, maps = 8ull * 130 * 130 * with.irradiance_probes;
+  assert_int_equal(without.irradiance_probes, 0);
+  assert_in_range(with.file_bytes - without.file_bytes, radiance + maps, radiance + maps + 4096);
+  assert_int_equal(with.device_bytes - without.device_bytes, radiance + maps);
+  assert_true(without.memory_bytes < with.memory_bytes && without.rays < with.rays);
+  double seconds = -1.0;
+  settings.probe_light = false;
+  assert_int_equal(olx_bake_estimate_seconds(scene, &settings, NULL, &seconds), OLX_OK);
+  assert_true(seconds > 0.0 && seconds < 600.0);
+  olx_scene_free(scene);
+}
+
 static double now_seconds(void) {
   struct timespec t;
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
@@ -104,6 +128,7 @@ static void what_does_not_fit_is_refused_at_once(void **state) {
   snprintf(path, sizeof path, "%s/a.olx", folder->path);
   olx_scene *scene = load("builtin:cornell");
   olx_bake_settings settings = olx_bake_settings_default(scene);
+  settings.probe_light = true;
   const uint32_t count[3] = {100, 100, 100};
   assert_int_equal(olx_scene_probe_grid(scene, count, &settings.grid), OLX_OK);
   settings.irradiance_grid = olx_bake_irradiance_grid(&settings.grid);
@@ -124,7 +149,7 @@ static void what_does_not_fit_is_refused_at_once(void **state) {
   assert_true(sizes.memory_bytes > 500000000000);
   if (sizes.available_memory_bytes < sizes.memory_bytes && sizes.available_disk_bytes > sizes.file_bytes) {
     assert_int_equal(result, OLX_ERROR_MEMORY);
-    assert_non_null(strstr(olx_last_error(), "baking 1000000 irradiance probes takes "));
+    assert_non_null(strstr(olx_last_error(), "baking 1000000 light field and 1000000 irradiance probes takes "));
   }
   settings.grid.count[0] = 0;
   assert_int_equal(olx_bake_measure(scene, &settings, path, &sizes), OLX_ERROR_ARGUMENT);
@@ -137,6 +162,7 @@ static void an_estimate_is_a_time(void **state) {
   (void)state;
   olx_scene *scene = load("builtin:cornell");
   olx_bake_settings settings = olx_bake_settings_default(scene);
+  settings.probe_light = true;
   settings.radiance_size = 64;
   settings.irradiance_size = 16;
   double seconds = -1.0;
@@ -158,6 +184,7 @@ static void an_estimate_is_a_time(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       IN_FOLDER(bakes_take_what_they_say),
+      IN_FOLDER(probe_light_has_its_size),
       IN_FOLDER(what_does_not_fit_is_refused_at_once),
       cmocka_unit_test(an_estimate_is_a_time),
   };

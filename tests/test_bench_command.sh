@@ -6,6 +6,11 @@ small=(--quick --size 24x16 --spp 2)
 
 expect_usage "unknown experiment 'table9': there are all, .*mcguire-leaks, .*wang-probes, speed" bench table9
 expect_usage "unknown option '--grid'" bench mcguire-resolution --grid 2x2x2
+expect_usage "unknown scene 'atlantis': surfaces has two-rooms-sealed, .*sponza" bench surfaces --only furnace,atlantis
+expect_usage "unknown scene '': surfaces has" bench surfaces --only furnace,
+expect_usage "unknown scene 'fur': surfaces has" bench surfaces --only fur
+expect_usage "--only goes with .*: surfaces" bench mcguire-resolution --only furnace
+expect_usage "--only goes with .*: surfaces" bench all --only furnace
 expect_usage "is not a size" bench mcguire-resolution --size 8
 expect_failure "nowhere/of/index.html: cannot write" bench mcguire-resolution --report nowhere/of
 expect_failure "nowhere/of/image.png: cannot write" bench mcguire-resolution --images nowhere/of
@@ -41,6 +46,11 @@ expect 0 bench mcguire-resolution "${small[@]}" --progress
 grep -q "^| cornell-glossy | 2x2x2 | 256² " stdout.txt || fail "no row of the finest maps"
 grep -q "^Left out: living-room: --quick" stdout.txt || fail "no word of what is left out"
 grep -q "mcguire-resolution: path tracing" stderr.txt || fail "no progress"
+
+# One scene alone, and one that a quick look leaves out.
+expect_json 'o["command"].endswith("--spp 2 --only parlour,sponza") and [s["what"] for s in o["skipped"]] == ["sponza"]
+  and {t["name"]: sorted({r["scene"] for r in t["rows"]}) for t in o["tables"] if t["rows"]} == {"modes": ["parlour"]}' \
+  bench surfaces "${small[@]}" --only parlour,sponza
 
 # A stop on the way leaves nothing.
 "$OCTALUX" bench mcguire-leaks --quick --spp 100000 --progress >stdout.txt 2>stderr.txt &

@@ -255,6 +255,7 @@ static olx_scene *load(const char *name) {
 
 static olx_bake_settings small_bake(const olx_scene *scene) {
   olx_bake_settings settings = olx_bake_settings_default(scene);
+  settings.probe_light = true;
   settings.irradiance_grid = settings.grid; // as the dissertation has it
   settings.radiance_size = 32;
   settings.irradiance_size = 32;

@@ -62,7 +62,8 @@ planned=$(python3 -c 'import json; print(json.load(open("stdout.txt"))["file_byt
 [ -e a.olx ] && fail "--dry-run baked"
 expect_json "$planned <= o['file_bytes'] <= 1.1 * $planned" bake $small
 rm -f a.olx
-expect_failure "1000000 light field and 1000000 irradiance probes make a file of" bake builtin:cornell --grid 100x100x100 -o a.olx
+expect_failure "1000000 light field probes make a file of" bake builtin:cornell --grid 100x100x100 -o a.olx
+expect_failure "1000000 light field and 1000000 irradiance probes make a file of" bake builtin:cornell --grid 100x100x100 --probe-light -o a.olx
 [ -e a.olx ] && fail "an impossible bake left a file"
 expect 1 bake builtin:cornell --grid 100x100x100 --radiance-size 2048 --samples 1 -o a.olx --dry-run
 grep -q "make a file of" stderr.txt && grep -q "1000000 of light" stdout.txt || fail "--dry-run of an impossible bake"

@@ -6,6 +6,12 @@ source "$(dirname "$0")/cli/devices.sh"
 compare_devices builtin:cornell-glossy cornell.olx --spp 1 --glossy-samples 4 --select cage --tracer two-level --dim-lobe 0.06
 compare_devices builtin:cornell-glossy cornell.olx --spp 1 --select exhaustive
 compare_devices builtin:cornell-glossy cornell.olx --spp 1 --diffuse irradiance --hits stored
+# Without probe light default pictures are lit as ever, and what needs it is refused.
+"$OCTALUX" bake builtin:cornell-glossy -o plain.olx --radiance-size 128 --bounces 1 --noise 0.3 2>stderr.txt
+compare_devices builtin:cornell-glossy plain.olx --spp 1
+for options in "--hits stored" "--diffuse irradiance"; do
+  expect_failure "bake --probe-light" render builtin:cornell-glossy --field plain.olx -o none.exr --size 8x8 --device vulkan $options
+done
 # Spherical harmonics run on the CPU alone, too.
 "$OCTALUX" bake builtin:cornell-glossy -o harmonics.olx --radiance-size 8 --irradiance-size 8 --bounces 0 --volume-cells 0 --irradiance sh2 2>stderr.txt
 expect_failure "harmonics.olx: irradiance as spherical harmonics .sh2. does not run on the GPU" render builtin:cornell-glossy \

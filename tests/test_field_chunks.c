@@ -185,6 +185,42 @@ static void test_verify_reads_relight_chunks(void **state) {
   olx_release(i.bytes);
 }
 
+// --- Probe light: chunks that irradiance probes in the description bring with them
+
+static void test_probe_light_comes_whole_or_not_at_all(void **state) {
+  field_image i = field_image_load(*state, &without_probe_light);
+  const char *silent = "a size, form or grid of irradiance probes, but none of them";
+  assert_field_sound(&i);
+  REFUSED(i.info->irradiance_size, 8, silent);
+  REFUSED(i.info->irradiance_form, 1, silent);
+  REFUSED(i.info->irradiance_grid.count[1], 1, silent);
+  REFUSED(i.info->irradiance_grid.origin[2], 0.5f, silent);
+  REFUSED(i.info->irradiance_buried_count, 1, "more probes are buried than there are");
+  REFUSED(i.info->irradiance_probe_count, 1, "irradiance size 0 is not a power of two");
+  const uint32_t types[] = {OLX_FOUR_CC('R', 'A', 'D', 'I'), OLX_FOUR_CC('I', 'P', 'O', 'S'),
+                            OLX_FOUR_CC('I', 'F', 'L', 'G'), OLX_FOUR_CC('I', 'R', 'R', 'A'),
+                            OLX_FOUR_CC('M', 'O', 'M', 'E')};
+  // The only chunk but the tiles of emission that is looked for later.
+  olx_file_chunk *lights = &i.chunks[i.header->chunk_count - 2];
+  for (size_t k = 0; k < sizeof types / sizeof *types; k++) {
+    REFUSED(lights->type, types[k], "but the description has no irradiance probes");
+  }
+  // A description that claims them.
+  i.info->irradiance_probe_count = 1;
+  i.info->irradiance_size = 8;
+  for (int axis = 0; axis < 3; axis++) i.info->irradiance_grid.count[axis] = 1;
+  field_seal(&i);
+  assert_field_refused(&i, OLX_ERROR_FORMAT, "no chunk RADI");
+  olx_release(i.bytes);
+  // One that denies them.
+  i = field_image_load(*state, &least);
+  i.info->irradiance_probe_count = i.info->irradiance_size = 0;
+  i.info->irradiance_grid = (olx_file_grid){.count = {0}};
+  field_seal(&i);
+  assert_field_refused(&i, OLX_ERROR_FORMAT, "a chunk RADI, but the description has no irradiance probes");
+  olx_release(i.bytes);
+}
+
 // --- The origin: after the required chunks, since the field has no other
 
 static const synthetic_shape far_away = {
@@ -227,6 +263,7 @@ int main(void) {
       cmocka_unit_test_setup_teardown(test_refuses_wrong_relight_chunks, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_refuses_hidden_surfaces_without_points, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_verify_reads_relight_chunks, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_probe_light_comes_whole_or_not_at_all, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_the_origin_is_read_and_checked, field_set_up, field_tear_down),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

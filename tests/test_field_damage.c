@@ -210,7 +210,7 @@ static void test_refuses_a_wrong_description(void **state) {
   REFUSED(irradiance_size = 512, "irradiance size 512 is not");
   REFUSED(irradiance_size = 16, "chunk IRRA: ");
   REFUSED(probe_count = 0, "no light field probes");
-  REFUSED(irradiance_probe_count = 0, "no irradiance probes");
+  REFUSED(irradiance_probe_count = 0, "more probes are buried than there are");
   REFUSED(probe_count = UINT32_MAX, "light field grid: 3 x 2 x 2 is not the number of probes");
   REFUSED(buried_count = 13, "more probes are buried than there are");
   REFUSED(irradiance_buried_count = UINT32_MAX, "more probes are buried than there are");

@@ -142,7 +142,7 @@ static void assert_round_trip(field_fixture *f, const synthetic_shape *shape) {
   assert_memory_equal(field->surfaces.lights, synthetic_lights, sizeof synthetic_lights);
   for (uint32_t i = 0; i < header.info.probe_count; i++) {
     synthetic_light_maps(n, i, color, normal, distance);
-    assert_map(field->radiance + field->texels * i, color, n, 4);
+    if (header.info.irradiance_probe_count) assert_map(field->radiance + field->texels * i, color, n, 4);
     assert_map(field->normal + field->texels * i, normal, n, 2);
     assert_map(field->distance + field->texels * i, distance, n, 2);
     for (uint32_t y = 0; y < n; y++) {
@@ -163,6 +163,7 @@ static void assert_round_trip(field_fixture *f, const synthetic_shape *shape) {
     assert_memory_equal(&position, &header.probe_positions[i], sizeof position);
     assert_int_equal(olx_field_probe_buried(field, i), synthetic_flags(i));
   }
+  assert_true((field->radiance != NULL) == (header.info.irradiance_probe_count > 0));
   for (uint32_t i = 0; i < header.info.irradiance_probe_count; i++) {
     synthetic_irradiance_maps(m, i, color, moments);
     assert_irradiance(field, shape, i, color);
@@ -193,6 +194,60 @@ static void test_round_trip(void **state) {
   assert_round_trip(*state, &least);
   assert_round_trip(*state, &second_order);
   assert_round_trip(*state, &third_order);
+  assert_round_trip(*state, &without_probe_light);
+}
+
+// Nothing is said of irradiance probes that a field does not have, and what reads probe light says how to get it.
+static void test_opens_without_probe_light(void **state) {
+  field_fixture *f = *state;
+  size_t size_bytes;
+  olx_release(field_written(f, &without_probe_light, &size_bytes));
+  olx_field *field;
+  assert_int_equal(olx_field_open(f->path, &field), OLX_OK);
+  const olx_field_info info = olx_field_describe(field);
+  assert_int_equal(info.irradiance_probe_count + info.irradiance_buried_count + info.irradiance_size, 0);
+  assert_int_equal(info.irradiance_grid.count[0] + info.irradiance_grid.count[1] + info.irradiance_grid.count[2], 0);
+  assert_int_equal(info.radiance_bytes + info.irradiance_bytes + info.moments_bytes, 0);
+  assert_int_equal(info.normal_bytes, 12 * 18 * 18 * 2);
+  assert_null(field->radiance);
+  assert_int_equal(olx_probe_light_check(field), OLX_ERROR_ARGUMENT);
+  assert_says(f->path);
+  assert_says("bake --probe-light");
+  olx_sample_settings settings = olx_sample_settings_default();
+  assert_int_equal(olx_sample_settings_check(field, &settings), OLX_OK);
+  settings.hits = OLX_HITS_STORED;
+  assert_int_equal(olx_sample_settings_check(field, &settings), OLX_ERROR_ARGUMENT);
+  assert_says("bake --probe-light");
+  olx_field_close(field);
+}
+
+// A host that does not ask gets no light from irradiance probes, and hits shaded in place of stored radiance.
+static void test_samples_without_probe_light(void **state) {
+  field_fixture *f = *state;
+  olx_field *field;
+  assert_int_equal(synthetic_write(f->path, &without_probe_light, NULL), OLX_OK);
+  assert_int_equal(olx_field_open(f->path, &field), OLX_OK);
+  olx_sample_settings shaded = olx_sample_settings_default(), stored = shaded;
+  stored.hits = OLX_HITS_STORED;
+  const olx_vec3 origin = {0.1f, 0.5f, 0.2f}, up = {0.0f, 1.0f, 0.0f};
+  uint32_t reflecting = 0;
+  for (uint32_t i = 0; i < 64; i++) {
+    const olx_vec3 direction = olx_texel_direction(i % 8, i / 8, 8);
+    const olx_trace_hit a = olx_trace(field, &shaded, origin, direction, INFINITY),
+                        b = olx_trace(field, &stored, origin, direction, INFINITY);
+    assert_memory_equal(&a.radiance, &b.radiance, sizeof a.radiance);
+    reflecting += a.radiance.x > 0.0f;
+    const olx_vec3 none[] = {olx_irradiance(field, &shaded, origin, direction, direction),
+                             olx_probe_irradiance(field, i, direction),
+                             olx_volume_irradiance(field, origin, direction)};
+    for (int k = 0; k < 3; k++) assert_true(none[k].x == 0.0f && none[k].y == 0.0f && none[k].z == 0.0f);
+  }
+  assert_true(reflecting > 0);
+  // Where nothing is stored there is no light, and normal maps change nothing.
+  const olx_vec3 light = olx_surface_irradiance(field, &shaded, olx_v3(90.0f, 90.0f, 90.0f), up, up, up);
+  assert_true(light.x == 0.0f && light.y == 0.0f && light.z == 0.0f);
+  assert_true(olx_field_irradiance_probe_buried(field, 0));
+  olx_field_close(field);
 }
 
 // One near and one far texel, the near one marked as an emitter, change the nodes that hold them and no others.
@@ -371,6 +426,8 @@ static void test_answers_numbers_out_of_range(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test_setup_teardown(test_round_trip, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_opens_without_probe_light, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_samples_without_probe_light, field_set_up, field_tear_down),
       cmocka_unit_test(test_pyramids_bound_their_nodes),
       cmocka_unit_test_setup_teardown(test_describes, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_same_input_same_bytes, field_set_up, field_tear_down),

@@ -262,11 +262,48 @@ static void test_emitters_are_counted_once(void **state) {
 
 static olx_field *bake(const olx_scene *scene, uint32_t bounces, bool fit) {
   olx_bake_settings settings = olx_bake_settings_default(scene);
+  settings.probe_light = true;
   settings.radiance_size = 64;
   settings.irradiance_size = 16;
   settings.bounces = bounces;
   settings.fit = fit;
   return baked_field(scene, &settings, NULL);
+}
+
+// Default pictures read nothing of probe light: with and without it they have the same bytes. What does read it is refused, but
+// for dim lobes beside traced light, which take the light of surfaces.
+static void test_a_field_without_probe_light_gives_the_same_picture(void **state) {
+  (void)state;
+  olx_scene *scene = tiny_furnace(0.5f, 1.0f);
+  olx_bake_settings wanted = olx_bake_settings_default(scene);
+  wanted.radiance_size = 64;
+  wanted.bounces = 1;
+  olx_field *plain = baked_field(scene, &wanted, NULL), *full = bake(scene, 1, true);
+  assert_int_equal(olx_field_describe(plain).irradiance_probe_count, 0);
+  olx_render_settings settings = field_settings(24, 4);
+  const olx_camera camera = wide_camera();
+  olx_image pictures[] = {tiny_render(scene, plain, &camera, &settings), tiny_render(scene, full, &camera, &settings)};
+  assert_true(tiny_mean(&pictures[0], OLX_LAYER_INDIRECT_DIFFUSE) > 0);
+  for (uint32_t layer = 0; layer < OLX_LAYER_COUNT; layer++) {
+    if (!pictures[0].layers[layer]) continue;
+    assert_memory_equal(pictures[0].layers[layer], pictures[1].layers[layer], sizeof(olx_vec3) * 24 * 24);
+  }
+  for (int i = 0; i < 2; i++) olx_image_free(&pictures[i]);
+  settings.dim_lobe = 1.0f;
+  settings.diffuse = OLX_DIFFUSE_TRACED;
+  olx_image traced = tiny_render(scene, plain, &camera, &settings);
+  olx_image_free(&traced);
+  settings.diffuse = OLX_DIFFUSE_IRRADIANCE;
+  olx_image image;
+  assert_int_equal(olx_render(scene, plain, &camera, &settings, NULL, &image, NULL), OLX_ERROR_ARGUMENT);
+  assert_non_null(strstr(olx_last_error(), "bake --probe-light"));
+  settings.diffuse = OLX_DIFFUSE_SURFACE;
+  settings.sample.hits = OLX_HITS_STORED;
+  assert_int_equal(olx_render(scene, plain, &camera, &settings, NULL, &image, NULL), OLX_ERROR_ARGUMENT);
+  assert_non_null(strstr(olx_last_error(), "bake --probe-light"));
+  olx_field_close(plain);
+  olx_field_close(full);
+  olx_scene_free(scene);
 }
 
 // In a furnace of albedo a and emission 1 a bake with N bounces holds reflected light a + a^2 + ... + a^(N + 1).
@@ -486,6 +523,7 @@ int main(void) {
       cmocka_unit_test(test_mirror_floor_shows_the_room_in_place),
       cmocka_unit_test(test_direct_light_is_the_path_tracers),
       cmocka_unit_test(test_emitters_are_counted_once),
+      cmocka_unit_test(test_a_field_without_probe_light_gives_the_same_picture),
       cmocka_unit_test(test_baked_furnace),
       cmocka_unit_test(test_faintly_emitting_box_is_the_path_tracers),
       cmocka_unit_test(test_irradiance_at_probes_is_the_path_tracers),

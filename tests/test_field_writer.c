@@ -41,6 +41,34 @@ static void test_writer_refuses_what_readers_would(void **state) {
   synthetic_header_release(&header);
 }
 
+// Classic maps and relighting stand at irradiance probes, and radiance goes with these.
+static void test_writer_keeps_probe_light_together(void **state) {
+  const field_fixture *f = *state;
+  synthetic_shape shape = without_probe_light;
+  shape.classic_size = 64;
+  assert_int_equal(synthetic_write(f->path, &shape, NULL), OLX_ERROR_ARGUMENT);
+  assert_says("classic maps, but no irradiance probes");
+  shape = without_probe_light;
+  shape.relight_size = 16;
+  assert_int_equal(synthetic_write(f->path, &shape, NULL), OLX_ERROR_ARGUMENT);
+  assert_says("relighting, but no irradiance probes");
+  const synthetic_shape *shapes[] = {&without_probe_light, &small};
+  for (int i = 0; i < 2; i++) {
+    olx_field_header header = synthetic_header(shapes[i]);
+    olx_field_writer *writer;
+    assert_int_equal(olx_field_writer_create(f->path, &header, &writer), OLX_OK);
+    synthetic_header_release(&header);
+    uint32_t radiance[16 * 16];
+    uint16_t normal[16 * 16], distance[16 * 16];
+    synthetic_light_maps(16, 0, radiance, normal, distance);
+    const uint32_t *wrong = i == 0 ? radiance : NULL;
+    assert_int_equal(olx_field_writer_probe(writer, 0, 0, wrong, normal, distance), OLX_ERROR_ARGUMENT);
+    assert_says("radiance goes with irradiance probes");
+    olx_field_writer_discard(writer);
+  }
+  assert_int_equal(field_files_in(f->folder), 0);
+}
+
 // Lights come with the header, surfaces with every probe.
 static void test_writer_wants_surfaces(void **state) {
   const field_fixture *f = *state;
@@ -164,6 +192,7 @@ static void test_folder_that_cannot_be_written(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test_setup_teardown(test_writer_refuses_what_readers_would, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_writer_keeps_probe_light_together, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_writer_wants_surfaces, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_writer_keeps_order, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_old_file_survives, field_set_up, field_tear_down),

@@ -36,6 +36,7 @@ static void assert_origin(const olx_scene *scene, double x, double y, double z) 
 
 static olx_bake_settings small_bake(const olx_scene *scene) {
   olx_bake_settings settings = olx_bake_settings_default(scene);
+  settings.probe_light = true;
   settings.radiance_size = 32;
   settings.irradiance_size = 16;
   settings.bounces = 1;

@@ -70,7 +70,7 @@ static fallen fall_back(const parity_state *s) {
   const olx_surface_point p = {.position = s->point, .geometric_normal = s->direction, .view = s->view};
   olx_volume_light_at volume;
   if (olx_volume_gather(s->field, p.position, p.geometric_normal, &volume)) {
-    return (fallen){olx_volume_towards(&volume, s->direction), olx_volume_towards(&volume, s->view)};
+    return (fallen){olx_volume_towards(&volume, s->direction), olx_volume_bent(&volume, s->direction, s->view)};
   }
   const olx_irradiance_weights w = olx_irradiance_weigh(&s->source, terms_of(&s->settings), s->settings.keep_buried,
                                                         s->point, s->direction, s->view);

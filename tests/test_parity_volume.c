@@ -175,8 +175,10 @@ static olx_vec3 probe_towards(const setting *s, uint32_t probe, olx_vec3 n) {
 
 static void volume_probe(const setting *s, uint32_t i, olx_vec3 p, olx_vec3 n, answer *a) {
   (void)p;
-  put_3(a, probe_towards(s, i % s->cells.probe_count, n));
-  put_3(a, probe_towards(s, i % s->cells.probe_count, olx_v3(n.y, n.z, n.x)));
+  const uint32_t probe = i % s->cells.probe_count;
+  const olx_vec3 bent = {n.y, n.z, n.x}, behind = probe_towards(s, probe, olx_negate(n));
+  put_3(a, probe_towards(s, probe, n));
+  put_3(a, olx_madd(probe_towards(s, probe, bent), behind, 0.5f * olx_dot(n, bent) - 0.5f));
 }
 
 static void volume_both(const setting *s, uint32_t i, olx_vec3 p, olx_vec3 n, answer *a) {
@@ -185,7 +187,7 @@ static void volume_both(const setting *s, uint32_t i, olx_vec3 p, olx_vec3 n, an
   a->whole_count = 1;
   a->wholes[0] = olx_volume_gather(&s->field, p, n, &light);
   put_3(a, olx_volume_towards(&light, n));
-  put_3(a, olx_volume_towards(&light, olx_v3(n.y, n.z, n.x)));
+  put_3(a, olx_volume_bent(&light, n, olx_v3(n.y, n.z, n.x)));
 }
 
 typedef struct volume_row {

@@ -15,6 +15,9 @@ agree() {
 
 agree pillars --radiance-size 32 --irradiance-size 8 --bounces 0 --samples 1
 agree holodeck --radiance-size 64 --irradiance-size 16 --bounces 0 --samples 1
+agree holodeck --radiance-size 32 --bounces 0 --samples 1
+grep -q '"probe_light": *false' stdout.txt || fail "probe light is the default"
+LC_ALL=C grep -qa -e RADI -e IPOS -e IFLG -e IRRA -e MOME a.olx && fail "a field without probe light has a chunk of it"
 agree two-rooms-gap --radiance-size 8 --irradiance-size 8 --bounces 0 --samples 1 --classic --classic-size 64 --cube-size 32
 agree cornell --radiance-size 8 --irradiance-size 16 --bounces 0 --samples 1 --irradiance sh2
 agree cornell --radiance-size 8 --irradiance-size 8 --bounces 0 --samples 1 --irradiance sh3

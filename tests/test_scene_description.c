@@ -414,7 +414,7 @@ static float nearest_surface(const olx_scene *scene, olx_vec3 point) {
 static void real_descriptions_put_cameras_into_free_space(void **state) {
   (void)state;
   const char *names[] = {"sponza", "living-room", "white-room", "kitchen", "veach-ajar", "godot-rooms", "small-house",
-                         "sponza-wang", "temple-wang"};
+                         "cornell-faint", "sponza-wang", "temple-wang"};
   char folder[4096];
   if (!scene_files_real("sponza/sponza.gltf", folder, sizeof folder)) {
     print_message("the real scenes are not there: skipped\n");

@@ -31,6 +31,28 @@ check 'p[0].width == 96 and p[0].height == 80 and not uniform(p[0]) and mean(p[0
 expect 0 render builtin:cornell-glossy --field cornell.olx --spp 1 --size 96x80 -o cpu.png
 check 'differing(p[0], p[1]) < 0.3 and abs(mean(p[0]) / mean(p[1]) - 1) < 0.1' one.png cpu.png
 
+# A field without probe light: its picture, and what its texels hold in a map; what else is shown of probe light is refused, and
+# the key skips it.
+"$OCTALUX" bake builtin:cornell-glossy -o plain.olx --radiance-size 64 --bounces 1 --noise 0.3 >stdout.txt 2>stderr.txt
+plain=(view builtin:cornell-glossy --field plain.olx --size 96x80 --offscreen)
+expect 0 "${plain[@]}" --screenshot plain-one.png $validate
+check 'differing(p[0], p[1]) < 0.3 and abs(mean(p[0]) / mean(p[1]) - 1) < 0.1' plain-one.png one.png
+for overlay in radiance map; do
+  expect 0 "${plain[@]}" --overlay $overlay --screenshot plain-$overlay.png $validate
+  expect 0 "${view[@]}" --offscreen --overlay $overlay --screenshot full-$overlay.png
+  check 'abs(mean(p[0]) / mean(p[1]) - 1) < 0.15' plain-$overlay.png full-$overlay.png
+done
+for wrong in "--overlay irradiance" "--overlay weights" "--hits stored"; do
+  expect_failure "bake --probe-light" "${plain[@]}" --screenshot refused.png $wrong
+done
+printf 'press %s\n' O O O >skip.txt
+echo "screenshot skipped.png" >>skip.txt
+printf 'press %s\n' Y Y Y >told.txt # keys that do nothing, for as many frames
+echo "screenshot told.png" >>told.txt
+expect 0 "${plain[@]}" --script skip.txt
+expect 0 "${plain[@]}" --overlay answer --script told.txt
+check 'differing(p[0], p[1]) == 0' skipped.png told.png
+
 # All modes and overlays, one after the other; the layers; what moves.
 cat >all.txt <<'SCRIPT'
 frames 3

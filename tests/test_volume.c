@@ -257,6 +257,7 @@ static void without_a_volume_irradiance_probes_answer(void **state) {
   settings.radiance_size = 32;
   settings.grid = (olx_grid){.origin = {0, 1, 0}, .count = {1, 1, 1}};
   settings.irradiance_grid = settings.grid;
+  settings.probe_light = true;
   olx_bake_stats stats;
   olx_field *field = baked_field(scene, &settings, &stats);
   assert_int_equal(stats.volume_probes, 0);

@@ -273,6 +273,73 @@ static void dynamic_objects_take_the_irradiance_volume(void **unused) {
   host_fixture_free(&f);
 }
 
+// The same field without probe light: what it lacks is one black texel on the device.
+static olx_field without_probe_light(const olx_field *field) {
+  olx_field plain = *field;
+  plain.radiance = plain.irradiance = plain.moments = NULL;
+  plain.irradiance_positions = NULL;
+  plain.irradiance_flags = NULL;
+  plain.irradiance_n = 0;
+  plain.info.irradiance_probe_count = plain.info.irradiance_size = 0;
+  plain.info.irradiance_grid = (olx_grid){.count = {0, 0, 0}};
+  return plain;
+}
+
+static void expect_probe_light_asked_for(olx_result result) {
+  assert_int_equal(result, OLX_ERROR_ARGUMENT);
+  assert_non_null(strstr(olx_last_error(), "bake --probe-light"));
+}
+
+// With a volume and without, where there is no light but what is stored at surfaces.
+static void a_field_without_probe_light_lights_frames(void **unused) {
+  (void)unused;
+  host_need_device(&device);
+  for (uint32_t with_volume = 0; with_volume < 2; with_volume++) {
+    host_fixture f = {.device = &device, .messages = device.validation_messages, .field = host_field_make(128, 16)};
+    half_volume volume;
+    if (with_volume) add_volume(f.field, &volume);
+    olx_field *whole = f.field, plain = without_probe_light(whole);
+    f.field = &plain;
+    assert_int_equal(olx_vulkan_field_create(&device.host, f.field, &f.uploaded), OLX_OK);
+    f.images = make_images(WIDTH, HEIGHT, VK_FORMAT_R32G32B32A32_SFLOAT);
+    host_fixture_add_frame(&f);
+    olx_vulkan_settings settings = test_settings();
+    double errors[OUTPUTS];
+    run_frame(&f.images, f.frame, &settings);
+    judge_frame(&f.images, f.field, &settings, errors);
+    print_message("relative MSE of irradiance %.2e, glossy %.2e, composite %.2e\n", errors[0], errors[1], errors[2]);
+    for (uint32_t k = 0; k < OUTPUTS; k++) assert_true(errors[k] < 1e-5);
+    const olx_vulkan_view view = host_vulkan_view(&VIEW);
+    settings.irradiance_probes = true;
+    assert_true(gpu_commands_begin(&device));
+    expect_probe_light_asked_for(olx_vulkan_record_irradiance(f.frame, device.commands, &view, &settings));
+    assert_true(gpu_commands_run(&device));
+    f.images.targets.hits = 1u << OLX_HITS_STORED;
+    expect_probe_light_asked_for(olx_vulkan_frame_resize(f.frame, &f.images.targets));
+    f.field = whole;
+    host_fixture_free(&f);
+  }
+}
+
+// Places where nothing is stored: no light without a volume.
+static void without_any_source_places_are_dark(void **unused) {
+  (void)unused;
+  host_need_device(&device);
+  host_fixture f = {.device = &device, .messages = device.validation_messages, .field = host_field_make(64, 16)};
+  olx_field *whole = f.field, plain = without_probe_light(whole);
+  assert_int_equal(olx_vulkan_field_create(&device.host, &plain, &f.uploaded), OLX_OK);
+  f.images = make_images(WIDTH, HEIGHT, VK_FORMAT_R32G32B32A32_SFLOAT);
+  host_fixture_add_frame(&f);
+  olx_vulkan_settings settings = test_settings();
+  settings.sample.max_probes = 0; // nothing is stored
+  run_frame(&f.images, f.frame, &settings);
+  for (uint32_t i = 0; i < WIDTH * HEIGHT; i++) {
+    float alpha;
+    assert_true(squared(host_output(&f.images, 0, i, &alpha)) == 0.0);
+  }
+  host_fixture_free(&f);
+}
+
 // The eye moves: at no place is irradiance other than on the CPU, where it hangs on places and normals alone, whether the
 // geometric normal is given or found from depth.
 static void irradiance_stays_as_the_eye_moves(void **unused) {
@@ -563,6 +630,8 @@ int main(void) {
       cmocka_unit_test(passes_give_the_light_of_the_cpu),
       cmocka_unit_test(images_tell_normals_and_what_is_dynamic),
       cmocka_unit_test(dynamic_objects_take_the_irradiance_volume),
+      cmocka_unit_test(a_field_without_probe_light_lights_frames),
+      cmocka_unit_test(without_any_source_places_are_dark),
       cmocka_unit_test(irradiance_stays_as_the_eye_moves),
       cmocka_unit_test(a_frame_can_be_resized_and_reads_other_formats),
       cmocka_unit_test(diffuse_light_takes_hardly_more_reads_than_it_must),

@@ -233,7 +233,7 @@ static olx_vulkan_targets make_targets(void) {
 }
 
 // The passes of a frame, first as most games record them, then with other light of hits, tracers and selectors.
-static bool compile_frame(olx_vulkan_field *field, olx_vulkan_targets targets) {
+static bool compile_frame(olx_vulkan_field *field, bool has_probe_light, olx_vulkan_targets targets) {
   static const compile_step plain = {{"irradiance", "composite", "accumulate", "filter"}, 4};
   static const compile_step glossy = {{"glossy", "dim"}, 2}, diffuse = {{"diffuse"}, 1}, again = {{"glossy"}, 1};
   static const compile_step stored = {{"glossy, stored"}, 1};
@@ -255,8 +255,10 @@ static bool compile_frame(olx_vulkan_field *field, olx_vulkan_targets targets) {
   targets.passes = OLX_VULKAN_PASS_DIFFUSE;
   fine = fine && begin_step(&diffuse, "") && end_step(olx_vulkan_frame_resize(frame, &targets));
   targets.passes = OLX_VULKAN_PASS_GLOSSY;
-  targets.hits = 1u << OLX_HITS_STORED;
-  fine = fine && begin_step(&stored, "") && end_step(olx_vulkan_frame_resize(frame, &targets));
+  if (has_probe_light) {
+    targets.hits = 1u << OLX_HITS_STORED;
+    fine = fine && begin_step(&stored, "") && end_step(olx_vulkan_frame_resize(frame, &targets));
+  }
   targets.hits = 1u << OLX_HITS_SHADED;
   for (olx_tracer tracer = OLX_TRACER_TEXEL; fine && tracer < OLX_TRACER_HIZ; tracer++) {
     targets.tracers = 1u << tracer;
@@ -287,7 +289,7 @@ static bool compile_all(const olx_field *field) {
   host.get_instance_proc_addr = get_function;
   olx_vulkan_field *uploaded = NULL;
   const bool fine = gpu_check_library(job.device, olx_vulkan_field_create(&host, field, &uploaded)) &&
-                    compile_frame(uploaded, make_targets()) && compile_classic(uploaded, field);
+                    compile_frame(uploaded, olx_probe_light_check(field) == OLX_OK, make_targets()) && compile_classic(uploaded, field);
   olx_vulkan_field_destroy(uploaded);
   return fine;
 }

@@ -36,6 +36,12 @@ static uint32_t next_select(const view_facts *facts, uint32_t select, bool back)
   }
 }
 
+static uint32_t next_overlay(const view_facts *facts, uint32_t overlay, bool back) {
+  do overlay = next_of(overlay, VIEW_OVERLAYS, back);
+  while (!view_has_overlay(&facts->field, overlay));
+  return overlay;
+}
+
 static void choose_camera(const view_facts *facts, uint32_t index, view_state *state, view_camera *camera) {
   state->camera = index;
   *camera = view_camera_of(&facts->cameras[index]);
@@ -56,7 +62,7 @@ static uint32_t next_light(const view_state *s, bool back) {
 static void press(int key, bool back, const view_facts *facts, view_state *s, view_camera *camera) {
   if (key >= '1' && key < '1' + VIEW_MODES) s->mode = (uint32_t)(key - '1');
   switch (key) {
-  case 'O': s->overlay = next_of(s->overlay, VIEW_OVERLAYS, back); break;
+  case 'O': s->overlay = next_overlay(facts, s->overlay, back); break;
   case 'T': s->tracer = next_of(s->tracer, OLX_TRACER_HIZ + 1, back); break;
   case 'B': s->select = next_select(facts, s->select, back); break;
   case 'C': choose_camera(facts, next_of(s->camera, facts->camera_count, back), s, camera); break;

@@ -95,8 +95,10 @@ static bool load(viewer *v) {
   if (load_scene("view", o->scene, &o->loading, &v->scene) != EXIT_DONE) return false;
   v->facts.field = olx_field_describe(v->field);
   snprintf(v->facts.scene_name, sizeof v->facts.scene_name, "%s", o->scene);
-  const olx_sample_settings sample = {.select = (olx_select)v->state.select};
+  const olx_sample_settings sample = {.select = (olx_select)v->state.select, .hits = (olx_hits)v->state.hits};
   if (olx_sample_settings_check(v->field, &sample) != OLX_OK) return library_failure("view") == EXIT_DONE;
+  if (!view_has_overlay(&v->facts.field, v->state.overlay) && olx_probe_light_check(v->field) != OLX_OK)
+    return library_failure("view") == EXIT_DONE;
   if (v->state.select == OLX_SELECT_OCTREE)
     return failure("view", "--select %s does not run on Vulkan", olx_select_name((olx_select)v->state.select)) ==
            EXIT_DONE;

@@ -57,7 +57,8 @@ bool choose(const char *label, const char *words, uint32_t allowed, uint32_t *va
 void build_light(const view_facts *facts, view_state *s) {
   choose("mode", VIEW_MODE_WORDS, ~0u, &s->mode);
   choose("tracer", VIEW_TRACER_WORDS, ~0u, &s->tracer);
-  choose("hits", VIEW_HITS_WORDS, ~0u, &s->hits);
+  const uint32_t stored = facts->field.irradiance_probe_count ? 1u << OLX_HITS_STORED : 0u;
+  choose("hits", VIEW_HITS_WORDS, 1u << OLX_HITS_SHADED | stored, &s->hits);
   const uint32_t baked =
       facts->field.select_mask & (1u << OLX_SELECT_CAGE | 1u << OLX_SELECT_BRICKS | 1u << OLX_SELECT_VORONOI);
   choose("selector", VIEW_SELECT_WORDS, baked | 1u << OLX_SELECT_EXHAUSTIVE | 1u << OLX_SELECT_BEST, &s->select);
@@ -163,7 +164,9 @@ void build_pick(const view_pick *pick) {
 }
 
 void build_overlay(const view_facts *facts, const view_pick *pick, view_state *s) {
-  choose("overlay", VIEW_OVERLAY_WORDS, ~0u, &s->overlay);
+  uint32_t overlays = 0;
+  for (uint32_t i = 0; i < VIEW_OVERLAYS; i++) overlays |= view_has_overlay(&facts->field, i) ? 1u << i : 0u;
+  choose("overlay", VIEW_OVERLAY_WORDS, overlays, &s->overlay);
   if (s->overlay >= VIEW_PROBE_INDEX && s->overlay <= VIEW_PROBE_IRRADIANCE) {
     ImGui::SliderFloat("radius", &s->probe_radius, 1e-3f, 10.0f, "%.3f m", ImGuiSliderFlags_Logarithmic);
   }

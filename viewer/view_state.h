@@ -14,7 +14,7 @@ extern "C" {
 
 // How the picture is made (McGuire et al. 2017, section 5; VIEW_PROBES is Figure 20).
 typedef enum view_mode {
-  VIEW_PREFILTERED = 0, // diffuse light from irradiance probes, glossy light by one ray a pixel, denoised
+  VIEW_PREFILTERED = 0, // diffuse light as it is stored at surfaces, glossy light by one ray a pixel, denoised
   VIEW_DENOISED,        // one diffuse and one glossy ray a pixel, denoised
   VIEW_GATHER,          // rays as they are, over as many frames as nothing moves: the reference
   VIEW_PROBES,          // no triangles: a ray a pixel from the eye through the field
@@ -36,6 +36,11 @@ typedef enum view_overlay {
   VIEW_MAP,              // the octahedral map of a probe, and the image of the picked pixel's ray in it (Figure 4)
   VIEW_OVERLAYS
 } view_overlay;
+// Whether a field has what an overlay shows.
+static inline bool view_has_overlay(const olx_field_info *field, uint32_t overlay) {
+  const bool of_probe_light = overlay == VIEW_PROBE_IRRADIANCE || overlay == VIEW_WEIGHTS;
+  return !of_probe_light || field->irradiance_probe_count > 0;
+}
 #define VIEW_OVERLAY_WORDS "none|probes|radiance|irradiance|weights|answer|unresolved|steps|map"
 
 #define VIEW_TRACER_WORDS "texel|two-level|hiz"

@@ -85,6 +85,7 @@ olx_result bench_field_make(const olx_scene *scene, const bench_probes *probes, 
   *made = (bench_field){.field = NULL};
   snprintf(made->path, sizeof made->path, "%s/%u.olx", folder->path, number);
   olx_bake_settings settings = olx_bake_settings_default(scene);
+  settings.probe_light = !bake->no_probe_light;
   settings.irradiance_grid = bake->irradiance_grid;
   settings.irradiance_size = bake->irradiance_size;
   settings.light_samples = bake->light_samples;

@@ -36,7 +36,7 @@ bench_name bench_probes_name(const bench_probes *probes);
 
 // How all fields of an experiment are baked.
 typedef struct bench_bake {
-  olx_grid irradiance_grid; // the same for all, so that diffuse light is
+  olx_grid irradiance_grid; // the same for all, so that diffuse light of irradiance probes is
   uint32_t irradiance_size, light_samples, bounces, threads;
   olx_bounce_gather gather;
   olx_irradiance_form form;
@@ -44,6 +44,7 @@ typedef struct bench_bake {
   float noise;           // of the solved light; 0: as bakes have it when nothing is said
   bool rough;            // place with few samples, for a quick look
   bool plain;            // no structures of selectors but those that a bake makes anyway
+  bool no_probe_light;   // as bakes are when nothing is said
   uint32_t seed;         // of random numbers
 } bench_bake;
 

@@ -42,6 +42,37 @@ static int unknown(const char *name) {
   return code;
 }
 
+static bool has_scene(const experiment *e, const char *name, size_t length) {
+  for (uint32_t i = 0; e->scene(i); ++i) {
+    if (strlen(e->scene(i)) == length && strncmp(e->scene(i), name, length) == 0) return true;
+  }
+  return false;
+}
+
+static int unknown_scene(const experiment *e, const char *name, size_t length) {
+  char known[2048];
+  size_t used = 0;
+  for (uint32_t i = 0; e->scene(i) && used < sizeof known; ++i)
+    used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "", e->scene(i));
+  return usage_error("bench", "unknown scene '%.*s': %s has %s", (int)length, name, e->name, known);
+}
+
+// Whether --only names scenes that the experiment has; when not, a line says which those are. `e` is NULL for all of them.
+static bool check_scenes(const experiment *e, const char *names, int *code) {
+  if (!e || !e->scene) {
+    *code = usage_error("bench", "--only goes with an experiment that takes scene after scene: surfaces");
+    return false;
+  }
+  for (const char *name = names, *comma; name; name = comma ? comma + 1 : NULL) {
+    comma = strchr(name, ',');
+    const size_t length = comma ? (size_t)(comma - name) : strlen(name);
+    if (has_scene(e, name, length)) continue;
+    *code = unknown_scene(e, name, length);
+    return false;
+  }
+  return true;
+}
+
 static void put_summary(FILE *out) {
   fputs("Measure an experiment of the papers, or all of them:\n", out);
   for (uint32_t i = 0; i < experiment_count; ++i)
@@ -55,7 +86,8 @@ static void put_summary(FILE *out) {
 static void make_command(const experiment *e, const bench_options *o, char command[256]) {
   int used = snprintf(command, 256, "octalux bench %s%s", e->name, o->quick ? " --quick" : "");
   if (o->size[0]) used += snprintf(command + used, 256 - (size_t)used, " --size %ux%u", o->size[0], o->size[1]);
-  if (o->spp) snprintf(command + used, 256 - (size_t)used, " --spp %u", o->spp);
+  if (o->spp) used += snprintf(command + used, 256 - (size_t)used, " --spp %u", o->spp);
+  if (o->only) snprintf(command + used, 256 - (size_t)used, " --only %s", o->only);
 }
 
 static cJSON *begin_section(cJSON *report, const experiment *e, const char *command) {
@@ -169,6 +201,7 @@ static int run_command(int argc, char **argv) {
        0, 0},
       {"--images", OPTION_TEXT, &o.images, "FOLDER", "write the pictures that are compared there, as .png", 0, 0},
       {"--scenes", OPTION_TEXT, &o.folder, "FOLDER", "where descriptions of scenes are; default scenes", 0, 0},
+      {"--only", OPTION_TEXT, &o.only, "NAME,...", "surfaces: these scenes alone", 0, 0},
       {"--size", OPTION_SIZE, o.size, "320x240", "of all pictures; default: each experiment's own", 16, 16384},
       {"--spp", OPTION_COUNT, &o.spp, "N", "of each of two references, path traced; default: each experiment's own", 1,
        1u << 20},
@@ -195,6 +228,7 @@ static int run_command(int argc, char **argv) {
   const experiment *only = find(line.given[0]);
   if (!only && strcmp(line.given[0], "all") != 0) return unknown(line.given[0]);
   o.all = !only;
+  if (o.only && !check_scenes(only, o.only, &code)) return code;
   if (!ready_folder(o.report, "index.html") || !ready_folder(o.images, "image.png")) return EXIT_FAILED;
   char *command = command_text(argc, argv);
   code = command ? run_experiments(&o, only, command) : failure("bench", "out of memory");

@@ -12,6 +12,7 @@ typedef struct bench_options {
   bool all; // experiments in one run: they share what they can
   bool quick, progress, json;
   const char *folder, *images, *report; // of scenes, for pictures, for the report
+  const char *only;                     // names of scenes with commas between, NULL: all
   uint32_t size[2], spp, threads;       // 0: the experiment's own
 } bench_options;
 
@@ -23,6 +24,7 @@ typedef struct experiment {
   const char *what;   // one line, for lists
   const char *note;   // what there is to know before reading its numbers
   olx_result (*run)(bench *b);
+  const char *(*scene)(uint32_t index); // names for --only, NULL after the last; NULL: it runs whole
 } experiment;
 
 extern const experiment experiments[];

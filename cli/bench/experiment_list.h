@@ -19,5 +19,6 @@ olx_result run_bounces(bench *b);
 olx_result run_relight(bench *b);
 olx_result run_sh(bench *b);
 olx_result run_surfaces(bench *b);
+const char *surfaces_scene(uint32_t index);
 
 #endif

@@ -47,7 +47,7 @@ typedef struct bench_table {
   uint32_t plot_count;
 } bench_table;
 
-enum { FINDINGS_TABLES = 12, FINDINGS_SKIPPED = 12 };
+enum { FINDINGS_TABLES = 12, FINDINGS_SKIPPED = 32 };
 
 typedef struct findings {
   uint32_t table_count, skipped_count;

@@ -1,9 +1,10 @@
 // A baked light field: opening, describing and checking the .olx file (docs/format.md).
 //
-// A field holds light field probes (radiance, normal and distance for every direction; McGuire et al. 2017, section 3)
-// that rays are traced through, and irradiance probes (prefiltered irradiance and distance moments; section 5.2) that
-// diffuse light is interpolated from. It may also hold classic maps: those of original irradiance probes, the method that
-// light field probes replace (docs/baking.md), and what it takes to light it anew (octalux/relight.h). It is immutable.
+// A field holds light field probes (distance, normal, and the surface with its light for every direction) that rays are traced
+// through and light of surfaces is read from, and an irradiance volume for free space. It may also hold probe light: radiance as
+// each light field probe saw it (McGuire et al. 2017, section 3), and irradiance probes (prefiltered irradiance and distance
+// moments; section 5.2). With that it may hold classic maps: those of original irradiance probes, the method that light field probes
+// replace (docs/baking.md), and what it takes to light it anew (octalux/relight.h). It is immutable.
 #ifndef OCTALUX_FIELD_H
 #define OCTALUX_FIELD_H
 
@@ -51,14 +52,14 @@ typedef struct olx_grid {
 // What is in a field. Sizes in texels are those of the square octahedral maps without their one-texel border.
 typedef struct olx_field_info {
   uint32_t probe_count;            // light field probes, at least 1
-  uint32_t irradiance_probe_count; // irradiance probes, at least 1
+  uint32_t irradiance_probe_count; // irradiance probes; 0: baked without probe light, and all that is said of them is 0
   uint32_t buried_count;           // light field probes found inside geometry, never asked
   uint32_t irradiance_buried_count;
   bool has_grid;               // light field probes stand on `grid`
   olx_grid grid;               // valid when has_grid
   olx_grid irradiance_grid;    // where the irradiance probes stand
   uint32_t radiance_size;      // texels along a side of a light field map: a power of two, 8 to 2048
-  uint32_t irradiance_size;    // texels along a side of an irradiance probe's maps: a power of two, 8 to 256
+  uint32_t irradiance_size;    // texels along a side of an irradiance probe's maps: a power of two, 8 to 256; 0 without probes
   olx_irradiance_form irradiance_form; // of irradiance; with spherical harmonics the maps hold moments alone
   uint32_t select_mask;        // bit (1 << olx_select) for each structure that is baked in; may be 0
   float distance_scale_metres; // stored distances times this are metres

@@ -88,7 +88,7 @@ typedef enum olx_method {
 
 typedef enum olx_diffuse {
   OLX_DIFFUSE_SURFACE = 0,    // from the light that the field stores at surfaces (olx_surface_irradiance)
-  OLX_DIFFUSE_IRRADIANCE = 1, // from irradiance probes (McGuire et al. section 5.2)
+  OLX_DIFFUSE_IRRADIANCE = 1, // from irradiance probes (McGuire et al. section 5.2); needs a field with probe light
   OLX_DIFFUSE_TRACED = 2      // by cosine rays traced through the field (section 5, naive renderer)
 } olx_diffuse;
 
@@ -102,7 +102,8 @@ typedef struct olx_render_settings {
   uint32_t glossy_samples;   // field: rays a camera sample on glossy surfaces, 1 to 4096; default 4 (1 when smooth)
   uint32_t seed;             // another one gives other samples, so that two images have independent noise; default 0
   float dim_lobe;            // field: rough specular lobes that reflect less than this share towards the eye are not traced
-                             // but take irradiance; default 0 (section 6)
+                             // but take irradiance: that of surfaces with OLX_DIFFUSE_SURFACE and in fields without probe light, else
+                             // that of irradiance probes; default 0 (section 6)
   bool centered;             // all camera samples of a pixel go through its centre
   olx_denoise_settings denoise; // olx_render_frames
   bool standard_error;       // also fill OLX_LAYER_STANDARD_ERROR
@@ -235,11 +236,11 @@ typedef struct olx_audit {
   olx_audit_points points;       // of olx_surface_irradiance, at all points
   olx_audit_points stored;       // where light is stored for the point's surface: its share is stored.count / points.count
   olx_audit_points fallen_back;  // where nothing is, and the irradiance volume answers
-  olx_audit_points irradiance;   // of olx_irradiance, at all points
+  olx_audit_points irradiance;   // of olx_irradiance, at all points; 0 without probe light
   // At settings->space_points places of the space that the viewer reaches, noise of the reference removed; count is that of places
   // times normals.
   olx_audit_points space_volume; // of olx_volume_irradiance
-  olx_audit_points space_probes; // of olx_irradiance
+  olx_audit_points space_probes; // of olx_irradiance; 0 without probe light
   double space_served;           // share of the places at which the irradiance volume has a cell
 } olx_audit;
 

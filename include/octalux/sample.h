@@ -25,7 +25,7 @@ typedef enum olx_visibility {
 
 typedef enum olx_hits {
   OLX_HITS_SHADED = 0, // the surface that the texel holds, shaded for the ray's own direction
-  OLX_HITS_STORED = 1  // radiance as the probe saw it, lobes averaged over views: cheaper, the reference
+  OLX_HITS_STORED = 1  // radiance as the probe saw it, lobes averaged over views: cheaper, the reference; needs probe light
 } olx_hits;
 
 typedef struct olx_sample_settings {
@@ -47,8 +47,8 @@ typedef struct olx_sample_settings {
 
 olx_sample_settings olx_sample_settings_default(void);
 
-// OLX_ERROR_ARGUMENT, with a message, when `settings` name a selector that the field was baked without, an enumerator that
-// does not exist, or a surface tolerance out of range. Sampling with such settings is safe: it takes OLX_SELECT_EXHAUSTIVE and
+// OLX_ERROR_ARGUMENT, with a message, when `settings` name a selector or a light of hits that the field was baked without, an
+// enumerator that does not exist, or a surface tolerance out of range. Sampling with such settings is safe: it takes OLX_SELECT_EXHAUSTIVE and
 // the defaults in their place.
 olx_result olx_sample_settings_check(const olx_field *field, const olx_sample_settings *settings);
 
@@ -87,7 +87,7 @@ void olx_trace_rays(const olx_field *field, const olx_sample_settings *settings,
 
 // Indirect irradiance in W/m^2 on a surface at `position` with unit normal `normal`, seen from the direction `view`
 // (unit, from the surface to the eye; pass the normal where there is no eye). Diffuse light leaving the surface is
-// albedo * irradiance / pi. McGuire et al. section 5.2.
+// albedo * irradiance / pi. McGuire et al. section 5.2. 0 in a field without probe light (olx_probe_light_check).
 olx_vec3 olx_irradiance(const olx_field *field, const olx_sample_settings *settings, olx_vec3 position, olx_vec3 normal,
                         olx_vec3 view);
 
@@ -99,8 +99,8 @@ olx_vec3 olx_irradiance(const olx_field *field, const olx_sample_settings *setti
 // - `geometric_normal`: unit, of the triangle, on the side that is looked at. It decides which stored surfaces are this one.
 // - `shading_normal`: unit. Light is stored for the normal between a triangle's corners, so smooth surfaces without a normal
 //   map pass the geometric normal here as well, and others the normal that the map makes of the geometric normal. Where
-//   the two differ, stored light is multiplied in each channel by olx_volume_irradiance for this one over that for the geometric
-//   normal, at most 4; 0 / 0 is 1.
+//   the two differ, stored light is multiplied in each channel by olx_volume_irradiance for this one, less its share from below
+//   the surface, over that for the geometric normal, at most 4; 0 / 0 is 1.
 // - `view`: unit, from the surface to the eye; pass the geometric normal where there is no eye.
 // Numbers that are not finite give 0.
 // The probes of the point's brick answer (of its cage in a field without bricks); where none of them sees the surface, or when
@@ -114,8 +114,12 @@ olx_vec3 olx_surface_irradiance(const olx_field *field, const olx_sample_setting
 // - `position`: metres. `normal`: unit, of the surface of the object there; a place is looked up 1/4096 of the smallest cell before it.
 // Where the volume has no cell, because neither cameras nor light field probes reach that space, this is 0: light of another room
 // would be a leak. In a field without a volume (olx_field_info.volume_probe_count is 0), and in one whose lights have changed since
-// it was baked, it is olx_irradiance with default settings. Numbers that are not finite give 0.
+// it was baked, it is olx_irradiance with default settings: 0 without probe light. Numbers that are not finite give 0.
 olx_vec3 olx_volume_irradiance(const olx_field *field, olx_vec3 position, olx_vec3 normal);
+
+// OLX_ERROR_ARGUMENT, with a message, when the field was baked without probe light (octalux/bake.h): OLX_HITS_STORED then takes
+// OLX_HITS_SHADED in its place, and olx_irradiance and olx_probe_irradiance are 0.
+olx_result olx_probe_light_check(const olx_field *field);
 
 // Irradiance in W/m^2 that irradiance probe `index` (< irradiance_probe_count) holds for surfaces of unit normal `normal`: not
 // interpolated, and with spherical harmonics as they ring, that is also below 0, where olx_irradiance says 0. 0 for another index.

@@ -121,7 +121,8 @@ typedef struct olx_vulkan_targets {
   uint32_t passes;        // OLX_VULKAN_PASS_*: those that will be recorded; 0: all
   // Tracers, selectors and kinds of light at the end of rays that settings will name, as bits 1 << olx_tracer, 1 << olx_select and
   // 1 << olx_hits. Each three have a pipeline of their own, made here, so that recording makes none. 0: OLX_TRACER_HIZ;
-  // OLX_SELECT_BEST; OLX_HITS_SHADED. Once a relighter changes the field's lights, stored radiance is that of the bake.
+  // OLX_SELECT_BEST; OLX_HITS_SHADED. Naming OLX_HITS_STORED needs a field with probe light; once a relighter changes the field's
+  // lights, that is still the light of the bake.
   uint32_t tracers, selects, hits;
 } olx_vulkan_targets;
 
@@ -171,7 +172,7 @@ typedef struct olx_vulkan_settings {
   uint32_t glossy_samples;    // rays a pixel on glossy surfaces, 1 to 4096; default 1. Mirrors take 1
   uint32_t sample_index;      // which part of a pixel's sequence of random numbers: count frames here; default 0
   uint32_t seed;              // another sequence for every pixel; default 0
-  bool irradiance_probes; // irradiance comes from irradiance probes alone; default false
+  bool irradiance_probes; // irradiance comes from irradiance probes alone, of a field with probe light; default false
   float dim_lobe; // rough specular lobes that reflect less than this share towards the eye are not traced but
                   // take irradiance; default 0 (section 6)
   olx_vulkan_denoise denoise;

@@ -101,12 +101,14 @@ mat2x3 olx_add_from_afar(olx_sample_settings settings, olx_surface_point p, olx_
   return sum / max(count, 1.0);
 }
 
-// Irradiance for the normals `from` and `to`, by the weights that the probes around the point have for `from`.
+// Irradiance for the normals `from` and `to`, by the weights that the probes around the point have for `from`; 0 in a
+// field without irradiance probes.
 mat2x3 olx_irradiance_both(olx_sample_settings settings, vec3 position, vec3 from, vec3 to, vec3 view) {
   olx_surface_point p = olx_surface_point(position, from, view);
   olx_cage cage = olx_cage_at(olx_field.irradiance_grid, position);
   vec4 uv = vec4(olx_octahedral_encode(from), olx_octahedral_encode(to));
   mat2x3 irradiance = mat2x3(0.0);
+  if (olx_field.irradiance_grid.count.w == 0u) return irradiance;
   float sum = 0.0;
   for (uint corner = 0u; corner < 8u; corner++) {
     if (!olx_cage_has(cage, corner)) continue;

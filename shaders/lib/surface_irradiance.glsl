@@ -229,8 +229,8 @@ olx_surface_light olx_mix(olx_blend b) {
                            counts.x + counts.y + counts.z + counts.w);
 }
 
-// Irradiance for two normals where nothing is stored, of those sources that are named: the irradiance volume, and where it
-// has no cell irradiance probes.
+// Irradiance for two normals where nothing is stored, of those sources that are named: the irradiance volume, for the second
+// less what would come from below a surface of the first, and where it has no cell irradiance probes.
 mat2x3 olx_fallen_back(olx_sample_settings settings, uint sources, vec3 position, vec3 geometric_normal, vec3 from,
                        vec3 to, vec3 view) {
   mat2x3 irradiance = mat2x3(0.0);

@@ -82,11 +82,15 @@ vec3 olx_volume_coefficient(uint light, uint k) {
               olx_half_unpack(odd ? high >> 16 : high & 0xFFFFu));
 }
 
-// What a probe holds for two unit normals; ringing may take it below 0.
+// What a probe holds for two unit normals, for the second less what would come from below a surface of the first (twin of
+// olx_volume_bent); ringing may take it below 0.
 mat2x3 olx_volume_probe(uint probe, vec3 from, vec3 to) {
-  float values_from[9], values_to[9];
+  float values_from[9], values_to[9], below = 0.5 - 0.5 * olx_dot(from, to);
   olx_harmonics_at(from, values_from);
   olx_harmonics_at(to, values_to);
+  for (uint k = 0u; k < 9u; k++) { // odd ones change their sign behind
+    values_to[k] -= (k >= 1u && k <= 3u ? -below : below) * values_from[k];
+  }
   uint light = olx_volume_light(probe);
   mat2x3 sum = mat2x3(0.0);
   for (uint k = 0u; k < 9u; k++) {
@@ -96,7 +100,7 @@ mat2x3 olx_volume_probe(uint probe, vec3 from, vec3 to) {
   return sum;
 }
 
-// Irradiance at a place for two unit normals, not below 0; false where the volume has no cell. `normal` is that of the
+// Irradiance at a place for two unit normals as olx_volume_probe has them, not below 0; false where the volume has no cell. `normal` is that of the
 // surface there.
 bool olx_volume_both(vec3 position, vec3 normal, vec3 from, vec3 to, out mat2x3 irradiance) {
   uint cell;

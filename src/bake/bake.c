@@ -16,6 +16,7 @@
 #include "scene/sources.h"
 
 #include <assert.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/resource.h>
 
@@ -65,6 +66,12 @@ olx_bake_settings olx_bake_settings_default(const olx_scene *scene) {
   if (olx_scene_probe_grid(scene, NULL, &settings.grid) != OLX_OK) settings.grid = (olx_grid){0};
   settings.irradiance_grid = olx_bake_irradiance_grid(&settings.grid);
   return settings;
+}
+
+bool olx_bake_keeps_probe_light(const olx_bake_settings *s) {
+  const bool volume = s->volume_cells > 0 && s->light == OLX_LIGHT_CACHE;
+  return s->probe_light || s->classic || !volume || s->irradiance_form != OLX_IRRADIANCE_OCTAHEDRAL ||
+         s->bounce_gather != OLX_GATHER_SOLVED;
 }
 
 const char *olx_bake_light_name(olx_bake_light light) {
@@ -152,16 +159,20 @@ static olx_result check_relight(const olx_bake_settings *settings) {
   return olx_fail(OLX_ERROR_ARGUMENT, "bake: relighting needs the light of the scene, not the reference");
 }
 
+static olx_result check_probe_light(const olx_bake_settings *settings) {
+  OLX_TRY(check_grid(&settings->irradiance_grid, "irradiance grid"));
+  OLX_TRY(check_size(settings->irradiance_size, 8, 256, "irradiance size"));
+  OLX_TRY(check_range(settings->irradiance_form, OLX_IRRADIANCE_OCTAHEDRAL, OLX_IRRADIANCE_SH3, "form of irradiance"));
+  return check_range(settings->bounce_gather, OLX_GATHER_SOLVED, OLX_GATHER_TRACED, "way to gather bounces");
+}
+
 static olx_result check_settings(const olx_bake_settings *settings) {
   OLX_TRY(check_probes(settings));
   OLX_TRY(check_select(settings));
-  OLX_TRY(check_grid(&settings->irradiance_grid, "irradiance grid"));
   OLX_TRY(check_size(settings->radiance_size, 8, 2048, "radiance size"));
-  OLX_TRY(check_size(settings->irradiance_size, 8, 256, "irradiance size"));
-  OLX_TRY(check_range(settings->irradiance_form, OLX_IRRADIANCE_OCTAHEDRAL, OLX_IRRADIANCE_SH3, "form of irradiance"));
+  if (olx_bake_keeps_probe_light(settings)) OLX_TRY(check_probe_light(settings));
   OLX_TRY(check_relight(settings));
   OLX_TRY(check_classic(settings));
-  OLX_TRY(check_range(settings->bounce_gather, OLX_GATHER_SOLVED, OLX_GATHER_TRACED, "way to gather bounces"));
   OLX_TRY(check_range(settings->light, OLX_LIGHT_CACHE, OLX_LIGHT_REFERENCE, "kind of light"));
   if (!(settings->noise >= 0.001f && settings->noise <= 1.0f))
     return olx_fail(OLX_ERROR_ARGUMENT, "bake: noise must be 0.001 to 1, not %g", (double)settings->noise);
@@ -221,10 +232,7 @@ static olx_field_header header_of(const bake *b) {
                .irradiance_probe_count = b->counts[1],
                .has_grid = !s->probes,
                .grid = s->grid,
-               .irradiance_grid = s->irradiance_grid,
                .radiance_size = s->radiance_size,
-               .irradiance_size = s->irradiance_size,
-               .irradiance_form = s->irradiance_form,
                .select_mask = select_mask(s),
                .distance_scale_metres = b->distance_scale,
                .scene_min = b->scene->bounds_min,
@@ -243,6 +251,11 @@ static olx_field_header header_of(const bake *b) {
       .volume_positions = b->volume.cells.positions,
   };
   header.info.volume_probe_count = b->volume.cells.probe_count;
+  if (b->counts[1]) {
+    header.info.irradiance_grid = s->irradiance_grid;
+    header.info.irradiance_size = s->irradiance_size;
+    header.info.irradiance_form = s->irradiance_form;
+  }
   if (s->classic) {
     header.info.classic_size = s->classic_size;
     header.info.classic_cube_size = s->classic_cube_size;
@@ -315,6 +328,7 @@ static olx_result gather_bounces(bake *b) {
 
 static olx_result gather_light(bake *b) {
   b->bounces = b->settings->bounces;
+  if (!b->counts[1]) return OLX_OK;
   const double start = olx_seconds();
   OLX_TRY(b->gather.light ? gather_solved(b) : gather_bounces(b));
   b->stats.irradiance_seconds = olx_seconds() - start;
@@ -467,8 +481,8 @@ static void describe_work(bake *b) {
                              .threads = s->threads,
                              .distance_scale = b->distance_scale,
                              .task = &b->task};
-  b->surfaces =
-      (olx_surface_capture){.capture = &b->capture, .seed = s->seed, .reference_paths = s->reference_paths};
+  b->surfaces = (olx_surface_capture){
+      .capture = &b->capture, .seed = s->seed, .reference_paths = s->reference_paths, .has_radiance = b->counts[1] > 0};
 }
 
 // Units of progress, in rays; the quadrature of the gather must be known.
@@ -494,7 +508,7 @@ static olx_result run(bake *b, const char *path) {
   OLX_TRY(olx_capture_create(&b->capture));
   OLX_TRY(solve_light(b));
   if (is_solved(s)) b->gather.light = b->shade.light = b->light;
-  OLX_TRY(olx_gather_create(&b->gather, &s->irradiance_grid, s->irradiance_size, s->bounces));
+  if (b->counts[1]) OLX_TRY(olx_gather_create(&b->gather, &s->irradiance_grid, s->irradiance_size, s->bounces));
   OLX_TRY(olx_volume_bake_write(&b->volume, b->light, b->writer, &b->stats));
   b->surfaces.light = b->light;
   OLX_TRY(olx_surface_capture_create(&b->surfaces));
@@ -540,7 +554,7 @@ static olx_result finish(bake *b, olx_result result, double start) {
 static olx_result bake_scene(bake *b, const char *path, const olx_progress *progress) {
   const double start = olx_seconds();
   OLX_TRY(place_probes(b, 0, &b->settings->grid, b->settings->probes, b->settings->probe_count));
-  OLX_TRY(place_probes(b, 1, &b->settings->irradiance_grid, NULL, 0));
+  if (olx_bake_keeps_probe_light(b->settings)) OLX_TRY(place_probes(b, 1, &b->settings->irradiance_grid, NULL, 0));
   b->distance_scale = olx_length(olx_sub(b->scene->bounds_max, b->scene->bounds_min));
   olx_task_begin(&b->task, progress, "probes", 1);
   olx_shade_context_begin(&b->shade, b->scene, b->settings->seed);
@@ -557,32 +571,45 @@ static uint64_t memory_of(const bake *b, const olx_field_layout *layout) {
   const uint32_t threads = s->threads ? s->threads : olx_processor_count();
   const uint64_t probe_bytes = 2 * (sizeof(olx_vec3) + 1); // here and in the writer
   uint64_t bytes = ((uint64_t)b->counts[0] + b->counts[1]) * probe_bytes + threads * sizeof(olx_shade_scratch);
-  bytes += olx_gather_bytes(&b->gather, s->irradiance_size, s->bounces, is_solved(s), s->fit);
+  if (b->counts[1]) bytes += olx_gather_bytes(&b->gather, s->irradiance_size, s->bounces, is_solved(s), s->fit);
   bytes += olx_capture_bytes(s->radiance_size);
   bytes += layout->shapes[OLX_CHUNK_RADIANCE].record_bytes + layout->shapes[OLX_CHUNK_LEAST].record_bytes +
            layout->shapes[OLX_CHUNK_GREATEST].record_bytes; // the writer's map and pyramid
-  bytes += olx_surface_capture_bytes(s->radiance_size, s->light == OLX_LIGHT_CACHE);
+  bytes += olx_surface_capture_bytes(s->radiance_size, s->light == OLX_LIGHT_CACHE, b->counts[1] > 0);
   return s->classic ? bytes + olx_classic_bake_bytes(&b->classic) : bytes;
+}
+
+// "12 light field and 27 irradiance probes"
+typedef struct probes_text {
+  char text[80];
+} probes_text;
+
+static probes_text name_probes(const olx_bake_sizes *sizes) {
+  probes_text name;
+  const unsigned long long light = sizes->probes, irradiance = sizes->irradiance_probes;
+  if (irradiance)
+    snprintf(name.text, sizeof name.text, "%llu light field and %llu irradiance probes", light, irradiance);
+  else snprintf(name.text, sizeof name.text, "%llu light field probes", light);
+  return name;
 }
 
 static olx_result check_available(const olx_bake_sizes *sizes, const char *path) {
   const double gibibyte = 0x1p30;
+  const probes_text probes = name_probes(sizes);
   if (sizes->file_bytes > sizes->available_disk_bytes) {
     return olx_fail(
         OLX_ERROR_FILE,
-        "%s: %llu light field and %llu irradiance probes make a file of %.2f GiB (%llu bytes), and %.2f GiB are "
-        "free there: fewer probes, or smaller maps (radiance_size, irradiance_size)",
-        path, (unsigned long long)sizes->probes, (unsigned long long)sizes->irradiance_probes,
-        (double)sizes->file_bytes / gibibyte, (unsigned long long)sizes->file_bytes,
+        "%s: %s make a file of %.2f GiB (%llu bytes), and %.2f GiB are free there: fewer probes, or smaller "
+        "maps (radiance_size, irradiance_size)",
+        path, probes.text, (double)sizes->file_bytes / gibibyte, (unsigned long long)sizes->file_bytes,
         (double)sizes->available_disk_bytes / gibibyte);
   }
   if (sizes->memory_bytes <= sizes->available_memory_bytes) return OLX_OK;
-  return olx_fail(
-      OLX_ERROR_MEMORY,
-      "%s: baking %llu irradiance probes takes %.2f GiB of memory (%llu bytes), and %.2f GiB are available: fewer "
-      "of them, or smaller maps (irradiance_size)",
-      path, (unsigned long long)sizes->irradiance_probes, (double)sizes->memory_bytes / gibibyte,
-      (unsigned long long)sizes->memory_bytes, (double)sizes->available_memory_bytes / gibibyte);
+  return olx_fail(OLX_ERROR_MEMORY,
+                  "%s: baking %s takes %.2f GiB of memory (%llu bytes), and %.2f GiB are available: fewer of them, or "
+                  "smaller maps (radiance_size, irradiance_size)",
+                  path, probes.text, (double)sizes->memory_bytes / gibibyte, (unsigned long long)sizes->memory_bytes,
+                  (double)sizes->available_memory_bytes / gibibyte);
 }
 
 olx_result olx_bake_measure(const olx_scene *scene, const olx_bake_settings *settings, const char *path,
@@ -592,7 +619,7 @@ olx_result olx_bake_measure(const olx_scene *scene, const olx_bake_settings *set
   if (scene->triangle_count == 0) return olx_fail(OLX_ERROR_EMPTY, "%s: the scene has no triangles", path);
   bake b = {.scene = scene, .settings = settings, .distance_scale = 1.0f};
   b.counts[0] = settings->probes ? settings->probe_count : (uint32_t)grid_count(&settings->grid);
-  b.counts[1] = (uint32_t)grid_count(&settings->irradiance_grid);
+  if (olx_bake_keeps_probe_light(settings)) b.counts[1] = (uint32_t)grid_count(&settings->irradiance_grid);
   describe_work(&b);
   if (settings->classic) describe_classic(&b);
   b.gather.quadrature = olx_quadrature_shape(settings->irradiance_size);

@@ -76,7 +76,7 @@ olx_result olx_bake_estimate_seconds(const olx_scene *scene, const olx_bake_sett
   sample.measure_embree = false;
   sample.grid =
       settings->probes ? sample_probes(settings->probes, settings->probe_count) : sample_grid(&settings->grid);
-  sample.irradiance_grid = sample_grid(&settings->irradiance_grid);
+  if (sizes.irradiance_probes) sample.irradiance_grid = sample_grid(&settings->irradiance_grid);
   sample.radiance_size = LEAST_SIZE;
   OLX_TRY(bake_sample(scene, &sample, progress, &without));
   sample.radiance_size = settings->radiance_size < SAMPLE_SIZE ? settings->radiance_size : SAMPLE_SIZE;
@@ -84,7 +84,8 @@ olx_result olx_bake_estimate_seconds(const olx_scene *scene, const olx_bake_sett
   const double size = (double)settings->radiance_size / sample.radiance_size;
   const double probes = settings->probes ? (double)settings->probe_count : probes_of(&settings->grid);
   const double light = fmax(with.seconds - with.classic_seconds - (without.seconds - without.classic_seconds), 0.0);
-  *seconds = without.seconds * probes_of(&settings->irradiance_grid) / probes_of(&sample.irradiance_grid) +
-             light * size * size * probes / probes_of(&sample.grid);
+  const double irradiance =
+      sizes.irradiance_probes ? (double)sizes.irradiance_probes / probes_of(&sample.irradiance_grid) : 1.0;
+  *seconds = without.seconds * irradiance + light * size * size * probes / probes_of(&sample.grid);
   return OLX_OK;
 }

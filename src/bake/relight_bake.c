@@ -13,6 +13,7 @@
 enum {
   MOST_LINKS = 128, // of a place
   PLACES_PER_JOB = 256,
+  PLACES_AT_A_TIME = 64 * PLACES_PER_JOB,
   VOLUME_RAYS = 256, // of a volume probe
   PACKET = 64,
   SALT_VOLUME = 0x524C564F
@@ -21,12 +22,12 @@ enum {
 // Merged links bring a surfel the light that it was baked with: their weights are scaled by this much at most, or the inverse.
 static const float MOST_SCALE = 2.0f;
 
-// The merged links of all places, PLACES_PER_JOB a job.
+// The merged links of some places, PLACES_PER_JOB a job.
 typedef struct merge_job {
   const olx_relight_bake *bake;
   const olx_vec3 *light;     // of surfels, direct and indirect
-  const olx_vec3 *positions; // of volume probes
-  uint32_t count;
+  const olx_vec3 *positions; // of volume probes; NULL for surfels
+  uint32_t first, count;
   olx_merged_link *links; // MOST_LINKS a place
   uint32_t *counts;       // a place
   atomic_bool out_of_memory;
@@ -115,39 +116,66 @@ static void merge_some(void *user, uint32_t job) {
                  end = first + PLACES_PER_JOB < j->count ? first + PLACES_PER_JOB : j->count;
   for (uint32_t i = first; i < end; i++) {
     olx_merged_link *links = j->links + (size_t)i * MOST_LINKS;
-    j->counts[i] = j->positions ? merge_volume_probe(j, &merger, i, links) : merge_surfel(j, &merger, i, links);
+    const uint32_t place = j->first + i;
+    j->counts[i] = j->positions ? merge_volume_probe(j, &merger, place, links) : merge_surfel(j, &merger, place, links);
   }
   olx_link_merger_free(&merger);
 }
 
-// Rows of links without gaps, in the place of those of MOST_LINKS.
-static olx_result close_gaps(merge_job *j, olx_relight_rows *rows) {
-  rows->starts = olx_allocate((size_t)j->count + 1, sizeof *rows->starts);
-  if (!rows->starts) return olx_fail(OLX_ERROR_MEMORY, "relight: out of memory for links");
-  rows->starts[0] = 0;
-  rows->links = j->links;
-  j->links = NULL;
+static olx_relight_volume_link packed(const olx_merged_link *link) {
+  const olx_vec2 at =
+      olx_max3(olx_mul(link->direction, link->direction)) > 0.0f ? olx_octahedral_encode(link->direction) : (olx_vec2){0};
+  return (olx_relight_volume_link){link->from, olx_rgb9e5_pack(link->weight),
+                                   {(uint16_t)(at.x * 65535.0f + 0.5f), (uint16_t)(at.y * 65535.0f + 0.5f)}};
+}
+
+// Room for `more` links beyond `count`.
+static olx_result grow(olx_relight_rows *rows, uint64_t count, uint64_t more) {
+  if (count + more <= rows->most) return OLX_OK;
+  if (count + more > OLX_RELIGHT_MOST) return olx_fail(OLX_ERROR_UNSUPPORTED, "relight: more links than a field can hold");
+  const uint64_t most = count + more > 2 * rows->most ? count + more : 2 * rows->most;
+  olx_relight_volume_link *larger = olx_allocate(most, sizeof *larger);
+  if (!larger) return olx_fail(OLX_ERROR_MEMORY, "relight: out of memory for links");
+  if (count > 0) memcpy(larger, rows->links, count * sizeof *larger);
+  olx_release(rows->links);
+  rows->links = larger;
+  rows->most = most;
+  return OLX_OK;
+}
+
+// What a job has merged, behind what there is.
+static olx_result append(const merge_job *j, olx_relight_rows *rows) {
+  uint64_t more = 0;
+  for (uint32_t i = 0; i < j->count; i++) more += j->counts[i];
+  uint32_t end = rows->starts[j->first];
+  OLX_TRY(grow(rows, end, more));
   for (uint32_t i = 0; i < j->count; i++) {
-    memmove(rows->links + rows->starts[i], rows->links + (size_t)i * MOST_LINKS, j->counts[i] * sizeof *rows->links);
-    rows->starts[i + 1] = rows->starts[i] + j->counts[i];
+    for (uint32_t k = 0; k < j->counts[i]; k++) rows->links[end++] = packed(&j->links[(size_t)i * MOST_LINKS + k]);
+    rows->starts[j->first + i + 1] = end;
   }
   return OLX_OK;
 }
 
-static olx_result merge(merge_job *j, olx_relight_rows *rows) {
-  const olx_relight_bake *b = j->bake;
-  if ((uint64_t)j->count * MOST_LINKS > OLX_RELIGHT_MOST) {
-    return olx_fail(OLX_ERROR_UNSUPPORTED, "relight: %u places of light are more than a field can hold", j->count);
+static olx_result merge_parts(merge_job *j, uint32_t count, olx_relight_rows *rows) {
+  rows->starts[0] = 0;
+  for (j->first = 0; j->first < count; j->first += PLACES_AT_A_TIME) {
+    j->count = count - j->first < PLACES_AT_A_TIME ? count - j->first : PLACES_AT_A_TIME;
+    const uint32_t jobs = (j->count + PLACES_PER_JOB - 1) / PLACES_PER_JOB;
+    OLX_TRY(olx_parallel_for(jobs, j->bake->threads, merge_some, j, j->bake->task, 0));
+    if (atomic_load(&j->out_of_memory)) return olx_fail(OLX_ERROR_MEMORY, "relight: out of memory for merging links");
+    OLX_TRY(append(j, rows));
   }
-  j->links = olx_allocate((size_t)j->count * MOST_LINKS, sizeof *j->links);
-  j->counts = olx_allocate(j->count, sizeof *j->counts);
-  const uint32_t jobs = (j->count + PLACES_PER_JOB - 1) / PLACES_PER_JOB;
-  olx_result result = j->links && j->counts ? olx_parallel_for(jobs, b->threads, merge_some, j, b->task, 0)
-                                            : olx_fail(OLX_ERROR_MEMORY, "relight: out of memory for links");
-  if (result == OLX_OK && atomic_load(&j->out_of_memory)) {
-    result = olx_fail(OLX_ERROR_MEMORY, "relight: out of memory for merging links");
-  }
-  if (result == OLX_OK) result = close_gaps(j, rows);
+  return OLX_OK;
+}
+
+static olx_result merge(merge_job *j, uint32_t count, olx_relight_rows *rows) {
+  const size_t most = count < PLACES_AT_A_TIME ? count : PLACES_AT_A_TIME;
+  rows->starts = olx_allocate((size_t)count + 1, sizeof *rows->starts);
+  j->links = olx_allocate(most * MOST_LINKS, sizeof *j->links);
+  j->counts = olx_allocate(most, sizeof *j->counts);
+  const olx_result result = rows->starts && j->links && j->counts
+                                ? merge_parts(j, count, rows)
+                                : olx_fail(OLX_ERROR_MEMORY, "relight: out of memory for links of %u places", count);
   olx_release(j->links);
   olx_release(j->counts);
   return result;
@@ -159,17 +187,17 @@ olx_result olx_relight_bake_create(olx_relight_bake *b) {
   olx_vec3 *light = olx_allocate(b->tree.leaves, sizeof *light);
   if (!light) return olx_fail(OLX_ERROR_MEMORY, "relight: out of memory for light of %u surfels", b->tree.leaves);
   for (uint32_t i = 0; i < b->tree.leaves; i++) light[i] = olx_add(parts.direct[i], parts.irradiance[i]);
-  merge_job j = {.bake = b, .light = light, .count = b->tree.leaves};
-  const olx_result result = merge(&j, &b->surfels);
+  merge_job j = {.bake = b, .light = light};
+  const olx_result result = merge(&j, b->tree.leaves, &b->surfels);
   olx_release(light);
   return result;
 }
 
 olx_result olx_relight_bake_volume(olx_relight_bake *b, const olx_vec3 *positions, uint32_t count) {
-  merge_job j = {.bake = b, .positions = positions, .count = count};
+  merge_job j = {.bake = b, .positions = positions};
   b->volume_count = count;
   b->rays += (uint64_t)count * VOLUME_RAYS;
-  return count > 0 ? merge(&j, &b->volume) : OLX_OK;
+  return count > 0 ? merge(&j, count, &b->volume) : OLX_OK;
 }
 
 olx_result olx_relight_bake_probe(olx_relight_bake *b, const olx_capture *capture) {
@@ -221,17 +249,7 @@ static olx_relight_surfel stored_surfel(const olx_relight_bake *b, uint32_t inde
 
 static void put_links(const olx_relight_rows *rows, uint32_t count, output *o) {
   for (uint32_t i = 0; i < count; i++) {
-    const olx_relight_link link = {rows->links[i].from, olx_rgb9e5_pack(rows->links[i].weight)};
-    put(o, &link, sizeof link);
-  }
-}
-
-static void put_volume_links(const olx_relight_rows *rows, uint32_t count, output *o) {
-  for (uint32_t i = 0; i < count; i++) {
-    const olx_merged_link *from = &rows->links[i];
-    const olx_vec2 at = olx_octahedral_encode(from->direction);
-    const olx_relight_volume_link link = {from->from, olx_rgb9e5_pack(from->weight),
-                                          {(uint16_t)(at.x * 65535.0f + 0.5f), (uint16_t)(at.y * 65535.0f + 0.5f)}};
+    const olx_relight_link link = {rows->links[i].from, rows->links[i].weight};
     put(o, &link, sizeof link);
   }
 }
@@ -267,7 +285,7 @@ static void put_all(const olx_relight_bake *b, const olx_relight_header *h, outp
   put(o, b->sites.starts, (h->sites + (size_t)1) * sizeof zero);
   put(o, b->sites.entries, h->entries * sizeof *b->sites.entries);
   put(o, b->volume_count ? b->volume.starts : &zero, (h->volume_probes + (size_t)1) * sizeof zero);
-  put_volume_links(&b->volume, h->volume_links, o);
+  put(o, b->volume.links, h->volume_links * sizeof *b->volume.links);
 }
 
 olx_result olx_relight_bake_write(olx_relight_bake *b, olx_field_writer *writer) {

@@ -7,10 +7,11 @@
 #include "field/field_writer.h"
 #include "light/merged_links.h"
 
-// The links of places that are numbered one after the other.
+// The links of places that are numbered one after the other; surfels' have no direction.
 typedef struct olx_relight_rows {
   uint32_t *starts; // of the links of each place, and the end
-  olx_merged_link *links;
+  olx_relight_volume_link *links;
+  uint64_t most; // links that there is room for
 } olx_relight_rows;
 
 typedef struct olx_relight_bake {

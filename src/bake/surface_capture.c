@@ -82,7 +82,7 @@ static void add_sample(const olx_surface_capture *c, const texel_samples *t, uin
   sums->metallic += s.metallic;
   sums->direct = olx_add(sums->direct, direct_light(c, t, k, &s, rays));
   sums->count += 1.0f;
-  if (!olx_texel_is_mirror(&surface->bsdf)) return;
+  if (!c->radiance || !olx_texel_is_mirror(&surface->bsdf)) return;
   const uint32_t seed = olx_hash3(c->capture->probe, texel_index(c, t), SALT_LOBE) ^ c->seed;
   const olx_lobe_source source = {c->capture->scene, c->light, c->capture->bounces};
   olx_sampler sampler = {.seed = seed, .index = k};
@@ -118,21 +118,33 @@ static olx_vec3 mean_emission(const olx_surface_capture *c, const texel_samples 
   return count > 0.0f ? olx_scale(sum, 1.0f / count) : middle;
 }
 
-static void store_surface(const olx_surface_capture *c, uint32_t at, const olx_surface *middle, olx_vec3 direction,
+static void store_surface(const olx_surface_capture *c, uint32_t at, const olx_surface *middle,
                           const surface_sums *sums, olx_vec3 indirect) {
   const float share = 1.0f / sums->count;
-  const olx_vec3 direct = olx_scale(sums->direct, share);
   const float weight = c->capture->scene->materials[middle->material].specular_weight;
   const olx_texel_material_codes codes =
       olx_material_pack(olx_scale(sums->base_color, share), sums->roughness * share, sums->metallic * share, weight);
   c->base[at] = codes.base;
   c->specular[at] = codes.specular;
-  c->direct[at] = olx_rgb9e5_pack(direct);
+  c->direct[at] = olx_rgb9e5_pack(olx_scale(sums->direct, share));
   c->indirect[at] = olx_rgb9e5_pack(indirect);
-  const olx_bsdf bsdf = olx_material_unpack(codes);
-  const olx_vec3 irradiance = olx_madd(direct, indirect, 1.0f - c->last_bounce);
+}
+
+// What the surface, as it has been stored, reflects to the probe.
+static void store_radiance(const olx_surface_capture *c, uint32_t at, const olx_surface *middle, olx_vec3 direction,
+                           const surface_sums *sums, olx_vec3 indirect) {
+  if (!c->radiance) return;
+  const float share = 1.0f / sums->count;
+  const olx_bsdf bsdf = olx_material_unpack((olx_texel_material_codes){c->base[at], c->specular[at]});
+  const olx_vec3 irradiance = olx_madd(olx_scale(sums->direct, share), indirect, 1.0f - c->last_bounce);
   const olx_vec3 reflected = olx_texel_reflected(&bsdf, -olx_dot(middle->shading_normal, direction), irradiance);
   c->radiance[at] = olx_r11g11b10f_pack(olx_madd(reflected, sums->mirrored, share));
+}
+
+// Emission of the texel, which radiance holds as well.
+static void store_emission(const olx_surface_capture *c, uint32_t at, olx_vec3 emission) {
+  c->emission[at] = olx_rgb9e5_pack(emission);
+  if (c->radiance) c->radiance[at] = olx_r11g11b10f_pack(olx_add(olx_r11g11b10f_unpack(c->radiance[at]), emission));
 }
 
 static void capture_texel(olx_surface_capture *c, const texel_samples *t, uint64_t *rays) {
@@ -144,9 +156,8 @@ static void capture_texel(olx_surface_capture *c, const texel_samples *t, uint64
   c->base[at] = c->direct[at] = c->indirect[at] = c->emission[at] = 0;
   c->specular[at] = 0;
   if (hit->triangle == OLX_NO_HIT) {
-    const olx_vec3 sky = mean_emission(c, t, olx_environment_radiance(scene, direction), true);
-    c->emission[at] = olx_rgb9e5_pack(sky);
-    c->radiance[at] = olx_r11g11b10f_pack(sky);
+    if (c->radiance) c->radiance[at] = 0;
+    store_emission(c, at, mean_emission(c, t, olx_environment_radiance(scene, direction), true));
     return;
   }
   const olx_surface middle = olx_surface_at(scene, hit, direction);
@@ -159,11 +170,10 @@ static void capture_texel(olx_surface_capture *c, const texel_samples *t, uint64
   }
   if (sums.count == 0.0f) add_sample(c, t, 0, hit, &middle, &sums, rays);
   const olx_surface lit = smooth(scene, hit, &middle);
-  store_surface(c, at, &middle, direction, &sums, indirect_light(c, t, &lit, rays));
-  if (olx_max3(middle.emission) <= 0.0f) return;
-  const olx_vec3 emission = mean_emission(c, t, middle.emission, false);
-  c->emission[at] = olx_rgb9e5_pack(emission);
-  c->radiance[at] = olx_r11g11b10f_pack(olx_add(olx_r11g11b10f_unpack(c->radiance[at]), emission));
+  const olx_vec3 indirect = indirect_light(c, t, &lit, rays);
+  store_surface(c, at, &middle, &sums, indirect);
+  store_radiance(c, at, &middle, direction, &sums, indirect);
+  if (olx_max3(middle.emission) > 0.0f) store_emission(c, at, mean_emission(c, t, middle.emission, false));
 }
 
 static void capture_row(void *user, uint32_t y) {
@@ -193,10 +203,11 @@ olx_result olx_surface_capture_probe(olx_surface_capture *c, olx_surface_maps *m
                           olx_surface_capture_units(c) / rows);
 }
 
-uint64_t olx_surface_capture_bytes(uint32_t size, bool solved) {
+uint64_t olx_surface_capture_bytes(uint32_t size, bool solved, bool radiance) {
   const olx_surface_capture *c = NULL;
   const uint64_t texel = sizeof *c->base + sizeof *c->direct + sizeof *c->indirect + sizeof *c->emission +
-                         sizeof *c->radiance + sizeof *c->specular + (solved ? sizeof *c->irradiance : 0);
+                         sizeof *c->specular + (radiance ? sizeof *c->radiance : 0) +
+                         (solved ? sizeof *c->irradiance : 0);
   return (uint64_t)size * size * texel;
 }
 
@@ -206,11 +217,11 @@ olx_result olx_surface_capture_create(olx_surface_capture *c) {
   c->direct = olx_allocate(texels, sizeof *c->direct);
   c->indirect = olx_allocate(texels, sizeof *c->indirect);
   c->emission = olx_allocate(texels, sizeof *c->emission);
-  c->radiance = olx_allocate(texels, sizeof *c->radiance);
+  if (c->has_radiance) c->radiance = olx_allocate(texels, sizeof *c->radiance);
   c->irradiance = olx_allocate(c->light ? texels : 0, sizeof *c->irradiance);
   c->specular = olx_allocate(texels, sizeof *c->specular);
-  const bool complete = c->base && c->direct && c->indirect && c->emission && c->radiance && c->specular;
-  if (complete && c->irradiance) return OLX_OK;
+  const bool complete = c->base && c->direct && c->indirect && c->emission && c->specular && c->irradiance;
+  if (complete && (c->radiance || !c->has_radiance)) return OLX_OK;
   olx_surface_capture_free(c);
   return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for surfaces of %u x %u texels", c->capture->size,
                   c->capture->size);

@@ -15,23 +15,24 @@ typedef struct olx_surface_capture {
   uint32_t seed;                // of the bake
   const olx_scene_light *light; // NULL: indirect light is the plain reference
   uint32_t reference_paths;     // of a texel, for the reference
+  bool has_radiance;            // `radiance` is wanted
   olx_vec3 *irradiance;         // indirect, where `light` gives it
   float last_bounce;            // share of that light that is one bounce more than radiance holds
-  uint32_t *base, *direct, *indirect, *emission, *radiance;
+  uint32_t *base, *direct, *indirect, *emission, *radiance; // `radiance` is NULL where it is not wanted
   uint16_t *specular;
   atomic_uint_fast64_t rays; // cast so far
 } olx_surface_capture;
 
-// The fields up to `reference_paths` are the caller's to fill.
+// The fields up to `has_radiance` are the caller's to fill.
 olx_result olx_surface_capture_create(olx_surface_capture *surfaces);
-// Bytes that the maps of a probe take; `solved`: with indirect light that is not the plain reference.
-uint64_t olx_surface_capture_bytes(uint32_t size, bool solved);
+// Bytes that the maps of a probe take; `solved`: with indirect light that is not the plain reference; `radiance`: with that.
+uint64_t olx_surface_capture_bytes(uint32_t size, bool solved, bool radiance);
 void olx_surface_capture_free(olx_surface_capture *surfaces);
 
 // Units of progress a probe takes, in samples of texels.
 uint64_t olx_surface_capture_units(const olx_surface_capture *surfaces);
 
-// *maps points into `surfaces`; surfaces->radiance is filled, too.
+// *maps points into `surfaces`; surfaces->radiance is filled, too, where it is wanted.
 olx_result olx_surface_capture_probe(olx_surface_capture *surfaces, olx_surface_maps *maps);
 
 // The lights of a scene that have no area, as a field holds them; *lights is to be given to olx_release.

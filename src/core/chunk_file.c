@@ -99,7 +99,7 @@ olx_result olx_chunk_file_check(const olx_chunk_file *file, const olx_file_kind 
   return check_table(file);
 }
 
-static olx_result find_at_most_one(const olx_chunk_file *file, uint32_t type, const olx_file_chunk **found) {
+olx_result olx_chunk_find_any(const olx_chunk_file *file, uint32_t type, const olx_file_chunk **found) {
   const olx_file_header *header = file->data;
   const olx_file_chunk *table = olx_chunk_table(file);
   *found = NULL;
@@ -112,14 +112,14 @@ static olx_result find_at_most_one(const olx_chunk_file *file, uint32_t type, co
 }
 
 olx_result olx_chunk_find_optional(const olx_chunk_file *file, uint32_t type, const olx_file_chunk **found) {
-  OLX_TRY(find_at_most_one(file, type, found));
+  OLX_TRY(olx_chunk_find_any(file, type, found));
   if (!*found || (*found)->flags == OLX_CHUNK_OPTIONAL) return OLX_OK;
   return olx_fail(OLX_ERROR_FORMAT, "%s: chunk %s: not flagged optional, but it is", file->name,
                   olx_chunk_type_name(type).text);
 }
 
 olx_result olx_chunk_find(const olx_chunk_file *file, uint32_t type, const olx_file_chunk **found) {
-  OLX_TRY(find_at_most_one(file, type, found));
+  OLX_TRY(olx_chunk_find_any(file, type, found));
   if (!*found) return olx_fail(OLX_ERROR_FORMAT, "%s: no chunk %s", file->name, olx_chunk_type_name(type).text);
   return OLX_OK;
 }
@@ -186,7 +186,7 @@ olx_result olx_chunk_find_origin(const olx_chunk_file *file, double origin[3]) {
   const olx_file_chunk *chunk;
   const void *data;
   origin[0] = origin[1] = origin[2] = 0.0;
-  OLX_TRY(find_at_most_one(file, shape.type, &chunk));
+  OLX_TRY(olx_chunk_find_any(file, shape.type, &chunk));
   if (!chunk) return OLX_OK;
   OLX_TRY(olx_chunk_find_shaped(file, &shape, &data));
   if (olx_content_hash(data, shape.size_bytes) != chunk->hash) {

@@ -97,6 +97,8 @@ uint64_t olx_content_hash(const void *data, size_t size_bytes);
 // come first, because only they mean the same in every version. The chunks themselves are not read.
 olx_result olx_chunk_file_check(const olx_chunk_file *file, const olx_file_kind *kind);
 
+// The only chunk of a type; *found is NULL when there is none.
+olx_result olx_chunk_find_any(const olx_chunk_file *file, uint32_t type, const olx_file_chunk **found);
 // The one chunk of a type that every reader must find.
 olx_result olx_chunk_find(const olx_chunk_file *file, uint32_t type, const olx_file_chunk **found);
 // The same, when it has the sizes asked for; *data is its first byte.

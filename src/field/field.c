@@ -37,13 +37,34 @@ static olx_result check_selectors(olx_field *field) {
   return OLX_OK;
 }
 
-static olx_result refuse_unknown(const olx_chunk_file *file, const olx_chunk_shape shapes[OLX_CHUNK_KINDS]) {
+static olx_result refuse_unknown(const olx_chunk_file *file, const olx_field_info *info,
+                                 const olx_chunk_shape shapes[OLX_CHUNK_KINDS]) {
   olx_chunk_shape required[OLX_CHUNK_KINDS];
   uint32_t count = 0;
   for (uint32_t k = 0; k < OLX_CHUNK_KINDS; k++) {
-    if (olx_chunk_is_required(k)) required[count++] = shapes[k];
+    if (olx_chunk_is_required(info, k)) required[count++] = shapes[k];
   }
   return olx_chunk_refuse_unknown(file, required, count);
+}
+
+// Probe light in a field whose description has no irradiance probes.
+static olx_result refuse_probe_light(const olx_chunk_file *file, uint32_t type) {
+  const olx_file_chunk *chunk;
+  OLX_TRY(olx_chunk_find_any(file, type, &chunk));
+  if (!chunk) return OLX_OK;
+  return olx_fail(OLX_ERROR_FORMAT, "%s: a chunk %s, but the description has no irradiance probes", file->name,
+                  olx_chunk_type_name(type).text);
+}
+
+// The chunks whose sizes follow from the description; NULL for those of probe light in a field without.
+static olx_result find_described(const olx_chunk_file *file, const olx_field_info *info,
+                                 const olx_chunk_shape shapes[OLX_CHUNK_KINDS], const void *data[OLX_CHUNK_KINDS]) {
+  for (uint32_t k = 0; k < OLX_CHUNK_LIGHTS; k++) {
+    data[k] = NULL;
+    OLX_TRY(olx_chunk_is_required(info, k) ? olx_chunk_find_shaped(file, &shapes[k], &data[k])
+                                           : refuse_probe_light(file, shapes[k].type));
+  }
+  return OLX_OK;
 }
 
 static olx_result find_chunks(olx_field *field) {
@@ -51,9 +72,9 @@ static olx_result find_chunks(olx_field *field) {
   const void *data[OLX_CHUNK_KINDS];
   const olx_chunk_file file = olx_field_file(field);
   olx_chunk_shapes(&field->info, shapes);
-  for (uint32_t k = 0; k < OLX_CHUNK_LIGHTS; k++) OLX_TRY(olx_chunk_find_shaped(&file, &shapes[k], &data[k]));
+  OLX_TRY(find_described(&file, &field->info, shapes, data));
   OLX_TRY(olx_chunk_find_origin(&file, field->origin));
-  OLX_TRY(refuse_unknown(&file, shapes));
+  OLX_TRY(refuse_unknown(&file, &field->info, shapes));
   OLX_TRY(find_selectors(field, shapes));
   olx_field_info *info = &field->info;
   info->file_bytes = field->size_bytes;

@@ -34,7 +34,7 @@ struct olx_field {
 
   uint32_t n, stride;       // radiance_size and n + 2
   size_t texels;            // a light field map: stride * stride
-  const uint32_t *radiance; // R11G11B10F, `texels` a probe
+  const uint32_t *radiance; // R11G11B10F, `texels` a probe; NULL without probe light, as is all of irradiance probes
   const uint16_t *normal;   // olx_normal_pack, the surface's normal on the probe's side
   const uint16_t *distance; // half
   olx_field_surfaces surfaces;

@@ -4,6 +4,7 @@
 
 void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHUNK_KINDS]) {
   const uint64_t side = info->radiance_size + 2, texels = side * side;
+  const uint32_t radiance_maps = olx_chunk_is_required(info, OLX_CHUNK_RADIANCE) ? info->probe_count : 0;
   const uint64_t irradiance_side = info->irradiance_size + 2, irradiance_texels = irradiance_side * irradiance_side;
   const uint32_t bands = olx_irradiance_bands(info->irradiance_form);
   const olx_pyramid_shape pyramid = olx_pyramid_shape_of(info->radiance_size);
@@ -14,7 +15,7 @@ void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHU
       [OLX_CHUNK_INFO] = {OLX_FOUR_CC('I', 'N', 'F', 'O'), sizeof(olx_file_info), 1, 1},
       [OLX_CHUNK_PROBE_POSITIONS] = {OLX_FOUR_CC('P', 'P', 'O', 'S'), 4, 3, info->probe_count},
       [OLX_CHUNK_PROBE_FLAGS] = {OLX_FOUR_CC('P', 'F', 'L', 'G'), 1, 1, info->probe_count},
-      [OLX_CHUNK_RADIANCE] = {OLX_FOUR_CC('R', 'A', 'D', 'I'), 4, texels, info->probe_count},
+      [OLX_CHUNK_RADIANCE] = {OLX_FOUR_CC('R', 'A', 'D', 'I'), 4, texels, radiance_maps},
       [OLX_CHUNK_NORMAL] = {OLX_FOUR_CC('N', 'O', 'R', 'M'), 2, texels, info->probe_count},
       [OLX_CHUNK_DISTANCE] = {OLX_FOUR_CC('D', 'I', 'S', 'T'), 2, texels, info->probe_count},
       [OLX_CHUNK_LEAST] = {OLX_FOUR_CC('D', 'M', 'I', 'N'), 2, pyramid.least_nodes, info->probe_count},
@@ -115,6 +116,7 @@ static bool is_length(float f) { return fabsf(f) <= OLX_FIELD_MAX_LENGTH; }
 static bool is_place(olx_vec3 v) { return is_length(v.x) && is_length(v.y) && is_length(v.z); }
 
 olx_result olx_classic_info_check(const olx_field_info *info, const char *name, olx_result failure) {
+  if (!info->irradiance_probe_count) return olx_fail(failure, "%s: classic maps, but no irradiance probes", name);
   if (!is_power_of_two_in(info->classic_size, 32, 256)) {
     return olx_fail(failure, "%s: classic size %u is not a power of two in 32..256", name, info->classic_size);
   }
@@ -157,20 +159,31 @@ static olx_result check_sizes(const olx_field_info *info, const char *name, olx_
   if (!is_power_of_two_in(info->radiance_size, 8, 2048)) {
     return olx_fail(failure, "%s: radiance size %u is not a power of two in 8..2048", name, info->radiance_size);
   }
+  if (info->probe_count < 1) return olx_fail(failure, "%s: no light field probes", name);
+  if (info->buried_count > info->probe_count || info->irradiance_buried_count > info->irradiance_probe_count) {
+    return olx_fail(failure, "%s: more probes are buried than there are", name);
+  }
+  if (info->samples < 1) return olx_fail(failure, "%s: samples 0 is not at least 1", name);
+  return OLX_OK;
+}
+
+// Without irradiance probes nothing is said of them.
+static olx_result check_no_irradiance_probes(const olx_field_info *info, const char *name, olx_result failure) {
+  static const olx_grid none = {0};
+  const bool silent = info->irradiance_size == 0 && info->irradiance_form == 0 &&
+                      memcmp(&info->irradiance_grid, &none, sizeof none) == 0;
+  return silent ? OLX_OK : olx_fail(failure, "%s: a size, form or grid of irradiance probes, but none of them", name);
+}
+
+static olx_result check_irradiance_probes(const olx_field_info *info, const char *name, olx_result failure) {
+  if (!info->irradiance_probe_count) return check_no_irradiance_probes(info, name, failure);
   if (!is_power_of_two_in(info->irradiance_size, 8, 256)) {
     return olx_fail(failure, "%s: irradiance size %u is not a power of two in 8..256", name, info->irradiance_size);
   }
   if ((uint32_t)info->irradiance_form > OLX_IRRADIANCE_SH3) {
     return olx_fail(failure, "%s: unknown form of irradiance %u", name, (uint32_t)info->irradiance_form);
   }
-  if (info->probe_count < 1 || info->irradiance_probe_count < 1) {
-    return olx_fail(failure, "%s: no %s probes", name, info->probe_count < 1 ? "light field" : "irradiance");
-  }
-  if (info->buried_count > info->probe_count || info->irradiance_buried_count > info->irradiance_probe_count) {
-    return olx_fail(failure, "%s: more probes are buried than there are", name);
-  }
-  if (info->samples < 1) return olx_fail(failure, "%s: samples 0 is not at least 1", name);
-  return OLX_OK;
+  return check_grid(&info->irradiance_grid, info->irradiance_probe_count, "irradiance", name, failure);
 }
 
 olx_result olx_field_info_check(const olx_field_info *info, const char *name, olx_result failure) {
@@ -189,7 +202,7 @@ olx_result olx_field_info_check(const olx_field_info *info, const char *name, ol
                     (double)low.y, (double)low.z, (double)high.x, (double)high.y, (double)high.z);
   }
   if (info->has_grid) OLX_TRY(check_grid(&info->grid, info->probe_count, "light field", name, failure));
-  OLX_TRY(check_grid(&info->irradiance_grid, info->irradiance_probe_count, "irradiance", name, failure));
+  OLX_TRY(check_irradiance_probes(info, name, failure));
   if ((info->select_mask & 1u << OLX_SELECT_CAGE) && !info->has_grid) {
     return olx_fail(failure, "%s: the cage selector needs light field probes on a grid", name);
   }

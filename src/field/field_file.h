@@ -70,7 +70,7 @@ typedef enum olx_chunk_kind {
   OLX_CHUNK_INDIRECT,
   OLX_CHUNK_EMISSION,
   OLX_CHUNK_LIGHTS,
-  OLX_CHUNK_REQUIRED, // how many every field has, and OLX_CHUNK_EMISSION_TILES at the end
+  OLX_CHUNK_REQUIRED, // how many a field with probe light has, and OLX_CHUNK_EMISSION_TILES at the end
   // Selectors: optional, because what a reader does not know it can do without.
   OLX_CHUNK_VORONOI = OLX_CHUNK_REQUIRED,
   OLX_CHUNK_OCTREE,
@@ -92,7 +92,14 @@ typedef enum olx_chunk_kind {
   OLX_CHUNK_KINDS
 } olx_chunk_kind;
 
-static inline bool olx_chunk_is_required(olx_chunk_kind kind) {
+// Radiance as light field probes saw it, and irradiance probes: a field has all of these, or no irradiance probes.
+static inline bool olx_chunk_is_probe_light(olx_chunk_kind kind) {
+  return kind == OLX_CHUNK_RADIANCE || (kind >= OLX_CHUNK_IRRADIANCE_POSITIONS && kind <= OLX_CHUNK_MOMENTS);
+}
+
+// Whether the chunk is there because of the description alone, and not flagged optional.
+static inline bool olx_chunk_is_required(const olx_field_info *info, olx_chunk_kind kind) {
+  if (olx_chunk_is_probe_light(kind)) return info->irradiance_probe_count > 0;
   return kind < OLX_CHUNK_REQUIRED || kind == OLX_CHUNK_EMISSION_TILES;
 }
 

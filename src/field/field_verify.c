@@ -105,17 +105,13 @@ static olx_result check_pyramid_level(const olx_field *field, uint32_t probe, ui
 static olx_result check_probe(const olx_field *field, uint32_t probe) {
   OLX_TRY(check_flags(field, "light field", probe, field->probe_flags[probe]));
   const size_t texels = field->texels;
-  const uint32_t *radiance = field->radiance + texels * probe;
   const uint16_t *normal = field->normal + texels * probe, *distance = field->distance + texels * probe;
-  size_t bad = first_bad_color(radiance, texels);
-  if (bad < texels) return fail_at(field, "radiance", probe, bad, field->stride, radiance[bad], "not a finite number");
-  bad = first_bad_normal(normal, texels);
+  size_t bad = first_bad_normal(normal, texels);
   if (bad < texels) return fail_at(field, "normal", probe, bad, field->stride, normal[bad], "a coordinate beyond 254");
   bad = first_bad_distance(distance, texels);
   if (bad < texels) {
     return fail_at(field, "distance", probe, bad, field->stride, distance[bad], "NaN or a marked sky");
   }
-  OLX_TRY(check_border(field, "radiance", probe, radiance, field->n, 4));
   OLX_TRY(check_border(field, "normal", probe, normal, field->n, 2));
   OLX_TRY(check_border(field, "distance", probe, distance, field->n, 2));
   for (uint32_t level = 0; level < field->pyramid.levels; level++) OLX_TRY(check_pyramid_level(field, probe, level));
@@ -132,6 +128,10 @@ static olx_result check_color_map(const olx_field *field, const char *what, uint
   const size_t texels = (size_t)(n + 2) * (n + 2), bad = first_bad_color(map, texels);
   if (bad < texels) return fail_at(field, what, probe, bad, n + 2, map[bad], "not a finite number");
   return check_border(field, what, probe, map, n, 4);
+}
+
+static olx_result check_radiance(const olx_field *field, uint32_t probe) {
+  return check_color_map(field, "radiance", probe, field->radiance + field->texels * probe, field->n);
 }
 
 static olx_result check_harmonics(const olx_field *field, uint32_t probe) {
@@ -213,6 +213,7 @@ olx_result olx_field_verify(const olx_field *field) {
   if (field->select_data[OLX_SELECT_VORONOI]) OLX_TRY(olx_voronoi_verify(field));
   if (field->select_data[OLX_SELECT_OCTREE]) OLX_TRY(olx_octree_verify(field));
   OLX_TRY(check_all(field, check_probe, field->info.probe_count));
+  if (field->radiance) OLX_TRY(check_all(field, check_radiance, field->info.probe_count));
   OLX_TRY(check_all(field, check_irradiance, field->info.irradiance_probe_count));
   if (field->classic.size) {
     OLX_TRY(check_classic_table(field));

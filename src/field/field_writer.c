@@ -27,7 +27,7 @@ struct olx_field_writer {
 
 static void find_present(const olx_field_header *header, olx_field_layout *layout) {
   const olx_field_info *info = &header->info;
-  for (uint32_t k = 0; k < OLX_CHUNK_KINDS; k++) layout->present[k] = olx_chunk_is_required(k);
+  for (uint32_t k = 0; k < OLX_CHUNK_KINDS; k++) layout->present[k] = olx_chunk_is_required(info, k);
   layout->shapes[OLX_CHUNK_LIGHTS].size_bytes = header->light_count * sizeof(olx_field_light);
   for (olx_select select = OLX_SELECT_VORONOI; select < OLX_SELECT_STORED; select++) {
     const olx_chunk_kind kind = olx_select_chunk(select);
@@ -77,7 +77,10 @@ static olx_result allocate_buffers(olx_field_writer *writer, const olx_field_hea
     return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", path);
   }
   memcpy(writer->probe_positions, header->probe_positions, shapes[OLX_CHUNK_PROBE_POSITIONS].size_bytes);
-  memcpy(writer->irradiance_positions, header->irradiance_positions, shapes[OLX_CHUNK_IRRADIANCE_POSITIONS].size_bytes);
+  if (info->irradiance_probe_count) {
+    memcpy(writer->irradiance_positions, header->irradiance_positions,
+           shapes[OLX_CHUNK_IRRADIANCE_POSITIONS].size_bytes);
+  }
   return OLX_OK;
 }
 
@@ -222,7 +225,7 @@ static olx_result refuse_order(olx_field_writer *writer, const char *kind, uint3
 static olx_result write_probe(olx_field_writer *writer, uint32_t index, const uint32_t *radiance,
                               const uint16_t *normal, const uint16_t *distance) {
   const uint32_t n = writer->info.radiance_size;
-  OLX_TRY(put_map(writer, OLX_CHUNK_RADIANCE, index, radiance, n));
+  if (radiance) OLX_TRY(put_map(writer, OLX_CHUNK_RADIANCE, index, radiance, n));
   OLX_TRY(put_map(writer, OLX_CHUNK_NORMAL, index, normal, n));
   OLX_TRY(put_map(writer, OLX_CHUNK_DISTANCE, index, distance, n));
   const olx_pyramid_shape pyramid = olx_pyramid_shape_of(n);
@@ -235,6 +238,10 @@ olx_result olx_field_writer_probe(olx_field_writer *writer, uint32_t index, uint
                                   const uint16_t *normal, const uint16_t *distance) {
   if (index != writer->probes_written || index >= writer->info.probe_count) {
     return refuse_order(writer, "light field", index, writer->probes_written);
+  }
+  if ((radiance != NULL) != writer->layout.present[OLX_CHUNK_RADIANCE]) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "%s: light field probe %u: radiance goes with irradiance probes",
+                    writer->file.path, index);
   }
   const olx_result result = write_probe(writer, index, radiance, normal, distance);
   writer->failed |= result != OLX_OK;
@@ -388,8 +395,10 @@ static olx_result write_frame(olx_field_writer *writer) {
   OLX_TRY(put_whole(writer, OLX_CHUNK_INFO, &info));
   OLX_TRY(put_whole(writer, OLX_CHUNK_PROBE_POSITIONS, writer->probe_positions));
   OLX_TRY(put_whole(writer, OLX_CHUNK_PROBE_FLAGS, writer->probe_flags));
-  OLX_TRY(put_whole(writer, OLX_CHUNK_IRRADIANCE_POSITIONS, writer->irradiance_positions));
-  OLX_TRY(put_whole(writer, OLX_CHUNK_IRRADIANCE_FLAGS, writer->irradiance_flags));
+  if (writer->info.irradiance_probe_count) {
+    OLX_TRY(put_whole(writer, OLX_CHUNK_IRRADIANCE_POSITIONS, writer->irradiance_positions));
+    OLX_TRY(put_whole(writer, OLX_CHUNK_IRRADIANCE_FLAGS, writer->irradiance_flags));
+  }
   end_emission(writer);
   struct {
     olx_file_header header;
@@ -400,9 +409,9 @@ static olx_result write_frame(olx_field_writer *writer) {
   for (uint32_t k = 0; k < OLX_CHUNK_KINDS; k++) {
     if (!writer->layout.present[k]) continue;
     const olx_chunk_shape *shape = &writer->layout.shapes[k];
-    const uint32_t flags = olx_chunk_is_required(k) || k == OLX_CHUNK_ORIGIN ? 0 : OLX_CHUNK_OPTIONAL;
-    head.chunks[count++] =
-        olx_chunk_entry(shape, flags, writer->layout.offsets[k], XXH3_64bits_digest(&writer->hashes[k]));
+    const bool required = olx_chunk_is_required(&writer->info, k) || k == OLX_CHUNK_ORIGIN;
+    head.chunks[count++] = olx_chunk_entry(shape, required ? 0 : OLX_CHUNK_OPTIONAL, writer->layout.offsets[k],
+                                           XXH3_64bits_digest(&writer->hashes[k]));
     const uint64_t end = writer->layout.offsets[k] + shape->size_bytes;
     OLX_TRY(olx_output_write_at(&writer->file, end, padding, olx_align_chunk(end) - end));
   }

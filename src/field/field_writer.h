@@ -57,7 +57,7 @@ void olx_field_lay_out(const olx_field_header *header, olx_field_layout *layout)
 olx_result olx_field_writer_create(const char *path, const olx_field_header *header, olx_field_writer **writer);
 
 // The maps of one light field probe, in order of index, without border (n * n texels, row by row); borders and pyramid
-// are made here, from the stored values.
+// are made here, from the stored values. `radiance` is NULL where the header has no irradiance probes.
 olx_result olx_field_writer_probe(olx_field_writer *writer, uint32_t index, uint8_t flags, const uint32_t *radiance,
                                   const uint16_t *normal, const uint16_t *distance);
 

@@ -289,7 +289,7 @@ olx_result olx_audit_field(const olx_scene *scene, const olx_field *field, const
     out->points = sum_points(&a, POINTS_STORED | POINTS_FALLEN_BACK, false);
     out->stored = sum_points(&a, POINTS_STORED, false);
     out->fallen_back = sum_points(&a, POINTS_FALLEN_BACK, false);
-    out->irradiance = sum_points(&a, POINTS_STORED | POINTS_FALLEN_BACK, true);
+    if (field->info.irradiance_probe_count) out->irradiance = sum_points(&a, POINTS_STORED | POINTS_FALLEN_BACK, true);
   }
   olx_release(errors);
   olx_release(a.points);

@@ -96,7 +96,7 @@ static void sum_places(const space_audit *a, olx_audit *out) {
     }
   }
   out->space_volume = errors_of(&volume);
-  out->space_probes = errors_of(&probes);
+  if (a->field->info.irradiance_probe_count) out->space_probes = errors_of(&probes);
   out->space_served = places ? (double)served / (double)places : 0.0;
 }
 

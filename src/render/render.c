@@ -190,6 +190,7 @@ static olx_result check_settings(const olx_render_settings *s, const olx_field *
   if (!(s->dim_lobe >= 0.0f && s->dim_lobe <= 1.0f)) {
     return olx_fail(OLX_ERROR_ARGUMENT, "a dim lobe's reflectance of %g is not within 0 to 1", (double)s->dim_lobe);
   }
+  if (s->diffuse == OLX_DIFFUSE_IRRADIANCE) OLX_TRY(olx_probe_light_check(field));
   return olx_sample_settings_check(field, &s->sample);
 }
 

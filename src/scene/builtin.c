@@ -19,6 +19,7 @@ static const builtin_entry entries[] = {
     {"furnace", olx_build_furnace},
     {"two-rooms-sealed", olx_build_two_rooms_sealed},
     {"two-rooms-gap", olx_build_two_rooms_gap},
+    {"parlour", olx_build_parlour},
     {"pillars", olx_build_pillars},
     {"labyrinth", olx_build_labyrinth},
     {"holodeck", olx_build_holodeck},
@@ -31,20 +32,21 @@ static const builtin_entry entries[] = {
 
 const char *olx_builtin_name(uint32_t index) { return index < ENTRY_COUNT ? entries[index].name : NULL; }
 
-// "two-rooms-gap:METRES"; false for any other name.
-static bool names_a_gap(const char *name, float *metres) {
-  static const char prefix[] = "two-rooms-gap:";
-  const size_t length = sizeof prefix - 1;
-  if (strncmp(name, prefix, length) != 0) return false;
+// "PREFIX:METRES"; false for any other name.
+static bool names_metres(const char *name, const char *prefix, float *metres) {
+  const size_t length = strlen(prefix);
+  if (strncmp(name, prefix, length) != 0 || name[length] != ':') return false;
+  const char *number = name + length + 1;
   char *end;
-  *metres = strtof(name + length, &end);
-  if (end == name + length || *end) *metres = NAN;
+  *metres = strtof(number, &end);
+  if (end == number || *end) *metres = NAN;
   return true;
 }
 
 olx_result olx_builtin_build(const char *name, olx_scene *scene) {
-  float gap;
-  if (names_a_gap(name, &gap)) return olx_build_two_rooms_gap_of(scene, gap);
+  float metres;
+  if (names_metres(name, "two-rooms-gap", &metres)) return olx_build_two_rooms_gap_of(scene, metres);
+  if (names_metres(name, "two-rooms-sealed", &metres)) return olx_build_two_rooms_sealed_of(scene, metres);
   char names[512];
   size_t used = 0;
   for (size_t i = 0; i < ENTRY_COUNT; i++) {

@@ -8,10 +8,11 @@ static olx_result add_room_materials(olx_scene *scene, olx_plan *plan) {
   return olx_add_matte(scene, "wall", olx_splat(0.7f), &plan->wall_material);
 }
 
-// Two rooms of 4 m x 4 m, 3 m high, a wall of 0.2 m between them and a light in the left one alone. 16 probes as in the
-// dissertation's experiment, two columns on either side of the wall. Where the plan leaves it open the gap is `gap` wide.
-static olx_result build_two_rooms(olx_scene *scene, const char *const cells[2], float gap) {
-  static const float x[4] = {-4.1f, -0.1f, 0.1f, 4.1f};
+// Two rooms of 4 m x 4 m, 3 m high, a wall between them from wall[0] to wall[1] and a light in the left one alone. 16
+// probes as in the dissertation's experiment, two columns on either side of the wall. Where the plan leaves it open the
+// gap is `gap` wide.
+static olx_result build_two_rooms(olx_scene *scene, const char *const cells[2], const float wall[2], float gap) {
+  const float x[4] = {-4.1f, wall[0], wall[1], 4.1f};
   const float z[3] = {-2.0f, 2.0f - gap, 2.0f};
   olx_plan plan = {.cells = cells, .columns = 3, .rows = 2, .x = x, .z = z, .floor = 0.0f, .ceiling = 3.0f};
   OLX_TRY(add_room_materials(scene, &plan));
@@ -22,9 +23,22 @@ static olx_result build_two_rooms(olx_scene *scene, const char *const cells[2], 
   return olx_add_view(scene, "dark", olx_v3(3.8f, 1.6f, -1.6f), olx_v3(0.3f, 1.2f, 1.3f), 60.0f);
 }
 
+// Of 0.2 m, in the middle.
+static const float middle_wall[2] = {-0.1f, 0.1f};
+static const char *const sealed_cells[2] = {".#.", ".#."};
+
 olx_result olx_build_two_rooms_sealed(olx_scene *scene) {
-  static const char *const cells[2] = {".#.", ".#."};
-  return build_two_rooms(scene, cells, OLX_ROOMS_GAP);
+  return build_two_rooms(scene, sealed_cells, middle_wall, OLX_ROOMS_GAP);
+}
+
+// The wall stands where no plane of a grid is likely to be.
+olx_result olx_build_two_rooms_sealed_of(olx_scene *scene, float thickness) {
+  if (!(thickness >= 0.01f && thickness <= 1.0f)) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "builtin:two-rooms-sealed: a wall of %g metres is not within 0.01 to 1",
+                    (double)thickness);
+  }
+  const float wall[2] = {0.137f, 0.137f + thickness};
+  return build_two_rooms(scene, sealed_cells, wall, OLX_ROOMS_GAP);
 }
 
 olx_result olx_build_two_rooms_gap(olx_scene *scene) { return olx_build_two_rooms_gap_of(scene, OLX_ROOMS_GAP); }
@@ -35,9 +49,27 @@ olx_result olx_build_two_rooms_gap_of(olx_scene *scene, float gap) {
     return olx_fail(OLX_ERROR_ARGUMENT, "builtin:two-rooms-gap: a gap of %g metres is not within 0.01 to 3.99",
                     (double)gap);
   }
-  OLX_TRY(build_two_rooms(scene, cells, gap));
+  OLX_TRY(build_two_rooms(scene, cells, middle_wall, gap));
   // Along the wall's end, past which the light falls.
   return olx_add_view(scene, "both", olx_v3(2.4f, 1.5f, 1.7f), olx_v3(-1.2f, 1.2f, 0.6f), 70.0f);
+}
+
+// A room with thin things before others: a picture that hangs a centimetre before a wall, and a rug a centimetre thick.
+olx_result olx_build_parlour(olx_scene *scene) {
+  uint32_t white, floor, green, frame, rug;
+  OLX_TRY(olx_add_matte(scene, "white", olx_splat(0.75f), &white));
+  OLX_TRY(olx_add_matte(scene, "floor", olx_v3(0.5f, 0.4f, 0.3f), &floor));
+  OLX_TRY(olx_add_matte(scene, "green wall", olx_v3(0.35f, 0.5f, 0.35f), &green));
+  OLX_TRY(olx_add_matte(scene, "frame", olx_v3(0.6f, 0.5f, 0.3f), &frame));
+  OLX_TRY(olx_add_matte(scene, "rug", olx_v3(0.6f, 0.15f, 0.12f), &rug));
+  const uint32_t materials[6] = {white, white, floor, white, green, white};
+  OLX_TRY(olx_add_room(scene, "room", olx_v3(-2.0f, 0.0f, -2.5f), olx_v3(2.0f, 2.6f, 2.5f), materials));
+  OLX_TRY(olx_add_box(scene, "picture", olx_v3(-0.53f, 1.11f, -2.49f), olx_v3(0.61f, 1.87f, -2.46f), frame));
+  OLX_TRY(olx_add_block(scene, "rug", olx_v3(-1.13f, 0.0f, -1.07f), olx_v3(0.97f, 0.01f, 0.58f), OLX_OPEN_Y0, rug));
+  OLX_TRY(olx_add_ceiling_light(scene, olx_v3(0.9f, 2.58f, 0.8f), 0.6f, olx_v3(14.0f, 13.0f, 11.0f)));
+  olx_set_probes(scene, olx_v3(-1.2f, 0.7f, -1.6f), olx_v3(1.2f, 1.9f, 1.6f), 3, 2, 3);
+  OLX_TRY(olx_add_view(scene, "picture", olx_v3(-1.3f, 1.2f, -1.2f), olx_v3(0.05f, 1.45f, -2.48f), 55.0f));
+  return olx_add_view(scene, "rug", olx_v3(-1.6f, 1.3f, 1.7f), olx_v3(-0.1f, 0.0f, -0.25f), 55.0f);
 }
 
 // A box with four cylinders. The centre one is tall enough to bury both probes of its column, the right one buries the

@@ -146,6 +146,7 @@ olx_irradiance_weights olx_irradiance_weigh(const olx_irradiance_source *s, uint
   const surface_point p = {position, normal, view};
   const olx_cage cage = olx_cage_at(&s->grid, position);
   olx_irradiance_weights weights = {.count = 0};
+  if (!s->flags) return weights; // of a field without irradiance probes
   float sum = 0.0f;
   for (uint32_t corner = 0; corner < 8; corner++) {
     if (!olx_cage_has(&cage, corner)) continue;

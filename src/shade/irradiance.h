@@ -11,7 +11,7 @@
 // field_data.h says; sizes are without it.
 typedef struct olx_irradiance_source {
   olx_grid grid;
-  const uint8_t *flags; // OLX_PROBE_*, one a probe
+  const uint8_t *flags; // OLX_PROBE_*, one a probe; NULL when there are no probes
   float distance_scale; // moments times this are metres (and metres squared)
   uint32_t irradiance_n, moments_n;
   const uint32_t *packed_irradiance, *packed_moments; // or, where these are NULL:
@@ -37,7 +37,7 @@ enum {
 olx_vec3 olx_irradiance_from(const olx_irradiance_source *source, const olx_sample_settings *settings,
                              olx_vec3 position, olx_vec3 normal, olx_vec3 view);
 
-// The probes that answer for a point, and their weights, which sum to 1 (to 0 when every probe there is buried).
+// The probes that answer for a point, and their weights, which sum to 1 (to 0 when every probe there is buried, or there is none).
 typedef struct olx_irradiance_weights {
   uint32_t count;
   uint32_t probe[16];

@@ -12,6 +12,15 @@ olx_sample_settings olx_sample_settings_default(void) {
   };
 }
 
+olx_result olx_probe_light_check(const olx_field *field) {
+  if (field->info.irradiance_probe_count) return OLX_OK;
+  return olx_fail(
+      OLX_ERROR_ARGUMENT,
+      "%s: baked without probe light, that is radiance as probes saw it and irradiance probes: `octalux bake "
+      "--probe-light` stores it",
+      field->name);
+}
+
 olx_result olx_sample_settings_check(const olx_field *field, const olx_sample_settings *settings) {
   if (settings->tracer > OLX_TRACER_HIZ || settings->select > OLX_SELECT_BEST ||
       settings->visibility > OLX_VISIBILITY_CHEBYSHEV || settings->hits > OLX_HITS_STORED) {
@@ -24,6 +33,7 @@ olx_result olx_sample_settings_check(const olx_field *field, const olx_sample_se
     return olx_fail(OLX_ERROR_ARGUMENT, "a surface tolerance of %g footprints is not within 0 to %g",
                     (double)settings->surface_tolerance, (double)OLX_MOST_SURFACE_TOLERANCE);
   }
+  if (settings->hits == OLX_HITS_STORED) OLX_TRY(olx_probe_light_check(field));
   if (olx_select_available(field, settings->select)) return OLX_OK;
   return olx_fail(OLX_ERROR_ARGUMENT, "%s: baked without the selector '%s'", field->name,
                   olx_select_name(settings->select));

@@ -273,7 +273,7 @@ static olx_vec3 normal_map_change(const olx_field *field, const olx_sample_setti
   olx_volume_light_at volume;
   if (olx_volume_gather(field, point->position, point->geometric_normal, &volume)) {
     return olx_light_change(olx_volume_towards(&volume, point->vertex_normal),
-                            olx_volume_towards(&volume, point->shading_normal));
+                            olx_volume_bent(&volume, point->vertex_normal, point->shading_normal));
   }
   if (olx_volume_answers(field)) return olx_splat(1.0f);
   const olx_irradiance_source source = olx_irradiance_source_of(field);

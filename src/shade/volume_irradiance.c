@@ -26,6 +26,20 @@ olx_vec3 olx_volume_towards(const olx_volume_light_at *light, olx_vec3 normal) {
   return olx_max_each(sum, olx_splat(0.0f));
 }
 
+olx_vec3 olx_volume_bent(const olx_volume_light_at *light, olx_vec3 smooth, olx_vec3 bent) {
+  // That share of a cosine lobe about `bent` lies below the surface. There light is taken to be even, as it falls on what
+  // faces the surface.
+  const float below = 0.5f - 0.5f * olx_dot(smooth, bent);
+  float values[OLX_HARMONICS_MOST], behind[OLX_HARMONICS_MOST];
+  olx_harmonics_at(bent, values);
+  olx_harmonics_at(olx_negate(smooth), behind);
+  olx_vec3 sum = {0};
+  for (uint32_t k = 0; k < OLX_HARMONICS_MOST; k++) {
+    sum = olx_madd(sum, light->coefficients[k], values[k] - below * behind[k]);
+  }
+  return olx_max_each(sum, olx_splat(0.0f));
+}
+
 olx_vec3 olx_volume_irradiance(const olx_field *field, olx_vec3 position, olx_vec3 normal) {
   assert(field);
   olx_volume_light_at light;

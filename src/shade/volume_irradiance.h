@@ -18,5 +18,8 @@ static inline bool olx_volume_answers(const olx_field *field) { return field->vo
 bool olx_volume_gather(const olx_field *field, olx_vec3 position, olx_vec3 normal, olx_volume_light_at *light);
 // Irradiance for one unit normal, not below 0.
 olx_vec3 olx_volume_towards(const olx_volume_light_at *light, olx_vec3 normal);
+// The same for a normal that a map bends, less what would come from below the surface, whose own normal is `smooth`: nothing
+// does, but a place in free space before it sees the surface itself there.
+olx_vec3 olx_volume_bent(const olx_volume_light_at *light, olx_vec3 smooth, olx_vec3 bent);
 
 #endif

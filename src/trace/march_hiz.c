@@ -27,7 +27,7 @@ static olx_verdict march_node(olx_march *m, const olx_piece *p, stand *at, float
   olx_cell c = {olx_texel_at(&p->u, at->s, true), olx_texel_at(&p->v, at->s, at->by_v), at->t};
   const size_t begin = m->field->texels * m->probe + olx_map_index(m->field->stride, c.x, c.y);
   __builtin_prefetch(m->field->normal + begin); // what a hit hereabouts will read
-  __builtin_prefetch(m->field->radiance + begin);
+  __builtin_prefetch(m->field->surfaces.base + begin);
   for (;;) {
     const olx_vec2 s = olx_crossings_ahead(p, c.x, c.y, 0);
     const float s1 = olx_min(s.x, s.y), t1 = olx_parameter_at(p, s1);

@@ -272,7 +272,7 @@ static void read_light(const search *s, uint32_t probe, size_t texel, olx_trace_
   const olx_field *field = s->field;
   hit->emitter = olx_texel_emits(field, probe, texel);
   if (hit->emitter) hit->emission = olx_texel_emission(field, probe, texel);
-  const bool stored = s->settings->hits == OLX_HITS_STORED && !field->relit;
+  const bool stored = field->radiance && s->settings->hits == OLX_HITS_STORED && !field->relit;
   if (stored && !hit->emitter) hit->radiance = olx_texel_radiance(field, probe, texel);
   if (stored && !hit->emitter) return;
   // Stored radiance of a texel that emits is the sum of both.
@@ -415,7 +415,7 @@ static void choose_by_bricks(bundle *b, const olx_field *field) {
 
 static void prefetch_light(const olx_field *field, const olx_sample_settings *settings, uint32_t probe, size_t texel) {
   const size_t at = field->texels * probe + texel;
-  if (settings->hits == OLX_HITS_STORED) {
+  if (field->radiance && settings->hits == OLX_HITS_STORED) {
     __builtin_prefetch(&field->radiance[at]);
     return;
   }

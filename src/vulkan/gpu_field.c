@@ -113,8 +113,10 @@ static uint32_t first_word(const olx_vulkan_field *gpu, olx_gpu_words_part part)
 static olx_result create_buffer(olx_vulkan_field *gpu, const olx_field *field) {
   const olx_vulkan_context *c = &gpu->context;
   const olx_field_info *info = &field->info;
+  // A buffer is never empty, so that descriptors are valid without irradiance probes, too.
+  const VkDeviceSize count = info->irradiance_probe_count ? info->irradiance_probe_count : 1;
   const VkDeviceSize probes = sizeof(olx_gpu_probe) * (VkDeviceSize)info->probe_count,
-                     irradiance_probes = sizeof(olx_gpu_probe) * (VkDeviceSize)info->irradiance_probe_count;
+                     irradiance_probes = sizeof(olx_gpu_probe) * count;
   gpu->probes_offset = align_buffer(c, sizeof(olx_gpu_field));
   gpu->irradiance_probes_offset = align_buffer(c, gpu->probes_offset + probes);
   OLX_TRY(check_range(c, probes, "light field probes"));
@@ -170,6 +172,16 @@ static olx_gpu_field field_constants(const olx_vulkan_field *gpu, const olx_fiel
   };
 }
 
+// What stands for maps of a kind that the field lacks: one of a single black texel.
+static void fill_missing(olx_gpu_maps maps[OLX_GPU_MAPS]) {
+  static const uint32_t black = 0;
+  for (uint32_t i = 0; i < OLX_GPU_MAPS; i++) {
+    if (maps[i].texels) continue;
+    maps[i].stride = maps[i].count = 1;
+    maps[i].texels = &black;
+  }
+}
+
 static olx_result check_irradiance_form(const olx_field *field) {
   if (!field->bands) return OLX_OK;
   return olx_fail(OLX_ERROR_UNSUPPORTED,
@@ -204,6 +216,7 @@ static olx_result create_resources(const olx_vulkan_host *host, const olx_field 
           OLX_BINDING_RADIANCE] = {VK_FORMAT_R8G8_UNORM, 2, field->stride, probes, .texels = field->surfaces.specular},
   };
   memcpy(gpu->maps, maps, sizeof maps);
+  fill_missing(gpu->maps);
   for (uint32_t i = 0; i < OLX_GPU_MAPS; i++) OLX_TRY(create_image(&gpu->context, &gpu->maps[i]));
   OLX_TRY(create_buffer(gpu, field));
   gpu->constants = field_constants(gpu, field);

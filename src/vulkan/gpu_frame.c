@@ -100,7 +100,15 @@ static olx_result check_input(const olx_vulkan_context *c, const olx_vulkan_imag
   return OLX_OK;
 }
 
-static olx_result check_targets(const olx_vulkan_context *c, const olx_vulkan_targets *t) {
+// A field on the device without probe light has no grid of irradiance probes.
+static olx_result check_probe_light(const olx_vulkan_field *field, const char *what) {
+  if (field->constants.irradiance_grid.count.w) return OLX_OK;
+  return olx_fail(OLX_ERROR_ARGUMENT,
+                  "%s: the field was baked without probe light (`octalux bake --probe-light` stores it)", what);
+}
+
+static olx_result check_targets(const olx_vulkan_field *field, const olx_vulkan_targets *t) {
+  const olx_vulkan_context *c = &field->context;
   if (t->width < 1 || t->width > MAX_SIZE || t->height < 1 || t->height > MAX_SIZE) {
     return olx_fail(OLX_ERROR_ARGUMENT, "frame size %u x %u is not within 1 to %d", t->width, t->height, MAX_SIZE);
   }
@@ -123,6 +131,7 @@ static olx_result check_targets(const olx_vulkan_context *c, const olx_vulkan_ta
   if (t->passes & ~(uint32_t)ALL_PASSES) return olx_fail(OLX_ERROR_ARGUMENT, "there is no pass %#x", t->passes);
   if (t->tracers & ~(uint32_t)ALL_TRACERS) return olx_fail(OLX_ERROR_ARGUMENT, "there is no tracer in %#x", t->tracers);
   if (t->hits & ~(uint32_t)ALL_HITS) return olx_fail(OLX_ERROR_ARGUMENT, "there is no light of hits in %#x", t->hits);
+  if (t->hits & 1u << OLX_HITS_STORED) OLX_TRY(check_probe_light(field, "light of hits 'stored'"));
   for (uint32_t select = 0; select < 32; select++) {
     if (!(t->selects >> select & ~((uint32_t)ALL_SELECTS >> select) & 1u)) continue;
     return olx_fail(OLX_ERROR_UNSUPPORTED, "the selector '%s' does not run on the GPU",
@@ -238,7 +247,7 @@ static void write_sets(olx_vulkan_frame *f, const olx_vulkan_targets *t) {
 
 olx_result olx_vulkan_frame_resize(olx_vulkan_frame *f, const olx_vulkan_targets *t) {
   const olx_vulkan_context *c = &f->field->context;
-  OLX_TRY(check_targets(c, t));
+  OLX_TRY(check_targets(f->field, t));
   OLX_TRY(create_pipelines(f, t));
   olx_gpu_history history;
   olx_result result = olx_gpu_history_begin(c, t->width, t->height, t->denoise, &history);
@@ -263,7 +272,7 @@ olx_result olx_vulkan_frame_resize(olx_vulkan_frame *f, const olx_vulkan_targets
 olx_result olx_vulkan_frame_measure(const olx_vulkan_field *field, const olx_vulkan_targets *targets,
                                     olx_vulkan_sizes *sizes) {
   *sizes = (olx_vulkan_sizes){.device_bytes = 0};
-  OLX_TRY(check_targets(&field->context, targets));
+  OLX_TRY(check_targets(field, targets));
   olx_gpu_history history;
   const olx_result result =
       olx_gpu_history_begin(&field->context, targets->width, targets->height, targets->denoise, &history);
@@ -276,7 +285,7 @@ olx_result olx_vulkan_frame_measure(const olx_vulkan_field *field, const olx_vul
 }
 
 static olx_result create_frame(olx_vulkan_frame *f, const olx_vulkan_targets *targets) {
-  OLX_TRY(check_targets(&f->field->context, targets));
+  OLX_TRY(check_targets(f->field, targets));
   OLX_TRY(create_layouts(f));
   OLX_TRY(create_sets(f));
   return olx_vulkan_frame_resize(f, targets);
@@ -334,6 +343,7 @@ olx_result olx_vulkan_check_settings(const olx_vulkan_frame *f, const olx_vulkan
     return olx_fail(OLX_ERROR_ARGUMENT, "a surface tolerance of %g footprints is not within 0 to %g",
                     (double)s->sample.surface_tolerance, (double)OLX_MOST_SURFACE_TOLERANCE);
   }
+  if (s->irradiance_probes) OLX_TRY(check_probe_light(f->field, "light of irradiance probes"));
   if (s->denoise.lobes & ~f->history.lobes) {
     return olx_fail(OLX_ERROR_ARGUMENT, "the frame was not made to denoise lobe %#x",
                     s->denoise.lobes & ~f->history.lobes);

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // The least that a pass can do: read the surface, read as many texels of the field's maps as any algorithm of its kind
 // must, and write. For diffuse light four texels of one probe, each of distance, normal and irradiance; for glossy light one
-// texel of distance, normal and radiance.
+// texel of each.
 #include "bench_surface.glsl"
 #include <shaders/lib/octalux.glsl>
 
@@ -29,7 +29,7 @@ vec4 glossy(ivec2 pixel, float depth) {
   vec3 direction = reflect(normalize(position - eye), normal);
   ivec3 origin = olx_map_origin(0u);
   ivec2 texel = olx_texel_towards(direction);
-  vec3 light = olx_texel_radiance(origin, texel) * texelFetch(albedos, pixel, 0).rgb;
+  vec3 light = olx_texel_indirect(origin, texel) * texelFetch(albedos, pixel, 0).rgb;
   return vec4(light + olx_texel_normal(origin, texel), olx_texel_distance(origin, texel));
 }
 

@@ -19,7 +19,7 @@ vec3 look(vec3 normal, vec3 to_eye) {
   if ((flags & OLX_PROBE_BURIED) != 0u) return vec3(0.75, 0.1, 0.08) * shade;
   if (irradiance) return tone(olx_map_irradiance(probe, olx_octahedral_encode(normal)) / OLX_PI);
   if (view.overlay == VIEW_SHADE_BALL_RADIANCE) {
-    return tone(olx_texel_radiance(olx_map_origin(probe), olx_texel_towards(normal)));
+    return tone(seen_light(probe, olx_texel_towards(normal)));
   }
   return probe_color(probe) * shade;
 }

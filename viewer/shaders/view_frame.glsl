@@ -26,6 +26,17 @@ vec3 tone(vec3 radiance) {
   return srgb(mix(x, knee + rest * (1.0 - exp((knee - x) / rest)), greaterThan(x, vec3(knee))));
 }
 
+// What a texel of a light field probe sends to it: as the probe saw it, or its surface shaded in a field without probe light.
+vec3 seen_light(uint probe, ivec2 texel) {
+  ivec3 map = olx_map_origin(probe);
+  if (olx_field.irradiance_grid.count.w != 0u) return olx_texel_radiance(map, texel);
+  float distance = olx_texel_distance(map, texel);
+  if (isinf(distance)) return olx_texel_emission(probe, texel);
+  vec3 direction = olx_texel_direction(uvec2(texel), olx_field.n);
+  olx_reflection light = olx_texel_shade(map, texel, olx_probe_position(probe) + direction * distance, direction);
+  return light.reflected + light.lobe + (olx_texel_emits(map, texel) ? olx_texel_emission(probe, texel) : vec3(0.0));
+}
+
 vec3 hue(float h) { return clamp(abs(fract(h + vec3(0.0, 2.0, 1.0) / 3.0) * 6.0 - 3.0) - 1.0, 0.0, 1.0); }
 
 // Colours of neighbours in number lie far apart.

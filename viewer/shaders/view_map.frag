@@ -1,4 +1,4 @@
-// The radiance map of a probe, the faces of its octahedron, the blocks of texels that a march skips, and in it the
+// What the texels of a probe send to it, the faces of its octahedron, the blocks of texels that a march skips, and in it the
 // image of the picked ray: orange where whole blocks were skipped, green where texels were looked at (McGuire et al.
 // 2017, Figure 4).
 #version 460
@@ -58,7 +58,7 @@ void main() {
   uint probe = view.probe != OLX_NO_PROBE ? view.probe : pick.probe;
   if (probe >= olx_field.probe_count) probe = 0u;
   ivec2 texel = min(ivec2(uv * float(olx_field.n)), ivec2(olx_field.n) - 1);
-  vec3 c = tone(olx_texel_radiance(olx_map_origin(probe), texel));
+  vec3 c = tone(seen_light(probe, texel));
   float blocks = max(float(olx_field.n >> 4), 1.0);
   vec2 grid = vec2(from_grid(uv.x * blocks, view.radius / blocks), from_grid(uv.y * blocks, view.radius / blocks));
   c = mix(c, vec3(1.0), 0.12 * line(min(grid.x, grid.y), 0.5));

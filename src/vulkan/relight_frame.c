@@ -209,6 +209,7 @@ static void record_bounce(olx_vulkan_relight *v, VkCommandBuffer commands, const
   if (v->result_words > 0) {
     v->gpu->context.vk.CmdCopyBuffer(commands, v->buffers[OLX_BUFFER_STATE].buffer,
                                      v->buffers[OLX_BUFFER_RESULTS].buffer, 1, &region);
+    next_step(v, commands);
   }
   v->readings[v->slot] =
       (olx_relight_reading){.written = true, .part = *part, .light_changes = v->relight->light_changes};

@@ -1,0 +1,413 @@
+// Frames of a relighter on a device: lights that change, and the light of each frame is that of olx_relight_frame; and
+// what happens when something does not fit or is missing.
+#include "core/hooks.h"
+#include "scene_files.h"
+#include "tiny_scenes.h"
+#include "vulkan/gpu_relight.h"
+#include "vulkan_faults.h"
+#include "vulkan_host.h"
+
+#include <octalux/bake.h>
+
+enum { WIDTH = 48, HEIGHT = 32, PIXELS = WIDTH * HEIGHT, TILE_TEXELS = 1024, MOST_FRAMES = 1000 };
+
+static const analytic_scene ROOM = {.room = {{-1, -1, -1}, {1, 1, 1}}};
+static const host_view VIEW = {.scene = &ROOM, .eye = {0.3f, 0.2f, 0.8f}, .width = WIDTH, .height = HEIGHT};
+
+static gpu_device device;
+static scene_folder folder;
+static olx_scene *scene;
+static olx_field *field;
+static gpu_buffer copied; // of the device's surfels: direct light, then indirect
+
+static olx_field *bake(const char *name) {
+  olx_bake_settings settings = olx_bake_settings_default(scene);
+  settings.grid = (olx_grid){{-0.6f, -0.6f, -0.6f}, {1.2f, 1.2f, 1.2f}, {2, 2, 2}};
+  settings.radiance_size = 64;
+  settings.volume_cells = 4;
+  settings.noise = 0.2f;
+  settings.relight = true;
+  char path[400];
+  snprintf(path, sizeof path, "%s/%s", folder.path, name);
+  ASSERT_OK(olx_bake(scene, &settings, path, NULL, NULL));
+  olx_field *baked;
+  ASSERT_OK(olx_field_open(path, &baked));
+  return baked;
+}
+
+// A coloured box with a screen in it that casts shadows, and a small lamp.
+static int set_up(void **unused) {
+  (void)unused;
+  if (!host_open_device(&device, true)) return 0;
+  if (!scene_folder_create(&folder)) return -1;
+  scene = tiny_scene();
+  olx_material walls = tiny_lambert(0.6f, 0.0f), screen = tiny_lambert(0.3f, 0.0f), lamp = tiny_lambert(0.0f, 2.0f);
+  walls.base_color = olx_v3(0.7f, 0.5f, 0.4f);
+  tiny_box(scene, &walls);
+  tiny_quad(scene, &screen, olx_v3(0.1f, -0.35f, 0.05f), olx_v3(0, 0, 0.7f), olx_v3(0.6f, 0.1f, 0));
+  tiny_quad(scene, &lamp, olx_v3(0, 0.99f, 0), olx_v3(0.4f, 0, 0), olx_v3(0, 0, 0.4f));
+  tiny_finish(scene);
+  field = bake("box.olx");
+  const olx_relight_header *h = field->relight.header;
+  print_message("%u surfels, %u nodes, %u links, %u sites, %u volume probes\n", h->surfels, h->nodes, h->links, h->sites,
+                h->volume_probes);
+  assert_true(h->surfels > 500 && h->nodes > 100 && h->volume_probes > 8);
+  const VkDeviceSize bytes = 2 * sizeof(olx_vec3) * h->surfels;
+  return gpu_buffer_create(&device, "copied light", bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, true, &copied) ? 0 : -1;
+}
+
+static int tear_down(void **unused) {
+  (void)unused;
+  if (!device.host.device) return 0;
+  gpu_buffer_destroy(&device, &copied);
+  olx_field_close(field);
+  olx_scene_free(scene);
+  scene_folder_remove(&folder);
+  return host_close_device(&device);
+}
+
+// So many shadow rays that a frame's are never too few: on the device those of surfaces that face away count, too.
+static olx_relight_settings small_budget(void) {
+  olx_relight_settings settings = olx_relight_settings_default();
+  settings.shadow_rays = 1u << 30;
+  settings.texels = 9 * TILE_TEXELS;
+  settings.surfels = field->relight.header->surfels * 2 / 3;
+  settings.volume_probes = 50;
+  settings.sleep = 1e-5f;
+  return settings;
+}
+
+static olx_relight *begin_relight(const olx_relight_settings *settings) {
+  olx_relight *relight;
+  ASSERT_OK(olx_relight_create(field, settings, &relight));
+  return relight;
+}
+
+// ---- Pictures of a field on the device, with objects that take the light of the volume
+
+typedef struct picture {
+  host_images images;
+  olx_vulkan_field *uploaded;
+  olx_vulkan_frame *frame;
+} picture;
+
+static picture make_picture(const olx_field *from) {
+  picture p = {.images = host_images_make(&device, WIDTH, HEIGHT, VK_FORMAT_R32G32B32A32_SFLOAT)};
+  p.images.targets.passes = OLX_VULKAN_PASS_IRRADIANCE | OLX_VULKAN_PASS_GLOSSY;
+  p.images.targets.dynamic = host_input(&p.images, HOST_DYNAMIC);
+  ASSERT_OK(olx_vulkan_field_create(&device.host, from, &p.uploaded));
+  ASSERT_OK(olx_vulkan_frame_create(p.uploaded, &p.images.targets, &p.frame));
+  return p;
+}
+
+static void free_picture(picture *p) {
+  olx_vulkan_frame_destroy(p->frame);
+  host_images_free(&p->images);
+  olx_vulkan_field_destroy(p->uploaded);
+}
+
+static void render(picture *p) {
+  const olx_vulkan_view view = host_vulkan_view(&VIEW);
+  const olx_vulkan_settings settings = olx_vulkan_settings_default();
+  assert_true(gpu_commands_begin(&device));
+  host_upload(&p->images, &VIEW);
+  ASSERT_OK(olx_vulkan_record_irradiance(p->frame, device.commands, &view, &settings));
+  ASSERT_OK(olx_vulkan_record_glossy(p->frame, device.commands, &view, &settings));
+  host_download(&p->images);
+  assert_true(gpu_commands_run(&device));
+}
+
+typedef struct picture_errors {
+  double surfaces, objects, glossy; // relative mean squared errors
+} picture_errors;
+
+static double add_error(const picture *a, const picture *b, uint32_t image, bool dynamic) {
+  double off = 0.0, sum = 0.0;
+  for (uint32_t i = 0; i < PIXELS; i++) {
+    const host_pixel p = host_pixel_at(&VIEW, i % WIDTH, i / WIDTH);
+    if (p.empty || p.dynamic != dynamic) continue;
+    float alpha;
+    const olx_vec3 truth = host_output(&b->images, image, i, &alpha),
+                   d = olx_sub(host_output(&a->images, image, i, &alpha), truth);
+    off += (double)olx_dot(d, d);
+    sum += (double)olx_dot(truth, truth);
+  }
+  return sum > 0.0 ? off / sum : off;
+}
+
+// Of a picture against one of the CPU's field, as it would be uploaded.
+static picture_errors judge_picture(picture *p, const olx_field *truth) {
+  picture other = make_picture(truth);
+  render(p);
+  render(&other);
+  const picture_errors e = {add_error(p, &other, 0, false), add_error(p, &other, 0, true),
+                            add_error(p, &other, 1, false)};
+  free_picture(&other);
+  return e;
+}
+
+// ---- Frames on both sides
+
+typedef struct both_sides {
+  olx_relight *cpu, *gpu; // gpu: whose frames the device makes
+  picture picture;
+  olx_vulkan_relight *frames;
+} both_sides;
+
+static both_sides make_both(const olx_relight_settings *settings, uint32_t in_flight) {
+  both_sides b = {.cpu = begin_relight(settings), .gpu = begin_relight(settings)};
+  b.picture = make_picture(field);
+  const olx_vulkan_relight_settings own = {.in_flight = in_flight};
+  ASSERT_OK(olx_vulkan_relight_create(b.picture.uploaded, b.gpu, &own, &b.frames));
+  return b;
+}
+
+static void free_both(both_sides *b) {
+  olx_vulkan_relight_destroy(b->frames);
+  free_picture(&b->picture);
+  olx_relight_free(b->cpu);
+  olx_relight_free(b->gpu);
+}
+
+static void copy_light(const olx_vulkan_relight *v, uint32_t at, uint32_t part) {
+  const VkDeviceSize bytes = sizeof(olx_vec3) * v->constants.surfels;
+  const VkBufferCopy region = {((VkDeviceSize)OLX_RELIGHT_HEADER_WORDS + at) * 4, bytes * part, bytes};
+  v->gpu->context.vk.CmdCopyBuffer(device.commands, v->buffers[OLX_BUFFER_STATE].buffer, copied.buffer, 1, &region);
+}
+
+static olx_vulkan_relight_stats device_frame(both_sides *b, olx_vec3 eye) {
+  olx_vulkan_relight_stats stats;
+  assert_true(gpu_commands_begin(&device));
+  ASSERT_OK(olx_vulkan_record_relight(b->frames, device.commands, eye, &stats));
+  gpu_full_barrier(&device, device.commands);
+  copy_light(b->frames, b->frames->constants.direct, 0);
+  copy_light(b->frames, b->frames->constants.irradiance, 1);
+  gpu_full_barrier(&device, device.commands);
+  assert_true(gpu_commands_run(&device));
+  return stats;
+}
+
+// Relative mean squared error of light that surfels have: direct (0), indirect (1).
+static double surfels_apart(const both_sides *b, uint32_t part) {
+  const olx_vec3 *truth = part ? b->cpu->irradiance : b->cpu->direct;
+  const uint32_t count = b->frames->constants.surfels;
+  const olx_vec3 *light = (const olx_vec3 *)copied.mapped + (size_t)count * part;
+  double off = 0.0, sum = 0.0;
+  for (uint32_t i = 0; i < count; i++) {
+    const olx_vec3 d = olx_sub(light[i], truth[i]);
+    off += (double)olx_dot(d, d);
+    sum += (double)olx_dot(truth[i], truth[i]);
+  }
+  return sum > 0.0 ? off / sum : off;
+}
+
+static const olx_relight_light BULB = {
+    .type = OLX_RELIGHT_POINT, .emission = {1.0f, 2.0f, 0.5f}, .position = {0.2f, 0.7f, -0.3f}};
+static const olx_relight_light SPOT = {.type = OLX_RELIGHT_SPOT,
+                                       .emission = {3.0f, 1.0f, 1.0f},
+                                       .position = {-0.5f, 0.8f, 0.4f},
+                                       .direction = {0.6f, -0.8f, 0.0f},
+                                       .cosine_inner = 0.95f,
+                                       .cosine_outer = 0.7f};
+static const olx_relight_light SUN = {
+    .type = OLX_RELIGHT_SUN, .emission = {4.0f, 4.0f, 5.0f}, .direction = {0.48f, -0.8f, 0.36f}};
+static const olx_relight_light PANEL = {.type = OLX_RELIGHT_RECT,
+                                        .emission = {2.0f, 2.0f, 4.0f},
+                                        .position = {-0.3f, 0.95f, -0.3f},
+                                        .edge_u = {0.6f, 0.0f, 0.0f},
+                                        .edge_v = {0.0f, 0.0f, 0.6f}};
+static const olx_relight_light FLAG = {.type = OLX_RELIGHT_TRIANGLE,
+                                       .emission = {5.0f, 1.0f, 1.0f},
+                                       .position = {0.8f, -0.5f, -0.5f},
+                                       .edge_u = {0.0f, 0.5f, 0.0f},
+                                       .edge_v = {0.0f, 0.0f, 0.5f},
+                                       .both_sides = true};
+static const olx_relight_light SKY = {.type = OLX_RELIGHT_SKY, .emission = {0.3f, 0.4f, 0.6f}};
+
+static void give_lights(both_sides *b, const olx_relight_light *lights, uint32_t count) {
+  ASSERT_OK(olx_relight_set_lights(b->cpu, lights, count));
+  ASSERT_OK(olx_relight_set_lights(b->gpu, lights, count));
+}
+
+// So many frames on both sides, while neither has come to rest; the worst errors of surfels after a frame.
+static void run_both(both_sides *b, uint32_t frames, double worst[2]) {
+  const olx_vec3 eye = olx_v3(0.1f, 0.2f, 0.3f);
+  worst[0] = worst[1] = 0.0;
+  for (uint32_t i = 0; i < frames; i++) {
+    olx_relight_stats cpu;
+    ASSERT_OK(olx_relight_frame(b->cpu, eye, &cpu));
+    const olx_vulkan_relight_stats gpu = device_frame(b, eye);
+    assert_int_equal(cpu.surfels_lit, gpu.surfels_lit);
+    assert_int_equal(cpu.surfels_gathered, gpu.surfels_gathered);
+    assert_true(gpu.texels <= 9 * TILE_TEXELS && gpu.volume_probes <= 50);
+    for (uint32_t part = 0; part < 2; part++) worst[part] = fmax(worst[part], surfels_apart(b, part));
+  }
+}
+
+// Until on either side there is nothing more to do; the frames that the device needed.
+static uint32_t run_to_rest(both_sides *b) {
+  olx_relight_stats cpu = {.awake = 1};
+  olx_vulkan_relight_stats gpu = {.awake = 1};
+  uint32_t frames = 0;
+  for (uint32_t i = 0; i < MOST_FRAMES && cpu.awake; i++) ASSERT_OK(olx_relight_frame(b->cpu, olx_splat(0.0f), &cpu));
+  for (; frames < MOST_FRAMES && gpu.awake; frames++) gpu = device_frame(b, olx_splat(0.0f));
+  assert_true(cpu.awake == 0 && gpu.awake == 0);
+  const olx_vulkan_relight_stats none = {.awake = 0};
+  gpu = device_frame(b, olx_splat(0.0f));
+  assert_memory_equal(&gpu, &none, sizeof none);
+  return frames;
+}
+
+static void expect_same_rest(both_sides *b, const char *what) {
+  const uint32_t frames = run_to_rest(b);
+  const picture_errors e = judge_picture(&b->picture, olx_relight_field(b->cpu));
+  const double direct = surfels_apart(b, 0), indirect = surfels_apart(b, 1);
+  print_message("%s, at rest after %u frames: direct %.2g, indirect %.2g; surfaces %.2g, objects %.2g, glossy %.2g\n", what,
+                frames, direct, indirect, e.surfaces, e.objects, e.glossy);
+  if (direct > 1e-6 || indirect > 1e-7 || e.surfaces > 1e-6 || e.objects > 1e-6 || e.glossy > 1e-5) fail_msg("%s", what);
+}
+
+static void expect_same(both_sides *b, uint32_t frames, const char *what) {
+  double worst[2];
+  run_both(b, frames, worst);
+  print_message("%s: direct %.2g, indirect %.2g\n", what, worst[0], worst[1]);
+  if (worst[0] > 1e-6 || worst[1] > 1e-7) fail_msg("%s", what);
+  expect_same_rest(b, what);
+}
+
+static void frames_are_those_of_the_cpu(void **unused) {
+  (void)unused;
+  host_need_device(&device);
+  const uint32_t before = device.validation_messages;
+  const olx_relight_settings settings = small_budget();
+  both_sides b = make_both(&settings, 1);
+  assert_int_equal(olx_relight_frame(b.gpu, olx_splat(0.0f), NULL), OLX_ERROR_ARGUMENT);
+  assert_int_equal(device_frame(&b, olx_splat(0.0f)).awake, 0); // no lights were given yet
+  ASSERT_OK(olx_relight_frame(b.cpu, olx_splat(0.0f), NULL));
+  const olx_relight_light small[] = {BULB, SPOT, SUN}, all[] = {SKY, BULB, PANEL, SPOT, FLAG};
+  give_lights(&b, small, 1);
+  expect_same(&b, 4, "a bulb");
+  give_lights(&b, small, 3);
+  expect_same(&b, 2, "lights without an area");
+  give_lights(&b, all, 5);
+  expect_same(&b, 5, "lights of every kind");
+  give_lights(&b, NULL, 0);
+  expect_same(&b, 2, "darkness");
+  free_both(&b);
+  assert_int_equal(device.validation_messages, before);
+}
+
+// Other settings: several frames in flight, more samples than a dispatch has rays, few rays a frame; and lights that change while
+// light is on its way.
+static void many_frames_in_flight_come_to_the_same_rest(void **unused) {
+  (void)unused;
+  host_need_device(&device);
+  const uint32_t before = device.validation_messages;
+  olx_relight_settings settings = small_budget();
+  settings.shadow_rays = 4000;
+  settings.light_samples = 6;
+  both_sides b = make_both(&settings, 3);
+  const olx_relight_light first[] = {SUN}, lights[] = {BULB, PANEL};
+  give_lights(&b, first, 1);
+  for (uint32_t i = 0; i < 3; i++) {
+    ASSERT_OK(olx_relight_frame(b.cpu, olx_splat(0.0f), NULL));
+    device_frame(&b, olx_splat(0.0f));
+  }
+  give_lights(&b, lights, 2);
+  expect_same_rest(&b, "three frames in flight");
+  free_both(&b);
+  assert_int_equal(device.validation_messages, before);
+}
+
+// ---- What cannot be
+
+static void what_does_not_fit_is_refused(void **unused) {
+  (void)unused;
+  host_need_device(&device);
+  const olx_relight_settings settings = small_budget();
+  const olx_vulkan_relight_settings good = olx_vulkan_relight_settings_default();
+  olx_vulkan_field *uploaded;
+  ASSERT_OK(olx_vulkan_field_create(&device.host, field, &uploaded));
+  olx_relight *relight = begin_relight(&settings);
+  olx_vulkan_relight *frames;
+  olx_vulkan_sizes sizes;
+#define REFUSED(of, own, message)                                                                                      \
+  do {                                                                                                                 \
+    frames = (void *)1;                                                                                                \
+    assert_int_equal(olx_vulkan_relight_create(uploaded, of, own, &frames), OLX_ERROR_ARGUMENT);                       \
+    assert_null(frames);                                                                                               \
+    assert_non_null(strstr(olx_last_error(), message));                                                                \
+    assert_int_equal(olx_vulkan_relight_measure(uploaded, of, own, &sizes), OLX_ERROR_ARGUMENT);                       \
+  } while (0)
+  REFUSED(relight, (&(olx_vulkan_relight_settings){.in_flight = 0}), "0 frames");
+  REFUSED(relight, (&(olx_vulkan_relight_settings){.in_flight = 9}), "9 frames");
+  ASSERT_OK(olx_relight_frame(relight, olx_splat(0.0f), NULL));
+  REFUSED(relight, &good, "made frames already");
+  olx_relight_free(relight);
+  olx_relight_settings others = settings;
+  others.occlusion = olx_scene_occlusion;
+  others.user = scene;
+  relight = begin_relight(&others);
+  REFUSED(relight, &good, "occlusion");
+  olx_relight_free(relight);
+  relight = begin_relight(&settings);
+  const analytic_scene room = {.room = {{-1, -1, -1}, {1, 1, 1}}};
+  const olx_grid grid = {{-0.5f, -0.5f, -0.5f}, {1, 1, 1}, {2, 2, 2}};
+  olx_field *other = analytic_field_make(&room, &grid, 32, 16);
+  olx_vulkan_field *another = uploaded;
+  ASSERT_OK(olx_vulkan_field_create(&device.host, other, &uploaded));
+  REFUSED(relight, &good, "number or size");
+#undef REFUSED
+  uploaded->context.limits.maxStorageBufferRange = 1000;
+  olx_vulkan_field_destroy(uploaded);
+  another->context.limits.maxStorageBufferRange = 1000;
+  assert_int_equal(olx_vulkan_relight_create(another, relight, &good, &frames), OLX_ERROR_UNSUPPORTED);
+  assert_non_null(strstr(olx_last_error(), "more than a storage buffer"));
+  ASSERT_OK(olx_relight_frame(relight, olx_splat(0.0f), NULL)); // it is as it was
+  olx_vulkan_relight_destroy(NULL);
+  olx_vulkan_field_destroy(another);
+  analytic_field_free(other);
+  olx_relight_free(relight);
+}
+
+static void memory_that_runs_out_leaves_nothing_behind(void **unused) {
+  (void)unused;
+  host_need_device(&device);
+  const uint32_t before = device.validation_messages;
+  const olx_relight_settings settings = small_budget();
+  const olx_vulkan_relight_settings own = olx_vulkan_relight_settings_default();
+  olx_relight *relight = begin_relight(&settings);
+  olx_vulkan_field *uploaded;
+  ASSERT_OK(olx_vulkan_field_create(&device.host, field, &uploaded));
+  faults_install(&device, &uploaded->context.vk);
+  olx_vulkan_sizes sizes;
+  ASSERT_OK(olx_vulkan_relight_measure(uploaded, relight, &own, &sizes));
+  assert_true(sizes.device_bytes > 0 && sizes.allocations == OLX_RELIGHT_BUFFERS);
+  olx_vulkan_relight *frames = NULL;
+  int calls = 0;
+  for (; !frames; calls++) {
+    faults.calls_left = calls;
+    const olx_result result = olx_vulkan_relight_create(uploaded, relight, &own, &frames);
+    assert_int_equal(result, frames ? OLX_OK : OLX_ERROR_MEMORY);
+  }
+  assert_true(calls > 30);
+  uint64_t bytes = 0;
+  for (uint32_t i = 0; i < OLX_BUFFER_RESULTS; i++) bytes += frames->buffers[i].requirements.size;
+  assert_int_equal(bytes, sizes.device_bytes);
+  olx_vulkan_relight_destroy(frames);
+  assert_int_equal(olx_vulkan_relight_create(uploaded, relight, &own, &frames),
+                   OLX_ERROR_ARGUMENT); // taken over before
+  olx_vulkan_field_destroy(uploaded);
+  olx_relight_free(relight);
+  assert_int_equal(device.validation_messages, before);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(frames_are_those_of_the_cpu),
+      cmocka_unit_test(many_frames_in_flight_come_to_the_same_rest),
+      cmocka_unit_test(what_does_not_fit_is_refused),
+      cmocka_unit_test(memory_that_runs_out_leaves_nothing_behind),
+  };
+  return cmocka_run_group_tests(tests, set_up, tear_down);
+}

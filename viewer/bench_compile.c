@@ -2,6 +2,7 @@
 // library is given Vulkan functions of which those that make pipelines are the driver's, and the others do nothing.
 #include "bench_compile.h"
 
+#include <octalux/relight.h>
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -284,12 +285,29 @@ static bool compile_classic(olx_vulkan_field *uploaded, const olx_field *field) 
   return fine;
 }
 
+static bool compile_relight(olx_vulkan_field *uploaded, const olx_field *field) {
+  static const compile_step step = {{"relight_surfels", "relight_values", "relight_nodes", "relight_bounce",
+                                     "relight_texels", "relight_tell", "relight_volume"},
+                                    7};
+  if (olx_field_describe(field).relight_links == 0) return true;
+  const olx_relight_settings settings = olx_relight_settings_default();
+  const olx_vulkan_relight_settings on_device = olx_vulkan_relight_settings_default();
+  olx_relight *relight = NULL;
+  olx_vulkan_relight *made = NULL;
+  const bool fine = gpu_check_library(job.device, olx_relight_create(field, &settings, &relight)) &&
+                    begin_step(&step, "") && end_step(olx_vulkan_relight_create(uploaded, relight, &on_device, &made));
+  olx_vulkan_relight_destroy(made);
+  olx_relight_free(relight);
+  return fine;
+}
+
 static bool compile_all(const olx_field *field) {
   olx_vulkan_host host = job.device->host;
   host.get_instance_proc_addr = get_function;
   olx_vulkan_field *uploaded = NULL;
   const bool fine = gpu_check_library(job.device, olx_vulkan_field_create(&host, field, &uploaded)) &&
-                    compile_frame(uploaded, olx_probe_light_check(field) == OLX_OK, make_targets()) && compile_classic(uploaded, field);
+                    compile_frame(uploaded, olx_probe_light_check(field) == OLX_OK, make_targets()) &&
+                    compile_classic(uploaded, field) && compile_relight(uploaded, field);
   olx_vulkan_field_destroy(uploaded);
   return fine;
 }

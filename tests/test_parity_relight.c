@@ -65,7 +65,8 @@ static void some_corners(const parity_state *s, float corner[4]) {
 // Of an entry whose surfel has light 1 and whose site nobody shares.
 static float told_weight(const parity_state *s) {
   const uint32_t starts[2] = {0, 1}, word = s->bits[0];
-  const olx_relight_entry entry = {0, {(uint8_t)word, (uint8_t)(word >> 8), (uint8_t)(word >> 16), (uint8_t)(word >> 24)}};
+  const olx_relight_entry entry = {0,
+                                   {(uint8_t)word, (uint8_t)(word >> 8), (uint8_t)(word >> 16), (uint8_t)(word >> 24)}};
   const olx_field field = {.relight = {.entry_starts = starts, .entries = &entry}};
   const olx_relight relight = {.source = &field};
   const olx_vec3 light = {1.0f, 1.0f, 1.0f};

@@ -49,8 +49,8 @@ static int set_up(void **unused) {
   tiny_finish(scene);
   field = bake("box.olx");
   const olx_relight_header *h = field->relight.header;
-  print_message("%u surfels, %u nodes, %u links, %u sites, %u volume probes\n", h->surfels, h->nodes, h->links, h->sites,
-                h->volume_probes);
+  print_message("%u surfels, %u nodes, %u links, %u sites, %u volume probes\n", h->surfels, h->nodes, h->links,
+                h->sites, h->volume_probes);
   assert_true(h->surfels > 500 && h->nodes > 100 && h->volume_probes > 8);
   const VkDeviceSize bytes = 2 * sizeof(olx_vec3) * h->surfels;
   return gpu_buffer_create(&device, "copied light", bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, true, &copied) ? 0 : -1;
@@ -262,9 +262,10 @@ static void expect_same_rest(both_sides *b, const char *what) {
   const uint32_t frames = run_to_rest(b);
   const picture_errors e = judge_picture(&b->picture, olx_relight_field(b->cpu));
   const double direct = surfels_apart(b, 0), indirect = surfels_apart(b, 1);
-  print_message("%s, at rest after %u frames: direct %.2g, indirect %.2g; surfaces %.2g, objects %.2g, glossy %.2g\n", what,
-                frames, direct, indirect, e.surfaces, e.objects, e.glossy);
-  if (direct > 1e-6 || indirect > 1e-7 || e.surfaces > 1e-6 || e.objects > 1e-6 || e.glossy > 1e-5) fail_msg("%s", what);
+  print_message("%s, at rest after %u frames: direct %.2g, indirect %.2g; surfaces %.2g, objects %.2g, glossy %.2g\n",
+                what, frames, direct, indirect, e.surfaces, e.objects, e.glossy);
+  if (direct > 1e-6 || indirect > 1e-7 || e.surfaces > 1e-6 || e.objects > 1e-6 || e.glossy > 1e-5)
+    fail_msg("%s", what);
 }
 
 static void expect_same(both_sides *b, uint32_t frames, const char *what) {

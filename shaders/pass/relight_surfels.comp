@@ -5,9 +5,7 @@
 
 const uint SALT_SURFEL = 0x53464C52u, SURFEL_WORDS = 26u;
 
-vec3 structure_vector(uint at) {
-  return uintBitsToFloat(uvec3(structure[at], structure[at + 1u], structure[at + 2u]));
-}
+vec3 structure_vector(uint at) { return uintBitsToFloat(uvec3(structure[at], structure[at + 1u], structure[at + 2u])); }
 
 void main() {
   uint thread = thread_index();

@@ -37,8 +37,6 @@ static const olx_pass_code CODES[OLX_RELIGHT_PASSES] = {
     [OLX_RELIGHT_VOLUME] = {"relight_volume", VOLUME, sizeof VOLUME},
 };
 
-static olx_relight_group group_of(uint32_t pass) { return pass < OLX_RELIGHT_TELL ? OLX_GROUP_SURFELS : OLX_GROUP_SITES; }
-
 // What a group's passes see: at most four storage buffers in all.
 #define BIT(binding) (1u << (binding))
 static const uint32_t OWN_MASKS[OLX_RELIGHT_GROUPS] = {
@@ -74,9 +72,8 @@ static olx_result make_buffers(olx_vulkan_relight *r) {
     const VkBufferCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = s->words * sizeof(uint32_t), .usage = usage_of(i)};
     if (info.size > c->limits.maxStorageBufferRange) {
-      return olx_fail(OLX_ERROR_UNSUPPORTED,
-                      "%s: %llu bytes of %s are more than a storage buffer of this device holds", WHAT,
-                      (unsigned long long)info.size, NAMES[i]);
+      return olx_fail(OLX_ERROR_UNSUPPORTED, "%s: %llu bytes of %s are more than a storage buffer of this device holds",
+                      WHAT, (unsigned long long)info.size, NAMES[i]);
     }
     OLX_TRY(olx_vulkan_check(c->vk.CreateBuffer(c->host.device, &info, NULL, &s->buffer), "vkCreateBuffer", WHAT));
     c->vk.GetBufferMemoryRequirements(c->host.device, s->buffer, &s->requirements);
@@ -175,9 +172,10 @@ static olx_result make_group(olx_vulkan_relight *r, olx_relight_group index) {
 static olx_result make_pipelines(olx_vulkan_relight *r) {
   OLX_TRY(make_pool(r));
   for (uint32_t i = 0; i < OLX_RELIGHT_GROUPS; i++) OLX_TRY(make_group(r, i));
-  const olx_pass_constants constants = {OLX_TRACER_HIZ, olx_vulkan_field_select(r->gpu, OLX_SELECT_BEST), OLX_HITS_STORED};
+  const olx_pass_constants constants = {OLX_TRACER_HIZ, olx_vulkan_field_select(r->gpu, OLX_SELECT_BEST),
+                                        OLX_HITS_STORED};
   for (uint32_t i = 0; i < OLX_RELIGHT_PASSES; i++) {
-    OLX_TRY(olx_gpu_pipeline_create(&r->gpu->context, &CODES[i], &constants, r->groups[group_of(i)].layout,
+    OLX_TRY(olx_gpu_pipeline_create(&r->gpu->context, &CODES[i], &constants, r->groups[olx_relight_group_of(i)].layout,
                                     &r->pipelines[i]));
   }
   return OLX_OK;

@@ -20,11 +20,11 @@ typedef enum olx_relight_pass {
 } olx_relight_pass;
 
 // Passes that see the same buffers and the same part of the field.
-typedef enum olx_relight_group {
-  OLX_GROUP_SURFELS = 0, // all before OLX_RELIGHT_TELL
-  OLX_GROUP_SITES,
-  OLX_RELIGHT_GROUPS
-} olx_relight_group;
+typedef enum olx_relight_group { OLX_GROUP_SURFELS = 0, OLX_GROUP_SITES, OLX_RELIGHT_GROUPS } olx_relight_group;
+
+static inline olx_relight_group olx_relight_group_of(uint32_t pass) {
+  return pass < OLX_RELIGHT_TELL ? OLX_GROUP_SURFELS : OLX_GROUP_SITES;
+}
 
 typedef struct olx_gpu_group {
   VkDescriptorSetLayout own_layout, field_layout;
@@ -63,15 +63,15 @@ struct olx_vulkan_relight {
   olx_vulkan_relight_settings settings;
   olx_gpu_relight constants;
   olx_relight_storage buffers[OLX_RELIGHT_BUFFERS];
-  const float *results; // mapped
+  const float *results;  // mapped
   uint32_t result_words; // of a slot
   olx_gpu_group groups[OLX_RELIGHT_GROUPS];
   VkDescriptorPool pool;
   VkPipeline pipelines[OLX_RELIGHT_PASSES];
   uint32_t *level_starts, *level_nodes, levels; // nodes, by how many levels of nodes are below them; and the end
-  uint32_t *tiles;                // words of a frame's tiles, OLX_TILE_WORDS each
-  uint32_t light_changes;         // of the relighter, that the device knows of
-  uint32_t slot;                  // of the results
+  uint32_t *tiles;                              // words of a frame's tiles, OLX_TILE_WORDS each
+  uint32_t light_changes;                       // of the relighter, that the device knows of
+  uint32_t slot;                                // of the results
   olx_relight_reading readings[OLX_RELIGHT_MOST_IN_FLIGHT];
 };
 

@@ -31,7 +31,7 @@ static void lay_out_state(olx_gpu_relight *c, const olx_relight *r, olx_vulkan_r
   const uint64_t tiles = olx_relight_most_tiles(r), texels = (uint64_t)r->tile_side * r->tile_side;
   const uint32_t swept = r->settings.surfels < h->surfels ? r->settings.surfels : h->surfels;
   uint64_t used = 0;
-  v->result_words = 2 * ((swept + OLX_RELIGHT_GROUP - 1) / OLX_RELIGHT_GROUP);
+  v->result_words = 2 * (swept / OLX_RELIGHT_GROUP + 1);
   c->lights = take(&used, OLX_RELIT_MOST_LIGHTS * OLX_LIGHT_WORDS);
   c->tiles = take(&used, OLX_TILE_WORDS * tiles);
   c->probes = take(&used, olx_relight_most_volume_probes(r));

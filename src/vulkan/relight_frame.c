@@ -5,8 +5,8 @@
 enum {
   WORD = sizeof(uint32_t),
   MOST_UPDATE_BYTES = 65536,
-  MOST_GROUPS = 65535, // workgroups along an axis that every device can do
-  PLACE_RAYS = 4,      // of a place in one dispatch: some devices bound the time or the loops of one
+  MOST_GROUPS = 65535,                // workgroups along an axis that every device can do
+  PLACE_RAYS = 4,                     // of a place in one dispatch: some devices bound the time or the loops of one
   SMALL_LEVEL = 4 * OLX_RELIGHT_GROUP // nodes of which one workgroup takes level after level
 };
 
@@ -147,7 +147,7 @@ static void record(const olx_vulkan_relight *v, VkCommandBuffer commands, olx_re
                    const olx_gpu_relight_call *call) {
   if (threads == 0) return;
   const olx_vulkan_functions *vk = &v->gpu->context.vk;
-  const olx_gpu_group *g = &v->groups[pass < OLX_RELIGHT_TELL ? OLX_GROUP_SURFELS : OLX_GROUP_SITES];
+  const olx_gpu_group *g = &v->groups[olx_relight_group_of(pass)];
   const VkDescriptorSet sets[] = {g->own, g->field};
   const uint32_t groups = (uint32_t)((threads + OLX_RELIGHT_GROUP - 1) / OLX_RELIGHT_GROUP),
                  along = groups < MOST_GROUPS ? groups : MOST_GROUPS;
@@ -206,11 +206,9 @@ static void record_bounce(olx_vulkan_relight *v, VkCommandBuffer commands, const
                                (VkDeviceSize)v->result_words * WORD};
   record_values(v, commands);
   record(v, commands, OLX_RELIGHT_BOUNCE, call.count, &call);
-  if (v->result_words > 0) {
-    v->gpu->context.vk.CmdCopyBuffer(commands, v->buffers[OLX_BUFFER_STATE].buffer,
-                                     v->buffers[OLX_BUFFER_RESULTS].buffer, 1, &region);
-    next_step(v, commands);
-  }
+  v->gpu->context.vk.CmdCopyBuffer(commands, v->buffers[OLX_BUFFER_STATE].buffer,
+                                   v->buffers[OLX_BUFFER_RESULTS].buffer, 1, &region);
+  next_step(v, commands);
   v->readings[v->slot] =
       (olx_relight_reading){.written = true, .part = *part, .light_changes = v->relight->light_changes};
   record_values(v, commands);

@@ -206,8 +206,8 @@ static void record_bounce(olx_vulkan_relight *v, VkCommandBuffer commands, const
                                (VkDeviceSize)v->result_words * WORD};
   record_values(v, commands);
   record(v, commands, OLX_RELIGHT_BOUNCE, call.count, &call);
-  v->gpu->context.vk.CmdCopyBuffer(commands, v->buffers[OLX_BUFFER_STATE].buffer,
-                                   v->buffers[OLX_BUFFER_RESULTS].buffer, 1, &region);
+  v->gpu->context.vk.CmdCopyBuffer(commands, v->buffers[OLX_BUFFER_STATE].buffer, v->buffers[OLX_BUFFER_RESULTS].buffer,
+                                   1, &region);
   next_step(v, commands);
   v->readings[v->slot] =
       (olx_relight_reading){.written = true, .part = *part, .light_changes = v->relight->light_changes};

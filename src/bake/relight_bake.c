@@ -86,6 +86,7 @@ static void add_end(const olx_relight_bake *b, olx_link_merger *merger, const ol
   const uint32_t end = olx_light_surfels_find(surfels, key, &surface, INFINITY).surfel;
   if (end == OLX_CELL_NONE) return;
   const olx_vec3 albedo = olx_min_each(olx_bsdf_matte(&surface.bsdf).albedo, olx_splat(1.0f));
+  if (olx_max3(albedo) <= 0.0f) return; // nothing ever comes from there
   olx_link_merger_add(merger, end, olx_scale(albedo, 1.0f / (OLX_PI * VOLUME_RAYS)), ray->direction);
 }
 
@@ -229,7 +230,8 @@ static void put_links(const olx_relight_rows *rows, uint32_t count, output *o) {
 static void put_volume_links(const olx_relight_rows *rows, uint32_t count, output *o) {
   for (uint32_t i = 0; i < count; i++) {
     const olx_merged_link *from = &rows->links[i];
-    const olx_vec2 at = olx_octahedral_encode(from->direction);
+    const bool opposed = olx_dot(from->direction, from->direction) == 0.0f; // what was merged has no mean direction
+    const olx_vec2 at = olx_octahedral_encode(opposed ? olx_v3(0.0f, 1.0f, 0.0f) : from->direction);
     const olx_relight_volume_link link = {from->from, olx_rgb9e5_pack(from->weight),
                                           {(uint16_t)(at.x * 65535.0f + 0.5f), (uint16_t)(at.y * 65535.0f + 0.5f)}};
     put(o, &link, sizeof link);

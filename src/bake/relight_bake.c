@@ -87,6 +87,7 @@ static void add_end(const olx_relight_bake *b, olx_link_merger *merger, const ol
   const uint32_t end = olx_light_surfels_find(surfels, key, &surface, INFINITY).surfel;
   if (end == OLX_CELL_NONE) return;
   const olx_vec3 albedo = olx_min_each(olx_bsdf_matte(&surface.bsdf).albedo, olx_splat(1.0f));
+  if (olx_max3(albedo) <= 0.0f) return; // nothing ever comes from there
   olx_link_merger_add(merger, end, olx_scale(albedo, 1.0f / (OLX_PI * VOLUME_RAYS)), ray->direction);
 }
 

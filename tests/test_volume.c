@@ -166,6 +166,7 @@ static void light_in_free_space_is_that_of_path_tracing(void **state) {
     assert_int_equal(olx_scene_load(names[i], &scene), OLX_OK);
     olx_bake_settings settings = small_settings(scene);
     settings.radiance_size = 256;
+    settings.probe_light = true; // to compare with
     olx_bake_stats stats;
     olx_field *field = baked_field(scene, &settings, &stats);
     assert_true(stats.volume_bytes <= 1300ull * stats.volume_probes);

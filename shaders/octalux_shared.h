@@ -100,7 +100,7 @@ typedef struct olx_gpu_uvec4 {
 // The descriptor set of a relighter's passes; the field's follows as set 1, as far as a pass reads it. A pass sees at most four
 // storage buffers.
 #define OLX_BINDING_STATE 0        // storage buffers, of words: olx_gpu_relight, then lights, tiles, light
-#define OLX_BINDING_STRUCTURE 1    // surfels, their links and nodes; or sites of texels, and links of volume probes
+#define OLX_BINDING_STRUCTURE 1    // surfels and their links; or sites of texels, and links of volume probes
 #define OLX_BINDING_VOLUME_LIGHT 2 // the field's words, whose irradiance of the volume is written
 #define OLX_RELIGHT_BINDINGS 3
 #define OLX_RELIGHT_GROUP 64 // threads of a workgroup
@@ -121,6 +121,7 @@ typedef struct olx_gpu_uvec4 {
 // Bits of olx_gpu_relight_call.flags: the dispatch is the first, or the last, for its places.
 #define OLX_CALL_BEGINS 1u
 #define OLX_CALL_ENDS 2u
+#define OLX_CALL_SHINES 4u // of a dispatch that follows links: highlights are found anew
 
 #define OLX_SELECT_GPU_MASK 0xBu // bits (1 << olx_select) of the stored selectors that have a twin
 
@@ -233,20 +234,20 @@ OLX_GPU_STRUCT(olx_gpu_relight) {
   olx_gpu_uint tile_side, tile_words; // of a map's part: texels, and what of the map's border repeats them
   // In the state, counted from behind this
   olx_gpu_uint lights, tiles, probes;      // lights; scheduled tiles and volume probes
-  olx_gpu_uint direct, irradiance, values; // vectors: of surfels; of surfels and nodes, sums of rays meanwhile
+  olx_gpu_uint direct, irradiance, values; // vectors of surfels; values are sums of rays meanwhile
+  olx_gpu_uint beams, beam_sums, highlights; // vectors of surfels; sums of rays
   olx_gpu_uint sums;                       // change and light of each workgroup that follows links
   olx_gpu_uint tile_light;                 // of scheduled tiles: sums of rays, vectors
   olx_gpu_uint tile_direct, tile_indirect; // tile_words for each of them
   // In the structure: surfels begin at word 0, or blocks do
-  olx_gpu_uint link_starts, links, member_starts, members;
-  olx_gpu_uint level_starts, level_nodes; // nodes whose members are all of levels before
+  olx_gpu_uint link_starts, links;
   olx_gpu_uint entry_starts, entries, volume_starts, volume_links;
   olx_gpu_uint volume_light; // in the field's words
 };
 
 // Push constants of a relighter's passes.
 OLX_GPU_STRUCT(olx_gpu_relight_call) {
-  olx_gpu_uint first, count;              // surfels or levels; threads that have something to do, or levels
+  olx_gpu_uint first, count;              // surfels; threads that have something to do
   olx_gpu_uint round, before;             // samples that surfels have: the first `before` of them so many, the others one more
   olx_gpu_uint light, light_sample, rays; // of every place: from this sample of a light on, so many
   olx_gpu_uint flags;                     // OLX_CALL_*

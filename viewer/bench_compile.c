@@ -286,9 +286,9 @@ static bool compile_classic(olx_vulkan_field *uploaded, const olx_field *field) 
 }
 
 static bool compile_relight(olx_vulkan_field *uploaded, const olx_field *field) {
-  static const compile_step step = {{"relight_surfels", "relight_values", "relight_nodes", "relight_bounce",
+  static const compile_step step = {{"relight_surfels", "relight_values", "relight_bounce",
                                      "relight_texels", "relight_tell", "relight_volume"},
-                                    7};
+                                    6};
   if (olx_field_describe(field).relight_surfels == 0) return true;
   const olx_relight_settings settings = olx_relight_settings_default();
   const olx_vulkan_relight_settings on_device = olx_vulkan_relight_settings_default();

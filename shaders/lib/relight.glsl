@@ -4,6 +4,7 @@
 #define OLX_RELIGHT_GLSL
 
 #include "../octalux_shared.h"
+#include "bsdf.glsl"
 #include "harmonics.glsl"
 #include "pack.glsl"
 #include "sampling.glsl"
@@ -69,6 +70,24 @@ bool olx_aim(olx_gpu_light light, vec3 position, vec3 normal, vec2 random, out o
   float cosine = -olx_dot(light.edge_u.xyz, normal);
   ray = olx_light_ray(-light.edge_u.xyz, OLX_INFINITY, light.emission.xyz * cosine);
   return cosine > 0.0;
+}
+
+// ---- Highlights on the way from surfel to surfel (relighter_highlights.c)
+
+const float OLX_LINK_ALPHA = 0.2;  // surfels stand for surfaces of some size: their lobes are wider by it
+const float OLX_MOST_BRIGHT = 2.0; // beside a white matte surface
+
+// How bright a specular lobe in light from one direction is seen, beside a white matte surface.
+float olx_specular_brightness(vec3 normal, float f0, float roughness_alpha, vec3 view, vec3 light) {
+  float to_view = olx_dot(view, normal), to_light = olx_dot(light, normal);
+  if (to_view <= 0.0 || to_light <= 0.0) return 0.0;
+  vec3 middle = olx_normalize(view + light);
+  float cosine = min(olx_dot(middle, normal), 1.0);
+  float alpha = sqrt(roughness_alpha * roughness_alpha + OLX_LINK_ALPHA * OLX_LINK_ALPHA);
+  float fresnel = f0 + (1.0 - f0) * olx_pow5(clamp(1.0 - olx_dot(view, middle), 0.0, 1.0));
+  float a2 = alpha * alpha, c2 = cosine * cosine, d = 1.0 - c2 + c2 * a2, lobe = a2 / (OLX_PI * d * d);
+  float seen = 1.0 / (1.0 + olx_ggx_lambda(alpha, to_view) + olx_ggx_lambda(alpha, to_light));
+  return min(OLX_PI * fresnel * lobe * seen / (4.0 * to_view * to_light), OLX_MOST_BRIGHT);
 }
 
 // ---- Texels and the volume

@@ -21,27 +21,37 @@ olx_gpu_light read_light(uint index) {
                        uintBitsToFloat(state[at + 18u]), uintBitsToFloat(state[at + 19u]));
 }
 
-// Irradiance by one ray. A ray that no probe can follow to its end has gone behind something.
-vec3 light_along(lit_place p, olx_gpu_light light, uint index, uint light_sample, uint samples) {
+// What arrives at a place: irradiance, and the luminance of that from lights without area, along the way to them.
+struct lit_sum {
+  vec3 irradiance, beam;
+};
+
+// By one ray. A ray that no probe can follow to its end has gone behind something.
+lit_sum light_along(lit_place p, olx_gpu_light light, uint index, uint light_sample, uint samples) {
   vec2 random = vec2(0.0);
   if (samples > 0u) random = olx_stratified2(p.sequence * samples + light_sample, olx_hash3(p.seed, index, SALT_LIGHT));
   olx_light_ray ray;
-  vec3 found = vec3(0.0);
+  lit_sum found = lit_sum(vec3(0.0), vec3(0.0));
   if (olx_aim(light, p.position, p.normal, random, ray)) {
     olx_trace_hit hit = olx_trace(olx_sample_settings_default(), p.position, ray.direction, ray.length_metres);
-    if (hit.status == OLX_TRACE_MISS) found = ray.irradiance;
+    if (hit.status == OLX_TRACE_MISS) {
+      found.irradiance = ray.irradiance * (1.0 / float(max(samples, 1u)));
+      if (samples == 0u) found.beam = ray.direction * olx_luminance(ray.irradiance);
+    }
   }
   return found;
 }
 
 // By the rays of this dispatch. Lights without an area take one ray.
-vec3 light_place(lit_place p) {
+lit_sum light_place(lit_place p) {
   uint index = call.light, light_sample = call.light_sample;
-  vec3 sum = vec3(0.0);
+  lit_sum sum = lit_sum(vec3(0.0), vec3(0.0));
   for (uint k = 0u; k < call.rays; k++) {
     olx_gpu_light light = read_light(index);
     uint samples = olx_light_varies(light) ? relight.light_samples : 0u;
-    sum += light_along(p, light, index, light_sample, samples) * (1.0 / float(max(samples, 1u)));
+    lit_sum found = light_along(p, light, index, light_sample, samples);
+    sum.irradiance += found.irradiance;
+    sum.beam += found.beam;
     light_sample++;
     if (light_sample >= samples) light_sample = 0u, index++;
   }

@@ -6,13 +6,9 @@
 #define OLX_FIELD_SET 1
 #include "../lib/relight.glsl"
 
-#ifndef RELIGHT_STATE
-#define RELIGHT_STATE // how the state is accessed
-#endif
-
 layout(local_size_x = OLX_RELIGHT_GROUP) in;
 layout(push_constant, std430) uniform call_block { olx_gpu_relight_call call; };
-layout(set = 0, binding = OLX_BINDING_STATE, std430) RELIGHT_STATE buffer state_block {
+layout(set = 0, binding = OLX_BINDING_STATE, std430) buffer state_block {
   olx_gpu_relight relight;
   uint state[];
 };
@@ -32,5 +28,24 @@ void set_state(uint at, vec3 v) {
 
 // The surfel of a thread, of those that follow each other from call.first on.
 uint surfel_of(uint thread) { return (call.first + thread) % relight.surfels; }
+
+// ---- Surfels in the structure, where that is theirs
+
+const uint SURFEL_WORDS = 27u;
+
+vec3 surfel_point(uint surfel, uint point) {
+  uint at = SURFEL_WORDS * surfel + 3u * point;
+  return uintBitsToFloat(uvec3(structure[at], structure[at + 1u], structure[at + 2u]));
+}
+
+vec3 surfel_normal(uint surfel) {
+  return olx_normal_unpack(structure[SURFEL_WORDS * surfel + 3u * OLX_RELIGHT_POINTS] & 0xFFFFu);
+}
+
+// What its surface reflects: diffuse, specular, F0 and alpha.
+vec4 surfel_reflectance(uint surfel) {
+  uint bytes = structure[SURFEL_WORDS * surfel + 3u * OLX_RELIGHT_POINTS + 2u];
+  return vec4(bytes & 0xFFu, bytes >> 8 & 0xFFu, bytes >> 16 & 0xFFu, bytes >> 24) * (1.0 / 255.0);
+}
 
 #endif

@@ -3,20 +3,24 @@
 #extension GL_GOOGLE_include_directive : require
 #include "relight_rays.glsl"
 
-const uint SALT_SURFEL = 0x53464C52u, SURFEL_WORDS = 26u;
+const uint SALT_SURFEL = 0x53464C52u;
 
-vec3 structure_vector(uint at) { return uintBitsToFloat(uvec3(structure[at], structure[at + 1u], structure[at + 2u])); }
+// A sample into the running mean of `round` of them.
+void add_sample(uint at, vec3 found, uint round) {
+  vec3 before = state_vector(at);
+  set_state(at, before + (found - before) * (1.0 / float(round + 1u)));
+}
 
 void main() {
   uint thread = thread_index();
   if (thread >= call.count) return;
-  uint surfel = surfel_of(thread), round = call.round + (thread < call.before ? 0u : 1u), at = SURFEL_WORDS * surfel;
-  lit_place p = lit_place(structure_vector(at + 3u * (round % OLX_RELIGHT_POINTS)),
-                          olx_normal_unpack(structure[at + 3u * OLX_RELIGHT_POINTS] & 0xFFFFu),
+  uint surfel = surfel_of(thread), round = call.round + (thread < call.before ? 0u : 1u);
+  lit_place p = lit_place(surfel_point(surfel, round % OLX_RELIGHT_POINTS), surfel_normal(surfel),
                           olx_hash2(surfel, SALT_SURFEL), round);
-  vec3 found = add_up(relight.values + 3u * surfel, light_place(p)); // values are found again before they are read
+  lit_sum found = light_place(p);
+  vec3 irradiance = add_up(relight.values + 3u * surfel, found.irradiance); // values are found again before they are read
+  vec3 beam = add_up(relight.beam_sums + 3u * surfel, found.beam);
   if (!ends()) return;
-  uint direct = relight.direct + 3u * surfel;
-  vec3 before = state_vector(direct);
-  set_state(direct, before + (found - before) * (1.0 / float(round + 1u)));
+  add_sample(relight.direct + 3u * surfel, irradiance, round);
+  add_sample(relight.beams + 3u * surfel, beam, round);
 }

@@ -1,4 +1,4 @@
-// Irradiance of scheduled probes of the volume, from the surfels and nodes that their links name.
+// Irradiance of scheduled probes of the volume, from the surfels that their links name.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "relight_set.glsl"

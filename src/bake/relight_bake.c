@@ -1,5 +1,5 @@
-// Turns the solved light of a scene into what its light can be changed with: links of surfels and of volume probes are merged,
-// and all becomes one structure.
+// Turns the solved light of a scene into what its light can be changed with: links of surfels and of volume probes are made
+// few, and all becomes one structure.
 #include "bake/relight_bake.h"
 
 #include "core/hooks.h"
@@ -11,27 +11,24 @@
 #include <string.h>
 
 enum {
-  MOST_LINKS = 128, // of a place
+  MOST_LINKS = 256, // of a place
   PLACES_PER_JOB = 256,
   PLACES_AT_A_TIME = 64 * PLACES_PER_JOB,
   VOLUME_RAYS = 256, // of a volume probe
   PACKET = 64,
-  SALT_VOLUME = 0x524C564F
+  SALT_VOLUME = 0x524C564F,
+  SALT_DRAW = 0x524C4452
 };
 
-// Merged links bring a surfel the light that it was baked with: their weights are scaled by this much at most, or the inverse.
-static const float MOST_SCALE = 2.0f;
-
-// The merged links of some places, PLACES_PER_JOB a job.
-typedef struct merge_job {
+// The links of some places, PLACES_PER_JOB a job.
+typedef struct link_job {
   const olx_relight_bake *bake;
-  const olx_vec3 *light;     // of surfels, direct and indirect
   const olx_vec3 *positions; // of volume probes; NULL for surfels
   uint32_t first, count;
-  olx_merged_link *links; // MOST_LINKS a place
+  olx_few_link *links;       // MOST_LINKS a place
   uint32_t *counts;       // a place
   atomic_bool out_of_memory;
-} merge_job;
+} link_job;
 
 // The links of a batch that start at a surfel; NULL when there are none.
 static const olx_link *links_of(const olx_link_batch *batch, uint32_t surfel) {
@@ -48,38 +45,33 @@ static const olx_link *links_of(const olx_link_batch *batch, uint32_t surfel) {
   return low < batch->count && batch->surfels[low] == surfel ? batch->links + (size_t)low * batch->rays : NULL;
 }
 
-static float scale_to(float wanted, float found) {
-  return found > 0.0f ? olx_clamp(wanted / found, 1.0f / MOST_SCALE, MOST_SCALE) : 1.0f;
+// Which links of a place are drawn depends on the place alone.
+static float draw_of(uint64_t place) {
+  return olx_unit_float(olx_hash3((uint32_t)place, (uint32_t)(place >> 32), SALT_DRAW));
 }
 
-// What rays found by way of specular surfaces and at near ends has no links: the others, which bring `found`, are scaled to bring
-// all that is wanted.
-static void scale_links(olx_merged_link *links, uint32_t count, olx_vec3 found, olx_vec3 wanted) {
-  const olx_vec3 scale = {scale_to(wanted.x, found.x), scale_to(wanted.y, found.y), scale_to(wanted.z, found.z)};
-  for (uint32_t i = 0; i < count; i++) links[i].weight = olx_mul(links[i].weight, scale);
+static void add_link(olx_link_list *list, const olx_link *link, float share) {
+  const olx_vec3 weight = olx_scale(olx_rgb9e5_unpack(link->weight), share);
+  olx_link_list_add(list, &(olx_few_link){.from = olx_link_end(link),
+                                          .weight = weight,
+                                          .straight = olx_link_chain(link) ? 0.0f : olx_luminance(weight)});
 }
 
-static uint32_t merge_surfel(const merge_job *j, olx_link_merger *merger, uint32_t surfel, olx_merged_link *links) {
+static uint32_t link_surfel(const link_job *j, olx_link_list *list, uint32_t surfel, olx_few_link *links) {
   const olx_scene_light_parts parts = olx_scene_light_open(j->bake->light);
   const float share = 1.0f / parts.links->worth[surfel];
-  olx_vec3 found = {0};
   for (uint32_t k = 0; k < parts.links->batch_count; k++) {
     const olx_link_batch *batch = &parts.links->batches[k];
     const olx_link *from = links_of(batch, surfel);
     for (uint32_t i = 0; from && i < batch->rays; i++) {
-      if (!olx_link_brings_light(&from[i])) continue;
-      const olx_vec3 weight = olx_scale(olx_rgb9e5_unpack(from[i].weight), share);
-      found = olx_add(found, olx_mul(weight, j->light[olx_link_end(&from[i])]));
-      olx_link_merger_add(merger, olx_link_end(&from[i]), weight, olx_splat(0.0f));
+      if (olx_link_brings_light(&from[i])) add_link(list, &from[i], share);
     }
   }
-  const uint32_t count = olx_link_merger_take(merger, MOST_LINKS, links);
-  scale_links(links, count, found, parts.irradiance[surfel]);
-  return count;
+  return olx_link_list_take(list, MOST_LINKS, draw_of(parts.surfels->surfels[surfel].cell), links);
 }
 
 // The links of a ray's end, which reflects as it does on average over views.
-static void add_end(const olx_relight_bake *b, olx_link_merger *merger, const olx_ray *ray, const olx_ray_hit *hit) {
+static void add_end(const olx_relight_bake *b, olx_link_list *list, const olx_ray *ray, const olx_ray_hit *hit) {
   if (hit->triangle == OLX_NO_HIT) return;
   const olx_light_surfels *surfels = olx_scene_light_open(b->light).surfels;
   const olx_surface surface = olx_surface_at(b->scene, hit, ray->direction);
@@ -88,10 +80,12 @@ static void add_end(const olx_relight_bake *b, olx_link_merger *merger, const ol
   if (end == OLX_CELL_NONE) return;
   const olx_vec3 albedo = olx_min_each(olx_bsdf_matte(&surface.bsdf).albedo, olx_splat(1.0f));
   if (olx_max3(albedo) <= 0.0f) return; // nothing ever comes from there
-  olx_link_merger_add(merger, end, olx_scale(albedo, 1.0f / (OLX_PI * VOLUME_RAYS)), ray->direction);
+  olx_link_list_add(list, &(olx_few_link){.from = end,
+                                          .weight = olx_scale(albedo, 1.0f / (OLX_PI * VOLUME_RAYS)),
+                                          .direction = ray->direction});
 }
 
-static uint32_t merge_volume_probe(const merge_job *j, olx_link_merger *merger, uint32_t probe, olx_merged_link *links) {
+static uint32_t link_volume_probe(const link_job *j, olx_link_list *list, uint32_t probe, olx_few_link *links) {
   const olx_relight_bake *b = j->bake;
   olx_ray rays[PACKET];
   olx_ray_hit hits[PACKET];
@@ -101,32 +95,38 @@ static uint32_t merge_volume_probe(const merge_job *j, olx_link_merger *merger, 
       rays[i] = (olx_ray){j->positions[probe], olx_normalize(direction), 0.0f, INFINITY};
     }
     olx_bvh_intersect_many(b->scene->bvh, rays, PACKET, false, hits);
-    for (uint32_t i = 0; i < PACKET; i++) add_end(b, merger, &rays[i], &hits[i]);
+    for (uint32_t i = 0; i < PACKET; i++) add_end(b, list, &rays[i], &hits[i]);
   }
-  return olx_link_merger_take(merger, MOST_LINKS, links);
+  return olx_link_list_take(list, MOST_LINKS, draw_of(probe), links);
 }
 
-static void merge_some(void *user, uint32_t job) {
-  merge_job *j = user;
-  olx_link_merger merger;
-  if (olx_link_merger_create(&merger, &j->bake->tree) != OLX_OK) {
+static void link_some(void *user, uint32_t job) {
+  link_job *j = user;
+  olx_link_list list;
+  if (olx_link_list_create(&list, j->bake->surfel_count) != OLX_OK) {
     atomic_store(&j->out_of_memory, true);
     return;
   }
   const uint32_t first = job * PLACES_PER_JOB,
                  end = first + PLACES_PER_JOB < j->count ? first + PLACES_PER_JOB : j->count;
   for (uint32_t i = first; i < end; i++) {
-    olx_merged_link *links = j->links + (size_t)i * MOST_LINKS;
+    olx_few_link *links = j->links + (size_t)i * MOST_LINKS;
     const uint32_t place = j->first + i;
-    j->counts[i] = j->positions ? merge_volume_probe(j, &merger, place, links) : merge_surfel(j, &merger, place, links);
+    j->counts[i] = j->positions ? link_volume_probe(j, &list, place, links) : link_surfel(j, &list, place, links);
   }
-  olx_link_merger_free(&merger);
+  olx_link_list_free(&list);
 }
 
-static olx_relight_volume_link packed(const olx_merged_link *link) {
+// A byte that says a share, 255 for all.
+static uint8_t byte_of(float share) { return (uint8_t)(olx_clamp(share, 0.0f, 1.0f) * 255.0f + 0.5f); }
+
+// As both kinds of links have it: surfels' have no direction, those of volume probes are not straight.
+static olx_relight_volume_link packed(const olx_few_link *link) {
+  const float weight = olx_luminance(link->weight), length = olx_length(link->direction);
+  const uint32_t straight = weight > 0.0f ? byte_of(link->straight / weight) : 0;
   const olx_vec2 at =
-      olx_max3(olx_mul(link->direction, link->direction)) > 0.0f ? olx_octahedral_encode(link->direction) : (olx_vec2){0};
-  return (olx_relight_volume_link){link->from, olx_rgb9e5_pack(link->weight),
+      length > 0.0f ? olx_octahedral_encode(olx_scale(link->direction, 1.0f / length)) : (olx_vec2){0};
+  return (olx_relight_volume_link){link->from | straight << 24, olx_rgb9e5_pack(link->weight),
                                    {(uint16_t)(at.x * 65535.0f + 0.5f), (uint16_t)(at.y * 65535.0f + 0.5f)}};
 }
 
@@ -144,8 +144,8 @@ static olx_result grow(olx_relight_rows *rows, uint64_t count, uint64_t more) {
   return OLX_OK;
 }
 
-// What a job has merged, behind what there is.
-static olx_result append(const merge_job *j, olx_relight_rows *rows) {
+// What jobs have found, behind what there is.
+static olx_result append(const link_job *j, olx_relight_rows *rows) {
   uint64_t more = 0;
   for (uint32_t i = 0; i < j->count; i++) more += j->counts[i];
   uint32_t end = rows->starts[j->first];
@@ -157,25 +157,25 @@ static olx_result append(const merge_job *j, olx_relight_rows *rows) {
   return OLX_OK;
 }
 
-static olx_result merge_parts(merge_job *j, uint32_t count, olx_relight_rows *rows) {
+static olx_result link_parts(link_job *j, uint32_t count, olx_relight_rows *rows) {
   rows->starts[0] = 0;
   for (j->first = 0; j->first < count; j->first += PLACES_AT_A_TIME) {
     j->count = count - j->first < PLACES_AT_A_TIME ? count - j->first : PLACES_AT_A_TIME;
     const uint32_t jobs = (j->count + PLACES_PER_JOB - 1) / PLACES_PER_JOB;
-    OLX_TRY(olx_parallel_for(jobs, j->bake->threads, merge_some, j, j->bake->task, 0));
-    if (atomic_load(&j->out_of_memory)) return olx_fail(OLX_ERROR_MEMORY, "relight: out of memory for merging links");
+    OLX_TRY(olx_parallel_for(jobs, j->bake->threads, link_some, j, j->bake->task, 0));
+    if (atomic_load(&j->out_of_memory)) return olx_fail(OLX_ERROR_MEMORY, "relight: out of memory for lists of links");
     OLX_TRY(append(j, rows));
   }
   return OLX_OK;
 }
 
-static olx_result merge(merge_job *j, uint32_t count, olx_relight_rows *rows) {
+static olx_result link_places(link_job *j, uint32_t count, olx_relight_rows *rows) {
   const size_t most = count < PLACES_AT_A_TIME ? count : PLACES_AT_A_TIME;
   rows->starts = olx_allocate((size_t)count + 1, sizeof *rows->starts);
   j->links = olx_allocate(most * MOST_LINKS, sizeof *j->links);
   j->counts = olx_allocate(most, sizeof *j->counts);
   const olx_result result = rows->starts && j->links && j->counts
-                                ? merge_parts(j, count, rows)
+                                ? link_parts(j, count, rows)
                                 : olx_fail(OLX_ERROR_MEMORY, "relight: out of memory for links of %u places", count);
   olx_release(j->links);
   olx_release(j->counts);
@@ -183,22 +183,19 @@ static olx_result merge(merge_job *j, uint32_t count, olx_relight_rows *rows) {
 }
 
 olx_result olx_relight_bake_create(olx_relight_bake *b) {
-  const olx_scene_light_parts parts = olx_scene_light_open(b->light);
-  OLX_TRY(olx_link_tree_create(&b->tree, parts.surfels, parts.links));
-  olx_vec3 *light = olx_allocate(b->tree.leaves, sizeof *light);
-  if (!light) return olx_fail(OLX_ERROR_MEMORY, "relight: out of memory for light of %u surfels", b->tree.leaves);
-  for (uint32_t i = 0; i < b->tree.leaves; i++) light[i] = olx_add(parts.direct[i], parts.irradiance[i]);
-  merge_job j = {.bake = b, .light = light};
-  const olx_result result = merge(&j, b->tree.leaves, &b->surfels);
-  olx_release(light);
-  return result;
+  b->surfel_count = olx_scene_light_open(b->light).surfels->count;
+  if (b->surfel_count > OLX_RELIGHT_MOST_SURFELS) {
+    return olx_fail(OLX_ERROR_UNSUPPORTED, "relight: %u surfels are more than a field can hold", b->surfel_count);
+  }
+  link_job j = {.bake = b};
+  return link_places(&j, b->surfel_count, &b->surfels);
 }
 
 olx_result olx_relight_bake_volume(olx_relight_bake *b, const olx_vec3 *positions, uint32_t count) {
-  merge_job j = {.bake = b, .positions = positions};
+  link_job j = {.bake = b, .positions = positions};
   b->volume_count = count;
   b->rays += (uint64_t)count * VOLUME_RAYS;
-  return count > 0 ? merge(&j, count, &b->volume) : OLX_OK;
+  return count > 0 ? link_places(&j, count, &b->volume) : OLX_OK;
 }
 
 olx_result olx_relight_bake_probe(olx_relight_bake *b, const olx_capture *capture) {
@@ -206,7 +203,6 @@ olx_result olx_relight_bake_probe(olx_relight_bake *b, const olx_capture *captur
 }
 
 void olx_relight_bake_free(olx_relight_bake *b) {
-  olx_link_tree_free(&b->tree);
   olx_release(b->surfels.starts);
   olx_release(b->surfels.links);
   olx_release(b->volume.starts);
@@ -229,6 +225,15 @@ static void put(output *o, const void *data, size_t size_bytes) {
 // Area that a point of a cell stands for, but for a factor: points were found by rays that spread out.
 static float area_of(const olx_surface_point *point) { return point->footprint * point->footprint; }
 
+static void store_reflectance(olx_relight_surfel *stored, const olx_bsdf *bsdf) {
+  const olx_bsdf specular = {.f0 = bsdf->f0, .f90 = bsdf->f90, .alpha = bsdf->alpha};
+  const float all = olx_luminance(olx_bsdf_matte(bsdf).albedo), part = olx_luminance(olx_bsdf_matte(&specular).albedo);
+  stored->diffuse = byte_of(all - part);
+  stored->specular = byte_of(part);
+  stored->f0 = byte_of(olx_luminance(bsdf->f0));
+  stored->alpha = byte_of(bsdf->alpha);
+}
+
 // Points spread over the area that the surfel stands for, a little off the surface.
 static olx_relight_surfel stored_surfel(const olx_relight_bake *b, uint32_t index) {
   const olx_scene_light_parts parts = olx_scene_light_open(b->light);
@@ -245,6 +250,7 @@ static olx_relight_surfel stored_surfel(const olx_relight_bake *b, uint32_t inde
   }
   const olx_surface middle = olx_surface_point_surface(b->scene, &s->point);
   stored.normal = olx_normal_pack(middle.shading_normal);
+  store_reflectance(&stored, &middle.bsdf);
   return stored;
 }
 
@@ -256,11 +262,8 @@ static void put_links(const olx_relight_rows *rows, uint32_t count, output *o) {
 }
 
 static olx_relight_header header_of(const olx_relight_bake *b) {
-  const olx_link_tree *t = &b->tree;
-  return (olx_relight_header){.surfels = t->leaves,
-                              .nodes = t->count - t->leaves,
-                              .members = t->starts[t->count - t->leaves],
-                              .links = b->surfels.starts[t->leaves],
+  return (olx_relight_header){.surfels = b->surfel_count,
+                              .links = b->surfels.starts[b->surfel_count],
                               .sites = b->sites.site_count,
                               .entries = b->sites.entry_count,
                               .volume_links = b->volume_count ? b->volume.starts[b->volume_count] : 0,
@@ -277,11 +280,6 @@ static void put_all(const olx_relight_bake *b, const olx_relight_header *h, outp
   }
   put(o, b->surfels.starts, (h->surfels + (size_t)1) * sizeof zero);
   put_links(&b->surfels, h->links, o);
-  put(o, b->tree.starts, (h->nodes + (size_t)1) * sizeof zero);
-  for (uint32_t i = 0; i < h->members; i++) {
-    const olx_relight_member member = {b->tree.members[i], olx_min(b->tree.shares[i], 1.0f)};
-    put(o, &member, sizeof member);
-  }
   put(o, b->sites.blocks, h->blocks * sizeof *b->sites.blocks);
   put(o, b->sites.starts, (h->sites + (size_t)1) * sizeof zero);
   put(o, b->sites.entries, h->entries * sizeof *b->sites.entries);

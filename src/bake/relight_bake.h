@@ -1,11 +1,11 @@
-// What a field keeps so that its light can change (field/relight_data.h): the surfels of the solved light, their links, merged,
+// What a field keeps so that its light can change (field/relight_data.h): the surfels of the solved light, few links between them,
 // and which surfels tell the light of every texel and of the probes of the irradiance volume.
 #ifndef OLX_BAKE_RELIGHT_BAKE_H
 #define OLX_BAKE_RELIGHT_BAKE_H
 
 #include "bake/relight_sites.h"
 #include "field/field_writer.h"
-#include "light/merged_links.h"
+#include "light/few_links.h"
 
 // The links of places that are numbered one after the other; surfels' have no direction.
 typedef struct olx_relight_rows {
@@ -20,13 +20,13 @@ typedef struct olx_relight_bake {
   uint32_t seed, threads;
   olx_task *task;
   uint64_t rays; // cast
-  olx_link_tree tree;
+  uint32_t surfel_count;
   olx_relight_rows surfels, volume;
   uint32_t volume_count;
   olx_relight_sites sites;
 } olx_relight_bake;
 
-// The fields up to `task` are the caller's to fill. Merges the links of surfels.
+// The fields up to `task` are the caller's to fill. Makes the links of surfels few.
 olx_result olx_relight_bake_create(olx_relight_bake *bake);
 void olx_relight_bake_free(olx_relight_bake *bake);
 

@@ -1,5 +1,4 @@
-// Checks what a field holds for relighting when it is opened, so that relighting needs no checks: every number is in range, and
-// no node belongs to itself.
+// Checks what a field holds for relighting when it is opened, so that relighting needs no checks: every number is in range.
 #include "field/relight_data.h"
 
 #include "core/octahedral.h"
@@ -11,8 +10,6 @@ typedef enum relight_array {
   ARRAY_SURFELS = 0,
   ARRAY_LINK_STARTS,
   ARRAY_LINKS,
-  ARRAY_MEMBER_STARTS,
-  ARRAY_MEMBERS,
   ARRAY_BLOCKS,
   ARRAY_ENTRY_STARTS,
   ARRAY_ENTRIES,
@@ -25,8 +22,6 @@ static void measure(const olx_relight_header *h, uint64_t bytes[ARRAYS]) {
   bytes[ARRAY_SURFELS] = h->surfels * (uint64_t)sizeof(olx_relight_surfel);
   bytes[ARRAY_LINK_STARTS] = (h->surfels + 1) * (uint64_t)sizeof(uint32_t);
   bytes[ARRAY_LINKS] = h->links * (uint64_t)sizeof(olx_relight_link);
-  bytes[ARRAY_MEMBER_STARTS] = (h->nodes + 1) * (uint64_t)sizeof(uint32_t);
-  bytes[ARRAY_MEMBERS] = h->members * (uint64_t)sizeof(olx_relight_member);
   bytes[ARRAY_BLOCKS] = h->blocks * (uint64_t)sizeof(olx_relight_block);
   bytes[ARRAY_ENTRY_STARTS] = (h->sites + 1) * (uint64_t)sizeof(uint32_t);
   bytes[ARRAY_ENTRIES] = h->entries * (uint64_t)sizeof(olx_relight_entry);
@@ -42,10 +37,10 @@ uint64_t olx_relight_structure_bytes(const olx_relight_header *header) {
 }
 
 static olx_result check_header(const olx_relight_header *h, const char *name) {
-  const uint32_t counts[] = {h->surfels, h->nodes, h->members, h->links, h->sites, h->entries, h->volume_links,
-                             h->blocks, h->volume_probes};
+  const uint32_t counts[] = {h->surfels, h->links, h->sites, h->entries, h->volume_links, h->blocks,
+                             h->volume_probes};
   for (uint32_t i = 0; i < sizeof counts / sizeof *counts; i++) {
-    if (counts[i] <= OLX_RELIGHT_MOST) continue;
+    if (counts[i] <= (i == 0 ? OLX_RELIGHT_MOST_SURFELS : OLX_RELIGHT_MOST)) continue;
     return olx_fail(OLX_ERROR_FORMAT, "%s: chunk RLIT: a count of %u", name, counts[i]);
   }
   for (uint32_t i = 0; i < sizeof h->zero / sizeof h->zero[0]; i++) {
@@ -81,28 +76,16 @@ static olx_result fail_number(const char *name, const char *what, uint32_t index
 }
 
 static olx_result check_links(const olx_relight_data *d, const char *name) {
-  const uint32_t most = d->header->surfels + d->header->nodes;
+  const uint32_t most = d->header->surfels;
   for (uint32_t i = 0; i < d->header->links; i++) {
-    if (d->links[i].from >= most) return fail_number(name, "link", i, d->links[i].from);
+    const uint32_t from = olx_relight_link_from(&d->links[i]);
+    if (from >= most) return fail_number(name, "link", i, from);
   }
   for (uint32_t i = 0; i < d->header->volume_links; i++) {
     if (d->volume_links[i].from >= most) return fail_number(name, "link of a volume probe", i, d->volume_links[i].from);
   }
   for (uint32_t i = 0; i < d->header->entries; i++) {
-    if (d->entries[i].surfel >= d->header->surfels) return fail_number(name, "entry", i, d->entries[i].surfel);
-  }
-  return OLX_OK;
-}
-
-static olx_result check_nodes(const olx_relight_data *d, const char *name) {
-  for (uint32_t node = 0; node < d->header->nodes; node++) {
-    for (uint32_t i = d->member_starts[node]; i < d->member_starts[node + 1]; i++) {
-      const olx_relight_member *m = &d->members[i];
-      if (m->number >= d->header->surfels + node) return fail_number(name, "node", node, m->number);
-      if (!(m->share >= 0.0f && m->share <= 1.0f)) {
-        return olx_fail(OLX_ERROR_FORMAT, "%s: chunk RLIT: a share of %g in node %u", name, (double)m->share, node);
-      }
-    }
+    if (d->entries[i].surfel >= most) return fail_number(name, "entry", i, d->entries[i].surfel);
   }
   return OLX_OK;
 }
@@ -141,20 +124,16 @@ olx_result olx_relight_structure_open(const void *data, size_t size_bytes, const
                               .surfels = (const void *)arrays[ARRAY_SURFELS],
                               .link_starts = (const void *)arrays[ARRAY_LINK_STARTS],
                               .links = (const void *)arrays[ARRAY_LINKS],
-                              .member_starts = (const void *)arrays[ARRAY_MEMBER_STARTS],
-                              .members = (const void *)arrays[ARRAY_MEMBERS],
                               .blocks = (const void *)arrays[ARRAY_BLOCKS],
                               .entry_starts = (const void *)arrays[ARRAY_ENTRY_STARTS],
                               .entries = (const void *)arrays[ARRAY_ENTRIES],
                               .volume_starts = (const void *)arrays[ARRAY_VOLUME_STARTS],
                               .volume_links = (const void *)arrays[ARRAY_VOLUME_LINKS]};
   OLX_TRY(check_starts(d.link_starts, h->surfels, h->links, "links", name));
-  OLX_TRY(check_starts(d.member_starts, h->nodes, h->members, "members of nodes", name));
   OLX_TRY(check_starts(d.entry_starts, h->sites, h->entries, "entries", name));
   OLX_TRY(check_starts(d.volume_starts, h->volume_probes, h->volume_links, "links of volume probes", name));
   OLX_TRY(check_surfels(&d, name));
   OLX_TRY(check_links(&d, name));
-  OLX_TRY(check_nodes(&d, name));
   OLX_TRY(check_blocks(&d, name));
   *relight = d;
   return OLX_OK;

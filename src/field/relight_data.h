@@ -12,17 +12,17 @@ enum {
   OLX_RELIGHT_POINTS = 8,        // of a surfel, at which its direct light is taken
   OLX_RELIGHT_BLOCK = 4,         // texels along a side of a block
   OLX_RELIGHT_BLOCK_SITES = 4,   // of a block, at most
-  OLX_RELIGHT_MOST = 1u << 28,   // of anything that the structure counts
+  OLX_RELIGHT_MOST_SURFELS = 1u << 24,
+  OLX_RELIGHT_MOST = 1u << 28, // of anything else that the structure counts
 };
 
 #define OLX_RELIGHT_NO_SITE UINT32_MAX // of a block that sees the sky alone
 
 // RLIT begins with it; the arrays of olx_relight_data follow in their order.
 typedef struct olx_relight_header {
-  uint32_t surfels, nodes, members; // nodes: of several surfels or nodes
-  uint32_t links, sites, entries, volume_links;
+  uint32_t surfels, links, sites, entries, volume_links;
   uint32_t blocks, volume_probes; // of the whole field
-  uint32_t zero[7];
+  uint32_t zero[9];
 } olx_relight_header;
 
 _Static_assert(sizeof(olx_relight_header) == 64, "docs/format.md");
@@ -31,21 +31,20 @@ typedef struct olx_relight_surfel {
   float points[OLX_RELIGHT_POINTS][3]; // metres, a little off the surface
   uint32_t normal;                     // olx_normal_pack
   uint32_t irradiance;                 // RGB9E5, W/m^2: indirect, as baked
+  // What its surface reflects, 255 is 1: luminance of the diffuse lobe's and of the specular lobe's light, averaged over views, of
+  // F0, and alpha, the square of roughness.
+  uint8_t diffuse, specular, f0, alpha;
 } olx_relight_surfel;
 
-_Static_assert(sizeof(olx_relight_surfel) == 104, "docs/format.md");
+_Static_assert(sizeof(olx_relight_surfel) == 108, "docs/format.md");
 
-// Irradiance at `from`, direct and indirect, a surfel or, from `surfels` on, a node, times the weight arrives by this link.
+// Irradiance at a surfel, direct and indirect, times the weight arrives by this link.
 typedef struct olx_relight_link {
-  uint32_t from;
-  uint32_t weight; // RGB9E5
+  uint32_t from_straight; // bits 0 to 23: the surfel; above: the share of the weight, 255 is all, that no specular surface passed on
+  uint32_t weight;        // RGB9E5
 } olx_relight_link;
 
-// Of a node, whose light is the sum of its members' times their shares.
-typedef struct olx_relight_member {
-  uint32_t number; // lower than the node's
-  float share;
-} olx_relight_member;
+static inline uint32_t olx_relight_link_from(const olx_relight_link *link) { return link->from_straight & 0xFFFFFFu; }
 
 // 4 x 4 texels of a light field map. Texel i, rows one after the other, has the site first_site + (which >> 2 i & 3).
 typedef struct olx_relight_block {
@@ -75,8 +74,6 @@ typedef struct olx_relight_data {
   const olx_relight_surfel *surfels;
   const uint32_t *link_starts; // of each surfel's links, and the end
   const olx_relight_link *links;
-  const uint32_t *member_starts; // of each node's members, and the end
-  const olx_relight_member *members;
   const olx_relight_block *blocks; // rows of a map, probe after probe
   const uint32_t *entry_starts;    // of each site's entries, and the end
   const olx_relight_entry *entries;

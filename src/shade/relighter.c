@@ -107,6 +107,7 @@ static olx_field_light field_light(const olx_relight_light *light) {
 // Everything is to be lit anew. What it was lit with stays until then.
 static void wake(olx_relight *r) {
   r->settled = false;
+  r->stale = true;
   r->change = r->sum = 0.0;
   r->swept = 0;
   r->dark = r->source->relight.header->surfels;

@@ -47,14 +47,17 @@ struct olx_relight {
   bool on_device; // frames are made there
 
   // Surfels
-  olx_vec3 *values;             // direct and indirect irradiance of surfels and nodes
+  olx_vec3 *values;              // direct and indirect irradiance of surfels
   olx_vec3 *direct, *irradiance; // of surfels; W/m^2
+  olx_vec3 *beams;               // of a surfel: luminance of its direct light from lights without area, along the way to them
+  olx_vec3 *highlights;          // of a surfel: what arrives as specular reflections of direct light, W/m^2
   uint32_t *queue;              // surfels or volume probes whose turn it is
   uint8_t *rounds;              // of a surfel: samples that its direct light is the mean of
   uint32_t next_direct, next_bounce; // surfels that come first in the next frame
   uint32_t dark;                // surfels that lack samples
   uint32_t swept;               // surfels whose links were followed since the sweep under way began
   double *job_changes, *job_sums; // of a frame's jobs
+  bool shining, stale;          // the sweep under way finds highlights anew; the next one must
   double change, sum;           // of light in this sweep
   bool settled;                 // the last sweep changed too little to go on, or no lights were given yet
   uint32_t solution;            // sweeps that changed light
@@ -86,6 +89,7 @@ typedef struct olx_relit_batch {
   uint32_t seed[OLX_RELIT_BATCH], sequence[OLX_RELIT_BATCH];
   uint32_t slot[OLX_RELIT_BATCH];        // whose it is
   olx_vec3 irradiance[OLX_RELIT_BATCH]; // W/m^2, straight from lights
+  olx_vec3 beam[OLX_RELIT_BATCH];       // luminance of it from lights without area, along the way to them
 } olx_relit_batch;
 
 static inline bool olx_relit_varies(const olx_relight_light *light) { return light->type >= OLX_RELIGHT_RECT; }
@@ -113,6 +117,8 @@ void olx_relit_surfels_free(olx_relight *relight);
 uint32_t olx_relit_light_surfels(olx_relight *relight, uint64_t rays);
 // Light over links to those whose turn it is; returns how many.
 uint32_t olx_relit_bounce(olx_relight *relight);
+// What arrives at a surfel as specular reflections of direct light, W/m^2 (relighter_highlights.c).
+olx_vec3 olx_relit_highlights(const olx_relight *relight, uint32_t surfel);
 
 // ---- Texels (relighter_texels.c, relighter_schedule.c)
 

@@ -105,14 +105,15 @@ static void light_by(olx_relight *relight, olx_relit_batch *batch, uint32_t inde
   atomic_fetch_add_explicit(&relight->shadow_rays, rays->count, memory_order_relaxed);
   for (uint32_t k = 0; k < rays->count; k++) {
     if (rays->occluded[k]) continue;
-    olx_vec3 *sum = &batch->irradiance[rays->point[k]];
-    *sum = olx_madd(*sum, rays->irradiance[k], 1.0f / (float)samples);
+    const uint32_t i = rays->point[k];
+    batch->irradiance[i] = olx_madd(batch->irradiance[i], rays->irradiance[k], 1.0f / (float)samples);
+    if (!area) batch->beam[i] = olx_madd(batch->beam[i], rays->ray[k].direction, olx_luminance(rays->irradiance[k]));
   }
 }
 
 void olx_relit_direct(olx_relight *relight, olx_relit_batch *batch) {
   light_rays rays;
-  for (uint32_t i = 0; i < batch->count; i++) batch->irradiance[i] = olx_splat(0.0f);
+  for (uint32_t i = 0; i < batch->count; i++) batch->irradiance[i] = batch->beam[i] = olx_splat(0.0f);
   for (uint32_t index = 0; index < relight->light_count; index++) {
     const uint32_t samples = olx_relit_samples(relight, &relight->lights[index]);
     for (uint32_t sample = 0; sample < samples; sample++) light_by(relight, batch, index, sample, &rays);

@@ -16,6 +16,7 @@ typedef struct olx_relit_sweep_part {
   uint32_t first, count;
   bool ends; // the sweep: then all surfels have had their turn
   bool dark; // some surfel lacked samples
+  bool shines; // highlights are found anew
 } olx_relit_sweep_part;
 
 // False when light has arrived and no link needs to be followed.

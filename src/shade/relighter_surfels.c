@@ -15,14 +15,17 @@ static uint32_t surfel_count(const olx_relight *r) { return r->source->relight.h
 olx_result olx_relit_surfels_create(olx_relight *r) {
   const olx_relight_header *h = r->source->relight.header;
   const uint32_t jobs = (h->surfels + LINKS_JOB - 1) / LINKS_JOB;
-  r->values = olx_allocate_zero((size_t)h->surfels + h->nodes, sizeof *r->values);
+  r->values = olx_allocate_zero(h->surfels, sizeof *r->values);
   r->direct = olx_allocate_zero(h->surfels, sizeof *r->direct);
+  r->beams = olx_allocate_zero(h->surfels, sizeof *r->beams);
+  r->highlights = olx_allocate_zero(h->surfels, sizeof *r->highlights);
   r->irradiance = olx_allocate(h->surfels, sizeof *r->irradiance);
   r->rounds = olx_allocate_zero(h->surfels, sizeof *r->rounds);
   r->queue = olx_allocate(h->surfels > h->volume_probes ? h->surfels : h->volume_probes, sizeof *r->queue);
   r->job_changes = olx_allocate(jobs, sizeof *r->job_changes);
   r->job_sums = olx_allocate(jobs, sizeof *r->job_sums);
-  if (!r->values || !r->direct || !r->irradiance || !r->rounds || !r->queue || !r->job_changes || !r->job_sums) {
+  if (!r->values || !r->direct || !r->beams || !r->highlights || !r->irradiance || !r->rounds || !r->queue ||
+      !r->job_changes || !r->job_sums) {
     return olx_fail(OLX_ERROR_MEMORY, "relight: out of memory for %u surfels", h->surfels);
   }
   for (uint32_t i = 0; i < h->surfels; i++) {
@@ -34,6 +37,8 @@ olx_result olx_relit_surfels_create(olx_relight *r) {
 void olx_relit_surfels_free(olx_relight *r) {
   olx_release(r->values);
   olx_release(r->direct);
+  olx_release(r->beams);
+  olx_release(r->highlights);
   olx_release(r->irradiance);
   olx_release(r->rounds);
   olx_release(r->queue);
@@ -65,7 +70,9 @@ static void light_batch(void *user, uint32_t job) {
   olx_relit_direct(r, &batch);
   for (uint32_t k = 0; k < batch.count; k++) {
     const uint32_t i = batch.slot[k];
-    r->direct[i] = olx_mix3(r->direct[i], batch.irradiance[k], 1.0f / (float)(r->rounds[i] + 1));
+    const float share = 1.0f / (float)(r->rounds[i] + 1);
+    r->direct[i] = olx_mix3(r->direct[i], batch.irradiance[k], share);
+    r->beams[i] = olx_mix3(r->beams[i], batch.beam[k], share);
   }
 }
 
@@ -98,23 +105,19 @@ uint32_t olx_relit_light_surfels(olx_relight *r, uint64_t rays) {
 
 // ---- Bounces
 
-static void sum_nodes(olx_relight *r) {
-  const olx_relight_data *d = &r->source->relight;
-  const uint32_t surfels = d->header->surfels;
-  for (uint32_t i = 0; i < surfels; i++) r->values[i] = olx_add(r->direct[i], r->irradiance[i]);
-  for (uint32_t node = 0; node < d->header->nodes; node++) {
-    olx_vec3 sum = {0};
-    for (uint32_t i = d->member_starts[node]; i < d->member_starts[node + 1]; i++) {
-      sum = olx_madd(sum, r->values[d->members[i].number], d->members[i].share);
-    }
-    r->values[surfels + node] = sum;
-  }
+static void sum_light(olx_relight *r) {
+  for (uint32_t i = 0; i < surfel_count(r); i++) r->values[i] = olx_add(r->direct[i], r->irradiance[i]);
 }
 
 bool olx_relit_take_links(olx_relight *r, olx_relit_sweep_part *part) {
   const uint32_t all = surfel_count(r), left = all - r->swept;
   *part = (olx_relit_sweep_part){.first = r->next_bounce};
   if (r->settled) return false;
+  if (r->swept == 0) {
+    r->shining = r->stale;
+    r->stale = r->dark > 0;
+  }
+  part->shines = r->shining;
   part->count = r->settings.surfels < left ? r->settings.surfels : left;
   part->dark = r->dark > 0;
   part->ends = part->count == left;
@@ -129,20 +132,22 @@ void olx_relit_links_followed(olx_relight *r, const olx_relit_sweep_part *part, 
   if (!part->ends) return;
   const bool changed = r->change > (double)r->settings.sleep * r->sum;
   if (changed || part->dark) r->solution++;
-  r->settled = !changed && !part->dark;
+  r->settled = !changed && !part->dark && !r->stale;
   r->change = r->sum = 0.0;
 }
 
 typedef struct bounce_job {
   olx_relight *relight;
   uint32_t first, count; // surfels, from `first` on and from the beginning again
+  bool shines;
 } bounce_job;
 
 static olx_vec3 gather(const olx_relight *r, uint32_t surfel) {
   const olx_relight_data *d = &r->source->relight;
-  olx_vec3 sum = {0};
+  olx_vec3 sum = r->highlights[surfel];
   for (uint32_t i = d->link_starts[surfel]; i < d->link_starts[surfel + 1]; i++) {
-    sum = olx_add(sum, olx_mul(olx_rgb9e5_unpack(d->links[i].weight), r->values[d->links[i].from]));
+    const olx_relight_link *link = &d->links[i];
+    sum = olx_add(sum, olx_mul(olx_rgb9e5_unpack(link->weight), r->values[olx_relight_link_from(link)]));
   }
   return sum;
 }
@@ -154,6 +159,7 @@ static void bounce_some(void *user, uint32_t job) {
   double change = 0.0, sum = 0.0;
   for (uint32_t k = job * LINKS_JOB; k < end; k++) {
     const uint32_t i = (uint32_t)(((uint64_t)j->first + k) % surfel_count(r));
+    if (j->shines) r->highlights[i] = olx_relit_highlights(r, i);
     const olx_vec3 light = gather(r, i);
     change += (double)olx_luminance(olx_max_each(olx_sub(light, r->irradiance[i]), olx_sub(r->irradiance[i], light)));
     sum += (double)olx_luminance(olx_add(light, r->direct[i]));
@@ -167,8 +173,8 @@ uint32_t olx_relit_bounce(olx_relight *r) {
   olx_relit_sweep_part part;
   if (!olx_relit_take_links(r, &part)) return 0;
   const uint32_t jobs = (part.count + LINKS_JOB - 1) / LINKS_JOB;
-  sum_nodes(r);
-  bounce_job j = {r, part.first, part.count};
+  sum_light(r);
+  bounce_job j = {r, part.first, part.count, part.shines};
   if (jobs > 0) olx_parallel_for(jobs, r->settings.threads, bounce_some, &j, NULL, 0);
   double change = 0.0, sum = 0.0;
   for (uint32_t i = 0; i < jobs; i++) {
@@ -176,6 +182,6 @@ uint32_t olx_relit_bounce(olx_relight *r) {
     sum += r->job_sums[i];
   }
   olx_relit_links_followed(r, &part, change, sum);
-  sum_nodes(r);
+  sum_light(r);
   return part.count;
 }

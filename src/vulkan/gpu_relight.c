@@ -11,9 +11,6 @@ static const uint32_t SURFELS[] = {
 static const uint32_t VALUES[] = {
 #include "relight_values.spv.inc"
 };
-static const uint32_t NODES[] = {
-#include "relight_nodes.spv.inc"
-};
 static const uint32_t BOUNCE[] = {
 #include "relight_bounce.spv.inc"
 };
@@ -30,7 +27,6 @@ static const uint32_t VOLUME[] = {
 static const olx_pass_code CODES[OLX_RELIGHT_PASSES] = {
     [OLX_RELIGHT_SURFELS] = {"relight_surfels", SURFELS, sizeof SURFELS},
     [OLX_RELIGHT_VALUES] = {"relight_values", VALUES, sizeof VALUES},
-    [OLX_RELIGHT_NODES] = {"relight_nodes", NODES, sizeof NODES},
     [OLX_RELIGHT_BOUNCE] = {"relight_bounce", BOUNCE, sizeof BOUNCE},
     [OLX_RELIGHT_TEXELS] = {"relight_texels", TEXELS, sizeof TEXELS},
     [OLX_RELIGHT_TELL] = {"relight_tell", TELL, sizeof TELL},
@@ -211,11 +207,8 @@ static olx_result begin(olx_vulkan_field *gpu, olx_relight *relight, const olx_v
   r->gpu = gpu;
   r->relight = relight;
   r->settings = *settings;
-  olx_result result = olx_relight_find_levels(r);
-  if (result == OLX_OK) {
-    olx_relight_lay_out(r);
-    result = make_buffers(r);
-  }
+  olx_relight_lay_out(r);
+  const olx_result result = make_buffers(r);
   if (result == OLX_OK) *created = r;
   else olx_vulkan_relight_destroy(r);
   return result;
@@ -271,8 +264,6 @@ void olx_vulkan_relight_destroy(olx_vulkan_relight *r) {
     vk->DestroyBuffer(device, r->buffers[i].buffer, NULL);
     vk->FreeMemory(device, r->buffers[i].memory, NULL);
   }
-  olx_release(r->level_starts);
-  olx_release(r->level_nodes);
   olx_release(r->tiles);
   olx_release(r);
 }

@@ -11,7 +11,6 @@ enum { OLX_RELIGHT_MOST_IN_FLIGHT = 8 };
 typedef enum olx_relight_pass {
   OLX_RELIGHT_SURFELS = 0,
   OLX_RELIGHT_VALUES,
-  OLX_RELIGHT_NODES,
   OLX_RELIGHT_BOUNCE,
   OLX_RELIGHT_TEXELS,
   OLX_RELIGHT_TELL,
@@ -34,7 +33,7 @@ typedef struct olx_gpu_group {
 
 typedef enum olx_relight_buffer {
   OLX_BUFFER_STATE = 0,
-  OLX_BUFFER_SURFELS, // with their links, and nodes
+  OLX_BUFFER_SURFELS, // with their links
   OLX_BUFFER_SITES,   // and links of volume probes
   OLX_BUFFER_RESULTS, // host-visible: sums of change and light, `in_flight` times
   OLX_RELIGHT_BUFFERS
@@ -68,7 +67,6 @@ struct olx_vulkan_relight {
   olx_gpu_group groups[OLX_RELIGHT_GROUPS];
   VkDescriptorPool pool;
   VkPipeline pipelines[OLX_RELIGHT_PASSES];
-  uint32_t *level_starts, *level_nodes, levels; // nodes, by how many levels of nodes are below them; and the end
   uint32_t *tiles;                              // words of a frame's tiles, OLX_TILE_WORDS each
   uint32_t light_changes;                       // of the relighter, that the device knows of
   uint32_t slot;                                // of the results
@@ -79,8 +77,6 @@ struct olx_vulkan_relight {
 uint32_t olx_relight_most_tiles(const olx_relight *relight);
 uint32_t olx_relight_most_volume_probes(const olx_relight *relight);
 
-// By which nodes are summed.
-olx_result olx_relight_find_levels(olx_vulkan_relight *relight);
 // What lies where, and how many words each buffer has.
 void olx_relight_lay_out(olx_vulkan_relight *relight);
 // The buffers' contents, from the relighter.

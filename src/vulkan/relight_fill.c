@@ -3,8 +3,6 @@
 #include "vulkan/gpu_relight.h"
 #include "vulkan/uploader.h"
 
-static const char WHAT[] = "relighting on the device";
-
 enum { VECTOR = 3, STRIPS = 4, CORNERS = 4 };
 
 // ---- What lies where
@@ -37,7 +35,10 @@ static void lay_out_state(olx_gpu_relight *c, const olx_relight *r, olx_vulkan_r
   c->probes = take(&used, olx_relight_most_volume_probes(r));
   c->direct = take(&used, VECTOR * (uint64_t)h->surfels);
   c->irradiance = take(&used, VECTOR * (uint64_t)h->surfels);
-  c->values = take(&used, VECTOR * ((uint64_t)h->surfels + h->nodes));
+  c->values = take(&used, VECTOR * (uint64_t)h->surfels);
+  c->beams = take(&used, VECTOR * (uint64_t)h->surfels);
+  c->beam_sums = take(&used, VECTOR * (uint64_t)h->surfels);
+  c->highlights = take(&used, VECTOR * (uint64_t)h->surfels);
   c->sums = take(&used, v->result_words);
   c->tile_light = take(&used, VECTOR * texels * tiles);
   c->tile_direct = take(&used, c->tile_words * tiles);
@@ -49,16 +50,11 @@ static uint32_t words_between(const void *first, const void *later) {
   return (uint32_t)((size_t)((const char *)later - (const char *)first) / sizeof(uint32_t));
 }
 
-// As the structure has them in the file; levels of nodes follow the surfels' part.
+// As the structure has them in the file.
 static void lay_out_structure(olx_gpu_relight *c, const olx_relight_data *d, olx_vulkan_relight *v) {
-  uint64_t used = (uint64_t)((const char *)(const void *)d->blocks - (const char *)d->surfels) / sizeof(uint32_t);
   c->link_starts = words_between(d->surfels, d->link_starts);
   c->links = words_between(d->surfels, d->links);
-  c->member_starts = words_between(d->surfels, d->member_starts);
-  c->members = words_between(d->surfels, d->members);
-  c->level_starts = take(&used, (uint64_t)v->levels + 1);
-  c->level_nodes = take(&used, d->header->nodes);
-  v->buffers[OLX_BUFFER_SURFELS].words = used;
+  v->buffers[OLX_BUFFER_SURFELS].words = words_between(d->surfels, d->blocks);
   c->entry_starts = words_between(d->blocks, d->entry_starts);
   c->entries = words_between(d->blocks, d->entries);
   c->volume_starts = words_between(d->blocks, d->volume_starts);
@@ -81,45 +77,6 @@ void olx_relight_lay_out(olx_vulkan_relight *v) {
   v->buffers[OLX_BUFFER_RESULTS].words = (uint64_t)v->result_words * v->settings.in_flight;
 }
 
-// ---- Levels of nodes
-
-// The level of a node is above those of all its members. Returns how many levels there are.
-static uint32_t find_levels(const olx_relight_data *d, uint32_t *level) {
-  const uint32_t surfels = d->header->surfels;
-  uint32_t levels = 0;
-  for (uint32_t node = 0; node < d->header->nodes; node++) {
-    level[node] = 0;
-    for (uint32_t i = d->member_starts[node]; i < d->member_starts[node + 1]; i++) {
-      const uint32_t number = d->members[i].number;
-      if (number >= surfels && level[number - surfels] >= level[node]) level[node] = level[number - surfels] + 1;
-    }
-    if (level[node] >= levels) levels = level[node] + 1;
-  }
-  return levels;
-}
-
-// Nodes by their levels; `starts` begin as 0.
-static void sort_nodes(const uint32_t *level, uint32_t nodes, uint32_t *starts, uint32_t levels, uint32_t *sorted) {
-  for (uint32_t node = 0; node < nodes; node++) starts[level[node] + 1]++;
-  for (uint32_t i = 0; i < levels; i++) starts[i + 1] += starts[i];
-  for (uint32_t node = 0; node < nodes; node++) sorted[starts[level[node]]++] = node;
-  for (uint32_t i = levels; i > 0; i--) starts[i] = starts[i - 1]; // filling has moved each to its end
-  starts[0] = 0;
-}
-
-olx_result olx_relight_find_levels(olx_vulkan_relight *v) {
-  const olx_relight_data *d = &v->relight->source->relight;
-  const uint32_t nodes = d->header->nodes;
-  uint32_t *level = olx_allocate((size_t)nodes + 1, sizeof *level);
-  if (level) v->levels = find_levels(d, level);
-  v->level_starts = olx_allocate_zero((size_t)v->levels + 2, sizeof *v->level_starts);
-  v->level_nodes = olx_allocate((size_t)nodes + 1, sizeof *v->level_nodes);
-  const bool made = level && v->level_starts && v->level_nodes;
-  if (made) sort_nodes(level, nodes, v->level_starts, v->levels, v->level_nodes);
-  olx_release(level);
-  return made ? OLX_OK : olx_fail(OLX_ERROR_MEMORY, "%s: out of memory for %u nodes", WHAT, nodes);
-}
-
 // ---- Filling
 
 static olx_result copy_words(olx_vulkan_relight *v, olx_uploader *uploader, olx_relight_buffer to, uint32_t at,
@@ -133,18 +90,20 @@ static olx_result copy_state(olx_vulkan_relight *v, olx_uploader *uploader) {
   const olx_relight *r = v->relight;
   const olx_gpu_relight *c = &v->constants;
   OLX_TRY(copy_words(v, uploader, OLX_BUFFER_STATE, 0, c, OLX_RELIGHT_HEADER_WORDS));
-  OLX_TRY(copy_words(v, uploader, OLX_BUFFER_STATE, OLX_RELIGHT_HEADER_WORDS + c->direct, r->direct,
-                     VECTOR * (uint64_t)c->surfels));
-  return copy_words(v, uploader, OLX_BUFFER_STATE, OLX_RELIGHT_HEADER_WORDS + c->irradiance, r->irradiance,
-                    VECTOR * (uint64_t)c->surfels);
+  const struct {
+    uint32_t at;
+    const olx_vec3 *values;
+  } vectors[] = {{c->direct, r->direct}, {c->irradiance, r->irradiance}, {c->beams, r->beams}, {c->highlights, r->highlights}};
+  for (uint32_t i = 0; i < sizeof vectors / sizeof *vectors; i++) {
+    OLX_TRY(copy_words(v, uploader, OLX_BUFFER_STATE, OLX_RELIGHT_HEADER_WORDS + vectors[i].at, vectors[i].values,
+                       VECTOR * (uint64_t)c->surfels));
+  }
+  return OLX_OK;
 }
 
 static olx_result copy_structure(olx_vulkan_relight *v, olx_uploader *uploader) {
   const olx_relight_data *d = &v->relight->source->relight;
-  const olx_gpu_relight *c = &v->constants;
-  OLX_TRY(copy_words(v, uploader, OLX_BUFFER_SURFELS, 0, d->surfels, c->level_starts));
-  OLX_TRY(copy_words(v, uploader, OLX_BUFFER_SURFELS, c->level_starts, v->level_starts, (uint64_t)v->levels + 1));
-  OLX_TRY(copy_words(v, uploader, OLX_BUFFER_SURFELS, c->level_nodes, v->level_nodes, d->header->nodes));
+  OLX_TRY(copy_words(v, uploader, OLX_BUFFER_SURFELS, 0, d->surfels, v->buffers[OLX_BUFFER_SURFELS].words));
   return copy_words(v, uploader, OLX_BUFFER_SITES, 0, d->blocks, v->buffers[OLX_BUFFER_SITES].words);
 }
 

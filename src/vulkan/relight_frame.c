@@ -5,9 +5,8 @@
 enum {
   WORD = sizeof(uint32_t),
   MOST_UPDATE_BYTES = 65536,
-  MOST_GROUPS = 65535,                // workgroups along an axis that every device can do
-  PLACE_RAYS = 4,                     // of a place in one dispatch: some devices bound the time or the loops of one
-  SMALL_LEVEL = 4 * OLX_RELIGHT_GROUP // nodes of which one workgroup takes level after level
+  MOST_GROUPS = 65535, // workgroups along an axis that every device can do
+  PLACE_RAYS = 4       // of a place in one dispatch: some devices bound the time or the loops of one
 };
 
 // ---- What is known of the frames before
@@ -182,26 +181,14 @@ static void record_rays(const olx_vulkan_relight *v, VkCommandBuffer commands, o
   }
 }
 
-// Large levels have a dispatch each.
 static void record_values(const olx_vulkan_relight *v, VkCommandBuffer commands) {
-  const uint32_t *starts = v->level_starts;
   const olx_gpu_relight_call surfels = {.count = v->constants.surfels};
   record(v, commands, OLX_RELIGHT_VALUES, surfels.count, &surfels);
-  for (uint32_t level = 0; level < v->levels;) {
-    olx_gpu_relight_call call = {.first = level, .count = 1};
-    uint32_t threads = starts[level + 1] - starts[level];
-    while (threads <= SMALL_LEVEL && level + call.count < v->levels &&
-           starts[level + call.count + 1] - starts[level + call.count] <= SMALL_LEVEL) {
-      call.count++;
-    }
-    if (call.count > 1) threads = OLX_RELIGHT_GROUP;
-    record(v, commands, OLX_RELIGHT_NODES, threads, &call);
-    level += call.count;
-  }
 }
 
 static void record_bounce(olx_vulkan_relight *v, VkCommandBuffer commands, const olx_relit_sweep_part *part) {
-  const olx_gpu_relight_call call = {.first = part->first, .count = part->count};
+  const olx_gpu_relight_call call = {
+      .first = part->first, .count = part->count, .flags = part->shines ? OLX_CALL_SHINES : 0};
   const VkBufferCopy region = {state_at(v->constants.sums), (VkDeviceSize)v->result_words * WORD * v->slot,
                                (VkDeviceSize)v->result_words * WORD};
   record_values(v, commands);

@@ -20,6 +20,14 @@ void put_bilinear(olx_bilinear b) {
   for (uint k = 0u; k < 4u; k++) put(b.texel[k]), put(b.weight[k]);
 }
 
+// One time in eight it is looked at from behind.
+float some_brightness() {
+  vec3 normal = olx_normal_unpack(bits.z & 0xFEFEu), view = olx_from_basis(olx_sample_cosine(random.xy), normal);
+  vec2 bytes = vec2(bits.x & 0xFFu, bits.x >> 8 & 0xFFu) * (1.0 / 255.0);
+  return olx_specular_brightness(normal, bytes.x, bytes.y, bits.w % 8u != 0u ? view : -view,
+                                 olx_from_basis(olx_sample_cosine(random.zw), normal));
+}
+
 vec4 some_corners() { return olx_site_corners(bits.yz % OLX_RELIGHT_BLOCK); }
 
 void number_rows() {
@@ -63,6 +71,7 @@ void relight_rows() {
   case ROW_olx_site_weight: put(olx_site_weight(bits.x, some_corners())); break;
   case ROW_olx_irradiance_scale: put(olx_irradiance_scale(bits.x % 9u)); break;
   case ROW_olx_half_pack_finite: put(olx_half_pack_finite(uintBitsToFloat(bits.x & 0x7F7FFFFFu))); break;
+  case ROW_olx_specular_brightness: put(some_brightness()); break;
   }
 }
 

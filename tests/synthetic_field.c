@@ -203,14 +203,13 @@ static uint32_t length_of_all(row_lengths l) {
   return sum;
 }
 
-// Links of surfels, members of nodes, entries of sites.
+// Links of surfels, entries of sites.
 typedef struct relight_rows {
-  row_lengths links, members, entries;
+  row_lengths links, entries;
 } relight_rows;
 
 static relight_rows relight_rows_of(const synthetic_shape *shape, uint32_t blocks) {
   return (relight_rows){.links = {shape->relight_surfels, 0, 4},
-                        .members = {shape->relight_surfels / 3, 1, 3},
                         .entries = {blocks + OLX_RELIGHT_BLOCK_SITES, 0, 4}};
 }
 
@@ -232,7 +231,11 @@ static void put_surfels(char **next, uint32_t count) {
     const uint32_t random = olx_hash2(i, 0xB000u);
     const olx_vec3 normal = some_direction(random);
     olx_relight_surfel s = {.normal = olx_normal_pack(normal),
-                            .irradiance = olx_rgb9e5_pack(olx_v3(2.0f, olx_unit_float(random), 0.5f))};
+                            .irradiance = olx_rgb9e5_pack(olx_v3(2.0f, olx_unit_float(random), 0.5f)),
+                            .diffuse = (uint8_t)(32u + (random & 63u)),
+                            .specular = (uint8_t)(random >> 6 & 63u),
+                            .f0 = (uint8_t)(random >> 12),
+                            .alpha = (uint8_t)(random >> 20)};
     for (uint32_t k = 0; k < OLX_RELIGHT_POINTS; k++) {
       olx_store3(s.points[k], olx_madd(olx_scale(normal, -2.0f), some_direction(random + k), 0.1f));
     }
@@ -240,24 +243,13 @@ static void put_surfels(char **next, uint32_t count) {
   }
 }
 
-// Together they pass on less light than there is.
-static void put_links(char **next, uint32_t count, uint32_t numbers) {
+// Together they pass on less light than there is; some of it straight.
+static void put_links(char **next, uint32_t count, uint32_t surfels) {
   for (uint32_t i = 0; i < count; i++) {
     const uint32_t random = olx_hash2(i, 0xC000u);
     const olx_vec3 weight = olx_scale(olx_v3(1.0f, olx_unit_float(random), 0.5f), 0.2f);
-    const olx_relight_link link = {random % numbers, olx_rgb9e5_pack(weight)};
+    const olx_relight_link link = {random % surfels | random >> 24 << 24, olx_rgb9e5_pack(weight)};
     put(next, &link, sizeof link);
-  }
-}
-
-// Of members that weigh the same.
-static void put_members(char **next, row_lengths l, uint32_t surfels) {
-  for (uint32_t node = 0; node < l.rows; node++) {
-    for (uint32_t i = 0; i < row_length(l, node); i++) {
-      const olx_relight_member member = {olx_hash3(i, node, 0xD000u) % (surfels + node),
-                                         1.0f / (float)row_length(l, node)};
-      put(next, &member, sizeof member);
-    }
   }
 }
 
@@ -291,8 +283,6 @@ void *synthetic_relight(const synthetic_shape *shape, size_t *size_bytes) {
   const uint32_t side = shape->n / OLX_RELIGHT_BLOCK, blocks = side * side * probes_of(shape->grid);
   const relight_rows rows = relight_rows_of(shape, blocks);
   const olx_relight_header header = {.surfels = shape->relight_surfels,
-                                     .nodes = rows.members.rows,
-                                     .members = length_of_all(rows.members),
                                      .links = length_of_all(rows.links),
                                      .sites = rows.entries.rows,
                                      .entries = length_of_all(rows.entries),
@@ -304,9 +294,7 @@ void *synthetic_relight(const synthetic_shape *shape, size_t *size_bytes) {
   put(&next, &header, sizeof header);
   put_surfels(&next, header.surfels);
   put_starts(&next, rows.links);
-  put_links(&next, header.links, header.surfels + header.nodes);
-  put_starts(&next, rows.members);
-  put_members(&next, rows.members, header.surfels);
+  put_links(&next, header.links, header.surfels);
   put_blocks(&next, blocks, header.sites);
   put_starts(&next, rows.entries);
   put_entries(&next, rows.entries, header.surfels);

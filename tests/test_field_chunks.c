@@ -114,8 +114,6 @@ typedef struct relight_image {
   olx_relight_surfel *surfels;
   uint32_t *link_starts;
   olx_relight_link *links;
-  uint32_t *member_starts;
-  olx_relight_member *members;
   olx_relight_block *blocks;
   uint32_t *entry_starts;
   olx_relight_entry *entries;
@@ -128,9 +126,7 @@ static relight_image relight_of(const field_image *i) {
   r.surfels = (olx_relight_surfel *)(r.header + 1);
   r.link_starts = (uint32_t *)(r.surfels + r.header->surfels);
   r.links = (olx_relight_link *)(r.link_starts + r.header->surfels + 1);
-  r.member_starts = (uint32_t *)(r.links + r.header->links);
-  r.members = (olx_relight_member *)(r.member_starts + r.header->nodes + 1);
-  r.blocks = (olx_relight_block *)(r.members + r.header->members);
+  r.blocks = (olx_relight_block *)(r.links + r.header->links);
   r.entry_starts = (uint32_t *)(r.blocks + r.header->blocks);
   r.entries = (olx_relight_entry *)(r.entry_starts + r.header->sites + 1);
   r.volume_starts = (uint32_t *)(r.entries + r.header->entries);
@@ -142,14 +138,17 @@ static relight_image relight_of(const field_image *i) {
 static void test_refuses_wrong_relight_headers(void **state) {
   const field_image i = field_image_load(*state, &relit);
   olx_relight_header *h = relight_of(&i).header;
-  uint32_t *const counts[] = {&h->surfels, &h->nodes,        &h->members, &h->links,        &h->sites,
-                              &h->entries, &h->volume_links, &h->blocks,  &h->volume_probes};
+  uint32_t *const counts[] = {&h->links, &h->sites, &h->entries, &h->volume_links, &h->blocks, &h->volume_probes};
   for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {
     REFUSED(*counts[k], OLX_RELIGHT_MOST + 1u, "chunk RLIT: a count of 268435457");
     REFUSED(*counts[k], *counts[k] + 1, "bytes where its contents take");
     REFUSED(*counts[k], OLX_RELIGHT_MOST, "bytes where its contents take");
   }
-  for (uint32_t k = 0; k < 7; k++) REFUSED(h->zero[k], 1u << 31, "chunk RLIT: reserved bytes are not 0");
+  // A link has 24 bits for a surfel.
+  REFUSED(h->surfels, OLX_RELIGHT_MOST_SURFELS + 1u, "chunk RLIT: a count of 16777217");
+  REFUSED(h->surfels, OLX_RELIGHT_MOST_SURFELS, "bytes where its contents take");
+  REFUSED(h->surfels, h->surfels + 1, "bytes where its contents take");
+  for (uint32_t k = 0; k < 9; k++) REFUSED(h->zero[k], 1u << 31, "chunk RLIT: reserved bytes are not 0");
   field_seal(&i);
   assert_field_sound(&i);
   i.chunks[RLIT].flags = 0;
@@ -168,7 +167,6 @@ static void test_refuses_relight_rows_out_of_order(void **state) {
     uint32_t *starts, rows;
     const char *message;
   } all[] = {{r.link_starts, r.header->surfels, "chunk RLIT: links do not follow each other"},
-             {r.member_starts, r.header->nodes, "chunk RLIT: members of nodes do not follow each other"},
              {r.entry_starts, r.header->sites, "chunk RLIT: entries do not follow each other"}};
   for (size_t k = 0; k < sizeof all / sizeof *all; k++) {
     uint32_t *starts = all[k].starts;
@@ -200,24 +198,16 @@ static void test_refuses_impossible_surfels(void **state) {
   olx_release(i.bytes);
 }
 
-// Numbers of surfels are below 21, those of nodes from there on, below 28.
+// Numbers of surfels are below 21; above the 24 bits of a link's stands how straight it is, which may be anything.
 static void test_refuses_relight_numbers_out_of_range(void **state) {
   const field_image i = field_image_load(*state, &relit);
   const relight_image r = relight_of(&i);
   assert_int_equal(r.header->surfels, 21);
-  assert_int_equal(r.header->nodes, 7);
-  REFUSED(r.links[5].from, 28, "chunk RLIT: link 5 names 28, which it cannot");
-  REFUSED(r.links[0].from, UINT32_MAX, "chunk RLIT: link 0 names 4294967295, which it cannot");
-  REFUSED(r.entries[2].surfel, 21, "chunk RLIT: entry 2 names 21, which it cannot"); // a node
-  // A node names itself, another that comes later, or nothing that there is.
-  const uint32_t node = 4, member = r.member_starts[node];
-  REFUSED(r.members[0].number, 21, "chunk RLIT: node 0 names 21, which it cannot");
-  REFUSED(r.members[member].number, 25, "chunk RLIT: node 4 names 25, which it cannot");
-  REFUSED(r.members[member].number, 27, "chunk RLIT: node 4 names 27, which it cannot");
-  REFUSED(r.members[member].number, UINT32_MAX, "chunk RLIT: node 4 names 4294967295, which it cannot");
-  REFUSED(r.members[member].share, NAN, "in node 4");
-  REFUSED(r.members[member].share, -0.5f, "chunk RLIT: a share of -0.5 in node 4");
-  REFUSED(r.members[member].share, 1.5f, "chunk RLIT: a share of 1.5 in node 4");
+  REFUSED(r.links[5].from_straight, 21, "chunk RLIT: link 5 names 21, which it cannot");
+  REFUSED(r.links[5].from_straight, 0xFF000015, "chunk RLIT: link 5 names 21, which it cannot");
+  REFUSED(r.links[0].from_straight, UINT32_MAX, "chunk RLIT: link 0 names 16777215, which it cannot");
+  REFUSED(r.entries[2].surfel, 21, "chunk RLIT: entry 2 names 21, which it cannot");
+  REFUSED(r.entries[0].surfel, UINT32_MAX, "chunk RLIT: entry 0 names 4294967295, which it cannot");
   // What a block needs depends on the sites that its texels choose.
   const uint32_t sites = r.header->sites;
   r.blocks[0] = (olx_relight_block){sites - 1, 0};
@@ -228,9 +218,9 @@ static void test_refuses_relight_numbers_out_of_range(void **state) {
   r.blocks[0].first_site = sites - 3;
   REFUSED(r.blocks[0].which, 3u << 30, "chunk RLIT: block 0 names");
   r.blocks[0] = (olx_relight_block){OLX_RELIGHT_NO_SITE, UINT32_MAX};
-  r.members[member].number = 24;
-  r.members[member].share = 1.0f;
-  r.links[5].from = 27;
+  r.links[5].from_straight = 0xFF000014;
+  r.links[6].from_straight = 20;
+  r.entries[2].surfel = 20;
   field_seal(&i);
   assert_field_sound(&i);
   olx_release(i.bytes);
@@ -241,7 +231,7 @@ static void test_refuses_volume_links_out_of_range(void **state) {
   struct {
     olx_relight_header header;
     olx_relight_surfel surfel;
-    uint32_t link_starts[2], member_starts[1], entry_starts[1], volume_starts[3];
+    uint32_t link_starts[2], entry_starts[1], volume_starts[3];
     olx_relight_volume_link links[2];
   } d = {.header = {.surfels = 1, .volume_probes = 2, .volume_links = 2}, .volume_starts = {0, 1, 2}};
   olx_relight_data relight;
@@ -251,6 +241,9 @@ static void test_refuses_volume_links_out_of_range(void **state) {
   d.links[1].from = 1;
   assert_int_equal(olx_relight_structure_open(&d, sizeof d, "a file", &relight), OLX_ERROR_FORMAT);
   assert_says("a file: chunk RLIT: link of a volume probe 1 names 1, which it cannot");
+  d.links[1].from = 1u << 24; // all its bits are the surfel
+  assert_int_equal(olx_relight_structure_open(&d, sizeof d, "a file", &relight), OLX_ERROR_FORMAT);
+  assert_says("link of a volume probe 1 names 16777216");
   d.links[1].from = 0;
   d.volume_starts[1] = 3;
   assert_int_equal(olx_relight_structure_open(&d, sizeof d, "a file", &relight), OLX_ERROR_FORMAT);
@@ -282,7 +275,7 @@ static void test_refuses_relighting_of_another_field(void **state) {
   olx_release(data);
   struct {
     olx_relight_header header;
-    uint32_t link_starts[1], member_starts[1];
+    uint32_t link_starts[1];
     olx_relight_block blocks[32];
     uint32_t entry_starts[1], volume_starts[2];
   } empty = {.header = {.blocks = 32, .volume_probes = 1}};

@@ -73,16 +73,13 @@ static void assert_relight(const olx_field *field, const synthetic_shape *shape)
   const olx_relight_header *h = d->header;
   assert_int_equal(h->surfels, shape->relight_surfels);
   assert_int_equal(field->info.relight_links, h->links);
-  assert_int_equal(size_bytes, 64 + 104ull * h->surfels + 4ull * (h->surfels + 1) + 8ull * h->links +
-                                   4ull * (h->nodes + 1) + 8ull * h->members + 8ull * h->blocks +
-                                   4ull * (h->sites + 1) + 8ull * h->entries + 4);
+  assert_int_equal(size_bytes, 64 + 108ull * h->surfels + 4ull * (h->surfels + 1) + 8ull * h->links +
+                                   8ull * h->blocks + 4ull * (h->sites + 1) + 8ull * h->entries + 4);
   // Each array begins where the one before it ends.
   assert_ptr_equal(d->surfels, h + 1);
   assert_ptr_equal(d->link_starts, d->surfels + h->surfels);
   assert_ptr_equal(d->links, d->link_starts + h->surfels + 1);
-  assert_ptr_equal(d->member_starts, d->links + h->links);
-  assert_ptr_equal(d->members, d->member_starts + h->nodes + 1);
-  assert_ptr_equal(d->blocks, d->members + h->members);
+  assert_ptr_equal(d->blocks, d->links + h->links);
   assert_ptr_equal(d->entry_starts, d->blocks + h->blocks);
   assert_ptr_equal(d->entries, d->entry_starts + h->sites + 1);
   assert_ptr_equal(d->volume_starts, d->entries + h->entries);

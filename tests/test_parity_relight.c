@@ -1,5 +1,6 @@
 // Relighting: shaders/lib against C (tests/parity.h).
 #include "field/harmonic_data.c"
+#include "shade/relighter_highlights.c"
 #include "shade/relighter_light.c"
 #include "shade/relighter_texels.c"
 #include "shade/relighter_volume.c"
@@ -73,6 +74,19 @@ static float told_weight(const parity_state *s) {
   return told_by(&relight, 0, s->bits[1] % OLX_RELIGHT_BLOCK, s->bits[2] % OLX_RELIGHT_BLOCK, &light).x;
 }
 
+static olx_vec3 hemisphere_direction(const parity_state *s, uint32_t first, olx_vec3 normal) {
+  const olx_vec2 random = {s->random[first], s->random[first + 1]};
+  return olx_from_basis(olx_sample_cosine(random), normal);
+}
+
+// One time in eight it is looked at from behind.
+static float some_brightness(const parity_state *s) {
+  const olx_relight_surfel surfel = {
+      .normal = s->bits[2] & 0xFEFEu, .f0 = (uint8_t)s->bits[0], .alpha = (uint8_t)(s->bits[0] >> 8)};
+  const olx_vec3 normal = olx_normal_unpack((uint16_t)surfel.normal), view = hemisphere_direction(s, 0, normal);
+  return brightness(&surfel, s->bits[3] % 8u ? view : olx_negate(view), hemisphere_direction(s, 2, normal));
+}
+
 // clang-format off
 ROW(hash3, put_u(r, olx_hash3(s->bits[0], s->bits[1], s->bits[2]));)
 ROW(sample_triangle, put_2(r, olx_sample_triangle(random_2(s)));)
@@ -104,6 +118,7 @@ ROW(site_weight, put_f(r, told_weight(s));)
 ROW(irradiance_scale, const uint32_t k = s->bits[0] % 9u;
     put_f(r, cosine_band[k == 0 ? 0 : k < 4 ? 1 : 2] / olx_harmonics_mean_square(k));)
 ROW(half_pack_finite, put_u(r, pack_finite(olx_bits_float(s->bits[0] & 0x7F7FFFFFu)));)
+ROW(specular_brightness, put_f(r, some_brightness(s));)
 // clang-format on
 
 static const parity_row ROWS[] = {
@@ -130,6 +145,7 @@ static const parity_row ROWS[] = {
     PARITY(site_weight, 2e-6f, 0),
     PARITY(irradiance_scale, 2e-6f, 0),
     PARITY(half_pack_finite, 0.0f, 0),
+    PARITY(specular_brightness, 1e-4f, 0),
 };
 static const parity_code CODES[] = {{ROWS_OF_RELIGHT, {RELIGHT_CODE, sizeof RELIGHT_CODE}}};
 static const parity_range ROOMS[PARITY_ROOMS] = {

@@ -9,7 +9,7 @@
 
 #include <octalux/bake.h>
 
-enum { WIDTH = 48, HEIGHT = 32, PIXELS = WIDTH * HEIGHT, TILE_TEXELS = 1024, MOST_FRAMES = 1000 };
+enum { WIDTH = 48, HEIGHT = 32, PIXELS = WIDTH * HEIGHT, TILE_TEXELS = 1024, MOST_FRAMES = 1000, SURFEL_PARTS = 3 };
 
 static const analytic_scene ROOM = {.room = {{-1, -1, -1}, {1, 1, 1}}};
 static const host_view VIEW = {.scene = &ROOM, .eye = {0.3f, 0.2f, 0.8f}, .width = WIDTH, .height = HEIGHT};
@@ -18,7 +18,7 @@ static gpu_device device;
 static scene_folder folder;
 static olx_scene *scene;
 static olx_field *field;
-static gpu_buffer copied; // of the device's surfels: direct light, then indirect
+static gpu_buffer copied; // of the device's surfels: direct light, indirect, and highlights in it
 
 static olx_field *bake(const char *name) {
   olx_bake_settings settings = olx_bake_settings_default(scene);
@@ -35,24 +35,25 @@ static olx_field *bake(const char *name) {
   return baked;
 }
 
-// A coloured box with a screen in it that casts shadows, and a small lamp.
+// A coloured box with a glossy floor, a screen in it that casts shadows, and a small lamp.
 static int set_up(void **unused) {
   (void)unused;
   if (!host_open_device(&device, true)) return 0;
   if (!scene_folder_create(&folder)) return -1;
   scene = tiny_scene();
   olx_material walls = tiny_lambert(0.6f, 0.0f), screen = tiny_lambert(0.3f, 0.0f), lamp = tiny_lambert(0.0f, 2.0f);
+  const olx_material floor = tiny_plastic(0.4f, 0.3f);
   walls.base_color = olx_v3(0.7f, 0.5f, 0.4f);
   tiny_box(scene, &walls);
+  tiny_quad(scene, &floor, olx_v3(0, -0.99f, 0), olx_v3(0, 0, 1.98f), olx_v3(1.98f, 0, 0));
   tiny_quad(scene, &screen, olx_v3(0.1f, -0.35f, 0.05f), olx_v3(0, 0, 0.7f), olx_v3(0.6f, 0.1f, 0));
   tiny_quad(scene, &lamp, olx_v3(0, 0.99f, 0), olx_v3(0.4f, 0, 0), olx_v3(0, 0, 0.4f));
   tiny_finish(scene);
   field = bake("box.olx");
   const olx_relight_header *h = field->relight.header;
-  print_message("%u surfels, %u nodes, %u links, %u sites, %u volume probes\n", h->surfels, h->nodes, h->links,
-                h->sites, h->volume_probes);
-  assert_true(h->surfels > 500 && h->nodes > 100 && h->volume_probes > 8);
-  const VkDeviceSize bytes = 2 * sizeof(olx_vec3) * h->surfels;
+  print_message("%u surfels, %u links, %u sites, %u volume probes\n", h->surfels, h->links, h->sites, h->volume_probes);
+  assert_true(h->surfels > 500 && h->links > h->surfels && h->volume_probes > 8);
+  const VkDeviceSize bytes = SURFEL_PARTS * sizeof(olx_vec3) * h->surfels;
   return gpu_buffer_create(&device, "copied light", bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, true, &copied) ? 0 : -1;
 }
 
@@ -182,14 +183,15 @@ static olx_vulkan_relight_stats device_frame(both_sides *b, olx_vec3 eye) {
   gpu_full_barrier(&device, device.commands);
   copy_light(b->frames, b->frames->constants.direct, 0);
   copy_light(b->frames, b->frames->constants.irradiance, 1);
+  copy_light(b->frames, b->frames->constants.highlights, 2);
   gpu_full_barrier(&device, device.commands);
   assert_true(gpu_commands_run(&device));
   return stats;
 }
 
-// Relative mean squared error of light that surfels have: direct (0), indirect (1).
+// Relative mean squared error of light that surfels have: direct (0), indirect (1), highlights (2).
 static double surfels_apart(const both_sides *b, uint32_t part) {
-  const olx_vec3 *truth = part ? b->cpu->irradiance : b->cpu->direct;
+  const olx_vec3 *truths[SURFEL_PARTS] = {b->cpu->direct, b->cpu->irradiance, b->cpu->highlights}, *truth = truths[part];
   const uint32_t count = b->frames->constants.surfels;
   const olx_vec3 *light = (const olx_vec3 *)copied.mapped + (size_t)count * part;
   double off = 0.0, sum = 0.0;
@@ -230,9 +232,9 @@ static void give_lights(both_sides *b, const olx_relight_light *lights, uint32_t
 }
 
 // So many frames on both sides, while neither has come to rest; the worst errors of surfels after a frame.
-static void run_both(both_sides *b, uint32_t frames, double worst[2]) {
+static void run_both(both_sides *b, uint32_t frames, double worst[SURFEL_PARTS]) {
   const olx_vec3 eye = olx_v3(0.1f, 0.2f, 0.3f);
-  worst[0] = worst[1] = 0.0;
+  for (uint32_t part = 0; part < SURFEL_PARTS; part++) worst[part] = 0.0;
   for (uint32_t i = 0; i < frames; i++) {
     olx_relight_stats cpu;
     ASSERT_OK(olx_relight_frame(b->cpu, eye, &cpu));
@@ -240,7 +242,7 @@ static void run_both(both_sides *b, uint32_t frames, double worst[2]) {
     assert_int_equal(cpu.surfels_lit, gpu.surfels_lit);
     assert_int_equal(cpu.surfels_gathered, gpu.surfels_gathered);
     assert_true(gpu.texels <= 9 * TILE_TEXELS && gpu.volume_probes <= 50);
-    for (uint32_t part = 0; part < 2; part++) worst[part] = fmax(worst[part], surfels_apart(b, part));
+    for (uint32_t part = 0; part < SURFEL_PARTS; part++) worst[part] = fmax(worst[part], surfels_apart(b, part));
   }
 }
 
@@ -261,18 +263,19 @@ static uint32_t run_to_rest(both_sides *b) {
 static void expect_same_rest(both_sides *b, const char *what) {
   const uint32_t frames = run_to_rest(b);
   const picture_errors e = judge_picture(&b->picture, olx_relight_field(b->cpu));
-  const double direct = surfels_apart(b, 0), indirect = surfels_apart(b, 1);
-  print_message("%s, at rest after %u frames: direct %.2g, indirect %.2g; surfaces %.2g, objects %.2g, glossy %.2g\n",
-                what, frames, direct, indirect, e.surfaces, e.objects, e.glossy);
-  if (direct > 1e-6 || indirect > 1e-7 || e.surfaces > 1e-6 || e.objects > 1e-6 || e.glossy > 1e-5)
+  const double direct = surfels_apart(b, 0), indirect = surfels_apart(b, 1), highlights = surfels_apart(b, 2);
+  print_message("%s, at rest after %u frames: direct %.2g, indirect %.2g, highlights %.2g; surfaces %.2g, objects %.2g, "
+                "glossy %.2g\n",
+                what, frames, direct, indirect, highlights, e.surfaces, e.objects, e.glossy);
+  if (direct > 1e-6 || indirect > 1e-7 || highlights > 1e-6 || e.surfaces > 1e-6 || e.objects > 1e-6 || e.glossy > 1e-5)
     fail_msg("%s", what);
 }
 
 static void expect_same(both_sides *b, uint32_t frames, const char *what) {
-  double worst[2];
+  double worst[SURFEL_PARTS];
   run_both(b, frames, worst);
-  print_message("%s: direct %.2g, indirect %.2g\n", what, worst[0], worst[1]);
-  if (worst[0] > 1e-6 || worst[1] > 1e-7) fail_msg("%s", what);
+  print_message("%s: direct %.2g, indirect %.2g, highlights %.2g\n", what, worst[0], worst[1], worst[2]);
+  if (worst[0] > 1e-6 || worst[1] > 1e-7 || worst[2] > 1e-6) fail_msg("%s", what);
   expect_same_rest(b, what);
 }
 

@@ -156,7 +156,6 @@ static void what_does_not_fit_is_refused(void **unused) {
   olx_vulkan_field_destroy(another);
   analytic_field_free(other);
   olx_vulkan_update_destroy(NULL);
-  olx_relight_free(diffuse);
   olx_vulkan_field_destroy(uploaded);
   olx_relight_free(relight);
 }

@@ -52,6 +52,7 @@ static float draw_of(uint64_t place) {
 
 static void add_link(olx_link_list *list, const olx_link *link, float share) {
   const olx_vec3 weight = olx_scale(olx_rgb9e5_unpack(link->weight), share);
+  if (olx_max3(weight) <= 0.0f) return; // a black surface
   olx_link_list_add(list, &(olx_few_link){.from = olx_link_end(link),
                                           .weight = weight,
                                           .straight = olx_link_chain(link) ? 0.0f : olx_luminance(weight)});

@@ -125,6 +125,8 @@ static void light_parts(const site_job *j, uint32_t block, const olx_block_surfa
     if (at == b->count && at < OLX_RELIGHT_BLOCK_SITES) {
       first[at] = i;
       light_at(j, &s->surface[i], &b->sites[b->count++]);
+    } else if (at < b->count && b->sites[at].count == 0) {
+      light_at(j, &s->surface[i], &b->sites[at]); // the texels before it lie in a fold, where no surfel is seen
     }
     if (at == OLX_RELIGHT_BLOCK_SITES) {
       at = 0;
@@ -138,6 +140,26 @@ static void light_parts(const site_job *j, uint32_t block, const olx_block_surfa
   }
 }
 
+// Texels in a fold, whose site nothing is known of, take that of the nearest normal which has surfels.
+static void light_folds(const olx_block_surfaces *s, block_sites *b) {
+  uint32_t of[OLX_RELIGHT_BLOCK_SITES] = {0};
+  for (uint32_t i = OLX_BLOCK_TEXELS; i-- > 0;) {
+    if (s->seen >> i & 1u) of[b->block.which >> 2 * i & 3u] = i; // the first texel of each
+  }
+  for (uint32_t empty = 0; empty < b->count; empty++) {
+    if (b->sites[empty].count > 0) continue;
+    const olx_vec3 normal = s->surface[of[empty]].shading_normal;
+    uint32_t best = empty;
+    for (uint32_t k = 0; k < b->count; k++) {
+      if (b->sites[k].count == 0) continue;
+      const bool first = b->sites[best].count == 0;
+      const float better = olx_dot(s->surface[of[k]].shading_normal, normal);
+      if (first || better > olx_dot(s->surface[of[best]].shading_normal, normal)) best = k;
+    }
+    b->sites[empty] = b->sites[best];
+  }
+}
+
 static void light_block(const site_job *j, uint32_t block) {
   block_sites *b = &j->blocks[block];
   olx_block_surfaces s;
@@ -146,6 +168,7 @@ static void light_block(const site_job *j, uint32_t block) {
   b->block = (olx_relight_block){.first_site = s.seen ? 0 : OLX_RELIGHT_NO_SITE};
   if (olx_block_is_flat(j->capture, block, &s)) light_flat(j, &s, b);
   else light_parts(j, block, &s, b);
+  light_folds(&s, b);
 }
 
 static void light_row(void *user, uint32_t row) {

@@ -39,7 +39,7 @@ typedef struct olx_light_surfels {
   float spacing; // sides of cells as a share of the geometric mean distance
   uint32_t threads;
   olx_task *task;            // may be NULL
-  olx_surface_point *points; // sorted by key, batch after batch
+  olx_surface_point *points; // in olx_cell_order, batch after batch
   uint32_t point_count;
   olx_light_surfel *surfels;
   uint32_t count, capacity;

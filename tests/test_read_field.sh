@@ -22,6 +22,9 @@ agree two-rooms-gap --radiance-size 8 --irradiance-size 8 --bounces 0 --samples 
 agree cornell --radiance-size 8 --irradiance-size 16 --bounces 0 --samples 1 --irradiance sh2
 agree cornell --radiance-size 8 --irradiance-size 8 --bounces 0 --samples 1 --irradiance sh3
 agree cornell --grid 1x1x1 --radiance-size 8 --irradiance-size 32 --bounces 1 --samples 1
+agree cornell --grid 2x1x1 --radiance-size 16 --bounces 1 --samples 1 --relight
+LC_ALL=C grep -qa RLIT a.olx || fail "a field that can be relit has no chunk RLIT"
+agree two-rooms-gap --grid 2x1x1 --radiance-size 8 --bounces 0 --samples 1 --relight
 
 # Far from the origin positions are relative to one of the field's own.
 echo '{"model": "builtin:cornell", "translate": [1e7, 0, -1e6]}' >far.json

@@ -134,7 +134,7 @@ static void test_furnace(void **state) {
   olx_scene_free(scene);
 }
 
-// ---- Cornell boxes whose lamp has a companion
+// ---- Cornell boxes whose lamp has a companion, which hangs where surfels are small beside its distance
 
 static olx_scene *companion(const scene_folder *folder, const char *position) {
   char text[400];
@@ -183,7 +183,7 @@ static difference compare(const olx_scene *scene, const olx_field *a, const olx_
 
 static void test_arrives_at_a_fresh_bake(void **state) {
   const scene_folder *folder = *state;
-  olx_scene *scene = companion(folder, "[0.1, 0.12, 0.1]"), *moved = companion(folder, "[0.44, 0.4, 0.3]");
+  olx_scene *scene = companion(folder, "[0.2, 0.42, 0.2]"), *moved = companion(folder, "[0.25, 0.3, 0.05]");
   olx_field *field = bake(folder, "a.olx", scene, two), *fresh = bake(folder, "b.olx", moved, two);
   assert_true(compare(scene, field, fresh).rms > 0.25);
   olx_relight_settings settings = olx_relight_settings_default();
@@ -207,7 +207,7 @@ static void test_arrives_at_a_fresh_bake(void **state) {
 // With the lights of the bake a field stays as it was baked.
 static void test_lights_of_the_bake_change_little(void **state) {
   const scene_folder *folder = *state;
-  olx_scene *scene = companion(folder, "[0.1, 0.12, 0.1]");
+  olx_scene *scene = companion(folder, "[0.2, 0.42, 0.2]");
   olx_field *field = bake(folder, "a.olx", scene, two);
   olx_relight_settings settings = olx_relight_settings_default();
   settings.occlusion = olx_scene_occlusion;
@@ -234,7 +234,7 @@ static void assert_same_light(const olx_relight *a, const olx_relight *b) {
 
 static void test_same_for_any_number_of_threads(void **state) {
   const scene_folder *folder = *state;
-  olx_scene *scene = companion(folder, "[0.1, 0.12, 0.1]");
+  olx_scene *scene = companion(folder, "[0.2, 0.42, 0.2]");
   olx_field *field = bake(folder, "a.olx", scene, two);
   olx_relight *relights[2];
   for (uint32_t i = 0; i < 2; i++) {
@@ -321,7 +321,8 @@ static void test_near_first_and_none_starves(void **state) {
   for (uint32_t frame = 1; frame <= 20 * tiles; frame++) {
     olx_relight_stats stats;
     ASSERT_OK(olx_relight_frame(relight, eye, &stats));
-    assert_int_equal(stats.texels, 1024);
+    // One tile a frame, but where none is left that waits.
+    assert_true(stats.texels == 1024 || (stats.texels == 0 && olx_relit_tiles_waiting(relight) == 0));
     assert_true(stats.volume_probes <= 1 && stats.surfels_gathered <= 100 && stats.shadow_rays <= 3072);
     for (uint32_t i = 0; i < tiles; i++) times[i] += relight->tiles[i].last_frame == frame;
     for (uint32_t i = 0; i < 5; i++) assert_true(olx_relight_probe_state(relight, i).waited <= 8 * tiles);
@@ -355,6 +356,7 @@ static void test_other_rooms_stay_dark_and_rest_costs_nothing(void **state) {
   olx_relight_settings settings = olx_relight_settings_default();
   settings.occlusion = olx_scene_occlusion;
   settings.user = scene;
+  settings.sleep = 1e-6f; // the light of the bake, which was in both rooms, fades to about this share
   olx_relight *relight = begin(field, &settings);
   const olx_vec3 lit = field->probe_positions[3];
   const olx_relight_light lamp = {.type = OLX_RELIGHT_POINT, .emission = olx_splat(3.0f), .position = lit};

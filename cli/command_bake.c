@@ -181,8 +181,9 @@ int command_bake(int argc, char **argv) {
   if (given.reference_paths && given.light != OLX_LIGHT_REFERENCE) {
     return usage_error("bake", "--reference-paths goes with --light reference");
   }
-  const bool harmonics = given.irradiance_form == OLX_IRRADIANCE_SH2 || given.irradiance_form == OLX_IRRADIANCE_SH3;
-  if (given.relight && harmonics) return usage_error("bake", "--relight needs octahedral irradiance");
+  if (given.relight && given.light == OLX_LIGHT_REFERENCE) {
+    return usage_error("bake", "--relight needs the light of the scene, not --light reference");
+  }
   if (given.probes && given.grid[0]) return usage_error("bake", "--grid and --probes exclude each other");
   const command_files files = {.inputs = {line.given[0], given.probes}, .outputs = {{output, false}}};
   code = check_files("bake", &files, json);

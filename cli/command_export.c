@@ -10,10 +10,9 @@
 #include <string.h>
 
 #define MAPS                                                                                                           \
-  "distance|emitter|normal|base_color|roughness|metallic|specular_weight|direct|indirect|emission|radiance|albedo|"    \
+  "distance|emitter|normal|base_color|roughness|metallic|specular_weight|direct|indirect|emission|radiance|"           \
   "irradiance|mean_distance|mean_square_distance|classic_irradiance|classic_radiance_0|classic_radiance_1|"            \
-  "classic_radiance_2|classic_radiance_3|classic_radiance_4|surface_albedo|surface_normal|surface_distance|"           \
-  "volume_irradiance"
+  "classic_radiance_2|classic_radiance_3|classic_radiance_4|volume_irradiance"
 
 // The output, checked, and the field, which is the caller's to close.
 static int open_export(const char *command, const char *input, const char *output, const char *ending, bool in_order,

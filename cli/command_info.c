@@ -75,12 +75,10 @@ static int print_info_json(const description *d) {
     add_number(classic, "cube_size", info->classic_cube_size);
     add_float(classic, "sharpness", info->classic_sharpness);
   }
-  if (info->relight_size) {
+  if (info->relight_surfels) {
     cJSON *relight = cJSON_AddObjectToObject(object, "relight");
-    add_number(relight, "size", info->relight_size);
-    add_number(relight, "points", info->relight_points);
-    add_number(relight, "rays", info->relight_rays);
-    add_number(relight, "hidden", info->relight_hidden);
+    add_number(relight, "surfels", info->relight_surfels);
+    add_number(relight, "links", info->relight_links);
   }
   add_text(object, "select", select_names(info->select_mask).text);
   add_number(object, "file_bytes", (double)info->file_bytes);
@@ -130,9 +128,8 @@ static void print_info(const char *path, const description *d) {
     printf("  classic maps       at irradiance probes, %ux%u texels from cube maps of %u, sharpness %g\n",
            info->classic_size, info->classic_size, info->classic_cube_size, (double)info->classic_sharpness);
   }
-  if (info->relight_size) {
-    printf("  relighting         albedo; %ux%u surfaces an irradiance probe and %u hidden ones, %u points of %u rays\n",
-           info->relight_size, info->relight_size, info->relight_hidden, info->relight_points, info->relight_rays);
+  if (info->relight_surfels) {
+    printf("  relighting         %u surfels, %u links\n", info->relight_surfels, info->relight_links);
   }
   if (origin[0] != 0.0 || origin[1] != 0.0 || origin[2] != 0.0) {
     printf("  relative to        (%.10g, %.10g, %.10g) m, as are all positions below\n", origin[0], origin[1],

@@ -124,6 +124,9 @@ static int check_options(render_options *o) {
   if (o->relight && o->method != OLX_METHOD_FIELD) {
     return usage_error("render", "--relight goes with --method field");
   }
+  if (o->relight && o->diffuse == OLX_DIFFUSE_IRRADIANCE) {
+    return usage_error("render", "irradiance probes are not lit anew: --diffuse irradiance does not go with --relight");
+  }
   if (o->show_probes && (!o->field || !o->png)) {
     return usage_error("render", "--show-probes needs --field and a .png to draw into");
   }
@@ -171,7 +174,7 @@ static void print_render(const char *path, const olx_render_stats *stats, const 
   printf("%s: %ux%u in %.2f seconds\n", path, image->width, image->height, stats->seconds);
   printf("  rays cast           %" PRIu64 "\n", stats->rays);
   if (relit->relight) {
-    printf("  relit               in %u frames, %.2f seconds; %u probes not settled\n", relit->frames, relit->seconds,
+    printf("  relit               in %u frames, %.2f seconds; %u parts of its light under way\n", relit->frames, relit->seconds,
            relit->last.awake);
   }
   if (stats->field_rays == 0) return;

@@ -97,41 +97,31 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_BINDING_OUT_TARGET 6 // storage, rgba16f: the host's
 #define OLX_FILTER_BINDINGS 7
 
-// The descriptor set of a relighter's passes; the field's follows as set 1, as far as a pass reads it. A pass sees at
-// most four storage buffers.
-#define OLX_BINDING_STATE 0  // storage buffers, of words: olx_gpu_relight, then lights, jobs, maps, corrections
-#define OLX_BINDING_PLACES 1 // surfaces of irradiance probes and their direct light; or texels of light field maps
-#define OLX_BINDING_SURFACE_RADIANCE 2 // that leaves surfaces
-#define OLX_BINDING_FIT 3    // points, their rays, and which probes answer for them
-#define OLX_BINDING_PACKED 4 // irradiance maps as the field has them
-#define OLX_RELIGHT_BINDINGS 5
-#define OLX_RELIGHT_GROUP 64   // threads of a workgroup: as many as a correction has cells
+// The descriptor set of a relighter's passes; the field's follows as set 1, as far as a pass reads it. A pass sees at most four
+// storage buffers.
+#define OLX_BINDING_STATE 0        // storage buffers, of words: olx_gpu_relight, then lights, tiles, light
+#define OLX_BINDING_STRUCTURE 1    // surfels and their links; or sites of texels, and links of volume probes
+#define OLX_BINDING_VOLUME_LIGHT 2 // the field's words, whose irradiance of the volume is written
+#define OLX_RELIGHT_BINDINGS 3
+#define OLX_RELIGHT_GROUP 64 // threads of a workgroup
 #define OLX_LIGHT_WORDS 20u
-#define OLX_JOB_WORDS 8u
-#define OLX_RELIT_TILE_BORDER 132u // words for what a tile of 32 x 32 texels determines of its map's border
-#define OLX_CALL_WORDS 4u
+#define OLX_TILE_WORDS 4u // of a scheduled tile: probe, first x, first y, samples that its direct light is the mean of
 #ifdef GL_core_profile
-#define OLX_CORRECTION_SIDE 8
-#define OLX_CORRECTION_CELLS 64u
 #define OLX_LIGHT_SUN 0u
 #define OLX_LIGHT_POINT 1u
 #define OLX_LIGHT_SPOT 2u
 #define OLX_LIGHT_RECT 3u
 #define OLX_LIGHT_TRIANGLE 4u
 #define OLX_LIGHT_SKY 5u
+#define OLX_RELIGHT_POINTS 8u
+#define OLX_RELIGHT_BLOCK 4u
+#define OLX_RELIGHT_NO_SITE 0xFFFFFFFFu
 #endif
 
-// What a pass works on, and what a job says.
-#define OLX_RELIGHT_SURFACES 0 // of scheduled irradiance probes
-#define OLX_RELIGHT_TEXELS 1   // of scheduled tiles
-#define OLX_JOB_FIXED 1u       // find the light of lights without an area again
-#define OLX_JOB_VARYING 2u     // and one more sample of those with one
-
-// Steps of the fit, in relight_predict, relight_gather and relight_advance.
-#define OLX_FIT_RESIDUAL 0 // what measured irradiance has beyond maps and corrections
-#define OLX_FIT_MULTIPLY 1
-#define OLX_FIT_ADVANCE 0
-#define OLX_FIT_TURN 1
+// Bits of olx_gpu_relight_call.flags: the dispatch is the first, or the last, for its places.
+#define OLX_CALL_BEGINS 1u
+#define OLX_CALL_ENDS 2u
+#define OLX_CALL_SHINES 4u // of a dispatch that follows links: highlights are found anew
 
 #define OLX_SELECT_GPU_MASK 0xBu // bits (1 << olx_select) of the stored selectors that have a twin
 
@@ -147,7 +137,6 @@ typedef struct olx_gpu_uvec4 {
 #ifndef OLX_CONSTANT_HITS
 #define OLX_CONSTANT_HITS 2 // OLX_HITS_*; default OLX_HITS_SHADED
 #endif
-#define OLX_HITS_RELIT 2 // stored radiance, in a field whose lights have changed since it was baked
 
 // C has these as enumerations, in octalux/sample.h, octalux/field.h and field/field_data.h.
 #ifdef GL_core_profile
@@ -244,6 +233,39 @@ OLX_GPU_STRUCT(olx_gpu_probe) {
   olx_gpu_uint flags; // OLX_PROBE_*
 };
 
+// A light, as olx_relight_light has it; the direction of a sun or spot stands in edge_u.
+OLX_GPU_STRUCT(olx_gpu_light) {
+  olx_gpu_vec4 emission, position, edge_u, edge_v; // xyz
+  olx_gpu_uint type, both_sides;
+  olx_gpu_float cosine_inner, cosine_outer;
+};
+
+// A relighter: where its parts begin, in words. Vectors are three words.
+OLX_GPU_STRUCT(olx_gpu_relight) {
+  olx_gpu_uint surfels;
+  olx_gpu_uint light_samples;
+  olx_gpu_uint tile_side, tile_words; // of a map's part: texels, and what of the map's border repeats them
+  // In the state, counted from behind this
+  olx_gpu_uint lights, tiles, probes;      // lights; scheduled tiles and volume probes
+  olx_gpu_uint direct, irradiance, values; // vectors of surfels; values are sums of rays meanwhile
+  olx_gpu_uint beams, beam_sums, highlights; // vectors of surfels; sums of rays
+  olx_gpu_uint sums;                       // change and light of each workgroup that follows links
+  olx_gpu_uint tile_light;                 // of scheduled tiles: sums of rays, vectors
+  olx_gpu_uint tile_direct, tile_indirect; // tile_words for each of them
+  // In the structure: surfels begin at word 0, or blocks do
+  olx_gpu_uint link_starts, links;
+  olx_gpu_uint entry_starts, entries, volume_starts, volume_links;
+  olx_gpu_uint volume_light; // in the field's words
+};
+
+// Push constants of a relighter's passes.
+OLX_GPU_STRUCT(olx_gpu_relight_call) {
+  olx_gpu_uint first, count;              // surfels; threads that have something to do
+  olx_gpu_uint round, before;             // samples that surfels have: the first `before` of them so many, the others one more
+  olx_gpu_uint light, light_sample, rays; // of every place: from this sample of a light on, so many
+  olx_gpu_uint flags;                     // OLX_CALL_*
+};
+
 // Push constants of the recorded passes.
 OLX_GPU_STRUCT(olx_gpu_frame) {
   olx_gpu_vec4 clip_to_world[4]; // columns
@@ -258,46 +280,6 @@ OLX_GPU_STRUCT(olx_gpu_frame) {
   olx_gpu_uint diffuse_samples; // rays a pixel on diffuse surfaces, when they are traced
   olx_gpu_float surface_tolerance; // footprints
   olx_gpu_uint padding[2];
-};
-
-// A light, as olx_relight_light has it; the direction of a sun or spot stands in edge_u.
-OLX_GPU_STRUCT(olx_gpu_light) {
-  olx_gpu_vec4 emission, position, edge_u, edge_v; // xyz
-  olx_gpu_uint type, both_sides;
-  olx_gpu_float cosine_inner, cosine_outer;
-};
-
-// A relighter. Offsets are in words of the buffer that is named; those of the state count from behind this.
-OLX_GPU_STRUCT(olx_gpu_relight) {
-  olx_gpu_uint probes;               // of irradiance
-  olx_gpu_uint size, cells, map_size; // along a side: surfaces, cells that they are summed in, texels of working maps
-  olx_gpu_uint irradiance_n;         // of the field's maps
-  olx_gpu_uint points, rays;         // of the fit: points a probe, rays a point
-  olx_gpu_uint light_samples;
-  olx_gpu_uint tile_side;
-  olx_gpu_float distance_scale;
-  olx_gpu_uint lights, jobs, tiles, packs; // state; before the lights stands their number
-  olx_gpu_uint shares, moments;            // of a surface in its cell; of cells
-  olx_gpu_uint exact, maps;                // maps at probes; fitted, with border
-  olx_gpu_uint solution, gradient, direction, product;
-  olx_gpu_uint partial;                    // of three sums over unknowns, one vector a probe
-  olx_gpu_uint measured, value;            // of points
-  olx_gpu_uint changes;                    // change and mean of each map
-  olx_gpu_uint calls;                      // olx_gpu_relight_call, one for each step, and for rays to lights
-  olx_gpu_uint fixed_light, varying_light;  // places that are surfaces, after the samples themselves
-  olx_gpu_uint tile_light, tile_packed;    // places that are texels, after the albedos
-  olx_gpu_uint tap_starts, taps;           // fit, after the points: probe and weight
-  olx_gpu_uint list_starts, list;          // for each unknown: point and weight
-  olx_gpu_uint padding;
-};
-
-// What a dispatch of its passes does. It lies in the state, and so does olx_gpu_relight, because some drivers prepare a
-// shader anew for every value in push constants and uniform buffers that a branch depends on. Push constants are the
-// number of one of these.
-OLX_GPU_STRUCT(olx_gpu_relight_call) {
-  olx_gpu_uint kind;                    // OLX_RELIGHT_SURFACES, _TEXELS, or a step of the fit
-  olx_gpu_uint first_ray, end_ray;      // of a place: light_samples to each light
-  olx_gpu_uint norm;                    // of the partial sums: which of the two norms is the one before
 };
 
 // A camera; its viewing axis stands upright on `right` and `up`. Projections may be shifted (by a jitter): pixel (x, y)

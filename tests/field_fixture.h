@@ -21,14 +21,8 @@ static const synthetic_shape of_blocks = {
     .grid = {3, 2, 2}, .irradiance_grid = {1, 1, 1}, .n = 16, .irradiance_n = 8, .compressed = true};
 static const synthetic_shape classic = {
     .grid = {2, 1, 1}, .irradiance_grid = {2, 1, 3}, .n = 8, .irradiance_n = 8, .classic_size = 64};
-static const synthetic_shape relit = {.grid = {2, 1, 1},
-                                      .irradiance_grid = {2, 1, 3},
-                                      .n = 16,
-                                      .irradiance_n = 8,
-                                      .relight_size = 16,
-                                      .relight_points = 5,
-                                      .relight_rays = 9,
-                                      .relight_hidden = 5};
+static const synthetic_shape relit = {
+    .grid = {2, 1, 1}, .irradiance_grid = {2, 1, 3}, .n = 16, .irradiance_n = 8, .relight_surfels = 21};
 static const synthetic_shape third_order = {
     .grid = {1, 1, 1}, .irradiance_grid = {2, 1, 3}, .n = 16, .irradiance_n = 16, .irradiance_form = OLX_IRRADIANCE_SH3};
 static const synthetic_shape without_probe_light = {.grid = {3, 2, 2}, .n = 16};

@@ -40,17 +40,14 @@ static const synthetic_shape shapes[SHAPES] = {
      .irradiance_n = 8,
      .select_mask = ALL,
      .classic_size = 64},
-    {.grid = {1, 1, 2},
-     .irradiance_grid = {2, 1, 2},
-     .n = 8,
-     .irradiance_n = 8,
-     .relight_size = 16,
-     .relight_points = 24,
-     .relight_rays = 12,
-     .relight_hidden = 10},
-    {.grid = {2, 1, 1}, .irradiance_grid = {1, 2, 1}, .n = 64, .irradiance_n = 16, .relight_size = 32},
+    {.grid = {1, 1, 2}, .irradiance_grid = {2, 1, 2}, .n = 8, .irradiance_n = 8, .relight_surfels = 40},
+    {.grid = {2, 1, 1}, .n = 64, .select_mask = ALL, .relight_surfels = 600},
     {.grid = {1, 1, 1}, .irradiance_grid = {2, 1, 2}, .n = 8, .irradiance_n = 8, .irradiance_form = OLX_IRRADIANCE_SH2},
-    {.grid = {1, 1, 1}, .irradiance_grid = {2, 2, 2}, .n = 8, .irradiance_n = 16, .irradiance_form = OLX_IRRADIANCE_SH3},
+    {.grid = {1, 1, 1},
+     .irradiance_grid = {2, 2, 2},
+     .n = 8,
+     .irradiance_n = 16,
+     .irradiance_form = OLX_IRRADIANCE_SH3},
     {.grid = {2, 1, 2}, .n = 16, .select_mask = ALL},
     {.grid = {2, 1, 2}, .n = 16, .select_mask = ALL, .compressed = true},
     {.grid = {1, 1, 3}, .irradiance_grid = {1, 1, 1}, .n = 32, .irradiance_n = 8, .compressed = true},
@@ -270,7 +267,7 @@ static void change_maps(dice *d, buffer *b) {
   }
 }
 
-// The words of a selector's structure or of classic maps, the first ones more often than the rest.
+// The words of a selector's structure, of classic maps or of what relighting needs, the first ones more often than the rest.
 static void change_optional(dice *d, buffer *b) {
   const uint32_t count = chunks_inside(*b);
   if (count <= OLX_CHUNK_REQUIRED) return;
@@ -433,10 +430,15 @@ static void refused(olx_result result, counts *c);
 // A field that is lit anew, with any light and any eye, stays as sound as it was.
 static void relight(dice *d, const olx_field *field, counts *c) {
   olx_relight_settings settings = olx_relight_settings_default();
-  settings.surface_texels = draw_below(d, 3) ? 600 : extreme_u32(d);
-  settings.radiance_texels = draw_below(d, 3) ? 2000 : 0;
+  settings.shadow_rays = draw_below(d, 3) ? 500 : extreme_u32(d);
+  settings.surfels = draw_below(d, 3) ? 30 : extreme_u32(d);
+  settings.texels = draw_below(d, 3) ? 1000 : extreme_u32(d);
+  if (draw_below(d, 3) == 0) settings.volume_probes = extreme_u32(d);
+  if (draw_below(d, 3) == 0) settings.light_samples = 1 + draw_below(d, 4);
+  if (draw_below(d, 4) == 0) settings.light_samples = extreme_u32(d);
+  if (draw_below(d, 4) == 0) settings.near_metres = extreme_float(d);
   if (draw(d) & 1u) settings.occlusion = occlude_by_chance;
-  if (draw_below(d, 8) == 0) settings.history = extreme_float(d);
+  if (draw_below(d, 8) == 0) settings.sleep = extreme_float(d);
   olx_relight *relighter;
   olx_result result = olx_relight_create(field, &settings, &relighter);
   if (result != OLX_OK) {
@@ -448,14 +450,17 @@ static void relight(dice *d, const olx_field *field, counts *c) {
   for (uint32_t i = 0; i < 3; i++) lights[i] = draw_light(d, field);
   result = olx_relight_set_lights(relighter, lights, draw_below(d, 4));
   if (result != OLX_OK) refused(result, c);
-  for (uint32_t frame = 0; frame < 2; frame++) {
+  for (uint32_t frame = 0; frame < 3; frame++) {
     if (olx_relight_frame(relighter, draw_point(d, field), NULL) != OLX_OK) fail("a frame failed");
   }
   const olx_sample_settings sample = olx_sample_settings_default();
   (void)olx_irradiance(olx_relight_field(relighter), &sample, draw_point(d, field), draw_direction(d),
                        draw_direction(d));
+  (void)olx_surface_irradiance(olx_relight_field(relighter), &sample, draw_point(d, field), draw_direction(d),
+                               draw_direction(d), draw_direction(d));
+  (void)olx_relight_probe_state(relighter, extreme_u32(d));
   olx_relight_free(relighter);
-  c->calls += 5;
+  c->calls += 8;
 }
 
 static void refused(olx_result result, counts *c) {
@@ -484,7 +489,7 @@ static void run_round(dice *d, const buffer *base, buffer *scratch, counts *c) {
     else refused(result, c);
     for (uint32_t i = 0; i < olx_field_describe(field).probe_count; i++) (void)olx_field_probe_buried(field, i);
     use(d, field, c);
-    if (olx_field_describe(field).relight_size) relight(d, field, c);
+    if (olx_field_describe(field).relight_bytes) relight(d, field, c);
     olx_field_close(field);
   }
   free(exact);

@@ -78,7 +78,7 @@ void search_rows() {
     break;
   case ROW_olx_read_light: {
     olx_trace_hit hit = lit_hit(settings.hits);
-    put(hit.emitter), put_light(hit), put_light(lit_hit(OLX_HITS_RELIT));
+    put(hit.emitter), put_light(hit);
   } break;
   case ROW_olx_unknown_hit: {
     olx_trace_hit hit = olx_unknown_hit(OLX_TRACE_UNKNOWN, 0.0);

@@ -71,7 +71,6 @@ MAPS = {
     "direct": ("DIRE", 4, lambda c, s: rgb9e5(c)),
     "indirect": ("INDI", 4, lambda c, s: rgb9e5(c)),
     "radiance": ("RADI", 4, lambda c, s: r11g11b10f(c)),
-    "albedo": ("ALBE", 4, lambda c, s: r11g11b10f(c)),
     "irradiance": ("IRRA", 4, lambda c, s: r11g11b10f(c)),
     "mean_distance": ("MOME", 4, lambda c, s: [half(c & 0xFFFF) * s]),
     "mean_square_distance": ("MOME", 4, lambda c, s: [half(c >> 16) * s * s]),

@@ -761,6 +761,9 @@ def read(path):
         told |= {"irradiance": FORMS[d["form"]], "irradiance_grid": d["irradiance_grid"]}
     if any(name in chunks for name in CLASSIC):
         told["classic"] = check_classic(chunks, d)
+    if "RLIT" in chunks:
+        told["relight"] = check_relight(chunks, d, told["volume_probes"])
+        told["bytes"]["relight"] = size("RLIT")
     return {**told, "grid": d["grid"]} if d["has_grid"] else told
 
 

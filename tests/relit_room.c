@@ -54,7 +54,7 @@ void relit_room_judge(const relit_room *room, const olx_field *lit, double error
   for (uint32_t i = 0; i < PIXELS; i++) {
     const host_pixel p = host_pixel_at(&VIEW, i % WIDTH, i / WIDTH);
     if (p.empty) continue;
-    const olx_vec3 truth[2] = {olx_irradiance(lit, &sample, p.position, p.normal, p.view),
+    const olx_vec3 truth[2] = {olx_surface_irradiance(lit, &sample, p.position, p.normal, p.normal, p.view),
                                glossy_light(lit, &p, i % WIDTH, i / WIDTH)};
     for (uint32_t k = 0; k < 2; k++) {
       float alpha;

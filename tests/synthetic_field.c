@@ -91,10 +91,7 @@ olx_field_header synthetic_header(const synthetic_shape *shape) {
   if (shape->classic_size) describe_classic(&header, shape->classic_size);
   header.lights = synthetic_lights;
   header.light_count = SYNTHETIC_LIGHTS;
-  header.info.relight_size = shape->relight_size;
-  header.info.relight_points = shape->relight_points;
-  header.info.relight_rays = shape->relight_rays;
-  header.info.relight_hidden = shape->relight_hidden;
+  header.relight = shape->relight_surfels > 0;
   memcpy(header.origin, shape->origin, sizeof header.origin);
   return header;
 }
@@ -197,73 +194,131 @@ static olx_result write_classic(olx_field_writer *writer, const synthetic_shape 
   return result;
 }
 
-void synthetic_albedo(uint32_t n, uint32_t probe, uint32_t *albedo) {
-  for (uint32_t i = 0; i < n * n; i++) {
-    const float share = olx_unit_float(olx_hash3(i, n, probe ^ 0x9000u));
-    albedo[i] = olx_r11g11b10f_pack(olx_v3(share, 1.0f - share, 1.0f));
-  }
-}
+// ---- What relighting needs
 
 static olx_vec3 some_direction(uint32_t random) {
   return olx_sample_sphere((olx_vec2){olx_unit_float(random), olx_unit_float(olx_hash(random))});
 }
 
-// Every fourth place is empty.
-void synthetic_hidden(const synthetic_shape *shape, uint32_t probe, olx_hidden_surface *hidden) {
-  for (uint32_t i = 0; i < shape->relight_hidden; i++) {
-    const uint32_t random = olx_hash3(i, probe, 0xF000u);
-    const olx_vec3 direction = some_direction(random);
-    hidden[i] = (olx_hidden_surface){olx_scale(direction, 3.0f), olx_normal_pack(olx_negate(direction)),
-                                     olx_r11g11b10f_pack(olx_splat(olx_unit_float(olx_hash(random + 1))))};
-    if (i % 4 == 3) hidden[i] = (olx_hidden_surface){.normal = OLX_FIT_NO_POINT};
+// Rows of `least`, `least` + 1, .. elements, `kinds` lengths in turn.
+typedef struct row_lengths {
+  uint32_t rows, least, kinds;
+} row_lengths;
+
+static uint32_t row_length(row_lengths l, uint32_t row) { return l.least + row % l.kinds; }
+
+static uint32_t length_of_all(row_lengths l) {
+  uint32_t sum = 0;
+  for (uint32_t i = 0; i < l.rows; i++) sum += row_length(l, i);
+  return sum;
+}
+
+// Links of surfels, entries of sites.
+typedef struct relight_rows {
+  row_lengths links, entries;
+} relight_rows;
+
+static relight_rows relight_rows_of(const synthetic_shape *shape, uint32_t blocks) {
+  return (relight_rows){.links = {shape->relight_surfels, 0, 4},
+                        .entries = {blocks + OLX_RELIGHT_BLOCK_SITES, 0, 4}};
+}
+
+static void put(char **next, const void *data, size_t size_bytes) {
+  memcpy(*next, data, size_bytes);
+  *next += size_bytes;
+}
+
+static void put_starts(char **next, row_lengths l) {
+  uint32_t start = 0;
+  for (uint32_t i = 0; i <= l.rows; i++) {
+    put(next, &start, sizeof start);
+    start += row_length(l, i);
   }
 }
 
-void synthetic_surfaces(const synthetic_shape *shape, uint32_t probe, olx_surface_sample *surfaces, uint32_t *fit) {
-  const uint32_t n = shape->relight_size, count = n * n;
-  const uint32_t all = (count + shape->relight_hidden) * probes_of(shape->irradiance_grid);
+static void put_surfels(char **next, uint32_t count) {
   for (uint32_t i = 0; i < count; i++) {
-    const uint32_t random = olx_hash3(i, n, probe ^ 0xB000u);
-    const olx_vec3 direction = olx_surface_direction(i % n, i / n, n);
-    const float wall = olx_max(fabsf(direction.x), olx_max(1.5f * fabsf(direction.y), fabsf(direction.z)));
-    surfaces[i] = (olx_surface_sample){olx_r11g11b10f_pack(olx_splat(olx_unit_float(random))),
-                                       olx_normal_pack(olx_negate(direction)),
-                                       random % 19 == 0 ? 0x7C00 : olx_half_pack(0.25f / wall)};
-  }
-  for (uint32_t p = 0; p < shape->relight_points; p++) {
-    uint32_t *words = fit + (size_t)p * (4 + shape->relight_rays);
-    const uint32_t random = olx_hash3(p, probe, 0xD000u);
+    const uint32_t random = olx_hash2(i, 0xB000u);
     const olx_vec3 normal = some_direction(random);
-    const olx_fit_place place = {olx_scale(normal, 2.0f), p == 1 ? OLX_FIT_NO_POINT : olx_normal_pack(normal)};
-    memcpy(words, &place, sizeof place);
-    for (uint32_t k = 0; k < shape->relight_rays; k++) {
-      const uint32_t surface = olx_hash3(p, k, random) % all;
-      words[4 + k] = k % 7 == 5 ? OLX_FIT_RAY_SKY : k % 7 == 6 ? OLX_FIT_RAY_UNKNOWN : surface;
+    olx_relight_surfel s = {.normal = olx_normal_pack(normal),
+                            .irradiance = olx_rgb9e5_pack(olx_v3(2.0f, olx_unit_float(random), 0.5f)),
+                            .diffuse = (uint8_t)(32u + (random & 63u)),
+                            .specular = (uint8_t)(random >> 6 & 63u),
+                            .f0 = (uint8_t)(random >> 12),
+                            .alpha = (uint8_t)(random >> 20)};
+    for (uint32_t k = 0; k < OLX_RELIGHT_POINTS; k++) {
+      olx_store3(s.points[k], olx_madd(olx_scale(normal, -2.0f), some_direction(random + k), 0.1f));
+    }
+    put(next, &s, sizeof s);
+  }
+}
+
+// Together they pass on less light than there is; some of it straight.
+static void put_links(char **next, uint32_t count, uint32_t surfels) {
+  for (uint32_t i = 0; i < count; i++) {
+    const uint32_t random = olx_hash2(i, 0xC000u);
+    const olx_vec3 weight = olx_scale(olx_v3(1.0f, olx_unit_float(random), 0.5f), 0.2f);
+    const olx_relight_link link = {random % surfels | random >> 24 << 24, olx_rgb9e5_pack(weight)};
+    put(next, &link, sizeof link);
+  }
+}
+
+// Every seventh sees the sky alone.
+static void put_blocks(char **next, uint32_t count, uint32_t sites) {
+  for (uint32_t i = 0; i < count; i++) {
+    const uint32_t first = olx_hash2(i, 0xE000u) % (sites - OLX_RELIGHT_BLOCK_SITES + 1);
+    const olx_relight_block block = {i % 7 == 3 ? OLX_RELIGHT_NO_SITE : first, olx_hash2(i, 0xF000u)};
+    put(next, &block, sizeof block);
+  }
+}
+
+// What the entries of a site weigh sums to 255: the last ones have what is left.
+static void put_entries(char **next, row_lengths l, uint32_t surfels) {
+  for (uint32_t site = 0; site < l.rows; site++) {
+    uint32_t left[4] = {255, 255, 255, 255};
+    for (uint32_t i = 0; i < row_length(l, site); i++) {
+      const uint32_t random = olx_hash3(i, site, 0xA000u);
+      const bool last = i + 1 == row_length(l, site);
+      olx_relight_entry entry = {.surfel = random % surfels};
+      for (uint32_t corner = 0; corner < 4; corner++) {
+        entry.weights[corner] = (uint8_t)(last ? left[corner] : (random >> 8 * corner & 0xFFu) * left[corner] / 255u);
+        left[corner] -= entry.weights[corner];
+      }
+      put(next, &entry, sizeof entry);
     }
   }
 }
 
+void *synthetic_relight(const synthetic_shape *shape, size_t *size_bytes) {
+  const uint32_t side = shape->n / OLX_RELIGHT_BLOCK, blocks = side * side * probes_of(shape->grid);
+  const relight_rows rows = relight_rows_of(shape, blocks);
+  const olx_relight_header header = {.surfels = shape->relight_surfels,
+                                     .links = length_of_all(rows.links),
+                                     .sites = rows.entries.rows,
+                                     .entries = length_of_all(rows.entries),
+                                     .blocks = blocks};
+  *size_bytes = olx_relight_structure_bytes(&header);
+  void *data = olx_allocate(*size_bytes, 1);
+  if (!data) return NULL;
+  char *next = data;
+  put(&next, &header, sizeof header);
+  put_surfels(&next, header.surfels);
+  put_starts(&next, rows.links);
+  put_links(&next, header.links, header.surfels);
+  put_blocks(&next, blocks, header.sites);
+  put_starts(&next, rows.entries);
+  put_entries(&next, rows.entries, header.surfels);
+  put_starts(&next, (row_lengths){.kinds = 1}); // of no volume probe
+  return data;
+}
+
 static olx_result write_relight(olx_field_writer *writer, const synthetic_shape *shape) {
-  const uint32_t size = shape->relight_size, n = shape->n;
-  if (size == 0) return OLX_OK;
-  olx_surface_sample *surfaces = olx_allocate((size_t)size * size, sizeof *surfaces);
-  uint32_t *fit = olx_allocate((size_t)shape->relight_points * (4 + shape->relight_rays), sizeof *fit);
-  olx_hidden_surface *hidden = olx_allocate(shape->relight_hidden, sizeof *hidden);
-  uint32_t *albedo = olx_allocate((size_t)n * n, sizeof *albedo);
-  olx_result result = OLX_OK;
-  for (uint32_t i = 0; i < probes_of(shape->irradiance_grid) && result == OLX_OK; i++) {
-    synthetic_surfaces(shape, i, surfaces, fit);
-    synthetic_hidden(shape, i, hidden);
-    result = olx_field_writer_relight(writer, i, &(olx_relight_record){surfaces, fit, hidden});
-  }
-  for (uint32_t i = 0; i < probes_of(shape->grid) && result == OLX_OK; i++) {
-    synthetic_albedo(n, i, albedo);
-    result = olx_field_writer_albedo(writer, i, albedo);
-  }
-  olx_release(surfaces);
-  olx_release(fit);
-  olx_release(hidden);
-  olx_release(albedo);
+  if (shape->relight_surfels == 0) return OLX_OK;
+  size_t size_bytes;
+  void *data = synthetic_relight(shape, &size_bytes);
+  if (!data) return olx_fail(OLX_ERROR_MEMORY, "out of memory");
+  const olx_result result = olx_field_writer_relight(writer, data, size_bytes);
+  olx_release(data);
   return result;
 }
 

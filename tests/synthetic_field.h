@@ -10,8 +10,7 @@ typedef struct synthetic_shape {
   uint32_t n, irradiance_n;
   uint32_t select_mask;  // beside the cage: of voronoi, and of octree as it is for cornell
   uint32_t classic_size; // texels along a side of classic maps; 0: none
-  uint32_t relight_size; // of surfaces for relighting; 0: none
-  uint32_t relight_points, relight_rays, relight_hidden;
+  uint32_t relight_surfels; // to light the field anew by; 0: none
   olx_irradiance_form irradiance_form;
   bool compressed;  // surfaces as blocks
   double origin[3]; // that positions are relative to
@@ -51,12 +50,11 @@ typedef struct synthetic_classic {
 // Classic maps of at most 64 x 64 texels; what comes back points into `maps`.
 olx_classic_record synthetic_classic_maps(uint32_t size, uint32_t probe, olx_vec3 position, synthetic_classic *maps);
 
-// What relighting needs of a probe.
-void synthetic_albedo(uint32_t n, uint32_t probe, uint32_t *albedo);
-void synthetic_surfaces(const synthetic_shape *shape, uint32_t probe, olx_surface_sample *surfaces, uint32_t *fit);
-void synthetic_hidden(const synthetic_shape *shape, uint32_t probe, olx_hidden_surface *hidden);
+// What relighting needs: a sound structure (field/relight_data.h) for a field of that shape, which has no volume. Numbers in it
+// mean nothing. Give it to olx_release; NULL: out of memory.
+void *synthetic_relight(const synthetic_shape *shape, size_t *size_bytes);
 
-// All probes, but no commit.
+// All probes and what relighting needs, but no commit.
 olx_result synthetic_write_probes(olx_field_writer *writer, const synthetic_shape *shape);
 olx_result synthetic_write(const char *path, const synthetic_shape *shape, uint64_t *file_bytes);
 

@@ -83,7 +83,7 @@ static void bakes_take_what_they_say(void **state) {
   changed.bounce_gather = OLX_GATHER_TRACED;
   assert_as_measured(*state, &changed, scene);
   changed = base;
-  changed.relight = changed.classic = true;
+  changed.classic = true;
   changed.classic_size = changed.classic_cube_size = 32;
   changed.bounces = 6;
   assert_as_measured(*state, &changed, scene);

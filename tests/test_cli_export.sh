@@ -8,14 +8,13 @@ check() { python3 "$read_export" "$@" >stdout.txt 2>stderr.txt || fail "read_exp
 "$OCTALUX" bake builtin:cornell -o plain.olx --radiance-size 16 --noise 0.5 --grid 2x1x2 >stdout.txt 2>stderr.txt
 
 # Every map, as it is stored; names are the library's.
-light="distance emitter normal base_color roughness metallic specular_weight direct indirect radiance albedo"
+light="distance emitter normal base_color roughness metallic specular_weight direct indirect radiance"
 for map in $light irradiance mean_distance mean_square_distance classic_irradiance; do
   expect_json "o['map'] == '$map' and o['probe'] == 1 and o['width'] == o['height'] and o['projection'] == 'octahedral'" \
     export exr all.olx --map $map --probe 1 -o $map.exr
   check exr all.olx $map 1 octahedral 0 $map.exr
 done
-for map in emission classic_radiance_0 classic_radiance_1 classic_radiance_2 classic_radiance_3 classic_radiance_4 surface_albedo \
-  surface_normal surface_distance volume_irradiance; do
+for map in emission classic_radiance_0 classic_radiance_1 classic_radiance_2 classic_radiance_3 classic_radiance_4 volume_irradiance; do
   expect_json "o['map'] == '$map'" export exr all.olx --map $map -o other.exr
 done
 expect 0 compare radiance.exr radiance.exr # any tool that reads EXR reads them
@@ -32,7 +31,6 @@ check exr all.olx normal 0 cube 0 a.exr
 
 # What cannot be is said.
 expect_failure "plain.olx: no map radiance: baked without probe light (bake --probe-light)" export exr plain.olx --map radiance -o b.exr
-expect_failure "no map albedo: baked without what relighting needs" export exr plain.olx --map albedo -o b.exr
 expect_failure "no map classic_irradiance: baked without classic maps" export exr plain.olx --map classic_irradiance -o b.exr
 expect_failure "no probe 4: map distance is of 4 light field probes" export exr plain.olx --map distance --probe 4 -o b.exr
 expect_failure "an octahedral picture has that of its map, 16" export exr plain.olx --map distance --size 8 -o b.exr

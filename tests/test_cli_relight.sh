@@ -7,10 +7,10 @@ lamp() {
 }
 lamp "[0.1, 0.12, 0.1]" before.json
 lamp "[0.44, 0.4, 0.3]" after.json
-bake=(--grid 2x2x2 --irradiance-grid 3x3x3 --radiance-size 32 --irradiance-size 16 --bounces 6)
+bake=(--grid 2x2x2 --radiance-size 64 --noise 0.03)
 "$OCTALUX" bake before.json -o before.olx "${bake[@]}" --relight 2>stderr.txt
 "$OCTALUX" bake after.json -o after.olx "${bake[@]}" 2>stderr.txt
-picture=(--size 64x48 --spp 1 --centered --diffuse irradiance)
+picture=(--size 64x48 --spp 1 --centered)
 
 expect 0 render after.json --field after.olx -o fresh.exr "${picture[@]}"
 expect 0 render after.json --field before.olx -o stale.exr "${picture[@]}"
@@ -29,6 +29,7 @@ apart stale.exr fresh.exr "> 0.3"
 apart once.exr relit.exr "> 0.001"
 
 expect_usage "--relight goes with --method field" render after.json -o none.exr --relight 3
+expect_usage "irradiance probes are not lit anew" render after.json --field before.olx -o none.exr --relight 3 --diffuse irradiance
 expect_failure "bake --relight" render after.json --field after.olx -o none.exr --size 8x8 --relight 3
 [ -e none.exr ] && fail "a picture was left"
 

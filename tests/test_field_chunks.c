@@ -104,84 +104,201 @@ static void test_verify_reads_harmonics(void **state) {
   olx_release(i.bytes);
 }
 
-// --- What relighting needs
+// --- What relighting needs: the last chunk, after the tiles of emission
 
-enum { RLIT = OLX_CHUNK_REQUIRED, ALBE, SURF, FITP, HIDN };
+enum { RLIT = OLX_CHUNK_REQUIRED + 1 };
 
-static void test_refuses_wrong_relight_chunks(void **state) {
+// The arrays of such a chunk, to be changed, as docs/format.md has them.
+typedef struct relight_image {
+  olx_relight_header *header;
+  olx_relight_surfel *surfels;
+  uint32_t *link_starts;
+  olx_relight_link *links;
+  olx_relight_block *blocks;
+  uint32_t *entry_starts;
+  olx_relight_entry *entries;
+  uint32_t *volume_starts;
+} relight_image;
+
+static relight_image relight_of(const field_image *i) {
+  relight_image r = {.header = (olx_relight_header *)(i->bytes + i->chunks[RLIT].offset)};
+  assert_int_equal(i->chunks[RLIT].type, OLX_FOUR_CC('R', 'L', 'I', 'T'));
+  r.surfels = (olx_relight_surfel *)(r.header + 1);
+  r.link_starts = (uint32_t *)(r.surfels + r.header->surfels);
+  r.links = (olx_relight_link *)(r.link_starts + r.header->surfels + 1);
+  r.blocks = (olx_relight_block *)(r.links + r.header->links);
+  r.entry_starts = (uint32_t *)(r.blocks + r.header->blocks);
+  r.entries = (olx_relight_entry *)(r.entry_starts + r.header->sites + 1);
+  r.volume_starts = (uint32_t *)(r.entries + r.header->entries);
+  assert_ptr_equal(r.volume_starts + r.header->volume_probes + 1,
+                   i->bytes + i->chunks[RLIT].offset + i->chunks[RLIT].size_bytes);
+  return r;
+}
+
+static void test_refuses_wrong_relight_headers(void **state) {
   const field_image i = field_image_load(*state, &relit);
-  olx_relight_header *header = (olx_relight_header *)(i.bytes + i.chunks[RLIT].offset);
-  REFUSED(header->size, 8, "8 surfaces along a side are not 16, 32, 64 or 128");
-  REFUSED(header->size, 0, "0 surfaces");
-  REFUSED(header->size, 256, "256 surfaces");
-  REFUSED(header->size, 32, "chunk SURF: 12288 bytes in records of 2048"); // the maps are those of 16
-  REFUSED(header->points, 0, "0 points of 9 rays");
-  REFUSED(header->points, 4097, "4097 points of 9 rays");
-  REFUSED(header->points, 6, "chunk FITP: 1560 bytes");
-  REFUSED(header->rays, 0, "5 points of 0 rays");
-  REFUSED(header->rays, 257, "5 points of 257 rays");
-  REFUSED(header->hidden, 1025, "1025 hidden surfaces and 5 points a probe: at most 1024");
-  REFUSED(header->hidden, 6, "chunk HIDN: 600 bytes in records of 100");
-  REFUSED(header->hidden, 0, "a chunk HIDN, but no chunk RLIT that speaks of it");
-  REFUSED(header->zero[11], 1, "chunk RLIT: reserved bytes");
-  const uint32_t strange = OLX_FOUR_CC('s', 'u', 'r', 'f');
-  REFUSED(i.chunks[SURF].type, strange, "no chunk SURF, but chunk RLIT speaks of it");
-  REFUSED(i.chunks[FITP].type, strange, "no chunk FITP");
-  REFUSED(i.chunks[HIDN].type, strange, "no chunk HIDN, but chunk RLIT speaks of it");
-  REFUSED(i.chunks[HIDN].element_bytes, 4, "chunk HIDN");
-  REFUSED(i.chunks[RLIT].type, strange, "a chunk ALBE, but no chunk RLIT");
-  REFUSED(i.chunks[ALBE].record_bytes, 64, "chunk ALBE");
-  field_seal(&i);
-  header->points ^= 1;
-  assert_field_refused(&i, OLX_ERROR_CHECKSUM, "chunk RLIT: wrong checksum");
-  olx_release(i.bytes);
-}
-
-// Rays are what hidden surfaces are known by.
-static void test_refuses_hidden_surfaces_without_points(void **state) {
-  synthetic_shape shape = relit;
-  shape.relight_points = shape.relight_rays = shape.relight_hidden = 0;
-  const field_image i = field_image_load(*state, &shape);
-  ((olx_relight_header *)(i.bytes + i.chunks[RLIT].offset))->hidden = 5;
-  field_seal(&i);
-  assert_field_refused(&i, OLX_ERROR_FORMAT,
-                       "5 hidden surfaces and 0 points a probe: at most 1024, none without points");
-  olx_release(i.bytes);
-}
-
-static void test_refuses_to_relight_harmonics(void **state) {
-  const field_fixture *f = *state;
-  olx_field_header header = synthetic_header(&relit);
-  header.info.irradiance_form = OLX_IRRADIANCE_SH2;
-  olx_field_writer *writer;
-  assert_int_equal(olx_field_writer_create(f->path, &header, &writer), OLX_ERROR_ARGUMENT);
-  assert_says("relighting needs octahedral irradiance, not sh2");
-  synthetic_header_release(&header);
-}
-
-static void test_verify_reads_relight_chunks(void **state) {
-  const field_image i = field_image_load(*state, &relit);
-  UNVERIFIED(WORDS(ALBE)[18 * 18 + 20], 0x3C1, "albedo of probe 1, texel (1, 0): not in 0..1");
-  UNVERIFIED(WORDS(ALBE)[20], 0x7C0, "albedo of probe 0, texel (1, 0): not in 0..1");
-  UNVERIFIED(WORDS(ALBE)[0], 3, "albedo of probe 0: border texel (-1, -1) differs");
-  UNVERIFIED(WORDS(SURF)[2 * 256], 0x7C0, "surface 0 of probe 1");
-  UNVERIFIED(WORDS(SURF)[2 * 7 + 1], 0x7C0100FF, "surface 7 of probe 0"); // a normal's coordinate beyond 254
-  UNVERIFIED(WORDS(SURF)[2 * 7 + 1], 0x7C010000, "surface 7 of probe 0"); // NaN
-  UNVERIFIED(WORDS(SURF)[2 * 7 + 1], 0x80000000, "surface 7 of probe 0"); // below zero
-  UNVERIFIED(WORDS(FITP)[65 + 0], 0x7FC00000, "point 0 of probe 1");
-  UNVERIFIED(WORDS(FITP)[13 + 3], 0xFFFF, "point 1 of probe 0");
-  UNVERIFIED(WORDS(FITP)[13 * 4 + 3], 0x10000, "point 4 of probe 0");
-  UNVERIFIED(WORDS(FITP)[13 * 4 + 12], 6 * (256 + 5), "point 4 of probe 0");
-  UNVERIFIED(WORDS(HIDN)[25 + 1], 0x7FC00000, "chunk HIDN: surface 0 of probe 1 is impossible");
-  UNVERIFIED(WORDS(HIDN)[5 * 2 + 2], 0x5E5E0B6C, "surface 2 of probe 0"); // 4e18 metres
-  UNVERIFIED(WORDS(HIDN)[5 * 2 + 2], 0xFF800000, "surface 2 of probe 0");
-  UNVERIFIED(WORDS(HIDN)[5 * 3 + 0], 0x7F800000, "surface 3 of probe 0"); // even where there is none
-  UNVERIFIED(WORDS(HIDN)[5 * 4 + 3], 0xFFFF, "surface 4 of probe 0");
-  UNVERIFIED(WORDS(HIDN)[5 * 4 + 3], 0x10000, "surface 4 of probe 0");
-  UNVERIFIED(WORDS(HIDN)[25 * 5 + 4], 0x3C1, "surface 0 of probe 5"); // more than it gets
-  UNVERIFIED(WORDS(HIDN)[25 * 5 + 4], 0xF8000000, "surface 0 of probe 5");
+  olx_relight_header *h = relight_of(&i).header;
+  uint32_t *const counts[] = {&h->links, &h->sites, &h->entries, &h->volume_links, &h->blocks, &h->volume_probes};
+  for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {
+    REFUSED(*counts[k], OLX_RELIGHT_MOST + 1u, "chunk RLIT: a count of 268435457");
+    REFUSED(*counts[k], *counts[k] + 1, "bytes where its contents take");
+    REFUSED(*counts[k], OLX_RELIGHT_MOST, "bytes where its contents take");
+  }
+  // A link has 24 bits for a surfel.
+  REFUSED(h->surfels, OLX_RELIGHT_MOST_SURFELS + 1u, "chunk RLIT: a count of 16777217");
+  REFUSED(h->surfels, OLX_RELIGHT_MOST_SURFELS, "bytes where its contents take");
+  REFUSED(h->surfels, h->surfels + 1, "bytes where its contents take");
+  for (uint32_t k = 0; k < 9; k++) REFUSED(h->zero[k], 1u << 31, "chunk RLIT: reserved bytes are not 0");
   field_seal(&i);
   assert_field_sound(&i);
+  i.chunks[RLIT].flags = 0;
+  field_seal(&i);
+  assert_field_refused(&i, OLX_ERROR_UNSUPPORTED, "(RLIT) is required");
+  olx_relight_data relight;
+  assert_int_equal(olx_relight_structure_open(h, sizeof *h - 1, "short", &relight), OLX_ERROR_FORMAT);
+  assert_says("short: chunk RLIT: 63 bytes");
+  olx_release(i.bytes);
+}
+
+static void test_refuses_relight_rows_out_of_order(void **state) {
+  const field_image i = field_image_load(*state, &relit);
+  const relight_image r = relight_of(&i);
+  const struct {
+    uint32_t *starts, rows;
+    const char *message;
+  } all[] = {{r.link_starts, r.header->surfels, "chunk RLIT: links do not follow each other"},
+             {r.entry_starts, r.header->sites, "chunk RLIT: entries do not follow each other"}};
+  for (size_t k = 0; k < sizeof all / sizeof *all; k++) {
+    uint32_t *starts = all[k].starts;
+    const uint32_t rows = all[k].rows;
+    REFUSED(starts[0], 1, all[k].message);
+    REFUSED(starts[rows], starts[rows] - 1, all[k].message);
+    REFUSED(starts[rows], starts[rows] + 1, all[k].message);
+    REFUSED(starts[rows / 2], starts[rows] + 1, all[k].message);
+    REFUSED(starts[rows - 1], starts[rows - 2] - 1, all[k].message);
+    REFUSED(starts[1], UINT32_MAX, all[k].message);
+  }
+  REFUSED(r.volume_starts[0], 1, "chunk RLIT: links of volume probes do not follow each other");
+  field_seal(&i);
+  assert_field_sound(&i);
+  olx_release(i.bytes);
+}
+
+static void test_refuses_impossible_surfels(void **state) {
+  const field_image i = field_image_load(*state, &relit);
+  const relight_image r = relight_of(&i);
+  REFUSED(r.surfels[3].points[0][0], NAN, "chunk RLIT: surfel 3 is impossible");
+  REFUSED(r.surfels[0].points[7][1], INFINITY, "chunk RLIT: surfel 0 is impossible");
+  REFUSED(r.surfels[20].points[4][2], -2e18f, "chunk RLIT: surfel 20 is impossible");
+  REFUSED(r.surfels[5].normal, 255, "chunk RLIT: surfel 5 is impossible");
+  REFUSED(r.surfels[5].normal, 255 << 8, "chunk RLIT: surfel 5 is impossible");
+  REFUSED(r.surfels[5].normal, 1 << 16, "chunk RLIT: surfel 5 is impossible");
+  field_seal(&i);
+  assert_field_sound(&i);
+  olx_release(i.bytes);
+}
+
+// Numbers of surfels are below 21; above the 24 bits of a link's stands how straight it is, which may be anything.
+static void test_refuses_relight_numbers_out_of_range(void **state) {
+  const field_image i = field_image_load(*state, &relit);
+  const relight_image r = relight_of(&i);
+  assert_int_equal(r.header->surfels, 21);
+  REFUSED(r.links[5].from_straight, 21, "chunk RLIT: link 5 names 21, which it cannot");
+  REFUSED(r.links[5].from_straight, 0xFF000015, "chunk RLIT: link 5 names 21, which it cannot");
+  REFUSED(r.links[0].from_straight, UINT32_MAX, "chunk RLIT: link 0 names 16777215, which it cannot");
+  REFUSED(r.entries[2].surfel, 21, "chunk RLIT: entry 2 names 21, which it cannot");
+  REFUSED(r.entries[0].surfel, UINT32_MAX, "chunk RLIT: entry 0 names 4294967295, which it cannot");
+  // What a block needs depends on the sites that its texels choose.
+  const uint32_t sites = r.header->sites;
+  r.blocks[0] = (olx_relight_block){sites - 1, 0};
+  REFUSED(r.blocks[0].first_site, sites, "chunk RLIT: block 0 names");
+  REFUSED(r.blocks[0].first_site, UINT32_MAX - 1, "chunk RLIT: block 0 names 4294967294, which it cannot");
+  for (uint32_t texel = 0; texel < 16; texel++)
+    REFUSED(r.blocks[0].which, 1u << 2 * texel, "chunk RLIT: block 0 names");
+  r.blocks[0].first_site = sites - 3;
+  REFUSED(r.blocks[0].which, 3u << 30, "chunk RLIT: block 0 names");
+  r.blocks[0] = (olx_relight_block){OLX_RELIGHT_NO_SITE, UINT32_MAX};
+  r.links[5].from_straight = 0xFF000014;
+  r.links[6].from_straight = 20;
+  r.entries[2].surfel = 20;
+  field_seal(&i);
+  assert_field_sound(&i);
+  olx_release(i.bytes);
+}
+
+static void test_refuses_volume_links_out_of_range(void **state) {
+  (void)state;
+  struct {
+    olx_relight_header header;
+    olx_relight_surfel surfel;
+    uint32_t link_starts[2], entry_starts[1], volume_starts[3];
+    olx_relight_volume_link links[2];
+  } d = {.header = {.surfels = 1, .volume_probes = 2, .volume_links = 2}, .volume_starts = {0, 1, 2}};
+  olx_relight_data relight;
+  assert_int_equal(olx_relight_structure_open(&d, sizeof d, "a file", &relight), OLX_OK);
+  assert_ptr_equal(relight.volume_starts, d.volume_starts);
+  assert_ptr_equal(relight.volume_links, d.links);
+  d.links[1].from = 1;
+  assert_int_equal(olx_relight_structure_open(&d, sizeof d, "a file", &relight), OLX_ERROR_FORMAT);
+  assert_says("a file: chunk RLIT: link of a volume probe 1 names 1, which it cannot");
+  d.links[1].from = 1u << 24; // all its bits are the surfel
+  assert_int_equal(olx_relight_structure_open(&d, sizeof d, "a file", &relight), OLX_ERROR_FORMAT);
+  assert_says("link of a volume probe 1 names 16777216");
+  d.links[1].from = 0;
+  d.volume_starts[1] = 3;
+  assert_int_equal(olx_relight_structure_open(&d, sizeof d, "a file", &relight), OLX_ERROR_FORMAT);
+  assert_says("links of volume probes do not follow each other");
+}
+
+// A field of two probes with maps of 16 x 16 texels has 32 blocks, and none has a volume here.
+static void refuse_other_relighting(field_fixture *f, const void *data, size_t size_bytes, const char *message) {
+  synthetic_shape bare = relit;
+  bare.relight_surfels = 0;
+  olx_field_header header = synthetic_header(&relit);
+  olx_field_writer *writer;
+  assert_int_equal(olx_field_writer_create(f->path, &header, &writer), OLX_OK);
+  synthetic_header_release(&header);
+  assert_int_equal(synthetic_write_probes(writer, &bare), OLX_OK);
+  assert_int_equal(olx_field_writer_relight(writer, data, size_bytes), OLX_OK);
+  assert_int_equal(olx_field_writer_commit(writer, NULL), OLX_OK);
+  olx_field *field;
+  assert_int_equal(olx_field_open(f->path, &field), OLX_ERROR_FORMAT);
+  assert_says(message);
+}
+
+static void test_refuses_relighting_of_another_field(void **state) {
+  synthetic_shape coarse = relit;
+  coarse.n = 8;
+  size_t size_bytes;
+  void *data = synthetic_relight(&coarse, &size_bytes);
+  refuse_other_relighting(*state, data, size_bytes, "chunk RLIT: 8 blocks of texels and 0 volume probes, not 32 and 0");
+  olx_release(data);
+  struct {
+    olx_relight_header header;
+    uint32_t link_starts[1];
+    olx_relight_block blocks[32];
+    uint32_t entry_starts[1], volume_starts[2];
+  } empty = {.header = {.blocks = 32, .volume_probes = 1}};
+  for (uint32_t i = 0; i < 32; i++) empty.blocks[i].first_site = OLX_RELIGHT_NO_SITE;
+  refuse_other_relighting(*state, &empty, sizeof empty,
+                          "chunk RLIT: 32 blocks of texels and 1 volume probes, not 32 and 0");
+}
+
+// Its checksum is read when the file is verified, and a reader that does not know it lights by what was baked.
+static void test_relighting_is_optional(void **state) {
+  const field_image i = field_image_load(*state, &relit);
+  const relight_image r = relight_of(&i);
+  r.surfels[7].irradiance ^= 1;
+  assert_field_unverified(&i, OLX_ERROR_CHECKSUM, "(RLIT): wrong checksum");
+  i.chunks[RLIT].type = OLX_FOUR_CC('r', 'l', 'i', 't');
+  field_seal(&i);
+  olx_field *field;
+  assert_int_equal(olx_field_open_memory(i.bytes, i.size_bytes, &field), OLX_OK);
+  assert_int_equal(olx_field_verify(field), OLX_OK);
+  const olx_field_info info = olx_field_describe(field);
+  assert_int_equal(info.relight_surfels + info.relight_links + info.relight_bytes, 0);
+  assert_null(field->relight.header);
+  olx_field_close(field);
   olx_release(i.bytes);
 }
 
@@ -259,10 +376,13 @@ int main(void) {
       cmocka_unit_test_setup_teardown(test_verify_reads_classic_maps, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_refuses_wrong_harmonics, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_verify_reads_harmonics, field_set_up, field_tear_down),
-      cmocka_unit_test_setup_teardown(test_refuses_to_relight_harmonics, field_set_up, field_tear_down),
-      cmocka_unit_test_setup_teardown(test_refuses_wrong_relight_chunks, field_set_up, field_tear_down),
-      cmocka_unit_test_setup_teardown(test_refuses_hidden_surfaces_without_points, field_set_up, field_tear_down),
-      cmocka_unit_test_setup_teardown(test_verify_reads_relight_chunks, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_refuses_wrong_relight_headers, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_refuses_relight_rows_out_of_order, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_refuses_impossible_surfels, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_refuses_relight_numbers_out_of_range, field_set_up, field_tear_down),
+      cmocka_unit_test(test_refuses_volume_links_out_of_range),
+      cmocka_unit_test_setup_teardown(test_refuses_relighting_of_another_field, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_relighting_is_optional, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_probe_light_comes_whole_or_not_at_all, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_the_origin_is_read_and_checked, field_set_up, field_tear_down),
   };

@@ -41,17 +41,13 @@ static void test_writer_refuses_what_readers_would(void **state) {
   synthetic_header_release(&header);
 }
 
-// Classic maps and relighting stand at irradiance probes, and radiance goes with these.
+// Classic maps stand at irradiance probes, and radiance goes with these.
 static void test_writer_keeps_probe_light_together(void **state) {
   const field_fixture *f = *state;
   synthetic_shape shape = without_probe_light;
   shape.classic_size = 64;
   assert_int_equal(synthetic_write(f->path, &shape, NULL), OLX_ERROR_ARGUMENT);
   assert_says("classic maps, but no irradiance probes");
-  shape = without_probe_light;
-  shape.relight_size = 16;
-  assert_int_equal(synthetic_write(f->path, &shape, NULL), OLX_ERROR_ARGUMENT);
-  assert_says("relighting, but no irradiance probes");
   const synthetic_shape *shapes[] = {&without_probe_light, &small};
   for (int i = 0; i < 2; i++) {
     olx_field_header header = synthetic_header(shapes[i]);
@@ -127,16 +123,52 @@ static void test_writer_keeps_order(void **state) {
   assert_int_equal(synthetic_write_probes(writer, &without), OLX_OK);
   assert_int_equal(olx_field_writer_commit(writer, NULL), OLX_ERROR_ARGUMENT);
   assert_says("classic maps of 0 of 6 irradiance probes written");
-
-  without = relit;
-  without.relight_size = 0;
-  header = synthetic_header(&relit);
-  assert_int_equal(olx_field_writer_create(f->path, &header, &writer), OLX_OK);
-  synthetic_header_release(&header);
-  assert_int_equal(synthetic_write_probes(writer, &without), OLX_OK);
-  assert_int_equal(olx_field_writer_commit(writer, NULL), OLX_ERROR_ARGUMENT);
-  assert_says("surfaces of 0 of 6 irradiance probes and albedo of 0 of 2 probes written");
   assert_int_equal(field_files_in(f->folder), 0);
+}
+
+// What relighting needs comes once, after the last surfaces, and where the header said so.
+static void test_writer_wants_relighting_last(void **state) {
+  const field_fixture *f = *state;
+  const char *untimely = "relighting that the header does not have, twice, or before the last surfaces";
+  size_t size_bytes;
+  void *data = synthetic_relight(&relit, &size_bytes);
+  synthetic_shape bare = relit;
+  bare.relight_surfels = 0;
+
+  olx_field_writer *writer = begin(f, &relit);
+  assert_int_equal(olx_field_writer_relight(writer, data, size_bytes), OLX_ERROR_ARGUMENT);
+  assert_says(untimely);
+  assert_int_equal(synthetic_write_probes(writer, &bare), OLX_OK);
+  assert_int_equal(olx_field_writer_commit(writer, NULL), OLX_ERROR_ARGUMENT);
+  assert_says("what relighting needs was not written");
+
+  writer = begin(f, &bare);
+  assert_int_equal(synthetic_write_probes(writer, &bare), OLX_OK);
+  assert_int_equal(olx_field_writer_relight(writer, data, size_bytes), OLX_ERROR_ARGUMENT);
+  assert_says(untimely);
+  olx_field_writer_discard(writer);
+  assert_int_equal(field_files_in(f->folder), 0);
+
+  // A structure that readers would refuse is none; one that they would not may still come, but not twice.
+  writer = begin(f, &relit);
+  assert_int_equal(synthetic_write_probes(writer, &bare), OLX_OK);
+  assert_int_equal(olx_field_writer_relight(writer, data, size_bytes - 4), OLX_ERROR_FORMAT);
+  assert_says("bytes where its contents take");
+  assert_int_equal(olx_field_writer_relight(writer, data, size_bytes), OLX_OK);
+  assert_int_equal(olx_field_writer_relight(writer, data, size_bytes), OLX_ERROR_ARGUMENT);
+  assert_says(untimely);
+  uint64_t file_bytes;
+  assert_int_equal(olx_field_writer_commit(writer, &file_bytes), OLX_OK);
+  size_t written_bytes, again_bytes;
+  unsigned char *written = synthetic_read_file(f->path, &written_bytes);
+  assert_int_equal(written_bytes, file_bytes);
+  assert_int_equal(synthetic_write(f->path, &relit, NULL), OLX_OK);
+  unsigned char *again = synthetic_read_file(f->path, &again_bytes);
+  assert_int_equal(written_bytes, again_bytes);
+  assert_memory_equal(written, again, written_bytes);
+  olx_release(written);
+  olx_release(again);
+  olx_release(data);
 }
 
 static void test_old_file_survives(void **state) {
@@ -195,6 +227,7 @@ int main(void) {
       cmocka_unit_test_setup_teardown(test_writer_keeps_probe_light_together, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_writer_wants_surfaces, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_writer_keeps_order, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_writer_wants_relighting_last, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_old_file_survives, field_set_up, field_tear_down),
       cmocka_unit_test(test_folder_that_cannot_be_written),
   };

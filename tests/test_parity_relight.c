@@ -1,8 +1,9 @@
 // Relighting: shaders/lib against C (tests/parity.h).
-#include "shade/corrections.c"
-#include "shade/relighter.c"
-#include "shade/relighter_fit.c"
+#include "field/harmonic_data.c"
+#include "shade/relighter_highlights.c"
 #include "shade/relighter_light.c"
+#include "shade/relighter_texels.c"
+#include "shade/relighter_volume.c"
 
 #include "parity.h"
 
@@ -24,10 +25,6 @@ static olx_relight_light some_light(const parity_state *s, uint32_t type) {
                              .cosine_outer = s->random[0] - 0.5f * s->random[1]};
 }
 
-static surface_view some_view(const parity_state *s, olx_vec3 place, olx_vec3 normal) {
-  return (surface_view){.place = place, .normal = normal, .distance = 2.0f * s->random[2]};
-}
-
 static olx_vec3 some_normal(const parity_state *s) { return s->bits[2] & 1u ? s->direction : olx_negate(s->direction); }
 static olx_vec2 later_random(const parity_state *s) { return (olx_vec2){s->random[2], s->random[3]}; }
 static uint32_t size_of(const parity_state *s) { return 8u << (s->bits[3] & 3u); }
@@ -47,12 +44,47 @@ static void put_bilinear(parity_result *r, const olx_bilinear *b) {
   }
 }
 
-// What C makes of all cells, of which the shader finds one by its neighbours.
-static float penalty(const parity_state *s, uint32_t cell) {
-  olx_vec3 x[OLX_CORRECTION_CELLS], product[OLX_CORRECTION_CELLS] = {{0}};
-  for (uint32_t i = 0; i < OLX_CORRECTION_CELLS; i++) x[i] = olx_splat(olx_unit_float(olx_hash2(i, s->bits[1])));
-  penalize(x, 1.0f, product);
-  return product[cell].x;
+static bool is_surface_code(uint16_t code) {
+  const olx_field one = {.texels = 1, .distance = &code};
+  return is_surface(&one, 0, 0);
+}
+
+static void put_tile_texel(parity_result *r, uint32_t i) {
+  const olx_relight relight = {.tile_side = OLX_RELIT_TILE_SIDE};
+  const olx_relit_tile tile = {.probe = 0};
+  uint32_t x, y;
+  tile_texel(&relight, &tile, i, &x, &y);
+  put_u(r, x);
+  put_u(r, y);
+  put_u(r, 0);
+}
+
+static void some_corners(const parity_state *s, float corner[4]) {
+  site_corners(s->bits[1] % OLX_RELIGHT_BLOCK, s->bits[2] % OLX_RELIGHT_BLOCK, corner);
+}
+
+// Of an entry whose surfel has light 1 and whose site nobody shares.
+static float told_weight(const parity_state *s) {
+  const uint32_t starts[2] = {0, 1}, word = s->bits[0];
+  const olx_relight_entry entry = {0,
+                                   {(uint8_t)word, (uint8_t)(word >> 8), (uint8_t)(word >> 16), (uint8_t)(word >> 24)}};
+  const olx_field field = {.relight = {.entry_starts = starts, .entries = &entry}};
+  const olx_relight relight = {.source = &field};
+  const olx_vec3 light = {1.0f, 1.0f, 1.0f};
+  return told_by(&relight, 0, s->bits[1] % OLX_RELIGHT_BLOCK, s->bits[2] % OLX_RELIGHT_BLOCK, &light).x;
+}
+
+static olx_vec3 hemisphere_direction(const parity_state *s, uint32_t first, olx_vec3 normal) {
+  const olx_vec2 random = {s->random[first], s->random[first + 1]};
+  return olx_from_basis(olx_sample_cosine(random), normal);
+}
+
+// One time in eight it is looked at from behind.
+static float some_brightness(const parity_state *s) {
+  const olx_relight_surfel surfel = {
+      .normal = s->bits[2] & 0xFEFEu, .f0 = (uint8_t)s->bits[0], .alpha = (uint8_t)(s->bits[0] >> 8)};
+  const olx_vec3 normal = olx_normal_unpack((uint16_t)surfel.normal), view = hemisphere_direction(s, 0, normal);
+  return brightness(&surfel, s->bits[3] % 8u ? view : olx_negate(view), hemisphere_direction(s, 2, normal));
 }
 
 // clang-format off
@@ -67,19 +99,9 @@ ROW(small_float_unpack, put_f(r, olx_small_float_unpack(s->bits[3] & 0x7BFu, 6))
 ROW(r11g11b10f_unpack, put_3(r, olx_r11g11b10f_unpack(s->bits[3] & 0x7BDEF7BFu));)
 ROW(small_float_pack, put_u(r, olx_small_float_pack(olx_bits_float(s->bits[0]), 5 + (s->bits[1] & 1u)));)
 ROW(r11g11b10f_pack, put_u(r, olx_r11g11b10f_pack(olx_scale(s->point, exp2f((float)(s->bits[0] % 40u) - 20.0f))));)
+ROW(half_pack, put_u(r, olx_half_pack(olx_bits_float(s->bits[0])));)
+ROW(rgb9e5_pack, put_u(r, olx_rgb9e5_pack(olx_scale(s->point, exp2f((float)(s->bits[0] % 40u) - 20.0f))));)
 ROW(bilinear_at, const olx_bilinear b = olx_bilinear_at(random_2(s), size_of(s)); put_bilinear(r, &b);)
-ROW(without_border, const uint32_t n = size_of(s);
-    const olx_bilinear b = without_border(olx_bilinear_at(random_2(s), n), n); put_bilinear(r, &b);)
-ROW(surface_direction, const uint32_t n = size_of(s);
-    put_3(r, olx_surface_direction(s->bits[1] % n, s->bits[2] % n, n));)
-ROW(relit_albedo, put_3(r, olx_relit_albedo(s->bits[3] & 0x7BDEF7BFu));)
-ROW(known_distance, put_u(r, known_distance((uint16_t)s->bits[0]));)
-ROW(alike, const surface_view a = some_view(s, s->point, s->direction);
-    const surface_view b = some_view(s, olx_madd(s->point, s->view, 0.05f),
-                                     olx_normalize(olx_madd(s->direction, s->view, 0.1f)));
-    put_u(r, alike(&a, &b));)
-ROW(block_texel, const uint32_t n = size_of(s);
-    put_u(r, block_texel(s->bits[0] % (n * n / 16), s->bits[1] % 16u, 4, n));)
 ROW(light_varies, const olx_relight_light l = some_light(s, s->bits[0] % 6u); put_u(r, olx_relit_varies(&l));)
 ROW(spot_falloff, const olx_relight_light l = some_light(s, OLX_RELIGHT_SPOT);
     put_f(r, spot_falloff(&l, s->random[2]));)
@@ -89,9 +111,14 @@ ROW(area_light, const olx_relight_light l = some_light(s, 3u + (s->bits[0] & 1u)
     const bool lit = area_light(&l, s->point, some_normal(s), later_random(s), &ray, &e); put_ray(r, lit, &ray, e);)
 ROW(aim, const olx_relight_light l = some_light(s, s->bits[0] % 6u); olx_shadow_ray ray; olx_vec3 e;
     const bool lit = aim(&l, s->point, some_normal(s), later_random(s), &ray, &e); put_ray(r, lit, &ray, e);)
-ROW(correction_cells_at, const olx_correction_cells c = olx_correction_cells_at(random_2(s));
-    for (uint32_t k = 0; k < 4; k++) { put_u(r, c.cell[k]); put_f(r, c.weight[k]); })
-ROW(correction_neighbours, put_f(r, 1000.0f * penalty(s, s->bits[0] % OLX_CORRECTION_CELLS));)
+ROW(surface_distance, put_u(r, is_surface_code((uint16_t)s->bits[0]));)
+ROW(tile_texel, put_tile_texel(r, s->bits[0] % 1024u);)
+ROW(site_corners, float c[4]; some_corners(s, c); for (uint32_t k = 0; k < 4; k++) put_f(r, c[k]);)
+ROW(site_weight, put_f(r, told_weight(s));)
+ROW(irradiance_scale, const uint32_t k = s->bits[0] % 9u;
+    put_f(r, cosine_band[k == 0 ? 0 : k < 4 ? 1 : 2] / olx_harmonics_mean_square(k));)
+ROW(half_pack_finite, put_u(r, pack_finite(olx_bits_float(s->bits[0] & 0x7F7FFFFFu)));)
+ROW(specular_brightness, put_f(r, some_brightness(s));)
 // clang-format on
 
 static const parity_row ROWS[] = {
@@ -104,20 +131,21 @@ static const parity_row ROWS[] = {
     PARITY(r11g11b10f_unpack, 2e-6f, 0),
     PARITY(small_float_pack, 2e-6f, 0),
     PARITY(r11g11b10f_pack, 2e-6f, 0),
+    PARITY(half_pack, 0.0f, 0),
+    PARITY(rgb9e5_pack, 0.0f, 0),
     PARITY(bilinear_at, 1e-5f, 0),
-    PARITY(without_border, 1e-5f, 0),
-    PARITY(surface_direction, 2e-6f, 0),
-    PARITY(relit_albedo, 2e-6f, 0),
-    PARITY(known_distance, 2e-6f, 0),
-    PARITY(alike, 0.0f, 1e-3),
-    PARITY(block_texel, 2e-6f, 0),
     PARITY(light_varies, 2e-6f, 0),
     PARITY(spot_falloff, 1e-4f, 0),
     PARITY(point_light, 1e-4f, 1e-3),
     PARITY(area_light, 1e-4f, 1e-3),
     PARITY(aim, 1e-4f, 1e-3),
-    PARITY(correction_cells_at, 1e-5f, 0),
-    PARITY(correction_neighbours, 1e-5f, 0),
+    PARITY(surface_distance, 0.0f, 0),
+    PARITY(tile_texel, 0.0f, 0),
+    PARITY(site_corners, 2e-6f, 0),
+    PARITY(site_weight, 2e-6f, 0),
+    PARITY(irradiance_scale, 2e-6f, 0),
+    PARITY(half_pack_finite, 0.0f, 0),
+    PARITY(specular_brightness, 1e-4f, 0),
 };
 static const parity_code CODES[] = {{ROWS_OF_RELIGHT, {RELIGHT_CODE, sizeof RELIGHT_CODE}}};
 static const parity_range ROOMS[PARITY_ROOMS] = {

@@ -100,9 +100,7 @@ SEARCH_ROW(describe, const olx_probe_answer a = {.status = (olx_trace_status)(s-
         .texel = texel_of(s)};
     const olx_trace_hit hit = describe(&e->search, s->probe, &a, s->item->v[14]); put_hit(r, &hit);)
 SEARCH_ROW(read_light, olx_trace_hit hit = {.position = s->point}; read_light(&e->search, s->probe, texel_of(s), &hit);
-    put_u(r, hit.emitter); put_light(r, &hit);
-    olx_field relit = *s->field; relit.relit = true; e->search.field = &relit;
-    hit = (olx_trace_hit){.position = s->point}; read_light(&e->search, s->probe, texel_of(s), &hit); put_light(r, &hit);)
+    put_u(r, hit.emitter); put_light(r, &hit);)
 SEARCH_ROW(unknown_hit, put_u(r, NOTHING_KNOWN.status); put_u(r, NOTHING_KNOWN.probe); put_u(r, NOTHING_KNOWN.emitter);
     put_f(r, NOTHING_KNOWN.distance_metres); put_light(r, &NOTHING_KNOWN);)
 SEARCH_ROW(leave_bounds, put_f(r, leave_bounds(s->field, s->point, s->direction));)

@@ -22,6 +22,9 @@ agree two-rooms-gap --radiance-size 8 --irradiance-size 8 --bounces 0 --samples 
 agree cornell --radiance-size 8 --irradiance-size 16 --bounces 0 --samples 1 --irradiance sh2
 agree cornell --radiance-size 8 --irradiance-size 8 --bounces 0 --samples 1 --irradiance sh3
 agree cornell --grid 1x1x1 --radiance-size 8 --irradiance-size 32 --bounces 1 --samples 1
+agree cornell --grid 2x1x1 --radiance-size 16 --bounces 1 --samples 1 --relight
+LC_ALL=C grep -qa RLIT a.olx || fail "a field that can be relit has no chunk RLIT"
+agree two-rooms-gap --grid 2x1x1 --radiance-size 8 --bounces 0 --samples 1 --relight
 
 # Blocks decode to what texels hold, and texels have as much said of them.
 agree cornell-glossy --grid 2x1x1 --radiance-size 32 --bounces 1 --noise 0.1 --uncompressed

@@ -234,10 +234,10 @@ static olx_vulkan_targets make_targets(void) {
 }
 
 // The passes of a frame, first as most games record them, then with other light of hits, tracers and selectors.
-static bool compile_frame(olx_vulkan_field *field, const olx_field *source, olx_vulkan_targets targets) {
+static bool compile_frame(olx_vulkan_field *field, bool has_probe_light, olx_vulkan_targets targets) {
   static const compile_step plain = {{"irradiance", "composite", "accumulate", "filter"}, 4};
   static const compile_step glossy = {{"glossy", "dim"}, 2}, diffuse = {{"diffuse"}, 1}, again = {{"glossy"}, 1};
-  static const compile_step stored = {{"glossy, stored"}, 1}, relit = {{"glossy, stored", "glossy, relit"}, 2};
+  static const compile_step stored = {{"glossy, stored"}, 1};
   static const char *const tracers[] = {", texel", ", two-level", ", hi-Z"};
   static const struct {
     olx_select select;
@@ -256,10 +256,9 @@ static bool compile_frame(olx_vulkan_field *field, const olx_field *source, olx_
   targets.passes = OLX_VULKAN_PASS_DIFFUSE;
   fine = fine && begin_step(&diffuse, "") && end_step(olx_vulkan_frame_resize(frame, &targets));
   targets.passes = OLX_VULKAN_PASS_GLOSSY;
-  if (olx_probe_light_check(source) == OLX_OK) {
+  if (has_probe_light) {
     targets.hits = 1u << OLX_HITS_STORED;
-    fine = fine && begin_step(olx_field_describe(source).relight_size ? &relit : &stored, "") &&
-           end_step(olx_vulkan_frame_resize(frame, &targets));
+    fine = fine && begin_step(&stored, "") && end_step(olx_vulkan_frame_resize(frame, &targets));
   }
   targets.hits = 1u << OLX_HITS_SHADED;
   for (olx_tracer tracer = OLX_TRACER_TEXEL; fine && tracer < OLX_TRACER_HIZ; tracer++) {
@@ -287,11 +286,10 @@ static bool compile_classic(olx_vulkan_field *uploaded, const olx_field *field) 
 }
 
 static bool compile_relight(olx_vulkan_field *uploaded, const olx_field *field) {
-  static const compile_step step = {{"relight_begin", "relight_direct", "relight_reflect", "relight_exact",
-                                     "relight_points", "relight_predict", "relight_gather", "relight_advance",
-                                     "relight_finish", "relight_pack"},
-                                    10};
-  if (olx_field_describe(field).relight_size == 0) return true;
+  static const compile_step step = {{"relight_surfels", "relight_values", "relight_bounce",
+                                     "relight_texels", "relight_tell", "relight_volume"},
+                                    6};
+  if (olx_field_describe(field).relight_surfels == 0) return true;
   const olx_relight_settings settings = olx_relight_settings_default();
   const olx_vulkan_relight_settings on_device = olx_vulkan_relight_settings_default();
   olx_relight *relight = NULL;
@@ -308,8 +306,8 @@ static bool compile_all(const olx_field *field) {
   host.get_instance_proc_addr = get_function;
   olx_vulkan_field *uploaded = NULL;
   const bool fine = gpu_check_library(job.device, olx_vulkan_field_create(&host, field, &uploaded)) &&
-                    compile_frame(uploaded, field, make_targets()) && compile_classic(uploaded, field) &&
-                    compile_relight(uploaded, field);
+                    compile_frame(uploaded, olx_probe_light_check(field) == OLX_OK, make_targets()) &&
+                    compile_classic(uploaded, field) && compile_relight(uploaded, field);
   olx_vulkan_field_destroy(uploaded);
   return fine;
 }

@@ -164,7 +164,6 @@ static view_gpu_push make_push(const view_frame *f, const float matrix[16]) {
                         .flags = (s->visibility ? VIEW_FLAG_VISIBILITY : 0u) |
                                  (s->keep_buried ? VIEW_FLAG_KEEP_BURIED : 0u) |
                                  (s->hits == OLX_HITS_STORED ? VIEW_FLAG_STORED : 0u) |
-                                 (f->relit ? VIEW_FLAG_RELIT : 0u) |
                                  (s->mode == VIEW_PROBES ? VIEW_FLAG_EYE_RAYS : 0u),
                         .tracer = s->tracer,
                         .select = s->select,

@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { FRAMES = 30, MOST_LIGHTS = 64, BOUNCES = 8, MOST_FILE = 1 << 20 };
+enum { FRAMES = 30, MOST_LIGHTS = 64, MOST_FILE = 1 << 20 };
 
 static const double arrived = 0.05;
 
@@ -33,7 +33,7 @@ static const relit_case cases[] = {
      COMPANION("[0.44, 0.4, 0.3]"),
      {2, 2, 2},
      {3, 3, 3},
-     32,
+     128,
      32},
     {"living-room",
      "sofa",
@@ -62,7 +62,7 @@ static const bench_column curve_columns[] = {
     {"mean_off", "mean", BENCH_QUALITY, "%", "irradiance too much or missing, of a fresh bake's mean"},
     {"rms", "RMS", BENCH_QUALITY, "%", "of the difference, of a fresh bake's mean"},
     {"shadow_rays", "shadow rays", BENCH_COUNT, NULL, "of the frame"},
-    {"texels", "texels", BENCH_COUNT, NULL, "of the frame: surfaces of irradiance probes and light field maps"},
+    {"texels", "texels", BENCH_COUNT, NULL, "of light field maps, in the frame"},
     {"ms", "processor", BENCH_TIME, "ms", "of the frame, all threads together"},
 };
 
@@ -85,7 +85,7 @@ static const bench_column work_columns[] = {
 static const bench_plot curve_plots[] = {{"Irradiance after the light moved", "number", "rms", "scene", false, true}};
 
 typedef struct seen_point {
-  olx_vec3 position, normal, view, wanted;
+  olx_vec3 position, normal, geometric, view, wanted;
 } seen_point;
 
 typedef struct relit_run {
@@ -153,9 +153,8 @@ static olx_result bake(relit_run *r, const olx_scene *scene, bool relight, uint3
   if (result == OLX_OK) result = olx_scene_probe_grid(r->scene, r->c->irradiance_grid, &settings.irradiance_grid);
   settings.radiance_size = r->c->radiance_size;
   settings.irradiance_size = r->c->irradiance_size;
-  settings.bounces = BOUNCES;
+  settings.noise = r->b->options->quick ? BENCH_ROUGH_NOISE : settings.noise;
   settings.relight = relight;
-  settings.probe_light = true; // both are compared at irradiance probes
   settings.seed = seed;
   settings.threads = r->b->options->threads;
   olx_bake_stats stats = {0};
@@ -171,7 +170,7 @@ static olx_result bake(relit_run *r, const olx_scene *scene, bool relight, uint3
 
 static olx_vec3 irradiance_at(const olx_field *field, const seen_point *p) {
   const olx_sample_settings sample = olx_sample_settings_default();
-  return olx_irradiance(field, &sample, p->position, p->normal, p->view);
+  return olx_surface_irradiance(field, &sample, p->position, p->geometric, p->normal, p->view);
 }
 
 static double luminance(olx_vec3 c) { return 0.2126 * (double)c.x + 0.7152 * (double)c.y + 0.0722 * (double)c.z; }
@@ -182,7 +181,8 @@ static seen_point point_of_pixel(const olx_gbuffer *g, uint32_t x, uint32_t y) {
               cy = 2.0f * ((float)y + 0.5f) / (float)g->height - 1.0f;
   float at[4];
   for (uint32_t i = 0; i < 4; ++i) at[i] = m[i] * cx + m[4 + i] * cy + m[8 + i] * depth + m[12 + i];
-  seen_point p = {.position = {at[0] / at[3], at[1] / at[3], at[2] / at[3]}, .normal = g->normal[x + g->width * y]};
+  seen_point p = {.position = {at[0] / at[3], at[1] / at[3], at[2] / at[3]}, .normal = g->vertex_normal[x + g->width * y],
+                  .geometric = g->geometric_normal[x + g->width * y]};
   const olx_vec3 away = {g->eye.x - p.position.x, g->eye.y - p.position.y, g->eye.z - p.position.z};
   const float length = sqrtf(away.x * away.x + away.y * away.y + away.z * away.z);
   p.view = (olx_vec3){away.x / length, away.y / length, away.z / length};
@@ -231,7 +231,7 @@ static olx_result run_frame(relit_run *r, olx_relight *relight, relit_total *t) 
   const olx_result result = olx_relight_frame(relight, r->camera.eye, &stats);
   const double seconds = clock_seconds(CLOCK_PROCESS_CPUTIME_ID) - start;
   if (result != OLX_OK) return result;
-  const double texels = (double)(stats.surface_texels + stats.radiance_texels);
+  const double texels = (double)stats.texels;
   t->frames++;
   t->seconds += seconds;
   t->texels += texels;
@@ -273,10 +273,6 @@ static olx_result run_frames(relit_run *r) {
   settings.occlusion = olx_scene_occlusion;
   settings.user = r->scene;
   settings.threads = r->b->options->threads;
-  // All probes a few times in 30 frames, whatever their number: a quarter of them a frame.
-  const uint32_t *g = r->c->irradiance_grid, *p = r->c->grid;
-  settings.surface_texels = g[0] * g[1] * g[2] * r->c->irradiance_size * r->c->irradiance_size / 4;
-  settings.radiance_texels = p[0] * p[1] * p[2] * r->c->radiance_size * r->c->radiance_size / FRAMES * 2;
   olx_relight_light lights[MOST_LIGHTS];
   uint32_t count;
   relit_total total = {.frames = 0};

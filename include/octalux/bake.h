@@ -12,7 +12,7 @@ extern "C" {
 
 // Where irradiance probes find indirect light (docs/baking.md).
 typedef enum olx_bounce_gather {
-  OLX_GATHER_SOLVED = 0, // the light of the scene, solved once; with `relight` or OLX_LIGHT_REFERENCE the next
+  OLX_GATHER_SOLVED = 0, // the light of the scene, solved once; with OLX_LIGHT_REFERENCE the next
   OLX_GATHER_IRRADIANCE, // bounces between them: the irradiance maps of the bounce before (McGuire et al. 2017, section 5.2)
   OLX_GATHER_TRACED      // bounces between them: rays, which find what probes stored of the bounce before
 } olx_bounce_gather;
@@ -36,11 +36,12 @@ typedef struct olx_bake_settings {
   uint32_t radiance_size;   // texels along a side: a power of two, 8 to 2048; default 512
   // Also keep light as probes have it (McGuire et al. 2017): radiance as each light field probe saw it (section 3), and irradiance
   // probes with filtered visibility (section 5.2). OLX_HITS_STORED, OLX_DIFFUSE_IRRADIANCE and olx_irradiance read it, and no
-  // default picture does (docs/baking.md). Default false, and implied where olx_bake_keeps_probe_light says so. The four settings after it, and `fit`, shape it alone.
+  // default picture does (docs/baking.md). Default false, and implied where olx_bake_keeps_probe_light says so. The four settings
+  // after it, and `fit`, shape it alone.
   bool probe_light;
   olx_grid irradiance_grid; // irradiance probes; set to olx_bake_irradiance_grid of `grid`
   uint32_t irradiance_size; // a power of two, 8 to 256; default 128
-  olx_irradiance_form irradiance_form; // spherical harmonics exclude `relight`; default OLX_IRRADIANCE_OCTAHEDRAL
+  olx_irradiance_form irradiance_form; // default OLX_IRRADIANCE_OCTAHEDRAL
   olx_bounce_gather bounce_gather;     // default OLX_GATHER_SOLVED
   bool uncompressed;        // keep material and light of surfaces as texels instead of blocks, to judge these by; default false
   uint32_t samples;         // samples of surfaces along a texel's side, 1 to 8; default 2 (four a texel)
@@ -55,7 +56,7 @@ typedef struct olx_bake_settings {
   uint32_t classic_size;    // texels along a side of these: a power of two, 32 to 256; default 128
   uint32_t classic_cube_size; // along a face of the cube maps that they come from: a power of two, 32 to 1024; default 256
   uint32_t classic_sharpness; // exponent of the filter between the two, 64 to 65536; 0, the default: as wide as a texel
-  bool relight;                    // also keep what it takes to change lights later (octalux/relight.h); default false
+  bool relight;                    // also keep what it takes to change lights later (octalux/relight.h); needs OLX_LIGHT_CACHE; default false
   bool fit;                        // fit irradiance maps to the surfaces they light (docs/baking.md); default true
   uint32_t seed;                   // another one draws other random numbers, for an idea of a bake's noise; default 0
   uint32_t threads;                // 0: as many as the machine has; the result does not depend on it
@@ -64,7 +65,7 @@ typedef struct olx_bake_settings {
 
 olx_bake_settings olx_bake_settings_default(const olx_scene *scene);
 
-// Whether a bake with these settings keeps probe light: because probe_light says so; because of `classic` or `relight`, which stand
+// Whether a bake with these settings keeps probe light: because probe_light says so; because of `classic`, whose maps stand
 // at irradiance probes; because of an irradiance_form or bounce_gather other than the default; or because there will be no
 // irradiance volume (volume_cells 0, OLX_LIGHT_REFERENCE), so that nothing else has light in free space.
 bool olx_bake_keeps_probe_light(const olx_bake_settings *settings);

@@ -77,7 +77,6 @@ typedef enum olx_map {
   OLX_MAP_INDIRECT,        // irradiance from surfaces, W/m^2
   OLX_MAP_EMISSION,        // radiance of emitters and of the sky, W/(sr m^2)
   OLX_MAP_RADIANCE,        // as the probe saw it, W/(sr m^2); needs probe light
-  OLX_MAP_ALBEDO,          // share of light that is reflected; needs a field baked for relighting
   // Of irradiance probes, which a field with probe light has.
   OLX_MAP_IRRADIANCE,           // for surfaces that face in that direction, W/m^2; of spherical harmonics their values
   OLX_MAP_MEAN_DISTANCE,        // metres; the sky counts as the distance scale
@@ -88,9 +87,6 @@ typedef enum olx_map {
   OLX_MAP_CLASSIC_RADIANCE_2,   // of 1/2
   OLX_MAP_CLASSIC_RADIANCE_3,   // of 3/4
   OLX_MAP_CLASSIC_RADIANCE_4,   // of 1
-  OLX_MAP_SURFACE_ALBEDO,       // of surfaces for relighting; these three need a field baked for it
-  OLX_MAP_SURFACE_NORMAL,       // unit vector
-  OLX_MAP_SURFACE_DISTANCE,     // metres, infinite for the sky
   // Of the probes of the irradiance volume: spherical harmonics at 32 x 32 directions.
   OLX_MAP_VOLUME_IRRADIANCE, // W/m^2
   OLX_MAP_COUNT

@@ -73,9 +73,7 @@ typedef struct olx_field_info {
   uint32_t classic_size;      // texels along a side of the classic maps: a power of two, 32 to 256; 0: baked without them
   uint32_t classic_cube_size; // along a face of the cube maps that they were made from
   float classic_sharpness;    // of the filter between the two
-  uint32_t relight_size; // surfaces along a side of those that irradiance probes keep for relighting: 16 to 128; 0: baked without
-  uint32_t relight_points, relight_rays; // for each irradiance probe, points that its irradiance is fitted to, and rays of each
-  uint32_t relight_hidden; // for each irradiance probe, places for surfaces that its points' rays meet and no probe sees
+  uint32_t relight_surfels, relight_links; // what relighting sends light between, and over how many links; 0: baked without
   uint32_t volume_probe_count; // probes of the irradiance volume; 0: baked without
   uint32_t light_count;    // lights of the scene that have no area
   uint64_t file_bytes;

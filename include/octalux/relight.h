@@ -1,12 +1,12 @@
-// Changing lights while a program runs: a field's maps are lit anew a few probes a frame, from what the probes stored when they
-// were baked (`olx_bake_settings.relight`, `octalux bake --relight`). Per-frame updates of the dissertation of 2022, section 6.2.
+// Changing lights while a program runs: a field's light is renewed a little every frame, from what was stored when it was baked
+// (`olx_bake_settings.relight`, `octalux bake --relight`). Per-frame updates as the dissertation of 2022, section 6.2, proposes them,
+// on the links between surfaces that the bake found.
 //
-// A relighter keeps radiance and irradiance maps of its own beside a field that stays as it is. In a frame, surfaces that the
-// scheduled probes see get the direct light of the lights given last, with shadows, and reflect the irradiance of the frame
-// before; from those surfaces come new irradiance maps. So every frame carries light one bounce further, and many frames
-// converge to many bounces. Hidden surfaces, which light what probes see but are seen by none, are lit with the probe next to
-// them. Geometry does not change, and neither does what is seen of emitters and of the sky themselves.
-// Surfaces reflect like matte ones with the same average albedo (docs/relighting.md).
+// A relighter keeps light of its own beside a field that stays as it is: that of surfels, points of the scene's surfaces, and with
+// it the light that texels of light field probes and the irradiance volume hold. In a frame, surfels get the direct light of the
+// lights given last, with shadows, and light goes over the links between them, one surface further. Then the texels nearest
+// to the eye take theirs from the surfels. Geometry does not change, and neither does what is seen of emitters and of the sky
+// themselves. Radiance and irradiance probes of the paper stay as they were baked (docs/relighting.md).
 //
 // Threads: calls on one relighter must not overlap, and nobody may sample its field during olx_relight_frame; frames use
 // several threads themselves. Results do not depend on how many.
@@ -53,64 +53,61 @@ typedef struct olx_shadow_ray {
 // from its shadow maps or its ray caster; olx_scene_occlusion (octalux/scene.h) is one.
 typedef void (*olx_occlusion)(void *user, const olx_shadow_ray *rays, uint32_t count, uint8_t *occluded);
 
+// Budgets are of a frame. What is left waits for the next, and nothing waits for ever.
 typedef struct olx_relight_settings {
-  uint32_t surface_texels;  // of irradiance probes, with hidden surfaces, lit anew in a frame, rounded up to whole probes;
-                            // default 262144
-  uint32_t radiance_texels; // of light field probes, rounded up to 1024; 0: radiance stays as it is; default 65536
-  uint32_t light_samples;   // shadow rays a texel to each light with an area and to the sky, 1 to 64; default 1
-  uint32_t fit_steps; // of conjugate gradients a frame, by which irradiance is fitted to surfaces, 0 to 64; default 6
-  float history;      // share of a probe's earlier irradiance that an update keeps, 0 to 0.95; default 0
-  float sleep;        // probes that get less than this share of new light sleep, 0 to 1; default 0.004
-  float
-      near_metres; // probes nearer to the eye are updated most often; at each doubling of the distance half as often, at
-                   // least an eighth; 0, the default: an eighth of the scene's diagonal
-  olx_occlusion occlusion; // NULL, the default: shadow rays are traced through the field, and light of hidden surfaces is
-                           // guessed
+  uint32_t shadow_rays;   // at least 1; a whole tile of texels may go beyond; default 262144
+  uint32_t surfels;       // that gather light from others, at least 1; default 131072
+  uint32_t texels;        // of light field probes whose light is renewed, rounded up to tiles of 32 x 32, at least 1; default 524288
+  uint32_t volume_probes; // of the irradiance volume, at least 1; default 4096
+  uint32_t light_samples; // shadow rays a place to each light with an area and to the sky, 1 to 64; default 1
+  float sleep;            // when light changes by less than this share, it has arrived, 0 to 1; default 0.002
+  float near_metres; // what is nearer to the eye is renewed most often; at each doubling of the distance half as often, at least
+                     // an eighth; 0, the default: an eighth of the scene's diagonal
+  olx_occlusion occlusion; // NULL, the default: shadow rays are traced through the field
   void *user;              // handed to it
   uint32_t threads;        // 0: as many as the machine has
 } olx_relight_settings;
 
 olx_relight_settings olx_relight_settings_default(void);
 
-// OLX_ERROR_ARGUMENT, with a message, for settings out of range and for a field that was baked without what relighting needs;
-// OLX_ERROR_FORMAT when the field's surfaces contradict themselves. The field must outlive the relighter. On success *relight is
-// the caller's to free, on failure it is NULL. It takes some 10 ms an irradiance probe.
+// OLX_ERROR_ARGUMENT, with a message, for settings out of range and for a field that was baked without what relighting needs. The
+// field must outlive the relighter. On success *relight is the caller's to free, on failure it is NULL. It takes 8 bytes a texel
+// of light field maps and 56 a surfel.
 olx_result olx_relight_create(const olx_field *field, const olx_relight_settings *settings, olx_relight **relight);
 // NULL is allowed.
 void olx_relight_free(olx_relight *relight);
 
-// All lights there are from now on, copied. They replace those of the bake and those given before; probes wake. At most 256.
+// All lights there are from now on, copied. They replace those of the bake and those given before. At most 256. What was lit stays
+// so until its turn has come.
 olx_result olx_relight_set_lights(olx_relight *relight, const olx_relight_light *lights, uint32_t count);
 
 // What a frame did.
 typedef struct olx_relight_stats {
-  uint32_t irradiance_probes;    // updated
-  uint64_t surface_texels;       // of them, with hidden surfaces
-  uint64_t radiance_texels;      // of light field probes
-  uint64_t shadow_rays, lookups; // lookups: of irradiance
-  uint32_t awake;                // probes of both kinds that wait, after the frame
-  double seconds;                // of the clock
+  uint32_t surfels_lit, surfels_gathered; // got a sample of direct light; gathered light from others
+  uint64_t texels;                        // of light field probes
+  uint32_t volume_probes;
+  uint64_t shadow_rays;
+  uint32_t awake; // tiles, surfels and volume probes that wait, after the frame; 0: everything has arrived
+  double seconds; // of the clock
 } olx_relight_stats;
 
-// One frame, seen from `eye` (metres). stats may be NULL. When no probe is awake nothing is done. OLX_ERROR_ARGUMENT once frames are
+// One frame, seen from `eye` (metres). stats may be NULL. When nothing is awake nothing is done. OLX_ERROR_ARGUMENT once frames are
 // made on a device (octalux/vulkan.h, olx_vulkan_relight_create); the field below then stays as it was.
 olx_result olx_relight_frame(olx_relight *relight, olx_vec3 eye, olx_relight_stats *stats);
 
-// The field with its radiance and irradiance as they are now: for octalux/sample.h and octalux/render.h. It belongs to the
+// The field with its light as it is now: for octalux/sample.h and octalux/render.h. It belongs to the
 // relighter, must not be closed, and changes with olx_relight_frame.
 const olx_field *olx_relight_field(const olx_relight *relight);
 
-// How a probe stands in the schedule.
+// How a light field probe stands in the schedule.
 typedef struct olx_relight_state {
-  uint32_t updates;    // since the relighter was made; of a light field probe: whole passes over its map
-  uint32_t last_frame; // that changed it, counted from 1; 0: none yet
-  uint32_t waited;     // frames since then, or since it woke
-  bool awake;
+  uint32_t last_frame;    // that changed a part of its map, counted from 1; 0: none yet
+  uint32_t tiles_waiting; // parts of its map
+  uint32_t waited;        // frames that one of them has waited, at most
 } olx_relight_state;
 
-// The state of a probe of each kind; all 0 for an index that no probe has.
-olx_relight_state olx_relight_irradiance_state(const olx_relight *relight, uint32_t probe);
-olx_relight_state olx_relight_radiance_state(const olx_relight *relight, uint32_t probe);
+// All 0 for an index that no probe has.
+olx_relight_state olx_relight_probe_state(const olx_relight *relight, uint32_t probe);
 
 #pragma GCC visibility pop
 #ifdef __cplusplus

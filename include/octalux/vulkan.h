@@ -125,8 +125,8 @@ typedef struct olx_vulkan_targets {
   uint32_t passes;        // OLX_VULKAN_PASS_*: those that will be recorded; 0: all
   // Tracers, selectors and kinds of light at the end of rays that settings will name, as bits 1 << olx_tracer, 1 << olx_select and
   // 1 << olx_hits. Each three have a pipeline of their own, made here, so that recording makes none. 0: OLX_TRACER_HIZ;
-  // OLX_SELECT_BEST; OLX_HITS_SHADED, and for a field that was baked for relighting OLX_HITS_STORED as well. Once a relighter changes
-  // the field's lights it is OLX_HITS_STORED whatever settings name. Naming OLX_HITS_STORED needs a field with probe light.
+  // OLX_SELECT_BEST; OLX_HITS_SHADED. Naming OLX_HITS_STORED needs a field with probe light; once a relighter changes the field's
+  // lights, that is still the light of the bake.
   uint32_t tracers, selects, hits;
 } olx_vulkan_targets;
 
@@ -199,9 +199,8 @@ olx_vulkan_settings olx_vulkan_settings_default(void);
 //   prefiltered  olx_vulkan_record_irradiance, _glossy, _denoise, _composite, denoise.lobes OLX_VULKAN_LOBE_GLOSSY
 
 // Diffuse: targets.irradiance from the light that the field stores where surfaces are (octalux/sample.h,
-// olx_surface_irradiance), and where nothing is stored and on dynamic objects from the irradiance volume (olx_volume_irradiance). In
-// a field whose lights a relighter changes, and with settings->irradiance_probes, from irradiance probes (McGuire et al. 2017,
-// section 5.2).
+// olx_surface_irradiance), and where nothing is stored and on dynamic objects from the irradiance volume (olx_volume_irradiance).
+// With settings->irradiance_probes, from irradiance probes (McGuire et al. 2017, section 5.2).
 olx_result olx_vulkan_record_irradiance(const olx_vulkan_frame *frame, VkCommandBuffer commands,
                                         const olx_vulkan_view *view, const olx_vulkan_settings *settings);
 
@@ -248,8 +247,8 @@ olx_result olx_vulkan_record_classic(const olx_vulkan_frame *frame, const olx_vu
 typedef struct olx_vulkan_update olx_vulkan_update;
 
 typedef struct olx_vulkan_update_settings {
-  // Copied by one call at most, 1 to 2^28; default 4 MiB. A call can copy a whole map of irradiance in any case. What is left
-  // waits for the next call, and nothing waits for ever.
+  // Copied by one call at most, 1 to 2^28; default 8 MiB. A call can copy a part in any case. What is left waits for the next
+  // call, and nothing waits for ever.
   uint32_t bytes;
   uint32_t in_flight; // calls whose commands may be pending together, 1 to 8; default 2
 } olx_vulkan_update_settings;
@@ -258,8 +257,9 @@ olx_vulkan_update_settings olx_vulkan_update_settings_default(void);
 
 // What a call did.
 typedef struct olx_vulkan_update_stats {
-  uint64_t bytes, waiting_bytes;            // copied; changed, and not copied yet
-  uint32_t irradiance_maps, radiance_tiles; // copied; a tile is up to 32 x 32 texels of a light field map
+  uint64_t bytes, waiting_bytes; // copied; changed, and not copied yet
+  uint32_t tiles;                // of light field maps, up to 32 x 32 texels each
+  uint32_t volume_probes;        // of the irradiance volume
 } olx_vulkan_update_stats;
 
 // Host-visible memory for in_flight times the bytes of a call. `uploaded` was made from the relighter's field or from the one
@@ -287,18 +287,18 @@ typedef struct olx_vulkan_relight_settings {
 
 olx_vulkan_relight_settings olx_vulkan_relight_settings_default(void);
 
-// What olx_vulkan_relight_create would allocate; staging_bytes counts 8 bytes an irradiance probe and frame in flight that stay.
+// What olx_vulkan_relight_create would allocate; staging_bytes counts 8 bytes for 64 surfels and frame in flight that stay.
 // Allocates no memory itself. Fails like olx_vulkan_relight_create.
 olx_result olx_vulkan_relight_measure(olx_vulkan_field *uploaded, olx_relight *relight,
                                       const olx_vulkan_relight_settings *settings, olx_vulkan_sizes *sizes);
 
-// Take over the frames of a relighter that has made none yet: its state goes to the device, and olx_relight_frame is an error from
-// then on. Lights and settings stay the relighter's: budgets, samples, history, what sleeps. `uploaded` was made from the
-// relighter's field or from the one that it was made from; both must outlive this. OLX_ERROR_ARGUMENT, with a message, for settings
-// out of range, another field, a relighter with frames or with an occlusion function (shadow rays are traced through the field);
-// OLX_ERROR_UNSUPPORTED where a part would not fit into a storage buffer of the device (32 bytes a surface, the largest part, are
-// 512 kB an irradiance probe of 128 x 128 surfaces). Submits to the queue and waits, as creating a field does. On success *created
-// is the caller's to destroy, on failure it is NULL and the relighter as before.
+// Take over the frames of a relighter that has made none yet: its light goes to the device, and olx_relight_frame is an error from
+// then on. Lights and settings stay the relighter's: budgets, samples, what sleeps. `uploaded` was made from the relighter's field
+// or from the one that it was made from; both must outlive this. OLX_ERROR_ARGUMENT, with a message, for settings out of range,
+// another field, a relighter with frames or with an occlusion function (shadow rays are traced through the field);
+// OLX_ERROR_UNSUPPORTED where surfels and their links, or sites, or 20 bytes for each texel that a frame lights would not fit into a
+// storage buffer of the device. Submits to the queue and waits, as creating a field does. On success *created is the caller's to
+// destroy, on failure it is NULL and the relighter as before.
 olx_result olx_vulkan_relight_create(olx_vulkan_field *uploaded, olx_relight *relight,
                                      const olx_vulkan_relight_settings *settings, olx_vulkan_relight **created);
 // NULL is allowed. Nothing that was recorded with it may be pending. The relighter makes no more frames.
@@ -306,19 +306,19 @@ void olx_vulkan_relight_destroy(olx_vulkan_relight *relight);
 
 // What a frame does.
 typedef struct olx_vulkan_relight_stats {
-  uint32_t irradiance_probes;               // updated
-  uint32_t irradiance_maps, radiance_tiles; // written to the field; a tile is up to 32 x 32 texels of a light field map
-  uint64_t surface_texels, radiance_texels; // lit anew
-  uint32_t awake;     // probes of both kinds that wait, as far as is known
-  uint32_t under_way; // frames, this one too, whose changes are not known yet; they may wake probes
+  uint32_t surfels_lit, surfels_gathered; // get a sample of direct light; gather light from others
+  uint64_t texels;                        // of light field probes
+  uint32_t volume_probes;
+  uint32_t awake; // tiles, surfels and volume probes that wait, as far as is known; 0: everything has arrived
 } olx_vulkan_relight_stats;
 
-// Record one frame, seen from `eye` (metres): schedule here, light there, and the field's maps are those of this frame for all
+// Record one frame, seen from `eye` (metres): schedule here, light there, and the field's light is that of this frame for all
 // commands after. Call outside a render pass, in a command buffer for the queue on which the field is used; the one that was
-// recorded in_flight calls ago must have finished, because how much its maps have changed is read now. Waits for nothing. The
+// recorded in_flight calls ago must have finished, because how much light it changed is read now. Waits for nothing. The
 // frame waits for all commands before; it has to be submitted, in the order of the calls. Binds compute pipelines, sets 0 and 1,
-// and push constants. Nothing is recorded when nothing is awake. stats may be NULL. With one frame in flight the schedule is
-// that of olx_relight_frame; with more, probes wake so many frames later.
+// and push constants. Nothing is recorded when nothing is awake. stats may be NULL. It differs from olx_relight_frame in that tiles
+// and volume probes are woken by a round of bounces in_flight frames later, and in that the budget counts shadow rays that no light
+// needs, being behind its surface.
 olx_result olx_vulkan_record_relight(olx_vulkan_relight *relight, VkCommandBuffer commands, olx_vec3 eye,
                                      olx_vulkan_relight_stats *stats);
 

@@ -12,6 +12,15 @@ float olx_half_unpack(uint h) {
   return uintBitsToFloat(sign | (rest << 13) + 0x38000000u);
 }
 
+// To nearest even; overflow becomes infinity, NaN stays NaN. Subnormals are counted as numbers, as above.
+uint olx_half_pack(float f) {
+  uint bits = floatBitsToUint(f), sign = bits >> 16 & 0x8000u, magnitude = bits & 0x7FFFFFFFu;
+  if (magnitude > 0x7F800000u) return sign | 0x7E00u;
+  if (magnitude >= 0x477FF000u) return sign | 0x7C00u; // 65520 and up round to infinity
+  if (magnitude < 0x38800000u) return sign | uint(roundEven(abs(f) * 16777216.0));
+  return sign | (magnitude - 0x38000000u + 0x0FFFu + (magnitude >> 13 & 1u)) >> 13;
+}
+
 // A unit vector in two bytes: octahedral coordinates in steps of 1/254, low byte u.
 vec3 olx_normal_unpack(uint packed) {
   precise vec2 uv = vec2(float(packed & 0xFFu), float(packed >> 8)) * (1.0 / 254.0);
@@ -33,6 +42,23 @@ vec3 olx_r11g11b10f_unpack(uint packed) {
 vec3 olx_rgb9e5_unpack(uint packed) {
   float scale = uintBitsToFloat(((packed >> 27) + 103u) << 23); // 2^(exponent - 24)
   return vec3(packed & 0x1FFu, packed >> 9 & 0x1FFu, packed >> 18 & 0x1FFu) * scale;
+}
+
+const float OLX_RGB9E5_MOST = 65408.0;
+
+// Negative numbers and NaN become 0; what is too large becomes OLX_RGB9E5_MOST.
+uint olx_rgb9e5_pack(vec3 c) {
+  vec3 held = vec3(c.x > 0.0 ? min(c.x, OLX_RGB9E5_MOST) : 0.0, c.y > 0.0 ? min(c.y, OLX_RGB9E5_MOST) : 0.0,
+                   c.z > 0.0 ? min(c.z, OLX_RGB9E5_MOST) : 0.0);
+  float most = max(held.x, max(held.y, held.z));
+  uint bits = floatBitsToUint(most), exponent = bits > 111u << 23 ? (bits >> 23) - 111u : 0u;
+  float scale = uintBitsToFloat((151u - exponent) << 23); // 2^(24 - exponent)
+  if (roundEven(most * scale) > 511.0) {
+    exponent++;
+    scale *= 0.5;
+  }
+  uvec3 mantissa = uvec3(roundEven(held * scale));
+  return mantissa.x | mantissa.y << 9 | mantissa.z << 18 | exponent << 27;
 }
 
 // To nearest. Negative numbers and NaN become 0; what is too large becomes the largest finite value.

@@ -1,62 +1,22 @@
-// Twin of what relighting computes from numbers alone (src/shade/relighter*.c, corrections.c): places that are lit,
-// rays to lights, and the cells of corrections. Not part of octalux.glsl: passes of Octalux's own have its buffers.
+// Twin of what relighting computes from numbers alone (src/shade/relighter*.c): rays to lights, and how texels and probes of the
+// volume take light from surfels. Not part of octalux.glsl: passes of Octalux's own have its buffers.
 #ifndef OLX_RELIGHT_GLSL
 #define OLX_RELIGHT_GLSL
 
 #include "../octalux_shared.h"
-#include "bilinear.glsl"
+#include "bsdf.glsl"
+#include "harmonics.glsl"
 #include "pack.glsl"
 #include "sampling.glsl"
 
 const float OLX_OFF_SURFACE = 1.0 / 1024.0; // rays start this share of the distance off a surface
-const float OLX_SHARED_PLANE = 0.01;        // look-ups are shared in one plane to this share of the distance
 const float OLX_END_SHARE = 1e-3;           // how far from its end a ray to a light may stop
-const float OLX_SIZE_PENALTY = 1e-4;
-const float OLX_SMOOTHNESS_PENALTY = 3e-4;
-
-// A place that is lit, moved a little off its surface.
-struct olx_surface_view {
-  vec3 place, normal, view, albedo;
-  float distance_metres; // from its probe; infinite where nothing is lit
-};
 
 struct olx_light_ray {
   vec3 direction;
   float length_metres;
   vec3 irradiance; // that arrives when nothing is between
 };
-
-// The same texels of a map that has no border.
-olx_bilinear olx_without_border(olx_bilinear texels, uint n) {
-  for (uint k = 0u; k < 4u; k++) {
-    ivec2 at = ivec2(texels.texel[k] % (n + 2u), texels.texel[k] / (n + 2u)) - 1;
-    ivec2 inside = olx_border_source(at, int(n));
-    texels.texel[k] = uint(inside.y) * n + uint(inside.x);
-  }
-  return texels;
-}
-
-// The direction in which surface (x, y) of an irradiance probe was looked for.
-vec3 olx_surface_direction(uvec2 at, uint size) {
-  float scale = 1.0 / float(size);
-  return olx_octahedral_decode((vec2(at) + vec2(0.5078125, 0.48828125)) * scale);
-}
-
-vec3 olx_relit_albedo(uint code) { return min(olx_r11g11b10f_unpack(code), vec3(1.0)); }
-
-// Whether a distance is that of a surface which reflects: neither an emitter's nor the sky's.
-bool olx_known_distance(uint bits) { return bits < 0x7C00u; }
-
-bool olx_alike(olx_surface_view a, olx_surface_view b) {
-  return olx_dot(a.normal, b.normal) > 0.995 &&
-         abs(olx_dot(a.place - b.place, a.normal)) < OLX_SHARED_PLANE * a.distance_metres;
-}
-
-// Texel k of a block of side x side that is number `block` in a map of n x n.
-uint olx_block_texel(uint block, uint k, uint side, uint n) {
-  uint blocks = n / side;
-  return (block / blocks * side + k / side) * n + block % blocks * side + k % side;
-}
 
 // ---- Rays to lights
 
@@ -112,34 +72,55 @@ bool olx_aim(olx_gpu_light light, vec3 position, vec3 normal, vec2 random, out o
   return cosine > 0.0;
 }
 
-// ---- Cells of corrections
+// ---- Highlights on the way from surfel to surfel (relighter_highlights.c)
 
-// The cells around a place of a map.
-olx_bilinear olx_correction_cells_at(vec2 uv) {
-  precise vec2 at = uv * float(OLX_CORRECTION_SIDE) - 0.5;
-  vec2 first = floor(at), part = at - first;
-  olx_bilinear cells;
-  for (int k = 0; k < 4; k++) {
-    ivec2 inside = olx_border_source(ivec2(first) + ivec2(k & 1, k >> 1), OLX_CORRECTION_SIDE);
-    cells.texel[k] = uint(inside.y * OLX_CORRECTION_SIDE + inside.x);
-    cells.weight[k] = ((k & 1) != 0 ? part.x : 1.0 - part.x) * ((k >> 1) != 0 ? part.y : 1.0 - part.y);
-  }
-  return cells;
+const float OLX_LINK_ALPHA = 0.2;  // surfels stand for surfaces of some size: their lobes are wider by it
+const float OLX_MOST_BRIGHT = 2.0; // beside a white matte surface
+
+// How bright a specular lobe in light from one direction is seen, beside a white matte surface.
+float olx_specular_brightness(vec3 normal, float f0, float roughness_alpha, vec3 view, vec3 light) {
+  float to_view = olx_dot(view, normal), to_light = olx_dot(light, normal);
+  if (to_view <= 0.0 || to_light <= 0.0) return 0.0;
+  vec3 middle = olx_normalize(view + light);
+  float cosine = min(olx_dot(middle, normal), 1.0);
+  float alpha = sqrt(roughness_alpha * roughness_alpha + OLX_LINK_ALPHA * OLX_LINK_ALPHA);
+  float fresnel = f0 + (1.0 - f0) * olx_pow5(clamp(1.0 - olx_dot(view, middle), 0.0, 1.0));
+  float a2 = alpha * alpha, c2 = cosine * cosine, d = 1.0 - c2 + c2 * a2, lobe = a2 / (OLX_PI * d * d);
+  float seen = 1.0 / (1.0 + olx_ggx_lambda(alpha, to_view) + olx_ggx_lambda(alpha, to_light));
+  return min(OLX_PI * fresnel * lobe * seen / (4.0 * to_view * to_light), OLX_MOST_BRIGHT);
 }
 
-// The cells with which a cell is compared, once for each time that C visits the pair from either side; the last of them
-// may be missing.
-uint olx_correction_neighbours(uint cell, out uint neighbours[6]) {
-  const int side = OLX_CORRECTION_SIDE;
-  ivec2 at = ivec2(cell % uint(side), cell / uint(side));
-  uint count = 0u;
-  for (int axis = 0; axis < 2; axis++) {
-    ivec2 forward = ivec2(1 - axis, axis), next = olx_border_source(at + forward, side);
-    neighbours[count++] = uint(next.y * side + next.x);
-    if (at[axis] > 0) neighbours[count++] = uint((at.y - forward.y) * side + at.x - forward.x);
-    if (at[axis] == side - 1) neighbours[count++] = uint(next.y * side + next.x); // whose next one is this
-  }
-  return count;
+// ---- Texels and the volume
+
+// Whether a stored distance is that of a surface, and not the sky's; an emitter's is, too.
+bool olx_surface_distance(uint bits) { return (bits & 0x7FFFu) < 0x7C00u; }
+
+// Texel i of a tile, whose blocks of 4 x 4 come one after the other: those share out samples of lights.
+uvec2 olx_tile_texel(uint i, uint tile_side) {
+  uint in_block = i % 16u, block = i / 16u, blocks = tile_side / 4u;
+  return uvec2(block % blocks * 4u + in_block % 4u, block / blocks * 4u + in_block / 4u);
 }
+
+// How much a site's weights at the corners of its block count for a texel.
+vec4 olx_site_corners(uvec2 in_block) {
+  vec2 at = vec2(in_block) / float(OLX_RELIGHT_BLOCK - 1u);
+  return vec4((1.0 - at.x) * (1.0 - at.y), at.x * (1.0 - at.y), (1.0 - at.x) * at.y, at.x * at.y);
+}
+
+// The share of a surfel in a texel's indirect light; `weights` are an entry's, a byte each.
+float olx_site_weight(uint weights, vec4 corners) {
+  vec4 bytes = vec4(weights & 0xFFu, weights >> 8 & 0xFFu, weights >> 16 & 0xFFu, weights >> 24);
+  return dot(corners, bytes) * (1.0 / 255.0);
+}
+
+// What makes coefficients of irradiance of sums over directions (Ramamoorthi and Hanrahan 2001).
+float olx_irradiance_scale(uint k) {
+  float band = k == 0u ? OLX_PI : k < 4u ? 2.0 / 3.0 * OLX_PI : 0.25 * OLX_PI;
+  float mean_square = k == 0u ? 1.0 : k < 4u ? 1.0 / 3.0 : k == 6u ? 4.0 / 5.0 : k == 8u ? 4.0 / 15.0 : 1.0 / 15.0;
+  return band / mean_square;
+}
+
+// A number of a coefficient as a half; what does not fit stays finite.
+uint olx_half_pack_finite(float value) { return olx_half_pack(clamp(value, -65504.0, 65504.0)); }
 
 #endif

@@ -217,16 +217,15 @@ olx_trace_hit olx_unknown_hit(uint status, float distance_metres) {
                        0u, 0u);
 }
 
-// Light that the hit's texel holds. The surfaces of a field whose lights have changed hold the light of before.
+// Light that the hit's texel holds.
 void olx_read_light(olx_search s, inout olx_trace_hit hit) {
   ivec3 map = olx_map_origin(hit.probe);
   hit.emitter = olx_texel_emits(map, hit.texel);
   if (hit.emitter) hit.emission = olx_texel_emission(hit.probe, hit.texel);
-  uint hits = s.settings.hits;
-  bool stored = hits != OLX_HITS_SHADED;
+  bool stored = s.settings.hits != OLX_HITS_SHADED;
   if (stored && !hit.emitter) hit.radiance = olx_texel_radiance(map, hit.texel);
   // Stored radiance of a texel that emits is the sum of both.
-  if (hits != OLX_HITS_RELIT && (!stored || hit.emitter)) {
+  if (!stored || hit.emitter) {
     olx_reflection light = olx_texel_shade(map, hit.texel, hit.position, s.direction);
     hit.radiance = light.reflected + light.lobe;
     if (!stored) hit.lobe = light.lobe;

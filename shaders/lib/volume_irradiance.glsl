@@ -5,6 +5,7 @@
 #ifndef OLX_VOLUME_IRRADIANCE_GLSL
 #define OLX_VOLUME_IRRADIANCE_GLSL
 
+#include "harmonics.glsl"
 #include "pack.glsl"
 
 #ifndef OLX_OWN_VOLUME // else a function of this name, for words that are not the field's, stands before this file
@@ -79,11 +80,6 @@ vec3 olx_volume_coefficient(uint light, uint k) {
   bool odd = k % 2u != 0u;
   return vec3(olx_half_unpack(odd ? low >> 16 : low & 0xFFFFu), olx_half_unpack(odd ? high & 0xFFFFu : low >> 16),
               olx_half_unpack(odd ? high >> 16 : high & 0xFFFFu));
-}
-
-// Twin of olx_harmonics_at.
-void olx_harmonics_at(vec3 d, out float values[9]) {
-  values = float[](1.0, d.y, d.z, d.x, d.x * d.y, d.y * d.z, 3.0 * d.z * d.z - 1.0, d.x * d.z, d.x * d.x - d.y * d.y);
 }
 
 // What a probe holds for two unit normals, for the second less what would come from below a surface of the first (twin of

@@ -70,7 +70,7 @@ olx_bake_settings olx_bake_settings_default(const olx_scene *scene) {
 
 bool olx_bake_keeps_probe_light(const olx_bake_settings *s) {
   const bool volume = s->volume_cells > 0 && s->light == OLX_LIGHT_CACHE;
-  return s->probe_light || s->classic || s->relight || !volume || s->irradiance_form != OLX_IRRADIANCE_OCTAHEDRAL ||
+  return s->probe_light || s->classic || !volume || s->irradiance_form != OLX_IRRADIANCE_OCTAHEDRAL ||
          s->bounce_gather != OLX_GATHER_SOLVED;
 }
 
@@ -154,17 +154,15 @@ static olx_result check_classic(const olx_bake_settings *settings) {
   return settings->classic_sharpness ? check_range(settings->classic_sharpness, 64, 65536, "sharpness") : OLX_OK;
 }
 
-static olx_result check_irradiance_form(const olx_bake_settings *settings) {
-  OLX_TRY(check_range(settings->irradiance_form, OLX_IRRADIANCE_OCTAHEDRAL, OLX_IRRADIANCE_SH3, "form of irradiance"));
-  if (!settings->relight || settings->irradiance_form == OLX_IRRADIANCE_OCTAHEDRAL) return OLX_OK;
-  return olx_fail(OLX_ERROR_ARGUMENT, "bake: relighting needs octahedral irradiance, not %s",
-                  olx_irradiance_form_name(settings->irradiance_form));
+static olx_result check_relight(const olx_bake_settings *settings) {
+  if (!settings->relight || settings->light == OLX_LIGHT_CACHE) return OLX_OK;
+  return olx_fail(OLX_ERROR_ARGUMENT, "bake: relighting needs the light of the scene, not the reference");
 }
 
 static olx_result check_probe_light(const olx_bake_settings *settings) {
   OLX_TRY(check_grid(&settings->irradiance_grid, "irradiance grid"));
   OLX_TRY(check_size(settings->irradiance_size, 8, 256, "irradiance size"));
-  OLX_TRY(check_irradiance_form(settings));
+  OLX_TRY(check_range(settings->irradiance_form, OLX_IRRADIANCE_OCTAHEDRAL, OLX_IRRADIANCE_SH3, "form of irradiance"));
   return check_range(settings->bounce_gather, OLX_GATHER_SOLVED, OLX_GATHER_TRACED, "way to gather bounces");
 }
 
@@ -173,6 +171,7 @@ static olx_result check_settings(const olx_bake_settings *settings) {
   OLX_TRY(check_select(settings));
   OLX_TRY(check_size(settings->radiance_size, 8, 2048, "radiance size"));
   if (olx_bake_keeps_probe_light(settings)) OLX_TRY(check_probe_light(settings));
+  OLX_TRY(check_relight(settings));
   OLX_TRY(check_classic(settings));
   OLX_TRY(check_range(settings->light, OLX_LIGHT_CACHE, OLX_LIGHT_REFERENCE, "kind of light"));
   if (!(settings->noise >= 0.001f && settings->noise <= 1.0f))
@@ -263,12 +262,7 @@ static olx_field_header header_of(const bake *b) {
     header.info.classic_cube_size = s->classic_cube_size;
     header.info.classic_sharpness = (float)b->classic.filter.sharpness;
   }
-  if (s->relight) {
-    header.info.relight_size = olx_relight_surface_size(s->irradiance_size);
-    header.info.relight_points = s->fit ? OLX_FIT_POINTS_PER_PROBE : 0;
-    header.info.relight_rays = s->fit ? OLX_RELIGHT_RAYS : 0;
-    header.info.relight_hidden = s->fit ? olx_relight_hidden(header.info.relight_size) : 0;
-  }
+  header.relight = s->relight;
   for (olx_select select = OLX_SELECT_CAGE; select < OLX_SELECT_STORED; select++) {
     header.select_data[select] = b->selectors.data[select];
     header.select_bytes[select] = b->selectors.size_bytes[select];
@@ -382,39 +376,31 @@ static olx_result make_classic(bake *b) {
   return OLX_OK;
 }
 
-static void describe_relight(bake *b) {
-  const olx_bake_settings *s = b->settings;
-  b->relight = (olx_relight_bake){.scene = b->scene,
-                                  .positions = b->positions[1],
-                                  .flags = b->flags[1],
-                                  .grid = &s->irradiance_grid,
-                                  .probe_count = b->counts[1],
-                                  .size = olx_relight_surface_size(s->irradiance_size),
-                                  .threads = s->threads,
-                                  .radiance_size = s->radiance_size,
-                                  .samples = s->samples,
-                                  .distance_scale = b->distance_scale,
-                                  .task = &b->task};
-}
-
-static olx_result make_surfaces(bake *b) {
+static olx_result begin_relight(bake *b) {
   if (!b->settings->relight) return OLX_OK;
-  olx_task_stage(&b->task, "surfaces");
+  olx_task_stage(&b->task, "relighting");
   const double start = olx_seconds();
-  describe_relight(b);
+  b->relight = (olx_relight_bake){.scene = b->scene,
+                                  .light = b->light,
+                                  .seed = b->shade.seed,
+                                  .threads = b->settings->threads,
+                                  .task = &b->task};
   OLX_TRY(olx_relight_bake_create(&b->relight));
-  OLX_TRY(olx_relight_bake_write(&b->relight, b->gather.fit, b->writer));
+  OLX_TRY(olx_relight_bake_volume(&b->relight, b->volume.cells.positions, b->volume.cells.probe_count));
   b->stats.relight_seconds = olx_seconds() - start;
   return OLX_OK;
 }
 
-static olx_result make_albedo(bake *b, uint32_t probe) {
+static olx_result relight_probe(bake *b) {
   if (!b->settings->relight) return OLX_OK;
   const double start = olx_seconds();
-  OLX_TRY(olx_relight_bake_albedo(&b->relight, b->positions[0][probe]));
-  OLX_TRY(olx_field_writer_albedo(b->writer, probe, b->relight.albedo));
+  OLX_TRY(olx_relight_bake_probe(&b->relight, &b->capture));
   b->stats.relight_seconds += olx_seconds() - start;
   return OLX_OK;
+}
+
+static olx_result end_relight(bake *b) {
+  return b->settings->relight ? olx_relight_bake_write(&b->relight, b->writer) : OLX_OK;
 }
 
 static olx_result solve_light(bake *b) {
@@ -466,15 +452,14 @@ static olx_result capture_probes(bake *b) {
     b->stats.write_seconds += written - captured;
     if (b->settings->measure_embree) OLX_TRY(olx_capture_measure(&b->capture, &b->stats.embree_seconds));
     b->measure_seconds += olx_seconds() - written;
-    OLX_TRY(make_albedo(b, i));
+    OLX_TRY(relight_probe(b));
   }
   return OLX_OK;
 }
 
-// Whether irradiance probes, too, get their light from the solution for the whole scene. Relighting sends light from probe to
-// probe, and has to begin with light that came the same way.
+// Whether irradiance probes, too, get their light from the solution for the whole scene.
 static bool is_solved(const olx_bake_settings *s) {
-  return s->light == OLX_LIGHT_CACHE && s->bounce_gather == OLX_GATHER_SOLVED && !s->relight;
+  return s->light == OLX_LIGHT_CACHE && s->bounce_gather == OLX_GATHER_SOLVED;
 }
 
 static void describe_work(bake *b) {
@@ -535,8 +520,9 @@ static olx_result run(bake *b, const char *path) {
   b->task.total_units = units_of(b);
   OLX_TRY(gather_light(b));
   OLX_TRY(make_classic(b));
-  OLX_TRY(make_surfaces(b));
-  return capture_probes(b);
+  OLX_TRY(begin_relight(b));
+  OLX_TRY(capture_probes(b));
+  return end_relight(b);
 }
 
 static olx_result finish(bake *b, olx_result result, double start) {
@@ -594,8 +580,7 @@ static uint64_t memory_of(const bake *b, const olx_field_layout *layout) {
   bytes += layout->shapes[OLX_CHUNK_RADIANCE].record_bytes + layout->shapes[OLX_CHUNK_LEAST].record_bytes +
            layout->shapes[OLX_CHUNK_GREATEST].record_bytes; // the writer's map and pyramid
   bytes += olx_surface_capture_bytes(&b->surfaces, s->light == OLX_LIGHT_CACHE);
-  if (s->classic) bytes += olx_classic_bake_bytes(&b->classic);
-  return s->relight ? bytes + olx_relight_bake_bytes(&b->relight) : bytes;
+  return s->classic ? bytes + olx_classic_bake_bytes(&b->classic) : bytes;
 }
 
 // "12 light field and 27 irradiance probes"
@@ -641,7 +626,6 @@ olx_result olx_bake_measure(const olx_scene *scene, const olx_bake_settings *set
   if (olx_bake_keeps_probe_light(settings)) b.counts[1] = (uint32_t)grid_count(&settings->irradiance_grid);
   describe_work(&b);
   if (settings->classic) describe_classic(&b);
-  describe_relight(&b);
   b.gather.quadrature = olx_quadrature_shape(settings->irradiance_size);
   b.gather.traces = b.gather.traces && settings->bounces > 0;
   const olx_field_header header = header_of(&b);

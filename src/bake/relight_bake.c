@@ -1,238 +1,302 @@
+// Turns the solved light of a scene into what its light can be changed with: links of surfels and of volume probes are made
+// few, and all becomes one structure.
 #include "bake/relight_bake.h"
 
-#include "bake/arrays.h"
 #include "core/hooks.h"
+#include "core/octahedral.h"
 #include "core/pack.h"
 #include "core/result.h"
-#include "select/cage.h"
+#include "core/sampling.h"
+
+#include <string.h>
 
 enum {
-  PACKET = 128,
-  PROBE_RAYS = OLX_FIT_POINTS_PER_PROBE * OLX_RELIGHT_RAYS,
-  SURFACES_A_HIDDEN = 4, // so many surfaces that a probe sees go with a place for one that none sees
-  HIDDEN_PLACES = 1024   // at most
+  MOST_LINKS = 256, // of a place
+  PLACES_PER_JOB = 256,
+  PLACES_AT_A_TIME = 64 * PLACES_PER_JOB,
+  VOLUME_RAYS = 256, // of a volume probe
+  PACKET = 64,
+  SALT_VOLUME = 0x524C564F,
+  SALT_DRAW = 0x524C4452
 };
 
-// A surface takes this share of a map of n x n directions, along a side: the root of 4 pi.
-static const float VIEW_SIDE = 3.5449077f;
+// The links of some places, PLACES_PER_JOB a job.
+typedef struct link_job {
+  const olx_relight_bake *bake;
+  const olx_vec3 *positions; // of volume probes; NULL for surfels
+  uint32_t first, count;
+  olx_few_link *links; // MOST_LINKS a place
+  uint32_t *counts;    // a place
+  atomic_bool out_of_memory;
+} link_job;
 
-uint32_t olx_relight_surface_size(uint32_t irradiance_size) {
-  return irradiance_size < 16 ? 16 : irradiance_size > 128 ? 128 : irradiance_size;
+// The links of a batch that start at a surfel; NULL when there are none.
+static const olx_link *links_of(const olx_link_batch *batch, uint32_t surfel) {
+  uint32_t low = 0, high = batch->count;
+  if (!batch->surfels) {
+    const bool inside = surfel >= batch->first_surfel && surfel - batch->first_surfel < batch->count;
+    return inside ? batch->links + (size_t)(surfel - batch->first_surfel) * batch->rays : NULL;
+  }
+  while (low < high) {
+    const uint32_t middle = low + (high - low) / 2;
+    if (batch->surfels[middle] < surfel) low = middle + 1;
+    else high = middle;
+  }
+  return low < batch->count && batch->surfels[low] == surfel ? batch->links + (size_t)low * batch->rays : NULL;
 }
 
-uint32_t olx_relight_hidden(uint32_t surface_size) {
-  const uint32_t places = surface_size * surface_size / SURFACES_A_HIDDEN;
-  return places < HIDDEN_PLACES ? places : HIDDEN_PLACES;
+// Which links of a place are drawn depends on the place alone.
+static float draw_of(uint64_t place) {
+  return olx_unit_float(olx_hash3((uint32_t)place, (uint32_t)(place >> 32), SALT_DRAW));
 }
 
-// Surfaces reflect here as they do on average over views, because they will be looked at from elsewhere.
-static olx_vec3 matte_albedo(const olx_surface *surface) {
-  return olx_min_each(olx_bsdf_matte(&surface->bsdf).albedo, olx_splat(1.0f));
+static void add_link(olx_link_list *list, const olx_link *link, float share) {
+  const olx_vec3 weight = olx_scale(olx_rgb9e5_unpack(link->weight), share);
+  if (olx_max3(weight) <= 0.0f) return; // a black surface
+  olx_link_list_add(list, &(olx_few_link){.from = olx_link_end(link),
+                                          .weight = weight,
+                                          .straight = olx_link_chain(link) ? 0.0f : olx_luminance(weight)});
 }
 
-static void see_surfaces(void *user, uint32_t row) {
-  const olx_relight_bake *b = user;
-  const uint32_t size = b->size, probe = row / size, y = row % size;
-  olx_ray rays[PACKET] = {0};
+static uint32_t link_surfel(const link_job *j, olx_link_list *list, uint32_t surfel, olx_few_link *links) {
+  const olx_scene_light_parts parts = olx_scene_light_open(j->bake->light);
+  const float share = 1.0f / parts.links->worth[surfel];
+  for (uint32_t k = 0; k < parts.links->batch_count; k++) {
+    const olx_link_batch *batch = &parts.links->batches[k];
+    const olx_link *from = links_of(batch, surfel);
+    for (uint32_t i = 0; from && i < batch->rays; i++) {
+      if (olx_link_brings_light(&from[i])) add_link(list, &from[i], share);
+    }
+  }
+  return olx_link_list_take(list, MOST_LINKS, draw_of(parts.surfels->surfels[surfel].cell), links);
+}
+
+// The links of a ray's end, which reflects as it does on average over views.
+static void add_end(const olx_relight_bake *b, olx_link_list *list, const olx_ray *ray, const olx_ray_hit *hit) {
+  if (hit->triangle == OLX_NO_HIT) return;
+  const olx_light_surfels *surfels = olx_scene_light_open(b->light).surfels;
+  const olx_surface surface = olx_surface_at(b->scene, hit, ray->direction);
+  const uint64_t key = olx_cell_key(&surfels->grid, surface.position, surface.geometric_normal);
+  const uint32_t end = olx_light_surfels_find(surfels, key, &surface, INFINITY).surfel;
+  if (end == OLX_CELL_NONE) return;
+  const olx_vec3 albedo = olx_min_each(olx_bsdf_matte(&surface.bsdf).albedo, olx_splat(1.0f));
+  if (olx_max3(albedo) <= 0.0f) return; // nothing ever comes from there
+  olx_link_list_add(list, &(olx_few_link){.from = end,
+                                          .weight = olx_scale(albedo, 1.0f / (OLX_PI * VOLUME_RAYS)),
+                                          .direction = ray->direction});
+}
+
+static uint32_t link_volume_probe(const link_job *j, olx_link_list *list, uint32_t probe, olx_few_link *links) {
+  const olx_relight_bake *b = j->bake;
+  olx_ray rays[PACKET];
   olx_ray_hit hits[PACKET];
-  for (uint32_t x = 0; x < size; x++) {
-    rays[x] = (olx_ray){b->positions[probe], olx_surface_direction(x, y, size), 0.0f, INFINITY};
-  }
-  olx_bvh_intersect_many(b->scene->bvh, rays, size, true, hits);
-  olx_surface_sample *samples = b->surfaces + (size_t)row * size;
-  for (uint32_t x = 0; x < size; x++) {
-    const olx_vec3 direction = rays[x].direction;
-    if (hits[x].triangle == OLX_NO_HIT) {
-      samples[x] = (olx_surface_sample){0, olx_normal_pack(olx_negate(direction)), olx_half_pack(INFINITY)};
-      continue;
+  for (uint32_t first = 0; first < VOLUME_RAYS; first += PACKET) {
+    for (uint32_t i = 0; i < PACKET; i++) {
+      const olx_vec3 direction = olx_sample_sphere(olx_stratified2(first + i, olx_hash3(b->seed, probe, SALT_VOLUME)));
+      rays[i] = (olx_ray){j->positions[probe], olx_normalize(direction), 0.0f, INFINITY};
     }
-    const olx_surface surface = olx_surface_at(b->scene, &hits[x], direction);
-    samples[x] =
-        (olx_surface_sample){olx_r11g11b10f_pack(matte_albedo(&surface)), olx_normal_pack(surface.shading_normal),
-                             olx_half_pack(hits[x].t / b->distance_scale)};
+    olx_bvh_intersect_many(b->scene->bvh, rays, PACKET, false, hits);
+    for (uint32_t i = 0; i < PACKET; i++) add_end(b, list, &rays[i], &hits[i]);
   }
+  return olx_link_list_take(list, MOST_LINKS, draw_of(probe), links);
 }
 
-static olx_vec3 surface_place(const olx_relight_bake *b, uint32_t probe, uint32_t i, const olx_surface_sample *s) {
-  const olx_vec3 direction = olx_surface_direction(i % b->size, i / b->size, b->size);
-  return olx_madd(b->positions[probe], direction, olx_half_unpack(s->distance) * b->distance_scale);
-}
-
-// How far off a probe's surface in the direction of the point lies, in footprints; infinite when it is another surface.
-static float mismatch(const olx_relight_bake *b, uint32_t probe, olx_vec3 point, olx_vec3 normal, uint32_t *index) {
-  const olx_vec2 uv = olx_octahedral_encode(olx_sub(point, b->positions[probe]));
-  const float n = (float)b->size;
-  const uint32_t i = (uint32_t)olx_min(uv.y * n, n - 1.0f) * b->size + (uint32_t)olx_min(uv.x * n, n - 1.0f);
-  const olx_surface_sample *s = &b->surfaces[(size_t)probe * b->size * b->size + i];
-  *index = probe * b->size * b->size + i;
-  if (s->distance >= 0x7C00u || olx_dot(olx_normal_unpack(s->normal), normal) < 0.8f) return INFINITY;
-  const olx_vec3 away = olx_sub(point, surface_place(b, probe, i, s));
-  const float footprint = olx_half_unpack(s->distance) * b->distance_scale * VIEW_SIDE / n;
-  const float height = fabsf(olx_dot(away, normal));
-  return height > 0.5f * footprint ? INFINITY : olx_length(away);
-}
-
-// The surface nearest to a point, of the probes in the cells around it.
-static uint32_t find_surface(const olx_relight_bake *b, olx_vec3 point, olx_vec3 normal) {
-  const olx_cage cage = olx_cage_at(b->grid, point);
-  float least = INFINITY;
-  uint32_t found = OLX_FIT_RAY_UNKNOWN;
-  for (uint32_t i = 0; i < 64; i++) {
-    const uint32_t offset[3] = {i & 3u, i >> 2 & 3u, i >> 4};
-    uint32_t at[3], index;
-    bool inside = true;
-    for (uint32_t axis = 0; axis < 3; axis++) {
-      at[axis] = cage.base[axis] + offset[axis] - 1u; // wraps to a huge number below 0
-      inside = inside && at[axis] < b->grid->count[axis];
-    }
-    if (!inside) continue;
-    const uint32_t probe = at[0] + b->grid->count[0] * (at[1] + b->grid->count[1] * at[2]);
-    if (b->flags[probe] & OLX_PROBE_BURIED) continue;
-    const float away = mismatch(b, probe, point, normal, &index);
-    if (away >= least) continue;
-    least = away;
-    found = index;
+static void link_some(void *user, uint32_t job) {
+  link_job *j = user;
+  olx_link_list list;
+  if (olx_link_list_create(&list, j->bake->surfel_count) != OLX_OK) {
+    atomic_store(&j->out_of_memory, true);
+    return;
   }
-  return found;
-}
-
-// The place and the geometric normal of a hit, on the side that faces `from`.
-static olx_vec3 hit_place(const olx_scene *scene, const olx_ray_hit *hit, olx_vec3 from, olx_vec3 *normal) {
-  const uint32_t *corner = scene->indices + 3 * (size_t)hit->triangle;
-  const olx_vec3 a = scene->positions[corner[0]], ab = olx_sub(scene->positions[corner[1]], a),
-                 ac = olx_sub(scene->positions[corner[2]], a);
-  const olx_vec3 place = olx_madd(olx_madd(a, ab, hit->u), ac, hit->v);
-  const olx_vec3 n = olx_normalize(olx_cross(ab, ac));
-  *normal = olx_dot(n, olx_sub(place, from)) > 0.0f ? olx_negate(n) : n;
-  return place;
-}
-
-// Where a ray ended that no probe sees there; shadow rays may begin at the place.
-static olx_ray_end ray_end(const olx_relight_bake *b, const olx_ray_hit *hit, olx_vec3 direction) {
-  const olx_surface surface = olx_surface_at(b->scene, hit, direction);
-  const olx_vec3 inside = olx_add(surface.position, surface.inward);
-  return (olx_ray_end){olx_madd(inside, surface.geometric_normal, surface.epsilon), surface.shading_normal,
-                       matte_albedo(&surface)};
-}
-
-static void find_points(void *user, uint32_t i) {
-  const olx_relight_bake *b = user;
-  uint32_t *words = b->fit + (size_t)i * (4 + OLX_RELIGHT_RAYS);
-  uint32_t *met = b->met + (size_t)i * OLX_RELIGHT_RAYS;
-  olx_vec3 position = {0}, normal = {0};
-  const olx_ray_hit *hits;
-  const bool valid =
-      olx_surface_fit_point(b->fitted, b->probe * OLX_FIT_POINTS_PER_PROBE + i, &position, &normal, &hits);
-  const olx_fit_place at = {valid ? position : olx_splat(0.0f), valid ? olx_normal_pack(normal) : OLX_FIT_NO_POINT};
-  memcpy(words, &at, sizeof at);
-  for (uint32_t k = 0; k < OLX_RELIGHT_RAYS; k++) {
-    met[k] = OLX_FIT_RAY_SKY;
-    if (!valid || hits[k].triangle == OLX_NO_HIT) continue;
-    olx_vec3 facing;
-    const olx_vec3 place = hit_place(b->scene, &hits[k], position, &facing);
-    met[k] = find_surface(b, place, facing);
-    if (met[k] != OLX_FIT_RAY_UNKNOWN) continue;
-    b->ends[(size_t)i * OLX_RELIGHT_RAYS + k] = ray_end(b, &hits[k], olx_normalize(olx_sub(place, position)));
+  const uint32_t first = job * PLACES_PER_JOB,
+                 end = first + PLACES_PER_JOB < j->count ? first + PLACES_PER_JOB : j->count;
+  for (uint32_t i = first; i < end; i++) {
+    olx_few_link *links = j->links + (size_t)i * MOST_LINKS;
+    const uint32_t place = j->first + i;
+    j->counts[i] = j->positions ? link_volume_probe(j, &list, place, links) : link_surfel(j, &list, place, links);
   }
+  olx_link_list_free(&list);
 }
 
-// The points of a probe, their rays and what is hidden there.
-static olx_result find_fit(olx_relight_bake *b) {
-  OLX_TRY(olx_parallel_for(OLX_FIT_POINTS_PER_PROBE, b->threads, find_points, b, b->task, 0));
-  const uint32_t most = olx_relight_hidden(b->size);
-  const olx_hidden_input input = {.ends = b->ends,
-                                  .rays = b->met,
-                                  .count = PROBE_RAYS,
-                                  .probe = b->positions[b->probe],
-                                  .angle = VIEW_SIDE / (float)b->size,
-                                  .least_length = 1e-6f * b->distance_scale,
-                                  .first = b->probe_count * b->size * b->size + b->probe * most,
-                                  .most = most};
-  if (!olx_hidden_merge(&input, b->hidden)) return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for surfaces");
-  for (uint32_t i = 0; i < OLX_FIT_POINTS_PER_PROBE; i++) {
-    memcpy(b->fit + (size_t)i * (4 + OLX_RELIGHT_RAYS) + 4, b->met + (size_t)i * OLX_RELIGHT_RAYS,
-           OLX_RELIGHT_RAYS * sizeof *b->met);
+// A byte that says a share, 255 for all.
+static uint8_t byte_of(float share) { return (uint8_t)(olx_clamp(share, 0.0f, 1.0f) * 255.0f + 0.5f); }
+
+// As both kinds of links have it: surfels' have no direction, those of volume probes are not straight.
+static olx_relight_volume_link packed(const olx_few_link *link) {
+  const float weight = olx_luminance(link->weight), length = olx_length(link->direction);
+  const uint32_t straight = weight > 0.0f ? byte_of(link->straight / weight) : 0;
+  const olx_vec2 at = length > 0.0f ? olx_octahedral_encode(olx_scale(link->direction, 1.0f / length)) : (olx_vec2){0};
+  return (olx_relight_volume_link){link->from | straight << 24,
+                                   olx_rgb9e5_pack(link->weight),
+                                   {(uint16_t)(at.x * 65535.0f + 0.5f), (uint16_t)(at.y * 65535.0f + 0.5f)}};
+}
+
+// Room for `more` links beyond `count`.
+static olx_result grow(olx_relight_rows *rows, uint64_t count, uint64_t more) {
+  if (count + more <= rows->most) return OLX_OK;
+  if (count + more > OLX_RELIGHT_MOST)
+    return olx_fail(OLX_ERROR_UNSUPPORTED, "relight: more links than a field can hold");
+  const uint64_t most = count + more > 2 * rows->most ? count + more : 2 * rows->most;
+  olx_relight_volume_link *larger = olx_allocate(most, sizeof *larger);
+  if (!larger) return olx_fail(OLX_ERROR_MEMORY, "relight: out of memory for links");
+  if (count > 0) memcpy(larger, rows->links, count * sizeof *larger);
+  olx_release(rows->links);
+  rows->links = larger;
+  rows->most = most;
+  return OLX_OK;
+}
+
+// What jobs have found, behind what there is.
+static olx_result append(const link_job *j, olx_relight_rows *rows) {
+  uint64_t more = 0;
+  for (uint32_t i = 0; i < j->count; i++) more += j->counts[i];
+  uint32_t end = rows->starts[j->first];
+  OLX_TRY(grow(rows, end, more));
+  for (uint32_t i = 0; i < j->count; i++) {
+    for (uint32_t k = 0; k < j->counts[i]; k++) rows->links[end++] = packed(&j->links[(size_t)i * MOST_LINKS + k]);
+    rows->starts[j->first + i + 1] = end;
   }
   return OLX_OK;
 }
 
-static uint32_t list_arrays(olx_relight_bake *b, olx_array_row rows[6]) {
-  const uint64_t surfaces = (uint64_t)b->size * b->size, texels = (uint64_t)b->radiance_size * b->radiance_size;
-  rows[0] = (olx_array_row){&b->surfaces, b->probe_count * surfaces, sizeof *b->surfaces, false};
-  rows[1] =
-      (olx_array_row){&b->fit, (uint64_t)OLX_FIT_POINTS_PER_PROBE * (4 + OLX_RELIGHT_RAYS), sizeof *b->fit, false};
-  rows[2] = (olx_array_row){&b->met, PROBE_RAYS, sizeof *b->met, false};
-  rows[3] = (olx_array_row){&b->ends, PROBE_RAYS, sizeof *b->ends, false};
-  rows[4] = (olx_array_row){&b->hidden, olx_relight_hidden(b->size), sizeof *b->hidden, false};
-  rows[5] = (olx_array_row){&b->albedo, texels, sizeof *b->albedo, false};
-  return 6;
+static olx_result link_parts(link_job *j, uint32_t count, olx_relight_rows *rows) {
+  rows->starts[0] = 0;
+  for (j->first = 0; j->first < count; j->first += PLACES_AT_A_TIME) {
+    j->count = count - j->first < PLACES_AT_A_TIME ? count - j->first : PLACES_AT_A_TIME;
+    const uint32_t jobs = (j->count + PLACES_PER_JOB - 1) / PLACES_PER_JOB;
+    OLX_TRY(olx_parallel_for(jobs, j->bake->threads, link_some, j, j->bake->task, 0));
+    if (atomic_load(&j->out_of_memory)) return olx_fail(OLX_ERROR_MEMORY, "relight: out of memory for lists of links");
+    OLX_TRY(append(j, rows));
+  }
+  return OLX_OK;
 }
 
-uint64_t olx_relight_bake_bytes(const olx_relight_bake *b) {
-  olx_relight_bake unmade = *b;
-  olx_array_row rows[6];
-  return olx_arrays_bytes(rows, list_arrays(&unmade, rows));
+static olx_result link_places(link_job *j, uint32_t count, olx_relight_rows *rows) {
+  const size_t most = count < PLACES_AT_A_TIME ? count : PLACES_AT_A_TIME;
+  rows->starts = olx_allocate((size_t)count + 1, sizeof *rows->starts);
+  j->links = olx_allocate(most * MOST_LINKS, sizeof *j->links);
+  j->counts = olx_allocate(most, sizeof *j->counts);
+  const olx_result result = rows->starts && j->links && j->counts
+                                ? link_parts(j, count, rows)
+                                : olx_fail(OLX_ERROR_MEMORY, "relight: out of memory for links of %u places", count);
+  olx_release(j->links);
+  olx_release(j->counts);
+  return result;
 }
 
 olx_result olx_relight_bake_create(olx_relight_bake *b) {
-  const size_t surfaces = (size_t)b->size * b->size;
-  olx_array_row rows[6];
-  if (!olx_arrays_allocate(rows, list_arrays(b, rows))) {
-    return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for surfaces");
+  b->surfel_count = olx_scene_light_open(b->light).surfels->count;
+  if (b->surfel_count > OLX_RELIGHT_MOST_SURFELS) {
+    return olx_fail(OLX_ERROR_UNSUPPORTED, "relight: %u surfels are more than a field can hold", b->surfel_count);
   }
-  b->rays += b->probe_count * surfaces;
-  return olx_parallel_for(b->probe_count * b->size, b->threads, see_surfaces, b, b->task, 0);
+  link_job j = {.bake = b};
+  return link_places(&j, b->surfel_count, &b->surfels);
+}
+
+olx_result olx_relight_bake_volume(olx_relight_bake *b, const olx_vec3 *positions, uint32_t count) {
+  link_job j = {.bake = b, .positions = positions};
+  b->volume_count = count;
+  b->rays += (uint64_t)count * VOLUME_RAYS;
+  return count > 0 ? link_places(&j, count, &b->volume) : OLX_OK;
+}
+
+olx_result olx_relight_bake_probe(olx_relight_bake *b, const olx_capture *capture) {
+  return olx_relight_sites_add(&b->sites, capture, b->light);
 }
 
 void olx_relight_bake_free(olx_relight_bake *b) {
-  olx_release(b->surfaces);
-  olx_release(b->fit);
-  olx_release(b->met);
-  olx_release(b->ends);
-  olx_release(b->hidden);
-  olx_release(b->albedo);
-  *b = (olx_relight_bake){0};
+  olx_release(b->surfels.starts);
+  olx_release(b->surfels.links);
+  olx_release(b->volume.starts);
+  olx_release(b->volume.links);
+  olx_relight_sites_free(&b->sites);
 }
 
-olx_result olx_relight_bake_write(olx_relight_bake *b, const olx_surface_fit *fit, olx_field_writer *writer) {
-  b->fitted = fit;
-  for (b->probe = 0; b->probe < b->probe_count; b->probe++) {
-    if (fit) OLX_TRY(find_fit(b));
-    const olx_relight_record record = {b->surfaces + (size_t)b->probe * b->size * b->size, fit ? b->fit : NULL,
-                                       fit ? b->hidden : NULL};
-    OLX_TRY(olx_field_writer_relight(writer, b->probe, &record));
+// ---- The structure
+
+// Bytes that are written one after the other.
+typedef struct output {
+  char *next;
+} output;
+
+static void put(output *o, const void *data, size_t size_bytes) {
+  if (size_bytes > 0) memcpy(o->next, data, size_bytes);
+  o->next += size_bytes;
+}
+
+// Area that a point of a cell stands for, but for a factor: points were found by rays that spread out.
+static float area_of(const olx_surface_point *point) { return point->footprint * point->footprint; }
+
+static void store_reflectance(olx_relight_surfel *stored, const olx_bsdf *bsdf) {
+  const olx_bsdf specular = {.f0 = bsdf->f0, .f90 = bsdf->f90, .alpha = bsdf->alpha};
+  const float all = olx_luminance(olx_bsdf_matte(bsdf).albedo), part = olx_luminance(olx_bsdf_matte(&specular).albedo);
+  stored->diffuse = byte_of(all - part);
+  stored->specular = byte_of(part);
+  stored->f0 = byte_of(olx_luminance(bsdf->f0));
+  stored->alpha = byte_of(bsdf->alpha);
+}
+
+// Points spread over the area that the surfel stands for, a little off the surface.
+static olx_relight_surfel stored_surfel(const olx_relight_bake *b, uint32_t index) {
+  const olx_scene_light_parts parts = olx_scene_light_open(b->light);
+  const olx_light_surfel *s = &parts.surfels->surfels[index];
+  olx_relight_surfel stored = {.irradiance = olx_rgb9e5_pack(parts.irradiance[index])};
+  const olx_surface_point *points = parts.surfels->points + s->first_point;
+  float area = 0.0f, passed = 0.0f;
+  for (uint32_t k = 0; k < s->point_count; k++) area += area_of(&points[k]);
+  for (uint32_t i = 0, k = 0; i < OLX_RELIGHT_POINTS; i++) {
+    const float wanted = area * ((float)i + 0.5f) / OLX_RELIGHT_POINTS;
+    while (k + 1 < s->point_count && passed + area_of(&points[k]) < wanted) passed += area_of(&points[k++]);
+    const olx_surface surface = olx_surface_point_surface(b->scene, &points[k]);
+    olx_store3(stored.points[i], olx_surface_ray(&surface, surface.geometric_normal, INFINITY).origin);
   }
-  return OLX_OK;
+  const olx_surface middle = olx_surface_point_surface(b->scene, &s->point);
+  stored.normal = olx_normal_pack(middle.shading_normal);
+  store_reflectance(&stored, &middle.bsdf);
+  return stored;
 }
 
-// The mean albedo of what samples^2 rays through a texel meet.
-static void see_albedo(void *user, uint32_t y) {
-  const olx_relight_bake *b = user;
-  const uint32_t n = b->radiance_size, side = b->samples, count = side * side;
-  const float step = 1.0f / (float)(n * side);
-  olx_ray rays[PACKET] = {0};
-  olx_ray_hit hits[PACKET];
-  for (uint32_t x = 0; x < n; x++) {
-    for (uint32_t k = 0; k < count; k++) {
-      const olx_vec2 uv = {((float)(x * side + k % side) + 0.5078125f) * step,
-                           ((float)(y * side + k / side) + 0.48828125f) * step};
-      rays[k] = (olx_ray){b->position, olx_octahedral_decode(uv), 0.0f, INFINITY};
-    }
-    olx_bvh_intersect_many(b->scene->bvh, rays, count, true, hits);
-    olx_vec3 sum = {0};
-    float met = 0.0f;
-    for (uint32_t k = 0; k < count; k++) {
-      if (hits[k].triangle == OLX_NO_HIT) continue;
-      const olx_surface surface = olx_surface_at(b->scene, &hits[k], rays[k].direction);
-      sum = olx_add(sum, matte_albedo(&surface));
-      met += 1.0f;
-    }
-    b->albedo[y * n + x] = olx_r11g11b10f_pack(olx_scale(sum, 1.0f / olx_max(met, 1.0f)));
+static void put_links(const olx_relight_rows *rows, uint32_t count, output *o) {
+  for (uint32_t i = 0; i < count; i++) {
+    const olx_relight_link link = {rows->links[i].from, rows->links[i].weight};
+    put(o, &link, sizeof link);
   }
 }
 
-olx_result olx_relight_bake_albedo(olx_relight_bake *b, olx_vec3 position) {
-  b->position = position;
-  b->rays += (uint64_t)b->radiance_size * b->radiance_size * b->samples * b->samples;
-  return olx_parallel_for(b->radiance_size, b->threads, see_albedo, b, b->task, 0);
+static olx_relight_header header_of(const olx_relight_bake *b) {
+  return (olx_relight_header){.surfels = b->surfel_count,
+                              .links = b->surfels.starts[b->surfel_count],
+                              .sites = b->sites.site_count,
+                              .entries = b->sites.entry_count,
+                              .volume_links = b->volume_count ? b->volume.starts[b->volume_count] : 0,
+                              .blocks = b->sites.block_count,
+                              .volume_probes = b->volume_count};
+}
+
+static void put_all(const olx_relight_bake *b, const olx_relight_header *h, output *o) {
+  static const uint32_t zero;
+  put(o, h, sizeof *h);
+  for (uint32_t i = 0; i < h->surfels; i++) {
+    const olx_relight_surfel surfel = stored_surfel(b, i);
+    put(o, &surfel, sizeof surfel);
+  }
+  put(o, b->surfels.starts, (h->surfels + (size_t)1) * sizeof zero);
+  put_links(&b->surfels, h->links, o);
+  put(o, b->sites.blocks, h->blocks * sizeof *b->sites.blocks);
+  put(o, b->sites.starts, (h->sites + (size_t)1) * sizeof zero);
+  put(o, b->sites.entries, h->entries * sizeof *b->sites.entries);
+  put(o, b->volume_count ? b->volume.starts : &zero, (h->volume_probes + (size_t)1) * sizeof zero);
+  put(o, b->volume.links, h->volume_links * sizeof *b->volume.links);
+}
+
+olx_result olx_relight_bake_write(olx_relight_bake *b, olx_field_writer *writer) {
+  const olx_relight_header header = header_of(b);
+  const uint64_t size_bytes = olx_relight_structure_bytes(&header);
+  char *data = olx_allocate(size_bytes, 1);
+  if (!data) return olx_fail(OLX_ERROR_MEMORY, "relight: out of memory for %llu bytes", (unsigned long long)size_bytes);
+  output o = {data};
+  put_all(b, &header, &o);
+  const olx_result result = olx_field_writer_relight(writer, data, size_bytes);
+  olx_release(data);
+  return result;
 }

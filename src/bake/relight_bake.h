@@ -1,51 +1,40 @@
-// What a field keeps so that its light can change: albedo for light field probes; for irradiance probes the surfaces that they
-// see, and, where irradiance is fitted to surfaces, the points that it is fitted to, each with the surfaces that its rays meet,
-// and those of them that no irradiance probe sees.
+// What a field keeps so that its light can change (field/relight_data.h): the surfels of the solved light, few links between them,
+// and which surfels tell the light of every texel and of the probes of the irradiance volume.
 #ifndef OLX_BAKE_RELIGHT_BAKE_H
 #define OLX_BAKE_RELIGHT_BAKE_H
 
-#include "bake/hidden_surfaces.h"
-#include "bake/surface_fit.h"
+#include "bake/relight_sites.h"
 #include "field/field_writer.h"
+#include "light/few_links.h"
 
-enum { OLX_RELIGHT_RAYS = OLX_FIT_RAYS }; // of the fit's points that are kept: all of them
+// The links of places that are numbered one after the other; surfels' have no direction.
+typedef struct olx_relight_rows {
+  uint32_t *starts; // of the links of each place, and the end
+  olx_relight_volume_link *links;
+  uint64_t most; // links that there is room for
+} olx_relight_rows;
 
 typedef struct olx_relight_bake {
   const olx_scene *scene;
-  const olx_vec3 *positions; // of irradiance probes
-  const uint8_t *flags;
-  const olx_grid *grid;
-  uint32_t probe_count, size, threads;
-  uint32_t radiance_size, samples; // of light field probes
-  float distance_scale;
+  const olx_scene_light *light;
+  uint32_t seed, threads;
   olx_task *task;
-  uint64_t rays;                // cast so far
-  olx_surface_sample *surfaces; // size^2 a probe
-  uint32_t *fit;                // words of one probe's points
-  uint32_t *met;                // the surfaces that their rays meet
-  olx_ray_end *ends;            // where those rays end that no probe sees there
-  olx_hidden_surface *hidden;   // olx_relight_hidden of them
-  const olx_surface_fit *fitted;
-  uint32_t probe; // that is worked on
-  olx_vec3 position;
-  uint32_t *albedo; // packed, radiance_size^2
+  uint64_t rays; // cast
+  uint32_t surfel_count;
+  olx_relight_rows surfels, volume;
+  uint32_t volume_count;
+  olx_relight_sites sites;
 } olx_relight_bake;
 
-// Surfaces along a side that go with irradiance maps of `irradiance_size` texels.
-uint32_t olx_relight_surface_size(uint32_t irradiance_size);
-// Places for hidden surfaces a probe that go with `surface_size` surfaces along a side.
-uint32_t olx_relight_hidden(uint32_t surface_size);
-
-// The fields up to `task` are the caller's to fill. Casts rays from all irradiance probes.
+// The fields up to `task` are the caller's to fill. Makes the links of surfels few.
 olx_result olx_relight_bake_create(olx_relight_bake *bake);
-// The memory that it holds. It need not be created.
-uint64_t olx_relight_bake_bytes(const olx_relight_bake *bake);
 void olx_relight_bake_free(olx_relight_bake *bake);
 
-// Surfaces and points of all irradiance probes, to the file. `fit` may be NULL.
-olx_result olx_relight_bake_write(olx_relight_bake *bake, const olx_surface_fit *fit, olx_field_writer *writer);
-
-// The albedo map of a light field probe, into bake->albedo.
-olx_result olx_relight_bake_albedo(olx_relight_bake *bake, olx_vec3 position);
+// Links of the probes of the irradiance volume.
+olx_result olx_relight_bake_volume(olx_relight_bake *bake, const olx_vec3 *positions, uint32_t count);
+// Sites of the light field probe that was captured last: all probes, in order.
+olx_result olx_relight_bake_probe(olx_relight_bake *bake, const olx_capture *capture);
+// To the file, when all surfaces are there.
+olx_result olx_relight_bake_write(olx_relight_bake *bake, olx_field_writer *writer);
 
 #endif

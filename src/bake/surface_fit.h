@@ -10,7 +10,7 @@
 #include "bake/shade_batch.h"
 #include "core/parallel.h"
 #include "light/scene_light.h"
-#include "shade/corrections.h"
+#include "bake/corrections.h"
 
 typedef struct olx_surface_fit olx_surface_fit;
 

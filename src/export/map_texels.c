@@ -7,7 +7,7 @@
 enum { VOLUME_SIDE = 32 };
 
 typedef enum probe_kind { LIGHT_FIELD, IRRADIANCE, VOLUME } probe_kind;
-typedef enum map_need { NOTHING, PROBE_LIGHT, CLASSIC_MAPS, RELIGHTING, A_VOLUME } map_need;
+typedef enum map_need { NOTHING, PROBE_LIGHT, CLASSIC_MAPS, A_VOLUME } map_need;
 
 // A place in a field's maps: texel (x, y), and its index in bordered light field maps.
 typedef struct texel_place {
@@ -52,9 +52,6 @@ static olx_vec3 read_emission(const olx_field *f, const texel_place *p) {
 static olx_vec3 read_radiance(const olx_field *f, const texel_place *p) {
   return olx_texel_radiance(f, p->probe, p->index);
 }
-static olx_vec3 read_albedo(const olx_field *f, const texel_place *p) {
-  return olx_r11g11b10f_unpack(f->relight.albedo[f->texels * p->probe + p->index]);
-}
 
 // Of harmonics, in the direction of a texel's middle.
 static olx_vec3 read_harmonics(const uint16_t *halves, uint32_t bands, const texel_place *p, uint32_t side) {
@@ -87,20 +84,6 @@ static olx_vec3 read_classic_radiance(const olx_field *f, const texel_place *p) 
       c->radiance[c->radiance_texels * p->probe + c->level_first[classic_level(p->map)] + p->index]);
 }
 
-static const olx_surface_sample *surface(const olx_field *f, const texel_place *p) {
-  const size_t side = f->relight.size;
-  return &f->relight.surfaces[side * side * p->probe + side * p->y + p->x];
-}
-static olx_vec3 read_surface_albedo(const olx_field *f, const texel_place *p) {
-  return olx_r11g11b10f_unpack(surface(f, p)->albedo);
-}
-static olx_vec3 read_surface_normal(const olx_field *f, const texel_place *p) {
-  return olx_normal_unpack(surface(f, p)->normal);
-}
-static olx_vec3 read_surface_distance(const olx_field *f, const texel_place *p) {
-  return single(olx_half_unpack(surface(f, p)->distance) * f->distance_scale);
-}
-
 static olx_vec3 read_volume(const olx_field *f, const texel_place *p) {
   return read_harmonics(f->volume.irradiance + (size_t)OLX_VOLUME_HALVES * p->probe, OLX_VOLUME_BANDS, p, VOLUME_SIDE);
 }
@@ -125,7 +108,6 @@ static const map_row rows[OLX_MAP_COUNT] = {
     [OLX_MAP_INDIRECT] = {"indirect", LIGHT_FIELD, NOTHING, 3, read_indirect},
     [OLX_MAP_EMISSION] = {"emission", LIGHT_FIELD, NOTHING, 3, read_emission},
     [OLX_MAP_RADIANCE] = {"radiance", LIGHT_FIELD, PROBE_LIGHT, 3, read_radiance},
-    [OLX_MAP_ALBEDO] = {"albedo", LIGHT_FIELD, RELIGHTING, 3, read_albedo},
     [OLX_MAP_IRRADIANCE] = {"irradiance", IRRADIANCE, PROBE_LIGHT, 3, read_irradiance},
     [OLX_MAP_MEAN_DISTANCE] = {"mean_distance", IRRADIANCE, PROBE_LIGHT, 1, read_mean_distance},
     [OLX_MAP_MEAN_SQUARE_DISTANCE] = {"mean_square_distance", IRRADIANCE, PROBE_LIGHT, 1, read_mean_square},
@@ -135,9 +117,6 @@ static const map_row rows[OLX_MAP_COUNT] = {
     [OLX_MAP_CLASSIC_RADIANCE_2] = {"classic_radiance_2", IRRADIANCE, CLASSIC_MAPS, 3, read_classic_radiance},
     [OLX_MAP_CLASSIC_RADIANCE_3] = {"classic_radiance_3", IRRADIANCE, CLASSIC_MAPS, 3, read_classic_radiance},
     [OLX_MAP_CLASSIC_RADIANCE_4] = {"classic_radiance_4", IRRADIANCE, CLASSIC_MAPS, 3, read_classic_radiance},
-    [OLX_MAP_SURFACE_ALBEDO] = {"surface_albedo", IRRADIANCE, RELIGHTING, 3, read_surface_albedo},
-    [OLX_MAP_SURFACE_NORMAL] = {"surface_normal", IRRADIANCE, RELIGHTING, 3, read_surface_normal},
-    [OLX_MAP_SURFACE_DISTANCE] = {"surface_distance", IRRADIANCE, RELIGHTING, 1, read_surface_distance},
     [OLX_MAP_VOLUME_IRRADIANCE] = {"volume_irradiance", VOLUME, A_VOLUME, 3, read_volume},
 };
 
@@ -149,7 +128,6 @@ uint32_t olx_map_side(const olx_field *field, olx_map map) {
   const map_row *row = &rows[map];
   if (row->kind == LIGHT_FIELD) return field->n;
   if (row->kind == VOLUME) return VOLUME_SIDE;
-  if (row->need == RELIGHTING) return field->relight.size;
   if (row->need == PROBE_LIGHT) return field->irradiance_n;
   return map == OLX_MAP_CLASSIC_IRRADIANCE ? field->classic.size
                                            : olx_classic_side(field->classic.size, classic_level(map));
@@ -160,7 +138,6 @@ static bool has(const olx_field *field, map_need need) {
   case NOTHING: return true;
   case PROBE_LIGHT: return field->info.irradiance_probe_count > 0;
   case CLASSIC_MAPS: return field->classic.size > 0;
-  case RELIGHTING: return field->relight.size > 0;
   case A_VOLUME: return field->info.volume_probe_count > 0;
   }
   return false;
@@ -175,7 +152,6 @@ static uint32_t probe_count(const olx_field *field, probe_kind kind) {
 olx_result olx_map_check(const olx_field *field, olx_map map, uint32_t probe) {
   static const char *const needs[] = {[PROBE_LIGHT] = "probe light (bake --probe-light)",
                                       [CLASSIC_MAPS] = "classic maps (bake --classic)",
-                                      [RELIGHTING] = "what relighting needs (bake --relight)",
                                       [A_VOLUME] = "an irradiance volume"};
   static const char *const kinds[] = {"light field probes", "irradiance probes", "probes of the irradiance volume"};
   if ((uint32_t)map >= OLX_MAP_COUNT) {

@@ -153,8 +153,8 @@ static olx_result check_structure(olx_field *field) {
   OLX_TRY(check_selectors(field));
   OLX_TRY(olx_surfaces_open(field));
   OLX_TRY(olx_classic_open(field));
-  OLX_TRY(olx_relight_open(field));
   OLX_TRY(olx_field_volume_open(field));
+  OLX_TRY(olx_relight_open(field));
   OLX_TRY(check_flags(field, field->probe_flags, info->probe_count, info->buried_count, "light field"));
   return check_flags(field, field->irradiance_flags, info->irradiance_probe_count, info->irradiance_buried_count,
                      "irradiance");

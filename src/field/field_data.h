@@ -38,7 +38,7 @@ struct olx_field {
   const uint16_t *normal;   // olx_normal_pack, the surface's normal on the probe's side
   const uint16_t *distance; // half
   olx_field_surfaces surfaces;
-  bool relit; // lights have changed since the bake, and `surfaces` still holds the light of then
+  bool relit; // surfaces and volume hold the light of other lights than the bake's; `radiance` and `irradiance` that of the bake
 
   olx_pyramid_shape pyramid;
   const uint16_t *least, *greatest; // halves: the pyramids over |distance|
@@ -56,7 +56,7 @@ struct olx_field {
   olx_bricks bricks; // into select_data
 
   olx_classic_maps classic;
-  olx_relight_maps relight;
+  olx_relight_data relight;
   olx_volume volume;
 
   float distance_scale;

@@ -18,8 +18,6 @@ void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHU
   const olx_pyramid_shape pyramid = olx_pyramid_shape_of(info->radiance_size);
   const uint32_t classic = info->classic_size, classic_probes = classic ? info->irradiance_probe_count : 0;
   const uint64_t classic_side = classic + 2;
-  const uint32_t relit = info->relight_size ? info->probe_count : 0, surfaces = info->relight_size;
-  const uint64_t fit_words = (uint64_t)info->relight_points * (4 + (uint64_t)info->relight_rays);
   const uint64_t tiles = (uint64_t)(info->radiance_size / OLX_EMISSION_TILE) * (info->radiance_size / OLX_EMISSION_TILE);
   const olx_chunk_row table[OLX_CHUNK_KINDS] = {
       [OLX_CHUNK_INFO] = {OLX_FOUR_CC('I', 'N', 'F', 'O'), sizeof(olx_file_info), 1, 1},
@@ -51,18 +49,12 @@ void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHU
       [OLX_CHUNK_CLASSIC_RADIANCE] = {OLX_FOUR_CC('C', 'R', 'A', 'D'), 4,
                                       olx_classic_first(classic, OLX_CLASSIC_LEVELS), classic_probes},
       [OLX_CHUNK_CLASSIC_BOXES] = {OLX_FOUR_CC('C', 'B', 'O', 'X'), 4, 6, classic_probes},
-      [OLX_CHUNK_RELIGHT] = {OLX_FOUR_CC('R', 'L', 'I', 'T'), sizeof(olx_relight_header), 1, 1},
-      [OLX_CHUNK_ALBEDO] = {OLX_FOUR_CC('A', 'L', 'B', 'E'), 4, texels, relit},
-      [OLX_CHUNK_SURFACES] = {OLX_FOUR_CC('S', 'U', 'R', 'F'), sizeof(olx_surface_sample),
-                              (uint64_t)surfaces * surfaces, info->irradiance_probe_count},
-      [OLX_CHUNK_FIT] = {OLX_FOUR_CC('F', 'I', 'T', 'P'), 4, fit_words, info->irradiance_probe_count},
-      [OLX_CHUNK_HIDDEN] = {OLX_FOUR_CC('H', 'I', 'D', 'N'), sizeof(olx_hidden_surface), info->relight_hidden,
-                            info->irradiance_probe_count},
       [OLX_CHUNK_VOLUME] = {OLX_FOUR_CC('V', 'O', 'L', 'U'), 1, 0, 1},
       [OLX_CHUNK_VOLUME_POSITIONS] = {OLX_FOUR_CC('V', 'P', 'O', 'S'), 4, 3, info->volume_probe_count},
       [OLX_CHUNK_VOLUME_IRRADIANCE] = {OLX_FOUR_CC('V', 'I', 'R', 'R'), 2, OLX_VOLUME_HALVES, info->volume_probe_count},
       [OLX_CHUNK_ORIGIN] = OLX_CHUNK_ORIGIN_ROW,
       [OLX_CHUNK_EMISSION_TILES] = {OLX_FOUR_CC('E', 'T', 'I', 'L'), 4, OLX_EMISSION_TILE_TEXELS, 0},
+      [OLX_CHUNK_RELIGHT] = {OLX_FOUR_CC('R', 'L', 'I', 'T'), 1, 0, 1},
   };
   for (uint32_t i = 0; i < OLX_CHUNK_KINDS; i++) shapes[i] = olx_chunk_shape_of(&table[i]);
 }

@@ -82,20 +82,15 @@ typedef enum olx_chunk_kind {
   OLX_CHUNK_CLASSIC_IRRADIANCE,
   OLX_CHUNK_CLASSIC_RADIANCE,
   OLX_CHUNK_CLASSIC_BOXES,
-  // What relighting needs: all of these or none, but for the last two: points go with irradiance that was fitted, hidden
-  // surfaces with rays from points that meet some.
-  OLX_CHUNK_RELIGHT,
-  OLX_CHUNK_ALBEDO,
-  OLX_CHUNK_SURFACES,
-  OLX_CHUNK_FIT,
-  OLX_CHUNK_HIDDEN,
   // The irradiance volume: all of these or none.
   OLX_CHUNK_VOLUME,
   OLX_CHUNK_VOLUME_POSITIONS,
   OLX_CHUNK_VOLUME_IRRADIANCE,
   OLX_CHUNK_ORIGIN, // where the origin is not 0
-  // Required, and last in the file: a writer knows its size when all probes are written.
+  // Last in the file are those whose sizes a writer knows when all probes are written: emission, which is required, and what
+  // relighting needs.
   OLX_CHUNK_EMISSION_TILES,
+  OLX_CHUNK_RELIGHT,
   OLX_CHUNK_KINDS
 } olx_chunk_kind;
 
@@ -117,7 +112,7 @@ static inline olx_chunk_kind olx_select_chunk(olx_select select) {
 
 // What each chunk must be, given the description of the field. Those of selectors are single records of any size: 0 bytes
 // here; so are classic maps where there are none. The description does not say how many lights and tiles of emission there
-// are: the sizes of these chunks are 0 here.
+// are, nor what relighting needs: the sizes of these chunks are 0 here.
 void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHUNK_KINDS]);
 
 // Whether a Vulkan device holds a chunk of that kind as it is (src/vulkan/gpu_field.c).
@@ -150,13 +145,10 @@ void olx_surface_row(const olx_field *field, olx_surface_map map, uint32_t probe
 olx_result olx_surfaces_verify(const olx_field *field, uint32_t probe);
 // Finds the classic maps of an open field, if it has any, and checks their structure.
 olx_result olx_classic_open(olx_field *field);
-// The same of what relighting needs.
-olx_result olx_relight_info_check(const olx_field_info *info, const char *name, olx_result failure);
-olx_result olx_relight_open(olx_field *field);
-// Whether a field of that description has such a chunk, from OLX_CHUNK_RELIGHT to OLX_CHUNK_HIDDEN.
-bool olx_relight_has_chunk(const olx_field_info *info, olx_chunk_kind kind);
 // Finds the irradiance volume of an open field, if it has one, and checks its structure.
 olx_result olx_field_volume_open(olx_field *field);
+// Finds what relighting needs, if the field has it, and checks it. The volume must be open.
+olx_result olx_relight_open(olx_field *field);
 // Whether the irradiance of a probe of the volume is what a writer makes of it.
 olx_result olx_volume_verify(const olx_field *field, uint32_t probe);
 // Whether positions are finite and, with a grid, stand on it.

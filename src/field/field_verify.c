@@ -181,63 +181,6 @@ static olx_result check_classic_table(const olx_field *field) {
   return OLX_OK;
 }
 
-// No surface reflects more light than it gets.
-static inline bool is_bad_albedo(uint32_t code) {
-  return is_bad_color(code) || (code & 0x7FFu) > 15u << 6 || (code >> 11 & 0x7FFu) > 15u << 6 || code >> 22 > 15u << 5;
-}
-FIRST_BAD(first_bad_albedo, uint32_t, is_bad_albedo)
-
-static olx_result check_albedo(const olx_field *field, uint32_t probe) {
-  const uint32_t *map = field->relight.albedo + field->texels * probe;
-  const size_t bad = first_bad_albedo(map, field->texels);
-  if (bad < field->texels) return fail_at(field, "albedo", probe, bad, field->stride, map[bad], "not in 0..1");
-  return check_border(field, "albedo", probe, map, field->n, 4);
-}
-
-static olx_result check_surfaces(const olx_field *field, uint32_t probe) {
-  const uint32_t size = field->relight.size;
-  const olx_surface_sample *surfaces = field->relight.surfaces + (size_t)size * size * probe;
-  for (uint32_t i = 0; i < size * size; i++) {
-    const olx_surface_sample *s = &surfaces[i];
-    if (!is_bad_albedo(s->albedo) && !is_bad_normal(s->normal) && s->distance <= 0x7C00u) continue;
-    return olx_fail(OLX_ERROR_FORMAT, "%s: surface %u of probe %u: albedo %#x, normal %#x, distance %#x", field->name, i,
-                    probe, s->albedo, s->normal, s->distance);
-  }
-  return OLX_OK;
-}
-
-// A position with the normal there, of a point or a hidden surface.
-static bool is_bad_place(const void *place) {
-  olx_fit_place p;
-  memcpy(&p, place, sizeof p);
-  const float most = olx_max3(olx_max_each(p.position, olx_negate(p.position)));
-  return !olx_finite(p.position) || most > OLX_FIELD_MAX_LENGTH ||
-         (p.normal != OLX_FIT_NO_POINT && (p.normal > UINT16_MAX || is_bad_normal((uint16_t)p.normal)));
-}
-
-static olx_result check_hidden(const olx_field *field, uint32_t probe) {
-  const olx_relight_maps *maps = &field->relight;
-  for (uint32_t i = 0; i < maps->hidden; i++) {
-    const olx_hidden_surface *s = &maps->hidden_surfaces[(size_t)maps->hidden * probe + i];
-    if (!is_bad_place(s) && !is_bad_albedo(s->albedo)) continue;
-    return olx_fail(OLX_ERROR_FORMAT, "%s: chunk HIDN: surface %u of probe %u is impossible", field->name, i, probe);
-  }
-  return OLX_OK;
-}
-
-static olx_result check_fit(const olx_field *field, uint32_t probe) {
-  const olx_relight_maps *maps = &field->relight;
-  const size_t words = olx_fit_words(maps);
-  const uint32_t surfaces = (maps->size * maps->size + maps->hidden) * field->info.irradiance_probe_count;
-  for (uint32_t i = 0; i < maps->points; i++) {
-    const uint32_t *point = maps->fit + (maps->points * (size_t)probe + i) * words;
-    bool bad = is_bad_place(point);
-    for (size_t k = 4; k < words; k++) bad |= point[k] >= surfaces && point[k] < OLX_FIT_RAY_UNKNOWN;
-    if (bad) return olx_fail(OLX_ERROR_FORMAT, "%s: chunk FITP: point %u of probe %u is impossible", field->name, i, probe);
-  }
-  return OLX_OK;
-}
-
 static olx_result check_chunk(const olx_field *field, uint32_t index) {
   const olx_chunk_file file = olx_field_file(field);
   return olx_chunk_check_content(&file, index);
@@ -282,9 +225,5 @@ olx_result olx_field_verify(const olx_field *field) {
     OLX_TRY(check_all(field, check_classic, field->info.irradiance_probe_count));
   }
   if (field->volume.header) OLX_TRY(check_all(field, olx_volume_verify, field->info.volume_probe_count));
-  if (!field->relight.size) return OLX_OK;
-  OLX_TRY(check_all(field, check_albedo, field->info.probe_count));
-  OLX_TRY(check_all(field, check_surfaces, field->info.irradiance_probe_count));
-  if (field->relight.points) OLX_TRY(check_all(field, check_fit, field->info.irradiance_probe_count));
-  return field->relight.hidden ? check_all(field, check_hidden, field->info.irradiance_probe_count) : OLX_OK;
+  return OLX_OK;
 }

@@ -14,8 +14,8 @@ struct olx_field_writer {
   olx_field_info info;
   olx_field_layout layout;
   XXH3_state_t hashes[OLX_CHUNK_KINDS]; // of what has been written to each chunk
-  uint32_t probes_written, surfaces_written, irradiance_written, classic_written, relight_written, albedo_written;
-  bool failed, volume_written;
+  uint32_t probes_written, surfaces_written, irradiance_written, classic_written;
+  bool failed, volume_written, relight_written;
 
   olx_vec3 *probe_positions, *irradiance_positions;
   uint8_t *probe_flags, *irradiance_flags;
@@ -35,7 +35,7 @@ static void find_present(const olx_field_header *header, olx_field_layout *layou
     layout->shapes[kind].size_bytes = layout->shapes[kind].record_bytes = header->select_bytes[select];
   }
   for (uint32_t k = OLX_CHUNK_CLASSIC; k <= OLX_CHUNK_CLASSIC_BOXES; k++) layout->present[k] = info->classic_size > 0;
-  for (uint32_t k = OLX_CHUNK_RELIGHT; k <= OLX_CHUNK_HIDDEN; k++) layout->present[k] = olx_relight_has_chunk(info, k);
+  layout->present[OLX_CHUNK_RELIGHT] = header->relight;
   for (uint32_t k = OLX_CHUNK_VOLUME; k <= OLX_CHUNK_VOLUME_IRRADIANCE; k++) layout->present[k] = header->volume_bytes > 0;
   layout->shapes[OLX_CHUNK_VOLUME].size_bytes = layout->shapes[OLX_CHUNK_VOLUME].record_bytes = header->volume_bytes;
   layout->present[OLX_CHUNK_ORIGIN] = olx_origin_is_stored(header->origin);
@@ -131,15 +131,6 @@ static olx_result put_classic_header(olx_field_writer *writer, const olx_field_h
   return put_whole(writer, OLX_CHUNK_CLASSIC, &classic);
 }
 
-static olx_result put_relight_header(olx_field_writer *writer) {
-  if (!writer->layout.present[OLX_CHUNK_RELIGHT]) return OLX_OK;
-  const olx_relight_header relight = {.size = writer->info.relight_size,
-                                      .points = writer->info.relight_points,
-                                      .rays = writer->info.relight_rays,
-                                      .hidden = writer->info.relight_hidden};
-  return put_whole(writer, OLX_CHUNK_RELIGHT, &relight);
-}
-
 // The structure as readers check it, and what it says of the probes.
 static olx_result check_volume(const olx_field_header *header, const char *path) {
   olx_volume volume;
@@ -167,7 +158,6 @@ olx_result olx_field_writer_create(const char *path, const olx_field_header *hea
   OLX_TRY(check_lights(header, path));
   OLX_TRY(check_volume(header, path));
   if (info.classic_size) OLX_TRY(olx_classic_info_check(&info, path, OLX_ERROR_ARGUMENT));
-  if (info.relight_size) OLX_TRY(olx_relight_info_check(&info, path, OLX_ERROR_ARGUMENT));
   OLX_TRY(olx_positions_check(header->probe_positions, info.probe_count, info.has_grid ? &info.grid : NULL,
                               "light field", path, OLX_ERROR_ARGUMENT));
   OLX_TRY(olx_positions_check(header->irradiance_positions, info.irradiance_probe_count, &info.irradiance_grid,
@@ -184,7 +174,6 @@ olx_result olx_field_writer_create(const char *path, const olx_field_header *hea
   OLX_TRY_GOTO(put_selectors(writer, header), opened);
   OLX_TRY_GOTO(put_whole(writer, OLX_CHUNK_LIGHTS, header->lights), opened);
   OLX_TRY_GOTO(put_classic_header(writer, header), opened);
-  OLX_TRY_GOTO(put_relight_header(writer), opened);
   OLX_TRY_GOTO(put_volume(writer, header), opened);
   if (writer->layout.present[OLX_CHUNK_ORIGIN]) OLX_TRY_GOTO(put_whole(writer, OLX_CHUNK_ORIGIN, header->origin), opened);
   *created = writer;
@@ -368,32 +357,6 @@ olx_result olx_field_writer_classic(olx_field_writer *writer, uint32_t index, co
   return result;
 }
 
-static olx_result write_relight(olx_field_writer *writer, uint32_t index, const olx_relight_record *record) {
-  OLX_TRY(put(writer, OLX_CHUNK_SURFACES, index, record->surfaces));
-  if (writer->layout.present[OLX_CHUNK_FIT]) OLX_TRY(put(writer, OLX_CHUNK_FIT, index, record->fit));
-  return writer->layout.present[OLX_CHUNK_HIDDEN] ? put(writer, OLX_CHUNK_HIDDEN, index, record->hidden) : OLX_OK;
-}
-
-olx_result olx_field_writer_relight(olx_field_writer *writer, uint32_t index, const olx_relight_record *record) {
-  if (index != writer->relight_written || index >= writer->info.irradiance_probe_count) {
-    return refuse_order(writer, "relit", index, writer->relight_written);
-  }
-  const olx_result result = write_relight(writer, index, record);
-  writer->failed |= result != OLX_OK;
-  writer->relight_written++;
-  return result;
-}
-
-olx_result olx_field_writer_albedo(olx_field_writer *writer, uint32_t index, const uint32_t *albedo) {
-  if (index != writer->albedo_written || index >= writer->info.probe_count) {
-    return refuse_order(writer, "albedo of", index, writer->albedo_written);
-  }
-  const olx_result result = put_map(writer, OLX_CHUNK_ALBEDO, index, albedo, writer->info.radiance_size);
-  writer->failed |= result != OLX_OK;
-  writer->albedo_written++;
-  return result;
-}
-
 olx_result olx_field_writer_volume(olx_field_writer *writer, const uint16_t *irradiance) {
   if (!writer->layout.present[OLX_CHUNK_VOLUME] || writer->volume_written) {
     return olx_fail(OLX_ERROR_ARGUMENT, "%s: a volume that the header does not have, or twice", writer->file.path);
@@ -401,6 +364,32 @@ olx_result olx_field_writer_volume(olx_field_writer *writer, const uint16_t *irr
   const olx_result result = put_whole(writer, OLX_CHUNK_VOLUME_IRRADIANCE, irradiance);
   writer->failed |= result != OLX_OK;
   writer->volume_written = true;
+  return result;
+}
+
+// Emission is complete, and where the chunks after it lie is known.
+static void end_emission(olx_field_writer *writer) {
+  olx_field_layout *layout = &writer->layout;
+  olx_chunk_shape *tiles = &layout->shapes[OLX_CHUNK_EMISSION_TILES];
+  tiles->size_bytes = writer->tile_count * tiles->record_bytes;
+  layout->offsets[OLX_CHUNK_RELIGHT] = olx_align_chunk(layout->offsets[OLX_CHUNK_EMISSION_TILES] + tiles->size_bytes);
+  layout->file_bytes = olx_align_chunk(layout->offsets[OLX_CHUNK_RELIGHT] + layout->shapes[OLX_CHUNK_RELIGHT].size_bytes);
+}
+
+olx_result olx_field_writer_relight(olx_field_writer *writer, const void *data, size_t size_bytes) {
+  if (!writer->layout.present[OLX_CHUNK_RELIGHT] || writer->relight_written ||
+      writer->surfaces_written != writer->info.probe_count) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "%s: relighting that the header does not have, twice, or before the last surfaces",
+                    writer->file.path);
+  }
+  olx_chunk_shape *shape = &writer->layout.shapes[OLX_CHUNK_RELIGHT];
+  shape->size_bytes = shape->record_bytes = size_bytes;
+  end_emission(writer);
+  olx_relight_data relight;
+  OLX_TRY(olx_relight_structure_open(data, size_bytes, writer->file.path, &relight));
+  const olx_result result = put_whole(writer, OLX_CHUNK_RELIGHT, data);
+  writer->failed |= result != OLX_OK;
+  writer->relight_written = true;
   return result;
 }
 
@@ -414,10 +403,7 @@ static olx_result write_frame(olx_field_writer *writer) {
     OLX_TRY(put_whole(writer, OLX_CHUNK_IRRADIANCE_POSITIONS, writer->irradiance_positions));
     OLX_TRY(put_whole(writer, OLX_CHUNK_IRRADIANCE_FLAGS, writer->irradiance_flags));
   }
-  writer->layout.shapes[OLX_CHUNK_EMISSION_TILES].size_bytes =
-      writer->tile_count * writer->layout.shapes[OLX_CHUNK_EMISSION_TILES].record_bytes;
-  writer->layout.file_bytes = olx_align_chunk(writer->layout.offsets[OLX_CHUNK_EMISSION_TILES] +
-                                       writer->layout.shapes[OLX_CHUNK_EMISSION_TILES].size_bytes);
+  end_emission(writer);
   struct {
     olx_file_header header;
     olx_file_chunk chunks[OLX_CHUNK_KINDS];
@@ -458,12 +444,8 @@ olx_result olx_field_writer_commit(olx_field_writer *writer, uint64_t *file_byte
   } else if (writer->info.classic_size && writer->classic_written != writer->info.irradiance_probe_count) {
     result = olx_fail(OLX_ERROR_ARGUMENT, "%s: classic maps of %u of %u irradiance probes written", writer->file.path,
                       writer->classic_written, writer->info.irradiance_probe_count);
-  } else if (writer->info.relight_size && (writer->relight_written != writer->info.irradiance_probe_count ||
-                                           writer->albedo_written != writer->info.probe_count)) {
-    result =
-        olx_fail(OLX_ERROR_ARGUMENT, "%s: surfaces of %u of %u irradiance probes and albedo of %u of %u probes written",
-                 writer->file.path, writer->relight_written, writer->info.irradiance_probe_count,
-                 writer->albedo_written, writer->info.probe_count);
+  } else if (writer->layout.present[OLX_CHUNK_RELIGHT] && !writer->relight_written) {
+    result = olx_fail(OLX_ERROR_ARGUMENT, "%s: what relighting needs was not written", writer->file.path);
   } else {
     result = write_frame(writer);
   }

@@ -18,6 +18,7 @@ typedef struct olx_field_header {
   const void *volume; // the structure of the irradiance volume (field/volume_data.h), with info.volume_probe_count positions
   size_t volume_bytes; // of the structure; 0 without a volume
   const olx_vec3 *volume_positions;
+  bool relight; // what relighting needs will be written at last; its size is not known before
   const uint32_t *classic_table; // of classic maps, OLX_CLASSIC_TABLE_ENTRIES; NULL, and info.classic_size 0, without them
 } olx_field_header;
 
@@ -35,13 +36,6 @@ typedef struct olx_classic_record {
   const uint32_t *radiance[OLX_CLASSIC_LEVELS];
   olx_classic_box box;
 } olx_classic_record;
-
-// What relighting needs of an irradiance probe.
-typedef struct olx_relight_record {
-  const olx_surface_sample *surfaces; // info.relight_size^2
-  const uint32_t *fit;                // info.relight_points points with their rays; NULL when there are none
-  const olx_hidden_surface *hidden;   // info.relight_hidden; NULL when there are none
-} olx_relight_record;
 
 // Where every chunk of the file that a header describes will lie.
 typedef struct olx_field_layout {
@@ -77,9 +71,8 @@ olx_result olx_field_writer_irradiance(olx_field_writer *writer, uint32_t index,
 // The same for classic maps, where info.classic_size asks for them.
 olx_result olx_field_writer_classic(olx_field_writer *writer, uint32_t index, const olx_classic_record *record);
 
-// Where info.relight_size asks for it: the same for an irradiance probe, and the albedo map of a light field probe (as its radiance).
-olx_result olx_field_writer_relight(olx_field_writer *writer, uint32_t index, const olx_relight_record *record);
-olx_result olx_field_writer_albedo(olx_field_writer *writer, uint32_t index, const uint32_t *albedo);
+// What relighting needs (field/relight_data.h), where the header has it: once, when all surfaces are written.
+olx_result olx_field_writer_relight(olx_field_writer *writer, const void *data, size_t size_bytes);
 
 // The irradiance of all probes of the volume, OLX_VOLUME_HALVES each, where the header has one.
 olx_result olx_field_writer_volume(olx_field_writer *writer, const uint16_t *irradiance);

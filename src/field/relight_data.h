@@ -1,72 +1,91 @@
-// What a field holds so that its light can change: the diffuse reflectance of what light field probes see, surfaces that
-// irradiance probes see, points on surfaces to which irradiance is fitted, and what the rays from these points meet that no
-// irradiance probe sees (docs/format.md, "Relighting").
+// What a field holds so that its light can change: surfels, points of the scene's surfaces that are lit and light each other;
+// links, which say whose light arrives at each; and by which of them the texels of light field probes, and the probes of the
+// irradiance volume, are lit (docs/format.md, "Relighting"). The structure lies in the file as it is read; src/bake builds it.
 #ifndef OLX_FIELD_RELIGHT_DATA_H
 #define OLX_FIELD_RELIGHT_DATA_H
 
-#include "core/octahedral.h"
+#include "core/vec.h"
 
-#define OLX_FIT_RAY_SKY UINT32_MAX            // a ray that meets nothing
-#define OLX_FIT_RAY_UNKNOWN (UINT32_MAX - 1u) // one that meets what no irradiance probe sees
-#define OLX_SURFACE_MOST (1u << 31)           // surfaces of a field
+#include <octalux/base.h>
 
-enum { OLX_FIT_MOST_POINTS = 4096, OLX_FIT_MOST_RAYS = 256, OLX_HIDDEN_MOST = 1024 };
+enum {
+  OLX_RELIGHT_POINTS = 8,      // of a surfel, at which its direct light is taken
+  OLX_RELIGHT_BLOCK = 4,       // texels along a side of a block
+  OLX_RELIGHT_BLOCK_SITES = 4, // of a block, at most
+  OLX_RELIGHT_MOST_SURFELS = 1u << 24,
+  OLX_RELIGHT_MOST = 1u << 28, // of anything else that the structure counts
+};
 
-// RLIT.
+#define OLX_RELIGHT_NO_SITE UINT32_MAX // of a block that sees the sky alone
+
+// RLIT begins with it; the arrays of olx_relight_data follow in their order.
 typedef struct olx_relight_header {
-  uint32_t size;         // surfaces along a side of an irradiance probe's map: 16, 32, 64 or 128
-  uint32_t points, rays; // points a probe, and rays from each; 0 and 0 when irradiance was not fitted
-  uint32_t hidden;       // places for hidden surfaces a probe; 0 when there are none
-  uint32_t zero[12];
+  uint32_t surfels, links, sites, entries, volume_links;
+  uint32_t blocks, volume_probes; // of the whole field
+  uint32_t zero[9];
 } olx_relight_header;
 
 _Static_assert(sizeof(olx_relight_header) == 64, "docs/format.md");
 
-// SURF: what a probe sees through one place of a texel.
-typedef struct olx_surface_sample {
-  uint32_t albedo;   // R11G11B10F
-  uint16_t normal;   // olx_normal_pack; what shading takes for the normal
-  uint16_t distance; // half, over the distance scale; infinite for the sky
-} olx_surface_sample;
+typedef struct olx_relight_surfel {
+  float points[OLX_RELIGHT_POINTS][3]; // metres, a little off the surface
+  uint32_t normal;                     // olx_normal_pack
+  uint32_t irradiance;                 // RGB9E5, W/m^2: indirect, as baked
+  // What its surface reflects, 255 is 1: luminance of the diffuse lobe's and of the specular lobe's light, averaged over views, of
+  // F0, and alpha, the square of roughness.
+  uint8_t diffuse, specular, f0, alpha;
+} olx_relight_surfel;
 
-_Static_assert(sizeof(olx_surface_sample) == 8, "docs/format.md");
+_Static_assert(sizeof(olx_relight_surfel) == 108, "docs/format.md");
 
-// FITP: a point, followed by its rays, a u32 each: the index of the surface that a ray meets (size^2 a probe, then `hidden` a
-// probe), or one of the two codes above.
-typedef struct olx_fit_place {
-  olx_vec3 position; // metres
-  uint32_t normal;   // olx_normal_pack; OLX_FIT_NO_POINT: there is no point here
-} olx_fit_place;
+// Irradiance at a surfel, direct and indirect, times the weight arrives by this link.
+typedef struct olx_relight_link {
+  uint32_t
+      from_straight; // bits 0 to 23: the surfel; above: the share of the weight, 255 is all, that no specular surface passed on
+  uint32_t weight; // RGB9E5
+} olx_relight_link;
 
-#define OLX_FIT_NO_POINT UINT32_MAX
+static inline uint32_t olx_relight_link_from(const olx_relight_link *link) { return link->from_straight & 0xFFFFFFu; }
 
-_Static_assert(sizeof(olx_fit_place) == 16, "docs/format.md");
+// 4 x 4 texels of a light field map. Texel i, rows one after the other, has the site first_site + (which >> 2 i & 3).
+typedef struct olx_relight_block {
+  uint32_t first_site; // or OLX_RELIGHT_NO_SITE
+  uint32_t which;
+} olx_relight_block;
 
-// HIDN: a surface that rays from points meet and no irradiance probe sees.
-typedef struct olx_hidden_surface {
-  olx_vec3 position; // metres; a little off the surface
-  uint32_t normal;   // as of a point; OLX_FIT_NO_POINT: the place is empty
-  uint32_t albedo;   // R11G11B10F
-} olx_hidden_surface;
+// A surfel whose indirect light counts for a site: at the first and the last texel of the block's first row, then of its last row.
+// The weights of a site's entries sum to 255 at each; texels between interpolate.
+typedef struct olx_relight_entry {
+  uint32_t surfel;
+  uint8_t weights[4];
+} olx_relight_entry;
 
-_Static_assert(sizeof(olx_hidden_surface) == 20, "docs/format.md");
+// Radiance that arrives at a probe of the irradiance volume is irradiance at `from` times the weight, which counts its solid angle.
+typedef struct olx_relight_volume_link {
+  uint32_t from;
+  uint32_t weight;       // RGB9E5
+  uint16_t direction[2]; // towards it: octahedral, 65535 is 1
+} olx_relight_volume_link;
 
-// The direction in which surface (x, y) is looked for: off its texel's middle, because from probes that stand symmetrically in a
-// room the middles' rays would meet edges of walls exactly.
-static inline olx_vec3 olx_surface_direction(uint32_t x, uint32_t y, uint32_t size) {
-  const float step = 1.0f / (float)size;
-  return olx_octahedral_decode((olx_vec2){((float)x + 0.5078125f) * step, ((float)y + 0.48828125f) * step});
-}
+_Static_assert(sizeof(olx_relight_volume_link) == 12, "docs/format.md");
 
-// The maps of a field, `size` 0 where there are none.
-typedef struct olx_relight_maps {
-  uint32_t size, points, rays, hidden;
-  const uint32_t *albedo;                    // as radiance
-  const olx_surface_sample *surfaces;        // size^2 a probe, row by row, without border
-  const uint32_t *fit;                       // `points` times (4 + rays) words a probe
-  const olx_hidden_surface *hidden_surfaces; // `hidden` a probe
-} olx_relight_maps;
+// Pointers into the structure; every number is in range once olx_relight_structure_open has passed.
+typedef struct olx_relight_data {
+  const olx_relight_header *header; // NULL: the field cannot be relit
+  const olx_relight_surfel *surfels;
+  const uint32_t *link_starts; // of each surfel's links, and the end
+  const olx_relight_link *links;
+  const olx_relight_block *blocks; // rows of a map, probe after probe
+  const uint32_t *entry_starts;    // of each site's entries, and the end
+  const olx_relight_entry *entries;
+  const uint32_t *volume_starts; // of each volume probe's links, and the end
+  const olx_relight_volume_link *volume_links;
+} olx_relight_data;
 
-static inline size_t olx_fit_words(const olx_relight_maps *maps) { return 4 + (size_t)maps->rays; }
+// Bytes of the structure that a header describes.
+uint64_t olx_relight_structure_bytes(const olx_relight_header *header);
+
+// Point into a structure and check all of it. `name` begins the message.
+olx_result olx_relight_structure_open(const void *data, size_t size_bytes, const char *name, olx_relight_data *relight);
 
 #endif

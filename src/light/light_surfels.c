@@ -100,6 +100,10 @@ bool olx_light_surfels_see(const olx_light_surfels *s, const olx_light_surfel *s
   return is_clear(s, (place){surface->position, surface->geometric_normal}, (place){surfel->position, surfel->normal});
 }
 
+bool olx_light_surfels_beside(const olx_light_surfels *s, const olx_light_surfel *one, const olx_light_surfel *other) {
+  return is_clear(s, (place){one->position, one->normal}, (place){other->position, other->normal});
+}
+
 // The first of the surfels of a cell, from `head` on, that sees the surface; OLX_CELL_NONE when none does.
 static uint32_t seeing(const olx_light_surfels *s, uint32_t head, const olx_surface *surface) {
   while (head != OLX_CELL_NONE && !olx_light_surfels_see(s, &s->surfels[head], surface)) head = s->surfels[head].next;
@@ -383,21 +387,23 @@ static olx_result divide_cells(olx_light_surfels *s, olx_surface_point *points, 
   return OLX_OK;
 }
 
-static int by_key(const void *a, const void *b) {
+// Faces first: only so do the points of a cell follow each other on every level.
+static int by_cell(const void *a, const void *b) {
   const olx_surface_point *p = a, *q = b;
-  if (p->key != q->key) return p->key < q->key ? -1 : 1;
+  const uint64_t first = olx_cell_order(p->key), second = olx_cell_order(q->key);
+  if (first != second) return first < second ? -1 : 1;
   if (p->triangle != q->triangle) return p->triangle < q->triangle ? -1 : 1;
   if (p->u != q->u) return p->u < q->u ? -1 : 1;
   return p->v < q->v ? -1 : p->v > q->v;
 }
 
-// Appends the points, sorted by key.
+// Appends the points, cell by cell.
 static olx_result keep_points(olx_light_surfels *s, const olx_surface_point *points, uint32_t count) {
   olx_surface_point *all = olx_allocate((size_t)s->point_count + count, sizeof *all);
   if (!all) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u points of surfaces", count);
   for (uint32_t i = 0; i < s->point_count; i++) all[i] = s->points[i];
   for (uint32_t i = 0; i < count; i++) all[s->point_count + i] = points[i];
-  qsort(all + s->point_count, count, sizeof *all, by_key);
+  qsort(all + s->point_count, count, sizeof *all, by_cell);
   olx_release(s->points);
   s->points = all;
   s->point_count += count;

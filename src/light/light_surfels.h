@@ -39,7 +39,7 @@ typedef struct olx_light_surfels {
   float spacing; // sides of cells as a share of the geometric mean distance
   uint32_t threads;
   olx_task *task;            // may be NULL
-  olx_surface_point *points; // sorted by key, batch after batch
+  olx_surface_point *points; // in olx_cell_order, batch after batch
   uint32_t point_count;
   olx_light_surfel *surfels;
   uint32_t count, capacity;
@@ -59,6 +59,10 @@ olx_result olx_light_surfels_add(olx_light_surfels *surfels, const olx_surface_p
 // Whether nothing lies between a surfel and a surface beside it.
 bool olx_light_surfels_see(const olx_light_surfels *surfels, const olx_light_surfel *surfel,
                            const olx_surface *surface);
+
+// Whether nothing lies between two surfels side by side.
+bool olx_light_surfels_beside(const olx_light_surfels *surfels, const olx_light_surfel *one,
+                              const olx_light_surfel *other);
 
 // The surfel that serves a point.
 typedef struct olx_surfel_found {

@@ -476,6 +476,10 @@ uint32_t olx_scene_light_bounces(const olx_scene_light *l) { return l->settings.
 
 olx_scene_light_report olx_scene_light_describe(const olx_scene_light *light) { return light->report; }
 
+olx_scene_light_parts olx_scene_light_open(const olx_scene_light *l) {
+  return (olx_scene_light_parts){&l->surfels, &l->links, &l->lookup, l->direct, l->irradiance};
+}
+
 olx_vec3 olx_scene_light_gather(const olx_scene_light *l, const olx_surface *surface) {
   const uint64_t key = olx_cell_key(&l->surfels.grid, surface->position, surface->geometric_normal);
   const uint32_t seed = olx_hash3(l->surfels.seed ^ (uint32_t)key, (uint32_t)(key >> 32), SALT_GATHER);

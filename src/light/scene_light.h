@@ -7,7 +7,8 @@
 #define OLX_LIGHT_SCENE_LIGHT_H
 
 #include "core/parallel.h"
-#include "scene/surface.h"
+#include "light/light_bounces.h"
+#include "light/surfel_lookup.h"
 
 typedef struct olx_scene_light olx_scene_light;
 
@@ -56,5 +57,15 @@ olx_vec3 olx_scene_light_gather(const olx_scene_light *light, const olx_surface 
 // Irradiance as olx_scene_light_irradiance gives it, with one bounce less. Together with the surface's direct light it is what
 // a ray that ends there brings to a place whose light has bounced as often as the solution's.
 olx_vec3 olx_scene_light_irradiance_before(const olx_scene_light *light, const olx_surface *surface);
+
+// What the solution consists of, for relighting, which merges it (bake/relight_bake.h). It belongs to the solution.
+typedef struct olx_scene_light_parts {
+  const olx_light_surfels *surfels;
+  const olx_light_links *links;
+  const olx_surfel_lookup *lookup;     // of visible surfels
+  const olx_vec3 *direct, *irradiance; // of all surfels, W/m^2
+} olx_scene_light_parts;
+
+olx_scene_light_parts olx_scene_light_open(const olx_scene_light *light);
 
 #endif

@@ -10,6 +10,7 @@
 enum {
   OLX_CELL_LEVELS = 17,  // sizes of cubes: the scene's diagonal, rounded up to a power of two, and down to 2^-16 of it
   OLX_CELL_BIN_BITS = 6, // 6 faces of a cube of normals by 3 x 3
+  OLX_CELL_BINS_A_FACE = 9
 };
 
 typedef struct olx_cell_grid {
@@ -27,6 +28,10 @@ static inline uint64_t olx_cell_at_level(uint64_t key, uint32_t levels) {
   const uint64_t bin = key & ((1u << OLX_CELL_BIN_BITS) - 1);
   return ((key >> OLX_CELL_BIN_BITS) >> (3 * levels)) << OLX_CELL_BIN_BITS | bin;
 }
+
+// Cells of one size that lie in a larger cell follow each other in this order of their keys; in that of the keys themselves surfaces
+// that face other ways come between them.
+static inline uint64_t olx_cell_order(uint64_t key) { return key << (64 - OLX_CELL_BIN_BITS) | key >> OLX_CELL_BIN_BITS; }
 
 static inline float olx_cell_side(const olx_cell_grid *grid, uint32_t level) {
   return ldexpf(grid->finest, (int)level);

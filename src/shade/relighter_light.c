@@ -1,3 +1,4 @@
+// Light that reaches places straight from the lights of a relighter, with shadows by the host's rays or through the field.
 #include "core/sampling.h"
 #include "shade/relighter.h"
 
@@ -85,7 +86,7 @@ static void trace_occlusion(const olx_relight *relight, light_rays *rays) {
 static void light_by(olx_relight *relight, olx_relit_batch *batch, uint32_t index, uint32_t sample, light_rays *rays) {
   const olx_relight_light *light = &relight->lights[index];
   const bool area = olx_relit_varies(light);
-  const uint32_t samples = area ? relight->settings.light_samples : 1;
+  const uint32_t samples = olx_relit_samples(relight, light);
   rays->count = 0;
   for (uint32_t i = 0; i < batch->count; i++) {
     const uint32_t k = rays->count;
@@ -104,18 +105,23 @@ static void light_by(olx_relight *relight, olx_relit_batch *batch, uint32_t inde
   atomic_fetch_add_explicit(&relight->shadow_rays, rays->count, memory_order_relaxed);
   for (uint32_t k = 0; k < rays->count; k++) {
     if (rays->occluded[k]) continue;
-    olx_vec3 *sum = area ? &batch->varying[rays->point[k]] : &batch->fixed[rays->point[k]];
-    *sum = olx_madd(*sum, rays->irradiance[k], 1.0f / (float)samples);
+    const uint32_t i = rays->point[k];
+    batch->irradiance[i] = olx_madd(batch->irradiance[i], rays->irradiance[k], 1.0f / (float)samples);
+    if (!area) batch->beam[i] = olx_madd(batch->beam[i], rays->ray[k].direction, olx_luminance(rays->irradiance[k]));
   }
 }
 
-void olx_relit_direct(olx_relight *relight, olx_relit_batch *batch, bool fixed, bool varying) {
+void olx_relit_direct(olx_relight *relight, olx_relit_batch *batch) {
   light_rays rays;
-  for (uint32_t i = 0; i < batch->count; i++) batch->fixed[i] = batch->varying[i] = olx_splat(0.0f);
+  for (uint32_t i = 0; i < batch->count; i++) batch->irradiance[i] = batch->beam[i] = olx_splat(0.0f);
   for (uint32_t index = 0; index < relight->light_count; index++) {
-    const bool area = olx_relit_varies(&relight->lights[index]);
-    if (!(area ? varying : fixed)) continue;
-    const uint32_t samples = area ? relight->settings.light_samples : 1;
+    const uint32_t samples = olx_relit_samples(relight, &relight->lights[index]);
     for (uint32_t sample = 0; sample < samples; sample++) light_by(relight, batch, index, sample, &rays);
   }
+}
+
+uint32_t olx_relit_rays(const olx_relight *relight) {
+  uint32_t rays = 0;
+  for (uint32_t i = 0; i < relight->light_count; i++) rays += olx_relit_samples(relight, &relight->lights[i]);
+  return rays;
 }

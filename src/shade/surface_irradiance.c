@@ -286,7 +286,7 @@ olx_surface_light olx_surface_light_at(const olx_field *field, const olx_sample_
   olx_surface_light light = {.probes = 0};
   if (!is_finite(point)) return light;
   blend b = {.count = 0};
-  if (!field->relit) gather(field, settings, point, &b);
+  gather(field, settings, point, &b);
   if (b.count == 0) {
     light.irradiance = fallen_back(field, settings, point);
     return light;

@@ -11,11 +11,10 @@ typedef struct olx_volume_light_at {
   olx_vec3 coefficients[OLX_HARMONICS_MOST];
 } olx_volume_light_at;
 
-// Whether the field has a volume, lit as the field is.
-static inline bool olx_volume_answers(const olx_field *field) { return field->volume.header && !field->relit; }
+// Whether the field has a volume.
+static inline bool olx_volume_answers(const olx_field *field) { return field->volume.header != NULL; }
 
-// False where the field has no volume, or that no cell there, or lights have changed since it was baked. `normal` is
-// that of the surface at `position`.
+// False where the field has no volume, or that no cell there. `normal` is that of the surface at `position`.
 bool olx_volume_gather(const olx_field *field, olx_vec3 position, olx_vec3 normal, olx_volume_light_at *light);
 // Irradiance for one unit normal, not below 0.
 olx_vec3 olx_volume_towards(const olx_volume_light_at *light, olx_vec3 normal);

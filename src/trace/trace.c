@@ -267,14 +267,14 @@ static olx_vec3 sky_radiance(const search *s) {
   return olx_splat(0.0f);
 }
 
-// Light that the hit's texel holds. The surfaces of a field whose lights have changed hold the light of before.
+// Light that the hit's texel holds. The radiance of a field whose lights have changed is that of before.
 static void read_light(const search *s, uint32_t probe, size_t texel, olx_trace_hit *hit) {
   const olx_field *field = s->field;
   hit->emitter = olx_texel_emits(field, probe, texel);
   if (hit->emitter) hit->emission = olx_texel_emission(field, probe, texel);
-  const bool stored = field->relit || (field->radiance && s->settings->hits == OLX_HITS_STORED);
+  const bool stored = field->radiance && s->settings->hits == OLX_HITS_STORED && !field->relit;
   if (stored && !hit->emitter) hit->radiance = olx_texel_radiance(field, probe, texel);
-  if (field->relit || (stored && !hit->emitter)) return;
+  if (stored && !hit->emitter) return;
   // Stored radiance of a texel that emits is the sum of both.
   const olx_texel_light light = olx_texel_shade(field, probe, texel, hit->position, s->direction);
   hit->radiance = olx_add(light.reflected, light.lobe);

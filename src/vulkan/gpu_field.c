@@ -66,7 +66,7 @@ static olx_result check_range(const olx_vulkan_context *c, VkDeviceSize bytes, c
                   (unsigned long long)bytes, what);
 }
 
-// More lights than have highlights are as good as none.
+// More lights than have highlights are as good as none. Lights that change may be more than those of the bake.
 static uint32_t highlight_count(const olx_field *field) {
   return field->surfaces.light_count > OLX_MOST_HIGHLIGHTS ? 0 : field->surfaces.light_count;
 }
@@ -95,11 +95,12 @@ static olx_result lay_out_words(olx_vulkan_field *gpu, const olx_field *field, V
       [OLX_WORDS_VOLUME] = {field->volume.header, volume_bytes(&field->volume), 0},
       [OLX_WORDS_VOLUME_LIGHT] = {field->volume.irradiance, light_bytes, 0},
   };
+  gpu->light_room = field->relight.header ? OLX_MOST_HIGHLIGHTS : highlight_count(field);
   gpu->buffer_bytes = first;
   for (uint32_t i = 0; i < OLX_GPU_WORDS; i++) {
     gpu->words[i] = words[i];
     gpu->words[i].offset = gpu->buffer_bytes;
-    gpu->buffer_bytes += whole_words(words[i].bytes);
+    gpu->buffer_bytes += i == OLX_WORDS_LIGHTS ? sizeof(olx_field_light) * gpu->light_room : whole_words(words[i].bytes);
   }
   return check_range(&gpu->context, gpu->buffer_bytes - first, "pyramids, selectors, emission, lights and volume");
 }
@@ -176,7 +177,7 @@ static olx_gpu_field field_constants(const olx_vulkan_field *gpu, const olx_fiel
   };
 }
 
-// Maps of surfaces, as blocks where both field and device have them, else as texels.
+// Maps of surfaces, as blocks where both field and device have them, else as texels. Relighting writes texels.
 static olx_gpu_maps surface_maps(const olx_vulkan_context *c, const olx_field *field, olx_surface_map kind) {
   static const VkFormat TEXELS[OLX_SURFACE_MAPS] = {VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_R8G8_UNORM,
                                                     VK_FORMAT_E5B9G9R9_UFLOAT_PACK32, VK_FORMAT_E5B9G9R9_UFLOAT_PACK32},
@@ -186,7 +187,7 @@ static olx_gpu_maps surface_maps(const olx_vulkan_context *c, const olx_field *f
   const olx_field_surfaces *s = &field->surfaces;
   const void *texels[OLX_SURFACE_MAPS] = {s->base, s->specular, s->direct, s->indirect},
              *blocks[OLX_SURFACE_MAPS] = {s->base_blocks, s->specular_blocks, s->direct_blocks, s->indirect_blocks};
-  const bool stored = !texels[kind], keeps = stored && c->host.texture_compression_bc;
+  const bool stored = !texels[kind], keeps = stored && c->host.texture_compression_bc && !field->relight.header;
   return (olx_gpu_maps){.format = keeps ? BLOCKS[kind] : TEXELS[kind],
                         .texel_bytes = keeps ? BLOCK_BYTES[kind] : TEXEL_BYTES[kind],
                         .stride = keeps ? field->n : field->stride,
@@ -241,7 +242,6 @@ static olx_result create_resources(const olx_vulkan_host *host, const olx_field 
   for (uint32_t i = 0; i < OLX_GPU_MAPS; i++) OLX_TRY(create_image(&gpu->context, &gpu->maps[i]));
   OLX_TRY(create_buffer(gpu, field));
   gpu->constants = field_constants(gpu, field);
-  gpu->may_relit = field->info.relight_size > 0;
   return OLX_OK;
 }
 
@@ -276,6 +276,13 @@ static olx_result create_sampler(const olx_vulkan_context *c, VkFilter filter, V
                                     .addressModeV = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
                                     .addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE};
   return olx_vulkan_check(c->vk.CreateSampler(c->host.device, &info, NULL, sampler), "vkCreateSampler", WHAT);
+}
+
+bool olx_gpu_field_relights(const olx_vulkan_field *gpu, const olx_field *field) {
+  const olx_gpu_maps *maps = &gpu->maps[OLX_BINDING_INDIRECT - OLX_BINDING_RADIANCE];
+  const VkDeviceSize volume = sizeof(uint16_t) * OLX_VOLUME_HALVES * (VkDeviceSize)field->info.volume_probe_count;
+  return maps->count == field->info.probe_count && maps->stride == field->stride &&
+         gpu->words[OLX_WORDS_VOLUME_LIGHT].bytes == volume;
 }
 
 static VkDescriptorType binding_type(uint32_t binding) {

@@ -53,8 +53,7 @@ struct olx_vulkan_field {
   VkMemoryRequirements buffer_requirements;
   VkDeviceSize probes_offset, irradiance_probes_offset, buffer_bytes;
   olx_gpu_words words[OLX_GPU_WORDS]; // one after the other to the end
-  bool may_relit;                     // the field has what a relighter needs
-  bool relit;                         // a relighter changes lights, and texels still hold the light of before
+  uint32_t light_room;                // lights that have room among the words
   VkSampler nearest, linear;
   VkDescriptorSetLayout set_layout;
   VkDescriptorPool pool;
@@ -63,6 +62,9 @@ struct olx_vulkan_field {
 
 // The device memory that olx_vulkan_classic_create would take; 0 for a field without classic maps.
 olx_result olx_vulkan_classic_measure(const olx_vulkan_context *context, const olx_field *field, uint64_t *bytes);
+
+// Whether what relighting changes lies on the device in the field's number and size.
+bool olx_gpu_field_relights(const olx_vulkan_field *gpu, const olx_field *field);
 
 // Sets of pipelines that read a part of the field: the bindings in `mask`, bit (1 << OLX_BINDING_*).
 olx_result olx_gpu_field_set_layout(const olx_vulkan_context *context, uint32_t mask, VkDescriptorSetLayout *layout);

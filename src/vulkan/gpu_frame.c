@@ -18,7 +18,7 @@ enum {
 
 static const char WHAT[] = "a frame's passes";
 static const char *const TRACERS[] = {"texel", "two-level", "hiz"};
-static const char *const HITS[] = {"shaded", "stored", "stored, of changed lights"};
+static const char *const HITS[] = {"shaded", "stored"};
 
 olx_vulkan_settings olx_vulkan_settings_default(void) {
   return (olx_vulkan_settings){.sample = olx_sample_settings_default(),
@@ -166,20 +166,11 @@ static olx_result create_pipeline(olx_vulkan_frame *f, uint32_t pass, const olx_
   return OLX_OK;
 }
 
-// The kinds of light at the end of rays that may be recorded, as bits. Pipelines for changed lights are there before a
-// relighter takes the field, where the host says so or leaves it open.
-static uint32_t hits_of(const olx_vulkan_field *field, const olx_vulkan_targets *t) {
-  const uint32_t relit = 1u << OLX_HITS_RELIT, stored = 1u << OLX_HITS_STORED;
-  if (field->relit) return relit;
-  const uint32_t later = field->may_relit && (!t->hits || t->hits & stored) ? relit : 0u;
-  return (t->hits ? t->hits : 1u << OLX_HITS_SHADED) | later;
-}
-
 // Of a pass that traces, one for each tracer, selector and light of hits that the targets name.
 static olx_result create_variants(olx_vulkan_frame *f, uint32_t pass, const olx_vulkan_targets *t) {
   const uint32_t tracers = t->tracers ? t->tracers : 1u << OLX_TRACER_HIZ;
   const uint32_t selects = t->selects ? t->selects : 1u << OLX_SELECT_BEST;
-  const uint32_t all_hits = hits_of(f->field, t);
+  const uint32_t all_hits = t->hits ? t->hits : 1u << OLX_HITS_SHADED;
   for (uint32_t tracer = 0; tracer < OLX_GPU_TRACERS; tracer++) {
     for (uint32_t select = 0; select <= OLX_SELECT_BEST; select++) {
       if (!(tracers >> tracer & 1u) || !(selects >> select & 1u)) continue;
@@ -362,7 +353,7 @@ olx_result olx_vulkan_check_settings(const olx_vulkan_frame *f, const olx_vulkan
 
 static olx_pass_constants constants_of(const olx_vulkan_frame *f, const olx_vulkan_settings *s) {
   return (olx_pass_constants){s->sample.tracer, olx_vulkan_field_select(f->field, s->sample.select),
-                              f->field->relit ? OLX_HITS_RELIT : (uint32_t)s->sample.hits};
+                              (uint32_t)s->sample.hits};
 }
 
 olx_result olx_vulkan_check_pass(const olx_vulkan_frame *f, olx_pass pass, const olx_vulkan_settings *s) {
@@ -387,7 +378,7 @@ olx_gpu_frame olx_gpu_frame_constants(const olx_vulkan_frame *f, const olx_vulka
       .flags = flags | (s->sample.keep_buried ? OLX_FRAME_KEEP_BURIED : 0u) |
                (s->sample.emitters ? OLX_FRAME_EMITTERS : 0u) |
                (s->sample.visibility == OLX_VISIBILITY_CHEBYSHEV ? OLX_FRAME_VISIBILITY : 0u) |
-               (s->irradiance_probes || f->field->relit ? OLX_FRAME_IRRADIANCE_PROBES : 0u) |
+               (s->irradiance_probes ? OLX_FRAME_IRRADIANCE_PROBES : 0u) |
                (s->sample.select == OLX_SELECT_EXHAUSTIVE ? OLX_FRAME_RANK_ALL : 0u) | f->image_flags,
       .max_probes = s->sample.max_probes,
       .glossy_samples = s->glossy_samples,

@@ -29,14 +29,14 @@ extern const olx_pass_code olx_irradiance_pass, olx_diffuse_pass, olx_trace_pass
 typedef struct olx_pass_constants {
   olx_tracer tracer;
   olx_select select; // one that olx_vulkan_field_select gives
-  uint32_t hits;     // OLX_HITS_*; OLX_HITS_RELIT once a relighter has the field
+  uint32_t hits;     // olx_hits
 } olx_pass_constants;
 
 // Tracers, selectors that olx_vulkan_field_select may give, and kinds of light at the end of rays.
 enum {
   OLX_GPU_TRACERS = OLX_TRACER_HIZ + 1,
   OLX_GPU_SELECTS = OLX_SELECT_EXHAUSTIVE + 1,
-  OLX_GPU_HITS = OLX_HITS_RELIT + 1
+  OLX_GPU_HITS = OLX_HITS_STORED + 1
 };
 
 // The denoiser of a frame that has a history. Of what stands twice, the one takes turns with the other from frame to

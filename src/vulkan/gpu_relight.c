@@ -5,72 +5,46 @@
 
 static const char WHAT[] = "relighting on the device";
 
-enum { MOST_GROUPS = 65535 }; // workgroups along an axis that every device can do
-
-static const uint32_t BEGIN[] = {
-#include "relight_begin.spv.inc"
+static const uint32_t SURFELS[] = {
+#include "relight_surfels.spv.inc"
 };
-static const uint32_t DIRECT[] = {
-#include "relight_direct.spv.inc"
+static const uint32_t VALUES[] = {
+#include "relight_values.spv.inc"
 };
-static const uint32_t REFLECT[] = {
-#include "relight_reflect.spv.inc"
+static const uint32_t BOUNCE[] = {
+#include "relight_bounce.spv.inc"
 };
-static const uint32_t EXACT[] = {
-#include "relight_exact.spv.inc"
+static const uint32_t TEXELS[] = {
+#include "relight_texels.spv.inc"
 };
-static const uint32_t POINTS[] = {
-#include "relight_points.spv.inc"
+static const uint32_t TELL[] = {
+#include "relight_tell.spv.inc"
 };
-static const uint32_t PREDICT[] = {
-#include "relight_predict.spv.inc"
-};
-static const uint32_t GATHER[] = {
-#include "relight_gather.spv.inc"
-};
-static const uint32_t ADVANCE[] = {
-#include "relight_advance.spv.inc"
-};
-static const uint32_t FINISH[] = {
-#include "relight_finish.spv.inc"
-};
-static const uint32_t PACK[] = {
-#include "relight_pack.spv.inc"
+static const uint32_t VOLUME[] = {
+#include "relight_volume.spv.inc"
 };
 
 static const olx_pass_code CODES[OLX_RELIGHT_PASSES] = {
-    [OLX_PASS_BEGIN] = {"relight_begin", BEGIN, sizeof BEGIN},
-    [OLX_PASS_DIRECT] = {"relight_direct", DIRECT, sizeof DIRECT},
-    [OLX_PASS_REFLECT] = {"relight_reflect", REFLECT, sizeof REFLECT},
-    [OLX_PASS_EXACT] = {"relight_exact", EXACT, sizeof EXACT},
-    [OLX_PASS_POINTS] = {"relight_points", POINTS, sizeof POINTS},
-    [OLX_PASS_PREDICT] = {"relight_predict", PREDICT, sizeof PREDICT},
-    [OLX_PASS_GATHER] = {"relight_gather", GATHER, sizeof GATHER},
-    [OLX_PASS_ADVANCE] = {"relight_advance", ADVANCE, sizeof ADVANCE},
-    [OLX_PASS_FINISH] = {"relight_finish", FINISH, sizeof FINISH},
-    [OLX_PASS_PACK] = {"relight_pack", PACK, sizeof PACK},
+    [OLX_RELIGHT_SURFELS] = {"relight_surfels", SURFELS, sizeof SURFELS},
+    [OLX_RELIGHT_VALUES] = {"relight_values", VALUES, sizeof VALUES},
+    [OLX_RELIGHT_BOUNCE] = {"relight_bounce", BOUNCE, sizeof BOUNCE},
+    [OLX_RELIGHT_TEXELS] = {"relight_texels", TEXELS, sizeof TEXELS},
+    [OLX_RELIGHT_TELL] = {"relight_tell", TELL, sizeof TELL},
+    [OLX_RELIGHT_VOLUME] = {"relight_volume", VOLUME, sizeof VOLUME},
 };
-
-static olx_relight_group group_of(olx_relight_pass pass) {
-  if (pass == OLX_PASS_BEGIN || pass == OLX_PASS_DIRECT) return OLX_GROUP_TRACE;
-  return pass == OLX_PASS_REFLECT ? OLX_GROUP_LOOKUP : OLX_GROUP_MAPS;
-}
 
 // What a group's passes see: at most four storage buffers in all.
 #define BIT(binding) (1u << (binding))
 static const uint32_t OWN_MASKS[OLX_RELIGHT_GROUPS] = {
-    [OLX_GROUP_TRACE] = BIT(OLX_BINDING_STATE) | BIT(OLX_BINDING_PLACES),
-    [OLX_GROUP_LOOKUP] = BIT(OLX_BINDING_STATE) | BIT(OLX_BINDING_PLACES) | BIT(OLX_BINDING_SURFACE_RADIANCE),
-    [OLX_GROUP_MAPS] =
-        BIT(OLX_BINDING_STATE) | BIT(OLX_BINDING_SURFACE_RADIANCE) | BIT(OLX_BINDING_FIT) | BIT(OLX_BINDING_PACKED),
+    [OLX_GROUP_SURFELS] = BIT(OLX_BINDING_STATE) | BIT(OLX_BINDING_STRUCTURE),
+    [OLX_GROUP_SITES] = BIT(OLX_BINDING_STATE) | BIT(OLX_BINDING_STRUCTURE) | BIT(OLX_BINDING_VOLUME_LIGHT),
 };
 static const uint32_t FIELD_MASKS[OLX_RELIGHT_GROUPS] = {
-    [OLX_GROUP_TRACE] = BIT(OLX_BINDING_FIELD) | BIT(OLX_BINDING_PROBES) | BIT(OLX_BINDING_WORDS) |
-                        BIT(OLX_BINDING_RADIANCE) | BIT(OLX_BINDING_NORMAL) | BIT(OLX_BINDING_DISTANCE) |
-                        BIT(OLX_BINDING_INDIRECT) | BIT(OLX_BINDING_DIRECT) | BIT(OLX_BINDING_BASE) |
-                        BIT(OLX_BINDING_SPECULAR),
-    [OLX_GROUP_LOOKUP] = BIT(OLX_BINDING_FIELD) | BIT(OLX_BINDING_IRRADIANCE_PROBES) | BIT(OLX_BINDING_RADIANCE) |
-                         BIT(OLX_BINDING_NORMAL) | BIT(OLX_BINDING_DISTANCE) | BIT(OLX_BINDING_MOMENTS),
+    [OLX_GROUP_SURFELS] = BIT(OLX_BINDING_FIELD) | BIT(OLX_BINDING_PROBES) | BIT(OLX_BINDING_WORDS) |
+                          BIT(OLX_BINDING_RADIANCE) | BIT(OLX_BINDING_NORMAL) | BIT(OLX_BINDING_DISTANCE) |
+                          BIT(OLX_BINDING_INDIRECT) | BIT(OLX_BINDING_DIRECT) | BIT(OLX_BINDING_BASE) |
+                          BIT(OLX_BINDING_SPECULAR),
+    [OLX_GROUP_SITES] = BIT(OLX_BINDING_FIELD) | BIT(OLX_BINDING_DISTANCE),
 };
 
 olx_vulkan_relight_settings olx_vulkan_relight_settings_default(void) {
@@ -84,6 +58,8 @@ static VkBufferUsageFlags usage_of(uint32_t buffer) {
   return VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
 }
 
+static const char *const NAMES[OLX_RELIGHT_BUFFERS] = {"light", "surfels and links", "sites", "results"};
+
 // As yet without memory.
 static olx_result make_buffers(olx_vulkan_relight *r) {
   const olx_vulkan_context *c = &r->gpu->context;
@@ -92,10 +68,8 @@ static olx_result make_buffers(olx_vulkan_relight *r) {
     const VkBufferCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = s->words * sizeof(uint32_t), .usage = usage_of(i)};
     if (info.size > c->limits.maxStorageBufferRange) {
-      return olx_fail(OLX_ERROR_UNSUPPORTED,
-                      "%s: %llu bytes for %u irradiance probes are more than a storage buffer of "
-                      "this device holds",
-                      WHAT, (unsigned long long)info.size, r->constants.probes);
+      return olx_fail(OLX_ERROR_UNSUPPORTED, "%s: %llu bytes of %s are more than a storage buffer of this device holds",
+                      WHAT, (unsigned long long)info.size, NAMES[i]);
     }
     OLX_TRY(olx_vulkan_check(c->vk.CreateBuffer(c->host.device, &info, NULL, &s->buffer), "vkCreateBuffer", WHAT));
     c->vk.GetBufferMemoryRequirements(c->host.device, s->buffer, &s->requirements);
@@ -140,14 +114,14 @@ static olx_result make_own_layout(const olx_vulkan_context *c, uint32_t mask, Vk
                           "vkCreateDescriptorSetLayout", WHAT);
 }
 
-static void write_own_set(const olx_vulkan_relight *r, uint32_t mask, bool texels, VkDescriptorSet set) {
-  const olx_relight_buffer places = texels ? OLX_BUFFER_TEXELS : OLX_BUFFER_SURFACES;
+static void write_own_set(const olx_vulkan_relight *r, olx_relight_group group, VkDescriptorSet set) {
+  const olx_vulkan_field *gpu = r->gpu;
+  const uint32_t mask = OWN_MASKS[group];
+  const olx_relight_buffer structure = group == OLX_GROUP_SURFELS ? OLX_BUFFER_SURFELS : OLX_BUFFER_SITES;
   const VkDescriptorBufferInfo buffers[OLX_RELIGHT_BINDINGS] = {
       [OLX_BINDING_STATE] = {r->buffers[OLX_BUFFER_STATE].buffer, 0, VK_WHOLE_SIZE},
-      [OLX_BINDING_PLACES] = {r->buffers[places].buffer, 0, VK_WHOLE_SIZE},
-      [OLX_BINDING_SURFACE_RADIANCE] = {r->buffers[OLX_BUFFER_RADIANCE].buffer, 0, VK_WHOLE_SIZE},
-      [OLX_BINDING_FIT] = {r->buffers[OLX_BUFFER_FIT].buffer, 0, VK_WHOLE_SIZE},
-      [OLX_BINDING_PACKED] = {r->buffers[OLX_BUFFER_PACKED].buffer, 0, VK_WHOLE_SIZE},
+      [OLX_BINDING_STRUCTURE] = {r->buffers[structure].buffer, 0, VK_WHOLE_SIZE},
+      [OLX_BINDING_VOLUME_LIGHT] = {gpu->buffer, gpu->words[0].offset, gpu->buffer_bytes - gpu->words[0].offset},
   };
   VkWriteDescriptorSet writes[OLX_RELIGHT_BINDINGS];
   uint32_t count = 0;
@@ -165,7 +139,7 @@ static void write_own_set(const olx_vulkan_relight *r, uint32_t mask, bool texel
 
 static olx_result make_pool(olx_vulkan_relight *r) {
   const olx_vulkan_context *c = &r->gpu->context;
-  enum { SETS = 3 * OLX_RELIGHT_GROUPS };
+  enum { SETS = 2 * OLX_RELIGHT_GROUPS };
   const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, OLX_RELIGHT_GROUPS},
                                         {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 4 * SETS},
                                         {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, OLX_GPU_MAPS * OLX_RELIGHT_GROUPS}};
@@ -182,25 +156,22 @@ static olx_result make_group(olx_vulkan_relight *r, olx_relight_group index) {
   olx_gpu_group *g = &r->groups[index];
   const uint32_t own = OWN_MASKS[index], field = FIELD_MASKS[index];
   OLX_TRY(make_own_layout(c, own, &g->own_layout));
-  for (uint32_t i = 0; i < (own & BIT(OLX_BINDING_PLACES) ? 2u : 1u); i++) {
-    OLX_TRY(olx_gpu_set_allocate(c, r->pool, g->own_layout, &g->own[i]));
-    write_own_set(r, own, i == OLX_RELIGHT_TEXELS, g->own[i]);
-  }
-  if (field) {
-    OLX_TRY(olx_gpu_field_set_layout(c, field, &g->field_layout));
-    OLX_TRY(olx_gpu_set_allocate(c, r->pool, g->field_layout, &g->field));
-    olx_gpu_field_write_set(r->gpu, field, g->field);
-  }
+  OLX_TRY(olx_gpu_set_allocate(c, r->pool, g->own_layout, &g->own));
+  write_own_set(r, index, g->own);
+  OLX_TRY(olx_gpu_field_set_layout(c, field, &g->field_layout));
+  OLX_TRY(olx_gpu_set_allocate(c, r->pool, g->field_layout, &g->field));
+  olx_gpu_field_write_set(r->gpu, field, g->field);
   const VkDescriptorSetLayout sets[] = {g->own_layout, g->field_layout};
-  return olx_gpu_layout_create(c, field ? 2 : 1, sets, sizeof(uint32_t), &g->layout);
+  return olx_gpu_layout_create(c, 2, sets, sizeof(olx_gpu_relight_call), &g->layout);
 }
 
 static olx_result make_pipelines(olx_vulkan_relight *r) {
   OLX_TRY(make_pool(r));
   for (uint32_t i = 0; i < OLX_RELIGHT_GROUPS; i++) OLX_TRY(make_group(r, i));
-  const olx_pass_constants constants = {OLX_TRACER_HIZ, olx_vulkan_field_select(r->gpu, OLX_SELECT_BEST), OLX_HITS_RELIT};
+  const olx_pass_constants constants = {OLX_TRACER_HIZ, olx_vulkan_field_select(r->gpu, OLX_SELECT_BEST),
+                                        OLX_HITS_STORED};
   for (uint32_t i = 0; i < OLX_RELIGHT_PASSES; i++) {
-    OLX_TRY(olx_gpu_pipeline_create(&r->gpu->context, &CODES[i], &constants, r->groups[group_of(i)].layout,
+    OLX_TRY(olx_gpu_pipeline_create(&r->gpu->context, &CODES[i], &constants, r->groups[olx_relight_group_of(i)].layout,
                                     &r->pipelines[i]));
   }
   return OLX_OK;
@@ -209,10 +180,7 @@ static olx_result make_pipelines(olx_vulkan_relight *r) {
 // ---- The whole
 
 static olx_result check(const olx_vulkan_field *gpu, const olx_relight *relight, const olx_vulkan_relight_settings *s) {
-  const olx_gpu_maps *radiance = &gpu->maps[0], *irradiance = &gpu->maps[OLX_BINDING_IRRADIANCE - OLX_BINDING_RADIANCE];
-  const olx_field *f = &relight->field;
-  if (radiance->count != f->info.probe_count || irradiance->count != f->info.irradiance_probe_count ||
-      radiance->stride != f->stride || irradiance->stride != f->irradiance_stride) {
+  if (!olx_gpu_field_relights(gpu, &relight->field)) {
     return olx_fail(OLX_ERROR_ARGUMENT, "%s: the relighter's field has maps of other number or size", WHAT);
   }
   if (s->in_flight < 1 || s->in_flight > OLX_RELIGHT_MOST_IN_FLIGHT) {
@@ -227,10 +195,6 @@ static olx_result check(const olx_vulkan_field *gpu, const olx_relight *relight,
   }
   if (relight->frame > 0 || relight->on_device) {
     return olx_fail(OLX_ERROR_ARGUMENT, "%s: the relighter has made frames already", WHAT);
-  }
-  if (relight->counts[0] > MOST_GROUPS || relight->tile_most > MOST_GROUPS) {
-    return olx_fail(OLX_ERROR_UNSUPPORTED, "%s: %u irradiance probes and %u tiles a frame: at most %d of each", WHAT,
-                    relight->counts[0], relight->tile_most, MOST_GROUPS);
   }
   return OLX_OK;
 }
@@ -251,11 +215,8 @@ static olx_result begin(olx_vulkan_field *gpu, olx_relight *relight, const olx_v
 }
 
 static olx_result finish(olx_vulkan_relight *r) {
-  const olx_relight *relight = r->relight;
-  const size_t most = (size_t)relight->scheduled_most + relight->tile_most;
-  r->jobs = olx_allocate(most * OLX_JOB_WORDS, sizeof *r->jobs);
-  r->packs = olx_allocate(relight->counts[0], sizeof *r->packs);
-  if (!r->jobs || !r->packs) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", WHAT);
+  r->tiles = olx_allocate((size_t)olx_relight_most_tiles(r->relight) * OLX_TILE_WORDS, sizeof *r->tiles);
+  if (!r->tiles) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", WHAT);
   OLX_TRY(bind_buffers(r));
   OLX_TRY(olx_relight_fill(r));
   return make_pipelines(r);
@@ -284,7 +245,6 @@ olx_result olx_vulkan_relight_create(olx_vulkan_field *field, olx_relight *relig
     return result;
   }
   relight->on_device = true;
-  field->relit = true;
   *created = r;
   return OLX_OK;
 }
@@ -304,7 +264,6 @@ void olx_vulkan_relight_destroy(olx_vulkan_relight *r) {
     vk->DestroyBuffer(device, r->buffers[i].buffer, NULL);
     vk->FreeMemory(device, r->buffers[i].memory, NULL);
   }
-  olx_release(r->jobs);
-  olx_release(r->packs);
+  olx_release(r->tiles);
   olx_release(r);
 }

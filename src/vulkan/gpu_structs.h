@@ -48,6 +48,16 @@ _Static_assert(sizeof(olx_gpu_filter) == 80 && offsetof(olx_gpu_filter, size) ==
                    offsetof(olx_gpu_filter, reach) == 64 && offsetof(olx_gpu_filter, dim_lobe) == 68,
                "std430");
 
+_Static_assert(sizeof(olx_gpu_light) == 80 && sizeof(olx_gpu_light) == OLX_LIGHT_WORDS * sizeof(uint32_t) &&
+                   offsetof(olx_gpu_light, type) == 64 && offsetof(olx_gpu_light, cosine_outer) == 76,
+               "std430");
+_Static_assert(sizeof(olx_gpu_relight) == 96 && offsetof(olx_gpu_relight, lights) == 16 &&
+                   offsetof(olx_gpu_relight, direct) == 28 && offsetof(olx_gpu_relight, tile_light) == 56 &&
+                   offsetof(olx_gpu_relight, link_starts) == 68 && offsetof(olx_gpu_relight, entry_starts) == 76 &&
+                   offsetof(olx_gpu_relight, volume_light) == 92,
+               "std430");
+_Static_assert(sizeof(olx_gpu_relight_call) == 32 && offsetof(olx_gpu_relight_call, flags) == 28, "std430");
+
 _Static_assert(OLX_DENOISE_DIFFUSE == OLX_VULKAN_LOBE_DIFFUSE && OLX_DENOISE_GLOSSY == OLX_VULKAN_LOBE_GLOSSY,
                "flags are lobes");
 

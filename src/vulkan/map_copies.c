@@ -1,7 +1,8 @@
 #include "vulkan/map_copies.h"
 
 static void barrier(const olx_vulkan_field *gpu, VkCommandBuffer commands, bool before) {
-  const olx_gpu_maps *maps[2] = {&gpu->maps[0], &gpu->maps[OLX_BINDING_IRRADIANCE - OLX_BINDING_RADIANCE]};
+  const olx_gpu_maps *maps[2] = {&gpu->maps[OLX_BINDING_DIRECT - OLX_BINDING_RADIANCE],
+                                 &gpu->maps[OLX_BINDING_INDIRECT - OLX_BINDING_RADIANCE]};
   const VkImageLayout read = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, copy = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
   VkImageMemoryBarrier barriers[2];
   for (uint32_t i = 0; i < 2; i++) {
@@ -18,8 +19,12 @@ static void barrier(const olx_vulkan_field *gpu, VkCommandBuffer commands, bool 
     };
   }
   const VkPipelineStageFlags all = VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, transfer = VK_PIPELINE_STAGE_TRANSFER_BIT;
-  gpu->context.vk.CmdPipelineBarrier(commands, before ? all : transfer, before ? transfer : all, 0, 0, NULL, 0, NULL, 2,
-                                     barriers);
+  const VkMemoryBarrier words = {
+      .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
+      .srcAccessMask = before ? 0 : VK_ACCESS_TRANSFER_WRITE_BIT,
+      .dstAccessMask = before ? VK_ACCESS_TRANSFER_WRITE_BIT : VK_ACCESS_UNIFORM_READ_BIT | VK_ACCESS_SHADER_READ_BIT};
+  gpu->context.vk.CmdPipelineBarrier(commands, before ? all : transfer, before ? transfer : all, 0, 1, &words, 0, NULL,
+                                     2, barriers);
 }
 
 void olx_map_copies_begin(const olx_vulkan_field *gpu, VkCommandBuffer commands) { barrier(gpu, commands, true); }

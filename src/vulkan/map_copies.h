@@ -1,4 +1,4 @@
-// Copies from a buffer to parts of a field's radiance and irradiance maps, in batches.
+// Copies from a buffer to parts of a field's maps of direct and indirect light, in batches.
 #ifndef OLX_VULKAN_MAP_COPIES_H
 #define OLX_VULKAN_MAP_COPIES_H
 
@@ -21,11 +21,11 @@ typedef struct olx_map_part {
   uint32_t width, height;
 } olx_map_part;
 
-// Barriers around all copies of a command buffer: the images wait for all commands before, and all after wait for them.
+// Barriers around all copies of a command buffer, to words too: they wait for all commands before, and all after wait for them.
 void olx_map_copies_begin(const olx_vulkan_field *gpu, VkCommandBuffer commands);
 void olx_map_copies_end(const olx_vulkan_field *gpu, VkCommandBuffer commands);
 
-// `binding` is OLX_BINDING_RADIANCE or OLX_BINDING_IRRADIANCE.
+// `binding` is OLX_BINDING_DIRECT or OLX_BINDING_INDIRECT.
 olx_map_copies olx_map_copies_of(const olx_vulkan_field *gpu, uint32_t binding, VkBuffer buffer,
                                  VkCommandBuffer commands);
 // A part whose texels lie row by row from `offset` on, in bytes.

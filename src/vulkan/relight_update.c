@@ -1,56 +1,52 @@
-// Maps that a relighter has changed, copied to a field on the device: whole irradiance maps, tiles and borders of light
-// field maps.
+// Light that a relighter has changed, copied to a field on the device: tiles and borders of light field maps, irradiance of the
+// volume, and lights.
 #include "core/hooks.h"
+#include "core/result.h"
 #include "shade/relighter.h"
 #include "vulkan/map_copies.h"
 
 static const char WHAT[] = "updates of a field on the device";
 
-enum { MOST_IN_FLIGHT = 8, COPY_ALIGNMENT = 16, TEXEL_BYTES = 4 };
+enum { MOST_IN_FLIGHT = 8, COPY_ALIGNMENT = 16, TEXEL_BYTES = 4, UPDATED_MAPS = 2, VOLUME_PART = 1024 };
 
-// Everything that changes by itself is a unit: irradiance maps first, then for each light field probe its tiles and its
-// border.
+// What changes by itself is a unit: for each light field probe its tiles and its border, then parts of the volume's probes, then
+// all lights.
 struct olx_vulkan_update {
   olx_vulkan_field *gpu;
   const olx_relight *relight;
   olx_vulkan_update_settings settings;
-  uint32_t units, maps, parts; // maps: of irradiance; parts: of a light field map
-  uint32_t *copied;            // the frame of the relighter from which the device has a unit
-  uint32_t next;               // unit to begin with, so that none starves
-  uint32_t scanned;            // frame of the relighter of which nothing waits
-  olx_staging staging;         // a slot for each frame in flight
+  uint32_t units, parts;     // parts: of a light field map
+  uint32_t maps_end, lights; // the first unit of the volume, and that of lights
+  uint32_t *copied;          // the frame of the relighter from which the device has a unit; of lights, which lights
+  uint32_t next;             // unit to begin with, so that none starves
+  bool scanned;              // of frame `scanned_frame` and lights nothing waits
+  uint32_t scanned_frame;
+  olx_staging staging; // a slot for each frame in flight
   uint32_t slot_bytes, slot, used;
 };
 
 typedef struct update_call {
   olx_vulkan_update *update;
-  olx_map_copies radiance, irradiance;
+  VkCommandBuffer commands;
+  olx_map_copies direct, indirect;
 } update_call;
 
 olx_vulkan_update_settings olx_vulkan_update_settings_default(void) {
-  return (olx_vulkan_update_settings){.bytes = 4 << 20, .in_flight = 2};
+  return (olx_vulkan_update_settings){.bytes = 8 << 20, .in_flight = 2};
 }
 
 static uint32_t changed_frame(const olx_vulkan_update *u, uint32_t unit) {
-  return unit < u->maps ? u->relight->map_frames[unit] : u->relight->tile_frames[unit - u->maps];
+  if (unit < u->maps_end) return u->relight->part_frames[unit];
+  return unit < u->lights ? u->relight->volume_frame : u->relight->light_changes;
 }
 
-static bool is_border(const olx_vulkan_update *u, uint32_t unit) {
-  return unit >= u->maps && (unit - u->maps) % u->parts == u->parts - 1;
-}
+static bool is_border(const olx_vulkan_update *u, uint32_t unit) { return unit % u->parts == u->parts - 1; }
 
-// The rectangles of which a unit consists, and the number of its map.
-static uint32_t unit_parts(const olx_vulkan_update *u, uint32_t unit, uint32_t *map, olx_map_part parts[4]) {
+// The rectangles of which a unit of a map consists.
+static uint32_t map_parts(const olx_vulkan_update *u, uint32_t unit, olx_map_part parts[4]) {
   const olx_relight *r = u->relight;
-  if (unit < u->maps) {
-    *map = unit;
-    parts[0] = (olx_map_part){-1, -1, r->field.irradiance_stride, r->field.irradiance_stride};
-    return 1;
-  }
-  const uint32_t part = (unit - u->maps) % u->parts, n = r->field.n, side = r->tile_side;
-  *map = (unit - u->maps) / u->parts;
+  const uint32_t part = unit % u->parts, n = r->field.n, side = r->tile_side, tiles = n / side;
   if (!is_border(u, unit)) {
-    const uint32_t tiles = n / side;
     parts[0] = (olx_map_part){(int32_t)(part % tiles * side), (int32_t)(part / tiles * side), side, side};
     return 1;
   }
@@ -65,25 +61,32 @@ static uint32_t aligned(uint32_t bytes) { return (bytes + COPY_ALIGNMENT - 1) / 
 
 static uint32_t part_bytes(const olx_map_part *part) { return aligned(TEXEL_BYTES * part->width * part->height); }
 
+// Probes of the volume in a unit.
+static uint32_t volume_probes(const olx_vulkan_update *u, uint32_t unit) {
+  const uint32_t first = (unit - u->maps_end) * VOLUME_PART, all = u->relight->field.info.volume_probe_count;
+  return all - first < VOLUME_PART ? all - first : VOLUME_PART;
+}
+
+static uint32_t light_count(const olx_vulkan_update *u) {
+  const uint32_t count = u->relight->field_light_count;
+  return count > u->gpu->light_room ? 0 : count;
+}
+
 static uint32_t unit_bytes(const olx_vulkan_update *u, uint32_t unit) {
+  if (unit == u->lights) return aligned(light_count(u) * (uint32_t)sizeof(olx_field_light)) + COPY_ALIGNMENT;
+  if (unit >= u->maps_end) return aligned(volume_probes(u, unit) * OLX_VOLUME_HALVES * (uint32_t)sizeof(uint16_t));
   olx_map_part parts[4];
-  uint32_t map, bytes = 0;
-  const uint32_t count = unit_parts(u, unit, &map, parts);
-  for (uint32_t i = 0; i < count; i++) bytes += part_bytes(&parts[i]);
+  uint32_t bytes = 0;
+  const uint32_t count = map_parts(u, unit, parts);
+  for (uint32_t i = 0; i < count; i++) bytes += UPDATED_MAPS * part_bytes(&parts[i]);
   return bytes;
 }
 
 // ---- Making it
 
 static olx_result check(const olx_vulkan_field *gpu, const olx_relight *relight, const olx_vulkan_update_settings *s) {
-  const olx_gpu_maps *radiance = &gpu->maps[0], *irradiance = &gpu->maps[OLX_BINDING_IRRADIANCE - OLX_BINDING_RADIANCE];
-  const olx_field *f = &relight->field;
-  if (radiance->count != f->info.probe_count || irradiance->count != f->info.irradiance_probe_count ||
-      radiance->stride != f->stride || irradiance->stride != f->irradiance_stride) {
+  if (!olx_gpu_field_relights(gpu, &relight->field)) {
     return olx_fail(OLX_ERROR_ARGUMENT, "%s: the relighter's field has maps of other number or size", WHAT);
-  }
-  if (relight->on_device) {
-    return olx_fail(OLX_ERROR_ARGUMENT, "%s: the relighter's frames are made on a device", WHAT);
   }
   if (s->in_flight < 1 || s->in_flight > MOST_IN_FLIGHT) {
     return olx_fail(OLX_ERROR_ARGUMENT, "%s: %u frames in flight: must be from 1 to %d", WHAT, s->in_flight,
@@ -95,14 +98,17 @@ static olx_result check(const olx_vulkan_field *gpu, const olx_relight *relight,
 
 static olx_result build(olx_vulkan_update *u) {
   const olx_relight *r = u->relight;
-  u->maps = r->counts[0];
   u->parts = r->tiles_a_probe + 1;
-  u->units = u->maps + r->counts[1] * u->parts;
+  u->maps_end = r->field.info.probe_count * u->parts;
+  u->lights = u->maps_end + (r->field.info.volume_probe_count + VOLUME_PART - 1) / VOLUME_PART;
+  u->units = u->lights + 1;
   u->copied = olx_allocate_zero(u->units, sizeof *u->copied);
   if (!u->copied) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", WHAT);
   // The largest of each kind.
-  const uint32_t kinds[] = {0, u->maps, u->maps + u->parts - 1};
+  const uint32_t kinds[] = {0, u->parts - 1, u->maps_end},
+                 lights = u->gpu->light_room * (uint32_t)sizeof(olx_field_light);
   u->slot_bytes = aligned(u->settings.bytes);
+  if (u->slot_bytes < aligned(lights) + COPY_ALIGNMENT) u->slot_bytes = aligned(lights) + COPY_ALIGNMENT;
   for (uint32_t i = 0; i < 3; i++) {
     const uint32_t bytes = unit_bytes(u, kinds[i]);
     if (u->slot_bytes < bytes) u->slot_bytes = bytes;
@@ -122,7 +128,6 @@ olx_result olx_vulkan_update_create(olx_vulkan_field *field, const olx_relight *
   const olx_result result = build(u);
   if (result == OLX_OK) *update = u;
   else olx_vulkan_update_destroy(u);
-  if (result == OLX_OK) field->relit = true;
   return result;
 }
 
@@ -135,10 +140,12 @@ void olx_vulkan_update_destroy(olx_vulkan_update *u) {
 
 // ---- Recording
 
+static VkDeviceSize staged_at(const olx_vulkan_update *u) { return (VkDeviceSize)u->slot * u->slot_bytes + u->used; }
+
 static void copy_part(olx_vulkan_update *u, olx_map_copies *copies, uint32_t map, const uint32_t *texels,
                       const olx_map_part *part) {
   const uint32_t stride = copies->maps->stride, x = (uint32_t)(part->x + 1), y = (uint32_t)(part->y + 1);
-  const VkDeviceSize offset = (VkDeviceSize)u->slot * u->slot_bytes + u->used;
+  const VkDeviceSize offset = staged_at(u);
   for (uint32_t row = 0; row < part->height; row++) {
     memcpy(u->staging.mapped + offset + (size_t)row * part->width * TEXEL_BYTES,
            texels + (size_t)(y + row) * stride + x, (size_t)part->width * TEXEL_BYTES);
@@ -147,24 +154,56 @@ static void copy_part(olx_vulkan_update *u, olx_map_copies *copies, uint32_t map
   olx_map_copies_add(copies, map, part, offset);
 }
 
-static void copy_unit(update_call *call, uint32_t unit) {
+static void copy_words(update_call *call, const void *data, uint32_t bytes, VkDeviceSize to) {
   olx_vulkan_update *u = call->update;
-  const olx_field *f = &u->relight->field;
-  olx_map_part parts[4];
-  uint32_t map;
-  const uint32_t count = unit_parts(u, unit, &map, parts);
-  const bool irradiance = unit < u->maps;
-  const uint32_t *texels = irradiance ? f->irradiance + f->irradiance_texels * map : f->radiance + f->texels * map;
-  for (uint32_t i = 0; i < count; i++) {
-    copy_part(u, irradiance ? &call->irradiance : &call->radiance, map, texels, &parts[i]);
-  }
-  u->copied[unit] = changed_frame(u, unit);
+  const VkDeviceSize offset = staged_at(u);
+  if (bytes == 0) return;
+  memcpy(u->staging.mapped + offset, data, bytes);
+  u->used += aligned(bytes);
+  const VkBufferCopy region = {.srcOffset = offset, .dstOffset = to, .size = bytes};
+  u->gpu->context.vk.CmdCopyBuffer(call->commands, u->staging.buffer, u->gpu->buffer, 1, &region);
 }
 
-static void count_unit(const olx_vulkan_update *u, uint32_t unit, uint32_t bytes, olx_vulkan_update_stats *stats) {
-  stats->bytes += bytes;
-  if (unit < u->maps) stats->irradiance_maps++;
-  else if (!is_border(u, unit)) stats->radiance_tiles++;
+static void copy_lights(update_call *call) {
+  const olx_vulkan_update *u = call->update;
+  const uint32_t count = light_count(u);
+  copy_words(call, u->relight->field_lights, count * (uint32_t)sizeof(olx_field_light),
+             u->gpu->words[OLX_WORDS_LIGHTS].offset);
+  copy_words(call, &count, sizeof count, offsetof(olx_gpu_field, light_count));
+}
+
+static void copy_volume(update_call *call, uint32_t unit) {
+  const olx_vulkan_update *u = call->update;
+  const uint32_t probe_bytes = OLX_VOLUME_HALVES * (uint32_t)sizeof(uint16_t),
+                 first = (unit - u->maps_end) * VOLUME_PART;
+  copy_words(call, u->relight->volume + (size_t)first * OLX_VOLUME_HALVES, volume_probes(u, unit) * probe_bytes,
+             u->gpu->words[OLX_WORDS_VOLUME_LIGHT].offset + (VkDeviceSize)first * probe_bytes);
+}
+
+static void copy_map(update_call *call, uint32_t unit) {
+  olx_vulkan_update *u = call->update;
+  const olx_relight *r = u->relight;
+  olx_map_part parts[4];
+  const uint32_t count = map_parts(u, unit, parts), probe = unit / u->parts;
+  const size_t first = r->field.texels * probe;
+  for (uint32_t i = 0; i < count; i++) {
+    copy_part(u, &call->direct, probe, r->direct_map + first, &parts[i]);
+    copy_part(u, &call->indirect, probe, r->indirect_map + first, &parts[i]);
+  }
+}
+
+static void copy_unit(update_call *call, uint32_t unit, olx_vulkan_update_stats *stats) {
+  olx_vulkan_update *u = call->update;
+  if (unit == u->lights) {
+    copy_lights(call);
+  } else if (unit >= u->maps_end) {
+    copy_volume(call, unit);
+    stats->volume_probes += volume_probes(u, unit);
+  } else {
+    copy_map(call, unit);
+    stats->tiles += !is_border(u, unit);
+  }
+  u->copied[unit] = changed_frame(u, unit);
 }
 
 // All units once, from the one where the last call left off; what does not fit any more waits.
@@ -180,27 +219,29 @@ static void copy_changes(update_call *call, olx_vulkan_update_stats *stats) {
       stats->waiting_bytes += bytes;
       continue;
     }
-    if (u->used == 0) olx_map_copies_begin(u->gpu, call->radiance.commands);
-    copy_unit(call, unit);
-    count_unit(u, unit, bytes, stats);
+    if (u->used == 0) olx_map_copies_begin(u->gpu, call->commands);
+    copy_unit(call, unit, stats);
+    stats->bytes += bytes;
   }
   if (first_left != UINT32_MAX) u->next = first_left;
-  else u->scanned = u->relight->frame;
+  u->scanned = first_left == UINT32_MAX;
+  u->scanned_frame = u->relight->frame;
 }
 
 olx_result olx_vulkan_record_update(olx_vulkan_update *u, VkCommandBuffer commands, olx_vulkan_update_stats *stats) {
   olx_vulkan_update_stats own;
   if (!stats) stats = &own;
   *stats = (olx_vulkan_update_stats){.bytes = 0};
-  if (u->scanned == u->relight->frame) return OLX_OK;
+  if (u->scanned && u->scanned_frame == u->relight->frame) return OLX_OK;
   update_call call = {.update = u,
-                      .radiance = olx_map_copies_of(u->gpu, OLX_BINDING_RADIANCE, u->staging.buffer, commands),
-                      .irradiance = olx_map_copies_of(u->gpu, OLX_BINDING_IRRADIANCE, u->staging.buffer, commands)};
+                      .commands = commands,
+                      .direct = olx_map_copies_of(u->gpu, OLX_BINDING_DIRECT, u->staging.buffer, commands),
+                      .indirect = olx_map_copies_of(u->gpu, OLX_BINDING_INDIRECT, u->staging.buffer, commands)};
   u->used = 0;
   copy_changes(&call, stats);
   if (u->used == 0) return OLX_OK;
-  olx_map_copies_record(&call.radiance);
-  olx_map_copies_record(&call.irradiance);
+  olx_map_copies_record(&call.direct);
+  olx_map_copies_record(&call.indirect);
   olx_map_copies_end(u->gpu, commands);
   u->slot = (u->slot + 1) % u->settings.in_flight;
   return OLX_OK;

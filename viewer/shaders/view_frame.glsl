@@ -10,7 +10,7 @@ layout(push_constant, std430) uniform view_push_block { view_gpu_push view; };
 bool has_flag(uint flag) { return (view.flags & flag) != 0u; }
 
 olx_sample_settings view_settings(bool emitters) {
-  uint hits = has_flag(VIEW_FLAG_RELIT) ? OLX_HITS_RELIT : has_flag(VIEW_FLAG_STORED) ? OLX_HITS_STORED : OLX_HITS_SHADED;
+  uint hits = has_flag(VIEW_FLAG_STORED) ? OLX_HITS_STORED : OLX_HITS_SHADED;
   return olx_sample_settings(view.tracer, view.select, has_flag(VIEW_FLAG_VISIBILITY), olx_sample_settings_default().max_probes,
                              has_flag(VIEW_FLAG_KEEP_BURIED), emitters, hits, 0.0);
 }

@@ -1,4 +1,4 @@
-#include "shade/corrections.h"
+#include "bake/corrections.h"
 
 #include "core/hooks.h"
 

@@ -1,8 +1,8 @@
 // Corrections of irradiance maps: smooth in direction, a few cells a probe, added to the maps so that interpolation between
 // probes comes closest, in the least-squares sense, to irradiance measured at points on surfaces (docs/baking.md). A bake
 // solves for them once a bounce, a relighter goes on from frame to frame.
-#ifndef OLX_SHADE_CORRECTIONS_H
-#define OLX_SHADE_CORRECTIONS_H
+#ifndef OLX_BAKE_CORRECTIONS_H
+#define OLX_BAKE_CORRECTIONS_H
 
 #include "core/octahedral.h"
 

@@ -1,0 +1,34 @@
+// One more sample of direct light for the texels of scheduled tiles, into a running mean.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "relight_rays.glsl"
+#include "relight_tile.glsl"
+
+const uint SALT_TEXEL = 0x5445584Cu;
+
+// Texel i of a tile. Random numbers are stratified over sixteen neighbours.
+lit_place texel_place(relight_tile tile, uvec2 texel, uint i) {
+  ivec3 map = olx_map_origin(tile.probe);
+  float distance_metres = olx_texel_distance(map, ivec2(texel));
+  vec3 normal = olx_texel_normal(map, ivec2(texel));
+  vec3 place = olx_probe_position(tile.probe) + olx_texel_direction(texel, olx_field.n) * distance_metres;
+  return lit_place(
+      place + normal * (OLX_OFF_SURFACE * distance_metres), normal,
+      olx_hash3(tile.probe, (tile.first.y * olx_field.n + tile.first.x) * olx_field.n + i / 16u, SALT_TEXEL),
+      i % 16u + 16u * tile.rounds);
+}
+
+void main() {
+  uint thread = thread_index(), slot = thread / texels_a_tile(), i = thread % texels_a_tile();
+  if (thread >= call.count) return;
+  relight_tile tile = read_tile(slot);
+  uvec2 texel = tile.first + olx_tile_texel(i, relight.tile_side);
+  ivec3 map = olx_map_origin(tile.probe);
+  bool lit = olx_surface_distance(olx_texel_distance_bits(map, ivec2(texel)));
+  vec3 found = vec3(0.0);
+  if (lit) found = add_up(relight.tile_light + 3u * thread, light_place(texel_place(tile, texel, i)).irradiance);
+  if (!ends()) return;
+  vec3 mean = texelFetch(olx_direct_maps, map + ivec3(texel, 0), 0).rgb;
+  if (lit) mean += (found - mean) * (1.0 / float(tile.rounds + 1u));
+  write_texel(relight.tile_direct, slot, texel, olx_rgb9e5_pack(mean));
+}

@@ -46,6 +46,5 @@ sys.exit(not error("sh2") < 0.7 * error("unfitted"))
 PYTHON
 
 expect_usage "is not one of octahedral|sh2|sh3" bake builtin:cornell -o a.olx --irradiance sh4
-expect_usage "relight needs octahedral irradiance" bake builtin:cornell -o a.olx --irradiance sh2 --relight
 [ -e a.olx ] && fail "a refused bake leaves a file"
 finish

@@ -401,14 +401,6 @@ static void points_that_no_probe_sees_get_the_volume(void **state) {
   analytic_field_free(f);
 }
 
-static void fields_whose_lights_have_changed_get_the_volume(void **state) {
-  (void)state;
-  olx_field *f = field_of(&empty_room, &cage, 64, analytic_cast, colored);
-  f->relit = true;
-  assert_volume(f, olx_v3(1.0f, 0.0f, 1.0f), olx_v3(0, 1, 0));
-  analytic_field_free(f);
-}
-
 // ---- normal maps
 
 // Irradiance of every irradiance probe, by the normal's height.
@@ -513,7 +505,6 @@ int main(void) {
       cmocka_unit_test(the_nearest_probe_in_front_answers),
       cmocka_unit_test(bricks_name_the_probes_and_all_others_come_after_them),
       cmocka_unit_test(points_that_no_probe_sees_get_the_volume),
-      cmocka_unit_test(fields_whose_lights_have_changed_get_the_volume),
       cmocka_unit_test(normal_maps_change_light_as_they_change_that_of_the_volume),
       cmocka_unit_test(every_input_has_a_finite_answer),
       cmocka_unit_test(tolerances_out_of_range_are_refused),

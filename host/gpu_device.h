@@ -18,7 +18,7 @@ typedef struct gpu_device_options {
   bool compute_only; // a queue without graphics will do
   // For making pipelines alone: no commands can be run, so that a driver's device that does not exist will do.
   bool compile_only;
-  uint32_t device;   // which of the machine's devices, as gpu_device_list counts them; UINT32_MAX: the best
+  uint32_t device; // which of the machine's devices, as gpu_device_list counts them; UINT32_MAX: the best
   const char *const *instance_extensions; // that the window system asks for
   uint32_t instance_extension_count;
   // Make the window's surface; NULL: no window. The device then has VK_KHR_swapchain, and its queue presents to the
@@ -31,6 +31,7 @@ typedef struct gpu_device {
   olx_vulkan_host host; // what Octalux is given
   VkSurfaceKHR surface; // the window's, or null
   VkPhysicalDeviceProperties properties;
+  bool block_textures; // they can be made, even where host.texture_compression_bc leaves them unused
   VkPhysicalDeviceDriverProperties driver;
   VkPhysicalDeviceMemoryProperties memory;
   bool anisotropy;              // samplers may be anisotropic, up to 16

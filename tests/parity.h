@@ -101,11 +101,13 @@ typedef struct parity_code {
 enum { PARITY_MOST_CODES = 2 };
 
 // Rooms and grids. The first two have between them every kind of texel, block and cage; the third has so many probes
-// that maps share layers. Those of the last two have classic maps, and nothing but their rows is compared there.
+// that maps share layers, the fourth has textures of blocks. Those of the last two have classic maps, and nothing but
+// their rows is compared there.
 enum {
   PARITY_FURNISHED_ROOM,
   PARITY_OPEN_COURT,
   PARITY_MANY_PROBES,
+  PARITY_ROOM_OF_BLOCKS,
   PARITY_CLASSIC_ROOM,
   PARITY_CLASSIC_WALL,
   PARITY_ROOMS

@@ -10,6 +10,7 @@ from typing import Any, Callable, NamedTuple
 import numpy as np
 
 from . import arrays, native
+from .handles import Handle
 from .native import library
 
 _FORMATS = {ctypes.c_uint32: np.uint32, ctypes.c_float: np.float32, ctypes.c_bool: np.bool_, native.Vec3: (np.float32, 3)}
@@ -34,7 +35,7 @@ class Glossy(NamedTuple):
     half_cosine: np.ndarray  #: (...), cosine between view and half vector, for Fresnel
 
 
-class Field:
+class Field(Handle):
     """A field file, mapped into memory; immutable. Any number of threads may sample it. Close it, or use it in a `with`.
 
     Positions are in metres, relative to `origin`, which is 0 unless the scene lies far from 0. Vectors lie along the last axis of
@@ -52,32 +53,13 @@ class Field:
     - surface_tolerance=0.0: 0 to 16 footprints of a texel by which a surface may have moved since the bake
     """
 
+    _release = "olx_field_close"
+    _what = "field"
+
     def __init__(self, path: str | os.PathLike[str]):
         """Open a field. Raises Error (FILE, FORMAT, VERSION, CHECKSUM, UNSUPPORTED)."""
-        self._handle = ctypes.POINTER(native.FieldHandle)()
+        super().__init__(native.FieldHandle)
         native.check(library.olx_field_open(os.fsencode(path), ctypes.byref(self._handle)))
-
-    def close(self) -> None:
-        """Close the field; arrays that came from it stay. Closing again does nothing."""
-        if getattr(self, "_handle", None):
-            library.olx_field_close(self._handle)
-            self._handle = None
-
-    def __enter__(self) -> Field:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
-    def __del__(self) -> None:
-        self.close()
-
-    @property
-    def handle(self) -> Any:
-        """The library's olx_field *, for further ctypes calls."""
-        if not self._handle:
-            raise ValueError("the field is closed")
-        return self._handle
 
     @property
     def info(self) -> SimpleNamespace:

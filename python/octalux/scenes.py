@@ -11,38 +11,20 @@ import numpy as np
 
 from . import arrays, native
 from .fields import Progress
+from .handles import Handle
 from .native import library
 
 
-class Scene:
+class Scene(Handle):
     """A scene: "builtin:NAME" (`builtin_scenes`), or a .gltf, .glb, .obj, .json or .olxs file. Close it, or use it in a `with`."""
+
+    _release = "olx_scene_free"
+    _what = "scene"
 
     def __init__(self, name: str | os.PathLike[str]):
         """Load a scene. Raises Error."""
-        self._handle = ctypes.POINTER(native.SceneHandle)()
+        super().__init__(native.SceneHandle)
         native.check(library.olx_scene_load(os.fsencode(name), ctypes.byref(self._handle)))
-
-    def close(self) -> None:
-        """Release the scene. Closing again does nothing."""
-        if getattr(self, "_handle", None):
-            library.olx_scene_free(self._handle)
-            self._handle = None
-
-    def __enter__(self) -> Scene:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
-    def __del__(self) -> None:
-        self.close()
-
-    @property
-    def handle(self) -> Any:
-        """The library's olx_scene *, for further ctypes calls."""
-        if not self._handle:
-            raise ValueError("the scene is closed")
-        return self._handle
 
     @property
     def info(self) -> SimpleNamespace:

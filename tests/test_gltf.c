@@ -747,36 +747,6 @@ static void files_are_refused_when_memory_ends(void **state) {
   assert_true(refused > 30);
 }
 
-// ---- environments
-
-static void environments_are_read_from_exr(void **state) {
-  gltf_maker m = {0};
-  char path[600];
-  olx_image image;
-  add_square(&m);
-  write_model(&m, *state, square_with(""), "[{\"mesh\": 0}]", ", \"materials\": [{}]");
-  assert_int_equal(olx_image_create(4, 2, 1u << OLX_LAYER_BEAUTY, &image), OLX_OK);
-  for (uint32_t i = 0; i < 8; ++i) image.layers[OLX_LAYER_BEAUTY][i] = olx_v3((float)i, 0.5f, i == 7 ? -1.0f : 3000.0f);
-  snprintf(path, sizeof path, "%s/sky.exr", ((scene_folder *)*state)->path);
-  assert_int_equal(olx_image_save(&image, path), OLX_OK);
-  const char *description = scene_folder_write_text(
-      *state, "sky.json", "{\"model\": \"made.gltf\", \"environment\": {\"image\": \"sky.exr\", \"gain\": 2}}");
-  olx_scene *scene = load(description);
-  assert_int_equal(scene->environment.width, 4);
-  assert_int_equal(scene->environment.height, 2);
-  for (uint32_t i = 0; i < 8; ++i) {
-    const float *texel = scene->environment.texels + 3 * i;
-    assert_vec(olx_v3(texel[0], texel[1], texel[2]), (float)i, 0.5f, i == 7 ? 0.0f : 3000.0f, 0);
-  }
-  assert_warned(scene, "sky.exr: 1 numbers were negative or not finite, now 0");
-  assert_true(olx_scene_was_read_from(scene, path));
-  olx_scene_free(scene);
-  const olx_scene_load_settings few = {.limits = {.texels = 7}};
-  assert_int_equal(olx_scene_load_with(description, &few, &scene), OLX_ERROR_UNSUPPORTED);
-  assert_non_null(strstr(olx_last_error(), "sky.exr: environment: 8 texels"));
-  olx_image_free(&image);
-}
-
 #define WITH_FOLDER(test) cmocka_unit_test_setup_teardown(test, scene_folder_set_up, scene_folder_tear_down)
 
 int main(void) {
@@ -812,7 +782,6 @@ int main(void) {
       WITH_FOLDER(compressed_views_share_no_bytes),
       WITH_FOLDER(fallback_buffers_are_not_read),
       WITH_FOLDER(files_are_refused_when_memory_ends),
-      WITH_FOLDER(environments_are_read_from_exr),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

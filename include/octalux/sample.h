@@ -109,7 +109,8 @@ olx_vec3 olx_irradiance(const olx_field *field, const olx_sample_settings *setti
 olx_vec3 olx_surface_irradiance(const olx_field *field, const olx_sample_settings *settings, olx_vec3 position,
                                 olx_vec3 geometric_normal, olx_vec3 shading_normal, olx_vec3 view);
 
-// The same for `count` points: irradiance[i] is what olx_surface_irradiance says of positions[i] and the others of that index.
+// olx_surface_irradiance at `count` points: irradiance[i], in W/m^2, is to the last bit its answer to positions[i],
+// geometric_normals[i], shading_normals[i] and views[i].
 void olx_surface_irradiance_points(const olx_field *field, const olx_sample_settings *settings, uint32_t count,
                                    const olx_vec3 *positions, const olx_vec3 *geometric_normals,
                                    const olx_vec3 *shading_normals, const olx_vec3 *views, olx_vec3 *irradiance);
@@ -138,8 +139,8 @@ olx_vec3 olx_glossy(const olx_field *field, const olx_sample_settings *settings,
                     olx_vec3 view, float roughness, olx_vec2 random, float *weight, float *half_cosine,
                     olx_trace_hit *hit);
 
-// The same for `count` points: radiance[i], weights[i] and half_cosines[i] are what olx_glossy says of positions[i] and the others of
-// that index; half_cosines[i] means nothing where weights[i] is 0.
+// olx_glossy at `count` points: radiance[i], weights[i] and half_cosines[i] are to the last bit its answers to positions[i],
+// normals[i], views[i], roughness[i] and random[i]; half_cosines[i] means nothing where weights[i] is 0.
 void olx_glossy_rays(const olx_field *field, const olx_sample_settings *settings, uint32_t count,
                      const olx_vec3 *positions, const olx_vec3 *normals, const olx_vec3 *views, const float *roughness,
                      const olx_vec2 *random, olx_vec3 *radiance, float *weights, float *half_cosines);

@@ -50,7 +50,7 @@ vec2 follow_links(uint surfel) {
   return vec2(olx_luminance(abs(now - before)), olx_luminance(now + direct));
 }
 
-// The same at every run: the order is that of threads.
+// The sum over the workgroup, in an order that depends on threads alone, so that every run gives the same bits.
 vec2 sum_of_group(vec2 own) {
   lanes[gl_LocalInvocationIndex] = own;
   for (uint count = OLX_RELIGHT_GROUP / 2u; count > 0u; count /= 2u) {

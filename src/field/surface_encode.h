@@ -12,7 +12,7 @@ typedef struct olx_surface_texels {
   const uint16_t *distance; // tells what is sky
 } olx_surface_texels;
 
-// The same as blocks: (n / 4)^2 of each kind.
+// The surfaces of a probe in blocks of 4 x 4 texels, (n / 4)^2 of each kind.
 typedef struct olx_surface_blocks {
   olx_bc1_block *base;
   olx_bc5_block *specular;

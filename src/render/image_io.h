@@ -24,7 +24,7 @@ typedef struct olx_exr_picture {
 
 // 32-bit float channels, one part, scanlines, ZIP. Beside, synced, renamed.
 olx_result olx_exr_write(const olx_exr_picture *picture, const char *path);
-// The same of every present layer.
+// Writes or reads an image as OpenEXR: every layer that is there, by the names of its channels.
 olx_result olx_exr_save(const olx_image *image, const char *path);
 olx_result olx_exr_load(const char *path, olx_image *image);
 

@@ -448,28 +448,17 @@ static void test_refuses_settings_and_lights(void **state) {
   olx_release(bytes);
 }
 
-static int set_up(void **state) {
-  static scene_folder folder;
-  *state = &folder;
-  return scene_folder_create(&folder) ? 0 : -1;
-}
-
-static int tear_down(void **state) {
-  scene_folder_remove(*state);
-  return 0;
-}
-
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test_setup_teardown(test_furnace, set_up, tear_down),
-      cmocka_unit_test_setup_teardown(test_lights_of_the_bake_change_little, set_up, tear_down),
-      cmocka_unit_test_setup_teardown(test_light_close_to_a_lamp_is_coarse, set_up, tear_down),
-      cmocka_unit_test_setup_teardown(test_arrives_at_a_fresh_bake, set_up, tear_down),
-      cmocka_unit_test_setup_teardown(test_same_for_any_number_of_threads, set_up, tear_down),
-      cmocka_unit_test_setup_teardown(test_light_from_where_no_probe_looks, set_up, tear_down),
-      cmocka_unit_test_setup_teardown(test_near_first_and_none_starves, set_up, tear_down),
-      cmocka_unit_test_setup_teardown(test_other_rooms_stay_dark_and_rest_costs_nothing, set_up, tear_down),
-      cmocka_unit_test_setup_teardown(test_refuses_settings_and_lights, set_up, tear_down),
+      cmocka_unit_test_setup_teardown(test_furnace, scene_folder_set_up, scene_folder_tear_down),
+      cmocka_unit_test_setup_teardown(test_lights_of_the_bake_change_little, scene_folder_set_up, scene_folder_tear_down),
+      cmocka_unit_test_setup_teardown(test_light_close_to_a_lamp_is_coarse, scene_folder_set_up, scene_folder_tear_down),
+      cmocka_unit_test_setup_teardown(test_arrives_at_a_fresh_bake, scene_folder_set_up, scene_folder_tear_down),
+      cmocka_unit_test_setup_teardown(test_same_for_any_number_of_threads, scene_folder_set_up, scene_folder_tear_down),
+      cmocka_unit_test_setup_teardown(test_light_from_where_no_probe_looks, scene_folder_set_up, scene_folder_tear_down),
+      cmocka_unit_test_setup_teardown(test_near_first_and_none_starves, scene_folder_set_up, scene_folder_tear_down),
+      cmocka_unit_test_setup_teardown(test_other_rooms_stay_dark_and_rest_costs_nothing, scene_folder_set_up, scene_folder_tear_down),
+      cmocka_unit_test_setup_teardown(test_refuses_settings_and_lights, scene_folder_set_up, scene_folder_tear_down),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -39,8 +39,8 @@ static void make(two_surfels *t, olx_vec3 place, olx_vec3 from) {
   t->surfels[FLOOR] = (olx_relight_surfel){
       .normal = olx_normal_pack(olx_v3(0.0f, 1.0f, 0.0f)), .diffuse = 102, .specular = 51, .f0 = 10, .alpha = 23};
   olx_store3(t->surfels[PLACE].points[0], place);
-  t->field.relight = (olx_relight_data){
-      .header = &t->header, .surfels = t->surfels, .link_starts = t->link_starts, .links = &t->link};
+  t->field.relight =
+      (olx_relight_data){.header = &t->header, .surfels = t->surfels, .link_starts = t->link_starts, .links = &t->link};
   t->relight = (olx_relight){.source = &t->field, .direct = t->direct, .beams = t->beams};
 }
 
@@ -91,11 +91,11 @@ static void test_none_without_direct_light_or_a_straight_way(void **state) {
     assert_true(olx_max3(found(&t)) == 0.0f);                                                                          \
   } while (0)
   DARK(t.direct[FLOOR] = t.beams[FLOOR] = olx_splat(0.0f));
-  DARK(t.link.from_straight = FLOOR);        // a mirror has passed all of it on
-  DARK(t.surfels[FLOOR].specular = 0);       // a matte floor
-  DARK(t.link.weight = 0);                   // black
-  DARK(t.surfels[FLOOR].diffuse = 0);        // nothing to tell the link's share by
-  DARK(t.link_starts[PLACE + 1] = 0);        // no link
+  DARK(t.link.from_straight = FLOOR);  // a mirror has passed all of it on
+  DARK(t.surfels[FLOOR].specular = 0); // a matte floor
+  DARK(t.link.weight = 0);             // black
+  DARK(t.surfels[FLOOR].diffuse = 0);  // nothing to tell the link's share by
+  DARK(t.link_starts[PLACE + 1] = 0);  // no link
 #undef DARK
 }
 
@@ -190,8 +190,8 @@ static void through_walls(void *user, const olx_shadow_ray *rays, uint32_t count
 }
 
 typedef struct wall_light {
-  double toward, away;    // indirect irradiance of the wall that the sun shines to, and of the other
-  double highlights[2];   // in it, of all surfels: with the sun, and after it has set
+  double toward, away;  // indirect irradiance of the wall that the sun shines to, and of the other
+  double highlights[2]; // in it, of all surfels: with the sun, and after it has set
 } wall_light;
 
 static double mean_of_wall(const olx_relight *r, float side) {
@@ -244,8 +244,7 @@ static wall_light light_walls(const scene_folder *folder, const olx_material *fl
 
 // A matte floor that reflects as much of uniform light.
 static olx_material matte_like(const olx_material *glossy) {
-  const olx_bsdf bsdf =
-      olx_bsdf_make(glossy->base_color, glossy->metallic, glossy->roughness, glossy->specular_weight);
+  const olx_bsdf bsdf = olx_bsdf_make(glossy->base_color, glossy->metallic, glossy->roughness, glossy->specular_weight);
   return tiny_lambert(olx_bsdf_matte(&bsdf).albedo.x, 0.0f);
 }
 
@@ -253,23 +252,12 @@ static void test_a_glossy_floor_lights_the_wall_behind_it(void **state) {
   const scene_folder *folder = *state;
   const olx_material glossy = tiny_plastic(0.2f, 0.3f), matte = matte_like(&glossy);
   const wall_light a = light_walls(folder, &glossy), b = light_walls(folder, &matte);
-  print_message("the wall that the sun shines to: %.3f, matte %.3f; the other: %.3f, matte %.3f\n", a.toward, b.toward, a.away,
-                b.away);
+  print_message("the wall that the sun shines to: %.3f, matte %.3f; the other: %.3f, matte %.3f\n", a.toward, b.toward,
+                a.away, b.away);
   assert_true(a.toward > 1.2 * b.toward);
   assert_true(a.away < b.away);
   assert_true(a.highlights[0] > 0.0 && a.highlights[1] == 0.0);
   assert_true(b.highlights[0] == 0.0 && b.highlights[1] == 0.0);
-}
-
-static int set_up(void **state) {
-  static scene_folder folder;
-  *state = &folder;
-  return scene_folder_create(&folder) ? 0 : -1;
-}
-
-static int tear_down(void **state) {
-  scene_folder_remove(*state);
-  return 0;
 }
 
 int main(void) {
@@ -280,7 +268,8 @@ int main(void) {
       cmocka_unit_test(test_light_without_a_beam_is_reflected_to_all_sides),
       cmocka_unit_test(test_highlights_have_the_color_and_weight_of_light),
       cmocka_unit_test(test_no_surface_reflects_more_than_it_gets),
-      cmocka_unit_test_setup_teardown(test_a_glossy_floor_lights_the_wall_behind_it, set_up, tear_down),
+      cmocka_unit_test_setup_teardown(test_a_glossy_floor_lights_the_wall_behind_it, scene_folder_set_up,
+                                      scene_folder_tear_down),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -28,35 +28,42 @@ static inline olx_vec2 olx_hammersley(uint32_t i, uint32_t count) {
   return (olx_vec2){((float)i + 0.5f) / (float)count, olx_unit_float(olx_reverse_bits(i))};
 }
 
-// Owen scrambling by hashing (Laine and Karras 2011), on reversed bits.
-static inline uint32_t olx_owen_scramble(uint32_t x, uint32_t seed) {
-  x = olx_reverse_bits(x);
+// Owen scrambling by hashing (Laine and Karras 2011) of a number whose bits are reversed; the result's are, too.
+static inline uint32_t olx_owen_scramble_reversed(uint32_t x, uint32_t seed) {
   x += seed;
   x ^= x * 0x6C50B47Cu;
   x ^= x * 0xB82F1E52u;
   x ^= x * 0xC7AFE638u;
   x ^= x * 0x8D22F6E6u;
-  return olx_reverse_bits(x);
+  return x;
 }
 
-// The second dimension of Sobol's sequence. Its matrix is Pascal's triangle modulo 2, so bit j of the (reversed) number is
-// the parity of those index bits whose position contains j: five steps, one for each bit of a position.
-static inline uint32_t olx_sobol2(uint32_t index) {
+// The second dimension of Sobol's sequence, its bits reversed. Its matrix is Pascal's triangle modulo 2, so bit j of the
+// number is the parity of those index bits whose position contains j: five steps, one for each bit of a position.
+static inline uint32_t olx_sobol2_reversed(uint32_t index) {
   uint32_t x = index;
   x ^= (x >> 16) & 0x0000FFFFu;
   x ^= (x >> 8) & 0x00FF00FFu;
   x ^= (x >> 4) & 0x0F0F0F0Fu;
   x ^= (x >> 2) & 0x33333333u;
   x ^= (x >> 1) & 0x55555555u;
-  return olx_reverse_bits(x);
+  return x;
 }
 
 // Point i of an Owen-scrambled, shuffled (0, 2)-sequence: stratified over every power of two of points, and independent of
-// other seeds. One seed for each pair of dimensions of a pixel or texel.
+// other seeds. One seed for each pair of dimensions of a pixel or texel. The first dimension is the index with its bits
+// reversed.
 static inline olx_vec2 olx_stratified2(uint32_t i, uint32_t seed) {
-  const uint32_t index = olx_owen_scramble(i, olx_hash(seed));
-  return (olx_vec2){olx_unit_float(olx_owen_scramble(olx_reverse_bits(index), olx_hash(seed + 1u))),
-                    olx_unit_float(olx_owen_scramble(olx_sobol2(index), olx_hash(seed + 2u)))};
+  const uint32_t index = olx_reverse_bits(olx_owen_scramble_reversed(olx_reverse_bits(i), olx_hash(seed)));
+  const uint32_t x = olx_owen_scramble_reversed(index, olx_hash(seed + 1u)),
+                 y = olx_owen_scramble_reversed(olx_sobol2_reversed(index), olx_hash(seed + 2u));
+  return (olx_vec2){olx_unit_float(olx_reverse_bits(x)), olx_unit_float(olx_reverse_bits(y))};
+}
+
+// The first coordinate of that point.
+static inline float olx_stratified(uint32_t i, uint32_t seed) {
+  const uint32_t index = olx_reverse_bits(olx_owen_scramble_reversed(olx_reverse_bits(i), olx_hash(seed)));
+  return olx_unit_float(olx_reverse_bits(olx_owen_scramble_reversed(index, olx_hash(seed + 1u))));
 }
 
 // Cosine-distributed direction around +z; pdf = cos / pi.

@@ -22,7 +22,7 @@ static inline olx_vec2 olx_sampler_next2(olx_sampler *s) {
 
 static inline float olx_sampler_next(olx_sampler *s) {
   const uint32_t seed = olx_hash2(s->seed, s->dimension++);
-  if (s->dimension <= OLX_STRATIFIED_DIMENSIONS) return olx_stratified2(s->index, seed).x;
+  if (s->dimension <= OLX_STRATIFIED_DIMENSIONS) return olx_stratified(s->index, seed);
   return olx_unit_float(olx_hash2(seed, s->index));
 }
 

@@ -196,6 +196,18 @@ static void textures_are_bilinear_and_wrap_around(void **state) {
   assert_true(olx_finite(olx_texture_sample(&texture, (olx_vec2){3e38f, -1e-30f}).color));
 }
 
+static void alpha_alone_is_what_the_whole_texel_has(void **state) {
+  (void)state;
+  uint8_t rgba[5 * 3 * 4];
+  for (uint32_t i = 0; i < sizeof rgba; i++) rgba[i] = (uint8_t)(made_random(1, i).x * 255.0f);
+  const olx_texture texture = {.width = 5, .height = 3, .texels = rgba, .srgb = true};
+  for (uint32_t i = 0; i < 1000; i++) {
+    const olx_vec2 random = made_random(2, i), uv = {8.0f * random.x - 4.0f, 8.0f * random.y - 4.0f};
+    assert_true(olx_texture_alpha(&texture, uv) == olx_texture_sample(&texture, uv).alpha);
+  }
+  assert_true(isfinite(olx_texture_alpha(&texture, (olx_vec2){NAN, INFINITY})));
+}
+
 // Light is linear: a textured wall reflects, on the whole, what its texels reflect, however near one looks. Filtering the
 // encoded texels would make it darker.
 static void filtering_keeps_what_srgb_texels_reflect(void **state) {
@@ -366,6 +378,7 @@ int main(void) {
       cmocka_unit_test(textures_without_a_tangent_frame_leave_the_normal),
       cmocka_unit_test(srgb_is_decoded_as_the_standard_says),
       cmocka_unit_test(textures_are_bilinear_and_wrap_around),
+      cmocka_unit_test(alpha_alone_is_what_the_whole_texel_has),
       cmocka_unit_test(filtering_keeps_what_srgb_texels_reflect),
       cmocka_unit_test(textures_scale_the_factors_and_albedo_stays_below_one),
       cmocka_unit_test(one_sided_emitters_are_dark_from_behind),

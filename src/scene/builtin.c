@@ -26,6 +26,7 @@ static const builtin_entry entries[] = {
     {"area-light", olx_build_area_light},
     {"temple", olx_build_temple},
     {"statue", olx_build_statue},
+    {"flat", olx_build_flat},
 };
 
 #define ENTRY_COUNT (sizeof entries / sizeof *entries)

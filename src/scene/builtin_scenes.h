@@ -21,5 +21,6 @@ olx_result olx_build_holodeck(olx_scene *scene);
 olx_result olx_build_area_light(olx_scene *scene);
 olx_result olx_build_temple(olx_scene *scene);
 olx_result olx_build_statue(olx_scene *scene);
+olx_result olx_build_flat(olx_scene *scene);
 
 #endif

@@ -90,7 +90,8 @@ bool olx_surface_present(const olx_scene *scene, uint32_t triangle, float u, flo
   const olx_place_uvs uvs = uvs_at(scene, material, &corners, u, v);
   float alpha = material->alpha;
   if (has_texture(material->base_color_texture)) {
-    alpha *= look_up(scene, material, material->base_color_texture, OLX_SLOT_BASE_COLOR, uvs).alpha;
+    const olx_texture *texture = &scene->textures[material->base_color_texture];
+    alpha *= olx_texture_alpha(texture, uv_for(material, OLX_SLOT_BASE_COLOR, uvs));
   }
   if (has_texture(material->alpha_texture)) {
     alpha *= look_up(scene, material, material->alpha_texture, OLX_SLOT_ALPHA, uvs).color.x;

@@ -80,6 +80,20 @@ static olx_texel mix_texel(olx_texel a, olx_texel b, float t) {
   return (olx_texel){olx_mix3(a.color, b.color, t), olx_mix(a.alpha, b.alpha, t)};
 }
 
+static float alpha_at(const olx_texture *texture, int32_t x, int32_t y) {
+  const size_t column = (size_t)wrap(x, (int32_t)texture->width), row = (size_t)wrap(y, (int32_t)texture->height);
+  return (float)texture->texels[4 * (row * texture->width + column) + 3] * (1.0f / 255.0f);
+}
+
+float olx_texture_alpha(const olx_texture *texture, olx_vec2 uv) {
+  const float px = texel_position(uv.x, texture->width), py = texel_position(uv.y, texture->height);
+  const float fx = floorf(px), fy = floorf(py);
+  const int32_t x = (int32_t)fx, y = (int32_t)fy;
+  const float upper = olx_mix(alpha_at(texture, x, y), alpha_at(texture, x + 1, y), px - fx);
+  const float lower = olx_mix(alpha_at(texture, x, y + 1), alpha_at(texture, x + 1, y + 1), px - fx);
+  return olx_mix(upper, lower, py - fy);
+}
+
 olx_texel olx_texture_sample(const olx_texture *texture, olx_vec2 uv) {
   const float px = texel_position(uv.x, texture->width), py = texel_position(uv.y, texture->height);
   const float fx = floorf(px), fy = floorf(py);

@@ -15,4 +15,7 @@ olx_texel olx_texture_texel(const olx_texture *texture, int32_t x, int32_t y);
 // Bilinear lookup with wrap-around, filtered in linear light; texel centres lie at (i + 0.5) / size.
 olx_texel olx_texture_sample(const olx_texture *texture, olx_vec2 uv);
 
+// The alpha that olx_texture_sample finds, to the last bit, without the colour's work.
+float olx_texture_alpha(const olx_texture *texture, olx_vec2 uv);
+
 #endif

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Bake three built-in scenes, render them from their fields and by path tracing, and put pictures, error maps and numbers
-# on one page that needs no other file: demo.sh PROGRAM FOLDER. Takes less than 150 seconds of processor time, most of it for
-# references without visible noise; pictures are small for their sake.
+# Bake a furnished room and two rooms that are hard to get right, render them from their fields and by path tracing, and put
+# pictures and numbers on one page that needs no other file: demo.sh PROGRAM FOLDER. Takes less than 150 seconds of
+# processor time; pictures are small, and the room is baked with more noise than by default, for its sake.
 set -euo pipefail
 export LC_ALL=C
 program=$1 out=$2
@@ -25,7 +25,7 @@ number() {
 }
 seconds() { printf '%.1f s' "$(number "$@")"; }
 count() { printf '%.0f' "$(number "$@")"; }
-mebibytes() { printf '%s MiB' "$(($(number "$@") / 1048576))"; }
+mebibytes() { awk -v bytes="$(number "$@")" 'BEGIN { printf "%.1f MiB", bytes / 1048576 }'; }
 fraction() {
   local value
   value=$(number "$@")
@@ -37,21 +37,69 @@ percent() {
   printf '%.2f&#8239;%%' "${value}e2"
 }
 
+picture() { printf 'data:image/png;base64,'; base64 -w 0 "$1"; }
+
 # figure IMAGE TITLE TEXT
 figure() {
-  printf '<figure><img alt="%s" src="data:image/png;base64,' "$2"
-  base64 -w 0 "$1"
-  printf '"><figcaption><b>%s</b> %s</figcaption></figure>\n' "$2" "$3"
+  printf '<figure><img alt="%s" src="%s"><figcaption><b>%s</b> %s</figcaption></figure>\n' "$2" "$(picture "$1")" "$2" "$3"
+}
+
+# slider LEFT-IMAGE LEFT-TITLE RIGHT-IMAGE RIGHT-TITLE: two pictures in one frame, with a line between them that can be moved.
+slider() {
+  printf '<div class=slider style="--at: 50%%"><img alt="%s" src="%s"><img class=over alt="%s" src="%s">' \
+    "$4" "$(picture "$3")" "$2" "$(picture "$1")"
+  printf '<span class=left>%s</span><span class=right>%s</span>' "$2" "$4"
+  printf '<input type=range min=0 max=100 value=50 step=0.1 aria-label="%s on the left, %s on the right"></div>\n' "$2" "$4"
 }
 
 say() { printf '%4d s  %s\n' "$SECONDS" "$*"; }
 
-rows="" sections="" pictures=0
+# milliseconds JSON SPP: of one frame's indirect light, one sample a pixel, on one core.
+milliseconds() {
+  awk -v diffuse="$(number "$1" passes indirect_diffuse)" -v glossy="$(number "$1" passes indirect_glossy)" -v spp="$2" \
+    'BEGIN { printf "%.0f ms", 1000 * (diffuse + glossy) / spp }'
+}
+
+# The room: sets `hero`.
+room() {
+  local base=$out/flat size=480x300 spp=48 look baked field path
+  look=(--camera room --size "$size" --exposure 2)
+  say "flat: direct light alone"
+  "$program" render builtin:flat -o "$base-direct.png" --method path --bounces 0 "${look[@]}" --spp "$spp" >"$out/log.txt"
+  say "the first picture: $base-direct.png"
+  say "flat: place probes, and bake"
+  "$program" place builtin:flat -o "$base-probes.json" >"$out/log.txt" 2>&1
+  baked=$("$program" bake builtin:flat --probes "$base-probes.json" -o "$base.olx" --radiance-size 256 --noise 0.05 --json)
+  say "flat: render from the field"
+  field=$("$program" render builtin:flat -o "$base-field.exr" --png "$base-field.png" --field "$base.olx" "${look[@]}" \
+    --spp "$spp" --glossy-samples 1 --json)
+  "$program" render builtin:flat -o "$base-probes.png" --field "$base.olx" "${look[@]}" --spp 16 --glossy-samples 1 \
+    --show-probes >"$out/log.txt"
+  say "flat: path trace, as many samples"
+  path=$("$program" render builtin:flat -o "$base-path.exr" --png "$base-path.png" --method path --field "$base.olx" \
+    "${look[@]}" --spp "$spp" --json)
+  hero=$(
+    slider "$base-direct.png" "Direct light" "$base-field.png" "With Octalux"
+    printf '<ul class=facts><li><b>%s</b> for the indirect light of a frame of %s on one core<li><b>%s</b> probes, placed by themselves' \
+      "$(milliseconds "$field" "$spp")" "${size/x/ x }" "$(count "$baked" probes)"
+    printf '<li><b>%s</b> of field in memory<li><b>%s</b> to bake</ul>\n' "$(mebibytes "$baked" file_bytes)" "$(seconds "$baked" seconds)"
+    printf '<p>A furnished room with sun through its window. Whatever the sun does not reach is lit by what other surfaces reflect.'
+    printf ' Below, path tracing with as many samples a pixel, which took %s where the field took %s; and the probes.</p>\n' \
+      "$(seconds "$path" seconds)" "$(seconds "$field" seconds)"
+    printf '<div class=grid style="--shape: %s">' "${size/x/ / }"
+    figure "$base-path.png" "Path traced" "$spp paths a pixel, all bounces."
+    figure "$base-field.png" "From the field" "$spp samples a pixel for direct light and reflections; diffuse light is read where surfaces are."
+    figure "$base-probes.png" "Where the probes are" "Chosen so that they see what can be seen from where a viewer can be."
+    printf '</div>\n'
+  )
+}
+
+rows="" sections=""
 
 # scene SCENE CAMERA SIZE EXPOSURE SPP TITLE TEXT BAKE-OPTION...
 scene() {
   local scene=$1 camera=$2 size=$3 exposure=$4 spp=$5 title=$6 text=$7 name=${1##*[:/]}
-  local baked path field field_error naive_error field_audit naive_audit view base=$out/${name%.json}
+  local baked path field error audit view base=$out/${name%.json}
   name=${name%.json}
   shift 7
   view=(--camera "$camera" --size "$size")
@@ -60,57 +108,39 @@ scene() {
   say "$name: render from the field"
   field=$("$program" render "$scene" -o "$base-field.exr" --png "$base-field.png" --exposure "$exposure" \
     --method field --field "$base.olx" "${view[@]}" --spp 64 --json)
-  pictures=$((pictures + 1))
-  [ $pictures -gt 1 ] || say "the first picture: $base-field.png"
-  "$program" render "$scene" -o "$base-naive.exr" --png "$base-naive.png" --exposure "$exposure" --method field \
-    --field "$base.olx" "${view[@]}" --spp 64 --visibility none >"$out/log.txt"
-  "$program" render "$scene" -o "$base-probes.png" --exposure "$exposure" --method field --field "$base.olx" \
-    "${view[@]}" --spp 16 --show-probes >"$out/log.txt"
   say "$name: path trace, $spp samples a pixel"
   path=$("$program" render "$scene" -o "$base-path.exr" --png "$base-path.png" --exposure "$exposure" --method path \
     "${view[@]}" --spp "$spp" --bounces $((bounces + 1)) --json)
   say "$name: measure"
-  field_error=$("$program" compare "$base-field.exr" "$base-path.exr" --heatmap "$base-field-error.png" --json \
+  error=$("$program" compare "$base-field.exr" "$base-path.exr" --heatmap "$base-field-error.png" --json \
     --report "$base.html" --exposure "$exposure")
-  naive_error=$("$program" compare "$base-naive.exr" "$base-path.exr" --heatmap "$base-naive-error.png" --json)
-  field_audit=$("$program" audit "$scene" --field "$base.olx" --rays 20000 --points 500 --spp 128 --json)
-  naive_audit=$("$program" audit "$scene" --field "$base.olx" --rays 2 --points 500 --spp 128 --visibility none --json)
+  audit=$("$program" audit "$scene" --field "$base.olx" --rays 20000 --points 500 --spp 128 --json)
 
   rows+="<tr><th>$title<td>$(count "$baked" probes)<td>$(seconds "$baked" seconds)<td>$(mebibytes "$baked" file_bytes)"
   rows+="<td>$(seconds "$path" seconds)<td>$(seconds "$field" seconds)"
-  rows+="<td>$(fraction "$field_error" indirect_diffuse relative_mse)<td>$(fraction "$naive_error" indirect_diffuse relative_mse)"
-  rows+="<td>$(fraction "$field_audit" points relative_mse)<td>$(fraction "$naive_audit" points relative_mse)"
-  rows+="<td>$(percent "$field_audit" points leak)<td>$(percent "$naive_audit" points leak)"
-  rows+="<td>$(percent "$field_audit" rays unresolved)<td>$(percent "$field_audit" rays wrong)"
+  rows+="<td>$(fraction "$error" indirect_diffuse relative_mse)<td>$(fraction "$audit" points relative_mse)"
+  rows+="<td>$(percent "$audit" points leak)"
+  rows+="<td>$(percent "$audit" rays unresolved)<td>$(percent "$audit" rays wrong)"
   rows+=$'\n'
 
   sections+="<section><h2>$title</h2><p>$text <a href=\"${base##*/}.html\">The field against the path tracer, to look into.</a></p><div class=grid style=\"--shape: ${size/x/ / }\">"
   sections+=$(
     figure "$base-path.png" "Path traced" "The reference: $spp paths a pixel, $((bounces + 1)) indirect bounces."
     figure "$base-field.png" "From the field" "Direct light is sampled; everything indirect comes from the probes."
-    figure "$base-naive.png" "From the field, without visibility" "Nearby probes are averaged, wall between or not."
-    figure "$base-probes.png" "Where the probes stand" "Blue: probes. Red: probes inside geometry, never asked."
     figure "$base-field-error.png" "Error of the field" "Against the path-traced picture."
-    figure "$base-naive-error.png" "Error without visibility" "On the same scale."
   )
   sections+=$'</div></section>\n'
 }
 
-scene "$out/cornell.json" front 176x176 2 400 "Cornell box, glossy" \
+room
+scene "$out/cornell.json" front 176x176 2 256 "Cornell box, glossy" \
   "The classic box with a rough metal block: colour bleeds from the red and green walls onto the white ones, and the block
   shows the room again. Reflections are rays traced through what the probes saw." \
-  --grid 4x4x4 --radiance-size 128 --irradiance-size 32
+  --grid 4x4x4 --radiance-size 128
 scene builtin:two-rooms-sealed dark 192x144 1 16 "Two rooms, sealed" \
-  "A lit and a dark room, a thin wall between them, seen from the dark one: the true picture is black. Probes of the lit
-  room stand just behind the wall, so averaging the nearest probes lets light through. Stored distances tell the field
-  which probes see a point, and it stays dark but for spots in corners beside the wall. Irradiance probes stand where the
-  light field probes do, to show this; at half that spacing, the default for so few, a layer of them falls inside the wall
-  and parts the rooms even so." \
-  --irradiance-grid 4x2x2 --radiance-size 256
-scene builtin:labyrinth ring 144x108 1.5 448 "Labyrinth" \
-  "Inner walls cut the space into corridors that are lit around corners. Most probes near a point are behind some wall, and
-  some stand inside walls." \
-  --radiance-size 256 --irradiance-size 32
+  "A lit and a dark room, a thin wall between them, seen from the dark one: the true picture is black. Light is stored where
+  surfaces are, and read only from a surface that a point lies on, so none comes through the wall." \
+  --radiance-size 128
 
 page=$out/index.html
 {
@@ -119,24 +149,36 @@ page=$out/index.html
 <html lang="en">
 <meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
-<title>Octalux: light from probes against path tracing</title>
+<title>Octalux: light from probes</title>
 <style>
 :root { color-scheme: light dark; --page: #f7f7f5; --text: #1d1f21; --soft: #5b6066; --line: #d9dadb; --card: #fff; }
 @media (prefers-color-scheme: dark) {
   :root { --page: #141619; --text: #e8e9ea; --soft: #a0a6ad; --line: #2f3338; --card: #1c1f23; }
 }
 body { margin: 0; background: var(--page); color: var(--text); font: 16px/1.55 system-ui, sans-serif; }
-main { max-width: 1680px; margin: 0 auto; padding: 32px clamp(16px, 3vw, 48px) 64px; }
+main { max-width: 1200px; margin: 0 auto; padding: 32px clamp(16px, 3vw, 48px) 64px; }
 h1 { font-size: 32px; line-height: 1.2; margin: 0 0 8px; }
 h2 { font-size: 22px; margin: 48px 0 4px; }
 p { max-width: 80ch; margin: 0 0 16px; }
+.slider { position: relative; overflow: hidden; border-radius: 8px; background: #000; }
+.slider img { display: block; width: 100%; }
+.slider .over { position: absolute; inset: 0; clip-path: inset(0 calc(100% - var(--at)) 0 0); }
+.slider::after { content: ""; position: absolute; top: 0; bottom: 0; left: calc(var(--at) - 1px); width: 2px; background: #fff; }
+.slider span { position: absolute; top: 12px; padding: 2px 10px; border-radius: 999px; background: #000a; color: #fff; font-size: 14px; }
+.slider .left { left: 12px; }
+.slider .right { right: 12px; }
+.slider input { position: absolute; inset: 0; width: 100%; height: 100%; margin: 0; opacity: 0; cursor: ew-resize; }
+.slider:focus-within { outline: 3px solid #4a90d9; outline-offset: 2px; }
+.facts { display: flex; flex-wrap: wrap; gap: 8px 32px; list-style: none; margin: 12px 0 16px; padding: 0; color: var(--soft); }
+.facts b { color: var(--text); }
 .grid { display: grid; grid-template-columns: repeat(3, minmax(0, 1fr)); gap: 20px; }
 @media (max-width: 800px) { .grid { grid-template-columns: 1fr; } }
 figure { margin: 0; background: var(--card); border: 1px solid var(--line); border-radius: 8px; overflow: hidden; }
-img { display: block; width: 100%; aspect-ratio: var(--shape); object-fit: contain; background: #000; }
+figure img { display: block; width: 100%; aspect-ratio: var(--shape); object-fit: contain; background: #000; }
 figcaption { padding: 10px 14px 12px; font-size: 15px; color: var(--soft); }
 figcaption b { color: var(--text); }
-.scroll { overflow-x: auto; }
+pre { overflow-x: auto; padding: 14px 16px; background: var(--card); border: 1px solid var(--line); border-radius: 8px; font-size: 14px; }
+.scroll { overflow-x: auto; margin-bottom: 16px; }
 table { width: 100%; border-collapse: collapse; font-size: 15px; font-variant-numeric: tabular-nums; }
 th, td { padding: 7px 0 7px 14px; border-bottom: 1px solid var(--line); text-align: right; white-space: nowrap; }
 thead tr + tr th { white-space: normal; vertical-align: bottom; }
@@ -144,31 +186,49 @@ tbody th, thead tr:first-child th:first-child { text-align: left; padding-left: 
 thead th { font-weight: 600; color: var(--soft); vertical-align: bottom; }
 small { color: var(--soft); font-size: 14px; }
 a { color: inherit; }
-.scroll { margin-bottom: 16px; }
 </style>
 <main>
 <h1>Octalux</h1>
-<p>Global illumination from precomputed light field probes, beside a path tracer that judges it. Every picture and number
-on this page was made by <code>octalux</code> on this machine a moment ago.</p>
+<p>Global illumination from precomputed light field probes: baked once, then looked up on any processor or Vulkan GPU, without
+ray tracing hardware. Every picture and number on this page was made by <code>octalux</code> on this machine a moment ago.</p>
+HEAD
+  printf '%s\n' "$hero"
+  cat <<'TABLE'
+<h2>Held to a path tracer</h2>
 <div class="scroll"><table>
 <thead>
 <tr><th rowspan="2">Scene<th rowspan="2">Probes<th rowspan="2">Bake<th rowspan="2">Field<th colspan="2">Rendering<th
-colspan="2">Error of indirect light<th colspan="2">Error of irradiance<th colspan="2">Leak<th colspan="2">Traced rays</tr>
-<tr><th>path<th>field<th>field<th>no visibility<th>field<th>no visibility<th>field<th>no visibility<th>unresolved<th
->wrong</tr>
+colspan="2">Error of indirect light<th rowspan="2">Leak<th colspan="2">Traced rays</tr>
+<tr><th>path<th>field<th>picture<th>points<th>unresolved<th>wrong</tr>
 </thead>
 <tbody>
-HEAD
+TABLE
   printf '%s</tbody>\n</table></div>\n' "$rows"
   cat <<'TEXT'
-<p><small>The error of indirect light is the relative mean square error of the picture's indirect diffuse light against
-the path-traced one, sum (a &minus; b)&sup2; / sum b&sup2;; it is infinite where the truth is black. Irradiance is compared at 500 random points of the whole scene against
-path tracing; leak is its mean at points that no light reaches, over the mean of the scene. Traced rays are 20&#8239;000
-diffuse and mirror rays through the field against ray casting: unresolved where no probe could tell, wrong where the point
-found is off. Error maps show |a &minus; b| over the reference's mean (over 1 where that is black), from black (equal) to
-yellow (100&#8239;% and more); the scale at their right goes with the square root.</small></p>
+<p><small>The error of the picture is the relative mean square error of its indirect diffuse light against the path-traced
+one, sum (a &minus; b)&sup2; / sum b&sup2;; it is infinite where the truth is black. That of points compares irradiance at 500
+random points of the whole scene; leak is its mean at points that no light reaches, over the mean of the scene. Traced rays are
+20&#8239;000 diffuse and mirror rays through the field against ray casting: unresolved where no probe could tell, wrong where
+the point found is off. Error maps show |a &minus; b| over the reference's mean (over 1 where that is black), from black
+(equal) to yellow (100&#8239;% and more); the scale at their right goes with the square root.</small></p>
 TEXT
-  printf '%s</main>\n</html>\n' "$sections"
+  printf '%s' "$sections"
+  cat <<'FOOT'
+<section><h2>Now your scene</h2>
+<p>A glTF, OBJ or JSON scene needs three commands; nothing has to be placed or tuned by hand. The last one opens a window on
+any machine with Vulkan.</p>
+<pre>octalux place scene.glb -o probes.json
+octalux bake scene.glb --probes probes.json -o scene.olx
+octalux view scene.glb --field scene.olx</pre>
+<p>A host links a small runtime without dependencies, or includes the shaders; see the README.</p></section>
+</main>
+<script>
+for (const slider of document.querySelectorAll(".slider")) {
+  slider.querySelector("input").addEventListener("input", e => slider.style.setProperty("--at", e.target.value + "%"));
+}
+</script>
+</html>
+FOOT
 } >"$page"
 
 say "done"

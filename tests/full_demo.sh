@@ -1,5 +1,5 @@
 # The demo: its first picture is named long before its end, all of it takes at most 150 seconds of processor time, its references
-# are smooth, and its page holds every picture.
+# are smooth, and its page holds every picture and refers to nothing outside its folder.
 set -euo pipefail
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -11,7 +11,8 @@ awk '{ exit !($1 + $2 <= 150) }' "$work/time.txt" || { echo "the demo takes more
 first=$(sed -n 's/.*the first picture: //p' "$work/said.txt")
 [ -s "$first" ] || { echo "no first picture: $first"; exit 1; }
 sed '/first picture/q' "$work/said.txt" | grep "path trace" && { echo "the first picture waits for the path tracer"; exit 1; }
-[ "$(grep -o '<img' "$work/demo/index.html" | wc -l)" -eq 18 ]
+[ "$(grep -o '<img' "$work/demo/index.html" | wc -l)" -eq 11 ]
+grep -qE '(src|href)="?(https?:|//|/)' "$work/demo/index.html" && { echo "the page refers to something outside its folder"; exit 1; }
 
 # Noise: another seed's picture with a quarter of the samples differs from the reference by five times what the reference is off,
 # in mean square, and that is less than 0.005 of the indirect light's.

@@ -18,7 +18,8 @@ case $list in
       mesa-vulkan-drivers vulkan-validationlayers xvfb # Vulkan's CPU device and its layers, a display for the viewer
       "${wanted[@]}")
     wanted=()
-    [ "$list" = check ] || needed+=(chromium) # looks at reports
+    [ "$list" = check ] || needed+=(chromium # looks at reports
+      gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user musl-tools) # other machines and C libraries
     ;;
   *)
     echo "install-packages: '$list' is not one of build, check, full" >&2

@@ -9,6 +9,8 @@
 #include <string.h>
 
 #define XXH_INLINE_ALL
+#define XXH_FORCE_MEMORY_ACCESS                                                                                        \
+  0 // by memcpy: its other ways read our structures as numbers, which compilers may not expect
 #include <xxhash.h>
 
 uint64_t olx_content_hash(const void *data, size_t size_bytes) { return XXH3_64bits(data, size_bytes); }

@@ -4,7 +4,7 @@
 set -uo pipefail
 source "$(dirname "$0")/steps.sh"
 
-step "packages" scripts/install-packages.sh check
+step "packages" scripts/install-packages.sh soak
 step "build: gcc, release" configure_and_build release && tests release "soak: gcc, release" -L soak
 step "build: address and undefined sanitizers" configure_and_build asan soak-tests &&
   tests asan "soak: address and undefined sanitizers" -L soak

@@ -4,7 +4,7 @@ JOBS ?= $(shell nproc)
 PREFIX ?= /usr/local
 OCTALUX := build/release/octalux
 
-.PHONY: build demo check check-full soak bench install wheel packages dist clean tidy format build-packages check-packages
+.PHONY: build demo check check-full soak fuzz bench install wheel packages dist clean tidy format build-packages check-packages
 
 build: build-packages
 	@cmake --preset release $(if $(wildcard build/release/CMakeCache.txt),>/dev/null,)
@@ -27,6 +27,12 @@ check-full:
 
 soak:
 	@JOBS=$(JOBS) scripts/soak.sh
+
+# Coverage-guided fuzzing of every reader of files, MINUTES (10) each; TARGETS="field gltf" takes some.
+MINUTES ?= 10
+fuzz: check-packages
+	@cmake --preset fuzz >/dev/null && cmake --build build/fuzz --parallel $(JOBS) --target fuzzers
+	@scripts/fuzz.sh build/fuzz $$((60 * $(MINUTES))) $(TARGETS)
 
 bench: check-packages build
 	@mkdir -p build/bench

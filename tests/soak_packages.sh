@@ -16,17 +16,16 @@ cp "$work"/packages/*.deb "$OCTALUX_SOURCE_DIR/examples/minimal.c" "$work/files"
 cat >"$work/files/try.sh" <<'SCRIPT'
 set -eux
 export DEBIAN_FRONTEND=noninteractive
-unset APT_CONFIG # settings of what makes the system, not of the system
 cd /files
 apt-get -q update
-apt-get -q -y --simulate install ./*.deb >recommended.txt # what comes along can all be had
+apt-get -q -y --simulate --install-recommends install ./*.deb >recommended.txt # what comes along can all be had
 grep 'Inst libembree-dev' recommended.txt || { cat recommended.txt; exit 1; }
 apt-get -q -y --no-install-recommends install ./*.deb
 cd /tmp
 octalux scene builtin:cornell
 octalux bake builtin:cornell -o cornell.olx --grid 2x2x2 --radiance-size 64
-octalux render builtin:cornell --method field --field cornell.olx --width 64 --height 64 -o field.exr
-octalux render builtin:cornell --method path --field cornell.olx --width 64 --height 64 --spp 16 -o path.exr
+octalux render builtin:cornell --method field --field cornell.olx --size 64x64 -o field.exr
+octalux render builtin:cornell --method path --field cornell.olx --size 64x64 --spp 16 -o path.exr
 octalux compare field.exr path.exr
 octalux-view --help >/dev/null
 octalux-bench-gpu --help >/dev/null

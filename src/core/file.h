@@ -35,7 +35,8 @@ olx_result olx_output_commit(olx_output_file *file);
 // Close the output and remove the temporary file; nothing happens after a commit.
 void olx_output_discard(olx_output_file *file);
 
-// A read-only mapping of a whole file. Zero-initialise.
+// A read-only mapping of a whole file; of an empty one, `data` is an address all the same, at which nothing may be read.
+// Zero-initialise.
 typedef struct olx_mapped_file {
   const void *data;
   size_t size_bytes;

@@ -55,7 +55,10 @@ static olx_result read_whole(const char *path, FILE *stream, olx_mapped_file *fi
   if (size_bytes < 0 || fseek(stream, 0, SEEK_SET) != 0) {
     return olx_fail(OLX_ERROR_FILE, "%s: cannot read: its size is not known", path);
   }
-  if (size_bytes == 0) return OLX_OK;
+  if (size_bytes == 0) {
+    file->data = "";
+    return OLX_OK;
+  }
   void *data = olx_allocate((size_t)size_bytes, 1);
   if (!data) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", path);
   if (fread(data, 1, (size_t)size_bytes, stream) != (size_t)size_bytes) {
@@ -76,6 +79,6 @@ olx_result olx_map_file(const char *path, olx_mapped_file *file) {
 }
 
 void olx_unmap_file(olx_mapped_file *file) {
-  olx_release((void *)(uintptr_t)file->data);
+  if (file->size_bytes > 0) olx_release((void *)(uintptr_t)file->data);
   *file = (olx_mapped_file){0};
 }

@@ -5,7 +5,7 @@ set -euo pipefail
 build=$(realpath "$1") source=$(realpath "$2")
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-[ -e "$build/CPackConfig.cmake" ] || { echo "skipped: this build makes no packages"; exit 77; }
+grep -qs octalux-viewer "$build/CPackConfig.cmake" || { echo "skipped: this build makes no packages, or not all"; exit 77; }
 failed=0
 
 fail() {

@@ -1,5 +1,5 @@
-// Fields that may be hostile, used as a host would: opened, verified, sampled and lit anew, by random choices that a seed decides. What
-// fuzzers of fields share.
+// Fields that may be hostile, used as a host would: opened, verified, sampled and lit anew, by random choices that a
+// seed decides. What fuzzers of fields share.
 #pragma once
 
 #include "core/pack.h"
@@ -50,6 +50,6 @@ typedef struct field_counts {
   uint64_t opened, verified, refused[16], calls;
 } field_counts;
 
-// Open the bytes of a file (aligned to 64) and, when that works, use what is there. What was promised and does not hold is reported and
-// ends in abort().
+// Open the bytes of a file (aligned to 64) and, when that works, use what is there. What was promised and does not hold
+// is reported and ends in abort().
 void hostile_field_use(dice *d, const void *bytes, size_t size_bytes, field_counts *counts);

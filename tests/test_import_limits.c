@@ -269,6 +269,20 @@ static void test_damaged_jpeg(void **state) {
   (void)state;
 }
 
+// stb_image would take the memory that the chunk claims.
+static void test_damaged_png(void **state) {
+  uint8_t png[] = "\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\1\0\0\0\1\x08\0\0\0\0\x3a\x7e\x9b\x55"
+                  "\0\0\0\x0aIDAT\x78\x9c\x63\x68\0\0\0\x82\0\x81\x77\xcd\x72\xb6\0\0\0\0IEND\xae\x42\x60\x82";
+  olx_texture texture = {0};
+  assert_int_equal(olx_texture_load("one.png", png, sizeof png - 1, OLX_TEXTURE_DATA, &texture), OLX_OK);
+  assert_int_equal(texture.texels[0], 128);
+  olx_release(texture.texels);
+  png[33] = 0x62; // the length of the data
+  assert_int_equal(olx_texture_load("one.png", png, sizeof png - 1, OLX_TEXTURE_DATA, &texture), OLX_ERROR_FORMAT);
+  assert_non_null(strstr(olx_last_error(), "one.png: a chunk of this PNG is longer than the file"));
+  (void)state;
+}
+
 static olx_result load_radiance(const char *rows, size_t size_bytes) {
   char file[256];
   olx_texture texture = {0};
@@ -442,6 +456,7 @@ int main(void) {
       IN_FOLDER(test_texels),
       IN_FOLDER(test_large_image),
       cmocka_unit_test(test_damaged_jpeg),
+      cmocka_unit_test(test_damaged_png),
       cmocka_unit_test(test_damaged_radiance),
       IN_FOLDER(test_masks),
       IN_FOLDER(test_outside_images),

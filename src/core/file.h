@@ -1,5 +1,5 @@
-// Files that are never left half written, and files mapped into memory. file_posix.c has them for POSIX, file_plain.c reads
-// by what C17 has and writes nothing; a port to another system writes one such file.
+// Files that are never left half written, and files mapped into memory. file_posix.c has them for POSIX, file_plain.c
+// reads by what C17 has and writes nothing; a port to another system writes one such file.
 #ifndef OLX_CORE_FILE_H
 #define OLX_CORE_FILE_H
 
@@ -35,8 +35,8 @@ olx_result olx_output_commit(olx_output_file *file);
 // Close the output and remove the temporary file; nothing happens after a commit.
 void olx_output_discard(olx_output_file *file);
 
-// A read-only mapping of a whole file; of an empty one, `data` is an address all the same, at which nothing may be read.
-// Zero-initialise.
+// A read-only mapping of a whole file; of an empty one, `data` is an address all the same, at which nothing may be
+// read. Zero-initialise.
 typedef struct olx_mapped_file {
   const void *data;
   size_t size_bytes;

@@ -1,5 +1,6 @@
-// Threads, locks and clocks of the system. threads_posix.c has them for POSIX, threads_plain.c for systems of which nothing
-// but C17 is known: one thread, and locks that nobody contends for. A port to another system writes one such file.
+// Threads, locks and clocks of the system. threads_posix.c has them for POSIX, threads_plain.c for systems of which
+// nothing but C17 is known: one thread, and locks that nobody contends for. A port to another system writes one such
+// file.
 #ifndef OLX_CORE_THREADS_H
 #define OLX_CORE_THREADS_H
 

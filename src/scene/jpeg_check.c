@@ -1,5 +1,6 @@
-// The segments of a JPEG, walked as stb_image walks them: whatever stands between two of them is passed over, up to the next byte FF. Coded
-// data follows the segment of a scan in the same way, in which FF 00 stands for a byte FF, and FF D0 to FF D7 restart.
+// The segments of a JPEG, walked as stb_image walks them: whatever stands between two of them is passed over, up to the
+// next byte FF. Coded data follows the segment of a scan in the same way, in which FF 00 stands for a byte FF, and FF
+// D0 to FF D7 restart.
 #include "scene/jpeg_check.h"
 
 #include "core/result.h"
@@ -30,7 +31,8 @@ static bool stands_alone(uint32_t marker) {
   return marker == 0 || marker == TEMPORARY || marker == START || (marker >= RESTART_FIRST && marker <= RESTART_LAST);
 }
 
-// A segment's tables: a byte of kind, sixteen counts of codes by their lengths, and the codes. What is cut off, stb_image refuses.
+// A segment's tables: a byte of kind, sixteen counts of codes by their lengths, and the codes. What is cut off,
+// stb_image refuses.
 static bool check_tables(const uint8_t *tables, size_t size_bytes) {
   while (size_bytes >= 17) {
     size_t codes = 0;

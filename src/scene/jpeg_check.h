@@ -4,8 +4,8 @@
 
 #include <octalux/base.h>
 
-// OLX_ERROR_FORMAT for a JPEG with a Huffman table of more than 256 codes, which stb_image would write beyond its end. Whatever is no JPEG
-// passes.
+// OLX_ERROR_FORMAT for a JPEG with a Huffman table of more than 256 codes, which stb_image would write beyond its end.
+// Whatever is no JPEG passes.
 olx_result olx_jpeg_check(const char *path, const uint8_t *data, size_t size_bytes);
 
 #endif

@@ -8,6 +8,7 @@
 #include "scene/hdr_check.h"
 #include "scene/import_limits.h"
 #include "scene/jpeg_check.h"
+#include "scene/png_check.h"
 
 #include <limits.h>
 #include <string.h>
@@ -86,6 +87,7 @@ static olx_result decode_texture(const char *path, const void *data, size_t size
                                  olx_texture *texture) {
   uint64_t count;
   OLX_TRY(check_header(path, data, size_bytes, &count));
+  OLX_TRY(olx_png_check(path, data, size_bytes));
   OLX_TRY(olx_hdr_check(path, data, size_bytes));
   int width = 0, height = 0, channels = 0;
   uint8_t *texels = stbi_load_from_memory(data, (int)size_bytes, &width, &height, &channels, 4);

@@ -1,4 +1,5 @@
-// Coverage-guided fuzzing of images: as textures (JPEG, PNG, TGA, BMP), as environments (HDR, EXR), and as what `compare` reads (EXR).
+// Coverage-guided fuzzing of images: as textures (JPEG, PNG, TGA, BMP), as environments (HDR, EXR), and as what
+// `compare` reads (EXR).
 #include "harness.h"
 #include "sound_scene.h"
 

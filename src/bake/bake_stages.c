@@ -246,7 +246,7 @@ typedef struct classic_stage {
 } classic_stage;
 
 static size_t classic_texels(const olx_bake_run *b, uint32_t level) {
-  const size_t side = b->settings->classic_size >> level;
+  const size_t side = olx_classic_side(b->settings->classic_size, level);
   return side * side;
 }
 

@@ -118,7 +118,8 @@ static olx_result refuse_more(olx_unit_store *s) {
 static olx_result store_bytes(olx_unit_store *s, const olx_unit_name *name, const olx_byte_writer *bytes) {
   if (bytes->failed) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory for a result", s->path);
   const uint64_t limit = s->settings.limit_bytes;
-  if (limit && olx_work_folder_bytes(s->folder) + bytes->size_bytes > limit) return refuse_more(s);
+  if (limit && olx_work_folder_bytes(s->folder) + OLX_UNIT_HEADER_BYTES + bytes->size_bytes > limit)
+    return refuse_more(s);
   return olx_work_folder_put(s->folder, name, bytes->data, bytes->size_bytes);
 }
 

@@ -40,7 +40,7 @@ typedef struct unit_header {
   uint64_t header_hash; // of all before it
 } unit_header;
 
-_Static_assert(sizeof(unit_header) == 64 && offsetof(unit_header, header_hash) == 56,
+_Static_assert(sizeof(unit_header) == OLX_UNIT_HEADER_BYTES && offsetof(unit_header, header_hash) == 56,
                "no padding that hashes would see");
 
 // ---- Manifests

@@ -11,6 +11,8 @@
 
 typedef struct olx_work_folder olx_work_folder;
 
+enum { OLX_UNIT_HEADER_BYTES = 64 }; // of a file, before the result
+
 // What a bake depends on, one line a thing: its name, a space, its value. Two bakes may share a folder when all lines are equal.
 // The line "stages" lists the stages whose units the folder may hold.
 typedef struct olx_manifest {

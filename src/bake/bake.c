@@ -434,7 +434,9 @@ static olx_result run(olx_bake_run *b, const char *path) {
   const olx_bake_settings *s = b->settings;
   olx_bake_describe(b);
   OLX_TRY(olx_bake_plan(b, make_plan));
-  if (!olx_unit_store_is_part(b->store)) OLX_TRY(olx_bake_create_file(b, path));
+  const bool is_part = olx_unit_store_is_part(b->store);
+  if (is_part && olx_bake_is_stored(b)) return OLX_OK;
+  if (!is_part) OLX_TRY(olx_bake_create_file(b, path));
   OLX_TRY(olx_capture_create(&b->capture));
   if (s->classic) OLX_TRY(olx_classic_bake_create(&b->classic));
   OLX_TRY(solve_light(b));

@@ -52,6 +52,8 @@ typedef struct olx_bake_run {
 // What the file says of the whole before the first probe: which probes are buried, how probes are found, the cells of the volume, the
 // scene's lights. `make` makes them.
 olx_result olx_bake_plan(olx_bake_run *run, olx_result (*make)(olx_bake_run *run));
+// Whether everything that the file is made of is stored.
+bool olx_bake_is_stored(const olx_bake_run *run);
 // What the file says of the solved light.
 olx_result olx_bake_facts(olx_bake_run *run);
 // Irradiance probes; `make` gathers their light.

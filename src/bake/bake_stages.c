@@ -459,3 +459,12 @@ olx_result olx_bake_probes(olx_bake_run *b) {
   if (result != OLX_OK || !b->settings->relight || !b->writer) return result;
   return olx_relight_bake_write(&b->relight, b->writer);
 }
+
+bool olx_bake_is_stored(const olx_bake_run *b) {
+  const olx_bake_settings *s = b->settings;
+  return olx_units_have_all(b->store, "facts", s->light == OLX_LIGHT_CACHE) &&
+         olx_units_have_all(b->store, "volume", olx_volume_bake_units(&b->volume)) &&
+         olx_units_have_all(b->store, "irradiance", b->counts[1] > 0) &&
+         olx_units_have_all(b->store, "classic", s->classic ? b->counts[1] : 0) &&
+         olx_units_have_all(b->store, "relight", s->relight) && olx_units_have_all(b->store, "probe", b->counts[0]);
+}

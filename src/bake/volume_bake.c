@@ -60,6 +60,10 @@ typedef struct light_stage {
   uint16_t *irradiance; // of all probes
 } light_stage;
 
+uint32_t olx_volume_bake_units(const olx_volume_bake *b) {
+  return b->cells.data ? (b->cells.probe_count + PROBES_A_UNIT - 1) / PROBES_A_UNIT : 0;
+}
+
 static uint32_t probes_in(const light_stage *v, uint32_t unit) {
   const uint32_t left = v->bake->cells.probe_count - unit * PROBES_A_UNIT;
   return left < PROBES_A_UNIT ? left : PROBES_A_UNIT;
@@ -89,7 +93,7 @@ static olx_result load_unit(void *user, uint32_t unit, olx_byte_reader *from) {
 static olx_result light_probes(light_stage *v, olx_unit_store *store, olx_field_writer *writer) {
   const uint32_t count = v->bake->cells.probe_count;
   const olx_unit_stage stage = {.name = "volume",
-                                .count = (count + PROBES_A_UNIT - 1) / PROBES_A_UNIT,
+                                .count = olx_volume_bake_units(v->bake),
                                 .user = v,
                                 .make = light_unit,
                                 .save = save_unit,

@@ -199,6 +199,67 @@ static olx_result cast_round(olx_scene_light *l) {
   return result;
 }
 
+// ---- Points: most of what is known, and seldom read
+
+typedef struct point_stage {
+  olx_scene_light *light;
+  uint32_t round;
+} point_stage;
+
+static uint32_t first_point(const point_stage *p) { return p->round ? p->light->point_ends[p->round - 1] : 0; }
+
+static void save_points(void *user, uint32_t unit, olx_byte_writer *to) {
+  (void)unit;
+  const point_stage *p = user;
+  const olx_light_surfels *s = &p->light->surfels;
+  const uint32_t first = first_point(p);
+  olx_bytes_put(to, s->points + first, p->light->point_ends[p->round] - first, sizeof *s->points);
+}
+
+static olx_result load_points(void *user, uint32_t unit, olx_byte_reader *from) {
+  (void)unit;
+  const point_stage *p = user;
+  olx_light_surfels *s = &p->light->surfels;
+  const uint32_t first = first_point(p);
+  olx_bytes_copy(from, s->points + first, p->light->point_ends[p->round] - first, sizeof *s->points);
+  return OLX_OK;
+}
+
+static olx_unit_stage points_of(point_stage *p) {
+  return (olx_unit_stage){"points", p->round, 1, p, NULL, save_points, load_points};
+}
+
+// Those that came with the last step.
+static olx_result keep_points(olx_scene_light *l) {
+  point_stage p = {l, l->round};
+  const olx_unit_stage stage = points_of(&p);
+  if (l->phase != OLX_LIGHT_EXPLORING) return OLX_OK; // no surfels were added
+  return olx_unit_keep(l->settings.store, &stage);
+}
+
+static olx_result load_all_points(olx_scene_light *l) {
+  for (uint32_t round = 0; round <= OLX_LIGHT_HIDDEN_ROUNDS; round++) {
+    point_stage p = {l, round};
+    const olx_unit_stage stage = points_of(&p);
+    if (l->point_ends[round] > first_point(&p)) OLX_TRY(olx_units_load(l->settings.store, &stage));
+  }
+  return OLX_OK;
+}
+
+// Without points there is nothing to go on from: all steps are forgotten.
+static olx_result need_points(olx_scene_light *l) {
+  olx_light_surfels *s = &l->surfels;
+  if (s->points || s->point_count == 0) return OLX_OK;
+  s->points = olx_allocate(s->point_count, sizeof *s->points);
+  if (!s->points) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u points of surfaces", s->point_count);
+  const olx_result result = load_all_points(l);
+  if (result == OLX_OK) return OLX_OK;
+  olx_release(s->points);
+  s->points = NULL;
+  if (result == OLX_ERROR_INCOMPLETE) olx_units_forget(l->settings.store, "light", 0, OLX_LIGHT_MOST_STEPS + 1);
+  return result;
+}
+
 // ---- Direct light
 
 typedef struct direct_stage {
@@ -214,6 +275,7 @@ static uint32_t direct_count(const olx_scene_light *l, uint32_t unit) {
 static olx_result light_unit(void *user, uint32_t unit) {
   direct_stage *d = user;
   d->rays = 0;
+  OLX_TRY(need_points(d->light));
   OLX_TRY(olx_scene_light_direct(d->light, unit * DIRECT_A_UNIT, direct_count(d->light, unit), &d->rays));
   if (!olx_unit_store_is_part(d->light->settings.store)) d->light->report.rays += d->rays;
   return OLX_OK;
@@ -253,7 +315,6 @@ static void save_surfels(const olx_light_surfels *s, olx_byte_writer *to) {
   const uint32_t counts[] = {s->point_count, s->count, s->table.capacity, s->table.count};
   olx_bytes_put(to, counts, 4, sizeof *counts);
   olx_bytes_put(to, &s->rays, 1, sizeof s->rays);
-  olx_bytes_put(to, s->points, s->point_count, sizeof *s->points);
   olx_bytes_put(to, s->surfels, s->count, sizeof *s->surfels);
   olx_bytes_put(to, s->table.keys, s->table.capacity, sizeof *s->table.keys);
   olx_bytes_put(to, s->table.values, s->table.capacity, sizeof *s->table.values);
@@ -266,7 +327,6 @@ static void load_surfels(olx_light_surfels *s, olx_byte_reader *from) {
   olx_bytes_copy(from, &s->rays, 1, sizeof s->rays);
   s->point_count = counts[0];
   s->count = s->capacity = counts[1];
-  s->points = olx_bytes_take(from, s->point_count, sizeof *s->points);
   s->surfels = olx_bytes_take(from, s->count, sizeof *s->surfels);
   s->table = (olx_cell_table){.capacity = counts[2], .count = counts[3]};
   s->table.keys = olx_bytes_take(from, counts[2], sizeof *s->table.keys);
@@ -368,6 +428,7 @@ static void save_step(void *user, uint32_t unit, olx_byte_writer *to) {
   const olx_scene_light *l = user;
   const uint32_t numbers[] = {l->phase, l->round, l->visible, l->served, l->first_rays};
   olx_bytes_put(to, numbers, 5, sizeof *numbers);
+  olx_bytes_put(to, l->point_ends, OLX_LIGHT_HIDDEN_ROUNDS + 1, sizeof *l->point_ends);
   olx_bytes_put(to, &l->report, 1, sizeof l->report);
   save_surfels(&l->surfels, to);
   save_batches(l, to);
@@ -384,6 +445,7 @@ static olx_result load_step(void *user, uint32_t unit, olx_byte_reader *from) {
   OLX_TRY(olx_light_surfels_create(&l->surfels, l->scene, l->settings.spacing, l->settings.seed, l->settings.threads));
   l->surfels.task = l->settings.task;
   olx_bytes_copy(from, numbers, 5, sizeof *numbers);
+  olx_bytes_copy(from, l->point_ends, OLX_LIGHT_HIDDEN_ROUNDS + 1, sizeof *l->point_ends);
   l->phase = (olx_scene_light_phase)numbers[0];
   l->round = numbers[1];
   l->visible = numbers[2];
@@ -458,6 +520,7 @@ static olx_result load_for_settling(olx_scene_light *l) {
   olx_unit_store *store = l->settings.store;
   direct_stage d = {.light = l};
   const olx_unit_stage direct = direct_of(&d);
+  if (l->phase == OLX_LIGHT_EXPLORING) OLX_TRY(need_points(l));
   if (l->phase == OLX_LIGHT_EXPLORING) return load_round(l, l->round, false);
   for (uint32_t round = 0; round < l->round; round++) OLX_TRY(load_round(l, round, true));
   if (l->phase == OLX_LIGHT_REFINING) return load_round(l, l->round, false);
@@ -465,6 +528,7 @@ static olx_result load_for_settling(olx_scene_light *l) {
 }
 
 olx_result olx_scene_light_load_links(olx_scene_light *l) {
+  OLX_TRY(need_points(l));
   for (uint32_t round = 0; round <= l->round; round++) OLX_TRY(load_round(l, round, true));
   return OLX_OK;
 }
@@ -473,14 +537,22 @@ olx_result olx_scene_light_load_links(olx_scene_light *l) {
 
 static olx_result make_first(void *user, uint32_t unit) {
   (void)unit;
-  return olx_scene_light_begin(user);
+  olx_scene_light *l = user;
+  OLX_TRY(olx_scene_light_begin(l));
+  for (uint32_t round = 0; round <= OLX_LIGHT_HIDDEN_ROUNDS; round++) l->point_ends[round] = l->surfels.point_count;
+  return keep_points(l);
 }
 
 static olx_result make_next(void *user, uint32_t unit) {
   (void)unit;
   olx_scene_light *l = user;
   if (l->settings.store) OLX_TRY(load_for_settling(l));
-  return olx_scene_light_settle(l);
+  const bool explored = l->phase == OLX_LIGHT_EXPLORING;
+  OLX_TRY(olx_scene_light_settle(l));
+  if (!explored) return OLX_OK;
+  for (uint32_t round = l->round; round <= OLX_LIGHT_HIDDEN_ROUNDS; round++)
+    l->point_ends[round] = l->surfels.point_count;
+  return keep_points(l);
 }
 
 static olx_unit_stage step_of(olx_scene_light *l, uint32_t step) {

@@ -37,7 +37,8 @@ struct olx_scene_light {
   uint32_t probe_count;
   olx_scene_light_phase phase;
   uint32_t round; // of casting: that comes next, or was the last
-  olx_light_surfels surfels;
+  olx_light_surfels surfels;                      // without points where they were not loaded
+  uint32_t point_ends[OLX_LIGHT_HIDDEN_ROUNDS + 1]; // points there were after surfaces were found, and after each round
   olx_link_batch batches[OLX_LIGHT_MOST_BATCHES]; // without links where they were not loaded
   uint32_t rounds_of[OLX_LIGHT_MOST_BATCHES];     // round in which a batch is cast
   olx_link_patch patches[OLX_LIGHT_HIDDEN_ROUNDS];

@@ -61,7 +61,7 @@ olx_vec3 olx_scene_light_gather(const olx_scene_light *light, const olx_surface 
 // a ray that ends there brings to a place whose light has bounced as often as the solution's.
 olx_vec3 olx_scene_light_irradiance_before(const olx_scene_light *light, const olx_surface *surface);
 
-// Brings the links into memory, where the solution was loaded without them. OLX_ERROR_INCOMPLETE when some were damaged: they are made
+// Brings links and points into memory, where the solution was loaded without them. OLX_ERROR_INCOMPLETE when some were damaged: they are made
 // again by whoever solves the light next.
 olx_result olx_scene_light_load_links(olx_scene_light *light);
 

@@ -59,6 +59,13 @@ bool olx_units_have(const olx_unit_store *s, const char *stage, uint32_t round) 
   return is_stored(s, &(olx_unit_name){stage, round, 0});
 }
 
+bool olx_units_have_all(const olx_unit_store *s, const char *stage, uint32_t count) {
+  for (uint32_t unit = 0; unit < count; unit++) {
+    if (!is_stored(s, &(olx_unit_name){stage, 0, unit})) return false;
+  }
+  return true;
+}
+
 void olx_units_forget(olx_unit_store *s, const char *stage, uint32_t first_round, uint32_t rounds) {
   for (uint32_t round = first_round; s && round < first_round + rounds; round++) {
     olx_work_folder_drop(s->folder, &(olx_unit_name){stage, round, 0});
@@ -130,6 +137,14 @@ static olx_result store_unit(olx_unit_store *s, const olx_unit_stage *stage, uin
   const olx_result result = store_bytes(s, &(olx_unit_name){stage->name, stage->round, unit}, &bytes);
   olx_byte_writer_free(&bytes);
   return result;
+}
+
+olx_result olx_unit_keep(olx_unit_store *s, const olx_unit_stage *stage) {
+  const double start = olx_seconds();
+  if (!s) return OLX_OK;
+  OLX_TRY(store_unit(s, stage, 0));
+  tell(s, stage, 0, false, start);
+  return OLX_OK;
 }
 
 static olx_result make_unit(olx_unit_store *s, const olx_unit_stage *stage, uint32_t unit) {

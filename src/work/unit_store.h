@@ -52,6 +52,8 @@ typedef struct olx_unit_stage {
 // Whether unit 0 of a stage is stored; false for NULL.
 bool olx_units_have(const olx_unit_store *store, const char *stage, uint32_t round);
 
+// Whether the units 0 to count - 1 of a stage are stored; false for NULL unless there are none.
+bool olx_units_have_all(const olx_unit_store *store, const char *stage, uint32_t count);
 // Removes unit 0 of some rounds of a stage. store may be NULL.
 void olx_units_forget(olx_unit_store *store, const char *stage, uint32_t first_round, uint32_t rounds);
 
@@ -61,6 +63,8 @@ void olx_units_forget(olx_unit_store *store, const char *stage, uint32_t first_r
 olx_result olx_units_make(olx_unit_store *store, const olx_unit_stage *stage);
 // Loads every unit of a stage that is complete; a part needs that before it reads what olx_units_make left to others.
 olx_result olx_units_load(olx_unit_store *store, const olx_unit_stage *stage);
+// Stores unit 0 of a stage, which is in memory, whoever is to make it. store may be NULL.
+olx_result olx_unit_keep(olx_unit_store *store, const olx_unit_stage *stage);
 // A stage of one unit, whose result is in memory afterwards, whoever makes it.
 olx_result olx_unit_once(olx_unit_store *store, const olx_unit_stage *stage);
 

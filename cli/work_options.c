@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 // Rays from probes that make a bake long enough, about a minute of one processor, to be worth going on with.
@@ -32,12 +33,22 @@ static void count_unit(void *user, const olx_bake_unit *unit) {
           unit->stage, unit->round, unit->unit, unit->count, unit->found ? "true" : "false", unit->seconds);
 }
 
+// Whether a folder that only its owner looks into can be made there: some file systems have none.
+static bool can_be_private(const char *folder) {
+  struct stat status;
+  if (mkdir(folder, 0700) != 0) return false;
+  const bool private = stat(folder, &status) == 0 && (status.st_mode & 077) == 0;
+  rmdir(folder);
+  return private;
+}
+
 // Bakes whose folder is there, from before, go on from it however short they are.
 static bool wants_folder(const olx_scene *scene, const olx_bake_settings *settings, const char *output,
                          const char *folder) {
   olx_bake_sizes sizes;
   if (access(folder, F_OK) == 0) return true;
-  return olx_bake_measure(scene, settings, output, &sizes) == OLX_OK && sizes.rays > LONG_BAKE_RAYS;
+  if (olx_bake_measure(scene, settings, output, &sizes) != OLX_OK || sizes.rays <= LONG_BAKE_RAYS) return false;
+  return can_be_private(folder);
 }
 
 static int check_given(const work_options *given, const olx_bake_settings *settings) {

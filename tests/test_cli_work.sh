@@ -88,6 +88,30 @@ complains 1 "kept: another bake works in this folder" bake "${scene[@]}" -o old.
 complains 1 "kept: another bake works in this folder" join kept -o old.olx
 exec 9<&-
 
+# interrupted FOLDER ARGUMENTS...: a bake that is interrupted when it has begun to keep results.
+interrupted() {
+  local kept=$1 code=0
+  shift
+  "$OCTALUX" bake "$@" >stdout.txt 2>stderr.txt &
+  local child=$!
+  until [ -n "$(ls "$kept" 2>/dev/null | grep light-0-0)" ] || ! kill -0 $child 2>/dev/null; do sleep 0.01; done
+  kill -INT $child 2>/dev/null
+  wait $child || code=$?
+  [ "$code" = 130 ] || fail "interrupted: exit code $code"
+  grep -q "old.olx: interrupted, nothing written; $kept holds what is done, and the same command goes on from it" stderr.txt ||
+    fail "no word of what is kept"
+  [ -e "$kept/plan-0-0.unit" ] || fail "nothing is kept"
+}
+
+# Long bakes have a folder beside their output without being asked, and short ones go on from it; it is another's for other settings.
+long=(builtin:cornell --grid 4x4x4 --radiance-size 512 --noise 0.3)
+interrupted old.olx.work "${long[@]}" -o old.olx
+[ "$(cat old.olx)" = 'the old field' ] || fail "an interrupted bake changed the old field"
+complains 1 "old.olx.work: the work folder is of another bake" bake "${scene[@]}" -o old.olx
+expect 0 bake "${scene[@]}" -o new.olx --work old.olx.work --fresh
+[ -e old.olx.work ] && fail "the folder stayed"
+cmp -s new.olx whole.olx || fail "another field after another bake"
+
 # A full disk, at ever later moments: an error, wherever it is noticed, and the next bake goes on.
 full=0
 for bytes in 100 1000 10000 100000 200000 300000 400000 500000; do

@@ -63,6 +63,17 @@ olx_result olx_scene_light_settle(olx_scene_light *light);
 // Releases what was made.
 void olx_scene_light_clear(olx_scene_light *light);
 
+// Light between two bounces, stored when the last time was a second ago.
+typedef struct olx_light_checkpoint {
+  olx_scene_light *light;
+  uint32_t round;   // of the stage "bounce"
+  double last;      // seconds of the clock
+  olx_bounce_state state;
+} olx_light_checkpoint;
+
+// Of the bounces of a step: all of them, or a few.
+olx_bounce_keeper olx_light_checkpoint_begin(olx_light_checkpoint *checkpoint, olx_scene_light *light, bool all);
+
 // Runs all steps, or loads what the store has of them.
 olx_result olx_light_units_run(olx_scene_light *light);
 

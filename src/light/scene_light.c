@@ -266,8 +266,11 @@ static double last_bounce(const olx_scene_light *l) {
 static olx_result solve(olx_scene_light *l, uint32_t bounces) {
   const uint32_t asked = l->settings.bounces;
   count_rays(l);
+  olx_light_checkpoint checkpoint;
+  const olx_bounce_keeper keeper = olx_light_checkpoint_begin(&checkpoint, l, bounces > FEW_BOUNCES);
   OLX_TRY(olx_bounces_solve(&l->links, l->surfels.count, l->settings.threads, l->direct,
-                            bounces < asked ? bounces : asked, l->irradiance, l->passed_on, &l->report.bounces));
+                            bounces < asked ? bounces : asked, l->settings.store ? &keeper : NULL, l->irradiance,
+                            l->passed_on, &l->report.bounces));
   l->report.last_bounce = last_bounce(l);
   return OLX_OK;
 }

@@ -28,7 +28,7 @@ const char *olx_bake_light_name(olx_bake_light light);
 
 // A unit of work that is done: what follows is from one thread at a time.
 typedef struct olx_bake_unit {
-  const char *stage;           // "plan", "light", "points", "cast", "direct", "bounce", "facts", "volume", "irradiance", "classic", "relight", "probe"
+  const char *stage;           // "plan", "light", "cast", "direct", "facts", "volume", "irradiance", "classic", "relight", "probe"
   uint32_t round, unit, count; // of a stage's rounds; of the `count` units in that round
   bool found;                  // its result was in the work folder already
   double seconds;              // by the clock, to make or to read it

@@ -140,11 +140,7 @@ static olx_result store_unit(olx_unit_store *s, const olx_unit_stage *stage, uin
 }
 
 olx_result olx_unit_keep(olx_unit_store *s, const olx_unit_stage *stage) {
-  const double start = olx_seconds();
-  if (!s) return OLX_OK;
-  OLX_TRY(store_unit(s, stage, 0));
-  tell(s, stage, 0, false, start);
-  return OLX_OK;
+  return s ? store_unit(s, stage, 0) : OLX_OK;
 }
 
 static olx_result make_unit(olx_unit_store *s, const olx_unit_stage *stage, uint32_t unit) {

@@ -63,7 +63,7 @@ void olx_units_forget(olx_unit_store *store, const char *stage, uint32_t first_r
 olx_result olx_units_make(olx_unit_store *store, const olx_unit_stage *stage);
 // Loads every unit of a stage that is complete; a part needs that before it reads what olx_units_make left to others.
 olx_result olx_units_load(olx_unit_store *store, const olx_unit_stage *stage);
-// Stores unit 0 of a stage, which is in memory, whoever is to make it. store may be NULL.
+// Stores unit 0 of a stage, which came to be as a part of another unit that is being made; nobody is told. store may be NULL.
 olx_result olx_unit_keep(olx_unit_store *store, const olx_unit_stage *stage);
 // A stage of one unit, whose result is in memory afterwards, whoever makes it.
 olx_result olx_unit_once(olx_unit_store *store, const olx_unit_stage *stage);

@@ -97,7 +97,7 @@ olx_manifest olx_bake_manifest(const olx_scene *scene, const olx_bake_settings *
   add_hashed(&manifest, "views", &views);
   add_hashed(&manifest, "settings", &chosen);
   olx_manifest_add(&manifest, "stages",
-                   "manifest plan light points cast direct bounce facts volume irradiance classic relight probe");
+                   "manifest plan light points cast direct bounce lookup facts volume irradiance classic relight probe");
   return manifest;
 }
 

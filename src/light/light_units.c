@@ -314,26 +314,39 @@ static olx_result make_direct(olx_scene_light *l) {
 
 // ---- What is known after a step, but for links
 
+static void save_table(const olx_cell_table *t, olx_byte_writer *to) {
+  const uint32_t counts[] = {t->capacity, t->count};
+  olx_bytes_put(to, counts, 2, sizeof *counts);
+  olx_bytes_put(to, t->keys, t->capacity, sizeof *t->keys);
+  olx_bytes_put(to, t->values, t->capacity, sizeof *t->values);
+}
+
+// In place of what is there.
+static void load_table(olx_cell_table *t, olx_byte_reader *from) {
+  uint32_t counts[2] = {0};
+  olx_cell_table_free(t);
+  olx_bytes_copy(from, counts, 2, sizeof *counts);
+  *t = (olx_cell_table){.capacity = counts[0], .count = counts[1]};
+  t->keys = olx_bytes_take(from, t->capacity, sizeof *t->keys);
+  t->values = olx_bytes_take(from, t->capacity, sizeof *t->values);
+}
+
 static void save_surfels(const olx_light_surfels *s, olx_byte_writer *to) {
-  const uint32_t counts[] = {s->point_count, s->count, s->table.capacity, s->table.count};
-  olx_bytes_put(to, counts, 4, sizeof *counts);
+  const uint32_t counts[] = {s->point_count, s->count};
+  olx_bytes_put(to, counts, 2, sizeof *counts);
   olx_bytes_put(to, &s->rays, 1, sizeof s->rays);
   olx_bytes_put(to, s->surfels, s->count, sizeof *s->surfels);
-  olx_bytes_put(to, s->table.keys, s->table.capacity, sizeof *s->table.keys);
-  olx_bytes_put(to, s->table.values, s->table.capacity, sizeof *s->table.values);
+  save_table(&s->table, to);
 }
 
 static void load_surfels(olx_light_surfels *s, olx_byte_reader *from) {
-  uint32_t counts[4] = {0};
-  olx_cell_table_free(&s->table);
-  olx_bytes_copy(from, counts, 4, sizeof *counts);
+  uint32_t counts[2] = {0};
+  olx_bytes_copy(from, counts, 2, sizeof *counts);
   olx_bytes_copy(from, &s->rays, 1, sizeof s->rays);
   s->point_count = counts[0];
   s->count = s->capacity = counts[1];
   s->surfels = olx_bytes_take(from, s->count, sizeof *s->surfels);
-  s->table = (olx_cell_table){.capacity = counts[2], .count = counts[3]};
-  s->table.keys = olx_bytes_take(from, counts[2], sizeof *s->table.keys);
-  s->table.values = olx_bytes_take(from, counts[2], sizeof *s->table.values);
+  load_table(&s->table, from);
 }
 
 // How a batch is stored: its links are units.
@@ -460,6 +473,40 @@ static olx_result load_step(void *user, uint32_t unit, olx_byte_reader *from) {
   load_patches(l, from);
   load_lit(l, from);
   return OLX_OK;
+}
+
+// ---- The table by which surfels are found
+
+static void save_lookup(void *user, uint32_t unit, olx_byte_writer *to) {
+  (void)unit;
+  const olx_surfel_lookup *lookup = &((const olx_scene_light *)user)->lookup;
+  const uint32_t numbers[] = {lookup->levels, lookup->list_words};
+  olx_bytes_put(to, numbers, 2, sizeof *numbers);
+  olx_bytes_put(to, lookup->lists, lookup->list_words, sizeof *lookup->lists);
+  save_table(&lookup->cubes, to);
+}
+
+static olx_result load_lookup(void *user, uint32_t unit, olx_byte_reader *from) {
+  (void)unit;
+  olx_scene_light *l = user;
+  uint32_t numbers[2] = {0};
+  olx_bytes_copy(from, numbers, 2, sizeof *numbers);
+  l->lookup = (olx_surfel_lookup){.surfels = &l->surfels, .levels = numbers[0], .list_words = numbers[1]};
+  l->lookup.lists = olx_bytes_take(from, numbers[1], sizeof *l->lookup.lists);
+  load_table(&l->lookup.cubes, from);
+  return OLX_OK;
+}
+
+// A damaged one counts as none.
+olx_result olx_light_units_look_up(olx_scene_light *l) {
+  olx_unit_store *store = l->settings.store;
+  const olx_unit_stage stage = {"lookup", 0, 1, l, NULL, save_lookup, load_lookup};
+  if (olx_units_have(store, stage.name, 0)) {
+    const olx_result result = olx_units_load(store, &stage);
+    if (result != OLX_ERROR_INCOMPLETE) return result;
+  }
+  OLX_TRY(olx_surfel_lookup_create(&l->lookup, &l->surfels, l->visible));
+  return olx_unit_keep(store, &stage);
 }
 
 // ---- Light between bounces

@@ -74,6 +74,9 @@ typedef struct olx_light_checkpoint {
 // Of the bounces of a step: all of them, or a few.
 olx_bounce_keeper olx_light_checkpoint_begin(olx_light_checkpoint *checkpoint, olx_scene_light *light, bool all);
 
+// Makes the table by which surfels are found, or loads it.
+olx_result olx_light_units_look_up(olx_scene_light *light);
+
 // Runs all steps, or loads what the store has of them.
 olx_result olx_light_units_run(olx_scene_light *light);
 

@@ -449,7 +449,7 @@ olx_result olx_scene_light_begin(olx_scene_light *l) {
 static olx_result build(olx_scene_light *l) {
   const double start = olx_seconds();
   OLX_TRY(olx_light_units_run(l));
-  OLX_TRY(olx_surfel_lookup_create(&l->lookup, &l->surfels, l->visible));
+  OLX_TRY(olx_light_units_look_up(l));
   l->report.surfels = l->surfels.count;
   l->report.rays += l->surfels.rays;
   l->report.bytes = l->report.links * sizeof(olx_link) +

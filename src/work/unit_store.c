@@ -73,7 +73,7 @@ void olx_units_forget(olx_unit_store *s, const char *stage, uint32_t first_round
 }
 
 static void tell(const olx_unit_store *s, const olx_unit_stage *stage, uint32_t unit, bool found, double start) {
-  if (!s || !s->settings.done) return;
+  if (!s || !s->settings.done || !stage->make) return;
   const olx_unit_done done = {{stage->name, stage->round, unit}, stage->count, found, olx_seconds() - start};
   s->settings.done(s->settings.user, &done);
 }

@@ -43,7 +43,7 @@ typedef struct olx_unit_stage {
   const char *name;
   uint32_t round, count;
   void *user;
-  olx_result (*make)(void *user, uint32_t unit);                // leaves the result in the user's memory
+  olx_result (*make)(void *user, uint32_t unit); // leaves the result in the user's memory; NULL: it is there
   void (*save)(void *user, uint32_t unit, olx_byte_writer *to); // right after make
   olx_result (*load)(void *user, uint32_t unit,
                      olx_byte_reader *from); // in place of make; what it reads goes with the call

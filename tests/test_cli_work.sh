@@ -18,6 +18,12 @@ complains() {
 expect 0 bake "${scene[@]}" -o whole.olx --no-work
 [ "$(ls -A | grep -c work)" = 0 ] || fail "a short bake made a work folder"
 
+# What a folder takes at most is said beforehand, and reckoning makes none.
+expect 0 bake "${scene[@]}" -o old.olx --dry-run --work w --json
+python3 -c 'import json; work = json.load(open("stdout.txt"))["work_bytes"]; assert 2 ** 31 < work < 2 ** 31 + 10 ** 6, work' ||
+  fail "not the size of a work folder"
+[ -e w ] && fail "reckoning made a folder"
+
 # Wrong usage.
 expect_usage "-o FILE.olx is missing" bake "${scene[@]}"
 expect_usage "--part needs --work DIR" bake "${scene[@]}" --part 1/2

@@ -26,7 +26,7 @@ typedef enum olx_bake_light {
 // "cache", "reference".
 const char *olx_bake_light_name(olx_bake_light light);
 
-// A unit of work that is done: what follows is from one thread at a time.
+// A unit of work that is done, as olx_bake_work.done gets it.
 typedef struct olx_bake_unit {
   const char *stage;           // "plan", "light", "cast", "direct", "facts", "volume", "irradiance", "classic", "relight", "probe"
   uint32_t round, unit, count; // of a stage's rounds; of the `count` units in that round
@@ -45,7 +45,7 @@ typedef struct olx_bake_work {
                         // OLX_ERROR_FILE; 0, the default: no bound
   uint32_t part, parts; // make the share `part`, from 1 to `parts`, of the units whose inputs are there, and write no field;
                         // 0, the default: a whole bake
-  void (*done)(void *user, const olx_bake_unit *unit); // called after each unit; NULL, the default: nobody is told
+  void (*done)(void *user, const olx_bake_unit *unit); // called after each unit, on the thread that bakes; NULL, the default: not wanted
   void *user;                                          // handed to `done`
 } olx_bake_work;
 
@@ -150,7 +150,7 @@ olx_result olx_bake_estimate_seconds(const olx_scene *scene, const olx_bake_sett
 // one. The bytes depend on the scene and the settings alone, not on threads or runs. stats may be NULL.
 //
 // With a work folder a bake goes on where another one of the same scene, settings, build and machine left off. OLX_ERROR_ARGUMENT when
-// the folder is another bake's, and OLX_ERROR_FILE when it is no work folder, or in use. A damaged result is told in a warning and made
+// the folder is another bake's, and OLX_ERROR_FILE when it is no work folder, or in use. A damaged result is named in a warning and made
 // again. A part writes no field (`path` is not looked at) and never waits: OLX_OK when there is nothing left to make,
 // OLX_ERROR_INCOMPLETE when units of others are missing; call it again then. Any number of parts may run at once, of any `parts`, more
 // than once; while they do a whole bake is refused where the file system has locks. OLX_ERROR_UNSUPPORTED for classic maps with

@@ -103,11 +103,11 @@ olx_manifest olx_bake_manifest(const olx_scene *scene, const olx_bake_settings *
 
 // ---- The folder
 
-static void tell(void *user, const olx_unit_done *unit) {
+static void report_unit(void *user, const olx_unit_done *unit) {
   const olx_bake_work *work = user;
-  const olx_bake_unit told = {unit->name.stage, unit->name.round, unit->name.unit,
+  const olx_bake_unit done = {unit->name.stage, unit->name.round, unit->name.unit,
                               unit->count,      unit->found,      unit->seconds};
-  work->done(work->user, &told);
+  work->done(work->user, &done);
 }
 
 static olx_result check_work(const olx_bake_settings *s) {
@@ -136,7 +136,7 @@ olx_result olx_bake_work_open(const olx_scene *scene, const olx_bake_settings *s
                                            .limit_bytes = work->limit_bytes,
                                            .part = work->part,
                                            .parts = work->parts,
-                                           .done = work->done ? tell : NULL,
+                                           .done = work->done ? report_unit : NULL,
                                            .user = (void *)(uintptr_t)work};
   return olx_unit_store_open(&opening, store);
 }

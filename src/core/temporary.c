@@ -44,7 +44,7 @@ static void reclaim_file(int folder, const char *name) {
   close(descriptor);
 }
 
-static void reclaim(int folder) {
+void olx_temporary_reclaim(int folder) {
   const int descriptor = openat(folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   DIR *entries = descriptor < 0 ? NULL : fdopendir(descriptor);
   if (!entries) {
@@ -94,7 +94,6 @@ static int create_named(int folder, mode_t mode, char name[32]) {
 
 // Create the file in file->folder, which is closed when that fails.
 static int create_in_folder(mode_t mode, olx_temporary *file) {
-  reclaim(file->folder);
   file->descriptor = create_unnamed(file->folder, mode);
   if (file->descriptor < 0) file->descriptor = create_named(file->folder, mode, file->name);
   if (file->descriptor < 0) {
@@ -111,7 +110,9 @@ int olx_temporary_create(const char *folder, mode_t mode, olx_temporary *file) {
   // A folder that may be written but not read can neither be searched for what was left behind nor synced.
   file->folder = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (file->folder < 0 && errno == EACCES) file->folder = open(folder, O_PATH | O_DIRECTORY | O_CLOEXEC);
-  return file->folder < 0 ? errno : create_in_folder(mode, file);
+  if (file->folder < 0) return errno;
+  olx_temporary_reclaim(file->folder);
+  return create_in_folder(mode, file);
 }
 
 int olx_temporary_create_at(int folder, mode_t mode, olx_temporary *file) {

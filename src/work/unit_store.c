@@ -72,7 +72,7 @@ void olx_units_forget(olx_unit_store *s, const char *stage, uint32_t first_round
   }
 }
 
-static void tell(const olx_unit_store *s, const olx_unit_stage *stage, uint32_t unit, bool found, double start) {
+static void report(const olx_unit_store *s, const olx_unit_stage *stage, uint32_t unit, bool found, double start) {
   if (!s || !s->settings.done || !stage->make) return;
   const olx_unit_done done = {{stage->name, stage->round, unit}, stage->count, found, olx_seconds() - start};
   s->settings.done(s->settings.user, &done);
@@ -107,7 +107,7 @@ static olx_result load_unit(olx_unit_store *s, const olx_unit_stage *stage, uint
   }
   if (result == OLX_OK) result = load_bytes(stage, unit, data, size_bytes);
   olx_release(data);
-  if (result == OLX_OK) tell(s, stage, unit, true, start);
+  if (result == OLX_OK) report(s, stage, unit, true, start);
   return result;
 }
 
@@ -148,7 +148,7 @@ static olx_result make_unit(olx_unit_store *s, const olx_unit_stage *stage, uint
   OLX_TRY(stage->make(stage->user, unit));
   if (!s) return OLX_OK;
   OLX_TRY(store_unit(s, stage, unit));
-  tell(s, stage, unit, false, start);
+  report(s, stage, unit, false, start);
   return OLX_OK;
 }
 

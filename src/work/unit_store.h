@@ -10,7 +10,7 @@
 
 typedef struct olx_unit_store olx_unit_store;
 
-// What is told of each unit that is done.
+// What is reported of each unit that is done.
 typedef struct olx_unit_done {
   olx_unit_name name;
   uint32_t count; // of units in its stage and round
@@ -24,7 +24,7 @@ typedef struct olx_unit_store_settings {
   bool fresh;                   // forget what is there
   uint64_t limit_bytes;         // a whole bake stores no more than that, a part fails beyond it; 0: no bound
   uint32_t part, parts;         // which share to make, from 1 to `parts`; 0: a whole bake
-  void (*done)(void *user, const olx_unit_done *unit); // NULL: nothing is told. On the thread that works on stages
+  void (*done)(void *user, const olx_unit_done *unit); // NULL: not wanted. On the thread that works on stages
   void *user;
 } olx_unit_store_settings;
 
@@ -58,12 +58,12 @@ bool olx_units_have_all(const olx_unit_store *store, const char *stage, uint32_t
 void olx_units_forget(olx_unit_store *store, const char *stage, uint32_t first_round, uint32_t rounds);
 
 // A whole bake loads or makes every unit, in order. A part makes those of its own that are missing, and loads none:
-// OLX_ERROR_INCOMPLETE when others are missing. A damaged file is told in a warning, and its unit made again, but OLX_ERROR_CHECKSUM
+// OLX_ERROR_INCOMPLETE when others are missing. A damaged file is named in a warning, and its unit made again, but OLX_ERROR_CHECKSUM
 // when joining. store may be NULL.
 olx_result olx_units_make(olx_unit_store *store, const olx_unit_stage *stage);
 // Loads every unit of a stage that is complete; a part needs that before it reads what olx_units_make left to others.
 olx_result olx_units_load(olx_unit_store *store, const olx_unit_stage *stage);
-// Stores unit 0 of a stage, which came to be as a part of another unit that is being made; nobody is told. store may be NULL.
+// Stores unit 0 of a stage, which came to be as a part of another unit that is being made; it is not reported. store may be NULL.
 olx_result olx_unit_keep(olx_unit_store *store, const olx_unit_stage *stage);
 // A stage of one unit, whose result is in memory afterwards, whoever makes it.
 olx_result olx_unit_once(olx_unit_store *store, const olx_unit_stage *stage);

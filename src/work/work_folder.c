@@ -367,7 +367,11 @@ static olx_result open_locked(olx_work_folder *f, const olx_work_folder_settings
   for (uint32_t attempt = 0; attempt < OPEN_ATTEMPTS; attempt++) {
     OLX_TRY(open_folder(f, settings->manifest != NULL));
     OLX_TRY(lock_folder(f, settings->lock));
-    if (still_there(f)) return settle_manifest(f, settings);
+    if (still_there(f)) {
+      // Where files are not locked between machines, those of others must not be taken for dead ones'.
+      if (settings->lock == OLX_WORK_ALONE) olx_temporary_reclaim(f->descriptor);
+      return settle_manifest(f, settings);
+    }
     close(f->descriptor);
     f->descriptor = -1;
   }
@@ -403,11 +407,8 @@ void olx_work_folder_close(olx_work_folder *f) {
 
 void olx_work_folder_remove(olx_work_folder *f) {
   folder_content content;
-  olx_temporary reclaiming; // creating one removes those of dead programs
-  if (go_through(f, true, &content) == OLX_OK) {
-    olx_work_folder_drop(f, &manifest_name);
-    if (olx_temporary_create_at(f->descriptor, 0600, &reclaiming) == 0) olx_temporary_discard(&reclaiming);
-  }
+  if (go_through(f, true, &content) == OLX_OK) olx_work_folder_drop(f, &manifest_name);
+  olx_temporary_reclaim(f->descriptor);
   if (rmdir(f->path) != 0) olx_log(OLX_LOG_WARNING, "%s: the work folder stays: %s", f->path, strerror(errno));
   olx_work_folder_close(f);
 }

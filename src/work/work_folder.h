@@ -50,7 +50,7 @@ olx_result olx_work_folder_open(const char *path, const olx_work_folder_settings
 // NULL is allowed. Files stay.
 void olx_work_folder_close(olx_work_folder *folder);
 // Removes all units, the manifest and, when nothing else is left in it, the folder; and closes it. A folder that stays because it
-// holds something else is told in a warning.
+// holds something else is named in a warning.
 void olx_work_folder_remove(olx_work_folder *folder);
 
 const olx_manifest *olx_work_folder_manifest(const olx_work_folder *folder);

@@ -96,8 +96,9 @@ olx_manifest olx_bake_manifest(const olx_scene *scene, const olx_bake_settings *
   olx_manifest_add_hash(&manifest, "scene", scene->hash);
   add_hashed(&manifest, "views", &views);
   add_hashed(&manifest, "settings", &chosen);
-  olx_manifest_add(&manifest, "stages",
-                   "manifest plan light points cast direct bounce lookup facts volume irradiance classic relight probe");
+  olx_manifest_add(
+      &manifest, "stages",
+      "manifest plan light points cast direct bounce lookup facts volume irradiance classic relight probe");
   return manifest;
 }
 

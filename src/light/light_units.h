@@ -36,11 +36,11 @@ struct olx_scene_light {
   const uint8_t *flags;
   uint32_t probe_count;
   olx_scene_light_phase phase;
-  uint32_t round; // of casting: that comes next, or was the last
-  olx_light_surfels surfels;                      // without points where they were not loaded
+  uint32_t round;                                   // of casting: that comes next, or was the last
+  olx_light_surfels surfels;                        // without points where they were not loaded
   uint32_t point_ends[OLX_LIGHT_HIDDEN_ROUNDS + 1]; // points there were after surfaces were found, and after each round
-  olx_link_batch batches[OLX_LIGHT_MOST_BATCHES]; // without links where they were not loaded
-  uint32_t rounds_of[OLX_LIGHT_MOST_BATCHES];     // round in which a batch is cast
+  olx_link_batch batches[OLX_LIGHT_MOST_BATCHES];   // without links where they were not loaded
+  uint32_t rounds_of[OLX_LIGHT_MOST_BATCHES];       // round in which a batch is cast
   olx_link_patch patches[OLX_LIGHT_HIDDEN_ROUNDS];
   olx_point_list unserved; // ends of the round's rays without a surfel
   olx_light_links links;
@@ -66,8 +66,8 @@ void olx_scene_light_clear(olx_scene_light *light);
 // Light between two bounces, stored when the last time was a second ago.
 typedef struct olx_light_checkpoint {
   olx_scene_light *light;
-  uint32_t round;   // of the stage "bounce"
-  double last;      // seconds of the clock
+  uint32_t round; // of the stage "bounce"
+  double last;    // seconds of the clock
   olx_bounce_state state;
 } olx_light_checkpoint;
 

@@ -2,7 +2,7 @@
 """Check the order of the house: who may include whom, file names, links, and words that do not belong here.
 
 Folders under src form a ladder; a file may include its own folder and those before it:
-core < block < field < select < trace < shade < vulkan (the runtime) < scene < place < light < bake < render < export (the baker).
+core < block < field < select < trace < shade < vulkan (the runtime) < scene < place < work < light < bake < render < export (the baker).
 Public headers stand on the same ladder. cli, viewer, host and examples see public headers only, cli and viewer
 those of host as well. Public headers see public headers only, and the runtime knows no library but libc, libm, POSIX
 threads and xxHash, which is inlined. Links in Markdown files lead to files of the tree, and to headings that are there.
@@ -17,7 +17,7 @@ import subprocess
 import sys
 
 RUNTIME = ["core", "block", "field", "select", "trace", "shade", "vulkan"]
-LADDER = RUNTIME + ["scene", "place", "light", "bake", "render", "export"]
+LADDER = RUNTIME + ["scene", "place", "work", "light", "bake", "render", "export"]
 
 # The layer from which on a public header may be seen.
 PUBLIC = {"base.h": "core", "field.h": "field", "sample.h": "select", "denoiser.h": "shade", "relight.h": "shade",

@@ -16,6 +16,15 @@ typedef struct olx_ray_hit {
   float t, u, v;     // barycentric weights of the second and third corner
 } olx_ray_hit;
 
+// Of the Embree that casts rays: results differ between versions and between instruction sets.
+typedef struct olx_bvh_engine {
+  uint32_t version;         // 31305 is 3.13.5
+  const char *instructions; // "sse2", "sse4.2", "avx", "avx2", "avx512": those that it uses here
+} olx_bvh_engine;
+
+olx_bvh_engine olx_bvh_describe(const olx_bvh *bvh);
+
+// By the instructions that scene->load names. OLX_ERROR_UNSUPPORTED where the processor does not have them.
 olx_result olx_bvh_create(const olx_scene *scene, olx_bvh **bvh);
 void olx_bvh_free(olx_bvh *bvh);
 

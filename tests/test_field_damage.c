@@ -245,8 +245,9 @@ static void test_refuses_a_wrong_description(void **state) {
   REFUSED(irradiance_form = 3, "unknown form of irradiance 3");
   REFUSED(irradiance_form = UINT32_MAX, "unknown form of irradiance");
   REFUSED(irradiance_form = OLX_IRRADIANCE_SH2, "no chunk IRSH");
-  REFUSED(compressed = 2, "a flag that is not 0 or 1");
-  REFUSED(compressed = 1, "no chunk BAS1");
+  REFUSED(form = 4, "an unknown form");
+  REFUSED(form = 2, "no chunk GEOM");
+  REFUSED(form = 1, "no chunk BAS1");
 #undef REFUSED
   i.info->select_mask = 1u << OLX_SELECT_BRICKS; // whose chunk is missing
   field_seal(&i);
@@ -440,10 +441,10 @@ static void test_verify_reads_surfaces(void **state) {
 static void test_refuses_texels_for_blocks(void **state) {
   const field_image i = field_image_load(*state, &of_blocks);
   const olx_file_info good = *i.info;
-  i.info->compressed = 0;
+  i.info->form = 0;
   field_seal(&i);
   assert_field_refused(&i, OLX_ERROR_FORMAT, "no chunk BASE");
-  i.info->compressed = 2;
+  i.info->form = 5;
   field_seal(&i);
   assert_field_refused(&i, OLX_ERROR_FORMAT, "a flag that is not 0 or 1");
   *i.info = good;

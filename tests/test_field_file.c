@@ -308,7 +308,8 @@ static void test_pyramids_bound_their_nodes(void **state) {
     for (size_t i = 0; i < (size_t)n * n; i++) distance[i] = 0x3400;
     distance[near_y * n + near_x] = 0x8000 | 0x3000;
     distance[far_y * n + far_x] = 0x7C00;
-    olx_pyramid_make(&shape, distance, n, nearest, farthest);
+    const olx_pyramid_base base = olx_pyramid_over_texels(distance, n);
+    olx_pyramid_make(&shape, &base, nearest, farthest);
     uint32_t nodes = 0;
     for (uint32_t level = 0; level < shape.levels; level++) {
       const uint32_t side = shape.side[level], shift = olx_pyramid_shift(level);

@@ -150,8 +150,8 @@ static olx_field *made_up_field(uint32_t n, distances make) {
       normal[at] = olx_normal_pack(olx_normalize(olx_madd(olx_negate(d), tilt, 0.9f)));
     }
   }
-  olx_pyramid_make(&f->pyramid, distance + f->stride + 1, f->stride, (uint16_t *)(uintptr_t)f->least,
-                   (uint16_t *)(uintptr_t)f->greatest);
+  const olx_pyramid_base base = olx_pyramid_over_texels(distance + f->stride + 1, f->stride);
+  olx_pyramid_make(&f->pyramid, &base, (uint16_t *)(uintptr_t)f->least, (uint16_t *)(uintptr_t)f->greatest);
   return f;
 }
 

@@ -240,7 +240,8 @@ static olx_field_header header_of(const bake *b) {
                .bounces = s->bounces,
                .samples = s->samples,
                .scene_hash = b->scene->hash,
-               .compressed = !s->uncompressed},
+               .compressed = !s->uncompressed,
+               .geometry_blocks = !s->uncompressed},
       .origin = {b->scene->origin[0], b->scene->origin[1], b->scene->origin[2]},
       .probe_positions = b->positions[0],
       .irradiance_positions = b->positions[1],
@@ -436,6 +437,14 @@ static olx_result make_volume_cells(bake *b) {
   return olx_volume_bake_create(&b->volume, &b->stats);
 }
 
+static olx_result write_geometry(bake *b, uint32_t i) {
+  const uint8_t flags = b->flags[0][i];
+  if (b->settings->uncompressed) {
+    return olx_field_writer_probe(b->writer, i, flags, b->surfaces.radiance, b->capture.normal, b->capture.distance);
+  }
+  return olx_field_writer_probe_blocks(b->writer, i, flags, b->surfaces.radiance, &b->surfaces.geometry.map);
+}
+
 static olx_result capture_probes(bake *b) {
   olx_task_stage(&b->task, "light field");
   for (uint32_t i = 0; i < b->counts[0]; i++) {
@@ -445,8 +454,7 @@ static olx_result capture_probes(bake *b) {
     OLX_TRY(olx_surface_capture_probe(&b->surfaces, b->flags[0][i] & OLX_PROBE_BURIED, &maps));
     const double captured = olx_seconds();
     b->stats.capture_seconds += captured - start;
-    OLX_TRY(olx_field_writer_probe(b->writer, i, b->flags[0][i], b->surfaces.radiance, b->capture.normal,
-                                   b->capture.distance));
+    OLX_TRY(write_geometry(b, i));
     OLX_TRY(olx_field_writer_surface(b->writer, i, &maps));
     const double written = olx_seconds();
     b->stats.write_seconds += written - captured;

@@ -33,15 +33,25 @@ static inline uint32_t olx_pyramid_index(uint32_t side, uint32_t x, uint32_t y) 
   return ((y >> 2) * (side >> 2) + (x >> 2)) * 16 + (y & 3u) * 4 + (x & 3u);
 }
 
-// What a node must hold, in the bits of halves without their sign. The map may have a border: texel (0, 0) is `distance`
-// itself, rows are `stride` apart. Above its pyramid's finest level a node is made of those below it in `nodes`.
-uint16_t olx_pyramid_least(const olx_pyramid_shape *shape, const uint16_t *distance, uint32_t stride,
-                           const uint16_t *nodes, uint32_t level, uint32_t x, uint32_t y);
-uint16_t olx_pyramid_greatest(const olx_pyramid_shape *shape, const uint16_t *distance, uint32_t stride,
-                              const uint16_t *nodes, uint32_t level, uint32_t x, uint32_t y);
+// What a pyramid is made over, in the bits of halves: squares of 2^shift texels a side, row by row from texel (0, 0) on, rows
+// `stride` apart. Texels have shift 0 and one array for both, perhaps within a border; the sign is not looked at.
+typedef struct olx_pyramid_base {
+  const uint16_t *least, *greatest;
+  uint32_t stride, shift;
+} olx_pyramid_base;
+
+static inline olx_pyramid_base olx_pyramid_over_texels(const uint16_t *distance, uint32_t stride) {
+  return (olx_pyramid_base){distance, distance, stride, 0};
+}
+
+// What a node must hold. Above its pyramid's finest level it is made of those below it in `nodes`.
+uint16_t olx_pyramid_least(const olx_pyramid_shape *shape, const olx_pyramid_base *base, const uint16_t *nodes,
+                           uint32_t level, uint32_t x, uint32_t y);
+uint16_t olx_pyramid_greatest(const olx_pyramid_shape *shape, const olx_pyramid_base *base, const uint16_t *nodes,
+                              uint32_t level, uint32_t x, uint32_t y);
 
 // Both records of a probe.
-void olx_pyramid_make(const olx_pyramid_shape *shape, const uint16_t *distance, uint32_t stride, uint16_t *least,
+void olx_pyramid_make(const olx_pyramid_shape *shape, const olx_pyramid_base *base, uint16_t *least,
                       uint16_t *greatest);
 
 #endif

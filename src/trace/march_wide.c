@@ -281,13 +281,48 @@ WIDE wide_look look(lanes *l) {
                      .at_texel = bits(texel) & l->walking};
 }
 
+// Reads the blocks of lanes that are not clear of all that one may hold. Those that are clear of its planes go on; the others
+// visit its texels, and where that ends their ray they are finished.
+WIDE void visit_blocks(work *w, lanes *l, wide_look *seen) {
+  const uint32_t which = bits(l->level == 1) & l->walking & ~seen->clear;
+  if (!which) return;
+  reals base[2] = {splat(0.0f), splat(0.0f)}, slope[2] = {splat(0.0f), splat(0.0f)};
+  uint32_t pooled = 0;
+  for (uint32_t left = which; left; left &= left - 1) {
+    const uint32_t lane = (uint32_t)__builtin_ctz(left);
+    olx_march *m = &l->march[lane];
+    olx_read_block(m, l->x[lane], l->y[lane]);
+    const uint32_t form = m->block->words[3] >> 30, second = form == OLX_GEOMETRY_TWO;
+    pooled |= (uint32_t)(form > OLX_GEOMETRY_TWO) << lane;
+    base[0][lane] = m->planes[0].base, slope[0][lane] = m->planes[0].slope;
+    base[1][lane] = m->planes[second].base, slope[1][lane] = m->planes[second].slope;
+  }
+  const reals from = most(l->s, splat(0.0f)), to = least(seen->s1, splat(1.0f));
+  words behind = splat_word(0);
+  for (uint32_t k = 0; k < 2; k++) { // as olx_plane_clears
+    const reals begin = base[k] + slope[k] * l->t_begin - 1.0f;
+    const reals first = l->near * begin, rise = l->slope * begin + slope[k] * l->rise;
+    behind |= (first + rise * from > 0.0f) | (first + rise * to > 0.0f);
+  }
+  seen->clear |= which & ~(bits(behind) | pooled);
+  for (uint32_t left = which & ~seen->clear; left; left &= left - 1) {
+    const uint32_t lane = (uint32_t)__builtin_ctz(left);
+    const olx_piece p = piece_of(l, lane);
+    olx_probe_answer answer = {.status = OLX_TRACE_MISS};
+    const olx_verdict verdict = olx_visit_block(&l->march[lane], &p, l->x[lane], l->y[lane], l->s[lane], l->t[lane],
+                                                l->by_v[lane] != 0, seen->s1[lane], &answer);
+    if (verdict == OLX_VERDICT_CLEAR) seen->clear |= 1u << lane;
+    else finish(w, l, lane, verdict, answer);
+  }
+}
+
 // Asks the surfels of the texels that are not clear. Lanes whose ray they end are finished.
 WIDE void judge(work *w, lanes *l, wide_look *seen) {
   for (uint32_t which = seen->at_texel & ~seen->clear; which; which &= which - 1) {
     const uint32_t lane = (uint32_t)__builtin_ctz(which);
     const olx_piece p = piece_of(l, lane);
     olx_probe_answer answer = {.status = OLX_TRACE_MISS};
-    const olx_cell cell = {l->x[lane], l->y[lane], l->t[lane]};
+    const olx_cell cell = {l->x[lane], l->y[lane], l->s[lane], l->t[lane]};
     const olx_verdict verdict =
         olx_judge_surfel(&l->march[lane], &p, cell, seen->t1[lane], seen->stored[lane], &answer);
     if (verdict == OLX_VERDICT_CLEAR) seen->clear |= 1u << lane;
@@ -365,7 +400,9 @@ WIDE_CODE void olx_march_wide(const olx_field *field, const olx_probe_job *jobs,
       if (going[g]) seen[g] = look(&group[g]);
     }
     for (uint32_t g = 0; g < GROUPS; g++) {
-      if (going[g]) judge(&w, &group[g], &seen[g]);
+      if (!going[g]) continue;
+      if (field->geometry) visit_blocks(&w, &group[g], &seen[g]);
+      else judge(&w, &group[g], &seen[g]);
     }
     for (uint32_t g = 0; g < GROUPS; g++) {
       if (going[g]) move(&group[g], &seen[g]);

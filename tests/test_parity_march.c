@@ -28,7 +28,7 @@ static void derive_march(const parity_state *s, march_state *e) {
   const olx_vec3 o = e->ray.origin, d = e->ray.direction;
   e->planes = olx_v3(plane_at(o.x, d.x), plane_at(o.y, d.y), plane_at(o.z, d.z));
   e->piece = make_piece(&e->march, e->planes, e->ray.t_min, next_cut(e->planes, e->ray.t_min, e->ray.t_max));
-  e->cell = (olx_cell){e->piece.u.first, e->piece.v.first, -1.0f, e->piece.t_begin};
+  e->cell = (olx_cell){e->piece.u.first, e->piece.v.first, e->piece.t_begin};
   e->surfel = read_surfel(&e->march, (int32_t)s->x, (int32_t)s->y, s->item->v[15]);
 }
 
@@ -40,10 +40,11 @@ static void put_axis(parity_result *r, olx_image_axis a) {
   put_i(r, a.first);
 }
 
-static olx_cell texel_cell(const parity_state *s) { return (olx_cell){(int32_t)s->x, (int32_t)s->y, -1.0f, 0.0f}; }
+static olx_cell texel_cell(const parity_state *s) { return (olx_cell){(int32_t)s->x, (int32_t)s->y, 0.0f}; }
 static olx_vec2 ahead_of(const march_state *e) { return olx_crossings_ahead(&e->piece, e->cell.x, e->cell.y, 0); }
-static float cell_exit_share(const march_state *e) { return olx_min(ahead_of(e).x, ahead_of(e).y); }
-static float cell_exit(const march_state *e) { return olx_parameter_at(&e->piece, cell_exit_share(e)); }
+static float cell_exit(const march_state *e) {
+  return olx_parameter_at(&e->piece, olx_min(ahead_of(e).x, ahead_of(e).y));
+}
 static float cell_far_squared(const march_state *e) { return olx_farthest_squared(&e->march, e->cell.t, cell_exit(e)); }
 
 static olx_tracer plain_tracer(const parity_state *s) {
@@ -139,8 +140,7 @@ MARCH_ROW(judge_height, olx_probe_answer a = {0};
 MARCH_ROW(judge_surfel, olx_probe_answer a = {0};
     put_u(r, olx_judge_surfel(&e->march, &e->piece, e->cell, cell_exit(e), s->item->v[15], &a)); put_answer(r, &a);)
 MARCH_ROW(visit_texel, olx_probe_answer a = {0};
-    put_u(r, olx_visit_texel(&e->march, &e->piece, e->cell, cell_exit_share(e), cell_exit(e), cell_far_squared(e), &a));
-    put_answer(r, &a);
+    put_u(r, olx_visit_texel(&e->march, &e->piece, e->cell, cell_exit(e), cell_far_squared(e), &a)); put_answer(r, &a);
     put_u(r, e->march.steps);)
 MARCH_ROW(next_cell, const olx_cell c = olx_next_cell(&e->piece, e->cell, random_2(s), cell_exit(e)); put_i(r, c.x);
     put_i(r, c.y);

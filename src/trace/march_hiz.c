@@ -24,7 +24,7 @@ static inline void leave(const olx_march *m, stand *at, int32_t x, int32_t y, fl
 // nearer than the node's smallest distance, so they are not read.
 static olx_verdict march_node(olx_march *m, const olx_piece *p, stand *at, float least_squared,
                               olx_probe_answer *answer) {
-  olx_cell c = {olx_texel_at(&p->u, at->s, true), olx_texel_at(&p->v, at->s, at->by_v), at->s, at->t};
+  olx_cell c = {olx_texel_at(&p->u, at->s, true), olx_texel_at(&p->v, at->s, at->by_v), at->t};
   const size_t begin = m->field->texels * m->probe + olx_map_index(m->field->stride, c.x, c.y);
   __builtin_prefetch(m->field->normal + begin); // what a hit hereabouts will read
   for (;;) {
@@ -32,7 +32,7 @@ static olx_verdict march_node(olx_march *m, const olx_piece *p, stand *at, float
     const float s1 = olx_min(s.x, s.y), t1 = olx_parameter_at(p, s1);
     const float far_squared = olx_farthest_squared(m, c.t, t1);
     if (!(far_squared < least_squared)) {
-      const olx_verdict verdict = olx_visit_texel(m, p, c, s1, t1, far_squared, answer);
+      const olx_verdict verdict = olx_visit_texel(m, p, c, t1, far_squared, answer);
       if (verdict != OLX_VERDICT_CLEAR) return verdict;
     }
     at->s = s1;
@@ -64,7 +64,7 @@ olx_verdict olx_march_hiz(olx_march *m, const olx_piece *p, olx_probe_answer *an
     const float least_squared = olx_least_squared(m, at.level, at.x, at.y);
     bool clear = olx_reach_squared(m, p, at.t, t1) < least_squared;
     if (!clear && at.level == 0 && m->geometry) {
-      const olx_verdict verdict = olx_visit_block(m, p, at.x, at.y, at.s, at.t, at.by_v, s1, answer);
+      const olx_verdict verdict = olx_visit_block(m, p, at.x, at.y, at.s, at.t, at.by_v, t1, answer);
       if (verdict != OLX_VERDICT_CLEAR) return verdict;
       clear = true;
     }

@@ -297,12 +297,10 @@ WIDE void visit_blocks(work *w, lanes *l, wide_look *seen) {
     base[0][lane] = m->planes[0].base, slope[0][lane] = m->planes[0].slope;
     base[1][lane] = m->planes[second].base, slope[1][lane] = m->planes[second].slope;
   }
-  const reals from = most(l->s, splat(0.0f)), to = least(seen->s1, splat(1.0f));
+  const reals begin = l->t - l->slack, end = seen->t1 + l->slack;
   words behind = splat_word(0);
-  for (uint32_t k = 0; k < 2; k++) { // as olx_plane_clears
-    const reals begin = base[k] + slope[k] * l->t_begin - 1.0f;
-    const reals first = l->near * begin, rise = l->slope * begin + slope[k] * l->rise;
-    behind |= (first + rise * from > 0.0f) | (first + rise * to > 0.0f);
+  for (uint32_t k = 0; k < 2; k++) { // as olx_plane_clears; 0 times infinity is nowhere behind
+    behind |= (base[k] + slope[k] * begin > 1.0f) | (base[k] + slope[k] * end > 1.0f);
   }
   seen->clear |= which & ~(bits(behind) | pooled);
   for (uint32_t left = which & ~seen->clear; left; left &= left - 1) {
@@ -310,7 +308,7 @@ WIDE void visit_blocks(work *w, lanes *l, wide_look *seen) {
     const olx_piece p = piece_of(l, lane);
     olx_probe_answer answer = {.status = OLX_TRACE_MISS};
     const olx_verdict verdict = olx_visit_block(&l->march[lane], &p, l->x[lane], l->y[lane], l->s[lane], l->t[lane],
-                                                l->by_v[lane] != 0, seen->s1[lane], &answer);
+                                                l->by_v[lane] != 0, seen->t1[lane], &answer);
     if (verdict == OLX_VERDICT_CLEAR) seen->clear |= 1u << lane;
     else finish(w, l, lane, verdict, answer);
   }
@@ -322,7 +320,7 @@ WIDE void judge(work *w, lanes *l, wide_look *seen) {
     const uint32_t lane = (uint32_t)__builtin_ctz(which);
     const olx_piece p = piece_of(l, lane);
     olx_probe_answer answer = {.status = OLX_TRACE_MISS};
-    const olx_cell cell = {l->x[lane], l->y[lane], l->s[lane], l->t[lane]};
+    const olx_cell cell = {l->x[lane], l->y[lane], l->t[lane]};
     const olx_verdict verdict =
         olx_judge_surfel(&l->march[lane], &p, cell, seen->t1[lane], seen->stored[lane], &answer);
     if (verdict == OLX_VERDICT_CLEAR) seen->clear |= 1u << lane;

@@ -53,10 +53,10 @@ typedef struct olx_piece {
 
 typedef enum olx_verdict { OLX_VERDICT_CLEAR, OLX_VERDICT_HIT, OLX_VERDICT_HIDDEN } olx_verdict;
 
-// The texel in which the march stands, and the ray's parameter where it entered it; s may lie before the piece's begin, -1.
+// The texel in which the march stands, and the ray's parameter where it entered it.
 typedef struct olx_cell {
   int32_t x, y;
-  float s, t;
+  float t;
 } olx_cell;
 
 static inline olx_march olx_begin_march(const olx_field *field, uint32_t probe, const olx_probe_ray *ray) {
@@ -147,19 +147,17 @@ static inline olx_vec2 olx_crossings_ahead(const olx_piece *p, int32_t x, int32_
 // The texel after c, which the image leaves at the crossings s of the lines ahead; t1 is the ray's parameter there.
 static inline olx_cell olx_next_cell(const olx_piece *p, olx_cell c, olx_vec2 s, float t1) {
   const bool by_v = s.x > s.y;
-  return (olx_cell){c.x + (by_v ? 0 : p->u.step), c.y + (by_v ? p->v.step : 0), olx_min(s.x, s.y), t1};
+  return (olx_cell){c.x + (by_v ? 0 : p->u.step), c.y + (by_v ? p->v.step : 0), t1};
 }
 
 static inline olx_ray_plane olx_plane_along(const olx_probe_ray *ray, olx_vec3 plane) {
   return (olx_ray_plane){olx_dot(plane, ray->origin), olx_dot(plane, ray->direction)};
 }
 
-// Whether the ray is nowhere behind a plane from s0 to s1. Along the image m . p - 1, times the ray's inverse depth, is linear in
-// s, so the ends decide; rounding keeps the order of s, so what is clear is clear in each of its parts. The sky is clear.
-static inline bool olx_plane_clears(const olx_piece *p, olx_ray_plane plane, float s0, float s1) {
-  const float begin = plane.base + plane.slope * p->t_begin - 1.0f;
-  const float behind = p->near * begin, rise = p->slope * begin + plane.slope * p->rise;
-  return !(behind + rise * olx_max(s0, 0.0f) > 0.0f) && !(behind + rise * olx_min(s1, 1.0f) > 0.0f);
+// Whether the ray is nowhere behind a plane over [t0, t1]. Rounding keeps the order of t, so the ends decide. The sky is clear.
+static inline bool olx_plane_clears(olx_ray_plane plane, float t0, float t1) {
+  const bool ends_behind = t1 < INFINITY ? plane.base + plane.slope * t1 > 1.0f : plane.slope > 0.0f;
+  return !ends_behind && !(plane.base + plane.slope * t0 > 1.0f);
 }
 
 // The texel along one axis that stepping has reached at s; a line crossed at exactly s counts as passed

@@ -131,25 +131,25 @@ static olx_ray_plane texel_plane(olx_march *m, int32_t x, int32_t y) {
   return olx_plane_along(m->ray, olx_block_plane(m->field, m->probe, (uint32_t)x, (uint32_t)y));
 }
 
-olx_verdict olx_visit_plane(olx_march *m, const olx_piece *p, olx_cell c, float s1, float t1,
-                            olx_probe_answer *answer) {
+olx_verdict olx_visit_plane(olx_march *m, const olx_piece *p, olx_cell c, float t1, olx_probe_answer *answer) {
   olx_read_block(m, c.x >> OLX_PYRAMID_FINEST, c.y >> OLX_PYRAMID_FINEST);
-  if (olx_plane_clears(p, texel_plane(m, c.x, c.y), c.s, s1)) return OLX_VERDICT_CLEAR;
+  if (olx_plane_clears(texel_plane(m, c.x, c.y), c.t, t1)) return OLX_VERDICT_CLEAR;
   const float stored = olx_texel_distance(m->field, m->probe, texel_index(m, c.x, c.y));
-  return stored < INFINITY ? olx_judge_surfel(m, p, c, t1, stored, answer) : OLX_VERDICT_CLEAR;
+  if (olx_farthest_squared(m, c.t, t1) < stored * stored || stored == INFINITY) return OLX_VERDICT_CLEAR;
+  return olx_judge_surfel(m, p, c, t1, stored, answer);
 }
 
-olx_verdict olx_visit_block(olx_march *m, const olx_piece *p, int32_t x, int32_t y, float s, float t, bool by_v, float s1,
+olx_verdict olx_visit_block(olx_march *m, const olx_piece *p, int32_t x, int32_t y, float s, float t, bool by_v, float t1,
                             olx_probe_answer *answer) {
   olx_read_block(m, x, y);
-  if (olx_block_clears(m, p, s, s1)) return OLX_VERDICT_CLEAR;
-  olx_cell c = {olx_texel_at(&p->u, s, true), olx_texel_at(&p->v, s, by_v), s, t};
+  if (olx_block_clears(m, p, t, t1)) return OLX_VERDICT_CLEAR;
+  olx_cell c = {olx_texel_at(&p->u, s, true), olx_texel_at(&p->v, s, by_v), t};
   do {
     const olx_vec2 ahead = olx_crossings_ahead(p, c.x, c.y, 0);
-    const float left = olx_min(ahead.x, ahead.y), t1 = olx_parameter_at(p, left);
-    const olx_verdict verdict = olx_visit_plane(m, p, c, left, t1, answer);
-    if (verdict != OLX_VERDICT_CLEAR || left >= 1.0f) return verdict;
-    c = olx_next_cell(p, c, ahead, t1);
+    const float s1 = olx_min(ahead.x, ahead.y), end = olx_parameter_at(p, s1);
+    const olx_verdict verdict = olx_visit_plane(m, p, c, end, answer);
+    if (verdict != OLX_VERDICT_CLEAR || s1 >= 1.0f) return verdict;
+    c = olx_next_cell(p, c, ahead, end);
   } while (c.x >> OLX_PYRAMID_FINEST == x && c.y >> OLX_PYRAMID_FINEST == y);
   return OLX_VERDICT_CLEAR;
 }

@@ -7,28 +7,30 @@
 // Block (x, y) of the map, in a field of geometry blocks, with the planes of its texels where they are one or two.
 void olx_read_block(olx_march *m, int32_t x, int32_t y);
 
-// Whether the ray is nowhere behind any plane of the block that was read last, from s0 to s1; false where that takes the pool.
-static inline bool olx_block_clears(const olx_march *m, const olx_piece *p, float s0, float s1) {
+// Whether the ray is nowhere behind any plane of the block that was read last over any part of [t0, t1], whatever rounding does to
+// the part's ends; false where that takes the pool.
+static inline bool olx_block_clears(const olx_march *m, const olx_piece *p, float t0, float t1) {
   const uint32_t form = m->block->words[3] >> 30;
-  return form <= OLX_GEOMETRY_TWO && olx_plane_clears(p, m->planes[0], s0, s1) &&
-         (form == OLX_GEOMETRY_ONE || olx_plane_clears(p, m->planes[1], s0, s1));
+  const float begin = t0 - p->slack, end = t1 + p->slack;
+  return form <= OLX_GEOMETRY_TWO && olx_plane_clears(m->planes[0], begin, end) &&
+         (form == OLX_GEOMETRY_ONE || olx_plane_clears(m->planes[1], begin, end));
 }
 
-// The texels of block (x, y) from the one on in which the ray is at s, t: by_v as in march_hiz.c. The ray leaves it at s1.
-olx_verdict olx_visit_block(olx_march *m, const olx_piece *p, int32_t x, int32_t y, float s, float t, bool by_v, float s1,
+// The texels of block (x, y) from the one on in which the ray is at s, t: by_v as in march_hiz.c. The ray leaves it at t1.
+olx_verdict olx_visit_block(olx_march *m, const olx_piece *p, int32_t x, int32_t y, float s, float t, bool by_v, float t1,
                             olx_probe_answer *answer);
 
-// Texel c of a field of geometry blocks, which the ray leaves at s1, t1.
-olx_verdict olx_visit_plane(olx_march *m, const olx_piece *p, olx_cell c, float s1, float t1, olx_probe_answer *answer);
+// Texel c of a field of geometry blocks, which the ray leaves at t1.
+olx_verdict olx_visit_plane(olx_march *m, const olx_piece *p, olx_cell c, float t1, olx_probe_answer *answer);
 
 // The ray reaches the stored distance (metres) inside texel c, which it leaves at t1: what does the texel's surfel say?
 olx_verdict olx_judge_surfel(olx_march *m, const olx_piece *p, olx_cell c, float t1, float stored,
                              olx_probe_answer *answer);
 
 // The same for a texel that is yet to be read; `far_squared` is the ray's greatest squared distance over it.
-static inline olx_verdict olx_visit_texel(olx_march *m, const olx_piece *p, olx_cell c, float s1, float t1,
-                                          float far_squared, olx_probe_answer *answer) {
-  if (m->geometry) return olx_visit_plane(m, p, c, s1, t1, answer);
+static inline olx_verdict olx_visit_texel(olx_march *m, const olx_piece *p, olx_cell c, float t1, float far_squared,
+                                          olx_probe_answer *answer) {
+  if (m->geometry) return olx_visit_plane(m, p, c, t1, answer);
   m->steps++;
   const uint32_t code = m->distance[olx_map_index(m->field->stride, c.x, c.y)] & 0x7FFFu;
   const float stored = olx_march_distance(m, code);
@@ -38,10 +40,10 @@ static inline olx_verdict olx_visit_texel(olx_march *m, const olx_piece *p, olx_
 
 // Whether the texel in which a ray begins that another probe has handed on hides it, as it often does.
 static inline olx_verdict olx_visit_first(olx_march *m, const olx_piece *p, olx_probe_answer *answer) {
-  const olx_cell c = {p->u.first, p->v.first, -1.0f, p->t_begin};
+  const olx_cell c = {p->u.first, p->v.first, p->t_begin};
   const olx_vec2 s = olx_crossings_ahead(p, c.x, c.y, 0);
-  const float s1 = olx_min(s.x, s.y), t1 = olx_parameter_at(p, s1);
-  return olx_visit_texel(m, p, c, s1, t1, olx_farthest_squared(m, c.t, t1), answer);
+  const float t1 = olx_parameter_at(p, olx_min(s.x, s.y));
+  return olx_visit_texel(m, p, c, t1, olx_farthest_squared(m, c.t, t1), answer);
 }
 
 #endif

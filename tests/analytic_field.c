@@ -2,6 +2,7 @@
 
 #include "core/hooks.h"
 #include "core/sampling.h"
+#include "field/geometry_map_encode.h"
 #include "field/surface_encode.h"
 #include "field/texels.h"
 #include "select/cage.h"
@@ -252,12 +253,53 @@ void analytic_field_compress(olx_field *f) {
   for (size_t i = 0; i < sizeof done / sizeof *done; i++) free((void *)(uintptr_t)done[i]);
 }
 
+static olx_geometry_texel look_at(const void *field, uint32_t x, uint32_t y) {
+  const olx_field *f = field; // of one probe
+  const size_t texel = olx_map_index(f->stride, (int32_t)x, (int32_t)y);
+  return (olx_geometry_texel){olx_texel_distance(f, 0, texel), olx_texel_normal(f, 0, texel)};
+}
+
+void analytic_field_block_geometry(olx_field *f) {
+  const uint32_t count = f->info.probe_count, side = f->n / OLX_BLOCK_SIDE, blocks = side * side;
+  olx_geometry_block *geometry = zeroed((size_t)count * blocks, sizeof *geometry);
+  olx_plane_code *planes = zeroed((size_t)count * blocks * OLX_BLOCK_TEXELS, sizeof *planes);
+  uint16_t *least = zeroed(blocks, 2), *greatest = zeroed(blocks, 2);
+  uint32_t used = 0;
+  olx_geometry_maker maker;
+  if (olx_geometry_maker_create(f->n, &maker) != OLX_OK) abort();
+  for (uint32_t probe = 0; probe < count; probe++) {
+    olx_field one = *f;
+    one.distance += f->texels * probe;
+    one.normal += f->texels * probe;
+    if (olx_geometry_maker_encode(&maker, f->n, 1, look_at, &one) != OLX_OK) abort();
+    const olx_pyramid_base base = olx_pyramid_over_blocks(&maker.map, f->n, f->distance_scale, least, greatest);
+    olx_pyramid_make(&f->pyramid, &base, (uint16_t *)(uintptr_t)f->least + (size_t)f->pyramid.least_nodes * probe,
+                     (uint16_t *)(uintptr_t)f->greatest + (size_t)f->pyramid.greatest_nodes * probe);
+    for (uint32_t i = 0; i < blocks; i++) {
+      olx_geometry_block *block = &geometry[(size_t)blocks * probe + i];
+      *block = maker.map.blocks[i];
+      if (block->words[3] >> 30 == OLX_GEOMETRY_POOL) block->words[0] += used;
+    }
+    for (uint32_t i = 0; i < maker.map.pool.count; i++) planes[used++] = maker.map.pool.planes[i];
+  }
+  olx_geometry_maker_free(&maker);
+  free(least);
+  free(greatest);
+  free((void *)(uintptr_t)f->distance);
+  free((void *)(uintptr_t)f->normal);
+  f->distance = f->normal = NULL;
+  f->info.geometry_blocks = true;
+  f->geometry = geometry;
+  f->planes = (olx_plane_pool){planes, used};
+}
+
 void analytic_field_free(olx_field *f) {
   const olx_field_surfaces *s = &f->surfaces;
   const void *blocks[] = {f->probe_positions, f->probe_flags,     f->radiance,      f->normal,          f->distance,
                           f->least,           f->greatest,        f->irradiance,    f->moments,         s->base,
                           s->specular,        s->direct,          s->indirect,      s->emission,        s->tiles,
-                          s->base_blocks,     s->specular_blocks, s->direct_blocks, s->indirect_blocks, f};
+                          s->base_blocks,     s->specular_blocks, s->direct_blocks, s->indirect_blocks, f->geometry,
+                          f->planes.planes,   f};
   for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) free((void *)(uintptr_t)blocks[i]);
 }
 

@@ -88,8 +88,10 @@ static bool find_texel(const march_state *e, olx_cell *c, float *stored) {
     const olx_vec2 s = olx_crossings_ahead(&e->piece, c->x, c->y, 0);
     const float s1 = olx_min(s.x, s.y), t1 = olx_parameter_at(&e->piece, s1);
     const olx_field *f = e->march.field;
+    olx_march m = e->march;
+    if (f->geometry && reaches_plane(&m, *c, t1, stored)) return true;
     *stored = olx_texel_distance(f, e->march.probe, olx_map_index(f->stride, c->x, c->y));
-    if (olx_farthest_squared(&e->march, c->t, t1) >= *stored * *stored && *stored < INFINITY) return true;
+    if (!f->geometry && olx_farthest_squared(&e->march, c->t, t1) >= *stored * *stored && *stored < INFINITY) return true;
     if (s1 >= 1.0f) return false;
     *c = olx_next_cell(&e->piece, *c, s, t1);
   }
@@ -139,6 +141,17 @@ MARCH_ROW(judge_height, olx_probe_answer a = {0};
     put_u(r, judge_height(&e->march, &e->piece, e->cell, cell_exit(e), &e->surfel, &a)); put_f(r, a.t);)
 MARCH_ROW(judge_surfel, olx_probe_answer a = {0};
     put_u(r, olx_judge_surfel(&e->march, &e->piece, e->cell, cell_exit(e), s->item->v[15], &a)); put_answer(r, &a);)
+MARCH_ROW(read_block, if (!s->field->geometry) return; for (uint32_t k = 0; k < 2; k++)
+    olx_read_block(&e->march, (int32_t)s->x / 4, (int32_t)s->y / 4);
+    for (uint32_t k = 0; k < 4; k++) put_u(r, e->march.block->words[k]); put_u(r, e->march.steps);)
+MARCH_ROW(plane_clears, const olx_vec3 d = s->direction;
+    put_u(r, olx_plane_clears(olx_plane_along(&e->ray, olx_scale(d, s->random[2])), s->random[0], s->random[0] + s->random[1]));
+    put_u(r, olx_plane_clears(olx_plane_along(&e->ray, olx_scale(olx_v3(d.z, d.x, d.y), s->random[2])), s->random[0], INFINITY));)
+MARCH_ROW(block_clears, if (!s->field->geometry) return; olx_read_block(&e->march, (int32_t)s->x / 4, (int32_t)s->y / 4);
+    put_u(r, olx_block_clears(&e->march, &e->piece, s->random[0], s->random[0] + s->random[1]));)
+MARCH_ROW(reaches_plane, if (!s->field->geometry) return; float stored;
+    const bool reached = reaches_plane(&e->march, e->cell, cell_exit(e), &stored); put_u(r, reached);
+    put_u(r, e->march.steps); if (reached) put_f(r, stored);)
 MARCH_ROW(visit_texel, olx_probe_answer a = {0};
     put_u(r, olx_visit_texel(&e->march, &e->piece, e->cell, cell_exit(e), cell_far_squared(e), &a)); put_answer(r, &a);
     put_u(r, e->march.steps);)
@@ -204,6 +217,10 @@ static const parity_row ROWS[] = {
     PARITY(supported, 1e-5f, 1e-3),
     PARITY(judge_height, 1e-5f, 1e-3),
     PARITY(judge_surfel, 1e-5f, 1e-3),
+    PARITY(read_block, 1e-5f, 0),
+    PARITY(plane_clears, 1e-5f, 1e-3),
+    PARITY(block_clears, 1e-5f, 1e-3),
+    PARITY(reaches_plane, 1e-5f, 1e-3),
     PARITY(visit_texel, 1e-5f, 1e-3),
     PARITY(next_cell, 1e-5f, 1e-3),
     PARITY(crossings_ahead, 1e-5f, 1e-3),

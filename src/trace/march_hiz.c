@@ -61,14 +61,13 @@ olx_verdict olx_march_hiz(olx_march *m, const olx_piece *p, olx_probe_answer *an
   for (;;) {
     const olx_vec2 s = olx_crossings_ahead(p, at.x, at.y, olx_pyramid_shift(at.level));
     const float s1 = olx_min(s.x, s.y), t1 = olx_parameter_at(p, s1);
-    const float least_squared = olx_least_squared(m, at.level, at.x, at.y);
-    bool clear = olx_reach_squared(m, p, at.t, t1) < least_squared;
-    if (!clear && at.level == 0 && m->geometry) {
+    const bool block = at.level == 0 && m->geometry;
+    const float least_squared = block ? 0.0f : olx_least_squared(m, at.level, at.x, at.y);
+    if (block) {
       const olx_verdict verdict = olx_visit_block(m, p, at.x, at.y, at.s, at.t, at.by_v, t1, answer);
       if (verdict != OLX_VERDICT_CLEAR) return verdict;
-      clear = true;
     }
-    if (clear) {
+    if (block || olx_reach_squared(m, p, at.t, t1) < least_squared) {
       if (s1 >= 1.0f) return OLX_VERDICT_CLEAR;
       const bool by_v = s.x > s.y;
       leave(m, &at, at.x + (by_v ? 0 : p->u.step), at.y + (by_v ? p->v.step : 0), s1, t1, by_v);

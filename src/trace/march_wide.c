@@ -168,7 +168,7 @@ WIDE bool take_job(work *w, lanes *l, uint32_t lane) {
   olx_march *m = &l->march[lane];
   *m = olx_begin_march(w->field, job->probe, &job->ray);
   l->job[lane] = w->next++;
-  l->distances[lane / 4][lane % 4] = (int64_t)m->distance;
+  l->distances[lane / 4][lane % 4] = (int64_t)(m->geometry ? m->least : m->distance); // of blocks it is not read
   l->nodes[lane / 4][lane % 4] = (int64_t)m->least;
   l->ox[lane] = job->ray.origin.x, l->oy[lane] = job->ray.origin.y, l->oz[lane] = job->ray.origin.z;
   l->dx[lane] = job->ray.direction.x, l->dy[lane] = job->ray.direction.y, l->dz[lane] = job->ray.direction.z;
@@ -218,12 +218,12 @@ WIDE void renew(work *w, lanes *l) {
   }
 }
 
-// The 16 bits that each lane's node or texel holds.
-WIDE words codes_at(const lanes *l, words texel) {
+// The 16 bits that each lane's node or texel holds; of geometry blocks any.
+WIDE words codes_at(const lanes *l, words texel, words block) {
   const words x = l->x, y = l->y, first = __builtin_ia32_permvarsi256(l->first_node, l->level),
               tiles = __builtin_ia32_permvarsi256(l->tiles_across, l->level);
   const words node = first + ((((y >> 2) * tiles + (x >> 2)) << 4) + ((y & 3) << 2) + (x & 3));
-  const words index = pick_word(texel, (y + 1) * (int32_t)l->field->stride + x + 1, node);
+  const words index = pick_word(texel, (y + 1) * (int32_t)l->field->stride + x + 1, node) & ~block;
   words code;
   for (uint32_t half = 0; half < 2; half++) {
     const four_words i =
@@ -266,11 +266,13 @@ WIDE wide_look look(lanes *l) {
   const reals far_squared = most(l->miss_squared + begin * begin, l->miss_squared + end * end);
   const reals along = most(-begin, end) + l->slack;
   const reals reach_squared = (l->miss_squared + along * along) * (1.0f + 0x1p-16f);
-  const words code = codes_at(l, texel);
+  const words block = (l->level <= 1) & (l->field->geometry ? -1 : 0); // of geometry, which visit_blocks reads
+  const words code = codes_at(l, texel, block);
   const reals stored = (reals)(code << 13) * 0x1p112f * l->field->distance_scale, least_squared = stored * stored;
   const words passed = texel & (far_squared < l->node_least_squared); // unread
-  l->steps += mask_of(l->walking) & (1 + passed);
-  const words clear = passed | (texel & (code == 0x7C00)) | (pick(texel, far_squared, reach_squared) < least_squared);
+  l->steps += mask_of(l->walking) & (1 + passed) & ~block;
+  const words clear =
+      passed | (texel & (code == 0x7C00)) | ((pick(texel, far_squared, reach_squared) < least_squared) & ~block);
   return (wide_look){.s1 = s1,
                      .t1 = t1,
                      .stored = stored,
@@ -281,10 +283,10 @@ WIDE wide_look look(lanes *l) {
                      .at_texel = bits(texel) & l->walking};
 }
 
-// Reads the blocks of lanes that are not clear of all that one may hold. Those that are clear of its planes go on; the others
-// visit its texels, and where that ends their ray they are finished.
+// Reads the geometry blocks in which lanes stand. Lanes that are clear of their planes go on; the others visit their texels, and
+// where that ends their ray they are finished.
 WIDE void visit_blocks(work *w, lanes *l, wide_look *seen) {
-  const uint32_t which = bits(l->level == 1) & l->walking & ~seen->clear;
+  const uint32_t which = bits(l->level == 1) & l->walking;
   if (!which) return;
   reals base[2] = {splat(0.0f), splat(0.0f)}, slope[2] = {splat(0.0f), splat(0.0f)};
   uint32_t pooled = 0;
@@ -374,7 +376,7 @@ WIDE void begin_lanes(lanes *l, const olx_field *field) {
   }
   for (uint32_t lane = 0; lane < LANES; lane++) {
     l->job[lane] = NO_JOB;
-    l->distances[lane / 4][lane % 4] = (int64_t)field->distance;
+    l->distances[lane / 4][lane % 4] = (int64_t)(field->geometry ? field->least : field->distance);
     l->nodes[lane / 4][lane % 4] = (int64_t)field->least;
   }
 }

@@ -131,12 +131,18 @@ static olx_ray_plane texel_plane(olx_march *m, int32_t x, int32_t y) {
   return olx_plane_along(m->ray, olx_block_plane(m->field, m->probe, (uint32_t)x, (uint32_t)y));
 }
 
-olx_verdict olx_visit_plane(olx_march *m, const olx_piece *p, olx_cell c, float t1, olx_probe_answer *answer) {
+// Whether the ray reaches the plane of texel c, which it leaves at t1. A plane that comes nearer in a part of the texel than in its
+// middle may end before, at the edge of a thing: the next texel tells.
+static bool reaches_plane(olx_march *m, olx_cell c, float t1, float *stored) {
   olx_read_block(m, c.x >> OLX_PYRAMID_FINEST, c.y >> OLX_PYRAMID_FINEST);
-  if (olx_plane_clears(texel_plane(m, c.x, c.y), c.t, t1)) return OLX_VERDICT_CLEAR;
-  const float stored = olx_texel_distance(m->field, m->probe, texel_index(m, c.x, c.y));
-  if (olx_farthest_squared(m, c.t, t1) < stored * stored || stored == INFINITY) return OLX_VERDICT_CLEAR;
-  return olx_judge_surfel(m, p, c, t1, stored, answer);
+  if (olx_plane_clears(texel_plane(m, c.x, c.y), c.t, t1)) return false;
+  *stored = olx_texel_distance(m->field, m->probe, texel_index(m, c.x, c.y));
+  return !(olx_farthest_squared(m, c.t, t1) < *stored * *stored || *stored == INFINITY);
+}
+
+olx_verdict olx_visit_plane(olx_march *m, const olx_piece *p, olx_cell c, float t1, olx_probe_answer *answer) {
+  float stored;
+  return reaches_plane(m, c, t1, &stored) ? olx_judge_surfel(m, p, c, t1, stored, answer) : OLX_VERDICT_CLEAR;
 }
 
 olx_verdict olx_visit_block(olx_march *m, const olx_piece *p, int32_t x, int32_t y, float s, float t, bool by_v, float t1,

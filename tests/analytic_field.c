@@ -183,7 +183,7 @@ olx_field *analytic_field_make(const analytic_scene *scene, const olx_grid *grid
   f->n = n;
   f->stride = n + 2;
   f->texels = (size_t)f->stride * f->stride;
-  f->pyramid = olx_pyramid_shape_of(n);
+  f->pyramid = olx_pyramid_shape_of(n, false);
   f->irradiance_n = irradiance_n;
   f->irradiance_stride = irradiance_n + 2;
   f->irradiance_texels = (size_t)f->irradiance_stride * f->irradiance_stride;
@@ -265,6 +265,7 @@ void analytic_field_block_geometry(olx_field *f) {
   olx_plane_code *planes = zeroed((size_t)count * blocks * OLX_BLOCK_TEXELS, sizeof *planes);
   uint16_t *least = zeroed(blocks, 2), *greatest = zeroed(blocks, 2);
   uint32_t used = 0;
+  f->pyramid = olx_pyramid_shape_of(f->n, true);
   olx_geometry_maker maker;
   if (olx_geometry_maker_create(f->n, &maker) != OLX_OK) abort();
   for (uint32_t probe = 0; probe < count; probe++) {

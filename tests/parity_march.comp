@@ -85,6 +85,7 @@ void march_rows() {
     olx_read_block(march, texel / 4), olx_read_block(march, texel / 4), put(march.block.xyz), put(march.block.w);
     put(march.steps);
     break;
+  case ROW_olx_octahedral_depth: put(olx_octahedral_depth(march, piece, random.x)); break;
   case ROW_olx_plane_clears:
     put(olx_plane_clears(march, direction * random.z, random.x, random.x + random.y));
     put(olx_plane_clears(march, direction.zxy * random.z, random.x, OLX_INFINITY));

@@ -301,7 +301,7 @@ static void test_samples_without_probe_light(void **state) {
 static void test_pyramids_bound_their_nodes(void **state) {
   (void)state;
   for (uint32_t n = 8; n <= 2048; n *= 2) {
-    const olx_pyramid_shape shape = olx_pyramid_shape_of(n);
+    const olx_pyramid_shape shape = olx_pyramid_shape_of(n, false);
     const uint32_t near_x = n - 1, near_y = n / 2, far_x = n / 2 - 1, far_y = 3;
     uint16_t *distance = olx_allocate((size_t)n * n, 2), *nearest = olx_allocate(shape.least_nodes, 2),
              *farthest = olx_allocate(shape.greatest_nodes, 2);

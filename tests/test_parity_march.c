@@ -144,6 +144,7 @@ MARCH_ROW(judge_surfel, olx_probe_answer a = {0};
 MARCH_ROW(read_block, if (!s->field->geometry) return; for (uint32_t k = 0; k < 2; k++)
     olx_read_block(&e->march, (int32_t)s->x / 4, (int32_t)s->y / 4);
     for (uint32_t k = 0; k < 4; k++) put_u(r, e->march.block->words[k]); put_u(r, e->march.steps);)
+MARCH_ROW(octahedral_depth, put_f(r, olx_octahedral_depth(&e->march, &e->piece, s->random[0]));)
 MARCH_ROW(plane_clears, const olx_vec3 d = s->direction;
     put_u(r, olx_plane_clears(olx_plane_along(&e->ray, olx_scale(d, s->random[2])), s->random[0], s->random[0] + s->random[1]));
     put_u(r, olx_plane_clears(olx_plane_along(&e->ray, olx_scale(olx_v3(d.z, d.x, d.y), s->random[2])), s->random[0], INFINITY));)
@@ -218,6 +219,7 @@ static const parity_row ROWS[] = {
     PARITY(judge_height, 1e-5f, 1e-3),
     PARITY(judge_surfel, 1e-5f, 1e-3),
     PARITY(read_block, 1e-5f, 0),
+    PARITY(octahedral_depth, 1e-5f, 0),
     PARITY(plane_clears, 1e-5f, 1e-3),
     PARITY(block_clears, 1e-5f, 1e-3),
     PARITY(reaches_plane, 1e-5f, 1e-3),

@@ -285,14 +285,25 @@ bool olx_plane_clears(olx_march m, vec3 plane, float t0, float t1) {
   return !ends_behind && !(begin > 1.0);
 }
 
+// |x| + |y| + |z| of a point of the ray.
+float olx_octahedral_depth(olx_march m, olx_piece p, float t) {
+  precise float depth = olx_dot(p.sign, m.ray.origin) + olx_dot(p.sign, m.ray.direction) * t;
+  return depth;
+}
+
 // Whether the ray is nowhere behind any plane of the block that was read last over any part of [t0, t1], whatever rounding
-// does to the part's ends; false where that takes the pool.
+// does to the part's ends. Planes of the pool are not read for that.
 bool olx_block_clears(olx_march m, olx_piece p, float t0, float t1) {
   precise float slack = p.t_end < OLX_INFINITY ? OLX_PARAMETER_ROUNDING * p.t_end : 0.0;
   precise float begin = t0 - slack, end = t1 + slack;
   uint form = m.block.w >> 30, n = olx_field.n;
   uvec2 place = uvec2(m.place);
   bool clears = form <= OLX_GEOMETRY_TWO;
+  if (form == OLX_GEOMETRY_POOL) {
+    precise float depth = max(olx_octahedral_depth(m, p, begin), olx_octahedral_depth(m, p, end));
+    precise float share = depth * olx_geometry_nearest(m.block);
+    return t1 < OLX_INFINITY && share < 1.0 - 1.0 / 65536.0;
+  }
   for (uint i = 0u; i <= form && clears; i++) {
     vec3 plane = uintBitsToFloat(m.block.xyz);
     if (form == OLX_GEOMETRY_TWO) plane = olx_plane_decode(i == 0u ? m.block.xz : m.block.yw, n, place);

@@ -98,7 +98,7 @@ static olx_result find_chunks(olx_field *field) {
   field->normal = data[OLX_CHUNK_NORMAL];
   if (info->geometry_blocks) field->geometry = data[OLX_CHUNK_DISTANCE];
   else field->distance = data[OLX_CHUNK_DISTANCE];
-  field->pyramid = olx_pyramid_shape_of(field->n);
+  field->pyramid = olx_pyramid_shape_of(field->n, info->geometry_blocks);
   field->least = data[OLX_CHUNK_LEAST];
   field->greatest = data[OLX_CHUNK_GREATEST];
   field->irradiance_n = info->irradiance_size;

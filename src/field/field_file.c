@@ -24,7 +24,7 @@ void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHU
   const uint32_t radiance_maps = olx_chunk_is_required(info, OLX_CHUNK_RADIANCE) ? info->probe_count : 0;
   const uint64_t irradiance_side = info->irradiance_size + 2, irradiance_texels = irradiance_side * irradiance_side;
   const uint32_t bands = olx_irradiance_bands(info->irradiance_form);
-  const olx_pyramid_shape pyramid = olx_pyramid_shape_of(info->radiance_size);
+  const olx_pyramid_shape pyramid = olx_pyramid_shape_of(info->radiance_size, info->geometry_blocks);
   const uint32_t classic = info->classic_size, classic_probes = classic ? info->irradiance_probe_count : 0;
   const uint64_t classic_side = classic + 2;
   const uint64_t tiles = (uint64_t)(info->radiance_size / OLX_EMISSION_TILE) * (info->radiance_size / OLX_EMISSION_TILE);

@@ -105,7 +105,7 @@ static olx_result check_pyramid_level(const olx_field *field, const olx_pyramid_
 }
 
 static olx_result check_pyramid(const olx_field *field, const olx_pyramid_base *base, uint32_t probe) {
-  for (uint32_t level = 0; level < field->pyramid.levels; level++) {
+  for (uint32_t level = field->pyramid.least_level; level < field->pyramid.levels; level++) {
     OLX_TRY(check_pyramid_level(field, base, probe, level));
   }
   return OLX_OK;
@@ -139,7 +139,13 @@ static olx_result check_block_pyramid(const olx_field *field, uint32_t probe, si
 static olx_result check_geometry(const olx_field *field, uint32_t probe) {
   const uint32_t side = field->n / OLX_BLOCK_SIDE, count = side * side;
   for (uint32_t i = 0; i < count; i++) {
-    const char *problem = olx_geometry_check(&field->geometry[(size_t)count * probe + i], field->planes.count);
+    const olx_geometry_block *block = &field->geometry[(size_t)count * probe + i];
+    const olx_block_place place = {field->n, i % side, i / side};
+    const char *problem = olx_geometry_check(block, field->planes.count);
+    if (!problem && block->words[3] >> 30 == OLX_GEOMETRY_POOL &&
+        (block->words[3] & 0x3FFFFFFFu) != olx_geometry_nearest_code(block, &field->planes, place)) {
+      problem = "planes that come nearer or less near than it says";
+    }
     if (!problem) continue;
     return olx_fail(OLX_ERROR_FORMAT, "%s: geometry of probe %u, block (%u, %u): %s", field->name, probe, i % side,
                     i / side, problem);

@@ -236,7 +236,7 @@ static olx_result refuse_order(const olx_field_writer *writer, const char *kind,
 }
 
 static olx_result put_pyramid(olx_field_writer *writer, uint32_t index, const olx_pyramid_base *base) {
-  const olx_pyramid_shape pyramid = olx_pyramid_shape_of(writer->info.radiance_size);
+  const olx_pyramid_shape pyramid = olx_pyramid_shape_of(writer->info.radiance_size, writer->info.geometry_blocks);
   olx_pyramid_make(&pyramid, base, writer->least, writer->greatest);
   OLX_TRY(put(writer, OLX_CHUNK_LEAST, index, writer->least));
   return put(writer, OLX_CHUNK_GREATEST, index, writer->greatest);

@@ -1,15 +1,16 @@
 #include "field/pyramid.h"
 
-olx_pyramid_shape olx_pyramid_shape_of(uint32_t n) {
+olx_pyramid_shape olx_pyramid_shape_of(uint32_t n, bool over_blocks) {
   olx_pyramid_shape shape = {.levels = 1};
   while (shape.levels < OLX_PYRAMID_MAX_LEVELS && 4u << olx_pyramid_shift(shape.levels) <= n) shape.levels++;
+  shape.greatest_level = shape.levels > 1 ? 1 : 0;
+  shape.least_level = over_blocks ? shape.greatest_level : 0;
   for (uint32_t level = shape.levels; level-- > 0;) {
     shape.side[level] = n >> olx_pyramid_shift(level);
     shape.first[level] = shape.least_nodes;
-    shape.least_nodes += shape.side[level] * shape.side[level];
+    if (level >= shape.greatest_level) shape.greatest_nodes += shape.side[level] * shape.side[level];
+    if (level >= shape.least_level) shape.least_nodes += shape.side[level] * shape.side[level];
   }
-  shape.greatest_level = shape.levels > 1 ? 1 : 0;
-  shape.greatest_nodes = shape.levels > 1 ? shape.first[0] : shape.least_nodes;
   return shape;
 }
 
@@ -40,8 +41,8 @@ static inline uint16_t of_nodes(const olx_pyramid_shape *shape, const uint16_t *
 
 uint16_t olx_pyramid_least(const olx_pyramid_shape *shape, const olx_pyramid_base *base, const uint16_t *nodes,
                            uint32_t level, uint32_t x, uint32_t y) {
-  if (level > 0) return of_nodes(shape, nodes, level, x, y, smaller);
-  return of_squares(base->least, base->stride, olx_pyramid_shift(0) - base->shift, x, y, smaller);
+  if (level != shape->least_level) return of_nodes(shape, nodes, level, x, y, smaller);
+  return of_squares(base->least, base->stride, olx_pyramid_shift(level) - base->shift, x, y, smaller);
 }
 
 uint16_t olx_pyramid_greatest(const olx_pyramid_shape *shape, const olx_pyramid_base *base, const uint16_t *nodes,
@@ -52,7 +53,7 @@ uint16_t olx_pyramid_greatest(const olx_pyramid_shape *shape, const olx_pyramid_
 
 void olx_pyramid_make(const olx_pyramid_shape *shape, const olx_pyramid_base *base, uint16_t *least,
                       uint16_t *greatest) {
-  for (uint32_t level = 0; level < shape->levels; level++) {
+  for (uint32_t level = shape->least_level; level < shape->levels; level++) {
     const uint32_t side = shape->side[level];
     for (uint32_t y = 0; y < side; y++) {
       for (uint32_t x = 0; x < side; x++) {

@@ -3,6 +3,7 @@
 #ifndef OLX_FIELD_PYRAMID_H
 #define OLX_FIELD_PYRAMID_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -17,12 +18,14 @@ typedef struct olx_pyramid_shape {
   uint32_t levels;
   uint32_t side[OLX_PYRAMID_MAX_LEVELS];  // nodes along the map
   uint32_t first[OLX_PYRAMID_MAX_LEVELS]; // where the level begins in the record of a probe: the coarsest comes first
-  uint32_t least_nodes;                   // in a record of smallest distances: all levels
+  uint32_t least_level;                   // the finest level of smallest distances
+  uint32_t least_nodes;                   // in a record of these
   uint32_t greatest_level;                // the finest level of largest distances: 1, or 0 when there is no other
   uint32_t greatest_nodes;                // in a record of these
 } olx_pyramid_shape;
 
-olx_pyramid_shape olx_pyramid_shape_of(uint32_t n);
+// Over geometry blocks, which are nodes of level 0 themselves, both begin with the level of largest distances.
+olx_pyramid_shape olx_pyramid_shape_of(uint32_t n, bool over_blocks);
 
 // log2 of the texels along the side of a node.
 static inline uint32_t olx_pyramid_shift(uint32_t level) { return OLX_PYRAMID_FINEST + OLX_PYRAMID_STEP * level; }

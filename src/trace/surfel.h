@@ -7,11 +7,21 @@
 // Block (x, y) of the map, in a field of geometry blocks, with the planes of its texels where they are one or two.
 void olx_read_block(olx_march *m, int32_t x, int32_t y);
 
+// |x| + |y| + |z| of a point of the ray.
+static inline float olx_octahedral_depth(const olx_march *m, const olx_piece *p, float t) {
+  const olx_vec3 sign = {p->sign_x, p->sign_y, p->sign_z};
+  return olx_dot(sign, m->ray->origin) + olx_dot(sign, m->ray->direction) * t;
+}
+
 // Whether the ray is nowhere behind any plane of the block that was read last over any part of [t0, t1], whatever rounding does to
-// the part's ends; false where that takes the pool.
+// the part's ends. Planes of the pool are not read for that.
 static inline bool olx_block_clears(const olx_march *m, const olx_piece *p, float t0, float t1) {
   const uint32_t form = m->block->words[3] >> 30;
   const float begin = t0 - p->slack, end = t1 + p->slack;
+  if (form == OLX_GEOMETRY_POOL) {
+    const float depth = olx_max(olx_octahedral_depth(m, p, begin), olx_octahedral_depth(m, p, end));
+    return t1 < INFINITY && depth * olx_geometry_nearest(m->block) < 1.0f - 0x1p-16f;
+  }
   return form <= OLX_GEOMETRY_TWO && olx_plane_clears(m->planes[0], begin, end) &&
          (form == OLX_GEOMETRY_ONE || olx_plane_clears(m->planes[1], begin, end));
 }

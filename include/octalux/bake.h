@@ -43,7 +43,7 @@ typedef struct olx_bake_settings {
   uint32_t irradiance_size; // a power of two, 8 to 256; default 128
   olx_irradiance_form irradiance_form; // default OLX_IRRADIANCE_OCTAHEDRAL
   olx_bounce_gather bounce_gather;     // default OLX_GATHER_SOLVED
-  bool uncompressed;        // keep material and light of surfaces as texels instead of blocks, to judge these by; default false
+  bool uncompressed;        // keep geometry, material and light as texels instead of blocks, to judge these by; default false
   uint32_t samples;         // samples of surfaces along a texel's side, 1 to 8; default 2 (four a texel)
   uint32_t light_samples;   // shadow rays a sample sends to area lights and to the sky, 1 to 64; default 1
   uint32_t bounces;         // further bounces after direct light, 0 to 64, as long as they bring 2^-10 of the light; default 32

@@ -486,11 +486,14 @@ struct olx_stand {
   bool judged;         // a texel whose surfel is clear
 };
 
+// The finest level of smallest distances.
+int olx_finest_level() { return olx_geometry_in_blocks() && olx_field.pyramid_levels > 1u ? 1 : 0; }
+
 // Where the march over a piece begins: at a surface, where only small nodes are clear, and on further faces in the
 // open. The texel in which a ray begins that another probe has handed on often hides it, and comes first.
 olx_stand olx_begin_stand(olx_march m, olx_piece p) {
   bool first_piece = p.t_begin <= m.ray.t_min, first = first_piece && p.t_begin > 0.0;
-  int level = first ? -1 : first_piece ? 0 : int(olx_field.pyramid_levels) - 1;
+  int level = first ? -1 : first_piece ? olx_finest_level() : int(olx_field.pyramid_levels) - 1;
   ivec2 texel = ivec2(p.u.first, p.v.first);
   return olx_stand(texel >> olx_pyramid_shift(level), level, -1.0, p.t_begin, false, 0.0, first, false);
 }
@@ -541,7 +544,8 @@ bool olx_find_texel(inout olx_march m, olx_piece p, inout olx_stand at, out floa
     if (enter) {
       olx_enter(p, at);
     } else if (at.first) {
-      at = olx_stand(at.at >> OLX_PYRAMID_FINEST, 0, -1.0, p.t_begin, false, 0.0, false, false);
+      int finest = olx_finest_level();
+      at = olx_stand(at.at >> olx_pyramid_shift(finest), finest, -1.0, p.t_begin, false, 0.0, false, false);
     } else {
       bool by_v = s.x > s.y;
       olx_leave(at, at.at + (by_v ? ivec2(0, olx_axis_step(p.v)) : ivec2(olx_axis_step(p.u), 0)), s1, t1, by_v);

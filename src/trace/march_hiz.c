@@ -52,7 +52,7 @@ olx_verdict olx_march_hiz(olx_march *m, const olx_piece *p, olx_probe_answer *an
     if (verdict != OLX_VERDICT_CLEAR) return verdict;
   }
   // A ray begins at a surface, where only small nodes are clear, and enters other faces in the open.
-  const uint32_t begin_level = first_piece ? 0 : m->field->pyramid.levels - 1, begin_shift = olx_pyramid_shift(begin_level);
+  const uint32_t begin_level = first_piece ? m->field->pyramid.least_level : m->field->pyramid.levels - 1, begin_shift = olx_pyramid_shift(begin_level);
   stand at = {.x = p->u.first >> begin_shift,
               .y = p->v.first >> begin_shift,
               .level = begin_level,

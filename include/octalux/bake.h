@@ -103,7 +103,8 @@ typedef struct olx_bake_stats {
 typedef struct olx_bake_sizes {
   uint64_t probes, irradiance_probes; // 0 of irradiance without probe light
   uint64_t file_bytes;   // structures of other selectors than the cage and the irradiance volume come on top, and, where probes see emitters or the
-                         // sky, at most 4 bytes a texel
+                         // sky, at most 4 bytes a texel; planes of fine surfaces, up to a third of a byte a texel in the
+                         // scenes that were measured and 8 at most
   uint64_t device_bytes; // that a Vulkan device holds of it, before alignment; 0 for irradiance as spherical harmonics
   uint64_t memory_bytes; // that the bake takes at most at once, beside the scene, structures of selectors, and surfels with
                          // their links (olx_bake_stats.light_bytes)

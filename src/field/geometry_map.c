@@ -13,8 +13,8 @@ typedef struct lengths {
 
 static lengths lengths_of(olx_block_place place) {
   const float inverse_n = 1.0f / (float)place.n;
-  const olx_vec3 middle = olx_octahedral_decode((olx_vec2){(float)(OLX_BLOCK_SIDE * place.x + 2) * inverse_n,
-                                                           (float)(OLX_BLOCK_SIDE * place.y + 2) * inverse_n});
+  const olx_vec3 middle = olx_octahedral_decode(
+      (olx_vec2){(float)(OLX_BLOCK_SIDE * place.x + 2) * inverse_n, (float)(OLX_BLOCK_SIDE * place.y + 2) * inverse_n});
   lengths l = {INFINITY, 0.0f};
   for (uint32_t corner = 0; corner < 4; corner++) {
     const uint32_t x = OLX_BLOCK_SIDE * (place.x + (corner & 1u)), y = OLX_BLOCK_SIDE * (place.y + (corner >> 1));

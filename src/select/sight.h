@@ -19,8 +19,7 @@ static inline bool olx_plane_sees(const olx_field *field, uint32_t probe, olx_ve
                                   uint32_t y, float slack, const olx_vec3 *leaving) {
   const olx_vec3 plane = olx_block_plane(field, probe, x, y);
   const float behind = olx_plane_depth(plane, offset) - 1.0f; // in distances of the plane from the probe
-  const float footprint =
-      olx_length(offset) * sqrtf(olx_texel_solid_angle_near(uv, field->n)) * olx_length(plane);
+  const float footprint = olx_length(offset) * sqrtf(olx_texel_solid_angle_near(uv, field->n)) * olx_length(plane);
   if (behind > slack * footprint) return false;
   return !leaving || behind <= -footprint || !(olx_dot(plane, *leaving) > 0.0f);
 }

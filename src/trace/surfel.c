@@ -21,9 +21,8 @@ static surfel read_surfel(const olx_march *m, int32_t x, int32_t y, float distan
   const olx_vec3 q = olx_octahedral_point((olx_vec2){((float)x + 0.5f) * inverse_n, ((float)y + 0.5f) * inverse_n});
   const float inverse_length = 1.0f / olx_length(q);
   const float footprint = distance * 2.0f * inverse_n * inverse_length * sqrtf(inverse_length);
-  const olx_vec3 normal = m->geometry
-                              ? olx_plane_normal(olx_block_plane(m->field, m->probe, (uint32_t)x, (uint32_t)y))
-                              : olx_texel_normal(m->field, m->probe, texel_index(m, x, y));
+  const olx_vec3 normal = m->geometry ? olx_plane_normal(olx_block_plane(m->field, m->probe, (uint32_t)x, (uint32_t)y))
+                                      : olx_texel_normal(m->field, m->probe, texel_index(m, x, y));
   const float cosine = -olx_dot(normal, q) * inverse_length;
   return (surfel){
       .distance = distance,
@@ -70,7 +69,8 @@ static bool supported(olx_march *m, const olx_piece *p, olx_cell c, const surfel
   if (!olx_image_at(m, p, t, &image)) return false;
   if (fabsf(image.x - ((float)c.x + 0.5f)) > NEIGHBOURHOOD_TEXELS) return false;
   if (fabsf(image.y - ((float)c.y + 0.5f)) > NEIGHBOURHOOD_TEXELS) return false;
-  const int32_t x = olx_clamp_texel(p->sign_x, image.x, m->field->n), y = olx_clamp_texel(p->sign_z, image.y, m->field->n);
+  const int32_t x = olx_clamp_texel(p->sign_x, image.x, m->field->n),
+                y = olx_clamp_texel(p->sign_z, image.y, m->field->n);
   m->steps++;
   const float stored = olx_texel_distance(m->field, m->probe, texel_index(m, x, y));
   const float slope = 1.0f / olx_max(s->cosine, 0.1f);
@@ -145,8 +145,8 @@ olx_verdict olx_visit_plane(olx_march *m, const olx_piece *p, olx_cell c, float 
   return reaches_plane(m, c, t1, &stored) ? olx_judge_surfel(m, p, c, t1, stored, answer) : OLX_VERDICT_CLEAR;
 }
 
-olx_verdict olx_visit_block(olx_march *m, const olx_piece *p, int32_t x, int32_t y, float s, float t, bool by_v, float t1,
-                            olx_probe_answer *answer) {
+olx_verdict olx_visit_block(olx_march *m, const olx_piece *p, int32_t x, int32_t y, float s, float t, bool by_v,
+                            float t1, olx_probe_answer *answer) {
   olx_read_block(m, x, y);
   if (olx_block_clears(m, p, t, t1)) return OLX_VERDICT_CLEAR;
   olx_cell c = {olx_texel_at(&p->u, s, true), olx_texel_at(&p->v, s, by_v), t};

@@ -27,8 +27,8 @@ static inline bool olx_block_clears(const olx_march *m, const olx_piece *p, floa
 }
 
 // The texels of block (x, y) from the one on in which the ray is at s, t: by_v as in march_hiz.c. The ray leaves it at t1.
-olx_verdict olx_visit_block(olx_march *m, const olx_piece *p, int32_t x, int32_t y, float s, float t, bool by_v, float t1,
-                            olx_probe_answer *answer);
+olx_verdict olx_visit_block(olx_march *m, const olx_piece *p, int32_t x, int32_t y, float s, float t, bool by_v,
+                            float t1, olx_probe_answer *answer);
 
 // Texel c of a field of geometry blocks, which the ray leaves at t1.
 olx_verdict olx_visit_plane(olx_march *m, const olx_piece *p, olx_cell c, float t1, olx_probe_answer *answer);

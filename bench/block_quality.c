@@ -332,8 +332,8 @@ static void replace_geometry(olx_field *field, uint32_t probe, const probe_block
       normal[olx_map_index(field->stride, x, y)] = normal[olx_map_index(field->stride, source_x, source_y)];
     }
   }
-  olx_pyramid_make(&field->pyramid, distance + field->stride + 1, field->stride,
-                   (uint16_t *)(uintptr_t)field->least + (size_t)field->pyramid.least_nodes * probe,
+  const olx_pyramid_base base = olx_pyramid_over_texels(distance + field->stride + 1, field->stride);
+  olx_pyramid_make(&field->pyramid, &base, (uint16_t *)(uintptr_t)field->least + (size_t)field->pyramid.least_nodes * probe,
                    (uint16_t *)(uintptr_t)field->greatest + (size_t)field->pyramid.greatest_nodes * probe);
 }
 

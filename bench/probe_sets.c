@@ -115,7 +115,7 @@ static void report(const comparison *c, char **names, uint32_t cameras, uint32_t
       bias += c->sum[i][k].bias, light += c->sum[i][k].light;
     }
     printf("| %s | %u | %.0f | %.3g | %.4f | %+.3f | %.2f ± %.2f |", names[i], info.probe_count,
-           (double)(info.radiance_bytes + info.normal_bytes + info.distance_bytes) * 1e-6,
+           (double)(info.radiance_bytes + info.normal_bytes + info.distance_bytes + info.geometry_bytes) * 1e-6,
            error / (3.0 * pixels * cameras), error / power, bias / light,
            error / error_without(c, best, cameras, PARTS), ratio_spread(c, i, best, cameras));
     for (uint32_t k = 0; k < cameras; k++) {

@@ -107,7 +107,7 @@ typedef struct bake_options {
        256},                                                                                                           \
       {"--no-fit", OPTION_FLAG, &(b).no_fit, NULL, "keep irradiance exact at probes, unfitted to surfaces", 0, 0},     \
       {"--relight", OPTION_FLAG, &(b).relight, NULL, "also what it takes to change lights later", 0, 0},               \
-      {"--uncompressed", OPTION_FLAG, &(b).uncompressed, NULL, "light and material as texels, not as 4 x 4 blocks", 0, 0}, \
+      {"--uncompressed", OPTION_FLAG, &(b).uncompressed, NULL, "geometry, light and material as texels, not as 4 x 4 blocks", 0, 0}, \
       {"--classic", OPTION_FLAG, &(b).classic, NULL, "also maps for `render --method classic`", 0, 0},                 \
       {"--classic-size", OPTION_POWER_OF_TWO, &(b).classic_size, "N", "texels along these; default 128", 32, 256},     \
       {"--cube-size",                                                                                                  \

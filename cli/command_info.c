@@ -13,7 +13,7 @@ typedef struct block {
   uint64_t bytes;
 } block;
 
-#define BLOCK_COUNT 14
+#define BLOCK_COUNT 15
 #define CURRENT_VERSION 2 // of field files
 
 static void list_blocks(const olx_field_info *info, block blocks[BLOCK_COUNT]) {
@@ -22,7 +22,7 @@ static void list_blocks(const olx_field_info *info, block blocks[BLOCK_COUNT]) {
       {"pyramid", info->pyramid_bytes},   {"material", info->material_bytes}, {"direct", info->direct_bytes},
       {"indirect", info->indirect_bytes}, {"emission", info->emission_bytes}, {"irradiance", info->irradiance_bytes},
       {"moments", info->moments_bytes},   {"selector", info->selector_bytes}, {"classic", info->classic_bytes},
-      {"relight", info->relight_bytes},   {"volume", info->volume_bytes}};
+      {"relight", info->relight_bytes},   {"volume", info->volume_bytes},     {"geometry", info->geometry_bytes}};
   for (int i = 0; i < BLOCK_COUNT; ++i) blocks[i] = list[i];
 }
 
@@ -67,6 +67,7 @@ static int print_info_json(const description *d) {
   add_number(object, "radiance_size", info->radiance_size);
   add_number(object, "irradiance_size", info->irradiance_size);
   cJSON_AddBoolToObject(object, "compressed", info->compressed);
+  cJSON_AddBoolToObject(object, "geometry_blocks", info->geometry_blocks);
   add_number(object, "volume_probes", info->volume_probe_count);
   if (info->irradiance_probe_count) add_text(object, "irradiance", olx_irradiance_form_name(info->irradiance_form));
   if (info->classic_size) {
@@ -142,6 +143,7 @@ static void print_info(const char *path, const description *d) {
          info->samples);
   if (d->version == CURRENT_VERSION) {
     printf("  lights             %u without area\n", info->light_count);
+    printf("  geometry           %s\n", info->geometry_blocks ? "in blocks of 4x4 texels" : "as texels");
     printf("  light, material    %s\n", info->compressed ? "in blocks of 4x4 texels" : "as texels, uncompressed");
   }
   printf("  scene              %016" PRIx64 "\n", info->scene_hash);

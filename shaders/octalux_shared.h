@@ -34,7 +34,7 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_BINDING_WORDS 3             // storage buffer: pyramids, selectors, emission, lights, the volume
 #define OLX_BINDING_RADIANCE 4          // combined image samplers, 2D arrays
 #define OLX_BINDING_NORMAL 5
-#define OLX_BINDING_DISTANCE 6
+#define OLX_BINDING_DISTANCE 6 // or geometry blocks, a texel each, and then there are no normals
 #define OLX_BINDING_IRRADIANCE 7
 #define OLX_BINDING_MOMENTS 8
 #define OLX_BINDING_INDIRECT 9
@@ -225,7 +225,10 @@ OLX_GPU_STRUCT(olx_gpu_field) {
   olx_gpu_float surface_scale; // of where maps of surfaces begin to where others do: less than 1 where they have no border
   olx_gpu_uint surface_border; // 1, or 0 without
   olx_gpu_uint compressed;     // 1: materials are packed as in blocks, whatever format their images have
-  olx_gpu_uint padding;
+  olx_gpu_uint planes_first;   // of geometry blocks, in words
+  olx_gpu_uint plane_count;
+  olx_gpu_float geometry_scale; // of where maps of geometry blocks begin to where others do; 0 for geometry of texels
+  olx_gpu_uint padding[2];
 };
 
 OLX_GPU_STRUCT(olx_gpu_probe) {

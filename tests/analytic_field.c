@@ -2,6 +2,7 @@
 
 #include "core/hooks.h"
 #include "core/sampling.h"
+#include "field/geometry_map_encode.h"
 #include "field/surface_encode.h"
 #include "field/texels.h"
 #include "select/cage.h"
@@ -182,7 +183,7 @@ olx_field *analytic_field_make(const analytic_scene *scene, const olx_grid *grid
   f->n = n;
   f->stride = n + 2;
   f->texels = (size_t)f->stride * f->stride;
-  f->pyramid = olx_pyramid_shape_of(n);
+  f->pyramid = olx_pyramid_shape_of(n, false);
   f->irradiance_n = irradiance_n;
   f->irradiance_stride = irradiance_n + 2;
   f->irradiance_texels = (size_t)f->irradiance_stride * f->irradiance_stride;
@@ -206,8 +207,8 @@ olx_field *analytic_field_make(const analytic_scene *scene, const olx_grid *grid
   f->moments = moments;
   for (uint32_t i = 0; i < count; i++) {
     fill_probe(scene, f, i, radiance, normal, distance);
-    olx_pyramid_make(&f->pyramid, distance + f->texels * i + f->stride + 1, f->stride,
-                     least + (size_t)f->pyramid.least_nodes * i, greatest + (size_t)f->pyramid.greatest_nodes * i);
+    const olx_pyramid_base base = olx_pyramid_over_texels(distance + f->texels * i + f->stride + 1, f->stride);
+    olx_pyramid_make(&f->pyramid, &base, least + (size_t)f->pyramid.least_nodes * i, greatest + (size_t)f->pyramid.greatest_nodes * i);
     fill_irradiance(scene, f, i, irradiance, moments);
   }
   fill_surfaces(scene, f, count);
@@ -252,12 +253,54 @@ void analytic_field_compress(olx_field *f) {
   for (size_t i = 0; i < sizeof done / sizeof *done; i++) free((void *)(uintptr_t)done[i]);
 }
 
+static olx_geometry_texel look_at(const void *field, uint32_t x, uint32_t y) {
+  const olx_field *f = field; // of one probe
+  const size_t texel = olx_map_index(f->stride, (int32_t)x, (int32_t)y);
+  return (olx_geometry_texel){olx_texel_distance(f, 0, texel), olx_texel_normal(f, 0, texel)};
+}
+
+void analytic_field_block_geometry(olx_field *f) {
+  const uint32_t count = f->info.probe_count, side = f->n / OLX_BLOCK_SIDE, blocks = side * side;
+  olx_geometry_block *geometry = zeroed((size_t)count * blocks, sizeof *geometry);
+  olx_plane_code *planes = zeroed((size_t)count * blocks * OLX_BLOCK_TEXELS, sizeof *planes);
+  uint16_t *least = zeroed(blocks, 2), *greatest = zeroed(blocks, 2);
+  uint32_t used = 0;
+  f->pyramid = olx_pyramid_shape_of(f->n, true);
+  olx_geometry_maker maker;
+  if (olx_geometry_maker_create(f->n, &maker) != OLX_OK) abort();
+  for (uint32_t probe = 0; probe < count; probe++) {
+    olx_field one = *f;
+    one.distance += f->texels * probe;
+    one.normal += f->texels * probe;
+    if (olx_geometry_maker_encode(&maker, f->n, 1, look_at, &one) != OLX_OK) abort();
+    const olx_pyramid_base base = olx_pyramid_over_blocks(&maker.map, f->n, f->distance_scale, least, greatest);
+    olx_pyramid_make(&f->pyramid, &base, (uint16_t *)(uintptr_t)f->least + (size_t)f->pyramid.least_nodes * probe,
+                     (uint16_t *)(uintptr_t)f->greatest + (size_t)f->pyramid.greatest_nodes * probe);
+    for (uint32_t i = 0; i < blocks; i++) {
+      olx_geometry_block *block = &geometry[(size_t)blocks * probe + i];
+      *block = maker.map.blocks[i];
+      if (block->words[3] >> 30 == OLX_GEOMETRY_POOL) block->words[0] += used;
+    }
+    for (uint32_t i = 0; i < maker.map.pool.count; i++) planes[used++] = maker.map.pool.planes[i];
+  }
+  olx_geometry_maker_free(&maker);
+  free(least);
+  free(greatest);
+  free((void *)(uintptr_t)f->distance);
+  free((void *)(uintptr_t)f->normal);
+  f->distance = f->normal = NULL;
+  f->info.geometry_blocks = true;
+  f->geometry = geometry;
+  f->planes = (olx_plane_pool){planes, used};
+}
+
 void analytic_field_free(olx_field *f) {
   const olx_field_surfaces *s = &f->surfaces;
   const void *blocks[] = {f->probe_positions, f->probe_flags,     f->radiance,      f->normal,          f->distance,
                           f->least,           f->greatest,        f->irradiance,    f->moments,         s->base,
                           s->specular,        s->direct,          s->indirect,      s->emission,        s->tiles,
-                          s->base_blocks,     s->specular_blocks, s->direct_blocks, s->indirect_blocks, f};
+                          s->base_blocks,     s->specular_blocks, s->direct_blocks, s->indirect_blocks, f->geometry,
+                          f->planes.planes,   f};
   for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) free((void *)(uintptr_t)blocks[i]);
 }
 

@@ -37,6 +37,8 @@ void analytic_field_free(olx_field *field);
 
 // Surfaces become blocks, in place of texels.
 void analytic_field_compress(olx_field *field);
+// Distances and normals become geometry blocks.
+void analytic_field_block_geometry(olx_field *field);
 
 // Classic maps of `size` texels along a side, at random: for tests that ask what is read, not what it looks like. Take them away
 // before the field is freed.

@@ -19,6 +19,7 @@
 static const synthetic_shape small = {.grid = {3, 2, 2}, .irradiance_grid = {2, 1, 3}, .n = 16, .irradiance_n = 8};
 static const synthetic_shape of_blocks = {
     .grid = {3, 2, 2}, .irradiance_grid = {1, 1, 1}, .n = 16, .irradiance_n = 8, .compressed = true};
+static const synthetic_shape of_planes = {.grid = {3, 2, 2}, .n = 64, .compressed = true, .geometry_blocks = true};
 static const synthetic_shape classic = {
     .grid = {2, 1, 1}, .irradiance_grid = {2, 1, 3}, .n = 8, .irradiance_n = 8, .classic_size = 64};
 static const synthetic_shape relit = {

@@ -19,7 +19,7 @@
 #include <unistd.h>
 
 #define ALL (1u << OLX_SELECT_VORONOI | 1u << OLX_SELECT_OCTREE | 1u << OLX_SELECT_BRICKS)
-enum { SHAPES = 17, SECONDS_A_ROUND = 20, MOST_ADDED = 4096 };
+enum { SHAPES = 19, SECONDS_A_ROUND = 20, MOST_ADDED = 4096 };
 
 static const synthetic_shape shapes[SHAPES] = {
     {.grid = {1, 1, 1}, .irradiance_grid = {1, 1, 1}, .n = 8, .irradiance_n = 8},
@@ -48,6 +48,8 @@ static const synthetic_shape shapes[SHAPES] = {
     {.grid = {2, 1, 2}, .n = 16, .select_mask = ALL},
     {.grid = {2, 1, 2}, .n = 16, .select_mask = ALL, .compressed = true},
     {.grid = {1, 1, 3}, .irradiance_grid = {1, 1, 1}, .n = 32, .irradiance_n = 8, .compressed = true},
+    {.grid = {2, 1, 2}, .n = 16, .select_mask = ALL, .compressed = true, .geometry_blocks = true},
+    {.grid = {1, 1, 2}, .n = 64, .select_mask = ALL, .compressed = true, .geometry_blocks = true, .relight_surfels = 600},
 };
 
 typedef struct buffer {

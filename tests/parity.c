@@ -33,6 +33,7 @@ typedef struct parity_room {
   uint32_t lights;  // of LIGHTS
   bool volume, compressed;
   bool on_device; // as textures of blocks
+  bool planes;    // geometry in blocks
 } parity_room;
 
 static const parity_room ROOMS[PARITY_ROOMS] = {
@@ -62,7 +63,8 @@ static const parity_room ROOMS[PARITY_ROOMS] = {
                             .n = 8,
                             .irradiance_n = 8,
                             .voronoi = true,
-                            .compressed = true},
+                            .compressed = true,
+                            .planes = true},
     [PARITY_ROOM_OF_BLOCKS] = {.name = "in_a_room_of_blocks",
                                .title = "furnished room, 2 x 2 x 2 probes, 64 texels in blocks",
                                .scene = {.room = ROOM, .box_count = 2, .boxes = FURNITURE},
@@ -72,7 +74,8 @@ static const parity_room ROOMS[PARITY_ROOMS] = {
                                .bricks = true,
                                .lights = 3,
                                .compressed = true,
-                               .on_device = true},
+                               .on_device = true,
+                               .planes = true},
     [PARITY_CLASSIC_ROOM] = {.name = "in_a_room_of_classic_probes",
                              .title = "2 x 2 x 2 probes, 64 classic texels",
                              .scene = {.room = ROOM},
@@ -276,6 +279,7 @@ static olx_field *make_field(const parity_room *p) {
   vary_irradiance(field);
   vary_surfaces(field, p->lights);
   if (p->compressed) compress_surfaces(field);
+  if (p->planes) analytic_field_block_geometry(field);
   if (p->classic) {
     analytic_field_add_classic(field, p->classic);
     uint8_t *buried = (uint8_t *)(uintptr_t)field->irradiance_flags;

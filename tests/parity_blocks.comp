@@ -30,6 +30,7 @@ void main() {
   case ROW_olx_plane_decode: put(olx_plane_decode(pooled, n, place)); break;
   case ROW_olx_geometry_pooled: put(olx_geometry_pooled(item.block, texel)); break;
   case ROW_olx_geometry_plane_of: put(plane); break;
+  case ROW_olx_geometry_nearest: put(olx_geometry_nearest(item.block)); break;
   case ROW_olx_plane_depth:
     put(olx_plane_depth(plane, item.point.xyz)), put(olx_plane_depth(plane, item.point.xyz) < 1.0 ? 1u : 0u);
     break;

@@ -34,8 +34,16 @@ void voronoi_rows() {
   }
 }
 
+// A block of each form, of numbers that may name any plane.
+uvec4 some_block() { return uvec4(bits.x % 64u, bits.yz, bits.w & 0x3FFFFFFFu | bits.x % 3u << 30); }
+
+void put(uvec4 v) { put(v.xyz), put(v.w); }
+
+void put_geometry(olx_texel_geometry g) { put(g.distance), put(g.distance < OLX_INFINITY ? g.normal : vec3(0.0)); }
+
 void field_rows() {
   ivec3 map = olx_map_origin(probe);
+  bool blocks = olx_geometry_in_blocks();
   olx_cage cage = olx_cage_at(olx_field.irradiance_grid, point);
   switch (row) {
   case ROW_olx_probe_position: put(olx_probe_position(probe)); break;
@@ -43,10 +51,18 @@ void field_rows() {
   case ROW_olx_map_corner: put(olx_map_corner(probe, olx_field.n, 3u)); break;
   case ROW_olx_map_origin: put(map); break;
   case ROW_olx_texel_towards: put_texel(olx_texel_towards(direction)); break;
-  case ROW_olx_texel_distance_bits: put(olx_texel_distance_bits(map, texel)); break;
+  case ROW_olx_texel_distance_bits: put(blocks ? 0u : olx_texel_distance_bits(map, texel)); break;
   case ROW_olx_texel_distance: put(olx_texel_distance(map, texel)); break;
-  case ROW_olx_texel_emits: put(olx_texel_emits(map, texel)); break;
+  case ROW_olx_texel_emits: put(olx_texel_emits(probe, texel)); break;
   case ROW_olx_texel_normal: put(olx_texel_normal(map, texel)); break;
+  case ROW_olx_geometry_in_blocks: put(blocks); break;
+  case ROW_olx_geometry_block: put(blocks ? olx_geometry_block(map, texel / 4) : uvec4(0u)); break;
+  case ROW_olx_plane_in_block: put(olx_plane_in_block(some_block(), texel)); break;
+  case ROW_olx_block_plane: put(blocks ? olx_block_plane(map, texel) : vec3(0.0)); break;
+  case ROW_olx_block_geometry: if (blocks) put_geometry(olx_block_geometry(map, texel)); break;
+  case ROW_olx_texel_geometry_of: put_geometry(olx_texel_geometry_of(map, texel)); break;
+  case ROW_olx_texel_is_sky: put(olx_texel_is_sky(map, texel)); break;
+  case ROW_olx_texel_emission_code: put(olx_texel_emission_code(probe, texel)); break;
   case ROW_olx_texel_radiance: put(olx_texel_radiance(map, texel)); break;
   case ROW_olx_irradiance_coordinate: put(olx_irradiance_coordinate(irradiance_probe, random.xy)); break;
   case ROW_olx_cage_at: put(cage.base), put(cage.corner_mask), put(cage.alpha); break;

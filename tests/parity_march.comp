@@ -52,7 +52,7 @@ void march_rows() {
   float stored;
   olx_piece_end end = olx_end_at(march, piece.sign, ray.t_min + 0.3 * random.x);
   olx_probe_answer answer = blank();
-  bool b;
+  bool b, blocks = olx_geometry_in_blocks();
   switch (row) {
   case ROW_olx_axis_step: put(olx_axis_step(piece.u)), put(olx_axis_step(piece.v)); break;
   case ROW_olx_axis_ahead: put(olx_axis_ahead(piece.u)), put(olx_axis_ahead(piece.v)); break;
@@ -80,6 +80,25 @@ void march_rows() {
   case ROW_olx_judge_surfel:
     put(olx_judge_surfel(march, piece, cell, t1, item.v[15], answer)), put_answer(answer);
     break;
+  case ROW_olx_read_block:
+    if (!blocks) break;
+    olx_read_block(march, texel / 4), olx_read_block(march, texel / 4), put(march.block.xyz), put(march.block.w);
+    put(march.steps);
+    break;
+  case ROW_olx_octahedral_depth: put(olx_octahedral_depth(march, piece, random.x)); break;
+  case ROW_olx_plane_clears:
+    put(olx_plane_clears(march, direction * random.z, random.x, random.x + random.y));
+    put(olx_plane_clears(march, direction.zxy * random.z, random.x, OLX_INFINITY));
+    break;
+  case ROW_olx_block_clears:
+    if (!blocks) break;
+    olx_read_block(march, texel / 4), put(olx_block_clears(march, piece, random.x, random.x + random.y));
+    break;
+  case ROW_olx_reaches_plane:
+    if (!blocks) break;
+    put(b = olx_reaches_plane(march, cell.at, cell.t, t1, stored)), put(march.steps);
+    if (b) put(stored);
+    break;
   case ROW_olx_visit_texel:
     put(olx_visit_texel(march, piece, cell, t1, far_squared, answer)), put_answer(answer), put(march.steps);
     break;
@@ -99,6 +118,7 @@ void march_rows() {
     put_axis(piece.u), put_axis(piece.v), put(piece.near), put(piece.slope), put(piece.rise);
     break;
   case ROW_olx_next_cut: put(olx_next_cut(planes, ray.t_min, ray.t_max)); break;
+  case ROW_olx_finest_level: put(olx_finest_level()); break;
   case ROW_olx_begin_stand: at = olx_begin_stand(march, piece), put(at.at), put(at.t); break;
   case ROW_olx_enter:
     at = olx_stand(ivec2(0), int(bits.x % 3u), random.x, 0.0, (bits.y & 1u) != 0u, 0.0, false, false);

@@ -63,7 +63,6 @@ void relight_rows() {
     lit = olx_area_light(some_light(3u + (bits.x & 1u)), point, normal, random.zw, ray), put_ray(lit, ray);
     break;
   case ROW_olx_aim: lit = olx_aim(some_light(bits.x % 6u), point, normal, random.zw, ray), put_ray(lit, ray); break;
-  case ROW_olx_surface_distance: put(olx_surface_distance(bits.x & 0xFFFFu)); break;
   case ROW_olx_tile_texel: put(uvec3(olx_tile_texel(bits.x % 1024u, 32u), 0u)); break;
   case ROW_olx_site_corners:
     for (uint k = 0u; k < 4u; k++) put(some_corners()[k]);

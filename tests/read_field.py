@@ -60,7 +60,7 @@ def read_chunks(data):
                 need(name not in chunks, f"{name}: twice")
                 chunks[name] = (data[offset:offset + size], record, element)
     need(end == len(data), "bytes after the last chunk")
-    needed = set(SHAPES) - PROBE_LIGHT - set(TEXELS) - set(BLOCKS)
+    needed = set(SHAPES) - PROBE_LIGHT - set(TEXELS) - set(BLOCKS) - set(DISTANCES) - set(PLANES)
     need(needed <= set(chunks), f"missing: {sorted(needed - set(chunks))}")
     return chunks
 
@@ -70,6 +70,9 @@ PROBE_LIGHT = {"RADI", "IPOS", "IFLG", "IRRA", "MOME"}
 # Material and light of surfaces: one or the other.
 TEXELS = ("BASE", "SPEC", "DIRE", "INDI")
 BLOCKS = ("BAS1", "REF5", "DIR6", "IND6")
+# Geometry: one or the other.
+DISTANCES = ("NORM", "DIST")
+PLANES = ("GEOM", "PLAN")
 SELECTORS = ("VORO", "OCTR", "BRIK")
 CLASSIC = ("CLAS", "CIRR", "CRAD", "CBOX")
 VOLUME = ("VOLU", "VPOS", "VIRR")
@@ -84,6 +87,10 @@ def greatest_sides(n):
     return [side for side in node_sides(n) if side > 4] or [4]
 
 
+def least_sides(d):
+    return greatest_sides(d["n"]) if d["planes"] else node_sides(d["n"])
+
+
 # type: (bytes of an element, elements of a record, records), in terms of the description
 SHAPES = {
     "INFO": lambda d: (160, 1, 1),
@@ -92,7 +99,9 @@ SHAPES = {
     "RADI": lambda d: (4, (d["n"] + 2) ** 2, d["P"]),
     "NORM": lambda d: (2, (d["n"] + 2) ** 2, d["P"]),
     "DIST": lambda d: (2, (d["n"] + 2) ** 2, d["P"]),
-    "DMIN": lambda d: (2, sum((d["n"] // side) ** 2 for side in node_sides(d["n"])), d["P"]),
+    "GEOM": lambda d: (16, d["n"] ** 2 // 16, d["P"]),
+    "PLAN": lambda d: (8, 1, None),
+    "DMIN": lambda d: (2, sum((d["n"] // side) ** 2 for side in least_sides(d)), d["P"]),
     "DMAX": lambda d: (2, sum((d["n"] // side) ** 2 for side in greatest_sides(d["n"])), d["P"]),
     "IPOS": lambda d: (4, 3, d["Q"]),
     "IFLG": lambda d: (1, 1, d["Q"]),
@@ -146,11 +155,12 @@ def read_info(blob):
     d["scale"], = struct.unpack_from("<f", blob, 44)
     d["scene_min"], d["scene_max"] = (list(struct.unpack_from("<3f", blob, at)) for at in (48, 60))
     d["grid"], d["irradiance_grid"] = read_grid(blob, 72), read_grid(blob, 108)
-    d["scene_hash"], d["last_bounce"], d["blocks"] = struct.unpack_from("<QfI", blob, 144)
+    d["scene_hash"], d["last_bounce"], form = struct.unpack_from("<QfI", blob, 144)
+    d["blocks"], d["planes"] = form & 1, form >> 1
     need(0 <= d["last_bounce"] <= 1, "INFO: last bounce")
     need(d["n"] in [2 ** i for i in range(3, 12)] and d["m"] in [2 ** i for i in range(3, 9)] + [0] * (not d["Q"]), "sizes")
     need(d["Q"] or (d["form"], d["m"], blob[108:144]) == (0, 0, bytes(36)), "INFO: speaks of irradiance probes")
-    need(d["P"] >= 1 and d["has_grid"] in (0, 1) and d["samples"] >= 1 and d["blocks"] in (0, 1), "INFO")
+    need(d["P"] >= 1 and d["has_grid"] in (0, 1) and d["samples"] >= 1 and d["planes"] in (0, 1), "INFO")
     need(d["has_grid"] or not d["selectors"] & 1, "selectors")
     need(1e-18 <= d["scale"] <= 1e18, "distance scale")
     need(all(a <= b for a, b in zip(d["scene_min"], d["scene_max"])), "bounds")
@@ -206,26 +216,100 @@ def decode_shared(code):
     return [(code & 0x1FF) * scale, (code >> 9 & 0x1FF) * scale, (code >> 18 & 0x1FF) * scale]
 
 
-def direction(u, v):
+def octahedral(u, v):
     x, z = 2 * u - 1, 2 * v - 1
     y = 1 - abs(x) - abs(z)
     if y < 0:
         x, z = math.copysign(1 - abs(z), x if x else 1.0), math.copysign(1 - abs(x), z if z else 1.0)
-    length = math.sqrt(x * x + y * y + z * z)
-    return [x / length, y / length, z / length]
+    return [x, y, z]
 
 
-def record(chunks, name, probe):
+def direction(u, v):
+    q = octahedral(u, v)
+    length = math.sqrt(sum(a * a for a in q))
+    return [a / length for a in q]
+
+
+def signed(number, bits):
+    return number - (1 << bits) if number >> (bits - 1) else number
+
+
+def decode_plane(low, high, n, block_x, block_y):
+    """The plane m . p = 1 of a code, as a vector m."""
+    a, b, c, exponent = signed(low & 0x1FFFF, 17), signed(low >> 17, 15), signed(high & 0x7FFF, 15), high >> 15 & 127
+    x, z = 8 * block_x + 4 - n, 8 * block_y + 4 - n
+    sx, sz = -1 if x < 0 else 1, -1 if z < 0 else 1
+    k, u, v = 4 * a - b * x - c * z, sx * b * n, sz * c * n
+    scale = 2.0 ** (exponent - 82)
+    return [sx * (k + u) * scale, (k if sx * x + sz * z <= n else -(k + u + v)) * scale, sz * (k + v) * scale]
+
+
+def block_planes(chunks, d, words, block_x, block_y):
+    """The planes of the 16 texels of a block."""
+    decode = lambda low, high: decode_plane(low, high, d["n"], block_x, block_y)
+    form = words[3] >> 30
+    need(form < 3, "GEOM: form")
+    if form == 0:
+        need(words[3] == 0, "GEOM: reserved bits")
+        return [list(struct.unpack("<3f", struct.pack("<3I", *words[:3])))] * 16
+    if form == 1:
+        need(words[2] >> 30 == 0, "GEOM: reserved bits")
+        pair = [decode(words[i], words[2 + i]) for i in (0, 1)]
+        return [pair[words[2 + i // 8] >> 22 + i % 8 & 1] for i in range(16)]
+    numbers = [words[0] + (words[1 + i // 8] >> 4 * (i % 8) & 15) for i in range(16)]
+    need(8 * max(numbers) < len(chunks["PLAN"][0]), "GEOM: a plane that PLAN does not have")
+    planes = [decode(*struct.unpack_from("<2I", chunks["PLAN"][0], 8 * number)) for number in numbers]
+    nearest, = struct.unpack("<f", struct.pack("<I", words[3] << 1 & 0x7FFFFFFF))
+    n = d["n"]
+    for i, m in enumerate(planes):
+        q = octahedral((4 * block_x + i % 4 + 0.5) / n, (4 * block_y + i // 4 + 0.5) / n)
+        need(sum(a * b for a, b in zip(m, q)) <= nearest, "GEOM: a plane that is nearer than its block says")
+    return planes
+
+
+def geometry_of(chunks, d, probe):
+    """Rows of (distance over the scale, normal); the distance is infinite for the sky."""
+    n = d["n"]
+    rows = [[None] * n for _ in range(n)]
+    if d["planes"]:
+        codes = record(chunks, "GEOM", probe, "I")
+        for block in range(n * n // 16):
+            x, y = block % (n // 4), block // (n // 4)
+            for i, m in enumerate(block_planes(chunks, d, codes[4 * block:4 * block + 4], x, y)):
+                out = direction((4 * x + i % 4 + 0.5) / n, (4 * y + i // 4 + 0.5) / n)
+                inverse, length = sum(a * b for a, b in zip(m, out)), math.sqrt(sum(a * a for a in m))
+                seen = (1 / inverse / d["scale"], [-a / length for a in m]) if inverse > 0 else (math.inf, None)
+                rows[4 * y + i // 4][4 * x + i % 4] = seen
+        return rows
+    normal, distance = record(chunks, "NORM", probe), record(chunks, "DIST", probe)
+    for name, codes in (("NORM", normal), ("DIST", distance)):
+        check_border(f"{name} of probe {probe}", codes, n)
+    for y in range(n):
+        for x in range(n):
+            at = (y + 1) * (n + 2) + x + 1
+            need(distance[at] != 0xFC00, "marked sky")
+            r = decode_half(distance[at] & 0x7FFF)
+            need(r >= 0, "distance is NaN")
+            u, v = normal[at] & 0xFF, normal[at] >> 8
+            need(u <= 254 and v <= 254, "normal")
+            rows[y][x] = (r, direction(u / 254, v / 254))
+    return rows
+
+
+def record(chunks, name, probe, kind=None):
     blob, record_bytes, element = chunks[name]
-    codes = array.array({1: "B", 2: "H", 4: "I"}[element])
+    codes = array.array(kind or {1: "B", 2: "H", 4: "I"}[element])
     codes.frombytes(blob[probe * record_bytes:(probe + 1) * record_bytes])
     if sys.byteorder == "big":
         codes.byteswap()
     return codes
 
 
-def inside_scene(d, position, out, metres):
-    reach = 1e-3 * metres + 1e-5 * d["scale"]  # the rounding of the distance, and of the scene's bounds
+PLANE_MISS = 1.2  # a quarter of a footprint, which is up to 4.6 / n of the distance
+
+
+def inside_scene(d, position, out, metres, off):
+    reach = 1e-3 * metres + 1e-5 * d["scale"] + off  # the rounding of the distance, and of the scene's bounds
     return all(low - reach <= p + o * metres <= high + reach
                for p, o, low, high in zip(position, out, d["scene_min"], d["scene_max"]))
 
@@ -247,34 +331,29 @@ def pyramid(texels, n, sides, choose):
 def check_light_field_probe(chunks, d, probe):
     """Returns the share of surfaces that lie within the scene and face the probe."""
     n = d["n"]
-    normal, distance = record(chunks, "NORM", probe), record(chunks, "DIST", probe)
+    geometry = geometry_of(chunks, d, probe)
     radiance = record(chunks, "RADI", probe) if d["Q"] else []
-    for name, codes in (("RADI", radiance), ("NORM", normal), ("DIST", distance)):
-        if codes:
-            check_border(f"{name} of probe {probe}", codes, n)
+    if radiance:
+        check_border(f"RADI of probe {probe}", radiance, n)
     for code in radiance:
         decode_color(code)
-    stored_map = [[0.0] * n for _ in range(n)]
+    stored_map = [[seen[0] for seen in row] for row in geometry]
     position = struct.unpack_from("<3f", chunks["PPOS"][0], 12 * probe)
     plausible = surfaces = 0
     for y in range(n):
         for x in range(n):
-            at = (y + 1) * (n + 2) + x + 1
-            stored = distance[at]
-            need(stored != 0xFC00, "marked sky")
-            r = decode_half(stored & 0x7FFF)
-            need(r >= 0, "distance is NaN")
-            stored_map[y][x] = r
-            u, v = normal[at] & 0xFF, normal[at] >> 8
-            need(u <= 254 and v <= 254, "normal")
+            r, surface = geometry[y][x]
             if r < math.inf:
                 surfaces += 1
-                out, surface = direction((x + 0.5) / n, (y + 0.5) / n), direction(u / 254, v / 254)
+                out = direction((x + 0.5) / n, (y + 0.5) / n)
                 facing = sum(p * q for p, q in zip(out, surface)) <= 0.02  # normals are off by up to 0.64 degrees
-                plausible += facing and inside_scene(d, position, out, r * d["scale"])
-    for name, sides, choose in (("DMIN", node_sides(n), min), ("DMAX", greatest_sides(n), max)):
-        nodes = [decode_half(code) for code in record(chunks, name, probe)]
-        need(nodes == pyramid(stored_map, n, sides, choose), f"{name} of probe {probe}")
+                off = PLANE_MISS * r * d["scale"] / n / max(-sum(p * q for p, q in zip(out, surface)), 0.05) if d["planes"] else 0
+                plausible += facing and inside_scene(d, position, out, r * d["scale"], off)
+    for name, sides, choose in (("DMIN", least_sides(d), min), ("DMAX", greatest_sides(n), max)):
+        nodes, exact = [decode_half(code) for code in record(chunks, name, probe)], pyramid(stored_map, n, sides, choose)
+        # Planes are bounded over all of each texel, not in the middles alone.
+        outside = all(choose(a, b) == a for a, b in zip(nodes, exact))
+        need(outside if d["planes"] else nodes == exact, f"{name} of probe {probe}")
     return plausible / surfaces if surfaces else 1.0
 
 
@@ -464,14 +543,13 @@ def read_surfaces(chunks, d, probe, sky):
 
 
 def sky_of(chunks, d, probe):
-    distance, n = record(chunks, "DIST", probe), d["n"]
-    return [[distance[(y + 1) * (n + 2) + x + 1] == 0x7C00 for x in range(n)] for y in range(n)]
+    return [[seen[0] == math.inf for seen in row] for row in geometry_of(chunks, d, probe)]
 
 
 def check_surfaces(chunks, d, probe):
     n, side = d["n"], d["n"] // 8
     surfaces = read_surfaces(chunks, d, probe, sky_of(chunks, d, probe))
-    distance, tiles = record(chunks, "DIST", probe), record(chunks, "EMIS", probe)
+    distance, tiles = None if d["planes"] else record(chunks, "DIST", probe), record(chunks, "EMIS", probe)
     count = len(chunks["ETIL"][0]) // 256
     need(max(tiles) <= count, f"EMIS of probe {probe}: tile {max(tiles) - 1}")
     for y in range(n):
@@ -481,7 +559,7 @@ def check_surfaces(chunks, d, probe):
             if entry:
                 code, = struct.unpack_from("<I", chunks["ETIL"][0], 256 * (entry - 1) + 4 * (y % 8 * 8 + x % 8))
                 emission = decode_shared(code)
-            need(distance[at] >= 0x7C00 or not any(emission), f"ETIL of probe {probe}: emission at ({x}, {y})")
+            need(d["planes"] or distance[at] >= 0x7C00 or not any(emission), f"ETIL of probe {probe}: emission at ({x}, {y})")
             if surfaces[y][x] is None:
                 continue
             color, roughness, metallic, weight, direct, indirect = surfaces[y][x]
@@ -711,6 +789,7 @@ def read(path):
     probe_light = PROBE_LIGHT - {"IRRA"} | {irradiance_chunk(d)[0]}
     need((PROBE_LIGHT | {"IRSH"}) & set(chunks) == (probe_light if d["Q"] else set()), "probe light in part, or in another form")
     need(set(TEXELS + BLOCKS) & set(chunks) == set(BLOCKS if d["blocks"] else TEXELS), "surfaces in part, or in another form")
+    need(set(DISTANCES + PLANES) & set(chunks) == set(PLANES if d["planes"] else DISTANCES), "geometry in part, or in another form")
     shapes = {name: shape for name, shape in shapes.items() if name in chunks}
     for name, (element, elements, records) in shapes.items():
         blob, record_bytes, element_bytes = chunks[name]
@@ -744,11 +823,11 @@ def read(path):
         check_bricks(chunks["BRIK"][0], d["P"], 8 * d["P"] * (d["n"] + 2) ** 2)
     names = [name for bit, name in enumerate(("cage", "voronoi", "octree", "bricks")) if d["selectors"] >> bit & 1]
     told = {
-        "version": 2, "compressed": d["blocks"] == 1, "probe_light": d["Q"] > 0, "lights": check_lights(chunks["LITE"][0]),
+        "version": 2, "compressed": d["blocks"] == 1, "geometry_blocks": d["planes"] == 1, "probe_light": d["Q"] > 0, "lights": check_lights(chunks["LITE"][0]),
         "probes": d["P"], "irradiance_probes": d["Q"], "buried": d["buried"], "irradiance_buried": d["irradiance_buried"],
         "volume_probes": check_volume(chunks) if "VOLU" in chunks else 0,
         "origin": read_origin(chunks), "radiance_size": d["n"], "irradiance_size": d["m"], "select": ",".join(names) or "none", "file_bytes": len(data),
-        "bytes": {"radiance": size("RADI"), "normal": size("NORM"), "distance": size("DIST"), "pyramid": size("DMIN") + size("DMAX"),
+        "bytes": {"radiance": size("RADI"), "normal": size("NORM"), "distance": size("DIST"), "pyramid": size("DMIN") + size("DMAX"), "geometry": size("GEOM") + size("PLAN"),
                   "material": sum(map(size, ("BASE", "SPEC", "BAS1", "REF5"))), "direct": size("DIRE") + size("DIR6"), "indirect": size("INDI") + size("IND6"),
                   "emission": size("EMIS") + size("ETIL"), "irradiance": size(irradiance_chunk(d)[0]), "moments": size("MOME"), "selector": sum(map(size, stored)),
                   "classic": sum(size(name) for name in CLASSIC if name in chunks),

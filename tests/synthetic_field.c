@@ -83,7 +83,8 @@ olx_field_header synthetic_header(const synthetic_shape *shape) {
                                       .bounces = 3,
                                       .samples = 2,
                                       .scene_hash = 0x0123456789ABCDEFu,
-                                      .compressed = shape->compressed}};
+                                      .compressed = shape->compressed,
+                                      .geometry_blocks = shape->geometry_blocks}};
   if (header.info.irradiance_probe_count) header.info.irradiance_grid = grid_of(shape->irradiance_grid);
   header.probe_positions = positions_of(&header.info.grid, header.info.probe_count);
   header.irradiance_positions = positions_of(&header.info.irradiance_grid, header.info.irradiance_probe_count);
@@ -120,6 +121,25 @@ void synthetic_light_maps(uint32_t n, uint32_t probe, uint32_t *radiance, uint16
   }
   distance[n / 2] = 0;
   for (uint32_t i = 0; i < 16 && n >= 16 && probe % 4 == 3; i++) distance[(4 + i / 4) * n + 8 + i % 4] = 0x7C00;
+}
+
+olx_geometry_texel synthetic_geometry_texel(const void *geometry, uint32_t x, uint32_t y) {
+  const synthetic_geometry *g = geometry;
+  const size_t at = (size_t)y * g->n + x;
+  const float distance = olx_half_unpack(g->distance[at] & 0x7FFFu) * 12.5f; // the header's scale
+  return (olx_geometry_texel){distance, olx_normal_unpack(g->normal[at])};
+}
+
+static olx_result write_blocks(olx_field_writer *writer, uint32_t probe, const uint32_t *radiance,
+                               const synthetic_geometry *geometry) {
+  olx_geometry_maker maker;
+  OLX_TRY(olx_geometry_maker_create(geometry->n, &maker));
+  olx_result result = olx_geometry_maker_encode(&maker, geometry->n, 1, synthetic_geometry_texel, geometry);
+  if (result == OLX_OK) {
+    result = olx_field_writer_probe_blocks(writer, probe, synthetic_flags(probe), radiance, &maker.map);
+  }
+  olx_geometry_maker_free(&maker);
+  return result;
 }
 
 olx_surface_maps synthetic_surface_maps(uint32_t n, uint32_t probe, const uint16_t *distance,
@@ -334,7 +354,11 @@ olx_result synthetic_write_probes(olx_field_writer *writer, const synthetic_shap
     uint16_t *normal = (uint16_t *)second, *distance = normal + texels;
     synthetic_light_maps(shape->n, i, first, normal, distance);
     const bool probe_light = probes_of(shape->irradiance_grid) > 0;
-    result = olx_field_writer_probe(writer, i, synthetic_flags(i), probe_light ? first : NULL, normal, distance);
+    const uint32_t *radiance = probe_light ? first : NULL;
+    const synthetic_geometry geometry = {shape->n, normal, distance};
+    result = shape->geometry_blocks
+                 ? write_blocks(writer, i, radiance, &geometry)
+                 : olx_field_writer_probe(writer, i, synthetic_flags(i), radiance, normal, distance);
     olx_surface_maps maps = synthetic_surface_maps(shape->n, i, distance, room);
     olx_surface_blocks blocks = {0};
     if (shape->compressed) blocks = synthetic_surface_blocks(shape->n, distance, &maps);

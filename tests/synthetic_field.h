@@ -3,6 +3,7 @@
 #define SYNTHETIC_FIELD_H
 
 #include "field/field_writer.h"
+#include "field/geometry_map_encode.h"
 #include "field/surface_encode.h"
 
 typedef struct synthetic_shape {
@@ -13,6 +14,7 @@ typedef struct synthetic_shape {
   uint32_t relight_surfels; // to light the field anew by; 0: none
   olx_irradiance_form irradiance_form;
   bool compressed;  // surfaces as blocks
+  bool geometry_blocks; // geometry as blocks
   double origin[3]; // that positions are relative to
 } synthetic_shape;
 
@@ -26,6 +28,13 @@ uint8_t synthetic_flags(uint32_t probe);
 // The maps of a probe, without border. The distances hold sky, emitters and a texel at distance 0;
 // those of every fourth probe also a block of nothing but sky, texels (8, 4) to (11, 7).
 void synthetic_light_maps(uint32_t n, uint32_t probe, uint32_t *radiance, uint16_t *normal, uint16_t *distance);
+// The texels of a probe's maps as the encoder of geometry blocks takes them.
+typedef struct synthetic_geometry {
+  uint32_t n;
+  const uint16_t *normal, *distance;
+} synthetic_geometry;
+olx_geometry_texel synthetic_geometry_texel(const void *geometry, uint32_t x, uint32_t y);
+
 // Room for the surfaces of a probe whose maps have up to 256 x 256 texels.
 typedef struct synthetic_surfaces_room {
   uint32_t base[256 * 256], direct[256 * 256], indirect[256 * 256], emission[256 * 256];

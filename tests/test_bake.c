@@ -205,7 +205,7 @@ static void sphere_follows_the_series(void **state) {
         for (uint32_t x = 0; x < field->n; x++) {
           const size_t texel = probe * field->texels + texel_at(field->stride, x, y);
           assert_packed_near(field->radiance[texel], radiance, 0.005f);
-          assert_true((field->distance[texel] & 0x8000u) == 0);
+          assert_false(olx_texel_emits(field, probe, texel - probe * field->texels));
         }
       }
       for (uint32_t y = 0; y < field->irradiance_n; y++) {
@@ -244,7 +244,7 @@ static void glowing_box_follows_the_series(void **state) {
         const double angle = olx_texel_solid_angle(x, y, field->n);
         sum += angle * (double)olx_r11g11b10f_unpack(field->radiance[texel]).x;
         solid_angle += angle;
-        assert_true(field->distance[texel] & 0x8000u);
+        assert_true(olx_texel_emits(field, probe, texel - probe * field->texels));
       }
       for (uint32_t i = 0; i < field->irradiance_n * field->irradiance_n; i++) {
         const size_t texel = probe * field->irradiance_texels +
@@ -336,8 +336,8 @@ static void distances_are_those_of_the_box(void **state) {
     const olx_vec3 d = olx_texel_direction(x, y, field->n);
     const float truth = distance_in_box(position, d, 2.0f);
     const size_t texel = texel_at(field->stride, x, y);
-    assert_float_equal(olx_half_unpack(field->distance[texel]) * scale, truth, truth * 0x1p-10f);
-    const olx_vec3 hit = olx_madd(position, d, truth), n = olx_normal_unpack(field->normal[texel]);
+    assert_float_equal(olx_texel_distance(field, 0, texel), truth, truth * 0x1p-10f);
+    const olx_vec3 hit = olx_madd(position, d, truth), n = olx_texel_normal(field, 0, texel);
     assert_true(olx_dot(n, d) < 0.0f);
     assert_true(olx_max3(olx_v3(fabsf(n.x), fabsf(n.y), fabsf(n.z))) > 0.9999f);
     // The wall the normal belongs to is the one that was hit.
@@ -373,10 +373,10 @@ static void sky_is_infinitely_far(void **state) {
     const size_t texel = texel_at(field->stride, x, y);
     const bool sky = d.y > -0.2f; // the floor begins at sin = 0.33 to 0.45
     if (sky) {
-      assert_true(isinf(olx_half_unpack(field->distance[texel])));
+      assert_true(olx_texel_is_sky(field, 0, texel));
       assert_packed_near(field->radiance[texel], 2.0f, 0.001f);
     } else if (d.y < -0.55f) {
-      assert_float_equal(olx_half_unpack(field->distance[texel]) * field->distance_scale, -0.5f / d.y, 1e-3f);
+      assert_float_equal(olx_texel_distance(field, 0, texel), -0.5f / d.y, 1e-3f);
     }
   }
   // Straight up: nothing but sky in the lobe. Straight down: light that the floor reflects, and no sky.
@@ -579,8 +579,8 @@ static void another_seed_draws_other_noise_alone(void **state) {
   settings.seed = 7;
   olx_field *other = bake_field(scene, &settings, f->file, NULL);
   const size_t texels = (size_t)4 * (32 + 2) * (32 + 2);
-  assert_memory_equal(first->distance, other->distance, texels * sizeof *first->distance);
-  assert_memory_equal(first->normal, other->normal, texels * sizeof *first->normal);
+  const size_t blocks = (size_t)first->n / 4 * first->n / 4 * first->info.probe_count;
+  assert_memory_equal(first->geometry, other->geometry, blocks * sizeof *first->geometry);
   assert_memory_not_equal(first->radiance, other->radiance, texels * sizeof *first->radiance);
   const double mean = mean_irradiance(first), again = mean_irradiance(other);
   assert_true(again != mean);

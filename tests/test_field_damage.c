@@ -245,8 +245,9 @@ static void test_refuses_a_wrong_description(void **state) {
   REFUSED(irradiance_form = 3, "unknown form of irradiance 3");
   REFUSED(irradiance_form = UINT32_MAX, "unknown form of irradiance");
   REFUSED(irradiance_form = OLX_IRRADIANCE_SH2, "no chunk IRSH");
-  REFUSED(compressed = 2, "a flag that is not 0 or 1");
-  REFUSED(compressed = 1, "no chunk BAS1");
+  REFUSED(form = 4, "an unknown form");
+  REFUSED(form = 2, "a chunk NORM, but the description has geometry in blocks");
+  REFUSED(form = 1, "no chunk BAS1");
 #undef REFUSED
   i.info->select_mask = 1u << OLX_SELECT_BRICKS; // whose chunk is missing
   field_seal(&i);
@@ -440,10 +441,10 @@ static void test_verify_reads_surfaces(void **state) {
 static void test_refuses_texels_for_blocks(void **state) {
   const field_image i = field_image_load(*state, &of_blocks);
   const olx_file_info good = *i.info;
-  i.info->compressed = 0;
+  i.info->form = 0;
   field_seal(&i);
   assert_field_refused(&i, OLX_ERROR_FORMAT, "no chunk BASE");
-  i.info->compressed = 2;
+  i.info->form = 5;
   field_seal(&i);
   assert_field_refused(&i, OLX_ERROR_FORMAT, "a flag that is not 0 or 1");
   *i.info = good;
@@ -507,6 +508,61 @@ static void test_verify_reads_blocks(void **state) {
   olx_release(i.bytes);
 }
 
+static olx_file_chunk *chunk_of_type(const field_image *i, uint32_t type) {
+  for (uint32_t k = 0; k < i->sealed; k++) {
+    if (i->chunks[k].type == type) return &i->chunks[k];
+  }
+  fail_msg("no chunk %s", olx_chunk_type_name(type).text);
+  return NULL;
+}
+
+// The first block of a form, in a form the encoder writes.
+static olx_geometry_block *block_of_form(const field_image *i, uint32_t form) {
+  const olx_file_chunk *chunk = chunk_of_type(i, OLX_FOUR_CC('G', 'E', 'O', 'M'));
+  olx_geometry_block *blocks = (olx_geometry_block *)(i->bytes + chunk->offset);
+  for (size_t k = 0; k < chunk->size_bytes / sizeof *blocks; k++) {
+    const uint32_t *w = blocks[k].words;
+    if (w[3] >> 30 == form && (w[0] || w[1] || w[2])) return &blocks[k];
+  }
+  fail_msg("no block of form %u", form);
+  return NULL;
+}
+
+// What geometry blocks may be, and what they must agree with: planes of the pool with how near they come, all with pyramids.
+static void test_verify_reads_geometry(void **state) {
+  const field_image i = field_image_load(*state, &of_planes);
+  assert_field_sound(&i);
+  const struct damage {
+    uint32_t form, word, flipped;
+    const char *message;
+  } damages[] = {
+      {OLX_GEOMETRY_POOL, 3, 1u << 30, "unknown form"},
+      {OLX_GEOMETRY_POOL, 0, 1u << 31, "a plane that is not in the pool"},
+      {OLX_GEOMETRY_POOL, 3, 1, "planes that come nearer or less near than it says"},
+      {OLX_GEOMETRY_TWO, 2, 1u << 31, "reserved bits"},
+  };
+  for (uint32_t k = 0; k < sizeof damages / sizeof damages[0]; k++) {
+    olx_geometry_block *block = block_of_form(&i, damages[k].form);
+    block->words[damages[k].word] ^= damages[k].flipped;
+    field_seal(&i);
+    assert_field_unverified(&i, OLX_ERROR_FORMAT, damages[k].message);
+    block->words[damages[k].word] ^= damages[k].flipped;
+  }
+  uint16_t *nodes = (uint16_t *)(i.bytes + chunk_of_type(&i, OLX_FOUR_CC('D', 'M', 'I', 'N'))->offset);
+  nodes[3]++;
+  field_seal(&i);
+  assert_field_unverified(&i, OLX_ERROR_FORMAT, "least distance of probe 0, level 1, node (3, 0)");
+  nodes[3]--;
+  olx_file_chunk *planes = chunk_of_type(&i, OLX_FOUR_CC('P', 'L', 'A', 'N'));
+  planes->record_bytes = 16;
+  field_seal(&i);
+  assert_field_refused(&i, OLX_ERROR_FORMAT, "chunk PLAN");
+  planes->record_bytes = 8;
+  field_seal(&i);
+  assert_field_sound(&i);
+  olx_release(i.bytes);
+}
+
 // What a damaged file names is not read.
 static void test_emission_stays_inside(void **state) {
   const field_image i = field_image_load(*state, &small);
@@ -558,6 +614,7 @@ int main(void) {
       cmocka_unit_test_setup_teardown(test_verify_reads_surfaces, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_refuses_texels_for_blocks, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_verify_reads_blocks, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_verify_reads_geometry, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_emission_stays_inside, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_rounded_moments_are_possible, field_set_up, field_tear_down),
   };

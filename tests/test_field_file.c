@@ -121,6 +121,30 @@ static void assert_surfaces(const olx_field *field, uint32_t probe, const uint16
   }
 }
 
+// The half that a texel's distance is nearest to.
+static uint16_t distance_code(const olx_field *field, uint32_t probe, uint32_t x, uint32_t y) {
+  const size_t texel = olx_map_index(field->stride, (int32_t)x, (int32_t)y);
+  return olx_half_pack(olx_texel_distance(field, probe, texel) / field->distance_scale);
+}
+
+// Points lie within a quarter of a footprint of their planes, whose normals are not far off; what is at no distance is sky.
+static void assert_geometry(const olx_field *field, uint32_t probe, const synthetic_geometry *geometry) {
+  assert_true(!field->distance && !field->normal && field->planes.count > 0);
+  for (uint32_t i = 0; i < geometry->n * geometry->n; i++) {
+    const uint32_t x = i % geometry->n, y = i / geometry->n;
+    const olx_geometry_texel truth = synthetic_geometry_texel(geometry, x, y);
+    const size_t at = olx_map_index(field->stride, (int32_t)x, (int32_t)y);
+    const olx_texel_geometry seen = olx_texel_geometry_of(field, probe, at);
+    const bool sky = !(truth.distance > 0.0f && truth.distance < INFINITY);
+    assert_int_equal(olx_texel_is_sky(field, probe, at), sky);
+    if (sky) continue;
+    const olx_vec3 direction = olx_texel_direction(x, y, geometry->n);
+    const float off = (seen.distance - truth.distance) * olx_dot(seen.normal, direction);
+    assert_true(fabsf(off) <= 0.2505f * truth.distance * 3.5449077f * 1.53f / (float)geometry->n);
+    assert_true(olx_dot(seen.normal, truth.normal) > 0.799f);
+  }
+}
+
 static void assert_irradiance(const olx_field *field, const synthetic_shape *shape, uint32_t probe, const uint32_t *map) {
   const olx_irradiance_form form = shape->irradiance_form;
   assert_int_equal(field->info.irradiance_form, form);
@@ -153,15 +177,20 @@ static void assert_round_trip(field_fixture *f, const synthetic_shape *shape) {
   for (uint32_t i = 0; i < header.info.probe_count; i++) {
     synthetic_light_maps(n, i, color, normal, distance);
     if (header.info.irradiance_probe_count) assert_map(field->radiance + field->texels * i, color, n, 4);
-    assert_map(field->normal + field->texels * i, normal, n, 2);
-    assert_map(field->distance + field->texels * i, distance, n, 2);
+    if (field->geometry) {
+      assert_geometry(field, i, &(synthetic_geometry){n, normal, distance});
+    } else {
+      assert_map(field->normal + field->texels * i, normal, n, 2);
+      assert_map(field->distance + field->texels * i, distance, n, 2);
+    }
     for (uint32_t y = 0; y < n; y++) {
       for (uint32_t x = 0; x < n; x++) {
         const olx_pyramid_shape *pyramid = &field->pyramid;
         for (uint32_t level = 0; level < pyramid->levels; level++) {
           const uint32_t shift = olx_pyramid_shift(level);
           const uint32_t node = pyramid->first[level] + olx_pyramid_index(pyramid->side[level], x >> shift, y >> shift);
-          const uint16_t code = distance[y * n + x] & 0x7FFF;
+          if (level < pyramid->least_level) continue;
+          const uint16_t code = distance_code(field, i, x, y);
           assert_true(field->least[(size_t)pyramid->least_nodes * i + node] <= code);
           if (level < pyramid->greatest_level) continue;
           assert_true(field->greatest[(size_t)pyramid->greatest_nodes * i + node] >= code);
@@ -203,6 +232,7 @@ static void test_round_trip(void **state) {
   assert_round_trip(*state, &third_order);
   assert_round_trip(*state, &without_probe_light);
   assert_round_trip(*state, &of_blocks);
+  assert_round_trip(*state, &of_planes);
 }
 
 // A texel of the border is the one inside that it repeats, and rows for those who cannot read blocks are what is read.
@@ -301,14 +331,15 @@ static void test_samples_without_probe_light(void **state) {
 static void test_pyramids_bound_their_nodes(void **state) {
   (void)state;
   for (uint32_t n = 8; n <= 2048; n *= 2) {
-    const olx_pyramid_shape shape = olx_pyramid_shape_of(n);
+    const olx_pyramid_shape shape = olx_pyramid_shape_of(n, false);
     const uint32_t near_x = n - 1, near_y = n / 2, far_x = n / 2 - 1, far_y = 3;
     uint16_t *distance = olx_allocate((size_t)n * n, 2), *nearest = olx_allocate(shape.least_nodes, 2),
              *farthest = olx_allocate(shape.greatest_nodes, 2);
     for (size_t i = 0; i < (size_t)n * n; i++) distance[i] = 0x3400;
     distance[near_y * n + near_x] = 0x8000 | 0x3000;
     distance[far_y * n + far_x] = 0x7C00;
-    olx_pyramid_make(&shape, distance, n, nearest, farthest);
+    const olx_pyramid_base base = olx_pyramid_over_texels(distance, n);
+    olx_pyramid_make(&shape, &base, nearest, farthest);
     uint32_t nodes = 0;
     for (uint32_t level = 0; level < shape.levels; level++) {
       const uint32_t side = shape.side[level], shift = olx_pyramid_shift(level);

@@ -109,6 +109,9 @@ static olx_vec3 plane_of(const block_item *i) {
 static void plane_decode(const block_item *i, answer *a) { put_3(a, olx_plane_decode(i->pooled, i->place)); }
 static void geometry_pooled(const block_item *i, answer *a) { put(a, olx_geometry_pooled(&i->block, i->texel)); }
 static void geometry_plane_of(const block_item *i, answer *a) { put_3(a, plane_of(i)); }
+static void geometry_nearest(const block_item *i, answer *a) {
+  put(a, olx_float_bits(olx_geometry_nearest(&i->block)));
+}
 static void plane_depth(const block_item *i, answer *a) {
   const float depth = olx_plane_depth(plane_of(i), i->point);
   put(a, olx_float_bits(depth));
@@ -136,6 +139,7 @@ static const block_row ROWS[] = {
     PARITY(plane_decode, 0),
     PARITY(geometry_pooled, 0),
     PARITY(geometry_plane_of, 0),
+    PARITY(geometry_nearest, 0),
     PARITY(plane_depth, 0),
     PARITY(plane_normal, 1e-6f),
     PARITY(plane_distance, 1e-6f),

@@ -1,4 +1,5 @@
 // Vectors, maps, sampling, the reflection model, and which probes answer: shaders/lib against C (tests/parity.h).
+#include "field/texels.h"
 #include "select/voronoi.c"
 
 #include "core/sampling.h"
@@ -66,6 +67,20 @@ ROW(ggx_sample, float weight; float half_cosine; const olx_vec2 random = {s->ran
     put_3(r, olx_ggx_sample(s->bsdf.alpha, local_view(s), random, &weight, &half_cosine)); put_f(r, weight);
     put_f(r, half_cosine);)
 
+static olx_texel_block block_of(const parity_state *s) { return olx_block_at(s->field, s->probe, s->x, s->y); }
+static olx_block_place place_of(const parity_state *s) {
+  return (olx_block_place){s->field->n, s->x / OLX_BLOCK_SIDE, s->y / OLX_BLOCK_SIDE};
+}
+// A block of each form, of numbers that may name any plane.
+static olx_geometry_block some_block(const parity_state *s) {
+  return (olx_geometry_block){
+      {s->bits[0] % 64u, s->bits[1], s->bits[2], (s->bits[3] & 0x3FFFFFFFu) | s->bits[0] % 3u << 30}};
+}
+static void put_geometry(parity_result *r, olx_texel_geometry g) {
+  put_f(r, g.distance);
+  put_3(r, g.distance < INFINITY ? g.normal : olx_v3(0.0f, 0.0f, 0.0f));
+}
+
 ROW(probe_position, put_3(r, s->field->probe_positions[s->probe]);)
 ROW(irradiance_probe_position, put_3(r, olx_grid_position(&s->source.grid, s->irradiance_probe));)
 ROW(map_corner, put_u(r, s->probe % 9 % 3 * s->field->n); put_u(r, s->probe % 9 / 3 * s->field->n);
@@ -74,10 +89,23 @@ ROW(map_origin, const uint32_t side = s->constants->maps_a_side;
     put_u(r, s->probe % side * s->field->stride + 1); put_u(r, s->probe / side % side * s->field->stride + 1);
     put_u(r, s->probe / side / side);)
 ROW(texel_towards, put_u(r, (uint32_t)olx_texel_towards(s->field, s->direction));)
-ROW(texel_distance_bits, put_u(r, s->field->distance[s->field->texels * s->probe + texel_of(s)]);)
+ROW(texel_distance_bits,
+    put_u(r, s->field->distance ? s->field->distance[s->field->texels * s->probe + texel_of(s)] : 0);)
 ROW(texel_distance, put_f(r, olx_texel_distance(s->field, s->probe, texel_of(s)));)
 ROW(texel_emits, put_u(r, olx_texel_emits(s->field, s->probe, texel_of(s)));)
 ROW(texel_normal, put_3(r, olx_texel_normal(s->field, s->probe, texel_of(s)));)
+ROW(geometry_in_blocks, put_u(r, s->field->geometry != NULL);)
+ROW(geometry_block, const olx_geometry_block none = {{0}};
+    const olx_geometry_block *b = s->field->geometry ? &s->field->geometry[block_of(s).block] : &none;
+    for (uint32_t k = 0; k < 4; k++) put_u(r, b->words[k]);)
+ROW(plane_in_block, const olx_geometry_block b = some_block(s);
+    put_3(r, olx_geometry_plane(&b, &s->field->planes, place_of(s), block_of(s).texel));)
+ROW(block_plane,
+    put_3(r, s->field->geometry ? olx_block_plane(s->field, s->probe, s->x, s->y) : olx_v3(0.0f, 0.0f, 0.0f));)
+ROW(block_geometry, if (s->field->geometry) put_geometry(r, olx_block_geometry(s->field, s->probe, texel_of(s)));)
+ROW(texel_geometry_of, put_geometry(r, olx_texel_geometry_of(s->field, s->probe, texel_of(s)));)
+ROW(texel_is_sky, put_u(r, olx_texel_is_sky(s->field, s->probe, texel_of(s)));)
+ROW(texel_emission_code, put_u(r, olx_texel_emission_code(s->field, s->probe, texel_of(s)));)
 ROW(texel_radiance, put_3(r, olx_texel_radiance(s->field, s->probe, texel_of(s)));)
 ROW(irradiance_coordinate, const uint32_t side = s->constants->irradiance_maps_a_side;
     const float n = (float)s->field->irradiance_n; const float stride = n + 2.0f;
@@ -153,6 +181,14 @@ static const parity_row ROWS[] = {
     PARITY(texel_distance, 1e-6f, 0),
     PARITY(texel_emits, 1e-6f, 0),
     PARITY(texel_normal, 1e-6f, 0),
+    PARITY(geometry_in_blocks, 0, 0),
+    PARITY(geometry_block, 0, 0),
+    PARITY(plane_in_block, 0, 0),
+    PARITY(block_plane, 0, 0),
+    PARITY(block_geometry, 1e-6f, 0),
+    PARITY(texel_geometry_of, 1e-6f, 0),
+    PARITY(texel_is_sky, 0, 0),
+    PARITY(texel_emission_code, 0, 0),
     PARITY(texel_radiance, 1e-6f, 0),
     PARITY(irradiance_coordinate, 1e-6f, 0),
     PARITY(cage_at, 1e-6f, 0),

@@ -54,7 +54,8 @@ static olx_tracer plain_tracer(const parity_state *s) {
 // In GLSL texels are nodes of level -1, and the texel in which a ray begins that was handed on comes first.
 static stand begin_stand(const march_state *e) {
   const bool first_piece = e->piece.t_begin <= e->ray.t_min, first = first_piece && e->piece.t_begin > 0.0f;
-  const uint32_t level = first_piece ? 0 : e->march.field->pyramid.levels - 1;
+  const olx_pyramid_shape *pyramid = &e->march.field->pyramid;
+  const uint32_t level = first_piece ? pyramid->least_level : pyramid->levels - 1;
   const uint32_t shift = first ? 0 : olx_pyramid_shift(level);
   return (stand){.x = e->cell.x >> shift, .y = e->cell.y >> shift, .t = e->cell.t};
 }
@@ -88,8 +89,10 @@ static bool find_texel(const march_state *e, olx_cell *c, float *stored) {
     const olx_vec2 s = olx_crossings_ahead(&e->piece, c->x, c->y, 0);
     const float s1 = olx_min(s.x, s.y), t1 = olx_parameter_at(&e->piece, s1);
     const olx_field *f = e->march.field;
+    olx_march m = e->march;
+    if (f->geometry && reaches_plane(&m, *c, t1, stored)) return true;
     *stored = olx_texel_distance(f, e->march.probe, olx_map_index(f->stride, c->x, c->y));
-    if (olx_farthest_squared(&e->march, c->t, t1) >= *stored * *stored && *stored < INFINITY) return true;
+    if (!f->geometry && olx_farthest_squared(&e->march, c->t, t1) >= *stored * *stored && *stored < INFINITY) return true;
     if (s1 >= 1.0f) return false;
     *c = olx_next_cell(&e->piece, *c, s, t1);
   }
@@ -139,6 +142,18 @@ MARCH_ROW(judge_height, olx_probe_answer a = {0};
     put_u(r, judge_height(&e->march, &e->piece, e->cell, cell_exit(e), &e->surfel, &a)); put_f(r, a.t);)
 MARCH_ROW(judge_surfel, olx_probe_answer a = {0};
     put_u(r, olx_judge_surfel(&e->march, &e->piece, e->cell, cell_exit(e), s->item->v[15], &a)); put_answer(r, &a);)
+MARCH_ROW(read_block, if (!s->field->geometry) return; for (uint32_t k = 0; k < 2; k++)
+    olx_read_block(&e->march, (int32_t)s->x / 4, (int32_t)s->y / 4);
+    for (uint32_t k = 0; k < 4; k++) put_u(r, e->march.block->words[k]); put_u(r, e->march.steps);)
+MARCH_ROW(octahedral_depth, put_f(r, olx_octahedral_depth(&e->march, &e->piece, s->random[0]));)
+MARCH_ROW(plane_clears, const olx_vec3 d = s->direction;
+    put_u(r, olx_plane_clears(olx_plane_along(&e->ray, olx_scale(d, s->random[2])), s->random[0], s->random[0] + s->random[1]));
+    put_u(r, olx_plane_clears(olx_plane_along(&e->ray, olx_scale(olx_v3(d.z, d.x, d.y), s->random[2])), s->random[0], INFINITY));)
+MARCH_ROW(block_clears, if (!s->field->geometry) return; olx_read_block(&e->march, (int32_t)s->x / 4, (int32_t)s->y / 4);
+    put_u(r, olx_block_clears(&e->march, &e->piece, s->random[0], s->random[0] + s->random[1]));)
+MARCH_ROW(reaches_plane, if (!s->field->geometry) return; float stored;
+    const bool reached = reaches_plane(&e->march, e->cell, cell_exit(e), &stored); put_u(r, reached);
+    put_u(r, e->march.steps); if (reached) put_f(r, stored);)
 MARCH_ROW(visit_texel, olx_probe_answer a = {0};
     put_u(r, olx_visit_texel(&e->march, &e->piece, e->cell, cell_exit(e), cell_far_squared(e), &a)); put_answer(r, &a);
     put_u(r, e->march.steps);)
@@ -164,6 +179,7 @@ MARCH_ROW(make_piece, put_axis(r, e->piece.u); put_axis(r, e->piece.v); put_f(r,
     put_f(r, e->piece.slope);
     put_f(r, e->piece.rise);)
 MARCH_ROW(next_cut, put_f(r, next_cut(e->planes, e->ray.t_min, e->ray.t_max));)
+MARCH_ROW(finest_level, put_u(r, e->march.field->pyramid.least_level);)
 MARCH_ROW(begin_stand, const stand at = begin_stand(e); put_i(r, at.x); put_i(r, at.y); put_f(r, at.t);)
 MARCH_ROW(enter, const int32_t level = (int32_t)(s->bits[0] % 3u) - 1, shift = OLX_PYRAMID_STEP * (level + 1);
     put_i(r, olx_texel_at(&e->piece.u, s->random[0], true) >> shift);
@@ -204,6 +220,11 @@ static const parity_row ROWS[] = {
     PARITY(supported, 1e-5f, 1e-3),
     PARITY(judge_height, 1e-5f, 1e-3),
     PARITY(judge_surfel, 1e-5f, 1e-3),
+    PARITY(read_block, 1e-5f, 0),
+    PARITY(octahedral_depth, 1e-5f, 0),
+    PARITY(plane_clears, 1e-5f, 1e-3),
+    PARITY(block_clears, 1e-5f, 1e-3),
+    PARITY(reaches_plane, 1e-5f, 1e-3),
     PARITY(visit_texel, 1e-5f, 1e-3),
     PARITY(next_cell, 1e-5f, 1e-3),
     PARITY(crossings_ahead, 1e-5f, 1e-3),
@@ -217,6 +238,7 @@ static const parity_row ROWS[] = {
     PARITY(sign_after, 1e-5f, 1e-3),
     PARITY(make_piece, 1e-5f, 1e-3),
     PARITY(next_cut, 1e-5f, 1e-3),
+    PARITY(finest_level, 0, 0),
     PARITY(begin_stand, 1e-5f, 1e-3),
     PARITY(enter, 1e-5f, 1e-3),
     PARITY(leave, 1e-5f, 1e-3),

@@ -44,11 +44,6 @@ static void put_bilinear(parity_result *r, const olx_bilinear *b) {
   }
 }
 
-static bool is_surface_code(uint16_t code) {
-  const olx_field one = {.texels = 1, .distance = &code};
-  return is_surface(&one, 0, 0);
-}
-
 static void put_tile_texel(parity_result *r, uint32_t i) {
   const olx_relight relight = {.tile_side = OLX_RELIT_TILE_SIDE};
   const olx_relit_tile tile = {.probe = 0};
@@ -111,7 +106,6 @@ ROW(area_light, const olx_relight_light l = some_light(s, 3u + (s->bits[0] & 1u)
     const bool lit = area_light(&l, s->point, some_normal(s), later_random(s), &ray, &e); put_ray(r, lit, &ray, e);)
 ROW(aim, const olx_relight_light l = some_light(s, s->bits[0] % 6u); olx_shadow_ray ray; olx_vec3 e;
     const bool lit = aim(&l, s->point, some_normal(s), later_random(s), &ray, &e); put_ray(r, lit, &ray, e);)
-ROW(surface_distance, put_u(r, is_surface_code((uint16_t)s->bits[0]));)
 ROW(tile_texel, put_tile_texel(r, s->bits[0] % 1024u);)
 ROW(site_corners, float c[4]; some_corners(s, c); for (uint32_t k = 0; k < 4; k++) put_f(r, c[k]);)
 ROW(site_weight, put_f(r, told_weight(s));)
@@ -139,7 +133,6 @@ static const parity_row ROWS[] = {
     PARITY(point_light, 1e-4f, 1e-3),
     PARITY(area_light, 1e-4f, 1e-3),
     PARITY(aim, 1e-4f, 1e-3),
-    PARITY(surface_distance, 0.0f, 0),
     PARITY(tile_texel, 0.0f, 0),
     PARITY(site_corners, 2e-6f, 0),
     PARITY(site_weight, 2e-6f, 0),

@@ -62,8 +62,7 @@ static void assert_sites(const olx_field *field) {
     bool sky = true;
     for (uint32_t texel = 0; texel < 16; texel++) {
       const uint32_t x = i % side * 4 + texel % 4, y = i / side % side * 4 + texel / 4;
-      const size_t at = i / (side * side) * field->texels + olx_map_index(field->stride, (int32_t)x, (int32_t)y);
-      sky &= field->distance[at] == 0x7C00;
+      sky &= olx_texel_is_sky(field, i / (side * side), olx_map_index(field->stride, (int32_t)x, (int32_t)y));
     }
     assert_true((d->blocks[i].first_site == OLX_RELIGHT_NO_SITE) == sky);
   }

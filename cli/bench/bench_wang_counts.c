@@ -24,7 +24,8 @@ static olx_result examine(wang_run *run, const bench_probes *wanted, finding *fo
   if (result == OLX_OK) {
     found->count = made.info.probe_count;
     found->coverage = made.coverage;
-    found->megabytes = (double)(made.info.radiance_bytes + made.info.normal_bytes + made.info.distance_bytes) * 1e-6;
+    found->megabytes = (double)(made.info.radiance_bytes + made.info.normal_bytes + made.info.distance_bytes +
+                                  made.info.geometry_bytes) * 1e-6;
     result = wang_measure(run, made.field, OLX_TRACER_HIZ, OLX_SELECT_BEST, name.text, &found->quality, NULL);
   }
   if (result == OLX_OK) {

@@ -158,6 +158,7 @@ static void add_memory(const wang_run *run, const wang_measured *t, cJSON *list)
     add_text(entry, "name", bench_probes_name(&probes).text);
     add_number(entry, "probes", info->probe_count);
     add_number(entry, "distance", (double)info->distance_bytes);
+    add_number(entry, "geometry", (double)info->geometry_bytes);
     add_number(entry, "pyramid", (double)info->pyramid_bytes);
     add_number(entry, "radiance", (double)info->radiance_bytes);
     add_number(entry, "normal", (double)info->normal_bytes);

@@ -32,7 +32,7 @@ static void list_contenders(const bench_field *made, contender list[3]) {
   const double kib = 1024.0 * info->irradiance_probe_count;
   const double maps = (double)(info->irradiance_bytes + info->moments_bytes) / kib;
   const double light =
-      (double)(info->radiance_bytes + info->normal_bytes + info->distance_bytes + info->pyramid_bytes) / kib;
+      (double)(info->radiance_bytes + info->normal_bytes + info->distance_bytes + info->geometry_bytes + info->pyramid_bytes) / kib;
   const contender all[3] = {
       {.name = "irradiance probes (classic)",
        .visibility = "no",

@@ -43,7 +43,7 @@ static double at_512(double bytes, uint32_t texels) {
 
 static void add_set(bench *b, bench_table *table, const struct published *p, const bench_field *set) {
   const olx_field_info *info = &set->info;
-  const double distance = at_512((double)(info->distance_bytes + info->pyramid_bytes), info->radiance_size);
+  const double distance = at_512((double)(info->distance_bytes + info->geometry_bytes + info->pyramid_bytes), info->radiance_size);
   const double other = at_512((double)(info->radiance_bytes + info->normal_bytes), info->radiance_size) +
                        (double)(info->irradiance_bytes + info->moments_bytes) / MIB;
   const bool placed = !info->has_grid;

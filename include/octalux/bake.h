@@ -66,7 +66,7 @@ typedef struct olx_bake_settings {
   uint32_t irradiance_size; // a power of two, 8 to 256; default 128
   olx_irradiance_form irradiance_form; // default OLX_IRRADIANCE_OCTAHEDRAL
   olx_bounce_gather bounce_gather;     // default OLX_GATHER_SOLVED
-  bool uncompressed;        // keep material and light of surfaces as texels instead of blocks, to judge these by; default false
+  bool uncompressed;        // keep geometry, material and light as texels instead of blocks, to judge these by; default false
   uint32_t samples;         // samples of surfaces along a texel's side, 1 to 8; default 2 (four a texel)
   uint32_t light_samples;   // shadow rays a sample sends to area lights and to the sky, 1 to 64; default 1
   uint32_t bounces;         // further bounces after direct light, 0 to 64, as long as they bring 2^-10 of the light; default 32
@@ -127,7 +127,8 @@ typedef struct olx_bake_stats {
 typedef struct olx_bake_sizes {
   uint64_t probes, irradiance_probes; // 0 of irradiance without probe light
   uint64_t file_bytes;   // structures of other selectors than the cage and the irradiance volume come on top, and, where probes see emitters or the
-                         // sky, at most 4 bytes a texel
+                         // sky, at most 4 bytes a texel; planes of fine surfaces, up to a third of a byte a texel in the
+                         // scenes that were measured and 8 at most
   uint64_t device_bytes; // that a Vulkan device holds of it, before alignment; 0 for irradiance as spherical harmonics
   uint64_t memory_bytes; // that the bake takes at most at once, beside the scene, structures of selectors, and surfels with
                          // their links (olx_bake_stats.light_bytes)

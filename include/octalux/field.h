@@ -69,6 +69,7 @@ typedef struct olx_field_info {
                        // rays leave it out where they end, since surfaces that they light add one; 0 when not known
   uint32_t samples;    // radiance samples along a texel's side (2: four samples a texel)
   bool compressed;     // material and light of surfaces lie in blocks of 4 x 4 texels that graphics hardware decodes
+  bool geometry_blocks; // what light field probes see lies in blocks of 4 x 4 texels, too: planes, not distances and normals
   uint64_t scene_hash; // of geometry, materials, textures, lights and environment; 0 of a field that is relit
   uint32_t classic_size;      // texels along a side of the classic maps: a power of two, 32 to 256; 0: baked without them
   uint32_t classic_cube_size; // along a face of the cube maps that they were made from
@@ -80,6 +81,7 @@ typedef struct olx_field_info {
   // Of the surfaces that light field probes see: base colour and reflectance, irradiance straight from emitters, irradiance
   // from surfaces, emission with the sky.
   uint64_t material_bytes, direct_bytes, indirect_bytes, emission_bytes;
+  uint64_t geometry_bytes; // of geometry blocks and their planes; 0 without, and normal_bytes and distance_bytes 0 with them
   uint64_t radiance_bytes, normal_bytes, distance_bytes, pyramid_bytes, irradiance_bytes, moments_bytes,
       selector_bytes, classic_bytes, relight_bytes, volume_bytes; // of the volume with its cells
   uint64_t select_bytes[OLX_SELECT_EXHAUSTIVE]; // of each selector in the file; their sum is selector_bytes

@@ -94,13 +94,14 @@ class FieldInfo(Struct):
                 ("irradiance_grid", Grid), ("radiance_size", c_uint32), ("irradiance_size", c_uint32),
                 ("irradiance_form", c_uint32), ("select_mask", c_uint32), ("distance_scale_metres", c_float),
                 ("scene_min", Vec3), ("scene_max", Vec3), ("bounces", c_uint32), ("last_bounce", c_float),
-                ("samples", c_uint32), ("compressed", c_bool), ("scene_hash", c_uint64), ("classic_size", c_uint32),
+                ("samples", c_uint32), ("compressed", c_bool), ("geometry_blocks", c_bool),
+                ("scene_hash", c_uint64), ("classic_size", c_uint32),
                 ("classic_cube_size", c_uint32), ("classic_sharpness", c_float), ("relight_surfels", c_uint32),
                 ("relight_links", c_uint32),
                 ("volume_probe_count", c_uint32), ("light_count", c_uint32), ("file_bytes", c_uint64),
                 ("material_bytes", c_uint64), ("direct_bytes", c_uint64), ("indirect_bytes", c_uint64),
-                ("emission_bytes", c_uint64), ("radiance_bytes", c_uint64), ("normal_bytes", c_uint64),
-                ("distance_bytes", c_uint64), ("pyramid_bytes", c_uint64), ("irradiance_bytes", c_uint64),
+                ("emission_bytes", c_uint64), ("geometry_bytes", c_uint64), ("radiance_bytes", c_uint64),
+                ("normal_bytes", c_uint64), ("distance_bytes", c_uint64), ("pyramid_bytes", c_uint64), ("irradiance_bytes", c_uint64),
                 ("moments_bytes", c_uint64), ("selector_bytes", c_uint64), ("classic_bytes", c_uint64),
                 ("relight_bytes", c_uint64), ("volume_bytes", c_uint64), ("select_bytes", c_uint64 * 4)]
 

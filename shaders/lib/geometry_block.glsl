@@ -36,6 +36,9 @@ vec3 olx_geometry_plane_of(uvec4 block, uvec2 pooled, uint n, uvec2 place, uint 
   return olx_plane_decode(pooled, n, place);
 }
 
+// The greatest inverse depth of what a block sees that names planes of the pool.
+float olx_geometry_nearest(uvec4 block) { return uintBitsToFloat(block.w << 2 >> 1); }
+
 // Below 1 in front of the plane, 1 on it, above 1 behind it.
 float olx_plane_depth(vec3 plane, vec3 point) { return olx_dot(plane, point); }
 

@@ -3,6 +3,7 @@
 #define OLX_MAPS_GLSL
 
 #include "../octalux_shared.h"
+#include "geometry_block.glsl"
 #include "pack.glsl"
 
 #ifndef OLX_FIELD_SET
@@ -57,17 +58,62 @@ uint olx_texel_distance_bits(ivec3 origin, ivec2 texel) {
   return texelFetch(olx_distance_maps, origin + ivec3(texel, 0), 0).r;
 }
 
-// Stored distance of a texel in metres; infinite for the sky.
+// Whether geometry lies in blocks.
+bool olx_geometry_in_blocks() { return olx_field.geometry_scale > 0.0; }
+
+// A geometry block of the probe whose maps begin at `origin`.
+uvec4 olx_geometry_block(ivec3 origin, ivec2 place) {
+  ivec2 corner = ivec2(vec2(origin.xy - 1) * olx_field.geometry_scale + 0.5);
+  return texelFetch(olx_distance_maps, ivec3(corner + place, origin.z), 0);
+}
+
+// The plane that a texel, none of the border, sees according to its block, over all of its extent; 0 for the sky. A damaged
+// file may name planes that there are not.
+vec3 olx_plane_in_block(uvec4 block, ivec2 at_texel) {
+  uvec2 place = uvec2(at_texel) / OLX_BLOCK_SIDE, within = uvec2(at_texel) % OLX_BLOCK_SIDE;
+  uint texel = within.y * OLX_BLOCK_SIDE + within.x;
+  uint at = olx_geometry_pooled(block, texel), word = olx_field.planes_first + 2u * at;
+  uvec2 pooled = uvec2(0u);
+  if (at < olx_field.plane_count) pooled = uvec2(olx_words[word], olx_words[word + 1u]);
+  return olx_geometry_plane_of(block, pooled, olx_field.n, place, texel);
+}
+
+vec3 olx_block_plane(ivec3 origin, ivec2 texel) {
+  return olx_plane_in_block(olx_geometry_block(origin, texel / int(OLX_BLOCK_SIDE)), texel);
+}
+
+// What a texel sees along its direction.
+struct olx_texel_geometry {
+  float distance; // metres; infinite for the sky
+  vec3 normal;    // of the surface, on the probe's side; means nothing for the sky
+};
+
+olx_texel_geometry olx_block_geometry(ivec3 origin, ivec2 texel) {
+  ivec2 source = olx_border_source(texel, int(olx_field.n));
+  vec3 plane = olx_block_plane(origin, source);
+  return olx_texel_geometry(olx_plane_distance(plane, olx_texel_direction(uvec2(source), olx_field.n)),
+                            olx_plane_normal(plane));
+}
+
+// Distance of a texel's surface in metres; infinite for the sky.
 float olx_texel_distance(ivec3 origin, ivec2 texel) {
+  if (olx_geometry_in_blocks()) return olx_block_geometry(origin, texel).distance;
   precise float distance = olx_half_unpack(olx_texel_distance_bits(origin, texel) & 0x7FFFu) * olx_field.distance_scale;
   return distance;
 }
 
-bool olx_texel_emits(ivec3 origin, ivec2 texel) { return (olx_texel_distance_bits(origin, texel) & 0x8000u) != 0u; }
-
 vec3 olx_texel_normal(ivec3 origin, ivec2 texel) {
+  if (olx_geometry_in_blocks()) return olx_block_geometry(origin, texel).normal;
   return olx_normal_unpack(texelFetch(olx_normal_maps, origin + ivec3(texel, 0), 0).r);
 }
+
+// Both of them.
+olx_texel_geometry olx_texel_geometry_of(ivec3 origin, ivec2 texel) {
+  if (olx_geometry_in_blocks()) return olx_block_geometry(origin, texel);
+  return olx_texel_geometry(olx_texel_distance(origin, texel), olx_texel_normal(origin, texel));
+}
+
+bool olx_texel_is_sky(ivec3 origin, ivec2 texel) { return olx_texel_distance(origin, texel) >= OLX_INFINITY; }
 
 vec3 olx_texel_radiance(ivec3 origin, ivec2 texel) {
   return texelFetch(olx_radiance_maps, origin + ivec3(texel, 0), 0).rgb;

@@ -37,6 +37,8 @@ struct olx_march {
   uint least; // and its pyramid
   float closest, miss_squared;
   uint steps;
+  ivec2 place; // of the geometry block that was read last; negative: none
+  uvec4 block;
 };
 
 // One coordinate of the image, in texels: begin + travel s. Line k is crossed at s = (k - begin) * inverse. Where the
@@ -267,11 +269,71 @@ int olx_judge_surfel(inout olx_march m, olx_piece p, olx_cell c, float t1, float
   return verdict;
 }
 
+// Reads the geometry block at `place`.
+void olx_read_block(inout olx_march m, ivec2 place) {
+  if (m.place == place) return;
+  m.place = place;
+  m.block = olx_geometry_block(m.map, place);
+  m.steps++;
+}
+
+// Whether the ray is nowhere behind a plane over [t0, t1]. The sky is clear.
+bool olx_plane_clears(olx_march m, vec3 plane, float t0, float t1) {
+  float base = olx_dot(plane, m.ray.origin), slope = olx_dot(plane, m.ray.direction);
+  precise float begin = base + slope * t0, end = base + slope * t1;
+  bool ends_behind = t1 < OLX_INFINITY ? end > 1.0 : slope > 0.0;
+  return !ends_behind && !(begin > 1.0);
+}
+
+// |x| + |y| + |z| of a point of the ray.
+float olx_octahedral_depth(olx_march m, olx_piece p, float t) {
+  precise float depth = olx_dot(p.sign, m.ray.origin) + olx_dot(p.sign, m.ray.direction) * t;
+  return depth;
+}
+
+// Whether the ray is nowhere behind any plane of the block that was read last over any part of [t0, t1], whatever rounding
+// does to the part's ends. Planes of the pool are not read for that.
+bool olx_block_clears(olx_march m, olx_piece p, float t0, float t1) {
+  precise float slack = p.t_end < OLX_INFINITY ? OLX_PARAMETER_ROUNDING * p.t_end : 0.0;
+  precise float begin = t0 - slack, end = t1 + slack;
+  uint form = m.block.w >> 30, n = olx_field.n;
+  uvec2 place = uvec2(m.place);
+  bool clears = form <= OLX_GEOMETRY_TWO;
+  if (form == OLX_GEOMETRY_POOL) {
+    precise float depth = max(olx_octahedral_depth(m, p, begin), olx_octahedral_depth(m, p, end));
+    precise float share = depth * olx_geometry_nearest(m.block);
+    return t1 < OLX_INFINITY && share < 1.0 - 1.0 / 65536.0;
+  }
+  for (uint i = 0u; i <= form && clears; i++) {
+    vec3 plane = uintBitsToFloat(m.block.xyz);
+    if (form == OLX_GEOMETRY_TWO) plane = olx_plane_decode(i == 0u ? m.block.xz : m.block.yw, n, place);
+    clears = olx_plane_clears(m, plane, begin, end);
+  }
+  return clears;
+}
+
+// Whether the ray reaches the plane of a texel of a field of geometry blocks, over [t0, t1]; `stored`: the texel's distance.
+bool olx_reaches_plane(inout olx_march m, ivec2 at, float t0, float t1, out float stored) {
+  stored = OLX_INFINITY;
+  olx_read_block(m, at >> OLX_PYRAMID_FINEST);
+  if (m.block.w >> 30 > OLX_GEOMETRY_TWO) m.steps++;
+  vec3 plane = olx_plane_in_block(m.block, at);
+  if (olx_plane_clears(m, plane, t0, t1)) return false;
+  stored = olx_plane_distance(plane, olx_texel_direction(uvec2(at), olx_field.n));
+  precise float stored_squared = stored * stored;
+  return !(olx_farthest_squared(m, t0, t1) < stored_squared || stored >= OLX_INFINITY);
+}
+
 // The same for a texel that is yet to be read; `far_squared` is the ray's greatest squared distance over it.
 int olx_visit_texel(inout olx_march m, olx_piece p, olx_cell c, float t1, float far_squared,
                     inout olx_probe_answer answer) {
+  float stored;
+  if (olx_geometry_in_blocks()) {
+    if (!olx_reaches_plane(m, c.at, c.t, t1, stored)) return OLX_VERDICT_CLEAR;
+    return olx_judge_surfel(m, p, c, t1, stored, answer);
+  }
   m.steps++;
-  float stored = olx_texel_distance(m.map, c.at);
+  stored = olx_texel_distance(m.map, c.at);
   precise float stored_squared = stored * stored;
   if (far_squared < stored_squared || stored >= OLX_INFINITY) return OLX_VERDICT_CLEAR;
   return olx_judge_surfel(m, p, c, t1, stored, answer);
@@ -424,11 +486,14 @@ struct olx_stand {
   bool judged;         // a texel whose surfel is clear
 };
 
+// The finest level of smallest distances.
+int olx_finest_level() { return olx_geometry_in_blocks() && olx_field.pyramid_levels > 1u ? 1 : 0; }
+
 // Where the march over a piece begins: at a surface, where only small nodes are clear, and on further faces in the
 // open. The texel in which a ray begins that another probe has handed on often hides it, and comes first.
 olx_stand olx_begin_stand(olx_march m, olx_piece p) {
   bool first_piece = p.t_begin <= m.ray.t_min, first = first_piece && p.t_begin > 0.0;
-  int level = first ? -1 : first_piece ? 0 : int(olx_field.pyramid_levels) - 1;
+  int level = first ? -1 : first_piece ? olx_finest_level() : int(olx_field.pyramid_levels) - 1;
   ivec2 texel = ivec2(p.u.first, p.v.first);
   return olx_stand(texel >> olx_pyramid_shift(level), level, -1.0, p.t_begin, false, 0.0, first, false);
 }
@@ -452,15 +517,20 @@ void olx_leave(inout olx_stand at, ivec2 next, float s, float t, bool by_v) {
 // On to the texel whose stored distance the ray reaches next. Nodes and texels take turns in one loop, and no surfel is
 // judged in it, so that rays side by side wait little for each other. False at the end of the piece.
 bool olx_find_texel(inout olx_march m, olx_piece p, inout olx_stand at, out float stored) {
-  bool found = false;
+  bool found = false, blocks = olx_geometry_in_blocks();
   stored = OLX_INFINITY;
   for (;;) {
     vec2 s = olx_crossings_ahead(p, at.at, olx_pyramid_shift(at.level));
     float s1 = min(s.x, s.y), t1 = olx_parameter_at(p, s1);
     bool enter = false;
-    if (at.level >= 0) {
+    if (blocks && at.level == 0) {
+      olx_read_block(m, at.at);
+      enter = !olx_block_clears(m, p, at.t, t1);
+    } else if (at.level >= 0) {
       at.least_squared = olx_least_squared(m, at.level, at.at);
       enter = !(olx_reach_squared(m, p, at.t, t1) < at.least_squared);
+    } else if (blocks && !at.judged) {
+      found = olx_reaches_plane(m, at.at, at.t, t1, stored);
     } else if (!at.judged) {
       float far_squared = olx_farthest_squared(m, at.t, t1);
       if (!(far_squared < at.least_squared)) {
@@ -474,7 +544,8 @@ bool olx_find_texel(inout olx_march m, olx_piece p, inout olx_stand at, out floa
     if (enter) {
       olx_enter(p, at);
     } else if (at.first) {
-      at = olx_stand(at.at >> OLX_PYRAMID_FINEST, 0, -1.0, p.t_begin, false, 0.0, false, false);
+      int finest = olx_finest_level();
+      at = olx_stand(at.at >> olx_pyramid_shift(finest), finest, -1.0, p.t_begin, false, 0.0, false, false);
     } else {
       bool by_v = s.x > s.y;
       olx_leave(at, at.at + (by_v ? ivec2(0, olx_axis_step(p.v)) : ivec2(olx_axis_step(p.u), 0)), s1, t1, by_v);
@@ -535,6 +606,8 @@ olx_march olx_begin_march(uint probe, olx_probe_ray ray) {
   m.closest = closest;
   m.miss_squared = olx_dot(foot, foot);
   m.steps = 0u;
+  m.place = ivec2(-1);
+  m.block = uvec4(0u);
   return m;
 }
 

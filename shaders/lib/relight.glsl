@@ -92,9 +92,6 @@ float olx_specular_brightness(vec3 normal, float f0, float roughness_alpha, vec3
 
 // ---- Texels and the volume
 
-// Whether a stored distance is that of a surface, and not the sky's; an emitter's is, too.
-bool olx_surface_distance(uint bits) { return (bits & 0x7FFFu) < 0x7C00u; }
-
 // Texel i of a tile, whose blocks of 4 x 4 come one after the other: those share out samples of lights.
 uvec2 olx_tile_texel(uint i, uint tile_side) {
   uint in_block = i % 16u, block = i / 16u, blocks = tile_side / 4u;

@@ -17,6 +17,14 @@ bool olx_probe_sees(uint probe, vec3 point, float slack, vec3 leaving) {
   vec2 uv = olx_octahedral_encode(offset);
   precise vec2 texel = floor(min(uv * n, vec2(n - 1.0)));
   ivec3 map = olx_map_origin(probe);
+  if (olx_geometry_in_blocks()) {
+    vec3 plane = olx_block_plane(map, ivec2(texel));
+    precise float behind = olx_plane_depth(plane, offset) - 1.0; // in distances of the plane from the probe
+    precise float reach = sqrt(olx_dot(offset, offset)) * sqrt(olx_texel_solid_angle_near(uv, olx_field.n)) *
+                          sqrt(olx_dot(plane, plane));
+    if (behind > slack * reach) return false;
+    return leaving == vec3(0.0) || behind <= -reach || !(olx_dot(plane, leaving) > 0.0);
+  }
   float distance = olx_texel_distance(map, ivec2(texel)), radius = sqrt(olx_dot(offset, offset));
   if (distance >= OLX_INFINITY) return true;
   precise float footprint = distance * sqrt(olx_texel_solid_angle_near(uv, olx_field.n));

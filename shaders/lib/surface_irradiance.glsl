@@ -110,11 +110,12 @@ olx_probe_view olx_view_from(olx_sample_settings settings, uint probe, vec3 posi
 // A texel, the border's among them.
 olx_seen_texel olx_see_texel(olx_probe_view v, ivec2 texel) {
   olx_seen_texel t;
-  float distance = olx_texel_distance(v.map, texel);
+  olx_texel_geometry seen = olx_texel_geometry_of(v.map, texel);
+  float distance = seen.distance;
   t.seen = distance < OLX_INFINITY;
   t.distance = t.seen ? distance : 0.0;
   vec3 centre = olx_texel_direction(uvec2(olx_border_source(texel, int(olx_field.n))), olx_field.n);
-  t.normal = olx_texel_normal(v.map, texel);
+  t.normal = seen.normal;
   t.facing = -olx_dot(t.normal, centre);
   precise vec3 beyond = v.offset - centre * t.distance;
   t.step = beyond;

@@ -41,20 +41,29 @@ vec3 olx_texel_indirect(ivec3 origin, ivec2 texel) {
   return texelFetch(olx_indirect_maps, olx_surface_at(origin, texel), 0).rgb;
 }
 
+// What a tile of emission holds for a texel, none of the border: RGB9E5; 0 where nothing emits.
+uint olx_texel_emission_code(uint probe, ivec2 texel) {
+  uvec2 at = uvec2(texel), tile = at / OLX_EMISSION_TILE, inside = at % OLX_EMISSION_TILE;
+  uint side = olx_field.tile_side;
+  uint entry = olx_words[olx_field.emission_first + side * side * probe + tile.y * side + tile.x];
+  uint first = olx_field.tiles_first + (entry - 1u) * OLX_EMISSION_TILE * OLX_EMISSION_TILE, code = 0u;
+  // A damaged file may name what there is not.
+  if (entry != 0u && entry <= olx_field.tile_count) code = olx_words[first + inside.y * OLX_EMISSION_TILE + inside.x];
+  return code;
+}
+
+// Whether the texel, none of the border, sees an emitter. The sky is none.
+bool olx_texel_emits(uint probe, ivec2 texel) {
+  ivec3 origin = olx_map_origin(probe);
+  if (!olx_geometry_in_blocks()) return (olx_texel_distance_bits(origin, texel) & 0x8000u) != 0u;
+  return olx_texel_emission_code(probe, texel) != 0u && !olx_texel_is_sky(origin, texel);
+}
+
 // Radiance in W/(sr m^2) that an emitter sends towards the probe, or that of the sky; 0 for a surface that does not emit.
 // The texel is none of the border.
 vec3 olx_texel_emission(uint probe, ivec2 texel) {
-  vec3 emission = vec3(0.0);
-  if (olx_texel_distance_bits(olx_map_origin(probe), texel) >= 0x7C00u) {
-    uvec2 at = uvec2(texel), tile = at / OLX_EMISSION_TILE, inside = at % OLX_EMISSION_TILE;
-    uint side = olx_field.tile_side;
-    uint entry = olx_words[olx_field.emission_first + side * side * probe + tile.y * side + tile.x];
-    uint first = olx_field.tiles_first + (entry - 1u) * OLX_EMISSION_TILE * OLX_EMISSION_TILE;
-    if (entry != 0u && entry <= olx_field.tile_count) { // a damaged file may name what there is not
-      emission = olx_rgb9e5_unpack(olx_words[first + inside.y * OLX_EMISSION_TILE + inside.x]);
-    }
-  }
-  return emission;
+  bool may = olx_geometry_in_blocks() || olx_texel_distance_bits(olx_map_origin(probe), texel) >= 0x7C00u;
+  return may ? olx_rgb9e5_unpack(olx_texel_emission_code(probe, texel)) : vec3(0.0);
 }
 
 #endif

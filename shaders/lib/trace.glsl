@@ -220,7 +220,7 @@ olx_trace_hit olx_unknown_hit(uint status, float distance_metres) {
 // Light that the hit's texel holds.
 void olx_read_light(olx_search s, inout olx_trace_hit hit) {
   ivec3 map = olx_map_origin(hit.probe);
-  hit.emitter = olx_texel_emits(map, hit.texel);
+  hit.emitter = olx_texel_emits(hit.probe, hit.texel);
   if (hit.emitter) hit.emission = olx_texel_emission(hit.probe, hit.texel);
   bool stored = s.settings.hits != OLX_HITS_SHADED;
   if (stored && !hit.emitter) hit.radiance = olx_texel_radiance(map, hit.texel);
@@ -244,9 +244,10 @@ olx_trace_hit olx_describe(olx_search s, float t_max) {
     ivec3 map = olx_map_origin(s.answered);
     hit.texel = answer.texel;
     olx_read_light(s, hit);
-    hit.normal = olx_texel_normal(map, answer.texel);
+    olx_texel_geometry seen = olx_texel_geometry_of(map, answer.texel);
+    hit.normal = seen.normal;
     vec2 uv = olx_octahedral_encode(hit.position - olx_probe_position(s.answered));
-    hit.footprint_metres = olx_texel_distance(map, answer.texel) * sqrt(olx_texel_solid_angle_near(uv, olx_field.n));
+    hit.footprint_metres = seen.distance * sqrt(olx_texel_solid_angle_near(uv, olx_field.n));
   } else if (s.t_max < t_max) { // else it ends in free space
     hit.distance_metres = OLX_INFINITY;
     hit.emitter = true;

@@ -30,8 +30,7 @@ void main() {
   uvec2 texel = tile.first + olx_tile_texel(thread % texels_a_tile(), relight.tile_side);
   uint site = site_of(tile.probe, texel);
   vec3 light = vec3(0.0); // of the sky, too
-  if (site != OLX_RELIGHT_NO_SITE &&
-      olx_surface_distance(olx_texel_distance_bits(olx_map_origin(tile.probe), ivec2(texel)))) {
+  if (site != OLX_RELIGHT_NO_SITE && !olx_texel_is_sky(olx_map_origin(tile.probe), ivec2(texel))) {
     light = told(site, texel);
   }
   write_texel(relight.tile_indirect, slot, texel, olx_rgb9e5_pack(light));

@@ -9,8 +9,9 @@ const uint SALT_TEXEL = 0x5445584Cu;
 // Texel i of a tile. Random numbers are stratified over sixteen neighbours.
 lit_place texel_place(relight_tile tile, uvec2 texel, uint i) {
   ivec3 map = olx_map_origin(tile.probe);
-  float distance_metres = olx_texel_distance(map, ivec2(texel));
-  vec3 normal = olx_texel_normal(map, ivec2(texel));
+  olx_texel_geometry seen = olx_texel_geometry_of(map, ivec2(texel));
+  float distance_metres = seen.distance;
+  vec3 normal = seen.normal;
   vec3 place = olx_probe_position(tile.probe) + olx_texel_direction(texel, olx_field.n) * distance_metres;
   return lit_place(
       place + normal * (OLX_OFF_SURFACE * distance_metres), normal,
@@ -24,7 +25,7 @@ void main() {
   relight_tile tile = read_tile(slot);
   uvec2 texel = tile.first + olx_tile_texel(i, relight.tile_side);
   ivec3 map = olx_map_origin(tile.probe);
-  bool lit = olx_surface_distance(olx_texel_distance_bits(map, ivec2(texel)));
+  bool lit = !olx_texel_is_sky(map, ivec2(texel));
   vec3 found = vec3(0.0);
   if (lit) found = add_up(relight.tile_light + 3u * thread, light_place(texel_place(tile, texel, i)).irradiance);
   if (!ends()) return;

@@ -335,8 +335,9 @@ olx_result olx_bake_relight(olx_bake_run *b) {
 // What is written of a probe.
 typedef struct probe_maps {
   olx_surface_maps surfaces;
-  const uint32_t *radiance; // NULL without probe light
-  const uint16_t *normal, *distance;
+  const uint32_t *radiance;          // NULL without probe light
+  const uint16_t *normal, *distance; // of texels, where the field is not of blocks
+  olx_geometry_map geometry;         // else
   olx_relight_sites sites; // empty unless relighting is wanted
 } probe_maps;
 
@@ -345,10 +346,18 @@ typedef struct probe_stage {
   probe_maps made; // of the probe that was made last
 } probe_stage;
 
+static olx_result write_geometry(olx_bake_run *b, uint32_t probe, const probe_maps *maps) {
+  const uint8_t flags = b->flags[0][probe];
+  if (b->settings->uncompressed) {
+    return olx_field_writer_probe(b->writer, probe, flags, maps->radiance, maps->normal, maps->distance);
+  }
+  return olx_field_writer_probe_blocks(b->writer, probe, flags, maps->radiance, &maps->geometry);
+}
+
 static olx_result write_probe(olx_bake_run *b, uint32_t probe, const probe_maps *maps) {
   if (!b->writer) return OLX_OK;
   const double start = olx_seconds();
-  OLX_TRY(olx_field_writer_probe(b->writer, probe, b->flags[0][probe], maps->radiance, maps->normal, maps->distance));
+  OLX_TRY(write_geometry(b, probe, maps));
   OLX_TRY(olx_field_writer_surface(b->writer, probe, &maps->surfaces));
   b->stats.write_seconds += olx_seconds() - start;
   return b->settings->relight ? olx_relight_bake_probe(&b->relight, &maps->sites) : OLX_OK;
@@ -380,6 +389,7 @@ static olx_result make_probe(void *user, uint32_t probe) {
   s->made.radiance = b->surfaces.radiance;
   s->made.normal = b->capture.normal;
   s->made.distance = b->capture.distance;
+  s->made.geometry = b->surfaces.geometry.map;
   OLX_TRY(find_sites(b, &s->made.sites));
   OLX_TRY(measure_embree(b));
   return write_probe(b, probe, &s->made);
@@ -397,6 +407,32 @@ static map_shapes shapes_of(const olx_bake_run *b) {
   return (map_shapes){texels, texels / 16, sizeof(olx_bc1_block), sizeof(olx_bc5_block), sizeof(olx_bc6h_block)};
 }
 
+static void save_geometry(const olx_bake_run *b, const probe_maps *m, olx_byte_writer *to) {
+  const map_shapes shapes = shapes_of(b);
+  if (b->settings->uncompressed) {
+    olx_bytes_put(to, m->normal, shapes.texels, sizeof *m->normal);
+    olx_bytes_put(to, m->distance, shapes.texels, sizeof *m->distance);
+    return;
+  }
+  const olx_plane_pool *pool = &m->geometry.pool;
+  olx_bytes_put(to, m->geometry.blocks, shapes.count, sizeof *m->geometry.blocks);
+  olx_bytes_put(to, &pool->count, 1, sizeof pool->count);
+  if (pool->count) olx_bytes_put(to, pool->planes, pool->count, sizeof *pool->planes);
+}
+
+static void load_geometry(const olx_bake_run *b, olx_byte_reader *from, probe_maps *m) {
+  const map_shapes shapes = shapes_of(b);
+  if (b->settings->uncompressed) {
+    m->normal = olx_bytes_get(from, shapes.texels, sizeof *m->normal);
+    m->distance = olx_bytes_get(from, shapes.texels, sizeof *m->distance);
+    return;
+  }
+  olx_plane_pool *pool = &m->geometry.pool;
+  m->geometry.blocks = olx_bytes_get(from, shapes.count, sizeof *m->geometry.blocks);
+  olx_bytes_copy(from, &pool->count, 1, sizeof pool->count);
+  if (pool->count) pool->planes = olx_bytes_get(from, pool->count, sizeof *pool->planes);
+}
+
 static bool is_dark(const uint32_t *emission, size_t texels) {
   for (size_t i = 0; i < texels; i++) {
     if (emission[i]) return false;
@@ -411,8 +447,7 @@ static void save_probe(void *user, uint32_t probe, olx_byte_writer *to) {
   const map_shapes shapes = shapes_of(s->run);
   const uint32_t emits = !is_dark(m->surfaces.emission, shapes.texels);
   olx_bytes_put(to, &emits, 1, sizeof emits);
-  olx_bytes_put(to, m->normal, shapes.texels, sizeof *m->normal);
-  olx_bytes_put(to, m->distance, shapes.texels, sizeof *m->distance);
+  save_geometry(s->run, m, to);
   olx_bytes_put(to, m->surfaces.base, shapes.count, shapes.base_bytes);
   olx_bytes_put(to, m->surfaces.specular, shapes.count, shapes.specular_bytes);
   olx_bytes_put(to, m->surfaces.direct, shapes.count, shapes.light_bytes);
@@ -426,8 +461,7 @@ static olx_result load_maps(const olx_bake_run *b, olx_byte_reader *from, uint32
   const map_shapes shapes = shapes_of(b);
   uint32_t emits = 0;
   olx_bytes_copy(from, &emits, 1, sizeof emits);
-  m->normal = olx_bytes_get(from, shapes.texels, sizeof *m->normal);
-  m->distance = olx_bytes_get(from, shapes.texels, sizeof *m->distance);
+  load_geometry(b, from, m);
   m->surfaces.base = olx_bytes_get(from, shapes.count, shapes.base_bytes);
   m->surfaces.specular = olx_bytes_get(from, shapes.count, shapes.specular_bytes);
   m->surfaces.direct = olx_bytes_get(from, shapes.count, shapes.light_bytes);

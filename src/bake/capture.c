@@ -18,6 +18,13 @@ static olx_vec3 facing_normal(const olx_scene *scene, uint32_t triangle, olx_vec
   return olx_dot(n, direction) > 0.0f ? olx_negate(n) : n;
 }
 
+olx_geometry_texel olx_capture_geometry(const void *capture, uint32_t x, uint32_t y) {
+  const olx_capture *c = capture;
+  const olx_ray_hit *hit = &c->hits[(size_t)y * c->size + x];
+  if (hit->triangle == OLX_NO_HIT) return (olx_geometry_texel){.distance = INFINITY};
+  return (olx_geometry_texel){hit->t, facing_normal(c->scene, hit->triangle, olx_texel_direction(x, y, c->size))};
+}
+
 static bool emits_towards(const olx_scene *scene, const olx_ray_hit *hit, olx_vec3 direction) {
   if (!olx_triangle_may_emit(scene, hit->triangle)) return false;
   return olx_max3(olx_surface_at(scene, hit, direction).emission) > 0.0f;

@@ -2,6 +2,7 @@
 #ifndef OLX_BAKE_CAPTURE_H
 #define OLX_BAKE_CAPTURE_H
 
+#include "block/geometry_encode.h"
 #include "core/parallel.h"
 #include "scene/surface.h"
 
@@ -35,6 +36,9 @@ void olx_capture_free(olx_capture *capture);
 uint64_t olx_capture_units(const olx_capture *capture);
 
 olx_result olx_capture_probe(olx_capture *capture, uint32_t probe, olx_vec3 position);
+
+// The exact surface that the ray through a texel's middle met; `capture` is an olx_capture.
+olx_geometry_texel olx_capture_geometry(const void *capture, uint32_t x, uint32_t y);
 
 // Casts rays through the samples^2 parts of each of OLX_CAPTURE_CHUNK texels of row `y` from column `x` on, one texel's after
 // another's. Returns how many they are.

@@ -88,8 +88,7 @@ static void add_sample(const olx_surface_capture *c, const texel_samples *t, uin
   const uint32_t seed = olx_hash3(c->capture->probe, texel_index(c, t), SALT_LOBE) ^ c->seed;
   const olx_lobe_source source = {c->capture->scene, c->light, c->capture->bounces};
   olx_sampler sampler = {.seed = seed, .index = k};
-  sums->mirrored =
-      olx_add(sums->mirrored, olx_texel_mirrored(&source, surface, t->rays[k].direction, &sampler, rays));
+  sums->mirrored = olx_add(sums->mirrored, olx_texel_mirrored(&source, surface, t->rays[k].direction, &sampler, rays));
 }
 
 // Light that has 1 to bounces + 1 surfaces between emitter and texel.
@@ -99,8 +98,7 @@ static olx_vec3 indirect_light(const olx_surface_capture *c, const texel_samples
   const uint32_t texel = texel_index(c, t);
   if (c->light) return c->irradiance[texel];
   const uint32_t seed = olx_hash3(capture->probe, texel, SALT_PATHS) ^ c->seed;
-  return olx_path_surface_irradiance(capture->scene, surface, capture->bounces + 1, c->reference_paths, seed,
-                                     rays);
+  return olx_path_surface_irradiance(capture->scene, surface, capture->bounces + 1, c->reference_paths, seed, rays);
 }
 
 // Emission of the samples that emit, as the texel's middle does: a surface beside a lamp holds no share of it.
@@ -215,7 +213,8 @@ olx_result olx_surface_capture_probe(olx_surface_capture *c, bool buried, olx_su
   if (!c->compressed) return OLX_OK;
   const olx_surface_texels texels = {c->base, c->specular, c->direct, c->indirect, capture->distance};
   *maps = (olx_surface_maps){c->blocks.base, c->blocks.specular, c->blocks.direct, c->blocks.indirect, c->emission};
-  return olx_surface_encode(&texels, rows, capture->threads, &c->blocks);
+  OLX_TRY(olx_surface_encode(&texels, rows, capture->threads, &c->blocks));
+  return olx_geometry_maker_encode(&c->geometry, rows, capture->threads, olx_capture_geometry, capture);
 }
 
 uint64_t olx_surface_capture_bytes(const olx_surface_capture *c, bool solved) {
@@ -223,7 +222,8 @@ uint64_t olx_surface_capture_bytes(const olx_surface_capture *c, bool solved) {
   const uint64_t texel = sizeof *c->base + sizeof *c->direct + sizeof *c->indirect + sizeof *c->emission +
                          sizeof *c->specular + (c->has_radiance ? sizeof *c->radiance : 0) +
                          (solved ? sizeof *c->irradiance : 0);
-  return (uint64_t)size * size * texel + (c->compressed ? olx_surface_blocks_bytes(size) : 0);
+  return (uint64_t)size * size * texel +
+         (c->compressed ? olx_surface_blocks_bytes(size) + olx_geometry_maker_bytes(size) : 0);
 }
 
 olx_result olx_surface_capture_create(olx_surface_capture *c) {
@@ -237,7 +237,9 @@ olx_result olx_surface_capture_create(olx_surface_capture *c) {
   c->specular = olx_allocate(texels, sizeof *c->specular);
   const bool complete = c->base && c->direct && c->indirect && c->emission && c->specular && c->irradiance;
   if (complete && (c->radiance || !c->has_radiance)) {
-    return c->compressed ? olx_surface_blocks_create(c->capture->size, &c->blocks) : OLX_OK;
+    if (!c->compressed) return OLX_OK;
+    OLX_TRY(olx_surface_blocks_create(c->capture->size, &c->blocks));
+    return olx_geometry_maker_create(c->capture->size, &c->geometry);
   }
   return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for surfaces of %u x %u texels", c->capture->size,
                   c->capture->size);
@@ -252,6 +254,7 @@ void olx_surface_capture_free(olx_surface_capture *c) {
   olx_release(c->irradiance);
   olx_release(c->specular);
   olx_surface_blocks_free(&c->blocks);
+  olx_geometry_maker_free(&c->geometry);
   c->base = c->direct = c->indirect = c->emission = c->radiance = NULL;
   c->specular = NULL;
   c->irradiance = NULL;

@@ -5,6 +5,7 @@
 
 #include "bake/capture.h"
 #include "field/field_writer.h"
+#include "field/geometry_map_encode.h"
 #include "field/surface_encode.h"
 #include "light/scene_light.h"
 
@@ -22,8 +23,9 @@ typedef struct olx_surface_capture {
   float last_bounce;            // share of that light that is one bounce more than radiance holds
   uint32_t *base, *direct, *indirect, *emission, *radiance; // `radiance` is NULL where it is not wanted
   uint16_t *specular;
-  olx_surface_blocks blocks; // made from them, where they are wanted
-  atomic_uint_fast64_t rays; // cast so far
+  olx_surface_blocks blocks;   // made from them, where they are wanted
+  olx_geometry_maker geometry; // the same for what `capture` holds of geometry
+  atomic_uint_fast64_t rays;   // cast so far
 } olx_surface_capture;
 
 // The fields up to `compressed` are the caller's to fill.

@@ -3,9 +3,8 @@
 #define OLX_BAKE_TEXEL_BLOCKS_H
 
 #include "bake/capture.h"
+#include "block/geometry_block.h"
 #include "scene/surface.h"
-
-enum { OLX_BLOCK_SIDE = 4, OLX_BLOCK_TEXELS = OLX_BLOCK_SIDE * OLX_BLOCK_SIDE };
 
 // Of a map's texels, rows one after the other, the i-th of a block.
 static inline uint32_t olx_block_texel(const olx_capture *capture, uint32_t block, uint32_t i) {

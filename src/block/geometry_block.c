@@ -3,7 +3,7 @@
 #include "block/geometry_block.h"
 
 // Rounding of m . q, in units of |m|_1.
-static const float ROUNDING = 0x1p-22f;
+static const float ROUNDING = 0x1p-20f;
 
 static void include(olx_block_bounds *bounds, olx_vec3 plane, olx_vec2 uv) {
   const float inverse = olx_dot(plane, olx_octahedral_point(uv));
@@ -36,6 +36,10 @@ olx_block_bounds olx_geometry_bounds(const olx_geometry_block *block, const olx_
   return bounds;
 }
 
+uint32_t olx_geometry_nearest_code(const olx_geometry_block *block, const olx_plane_pool *pool, olx_block_place place) {
+  return (olx_float_bits(olx_geometry_bounds(block, pool, place).greatest) + 1) >> 1 & 0x3FFFFFFFu;
+}
+
 // Neither infinite nor a number that devices may take for 0.
 static bool is_plain(uint32_t word) {
   const uint32_t exponent = word >> 23 & 255u;
@@ -48,7 +52,6 @@ static const char *check_one(const uint32_t *w) {
 }
 
 static const char *check_pooled(const olx_geometry_block *block, uint32_t pool_count) {
-  if (block->words[3] != OLX_GEOMETRY_POOL << 30) return "reserved bits";
   for (uint32_t i = 0; i < OLX_BLOCK_TEXELS; i++) {
     const uint32_t first = block->words[0], at = olx_geometry_pooled(block, i);
     if (at < first || at >= pool_count) return "a plane that is not in the pool";

@@ -296,7 +296,7 @@ static olx_geometry_block two_planes(const solution *s) {
                                second.words[1] | mask >> 8 << 22 | OLX_GEOMETRY_TWO << 30}};
 }
 
-static void pool_planes(const solution *s, bool sky, olx_geometry_code *code) {
+static void pool_planes(const solution *s, bool sky, olx_block_place place, olx_geometry_code *code) {
   memcpy(code->planes, s->codes, s->count * sizeof *s->codes);
   code->pooled = s->count + sky;
   if (sky) code->planes[s->count] = (olx_plane_code){{0, 0}};
@@ -305,6 +305,8 @@ static void pool_planes(const solution *s, bool sky, olx_geometry_code *code) {
     const uint32_t number = s->of[i] == SKY ? s->count : s->of[i];
     code->block.words[1 + i / 8] |= number << 4 * (i % 8);
   }
+  const olx_plane_pool pool = {code->planes, code->pooled};
+  code->block.words[3] |= olx_geometry_nearest_code(&code->block, &pool, place);
 }
 
 olx_geometry_code olx_geometry_encode(const olx_geometry_texel texels[OLX_BLOCK_TEXELS], olx_block_place place,
@@ -324,6 +326,6 @@ olx_geometry_code olx_geometry_encode(const olx_geometry_texel texels[OLX_BLOCK_
   find_planes(&s, &v);
   if (s.count == 1 && !sky) code.block = one_plane(s.planes[0]);
   else if (s.count + sky <= 2) code.block = two_planes(&s);
-  else pool_planes(&s, sky, &code);
+  else pool_planes(&s, sky, place, &code);
   return code;
 }

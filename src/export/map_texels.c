@@ -22,8 +22,8 @@ static olx_vec3 read_distance(const olx_field *f, const texel_place *p) {
   return single(olx_texel_distance(f, p->probe, p->index));
 }
 static olx_vec3 read_emitter(const olx_field *f, const texel_place *p) {
-  const uint16_t code = f->distance[f->texels * p->probe + p->index];
-  return single(code >= 0x7C00u ? 1.0f : 0.0f); // the sky, or the mark of an emitter
+  const bool shines = olx_texel_emits(f, p->probe, p->index) || olx_texel_is_sky(f, p->probe, p->index);
+  return single(shines ? 1.0f : 0.0f);
 }
 static olx_vec3 read_normal(const olx_field *f, const texel_place *p) {
   return olx_texel_normal(f, p->probe, p->index);

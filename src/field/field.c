@@ -48,22 +48,23 @@ static olx_result refuse_unknown(const olx_chunk_file *file, const olx_field_inf
   return olx_chunk_refuse_unknown(file, required, count);
 }
 
-// Probe light in a field whose description has no irradiance probes.
-static olx_result refuse_probe_light(const olx_chunk_file *file, uint32_t type) {
+// Probe light in a field whose description has no irradiance probes, or normals beside geometry blocks.
+static olx_result refuse_undescribed(const olx_chunk_file *file, olx_chunk_kind kind, uint32_t type) {
   const olx_file_chunk *chunk;
   OLX_TRY(olx_chunk_find_any(file, type, &chunk));
   if (!chunk) return OLX_OK;
-  return olx_fail(OLX_ERROR_FORMAT, "%s: a chunk %s, but the description has no irradiance probes", file->name,
-                  olx_chunk_type_name(type).text);
+  return olx_fail(OLX_ERROR_FORMAT, "%s: a chunk %s, but the description has %s", file->name,
+                  olx_chunk_type_name(type).text,
+                  kind == OLX_CHUNK_NORMAL ? "geometry in blocks" : "no irradiance probes");
 }
 
-// The chunks whose sizes follow from the description; NULL for those of probe light in a field without.
+// The chunks whose sizes follow from the description; NULL for those that it does not ask for.
 static olx_result find_described(const olx_chunk_file *file, const olx_field_info *info,
                                  const olx_chunk_shape shapes[OLX_CHUNK_KINDS], const void *data[OLX_CHUNK_KINDS]) {
   for (uint32_t k = 0; k < OLX_CHUNK_LIGHTS; k++) {
     data[k] = NULL;
     OLX_TRY(olx_chunk_is_required(info, k) ? olx_chunk_find_shaped(file, &shapes[k], &data[k])
-                                           : refuse_probe_light(file, shapes[k].type));
+                                           : refuse_undescribed(file, k, shapes[k].type));
   }
   return OLX_OK;
 }
@@ -80,8 +81,9 @@ static olx_result find_chunks(olx_field *field) {
   olx_field_info *info = &field->info;
   info->file_bytes = field->size_bytes;
   info->radiance_bytes = shapes[OLX_CHUNK_RADIANCE].size_bytes;
-  info->normal_bytes = shapes[OLX_CHUNK_NORMAL].size_bytes;
-  info->distance_bytes = shapes[OLX_CHUNK_DISTANCE].size_bytes;
+  info->normal_bytes = info->geometry_blocks ? 0 : shapes[OLX_CHUNK_NORMAL].size_bytes;
+  if (info->geometry_blocks) info->geometry_bytes = shapes[OLX_CHUNK_DISTANCE].size_bytes;
+  else info->distance_bytes = shapes[OLX_CHUNK_DISTANCE].size_bytes;
   info->pyramid_bytes = shapes[OLX_CHUNK_LEAST].size_bytes + shapes[OLX_CHUNK_GREATEST].size_bytes;
   info->irradiance_bytes = shapes[OLX_CHUNK_IRRADIANCE].size_bytes;
   info->moments_bytes = shapes[OLX_CHUNK_MOMENTS].size_bytes;
@@ -94,8 +96,9 @@ static olx_result find_chunks(olx_field *field) {
   field->texels = (size_t)field->stride * field->stride;
   field->radiance = data[OLX_CHUNK_RADIANCE];
   field->normal = data[OLX_CHUNK_NORMAL];
-  field->distance = data[OLX_CHUNK_DISTANCE];
-  field->pyramid = olx_pyramid_shape_of(field->n);
+  if (info->geometry_blocks) field->geometry = data[OLX_CHUNK_DISTANCE];
+  else field->distance = data[OLX_CHUNK_DISTANCE];
+  field->pyramid = olx_pyramid_shape_of(field->n, info->geometry_blocks);
   field->least = data[OLX_CHUNK_LEAST];
   field->greatest = data[OLX_CHUNK_GREATEST];
   field->irradiance_n = info->irradiance_size;

@@ -2,6 +2,7 @@
 #ifndef OLX_FIELD_FIELD_DATA_H
 #define OLX_FIELD_FIELD_DATA_H
 
+#include "block/geometry_block.h"
 #include "core/pack.h"
 #include "field/pyramid.h"
 
@@ -35,8 +36,11 @@ struct olx_field {
   uint32_t n, stride;       // radiance_size and n + 2
   size_t texels;            // a light field map: stride * stride
   const uint32_t *radiance; // R11G11B10F, `texels` a probe; NULL without probe light, as is all of irradiance probes
+  // The geometry of light field maps as texels, or as blocks, (n / 4)^2 a probe without border; NULL what it is not.
   const uint16_t *normal;   // olx_normal_pack, the surface's normal on the probe's side
   const uint16_t *distance; // half
+  const olx_geometry_block *geometry;
+  olx_plane_pool planes; // of all probes
   olx_field_surfaces surfaces;
   bool relit; // surfaces and volume hold the light of other lights than the bake's; `radiance` and `irradiance` that of the bake
 

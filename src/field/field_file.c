@@ -10,12 +10,21 @@ static olx_chunk_row surface_row(const olx_field_info *info, uint32_t texel_type
                           : (olx_chunk_row){texel_type, texel_bytes, stride * stride, info->probe_count};
 }
 
+// Distances of texels, or blocks in their place.
+static olx_chunk_row geometry_row(const olx_field_info *info) {
+  const uint64_t stride = info->radiance_size + 2, side = info->radiance_size / OLX_BLOCK_SIDE;
+  return info->geometry_blocks ? (olx_chunk_row){OLX_FOUR_CC('G', 'E', 'O', 'M'), sizeof(olx_geometry_block),
+                                                 side * side, info->probe_count}
+                               : (olx_chunk_row){OLX_FOUR_CC('D', 'I', 'S', 'T'), 2, stride * stride,
+                                                 info->probe_count};
+}
+
 void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHUNK_KINDS]) {
   const uint64_t side = info->radiance_size + 2, texels = side * side;
   const uint32_t radiance_maps = olx_chunk_is_required(info, OLX_CHUNK_RADIANCE) ? info->probe_count : 0;
   const uint64_t irradiance_side = info->irradiance_size + 2, irradiance_texels = irradiance_side * irradiance_side;
   const uint32_t bands = olx_irradiance_bands(info->irradiance_form);
-  const olx_pyramid_shape pyramid = olx_pyramid_shape_of(info->radiance_size);
+  const olx_pyramid_shape pyramid = olx_pyramid_shape_of(info->radiance_size, info->geometry_blocks);
   const uint32_t classic = info->classic_size, classic_probes = classic ? info->irradiance_probe_count : 0;
   const uint64_t classic_side = classic + 2;
   const uint64_t tiles =
@@ -26,7 +35,7 @@ void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHU
       [OLX_CHUNK_PROBE_FLAGS] = {OLX_FOUR_CC('P', 'F', 'L', 'G'), 1, 1, info->probe_count},
       [OLX_CHUNK_RADIANCE] = {OLX_FOUR_CC('R', 'A', 'D', 'I'), 4, texels, radiance_maps},
       [OLX_CHUNK_NORMAL] = {OLX_FOUR_CC('N', 'O', 'R', 'M'), 2, texels, info->probe_count},
-      [OLX_CHUNK_DISTANCE] = {OLX_FOUR_CC('D', 'I', 'S', 'T'), 2, texels, info->probe_count},
+      [OLX_CHUNK_DISTANCE] = geometry_row(info),
       [OLX_CHUNK_LEAST] = {OLX_FOUR_CC('D', 'M', 'I', 'N'), 2, pyramid.least_nodes, info->probe_count},
       [OLX_CHUNK_GREATEST] = {OLX_FOUR_CC('D', 'M', 'A', 'X'), 2, pyramid.greatest_nodes, info->probe_count},
       [OLX_CHUNK_IRRADIANCE_POSITIONS] = {OLX_FOUR_CC('I', 'P', 'O', 'S'), 4, 3, info->irradiance_probe_count},
@@ -55,6 +64,7 @@ void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHU
       [OLX_CHUNK_VOLUME_IRRADIANCE] = {OLX_FOUR_CC('V', 'I', 'R', 'R'), 2, OLX_VOLUME_HALVES, info->volume_probe_count},
       [OLX_CHUNK_ORIGIN] = OLX_CHUNK_ORIGIN_ROW,
       [OLX_CHUNK_EMISSION_TILES] = {OLX_FOUR_CC('E', 'T', 'I', 'L'), 4, OLX_EMISSION_TILE_TEXELS, 0},
+      [OLX_CHUNK_PLANES] = {OLX_FOUR_CC('P', 'L', 'A', 'N'), sizeof(olx_plane_code), 1, 0},
       [OLX_CHUNK_RELIGHT] = {OLX_FOUR_CC('R', 'L', 'I', 'T'), 1, 0, 1},
   };
   for (uint32_t i = 0; i < OLX_CHUNK_KINDS; i++) shapes[i] = olx_chunk_shape_of(&table[i]);
@@ -89,7 +99,8 @@ olx_file_info olx_field_info_store(const olx_field_info *info) {
                           .irradiance_grid = store_grid(&info->irradiance_grid),
                           .scene_hash = info->scene_hash,
                           .last_bounce = info->last_bounce,
-                          .compressed = info->compressed};
+                          .form = (info->compressed ? OLX_FORM_SURFACES : 0u) |
+                                  (info->geometry_blocks ? OLX_FORM_GEOMETRY : 0u)};
   if (info->has_grid) stored.grid = store_grid(&info->grid);
   olx_store3(stored.scene_min, info->scene_min);
   olx_store3(stored.scene_max, info->scene_max);
@@ -115,7 +126,8 @@ olx_field_info olx_field_info_load(const olx_file_info *stored) {
                           .samples = stored->samples,
                           .scene_hash = stored->scene_hash,
                           .last_bounce = stored->last_bounce,
-                          .compressed = stored->compressed != 0};
+                          .compressed = (stored->form & OLX_FORM_SURFACES) != 0,
+                          .geometry_blocks = (stored->form & OLX_FORM_GEOMETRY) != 0};
 }
 
 static bool is_power_of_two_in(uint32_t size, uint32_t low, uint32_t high) {
@@ -236,7 +248,7 @@ olx_result olx_field_info_read(const olx_chunk_file *file, olx_field_info *info)
   // What the description holds must be what a writer makes of it: flags 0 or 1, what there is not 0.
   const olx_file_info again = olx_field_info_store(info);
   if (memcmp(&again, stored, sizeof again) == 0) return OLX_OK;
-  return olx_fail(OLX_ERROR_FORMAT, "%s: chunk INFO: a flag that is not 0 or 1, or an absent grid that is not 0",
+  return olx_fail(OLX_ERROR_FORMAT, "%s: chunk INFO: a flag that is not 0 or 1, an unknown form, or an absent grid that is not 0",
                   file->name);
 }
 
@@ -282,6 +294,7 @@ bool olx_chunk_is_on_device(olx_chunk_kind kind) {
   case OLX_CHUNK_LIGHTS:
   case OLX_CHUNK_VOLUME:
   case OLX_CHUNK_VOLUME_IRRADIANCE:
+  case OLX_CHUNK_PLANES:
   case OLX_CHUNK_EMISSION_TILES: return true;
   default: return false;
   }

@@ -23,6 +23,9 @@ enum {
 #define OLX_FIELD_MAX_LENGTH 1e18f
 #define OLX_FIELD_MIN_SCALE 1e-18f
 
+// What lies in blocks: bits of olx_file_info.form.
+enum { OLX_FORM_SURFACES = 1, OLX_FORM_GEOMETRY = 2 };
+
 typedef struct olx_file_grid {
   float origin[3], spacing[3];
   uint32_t count[3];
@@ -41,13 +44,13 @@ typedef struct olx_file_info {
   olx_file_grid grid, irradiance_grid;
   uint64_t scene_hash;
   float last_bounce; // share of indirect light at texels that has bounces + 1 surfaces on its way
-  uint32_t compressed;
+  uint32_t form; // OLX_FORM_*
 } olx_file_info;
 
 _Static_assert(sizeof(olx_file_info) == 160 && offsetof(olx_file_info, scene_min) == 48 &&
                    offsetof(olx_file_info, grid) == 72 && offsetof(olx_file_info, irradiance_grid) == 108 &&
                    offsetof(olx_file_info, scene_hash) == 144 && offsetof(olx_file_info, last_bounce) == 152 &&
-                   offsetof(olx_file_info, compressed) == 156,
+                   offsetof(olx_file_info, form) == 156,
                "docs/format.md");
 _Static_assert(sizeof(olx_vec3) == 12, "positions are read in place");
 
@@ -57,8 +60,8 @@ typedef enum olx_chunk_kind {
   OLX_CHUNK_PROBE_POSITIONS,
   OLX_CHUNK_PROBE_FLAGS,
   OLX_CHUNK_RADIANCE,
-  OLX_CHUNK_NORMAL,
-  OLX_CHUNK_DISTANCE,
+  OLX_CHUNK_NORMAL,   // of texels alone
+  OLX_CHUNK_DISTANCE, // or geometry blocks
   OLX_CHUNK_LEAST,
   OLX_CHUNK_GREATEST,
   OLX_CHUNK_IRRADIANCE_POSITIONS,
@@ -87,9 +90,10 @@ typedef enum olx_chunk_kind {
   OLX_CHUNK_VOLUME_POSITIONS,
   OLX_CHUNK_VOLUME_IRRADIANCE,
   OLX_CHUNK_ORIGIN, // where the origin is not 0
-  // Last in the file are those whose sizes a writer knows when all probes are written: emission, which is required, and what
-  // relighting needs.
+  // Last in the file are those whose sizes a writer knows when all probes are written: emission, which is required, the planes
+  // that geometry blocks name, and what relighting needs.
   OLX_CHUNK_EMISSION_TILES,
+  OLX_CHUNK_PLANES,
   OLX_CHUNK_RELIGHT,
   OLX_CHUNK_KINDS
 } olx_chunk_kind;
@@ -102,6 +106,8 @@ static inline bool olx_chunk_is_probe_light(olx_chunk_kind kind) {
 // Whether the chunk is there because of the description alone, and not flagged optional.
 static inline bool olx_chunk_is_required(const olx_field_info *info, olx_chunk_kind kind) {
   if (olx_chunk_is_probe_light(kind)) return info->irradiance_probe_count > 0;
+  if (kind == OLX_CHUNK_NORMAL) return !info->geometry_blocks;
+  if (kind == OLX_CHUNK_PLANES) return info->geometry_blocks;
   return kind < OLX_CHUNK_REQUIRED || kind == OLX_CHUNK_EMISSION_TILES;
 }
 
@@ -112,7 +118,7 @@ static inline olx_chunk_kind olx_select_chunk(olx_select select) {
 
 // What each chunk must be, given the description of the field. Those of selectors are single records of any size: 0 bytes
 // here; so are classic maps where there are none. The description does not say how many lights and tiles of emission there
-// are, nor what relighting needs: the sizes of these chunks are 0 here.
+// are, how many planes, nor what relighting needs: the sizes of these chunks are 0 here.
 void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHUNK_KINDS]);
 
 // Whether a Vulkan device holds a chunk of that kind as it is (src/vulkan/gpu_field.c).

@@ -1,6 +1,8 @@
+#include "core/hooks.h"
 #include "core/parallel.h"
 #include "core/result.h"
 #include "field/field_file.h"
+#include "field/geometry_map.h"
 #include "field/selector_data.h"
 
 #include <assert.h>
@@ -83,23 +85,72 @@ static olx_result fail_at_node(const olx_field *field, const char *what, uint32_
                   what, probe, level, x, y, code, expected);
 }
 
-static olx_result check_pyramid_level(const olx_field *field, uint32_t probe, uint32_t level) {
+static olx_result check_pyramid_level(const olx_field *field, const olx_pyramid_base *base, uint32_t probe,
+                                      uint32_t level) {
   const olx_pyramid_shape *shape = &field->pyramid;
-  const uint16_t *inside = field->distance + field->texels * probe + field->stride + 1;
   const uint16_t *least = field->least + (size_t)shape->least_nodes * probe,
                  *greatest = field->greatest + (size_t)shape->greatest_nodes * probe;
   const uint32_t side = shape->side[level];
   for (uint32_t y = 0; y < side; y++) {
     for (uint32_t x = 0; x < side; x++) {
       const uint32_t at = shape->first[level] + olx_pyramid_index(side, x, y);
-      const uint16_t smallest = olx_pyramid_least(shape, inside, field->stride, least, level, x, y);
+      const uint16_t smallest = olx_pyramid_least(shape, base, least, level, x, y);
       if (least[at] != smallest) return fail_at_node(field, "least", probe, level, x, y, least[at], smallest);
       if (level < shape->greatest_level) continue;
-      const uint16_t largest = olx_pyramid_greatest(shape, inside, field->stride, greatest, level, x, y);
+      const uint16_t largest = olx_pyramid_greatest(shape, base, greatest, level, x, y);
       if (greatest[at] != largest) return fail_at_node(field, "greatest", probe, level, x, y, greatest[at], largest);
     }
   }
   return OLX_OK;
+}
+
+static olx_result check_pyramid(const olx_field *field, const olx_pyramid_base *base, uint32_t probe) {
+  for (uint32_t level = field->pyramid.least_level; level < field->pyramid.levels; level++) {
+    OLX_TRY(check_pyramid_level(field, base, probe, level));
+  }
+  return OLX_OK;
+}
+
+static olx_result check_texels(const olx_field *field, uint32_t probe) {
+  const size_t texels = field->texels;
+  const uint16_t *normal = field->normal + texels * probe, *distance = field->distance + texels * probe;
+  size_t bad = first_bad_normal(normal, texels);
+  if (bad < texels) return fail_at(field, "normal", probe, bad, field->stride, normal[bad], "a coordinate beyond 254");
+  bad = first_bad_distance(distance, texels);
+  if (bad < texels) {
+    return fail_at(field, "distance", probe, bad, field->stride, distance[bad], "NaN or a marked sky");
+  }
+  OLX_TRY(check_border(field, "normal", probe, normal, field->n, 2));
+  OLX_TRY(check_border(field, "distance", probe, distance, field->n, 2));
+  const olx_pyramid_base base = olx_pyramid_over_texels(distance + field->stride + 1, field->stride);
+  return check_pyramid(field, &base, probe);
+}
+
+static olx_result check_block_pyramid(const olx_field *field, uint32_t probe, size_t count) {
+  const olx_geometry_map map = {field->geometry + count * probe, field->planes};
+  uint16_t *least = olx_allocate(2 * count, sizeof *least);
+  if (!least) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory for a pyramid", field->name);
+  const olx_pyramid_base base = olx_pyramid_over_blocks(&map, field->n, field->distance_scale, least, least + count);
+  const olx_result result = check_pyramid(field, &base, probe);
+  olx_release(least);
+  return result;
+}
+
+static olx_result check_geometry(const olx_field *field, uint32_t probe) {
+  const uint32_t side = field->n / OLX_BLOCK_SIDE, count = side * side;
+  for (uint32_t i = 0; i < count; i++) {
+    const olx_geometry_block *block = &field->geometry[(size_t)count * probe + i];
+    const olx_block_place place = {field->n, i % side, i / side};
+    const char *problem = olx_geometry_check(block, field->planes.count);
+    if (!problem && block->words[3] >> 30 == OLX_GEOMETRY_POOL &&
+        (block->words[3] & 0x3FFFFFFFu) != olx_geometry_nearest_code(block, &field->planes, place)) {
+      problem = "planes that come nearer or less near than it says";
+    }
+    if (!problem) continue;
+    return olx_fail(OLX_ERROR_FORMAT, "%s: geometry of probe %u, block (%u, %u): %s", field->name, probe, i % side,
+                    i / side, problem);
+  }
+  return check_block_pyramid(field, probe, count);
 }
 
 static olx_result check_surface_borders(const olx_field *field, uint32_t probe) {
@@ -113,17 +164,7 @@ static olx_result check_surface_borders(const olx_field *field, uint32_t probe) 
 
 static olx_result check_probe(const olx_field *field, uint32_t probe) {
   OLX_TRY(check_flags(field, "light field", probe, field->probe_flags[probe]));
-  const size_t texels = field->texels;
-  const uint16_t *normal = field->normal + texels * probe, *distance = field->distance + texels * probe;
-  size_t bad = first_bad_normal(normal, texels);
-  if (bad < texels) return fail_at(field, "normal", probe, bad, field->stride, normal[bad], "a coordinate beyond 254");
-  bad = first_bad_distance(distance, texels);
-  if (bad < texels) {
-    return fail_at(field, "distance", probe, bad, field->stride, distance[bad], "NaN or a marked sky");
-  }
-  OLX_TRY(check_border(field, "normal", probe, normal, field->n, 2));
-  OLX_TRY(check_border(field, "distance", probe, distance, field->n, 2));
-  for (uint32_t level = 0; level < field->pyramid.levels; level++) OLX_TRY(check_pyramid_level(field, probe, level));
+  OLX_TRY(field->geometry ? check_geometry(field, probe) : check_texels(field, probe));
   if (!field->info.compressed) OLX_TRY(check_surface_borders(field, probe));
   return olx_surfaces_verify(field, probe);
 }

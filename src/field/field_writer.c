@@ -21,6 +21,10 @@ struct olx_field_writer {
   uint8_t *probe_flags, *irradiance_flags;
   void *map;                  // one map with its border
   uint16_t *least, *greatest; // one pyramid
+  uint16_t *block_least, *block_greatest; // what it is made over, where geometry is in blocks
+  olx_geometry_block *blocks;             // of one map, as the file has them
+  olx_plane_code *planes;                 // of all probes so far, since where they lie is known at the end
+  uint32_t plane_count, most_planes;
   uint32_t *tile_index;       // of one map of emission
   uint32_t tile[OLX_EMISSION_TILE_TEXELS], tile_count; // the tile of emission written last, and how many there are
 };
@@ -68,12 +72,17 @@ static olx_result allocate_buffers(olx_field_writer *writer, const olx_field_hea
   writer->least = olx_allocate(shapes[OLX_CHUNK_LEAST].record_bytes, 1);
   writer->greatest = olx_allocate(shapes[OLX_CHUNK_GREATEST].record_bytes, 1);
   writer->tile_index = olx_allocate(shapes[OLX_CHUNK_EMISSION].record_bytes, 1);
+  const size_t side = info->radiance_size / OLX_BLOCK_SIDE, blocks = info->geometry_blocks ? side * side : 1;
+  writer->block_least = olx_allocate(blocks, sizeof *writer->block_least);
+  writer->block_greatest = olx_allocate(blocks, sizeof *writer->block_greatest);
+  writer->blocks = olx_allocate(blocks, sizeof *writer->blocks);
   writer->probe_flags = olx_allocate(info->probe_count, 1);
   writer->irradiance_flags = olx_allocate(info->irradiance_probe_count, 1);
   writer->probe_positions = olx_allocate(info->probe_count, sizeof(olx_vec3));
   writer->irradiance_positions = olx_allocate(info->irradiance_probe_count, sizeof(olx_vec3));
   if (!writer->map || !writer->least || !writer->greatest || !writer->tile_index || !writer->probe_flags ||
-      !writer->irradiance_flags || !writer->probe_positions || !writer->irradiance_positions) {
+      !writer->irradiance_flags || !writer->probe_positions || !writer->irradiance_positions || !writer->block_least ||
+      !writer->block_greatest || !writer->blocks) {
     return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", path);
   }
   memcpy(writer->probe_positions, header->probe_positions, shapes[OLX_CHUNK_PROBE_POSITIONS].size_bytes);
@@ -89,6 +98,10 @@ static void destroy(olx_field_writer *writer) {
   olx_release(writer->least);
   olx_release(writer->greatest);
   olx_release(writer->tile_index);
+  olx_release(writer->block_least);
+  olx_release(writer->block_greatest);
+  olx_release(writer->blocks);
+  olx_release(writer->planes);
   olx_release(writer->probe_flags);
   olx_release(writer->irradiance_flags);
   olx_release(writer->probe_positions);
@@ -217,38 +230,97 @@ static olx_result put_map(olx_field_writer *writer, olx_chunk_kind kind, uint32_
   return put(writer, kind, index, add_border(writer, map, n, writer->layout.shapes[kind].element_bytes));
 }
 
-static olx_result refuse_order(olx_field_writer *writer, const char *kind, uint32_t index, uint32_t next) {
+static olx_result refuse_order(const olx_field_writer *writer, const char *kind, uint32_t index, uint32_t next) {
   return olx_fail(OLX_ERROR_ARGUMENT, "%s: %s probe %u written where %u comes next", writer->file.path, kind, index,
                   next);
 }
 
-static olx_result write_probe(olx_field_writer *writer, uint32_t index, const uint32_t *radiance,
-                              const uint16_t *normal, const uint16_t *distance) {
-  const uint32_t n = writer->info.radiance_size;
-  if (radiance) OLX_TRY(put_map(writer, OLX_CHUNK_RADIANCE, index, radiance, n));
-  OLX_TRY(put_map(writer, OLX_CHUNK_NORMAL, index, normal, n));
-  OLX_TRY(put_map(writer, OLX_CHUNK_DISTANCE, index, distance, n));
-  const olx_pyramid_shape pyramid = olx_pyramid_shape_of(n);
-  olx_pyramid_make(&pyramid, distance, n, writer->least, writer->greatest);
+static olx_result put_pyramid(olx_field_writer *writer, uint32_t index, const olx_pyramid_base *base) {
+  const olx_pyramid_shape pyramid = olx_pyramid_shape_of(writer->info.radiance_size, writer->info.geometry_blocks);
+  olx_pyramid_make(&pyramid, base, writer->least, writer->greatest);
   OLX_TRY(put(writer, OLX_CHUNK_LEAST, index, writer->least));
   return put(writer, OLX_CHUNK_GREATEST, index, writer->greatest);
 }
 
-olx_result olx_field_writer_probe(olx_field_writer *writer, uint32_t index, uint8_t flags, const uint32_t *radiance,
-                                  const uint16_t *normal, const uint16_t *distance) {
+static olx_result put_texels(olx_field_writer *writer, uint32_t index, const uint16_t *normal,
+                             const uint16_t *distance) {
+  const uint32_t n = writer->info.radiance_size;
+  OLX_TRY(put_map(writer, OLX_CHUNK_NORMAL, index, normal, n));
+  OLX_TRY(put_map(writer, OLX_CHUNK_DISTANCE, index, distance, n));
+  const olx_pyramid_base base = olx_pyramid_over_texels(distance, n);
+  return put_pyramid(writer, index, &base);
+}
+
+static olx_result append_planes(olx_field_writer *writer, const olx_plane_pool *pool) {
+  const uint64_t count = (uint64_t)writer->plane_count + pool->count;
+  if (count >= OLX_NO_PLANE) return olx_fail(OLX_ERROR_ARGUMENT, "%s: too many planes", writer->file.path);
+  if (count > writer->most_planes) {
+    const uint64_t most = count + count / 2;
+    olx_plane_code *planes = olx_allocate(most, sizeof *planes);
+    if (!planes) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory for planes", writer->file.path);
+    if (writer->plane_count) memcpy(planes, writer->planes, writer->plane_count * sizeof *planes);
+    olx_release(writer->planes);
+    writer->planes = planes;
+    writer->most_planes = most < OLX_NO_PLANE ? (uint32_t)most : OLX_NO_PLANE;
+  }
+  if (pool->count) memcpy(writer->planes + writer->plane_count, pool->planes, pool->count * sizeof *pool->planes);
+  writer->plane_count = (uint32_t)count;
+  return OLX_OK;
+}
+
+// Blocks name planes of the file, not of their own map.
+static olx_result put_blocks(olx_field_writer *writer, uint32_t index, const olx_geometry_map *geometry) {
+  const uint32_t n = writer->info.radiance_size, side = n / OLX_BLOCK_SIDE;
+  for (uint32_t i = 0; i < side * side; i++) {
+    writer->blocks[i] = geometry->blocks[i];
+    if (writer->blocks[i].words[3] >> 30 == OLX_GEOMETRY_POOL) writer->blocks[i].words[0] += writer->plane_count;
+  }
+  OLX_TRY(put(writer, OLX_CHUNK_DISTANCE, index, writer->blocks));
+  OLX_TRY(append_planes(writer, &geometry->pool));
+  const olx_pyramid_base base = olx_pyramid_over_blocks(geometry, n, writer->info.distance_scale_metres,
+                                                        writer->block_least, writer->block_greatest);
+  return put_pyramid(writer, index, &base);
+}
+
+static olx_result check_next_probe(const olx_field_writer *writer, uint32_t index, bool radiance, bool blocks) {
   if (index != writer->probes_written || index >= writer->info.probe_count) {
     return refuse_order(writer, "light field", index, writer->probes_written);
   }
-  if ((radiance != NULL) != writer->layout.present[OLX_CHUNK_RADIANCE]) {
+  if (radiance != writer->layout.present[OLX_CHUNK_RADIANCE]) {
     return olx_fail(OLX_ERROR_ARGUMENT, "%s: light field probe %u: radiance goes with irradiance probes",
                     writer->file.path, index);
   }
-  const olx_result result = write_probe(writer, index, radiance, normal, distance);
+  if (blocks == writer->info.geometry_blocks) return OLX_OK;
+  return olx_fail(OLX_ERROR_ARGUMENT, "%s: light field probe %u: geometry in another form than the header says",
+                  writer->file.path, index);
+}
+
+static olx_result write_radiance(olx_field_writer *writer, uint32_t index, const uint32_t *radiance) {
+  return radiance ? put_map(writer, OLX_CHUNK_RADIANCE, index, radiance, writer->info.radiance_size) : OLX_OK;
+}
+
+static olx_result end_probe(olx_field_writer *writer, uint32_t index, uint8_t flags, olx_result result) {
   writer->failed |= result != OLX_OK;
   writer->probe_flags[index] = flags;
   writer->info.buried_count += flags & OLX_PROBE_BURIED;
   writer->probes_written++;
   return result;
+}
+
+olx_result olx_field_writer_probe(olx_field_writer *writer, uint32_t index, uint8_t flags, const uint32_t *radiance,
+                                  const uint16_t *normal, const uint16_t *distance) {
+  OLX_TRY(check_next_probe(writer, index, radiance != NULL, false));
+  olx_result result = write_radiance(writer, index, radiance);
+  if (result == OLX_OK) result = put_texels(writer, index, normal, distance);
+  return end_probe(writer, index, flags, result);
+}
+
+olx_result olx_field_writer_probe_blocks(olx_field_writer *writer, uint32_t index, uint8_t flags, const uint32_t *radiance,
+                                         const olx_geometry_map *geometry) {
+  OLX_TRY(check_next_probe(writer, index, radiance != NULL, true));
+  olx_result result = write_radiance(writer, index, radiance);
+  if (result == OLX_OK) result = put_blocks(writer, index, geometry);
+  return end_probe(writer, index, flags, result);
 }
 
 // Appends a tile to those of the file, unless it is the one before once more: one of an even sky is written once.
@@ -367,13 +439,18 @@ olx_result olx_field_writer_volume(olx_field_writer *writer, const uint16_t *irr
   return result;
 }
 
-// Emission is complete, and where the chunks after it lie is known.
-static void end_emission(olx_field_writer *writer) {
+// All probes are written, and where the chunks of unknown sizes lie is known.
+static void end_probes(olx_field_writer *writer) {
   olx_field_layout *layout = &writer->layout;
-  olx_chunk_shape *tiles = &layout->shapes[OLX_CHUNK_EMISSION_TILES];
-  tiles->size_bytes = writer->tile_count * tiles->record_bytes;
-  layout->offsets[OLX_CHUNK_RELIGHT] = olx_align_chunk(layout->offsets[OLX_CHUNK_EMISSION_TILES] + tiles->size_bytes);
-  layout->file_bytes = olx_align_chunk(layout->offsets[OLX_CHUNK_RELIGHT] + layout->shapes[OLX_CHUNK_RELIGHT].size_bytes);
+  olx_chunk_shape *shapes = layout->shapes;
+  shapes[OLX_CHUNK_EMISSION_TILES].size_bytes = writer->tile_count * shapes[OLX_CHUNK_EMISSION_TILES].record_bytes;
+  shapes[OLX_CHUNK_PLANES].size_bytes = writer->plane_count * shapes[OLX_CHUNK_PLANES].record_bytes;
+  layout->file_bytes = layout->offsets[OLX_CHUNK_EMISSION_TILES];
+  for (uint32_t k = OLX_CHUNK_EMISSION_TILES; k <= OLX_CHUNK_RELIGHT; k++) {
+    if (!layout->present[k]) continue;
+    layout->offsets[k] = layout->file_bytes;
+    layout->file_bytes = olx_align_chunk(layout->offsets[k] + shapes[k].size_bytes);
+  }
 }
 
 olx_result olx_field_writer_relight(olx_field_writer *writer, const void *data, size_t size_bytes) {
@@ -384,7 +461,7 @@ olx_result olx_field_writer_relight(olx_field_writer *writer, const void *data, 
   }
   olx_chunk_shape *shape = &writer->layout.shapes[OLX_CHUNK_RELIGHT];
   shape->size_bytes = shape->record_bytes = size_bytes;
-  end_emission(writer);
+  end_probes(writer);
   olx_relight_data relight;
   OLX_TRY(olx_relight_structure_open(data, size_bytes, writer->file.path, &relight));
   const olx_result result = put_whole(writer, OLX_CHUNK_RELIGHT, data);
@@ -403,7 +480,8 @@ static olx_result write_frame(olx_field_writer *writer) {
     OLX_TRY(put_whole(writer, OLX_CHUNK_IRRADIANCE_POSITIONS, writer->irradiance_positions));
     OLX_TRY(put_whole(writer, OLX_CHUNK_IRRADIANCE_FLAGS, writer->irradiance_flags));
   }
-  end_emission(writer);
+  end_probes(writer);
+  if (writer->info.geometry_blocks) OLX_TRY(put_whole(writer, OLX_CHUNK_PLANES, writer->planes));
   struct {
     olx_file_header header;
     olx_file_chunk chunks[OLX_CHUNK_KINDS];

@@ -3,6 +3,7 @@
 #define OLX_FIELD_FIELD_WRITER_H
 
 #include "field/field_file.h"
+#include "field/geometry_map.h"
 
 typedef struct olx_field_writer olx_field_writer;
 
@@ -59,6 +60,10 @@ olx_result olx_field_writer_create(const char *path, const olx_field_header *hea
 // are made here, from the stored values. `radiance` is NULL where the header has no irradiance probes.
 olx_result olx_field_writer_probe(olx_field_writer *writer, uint32_t index, uint8_t flags, const uint32_t *radiance,
                                   const uint16_t *normal, const uint16_t *distance);
+
+// As olx_field_writer_probe, where info.geometry_blocks is set: its geometry in blocks. Planes are copied.
+olx_result olx_field_writer_probe_blocks(olx_field_writer *writer, uint32_t index, uint8_t flags, const uint32_t *radiance,
+                                         const olx_geometry_map *geometry);
 
 // The surfaces of one light field probe, in order of index.
 olx_result olx_field_writer_surface(olx_field_writer *writer, uint32_t index, const olx_surface_maps *maps);

@@ -33,17 +33,72 @@ static inline size_t olx_texel_towards(const olx_field *field, olx_vec3 directio
   return olx_map_index(field->stride, (int32_t)olx_min(uv.x * n, n - 1.0f), (int32_t)olx_min(uv.y * n, n - 1.0f));
 }
 
-// Stored distance of a texel in metres; infinite for the sky.
+// The texel inside the map that a texel stands for, which may be one of the border.
+static inline void olx_texel_source(const olx_field *field, size_t texel, uint32_t *x, uint32_t *y) {
+  const uint32_t at = (uint32_t)texel, stride = field->stride;
+  int32_t source_x, source_y;
+  olx_border_source((int32_t)(at % stride) - 1, (int32_t)(at / stride) - 1, (int32_t)field->n, &source_x, &source_y);
+  *x = (uint32_t)source_x;
+  *y = (uint32_t)source_y;
+}
+
+// Where texel (x, y), none of the border, lies in a field's maps of blocks.
+typedef struct olx_texel_block {
+  size_t block;
+  uint32_t texel; // of the block, row by row
+} olx_texel_block;
+
+static inline olx_texel_block olx_block_at(const olx_field *field, uint32_t probe, uint32_t x, uint32_t y) {
+  const uint32_t side = field->n / OLX_BLOCK_SIDE;
+  return (olx_texel_block){((size_t)side * probe + y / OLX_BLOCK_SIDE) * side + x / OLX_BLOCK_SIDE,
+                           y % OLX_BLOCK_SIDE * OLX_BLOCK_SIDE + x % OLX_BLOCK_SIDE};
+}
+
+static inline olx_texel_block olx_texel_block_of(const olx_field *field, uint32_t probe, size_t texel) {
+  uint32_t x, y;
+  olx_texel_source(field, texel, &x, &y);
+  return olx_block_at(field, probe, x, y);
+}
+
+// The plane that texel (x, y) of a field of geometry blocks sees, over all of its extent; 0 for the sky.
+static inline olx_vec3 olx_block_plane(const olx_field *field, uint32_t probe, uint32_t x, uint32_t y) {
+  const olx_texel_block at = olx_block_at(field, probe, x, y);
+  const olx_block_place place = {field->n, x / OLX_BLOCK_SIDE, y / OLX_BLOCK_SIDE};
+  return olx_geometry_plane(&field->geometry[at.block], &field->planes, place, at.texel);
+}
+
+// What a texel sees along its direction.
+typedef struct olx_texel_geometry {
+  float distance;  // metres; infinite for the sky
+  olx_vec3 normal; // of the surface, on the probe's side; means nothing for the sky
+} olx_texel_geometry;
+
+static inline olx_texel_geometry olx_block_geometry(const olx_field *field, uint32_t probe, size_t texel) {
+  uint32_t x, y;
+  olx_texel_source(field, texel, &x, &y);
+  const olx_vec3 plane = olx_block_plane(field, probe, x, y);
+  return (olx_texel_geometry){olx_plane_distance(plane, olx_texel_direction(x, y, field->n)), olx_plane_normal(plane)};
+}
+
+// Distance of a texel's surface in metres; infinite for the sky.
 static inline float olx_texel_distance(const olx_field *field, uint32_t probe, size_t texel) {
+  if (field->geometry) return olx_block_geometry(field, probe, texel).distance;
   return olx_half_unpack(field->distance[field->texels * probe + texel] & 0x7FFFu) * field->distance_scale;
 }
 
-static inline bool olx_texel_emits(const olx_field *field, uint32_t probe, size_t texel) {
-  return (field->distance[field->texels * probe + texel] & 0x8000u) != 0;
+static inline olx_vec3 olx_texel_normal(const olx_field *field, uint32_t probe, size_t texel) {
+  if (field->geometry) return olx_block_geometry(field, probe, texel).normal;
+  return olx_normal_unpack(field->normal[field->texels * probe + texel]);
 }
 
-static inline olx_vec3 olx_texel_normal(const olx_field *field, uint32_t probe, size_t texel) {
-  return olx_normal_unpack(field->normal[field->texels * probe + texel]);
+// Both of them.
+static inline olx_texel_geometry olx_texel_geometry_of(const olx_field *field, uint32_t probe, size_t texel) {
+  if (field->geometry) return olx_block_geometry(field, probe, texel);
+  return (olx_texel_geometry){olx_texel_distance(field, probe, texel), olx_texel_normal(field, probe, texel)};
+}
+
+static inline bool olx_texel_is_sky(const olx_field *field, uint32_t probe, size_t texel) {
+  return olx_texel_distance(field, probe, texel) == INFINITY;
 }
 
 static inline olx_vec3 olx_texel_radiance(const olx_field *field, uint32_t probe, size_t texel) {

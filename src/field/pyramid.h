@@ -3,6 +3,7 @@
 #ifndef OLX_FIELD_PYRAMID_H
 #define OLX_FIELD_PYRAMID_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -17,12 +18,14 @@ typedef struct olx_pyramid_shape {
   uint32_t levels;
   uint32_t side[OLX_PYRAMID_MAX_LEVELS];  // nodes along the map
   uint32_t first[OLX_PYRAMID_MAX_LEVELS]; // where the level begins in the record of a probe: the coarsest comes first
-  uint32_t least_nodes;                   // in a record of smallest distances: all levels
+  uint32_t least_level;                   // the finest level of smallest distances
+  uint32_t least_nodes;                   // in a record of these
   uint32_t greatest_level;                // the finest level of largest distances: 1, or 0 when there is no other
   uint32_t greatest_nodes;                // in a record of these
 } olx_pyramid_shape;
 
-olx_pyramid_shape olx_pyramid_shape_of(uint32_t n);
+// Over geometry blocks, which are nodes of level 0 themselves, both begin with the level of largest distances.
+olx_pyramid_shape olx_pyramid_shape_of(uint32_t n, bool over_blocks);
 
 // log2 of the texels along the side of a node.
 static inline uint32_t olx_pyramid_shift(uint32_t level) { return OLX_PYRAMID_FINEST + OLX_PYRAMID_STEP * level; }
@@ -33,15 +36,25 @@ static inline uint32_t olx_pyramid_index(uint32_t side, uint32_t x, uint32_t y) 
   return ((y >> 2) * (side >> 2) + (x >> 2)) * 16 + (y & 3u) * 4 + (x & 3u);
 }
 
-// What a node must hold, in the bits of halves without their sign. The map may have a border: texel (0, 0) is `distance`
-// itself, rows are `stride` apart. Above its pyramid's finest level a node is made of those below it in `nodes`.
-uint16_t olx_pyramid_least(const olx_pyramid_shape *shape, const uint16_t *distance, uint32_t stride,
-                           const uint16_t *nodes, uint32_t level, uint32_t x, uint32_t y);
-uint16_t olx_pyramid_greatest(const olx_pyramid_shape *shape, const uint16_t *distance, uint32_t stride,
-                              const uint16_t *nodes, uint32_t level, uint32_t x, uint32_t y);
+// What a pyramid is made over, in the bits of halves: squares of 2^shift texels a side, row by row from texel (0, 0) on, rows
+// `stride` apart. Texels have shift 0 and one array for both, perhaps within a border; the sign is not looked at.
+typedef struct olx_pyramid_base {
+  const uint16_t *least, *greatest;
+  uint32_t stride, shift;
+} olx_pyramid_base;
+
+static inline olx_pyramid_base olx_pyramid_over_texels(const uint16_t *distance, uint32_t stride) {
+  return (olx_pyramid_base){distance, distance, stride, 0};
+}
+
+// What a node must hold. Above its pyramid's finest level it is made of those below it in `nodes`.
+uint16_t olx_pyramid_least(const olx_pyramid_shape *shape, const olx_pyramid_base *base, const uint16_t *nodes,
+                           uint32_t level, uint32_t x, uint32_t y);
+uint16_t olx_pyramid_greatest(const olx_pyramid_shape *shape, const olx_pyramid_base *base, const uint16_t *nodes,
+                              uint32_t level, uint32_t x, uint32_t y);
 
 // Both records of a probe.
-void olx_pyramid_make(const olx_pyramid_shape *shape, const uint16_t *distance, uint32_t stride, uint16_t *least,
+void olx_pyramid_make(const olx_pyramid_shape *shape, const olx_pyramid_base *base, uint16_t *least,
                       uint16_t *greatest);
 
 #endif

@@ -47,9 +47,14 @@ olx_result olx_field_light_check(const olx_field_light *light, uint32_t index, c
 
 olx_result olx_surfaces_open(olx_field *field) {
   olx_field_surfaces *s = &field->surfaces;
-  const void *lights, *tiles;
+  const void *lights, *tiles, *planes = NULL;
   OLX_TRY(find_records(field, OLX_CHUNK_LIGHTS, OLX_FIELD_MOST_LIGHTS, &lights, &s->light_count));
   OLX_TRY(find_records(field, OLX_CHUNK_EMISSION_TILES, UINT32_MAX - 1u, &tiles, &s->tile_count));
+  if (field->geometry) {
+    OLX_TRY(find_records(field, OLX_CHUNK_PLANES, UINT32_MAX - 1u, &planes, &field->planes.count));
+    field->planes.planes = planes;
+    field->info.geometry_bytes += sizeof(olx_plane_code) * (uint64_t)field->planes.count;
+  }
   s->lights = lights;
   s->tiles = tiles;
   for (uint32_t i = 0; i < s->light_count; i++) {
@@ -69,7 +74,7 @@ static olx_result fail_at(const olx_field *field, const char *what, uint32_t pro
 static olx_result check_sky(const olx_field *field, uint32_t probe, uint32_t x, uint32_t y) {
   const olx_field_surfaces *s = &field->surfaces;
   const size_t at = field->texels * probe + olx_map_index(field->stride, (int32_t)x, (int32_t)y);
-  if (field->distance[at] != 0x7C00u) return OLX_OK;
+  if (!olx_texel_is_sky(field, probe, at - field->texels * probe)) return OLX_OK;
   const char *what = s->base[at]       ? "base colour"
                      : s->specular[at] ? "specular"
                      : s->direct[at]   ? "direct light"
@@ -82,7 +87,7 @@ static bool all_is_sky(const olx_field *field, uint32_t probe, uint32_t x, uint3
   for (uint32_t i = 0; i < OLX_BLOCK_SIDE * OLX_BLOCK_SIDE; i++) {
     const size_t texel =
         olx_map_index(field->stride, (int32_t)(x + i % OLX_BLOCK_SIDE), (int32_t)(y + i / OLX_BLOCK_SIDE));
-    if (field->distance[field->texels * probe + texel] != 0x7C00u) return false;
+    if (!olx_texel_is_sky(field, probe, texel)) return false;
   }
   return true;
 }
@@ -110,6 +115,12 @@ static olx_result check_blocks(const olx_field *field, uint32_t probe, uint32_t 
   return sky && what ? fail_at(field, what, probe, x, y, "a block of sky that is not 0") : OLX_OK;
 }
 
+// Where distances have no mark, what has emission is an emitter or the sky.
+static bool may_emit(const olx_field *field, uint32_t probe, uint32_t x, uint32_t y) {
+  if (field->geometry) return true;
+  return field->distance[field->texels * probe + olx_map_index(field->stride, (int32_t)x, (int32_t)y)] >= 0x7C00u;
+}
+
 static olx_result check_tile(const olx_field *field, uint32_t probe, uint32_t tile_x, uint32_t tile_y) {
   const olx_field_surfaces *s = &field->surfaces;
   const uint32_t entry = s->emission[(size_t)s->tile_side * s->tile_side * probe + tile_y * s->tile_side + tile_x];
@@ -122,8 +133,7 @@ static olx_result check_tile(const olx_field *field, uint32_t probe, uint32_t ti
   for (uint32_t i = 0; i < OLX_EMISSION_TILE_TEXELS; i++) {
     const uint32_t x = tile_x * OLX_EMISSION_TILE + i % OLX_EMISSION_TILE,
                    y = tile_y * OLX_EMISSION_TILE + i / OLX_EMISSION_TILE;
-    const size_t at = field->texels * probe + (size_t)(y + 1) * field->stride + x + 1;
-    if (texels[i] && field->distance[at] < 0x7C00u) {
+    if (texels[i] && !may_emit(field, probe, x, y)) {
       return fail_at(field, "emission", probe, x, y, "not 0, but its distance marks no emitter");
     }
   }

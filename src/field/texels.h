@@ -39,29 +39,6 @@ static inline olx_bsdf olx_material_unpack(olx_texel_material_codes codes) {
                        olx_byte_unpack_unit(codes.base >> 24), olx_byte_unpack_unit((uint32_t)codes.specular >> 8));
 }
 
-// The texel inside the map that a texel stands for, which may be one of the border.
-static inline void olx_texel_source(const olx_field *field, size_t texel, uint32_t *x, uint32_t *y) {
-  const uint32_t at = (uint32_t)texel, stride = field->stride;
-  int32_t source_x, source_y;
-  olx_border_source((int32_t)(at % stride) - 1, (int32_t)(at / stride) - 1, (int32_t)field->n, &source_x, &source_y);
-  *x = (uint32_t)source_x;
-  *y = (uint32_t)source_y;
-}
-
-// Where a texel lies in a field's maps of blocks.
-typedef struct olx_texel_block {
-  size_t block;
-  uint32_t texel; // of the block, row by row
-} olx_texel_block;
-
-static inline olx_texel_block olx_texel_block_of(const olx_field *field, uint32_t probe, size_t texel) {
-  uint32_t x, y;
-  olx_texel_source(field, texel, &x, &y);
-  const uint32_t side = field->n / OLX_BLOCK_SIDE;
-  return (olx_texel_block){((size_t)side * probe + y / OLX_BLOCK_SIDE) * side + x / OLX_BLOCK_SIDE,
-                           y % OLX_BLOCK_SIDE * OLX_BLOCK_SIDE + x % OLX_BLOCK_SIDE};
-}
-
 // What makes the surface's reflectance: base colour, and shares.
 typedef struct olx_texel_parameters {
   olx_vec3 base_color;
@@ -117,18 +94,28 @@ static inline void olx_texel_prefetch(const olx_field *field, uint32_t probe, si
   __builtin_prefetch(s->indirect ? (const void *)&s->indirect[plain] : &s->indirect_blocks[block]);
 }
 
-// Radiance in W/(sr m^2) that an emitter sends towards the probe, or that of the sky; 0 for a surface that does not emit.
-static inline olx_vec3 olx_texel_emission(const olx_field *field, uint32_t probe, size_t texel) {
-  const uint32_t distance = field->distance[field->texels * probe + texel];
-  if (distance < 0x7C00u) return olx_splat(0.0f);
+// What a tile of emission holds for a texel, RGB9E5; 0 where nothing emits.
+static inline uint32_t olx_texel_emission_code(const olx_field *field, uint32_t probe, size_t texel) {
   const olx_field_surfaces *s = &field->surfaces;
   uint32_t column, row;
   olx_texel_source(field, texel, &column, &row);
   const size_t tile = (size_t)(row / OLX_EMISSION_TILE) * s->tile_side + column / OLX_EMISSION_TILE;
   const uint32_t entry = s->emission[(size_t)s->tile_side * s->tile_side * probe + tile];
-  if (entry == 0 || entry > s->tile_count) return olx_splat(0.0f); // a damaged file may name what there is not
+  if (entry == 0 || entry > s->tile_count) return 0; // a damaged file may name what there is not
   const uint32_t inside = row % OLX_EMISSION_TILE * OLX_EMISSION_TILE + column % OLX_EMISSION_TILE;
-  return olx_rgb9e5_unpack(s->tiles[(size_t)(entry - 1) * OLX_EMISSION_TILE_TEXELS + inside]);
+  return s->tiles[(size_t)(entry - 1) * OLX_EMISSION_TILE_TEXELS + inside];
+}
+
+// Whether the texel sees an emitter. The sky is none.
+static inline bool olx_texel_emits(const olx_field *field, uint32_t probe, size_t texel) {
+  if (!field->geometry) return (field->distance[field->texels * probe + texel] & 0x8000u) != 0;
+  return olx_texel_emission_code(field, probe, texel) != 0 && !olx_texel_is_sky(field, probe, texel);
+}
+
+// Radiance in W/(sr m^2) that an emitter sends towards the probe, or that of the sky; 0 for a surface that does not emit.
+static inline olx_vec3 olx_texel_emission(const olx_field *field, uint32_t probe, size_t texel) {
+  if (!field->geometry && field->distance[field->texels * probe + texel] < 0x7C00u) return olx_splat(0.0f);
+  return olx_rgb9e5_unpack(olx_texel_emission_code(field, probe, texel));
 }
 
 #endif

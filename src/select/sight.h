@@ -14,6 +14,16 @@ static const float OLX_SIGHT_LEAST_COSINE = 0.1f;
 // Side of a texel of an n x n map at distance 1: the root of its mean solid angle.
 static inline float olx_mean_texel_angle(uint32_t n) { return 3.5449077f / (float)n; }
 
+// As olx_probe_sees in a field of geometry blocks: `offset` from the probe falls into texel (x, y) at uv, whose plane decides.
+static inline bool olx_plane_sees(const olx_field *field, uint32_t probe, olx_vec3 offset, olx_vec2 uv, uint32_t x,
+                                  uint32_t y, float slack, const olx_vec3 *leaving) {
+  const olx_vec3 plane = olx_block_plane(field, probe, x, y);
+  const float behind = olx_plane_depth(plane, offset) - 1.0f; // in distances of the plane from the probe
+  const float footprint = olx_length(offset) * sqrtf(olx_texel_solid_angle_near(uv, field->n)) * olx_length(plane);
+  if (behind > slack * footprint) return false;
+  return !leaving || behind <= -footprint || !(olx_dot(plane, *leaving) > 0.0f);
+}
+
 // Whether `point` lies in front of the plane of the surfel that the probe stores there, or no more than `slack` footprints
 // behind it, or nearer to the probe than the texel's surface can reach. With `leaving`, the direction of a ray that begins
 // there: a point on the surface counts only when the ray leaves it towards the probe, because one that goes into it has
@@ -24,6 +34,7 @@ static inline bool olx_probe_sees(const olx_field *field, uint32_t probe, olx_ve
   const float n = (float)field->n;
   const olx_vec2 uv = olx_octahedral_encode(offset);
   const float x = floorf(olx_min(uv.x * n, n - 1.0f)), y = floorf(olx_min(uv.y * n, n - 1.0f));
+  if (field->geometry) return olx_plane_sees(field, probe, offset, uv, (uint32_t)x, (uint32_t)y, slack, leaving);
   const size_t texel = olx_map_index(field->stride, (int32_t)x, (int32_t)y);
   const float distance = olx_texel_distance(field, probe, texel), radius = olx_length(offset);
   if (distance == INFINITY) return true;

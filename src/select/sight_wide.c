@@ -44,6 +44,24 @@ WIDE wide_vec3 decode(wide_uv uv) {
   return (wide_vec3){q.x * inverse, q.y * inverse, q.z * inverse};
 }
 
+// As olx_plane_sees.
+WIDE uint32_t see_planes(const olx_field *field, const uint32_t *probes, wide_vec3 offset, wide_uv uv, reals x, reals y,
+                         float slack, const olx_vec3 *leaving) {
+  wide_vec3 plane;
+  reals towards = splat(0.0f);
+  for (uint32_t i = 0; i < OLX_WIDE_LANES; i++) {
+    const olx_vec3 m = olx_block_plane(field, probes[i], (uint32_t)x[i], (uint32_t)y[i]);
+    plane.x[i] = m.x, plane.y[i] = m.y, plane.z[i] = m.z;
+    if (leaving) towards[i] = olx_dot(m, leaving[i]);
+  }
+  const float n = (float)field->n;
+  const reals size = length(octahedron(uv)), behind = dot(plane, offset) - 1.0f;
+  const reals footprint = length(offset) * root(4.0f / (n * n * size * size * size)) * length(plane);
+  words sees = ~(behind > slack * footprint);
+  if (leaving) sees &= (behind <= -footprint) | ~(towards > 0.0f);
+  return bits(sees);
+}
+
 // As olx_probe_sees.
 WIDE uint32_t see(const olx_field *field, const uint32_t *probes, const olx_vec3 *points, float slack,
                   const olx_vec3 *leaving) {
@@ -56,6 +74,7 @@ WIDE uint32_t see(const olx_field *field, const uint32_t *probes, const olx_vec3
   const wide_uv uv = encode(offset);
   const reals x = floor_of(least(uv.u * n, splat(n - 1.0f))), y = floor_of(least(uv.v * n, splat(n - 1.0f)));
   const words texel = (truncated(y) + 1) * (int32_t)field->stride + (truncated(x) + 1);
+  if (field->geometry) return see_planes(field, probes, offset, uv, x, y, slack, leaving);
   words code, packed;
   for (uint32_t i = 0; i < OLX_WIDE_LANES; i++) {
     const size_t at = field->texels * probes[i] + (uint32_t)texel[i];

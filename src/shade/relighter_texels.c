@@ -49,7 +49,7 @@ olx_vec3 olx_relit_told(const olx_relight *r, uint32_t probe, uint32_t x, uint32
 }
 
 static bool is_surface(const olx_field *f, uint32_t probe, size_t texel) {
-  return (f->distance[f->texels * probe + texel] & 0x7FFFu) < 0x7C00u;
+  return !olx_texel_is_sky(f, probe, texel);
 }
 
 // ---- Making it
@@ -150,8 +150,9 @@ static void light_texels(olx_relight *r, const olx_relit_tile *tile, uint32_t fi
     tile_texel(r, tile, i, &x, &y);
     const size_t texel = olx_map_index(f->stride, (int32_t)x, (int32_t)y);
     if (!is_surface(f, tile->probe, texel)) continue;
-    const float distance = olx_texel_distance(f, tile->probe, texel);
-    const olx_vec3 normal = olx_normal_unpack(f->normal[f->texels * tile->probe + texel]);
+    const olx_texel_geometry seen = olx_texel_geometry_of(f, tile->probe, texel);
+    const olx_vec3 normal = seen.normal;
+    const float distance = seen.distance;
     const olx_vec3 place = olx_madd(f->probe_positions[tile->probe], olx_texel_direction(x, y, f->n), distance);
     const uint32_t k = batch.count++;
     batch.position[k] = olx_madd(place, normal, OFF_SURFACE * distance);

@@ -111,12 +111,13 @@ typedef struct seen_texel {
 
 // Texel (x, y), the border's among them; false for the sky.
 static bool see_texel(const olx_field *field, const probe_view *v, size_t texel, int32_t x, int32_t y, seen_texel *t) {
-  t->distance = olx_texel_distance(field, v->probe, texel);
+  const olx_texel_geometry seen = olx_texel_geometry_of(field, v->probe, texel);
+  t->distance = seen.distance;
   if (!(t->distance < INFINITY)) return false;
   int32_t source_x, source_y;
   olx_border_source(x, y, (int32_t)field->n, &source_x, &source_y);
   const olx_vec3 centre = olx_texel_direction((uint32_t)source_x, (uint32_t)source_y, field->n);
-  t->normal = olx_texel_normal(field, v->probe, texel);
+  t->normal = seen.normal;
   t->facing = -olx_dot(t->normal, centre);
   t->step = olx_madd(v->offset, centre, -t->distance);
   t->away = olx_length(t->step);

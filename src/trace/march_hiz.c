@@ -52,7 +52,9 @@ olx_verdict olx_march_hiz(olx_march *m, const olx_piece *p, olx_probe_answer *an
     if (verdict != OLX_VERDICT_CLEAR) return verdict;
   }
   // A ray begins at a surface, where only small nodes are clear, and enters other faces in the open.
-  const uint32_t begin_level = first_piece ? 0 : m->field->pyramid.levels - 1, begin_shift = olx_pyramid_shift(begin_level);
+  const olx_pyramid_shape *pyramid = &m->field->pyramid;
+  const uint32_t begin_level = first_piece ? pyramid->least_level : pyramid->levels - 1,
+                 begin_shift = olx_pyramid_shift(begin_level);
   stand at = {.x = p->u.first >> begin_shift,
               .y = p->v.first >> begin_shift,
               .level = begin_level,
@@ -61,8 +63,13 @@ olx_verdict olx_march_hiz(olx_march *m, const olx_piece *p, olx_probe_answer *an
   for (;;) {
     const olx_vec2 s = olx_crossings_ahead(p, at.x, at.y, olx_pyramid_shift(at.level));
     const float s1 = olx_min(s.x, s.y), t1 = olx_parameter_at(p, s1);
-    const float least_squared = olx_least_squared(m, at.level, at.x, at.y);
-    if (olx_reach_squared(m, p, at.t, t1) < least_squared) {
+    const bool block = at.level == 0 && m->geometry; // which is clear unless it ends the ray
+    const float least_squared = block ? INFINITY : olx_least_squared(m, at.level, at.x, at.y);
+    if (block) {
+      const olx_verdict verdict = olx_visit_block(m, p, at.x, at.y, at.s, at.t, at.by_v, t1, answer);
+      if (verdict != OLX_VERDICT_CLEAR) return verdict;
+    }
+    if (block || olx_reach_squared(m, p, at.t, t1) < least_squared) {
       if (s1 >= 1.0f) return OLX_VERDICT_CLEAR;
       const bool by_v = s.x > s.y;
       leave(m, &at, at.x + (by_v ? 0 : p->u.step), at.y + (by_v ? p->v.step : 0), s1, t1, by_v);

@@ -123,9 +123,10 @@ WIDE void set_pieces(lanes *l, words which) {
   l->sign_z = pick(which, sign_z, l->sign_z);
   l->slack = pick(which, OLX_PARAMETER_ROUNDING * (reals)(finite & (words)t_end), l->slack);
 
-  const int32_t top = (int32_t)l->field->pyramid.levels;
-  const words first_piece = t_begin <= l->t_min, shift = pick_word(first_piece, splat_word(2), splat_word(2 * top));
-  l->level = pick_word(which, pick_word(first_piece, splat_word(1), splat_word(top)), l->level);
+  const int32_t top = (int32_t)l->field->pyramid.levels, finest = (int32_t)l->field->pyramid.least_level + 1;
+  const words begin_level = pick_word(t_begin <= l->t_min, splat_word(finest), splat_word(top)),
+              shift = 2 * begin_level;
+  l->level = pick_word(which, begin_level, l->level);
   l->x = pick_word(which, l->u.first >> shift, l->x);
   l->y = pick_word(which, l->v.first >> shift, l->y);
   l->s = pick(which, splat(-1.0f), l->s);
@@ -168,7 +169,7 @@ WIDE bool take_job(work *w, lanes *l, uint32_t lane) {
   olx_march *m = &l->march[lane];
   *m = olx_begin_march(w->field, job->probe, &job->ray);
   l->job[lane] = w->next++;
-  l->distances[lane / 4][lane % 4] = (int64_t)m->distance;
+  l->distances[lane / 4][lane % 4] = (int64_t)(m->geometry ? m->least : m->distance); // of blocks it is not read
   l->nodes[lane / 4][lane % 4] = (int64_t)m->least;
   l->ox[lane] = job->ray.origin.x, l->oy[lane] = job->ray.origin.y, l->oz[lane] = job->ray.origin.z;
   l->dx[lane] = job->ray.direction.x, l->dy[lane] = job->ray.direction.y, l->dz[lane] = job->ray.direction.z;
@@ -218,12 +219,12 @@ WIDE void renew(work *w, lanes *l) {
   }
 }
 
-// The 16 bits that each lane's node or texel holds.
-WIDE words codes_at(const lanes *l, words texel) {
+// The 16 bits that each lane's node or texel holds; of geometry blocks any.
+WIDE words codes_at(const lanes *l, words texel, words block) {
   const words x = l->x, y = l->y, first = __builtin_ia32_permvarsi256(l->first_node, l->level),
               tiles = __builtin_ia32_permvarsi256(l->tiles_across, l->level);
   const words node = first + ((((y >> 2) * tiles + (x >> 2)) << 4) + ((y & 3) << 2) + (x & 3));
-  const words index = pick_word(texel, (y + 1) * (int32_t)l->field->stride + x + 1, node);
+  const words index = pick_word(texel, (y + 1) * (int32_t)l->field->stride + x + 1, node) & ~block;
   words code;
   for (uint32_t half = 0; half < 2; half++) {
     const four_words i =
@@ -266,11 +267,13 @@ WIDE wide_look look(lanes *l) {
   const reals far_squared = most(l->miss_squared + begin * begin, l->miss_squared + end * end);
   const reals along = most(-begin, end) + l->slack;
   const reals reach_squared = (l->miss_squared + along * along) * (1.0f + 0x1p-16f);
-  const words code = codes_at(l, texel);
+  const words block = (l->level <= 1) & (l->field->geometry ? -1 : 0); // of geometry, which visit_blocks reads
+  const words code = codes_at(l, texel, block);
   const reals stored = (reals)(code << 13) * 0x1p112f * l->field->distance_scale, least_squared = stored * stored;
   const words passed = texel & (far_squared < l->node_least_squared); // unread
-  l->steps += mask_of(l->walking) & (1 + passed);
-  const words clear = passed | (texel & (code == 0x7C00)) | (pick(texel, far_squared, reach_squared) < least_squared);
+  l->steps += mask_of(l->walking) & (1 + passed) & ~block;
+  const words clear =
+      passed | (texel & (code == 0x7C00)) | ((pick(texel, far_squared, reach_squared) < least_squared) & ~block);
   return (wide_look){.s1 = s1,
                      .t1 = t1,
                      .stored = stored,
@@ -279,6 +282,40 @@ WIDE wide_look look(lanes *l) {
                      .clear = bits(clear) & l->walking,
                      .at_end = bits(at_end),
                      .at_texel = bits(texel) & l->walking};
+}
+
+// Reads the geometry blocks in which lanes stand. Lanes that are clear of their planes go on; the others visit their texels, and
+// where that ends their ray they are finished.
+WIDE void visit_blocks(work *w, lanes *l, wide_look *seen) {
+  const uint32_t which = bits(l->level == 1) & l->walking;
+  if (!which) return;
+  reals base[2] = {splat(0.0f), splat(0.0f)}, slope[2] = {splat(0.0f), splat(0.0f)};
+  uint32_t pooled = 0;
+  for (uint32_t left = which; left; left &= left - 1) {
+    const uint32_t lane = (uint32_t)__builtin_ctz(left);
+    olx_march *m = &l->march[lane];
+    olx_read_block(m, l->x[lane], l->y[lane]);
+    const uint32_t form = m->block->words[3] >> 30, second = form == OLX_GEOMETRY_TWO;
+    pooled |= (uint32_t)(form > OLX_GEOMETRY_TWO) << lane;
+    base[0][lane] = m->planes[0].base, slope[0][lane] = m->planes[0].slope;
+    base[1][lane] = m->planes[second].base, slope[1][lane] = m->planes[second].slope;
+  }
+  const reals begin = l->t - l->slack, end = seen->t1 + l->slack;
+  words behind = splat_word(0);
+  for (uint32_t k = 0; k < 2; k++) { // as olx_plane_clears; 0 times infinity is nowhere behind
+    behind |= (base[k] + slope[k] * begin > 1.0f) | (base[k] + slope[k] * end > 1.0f);
+  }
+  seen->clear |= which & ~(bits(behind) | pooled);
+  // Those of the pool are judged by olx_visit_block as a whole, too.
+  for (uint32_t left = which & ~seen->clear; left; left &= left - 1) {
+    const uint32_t lane = (uint32_t)__builtin_ctz(left);
+    const olx_piece p = piece_of(l, lane);
+    olx_probe_answer answer = {.status = OLX_TRACE_MISS};
+    const olx_verdict verdict = olx_visit_block(&l->march[lane], &p, l->x[lane], l->y[lane], l->s[lane], l->t[lane],
+                                                l->by_v[lane] != 0, seen->t1[lane], &answer);
+    if (verdict == OLX_VERDICT_CLEAR) seen->clear |= 1u << lane;
+    else finish(w, l, lane, verdict, answer);
+  }
 }
 
 // Asks the surfels of the texels that are not clear. Lanes whose ray they end are finished.
@@ -341,7 +378,7 @@ WIDE void begin_lanes(lanes *l, const olx_field *field) {
   }
   for (uint32_t lane = 0; lane < LANES; lane++) {
     l->job[lane] = NO_JOB;
-    l->distances[lane / 4][lane % 4] = (int64_t)field->distance;
+    l->distances[lane / 4][lane % 4] = (int64_t)(field->geometry ? field->least : field->distance);
     l->nodes[lane / 4][lane % 4] = (int64_t)field->least;
   }
 }
@@ -365,7 +402,9 @@ WIDE_CODE void olx_march_wide(const olx_field *field, const olx_probe_job *jobs,
       if (going[g]) seen[g] = look(&group[g]);
     }
     for (uint32_t g = 0; g < GROUPS; g++) {
-      if (going[g]) judge(&w, &group[g], &seen[g]);
+      if (!going[g]) continue;
+      if (field->geometry) visit_blocks(&w, &group[g], &seen[g]);
+      else judge(&w, &group[g], &seen[g]);
     }
     for (uint32_t g = 0; g < GROUPS; g++) {
       if (going[g]) move(&group[g], &seen[g]);

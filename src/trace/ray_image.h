@@ -15,10 +15,18 @@ static const float OLX_CENTRE_SHARE = 1e-4f;
 // Rounding of s and of t(s), in units of the piece's largest parameter.
 static const float OLX_PARAMETER_ROUNDING = 0x1p-20f;
 
+// A plane m . p = 1 along a ray: m . p is base + slope t.
+typedef struct olx_ray_plane {
+  float base, slope;
+} olx_ray_plane;
+
 // What is fixed for one ray and one probe. r^2(t) = miss^2 + (t - closest)^2.
 typedef struct olx_march {
   const olx_field *field;
-  const uint16_t *distance, *least;
+  const uint16_t *distance, *least;   // distance: NULL in a field of geometry blocks
+  const olx_geometry_block *geometry; // blocks of the probe; NULL in a field of texels
+  const olx_geometry_block *block;    // that was read last, with its planes where they are one or two
+  olx_ray_plane planes[2];
   uint32_t probe;
   const olx_probe_ray *ray;
   float closest, miss_squared;
@@ -56,7 +64,8 @@ static inline olx_march olx_begin_march(const olx_field *field, uint32_t probe, 
   const olx_vec3 foot = olx_madd(ray->origin, ray->direction, closest);
   return (olx_march){
       .field = field,
-      .distance = field->distance + field->texels * probe,
+      .distance = field->geometry ? NULL : field->distance + field->texels * probe,
+      .geometry = field->geometry ? field->geometry + olx_block_at(field, probe, 0, 0).block : NULL,
       .least = field->least + (size_t)field->pyramid.least_nodes * probe,
       .probe = probe,
       .ray = ray,
@@ -139,6 +148,16 @@ static inline olx_vec2 olx_crossings_ahead(const olx_piece *p, int32_t x, int32_
 static inline olx_cell olx_next_cell(const olx_piece *p, olx_cell c, olx_vec2 s, float t1) {
   const bool by_v = s.x > s.y;
   return (olx_cell){c.x + (by_v ? 0 : p->u.step), c.y + (by_v ? p->v.step : 0), t1};
+}
+
+static inline olx_ray_plane olx_plane_along(const olx_probe_ray *ray, olx_vec3 plane) {
+  return (olx_ray_plane){olx_dot(plane, ray->origin), olx_dot(plane, ray->direction)};
+}
+
+// Whether the ray is nowhere behind a plane over [t0, t1]. Rounding keeps the order of t, so the ends decide. The sky is clear.
+static inline bool olx_plane_clears(olx_ray_plane plane, float t0, float t1) {
+  const bool ends_behind = t1 < INFINITY ? plane.base + plane.slope * t1 > 1.0f : plane.slope > 0.0f;
+  return !ends_behind && !(plane.base + plane.slope * t0 > 1.0f);
 }
 
 // The texel along one axis that stepping has reached at s; a line crossed at exactly s counts as passed

@@ -21,7 +21,8 @@ static surfel read_surfel(const olx_march *m, int32_t x, int32_t y, float distan
   const olx_vec3 q = olx_octahedral_point((olx_vec2){((float)x + 0.5f) * inverse_n, ((float)y + 0.5f) * inverse_n});
   const float inverse_length = 1.0f / olx_length(q);
   const float footprint = distance * 2.0f * inverse_n * inverse_length * sqrtf(inverse_length);
-  const olx_vec3 normal = olx_texel_normal(m->field, m->probe, texel_index(m, x, y));
+  const olx_vec3 normal = m->geometry ? olx_plane_normal(olx_block_plane(m->field, m->probe, (uint32_t)x, (uint32_t)y))
+                                      : olx_texel_normal(m->field, m->probe, texel_index(m, x, y));
   const float cosine = -olx_dot(normal, q) * inverse_length;
   return (surfel){
       .distance = distance,
@@ -38,6 +39,17 @@ static float plane_tolerance(const surfel *s) {
   return s->distance * DISTANCE_PRECISION * olx_max(s->cosine, 0.0f) + 0.005f * s->footprint;
 }
 
+// The largest distance of a texel and those around it.
+static float farthest_around(const olx_march *m, olx_cell c) {
+  float farthest = 0.0f;
+  for (int32_t dy = -1; dy <= 1; dy++) {
+    for (int32_t dx = -1; dx <= 1; dx++) {
+      farthest = olx_max(farthest, olx_texel_distance(m->field, m->probe, texel_index(m, c.x + dx, c.y + dy)));
+    }
+  }
+  return farthest;
+}
+
 // Whether a squared distance from the probe is deeper than the surface of a texel can reach inside it: its plane tilted
 // away by a texel, but no farther than the neighbours, which are read only when the tilted plane leaves it open.
 static bool beyond_reach(olx_march *m, olx_cell c, const surfel *s, float radius_squared) {
@@ -46,18 +58,8 @@ static bool beyond_reach(olx_march *m, olx_cell c, const surfel *s, float radius
   const float spread = s->cosine - sine * s->footprint / s->distance;
   const float tilted = spread > 0.0f ? s->distance * s->cosine / spread : INFINITY;
   if (radius_squared > olx_square(tilted + s->slack)) return true;
-  uint16_t farthest = 0;
-  for (int32_t dy = -1; dy <= 1; dy++) {
-    const uint16_t *row = m->distance + texel_index(m, c.x - 1, c.y + dy);
-    for (uint32_t i = 0; i < 3; i++) {
-      const uint16_t code = row[i] & 0x7FFFu;
-      farthest = code > farthest ? code : farthest;
-    }
-  }
   m->steps += 8;
-
-  const float neighbours = olx_half_unpack(farthest) * m->field->distance_scale;
-  return radius_squared > olx_square(neighbours + s->slack);
+  return radius_squared > olx_square(farthest_around(m, c) + s->slack);
 }
 
 // Whether the ray's image at t lies within the neighbourhood of a texel, and the texel there sees a surface about there too.
@@ -67,7 +69,8 @@ static bool supported(olx_march *m, const olx_piece *p, olx_cell c, const surfel
   if (!olx_image_at(m, p, t, &image)) return false;
   if (fabsf(image.x - ((float)c.x + 0.5f)) > NEIGHBOURHOOD_TEXELS) return false;
   if (fabsf(image.y - ((float)c.y + 0.5f)) > NEIGHBOURHOOD_TEXELS) return false;
-  const int32_t x = olx_clamp_texel(p->sign_x, image.x, m->field->n), y = olx_clamp_texel(p->sign_z, image.y, m->field->n);
+  const int32_t x = olx_clamp_texel(p->sign_x, image.x, m->field->n),
+                y = olx_clamp_texel(p->sign_z, image.y, m->field->n);
   m->steps++;
   const float stored = olx_texel_distance(m->field, m->probe, texel_index(m, x, y));
   const float slope = 1.0f / olx_max(s->cosine, 0.1f);
@@ -99,6 +102,62 @@ static olx_verdict judge_height(olx_march *m, const olx_piece *p, olx_cell c, fl
   if (!supported(m, p, c, s, t)) return OLX_VERDICT_HIDDEN;
   answer->t = olx_max(t, m->ray->t_min);
   return OLX_VERDICT_HIT;
+}
+
+void olx_read_block(olx_march *m, int32_t x, int32_t y) {
+  const uint32_t n = m->field->n;
+  const olx_block_place place = {n, (uint32_t)x, (uint32_t)y};
+  const olx_geometry_block *block = m->geometry + (size_t)place.y * (n / OLX_BLOCK_SIDE) + place.x;
+  if (block == m->block) return;
+  m->block = block;
+  m->steps++;
+  const uint32_t *w = block->words, form = w[3] >> 30;
+  if (form == OLX_GEOMETRY_ONE) {
+    const olx_vec3 plane = {olx_bits_float(w[0]), olx_bits_float(w[1]), olx_bits_float(w[2])};
+    m->planes[0] = olx_plane_along(m->ray, plane);
+  }
+  for (uint32_t i = 0; form == OLX_GEOMETRY_TWO && i < 2; i++) {
+    m->planes[i] = olx_plane_along(m->ray, olx_plane_decode((olx_plane_code){{w[i], w[2 + i]}}, place));
+  }
+}
+
+// The plane of a texel of the block that was read last.
+static olx_ray_plane texel_plane(olx_march *m, int32_t x, int32_t y) {
+  const uint32_t texel = (uint32_t)y % OLX_BLOCK_SIDE * OLX_BLOCK_SIDE + (uint32_t)x % OLX_BLOCK_SIDE;
+  const uint32_t *w = m->block->words, form = w[3] >> 30;
+  if (form == OLX_GEOMETRY_ONE) return m->planes[0];
+  if (form == OLX_GEOMETRY_TWO) return m->planes[w[2 + texel / 8] >> (22 + texel % 8) & 1u];
+  m->steps++;
+  return olx_plane_along(m->ray, olx_block_plane(m->field, m->probe, (uint32_t)x, (uint32_t)y));
+}
+
+// Whether the ray reaches the plane of texel c, which it leaves at t1. A plane that comes nearer in a part of the texel than in its
+// middle may end before, at the edge of a thing: the next texel tells.
+static bool reaches_plane(olx_march *m, olx_cell c, float t1, float *stored) {
+  olx_read_block(m, c.x >> OLX_PYRAMID_FINEST, c.y >> OLX_PYRAMID_FINEST);
+  if (olx_plane_clears(texel_plane(m, c.x, c.y), c.t, t1)) return false;
+  *stored = olx_texel_distance(m->field, m->probe, texel_index(m, c.x, c.y));
+  return !(olx_farthest_squared(m, c.t, t1) < *stored * *stored || *stored == INFINITY);
+}
+
+olx_verdict olx_visit_plane(olx_march *m, const olx_piece *p, olx_cell c, float t1, olx_probe_answer *answer) {
+  float stored;
+  return reaches_plane(m, c, t1, &stored) ? olx_judge_surfel(m, p, c, t1, stored, answer) : OLX_VERDICT_CLEAR;
+}
+
+olx_verdict olx_visit_block(olx_march *m, const olx_piece *p, int32_t x, int32_t y, float s, float t, bool by_v,
+                            float t1, olx_probe_answer *answer) {
+  olx_read_block(m, x, y);
+  if (olx_block_clears(m, p, t, t1)) return OLX_VERDICT_CLEAR;
+  olx_cell c = {olx_texel_at(&p->u, s, true), olx_texel_at(&p->v, s, by_v), t};
+  do {
+    const olx_vec2 ahead = olx_crossings_ahead(p, c.x, c.y, 0);
+    const float s1 = olx_min(ahead.x, ahead.y), end = olx_parameter_at(p, s1);
+    const olx_verdict verdict = olx_visit_plane(m, p, c, end, answer);
+    if (verdict != OLX_VERDICT_CLEAR || s1 >= 1.0f) return verdict;
+    c = olx_next_cell(p, c, ahead, end);
+  } while (c.x >> OLX_PYRAMID_FINEST == x && c.y >> OLX_PYRAMID_FINEST == y);
+  return OLX_VERDICT_CLEAR;
 }
 
 olx_verdict olx_judge_surfel(olx_march *m, const olx_piece *p, olx_cell c, float t1, float stored,

@@ -91,6 +91,7 @@ static olx_result lay_out_words(olx_vulkan_field *gpu, const olx_field *field, V
       [OLX_WORDS_VORONOI] = {field->select_data[OLX_SELECT_VORONOI], field->select_bytes[OLX_SELECT_VORONOI], 0},
       [OLX_WORDS_EMISSION] = {s->emission, sizeof(uint32_t) * s->tile_side * s->tile_side * probes, 0},
       [OLX_WORDS_TILES] = {s->tiles, sizeof(uint32_t) * OLX_EMISSION_TILE_TEXELS * (VkDeviceSize)s->tile_count, 0},
+      [OLX_WORDS_PLANES] = {field->planes.planes, sizeof(olx_plane_code) * (VkDeviceSize)field->planes.count, 0},
       [OLX_WORDS_LIGHTS] = {s->lights, sizeof(olx_field_light) * highlight_count(field), 0},
       [OLX_WORDS_VOLUME] = {field->volume.header, volume_bytes(&field->volume), 0},
       [OLX_WORDS_VOLUME_LIGHT] = {field->volume.irradiance, light_bytes, 0},
@@ -102,7 +103,7 @@ static olx_result lay_out_words(olx_vulkan_field *gpu, const olx_field *field, V
     gpu->words[i].offset = gpu->buffer_bytes;
     gpu->buffer_bytes += i == OLX_WORDS_LIGHTS ? sizeof(olx_field_light) * gpu->light_room : whole_words(words[i].bytes);
   }
-  return check_range(&gpu->context, gpu->buffer_bytes - first, "pyramids, selectors, emission, lights and volume");
+  return check_range(&gpu->context, gpu->buffer_bytes - first, "pyramids, selectors, emission, planes, lights and volume");
 }
 
 // Where a part begins, in words of the array.
@@ -174,6 +175,9 @@ static olx_gpu_field field_constants(const olx_vulkan_field *gpu, const olx_fiel
       .surface_scale = (float)surfaces->stride / (float)field->stride,
       .surface_border = !surfaces->blocks,
       .compressed = !field->surfaces.base,
+      .planes_first = first_word(gpu, OLX_WORDS_PLANES),
+      .plane_count = field->planes.count,
+      .geometry_scale = field->geometry ? (float)distance->stride / (float)field->stride : 0.0f,
   };
 }
 
@@ -196,6 +200,13 @@ static olx_gpu_maps surface_maps(const olx_vulkan_context *c, const olx_field *f
                         .decoded = stored && !keeps,
                         .kind = kind,
                         .texels = stored ? blocks[kind] : texels[kind]};
+}
+
+// Distances, or geometry blocks: any device samples images of four words, a block a texel.
+static olx_gpu_maps geometry_maps(const olx_field *field) {
+  const uint32_t probes = field->info.probe_count, side = field->n / OLX_BLOCK_SIDE;
+  return field->geometry ? (olx_gpu_maps){VK_FORMAT_R32G32B32A32_UINT, 16, side, probes, .texels = field->geometry}
+                         : (olx_gpu_maps){VK_FORMAT_R16_UINT, 2, field->stride, probes, .texels = field->distance};
 }
 
 // What stands for maps of a kind that the field lacks: one of a single black texel.
@@ -225,8 +236,7 @@ static olx_result create_resources(const olx_vulkan_host *host, const olx_field 
                                                        .texels = field->radiance},
       [OLX_BINDING_NORMAL -
           OLX_BINDING_RADIANCE] = {VK_FORMAT_R16_UINT, 2, field->stride, probes, .texels = field->normal},
-      [OLX_BINDING_DISTANCE -
-          OLX_BINDING_RADIANCE] = {VK_FORMAT_R16_UINT, 2, field->stride, probes, .texels = field->distance},
+      [OLX_BINDING_DISTANCE - OLX_BINDING_RADIANCE] = geometry_maps(field),
       [OLX_BINDING_IRRADIANCE - OLX_BINDING_RADIANCE] = {VK_FORMAT_B10G11R11_UFLOAT_PACK32, 4, field->irradiance_stride,
                                                          irradiance_probes, .filtered = true,
                                                          .texels = field->irradiance},

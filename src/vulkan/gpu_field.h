@@ -32,6 +32,7 @@ typedef enum olx_gpu_words_part {
   OLX_WORDS_VORONOI,
   OLX_WORDS_EMISSION,
   OLX_WORDS_TILES,
+  OLX_WORDS_PLANES,
   OLX_WORDS_LIGHTS,
   OLX_WORDS_VOLUME,
   OLX_WORDS_VOLUME_LIGHT, // right behind

@@ -12,7 +12,7 @@
 _Static_assert(sizeof(olx_gpu_grid) == 48 && offsetof(olx_gpu_grid, spacing) == 16 &&
                    offsetof(olx_gpu_grid, count) == 32,
                "std140");
-_Static_assert(sizeof(olx_gpu_field) == 240 && offsetof(olx_gpu_field, irradiance_grid) == 48 &&
+_Static_assert(sizeof(olx_gpu_field) == 256 && offsetof(olx_gpu_field, irradiance_grid) == 48 &&
                    offsetof(olx_gpu_field, scene_min) == 96 && offsetof(olx_gpu_field, scene_max) == 112 &&
                    offsetof(olx_gpu_field, probe_count) == 128 && offsetof(olx_gpu_field, n) == 132 &&
                    offsetof(olx_gpu_field, least_nodes) == 136 && offsetof(olx_gpu_field, maps_a_side) == 140 &&
@@ -26,7 +26,9 @@ _Static_assert(sizeof(olx_gpu_field) == 240 && offsetof(olx_gpu_field, irradianc
                    offsetof(olx_gpu_field, lights_first) == 192 && offsetof(olx_gpu_field, light_count) == 196 &&
                    offsetof(olx_gpu_field, last_bounce) == 200 && offsetof(olx_gpu_field, volume_first) == 204 &&
                    offsetof(olx_gpu_field, pyramid_first) == 208 && offsetof(olx_gpu_field, surface_scale) == 224 &&
-                   offsetof(olx_gpu_field, surface_border) == 228 && offsetof(olx_gpu_field, compressed) == 232,
+                   offsetof(olx_gpu_field, surface_border) == 228 && offsetof(olx_gpu_field, compressed) == 232 &&
+                   offsetof(olx_gpu_field, planes_first) == 236 && offsetof(olx_gpu_field, plane_count) == 240 &&
+                   offsetof(olx_gpu_field, geometry_scale) == 244,
                "std140");
 _Static_assert(sizeof(olx_gpu_probe) == 16 && offsetof(olx_gpu_probe, flags) == 12, "std430");
 _Static_assert(sizeof(olx_gpu_frame) == 128 && offsetof(olx_gpu_frame, eye) == 64 &&

@@ -34,7 +34,7 @@ vec3 seen_light(uint probe, ivec2 texel) {
   if (isinf(distance)) return olx_texel_emission(probe, texel);
   vec3 direction = olx_texel_direction(uvec2(texel), olx_field.n);
   olx_reflection light = olx_texel_shade(map, texel, olx_probe_position(probe) + direction * distance, direction);
-  return light.reflected + light.lobe + (olx_texel_emits(map, texel) ? olx_texel_emission(probe, texel) : vec3(0.0));
+  return light.reflected + light.lobe + (olx_texel_emits(probe, texel) ? olx_texel_emission(probe, texel) : vec3(0.0));
 }
 
 vec3 hue(float h) { return clamp(abs(fract(h + vec3(0.0, 2.0, 1.0) / 3.0) * 6.0 - 3.0) - 1.0, 0.0, 1.0); }

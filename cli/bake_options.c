@@ -1,3 +1,5 @@
+// Reads the options of baking that `bake` and `bench` share, and turns them into settings, with the scene's own where
+// nothing was given.
 #include "bake_options.h"
 
 #include <octalux/place.h>

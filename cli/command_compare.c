@@ -1,3 +1,4 @@
+// octalux compare: prints metrics of two images layer by layer, draws maps of FLIP, and writes a report.
 #include "commands.h"
 #include "comparison.h"
 #include "files.h"

@@ -1,3 +1,4 @@
+// octalux info and octalux verify: print what a field file holds, packed or not, and check every byte of it.
 #include "commands.h"
 #include "options.h"
 #include "report.h"

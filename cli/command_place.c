@@ -1,3 +1,4 @@
+// octalux place: places the probes of a scene, prints what they cover, and saves them as JSON and as a picture.
 #include "commands.h"
 #include "files.h"
 #include "options.h"

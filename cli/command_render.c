@@ -1,3 +1,5 @@
+// octalux render: renders pictures of a scene by path tracing or from a field, on the CPU or with indirect light from a
+// Vulkan device.
 #include "commands.h"
 #include "files.h"
 #include "options.h"

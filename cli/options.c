@@ -1,3 +1,4 @@
+// Parses the arguments of a command by a table of its options, and prints --help and errors from the same table.
 #include "options.h"
 
 #include <octalux/base.h>

@@ -1,3 +1,4 @@
+// Draws curves and bars with axes, grids and legends as SVG text.
 #include "plot.h"
 
 #include <math.h>

@@ -1,3 +1,5 @@
+// Renders pictures whose surfaces and direct light come from the CPU, and whose indirect light comes from a field on a
+// Vulkan device.
 #include "vulkan_render.h"
 
 #include "clock.h"

@@ -1,3 +1,4 @@
+// Writes small OBJ, glTF, GLB and image files into a temporary folder for tests of imports.
 #include "scene_files.h"
 
 #include "gltf_maker.h"

@@ -1,5 +1,5 @@
-// octalux-bench-gpu: milliseconds of each pass on a Vulkan device, beside the paper's. Needs a Vulkan loader and
-// nothing else.
+// Measures the milliseconds of each pass on a Vulkan device (octalux-bench-gpu), beside the paper's. It needs a Vulkan
+// loader and nothing else.
 #include "bench_compile.h"
 #include "bench_report.h"
 

@@ -1,3 +1,5 @@
+// Runs what the benchmark's passes are held against: a pass that counts what they read, a pass that does the least that
+// they could, and plain copies.
 #include "bench_probe.h"
 
 #include <string.h>

@@ -1,3 +1,5 @@
+// Measures one row of the benchmark: draws and lights a scene frame after frame on a device, and times each part by the
+// device's clock.
 #include "bench_row.h"
 
 #include "clock.h"

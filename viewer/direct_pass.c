@@ -1,3 +1,4 @@
+// Records the pass that adds direct light of lamps, with shadows from maps, and the environment behind all surfaces.
 #include "direct_pass.h"
 
 #include <stdlib.h>

@@ -1,3 +1,5 @@
+// Turns a scene's light into a list of lamps: emissive surfaces and the environment become points and directions drawn
+// by their power, each with views for its shadows.
 #include "lamp_samples.h"
 
 #include <math.h>

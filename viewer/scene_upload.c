@@ -1,3 +1,5 @@
+// Uploads a scene's triangles, materials and textures with their mip levels to a device, in batches of one material
+// each.
 #include "scene_upload.h"
 
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+// Records the pass that turns linear radiance into the picture that is shown.
 #include "tone_pass.h"
 
 static const uint32_t SHADER[] = {

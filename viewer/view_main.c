@@ -1,4 +1,4 @@
-// octalux-view: a window on a scene that a field lights. `octalux view` starts it.
+// Runs octalux-view: a window on a scene that a field lights. `octalux view` starts it.
 #include "clock.h"
 #include "options.h"
 #include "view_lights.h"

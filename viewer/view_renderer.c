@@ -1,3 +1,5 @@
+// Renders a frame of the viewer: surfaces and direct light, indirect light from the field, overlays, and the panel, as
+// far as the state wants them.
 #include "view_renderer.h"
 #include "view_object.h"
 

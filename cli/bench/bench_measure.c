@@ -1,3 +1,5 @@
+// Bakes fields for experiments, renders pictures in independent halves, and estimates errors from which noise has been
+// taken out.
 #include "bench_measure.h"
 
 #include "clock.h"

@@ -1,4 +1,5 @@
-// Per-frame updates: a light moves, a few probes a frame follow, against a fresh bake of the changed scene.
+// Compares frames of relighting, in which a light moves and a few probes a frame follow, with a fresh bake of the
+// changed scene.
 #include "clock.h"
 #include "experiment_list.h"
 

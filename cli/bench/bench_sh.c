@@ -1,4 +1,4 @@
-// McGuire et al. 2017, section 7: irradiance as spherical harmonics beside octahedral maps.
+// Compares irradiance stored as spherical harmonics with octahedral maps of it (McGuire et al. 2017, section 7).
 #include "experiment_list.h"
 
 #include <octalux/sample.h>

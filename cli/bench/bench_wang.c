@@ -1,3 +1,5 @@
+// Measures the rows of Wang's tables: bakes a field for each set of probes, renders the scene's cameras, and compares
+// them with references.
 #include "bench_wang.h"
 
 #include "commands.h"

@@ -1,4 +1,4 @@
-// Tables 5.1 and 5.2, and the comparisons of sections 5.1 and 5.2.
+// Measures the rows of Tables 5.1 and 5.2 of Wang's thesis, and the comparisons of its sections 5.1 and 5.2.
 #include "bench_wang.h"
 
 #include <stdio.h>

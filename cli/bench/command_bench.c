@@ -1,3 +1,5 @@
+// octalux bench: runs the experiments that the command line names, prints their findings, and writes them as JSON and
+// as a report.
 #include "commands.h"
 #include "experiment.h"
 #include "html_report.h"

@@ -1,3 +1,5 @@
+// Runs experiments, and lends them what they share: scenes that may be absent, references that are path traced once in
+// a run, fields, and pictures for the report.
 #include "experiment.h"
 
 #include "clock.h"

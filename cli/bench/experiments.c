@@ -1,4 +1,4 @@
-// The experiments in the order of the papers.
+// Lists the experiments that `octalux bench` knows, in the order of the papers.
 #include "experiment_list.h"
 
 const experiment experiments[] = {

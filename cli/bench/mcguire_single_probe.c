@@ -1,4 +1,4 @@
-// Figure 17: one probe for a star-shaped volume.
+// Repeats Figure 17 of McGuire et al. 2017: one probe that lights a star-shaped hall.
 #include "experiment_list.h"
 
 #include <stdio.h>

@@ -1,4 +1,5 @@
-// Light stored at surfaces, with default settings throughout: the scenes, and what the parts of the experiment share.
+// Judges light stored at surfaces with default settings: runs the parts of the experiment over its scenes, and holds
+// what these parts share.
 #include "surfaces.h"
 
 #include "experiment_list.h"

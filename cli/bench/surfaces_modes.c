@@ -1,4 +1,5 @@
-// Indirect light in every mode that a renderer can choose: surfaces that emit, thin things before others, dark corners.
+// Compares indirect light in every mode that a renderer can choose, where modes differ most: at surfaces that emit,
+// thin things before others, and dark corners.
 #include "surfaces.h"
 
 #include <math.h>

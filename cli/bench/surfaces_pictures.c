@@ -1,4 +1,5 @@
-// Errors of both indirect layers by camera, for placed probes and for the scene's grid; the fields; two bakes.
+// Measures errors of both indirect layers, camera by camera, for placed probes and for the scene's grid, and the spread
+// between two bakes.
 #include "surfaces.h"
 
 #include <math.h>

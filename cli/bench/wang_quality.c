@@ -1,4 +1,5 @@
-// Sections 5.1.1, 5.1.2 and 5.2: sets of probes of equal quality, of equal count, and of equal time.
+// Repeats sections 5.1.1, 5.1.2 and 5.2 of Wang's thesis: sets of probes of equal quality, of equal count, and of equal
+// time.
 #include "experiment_list.h"
 #include "wang_study.h"
 

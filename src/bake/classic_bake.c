@@ -1,3 +1,5 @@
+// Bakes the maps of one irradiance probe of the baseline: casts and lights a cube map around the probe, filters it, and
+// fits the box by which parallax is corrected.
 #include "bake/classic_bake.h"
 
 #include "bake/morton.h"

@@ -1,3 +1,5 @@
+// Finds which probes are neighbours by a Delaunay triangulation of their positions (Qhull), with answers of its own for
+// positions that coincide and for sets that are flat.
 #include "bake/delaunay.h"
 
 #include "core/hooks.h"

@@ -1,3 +1,5 @@
+// Fits spherical harmonics to irradiance measured on surfaces: corrects the coefficients of each probe until what the
+// runtime interpolates comes closest to the measurements.
 #include "bake/harmonics_fit.h"
 
 #include "core/harmonics.h"

@@ -1,3 +1,5 @@
+// Builds a sparse voxel octree level by level (Wang 2018, section 4.2): subdivides where triangles lie, and gives each
+// leaf the four best of the probes that see it.
 #include "bake/octree_build.h"
 
 #include "core/hooks.h"

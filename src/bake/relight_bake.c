@@ -1,5 +1,5 @@
-// Turns the solved light of a scene into what its light can be changed with: links of surfels and of volume probes are made
-// few, and all becomes one structure.
+// Turns the solved light of a scene into what relighting needs: reduces the links of surfels and of volume probes to
+// few, and packs all of it into one structure.
 #include "bake/relight_bake.h"
 
 #include "core/hooks.h"

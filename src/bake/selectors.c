@@ -1,3 +1,4 @@
+// Builds the structures that a bake was asked for by which the runtime finds probes, one builder for each selector.
 #include "bake/selectors.h"
 
 #include "bake/bricks_build.h"

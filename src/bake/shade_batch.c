@@ -1,3 +1,5 @@
+// Lights many surface points at once: direct light by shadow rays to drawn emitters, diffuse light from irradiance
+// maps, and specular reflections by rays that are cast in packets.
 #include "bake/shade_batch.h"
 
 #include "core/sampling.h"

@@ -1,3 +1,5 @@
+// Links probes for bounces by rays: casts rays from what each probe sees, finds the probe that stored the surface at
+// each ray's end, and looks up the light of earlier bounces there.
 #include "bake/traced_bounce.h"
 
 #include "bake/arrays.h"

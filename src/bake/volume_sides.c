@@ -1,4 +1,4 @@
-// Tells the sides of a cell apart: places spread over the cell are connected where they see each other, and what is not
+// Separates the sides of a cell: places spread over the cell are connected where they see each other, and what is not
 // connected is divided by the planes of the triangles between, until each part is one. What is outside all rooms is divided
 // off as well.
 #include "bake/volume_sides.h"

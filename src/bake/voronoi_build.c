@@ -1,3 +1,5 @@
+// Builds the Voronoi selector (Wang 2018, section 4.1): for each direction from a probe, the Delaunay neighbours
+// nearest in angle, and a k-d tree by which the nearest probe is found.
 #include "bake/voronoi_build.h"
 
 #include "bake/delaunay.h"

@@ -1,3 +1,5 @@
+// Writes files that are whole or not there at all, by a temporary file that is synced and renamed, and maps files into
+// memory for reading.
 #include "core/file.h"
 
 #include "core/hooks.h"

@@ -1,4 +1,4 @@
-// A field as a glTF model: octahedra where probes stand, and the edges of the boxes that space is divided into.
+// Writes a field as a glTF model: octahedra where probes are, and the edges of the boxes that space is divided into.
 #include "core/file.h"
 #include "core/hooks.h"
 #include "core/result.h"

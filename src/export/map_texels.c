@@ -1,4 +1,4 @@
-// What each map is called, where it is stored, and how a texel of it is read.
+// Names each kind of map, and finds where it is stored and how a texel of it is read.
 #include "export/map_texels.h"
 
 #include "core/result.h"

@@ -1,4 +1,4 @@
-// Packed fields as they are found: header, tables, and whether both tables speak of the same chunks.
+// Opens packed fields: checks the header and the tables, and that both tables name the same chunks.
 #include "core/parallel.h"
 #include "core/result.h"
 #include "export/packed_format.h"

@@ -1,3 +1,5 @@
+// Estimates direct light at a surface by next-event estimation: samples of lights and rays drawn from the lobes share
+// the work by Veach's power heuristic.
 #include "light/direct_light.h"
 
 // Smallest cosine between shading normal and eye: below it interpolated normals face away from whoever sees the surface.

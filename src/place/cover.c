@@ -1,3 +1,5 @@
+// Chooses probes that cover what can be seen: a greedy weighted set cover over surfels, then moves and swaps, with
+// denser samples of surfels as less and less stays uncovered.
 #include "place/cover.h"
 
 #include "core/hooks.h"

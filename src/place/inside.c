@@ -1,3 +1,5 @@
+// Measures how deep places are inside surfaces by counting front and back faces along rays, and finds the depth that
+// counts as outside in a scene.
 #include "place/inside.h"
 
 #include "core/hooks.h"

@@ -1,3 +1,4 @@
+// Measures how much of a scene a set of probes covers, by surfels that the placement never used.
 #include "place/measure.h"
 
 #include "core/hooks.h"

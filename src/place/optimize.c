@@ -1,3 +1,5 @@
+// Moves probes to where they see more (Wang 2018, section 3.2), by steps towards the best support probe or by Gibbs
+// sampling, as long as the reward over the atlas grows.
 #include "place/optimize.h"
 
 #include "core/hooks.h"

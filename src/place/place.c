@@ -1,3 +1,5 @@
+// Places the probes of a scene: checks the settings, finds the space that matters, runs the chosen method and
+// optimizer, and measures the result.
 #include "core/hooks.h"
 #include "core/parallel.h"
 #include "core/result.h"

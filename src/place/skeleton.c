@@ -1,3 +1,5 @@
+// Places probes on the skeleton of free space, found by the distance transform or by medial balls (Wang 2018, section
+// 3.1) and clustered to the number of probes that is wanted.
 #include "place/skeleton.h"
 
 #include "core/hooks.h"

@@ -1,3 +1,5 @@
+// Spreads surfels over the surfaces of a scene by area and keeps those that the space that matters sees, as rays and
+// lines of sight decide for each.
 #include "place/surfels.h"
 
 #include "core/hooks.h"

@@ -1,3 +1,5 @@
+// Finds which surfels are seen from which places, and how well, by casting rays for whole batches of places and
+// surfels.
 #include "place/visibility.h"
 
 #include "scene/bvh.h"

@@ -1,4 +1,4 @@
-// Judging a field without a picture: its rays against the real triangles, its diffuse light against path tracing.
+// Judges a field without a picture: its rays against the real triangles, its diffuse light against path tracing.
 #include "core/hooks.h"
 #include "core/parallel.h"
 #include "core/result.h"

@@ -1,3 +1,5 @@
+// Denoises one ray a pixel (McGuire et al. 2017, section 5.1): mixes it into the history of its surface, found by
+// reprojection, and filters along rows and columns across pixels of that surface.
 #include "render/denoise.h"
 
 #include "core/hooks.h"

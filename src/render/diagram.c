@@ -1,3 +1,5 @@
+// Draws a scene as a diagram: shaded flatly, cut open towards the eye, with marks such as probes and skeletons as lit
+// balls.
 #include "core/hooks.h"
 #include "core/parallel.h"
 #include "core/result.h"

@@ -1,4 +1,4 @@
-// Layered float images through OpenEXR's C core.
+// Reads and writes images of layers of floats by OpenEXR's C core.
 #include "render/image_io.h"
 
 #include "core/file.h"

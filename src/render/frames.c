@@ -1,5 +1,5 @@
-// Frames as a real-time renderer makes them (McGuire et al. 2017, section 5): one camera ray a pixel, one ray a lobe, and the
-// denoiser over pixels and frames. Passes follow each other, each a function of buffers.
+// Renders frames as a real-time renderer makes them (McGuire et al. 2017, section 5): one camera ray a pixel, one ray a
+// lobe, and the denoiser over pixels and frames. Passes follow each other, each a function of buffers.
 #include "core/hooks.h"
 #include "core/parallel.h"
 #include "core/result.h"

@@ -1,3 +1,5 @@
+// Renders pictures tile by tile in parallel with any of the renderers: casts camera rays, sums samples into layers, and
+// warns where field and scene do not belong together.
 #include "core/hooks.h"
 #include "core/parallel.h"
 #include "core/result.h"

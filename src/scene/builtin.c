@@ -1,3 +1,4 @@
+// Lists the built-in scenes by name, and builds the one that is asked for.
 #include "scene/builtin.h"
 
 #include "core/result.h"

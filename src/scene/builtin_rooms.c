@@ -1,3 +1,5 @@
+// Builds rooms in which light leaks where probes are interpolated carelessly: rooms with a wall between, thin things
+// before walls, pillars that bury probes, and a labyrinth.
 #include "core/result.h"
 #include "scene/builtin_scenes.h"
 #include "scene/builtin_shapes.h"

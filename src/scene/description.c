@@ -1,3 +1,5 @@
+// Reads scene descriptions in JSON: models, cameras, lights, changes of materials, and rules for placing probes.
+// Messages name the file and the element that is wrong.
 #include "core/file.h"
 #include "core/hooks.h"
 #include "core/result.h"

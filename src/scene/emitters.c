@@ -1,3 +1,5 @@
+// Draws points on lights for next-event estimation: lights without area, emissive triangles by what each sends to the
+// place, and the environment, with their densities.
 #include "scene/emitters.h"
 
 #include "core/hooks.h"

@@ -1,5 +1,5 @@
-// Buffers are mapped where they are files and decoded where they are data: URIs; views are pieces of them.
-// Nothing is copied but what is compressed.
+// Maps the buffers of a glTF file, or decodes them from data: URIs, and finds the views in them. Nothing is copied but
+// what is compressed.
 #include "scene/gltf_buffer.h"
 
 #include "core/hooks.h"

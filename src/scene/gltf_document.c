@@ -1,4 +1,4 @@
-// Opening a glTF file: the two containers, the version, the extensions, and the arrays of elements.
+// Opens a glTF file: its two containers, the version, the extensions, and the arrays of elements.
 #include "scene/gltf_document.h"
 
 #include "core/hooks.h"

@@ -1,5 +1,5 @@
-// A primitive is read anew for each node that has it, straight into arrays in the scene's space. Its material says
-// which attributes are wanted.
+// Imports the primitives of glTF meshes, once for each node that refers to them, straight into arrays in the scene's
+// space. The material says which attributes are wanted.
 #include "scene/gltf_mesh.h"
 
 #include "core/hooks.h"

@@ -1,5 +1,5 @@
-// Compressed views are checked for what they promise before memory is spent on them, and decoded by meshoptimizer,
-// which is safe on hostile streams.
+// Decodes compressed views by meshoptimizer, which is safe on hostile streams, after what they promise has been checked
+// and before memory is spent on them.
 #include "scene/gltf_meshopt.h"
 
 #include "core/hooks.h"

@@ -1,4 +1,4 @@
-// glTF models, from the file to the scene: everything is checked and counted before memory is spent on it.
+// Imports a glTF model from the file to the scene: everything is checked and counted before memory is spent on it.
 #include "core/hooks.h"
 #include "core/result.h"
 #include "scene/gltf_accessor.h"

@@ -1,3 +1,4 @@
+// Computes the solid angle of a spherical triangle, and draws directions evenly from it (Arvo 1995).
 #include "scene/spherical_triangle.h"
 
 float olx_spherical_triangle_area(const olx_vec3 corners[3]) {

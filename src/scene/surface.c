@@ -1,3 +1,5 @@
+// Finds what a ray sees where it hits: position, normals, textures and emission of the surface, and origins for further
+// rays that do not meet the same surface again.
 #include "scene/surface.h"
 
 #include "scene/emitters.h"

@@ -1,3 +1,5 @@
+// Codes 8-bit texels without loss: predicts each from its neighbours, and stores the differences in Rice codes whose
+// parameter follows their size.
 #include "scene/texel_code.h"
 
 #include "core/hooks.h"

@@ -1,3 +1,5 @@
+// Collects the textures that a model refers to, decodes each of them once and all in parallel, and counts their texels
+// against the scene's limit first.
 #include "scene/texture_table.h"
 
 #include "core/hooks.h"

@@ -1,3 +1,5 @@
+// Evaluates the baseline, irradiance probes without visibility: trilinear irradiance, and prefiltered radiance with
+// parallax corrected by a box, times a tabulated reflectance.
 #include "shade/classic.h"
 
 #include "core/result.h"

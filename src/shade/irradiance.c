@@ -1,3 +1,5 @@
+// Interpolates irradiance between the probes of a cage, each weighted by Chebyshev's bound on its visibility, and falls
+// back on farther probes where the cage hardly sees the point.
 #include "shade/irradiance.h"
 
 #include <assert.h>

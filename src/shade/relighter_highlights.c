@@ -1,5 +1,5 @@
-// Specular reflections of direct light on the way from surfel to surfel: links bring what surfaces reflect alike to all sides, but
-// a floor in the sun lights the wall behind it more than the one before it.
+// Adds specular reflections of direct light on the way from surfel to surfel. Links carry what surfaces reflect alike
+// to all sides, but a floor in the sun lights the wall behind it more than the one before it.
 #include "core/bsdf.h"
 #include "core/pack.h"
 #include "shade/relighter.h"

@@ -1,4 +1,5 @@
-// Light that reaches places straight from the lights of a relighter, with shadows by the host's rays or through the field.
+// Computes light that reaches places straight from the lights of a relighter, with shadows by the host's rays or
+// through the field.
 #include "core/sampling.h"
 #include "shade/relighter.h"
 

@@ -1,5 +1,5 @@
-// Diffuse light of static surfaces: of the probes near a point those that see its own surface answer, each by the four texels
-// around the point's direction, as far as they hold that surface.
+// Interpolates diffuse light of static surfaces: of the probes near a point those that see its own surface answer, each
+// by the four texels around the point's direction, as far as they hold that surface.
 #include "shade/surface_irradiance.h"
 
 #include "field/texels.h"

@@ -1,3 +1,4 @@
+// Uploads the baseline's maps to a device, and records the pass that lights a frame by them, to compare with.
 #include "core/hooks.h"
 #include "vulkan/gpu_frame.h"
 #include "vulkan/uploader.h"

@@ -1,3 +1,5 @@
+// Lays out a field on a device: an image for each kind of map, one buffer for all else, and the descriptor set by which
+// every pass reads them.
 #include "vulkan/gpu_field.h"
 
 #include "core/hooks.h"

@@ -1,3 +1,5 @@
+// Makes what a frame needs on a device: pipelines for the passes that the host's images name, the sets that bind these
+// images, and the constants of a dispatch.
 #include "vulkan/gpu_frame.h"
 
 #include "core/hooks.h"

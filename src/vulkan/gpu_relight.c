@@ -1,3 +1,5 @@
+// Makes a relighter's buffers, descriptor sets and pipelines on a device, in groups of passes that stay within the
+// storage buffers a device must offer.
 #include "vulkan/gpu_relight.h"
 
 #include "core/hooks.h"

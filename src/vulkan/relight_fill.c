@@ -1,4 +1,4 @@
-// What lies where in the buffers of a relighter on the device, and what they hold when it is made.
+// Lays out the buffers of a relighter on a device, and fills them when it is made.
 #include "core/hooks.h"
 #include "vulkan/gpu_relight.h"
 #include "vulkan/uploader.h"

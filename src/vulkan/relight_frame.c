@@ -1,4 +1,4 @@
-// Records frames of a relighter: chooses what they light as the CPU does, and when their results are read.
+// Records frames of a relighter: chooses what they light as the CPU does, and decides when their results are read.
 #include "vulkan/gpu_relight.h"
 #include "vulkan/map_copies.h"
 

@@ -1,5 +1,5 @@
-// Light that a relighter has changed, copied to a field on the device: tiles and borders of light field maps, irradiance of the
-// volume, and lights.
+// Copies light that a relighter has changed to a field on the device: tiles and borders of light field maps, irradiance
+// of the volume, and lights.
 #include "core/hooks.h"
 #include "core/result.h"
 #include "shade/relighter.h"

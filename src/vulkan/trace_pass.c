@@ -1,3 +1,5 @@
+// Records the pass that traces glossy rays through the field, and the one that gives dim lobes their light by
+// irradiance instead.
 #include "vulkan/gpu_frame.h"
 
 static const uint32_t WORDS[] = {

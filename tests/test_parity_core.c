@@ -46,8 +46,9 @@ ROW(normal_unpack, put_3(r, olx_normal_unpack((uint16_t)(s->bits[0] % 255u | s->
 ROW(hash, put_u(r, olx_hash(s->bits[0]));)
 ROW(hash2, put_u(r, olx_hash2(s->bits[0], s->bits[1]));)
 ROW(unit_float, put_f(r, olx_unit_float(s->bits[0]));)
-ROW(owen_scramble, put_u(r, olx_owen_scramble(s->bits[0], s->bits[1]));)
-ROW(sobol2, put_u(r, olx_sobol2(s->bits[0]));)
+ROW(owen_scramble,
+    put_u(r, olx_reverse_bits(olx_owen_scramble_reversed(olx_reverse_bits(s->bits[0]), s->bits[1])));)
+ROW(sobol2, put_u(r, olx_reverse_bits(olx_sobol2_reversed(s->bits[0])));)
 ROW(stratified2, put_2(r, olx_stratified2(s->bits[0], s->bits[1]));)
 ROW(sample_cosine, put_3(r, olx_sample_cosine(random_2(s)));)
 ROW(bsdf_make, put_3(r, s->bsdf.albedo); put_3(r, s->bsdf.f0); put_f(r, s->bsdf.f90);

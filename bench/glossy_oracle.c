@@ -8,8 +8,9 @@
 //   light, ... light computed anew where the ray meets a surface, as seen from such a probe: a perfect texel.
 // Errors are products of two independent halves, so noise adds nothing to them on average.
 #include "core/bsdf.h"
-#include "render/camera.h"
 #include "light/direct_light.h"
+#include "render/camera.h"
+#include "scene/bvh.h"
 #include "scene/surface.h"
 #include "trace/texel_shade.h"
 

@@ -8,6 +8,7 @@
 #include "light/path.h"
 #include "light/scene_light.h"
 #include "render/camera.h"
+#include "scene/bvh.h"
 
 #include <octalux/bake.h>
 #include <octalux/place.h>

@@ -5,8 +5,9 @@
 //
 // Errors are products of two independent halves of a pixel's rays, so that noise adds nothing to them on average. What is
 // left of it in a ratio to the best grid is estimated by leaving out each twentieth of the pixels (jackknife).
-#include "render/camera.h"
 #include "light/direct_light.h"
+#include "render/camera.h"
+#include "scene/bvh.h"
 #include "scene/surface.h"
 
 #include <octalux/sample.h>

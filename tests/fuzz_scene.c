@@ -8,6 +8,7 @@
 #include "counted_memory.h"
 #include "gltf_maker.h"
 #include "processor_alarm.h"
+#include "scene/bvh.h"
 #include "scene/surface.h"
 #include "scene_files.h"
 

@@ -2,6 +2,7 @@
 #include "core/hooks.h"
 #include "core/sampling.h"
 #include "made_scenes.h"
+#include "scene/bvh.h"
 #include "scene/emitters.h"
 #include "scene/surface.h"
 

@@ -2,6 +2,7 @@
 #include "core/hooks.h"
 #include "core/sampling.h"
 #include "made_scenes.h"
+#include "scene/bvh.h"
 #include "scene/distribution.h"
 #include "scene/emitters.h"
 #include "scene/scene_build.h"

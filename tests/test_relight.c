@@ -3,7 +3,7 @@
 #include "scene/bvh.h"
 #include "scene/surface.h"
 #include "scene_files.h"
-#include "shade/relighter.h"
+#include "shade/relighter_parts.h"
 #include "synthetic_field.h"
 #include "tiny_scenes.h"
 

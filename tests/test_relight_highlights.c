@@ -4,7 +4,7 @@
 #include "core/pack.h"
 #include "core/sampling.h"
 #include "scene_files.h"
-#include "shade/relighter.h"
+#include "shade/relighter_parts.h"
 #include "tiny_scenes.h"
 
 #include <octalux/bake.h>

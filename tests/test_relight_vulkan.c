@@ -2,7 +2,7 @@
 // give, however few bytes a call may copy.
 #include "relit_room.h"
 #include "scene_files.h"
-#include "shade/relighter.h"
+#include "shade/relighter_parts.h"
 
 #include <octalux/bake.h>
 #include <octalux/vulkan.h>

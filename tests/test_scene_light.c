@@ -4,6 +4,7 @@
 #include "light/path.h"
 #include "light/scene_light.h"
 #include "made_scenes.h"
+#include "scene/bvh.h"
 #include "scene/scene_build.h"
 
 #include <setjmp.h>

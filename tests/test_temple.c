@@ -3,6 +3,7 @@
 #include "core/sampling.h"
 #include "made_scenes.h"
 #include "place_fixtures.h"
+#include "scene/bvh.h"
 #include "scene/surface.h"
 
 #include <octalux/place.h>

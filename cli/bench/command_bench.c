@@ -5,6 +5,7 @@
 #include "html_report.h"
 #include "options.h"
 #include "report.h"
+#include "wang_study.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -178,6 +179,7 @@ static int run_experiments(const bench_options *o, const experiment *only, const
     ended += result == OLX_OK;
   }
   progress_end(&line);
+  wang_study_free(b.wang);
   bench_close(&b);
   int code = result == OLX_OK                ? EXIT_DONE
              : result == OLX_ERROR_CANCELLED ? failure("bench", "interrupted")

@@ -5,7 +5,6 @@
 #include "clock.h"
 #include "html_report.h"
 #include "report.h"
-#include "wang_study.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -277,7 +276,6 @@ bool bench_open(bench *b, const bench_options *options, progress_line *line) {
 
 void bench_close(bench *b) {
   free_references(b);
-  wang_study_free(b->wang);
   bench_folder_remove(&b->folder);
 }
 

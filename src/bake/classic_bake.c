@@ -7,6 +7,7 @@
 #include "core/pack.h"
 #include "core/result.h"
 #include "core/sampling.h"
+#include "scene/bvh.h"
 
 #include <string.h>
 
@@ -196,9 +197,7 @@ olx_result olx_classic_bake_probe(olx_classic_bake *b, uint32_t probe, olx_vec3 
   b->probe = probe;
   b->position = position;
   OLX_TRY(olx_parallel_for(tile_count(b), b->filter.threads, cube_job, b, b->task, OLX_BATCH_POINTS));
-  if (atomic_load(&b->shade->out_of_memory)) {
-    return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for the work of a thread");
-  }
+  OLX_TRY(olx_shade_check_memory(b->shade));
   OLX_TRY(olx_classic_filter_run(&b->filter, b->task));
   const uint32_t size = b->filter.size;
   pack_map(b->filter.irradiance, size, b->packed_irradiance);

@@ -127,7 +127,7 @@ olx_result olx_gather_bounce(olx_gather *gather, uint32_t bounce) {
   const uint32_t batches = olx_gather_points(&gather->quadrature) / OLX_BATCH_POINTS;
   OLX_TRY(olx_parallel_for(gather->probe_count * batches, gather->threads, bounce_job, gather, gather->task,
                            OLX_BATCH_POINTS));
-  return olx_gather_check_memory(gather);
+  return olx_shade_check_memory(gather->shade);
 }
 
 olx_result olx_gather_link(olx_gather *gather) {

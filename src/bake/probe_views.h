@@ -2,7 +2,7 @@
 #ifndef OLX_BAKE_PROBE_VIEWS_H
 #define OLX_BAKE_PROBE_VIEWS_H
 
-#include "bake/selectors.h"
+#include "bake/selector_input.h"
 
 // Octahedral maps of distance and normal, n x n texels without border, from rays through the texels' centres.
 typedef struct olx_probe_views {

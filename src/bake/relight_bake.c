@@ -7,6 +7,7 @@
 #include "core/pack.h"
 #include "core/result.h"
 #include "core/sampling.h"
+#include "scene/bvh.h"
 
 #include <string.h>
 

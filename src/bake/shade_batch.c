@@ -2,7 +2,9 @@
 // maps, and specular reflections by rays that are cast in packets.
 #include "bake/shade_batch.h"
 
+#include "core/result.h"
 #include "core/sampling.h"
+#include "scene/bvh.h"
 
 // Salts of the hashes from which independent random numbers are drawn.
 enum {
@@ -75,6 +77,11 @@ olx_shade_scratch *olx_shade_scratch_take(olx_shade_context *context) {
 
 void olx_shade_scratch_give(olx_shade_context *context, olx_shade_scratch *scratch) {
   olx_scratch_give(&context->pool, scratch);
+}
+
+olx_result olx_shade_check_memory(olx_shade_context *context) {
+  if (!atomic_load(&context->out_of_memory)) return OLX_OK;
+  return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for the work of a thread");
 }
 
 void olx_shade_batch_begin(olx_shade_batch *batch, uint32_t light_samples) {

@@ -4,6 +4,7 @@
 
 #include "light/path.h"
 #include "light/ray_light.h"
+#include "scene/bvh.h"
 
 static const float MOST_MIRROR_ALPHA = 0.01f;
 

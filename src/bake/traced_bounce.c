@@ -6,6 +6,7 @@
 #include "bake/gather_points.h"
 #include "core/hooks.h"
 #include "core/result.h"
+#include "scene/bvh.h"
 #include "select/cage.h"
 
 #define DARK UINT32_MAX         // the ray leaves the scene
@@ -177,8 +178,7 @@ olx_result olx_traced_bounce_link(olx_traced_bounce *t) {
   const uint32_t batches = olx_gather_points(t->quadrature) / OLX_BATCH_POINTS;
   OLX_TRY(
       olx_parallel_for(t->probe_count * batches, t->threads, link_job, t, t->task, OLX_BATCH_POINTS * OLX_BOUNCE_RAYS));
-  if (!atomic_load(&t->shade->out_of_memory)) return OLX_OK;
-  return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for the work of a thread");
+  return olx_shade_check_memory(t->shade);
 }
 
 olx_vec3 olx_traced_irradiance(const olx_traced_bounce *t, size_t point, uint32_t bounce) {

@@ -2,7 +2,7 @@
 #ifndef OLX_BAKE_VORONOI_BUILD_H
 #define OLX_BAKE_VORONOI_BUILD_H
 
-#include "bake/selectors.h"
+#include "bake/selector_input.h"
 
 enum { OLX_VORONOI_SIZE = 16 }; // texels along a side of a map: 13 degrees, where neighbours stand some 60 apart
 

@@ -2,6 +2,8 @@
 // the work by Veach's power heuristic.
 #include "light/direct_light.h"
 
+#include "scene/bvh.h"
+
 // Smallest cosine between shading normal and eye: below it interpolated normals face away from whoever sees the surface.
 #define MIN_VIEW_COSINE 1e-3f
 

@@ -6,6 +6,7 @@
 #include "core/hooks.h"
 #include "core/result.h"
 #include "core/sampling.h"
+#include "scene/bvh.h"
 
 #include <stdlib.h>
 

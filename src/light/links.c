@@ -5,6 +5,7 @@
 #include "core/pack.h"
 #include "core/result.h"
 #include "light/direct_light.h"
+#include "scene/bvh.h"
 
 enum { SURFELS_PER_JOB = 8, PACKET = 64, SALT_RAY = 0x52415953, SALT_CHAIN = 0x48414E43, SALT_UNSERVED = 0x554E5356 };
 

@@ -8,6 +8,7 @@
 #include "light/direct_light.h"
 #include "light/learn_rays.h"
 #include "light/surfel_lookup.h"
+#include "scene/bvh.h"
 
 enum {
   FIRST_RAYS = 64,      // of every surfel at first

@@ -6,7 +6,6 @@
 #include "core/parallel.h"
 #include "core/result.h"
 #include "core/sampling.h"
-#include "place/visibility.h"
 #include "scene/bvh.h"
 #include "scene/surface.h"
 
@@ -19,14 +18,6 @@ enum {
   MOST_RAYS = 64, // of a round
   VANTAGE_RAYS = 64
 };
-
-olx_sight olx_sight_create(const olx_scene *scene, float min_cosine, float max_footprint, uint32_t resolution) {
-  return (olx_sight){
-      .min_cosine = min_cosine,
-      .max_footprint = max_footprint * olx_length(olx_sub(scene->bounds_max, scene->bounds_min)),
-      .texel_radians = sqrtf(4.0f * OLX_PI) / (float)resolution,
-  };
-}
 
 // Every third bit, from bit 0.
 static uint64_t spread_bits(uint64_t x) {

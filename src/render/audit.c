@@ -4,9 +4,10 @@
 #include "core/result.h"
 #include "core/sampling.h"
 #include "field/field_data.h"
+#include "light/path.h"
 #include "render/audit_space.h"
 #include "render/camera_sample.h"
-#include "light/path.h"
+#include "scene/bvh.h"
 #include "scene/surface.h"
 #include "shade/surface_irradiance.h"
 

@@ -5,6 +5,7 @@
 #include "core/result.h"
 #include "render/field_renderer.h"
 #include "render/path_tracer.h"
+#include "scene/bvh.h"
 #include "scene/emitters.h"
 
 #include <string.h>

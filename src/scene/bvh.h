@@ -2,19 +2,8 @@
 #ifndef OLX_SCENE_BVH_H
 #define OLX_SCENE_BVH_H
 
+#include "scene/ray.h"
 #include "scene/scene_data.h"
-
-#define OLX_NO_HIT UINT32_MAX
-
-typedef struct olx_ray {
-  olx_vec3 origin, direction; // direction need not be unit; distances are in its length
-  float t_min, t_max;
-} olx_ray;
-
-typedef struct olx_ray_hit {
-  uint32_t triangle; // OLX_NO_HIT for a miss
-  float t, u, v;     // barycentric weights of the second and third corner
-} olx_ray_hit;
 
 olx_result olx_bvh_create(const olx_scene *scene, olx_bvh **bvh);
 void olx_bvh_free(olx_bvh *bvh);

@@ -2,7 +2,6 @@
 // rays that do not meet the same surface again.
 #include "scene/surface.h"
 
-#include "scene/emitters.h"
 #include "scene/texture.h"
 
 // Reflecting surfaces never return more than this, so that light dies out.
@@ -300,7 +299,6 @@ olx_surface olx_surface_near(const olx_scene *scene, const olx_ray_hit *hit, olx
   } else {
     look_up_material(scene, material, uvs, tint_at(scene, material, &c, hit->u, hit->v), &surface);
   }
-  if (olx_max3(surface.emission) > 0.0f) surface.area_pdf = olx_emitters_area_pdf(scene, hit->triangle);
   return surface;
 }
 

@@ -3,7 +3,8 @@
 #define OLX_SCENE_SURFACE_H
 
 #include "core/bsdf.h"
-#include "scene/bvh.h"
+#include "scene/ray.h"
+#include "scene/scene_data.h"
 
 typedef struct olx_surface {
   olx_vec3 position;         // computed from the triangle's corners, not from the ray, and so exact to rounding
@@ -18,7 +19,6 @@ typedef struct olx_surface {
   float epsilon;   // length by which to move off the surface along the geometric normal, from the rounding of position
   olx_vec3 inward; // at most epsilon long, to the triangle's middle: rays start so far from its edges, where walls meet
   uint32_t triangle, material;
-  float area_pdf; // olx_emitters_area_pdf; 0 when it does not emit
 } olx_surface;
 
 // Everything at the hit of a ray with direction `direction` (unit).

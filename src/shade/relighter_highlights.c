@@ -2,7 +2,7 @@
 // to all sides, but a floor in the sun lights the wall behind it more than the one before it.
 #include "core/bsdf.h"
 #include "core/pack.h"
-#include "shade/relighter.h"
+#include "shade/relighter_parts.h"
 
 // Surfels stand for surfaces of some size, and their rays for some solid angle: their lobes are wider by this alpha.
 static const float LINK_ALPHA = 0.2f;

@@ -1,7 +1,7 @@
 // Computes light that reaches places straight from the lights of a relighter, with shadows by the host's rays or
 // through the field.
 #include "core/sampling.h"
-#include "shade/relighter.h"
+#include "shade/relighter_parts.h"
 
 // How far from its end a ray to a light may stop, so that it does not meet the lamp itself.
 static const float END_SHARE = 1e-3f;

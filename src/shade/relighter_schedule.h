@@ -3,7 +3,7 @@
 #ifndef OLX_SHADE_RELIGHTER_SCHEDULE_H
 #define OLX_SHADE_RELIGHTER_SCHEDULE_H
 
-#include "shade/relighter.h"
+#include "shade/relighter_parts.h"
 
 // Chooses the surfels that get a sample of direct light, within `rays` shadow rays: the first so many of `queue`. They follow each
 // other, the first surfel after the last, and their `rounds` are those before.

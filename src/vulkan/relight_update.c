@@ -2,7 +2,7 @@
 // of the volume, and lights.
 #include "core/hooks.h"
 #include "core/result.h"
-#include "shade/relighter.h"
+#include "shade/relighter_parts.h"
 #include "vulkan/map_copies.h"
 
 static const char WHAT[] = "updates of a field on the device";

@@ -1,7 +1,7 @@
 // The parts of a relighter (octalux/relight.h): what it keeps, and the steps of a frame. Surfels get direct light, light goes over
 // links between them, and by surfels the texels of light field probes and the irradiance volume are lit.
-#ifndef OLX_SHADE_RELIGHTER_H
-#define OLX_SHADE_RELIGHTER_H
+#ifndef OLX_SHADE_RELIGHTER_PARTS_H
+#define OLX_SHADE_RELIGHTER_PARTS_H
 
 #include "core/parallel.h"
 #include "field/field_data.h"

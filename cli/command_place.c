@@ -20,7 +20,7 @@ typedef struct place_options {
 
 static olx_result resolve_place_options(const olx_scene *scene, const place_options *given, olx_place_settings *s) {
   *s = olx_place_settings_default(scene);
-  // The words of the option stand in the order of the library's enumeration.
+  // The words of the option have the order of the library's enumeration.
   s->method = (olx_place_method)given->method;
   s->optimize = (olx_place_optimizer)given->optimize;
   s->reward = (olx_place_reward)given->reward;

@@ -43,7 +43,7 @@ static olx_denoise_settings denoise_settings(uint32_t choice) {
                        : olx_denoise_settings_default();
 }
 
-// What --mode stands for, unless more special options say otherwise.
+// Expands --mode into the settings that it abbreviates, unless more specific options override them.
 static void apply_mode(const render_options *o, olx_render_settings *settings) {
   if (o->mode == MODE_GATHER) {
     const uint32_t count = o->gather_samples ? o->gather_samples : DEFAULT_GATHER_SAMPLES;

@@ -20,7 +20,7 @@ typedef struct arguments {
   bool json, quick, compare, list, validate, compile;
 } arguments;
 
-// The rows that were asked for; false when one is unknown.
+// Selects the rows that the command line names; false when one is unknown.
 static bool choose_rows(const char *names, const bench_row **rows, uint32_t *count) {
   *count = 0;
   for (uint32_t i = 0; !names && bench_row_at(i); i++) rows[(*count)++] = bench_row_at(i);

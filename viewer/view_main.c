@@ -194,7 +194,7 @@ static bool refresh_swapchain(viewer *v, const uint32_t size[2]) {
   return fits || view_swapchain_create(&v->device, size[0], size[1], !v->options.no_wait, &v->chain);
 }
 
-// People are told what they wait for.
+// The window's title says what the viewer waits for.
 static void tell_compiling(viewer *v, const view_state *shown, bool begins) {
   static const char message[] = "compiling shaders ...";
   if (!v->window.glfw || (begins && view_renderer_is_ready(&v->renderer, shown))) return;
@@ -210,7 +210,7 @@ static bool draw(viewer *v, const uint32_t size[2], float seconds, const char *s
     screenshot = name;
   }
   v->state.take_screenshot = false;
-  // A screenshot shows the panel only when asked to.
+  // A screenshot shows the panel only when an option says so.
   view_state shown = v->state;
   if (screenshot && !v->options.panel) shown.panel = false;
   const bool hidden = shown.panel != v->state.panel;

@@ -14,7 +14,7 @@ typedef struct bench_folder {
 bool bench_folder_make(bench_folder *folder);
 void bench_folder_remove(const bench_folder *folder);
 
-// Where the probes of a field stand and how finely they look.
+// The positions of a field's probes and the resolution of their maps.
 typedef struct bench_probes {
   uint32_t grid[3];      // on the description's volume; 0: placed
   const olx_grid *exact; // on this one instead, of as many probes; NULL

@@ -92,7 +92,7 @@ static olx_result render_references(wang_run *run) {
 
 typedef olx_result (*wang_experiment)(wang_run *run, cJSON *object);
 
-enum { COARSE_IRRADIANCE = 16 }; // diffuse light is the same for all sets and not what is asked here
+enum { COARSE_IRRADIANCE = 16 }; // diffuse light is the same for all sets and is not compared here
 
 olx_result wang_prepare(wang_run *run) {
   const wang_options *o = run->options;

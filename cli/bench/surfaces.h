@@ -44,7 +44,7 @@ void surface_compare_blocks(const olx_image *image, const olx_image *reference, 
 // Both are rendered in turns, and the median of the turns counts.
 olx_result surface_times(const surface_run *r, const olx_field *field, double *surface_ns, double *irradiance_ns);
 
-// What the list of scenes is measured by. The scene is open already; r->placed is where its probes stand.
+// Measurements of one scene each, which is open already; r->placed says whether its probes are placed or on a grid.
 olx_result surface_pictures(surface_run *r);  // also in all modes, from the camera that r->what names
 olx_result surface_all_modes(surface_run *r); // from the camera that r->what names, or from all
 olx_result surface_leak(surface_run *r);      // past the wall that r->what names

@@ -122,7 +122,7 @@ static olx_result add_pictures(const surface_run *r, bench_images *images, const
 
 static double error_or_none(const olx_audit_points *points) { return points->count ? points->relative_mse : NAN; }
 
-// `plain`: of which size and time are told.
+// `plain`: the field whose size and time are reported.
 static olx_result add_field(const surface_run *r, const bench_field *made, const bench_field *plain, bench_images *images,
                             double bakes_rms) {
   const bool quick = r->b->options->quick;

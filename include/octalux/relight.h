@@ -99,7 +99,7 @@ olx_result olx_relight_frame(olx_relight *relight, olx_vec3 eye, olx_relight_sta
 // relighter, must not be closed, and changes with olx_relight_frame.
 const olx_field *olx_relight_field(const olx_relight *relight);
 
-// How a light field probe stands in the schedule.
+// The state of a light field probe in the schedule.
 typedef struct olx_relight_state {
   uint32_t last_frame;    // that changed a part of its map, counted from 1; 0: none yet
   uint32_t tiles_waiting; // parts of its map

@@ -115,12 +115,12 @@ olx_render_settings olx_render_settings_default(olx_method method);
 
 typedef struct olx_render_stats {
   double seconds;
-  // Processor time of the workers, summed over threads; a path tracer tells the first alone.
+  // Processor time of the workers, summed over threads; a path tracer reports the first alone.
   double primary_seconds, direct_seconds, diffuse_seconds, glossy_seconds, denoise_seconds;
   uint64_t rays;            // cast with Embree
   uint64_t field_rays;      // traced through the field
   uint64_t field_unresolved;
-  uint64_t field_steps, field_probes; // texels whose distance those rays read, and probes they asked
+  uint64_t field_steps, field_probes; // texels whose distance those rays read, and probes they were traced through
 } olx_render_stats;
 
 // Render `scene` from `camera`. `field` is needed by all but OLX_METHOD_PATH, where it may be NULL; one baked from another scene

@@ -29,7 +29,7 @@ vec3 step_along(ivec2 pixel, ivec2 axis, frame_surface surface) {
   return way;
 }
 
-// From the depths around a pixel; the shading normal where they tell none.
+// The geometric normal from the depths around a pixel, or the shading normal where these give none.
 vec3 derived_normal(ivec2 pixel, frame_surface surface) {
   vec3 across = cross(step_along(pixel, ivec2(1, 0), surface), step_along(pixel, ivec2(0, 1), surface));
   float size = sqrt(olx_dot(across, across)), cosine = olx_dot(across, surface.normal);

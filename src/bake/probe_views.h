@@ -1,4 +1,4 @@
-// What probes see, coarsely: for builders that ask which probe sees what, many times over.
+// Coarse maps of what probes see, for builders that query many times which probe sees which point.
 #ifndef OLX_BAKE_PROBE_VIEWS_H
 #define OLX_BAKE_PROBE_VIEWS_H
 

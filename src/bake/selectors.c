@@ -1,4 +1,4 @@
-// Builds the structures that a bake was asked for by which the runtime finds probes, one builder for each selector.
+// Builds the structures by which the runtime finds probes, as a bake's settings name them, one builder for each selector.
 #include "bake/selectors.h"
 
 #include "bake/bricks_build.h"

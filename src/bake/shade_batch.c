@@ -17,7 +17,7 @@ enum {
   SALT_BAKE = 0x42414B45
 };
 
-// One point in SCOUT_SHARE tells whether a tile sees a light; where it seems not to, one in DARK_SHARE sends shadow rays.
+// One point in SCOUT_SHARE decides whether a tile sees a light; where it seems not to, one in DARK_SHARE sends shadow rays.
 enum { SCOUT_SHARE = 4, DARK_SHARE = 8 };
 #define NO_RAY UINT32_MAX
 

@@ -159,7 +159,7 @@ static void link_job(void *user, uint32_t index) {
   olx_shade_scratch *scratch = olx_shade_scratch_take(t->shade);
   if (!scratch) return;
   olx_shade_batch_begin(&scratch->roots, 1);
-  const bool buried = (t->flags[probe] & OLX_PROBE_BURIED) != 0; // nobody asks for its maps
+  const bool buried = (t->flags[probe] & OLX_PROBE_BURIED) != 0; // its maps are never read
   for (uint32_t k = 0; k < OLX_BATCH_POINTS; k++) {
     const uint32_t point = index % batches * OLX_BATCH_POINTS + k;
     const size_t global = (size_t)probe * points + point;

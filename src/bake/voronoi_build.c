@@ -86,7 +86,7 @@ static void sort_tree(const olx_selector_input *input, tree_entry *entries, uint
   sort_tree(input, entries, middle + 1, end, next);
 }
 
-// Buried probes are in it too: whoever wants to ask them finds them.
+// The tree holds buried probes, too, for lookups that do not leave them out.
 static olx_result fill_tree(const voronoi_build *b) {
   const uint32_t count = b->input->count;
   tree_entry *entries = olx_allocate(count, sizeof *entries);

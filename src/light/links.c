@@ -49,7 +49,7 @@ static const float RAY_FOOTPRINT = 0.3f;
 // A surfel that stands for a larger cell serves a ray when that cell looks no larger than this share of the ray's length.
 static const float MOST_SERVED = 0.5f;
 
-// One whose cell looks larger than this tells the direct light of a ray's end too coarsely: shadows' edges cross it.
+// A surfel whose cell looks larger than this is too coarse for the direct light at a ray's end: shadows' edges cross it.
 static const float MOST_LIT_SIDE = 0.3f;
 
 // A ray ends at the diffuse lobe of a surface: the surfel there knows how much light that gets. One that is far from it
@@ -77,7 +77,7 @@ typedef struct way {
   olx_ray_hit hit;
   uint32_t chain; // surfaces that have passed it on
   bool lit;       // direct light of the last of them has counted what emits
-  float distance; // metres that tell how fine the surfels at its end should be
+  float distance; // metres, from which follows how fine the surfels at its end should be
   olx_sampler sampler;
 } way;
 

@@ -1,4 +1,4 @@
-// Where light comes from: what the first rays of surfels brought tells the next ones where to go.
+// Guides rays towards light: the distribution of later rays follows what the first rays of surfels brought.
 //
 // Surfels of a larger cell learn together. A ray is made from a point of the unit square (olx_sample_cosine); the square is cut
 // into bins, and the density of further rays in each is in proportion to the root mean square of what rays there brought, which

@@ -19,9 +19,9 @@ enum {
   MOST_DIRECT = 256,    // points at which the direct light of a cell is taken, at most
   ALL_DIRECT = 1 << 18, // points at which direct light is taken in all, as far as the two bounds for a cell allow
   REFINEMENTS = 3,      // how often rays are added where noise is high
-  FEW_BOUNCES = 4,      // tell where noise is high
+  FEW_BOUNCES = 4,      // by which noise is estimated
   MOST_BATCHES = 1 + HIDDEN_ROUNDS + REFINEMENTS * 11,
-  LEAST_MAP_SIZE = 64,      // smaller maps get surfels as dense as these: light that is told too coarsely is biased
+  LEAST_MAP_SIZE = 64,      // smaller maps get surfels as dense as these: light that is sampled too coarsely is biased
   MOST_VIEW_SIDE = 1024,    // rays along the side of the map by which a probe looks around, at most
   LEAST_VIEW_SIDE = 32,     // rays along the side of that map, at least
   MOST_VIEW_RAYS = 1 << 24, // by which all probes look around, as far as the least side allows
@@ -38,7 +38,7 @@ static const float ENOUGH_RAYS = 0.25f;
 static const float INTERPOLATED_VARIANCE = 0.2f;
 // Noise matters beside the light of a place, or beside this share of the mean light where there is less.
 static const float DARK_SHARE = 0.02f;
-// Neighbours whose light has a standard deviation above this share of its mean do not tell what lies between them.
+// Neighbours whose light has a standard deviation above this share of its mean are not interpolated between.
 static const float ROUGH_SPREAD = 0.3f;
 // The share of the light around it that one ray of a point that casts rays of its own may bring.
 static const float MOST_OF_A_RAY = 0.25f;
@@ -388,7 +388,7 @@ static olx_result cast_more(olx_scene_light *l, const float *noise, uint32_t rou
   return OLX_OK;
 }
 
-// Rays are added until the noise that they show is low enough: few rays do not tell well how many it takes.
+// Rays are added until the noise that they show is low enough: few rays do not show well how many it takes.
 static olx_result refine_with(olx_scene_light *l, float *noise) {
   OLX_TRY(olx_ray_guide_create(&l->guide, &l->surfels));
   OLX_TRY(olx_rays_learn(&l->guide, &l->surfels, &l->links, l->direct, l->irradiance));
@@ -491,7 +491,7 @@ olx_vec3 olx_scene_light_gather(const olx_scene_light *l, const olx_surface *sur
   return olx_links_gather(&l->surfels, surface, pool, seed, GATHERED_RAYS, &light);
 }
 
-// Whether light changes so much between the neighbours that what lies between them cannot be told from them.
+// Whether light changes so much between the neighbours that it cannot be interpolated between them.
 static bool is_rough(const olx_scene_light *l, const olx_surfel_weights *weights) {
   float sum = 0.0f, mean = 0.0f, square = 0.0f;
   for (uint32_t i = 0; i < weights->count; i++) {

@@ -66,7 +66,7 @@ olx_gain olx_cover_gain(const olx_cover_state *state, const uint8_t *row);
 // The gains of all candidates.
 olx_result olx_cover_gains(const olx_cover_state *state, olx_gain *gains);
 
-// The columns that the levels leave uncovered, on their own: most places can be told by these few.
+// The columns that the levels leave uncovered, on their own: most places can be judged by these few.
 typedef struct olx_cover_open {
   olx_surfels columns; // copies
   uint32_t *index;     // of each in the state
@@ -100,7 +100,7 @@ uint64_t olx_cover_candidate_weight(const olx_cover_state *state, const olx_cove
 // The same of a row, whether packed or not.
 uint64_t olx_cover_open_weight(const olx_cover_state *state, const olx_cover_open *open, const uint8_t *row);
 
-// Whether a probe may stand there beside the picks but `without`: not too near to them. (Not whether it is inside.)
+// Whether a probe there keeps its distance from the picks but `without`. Whether it is inside geometry is not checked.
 bool olx_cover_keeps_distance(const olx_cover_state *state, olx_vec3 place, uint32_t without);
 
 #endif

@@ -21,7 +21,7 @@ static uint32_t held_out_count(const olx_place_settings *settings) {
 static uint32_t held_out_seed(const olx_place_settings *settings) { return olx_hash2(settings->seed, HELD_OUT_SEED); }
 
 typedef struct judged {
-  olx_vec3 *places;   // of the probes that are asked
+  olx_vec3 *places;   // of the probes that are not buried
   uint32_t *probe_of; // their indices in the set
   uint32_t *gains;    // surfels that each covers and none before it
   uint32_t count;

@@ -18,7 +18,7 @@ float olx_fitness(const olx_surfel *surfel, olx_vec3 place, float diagonal) {
   return 0.5f * (olx_min(along / length, 1.0f) + olx_min(length / diagonal, 1.0f));
 }
 
-// The fitness of every surfel, 0 where something stands between.
+// The fitness of every surfel, 0 where something is between.
 static void fitness_row(const olx_space *space, const olx_surfels *surfels, olx_vec3 place, float *row) {
   const olx_scene *scene = space->scene;
   const float diagonal = olx_length(olx_sub(scene->bounds_max, scene->bounds_min));

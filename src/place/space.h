@@ -1,4 +1,4 @@
-// The space that matters: where the viewer can be, and where in it a probe may stand.
+// The space that matters: where the viewer can be, and where in it probes are allowed.
 #ifndef OLX_PLACE_SPACE_H
 #define OLX_PLACE_SPACE_H
 
@@ -15,9 +15,8 @@ void olx_space_free(olx_space *space);
 // False when what was drawn there is not such a place: outside the box, or behind the surface in a fringe voxel.
 bool olx_space_draw(const olx_space *space, size_t nth, uint32_t seed, olx_vec3 *place);
 
-// Whether a probe may stand there: in space that matters, outside forbidden boxes, at least min_distance and half a
-// voxel off surfaces.
-// (That it is not inside geometry is asked on its own, because it takes many rays.)
+// Whether a probe is allowed there: in space that matters, outside forbidden boxes, at least min_distance and half a
+// voxel off surfaces. Whether the place is inside geometry is a query of its own, because it takes many rays.
 bool olx_space_allows(const olx_space *space, olx_vec3 p);
 bool olx_space_is_inside_geometry(const olx_space *space, olx_vec3 p);
 

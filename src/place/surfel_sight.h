@@ -14,9 +14,9 @@ typedef struct olx_sight {
 olx_sight olx_sight_create(const olx_scene *scene, float min_cosine, float max_footprint, uint32_t resolution);
 
 typedef enum olx_surfel_fate {
-  OLX_SURFEL_FIT,        // seen well from somewhere a probe may stand
+  OLX_SURFEL_FIT,        // seen well from a place that allows a probe
   OLX_SURFEL_GRAZING,    // seen from there, but never well
-  OLX_SURFEL_RESTRICTED, // seen from the space that matters, but never from where a probe may stand
+  OLX_SURFEL_RESTRICTED, // seen from the space that matters, but from no place that allows a probe
   OLX_SURFEL_UNSEEN,
   OLX_SURFEL_UNASKED // not known yet
 } olx_surfel_fate;
@@ -30,7 +30,7 @@ typedef struct olx_surfel {
   olx_surfel_fate fate;
 } olx_surfel;
 
-// How well a surfel is seen from `place`, if nothing stands between: 0 when it faces away, is seen at a grazing angle
+// How well a surfel is seen from `place`, if nothing is between: 0 when it faces away, is seen at a grazing angle
 // or with too large a texel; else from OLX_QUALITY_LEAST up to 255, better for steep angles and small distances.
 #define OLX_QUALITY_LEAST 208
 uint8_t olx_sight_quality(const olx_sight *sight, olx_vec3 place, const olx_surfel *surfel);

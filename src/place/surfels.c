@@ -235,7 +235,7 @@ static uint8_t look_from_space(const asker *a, const olx_surfel *surfel, uint32_
   return found;
 }
 
-// A few rays mostly tell. The many of the last round are for surfels with space close by that hardly see it; a playable
+// A few rays mostly suffice. The many of the last round are for surfels with space close by that hardly see it; a playable
 // box may be far from what is seen from it.
 static olx_surfel_fate find_fate(const asker *a, const olx_surfel *surfel, uint32_t seed) {
   static const uint32_t rounds[FATE_ROUNDS + 1] = {0, 8, 16, 16 + MOST_RAYS};

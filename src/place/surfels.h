@@ -19,15 +19,15 @@ typedef struct olx_surfels {
 } olx_surfels;
 
 // Lay `points` points and keep the surfels that are seen. Of OLX_SPREAD_RAYS those are all but the rays that leave the
-// scene, and their fates are not asked.
+// scene, and their fates are not looked for.
 olx_result olx_surfels_create(const olx_space *space, const olx_sight *sight, olx_spread spread, uint32_t points,
                               uint32_t seed, uint32_t threads, olx_surfels *surfels);
-// Find the fates that are not known. With `views`, surfels that are seen well by `least` probes need not be asked.
+// Find the fates that are not known. With `views`, surfels that are seen well by `least` probes are left out.
 olx_result olx_surfels_ask(const olx_space *space, const olx_sight *sight, const uint8_t *views, uint32_t least,
                            uint32_t seed, uint32_t threads, olx_surfels *surfels);
 void olx_surfels_free(olx_surfels *surfels);
 
-// Up to `wanted` places from which the surfel is seen well and where a probe may stand, found along random rays.
+// Up to `wanted` places from which the surfel is seen well and which allow a probe, found along random rays.
 // Returns how many.
 uint32_t olx_surfel_vantages(const olx_space *space, const olx_sight *sight, const olx_surfel *surfel, uint32_t seed,
                              uint32_t wanted, olx_vec3 *places);

@@ -1,4 +1,4 @@
-// Lists the built-in scenes by name, and builds the one that is asked for.
+// Lists the built-in scenes by name, and builds the one that a name refers to.
 #include "scene/builtin.h"
 
 #include "core/result.h"

@@ -33,7 +33,7 @@ olx_result olx_build_two_rooms_sealed(olx_scene *scene) {
   return build_two_rooms(scene, sealed_cells, middle_wall, OLX_ROOMS_GAP);
 }
 
-// The wall stands where no plane of a grid is likely to be.
+// The wall is where no plane of a grid is likely to be.
 olx_result olx_build_two_rooms_sealed_of(olx_scene *scene, float thickness) {
   if (!(thickness >= 0.01f && thickness <= 1.0f)) {
     return olx_fail(OLX_ERROR_ARGUMENT, "builtin:two-rooms-sealed: a wall of %g metres is not within 0.01 to 1",

@@ -29,7 +29,7 @@ typedef struct description {
   uint32_t mask_count;
 } description;
 
-// An object of the description and where it stands in it: "lights[2]", or "" for the whole.
+// An object of the description and its path in it: "lights[2]", or "" for the whole.
 typedef struct place {
   const cJSON *object;
   char name[160];
@@ -395,7 +395,7 @@ static olx_result apply_change(description *d, const material_change *change, ol
   if (change->roughness || change->metallic) m->metallic_roughness_texture = OLX_NO_TEXTURE;
   if (change->metallic) m->metallic = change->metallic_value;
   if (change->roughness) m->roughness = change->roughness_value;
-  // Who asks for a roughness wants to see it.
+  // A roughness shows in a specular lobe alone, so the material gets one.
   if (change->roughness && !change->specular) m->specular_weight = 1.0f;
   if (change->specular) m->specular_weight = change->specular_value;
   if (change->emission) {

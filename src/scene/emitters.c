@@ -169,7 +169,7 @@ void olx_emitters_free(olx_emitters *emitters) {
   olx_release(emitters);
 }
 
-// Groups stand in this order: lights without area, emissive triangles, environment.
+// The order of groups is: lights without area, emissive triangles, environment.
 uint32_t olx_emitters_group_count(const olx_scene *scene) {
   const olx_emitters *emitters = scene->emitters;
   return emitters->light_groups + (emitters->triangle_count > 0) + emitters->environment.lit;

@@ -26,7 +26,7 @@ olx_irradiance_source olx_irradiance_source_of(const olx_field *field);
 // The terms of a probe's weight, so that bench and audit can leave each out.
 enum {
   OLX_WEIGHT_TRILINEAR = 1,
-  OLX_WEIGHT_BACK_FACE = 2, // smooth test of the side on which the probe stands
+  OLX_WEIGHT_BACK_FACE = 2, // smooth test of the side on which the probe lies
   OLX_WEIGHT_CHEBYSHEV = 4, // variance test on the filtered distance
   OLX_WEIGHT_SHARPEN = 8,   // the cube of the Chebyshev bound
   OLX_WEIGHT_BIAS = 16,     // test visibility off the surface

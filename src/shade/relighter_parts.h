@@ -128,7 +128,7 @@ void olx_relit_light_tiles(olx_relight *relight);
 bool olx_relit_tile_waits(const olx_relight *relight, const olx_relit_tile *tile);
 uint32_t olx_relit_tiles_waiting(const olx_relight *relight);
 
-// Indirect irradiance that surfels tell a texel.
+// The indirect irradiance of a texel, interpolated from the surfels of its site.
 olx_vec3 olx_relit_told(const olx_relight *relight, uint32_t probe, uint32_t x, uint32_t y);
 
 // ---- The volume (relighter_volume.c)

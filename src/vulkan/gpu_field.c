@@ -200,7 +200,7 @@ static olx_gpu_maps surface_maps(const olx_vulkan_context *c, const olx_field *f
                         .texels = stored ? blocks[kind] : texels[kind]};
 }
 
-// What stands for maps of a kind that the field lacks: one of a single black texel.
+// Binds an image of a single black texel for maps of a kind that the field lacks.
 static void fill_missing(olx_gpu_maps maps[OLX_GPU_MAPS]) {
   static const uint32_t black = 0;
   for (uint32_t i = 0; i < OLX_GPU_MAPS; i++) {

@@ -29,7 +29,7 @@ olx_vulkan_settings olx_vulkan_settings_default(void) {
                                .denoise = {.filters = olx_denoise_settings_default()}};
 }
 
-// Formats that a surface's images may have; `unorm` tells those that hold 0 to 1 from those that hold signed numbers.
+// Formats that a surface's images may have; `unorm` marks those that hold 0 to 1 instead of signed numbers.
 typedef struct input_format {
   VkFormat format;
   bool unorm;

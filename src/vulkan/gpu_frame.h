@@ -39,8 +39,7 @@ enum {
   OLX_GPU_HITS = OLX_HITS_STORED + 1
 };
 
-// The denoiser of a frame that has a history. Of what stands twice, the one takes turns with the other from frame to
-// frame.
+// The denoiser of a frame that has a history. Members of which there are two take turns from frame to frame.
 typedef struct olx_gpu_denoiser {
   VkDescriptorSetLayout accumulate_set_layout, filter_set_layout;
   VkPipelineLayout accumulate_layout, filter_layout;

@@ -4,8 +4,8 @@
 
 #include <octalux/render.h>
 
-// Paint the field's probes as small spheres, blue, or red inside geometry, hidden by surfaces in front of them. Needs the
-// image's beauty and depth.
+// Paint the field's probes as small spheres, blue, or red inside geometry, hidden by surfaces in front of them. Needs
+// the image's beauty and depth.
 void draw_probe_markers(const olx_field *field, const olx_camera *camera, olx_image *image);
 
 #endif

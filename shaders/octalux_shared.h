@@ -44,8 +44,8 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_FIELD_BINDINGS 13
 #define OLX_FIELD_STORAGE_BUFFERS 3
 
-// The buffer of classic maps: a header of words, which say at which word each part begins, and then all of it as it lies in
-// the file.
+// The buffer of classic maps: a header of words, which say at which word each part begins, and then all of it as it
+// lies in the file.
 #define OLX_CLASSIC_SIZE 0 // texels along a side
 #define OLX_CLASSIC_TABLE 1
 #define OLX_CLASSIC_BOXES 2
@@ -282,8 +282,8 @@ OLX_GPU_STRUCT(olx_gpu_frame) {
   olx_gpu_uint padding[2];
 };
 
-// A camera; its viewing axis is perpendicular to `right` and `up`. Projections may be shifted (by a jitter): pixel (x, y)
-// is seen where an unshifted picture has (x + eye.w, y + right.w).
+// A camera; its viewing axis is perpendicular to `right` and `up`. Projections may be shifted (by a jitter): pixel (x,
+// y) is seen where an unshifted picture has (x + eye.w, y + right.w).
 OLX_GPU_STRUCT(olx_gpu_camera) {
   olx_gpu_vec4 eye;
   olx_gpu_vec4 right, up; // from the middle of the image plane at distance 1 to its edges

@@ -1,5 +1,5 @@
-// Makes small glTF files for tests from arrays that are put behind each other into one buffer, while the JSON that names
-// them grows beside it.
+// Makes small glTF files for tests from arrays that are put behind each other into one buffer, while the JSON that
+// names them grows beside it.
 #include "gltf_maker.h"
 
 #include "data_uris.h"

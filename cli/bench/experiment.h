@@ -1,5 +1,5 @@
-// What every experiment of `octalux bench` is built on: scenes that may be absent, references that are path traced once,
-// fields, and findings: tables and pictures that become text, JSON and a report.
+// What every experiment of `octalux bench` is built on: scenes that may be absent, references that are path traced
+// once, fields, and findings: tables and pictures that become text, JSON and a report.
 #ifndef OCTALUX_CLI_EXPERIMENT_H
 #define OCTALUX_CLI_EXPERIMENT_H
 

@@ -65,13 +65,13 @@ typedef struct olx_bake_settings {
 
 olx_bake_settings olx_bake_settings_default(const olx_scene *scene);
 
-// Whether a bake with these settings keeps probe light: because probe_light says so; because of `classic`, whose maps belong
-// to irradiance probes; because of an irradiance_form or bounce_gather other than the default; or because there will be no
-// irradiance volume (volume_cells 0, OLX_LIGHT_REFERENCE), so that nothing else has light in free space.
+// Whether a bake with these settings keeps probe light: because probe_light says so; because of `classic`, whose maps
+// belong to irradiance probes; because of an irradiance_form or bounce_gather other than the default; or because there
+// will be no irradiance volume (volume_cells 0, OLX_LIGHT_REFERENCE), so that nothing else has light in free space.
 bool olx_bake_keeps_probe_light(const olx_bake_settings *settings);
 
-// The default grid of irradiance probes for a grid of light field probes: the same one, or one of half the spacing when that
-// has at most 64 probes, since irradiance probes are small.
+// The default grid of irradiance probes for a grid of light field probes: the same one, or one of half the spacing when
+// that has at most 64 probes, since irradiance probes are small.
 olx_grid olx_bake_irradiance_grid(const olx_grid *grid);
 
 typedef struct olx_bake_stats {

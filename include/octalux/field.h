@@ -17,8 +17,8 @@ extern "C" {
 
 typedef struct olx_field olx_field;
 
-// Ways to find the probes that light a point, or the next probe that a ray is traced through. Those before OLX_SELECT_EXHAUSTIVE are baked into a
-// field, one or several; the others need nothing baked.
+// Ways to find the probes that light a point, or the next probe that a ray is traced through. Those before
+// OLX_SELECT_EXHAUSTIVE are baked into a field, one or several; the others need nothing baked.
 typedef enum olx_select {
   OLX_SELECT_CAGE = 0,   // McGuire et al. 2017, section 4.1: the corners of the grid cell, in the order (i + 3) mod 8
   OLX_SELECT_VORONOI,    // Wang 2018, section 4.1: the nearest probe, then its Delaunay neighbours
@@ -94,8 +94,8 @@ olx_result olx_field_open(const char *path, olx_field **field);
 olx_result olx_field_open_memory(const void *data, size_t size_bytes, olx_field **field);
 
 // What a field file of format version 1 says of itself. Such a file cannot be opened, because its texels hold no surfaces: the
-// scene has to be baked again. Counts of bytes but file_bytes are 0, as are the members that optional chunks describe. OLX_ERROR_VERSION for a
-// file of another version.
+// scene has to be baked again. Counts of bytes but file_bytes are 0, as are the members that optional chunks describe.
+// OLX_ERROR_VERSION for a file of another version.
 olx_result olx_field_describe_version_1(const char *path, olx_field_info *info);
 
 // NULL is allowed.

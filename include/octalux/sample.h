@@ -80,8 +80,8 @@ typedef struct olx_trace_hit {
 olx_trace_hit olx_trace(const olx_field *field, const olx_sample_settings *settings, olx_vec3 origin,
                         olx_vec3 direction, float t_max_metres);
 
-// Traces `count` rays at once: hits[i] equals olx_trace's answer for origins[i] and directions[i] to the last bit, and takes
-// less time. Rays that start near each other and run alike are fastest together.
+// Traces `count` rays at once: hits[i] equals olx_trace's answer for origins[i] and directions[i] to the last bit, and
+// takes less time. Rays that start near each other and run alike are fastest together.
 void olx_trace_rays(const olx_field *field, const olx_sample_settings *settings, uint32_t count,
                     const olx_vec3 *origins, const olx_vec3 *directions, float t_max_metres, olx_trace_hit *hits);
 
@@ -146,8 +146,8 @@ void olx_glossy_rays(const olx_field *field, const olx_sample_settings *settings
                      const olx_vec2 *random, olx_vec3 *radiance, float *weights, float *half_cosines);
 
 // The method that light field probes replace, as a baseline (docs/baking.md, "Classic maps"): irradiance and prefiltered
-// radiance of the irradiance probes around a point, interpolated without regard to what they see. Of `settings` only keep_buried
-// counts. Light that comes straight from emitters or the sky is left out.
+// radiance of the irradiance probes around a point, interpolated without regard to what they see. Of `settings` only
+// keep_buried counts. Light that comes straight from emitters or the sky is left out.
 
 // OLX_ERROR_ARGUMENT, with a message, when the field was baked without classic maps; the other functions need them.
 olx_result olx_classic_check(const olx_field *field);

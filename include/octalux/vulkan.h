@@ -111,8 +111,8 @@ typedef struct olx_vulkan_targets {
   olx_vulkan_image albedo;    // linear base colour, .rgb (sRGB formats decode themselves)
   olx_vulkan_image roughness; // .r perceptual roughness, .g metallic, .b specular weight (1: F0 = 0.04; 0: Lambertian).
       // A view with swizzles maps other packings; VK_COMPONENT_SWIZZLE_ONE fills a missing weight
-  // Optional; a view of VK_NULL_HANDLE: none. From these three olx_vulkan_record_irradiance finds which stored surface a pixel shows
-  // (octalux/sample.h, olx_surface_irradiance). Normals are in world space, .xyz, as in `normal`.
+  // Optional; a view of VK_NULL_HANDLE: none. From these three olx_vulkan_record_irradiance finds which stored surface
+  // a pixel shows (octalux/sample.h, olx_surface_irradiance). Normals are in world space, .xyz, as in `normal`.
   olx_vulkan_image geometric_normal; // of the triangle, of either side. None: it is derived from depth, which wants 24 bits or more
   olx_vulkan_image vertex_normal; // between the triangle's corners, on the side that is looked at, and `normal` is this one bent by
       // normal maps. None: `normal` stands for it, and normal maps do not show in light that is stored

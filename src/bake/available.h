@@ -8,7 +8,8 @@
 // UINT64_MAX when it is not known.
 uint64_t olx_available_memory(void);
 
-// Bytes that a new file at `path` can have. UINT64_MAX when it is not known, or when `path` is something else than a file.
+// Bytes that a new file at `path` can have. UINT64_MAX when it is not known, or when `path` is something else than a
+// file.
 uint64_t olx_available_disk(const char *path);
 
 #endif

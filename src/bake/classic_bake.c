@@ -67,8 +67,8 @@ static uint32_t choose_paths(const olx_classic_bake *b, olx_shade_scratch *scrat
   return paths;
 }
 
-// As light field probes are lit, so that the methods differ in what they make of the light alone. Emission is left out, because
-// direct lighting samples it.
+// Lights a tile as light field probes are lit, so that the methods differ in what they make of the light alone.
+// Emission is left out, because direct lighting samples it.
 static void light_tile(const olx_classic_bake *b, olx_shade_scratch *scratch, uint32_t tile) {
   olx_shade_batch *roots = &scratch->roots;
   olx_shade_batch_begin(roots, b->light_samples);

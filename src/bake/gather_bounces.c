@@ -62,7 +62,7 @@ void olx_gather_light_tile(const olx_gather *gather, olx_shade_scratch *scratch,
   if (gather->traces) keep_direct(gather, scratch, tile);
 }
 
-// The diffuse reflection of what rays find of the bounce before.
+// Adds the diffuse reflection of the light that rays find of the bounce before.
 static void add_traced(const olx_gather *gather, olx_shade_scratch *scratch, uint32_t probe) {
   olx_shade_batch *roots = &scratch->roots;
   const size_t first = (size_t)probe * olx_gather_points(&gather->quadrature);
@@ -72,7 +72,7 @@ static void add_traced(const olx_gather *gather, olx_shade_scratch *scratch, uin
   }
 }
 
-// What the next bounce will find.
+// Stores the light that the rays of the next bounce will find.
 static void keep_traced(const olx_gather *gather, const olx_shade_scratch *scratch, uint32_t probe) {
   const size_t first = (size_t)probe * olx_gather_points(&gather->quadrature);
   olx_vec3 *light = olx_traced_light(&gather->traced, gather->bounce);

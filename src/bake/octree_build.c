@@ -85,7 +85,7 @@ static voxel child_of(voxel v, uint32_t child) {
                  (uint16_t)(2 * v.z + (child >> 2))};
 }
 
-// In sides of the finest voxels.
+// The centre of a voxel, in sides of the finest voxels.
 static olx_vec3 voxel_centre(const octree_build *b, voxel v, uint32_t level) {
   const float side = (float)(1u << (b->levels - level));
   return olx_v3(((float)v.x + 0.5f) * side, ((float)v.y + 0.5f) * side, ((float)v.z + 0.5f) * side);

@@ -1,4 +1,5 @@
-// Builds the structures by which the runtime finds probes, as a bake's settings name them, one builder for each selector.
+// Builds the structures by which the runtime finds probes, as a bake's settings name them, one builder for each
+// selector.
 #include "bake/selectors.h"
 
 #include "bake/bricks_build.h"

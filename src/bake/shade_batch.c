@@ -17,7 +17,8 @@ enum {
   SALT_BAKE = 0x42414B45
 };
 
-// One point in SCOUT_SHARE decides whether a tile sees a light; where it seems not to, one in DARK_SHARE sends shadow rays.
+// One point in SCOUT_SHARE decides whether a tile sees a light; where it seems not to, one in DARK_SHARE sends shadow
+// rays.
 enum { SCOUT_SHARE = 4, DARK_SHARE = 8 };
 #define NO_RAY UINT32_MAX
 
@@ -196,7 +197,7 @@ static void add_light(olx_shade_scratch *scratch, olx_shade_batch *batch, light_
   rays->count = 0;
 }
 
-// The same for points that are lit like others.
+// Adds a light to all points of a batch, where points that are lit alike share the shadow ray of one of them.
 static void add_shared_light(olx_shade_scratch *scratch, olx_shade_batch *batch, light_rays *rays) {
   for (uint32_t i = 0; i < batch->count; i++) scratch->ray_of[i] = NO_RAY;
   for (uint32_t k = 0; k < rays->count; k++) {

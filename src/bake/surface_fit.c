@@ -116,7 +116,7 @@ static uint32_t choose_reflections(olx_shade_scratch *scratch) {
   return count;
 }
 
-// What the solution has for the point; about the geometric normal, as the point's rays are.
+// The solution's irradiance at the point, about the geometric normal, as the point's rays are.
 static olx_vec3 solved_irradiance(const olx_surface_fit *fit, const olx_surface *surface) {
   olx_surface flat = *surface;
   flat.shading_normal = surface->geometric_normal;

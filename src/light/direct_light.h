@@ -46,13 +46,14 @@ typedef struct olx_lobe_ray {
 
 olx_lobe_ray olx_lobe_ray_diffuse(const olx_shading *shading, olx_vec2 random);
 olx_lobe_ray olx_lobe_ray_specular(const olx_shading *shading, olx_vec2 random);
-// From either lobe, chosen by `choice` in [0, 1); the weight is that of both.
+// Draws a ray from either lobe, chosen by `choice` in [0, 1); its weight is that of both lobes.
 olx_lobe_ray olx_lobe_ray_either(const olx_shading *shading, float choice, olx_vec2 random);
 
 // Whether rays drawn from lobes can find light at all: there are area lights or an environment.
 bool olx_emitters_can_be_hit(const olx_scene *scene);
 
-// Emission that such a ray found at `found`, or in the sky, weighted against light sampling from `position`.
+// Emission that a ray drawn from a lobe found at `found`, or in the sky, weighted against light sampling from
+// `position`.
 olx_vec3 olx_emission_found(const olx_scene *scene, const olx_surface *found, olx_vec3 position,
                             const olx_lobe_ray *ray);
 olx_vec3 olx_sky_found(const olx_scene *scene, const olx_lobe_ray *ray);

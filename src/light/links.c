@@ -49,7 +49,8 @@ static const float RAY_FOOTPRINT = 0.3f;
 // A surfel that stands for a larger cell serves a ray when that cell looks no larger than this share of the ray's length.
 static const float MOST_SERVED = 0.5f;
 
-// A surfel whose cell looks larger than this is too coarse for the direct light at a ray's end: shadows' edges cross it.
+// A surfel whose cell looks larger than this is too coarse for the direct light at a ray's end: shadows' edges cross
+// it.
 static const float MOST_LIT_SIDE = 0.3f;
 
 // A ray ends at the diffuse lobe of a surface: the surfel there knows how much light that gets. One that is far from it

@@ -36,9 +36,10 @@ typedef struct olx_guide_sums {
   uint32_t count, counts[OLX_GUIDE_BINS];
 } olx_guide_sums;
 
-// Adds what a ray brought that was made from a point of the square.
+// Adds the light that a ray brought which was made from a point of the square.
 void olx_guide_add(olx_guide_sums *sums, olx_vec2 point, float light);
-// The density of least variance for rays that go on to bring what they brought. Where they brought nothing it is even.
+// Learns the density of least variance for rays that bring as much as these sums say. Where they brought nothing it is
+// even.
 void olx_guide_learn(olx_ray_pool *pool, const olx_guide_sums *sums);
 
 // Takes evenly spread points of the square to points of a pool's density. *density is how many times denser they lie there.

@@ -49,8 +49,8 @@ olx_scene_light_report olx_scene_light_describe(const olx_scene_light *light);
 // the sky seen directly are left out.
 olx_vec3 olx_scene_light_irradiance(const olx_scene_light *light, const olx_surface *surface);
 
-// The two ways to it. Interpolation fails where the light of the point does not follow from surfels; a gather casts 256 rays, which
-// takes about fifty times as long.
+// Two ways to find that irradiance. Interpolation fails where the light of the point does not follow from surfels; a
+// gather casts 256 rays, which takes about fifty times as long.
 bool olx_scene_light_interpolate(const olx_scene_light *light, const olx_surface *surface, olx_vec3 *irradiance);
 olx_vec3 olx_scene_light_gather(const olx_scene_light *light, const olx_surface *surface);
 

@@ -11,7 +11,7 @@ typedef struct olx_surfel_lookup {
   uint32_t *lists;      // the surfels of a cube: how many, then their numbers
 } olx_surfel_lookup;
 
-// For the first `count` surfels.
+// Builds a lookup of the first `count` surfels.
 olx_result olx_surfel_lookup_create(olx_surfel_lookup *lookup, const olx_light_surfels *surfels, uint32_t count);
 void olx_surfel_lookup_free(olx_surfel_lookup *lookup);
 

@@ -31,7 +31,8 @@ olx_result olx_find_outside(const olx_scene *scene, uint32_t threads, int32_t *o
 static inline bool olx_depth_is_inside(olx_depth d, int32_t outside) {
   return d.back_share > 0.5f && d.depth > outside;
 }
-// The same of what is seen beside the sky: also a place between the outside of a wall and the end of the scene.
+// A place is behind the scenery when what it sees beside the sky is mostly back faces and it lies deeper than
+// `outside`. That holds also between the outside of a wall and the end of the scene.
 static inline bool olx_depth_is_behind(olx_depth d, int32_t outside) {
   return d.back_share > 0.5f * (1.0f - d.sky_share) && d.depth > outside;
 }

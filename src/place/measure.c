@@ -117,7 +117,7 @@ static olx_result judge_coverage(const olx_space *space, const olx_sight *sight,
   return OLX_OK;
 }
 
-// With `coverage` that alone, else everything.
+// Measures the coverage alone when `coverage` is given, else everything.
 static olx_result measure(const olx_space *space, const olx_sight *sight, olx_probe_set *set, double *coverage) {
   const size_t most = 2 * (size_t)held_out_count(&set->settings); // both sides of every point
   judged j = {.places = olx_allocate(set->count, sizeof *j.places),

@@ -215,7 +215,7 @@ static bool is_near_space(const olx_space *space, olx_vec3 p) {
   return false;
 }
 
-// From where in the space that matters the surfel is seen along straight lines to places spread over it.
+// Finds from where the surfel is seen, along straight lines to places spread over the space that matters.
 static uint8_t look_from_space(const asker *a, const olx_surfel *surfel, uint32_t seed) {
   const olx_space *space = a->space;
   olx_ray rays[MOST_RAYS];
@@ -235,8 +235,8 @@ static uint8_t look_from_space(const asker *a, const olx_surfel *surfel, uint32_
   return found;
 }
 
-// A few rays mostly suffice. The many of the last round are for surfels with space close by that hardly see it; a playable
-// box may be far from what is seen from it.
+// A few rays mostly suffice. The many of the last round are for surfels with space close by that hardly see it; a
+// playable box may be far from what is seen from it.
 static olx_surfel_fate find_fate(const asker *a, const olx_surfel *surfel, uint32_t seed) {
   static const uint32_t rounds[FATE_ROUNDS + 1] = {0, 8, 16, 16 + MOST_RAYS};
   olx_ray rays[MOST_RAYS];
@@ -257,7 +257,7 @@ static olx_surfel_fate find_fate(const asker *a, const olx_surfel *surfel, uint3
   return found & OLX_ALLOWED ? OLX_SURFEL_GRAZING : found & OLX_REACHABLE ? OLX_SURFEL_RESTRICTED : OLX_SURFEL_UNSEEN;
 }
 
-// What the ray that found a surfel knows of its fate.
+// The fate of a surfel as far as the ray that found it decides it.
 static void ask_ray(const asker *a, olx_surfel *surfel) {
   const bool allowed = olx_space_allows(a->space, surfel->from);
   if (allowed && olx_sight_quality(a->sight, surfel->from, surfel)) surfel->fate = OLX_SURFEL_FIT;

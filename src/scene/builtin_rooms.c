@@ -25,7 +25,7 @@ static olx_result build_two_rooms(olx_scene *scene, const char *const cells[2], 
   return olx_add_view(scene, "dark", olx_v3(3.8f, 1.6f, -1.6f), olx_v3(0.3f, 1.2f, 1.3f), 60.0f);
 }
 
-// Of 0.2 m, in the middle.
+// A wall of 0.2 m, in the middle.
 static const float middle_wall[2] = {-0.1f, 0.1f};
 static const char *const sealed_cells[2] = {".#.", ".#."};
 

@@ -168,7 +168,7 @@ static bool readable(char *found, size_t size_bytes, const char *folder, size_t 
   return length > 0 && (size_t)length < size_bytes && access(found, R_OK) == 0;
 }
 
-// As it is when absolute, else beside the description, else in each folder of OCTALUX_SCENES.
+// Finds a file by its absolute path, else beside the description, else in each folder of OCTALUX_SCENES.
 static olx_result find_file(const description *d, const place *at, const char *key, const char *name, char *found,
                             size_t size_bytes) {
   const char *slash = strrchr(d->path, '/'), *folders = getenv("OCTALUX_SCENES");
@@ -491,7 +491,7 @@ static olx_result read_pinned(const description *d, const place *at, const cJSON
   return OLX_OK;
 }
 
-// What places probes has to keep to.
+// Reads the rules that the placement of probes keeps to.
 static olx_result read_probe_rules(description *d, const place *at) {
   olx_probe_rules *rules = &d->scene->probe_rules;
   const place playable = {.object = member(at, "playable"), .name = "probes.playable"};

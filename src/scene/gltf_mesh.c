@@ -206,7 +206,7 @@ static olx_result read_normals(primitive_reader *r) {
   return OLX_OK;
 }
 
-// They say nothing where there is no normal map, nor without normals.
+// Tangents matter only where there are a normal map and normals.
 static olx_result read_tangents(primitive_reader *r) {
   const olx_material *m = &r->gltf->scene->materials[r->surface->material];
   const uint32_t index =

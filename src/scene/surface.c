@@ -133,7 +133,7 @@ typedef struct tangent_frame {
   olx_vec3 tangent, bitangent;
 } tangent_frame;
 
-// That of the triangle's texture coordinates; false where they span none.
+// The frame of a normal map from the triangle's texture coordinates; false where they span none.
 static bool frame_by_uvs(const olx_scene *scene, const olx_material *material, const olx_corners *c, olx_vec3 normal,
                          tangent_frame *frame) {
   const olx_vec2 *uvs = material->second_uvs & OLX_SLOT_NORMAL ? scene->second_uvs : scene->uvs;
@@ -151,7 +151,8 @@ static bool frame_by_uvs(const olx_scene *scene, const olx_material *material, c
   return true;
 }
 
-// That of the vertices' tangents; false where they have none. Their sides are those of normals that are not turned round.
+// The frame of a normal map from the vertices' tangents; false where they have none. Their sides are those of normals
+// that are not turned round.
 static bool frame_by_tangents(const olx_scene *scene, const olx_corners *c, float u, float v, olx_vec3 normal,
                               tangent_frame *frame) {
   if (!scene->tangents) return false;

@@ -24,8 +24,8 @@ typedef struct olx_surface {
 // Everything at the hit of a ray with direction `direction` (unit).
 olx_surface olx_surface_at(const olx_scene *scene, const olx_ray_hit *hit, olx_vec3 direction);
 
-// The same, faster when `previous` (may be NULL) lies on the same triangle: what does not vary over it is taken from
-// there.
+// Finds the surface as olx_surface_at does, faster when `previous` (may be NULL) lies on the same triangle: what does
+// not vary over the triangle is taken from there.
 olx_surface olx_surface_near(const olx_scene *scene, const olx_ray_hit *hit, olx_vec3 direction,
                              const olx_surface *previous);
 

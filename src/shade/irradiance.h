@@ -7,8 +7,8 @@
 
 #include <octalux/sample.h>
 
-// Where irradiance comes from: the packed maps or spherical harmonics of a field, or a baker's float maps. Maps carry a one-texel border, as
-// field_data.h says; sizes are without it.
+// Where irradiance comes from: the packed maps or spherical harmonics of a field, or a baker's float maps. Maps carry a
+// one-texel border, as field_data.h says; sizes are without it.
 typedef struct olx_irradiance_source {
   olx_grid grid;
   const uint8_t *flags; // OLX_PROBE_*, one a probe; NULL when there are no probes
@@ -55,7 +55,7 @@ olx_vec3 olx_light_change(olx_vec3 before, olx_vec3 after);
 olx_vec3 olx_irradiance_change(const olx_irradiance_source *source, const olx_sample_settings *settings,
                                olx_vec3 position, olx_vec3 from, olx_vec3 to, olx_vec3 view);
 
-// The same with a choice of terms.
+// Interpolates irradiance as olx_irradiance does, with a choice of the terms that weigh probes.
 olx_vec3 olx_irradiance_terms(const olx_irradiance_source *source, uint32_t terms, bool keep_buried, olx_vec3 position,
                               olx_vec3 normal, olx_vec3 view);
 

@@ -7,7 +7,8 @@
 // Surfels stand for surfaces of some size, and their rays for some solid angle: their lobes are wider by this alpha.
 static const float LINK_ALPHA = 0.2f;
 
-// A surface seems at most so many times as bright as a white matte one: beyond, single links would be too bright for what they stand for.
+// A surface seems at most so many times as bright as a white matte one: beyond that, single links would be too bright
+// for the solid angle that they represent.
 static const float MOST_BRIGHT = 2.0f;
 
 static float share_of(uint8_t byte) { return (float)byte * (1.0f / 255.0f); }

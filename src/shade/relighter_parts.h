@@ -113,9 +113,9 @@ static inline uint32_t olx_relit_texel_rounds(const olx_relight *r) { return r->
 
 olx_result olx_relit_surfels_create(olx_relight *relight);
 void olx_relit_surfels_free(olx_relight *relight);
-// Direct light of those whose turn it is, within `rays` shadow rays; returns how many were lit.
+// Adds a sample of direct light to the surfels whose turn it is, within `rays` shadow rays; returns how many were lit.
 uint32_t olx_relit_light_surfels(olx_relight *relight, uint64_t rays);
-// Light over links to those whose turn it is; returns how many.
+// Carries light over links to the surfels whose turn it is; returns how many they are.
 uint32_t olx_relit_bounce(olx_relight *relight);
 // What arrives at a surfel as specular reflections of direct light, W/m^2 (relighter_highlights.c).
 olx_vec3 olx_relit_highlights(const olx_relight *relight, uint32_t surfel);

@@ -50,7 +50,7 @@ static uint32_t words_between(const void *first, const void *later) {
   return (uint32_t)((size_t)((const char *)later - (const char *)first) / sizeof(uint32_t));
 }
 
-// As the structure has them in the file.
+// The structure's arrays, as they lie in the file.
 static void lay_out_structure(olx_gpu_relight *c, const olx_relight_data *d, olx_vulkan_relight *v) {
   c->link_starts = words_between(d->surfels, d->link_starts);
   c->links = words_between(d->surfels, d->links);

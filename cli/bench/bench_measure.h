@@ -40,7 +40,7 @@ typedef struct bench_bake {
   uint32_t irradiance_size, light_samples, bounces, threads;
   olx_bounce_gather gather;
   olx_irradiance_form form;
-  uint32_t classic_size; // of the maps of original irradiance probes; 0: none
+  uint32_t classic_size; // of the baseline's maps; 0: none
   float noise;           // of the solved light; 0: as bakes have it when nothing is said
   bool rough;            // place with few samples, for a quick look
   bool plain;            // no structures of selectors but those that a bake makes anyway

@@ -52,7 +52,7 @@ typedef struct olx_bake_settings {
   uint32_t reference_paths; // a texel, with OLX_LIGHT_REFERENCE, 1 to 65536; default 64
   uint32_t volume_cells;    // smallest cells of the irradiance volume along the longest side of free space, 0 to 256, and
                             // at most radiance_size / 16; 0, or OLX_LIGHT_REFERENCE: no volume. Default 32
-  bool classic;             // also make classic maps, of the method that light field probes replace; default false
+  bool classic;             // also make classic maps, those of the baseline (docs/baking.md); default false
   uint32_t classic_size;    // texels along a side of these: a power of two, 32 to 256; default 128
   uint32_t classic_cube_size; // along a face of the cube maps that they come from: a power of two, 32 to 1024; default 256
   uint32_t classic_sharpness; // exponent of the filter between the two, 64 to 65536; 0, the default: as wide as a texel

@@ -3,8 +3,9 @@
 // A field holds light field probes (distance, normal, and the surface with its light for every direction) that rays are traced
 // through and light of surfaces is read from, and an irradiance volume for free space. It may also hold probe light: radiance as
 // each light field probe saw it (McGuire et al. 2017, section 3), and irradiance probes (prefiltered irradiance and distance
-// moments; section 5.2). With that it may hold classic maps: those of original irradiance probes, the method that light field probes
-// replace (docs/baking.md), and what it takes to light it anew (octalux/relight.h). It is immutable.
+// moments; section 5.2). With that it may hold classic maps, those of the baseline that light field probes replace:
+// irradiance probes without visibility (docs/baking.md). It may hold what relighting needs (octalux/relight.h). It is
+// immutable.
 #ifndef OCTALUX_FIELD_H
 #define OCTALUX_FIELD_H
 

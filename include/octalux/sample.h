@@ -19,7 +19,7 @@ typedef enum olx_tracer {
 } olx_tracer;
 
 typedef enum olx_visibility {
-  OLX_VISIBILITY_NONE = 0,     // trilinear interpolation alone: leaks, the baseline
+  OLX_VISIBILITY_NONE = 0,     // trilinear interpolation alone, which leaks; to compare with
   OLX_VISIBILITY_CHEBYSHEV = 1 // McGuire et al. section 5.2 with the refinements that docs/studies.md measures
 } olx_visibility;
 
@@ -145,7 +145,7 @@ void olx_glossy_rays(const olx_field *field, const olx_sample_settings *settings
                      const olx_vec3 *positions, const olx_vec3 *normals, const olx_vec3 *views, const float *roughness,
                      const olx_vec2 *random, olx_vec3 *radiance, float *weights, float *half_cosines);
 
-// The method that light field probes replace, as a baseline (docs/baking.md, "Classic maps"): irradiance and prefiltered
+// The baseline, the method that light field probes replace (docs/baking.md, "Classic maps"): irradiance and prefiltered
 // radiance of the irradiance probes around a point, interpolated without regard to what they see. Of `settings` only
 // keep_buried counts. Light that comes straight from emitters or the sky is left out.
 

@@ -215,7 +215,7 @@ typedef struct olx_audit_settings {
 
 olx_audit_settings olx_audit_settings_default(void);
 
-// The field judged against ray casting and path tracing; see docs/studies.md for what each number means.
+// The field judged against ray casting and path tracing; see docs/studies/rays.md for what each number means.
 typedef struct olx_audit_rays {
   uint64_t count;
   double unresolved, wrong, unseen;           // shares of all rays

@@ -20,7 +20,7 @@ typedef enum olx_tracer {
 
 typedef enum olx_visibility {
   OLX_VISIBILITY_NONE = 0,     // trilinear interpolation alone, which leaks; to compare with
-  OLX_VISIBILITY_CHEBYSHEV = 1 // McGuire et al. section 5.2 with the refinements that docs/studies.md measures
+  OLX_VISIBILITY_CHEBYSHEV = 1 // McGuire et al. section 5.2 with the refinements that docs/studies/leaks.md measures
 } olx_visibility;
 
 typedef enum olx_hits {

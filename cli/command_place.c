@@ -11,7 +11,7 @@
 #include <inttypes.h>
 #include <stdio.h>
 
-// What may be given; 0: not given.
+// The options of the command; 0 means that one is not given.
 typedef struct place_options {
   uint32_t method, count, views, resolution, surfels, candidates, voxels, refinements, seed, threads, grid[3];
   uint32_t optimize, reward, rounds;

@@ -105,7 +105,7 @@ static int check_device(const render_options *o) {
   return EXIT_DONE;
 }
 
-// What cannot be meant; 0 when all is well.
+// Refuses options that contradict each other; 0 when all is well.
 static int check_options(render_options *o) {
   const bool exr = ends_with(o->output, ".exr");
   if (!exr && !is_output_named(o->output, ".png")) {
@@ -225,7 +225,7 @@ static olx_camera *make_cameras(const render_options *o, const olx_scene *scene,
   return cameras;
 }
 
-// What a picture is made with, and what came of it.
+// The inputs of a picture, and its results.
 typedef struct render_job {
   const render_options *options;
   const olx_scene *scene;

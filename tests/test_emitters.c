@@ -1,4 +1,5 @@
-// Drawing light: densities that sum to one, samples that agree with them, and irradiance against closed forms.
+// Tests how points on lights are drawn: densities sum to one, samples agree with them, and irradiance agrees with
+// closed forms.
 #include "core/hooks.h"
 #include "core/sampling.h"
 #include "made_scenes.h"

@@ -1,5 +1,6 @@
-// What glTF files hold beyond a square of floats: quantised, sparse and compressed accessors, strips and fans, several texture
-// coordinates, vertex colours, tangents, scenes, extensions. Each file is made here, and says one thing.
+// Tests what glTF files hold beyond a square of floats: quantised, sparse and compressed accessors, strips and fans,
+// several texture coordinates, vertex colours, tangents, scenes, extensions. Each file is made here and has one
+// feature.
 #include "data_uris.h"
 #include "gltf_maker.h"
 #include "scene/bvh.h"

@@ -1,4 +1,4 @@
-// Relighting: what follows in closed form, a fresh bake of the changed scene, and the schedule.
+// Tests relighting against what follows in closed form and against a fresh bake of the changed scene, and its schedule.
 #include "field/texels.h"
 #include "scene/bvh.h"
 #include "scene/surface.h"

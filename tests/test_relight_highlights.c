@@ -1,5 +1,5 @@
-// Specular reflections of direct light on the way from surfel to surfel: what follows from two surfels alone, and a floor in a low
-// sun between two walls.
+// Tests specular reflections of direct light on the way from surfel to surfel: with two surfels alone, and with a floor
+// in a low sun between two walls.
 #include "core/bsdf.h"
 #include "core/pack.h"
 #include "core/sampling.h"

@@ -1,4 +1,4 @@
-// What a ray finds: positions, normals, textures, sides, and offsets that hold at every scale.
+// Tests what a ray finds: positions, normals, textures, sides, and offsets that hold at every scale.
 #include "core/sampling.h"
 #include "made_scenes.h"
 #include "scene/bvh.h"

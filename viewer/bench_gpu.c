@@ -90,8 +90,8 @@ static bench_settings settings_of(const arguments *a) {
   return settings;
 }
 
-// What was named by --scene and --field must be there; of --data's rows one at least, and none may fail. Rows that are
-// skipped are told.
+// Prints the rows. Files named by --scene and --field must exist, at least one of --data's rows must, and none may
+// fail. Rows that are skipped are reported.
 static int report_results(const arguments *a, const bench_report *report) {
   uint32_t done = 0, failed = 0;
   for (uint32_t i = 0; i < report->count; i++) {

@@ -62,7 +62,7 @@ typedef struct study {
   bench_table *table;
 } study;
 
-// What probes hold below 0, before anything is interpolated or cut off.
+// The irradiance below 0 that probes hold, before anything is interpolated or cut off.
 typedef struct ringing {
   double negative, undershoot;
 } ringing;

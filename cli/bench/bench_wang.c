@@ -79,7 +79,7 @@ void wang_add_error(cJSON *object, const char *key, const bench_error *error) {
   add_number(entry, "bias", error->bias);
 }
 
-// One bounce, as Wang's: light that was reflected once before it reaches what the camera sees.
+// Renders references of one bounce, as Wang does: light that was reflected once before it reaches what the camera sees.
 static olx_result render_references(wang_run *run) {
   bench_way way = {.settings = picture(run, OLX_METHOD_PATH)};
   way.settings.spp = run->options->spp;

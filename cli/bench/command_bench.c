@@ -12,7 +12,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-// What measures something else than the experiments' table does, with options of its own.
+// A benchmark that is no experiment of the table and has options of its own.
 typedef struct special {
   const char *name, *what;
   int (*run)(int argc, char **argv);
@@ -127,7 +127,7 @@ static olx_result run_one(bench *b, const experiment *e, cJSON *report, cJSON *l
     if (section) findings_add_report(&b->found, section);
   }
   findings_free(&b->found);
-  // What has not ended is not shown.
+  // An experiment that has not ended is not shown.
   if (result != OLX_OK && section) {
     cJSON_Delete(cJSON_DetachItemViaPointer(cJSON_GetObjectItem(report, "sections"), section));
   }

@@ -74,8 +74,8 @@ static bakes_sum compare_two(const olx_image *a, const olx_image *b) {
   return sum;
 }
 
-// RMS difference of the pictures of two fields over their mean, of each camera and last of all. What is told of the other field, a
-// bake as it is when nothing is said, stays in *other.
+// RMS difference of the pictures of two fields over their mean, of each camera and last of all. What is reported of the
+// other field, a bake with default settings, stays in *other.
 static olx_result compare_bakes(const surface_run *r, bench_images *images, bench_field *other,
                                 double rms[BENCH_CAMERAS + 1]) {
   bench_images again = {0};

@@ -10,14 +10,14 @@ extern "C" {
 #endif
 #pragma GCC visibility push(default)
 
-// Where irradiance probes find indirect light (docs/baking.md).
+// Sources of the indirect light of irradiance probes (docs/baking.md).
 typedef enum olx_bounce_gather {
   OLX_GATHER_SOLVED = 0, // the light of the scene, solved once; with OLX_LIGHT_REFERENCE the next
   OLX_GATHER_IRRADIANCE, // bounces between them: the irradiance maps of the bounce before (McGuire et al. 2017, section 5.2)
   OLX_GATHER_TRACED      // bounces between them: rays, which find what probes stored of the bounce before
 } olx_bounce_gather;
 
-// Where the indirect light of what light field probes see comes from.
+// Sources of the indirect light at surfaces that light field probes see.
 typedef enum olx_bake_light {
   OLX_LIGHT_CACHE = 0, // solved once in world space, at surfels, and interpolated between them
   OLX_LIGHT_REFERENCE  // paths from every texel: slow, to judge the other by
@@ -99,7 +99,7 @@ typedef struct olx_bake_stats {
       unseen; // OLX_GATHER_TRACED: share of the rays that met a surface which no probe nearby sees; they count for nothing
 } olx_bake_stats;
 
-// What a bake takes, reckoned by the code that allocates and lays out, without a ray.
+// The sizes of a bake, computed by the code that allocates and lays out, without casting a ray.
 typedef struct olx_bake_sizes {
   uint64_t probes, irradiance_probes; // 0 of irradiance without probe light
   uint64_t file_bytes;   // structures of other selectors than the cage and the irradiance volume come on top, and, where probes see emitters or the
@@ -111,13 +111,15 @@ typedef struct olx_bake_sizes {
   uint64_t available_memory_bytes, available_disk_bytes; // UINT64_MAX: not known
 } olx_bake_sizes;
 
-// Reckon a bake to `path`. OLX_ERROR_ARGUMENT as olx_bake; OLX_ERROR_MEMORY or OLX_ERROR_FILE when the machine's memory or the
-// disk is too small for it, which olx_bake answers in the same words before it begins: *sizes is complete then, too.
+// Computes the sizes of a bake to `path`. OLX_ERROR_ARGUMENT as olx_bake; OLX_ERROR_MEMORY or OLX_ERROR_FILE when the
+// machine's memory or the disk is too small for it, which olx_bake answers in the same words before it begins: *sizes
+// is complete then, too.
 olx_result olx_bake_measure(const olx_scene *scene, const olx_bake_settings *settings, const char *path,
                             olx_bake_sizes *sizes);
 
-// How long the bake would take on this machine as busy as it is, without writing the file and without building selectors. Bakes
-// eight probes of each kind, at most, to a temporary file, and multiplies. docs/baking.md says how far off it is.
+// Estimates how long the bake would take on this machine as busy as it is, without writing the file and without
+// building selectors. Bakes eight probes of each kind, at most, to a temporary file, and multiplies. docs/baking.md
+// says how far off it is.
 olx_result olx_bake_estimate_seconds(const olx_scene *scene, const olx_bake_settings *settings,
                                      const olx_progress *progress, double *seconds);
 

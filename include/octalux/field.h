@@ -50,7 +50,7 @@ typedef struct olx_grid {
   uint32_t count[3]; // each at least 1
 } olx_grid;
 
-// What is in a field. Sizes in texels are those of the square octahedral maps without their one-texel border.
+// The contents of a field. Sizes in texels are those of the square octahedral maps without their one-texel border.
 typedef struct olx_field_info {
   uint32_t probe_count;            // light field probes, at least 1
   uint32_t irradiance_probe_count; // irradiance probes; 0: baked without probe light, and all that is said of them is 0
@@ -94,9 +94,9 @@ olx_result olx_field_open(const char *path, olx_field **field);
 // Opens a field file that is in memory already, 64-byte aligned, as olx_field_open does; `data` must outlive the field.
 olx_result olx_field_open_memory(const void *data, size_t size_bytes, olx_field **field);
 
-// What a field file of format version 1 says of itself. Such a file cannot be opened, because its texels hold no surfaces: the
-// scene has to be baked again. Counts of bytes but file_bytes are 0, as are the members that optional chunks describe.
-// OLX_ERROR_VERSION for a file of another version.
+// Reads the description of a field file of format version 1. Such a file cannot be opened, because its texels hold no
+// surfaces: the scene has to be baked again. Counts of bytes but file_bytes are 0, as are the members that optional
+// chunks describe. OLX_ERROR_VERSION for a file of another version.
 olx_result olx_field_describe_version_1(const char *path, olx_field_info *info);
 
 // NULL is allowed.

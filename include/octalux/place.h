@@ -56,8 +56,8 @@ typedef enum olx_place_optimizer {
 // "none", "gradient", "gibbs".
 const char *olx_place_optimizer_name(olx_place_optimizer optimizer);
 
-// What a set of probes is rewarded for each surfel. A probe that sees it has a fitness: the mean of the cosine at the
-// surfel and of the distance in diagonals of the scene.
+// The reward of a set of probes for each surfel. A probe that sees the surfel has a fitness: the mean of the cosine at
+// the surfel and of the distance in diagonals of the scene.
 typedef enum olx_place_reward {
   OLX_REWARD_BEST = 0, // the best probe's fitness
   OLX_REWARD_SUM       // the sum of all probes' (equations 3.1, 3.2): none gains by seeing what the others miss
@@ -142,7 +142,7 @@ typedef struct olx_place_report {
   double seconds;
 } olx_place_report;
 
-// What a picture shows beside the probes.
+// Kinds of marks that a picture shows beside the probes.
 typedef enum olx_place_mark_kind {
   OLX_MARK_SKELETON = 0, // a place of the skeleton of free space; radius: how far surfaces are
   OLX_MARK_MISSED,       // a surface that is not covered but could be

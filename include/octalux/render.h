@@ -18,7 +18,7 @@ typedef enum olx_layer {
   OLX_LAYER_BEAUTY = 0,
   OLX_LAYER_DIRECT,           // emitter to surface with nothing in between, through every lobe
   OLX_LAYER_INDIRECT_DIFFUSE, // at least one surface between emitter and shaded surface, through the diffuse lobe
-  OLX_LAYER_INDIRECT_GLOSSY,  // the same through the specular lobe
+  OLX_LAYER_INDIRECT_GLOSSY,  // at least one surface between emitter and shaded surface, through the specular lobe
   OLX_LAYER_ALBEDO,           // diffuse reflectance: base colour * (1 - metallic)
   OLX_LAYER_NORMAL,           // shading normal, world space; 0 where nothing is seen
   OLX_LAYER_DEPTH,            // distance along the viewing axis in metres, one channel (others 0); infinite for the sky

@@ -131,9 +131,9 @@ olx_result olx_probe_light_check(const olx_field *field);
 // interpolated, and with spherical harmonics as they ring, that is also below 0, where olx_irradiance says 0. 0 for another index.
 olx_vec3 olx_probe_irradiance(const olx_field *field, uint32_t index, olx_vec3 normal);
 
-// One ray's estimate of the light that a GGX lobe of the given roughness (perceptual, 0..1; 0 is a mirror) gathers:
-// traces the reflection drawn by `random` (two numbers in [0, 1)) and returns its radiance; *weight receives the
-// BRDF times cosine over the pdf for Fresnel reflectance 1 (0: the reflection lies below the surface, and no ray was
+// Estimates by one ray the light that a GGX lobe of the given roughness (perceptual, 0..1; 0 is a mirror) gathers:
+// traces the reflection drawn by `random` (two numbers in [0, 1)) and returns its radiance; *weight receives the BRDF
+// times cosine over the pdf for Fresnel reflectance 1 (0: the reflection lies below the surface, and no ray was
 // traced), *half_cosine the angle for Fresnel (view . half), and *hit, which may be NULL, what the ray found.
 olx_vec3 olx_glossy(const olx_field *field, const olx_sample_settings *settings, olx_vec3 position, olx_vec3 normal,
                     olx_vec3 view, float roughness, olx_vec2 random, float *weight, float *half_cosine,

@@ -255,7 +255,7 @@ typedef struct olx_vulkan_update_settings {
 
 olx_vulkan_update_settings olx_vulkan_update_settings_default(void);
 
-// What a call did.
+// The work that a call did.
 typedef struct olx_vulkan_update_stats {
   uint64_t bytes, waiting_bytes; // copied; changed, and not copied yet
   uint32_t tiles;                // of light field maps, up to 32 x 32 texels each
@@ -304,7 +304,7 @@ olx_result olx_vulkan_relight_create(olx_vulkan_field *uploaded, olx_relight *re
 // NULL is allowed. Nothing that was recorded with it may be pending. The relighter makes no more frames.
 void olx_vulkan_relight_destroy(olx_vulkan_relight *relight);
 
-// What a frame does.
+// The work that a frame does.
 typedef struct olx_vulkan_relight_stats {
   uint32_t surfels_lit, surfels_gathered; // get a sample of direct light; gather light from others
   uint64_t texels;                        // of light field probes

@@ -277,7 +277,7 @@ static void add_bricks(gltf_model *m, cJSON *children) {
 
 // ---- The file
 
-// Flat colours, where a tool knows the extension; else they are rough surfaces.
+// Adds materials of flat colours, which tools that do not know the extension show as rough surfaces.
 static void add_materials(gltf_model *m) {
   static const struct {
     const char *name;

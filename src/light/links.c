@@ -53,8 +53,8 @@ static const float MOST_SERVED = 0.5f;
 // it.
 static const float MOST_LIT_SIDE = 0.3f;
 
-// A ray ends at the diffuse lobe of a surface: the surfel there knows how much light that gets. One that is far from it
-// serves where no others will be added.
+// Links a ray that ends at the diffuse lobe of a surface to the surfel there, which knows how much light the surface
+// gets. A surfel farther away serves where no others will be added.
 static olx_link link_to(const cast_job *c, const olx_surface *surface, const olx_ray_hit *hit, olx_vec3 weight,
                         uint32_t chain, float distance, ray_end *end) {
   const olx_light_surfels *s = c->surfels;
@@ -95,7 +95,8 @@ static void cast_on(const cast_job *c, way *w, const olx_surface *surface, uint6
   w->hit = olx_bvh_intersect(c->surfels->scene->bvh, &ray);
 }
 
-// The specular lobe, which was chosen with probability `share`, reflects emitters, and a ray goes on; false when it brings nothing.
+// Adds what the specular lobe, chosen with probability `share`, reflects of emitters, and continues the way; false when
+// the ray brings nothing.
 static bool pass_specular(const cast_job *c, way *w, const olx_shading *shading, float share, ray_end *end,
                           uint64_t *rays) {
   const olx_scene *scene = c->surfels->scene;

@@ -282,7 +282,7 @@ static double last_bounce(const olx_scene_light *l) {
   return all > 0.0 ? fmin(fmax(last / all, 0.0), 1.0) : 0.0;
 }
 
-// `bounces`: at most so many of those that are asked for.
+// Solves at most `bounces` of the bounces that the settings name.
 static olx_result solve(olx_scene_light *l, uint32_t bounces) {
   const uint32_t asked = l->settings.bounces;
   count_rays(l);
@@ -305,7 +305,7 @@ typedef struct noise_sum {
 } noise_sum;
 
 // A surfel's few first rays may all miss a small bright place, and then seem to agree. Surfels of the same size around it, which
-// see about the same, tell how much its rays really vary. (Hidden surfels never get more than their first rays.)
+// see about the same, show how much its rays really vary. (Hidden surfels never get more than their first rays.)
 static olx_result smooth_noise(const olx_scene_light *l, float *variance, float *light) {
   const uint32_t count = l->surfels.count;
   noise_sum *sums = olx_allocate_zero(l->guide.pool_count, sizeof *sums);
@@ -504,7 +504,7 @@ static bool is_rough(const olx_scene_light *l, const olx_surfel_weights *weights
   return square / sum - mean * mean > ROUGH_SPREAD * ROUGH_SPREAD * mean * mean;
 }
 
-// `light`: that of the neighbours, in their order.
+// Interpolates `light`, which is that of the neighbours in their order.
 static olx_vec3 interpolate(const olx_surfel_weights *weights, const olx_vec3 light[OLX_NEIGHBOURS_MOST]) {
   olx_vec3 sum = {0}, least = olx_splat(INFINITY), most = olx_splat(0.0f);
   for (uint32_t i = 0; i < weights->count; i++) {

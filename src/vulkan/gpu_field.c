@@ -68,12 +68,12 @@ static olx_result check_range(const olx_vulkan_context *c, VkDeviceSize bytes, c
                   (unsigned long long)bytes, what);
 }
 
-// More lights than have highlights are as good as none. Lights that change may be more than those of the bake.
+// With more lights than can have highlights none has. Lights that change may be more than those of the bake.
 static uint32_t highlight_count(const olx_field *field) {
   return field->surfaces.light_count > OLX_MOST_HIGHLIGHTS ? 0 : field->surfaces.light_count;
 }
 
-// Of the chunk, which ends with the entries of cubes; 0 for a field without a volume.
+// Bytes of the volume's chunk, which ends with the entries of cubes; 0 for a field without a volume.
 static VkDeviceSize volume_bytes(const olx_volume *v) {
   if (!v->header) return 0;
   const size_t cubes = (size_t)v->header->size[0] * v->header->size[1] * v->header->size[2];

@@ -85,7 +85,7 @@ static olx_result copy_words(olx_vulkan_relight *v, olx_uploader *uploader, olx_
                            (VkDeviceSize)at * sizeof(uint32_t));
 }
 
-// Values need none: they are found before they are read.
+// Values of surfels are not uploaded, since they are computed before they are read.
 static olx_result copy_state(olx_vulkan_relight *v, olx_uploader *uploader) {
   const olx_relight *r = v->relight;
   const olx_gpu_relight *c = &v->constants;

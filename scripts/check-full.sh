@@ -15,4 +15,5 @@ step "build: address and undefined sanitizers" configure_and_build asan &&
   tests asan "tests: address and undefined sanitizers" -L 'check|full_sanitized' -LE once
 step "build: thread sanitizer" configure_and_build tsan threads-tests &&
   tests tsan "tests: thread sanitizer" -L threads
+guided_fuzzing "coverage-guided fuzzing" guided_full
 finish

@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# Install the Debian packages that Octalux needs: install-packages.sh [build|check|full]. Does nothing when all of them are there.
+# Install the Debian packages that Octalux needs: install-packages.sh [build|check|full|soak]. Does nothing when all of them are there.
 #   build   what building needs (the default), and what it leaves parts out without
 #   check   also what `make check` needs
 #   full    also what `make check-full` needs
+#   soak    what `make check` and `make soak` need
 set -euo pipefail
 list=${1:-build}
 
@@ -12,16 +13,19 @@ needed=(gcc g++ cmake ninja-build pkg-config
 wanted=(glslc libvulkan-dev libglfw3-dev libimgui-dev libfreetype-dev)
 case $list in
   build) ;;
-  check | full)
+  check | full | soak)
     needed+=(clang clang-format clang-tidy libclang-rt-14-dev python3 python3-numpy python3-venv binutils libcmocka-dev
+      dpkg-dev # finds which packages a package depends on
       gltfpack # makes compressed models to read
       mesa-vulkan-drivers vulkan-validationlayers xvfb # Vulkan's CPU device and its layers, a display for the viewer
       "${wanted[@]}")
     wanted=()
-    [ "$list" = check ] || needed+=(chromium) # looks at reports
+    [ "$list" != soak ] || needed+=(mmdebstrap) # a system to install packages on
+    [ "$list" != full ] || needed+=(chromium # looks at reports
+      gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user musl-tools) # other machines and C libraries
     ;;
   *)
-    echo "install-packages: '$list' is not one of build, check, full" >&2
+    echo "install-packages: '$list' is not one of build, check, full, soak" >&2
     exit 2
     ;;
 esac

@@ -51,6 +51,22 @@ tests() {
   return 1
 }
 
+# Whether clang links targets of coverage-guided fuzzing.
+has_libfuzzer() {
+  echo 'int LLVMFuzzerTestOneInput(const char *d, unsigned long n); int LLVMFuzzerTestOneInput(const char *d, unsigned long n) { return !d && n; }' |
+    clang -x c - -fsanitize=fuzzer,address -o /dev/null 2>/dev/null
+}
+
+# guided_fuzzing NAME LABEL: coverage-guided fuzzing of every target, where there is libFuzzer.
+guided_fuzzing() {
+  if has_libfuzzer; then
+    step "build: coverage-guided fuzzing" configure_and_build fuzz fuzzers && tests fuzz "$1" -L "$2"
+  else
+    skipped=$((skipped + 1))
+    printf '%-44s skipped: no libFuzzer (Debian: clang, libclang-rt-14-dev)\n' "$1"
+  fi
+}
+
 # What this check and all it has run have used of the processors. `times` is called here because a subshell has used nothing.
 show_processor_time() {
   times >"$reports/times.txt"

@@ -4,15 +4,12 @@
 // most rounds the checksums are made right again, so that the checks behind them are reached. Nothing may crash, hang
 // or touch memory outside the file, and every refusal says why. A round depends on SEED and its number alone: FIRST
 // repeats one.
+#include "hostile_field.h"
 #include "processor_alarm.h"
 #include "synthetic_field.h"
 
 #include "core/hooks.h"
-#include "core/sampling.h"
-#include "export/gltf_boxes.h"
-#include "export/map_texels.h"
 #include "field/field_file.h"
-#include "trace/texel_shade.h"
 
 #include <octalux/octalux.h>
 
@@ -22,7 +19,7 @@
 #include <unistd.h>
 
 #define ALL (1u << OLX_SELECT_VORONOI | 1u << OLX_SELECT_OCTREE | 1u << OLX_SELECT_BRICKS)
-enum { SHAPES = 17, RAYS = 6, POINTS = 3, SECONDS_A_ROUND = 20, MOST_ADDED = 4096 };
+enum { SHAPES = 17, SECONDS_A_ROUND = 20, MOST_ADDED = 4096 };
 
 static const synthetic_shape shapes[SHAPES] = {
     {.grid = {1, 1, 1}, .irradiance_grid = {1, 1, 1}, .n = 8, .irradiance_n = 8},
@@ -57,42 +54,6 @@ typedef struct buffer {
   unsigned char *bytes;
   size_t size_bytes;
 } buffer;
-
-// --- Random choices of one round
-
-typedef struct dice {
-  uint32_t seed, round, drawn;
-} dice;
-
-static uint32_t draw(dice *d) { return olx_hash3(d->drawn++, d->round, d->seed); }
-static uint32_t draw_below(dice *d, uint32_t count) { return (uint32_t)((uint64_t)draw(d) * count >> 32); }
-static size_t draw_offset(dice *d, size_t size_bytes) { return size_bytes ? draw_below(d, (uint32_t)size_bytes) : 0; }
-static float draw_unit(dice *d) { return olx_unit_float(draw(d)); }
-
-static uint32_t extreme_u32(dice *d) {
-  static const uint32_t values[] = {0,          1,          2,          3,          7,          8,          64,
-                                    255,        256,        4096,       65535,      65536,      0x7FFFFFFF, 0x80000000,
-                                    0xFFFFFFFF, 0xFFFFFFFE, 0xFFFFFFC0, 0x55555556, 0x40000000, 0x00FFFFFF};
-  const uint32_t i = draw_below(d, sizeof values / sizeof values[0] + 2);
-  return i < sizeof values / sizeof values[0] ? values[i] : i & 1 ? draw(d) : draw_below(d, 300);
-}
-
-static float extreme_float(dice *d) {
-  static const float values[] = {0.0f,   -0.0f,   1.0f,    -1.0f,    1e-45f, 1e-38f,   -1e-38f,  1e-18f,    1e18f,
-                                 -1e18f, 1.1e18f, 3.4e38f, -3.4e38f, 1e-7f,  16777216, INFINITY, -INFINITY, NAN};
-  const uint32_t i = draw_below(d, sizeof values / sizeof values[0] + 2);
-  return i < sizeof values / sizeof values[0] ? values[i] : olx_bits_float(draw(d));
-}
-
-static uint64_t extreme_u64(dice *d) {
-  switch (draw_below(d, 5)) {
-  case 0: return extreme_u32(d);
-  case 1: return (uint64_t)extreme_u32(d) << 32 | extreme_u32(d);
-  case 2: return UINT64_MAX - extreme_u32(d);
-  case 3: return (uint64_t)64 * draw_below(d, 2000);
-  default: return UINT64_C(1) << draw_below(d, 64);
-  }
-}
 
 // --- Spoiling
 
@@ -248,12 +209,11 @@ static uint16_t hostile_half(dice *d) {
 
 // Maps, flags and pyramids: a few codes, a run of one code, or noise all over.
 static void change_maps(dice *d, buffer *b) {
-  static const olx_chunk_kind kinds[] = {OLX_CHUNK_RADIANCE,    OLX_CHUNK_NORMAL,          OLX_CHUNK_DISTANCE,
-                                         OLX_CHUNK_DISTANCE,    OLX_CHUNK_LEAST,           OLX_CHUNK_GREATEST,
-                                         OLX_CHUNK_IRRADIANCE,  OLX_CHUNK_MOMENTS,         OLX_CHUNK_MOMENTS,
-                                         OLX_CHUNK_PROBE_FLAGS, OLX_CHUNK_IRRADIANCE_FLAGS, OLX_CHUNK_BASE,
-                                         OLX_CHUNK_SPECULAR,    OLX_CHUNK_DIRECT,          OLX_CHUNK_INDIRECT,
-                                         OLX_CHUNK_EMISSION,    OLX_CHUNK_LIGHTS};
+  static const olx_chunk_kind kinds[] = {
+      OLX_CHUNK_RADIANCE,         OLX_CHUNK_NORMAL,     OLX_CHUNK_DISTANCE, OLX_CHUNK_DISTANCE, OLX_CHUNK_LEAST,
+      OLX_CHUNK_GREATEST,         OLX_CHUNK_IRRADIANCE, OLX_CHUNK_MOMENTS,  OLX_CHUNK_MOMENTS,  OLX_CHUNK_PROBE_FLAGS,
+      OLX_CHUNK_IRRADIANCE_FLAGS, OLX_CHUNK_BASE,       OLX_CHUNK_SPECULAR, OLX_CHUNK_DIRECT,   OLX_CHUNK_INDIRECT,
+      OLX_CHUNK_EMISSION,         OLX_CHUNK_LIGHTS};
   const buffer map = chunk_of(*b, kinds[draw_below(d, sizeof kinds / sizeof kinds[0])]);
   const size_t halves = map.size_bytes / 2;
   if (halves == 0) return;
@@ -287,12 +247,7 @@ static void spoil(dice *d, buffer *b) {
   for (uint32_t i = draw_below(d, 4) ? 1 : 3; i > 0; i--) ways[draw_below(d, sizeof ways / sizeof ways[0])](d, b);
   if (draw_below(d, 8)) seal(*b);
 }
-
 // --- Using what opened
-
-typedef struct counts {
-  uint64_t opened, verified, refused[16], calls;
-} counts;
 
 static dice current; // for the messages of a crash
 
@@ -307,169 +262,7 @@ static void on_signal(int number) {
   _exit(1);
 }
 
-static void fail(const char *problem) {
-  fprintf(stderr, "fuzz_field: %s\n", problem);
-  report_round();
-  exit(1);
-}
-
-static olx_vec3 draw_point(dice *d, const olx_field *field) {
-  const olx_field_info info = olx_field_describe(field);
-  switch (draw_below(d, 6)) {
-  case 0: return olx_field_probe_position(field, draw_below(d, info.probe_count));
-  case 1: return olx_v3(extreme_float(d), extreme_float(d), extreme_float(d));
-  case 2: return info.scene_min;
-  default: {
-    const olx_vec3 size = olx_sub(info.scene_max, info.scene_min);
-    return olx_add(info.scene_min, olx_mul(size, olx_v3(draw_unit(d), draw_unit(d), draw_unit(d))));
-  }
-  }
-}
-
-static olx_vec3 draw_direction(dice *d) {
-  switch (draw_below(d, 8)) {
-  case 0: return olx_v3(0.0f, -1.0f, 0.0f);
-  case 1:
-    return olx_v3(draw(d) & 1u ? 1.0f : -0.0f, 0.0f, draw(d) & 1u ? 0.0f : -0.0f); // an axis, or no direction at all
-  case 2: return olx_normalize(olx_v3(1.0f, draw(d) & 1u ? 1.0f : 0.0f, -1.0f));
-  case 3: return olx_v3(extreme_float(d), extreme_float(d), extreme_float(d));
-  default: return olx_sample_sphere((olx_vec2){draw_unit(d), draw_unit(d)});
-  }
-}
-
-static float draw_t_max(dice *d) { return draw_below(d, 3) ? INFINITY : extreme_float(d); }
-
-static olx_sample_settings draw_settings(dice *d) {
-  olx_sample_settings settings = olx_sample_settings_default();
-  settings.tracer = (olx_tracer)draw_below(d, 3);
-  settings.select = (olx_select)draw_below(d, OLX_SELECT_BEST + 1);
-  settings.visibility = draw_below(d, 4) ? OLX_VISIBILITY_CHEBYSHEV : OLX_VISIBILITY_NONE;
-  if (draw_below(d, 4) == 0) settings.max_probes = extreme_u32(d);
-  settings.keep_buried = draw(d) & 1u;
-  settings.emitters = draw(d) & 1u;
-  settings.hits = draw(d) & 1u ? OLX_HITS_SHADED : OLX_HITS_STORED;
-  return settings;
-}
-
-static void check_hit(const olx_field *field, const olx_trace_hit *hit) {
-  const olx_field_info info = olx_field_describe(field);
-  if ((uint32_t)hit->status > OLX_TRACE_UNKNOWN) fail("a ray without a status");
-  if (hit->probe != UINT32_MAX && hit->probe >= info.probe_count) fail("a ray answered by no probe");
-  if (hit->probes_tried > info.probe_count) fail("a ray asked a probe twice");
-  // A ray has four pieces, each crosses a quadrant in steps along two axes, and as many blocks at most.
-  if (hit->texel_steps > (uint64_t)hit->probes_tried * 16 * info.radiance_size) fail("a ray took too many steps");
-}
-
-// A texel of every map that the field has, and the boxes of its model.
-static void show(dice *d, const olx_field *field) {
-  olx_export_boxes boxes = {0};
-  for (olx_map map = OLX_MAP_DISTANCE; map < OLX_MAP_COUNT; map++) {
-    const uint32_t probe = draw_below(d, 4);
-    if (olx_map_check(field, map, probe) != OLX_OK) continue;
-    const uint32_t side = olx_map_side(field, map);
-    (void)olx_map_texel(field, map, probe, draw_below(d, side), draw_below(d, side));
-  }
-  (void)(olx_export_volume_cells(field, &boxes) && olx_export_bricks(field, false, &boxes) &&
-         olx_export_bricks(field, true, &boxes));
-  olx_release(boxes.boxes);
-}
-
-static void use(dice *d, const olx_field *field, counts *c) {
-  show(d, field);
-  for (uint32_t i = 0; i < RAYS; i++) {
-    const olx_sample_settings settings = draw_settings(d);
-    const olx_vec3 origin = draw_point(d, field), direction = draw_direction(d);
-    const olx_trace_hit hit = olx_trace(field, &settings, origin, direction, draw_t_max(d));
-    check_hit(field, &hit);
-    const uint32_t probe = draw_below(d, field->info.probe_count), texel = draw_below(d, (uint32_t)field->texels);
-    const olx_texel_light seen = olx_texel_shade(field, probe, texel, origin, direction);
-    const bool known = olx_finite(origin) && olx_finite(direction) && fabsf(olx_dot(direction, direction) - 1.0f) < 0.01f;
-    if (known && !(olx_finite(seen.reflected) && olx_finite(seen.lobe))) fail("a texel sends light without end");
-  }
-  for (uint32_t i = 0; i < POINTS; i++) {
-    const olx_sample_settings settings = draw_settings(d);
-    const olx_vec3 position = draw_point(d, field), normal = draw_direction(d), view = draw_direction(d);
-    (void)olx_irradiance(field, &settings, position, normal, view);
-    float weight, half_cosine;
-    const olx_vec2 random = {draw_unit(d), draw_unit(d)};
-    const float roughness = draw_below(d, 4) ? draw_unit(d) : extreme_float(d);
-    olx_trace_hit hit;
-    (void)olx_glossy(field, &settings, position, normal, view, roughness, random, &weight, &half_cosine, &hit);
-    check_hit(field, &hit);
-    if (olx_classic_check(field) != OLX_OK) continue;
-    (void)olx_classic_irradiance(field, &settings, position, normal);
-    (void)olx_classic_glossy(field, &settings, position, normal, view, roughness, olx_splat(0.04f), 1.0f);
-    c->calls += 2;
-  }
-  c->calls += RAYS + 2 * POINTS;
-}
-
-static bool occluded_by_chance(uint32_t i) { return olx_hash(i) & 1u; }
-
-static void occlude_by_chance(void *user, const olx_shadow_ray *rays, uint32_t count, uint8_t *occluded) {
-  (void)user;
-  for (uint32_t i = 0; i < count; i++) occluded[i] = occluded_by_chance(olx_float_bits(rays[i].direction.x));
-}
-
-static olx_relight_light draw_light(dice *d, const olx_field *field) {
-  const bool wild = draw_below(d, 4) == 0;
-  const float strength = wild ? extreme_float(d) : 5.0f * draw_unit(d);
-  return (olx_relight_light){.type = (olx_relight_light_type)draw_below(d, OLX_RELIGHT_SKY + 1),
-                             .emission = olx_splat(strength),
-                             .position = draw_point(d, field),
-                             .direction = wild ? draw_direction(d) : olx_v3(0.0f, -1.0f, 0.0f),
-                             .cosine_inner = draw_unit(d),
-                             .cosine_outer = wild ? extreme_float(d) : -0.5f,
-                             .edge_u = olx_v3(draw_unit(d), 0.0f, 0.0f),
-                             .edge_v = olx_v3(0.0f, draw_unit(d), draw_unit(d)),
-                             .both_sides = draw(d) & 1u};
-}
-
-static void refused(olx_result result, counts *c);
-
-// A field that is lit anew, with any light and any eye, stays as sound as it was.
-static void relight(dice *d, const olx_field *field, counts *c) {
-  olx_relight_settings settings = olx_relight_settings_default();
-  settings.shadow_rays = draw_below(d, 3) ? 500 : extreme_u32(d);
-  settings.surfels = draw_below(d, 3) ? 30 : extreme_u32(d);
-  settings.texels = draw_below(d, 3) ? 1000 : extreme_u32(d);
-  if (draw_below(d, 3) == 0) settings.volume_probes = extreme_u32(d);
-  if (draw_below(d, 3) == 0) settings.light_samples = 1 + draw_below(d, 4);
-  if (draw_below(d, 4) == 0) settings.light_samples = extreme_u32(d);
-  if (draw_below(d, 4) == 0) settings.near_metres = extreme_float(d);
-  if (draw(d) & 1u) settings.occlusion = occlude_by_chance;
-  if (draw_below(d, 8) == 0) settings.sleep = extreme_float(d);
-  olx_relight *relighter;
-  olx_result result = olx_relight_create(field, &settings, &relighter);
-  if (result != OLX_OK) {
-    if (relighter) fail("a refused relighter was left");
-    refused(result, c);
-    return;
-  }
-  olx_relight_light lights[3];
-  for (uint32_t i = 0; i < 3; i++) lights[i] = draw_light(d, field);
-  result = olx_relight_set_lights(relighter, lights, draw_below(d, 4));
-  if (result != OLX_OK) refused(result, c);
-  for (uint32_t frame = 0; frame < 3; frame++) {
-    if (olx_relight_frame(relighter, draw_point(d, field), NULL) != OLX_OK) fail("a frame failed");
-  }
-  const olx_sample_settings sample = olx_sample_settings_default();
-  (void)olx_irradiance(olx_relight_field(relighter), &sample, draw_point(d, field), draw_direction(d),
-                       draw_direction(d));
-  (void)olx_surface_irradiance(olx_relight_field(relighter), &sample, draw_point(d, field), draw_direction(d),
-                               draw_direction(d), draw_direction(d));
-  (void)olx_relight_probe_state(relighter, extreme_u32(d));
-  olx_relight_free(relighter);
-  c->calls += 8;
-}
-
-static void refused(olx_result result, counts *c) {
-  if (olx_last_error()[0] == 0) fail("a refusal without a message");
-  if (result < OLX_ERROR_ARGUMENT || result > OLX_ERROR_GPU) fail("a refusal without a reason");
-  c->refused[result]++;
-}
-
-static void run_round(dice *d, const buffer *base, buffer *scratch, counts *c) {
+static void run_round(dice *d, const buffer *base, buffer *scratch, field_counts *c) {
   scratch->size_bytes = base->size_bytes;
   memcpy(scratch->bytes, base->bytes, base->size_bytes);
   spoil(d, scratch);
@@ -477,21 +270,7 @@ static void run_round(dice *d, const buffer *base, buffer *scratch, counts *c) {
   void *exact = NULL;
   if (posix_memalign(&exact, OLX_CHUNK_ALIGNMENT, scratch->size_bytes ? scratch->size_bytes : 1) != 0) abort();
   memcpy(exact, scratch->bytes, scratch->size_bytes);
-  olx_field *field;
-  olx_result result = olx_field_open_memory(exact, scratch->size_bytes, &field);
-  if (result != OLX_OK) {
-    if (field) fail("a refused file left a field");
-    refused(result, c);
-  } else {
-    c->opened++;
-    result = olx_field_verify(field);
-    if (result == OLX_OK) c->verified++;
-    else refused(result, c);
-    for (uint32_t i = 0; i < olx_field_describe(field).probe_count; i++) (void)olx_field_probe_buried(field, i);
-    use(d, field, c);
-    if (olx_field_describe(field).relight_bytes) relight(d, field, c);
-    olx_field_close(field);
-  }
+  hostile_field_use(d, exact, scratch->size_bytes, c);
   free(exact);
 }
 
@@ -538,14 +317,14 @@ int main(int argc, char **argv) {
     signal(SIGSEGV, on_signal);
     signal(SIGBUS, on_signal);
     signal(SIGFPE, on_signal);
-    signal(SIGABRT, on_signal);
   }
+  signal(SIGABRT, on_signal);
   buffer bases[SHAPES] = {{0}}, scratch = {0};
   if (!make_bases(bases, &scratch)) {
     fprintf(stderr, "fuzz_field: cannot make the valid files: %s\n", olx_last_error());
     return 1;
   }
-  counts c = {0};
+  field_counts c = {0};
   for (uint32_t i = 0; i < count; i++) {
     set_processor_alarm(SECONDS_A_ROUND);
     current = (dice){.seed = seed, .round = first + i};

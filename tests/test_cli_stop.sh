@@ -40,7 +40,7 @@ stopped INT 0.5 render builtin:cornell-glossy --field "$work/field.olx" -o p.png
 stopped TERM 0.5 audit builtin:cornell-glossy --field "$work/field.olx" --rays 100000000 --threads 2
 stopped INT 0.5 compare "$work/picture.exr" "$work/picture.exr" --report r.html --threads 2
 
-"$OCTALUX" bake builtin:cornell -o "$work/large.olx" --grid 4x4x4 --radiance-size 512 --samples 1 --noise 1 --bounces 0 >/dev/null
+"$OCTALUX" bake builtin:cornell -o "$work/large.olx" --grid 4x4x4 --radiance-size 256 --samples 1 --noise 1 --bounces 0 >/dev/null
 stopped TERM 0.5 pack "$work/large.olx" -o packed.olxz --level 22 --threads 2
 stopped TERM 0.5 bench mcguire-table1 --threads 2
 stopped INT 1 bench all --quick --threads 2

@@ -108,7 +108,7 @@ complain() {
   failed=1
 }
 
-for list in build check full; do
+for list in build check full soak; do
   installs none 1000 $list && [ ! -s "$work/calls" ] && [ ! -s "$work/out" ] || complain "$list, with all packages"
 done
 installs none 1000 everything && complain "took a list that is none"
@@ -125,6 +125,9 @@ for package in clang clang-tidy clang-format libcmocka-dev python3 python3-numpy
   installs $package 1000 full && complain "the full check goes on without $package"
 done
 installs chromium 1000 check || complain "the check wants a browser"
+installs mmdebstrap 1000 full || complain "the full check wants a bare system"
+installs mmdebstrap 1000 soak && complain "the soak goes on without a bare system"
+for list in check full soak; do installs dpkg-dev 1000 $list && complain "$list goes on without what makes packages"; done
 installs glslc 1000 check && complain "the check goes on without glslc"
 installs glslc 1000 build && grep -q "without what needs glslc" "$work/out" || complain "a user cannot build without glslc"
 printf '#!%s\necho "apt-get $*" >>"$CALLS"\n[ "${!#}" != "$MISSING" ]\n' "$bash" >"$work/bin/apt-get" # it cannot be had

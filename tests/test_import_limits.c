@@ -2,8 +2,10 @@
 // on it, refused with a message that says how to raise the limit, and loaded once the limit is raised. A model reads no
 // files outside.
 #include "core/file.h"
+#include "core/hooks.h"
 #include "gltf_maker.h"
 #include "scene/scene_data.h"
+#include "scene/texture_file.h"
 #include "scene_files.h"
 
 #include <setjmp.h>
@@ -254,6 +256,69 @@ static void test_large_image(void **state) {
   olx_scene_free(scene);
 }
 
+// stb_image would write a table of more than 256 codes beyond its end.
+static void test_damaged_jpeg(void **state) {
+  uint8_t jpeg[512] = {0xFF, 0xD8, 0xFF, 0xFE, 0, 6, 0xFF, 0xC4, 9, 9, 0xFF, 0xC4, 1, 0x13, 0x00};
+  jpeg[17] = 200;
+  jpeg[18] = 57;
+  olx_texture texture;
+  assert_int_equal(olx_texture_load("damaged.jpg", jpeg, sizeof jpeg, OLX_TEXTURE_COLOR, &texture), OLX_ERROR_FORMAT);
+  assert_non_null(strstr(olx_last_error(), "damaged.jpg: a Huffman table of this JPEG is damaged"));
+  jpeg[18] = 56; // the table is in order, the rest of the image is missing
+  assert_int_equal(olx_texture_load("damaged.jpg", jpeg, sizeof jpeg, OLX_TEXTURE_COLOR, &texture), OLX_ERROR_FORMAT);
+  assert_null(strstr(olx_last_error(), "Huffman table"));
+  (void)state;
+}
+
+// stb_image would take the memory that the chunk claims.
+static void test_damaged_png(void **state) {
+  uint8_t png[] = "\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\1\0\0\0\1\x08\0\0\0\0\x3a\x7e\x9b\x55"
+                  "\0\0\0\x0aIDAT\x78\x9c\x63\x68\0\0\0\x82\0\x81\x77\xcd\x72\xb6\0\0\0\0IEND\xae\x42\x60\x82";
+  olx_texture texture = {0};
+  assert_int_equal(olx_texture_load("one.png", png, sizeof png - 1, OLX_TEXTURE_DATA, &texture), OLX_OK);
+  assert_int_equal(texture.texels[0], 128);
+  olx_release(texture.texels);
+  png[33] = 0x62; // the length of the data
+  assert_int_equal(olx_texture_load("one.png", png, sizeof png - 1, OLX_TEXTURE_DATA, &texture), OLX_ERROR_FORMAT);
+  assert_non_null(strstr(olx_last_error(), "one.png: a chunk of this PNG is longer than the file"));
+  (void)state;
+}
+
+static olx_result load_radiance(const char *rows, size_t size_bytes) {
+  char file[256];
+  olx_texture texture = {0};
+  const int header = snprintf(file, sizeof file, "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 8\n");
+  memcpy(file + header, rows, size_bytes);
+  const olx_result result = olx_texture_load("sky.hdr", file, (size_t)header + size_bytes, OLX_TEXTURE_DATA, &texture);
+  olx_release(texture.texels);
+  return result;
+}
+
+// stb_image would wait for ever for texels that do not come, and take what lies in memory for texels.
+static void test_damaged_radiance(void **state) {
+  // Two rows of runs: one of 8 texels each for red, green, blue and the exponent; then 8 stored ones.
+  static const char runs[] = "\x02\x02\x00\x08\x88\x40\x88\x50\x88\x60\x88\x81"
+                             "\x02\x02\x00\x08\x08"
+                             "abcdefgh"
+                             "\x88\x50\x88\x60\x84\x81\x04"
+                             "\x81\x82\x81\x82";
+  char rows[64];
+  memcpy(rows, runs, sizeof runs - 1);
+  assert_int_equal(load_radiance(rows, sizeof runs - 1), OLX_OK);
+  for (size_t size_bytes = 0; size_bytes < sizeof runs - 1; size_bytes++) {
+    assert_int_equal(load_radiance(rows, size_bytes), OLX_ERROR_FORMAT);
+  }
+  assert_non_null(strstr(olx_last_error(), "sky.hdr: the texels of this Radiance image are damaged or end early"));
+  rows[4] = 0; // a run of nothing
+  assert_int_equal(load_radiance(rows, sizeof runs - 1), OLX_ERROR_FORMAT);
+  rows[4] = (char)0x89; // beyond the row
+  assert_int_equal(load_radiance(rows, sizeof runs - 1), OLX_ERROR_FORMAT);
+  memset(rows, 'a', sizeof rows); // no runs
+  assert_int_equal(load_radiance(rows, 64), OLX_OK);
+  assert_int_equal(load_radiance(rows, 63), OLX_ERROR_FORMAT);
+  (void)state;
+}
+
 // Materials of one masked texture share what is kept of its alpha.
 static void test_masks(void **state) {
   uint8_t tga[34];
@@ -391,6 +456,9 @@ int main(void) {
       IN_FOLDER(test_materials_of_gltf),
       IN_FOLDER(test_texels),
       IN_FOLDER(test_large_image),
+      cmocka_unit_test(test_damaged_jpeg),
+      cmocka_unit_test(test_damaged_png),
+      cmocka_unit_test(test_damaged_radiance),
       IN_FOLDER(test_masks),
       IN_FOLDER(test_outside_images),
       IN_FOLDER(test_outside_buffers),

@@ -11,6 +11,8 @@
 #include <string.h>
 
 #define XXH_INLINE_ALL
+#define XXH_FORCE_MEMORY_ACCESS                                                                                        \
+  0 // by memcpy: its other ways read our structures as numbers, which compilers may not expect
 #include <xxhash.h>
 
 uint64_t olx_content_hash(const void *data, size_t size_bytes) { return XXH3_64bits(data, size_bytes); }
@@ -37,7 +39,7 @@ static olx_result check_header(const olx_chunk_file *file, const olx_file_kind *
     return olx_fail(OLX_ERROR_VERSION, "%s: format version %u is %s than the %u this library reads%s", file->name,
                     header->version, older ? "older" : "newer", kind->version, older ? kind->remedy : "");
   }
-  if (olx_content_hash(header, offsetof(olx_file_header, header_hash)) != header->header_hash) {
+  if (!olx_checksum_holds(olx_content_hash(header, offsetof(olx_file_header, header_hash)), header->header_hash)) {
     return olx_fail(OLX_ERROR_CHECKSUM, "%s: header: wrong checksum", file->name);
   }
   if (header->file_bytes != file->size_bytes) {
@@ -56,7 +58,7 @@ static olx_result check_header(const olx_chunk_file *file, const olx_file_kind *
   if (table_bytes > file->size_bytes - sizeof *header) {
     return olx_fail(OLX_ERROR_FORMAT, "%s: truncated inside the chunk table", file->name);
   }
-  if (olx_content_hash(header + 1, table_bytes) != header->table_hash) {
+  if (!olx_checksum_holds(olx_content_hash(header + 1, table_bytes), header->table_hash)) {
     return olx_fail(OLX_ERROR_CHECKSUM, "%s: chunk table: wrong checksum", file->name);
   }
   return OLX_OK;
@@ -163,7 +165,7 @@ olx_result olx_chunk_find_header(const olx_chunk_file *file, const olx_chunk_sha
   OLX_TRY(olx_chunk_find_optional_shaped(file, shape, data));
   if (!*data) return OLX_OK;
   OLX_TRY(olx_chunk_find_optional(file, shape->type, &chunk));
-  if (olx_content_hash(*data, shape->size_bytes) == chunk->hash) return OLX_OK;
+  if (olx_checksum_holds(olx_content_hash(*data, shape->size_bytes), chunk->hash)) return OLX_OK;
   return olx_fail(OLX_ERROR_CHECKSUM, "%s: chunk %s: wrong checksum", file->name,
                   olx_chunk_type_name(shape->type).text);
 }
@@ -191,7 +193,7 @@ olx_result olx_chunk_find_origin(const olx_chunk_file *file, double origin[3]) {
   OLX_TRY(olx_chunk_find_any(file, shape.type, &chunk));
   if (!chunk) return OLX_OK;
   OLX_TRY(olx_chunk_find_shaped(file, &shape, &data));
-  if (olx_content_hash(data, shape.size_bytes) != chunk->hash) {
+  if (!olx_checksum_holds(olx_content_hash(data, shape.size_bytes), chunk->hash)) {
     return olx_fail(OLX_ERROR_CHECKSUM, "%s: chunk ORIG: wrong checksum", file->name);
   }
   memcpy(origin, data, 3 * sizeof *origin);
@@ -220,7 +222,7 @@ olx_result olx_chunk_refuse_unknown(const olx_chunk_file *file, const olx_chunk_
 olx_result olx_chunk_check_content(const olx_chunk_file *file, uint32_t index) {
   const olx_file_chunk *chunk = &olx_chunk_table(file)[index];
   const char *data = (const char *)file->data + chunk->offset;
-  if (olx_content_hash(data, chunk->size_bytes) != chunk->hash) {
+  if (!olx_checksum_holds(olx_content_hash(data, chunk->size_bytes), chunk->hash)) {
     return olx_fail(OLX_ERROR_CHECKSUM, "%s: chunk %u (%s): wrong checksum", file->name, index,
                     olx_chunk_type_name(chunk->type).text);
   }

@@ -1,4 +1,5 @@
-// Files that are never left half written, and files mapped into memory.
+// Files that are never left half written, and files mapped into memory. file_posix.c has them for POSIX, file_plain.c
+// reads by what C17 has and writes nothing; a port to another system writes one such file.
 #ifndef OLX_CORE_FILE_H
 #define OLX_CORE_FILE_H
 
@@ -13,10 +14,8 @@ typedef struct olx_output_file {
   char *path; // as it was given, for messages
   char *name; // of the file in its folder
   olx_temporary temporary;
-  bool replaces; // a file of this owner, group and mode
-  uid_t owner;
-  gid_t group;
-  mode_t mode;
+  bool replaces; // a file of this owner, group and mode, as POSIX has them
+  uint32_t owner, group, mode;
 } olx_output_file;
 
 // Open an output that is written in any order. Links are followed to the file they lead to, which is replaced at the
@@ -36,7 +35,8 @@ olx_result olx_output_commit(olx_output_file *file);
 // Close the output and remove the temporary file; nothing happens after a commit.
 void olx_output_discard(olx_output_file *file);
 
-// A read-only mapping of a whole file. Zero-initialise.
+// A read-only mapping of a whole file; of an empty one, `data` is an address all the same, at which nothing may be
+// read. Zero-initialise.
 typedef struct olx_mapped_file {
   const void *data;
   size_t size_bytes;

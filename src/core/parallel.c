@@ -5,25 +5,7 @@
 #include "core/hooks.h"
 #include "core/result.h"
 
-#include <time.h>
-#include <unistd.h>
-
-enum { MAX_THREADS = 256, REPORT_INTERVAL_MS = 100 };
-
-static double read_clock(clockid_t clock) {
-  struct timespec now;
-  clock_gettime(clock, &now);
-  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
-double olx_seconds(void) { return read_clock(CLOCK_MONOTONIC); }
-
-double olx_thread_seconds(void) { return read_clock(CLOCK_THREAD_CPUTIME_ID); }
-
-uint32_t olx_processor_count(void) {
-  const long count = sysconf(_SC_NPROCESSORS_ONLN);
-  return count < 1 ? 1 : count > MAX_THREADS ? MAX_THREADS : (uint32_t)count;
-}
+enum { REPORT_INTERVAL_MS = 100 };
 
 // The innermost task that this thread has begun and not ended.
 static _Thread_local olx_task *current_task;
@@ -37,14 +19,14 @@ void olx_task_begin(olx_task *task, const olx_progress *progress, const char *st
   atomic_init(&task->done_units, 0);
   atomic_init(&task->cancelled, false);
   atomic_init(&task->last_report_ms, 0);
-  pthread_mutex_init(&task->report_lock, NULL);
+  olx_lock_create(&task->report_lock);
 }
 
 void olx_task_stage(olx_task *task, const char *stage) { task->stage = stage; }
 
 void olx_task_end(olx_task *task) {
   current_task = task->outer;
-  pthread_mutex_destroy(&task->report_lock);
+  olx_lock_destroy(&task->report_lock);
 }
 
 static bool report_due(olx_task *task) {
@@ -55,8 +37,8 @@ void olx_task_advance(olx_task *task, uint64_t units) {
   const uint64_t before = atomic_fetch_add(&task->done_units, units);
   const bool last = before < task->total_units && before + units >= task->total_units;
   if (!task->progress || !task->progress->report) return;
-  if (last) pthread_mutex_lock(&task->report_lock);
-  else if (!report_due(task) || pthread_mutex_trylock(&task->report_lock) != 0) return;
+  if (last) olx_lock_take(&task->report_lock);
+  else if (!report_due(task) || !olx_lock_try(&task->report_lock)) return;
   // Another thread may have reported, or been told to stop, since; read under the lock, what is done never goes back.
   if (!atomic_load(&task->cancelled) && (last || report_due(task))) {
     atomic_store(&task->last_report_ms, (uint64_t)(olx_seconds() * 1e3));
@@ -65,7 +47,7 @@ void olx_task_advance(olx_task *task, uint64_t units) {
       atomic_store(&task->cancelled, true);
     }
   }
-  pthread_mutex_unlock(&task->report_lock);
+  olx_lock_give(&task->report_lock);
 }
 
 olx_task *olx_task_current(void) { return current_task; }
@@ -110,11 +92,11 @@ static void run_index(void *user, uint32_t index) {
   if (l->task) olx_task_advance(l->task, l->units);
 }
 
-static void *run_thread(void *user) {
+static void run_thread(void *user) {
   loop *l = user;
   for (;;) {
     const uint32_t index = atomic_fetch_add(&l->next, 1);
-    if (index >= l->count) return NULL;
+    if (index >= l->count) return;
     run_index(l, index);
   }
 }
@@ -127,15 +109,8 @@ olx_result olx_parallel_for(uint32_t count, uint32_t threads, olx_job job, void 
   if (hooks->parallel_for) {
     hooks->parallel_for(hooks->user, count, threads, run_index, &l);
   } else {
-    uint32_t wanted = threads ? threads : olx_processor_count();
-    if (wanted > MAX_THREADS) wanted = MAX_THREADS;
-    if (wanted > count) wanted = count;
-    pthread_t handles[MAX_THREADS];
-    uint32_t started = 0;
-    // A thread that cannot be started is no failure: this one does its share.
-    while (started + 1 < wanted && pthread_create(&handles[started], NULL, run_thread, &l) == 0) started++;
-    run_thread(&l);
-    for (uint32_t i = 0; i < started; i++) pthread_join(handles[i], NULL);
+    const uint32_t wanted = threads ? threads : olx_processor_count();
+    olx_run_threads(wanted < count ? wanted : count, run_thread, &l);
   }
   return watched && atomic_load(&watched->cancelled) ? fail_cancelled(watched) : OLX_OK;
 }

@@ -2,9 +2,10 @@
 #ifndef OLX_CORE_PARALLEL_H
 #define OLX_CORE_PARALLEL_H
 
+#include "core/threads.h"
+
 #include <octalux/base.h>
 
-#include <pthread.h>
 #include <stdatomic.h>
 
 // Progress of one long piece of work that runs several loops. The loops advance `done` from 0 to `total` units. From
@@ -18,7 +19,7 @@ typedef struct olx_task {
   atomic_uint_fast64_t done_units;
   atomic_bool cancelled;
   atomic_uint_fast64_t last_report_ms;
-  pthread_mutex_t report_lock;
+  olx_lock report_lock;
 } olx_task;
 
 void olx_task_begin(olx_task *task, const olx_progress *progress, const char *stage, uint64_t total_units);
@@ -43,14 +44,5 @@ typedef void (*olx_job)(void *user, uint32_t index);
 // skipped and OLX_ERROR_CANCELLED is returned. task may be NULL: then the thread's current task, if any, cancels the
 // loop, and units do not count.
 olx_result olx_parallel_for(uint32_t count, uint32_t threads, olx_job job, void *user, olx_task *task, uint64_t units);
-
-// Processors this process may use, at least 1.
-uint32_t olx_processor_count(void);
-
-// Seconds of a monotonic clock.
-double olx_seconds(void);
-
-// Processor time of the calling thread: what work costs, however many others share the processors.
-double olx_thread_seconds(void);
 
 #endif

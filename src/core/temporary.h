@@ -5,8 +5,6 @@
 
 #include <octalux/base.h>
 
-#include <sys/types.h>
-
 // Zero-initialise. Where the file system can, the file has no name until it is put into place, so that nothing is left
 // of it when the program dies. Elsewhere it is called ".octalux-XXXXXXXX.tmp" and locked (flock) while its program
 // lives.
@@ -16,9 +14,9 @@ typedef struct olx_temporary {
   char name[32]; // in the folder; empty while there is none
 } olx_temporary;
 
-// Create the file, open for reading and writing, and remove what dead programs left in the folder. `mode` is reduced by
-// the process's mask. Returns 0, or the error number.
-int olx_temporary_create(const char *folder, mode_t mode, olx_temporary *file);
+// Create the file, open for reading and writing, and remove what dead programs left in the folder. `mode`, a mode_t, is
+// reduced by the process's mask. Returns 0, or the error number.
+int olx_temporary_create(const char *folder, uint32_t mode, olx_temporary *file);
 // Make the content durable, then give the file the name `name` in its folder, in place of what is there, and make that
 // durable. Returns 0, or the error number; the file is closed in any case, and removed when it could not be put into
 // place.

@@ -121,7 +121,7 @@ static olx_result unpack_chunk(field_unpacker *u, uint32_t index) {
   OLX_TRY(unpack_blocks(u));
   const uint64_t end = u->field->offset + u->field->size_bytes;
   OLX_TRY(write_at(u, end, padding, olx_align_chunk(end) - end));
-  if (olx_hash_end(&u->hash) == u->field->hash) return OLX_OK;
+  if (olx_checksum_holds(olx_hash_end(&u->hash), u->field->hash)) return OLX_OK;
   return olx_fail(OLX_ERROR_CHECKSUM, "%s: chunk %s: wrong checksum once it is unpacked", u->packed.file.name,
                   olx_chunk_type_name(u->field->type).text);
 }

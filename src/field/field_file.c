@@ -20,7 +20,8 @@ void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHU
   const olx_pyramid_shape pyramid = olx_pyramid_shape_of(info->radiance_size);
   const uint32_t classic = info->classic_size, classic_probes = classic ? info->irradiance_probe_count : 0;
   const uint64_t classic_side = classic + 2;
-  const uint64_t tiles = (uint64_t)(info->radiance_size / OLX_EMISSION_TILE) * (info->radiance_size / OLX_EMISSION_TILE);
+  const uint64_t tiles =
+      (uint64_t)(info->radiance_size / OLX_EMISSION_TILE) * (info->radiance_size / OLX_EMISSION_TILE);
   const olx_chunk_row table[OLX_CHUNK_KINDS] = {
       [OLX_CHUNK_INFO] = {OLX_FOUR_CC('I', 'N', 'F', 'O'), sizeof(olx_file_info), 1, 1},
       [OLX_CHUNK_PROBE_POSITIONS] = {OLX_FOUR_CC('P', 'P', 'O', 'S'), 4, 3, info->probe_count},
@@ -229,7 +230,7 @@ olx_result olx_field_info_read(const olx_chunk_file *file, olx_field_info *info)
                     (unsigned long long)chunk->size_bytes, sizeof(olx_file_info));
   }
   const olx_file_info *stored = (const void *)((const char *)file->data + chunk->offset);
-  if (olx_content_hash(stored, sizeof *stored) != chunk->hash) {
+  if (!olx_checksum_holds(olx_content_hash(stored, sizeof *stored), chunk->hash)) {
     return olx_fail(OLX_ERROR_CHECKSUM, "%s: chunk INFO: wrong checksum", file->name);
   }
   *info = olx_field_info_load(stored);

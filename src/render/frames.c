@@ -29,7 +29,7 @@ typedef struct frame_job {
   olx_vec3 *expected;                           // irradiance found without rays
   olx_vec3 *filtered;
   olx_image *image;
-  pthread_mutex_t stats_lock;
+  olx_lock stats_lock;
   olx_render_stats stats;
 } frame_job;
 
@@ -141,9 +141,9 @@ static void sample_tile(void *user, uint32_t index) {
     }
     if (job->last) job->image->layers[OLX_LAYER_BEAUTY][pixel] = emission;
   }
-  pthread_mutex_lock(&job->stats_lock);
+  olx_lock_take(&job->stats_lock);
   olx_render_stats_add(&job->stats, &stats);
-  pthread_mutex_unlock(&job->stats_lock);
+  olx_lock_give(&job->stats_lock);
 }
 
 // ---- frames
@@ -284,13 +284,13 @@ olx_result olx_render_frames(const olx_scene *scene, const olx_field *field, con
   OLX_TRY(olx_render_check(scene, field, settings));
   frame_job job = {.context = {.scene = scene, .field = field, .settings = settings}, .image = image};
   const double start = olx_seconds();
-  pthread_mutex_init(&job.stats_lock, NULL);
+  olx_lock_create(&job.stats_lock);
   olx_result result = olx_image_create(settings->width, settings->height, (1u << OLX_LAYER_STANDARD_ERROR) - 1, image);
   if (result == OLX_OK) olx_render_note_bounces(field, settings, image);
   if (result == OLX_OK) result = allocate_buffers(&job);
   if (result == OLX_OK) result = render_all(&job, cameras, count, progress);
   release_buffers(&job);
-  pthread_mutex_destroy(&job.stats_lock);
+  olx_lock_destroy(&job.stats_lock);
   if (result != OLX_OK) {
     olx_image_free(image);
     return result;

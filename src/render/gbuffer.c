@@ -9,7 +9,7 @@ typedef struct gbuffer_job {
   olx_render_context context;
   olx_image *image;
   olx_gbuffer *gbuffer;
-  pthread_mutex_t stats_lock;
+  olx_lock stats_lock;
   olx_render_stats stats;
 } gbuffer_job;
 
@@ -93,9 +93,9 @@ static void render_tile(void *user, uint32_t index) {
   }
   stats.primary_seconds = cast - start;
   stats.direct_seconds = olx_thread_seconds() - cast;
-  pthread_mutex_lock(&job->stats_lock);
+  olx_lock_take(&job->stats_lock);
   olx_render_stats_add(&job->stats, &stats);
-  pthread_mutex_unlock(&job->stats_lock);
+  olx_lock_give(&job->stats_lock);
 }
 
 static olx_result render_tiles(gbuffer_job *job, const olx_progress *progress) {
@@ -118,12 +118,12 @@ olx_result olx_render_surfaces(const olx_scene *scene, const olx_field *field, c
       .context = {.scene = scene, .field = field, .settings = settings}, .image = image, .gbuffer = gbuffer};
   OLX_TRY(olx_camera_frame_make(camera, settings->width, settings->height, &job.context.camera));
   const double start = olx_seconds();
-  pthread_mutex_init(&job.stats_lock, NULL);
+  olx_lock_create(&job.stats_lock);
   olx_result result = olx_image_create(settings->width, settings->height, (1u << OLX_LAYER_STANDARD_ERROR) - 1, image);
   if (result == OLX_OK) olx_render_note_bounces(field, settings, image);
   if (result == OLX_OK) result = gbuffer_create(settings->width, settings->height, &job.context.camera, gbuffer);
   if (result == OLX_OK) result = render_tiles(&job, progress);
-  pthread_mutex_destroy(&job.stats_lock);
+  olx_lock_destroy(&job.stats_lock);
   if (result != OLX_OK) {
     olx_gbuffer_free(gbuffer);
     olx_image_free(image);

@@ -31,7 +31,7 @@ typedef struct render_job {
   olx_render_context context;
   olx_tile_renderer renderer;
   olx_image *image;
-  pthread_mutex_t stats_lock;
+  olx_lock stats_lock;
   olx_render_stats stats;
 } render_job;
 
@@ -165,9 +165,9 @@ static void render_tile(void *user, uint32_t index) {
     const size_t x = tile.x0 + i % tile.width, y = tile.y0 + i / tile.width;
     write_pixel(job->image, x + (size_t)job->image->width * y, &sums[i], spp);
   }
-  pthread_mutex_lock(&job->stats_lock);
+  olx_lock_take(&job->stats_lock);
   olx_render_stats_add(&job->stats, &stats);
-  pthread_mutex_unlock(&job->stats_lock);
+  olx_lock_give(&job->stats_lock);
 }
 
 static olx_result check_settings(const olx_render_settings *s, const olx_field *field) {
@@ -257,9 +257,9 @@ olx_result olx_render(const olx_scene *scene, const olx_field *field, const olx_
   const uint32_t tiles = olx_tile_count(settings->width, settings->height);
   olx_task task;
   olx_task_begin(&task, progress, "render", tiles);
-  pthread_mutex_init(&job.stats_lock, NULL);
+  olx_lock_create(&job.stats_lock);
   const olx_result result = olx_parallel_for(tiles, settings->threads, render_tile, &job, &task, 1);
-  pthread_mutex_destroy(&job.stats_lock);
+  olx_lock_destroy(&job.stats_lock);
   olx_task_end(&task);
   if (result != OLX_OK) {
     olx_image_free(image);

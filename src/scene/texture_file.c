@@ -7,7 +7,10 @@
 #include "core/result.h"
 #include "scene/environment_file.h"
 #include "scene/exr_file.h"
+#include "scene/hdr_check.h"
 #include "scene/import_limits.h"
+#include "scene/jpeg_check.h"
+#include "scene/png_check.h"
 
 #include <limits.h>
 #include <string.h>
@@ -31,7 +34,7 @@ static void *resize_memory(void *memory, size_t old_bytes, size_t new_bytes) {
 #define STBI_ONLY_HDR
 #define STBI_NO_STDIO
 #define STBI_MAX_DIMENSIONS (1 << 24) // images with sides above LONGEST_SIDE are refused here, in words of our own
-#define STBI_MALLOC(size_bytes) olx_allocate((size_bytes), 1)
+#define STBI_MALLOC(size_bytes) olx_allocate_zero((size_bytes), 1) // of damaged images some texels are never set
 #define STBI_REALLOC_SIZED(memory, old_bytes, new_bytes) resize_memory((memory), (old_bytes), (new_bytes))
 #define STBI_FREE(memory) olx_release(memory)
 #pragma GCC diagnostic ignored "-Wunused-function" // reported at the end of the file, so it cannot be popped
@@ -57,6 +60,7 @@ static void read_png_size(const void *data, size_t size_bytes, int *width, int *
 static olx_result check_header(const char *path, const void *data, size_t size_bytes, uint64_t *texels) {
   int width = 0, height = 0, channels = 0;
   if (size_bytes > INT_MAX) return olx_fail(OLX_ERROR_UNSUPPORTED, "%s: an image of more than 2 GiB", path);
+  OLX_TRY(olx_jpeg_check(path, data, size_bytes));
   const bool known = stbi_info_from_memory(data, (int)size_bytes, &width, &height, &channels);
   if (!known) read_png_size(data, size_bytes, &width, &height);
   if (!known && width <= LONGEST_SIDE && height <= LONGEST_SIDE) {
@@ -85,6 +89,8 @@ static olx_result decode_texture(const char *path, const void *data, size_t size
                                  olx_texture *texture) {
   uint64_t count;
   OLX_TRY(check_header(path, data, size_bytes, &count));
+  OLX_TRY(olx_png_check(path, data, size_bytes));
+  OLX_TRY(olx_hdr_check(path, data, size_bytes));
   int width = 0, height = 0, channels = 0;
   uint8_t *texels = stbi_load_from_memory(data, (int)size_bytes, &width, &height, &channels, 4);
   if (!texels) return olx_fail(OLX_ERROR_FORMAT, "%s: cannot decode the image (%s)", path, stbi_failure_reason());
@@ -124,6 +130,7 @@ static olx_result decode_environment(const char *path, const olx_mapped_file *fi
   if (!stbi_is_hdr_from_memory(file->data, (int)file->size_bytes)) {
     return olx_fail(OLX_ERROR_UNSUPPORTED, "%s: an environment must be a Radiance .hdr or an OpenEXR image", path);
   }
+  OLX_TRY(olx_hdr_check(path, file->data, file->size_bytes));
   int width = 0, height = 0, channels = 0;
   float *texels = stbi_loadf_from_memory(file->data, (int)file->size_bytes, &width, &height, &channels, 3);
   if (!texels) return olx_fail(OLX_ERROR_FORMAT, "%s: cannot decode the image (%s)", path, stbi_failure_reason());

@@ -92,7 +92,7 @@ static int create_named(int folder, mode_t mode, char name[32]) {
   return -1;
 }
 
-int olx_temporary_create(const char *folder, mode_t mode, olx_temporary *file) {
+int olx_temporary_create(const char *folder, uint32_t mode, olx_temporary *file) {
   *file = (olx_temporary){.open = false};
   // A folder that may be written but not read can neither be searched for what was left behind nor synced.
   file->folder = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);

@@ -245,7 +245,9 @@ olx_result olx_map_file(const char *path, olx_mapped_file *file) {
     result = olx_fail(OLX_ERROR_FILE, "%s: cannot read: %s", path, strerror(errno));
   } else if (!S_ISREG(status.st_mode)) {
     result = olx_fail(OLX_ERROR_FILE, "%s: not a regular file", path);
-  } else if (status.st_size > 0) {
+  } else if (status.st_size == 0) {
+    file->data = "";
+  } else {
     void *data = mmap(NULL, (size_t)status.st_size, PROT_READ, MAP_SHARED, descriptor, 0);
     if (data == MAP_FAILED) {
       result = olx_fail(OLX_ERROR_FILE, "%s: cannot map: %s", path, strerror(errno));
@@ -258,6 +260,6 @@ olx_result olx_map_file(const char *path, olx_mapped_file *file) {
 }
 
 void olx_unmap_file(olx_mapped_file *file) {
-  if (file->data) munmap((void *)(uintptr_t)file->data, file->size_bytes);
+  if (file->size_bytes > 0) munmap((void *)(uintptr_t)file->data, file->size_bytes);
   *file = (olx_mapped_file){0};
 }

@@ -1,0 +1,12 @@
+#!/usr/bin/env bash
+# The source of the last commit as octalux-VERSION.tar.gz: make_dist.sh OUTPUT-FOLDER. The same bytes from the same commit: files are sorted,
+# belong to nobody, and are as old as the commit. What is not committed is left out.
+set -euo pipefail
+source=$(realpath "$(dirname "$0")/..")
+mkdir -p "$1"
+output=$(realpath "$1")
+[ -e "$source/.git" ] || { echo "make_dist: this is no checkout; the source you have is the one there is" >&2; exit 1; }
+version=$(sed -nE 's/^project\(octalux VERSION ([0-9.]+).*/\1/p' "$source/CMakeLists.txt")
+git -C "$source" diff --quiet HEAD || echo "make_dist: changes that are not committed are left out" >&2
+git -C "$source" -c tar.umask=0022 archive --format=tar --prefix="octalux-$version/" HEAD | gzip -n -9 >"$output/octalux-$version.tar.gz"
+echo "$output/octalux-$version.tar.gz"

@@ -1,0 +1,165 @@
+// Makes the small valid files that fuzzers of scenes begin from, which together have all features that are read.
+#include "scene_seeds.h"
+
+#include "gltf_maker.h"
+#include "scene_files.h"
+
+#include <meshoptimizer.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char description_text[] =
+    "{\"model\": \"square.obj\", \"scale\": 1.5, \"models\": [{\"path\": \"square.gltf\", \"scale\": 2, \"translate\": "
+    "[0, 0, 1], \"rotate_degrees\": [10, 20, 30]}],\n\"cameras\": [{\"name\": \"a\", \"eye\": [0, 0, 5], \"target\": "
+    "[0, 1, "
+    "0], \"up\": [0, 1, 0], \"fov_y_degrees\": 60}],\n\"lights\": [{\"type\": \"sun\", \"direction\": [0, -1, 0.2], "
+    "\"irradiance\": [10, 9, 8]}, {\"type\": \"rect\", \"center\": [0, 2, 0], \"edge_u\": [1, 0, 0], \"edge_v\": [0, "
+    "0, 1], "
+    "\"radiance\": [17, 12, 4]}, {\"type\": \"point\", \"position\": [0, 2, 0], \"intensity\": [5, 5, 5]}, {\"type\": "
+    "\"spot\", \"position\": [0, 2, 0], \"direction\": [0, -1, 0], \"intensity\": [9, 9, 9], \"cone_degrees\": [20, "
+    "30]}],\n"
+    "\"environment\": {\"image\": \"sky.hdr\", \"rotation_degrees\": 30, \"gain\": 2},\n\"materials\": {\"square\": "
+    "{\"base_color\": [0.7, 0.7, 0.7], \"roughness\": 0.2, \"metallic\": 0.5, \"emission\": [0, 1, 0]}, \"*\": "
+    "{\"specular\": "
+    "0.5}},\n\"probes\": {\"min\": [-1, -1, -1], \"max\": [1, 1, 1], \"grid\": [4, 4, 4]}}";
+
+static const char obj_text[] =
+    "mtllib square.mtl\no thing\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 0.5 2\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+    "vn 0 0 1\nvn 0 1 0\ng quad\nusemtl square\ns 1\nf 1/1/1 2/2/1 3/3/1 4/4/1\nusemtl other\nf -1 -2 -3\nf 1//2 2//2 "
+    "5//2\n"
+    "f 1/1 2/2 5/3\nf 1 2 3 4 5\nl 1 2\n";
+
+static const char mtl_text[] =
+    "newmtl square\nNs 100.5\nKa 0 0 0\nKd 0.5 0.25 0.125\nKs 0.1 0.1 0.1\nKe 1 2 3\nNi 1.5\nd 0.9\nillum 2\n"
+    "map_Kd four.tga\nmap_d four.tga\nmap_bump -bm 0.5 four.tga\n\nnewmtl other\nKd 1 1 1\nTr 0.1\nPr 0.3\nPm 0.7\n";
+
+static const char gltf_materials[] =
+    "[{\"name\": \"square\", \"doubleSided\": true, \"alphaMode\": \"MASK\", \"alphaCutoff\": 0.25, "
+    "\"pbrMetallicRoughness\": "
+    "{\"baseColorFactor\": [0.1, 0.2, 0.3, 0.9], \"metallicFactor\": 0.25, \"roughnessFactor\": 0.5, "
+    "\"baseColorTexture\": "
+    "{\"index\": 0}, \"metallicRoughnessTexture\": {\"index\": 0}}, \"normalTexture\": {\"index\": 0, \"scale\": 0.5}, "
+    "\"emissiveFactor\": [1, 0.5, 0], \"extensions\": {\"KHR_materials_emissive_strength\": {\"emissiveStrength\": "
+    "40}, "
+    "\"KHR_materials_specular\": {\"specularFactor\": 0.25}}}, {\"name\": \"spare\", \"alphaMode\": \"BLEND\"}]";
+
+static const char gltf_nodes[] = "[{\"children\": [1, 2, 3], \"translation\": [1, 0, 0]}, {\"mesh\": 0, \"rotation\": "
+                                 "[0, 0.7071, 0, 0.7071], \"scale\": "
+                                 "[1, 2, 3]}, {\"name\": \"eye\", \"camera\": 0, \"matrix\": [1, 0, 0, 0, 0, 1, 0, 0, "
+                                 "0, 0, 1, 0, 4, 5, 6, 1]}, {\"mesh\": 0, "
+                                 "\"extensions\": {\"KHR_lights_punctual\": {\"light\": 0}}}]";
+
+static const char gltf_more[] =
+    ",\n\"textures\": [{\"source\": 0, \"sampler\": 0}], \"samplers\": [{\"wrapS\": 10497}], \"images\": [{\"uri\": "
+    "\"four.tga\"}],\n\"cameras\": [{\"type\": \"perspective\", \"perspective\": {\"yfov\": 1, \"znear\": 0.1}}],\n"
+    "\"extensionsUsed\": [\"KHR_lights_punctual\"], \"extensions\": {\"KHR_lights_punctual\": {\"lights\": [{\"type\": "
+    "\"spot\", \"color\": [1, 1, 0.5], \"intensity\": 7, \"spot\": {\"innerConeAngle\": 0.1, \"outerConeAngle\": "
+    "0.5}}]}}";
+
+static size_t make_hdr(uint8_t *bytes) {
+  const char header[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 4\n";
+  const size_t length = sizeof header - 1;
+  memcpy(bytes, header, length);
+  for (uint32_t i = 0; i < 64; ++i) bytes[length + i] = (uint8_t)(i % 4 == 3 ? 130 : i * 4);
+  return length + 64;
+}
+
+static seed_file text_seed(const char *name, const char *opened, const char *text) {
+  return (seed_file){.name = name, .opened = opened, .bytes = (uint8_t *)strdup(text), .size_bytes = strlen(text)};
+}
+
+static const float square_positions[12] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
+
+// Quantised, sparse and interleaved vertices with everything that a vertex can have, strips and fans.
+static void make_rich(gltf_maker *m) {
+  const int16_t corners[16] = {0, 0, 0, 0, 1000, 0, 0, 0, 1000, 1000, 0, 0, 0, 1000, 0, 0};
+  const int8_t normals[16] = {0, 0, 127, 0, 0, 0, 127, 0, 0, 0, 127, 0, 0, 0, 127, 0};
+  const uint16_t uvs[8] = {0, 65535, 65535, 65535, 65535, 0, 0, 0}, moved = 2;
+  const uint8_t colors[16] = {255, 0, 0, 255, 255, 255, 0, 255, 0, 255, 0, 128, 0, 0, 255, 255},
+                strip[4] = {0, 1, 3, 2};
+  const float tangents[16] = {1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, -1}, corner[3] = {2, 2, 1};
+  gltf_add_view(m, corners, sizeof corners, ", \"byteStride\": 8");
+  gltf_add_view(m, normals, sizeof normals, ", \"byteStride\": 4");
+  gltf_add_accessor(m, "\"bufferView\": 0, ", 4, GLTF_INT16, "VEC3");
+  gltf_add_accessor(m, "\"bufferView\": 1, \"normalized\": true, ", 4, GLTF_INT8, "VEC3");
+  gltf_add(m, uvs, sizeof uvs, 4, GLTF_UINT16, "VEC2", true);
+  gltf_add(m, colors, sizeof colors, 4, GLTF_UINT8, "VEC4", true);
+  gltf_add(m, tangents, sizeof tangents, 4, GLTF_FLOAT, "VEC4", false);
+  gltf_add(m, strip, sizeof strip, 4, GLTF_UINT8, "SCALAR", false);
+  gltf_add(m, square_positions, sizeof square_positions, 4, GLTF_FLOAT, "VEC3", false);
+  gltf_add_view(m, &moved, sizeof moved, "");
+  gltf_add_view(m, corner, sizeof corner, "");
+  gltf_add_accessor(m,
+                    "\"bufferView\": 6, \"sparse\": {\"count\": 1, \"indices\": {\"bufferView\": 7, "
+                    "\"componentType\": 5123}, \"values\": {\"bufferView\": 8}}, ",
+                    4, GLTF_FLOAT, "VEC3");
+}
+
+static const char rich_primitives[] =
+    "{\"attributes\": {\"POSITION\": 0, \"NORMAL\": 1, \"TEXCOORD_0\": 2, \"TEXCOORD_1\": 2, \"COLOR_0\": 3, "
+    "\"TANGENT\": 4}, \"indices\": 5, \"mode\": 5, \"material\": 0}, {\"attributes\": {\"POSITION\": 7}, \"mode\": 6}";
+static const char rich_nodes[] = "[{\"children\": [1], \"scale\": [0.001, 0.001, 0.001]}, {\"mesh\": 0, \"skin\": 0}]";
+static const char rich_more[] =
+    ", \"scene\": 0, \"materials\": [{\"alphaMode\": \"MASK\", \"pbrMetallicRoughness\": {\"baseColorTexture\": "
+    "{\"index\": "
+    "0}}, \"normalTexture\": {\"index\": 0, \"texCoord\": 1, \"extensions\": {\"KHR_texture_transform\": {\"offset\": "
+    "[0.5, "
+    "0], \"rotation\": 1, \"scale\": [2, 3], \"texCoord\": 1}}}, \"emissiveTexture\": {\"index\": 0}, "
+    "\"emissiveFactor\": [1, "
+    "1, 1]}], \"textures\": [{\"source\": 0}], \"images\": [{\"uri\": "
+    "\"data:image/png;base64,AAACAAAAAAAAAAAAAgACACAoAAD//wD/AP//AAD/////AA==\"}], \"extensionsUsed\": "
+    "[\"KHR_mesh_quantization\", \"KHR_texture_transform\"]";
+
+static void make_packed(gltf_maker *m) {
+  const char *name = "EXT_meshopt_compression";
+  const float up[16] = {0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0};
+  float positions[12];
+  int8_t normals[16];
+  meshopt_encodeFilterExp(positions, 4, 12, 15, square_positions);
+  meshopt_encodeFilterOct(normals, 4, 4, 8, up);
+  gltf_add_vertices(m, name, positions, 12, ", \"filter\": \"EXPONENTIAL\"", "", GLTF_FLOAT);
+  gltf_add_vertices(m, name, normals, 4, ", \"filter\": \"OCTAHEDRAL\"", "\"normalized\": true, ", GLTF_INT8);
+  gltf_add_indices(m, name, true);
+  gltf_add_indices(m, name, false);
+}
+
+static const char packed_primitives[] = "{\"attributes\": {\"POSITION\": 0, \"NORMAL\": 1}, \"indices\": 2}, "
+                                        "{\"attributes\": {\"POSITION\": 0}, \"indices\": 3}";
+
+// Two seeds of a made file: as text and as .glb.
+static void make_gltf_seeds(const gltf_maker *m, const char *primitives, const char *nodes, const char *more,
+                            const char *const names[2], seed_file seeds[2]) {
+  char *text = gltf_maker_text(m, primitives, nodes, more, true);
+  seeds[0] = (seed_file){.name = names[0], .opened = names[0]};
+  seeds[0].bytes = (uint8_t *)gltf_maker_text(m, primitives, nodes, more, false);
+  seeds[0].size_bytes = strlen((char *)seeds[0].bytes);
+  seeds[1] = (seed_file){.name = names[1], .opened = names[1]};
+  seeds[1].size_bytes = gltf_make_glb(text, strlen(text), m->bytes, m->size_bytes, &seeds[1].bytes);
+  free(text);
+}
+
+void scene_seeds_make(seed_file seeds[SEED_COUNT]) {
+  seeds[0] = text_seed("scene.json", "scene.json", description_text);
+  seeds[1] = text_seed("square.obj", "square.obj", obj_text);
+  seeds[2] = text_seed("square.mtl", "square.obj", mtl_text);
+  seeds[3] = (seed_file){.name = "square.gltf", .opened = "square.gltf"};
+  seeds[3].bytes = (uint8_t *)scene_files_gltf(gltf_materials, 0, gltf_nodes, gltf_more, false);
+  seeds[3].size_bytes = strlen((char *)seeds[3].bytes);
+  seeds[4] = (seed_file){.name = "square.glb", .opened = "square.glb"};
+  seeds[4].size_bytes = scene_files_glb(gltf_materials, 0, gltf_nodes, gltf_more, &seeds[4].bytes);
+  seeds[5] = (seed_file){.name = "four.tga", .opened = "square.obj", .bytes = malloc(34)};
+  seeds[5].size_bytes = scene_files_tga(seeds[5].bytes);
+  seeds[6] = (seed_file){.name = "sky.hdr", .opened = "scene.json", .bytes = malloc(256)};
+  seeds[6].size_bytes = make_hdr(seeds[6].bytes);
+  gltf_maker rich = {0}, packed = {0};
+  make_rich(&rich);
+  make_gltf_seeds(&rich, rich_primitives, rich_nodes, rich_more, (const char *const[]){"rich.gltf", "rich.glb"},
+                  seeds + 7);
+  make_packed(&packed);
+  make_gltf_seeds(&packed, packed_primitives, "[{\"mesh\": 0}]", "", (const char *const[]){"packed.gltf", "packed.glb"},
+                  seeds + 9);
+}
+
+void scene_seeds_free(seed_file seeds[SEED_COUNT]) {
+  for (uint32_t i = 0; i < SEED_COUNT; ++i) free(seeds[i].bytes);
+}

@@ -139,7 +139,7 @@ static bool open_device(viewer *v) {
   view_renderer_lit_size(&v->state, o->size, lit_size);
   if (!view_renderer_create(&v->device, v->scene, v->field, lit_size, &v->renderer) || !open_panel(v))
     return gpu_failure(v);
-  // Without hands nobody minds waiting, and pictures are to be the same each time.
+  // A script can wait, and its pictures have to be the same each time.
   const bool in_step = o->offscreen || o->script;
   if (o->relight && !view_renderer_relight(&v->renderer, v->scene, v->field, in_step)) return gpu_failure(v);
   return true;

@@ -41,10 +41,10 @@ typedef struct bench_bake {
   olx_bounce_gather gather;
   olx_irradiance_form form;
   uint32_t classic_size; // of the baseline's maps; 0: none
-  float noise;           // of the solved light; 0: as bakes have it when nothing is said
+  float noise;           // of the solved light; 0: the default of bakes
   bool rough;            // place with few samples, for a quick look
   bool plain;            // no structures of selectors but those that a bake makes anyway
-  bool no_probe_light;   // as bakes are when nothing is said
+  bool no_probe_light;   // as by default
   uint32_t seed;         // of random numbers
 } bench_bake;
 

@@ -19,7 +19,7 @@ typedef struct surface_run {
 // Placed probes, and the grid unless a quick look is enough.
 uint32_t surface_ways(const surface_run *r);
 const char *surface_where(const surface_run *r);
-// A field as `place` and `bake` make it when nothing else is said, or with probe light, which some modes and audits need. Close
+// A field as `place` and `bake` make it by default, or with probe light, which some modes and audits need. Close
 // it in any case.
 olx_result surface_bake(const surface_run *r, uint32_t seed, bool probe_light, bench_field *made);
 // Path traced from the run's cameras, with one bounce more than the field has and that many times the usual paths.

@@ -10,7 +10,7 @@
 #include "select/cage.h"
 
 #define DARK UINT32_MAX         // the ray leaves the scene
-#define UNSEEN (UINT32_MAX - 1) // nobody knows what it met
+#define UNSEEN (UINT32_MAX - 1) // no probe has stored what it met
 
 enum { SALT_RAY = 0x54524143, NEARBY = 64 };
 

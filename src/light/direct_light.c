@@ -4,7 +4,8 @@
 
 #include "scene/bvh.h"
 
-// Smallest cosine between shading normal and eye: below it interpolated normals face away from whoever sees the surface.
+// Smallest cosine between shading normal and eye: below it interpolated normals face away from the eye that sees the
+// surface.
 #define MIN_VIEW_COSINE 1e-3f
 
 static olx_vec3 to_local(const olx_shading *s, olx_vec3 world) {

@@ -8,7 +8,7 @@
 typedef struct olx_depth {
   float back_share; // of all directions, that meet the back of a triangle first
   float sky_share;  // that meet nothing
-  int32_t depth; // back faces less front faces crossed on the way out, a signed parity: the median of many directions
+  int32_t depth; // back faces minus front faces crossed on the way out, the median over many directions
   uint32_t rays; // cast to find out
 } olx_depth;
 

@@ -13,8 +13,9 @@ const experiment experiments[] = {
      "irradiance "
      "probes by their filtered visibility, \u201cno visibility\u201d interpolates the same maps trilinearly, "
      "\u201cclassic\u201d is the baseline, irradiance probes without visibility, on the same grid, wherever they are, "
-     "and in Figure 10 also without those inside geometry. Figures 11 and 13 also trace the light field probes: one ray "
-     "a pixel, raw, and denoised over 64 frames, with the noise they have. Times are of the diffuse pass and of denoising, one frame on one processor.",
+     "and in Figure 10 also without those inside geometry. Figures 11 and 13 also trace the light field probes: one "
+     "ray a pixel, raw, and denoised over 64 frames, with the noise they have. Times are of the diffuse pass and of "
+     "denoising, one frame on one processor.",
      run_mcguire_leaks, NULL},
     {"mcguire-area-light", "McGuire et al. 2017, Figure 14", "an area light found by rays through the field alone",
      "The lamp is either sampled by direct lighting, as usual, or left to the rays that gather indirect light, with no "

@@ -7,8 +7,7 @@ enum { GATHERED = 16 };
 
 static const bench_column columns[] = {
     {"grid", "grid", BENCH_NAME, NULL, "of the light field probes and of the irradiance probes"},
-    {"diffuse", "diffuse light", BENCH_NAME, NULL,
-     "from irradiance probes, by 16 rays a sample, or from the baseline"},
+    {"diffuse", "diffuse light", BENCH_NAME, NULL, "from irradiance probes, by 16 rays a sample, or from the baseline"},
     {"layer", "layer", BENCH_NAME, NULL, NULL},
     QUALITY_COLUMNS,
 };

@@ -8,8 +8,8 @@
 typedef struct olx_depth {
   float back_share; // of all directions, that meet the back of a triangle first
   float sky_share;  // that meet nothing
-  int32_t depth; // back faces minus front faces crossed on the way out, the median over many directions
-  uint32_t rays; // cast to find out
+  int32_t depth;    // back faces minus front faces crossed on the way out, the median over many directions
+  uint32_t rays;    // cast to find out
 } olx_depth;
 
 // Whether the triangle's winding faces away from a ray that meets it.

@@ -5,6 +5,7 @@
 #include "options.h"
 #include "report.h"
 #include "scene_options.h"
+#include "work_options.h"
 
 #include <octalux/bake.h>
 
@@ -91,6 +92,7 @@ static int print_plan_json(const olx_bake_sizes *sizes, double seconds, bool fit
   add_bytes(object, "file_bytes", sizes->file_bytes);
   add_bytes(object, "device_bytes", sizes->device_bytes);
   add_bytes(object, "memory_bytes", sizes->memory_bytes);
+  add_bytes(object, "work_bytes", sizes->work_bytes);
   add_bytes(object, "available_disk_bytes", sizes->available_disk_bytes);
   add_bytes(object, "available_memory_bytes", sizes->available_memory_bytes);
   add_number(object, "rays", (double)sizes->rays);
@@ -114,6 +116,7 @@ static void print_plan(const char *path, const olx_bake_sizes *sizes, double sec
   else printf("  GPU      nothing: spherical harmonics are read on the CPU alone\n");
   printf("  memory   %s beside the scene; %s available\n", text_of_bytes(sizes->memory_bytes).text,
          available(sizes->available_memory_bytes, &free_bytes));
+  printf("  work     %s at most in a work folder until it is done\n", text_of_bytes(sizes->work_bytes).text);
   printf("  rays     %.3g\n", (double)sizes->rays);
   printf("  seconds  about %.3g, from a few probes; half and twice as long are possible\n", seconds);
 }
@@ -140,33 +143,113 @@ static int plan_bake(const olx_scene *scene, const olx_bake_settings *settings, 
   return fits == OLX_OK ? code : failure("bake", "%s", why);
 }
 
-static int bake_scene(const olx_scene *scene, const olx_bake_settings *settings, const char *path, bool force_progress,
-                      bool json) {
+// What is told before a bake that keeps results.
+static void announce_work(const olx_scene *scene, const olx_bake_settings *settings, const char *path) {
+  olx_bake_sizes sizes;
+  if (!settings->work.folder || olx_bake_measure(scene, settings, path, &sizes) != OLX_OK) return;
+  fprintf(stderr, "octalux bake: results are kept in %s, %s at most\n", settings->work.folder,
+          text_of_bytes(sizes.work_bytes).text);
+}
+
+static int report_failure(olx_result result, const olx_bake_settings *settings, const char *path) {
+  const char *folder = settings->work.folder;
+  if (result == OLX_ERROR_CANCELLED && folder) {
+    return failure("bake",
+                   "%s: interrupted, nothing written; %s holds what is done, and the same command goes on from it",
+                   settings->work.parts ? folder : path, folder);
+  }
+  if (result == OLX_ERROR_CANCELLED) return failure("bake", "%s: interrupted, nothing written", path);
+  const int code = library_failure("bake");
+  return result == OLX_ERROR_INCOMPLETE ? EXIT_AGAIN : code;
+}
+
+static int print_part(const olx_bake_work *work, const work_line *units, bool json) {
+  if (!json) {
+    printf("%s: part %u of %u made %u units; all are there\n", work->folder, work->part, work->parts, units->made);
+    return EXIT_DONE;
+  }
+  cJSON *object = cJSON_CreateObject();
+  add_number(object, "part", work->part);
+  add_number(object, "parts", work->parts);
+  add_number(object, "units_made", units->made);
+  return print_json("bake", object);
+}
+
+// How a bake is run and reported.
+typedef struct bake_manner {
+  bool progress, json;
+  const work_line *units;
+} bake_manner;
+
+static int bake_scene(const olx_scene *scene, const olx_bake_settings *settings, const char *path,
+                      const bake_manner *manner) {
   progress_line line;
-  progress_begin(&line, "bake", force_progress);
+  progress_begin(&line, "bake", manner->progress);
+  if (manner->units->json) line.shown = false; // lines of units take the place of its lines
+  if (line.shown) announce_work(scene, settings, path);
   const olx_progress progress = progress_of(&line);
   olx_bake_stats stats;
   const olx_result result = olx_bake(scene, settings, path, &progress, &stats);
   progress_end(&line);
-  if (result == OLX_ERROR_CANCELLED) return failure("bake", "%s: interrupted, nothing written", path);
-  if (result != OLX_OK) return library_failure("bake");
-  if (json) return print_bake_json(settings, &stats);
+  if (result != OLX_OK) return report_failure(result, settings, path);
+  if (settings->work.parts) return print_part(&settings->work, manner->units, manner->json);
+  if (manner->json) return print_bake_json(settings, &stats);
   print_bake(path, settings, &stats);
   return EXIT_DONE;
 }
 
+static int check_given(const bake_options *given, const work_options *work, const char *output, bool dry_run) {
+  if (!output && (!work->part || dry_run)) {
+    return usage_error("bake", "-o FILE.olx is missing (see octalux bake --help)");
+  }
+  if (!given->classic && (given->classic_size || given->classic_cube_size || given->classic_sharpness)) {
+    return usage_error("bake", "--classic-size, --cube-size and --sharpness go with --classic");
+  }
+  if (given->reference_paths && given->light != OLX_LIGHT_REFERENCE) {
+    return usage_error("bake", "--reference-paths goes with --light reference");
+  }
+  if (given->relight && given->light == OLX_LIGHT_REFERENCE) {
+    return usage_error("bake", "--relight needs the light of the scene, not --light reference");
+  }
+  if (given->probes && given->grid[0]) return usage_error("bake", "--grid and --probes exclude each other");
+  return EXIT_DONE;
+}
+
+// Bakes, or reckons, what the options say.
+static int run_bake(const olx_scene *scene, const bake_options *given, const work_options *work, const char *output,
+                    bool measure_embree, bool dry_run, bool progress, work_line *units, bool json) {
+  olx_bake_settings settings;
+  if (resolve_bake_options(scene, given, &settings) != OLX_OK) return library_failure("bake");
+  settings.measure_embree = measure_embree;
+  int code = resolve_work_options(scene, work, output, &settings, units);
+  const bake_manner manner = {progress, json, units};
+  const char *path = output ? output : settings.work.folder;
+  if (code == EXIT_DONE) {
+    code = dry_run ? plan_bake(scene, &settings, path, progress, json) : bake_scene(scene, &settings, path, &manner);
+  }
+  release_bake_settings(&settings);
+  return code;
+}
+
 int command_bake(int argc, char **argv) {
   bake_options given = BAKE_OPTIONS_NONE;
+  work_options work = {0};
+  work_line units = {0};
   const char *output = NULL;
   scene_options loading = {0};
-  bool measure_embree = false, dry_run = false, progress = false, json = false;
+  uint32_t progress = 0;
+  bool measure_embree = false, dry_run = false, json = false;
   const option options[] = {
-      {"-o", OPTION_TEXT, &output, "FILE.olx", "the field to write", 1, 0},
+      {"-o", OPTION_TEXT, &output, "FILE.olx", "the field to write; a part writes none", 0, 0},
       BAKE_OPTION_ROWS(given),
+      WORK_OPTION_ROWS(work),
       {"--dry-run", OPTION_FLAG, &dry_run, NULL, "bake nothing: say how large, how much memory, about how long", 0, 0},
       {"--measure-embree", OPTION_FLAG, &measure_embree, NULL, "also time Embree alone on the rays from probes", 0, 0},
+      {"--isa", OPTION_CHOICE, &loading.instructions, "best|sse2|sse4.2|avx|avx2|avx512",
+       "instructions that Embree uses, for the same bytes on unlike machines; default best", 0, 0},
       SCENE_OPTION_ROWS(loading),
-      {"--progress", OPTION_FLAG, &progress, NULL, "tell progress even when nobody watches", 0, 0},
+      {"--progress", OPTION_FLAG_WORD, &progress, "json", "tell progress even when nobody watches; json: a line a unit",
+       0, 0},
       {"--json", OPTION_FLAG, &json, NULL, "print one JSON object", 0, 0},
   };
   command_line line = {.name = "bake",
@@ -176,34 +259,18 @@ int command_bake(int argc, char **argv) {
                        .option_count = sizeof options / sizeof options[0]};
   int code;
   if (!parse_options(&line, argc, argv, &code)) return code;
-  if (!given.classic && (given.classic_size || given.classic_cube_size || given.classic_sharpness)) {
-    return usage_error("bake", "--classic-size, --cube-size and --sharpness go with --classic");
-  }
-  if (given.reference_paths && given.light != OLX_LIGHT_REFERENCE) {
-    return usage_error("bake", "--reference-paths goes with --light reference");
-  }
-  if (given.relight && given.light == OLX_LIGHT_REFERENCE) {
-    return usage_error("bake", "--relight needs the light of the scene, not --light reference");
-  }
-  if (given.probes && given.grid[0]) return usage_error("bake", "--grid and --probes exclude each other");
+  code = check_given(&given, &work, output, dry_run);
+  if (code != EXIT_DONE) return code;
   const command_files files = {.inputs = {line.given[0], given.probes}, .outputs = {{output, false}}};
   code = check_files("bake", &files, json);
   if (code != EXIT_DONE) return code;
   olx_scene *scene = NULL;
   code = load_scene("bake", line.given[0], &loading, &scene);
   if (code != EXIT_DONE) return code;
-  olx_bake_settings settings;
+  units.json = progress == 2;
   code = check_scene_files("bake", &files, scene);
-  if (code != EXIT_DONE) {
-    olx_scene_free(scene);
-    return code;
-  }
-  if (resolve_bake_options(scene, &given, &settings) != OLX_OK) {
-    code = library_failure("bake");
-  } else {
-    settings.measure_embree = measure_embree;
-    code = (dry_run ? plan_bake : bake_scene)(scene, &settings, output, progress, json);
-    release_bake_settings(&settings);
+  if (code == EXIT_DONE) {
+    code = run_bake(scene, &given, &work, output, measure_embree, dry_run, progress == 1, &units, json);
   }
   olx_scene_free(scene);
   return code;

@@ -5,6 +5,7 @@
 int command_scene(int argc, char **argv);
 int command_place(int argc, char **argv);
 int command_bake(int argc, char **argv);
+int command_join(int argc, char **argv);
 int command_render(int argc, char **argv);
 int command_compare(int argc, char **argv);
 int command_audit(int argc, char **argv);

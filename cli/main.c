@@ -18,6 +18,7 @@ static const command commands[] = {
     {"place", "place SCENE -o probes.json --method grid|sdf|medial|cover",
      "positions for probes, what they see and what they miss", command_place},
     {"bake", "bake SCENE -o out.olx", "bake a scene's light into a field", command_bake},
+    {"join", "join DIR -o out.olx", "join what the parts of a bake made into a field", command_join},
     {"render", "render SCENE -o out.exr --method field|path", "render a picture from a field, or path trace it",
      command_render},
     {"compare", "compare A.exr REFERENCE.exr", "errors of one picture against another, layer by layer",
@@ -27,7 +28,8 @@ static const command commands[] = {
     {"verify", "verify out.olx", "structure and checksums of a field", command_verify},
     {"pack", "pack out.olx", "store a field smaller, for shipping: out.olxz", command_pack},
     {"unpack", "unpack out.olxz", "make the same field of it again", command_unpack},
-    {"export", "export exr|gltf out.olx -o FILE", "a probe's map as a picture, or all probes as a model", command_export},
+    {"export", "export exr|gltf out.olx -o FILE", "a probe's map as a picture, or all probes as a model",
+     command_export},
     {"view", "view SCENE --field out.olx", "fly through a scene lit by a field, on Vulkan", command_view},
     {"bench", "bench EXPERIMENT", "measure a stated experiment", command_bench},
 };
@@ -43,7 +45,8 @@ static void print_help(FILE *stream) {
         "standard "
         "error.\n"
         "An output named - is standard output, where its format is written in order: .json, .png, .html, .olxs.\n"
-        "Exit codes: 0 done, 1 failed, 2 wrong usage, 128 + the signal's number when interrupted.\n",
+        "Exit codes: 0 done, 1 failed, 2 wrong usage, 75 not ready (of parts and join: try again later), 128 + the "
+        "signal's number when interrupted.\n",
         stream);
 }
 

@@ -105,7 +105,8 @@ static bool parse_real(const char *text, float *value) {
 static bool parse_value(const option *o, const char *text) {
   uint32_t number;
   switch (o->kind) {
-  case OPTION_FLAG: return false;
+  case OPTION_FLAG:
+  case OPTION_FLAG_WORD: return false;
   case OPTION_TEXT: *(const char **)o->value = text; return *text != 0;
   case OPTION_COUNT: return parse_counts(text, o, 1, o->value);
   case OPTION_POWER_OF_TWO:
@@ -136,6 +137,7 @@ static void describe_value(const option *o, char *text, size_t size) {
   case OPTION_CHOICE: snprintf(text, size, "one of %s", o->form); break;
   case OPTION_CHOICES: snprintf(text, size, "one or several of %s, separated by commas", o->form); break;
   case OPTION_FLAG:
+  case OPTION_FLAG_WORD:
   case OPTION_TEXT: snprintf(text, size, "a name"); break;
   }
 }
@@ -152,7 +154,12 @@ static void print_usage(const command_line *line) {
   for (size_t i = 0; i < line->option_count; ++i) {
     const option *o = &line->options[i];
     char left[160];
-    const int length = snprintf(left, sizeof left, "%s%s%s", o->name, o->form ? " " : "", o->form ? o->form : "");
+    const bool word = o->kind == OPTION_FLAG_WORD;
+    const int length = snprintf(left, sizeof left, "%s%s%s%s", o->name,
+                                word      ? "[="
+                                : o->form ? " "
+                                          : "",
+                                o->form ? o->form : "", word ? "]" : "");
     if (length > 34) printf("  %s\n  %-34s %s\n", left, "", o->help);
     else printf("  %-34s %s\n", left, o->help);
   }
@@ -182,6 +189,11 @@ static bool take_option(command_line *line, int argc, char **argv, int *index) {
       if (equals) return usage_error(line->name, "%s takes no value", o->name) == EXIT_DONE;
       *(bool *)o->value = true;
       return true;
+    }
+    if (o->kind == OPTION_FLAG_WORD) {
+      *(uint32_t *)o->value = equals ? 2 : 1;
+      if (!equals || strcmp(equals + 1, o->form) == 0) return true;
+      return usage_error(line->name, "%s: '%s' is not %s", o->name, equals + 1, o->form) == EXIT_DONE;
     }
     const char *value = equals ? equals + 1 : *index + 1 < argc ? argv[++*index] : NULL;
     if (!value) return usage_error(line->name, "%s needs a value: %s", o->name, o->form) == EXIT_DONE;

@@ -6,10 +6,16 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2 };
+enum {
+  EXIT_DONE = 0,
+  EXIT_FAILED = 1,
+  EXIT_USAGE = 2,
+  EXIT_AGAIN = 75 // what others are to make is not there yet
+};
 
 typedef enum option_kind {
   OPTION_FLAG,         // bool: set when named
+  OPTION_FLAG_WORD,    // uint32_t: 1 when named alone, 2 when named as "--name=WORD", WORD being `form`
   OPTION_TEXT,         // const char *; must be given when min is 1
   OPTION_COUNT,        // uint32_t in min..max
   OPTION_POWER_OF_TWO, // uint32_t in min..max

@@ -39,6 +39,7 @@ static bool parse_limits(const char *text, olx_scene_limits *limits) {
 int load_scene(const char *command, const char *name, const scene_options *options, olx_scene **scene) {
   olx_scene_load_settings settings = olx_scene_load_settings_default();
   settings.allow_outside = options->allow_outside;
+  settings.instructions = (olx_instructions)options->instructions;
   if (options->import_limits && !parse_limits(options->import_limits, &settings.limits)) {
     return usage_error(command,
                        "--import-limits: '%s' is not NAME=N,... where NAME is triangles, texels, polygon_corners, "

@@ -9,6 +9,7 @@
 typedef struct scene_options {
   bool allow_outside;
   const char *import_limits; // "materials=20000,nodes=100000"; NULL: the defaults
+  uint32_t instructions;     // olx_instructions
 } scene_options;
 
 // Rows of an option table that fill `s`.

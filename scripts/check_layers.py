@@ -2,7 +2,7 @@
 """Check the order of the house: who may include whom, openings, file names, links, and words that do not belong here.
 
 Folders under src form a ladder; a file may include its own folder and those before it:
-core < block < field < select < trace < shade < vulkan (the runtime) < scene < place < light < bake < render < export (the baker).
+core < block < field < select < trace < shade < vulkan (the runtime) < scene < place < work < light < bake < render < export (the baker).
 Public headers stand on the same ladder. cli, viewer, host and examples see public headers only, cli and viewer
 those of host as well. Public headers see public headers only, and the runtime knows no library but libc, libm, POSIX
 threads and xxHash, which is inlined. Files, a file being a .c and a .h of one name, do not include each other in
@@ -19,7 +19,7 @@ import subprocess
 import sys
 
 RUNTIME = ["core", "block", "field", "select", "trace", "shade", "vulkan"]
-LADDER = RUNTIME + ["scene", "place", "light", "bake", "render", "export"]
+LADDER = RUNTIME + ["scene", "place", "work", "light", "bake", "render", "export"]
 
 # The layer from which on a public header may be seen.
 PUBLIC = {"base.h": "core", "field.h": "field", "sample.h": "select", "denoiser.h": "shade", "relight.h": "shade",
@@ -47,6 +47,7 @@ KNOWN_CIRCLES = [
     {"src/field/" + name for name in ("classic_data", "field_data", "field_file", "maps", "relight_data", "surface_data",
                                       "texels", "volume_data")},
     {"src/trace/" + name for name in ("march", "march_wide", "probe_trace", "ray_image", "surfel")},
+    {"src/light/light_units", "src/light/scene_light"},
 ]
 
 OPENING_WORDS = 6  # of the comment that a source file opens with, at least

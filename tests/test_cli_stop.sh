@@ -16,9 +16,9 @@ stopped() {
   >/dev/null
 "$OCTALUX" render builtin:cornell --method path --spp 1 --size 2048x2048 -o "$work/picture.exr" >/dev/null
 
-stopped TERM 0.05 bake builtin:temple -o f.olx --grid 8x8x8 --threads 2
-stopped INT 1.5 bake builtin:temple -o f.olx --grid 8x8x8 --threads 2
-stopped HUP 0.5 bake builtin:temple -o f.olx --grid 8x8x8 --threads 2 --classic --relight
+stopped TERM 0.05 bake builtin:temple -o f.olx --grid 8x8x8 --threads 2 --no-work
+stopped INT 1.5 bake builtin:temple -o f.olx --grid 8x8x8 --threads 2 --no-work
+stopped HUP 0.5 bake builtin:temple -o f.olx --grid 8x8x8 --threads 2 --classic --relight --no-work
 
 large=(--surfels 1048576 --candidates 16384 --voxels 300)
 for seconds in 0.3 1.5; do

@@ -26,6 +26,29 @@ typedef enum olx_bake_light {
 // "cache", "reference".
 const char *olx_bake_light_name(olx_bake_light light);
 
+// A unit of work that is done, as olx_bake_work.done gets it.
+typedef struct olx_bake_unit {
+  const char *stage;           // "plan", "light", "cast", "direct", "facts", "volume", "irradiance", "classic", "relight", "probe"
+  uint32_t round, unit, count; // of a stage's rounds; of the `count` units in that round
+  bool found;                  // its result was in the work folder already
+  double seconds;              // by the clock, to make or to read it
+} olx_bake_unit;
+
+// Where a bake keeps the results of its units, so that it can go on after it was stopped or killed, or be shared out over machines
+// (docs/baking.md, "Bakes that resume"). Bytes of the field do not depend on it.
+typedef struct olx_bake_work {
+  const char *folder;   // the caller's; NULL, the default: nothing is kept. Made unless it is there; it must be this user's, with mode
+                        // 0700, no link, and empty or a work folder of the same bake
+  bool fresh;           // forget what the folder holds, also of another bake; default false
+  bool keep;            // leave the folder as it is when the field is written; default false: it goes away
+  uint64_t limit_bytes; // that results take at most: beyond it a whole bake keeps no more, with a warning, and a part fails with
+                        // OLX_ERROR_FILE; 0, the default: no bound
+  uint32_t part, parts; // make the share `part`, from 1 to `parts`, of the units whose inputs are there, and write no field;
+                        // 0, the default: a whole bake
+  void (*done)(void *user, const olx_bake_unit *unit); // called after each unit, on the thread that bakes; NULL, the default: not wanted
+  void *user;                                          // handed to `done`
+} olx_bake_work;
+
 typedef struct olx_bake_settings {
   olx_grid grid;            // light field probes; set by olx_bake_settings_default to the scene's grid
   const olx_vec3 *probes;   // light field probes anywhere instead of on `grid`, metres; the caller's; default NULL
@@ -61,6 +84,7 @@ typedef struct olx_bake_settings {
   uint32_t seed;                   // another one draws other random numbers, for an idea of a bake's noise; default 0
   uint32_t threads;                // 0: as many as the machine has; the result does not depend on it
   bool measure_embree; // also time Embree alone on the primary rays, for stats.embree_seconds; default false
+  olx_bake_work work;  // default: nothing is kept
 } olx_bake_settings;
 
 olx_bake_settings olx_bake_settings_default(const olx_scene *scene);
@@ -107,6 +131,7 @@ typedef struct olx_bake_sizes {
   uint64_t device_bytes; // that a Vulkan device holds of it, before alignment; 0 for irradiance as spherical harmonics
   uint64_t memory_bytes; // that the bake takes at most at once, beside the scene, structures of selectors, and surfels with
                          // their links (olx_bake_stats.light_bytes)
+  uint64_t work_bytes;   // that a work folder takes at most: what the light of the scene may take, and maps beside the file's
   uint64_t rays;         // of all probes, before shadows and reflections
   uint64_t available_memory_bytes, available_disk_bytes; // UINT64_MAX: not known
 } olx_bake_sizes;
@@ -125,8 +150,21 @@ olx_result olx_bake_estimate_seconds(const olx_scene *scene, const olx_bake_sett
 
 // Bake and write `path`: beside, synced, renamed, so that a failure or a kill at any moment leaves the old file or the new
 // one. The bytes depend on the scene and the settings alone, not on threads or runs. stats may be NULL.
+//
+// With a work folder a bake goes on where another one of the same scene, settings, build and machine left off. OLX_ERROR_ARGUMENT when
+// the folder is another bake's, and OLX_ERROR_FILE when it is no work folder, or in use. A damaged result is named in a warning and made
+// again. A part writes no field (`path` is not looked at) and never waits: OLX_OK when there is nothing left to make,
+// OLX_ERROR_INCOMPLETE when units of others are missing; call it again then. Any number of parts may run at once, of any `parts`, more
+// than once; while they do a whole bake is refused where the file system has locks. OLX_ERROR_UNSUPPORTED for classic maps with
+// bounces between irradiance probes, which cannot be kept.
 olx_result olx_bake(const olx_scene *scene, const olx_bake_settings *settings, const char *path,
                     const olx_progress *progress, olx_bake_stats *stats);
+
+// Write the field of a work folder whose units are all there, without the scene. The folder goes away unless `keep`.
+// OLX_ERROR_INCOMPLETE when units are missing, OLX_ERROR_CHECKSUM when one is damaged, OLX_ERROR_ARGUMENT when another build of Octalux made
+// them. Of *stats, which may be NULL, only what is known without baking is set.
+olx_result olx_bake_join(const char *folder, const char *path, bool keep, const olx_progress *progress,
+                         olx_bake_stats *stats);
 
 #pragma GCC visibility pop
 #ifdef __cplusplus

@@ -36,7 +36,8 @@ typedef enum olx_result {
   OLX_ERROR_UNSUPPORTED = 7, // well formed, but not something this build can do
   OLX_ERROR_EMPTY = 8,       // a scene or field without anything to work on
   OLX_ERROR_CANCELLED = 9,   // the progress callback asked to stop
-  OLX_ERROR_GPU = 10         // the graphics device refused or was lost
+  OLX_ERROR_GPU = 10,        // the graphics device refused or was lost
+  OLX_ERROR_INCOMPLETE = 11  // results that others are to make are not there yet: try again later (octalux/bake.h)
 } olx_result;
 
 // A short English name of the result ("out of memory"). Never NULL; static storage.

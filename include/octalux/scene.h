@@ -50,12 +50,24 @@ typedef struct olx_scene_limits {
                        // which each takes some 3 KiB while it is read; default 32768
 } olx_scene_limits;
 
+// Instructions by which rays are cast. What they find differs a little between these sets, so that machines which are to make the same
+// bytes have to use the same one.
+typedef enum olx_instructions {
+  OLX_INSTRUCTIONS_BEST = 0, // the widest that this machine has
+  OLX_INSTRUCTIONS_SSE2,
+  OLX_INSTRUCTIONS_SSE42,
+  OLX_INSTRUCTIONS_AVX,
+  OLX_INSTRUCTIONS_AVX2,
+  OLX_INSTRUCTIONS_AVX512
+} olx_instructions;
+
 typedef struct olx_scene_load_settings {
   olx_scene_limits limits;
   // Read files that a model names (buffers, material files, images) wherever they lie. Without it they must lie in the
   // folder that the model's folder is in, or below that; links are followed first. Default false. What a description names,
   // and a description itself, is read from anywhere.
   bool allow_outside;
+  olx_instructions instructions; // default OLX_INSTRUCTIONS_BEST; OLX_ERROR_UNSUPPORTED where the processor does not have them
 } olx_scene_load_settings;
 
 olx_scene_load_settings olx_scene_load_settings_default(void);

@@ -15,11 +15,11 @@ import os as _os
 from .fields import FOUND, HIT, MISS, UNKNOWN, Field, Glossy, Progress
 from .images import Image, compare, load_image, render
 from .native import Error, Result, library as _library
-from .scenes import Probes, Scene, bake, builtin_scenes, place
+from .scenes import Probes, Scene, bake, builtin_scenes, join, place
 
 __version__ = _library.olx_version().decode()
 __all__ = ["Error", "FOUND", "Field", "Glossy", "HIT", "Image", "MISS", "Probes", "Progress", "Result", "Scene", "UNKNOWN", "bake",
-           "builtin_scenes", "compare", "load_image", "open", "place", "render"]
+           "builtin_scenes", "compare", "join", "load_image", "open", "place", "render"]
 
 
 def open(path: "str | _os.PathLike[str]") -> Field:  # it hides Python's own in this module alone

@@ -52,6 +52,7 @@ class Result(enum.IntEnum):
     EMPTY = 8
     CANCELLED = 9
     GPU = 10
+    INCOMPLETE = 11
 
 
 class Error(Exception):
@@ -141,7 +142,7 @@ class SceneLimits(Struct):
 
 
 class SceneLoadSettings(Struct):
-    _fields_ = [("limits", SceneLimits), ("allow_outside", c_bool)]
+    _fields_ = [("limits", SceneLimits), ("allow_outside", c_bool), ("instructions", c_uint32)]
 
 
 class PlaceSettings(Struct):
@@ -174,6 +175,16 @@ class ProbeSet(Struct):
                 ("origin", c_double * 3), ("scene_hash", c_uint64)]
 
 
+class BakeUnit(Struct):
+    _fields_ = [("stage", c_char_p), ("round", c_uint32), ("unit", c_uint32), ("count", c_uint32), ("found", c_bool),
+                ("seconds", c_double)]
+
+
+class BakeWork(Struct):
+    _fields_ = [("folder", c_char_p), ("fresh", c_bool), ("keep", c_bool), ("limit_bytes", c_uint64),
+                ("part", c_uint32), ("parts", c_uint32), ("done", c_void_p), ("user", c_void_p)]
+
+
 class BakeSettings(Struct):
     _fields_ = [("grid", Grid), ("probes", POINTER(Vec3)), ("probe_count", c_uint32), ("select_mask", c_uint32),
                 ("radiance_size", c_uint32), ("probe_light", c_bool), ("irradiance_grid", Grid),
@@ -182,7 +193,7 @@ class BakeSettings(Struct):
                 ("noise", c_float), ("reference_paths", c_uint32), ("volume_cells", c_uint32), ("classic", c_bool),
                 ("classic_size", c_uint32), ("classic_cube_size", c_uint32), ("classic_sharpness", c_uint32),
                 ("relight", c_bool), ("fit", c_bool), ("seed", c_uint32), ("threads", c_uint32),
-                ("measure_embree", c_bool)]
+                ("measure_embree", c_bool), ("work", BakeWork)]
 
 
 class BakeStats(Struct):
@@ -285,6 +296,7 @@ BAKER = {
     "olx_bake_settings_default": (BakeSettings, [_scene]),
     "olx_bake_irradiance_grid": (Grid, [POINTER(Grid)]),
     "olx_bake": (c_int, [_scene, POINTER(BakeSettings), c_char_p, _progress, POINTER(BakeStats)]),
+    "olx_bake_join": (c_int, [c_char_p, c_char_p, c_bool, _progress, POINTER(BakeStats)]),
     "olx_render_settings_default": (RenderSettings, [c_uint32]),
     "olx_render": (c_int, [_scene, _field, POINTER(Camera), POINTER(RenderSettings), _progress, _image, POINTER(RenderStats)]),
     "olx_image_load": (c_int, [c_char_p, _image]),
@@ -360,6 +372,8 @@ def _convert(struct: Struct, name: str, kind: Any, value: Any) -> Any:
         return number(struct.enumerators[name], value)
     if kind is Vec3:
         return vec3(value)
+    if kind is c_char_p and value is not None:
+        return os.fsencode(value)
     if kind in (c_uint32, c_uint64):
         most = 2 ** (8 * ctypes.sizeof(kind)) - 1
         whole = int(value)

@@ -106,6 +106,16 @@ def place(scene: Scene, method: str = "cover", *, grid: Any = None, progress: Pr
     return Probes(probes)
 
 
+def join(folder: str | os.PathLike[str], path: str | os.PathLike[str], *, keep: bool = False,
+         progress: Progress | None = None) -> SimpleNamespace:
+    """Write the field whose parts lie in a work folder to `path`, without the scene. The folder goes away unless `keep`. Returns the
+    members of olx_bake_stats that are known. Raises Error.
+    """
+    watch, stats = native.Watch(progress), native.BakeStats()
+    watch.check(library.olx_bake_join(os.fsencode(folder), os.fsencode(path), keep, watch.progress, stats))
+    return native.record(stats)
+
+
 def bake(scene: Scene, path: str | os.PathLike[str], *, grid: Any = None, probes: Any = None, irradiance_grid: Any = None,
          select: Any = (), progress: Progress | None = None, **settings: Any) -> SimpleNamespace:
     """Bake a scene's light into the field file `path`, which is whole or not there.
@@ -116,6 +126,10 @@ def bake(scene: Scene, path: str | os.PathLike[str], *, grid: Any = None, probes
     (include/octalux/bake.h): radiance_size=512, probe_light=False, irradiance_size=128, samples=2, light_samples=1, bounces=32,
     noise=0.02, volume_cells=32, classic=False, relight=False, seed=0, threads=0, ... Bytes depend on scene and settings alone. Returns
     the members of olx_bake_stats. Raises Error.
+
+    work={"folder": PATH} keeps results there while it bakes, goes on from what is there, and takes the folder away at the end; with
+    "part" and "parts" it makes a share of the units and no field, and raises an Error whose result is INCOMPLETE while units of others
+    are missing.
     """
     chosen = library.olx_bake_settings_default(scene.handle)
     if grid is not None:

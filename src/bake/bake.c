@@ -3,15 +3,10 @@
 #include <octalux/bake.h>
 
 #include "bake/available.h"
+#include "bake/bake_run.h"
+#include "bake/bake_work.h"
 #include "bake/buried.h"
-#include "bake/capture.h"
-#include "bake/classic_bake.h"
-#include "bake/gather.h"
 #include "bake/gather_bounces.h"
-#include "bake/relight_bake.h"
-#include "bake/selectors.h"
-#include "bake/surface_capture.h"
-#include "bake/volume_bake.h"
 #include "core/hooks.h"
 #include "core/result.h"
 #include "scene/emitters.h"
@@ -26,32 +21,6 @@ enum {
   MAX_PROBES = 1 << 20,
   CHEAP_PROBES = 64 // irradiance probes that cost too little to save on
 };
-
-// One bake, from its settings to its file.
-typedef struct bake {
-  const olx_scene *scene;
-  const olx_bake_settings *settings;
-  uint32_t counts[2]; // light field probes, irradiance probes
-  olx_vec3 *positions[2];
-  uint8_t *flags[2];
-  uint32_t bounces; // that light between irradiance probes made
-  float distance_scale;
-  olx_task task;
-  olx_shade_context shade;
-  olx_gather gather;
-  olx_capture capture;
-  olx_scene_light *light; // NULL where indirect light is the plain reference
-  olx_surface_capture surfaces;
-  olx_field_light *lights;
-  olx_volume_bake volume;
-  olx_classic_bake classic;
-  uint32_t *classic_table; // NULL without classic maps
-  olx_relight_bake relight;
-  olx_selector_blobs selectors;
-  olx_field_writer *writer;
-  olx_bake_stats stats;
-  double measure_seconds; // spent on timing Embree, in all
-} bake;
 
 olx_bake_settings olx_bake_settings_default(const olx_scene *scene) {
   olx_bake_settings settings = {.radiance_size = 512,
@@ -186,7 +155,7 @@ static olx_result check_settings(const olx_bake_settings *settings) {
 }
 
 // Probes at `positions`, or on the grid where that is NULL.
-static olx_result place_probes(bake *b, uint32_t set, const olx_grid *grid, const olx_vec3 *positions,
+static olx_result place_probes(olx_bake_run *b, uint32_t set, const olx_grid *grid, const olx_vec3 *positions,
                                uint32_t position_count) {
   const uint32_t count = positions ? position_count : grid->count[0] * grid->count[1] * grid->count[2];
   b->counts[set] = count;
@@ -227,7 +196,7 @@ static uint32_t select_mask(const olx_bake_settings *settings) {
 }
 
 // What the field will be: for the file, and to know its size before anything is made.
-static olx_field_header header_of(const bake *b) {
+static olx_field_header header_of(const olx_bake_run *b) {
   const olx_bake_settings *s = b->settings;
   olx_field_header header = {
       .info = {.probe_count = b->counts[0],
@@ -272,12 +241,12 @@ static olx_field_header header_of(const bake *b) {
   return header;
 }
 
-static olx_result create_file(bake *b, const char *path) {
+olx_result olx_bake_create_file(olx_bake_run *b, const char *path) {
   const olx_field_header header = header_of(b);
   return olx_field_writer_create(path, &header, &b->writer);
 }
 
-static olx_result find_buried(bake *b) {
+static olx_result find_buried(olx_bake_run *b) {
   const olx_vec3 *positions[2] = {b->positions[0], b->positions[1]};
   uint64_t rays = 0;
   OLX_TRY(olx_find_buried(b->scene, positions, b->counts, b->flags, b->settings->threads, &rays));
@@ -287,7 +256,7 @@ static olx_result find_buried(bake *b) {
   return OLX_OK;
 }
 
-static olx_result build_selectors(bake *b) {
+static olx_result build_selectors(olx_bake_run *b) {
   const olx_bake_settings *s = b->settings;
   const uint64_t side = s->radiance_size + 2;
   const olx_selector_input input = {.scene = b->scene,
@@ -303,7 +272,7 @@ static olx_result build_selectors(bake *b) {
   return olx_selectors_build(&input, select_mask(s), &b->selectors);
 }
 
-static olx_result gather_solved(bake *b) {
+static olx_result gather_solved(olx_bake_run *b) {
   OLX_TRY(olx_gather_look(&b->gather));
   OLX_TRY(olx_gather_solved(&b->gather));
   OLX_TRY(olx_gather_irradiance(&b->gather, 0));
@@ -311,7 +280,7 @@ static olx_result gather_solved(bake *b) {
 }
 
 // All bounces that are asked for, as long as they bring light.
-static olx_result gather_bounces(bake *b) {
+static olx_result gather_bounces(olx_bake_run *b) {
   OLX_TRY(olx_gather_look(&b->gather));
   OLX_TRY(olx_gather_link(&b->gather));
   for (uint32_t bounce = 0; bounce <= b->settings->bounces; bounce++) {
@@ -329,16 +298,16 @@ static olx_result gather_bounces(bake *b) {
   return OLX_OK;
 }
 
-static olx_result gather_light(bake *b) {
-  b->bounces = b->settings->bounces;
-  if (!b->counts[1]) return OLX_OK;
+static olx_result gather_light(olx_bake_run *b) {
+  const olx_bake_settings *s = b->settings;
   const double start = olx_seconds();
+  OLX_TRY(olx_gather_create(&b->gather, &s->irradiance_grid, s->irradiance_size, s->bounces));
   OLX_TRY(b->gather.light ? gather_solved(b) : gather_bounces(b));
   b->stats.irradiance_seconds = olx_seconds() - start;
-  return olx_gather_write(&b->gather, b->writer, &b->stats.write_seconds);
+  return OLX_OK;
 }
 
-static void describe_classic(bake *b) {
+static void describe_classic(olx_bake_run *b) {
   const olx_bake_settings *s = b->settings;
   const uint32_t sharpness =
       s->classic_sharpness ? s->classic_sharpness : olx_classic_sharpness(s->classic_size, s->classic_cube_size);
@@ -353,59 +322,14 @@ static void describe_classic(bake *b) {
   };
 }
 
-static olx_result prepare_classic(bake *b) {
+static olx_result make_classic_table(olx_bake_run *b) {
   if (!b->settings->classic) return OLX_OK;
-  describe_classic(b);
   b->classic_table = olx_allocate(OLX_CLASSIC_TABLE_ENTRIES, sizeof *b->classic_table);
   if (!b->classic_table) return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for a table of reflectances");
-  OLX_TRY(olx_classic_table_make(b->classic_table, b->settings->threads));
-  return olx_classic_bake_create(&b->classic);
+  return olx_classic_table_make(b->classic_table, b->settings->threads);
 }
 
-static olx_result make_classic(bake *b) {
-  if (!b->settings->classic) return OLX_OK;
-  olx_task_stage(&b->task, "classic maps");
-  b->classic.bounces = b->bounces;
-  const double start = olx_seconds();
-  for (uint32_t i = 0; i < b->counts[1]; i++) {
-    olx_classic_record record;
-    OLX_TRY(olx_classic_bake_probe(&b->classic, i, b->positions[1][i], &record));
-    const double written = olx_seconds();
-    OLX_TRY(olx_field_writer_classic(b->writer, i, &record));
-    b->stats.write_seconds += olx_seconds() - written;
-  }
-  b->stats.classic_seconds = olx_seconds() - start;
-  return OLX_OK;
-}
-
-static olx_result begin_relight(bake *b) {
-  if (!b->settings->relight) return OLX_OK;
-  olx_task_stage(&b->task, "relighting");
-  const double start = olx_seconds();
-  b->relight = (olx_relight_bake){.scene = b->scene,
-                                  .light = b->light,
-                                  .seed = b->shade.seed,
-                                  .threads = b->settings->threads,
-                                  .task = &b->task};
-  OLX_TRY(olx_relight_bake_create(&b->relight));
-  OLX_TRY(olx_relight_bake_volume(&b->relight, b->volume.cells.positions, b->volume.cells.probe_count));
-  b->stats.relight_seconds = olx_seconds() - start;
-  return OLX_OK;
-}
-
-static olx_result relight_probe(bake *b) {
-  if (!b->settings->relight) return OLX_OK;
-  const double start = olx_seconds();
-  OLX_TRY(olx_relight_bake_probe(&b->relight, &b->capture));
-  b->stats.relight_seconds += olx_seconds() - start;
-  return OLX_OK;
-}
-
-static olx_result end_relight(bake *b) {
-  return b->settings->relight ? olx_relight_bake_write(&b->relight, b->writer) : OLX_OK;
-}
-
-static olx_result solve_light(bake *b) {
+static olx_result solve_light(olx_bake_run *b) {
   const olx_bake_settings *s = b->settings;
   if (s->light == OLX_LIGHT_REFERENCE) return OLX_OK;
   olx_task_stage(&b->task, "light");
@@ -416,18 +340,18 @@ static olx_result solve_light(bake *b) {
   settings.seed = b->shade.seed;
   settings.threads = s->threads;
   settings.task = &b->task;
+  settings.store = b->store;
   OLX_TRY(olx_scene_light_create(b->scene, &settings, b->positions[0], b->flags[0], b->counts[0], &b->light));
   const olx_scene_light_report report = olx_scene_light_describe(b->light);
   b->stats.rays += report.rays;
   b->stats.surfels = report.surfels;
   b->stats.noise = report.noise;
-  olx_field_writer_last_bounce(b->writer, (float)report.last_bounce);
   b->stats.light_bytes = report.bytes;
   b->stats.light_seconds = report.seconds;
   return OLX_OK;
 }
 
-static olx_result make_volume_cells(bake *b) {
+static olx_result make_volume_cells(olx_bake_run *b) {
   b->volume = (olx_volume_bake){.scene = b->scene,
                                 .settings = b->settings,
                                 .positions = b->positions[0],
@@ -438,33 +362,12 @@ static olx_result make_volume_cells(bake *b) {
   return olx_volume_bake_create(&b->volume, &b->stats);
 }
 
-static olx_result capture_probes(bake *b) {
-  olx_task_stage(&b->task, "light field");
-  for (uint32_t i = 0; i < b->counts[0]; i++) {
-    const double start = olx_seconds();
-    olx_surface_maps maps;
-    OLX_TRY(olx_capture_probe(&b->capture, i, b->positions[0][i]));
-    OLX_TRY(olx_surface_capture_probe(&b->surfaces, b->flags[0][i] & OLX_PROBE_BURIED, &maps));
-    const double captured = olx_seconds();
-    b->stats.capture_seconds += captured - start;
-    OLX_TRY(olx_field_writer_probe(b->writer, i, b->flags[0][i], b->surfaces.radiance, b->capture.normal,
-                                   b->capture.distance));
-    OLX_TRY(olx_field_writer_surface(b->writer, i, &maps));
-    const double written = olx_seconds();
-    b->stats.write_seconds += written - captured;
-    if (b->settings->measure_embree) OLX_TRY(olx_capture_measure(&b->capture, &b->stats.embree_seconds));
-    b->measure_seconds += olx_seconds() - written;
-    OLX_TRY(relight_probe(b));
-  }
-  return OLX_OK;
-}
-
 // Whether irradiance probes, too, get their light from the solution for the whole scene.
 static bool is_solved(const olx_bake_settings *s) {
   return s->light == OLX_LIGHT_CACHE && s->bounce_gather == OLX_GATHER_SOLVED;
 }
 
-static void describe_work(bake *b) {
+void olx_bake_describe(olx_bake_run *b) {
   const olx_bake_settings *s = b->settings;
   b->gather = (olx_gather){.shade = &b->shade,
                            .positions = b->positions[1],
@@ -489,10 +392,11 @@ static void describe_work(bake *b) {
                                       .reference_paths = s->reference_paths,
                                       .has_radiance = b->counts[1] > 0,
                                       .compressed = !s->uncompressed};
+  if (s->classic) describe_classic(b);
 }
 
 // Units of progress, in rays; the quadrature of the gather must be known.
-static uint64_t units_of(const bake *b) {
+static uint64_t units_of(const olx_bake_run *b) {
   const olx_bake_settings *s = b->settings;
   uint64_t units = olx_gather_units(&b->gather, s->bounces, is_solved(s)) +
                    b->counts[0] * olx_capture_units(&b->capture);
@@ -501,34 +405,55 @@ static uint64_t units_of(const bake *b) {
   return units;
 }
 
-// Everything but committing the file. What was made is released by finish.
-static olx_result run(bake *b, const char *path) {
-  const olx_bake_settings *s = b->settings;
-  describe_work(b);
+static olx_result make_plan(olx_bake_run *b) {
   OLX_TRY(olx_surface_lights(b->scene, &b->lights));
   OLX_TRY(find_buried(b));
   OLX_TRY(build_selectors(b));
-  OLX_TRY(prepare_classic(b));
-  OLX_TRY(make_volume_cells(b));
-  OLX_TRY(create_file(b, path));
-  OLX_TRY(olx_capture_create(&b->capture));
-  OLX_TRY(solve_light(b));
-  if (is_solved(s)) b->gather.light = b->shade.light = b->light;
-  if (b->counts[1]) OLX_TRY(olx_gather_create(&b->gather, &s->irradiance_grid, s->irradiance_size, s->bounces));
-  OLX_TRY(olx_volume_bake_write(&b->volume, b->light, b->writer, &b->stats));
-  b->surfaces.light = b->light;
-  OLX_TRY(olx_surface_capture_create(&b->surfaces));
-  b->stats.primary_rays = b->counts[0] * olx_capture_units(&b->capture);
-  b->task.total_units = units_of(b);
-  OLX_TRY(gather_light(b));
-  OLX_TRY(make_classic(b));
-  OLX_TRY(begin_relight(b));
-  OLX_TRY(capture_probes(b));
-  return end_relight(b);
+  OLX_TRY(make_classic_table(b));
+  return make_volume_cells(b);
 }
 
-static olx_result finish(bake *b, olx_result result, double start) {
-  if (result == OLX_OK) {
+// A part goes on to what does not need what is missing.
+static olx_result go_on(olx_bake_run *b, olx_result result) {
+  if (result != OLX_ERROR_INCOMPLETE || !olx_unit_store_is_part(b->store)) return result;
+  b->incomplete = true;
+  return OLX_OK;
+}
+
+// All that is read from the solved light.
+static olx_result run_probes(olx_bake_run *b) {
+  OLX_TRY(go_on(b, olx_bake_facts(b)));
+  OLX_TRY(go_on(b, olx_volume_bake_write(&b->volume, b->light, b->store, b->writer, &b->stats)));
+  OLX_TRY(go_on(b, olx_bake_irradiance(b, gather_light)));
+  OLX_TRY(go_on(b, olx_bake_classic(b)));
+  OLX_TRY(go_on(b, olx_bake_relight(b)));
+  OLX_TRY(go_on(b, olx_bake_probes(b)));
+  return b->incomplete ? OLX_ERROR_INCOMPLETE : OLX_OK;
+}
+
+// Everything but committing the file. What was made is released by olx_bake_finish.
+static olx_result run(olx_bake_run *b, const char *path) {
+  const olx_bake_settings *s = b->settings;
+  olx_bake_describe(b);
+  OLX_TRY(olx_bake_plan(b, make_plan));
+  const bool is_part = olx_unit_store_is_part(b->store);
+  if (is_part && olx_bake_is_stored(b)) return OLX_OK;
+  if (!is_part) OLX_TRY(olx_bake_create_file(b, path));
+  OLX_TRY(olx_capture_create(&b->capture));
+  if (s->classic) OLX_TRY(olx_classic_bake_create(&b->classic));
+  OLX_TRY(solve_light(b));
+  if (is_solved(s)) b->gather.light = b->shade.light = b->light;
+  b->surfaces.light = b->light;
+  b->bounces = s->bounces;
+  OLX_TRY(olx_surface_capture_create(&b->surfaces));
+  b->stats.primary_rays = b->counts[0] * olx_capture_units(&b->capture);
+  b->gather.quadrature = olx_quadrature_shape(s->irradiance_size);
+  b->task.total_units = units_of(b);
+  return run_probes(b);
+}
+
+olx_result olx_bake_finish(olx_bake_run *b, olx_result result, double start) {
+  if (result == OLX_OK && b->writer) {
     const double written = olx_seconds();
     result = olx_field_writer_commit(b->writer, &b->stats.file_bytes);
     b->stats.write_seconds += olx_seconds() - written;
@@ -551,13 +476,17 @@ static olx_result finish(bake *b, olx_result result, double start) {
   olx_shade_context_end(&b->shade);
   olx_task_end(&b->task);
   struct rusage usage;
+  for (uint32_t set = 0; set < 2; set++) {
+    olx_release(b->positions[set]);
+    olx_release(b->flags[set]);
+  }
   getrusage(RUSAGE_SELF, &usage);
   b->stats.peak_memory_bytes = (uint64_t)usage.ru_maxrss * 1024u;
   b->stats.seconds = olx_seconds() - start - b->stats.write_seconds - b->measure_seconds;
   return result;
 }
 
-static olx_result bake_scene(bake *b, const char *path, const olx_progress *progress) {
+static olx_result bake_scene(olx_bake_run *b, const char *path, const olx_progress *progress) {
   const double start = olx_seconds();
   OLX_TRY(place_probes(b, 0, &b->settings->grid, b->settings->probes, b->settings->probe_count));
   if (olx_bake_keeps_probe_light(b->settings)) OLX_TRY(place_probes(b, 1, &b->settings->irradiance_grid, NULL, 0));
@@ -566,13 +495,13 @@ static olx_result bake_scene(bake *b, const char *path, const olx_progress *prog
   olx_shade_context_begin(&b->shade, b->scene, b->settings->seed);
   const float spacing = least_spacing(&b->settings->irradiance_grid, b->distance_scale);
   b->shade.share_distance = 0.01f * spacing;
-  return finish(b, run(b, path), start);
+  return olx_bake_finish(b, run(b, path), start);
 }
 
 static uint64_t grid_count(const olx_grid *grid) { return (uint64_t)grid->count[0] * grid->count[1] * grid->count[2]; }
 
 // What run would hold at once, of a bake that is described and not begun.
-static uint64_t memory_of(const bake *b, const olx_field_layout *layout) {
+static uint64_t memory_of(const olx_bake_run *b, const olx_field_layout *layout) {
   const olx_bake_settings *s = b->settings;
   const uint32_t threads = s->threads ? s->threads : olx_processor_count();
   const uint64_t probe_bytes = 2 * (sizeof(olx_vec3) + 1); // here and in the writer
@@ -583,6 +512,14 @@ static uint64_t memory_of(const bake *b, const olx_field_layout *layout) {
            layout->shapes[OLX_CHUNK_GREATEST].record_bytes; // the writer's map and pyramid
   bytes += olx_surface_capture_bytes(&b->surfaces, s->light == OLX_LIGHT_CACHE);
   return s->classic ? bytes + olx_classic_bake_bytes(&b->classic) : bytes;
+}
+
+// Maps are stored without borders, but emission, which the layout leaves out, and distances without their pyramid are whole; of light the
+// links are bounded, and steps that are stored several times are far smaller.
+static uint64_t work_of(const olx_bake_run *b, const olx_field_layout *layout) {
+  const uint64_t light = b->settings->light == OLX_LIGHT_CACHE ? UINT64_C(2) << 30 : 0,
+                 size = b->settings->radiance_size;
+  return layout->file_bytes + b->counts[0] * size * size * sizeof(uint32_t) + light;
 }
 
 // "12 light field and 27 irradiance probes"
@@ -623,11 +560,10 @@ olx_result olx_bake_measure(const olx_scene *scene, const olx_bake_settings *set
   *sizes = (olx_bake_sizes){0};
   OLX_TRY(check_settings(settings));
   if (scene->triangle_count == 0) return olx_fail(OLX_ERROR_EMPTY, "%s: the scene has no triangles", path);
-  bake b = {.scene = scene, .settings = settings, .distance_scale = 1.0f};
+  olx_bake_run b = {.scene = scene, .settings = settings, .distance_scale = 1.0f};
   b.counts[0] = settings->probes ? settings->probe_count : (uint32_t)grid_count(&settings->grid);
   if (olx_bake_keeps_probe_light(settings)) b.counts[1] = (uint32_t)grid_count(&settings->irradiance_grid);
-  describe_work(&b);
-  if (settings->classic) describe_classic(&b);
+  olx_bake_describe(&b);
   b.gather.quadrature = olx_quadrature_shape(settings->irradiance_size);
   b.gather.traces = b.gather.traces && settings->bounces > 0;
   const olx_field_header header = header_of(&b);
@@ -638,6 +574,7 @@ olx_result olx_bake_measure(const olx_scene *scene, const olx_bake_settings *set
                             .file_bytes = layout.file_bytes,
                             .device_bytes = layout.device_bytes,
                             .memory_bytes = memory_of(&b, &layout),
+                            .work_bytes = work_of(&b, &layout),
                             .rays = units_of(&b),
                             .available_memory_bytes = olx_available_memory(),
                             .available_disk_bytes = olx_available_disk(path)};
@@ -647,9 +584,10 @@ olx_result olx_bake_measure(const olx_scene *scene, const olx_bake_settings *set
 olx_result olx_bake(const olx_scene *scene, const olx_bake_settings *settings, const char *path,
                     const olx_progress *progress, olx_bake_stats *stats) {
   olx_bake_sizes sizes;
-  OLX_TRY(olx_bake_measure(scene, settings, path, &sizes));
-  OLX_TRY(olx_output_check(path, false));
-  OLX_TRY(olx_scene_check_output(scene, path));
+  const bool writes = settings->work.parts == 0;
+  OLX_TRY(olx_bake_measure(scene, settings, writes ? path : "", &sizes));
+  if (writes) OLX_TRY(olx_output_check(path, false));
+  if (writes) OLX_TRY(olx_scene_check_output(scene, path));
   if (olx_emitters_group_count(scene) == 0) {
     olx_log(OLX_LOG_WARNING,
             "the scene has no light: no lamp, no material that shines, no environment; the field will be black");
@@ -657,12 +595,10 @@ olx_result olx_bake(const olx_scene *scene, const olx_bake_settings *settings, c
   olx_bake_settings used = *settings;
   used.grid = without_idle_spacing(settings->grid);
   used.irradiance_grid = without_idle_spacing(settings->irradiance_grid);
-  bake b = {.scene = scene, .settings = &used};
+  olx_bake_run b = {.scene = scene, .settings = &used};
+  OLX_TRY(olx_bake_work_open(scene, &used, &b.store));
   const olx_result result = bake_scene(&b, path, progress);
-  for (uint32_t set = 0; set < 2; set++) {
-    olx_release(b.positions[set]);
-    olx_release(b.flags[set]);
-  }
+  olx_bake_work_close(b.store, &used.work, result);
   if (stats) *stats = b.stats;
   return result;
 }

@@ -247,27 +247,24 @@ static olx_result pack_irradiance(olx_gather *gather, uint32_t probe, uint32_t *
   return OLX_OK;
 }
 
-olx_result olx_gather_write(olx_gather *gather, olx_field_writer *writer, double *write_seconds) {
+size_t olx_gather_record_words(const olx_gather *gather) {
+  return 2 * (size_t)gather->quadrature.irradiance_size * gather->quadrature.irradiance_size;
+}
+
+olx_result olx_gather_finish(olx_gather *gather) {
+  return gather->form == OLX_IRRADIANCE_OCTAHEDRAL || gather->harmonics ? OLX_OK : make_harmonics(gather);
+}
+
+olx_result olx_gather_pack(olx_gather *gather, uint32_t probe, uint32_t *record) {
   const uint32_t n = gather->quadrature.irradiance_size;
   const size_t texels = (size_t)n * n;
-  if (gather->form != OLX_IRRADIANCE_OCTAHEDRAL) OLX_TRY(make_harmonics(gather));
-  uint32_t *packed = olx_allocate(2 * texels, sizeof *packed);
-  if (!packed) return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for an irradiance map");
-  olx_result result = OLX_OK;
-  for (uint32_t probe = 0; probe < gather->probe_count && result == OLX_OK; probe++) {
-    result = pack_irradiance(gather, probe, packed);
-    if (result != OLX_OK) break;
-    const olx_vec2 *moments = gather->moments + probe * bordered(n) + n + 3;
-    for (uint32_t i = 0; i < texels; i++) {
-      const olx_vec2 m = moments[i / n * (n + 2) + i % n];
-      packed[texels + i] = olx_half_pack(m.x) | (uint32_t)olx_half_pack(m.y) << 16;
-    }
-    const double start = olx_seconds();
-    result = olx_field_writer_irradiance(writer, probe, gather->flags[probe], packed, packed + texels);
-    *write_seconds += olx_seconds() - start;
+  const olx_vec2 *moments = gather->moments + probe * bordered(n) + n + 3;
+  OLX_TRY(pack_irradiance(gather, probe, record));
+  for (uint32_t i = 0; i < texels; i++) {
+    const olx_vec2 m = moments[i / n * (n + 2) + i % n];
+    record[texels + i] = olx_half_pack(m.x) | (uint32_t)olx_half_pack(m.y) << 16;
   }
-  olx_release(packed);
-  return result;
+  return OLX_OK;
 }
 
 enum { GATHER_ARRAYS = 6 + OLX_KEPT_BOUNCES + 1 };

@@ -24,7 +24,12 @@ olx_result olx_gather_solved(olx_gather *gather);
 olx_result olx_gather_irradiance(olx_gather *gather, uint32_t bounce);
 // Fits that irradiance, made before, to the surfaces.
 olx_result olx_gather_fit(olx_gather *gather, uint32_t bounce);
-// The final maps, corrected by the last fit, to the file.
-olx_result olx_gather_write(olx_gather *gather, olx_field_writer *writer, double *write_seconds);
+// Before the final maps are packed, when all light is gathered.
+olx_result olx_gather_finish(olx_gather *gather);
+// The final maps of a probe, corrected by the last fit, as olx_field_writer_irradiance takes them: irradiance, then moments in the
+// second half of `record`.
+olx_result olx_gather_pack(olx_gather *gather, uint32_t probe, uint32_t *record);
+// Words of a record. Only the quadrature must be known.
+size_t olx_gather_record_words(const olx_gather *gather);
 
 #endif

@@ -185,15 +185,6 @@ static olx_result link_places(link_job *j, uint32_t count, olx_relight_rows *row
   return result;
 }
 
-olx_result olx_relight_bake_create(olx_relight_bake *b) {
-  b->surfel_count = olx_scene_light_open(b->light).surfels->count;
-  if (b->surfel_count > OLX_RELIGHT_MOST_SURFELS) {
-    return olx_fail(OLX_ERROR_UNSUPPORTED, "relight: %u surfels are more than a field can hold", b->surfel_count);
-  }
-  link_job j = {.bake = b};
-  return link_places(&j, b->surfel_count, &b->surfels);
-}
-
 olx_result olx_relight_bake_volume(olx_relight_bake *b, const olx_vec3 *positions, uint32_t count) {
   link_job j = {.bake = b, .positions = positions};
   b->volume_count = count;
@@ -201,11 +192,12 @@ olx_result olx_relight_bake_volume(olx_relight_bake *b, const olx_vec3 *position
   return count > 0 ? link_places(&j, count, &b->volume) : OLX_OK;
 }
 
-olx_result olx_relight_bake_probe(olx_relight_bake *b, const olx_capture *capture) {
-  return olx_relight_sites_add(&b->sites, capture, b->light);
+olx_result olx_relight_bake_probe(olx_relight_bake *b, const olx_relight_sites *probe) {
+  return olx_relight_sites_append(&b->sites, probe);
 }
 
 void olx_relight_bake_free(olx_relight_bake *b) {
+  olx_release(b->stored);
   olx_release(b->surfels.starts);
   olx_release(b->surfels.links);
   olx_release(b->volume.starts);
@@ -257,6 +249,54 @@ static olx_relight_surfel stored_surfel(const olx_relight_bake *b, uint32_t inde
   return stored;
 }
 
+olx_result olx_relight_bake_create(olx_relight_bake *b) {
+  b->surfel_count = olx_scene_light_open(b->light).surfels->count;
+  if (b->surfel_count > OLX_RELIGHT_MOST_SURFELS) {
+    return olx_fail(OLX_ERROR_UNSUPPORTED, "relight: %u surfels are more than a field can hold", b->surfel_count);
+  }
+  b->stored = olx_allocate(b->surfel_count, sizeof *b->stored);
+  if (!b->stored) return olx_fail(OLX_ERROR_MEMORY, "relight: out of memory for %u surfels", b->surfel_count);
+  for (uint32_t i = 0; i < b->surfel_count; i++) b->stored[i] = stored_surfel(b, i);
+  link_job j = {.bake = b};
+  return link_places(&j, b->surfel_count, &b->surfels);
+}
+
+static uint32_t row_links(const olx_relight_rows *rows, uint32_t count) { return count ? rows->starts[count] : 0; }
+
+static void save_rows(const olx_relight_rows *rows, uint32_t count, olx_byte_writer *to) {
+  const uint32_t links = row_links(rows, count);
+  olx_bytes_put(to, &links, 1, sizeof links);
+  olx_bytes_put(to, rows->starts, count ? count + (size_t)1 : 0, sizeof *rows->starts);
+  olx_bytes_put(to, rows->links, links, sizeof *rows->links);
+}
+
+static void load_rows(olx_relight_rows *rows, uint32_t count, olx_byte_reader *from) {
+  uint32_t links = 0;
+  olx_bytes_copy(from, &links, 1, sizeof links);
+  rows->starts = olx_bytes_take(from, count ? count + (size_t)1 : 0, sizeof *rows->starts);
+  rows->links = olx_bytes_take(from, links, sizeof *rows->links);
+  rows->most = links;
+}
+
+void olx_relight_bake_save(const olx_relight_bake *b, olx_byte_writer *to) {
+  const uint32_t counts[] = {b->surfel_count, b->volume_count};
+  olx_bytes_put(to, counts, 2, sizeof *counts);
+  olx_bytes_put(to, b->stored, b->surfel_count, sizeof *b->stored);
+  save_rows(&b->surfels, b->surfel_count, to);
+  save_rows(&b->volume, b->volume_count, to);
+}
+
+olx_result olx_relight_bake_load(olx_relight_bake *b, olx_byte_reader *from) {
+  uint32_t counts[2] = {0};
+  olx_bytes_copy(from, counts, 2, sizeof *counts);
+  b->surfel_count = counts[0];
+  b->volume_count = counts[1];
+  b->stored = olx_bytes_take(from, b->surfel_count, sizeof *b->stored);
+  load_rows(&b->surfels, b->surfel_count, from);
+  load_rows(&b->volume, b->volume_count, from);
+  return from->failed ? olx_fail(OLX_ERROR_FORMAT, "relight: a result does not hold what it should") : OLX_OK;
+}
+
 static void put_links(const olx_relight_rows *rows, uint32_t count, output *o) {
   for (uint32_t i = 0; i < count; i++) {
     const olx_relight_link link = {rows->links[i].from, rows->links[i].weight};
@@ -277,10 +317,7 @@ static olx_relight_header header_of(const olx_relight_bake *b) {
 static void put_all(const olx_relight_bake *b, const olx_relight_header *h, output *o) {
   static const uint32_t zero;
   put(o, h, sizeof *h);
-  for (uint32_t i = 0; i < h->surfels; i++) {
-    const olx_relight_surfel surfel = stored_surfel(b, i);
-    put(o, &surfel, sizeof surfel);
-  }
+  put(o, b->stored, h->surfels * sizeof *b->stored);
   put(o, b->surfels.starts, (h->surfels + (size_t)1) * sizeof zero);
   put_links(&b->surfels, h->links, o);
   put(o, b->sites.blocks, h->blocks * sizeof *b->sites.blocks);

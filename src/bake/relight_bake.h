@@ -21,6 +21,7 @@ typedef struct olx_relight_bake {
   olx_task *task;
   uint64_t rays; // cast
   uint32_t surfel_count;
+  olx_relight_surfel *stored; // as the file has them
   olx_relight_rows surfels, volume;
   uint32_t volume_count;
   olx_relight_sites sites;
@@ -30,10 +31,14 @@ typedef struct olx_relight_bake {
 olx_result olx_relight_bake_create(olx_relight_bake *bake);
 void olx_relight_bake_free(olx_relight_bake *bake);
 
+// What is known before the first probe, as bytes and back: in place of creating it and of the volume's links.
+void olx_relight_bake_save(const olx_relight_bake *bake, olx_byte_writer *to);
+olx_result olx_relight_bake_load(olx_relight_bake *bake, olx_byte_reader *from);
+
 // Links of the probes of the irradiance volume.
 olx_result olx_relight_bake_volume(olx_relight_bake *bake, const olx_vec3 *positions, uint32_t count);
-// Sites of the light field probe that was captured last: all probes, in order.
-olx_result olx_relight_bake_probe(olx_relight_bake *bake, const olx_capture *capture);
+// Adds the sites of a light field probe: all probes, in order.
+olx_result olx_relight_bake_probe(olx_relight_bake *bake, const olx_relight_sites *probe);
 // To the file, when all surfaces are there.
 olx_result olx_relight_bake_write(olx_relight_bake *bake, olx_field_writer *writer);
 

@@ -226,6 +226,41 @@ olx_result olx_relight_sites_add(olx_relight_sites *sites, const olx_capture *ca
   return result;
 }
 
+// Numbers of sites and entries go on from those that are there.
+olx_result olx_relight_sites_append(olx_relight_sites *s, const olx_relight_sites *more) {
+  OLX_TRY(grow(&s->blocks, s->block_count, &s->block_most, more->block_count, sizeof *s->blocks));
+  OLX_TRY(grow(&s->starts, s->site_count, &s->site_most, more->site_count + UINT64_C(1), sizeof *s->starts));
+  OLX_TRY(grow(&s->entries, s->entry_count, &s->entry_most, more->entry_count, sizeof *s->entries));
+  for (uint32_t i = 0; i < more->block_count; i++) {
+    olx_relight_block block = more->blocks[i];
+    if (block.first_site != OLX_RELIGHT_NO_SITE) block.first_site += s->site_count;
+    s->blocks[s->block_count++] = block;
+  }
+  for (uint32_t i = 0; i <= more->site_count; i++) s->starts[s->site_count + i] = s->entry_count + more->starts[i];
+  if (more->entry_count) memcpy(s->entries + s->entry_count, more->entries, more->entry_count * sizeof *s->entries);
+  s->site_count += more->site_count;
+  s->entry_count += more->entry_count;
+  return OLX_OK;
+}
+
+void olx_relight_sites_save(const olx_relight_sites *s, olx_byte_writer *to) {
+  const uint32_t counts[] = {s->block_count, s->site_count, s->entry_count};
+  olx_bytes_put(to, counts, 3, sizeof *counts);
+  olx_bytes_put(to, s->blocks, s->block_count, sizeof *s->blocks);
+  olx_bytes_put(to, s->starts, s->site_count + (size_t)1, sizeof *s->starts);
+  olx_bytes_put(to, s->entries, s->entry_count, sizeof *s->entries);
+}
+
+olx_result olx_relight_sites_load(olx_relight_sites *s, olx_byte_reader *from) {
+  uint32_t counts[3] = {0};
+  olx_bytes_copy(from, counts, 3, sizeof *counts);
+  *s = (olx_relight_sites){.block_count = counts[0], .site_count = counts[1], .entry_count = counts[2]};
+  s->blocks = olx_bytes_take(from, s->block_count, sizeof *s->blocks);
+  s->starts = olx_bytes_take(from, s->site_count + (size_t)1, sizeof *s->starts);
+  s->entries = olx_bytes_take(from, s->entry_count, sizeof *s->entries);
+  return from->failed ? olx_fail(OLX_ERROR_FORMAT, "relight: sites of a probe do not hold what they should") : OLX_OK;
+}
+
 void olx_relight_sites_free(olx_relight_sites *s) {
   olx_release(s->blocks);
   olx_release(s->starts);

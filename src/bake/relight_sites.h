@@ -6,6 +6,7 @@
 #include "bake/capture.h"
 #include "field/relight_data.h"
 #include "light/scene_light.h"
+#include "work/byte_stream.h"
 
 // Of all probes up to now; arrays grow.
 typedef struct olx_relight_sites {
@@ -17,6 +18,11 @@ typedef struct olx_relight_sites {
 
 // Appends those of the probe that was captured last. Fails when memory is out or when there are more than a file holds.
 olx_result olx_relight_sites_add(olx_relight_sites *sites, const olx_capture *capture, const olx_scene_light *light);
+// Appends those of another, which were added or loaded by themselves.
+olx_result olx_relight_sites_append(olx_relight_sites *sites, const olx_relight_sites *more);
+// As bytes, and back: `sites` is empty before.
+void olx_relight_sites_save(const olx_relight_sites *sites, olx_byte_writer *to);
+olx_result olx_relight_sites_load(olx_relight_sites *sites, olx_byte_reader *from);
 void olx_relight_sites_free(olx_relight_sites *sites);
 
 #endif

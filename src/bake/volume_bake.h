@@ -5,6 +5,7 @@
 #include "bake/volume_cells.h"
 #include "field/field_writer.h"
 #include "light/scene_light.h"
+#include "work/unit_store.h"
 
 #include <octalux/bake.h>
 
@@ -24,9 +25,11 @@ bool olx_volume_is_baked(const olx_bake_settings *settings);
 
 // The cells, and the share of surfaces in sight of probes at which there is none.
 olx_result olx_volume_bake_create(olx_volume_bake *bake, olx_bake_stats *stats);
-// The light of the probes, to the file.
-olx_result olx_volume_bake_write(olx_volume_bake *bake, const olx_scene_light *light, olx_field_writer *writer,
-                                 olx_bake_stats *stats);
+// The light of the probes, by units of the store, to the file; `writer` is NULL where there is none. `light` is not needed to join.
+olx_result olx_volume_bake_write(olx_volume_bake *bake, const olx_scene_light *light, olx_unit_store *store,
+                                 olx_field_writer *writer, olx_bake_stats *stats);
+// Units of the stage "volume".
+uint32_t olx_volume_bake_units(const olx_volume_bake *bake);
 void olx_volume_bake_free(olx_volume_bake *bake);
 
 #endif

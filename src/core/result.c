@@ -32,6 +32,7 @@ const char *olx_result_name(olx_result result) {
   case OLX_ERROR_EMPTY: return "nothing to work on";
   case OLX_ERROR_CANCELLED: return "cancelled";
   case OLX_ERROR_GPU: return "graphics device error";
+  case OLX_ERROR_INCOMPLETE: return "incomplete";
   }
   return "unknown result";
 }

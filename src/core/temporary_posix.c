@@ -25,7 +25,7 @@ static void draw_name(uint32_t attempt, char name[32]) {
   snprintf(name, 32, PREFIX "%08x" SUFFIX, olx_hash3((uint32_t)getpid(), (uint32_t)now.tv_nsec, attempt));
 }
 
-static bool is_temporary_name(const char *name) {
+bool olx_is_temporary_name(const char *name) {
   const char *tag = name + sizeof PREFIX - 1;
   return strlen(name) == NAME_LENGTH && strncmp(name, PREFIX, sizeof PREFIX - 1) == 0 &&
          strspn(tag, "0123456789abcdef") == TAG_DIGITS && strcmp(tag + TAG_DIGITS, SUFFIX) == 0;
@@ -44,7 +44,7 @@ static void reclaim_file(int folder, const char *name) {
   close(descriptor);
 }
 
-static void reclaim(int folder) {
+void olx_temporary_reclaim(int folder) {
   const int descriptor = openat(folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   DIR *entries = descriptor < 0 ? NULL : fdopendir(descriptor);
   if (!entries) {
@@ -52,7 +52,7 @@ static void reclaim(int folder) {
     return;
   }
   for (const struct dirent *entry; (entry = readdir(entries)) != NULL;) {
-    if (is_temporary_name(entry->d_name)) reclaim_file(folder, entry->d_name);
+    if (olx_is_temporary_name(entry->d_name)) reclaim_file(folder, entry->d_name);
   }
   closedir(entries);
 }
@@ -92,13 +92,8 @@ static int create_named(int folder, mode_t mode, char name[32]) {
   return -1;
 }
 
-int olx_temporary_create(const char *folder, uint32_t mode, olx_temporary *file) {
-  *file = (olx_temporary){.open = false};
-  // A folder that may be written but not read can neither be searched for what was left behind nor synced.
-  file->folder = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (file->folder < 0 && errno == EACCES) file->folder = open(folder, O_PATH | O_DIRECTORY | O_CLOEXEC);
-  if (file->folder < 0) return errno;
-  reclaim(file->folder);
+// Create the file in file->folder, which is closed when that fails.
+static int create_in_folder(mode_t mode, olx_temporary *file) {
   file->descriptor = create_unnamed(file->folder, mode);
   if (file->descriptor < 0) file->descriptor = create_named(file->folder, mode, file->name);
   if (file->descriptor < 0) {
@@ -108,6 +103,21 @@ int olx_temporary_create(const char *folder, uint32_t mode, olx_temporary *file)
   }
   file->open = true;
   return 0;
+}
+
+int olx_temporary_create(const char *folder, uint32_t mode, olx_temporary *file) {
+  *file = (olx_temporary){.open = false};
+  // A folder that may be written but not read can neither be searched for what was left behind nor synced.
+  file->folder = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (file->folder < 0 && errno == EACCES) file->folder = open(folder, O_PATH | O_DIRECTORY | O_CLOEXEC);
+  if (file->folder < 0) return errno;
+  olx_temporary_reclaim(file->folder);
+  return create_in_folder(mode, file);
+}
+
+int olx_temporary_create_at(int folder, uint32_t mode, olx_temporary *file) {
+  *file = (olx_temporary){.folder = openat(folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
+  return file->folder < 0 ? errno : create_in_folder(mode, file);
 }
 
 // Give a file without a name a temporary one.

@@ -5,13 +5,13 @@
 #include "core/pack.h"
 #include "core/result.h"
 
-enum { SURFELS_PER_JOB = 256, KEPT = OLX_CHAIN_MOST + 1 };
+enum { SURFELS_PER_JOB = 256, KEPT = OLX_BOUNCES_KEPT };
 
 // Light of one bounce, and of those before it that chains of specular surfaces pass on.
 typedef struct bounce {
   const olx_light_links *links;
   const olx_link_batch *batch;
-  olx_vec3 *const *kept; // light after n surfaces, at n mod KEPT
+  olx_vec3 *kept[KEPT]; // light after n surfaces, at n mod KEPT
   uint32_t number, surfel_count;
   olx_vec3 *sum;
 } bounce;
@@ -56,36 +56,39 @@ static double total(const olx_vec3 *light, uint32_t count) {
   return sum;
 }
 
-static olx_result solve(bounce *b, uint32_t threads, uint32_t bounces, olx_vec3 **kept, olx_vec3 *irradiance,
-                        olx_vec3 *passed_on, uint32_t *done) {
-  for (*done = 0; *done < bounces;) {
-    b->number = ++*done;
+static olx_result solve(bounce *b, uint32_t threads, uint32_t bounces, const olx_bounce_keeper *keeper,
+                        olx_bounce_state *state) {
+  while (state->done < bounces) {
+    b->number = ++state->done;
     // No link needs the oldest light any more: chains are shorter than the ring.
-    olx_vec3 *const oldest = b->sum = kept[b->number % KEPT];
+    olx_vec3 *const oldest = b->sum = b->kept[b->number % KEPT];
     OLX_TRY(add_bounce(b, threads));
-    const olx_vec3 *previous = kept[(b->number - 1) % KEPT];
+    const olx_vec3 *previous = b->kept[(b->number - 1) % KEPT];
     for (uint32_t i = 0; i < b->surfel_count; i++) {
-      irradiance[i] = olx_add(irradiance[i], oldest[i]);
-      passed_on[i] = olx_add(passed_on[i], previous[i]);
+      state->irradiance[i] = olx_add(state->irradiance[i], oldest[i]);
+      state->passed_on[i] = olx_add(state->passed_on[i], previous[i]);
     }
-    if (total(oldest, b->surfel_count) < 0x1p-10 * total(irradiance, b->surfel_count)) break;
+    if (total(oldest, b->surfel_count) < 0x1p-10 * total(state->irradiance, b->surfel_count)) break;
+    if (keeper && state->done < bounces) OLX_TRY(keeper->save(keeper->user, state));
   }
   return OLX_OK;
 }
 
 olx_result olx_bounces_solve(const olx_light_links *links, uint32_t surfel_count, uint32_t threads,
-                             const olx_vec3 *direct, uint32_t bounces, olx_vec3 *irradiance, olx_vec3 *passed_on,
-                             uint32_t *done) {
+                             const olx_vec3 *direct, uint32_t bounces, const olx_bounce_keeper *keeper,
+                             olx_vec3 *irradiance, olx_vec3 *passed_on, uint32_t *done) {
   olx_vec3 *memory = olx_allocate_zero((size_t)KEPT * surfel_count, sizeof *memory);
   if (!memory) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for bounces of %u surfels", surfel_count);
-  olx_vec3 *kept[KEPT];
-  for (uint32_t i = 0; i < KEPT; i++) kept[i] = memory + (size_t)i * surfel_count;
+  olx_bounce_state state = {0, surfel_count, memory, irradiance, passed_on};
+  bounce b = {.links = links, .surfel_count = surfel_count};
+  for (uint32_t i = 0; i < KEPT; i++) b.kept[i] = memory + (size_t)i * surfel_count;
   for (uint32_t i = 0; i < surfel_count; i++) {
-    kept[0][i] = direct[i];
+    b.kept[0][i] = direct[i];
     irradiance[i] = passed_on[i] = olx_splat(0.0f);
   }
-  bounce b = {.links = links, .kept = kept, .surfel_count = surfel_count};
-  const olx_result result = solve(&b, threads, bounces, kept, irradiance, passed_on, done);
+  if (keeper) keeper->load(keeper->user, &state);
+  const olx_result result = solve(&b, threads, bounces, keeper, &state);
+  *done = state.done;
   olx_release(memory);
   return result;
 }

@@ -1,5 +1,5 @@
 // Solves the light of a scene: finds the surfaces that probes see, spreads surfels over them, casts their rays where light
-// varies most, and sends light over the links until it has bounced often enough.
+// varies most, and sends light over the links until it has bounced often enough. light_units.c runs these steps.
 #include "light/scene_light.h"
 
 #include "core/hooks.h"
@@ -7,6 +7,7 @@
 #include "core/result.h"
 #include "light/direct_light.h"
 #include "light/learn_rays.h"
+#include "light/light_units.h"
 #include "light/surfel_lookup.h"
 #include "scene/bvh.h"
 
@@ -14,13 +15,10 @@ enum {
   FIRST_RAYS = 64,      // of every surfel at first
   LEAST_RAYS = 16,      // of every surfel where memory is short
   MOST_RAYS = 16384,    // that a surfel whose light varies much gets at a time
-  HIDDEN_ROUNDS = 2,    // how often surfels are added where rays end without one
   LEAST_DIRECT = 16,    // points at which the direct light of a cell is taken, at least
   MOST_DIRECT = 256,    // points at which the direct light of a cell is taken, at most
   ALL_DIRECT = 1 << 18, // points at which direct light is taken in all, as far as the two bounds for a cell allow
-  REFINEMENTS = 3,      // how often rays are added where noise is high
   FEW_BOUNCES = 4,      // by which noise is estimated
-  MOST_BATCHES = 1 + HIDDEN_ROUNDS + REFINEMENTS * 11,
   LEAST_MAP_SIZE = 64,      // smaller maps get surfels as dense as these: light that is sampled too coarsely is biased
   MOST_VIEW_SIDE = 1024,    // rays along the side of the map by which a probe looks around, at most
   LEAST_VIEW_SIDE = 32,     // rays along the side of that map, at least
@@ -44,21 +42,6 @@ static const float ROUGH_SPREAD = 0.3f;
 static const float MOST_OF_A_RAY = 0.25f;
 // The memory of links: where it does not suffice, surfels get fewer rays.
 static const uint64_t MOST_LINKS = (1ull << 30) / sizeof(olx_link);
-
-struct olx_scene_light {
-  const olx_scene *scene;
-  olx_scene_light_settings settings;
-  olx_light_surfels surfels;
-  olx_link_batch batches[MOST_BATCHES];
-  olx_light_links links;
-  olx_ray_guide guide;
-  olx_vec3 *direct, *irradiance; // of surfels
-  olx_vec3 *passed_on;           // direct light and all bounces but the last: what the surfels' surfaces reflect
-  uint32_t visible;    // surfels on surfaces that probes see; the others, which only pass light on, come after them
-  uint32_t first_rays; // of every surfel
-  olx_surfel_lookup lookup;
-  olx_scene_light_report report;
-};
 
 olx_scene_light_settings olx_scene_light_settings_default(void) {
   return (olx_scene_light_settings){.bounces = OLX_BOUNCES_INFINITE, .noise = 0.02f, .spacing = 0.2f, .map_size = 512};
@@ -146,60 +129,47 @@ static olx_result grow_links(olx_scene_light *l, uint32_t from) {
   return fixed && worth ? OLX_OK : olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", count);
 }
 
-// Adds a batch and casts its rays.
-static olx_result cast(olx_scene_light *l, olx_link_batch batch, olx_point_list *unserved) {
-  const size_t links = (size_t)batch.count * batch.rays;
-  batch.links = olx_allocate(links, sizeof *batch.links);
-  if (!batch.guide) batch.fixed = olx_allocate(links, sizeof *batch.fixed);
-  if (!batch.links || (!batch.guide && !batch.fixed)) {
-    olx_release(batch.links);
-    olx_release(batch.fixed);
-    return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %llu links of %u surfels", (unsigned long long)links,
-                    batch.count);
-  }
-  l->batches[l->links.batch_count++] = batch;
-  l->report.links += links;
-  return olx_links_cast(&l->surfels, &l->batches[l->links.batch_count - 1], l->links.fixed, unserved, &l->report.rays);
+// Adds a batch whose rays are to be cast next, with others of the same round.
+static void add_batch(olx_scene_light *l, const olx_link_batch *batch) {
+  l->rounds_of[l->links.batch_count] = l->round;
+  l->batches[l->links.batch_count++] = *batch;
+  l->report.links += (size_t)batch->count * batch->rays;
 }
 
-// Links of the last batch that ended without a surfel may have one now; the rays of the others go on.
-static void link_to_new(olx_scene_light *l, const olx_point_list *points) {
+// Links of the last batch that ended without a surfel may have one now; the rays of the others go on. What they become is kept.
+static void link_to_new(olx_scene_light *l, olx_link_patch *patch) {
   olx_link_batch *batch = &l->batches[l->links.batch_count - 1];
-  uint32_t next = 0;
   for (size_t i = 0; i < (size_t)batch->count * batch->rays; i++) {
     olx_link *link = &batch->links[i];
     if (olx_link_end(link) != OLX_LINK_UNSERVED) continue;
-    const olx_surface_point *point = &points->points[next++];
+    const olx_surface_point *point = &l->unserved.points[patch->count];
     const olx_surface surface = olx_surface_point_surface(l->scene, point);
     const olx_surfel_found found = olx_light_surfels_find(&l->surfels, point->key, &surface, INFINITY);
-    if (found.surfel != OLX_CELL_NONE) {
-      link->end = (link->end & ~OLX_LINK_NOWHERE) | found.surfel;
-      continue;
-    }
-    olx_link_go_on(&l->surfels, batch, i, &surface, l->links.fixed, &l->report.rays);
+    if (found.surfel != OLX_CELL_NONE) link->end = (link->end & ~OLX_LINK_NOWHERE) | found.surfel;
+    else olx_link_go_on(&l->surfels, batch, i, &surface, l->links.fixed, &l->report.rays);
+    patch->links[patch->count] = *link;
+    patch->fixed[patch->count++] = batch->fixed[i];
   }
 }
 
-// The first rays of every surfel, and surfels on surfaces that they meet and no probe sees.
-static olx_result cast_first(olx_scene_light *l) {
-  uint32_t from = 0, rays = FIRST_RAYS;
-  while (rays > LEAST_RAYS && (uint64_t)rays * l->surfels.count > MOST_LINKS / 2) rays /= 2;
-  l->first_rays = rays;
-  for (uint32_t round = 0; round <= HIDDEN_ROUNDS && from < l->surfels.count; round++) {
-    const olx_link_batch batch = {.first_surfel = from, .count = l->surfels.count - from, .rays = rays};
-    OLX_TRY(grow_links(l, from));
-    from = l->surfels.count;
-    olx_point_list unserved = {0};
-    olx_result result = cast(l, batch, round < HIDDEN_ROUNDS ? &unserved : NULL);
-    if (result == OLX_OK && unserved.count > 0) {
-      result = olx_light_surfels_add(&l->surfels, unserved.points, unserved.count);
-      if (result == OLX_OK) link_to_new(l, &unserved);
-    }
-    olx_release(unserved.points);
-    OLX_TRY(result);
-    if (round == 0) l->visible = from;
-  }
-  l->report.hidden_surfels = l->surfels.count - l->visible;
+// The first rays of the surfels from `from` on.
+static olx_result begin_first_rays(olx_scene_light *l, uint32_t from) {
+  const olx_link_batch batch = {.first_surfel = from, .count = l->surfels.count - from, .rays = l->first_rays};
+  OLX_TRY(grow_links(l, from));
+  l->served = l->surfels.count;
+  add_batch(l, &batch);
+  return OLX_OK;
+}
+
+// Surfels on surfaces that rays of the last round met and no probe sees.
+static olx_result add_hidden(olx_scene_light *l) {
+  olx_link_patch *patch = &l->patches[l->round];
+  if (l->unserved.count == 0) return OLX_OK;
+  patch->links = olx_allocate(l->unserved.count, sizeof *patch->links);
+  patch->fixed = olx_allocate(l->unserved.count, sizeof *patch->fixed);
+  if (!patch->links || !patch->fixed) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for links");
+  OLX_TRY(olx_light_surfels_add(&l->surfels, l->unserved.points, l->unserved.count));
+  link_to_new(l, patch);
   return OLX_OK;
 }
 
@@ -216,8 +186,9 @@ static void count_rays(olx_scene_light *l) {
 
 typedef struct direct_job {
   olx_scene_light *light;
-  uint32_t points; // of a cell
-  uint64_t *rays;  // a job
+  uint32_t points;     // of a cell
+  uint32_t first, end; // surfels
+  uint64_t *rays;      // a job
 } direct_job;
 
 // Area that a point of a cell stands for, but for a factor: points were found by rays that spread out.
@@ -249,26 +220,36 @@ static olx_vec3 light_cell(const direct_job *d, const olx_light_surfel *surfel, 
 static void light_directly(void *user, uint32_t job) {
   const direct_job *d = user;
   const olx_light_surfels *s = &d->light->surfels;
-  const uint32_t first = job * SURFELS_PER_JOB,
-                 end = first + SURFELS_PER_JOB < s->count ? first + SURFELS_PER_JOB : s->count;
+  const uint32_t first = d->first + job * SURFELS_PER_JOB,
+                 end = first + SURFELS_PER_JOB < d->end ? first + SURFELS_PER_JOB : d->end;
   for (uint32_t i = first; i < end; i++) d->light->direct[i] = light_cell(d, &s->surfels[i], &d->rays[job]);
 }
 
-static olx_result add_direct(olx_scene_light *l) {
-  const uint32_t count = l->surfels.count, jobs = (count + SURFELS_PER_JOB - 1) / SURFELS_PER_JOB;
-  l->direct = olx_allocate(count, sizeof *l->direct);
-  l->irradiance = olx_allocate(count, sizeof *l->irradiance);
-  l->passed_on = olx_allocate(count, sizeof *l->passed_on);
+olx_result olx_scene_light_direct(olx_scene_light *l, uint32_t first, uint32_t count, uint64_t *rays) {
+  const uint32_t jobs = (count + SURFELS_PER_JOB - 1) / SURFELS_PER_JOB;
   uint32_t points = LEAST_DIRECT;
-  while (points < MOST_DIRECT && (uint64_t)points * count < ALL_DIRECT) points *= 2;
-  direct_job d = {.light = l, .points = points, .rays = olx_allocate_zero(jobs, sizeof *d.rays)};
-  olx_result result = l->direct && l->irradiance && l->passed_on && d.rays
-                          ? OLX_OK
-                          : olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", count);
-  if (result == OLX_OK) result = olx_parallel_for(jobs, l->settings.threads, light_directly, &d, l->settings.task, 0);
-  for (uint32_t i = 0; d.rays && i < jobs; i++) l->report.rays += d.rays[i];
+  while (points < MOST_DIRECT && (uint64_t)points * l->surfels.count < ALL_DIRECT) points *= 2;
+  direct_job d = {.light = l,
+                  .points = points,
+                  .first = first,
+                  .end = first + count,
+                  .rays = olx_allocate_zero(jobs, sizeof *d.rays)};
+  if (!d.rays) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", count);
+  const olx_result result = olx_parallel_for(jobs, l->settings.threads, light_directly, &d, l->settings.task, 0);
+  for (uint32_t i = 0; i < jobs; i++) *rays += d.rays[i];
   olx_release(d.rays);
   return result;
+}
+
+static olx_result begin_direct(olx_scene_light *l) {
+  const uint32_t count = l->surfels.count;
+  l->direct = olx_allocate(count, sizeof *l->direct);
+  l->irradiance = olx_allocate_zero(count, sizeof *l->irradiance);
+  l->passed_on = olx_allocate_zero(count, sizeof *l->passed_on);
+  l->noise = olx_allocate_zero(count, sizeof *l->noise);
+  l->report.hidden_surfels = count - l->visible;
+  if (l->direct && l->irradiance && l->passed_on && l->noise) return OLX_OK;
+  return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", count);
 }
 
 // What surfels get beyond what they pass on is light of the last bounce. Each counts for its share of the surface.
@@ -286,8 +267,11 @@ static double last_bounce(const olx_scene_light *l) {
 static olx_result solve(olx_scene_light *l, uint32_t bounces) {
   const uint32_t asked = l->settings.bounces;
   count_rays(l);
+  olx_light_checkpoint checkpoint;
+  const olx_bounce_keeper keeper = olx_light_checkpoint_begin(&checkpoint, l, bounces > FEW_BOUNCES);
   OLX_TRY(olx_bounces_solve(&l->links, l->surfels.count, l->settings.threads, l->direct,
-                            bounces < asked ? bounces : asked, l->irradiance, l->passed_on, &l->report.bounces));
+                            bounces < asked ? bounces : asked, l->settings.store ? &keeper : NULL, l->irradiance,
+                            l->passed_on, &l->report.bounces));
   l->report.last_bounce = last_bounce(l);
   return OLX_OK;
 }
@@ -369,7 +353,8 @@ static uint32_t most_rays(const olx_scene_light *l, const float *noise) {
 }
 
 // One batch for the surfels that want the same number of rays. Each round takes another part of the sequence of rays.
-static olx_result cast_more(olx_scene_light *l, const float *noise, uint32_t round) {
+static olx_result add_guided_batches(olx_scene_light *l, uint32_t round) {
+  const float *noise = l->noise;
   const uint32_t most = most_rays(l, noise);
   for (uint32_t rays = l->first_rays; rays <= most; rays *= 2) {
     uint32_t *numbers = olx_allocate(l->surfels.count, sizeof *numbers), count = 0;
@@ -381,52 +366,91 @@ static olx_result cast_more(olx_scene_light *l, const float *noise, uint32_t rou
       olx_release(numbers);
       continue;
     }
-    const olx_link_batch batch = {
-        .surfels = numbers, .count = count, .first_ray = (round + 1) * MOST_RAYS, .rays = rays, .guide = &l->guide};
-    OLX_TRY(cast(l, batch, NULL));
+    add_batch(l, &(olx_link_batch){.surfels = numbers,
+                                   .count = count,
+                                   .first_ray = (round + 1) * MOST_RAYS,
+                                   .rays = rays,
+                                   .guide = &l->guide});
   }
   return OLX_OK;
 }
 
-// Rays are added until the noise that they show is low enough: few rays do not show well how many it takes.
-static olx_result refine_with(olx_scene_light *l, float *noise) {
+static olx_result learn(olx_scene_light *l) {
   OLX_TRY(olx_ray_guide_create(&l->guide, &l->surfels));
   OLX_TRY(olx_rays_learn(&l->guide, &l->surfels, &l->links, l->direct, l->irradiance));
   for (uint32_t k = 0; k < l->links.batch_count; k++) {
     olx_release(l->batches[k].fixed);
     l->batches[k].fixed = NULL;
   }
-  OLX_TRY(measure_noise(l, noise));
-  for (uint32_t round = 0; round < REFINEMENTS; round++) {
-    const uint32_t batches = l->links.batch_count;
-    OLX_TRY(cast_more(l, noise, round));
-    if (l->links.batch_count == batches) break;
-    OLX_TRY(solve(l, FEW_BOUNCES));
-    OLX_TRY(measure_noise(l, noise));
+  return measure_noise(l, l->noise);
+}
+
+static olx_result finish(olx_scene_light *l) {
+  if (l->settings.bounces > FEW_BOUNCES) {
+    OLX_TRY(solve(l, l->settings.bounces));
+    OLX_TRY(measure_noise(l, l->noise));
   }
-  if (l->settings.bounces <= FEW_BOUNCES) return OLX_OK;
-  OLX_TRY(solve(l, l->settings.bounces));
-  return measure_noise(l, noise);
+  l->phase = OLX_LIGHT_FINISHED;
+  return OLX_OK;
 }
 
-static olx_result refine(olx_scene_light *l) {
-  float *noise = olx_allocate(l->surfels.count, sizeof *noise);
-  if (!noise) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", l->surfels.count);
-  const olx_result result = refine_with(l, noise);
-  olx_release(noise);
-  return result;
+// Rays are added until the noise that they show is low enough: few rays do not tell well how many it takes.
+static olx_result refine(olx_scene_light *l, uint32_t refinement) {
+  const uint32_t batches = l->links.batch_count;
+  l->phase = OLX_LIGHT_REFINING;
+  if (refinement < OLX_LIGHT_REFINEMENTS) OLX_TRY(add_guided_batches(l, refinement));
+  return l->links.batch_count == batches ? finish(l) : OLX_OK;
 }
 
-static olx_result build(olx_scene_light *l, const olx_vec3 *positions, const uint8_t *flags, uint32_t count) {
-  const double start = olx_seconds();
+static olx_result settle_exploring(olx_scene_light *l) {
+  const uint32_t from = l->served;
+  if (l->round == 0) l->visible = from;
+  if (l->round < OLX_LIGHT_HIDDEN_ROUNDS) OLX_TRY(add_hidden(l));
+  olx_release(l->unserved.points);
+  l->unserved = (olx_point_list){0};
+  l->round++;
+  if (l->round <= OLX_LIGHT_HIDDEN_ROUNDS && from < l->surfels.count) return begin_first_rays(l, from);
+  l->round = OLX_LIGHT_HIDDEN_ROUNDS + 1;
+  l->phase = OLX_LIGHT_DIRECT;
+  return begin_direct(l);
+}
+
+static olx_result settle_direct(olx_scene_light *l) {
+  OLX_TRY(solve(l, FEW_BOUNCES));
+  OLX_TRY(learn(l));
+  return refine(l, 0);
+}
+
+static olx_result settle_refining(olx_scene_light *l) {
+  OLX_TRY(solve(l, FEW_BOUNCES));
+  OLX_TRY(measure_noise(l, l->noise));
+  l->round++;
+  return refine(l, l->round - OLX_LIGHT_HIDDEN_ROUNDS - 1);
+}
+
+olx_result olx_scene_light_settle(olx_scene_light *l) {
+  const olx_scene_light_phase phase = l->phase;
+  if (phase == OLX_LIGHT_EXPLORING) return settle_exploring(l);
+  return phase == OLX_LIGHT_DIRECT ? settle_direct(l) : settle_refining(l);
+}
+
+olx_result olx_scene_light_begin(olx_scene_light *l) {
   OLX_TRY(olx_light_surfels_create(&l->surfels, l->scene, l->settings.spacing, l->settings.seed, l->settings.threads));
   l->surfels.task = l->settings.task;
-  OLX_TRY(find_surfaces(l, positions, flags, count));
-  OLX_TRY(cast_first(l));
-  OLX_TRY(add_direct(l));
-  OLX_TRY(solve(l, FEW_BOUNCES));
-  OLX_TRY(refine(l));
-  OLX_TRY(olx_surfel_lookup_create(&l->lookup, &l->surfels, l->visible));
+  OLX_TRY(find_surfaces(l, l->positions, l->flags, l->probe_count));
+  l->first_rays = FIRST_RAYS;
+  while (l->first_rays > LEAST_RAYS && (uint64_t)l->first_rays * l->surfels.count > MOST_LINKS / 2) l->first_rays /= 2;
+  if (l->surfels.count > 0) return begin_first_rays(l, 0);
+  OLX_TRY(grow_links(l, 0));
+  l->round = OLX_LIGHT_HIDDEN_ROUNDS + 1;
+  l->phase = OLX_LIGHT_DIRECT;
+  return begin_direct(l);
+}
+
+static olx_result build(olx_scene_light *l) {
+  const double start = olx_seconds();
+  OLX_TRY(olx_light_units_run(l));
+  OLX_TRY(olx_light_units_look_up(l));
   l->report.surfels = l->surfels.count;
   l->report.rays += l->surfels.rays;
   l->report.bytes = l->report.links * sizeof(olx_link) +
@@ -446,7 +470,12 @@ olx_result olx_scene_light_create(const olx_scene *scene, const olx_scene_light_
   l->settings = *settings;
   if (l->settings.map_size < LEAST_MAP_SIZE) l->settings.map_size = LEAST_MAP_SIZE;
   l->links.batches = l->batches;
-  const olx_result result = build(l, positions, flags, count);
+  l->positions = positions;
+  l->flags = flags;
+  l->probe_count = count;
+  const olx_result result = build(l);
+  l->positions = NULL;
+  l->flags = NULL;
   if (result == OLX_OK) {
     *light = l;
   } else {
@@ -455,21 +484,37 @@ olx_result olx_scene_light_create(const olx_scene *scene, const olx_scene_light_
   return result;
 }
 
-void olx_scene_light_free(olx_scene_light *l) {
-  if (!l) return;
+void olx_scene_light_clear(olx_scene_light *l) {
   for (uint32_t k = 0; k < l->links.batch_count; k++) {
     olx_release(l->batches[k].links);
     olx_release(l->batches[k].fixed);
     olx_release((void *)l->batches[k].surfels);
   }
+  for (uint32_t round = 0; round < OLX_LIGHT_HIDDEN_ROUNDS; round++) {
+    olx_release(l->patches[round].links);
+    olx_release(l->patches[round].fixed);
+  }
+  olx_release(l->unserved.points);
   olx_release(l->links.fixed);
   olx_release(l->links.worth);
   olx_release(l->direct);
   olx_release(l->irradiance);
   olx_release(l->passed_on);
+  olx_release(l->noise);
   olx_ray_guide_free(&l->guide);
   olx_surfel_lookup_free(&l->lookup);
   olx_light_surfels_free(&l->surfels);
+  *l = (olx_scene_light){.scene = l->scene,
+                         .settings = l->settings,
+                         .positions = l->positions,
+                         .flags = l->flags,
+                         .probe_count = l->probe_count};
+  l->links.batches = l->batches;
+}
+
+void olx_scene_light_free(olx_scene_light *l) {
+  if (!l) return;
+  olx_scene_light_clear(l);
   olx_release(l);
 }
 

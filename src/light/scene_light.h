@@ -9,6 +9,7 @@
 #include "core/parallel.h"
 #include "light/light_bounces.h"
 #include "light/surfel_lookup.h"
+#include "work/unit_store.h"
 
 typedef struct olx_scene_light olx_scene_light;
 
@@ -20,6 +21,7 @@ typedef struct olx_scene_light_settings {
   uint32_t seed;    // other random numbers
   uint32_t threads; // 0: as many as the machine has
   olx_task *task;   // may be NULL
+  olx_unit_store *store; // of the bake, which the light belongs to; NULL: nothing is stored
 } olx_scene_light_settings;
 
 olx_scene_light_settings olx_scene_light_settings_default(void);
@@ -34,7 +36,8 @@ typedef struct olx_scene_light_report {
   double seconds;     // by the clock
 } olx_scene_light_report;
 
-// Solves the light of surfaces that are seen from the `count` positions with flags[i] == 0.
+// Solves the light of surfaces that are seen from the `count` positions with flags[i] == 0. OLX_ERROR_INCOMPLETE where units of other
+// parts are missing.
 olx_result olx_scene_light_create(const olx_scene *scene, const olx_scene_light_settings *settings,
                                   const olx_vec3 *positions, const uint8_t *flags, uint32_t count,
                                   olx_scene_light **light);
@@ -57,6 +60,10 @@ olx_vec3 olx_scene_light_gather(const olx_scene_light *light, const olx_surface 
 // Irradiance as olx_scene_light_irradiance gives it, with one bounce less. Together with the surface's direct light it is what
 // a ray that ends there brings to a place whose light has bounced as often as the solution's.
 olx_vec3 olx_scene_light_irradiance_before(const olx_scene_light *light, const olx_surface *surface);
+
+// Brings links and points into memory, where the solution was loaded without them. OLX_ERROR_INCOMPLETE when some were damaged: they are made
+// again by whoever solves the light next.
+olx_result olx_scene_light_load_links(olx_scene_light *light);
 
 // What the solution consists of, for relighting, which merges it (bake/relight_bake.h). It belongs to the solution.
 typedef struct olx_scene_light_parts {

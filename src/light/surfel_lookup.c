@@ -82,6 +82,7 @@ static olx_result make_lists(olx_surfel_lookup *l, const entry_list *list) {
   l->lists = olx_allocate(list->count + cubes, sizeof *l->lists);
   if (!l->lists) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for finding surfels");
   OLX_TRY(olx_cell_table_create(&l->cubes, (uint32_t)cubes));
+  l->list_words = (uint32_t)(list->count + cubes);
   uint32_t head = 0, end = 0;
   for (size_t i = 0; i < list->count; i++) {
     if (i == 0 || list->entries[i].cube != list->entries[i - 1].cube) {

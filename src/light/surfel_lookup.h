@@ -9,6 +9,7 @@ typedef struct olx_surfel_lookup {
   uint32_t levels;      // bit n: there are cells of that level
   olx_cell_table cubes; // cubes of each level to places in `lists`
   uint32_t *lists;      // the surfels of a cube: how many, then their numbers
+  uint32_t list_words;  // of all lists
 } olx_surfel_lookup;
 
 // Builds a lookup of the first `count` surfels.

@@ -97,11 +97,48 @@ static bool attach_geometry(olx_bvh *bvh, uint32_t geometry_id, uint32_t triangl
   return indices != NULL;
 }
 
+static const char *const instruction_names[] = {"best", "sse2", "sse4.2", "avx", "avx2", "avx512"};
+
+// The most that the processor has of what Embree asks for.
+static olx_instructions best_instructions(void) {
+  __builtin_cpu_init();
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512cd") &&
+      __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
+    return OLX_INSTRUCTIONS_AVX512;
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return OLX_INSTRUCTIONS_AVX2;
+  if (__builtin_cpu_supports("avx")) return OLX_INSTRUCTIONS_AVX;
+  return __builtin_cpu_supports("sse4.2") ? OLX_INSTRUCTIONS_SSE42 : OLX_INSTRUCTIONS_SSE2;
+}
+
+// One thread builds: the order of triangles in a leaf, which decides between coincident hits, must not depend on how many
+// processors there are.
+static olx_result create_device(olx_bvh *bvh) {
+  const olx_instructions wanted = bvh->scene->load.instructions;
+  char settings[64] = "threads=1,set_affinity=0";
+  if (wanted > best_instructions()) {
+    return olx_fail(OLX_ERROR_UNSUPPORTED, "ray caster: this processor does not have the instructions %s",
+                    wanted <= OLX_INSTRUCTIONS_AVX512 ? instruction_names[wanted] : "that are named");
+  }
+  if (wanted) snprintf(settings, sizeof settings, "threads=1,set_affinity=0,isa=%s", instruction_names[wanted]);
+  bvh->device = rtcNewDevice(settings);
+  return OLX_OK;
+}
+
+// Embree may be built without the widest instructions that the processor has.
+olx_bvh_engine olx_bvh_describe(const olx_bvh *bvh) {
+  const olx_instructions wanted = bvh->scene->load.instructions;
+  uint32_t used = wanted ? wanted : best_instructions();
+  if (used == OLX_INSTRUCTIONS_AVX512 && !rtcGetDeviceProperty(bvh->device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED))
+    used = OLX_INSTRUCTIONS_AVX2;
+  if (used >= OLX_INSTRUCTIONS_AVX && !rtcGetDeviceProperty(bvh->device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED))
+    used = OLX_INSTRUCTIONS_SSE42;
+  const ssize_t version = rtcGetDeviceProperty(bvh->device, RTC_DEVICE_PROPERTY_VERSION);
+  return (olx_bvh_engine){(uint32_t)version, instruction_names[used]};
+}
+
 static olx_result build(olx_bvh *bvh) {
   const olx_scene *scene = bvh->scene;
-  // One thread builds: the order of triangles in a leaf, which decides between coincident hits, must not depend on how
-  // many processors there are.
-  bvh->device = rtcNewDevice("threads=1,set_affinity=0");
+  OLX_TRY(create_device(bvh));
   if (!bvh->device) {
     return olx_fail(OLX_ERROR_UNSUPPORTED, "ray caster: Embree refused to start (error %d)",
                     (int)rtcGetDeviceError(NULL));

@@ -5,6 +5,15 @@
 #include "scene/ray.h"
 #include "scene/scene_data.h"
 
+// The Embree that casts rays: results differ between versions and between instruction sets.
+typedef struct olx_bvh_engine {
+  uint32_t version;         // 31305 is 3.13.5
+  const char *instructions; // "sse2", "sse4.2", "avx", "avx2", "avx512": those that it uses here
+} olx_bvh_engine;
+
+olx_bvh_engine olx_bvh_describe(const olx_bvh *bvh);
+
+// Builds with the instructions that scene->load names. OLX_ERROR_UNSUPPORTED where the processor does not have them.
 olx_result olx_bvh_create(const olx_scene *scene, olx_bvh **bvh);
 void olx_bvh_free(olx_bvh *bvh);
 

@@ -1,0 +1,54 @@
+// Joins what the parts of a bake have made into one field.
+#include "commands.h"
+#include "options.h"
+#include "report.h"
+
+#include <octalux/bake.h>
+
+#include <stdio.h>
+
+static int print_join(const char *path, const olx_bake_stats *stats, bool json) {
+  if (!json) {
+    printf("%s: %s, joined in %.2f s\n", path, text_of_bytes(stats->file_bytes).text,
+           stats->seconds + stats->write_seconds);
+    return EXIT_DONE;
+  }
+  cJSON *object = cJSON_CreateObject();
+  add_number(object, "file_bytes", (double)stats->file_bytes);
+  add_number(object, "seconds", stats->seconds);
+  add_number(object, "write_seconds", stats->write_seconds);
+  return print_json("join", object);
+}
+
+static int join(const char *folder, const char *path, bool keep, bool force_progress, bool json) {
+  progress_line line;
+  progress_begin(&line, "join", force_progress);
+  const olx_progress progress = progress_of(&line);
+  olx_bake_stats stats;
+  const olx_result result = olx_bake_join(folder, path, keep, &progress, &stats);
+  progress_end(&line);
+  if (result == OLX_ERROR_CANCELLED) return failure("join", "%s: interrupted, nothing written", path);
+  if (result == OLX_OK) return print_join(path, &stats, json);
+  const int code = library_failure("join");
+  return result == OLX_ERROR_INCOMPLETE ? EXIT_AGAIN : code;
+}
+
+int command_join(int argc, char **argv) {
+  const char *output = NULL;
+  bool keep = false, progress = false, json = false;
+  const option options[] = {
+      {"-o", OPTION_TEXT, &output, "FILE.olx", "the field to write", 1, 0},
+      {"--keep-work", OPTION_FLAG, &keep, NULL, "leave the work folder when the field is written", 0, 0},
+      {"--progress", OPTION_FLAG, &progress, NULL, "tell progress even when nobody watches", 0, 0},
+      {"--json", OPTION_FLAG, &json, NULL, "print one JSON object", 0, 0},
+  };
+  command_line line = {.name = "join",
+                       .summary = "Check and join what all parts of a bake (bake --work DIR --part I/N) made.",
+                       .arguments = {"DIR"},
+                       .options = options,
+                       .option_count = sizeof options / sizeof options[0]};
+  int code;
+  if (!parse_options(&line, argc, argv, &code)) return code;
+  if (!check_output("join", output, false)) return EXIT_FAILED;
+  return join(line.given[0], output, keep, progress, json);
+}

@@ -1,0 +1,84 @@
+// Decides where a bake keeps its results, and prints a line for each unit where that is wanted.
+#include "work_options.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+// Rays from probes that make a bake long enough, about a minute of one processor, to be worth going on with.
+#define LONG_BAKE_RAYS UINT64_C(50000000)
+
+static bool parse_number(const char *text, char end, uint32_t *number, const char **next) {
+  char *stop;
+  if (*text < '0' || *text > '9') return false;
+  const unsigned long value = strtoul(text, &stop, 10);
+  *number = (uint32_t)value;
+  *next = stop + (*stop ? 1 : 0);
+  return *stop == end && value > 0 && value <= 1000000;
+}
+
+static bool parse_part(const char *text, olx_bake_work *work) {
+  return parse_number(text, '/', &work->part, &text) && parse_number(text, 0, &work->parts, &text) &&
+         work->part <= work->parts;
+}
+
+static void count_unit(void *user, const olx_bake_unit *unit) {
+  work_line *line = user;
+  if (unit->found) line->found++;
+  else line->made++;
+  if (!line->json) return;
+  fprintf(stderr, "{\"stage\":\"%s\",\"round\":%u,\"unit\":%u,\"count\":%u,\"found\":%s,\"seconds\":%.6f}\n",
+          unit->stage, unit->round, unit->unit, unit->count, unit->found ? "true" : "false", unit->seconds);
+}
+
+// Whether a folder that only its owner looks into can be made there: some file systems have none.
+static bool can_be_private(const char *folder) {
+  struct stat status;
+  if (mkdir(folder, 0700) != 0) return false;
+  const bool private = stat(folder, &status) == 0 && (status.st_mode & 077) == 0;
+  rmdir(folder);
+  return private;
+}
+
+// Bakes whose folder is there, from before, go on from it however short they are.
+static bool wants_folder(const olx_scene *scene, const olx_bake_settings *settings, const char *output,
+                         const char *folder) {
+  olx_bake_sizes sizes;
+  if (access(folder, F_OK) == 0) return true;
+  if (olx_bake_measure(scene, settings, output, &sizes) != OLX_OK || sizes.rays <= LONG_BAKE_RAYS) return false;
+  return can_be_private(folder);
+}
+
+static int check_given(const work_options *given, const olx_bake_settings *settings) {
+  if (given->none && (given->folder || given->part || given->fresh || given->keep || given->limit > 0.0f)) {
+    return usage_error("bake", "--no-work excludes whatever else is said of the work folder");
+  }
+  if (!given->part) return EXIT_DONE;
+  if (!given->folder) return usage_error("bake", "--part needs --work DIR, which all parts share");
+  if (given->fresh)
+    return usage_error("bake", "--fresh and --part exclude each other: a part must not forget what others made");
+  return settings->work.parts ? EXIT_DONE
+                              : usage_error("bake", "--part: '%s' is not I/N, from 1/N to N/N", given->part);
+}
+
+int resolve_work_options(const olx_scene *scene, const work_options *given, const char *output,
+                         olx_bake_settings *settings, work_line *line) {
+  olx_bake_work *work = &settings->work;
+  if (given->part && !parse_part(given->part, work)) work->parts = 0;
+  const int code = check_given(given, settings);
+  if (code != EXIT_DONE || given->none) return code;
+  const int length = snprintf(line->folder, sizeof line->folder, "%s%s", given->folder ? given->folder : output,
+                              given->folder ? "" : ".work");
+  if (length >= (int)sizeof line->folder) return failure("bake", "the name of the work folder is too long");
+  const bool asked = given->folder || given->keep || given->fresh || given->limit > 0.0f;
+  if (!asked && !wants_folder(scene, settings, output, line->folder)) return EXIT_DONE;
+  work->folder = line->folder;
+  work->fresh = given->fresh;
+  work->keep = given->keep;
+  work->limit_bytes = (uint64_t)((double)given->limit * 0x1p30);
+  work->done = count_unit;
+  work->user = line;
+  return EXIT_DONE;
+}

@@ -1,0 +1,470 @@
+// The stages of a bake: what each makes, how its results are stored and read again, and how they go to the file.
+#include "bake/bake_run.h"
+
+#include "core/hooks.h"
+#include "core/result.h"
+
+#include <string.h>
+
+// ---- The plan
+
+typedef struct plan_stage {
+  olx_bake_run *run;
+  olx_result (*make)(olx_bake_run *run);
+} plan_stage;
+
+// What the file says of the scene, and what the bake said of itself.
+typedef struct plan_record {
+  olx_bake_settings settings; // pointers mean nothing
+  double origin[3];
+  olx_vec3 bounds_min, bounds_max;
+  uint64_t hash;
+  uint32_t light_count;
+  uint32_t buried[2];
+  uint32_t volume_probes, volume_cells;
+  double volume_unserved;
+} plan_record;
+
+static plan_record record_of(const olx_bake_run *b) {
+  const olx_scene *scene = b->scene;
+  plan_record record;
+  memset(&record, 0, sizeof record);
+  record.settings = *b->settings;
+  memcpy(record.origin, scene->origin, sizeof record.origin);
+  record.bounds_min = scene->bounds_min;
+  record.bounds_max = scene->bounds_max;
+  record.hash = scene->hash;
+  record.light_count = scene->light_count;
+  record.buried[0] = b->stats.buried;
+  record.buried[1] = b->stats.irradiance_buried;
+  record.volume_probes = b->volume.cells.probe_count;
+  record.volume_cells = b->volume.cells.cell_count;
+  record.volume_unserved = b->stats.volume_unserved;
+  return record;
+}
+
+static olx_result make_plan(void *user, uint32_t unit) {
+  (void)unit;
+  const plan_stage *p = user;
+  return p->make(p->run);
+}
+
+// A block of bytes that there may not be.
+static void put_blob(olx_byte_writer *to, const void *data, size_t size_bytes) {
+  const uint64_t size = data ? size_bytes : 0;
+  olx_bytes_put(to, &size, 1, sizeof size);
+  olx_bytes_put(to, data, size, 1);
+}
+
+static void *take_blob(olx_byte_reader *from, size_t *size_bytes) {
+  uint64_t size = 0;
+  olx_bytes_copy(from, &size, 1, sizeof size);
+  *size_bytes = size;
+  return size ? olx_bytes_take(from, size, 1) : NULL;
+}
+
+static void save_plan(void *user, uint32_t unit, olx_byte_writer *to) {
+  (void)unit;
+  const olx_bake_run *b = ((const plan_stage *)user)->run;
+  const plan_record record = record_of(b);
+  olx_bytes_put(to, &record, 1, sizeof record);
+  olx_bytes_put(to, b->counts, 2, sizeof *b->counts);
+  for (uint32_t set = 0; set < 2; set++) {
+    olx_bytes_put(to, b->positions[set], b->counts[set], sizeof *b->positions[set]);
+    olx_bytes_put(to, b->flags[set], b->counts[set], 1);
+  }
+  olx_bytes_put(to, b->lights, record.light_count, sizeof *b->lights);
+  for (uint32_t i = 0; i < OLX_SELECT_STORED; i++) put_blob(to, b->selectors.data[i], b->selectors.size_bytes[i]);
+  put_blob(to, b->volume.cells.data, b->volume.cells.size_bytes);
+  put_blob(to, b->volume.cells.positions, b->volume.cells.probe_count * sizeof *b->volume.cells.positions);
+  put_blob(to, b->classic_table, b->classic_table ? OLX_CLASSIC_TABLE_ENTRIES * sizeof *b->classic_table : 0);
+}
+
+// The shape of the scene that joining does without, and the settings.
+static void take_record(olx_bake_run *b, const plan_record *record) {
+  b->stats.buried = record->buried[0];
+  b->stats.irradiance_buried = record->buried[1];
+  b->stats.volume_probes = record->volume_probes;
+  b->stats.volume_cells = record->volume_cells;
+  b->stats.volume_unserved = record->volume_unserved;
+  b->volume.scene = b->scene;
+  b->volume.settings = b->settings;
+  b->volume.positions = b->positions[0];
+  b->volume.flags = b->flags[0];
+  b->volume.probe_count = b->counts[0];
+  b->volume.seed = b->shade.seed;
+  b->volume.task = &b->task;
+  b->volume.cells.probe_count = record->volume_probes;
+  b->volume.cells.cell_count = record->volume_cells;
+  if (!b->joined) return;
+  olx_joined_bake *joined = b->joined;
+  joined->settings = record->settings;
+  joined->settings.work = (olx_bake_work){0};
+  joined->settings.threads = 0;
+  if (joined->settings.probes) joined->settings.probes = b->positions[0];
+  joined->scene.bounds_min = record->bounds_min;
+  joined->scene.bounds_max = record->bounds_max;
+  joined->scene.hash = record->hash;
+  joined->scene.light_count = record->light_count;
+  memcpy(joined->scene.origin, record->origin, sizeof record->origin);
+  b->distance_scale = olx_length(olx_sub(record->bounds_max, record->bounds_min));
+}
+
+static olx_result load_plan(void *user, uint32_t unit, olx_byte_reader *from) {
+  (void)unit;
+  olx_bake_run *b = ((const plan_stage *)user)->run;
+  plan_record record = {.light_count = 0};
+  size_t ignored;
+  olx_bytes_copy(from, &record, 1, sizeof record);
+  olx_bytes_copy(from, b->counts, 2, sizeof *b->counts);
+  for (uint32_t set = 0; set < 2; set++) {
+    if (!b->positions[set]) b->positions[set] = olx_allocate(b->counts[set], sizeof *b->positions[set]);
+    if (!b->flags[set]) b->flags[set] = olx_allocate(b->counts[set], 1);
+    if (!b->positions[set] || !b->flags[set]) return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for probes");
+    olx_bytes_copy(from, b->positions[set], b->counts[set], sizeof *b->positions[set]);
+    olx_bytes_copy(from, b->flags[set], b->counts[set], 1);
+  }
+  b->lights = olx_bytes_take(from, record.light_count, sizeof *b->lights);
+  for (uint32_t i = 0; i < OLX_SELECT_STORED; i++) {
+    b->selectors.data[i] = take_blob(from, &b->selectors.size_bytes[i]);
+  }
+  b->volume.cells.data = take_blob(from, &b->volume.cells.size_bytes);
+  b->volume.cells.positions = take_blob(from, &ignored);
+  b->classic_table = take_blob(from, &ignored);
+  take_record(b, &record);
+  return OLX_OK;
+}
+
+olx_result olx_bake_plan(olx_bake_run *b, olx_result (*make)(olx_bake_run *run)) {
+  plan_stage p = {b, make};
+  const olx_unit_stage stage = {"plan", 0, 1, &p, make_plan, save_plan, load_plan};
+  return olx_unit_once(b->store, &stage);
+}
+
+// ---- What the file says of the solved light
+
+typedef struct facts_stage {
+  olx_bake_run *run;
+  float last_bounce;
+} facts_stage;
+
+static olx_result make_facts(void *user, uint32_t unit) {
+  (void)unit;
+  facts_stage *f = user;
+  f->last_bounce = (float)olx_scene_light_describe(f->run->light).last_bounce;
+  return OLX_OK;
+}
+
+static void save_facts(void *user, uint32_t unit, olx_byte_writer *to) {
+  (void)unit;
+  const facts_stage *f = user;
+  olx_bytes_put(to, &f->last_bounce, 1, sizeof f->last_bounce);
+}
+
+static olx_result load_facts(void *user, uint32_t unit, olx_byte_reader *from) {
+  (void)unit;
+  facts_stage *f = user;
+  olx_bytes_copy(from, &f->last_bounce, 1, sizeof f->last_bounce);
+  return OLX_OK;
+}
+
+olx_result olx_bake_facts(olx_bake_run *b) {
+  facts_stage f = {.run = b};
+  const olx_unit_stage stage = {"facts", 0, 1, &f, make_facts, save_facts, load_facts};
+  if (b->settings->light == OLX_LIGHT_REFERENCE) return OLX_OK;
+  OLX_TRY(olx_units_make(b->store, &stage));
+  if (b->writer) olx_field_writer_last_bounce(b->writer, f.last_bounce);
+  return OLX_OK;
+}
+
+// ---- Irradiance probes: their fit to surfaces ties them together, so that all are one unit
+
+typedef struct irradiance_stage {
+  olx_bake_run *run;
+  olx_result (*make)(olx_bake_run *run);
+  uint32_t *record; // of a probe
+  size_t words;
+} irradiance_stage;
+
+static olx_result write_irradiance(const irradiance_stage *s, uint32_t probe, const uint32_t *record) {
+  olx_bake_run *b = s->run;
+  if (!b->writer) return OLX_OK;
+  const double start = olx_seconds();
+  OLX_TRY(olx_field_writer_irradiance(b->writer, probe, b->flags[1][probe], record, record + s->words / 2));
+  b->stats.write_seconds += olx_seconds() - start;
+  return OLX_OK;
+}
+
+static olx_result make_irradiance(void *user, uint32_t unit) {
+  (void)unit;
+  const irradiance_stage *s = user;
+  olx_bake_run *b = s->run;
+  OLX_TRY(s->make(b));
+  OLX_TRY(olx_gather_finish(&b->gather));
+  for (uint32_t i = 0; b->writer && i < b->counts[1]; i++) {
+    OLX_TRY(olx_gather_pack(&b->gather, i, s->record));
+    OLX_TRY(write_irradiance(s, i, s->record));
+  }
+  return OLX_OK;
+}
+
+static void save_irradiance(void *user, uint32_t unit, olx_byte_writer *to) {
+  (void)unit;
+  const irradiance_stage *s = user;
+  for (uint32_t i = 0; i < s->run->counts[1]; i++) {
+    to->failed |= olx_gather_pack(&s->run->gather, i, s->record) != OLX_OK;
+    olx_bytes_put(to, s->record, s->words, sizeof *s->record);
+  }
+}
+
+static olx_result load_irradiance(void *user, uint32_t unit, olx_byte_reader *from) {
+  (void)unit;
+  const irradiance_stage *s = user;
+  for (uint32_t i = 0; i < s->run->counts[1]; i++) {
+    olx_bytes_copy(from, s->record, s->words, sizeof *s->record);
+    if (!from->failed) OLX_TRY(write_irradiance(s, i, s->record));
+  }
+  return OLX_OK;
+}
+
+olx_result olx_bake_irradiance(olx_bake_run *b, olx_result (*make)(olx_bake_run *run)) {
+  irradiance_stage s = {.run = b, .make = make, .words = olx_gather_record_words(&b->gather)};
+  const olx_unit_stage stage = {"irradiance", 0, 1, &s, make_irradiance, save_irradiance, load_irradiance};
+  if (!b->counts[1]) return OLX_OK;
+  s.record = olx_allocate_zero(s.words, sizeof *s.record);
+  if (!s.record) return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for an irradiance map");
+  const olx_result result = olx_units_make(b->store, &stage);
+  olx_release(s.record);
+  return result;
+}
+
+// ---- Classic maps
+
+typedef struct classic_stage {
+  olx_bake_run *run;
+  olx_classic_record record; // of the probe that was made last
+} classic_stage;
+
+static size_t classic_texels(const olx_bake_run *b, uint32_t level) {
+  const size_t side = olx_classic_side(b->settings->classic_size, level);
+  return side * side;
+}
+
+static olx_result write_classic(const classic_stage *c, uint32_t probe, const olx_classic_record *record) {
+  olx_bake_run *b = c->run;
+  if (!b->writer) return OLX_OK;
+  const double start = olx_seconds();
+  OLX_TRY(olx_field_writer_classic(b->writer, probe, record));
+  b->stats.write_seconds += olx_seconds() - start;
+  return OLX_OK;
+}
+
+static olx_result make_classic(void *user, uint32_t probe) {
+  classic_stage *c = user;
+  olx_bake_run *b = c->run;
+  OLX_TRY(olx_classic_bake_probe(&b->classic, probe, b->positions[1][probe], &c->record));
+  return write_classic(c, probe, &c->record);
+}
+
+static void save_classic(void *user, uint32_t probe, olx_byte_writer *to) {
+  (void)probe;
+  const classic_stage *c = user;
+  olx_bytes_put(to, c->record.irradiance, classic_texels(c->run, 0), sizeof *c->record.irradiance);
+  for (uint32_t level = 0; level < OLX_CLASSIC_LEVELS; level++) {
+    olx_bytes_put(to, c->record.radiance[level], classic_texels(c->run, level), sizeof *c->record.radiance[level]);
+  }
+  olx_bytes_put(to, &c->record.box, 1, sizeof c->record.box);
+}
+
+static olx_result load_classic(void *user, uint32_t probe, olx_byte_reader *from) {
+  const classic_stage *c = user;
+  olx_classic_record record = {.irradiance = olx_bytes_get(from, classic_texels(c->run, 0), sizeof *record.irradiance)};
+  for (uint32_t level = 0; level < OLX_CLASSIC_LEVELS; level++) {
+    record.radiance[level] = olx_bytes_get(from, classic_texels(c->run, level), sizeof *record.radiance[level]);
+  }
+  olx_bytes_copy(from, &record.box, 1, sizeof record.box);
+  return from->failed ? OLX_OK : write_classic(c, probe, &record);
+}
+
+olx_result olx_bake_classic(olx_bake_run *b) {
+  classic_stage c = {.run = b};
+  const olx_unit_stage stage = {"classic", 0, b->counts[1], &c, make_classic, save_classic, load_classic};
+  if (!b->settings->classic) return OLX_OK;
+  olx_task_stage(&b->task, "classic maps");
+  b->classic.bounces = b->bounces;
+  const double start = olx_seconds();
+  OLX_TRY(olx_units_make(b->store, &stage));
+  b->stats.classic_seconds = olx_seconds() - start;
+  return OLX_OK;
+}
+
+// ---- Relighting
+
+static olx_result make_relight(void *user, uint32_t unit) {
+  (void)unit;
+  olx_bake_run *b = user;
+  if (b->store) OLX_TRY(olx_scene_light_load_links(b->light));
+  OLX_TRY(olx_relight_bake_create(&b->relight));
+  return olx_relight_bake_volume(&b->relight, b->volume.cells.positions, b->volume.cells.probe_count);
+}
+
+static void save_relight(void *user, uint32_t unit, olx_byte_writer *to) {
+  (void)unit;
+  olx_relight_bake_save(&((const olx_bake_run *)user)->relight, to);
+}
+
+static olx_result load_relight(void *user, uint32_t unit, olx_byte_reader *from) {
+  (void)unit;
+  return olx_relight_bake_load(&((olx_bake_run *)user)->relight, from);
+}
+
+olx_result olx_bake_relight(olx_bake_run *b) {
+  const olx_unit_stage stage = {"relight", 0, 1, b, make_relight, save_relight, load_relight};
+  if (!b->settings->relight) return OLX_OK;
+  olx_task_stage(&b->task, "relighting");
+  const double start = olx_seconds();
+  b->relight = (olx_relight_bake){
+      .scene = b->scene, .light = b->light, .seed = b->shade.seed, .threads = b->settings->threads, .task = &b->task};
+  OLX_TRY(olx_units_make(b->store, &stage));
+  b->stats.relight_seconds = olx_seconds() - start;
+  return OLX_OK;
+}
+
+// ---- Light field probes
+
+// What is written of a probe.
+typedef struct probe_maps {
+  olx_surface_maps surfaces;
+  const uint32_t *radiance; // NULL without probe light
+  const uint16_t *normal, *distance;
+  olx_relight_sites sites; // empty unless relighting is wanted
+} probe_maps;
+
+typedef struct probe_stage {
+  olx_bake_run *run;
+  probe_maps made; // of the probe that was made last
+} probe_stage;
+
+static olx_result write_probe(olx_bake_run *b, uint32_t probe, const probe_maps *maps) {
+  if (!b->writer) return OLX_OK;
+  const double start = olx_seconds();
+  OLX_TRY(olx_field_writer_probe(b->writer, probe, b->flags[0][probe], maps->radiance, maps->normal, maps->distance));
+  OLX_TRY(olx_field_writer_surface(b->writer, probe, &maps->surfaces));
+  b->stats.write_seconds += olx_seconds() - start;
+  return b->settings->relight ? olx_relight_bake_probe(&b->relight, &maps->sites) : OLX_OK;
+}
+
+static olx_result find_sites(olx_bake_run *b, olx_relight_sites *sites) {
+  const double start = olx_seconds();
+  olx_relight_sites_free(sites);
+  if (!b->settings->relight) return OLX_OK;
+  OLX_TRY(olx_relight_sites_add(sites, &b->capture, b->light));
+  b->stats.relight_seconds += olx_seconds() - start;
+  return OLX_OK;
+}
+
+static olx_result measure_embree(olx_bake_run *b) {
+  const double start = olx_seconds();
+  if (b->settings->measure_embree) OLX_TRY(olx_capture_measure(&b->capture, &b->stats.embree_seconds));
+  b->measure_seconds += olx_seconds() - start;
+  return OLX_OK;
+}
+
+static olx_result make_probe(void *user, uint32_t probe) {
+  probe_stage *s = user;
+  olx_bake_run *b = s->run;
+  const double start = olx_seconds();
+  OLX_TRY(olx_capture_probe(&b->capture, probe, b->positions[0][probe]));
+  OLX_TRY(olx_surface_capture_probe(&b->surfaces, b->flags[0][probe] & OLX_PROBE_BURIED, &s->made.surfaces));
+  b->stats.capture_seconds += olx_seconds() - start;
+  s->made.radiance = b->surfaces.radiance;
+  s->made.normal = b->capture.normal;
+  s->made.distance = b->capture.distance;
+  OLX_TRY(find_sites(b, &s->made.sites));
+  OLX_TRY(measure_embree(b));
+  return write_probe(b, probe, &s->made);
+}
+
+// How many elements each map of a probe has, and how large they are.
+typedef struct map_shapes {
+  size_t texels, count, base_bytes, specular_bytes, light_bytes;
+} map_shapes;
+
+static map_shapes shapes_of(const olx_bake_run *b) {
+  const size_t size = b->settings->radiance_size, texels = size * size;
+  if (b->settings->uncompressed)
+    return (map_shapes){texels, texels, sizeof(uint32_t), sizeof(uint16_t), sizeof(uint32_t)};
+  return (map_shapes){texels, texels / 16, sizeof(olx_bc1_block), sizeof(olx_bc5_block), sizeof(olx_bc6h_block)};
+}
+
+static bool is_dark(const uint32_t *emission, size_t texels) {
+  for (size_t i = 0; i < texels; i++) {
+    if (emission[i]) return false;
+  }
+  return true;
+}
+
+static void save_probe(void *user, uint32_t probe, olx_byte_writer *to) {
+  (void)probe;
+  const probe_stage *s = user;
+  const probe_maps *m = &s->made;
+  const map_shapes shapes = shapes_of(s->run);
+  const uint32_t emits = !is_dark(m->surfaces.emission, shapes.texels);
+  olx_bytes_put(to, &emits, 1, sizeof emits);
+  olx_bytes_put(to, m->normal, shapes.texels, sizeof *m->normal);
+  olx_bytes_put(to, m->distance, shapes.texels, sizeof *m->distance);
+  olx_bytes_put(to, m->surfaces.base, shapes.count, shapes.base_bytes);
+  olx_bytes_put(to, m->surfaces.specular, shapes.count, shapes.specular_bytes);
+  olx_bytes_put(to, m->surfaces.direct, shapes.count, shapes.light_bytes);
+  olx_bytes_put(to, m->surfaces.indirect, shapes.count, shapes.light_bytes);
+  if (emits) olx_bytes_put(to, m->surfaces.emission, shapes.texels, sizeof *m->surfaces.emission);
+  if (m->radiance) olx_bytes_put(to, m->radiance, shapes.texels, sizeof *m->radiance);
+  if (s->run->settings->relight) olx_relight_sites_save(&m->sites, to);
+}
+
+static olx_result load_maps(const olx_bake_run *b, olx_byte_reader *from, uint32_t *dark, probe_maps *m) {
+  const map_shapes shapes = shapes_of(b);
+  uint32_t emits = 0;
+  olx_bytes_copy(from, &emits, 1, sizeof emits);
+  m->normal = olx_bytes_get(from, shapes.texels, sizeof *m->normal);
+  m->distance = olx_bytes_get(from, shapes.texels, sizeof *m->distance);
+  m->surfaces.base = olx_bytes_get(from, shapes.count, shapes.base_bytes);
+  m->surfaces.specular = olx_bytes_get(from, shapes.count, shapes.specular_bytes);
+  m->surfaces.direct = olx_bytes_get(from, shapes.count, shapes.light_bytes);
+  m->surfaces.indirect = olx_bytes_get(from, shapes.count, shapes.light_bytes);
+  m->surfaces.emission = emits ? olx_bytes_get(from, shapes.texels, sizeof *m->surfaces.emission) : dark;
+  if (b->counts[1]) m->radiance = olx_bytes_get(from, shapes.texels, sizeof *m->radiance);
+  return b->settings->relight ? olx_relight_sites_load(&m->sites, from) : OLX_OK;
+}
+
+static olx_result load_probe(void *user, uint32_t probe, olx_byte_reader *from) {
+  const probe_stage *s = user;
+  probe_maps maps = {.radiance = NULL};
+  uint32_t *dark = olx_allocate_zero(shapes_of(s->run).texels, sizeof *dark);
+  olx_result result = dark ? OLX_OK : olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for a map");
+  if (result == OLX_OK) result = load_maps(s->run, from, dark, &maps);
+  if (result == OLX_OK && !from->failed) result = write_probe(s->run, probe, &maps);
+  olx_relight_sites_free(&maps.sites);
+  olx_release(dark);
+  olx_task_advance(&s->run->task, olx_capture_units(&s->run->capture));
+  return result;
+}
+
+olx_result olx_bake_probes(olx_bake_run *b) {
+  probe_stage s = {.run = b};
+  const olx_unit_stage stage = {"probe", 0, b->counts[0], &s, make_probe, save_probe, load_probe};
+  olx_task_stage(&b->task, "light field");
+  const olx_result result = olx_units_make(b->store, &stage);
+  olx_relight_sites_free(&s.made.sites);
+  if (result != OLX_OK || !b->settings->relight || !b->writer) return result;
+  return olx_relight_bake_write(&b->relight, b->writer);
+}
+
+bool olx_bake_is_stored(const olx_bake_run *b) {
+  const olx_bake_settings *s = b->settings;
+  return olx_units_have_all(b->store, "facts", s->light == OLX_LIGHT_CACHE) &&
+         olx_units_have_all(b->store, "volume", olx_volume_bake_units(&b->volume)) &&
+         olx_units_have_all(b->store, "irradiance", b->counts[1] > 0) &&
+         olx_units_have_all(b->store, "classic", s->classic ? b->counts[1] : 0) &&
+         olx_units_have_all(b->store, "relight", s->relight) && olx_units_have_all(b->store, "probe", b->counts[0]);
+}

@@ -1,0 +1,194 @@
+// Describes a bake by everything that its results depend on, opens its work folder, and joins a folder's units into a field.
+#include "bake/bake_work.h"
+
+#include "bake/bake_run.h"
+#include "core/chunk_file.h"
+#include "core/hooks.h"
+#include "core/result.h"
+#include "scene/bvh.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { UNIT_FORMAT = 1 }; // of what units hold; another one whenever that changes
+
+// ---- What names a bake
+
+static void put_grid(olx_byte_writer *to, const olx_grid *grid) {
+  olx_bytes_put(to, &grid->origin, 1, sizeof grid->origin);
+  olx_bytes_put(to, &grid->spacing, 1, sizeof grid->spacing);
+  olx_bytes_put(to, grid->count, 3, sizeof *grid->count);
+}
+
+// A setting that is added has to be added here as well, unless results do not depend on it, as on threads and the work folder.
+_Static_assert(sizeof(olx_bake_settings) == 224, "does a new setting change results?");
+
+static void put_settings(olx_byte_writer *to, const olx_bake_settings *s) {
+  const uint32_t numbers[] = {s->probes ? s->probe_count : 0,
+                              s->select_mask,
+                              s->radiance_size,
+                              s->probe_light,
+                              s->irradiance_size,
+                              s->irradiance_form,
+                              s->bounce_gather,
+                              s->uncompressed,
+                              s->samples,
+                              s->light_samples,
+                              s->bounces,
+                              s->light,
+                              s->reference_paths,
+                              s->volume_cells,
+                              s->classic,
+                              s->classic_size,
+                              s->classic_cube_size,
+                              s->classic_sharpness,
+                              s->relight,
+                              s->fit,
+                              s->seed};
+  olx_bytes_put(to, numbers, sizeof numbers / sizeof *numbers, sizeof *numbers);
+  olx_bytes_put(to, &s->noise, 1, sizeof s->noise);
+  put_grid(to, &s->grid);
+  put_grid(to, &s->irradiance_grid);
+  if (s->probes) olx_bytes_put(to, s->probes, s->probe_count, sizeof *s->probes);
+}
+
+// What a scene's hash leaves out and a bake looks at: where the viewer can be.
+static void put_views(olx_byte_writer *to, const olx_scene *scene) {
+  const olx_probe_rules *rules = &scene->probe_rules;
+  const uint32_t flags[] = {scene->camera_count, scene->has_probe_volume, rules->has_playable};
+  olx_bytes_put(to, flags, 3, sizeof *flags);
+  for (uint32_t i = 0; i < scene->camera_count; i++) {
+    const olx_camera *camera = &scene->cameras[i];
+    const olx_vec3 view[] = {camera->eye, camera->target, camera->up, olx_splat(camera->fov_y_degrees)};
+    olx_bytes_put(to, view, 4, sizeof *view);
+  }
+  if (scene->has_probe_volume) olx_bytes_put(to, &scene->probes_min, 1, sizeof scene->probes_min);
+  if (scene->has_probe_volume) olx_bytes_put(to, &scene->probes_max, 1, sizeof scene->probes_max);
+  if (rules->has_playable) olx_bytes_put(to, &rules->playable, 1, sizeof rules->playable);
+}
+
+static void add_hashed(olx_manifest *manifest, const char *name, olx_byte_writer *bytes) {
+  olx_manifest_add_hash(manifest, name, olx_content_hash(bytes->data, bytes->size_bytes));
+  olx_byte_writer_free(bytes);
+}
+
+static void add_machine(olx_manifest *manifest, const olx_scene *scene) {
+  const olx_bvh_engine engine = olx_bvh_describe(scene->bvh);
+  char text[160], libc[80] = "an unknown C library";
+  confstr(_CS_GNU_LIBC_VERSION, libc, sizeof libc);
+  snprintf(text, sizeof text, "%u", engine.version);
+  olx_manifest_add(manifest, "Embree", text);
+  olx_manifest_add(manifest, "instructions", engine.instructions);
+  snprintf(text, sizeof text, "%s, %s", libc, __builtin_cpu_supports("fma") ? "fused" : "not fused");
+  olx_manifest_add(manifest, "arithmetic", text);
+}
+
+olx_manifest olx_bake_manifest(const olx_scene *scene, const olx_bake_settings *settings) {
+  olx_manifest manifest = {""};
+  olx_byte_writer views = {0}, chosen = {0};
+  char format[32];
+  snprintf(format, sizeof format, "%d.%d", OLX_FIELD_VERSION, UNIT_FORMAT);
+  put_views(&views, scene);
+  put_settings(&chosen, settings);
+  olx_manifest_add(&manifest, "format", format);
+  olx_manifest_add(&manifest, "build", olx_name_build().text);
+  add_machine(&manifest, scene);
+  olx_manifest_add_hash(&manifest, "scene", scene->hash);
+  add_hashed(&manifest, "views", &views);
+  add_hashed(&manifest, "settings", &chosen);
+  olx_manifest_add(
+      &manifest, "stages",
+      "manifest plan light points cast direct bounce lookup facts volume irradiance classic relight probe");
+  return manifest;
+}
+
+// ---- The folder
+
+static void report_unit(void *user, const olx_unit_done *unit) {
+  const olx_bake_work *work = user;
+  const olx_bake_unit done = {unit->name.stage, unit->name.round, unit->name.unit,
+                              unit->count,      unit->found,      unit->seconds};
+  work->done(work->user, &done);
+}
+
+static olx_result check_work(const olx_bake_settings *s) {
+  const olx_bake_work *work = &s->work;
+  if (work->parts && (work->part < 1 || work->part > work->parts)) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "bake: part %u of %u: must be from 1 to %u", work->part, work->parts,
+                    work->parts);
+  }
+  if (work->parts && work->fresh) return olx_fail(OLX_ERROR_ARGUMENT, "bake: a part cannot forget what others made");
+  if (!s->classic || (s->bounce_gather == OLX_GATHER_SOLVED && s->light == OLX_LIGHT_CACHE)) return OLX_OK;
+  return olx_fail(OLX_ERROR_UNSUPPORTED,
+                  "bake: a work folder cannot keep classic maps with bounces between irradiance probes");
+}
+
+olx_result olx_bake_work_open(const olx_scene *scene, const olx_bake_settings *settings, olx_unit_store **store) {
+  const olx_bake_work *work = &settings->work;
+  *store = NULL;
+  if (!work->folder) {
+    return work->parts ? olx_fail(OLX_ERROR_ARGUMENT, "bake: a part needs a work folder") : OLX_OK;
+  }
+  OLX_TRY(check_work(settings));
+  const olx_manifest manifest = olx_bake_manifest(scene, settings);
+  const olx_unit_store_settings opening = {.folder = work->folder,
+                                           .manifest = &manifest,
+                                           .fresh = work->fresh,
+                                           .limit_bytes = work->limit_bytes,
+                                           .part = work->part,
+                                           .parts = work->parts,
+                                           .done = work->done ? report_unit : NULL,
+                                           .user = (void *)(uintptr_t)work};
+  return olx_unit_store_open(&opening, store);
+}
+
+void olx_bake_work_close(olx_unit_store *store, const olx_bake_work *work, olx_result result) {
+  olx_unit_store_close(store, result == OLX_OK && !work->keep && !work->parts);
+}
+
+// ---- Joining
+
+static olx_result check_build(const olx_unit_store *store, const char *folder) {
+  const olx_manifest_value build = olx_manifest_find(olx_unit_store_manifest(store), "build");
+  const olx_build_name own = olx_name_build();
+  if (strcmp(build.text, own.text) == 0) return OLX_OK;
+  return olx_fail(OLX_ERROR_ARGUMENT, "%s: the work folder is of another build of Octalux: %s, and this is %s", folder,
+                  build.text, own.text);
+}
+
+static olx_result run_join(olx_bake_run *b, const char *path) {
+  OLX_TRY(olx_bake_plan(b, NULL));
+  olx_bake_describe(b);
+  b->gather.quadrature = olx_quadrature_shape(b->settings->irradiance_size);
+  b->task.total_units = b->counts[0] * olx_capture_units(&b->capture);
+  OLX_TRY(olx_bake_create_file(b, path));
+  OLX_TRY(olx_bake_facts(b));
+  OLX_TRY(olx_volume_bake_write(&b->volume, NULL, b->store, b->writer, &b->stats));
+  OLX_TRY(olx_bake_irradiance(b, NULL));
+  OLX_TRY(olx_bake_classic(b));
+  OLX_TRY(olx_bake_relight(b));
+  return olx_bake_probes(b);
+}
+
+static olx_result join(olx_bake_run *b, const char *path, const olx_progress *progress) {
+  const double start = olx_seconds();
+  olx_task_begin(&b->task, progress, "joining", 1);
+  olx_scratch_pool_begin(&b->shade.pool, sizeof(olx_shade_scratch)); // that shading would take from, which is not done
+  return olx_bake_finish(b, run_join(b, path), start);
+}
+
+olx_result olx_bake_join(const char *folder, const char *path, bool keep, const olx_progress *progress,
+                         olx_bake_stats *stats) {
+  const olx_unit_store_settings opening = {.folder = folder};
+  olx_joined_bake joined;
+  memset(&joined, 0, sizeof joined);
+  olx_bake_run b = {.scene = &joined.scene, .settings = &joined.settings, .joined = &joined};
+  OLX_TRY(olx_output_check(path, false));
+  OLX_TRY(olx_unit_store_open(&opening, &b.store));
+  olx_result result = check_build(b.store, folder);
+  if (result == OLX_OK) result = join(&b, path, progress);
+  olx_unit_store_close(b.store, result == OLX_OK && !keep);
+  if (stats) *stats = b.stats;
+  return result;
+}

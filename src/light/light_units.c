@@ -1,0 +1,700 @@
+// Runs the steps of solving a scene's light. Rays are cast by groups of surfels and direct light by more of them, as units; what a
+// round's rays lead to is a unit of its own, from which another run, or another part, goes on.
+#include "light/light_units.h"
+
+#include "core/hooks.h"
+#include "core/result.h"
+
+#include <string.h>
+
+enum {
+  RAYS_A_UNIT = 1 << 19,  // about a second of one processor
+  DIRECT_A_UNIT = 1 << 12 // surfels
+};
+
+// Shorter work is not worth a checkpoint.
+static const double BOUNCE_SECONDS = 1.0;
+
+// Units of the round that is cast, or that was.
+typedef struct cast_stage {
+  olx_scene_light *light;
+  uint32_t round;
+  bool settled;         // later steps hold what its rays found, but for links
+  olx_link_batch part;  // surfels of the unit that was made last, with their links
+  uint64_t rays;        // that it cast
+  olx_point_list found; // ends without a surfel
+  bool owns_links;      // of `part`
+} cast_stage;
+
+// A part of a batch.
+typedef struct batch_part {
+  olx_link_batch *batch;
+  uint32_t first, count;
+} batch_part;
+
+static uint32_t surfels_a_unit(const olx_link_batch *batch) {
+  return batch->rays < RAYS_A_UNIT ? RAYS_A_UNIT / batch->rays : 1;
+}
+
+static uint32_t units_of(const olx_link_batch *batch) {
+  const uint32_t part = surfels_a_unit(batch);
+  return (batch->count + part - 1) / part;
+}
+
+static batch_part part_of(const cast_stage *c, uint32_t unit) {
+  olx_scene_light *l = c->light;
+  for (uint32_t k = 0; k < l->links.batch_count; k++) {
+    olx_link_batch *batch = &l->batches[k];
+    if (l->rounds_of[k] != c->round) continue;
+    if (unit < units_of(batch)) {
+      const uint32_t part = surfels_a_unit(batch), first = unit * part, left = batch->count - first;
+      return (batch_part){batch, first, left < part ? left : part};
+    }
+    unit -= units_of(batch);
+  }
+  return (batch_part){0};
+}
+
+static bool lists_unserved(uint32_t round) { return round < OLX_LIGHT_HIDDEN_ROUNDS; }
+
+static olx_result allocate_links(olx_link_batch *batch) {
+  const size_t links = (size_t)batch->count * batch->rays;
+  batch->links = olx_allocate(links, sizeof *batch->links);
+  batch->fixed = batch->guide ? NULL : olx_allocate(links, sizeof *batch->fixed);
+  if (batch->links && (batch->guide || batch->fixed)) return OLX_OK;
+  olx_release(batch->links);
+  olx_release(batch->fixed);
+  batch->links = NULL;
+  batch->fixed = NULL;
+  return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %llu links of %u surfels", (unsigned long long)links,
+                  batch->count);
+}
+
+static void release_part(cast_stage *c) {
+  if (c->owns_links) {
+    olx_release(c->part.links);
+    olx_release(c->part.fixed);
+  }
+  olx_release(c->found.points);
+  c->owns_links = false;
+  c->found = (olx_point_list){0};
+}
+
+// Where the batch has room for its links the unit's go there, else to memory of their own.
+static olx_result begin_part(cast_stage *c, const batch_part *p) {
+  const size_t offset = (size_t)p->first * p->batch->rays;
+  release_part(c);
+  c->part = *p->batch;
+  c->part.count = p->count;
+  c->rays = 0;
+  if (p->batch->surfels) c->part.surfels += p->first;
+  else c->part.first_surfel += p->first;
+  c->owns_links = !p->batch->links;
+  if (c->owns_links) return allocate_links(&c->part);
+  c->part.links += offset;
+  if (c->part.fixed) c->part.fixed += offset;
+  return OLX_OK;
+}
+
+static olx_result append_points(olx_point_list *list, const olx_surface_point *points, uint32_t count) {
+  if (count == 0) return OLX_OK;
+  if (list->count + count > list->capacity) {
+    const uint32_t capacity = list->count + count > 2 * list->capacity ? list->count + count : 2 * list->capacity;
+    olx_surface_point *larger = olx_allocate(capacity, sizeof *larger);
+    if (!larger) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u points of surfaces", capacity);
+    if (list->count > 0) memcpy(larger, list->points, list->count * sizeof *larger);
+    olx_release(list->points);
+    list->points = larger;
+    list->capacity = capacity;
+  }
+  memcpy(list->points + list->count, points, count * sizeof *points);
+  list->count += count;
+  return OLX_OK;
+}
+
+static olx_result cast_unit(void *user, uint32_t unit) {
+  cast_stage *c = user;
+  olx_scene_light *l = c->light;
+  const batch_part p = part_of(c, unit);
+  OLX_TRY(begin_part(c, &p));
+  OLX_TRY(olx_links_cast(&l->surfels, &c->part, l->links.fixed, lists_unserved(c->round) ? &c->found : NULL, &c->rays));
+  if (olx_unit_store_is_part(l->settings.store)) return OLX_OK; // who settles the round loads every unit of it
+  l->report.rays += c->rays;
+  return append_points(&l->unserved, c->found.points, c->found.count);
+}
+
+static void save_cast(void *user, uint32_t unit, olx_byte_writer *to) {
+  (void)unit;
+  const cast_stage *c = user;
+  const size_t links = (size_t)c->part.count * c->part.rays;
+  olx_bytes_put(to, &c->rays, 1, sizeof c->rays);
+  olx_bytes_put(to, c->part.links, links, sizeof *c->part.links);
+  if (c->part.fixed) olx_bytes_put(to, c->part.fixed, links, sizeof *c->part.fixed);
+  for (uint32_t n = 0; n < c->part.count; n++) {
+    olx_bytes_put(to, &c->light->links.fixed[olx_link_surfel(&c->part, n)], 1, sizeof *c->light->links.fixed);
+  }
+  olx_bytes_put(to, &c->found.count, 1, sizeof c->found.count);
+  olx_bytes_put(to, c->found.points, c->found.count, sizeof *c->found.points);
+}
+
+// What a unit's rays brought besides links.
+static olx_result load_found(cast_stage *c, const batch_part *p, uint64_t rays, olx_byte_reader *from) {
+  olx_scene_light *l = c->light;
+  uint32_t count = 0;
+  for (uint32_t n = 0; n < p->count; n++) {
+    olx_fixed_light fixed = {0};
+    olx_bytes_copy(from, &fixed, 1, sizeof fixed);
+    const uint32_t surfel = p->batch->surfels ? p->batch->surfels[p->first + n] : p->batch->first_surfel + p->first + n;
+    if (!c->settled) l->links.fixed[surfel] = fixed;
+  }
+  olx_bytes_copy(from, &count, 1, sizeof count);
+  const olx_surface_point *points = olx_bytes_get(from, count, sizeof *points);
+  if (c->settled || !points) return OLX_OK;
+  l->report.rays += rays;
+  return append_points(&l->unserved, points, count);
+}
+
+static olx_result load_cast(void *user, uint32_t unit, olx_byte_reader *from) {
+  cast_stage *c = user;
+  const batch_part p = part_of(c, unit);
+  const size_t offset = (size_t)p.first * p.batch->rays, links = (size_t)p.count * p.batch->rays;
+  uint64_t rays = 0;
+  olx_bytes_copy(from, &rays, 1, sizeof rays);
+  olx_bytes_copy(from, p.batch->links + offset, links, sizeof *p.batch->links);
+  if (!p.batch->guide) olx_bytes_copy(from, p.batch->fixed + offset, links, sizeof *p.batch->fixed);
+  return load_found(c, &p, rays, from);
+}
+
+static olx_unit_stage stage_of(cast_stage *c) {
+  olx_unit_stage stage = {"cast", c->round, 0, c, cast_unit, save_cast, load_cast};
+  for (uint32_t k = 0; k < c->light->links.batch_count; k++) {
+    if (c->light->rounds_of[k] == c->round) stage.count += units_of(&c->light->batches[k]);
+  }
+  return stage;
+}
+
+// Room for all links of a round, for who needs them all.
+static olx_result make_room(olx_scene_light *l, uint32_t round) {
+  for (uint32_t k = 0; k < l->links.batch_count; k++) {
+    if (l->rounds_of[k] == round && !l->batches[k].links) OLX_TRY(allocate_links(&l->batches[k]));
+  }
+  return OLX_OK;
+}
+
+// Without a store a batch is one piece.
+static olx_result cast_whole(olx_scene_light *l) {
+  for (uint32_t k = 0; k < l->links.batch_count; k++) {
+    if (l->rounds_of[k] != l->round) continue;
+    olx_point_list *unserved = lists_unserved(l->round) ? &l->unserved : NULL;
+    OLX_TRY(olx_links_cast(&l->surfels, &l->batches[k], l->links.fixed, unserved, &l->report.rays));
+  }
+  return OLX_OK;
+}
+
+static olx_result cast_round(olx_scene_light *l) {
+  olx_unit_store *store = l->settings.store;
+  cast_stage c = {.light = l, .round = l->round};
+  if (!olx_unit_store_is_part(store)) OLX_TRY(make_room(l, l->round));
+  if (!store) return cast_whole(l);
+  const olx_unit_stage stage = stage_of(&c);
+  const olx_result result = olx_units_make(store, &stage);
+  release_part(&c);
+  return result;
+}
+
+// ---- Points: most of what is known, and seldom read
+
+typedef struct point_stage {
+  olx_scene_light *light;
+  uint32_t round;
+} point_stage;
+
+static uint32_t first_point(const point_stage *p) { return p->round ? p->light->point_ends[p->round - 1] : 0; }
+
+static void save_points(void *user, uint32_t unit, olx_byte_writer *to) {
+  (void)unit;
+  const point_stage *p = user;
+  const olx_light_surfels *s = &p->light->surfels;
+  const uint32_t first = first_point(p);
+  olx_bytes_put(to, s->points + first, p->light->point_ends[p->round] - first, sizeof *s->points);
+}
+
+static olx_result load_points(void *user, uint32_t unit, olx_byte_reader *from) {
+  (void)unit;
+  const point_stage *p = user;
+  olx_light_surfels *s = &p->light->surfels;
+  const uint32_t first = first_point(p);
+  olx_bytes_copy(from, s->points + first, p->light->point_ends[p->round] - first, sizeof *s->points);
+  return OLX_OK;
+}
+
+static olx_unit_stage points_of(point_stage *p) {
+  return (olx_unit_stage){"points", p->round, 1, p, NULL, save_points, load_points};
+}
+
+// Those that came with the last step.
+static olx_result keep_points(olx_scene_light *l) {
+  point_stage p = {l, l->round};
+  const olx_unit_stage stage = points_of(&p);
+  if (l->phase != OLX_LIGHT_EXPLORING) return OLX_OK; // no surfels were added
+  return olx_unit_keep(l->settings.store, &stage);
+}
+
+static olx_result load_all_points(olx_scene_light *l) {
+  for (uint32_t round = 0; round <= OLX_LIGHT_HIDDEN_ROUNDS; round++) {
+    point_stage p = {l, round};
+    const olx_unit_stage stage = points_of(&p);
+    if (l->point_ends[round] > first_point(&p)) OLX_TRY(olx_units_load(l->settings.store, &stage));
+  }
+  return OLX_OK;
+}
+
+// Without points there is nothing to go on from: all steps are forgotten.
+static olx_result need_points(olx_scene_light *l) {
+  olx_light_surfels *s = &l->surfels;
+  if (s->points || s->point_count == 0) return OLX_OK;
+  s->points = olx_allocate(s->point_count, sizeof *s->points);
+  if (!s->points) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u points of surfaces", s->point_count);
+  const olx_result result = load_all_points(l);
+  if (result == OLX_OK) return OLX_OK;
+  olx_release(s->points);
+  s->points = NULL;
+  if (result == OLX_ERROR_INCOMPLETE) olx_units_forget(l->settings.store, "light", 0, OLX_LIGHT_MOST_STEPS + 1);
+  return result;
+}
+
+// ---- Direct light
+
+typedef struct direct_stage {
+  olx_scene_light *light;
+  uint64_t rays; // that the last unit cast
+} direct_stage;
+
+static uint32_t direct_count(const olx_scene_light *l, uint32_t unit) {
+  const uint32_t left = l->surfels.count - unit * DIRECT_A_UNIT;
+  return left < DIRECT_A_UNIT ? left : DIRECT_A_UNIT;
+}
+
+static olx_result light_unit(void *user, uint32_t unit) {
+  direct_stage *d = user;
+  d->rays = 0;
+  OLX_TRY(need_points(d->light));
+  OLX_TRY(olx_scene_light_direct(d->light, unit * DIRECT_A_UNIT, direct_count(d->light, unit), &d->rays));
+  if (!olx_unit_store_is_part(d->light->settings.store)) d->light->report.rays += d->rays;
+  return OLX_OK;
+}
+
+static void save_direct(void *user, uint32_t unit, olx_byte_writer *to) {
+  const direct_stage *d = user;
+  olx_bytes_put(to, &d->rays, 1, sizeof d->rays);
+  olx_bytes_put(to, d->light->direct + unit * DIRECT_A_UNIT, direct_count(d->light, unit), sizeof *d->light->direct);
+}
+
+static olx_result load_direct(void *user, uint32_t unit, olx_byte_reader *from) {
+  const direct_stage *d = user;
+  olx_scene_light *l = d->light;
+  uint64_t rays = 0;
+  olx_bytes_copy(from, &rays, 1, sizeof rays);
+  olx_bytes_copy(from, l->direct + unit * DIRECT_A_UNIT, direct_count(l, unit), sizeof *l->direct);
+  l->report.rays += rays;
+  return OLX_OK;
+}
+
+static olx_unit_stage direct_of(direct_stage *d) {
+  const uint32_t units = (d->light->surfels.count + DIRECT_A_UNIT - 1) / DIRECT_A_UNIT;
+  return (olx_unit_stage){"direct", 0, units, d, light_unit, save_direct, load_direct};
+}
+
+static olx_result make_direct(olx_scene_light *l) {
+  direct_stage d = {.light = l};
+  const olx_unit_stage stage = direct_of(&d);
+  if (!l->settings.store) return olx_scene_light_direct(l, 0, l->surfels.count, &l->report.rays);
+  return olx_units_make(l->settings.store, &stage);
+}
+
+// ---- What is known after a step, but for links
+
+static void save_table(const olx_cell_table *t, olx_byte_writer *to) {
+  const uint32_t counts[] = {t->capacity, t->count};
+  olx_bytes_put(to, counts, 2, sizeof *counts);
+  olx_bytes_put(to, t->keys, t->capacity, sizeof *t->keys);
+  olx_bytes_put(to, t->values, t->capacity, sizeof *t->values);
+}
+
+// In place of what is there.
+static void load_table(olx_cell_table *t, olx_byte_reader *from) {
+  uint32_t counts[2] = {0};
+  olx_cell_table_free(t);
+  olx_bytes_copy(from, counts, 2, sizeof *counts);
+  *t = (olx_cell_table){.capacity = counts[0], .count = counts[1]};
+  t->keys = olx_bytes_take(from, t->capacity, sizeof *t->keys);
+  t->values = olx_bytes_take(from, t->capacity, sizeof *t->values);
+}
+
+static void save_surfels(const olx_light_surfels *s, olx_byte_writer *to) {
+  const uint32_t counts[] = {s->point_count, s->count};
+  olx_bytes_put(to, counts, 2, sizeof *counts);
+  olx_bytes_put(to, &s->rays, 1, sizeof s->rays);
+  olx_bytes_put(to, s->surfels, s->count, sizeof *s->surfels);
+  save_table(&s->table, to);
+}
+
+static void load_surfels(olx_light_surfels *s, olx_byte_reader *from) {
+  uint32_t counts[2] = {0};
+  olx_bytes_copy(from, counts, 2, sizeof *counts);
+  olx_bytes_copy(from, &s->rays, 1, sizeof s->rays);
+  s->point_count = counts[0];
+  s->count = s->capacity = counts[1];
+  s->surfels = olx_bytes_take(from, s->count, sizeof *s->surfels);
+  load_table(&s->table, from);
+}
+
+// How a batch is stored: its links are units.
+typedef struct batch_record {
+  uint32_t first_surfel, count, first_ray, rays, round;
+  bool has_numbers, is_guided;
+} batch_record;
+
+static void save_batches(const olx_scene_light *l, olx_byte_writer *to) {
+  olx_bytes_put(to, &l->links.batch_count, 1, sizeof l->links.batch_count);
+  for (uint32_t k = 0; k < l->links.batch_count; k++) {
+    const olx_link_batch *b = &l->batches[k];
+    const batch_record record = {b->first_surfel, b->count,           b->first_ray,    b->rays,
+                                 l->rounds_of[k], b->surfels != NULL, b->guide != NULL};
+    olx_bytes_put(to, &record, 1, sizeof record);
+    if (b->surfels) olx_bytes_put(to, b->surfels, b->count, sizeof *b->surfels);
+  }
+}
+
+static void load_batches(olx_scene_light *l, olx_byte_reader *from) {
+  uint32_t count = 0;
+  olx_bytes_copy(from, &count, 1, sizeof count);
+  for (uint32_t k = 0; k < count && k < OLX_LIGHT_MOST_BATCHES; k++) {
+    batch_record r = {0};
+    olx_bytes_copy(from, &r, 1, sizeof r);
+    l->rounds_of[k] = r.round;
+    l->batches[k] = (olx_link_batch){.first_surfel = r.first_surfel,
+                                     .count = r.count,
+                                     .first_ray = r.first_ray,
+                                     .rays = r.rays,
+                                     .guide = r.is_guided ? &l->guide : NULL};
+    if (r.has_numbers) l->batches[k].surfels = olx_bytes_take(from, r.count, sizeof *l->batches[k].surfels);
+    l->links.batch_count = k + 1;
+  }
+}
+
+static void save_patches(const olx_scene_light *l, olx_byte_writer *to) {
+  for (uint32_t round = 0; round < OLX_LIGHT_HIDDEN_ROUNDS; round++) {
+    const olx_link_patch *patch = &l->patches[round];
+    olx_bytes_put(to, &patch->count, 1, sizeof patch->count);
+    olx_bytes_put(to, patch->links, patch->count, sizeof *patch->links);
+    olx_bytes_put(to, patch->fixed, patch->count, sizeof *patch->fixed);
+  }
+}
+
+static void load_patches(olx_scene_light *l, olx_byte_reader *from) {
+  for (uint32_t round = 0; round < OLX_LIGHT_HIDDEN_ROUNDS; round++) {
+    olx_link_patch *patch = &l->patches[round];
+    olx_bytes_copy(from, &patch->count, 1, sizeof patch->count);
+    patch->links = olx_bytes_take(from, patch->count, sizeof *patch->links);
+    patch->fixed = olx_bytes_take(from, patch->count, sizeof *patch->fixed);
+  }
+}
+
+// An array of each surfel, which there may not be yet.
+static void save_array(const void *array, uint32_t count, size_t element_bytes, olx_byte_writer *to) {
+  const uint32_t there = array ? count : 0;
+  olx_bytes_put(to, &there, 1, sizeof there);
+  olx_bytes_put(to, array, there, element_bytes);
+}
+
+static void *load_array(olx_byte_reader *from, size_t element_bytes) {
+  uint32_t there = 0;
+  olx_bytes_copy(from, &there, 1, sizeof there);
+  return there ? olx_bytes_take(from, there, element_bytes) : NULL;
+}
+
+static void save_lit(const olx_scene_light *l, olx_byte_writer *to) {
+  const uint32_t count = l->surfels.count;
+  save_array(l->links.fixed, count, sizeof *l->links.fixed, to);
+  save_array(l->links.worth, count, sizeof *l->links.worth, to);
+  save_array(l->direct, count, sizeof *l->direct, to);
+  save_array(l->irradiance, count, sizeof *l->irradiance, to);
+  save_array(l->passed_on, count, sizeof *l->passed_on, to);
+  save_array(l->noise, count, sizeof *l->noise, to);
+  save_array(l->guide.pool_of, count, sizeof *l->guide.pool_of, to);
+  olx_bytes_put(to, &l->guide.pool_count, 1, sizeof l->guide.pool_count);
+  save_array(l->guide.pools, l->guide.pool_count, sizeof *l->guide.pools, to);
+}
+
+static void load_lit(olx_scene_light *l, olx_byte_reader *from) {
+  l->links.fixed = load_array(from, sizeof *l->links.fixed);
+  l->links.worth = load_array(from, sizeof *l->links.worth);
+  l->direct = load_array(from, sizeof *l->direct);
+  l->irradiance = load_array(from, sizeof *l->irradiance);
+  l->passed_on = load_array(from, sizeof *l->passed_on);
+  l->noise = load_array(from, sizeof *l->noise);
+  l->guide.pool_of = load_array(from, sizeof *l->guide.pool_of);
+  olx_bytes_copy(from, &l->guide.pool_count, 1, sizeof l->guide.pool_count);
+  l->guide.pools = load_array(from, sizeof *l->guide.pools);
+}
+
+static void save_step(void *user, uint32_t unit, olx_byte_writer *to) {
+  (void)unit;
+  const olx_scene_light *l = user;
+  const uint32_t numbers[] = {l->phase, l->round, l->visible, l->served, l->first_rays};
+  olx_bytes_put(to, numbers, 5, sizeof *numbers);
+  olx_bytes_put(to, l->point_ends, OLX_LIGHT_HIDDEN_ROUNDS + 1, sizeof *l->point_ends);
+  olx_bytes_put(to, &l->report, 1, sizeof l->report);
+  save_surfels(&l->surfels, to);
+  save_batches(l, to);
+  save_patches(l, to);
+  save_lit(l, to);
+}
+
+// In place of what is there.
+static olx_result load_step(void *user, uint32_t unit, olx_byte_reader *from) {
+  (void)unit;
+  olx_scene_light *l = user;
+  uint32_t numbers[5] = {0};
+  olx_scene_light_clear(l);
+  OLX_TRY(olx_light_surfels_create(&l->surfels, l->scene, l->settings.spacing, l->settings.seed, l->settings.threads));
+  l->surfels.task = l->settings.task;
+  olx_bytes_copy(from, numbers, 5, sizeof *numbers);
+  olx_bytes_copy(from, l->point_ends, OLX_LIGHT_HIDDEN_ROUNDS + 1, sizeof *l->point_ends);
+  l->phase = (olx_scene_light_phase)numbers[0];
+  l->round = numbers[1];
+  l->visible = numbers[2];
+  l->served = numbers[3];
+  l->first_rays = numbers[4];
+  olx_bytes_copy(from, &l->report, 1, sizeof l->report);
+  load_surfels(&l->surfels, from);
+  load_batches(l, from);
+  load_patches(l, from);
+  load_lit(l, from);
+  return OLX_OK;
+}
+
+// ---- The table by which surfels are found
+
+static void save_lookup(void *user, uint32_t unit, olx_byte_writer *to) {
+  (void)unit;
+  const olx_surfel_lookup *lookup = &((const olx_scene_light *)user)->lookup;
+  const uint32_t numbers[] = {lookup->levels, lookup->list_words};
+  olx_bytes_put(to, numbers, 2, sizeof *numbers);
+  olx_bytes_put(to, lookup->lists, lookup->list_words, sizeof *lookup->lists);
+  save_table(&lookup->cubes, to);
+}
+
+static olx_result load_lookup(void *user, uint32_t unit, olx_byte_reader *from) {
+  (void)unit;
+  olx_scene_light *l = user;
+  uint32_t numbers[2] = {0};
+  olx_bytes_copy(from, numbers, 2, sizeof *numbers);
+  l->lookup = (olx_surfel_lookup){.surfels = &l->surfels, .levels = numbers[0], .list_words = numbers[1]};
+  l->lookup.lists = olx_bytes_take(from, numbers[1], sizeof *l->lookup.lists);
+  load_table(&l->lookup.cubes, from);
+  return OLX_OK;
+}
+
+// A damaged one counts as none.
+olx_result olx_light_units_look_up(olx_scene_light *l) {
+  olx_unit_store *store = l->settings.store;
+  const olx_unit_stage stage = {"lookup", 0, 1, l, NULL, save_lookup, load_lookup};
+  if (olx_units_have(store, stage.name, 0)) {
+    const olx_result result = olx_units_load(store, &stage);
+    if (result != OLX_ERROR_INCOMPLETE) return result;
+  }
+  OLX_TRY(olx_surfel_lookup_create(&l->lookup, &l->surfels, l->visible));
+  return olx_unit_keep(store, &stage);
+}
+
+// ---- Light between bounces
+
+static void put_state(void *user, uint32_t unit, olx_byte_writer *to) {
+  (void)unit;
+  const olx_bounce_state *s = &((const olx_light_checkpoint *)user)->state;
+  olx_bytes_put(to, &s->done, 1, sizeof s->done);
+  olx_bytes_put(to, s->light, (size_t)OLX_BOUNCES_KEPT * s->surfel_count, sizeof *s->light);
+  olx_bytes_put(to, s->irradiance, s->surfel_count, sizeof *s->irradiance);
+  olx_bytes_put(to, s->passed_on, s->surfel_count, sizeof *s->passed_on);
+}
+
+static olx_result take_state(void *user, uint32_t unit, olx_byte_reader *from) {
+  (void)unit;
+  olx_bounce_state *s = &((olx_light_checkpoint *)user)->state;
+  olx_bytes_copy(from, &s->done, 1, sizeof s->done);
+  olx_bytes_copy(from, s->light, (size_t)OLX_BOUNCES_KEPT * s->surfel_count, sizeof *s->light);
+  olx_bytes_copy(from, s->irradiance, s->surfel_count, sizeof *s->irradiance);
+  olx_bytes_copy(from, s->passed_on, s->surfel_count, sizeof *s->passed_on);
+  return OLX_OK;
+}
+
+static olx_unit_stage bounce_of(olx_light_checkpoint *c) {
+  return (olx_unit_stage){"bounce", c->round, 1, c, NULL, put_state, take_state};
+}
+
+// A damaged one counts as none.
+static void load_bounce(void *user, olx_bounce_state *state) {
+  olx_light_checkpoint *c = user;
+  olx_unit_store *store = c->light->settings.store;
+  const olx_unit_stage stage = bounce_of(c);
+  c->state = *state;
+  if (olx_units_have(store, "bounce", c->round) && olx_units_load(store, &stage) == OLX_OK) *state = c->state;
+}
+
+static olx_result save_bounce(void *user, const olx_bounce_state *state) {
+  olx_light_checkpoint *c = user;
+  const olx_unit_stage stage = bounce_of(c);
+  if (olx_seconds() - c->last < BOUNCE_SECONDS) return OLX_OK;
+  c->state = *state;
+  OLX_TRY(olx_unit_keep(c->light->settings.store, &stage));
+  c->last = olx_seconds();
+  return OLX_OK;
+}
+
+// Steps that end in the same round differ in how many bounces they take.
+olx_bounce_keeper olx_light_checkpoint_begin(olx_light_checkpoint *c, olx_scene_light *l, bool all) {
+  *c = (olx_light_checkpoint){
+      .light = l, .round = 4 * l->round + 2 * (l->phase == OLX_LIGHT_DIRECT) + all, .last = olx_seconds()};
+  return (olx_bounce_keeper){c, load_bounce, save_bounce};
+}
+
+// ---- Links that are not in memory
+
+static void apply_patch(olx_scene_light *l, uint32_t round) {
+  const olx_link_patch *patch = &l->patches[round];
+  for (uint32_t k = 0; k < l->links.batch_count; k++) {
+    olx_link_batch *batch = &l->batches[k];
+    if (l->rounds_of[k] != round) continue;
+    uint32_t next = 0;
+    for (size_t i = 0; i < (size_t)batch->count * batch->rays && next < patch->count; i++) {
+      if (olx_link_end(&batch->links[i]) != OLX_LINK_UNSERVED) continue;
+      batch->links[i] = patch->links[next];
+      batch->fixed[i] = patch->fixed[next++];
+    }
+  }
+}
+
+// What rays brought without their links is not needed once a guide has learnt from it.
+static void drop_fixed(olx_scene_light *l, uint32_t round) {
+  for (uint32_t k = 0; l->guide.pools && k < l->links.batch_count; k++) {
+    if (l->rounds_of[k] != round) continue;
+    olx_release(l->batches[k].fixed);
+    l->batches[k].fixed = NULL;
+  }
+}
+
+static bool has_links(const olx_scene_light *l, uint32_t round) {
+  for (uint32_t k = 0; k < l->links.batch_count; k++) {
+    if (l->rounds_of[k] == round && !l->batches[k].links) return false;
+  }
+  return true;
+}
+
+static void drop_links(olx_scene_light *l, uint32_t round) {
+  for (uint32_t k = 0; k < l->links.batch_count; k++) {
+    if (l->rounds_of[k] != round) continue;
+    olx_release(l->batches[k].links);
+    olx_release(l->batches[k].fixed);
+    l->batches[k].links = NULL;
+    l->batches[k].fixed = NULL;
+  }
+}
+
+// Units of a round that was settled cannot be made again from what is known now: the steps after them are forgotten.
+static olx_result load_round(olx_scene_light *l, uint32_t round, bool settled) {
+  cast_stage c = {.light = l, .round = round, .settled = settled};
+  if (has_links(l, round)) return OLX_OK;
+  OLX_TRY(make_room(l, round));
+  const olx_unit_stage stage = stage_of(&c);
+  const olx_result result = olx_units_load(l->settings.store, &stage);
+  if (result == OLX_OK && settled && round < OLX_LIGHT_HIDDEN_ROUNDS) apply_patch(l, round);
+  if (result == OLX_ERROR_INCOMPLETE && settled) olx_units_forget(l->settings.store, "light", 1, OLX_LIGHT_MOST_STEPS);
+  if (result == OLX_OK) drop_fixed(l, round);
+  else drop_links(l, round);
+  return result;
+}
+
+// Shading and settling need every round's links, exploring the last one's alone.
+static olx_result load_for_settling(olx_scene_light *l) {
+  olx_unit_store *store = l->settings.store;
+  direct_stage d = {.light = l};
+  const olx_unit_stage direct = direct_of(&d);
+  if (l->phase == OLX_LIGHT_EXPLORING) OLX_TRY(need_points(l));
+  if (l->phase == OLX_LIGHT_EXPLORING) return load_round(l, l->round, false);
+  for (uint32_t round = 0; round < l->round; round++) OLX_TRY(load_round(l, round, true));
+  if (l->phase == OLX_LIGHT_REFINING) return load_round(l, l->round, false);
+  return olx_unit_store_is_part(store) ? olx_units_load(store, &direct) : OLX_OK;
+}
+
+olx_result olx_scene_light_load_links(olx_scene_light *l) {
+  OLX_TRY(need_points(l));
+  for (uint32_t round = 0; round <= l->round; round++) OLX_TRY(load_round(l, round, true));
+  return OLX_OK;
+}
+
+// ---- Steps
+
+static olx_result make_first(void *user, uint32_t unit) {
+  (void)unit;
+  olx_scene_light *l = user;
+  OLX_TRY(olx_scene_light_begin(l));
+  for (uint32_t round = 0; round <= OLX_LIGHT_HIDDEN_ROUNDS; round++) l->point_ends[round] = l->surfels.point_count;
+  return keep_points(l);
+}
+
+static olx_result make_next(void *user, uint32_t unit) {
+  (void)unit;
+  olx_scene_light *l = user;
+  if (l->settings.store) OLX_TRY(load_for_settling(l));
+  const bool explored = l->phase == OLX_LIGHT_EXPLORING;
+  OLX_TRY(olx_scene_light_settle(l));
+  if (!explored) return OLX_OK;
+  for (uint32_t round = l->round; round <= OLX_LIGHT_HIDDEN_ROUNDS; round++)
+    l->point_ends[round] = l->surfels.point_count;
+  return keep_points(l);
+}
+
+static olx_unit_stage step_of(olx_scene_light *l, uint32_t step) {
+  return (olx_unit_stage){"light", step, 1, l, step == 0 ? make_first : make_next, save_step, load_step};
+}
+
+// The last step that is stored; 0 when none is.
+static uint32_t last_stored(const olx_unit_store *store) {
+  uint32_t step = OLX_LIGHT_MOST_STEPS;
+  while (step > 0 && !olx_units_have(store, "light", step)) step--;
+  return step;
+}
+
+// Loads the last step that is stored and whole, or makes the first.
+static olx_result resume(olx_scene_light *l, uint32_t *step) {
+  olx_unit_store *store = l->settings.store;
+  for (*step = last_stored(store); *step > 0; *step = last_stored(store)) {
+    const olx_unit_stage stage = step_of(l, *step);
+    const olx_result result = olx_units_load(store, &stage);
+    if (result != OLX_ERROR_INCOMPLETE) return result;
+  }
+  const olx_unit_stage first = step_of(l, 0);
+  return olx_unit_once(store, &first);
+}
+
+static olx_result run_steps(olx_scene_light *l) {
+  olx_unit_store *store = l->settings.store;
+  uint32_t step;
+  OLX_TRY(resume(l, &step));
+  while (l->phase != OLX_LIGHT_FINISHED) {
+    const olx_unit_stage next = step_of(l, ++step);
+    if (!olx_units_have(store, "light", step)) OLX_TRY(l->phase == OLX_LIGHT_DIRECT ? make_direct(l) : cast_round(l));
+    OLX_TRY(olx_unit_once(store, &next));
+  }
+  return OLX_OK;
+}
+
+olx_result olx_light_units_run(olx_scene_light *l) {
+  const olx_result result = run_steps(l);
+  if (result != OLX_ERROR_INCOMPLETE || olx_unit_store_is_part(l->settings.store)) return result;
+  // Damaged links were forgotten with the steps after them: a whole bake makes these again at once.
+  olx_scene_light_clear(l);
+  return run_steps(l);
+}

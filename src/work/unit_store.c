@@ -1,0 +1,205 @@
+// Decides of each unit whether it is loaded, made, or left to others, and stores what was made.
+#include "work/unit_store.h"
+
+#include "core/hooks.h"
+#include "core/parallel.h"
+#include "core/result.h"
+
+#include <string.h>
+#include <sys/stat.h>
+
+struct olx_unit_store {
+  olx_unit_store_settings settings;
+  char path[PATH_MAX];
+  olx_manifest manifest;
+  bool joins, full; // `full`: the limit was reached, and nothing more is stored
+  olx_work_folder *folder;
+};
+
+static olx_result open_folder(olx_unit_store *s) {
+  const olx_work_folder_settings settings = {.manifest = s->joins ? NULL : &s->manifest,
+                                             .lock = s->settings.parts ? OLX_WORK_SHARED : OLX_WORK_ALONE,
+                                             .fresh = s->settings.fresh};
+  return olx_work_folder_open(s->path, &settings, &s->folder);
+}
+
+olx_result olx_unit_store_open(const olx_unit_store_settings *settings, olx_unit_store **store) {
+  *store = NULL;
+  if (strlen(settings->folder) >= PATH_MAX) {
+    return olx_fail(OLX_ERROR_FILE, "'%s': cannot be a work folder", settings->folder);
+  }
+  olx_unit_store *s = olx_allocate_zero(1, sizeof *s);
+  if (!s) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", settings->folder);
+  s->settings = *settings;
+  memcpy(s->path, settings->folder, strlen(settings->folder));
+  s->joins = !settings->manifest;
+  if (settings->manifest) s->manifest = *settings->manifest;
+  const olx_result result = open_folder(s);
+  if (result == OLX_OK) *store = s;
+  else olx_release(s);
+  return result;
+}
+
+void olx_unit_store_close(olx_unit_store *s, bool remove) {
+  if (!s) return;
+  if (remove) olx_work_folder_remove(s->folder);
+  else olx_work_folder_close(s->folder);
+  olx_release(s);
+}
+
+bool olx_unit_store_is_part(const olx_unit_store *s) { return s && s->settings.parts > 0; }
+bool olx_unit_store_joins(const olx_unit_store *s) { return s && s->joins; }
+const olx_manifest *olx_unit_store_manifest(const olx_unit_store *s) { return olx_work_folder_manifest(s->folder); }
+
+static bool is_stored(const olx_unit_store *s, const olx_unit_name *name) {
+  return s && olx_work_folder_has(s->folder, name);
+}
+
+bool olx_units_have(const olx_unit_store *s, const char *stage, uint32_t round) {
+  return is_stored(s, &(olx_unit_name){stage, round, 0});
+}
+
+bool olx_units_have_all(const olx_unit_store *s, const char *stage, uint32_t count) {
+  for (uint32_t unit = 0; unit < count; unit++) {
+    if (!is_stored(s, &(olx_unit_name){stage, 0, unit})) return false;
+  }
+  return true;
+}
+
+void olx_units_forget(olx_unit_store *s, const char *stage, uint32_t first_round, uint32_t rounds) {
+  for (uint32_t round = first_round; s && round < first_round + rounds; round++) {
+    olx_work_folder_drop(s->folder, &(olx_unit_name){stage, round, 0});
+  }
+}
+
+static void report(const olx_unit_store *s, const olx_unit_stage *stage, uint32_t unit, bool found, double start) {
+  if (!s || !s->settings.done || !stage->make) return;
+  const olx_unit_done done = {{stage->name, stage->round, unit}, stage->count, found, olx_seconds() - start};
+  s->settings.done(s->settings.user, &done);
+}
+
+// Units go round the parts, each stage beginning with another.
+static bool is_mine(const olx_unit_store *s, const olx_unit_name *name) {
+  uint32_t first = name->round;
+  for (const char *c = name->stage; *c; c++) first = 31 * first + (uint32_t)*c;
+  return (first + name->unit) % s->settings.parts == s->settings.part - 1;
+}
+
+static olx_result load_bytes(const olx_unit_stage *stage, uint32_t unit, const void *data, size_t size_bytes) {
+  olx_byte_reader reader = {.data = data, .size_bytes = size_bytes};
+  OLX_TRY(stage->load(stage->user, unit, &reader));
+  return olx_bytes_end(&reader, stage->name);
+}
+
+// *missing: the file is damaged, or gone meanwhile; then it is removed.
+static olx_result load_unit(olx_unit_store *s, const olx_unit_stage *stage, uint32_t unit, bool *missing) {
+  const double start = olx_seconds();
+  const olx_unit_name name = {stage->name, stage->round, unit};
+  void *data;
+  size_t size_bytes;
+  OLX_TRY(olx_check_cancelled());
+  olx_result result = olx_work_folder_get(s->folder, &name, &data, &size_bytes);
+  *missing = !s->joins && (result == OLX_ERROR_CHECKSUM || result == OLX_ERROR_FILE);
+  if (*missing) {
+    olx_log(OLX_LOG_WARNING, "%s; it is made again", olx_last_error());
+    olx_work_folder_drop(s->folder, &name);
+    return OLX_OK;
+  }
+  if (result == OLX_OK) result = load_bytes(stage, unit, data, size_bytes);
+  olx_release(data);
+  if (result == OLX_OK) report(s, stage, unit, true, start);
+  return result;
+}
+
+static olx_result refuse_more(olx_unit_store *s) {
+  const unsigned long long limit = (unsigned long long)s->settings.limit_bytes;
+  if (s->settings.parts) {
+    return olx_fail(OLX_ERROR_FILE, "%s: more than the %llu bytes that the work folder may take", s->path, limit);
+  }
+  s->full = true;
+  olx_log(OLX_LOG_WARNING, "%s: holds the %llu bytes that it may; what is made from now on is not kept", s->path,
+          limit);
+  return OLX_OK;
+}
+
+static olx_result store_bytes(olx_unit_store *s, const olx_unit_name *name, const olx_byte_writer *bytes) {
+  if (bytes->failed) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory for a result", s->path);
+  const uint64_t limit = s->settings.limit_bytes;
+  if (limit && olx_work_folder_bytes(s->folder) + OLX_UNIT_HEADER_BYTES + bytes->size_bytes > limit)
+    return refuse_more(s);
+  return olx_work_folder_put(s->folder, name, bytes->data, bytes->size_bytes);
+}
+
+static olx_result store_unit(olx_unit_store *s, const olx_unit_stage *stage, uint32_t unit) {
+  olx_byte_writer bytes = {0};
+  if (s->full) return OLX_OK;
+  stage->save(stage->user, unit, &bytes);
+  const olx_result result = store_bytes(s, &(olx_unit_name){stage->name, stage->round, unit}, &bytes);
+  olx_byte_writer_free(&bytes);
+  return result;
+}
+
+olx_result olx_unit_keep(olx_unit_store *s, const olx_unit_stage *stage) {
+  return s ? store_unit(s, stage, 0) : OLX_OK;
+}
+
+static olx_result make_unit(olx_unit_store *s, const olx_unit_stage *stage, uint32_t unit) {
+  const double start = olx_seconds();
+  OLX_TRY(stage->make(stage->user, unit));
+  if (!s) return OLX_OK;
+  OLX_TRY(store_unit(s, stage, unit));
+  report(s, stage, unit, false, start);
+  return OLX_OK;
+}
+
+static olx_result refuse_missing(const olx_unit_store *s, const olx_unit_stage *stage, uint32_t missing) {
+  return olx_fail(OLX_ERROR_INCOMPLETE, "%s: %u of %u units of the stage '%s' are not there yet", s->path, missing,
+                  stage->count, stage->name);
+}
+
+static olx_result make_share(olx_unit_store *s, const olx_unit_stage *stage) {
+  uint32_t missing = 0;
+  for (uint32_t unit = 0; unit < stage->count; unit++) {
+    const olx_unit_name name = {stage->name, stage->round, unit};
+    if (is_stored(s, &name)) continue;
+    if (is_mine(s, &name)) OLX_TRY(make_unit(s, stage, unit));
+  }
+  // Others may have made theirs since.
+  for (uint32_t unit = 0; unit < stage->count; unit++) {
+    missing += !is_stored(s, &(olx_unit_name){stage->name, stage->round, unit});
+  }
+  return missing > 0 ? refuse_missing(s, stage, missing) : OLX_OK;
+}
+
+static olx_result make_all(olx_unit_store *s, const olx_unit_stage *stage) {
+  for (uint32_t unit = 0; unit < stage->count; unit++) {
+    bool missing = !is_stored(s, &(olx_unit_name){stage->name, stage->round, unit});
+    if (!missing) OLX_TRY(load_unit(s, stage, unit, &missing));
+    if (missing && olx_unit_store_joins(s)) return refuse_missing(s, stage, 1);
+    if (missing) OLX_TRY(make_unit(s, stage, unit));
+  }
+  return OLX_OK;
+}
+
+olx_result olx_units_make(olx_unit_store *s, const olx_unit_stage *stage) {
+  return olx_unit_store_is_part(s) ? make_share(s, stage) : make_all(s, stage);
+}
+
+olx_result olx_units_load(olx_unit_store *s, const olx_unit_stage *stage) {
+  uint32_t absent = 0;
+  for (uint32_t unit = 0; unit < stage->count; unit++) {
+    bool missing;
+    OLX_TRY(load_unit(s, stage, unit, &missing));
+    absent += missing;
+  }
+  return absent > 0 ? refuse_missing(s, stage, absent) : OLX_OK;
+}
+
+olx_result olx_unit_once(olx_unit_store *s, const olx_unit_stage *stage) {
+  const olx_unit_name name = {stage->name, stage->round, 0};
+  bool missing = !is_stored(s, &name);
+  if (!missing) OLX_TRY(load_unit(s, stage, 0, &missing));
+  if (!missing) return OLX_OK;
+  if (olx_unit_store_joins(s) || (olx_unit_store_is_part(s) && !is_mine(s, &name))) return refuse_missing(s, stage, 1);
+  return make_unit(s, stage, 0);
+}

@@ -1,0 +1,418 @@
+// Files of units in a folder: found by name, written beside and renamed, checked by hashes. The folder is held open from the
+// first look at it, so that nobody can put another in its place.
+#include "work/work_folder.h"
+
+#include "core/chunk_file.h"
+#include "core/hooks.h"
+#include "core/result.h"
+#include "core/temporary.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { MOST_STAGE = 15, NAME_BYTES = 64, OPEN_ATTEMPTS = 16 };
+
+#define SUFFIX ".unit"
+#define MAGIC "OLXUNIT1"
+
+static const olx_unit_name manifest_name = {"manifest", 0, 0};
+
+struct olx_work_folder {
+  int descriptor;
+  char path[PATH_MAX];
+  olx_manifest manifest;
+  uint64_t key; // of the manifest
+  uint64_t bytes;
+};
+
+// Before the bytes of a unit.
+typedef struct unit_header {
+  char magic[8];
+  uint64_t key, size_bytes, hash;
+  char stage[MOST_STAGE + 1];
+  uint32_t round, unit;
+  uint64_t header_hash; // of all before it
+} unit_header;
+
+_Static_assert(sizeof(unit_header) == OLX_UNIT_HEADER_BYTES && offsetof(unit_header, header_hash) == 56,
+               "no padding that hashes would see");
+
+// ---- Manifests
+
+void olx_manifest_add(olx_manifest *manifest, const char *name, const char *value) {
+  const size_t length = strlen(manifest->text);
+  snprintf(manifest->text + length, sizeof manifest->text - length, "%s %s\n", name, value);
+}
+
+void olx_manifest_add_hash(olx_manifest *manifest, const char *name, uint64_t hash) {
+  char value[24];
+  snprintf(value, sizeof value, "%016llx", (unsigned long long)hash);
+  olx_manifest_add(manifest, name, value);
+}
+
+olx_manifest_value olx_manifest_find(const olx_manifest *manifest, const char *name) {
+  olx_manifest_value value = {""};
+  const size_t length = strlen(name);
+  for (const char *line = manifest->text; *line;) {
+    const char *end = strchr(line, '\n');
+    if (!end) break;
+    if (strncmp(line, name, length) == 0 && line[length] == ' ') {
+      snprintf(value.text, sizeof value.text, "%.*s", (int)(end - line - (ptrdiff_t)length - 1), line + length + 1);
+    }
+    line = end + 1;
+  }
+  return value;
+}
+
+static olx_result refuse_other_bake(const olx_work_folder *f, const olx_manifest *wanted) {
+  char name[64] = "";
+  for (const char *line = wanted->text; *line; line = strchr(line, '\n') + 1) {
+    snprintf(name, sizeof name, "%.*s", (int)strcspn(line, " "), line);
+    const olx_manifest_value is = olx_manifest_find(&f->manifest, name), want = olx_manifest_find(wanted, name);
+    if (strcmp(is.text, want.text) == 0) continue;
+    return olx_fail(OLX_ERROR_ARGUMENT,
+                    "%s: the work folder is of another bake: its %s is %s, and this one's is %s; begin again with "
+                    "--fresh, or name another folder",
+                    f->path, name, *is.text ? is.text : "not known", want.text);
+  }
+  return olx_fail(OLX_ERROR_ARGUMENT, "%s: the work folder is of another bake", f->path);
+}
+
+// ---- Files
+
+static void file_of(const olx_unit_name *name, char file[NAME_BYTES]) {
+  snprintf(file, NAME_BYTES, "%.*s-%u-%u" SUFFIX, MOST_STAGE, name->stage, name->round, name->unit);
+}
+
+static bool skip_number(const char **text) {
+  const size_t digits = strspn(*text, "0123456789");
+  *text += digits;
+  return digits > 0 && digits <= 10;
+}
+
+static bool is_unit_name(const char *name) {
+  const size_t letters = strspn(name, "abcdefghijklmnopqrstuvwxyz");
+  if (letters == 0 || letters > MOST_STAGE || name[letters] != '-') return false;
+  const char *rest = name + letters + 1;
+  return skip_number(&rest) && *rest++ == '-' && skip_number(&rest) && strcmp(rest, SUFFIX) == 0;
+}
+
+// Whether the manifest names a file: it lists the stages whose units the folder has.
+static bool is_named(const olx_work_folder *f, const char *file) {
+  char stage[MOST_STAGE + 1] = "";
+  if (!is_unit_name(file)) return false;
+  memcpy(stage, file, strspn(file, "abcdefghijklmnopqrstuvwxyz"));
+  const olx_manifest_value stages = olx_manifest_find(&f->manifest, "stages");
+  const size_t length = strlen(stage);
+  for (const char *word = stages.text; *word; word += strspn(word, " ")) {
+    const size_t end = strcspn(word, " ");
+    if (end == length && strncmp(word, stage, length) == 0) return true;
+    word += end;
+  }
+  return false;
+}
+
+static unit_header header_of(const olx_work_folder *f, const olx_unit_name *name, const void *data, size_t size_bytes) {
+  unit_header header = {.key = f->key,
+                        .size_bytes = size_bytes,
+                        .hash = olx_content_hash(data, size_bytes),
+                        .round = name->round,
+                        .unit = name->unit};
+  memcpy(header.magic, MAGIC, sizeof header.magic);
+  snprintf(header.stage, sizeof header.stage, "%s", name->stage);
+  header.header_hash = olx_content_hash(&header, offsetof(unit_header, header_hash));
+  return header;
+}
+
+static int write_all(int descriptor, const void *data, size_t size_bytes) {
+  const char *bytes = data;
+  while (size_bytes > 0) {
+    const ssize_t written = write(descriptor, bytes, size_bytes);
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return written < 0 ? errno : EIO;
+    bytes += written;
+    size_bytes -= (size_t)written;
+  }
+  return 0;
+}
+
+static int write_unit(const olx_work_folder *f, const olx_unit_name *name, const void *data, size_t size_bytes) {
+  char file[NAME_BYTES];
+  olx_temporary temporary;
+  const unit_header header = header_of(f, name, data, size_bytes);
+  file_of(name, file);
+  int error = olx_temporary_create_at(f->descriptor, 0600, &temporary);
+  if (error) return error;
+  error = write_all(temporary.descriptor, &header, sizeof header);
+  if (!error) error = write_all(temporary.descriptor, data, size_bytes);
+  if (!error) return olx_temporary_put(&temporary, file);
+  olx_temporary_discard(&temporary);
+  return error;
+}
+
+olx_result olx_work_folder_put(olx_work_folder *f, const olx_unit_name *name, const void *data, size_t size_bytes) {
+  const int error = write_unit(f, name, data, size_bytes);
+  if (error) {
+    char file[NAME_BYTES];
+    file_of(name, file);
+    return olx_fail(OLX_ERROR_FILE, "%s/%s: cannot write: %s", f->path, file, strerror(error));
+  }
+  f->bytes += sizeof(unit_header) + size_bytes;
+  return OLX_OK;
+}
+
+static bool is_file(const olx_work_folder *f, const char *file, struct stat *status) {
+  return fstatat(f->descriptor, file, status, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(status->st_mode);
+}
+
+bool olx_work_folder_has(const olx_work_folder *f, const olx_unit_name *name) {
+  char file[NAME_BYTES];
+  struct stat status;
+  file_of(name, file);
+  return is_file(f, file, &status);
+}
+
+void olx_work_folder_drop(olx_work_folder *f, const olx_unit_name *name) {
+  char file[NAME_BYTES];
+  struct stat status;
+  file_of(name, file);
+  if (is_file(f, file, &status)) unlinkat(f->descriptor, file, 0);
+}
+
+static bool read_all(int descriptor, void *data, size_t size_bytes) {
+  char *bytes = data;
+  while (size_bytes > 0) {
+    const ssize_t got = read(descriptor, bytes, size_bytes);
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) return false;
+    bytes += got;
+    size_bytes -= (size_t)got;
+  }
+  return true;
+}
+
+static bool is_header(const olx_work_folder *f, const olx_unit_name *name, const unit_header *h) {
+  return memcmp(h->magic, MAGIC, sizeof h->magic) == 0 && h->key == f->key && h->round == name->round &&
+         h->unit == name->unit && strncmp(h->stage, name->stage, sizeof h->stage) == 0 &&
+         h->header_hash == olx_content_hash(h, offsetof(unit_header, header_hash));
+}
+
+// The bytes after a header that was read and is right.
+static olx_result read_content(int descriptor, const unit_header *h, const char *path, void **data) {
+  *data = olx_allocate(h->size_bytes, 1);
+  if (!*data)
+    return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory for %llu bytes", path, (unsigned long long)h->size_bytes);
+  if (read_all(descriptor, *data, h->size_bytes) && olx_content_hash(*data, h->size_bytes) == h->hash) return OLX_OK;
+  olx_release(*data);
+  *data = NULL;
+  return olx_fail(OLX_ERROR_CHECKSUM, "%s: is damaged", path);
+}
+
+static olx_result read_unit(const olx_work_folder *f, const olx_unit_name *name, int descriptor, const char *path,
+                            void **data, size_t *size_bytes) {
+  unit_header header;
+  struct stat status;
+  if (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
+    return olx_fail(OLX_ERROR_FILE, "%s: not a regular file", path);
+  }
+  const bool whole = read_all(descriptor, &header, sizeof header) && is_header(f, name, &header) &&
+                     (uint64_t)status.st_size == sizeof header + header.size_bytes;
+  if (!whole) return olx_fail(OLX_ERROR_CHECKSUM, "%s: is damaged", path);
+  *size_bytes = header.size_bytes;
+  return read_content(descriptor, &header, path, data);
+}
+
+olx_result olx_work_folder_get(const olx_work_folder *f, const olx_unit_name *name, void **data, size_t *size_bytes) {
+  char file[NAME_BYTES], path[PATH_MAX + NAME_BYTES];
+  file_of(name, file);
+  snprintf(path, sizeof path, "%s/%s", f->path, file);
+  *data = NULL;
+  *size_bytes = 0;
+  const int descriptor = openat(f->descriptor, file, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor < 0) return olx_fail(OLX_ERROR_FILE, "%s: cannot open: %s", path, strerror(errno));
+  const olx_result result = read_unit(f, name, descriptor, path, data, size_bytes);
+  close(descriptor);
+  return result;
+}
+
+// ---- The folder
+
+// What a folder holds.
+typedef struct folder_content {
+  uint64_t bytes; // of units
+  bool foreign;   // there is something that is neither a unit that the manifest names nor a temporary file
+} folder_content;
+
+// Looks at every entry, and removes units where that is wanted.
+static olx_result go_through(const olx_work_folder *f, bool remove, folder_content *content) {
+  *content = (folder_content){0};
+  const int descriptor = openat(f->descriptor, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  DIR *entries = descriptor < 0 ? NULL : fdopendir(descriptor);
+  if (!entries) {
+    if (descriptor >= 0) close(descriptor);
+    return olx_fail(OLX_ERROR_FILE, "%s: cannot read: %s", f->path, strerror(errno));
+  }
+  for (const struct dirent *entry; (entry = readdir(entries)) != NULL;) {
+    struct stat status;
+    if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0) continue;
+    const bool unit = is_named(f, entry->d_name) && is_file(f, entry->d_name, &status);
+    content->bytes += unit ? (uint64_t)status.st_size : 0;
+    content->foreign |= !unit && !olx_is_temporary_name(entry->d_name);
+    if (unit && remove) unlinkat(f->descriptor, entry->d_name, 0);
+  }
+  closedir(entries);
+  return OLX_OK;
+}
+
+static void set_manifest(olx_work_folder *f, const olx_manifest *manifest) {
+  f->manifest = *manifest;
+  f->key = olx_content_hash(manifest->text, strlen(manifest->text));
+}
+
+// The manifest's own key is that of none.
+static olx_result read_manifest(olx_work_folder *f) {
+  void *data;
+  size_t size_bytes;
+  olx_manifest manifest = {""};
+  f->key = 0;
+  const olx_result result = olx_work_folder_get(f, &manifest_name, &data, &size_bytes);
+  if (result != OLX_OK) {
+    return olx_fail(result, "%s; nothing says what the folder's other files are: remove it by hand", olx_last_error());
+  }
+  const bool fits = size_bytes < sizeof manifest.text;
+  if (fits) memcpy(manifest.text, data, size_bytes);
+  olx_release(data);
+  if (!fits) return olx_fail(OLX_ERROR_FORMAT, "%s: its manifest is too long", f->path);
+  set_manifest(f, &manifest);
+  return OLX_OK;
+}
+
+static olx_result write_manifest(olx_work_folder *f, const olx_manifest *manifest) {
+  f->key = 0;
+  OLX_TRY(olx_work_folder_put(f, &manifest_name, manifest->text, strlen(manifest->text)));
+  set_manifest(f, manifest);
+  return OLX_OK;
+}
+
+// The manifest goes last, so that what a kill leaves is still named by it.
+static olx_result begin_again(olx_work_folder *f, const olx_manifest *manifest) {
+  folder_content content;
+  OLX_TRY(go_through(f, true, &content));
+  f->bytes = 0;
+  return write_manifest(f, manifest);
+}
+
+static olx_result use_manifest(olx_work_folder *f, const olx_work_folder_settings *settings) {
+  const olx_manifest *manifest = settings->manifest;
+  folder_content content;
+  OLX_TRY(read_manifest(f));
+  if (settings->fresh && manifest) return begin_again(f, manifest);
+  if (manifest && strcmp(manifest->text, f->manifest.text) != 0) return refuse_other_bake(f, manifest);
+  OLX_TRY(go_through(f, false, &content));
+  f->bytes = content.bytes;
+  return OLX_OK;
+}
+
+// Others may write the same manifest at the same time.
+static olx_result settle_manifest(olx_work_folder *f, const olx_work_folder_settings *settings) {
+  folder_content content;
+  if (olx_work_folder_has(f, &manifest_name)) return use_manifest(f, settings);
+  if (!settings->manifest) return olx_fail(OLX_ERROR_FILE, "%s: not a work folder: it has no manifest", f->path);
+  OLX_TRY(go_through(f, false, &content));
+  if (!content.foreign) return write_manifest(f, settings->manifest);
+  if (olx_work_folder_has(f, &manifest_name)) return use_manifest(f, settings);
+  return olx_fail(OLX_ERROR_FILE, "%s: not a work folder: it has no manifest, and there are files in it", f->path);
+}
+
+static olx_result refuse_folder(const olx_work_folder *f, const char *why) {
+  return olx_fail(OLX_ERROR_FILE, "%s: cannot be a work folder: %s", f->path, why);
+}
+
+static olx_result open_folder(olx_work_folder *f, bool make) {
+  struct stat status;
+  if (make && mkdir(f->path, 0700) != 0 && errno != EEXIST) {
+    return olx_fail(OLX_ERROR_FILE, "%s: cannot create: %s", f->path, strerror(errno));
+  }
+  f->descriptor = open(f->path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+  if (f->descriptor < 0) {
+    if (errno == ENOTDIR || errno == ELOOP) return refuse_folder(f, "it is a file or a link");
+    return refuse_folder(f, strerror(errno));
+  }
+  if (fstat(f->descriptor, &status) != 0) return refuse_folder(f, strerror(errno));
+  if (status.st_uid != geteuid()) return refuse_folder(f, "it is another user's");
+  if (status.st_mode & 077) return refuse_folder(f, "others may look into it (its mode must be 0700)");
+  return OLX_OK;
+}
+
+static olx_result lock_folder(const olx_work_folder *f, olx_work_lock lock) {
+  const int operation = lock == OLX_WORK_ALONE ? LOCK_EX : LOCK_SH;
+  if (flock(f->descriptor, operation | LOCK_NB) == 0 || errno != EWOULDBLOCK) return OLX_OK;
+  return olx_fail(OLX_ERROR_FILE, "%s: another bake works in this folder", f->path);
+}
+
+// Whether the folder still has its name: whoever had it locked may have removed it.
+static bool still_there(const olx_work_folder *f) {
+  struct stat opened, named;
+  return fstat(f->descriptor, &opened) == 0 && lstat(f->path, &named) == 0 && opened.st_dev == named.st_dev &&
+         opened.st_ino == named.st_ino;
+}
+
+static olx_result open_locked(olx_work_folder *f, const olx_work_folder_settings *settings) {
+  for (uint32_t attempt = 0; attempt < OPEN_ATTEMPTS; attempt++) {
+    OLX_TRY(open_folder(f, settings->manifest != NULL));
+    OLX_TRY(lock_folder(f, settings->lock));
+    if (still_there(f)) {
+      // Where files are not locked between machines, those of others must not be taken for dead ones'.
+      if (settings->lock == OLX_WORK_ALONE) olx_temporary_reclaim(f->descriptor);
+      return settle_manifest(f, settings);
+    }
+    close(f->descriptor);
+    f->descriptor = -1;
+  }
+  return refuse_folder(f, "others keep removing it");
+}
+
+// Without slashes at the end, which would follow a link.
+static olx_result copy_path(olx_work_folder *f, const char *path) {
+  size_t length = strlen(path);
+  while (length > 1 && path[length - 1] == '/') length--;
+  if (length == 0 || length >= sizeof f->path) return olx_fail(OLX_ERROR_FILE, "'%s': cannot be a work folder", path);
+  memcpy(f->path, path, length);
+  return OLX_OK;
+}
+
+olx_result olx_work_folder_open(const char *path, const olx_work_folder_settings *settings, olx_work_folder **folder) {
+  olx_work_folder *f = olx_allocate_zero(1, sizeof *f);
+  *folder = NULL;
+  if (!f) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", path);
+  f->descriptor = -1;
+  olx_result result = copy_path(f, path);
+  if (result == OLX_OK) result = open_locked(f, settings);
+  if (result == OLX_OK) *folder = f;
+  else olx_work_folder_close(f);
+  return result;
+}
+
+void olx_work_folder_close(olx_work_folder *f) {
+  if (!f) return;
+  if (f->descriptor >= 0) close(f->descriptor);
+  olx_release(f);
+}
+
+void olx_work_folder_remove(olx_work_folder *f) {
+  folder_content content;
+  if (go_through(f, true, &content) == OLX_OK) olx_work_folder_drop(f, &manifest_name);
+  olx_temporary_reclaim(f->descriptor);
+  if (rmdir(f->path) != 0) olx_log(OLX_LOG_WARNING, "%s: the work folder stays: %s", f->path, strerror(errno));
+  olx_work_folder_close(f);
+}
+
+const olx_manifest *olx_work_folder_manifest(const olx_work_folder *f) { return &f->manifest; }
+const char *olx_work_folder_path(const olx_work_folder *f) { return f->path; }
+uint64_t olx_work_folder_bytes(const olx_work_folder *f) { return f->bytes; }

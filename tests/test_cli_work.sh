@@ -1,0 +1,144 @@
+# What `bake` and `join` say and do where work folders are damaged, full, in use, or another's: one message, an exit code, and the old
+# field as it was.
+. "$OCTALUX_SOURCE_DIR/tests/cli/expect.sh"
+: "${OCTALUX_FULL_DISK:?the library that stands for a full disk}"
+scene=(builtin:cornell --grid 2x1x2 --radiance-size 16 --noise 0.3)
+printf 'the old field' >old.olx
+
+# complains CODE PATTERN ARGUMENTS...: that exit code, one line that matches, and the old field stays.
+complains() {
+  local code=$1 pattern=$2
+  shift 2
+  expect "$code" "$@"
+  [ "$(wc -l <stderr.txt)" = 1 ] || fail "octalux $*: not one line on standard error"
+  grep -q -- "$pattern" stderr.txt || fail "octalux $*: does not say '$pattern'"
+  [ "$(cat old.olx)" = 'the old field' ] || fail "octalux $*: the old field changed"
+}
+
+expect 0 bake "${scene[@]}" -o whole.olx --no-work
+[ "$(ls -A | grep -c work)" = 0 ] || fail "a short bake made a work folder"
+
+# What a folder takes at most is said beforehand, and reckoning makes none.
+expect 0 bake "${scene[@]}" -o old.olx --dry-run --work w --json
+python3 -c 'import json; work = json.load(open("stdout.txt"))["work_bytes"]; assert 2 ** 31 < work < 2 ** 31 + 10 ** 6, work' ||
+  fail "not the size of a work folder"
+[ -e w ] && fail "reckoning made a folder"
+
+# Wrong usage.
+expect_usage "-o FILE.olx is missing" bake "${scene[@]}"
+expect_usage "--part needs --work DIR" bake "${scene[@]}" --part 1/2
+for part in 0/2 3/2 1 1/0 /2 1/2x -1/2; do
+  expect_usage "'$part' is not I/N" bake "${scene[@]}" --work w --part $part
+done
+expect_usage "--fresh and --part exclude each other" bake "${scene[@]}" --work w --part 1/2 --fresh
+expect_usage "--no-work excludes" bake "${scene[@]}" -o old.olx --no-work --keep-work
+expect_usage "--progress: 'yaml' is not json" bake "${scene[@]}" -o old.olx --progress=yaml
+[ -e w ] && fail "wrong usage made a folder"
+
+# Parts that have to wait for others say so, and so does joining.
+complains 75 "units of the stage 'light' are not there yet" bake "${scene[@]}" --work parts --part 2/2
+complains 75 "units of the stage .* are not there yet" join parts -o old.olx
+for round in $(seq 9); do
+  for part in 1/2 2/2; do "$OCTALUX" bake "${scene[@]}" --work parts --part $part >/dev/null 2>&1; done
+done
+expect 0 bake "${scene[@]}" --work parts --part 1/2 --json
+grep -q '"part":1,"parts":2,"units_made":0' stdout.txt || fail "a part that is done does not say so"
+
+# Every file of the folder damaged in turn: joining names it; a bake makes it again, but for the manifest.
+cp -r parts whole
+for file in whole/*; do
+  name=$(basename "$file")
+  rm -rf damaged
+  cp -rp whole damaged
+  printf 'X' | dd of="damaged/$name" bs=1 seek=66 conv=notrunc 2>/dev/null
+  case $name in
+  manifest*) complains 1 "$name: is damaged; nothing says" bake "${scene[@]}" -o old.olx --work damaged ;;
+  *) expect 0 bake "${scene[@]}" -o again.olx --work damaged --keep-work
+     cmp -s again.olx whole.olx || fail "$name: another field after damage" ;;
+  esac
+  case $name in # what joining reads
+  manifest* | plan* | facts* | volume* | probe*)
+    rm -rf damaged
+    cp -rp whole damaged
+    printf 'X' | dd of="damaged/$name" bs=1 seek=66 conv=notrunc 2>/dev/null
+    complains 1 "$name: is damaged" join damaged -o old.olx ;;
+  esac
+done
+rm -f whole/probe-0-2.unit
+complains 75 "units of the stage 'probe' are not there yet" join whole -o old.olx
+expect 0 join parts -o joined.olx
+cmp -s joined.olx whole.olx || fail "parts made another field"
+[ -e parts ] && fail "joining left the folder"
+
+# Other bakes, other machines, folders that are none.
+expect 0 bake "${scene[@]}" -o kept.olx --work kept --keep-work
+complains 1 "another bake: its settings is" bake "${scene[@]}" --seed 1 -o old.olx --work kept
+complains 1 "another bake: its scene is" bake builtin:pillars --grid 2x1x2 --radiance-size 16 --noise 0.3 -o old.olx --work kept
+complains 1 "another bake: its instructions is" bake "${scene[@]}" --isa sse2 -o old.olx --work kept
+mkdir -m 700 foreign
+echo mine >foreign/notes.txt
+complains 1 "foreign: not a work folder" bake "${scene[@]}" -o old.olx --work foreign
+complains 1 "foreign: not a work folder" join foreign -o old.olx
+ln -s kept link
+complains 1 "link: cannot be a work folder: it is a file or a link" bake "${scene[@]}" -o old.olx --work link
+complains 1 "absent: cannot be a work folder" join absent -o old.olx
+expect 0 bake "${scene[@]}" --seed 1 -o other.olx --work kept --fresh
+[ -e kept ] && fail "the folder stayed"
+cmp -s other.olx whole.olx && fail "--seed changed nothing"
+
+# Two bakes into one output, by one folder: the second is refused while the first works.
+expect 0 bake "${scene[@]}" -o kept.olx --work kept --keep-work
+exec 9<kept
+flock -n 9 || fail "cannot lock"
+complains 1 "kept: another bake works in this folder" bake "${scene[@]}" -o old.olx --work kept
+complains 1 "kept: another bake works in this folder" join kept -o old.olx
+exec 9<&-
+
+# interrupted FOLDER ARGUMENTS...: a bake that is interrupted when it has begun to keep results.
+interrupted() {
+  local kept=$1 code=0
+  shift
+  "$OCTALUX" bake "$@" >stdout.txt 2>stderr.txt &
+  local child=$!
+  until [ -n "$(ls "$kept" 2>/dev/null | grep light-0-0)" ] || ! kill -0 $child 2>/dev/null; do sleep 0.01; done
+  kill -INT $child 2>/dev/null
+  wait $child || code=$?
+  [ "$code" = 130 ] || fail "interrupted: exit code $code"
+  grep -q "old.olx: interrupted, nothing written; $kept holds what is done, and the same command goes on from it" stderr.txt ||
+    fail "no word of what is kept"
+  [ -e "$kept/plan-0-0.unit" ] || fail "nothing is kept"
+}
+
+# Long bakes have a folder beside their output without being asked, and short ones go on from it; it is another's for other settings.
+long=(builtin:cornell --grid 4x4x4 --radiance-size 512 --noise 0.3)
+interrupted old.olx.work "${long[@]}" -o old.olx
+[ "$(cat old.olx)" = 'the old field' ] || fail "an interrupted bake changed the old field"
+complains 1 "old.olx.work: the work folder is of another bake" bake "${scene[@]}" -o old.olx
+expect 0 bake "${scene[@]}" -o new.olx --work old.olx.work --fresh
+[ -e old.olx.work ] && fail "the folder stayed"
+cmp -s new.olx whole.olx || fail "another field after another bake"
+
+# A full disk, at ever later moments: an error, wherever it is noticed, and the next bake goes on.
+full=0
+for bytes in 100 1000 10000 100000 200000 300000 400000 500000; do
+  code=0
+  OCTALUX_DISK_BYTES=$bytes LD_PRELOAD=$OCTALUX_FULL_DISK "$OCTALUX" bake "${scene[@]}" -o old.olx --work full \
+    >stdout.txt 2>stderr.txt || code=$?
+  [ "$code" = 0 ] && break
+  full=$((full + 1))
+  { [ "$code" = 1 ] && grep -q "No space left on device" stderr.txt; } || fail "$bytes bytes: exit code $code"
+  [ "$(cat old.olx)" = 'the old field' ] || fail "a full disk changed the old field"
+done
+[ "$full" -ge 4 ] || fail "the disk was full $full times alone"
+expect 0 bake "${scene[@]}" -o old.olx --work full
+cmp -s old.olx whole.olx || fail "another field after full disks"
+[ -e full ] && fail "the folder stayed"
+
+# A bound on the folder: a whole bake goes on without, a part does not.
+expect 0 bake "${scene[@]}" -o limited.olx --work limited --work-limit 0.0001
+grep -q "limited: holds the 107374 bytes that it may" stderr.txt || fail "no word of the bound"
+cmp -s limited.olx whole.olx || fail "another field with a bound"
+printf 'the old field' >old.olx
+complains 1 "more than the 107374 bytes that the work folder may take" bake "${scene[@]}" --work limited --part 1/1 --work-limit 0.0001
+
+exit "$((failures > 0))"

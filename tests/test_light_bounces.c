@@ -1,0 +1,122 @@
+// Light that goes over links, bounce after bounce: its sums, and that solving goes on from between any two bounces to the same bits.
+#include "core/hooks.h"
+#include "core/result.h"
+#include "light/light_bounces.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { SURFELS = 3, RAYS = 2, BOUNCES = 64 };
+
+// Surfel 0 is lit; 0 and 1 see each other, 1 sees 2, 2 sees 0; of chains of mirrors there is one.
+typedef struct ring {
+  olx_link links[SURFELS * RAYS];
+  olx_fixed_light fixed[SURFELS];
+  float worth[SURFELS];
+  olx_link_batch batch;
+  olx_light_links all;
+  olx_vec3 direct[SURFELS], irradiance[SURFELS], passed_on[SURFELS];
+} ring;
+
+static olx_link link_to(uint32_t end, uint32_t chain, float weight) {
+  return (olx_link){end | chain << OLX_LINK_CHAIN_SHIFT, olx_rgb9e5_pack(olx_splat(weight))};
+}
+
+static void make_ring(ring *r) {
+  memset(r, 0, sizeof *r);
+  r->links[0] = link_to(1, 0, 0.75f);
+  r->links[1] = link_to(OLX_LINK_NOWHERE, 0, 0.0f);
+  r->links[2] = link_to(0, 0, 0.5f);
+  r->links[3] = link_to(2, 1, 0.875f);
+  r->links[4] = link_to(0, 2, 0.625f);
+  r->links[5] = link_to(1, 0, 0.9375f);
+  for (uint32_t i = 0; i < SURFELS; i++) r->worth[i] = RAYS;
+  r->direct[0] = olx_v3(4.0f, 2.0f, 1.0f);
+  r->batch = (olx_link_batch){.count = SURFELS, .rays = RAYS, .links = r->links};
+  r->all = (olx_light_links){.batches = &r->batch, .batch_count = 1, .fixed = r->fixed, .worth = r->worth};
+}
+
+// Keeps the light after some bounce, and cancels there.
+typedef struct keeper {
+  uint32_t at;
+  bool loads;
+  uint32_t done;
+  olx_vec3 light[OLX_BOUNCES_KEPT * SURFELS], irradiance[SURFELS], passed_on[SURFELS];
+} keeper;
+
+static void copy(olx_vec3 *to, const olx_vec3 *from, uint32_t count) { memcpy(to, from, count * sizeof *to); }
+
+static olx_result save(void *user, const olx_bounce_state *state) {
+  keeper *k = user;
+  assert_int_equal(state->surfel_count, SURFELS);
+  if (k->loads || state->done != k->at) return OLX_OK;
+  k->done = state->done;
+  copy(k->light, state->light, OLX_BOUNCES_KEPT * SURFELS);
+  copy(k->irradiance, state->irradiance, SURFELS);
+  copy(k->passed_on, state->passed_on, SURFELS);
+  return OLX_ERROR_CANCELLED;
+}
+
+static void load(void *user, olx_bounce_state *state) {
+  const keeper *k = user;
+  if (!k->loads) return;
+  state->done = k->done;
+  copy(state->light, k->light, OLX_BOUNCES_KEPT * SURFELS);
+  copy(state->irradiance, k->irradiance, SURFELS);
+  copy(state->passed_on, k->passed_on, SURFELS);
+}
+
+static olx_result solve(ring *r, keeper *k, uint32_t *done) {
+  const olx_bounce_keeper kept = {k, load, save};
+  return olx_bounces_solve(&r->all, SURFELS, 1, r->direct, BOUNCES, k ? &kept : NULL, r->irradiance, r->passed_on,
+                           done);
+}
+
+static void light_of_a_few_bounces_is_a_sum_over_paths(void **state) {
+  (void)state;
+  ring r;
+  uint32_t done;
+  make_ring(&r);
+  const olx_bounce_keeper none = {&(keeper){.at = UINT32_MAX}, load, save};
+  assert_int_equal(olx_bounces_solve(&r.all, SURFELS, 1, r.direct, 2, &none, r.irradiance, r.passed_on, &done), OLX_OK);
+  assert_int_equal(done, 2);
+  assert_true(r.irradiance[1].x == 4.0f * 0.25f);            // one surface: from 0
+  assert_true(r.irradiance[0].x == 4.0f * 0.25f * 0.375f);   // two: from 0 to 1 and back
+  assert_true(r.irradiance[2].x == 4.0f * 0.25f * 0.46875f); // two: from 0 over 1
+  assert_true(r.passed_on[1].x == r.irradiance[1].x);        // no direct light, and one bounce
+  assert_true(r.passed_on[0].x == 4.0f);
+}
+
+static void solving_goes_on_after_any_bounce(void **state) {
+  (void)state;
+  ring whole, parted;
+  uint32_t done, bounces;
+  make_ring(&whole);
+  assert_int_equal(solve(&whole, NULL, &bounces), OLX_OK);
+  assert_in_range(bounces, OLX_BOUNCES_KEPT + 2, BOUNCES - 1); // until one brings less than a thousandth
+  for (uint32_t at = 1; at < bounces; at++) {
+    keeper k = {.at = at};
+    make_ring(&parted);
+    assert_int_equal(solve(&parted, &k, &done), OLX_ERROR_CANCELLED);
+    assert_int_equal(done, at);
+    k.loads = true;
+    make_ring(&parted);
+    assert_int_equal(solve(&parted, &k, &done), OLX_OK);
+    assert_int_equal(done, bounces);
+    assert_memory_equal(parted.irradiance, whole.irradiance, sizeof whole.irradiance);
+    assert_memory_equal(parted.passed_on, whole.passed_on, sizeof whole.passed_on);
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(light_of_a_few_bounces_is_a_sum_over_paths),
+      cmocka_unit_test(solving_goes_on_after_any_bounce),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

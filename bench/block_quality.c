@@ -1,5 +1,5 @@
-// What blocks of 4 x 4 texels make of a baked field (docs/maths.md, "Blocks"): bytes, errors against what the field
-// stores, and the time that it takes to encode and to decode.
+// Measures what blocks of 4 x 4 texels make of a baked field (docs/maths.md, "Blocks"): bytes, errors against what the
+// field stores, and the time that it takes to encode and to decode.
 //
 //   block_quality FIELD.olx [TOLERANCE] [LEAST_COSINE] [SCENE]
 //

@@ -1,5 +1,6 @@
-// Where the error of a field's glossy layer comes from: glossy_oracle SCENE FIELD.olx [PIXELS]. For pixels of the scene's first
-// cameras, whose glossy light is averaged over rays, it compares ways to answer a ray with light of one bounce:
+// Finds where the error of a field's glossy layer comes from: glossy_oracle SCENE FIELD.olx [PIXELS]. For pixels of the
+// scene's first cameras, whose glossy light is averaged over rays, it compares ways to answer a ray with light of one
+// bounce:
 //   field      what the field answers;
 //   exact, ... a probe that truly sees what the ray meets, by its texel: the nearest, the one that looks from the most similar
 //              direction, or the one whose texel is smallest there;
@@ -7,8 +8,9 @@
 //   light, ... light computed anew where the ray meets a surface, as seen from such a probe: a perfect texel.
 // Errors are products of two independent halves, so noise adds nothing to them on average.
 #include "core/bsdf.h"
-#include "render/camera.h"
 #include "light/direct_light.h"
+#include "render/camera.h"
+#include "scene/bvh.h"
 #include "scene/surface.h"
 #include "trace/texel_shade.h"
 

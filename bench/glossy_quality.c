@@ -1,6 +1,7 @@
-// How far glossy light through a field is from path tracing, and what its pass costs, with hits shaded and with stored radiance:
-// glossy_quality SCENE FIELD.olx WIDTH HEIGHT SPP PATHS KEPT. Every camera of the scene; path traced pictures are kept in files
-// that begin with KEPT, for the next time. Errors are products of two independent halves, so noise adds nothing to them.
+// Measures how far glossy light through a field is from path tracing, and what its pass costs, with hits shaded and
+// with stored radiance: glossy_quality SCENE FIELD.olx WIDTH HEIGHT SPP PATHS KEPT. It renders every camera of the
+// scene and keeps path-traced pictures for the next time, in files that begin with KEPT. Errors are products of two
+// independent halves, so noise adds nothing to them.
 #include <octalux/octalux.h>
 #include <octalux/render.h>
 

@@ -1,6 +1,6 @@
-// What the glossy pass of pictures costs through several fields, or through one in several ways, on one thread:
-// glossy_speed SCENE WIDTH HEIGHT ROUNDS FIELD.olx:TRACER:SELECTOR.... All take turns in every round, picture by picture. Prints
-// a Markdown table of medians; the first line is what the others are compared with.
+// Measures what the glossy pass of pictures costs on one thread, through several fields or through one in several ways:
+// glossy_speed SCENE WIDTH HEIGHT ROUNDS FIELD.olx:TRACER:SELECTOR.... All take turns in every round, picture by
+// picture. Prints a Markdown table of medians, whose first line is what the others are compared with.
 #include <octalux/octalux.h>
 #include <octalux/render.h>
 

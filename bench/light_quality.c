@@ -1,5 +1,5 @@
-// How right the solved light of a scene is: irradiance at random points that cameras see, from surfels, against path
-// tracing, with the noise of the reference taken out; and how far two solutions with other random numbers differ.
+// Measures how right the solved light of a scene is: irradiance from surfels at random points that cameras see, against
+// path tracing, with the noise of the reference taken out; and how far two solutions with other random numbers differ.
 //
 //   light_quality SCENE [PROBES.json|-] [NOISE] [SPACING] [MAP] [POINTS] [PATHS] [BOUNCES] [BOUNCES]
 //
@@ -8,6 +8,7 @@
 #include "light/path.h"
 #include "light/scene_light.h"
 #include "render/camera.h"
+#include "scene/bvh.h"
 
 #include <octalux/bake.h>
 #include <octalux/place.h>

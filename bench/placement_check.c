@@ -1,4 +1,4 @@
-// Whether placed probes are where they should be, found out without anything that placement itself uses.
+// Checks whether placed probes are where they should be, without anything that placement itself uses.
 //
 //   placement_check SCENE RAYS PROBES.json...
 //

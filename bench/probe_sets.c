@@ -1,11 +1,13 @@
-// How few probes do as well as a grid: probe_sets SCENE PIXELS FIELD.olx ... Glossy light of one bounce in random pixels of the
-// scene's cameras, from every field along the very same rays, against direct light where these rays truly end. So the noise of
-// rays, and most of that of lights, is the same for all fields, and their differences show with few of either.
+// Measures how few probes do as well as a grid: probe_sets SCENE PIXELS FIELD.olx ... It compares glossy light of one
+// bounce in random pixels of the scene's cameras, from every field along the very same rays, with direct light where
+// these rays truly end. So the noise of rays, and most of that of lights, is the same for all fields, and their
+// differences show with few of either.
 //
 // Errors are products of two independent halves of a pixel's rays, so that noise adds nothing to them on average. What is
 // left of it in a ratio to the best grid is estimated by leaving out each twentieth of the pixels (jackknife).
-#include "render/camera.h"
 #include "light/direct_light.h"
+#include "render/camera.h"
+#include "scene/bvh.h"
 #include "scene/surface.h"
 
 #include <octalux/sample.h>

@@ -1,5 +1,6 @@
-// What the runtime's calls cost on one thread: runtime_speed FIELD.olx [COUNT]. Prints a Markdown table with a row for each
-// fast path and for the plain one it replaces, and how many of the fast paths' answers are not those of the plain one.
+// Measures what the runtime's calls cost on one thread: runtime_speed FIELD.olx [COUNT]. Prints a Markdown table with a
+// row for each fast path and for the plain one it replaces, and how many answers of the fast paths differ from those of
+// the plain one.
 #include <octalux/octalux.h>
 
 #include <math.h>

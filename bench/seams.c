@@ -1,5 +1,5 @@
-// Whether a picture shows the borders of probes' cages: seams SCENE FIELD.olx IMAGE.exr [CAMERA]. IMAGE is a picture of the scene
-// from that camera (the first, unless named), its camera rays through pixel centres.
+// Judges whether a picture shows the borders of probes' cages: seams SCENE FIELD.olx IMAGE.exr [CAMERA]. IMAGE is a
+// picture of the scene from that camera (the first, unless named), its camera rays through pixel centres.
 //
 // Four pixels in a row or column, on one surface, whose middle lies on a border between two cages and whose ends lie in one each,
 // give the gradient across the border and, as the mean of the outer two, the gradient beside it. Four pixels in one cage

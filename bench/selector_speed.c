@@ -1,6 +1,6 @@
-// What finding probes costs on one thread, by selector: selector_speed FIELD.olx [COUNT]. Rays leave surfaces that probes see,
-// cosine-distributed. All selectors that the field has take turns with each block of rays, each of them first in its turn, so that
-// caches and whatever else the machine does meet all of them alike. Prints a Markdown table.
+// Measures what finding probes costs on one thread, by selector: selector_speed FIELD.olx [COUNT]. Rays leave surfaces
+// that probes see, cosine-distributed. All selectors that the field has take turns with each block of rays, each of
+// them first in its turn, so that the state of caches is alike for all of them. Prints a Markdown table.
 #include <octalux/octalux.h>
 
 #include <math.h>

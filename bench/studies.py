@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measure what docs/studies.md reports beyond the papers' experiments (octalux bench), and print it as Markdown tables.
+"""Measure what docs/studies/ reports beyond the papers' experiments (octalux bench), and print it as Markdown tables.
 
     bench/studies.py [EXPERIMENT ...] [--program build/release/octalux] [--work DIR] [--quick] [--device cpu|vulkan ...] [--view NAME ...]
 

@@ -1,6 +1,6 @@
-// What limits glossy light that is read from probes: a texel holds light that leaves a surface towards its probe, and is
-// asked for light that leaves it towards the reflecting surface. For mirror rays from the pixels of a camera this compares
-//   the field's texel, and light path traced along the probe's own line of sight (a perfect texel),
+// Measures what limits glossy light that is read from probes: a texel holds light that leaves a surface towards its
+// probe, but a reflection needs light that leaves it towards the reflecting surface. For mirror rays from the pixels of
+// a camera this compares
 // with light path traced along the ray. The second is the least error that any field of these probes can have per ray.
 //
 //   viewpoint_limit SCENE FIELD.olx [RAYS]

@@ -1,3 +1,5 @@
+// Reads the options of baking that `bake` and `bench` share, and turns them into settings, with the scene's own where
+// nothing was given.
 #include "bake_options.h"
 
 #include <octalux/place.h>
@@ -39,7 +41,7 @@ void release_bake_settings(olx_bake_settings *settings) {
   settings->probes = NULL;
 }
 
-// Who says how probe light is to be made wants it.
+// Options that say how probe light is made imply that it is wanted.
 static bool asks_for_probe_light(const bake_options *given) {
   return given->probe_light || given->irradiance_grid[0] || given->irradiance_size || given->no_fit ||
          given->irradiance_form != UINT32_MAX || given->bounce_gather != UINT32_MAX;

@@ -1,4 +1,4 @@
-// What `bake` and `bench` may be told about baking.
+// The options of baking that `bake` and `bench` share.
 #ifndef OCTALUX_CLI_BAKE_OPTIONS_H
 #define OCTALUX_CLI_BAKE_OPTIONS_H
 

@@ -1,3 +1,4 @@
+// octalux audit: prints how often and how far a field's answers differ from those of real rays and of path tracing.
 #include "commands.h"
 #include "options.h"
 #include "report.h"

@@ -1,3 +1,4 @@
+// octalux bake: bakes a scene into a field file, or prints what the bake would take without making it.
 #include "bake_options.h"
 #include "commands.h"
 #include "files.h"

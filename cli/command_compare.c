@@ -1,3 +1,4 @@
+// octalux compare: prints metrics of two images layer by layer, draws maps of FLIP, and writes a report.
 #include "commands.h"
 #include "comparison.h"
 #include "files.h"
@@ -89,7 +90,7 @@ static int print_compare_json(const comparison *c) {
   return print_json("compare", object);
 }
 
-// A number that layers without colours do not have.
+// Prints a perceptual metric, which layers without colours do not have.
 static void print_perceptual(double value) {
   if (isnan(value)) printf(" %8s", "-");
   else printf(" %8.5f", value);
@@ -115,7 +116,7 @@ static const char *bounces_text(const olx_image *image, char text[16]) {
   return text;
 }
 
-// Pictures with other bounces differ by light that one of them was never to have.
+// Warns of pictures with different bounces, which differ by light that one of them cannot have.
 static void warn_of_other_bounces(const comparison *c) {
   const olx_image *a = &c->images[0], *b = &c->images[1];
   char texts[2][16];

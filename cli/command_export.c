@@ -1,4 +1,4 @@
-// octalux export: maps of probes as pictures, and a field's parts as a model, for other tools.
+// octalux export: writes maps of probes as pictures, and parts of a field as a model, for other tools.
 #include "commands.h"
 #include "files.h"
 #include "options.h"

@@ -1,3 +1,4 @@
+// octalux info and octalux verify: print what a field file holds, packed or not, and check every byte of it.
 #include "commands.h"
 #include "options.h"
 #include "report.h"
@@ -48,7 +49,7 @@ static select_list select_names(uint32_t mask) {
   return list;
 }
 
-// What a file says of itself.
+// The description that a file holds.
 typedef struct description {
   olx_field_info info;
   double origin[3]; // metres: positions in `info` are relative to it
@@ -217,7 +218,7 @@ int command_info(int argc, char **argv) {
   return EXIT_DONE;
 }
 
-// A packed field is unpacked to nowhere.
+// Verifies a packed field by unpacking it without writing anything.
 static olx_result verify_packed(const char *path, uint64_t *bytes) {
   const olx_unpack_settings settings = {.most_bytes = UINT64_MAX};
   olx_packed_info info;

@@ -1,4 +1,4 @@
-// octalux pack and octalux unpack: a field made small for shipping, and the same field again.
+// octalux pack and octalux unpack: make a field small for shipping, and restore the same field from it.
 #include "commands.h"
 #include "files.h"
 #include "options.h"

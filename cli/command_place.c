@@ -1,3 +1,4 @@
+// octalux place: places the probes of a scene, prints what they cover, and saves them as JSON and as a picture.
 #include "commands.h"
 #include "files.h"
 #include "options.h"
@@ -10,7 +11,7 @@
 #include <inttypes.h>
 #include <stdio.h>
 
-// What may be given; 0: not given.
+// The options of the command; 0 means that one is not given.
 typedef struct place_options {
   uint32_t method, count, views, resolution, surfels, candidates, voxels, refinements, seed, threads, grid[3];
   uint32_t optimize, reward, rounds;
@@ -19,7 +20,7 @@ typedef struct place_options {
 
 static olx_result resolve_place_options(const olx_scene *scene, const place_options *given, olx_place_settings *s) {
   *s = olx_place_settings_default(scene);
-  // The words of the option stand in the order of the library's enumeration.
+  // The words of the option have the order of the library's enumeration.
   s->method = (olx_place_method)given->method;
   s->optimize = (olx_place_optimizer)given->optimize;
   s->reward = (olx_place_reward)given->reward;

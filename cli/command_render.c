@@ -1,3 +1,5 @@
+// octalux render: renders pictures of a scene by path tracing or from a field, on the CPU or with indirect light from a
+// Vulkan device.
 #include "commands.h"
 #include "files.h"
 #include "options.h"
@@ -41,7 +43,7 @@ static olx_denoise_settings denoise_settings(uint32_t choice) {
                        : olx_denoise_settings_default();
 }
 
-// What --mode stands for, unless more special options say otherwise.
+// Expands --mode into the settings that it abbreviates, unless more specific options override them.
 static void apply_mode(const render_options *o, olx_render_settings *settings) {
   if (o->mode == MODE_GATHER) {
     const uint32_t count = o->gather_samples ? o->gather_samples : DEFAULT_GATHER_SAMPLES;
@@ -103,7 +105,7 @@ static int check_device(const render_options *o) {
   return EXIT_DONE;
 }
 
-// What cannot be meant; 0 when all is well.
+// Refuses options that contradict each other; 0 when all is well.
 static int check_options(render_options *o) {
   const bool exr = ends_with(o->output, ".exr");
   if (!exr && !is_output_named(o->output, ".png")) {
@@ -223,7 +225,7 @@ static olx_camera *make_cameras(const render_options *o, const olx_scene *scene,
   return cameras;
 }
 
-// What a picture is made with, and what came of it.
+// The inputs of a picture, and its results.
 typedef struct render_job {
   const render_options *options;
   const olx_scene *scene;

@@ -1,3 +1,4 @@
+// octalux scene: loads a scene, prints what it consists of, and writes it as a cooked file.
 #include "commands.h"
 #include "files.h"
 #include "options.h"

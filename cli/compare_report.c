@@ -1,3 +1,4 @@
+// Writes the report of a comparison: pictures laid over each other, metrics as tables and bars, and curves of FLIP.
 #include "comparison.h"
 #include "html_report.h"
 #include "options.h"

@@ -1,4 +1,4 @@
-// What `octalux compare` was asked, and what it found.
+// The options of `octalux compare`, and its results.
 #ifndef OCTALUX_CLI_COMPARISON_H
 #define OCTALUX_CLI_COMPARISON_H
 

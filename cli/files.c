@@ -1,5 +1,5 @@
-// Checks of a command's inputs and outputs that need more than one of them; what may become of a single output is the
-// library's to say.
+// Checks those inputs and outputs of a command that depend on each other; whether a single output can be written is
+// checked by the library.
 #include "files.h"
 
 #include "options.h"

@@ -1,4 +1,4 @@
-// Pictures and maps of a report, as the page's script unpacks them.
+// Encodes the pictures and maps of a report in the form that the page's script decodes.
 #include "html_report.h"
 
 #include "report.h"

@@ -1,3 +1,4 @@
+// Builds a report as a tree of JSON, and writes it into one HTML file together with the page's script and style.
 #include "html_report.h"
 
 #include "options.h"

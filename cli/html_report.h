@@ -15,7 +15,7 @@ char *command_text(int argc, char **argv);
 cJSON *html_report_begin(const char *title, const char *command);
 cJSON *html_report_section(cJSON *report, const char *heading, const char *note, const char *command);
 
-// A table: give it columns, then rows of as many cells, by cJSON_AddItemToArray. Numbers stand as they are in --json;
+// A table: give it columns, then rows of as many cells, by cJSON_AddItemToArray. Numbers are those of --json;
 // null is a number that is not finite.
 cJSON *html_report_table(cJSON *section, const char *caption);
 void html_report_column(cJSON *table, const char *name, const char *note);
@@ -33,7 +33,7 @@ olx_result html_report_picture(cJSON *frame, const char *name, const olx_image *
 olx_result html_report_flip(cJSON *frame, const char *name, const float *flip_map);
 olx_result html_report_squares(cJSON *frame, const char *name, const olx_image *image, const olx_image *reference,
                                olx_layer layer);
-// The last `count` maps are those of the picture of that name: shown while it stands left of the divider.
+// Declares the last `count` maps to belong to the picture of that name: they are shown while it is left of the divider.
 void html_report_maps_of(cJSON *frame, int count, const char *picture);
 // A number that is shown beside the frame's pictures.
 void html_report_fact(cJSON *frame, const char *name, double value);

@@ -1,4 +1,4 @@
-// octalux: the command line of Octalux.
+// Runs the command that the first argument of `octalux` names, and prints the list of commands.
 #include "commands.h"
 #include "options.h"
 #include "stop.h"

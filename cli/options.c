@@ -1,3 +1,4 @@
+// Parses the arguments of a command by a table of its options, and prints --help and errors from the same table.
 #include "options.h"
 
 #include <octalux/base.h>
@@ -8,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// What stands before a command's name; programs of their own, octalux-NAME, have it in theirs.
+// The prefix of a command's name in messages; programs of their own, octalux-NAME, have it in their names.
 static const char *program(const char *command) { return strncmp(command, "octalux", 7) == 0 ? "" : "octalux "; }
 
 static void complain(const char *command, const char *format, va_list arguments) {

@@ -40,7 +40,7 @@ typedef struct option {
 
 typedef struct command_line {
   const char *name, *summary;
-  const char *arguments[MAX_ARGUMENTS]; // names of what stands without a dash; NULL: none. In brackets: may be left out
+  const char *arguments[MAX_ARGUMENTS]; // names of arguments without a dash; NULL: none. In brackets: may be left out
   const char *given[MAX_ARGUMENTS];     // filled by parsing; NULL when left out
   const option *options;
   size_t option_count;
@@ -53,7 +53,7 @@ bool parse_options(command_line *line, int argc, char **argv, int *exit_code);
 // Print "octalux NAME: message" and return EXIT_USAGE or EXIT_FAILED.
 int usage_error(const char *command, const char *format, ...) __attribute__((format(printf, 2, 3)));
 int failure(const char *command, const char *format, ...) __attribute__((format(printf, 2, 3)));
-// The same with the library's last message.
+// Prints "octalux NAME: " with the library's last message and returns EXIT_FAILED.
 int library_failure(const char *command);
 
 bool ends_with(const char *text, const char *ending);

@@ -1,3 +1,5 @@
+// Draws a picture of a placement: the scene with the skeleton of free space, the probes, and surfaces that stay
+// uncovered.
 #include "place_picture.h"
 
 #include <octalux/render.h>

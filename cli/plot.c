@@ -1,3 +1,4 @@
+// Draws curves and bars with axes, grids and legends as SVG text.
 #include "plot.h"
 
 #include <math.h>
@@ -50,7 +51,7 @@ static double tick_step(double range, int count) {
   return power * (share < 1.5 ? 1.0 : share < 3.5 ? 2.0 : share < 7.5 ? 5.0 : 10.0);
 }
 
-// Widen the axis to what values ask for, then to whole ticks.
+// Widens the axis to hold the values, then to whole ticks.
 static void include_values(axis *a, const double *values, uint32_t count) {
   for (uint32_t i = 0; i < count; ++i) {
     if (!drawable(values[i], a->logarithmic)) continue;

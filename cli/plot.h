@@ -1,4 +1,4 @@
-// Plots as SVG text, coloured by the style sheet of the page they stand in (html/report.css).
+// Plots as SVG text, coloured by the style sheet of the page that holds them (html/report.css).
 #ifndef OCTALUX_CLI_PLOT_H
 #define OCTALUX_CLI_PLOT_H
 

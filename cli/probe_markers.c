@@ -1,3 +1,4 @@
+// Draws a field's probes into a picture as small spheres, which surfaces in front of them hide.
 #include "probe_markers.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+// Runs frames of a relighter until the light of a field agrees with the lights that a scene has now.
 #include "relit_field.h"
 
 #include "stop.h"

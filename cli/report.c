@@ -1,3 +1,4 @@
+// Prints what a command found, as JSON or as lines for people, and shows progress on standard error while it works.
 #include "report.h"
 
 #include "clock.h"

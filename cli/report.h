@@ -1,4 +1,4 @@
-// What a command tells: one JSON object, or lines for people; and progress while it works.
+// The output of a command, one JSON object or lines for people, and its progress while it works.
 #ifndef OCTALUX_CLI_REPORT_H
 #define OCTALUX_CLI_REPORT_H
 

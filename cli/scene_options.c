@@ -1,4 +1,4 @@
-// Loading a scene as the command line says: its limits of imports, and whether models may name files outside.
+// Loads a scene as the command line has it: with its limits of imports, and whether models may name files outside.
 #include "scene_options.h"
 
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-// What every command that loads a scene may be told about loading it.
+// The options of loading a scene, which every command that loads one takes.
 #ifndef OCTALUX_CLI_SCENE_OPTIONS_H
 #define OCTALUX_CLI_SCENE_OPTIONS_H
 

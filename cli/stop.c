@@ -45,7 +45,7 @@ static void remove_folder(void) {
 _Noreturn static void leave_at_once(void) {
   char line[128];
   remove_folder();
-  // Past the streams: another thread may hold their locks.
+  // The line is written without the streams, since another thread may hold their locks.
   const int length = snprintf(line, sizeof line, "octalux %.64s: interrupted\n", stop.command);
   (void)!write(STDERR_FILENO, line, (size_t)length);
   _exit(128 + stop.signal);

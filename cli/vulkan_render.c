@@ -1,3 +1,5 @@
+// Renders pictures whose surfaces and direct light come from the CPU, and whose indirect light comes from a field on a
+// Vulkan device.
 #include "vulkan_render.h"
 
 #include "clock.h"
@@ -99,7 +101,7 @@ static void look_from(vulkan_job *job) {
   memcpy(job->view.clip_to_world, job->gbuffer.clip_to_world, sizeof job->view.clip_to_world);
 }
 
-// Those that are recorded below.
+// The passes that are recorded below.
 static uint32_t passes_of(const olx_render_settings *s) {
   if (s->method == OLX_METHOD_CLASSIC) return OLX_VULKAN_PASS_COMPOSITE;
   return OLX_VULKAN_PASS_GLOSSY | OLX_VULKAN_PASS_COMPOSITE |

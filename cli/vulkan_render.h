@@ -26,7 +26,7 @@ typedef struct vulkan_request {
   const olx_progress *progress;
 } vulkan_request;
 
-// On success the image is the caller's to free. problem: empty, or what went wrong on the device; the result tells of
+// On success the image is the caller's to free. problem: empty, or what went wrong on the device; the result reports
 // everything else, with a message of the library's.
 olx_result vulkan_render(const vulkan_request *request, olx_image *image, olx_render_stats *stats,
                          vulkan_timing *timing, char problem[VULKAN_PROBLEM_BYTES]);

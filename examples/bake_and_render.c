@@ -1,4 +1,4 @@
-// A scene becomes a field, and the field a picture: bake_and_render SCENE FIELD.olx PICTURE.png.
+// Bakes a scene into a field, and renders a picture from the field: bake_and_render SCENE FIELD.olx PICTURE.png.
 #include <octalux/bake.h>
 #include <octalux/render.h>
 

@@ -1,4 +1,4 @@
-// The smallest use of the runtime: open a baked field and ask for the light at a point.
+// Shows the smallest use of the runtime: opens a baked field and looks up the light at a point.
 #include <octalux/octalux.h>
 
 #include <math.h>

@@ -1,3 +1,5 @@
+// Opens a Vulkan device through the loader that the system has, with or without a window and validation layers, and
+// runs commands on its one queue.
 #include "gpu_device.h"
 
 #include <dlfcn.h>

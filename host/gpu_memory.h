@@ -14,10 +14,10 @@ typedef struct gpu_buffer {
 // `what` names it in messages. With `host` both sides see it, coherently, else it lies in device-local memory.
 bool gpu_buffer_create(gpu_device *device, const char *what, VkDeviceSize bytes, VkBufferUsageFlags usage, bool host,
                        gpu_buffer *buffer);
-// The same in device-local memory, with `data` in it.
+// Creates a buffer in device-local memory that holds `data`.
 bool gpu_buffer_upload(gpu_device *device, const char *what, const void *data, VkDeviceSize bytes,
                        VkBufferUsageFlags usage, gpu_buffer *buffer);
-// Other data for a whole buffer that gpu_buffer_upload made; nothing that uses it may be pending.
+// Replaces all data of a buffer that gpu_buffer_upload made; nothing that uses it may be pending.
 bool gpu_buffer_refill(gpu_device *device, const char *what, const void *data, gpu_buffer *buffer);
 void gpu_buffer_destroy(gpu_device *device, gpu_buffer *buffer);
 
@@ -45,7 +45,7 @@ void gpu_image_destroy(gpu_device *device, gpu_image *image);
 // A barrier between all that was recorded before and all that follows, and a change of layout of the whole image.
 void gpu_image_barrier(const gpu_device *device, VkCommandBuffer commands, const gpu_image *image, VkImageLayout from,
                        VkImageLayout to);
-// The same for one level.
+// Records a barrier and a change of layout for one level of an image.
 void gpu_level_barrier(const gpu_device *device, VkCommandBuffer commands, const gpu_image *image, uint32_t level,
                        VkImageLayout from, VkImageLayout to);
 // A barrier for all memory between all that was recorded before and all that follows, the host's reading too.

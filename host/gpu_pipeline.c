@@ -1,3 +1,4 @@
+// Makes descriptor sets, and graphics and compute pipelines from SPIR-V that is embedded in the program.
 #include "gpu_pipeline.h"
 
 bool gpu_set_create(gpu_device *d, const char *what, const VkDescriptorType *types, uint32_t count,

@@ -44,8 +44,8 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_FIELD_BINDINGS 13
 #define OLX_FIELD_STORAGE_BUFFERS 3
 
-// The buffer of classic maps: a header of words, which tell what begins at which word, and then all of it as it lies in
-// the file.
+// The buffer of classic maps: a header of words, which say at which word each part begins, and then all of it as it
+// lies in the file.
 #define OLX_CLASSIC_SIZE 0 // texels along a side
 #define OLX_CLASSIC_TABLE 1
 #define OLX_CLASSIC_BOXES 2
@@ -62,7 +62,7 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_BINDING_SURFACE_NORMAL 1
 #define OLX_BINDING_ALBEDO 2
 #define OLX_BINDING_ROUGHNESS 3
-#define OLX_BINDING_GEOMETRIC_NORMAL 4 // where the host has none of these three, another image stands there, unread
+#define OLX_BINDING_GEOMETRIC_NORMAL 4 // where the host has none of these three, another image is bound, unread
 #define OLX_BINDING_VERTEX_NORMAL 5
 #define OLX_BINDING_DYNAMIC 6
 #define OLX_BINDING_OUT_IRRADIANCE 7 // storage, rgba16f
@@ -70,7 +70,7 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_BINDING_OUT_COLOR 9
 #define OLX_FRAME_BINDINGS 10
 
-// The descriptor set of what a lobe's rays find, for the denoiser. Without it, the lobe's output stands there.
+// The descriptor set of what a lobe's rays find, for the denoiser. Without it, the lobe's output is bound in its place.
 // Storage, rgba16f: light before albedo and Fresnel; alpha: 1 / distance, negative for none.
 #define OLX_BINDING_SAMPLE 0
 #define OLX_SAMPLE_BINDINGS 1
@@ -236,7 +236,7 @@ OLX_GPU_STRUCT(olx_gpu_probe) {
   olx_gpu_uint flags; // OLX_PROBE_*
 };
 
-// A light, as olx_relight_light has it; the direction of a sun or spot stands in edge_u.
+// A light, as olx_relight_light has it; the direction of a sun or spot is stored in edge_u.
 OLX_GPU_STRUCT(olx_gpu_light) {
   olx_gpu_vec4 emission, position, edge_u, edge_v; // xyz
   olx_gpu_uint type, both_sides;
@@ -285,8 +285,8 @@ OLX_GPU_STRUCT(olx_gpu_frame) {
   olx_gpu_uint padding[2];
 };
 
-// A camera; its viewing axis stands upright on `right` and `up`. Projections may be shifted (by a jitter): pixel (x, y)
-// is seen where an unshifted picture has (x + eye.w, y + right.w).
+// A camera; its viewing axis is perpendicular to `right` and `up`. Projections may be shifted (by a jitter): pixel (x,
+// y) is seen where an unshifted picture has (x + eye.w, y + right.w).
 OLX_GPU_STRUCT(olx_gpu_camera) {
   olx_gpu_vec4 eye;
   olx_gpu_vec4 right, up; // from the middle of the image plane at distance 1 to its edges

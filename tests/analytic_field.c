@@ -1,3 +1,5 @@
+// Makes fields of rooms and boxes in memory, whose distances, normals and light follow in closed form, for tests of the
+// runtime.
 #include "analytic_field.h"
 
 #include "core/hooks.h"

@@ -1,3 +1,4 @@
+// Bakes and opens fields for tests, and asserts that the number of threads does not change a byte.
 #include "baked_field.h"
 
 #include "field/field_data.h"

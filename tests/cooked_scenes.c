@@ -1,3 +1,5 @@
+// Writes a scene that uses every feature of cooked files, and gives tests access to the bytes and checksums of a cooked
+// file.
 #include "cooked_scenes.h"
 
 #include "gltf_maker.h"

@@ -1,3 +1,5 @@
+// Gives tests of field files a folder, a small field written to it, and the means to damage the file and seal its
+// checksums again.
 #include "field_fixture.h"
 
 #include <dirent.h>

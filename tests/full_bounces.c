@@ -1,4 +1,4 @@
-// Bounces between probes, by both ways of gathering them: against what is known, and against the path tracer.
+// Tests bounces between probes, by both ways of gathering them, against what is known and against the path tracer.
 #include "baked_field.h"
 #include "core/sampling.h"
 #include "field/maps.h"

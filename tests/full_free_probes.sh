@@ -1,5 +1,5 @@
 # Free probes, found by bricks, with maps of 512^2: rays that stay unresolved or end in the wrong place are as few as
-# docs/studies.md says, on Sponza and in the temple. Models are looked for in OCTALUX_SCENES, or in ../shared/scenes.
+# docs/studies/rays.md says, on Sponza and in the temple. Models are looked for in OCTALUX_SCENES, or in ../shared/scenes.
 set -euo pipefail
 export OCTALUX_SCENES=${OCTALUX_SCENES:-$OCTALUX_SOURCE_DIR/../shared/scenes}
 sponza=$OCTALUX_SOURCE_DIR/scenes/sponza.json

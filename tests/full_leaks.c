@@ -1,5 +1,5 @@
-// The field beside original irradiance probes where walls stand between probes: the dissertation's rooms (chapter 5) and the leak
-// figures of McGuire et al. 2017. Both methods have the same probes, the same light, and the same camera.
+// Compares the field with the baseline where walls are between probes: the dissertation's rooms (chapter 5) and the
+// leak figures of McGuire et al. 2017. Both methods have the same probes, the same light, and the same camera.
 #include "baked_field.h"
 
 #include <octalux/render.h>

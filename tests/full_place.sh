@@ -1,6 +1,6 @@
 # Every method places probes in every scene where they may be, by a check that shares nothing with placement; cover sees
-# what docs/studies.md says it sees. Models are looked for in OCTALUX_SCENES, or in ../shared/scenes beside the checkout. Probes are
-# moved by both optimizers in the scenes that OPTIMIZED names; soak_place.sh does so in all.
+# what docs/studies/placement.md says it sees. Models are looked for in OCTALUX_SCENES, or in ../shared/scenes beside the
+# checkout. Probes are moved by both optimizers in the scenes that OPTIMIZED names; soak_place.sh does so in all.
 set -euo pipefail
 export OCTALUX_SCENES=${OCTALUX_SCENES:-$OCTALUX_SOURCE_DIR/../shared/scenes}
 check=$(dirname "$OCTALUX")/bench/placement_check
@@ -20,7 +20,7 @@ for name in cornell temple sponza white-room kitchen small-house pandora; do
   fi
   sets=() shares=()
   for method in sdf medial cover; do
-    # What the report says is covered, and what the check finds. Covers see 99.9 % (docs/studies.md). The skeletons' methods
+    # What the report says is covered, and what the check finds. Covers see 99.9 % (docs/studies/placement.md). The skeletons' methods
     # stop at their clusters, whatever those see: nine by sdf in Sponza 78 %, fourteen in pandora 91 %, elsewhere they see
     # 98.6 % and more. The check's ball finds the way out of pandora, to where no probe has to see anything.
     told=0.98

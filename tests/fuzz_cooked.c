@@ -4,6 +4,7 @@
 #include "cooked_scenes.h"
 #include "core/sampling.h"
 #include "counted_memory.h"
+#include "scene/bvh.h"
 #include "scene/surface.h"
 
 #include <stdio.h>

@@ -1,8 +1,8 @@
-// A glTF file is made of arrays that are put behind each other into one buffer; the JSON that names them grows
-// beside it.
+// Makes small glTF files for tests from arrays that are put behind each other into one buffer, while the JSON that
+// names them grows beside it.
 #include "gltf_maker.h"
 
-#include "scene_files.h"
+#include "data_uris.h"
 
 #include <meshoptimizer.h>
 
@@ -84,7 +84,7 @@ void gltf_add_indices(gltf_maker *m, const char *name, bool triangles) {
 
 char *gltf_maker_text(const gltf_maker *m, const char *primitive, const char *nodes, const char *more, bool binary) {
   const size_t capacity = 32768 + strlen(primitive) + strlen(nodes) + strlen(more);
-  char *uri = scene_files_data_uri(m->bytes, m->size_bytes), *text = malloc(capacity);
+  char *uri = make_data_uri(m->bytes, m->size_bytes), *text = malloc(capacity);
   snprintf(text, capacity,
            "{\"asset\": {\"version\": \"2.0\"}, \"scenes\": [{\"nodes\": [0]}], \"nodes\": %s,\n"
            "\"meshes\": [{\"primitives\": [%s]}],\n\"accessors\": [%s],\n\"bufferViews\": [%s],\n"

@@ -1,3 +1,5 @@
+// Uses fields that may be hostile as a host would: opens, verifies, samples and relights them by choices that a seed
+// decides, and aborts when a promise does not hold.
 #include "hostile_field.h"
 
 #include "core/hooks.h"

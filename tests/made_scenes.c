@@ -1,3 +1,4 @@
+// Makes small scenes from squares, rooms and textures for tests.
 #include "made_scenes.h"
 
 #include "core/hooks.h"

@@ -1,4 +1,4 @@
-// Packed fields in memory, for tests that spoil them.
+// Packs fields in memory, for tests that spoil them.
 #include "packed_fields.h"
 
 #include "core/hooks.h"

@@ -1,3 +1,5 @@
+// Runs functions of shaders/lib on a device and their C twins on the same random and extreme inputs, and judges how far
+// the results differ.
 #include "parity.h"
 
 #include "bake/voronoi_build.h"

@@ -1,4 +1,4 @@
-// Original irradiance probes.
+// The baseline: irradiance probes without visibility.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #define OLX_CLASSIC_SET 2

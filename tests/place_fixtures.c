@@ -1,3 +1,4 @@
+// Makes the rooms, settings and assertions that tests of placement share.
 #include "place_fixtures.h"
 
 #include "made_scenes.h"

@@ -1,3 +1,5 @@
+// Lights a small room by a field on the device, and compares its light with what the CPU makes of a field, for tests of
+// relighting.
 #include "relit_room.h"
 
 #include "core/bsdf.h"

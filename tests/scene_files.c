@@ -1,5 +1,7 @@
+// Writes small OBJ, glTF, GLB and image files into a temporary folder for tests of imports.
 #include "scene_files.h"
 
+#include "data_uris.h"
 #include "gltf_maker.h"
 
 #include <octalux/base.h>
@@ -70,28 +72,6 @@ static void square_buffer(uint8_t bytes[SQUARE_BYTES]) {
   const uint16_t indices[6] = {0, 1, 2, 0, 2, 3};
   memcpy(bytes, vertices, sizeof vertices);
   memcpy(bytes + sizeof vertices, indices, sizeof indices);
-}
-
-static void encode_base64(const uint8_t *bytes, size_t size_bytes, char *text) {
-  static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  for (size_t i = 0; i < size_bytes; i += 3) {
-    uint32_t bits = (uint32_t)bytes[i] << 16;
-    if (i + 1 < size_bytes) bits |= (uint32_t)bytes[i + 1] << 8;
-    if (i + 2 < size_bytes) bits |= bytes[i + 2];
-    *text++ = digits[bits >> 18];
-    *text++ = digits[(bits >> 12) & 63];
-    *text++ = i + 1 < size_bytes ? digits[(bits >> 6) & 63] : '=';
-    *text++ = i + 2 < size_bytes ? digits[bits & 63] : '=';
-  }
-  *text = 0;
-}
-
-char *scene_files_data_uri(const void *data, size_t size_bytes) {
-  static const char head[] = "data:application/octet-stream;base64,";
-  char *uri = malloc(sizeof head + size_bytes * 2 + 8);
-  memcpy(uri, head, sizeof head);
-  encode_base64(data, size_bytes, uri + sizeof head - 1);
-  return uri;
 }
 
 char *scene_files_gltf(const char *materials, int mesh_material, const char *nodes, const char *more, bool binary) {

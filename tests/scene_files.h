@@ -29,9 +29,6 @@ char *scene_files_gltf(const char *materials, int mesh_material, const char *nod
 // The same as a .glb in *data, to be freed; returns its size.
 size_t scene_files_glb(const char *materials, int mesh_material, const char *nodes, const char *more, uint8_t **data);
 
-// `size_bytes` of data as a URI: "data:application/octet-stream;base64,...". Free it.
-char *scene_files_data_uri(const void *data, size_t size_bytes);
-
 // A 2 x 2 image file (TGA): upper left red, upper right green, lower left blue, lower right white with alpha 0.
 size_t scene_files_tga(uint8_t data[34]);
 

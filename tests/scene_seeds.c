@@ -1,3 +1,4 @@
+// Makes the small valid files that fuzzers of scenes begin from, which together have all features that are read.
 #include "scene_seeds.h"
 
 #include "gltf_maker.h"

@@ -1,6 +1,9 @@
+// Checks what must hold for every scene that loads: numbers in order, indices in range, and rays that find what is
+// there.
 #include "sound_scene.h"
 
 #include "core/sampling.h"
+#include "scene/bvh.h"
 #include "scene/surface.h"
 
 #include <math.h>

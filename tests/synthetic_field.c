@@ -1,3 +1,5 @@
+// Writes small field files that are valid throughout but whose maps are made up, for tests of files and of what reads
+// them.
 #include "synthetic_field.h"
 
 #include "bake/selectors.h"

@@ -1,5 +1,5 @@
-// Baking, against scenes whose light is known: spheres and boxes that return what they get, mirrors, skies; and the file,
-// which is whole or untouched whatever happens, and the same for any number of threads.
+// Tests baking against scenes whose light is known, such as spheres and boxes that return what they get, mirrors and
+// skies; and the file, which is whole or untouched whatever happens, and the same for any number of threads.
 #include "bake/quadrature.h"
 #include "core/hooks.h"
 #include "core/pack.h"

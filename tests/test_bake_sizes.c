@@ -1,5 +1,5 @@
-// A bake says beforehand what it takes, by the code that allocates and lays out: the file to the byte, memory to a few per
-// cent; and one that does not fit is refused before it begins.
+// Tests that a bake reports beforehand what it takes, the file to the byte and memory to a few per cent, and that one
+// that does not fit is refused before it begins.
 #include "block/geometry_encode.h"
 #include "core/hooks.h"
 #include "scene_files.h"

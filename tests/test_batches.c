@@ -1,4 +1,4 @@
-// Many points at once: what is said of each is what the call for one point says, to the last bit.
+// Tests that queries of many points at once give what the query of each point gives, to the last bit.
 #include "baked_field.h"
 
 #include "core/sampling.h"

@@ -1,5 +1,5 @@
-// Geometry blocks: planes that are encoded come back within the tolerance, bounds hold, and nothing that a file may
-// hold does harm.
+// Tests geometry blocks: planes that are encoded come back within the tolerance, bounds hold, and nothing that a file
+// may hold does harm.
 #include "block/geometry_encode.h"
 #include "core/sampling.h"
 

@@ -1,5 +1,5 @@
-// What textures of blocks decode to on a device is what src/block decodes: any bits, all modes. BC6H is defined to the
-// last bit; of the others the formats leave rounding open.
+// Tests that textures of blocks decode on a device to what src/block decodes, for any bits and all modes. BC6H is
+// defined to the last bit; the other formats leave rounding open.
 #include "block/bc1.h"
 #include "block/bc4.h"
 #include "block/bc6h.h"

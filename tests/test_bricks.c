@@ -1,4 +1,4 @@
-// Bricks: cells of space that list the probes which see them.
+// Tests bricks: how cells of space come to list the probes that see them, and what is read from the lists.
 #include "made_scenes.h"
 
 #include "bake/bricks_build.h"

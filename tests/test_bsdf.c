@@ -1,4 +1,4 @@
-// The reflection model: normalisation, sampling against densities, reciprocity, energy.
+// Tests the reflection model: normalisation, sampling against densities, reciprocity, energy.
 #include "core/bsdf.h"
 #include "core/sampling.h"
 

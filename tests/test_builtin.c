@@ -1,7 +1,9 @@
-// The built-in scenes: closed where they should be, probes where they are said to be, the same every time.
+// Tests that the built-in scenes are closed where they should be, have their probes where they claim to, and are the
+// same every time.
 #include "core/hooks.h"
 #include "core/sampling.h"
 #include "made_scenes.h"
+#include "scene/bvh.h"
 #include "scene/emitters.h"
 #include "scene/surface.h"
 

@@ -1,4 +1,4 @@
-// The ray caster: what it hits, what it lets through, and that packets answer as single rays do.
+// Tests the ray caster: what it hits, what it lets through, and that packets answer as single rays do.
 #include "core/sampling.h"
 #include "made_scenes.h"
 #include "scene/bvh.h"

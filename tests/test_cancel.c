@@ -1,4 +1,4 @@
-// Cancelling: whatever takes long ends with OLX_ERROR_CANCELLED soon after its progress returned false, and leaves
+// Tests that whatever takes long ends with OLX_ERROR_CANCELLED soon after its progress returned false, and leaves
 // nothing behind.
 #include "core/parallel.h"
 #include "place_fixtures.h"

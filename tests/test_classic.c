@@ -1,5 +1,5 @@
-// Original irradiance probes, the baseline (docs/maths.md, "Classic probes"): against the integrals that their maps stand for,
-// and in scenes whose light is known.
+// Holds the baseline (docs/maths.md, "The baseline") to the integrals that its maps approximate, and to scenes whose
+// light is known.
 #include "bake/classic_filter.h"
 #include "baked_field.h"
 #include "core/bsdf.h"

@@ -1,4 +1,4 @@
-// Cooked scenes: everything comes back to the last bit, and what is not a cooked scene is refused with a message.
+// Tests that cooked scenes come back to the last bit, and that what is not a cooked scene is refused with a message.
 #include "cooked_scenes.h"
 #include "core/hooks.h"
 #include "core/sampling.h"

@@ -1,4 +1,4 @@
-// Core: results and messages, hooks, the parallel loop, and files that are never left half written.
+// Tests results and messages, hooks, the parallel loop, and files that are never left half written.
 #include "core/file.h"
 #include "core/hooks.h"
 #include "core/parallel.h"

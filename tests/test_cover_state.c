@@ -1,4 +1,4 @@
-// The matrix that a cover chooses from: what its bits tell is what its rows tell.
+// Tests the matrix that a cover chooses from: its packed bits agree with its rows.
 #include "made_scenes.h"
 #include "place/cover_state.h"
 #include "place_fixtures.h"

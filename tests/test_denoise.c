@@ -1,4 +1,4 @@
-// The denoiser on pictures made by hand: what it must keep, what it must forget, what must never spread.
+// Tests the denoiser on pictures made by hand: what it must keep, what it must forget, and what must never spread.
 #include "core/sampling.h"
 #include "render/denoise.h"
 #include "tiny_scenes.h"

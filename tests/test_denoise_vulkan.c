@@ -1,5 +1,5 @@
-// The denoiser's passes on whatever Vulkan device there is, under the validation layers: what they write is what the CPU's
-// denoiser makes of the same rays, whatever the views; and what happens when something is missing.
+// Tests the denoiser's passes on whatever Vulkan device there is, under the validation layers: they write what the
+// CPU's denoiser makes of the same rays, whatever the views, and fail with messages when something is missing.
 #include "core/bsdf.h"
 #include "core/sampling.h"
 #include "render/denoise.h"

@@ -1,7 +1,9 @@
-// Drawing light: densities that sum to one, samples that agree with them, and irradiance against closed forms.
+// Tests how points on lights are drawn: densities sum to one, samples agree with them, and irradiance agrees with
+// closed forms.
 #include "core/hooks.h"
 #include "core/sampling.h"
 #include "made_scenes.h"
+#include "scene/bvh.h"
 #include "scene/distribution.h"
 #include "scene/emitters.h"
 #include "scene/scene_build.h"

@@ -1,4 +1,4 @@
-// Exports of made-up fields: which maps a field has, and what is refused before anything is written.
+// Tests exports of made-up fields: which maps a field has, and what is refused before anything is written.
 #include "field_fixture.h"
 
 #include "core/hooks.h"

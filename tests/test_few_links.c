@@ -1,4 +1,5 @@
-// Lists of links: what is added is summed by surfel, and of too many links some are drawn so that on average none loses weight.
+// Tests lists of links: what is added is summed by surfel, and of too many links some are drawn so that on average no
+// weight is lost.
 #include "light/few_links.h"
 
 #include "core/sampling.h"

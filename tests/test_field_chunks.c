@@ -1,4 +1,5 @@
-// Chunks that not every field has, those of classic maps, spherical harmonics and relighting: every refusal is reached.
+// Tests the chunks that not every field has, those of classic maps, spherical harmonics and relighting: every refusal
+// is reached.
 #include "field_fixture.h"
 
 #include "core/hooks.h"

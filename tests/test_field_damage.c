@@ -1,4 +1,4 @@
-// Damaged field files: every refusal of the header, the table, the description and the content is reached.
+// Tests damaged field files: every refusal of the header, the table, the description and the content is reached.
 #include "field_fixture.h"
 
 #include "core/file.h"

@@ -1,4 +1,4 @@
-// Field files: what is written is what is read.
+// Tests that what is written to a field file is what is read from it.
 #include "field_fixture.h"
 
 #include "core/file.h"

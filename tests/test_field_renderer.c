@@ -1,4 +1,4 @@
-// The field renderer on fields whose content is known: what it must make of them follows in closed form.
+// Tests the field renderer on fields whose content is known, so that its pictures follow in closed form.
 #include "analytic_field.h"
 #include "baked_field.h"
 #include "core/bsdf.h"

@@ -1,4 +1,4 @@
-// Writing field files: what readers would refuse is refused, nothing is left half written.
+// Tests that the writer of field files refuses what readers would refuse, and leaves nothing half written.
 #include "field_fixture.h"
 
 #include "core/hooks.h"

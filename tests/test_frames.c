@@ -1,4 +1,4 @@
-// Frames against the renderer that averages camera samples: the same rays must give the same light.
+// Tests frames against the renderer that averages camera samples: the same rays must give the same light.
 #include "analytic_field.h"
 #include "baked_field.h"
 #include "tiny_scenes.h"

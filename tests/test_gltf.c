@@ -1,6 +1,9 @@
-// What glTF files hold beyond a square of floats: quantised, sparse and compressed accessors, strips and fans, several texture
-// coordinates, vertex colours, tangents, scenes, extensions. Each file is made here, and says one thing.
+// Tests what glTF files hold beyond a square of floats: quantised, sparse and compressed accessors, strips and fans,
+// several texture coordinates, vertex colours, tangents, scenes, extensions. Each file is made here and has one
+// feature.
+#include "data_uris.h"
 #include "gltf_maker.h"
+#include "scene/bvh.h"
 #include "scene/scene_build.h"
 #include "scene/surface.h"
 #include "scene_files.h"
@@ -525,7 +528,7 @@ static void the_scene_of_the_file_is_the_one_that_is_read(void **state) {
   gltf_maker m = {0};
   add_square(&m);
   const char *nodes = "[{\"mesh\": 0}, {\"mesh\": 0, \"translation\": [5, 0, 0]}]";
-  char *uri = scene_files_data_uri(m.bytes, m.size_bytes);
+  char *uri = make_data_uri(m.bytes, m.size_bytes);
   const struct {
     const char *scenes;
     uint32_t triangles;

@@ -1,5 +1,5 @@
-// Irradiance as spherical harmonics: what is in the bands is exact, what is not rings as mathematics says, and the runtime shows no
-// negative light.
+// Tests irradiance as spherical harmonics: what is in the bands is exact, what is not rings as predicted, and the
+// runtime shows no negative light.
 #include "synthetic_field.h"
 
 #include "bake/projection.h"

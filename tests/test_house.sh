@@ -7,6 +7,7 @@ build_tests=$PWD
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 failed=0
+opening='// Says in one whole sentence what this file is for.'
 
 clean_tree() {
   rm -rf "$work/tree"
@@ -15,9 +16,11 @@ clean_tree() {
   printf '#include <stdint.h>\n' >include/octalux/base.h
   printf '#include <octalux/base.h>\n' >include/octalux/scene.h
   printf '#include <octalux/base.h>\n#include <math.h>\n' >src/core/vec.h
-  printf '#include "core/vec.h"\n#include <xxhash.h>\n' >src/trace/trace.c
-  printf '#include "trace/x.h"\n#include <embree3/rtcore.h>\n#include <octalux/scene.h>\n' >src/scene/bvh.c
-  printf '#include "command.h"\n#include "device.h"\n#include <octalux/scene.h>\n#include <cjson/cJSON.h>\n' >cli/main.c
+  printf '#include "core/vec.h"\n' >src/core/way.h
+  printf '#include "core/way.h"\n' >src/core/yard.h
+  printf '%s\n#include "core/vec.h"\n#include <xxhash.h>\n' "$opening" >src/trace/trace.c
+  printf '%s\n#include "trace/x.h"\n#include <embree3/rtcore.h>\n#include <octalux/scene.h>\n' "$opening" >src/scene/bvh.c
+  printf '%s\n#include "command.h"\n#include "device.h"\n#include <octalux/scene.h>\n#include <cjson/cJSON.h>\n' "$opening" >cli/main.c
   : >cli/command.h
   : >host/device.h
   printf '# Read me\n[code](src/core), [a file](src/core/vec.h), [here](#read-me), [there](https://example.com/x)\n' >README.md
@@ -52,6 +55,11 @@ planted include/octalux/scene.h '#include "core/vec.h"'
 planted cli/main.c '#include "core/vec.h"'
 planted cli/main.c '#include "../src/core/vec.h"'
 planted host/device.h '#include "command.h"'
+planted src/core/vec.h '#include "core/way.h"'
+planted src/core/vec.h '#include "core/yard.h"'
+planted src/core/new.c '#include "core/vec.h"'
+planted src/core/new.c '// Vectors.'
+planted src/core/new.c '// what vectors are multiplied and added by'
 planted cli/vec.h '// a second file of this name'
 planted README.md 'See [what](docs/what.md).'
 planted README.md '![a picture](picture.png)'

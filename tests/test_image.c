@@ -1,4 +1,5 @@
-// Images: EXR round trips and hostile EXR files, PNG and its tone map, the metrics on images with known answers.
+// Tests images: EXR round trips and hostile EXR files, PNG and its tone map, and the metrics on images with known
+// answers.
 #include "core/file.h"
 #include "core/hooks.h"
 #include "render/image_io.h"

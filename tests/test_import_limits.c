@@ -1,5 +1,6 @@
-// Imports must not grow faster than their input: what a small file asks for is counted before it is given, refused with
-// a message that says how to raise the limit, and given once the limit is raised. A model reads no files outside.
+// Tests that imports do not grow faster than their input: what a small file describes is counted before memory is spent
+// on it, refused with a message that says how to raise the limit, and loaded once the limit is raised. A model reads no
+// files outside.
 #include "core/file.h"
 #include "core/hooks.h"
 #include "gltf_maker.h"

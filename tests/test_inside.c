@@ -1,4 +1,5 @@
-// What is inside geometry: placing and baking mean the same by it, and what a grid bakes can be placed in.
+// Tests which places are inside geometry: placement and baking agree on it, and in every scene in which a grid bakes
+// probes can be placed.
 #include "baked_field.h"
 #include "field/field_data.h"
 #include "scene_files.h"

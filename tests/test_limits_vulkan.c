@@ -1,5 +1,5 @@
-// What the library asks of a device: memory and bindings that are told before and kept within, errors when a device fails, and
-// nothing left behind by them.
+// Tests what the library needs of a device: memory and bindings are reported before and kept within, a device that
+// fails gives errors, and nothing is left behind.
 #include "core/hooks.h"
 #include "field/field_writer.h"
 #include "vulkan/gpu_frame.h"

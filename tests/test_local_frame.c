@@ -1,5 +1,5 @@
-// Scenes far from the origin: the same light as at the origin, positions in double precision in files, and one limit for all
-// positions.
+// Tests scenes far from the origin: they have the same light as at the origin, positions in double precision in files,
+// and one limit for all positions.
 #include "baked_field.h"
 #include "field/field_data.h"
 #include "scene_files.h"

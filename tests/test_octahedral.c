@@ -1,4 +1,4 @@
-// The octahedral map and the packed formats: exact where they are exact, bounded where they round.
+// Tests the octahedral map and the packed formats: exact where they are exact, bounded where they round.
 #include "core/pack.h"
 #include "core/sampling.h"
 

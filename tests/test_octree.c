@@ -1,5 +1,5 @@
-// The octree selector (Wang 2018, section 4.2): leaves that hold their points and end at surfaces, and in each the four best
-// of the probes that see it.
+// Tests the octree selector (Wang 2018, section 4.2): leaves hold their points and end at surfaces, and in each are the
+// four best of the probes that see it.
 #include "bake/octree_build.h"
 #include "core/hooks.h"
 #include "made_scenes.h"

@@ -1,5 +1,5 @@
-// Outputs: what may be written and how, what is left when a program dies in the midst of it, and what happens to files
-// that are replaced. Everything about temporary files is tested with unnamed ones and with named ones.
+// Tests outputs: what may be written and how, what is left when a program dies in the midst of it, and what happens to
+// files that are replaced. Everything about temporary files is tested with unnamed ones and with named ones.
 #include "core/file.h"
 #include "core/temporary.h"
 

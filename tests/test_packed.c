@@ -1,4 +1,4 @@
-// Packed fields: what comes back is what was packed, and every refusal is reached.
+// Tests packed fields: what comes back is what was packed, and every refusal is reached.
 #include "field_fixture.h"
 #include "packed_fields.h"
 

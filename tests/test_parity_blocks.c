@@ -1,5 +1,5 @@
-// shaders/lib/geometry_block.glsl against its specification, src/block/geometry_block.h, on blocks of all forms with
-// any bits: what decisions hang on, planes and depths, agrees to the last bit.
+// Holds shaders/lib/geometry_block.glsl to its specification, src/block/geometry_block.h, on blocks of all forms with
+// any bits: planes and depths, on which decisions depend, agree to the last bit.
 #include "block/geometry_block.h"
 #include "core/sampling.h"
 #include "gpu_pipeline.h"

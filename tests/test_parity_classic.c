@@ -1,4 +1,4 @@
-// shaders/lib/classic.glsl against its specification: src/shade/classic.c.
+// Holds shaders/lib/classic.glsl to its specification, src/shade/classic.c, on random fields (tests/parity.h).
 #include "shade/classic.c"
 
 #include "parity.h"

@@ -1,4 +1,5 @@
-// Vectors, maps, sampling, the reflection model, and which probes answer: shaders/lib against C (tests/parity.h).
+// Holds vectors, maps, sampling, the reflection model, and the choice of probes in shaders/lib to their C twins
+// (tests/parity.h).
 #include "field/texels.h"
 #include "select/voronoi.c"
 

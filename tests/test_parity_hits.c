@@ -1,5 +1,5 @@
-// Light at the end of a ray: shaders/lib against C (tests/parity.h), on materials of all kinds, marked and unmarked
-// texels, and lights of every type.
+// Holds light at the end of a ray in shaders/lib to its C twin (tests/parity.h), on materials of all kinds, marked and
+// unmarked texels, and lights of every type.
 #include "shade/further.c"
 #include "trace/texel_shade.c"
 

@@ -1,4 +1,4 @@
-// A ray against one probe's map: shaders/lib against C (tests/parity.h).
+// Holds the march of a ray through one probe's map in shaders/lib to its C twin (tests/parity.h).
 #include "trace/march_hiz.c"
 #include "trace/probe_trace.c"
 #include "trace/surfel.c"

@@ -1,4 +1,4 @@
-// Relighting: shaders/lib against C (tests/parity.h).
+// Holds relighting in shaders/lib to its C twin (tests/parity.h).
 #include "field/harmonic_data.c"
 #include "shade/relighter_highlights.c"
 #include "shade/relighter_light.c"

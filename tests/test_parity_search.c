@@ -1,4 +1,4 @@
-// A ray against probe after probe: shaders/lib against C (tests/parity.h).
+// Holds the search of a ray through probe after probe in shaders/lib to its C twin (tests/parity.h).
 #include "trace/trace.c"
 
 #include "parity.h"

@@ -1,4 +1,4 @@
-// Irradiance, glossy light and the denoiser: shaders/lib against C (tests/parity.h).
+// Holds irradiance, glossy light and the denoiser in shaders/lib to their C twins (tests/parity.h).
 #include "render/denoise.c"
 #include "shade/emission.h"
 #include "shade/glossy.h"

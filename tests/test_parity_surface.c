@@ -1,4 +1,4 @@
-// Light on surfaces: shaders/lib against C (tests/parity.h).
+// Holds light stored at surfaces in shaders/lib to its C twin (tests/parity.h).
 #include "field/texels.h"
 #include "shade/irradiance.c"
 #include "shade/surface_irradiance.c"

@@ -1,5 +1,5 @@
-// shaders/lib/volume_irradiance.glsl against its specification, src/shade/volume_irradiance.c, on a volume with cells of all
-// sizes, walls through them, and places inside, outside and on surfaces.
+// Holds shaders/lib/volume_irradiance.glsl to its specification, src/shade/volume_irradiance.c, on a volume with cells
+// of all sizes, walls through them, and places inside, outside and on surfaces.
 #include "bake/volume_cells.h"
 #include "core/hooks.h"
 #include "core/sampling.h"

@@ -1,4 +1,4 @@
-// The path tracer against what is known in closed form: it is the judge of everything else.
+// Tests the path tracer, which judges everything else, against what is known in closed form.
 #include "light/path.h"
 #include "scene/emitters.h"
 #include "tiny_scenes.h"

@@ -1,4 +1,4 @@
-// SSIM and FLIP on pictures whose answer is known in closed form, or was computed by the authors of FLIP.
+// Tests SSIM and FLIP on pictures whose answer is known in closed form, or was computed by the authors of FLIP.
 #include "render/perceptual.h"
 
 #include <math.h>

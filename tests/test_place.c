@@ -1,5 +1,5 @@
-// Placement by scenes whose answer is known: what is reached, what is inside, what one probe sees, and what cannot be
-// done.
+// Tests placement in scenes whose answer is known: what is reached, what is inside, what one probe sees, and what
+// cannot be done.
 #include "core/sampling.h"
 #include "made_scenes.h"
 #include "place/measure.h"

@@ -1,4 +1,4 @@
-// Skeletons of spaces whose medial axis is known, and the optimizer's promises.
+// Tests skeletons of spaces whose medial axis is known, and what the optimizer promises.
 #include "core/sampling.h"
 #include "made_scenes.h"
 #include "place/optimize.h"

@@ -1,4 +1,4 @@
-// Plots of reports: where curves and bars end up, by the numbers in the SVG.
+// Tests where the curves and bars of a report's plots end up, by the numbers in the SVG.
 #include "plot.h"
 
 #include <math.h>

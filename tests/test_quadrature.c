@@ -1,4 +1,4 @@
-// The baker's integrals over directions: irradiance and filtered distances against what calculus gives.
+// Tests the baker's integrals over directions: irradiance and filtered distances against what calculus gives.
 #include "bake/quadrature.h"
 #include "core/hooks.h"
 

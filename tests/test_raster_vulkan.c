@@ -1,5 +1,5 @@
-// The rasteriser of viewer/ on whatever Vulkan device there is, under the validation layers: its G-buffer is the ray caster's, its direct
-// light is near the path tracer's, and nothing is left behind.
+// Tests the rasteriser of viewer/ on whatever Vulkan device there is, under the validation layers: its G-buffer is the
+// ray caster's, its direct light is near the path tracer's, and nothing is left behind.
 #include "core/bsdf.h"
 #include "core/pack.h"
 #include "made_scenes.h"

@@ -1,4 +1,4 @@
-// Guided rays: densities that are densities, rays that follow them, and means that do not depend on them.
+// Tests guided rays: their densities integrate to one, rays follow them, and means do not depend on them.
 #include "core/sampling.h"
 #include "light/ray_guide.h"
 

@@ -1,9 +1,9 @@
-// Relighting: what follows in closed form, a fresh bake of the changed scene, and the schedule.
+// Tests relighting against what follows in closed form and against a fresh bake of the changed scene, and its schedule.
 #include "field/texels.h"
 #include "scene/bvh.h"
 #include "scene/surface.h"
 #include "scene_files.h"
-#include "shade/relighter.h"
+#include "shade/relighter_parts.h"
 #include "synthetic_field.h"
 #include "tiny_scenes.h"
 

@@ -1,4 +1,5 @@
-// What a bake keeps for relighting, in a closed room whose light is known: surfels, links between them, sites of texels.
+// Tests what a bake keeps for relighting, in a closed room whose light is known: surfels, links between them, and sites
+// of texels.
 #include "core/pack.h"
 #include "field/field_data.h"
 #include "field/maps.h"

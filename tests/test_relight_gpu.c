@@ -1,5 +1,5 @@
-// Frames of a relighter on a device: lights that change, and the light of each frame is that of olx_relight_frame; and
-// what happens when something does not fit or is missing.
+// Tests frames of a relighter on a device: lights change, and the light of each frame is that of olx_relight_frame;
+// what does not fit or is missing is refused.
 #include "core/hooks.h"
 #include "scene_files.h"
 #include "tiny_scenes.h"

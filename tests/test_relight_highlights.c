@@ -1,10 +1,10 @@
-// Specular reflections of direct light on the way from surfel to surfel: what follows from two surfels alone, and a floor in a low
-// sun between two walls.
+// Tests specular reflections of direct light on the way from surfel to surfel: with two surfels alone, and with a floor
+// in a low sun between two walls.
 #include "core/bsdf.h"
 #include "core/pack.h"
 #include "core/sampling.h"
 #include "scene_files.h"
-#include "shade/relighter.h"
+#include "shade/relighter_parts.h"
 #include "tiny_scenes.h"
 
 #include <octalux/bake.h>

@@ -1,4 +1,4 @@
-// Random numbers and the distributions drawn from them, against what theory says about each.
+// Tests random numbers and the distributions drawn from them, against what theory says about each.
 #include "core/sampling.h"
 
 #include <setjmp.h>

@@ -1,5 +1,5 @@
-// Scene descriptions: what each key does, where files are looked for, and that wrong ones are refused with a message
-// that names file and place.
+// Tests scene descriptions: what each key does, where files are looked for, and that wrong ones are refused with a
+// message that names file and place.
 #include "core/hooks.h"
 #include "core/sampling.h"
 #include "scene/bvh.h"

@@ -1,4 +1,4 @@
-// Importing models: what OBJ, MTL and glTF files say must arrive in the scene; what is broken is skipped with a warning
+// Tests that what OBJ, MTL and glTF files say arrives in the scene, and that what is broken is skipped with a warning
 // or refused with a message that names file and element.
 #include "core/hooks.h"
 #include "scene/affine.h"

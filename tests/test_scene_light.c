@@ -1,9 +1,10 @@
-// The light of a scene, solved once: held against path tracing, against what is known of sealed rooms, and against itself with
+// Tests the solved light of scenes against path tracing, against what is known of sealed rooms, and against itself with
 // other threads and other random numbers.
 #include "light/links.h"
 #include "light/path.h"
 #include "light/scene_light.h"
 #include "made_scenes.h"
+#include "scene/bvh.h"
 #include "scene/scene_build.h"
 
 #include <setjmp.h>

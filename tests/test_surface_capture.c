@@ -1,5 +1,5 @@
-// The surfaces that light field probes store: material, direct and indirect irradiance, emission, lights, in scenes whose light is
-// known.
+// Tests the surfaces that light field probes store (material, direct and indirect irradiance, emission, lights) in
+// scenes whose light is known.
 #include "baked_field.h"
 #include "made_scenes.h"
 

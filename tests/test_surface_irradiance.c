@@ -1,4 +1,4 @@
-// Diffuse light read from where surfaces are: what is stored for a surface is what its points get, and nothing else is.
+// Tests diffuse light read from where surfaces are: a surface's points get what is stored for it, and nothing else.
 #include "analytic_field.h"
 
 #include "core/sampling.h"

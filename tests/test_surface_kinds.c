@@ -1,5 +1,5 @@
-// The diffuse light that is shown by default, from placed probes, against the path tracer on each kind of surface: with a
-// normal map, smooth, with holes, without thickness, curved. And a camera that moves sees it change as the path tracer does.
+// Tests the default diffuse light from placed probes against the path tracer on each kind of surface: with a normal
+// map, smooth, with holes, without thickness, curved. A camera that moves sees it change as the path tracer does.
 #include "baked_field.h"
 #include "core/sampling.h"
 #include "field/field_data.h"
@@ -7,6 +7,7 @@
 #include "made_scenes.h"
 #include "render/camera.h"
 #include "scene/builtin_shapes.h"
+#include "scene/bvh.h"
 #include "scene/surface.h"
 #include "tiny_scenes.h"
 

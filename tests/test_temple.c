@@ -1,8 +1,9 @@
-// The temple holds what it is built for: galleries to stand on, stairs to climb and to go under, round pillars,
-// decorated walls, glossy materials, lamps, and cloth with two sides.
+// Tests that the temple has what it was built for: galleries to stand on, stairs to climb and to go under, round
+// pillars, decorated walls, glossy materials, lamps, and cloth with two sides.
 #include "core/sampling.h"
 #include "made_scenes.h"
 #include "place_fixtures.h"
+#include "scene/bvh.h"
 #include "scene/surface.h"
 
 #include <octalux/place.h>

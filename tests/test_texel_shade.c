@@ -1,4 +1,5 @@
-// Light at the end of a ray: surfaces whose material, light and lamps are known, shaded for the ray's own direction.
+// Tests light at the end of a ray on surfaces whose material, light and lamps are known, shaded for the ray's own
+// direction.
 #include "analytic_field.h"
 #include "field/texels.h"
 #include "core/sampling.h"

@@ -1,4 +1,4 @@
-// BC6H, BC1 and BC4: what decoders make of known blocks, and what encoders keep of light and materials.
+// Tests what decoders of BC6H, BC1 and BC4 make of known blocks, and what encoders keep of light and materials.
 #include "block/bc1_encode.h"
 #include "block/bc4_encode.h"
 #include "block/bc6h_encode.h"

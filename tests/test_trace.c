@@ -1,4 +1,4 @@
-// Rays through analytic fields: the answers are known.
+// Tests rays through analytic fields, whose answers are known.
 #include "analytic_field.h"
 
 #include "core/sampling.h"

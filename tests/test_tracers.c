@@ -1,4 +1,5 @@
-// Two-level and hi-Z tracing against the referee, which visits every texel: the same texels, to the last bit of t.
+// Tests two-level and hi-Z tracing against the referee, which visits every texel: they find the same texels, to the
+// last bit of t.
 #include "analytic_field.h"
 
 #include "core/sampling.h"

@@ -1,5 +1,5 @@
-// The irradiance volume: right light in free space, none through walls however thin, the same bytes at any number of
-// threads, and structures that lead nowhere refused.
+// Tests the irradiance volume: right light in free space, none through walls however thin, the same bytes at any number
+// of threads, and refusals of structures that lead nowhere.
 #include "baked_field.h"
 #include "core/hooks.h"
 #include "core/sampling.h"

@@ -1,5 +1,6 @@
-// The Voronoi selector (Wang 2018, section 4.1): the nearest probe is the nearest, neighbours are those of a Delaunay
-// triangulation wherever there is one and all others where there is none, and a map names those closest in angle.
+// Tests the Voronoi selector (Wang 2018, section 4.1): the nearest probe is the nearest, neighbours are those of a
+// Delaunay triangulation wherever there is one and all others where there is none, and a map names those closest in
+// angle.
 #include "bake/delaunay.h"
 #include "bake/voronoi_build.h"
 #include "core/hooks.h"

@@ -1,4 +1,5 @@
-// The recorded passes on whatever Vulkan device there is, under the validation layers: what they write, and what they refuse.
+// Tests what the recorded passes write and what they refuse, on whatever Vulkan device there is, under the validation
+// layers.
 #include "core/bsdf.h"
 #include "core/hooks.h"
 #include "core/sampling.h"

@@ -1,5 +1,5 @@
-// What comes from files is said in words of our own and does nothing to a terminal: escaped messages, JSON whose strings and
-// members are what they seem, images of another kind, counts that are true where memory ends.
+// Tests that text from files is shown in the library's own words and does nothing to a terminal: escaped messages, JSON
+// whose strings and members are what they seem, images of another kind, and counts that are right where memory ends.
 #include "core/hooks.h"
 #include "core/result.h"
 #include "scene/json_value.h"

@@ -1,3 +1,5 @@
+// Replaces functions of a Vulkan device by ones that fail on demand, so that tests reach every error path, and
+// pipelines by empty ones.
 #include "vulkan_faults.h"
 
 #include <setjmp.h>

@@ -1,3 +1,5 @@
+// Plays the host of the recorded passes in tests: opens a device, uploads a room's surfaces as images, and reads back
+// what the passes wrote.
 #include "vulkan_host.h"
 
 #include "core/pack.h"

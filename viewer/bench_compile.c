@@ -91,8 +91,8 @@ static VKAPI_ATTR VkResult VKAPI_CALL create_pipelines(VkDevice device, VkPipeli
   return VK_SUCCESS;
 }
 
-// Of what the library fills and reads, memory alone is there: a handle of memory is where it begins, that of a buffer
-// its size.
+// Memory is all that exists of what the library fills and reads: a handle of memory is its address, a handle of a
+// buffer its size.
 static VKAPI_ATTR VkResult VKAPI_CALL create_buffer(VkDevice device, const VkBufferCreateInfo *info,
                                                     const VkAllocationCallbacks *allocator, VkBuffer *buffer) {
   (void)device, (void)allocator;
@@ -157,7 +157,7 @@ static VKAPI_ATTR VkResult VKAPI_CALL do_nothing(void) { return VK_SUCCESS; }
 
 static bool begins_with(const char *name, const char *word) { return strncmp(name, word, strlen(word)) == 0; }
 
-// Of the driver's functions only those that layouts and pipelines are made and destroyed with.
+// Passes on those of the driver's functions alone that make and destroy layouts and pipelines.
 static VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL get_device_function(VkDevice device, const char *name) {
   static const char *const real[] = {"vkCreateDescriptorSetLayout",
                                      "vkDestroyDescriptorSetLayout",
@@ -209,7 +209,7 @@ static bool begin_step(const compile_step *step, const char *suffix) {
   return true;
 }
 
-// Whether the library made what was expected of it.
+// Ends a step, and checks that the library made the pipelines that it should.
 static bool end_step(olx_result result) {
   if (!gpu_check_library(job.device, result)) return false;
   if (job.made == job.step->count) return true;
@@ -217,7 +217,7 @@ static bool end_step(olx_result result) {
                   job.step->count);
 }
 
-// Images that nobody looks at.
+// Makes targets of images that are never read.
 static olx_vulkan_targets make_targets(void) {
   const VkImageView view = (VkImageView)(uintptr_t)1;
   const olx_vulkan_image input = {view, VK_FORMAT_R16G16B16A16_SFLOAT, VK_IMAGE_LAYOUT_GENERAL};

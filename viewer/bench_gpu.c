@@ -1,5 +1,5 @@
-// octalux-bench-gpu: milliseconds of each pass on a Vulkan device, beside the paper's. Needs a Vulkan loader and
-// nothing else.
+// Measures the milliseconds of each pass on a Vulkan device (octalux-bench-gpu), beside the paper's. It needs a Vulkan
+// loader and nothing else.
 #include "bench_compile.h"
 #include "bench_report.h"
 
@@ -20,7 +20,7 @@ typedef struct arguments {
   bool json, quick, compare, list, validate, compile;
 } arguments;
 
-// The rows that were asked for; false when one is unknown.
+// Selects the rows that the command line names; false when one is unknown.
 static bool choose_rows(const char *names, const bench_row **rows, uint32_t *count) {
   *count = 0;
   for (uint32_t i = 0; !names && bench_row_at(i); i++) rows[(*count)++] = bench_row_at(i);
@@ -90,8 +90,8 @@ static bench_settings settings_of(const arguments *a) {
   return settings;
 }
 
-// What was named by --scene and --field must be there; of --data's rows one at least, and none may fail. Rows that are
-// skipped are told.
+// Prints the rows. Files named by --scene and --field must exist, at least one of --data's rows must, and none may
+// fail. Rows that are skipped are reported.
 static int report_results(const arguments *a, const bench_report *report) {
   uint32_t done = 0, failed = 0;
   for (uint32_t i = 0; i < report->count; i++) {

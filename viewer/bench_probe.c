@@ -1,3 +1,5 @@
+// Runs what the benchmark's passes are held against: a pass that counts what they read, a pass that does the least that
+// they could, and plain copies.
 #include "bench_probe.h"
 
 #include <string.h>
@@ -11,7 +13,7 @@ static const uint32_t FLOOR_SHADER[] = {
 
 enum { DEPTH, NORMAL, ALBEDO, MATERIAL, INPUTS, RESULT = INPUTS, BINDINGS };
 
-// As shaders/bench_surface.glsl declares them.
+// Laid out as shaders/bench_surface.glsl declares it.
 typedef struct probe_constants {
   float clip_to_world[16];
   float eye[3];
@@ -19,7 +21,7 @@ typedef struct probe_constants {
   uint32_t tracer, select, kind;
 } probe_constants;
 
-// As shaders/bench_counts.comp declares them.
+// Laid out as shaders/bench_counts.comp declares it.
 typedef struct pixel_counts {
   uint32_t filtered, fetched, steps, probes;
   uint32_t surface, ray, unknown, texels;

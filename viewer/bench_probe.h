@@ -12,7 +12,7 @@ typedef struct bench_counts {
   double most_filtered;  // of one pixel
   double texels;         // texel fetches of the diffuse pass, a pixel with a surface
   double fetched;        // texel fetches a glossy ray
-  double steps, probes;  // texels that the ray passes, probes that it asks
+  double steps, probes;  // texels that the ray passes, probes that it is traced through
   double surfaces, rays; // shares of all pixels
   double unresolved;     // share of the rays
 } bench_counts;

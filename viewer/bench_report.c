@@ -1,3 +1,4 @@
+// Prints what the benchmark measured, as lines for people beside the paper's figures or as one JSON object.
 #include "bench_report.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-// What the benchmark tells: lines for people, or one JSON object.
+// The output of the benchmark: lines for people, or one JSON object.
 #ifndef OCTALUX_VIEWER_BENCH_REPORT_H
 #define OCTALUX_VIEWER_BENCH_REPORT_H
 

@@ -1,3 +1,5 @@
+// Measures one row of the benchmark: draws and lights a scene frame after frame on a device, and times each part by the
+// device's clock.
 #include "bench_row.h"
 
 #include "clock.h"
@@ -20,8 +22,8 @@ const bench_row *bench_row_at(uint32_t index) { return index < sizeof ROWS / siz
 
 static const struct {
   const char *name;
-  // Of depth 4, normal 8, albedo 4, material 4, vertex normal 8, color 8, irradiance 8, glossy 8, display 4; in the denoiser's three
-  // passes also of the guide 16, light of a lobe 8, its rows 8.
+  // Bytes a pixel: depth 4, normal 8, albedo 4, material 4, vertex normal 8, color 8, irradiance 8, glossy 8, display
+  // 4; in the denoiser's three passes also of the guide 16, light of a lobe 8, its rows 8.
   uint32_t bytes;
 } PARTS[BENCH_PARTS] = {
     [BENCH_SHADOW] = {"shadow", 0},
@@ -305,7 +307,7 @@ static bool run_glossy(bench_job *job, uint32_t index, double *milliseconds) {
   return true;
 }
 
-// Frames of the two in turns, on the G-buffer of the last frame.
+// Runs frames of the two ways in turns, on the G-buffer of the last frame.
 static bool run_pair(bench_job *job) {
   job->lit.denoise.lobes = 0;
   const uint32_t frames = job->settings->frames;

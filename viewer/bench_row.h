@@ -10,7 +10,7 @@ typedef struct bench_settings {
   bool quick;         // coarse shadows, hardly a warm-up
   bool compare;       // glossy light by two-level + cage and by hi-Z + bricks in turns, nothing else
   const char *camera; // NULL: the scene's first
-  double gigabytes;   // a second, that floors are reckoned with
+  double gigabytes;   // a second, from which floors are computed
   olx_sample_settings sample;
 } bench_settings;
 

@@ -1,3 +1,4 @@
+// Records the pass that adds direct light of lamps, with shadows from maps, and the environment behind all surfaces.
 #include "direct_pass.h"
 
 #include <stdlib.h>
@@ -17,7 +18,7 @@ static const VkDescriptorType TYPES[BINDINGS] = {
     [SKY] = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,    [ENVIRONMENT] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
 };
 
-// As shaders/direct_light.comp declares them.
+// Laid out as shaders/direct_light.comp declares it.
 typedef struct sky_constants {
   float radiance[3], rotation_radians;
   uint32_t has_image, lamp_count, unused[2];

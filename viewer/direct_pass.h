@@ -17,7 +17,7 @@ typedef struct direct_pass {
   gpu_compute compute;
 } direct_pass;
 
-// `shadows` must outlive it.
+// Creates the pass; `shadows` must outlive it.
 bool direct_pass_create(gpu_device *device, const olx_scene_content *content, const shadow_pass *shadows,
                         direct_pass *pass);
 void direct_pass_destroy(gpu_device *device, direct_pass *pass);
@@ -25,11 +25,11 @@ void direct_pass_destroy(gpu_device *device, direct_pass *pass);
 // Light these images from now on; nothing that uses the ones before may be pending.
 void direct_pass_attach(gpu_device *device, direct_pass *pass, const frame_images *images);
 
-// What to add. Without any of them the pass has nothing to do. The last is for renderers whose rays meet the other
-// lamps.
+// The light that the pass adds. Without any of it the pass has nothing to do. The last is for renderers whose rays meet
+// the other lamps.
 enum { DIRECT_LAMPS = 1, DIRECT_SKY = 2, DIRECT_WITHOUT_EXTENT = 4 };
 
-// After the G-buffer pass. Compute that follows may read and write color.
+// Records the pass, which comes after the G-buffer pass. Compute that follows may read and write color.
 void direct_pass_record(const gpu_device *device, const direct_pass *pass, VkCommandBuffer commands,
                         const frame_images *images, const raster_view *view, uint32_t add);
 

@@ -32,7 +32,7 @@ typedef struct frame_images {
   VkImageView moved; // the alpha of FRAME_MATERIAL, as red
 } frame_images;
 
-// Waits for the device: layouts are set.
+// Creates the images and waits for the device, which sets their layouts.
 bool frame_images_create(gpu_device *device, uint32_t width, uint32_t height, frame_images *images);
 void frame_images_destroy(gpu_device *device, frame_images *images);
 

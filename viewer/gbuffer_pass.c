@@ -1,3 +1,4 @@
+// Draws scenes into the G-buffer: depth, normal, albedo, material and emission.
 #include "gbuffer_pass.h"
 
 #include "gpu_pipeline.h"

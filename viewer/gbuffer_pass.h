@@ -14,7 +14,7 @@ typedef struct gbuffer_pass {
   VkFramebuffer framebuffer; // of the images it was made for
 } gbuffer_pass;
 
-// `set_layout` is any scene's: they are all alike.
+// Creates the pass; `set_layout` is that of any scene, since all are alike.
 bool gbuffer_pass_create(gpu_device *device, VkDescriptorSetLayout set_layout, gbuffer_pass *pass);
 void gbuffer_pass_destroy(gpu_device *device, gbuffer_pass *pass);
 

@@ -1,3 +1,4 @@
+// Measures the time of parts of a command buffer by timestamp queries.
 #include "gpu_timer.h"
 
 bool gpu_timer_create(gpu_device *d, gpu_timer *timer) {

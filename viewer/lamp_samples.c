@@ -1,3 +1,5 @@
+// Turns a scene's light into a list of lamps: emissive surfaces and the environment become points and directions drawn
+// by their power, each with views for its shadows.
 #include "lamp_samples.h"
 
 #include <math.h>
@@ -76,7 +78,7 @@ typedef struct extent {
   float low[3], high[3];
 } extent;
 
-// Of the scene's box, along three directions.
+// The extent of the scene's box along three directions.
 static extent box_extent(const olx_scene_content *content, const olx_vec3 axes[3]) {
   extent e = {.low = {0}};
   for (uint32_t corner = 0; corner < 8; corner++) {
@@ -220,7 +222,7 @@ static void add_surface(const olx_scene_content *content, const lamp_settings *s
   add_cube(settings, position, near, list);
 }
 
-// Points drawn by power: each stands for the same share of it.
+// Adds points on surfaces, drawn by power, each of which represents the same share of it.
 static bool add_surfaces(const olx_scene_content *content, const lamp_settings *settings, float near, lamp_list *list) {
   float *sums = calloc((size_t)content->triangle_count + 1, sizeof *sums);
   if (!sums) return false;
@@ -289,7 +291,7 @@ static olx_vec3 texel_direction(const olx_environment *e, size_t i) {
   return (olx_vec3){sinf(theta) * cosf(phi), cosf(theta), sinf(theta) * sinf(phi)};
 }
 
-// Texels drawn by what they bring: each stands for the same share of it.
+// Adds texels of the sky, drawn by the irradiance that they bring, each of which represents the same share of it.
 static void add_image_sky(const olx_scene_content *content, const lamp_settings *settings, lamp_list *list) {
   const olx_environment *e = content->environment;
   const size_t count = (size_t)e->width * e->height;

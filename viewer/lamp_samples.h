@@ -22,7 +22,7 @@ lamp_settings lamp_settings_default(void);
 
 typedef enum lamp_kind { LAMP_DISTANT = 0, LAMP_POINT = 1, LAMP_SPOT = 2, LAMP_SURFACE = 3 } lamp_kind;
 
-// As shaders/direct_light.comp declares it.
+// A lamp, laid out as shaders/direct_light.comp declares it.
 typedef struct lamp {
   float position[3];
   uint32_t kind;

@@ -1,3 +1,4 @@
+// Makes the matrices of a camera's view with reversed depth that reaches to infinity.
 #include "raster_view.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+// Records the drawing of a scene's batches of triangles, without those that lie outside the view.
 #include "scene_draw.h"
 
 #include "gpu_pipeline.h"

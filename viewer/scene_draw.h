@@ -4,7 +4,7 @@
 
 #include "scene_upload.h"
 
-// As shaders/raster_shared.glsl declares them.
+// Laid out as shaders/raster_shared.glsl declares it.
 typedef struct draw_constants {
   float world_to_clip[16];
   float to_world[12];

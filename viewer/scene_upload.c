@@ -1,3 +1,5 @@
+// Uploads a scene's triangles, materials and textures with their mip levels to a device, in batches of one material
+// each.
 #include "scene_upload.h"
 
 #include <stdlib.h>
@@ -14,7 +16,7 @@ typedef struct raster_rare {
   float color[4], tangent[4], second_uv[2], unused[2];
 } raster_rare;
 
-// As shaders/raster_shared.glsl declares it.
+// Laid out as shaders/raster_shared.glsl declares it.
 typedef struct raster_material {
   float base_color[3], alpha;
   float emission[3], alpha_cutoff;

@@ -1,3 +1,4 @@
+// Draws shadow maps, one layer for each view of each lamp.
 #include "shadow_pass.h"
 
 #include "gpu_pipeline.h"

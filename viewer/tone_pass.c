@@ -1,3 +1,4 @@
+// Records the pass that turns linear radiance into the picture that is shown.
 #include "tone_pass.h"
 
 static const uint32_t SHADER[] = {
@@ -8,7 +9,7 @@ enum { LIGHT, DISPLAY, BINDINGS };
 
 static const VkDescriptorType TYPES[BINDINGS] = {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE};
 
-// As shaders/tone_map.comp declares it.
+// Laid out as shaders/tone_map.comp declares it.
 typedef struct tone_constants {
   float exposure;
   uint32_t width, height;

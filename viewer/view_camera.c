@@ -1,3 +1,4 @@
+// Turns and moves the camera that the viewer flies through a scene.
 #include "view_camera.h"
 
 #include <math.h>

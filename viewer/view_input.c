@@ -1,3 +1,4 @@
+// Turns events and keys that are held into changes of the viewer's state: its camera, its modes, and the lights.
 #include "view_input.h"
 #include "view_lights.h"
 

@@ -5,7 +5,7 @@
 #include "lamp_samples.h"
 #include "view_state.h"
 
-// As the scene has them.
+// The lights as the scene has them.
 view_lights view_lights_of(const olx_scene_content *content);
 bool view_lights_same(const view_lights *a, const view_lights *b);
 

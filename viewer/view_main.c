@@ -1,4 +1,4 @@
-// octalux-view: a window on a scene that a field lights. `octalux view` starts it.
+// Runs octalux-view: a window on a scene that a field lights. `octalux view` starts it.
 #include "clock.h"
 #include "options.h"
 #include "view_lights.h"
@@ -139,7 +139,7 @@ static bool open_device(viewer *v) {
   view_renderer_lit_size(&v->state, o->size, lit_size);
   if (!view_renderer_create(&v->device, v->scene, v->field, lit_size, &v->renderer) || !open_panel(v))
     return gpu_failure(v);
-  // Without hands nobody minds waiting, and pictures are to be the same each time.
+  // A script can wait, and its pictures have to be the same each time.
   const bool in_step = o->offscreen || o->script;
   if (o->relight && !view_renderer_relight(&v->renderer, v->scene, v->field, in_step)) return gpu_failure(v);
   return true;
@@ -194,7 +194,7 @@ static bool refresh_swapchain(viewer *v, const uint32_t size[2]) {
   return fits || view_swapchain_create(&v->device, size[0], size[1], !v->options.no_wait, &v->chain);
 }
 
-// People are told what they wait for.
+// The window's title says what the viewer waits for.
 static void tell_compiling(viewer *v, const view_state *shown, bool begins) {
   static const char message[] = "compiling shaders ...";
   if (!v->window.glfw || (begins && view_renderer_is_ready(&v->renderer, shown))) return;
@@ -210,7 +210,7 @@ static bool draw(viewer *v, const uint32_t size[2], float seconds, const char *s
     screenshot = name;
   }
   v->state.take_screenshot = false;
-  // A screenshot shows the panel only when asked to.
+  // A screenshot shows the panel only when an option says so.
   view_state shown = v->state;
   if (screenshot && !v->options.panel) shown.panel = false;
   const bool hidden = shown.panel != v->state.panel;

@@ -1,3 +1,4 @@
+// Reads the command line of octalux view into the state that the viewer begins with.
 #include "view_options.h"
 #include "options.h"
 #include "sample_options.h"

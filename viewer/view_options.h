@@ -1,4 +1,4 @@
-// What `octalux view` is told on the command line.
+// The command line of `octalux view`.
 #ifndef OCTALUX_VIEW_OPTIONS_H
 #define OCTALUX_VIEW_OPTIONS_H
 

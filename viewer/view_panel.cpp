@@ -83,7 +83,7 @@ void build_light(const view_facts *facts, view_state *s) {
   ImGui::SliderFloat("resolution", &s->scale, 0.125f, 1.0f, "%.3f");
 }
 
-// Where the sun stands, in degrees, instead of where its light goes.
+// The position of the sun in the sky, in degrees, instead of the direction of its light.
 void build_sun(olx_light *light) {
   const float degree = 57.2957795f;
   const olx_vec3 d = light->direction;

@@ -15,7 +15,7 @@ extern "C" {
 typedef struct view_panel view_panel;
 typedef struct GLFWwindow GLFWwindow;
 
-// `window` may be NULL: then nobody clicks. NULL when there is no memory or Vulkan refuses.
+// `window` may be NULL: then there is no input. NULL when there is no memory or Vulkan refuses.
 view_panel *view_panel_create(const olx_vulkan_host *host, VkRenderPass render_pass, GLFWwindow *window);
 // Nothing that draws it may be pending. NULL is allowed.
 void view_panel_destroy(view_panel *panel);

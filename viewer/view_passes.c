@@ -1,3 +1,5 @@
+// Records the viewer's own passes over a lit frame: the picture from the field alone, the pick, overlays, balls and the
+// map.
 #include "view_passes.h"
 #include "shaders/view_shared.h"
 

@@ -1,3 +1,5 @@
+// Runs a relighter beside the viewer's pictures, on a thread of its own or in step with them, and copies what it
+// changed to the device.
 #include "view_relight.h"
 #include "view_lights.h"
 

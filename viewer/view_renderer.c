@@ -1,3 +1,5 @@
+// Renders a frame of the viewer: surfaces and direct light, indirect light from the field, overlays, and the panel, as
+// far as the state wants them.
 #include "view_renderer.h"
 #include "view_object.h"
 
@@ -18,7 +20,7 @@ static uint32_t wanted_passes(const view_state *s) {
   return passes | (s->glossy ? OLX_VULKAN_PASS_GLOSSY : 0u);
 }
 
-// The images or the passes have changed: tell those passes that are not the rasteriser's.
+// The images or the passes have changed: attach them to those passes that are not the rasteriser's.
 static bool attach(view_renderer *r, const view_state *s) {
   olx_vulkan_targets targets = frame_images_targets(&r->raster.images);
   targets.denoise = OLX_VULKAN_LOBE_DIFFUSE | OLX_VULKAN_LOBE_GLOSSY;

@@ -26,7 +26,7 @@ typedef struct view_renderer {
   gpu_timer timer;
   float near_metres;
   uint32_t frame; // so far
-  // What the lamps and the relighter were told.
+  // The lights that the lamps and the relighter have.
   olx_scene_content content;
   view_lights lights;
   lamp_list *lamps;

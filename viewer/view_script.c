@@ -1,3 +1,4 @@
+// Plays scripts that take the place of hands: reads them line by line, and pushes the events of each frame.
 #include "view_script.h"
 
 #include <stdio.h>

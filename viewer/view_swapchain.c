@@ -1,3 +1,4 @@
+// Keeps the window's swapchain, which becomes stale when the window changes, and shows finished pictures on it.
 #include "view_swapchain.h"
 
 static uint32_t between(uint32_t x, uint32_t least, uint32_t most) { return x < least ? least : x > most ? most : x; }

@@ -1,3 +1,4 @@
+// Opens a window, turns what happens to it into the viewer's events, and lets Vulkan draw on it.
 #include "view_window.h"
 
 #define GLFW_INCLUDE_NONE

@@ -1,4 +1,4 @@
-// A window that tells what happens to it as events, and can be shown on by Vulkan.
+// A window that reports what happens to it as events, and that Vulkan can present to.
 #ifndef OCTALUX_VIEW_WINDOW_H
 #define OCTALUX_VIEW_WINDOW_H
 

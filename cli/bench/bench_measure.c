@@ -1,3 +1,5 @@
+// Bakes fields for experiments, renders pictures in independent halves, and estimates errors from which noise has been
+// taken out.
 #include "bench_measure.h"
 
 #include "clock.h"
@@ -235,7 +237,7 @@ static double add_pixel(error_sum *sum, const float *a0, const float *a1, const 
   return square;
 }
 
-// What two neighbours differ by stands for the noise of both; that errors differ too makes it an upper bound.
+// The difference of two neighbours estimates the noise of both. As their errors differ, too, it is an upper bound.
 static void add_image(error_sum *sum, const olx_image a[2], const olx_image b[2], bench_light light, bool frames) {
   const size_t pixels = (size_t)a->width * a->height;
   double before = 0.0;

@@ -14,7 +14,7 @@ typedef struct bench_folder {
 bool bench_folder_make(bench_folder *folder);
 void bench_folder_remove(const bench_folder *folder);
 
-// Where the probes of a field stand and how finely they look.
+// The positions of a field's probes and the resolution of their maps.
 typedef struct bench_probes {
   uint32_t grid[3];      // on the description's volume; 0: placed
   const olx_grid *exact; // on this one instead, of as many probes; NULL
@@ -40,11 +40,11 @@ typedef struct bench_bake {
   uint32_t irradiance_size, light_samples, bounces, threads;
   olx_bounce_gather gather;
   olx_irradiance_form form;
-  uint32_t classic_size; // of the maps of original irradiance probes; 0: none
-  float noise;           // of the solved light; 0: as bakes have it when nothing is said
+  uint32_t classic_size; // of the baseline's maps; 0: none
+  float noise;           // of the solved light; 0: the default of bakes
   bool rough;            // place with few samples, for a quick look
   bool plain;            // no structures of selectors but those that a bake makes anyway
-  bool no_probe_light;   // as bakes are when nothing is said
+  bool no_probe_light;   // as by default
   uint32_t seed;         // of random numbers
 } bench_bake;
 

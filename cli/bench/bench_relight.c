@@ -1,4 +1,5 @@
-// Per-frame updates: a light moves, a few probes a frame follow, against a fresh bake of the changed scene.
+// Compares frames of relighting, in which a light moves and a few probes a frame follow, with a fresh bake of the
+// changed scene.
 #include "clock.h"
 #include "experiment_list.h"
 
@@ -101,7 +102,7 @@ typedef struct relit_run {
   uint32_t count;
 } relit_run;
 
-// What the frames did.
+// The work of all frames.
 typedef struct relit_total {
   double seconds, most_seconds, texels, most_texels, rays;
   uint32_t frames, last_apart; // the last frame that was not within 5 %
@@ -258,7 +259,7 @@ static void add_work(relit_run *r, const relit_total *t) {
                NUMBER_CELL(t->most_seconds * t->frames / t->seconds));
 }
 
-// What two fresh bakes differ by.
+// Computes the difference of two fresh bakes.
 static olx_result compare_bakes(relit_run *r, double *rms) {
   olx_field *other = NULL;
   double mean_off;

@@ -1,4 +1,4 @@
-// McGuire et al. 2017, section 7: irradiance as spherical harmonics beside octahedral maps.
+// Compares irradiance stored as spherical harmonics with octahedral maps of it (McGuire et al. 2017, section 7).
 #include "experiment_list.h"
 
 #include <octalux/sample.h>
@@ -62,7 +62,7 @@ typedef struct study {
   bench_table *table;
 } study;
 
-// What probes hold below 0, before anything is interpolated or cut off.
+// The irradiance below 0 that probes hold, before anything is interpolated or cut off.
 typedef struct ringing {
   double negative, undershoot;
 } ringing;

@@ -1,3 +1,4 @@
+// Measures how long a bake takes against Embree casting the same rays from the probes and nothing else.
 #include "bake_options.h"
 #include "bench_measure.h"
 #include "commands.h"

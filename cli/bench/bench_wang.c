@@ -1,3 +1,5 @@
+// Measures the rows of Wang's tables: bakes a field for each set of probes, renders the scene's cameras, and compares
+// them with references.
 #include "bench_wang.h"
 
 #include "commands.h"
@@ -77,7 +79,7 @@ void wang_add_error(cJSON *object, const char *key, const bench_error *error) {
   add_number(entry, "bias", error->bias);
 }
 
-// One bounce, as Wang's: light that was reflected once before it reaches what the camera sees.
+// Renders references of one bounce, as Wang does: light that was reflected once before it reaches what the camera sees.
 static olx_result render_references(wang_run *run) {
   bench_way way = {.settings = picture(run, OLX_METHOD_PATH)};
   way.settings.spp = run->options->spp;
@@ -90,7 +92,7 @@ static olx_result render_references(wang_run *run) {
 
 typedef olx_result (*wang_experiment)(wang_run *run, cJSON *object);
 
-enum { COARSE_IRRADIANCE = 16 }; // diffuse light is the same for all sets and not what is asked here
+enum { COARSE_IRRADIANCE = 16 }; // diffuse light is the same for all sets and is not compared here
 
 olx_result wang_prepare(wang_run *run) {
   const wang_options *o = run->options;

@@ -59,7 +59,7 @@ typedef struct wang_quality {
   olx_render_stats stats;
 } wang_quality;
 
-// Tell on standard error what is done now.
+// Prints on standard error which step runs now.
 void wang_tell(const wang_run *run, const char *what, const char *name);
 // The probes as the command line's --texels wants them.
 bench_probes wang_probes(const wang_run *run, const bench_probes *probes);

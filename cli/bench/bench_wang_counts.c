@@ -1,4 +1,5 @@
-// How few probes do as well as a grid.
+// Compares placed sets of a half, a third and a quarter as many probes with grids, by pictures and by mirror rays, and
+// so finds how few do as well as a grid.
 #include "bench_wang.h"
 
 #include <math.h>
@@ -6,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// What a set of probes is measured by beside its picture: mirror rays of the cameras against the true triangles.
+// A set of probes with its measurements: its picture, and mirror rays of the cameras against the true triangles.
 typedef struct finding {
   bench_probes probes;
   uint32_t count;
@@ -41,7 +42,7 @@ static olx_result examine(wang_run *run, const bench_probes *wanted, finding *fo
   return result;
 }
 
-// Over that of the best grid; of all cameras, and of the camera that shows the set worst.
+// The error of a set over that of the best grid, of all cameras and of the camera that shows the set worst.
 static double against(const finding *found, const finding *best) {
   return found->quality.glossy.mse / best->quality.glossy.mse;
 }
@@ -88,8 +89,8 @@ static void print_finding(const wang_run *run, const finding *found, const findi
 
 enum { MOST_SHAPES = 8, CONTENDERS = 6 };
 
-// What is set against grids of n probes: Wang's pipeline with half as many, cover with as many as that, with a third, and
-// with a quarter whose maps are twice as wide, which are as many texels.
+// Lists the sets that are compared with grids of n probes: Wang's pipeline with half as many, cover with as many as
+// that, with a third, and with a quarter whose maps are twice as wide, which are as many texels.
 static void list_contenders(uint32_t n, bench_probes list[CONTENDERS]) {
   const bench_probes all[CONTENDERS] = {
       {.method = OLX_PLACE_SDF, .count = n / 2, .optimize = OLX_OPTIMIZE_GIBBS, .texels = 512},

@@ -1,4 +1,4 @@
-// Tables 5.1 and 5.2, and the comparisons of sections 5.1 and 5.2.
+// Measures the rows of Tables 5.1 and 5.2 of Wang's thesis, and the comparisons of its sections 5.1 and 5.2.
 #include "bench_wang.h"
 
 #include <stdio.h>
@@ -20,7 +20,7 @@ static bool is_series(const wang_row *row) {
   return row->shown && (strncmp(row->shown, "Fig. A", 6) == 0 || strncmp(row->shown, "Figs. A", 7) == 0);
 }
 
-// A field for each different set of probes that the rows name.
+// Bakes a field for each different set of probes that the rows name.
 olx_result wang_bake_sets(wang_run *run, wang_measured *t) {
   const wang_scene *experiment = run->experiment;
   for (uint32_t i = 0; i < experiment->row_count; ++i) {
@@ -41,7 +41,7 @@ olx_result wang_bake_sets(wang_run *run, wang_measured *t) {
   return OLX_OK;
 }
 
-// Errors; those of a set are the same for every tracer, so each selector of a set is rendered once.
+// Measures errors. Those of a set are the same for every tracer, so each selector of a set is rendered once.
 olx_result wang_measure_errors(wang_run *run, wang_measured *t, bool keep_pictures) {
   for (uint32_t i = 0; i < t->row_count; ++i) {
     wang_measured_row *row = &t->rows[i];
@@ -91,7 +91,7 @@ static olx_result time_row(wang_run *run, const wang_measured *t, wang_measured_
   return OLX_OK;
 }
 
-// In turns, so that what else the machine does falls on all of them.
+// Times the rows in turns, so that what else the machine does affects all of them alike.
 olx_result wang_time_rows(wang_run *run, wang_measured *t) {
   wang_tell(run, "timing", "");
   const uint32_t rounds = run->options->rounds;

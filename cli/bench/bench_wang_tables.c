@@ -1,3 +1,4 @@
+// Holds the rows of the tables in Wang's thesis (2018) with the times that it states, for comparison.
 #include "bench_wang.h"
 
 // clang-format off

@@ -1,4 +1,4 @@
-// How far further bounces come, by either way to gather them.
+// Measures how much light further bounces bring, with either way to gather them.
 #include "experiment_list.h"
 
 #include <stdio.h>

@@ -1,15 +1,18 @@
+// octalux bench: runs the experiments that the command line names, prints their findings, and writes them as JSON and
+// as a report.
 #include "commands.h"
 #include "experiment.h"
 #include "html_report.h"
 #include "options.h"
 #include "report.h"
+#include "wang_study.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
-// What measures something else than the experiments' table does, with options of its own.
+// A benchmark that is no experiment of the table and has options of its own.
 typedef struct special {
   const char *name, *what;
   int (*run)(int argc, char **argv);
@@ -124,7 +127,7 @@ static olx_result run_one(bench *b, const experiment *e, cJSON *report, cJSON *l
     if (section) findings_add_report(&b->found, section);
   }
   findings_free(&b->found);
-  // What has not ended is not shown.
+  // An experiment that has not ended is not shown.
   if (result != OLX_OK && section) {
     cJSON_Delete(cJSON_DetachItemViaPointer(cJSON_GetObjectItem(report, "sections"), section));
   }
@@ -176,6 +179,7 @@ static int run_experiments(const bench_options *o, const experiment *only, const
     ended += result == OLX_OK;
   }
   progress_end(&line);
+  wang_study_free(b.wang);
   bench_close(&b);
   int code = result == OLX_OK                ? EXIT_DONE
              : result == OLX_ERROR_CANCELLED ? failure("bench", "interrupted")

@@ -1,4 +1,4 @@
-// Figures 5.1 to 5.5: two rooms with a wall between them that is whole, or open at one end.
+// Repeats Figures 5.1 to 5.5 of the dissertation: two rooms, and a wall between them that is whole or open at one end.
 #include "experiment_list.h"
 
 #include <math.h>

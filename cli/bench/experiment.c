@@ -1,9 +1,10 @@
+// Runs experiments, and lends them what they share: scenes that may be absent, references that are path traced once in
+// a run, fields, and pictures for the report.
 #include "experiment.h"
 
 #include "clock.h"
 #include "html_report.h"
 #include "report.h"
-#include "wang_study.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -275,7 +276,6 @@ bool bench_open(bench *b, const bench_options *options, progress_line *line) {
 
 void bench_close(bench *b) {
   free_references(b);
-  wang_study_free(b->wang);
   bench_folder_remove(&b->folder);
 }
 

@@ -1,5 +1,5 @@
-// What every experiment of `octalux bench` stands on: scenes that may be absent, references that are path traced once,
-// fields, and findings: tables and pictures that become text, JSON and a report.
+// What every experiment of `octalux bench` is built on: scenes that may be absent, references that are path traced
+// once, fields, and findings: tables and pictures that become text, JSON and a report.
 #ifndef OCTALUX_CLI_EXPERIMENT_H
 #define OCTALUX_CLI_EXPERIMENT_H
 
@@ -7,7 +7,7 @@
 #include "findings.h"
 #include "report.h"
 
-// What the command line says to every experiment.
+// The options of the command line that every experiment takes.
 typedef struct bench_options {
   bool all; // experiments in one run: they share what they can
   bool quick, progress, json;
@@ -60,13 +60,13 @@ olx_result bench_run(bench *b, const experiment *e, cJSON *section);
 
 // ---- for experiments
 
-// Tell on standard error what is done now.
+// Prints on standard error which step runs now.
 void bench_tell(const bench *b, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 // "builtin:NAME", or NAME of a description in the folder of scenes. *scene is NULL when its files are not here, which the
 // findings then tell. It lives until the experiment ends.
 olx_result bench_scene(bench *b, const char *name, olx_scene **scene);
-// Whether --quick leaves the scene out, which the findings then tell.
+// Whether --quick leaves the scene out; when it does, the findings say so.
 bool bench_leaves_out(bench *b, const char *name);
 // "pillars" for "builtin:pillars".
 const char *bench_scene_title(const char *name);

@@ -1,4 +1,4 @@
-// The experiments in the order of the papers.
+// Lists the experiments that `octalux bench` knows, in the order of the papers.
 #include "experiment_list.h"
 
 const experiment experiments[] = {
@@ -12,11 +12,10 @@ const experiment experiments[] = {
      "Indirect diffuse light, seen from one camera a figure, against the path tracer. \u201cField\u201d weighs "
      "irradiance "
      "probes by their filtered visibility, \u201cno visibility\u201d interpolates the same maps trilinearly, "
-     "\u201cclassic\u201d are original irradiance probes on the same grid, asked wherever they stand, and in Figure 10 "
-     "also without "
-     "those inside geometry. Figures 11 and 13 also trace the light field probes: one ray a pixel, raw, and denoised "
-     "over 64 "
-     "frames, with the noise they have. Times are of the diffuse pass and of denoising, one frame on one processor.",
+     "\u201cclassic\u201d is the baseline, irradiance probes without visibility, on the same grid, wherever they are, "
+     "and in Figure 10 also without those inside geometry. Figures 11 and 13 also trace the light field probes: one "
+     "ray a pixel, raw, and denoised over 64 frames, with the noise they have. Times are of the diffuse pass and of "
+     "denoising, one frame on one processor.",
      run_mcguire_leaks, NULL},
     {"mcguire-area-light", "McGuire et al. 2017, Figure 14", "an area light found by rays through the field alone",
      "The lamp is either sampled by direct lighting, as usual, or left to the rays that gather indirect light, with no "

@@ -1,3 +1,5 @@
+// Measures fields of one scene that differ in the number of probes or texels, and tabulates their errors and sizes side
+// by side.
 #include "field_sweep.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+// Keeps what an experiment found as tables and plots, and writes them as text, as JSON, and into a report.
 #include "findings.h"
 
 #include "html_report.h"

@@ -8,7 +8,7 @@
 #include <cjson/cJSON.h>
 
 typedef enum bench_kind {
-  BENCH_NAME,     // text; all names of a row tell it from the others
+  BENCH_NAME,     // text; all names of a row together identify it
   BENCH_COUNT,    // a setting, or what follows from settings alone
   BENCH_QUALITY,  // measured, and the same in every run of a program
   BENCH_SPREAD,   // how far a quality may be off by chance

@@ -1,4 +1,5 @@
-// Figure 14: a lamp with an area, its shadow and its reflection, without direct lighting.
+// Repeats Figure 14 of McGuire et al. 2017: a lamp with an area, its shadow and its reflection, without direct
+// lighting.
 #include "experiment_list.h"
 
 enum { FRAMES = 64, DIRECT_SAMPLES = 64, GATHERED = 16 };

@@ -1,4 +1,4 @@
-// Figure 19: the number of probes.
+// Repeats Figure 19 of McGuire et al. 2017: errors and times for growing numbers of probes.
 #include "experiment_list.h"
 #include "field_sweep.h"
 

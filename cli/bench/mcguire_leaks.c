@@ -1,4 +1,5 @@
-// Figures 10 to 13: what leaks when irradiance probes are interpolated as if everything saw everything.
+// Repeats Figures 10 to 13 of McGuire et al. 2017: light that leaks when irradiance probes are interpolated without
+// visibility.
 #include "experiment_list.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-// Figure 18: texels of the light field maps.
+// Repeats Figure 18 of McGuire et al. 2017: errors for light field maps of growing numbers of texels.
 #include "experiment_list.h"
 #include "field_sweep.h"
 

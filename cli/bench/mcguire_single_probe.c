@@ -1,4 +1,4 @@
-// Figure 17: one probe for a star-shaped volume.
+// Repeats Figure 17 of McGuire et al. 2017: one probe that lights a star-shaped hall.
 #include "experiment_list.h"
 
 #include <stdio.h>
@@ -7,8 +7,7 @@ enum { GATHERED = 16 };
 
 static const bench_column columns[] = {
     {"grid", "grid", BENCH_NAME, NULL, "of the light field probes and of the irradiance probes"},
-    {"diffuse", "diffuse light", BENCH_NAME, NULL,
-     "from irradiance probes, by 16 rays a sample, or from classic probes"},
+    {"diffuse", "diffuse light", BENCH_NAME, NULL, "from irradiance probes, by 16 rays a sample, or from the baseline"},
     {"layer", "layer", BENCH_NAME, NULL, NULL},
     QUALITY_COLUMNS,
 };

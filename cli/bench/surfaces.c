@@ -1,4 +1,5 @@
-// Light stored at surfaces, with default settings throughout: the scenes, and what the parts of the experiment share.
+// Judges light stored at surfaces with default settings: runs the parts of the experiment over its scenes, and holds
+// what these parts share.
 #include "surfaces.h"
 
 #include "experiment_list.h"
@@ -52,7 +53,7 @@ const char *surfaces_scene(uint32_t index) { return index < SCENES ? bench_scene
 
 uint32_t surface_ways(const surface_run *r) { return r->b->options->quick ? 1 : 2; }
 
-// As many as a bake makes when nothing else is said, or one in a quick look.
+// As many as a bake makes by default, or one in a quick look.
 static uint32_t bounces(const surface_run *r) {
   return r->b->options->quick ? bench_bounces(r->b) : olx_bake_settings_default(r->scene).bounces;
 }

@@ -19,7 +19,7 @@ typedef struct surface_run {
 // Placed probes, and the grid unless a quick look is enough.
 uint32_t surface_ways(const surface_run *r);
 const char *surface_where(const surface_run *r);
-// A field as `place` and `bake` make it when nothing else is said, or with probe light, which some modes and audits need. Close
+// A field as `place` and `bake` make it by default, or with probe light, which some modes and audits need. Close
 // it in any case.
 olx_result surface_bake(const surface_run *r, uint32_t seed, bool probe_light, bench_field *made);
 // Path traced from the run's cameras, with one bounce more than the field has and that many times the usual paths.
@@ -44,7 +44,7 @@ void surface_compare_blocks(const olx_image *image, const olx_image *reference, 
 // Both are rendered in turns, and the median of the turns counts.
 olx_result surface_times(const surface_run *r, const olx_field *field, double *surface_ns, double *irradiance_ns);
 
-// What the list of scenes is measured by. The scene is open already; r->placed is where its probes stand.
+// Measurements of one scene each, which is open already; r->placed says whether its probes are placed or on a grid.
 olx_result surface_pictures(surface_run *r);  // also in all modes, from the camera that r->what names
 olx_result surface_all_modes(surface_run *r); // from the camera that r->what names, or from all
 olx_result surface_leak(surface_run *r);      // past the wall that r->what names

@@ -1,4 +1,5 @@
-// Light behind walls: past gaps of some widths, and through whole walls of a few centimetres in every mode.
+// Measures light that leaks behind walls: past gaps of some widths, and through whole walls of a few centimetres, in
+// every mode.
 #include "surfaces.h"
 
 #include <octalux/sample.h>

@@ -1,4 +1,5 @@
-// Indirect light in every mode that a renderer can choose: surfaces that emit, thin things before others, dark corners.
+// Compares indirect light in every mode that a renderer can choose, where modes differ most: at surfaces that emit,
+// thin things before others, and dark corners.
 #include "surfaces.h"
 
 #include <math.h>
@@ -44,7 +45,7 @@ bench_way surface_mode(const surface_run *r, const olx_field *field, uint32_t mo
   return way;
 }
 
-// NAN where nothing is dark.
+// The most by which a dark corner is too bright, over the mean light of the reference; NAN where nothing is dark.
 static double find_slit(const olx_image *image, const olx_image *reference) {
   const double mean = surface_mean_light(reference);
   double most = NAN;

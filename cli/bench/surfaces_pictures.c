@@ -1,4 +1,5 @@
-// Errors of both indirect layers by camera, for placed probes and for the scene's grid; the fields; two bakes.
+// Measures errors of both indirect layers, camera by camera, for placed probes and for the scene's grid, and the spread
+// between two bakes.
 #include "surfaces.h"
 
 #include <math.h>
@@ -73,8 +74,8 @@ static bakes_sum compare_two(const olx_image *a, const olx_image *b) {
   return sum;
 }
 
-// RMS difference of the pictures of two fields over their mean, of each camera and last of all. What is told of the other field, a
-// bake as it is when nothing is said, stays in *other.
+// RMS difference of the pictures of two fields over their mean, of each camera and last of all. What is reported of the
+// other field, a bake with default settings, stays in *other.
 static olx_result compare_bakes(const surface_run *r, bench_images *images, bench_field *other,
                                 double rms[BENCH_CAMERAS + 1]) {
   bench_images again = {0};
@@ -121,7 +122,7 @@ static olx_result add_pictures(const surface_run *r, bench_images *images, const
 
 static double error_or_none(const olx_audit_points *points) { return points->count ? points->relative_mse : NAN; }
 
-// `plain`: of which size and time are told.
+// `plain`: the field whose size and time are reported.
 static olx_result add_field(const surface_run *r, const bench_field *made, const bench_field *plain, bench_images *images,
                             double bakes_rms) {
   const bool quick = r->b->options->quick;

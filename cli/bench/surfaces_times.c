@@ -1,4 +1,4 @@
-// The diffuse pass with light stored at surfaces beside the same with irradiance probes, in turns.
+// Measures the time of the diffuse pass with light stored at surfaces and with irradiance probes, in turns.
 #include "surfaces.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
-// Sections 5.1.1, 5.1.2 and 5.2: sets of probes of equal quality, of equal count, and of equal time.
+// Repeats sections 5.1.1, 5.1.2 and 5.2 of Wang's thesis: sets of probes of equal quality, of equal count, and of equal
+// time.
 #include "experiment_list.h"
 #include "wang_study.h"
 
@@ -43,7 +44,7 @@ static const contest contests[] = {
 
 static double or_none(double value) { return value > 0.0 ? value : NAN; }
 
-// The row of that set: as the thesis searches it, by cage or octree.
+// Finds the row of a set that the thesis shows: found by cage or by octree.
 static uint32_t find_row(const bench *b, const wang_measured *t, const char *set) {
   for (uint32_t r = 0; r < t->row_count; ++r) {
     const olx_select select = t->rows[r].row->select;

@@ -1,4 +1,4 @@
-// Table 5.1: the time of the glossy pass.
+// Repeats Table 5.1 of Wang's thesis: the time of the glossy pass.
 #include "experiment_list.h"
 #include "wang_study.h"
 

@@ -1,4 +1,4 @@
-// Table 5.2: memory with the same quality.
+// Repeats Table 5.2 of Wang's thesis: the memory that sets of probes of the same quality take.
 #include "experiment_list.h"
 #include "wang_study.h"
 

@@ -1,4 +1,5 @@
-// Octalux in a host's own Vulkan renderer: embed_vulkan FIELD PICTURE [--size WxH] [--own-shader] [--validate].
+// Shows how a host's own Vulkan renderer uses Octalux: embed_vulkan FIELD PICTURE [--size WxH] [--own-shader]
+// [--validate].
 //
 // The renderer draws the Cornell box in one pass (surface_pass.c): a G-buffer, and direct light with shadows. What
 // Octalux adds is in this file, in the order in which a host adds it: load_field, make_frame, record_frame,

@@ -1,3 +1,5 @@
+// Stands for the Vulkan code that every engine has already: opens a device, and makes buffers, images and shaders. It
+// knows nothing of Octalux.
 #include "gpu.h"
 
 #include <stdio.h>

@@ -1,3 +1,5 @@
+// Draws the box in one pass into the images that Octalux reads: depth, normal, albedo and material, with emission and
+// direct light in the colour image.
 #include "surface_pass.h"
 
 #include "box_geometry.h"

@@ -10,14 +10,14 @@ extern "C" {
 #endif
 #pragma GCC visibility push(default)
 
-// Where irradiance probes find indirect light (docs/baking.md).
+// Sources of the indirect light of irradiance probes (docs/baking.md).
 typedef enum olx_bounce_gather {
   OLX_GATHER_SOLVED = 0, // the light of the scene, solved once; with OLX_LIGHT_REFERENCE the next
   OLX_GATHER_IRRADIANCE, // bounces between them: the irradiance maps of the bounce before (McGuire et al. 2017, section 5.2)
   OLX_GATHER_TRACED      // bounces between them: rays, which find what probes stored of the bounce before
 } olx_bounce_gather;
 
-// Where the indirect light of what light field probes see comes from.
+// Sources of the indirect light at surfaces that light field probes see.
 typedef enum olx_bake_light {
   OLX_LIGHT_CACHE = 0, // solved once in world space, at surfels, and interpolated between them
   OLX_LIGHT_REFERENCE  // paths from every texel: slow, to judge the other by
@@ -75,7 +75,7 @@ typedef struct olx_bake_settings {
   uint32_t reference_paths; // a texel, with OLX_LIGHT_REFERENCE, 1 to 65536; default 64
   uint32_t volume_cells;    // smallest cells of the irradiance volume along the longest side of free space, 0 to 256, and
                             // at most radiance_size / 16; 0, or OLX_LIGHT_REFERENCE: no volume. Default 32
-  bool classic;             // also make classic maps, of the method that light field probes replace; default false
+  bool classic;             // also make classic maps, those of the baseline (docs/baking.md); default false
   uint32_t classic_size;    // texels along a side of these: a power of two, 32 to 256; default 128
   uint32_t classic_cube_size; // along a face of the cube maps that they come from: a power of two, 32 to 1024; default 256
   uint32_t classic_sharpness; // exponent of the filter between the two, 64 to 65536; 0, the default: as wide as a texel
@@ -89,13 +89,13 @@ typedef struct olx_bake_settings {
 
 olx_bake_settings olx_bake_settings_default(const olx_scene *scene);
 
-// Whether a bake with these settings keeps probe light: because probe_light says so; because of `classic`, whose maps stand
-// at irradiance probes; because of an irradiance_form or bounce_gather other than the default; or because there will be no
-// irradiance volume (volume_cells 0, OLX_LIGHT_REFERENCE), so that nothing else has light in free space.
+// Whether a bake with these settings keeps probe light: because probe_light says so; because of `classic`, whose maps
+// belong to irradiance probes; because of an irradiance_form or bounce_gather other than the default; or because there
+// will be no irradiance volume (volume_cells 0, OLX_LIGHT_REFERENCE), so that nothing else has light in free space.
 bool olx_bake_keeps_probe_light(const olx_bake_settings *settings);
 
-// The grid of irradiance probes that goes with a grid of light field probes unless something else is asked for: the same
-// one, or one of half the spacing when that has at most 64 probes, since irradiance probes are small.
+// The default grid of irradiance probes for a grid of light field probes: the same one, or one of half the spacing when
+// that has at most 64 probes, since irradiance probes are small.
 olx_grid olx_bake_irradiance_grid(const olx_grid *grid);
 
 typedef struct olx_bake_stats {
@@ -123,7 +123,7 @@ typedef struct olx_bake_stats {
       unseen; // OLX_GATHER_TRACED: share of the rays that met a surface which no probe nearby sees; they count for nothing
 } olx_bake_stats;
 
-// What a bake takes, reckoned by the code that allocates and lays out, without a ray.
+// The sizes of a bake, computed by the code that allocates and lays out, without casting a ray.
 typedef struct olx_bake_sizes {
   uint64_t probes, irradiance_probes; // 0 of irradiance without probe light
   uint64_t file_bytes;   // structures of other selectors than the cage and the irradiance volume come on top, and, where probes see emitters or the
@@ -137,13 +137,15 @@ typedef struct olx_bake_sizes {
   uint64_t available_memory_bytes, available_disk_bytes; // UINT64_MAX: not known
 } olx_bake_sizes;
 
-// Reckon a bake to `path`. OLX_ERROR_ARGUMENT as olx_bake; OLX_ERROR_MEMORY or OLX_ERROR_FILE when the machine's memory or the
-// disk is too small for it, which olx_bake answers in the same words before it begins: *sizes is complete then, too.
+// Computes the sizes of a bake to `path`. OLX_ERROR_ARGUMENT as olx_bake; OLX_ERROR_MEMORY or OLX_ERROR_FILE when the
+// machine's memory or the disk is too small for it, which olx_bake answers in the same words before it begins: *sizes
+// is complete then, too.
 olx_result olx_bake_measure(const olx_scene *scene, const olx_bake_settings *settings, const char *path,
                             olx_bake_sizes *sizes);
 
-// How long the bake would take on this machine as busy as it is, without writing the file and without building selectors. Bakes
-// eight probes of each kind, at most, to a temporary file, and multiplies. docs/baking.md says how far off it is.
+// Estimates how long the bake would take on this machine as busy as it is, without writing the file and without
+// building selectors. Bakes eight probes of each kind, at most, to a temporary file, and multiplies. docs/baking.md
+// says how far off it is.
 olx_result olx_bake_estimate_seconds(const olx_scene *scene, const olx_bake_settings *settings,
                                      const olx_progress *progress, double *seconds);
 

@@ -14,7 +14,7 @@ typedef struct olx_lobe_filter {
   uint32_t radius_pixels; // of the filter over pixels, 0 to 64; 0: none
   uint32_t stride_pixels; // between the pixels it reads, 1 to 64
   float history;          // largest share of earlier frames in a pixel, 0 to 0.999
-  float still_history;    // the same where the pixel shows the surface in the place where it was; 0 to 0.999
+  float still_history;    // largest share of earlier frames where the surface has not moved in the picture, 0 to 0.999
   float reach;            // 0: the radius is all. Else kernels narrow to this share of the distance over which light changes
 } olx_lobe_filter;
 
@@ -23,9 +23,9 @@ typedef struct olx_denoise_settings {
 } olx_denoise_settings;
 
 olx_denoise_settings olx_denoise_settings_default(void);
-// The paper's: 12 pixels, stride 2, 98 % for diffuse light; 3 pixels and 75 % for glossy light.
+// The paper's settings: 12 pixels, stride 2, 98 % for diffuse light; 3 pixels and 75 % for glossy light.
 olx_denoise_settings olx_denoise_settings_published(void);
-// Every frame as its rays found it.
+// Settings that filter nothing, so that every frame is shown as its rays found it.
 olx_denoise_settings olx_denoise_settings_none(void);
 
 // OLX_ERROR_ARGUMENT, with a message, when a number is out of its range.

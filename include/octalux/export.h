@@ -121,7 +121,7 @@ olx_result olx_export_map(const olx_field *field, const olx_map_picture *picture
 
 // ---- A model of what a field consists of.
 
-// What was written.
+// Counts of what was written.
 typedef struct olx_gltf_counts {
   uint32_t probes, irradiance_probes; // nodes
   uint32_t volume_probes, volume_cells;

@@ -3,8 +3,9 @@
 // A field holds light field probes (distance, normal, and the surface with its light for every direction) that rays are traced
 // through and light of surfaces is read from, and an irradiance volume for free space. It may also hold probe light: radiance as
 // each light field probe saw it (McGuire et al. 2017, section 3), and irradiance probes (prefiltered irradiance and distance
-// moments; section 5.2). With that it may hold classic maps: those of original irradiance probes, the method that light field probes
-// replace (docs/baking.md), and what it takes to light it anew (octalux/relight.h). It is immutable.
+// moments; section 5.2). With that it may hold classic maps, those of the baseline that light field probes replace:
+// irradiance probes without visibility (docs/baking.md). It may hold what relighting needs (octalux/relight.h). It is
+// immutable.
 #ifndef OCTALUX_FIELD_H
 #define OCTALUX_FIELD_H
 
@@ -17,14 +18,14 @@ extern "C" {
 
 typedef struct olx_field olx_field;
 
-// How the probes that answer for a point, or next for a ray, are found. Those before OLX_SELECT_EXHAUSTIVE are baked into a
-// field, one or several; the others need nothing baked.
+// Ways to find the probes that light a point, or the next probe that a ray is traced through. Those before
+// OLX_SELECT_EXHAUSTIVE are baked into a field, one or several; the others need nothing baked.
 typedef enum olx_select {
   OLX_SELECT_CAGE = 0,   // McGuire et al. 2017, section 4.1: the corners of the grid cell, in the order (i + 3) mod 8
   OLX_SELECT_VORONOI,    // Wang 2018, section 4.1: the nearest probe, then its Delaunay neighbours
   OLX_SELECT_OCTREE,     // Wang 2018, section 4.2: a sparse voxel octree, up to four probes a leaf
   OLX_SELECT_BRICKS,     // cells of space that list the probes which see them (docs/maths.md)
-  OLX_SELECT_EXHAUSTIVE, // every probe that sees where the ray stands, nearest first: slow, the reference
+  OLX_SELECT_EXHAUSTIVE, // every probe that sees where the ray has come to, nearest first: slow, the reference
   OLX_SELECT_BEST        // the first of cage, bricks, voronoi, octree that the field has, else exhaustive
 } olx_select;
 
@@ -41,7 +42,7 @@ typedef enum olx_irradiance_form {
 // "octahedral", "sh2", "sh3".
 const char *olx_irradiance_form_name(olx_irradiance_form form);
 
-// A regular grid of probes. Probe (x, y, z) has index x + count[0] * (y + count[1] * z) and stands at
+// A regular grid of probes. Probe (x, y, z) has index x + count[0] * (y + count[1] * z) and the position
 // origin + (x, y, z) * spacing. spacing is 0 along an axis with one probe.
 typedef struct olx_grid {
   olx_vec3 origin;
@@ -49,15 +50,15 @@ typedef struct olx_grid {
   uint32_t count[3]; // each at least 1
 } olx_grid;
 
-// What is in a field. Sizes in texels are those of the square octahedral maps without their one-texel border.
+// The contents of a field. Sizes in texels are those of the square octahedral maps without their one-texel border.
 typedef struct olx_field_info {
   uint32_t probe_count;            // light field probes, at least 1
   uint32_t irradiance_probe_count; // irradiance probes; 0: baked without probe light, and all that is said of them is 0
-  uint32_t buried_count;           // light field probes found inside geometry, never asked
+  uint32_t buried_count;           // light field probes found inside geometry, which no lookup uses
   uint32_t irradiance_buried_count;
-  bool has_grid;               // light field probes stand on `grid`
+  bool has_grid;               // light field probes lie on `grid`
   olx_grid grid;               // valid when has_grid
-  olx_grid irradiance_grid;    // where the irradiance probes stand
+  olx_grid irradiance_grid;    // positions of the irradiance probes
   uint32_t radiance_size;      // texels along a side of a light field map: a power of two, 8 to 2048
   uint32_t irradiance_size;    // texels along a side of an irradiance probe's maps: a power of two, 8 to 256; 0 without probes
   olx_irradiance_form irradiance_form; // of irradiance; with spherical harmonics the maps hold moments alone
@@ -92,12 +93,12 @@ typedef struct olx_field_info {
 // On success *field is the caller's to close; on failure it is NULL. Takes milliseconds for any size.
 olx_result olx_field_open(const char *path, olx_field **field);
 
-// The same for a file that already lies in memory, 64-byte aligned; `data` must outlive the field.
+// Opens a field file that is in memory already, 64-byte aligned, as olx_field_open does; `data` must outlive the field.
 olx_result olx_field_open_memory(const void *data, size_t size_bytes, olx_field **field);
 
-// What a field file of format version 1 says of itself. Such a file cannot be opened, because its texels hold no surfaces: the
-// scene has to be baked again. Counts of bytes but file_bytes are 0, as is what optional chunks tell. OLX_ERROR_VERSION for a
-// file of another version.
+// Reads the description of a field file of format version 1. Such a file cannot be opened, because its texels hold no
+// surfaces: the scene has to be baked again. Counts of bytes but file_bytes are 0, as are the members that optional
+// chunks describe. OLX_ERROR_VERSION for a file of another version.
 olx_result olx_field_describe_version_1(const char *path, olx_field_info *info);
 
 // NULL is allowed.

@@ -1,6 +1,6 @@
 // Placing probes: a scene becomes a set of positions from which its surfaces are seen. Part of liboctalux-bake.
 //
-// Placement works on any soup of triangles: open, two-sided, intersecting. It asks three questions.
+// Placement works on any soup of triangles: open, two-sided, intersecting. It answers three questions.
 //
 // Which space matters? The bounds (or the description's box of playable space) are cut into voxels; those that touch a
 // surface are solid. From the cameras the rest is flooded; without cameras the largest space that light reaches counts.
@@ -12,8 +12,8 @@
 // surface counts as much as it is seen. They take the part of Wang's visibility atlas (section 3.2.1) without
 // unwrapping anything. Both sides of a triangle are surfaces of their own.
 //
-// Where to stand? OLX_PLACE_GRID stands on a regular grid and tells which of its probes are inside geometry.
-// OLX_PLACE_COVER picks from many candidates, always the one that adds most, until the asked coverage, count or memory
+// Where do probes go? OLX_PLACE_GRID puts them on a regular grid and reports which of them are inside geometry.
+// OLX_PLACE_COVER picks from many candidates, always the one that adds most, until the wanted coverage, count or memory
 // is reached, and then moves and swaps probes as long as that covers more. A surfel is *covered* when a probe sees it
 // *well*: in line of sight, not at a grazing angle, and with a texel small enough on the surface; better angles and
 // smaller texels are preferred where they cost no coverage. OLX_PLACE_SDF and OLX_PLACE_MEDIAL are those of Wang's
@@ -56,8 +56,8 @@ typedef enum olx_place_optimizer {
 // "none", "gradient", "gibbs".
 const char *olx_place_optimizer_name(olx_place_optimizer optimizer);
 
-// What a set of probes is rewarded for each surfel. A probe that sees it has a fitness: the mean of the cosine at the
-// surfel and of the distance in diagonals of the scene.
+// The reward of a set of probes for each surfel. A probe that sees the surfel has a fitness: the mean of the cosine at
+// the surfel and of the distance in diagonals of the scene.
 typedef enum olx_place_reward {
   OLX_REWARD_BEST = 0, // the best probe's fitness
   OLX_REWARD_SUM       // the sum of all probes' (equations 3.1, 3.2): none gains by seeing what the others miss
@@ -89,7 +89,7 @@ typedef struct olx_place_settings {
   float coverage;   // share of what can be covered, within [0, 1]; 0 (the default): 0.999, and 1 with a count or budget
   double budget_mb; // megabytes (10^6 bytes) of light field probes at `resolution`; 0 (the default): not limited
   uint32_t views;   // probes that shall see each surfel, 1 to 8; default 1
-  olx_grid grid;    // OLX_PLACE_GRID: where its probes stand; default: the scene's
+  olx_grid grid;    // OLX_PLACE_GRID: positions of its probes; default: the scene's
   uint32_t resolution; // texels along a light field map, a power of two, 8 to 2048; default 512
   float min_cosine;    // below this cosine between surface normal and line of sight a surfel is seen at grazing angle;
                        // within [0, 1); default 0.02
@@ -130,7 +130,7 @@ typedef struct olx_place_report {
                            // overrides, or within a voxel of surfaces
   double missed;           // not covered, but could be: more probes, or a higher coverage, would do it
   double unreachable;      // of all surface, by area: no side of it is seen from the space that matters
-  uint32_t buried;         // probes inside geometry: they are not asked
+  uint32_t buried;         // probes inside geometry, which no lookup uses
   uint32_t rejected;       // OLX_PLACE_GRID: grid points left out because of the description's overrides
   uint32_t candidates;     // positions that were considered
   double coverage_before;  // what the optimizer found; by OLX_REWARD_BEST it does not give up what only one probe sees
@@ -142,7 +142,7 @@ typedef struct olx_place_report {
   double seconds;
 } olx_place_report;
 
-// What a picture shows beside the probes.
+// Kinds of marks that a picture shows beside the probes.
 typedef enum olx_place_mark_kind {
   OLX_MARK_SKELETON = 0, // a place of the skeleton of free space; radius: how far surfaces are
   OLX_MARK_MISSED,       // a surface that is not covered but could be

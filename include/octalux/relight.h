@@ -42,7 +42,7 @@ typedef struct olx_relight_light {
   bool both_sides;                  // rect, triangle: and on the other
 } olx_relight_light;
 
-// From a surface towards a light.
+// A ray from a surface towards a light.
 typedef struct olx_shadow_ray {
   olx_vec3 origin;     // metres, a little off the surface
   olx_vec3 direction;  // unit
@@ -53,7 +53,7 @@ typedef struct olx_shadow_ray {
 // from its shadow maps or its ray caster; olx_scene_occlusion (octalux/scene.h) is one.
 typedef void (*olx_occlusion)(void *user, const olx_shadow_ray *rays, uint32_t count, uint8_t *occluded);
 
-// Budgets are of a frame. What is left waits for the next, and nothing waits for ever.
+// Budgets of a frame. Work that is left waits for the next frame, and none waits for ever.
 typedef struct olx_relight_settings {
   uint32_t shadow_rays;   // at least 1; a whole tile of texels may go beyond; default 262144
   uint32_t surfels;       // that gather light from others, at least 1; default 131072
@@ -77,11 +77,11 @@ olx_result olx_relight_create(const olx_field *field, const olx_relight_settings
 // NULL is allowed.
 void olx_relight_free(olx_relight *relight);
 
-// All lights there are from now on, copied. They replace those of the bake and those given before. At most 256. What was lit stays
-// so until its turn has come.
+// Sets all lights that there are from now on, at most 256, which are copied. They replace those of the bake and those
+// given before. What was lit stays so until its turn has come.
 olx_result olx_relight_set_lights(olx_relight *relight, const olx_relight_light *lights, uint32_t count);
 
-// What a frame did.
+// The work that a frame did.
 typedef struct olx_relight_stats {
   uint32_t surfels_lit, surfels_gathered; // got a sample of direct light; gathered light from others
   uint64_t texels;                        // of light field probes
@@ -91,15 +91,16 @@ typedef struct olx_relight_stats {
   double seconds; // of the clock
 } olx_relight_stats;
 
-// One frame, seen from `eye` (metres). stats may be NULL. When nothing is awake nothing is done. OLX_ERROR_ARGUMENT once frames are
-// made on a device (octalux/vulkan.h, olx_vulkan_relight_create); the field below then stays as it was.
+// Runs one frame, seen from `eye` (metres). stats may be NULL. When nothing is awake nothing is done.
+// OLX_ERROR_ARGUMENT once frames are made on a device (octalux/vulkan.h, olx_vulkan_relight_create); the field below
+// then stays as it was.
 olx_result olx_relight_frame(olx_relight *relight, olx_vec3 eye, olx_relight_stats *stats);
 
 // The field with its light as it is now: for octalux/sample.h and octalux/render.h. It belongs to the
 // relighter, must not be closed, and changes with olx_relight_frame.
 const olx_field *olx_relight_field(const olx_relight *relight);
 
-// How a light field probe stands in the schedule.
+// The state of a light field probe in the schedule.
 typedef struct olx_relight_state {
   uint32_t last_frame;    // that changed a part of its map, counted from 1; 0: none yet
   uint32_t tiles_waiting; // parts of its map

@@ -18,7 +18,7 @@ typedef enum olx_layer {
   OLX_LAYER_BEAUTY = 0,
   OLX_LAYER_DIRECT,           // emitter to surface with nothing in between, through every lobe
   OLX_LAYER_INDIRECT_DIFFUSE, // at least one surface between emitter and shaded surface, through the diffuse lobe
-  OLX_LAYER_INDIRECT_GLOSSY,  // the same through the specular lobe
+  OLX_LAYER_INDIRECT_GLOSSY,  // at least one surface between emitter and shaded surface, through the specular lobe
   OLX_LAYER_ALBEDO,           // diffuse reflectance: base colour * (1 - metallic)
   OLX_LAYER_NORMAL,           // shading normal, world space; 0 where nothing is seen
   OLX_LAYER_DEPTH,            // distance along the viewing axis in metres, one channel (others 0); infinite for the sky
@@ -115,12 +115,12 @@ olx_render_settings olx_render_settings_default(olx_method method);
 
 typedef struct olx_render_stats {
   double seconds;
-  // Processor time of the workers, summed over threads; a path tracer tells the first alone.
+  // Processor time of the workers, summed over threads; a path tracer reports the first alone.
   double primary_seconds, direct_seconds, diffuse_seconds, glossy_seconds, denoise_seconds;
   uint64_t rays;            // cast with Embree
   uint64_t field_rays;      // traced through the field
   uint64_t field_unresolved;
-  uint64_t field_steps, field_probes; // texels whose distance those rays read, and probes they asked
+  uint64_t field_steps, field_probes; // texels whose distance those rays read, and probes they were traced through
 } olx_render_stats;
 
 // Render `scene` from `camera`. `field` is needed by all but OLX_METHOD_PATH, where it may be NULL; one baked from another scene
@@ -215,7 +215,7 @@ typedef struct olx_audit_settings {
 
 olx_audit_settings olx_audit_settings_default(void);
 
-// The field judged against ray casting and path tracing; see docs/studies.md for what each number means.
+// The field judged against ray casting and path tracing; see docs/studies/rays.md for what each number means.
 typedef struct olx_audit_rays {
   uint64_t count;
   double unresolved, wrong, unseen;           // shares of all rays

@@ -19,8 +19,8 @@ typedef enum olx_tracer {
 } olx_tracer;
 
 typedef enum olx_visibility {
-  OLX_VISIBILITY_NONE = 0,     // trilinear interpolation alone: leaks, the baseline
-  OLX_VISIBILITY_CHEBYSHEV = 1 // McGuire et al. section 5.2 with the refinements that docs/studies.md measures
+  OLX_VISIBILITY_NONE = 0,     // trilinear interpolation alone, which leaks; to compare with
+  OLX_VISIBILITY_CHEBYSHEV = 1 // McGuire et al. section 5.2 with the refinements that docs/studies/leaks.md measures
 } olx_visibility;
 
 typedef enum olx_hits {
@@ -32,8 +32,8 @@ typedef struct olx_sample_settings {
   olx_tracer tracer;         // default OLX_TRACER_HIZ
   olx_select select;         // default OLX_SELECT_BEST; what the field does not have is OLX_SELECT_EXHAUSTIVE
   olx_visibility visibility; // default OLX_VISIBILITY_CHEBYSHEV
-  uint32_t max_probes;       // probes a ray may ask before it gives up; default 16
-  bool keep_buried;          // also ask probes inside geometry (the published failure, Fig. 10); default false
+  uint32_t max_probes;       // probes a ray is traced through before it gives up; default 16
+  bool keep_buried;          // also use probes inside geometry (the published failure, Fig. 10); default false
   bool emitters;             // count light that comes straight from an emitter or the sky; default false, because
                              // direct lighting samples those already (docs/maths.md, "layers")
   olx_hits hits;             // what light a ray finds where it ends; default OLX_HITS_SHADED. In a field whose lights have
@@ -75,13 +75,13 @@ typedef struct olx_trace_hit {
   uint32_t probes_tried;
 } olx_trace_hit;
 
-// What does the ray from `origin` (metres) along the unit vector `direction` see first, within t_max_metres (INFINITY
-// for no limit)? McGuire et al. section 4, Listing 1.
+// Traces the ray from `origin` (metres) along the unit vector `direction` to what it meets first, within t_max_metres
+// (INFINITY for no limit). McGuire et al. section 4, Listing 1.
 olx_trace_hit olx_trace(const olx_field *field, const olx_sample_settings *settings, olx_vec3 origin,
                         olx_vec3 direction, float t_max_metres);
 
-// The same for `count` rays at once: hits[i] is to the last bit what olx_trace says for origins[i] and directions[i], and
-// arrives sooner. Rays that start near each other and run alike are fastest together.
+// Traces `count` rays at once: hits[i] equals olx_trace's answer for origins[i] and directions[i] to the last bit, and
+// takes less time. Rays that start near each other and run alike are fastest together.
 void olx_trace_rays(const olx_field *field, const olx_sample_settings *settings, uint32_t count,
                     const olx_vec3 *origins, const olx_vec3 *directions, float t_max_metres, olx_trace_hit *hits);
 
@@ -131,9 +131,9 @@ olx_result olx_probe_light_check(const olx_field *field);
 // interpolated, and with spherical harmonics as they ring, that is also below 0, where olx_irradiance says 0. 0 for another index.
 olx_vec3 olx_probe_irradiance(const olx_field *field, uint32_t index, olx_vec3 normal);
 
-// One ray's estimate of the light that a GGX lobe of the given roughness (perceptual, 0..1; 0 is a mirror) gathers:
-// traces the reflection drawn by `random` (two numbers in [0, 1)) and returns its radiance; *weight receives the
-// BRDF times cosine over the pdf for Fresnel reflectance 1 (0: the reflection lies below the surface, and no ray was
+// Estimates by one ray the light that a GGX lobe of the given roughness (perceptual, 0..1; 0 is a mirror) gathers:
+// traces the reflection drawn by `random` (two numbers in [0, 1)) and returns its radiance; *weight receives the BRDF
+// times cosine over the pdf for Fresnel reflectance 1 (0: the reflection lies below the surface, and no ray was
 // traced), *half_cosine the angle for Fresnel (view . half), and *hit, which may be NULL, what the ray found.
 olx_vec3 olx_glossy(const olx_field *field, const olx_sample_settings *settings, olx_vec3 position, olx_vec3 normal,
                     olx_vec3 view, float roughness, olx_vec2 random, float *weight, float *half_cosine,
@@ -145,9 +145,9 @@ void olx_glossy_rays(const olx_field *field, const olx_sample_settings *settings
                      const olx_vec3 *positions, const olx_vec3 *normals, const olx_vec3 *views, const float *roughness,
                      const olx_vec2 *random, olx_vec3 *radiance, float *weights, float *half_cosines);
 
-// The method that light field probes replace, as a baseline (docs/baking.md, "Classic maps"): irradiance and prefiltered
-// radiance of the irradiance probes around a point, interpolated without asking what they see. Of `settings` only keep_buried
-// counts. Light that comes straight from emitters or the sky is left out.
+// The baseline, the method that light field probes replace (docs/baking.md, "Classic maps"): irradiance and prefiltered
+// radiance of the irradiance probes around a point, interpolated without regard to what they see. Of `settings` only
+// keep_buried counts. Light that comes straight from emitters or the sky is left out.
 
 // OLX_ERROR_ARGUMENT, with a message, when the field was baked without classic maps; the other functions need them.
 olx_result olx_classic_check(const olx_field *field);

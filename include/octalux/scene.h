@@ -35,9 +35,10 @@ typedef struct olx_scene_info {
   uint64_t hash;         // of geometry, materials, textures, lights and environment
 } olx_scene_info;
 
-// What a model, or a whole scene, may ask for. A file of a megabyte can ask for gigabytes, so each of these is counted before
-// memory or time is spent on it, and a file that goes beyond one is refused with a message that names the file, the element,
-// the number found and the limit. Raise a limit for a file that is trusted and needs more. A limit of 0 is the default.
+// Limits on what a model or a whole scene takes. A file of a megabyte can describe gigabytes, so each of these is
+// counted before memory or time is spent on it, and a file that goes beyond one is refused with a message that names
+// the file, the element, the number found and the limit. Raise a limit for a file that is trusted and needs more. A
+// limit of 0 is the default.
 typedef struct olx_scene_limits {
   uint64_t
       triangles;   // of the scene, those of instances counted each time; default 2^26, about 6 GiB while they are read
@@ -92,13 +93,15 @@ void olx_scene_free(olx_scene *scene);
 
 olx_scene_info olx_scene_describe(const olx_scene *scene);
 
-// What was skipped or clamped at import, index < warnings; NULL for another index. Lives as long as the scene.
+// A warning about something that was skipped or clamped at import, index < warnings; NULL for another index. Lives as
+// long as the scene.
 const char *olx_scene_warning(const olx_scene *scene, uint32_t index);
 
 // A camera of the scene, index < cameras; one without a name, all of whose numbers are 0, for another index.
 olx_camera olx_scene_camera(const olx_scene *scene, uint32_t index);
 
-// The camera of that name; NULL asks for the first, or, in a scene without cameras, for one that sees the whole scene.
+// Finds the camera of that name; NULL finds the first, or, in a scene without cameras, makes one that sees the whole
+// scene.
 olx_result olx_scene_find_camera(const olx_scene *scene, const char *name, olx_camera *camera);
 
 // The grid a bake uses: the description's probe volume, or the bounds inset by half a cell. `count` replaces the

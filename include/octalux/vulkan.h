@@ -111,8 +111,8 @@ typedef struct olx_vulkan_targets {
   olx_vulkan_image albedo;    // linear base colour, .rgb (sRGB formats decode themselves)
   olx_vulkan_image roughness; // .r perceptual roughness, .g metallic, .b specular weight (1: F0 = 0.04; 0: Lambertian).
       // A view with swizzles maps other packings; VK_COMPONENT_SWIZZLE_ONE fills a missing weight
-  // Optional; a view of VK_NULL_HANDLE: none. The three tell olx_vulkan_record_irradiance which stored surface a pixel shows
-  // (octalux/sample.h, olx_surface_irradiance). Normals are in world space, .xyz, as in `normal`.
+  // Optional; a view of VK_NULL_HANDLE: none. From these three olx_vulkan_record_irradiance finds which stored surface
+  // a pixel shows (octalux/sample.h, olx_surface_irradiance). Normals are in world space, .xyz, as in `normal`.
   olx_vulkan_image geometric_normal; // of the triangle, of either side. None: it is derived from depth, which wants 24 bits or more
   olx_vulkan_image vertex_normal; // between the triangle's corners, on the side that is looked at, and `normal` is this one bent by
       // normal maps. None: `normal` stands for it, and normal maps do not show in light that is stored
@@ -255,7 +255,7 @@ typedef struct olx_vulkan_update_settings {
 
 olx_vulkan_update_settings olx_vulkan_update_settings_default(void);
 
-// What a call did.
+// The work that a call did.
 typedef struct olx_vulkan_update_stats {
   uint64_t bytes, waiting_bytes; // copied; changed, and not copied yet
   uint32_t tiles;                // of light field maps, up to 32 x 32 texels each
@@ -304,7 +304,7 @@ olx_result olx_vulkan_relight_create(olx_vulkan_field *uploaded, olx_relight *re
 // NULL is allowed. Nothing that was recorded with it may be pending. The relighter makes no more frames.
 void olx_vulkan_relight_destroy(olx_vulkan_relight *relight);
 
-// What a frame does.
+// The work that a frame does.
 typedef struct olx_vulkan_relight_stats {
   uint32_t surfels_lit, surfels_gathered; // get a sample of direct light; gather light from others
   uint64_t texels;                        // of light field probes

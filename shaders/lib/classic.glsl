@@ -1,6 +1,5 @@
-// Twin of src/shade/classic.c: original irradiance probes, the method that light field probes replace (docs/maths.md,
-// "Classic probes"). Not part of octalux.glsl: it needs a descriptor set of its own, with the classic maps as one
-// buffer of words.
+// Twin of src/shade/classic.c: the baseline, irradiance probes without visibility (docs/maths.md, "The baseline"). Not
+// part of octalux.glsl: it needs a descriptor set of its own, with the classic maps as one buffer of words.
 #ifndef OLX_CLASSIC_GLSL
 #define OLX_CLASSIC_GLSL
 

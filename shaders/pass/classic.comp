@@ -1,4 +1,4 @@
-// Indirect light of original irradiance probes, the baseline: both lobes in one pass.
+// Indirect light of the baseline, irradiance probes without visibility: both lobes in one pass.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "frame.glsl"

@@ -8,9 +8,9 @@
 // pixel that turn by more than the other.
 const float LEAST_DERIVED_COSINE = 0.5, LEAST_STRAIGHTNESS = 0.98;
 
-// The step from a pixel's position to that of the next along an axis, before it or behind. Steps go on straight to the pixel
-// after, so they stay on one surface, and that which is nearer to perpendicular to the shading normal is on the pixel's own.
-// 0 where neither goes on.
+// The step from a pixel's position to that of the next one along an axis, before or behind it. A step counts when it
+// goes on straight to the pixel after the next, so that it stays on one surface; of two such steps the one nearer to
+// perpendicular to the shading normal is on the pixel's own surface. 0 where neither counts.
 vec3 step_along(ivec2 pixel, ivec2 axis, frame_surface surface) {
   float least = 1.0;
   vec3 way = vec3(0.0);
@@ -29,14 +29,14 @@ vec3 step_along(ivec2 pixel, ivec2 axis, frame_surface surface) {
   return way;
 }
 
-// From the depths around a pixel; the shading normal where they tell none.
+// The geometric normal from the depths around a pixel, or the shading normal where these give none.
 vec3 derived_normal(ivec2 pixel, frame_surface surface) {
   vec3 across = cross(step_along(pixel, ivec2(1, 0), surface), step_along(pixel, ivec2(0, 1), surface));
   float size = sqrt(olx_dot(across, across)), cosine = olx_dot(across, surface.normal);
   return abs(cosine) > LEAST_DERIVED_COSINE * size ? across * (sign(cosine) / size) : surface.normal;
 }
 
-// On the side that is looked at.
+// The geometric normal of the pixel's surface, on the side that is looked at.
 vec3 geometric_normal(ivec2 pixel, frame_surface surface) {
   if (!has_flag(OLX_FRAME_GEOMETRIC_NORMAL)) return derived_normal(pixel, surface);
   vec3 normal = read_normal(geometric_normal_image, pixel, OLX_FRAME_GEOMETRIC_UNORM);

@@ -26,7 +26,7 @@ struct lit_sum {
   vec3 irradiance, beam;
 };
 
-// By one ray. A ray that no probe can follow to its end has gone behind something.
+// Light that one ray finds. A ray that no probe can follow to its end counts as occluded.
 lit_sum light_along(lit_place p, olx_gpu_light light, uint index, uint light_sample, uint samples) {
   vec2 random = vec2(0.0);
   if (samples > 0u) random = olx_stratified2(p.sequence * samples + light_sample, olx_hash3(p.seed, index, SALT_LIGHT));
@@ -42,7 +42,7 @@ lit_sum light_along(lit_place p, olx_gpu_light light, uint index, uint light_sam
   return found;
 }
 
-// By the rays of this dispatch. Lights without an area take one ray.
+// Light that the rays of this dispatch find. Lights without an area take one ray.
 lit_sum light_place(lit_place p) {
   uint index = call.light, light_sample = call.light_sample;
   lit_sum sum = lit_sum(vec3(0.0), vec3(0.0));

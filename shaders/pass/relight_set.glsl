@@ -29,7 +29,7 @@ void set_state(uint at, vec3 v) {
 // The surfel of a thread, of those that follow each other from call.first on.
 uint surfel_of(uint thread) { return (call.first + thread) % relight.surfels; }
 
-// ---- Surfels in the structure, where that is theirs
+// ---- Surfels in the structure
 
 const uint SURFEL_WORDS = 27u;
 

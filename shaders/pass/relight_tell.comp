@@ -1,4 +1,4 @@
-// Indirect light of the texels of scheduled tiles, as surfels tell it by the sites of their blocks.
+// Interpolates the indirect light of texels of scheduled tiles from the surfels that the sites of their blocks name.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "relight_tile.glsl"

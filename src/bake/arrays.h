@@ -1,4 +1,5 @@
-// Arrays that are reckoned before they are made: one list of them serves both, so that what a bake says it needs is what it takes.
+// Arrays whose size is known before they are allocated: one list of them serves both, so that a bake takes the memory
+// that it says it needs.
 #ifndef OLX_BAKE_ARRAYS_H
 #define OLX_BAKE_ARRAYS_H
 

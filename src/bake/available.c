@@ -1,4 +1,4 @@
-// Asking Linux how much memory and disk there is. Where it does not say, nothing is refused.
+// Finds how much memory and disk there is, by asking Linux; where Linux does not say, no bake is refused.
 #include "bake/available.h"
 
 #include <stdio.h>

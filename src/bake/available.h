@@ -1,14 +1,15 @@
-// What the machine has left, asked before it is needed.
+// The memory and the disk space that the machine has left.
 #ifndef OLX_BAKE_AVAILABLE_H
 #define OLX_BAKE_AVAILABLE_H
 
 #include <octalux/base.h>
 
 // Bytes of memory that can be taken without swapping: of the machine, or of the control group that this process is in.
-// UINT64_MAX when nobody says.
+// UINT64_MAX when it is not known.
 uint64_t olx_available_memory(void);
 
-// Bytes that a new file at `path` can have. UINT64_MAX when nobody says, or when `path` is something else than a file.
+// Bytes that a new file at `path` can have. UINT64_MAX when it is not known, or when `path` is something else than a
+// file.
 uint64_t olx_available_disk(const char *path);
 
 #endif

@@ -1,3 +1,5 @@
+// Runs one bake from its settings to its file: checks the settings, places the probes, solves the light of the scene,
+// captures every probe, and hands what is done to the writer, so that memory never holds the whole field.
 #include <octalux/bake.h>
 
 #include "bake/available.h"

@@ -1,5 +1,5 @@
-// How long a bake would take: a few of its probes are baked twice, with and without light field maps worth the name, and what
-// each kind of probe took is multiplied.
+// Estimates how long a bake would take: bakes a few of its probes twice, with and without light field maps worth the
+// name, and multiplies the time that a probe of each kind took.
 #include <octalux/bake.h>
 
 #include "core/file.h"

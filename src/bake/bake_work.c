@@ -5,6 +5,7 @@
 #include "core/chunk_file.h"
 #include "core/hooks.h"
 #include "core/result.h"
+#include "scene/bvh.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,3 +1,5 @@
+// Builds bricks: fills space with cells, ranks the probes that see each cell's points, and stores every different list
+// once; cells grow until the structure fits its budget of bytes.
 #include "bake/bricks_build.h"
 
 #include "bake/bricks_rank.h"

@@ -2,7 +2,7 @@
 #ifndef OLX_BAKE_BRICKS_BUILD_H
 #define OLX_BAKE_BRICKS_BUILD_H
 
-#include "bake/selectors.h"
+#include "bake/selector_input.h"
 #include "field/brick_data.h"
 
 // The most that bricks may take for so many bytes of maps: 4 %, but no less than a little and no more than 4 MB.

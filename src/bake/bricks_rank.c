@@ -1,3 +1,5 @@
+// Ranks the probes for one cell of bricks: greedily adds the probe that sees the cell's points best, so that later
+// probes in a list cover what the earlier ones do not see.
 #include "bake/bricks_rank.h"
 
 // What is left of a sample's weight for further probes once the best of them is listed.

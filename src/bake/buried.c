@@ -1,3 +1,4 @@
+// Marks probes that are inside geometry as buried, by the depth that place/inside.h measures for each of them.
 #include "bake/buried.h"
 
 #include "core/hooks.h"

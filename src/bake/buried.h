@@ -1,4 +1,4 @@
-// Finding the probes that stand inside geometry.
+// Finds buried probes: those inside geometry.
 #ifndef OLX_BAKE_BURIED_H
 #define OLX_BAKE_BURIED_H
 

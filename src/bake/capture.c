@@ -6,6 +6,7 @@
 #include "core/octahedral.h"
 #include "core/pack.h"
 #include "core/result.h"
+#include "scene/bvh.h"
 #include "scene/environment.h"
 
 enum { PACKET = 64 };

@@ -1,3 +1,5 @@
+// Bakes the maps of one irradiance probe of the baseline: casts and lights a cube map around the probe, filters it, and
+// fits the box by which parallax is corrected.
 #include "bake/classic_bake.h"
 
 #include "bake/morton.h"
@@ -5,6 +7,7 @@
 #include "core/pack.h"
 #include "core/result.h"
 #include "core/sampling.h"
+#include "scene/bvh.h"
 
 #include <string.h>
 
@@ -64,8 +67,8 @@ static uint32_t choose_paths(const olx_classic_bake *b, olx_shade_scratch *scrat
   return paths;
 }
 
-// As light field probes are lit, so that the methods differ in what they make of the light alone. Emission is left out, because
-// direct lighting samples it.
+// Lights a tile as light field probes are lit, so that the methods differ in what they make of the light alone.
+// Emission is left out, because direct lighting samples it.
 static void light_tile(const olx_classic_bake *b, olx_shade_scratch *scratch, uint32_t tile) {
   olx_shade_batch *roots = &scratch->roots;
   olx_shade_batch_begin(roots, b->light_samples);
@@ -194,9 +197,7 @@ olx_result olx_classic_bake_probe(olx_classic_bake *b, uint32_t probe, olx_vec3 
   b->probe = probe;
   b->position = position;
   OLX_TRY(olx_parallel_for(tile_count(b), b->filter.threads, cube_job, b, b->task, OLX_BATCH_POINTS));
-  if (atomic_load(&b->shade->out_of_memory)) {
-    return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for the work of a thread");
-  }
+  OLX_TRY(olx_shade_check_memory(b->shade));
   OLX_TRY(olx_classic_filter_run(&b->filter, b->task));
   const uint32_t size = b->filter.size;
   pack_map(b->filter.irradiance, size, b->packed_irradiance);

@@ -1,3 +1,5 @@
+// Filters a cube map of radiance into the baseline's maps: an octahedral map, its irradiance, and levels prefiltered
+// for rough lobes. The table of reflectances is integrated here, too.
 #include "bake/classic_filter.h"
 
 #include "bake/border.h"

@@ -1,5 +1,6 @@
-// Classic maps out of a cube map of radiance (docs/maths.md, "Classic probes"): the octahedral map, irradiance, and radiance
-// prefiltered for rough lobes. And the table of reflectances, which is the same for every scene.
+// The baseline's maps, made from a cube map of radiance (docs/maths.md, "The baseline"): the octahedral map,
+// irradiance, and radiance prefiltered for rough lobes; and the table of reflectances, which is the same for every
+// scene.
 #ifndef OLX_BAKE_CLASSIC_FILTER_H
 #define OLX_BAKE_CLASSIC_FILTER_H
 

@@ -1,3 +1,5 @@
+// Solves for smooth corrections of irradiance maps by conjugate gradients on the normal equations, with penalties on
+// their size and on their slope over directions.
 #include "bake/corrections.h"
 
 #include "core/hooks.h"

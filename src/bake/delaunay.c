@@ -1,3 +1,5 @@
+// Finds which probes are neighbours by a Delaunay triangulation of their positions (Qhull), with answers of its own for
+// positions that coincide and for sets that are flat.
 #include "bake/delaunay.h"
 
 #include "core/hooks.h"
@@ -18,7 +20,7 @@ static const double FLAT = 1e-4;
 // Six times a tetrahedron's volume over its longest side cubed below which it is flat, too.
 static const double SLIVER = 1e-4;
 
-// A place where one probe stands, or several.
+// The position of one probe, or of several that coincide.
 typedef struct site {
   int32_t place[3]; // on the lattice
   uint32_t probe;
@@ -27,7 +29,7 @@ typedef struct site {
 typedef struct delaunay {
   uint32_t probe_count, place_count;
   site *sites;         // one a probe, ordered by place
-  uint32_t *place_of;  // which place a probe stands on
+  uint32_t *place_of;  // the place of each probe
   uint32_t *begin;     // place_count + 1: where each place begins in `sites`
   double (*points)[3]; // of the places
   uint64_t *edges;     // between places: from << 32 | to, both ways, in ascending order

@@ -11,6 +11,7 @@
 #include "core/pack.h"
 #include "core/result.h"
 #include "light/ray_light.h"
+#include "scene/bvh.h"
 
 #include <string.h>
 
@@ -78,11 +79,6 @@ static void moments_job(void *user, uint32_t row) {
   olx_quadrature_moments(&gather->quadrature, gather->distances, row, map, stride);
 }
 
-olx_result olx_gather_check_memory(const olx_gather *gather) {
-  if (!atomic_load(&gather->shade->out_of_memory)) return OLX_OK;
-  return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for the work of a thread");
-}
-
 olx_result olx_gather_look(olx_gather *gather) {
   const olx_quadrature *q = &gather->quadrature;
   olx_task_stage(gather->task, gather->light ? "irradiance probes" : "direct light");
@@ -90,7 +86,7 @@ olx_result olx_gather_look(olx_gather *gather) {
     gather->probe = probe;
     memset(gather->distances, 0, (size_t)q->distance_cells * q->distance_cells * sizeof(olx_vec2));
     OLX_TRY(olx_parallel_for(olx_gather_tiles(q), gather->threads, look_job, gather, gather->task, OLX_BATCH_POINTS));
-    OLX_TRY(olx_gather_check_memory(gather));
+    OLX_TRY(olx_shade_check_memory(gather->shade));
     OLX_TRY(
         olx_parallel_for(q->irradiance_size / OLX_BLOCK_ROWS, gather->threads, moments_job, gather, gather->task, 0));
     olx_fill_border(gather->moments + probe * bordered(q->irradiance_size), q->irradiance_size, sizeof(olx_vec2));

@@ -1,5 +1,5 @@
-// Lights irradiance probes by bounces of light between them, as published: direct light of all that they see, then bounce after
-// bounce from the irradiance of the one before, or by rays through the probes.
+// Lights irradiance probes by bounces of light between them, as published: first by direct light of all that they see,
+// then each bounce from the irradiance of the bounce before, or by rays through the probes.
 #include "bake/gather_bounces.h"
 
 #include "bake/gather_points.h"
@@ -62,7 +62,7 @@ void olx_gather_light_tile(const olx_gather *gather, olx_shade_scratch *scratch,
   if (gather->traces) keep_direct(gather, scratch, tile);
 }
 
-// The diffuse reflection of what rays find of the bounce before.
+// Adds the diffuse reflection of the light that rays find of the bounce before.
 static void add_traced(const olx_gather *gather, olx_shade_scratch *scratch, uint32_t probe) {
   olx_shade_batch *roots = &scratch->roots;
   const size_t first = (size_t)probe * olx_gather_points(&gather->quadrature);
@@ -72,7 +72,7 @@ static void add_traced(const olx_gather *gather, olx_shade_scratch *scratch, uin
   }
 }
 
-// What the next bounce will find.
+// Stores the light that the rays of the next bounce will find.
 static void keep_traced(const olx_gather *gather, const olx_shade_scratch *scratch, uint32_t probe) {
   const size_t first = (size_t)probe * olx_gather_points(&gather->quadrature);
   olx_vec3 *light = olx_traced_light(&gather->traced, gather->bounce);
@@ -127,7 +127,7 @@ olx_result olx_gather_bounce(olx_gather *gather, uint32_t bounce) {
   const uint32_t batches = olx_gather_points(&gather->quadrature) / OLX_BATCH_POINTS;
   OLX_TRY(olx_parallel_for(gather->probe_count * batches, gather->threads, bounce_job, gather, gather->task,
                            OLX_BATCH_POINTS));
-  return olx_gather_check_memory(gather);
+  return olx_shade_check_memory(gather->shade);
 }
 
 olx_result olx_gather_link(olx_gather *gather) {

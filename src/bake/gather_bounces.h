@@ -3,7 +3,7 @@
 #ifndef OLX_BAKE_GATHER_BOUNCES_H
 #define OLX_BAKE_GATHER_BOUNCES_H
 
-#include "bake/gather.h"
+#include "bake/gather_state.h"
 
 // Adds the direct light of a tile of samples of gather->probe to its cells; `scratch` holds their rays and hits.
 void olx_gather_light_tile(const olx_gather *gather, olx_shade_scratch *scratch, uint32_t tile);

@@ -1,3 +1,5 @@
+// Fits spherical harmonics to irradiance measured on surfaces: corrects the coefficients of each probe until what the
+// runtime interpolates comes closest to the measurements.
 #include "bake/harmonics_fit.h"
 
 #include "core/harmonics.h"
@@ -36,7 +38,8 @@ static void scatter(const harmonics_fit *h, olx_vec3 *x, const olx_irradiance_we
   }
 }
 
-// What `x` makes at every point, or what measurements have beyond it, back to the unknowns that it depends on.
+// Scatters the prediction of `x` at every point, or its difference to the measurements, back to the unknowns that it
+// depends on.
 static void accumulate(const harmonics_fit *h, const olx_vec3 *x, bool residual, olx_vec3 *unknowns) {
   memset(unknowns, 0, h->corrections.unknowns * sizeof *unknowns);
   for (uint32_t p = 0; p < h->point_count; p++) {

@@ -1,3 +1,5 @@
+// Builds a sparse voxel octree level by level (Wang 2018, section 4.2): subdivides where triangles lie, and gives each
+// leaf the four best of the probes that see it.
 #include "bake/octree_build.h"
 
 #include "core/hooks.h"
@@ -83,7 +85,7 @@ static voxel child_of(voxel v, uint32_t child) {
                  (uint16_t)(2 * v.z + (child >> 2))};
 }
 
-// In sides of the finest voxels.
+// The centre of a voxel, in sides of the finest voxels.
 static olx_vec3 voxel_centre(const octree_build *b, voxel v, uint32_t level) {
   const float side = (float)(1u << (b->levels - level));
   return olx_v3(((float)v.x + 0.5f) * side, ((float)v.y + 0.5f) * side, ((float)v.z + 0.5f) * side);
@@ -105,7 +107,7 @@ static uint8_t children_touched(const octree_build *b, voxel v, uint32_t triangl
 }
 
 // The mean normal of those triangles whose masks name the child, each as long as 1 and turned to the side of the sum
-// before it: which side is which the probes' visibility tells. 0 when there are none.
+// before it: the probes' visibility decides which side counts. 0 when there are none.
 static olx_vec3 mean_normal(const octree_build *b, const uint32_t *triangles, const uint8_t *masks, size_t count,
                             uint32_t child) {
   olx_vec3 sum = olx_splat(0.0f);
@@ -129,7 +131,7 @@ typedef struct leaf_box {
   uint32_t seed;
 } leaf_box;
 
-// Whether nothing stands between a probe and a point, up to where their line enters the box when `to_box`.
+// Whether nothing is between a probe and a point, up to where their line enters the box when `to_box`.
 static bool sees(const octree_build *b, uint32_t probe, olx_vec3 point, const leaf_box *box, bool to_box) {
   const olx_vec3 origin = b->input->positions[probe], direction = olx_sub(point, origin);
   float t_max = 1.0f;

@@ -2,7 +2,7 @@
 #ifndef OLX_BAKE_OCTREE_BUILD_H
 #define OLX_BAKE_OCTREE_BUILD_H
 
-#include "bake/selectors.h"
+#include "bake/selector_input.h"
 
 // Levels of subdivision for light field maps of `radiance_size` texels a side: so that the smallest leaves are about as
 // large as texels are on surfaces half the scene away; 9 as in the thesis from 512 texels on.

@@ -1,3 +1,5 @@
+// Casts coarse maps of distance and normal around every probe, by which builders of selectors decide quickly which
+// probe sees which point.
 #include "bake/probe_views.h"
 
 #include "bake/morton.h"

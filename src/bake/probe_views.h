@@ -1,8 +1,8 @@
-// What probes see, coarsely: for builders that ask which probe sees what, many times over.
+// Coarse maps of what probes see, for builders that query many times which probe sees which point.
 #ifndef OLX_BAKE_PROBE_VIEWS_H
 #define OLX_BAKE_PROBE_VIEWS_H
 
-#include "bake/selectors.h"
+#include "bake/selector_input.h"
 
 // Octahedral maps of distance and normal, n x n texels without border, from rays through the texels' centres.
 typedef struct olx_probe_views {

@@ -1,3 +1,5 @@
+// Projects octahedral maps onto spherical harmonics by least squares: inverts the functions' products over the texels
+// once, and applies the inverse to every map.
 #include "bake/projection.h"
 
 #include "core/hooks.h"

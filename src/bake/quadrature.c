@@ -1,3 +1,5 @@
+// Integrates over the sphere around a probe without random numbers: irradiance from cells of radiance, and filtered
+// moments from cells of distance, eight texels of the result at a time.
 #include "bake/quadrature.h"
 
 #include "core/hooks.h"

@@ -1,5 +1,5 @@
-// Turns the solved light of a scene into what its light can be changed with: links of surfels and of volume probes are made
-// few, and all becomes one structure.
+// Turns the solved light of a scene into what relighting needs: reduces the links of surfels and of volume probes to
+// few, and packs all of it into one structure.
 #include "bake/relight_bake.h"
 
 #include "core/hooks.h"
@@ -7,6 +7,7 @@
 #include "core/pack.h"
 #include "core/result.h"
 #include "core/sampling.h"
+#include "scene/bvh.h"
 
 #include <string.h>
 
@@ -121,7 +122,7 @@ static void link_some(void *user, uint32_t job) {
 // A byte that says a share, 255 for all.
 static uint8_t byte_of(float share) { return (uint8_t)(olx_clamp(share, 0.0f, 1.0f) * 255.0f + 0.5f); }
 
-// As both kinds of links have it: surfels' have no direction, those of volume probes are not straight.
+// Packs a link of either kind: those of surfels have no direction, those of volume probes are not straight.
 static olx_relight_volume_link packed(const olx_few_link *link) {
   const float weight = olx_luminance(link->weight), length = olx_length(link->direction);
   const uint32_t straight = weight > 0.0f ? byte_of(link->straight / weight) : 0;
@@ -146,7 +147,7 @@ static olx_result grow(olx_relight_rows *rows, uint64_t count, uint64_t more) {
   return OLX_OK;
 }
 
-// What jobs have found, behind what there is.
+// Appends the links that a job has found to those of the jobs before.
 static olx_result append(const link_job *j, olx_relight_rows *rows) {
   uint64_t more = 0;
   for (uint32_t i = 0; i < j->count; i++) more += j->counts[i];

@@ -1,4 +1,4 @@
-// Finds the surfels that tell the indirect light of the texels of a probe, and how much each counts.
+// Finds the surfels from which the indirect light of a probe's texels follows, and their weights.
 #include "bake/relight_sites.h"
 
 #include "bake/texel_blocks.h"

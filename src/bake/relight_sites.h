@@ -1,4 +1,5 @@
-// Sites: places at which surfels tell the indirect light of texels. Texels of a block that lie on one surface share a site.
+// Sites: places at which the indirect light of texels is interpolated from surfels. Texels of a block that lie on one
+// surface share a site.
 #ifndef OLX_BAKE_RELIGHT_SITES_H
 #define OLX_BAKE_RELIGHT_SITES_H
 

@@ -1,3 +1,5 @@
+// Lends blocks of working memory to the jobs of a parallel loop, and keeps those that come back for the jobs that
+// follow.
 #include "bake/scratch_pool.h"
 
 #include "core/hooks.h"

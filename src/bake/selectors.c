@@ -1,3 +1,5 @@
+// Builds the structures by which the runtime finds probes, as a bake's settings name them, one builder for each
+// selector.
 #include "bake/selectors.h"
 
 #include "bake/bricks_build.h"
@@ -6,7 +8,7 @@
 #include "core/hooks.h"
 #include "core/result.h"
 
-// NULL where there is nothing to build (the cage is the grid itself) or nobody to build it.
+// The builder of a selector; NULL where there is nothing to build, as the cage is the grid itself.
 static olx_selector_builder builder_of(olx_select select) {
   switch (select) {
   case OLX_SELECT_VORONOI: return olx_voronoi_build;

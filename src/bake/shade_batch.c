@@ -1,6 +1,10 @@
+// Lights many surface points at once: direct light by shadow rays to drawn emitters, diffuse light from irradiance
+// maps, and specular reflections by rays that are cast in packets.
 #include "bake/shade_batch.h"
 
+#include "core/result.h"
 #include "core/sampling.h"
+#include "scene/bvh.h"
 
 // Salts of the hashes from which independent random numbers are drawn.
 enum {
@@ -13,7 +17,8 @@ enum {
   SALT_BAKE = 0x42414B45
 };
 
-// One point in SCOUT_SHARE tells whether a tile sees a light; where it seems not to, one in DARK_SHARE sends shadow rays.
+// One point in SCOUT_SHARE decides whether a tile sees a light; where it seems not to, one in DARK_SHARE sends shadow
+// rays.
 enum { SCOUT_SHARE = 4, DARK_SHARE = 8 };
 #define NO_RAY UINT32_MAX
 
@@ -73,6 +78,11 @@ olx_shade_scratch *olx_shade_scratch_take(olx_shade_context *context) {
 
 void olx_shade_scratch_give(olx_shade_context *context, olx_shade_scratch *scratch) {
   olx_scratch_give(&context->pool, scratch);
+}
+
+olx_result olx_shade_check_memory(olx_shade_context *context) {
+  if (!atomic_load(&context->out_of_memory)) return OLX_OK;
+  return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for the work of a thread");
 }
 
 void olx_shade_batch_begin(olx_shade_batch *batch, uint32_t light_samples) {
@@ -187,7 +197,7 @@ static void add_light(olx_shade_scratch *scratch, olx_shade_batch *batch, light_
   rays->count = 0;
 }
 
-// The same for points that are lit like others.
+// Adds a light to all points of a batch, where points that are lit alike share the shadow ray of one of them.
 static void add_shared_light(olx_shade_scratch *scratch, olx_shade_batch *batch, light_rays *rays) {
   for (uint32_t i = 0; i < batch->count; i++) scratch->ray_of[i] = NO_RAY;
   for (uint32_t k = 0; k < rays->count; k++) {

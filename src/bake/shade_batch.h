@@ -88,6 +88,8 @@ void olx_shade_context_end(olx_shade_context *context);
 // A thread's working memory for one job, or NULL after noting that there is none.
 olx_shade_scratch *olx_shade_scratch_take(olx_shade_context *context);
 void olx_shade_scratch_give(olx_shade_context *context, olx_shade_scratch *scratch);
+// OLX_ERROR_MEMORY once some thread got no working memory, so that what its jobs should have made is missing.
+olx_result olx_shade_check_memory(olx_shade_context *context);
 
 // Empty a batch.
 void olx_shade_batch_begin(olx_shade_batch *batch, uint32_t light_samples);

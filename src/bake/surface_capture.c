@@ -130,7 +130,7 @@ static void store_surface(const olx_surface_capture *c, uint32_t at, const olx_s
   c->indirect[at] = olx_rgb9e5_pack(indirect);
 }
 
-// What the surface, as it has been stored, reflects to the probe.
+// Stores what the surface reflects to the probe, computed from the material and the light that are stored for it.
 static void store_radiance(const olx_surface_capture *c, uint32_t at, const olx_surface *middle, olx_vec3 direction,
                            const surface_sums *sums, olx_vec3 indirect) {
   if (!c->radiance) return;
@@ -194,7 +194,7 @@ static void capture_row(void *user, uint32_t y) {
 
 uint64_t olx_surface_capture_units(const olx_surface_capture *c) { return olx_capture_units(c->capture); }
 
-// Of the probe's texels, where the solved light gives it.
+// Finds the indirect irradiance of the probe's texels where the solved light gives it.
 static olx_result find_irradiance(const olx_surface_capture *c, bool buried) {
   const size_t texels = (size_t)c->capture->size * c->capture->size;
   if (!c->light) return OLX_OK;

@@ -37,8 +37,9 @@ void olx_surface_capture_free(olx_surface_capture *surfaces);
 // Units of progress a probe takes, in samples of texels.
 uint64_t olx_surface_capture_units(const olx_surface_capture *surfaces);
 
-// *maps points into `surfaces`; surfaces->radiance is filled, too, where it is wanted. Inside geometry, where `buried` says that the
-// probe stands, indirect light is taken as 0: surfels are not spread there, and each texel would have to gather light by rays.
+// *maps points into `surfaces`; surfaces->radiance is filled, too, where it is wanted. For a probe that is `buried`,
+// indirect light is taken as 0: no surfels are spread inside geometry, and each texel would have to gather light by
+// rays.
 olx_result olx_surface_capture_probe(olx_surface_capture *surfaces, bool buried, olx_surface_maps *maps);
 
 // The lights of a scene that have no area, as a field holds them; *lights is to be given to olx_release.

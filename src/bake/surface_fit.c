@@ -6,6 +6,7 @@
 #include "core/hooks.h"
 #include "core/result.h"
 #include "core/sampling.h"
+#include "scene/bvh.h"
 
 #include <string.h>
 
@@ -115,7 +116,7 @@ static uint32_t choose_reflections(olx_shade_scratch *scratch) {
   return count;
 }
 
-// What the solution has for the point; about the geometric normal, as the point's rays are.
+// The solution's irradiance at the point, about the geometric normal, as the point's rays are.
 static olx_vec3 solved_irradiance(const olx_surface_fit *fit, const olx_surface *surface) {
   olx_surface flat = *surface;
   flat.shading_normal = surface->geometric_normal;
@@ -232,11 +233,6 @@ static void solve(olx_surface_fit *fit) {
   }
 }
 
-static olx_result check_memory(const olx_surface_fit *fit) {
-  if (!atomic_load(&fit->input.shade->out_of_memory)) return OLX_OK;
-  return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for the work of a thread");
-}
-
 static uint32_t list_arrays(olx_surface_fit *fit, bool solved, olx_array_row rows[2]) {
   const uint64_t points = fit->point_count;
   rows[0] = (olx_array_row){&fit->points, points, sizeof *fit->points, false};
@@ -268,7 +264,7 @@ olx_result olx_surface_fit_create(const olx_surface_fit_input *input, const olx_
     return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for fitting %u irradiance probes", input->probe_count);
   }
   OLX_TRY(olx_parallel_for(jobs_of(fit), input->threads, cast_job, fit, input->task, POINTS_PER_JOB * units_of_point(solved)));
-  return check_memory(fit);
+  return olx_shade_check_memory(fit->input.shade);
 }
 
 void olx_surface_fit_free(olx_surface_fit *fit) {
@@ -283,7 +279,7 @@ olx_result olx_surface_fit_solve(olx_surface_fit *fit, const olx_irradiance_sour
   fit->source = source;
   fit->bounce = bounce;
   OLX_TRY(olx_parallel_for(jobs_of(fit), fit->input.threads, measure_job, fit, fit->input.task, 0));
-  OLX_TRY(check_memory(fit));
+  OLX_TRY(olx_shade_check_memory(fit->input.shade));
   solve(fit);
   return OLX_OK;
 }

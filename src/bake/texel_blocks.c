@@ -1,4 +1,4 @@
-// Tells which texels of a block see the same surface.
+// Finds which texels of a block see the same surface.
 #include "bake/texel_blocks.h"
 
 #include "core/octahedral.h"

@@ -1,9 +1,10 @@
-// Reckons what the surface of a texel sends to its probe: light of the texel through the diffuse lobe, or through both as seen
-// from anywhere, and what mirrors reflect.
+// Computes the radiance that the surface of a texel sends to its probe: light of the texel through the diffuse lobe, or
+// through both as averaged over views, and what mirrors reflect.
 #include "bake/texel_radiance.h"
 
 #include "light/path.h"
 #include "light/ray_light.h"
+#include "scene/bvh.h"
 
 static const float MOST_MIRROR_ALPHA = 0.01f;
 

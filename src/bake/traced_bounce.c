@@ -1,13 +1,16 @@
+// Links probes for bounces by rays: casts rays from what each probe sees, finds the probe that stored the surface at
+// each ray's end, and looks up the light of earlier bounces there.
 #include "bake/traced_bounce.h"
 
 #include "bake/arrays.h"
 #include "bake/gather_points.h"
 #include "core/hooks.h"
 #include "core/result.h"
+#include "scene/bvh.h"
 #include "select/cage.h"
 
 #define DARK UINT32_MAX         // the ray leaves the scene
-#define UNSEEN (UINT32_MAX - 1) // nobody knows what it met
+#define UNSEEN (UINT32_MAX - 1) // no probe has stored what it met
 
 enum { SALT_RAY = 0x54524143, NEARBY = 64 };
 
@@ -156,7 +159,7 @@ static void link_job(void *user, uint32_t index) {
   olx_shade_scratch *scratch = olx_shade_scratch_take(t->shade);
   if (!scratch) return;
   olx_shade_batch_begin(&scratch->roots, 1);
-  const bool buried = (t->flags[probe] & OLX_PROBE_BURIED) != 0; // nobody asks for its maps
+  const bool buried = (t->flags[probe] & OLX_PROBE_BURIED) != 0; // its maps are never read
   for (uint32_t k = 0; k < OLX_BATCH_POINTS; k++) {
     const uint32_t point = index % batches * OLX_BATCH_POINTS + k;
     const size_t global = (size_t)probe * points + point;
@@ -175,8 +178,7 @@ olx_result olx_traced_bounce_link(olx_traced_bounce *t) {
   const uint32_t batches = olx_gather_points(t->quadrature) / OLX_BATCH_POINTS;
   OLX_TRY(
       olx_parallel_for(t->probe_count * batches, t->threads, link_job, t, t->task, OLX_BATCH_POINTS * OLX_BOUNCE_RAYS));
-  if (!atomic_load(&t->shade->out_of_memory)) return OLX_OK;
-  return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for the work of a thread");
+  return olx_shade_check_memory(t->shade);
 }
 
 olx_vec3 olx_traced_irradiance(const olx_traced_bounce *t, size_t point, uint32_t bounce) {

@@ -1,8 +1,8 @@
 // Bounces by rays (the dissertation's section 4.3.3): diffuse light at what a probe sees is looked up where rays from there meet
-// surfaces, in what the probes stored there of the bounce before. A probe is asked only about what it sees: the place must lie
-// at the distance that it stored in that direction. The other way interpolates irradiance maps.
+// surfaces, in what the probes stored there of the bounce before. A probe answers only for what it sees: the place must
+// lie at the distance that it stored in that direction. The other way interpolates irradiance maps.
 //
-// Geometry stands still, so rays are cast and probes found once; each bounce follows the same links.
+// Geometry does not move, so rays are cast and probes found once; each bounce follows the same links.
 #ifndef OLX_BAKE_TRACED_BOUNCE_H
 #define OLX_BAKE_TRACED_BOUNCE_H
 

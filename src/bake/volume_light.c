@@ -5,6 +5,7 @@
 #include "core/hooks.h"
 #include "core/octahedral.h"
 #include "core/result.h"
+#include "scene/bvh.h"
 
 enum { PACKET = 64, PROBES_PER_JOB = 4, SALT_DIRECTION = 0x564F4C44, SALT_LIGHT = 0x564F4C4C, VIEW_SIDE = 64 };
 

@@ -1,4 +1,4 @@
-// Tells the sides of a cell apart: places spread over the cell are connected where they see each other, and what is not
+// Separates the sides of a cell: places spread over the cell are connected where they see each other, and what is not
 // connected is divided by the planes of the triangles between, until each part is one. What is outside all rooms is divided
 // off as well.
 #include "bake/volume_sides.h"
@@ -168,7 +168,7 @@ static bool is_clear_of_surfaces(const cell_places *c, olx_vec3 place, float cle
   return olx_bvh_distance(c->space->scene->bvh, place, clearance) >= clearance;
 }
 
-// As far as the way from the anchor to a corner is free.
+// The place towards a corner that the anchor reaches on a straight way, some way off the surface that ends it.
 static olx_vec3 way_towards(const cell_places *c, olx_vec3 anchor, olx_vec3 corner) {
   const olx_vec3 way = olx_sub(corner, anchor);
   const float length = olx_length(way), margin = CLEARANCE * c->side;

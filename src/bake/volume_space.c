@@ -1,4 +1,4 @@
-// Finds the free space that the irradiance volume covers, and tells places on the two sides of a surface apart by rays.
+// Finds the free space that the irradiance volume covers, and decides by rays on which side of a surface a place lies.
 #include "bake/volume_space.h"
 
 #include "core/hooks.h"

@@ -1,4 +1,4 @@
-// The free space that the irradiance volume covers: what viewers reach, and what probes stand in.
+// The free space that the irradiance volume covers: what viewers reach, and where probes are.
 #ifndef OLX_BAKE_VOLUME_SPACE_H
 #define OLX_BAKE_VOLUME_SPACE_H
 
@@ -6,7 +6,7 @@
 
 typedef struct olx_volume_space {
   const olx_scene *scene;
-  olx_space space; // `reachable` is OLX_REACHABLE also where probes stand
+  olx_space space; // `reachable` is OLX_REACHABLE also where probes are
   bool *outside;   // a voxel: free, not reached, and so are voxels from there to a face of their box
   bool empty;      // nothing is free
 } olx_volume_space;

@@ -1,3 +1,5 @@
+// Builds the Voronoi selector (Wang 2018, section 4.1): for each direction from a probe, the Delaunay neighbours
+// nearest in angle, and a k-d tree by which the nearest probe is found.
 #include "bake/voronoi_build.h"
 
 #include "bake/delaunay.h"
@@ -84,7 +86,7 @@ static void sort_tree(const olx_selector_input *input, tree_entry *entries, uint
   sort_tree(input, entries, middle + 1, end, next);
 }
 
-// Buried probes are in it too: whoever wants to ask them finds them.
+// The tree holds buried probes, too, for lookups that do not leave them out.
 static olx_result fill_tree(const voronoi_build *b) {
   const uint32_t count = b->input->count;
   tree_entry *entries = olx_allocate(count, sizeof *entries);

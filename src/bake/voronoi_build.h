@@ -2,11 +2,11 @@
 #ifndef OLX_BAKE_VORONOI_BUILD_H
 #define OLX_BAKE_VORONOI_BUILD_H
 
-#include "bake/selectors.h"
+#include "bake/selector_input.h"
 
-enum { OLX_VORONOI_SIZE = 16 }; // texels along a side of a map: 13 degrees, where neighbours stand some 60 apart
+enum { OLX_VORONOI_SIZE = 16 }; // texels along a side of a map: 13 degrees, where neighbours are some 60 apart
 
-// The chunk VORO. Buried probes have no neighbours and are nobody's.
+// Builds the chunk VORO. Buried probes have no neighbours and are neighbours of no probe.
 olx_result olx_voronoi_build(const olx_selector_input *input, void **data, size_t *size_bytes);
 
 #endif

@@ -1,5 +1,5 @@
-// Bounds of geometry blocks, from which pyramids follow, and what a file's blocks must keep to.
-// Decoding single planes is in the header.
+// Bounds the distances in geometry blocks, from which pyramids follow, and checks the blocks of a file. The header
+// decodes single planes.
 #include "block/geometry_block.h"
 
 // Rounding of m . q, in units of |m|_1.

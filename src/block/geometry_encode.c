@@ -9,7 +9,8 @@ enum { NUMBERS = 3, SKY = OLX_BLOCK_TEXELS };
 // How much the slope of a texel's own surface counts against the position of its point, when a plane is fitted to
 // several.
 static const double SLOPE_WEIGHT = 0.05;
-// That of its depth in the middle of the block, which texels beyond a fold may say nothing of.
+// How much an error of the plane's depth counts in the middle of the block, where texels beyond a fold may not
+// determine it.
 static const double MIDDLE_WEIGHT = 1e-6;
 // Planes are looked for with so much of the tolerance; the rest is for rounding their codes.
 static const float SEARCH_SHARE = 0.9f;

@@ -1,3 +1,5 @@
+// Tabulates the share of light that a specular lobe reflects on average over views, by which it becomes part of a
+// diffuse albedo where light is stored for all directions alike.
 #include "core/bsdf.h"
 
 // Specular light that leaves a surface in uniform light, averaged over the hemisphere of views, at roughness 0, 0.1 .. 1:

@@ -130,7 +130,7 @@ static inline olx_vec3 olx_ggx_sample(float alpha, olx_vec3 view, olx_vec2 rando
 }
 
 // The Lambertian surface that reflects as much of uniform light, averaged over views: what a surface looks like from a
-// direction that nobody knows. It has no specular lobe; applied twice it changes nothing.
+// direction that is not known. It has no specular lobe; applied twice it changes nothing.
 olx_bsdf olx_bsdf_matte(const olx_bsdf *bsdf);
 
 #endif

@@ -1,3 +1,5 @@
+// Reads, checks and writes the frame that Octalux's binary files share: a header and a table of chunks, in which every
+// byte is under a checksum or required to be zero.
 #include "core/chunk_file.h"
 
 #include "core/file.h"

@@ -39,7 +39,7 @@ _Static_assert(sizeof(olx_file_header) == 64 && offsetof(olx_file_header, header
 _Static_assert(sizeof(olx_file_chunk) == 64 && offsetof(olx_file_chunk, hash) == 40, "docs/format.md");
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "files are read in place");
 
-// What tells one kind of file from another.
+// What distinguishes one kind of file from another.
 typedef struct olx_file_kind {
   const char *magic; // 8 bytes
   uint32_t version;
@@ -111,13 +111,13 @@ olx_result olx_chunk_file_check(const olx_chunk_file *file, const olx_file_kind 
 olx_result olx_chunk_find_any(const olx_chunk_file *file, uint32_t type, const olx_file_chunk **found);
 // The one chunk of a type that every reader must find.
 olx_result olx_chunk_find(const olx_chunk_file *file, uint32_t type, const olx_file_chunk **found);
-// The same, when it has the sizes asked for; *data is its first byte.
+// Finds the one chunk of shape->type and checks that it has the sizes of `shape`; *data is its first byte.
 olx_result olx_chunk_find_shaped(const olx_chunk_file *file, const olx_chunk_shape *shape, const void **data);
 // A chunk that may be missing, in which case *found is NULL, but is flagged optional when it is there.
 olx_result olx_chunk_find_optional(const olx_chunk_file *file, uint32_t type, const olx_file_chunk **found);
-// The same, when it has the sizes asked for; *data is NULL when it is missing.
+// Finds an optional chunk and checks that it has the sizes of `shape`; *data is NULL when it is missing.
 olx_result olx_chunk_find_optional_shaped(const olx_chunk_file *file, const olx_chunk_shape *shape, const void **data);
-// The same for a single record that says which other chunks there are: its checksum is right, too.
+// Finds an optional chunk of a single record that says which other chunks there are, and checks its checksum, too.
 olx_result olx_chunk_find_header(const olx_chunk_file *file, const olx_chunk_shape *shape, const void **data);
 // A chunk that is there when the chunk of type `header` says so (`wanted`), and only then.
 olx_result olx_chunk_find_wanted(const olx_chunk_file *file, const olx_chunk_shape *shape, uint32_t header, bool wanted,

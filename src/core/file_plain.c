@@ -1,5 +1,5 @@
-// Files where nothing but C17 is known: they are read whole into memory, and none is written, for C17 cannot put a file
-// into place all at once.
+// Reads files whole into memory where nothing but C17 is known. It writes none, for C17 cannot put a file into place
+// all at once.
 #include "core/file.h"
 
 #include "core/hooks.h"

@@ -1,3 +1,5 @@
+// Writes files that are whole or not there at all, by a temporary file that is synced and renamed, and maps files into
+// memory for reading.
 #include "core/file.h"
 
 #include "core/hooks.h"
@@ -126,7 +128,7 @@ static olx_result open_file(const output_place *place, olx_output_file *file) {
   folder_of(place->target, folder);
   file->name = olx_copy_string(place->target + folder_length(place->target));
   if (!file->name) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", file->path);
-  // Who may not read the file that is replaced shall not read its successor either.
+  // A user who may not read the file that is replaced must not be able to read its successor.
   const int error = olx_temporary_create(folder, place->replaces ? 0600 : 0666, &file->temporary);
   if (error) return olx_fail(OLX_ERROR_FILE, "%s: cannot create: %s", file->path, strerror(error));
   file->descriptor = file->temporary.descriptor;
@@ -194,7 +196,7 @@ olx_result olx_output_reserve(olx_output_file *file, uint64_t size_bytes) {
 // The owner and the rights of the file that is replaced, as far as they may be given.
 static void keep_owner_and_mode(const olx_output_file *file) {
   const bool owned = fchown(file->descriptor, file->owner, file->group) == 0;
-  // Another one's rights to run as the owner are not passed on.
+  // Set-user-ID rights of another owner are not passed on.
   if (!owned) (void)!fchown(file->descriptor, (uid_t)-1, file->group);
   (void)fchmod(file->descriptor, owned ? file->mode : file->mode & 0777);
 }

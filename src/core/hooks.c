@@ -1,3 +1,5 @@
+// Holds the host's hooks for memory, messages and the parallel loop, with defaults by the C library, and allocates and
+// logs through them.
 #include "core/hooks.h"
 
 #include <stdarg.h>

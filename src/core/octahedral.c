@@ -1,3 +1,4 @@
+// Computes the exact solid angle of a texel of an octahedral map, as a sum of spherical triangles.
 #include "core/octahedral.h"
 
 typedef struct point {

@@ -1,3 +1,5 @@
+// Packs a unit vector into two bytes: of the codes around its octahedral coordinates it takes the one whose direction
+// is nearest.
 #include "core/pack.h"
 
 uint16_t olx_normal_pack(olx_vec3 n) {

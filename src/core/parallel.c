@@ -1,3 +1,5 @@
+// Runs the parallel loop on POSIX threads or on the host's hook, and keeps the progress and the cancellation of the
+// task that each thread works on.
 #include "core/parallel.h"
 
 #include "core/hooks.h"

@@ -1,4 +1,4 @@
-// Text from files, made fit for terminals and logs: the one place that escapes it.
+// Makes text from files fit for terminals and logs. This is the one place that escapes it.
 #include <octalux/base.h>
 
 #include <assert.h>

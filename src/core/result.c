@@ -1,3 +1,4 @@
+// Keeps the message of each thread's last failure, and names results and the version.
 #include "core/result.h"
 
 #include <stdarg.h>

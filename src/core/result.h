@@ -13,7 +13,7 @@ olx_result olx_fail(olx_result result, const char *format, ...) __attribute__((f
     if (olx_try_result_ != OLX_OK) return olx_try_result_;                                                             \
   } while (0)
 
-// As OLX_TRY, but jump to a clean-up label; `result` must be a local variable named so.
+// Forwards a failure as OLX_TRY does, but jumps to a clean-up label; `result` must be a local variable named so.
 #define OLX_TRY_GOTO(call, label)                                                                                      \
   do {                                                                                                                 \
     result = (call);                                                                                                   \

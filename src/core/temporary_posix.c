@@ -1,5 +1,5 @@
-// Temporary files: unnamed where the file system has such files (O_TMPFILE), else named and locked, so that it can be
-// told which of them a program still writes.
+// Makes temporary files: unnamed where the file system has such files (O_TMPFILE), else named and locked, so that files
+// that a program still writes can be told from files that a dead one left.
 #include "core/temporary.h"
 
 #include "core/sampling.h"

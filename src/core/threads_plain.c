@@ -1,5 +1,6 @@
-// Threads, locks and clocks where nothing but C17 is known: loops run on the calling thread, or as the host's hook runs
-// them. Threads of a hook try again until a lock is free, which is held for the time of one report of progress.
+// Implements threads, locks and clocks where nothing but C17 is known: loops run on the calling thread, or as the
+// host's hook runs them. Threads of a hook try again until a lock is free, which is held for the time of one report of
+// progress.
 #include "core/threads.h"
 
 #include <stdatomic.h>

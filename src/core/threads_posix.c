@@ -1,4 +1,4 @@
-// Threads, locks and clocks of POSIX.
+// Implements the runtime's threads, locks and clocks by those of POSIX.
 #include "core/threads.h"
 
 #include <pthread.h>

@@ -17,7 +17,7 @@ static inline float olx_square(float x) { return x * x; }
 static inline float olx_sign_not_zero(float x) { return x >= 0.0f ? 1.0f : -1.0f; }
 
 static inline olx_vec3 olx_v3(float x, float y, float z) { return (olx_vec3){x, y, z}; }
-// As files hold them.
+// Vectors as files hold them: three floats.
 static inline olx_vec3 olx_load3(const float stored[3]) { return olx_v3(stored[0], stored[1], stored[2]); }
 static inline void olx_store3(float stored[3], olx_vec3 v) {
   stored[0] = v.x;

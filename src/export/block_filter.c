@@ -1,4 +1,5 @@
-// Filters before packing and their inverses, block by block. docs/format.md, "Packed fields", is the specification.
+// Filters blocks of a chunk before they are packed, and inverts the filters. docs/format.md, "Packed fields", is the
+// specification.
 #include "export/block_filter.h"
 
 #include <string.h>

@@ -1,5 +1,5 @@
-// Packing: each block of each chunk by the filter after which zstd makes it smallest. Blocks know nothing of each other, so any
-// number of threads packs them to the same bytes.
+// Packs a field: each block of each chunk by the filter after which zstd makes it smallest. Blocks are independent of
+// each other, so any number of threads packs them to the same bytes.
 #include "core/hooks.h"
 #include "core/parallel.h"
 #include "core/result.h"

@@ -1,4 +1,5 @@
-// Unpacking: every block into the room that a block has, whatever the file says, and every chunk against the field's checksum.
+// Unpacks a field: every block into no more memory than a block has, whatever the file says, and every chunk checked
+// against the field's checksum.
 #include "core/hooks.h"
 #include "core/parallel.h"
 #include "core/result.h"

@@ -1,4 +1,4 @@
-// A field as a glTF model: octahedra where probes stand, and the edges of the boxes that space is divided into.
+// Writes a field as a glTF model: octahedra where probes are, and the edges of the boxes that space is divided into.
 #include "core/file.h"
 #include "core/hooks.h"
 #include "core/result.h"
@@ -277,7 +277,7 @@ static void add_bricks(gltf_model *m, cJSON *children) {
 
 // ---- The file
 
-// Flat colours, where a tool knows the extension; else they are rough surfaces.
+// Adds materials of flat colours, which tools that do not know the extension show as rough surfaces.
 static void add_materials(gltf_model *m) {
   static const struct {
     const char *name;

@@ -1,4 +1,4 @@
-// Maps as .exr pictures, in the projection that is wanted.
+// Writes maps of probes as .exr pictures, in the projection that is wanted.
 #include "core/hooks.h"
 #include "core/octahedral.h"
 #include "core/result.h"

@@ -1,4 +1,4 @@
-// What each map is called, where it is stored, and how a texel of it is read.
+// Names each kind of map, and finds where it is stored and how a texel of it is read.
 #include "export/map_texels.h"
 
 #include "core/result.h"
@@ -53,7 +53,7 @@ static olx_vec3 read_radiance(const olx_field *f, const texel_place *p) {
   return olx_texel_radiance(f, p->probe, p->index);
 }
 
-// Of harmonics, in the direction of a texel's middle.
+// The value of spherical harmonics in the direction of a texel's middle.
 static olx_vec3 read_harmonics(const uint16_t *halves, uint32_t bands, const texel_place *p, uint32_t side) {
   float values[OLX_HARMONICS_MOST];
   olx_harmonics_at(olx_texel_direction(p->x, p->y, side), values);

@@ -1,4 +1,4 @@
-// Packed fields as they are found: header, tables, and whether both tables speak of the same chunks.
+// Opens packed fields: checks the header and the tables, and that both tables name the same chunks.
 #include "core/parallel.h"
 #include "core/result.h"
 #include "export/packed_format.h"
@@ -32,7 +32,7 @@ static olx_result find_field_table(olx_packed_file *packed) {
                   packed->chunk_count);
 }
 
-// No block is packed into nothing, so a packed file cannot claim more than so many times its size.
+// Every block takes some packed bytes, so a packed file cannot claim more than so many times its size.
 static olx_result check_chunk(const olx_packed_file *packed, uint32_t index) {
   const olx_file_chunk *field = olx_packed_field_chunk(packed, index), *chunk = olx_packed_chunk_of(packed, index);
   const olx_chunk_name type = olx_chunk_type_name(field->type);

@@ -1,3 +1,5 @@
+// Checks the chunk that holds bricks, and points into it; once it has passed, every index and every probe in it is in
+// range.
 #include "field/brick_data.h"
 
 #include "core/result.h"

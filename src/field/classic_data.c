@@ -1,3 +1,5 @@
+// Checks the chunks that hold the baseline's maps, and takes from them the description of the maps and, for every
+// probe, the box by which reflections are looked up.
 #include "core/result.h"
 #include "field/field_file.h"
 

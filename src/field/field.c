@@ -1,3 +1,5 @@
+// Opens a field by mapping its file and checking its structure, and describes it: its sizes, its selectors, and the
+// positions and flags of its probes.
 #include "core/file.h"
 #include "core/hooks.h"
 #include "core/result.h"

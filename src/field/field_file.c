@@ -1,3 +1,5 @@
+// Lays down what the chunks of a field file are: their order, the shape of each that follows from the description, and
+// the description's own bytes and checks.
 #include "field/field_file.h"
 
 #include "core/result.h"

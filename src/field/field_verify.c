@@ -1,3 +1,5 @@
+// Verifies the contents of a field after its structure: reads every checksum, and searches every map for numbers that
+// no writer stores, in parallel over chunks.
 #include "core/hooks.h"
 #include "core/parallel.h"
 #include "core/result.h"

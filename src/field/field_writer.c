@@ -1,3 +1,5 @@
+// Writes a field file piece by piece in the order of its probes: adds borders and pyramids to maps, deduplicates tiles
+// of emission, and commits the file when all of it is there.
 #include "field/field_writer.h"
 
 #include "core/file.h"

@@ -1,3 +1,5 @@
+// Packs a probe's spherical harmonics of irradiance as half floats, evaluates them in a direction, and finds codes that
+// no writer stores.
 #include "field/harmonic_data.h"
 
 // What does not fit into a half stays finite.

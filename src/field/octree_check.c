@@ -1,3 +1,5 @@
+// Checks the chunk that holds an octree: its size when a field is opened, and every node and every choice of a leaf
+// when it is verified, so that no lookup leaves the tree.
 #include "core/result.h"
 #include "field/selector_data.h"
 

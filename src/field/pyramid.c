@@ -1,3 +1,5 @@
+// Makes the pyramids over a probe's distances: the smallest and the largest distance in squares of texels, level above
+// level, in tiles that keep the children of a node together.
 #include "field/pyramid.h"
 
 olx_pyramid_shape olx_pyramid_shape_of(uint32_t n, bool over_blocks) {

@@ -1,4 +1,4 @@
-// The chunks of surfaces and lights in a field file: finding them, and judging what they hold.
+// Finds the chunks of surfaces and lights in a field file, and judges what they hold.
 #include "core/result.h"
 #include "field/field_file.h"
 #include "field/texels.h"

@@ -1,3 +1,5 @@
+// Checks the chunk that holds the Voronoi selector: its size when a field is opened, and the k-d tree and every texel's
+// neighbours when it is verified.
 #include "core/hooks.h"
 #include "core/result.h"
 #include "field/selector_data.h"

@@ -1,6 +1,11 @@
+// Estimates direct light at a surface by next-event estimation: samples of lights and rays drawn from the lobes share
+// the work by Veach's power heuristic.
 #include "light/direct_light.h"
 
-// Smallest cosine between shading normal and eye: below it interpolated normals face away from whoever sees the surface.
+#include "scene/bvh.h"
+
+// Smallest cosine between shading normal and eye: below it interpolated normals face away from the eye that sees the
+// surface.
 #define MIN_VIEW_COSINE 1e-3f
 
 static olx_vec3 to_local(const olx_shading *s, olx_vec3 world) {

@@ -1,6 +1,6 @@
 // Light that reaches a surface straight from emitters, by next-event estimation with multiple importance sampling (Veach's
-// power heuristic): lights are sampled here, lobes by whoever follows the sampled ray (the path tracer goes on with it,
-// olx_direct_light only looks whether it finds an emitter).
+// power heuristic): lights are sampled here, lobes by the caller that follows the sampled ray (the path tracer goes on
+// with it, olx_direct_light only looks whether it finds an emitter).
 #ifndef OLX_LIGHT_DIRECT_LIGHT_H
 #define OLX_LIGHT_DIRECT_LIGHT_H
 
@@ -46,13 +46,14 @@ typedef struct olx_lobe_ray {
 
 olx_lobe_ray olx_lobe_ray_diffuse(const olx_shading *shading, olx_vec2 random);
 olx_lobe_ray olx_lobe_ray_specular(const olx_shading *shading, olx_vec2 random);
-// From either lobe, chosen by `choice` in [0, 1); the weight is that of both.
+// Draws a ray from either lobe, chosen by `choice` in [0, 1); its weight is that of both lobes.
 olx_lobe_ray olx_lobe_ray_either(const olx_shading *shading, float choice, olx_vec2 random);
 
 // Whether rays drawn from lobes can find light at all: there are area lights or an environment.
 bool olx_emitters_can_be_hit(const olx_scene *scene);
 
-// Emission that such a ray found at `found`, or in the sky, weighted against light sampling from `position`.
+// Emission that a ray drawn from a lobe found at `found`, or in the sky, weighted against light sampling from
+// `position`.
 olx_vec3 olx_emission_found(const olx_scene *scene, const olx_surface *found, olx_vec3 position,
                             const olx_lobe_ray *ray);
 olx_vec3 olx_sky_found(const olx_scene *scene, const olx_lobe_ray *ray);
@@ -61,7 +62,7 @@ olx_vec3 olx_sky_found(const olx_scene *scene, const olx_lobe_ray *ray);
 olx_lobes olx_direct_light(const olx_scene *scene, const olx_shading *shading, olx_sampler *sampler, uint64_t *rays);
 
 // Irradiance in W/m^2 that comes straight from emitters and the sky, about surface->shading_normal, whatever the surface
-// reflects and whoever looks at it: one light sample a group, and one ray.
+// reflects and wherever the eye is: one light sample a group, and one ray.
 olx_vec3 olx_direct_irradiance(const olx_scene *scene, const olx_surface *surface, olx_sampler *sampler,
                                uint64_t *rays);
 

@@ -30,8 +30,9 @@ void olx_link_list_free(olx_link_list *list);
 // Adds to the link from `link->from`.
 void olx_link_list_add(olx_link_list *list, const olx_few_link *link);
 
-// What was added, as at most `most` links in the order in which surfels were named; `random` in [0, 1) draws (systematic sampling
-// with a threshold: Fearnhead and Clifford 2003). Returns how many; the list is empty then.
+// Takes the links that were added, reduced to at most `most`, in the order in which surfels were named; `random` in [0,
+// 1) draws (systematic sampling with a threshold: Fearnhead and Clifford 2003). Returns how many, and leaves the list
+// empty.
 uint32_t olx_link_list_take(olx_link_list *list, uint32_t most, float random, olx_few_link *links);
 
 #endif

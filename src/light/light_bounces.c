@@ -35,7 +35,7 @@ static void add_links(void *user, uint32_t job) {
   }
 }
 
-// Light with exactly `number` surfaces on its way, into the place of the oldest.
+// Computes the light with exactly `number` surfaces on its way, in the place of the oldest.
 static olx_result add_bounce(bounce *b, uint32_t threads) {
   olx_vec3 *sum = b->sum;
   for (uint32_t i = 0; i < b->surfel_count; i++) {

@@ -6,6 +6,7 @@
 #include "core/hooks.h"
 #include "core/result.h"
 #include "core/sampling.h"
+#include "scene/bvh.h"
 
 #include <stdlib.h>
 
@@ -14,7 +15,7 @@ enum { EXPLORED_POINTS = 4, EXPLORING_RAYS = 32, CELLS_PER_JOB = 16, SALT_EXPLOR
 // Cells are not divided below this many footprints of the points in them.
 static const float LEAST_FOOTPRINTS = 2.0f;
 // Cells with fewer points than this are not divided: surfaces that so few rays meet send little light. The second is for
-// surfaces that only rays meet, whose light nobody sees.
+// surfaces that only rays meet, whose light no probe sees.
 enum { LEAST_POINTS = 8, LEAST_HIDDEN_POINTS = 64 };
 // Points of a cell that are tried before all are, and surfels that a cell gets at most at once.
 enum { TRIED_POINTS = 16, MOST_GROUPS = 4 };
@@ -147,8 +148,8 @@ typedef struct cell_round {
   uint32_t least_points; // cells with fewer are not divided
 } cell_round;
 
-// Of the points from `first` on that nearest to the middle of the cell, so that surfels of neighbouring cells are evenly
-// spaced.
+// Chooses, of the points from `first` on, the one nearest to the middle of the cell, so that surfels of neighbouring
+// cells are evenly spaced.
 static uint32_t choose_point(const cell_round *r, const cell_work *cell, uint32_t first) {
   const olx_scene *scene = r->surfels->scene;
   const olx_vec3 middle = olx_cell_middle(&r->surfels->grid, position_of(scene, &r->points[cell->first]), cell->level);
@@ -325,7 +326,7 @@ static olx_result append_surfel(olx_light_surfels *s, const cell_round *r, const
   return OLX_OK;
 }
 
-// A surfel for each group of a cell. One that had surfels before keeps them, before the new.
+// Adds a surfel for each group of a cell. A cell that had surfels before keeps them, ahead of the new ones.
 static olx_result append_cell(olx_light_surfels *s, const cell_round *r, const cell_work *cell, uint32_t base) {
   const uint64_t key = olx_cell_at_level(r->points[cell->first].key, cell->level);
   const uint32_t old = olx_cell_table_get(&s->table, key);
@@ -352,7 +353,7 @@ static olx_result stand_for_divided(olx_light_surfels *s, uint32_t surfel, uint3
   return OLX_OK;
 }
 
-// What was examined becomes surfels, or smaller cells in `next`; returns how many of these.
+// Turns the cells that were examined into surfels, or into smaller cells in `next`; returns how many of the latter.
 static olx_result settle_round(cell_round *r, uint32_t base, cell_work *next, uint32_t *next_count) {
   olx_light_surfels *s = r->surfels;
   *next_count = 0;
@@ -387,7 +388,7 @@ static olx_result divide_cells(olx_light_surfels *s, olx_surface_point *points, 
   return OLX_OK;
 }
 
-// Faces first: only so do the points of a cell follow each other on every level.
+// Orders points by face first, since only then do the points of a cell follow each other on every level.
 static int by_cell(const void *a, const void *b) {
   const olx_surface_point *p = a, *q = b;
   const uint64_t first = olx_cell_order(p->key), second = olx_cell_order(q->key);

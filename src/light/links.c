@@ -5,6 +5,7 @@
 #include "core/pack.h"
 #include "core/result.h"
 #include "light/direct_light.h"
+#include "scene/bvh.h"
 
 enum { SURFELS_PER_JOB = 8, PACKET = 64, SALT_RAY = 0x52415953, SALT_CHAIN = 0x48414E43, SALT_UNSERVED = 0x554E5356 };
 
@@ -48,11 +49,12 @@ static const float RAY_FOOTPRINT = 0.3f;
 // A surfel that stands for a larger cell serves a ray when that cell looks no larger than this share of the ray's length.
 static const float MOST_SERVED = 0.5f;
 
-// One whose cell looks larger than this tells the direct light of a ray's end too coarsely: shadows' edges cross it.
+// A surfel whose cell looks larger than this is too coarse for the direct light at a ray's end: shadows' edges cross
+// it.
 static const float MOST_LIT_SIDE = 0.3f;
 
-// A ray ends at the diffuse lobe of a surface: the surfel there knows how much light that gets. One that is far from it
-// serves where no others will be added.
+// Links a ray that ends at the diffuse lobe of a surface to the surfel there, which knows how much light the surface
+// gets. A surfel farther away serves where no others will be added.
 static olx_link link_to(const cast_job *c, const olx_surface *surface, const olx_ray_hit *hit, olx_vec3 weight,
                         uint32_t chain, float distance, ray_end *end) {
   const olx_light_surfels *s = c->surfels;
@@ -76,7 +78,7 @@ typedef struct way {
   olx_ray_hit hit;
   uint32_t chain; // surfaces that have passed it on
   bool lit;       // direct light of the last of them has counted what emits
-  float distance; // metres that tell how fine the surfels at its end should be
+  float distance; // metres, from which follows how fine the surfels at its end should be
   olx_sampler sampler;
 } way;
 
@@ -93,7 +95,8 @@ static void cast_on(const cast_job *c, way *w, const olx_surface *surface, uint6
   w->hit = olx_bvh_intersect(c->surfels->scene->bvh, &ray);
 }
 
-// The specular lobe, which was chosen with probability `share`, reflects emitters, and a ray goes on; false when it brings nothing.
+// Adds what the specular lobe, chosen with probability `share`, reflects of emitters, and continues the way; false when
+// the ray brings nothing.
 static bool pass_specular(const cast_job *c, way *w, const olx_shading *shading, float share, ray_end *end,
                           uint64_t *rays) {
   const olx_scene *scene = c->surfels->scene;

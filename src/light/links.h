@@ -56,8 +56,8 @@ typedef struct olx_point_list {
 olx_result olx_links_cast(const olx_light_surfels *surfels, olx_link_batch *batch, olx_fixed_light *fixed,
                           olx_point_list *unserved, uint64_t *rays);
 
-// The ray of link `i` of a batch, which ends at a surface that no surfel serves after all, goes on from there by a
-// cosine-distributed ray to others.
+// Continues the ray of link `i` of a batch, which ends at a surface that turned out to have no surfel, by a
+// cosine-distributed ray from there.
 void olx_link_go_on(const olx_light_surfels *surfels, olx_link_batch *batch, size_t i, const olx_surface *surface,
                     olx_fixed_light *fixed, uint64_t *rays);
 
@@ -88,7 +88,7 @@ static inline uint32_t olx_link_chain(const olx_link *link) {
 // Whether there is a surfel at the end.
 static inline bool olx_link_brings_light(const olx_link *link) { return olx_link_end(link) < OLX_LINK_UNSERVED; }
 
-// What it brings when surfaces carry `direct` + `irradiance`, in W/m^2 times what its ray counts for.
+// The light that a link brings when surfaces carry `direct` + `irradiance`, in W/m^2 times what its ray counts for.
 static inline olx_vec3 olx_link_light(const olx_link *link, const olx_vec3 *direct, const olx_vec3 *irradiance) {
   if (!olx_link_brings_light(link)) return olx_splat(0.0f);
   const uint32_t end = olx_link_end(link);

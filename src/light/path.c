@@ -2,14 +2,16 @@
 // Russian roulette. The path tracer's pictures and the plain reference of baked light are made of these paths.
 #include "light/path.h"
 
+#include "scene/bvh.h"
+
 // Paths that carry less than this share of the light are cut by chance. Measured on furnaces and rooms from albedo 0.3 to
 // 0.9: up to nine times less variance per time than the usual roulette on the whole throughput.
 #define ROULETTE_THROUGHPUT 0.2f
-// So many surfaces on, every path may end: between two loss-free mirrors it never would.
+// After so many surfaces every path may end: between two loss-free mirrors it never would.
 enum { LONG_PATH = 64 };
 #define LONG_PATH_SURVIVAL 0.95f
 
-// False ends the path; a path that survives stands for those that did not.
+// Russian roulette: false ends the path, and a path that survives is weighted for those that did not.
 static bool roulette(olx_vec3 *throughput, uint32_t depth, float random) {
   const float survival =
       olx_min(olx_max3(*throughput) / ROULETTE_THROUGHPUT, depth < LONG_PATH ? 1.0f : LONG_PATH_SURVIVAL);

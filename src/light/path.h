@@ -11,7 +11,7 @@ typedef struct olx_path {
   const olx_scene *scene;
   uint32_t bounces;
   bool emitters_can_be_hit; // olx_emitters_can_be_hit(scene)
-  olx_sampler sampler;      // of this path; whoever starts another path sets it anew
+  olx_sampler sampler;      // of this path; to be set anew for another path
   uint64_t rays;            // cast so far
 } olx_path;
 

@@ -8,7 +8,7 @@ enum { POOL_LEVELS = 3 }; // surfels learn together over cells of this many leve
 
 // No direction gets less than this share of the rays that it would get without a guide.
 static const float LEAST_DENSITY = 0.25f;
-// No guide is believed to leave less of a ray's variance.
+// The least share of a ray's variance that a guide is assumed to leave.
 static const float LEAST_SPREAD = 1.0f / 32.0f;
 
 static olx_result make_pools(olx_ray_guide *g, const olx_light_surfels *surfels) {

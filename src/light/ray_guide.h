@@ -1,4 +1,4 @@
-// Where light comes from: what the first rays of surfels brought tells the next ones where to go.
+// Guides rays towards light: the distribution of later rays follows what the first rays of surfels brought.
 //
 // Surfels of a larger cell learn together. A ray is made from a point of the unit square (olx_sample_cosine); the square is cut
 // into bins, and the density of further rays in each is in proportion to the root mean square of what rays there brought, which
@@ -36,9 +36,10 @@ typedef struct olx_guide_sums {
   uint32_t count, counts[OLX_GUIDE_BINS];
 } olx_guide_sums;
 
-// Adds what a ray brought that was made from a point of the square.
+// Adds the light that a ray brought which was made from a point of the square.
 void olx_guide_add(olx_guide_sums *sums, olx_vec2 point, float light);
-// The density of least variance for rays that go on to bring what they brought. Where they brought nothing it is even.
+// Learns the density of least variance for rays that bring as much as these sums say. Where they brought nothing it is
+// even.
 void olx_guide_learn(olx_ray_pool *pool, const olx_guide_sums *sums);
 
 // Takes evenly spread points of the square to points of a pool's density. *density is how many times denser they lie there.

@@ -2,6 +2,8 @@
 // light.
 #include "light/ray_light.h"
 
+#include "scene/bvh.h"
+
 enum { MOST_SPECULAR = 4 }; // surfaces that pass a ray on before it is given up
 
 // What the diffuse lobe sends back.

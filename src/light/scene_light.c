@@ -9,6 +9,7 @@
 #include "light/learn_rays.h"
 #include "light/light_units.h"
 #include "light/surfel_lookup.h"
+#include "scene/bvh.h"
 
 enum {
   FIRST_RAYS = 64,      // of every surfel at first
@@ -17,8 +18,8 @@ enum {
   LEAST_DIRECT = 16,    // points at which the direct light of a cell is taken, at least
   MOST_DIRECT = 256,    // points at which the direct light of a cell is taken, at most
   ALL_DIRECT = 1 << 18, // points at which direct light is taken in all, as far as the two bounds for a cell allow
-  FEW_BOUNCES = 4,      // tell where noise is high
-  LEAST_MAP_SIZE = 64,      // smaller maps get surfels as dense as these: light that is told too coarsely is biased
+  FEW_BOUNCES = 4,      // by which noise is estimated
+  LEAST_MAP_SIZE = 64,      // smaller maps get surfels as dense as these: light that is sampled too coarsely is biased
   MOST_VIEW_SIDE = 1024,    // rays along the side of the map by which a probe looks around, at most
   LEAST_VIEW_SIDE = 32,     // rays along the side of that map, at least
   MOST_VIEW_RAYS = 1 << 24, // by which all probes look around, as far as the least side allows
@@ -35,7 +36,7 @@ static const float ENOUGH_RAYS = 0.25f;
 static const float INTERPOLATED_VARIANCE = 0.2f;
 // Noise matters beside the light of a place, or beside this share of the mean light where there is less.
 static const float DARK_SHARE = 0.02f;
-// Neighbours whose light has a standard deviation above this share of its mean do not tell what lies between them.
+// Neighbours whose light has a standard deviation above this share of its mean are not interpolated between.
 static const float ROUGH_SPREAD = 0.3f;
 // The share of the light around it that one ray of a point that casts rays of its own may bring.
 static const float MOST_OF_A_RAY = 0.25f;
@@ -262,7 +263,7 @@ static double last_bounce(const olx_scene_light *l) {
   return all > 0.0 ? fmin(fmax(last / all, 0.0), 1.0) : 0.0;
 }
 
-// `bounces`: at most so many of those that are asked for.
+// Solves at most `bounces` of the bounces that the settings name.
 static olx_result solve(olx_scene_light *l, uint32_t bounces) {
   const uint32_t asked = l->settings.bounces;
   count_rays(l);
@@ -288,7 +289,7 @@ typedef struct noise_sum {
 } noise_sum;
 
 // A surfel's few first rays may all miss a small bright place, and then seem to agree. Surfels of the same size around it, which
-// see about the same, tell how much its rays really vary. (Hidden surfels never get more than their first rays.)
+// see about the same, show how much its rays really vary. (Hidden surfels never get more than their first rays.)
 static olx_result smooth_noise(const olx_scene_light *l, float *variance, float *light) {
   const uint32_t count = l->surfels.count;
   noise_sum *sums = olx_allocate_zero(l->guide.pool_count, sizeof *sums);
@@ -535,7 +536,7 @@ olx_vec3 olx_scene_light_gather(const olx_scene_light *l, const olx_surface *sur
   return olx_links_gather(&l->surfels, surface, pool, seed, GATHERED_RAYS, &light);
 }
 
-// Whether light changes so much between the neighbours that what lies between them cannot be told from them.
+// Whether light changes so much between the neighbours that it cannot be interpolated between them.
 static bool is_rough(const olx_scene_light *l, const olx_surfel_weights *weights) {
   float sum = 0.0f, mean = 0.0f, square = 0.0f;
   for (uint32_t i = 0; i < weights->count; i++) {
@@ -548,7 +549,7 @@ static bool is_rough(const olx_scene_light *l, const olx_surfel_weights *weights
   return square / sum - mean * mean > ROUGH_SPREAD * ROUGH_SPREAD * mean * mean;
 }
 
-// `light`: that of the neighbours, in their order.
+// Interpolates `light`, which is that of the neighbours in their order.
 static olx_vec3 interpolate(const olx_surfel_weights *weights, const olx_vec3 light[OLX_NEIGHBOURS_MOST]) {
   olx_vec3 sum = {0}, least = olx_splat(INFINITY), most = olx_splat(0.0f);
   for (uint32_t i = 0; i < weights->count; i++) {

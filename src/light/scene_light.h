@@ -43,7 +43,7 @@ olx_result olx_scene_light_create(const olx_scene *scene, const olx_scene_light_
                                   olx_scene_light **light);
 void olx_scene_light_free(olx_scene_light *light);
 
-// Surfaces between emitter and lit surface that the solution was asked for.
+// Surfaces between emitter and lit surface that the solution's settings name.
 uint32_t olx_scene_light_bounces(const olx_scene_light *light);
 
 olx_scene_light_report olx_scene_light_describe(const olx_scene_light *light);
@@ -52,8 +52,8 @@ olx_scene_light_report olx_scene_light_describe(const olx_scene_light *light);
 // the sky seen directly are left out.
 olx_vec3 olx_scene_light_irradiance(const olx_scene_light *light, const olx_surface *surface);
 
-// The two ways to it. Interpolation fails where surfels do not tell the light of the point; a gather casts 256 rays, which
-// takes about fifty times as long.
+// Two ways to find that irradiance. Interpolation fails where the light of the point does not follow from surfels; a
+// gather casts 256 rays, which takes about fifty times as long.
 bool olx_scene_light_interpolate(const olx_scene_light *light, const olx_surface *surface, olx_vec3 *irradiance);
 olx_vec3 olx_scene_light_gather(const olx_scene_light *light, const olx_surface *surface);
 

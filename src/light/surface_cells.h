@@ -40,7 +40,7 @@ static inline float olx_cell_side(const olx_cell_grid *grid, uint32_t level) {
 // The middle of the cube of `level` that a point lies in.
 olx_vec3 olx_cell_middle(const olx_cell_grid *grid, olx_vec3 position, uint32_t level);
 
-// A table from cells to numbers below OLX_CELL_NONE. Any number of threads may look up while nobody adds.
+// A table from cells to numbers below OLX_CELL_NONE. Any number of threads may look up while no thread adds.
 typedef struct olx_cell_table {
   uint64_t *keys; // 0: free
   uint32_t *values;

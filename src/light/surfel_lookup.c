@@ -38,7 +38,7 @@ static olx_result add_entry(entry_list *list, uint64_t cube, uint32_t surfel) {
   return OLX_OK;
 }
 
-// A cube's name: as a cell's, without a normal.
+// The key of a cube, made as a cell's, without a normal.
 static uint64_t cube_key(const olx_cell_grid *grid, olx_vec3 position, uint32_t level) {
   return olx_cell_at_level(olx_cell_key(grid, position, olx_v3(0.0f, 1.0f, 0.0f)), level);
 }
@@ -143,7 +143,7 @@ static void add_neighbour(neighbourhood *n, neighbour found) {
 }
 
 // Surfels count for the area that they stand for no less than for their nearness: weights are inverse to the squares of
-// their cells' sides, so that where large cells meet small ones the small are heard.
+// their cells' sides, so that the small ones count where large cells meet small ones.
 static void consider(const olx_light_surfels *s, uint32_t number, const olx_surface *surface, olx_vec3 tangent,
                      olx_vec3 bitangent, neighbourhood *n) {
   const olx_light_surfel *surfel = &s->surfels[number];

@@ -12,7 +12,7 @@ typedef struct olx_surfel_lookup {
   uint32_t list_words;  // of all lists
 } olx_surfel_lookup;
 
-// For the first `count` surfels.
+// Builds a lookup of the first `count` surfels.
 olx_result olx_surfel_lookup_create(olx_surfel_lookup *lookup, const olx_light_surfels *surfels, uint32_t count);
 void olx_surfel_lookup_free(olx_surfel_lookup *lookup);
 

@@ -11,7 +11,7 @@ typedef struct olx_candidate {
   olx_probe_origin origin;
 } olx_candidate;
 
-// About `wanted` places where probes may stand: the far voxels (maxima of the distance to surfaces, thinned), at most a
+// About `wanted` places that may hold probes: the far voxels (maxima of the distance to surfaces, thinned), at most a
 // third; the points of `grid` that may be used, at most a sixth; the rest one from each of equal cells of the space
 // that matters. *candidates is the caller's to release with olx_release.
 olx_result olx_candidates_create(const olx_space *space, const olx_grid *grid, uint32_t wanted, uint32_t seed,

@@ -1,3 +1,5 @@
+// Groups places by likeness (farthest seeds, then k-means) and takes one probe from each group, which keeps its
+// distance from the other probes and lies outside geometry.
 #include "place/cluster.h"
 
 #include "core/hooks.h"

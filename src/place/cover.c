@@ -1,3 +1,5 @@
+// Chooses probes that cover what can be seen: a greedy weighted set cover over surfels, then moves and swaps, with
+// denser samples of surfels as less and less stays uncovered.
 #include "place/cover.h"
 
 #include "core/hooks.h"
@@ -8,7 +10,7 @@
 
 #include <string.h>
 
-// Below this share of uncovered surface a denser sample is asked what is missing.
+// Below this share of uncovered surface a denser sample finds what is missing.
 #define SPARSE_UNCOVERED 0.05
 // The greedy cover first goes so far on the common columns alone.
 #define FIRST_COVERAGE 0.985
@@ -25,10 +27,10 @@ enum {
   TARGETS = 96,      // surfels a round that nothing covers, for which places are sought
   TARGET_PLACES = 2, // for each, of so many that are tried:
   TARGET_TRIES = 8,
-  DENSER = 8, // sample that is asked what is missing, times the common columns
+  DENSER = 8, // size of the sample that finds what is missing, over that of the common columns
   MOVES = 10, // places tried around a probe
   MOST_ROUNDS = 20,
-  LEAST_STEP = 8, // probes that a round may add before another dense sample judges, or a quarter of those that stand
+  LEAST_STEP = 8, // probes that a round may add before another dense sample judges, or a quarter of those placed so far
   REFINED_PROBES = 512 // probes times rounds that may move
 };
 
@@ -42,7 +44,7 @@ typedef struct cover {
   double target;                          // coverage of what can be covered
 } cover;
 
-// Surfels so that about `wanted` are seen: a pilot tells the share.
+// Spreads surfels so that about `wanted` are seen, by the share that is seen of a small first sample.
 static olx_result sample_seen(const cover *c, uint32_t wanted, uint32_t seed, olx_surfels *surfels) {
   const uint32_t threads = c->settings->threads;
   OLX_TRY(olx_surfels_create(c->space, c->sight, OLX_SPREAD_RAYS, PILOT_POINTS, seed, threads, surfels));

@@ -1,3 +1,5 @@
+// Keeps the matrix of candidates by surfels that a cover is chosen from, the levels at which surfels are covered so
+// far, and the gain of every candidate, counted in parallel.
 #include "place/cover_state.h"
 
 #include "core/hooks.h"

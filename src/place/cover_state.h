@@ -29,7 +29,7 @@ typedef struct olx_cover_state {
   uint8_t *levels; // `views` times capacity: the best qualities of each column so far, falling
 } olx_cover_state;
 
-// What a row would add.
+// The gain of adding a row to the picks.
 typedef struct olx_gain {
   uint64_t covered; // weight of columns that become covered
   uint64_t quality; // weight times better quality
@@ -66,12 +66,12 @@ olx_gain olx_cover_gain(const olx_cover_state *state, const uint8_t *row);
 // The gains of all candidates.
 olx_result olx_cover_gains(const olx_cover_state *state, olx_gain *gains);
 
-// The columns that the levels leave uncovered, on their own: most places can be told by these few.
+// The columns that the levels leave uncovered, on their own: most places can be judged by these few.
 typedef struct olx_cover_open {
   olx_surfels columns; // copies
   uint32_t *index;     // of each in the state
   uint32_t common;     // of them are common ones, which come first
-  // The same as bits of olx_cover_state.seen, of the words that have any; filled by olx_cover_pack.
+  // The open columns as bits of olx_cover_state.seen, of the words that have any; filled by olx_cover_pack.
   struct olx_cover_bits {
     uint64_t mask;
     uint32_t word;
@@ -97,10 +97,10 @@ uint64_t olx_cover_total(const olx_cover_state *state);
 
 // Weight of the packed open columns that a candidate covers.
 uint64_t olx_cover_candidate_weight(const olx_cover_state *state, const olx_cover_open *open, uint32_t candidate);
-// The same of a row, whether packed or not.
+// The weight of the open columns that a row covers, whether packed or not.
 uint64_t olx_cover_open_weight(const olx_cover_state *state, const olx_cover_open *open, const uint8_t *row);
 
-// Whether a probe may stand there beside the picks but `without`: not too near to them. (Not whether it is inside.)
+// Whether a probe there keeps its distance from the picks but `without`. Whether it is inside geometry is not checked.
 bool olx_cover_keeps_distance(const olx_cover_state *state, olx_vec3 place, uint32_t without);
 
 #endif

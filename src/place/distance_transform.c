@@ -1,3 +1,5 @@
+// Computes the exact Euclidean distance of every voxel to the nearest solid one (Meijster et al. 2000), one pass for
+// each axis.
 #include "core/hooks.h"
 #include "core/parallel.h"
 #include "core/result.h"

@@ -1,3 +1,5 @@
+// Improves a finished cover by exchanging two of its probes for two candidates at once, which finds gains that no
+// single move brings.
 #include "place/exchange.h"
 
 #include "core/hooks.h"

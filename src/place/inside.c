@@ -1,3 +1,5 @@
+// Measures how deep places are inside surfaces by counting front and back faces along rays, and finds the depth that
+// counts as outside in a scene.
 #include "place/inside.h"
 
 #include "core/hooks.h"
@@ -45,7 +47,7 @@ static void look_around(const olx_scene *scene, olx_vec3 position, olx_depth *de
   depth->sky_share = (float)(sky / (4.0 * (double)OLX_PI));
 }
 
-// Back faces less front faces on the way out.
+// The number of back faces minus that of front faces that a ray passes on its way out.
 static int32_t crossing_balance(const olx_scene *scene, olx_vec3 position, olx_vec3 direction, uint32_t *rays) {
   olx_ray ray = {position, direction, 0.0f, INFINITY};
   int32_t balance = 0;

@@ -8,8 +8,8 @@
 typedef struct olx_depth {
   float back_share; // of all directions, that meet the back of a triangle first
   float sky_share;  // that meet nothing
-  int32_t depth; // back faces less front faces crossed on the way out, a signed parity: the median of many directions
-  uint32_t rays; // cast to find out
+  int32_t depth;    // back faces minus front faces crossed on the way out, the median over many directions
+  uint32_t rays;    // cast to find out
 } olx_depth;
 
 // Whether the triangle's winding faces away from a ray that meets it.
@@ -31,7 +31,8 @@ olx_result olx_find_outside(const olx_scene *scene, uint32_t threads, int32_t *o
 static inline bool olx_depth_is_inside(olx_depth d, int32_t outside) {
   return d.back_share > 0.5f && d.depth > outside;
 }
-// The same of what is seen beside the sky: also a place between the outside of a wall and the end of the scene.
+// A place is behind the scenery when what it sees beside the sky is mostly back faces and it lies deeper than
+// `outside`. That holds also between the outside of a wall and the end of the scene.
 static inline bool olx_depth_is_behind(olx_depth d, int32_t outside) {
   return d.back_share > 0.5f * (1.0f - d.sky_share) && d.depth > outside;
 }

@@ -1,3 +1,5 @@
+// Collects what a picture of a placement shows beside its probes: surfels that stay uncovered, and the skeleton of free
+// space.
 #include "place/marks.h"
 
 #include "core/hooks.h"

@@ -6,7 +6,7 @@
 
 // Append marks for up to a few thousand of the surfels that views[i] < settings.views probes see well.
 olx_result olx_mark_uncovered(const olx_surfels *surfels, const uint8_t *views, olx_probe_set *set);
-// And for the skeleton that the method looks at.
+// Appends marks for the skeleton that the placement method works with.
 olx_result olx_mark_skeleton(const olx_space *space, const olx_sight *sight, olx_probe_set *set);
 
 #endif

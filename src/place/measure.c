@@ -1,3 +1,4 @@
+// Measures how much of a scene a set of probes covers, by surfels that the placement never used.
 #include "place/measure.h"
 
 #include "core/hooks.h"
@@ -20,7 +21,7 @@ static uint32_t held_out_count(const olx_place_settings *settings) {
 static uint32_t held_out_seed(const olx_place_settings *settings) { return olx_hash2(settings->seed, HELD_OUT_SEED); }
 
 typedef struct judged {
-  olx_vec3 *places;   // of the probes that are asked
+  olx_vec3 *places;   // of the probes that are not buried
   uint32_t *probe_of; // their indices in the set
   uint32_t *gains;    // surfels that each covers and none before it
   uint32_t count;
@@ -116,7 +117,7 @@ static olx_result judge_coverage(const olx_space *space, const olx_sight *sight,
   return OLX_OK;
 }
 
-// With `coverage` that alone, else everything.
+// Measures the coverage alone when `coverage` is given, else everything.
 static olx_result measure(const olx_space *space, const olx_sight *sight, olx_probe_set *set, double *coverage) {
   const size_t most = 2 * (size_t)held_out_count(&set->settings); // both sides of every point
   judged j = {.places = olx_allocate(set->count, sizeof *j.places),

@@ -1,3 +1,5 @@
+// Finds the medial axis of free space by shrinking balls (Ma et al. 2012): for each surfel the largest ball that
+// touches it and that no other surfel enters.
 #include "core/hooks.h"
 #include "core/parallel.h"
 #include "core/result.h"

@@ -1,3 +1,5 @@
+// Moves probes to where they see more (Wang 2018, section 3.2), by steps towards the best support probe or by Gibbs
+// sampling, as long as the reward over the atlas grows.
 #include "place/optimize.h"
 
 #include "core/hooks.h"
@@ -16,7 +18,7 @@ float olx_fitness(const olx_surfel *surfel, olx_vec3 place, float diagonal) {
   return 0.5f * (olx_min(along / length, 1.0f) + olx_min(length / diagonal, 1.0f));
 }
 
-// The fitness of every surfel, 0 where something stands between.
+// The fitness of every surfel, 0 where something is between.
 static void fitness_row(const olx_space *space, const olx_surfels *surfels, olx_vec3 place, float *row) {
   const olx_scene *scene = space->scene;
   const float diagonal = olx_length(olx_sub(scene->bounds_max, scene->bounds_min));
@@ -166,12 +168,13 @@ static float cube_size(const optimizer *o, uint32_t probe) {
   return olx_max(isfinite(room) ? 0.5f * room : 0.0f, 2.0f * v->size) / (float)(1u << o->halvings[probe]);
 }
 
-// As published a probe may give up what only it sees; by the reward `best` it may not.
+// Whether a probe may move so that `row` is what it sees. As published it may give up surfels that only it sees; by the
+// reward `best` it may not.
 static bool keeps_seen(const optimizer *o, const float *row) {
   return o->settings->reward == OLX_REWARD_SUM || count_seen(o, row) >= o->seen;
 }
 
-// The rows of the support probes that may stand, and what each set would be rewarded; 0 where none may stand.
+// Finds the rows of the support probes at places that allow a probe, and the reward of each set; 0 at other places.
 static olx_result try_supports(optimizer *o, uint32_t probe, float half, olx_vec3 places[SUPPORTS],
                                double rewards[SUPPORTS]) {
   uint8_t wanted[SUPPORTS];
@@ -195,7 +198,7 @@ static void move_probe(optimizer *o, uint32_t probe, olx_vec3 place, const float
   memcpy(o->best, o->probes, o->count * sizeof *o->best);
 }
 
-// To the best support probe when that is better than to stay; else the cube is halved.
+// Moves a probe to its best support probe when that is better than to stay; else halves the cube.
 static olx_result step_gradient(optimizer *o, uint32_t probe, double now, bool *moved) {
   olx_vec3 places[SUPPORTS];
   double rewards[SUPPORTS];
@@ -216,7 +219,7 @@ static olx_result step_gradient(optimizer *o, uint32_t probe, double now, bool *
   return OLX_OK;
 }
 
-// To a place drawn by what the support probes add to the others, accepted with the ratio of the rewards.
+// Moves a probe to a place drawn by what the support probes add to the others, accepted with the ratio of the rewards.
 static olx_result step_gibbs(optimizer *o, uint32_t probe, uint32_t round, double now) {
   olx_vec3 places[SUPPORTS];
   double rewards[SUPPORTS];

@@ -13,7 +13,7 @@ typedef struct olx_optimization {
   uint32_t rounds;                    // that were run
 } olx_optimization;
 
-// Fitness of one surfel seen from a place, within [0, 1], when nothing stands between: the mean of the cosine at the
+// Fitness of one surfel seen from a place, within [0, 1], when nothing is between: the mean of the cosine at the
 // surfel and the distance in diagonals of the scene (equation 3.2); 0 when it faces away.
 float olx_fitness(const olx_surfel *surfel, olx_vec3 place, float diagonal);
 

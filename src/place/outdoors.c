@@ -1,3 +1,5 @@
+// Finds free space that lies behind the scenery, such as between a building's outer walls and the bounds of its model:
+// cuts space into pieces and judges each by what rays from its middle meet.
 #include "place/outdoors.h"
 
 #include "core/hooks.h"

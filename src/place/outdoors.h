@@ -3,7 +3,7 @@
 #ifndef OLX_PLACE_OUTDOORS_H
 #define OLX_PLACE_OUTDOORS_H
 
-#include "place/space.h"
+#include "place/space_data.h"
 
 // Sets excluded[voxel] to 1 for the reachable voxels of such space, in small pieces, and says how many. There one sees
 //   sky, and back faces rather than fronts, deeper inside surfaces than `space->outside`: behind walls;

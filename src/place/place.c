@@ -1,3 +1,5 @@
+// Places the probes of a scene: checks the settings, finds the space that matters, runs the chosen method and
+// optimizer, and measures the result.
 #include "core/hooks.h"
 #include "core/parallel.h"
 #include "core/result.h"
@@ -113,7 +115,7 @@ static olx_result check_settings(const olx_place_settings *s) {
   return check_grid(&s->grid);
 }
 
-// Turn the budget into a count, and say what coverage 0 stands for.
+// Turns the budget into a count, and replaces a coverage of 0 by its default.
 static olx_result resolve(const olx_scene *scene, olx_place_settings *s) {
   const uint32_t pinned = scene->probe_rules.pinned_count;
   if (s->budget_mb > 0.0) {

@@ -1,3 +1,5 @@
+// Saves sets of probes with their settings and their report as JSON, and loads them again, with messages that name what
+// is wrong in a file.
 #include "core/file.h"
 #include "core/hooks.h"
 #include "core/result.h"

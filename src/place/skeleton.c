@@ -1,3 +1,5 @@
+// Places probes on the skeleton of free space, found by the distance transform or by medial balls (Wang 2018, section
+// 3.1) and clustered to the number of probes that is wanted.
 #include "place/skeleton.h"
 
 #include "core/hooks.h"
@@ -96,7 +98,8 @@ olx_result olx_place_sdf(const olx_space *space, uint32_t wanted, uint32_t threa
                        "no voxel that may hold one is far from surfaces; try more voxels");
 }
 
-// What it counts in clusters, against a position's one diagonal: a right angle between normals, and the radius.
+// Weights of the distance in clusters, where a position counts one for a diagonal: for a right angle between normals,
+// and for the radius.
 #define NORMAL_WEIGHT 0.05f
 #define RADIUS_WEIGHT 1.0f
 

@@ -23,14 +23,14 @@ olx_result olx_far_voxels(const olx_space *space, olx_cluster_item **items, uint
 // same side, are dropped. *balls is the caller's to release with olx_release.
 olx_result olx_medial_balls(const olx_space *space, const olx_surfels *surfels, uint32_t threads,
                             olx_medial_ball **balls, uint32_t *count);
-// The same, of as many surfels as the settings have, spread by area.
+// Finds medial balls for as many surfels as the settings have, spread by area.
 olx_result olx_area_balls(const olx_space *space, const olx_sight *sight, const olx_place_settings *settings,
                           olx_medial_ball **balls, uint32_t *count);
 
 // Probes from clusters of far voxels, `wanted` in all, the pinned ones included; 0: as many as olx_cluster finds.
 olx_result olx_place_sdf(const olx_space *space, uint32_t wanted, uint32_t threads, olx_candidate **probes,
                          uint32_t *probe_count, uint32_t *candidates);
-// The same from clusters of the balls' centres by position, normal and radius.
+// Places probes from clusters of medial balls, grouped by position, normal and radius.
 olx_result olx_place_medial(const olx_space *space, const olx_sight *sight, const olx_place_settings *settings,
                             olx_candidate **probes, uint32_t *probe_count, uint32_t *candidates);
 

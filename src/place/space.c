@@ -1,3 +1,5 @@
+// Finds the space that matters to a viewer: flooded through free voxels from the cameras, or judged by depth and light
+// where no camera can enter.
 #include "place/space.h"
 
 #include "core/hooks.h"

@@ -1,27 +1,8 @@
-// The space that matters: where the viewer can be, and where in it a probe may stand.
+// The space that matters: where the viewer can be, and where in it probes are allowed.
 #ifndef OLX_PLACE_SPACE_H
 #define OLX_PLACE_SPACE_H
 
-#include "place/inside.h"
-#include "place/voxels.h"
-
-typedef struct olx_space {
-  const olx_scene *scene;
-  olx_voxels voxels;
-  olx_box box;        // that the voxels cover, the last of them only in part
-  uint8_t *reachable; // a voxel: OLX_REACHABLE, OLX_ALLOWED, OLX_FRINGE
-  size_t *starts;     // indices of the voxels that the viewer reaches, wholly or (fringe) in part, ascending
-  size_t *places;     // and of those that allow a probe
-  size_t reachable_count, start_count, place_count;
-  int32_t outside; // for olx_depth_is_inside
-} olx_space;
-
-// Bits of olx_space.reachable.
-enum {
-  OLX_REACHABLE = 1, // the viewer can be there
-  OLX_ALLOWED = 2,   // and the description allows a probe there
-  OLX_FRINGE = 4     // solid, but beside a voxel that the viewer reaches
-};
+#include "place/space_data.h"
 
 // Find it. Over the box of playable space when the description has one, else over the scene's bounds, flooded from the
 // cameras (one outside the box enters it where it looks). Without a camera that can enter: all of the playable box that
@@ -30,18 +11,12 @@ enum {
 olx_result olx_space_create(const olx_scene *scene, uint32_t resolution, uint32_t threads, olx_space *space);
 void olx_space_free(olx_space *space);
 
-static inline bool olx_space_reaches(const olx_space *space, olx_vec3 p) {
-  const size_t voxel = olx_voxel_at(&space->voxels, p);
-  return voxel != OLX_NO_VOXEL && (space->reachable[voxel] & OLX_REACHABLE);
-}
-
 // A place drawn evenly from those that the viewer reaches: start `nth` of start_count, random numbers from `seed`.
 // False when what was drawn there is not such a place: outside the box, or behind the surface in a fringe voxel.
 bool olx_space_draw(const olx_space *space, size_t nth, uint32_t seed, olx_vec3 *place);
 
-// Whether a probe may stand there: in space that matters, outside forbidden boxes, at least min_distance and half a
-// voxel off surfaces.
-// (That it is not inside geometry is asked on its own, because it takes many rays.)
+// Whether a probe is allowed there: in space that matters, outside forbidden boxes, at least min_distance and half a
+// voxel off surfaces. Whether the place is inside geometry is a query of its own, because it takes many rays.
 bool olx_space_allows(const olx_space *space, olx_vec3 p);
 bool olx_space_is_inside_geometry(const olx_space *space, olx_vec3 p);
 

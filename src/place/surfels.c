@@ -1,10 +1,11 @@
+// Spreads surfels over the surfaces of a scene by area and keeps those that the space that matters sees, as rays and
+// lines of sight decide for each.
 #include "place/surfels.h"
 
 #include "core/hooks.h"
 #include "core/parallel.h"
 #include "core/result.h"
 #include "core/sampling.h"
-#include "place/visibility.h"
 #include "scene/bvh.h"
 #include "scene/surface.h"
 
@@ -17,14 +18,6 @@ enum {
   MOST_RAYS = 64, // of a round
   VANTAGE_RAYS = 64
 };
-
-olx_sight olx_sight_create(const olx_scene *scene, float min_cosine, float max_footprint, uint32_t resolution) {
-  return (olx_sight){
-      .min_cosine = min_cosine,
-      .max_footprint = max_footprint * olx_length(olx_sub(scene->bounds_max, scene->bounds_min)),
-      .texel_radians = sqrtf(4.0f * OLX_PI) / (float)resolution,
-  };
-}
 
 // Every third bit, from bit 0.
 static uint64_t spread_bits(uint64_t x) {
@@ -222,7 +215,7 @@ static bool is_near_space(const olx_space *space, olx_vec3 p) {
   return false;
 }
 
-// From where in the space that matters the surfel is seen along straight lines to places spread over it.
+// Finds from where the surfel is seen, along straight lines to places spread over the space that matters.
 static uint8_t look_from_space(const asker *a, const olx_surfel *surfel, uint32_t seed) {
   const olx_space *space = a->space;
   olx_ray rays[MOST_RAYS];
@@ -242,8 +235,8 @@ static uint8_t look_from_space(const asker *a, const olx_surfel *surfel, uint32_
   return found;
 }
 
-// A few rays mostly tell. The many of the last round are for surfels with space close by that hardly see it; a playable
-// box may be far from what is seen from it.
+// A few rays mostly suffice. The many of the last round are for surfels with space close by that hardly see it; a
+// playable box may be far from what is seen from it.
 static olx_surfel_fate find_fate(const asker *a, const olx_surfel *surfel, uint32_t seed) {
   static const uint32_t rounds[FATE_ROUNDS + 1] = {0, 8, 16, 16 + MOST_RAYS};
   olx_ray rays[MOST_RAYS];
@@ -264,7 +257,7 @@ static olx_surfel_fate find_fate(const asker *a, const olx_surfel *surfel, uint3
   return found & OLX_ALLOWED ? OLX_SURFEL_GRAZING : found & OLX_REACHABLE ? OLX_SURFEL_RESTRICTED : OLX_SURFEL_UNSEEN;
 }
 
-// What the ray that found a surfel knows of its fate.
+// The fate of a surfel as far as the ray that found it decides it.
 static void ask_ray(const asker *a, olx_surfel *surfel) {
   const bool allowed = olx_space_allows(a->space, surfel->from);
   if (allowed && olx_sight_quality(a->sight, surfel->from, surfel)) surfel->fate = OLX_SURFEL_FIT;

@@ -3,32 +3,7 @@
 #define OLX_PLACE_SURFELS_H
 
 #include "place/space.h"
-
-// When a probe sees a surfel well.
-typedef struct olx_sight {
-  float min_cosine;    // between the surfel's normal and the way to the probe
-  float max_footprint; // metres: longest side of a texel on the surface
-  float texel_radians; // mean angle that a texel of the probe's map spans
-} olx_sight;
-
-olx_sight olx_sight_create(const olx_scene *scene, float min_cosine, float max_footprint, uint32_t resolution);
-
-typedef enum olx_surfel_fate {
-  OLX_SURFEL_FIT,        // seen well from somewhere a probe may stand
-  OLX_SURFEL_GRAZING,    // seen from there, but never well
-  OLX_SURFEL_RESTRICTED, // seen from the space that matters, but never from where a probe may stand
-  OLX_SURFEL_UNSEEN,
-  OLX_SURFEL_UNASKED // not known yet
-} olx_surfel_fate;
-
-// One side of a surface at a point.
-typedef struct olx_surfel {
-  olx_vec3 position; // just off the surface, on the side of the normal
-  olx_vec3 normal;   // unit, geometric
-  olx_vec3 from;     // OLX_SPREAD_RAYS: where the ray began that found it
-  uint32_t triangle;
-  olx_surfel_fate fate;
-} olx_surfel;
+#include "place/surfel_sight.h"
 
 // Where an atlas lays its surfels.
 typedef enum olx_spread {
@@ -44,15 +19,15 @@ typedef struct olx_surfels {
 } olx_surfels;
 
 // Lay `points` points and keep the surfels that are seen. Of OLX_SPREAD_RAYS those are all but the rays that leave the
-// scene, and their fates are not asked.
+// scene, and their fates are not looked for.
 olx_result olx_surfels_create(const olx_space *space, const olx_sight *sight, olx_spread spread, uint32_t points,
                               uint32_t seed, uint32_t threads, olx_surfels *surfels);
-// Find the fates that are not known. With `views`, surfels that are seen well by `least` probes need not be asked.
+// Find the fates that are not known. With `views`, surfels that are seen well by `least` probes are left out.
 olx_result olx_surfels_ask(const olx_space *space, const olx_sight *sight, const uint8_t *views, uint32_t least,
                            uint32_t seed, uint32_t threads, olx_surfels *surfels);
 void olx_surfels_free(olx_surfels *surfels);
 
-// Up to `wanted` places from which the surfel is seen well and where a probe may stand, found along random rays.
+// Up to `wanted` places from which the surfel is seen well and which allow a probe, found along random rays.
 // Returns how many.
 uint32_t olx_surfel_vantages(const olx_space *space, const olx_sight *sight, const olx_surfel *surfel, uint32_t seed,
                              uint32_t wanted, olx_vec3 *places);

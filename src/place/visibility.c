@@ -1,3 +1,5 @@
+// Finds which surfels are seen from which places, and how well, by casting rays for whole batches of places and
+// surfels.
 #include "place/visibility.h"
 
 #include "scene/bvh.h"
@@ -5,18 +7,6 @@
 #include <string.h>
 
 enum { BATCH = 256 };
-
-uint8_t olx_sight_quality(const olx_sight *sight, olx_vec3 place, const olx_surfel *surfel) {
-  const olx_vec3 way = olx_sub(place, surfel->position);
-  const float along = olx_dot(way, surfel->normal);
-  if (!(along > 0.0f)) return 0;
-  const float length = olx_length(way);
-  if (along < sight->min_cosine * length) return 0;
-  const float footprint = length * length / along * sight->texel_radians;
-  if (!(footprint <= sight->max_footprint)) return 0;
-  const float good = 1.0f - sqrtf(footprint / sight->max_footprint);
-  return (uint8_t)((float)OLX_QUALITY_LEAST + good * (255.0f - (float)OLX_QUALITY_LEAST));
-}
 
 static olx_ray ray_between(olx_vec3 place, const olx_surfel *surfel) {
   return (olx_ray){place, olx_sub(surfel->position, place), 0.0f, 1.0f};

@@ -5,12 +5,7 @@
 #include "core/parallel.h"
 #include "place/surfels.h"
 
-// How well a surfel is seen from `place`, if nothing stands between: 0 when it faces away, is seen at a grazing angle
-// or with too large a texel; else from OLX_QUALITY_LEAST up to 255, better for steep angles and small distances.
-#define OLX_QUALITY_LEAST 208
-uint8_t olx_sight_quality(const olx_sight *sight, olx_vec3 place, const olx_surfel *surfel);
-
-// The same for every surfel of an atlas, 0 where something stands between.
+// How well every surfel of an atlas is seen from a place, as olx_sight_quality has it; 0 where something is between.
 void olx_sight_row(const olx_space *space, const olx_sight *sight, olx_vec3 place, const olx_surfels *surfels,
                    uint8_t *quality);
 

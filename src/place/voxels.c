@@ -1,3 +1,4 @@
+// Cuts space into voxels, marks those that surfaces touch, and floods the connected free ones.
 #include "place/voxels.h"
 
 #include "core/hooks.h"

@@ -1,12 +1,13 @@
-// Judging a field without a picture: its rays against the real triangles, its diffuse light against path tracing.
+// Judges a field without a picture: its rays against the real triangles, its diffuse light against path tracing.
 #include "core/hooks.h"
 #include "core/parallel.h"
 #include "core/result.h"
 #include "core/sampling.h"
 #include "field/field_data.h"
+#include "light/path.h"
 #include "render/audit_space.h"
 #include "render/camera_sample.h"
-#include "light/path.h"
+#include "scene/bvh.h"
 #include "scene/surface.h"
 #include "shade/surface_irradiance.h"
 

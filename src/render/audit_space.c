@@ -26,7 +26,7 @@ typedef struct space_audit {
   place_verdict *places;
 } space_audit;
 
-// Places of free voxels and of the free parts of those beside them, alike likely.
+// Draws places in free voxels and in the free parts of voxels beside them, each equally likely.
 static bool draw_place(const space_audit *a, uint32_t index, olx_vec3 *place) {
   for (uint32_t attempt = 0; attempt < ATTEMPTS; attempt++) {
     const uint32_t seed = olx_hash3(a->settings->seed ^ SALT_PLACE, index, attempt);

@@ -1,3 +1,5 @@
+// Denoises one ray a pixel (McGuire et al. 2017, section 5.1): mixes it into the history of its surface, found by
+// reprojection, and filters along rows and columns across pixels of that surface.
 #include "render/denoise.h"
 
 #include "core/hooks.h"
@@ -7,9 +9,9 @@
 #include <string.h>
 
 // Two pixels show one surface when the second lies off the first one's plane by at most so many pixels' width, or by this
-// share of their distance (normal maps tilt planes), ...
+// share of their distance, since normal maps tilt planes.
 static const float PLANE_PIXELS = 2.0f, PLANE_SLOPE = 0.1f;
-// ... and, for history, when their normals agree to this cosine.
+// For history two pixels show one surface only when their normals agree to this cosine, too.
 static const float SAME_NORMAL = 0.9f;
 // A point seen this near to a pixel's centre, in pixels, has not moved.
 static const float STILL_PIXELS = 1e-2f;
@@ -112,7 +114,7 @@ static bool same_surface(const shown *now, const shown *before) {
   return plane_fit(olx_sub(before->position, now->position), now->normal, now->depth * now->pixel_angle) > 0.0f;
 }
 
-// A place in the frame before, put on a pixel's centre when it is as good as there.
+// Moves a place in the frame before to a pixel's centre when it is very near to it.
 static float settle(float at) {
   const float nearest = floorf(at + 0.5f);
   return fabsf(at - nearest) < STILL_PIXELS ? nearest : at;
@@ -122,7 +124,7 @@ static bool stands_still(olx_vec2 at, olx_vec2 pixel) {
   return fabsf(at.x - pixel.x) < STILL_PIXELS && fabsf(at.y - pixel.y) < STILL_PIXELS;
 }
 
-// Of the four pixels around a place, `corner` 0 to 3 from the top left.
+// The bilinear weight of one of the four pixels around a place, `corner` 0 to 3 from the top left.
 static float bilinear_weight(olx_vec2 at, uint32_t corner) {
   const float right = at.x - floorf(at.x), bottom = at.y - floorf(at.y);
   return (corner & 1 ? right : 1.0f - right) * (corner >> 1 ? bottom : 1.0f - bottom);
@@ -207,7 +209,7 @@ olx_result olx_denoise_accumulate(const olx_lobe_filter *filter, const olx_guide
 
 // ---- space
 
-// What is known at a pixel, as the weights of its neighbours follow from it.
+// The properties of a pixel from which the weights of its neighbours follow.
 typedef struct scales {
   float inverse_distance; // 0 when nothing is known
   float narrowing;        // kernels shrink with the noise, which falls with the root of the number of frames

@@ -1,3 +1,5 @@
+// Draws a scene as a diagram: shaded flatly, cut open towards the eye, with marks such as probes and skeletons as lit
+// balls.
 #include "core/hooks.h"
 #include "core/parallel.h"
 #include "core/result.h"
@@ -23,7 +25,7 @@ typedef struct drawing {
   float *depths;    // along the viewing axis, of the nearest surface
 } drawing;
 
-// From above a corner, with the whole scene in view.
+// A camera above a corner of the scene, with all of it in view.
 static olx_camera three_quarter_view(const olx_scene *scene) {
   const olx_vec3 centre = olx_scale(olx_add(scene->bounds_min, scene->bounds_max), 0.5f);
   const float diagonal = olx_length(olx_sub(scene->bounds_max, scene->bounds_min));

@@ -1,4 +1,4 @@
-// Layered float images through OpenEXR's C core.
+// Reads and writes images of layers of floats by OpenEXR's C core.
 #include "render/image_io.h"
 
 #include "core/file.h"
@@ -169,7 +169,7 @@ olx_result olx_exr_save(const olx_image *image, const char *path) {
       channels[count++].stride_floats = 3;
     }
   }
-  // Beyond what the attribute holds, and infinite: -1.
+  // Infinite bounces, and numbers that the attribute cannot hold, are stored as -1.
   const int32_t bounces = image->bounces <= INT32_MAX ? (int32_t)image->bounces : -1;
   const olx_exr_picture picture = {.width = image->width,
                                    .height = image->height,

@@ -1,3 +1,5 @@
+// Renders tiles of a picture from a field: surfaces and direct light by real rays, indirect light from the field, whose
+// rays are traced many at a time.
 #include "render/field_renderer.h"
 
 #include "core/parallel.h"

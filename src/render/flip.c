@@ -1,4 +1,5 @@
-// LDR-FLIP: Andersson, Nilsson, Akenine-Moller, Oskarsson, Astrom, Fairchild, "FLIP: A Difference Evaluator for
+// Computes LDR-FLIP: Andersson, Nilsson, Akenine-Moller, Oskarsson, Astrom, Fairchild, "FLIP: A Difference Evaluator
+// for
 // Alternating Images", HPG 2020. What the eye cannot resolve is filtered away, colours are compared in a space where
 // distance is perception, and differences of edges and points amplify the differences of colour.
 #include "render/perceptual.h"

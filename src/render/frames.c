@@ -1,5 +1,5 @@
-// Frames as a real-time renderer makes them (McGuire et al. 2017, section 5): one camera ray a pixel, one ray a lobe, and the
-// denoiser over pixels and frames. Passes follow each other, each a function of buffers.
+// Renders frames as a real-time renderer makes them (McGuire et al. 2017, section 5): one camera ray a pixel, one ray a
+// lobe, and the denoiser over pixels and frames. Passes follow each other, each a function of buffers.
 #include "core/hooks.h"
 #include "core/parallel.h"
 #include "core/result.h"
@@ -19,7 +19,7 @@ typedef struct frame_job {
   olx_render_context context;
   uint32_t frame;
   bool last;
-  // Of this frame ([frame & 1]) and of the one before.
+  // The surfaces of this frame ([frame & 1]) and of the one before.
   surface_buffers surfaces[2];
   olx_guide guides[2];
   olx_history diffuse[2], glossy[2];
@@ -64,7 +64,7 @@ static void sample_glossy(frame_job *job, const shaded_pixel *p, olx_render_stat
   *sample = (olx_incident){light, found.nearness};
 }
 
-// What the image needs beside the traced light.
+// Adds to the last frame what the image needs beside the traced light.
 static void light_last_frame(frame_job *job, const shaded_pixel *p, olx_render_stats *stats) {
   const uint32_t spp = job->context.settings->spp;
   olx_vec3 sum = {0};
@@ -173,7 +173,8 @@ static olx_result render_frame(frame_job *job, const olx_camera *camera, olx_tas
   return OLX_OK;
 }
 
-// Reflected light into the image: `layer` becomes filtered times factor where there is a history, and adds to beauty.
+// Puts reflected light into the image: `layer` becomes filtered times factor where there is a history, and is added to
+// beauty.
 static void reflect(frame_job *job, olx_layer layer, const olx_vec3 *filtered, const olx_vec3 *factor) {
   const size_t pixels = (size_t)job->image->width * job->image->height;
   for (size_t i = 0; i < pixels; i++) {

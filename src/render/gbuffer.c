@@ -1,4 +1,5 @@
-// What a renderer elsewhere needs to add a field's light: the surfaces in view, and the layers that rays and lights give.
+// Renders what a renderer elsewhere needs to add a field's light: the surfaces in view, and the layers that rays and
+// lights give.
 #include "core/hooks.h"
 #include "core/parallel.h"
 #include "core/result.h"

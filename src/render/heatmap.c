@@ -1,4 +1,4 @@
-// Where an image differs from its reference: |a - b| over the reference's mean, with a scale beside it.
+// Draws where an image differs from its reference: |a - b| over the reference's mean, with a scale beside it.
 #include "render/image_io.h"
 
 #include "core/hooks.h"

@@ -1,3 +1,4 @@
+// Holds images of named layers, and loads and saves them as OpenEXR, or as PNG after tone mapping.
 #include "render/image_io.h"
 
 #include "core/hooks.h"

@@ -1,3 +1,5 @@
+// Compares a layer of two images: refuses values that are not finite, and sums up mean squared error, bias and the
+// largest difference relative to the reference.
 #include "render/image_io.h"
 
 #include "core/result.h"

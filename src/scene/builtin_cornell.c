@@ -1,3 +1,4 @@
+// Builds the Cornell box with matte and with glossy blocks, and a furnace whose radiance is known in closed form.
 #include "core/result.h"
 #include "scene/builtin_scenes.h"
 #include "scene/builtin_shapes.h"

@@ -1,3 +1,5 @@
+// Builds solids with a constant section, such as arches and walls with arched openings, by cutting ears off their
+// outlines.
 #include "core/result.h"
 #include "scene/builtin_shapes.h"
 

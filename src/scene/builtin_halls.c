@@ -1,3 +1,5 @@
+// Builds two halls of McGuire et al. 2017: a star-shaped hall that one probe sees all of, and a hall with an area
+// light, a statue and a glossy floor.
 #include "core/result.h"
 #include "scene/builtin_scenes.h"
 #include "scene/builtin_shapes.h"

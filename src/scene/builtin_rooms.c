@@ -1,3 +1,5 @@
+// Builds rooms in which light leaks where probes are interpolated carelessly: rooms with a wall between, thin things
+// before walls, pillars that bury probes, and a labyrinth.
 #include "core/result.h"
 #include "scene/builtin_scenes.h"
 #include "scene/builtin_shapes.h"
@@ -23,7 +25,7 @@ static olx_result build_two_rooms(olx_scene *scene, const char *const cells[2], 
   return olx_add_view(scene, "dark", olx_v3(3.8f, 1.6f, -1.6f), olx_v3(0.3f, 1.2f, 1.3f), 60.0f);
 }
 
-// Of 0.2 m, in the middle.
+// A wall of 0.2 m, in the middle.
 static const float middle_wall[2] = {-0.1f, 0.1f};
 static const char *const sealed_cells[2] = {".#.", ".#."};
 
@@ -31,7 +33,7 @@ olx_result olx_build_two_rooms_sealed(olx_scene *scene) {
   return build_two_rooms(scene, sealed_cells, middle_wall, OLX_ROOMS_GAP);
 }
 
-// The wall stands where no plane of a grid is likely to be.
+// The wall is where no plane of a grid is likely to be.
 olx_result olx_build_two_rooms_sealed_of(olx_scene *scene, float thickness) {
   if (!(thickness >= 0.01f && thickness <= 1.0f)) {
     return olx_fail(OLX_ERROR_ARGUMENT, "builtin:two-rooms-sealed: a wall of %g metres is not within 0.01 to 1",

@@ -1,3 +1,5 @@
+// Adds the simple meshes that built-in scenes are made of, such as blocks, surfaces of revolution, prisms and cloth,
+// with their materials, lights and cameras.
 #include "scene/builtin_shapes.h"
 
 #include "core/hooks.h"

@@ -1,3 +1,5 @@
+// Builds a figure with a staff before a square lamp, which Wang (2018) adds to Sponza, because probes in one line do
+// not see its far sides.
 #include "core/result.h"
 #include "scene/builtin_scenes.h"
 #include "scene/builtin_shapes.h"

@@ -1,4 +1,5 @@
-// The temple (after Wang's iconic temple, Fig. 1.1): a corridor between colossal pillars, wide flights of stairs on
+// Builds the temple (after Wang's iconic temple, Fig. 1.1): a corridor between colossal pillars, wide flights of stairs
+// on
 // both sides up to galleries with a second row of pillars, arcades between those, blind arches along the walls. What
 // lies under stairs and galleries is open between the flights and at the ends of the hall.
 #include "core/result.h"

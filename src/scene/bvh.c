@@ -1,3 +1,5 @@
+// Casts rays against the scene's triangles with Embree, one at a time or in packets of 16; filters let rays pass the
+// masked-out parts of surfaces.
 #include "scene/bvh.h"
 
 #include "core/hooks.h"

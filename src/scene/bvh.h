@@ -2,21 +2,10 @@
 #ifndef OLX_SCENE_BVH_H
 #define OLX_SCENE_BVH_H
 
+#include "scene/ray.h"
 #include "scene/scene_data.h"
 
-#define OLX_NO_HIT UINT32_MAX
-
-typedef struct olx_ray {
-  olx_vec3 origin, direction; // direction need not be unit; distances are in its length
-  float t_min, t_max;
-} olx_ray;
-
-typedef struct olx_ray_hit {
-  uint32_t triangle; // OLX_NO_HIT for a miss
-  float t, u, v;     // barycentric weights of the second and third corner
-} olx_ray_hit;
-
-// Of the Embree that casts rays: results differ between versions and between instruction sets.
+// The Embree that casts rays: results differ between versions and between instruction sets.
 typedef struct olx_bvh_engine {
   uint32_t version;         // 31305 is 3.13.5
   const char *instructions; // "sse2", "sse4.2", "avx", "avx2", "avx512": those that it uses here
@@ -24,7 +13,7 @@ typedef struct olx_bvh_engine {
 
 olx_bvh_engine olx_bvh_describe(const olx_bvh *bvh);
 
-// By the instructions that scene->load names. OLX_ERROR_UNSUPPORTED where the processor does not have them.
+// Builds with the instructions that scene->load names. OLX_ERROR_UNSUPPORTED where the processor does not have them.
 olx_result olx_bvh_create(const olx_scene *scene, olx_bvh **bvh);
 void olx_bvh_free(olx_bvh *bvh);
 

@@ -1,3 +1,5 @@
+// Reads cooked scenes: checks each chunk before anything relies on it, then copies arrays and decodes textures in
+// parallel.
 #include "core/file.h"
 #include "core/hooks.h"
 #include "core/parallel.h"

@@ -1,3 +1,5 @@
+// Writes a scene as a cooked file: arrays as they lie in memory, materials and lights in the file's own form, textures
+// compressed without loss.
 #include "core/hooks.h"
 #include "core/parallel.h"
 #include "core/result.h"

@@ -1,5 +1,5 @@
-// Decoding base64 as data: URIs of models have it: digits of both alphabets, with or without padding.
-// Anything else in the text makes it no data.
+// Decodes base64 as models have it in data: URIs: digits of both alphabets, with or without padding. Text with anything
+// else in it is refused.
 #include "scene/data_uri.h"
 
 #include "core/hooks.h"

@@ -1,3 +1,5 @@
+// Reads scene descriptions in JSON: models, cameras, lights, changes of materials, and rules for placing probes.
+// Messages name the file and the element that is wrong.
 #include "core/file.h"
 #include "core/hooks.h"
 #include "core/result.h"
@@ -27,7 +29,7 @@ typedef struct description {
   uint32_t mask_count;
 } description;
 
-// An object of the description and where it stands in it: "lights[2]", or "" for the whole.
+// An object of the description and its path in it: "lights[2]", or "" for the whole.
 typedef struct place {
   const cJSON *object;
   char name[160];
@@ -166,7 +168,7 @@ static bool readable(char *found, size_t size_bytes, const char *folder, size_t 
   return length > 0 && (size_t)length < size_bytes && access(found, R_OK) == 0;
 }
 
-// As it is when absolute, else beside the description, else in each folder of OCTALUX_SCENES.
+// Finds a file by its absolute path, else beside the description, else in each folder of OCTALUX_SCENES.
 static olx_result find_file(const description *d, const place *at, const char *key, const char *name, char *found,
                             size_t size_bytes) {
   const char *slash = strrchr(d->path, '/'), *folders = getenv("OCTALUX_SCENES");
@@ -393,7 +395,7 @@ static olx_result apply_change(description *d, const material_change *change, ol
   if (change->roughness || change->metallic) m->metallic_roughness_texture = OLX_NO_TEXTURE;
   if (change->metallic) m->metallic = change->metallic_value;
   if (change->roughness) m->roughness = change->roughness_value;
-  // Who asks for a roughness wants to see it.
+  // A roughness shows in a specular lobe alone, so the material gets one.
   if (change->roughness && !change->specular) m->specular_weight = 1.0f;
   if (change->specular) m->specular_weight = change->specular_value;
   if (change->emission) {
@@ -489,7 +491,7 @@ static olx_result read_pinned(const description *d, const place *at, const cJSON
   return OLX_OK;
 }
 
-// What places probes has to keep to.
+// Reads the rules that the placement of probes keeps to.
 static olx_result read_probe_rules(description *d, const place *at) {
   olx_probe_rules *rules = &d->scene->probe_rules;
   const place playable = {.object = member(at, "playable"), .name = "probes.playable"};

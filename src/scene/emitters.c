@@ -1,3 +1,5 @@
+// Draws points on lights for next-event estimation: lights without area, emissive triangles by what each sends to the
+// place, and the environment, with their densities.
 #include "scene/emitters.h"
 
 #include "core/hooks.h"
@@ -167,7 +169,7 @@ void olx_emitters_free(olx_emitters *emitters) {
   olx_release(emitters);
 }
 
-// Groups stand in this order: lights without area, emissive triangles, environment.
+// The order of groups is: lights without area, emissive triangles, environment.
 uint32_t olx_emitters_group_count(const olx_scene *scene) {
   const olx_emitters *emitters = scene->emitters;
   return emitters->light_groups + (emitters->triangle_count > 0) + emitters->environment.lit;
@@ -354,7 +356,8 @@ bool olx_emitters_sample(const olx_scene *scene, uint32_t group, olx_vec3 positi
 
 float olx_emitters_surface_pdf(const olx_scene *scene, const olx_surface *surface, olx_vec3 position,
                                olx_vec3 direction) {
-  if (!(surface->area_pdf > 0.0f)) return 0.0f;
+  if (!(olx_max3(surface->emission) > 0.0f)) return 0.0f;
+  if (!(olx_emitters_area_pdf(scene, surface->triangle) > 0.0f)) return 0.0f;
   const olx_vec3 way = olx_sub(surface->position, position);
   const float cosine = fabsf(olx_dot(direction, surface->geometric_normal));
   return cosine > 0.0f ? triangle_density(scene, surface->triangle, position, olx_dot(way, way) / cosine) : 0.0f;

@@ -1,3 +1,4 @@
+// Looks up the radiance of an environment, and draws directions in proportion to the luminance of its image.
 #include "scene/environment.h"
 
 #include "core/hooks.h"

@@ -1,5 +1,5 @@
-// An environment is the plain channels R, G and B of an OpenEXR image, whichever of its other channels
-// and layers there are; half floats become floats.
+// Reads an environment from the plain channels R, G and B of an OpenEXR image, whichever other channels and layers it
+// has; half floats become floats.
 #include "scene/environment_file.h"
 
 #include "core/hooks.h"

@@ -1,5 +1,5 @@
-// OpenEXR's C core reads from a mapping of the file through callbacks here; its complaints become our errors.
-// Sizes and chunks are checked before pixels are decoded.
+// Reads OpenEXR images from a mapping of the file, through callbacks of OpenEXR's C core, and turns its complaints into
+// errors with messages. Sizes and chunks are checked before pixels are decoded.
 #include "scene/exr_file.h"
 
 #include "core/result.h"

@@ -1,5 +1,5 @@
-// Accessors are checked against their views once, so that reading them needs no checks: only indices of sparse
-// elements are looked at again.
+// Reads glTF accessors. Each is checked against its view once, so that reading needs no checks but of the indices of
+// sparse elements.
 #include "scene/gltf_accessor.h"
 
 #include "core/hooks.h"

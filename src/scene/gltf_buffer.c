@@ -1,5 +1,5 @@
-// Buffers are mapped where they are files and decoded where they are data: URIs; views are pieces of them.
-// Nothing is copied but what is compressed.
+// Maps the buffers of a glTF file, or decodes them from data: URIs, and finds the views in them. Nothing is copied but
+// what is compressed.
 #include "scene/gltf_buffer.h"
 
 #include "core/hooks.h"
@@ -93,7 +93,7 @@ static olx_result open_view(const olx_gltf *gltf, uint32_t index) {
   view->compressed = olx_gltf_meshopt_of(element);
   if (!view->compressed) return find_part(gltf, element, index, &view->bytes);
   OLX_TRY(find_part(gltf, view->compressed, index, &view->bytes));
-  return olx_gltf_meshopt_check(gltf, index);
+  return olx_gltf_meshopt_check(gltf, index, view->compressed, view->bytes.size_bytes, &view->stride);
 }
 
 // Every compressed view is decoded into memory of its own.
@@ -129,7 +129,10 @@ void olx_gltf_release_buffers(olx_gltf *gltf) {
 
 olx_result olx_gltf_view_bytes(const olx_gltf *gltf, uint32_t view, olx_gltf_bytes *bytes) {
   olx_gltf_view *found = &gltf->view_data[view];
-  if (found->compressed && !found->decoded) OLX_TRY(olx_gltf_meshopt_decode(gltf, view));
+  if (found->compressed && !found->decoded) {
+    OLX_TRY(olx_gltf_meshopt_decode(gltf, view, found->compressed, found->bytes, &found->decoded));
+    found->bytes = (olx_gltf_bytes){found->decoded, olx_gltf_meshopt_size(found->compressed)};
+  }
   *bytes = found->bytes;
   return OLX_OK;
 }

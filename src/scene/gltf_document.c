@@ -1,10 +1,8 @@
-// Opening a glTF file: the two containers, the version, the extensions, and the arrays of elements.
+// Opens a glTF file: its two containers, the version, the extensions, and the arrays of elements.
 #include "scene/gltf_document.h"
 
 #include "core/hooks.h"
 #include "core/result.h"
-#include "scene/gltf_buffer.h"
-#include "scene/gltf_texture.h"
 #include "scene/scene_build.h"
 
 #include <string.h>
@@ -166,9 +164,6 @@ void olx_gltf_close(olx_gltf *gltf) {
                          gltf->materials.elements, gltf->meshes.elements, gltf->nodes.elements,
                          gltf->scenes.elements,    gltf->images.elements, gltf->textures.elements,
                          gltf->cameras.elements,   gltf->lights.elements};
-  olx_gltf_release_images(gltf);
-  olx_release(gltf->accessor_data);
-  olx_gltf_release_buffers(gltf);
   for (size_t i = 0; i < sizeof lists / sizeof *lists; ++i) olx_release(lists[i]);
   cJSON_Delete(gltf->root);
   olx_unmap_file(&gltf->file);

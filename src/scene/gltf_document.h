@@ -38,7 +38,8 @@ typedef struct olx_gltf {
 } olx_gltf;
 
 // Map a .gltf or .glb file and parse its JSON. Versions other than 2 and required extensions that are not supported are
-// refused; extensions that are ignored become warnings of the scene. Whatever comes back, olx_gltf_close releases.
+// refused; extensions that are ignored become warnings of the scene. Whatever comes back,
+// olx_gltf_close releases what this has made, and leaves what other files keep in the document to them.
 olx_result olx_gltf_open(const char *path, olx_scene *scene, olx_gltf *gltf);
 void olx_gltf_close(olx_gltf *gltf);
 

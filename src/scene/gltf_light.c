@@ -1,5 +1,5 @@
-// A glTF node that carries a camera or a light looks along its -z, up along its y. Photometric numbers of lights are
-// taken for radiometric ones, one to one.
+// Imports cameras and lights of glTF nodes, which look along their -z, up along their y. Photometric numbers of lights
+// are taken for radiometric ones, one to one.
 #include "scene/gltf_light.h"
 
 #include "core/result.h"

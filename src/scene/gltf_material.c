@@ -1,5 +1,5 @@
-// The metallic-roughness model is ours; what extensions add to it is taken where our materials have it, and else
-// named in a warning.
+// Imports glTF materials. The metallic-roughness model is that of Octalux; extensions are taken as far as Octalux's
+// materials have what they add, and otherwise named in a warning.
 #include "scene/gltf_material.h"
 
 #include "core/result.h"

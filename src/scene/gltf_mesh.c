@@ -1,5 +1,5 @@
-// A primitive is read anew for each node that has it, straight into arrays in the scene's space. Its material says
-// which attributes are wanted.
+// Imports the primitives of glTF meshes, once for each node that refers to them, straight into arrays in the scene's
+// space. The material says which attributes are wanted.
 #include "scene/gltf_mesh.h"
 
 #include "core/hooks.h"
@@ -206,7 +206,7 @@ static olx_result read_normals(primitive_reader *r) {
   return OLX_OK;
 }
 
-// They say nothing where there is no normal map, nor without normals.
+// Tangents matter only where there are a normal map and normals.
 static olx_result read_tangents(primitive_reader *r) {
   const olx_material *m = &r->gltf->scene->materials[r->surface->material];
   const uint32_t index =

@@ -1,10 +1,9 @@
-// Compressed views are checked for what they promise before memory is spent on them, and decoded by meshoptimizer,
-// which is safe on hostile streams.
+// Decodes compressed views by meshoptimizer, which is safe on hostile streams, after what they promise has been checked
+// and before memory is spent on them.
 #include "scene/gltf_meshopt.h"
 
 #include "core/hooks.h"
 #include "core/result.h"
-#include "scene/gltf_buffer.h"
 
 #include <string.h>
 
@@ -81,10 +80,10 @@ static const char *find_problem(const cJSON *compressed, uint64_t size_bytes) {
   return NULL;
 }
 
-olx_result olx_gltf_meshopt_check(const olx_gltf *gltf, uint32_t view) {
-  olx_gltf_view *found = &gltf->view_data[view];
-  const char *problem = find_problem(found->compressed, found->bytes.size_bytes);
-  olx_json_size(found->compressed, "byteStride", 0, &found->stride);
+olx_result olx_gltf_meshopt_check(const olx_gltf *gltf, uint32_t view, const cJSON *compressed, uint64_t size_bytes,
+                                  uint64_t *stride) {
+  const char *problem = find_problem(compressed, size_bytes);
+  olx_json_size(compressed, "byteStride", 0, stride);
   return problem ? olx_gltf_fail(gltf, "bufferViews", view, problem) : OLX_OK;
 }
 
@@ -104,18 +103,18 @@ static void undo_filter(meshopt_filter filter, void *elements, size_t count, siz
   if (filter == FILTER_EXPONENTIAL) meshopt_decodeFilterExp(elements, count, stride);
 }
 
-olx_result olx_gltf_meshopt_decode(const olx_gltf *gltf, uint32_t view) {
-  olx_gltf_view *found = &gltf->view_data[view];
-  const uint64_t size_bytes = olx_gltf_meshopt_size(found->compressed), stride = found->stride;
-  const size_t count = size_bytes / stride;
-  uint8_t *decoded = olx_allocate(count, stride);
-  if (!decoded) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory for bufferViews[%u]", gltf->path, view);
-  if (!decode_stream(found->compressed, found->bytes, count, stride, decoded)) {
-    olx_release(decoded);
+olx_result olx_gltf_meshopt_decode(const olx_gltf *gltf, uint32_t view, const cJSON *compressed, olx_gltf_bytes bytes,
+                                   uint8_t **decoded) {
+  uint64_t stride = 0;
+  olx_json_size(compressed, "byteStride", 0, &stride);
+  const size_t count = olx_gltf_meshopt_size(compressed) / stride;
+  uint8_t *elements = olx_allocate(count, stride);
+  if (!elements) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory for bufferViews[%u]", gltf->path, view);
+  if (!decode_stream(compressed, bytes, count, stride, elements)) {
+    olx_release(elements);
     return olx_gltf_fail(gltf, "bufferViews", view, "its meshopt data cannot be decoded");
   }
-  undo_filter(filter_of(found->compressed), decoded, count, stride);
-  found->decoded = decoded;
-  found->bytes = (olx_gltf_bytes){decoded, size_bytes};
+  undo_filter(filter_of(compressed), elements, count, stride);
+  *decoded = elements;
   return OLX_OK;
 }

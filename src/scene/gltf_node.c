@@ -1,5 +1,5 @@
-// That nodes form trees of bounded depth is checked from the children up, before anything walks down them by
-// recursion.
+// Walks over the nodes of a glTF file. That they form trees of bounded depth is checked from the children up, before
+// anything descends by recursion.
 #include "scene/gltf_node.h"
 
 #include "core/hooks.h"

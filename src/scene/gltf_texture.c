@@ -1,5 +1,5 @@
-// Textures of materials: transforms of their coordinates, which vertices take on at import, and images in files, views
-// and URIs.
+// Imports the textures of glTF materials: images in files, views and URIs, and transforms of texture coordinates, which
+// are applied to vertices.
 #include "scene/gltf_texture.h"
 
 #include "core/hooks.h"

@@ -1,5 +1,5 @@
-// The rows of a Radiance image, walked as stb_image walks them: four bytes a texel, or runs of each of the four where a
-// row begins with 2, 2 and its width.
+// Checks the rows of a Radiance image before stb_image decodes them, by its own rules: four bytes a texel, or runs of
+// each of the four where a row begins with 2, 2 and its width.
 #include "scene/hdr_check.h"
 
 #include "core/result.h"

@@ -1,3 +1,4 @@
+// Imports a built-in scene as a part of another one, at the place where the description puts it.
 #include "scene/affine.h"
 #include "scene/builtin.h"
 #include "scene/import.h"

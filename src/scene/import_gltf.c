@@ -1,4 +1,4 @@
-// glTF models, from the file to the scene: everything is checked and counted before memory is spent on it.
+// Imports a glTF model from the file to the scene: everything is checked and counted before memory is spent on it.
 #include "core/hooks.h"
 #include "core/result.h"
 #include "scene/gltf_accessor.h"
@@ -150,6 +150,9 @@ olx_result olx_import_gltf(const char *path, const olx_affine *placement, olx_sc
   olx_release(import.roots.nodes);
   olx_release(import.surfaces);
   olx_release(import.seen);
+  olx_gltf_release_images(&gltf);
+  olx_release(gltf.accessor_data);
+  olx_gltf_release_buffers(&gltf);
   olx_gltf_close(&gltf);
   return result;
 }

@@ -1,5 +1,5 @@
-// What files may ask for while a scene is loaded: the defaults of olx_scene_limits, and the one message that refuses what
-// goes beyond a limit.
+// Bounds what files may ask for while a scene is loaded: the defaults of olx_scene_limits, and the one message that
+// refuses what goes beyond a limit.
 #include "scene/import_limits.h"
 
 #include "core/result.h"

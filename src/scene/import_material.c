@@ -1,5 +1,5 @@
-// Numbers of materials are brought into their ranges, their images found and loaded, and what is odd about them
-// becomes one warning of each kind.
+// Brings the numbers of imported materials into their ranges, finds and loads their images, and turns oddities into one
+// warning of each kind.
 #include "scene/import_material.h"
 
 #include "core/result.h"

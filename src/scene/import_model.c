@@ -1,5 +1,5 @@
-// Which importer reads a model is told by its name; what importers note about vertices and triangles becomes
-// warnings here.
+// Chooses the importer of a model by the name of its file, and turns what importers note about vertices and triangles
+// into warnings.
 #include "scene/import_model.h"
 
 #include "core/result.h"

@@ -1,4 +1,4 @@
-// OBJ models, which Assimp reads.
+// Imports OBJ models, which Assimp reads after the file has been measured.
 #include "core/hooks.h"
 #include "core/result.h"
 #include "scene/import_model.h"

@@ -1,6 +1,6 @@
-// The segments of a JPEG, walked as stb_image walks them: whatever stands between two of them is passed over, up to the
-// next byte FF. Coded data follows the segment of a scan in the same way, in which FF 00 stands for a byte FF, and FF
-// D0 to FF D7 restart.
+// Checks the segments of a JPEG before stb_image decodes it, by its own rules: bytes between two segments are passed
+// over, up to the next byte FF. Coded data follows the segment of a scan in the same way, in which FF 00 encodes a byte
+// FF, and FF D0 to FF D7 restart.
 #include "scene/jpeg_check.h"
 
 #include "core/result.h"

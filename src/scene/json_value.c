@@ -1,3 +1,5 @@
+// Parses JSON strictly and reads checked values from it: members that occur twice, NULs in strings, and numbers that a
+// float cannot hold are refused.
 #include "scene/json_value.h"
 
 #include "core/hooks.h"

@@ -19,7 +19,7 @@ static inline const cJSON *olx_json_member(const cJSON *object, const char *key)
 // A member's text; "" when it is absent or no text.
 const char *olx_json_text(const cJSON *object, const char *key);
 
-// Member or element as an index below `count`. False when it is absent; *valid tells whether it is absent or in range.
+// Member or element as an index below `count`. False when it is absent; *valid says whether it is absent or in range.
 bool olx_json_index(const cJSON *item, uint32_t count, uint32_t *index, bool *valid);
 
 // A member that counts bytes or elements, up to 2^48; `otherwise` when it is absent. False when it is no such number.

@@ -1,4 +1,4 @@
-// Choosing the origin of a scene's local frame, and taking positions there.
+// Chooses the origin of a scene's local frame, and moves positions into that frame.
 #include "scene/local_frame.h"
 
 #include "core/chunk_file.h"

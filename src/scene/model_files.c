@@ -1,5 +1,5 @@
-// Every file that a model names is judged here, whoever reads it: a model is not trusted to name any file of the machine it is
-// loaded on. Assimp reads all of its files through here, each material file once.
+// Judges every file that a model names, whoever reads it: a model is not trusted to name any file of the machine it is
+// loaded on. Assimp reads all of its files through this, each material file once.
 #include "scene/model_files.h"
 
 #include "core/file.h"

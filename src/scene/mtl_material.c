@@ -1,4 +1,4 @@
-// Turning the materials of MTL files, as Assimp reads them, into ours.
+// Turns the materials of MTL files, as Assimp reads them, into those of a scene.
 #include "scene/mtl_material.h"
 
 #include "core/result.h"

@@ -1,4 +1,4 @@
-// A hash table with chains that keep the order in which elements were added.
+// Finds elements by name through a hash table, whose chains keep the order in which elements were added.
 #include "scene/name_index.h"
 
 #include "core/hooks.h"

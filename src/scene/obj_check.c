@@ -1,5 +1,5 @@
-// One pass over an OBJ file that counts what Assimp would make of it. Assimp cuts a polygon into triangles in the square of
-// its corners, and makes a mesh or a node of every object, group and change of material.
+// Counts in one pass over an OBJ file what Assimp would make of it. Assimp cuts a polygon into triangles in the square
+// of its corners, and makes a mesh or a node of every object, group and change of material.
 #include "scene/obj_check.h"
 
 #include "core/file.h"

@@ -1,3 +1,5 @@
+// Loads scenes from files, descriptions and code, moves those far from the origin into a frame of their own, and
+// answers queries about cameras and the grid of probes.
 #include "core/hooks.h"
 #include "core/result.h"
 #include "scene/bvh.h"

@@ -1,3 +1,5 @@
+// Grows a scene while it is made: appends meshes, materials, textures and lights, skips what is degenerate with a
+// warning, and sums up bounds and hash at the end.
 #include "scene/scene_build.h"
 
 #include "core/hooks.h"

@@ -1,5 +1,5 @@
-// What a scene consists of, seen from outside. Apart from the ray caster, so that a program which only draws needs no
-// Embree.
+// Gives access to what a scene consists of. It is separate from the ray caster, so that a program which only draws
+// needs no Embree.
 #include "core/hooks.h"
 #include "core/result.h"
 #include "scene/scene_build.h"

@@ -10,7 +10,7 @@ typedef struct olx_box {
   olx_vec3 min, max;
 } olx_box;
 
-// What the description demands of probes, whoever places them.
+// The rules of the description for probes, however they are placed.
 typedef struct olx_probe_rules {
   olx_vec3 *pinned;   // probes that are always there
   olx_box *forbidden; // boxes that no other probe may stand in

@@ -1,5 +1,5 @@
-// Loading a scene by its name. Apart from everything else, so that a program which only loads cooked scenes needs no
-// importer.
+// Loads a scene by its name. It is separate from everything else, so that a program which only loads cooked scenes
+// needs no importer.
 #include "core/result.h"
 #include "scene/builtin.h"
 #include "scene/import.h"

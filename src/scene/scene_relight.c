@@ -1,3 +1,5 @@
+// Lists the lights and the emitting triangles of a scene in the form that a relighter takes, and casts the relighter's
+// shadow rays against the scene's triangles.
 #include "core/result.h"
 #include "scene/bvh.h"
 #include "scene/emitters.h"

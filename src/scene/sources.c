@@ -1,5 +1,5 @@
-// The files that a scene was read from, known by device and inode: an output of any name, or through any link, is
-// recognised as one.
+// Remembers the files that a scene was read from by device and inode, so that an output of any name, or through any
+// link, is recognised as one of them.
 #include "scene/sources.h"
 
 #include "core/hooks.h"

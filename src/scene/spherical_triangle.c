@@ -1,3 +1,4 @@
+// Computes the solid angle of a spherical triangle, and draws directions evenly from it (Arvo 1995).
 #include "scene/spherical_triangle.h"
 
 float olx_spherical_triangle_area(const olx_vec3 corners[3]) {
@@ -21,7 +22,7 @@ olx_vec3 olx_spherical_triangle_sample(const olx_vec3 corners[3], olx_vec2 rando
   const float divisor = (v * s + u * t) * sine_alpha;
   const float q = divisor == 0.0f ? 1.0f : olx_clamp(((v * t - u * s) * cosine_alpha - v) / divisor, -1.0f, 1.0f);
   const olx_vec3 moved = olx_madd(olx_scale(a, q), to_c, sqrtf(olx_max(0.0f, 1.0f - q * q)));
-  // Then a point between b and there.
+  // A point on the arc between b and that point.
   const float z = 1.0f - random.y * (1.0f - olx_dot(moved, b));
   return olx_normalize(olx_madd(olx_scale(b, z), across(moved, b), sqrtf(olx_max(0.0f, 1.0f - z * z))));
 }

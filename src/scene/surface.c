@@ -1,6 +1,7 @@
+// Finds what a ray sees where it hits: position, normals, textures and emission of the surface, and origins for further
+// rays that do not meet the same surface again.
 #include "scene/surface.h"
 
-#include "scene/emitters.h"
 #include "scene/texture.h"
 
 // Reflecting surfaces never return more than this, so that light dies out.
@@ -132,7 +133,7 @@ typedef struct tangent_frame {
   olx_vec3 tangent, bitangent;
 } tangent_frame;
 
-// That of the triangle's texture coordinates; false where they span none.
+// The frame of a normal map from the triangle's texture coordinates; false where they span none.
 static bool frame_by_uvs(const olx_scene *scene, const olx_material *material, const olx_corners *c, olx_vec3 normal,
                          tangent_frame *frame) {
   const olx_vec2 *uvs = material->second_uvs & OLX_SLOT_NORMAL ? scene->second_uvs : scene->uvs;
@@ -150,7 +151,8 @@ static bool frame_by_uvs(const olx_scene *scene, const olx_material *material, c
   return true;
 }
 
-// That of the vertices' tangents; false where they have none. Their sides are those of normals that are not turned round.
+// The frame of a normal map from the vertices' tangents; false where they have none. Their sides are those of normals
+// that are not turned round.
 static bool frame_by_tangents(const olx_scene *scene, const olx_corners *c, float u, float v, olx_vec3 normal,
                               tangent_frame *frame) {
   if (!scene->tangents) return false;
@@ -298,7 +300,6 @@ olx_surface olx_surface_near(const olx_scene *scene, const olx_ray_hit *hit, olx
   } else {
     look_up_material(scene, material, uvs, tint_at(scene, material, &c, hit->u, hit->v), &surface);
   }
-  if (olx_max3(surface.emission) > 0.0f) surface.area_pdf = olx_emitters_area_pdf(scene, hit->triangle);
   return surface;
 }
 

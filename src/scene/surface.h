@@ -3,7 +3,8 @@
 #define OLX_SCENE_SURFACE_H
 
 #include "core/bsdf.h"
-#include "scene/bvh.h"
+#include "scene/ray.h"
+#include "scene/scene_data.h"
 
 typedef struct olx_surface {
   olx_vec3 position;         // computed from the triangle's corners, not from the ray, and so exact to rounding
@@ -18,14 +19,13 @@ typedef struct olx_surface {
   float epsilon;   // length by which to move off the surface along the geometric normal, from the rounding of position
   olx_vec3 inward; // at most epsilon long, to the triangle's middle: rays start so far from its edges, where walls meet
   uint32_t triangle, material;
-  float area_pdf; // olx_emitters_area_pdf; 0 when it does not emit
 } olx_surface;
 
 // Everything at the hit of a ray with direction `direction` (unit).
 olx_surface olx_surface_at(const olx_scene *scene, const olx_ray_hit *hit, olx_vec3 direction);
 
-// The same, faster when `previous` (may be NULL) lies on the same triangle: what does not vary over it is taken from
-// there.
+// Finds the surface as olx_surface_at does, faster when `previous` (may be NULL) lies on the same triangle: what does
+// not vary over the triangle is taken from there.
 olx_surface olx_surface_near(const olx_scene *scene, const olx_ray_hit *hit, olx_vec3 direction,
                              const olx_surface *previous);
 

@@ -1,3 +1,5 @@
+// Codes 8-bit texels without loss: predicts each from its neighbours, and stores the differences in Rice codes whose
+// parameter follows their size.
 #include "scene/texel_code.h"
 
 #include "core/hooks.h"
@@ -45,7 +47,7 @@ static inline uint8_t predict(const uint8_t *rgba, uint32_t width, uint32_t x, u
   return median_prediction(plane_value(rgba - 4, channel), above, plane_value(rgba - row - 4, channel));
 }
 
-// The order of channels: green first, because red and blue are told from it.
+// The order of channels: green first, because red and blue are predicted from it.
 static const uint32_t channel_order[4] = {1, 0, 2, 3};
 
 // 0, -1, 1, -2, 2 ... as 0, 1, 2, 3, 4 ...

@@ -1,3 +1,5 @@
+// Decodes image files into textures and environments, and finds an image's size from its header alone, so that limits
+// hold before anything is decoded.
 #include "scene/texture_file.h"
 
 #include "core/file.h"

@@ -1,3 +1,5 @@
+// Collects the textures that a model refers to, decodes each of them once and all in parallel, and counts their texels
+// against the scene's limit first.
 #include "scene/texture_table.h"
 
 #include "core/hooks.h"
@@ -56,7 +58,7 @@ static void load_one(void *user, uint32_t index) {
   }
 }
 
-// What cannot be measured will be reported by decoding it.
+// An image that cannot be measured is reported when it is decoded.
 static olx_result check_texels(const olx_texture_table *table, const olx_scene *scene) {
   uint64_t texels = olx_scene_texels(scene);
   for (uint32_t i = 0; i < table->count; ++i) {

@@ -1,3 +1,4 @@
+// Descends the octree to the leaf that holds a point, and reads the probes that were baked into it.
 #include "select/octree.h"
 
 // The voxel of the finest level along one axis; the first one for NaN.

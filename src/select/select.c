@@ -1,3 +1,5 @@
+// Decides which selector answers for a field: the one that was named where the field has it, otherwise the best there
+// is.
 #include "select/select.h"
 
 bool olx_select_available(const olx_field *field, olx_select select) {

@@ -1,3 +1,5 @@
+// Decides for eight probes at a time whether they see places, by AVX2, with the same result as the test of a single
+// probe to the last bit; machines without AVX2 take the probes one by one.
 #include "core/wide.h"
 #include "select/sight.h"
 

@@ -1,3 +1,5 @@
+// Finds the nearest probe by a k-d tree, and the Delaunay neighbours nearest in angle to the direction in which a ray
+// is stuck.
 #include "select/voronoi.h"
 
 #include "core/octahedral.h"

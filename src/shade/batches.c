@@ -1,4 +1,4 @@
-// Many points at once, for callers to whom a call is dear: bindings of other languages.
+// Evaluates many points at once, for callers to whom a call is dear, such as bindings of other languages.
 #include <octalux/sample.h>
 
 void olx_surface_irradiance_points(const olx_field *field, const olx_sample_settings *settings, uint32_t count,

@@ -1,5 +1,6 @@
-// The method that light field probes replace: original irradiance probes (docs/maths.md, "Classic probes"). Cook-Torrance with
-// GGX, Schlick-GGX and Fresnel-Schlick, split into prefiltered radiance and a table.
+// The baseline: irradiance probes without visibility, the method that light field probes replace (docs/maths.md, "The
+// baseline"). Specular light is Cook-Torrance with GGX, Schlick-GGX and Fresnel-Schlick, split into prefiltered
+// radiance and a table.
 #ifndef OLX_SHADE_CLASSIC_H
 #define OLX_SHADE_CLASSIC_H
 

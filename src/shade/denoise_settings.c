@@ -1,3 +1,5 @@
+// Holds the presets of the denoiser's settings (as published, as tuned here, and off), and refuses settings out of
+// range.
 #include "core/result.h"
 
 #include <octalux/denoiser.h>

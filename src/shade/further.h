@@ -12,7 +12,8 @@ typedef struct olx_further_ray {
   olx_vec3 weight; // of the light that it finds
 } olx_further_ray;
 
-// Whether what a ray along `direction` found is worth a further ray, and that ray. `random`: the numbers that drew the first.
+// Whether the surface that a ray along `direction` found is worth a further ray, and that ray. `random`: the numbers
+// from which the first ray was drawn.
 bool olx_further_draw(const olx_field *field, const olx_trace_hit *hit, olx_vec3 direction, olx_vec2 random,
                       olx_further_ray *ray);
 

@@ -1,3 +1,5 @@
+// Interpolates irradiance between the probes of a cage, each weighted by Chebyshev's bound on its visibility, and falls
+// back on farther probes where the cage hardly sees the point.
 #include "shade/irradiance.h"
 
 #include <assert.h>
@@ -95,8 +97,8 @@ static float probe_weight(const olx_irradiance_source *s, uint32_t terms, uint32
   return weight;
 }
 
-// When the cage hardly sees the point: the nearest visible probe of the 4 x 4 x 4 around it, that is of the cage and its
-// neighbours. False when none of them sees it either.
+// Finds the nearest visible probe of the 4 x 4 x 4 around a point that its cage hardly sees. False when none of them
+// sees it either.
 static bool nearest_visible(const olx_irradiance_source *s, uint32_t terms, bool keep_buried, const surface_point *p,
                             const olx_cage *cage, uint32_t *nearest) {
   float nearest_distance = INFINITY;

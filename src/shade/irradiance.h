@@ -7,8 +7,8 @@
 
 #include <octalux/sample.h>
 
-// Where irradiance comes from: the packed maps or spherical harmonics of a field, or a baker's float maps. Maps carry a one-texel border, as
-// field_data.h says; sizes are without it.
+// Where irradiance comes from: the packed maps or spherical harmonics of a field, or a baker's float maps. Maps carry a
+// one-texel border, as field_data.h says; sizes are without it.
 typedef struct olx_irradiance_source {
   olx_grid grid;
   const uint8_t *flags; // OLX_PROBE_*, one a probe; NULL when there are no probes
@@ -26,7 +26,7 @@ olx_irradiance_source olx_irradiance_source_of(const olx_field *field);
 // The terms of a probe's weight, so that bench and audit can leave each out.
 enum {
   OLX_WEIGHT_TRILINEAR = 1,
-  OLX_WEIGHT_BACK_FACE = 2, // smooth test of the side on which the probe stands
+  OLX_WEIGHT_BACK_FACE = 2, // smooth test of the side on which the probe lies
   OLX_WEIGHT_CHEBYSHEV = 4, // variance test on the filtered distance
   OLX_WEIGHT_SHARPEN = 8,   // the cube of the Chebyshev bound
   OLX_WEIGHT_BIAS = 16,     // test visibility off the surface
@@ -55,7 +55,7 @@ olx_vec3 olx_light_change(olx_vec3 before, olx_vec3 after);
 olx_vec3 olx_irradiance_change(const olx_irradiance_source *source, const olx_sample_settings *settings,
                                olx_vec3 position, olx_vec3 from, olx_vec3 to, olx_vec3 view);
 
-// The same with a choice of terms.
+// Interpolates irradiance as olx_irradiance does, with a choice of the terms that weigh probes.
 olx_vec3 olx_irradiance_terms(const olx_irradiance_source *source, uint32_t terms, bool keep_buried, olx_vec3 position,
                               olx_vec3 normal, olx_vec3 view);
 

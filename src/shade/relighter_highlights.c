@@ -1,13 +1,14 @@
-// Specular reflections of direct light on the way from surfel to surfel: links bring what surfaces reflect alike to all sides, but
-// a floor in the sun lights the wall behind it more than the one before it.
+// Adds specular reflections of direct light on the way from surfel to surfel. Links carry what surfaces reflect alike
+// to all sides, but a floor in the sun lights the wall behind it more than the one before it.
 #include "core/bsdf.h"
 #include "core/pack.h"
-#include "shade/relighter.h"
+#include "shade/relighter_parts.h"
 
 // Surfels stand for surfaces of some size, and their rays for some solid angle: their lobes are wider by this alpha.
 static const float LINK_ALPHA = 0.2f;
 
-// A surface seems at most so many times as bright as a white matte one: beyond, single links would be too bright for what they stand for.
+// A surface seems at most so many times as bright as a white matte one: beyond that, single links would be too bright
+// for the solid angle that they represent.
 static const float MOST_BRIGHT = 2.0f;
 
 static float share_of(uint8_t byte) { return (float)byte * (1.0f / 255.0f); }

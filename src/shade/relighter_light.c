@@ -1,6 +1,7 @@
-// Light that reaches places straight from the lights of a relighter, with shadows by the host's rays or through the field.
+// Computes light that reaches places straight from the lights of a relighter, with shadows by the host's rays or
+// through the field.
 #include "core/sampling.h"
-#include "shade/relighter.h"
+#include "shade/relighter_parts.h"
 
 // How far from its end a ray to a light may stop, so that it does not meet the lamp itself.
 static const float END_SHARE = 1e-3f;
@@ -48,7 +49,7 @@ static bool area_light(const olx_relight_light *light, olx_vec3 position, olx_ve
   if (light->both_sides) facing = fabsf(facing);
   if (!(cosine > 0.0f && facing > 0.0f)) return false;
   *ray = (olx_shadow_ray){position, direction, length * (1.0f - END_SHARE)};
-  // However near, a light sends no more than it would from all around.
+  // A light sends no more than it would from all around, however near it is.
   *irradiance = olx_scale(light->emission, olx_min(cosine * facing / (length * length), OLX_PI));
   return true;
 }

@@ -1,4 +1,5 @@
-// Lights the texels of light field maps, tile by tile: direct light at each, indirect light as surfels tell it.
+// Lights the texels of light field maps, tile by tile: direct light at each, indirect light from the surfels that the
+// bake linked to it.
 #include "core/hooks.h"
 #include "core/octahedral.h"
 #include "core/pack.h"

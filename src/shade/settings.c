@@ -1,3 +1,4 @@
+// Holds the defaults of the settings by which a field is sampled, and refuses settings that a field cannot answer.
 #include "core/result.h"
 #include "select/select.h"
 

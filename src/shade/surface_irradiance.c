@@ -1,5 +1,5 @@
-// Diffuse light of static surfaces: of the probes near a point those that see its own surface answer, each by the four texels
-// around the point's direction, as far as they hold that surface.
+// Interpolates diffuse light of static surfaces: of the probes near a point those that see its own surface answer, each
+// by the four texels around the point's direction, as far as they hold that surface.
 #include "shade/surface_irradiance.h"
 
 #include "field/texels.h"
@@ -39,7 +39,7 @@ typedef struct ranking {
   ranked_probe probes[MOST_RANKED];
 } ranking;
 
-// 0 for a probe that cannot answer.
+// How well a probe can answer for a point; 0 when it cannot.
 static float rank_weight(const olx_field *field, const olx_sample_settings *settings, const olx_surface_point *point,
                          uint32_t probe) {
   if (field->probe_flags[probe] & OLX_PROBE_BURIED && !settings->keep_buried) return 0.0f;
@@ -257,7 +257,8 @@ static bool is_finite(const olx_surface_point *p) {
          olx_finite(p->shading_normal) && olx_finite(p->view);
 }
 
-// Where nothing is stored: the irradiance volume, which has no light where it has no cell; without it irradiance probes.
+// Irradiance where nothing is stored at the surface: from the irradiance volume, which has no light where it has no
+// cell, or, in a field without a volume, from irradiance probes.
 static olx_vec3 fallen_back(const olx_field *field, const olx_sample_settings *settings,
                             const olx_surface_point *point) {
   olx_volume_light_at volume;
@@ -268,7 +269,7 @@ static olx_vec3 fallen_back(const olx_field *field, const olx_sample_settings *s
   return olx_irradiance(field, settings, point->position, point->shading_normal, point->view);
 }
 
-// By what the light changes where a normal map bends the normal.
+// The factor by which the light changes where a normal map bends the normal.
 static olx_vec3 normal_map_change(const olx_field *field, const olx_sample_settings *settings,
                                   const olx_surface_point *point) {
   olx_volume_light_at volume;

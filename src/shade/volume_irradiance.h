@@ -14,12 +14,12 @@ typedef struct olx_volume_light_at {
 // Whether the field has a volume.
 static inline bool olx_volume_answers(const olx_field *field) { return field->volume.header != NULL; }
 
-// False where the field has no volume, or that no cell there. `normal` is that of the surface at `position`.
+// False where the field has no volume, or where the volume has no cell. `normal` is that of the surface at `position`.
 bool olx_volume_gather(const olx_field *field, olx_vec3 position, olx_vec3 normal, olx_volume_light_at *light);
 // Irradiance for one unit normal, not below 0.
 olx_vec3 olx_volume_towards(const olx_volume_light_at *light, olx_vec3 normal);
-// The same for a normal that a map bends, less what would come from below the surface, whose own normal is `smooth`: nothing
-// does, but a place in free space before it sees the surface itself there.
+// Irradiance for a normal that a map bends, less the share from below the surface, whose own normal is `smooth`: no
+// light comes from there, but a place in free space in front of the surface sees the surface itself.
 olx_vec3 olx_volume_bent(const olx_volume_light_at *light, olx_vec3 smooth, olx_vec3 bent);
 
 #endif

@@ -1,3 +1,5 @@
+// Marches a ray through one probe's map by a pyramid of smallest distances: goes up a level where the ray stays in
+// front of a whole node, and down where it may reach what is stored.
 #include "trace/march.h"
 
 // The node in which the march stands, and where it entered it.

@@ -1,3 +1,5 @@
+// Marches a ray through one probe's map texel by texel. This is the plain specification that the faster marchers must
+// agree with.
 #include "trace/march.h"
 
 olx_verdict olx_march_texels(olx_march *m, const olx_piece *p, olx_probe_answer *answer) {

@@ -1,3 +1,5 @@
+// Marches a ray through one probe's map in two levels (McGuire et al. 2017): skips blocks of texels as long as the ray
+// stays in front of all that they hold, and visits the texels of the others.
 #include "trace/march.h"
 
 olx_verdict olx_march_two_level(olx_march *m, const olx_piece *p, olx_probe_answer *answer) {

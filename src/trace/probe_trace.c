@@ -1,3 +1,5 @@
+// Traces a ray through one probe's map: divides it into pieces that are straight in the octahedral square, and marches
+// along each in turn.
 #include "trace/probe_trace.h"
 
 #include "trace/march.h"

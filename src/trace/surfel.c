@@ -1,3 +1,5 @@
+// Judges what the surface element in a texel says about a ray that reaches its distance: a hit, a pass in front of it,
+// or unresolved because the probe cannot see behind it.
 #include "trace/surfel.h"
 
 // Half floats are off by up to 2^-11 of their value.

@@ -1,4 +1,4 @@
-// A ray against the whole field: probe after probe until one knows (McGuire et al. 2017, Listing 1).
+// Traces a ray against the whole field: probe after probe until one resolves it (McGuire et al. 2017, Listing 1).
 #include "select/bricks.h"
 #include "select/cage.h"
 #include "select/octree.h"

@@ -1,3 +1,4 @@
+// Uploads the baseline's maps to a device, and records the pass that lights a frame by them, to compare with.
 #include "core/hooks.h"
 #include "vulkan/gpu_frame.h"
 #include "vulkan/uploader.h"
@@ -64,7 +65,7 @@ static olx_result check_range(const olx_vulkan_context *c, const olx_vulkan_clas
                   field->info.irradiance_probe_count);
 }
 
-// As yet without memory.
+// Creates the buffer, as yet without memory.
 static olx_result make_buffer(const olx_vulkan_context *c, olx_vulkan_classic *classic,
                               VkMemoryRequirements *requirements) {
   const VkBufferCreateInfo info = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,

@@ -1,3 +1,5 @@
+// Records the pass that adds indirect light to the host's image: irradiance times the diffuse reflectance of the
+// surface, and glossy light as it is.
 #include "vulkan/gpu_frame.h"
 
 static const uint32_t WORDS[] = {

@@ -1,3 +1,5 @@
+// Takes what the runtime needs of the host's device (functions, limits, memory types), and turns results of Vulkan into
+// errors with messages.
 #include "vulkan/context.h"
 
 #include <stdbool.h>

@@ -1,3 +1,5 @@
+// Records the denoiser's passes: mixes a frame's rays into the histories of both lobes, and filters these along rows
+// and columns.
 #include "core/vec.h"
 #include "vulkan/gpu_frame.h"
 

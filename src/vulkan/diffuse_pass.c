@@ -1,3 +1,4 @@
+// Records the pass that traces cosine-distributed rays through the field for diffuse light.
 #include "vulkan/gpu_frame.h"
 
 static const uint32_t WORDS[] = {

@@ -1,3 +1,5 @@
+// Uploads a field to the buffer and the images that gpu_field.c made for it, rows of maps at a time, through the
+// uploader's staging memory.
 #include "field/field_file.h"
 #include "vulkan/gpu_field.h"
 #include "vulkan/uploader.h"

@@ -1,3 +1,5 @@
+// Makes the pipelines and descriptor sets of the denoiser of a frame, and points them at the history and the host's
+// images.
 #include "vulkan/gpu_frame.h"
 
 enum {

@@ -1,3 +1,5 @@
+// Lays out a field on a device: an image for each kind of map, one buffer for all else, and the descriptor set by which
+// every pass reads them.
 #include "vulkan/gpu_field.h"
 
 #include "core/hooks.h"
@@ -66,12 +68,12 @@ static olx_result check_range(const olx_vulkan_context *c, VkDeviceSize bytes, c
                   (unsigned long long)bytes, what);
 }
 
-// More lights than have highlights are as good as none. Lights that change may be more than those of the bake.
+// With more lights than can have highlights none has. Lights that change may be more than those of the bake.
 static uint32_t highlight_count(const olx_field *field) {
   return field->surfaces.light_count > OLX_MOST_HIGHLIGHTS ? 0 : field->surfaces.light_count;
 }
 
-// Of the chunk, which ends with the entries of cubes; 0 for a field without a volume.
+// Bytes of the volume's chunk, which ends with the entries of cubes; 0 for a field without a volume.
 static VkDeviceSize volume_bytes(const olx_volume *v) {
   if (!v->header) return 0;
   const size_t cubes = (size_t)v->header->size[0] * v->header->size[1] * v->header->size[2];
@@ -209,7 +211,7 @@ static olx_gpu_maps geometry_maps(const olx_field *field) {
                          : (olx_gpu_maps){VK_FORMAT_R16_UINT, 2, field->stride, probes, .texels = field->distance};
 }
 
-// What stands for maps of a kind that the field lacks: one of a single black texel.
+// Binds an image of a single black texel for maps of a kind that the field lacks.
 static void fill_missing(olx_gpu_maps maps[OLX_GPU_MAPS]) {
   static const uint32_t black = 0;
   for (uint32_t i = 0; i < OLX_GPU_MAPS; i++) {

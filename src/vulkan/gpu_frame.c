@@ -1,3 +1,5 @@
+// Makes what a frame needs on a device: pipelines for the passes that the host's images name, the sets that bind these
+// images, and the constants of a dispatch.
 #include "vulkan/gpu_frame.h"
 
 #include "core/hooks.h"
@@ -27,7 +29,7 @@ olx_vulkan_settings olx_vulkan_settings_default(void) {
                                .denoise = {.filters = olx_denoise_settings_default()}};
 }
 
-// Formats that a surface's images may have; `unorm` tells those that hold 0 to 1 from those that hold signed numbers.
+// Formats that a surface's images may have; `unorm` marks those that hold 0 to 1 instead of signed numbers.
 typedef struct input_format {
   VkFormat format;
   bool unorm;
@@ -100,7 +102,7 @@ static olx_result check_input(const olx_vulkan_context *c, const olx_vulkan_imag
   return OLX_OK;
 }
 
-// A field on the device without probe light has no grid of irradiance probes.
+// Refuses settings that need probe light: a field without it has no grid of irradiance probes on the device.
 static olx_result check_probe_light(const olx_vulkan_field *field, const char *what) {
   if (field->constants.irradiance_grid.count.w) return OLX_OK;
   return olx_fail(OLX_ERROR_ARGUMENT,
@@ -166,7 +168,7 @@ static olx_result create_pipeline(olx_vulkan_frame *f, uint32_t pass, const olx_
   return OLX_OK;
 }
 
-// Of a pass that traces, one for each tracer, selector and light of hits that the targets name.
+// Creates the pipelines of a pass that traces: one for each tracer, selector and light of hits that the targets name.
 static olx_result create_variants(olx_vulkan_frame *f, uint32_t pass, const olx_vulkan_targets *t) {
   const uint32_t tracers = t->tracers ? t->tracers : 1u << OLX_TRACER_HIZ;
   const uint32_t selects = t->selects ? t->selects : 1u << OLX_SELECT_BEST;

@@ -39,8 +39,7 @@ enum {
   OLX_GPU_HITS = OLX_HITS_STORED + 1
 };
 
-// The denoiser of a frame that has a history. Of what stands twice, the one takes turns with the other from frame to
-// frame.
+// The denoiser of a frame that has a history. Members of which there are two take turns from frame to frame.
 typedef struct olx_gpu_denoiser {
   VkDescriptorSetLayout accumulate_set_layout, filter_set_layout;
   VkPipelineLayout accumulate_layout, filter_layout;
@@ -88,14 +87,14 @@ void olx_gpu_denoiser_write(olx_vulkan_frame *frame, const olx_vulkan_targets *t
 
 // Whether all settings are in their ranges and the frame has the histories that they want.
 olx_result olx_vulkan_check_settings(const olx_vulkan_frame *frame, const olx_vulkan_settings *settings);
-// The same, and whether the frame has the pass.
+// Checks the settings as olx_vulkan_check_settings does, and that the frame has the pass.
 olx_result olx_vulkan_check_pass(const olx_vulkan_frame *frame, olx_pass pass, const olx_vulkan_settings *settings);
 
 olx_gpu_frame olx_gpu_frame_constants(const olx_vulkan_frame *frame, const olx_vulkan_view *view,
                                       const olx_vulkan_settings *settings, uint32_t flags);
 olx_result olx_vulkan_record_pass(const olx_vulkan_frame *frame, olx_pass pass, VkCommandBuffer commands,
                                   const olx_vulkan_view *view, const olx_vulkan_settings *settings, uint32_t flags);
-// The same for a pass that traces rays of a lobe, and their samples for the denoiser if the settings say so.
+// Records a pass that traces rays of a lobe, and keeps their samples for the denoiser if the settings say so.
 olx_result olx_vulkan_record_rays(const olx_vulkan_frame *frame, olx_pass pass, uint32_t lobe, VkCommandBuffer commands,
                                   const olx_vulkan_view *view, const olx_vulkan_settings *settings);
 void olx_vulkan_dispatch(const olx_vulkan_frame *frame, VkCommandBuffer commands);

@@ -1,3 +1,5 @@
+// Makes the images in which the denoiser keeps surfaces and light from frame to frame, and orders their uses by
+// barriers.
 #include "vulkan/gpu_history.h"
 
 static const char WHAT[] = "a frame's history";

@@ -1,3 +1,5 @@
+// Makes a relighter's buffers, descriptor sets and pipelines on a device, in groups of passes that stay within the
+// storage buffers a device must offer.
 #include "vulkan/gpu_relight.h"
 
 #include "core/hooks.h"
@@ -60,7 +62,7 @@ static VkBufferUsageFlags usage_of(uint32_t buffer) {
 
 static const char *const NAMES[OLX_RELIGHT_BUFFERS] = {"light", "surfels and links", "sites", "results"};
 
-// As yet without memory.
+// Creates the buffers, as yet without memory.
 static olx_result make_buffers(olx_vulkan_relight *r) {
   const olx_vulkan_context *c = &r->gpu->context;
   for (uint32_t i = 0; i < OLX_RELIGHT_BUFFERS; i++) {

@@ -49,7 +49,7 @@ typedef struct olx_relight_storage {
 // Words of the state before what its offsets count.
 #define OLX_RELIGHT_HEADER_WORDS ((uint32_t)(sizeof(olx_gpu_relight) / sizeof(uint32_t)))
 
-// Of which frame a slot of the results tells.
+// The frame whose results a slot holds.
 typedef struct olx_relight_reading {
   bool written;
   olx_relit_sweep_part part;

@@ -1,3 +1,4 @@
+// Records the pass that reads diffuse light from surfaces or interpolates it between irradiance probes.
 #include "vulkan/gpu_frame.h"
 
 static const uint32_t WORDS[] = {

@@ -1,3 +1,5 @@
+// Records copies of changed texels from a buffer into a field's maps of light, gathered into batches between two
+// barriers.
 #include "vulkan/map_copies.h"
 
 static void barrier(const olx_vulkan_field *gpu, VkCommandBuffer commands, bool before) {

@@ -25,10 +25,10 @@ typedef struct olx_map_part {
 void olx_map_copies_begin(const olx_vulkan_field *gpu, VkCommandBuffer commands);
 void olx_map_copies_end(const olx_vulkan_field *gpu, VkCommandBuffer commands);
 
-// `binding` is OLX_BINDING_DIRECT or OLX_BINDING_INDIRECT.
+// Begins a batch of copies to the maps of `binding`, OLX_BINDING_DIRECT or OLX_BINDING_INDIRECT.
 olx_map_copies olx_map_copies_of(const olx_vulkan_field *gpu, uint32_t binding, VkBuffer buffer,
                                  VkCommandBuffer commands);
-// A part whose texels lie row by row from `offset` on, in bytes.
+// Adds the copy of a part whose texels lie row by row from `offset` on, in bytes.
 void olx_map_copies_add(olx_map_copies *copies, uint32_t map, const olx_map_part *part, VkDeviceSize offset);
 void olx_map_copies_record(olx_map_copies *copies);
 

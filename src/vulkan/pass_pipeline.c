@@ -1,3 +1,4 @@
+// Makes the pieces of compute passes: layouts, specialised pipelines, pools and sets of descriptors.
 #include "vulkan/gpu_frame.h"
 
 enum { MAX_BINDINGS = 16 };

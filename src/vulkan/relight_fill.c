@@ -1,4 +1,4 @@
-// What lies where in the buffers of a relighter on the device, and what they hold when it is made.
+// Lays out the buffers of a relighter on a device, and fills them when it is made.
 #include "core/hooks.h"
 #include "vulkan/gpu_relight.h"
 #include "vulkan/uploader.h"
@@ -50,7 +50,7 @@ static uint32_t words_between(const void *first, const void *later) {
   return (uint32_t)((size_t)((const char *)later - (const char *)first) / sizeof(uint32_t));
 }
 
-// As the structure has them in the file.
+// The structure's arrays, as they lie in the file.
 static void lay_out_structure(olx_gpu_relight *c, const olx_relight_data *d, olx_vulkan_relight *v) {
   c->link_starts = words_between(d->surfels, d->link_starts);
   c->links = words_between(d->surfels, d->links);
@@ -85,7 +85,7 @@ static olx_result copy_words(olx_vulkan_relight *v, olx_uploader *uploader, olx_
                            (VkDeviceSize)at * sizeof(uint32_t));
 }
 
-// Values need none: they are found before they are read.
+// Values of surfels are not uploaded, since they are computed before they are read.
 static olx_result copy_state(olx_vulkan_relight *v, olx_uploader *uploader) {
   const olx_relight *r = v->relight;
   const olx_gpu_relight *c = &v->constants;

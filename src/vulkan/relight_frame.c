@@ -1,4 +1,4 @@
-// Records frames of a relighter: chooses what they light as the CPU does, and when their results are read.
+// Records frames of a relighter: chooses what they light as the CPU does, and decides when their results are read.
 #include "vulkan/gpu_relight.h"
 #include "vulkan/map_copies.h"
 
@@ -11,7 +11,8 @@ enum {
 
 // ---- What is known of the frames before
 
-// It means as much as it would have on the CPU, only later. Once light has arrived, or lights are others, it means nothing.
+// Reads the results of a frame that has run. They mean what they would have meant on the CPU, only later; once light
+// has arrived, or the lights are others, they mean nothing.
 static void read_results(olx_vulkan_relight *v) {
   olx_relight *r = v->relight;
   olx_relight_reading *reading = &v->readings[v->slot];
@@ -89,7 +90,7 @@ static void order(const olx_vulkan_relight *v, VkCommandBuffer commands, VkPipel
   v->gpu->context.vk.CmdPipelineBarrier(commands, before, after, 0, 1, &barrier, 0, NULL, 0, NULL);
 }
 
-// Between two steps.
+// Records the barrier between two steps of a frame.
 static void next_step(const olx_vulkan_relight *v, VkCommandBuffer commands) {
   const VkPipelineStageFlags ours = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT;
   order(v, commands, ours, ours);
@@ -124,7 +125,7 @@ static olx_gpu_light gpu_light(const olx_relight_light *l) {
                          .cosine_outer = l->cosine_outer};
 }
 
-// Lights of the relighter, and those that the field has.
+// Copies the lights of the relighter, and those of the field.
 static void update_lights(olx_vulkan_relight *v, VkCommandBuffer commands) {
   const olx_relight *r = v->relight;
   const olx_vulkan_field *gpu = v->gpu;
@@ -142,7 +143,7 @@ static void update_lights(olx_vulkan_relight *v, VkCommandBuffer commands) {
 
 // ---- Passes
 
-// `threads` are rounded up to whole workgroups.
+// Records a dispatch of `threads`, rounded up to whole workgroups.
 static void record(const olx_vulkan_relight *v, VkCommandBuffer commands, olx_relight_pass pass, uint64_t threads,
                    const olx_gpu_relight_call *call) {
   if (threads == 0) return;
@@ -166,7 +167,8 @@ static void skip_rays(const olx_relight *r, olx_gpu_relight_call *call) {
   }
 }
 
-// One dispatch after the other, each with a few rays of every place. Without lights there is one that finds darkness.
+// Records dispatches one after the other, each with a few rays of every place. Without lights one dispatch finds
+// darkness.
 static void record_rays(const olx_vulkan_relight *v, VkCommandBuffer commands, olx_relight_pass pass,
                         olx_gpu_relight_call call) {
   uint32_t left = olx_relit_rays(v->relight);
@@ -204,7 +206,7 @@ static void record_bounce(olx_vulkan_relight *v, VkCommandBuffer commands, const
 
 // ---- Into the field
 
-// A tile's words from `first` on, and what the map's border repeats of them.
+// Copies a tile, whose words lie from `first` on, and what the map's border repeats of it.
 static void copy_tile(const olx_vulkan_relight *v, olx_map_copies *copies, const uint32_t *tile, uint32_t first) {
   const olx_relight *r = v->relight;
   const uint32_t n = r->field.n, side = r->tile_side, strips = first + side * side, corners = strips + 4 * side;

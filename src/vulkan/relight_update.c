@@ -1,8 +1,8 @@
-// Light that a relighter has changed, copied to a field on the device: tiles and borders of light field maps, irradiance of the
-// volume, and lights.
+// Copies light that a relighter has changed to a field on the device: tiles and borders of light field maps, irradiance
+// of the volume, and lights.
 #include "core/hooks.h"
 #include "core/result.h"
-#include "shade/relighter.h"
+#include "shade/relighter_parts.h"
 #include "vulkan/map_copies.h"
 
 static const char WHAT[] = "updates of a field on the device";
@@ -206,7 +206,8 @@ static void copy_unit(update_call *call, uint32_t unit, olx_vulkan_update_stats 
   u->copied[unit] = changed_frame(u, unit);
 }
 
-// All units once, from the one where the last call left off; what does not fit any more waits.
+// Visits all units once, from the one where the last call left off, and copies what has changed; what does not fit
+// waits.
 static void copy_changes(update_call *call, olx_vulkan_update_stats *stats) {
   olx_vulkan_update *u = call->update;
   uint32_t first_left = UINT32_MAX;

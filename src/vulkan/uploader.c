@@ -1,3 +1,4 @@
+// Copies bytes to a device through two slots of host-visible memory, one of which is filled while the other is copied.
 #include "vulkan/uploader.h"
 
 #include <string.h>

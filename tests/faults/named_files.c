@@ -1,4 +1,5 @@
-// Preloaded, it stands for a file system without unnamed files (O_TMPFILE): a program has to give its temporary files names.
+// Plays, when it is preloaded, a file system without unnamed files (O_TMPFILE), so that a program has to give its
+// temporary files names.
 #include <errno.h>
 #include <fcntl.h>
 #include <stdarg.h>

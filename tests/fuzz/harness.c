@@ -1,4 +1,4 @@
-// Coverage-guided fuzzing: folder, copies, memory and scenes of all targets.
+// Gives the targets of coverage-guided fuzzing what they share: a folder, copies of inputs, memory and scenes.
 #include "harness.h"
 
 #include "cooked_scenes.h"

@@ -1,4 +1,5 @@
-// What coverage-guided fuzzing begins from: make_seeds FOLDER fills FOLDER/TARGET with small valid files of all kinds.
+// Makes what coverage-guided fuzzing begins from: make_seeds FOLDER fills FOLDER/TARGET with small valid files of all
+// kinds.
 #include "cooked_scenes.h"
 #include "counted_memory.h"
 #include "scene_seeds.h"

@@ -1,4 +1,4 @@
-// Coverage-guided fuzzing of cooked scenes.
+// Loads its input as a cooked scene, for coverage-guided fuzzing.
 #include "harness.h"
 
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-// Coverage-guided fuzzing of scenes' descriptions, beside models and images that they may name.
+// Loads its input as a scene's description, beside models and images that it may name, for coverage-guided fuzzing.
 #include "harness.h"
 #include "scene_seeds.h"
 

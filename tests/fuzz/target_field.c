@@ -1,4 +1,4 @@
-// Coverage-guided fuzzing of fields: opened in memory, verified, sampled and lit anew.
+// Opens its input as a field in memory, verifies, samples and relights it, for coverage-guided fuzzing.
 #include "harness.h"
 #include "hostile_field.h"
 

@@ -1,4 +1,4 @@
-// Coverage-guided fuzzing of glTF, as text and as .glb, beside an image that it may name.
+// Loads its input as glTF, as text and as .glb, beside an image that it may name, for coverage-guided fuzzing.
 #include "harness.h"
 
 #include <string.h>

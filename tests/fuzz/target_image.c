@@ -1,5 +1,5 @@
-// Coverage-guided fuzzing of images: as textures (JPEG, PNG, TGA, BMP), as environments (HDR, EXR), and as what
-// `compare` reads (EXR).
+// Loads its input as a texture (JPEG, PNG, TGA, BMP), as an environment (HDR, EXR), and as what `compare` reads (EXR),
+// for coverage-guided fuzzing.
 #include "harness.h"
 #include "sound_scene.h"
 

@@ -1,5 +1,5 @@
-// Coverage-guided fuzzing of OBJ and MTL: one input is the model, a byte of 0, and square.mtl, which the model may
-// name.
+// Loads its input as OBJ and MTL for coverage-guided fuzzing: one input is the model, a byte of 0, and square.mtl,
+// which the model may name.
 #include "harness.h"
 
 #include <string.h>

@@ -1,4 +1,5 @@
-// Coverage-guided fuzzing of packed fields: described, and unpacked; what comes out has the size that was said.
+// Describes and unpacks its input as a packed field, for coverage-guided fuzzing; what comes out has the size that was
+// declared.
 #include "harness.h"
 #include "sound_scene.h"
 

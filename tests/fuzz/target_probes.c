@@ -1,4 +1,5 @@
-// Coverage-guided fuzzing of files of probes: what loads is saved, and loads again with as many probes.
+// Loads its input as a file of probes, saves them, and loads them again, for coverage-guided fuzzing; the number of
+// probes stays.
 #include "harness.h"
 #include "sound_scene.h"
 

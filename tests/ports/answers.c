@@ -1,5 +1,5 @@
-// What the runtime answers about a field, as lines of numbers: answers FIELD OUTPUT. It links nothing but the runtime,
-// so that full_ports.sh can run it on other machines and C libraries, and compare.
+// Prints what the runtime answers about a field, as lines of numbers: answers FIELD OUTPUT. It links nothing but the
+// runtime, so that full_ports.sh can run it on other machines and C libraries, and compare.
 #include <octalux/octalux.h>
 #include <octalux/relight.h>
 

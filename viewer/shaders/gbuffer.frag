@@ -21,7 +21,7 @@ layout(location = 4) out vec4 out_color;
 
 const float MAX_ALBEDO = 0.95, MIN_NORMAL_COSINE = 0.01, MIN_VIEW_COSINE = 1e-3, LARGEST_HALF = 65504.0;
 
-// In the tangent frame: x along increasing u, y along decreasing v.
+// The normal that the map holds, in the tangent frame: x along increasing u, y along decreasing v.
 vec3 mapped_normal(raster_material m) {
   vec2 uv = uv_for(flags, SECOND_NORMAL, uvs);
   if ((m.flags & NORMAL_IS_HEIGHT) == 0u) {

@@ -1,4 +1,4 @@
-// What the viewer's shaders share: the field, what they are told, colours.
+// What the viewer's shaders share: the field, their constants, colours.
 #ifndef VIEW_FRAME_GLSL
 #define VIEW_FRAME_GLSL
 

@@ -26,7 +26,7 @@ pixel_ray eye_ray(ivec2 pixel) {
   return pixel_ray(view.eye.xyz, olx_normalize(unproject(pixel, 1.0) - view.eye.xyz), vec3(0.0));
 }
 
-// The ray that overlays tell of: the mirrored one at the surface of a pixel, or that from the eye. False when the pixel
+// The ray that overlays show: the mirrored one at the surface of a pixel, or that from the eye. False when the pixel
 // has none.
 bool told_ray(ivec2 pixel, out pixel_ray ray) {
   ray = eye_ray(pixel);

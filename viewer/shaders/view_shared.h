@@ -43,7 +43,7 @@ typedef struct view_gpu_vec4 {
 #define VIEW_FLAG_VISIBILITY 1
 #define VIEW_FLAG_KEEP_BURIED 2
 #define VIEW_FLAG_STORED 8 // light at the end of rays, as olx_hits
-#define VIEW_FLAG_EYE_RAYS 4 // overlays tell of rays from the eye, not of their reflections
+#define VIEW_FLAG_EYE_RAYS 4 // overlays show rays from the eye, not their reflections
 
 #define VIEW_STEPS_LARGEST 512.0 // the brightest colour of the heat map
 

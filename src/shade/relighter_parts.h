@@ -1,7 +1,7 @@
 // The parts of a relighter (octalux/relight.h): what it keeps, and the steps of a frame. Surfels get direct light, light goes over
 // links between them, and by surfels the texels of light field probes and the irradiance volume are lit.
-#ifndef OLX_SHADE_RELIGHTER_H
-#define OLX_SHADE_RELIGHTER_H
+#ifndef OLX_SHADE_RELIGHTER_PARTS_H
+#define OLX_SHADE_RELIGHTER_PARTS_H
 
 #include "core/parallel.h"
 #include "field/field_data.h"
@@ -113,9 +113,9 @@ static inline uint32_t olx_relit_texel_rounds(const olx_relight *r) { return r->
 
 olx_result olx_relit_surfels_create(olx_relight *relight);
 void olx_relit_surfels_free(olx_relight *relight);
-// Direct light of those whose turn it is, within `rays` shadow rays; returns how many were lit.
+// Adds a sample of direct light to the surfels whose turn it is, within `rays` shadow rays; returns how many were lit.
 uint32_t olx_relit_light_surfels(olx_relight *relight, uint64_t rays);
-// Light over links to those whose turn it is; returns how many.
+// Carries light over links to the surfels whose turn it is; returns how many they are.
 uint32_t olx_relit_bounce(olx_relight *relight);
 // What arrives at a surfel as specular reflections of direct light, W/m^2 (relighter_highlights.c).
 olx_vec3 olx_relit_highlights(const olx_relight *relight, uint32_t surfel);
@@ -128,7 +128,7 @@ void olx_relit_light_tiles(olx_relight *relight);
 bool olx_relit_tile_waits(const olx_relight *relight, const olx_relit_tile *tile);
 uint32_t olx_relit_tiles_waiting(const olx_relight *relight);
 
-// Indirect irradiance that surfels tell a texel.
+// The indirect irradiance of a texel, interpolated from the surfels of its site.
 olx_vec3 olx_relit_told(const olx_relight *relight, uint32_t probe, uint32_t x, uint32_t y);
 
 // ---- The volume (relighter_volume.c)

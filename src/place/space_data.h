@@ -1,0 +1,31 @@
+// The space that matters, as voxels: which of them the viewer reaches, and which allow a probe.
+#ifndef OLX_PLACE_SPACE_DATA_H
+#define OLX_PLACE_SPACE_DATA_H
+
+#include "place/inside.h"
+#include "place/voxels.h"
+
+typedef struct olx_space {
+  const olx_scene *scene;
+  olx_voxels voxels;
+  olx_box box;        // that the voxels cover, the last of them only in part
+  uint8_t *reachable; // a voxel: OLX_REACHABLE, OLX_ALLOWED, OLX_FRINGE
+  size_t *starts;     // indices of the voxels that the viewer reaches, wholly or (fringe) in part, ascending
+  size_t *places;     // and of those that allow a probe
+  size_t reachable_count, start_count, place_count;
+  int32_t outside; // for olx_depth_is_inside
+} olx_space;
+
+// Bits of olx_space.reachable.
+enum {
+  OLX_REACHABLE = 1, // the viewer can be there
+  OLX_ALLOWED = 2,   // and the description allows a probe there
+  OLX_FRINGE = 4     // solid, but beside a voxel that the viewer reaches
+};
+
+static inline bool olx_space_reaches(const olx_space *space, olx_vec3 p) {
+  const size_t voxel = olx_voxel_at(&space->voxels, p);
+  return voxel != OLX_NO_VOXEL && (space->reachable[voxel] & OLX_REACHABLE);
+}
+
+#endif

@@ -17,6 +17,7 @@ case $list in
     needed+=(clang clang-format clang-tidy libclang-rt-14-dev python3 python3-numpy python3-venv binutils libcmocka-dev
       dpkg-dev # finds which packages a package depends on
       gltfpack # makes compressed models to read
+      nodejs npm glslang-tools lld # the package for browsers, its shaders and decoders
       mesa-vulkan-drivers vulkan-validationlayers xvfb # Vulkan's CPU device and its layers, a display for the viewer
       "${wanted[@]}")
     wanted=()

@@ -66,7 +66,7 @@ struct olx_surface_light {
 
 // 0 for a probe that cannot answer.
 float olx_rank_weight(olx_sample_settings settings, vec3 position, vec3 normal, uint probe) {
-  bool usable = settings.keep_buried || (olx_probes[probe].flags & OLX_PROBE_BURIED) == 0u;
+  bool usable = settings.keep_buried || (olx_probe_flags(probe) & OLX_PROBE_BURIED) == 0u;
   precise vec3 way = olx_probe_position(probe) - position;
   float squared = olx_dot(way, way);
   precise float weight = olx_dot(way, normal) / (squared * sqrt(squared));

@@ -48,10 +48,10 @@ vec3 olx_texel_emission(uint probe, ivec2 texel) {
   if (olx_texel_distance_bits(olx_map_origin(probe), texel) >= 0x7C00u) {
     uvec2 at = uvec2(texel), tile = at / OLX_EMISSION_TILE, inside = at % OLX_EMISSION_TILE;
     uint side = olx_field.tile_side;
-    uint entry = olx_words[olx_field.emission_first + side * side * probe + tile.y * side + tile.x];
+    uint entry = olx_word(olx_field.emission_first + side * side * probe + tile.y * side + tile.x);
     uint first = olx_field.tiles_first + (entry - 1u) * OLX_EMISSION_TILE * OLX_EMISSION_TILE;
     if (entry != 0u && entry <= olx_field.tile_count) { // a damaged file may name what there is not
-      emission = olx_rgb9e5_unpack(olx_words[first + inside.y * OLX_EMISSION_TILE + inside.x]);
+      emission = olx_rgb9e5_unpack(olx_word(first + inside.y * OLX_EMISSION_TILE + inside.x));
     }
   }
   return emission;

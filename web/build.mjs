@@ -31,4 +31,4 @@ mkdirSync(output, { recursive: true });
 cpSync(join(here, 'src'), output, { recursive: true });
 writeFileSync(join(output, 'library.js'), generated('LIBRARY', bundle(join(root, 'shaders'))));
 writeFileSync(join(output, 'decoder_wasm.js'), generated('DECODER', decoder()));
-cpSync(join(root, 'LICENSE'), join(output, 'LICENSE'));
+writeFileSync(join(output, 'LICENSE'), readFileSync(join(root, 'LICENSE')));

@@ -47,8 +47,9 @@ function spotOf(lamp, size) {
   light.shadow.mapSize.set(SHADOW_TEXELS, SHADOW_TEXELS);
   light.shadow.camera.near = 0.004 * size;
   light.shadow.camera.far = 2 * size;
-  light.shadow.bias = -0.0004;
-  light.shadow.normalBias = 0.002 * size;
+  light.shadow.focus = 0.78; // a map of the whole half space would have no texels to spare for its middle
+  light.shadow.bias = -0.002;
+  light.shadow.normalBias = 0.004 * size;
   light.shadow.radius = 6;
   return light;
 }

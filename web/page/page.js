@@ -9,7 +9,7 @@ import { addLamps } from './lamps.js';
 import { Picture } from './picture.js';
 import { Walk } from './walk.js';
 
-const MOST_PIXEL_RATIO = 2, SLOWEST_FRAME = 1 / 20, LEAST_SCALE = 0.3, STILL_SECONDS = 0.25, KEY = 0.32;
+const MOST_PIXEL_RATIO = 2, SLOWEST_FRAME = 1 / 20, LEAST_SCALE = 0.3, STILL_SECONDS = 0.25, KEY = 0.2;
 
 const byId = (id) => document.getElementById(id);
 const seconds = () => performance.now() / 1000;

@@ -85,11 +85,9 @@ def position(page, what="camera"):
     return page.value("octalux.%s.position.toArray()" % what)
 
 
-def key(page, code, seconds=0.0):
+def key(page, code):
     for kind in ("keyDown", "keyUp"):
         page.call("Input.dispatchKeyEvent", type=kind, code=code, key=code)
-        if kind == "keyDown" and seconds:
-            time.sleep(seconds)
     page.settle()
 
 
@@ -112,7 +110,7 @@ def use_tools(page, shot):
     shot("probes")
     page.click("#probes")
     before = position(page)
-    key(page, "KeyW", 0.5)
+    key(page, "KeyW")
     check(position(page) != before, "a key walks")
     before = position(page, "ball")
     page.click("#carry")

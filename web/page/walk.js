@@ -1,7 +1,7 @@
 // Walking and looking around, by keys, mouse and touch; and dragging an object.
 import { Euler, Plane, Raycaster, Vector2, Vector3 } from 'three';
 
-const RADIANS_A_PIXEL = 0.004, RADIANS_A_SECOND = 1.4;
+const RADIANS_A_PIXEL = 0.004, RADIANS_A_SECOND = 1.4, TAP_SECONDS = 1 / 30;
 const MOVES = { KeyW: [0, 0, -1], KeyS: [0, 0, 1], KeyA: [-1, 0, 0], KeyD: [1, 0, 0], KeyQ: [0, -1, 0], KeyE: [0, 1, 0] };
 const TURNS = { ArrowLeft: [1, 0], ArrowRight: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
@@ -27,10 +27,12 @@ export class Walk {
 
   // What keys that are held do in so many seconds.
   advance(seconds) {
-    for (const code of this.held) {
-      if (MOVES[code]) this.#go(...MOVES[code].map((way) => way * this.speed * seconds * (this.fast ? 3 : 1)));
-      if (TURNS[code]) this.#turn(...TURNS[code].map((way) => way * RADIANS_A_SECOND * seconds));
-    }
+    for (const code of this.held) this.#press(code, seconds);
+  }
+
+  #press(code, seconds) {
+    if (MOVES[code]) this.#go(...MOVES[code].map((way) => way * this.speed * seconds * (this.fast ? 3 : 1)));
+    if (TURNS[code]) this.#turn(...TURNS[code].map((way) => way * RADIANS_A_SECOND * seconds));
   }
 
   // Along the camera's axes, ahead and sideways on the level.
@@ -52,6 +54,7 @@ export class Walk {
     if (event.ctrlKey || event.metaKey || event.altKey || event.target.matches?.('input')) return;
     if (!MOVES[event.code] && !TURNS[event.code]) return;
     event.preventDefault();
+    if (down && !event.repeat) this.#press(event.code, TAP_SECONDS); // even when it is up again before the next frame
     if (down) this.held.add(event.code);
     else this.held.delete(event.code);
   }

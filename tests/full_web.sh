@@ -11,7 +11,7 @@ most_error=2e-3
 
 "$OCTALUX" bake builtin:cornell-glossy -o "$work/field.olx" --radiance-size 128 >/dev/null
 "$OCTALUX" export web builtin:cornell-glossy --field "$work/field.olx" -o "$work/room"
-"$OCTALUX" render builtin:cornell-glossy --field "$work/field.olx" --size 640x360 --spp 1 --glossy-samples 1 --centered -o "$work/render.exr" >/dev/null
+"$OCTALUX" render builtin:cornell-glossy --field "$work/field.olx" --size 640x360 --spp 1 --glossy-samples 4 --centered -o "$work/render.exr" >/dev/null
 python3 "$source_dir/tests/drive_web.py" "$work/room" "$work"
 
 # within LAYER: the page's pixels are those of the same rays.

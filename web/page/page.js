@@ -244,18 +244,18 @@ async function start() {
   byId('loading').hidden = true;
 }
 
-// A layer of indirect light alone as `octalux render --centered` has it, linear, rows from the bottom up: RGBA floats in base64.
-function readLayer(layer, width, height, aspectFov) {
+// A layer of indirect light alone as `octalux render --centered` has it with so many glossy samples: RGBA floats in base64.
+function readLayer(layer, width, height, samples) {
   const { uniforms } = field, before = { emitters: uniforms.olx_emitters.value, left: uniforms.olx_left.value };
   const shot = camera.clone();
-  shot.fov = aspectFov ?? camera.userData.fov;
+  shot.fov = camera.userData.fov;
   shot.aspect = width / height;
   shot.updateProjectionMatrix();
   Object.assign(uniforms.olx_layer, { value: layer === 'diffuse' ? 1 : 2 });
   uniforms.olx_emitters.value = false;
   uniforms.olx_left.value = 0;
   ball.visible = false;
-  const pixels = picture.read(scenes, shot, field, width, height);
+  const pixels = picture.read(scenes, shot, field, width, height, samples);
   ball.visible = true;
   uniforms.olx_layer.value = 0;
   uniforms.olx_emitters.value = before.emitters;

@@ -102,15 +102,18 @@ export class Picture {
     return count ? Math.exp(sum / count) : 1;
   }
 
-  // Linear pixels of one unshifted frame, rows from the bottom up, RGBA.
-  read(scenes, camera, field, width, height) {
+  // The mean of so many frames that are not shifted, linear: RGBA, rows from the bottom up.
+  read(scenes, camera, field, width, height, frames) {
     const target = new WebGLRenderTarget(width, height, { type: this.type });
-    const pixels = new Float32Array(4 * width * height), before = this.renderer.getRenderTarget();
-    field.setFrame(height, 0);
-    this.#render(scenes, camera, target);
-    this.renderer.readRenderTargetPixels(target, 0, 0, width, height, pixels);
-    this.renderer.setRenderTarget(before);
+    const pixels = new Float32Array(4 * width * height), mean = new Float32Array(pixels.length);
+    for (let index = 0; index < frames; index++) {
+      field.setFrame(height, index);
+      this.#render(scenes, camera, target);
+      this.renderer.readRenderTargetPixels(target, 0, 0, width, height, pixels);
+      pixels.forEach((value, i) => { mean[i] += value / frames; });
+    }
+    this.renderer.setRenderTarget(null);
     target.dispose();
-    return pixels;
+    return mean;
   }
 }

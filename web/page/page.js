@@ -78,6 +78,9 @@ function makeBall() {
   const made = new Mesh(new SphereGeometry(0.09 * Math.min(...sides), 48, 32), material);
   made.position.set(...[0.6, 0.42, 0.35].map((share, i) => field.info.sceneMin[i] + share * sides[i]));
   made.castShadow = made.receiveShadow = true;
+  const { radius } = made.geometry.parameters, corner = (of, away) => new Vector3(...of).addScalar(away);
+  made.userData.bounds = [corner(field.info.sceneMin, radius), corner(field.info.sceneMax, -radius)];
+  made.userData.home = made.position.clone();
   return made;
 }
 
@@ -116,6 +119,7 @@ function chooseScale(frameSeconds) {
 
 function place() {
   if (carried !== null) ball.position.copy(camera.position).addScaledVector(camera.getWorldDirection(new Vector3()), carried);
+  ball.position.clamp(...ball.userData.bounds); // beyond, there is no light to take
   const split = byId('split');
   field.uniforms.olx_left.value = split.hidden ? 0 : (split.value / 1000) * picture.frame.width;
   byId('line').style.left = `${split.value / 10}%`;
@@ -183,7 +187,10 @@ function haveTools() {
       probes.visible = !probes.visible;
       pressed('probes', probes.visible);
     },
-    reset: () => walk.reset(),
+    reset() {
+      if (carried === null) ball.position.copy(ball.userData.home);
+      walk.reset();
+    },
     help() {
       byId('keys').hidden = !byId('keys').hidden;
       pressed('help', !byId('keys').hidden);

@@ -1,4 +1,4 @@
-// octalux export: writes maps of probes as pictures, and parts of a field as a model, for other tools.
+// octalux export: writes maps of probes as pictures, parts of a field as a model, for other tools, and pages for browsers.
 #include "commands.h"
 #include "files.h"
 #include "options.h"
@@ -121,17 +121,19 @@ static int export_gltf(int argc, char **argv) {
 }
 
 static int print_formats(FILE *stream) {
-  fputs("usage: octalux export FORMAT FIELD -o FILE [options] (octalux export FORMAT --help says more)\n\n"
+  fputs("usage: octalux export FORMAT INPUT -o OUTPUT [options] (octalux export FORMAT --help says more)\n\n"
         "  octalux export exr FIELD --map NAME -o FILE.exr     a map of a probe as a picture\n"
-        "  octalux export gltf FIELD -o FILE.gltf              probes, irradiance volume and bricks as a model\n",
+        "  octalux export gltf FIELD -o FILE.gltf              probes, irradiance volume and bricks as a model\n"
+        "  octalux export web SCENE --field FIELD -o DIR       a page to walk through the scene in a browser\n",
         stream);
   return EXIT_DONE;
 }
 
 int command_export(int argc, char **argv) {
-  if (argc < 2) return usage_error("export", "FORMAT is missing: exr or gltf (see octalux export --help)");
+  if (argc < 2) return usage_error("export", "FORMAT is missing: exr, gltf or web (see octalux export --help)");
   if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0) return print_formats(stdout);
   if (strcmp(argv[1], "exr") == 0) return export_exr(argc - 1, argv + 1);
   if (strcmp(argv[1], "gltf") == 0) return export_gltf(argc - 1, argv + 1);
-  return usage_error("export", "'%s' is not one of exr, gltf", argv[1]);
+  if (strcmp(argv[1], "web") == 0) return command_export_web(argc - 1, argv + 1);
+  return usage_error("export", "'%s' is not one of exr, gltf, web", argv[1]);
 }

@@ -14,6 +14,7 @@ int command_verify(int argc, char **argv);
 int command_pack(int argc, char **argv);
 int command_unpack(int argc, char **argv);
 int command_export(int argc, char **argv);
+int command_export_web(int argc, char **argv);
 int command_view(int argc, char **argv);
 int command_bench(int argc, char **argv);
 int command_bench_wang(int argc, char **argv); // `bench wang` and `bench wang-probes`

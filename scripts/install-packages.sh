@@ -9,7 +9,7 @@ list=${1:-build}
 
 needed=(gcc g++ cmake ninja-build pkg-config
   libembree-dev libassimp-dev libopenexr-dev libstb-dev libcjson-dev libqhull-dev libxxhash-dev libmeshoptimizer-dev libzstd-dev zlib1g-dev)
-# Without these the build leaves out the Vulkan runtime or the viewer, and says so.
+# Without these the build leaves out the Vulkan runtime or the viewer, and says so; without those of the check, the page of export web.
 wanted=(glslc libvulkan-dev libglfw3-dev libimgui-dev libfreetype-dev)
 case $list in
   build) ;;
@@ -17,8 +17,10 @@ case $list in
     needed+=(clang clang-format clang-tidy libclang-rt-14-dev python3 python3-numpy python3-venv binutils libcmocka-dev
       dpkg-dev # finds which packages a package depends on
       gltfpack # makes compressed models to read
+      nodejs lld glslang-tools # the package for browsers and the page of export web, their decoder and shaders
       mesa-vulkan-drivers vulkan-validationlayers xvfb # Vulkan's CPU device and its layers, a display for the viewer
       "${wanted[@]}")
+    command -v npm >/dev/null || needed+=(npm) # packages of nodejs from elsewhere hold it, and conflict with Debian's
     wanted=()
     [ "$list" != soak ] || needed+=(mmdebstrap) # a system to install packages on
     [ "$list" != full ] || needed+=(chromium # looks at reports

@@ -6,7 +6,7 @@
 #ifndef OCTALUX_SHARED_H
 #define OCTALUX_SHARED_H
 
-#ifdef GL_core_profile
+#if defined(GL_core_profile) || defined(GL_ES)
 #define OLX_GPU_STRUCT(name) struct name
 #define olx_gpu_uint uint
 #define olx_gpu_float float
@@ -106,7 +106,7 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_RELIGHT_GROUP 64 // threads of a workgroup
 #define OLX_LIGHT_WORDS 20u
 #define OLX_TILE_WORDS 4u // of a scheduled tile: probe, first x, first y, samples that its direct light is the mean of
-#ifdef GL_core_profile
+#if defined(GL_core_profile) || defined(GL_ES)
 #define OLX_LIGHT_SUN 0u
 #define OLX_LIGHT_POINT 1u
 #define OLX_LIGHT_SPOT 2u
@@ -139,21 +139,21 @@ typedef struct olx_gpu_uvec4 {
 #endif
 
 // C has these as enumerations, in octalux/sample.h, octalux/field.h and field/field_data.h.
-#ifdef GL_core_profile
-#define OLX_TRACER_TEXEL 0
-#define OLX_TRACER_TWO_LEVEL 1
-#define OLX_TRACER_HIZ 2
-#define OLX_SELECT_CAGE 0
-#define OLX_SELECT_VORONOI 1
-#define OLX_SELECT_BRICKS 3
-#define OLX_SELECT_EXHAUSTIVE 4
-#define OLX_SELECT_BEST 5
-#define OLX_HITS_SHADED 0
-#define OLX_HITS_STORED 1
-#define OLX_TRACE_MISS 0
-#define OLX_TRACE_HIT 1
-#define OLX_TRACE_UNKNOWN 2
-#define OLX_PROBE_BURIED 1
+#if defined(GL_core_profile) || defined(GL_ES)
+#define OLX_TRACER_TEXEL 0u
+#define OLX_TRACER_TWO_LEVEL 1u
+#define OLX_TRACER_HIZ 2u
+#define OLX_SELECT_CAGE 0u
+#define OLX_SELECT_VORONOI 1u
+#define OLX_SELECT_BRICKS 3u
+#define OLX_SELECT_EXHAUSTIVE 4u
+#define OLX_SELECT_BEST 5u
+#define OLX_HITS_SHADED 0u
+#define OLX_HITS_STORED 1u
+#define OLX_TRACE_MISS 0u
+#define OLX_TRACE_HIT 1u
+#define OLX_TRACE_UNKNOWN 2u
+#define OLX_PROBE_BURIED 1u
 #define OLX_NO_PROBE 0xFFFFFFFFu
 #endif
 

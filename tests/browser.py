@@ -14,7 +14,9 @@ def find():
 
 
 class Page:
-    def __init__(self, width=1280, height=800):
+    def __init__(self, width=1280, height=800, gpu=(), server=None):
+        """`gpu`: how the browser draws, in place of not at all by a GPU's rules; `server`: the address that requests may go to."""
+        self.allowed = ("file:", "data:", "blob:") + ((server,) if server else ())
         self.profile = tempfile.mkdtemp(prefix="octalux-browser-")
         to_browser, self.write_end = os.pipe()
         self.read_end, from_browser = os.pipe()
@@ -28,7 +30,7 @@ class Page:
             os.set_inheritable(4, True)
 
         self.process = subprocess.Popen(
-            [find(), "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run",
+            [find(), "--headless=new", "--no-sandbox", *(gpu or ["--disable-gpu"]), "--disable-dev-shm-usage", "--no-first-run",
              "--disable-background-networking", "--user-data-dir=" + self.profile, "--remote-debugging-pipe", "about:blank"],
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, preexec_fn=place_pipes, close_fds=False)
         os.close(to_browser)
@@ -84,11 +86,14 @@ class Page:
             self.problems.append("console: " + json.dumps(parameters["entry"])[:500])
         elif method == "Network.requestWillBeSent":
             url = parameters["request"]["url"]
-            if not url.startswith(("file:", "data:", "blob:")):
+            if not url.startswith(self.allowed):
                 self.problems.append("asked for " + url[:200])
 
     def open(self, path):
-        self.call("Page.navigate", url=pathlib.Path(path).resolve().as_uri())
+        self.visit(pathlib.Path(path).resolve().as_uri())
+
+    def visit(self, url):
+        self.call("Page.navigate", url=url)
         self.wait("document.readyState === 'complete'")
 
     def value(self, expression):

@@ -39,7 +39,7 @@ expect_failure "none.olx" export gltf none.olx -o b.gltf
 "$OCTALUX" pack plain.olx --level 1 >stdout.txt 2>stderr.txt
 expect_failure "a packed field" export gltf plain.olxz -o b.gltf
 expect_usage "FORMAT is missing" export
-expect_usage "'obj' is not one of exr, gltf" export obj all.olx -o b.obj
+expect_usage "'obj' is not one of exr, gltf, web" export obj all.olx -o b.obj
 expect_usage "FIELD is missing" export exr
 expect_usage "-o FILE.exr is missing" export exr all.olx --map direct
 expect_usage "--map NAME is missing" export exr all.olx -o b.exr
@@ -47,6 +47,9 @@ expect_usage "'light' is not one of distance|" export exr all.olx --map light -o
 expect_usage "'b.png' does not end in .exr" export exr all.olx --map direct -o b.png
 expect_usage "'b.glb' does not end in .gltf" export gltf all.olx -o b.glb
 expect_usage "whole number from 1 to 2048" export exr all.olx --map direct --projection cube --size 4096 -o b.exr
+expect_usage "SCENE is missing" export web
+expect_usage "--field FILE.olx is missing" export web builtin:cornell -o b.web
+expect_usage "-o DIR is missing" export web builtin:cornell --field plain.olx
 ls b.* 2>/dev/null && fail "a refused export left a file"
 
 # Models: of a field with all there is, of one without irradiance probes, of a scene far away.
@@ -68,4 +71,30 @@ expect 0 export gltf all.olx -o all.gltf
 grep -q "^all.gltf: 8 light field probes, 27 irradiance probes, .* bricks whole and .* divided$" stdout.txt || fail "export says what it wrote"
 "$OCTALUX" export gltf all.olx -o - 2>stderr.txt | cmp - all.gltf || fail "standard output is another model"
 expect_json 'o["triangles"] >= 8 * (8 + 27)' scene all.gltf # an importer of ours reads it, octahedra and all
+
+# Pages: with the program's own page beside it the scene, the field and the page are written; a program that stands alone says what is missing.
+mkdir alone
+cp "$OCTALUX" alone/octalux
+if alone/octalux export web builtin:cornell --field plain.olx -o room >stdout.txt 2>stderr.txt; then fail "a page without a page"; fi
+grep -q "the page is missing beside this program.*node, npm, clang and lld" stderr.txt || fail "export web does not say what is missing"
+[ ! -e room ] || fail "a refused export made a folder"
+mkdir alone/web
+echo "<!doctype html>" >alone/web/index.html
+if alone/octalux export web builtin:cornell-glossy --field plain.olx -o room >stdout.txt 2>stderr.txt; then fail "a field of another scene"; fi
+alone/octalux export web builtin:cornell --field plain.olx -o room --json >stdout.txt 2>stderr.txt || fail "export web"
+[ "$(ls room | tr '\n' ' ')" = "field.olx.gz index.html scene.glb " ] || fail "export web wrote $(ls room)"
+gzip -dc room/field.olx.gz | cmp - plain.olx || fail "the field is another one after gzip"
+expect_json "o['triangles'] == 32 and o['materials'] == 4" scene room/scene.glb
+"$OCTALUX" scene builtin:cornell --json >a.json
+"$OCTALUX" scene room/scene.glb --json >b.json
+python3 - <<'PYTHON' || fail "the exported model is another scene"
+import json
+a, b = json.load(open("a.json")), json.load(open("b.json"))
+near = lambda x, y: all(abs(p - q) < 1e-6 for p, q in zip(x, y))
+assert all(a[key] == b[key] for key in ("triangles", "lights", "materials", "textures"))
+assert near(a["bounds_min"], b["bounds_min"]) and near(a["bounds_max"], b["bounds_max"])
+assert near(a["camera_list"][0]["eye"], b["camera_list"][0]["eye"])
+assert abs(a["camera_list"][0]["fov_y_degrees"] - b["camera_list"][0]["fov_y_degrees"]) < 1e-3
+PYTHON
+
 finish

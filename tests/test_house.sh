@@ -120,7 +120,8 @@ installs libembree-dev 0 || complain "root could not install"
   complain "root ran something else"
 
 # Building needs nothing of what tests and tools need, and goes on without a package whose part can be left out.
-for package in clang clang-tidy clang-format libcmocka-dev python3 python3-numpy python3-venv vulkan-validationlayers mesa-vulkan-drivers xvfb chromium; do
+for package in clang clang-tidy clang-format libcmocka-dev python3 python3-numpy python3-venv vulkan-validationlayers mesa-vulkan-drivers xvfb chromium \
+  nodejs npm lld glslang-tools; do
   installs $package 0 build && [ ! -s "$work/calls" ] || complain "building wants $package"
   installs $package 1000 full && complain "the full check goes on without $package"
 done

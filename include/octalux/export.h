@@ -1,9 +1,11 @@
-// Fields on their way elsewhere: packed for shipping, and unpacked; their maps as pictures; what they consist of as a model to look at.
+// Fields on their way elsewhere: packed for shipping, and unpacked; their maps as pictures; what they consist of as a model to look at;
+// and scenes as models to draw beside them.
 // Part of liboctalux-bake. A program that calls nothing of it but packing links zstd, and neither Embree nor any importer's library.
 #ifndef OCTALUX_EXPORT_H
 #define OCTALUX_EXPORT_H
 
 #include <octalux/field.h>
+#include <octalux/scene.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -136,6 +138,18 @@ typedef struct olx_gltf_counts {
 // - "bricks": the edges of those that list a probe, whole ones and divided ones apart
 // and what a field does not have is left out. Beside, synced, renamed; or to a stream. `counts` may be NULL.
 olx_result olx_export_gltf(const olx_field *field, const char *path, olx_gltf_counts *counts);
+
+// ---- For renderers in other places, such as browsers (docs/web.md).
+
+// Write what a scene consists of as a .glb (glTF 2.0): triangles by material, with textures within; emission, specular weight and lights
+// without area by KHR_materials_emissive_strength, KHR_materials_specular and KHR_lights_punctual; cameras. In metres relative to the
+// scene's origin, so that it lies over the scene's field. The scene's "extras" have its hash, its origin and the radiance of its sky.
+// Height maps, alpha of a texture of its own, and environments' images are left out. Beside, synced, renamed. file_bytes may be NULL.
+olx_result olx_export_scene(const olx_scene *scene, const char *path, uint64_t *file_bytes);
+
+// Write a file once more, compressed by gzip, which browsers unpack: beside, synced, renamed. file_bytes, which may be NULL, receives the
+// size of what was written. The bytes depend on the file and the version of zlib alone.
+olx_result olx_export_gzip(const char *from, const char *path, uint64_t *file_bytes);
 
 #pragma GCC visibility pop
 #ifdef __cplusplus

@@ -2,6 +2,7 @@
 #ifndef OLX_CAGE_GLSL
 #define OLX_CAGE_GLSL
 
+#include "language.glsl" // first: it sets precisions
 #include "../octalux_shared.h"
 
 // Corner i of a cell: bit 0 of i is x, bit 1 is y, bit 2 is z. An axis with one probe contributes one corner.

@@ -19,7 +19,7 @@ struct olx_surface_point {
 
 #ifndef OLX_OWN_MAPS // else a function of this name, for maps that are not the field's, stands before this file
 vec3 olx_map_irradiance(uint probe, vec2 uv) {
-  return textureLod(olx_irradiance_maps, olx_irradiance_coordinate(probe, uv), 0.0).rgb;
+  return olx_irradiance_filtered(olx_irradiance_coordinate(probe, uv));
 }
 #endif
 
@@ -31,7 +31,7 @@ mat2x3 olx_map_irradiance_both(uint probe, vec4 uv) {
 // Mean and mean square of the distance, in metres.
 vec2 olx_map_moments(uint probe, vec3 direction) {
   vec2 uv = olx_octahedral_encode(direction);
-  vec2 moments = textureLod(olx_moments_maps, olx_irradiance_coordinate(probe, uv), 0.0).rg;
+  vec2 moments = olx_moments_filtered(olx_irradiance_coordinate(probe, uv));
   return vec2(moments.x * olx_field.distance_scale, moments.y * olx_field.distance_scale * olx_field.distance_scale);
 }
 
@@ -62,7 +62,7 @@ float olx_probe_weight(bool visibility, uint probe, vec3 from_probe, olx_surface
 }
 
 bool olx_irradiance_usable(olx_sample_settings settings, uint probe) {
-  return settings.keep_buried || (olx_irradiance_probes[probe].flags & OLX_PROBE_BURIED) == 0u;
+  return settings.keep_buried || (olx_irradiance_probe_flags(probe) & OLX_PROBE_BURIED) == 0u;
 }
 
 // When the cage hardly sees the point: the nearest visible probe of the 4 x 4 x 4 around it, that is of the cage and

@@ -23,14 +23,14 @@ struct olx_light_arrival {
 };
 
 vec3 olx_word_vector(uint word) {
-  return uintBitsToFloat(uvec3(olx_words[word], olx_words[word + 1u], olx_words[word + 2u]));
+  return uintBitsToFloat(uvec3(olx_word(word), olx_word(word + 1u), olx_word(word + 2u)));
 }
 
 olx_field_light olx_field_light_at(uint index) {
   uint first = olx_field.lights_first + OLX_FIELD_LIGHT_WORDS * index;
-  return olx_field_light(olx_words[first], olx_word_vector(first + 1u), olx_word_vector(first + 4u),
-                         olx_word_vector(first + 7u), uintBitsToFloat(olx_words[first + 10u]),
-                         uintBitsToFloat(olx_words[first + 11u]));
+  return olx_field_light(olx_word(first), olx_word_vector(first + 1u), olx_word_vector(first + 4u),
+                         olx_word_vector(first + 7u), uintBitsToFloat(olx_word(first + 10u)),
+                         uintBitsToFloat(olx_word(first + 11u)));
 }
 
 // The share of a spot's light at an angle of this cosine off its axis (docs/maths.md, "Lights").

@@ -1,40 +1,10 @@
-// Twin of src/field/maps.h: the descriptor set of a field, and reading its maps. Texels are counted without the border.
+// Twin of src/field/maps.h: reading the maps of a field. Texels are counted without the border.
 #ifndef OLX_MAPS_GLSL
 #define OLX_MAPS_GLSL
 
-#include "../octalux_shared.h"
+#include "data.glsl"
 #include "geometry_block.glsl"
 #include "pack.glsl"
-
-#ifndef OLX_FIELD_SET
-#define OLX_FIELD_SET 0
-#endif
-
-layout(set = OLX_FIELD_SET, binding = OLX_BINDING_FIELD, std140) uniform olx_field_block { olx_gpu_field olx_field; };
-layout(set = OLX_FIELD_SET, binding = OLX_BINDING_PROBES, std430) readonly buffer olx_probe_block {
-  olx_gpu_probe olx_probes[];
-};
-layout(set = OLX_FIELD_SET, binding = OLX_BINDING_IRRADIANCE_PROBES, std430) readonly buffer
-    olx_irradiance_probe_block {
-  olx_gpu_probe olx_irradiance_probes[];
-};
-// One buffer for all that lies there as words, since a shader of some devices has no more than four.
-layout(set = OLX_FIELD_SET, binding = OLX_BINDING_WORDS, std430) readonly buffer olx_word_block { uint olx_words[]; };
-layout(set = OLX_FIELD_SET, binding = OLX_BINDING_RADIANCE) uniform sampler2DArray olx_radiance_maps;
-layout(set = OLX_FIELD_SET, binding = OLX_BINDING_NORMAL) uniform usampler2DArray olx_normal_maps;
-layout(set = OLX_FIELD_SET, binding = OLX_BINDING_DISTANCE) uniform usampler2DArray olx_distance_maps;
-layout(set = OLX_FIELD_SET, binding = OLX_BINDING_IRRADIANCE) uniform sampler2DArray olx_irradiance_maps;
-layout(set = OLX_FIELD_SET, binding = OLX_BINDING_MOMENTS) uniform sampler2DArray olx_moments_maps;
-layout(set = OLX_FIELD_SET, binding = OLX_BINDING_INDIRECT) uniform sampler2DArray olx_indirect_maps;
-layout(set = OLX_FIELD_SET, binding = OLX_BINDING_DIRECT) uniform sampler2DArray olx_direct_maps;
-layout(set = OLX_FIELD_SET, binding = OLX_BINDING_BASE) uniform sampler2DArray olx_base_maps;
-layout(set = OLX_FIELD_SET, binding = OLX_BINDING_SPECULAR) uniform sampler2DArray olx_specular_maps;
-
-vec3 olx_probe_position(uint probe) { return vec3(olx_probes[probe].x, olx_probes[probe].y, olx_probes[probe].z); }
-
-vec3 olx_irradiance_probe_position(uint probe) {
-  return vec3(olx_irradiance_probes[probe].x, olx_irradiance_probes[probe].y, olx_irradiance_probes[probe].z);
-}
 
 // Where the map of a probe begins in its image: x, y and layer.
 ivec3 olx_map_corner(uint probe, uint stride, uint maps_a_side) {
@@ -74,7 +44,7 @@ vec3 olx_plane_in_block(uvec4 block, ivec2 at_texel) {
   uint texel = within.y * OLX_BLOCK_SIDE + within.x;
   uint at = olx_geometry_pooled(block, texel), word = olx_field.planes_first + 2u * at;
   uvec2 pooled = uvec2(0u);
-  if (at < olx_field.plane_count) pooled = uvec2(olx_words[word], olx_words[word + 1u]);
+  if (at < olx_field.plane_count) pooled = uvec2(olx_word(word), olx_word(word + 1u));
   return olx_geometry_plane_of(block, pooled, olx_field.n, place, texel);
 }
 
@@ -116,7 +86,7 @@ olx_texel_geometry olx_texel_geometry_of(ivec3 origin, ivec2 texel) {
 bool olx_texel_is_sky(ivec3 origin, ivec2 texel) { return olx_texel_distance(origin, texel) >= OLX_INFINITY; }
 
 vec3 olx_texel_radiance(ivec3 origin, ivec2 texel) {
-  return texelFetch(olx_radiance_maps, origin + ivec3(texel, 0), 0).rgb;
+  return olx_radiance_texel(origin + ivec3(texel, 0));
 }
 
 // Where a direction's octahedral coordinates lie in the images of irradiance and moments.

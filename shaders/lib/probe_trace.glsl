@@ -154,7 +154,7 @@ float olx_least_squared(inout olx_march m, int level, ivec2 node) {
   m.steps++;
   uint at = m.least + olx_field.pyramid_first[level] +
             olx_pyramid_index(olx_field.n >> uint(olx_pyramid_shift(level)), uvec2(node));
-  uint code = olx_words[at >> 1] >> (at & 1u) * 16u & 0x7FFFu;
+  uint code = olx_word(at >> 1) >> (at & 1u) * 16u & 0x7FFFu;
   precise float distance = min(olx_half_unpack(code), 65536.0) * olx_field.distance_scale; // the sky, as in C
   precise float squared = distance * distance;
   return squared;

@@ -4,9 +4,19 @@
 
 #include "../octalux_shared.h"
 
+// ESSL has no specialisation constants: there a host defines what differs before.
+#ifndef GL_ES
 layout(constant_id = OLX_CONSTANT_TRACER) const uint olx_constant_tracer = 2u; // OLX_TRACER_HIZ
 layout(constant_id = OLX_CONSTANT_SELECT) const uint olx_constant_select = 3u; // OLX_SELECT_BRICKS
 layout(constant_id = OLX_CONSTANT_HITS) const uint olx_constant_hits = 0u;     // OLX_HITS_SHADED
+#else
+#ifndef OLX_WEB_SELECT
+#define OLX_WEB_SELECT OLX_SELECT_BRICKS
+#endif
+const uint olx_constant_tracer = OLX_TRACER_HIZ;
+const uint olx_constant_select = OLX_WEB_SELECT;
+const uint olx_constant_hits = OLX_HITS_SHADED;
+#endif
 
 // See olx_sample_settings in octalux/sample.h. Tracer, selector and light of hits that are no constants make a shader
 // that holds all of them: several times the code, which takes drivers several times as long to compile.

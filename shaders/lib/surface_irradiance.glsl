@@ -66,7 +66,7 @@ struct olx_surface_light {
 
 // 0 for a probe that cannot answer.
 float olx_rank_weight(olx_sample_settings settings, vec3 position, vec3 normal, uint probe) {
-  bool usable = settings.keep_buried || (olx_probes[probe].flags & OLX_PROBE_BURIED) == 0u;
+  bool usable = settings.keep_buried || (olx_probe_flags(probe) & OLX_PROBE_BURIED) == 0u;
   precise vec3 way = olx_probe_position(probe) - position;
   float squared = olx_dot(way, way);
   precise float weight = olx_dot(way, normal) / (squared * sqrt(squared));
@@ -166,6 +166,25 @@ olx_texel_light olx_read_texels(olx_sample_settings settings, uint probe, vec3 p
   uint stride = olx_field.n + 2u;
   int n = int(olx_field.n);
   ivec2 at = ivec2(around.texel.x % stride, around.texel.x / stride) - 1;
+#ifdef GL_ES
+  // In loops: a browser that draws without a GPU takes ten times as long to compile the text written out for each texel.
+  olx_seen_texel around_point[4];
+  vec4 weight = around.weight;
+  bvec4 others = bvec4(false);
+  for (int i = 0; i < 4; i++) {
+    around_point[i] = olx_see_texel(v, at + ivec2(i & 1, i >> 1));
+    float agrees = olx_texel_agrees(v, around_point[i]);
+    weight[i] *= agrees;
+    others[i] = around_point[i].seen && !(agrees > 0.0);
+  }
+  vec3 sum = vec3(0.0);
+  for (int i = 0; i < 4; i++) {
+    if (weight[i] > 0.0) {
+      for (int k = 0; k < 4; k++) weight[i] *= others[k] ? olx_passes(around_point[i], around_point[k]) : 1.0;
+      sum += olx_texel_indirect(v.map, olx_border_source(at + ivec2(i & 1, i >> 1), n)) * weight[i];
+    }
+  }
+#else
   olx_seen_texel a = olx_see_texel(v, at), b = olx_see_texel(v, at + ivec2(1, 0)),
                  c = olx_see_texel(v, at + ivec2(0, 1)), d = olx_see_texel(v, at + ivec2(1, 1));
   vec4 agrees = vec4(olx_texel_agrees(v, a), olx_texel_agrees(v, b), olx_texel_agrees(v, c), olx_texel_agrees(v, d));
@@ -181,6 +200,7 @@ olx_texel_light olx_read_texels(olx_sample_settings settings, uint probe, vec3 p
   if (weight.y > 0.0) sum += olx_texel_indirect(v.map, olx_border_source(at + ivec2(1, 0), n)) * weight.y;
   if (weight.z > 0.0) sum += olx_texel_indirect(v.map, olx_border_source(at + ivec2(0, 1), n)) * weight.z;
   if (weight.w > 0.0) sum += olx_texel_indirect(v.map, olx_border_source(at + ivec2(1, 1), n)) * weight.w;
+#endif
   return olx_texel_light(sum, weight.x + weight.y + weight.z + weight.w);
 }
 

@@ -45,10 +45,10 @@ vec3 olx_texel_indirect(ivec3 origin, ivec2 texel) {
 uint olx_texel_emission_code(uint probe, ivec2 texel) {
   uvec2 at = uvec2(texel), tile = at / OLX_EMISSION_TILE, inside = at % OLX_EMISSION_TILE;
   uint side = olx_field.tile_side;
-  uint entry = olx_words[olx_field.emission_first + side * side * probe + tile.y * side + tile.x];
+  uint entry = olx_word(olx_field.emission_first + side * side * probe + tile.y * side + tile.x);
   uint first = olx_field.tiles_first + (entry - 1u) * OLX_EMISSION_TILE * OLX_EMISSION_TILE, code = 0u;
   // A damaged file may name what there is not.
-  if (entry != 0u && entry <= olx_field.tile_count) code = olx_words[first + inside.y * OLX_EMISSION_TILE + inside.x];
+  if (entry != 0u && entry <= olx_field.tile_count) code = olx_word(first + inside.y * OLX_EMISSION_TILE + inside.x);
   return code;
 }
 

@@ -46,7 +46,7 @@ struct olx_search {
 };
 
 bool olx_usable(olx_search s, uint probe) {
-  return s.settings.keep_buried || (olx_probes[probe].flags & OLX_PROBE_BURIED) == 0u;
+  return s.settings.keep_buried || (olx_probe_flags(probe) & OLX_PROBE_BURIED) == 0u;
 }
 
 // Whether the march can follow a ray at all: a unit direction, and numbers whose squares are finite.
@@ -63,7 +63,7 @@ bool olx_was_asked(olx_search s, uint probe) {
 
 void olx_remember(inout olx_search s, uint probe) {
   uint bit = probe % OLX_REMEMBERED;
-  s.asked |= mix(uvec4(0u), uvec4(1u << (bit & 31u)), equal(uvec4(bit >> 5), uvec4(0u, 1u, 2u, 3u)));
+  s.asked |= uvec4(equal(uvec4(bit >> 5), uvec4(0u, 1u, 2u, 3u))) << (bit & 31u);
   s.attempts++;
 }
 

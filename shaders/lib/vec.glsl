@@ -2,6 +2,8 @@
 #ifndef OLX_VEC_GLSL
 #define OLX_VEC_GLSL
 
+#include "language.glsl"
+
 #define OLX_PI 3.14159265358979323846
 #define OLX_INFINITY uintBitsToFloat(0x7F800000u)
 

@@ -12,7 +12,7 @@
 #include "maps.glsl"
 
 // The words of chunk VOLU, and behind them those of VIRR, as they lie in the file (docs/format.md).
-uint olx_volume_word(uint index) { return olx_words[olx_field.volume_first + index]; }
+uint olx_volume_word(uint index) { return olx_word(olx_field.volume_first + index); }
 
 // Whether the field has a volume; pyramids stand before it.
 bool olx_has_volume() { return olx_field.volume_first != 0u; }

@@ -22,13 +22,13 @@ uint olx_probe_code_bytes(uint probe_count) { return probe_count <= 255u ? 1u : 
 
 uint olx_probe_code(uint code_bytes, uint index) {
   uint at = index * code_bytes, none = code_bytes == 1u ? 0xFFu : 0xFFFFu;
-  uint code = olx_words[olx_field.voronoi_first + OLX_VORONOI_HEADER_WORDS + at / 4u] >> (at % 4u * 8u) & none;
+  uint code = olx_word(olx_field.voronoi_first + OLX_VORONOI_HEADER_WORDS + at / 4u) >> (at % 4u * 8u) & none;
   return code == none ? OLX_NO_PROBE : code;
 }
 
 // Where the k-d tree begins among the codes.
 uint olx_voronoi_tree() {
-  uint size = olx_words[olx_field.voronoi_first];
+  uint size = olx_word(olx_field.voronoi_first);
   return olx_field.probe_count * size * size * OLX_CHOICES;
 }
 
@@ -39,7 +39,7 @@ void olx_consider(inout olx_nearest n, uint probe) {
   precise vec3 offset = olx_probe_position(probe) - n.point;
   float distance = olx_dot(offset, offset);
   if (distance > n.distance || (distance == n.distance && probe >= n.probe)) return;
-  if (!n.buried && (olx_probes[probe].flags & OLX_PROBE_BURIED) != 0u) return;
+  if (!n.buried && (olx_probe_flags(probe) & OLX_PROBE_BURIED) != 0u) return;
   n.distance = distance;
   n.probe = probe;
 }
@@ -104,7 +104,7 @@ uint olx_choice_texel(float coordinate, uint size) {
 // The neighbours of a probe that are nearest in angle to a direction (any length) from it, best first; OLX_NO_PROBE
 // fills the rest. Names no probe beyond the field's, whatever the file holds.
 uvec4 olx_voronoi_neighbours(uint probe, vec3 direction) {
-  uint size = olx_words[olx_field.voronoi_first], probes = olx_field.probe_count;
+  uint size = olx_word(olx_field.voronoi_first), probes = olx_field.probe_count;
   vec2 uv = olx_octahedral_encode(direction);
   uint texel = (probe * size + olx_choice_texel(uv.y, size)) * size + olx_choice_texel(uv.x, size);
   uvec4 choices;

@@ -1,0 +1,186 @@
+#!/usr/bin/env python3
+"""Use an exported page as a person would, in headless Chromium: drive_web.py FOLDER [OUTPUT-FOLDER].
+
+Serves FOLDER on this machine, waits for diffuse and glossy light, uses every tool, and writes into OUTPUT-FOLDER what it looked like,
+page.exr with the layers of indirect light at 640x360, and times.json. Says every fault and exits with 1.
+"""
+import base64
+import functools
+import http.server
+import json
+import os
+import struct
+import sys
+import threading
+
+import browser
+
+SWIFTSHADER = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"]
+WIDTH, HEIGHT = 640, 360
+SAMPLES = 4  # glossy rays a pixel, as `octalux render` has them unless it is told otherwise
+# Of all the browser's processes, until glossy light is there: other work on the machine does not count.
+MOST_PROCESSOR_SECONDS = 15
+faults = []
+
+
+def check(good, what):
+    if not good:
+        faults.append(what)
+        print("FAILED:", what)
+
+
+class Quiet(http.server.SimpleHTTPRequestHandler):
+    def log_message(self, *_):
+        pass
+
+
+def serve(folder):
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Quiet, directory=folder))
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    return "http://127.0.0.1:%d/" % server.server_port
+
+
+# ---- Pictures
+
+
+def attribute(name, kind, value):
+    return name.encode() + b"\0" + kind.encode() + b"\0" + struct.pack("<i", len(value)) + value
+
+
+def write_exr(path, layers):
+    """Uncompressed scan lines of 32-bit floats; `layers`: name to rows of RGBA, the lowest first."""
+    names = sorted("%s.%s" % (layer, channel) for layer in layers for channel in "RGB")
+    channels = b"".join(name.encode() + b"\0" + struct.pack("<iB3xii", 2, 0, 1, 1) for name in names) + b"\0"
+    window = struct.pack("<4i", 0, 0, WIDTH - 1, HEIGHT - 1)
+    header = struct.pack("<II", 20000630, 2) + attribute("channels", "chlist", channels)
+    header += attribute("compression", "compression", b"\0") + attribute("dataWindow", "box2i", window)
+    header += attribute("displayWindow", "box2i", window) + attribute("lineOrder", "lineOrder", b"\0")
+    header += attribute("pixelAspectRatio", "float", struct.pack("<f", 1)) + attribute("screenWindowCenter", "v2f", struct.pack("<2f", 0, 0))
+    header += attribute("screenWindowWidth", "float", struct.pack("<f", 1)) + b"\0"
+    line_bytes = 4 * WIDTH * len(names)
+    first = len(header) + 8 * HEIGHT
+    with open(path, "wb") as file:
+        file.write(header + struct.pack("<%dQ" % HEIGHT, *(first + y * (8 + line_bytes) for y in range(HEIGHT))))
+        for y in range(HEIGHT):
+            file.write(struct.pack("<ii", y, line_bytes))
+            for name in names:
+                layer, channel = name.split(".")
+                row = layers[layer][4 * WIDTH * (HEIGHT - 1 - y):4 * WIDTH * (HEIGHT - y)]
+                file.write(struct.pack("<%df" % WIDTH, *row["RGB".index(channel)::4]))
+
+
+def read_layer(page, layer, samples):
+    data = base64.b64decode(page.value("octalux.readLayer('%s', %d, %d, %d)" % (layer, WIDTH, HEIGHT, samples)))
+    return struct.unpack("<%df" % (len(data) // 4), data)
+
+
+# ---- The page
+
+
+def processor_seconds(root):
+    """Of a process and all below it."""
+    parents, ticks = {}, {}
+    for name in filter(str.isdigit, os.listdir("/proc")):
+        try:
+            with open("/proc/%s/stat" % name, encoding="utf-8", errors="replace") as file:
+                words = file.read().rsplit(")", 1)[1].split()
+        except OSError:  # it has ended meanwhile
+            continue
+        parents[int(name)], ticks[int(name)] = int(words[1]), int(words[11]) + int(words[12])
+
+    def below(process):
+        while process in parents and process != root:
+            process = parents[process]
+        return process == root
+
+    return sum(ticks[process] for process in ticks if below(process)) / os.sysconf("SC_CLK_TCK")
+
+
+def wait_for(page, stage):
+    """Seconds from navigation on, by the page's own clock."""
+    page.wait("window.octalux && (octalux.state.%sSeconds !== null || octalux.state.stage === 'failed')" % stage, 600)
+    check(page.value("octalux.state.stage") != "failed", "the room loads: " + str(page.value("document.getElementById('stage').textContent")))
+    return page.value("octalux.state.%sSeconds" % stage)
+
+
+def position(page, what="camera"):
+    return page.value("octalux.%s.position.toArray()" % what)
+
+
+def key(page, code):
+    for kind in ("keyDown", "keyUp"):
+        page.call("Input.dispatchKeyEvent", type=kind, code=code, key=code)
+    page.settle()
+
+
+def touch(page, kind, *points):
+    page.call("Input.dispatchTouchEvent", type=kind, touchPoints=[{"x": x, "y": y, "id": i} for i, (x, y) in enumerate(points)])
+
+
+def use_tools(page, shot):
+    pressed = lambda tool: page.value("document.getElementById('%s').getAttribute('aria-pressed') === 'true'" % tool)
+    page.click("#indirect")
+    check(page.value("octalux.field.uniforms.olx_strength.value.x") == 0 and not pressed("indirect"), "indirect light goes off")
+    shot("without")
+    key(page, "KeyI")
+    check(page.value("octalux.field.uniforms.olx_strength.value.x") == 1 and pressed("indirect"), "and on again by its key")
+    page.click("#compare")
+    page.wait("octalux.field.uniforms.olx_left.value > 0", 60)
+    shot("before-and-after")
+    page.click("#compare")
+    page.click("#probes")
+    shot("probes")
+    page.click("#probes")
+    before = position(page)
+    key(page, "KeyW")
+    check(position(page) != before, "a key walks")
+    before = position(page, "ball")
+    page.click("#carry")
+    page.wait("JSON.stringify(octalux.ball.position.toArray()) !== '%s'" % json.dumps(before, separators=(",", ":")), 60)
+    page.click("#carry")
+    page.click("#reset")
+    turned = page.value("octalux.camera.quaternion.toArray()")
+    page.drag(300, 60, 380, 80)
+    check(page.value("octalux.camera.quaternion.toArray()") != turned, "dragging looks around")
+    page.click("#reset")
+    before = position(page)
+    touch(page, "touchStart", (200, 60), (240, 60))
+    touch(page, "touchMove", (180, 60), (300, 60))
+    touch(page, "touchEnd")
+    check(position(page) != before, "two fingers walk")
+    page.click("#reset")
+
+
+def main(folder, output):
+    address = serve(folder)
+    page = browser.Page(WIDTH, HEIGHT, gpu=SWIFTSHADER, server=address)
+    shot = lambda name: page.screenshot(os.path.join(output, name + ".png"), full=False)
+    try:
+        before = processor_seconds(page.process.pid)
+        page.visit(address)
+        times = {"diffuse_seconds": wait_for(page, "diffuse"), "glossy_seconds": wait_for(page, "glossy")}
+        times["processor_seconds"] = processor_seconds(page.process.pid) - before
+        check(times["processor_seconds"] <= MOST_PROCESSOR_SECONDS, "%(processor_seconds).1f seconds of processor time until all light is there" % times)
+        shot("whole")
+        write_exr(os.path.join(output, "page.exr"),
+                  {"indirect_diffuse": read_layer(page, "diffuse", 1), "indirect_glossy": read_layer(page, "glossy", SAMPLES)})
+        use_tools(page, shot)
+        for name, width, height in (("phone", 390, 844), ("wide", 1280, 800)):
+            page.resize(width, height)
+            page.settle()
+            check(page.value("document.documentElement.scrollWidth") <= width, "%s: nothing sticks out" % name)
+            boxes = page.value("[...document.querySelectorAll('#tools button')].map((e) => e.getBoundingClientRect().toJSON())")
+            check(all(b["left"] >= 0 and b["right"] <= width and b["bottom"] <= height for b in boxes), "%s: all buttons are seen" % name)
+            shot(name)
+        with open(os.path.join(output, "times.json"), "w", encoding="utf-8") as file:
+            json.dump(times, file)
+        print(json.dumps(times))
+        for problem in page.problems:
+            check(False, problem)
+    finally:
+        page.close()
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1], sys.argv[2] if len(sys.argv) > 2 else "."))

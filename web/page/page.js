@@ -1,0 +1,277 @@
+// The page that `octalux export web` writes: a room, its field, and things to do with both.
+import {
+  ACESFilmicToneMapping, Box3, Color, InstancedMesh, Matrix4, Mesh, MeshBasicMaterial, MeshStandardMaterial, PerspectiveCamera,
+  Scene, SphereGeometry, Vector3, WebGLRenderer, PCFShadowMap,
+} from 'three';
+import { OctaluxField } from 'octalux';
+import { GLTFLoader } from './GLTFLoader.js';
+import { addLamps } from './lamps.js';
+import { Picture } from './picture.js';
+import { Walk } from './walk.js';
+
+const MOST_PIXEL_RATIO = 2, SLOWEST_FRAME = 1 / 20, LEAST_SCALE = 0.3, STILL_SECONDS = 0.25, KEY = 0.2;
+
+const byId = (id) => document.getElementById(id);
+const seconds = () => performance.now() / 1000;
+
+// What the page tells those who look from outside: tests, and whoever opens the console.
+const state = { stage: 'loading', diffuseSeconds: null, glossySeconds: null, frames: 0 };
+
+const renderer = new WebGLRenderer({ canvas: byId('view'), antialias: false, powerPreference: 'high-performance' });
+renderer.toneMapping = ACESFilmicToneMapping;
+renderer.shadowMap.enabled = true;
+renderer.shadowMap.type = PCFShadowMap;
+const scene = new Scene(), shine = new Scene(), scenes = [scene], picture = new Picture(renderer);
+let room, field, camera, ball, walk, probes, carried = null, scale = 1, lastChange = 0, lastFrame = 0;
+
+function changed() {
+  lastChange = seconds();
+  picture.restart();
+}
+
+// ---- Loading
+
+function showProgress(stage, share) {
+  byId('stage').textContent = stage;
+  if (share === null) byId('progress').removeAttribute('value');
+  else byId('progress').value = share;
+}
+
+function fail(error) {
+  state.stage = 'failed';
+  byId('loading').className = '';
+  byId('loading').hidden = false;
+  byId('progress').hidden = true;
+  byId('stage').textContent = `This room cannot be shown: ${error.message}`;
+  throw error;
+}
+
+async function load() {
+  const parts = { model: [0, 1], field: [0, 1] };
+  const hear = (part) => (loaded, total) => {
+    parts[part] = [loaded, total];
+    const sum = (i) => parts.model[i] + parts.field[i];
+    showProgress('Loading the room', sum(0) / sum(1));
+  };
+  const model = new GLTFLoader().loadAsync('scene.glb', ({ loaded, total }) => hear('model')(loaded, Math.max(total, loaded)));
+  return Promise.all([model, OctaluxField.load('field.olx.gz', renderer, { onProgress: hear('field') })]);
+}
+
+// ---- The room
+
+function sizeOf(root) {
+  return new Box3().setFromObject(root).getSize(new Vector3()).length();
+}
+
+// The scene's own camera, or one in the middle of the field that looks along -z.
+function makeCamera(gltf, size) {
+  const given = gltf.cameras[0], made = new PerspectiveCamera(given?.fov ?? 60, 1, 0.001 * size, 4 * size);
+  if (given) given.getWorldPosition(made.position), given.getWorldQuaternion(made.quaternion);
+  else made.position.fromArray(field.info.sceneMin).add(new Vector3(...field.info.sceneMax)).multiplyScalar(0.5);
+  made.userData.fov = made.fov;
+  return made;
+}
+
+function makeBall() {
+  const sides = [0, 1, 2].map((i) => field.info.sceneMax[i] - field.info.sceneMin[i]);
+  const material = field.light(new MeshStandardMaterial({ color: 0xd8d8d8, roughness: 0.85 }), { moving: true, part: 'diffuse' });
+  const made = new Mesh(new SphereGeometry(0.09 * Math.min(...sides), 48, 32), material);
+  made.position.set(...[0.6, 0.42, 0.35].map((share, i) => field.info.sceneMin[i] + share * sides[i]));
+  made.castShadow = made.receiveShadow = true;
+  const { radius } = made.geometry.parameters, corner = (of, away) => new Vector3(...of).addScalar(away);
+  made.userData.bounds = [corner(field.info.sceneMin, radius), corner(field.info.sceneMax, -radius)];
+  made.userData.home = made.position.clone();
+  return made;
+}
+
+function makeProbes(size) {
+  const count = field.info.probes, at = new Matrix4(), buried = new Color(0xd01010), whole = new Color(0xf5a623);
+  const made = new InstancedMesh(new SphereGeometry(0.006 * size, 12, 8), new MeshBasicMaterial({ toneMapped: false }), count);
+  for (let i = 0; i < count; i++) {
+    made.setMatrixAt(i, at.makeTranslation(...field.positions.subarray(3 * i, 3 * i + 3)));
+    made.setColorAt(i, field.flags[i] & 1 ? buried : whole);
+  }
+  made.visible = false;
+  return made;
+}
+
+// ---- Drawing
+
+function resize() {
+  const width = innerWidth, height = innerHeight, ratio = Math.min(devicePixelRatio, MOST_PIXEL_RATIO);
+  renderer.setPixelRatio(ratio);
+  renderer.setSize(width, height, false);
+  camera.aspect = width / height;
+  // Upright screens see as far to the sides as square ones do.
+  const tangent = Math.tan((camera.userData.fov * Math.PI) / 360) / Math.min(camera.aspect, 1) ** 0.6;
+  camera.fov = (Math.atan(tangent) * 360) / Math.PI;
+  camera.updateProjectionMatrix();
+  changed();
+}
+
+// While things move, pictures are as large as frames of this length allow; they are whole once all is still.
+function chooseScale(frameSeconds) {
+  const moving = seconds() - lastChange < STILL_SECONDS;
+  if (moving) scale = Math.max(LEAST_SCALE, Math.min(1, scale * Math.sqrt(SLOWEST_FRAME / Math.max(frameSeconds, 1e-3))));
+  const shown = moving ? scale : 1, ratio = renderer.getPixelRatio();
+  picture.resize(Math.max(1, Math.round(innerWidth * ratio * shown)), Math.max(1, Math.round(innerHeight * ratio * shown)));
+}
+
+function place() {
+  if (carried !== null) ball.position.copy(camera.position).addScaledVector(camera.getWorldDirection(new Vector3()), carried);
+  ball.position.clamp(...ball.userData.bounds); // beyond, there is no light to take
+  const split = byId('split');
+  field.uniforms.olx_left.value = split.hidden ? 0 : (split.value / 1000) * picture.frame.width;
+  byId('line').style.left = `${split.value / 10}%`;
+}
+
+function draw() {
+  requestAnimationFrame(draw);
+  const now = seconds(), passed = Math.min(now - lastFrame, 0.2);
+  lastFrame = now;
+  walk.advance(passed);
+  chooseScale(passed);
+  if (picture.settled) return;
+  place();
+  picture.draw(scenes, camera, field);
+  state.frames++;
+}
+
+// ---- Stages: diffuse light first; then glossy light, drawn over it by shaders of its own, which compile while one looks around.
+
+// Lights cost a shader more than the field does, so glossy light has a scene without any.
+function addDiffuseLight() {
+  const lit = new Map();
+  room.traverse((mesh) => {
+    if (mesh.isMesh && !lit.has(mesh.material)) lit.set(mesh.material, field.light(mesh.material, { part: 'diffuse' }));
+  });
+}
+
+function addGlossyLight() {
+  const made = new Map();
+  room.updateMatrixWorld();
+  room.traverse((mesh) => {
+    const reflects = mesh.isMesh && (mesh.material.metalness > 0 || (mesh.material.specularIntensity ?? 1) > 0);
+    if (!reflects) return;
+    if (!made.has(mesh.material)) made.set(mesh.material, field.light(mesh.material.clone(), { part: 'glossy' }));
+    const over = new Mesh(mesh.geometry, made.get(mesh.material));
+    over.matrixAutoUpdate = false;
+    over.matrix.copy(mesh.matrixWorld);
+    shine.add(over);
+  });
+}
+
+// Without the extension three.js would warn of it.
+async function compile(what) {
+  if (renderer.extensions.has('KHR_parallel_shader_compile')) await renderer.compileAsync(what, camera);
+}
+
+function haveTools() {
+  const pressed = (id, value) => byId(id).setAttribute('aria-pressed', value);
+  const actions = {
+    indirect() {
+      const on = field.uniforms.olx_strength.value.x === 0;
+      field.setIndirect(on ? 1 : 0);
+      pressed('indirect', on);
+    },
+    compare() {
+      const on = byId('split').hidden;
+      byId('split').hidden = byId('line').hidden = !on;
+      pressed('compare', on);
+    },
+    carry() {
+      carried = carried === null ? 5 * ball.geometry.parameters.radius : null;
+      pressed('carry', carried !== null);
+    },
+    probes() {
+      probes.visible = !probes.visible;
+      pressed('probes', probes.visible);
+    },
+    reset() {
+      if (carried === null) ball.position.copy(ball.userData.home);
+      walk.reset();
+    },
+    help() {
+      byId('keys').hidden = !byId('keys').hidden;
+      pressed('help', !byId('keys').hidden);
+    },
+  };
+  const keys = { KeyI: 'indirect', KeyB: 'compare', KeyC: 'carry', KeyP: 'probes', KeyR: 'reset', KeyH: 'help' };
+  const run = (name) => {
+    actions[name]();
+    changed();
+  };
+  for (const name of Object.keys(actions)) byId(name).addEventListener('click', () => run(name));
+  addEventListener('keydown', (event) => {
+    if (keys[event.code] && !event.repeat && !event.ctrlKey && !event.metaKey && !event.altKey) run(keys[event.code]);
+  });
+  byId('split').addEventListener('input', changed);
+  byId('tools').hidden = false;
+}
+
+async function start() {
+  showProgress('Loading the room', 0);
+  const [gltf, loaded] = await load();
+  field = loaded;
+  room = gltf.scene;
+  const size = sizeOf(room);
+  camera = makeCamera(gltf, size);
+  const hasLights = room.getObjectsByProperty('isLight', true).length > 0;
+  ball = makeBall();
+  probes = makeProbes(size);
+  scene.add(room, ball, probes);
+  scene.background = new Color(...(gltf.scene.userData.sky ?? [0, 0, 0]));
+  addLamps(room, scene, size);
+  walk = new Walk(byId('view'), camera, 0.12 * size, ball, changed);
+  addEventListener('resize', resize);
+  resize();
+  showProgress('Preparing diffuse light', null);
+  addDiffuseLight();
+  await compile(scene);
+  place();
+  picture.resize(innerWidth, innerHeight);
+  picture.draw(scenes, camera, field);
+  renderer.toneMappingExposure = KEY / picture.meanLuminance();
+  haveTools();
+  draw();
+  state.diffuseSeconds = seconds();
+  state.stage = 'diffuse';
+  byId('loading').className = 'small';
+  showProgress('Preparing glossy light', null);
+  await new Promise((shown) => setTimeout(shown, 50));
+  addGlossyLight();
+  await compile(shine);
+  scenes.push(shine);
+  field.uniforms.olx_emitters.value = !hasLights;
+  changed();
+  place();
+  picture.draw(scenes, camera, field);
+  state.glossySeconds = seconds();
+  state.stage = 'whole';
+  byId('loading').hidden = true;
+}
+
+// A layer of indirect light alone as `octalux render --centered` has it with so many glossy samples: RGBA floats in base64.
+function readLayer(layer, width, height, samples) {
+  const { uniforms } = field, before = { emitters: uniforms.olx_emitters.value, left: uniforms.olx_left.value };
+  const shot = camera.clone();
+  shot.fov = camera.userData.fov;
+  shot.aspect = width / height;
+  shot.updateProjectionMatrix();
+  Object.assign(uniforms.olx_layer, { value: layer === 'diffuse' ? 1 : 2 });
+  uniforms.olx_emitters.value = false;
+  uniforms.olx_left.value = 0;
+  ball.visible = false;
+  const pixels = picture.read(scenes, shot, field, width, height, samples);
+  ball.visible = true;
+  uniforms.olx_layer.value = 0;
+  uniforms.olx_emitters.value = before.emitters;
+  uniforms.olx_left.value = before.left;
+  const bytes = new Uint8Array(pixels.buffer);
+  let text = '';
+  for (let i = 0; i < bytes.length; i += 32768) text += String.fromCharCode(...bytes.subarray(i, i + 32768));
+  return btoa(text);
+}
+
+window.octalux = { state, readLayer, get camera() { return camera; }, get field() { return field; }, get ball() { return ball; } };
+start().catch(fail);

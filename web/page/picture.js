@@ -1,0 +1,119 @@
+// Frames, and their mean while nothing moves: drawn in linear light, added up, and shown through a tone map.
+import { FloatType, HalfFloatType, Mesh, OrthographicCamera, PlaneGeometry, Scene, ShaderMaterial, WebGLRenderTarget } from 'three';
+
+const VERTEX = 'varying vec2 place; void main() { place = uv; gl_Position = vec4(position.xy, 0.0, 1.0); }';
+const ADD = 'uniform sampler2D image; uniform float share; varying vec2 place; void main() { gl_FragColor = vec4(texture2D(image, place).rgb, share); }';
+const SHOW = `uniform sampler2D image; varying vec2 place;
+void main() {
+  gl_FragColor = vec4(texture2D(image, place).rgb, 1.0);
+  #include <tonemapping_fragment>
+  #include <colorspace_fragment>
+}`;
+
+const MOST_FRAMES = 256, PROBE_SIZE = 48;
+
+function pass(fragmentShader, uniforms, options) {
+  const material = new ShaderMaterial({ vertexShader: VERTEX, fragmentShader, uniforms, depthTest: false, depthWrite: false, ...options });
+  const scene = new Scene();
+  scene.add(new Mesh(new PlaneGeometry(2, 2), material));
+  scene.children[0].frustumCulled = false;
+  return { scene, uniforms };
+}
+
+// A number in [0, 1) of a low-discrepancy sequence.
+function halton(index, base) {
+  let result = 0;
+  for (let share = 1 / base; index > 0; index = Math.floor(index / base), share /= base) result += share * (index % base);
+  return result;
+}
+
+export class Picture {
+  constructor(renderer) {
+    this.renderer = renderer;
+    this.camera = new OrthographicCamera();
+    // One format for all that is drawn with a field: drivers compile shaders anew for another one.
+    const floats = ['EXT_color_buffer_float', 'EXT_float_blend'].every((name) => renderer.extensions.has(name));
+    this.type = floats ? FloatType : HalfFloatType;
+    this.frame = new WebGLRenderTarget(1, 1, { type: this.type });
+    this.mean = new WebGLRenderTarget(1, 1, { type: this.type, depthBuffer: false });
+    this.probe = new WebGLRenderTarget(PROBE_SIZE, PROBE_SIZE, { type: FloatType, depthBuffer: false });
+    this.adding = pass(ADD, { image: { value: this.frame.texture }, share: { value: 1 } }, { transparent: true, toneMapped: false });
+    this.showing = pass(SHOW, { image: { value: this.mean.texture } }, {});
+    this.count = 0;
+  }
+
+  get settled() {
+    return this.count >= MOST_FRAMES;
+  }
+
+  restart() {
+    this.count = 0;
+  }
+
+  resize(width, height) {
+    if (this.frame.width === width && this.frame.height === height) return;
+    this.frame.setSize(width, height);
+    this.mean.setSize(width, height);
+    this.restart();
+  }
+
+  // Each scene over those before.
+  #render(scenes, camera, target) {
+    this.renderer.setRenderTarget(target);
+    scenes.forEach((scene, i) => {
+      this.renderer.autoClear = i === 0;
+      this.renderer.render(scene, camera);
+    });
+    this.renderer.autoClear = true;
+  }
+
+  // One more frame, shifted by part of a pixel, joins the mean.
+  draw(scenes, camera, field) {
+    const { width, height } = this.frame, index = this.count;
+    camera.setViewOffset(width, height, index ? halton(index, 2) - 0.5 : 0, index ? halton(index, 3) - 0.5 : 0, width, height);
+    field.setFrame(height, index);
+    this.#render(scenes, camera, this.frame);
+    camera.clearViewOffset();
+    this.adding.uniforms.share.value = 1 / (index + 1);
+    this.renderer.autoClear = false;
+    this.renderer.setRenderTarget(this.mean);
+    this.renderer.render(this.adding.scene, this.camera);
+    this.renderer.autoClear = true;
+    this.renderer.setRenderTarget(null);
+    this.renderer.render(this.showing.scene, this.camera);
+    this.count++;
+  }
+
+  // The geometric mean of luminance over what was drawn last.
+  meanLuminance() {
+    const pixels = new Float32Array(4 * PROBE_SIZE ** 2);
+    this.adding.uniforms.share.value = 1;
+    this.renderer.setRenderTarget(this.probe);
+    this.renderer.render(this.adding.scene, this.camera);
+    this.renderer.readRenderTargetPixels(this.probe, 0, 0, PROBE_SIZE, PROBE_SIZE, pixels);
+    this.renderer.setRenderTarget(null);
+    let sum = 0, count = 0;
+    for (let i = 0; i < pixels.length; i += 4) {
+      const luminance = 0.2126 * pixels[i] + 0.7152 * pixels[i + 1] + 0.0722 * pixels[i + 2];
+      if (!(luminance > 1e-5)) continue; // darkness beside the room
+      sum += Math.log(luminance);
+      count++;
+    }
+    return count ? Math.exp(sum / count) : 1;
+  }
+
+  // The mean of so many frames that are not shifted, linear: RGBA, rows from the bottom up.
+  read(scenes, camera, field, width, height, frames) {
+    const target = new WebGLRenderTarget(width, height, { type: this.type });
+    const pixels = new Float32Array(4 * width * height), mean = new Float32Array(pixels.length);
+    for (let index = 0; index < frames; index++) {
+      field.setFrame(height, index);
+      this.#render(scenes, camera, target);
+      this.renderer.readRenderTargetPixels(target, 0, 0, width, height, pixels);
+      pixels.forEach((value, i) => { mean[i] += value / frames; });
+    }
+    this.renderer.setRenderTarget(null);
+    target.dispose();
+    return mean;
+  }
+}

@@ -1,0 +1,171 @@
+// Reads field files (.olx, version 2) as docs/format.md describes them. What is not wanted for drawing, such as hashes and
+// classic maps, is not looked at. Arrays are views of the given buffer.
+
+const MAGIC = [0x89, 0x4f, 0x4c, 0x58, 0x0d, 0x0a, 0x1a, 0x0a];
+const PACKED_MAGIC = [0x89, 0x4f, 0x4c, 0x5a];
+const VERSION = 2;
+const OPTIONAL = 1;
+const KNOWN = 'INFO PPOS PFLG RADI NORM DIST GEOM PLAN DMIN DMAX IPOS IFLG IRRA IRSH MOME BAS1 BASE REF5 SPEC DIR6 DIRE IND6 INDI EMIS LITE ETIL ORIG';
+const NODE_SIDES = [256, 64, 16, 4];
+const SELECTORS = ['cage', 'voronoi', 'octree', 'bricks'];
+
+/** What is wrong with a file that is no field, or one that this reader cannot use. */
+export class FieldError extends Error {
+  constructor(message) {
+    super(message);
+    this.name = 'FieldError';
+  }
+}
+
+function need(condition, message) {
+  if (!condition) throw new FieldError(message);
+}
+
+const aligned = (offset) => Math.ceil(offset / 64) * 64;
+
+function readHeader(view) {
+  need(view.byteLength >= 64, 'not a field: shorter than a header');
+  const magic = (bytes) => bytes.every((byte, i) => view.getUint8(i) === byte);
+  need(!magic(PACKED_MAGIC), 'a packed field (.olxz): unpack it with `octalux unpack`, or let the server compress an .olx');
+  need(magic(MAGIC), 'not a field: its first bytes are others');
+  const version = view.getUint32(8, true);
+  need(version === VERSION, `a field of version ${version}, and this reader knows version ${VERSION}`);
+  const bytes = Number(view.getBigUint64(16, true));
+  need(bytes === view.byteLength, `${view.byteLength} bytes of ${bytes}: cut off, or changed`);
+  const chunks = view.getUint32(12, true);
+  need(chunks >= 1 && chunks <= 256 && 64 + 64 * chunks <= bytes, `${chunks} chunks are not possible`);
+  return chunks;
+}
+
+function readChunks(view) {
+  const count = readHeader(view), chunks = new Map();
+  let next = 64 + 64 * count;
+  for (let at = 64; at < 64 + 64 * count; at += 64) {
+    const type = String.fromCharCode(...[0, 1, 2, 3].map((i) => view.getUint8(at + i)));
+    const optional = (view.getUint32(at + 4, true) & OPTIONAL) !== 0;
+    const offset = Number(view.getBigUint64(at + 8, true)), size = Number(view.getBigUint64(at + 16, true));
+    need(offset === next, `chunk ${type} lies at ${offset}, not at ${next}`);
+    next = aligned(offset + size);
+    need(next <= view.byteLength, `chunk ${type} ends behind the file`);
+    need(optional || KNOWN.includes(type), `a required chunk, ${type}, that this reader does not know`);
+    need(!chunks.has(type), `chunk ${type} comes twice`);
+    chunks.set(type, { offset, size });
+  }
+  return chunks;
+}
+
+const vector = (view, at) => [0, 4, 8].map((i) => view.getFloat32(at + i, true));
+const counts = (view, at) => [0, 4, 8].map((i) => view.getUint32(at + i, true));
+const readGrid = (view, at) => ({ origin: vector(view, at), spacing: vector(view, at + 12), count: counts(view, at + 24) });
+
+function readInfo(view, at) {
+  const word = (offset) => view.getUint32(at + offset, true), mask = word(32);
+  return {
+    probes: word(0),
+    irradianceProbes: word(4),
+    buried: word(8),
+    radianceSize: word(20),
+    bounces: word(36),
+    selectMask: mask,
+    select: SELECTORS.filter((_, i) => (mask >> i) & 1),
+    distanceScale: view.getFloat32(at + 44, true),
+    sceneMin: vector(view, at + 48),
+    sceneMax: vector(view, at + 60),
+    grid: word(16) ? readGrid(view, at + 72) : null,
+    sceneHash: view.getBigUint64(at + 144, true).toString(16).padStart(16, '0'),
+    lastBounce: view.getFloat32(at + 152, true),
+    compressed: (word(156) & 1) !== 0,
+    geometryBlocks: (word(156) & 2) !== 0,
+  };
+}
+
+function checkInfo(info) {
+  const { probes, radianceSize: n, distanceScale } = info;
+  need(probes >= 1, 'no light field probes');
+  need(n >= 8 && n <= 2048 && (n & (n - 1)) === 0, `maps of ${n} texels along a side`);
+  need(distanceScale >= 1e-18 && distanceScale <= 1e18, 'a distance scale out of range');
+  need([...info.sceneMin, ...info.sceneMax].every(Number.isFinite), 'bounds that are not finite');
+  need(!info.grid || info.grid.count.reduce((a, b) => a * b) === probes, 'a grid of another number of probes');
+}
+
+// Where the levels of a probe's pyramid of smallest distances begin, the finest first, and its nodes. Geometry blocks take
+// the place of the finest level where there is another.
+function pyramidOf(n, overBlocks) {
+  const sides = NODE_SIDES.filter((side) => side === 4 || n >= 4 * side), first = [];
+  let nodes = 0;
+  for (const side of sides) {
+    const stored = side !== 4 || sides.length === 1 || !overBlocks;
+    first.unshift(stored ? nodes : 0);
+    if (stored) nodes += (n / side) ** 2;
+  }
+  return { levels: sides.length, first: [...first, 0, 0, 0].slice(0, 4), nodes };
+}
+
+/** @param {ArrayBuffer} buffer a whole .olx file; arrays of the result are views of it. Throws a FieldError. */
+export function parseField(buffer) {
+  const view = new DataView(buffer), chunks = readChunks(view);
+  // A chunk as an array of so many elements; `length` null: as many as there are, which may be none.
+  const array = (type, Kind, length) => {
+    const chunk = chunks.get(type);
+    need(chunk, `chunk ${type} is missing`);
+    const elements = chunk.size / Kind.BYTES_PER_ELEMENT;
+    need(length === null ? Number.isInteger(elements) : elements === length, `chunk ${type} has ${chunk.size} bytes`);
+    return new Kind(buffer, chunk.offset, elements);
+  };
+  need(chunks.get('INFO')?.size === 160, 'chunk INFO is missing, or not 160 bytes');
+  const info = readInfo(view, chunks.get('INFO').offset);
+  checkInfo(info);
+  const n = info.radianceSize, probes = info.probes, pyramid = pyramidOf(n, info.geometryBlocks);
+  const bordered = (n + 2) ** 2 * probes, blocks = (n * n) / 16 * probes;
+  const surfaces = info.compressed
+    ? {
+        base: array('BAS1', Uint8Array, 8 * blocks),
+        specular: array('REF5', Uint8Array, 16 * blocks),
+        direct: array('DIR6', Uint8Array, 16 * blocks),
+        indirect: array('IND6', Uint8Array, 16 * blocks),
+      }
+    : {
+        base: array('BASE', Uint8Array, 4 * bordered),
+        specular: array('SPEC', Uint8Array, 2 * bordered),
+        direct: array('DIRE', Uint32Array, bordered),
+        indirect: array('INDI', Uint32Array, bordered),
+      };
+  const optional = (type, Kind) => (chunks.has(type) ? array(type, Kind, null) : null);
+  const volume = chunks.has('VOLU') ? { cells: array('VOLU', Uint32Array, null), light: array('VIRR', Uint32Array, null) } : null;
+  const field = {
+    info: { ...info, fileBytes: buffer.byteLength, volumeProbes: volume ? volume.light.byteLength / 56 : 0 },
+    origin: chunks.has('ORIG') ? [...array('ORIG', Float64Array, 3)] : [0, 0, 0],
+    positions: array('PPOS', Float32Array, 3 * probes),
+    flags: array('PFLG', Uint8Array, probes),
+    ...(info.geometryBlocks
+      ? { geometry: array('GEOM', Uint32Array, 4 * blocks), planes: array('PLAN', Uint32Array, null) }
+      : { normals: array('NORM', Uint16Array, bordered), distances: array('DIST', Uint16Array, bordered) }),
+    pyramid,
+    least: array('DMIN', Uint16Array, pyramid.nodes * probes),
+    surfaces,
+    emission: array('EMIS', Uint32Array, (n / 8) ** 2 * probes),
+    tiles: array('ETIL', Uint32Array, null),
+    lights: array('LITE', Uint32Array, null),
+    bricks: optional('BRIK', Uint32Array),
+    neighbours: optional('VORO', Uint8Array),
+    volume,
+  };
+  checkParts(field);
+  return field;
+}
+
+// Shaders trust counts of bricks and of the volume: lists that they name lie within the chunk.
+function checkParts({ bricks, volume, tiles, lights, planes, info }) {
+  need(!planes || planes.length % 2 === 0, 'planes of geometry blocks are cut off');
+  need(tiles.length % 64 === 0 && lights.length % 16 === 0, 'lights or tiles of emission are cut off');
+  need(!(info.selectMask & 8) || bricks, 'chunk BRIK is missing');
+  if (bricks) {
+    const [x, y, z, divided, lists] = bricks.subarray(4, 9);
+    need(bricks.length === 16 + x * y * z + 32 * divided + 4 * lists, 'chunk BRIK has another size than its header says');
+  }
+  if (volume) {
+    const [x, y, z, blocks, splits, cells, probes] = volume.cells.subarray(4, 11);
+    need(volume.cells.length === 16 + 8 * splits + 8 * cells + 64 * blocks + x * y * z, 'chunk VOLU has another size than its header says');
+    need(volume.light.length === 14 * probes, 'chunk VIRR has another size than VOLU says');
+  }
+}

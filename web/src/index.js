@@ -1,0 +1,3 @@
+// Octalux for three.js: fields that `octalux bake` made light standard materials in WebGL2.
+export { FieldError, parseField } from './field_file.js';
+export { OctaluxField } from './octalux_field.js';

@@ -1,0 +1,119 @@
+// A baked light field that lights materials of three.js.
+import { AddEquation, CustomBlending, EqualDepth, OneFactor, Vector2, Vector3 } from 'three';
+import { FieldError, parseField } from './field_file.js';
+import { patchShader } from './shading.js';
+import { fieldUniforms } from './textures.js';
+
+const PARTS = ['all', 'diffuse', 'glossy'];
+// How glossy light alone is added to what is drawn.
+const ADDED = {
+  transparent: true, blending: CustomBlending, blendEquation: AddEquation, blendSrc: OneFactor, blendDst: OneFactor, depthWrite: false,
+  depthFunc: EqualDepth,
+};
+const CAGE = 1, VORONOI = 2, BRICKS = 8; // bits of select_mask
+
+// The selector that answers for a field, as OLX_SELECT_BEST in octalux/sample.h.
+function selectorOf(mask) {
+  if (mask & CAGE) return 'OLX_SELECT_CAGE';
+  if (mask & BRICKS) return 'OLX_SELECT_BRICKS';
+  return mask & VORONOI ? 'OLX_SELECT_VORONOI' : 'OLX_SELECT_EXHAUSTIVE';
+}
+
+// The body of a response as one buffer; `onProgress` hears how many bytes of how many have come.
+async function readBody(response, onProgress) {
+  const total = Number(response.headers.get('content-length')) || 0, parts = [];
+  let loaded = 0;
+  for (const reader = response.body.getReader(); ;) {
+    const { done, value } = await reader.read();
+    if (done) break;
+    parts.push(value);
+    loaded += value.length;
+    onProgress?.(loaded, Math.max(total, loaded));
+  }
+  const whole = new Uint8Array(loaded);
+  let at = 0;
+  for (const part of parts) {
+    whole.set(part, at);
+    at += part.length;
+  }
+  return whole;
+}
+
+const isGzip = (bytes) => bytes[0] === 0x1f && bytes[1] === 0x8b;
+
+async function unzip(bytes) {
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip'));
+  return new Response(stream).arrayBuffer();
+}
+
+export class OctaluxField {
+  #textures;
+
+  /** Use `OctaluxField.load` or `OctaluxField.fromBuffer`. */
+  constructor(parsed, uniforms) {
+    this.info = parsed.info;
+    this.origin = parsed.origin;
+    this.positions = parsed.positions;
+    this.flags = parsed.flags;
+    this.uniforms = {
+      ...uniforms,
+      olx_offset: { value: new Vector3() },
+      olx_strength: { value: new Vector2(1, 1) },
+      olx_left: { value: 0 },
+      olx_height: { value: 1 },
+      olx_sample_index: { value: 0 },
+      olx_emitters: { value: false },
+      olx_layer: { value: 0 },
+    };
+    this.#textures = Object.values(uniforms).map(({ value }) => value).filter((value) => value.isTexture);
+    this.defines = `#define OLX_WEB_SELECT ${selectorOf(parsed.info.selectMask)}\n`;
+  }
+
+  static async load(url, renderer, { onProgress, signal } = {}) {
+    const response = await fetch(url, { signal });
+    if (!response.ok) throw new FieldError(`${url}: ${response.status} ${response.statusText}`);
+    const bytes = await readBody(response, onProgress);
+    return OctaluxField.fromBuffer(isGzip(bytes) ? await unzip(bytes) : bytes.buffer, renderer);
+  }
+
+  static async fromBuffer(buffer, renderer) {
+    const parsed = parseField(buffer);
+    return new OctaluxField(parsed, await fieldUniforms(parsed, renderer));
+  }
+
+  /** Where the field's origin lies in the world. */
+  get offset() {
+    return this.uniforms.olx_offset.value;
+  }
+
+  light(material, { moving = false, part = 'all' } = {}) {
+    if (!material.isMeshStandardMaterial) throw new TypeError('a field lights MeshStandardMaterial and MeshPhysicalMaterial');
+    if (!PARTS.includes(part)) throw new TypeError(`part is '${part}', not one of ${PARTS.join(', ')}`);
+    const choice = { defines: this.defines, moving, part };
+    material.onBeforeCompile = (shader) => patchShader(shader, this.uniforms, choice);
+    material.customProgramCacheKey = () => `octalux ${this.defines} ${moving} ${part}`;
+    if (part === 'glossy') Object.assign(material, ADDED);
+    material.needsUpdate = true;
+    return material;
+  }
+
+  lightAll(root, options) {
+    const materials = new Set();
+    root.traverse((object) => [object.material ?? []].flat().forEach((material) => materials.add(material)));
+    for (const material of materials) if (material.isMeshStandardMaterial) this.light(material, options);
+    return materials.size;
+  }
+
+  setIndirect(diffuse, glossy = diffuse) {
+    this.uniforms.olx_strength.value.set(diffuse, glossy);
+  }
+
+  setFrame(height, index = 0) {
+    this.uniforms.olx_height.value = height;
+    this.uniforms.olx_sample_index.value = index;
+  }
+
+  dispose() {
+    for (const texture of this.#textures) texture.dispose();
+  }
+}

@@ -1,0 +1,111 @@
+// How a field's light enters the shaders of three.js's standard and physical materials.
+import { LIBRARY } from './library.js';
+
+// Glossy light is added where depths are equal, by another shader than drew them.
+const VERTEX_DECLARATIONS = 'invariant gl_Position;\nvarying vec3 olx_world_position;\n';
+
+const VERTEX = `
+#include <project_vertex>
+{
+  vec4 olx_place = vec4(transformed, 1.0);
+  #ifdef USE_BATCHING
+  olx_place = batchingMatrix * olx_place;
+  #endif
+  #ifdef USE_INSTANCING
+  olx_place = instanceMatrix * olx_place;
+  #endif
+  olx_world_position = (modelMatrix * olx_place).xyz;
+}
+`;
+
+const FRAGMENT_DECLARATIONS = `
+varying vec3 olx_world_position;
+uniform vec3 olx_offset;       // of the field in the world
+uniform vec2 olx_strength;     // of diffuse and of glossy light
+uniform float olx_left;        // pixels left of this column have none
+uniform float olx_height;      // pixels of the picture, for random numbers
+uniform uint olx_sample_index; // of the frame: another draw of them
+uniform bool olx_emitters;     // rays find lamps, in place of highlights of lights
+uniform int olx_layer;         // what is shown: 0 the picture, 1 diffuse, 2 glossy indirect light alone
+vec3 olx_shown = vec3(0.0);
+
+// The point of a sequence that a pixel draws, as \`octalux render\` draws it.
+vec2 olx_pixel_random() {
+  uvec2 pixel = uvec2(gl_FragCoord.x, olx_height - gl_FragCoord.y);
+  return olx_stratified2(olx_sample_index, olx_hash2(olx_hash2(pixel.x, pixel.y), 0x85EBCA6Bu + 3u));
+}
+`;
+
+const FRAGMENT = `
+#include <lights_fragment_end>
+{
+  vec3 olx_position = olx_world_position - olx_offset, olx_view = normalize(cameraPosition - olx_world_position);
+  if (isOrthographic) olx_view = vec3(viewMatrix[0][2], viewMatrix[1][2], viewMatrix[2][2]);
+  vec3 olx_normal = inverseTransformDirection(normal, viewMatrix);
+  float olx_specular = 1.0;
+  #ifdef USE_SPECULAR
+  olx_specular = specularIntensityFactor;
+  #endif
+  olx_bsdf olx_lobes = olx_bsdf_make(diffuseColor.rgb, metalnessFactor, roughnessFactor, olx_specular);
+  olx_sample_settings olx_settings = olx_sample_settings_default();
+  olx_settings.emitters = olx_emitters;
+  vec3 olx_diffuse = vec3(0.0), olx_glossy_light = vec3(0.0);
+  #ifdef OLX_DIFFUSE
+  olx_diffuse = olx_bsdf_diffuse(olx_lobes, olx_dot(olx_normal, olx_view)) * (1.0 / OLX_PI);
+  #ifdef OLX_MOVING
+  olx_diffuse *= olx_volume_irradiance(olx_position, olx_normal);
+  #else
+  vec3 olx_across = cross(dFdx(olx_world_position), dFdy(olx_world_position));
+  vec3 olx_geometric = olx_normalize(olx_dot(olx_across, olx_view) < 0.0 ? -olx_across : olx_across);
+  vec3 olx_vertex = inverseTransformDirection(nonPerturbedNormal, viewMatrix);
+  olx_diffuse *= olx_surface_light_at(olx_settings, olx_position, olx_geometric, olx_vertex, olx_normal, olx_view).irradiance;
+  #endif
+  #endif
+  #ifdef OLX_GLOSSY
+  if (olx_bsdf_has_specular(olx_lobes)) {
+    float olx_weight, olx_half_cosine;
+    olx_trace_hit olx_hit;
+    olx_glossy_light = olx_glossy(olx_settings, olx_position, olx_normal, olx_view, roughnessFactor, olx_pixel_random(),
+                                  olx_weight, olx_half_cosine, olx_hit);
+    olx_glossy_light *= olx_fresnel(olx_lobes, olx_half_cosine) * olx_weight;
+  }
+  #endif
+  bool olx_lit = gl_FragCoord.x >= olx_left;
+  if (olx_lit) {
+    reflectedLight.indirectDiffuse += olx_diffuse * olx_strength.x;
+    reflectedLight.indirectSpecular += olx_glossy_light * olx_strength.y;
+  }
+  if (olx_lit && olx_emitters) reflectedLight.directSpecular *= 1.0 - olx_strength.y;
+  olx_shown = olx_layer == 1 ? olx_diffuse : olx_glossy_light;
+  #ifndef OLX_DIFFUSE
+  if (olx_layer == 0) olx_shown = olx_lit ? olx_glossy_light * olx_strength.y : vec3(0.0);
+  #endif
+}
+`;
+
+const SHOWN = `
+#include <opaque_fragment>
+#ifdef OLX_DIFFUSE
+if (olx_layer != 0)
+#endif
+gl_FragColor = vec4(olx_shown, 1.0);
+`;
+
+function replaceOnce(text, chunk, replacement) {
+  const parts = text.split(chunk);
+  if (parts.length !== 2) throw new Error(`octalux: three.js's shader has no single ${chunk}`);
+  return parts.join(replacement);
+}
+
+/** Changes the shader of a standard or physical material, as onBeforeCompile gives it. */
+export function patchShader(shader, uniforms, { defines, moving, part }) {
+  Object.assign(shader.uniforms, uniforms);
+  const define = (name, wanted) => (wanted ? `#define ${name}\n` : '');
+  const chosen = defines + define('OLX_MOVING', moving) + define('OLX_DIFFUSE', part !== 'glossy') + define('OLX_GLOSSY', part !== 'diffuse');
+  shader.vertexShader = replaceOnce(VERTEX_DECLARATIONS + shader.vertexShader, '#include <project_vertex>', VERTEX);
+  let fragment = shader.fragmentShader;
+  fragment = replaceOnce(fragment, '#include <clipping_planes_pars_fragment>',
+                         `#include <clipping_planes_pars_fragment>\n${chosen}${LIBRARY}${FRAGMENT_DECLARATIONS}`);
+  fragment = replaceOnce(fragment, '#include <lights_fragment_end>', FRAGMENT);
+  shader.fragmentShader = replaceOnce(fragment, '#include <opaque_fragment>', SHOWN);
+}

@@ -1,0 +1,203 @@
+// A parsed field as textures and uniforms, as shaders/lib/data.glsl reads them.
+import {
+  CompressedArrayTexture, DataArrayTexture, DataTexture, HalfFloatType, NearestFilter, RED_GREEN_RGTC2_Format, RGBAFormat,
+  RGBAIntegerFormat, RGB_BPTC_UNSIGNED_Format, RGB_S3TC_DXT1_Format, RGBFormat, RGFormat, RedIntegerFormat, UnsignedByteType,
+  UnsignedInt5999Type, UnsignedIntType, UnsignedShortType, Vector4,
+} from 'three';
+import { decodeBlocks } from './decode_blocks.js';
+import { FieldError } from './field_file.js';
+
+const ROW = 2048; // OLX_DATA_ROW of data.glsl
+const LIGHT_WORDS = 16, MOST_HIGHLIGHTS = 16;
+const GPU_SELECTORS = 0xb; // OLX_SELECT_GPU_MASK
+
+const BLOCKS = {
+  base: { extension: 'WEBGL_compressed_texture_s3tc', format: RGB_S3TC_DXT1_Format, type: UnsignedByteType, bytes: 8 },
+  specular: { extension: 'EXT_texture_compression_rgtc', format: RED_GREEN_RGTC2_Format, type: UnsignedByteType, bytes: 16 },
+  direct: { extension: 'EXT_texture_compression_bptc', format: RGB_BPTC_UNSIGNED_Format, type: HalfFloatType, bytes: 16 },
+  indirect: { extension: 'EXT_texture_compression_bptc', format: RGB_BPTC_UNSIGNED_Format, type: HalfFloatType, bytes: 16 },
+};
+const DECODED = {
+  base: { format: RGBAFormat, type: UnsignedByteType, channels: 4 },
+  specular: { format: RGFormat, type: UnsignedByteType, channels: 2 },
+  direct: { format: RGBAFormat, type: HalfFloatType, channels: 4 },
+  indirect: { format: RGBAFormat, type: HalfFloatType, channels: 4 },
+};
+const TEXELS = {
+  base: { format: RGBAFormat, type: UnsignedByteType, channels: 4 },
+  specular: { format: RGFormat, type: UnsignedByteType, channels: 2 },
+  direct: { format: RGBFormat, type: UnsignedInt5999Type, channels: 1 },
+  indirect: { format: RGBFormat, type: UnsignedInt5999Type, channels: 1 },
+};
+
+// How many maps lie beside each other in a layer, so that layers are not too many and not too large; one where that will do.
+export function mapsASide(maps, stride, limits) {
+  for (let side = 1; side * stride <= limits.size; side++) {
+    if (Math.ceil(maps / side ** 2) <= limits.layers) return side;
+  }
+  throw new FieldError(`${maps} maps of ${stride} x ${stride} texels do not fit into ${limits.layers} layers of ${limits.size} x ${limits.size}`);
+}
+
+// Maps, one after the other as rows of `elements` elements, as layers that hold side x side of them.
+export function tile(data, maps, elements, rows, side) {
+  if (side === 1) return data;
+  const layers = Math.ceil(maps / side ** 2), tiled = new data.constructor(layers * side ** 2 * rows * elements);
+  for (let map = 0; map < maps; map++) {
+    const layer = Math.floor(map / side ** 2), column = map % side, first = Math.floor((map % side ** 2) / side) * rows;
+    for (let row = 0; row < rows; row++) {
+      const from = (map * rows + row) * elements;
+      tiled.set(data.subarray(from, from + elements), ((layer * side * rows + first + row) * side + column) * elements);
+    }
+  }
+  return tiled;
+}
+
+function finish(texture) {
+  texture.minFilter = texture.magFilter = NearestFilter;
+  texture.generateMipmaps = false;
+  texture.needsUpdate = true;
+  return texture;
+}
+
+function texelMaps(data, maps, stride, side, { format, type, channels }) {
+  const layers = Math.ceil(maps / side ** 2), tiled = tile(data, maps, stride * channels, stride, side);
+  const texture = new DataArrayTexture(tiled, side * stride, side * stride, layers);
+  texture.format = format;
+  texture.type = type;
+  return finish(texture);
+}
+
+function blockMaps(data, maps, n, side, { format, type, bytes }) {
+  const layers = Math.ceil(maps / side ** 2), tiled = tile(data, maps, (n / 4) * bytes, n / 4, side), width = side * n;
+  return finish(new CompressedArrayTexture([{ data: tiled, width, height: width }], width, width, layers, format, type));
+}
+
+async function surfaceMaps(field, kind, side, renderer) {
+  const { probes, radianceSize: n, compressed } = field.info, data = field.surfaces[kind];
+  if (!compressed) return texelMaps(data, probes, n + 2, side, TEXELS[kind]);
+  const { extension } = BLOCKS[kind];
+  if (renderer.extensions.has(extension)) return blockMaps(data, probes, n, side, BLOCKS[kind]);
+  return texelMaps(await decodeBlocks(kind, data, n), probes, n, side, DECODED[kind]);
+}
+
+// A flat array in rows of an image.
+function rowsOf(data, channels, format) {
+  const rows = Math.max(Math.ceil(data.length / (ROW * channels)), 1), padded = new Uint32Array(rows * ROW * channels);
+  padded.set(data);
+  return finish(new DataTexture(padded, ROW, rows, format, UnsignedIntType));
+}
+
+function probeWords({ info, positions, flags }) {
+  const words = new Uint32Array(4 * info.probes), floats = new Float32Array(words.buffer);
+  for (let i = 0; i < info.probes; i++) {
+    floats.set(positions.subarray(3 * i, 3 * i + 3), 4 * i);
+    words[4 * i + 3] = flags[i];
+  }
+  return words;
+}
+
+// As words, the last one filled up with zeros.
+function wordsOf(array) {
+  const words = new Uint32Array(Math.ceil(array.byteLength / 4));
+  new Uint8Array(words.buffer).set(new Uint8Array(array.buffer, array.byteOffset, array.byteLength));
+  return words;
+}
+
+// Everything that lies there as words, and where each part begins.
+export function layOutWords(field) {
+  const lights = field.lights.length / LIGHT_WORDS > MOST_HIGHLIGHTS ? new Uint32Array(0) : field.lights, none = new Uint32Array(0);
+  const parts = {
+    least: field.least, bricks: field.bricks ?? none, neighbours: field.neighbours ?? none, emission: field.emission, tiles: field.tiles,
+    planes: field.planes ?? none, lights,
+    volume: field.volume?.cells ?? none, volumeLight: field.volume?.light ?? none,
+  };
+  const first = {}, pieces = Object.values(parts).map(wordsOf);
+  let length = 0;
+  Object.keys(parts).forEach((name, i) => {
+    first[name] = length;
+    length += pieces[i].length;
+  });
+  const words = new Uint32Array(length);
+  pieces.forEach((piece, i) => words.set(piece, Object.values(first)[i]));
+  return { words, first, lights: lights.length / LIGHT_WORDS };
+}
+
+const vec4 = ([x, y, z]) => new Vector4(x, y, z, 0);
+
+function gridUniform(grid) {
+  if (!grid) return { origin: new Vector4(), spacing: new Vector4(), count: [0, 0, 0, 0] };
+  return { origin: vec4(grid.origin), spacing: vec4(grid.spacing), count: [...grid.count, grid.count.reduce((a, b) => a * b)] };
+}
+
+// The members of olx_gpu_field in shaders/octalux_shared.h.
+function constants(field, { first, lights }, side) {
+  const { info, pyramid } = field, n = info.radianceSize;
+  return {
+    grid: gridUniform(info.grid),
+    irradiance_grid: gridUniform(null),
+    scene_min: vec4(info.sceneMin),
+    scene_max: vec4(info.sceneMax),
+    probe_count: info.probes,
+    n,
+    least_nodes: pyramid.nodes,
+    maps_a_side: side,
+    irradiance_n: 0,
+    irradiance_maps_a_side: 1,
+    irradiance_texel: 0,
+    distance_scale: info.distanceScale,
+    select_mask: info.selectMask & GPU_SELECTORS,
+    pyramid_levels: pyramid.levels,
+    bricks_first: first.bricks,
+    voronoi_first: first.neighbours,
+    emission_first: first.emission,
+    tiles_first: first.tiles,
+    tile_side: n / 8,
+    tile_count: field.tiles.length / 64,
+    lights_first: first.lights,
+    light_count: lights,
+    last_bounce: info.lastBounce,
+    volume_first: field.volume ? first.volume : 0,
+    pyramid_first: pyramid.first,
+    surface_scale: info.compressed ? n / (n + 2) : 1,
+    surface_border: info.compressed ? 0 : 1,
+    compressed: info.compressed ? 1 : 0,
+    planes_first: first.planes,
+    plane_count: (field.planes?.length ?? 0) / 2,
+    geometry_scale: field.geometry ? n / 4 / (n + 2) : 0,
+    padding: [0, 0],
+  };
+}
+
+// Distances and normals of texels, or geometry blocks in the place of distances, and then no normals.
+function geometryMaps(field, side) {
+  const { probes, radianceSize: n } = field.info, half = { format: RedIntegerFormat, type: UnsignedShortType, channels: 1 };
+  if (field.geometry) {
+    const block = { format: RGBAIntegerFormat, type: UnsignedIntType, channels: 4 };
+    return {
+      olx_normal_maps: texelMaps(new Uint16Array(1), 1, 1, 1, half),
+      olx_distance_maps: texelMaps(field.geometry, probes, n / 4, side, block),
+    };
+  }
+  return {
+    olx_normal_maps: texelMaps(field.normals, probes, n + 2, side, half),
+    olx_distance_maps: texelMaps(field.distances, probes, n + 2, side, half),
+  };
+}
+
+/** Uniforms for the library, by name. Textures are uploaded when three.js first draws with them. */
+export async function fieldUniforms(field, renderer) {
+  const gl = renderer.getContext(), { probes, radianceSize: n } = field.info;
+  const limits = { layers: gl.getParameter(gl.MAX_ARRAY_TEXTURE_LAYERS), size: gl.getParameter(gl.MAX_TEXTURE_SIZE) };
+  const side = mapsASide(probes, n + 2, limits), words = layOutWords(field);
+  if (words.words.length > ROW * limits.size) throw new FieldError('pyramids, selectors and the volume are more than a texture holds');
+  const uniforms = {
+    olx_field: constants(field, words, side),
+    olx_word_image: rowsOf(words.words, 1, RedIntegerFormat),
+    olx_probe_image: rowsOf(probeWords(field), 4, RGBAIntegerFormat),
+    ...geometryMaps(field, side),
+  };
+  for (const kind of ['base', 'specular', 'direct', 'indirect']) {
+    uniforms[`olx_${kind}_maps`] = await surfaceMaps(field, kind, side, renderer);
+  }
+  return Object.fromEntries(Object.entries(uniforms).map(([name, value]) => [name, { value }]));
+}

@@ -137,6 +137,13 @@ typedef struct olx_gpu_uvec4 {
 #ifndef OLX_CONSTANT_HITS
 #define OLX_CONSTANT_HITS 2 // OLX_HITS_*; default OLX_HITS_SHADED
 #endif
+#ifndef OLX_CONSTANT_GEOMETRY
+#define OLX_CONSTANT_GEOMETRY 3 // OLX_GEOMETRY_IN_*; default OLX_GEOMETRY_IN_EITHER
+#endif
+// How the geometry of the field lies on the device; a shader for either asks the field.
+#define OLX_GEOMETRY_IN_TEXELS 0
+#define OLX_GEOMETRY_IN_BLOCKS 1
+#define OLX_GEOMETRY_IN_EITHER 2
 
 // C has these as enumerations, in octalux/sample.h, octalux/field.h and field/field_data.h.
 #if defined(GL_core_profile) || defined(GL_ES)

@@ -77,7 +77,7 @@ expect_json 'o["experiment"] == "speed" and o["ratio"] > 0 and abs(o["ratio"] - 
 # A cancelled bake says so, leaves 130, and touches neither the old field nor the folder.
 cp a.olx old.olx
 ls -A >before.txt
-"$OCTALUX" bake $scene -o old.olx --grid 8x8x8 --irradiance-grid 2x2x2 --radiance-size 256 --irradiance-size 8 --bounces 0 \
+"$OCTALUX" bake $scene -o old.olx --no-work --grid 8x8x8 --irradiance-grid 2x2x2 --radiance-size 256 --irradiance-size 8 --bounces 0 \
   --progress >stdout.txt 2>stderr.txt &
 bake=$!
 await $bake '%'

@@ -6,6 +6,12 @@
 #include "geometry_block.glsl"
 #include "pack.glsl"
 
+#ifndef GL_ES
+layout(constant_id = OLX_CONSTANT_GEOMETRY) const uint olx_constant_geometry = 2u; // OLX_GEOMETRY_IN_EITHER
+#else
+const uint olx_constant_geometry = uint(OLX_GEOMETRY_IN_EITHER);
+#endif
+
 // Where the map of a probe begins in its image: x, y and layer.
 ivec3 olx_map_corner(uint probe, uint stride, uint maps_a_side) {
   uint maps_a_layer = maps_a_side * maps_a_side, map = probe % maps_a_layer;
@@ -29,7 +35,10 @@ uint olx_texel_distance_bits(ivec3 origin, ivec2 texel) {
 }
 
 // Whether geometry lies in blocks.
-bool olx_geometry_in_blocks() { return olx_field.geometry_scale > 0.0; }
+bool olx_geometry_in_blocks() {
+  bool either = olx_constant_geometry == uint(OLX_GEOMETRY_IN_EITHER);
+  return either ? olx_field.geometry_scale > 0.0 : olx_constant_geometry == uint(OLX_GEOMETRY_IN_BLOCKS);
+}
 
 // A geometry block of the probe whose maps begin at `origin`.
 uvec4 olx_geometry_block(ivec3 origin, ivec2 place) {

@@ -200,9 +200,7 @@ bool olx_beyond_reach(inout olx_march m, ivec2 at, olx_surfel s, float radius_sq
   precise float tilted_squared = tilted * tilted;
   if (radius_squared > tilted_squared) return true;
   float farthest = 0.0;
-  for (int dy = -1; dy <= 1; dy++) {
-    for (int dx = -1; dx <= 1; dx++) farthest = max(farthest, olx_texel_distance(m.map, at + ivec2(dx, dy)));
-  }
+  for (int i = 0; i < 9; i++) farthest = max(farthest, olx_texel_distance(m.map, at + ivec2(i % 3 - 1, i / 3 - 1)));
   m.steps += 8u;
   precise float limit = farthest + s.slack;
   precise float limit_squared = limit * limit;

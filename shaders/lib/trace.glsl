@@ -243,9 +243,10 @@ olx_trace_hit olx_describe(olx_search s, float t_max) {
   if (answer.status != OLX_TRACE_MISS) {
     ivec3 map = olx_map_origin(s.answered);
     hit.texel = answer.texel;
-    olx_read_light(s, hit);
+    // Read first, so that compilers find again in what follows what has been decoded here.
     olx_texel_geometry seen = olx_texel_geometry_of(map, answer.texel);
     hit.normal = seen.normal;
+    olx_read_light(s, hit);
     vec2 uv = olx_octahedral_encode(hit.position - olx_probe_position(s.answered));
     hit.footprint_metres = seen.distance * sqrt(olx_texel_solid_angle_near(uv, olx_field.n));
   } else if (s.t_max < t_max) { // else it ends in free space

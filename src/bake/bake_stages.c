@@ -338,7 +338,7 @@ typedef struct probe_maps {
   const uint32_t *radiance;          // NULL without probe light
   const uint16_t *normal, *distance; // of texels, where the field is not of blocks
   olx_geometry_map geometry;         // else
-  olx_relight_sites sites; // empty unless relighting is wanted
+  olx_relight_sites sites;           // empty unless relighting is wanted
 } probe_maps;
 
 typedef struct probe_stage {

@@ -64,6 +64,11 @@ struct olx_vulkan_field {
 // The device memory that olx_vulkan_classic_create would take; 0 for a field without classic maps.
 olx_result olx_vulkan_classic_measure(const olx_vulkan_context *context, const olx_field *field, uint64_t *bytes);
 
+// OLX_GEOMETRY_IN_TEXELS or OLX_GEOMETRY_IN_BLOCKS.
+static inline uint32_t olx_gpu_field_geometry(const olx_vulkan_field *gpu) {
+  return gpu->constants.geometry_scale > 0.0f ? OLX_GEOMETRY_IN_BLOCKS : OLX_GEOMETRY_IN_TEXELS;
+}
+
 // Whether what relighting changes lies on the device in the field's number and size.
 bool olx_gpu_field_relights(const olx_vulkan_field *gpu, const olx_field *field);
 

@@ -178,7 +178,7 @@ static olx_result create_variants(olx_vulkan_frame *f, uint32_t pass, const olx_
       if (!(tracers >> tracer & 1u) || !(selects >> select & 1u)) continue;
       for (uint32_t hits = 0; hits < OLX_GPU_HITS; hits++) {
         const olx_select used = olx_vulkan_field_select(f->field, (olx_select)select);
-        const olx_pass_constants constants = {(olx_tracer)tracer, used, hits};
+        const olx_pass_constants constants = {(olx_tracer)tracer, used, hits, olx_gpu_field_geometry(f->field)};
         if (all_hits >> hits & 1u) OLX_TRY(create_pipeline(f, pass, &constants));
       }
     }
@@ -188,10 +188,12 @@ static olx_result create_variants(olx_vulkan_frame *f, uint32_t pass, const olx_
 
 // Makes the pipelines that the targets name and that do not exist yet.
 static olx_result create_pipelines(olx_vulkan_frame *f, const olx_vulkan_targets *t) {
+  const olx_pass_constants usual = {OLX_TRACER_HIZ, OLX_SELECT_BRICKS, OLX_HITS_SHADED,
+                                    olx_gpu_field_geometry(f->field)};
   for (uint32_t pass = 0; pass < OLX_PASS_COUNT; pass++) {
     const uint32_t named = pass == OLX_PASS_DIM ? OLX_PASS_TRACE : pass;
     if (t->passes != 0 && !(t->passes >> named & 1u)) continue;
-    OLX_TRY(traces(pass) ? create_variants(f, pass, t) : create_pipeline(f, pass, NULL));
+    OLX_TRY(traces(pass) ? create_variants(f, pass, t) : create_pipeline(f, pass, &usual));
   }
   return OLX_OK;
 }
@@ -355,7 +357,7 @@ olx_result olx_vulkan_check_settings(const olx_vulkan_frame *f, const olx_vulkan
 
 static olx_pass_constants constants_of(const olx_vulkan_frame *f, const olx_vulkan_settings *s) {
   return (olx_pass_constants){s->sample.tracer, olx_vulkan_field_select(f->field, s->sample.select),
-                              (uint32_t)s->sample.hits};
+                              (uint32_t)s->sample.hits, olx_gpu_field_geometry(f->field)};
 }
 
 olx_result olx_vulkan_check_pass(const olx_vulkan_frame *f, olx_pass pass, const olx_vulkan_settings *s) {

@@ -30,6 +30,7 @@ typedef struct olx_pass_constants {
   olx_tracer tracer;
   olx_select select; // one that olx_vulkan_field_select gives
   uint32_t hits;     // olx_hits
+  uint32_t geometry; // OLX_GEOMETRY_IN_*
 } olx_pass_constants;
 
 // Tracers, selectors that olx_vulkan_field_select may give, and kinds of light at the end of rays.

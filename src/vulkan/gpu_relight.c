@@ -171,7 +171,7 @@ static olx_result make_pipelines(olx_vulkan_relight *r) {
   OLX_TRY(make_pool(r));
   for (uint32_t i = 0; i < OLX_RELIGHT_GROUPS; i++) OLX_TRY(make_group(r, i));
   const olx_pass_constants constants = {OLX_TRACER_HIZ, olx_vulkan_field_select(r->gpu, OLX_SELECT_BEST),
-                                        OLX_HITS_STORED};
+                                        OLX_HITS_STORED, olx_gpu_field_geometry(r->gpu)};
   for (uint32_t i = 0; i < OLX_RELIGHT_PASSES; i++) {
     OLX_TRY(olx_gpu_pipeline_create(&r->gpu->context, &CODES[i], &constants, r->groups[olx_relight_group_of(i)].layout,
                                     &r->pipelines[i]));

@@ -44,12 +44,13 @@ olx_result olx_gpu_pipeline_create(const olx_vulkan_context *c, const olx_pass_c
   OLX_TRY(olx_vulkan_check(c->vk.CreateShaderModule(c->host.device, &module_info, NULL, &module),
                            "vkCreateShaderModule", code->name));
   const uint32_t values[] = {constants ? (uint32_t)constants->tracer : 0, constants ? (uint32_t)constants->select : 0,
-                             constants ? constants->hits : 0};
+                             constants ? constants->hits : 0, constants ? constants->geometry : 0};
   const VkSpecializationMapEntry entries[] = {{OLX_CONSTANT_TRACER, 0, sizeof values[0]},
                                               {OLX_CONSTANT_SELECT, sizeof values[0], sizeof values[0]},
-                                              {OLX_CONSTANT_HITS, 2 * sizeof values[0], sizeof values[0]}};
+                                              {OLX_CONSTANT_HITS, 2 * sizeof values[0], sizeof values[0]},
+                                              {OLX_CONSTANT_GEOMETRY, 3 * sizeof values[0], sizeof values[0]}};
   const VkSpecializationInfo special = {
-      .mapEntryCount = 3, .pMapEntries = entries, .dataSize = sizeof values, .pData = values};
+      .mapEntryCount = 4, .pMapEntries = entries, .dataSize = sizeof values, .pData = values};
   const VkComputePipelineCreateInfo info = {
       .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
       .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,

@@ -46,7 +46,7 @@ static const uint32_t FIELD_MASKS[OLX_RELIGHT_GROUPS] = {
                           BIT(OLX_BINDING_RADIANCE) | BIT(OLX_BINDING_NORMAL) | BIT(OLX_BINDING_DISTANCE) |
                           BIT(OLX_BINDING_INDIRECT) | BIT(OLX_BINDING_DIRECT) | BIT(OLX_BINDING_BASE) |
                           BIT(OLX_BINDING_SPECULAR),
-    [OLX_GROUP_SITES] = BIT(OLX_BINDING_FIELD) | BIT(OLX_BINDING_DISTANCE),
+    [OLX_GROUP_SITES] = BIT(OLX_BINDING_FIELD) | BIT(OLX_BINDING_WORDS) | BIT(OLX_BINDING_DISTANCE),
 };
 
 olx_vulkan_relight_settings olx_vulkan_relight_settings_default(void) {

@@ -15,15 +15,7 @@ for file in /usr/share/vulkan/icd.d/radeon_icd.*.json /etc/vulkan/icd.d/radeon_i
   [ -e "$file" ] && driver=$file
 done
 [ -n "$driver" ] || { echo "shader_stats.sh: RADV is not installed" >&2; exit 77; }
-# Mesa 22.3's compiler now and then writes outside its memory where it lowers descriptors, and dies of it: it is asked again.
 for chip; do
-  for attempt in 1 2 3 4; do
-    code=0
-    statistics=$(RADV_FORCE_FAMILY=$chip MESA_SHADER_CACHE_DISABLE=true VK_ICD_FILENAMES=$driver VK_DRIVER_FILES=$driver \
-      "$bench" --compile --field "$field" --json) || code=$?
-    [ $code = 139 ] || break
-    echo "shader_stats.sh: the compiler for $chip died, attempt $attempt" >&2
-  done
-  [ $code = 0 ] || exit $code
-  printf '%s\n' "$statistics"
+  RADV_FORCE_FAMILY=$chip MESA_SHADER_CACHE_DISABLE=true VK_ICD_FILENAMES=$driver VK_DRIVER_FILES=$driver \
+    "$bench" --compile --field "$field" --json
 done

@@ -75,7 +75,7 @@ static bakes_sum compare_two(const olx_image *a, const olx_image *b) {
 }
 
 // RMS difference of the pictures of two fields over their mean, of each camera and last of all. What is reported of the
-// other field, a bake with default settings, stays in *other.
+// other field, a bake with default settings and another seed, stays in *other.
 static olx_result compare_bakes(const surface_run *r, bench_images *images, bench_field *other,
                                 double rms[BENCH_CAMERAS + 1]) {
   bench_images again = {0};
@@ -122,9 +122,24 @@ static olx_result add_pictures(const surface_run *r, bench_images *images, const
 
 static double error_or_none(const olx_audit_points *points) { return points->count ? points->relative_mse : NAN; }
 
-// `plain`: the field whose size and time are reported.
-static olx_result add_field(const surface_run *r, const bench_field *made, const bench_field *plain, bench_images *images,
-                            double bakes_rms) {
+static double share_or_none(const olx_audit *audit) {
+  return audit->points.count ? (double)audit->stored.count / (double)audit->points.count : NAN;
+}
+
+// What is measured on a field beside its pictures. `audit` has no points, and the times are NAN, where nobody measures.
+typedef struct field_measures {
+  olx_audit audit;
+  double bakes_rms[BENCH_CAMERAS + 1]; // of each camera, and last of all
+  double surface_ns, irradiance_ns;
+} field_measures;
+
+static field_measures no_measures(void) {
+  field_measures none = {.surface_ns = NAN, .irradiance_ns = NAN};
+  for (uint32_t c = 0; c <= BENCH_CAMERAS; ++c) none.bakes_rms[c] = NAN;
+  return none;
+}
+
+static olx_result audit_points(const surface_run *r, const olx_field *field, olx_audit *audit) {
   const bool quick = r->b->options->quick;
   olx_audit_settings settings = olx_audit_settings_default();
   settings.threads = r->b->options->threads;
@@ -132,45 +147,60 @@ static olx_result add_field(const surface_run *r, const bench_field *made, const
   settings.points = quick ? 100 : 2000;
   settings.space_points = quick ? 50 : 2000;
   settings.spp = quick ? 64 : 1024;
-  olx_audit audit;
-  double surface_ns, irradiance_ns;
   bench_tell(r->b, "audit of %s", r->name);
-  olx_result result = olx_audit_field(r->scene, made->field, &settings, &r->b->progress, &audit);
-  if (result == OLX_OK) result = surface_times(r, made->field, &surface_ns, &irradiance_ns);
-  if (result != OLX_OK) return result;
-  const olx_render_stats *stats = &images->stats;
-  FINDINGS_ROW(&r->b->found, r->fields, TEXT_CELL(bench_scene_title(r->name)), TEXT_CELL(surface_where(r)),
-               NUMBER_CELL(made->info.probe_count), NUMBER_CELL((double)plain->info.file_bytes / 1048576.0),
-               NUMBER_CELL((double)audit.stored.count / (double)audit.points.count),
-               NUMBER_CELL(error_or_none(&audit.stored)), NUMBER_CELL(error_or_none(&audit.fallen_back)),
-               NUMBER_CELL(error_or_none(&audit.space_volume)), NUMBER_CELL(error_or_none(&audit.space_probes)),
-               NUMBER_CELL(bakes_rms), NUMBER_CELL(surface_ns), NUMBER_CELL(irradiance_ns),
-               NUMBER_CELL(stats->field_rays ? 1e6 * stats->glossy_seconds / (double)stats->field_rays : NAN),
-               NUMBER_CELL(r->placed ? plain->place_seconds : NAN), NUMBER_CELL(plain->bake_seconds));
-  return OLX_OK;
+  return olx_audit_field(r->scene, field, &settings, &r->b->progress, audit);
 }
 
-static olx_result run_way(surface_run *r, bench_field *made) {
+// `plain`: the field whose size and time are reported.
+static void add_field(const surface_run *r, const bench_field *plain, const bench_images *images,
+                      const field_measures *m) {
+  const olx_render_stats *stats = &images->stats;
+  FINDINGS_ROW(&r->b->found, r->fields, TEXT_CELL(bench_scene_title(r->name)), TEXT_CELL(surface_where(r)),
+               NUMBER_CELL(plain->info.probe_count), NUMBER_CELL((double)plain->info.file_bytes / 1048576.0),
+               NUMBER_CELL(share_or_none(&m->audit)), NUMBER_CELL(error_or_none(&m->audit.stored)),
+               NUMBER_CELL(error_or_none(&m->audit.fallen_back)), NUMBER_CELL(error_or_none(&m->audit.space_volume)),
+               NUMBER_CELL(error_or_none(&m->audit.space_probes)), NUMBER_CELL(m->bakes_rms[BENCH_CAMERAS]),
+               NUMBER_CELL(m->surface_ns), NUMBER_CELL(m->irradiance_ns),
+               NUMBER_CELL(stats->field_rays ? 1e6 * stats->glossy_seconds / (double)stats->field_rays : NAN),
+               NUMBER_CELL(r->placed ? plain->place_seconds : NAN), NUMBER_CELL(plain->bake_seconds));
+}
+
+// A grid is there to be compared with: its pictures, its size and its time from one bake.
+static olx_result run_grid(const surface_run *r) {
+  const field_measures none = no_measures();
   bench_images images = {0};
-  bench_field plain = {.field = NULL};
-  double bakes_rms[BENCH_CAMERAS + 1];
-  olx_result result = surface_bake(r, 0, true, made);
-  if (result == OLX_OK) result = render(r, made->field, &images);
-  if (result == OLX_OK) result = compare_bakes(r, &images, &plain, bakes_rms);
-  if (result == OLX_OK) result = add_pictures(r, &images, bakes_rms);
-  if (result == OLX_OK) result = add_field(r, made, &plain, &images, bakes_rms[BENCH_CAMERAS]);
+  bench_field made = {.field = NULL};
+  olx_result result = surface_bake(r, 0, false, &made);
+  if (result == OLX_OK) result = render(r, made.field, &images);
+  if (result == OLX_OK) result = add_pictures(r, &images, none.bakes_rms);
+  if (result == OLX_OK) add_field(r, &made, &images, &none);
   bench_images_free(&images);
+  bench_field_close(&made);
+  return result;
+}
+
+static olx_result run_placed(const surface_run *r) {
+  field_measures measures = no_measures();
+  bench_images images = {0};
+  bench_field made = {.field = NULL}, plain = {.field = NULL};
+  olx_result result = surface_bake(r, 0, true, &made);
+  if (result == OLX_OK) result = render(r, made.field, &images);
+  if (result == OLX_OK) result = compare_bakes(r, &images, &plain, measures.bakes_rms);
+  if (result == OLX_OK) result = add_pictures(r, &images, measures.bakes_rms);
+  if (result == OLX_OK) result = audit_points(r, made.field, &measures.audit);
+  if (result == OLX_OK) result = surface_times(r, made.field, &measures.surface_ns, &measures.irradiance_ns);
+  if (result == OLX_OK) add_field(r, &plain, &images, &measures);
+  if (result == OLX_OK && r->what) result = surface_add_modes(r, made.field, r->what);
+  bench_images_free(&images);
+  bench_field_close(&made);
   return result;
 }
 
 olx_result surface_pictures(surface_run *r) {
   olx_result result = surface_reference(r, 1, false);
   for (uint32_t way = 0; way < surface_ways(r) && result == OLX_OK; ++way) {
-    bench_field made = {.field = NULL};
     r->placed = way == 0;
-    result = run_way(r, &made);
-    if (result == OLX_OK && r->placed && r->what) result = surface_add_modes(r, made.field, r->what);
-    bench_field_close(&made);
+    result = r->placed ? run_placed(r) : run_grid(r);
   }
   return result;
 }

@@ -29,8 +29,8 @@ qemu-aarch64 -L /usr/aarch64-linux-gnu "$work/arm64/answers" "$work/cornell.olx"
 grep -q 'this build writes no files' "$work/plain.said" || { echo "FAILED: plain C wrote by POSIX"; failed=1; }
 [ "$(grep -c '^surface ' "$work/here.txt")" -gt 1000 ] || { echo "FAILED: most rays find nothing"; failed=1; }
 
-# The same statements in the same order. Sines and powers of other C libraries differ in their last bits, which decide about a ray at
-# an edge: as many as one number in 500 may be another by more than a thousandth.
+# Every build prints the same statements in the same order. Sines and powers of other C libraries differ in their last
+# bits, which decide about a ray at an edge: as many as one number in 500 may be another by more than a thousandth.
 cat >"$work/compare.py" <<'PYTHON'
 import sys
 here, there = ([line.split() for line in open(name)] for name in sys.argv[1:3])

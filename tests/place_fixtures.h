@@ -8,14 +8,14 @@
 
 // Settings that take a fraction of a second.
 olx_place_settings quick_settings(const olx_scene *scene, olx_place_method method);
-// The same with a quarter of the surfels, where what probes see is beside the point.
+// Quick settings with a quarter of the surfels, for tests in which it does not matter what probes see.
 olx_place_settings quicker_settings(const olx_scene *scene, olx_place_method method);
 olx_probe_set place(const olx_scene *scene, const olx_place_settings *settings);
 olx_scene *load(const char *name);
 uint32_t matte(olx_scene *scene);
 // A room of 4 m x 2 m x 4 m around the origin, to be finished.
 olx_scene *start_room(void);
-// The same, divided by a wall from floor to ceiling at x = 0 that leaves a gap at one side.
+// That room divided by a wall from floor to ceiling at x = 0 that leaves a gap at one side.
 olx_scene *start_divided_room(void);
 // The divided room, finished, with rules: two pinned probes, a forbidden box, a box that is playable, 0.4 m of distance.
 olx_scene *load_ruled_room(void);

@@ -136,7 +136,7 @@ static double add_error(const picture *a, const picture *b, uint32_t image, bool
   return sum > 0.0 ? off / sum : off;
 }
 
-// Of a picture against one of the CPU's field, as it would be uploaded.
+// Errors of a picture against a picture of the CPU's field, as it would be uploaded.
 static picture_errors judge_picture(picture *p, const olx_field *truth) {
   picture other = make_picture(truth);
   render(p);

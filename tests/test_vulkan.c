@@ -394,7 +394,7 @@ static const uint32_t COUNT_READS[] = {
 #include "count_reads.spv.inc"
 };
 
-// Of the field's images, a pixel that shows a surface.
+// Reads of the field's images by a pixel that shows a surface.
 typedef struct reads {
   double filtered, fetched;
 } reads;
@@ -430,8 +430,8 @@ static void diffuse_light_takes_hardly_more_reads_than_it_must(void **unused) {
   assert_int_equal(device.CreateComputePipelines(device.host.device, VK_NULL_HANDLE, 1, &info, NULL, pipeline),
                    VK_SUCCESS);
   device.DestroyShaderModule(device.host.device, info.stage.module, NULL);
-  // Of a probe four texels, each of distance, normal and light; 1.3 probes are read on average, and the second only where its
-  // light may weigh enough. By the volume irradiance and moments of eight probes.
+  // Stored light takes four texels of a probe, each of distance, normal and light; 1.3 probes are read on average, the
+  // second only where its light may weigh enough. Irradiance probes take irradiance and moments of eight probes.
   olx_vulkan_settings settings = test_settings();
   const reads stored = count_reads(&f, &settings);
   settings.irradiance_probes = true;

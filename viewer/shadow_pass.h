@@ -24,8 +24,8 @@ bool shadow_pass_create(gpu_device *device, VkDescriptorSetLayout set_layout, co
                         const lamp_settings *settings, shadow_pass *pass);
 void shadow_pass_destroy(gpu_device *device, shadow_pass *pass);
 
-// The same lamps in other places or of other strength: as many, with as many views. Nothing that uses the pass may be pending, and all
-// maps have to be drawn again.
+// Moves the pass's lamps or changes their strength; the list has to have as many lamps and views as before. Nothing
+// that uses the pass may be pending, and all maps have to be drawn again.
 bool shadow_pass_change(gpu_device *device, const lamp_list *list, shadow_pass *pass);
 
 // Draw all maps. Waits for compute recorded before; compute that follows may read the maps.

@@ -89,7 +89,7 @@ typedef enum olx_map {
   OLX_MAP_CLASSIC_RADIANCE_2,   // of 1/2
   OLX_MAP_CLASSIC_RADIANCE_3,   // of 3/4
   OLX_MAP_CLASSIC_RADIANCE_4,   // of 1
-  // Of the probes of the irradiance volume: spherical harmonics at 32 x 32 directions.
+  // The spherical harmonics of the irradiance volume's probes, evaluated at 32 x 32 directions.
   OLX_MAP_VOLUME_IRRADIANCE, // W/m^2
   OLX_MAP_COUNT
 } olx_map;

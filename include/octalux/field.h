@@ -79,8 +79,8 @@ typedef struct olx_field_info {
   uint32_t volume_probe_count; // probes of the irradiance volume; 0: baked without
   uint32_t light_count;    // lights of the scene that have no area
   uint64_t file_bytes;
-  // Of the surfaces that light field probes see: base colour and reflectance, irradiance straight from emitters, irradiance
-  // from surfaces, emission with the sky.
+  // Bytes of what is stored of the surfaces that light field probes see: material (base colour and reflectance),
+  // irradiance straight from emitters, irradiance from surfaces, and emission with the sky.
   uint64_t material_bytes, direct_bytes, indirect_bytes, emission_bytes;
   uint64_t geometry_bytes; // of geometry blocks and their planes; 0 without, and normal_bytes and distance_bytes 0 with them
   uint64_t radiance_bytes, normal_bytes, distance_bytes, pyramid_bytes, irradiance_bytes, moments_bytes,

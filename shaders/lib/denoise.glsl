@@ -103,7 +103,7 @@ bool olx_stands_still(vec2 at, vec2 pixel) {
   return abs(at.x - pixel.x) < OLX_STILL_PIXELS && abs(at.y - pixel.y) < OLX_STILL_PIXELS;
 }
 
-// Of the four pixels around a place, `corner` 0 to 3 from the top left.
+// The bilinear weight of one of the four pixels around a place, `corner` 0 to 3 from the top left.
 float olx_bilinear_weight(vec2 at, uint corner) {
   float right = at.x - floor(at.x), bottom = at.y - floor(at.y);
   return ((corner & 1u) != 0u ? right : 1.0 - right) * ((corner >> 1) != 0u ? bottom : 1.0 - bottom);

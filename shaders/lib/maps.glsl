@@ -86,7 +86,7 @@ vec3 olx_texel_normal(ivec3 origin, ivec2 texel) {
   return olx_normal_unpack(texelFetch(olx_normal_maps, origin + ivec3(texel, 0), 0).r);
 }
 
-// Both of them.
+// The distance and the normal of a texel, decoded together.
 olx_texel_geometry olx_texel_geometry_of(ivec3 origin, ivec2 texel) {
   if (olx_geometry_in_blocks()) return olx_block_geometry(origin, texel);
   return olx_texel_geometry(olx_texel_distance(origin, texel), olx_texel_normal(origin, texel));

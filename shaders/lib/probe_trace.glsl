@@ -82,7 +82,8 @@ float olx_farthest_squared(olx_march m, float t0, float t1) {
   return max(olx_radius_squared(m, t0), olx_radius_squared(m, t1));
 }
 
-// The same, and not less than that of any part of [t0, t1], whatever rounding does to the part's ends.
+// The greatest squared distance from the probe over [t0, t1], no less than that over any part of it, whatever rounding
+// does to the part's ends.
 float olx_reach_squared(olx_march m, olx_piece p, float t0, float t1) {
   // By how much rounding may move t(s), metres.
   precise float slack = p.t_end < OLX_INFINITY ? OLX_PARAMETER_ROUNDING * p.t_end : 0.0;
@@ -322,7 +323,8 @@ bool olx_reaches_plane(inout olx_march m, ivec2 at, float t0, float t1, out floa
   return !(olx_farthest_squared(m, t0, t1) < stored_squared || stored >= OLX_INFINITY);
 }
 
-// The same for a texel that is yet to be read; `far_squared` is the ray's greatest squared distance over it.
+// Reads the texel and judges its surfel if the ray reaches it; `far_squared` is the ray's greatest squared distance
+// from the probe over the texel.
 int olx_visit_texel(inout olx_march m, olx_piece p, olx_cell c, float t1, float far_squared,
                     inout olx_probe_answer answer) {
   float stored;
@@ -428,7 +430,7 @@ float olx_plane_at(float o, float d) {
   return d == 0.0 ? -OLX_INFINITY : t;
 }
 
-// Of all three planes through the probe.
+// The ray's parameters at the three coordinate planes through the probe.
 vec3 olx_planes_of(olx_probe_ray ray) {
   return vec3(olx_plane_at(ray.origin.x, ray.direction.x), olx_plane_at(ray.origin.y, ray.direction.y),
               olx_plane_at(ray.origin.z, ray.direction.z));

@@ -38,7 +38,7 @@ struct olx_probe_view {
   float miss;  // footprints
 };
 
-// One of the four texels around the point's direction.
+// A texel beside the direction in which a probe sees the point; four of them are blended.
 struct olx_seen_texel {
   bool seen; // not the sky
   float distance, facing;

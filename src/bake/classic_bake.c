@@ -92,7 +92,7 @@ static void note_side(const olx_classic_bake *b, uint32_t texel, const olx_surfa
   const float normal[3] = {surface->geometric_normal.x, surface->geometric_normal.y, surface->geometric_normal.z};
   b->place[texel] = olx_sub(surface->position, b->shade->scene->bounds_min);
   for (uint32_t axis = 0; axis < 3; axis++) {
-    // Of a unit vector one coordinate can be larger, or two hardly.
+    // One coordinate of a unit vector can exceed this bound, or two of them by next to nothing.
     if (fabsf(normal[axis]) >= 0.7f) b->side[texel] = (uint8_t)(2 * axis + (normal[axis] < 0.0f));
   }
 }
@@ -119,8 +119,8 @@ static void cube_job(void *user, uint32_t tile) {
 
 // A side of less than this share of the sphere says nothing.
 static const float least_share = 0.01f;
-// Of the surfaces that could be a side, this share may lie farther out, and twice as much of anything be seen beyond: a view
-// through a door.
+// This share of the surfaces that could be a side may lie farther out, and twice this share of all that is seen may lie
+// beyond the side, as a view through a door does.
 static const float share_outside = 0.1f;
 
 enum { BINS = 4096 };

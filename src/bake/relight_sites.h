@@ -8,7 +8,7 @@
 #include "light/scene_light.h"
 #include "work/byte_stream.h"
 
-// Of all probes up to now; arrays grow.
+// The sites of all probes that were captured so far. The arrays grow as probes are added.
 typedef struct olx_relight_sites {
   olx_relight_block *blocks;
   uint32_t *starts; // of each site's entries, and the end

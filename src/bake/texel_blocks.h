@@ -6,7 +6,7 @@
 #include "block/geometry_block.h"
 #include "scene/surface.h"
 
-// Of a map's texels, rows one after the other, the i-th of a block.
+// Index of the i-th texel of a block in a map whose rows lie one after the other.
 static inline uint32_t olx_block_texel(const olx_capture *capture, uint32_t block, uint32_t i) {
   const uint32_t blocks = capture->size / OLX_BLOCK_SIDE;
   const uint32_t x = block % blocks * OLX_BLOCK_SIDE + i % OLX_BLOCK_SIDE,

@@ -73,7 +73,7 @@ olx_result olx_field_writer_surface(olx_field_writer *writer, uint32_t index, co
 olx_result olx_field_writer_irradiance(olx_field_writer *writer, uint32_t index, uint8_t flags, const void *irradiance,
                                        const uint32_t *moments);
 
-// The same for classic maps, where info.classic_size asks for them.
+// The classic maps of one irradiance probe, in order of index, where info.classic_size is not 0.
 olx_result olx_field_writer_classic(olx_field_writer *writer, uint32_t index, const olx_classic_record *record);
 
 // What relighting needs (field/relight_data.h), where the header has it: once, when all surfaces are written.

@@ -2,11 +2,12 @@
 // is |q| / w away.
 #include "field/geometry_map.h"
 
-// Rounding of what follows, as a share.
+// The relative error that rounding may bring into a bound on distances.
 static const float ROUNDING = 0x1p-20f;
 
-// Of |q| over a block. A fold goes from corner to corner, so |q| is greatest at one; it is no less than its component along the
-// middle's direction, and that is least at one.
+// Bounds on the length |q| of the unnormalised octahedral directions over a block. A fold goes from corner to corner,
+// so |q| is greatest at a corner; it is no less than its component along the direction of the block's middle, and that
+// component is least at a corner.
 typedef struct lengths {
   float least, greatest;
 } lengths;

@@ -20,7 +20,7 @@ typedef struct olx_distance_bounds {
 olx_distance_bounds olx_block_distances(const olx_geometry_block *block, const olx_plane_pool *pool,
                                         olx_block_place place, float scale);
 
-// Those of all blocks of a map, (n / 4)^2 of each, for a pyramid over them.
+// Writes the least and the greatest distance of every block of a map, (n / 4)^2 of each, for a pyramid over them.
 olx_pyramid_base olx_pyramid_over_blocks(const olx_geometry_map *map, uint32_t n, float scale, uint16_t *least,
                                          uint16_t *greatest);
 

@@ -91,7 +91,7 @@ static inline olx_vec3 olx_texel_normal(const olx_field *field, uint32_t probe, 
   return olx_normal_unpack(field->normal[field->texels * probe + texel]);
 }
 
-// Both of them.
+// The distance and the normal of a texel, decoded together.
 static inline olx_texel_geometry olx_texel_geometry_of(const olx_field *field, uint32_t probe, size_t texel) {
   if (field->geometry) return olx_block_geometry(field, probe, texel);
   return (olx_texel_geometry){olx_texel_distance(field, probe, texel), olx_texel_normal(field, probe, texel)};

@@ -232,7 +232,7 @@ static olx_unit_stage points_of(point_stage *p) {
   return (olx_unit_stage){"points", p->round, 1, p, NULL, save_points, load_points};
 }
 
-// Those that came with the last step.
+// Keeps the surface points that the last exploring step added.
 static olx_result keep_points(olx_scene_light *l) {
   point_stage p = {l, l->round};
   const olx_unit_stage stage = points_of(&p);

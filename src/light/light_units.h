@@ -71,7 +71,7 @@ typedef struct olx_light_checkpoint {
   olx_bounce_state state;
 } olx_light_checkpoint;
 
-// Of the bounces of a step: all of them, or a few.
+// Begins to keep the bounces of a step: all of them with `all`, or else a few.
 olx_bounce_keeper olx_light_checkpoint_begin(olx_light_checkpoint *checkpoint, olx_scene_light *light, bool all);
 
 // Makes the table by which surfels are found, or loads it.

@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-// Of a common column; rare ones have a share of it.
+// The weight of a common column; a rare column has a share of it.
 #define COMMON_WEIGHT 64u
 enum { ROWS_A_JOB = 16, PIECE = 240 };
 

@@ -36,7 +36,7 @@ static olx_result mix_palette(olx_scene *s, palette *p) {
   return olx_add_matte(s, "blue cloth", olx_v3(0.1f, 0.2f, 0.58f), &p->blue_cloth);
 }
 
-// One of the four quarters of the hall, made as the one of x > 0 and z > 0 and mirrored.
+// A quarter of the hall. Each is described as the quarter of x > 0 and z > 0 would be, and mirrored.
 typedef struct quarter {
   olx_scene *scene;
   const palette *materials;

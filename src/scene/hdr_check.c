@@ -23,7 +23,7 @@ static bool next_line(hdr_reader *r) {
 
 static bool has(const hdr_reader *r, uint64_t size_bytes) { return (uint64_t)(r->end - r->at) >= size_bytes; }
 
-// One of the four bytes of all texels of a row.
+// Checks the runs that hold one of the four channels of a row.
 static bool check_runs(hdr_reader *r, uint32_t width) {
   for (uint32_t left = width; left > 0;) {
     if (!has(r, 1)) return false;

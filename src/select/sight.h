@@ -49,7 +49,8 @@ static inline bool olx_probe_sees(const olx_field *field, uint32_t probe, olx_ve
   return !leaving || height >= footprint || olx_dot(normal, *leaving) >= 0.0f;
 }
 
-// The same for several probes and places at once; `leaving` is NULL or has a direction for each.
+// Decides for several pairs of a probe and a place at once, as olx_probe_sees does; `leaving` is NULL or has a
+// direction for each.
 void olx_probes_see(const olx_field *field, uint32_t count, const uint32_t *probes, const olx_vec3 *points, float slack,
                     const olx_vec3 *leaving, bool *sees);
 

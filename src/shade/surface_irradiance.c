@@ -101,7 +101,7 @@ typedef struct probe_view {
   float miss;      // footprints
 } probe_view;
 
-// One of the four texels around the point's direction.
+// A texel beside the direction in which a probe sees the point; four of them are blended.
 typedef struct seen_texel {
   float distance, facing; // facing: cosine of its surface to the probe
   olx_vec3 normal;

@@ -306,7 +306,7 @@ WIDE void visit_blocks(work *w, lanes *l, wide_look *seen) {
     behind |= (base[k] + slope[k] * begin > 1.0f) | (base[k] + slope[k] * end > 1.0f);
   }
   seen->clear |= which & ~(bits(behind) | pooled);
-  // Those of the pool are judged by olx_visit_block as a whole, too.
+  // Blocks with planes in the pool are judged as a whole by olx_visit_block.
   for (uint32_t left = which & ~seen->clear; left; left &= left - 1) {
     const uint32_t lane = (uint32_t)__builtin_ctz(left);
     const olx_piece p = piece_of(l, lane);

@@ -29,7 +29,7 @@ typedef struct olx_probe_job {
   olx_probe_ray ray;
 } olx_probe_job;
 
-// The same for many rays at once.
+// Marches many rays at once, each through the probe that its job names; answers[i] is that of jobs[i].
 void olx_trace_probes(const olx_field *field, const olx_probe_job *jobs, uint32_t count, olx_tracer tracer,
                       olx_probe_answer *answers);
 

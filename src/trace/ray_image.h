@@ -117,7 +117,8 @@ static inline float olx_parameter_at(const olx_piece *p, float s) {
   return s >= 1.0f ? p->t_end : p->t_begin + p->rise * s / (p->near + p->slope * s);
 }
 
-// The same, and not less than that of any part of [t0, t1], whatever rounding does to the part's ends.
+// The greatest squared distance from the probe over [t0, t1], no less than that over any part of it, whatever rounding
+// does to the part's ends.
 static inline float olx_reach_squared(const olx_march *m, const olx_piece *p, float t0, float t1) {
   const float along = olx_max(m->closest - t0, t1 - m->closest) + p->slack;
   return (m->miss_squared + along * along) * (1.0f + 0x1p-16f);

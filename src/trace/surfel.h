@@ -37,7 +37,8 @@ olx_verdict olx_visit_plane(olx_march *m, const olx_piece *p, olx_cell c, float 
 olx_verdict olx_judge_surfel(olx_march *m, const olx_piece *p, olx_cell c, float t1, float stored,
                              olx_probe_answer *answer);
 
-// The same for a texel that is yet to be read; `far_squared` is the ray's greatest squared distance over it.
+// Reads texel c and judges its surfel if the ray reaches it; `far_squared` is the ray's greatest squared distance from
+// the probe over the texel.
 static inline olx_verdict olx_visit_texel(olx_march *m, const olx_piece *p, olx_cell c, float t1, float far_squared,
                                           olx_probe_answer *answer) {
   if (m->geometry) return olx_visit_plane(m, p, c, t1, answer);

@@ -194,7 +194,7 @@ static uint32_t take_best(listed *l) {
   return olx_bricks_probe(l->list, best);
 }
 
-// Of the probes that the bricks list, the best that sees where the ray stands.
+// The best of the probes that the bricks list and that see where the ray stands, or OLX_NO_PROBE.
 static uint32_t next_listed(const search *s) {
   listed l = look_up(s);
   for (;;) {

@@ -27,7 +27,7 @@ typedef struct olx_manifest_value {
 } olx_manifest_value;
 olx_manifest_value olx_manifest_find(const olx_manifest *manifest, const char *name);
 
-// Of a unit's file, which is called STAGE-ROUND-UNIT.unit.
+// What names a unit's file, STAGE-ROUND-UNIT.unit.
 typedef struct olx_unit_name {
   const char *stage; // lower-case letters, at most 15
   uint32_t round, unit;

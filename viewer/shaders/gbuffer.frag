@@ -10,7 +10,8 @@ layout(location = 4) flat in vec3 along_u;
 layout(location = 5) flat in vec3 along_v;
 layout(location = 6) in vec4 color;
 layout(location = 7) in vec4 tangent;
-// Of the material, as all of a quad's pixels must know them that choose coordinates: pixels beside the triangle read no buffers.
+// Flags of the material. They come from the vertex shader because all pixels of a quad need them to choose coordinates,
+// and pixels beside the triangle read no buffers.
 layout(location = 8) flat in uint flags;
 
 layout(location = 0) out vec4 out_normal;

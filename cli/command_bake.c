@@ -90,6 +90,8 @@ static int print_plan_json(const olx_bake_sizes *sizes, double seconds, bool fit
   add_number(object, "probes", (double)sizes->probes);
   add_number(object, "irradiance_probes", (double)sizes->irradiance_probes);
   add_bytes(object, "file_bytes", sizes->file_bytes);
+  add_bytes(object, "expected_bytes", sizes->expected_bytes);
+  add_bytes(object, "link_bytes", sizes->link_bytes);
   add_bytes(object, "device_bytes", sizes->device_bytes);
   add_bytes(object, "memory_bytes", sizes->memory_bytes);
   add_bytes(object, "work_bytes", sizes->work_bytes);
@@ -110,11 +112,12 @@ static void print_plan(const char *path, const olx_bake_sizes *sizes, double sec
   size_text free_bytes;
   printf("%s: nothing is baked; a bake would be\n", path);
   printf("  probes   %" PRIu64 " of light, %" PRIu64 " of irradiance\n", sizes->probes, sizes->irradiance_probes);
-  printf("  file     %s (%" PRIu64 " bytes) and what selectors other than the cage add; %s free\n",
-         text_of_bytes(sizes->file_bytes).text, sizes->file_bytes, available(sizes->available_disk_bytes, &free_bytes));
+  printf("  file     about %s, %" PRIu64 " bytes at least; %s free\n", text_of_bytes(sizes->expected_bytes).text,
+         sizes->file_bytes, available(sizes->available_disk_bytes, &free_bytes));
   if (sizes->device_bytes) printf("  GPU      %s\n", text_of_bytes(sizes->device_bytes).text);
   else printf("  GPU      nothing: spherical harmonics are read on the CPU alone\n");
-  printf("  memory   %s beside the scene; %s available\n", text_of_bytes(sizes->memory_bytes).text,
+  printf("  memory   %s beside the scene, and %s at most for the light of the scene; %s available\n",
+         text_of_bytes(sizes->memory_bytes).text, text_of_bytes(sizes->link_bytes).text,
          available(sizes->available_memory_bytes, &free_bytes));
   printf("  work     %s at most in a work folder until it is done\n", text_of_bytes(sizes->work_bytes).text);
   printf("  rays     %.3g\n", (double)sizes->rays);

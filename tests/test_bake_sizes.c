@@ -5,7 +5,9 @@
 #include "scene_files.h"
 
 #include <octalux/bake.h>
+#include <octalux/place.h>
 
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdatomic.h>
@@ -140,6 +142,27 @@ static void blocks_have_their_size(void **state) {
   olx_scene_free(scene);
 }
 
+// `place` says before the bake how large the field will be, and `bake` says the same.
+static void place_and_bake_expect_the_same_file(void **state) {
+  const scene_folder *folder = *state;
+  char path[512];
+  snprintf(path, sizeof path, "%s/a.olx", folder->path);
+  olx_scene *scene = load("builtin:cornell");
+  olx_bake_settings settings = olx_bake_settings_default(scene);
+  olx_vec3 probes[40] = {0};
+  settings.probes = probes;
+  settings.probe_count = 40;
+  for (uint32_t size = 128; size <= 1024; size *= 2) {
+    olx_bake_sizes sizes;
+    settings.radiance_size = size;
+    assert_int_equal(olx_bake_measure(scene, &settings, path, &sizes), OLX_OK);
+    const double placed = (double)olx_light_field_bytes(40, size), baked = (double)sizes.expected_bytes;
+    assert_true(fabs(placed / baked - 1.0) < 0.001);
+    assert_true(sizes.expected_bytes > sizes.file_bytes);
+  }
+  olx_scene_free(scene);
+}
+
 static double now_seconds(void) {
   struct timespec t;
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
@@ -208,8 +231,11 @@ static void an_estimate_is_a_time(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      IN_FOLDER(bakes_take_what_they_say),     IN_FOLDER(probe_light_has_its_size),
-      IN_FOLDER(blocks_have_their_size),       IN_FOLDER(what_does_not_fit_is_refused_at_once),
+      IN_FOLDER(bakes_take_what_they_say),
+      IN_FOLDER(probe_light_has_its_size),
+      IN_FOLDER(place_and_bake_expect_the_same_file),
+      IN_FOLDER(blocks_have_their_size),
+      IN_FOLDER(what_does_not_fit_is_refused_at_once),
       cmocka_unit_test(an_estimate_is_a_time),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

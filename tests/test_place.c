@@ -311,13 +311,13 @@ static void a_budget_says_how_many(void **state) {
   olx_scene *scene = load("builtin:cornell");
   olx_place_settings settings = quick_settings(scene, OLX_PLACE_COVER);
   settings.resolution = 64;
-  settings.budget_mb = 3.99e-6 * (double)olx_light_probe_bytes(64);
+  settings.budget_mb = 1e-6 * (double)(olx_light_field_bytes(4, 64) - 1);
   olx_probe_set set = place(scene, &settings);
   assert_int_equal(set.count, 3);
   olx_probe_set_free(&set);
-  settings.budget_mb = 0.5e-6 * (double)olx_light_probe_bytes(64);
+  settings.budget_mb = 1e-6 * (double)(olx_light_field_bytes(1, 64) - 1);
   assert_int_equal(olx_place(scene, &settings, NULL, &set), OLX_ERROR_ARGUMENT);
-  assert_non_null(strstr(olx_last_error(), "does not hold one probe"));
+  assert_non_null(strstr(olx_last_error(), "does not hold a field of one probe"));
   olx_scene_free(scene);
 }
 

@@ -126,12 +126,14 @@ typedef struct olx_bake_stats {
 // The sizes of a bake, computed by the code that allocates and lays out, without casting a ray.
 typedef struct olx_bake_sizes {
   uint64_t probes, irradiance_probes; // 0 of irradiance without probe light
-  uint64_t file_bytes;   // structures of other selectors than the cage and the irradiance volume come on top, and, where probes see emitters or the
-                         // sky, at most 4 bytes a texel; planes of fine surfaces, up to a third of a byte a texel in the
-                         // scenes that were measured and 8 at most
+  uint64_t file_bytes; // what the description makes certain. On top come structures of other selectors than the cage, the
+                       // irradiance volume, up to 4 bytes a texel where probes see emitters or the sky, and planes of fine
+                       // surfaces, up to a third of a byte a texel in the scenes that were measured and 8 at most
+  uint64_t expected_bytes; // file_bytes with what furnished rooms have on top, as olx_light_field_bytes reckons it
   uint64_t device_bytes; // that a Vulkan device holds of it, before alignment; 0 for irradiance as spherical harmonics
   uint64_t memory_bytes; // that the bake takes at most at once, beside the scene, structures of selectors, and surfels with
                          // their links (olx_bake_stats.light_bytes)
+  uint64_t link_bytes;   // that links between surfels take at most; most scenes need less. 0 with OLX_LIGHT_REFERENCE
   uint64_t work_bytes;   // that a work folder takes at most: what the light of the scene may take, and maps beside the file's
   uint64_t rays;         // of all probes, before shadows and reflections
   uint64_t available_memory_bytes, available_disk_bytes; // UINT64_MAX: not known

@@ -87,7 +87,7 @@ typedef struct olx_place_settings {
   // 0.15 diagonals wide.
   uint32_t count;   // 1 to 65,536; 0 (the default): not limited
   float coverage;   // share of what can be covered, within [0, 1]; 0 (the default): 0.999, and 1 with a count or budget
-  double budget_mb; // megabytes (10^6 bytes) of light field probes at `resolution`; 0 (the default): not limited
+  double budget_mb; // megabytes (10^6 bytes) that the field may take at `resolution` (olx_light_field_bytes); 0 (the default): not limited
   uint32_t views;   // probes that shall see each surfel, 1 to 8; default 1
   olx_grid grid;    // OLX_PLACE_GRID: positions of its probes; default: the scene's
   uint32_t resolution; // texels along a light field map, a power of two, 8 to 2048; default 512
@@ -182,8 +182,9 @@ olx_result olx_probe_set_save(const olx_probe_set *set, const char *path);
 // element; a position beyond OLX_POSITION_LIMIT_METRES is one. On success the set is the caller's to free.
 olx_result olx_probe_set_load(const char *path, const double origin[3], olx_probe_set *set);
 
-// Bytes of one light field probe in a field file: its maps with borders, and its pyramid.
-uint64_t olx_light_probe_bytes(uint32_t resolution);
+// Bytes that a field of that many light field probes of resolution^2 texels is expected to take, baked with default settings
+// (olx_bake_sizes.expected_bytes).
+uint64_t olx_light_field_bytes(uint32_t count, uint32_t resolution);
 
 #pragma GCC visibility pop
 #ifdef __cplusplus

@@ -66,6 +66,10 @@ olx_result olx_bake_probes(olx_bake_run *run);
 
 // Everything that is released when a bake ends, with its file or without; `result` or what committing the file said comes back.
 olx_result olx_bake_finish(olx_bake_run *run, olx_result result, double start);
+// What the field will be: for the file, and to know its size before anything is made.
+olx_field_header olx_bake_header(const olx_bake_run *run);
+// Units of progress, in rays; the quadrature of the gather must be known.
+uint64_t olx_bake_units(const olx_bake_run *run);
 olx_result olx_bake_create_file(olx_bake_run *run, const char *path);
 void olx_bake_describe(olx_bake_run *run);
 

@@ -72,6 +72,13 @@ void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHU
   for (uint32_t i = 0; i < OLX_CHUNK_KINDS; i++) shapes[i] = olx_chunk_shape_of(&table[i]);
 }
 
+// As measured in furnished rooms.
+enum { EXTRA_BYTES_A_TEXEL_INVERSE = 5, VOLUME_BYTES = 700000 };
+
+uint64_t olx_expected_extra_bytes(uint64_t probes, uint32_t radiance_size) {
+  return probes * radiance_size * radiance_size / EXTRA_BYTES_A_TEXEL_INVERSE + VOLUME_BYTES;
+}
+
 static olx_file_grid store_grid(const olx_grid *grid) {
   olx_file_grid stored = {.count = {grid->count[0], grid->count[1], grid->count[2]}};
   olx_store3(stored.origin, grid->origin);

@@ -121,6 +121,10 @@ static inline olx_chunk_kind olx_select_chunk(olx_select select) {
 // are, how many planes, nor what relighting needs: the sizes of these chunks are 0 here.
 void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHUNK_KINDS]);
 
+// Bytes that no description foresees, as they are expected in a field with maps of radiance_size^2 texels: planes of fine surfaces, tiles of
+// emission and bricks in proportion to the texels, and the irradiance volume (docs/studies/storage.md).
+uint64_t olx_expected_extra_bytes(uint64_t probes, uint32_t radiance_size);
+
 // Whether a Vulkan device holds a chunk of that kind as it is (src/vulkan/gpu_field.c).
 bool olx_chunk_is_on_device(olx_chunk_kind kind);
 

@@ -43,6 +43,8 @@ static const float MOST_OF_A_RAY = 0.25f;
 // The memory of links: where it does not suffice, surfels get fewer rays.
 static const uint64_t MOST_LINKS = (1ull << 30) / sizeof(olx_link);
 
+uint64_t olx_scene_light_most_link_bytes(void) { return MOST_LINKS * sizeof(olx_link); }
+
 olx_scene_light_settings olx_scene_light_settings_default(void) {
   return (olx_scene_light_settings){.bounces = OLX_BOUNCES_INFINITE, .noise = 0.02f, .spacing = 0.2f, .map_size = 512};
 }

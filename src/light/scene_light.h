@@ -25,6 +25,8 @@ typedef struct olx_scene_light_settings {
 } olx_scene_light_settings;
 
 olx_scene_light_settings olx_scene_light_settings_default(void);
+// The memory that links take at most: where it does not suffice, surfels get fewer rays.
+uint64_t olx_scene_light_most_link_bytes(void);
 
 // What solving took and reached.
 typedef struct olx_scene_light_report {

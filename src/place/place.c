@@ -50,13 +50,27 @@ const char *olx_probe_origin_name(olx_probe_origin origin) {
   return (size_t)origin < sizeof names / sizeof *names ? names[origin] : "unknown";
 }
 
-uint64_t olx_light_probe_bytes(uint32_t resolution) {
-  const olx_field_info one = {.probe_count = 1, .radiance_size = resolution, .irradiance_size = 8};
+uint64_t olx_light_field_bytes(uint32_t count, uint32_t resolution) {
+  const olx_field_info info = {
+      .probe_count = count, .radiance_size = resolution, .compressed = true, .geometry_blocks = true};
   olx_chunk_shape shapes[OLX_CHUNK_KINDS];
-  olx_chunk_shapes(&one, shapes);
-  return shapes[OLX_CHUNK_RADIANCE].record_bytes + shapes[OLX_CHUNK_NORMAL].record_bytes +
-         shapes[OLX_CHUNK_DISTANCE].record_bytes + shapes[OLX_CHUNK_LEAST].record_bytes +
-         shapes[OLX_CHUNK_GREATEST].record_bytes;
+  olx_chunk_shapes(&info, shapes);
+  uint64_t bytes = olx_expected_extra_bytes(count, resolution);
+  for (uint32_t k = OLX_CHUNK_PROBE_POSITIONS; k <= OLX_CHUNK_EMISSION; k++) {
+    if (olx_chunk_is_required(&info, k)) bytes += shapes[k].size_bytes;
+  }
+  return bytes;
+}
+
+// The most probes of that resolution whose field is expected to fit.
+static uint32_t affordable(double bytes, uint32_t resolution) {
+  uint32_t least = 0, most = MOST_PROBES;
+  while (least < most) {
+    const uint32_t count = least + (most - least + 1) / 2;
+    if ((double)olx_light_field_bytes(count, resolution) <= bytes) least = count;
+    else most = count - 1;
+  }
+  return least;
 }
 
 olx_place_settings olx_place_settings_default(const olx_scene *scene) {
@@ -119,14 +133,12 @@ static olx_result check_settings(const olx_place_settings *s) {
 static olx_result resolve(const olx_scene *scene, olx_place_settings *s) {
   const uint32_t pinned = scene->probe_rules.pinned_count;
   if (s->budget_mb > 0.0) {
-    const uint64_t bytes = olx_light_probe_bytes(s->resolution);
-    const double affordable = s->budget_mb * 1e6 / (double)bytes;
-    if (affordable < 1.0) {
-      return olx_fail(OLX_ERROR_ARGUMENT,
-                      "place: a budget of %g MB does not hold one probe of %u x %u texels (%.3f MB)", s->budget_mb,
-                      s->resolution, s->resolution, (double)bytes * 1e-6);
+    const uint32_t count = affordable(s->budget_mb * 1e6, s->resolution);
+    if (count == 0) {
+      return olx_fail(
+          OLX_ERROR_ARGUMENT, "place: a budget of %g MB does not hold a field of one probe of %u x %u texels (%.3f MB)",
+          s->budget_mb, s->resolution, s->resolution, (double)olx_light_field_bytes(1, s->resolution) * 1e-6);
     }
-    const uint32_t count = affordable < MOST_PROBES ? (uint32_t)affordable : MOST_PROBES;
     if (s->count == 0 || count < s->count) s->count = count;
   }
   if (s->coverage <= 0.0f) s->coverage = s->count ? 1.0f : 0.999f;

@@ -1,0 +1,104 @@
+// Computes what a bake takes in files and memory before it begins, by the code that lays out and allocates, and refuses one that
+// does not fit the machine.
+#include "bake/available.h"
+#include "bake/bake_run.h"
+#include "bake/bake_settings.h"
+#include "core/parallel.h"
+#include "core/result.h"
+
+#include <stdio.h>
+
+static uint64_t grid_count(const olx_grid *grid) { return (uint64_t)grid->count[0] * grid->count[1] * grid->count[2]; }
+
+// What a bake that is described and has not begun would hold at once.
+static uint64_t memory_of(const olx_bake_run *b, const olx_field_layout *layout) {
+  const olx_bake_settings *s = b->settings;
+  const uint32_t threads = s->threads ? s->threads : olx_processor_count();
+  const uint64_t probe_bytes = 2 * (sizeof(olx_vec3) + 1); // here and in the writer
+  uint64_t bytes = ((uint64_t)b->counts[0] + b->counts[1]) * probe_bytes + threads * sizeof(olx_shade_scratch);
+  if (b->counts[1])
+    bytes += olx_gather_bytes(&b->gather, s->irradiance_size, s->bounces, olx_bake_is_solved(s), s->fit);
+  bytes += olx_capture_bytes(s->radiance_size);
+  bytes += layout->shapes[OLX_CHUNK_RADIANCE].record_bytes + layout->shapes[OLX_CHUNK_LEAST].record_bytes +
+           layout->shapes[OLX_CHUNK_GREATEST].record_bytes; // the writer's map and pyramid
+  bytes += olx_surface_capture_bytes(&b->surfaces, s->light == OLX_LIGHT_CACHE);
+  return s->classic ? bytes + olx_classic_bake_bytes(&b->classic) : bytes;
+}
+
+static uint64_t links_of(const olx_bake_settings *settings) {
+  return settings->light == OLX_LIGHT_CACHE ? olx_scene_light_most_link_bytes() : 0;
+}
+
+// A work folder holds what the file holds, with emission of every texel where the file has tiles of it. Links are stored
+// once; surfels and the steps of light that are stored several times take less than that again.
+static uint64_t work_of(const olx_bake_run *b, const olx_field_layout *layout) {
+  const uint64_t size = b->settings->radiance_size;
+  return layout->file_bytes + b->counts[0] * size * size * sizeof(uint32_t) + 2 * links_of(b->settings);
+}
+
+// Maps of texels take what the description says; only blocks have planes beside them.
+static uint64_t expected_of(const olx_bake_run *b, const olx_field_layout *layout) {
+  const uint64_t extra = olx_expected_extra_bytes(b->counts[0], b->settings->radiance_size);
+  return layout->file_bytes + (b->settings->uncompressed ? 0 : extra);
+}
+
+// "12 light field and 27 irradiance probes"
+typedef struct probes_text {
+  char text[80];
+} probes_text;
+
+static probes_text name_probes(const olx_bake_sizes *sizes) {
+  probes_text name;
+  const unsigned long long light = sizes->probes, irradiance = sizes->irradiance_probes;
+  if (irradiance)
+    snprintf(name.text, sizeof name.text, "%llu light field and %llu irradiance probes", light, irradiance);
+  else snprintf(name.text, sizeof name.text, "%llu light field probes", light);
+  return name;
+}
+
+static olx_result check_available(const olx_bake_sizes *sizes, const char *path) {
+  const double gibibyte = 0x1p30;
+  const probes_text probes = name_probes(sizes);
+  if (sizes->file_bytes > sizes->available_disk_bytes) {
+    return olx_fail(
+        OLX_ERROR_FILE,
+        "%s: %s make a file of %.2f GiB (%llu bytes), and %.2f GiB are free there: fewer probes, or smaller "
+        "maps (radiance_size, irradiance_size)",
+        path, probes.text, (double)sizes->file_bytes / gibibyte, (unsigned long long)sizes->file_bytes,
+        (double)sizes->available_disk_bytes / gibibyte);
+  }
+  if (sizes->memory_bytes <= sizes->available_memory_bytes) return OLX_OK;
+  return olx_fail(OLX_ERROR_MEMORY,
+                  "%s: baking %s takes %.2f GiB of memory (%llu bytes), and %.2f GiB are available: fewer of them, or "
+                  "smaller maps (radiance_size, irradiance_size)",
+                  path, probes.text, (double)sizes->memory_bytes / gibibyte, (unsigned long long)sizes->memory_bytes,
+                  (double)sizes->available_memory_bytes / gibibyte);
+}
+
+olx_result olx_bake_measure(const olx_scene *scene, const olx_bake_settings *settings, const char *path,
+                            olx_bake_sizes *sizes) {
+  *sizes = (olx_bake_sizes){0};
+  OLX_TRY(olx_bake_check_settings(settings));
+  if (scene->triangle_count == 0) return olx_fail(OLX_ERROR_EMPTY, "%s: the scene has no triangles", path);
+  olx_bake_run b = {.scene = scene, .settings = settings, .distance_scale = 1.0f};
+  b.counts[0] = settings->probes ? settings->probe_count : (uint32_t)grid_count(&settings->grid);
+  if (olx_bake_keeps_probe_light(settings)) b.counts[1] = (uint32_t)grid_count(&settings->irradiance_grid);
+  olx_bake_describe(&b);
+  b.gather.quadrature = olx_quadrature_shape(settings->irradiance_size);
+  b.gather.traces = b.gather.traces && settings->bounces > 0;
+  const olx_field_header header = olx_bake_header(&b);
+  olx_field_layout layout;
+  olx_field_lay_out(&header, &layout);
+  *sizes = (olx_bake_sizes){.probes = b.counts[0],
+                            .irradiance_probes = b.counts[1],
+                            .file_bytes = layout.file_bytes,
+                            .expected_bytes = expected_of(&b, &layout),
+                            .device_bytes = layout.device_bytes,
+                            .memory_bytes = memory_of(&b, &layout),
+                            .link_bytes = links_of(settings),
+                            .work_bytes = work_of(&b, &layout),
+                            .rays = olx_bake_units(&b),
+                            .available_memory_bytes = olx_available_memory(),
+                            .available_disk_bytes = olx_available_disk(path)};
+  return check_available(sizes, path);
+}

@@ -37,8 +37,8 @@ fuzz: check-packages
 bench: check-packages build
 	@mkdir -p build/bench
 	@$(OCTALUX) bake builtin:cornell -o build/bench/speed.olx --grid 4x4x4 --radiance-size 256 --irradiance-size 64
-	@build/release/bench/runtime_speed build/bench/speed.olx
-	@$(OCTALUX) bench all --report build/bench/report
+	@build/release/octalux-bench runtime-speed build/bench/speed.olx
+	@build/release/octalux-bench all --report build/bench/report
 	@python3 bench/studies.py
 
 install: build

@@ -80,8 +80,8 @@ class Cycles:
         self.blender, self.work = find_blender(), work
         self.arrays = os.path.join(work, "arrays")
         os.makedirs(self.arrays, exist_ok=True)
-        tool = os.path.join(os.path.dirname(program), "bench", "scene_arrays")
-        run([tool, scene, self.arrays] + ([camera] if camera else []))
+        tool = os.path.join(os.path.dirname(program), "octalux-bench")
+        run([tool, "scene-arrays", scene, self.arrays] + ([camera] if camera else []))
 
     def render(self, output, size, spp, bounces, seed=0, threads=2, textures="float", normals="smooth",
                shadow_terminator=0.0, clamp_indirect=0.0, light_threshold=0.0, emitters="sampled", model=None):

@@ -1,6 +1,6 @@
 """Runs inside Blender: a glTF model read by Blender's own importer instead of Octalux's, every surface Lambertian.
 
-It checks what scene_arrays cannot: that Octalux understood the file. The importer turns Y up into Z up, which is
+It checks what octalux-bench scene-arrays cannot: that Octalux understood the file. The importer turns Y up into Z up, which is
 undone.
 """
 import math

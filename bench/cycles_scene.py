@@ -1,4 +1,4 @@
-"""Runs inside Blender: makes a scene of the arrays that scene_arrays wrote, and renders it with Cycles.
+"""Runs inside Blender: makes a scene of the arrays that octalux-bench scene-arrays wrote, and renders it with Cycles.
 
     blender -b --factory-startup -P bench/cycles_scene.py -- SETTINGS.json
 

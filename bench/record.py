@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The tables of docs/results.md, from what `octalux bench all --json` printed.
+"""The tables of docs/results.md, from what `octalux-bench all --json` printed.
 
     bench/record.py [FOUND.json ...]   take what was found over into docs/results.json, and write the tables anew
     bench/record.py --check            fail when a table of docs/results.md is not what docs/results.json says
@@ -23,7 +23,7 @@ BLOCK = re.compile(r"(<!-- ([a-z0-9-]+) ([a-z0-9-]+)((?: [a-z]+:[^>]*?)?) -->\n)
 
 
 def number_text(value, column):
-    """As `octalux bench` prints it."""
+    """As `octalux-bench` prints it."""
     if value is None:
         return ""
     share = column.get("unit") == "share"
@@ -94,7 +94,7 @@ def merged(record, paths):
         with open(path, encoding="utf-8") as file:
             found = json.load(file)
         if "experiments" in found:
-            record = record or {**found, "command": "octalux bench all --json"}
+            record = record or {**found, "command": "octalux-bench all --json"}
         for experiment in found.get("experiments", [found]):
             at = [i for i, e in enumerate(record["experiments"]) if e["experiment"] == experiment["experiment"]]
             if not at:

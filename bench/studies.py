@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measure what docs/studies/ reports beyond the papers' experiments (octalux bench), and print it as Markdown tables.
+"""Measure what docs/studies/ reports beyond the papers' experiments (octalux-bench), and print it as Markdown tables.
 
     bench/studies.py [EXPERIMENT ...] [--program build/release/octalux] [--work DIR] [--quick] [--device cpu|vulkan ...] [--view NAME ...]
 
@@ -172,9 +172,14 @@ def selector_bytes(field):
     return {name: chunks.get(kind, 0) for name, kind in (("voronoi", b"VORO"), ("octree", b"OCTR"), ("bricks", b"BRIK"))}
 
 
+def study(bench, name):
+    """The command of a study, which lies in the folder of the program that is measured."""
+    return [os.path.join(os.path.dirname(bench.program), "octalux-bench"), name]
+
+
 def selectors(bench):
     """How probes are found: rays against ray casting, bytes, and time on one thread with all selectors taking turns."""
-    program = os.path.join(os.path.dirname(bench.program), "bench", "selector_speed")
+    program = study(bench, "selector-speed")
     head("scene", "probes", "selector", "unresolved", "wrong", "probes tried", "texel steps", "bytes", "ns a ray")
     for name, count, grid in (("cornell-glossy", 7, "2x2x2"), ("temple", 16, "2x2x4"), ("temple", 32, "4x2x4"), ("sponza", 54, "6x3x3")):
         for scene in scenes(bench, name):
@@ -186,7 +191,7 @@ def selectors(bench):
                 bench.run("bake", scene.source, "-o", field, *where, "--radiance-size", scene.radiance, "--bounces", 0, "--irradiance-size", 32,
                           "--select", ",".join(n for n in names if n != "exhaustive"))
                 rays = 10000 if bench.quick else 100000
-                table = subprocess.run([program, field, str(rays)], stdout=subprocess.PIPE, text=True, check=True).stdout.splitlines()
+                table = subprocess.run([*program, field, str(rays)], stdout=subprocess.PIPE, text=True, check=True).stdout.splitlines()
                 nanoseconds = {cells[1]: cells[2] for cells in ([c.strip() for c in line.split("|")] for line in table) if len(cells) > 5}
                 stored = selector_bytes(field)
                 for way in names:
@@ -308,7 +313,7 @@ def dim_lobes(bench):
 
 def seams(bench):
     """Borders of cages in pictures, values that are not finite, and glossy rays without an answer."""
-    program = os.path.join(os.path.dirname(bench.program), "bench", "seams")
+    program = study(bench, "seams")
     picture = ["--size", "320x180" if bench.quick else "640x360", "--spp", 1, "--method", "field"]
     out = bench.path("seams.exr")
     for scene in scenes(bench, "living-room"):
@@ -318,7 +323,7 @@ def seams(bench):
             for device in bench.devices:
                 for mode, options in (("prefiltered", ["--glossy-samples", 16]), ("denoised", ["--frames", 8])):
                     bench.run("render", scene.source, "-o", out, "--field", field, *picture, "--camera", camera, "--device", device, "--mode", mode, *options)
-                    done = subprocess.run([program, scene.source, field, out, camera], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, check=True)
+                    done = subprocess.run([*program, scene.source, field, out, camera], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, check=True)
                     found = json.loads(done.stdout)
                     for layer in ("indirect_diffuse", "indirect_glossy"):
                         m = found[layer]
@@ -335,8 +340,8 @@ PLACED = ["cornell", "temple", "sponza", "white-room", "kitchen", "small-house",
 
 
 def place(bench):
-    """Placement: every method in every scene, and what placement_check finds. Seconds: processor time over two."""
-    check = os.path.join(os.path.dirname(bench.program), "bench", "placement_check")
+    """Placement: every method in every scene, and what placement-check finds. Seconds: processor time over two."""
+    check = study(bench, "placement-check")
     head("scene", "method", "probes", "s", "covered", "covered, checked", "reached", "inside or outside", "nearest surface", "backs seen")
     for name in PLACED:
         source = "builtin:" + name if name in ("cornell", "temple") else described(name)
@@ -352,7 +357,7 @@ def place(bench):
                 p = bench.run("place", source, "-o", probes, "--method", method, "--optimize", optimize)
                 after = os.times()
                 seconds = (after.children_user + after.children_system - before.children_user - before.children_system) / 2
-                done = subprocess.run([check, source, "20000" if bench.quick else "100000", probes], stdout=subprocess.PIPE, check=True, text=True)
+                done = subprocess.run([*check, source, "20000" if bench.quick else "100000", probes], stdout=subprocess.PIPE, check=True, text=True)
                 c = json.loads(done.stdout)
                 row(name, method + ("" if optimize == "none" else " + " + optimize), p["count"], "%.1f" % seconds, "%.2f %%" % (100 * p["coverage"]),
                     "%.2f %%" % (100 * c["covered"]), "%d of %d" % (round(c["reached"] * p["count"]), p["count"]), p["buried"] + c["outside"],
@@ -368,7 +373,7 @@ PROBE_SETS = {
 
 def sets(bench):
     """How few placed probes do as well as the best of several grids."""
-    compare = os.path.join(os.path.dirname(bench.program), "bench", "probe_sets")
+    compare = study(bench, "probe-sets")
     texels = 128 if bench.quick else 256
     for name, (count, grids) in PROBE_SETS.items():
         source = described(name + "-wang")
@@ -390,7 +395,7 @@ def sets(bench):
             bench.run("place", source, "-o", probes, "--method", method, "--optimize", optimize, "--count", count // divisor)
             bake("%s %d" % (method, count // divisor), size, "--probes", probes)
         print(name + "\n", flush=True)
-        subprocess.run([compare, source, "200" if bench.quick else "4000", *fields], check=True, cwd=bench.work)
+        subprocess.run([*compare, source, "200" if bench.quick else "4000", *fields], check=True, cwd=bench.work)
         for field in fields:
             os.remove(os.path.join(bench.work, field))
 

@@ -16,8 +16,5 @@ int command_unpack(int argc, char **argv);
 int command_export(int argc, char **argv);
 int command_export_web(int argc, char **argv);
 int command_view(int argc, char **argv);
-int command_bench(int argc, char **argv);
-int command_bench_wang(int argc, char **argv); // `bench wang` and `bench wang-probes`
-int command_bench_speed(int argc, char **argv);
 
 #endif

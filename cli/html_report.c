@@ -16,11 +16,12 @@ char *command_text(int argc, char **argv) {
   size_t size_bytes;
   FILE *out = open_memstream(&text, &size_bytes);
   if (!out) return NULL;
-  fputs("octalux", out);
+  fputs(program_prefix(argv[0]), out);
   for (int i = 0; i < argc; ++i) {
     static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=.,:/@%";
     const bool quoted = !argv[i][0] || argv[i][strspn(argv[i], plain)];
-    fputs(quoted ? " '" : " ", out);
+    if (i > 0) fputc(' ', out);
+    if (quoted) fputc('\'', out);
     for (const char *c = argv[i]; *c; ++c) *c == '\'' ? fputs("'\\''", out) : fputc(*c, out);
     if (quoted) fputc('\'', out);
   }

@@ -7,7 +7,8 @@
 
 #include <cjson/cJSON.h>
 
-// The command line as a shell takes it, "octalux compare 'a b.exr' ..."; to be freed. argv[0] is the command's name.
+// The command line as a shell takes it, "octalux compare 'a b.exr' ..."; to be freed. argv[0] is the command's name, or that of a
+// program of its own.
 char *command_text(int argc, char **argv);
 
 // A report made by `command`, and sections in it: a heading, what there is to know, and the command that made what the

@@ -31,7 +31,6 @@ static const command commands[] = {
     {"export", "export exr|gltf out.olx -o FILE", "a probe's map as a picture, or all probes as a model",
      command_export},
     {"view", "view SCENE --field out.olx", "fly through a scene lit by a field, on Vulkan", command_view},
-    {"bench", "bench EXPERIMENT", "measure a stated experiment", command_bench},
 };
 
 static void print_help(FILE *stream) {
@@ -69,6 +68,7 @@ static int dispatch(int argc, char **argv) {
     stop_watch(name);
     return stop_exit_code(commands[i].run(argc - 1, argv + 1));
   }
+  if (strcmp(name, "bench") == 0) return usage_error(NULL, "experiments have a program of their own: octalux-bench");
   return usage_error(NULL, "unknown command '%s' (see octalux --help)", name);
 }
 

@@ -9,14 +9,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-// The prefix of a command's name in messages; programs of their own, octalux-NAME, have it in their names.
-static const char *program(const char *command) { return strncmp(command, "octalux", 7) == 0 ? "" : "octalux "; }
+const char *program_prefix(const char *command) { return strncmp(command, "octalux", 7) == 0 ? "" : "octalux "; }
 
 static void complain(const char *command, const char *format, va_list arguments) {
   char message[1536], printable[sizeof message];
   vsnprintf(message, sizeof message, format, arguments);
   olx_printable(message, printable, sizeof printable);
-  fprintf(stderr, "%s%s: %s\n", command ? program(command) : "octalux", command ? command : "", printable);
+  fprintf(stderr, "%s%s: %s\n", command ? program_prefix(command) : "octalux", command ? command : "", printable);
 }
 
 int usage_error(const char *command, const char *format, ...) {
@@ -145,7 +144,7 @@ static void describe_value(const option *o, char *text, size_t size) {
 static bool must_be_given(const option *o) { return o->kind == OPTION_TEXT && o->min == 1; }
 
 static void print_usage(const command_line *line) {
-  printf("usage: %s%s", program(line->name), line->name);
+  printf("usage: %s%s", program_prefix(line->name), line->name);
   for (int i = 0; i < MAX_ARGUMENTS && line->arguments[i]; ++i) printf(" %s", line->arguments[i]);
   for (size_t i = 0; i < line->option_count; ++i) {
     if (must_be_given(&line->options[i])) printf(" %s %s", line->options[i].name, line->options[i].form);
@@ -173,7 +172,8 @@ static bool take_argument(command_line *line, const char *text) {
     line->given[i] = text;
     return true;
   }
-  usage_error(line->name, "'%s' is one argument too many (see %s%s --help)", text, program(line->name), line->name);
+  usage_error(line->name, "'%s' is one argument too many (see %s%s --help)", text, program_prefix(line->name),
+              line->name);
   return false;
 }
 
@@ -202,8 +202,8 @@ static bool take_option(command_line *line, int argc, char **argv, int *index) {
     describe_value(o, wanted, sizeof wanted);
     return usage_error(line->name, "%s: '%s' is not %s", o->name, value, wanted) == EXIT_DONE;
   }
-  return usage_error(line->name, "unknown option '%.*s' (see %s%s --help)", (int)length, text, program(line->name),
-                     line->name) == EXIT_DONE;
+  return usage_error(line->name, "unknown option '%.*s' (see %s%s --help)", (int)length, text,
+                     program_prefix(line->name), line->name) == EXIT_DONE;
 }
 
 bool parse_options(command_line *line, int argc, char **argv, int *exit_code) {
@@ -224,13 +224,15 @@ bool parse_options(command_line *line, int argc, char **argv, int *exit_code) {
   }
   for (int i = 0; i < MAX_ARGUMENTS; ++i) {
     if (!line->arguments[i] || line->arguments[i][0] == '[' || line->given[i]) continue;
-    usage_error(line->name, "%s is missing (see %s%s --help)", line->arguments[i], program(line->name), line->name);
+    usage_error(line->name, "%s is missing (see %s%s --help)", line->arguments[i], program_prefix(line->name),
+                line->name);
     return false;
   }
   for (size_t i = 0; i < line->option_count; ++i) {
     const option *o = &line->options[i];
     if (!must_be_given(o) || *(const char **)o->value) continue;
-    usage_error(line->name, "%s %s is missing (see %s%s --help)", o->name, o->form, program(line->name), line->name);
+    usage_error(line->name, "%s %s is missing (see %s%s --help)", o->name, o->form, program_prefix(line->name),
+                line->name);
     return false;
   }
   *exit_code = EXIT_DONE;

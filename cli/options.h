@@ -50,6 +50,10 @@ typedef struct command_line {
 // said what is wrong).
 bool parse_options(command_line *line, int argc, char **argv, int *exit_code);
 
+// What stands before a command's name in messages: "octalux ", or nothing when the name is that of a program of its own,
+// such as octalux-view, and what follows it.
+const char *program_prefix(const char *command);
+
 // Print "octalux NAME: message" and return EXIT_USAGE or EXIT_FAILED.
 int usage_error(const char *command, const char *format, ...) __attribute__((format(printf, 2, 3)));
 int failure(const char *command, const char *format, ...) __attribute__((format(printf, 2, 3)));

@@ -3,6 +3,7 @@
 #include "stop.h"
 
 #include "clock.h"
+#include "options.h"
 
 #include <dirent.h>
 #include <fcntl.h>
@@ -46,7 +47,7 @@ _Noreturn static void leave_at_once(void) {
   char line[128];
   remove_folder();
   // The line is written without the streams, since another thread may hold their locks.
-  const int length = snprintf(line, sizeof line, "octalux %.64s: interrupted\n", stop.command);
+  const int length = snprintf(line, sizeof line, "%s%.64s: interrupted\n", program_prefix(stop.command), stop.command);
   (void)!write(STDERR_FILENO, line, (size_t)length);
   _exit(128 + stop.signal);
 }

@@ -3,8 +3,9 @@
 
 Folders under src form a ladder; a file may include its own folder and those before it:
 core < block < field < select < trace < shade < vulkan (the runtime) < scene < place < work < light < bake < render < export (the baker).
-Public headers stand on the same ladder. cli, viewer, host and examples see public headers only, cli and viewer
-those of host as well. Public headers see public headers only, and the runtime knows no library but libc, libm, POSIX
+Public headers stand on the same ladder. cli, viewer, host, bench and examples see public headers only; cli, viewer
+and bench those of host as well, viewer and bench what programs share of cli, bench/gpu the viewer's rasteriser, and
+bench/studies what is inside the libraries. Public headers see public headers only, and the runtime knows no library but libc, libm, POSIX
 threads and xxHash, which is inlined. Files, a file being a .c and a .h of one name, do not include each other in
 circles. Every .c opens with a comment that says in a sentence what it is for. Links in Markdown files lead to files of
 the tree, and to headings that are there.
@@ -39,6 +40,10 @@ LICENCE_MARKS = re.compile(r"copyright|spdx-license|all rights reserved|licensed
                            r"@author|public domain", re.IGNORECASE)
 UNFINISHED = re.compile(r"\b(TODO|FIXME|XXX|HACK|stub|not implemented|placeholder)\b")
 MACHINE_PATH = re.compile(r"(?<![\w.$}])/(home|root|Users|work|mnt)/[A-Za-z.]")
+
+# What programs share: the headers of octalux-console in cli.
+CONSOLE = {"bake_options.h", "clock.h", "companion.h", "html_report.h", "options.h", "plot.h", "report.h",
+           "sample_options.h", "scene_options.h", "stop.h"}
 
 LINK = re.compile(r"\]\(([^)\s]*)\)")
 
@@ -120,11 +125,14 @@ def check_client(root, name, angled, target):
     if angled:
         return None
     folders = [(root / name).parent, root / name.split("/")[0]]  # its own, and the client's
-    if name.startswith(("cli/", "viewer/")):
+    if name.startswith(("cli/", "viewer/", "bench/")):
         folders.append(root / "host")
+    for client, other in (("bench/gpu/", "viewer"), ("bench/studies/", "src")):
+        if name.startswith(client):
+            folders.append(root / other)
     if ".." not in target and any(folder.joinpath(target).is_file() for folder in folders):
         return None
-    if name.startswith("viewer/") and target in ("clock.h", "options.h", "sample_options.h", "scene_options.h"):  # as the command line
+    if name.startswith(("viewer/", "bench/")) and target in CONSOLE:
         return None
     if target.endswith(".spv.inc") or target == "lib/octalux.glsl":  # compiled shaders; what is installed for shaders
         return None
@@ -142,7 +150,7 @@ def check_includes(root, names):
                 fault = check_source(name, angled, target)
             elif top == "include":
                 fault = check_public(name, angled, target)
-            elif top in ("host", "cli", "viewer", "examples"):
+            elif top in ("host", "cli", "viewer", "bench", "examples"):
                 fault = check_client(root, name, angled, target)
             if fault:
                 yield f"{name}:{number}: {fault}"
@@ -170,7 +178,7 @@ def check_openings(root, names):
 def find_included(names, name, target):
     """The file of the tree that a quoted include means, or None."""
     here, top = pathlib.PurePosixPath(name).parent, name.split("/")[0]
-    for folder in (here, top, "src", "host", "cli"):
+    for folder in (here, top, "src", "host", "cli", "viewer"):
         found = str(pathlib.PurePosixPath(folder, target))
         if found in names:
             return found

@@ -30,7 +30,7 @@ holds() {
 listed() { (cd "$source" && find "$@" -type f ! -path '*__pycache__*'); }
 
 printf '%s\n' lib/liboctalux.so.0 "lib/liboctalux.so.$version" share/doc/liboctalux0/copyright | holds liboctalux0
-printf '%s\n' bin/octalux bin/octalux-bench-gpu share/doc/octalux/copyright | holds octalux
+printf '%s\n' bin/octalux bin/octalux-bench bin/octalux-bench-gpu share/doc/octalux/copyright | holds octalux
 printf '%s\n' bin/octalux-view share/doc/octalux-viewer/copyright | holds octalux-viewer
 {
   listed include
@@ -75,7 +75,7 @@ for pair in runtime:liboctalux0 dev:liboctalux-dev tools:octalux viewer:octalux-
 done
 
 # Programs carry no symbols for debuggers, nothing refers to the build, and they run where they were unpacked.
-for program in octalux/usr/bin/octalux octalux/usr/bin/octalux-bench-gpu octalux-viewer/usr/bin/octalux-view "liboctalux0/usr/lib/liboctalux.so.$version"; do
+for program in octalux/usr/bin/octalux octalux/usr/bin/octalux-bench octalux/usr/bin/octalux-bench-gpu octalux-viewer/usr/bin/octalux-view "liboctalux0/usr/lib/liboctalux.so.$version"; do
   readelf -S "$work/$program" | grep -q '\.debug_info' && fail "$program is not stripped"
   readelf -d "$work/$program" | grep -E 'R(UN)?PATH' && fail "$program looks for libraries in a folder"
 done

@@ -1,4 +1,4 @@
-"""The numbers of `octalux bench ... --quick --json` against those in bench_quick.json.
+"""The numbers of `octalux-bench ... --quick --json` against those in bench_quick.json.
 
     check_bench.py TABLE.json FOUND.json...            compare; every quality that was found must be in the table, and close
     check_bench.py --update TABLE.json FOUND.json...   put what was found in the table, with the tolerances below

@@ -1,4 +1,4 @@
-"""The report of `octalux bench all` in headless Chromium: contents, pictures of every experiment, tables, looks. Prints what is wrong.
+"""The report of `octalux-bench all` in headless Chromium: contents, pictures of every experiment, tables, looks. Prints what is wrong.
 
     drive_site.py index.html found.json [FOLDER for screenshots]
 """

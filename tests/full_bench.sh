@@ -1,9 +1,10 @@
 # Every experiment at its quick size: every number as in bench_quick.json, and the report of all of them in headless Chromium.
 # OCTALUX_SCREENSHOTS names a folder for pictures of it.
 source "$(dirname "$0")/cli/expect.sh"
+OCTALUX=$OCTALUX_BENCH
 tests="$OCTALUX_SOURCE_DIR/tests"
 export PYTHONDONTWRITEBYTECODE=1
-expect 0 bench all --quick --scenes "$OCTALUX_SOURCE_DIR/scenes" --report site --json
+expect 0 all --quick --scenes "$OCTALUX_SOURCE_DIR/scenes" --report site --json
 cp stdout.txt found.json
 python3 "$tests/check_bench.py" "$tests/bench_quick.json" found.json >stdout.txt || fail "numbers differ"
 
@@ -15,7 +16,7 @@ else
 fi
 
 # Scenes that are not here are left out, visibly.
-expect 0 bench mcguire-resolution --size 24x16 --spp 2 --scenes nowhere
+expect 0 mcguire-resolution --size 24x16 --spp 2 --scenes nowhere
 grep -q "mcguire-resolution: living-room is left out: nowhere/living-room.json" stderr.txt || fail "no word on standard error"
 grep -q "^Left out: living-room: nowhere/living-room.json" stdout.txt || fail "no word of the missing scene"
 
@@ -23,7 +24,7 @@ grep -q "^Left out: living-room: nowhere/living-room.json" stdout.txt || fail "n
 export TMPDIR=$PWD/temporary
 mkdir temporary
 mkdir ended
-"$OCTALUX" bench all --quick --size 16x16 --spp 1 --json --progress --report ended >ended.json 2>stderr.txt &
+"$OCTALUX" all --quick --size 16x16 --spp 1 --json --progress --report ended >ended.json 2>stderr.txt &
 await $! "mcguire-leaks: path tracing"
 kill -TERM $!
 wait $!

@@ -3,7 +3,6 @@
 # checkout. Probes are moved by both optimizers in the scenes that OPTIMIZED names; soak_place.sh does so in all.
 set -euo pipefail
 export OCTALUX_SCENES=${OCTALUX_SCENES:-$OCTALUX_SOURCE_DIR/../shared/scenes}
-check=$(dirname "$OCTALUX")/bench/placement_check
 optimized=${OPTIMIZED:-cornell kitchen}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -40,7 +39,7 @@ for name in cornell temple sponza white-room kitchen small-house pandora; do
       sets+=("$work/$method-$optimize.json") shares+=($covered)
     done
   done
-  "$check" "$scene" 20000 "${sets[@]}" 2>/dev/null >"$work/checked"
+  "$OCTALUX_BENCH" placement-check "$scene" 20000 "${sets[@]}" 2>/dev/null >"$work/checked"
   [ "$(wc -l <"$work/checked")" -eq ${#sets[@]} ]
   for i in "${!sets[@]}"; do
     sed -n $((i + 1))p "$work/checked" | holds "reached == 1 and outside == 0 and nearest > 0.0009 and covered > ${shares[i]}" ||
@@ -57,7 +56,7 @@ while read -r share options; do
   TIMEFORMAT=%U
   { time "$OCTALUX" place "$scene" -o "$work/probes.json" $options --json >"$work/report.json" 2>/dev/null; } 2>"$work/processor"
   holds "coverage >= $share and count <= 96 and $(cat "$work/processor") / 2 <= 20" <"$work/report.json"
-  "$check" "$scene" 400000 "$work/probes.json" 2>/dev/null | holds "covered >= $share - 0.0003"
+  "$OCTALUX_BENCH" placement-check "$scene" 400000 "$work/probes.json" 2>/dev/null | holds "covered >= $share - 0.0003"
   echo "sponza: $options covers $share"
 done <<'COUNTS'
 0.988 --count 16

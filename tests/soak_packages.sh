@@ -28,6 +28,7 @@ octalux render builtin:cornell --method field --field cornell.olx --size 64x64 -
 octalux render builtin:cornell --method path --field cornell.olx --size 64x64 --spp 16 -o path.exr
 octalux compare field.exr path.exr
 octalux-view --help >/dev/null
+octalux-bench --help >/dev/null
 octalux-bench-gpu --help >/dev/null
 apt-get -q -y --no-install-recommends install gcc libc6-dev pkg-config
 gcc -std=c17 /files/minimal.c $(pkg-config --cflags --libs octalux) -o minimal

@@ -1,39 +1,40 @@
-# `octalux bench`: names, options, findings as text, JSON, pictures and a report.
+# octalux-bench: names, options, findings as text, JSON, pictures and a report.
 source "$(dirname "$0")/cli/expect.sh"
+OCTALUX=$OCTALUX_BENCH
 export TMPDIR=$PWD/temporary
 mkdir temporary
 small=(--quick --size 24x16 --spp 2)
 
-expect_usage "unknown experiment 'table9': there are all, .*mcguire-leaks, .*wang-probes, speed" bench table9
-expect_usage "unknown option '--grid'" bench mcguire-resolution --grid 2x2x2
-expect_usage "unknown scene 'atlantis': surfaces has two-rooms-sealed, .*sponza" bench surfaces --only furnace,atlantis
-expect_usage "unknown scene '': surfaces has" bench surfaces --only furnace,
-expect_usage "unknown scene 'fur': surfaces has" bench surfaces --only fur
-expect_usage "--only goes with .*: surfaces" bench mcguire-resolution --only furnace
-expect_usage "--only goes with .*: surfaces" bench all --only furnace
-expect_usage "is not a size" bench mcguire-resolution --size 8
-expect_failure "nowhere/of/index.html: cannot write" bench mcguire-resolution --report nowhere/of
-expect_failure "nowhere/of/image.png: cannot write" bench mcguire-resolution --images nowhere/of
-TMPDIR=$PWD/nowhere expect_failure "cannot create a temporary folder" bench mcguire-resolution --quick
+expect_usage "unknown experiment 'table9': there are all, .*mcguire-leaks, .*wang-probes, speed" table9
+expect_usage "unknown option '--grid'" mcguire-resolution --grid 2x2x2
+expect_usage "unknown scene 'atlantis': surfaces has two-rooms-sealed, .*sponza" surfaces --only furnace,atlantis
+expect_usage "unknown scene '': surfaces has" surfaces --only furnace,
+expect_usage "unknown scene 'fur': surfaces has" surfaces --only fur
+expect_usage "--only goes with .*: surfaces" mcguire-resolution --only furnace
+expect_usage "--only goes with .*: surfaces" all --only furnace
+expect_usage "is not a size" mcguire-resolution --size 8
+expect_failure "nowhere/of/index.html: cannot write" mcguire-resolution --report nowhere/of
+expect_failure "nowhere/of/image.png: cannot write" mcguire-resolution --images nowhere/of
+TMPDIR=$PWD/nowhere expect_failure "cannot create a temporary folder" mcguire-resolution --quick
 
 expect_json 'o["experiment"] == "mcguire-resolution" and o["source"].startswith("McGuire")
-  and o["command"] == "octalux bench mcguire-resolution --quick --size 24x16 --spp 2" and o["seconds"] > 0
+  and o["command"] == "octalux-bench mcguire-resolution --quick --size 24x16 --spp 2" and o["seconds"] > 0
   and [s["what"] for s in o["skipped"]] == ["living-room"] and len(o["tables"]) == 1
   and [r["texels"] for r in o["tables"][0]["rows"]] == ["16\u00b2", "64\u00b2", "256\u00b2"]
   and all({c["key"] for c in o["tables"][0]["columns"]} == set(r) and r["diffuse_relative_mse"] is not None
     and r["bake_s"] > 0 and 0 <= r["unresolved"] <= 1 for r in o["tables"][0]["rows"])
   and {c["key"]: c["kind"] for c in o["tables"][0]["columns"]}["bake_s"] == "time"' \
-  bench mcguire-resolution "${small[@]}" --report report --images images
-grep -q 'octalux bench mcguire-resolution --quick --size 24x16 --spp 2' report/index.html || fail "no command in the report"
+  mcguire-resolution "${small[@]}" --report report --images images
+grep -q 'octalux-bench mcguire-resolution --quick --size 24x16 --spp 2' report/index.html || fail "no command in the report"
 for way in 2x2x2__256__ path 2x2x2__16__; do
   [ -s "images/mcguire-resolution-cornell-glossy__front-$way-indirect_glossy.png" ] || fail "no picture of $way"
 done
 [ -z "$(ls -A temporary)" ] || fail "temporary fields are left"
 
 # The same numbers from any number of threads, and as text.
-expect 0 bench mcguire-single-probe "${small[@]}" --threads 1 --json
+expect 0 mcguire-single-probe "${small[@]}" --threads 1 --json
 cp stdout.txt one.json
-expect 0 bench mcguire-single-probe "${small[@]}" --threads 3 --json
+expect 0 mcguire-single-probe "${small[@]}" --threads 3 --json
 python3 - one.json stdout.txt <<'PYTHON' || fail "numbers depend on the threads"
 import json, sys
 def qualities(path):
@@ -42,7 +43,7 @@ def qualities(path):
     return [[row[key] for key in keys] for row in table["rows"]]
 sys.exit(qualities(sys.argv[1]) != qualities(sys.argv[2]))
 PYTHON
-expect 0 bench mcguire-resolution "${small[@]}" --progress
+expect 0 mcguire-resolution "${small[@]}" --progress
 grep -q "^| cornell-glossy | 2x2x2 | 256² " stdout.txt || fail "no row of the finest maps"
 grep -q "^Left out: living-room: --quick" stdout.txt || fail "no word of what is left out"
 grep -q "mcguire-resolution: path tracing" stderr.txt || fail "no progress"
@@ -50,10 +51,10 @@ grep -q "mcguire-resolution: path tracing" stderr.txt || fail "no progress"
 # One scene alone, and one that a quick look leaves out.
 expect_json 'o["command"].endswith("--spp 2 --only parlour,sponza") and [s["what"] for s in o["skipped"]] == ["sponza"]
   and {t["name"]: sorted({r["scene"] for r in t["rows"]}) for t in o["tables"] if t["rows"]} == {"modes": ["parlour"]}' \
-  bench surfaces "${small[@]}" --only parlour,sponza
+  surfaces "${small[@]}" --only parlour,sponza
 
 # A stop on the way leaves nothing.
-"$OCTALUX" bench mcguire-leaks --quick --spp 100000 --progress >stdout.txt 2>stderr.txt &
+"$OCTALUX" mcguire-leaks --quick --spp 100000 --progress >stdout.txt 2>stderr.txt &
 await $! "mcguire-leaks: "
 kill -TERM $!
 wait $!

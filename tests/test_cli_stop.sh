@@ -42,9 +42,9 @@ stopped INT 0.5 compare "$work/picture.exr" "$work/picture.exr" --report r.html 
 
 "$OCTALUX" bake builtin:cornell -o "$work/large.olx" --grid 4x4x4 --radiance-size 256 --samples 1 --noise 1 --bounces 0 >/dev/null
 stopped TERM 0.5 pack "$work/large.olx" -o packed.olxz --level 22 --threads 2
-stopped TERM 0.5 bench mcguire-table1 --threads 2
-stopped INT 1 bench all --quick --threads 2
-stopped INT 1 bench speed builtin:temple --threads 2
+OCTALUX=$OCTALUX_BENCH stopped TERM 0.5 mcguire-table1 --threads 2
+OCTALUX=$OCTALUX_BENCH stopped INT 1 all --quick --threads 2
+OCTALUX=$OCTALUX_BENCH stopped INT 1 speed builtin:temple --threads 2
 
 # What waits is stopped, too: a pipe that nobody reads.
 mkfifo "$work/run/pipe.json"

@@ -12,8 +12,7 @@ for command in scene place bake render audit; do expect_usage "SCENE is missing"
 for command in info verify; do expect_usage "FIELD is missing" $command; done
 expect_usage "IMAGE.exr is missing" compare
 expect_usage "REFERENCE.exr is missing" compare a.exr
-expect_usage "EXPERIMENT is missing" bench
-expect_usage "unknown experiment 'table9'" bench table9
+expect_usage "experiments have a program of their own: octalux-bench" bench all
 expect_usage "'c.exr' is one argument too many" compare a.exr b.exr c.exr
 expect_usage "-o FILE.json is missing" place builtin:cornell
 expect_usage "is not one of grid|sdf|medial|cover" place builtin:cornell -o p.json --method magic
@@ -72,11 +71,14 @@ expect_files
 help="$OCTALUX_SOURCE_DIR/tests/cli/help.txt"
 {
   "$OCTALUX" --help
-  for command in scene place bake render compare audit info verify pack unpack export "export exr" "export gltf" bench; do
+  for command in scene place bake render compare audit info verify pack unpack export "export exr" "export gltf"; do
     echo
     echo "== octalux $command --help"
     "$OCTALUX" $command --help
   done
+  echo
+  echo "== octalux-bench --help"
+  "$OCTALUX_BENCH" --help
 } >help.txt 2>stderr.txt
 if [ "${UPDATE_GOLDEN:-}" ]; then cp help.txt "$help"; fi
 diff -u "$help" help.txt >stdout.txt || fail "the help changed; when it should, run again with UPDATE_GOLDEN=1"

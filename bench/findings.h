@@ -1,0 +1,83 @@
+// What an experiment found: tables of named rows, and plots of their columns; as text, as JSON, and in a report.
+#ifndef OCTALUX_BENCH_FINDINGS_H
+#define OCTALUX_BENCH_FINDINGS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include <cjson/cJSON.h>
+
+typedef enum bench_kind {
+  BENCH_NAME,     // text; all names of a row together identify it
+  BENCH_COUNT,    // a setting, or what follows from settings alone
+  BENCH_QUALITY,  // measured, and the same in every run of a program
+  BENCH_SPREAD,   // how far a quality may be off by chance
+  BENCH_TIME,     // measured, and of this machine at this moment
+  BENCH_PUBLISHED // from the paper
+} bench_kind;
+
+typedef struct bench_column {
+  const char *key, *name;
+  bench_kind kind;
+  const char *unit; // "ms", or NULL; with "%" numbers are shares, shown in percent
+  const char *note; // what it means, or NULL
+} bench_column;
+
+typedef struct bench_cell {
+  const char *text; // of a name; copied
+  double number;    // NAN leaves it empty
+} bench_cell;
+#define TEXT_CELL(t) ((bench_cell){.text = (t)})
+#define NUMBER_CELL(n) ((bench_cell){.number = (n)})
+#define NO_CELL ((bench_cell){.number = NAN})
+
+// A plot of a table's columns. Lines: one series for each value of the column `series`, or all in one. Bars, with `x` NULL:
+// one for each row, called by the column `series`, or by all its names.
+typedef struct bench_plot {
+  const char *caption, *x, *y, *series; // keys
+  bool log_x, log_y;
+} bench_plot;
+
+typedef struct bench_table {
+  const char *name, *caption;
+  const bench_column *columns;
+  uint32_t column_count, row_count, capacity;
+  bench_cell *cells;
+  const bench_plot *plots;
+  uint32_t plot_count;
+} bench_table;
+
+enum { FINDINGS_TABLES = 12, FINDINGS_SKIPPED = 32 };
+
+typedef struct findings {
+  uint32_t table_count, skipped_count;
+  bench_table tables[FINDINGS_TABLES];
+  struct {
+    char what[64], why[320];
+  } skipped[FINDINGS_SKIPPED];
+  bool exhausted;                    // memory
+  double seconds, processor_seconds; // processor: of all threads, however busy the machine is
+} findings;
+
+// A new table; columns and strings are static. It stays valid until findings_free.
+bench_table *findings_table(findings *f, const char *name, const char *caption, const bench_column *columns,
+                            uint32_t column_count, const bench_plot *plots, uint32_t plot_count);
+#define FINDINGS_TABLE(f, name, caption, columns, plots)                                                               \
+  findings_table(f, name, caption, columns, sizeof(columns) / sizeof *(columns), plots, sizeof(plots) / sizeof *(plots))
+
+void findings_row(findings *f, bench_table *table, const bench_cell *cells, uint32_t count);
+#define FINDINGS_ROW(f, table, ...)                                                                                    \
+  findings_row(f, table, (const bench_cell[]){__VA_ARGS__},                                                            \
+               sizeof((const bench_cell[]){__VA_ARGS__}) / sizeof(bench_cell))
+
+// Something that was left out, and why.
+void findings_skip(findings *f, const char *what, const char *why);
+void findings_free(findings *f);
+
+void findings_print(const findings *f);
+// Adds "tables", "skipped", "seconds" and "processor_seconds" to an object.
+void findings_add_json(const findings *f, cJSON *object);
+// Adds tables, plots and what was skipped to a section of a report.
+void findings_add_report(const findings *f, cJSON *section);
+
+#endif

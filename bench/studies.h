@@ -1,0 +1,41 @@
+// What octalux-bench measures besides experiments: studies, which take arguments of their own and print what they find.
+#ifndef OCTALUX_BENCH_STUDIES_H
+#define OCTALUX_BENCH_STUDIES_H
+
+#include <stdint.h>
+
+#define BENCH_PROGRAM "octalux-bench" // as messages name it
+
+typedef struct bench_study {
+  const char *name;      // on the command line
+  const char *arguments; // how they look in the help; NULL: options of its own, which it reads and explains itself
+  uint32_t least, most;  // of arguments
+  const char *what;      // one line, for lists
+  int (*run)(int argc, char **argv); // argv[0] is its name; returns the program's exit code
+} bench_study;
+
+extern const bench_study studies[];
+extern const uint32_t study_count;
+
+// Runs a study with arguments that are as many as it takes; else a line says what it takes.
+int run_study(const bench_study *s, int argc, char **argv);
+// Runs the experiments that the arguments name; argv[0] is the program's name.
+int run_experiments(int argc, char **argv);
+
+int study_wang(int argc, char **argv); // wang and wang-probes
+int study_bake_speed(int argc, char **argv);
+int study_gpu(int argc, char **argv);
+int study_runtime_speed(int argc, char **argv);
+int study_selector_speed(int argc, char **argv);
+int study_glossy_speed(int argc, char **argv);
+int study_block_quality(int argc, char **argv);
+int study_glossy_quality(int argc, char **argv);
+int study_glossy_oracle(int argc, char **argv);
+int study_light_quality(int argc, char **argv);
+int study_placement_check(int argc, char **argv);
+int study_probe_sets(int argc, char **argv);
+int study_viewpoint_limit(int argc, char **argv);
+int study_seams(int argc, char **argv);
+int study_scene_arrays(int argc, char **argv);
+
+#endif

@@ -125,20 +125,22 @@ int command_audit(int argc, char **argv) {
        "places of free space to light, six normals each: the volume and irradiance probes; default 0", 0, 1u << 26},
       {"--spp", OPTION_COUNT, &o.settings.spp, "N", "paths a point for its true light; default 1024", 1, 1u << 20},
       {"--camera", OPTION_TEXT, &o.settings.camera, "NAME", "judge what this camera sees; default: all of them", 0, 0},
-      SAMPLE_OPTION_ROWS(sample),
-      {"--max-probes", OPTION_COUNT, &max_probes, "N", "probes a ray may ask; default 16", 1, 65536},
       {"--seed", OPTION_COUNT, &o.settings.seed, "N", "another choice of rays and points; default 0", 0, UINT32_MAX},
       {"--threads", OPTION_COUNT, &o.settings.threads, "N", "default 0: every processor; the result is the same", 0,
        4096},
-      SCENE_OPTION_ROWS(o.loading),
       {"--progress", OPTION_FLAG, &o.progress, NULL, "tell progress even when nobody watches", 0, 0},
       {"--json", OPTION_FLAG, &o.json, NULL, "print one JSON object", 0, 0},
+      GROUP_ROW("Models"),
+      SCENE_OPTION_ROWS(o.loading),
+      RESEARCH_ROW,
+      SAMPLE_OPTION_ROWS(sample),
+      {"--max-probes", OPTION_COUNT, &max_probes, "N", "probes a ray may ask; default 16", 1, 65536},
   };
   command_line line = {.name = "audit",
-                       .summary =
-                           "Judge a field without a picture: rays through it against ray casting, its diffuse\n"
-                           "light against path tracing: all of it, where light is stored, where it is not, and\n"
-                           "what irradiance probes alone would give; and light in free space.",
+                       .summary = "Judge a field without a picture: rays through it against ray casting, its diffuse\n"
+                                  "light against path tracing: all of it, where light is stored, where it is not, and\n"
+                                  "what irradiance probes alone would give; and light in free space.",
+                       .example = "octalux audit room.gltf --field room.olx --space 500",
                        .arguments = {"SCENE"},
                        .options = options,
                        .option_count = sizeof options / sizeof options[0]};

@@ -121,11 +121,9 @@ static void warn_of_other_bounces(const comparison *c) {
   const olx_image *a = &c->images[0], *b = &c->images[1];
   char texts[2][16];
   if (!a->bounces_known || !b->bounces_known || a->bounces == b->bounces) return;
-  fprintf(stderr,
-          "warning: %s has %s bounces of indirect light and %s has %s: render the reference with --field, which takes "
-          "those of "
-          "the field\n",
-          c->paths[0], bounces_text(a, texts[0]), c->paths[1], bounces_text(b, texts[1]));
+  warn("%s has %s bounces of indirect light and %s has %s: render the reference with --field, which takes those of the "
+       "field",
+       c->paths[0], bounces_text(a, texts[0]), c->paths[1], bounces_text(b, texts[1]));
 }
 
 static int compare_images(comparison *c, const command_files *files, const char *command) {
@@ -172,6 +170,7 @@ int command_compare(int argc, char **argv) {
                            "Errors of a picture against a reference: relative MSE is sum (a-b)^2 / sum b^2, bias\n"
                            "sum (a-b) / sum b, PSNR over the reference's maximum. SSIM and FLIP compare the pictures\n"
                            "as `render` writes them to .png.",
+                       .example = "octalux compare room.exr reference.exr --report differences.html",
                        .arguments = {"IMAGE.exr", "REFERENCE.exr"},
                        .options = options,
                        .option_count = sizeof options / sizeof options[0]};

@@ -59,6 +59,7 @@ static int export_exr(int argc, char **argv) {
                             {"--json", OPTION_FLAG, &json, NULL, "print one JSON object", 0, 0}};
   command_line line = {.name = "export exr",
                        .summary = "Write a map of a probe as a picture of 32-bit floats.",
+                       .example = "octalux export exr room.olx --map distance --probe 3 -o distance.exr",
                        .arguments = {"FIELD"},
                        .options = options,
                        .option_count = sizeof options / sizeof options[0]};
@@ -105,6 +106,7 @@ static int export_gltf(int argc, char **argv) {
                             {"--json", OPTION_FLAG, &json, NULL, "print one JSON object", 0, 0}};
   command_line line = {.name = "export gltf",
                        .summary = "Write probes, irradiance volume and bricks as a model to look at, over the scene.",
+                       .example = "octalux export gltf room.olx -o probes.glb",
                        .arguments = {"FIELD"},
                        .options = options,
                        .option_count = sizeof options / sizeof options[0]};

@@ -142,6 +142,7 @@ int command_export_web(int argc, char **argv) {
       {"--json", OPTION_FLAG, &e.json, NULL, "print one JSON object", 0, 0}};
   command_line line = {.name = COMMAND,
                        .summary = "Write a page to walk through a baked scene in a browser, for any static server.",
+                       .example = "octalux export web room.gltf --field room.olx -o page",
                        .arguments = {"SCENE"},
                        .options = options,
                        .option_count = sizeof options / sizeof options[0]};

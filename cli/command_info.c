@@ -205,6 +205,7 @@ int command_info(int argc, char **argv) {
   const option options[] = {{"--json", OPTION_FLAG, &json, NULL, "print one JSON object", 0, 0}};
   command_line line = {.name = "info",
                        .summary = "What is in a field: probes, sizes, where its bytes go, how it was baked.",
+                       .example = "octalux info room.olx",
                        .arguments = {"FIELD"},
                        .options = options,
                        .option_count = sizeof options / sizeof options[0]};
@@ -243,6 +244,7 @@ int command_verify(int argc, char **argv) {
   const option options[] = {{"--json", OPTION_FLAG, &json, NULL, "print one JSON object", 0, 0}};
   command_line line = {.name = "verify",
                        .summary = "Read every byte of a field: structure, checksums, and values that cannot be.",
+                       .example = "octalux verify room.olx",
                        .arguments = {"FIELD"},
                        .options = options,
                        .option_count = sizeof options / sizeof options[0]};

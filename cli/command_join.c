@@ -44,6 +44,7 @@ int command_join(int argc, char **argv) {
   };
   command_line line = {.name = "join",
                        .summary = "Check and join what all parts of a bake (bake --work DIR --part I/N) made.",
+                       .example = "octalux join room.work -o room.olx",
                        .arguments = {"DIR"},
                        .options = options,
                        .option_count = sizeof options / sizeof options[0]};

@@ -75,6 +75,7 @@ int command_pack(int argc, char **argv) {
   command_line line = {.name = "pack",
                        .summary =
                            "Store a field smaller, for shipping. `octalux unpack` makes the same bytes of it again.",
+                       .example = "octalux pack room.olx",
                        .arguments = {"FIELD"},
                        .options = options,
                        .option_count = sizeof options / sizeof options[0]};
@@ -102,6 +103,7 @@ int command_unpack(int argc, char **argv) {
       {"--json", OPTION_FLAG, &p.json, NULL, "print one JSON object", 0, 0}};
   command_line line = {.name = "unpack",
                        .summary = "Make a field of a packed one again, to the last byte.",
+                       .example = "octalux unpack room.olxz",
                        .arguments = {"PACKED"},
                        .options = options,
                        .option_count = sizeof options / sizeof options[0]};

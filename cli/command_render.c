@@ -176,8 +176,8 @@ static void print_render(const char *path, const olx_render_stats *stats, const 
   printf("%s: %ux%u in %.2f seconds\n", path, image->width, image->height, stats->seconds);
   printf("  rays cast           %" PRIu64 "\n", stats->rays);
   if (relit->relight) {
-    printf("  relit               in %u frames, %.2f seconds; %u parts of its light under way\n", relit->frames, relit->seconds,
-           relit->last.awake);
+    printf("  relit               in %u frames, %.2f seconds; %u parts of its light under way\n", relit->frames,
+           relit->seconds, relit->last.awake);
   }
   if (stats->field_rays == 0) return;
   printf("  rays through field  %" PRIu64 ", %.2f %% of them unresolved\n", stats->field_rays,
@@ -334,18 +334,33 @@ int command_render(int argc, char **argv) {
   const option options[] = {
       {"-o", OPTION_TEXT, &o.output, "FILE", ".exr: every layer, linear; .png, or -: tone-mapped", 1, 0},
       {"--png", OPTION_TEXT, &o.png, "FILE.png", "beside an .exr, the same picture tone-mapped", 0, 0},
+      {"--field", OPTION_TEXT, &o.field, "FILE.olx", "the field that gives indirect light", 0, 0},
+      {"--camera", OPTION_TEXT, &o.camera, "NAME", "a camera of the scene; default: the first", 0, 0},
+      {"--size", OPTION_SIZE, o.size, "1280x720", "pixels; default 1280x720", 1, 16384},
+      {"--spp", OPTION_COUNT, &o.spp, "N", "camera samples a pixel; default 64 for path, 4 for field", 1, 1u << 20},
+      {"--exposure", OPTION_REAL, &o.exposure, "X", "multiply light before the tone map of a .png; default 1", 0, 0},
+      {"--show-probes", OPTION_FLAG, &o.show_probes, NULL, "draw the field's probes into a .png", 0, 0},
+      {"--device", OPTION_CHOICE, &o.device, "cpu|vulkan",
+       "where to compute indirect light; vulkan: camera samples through pixel centres; default cpu", 0, 0},
+      {"--threads", OPTION_COUNT, &o.threads, "N", "default 0: every processor; the image is the same", 0, 4096},
+      {"--progress", OPTION_FLAG, &o.progress, NULL, "tell progress even when nobody watches", 0, 0},
+      {"--json", OPTION_FLAG, &o.json, NULL, "print one JSON object", 0, 0},
+      GROUP_ROW("Quality"),
       {"--method", OPTION_CHOICE, &o.method, "field|path|classic",
        "classic: from the maps of bake --classic; default: field with --field, else path", 0, 0},
-      {"--field", OPTION_TEXT, &o.field, "FILE.olx", "the field that gives indirect light", 0, 0},
-      {"--size", OPTION_SIZE, o.size, "1280x720", "pixels; default 1280x720", 1, 16384},
-      {"--camera", OPTION_TEXT, &o.camera, "NAME", "a camera of the scene; default: the first", 0, 0},
-      {"--spp", OPTION_COUNT, &o.spp, "N", "camera samples a pixel; default 64 for path, 4 for field", 1, 1u << 20},
-      {"--bounces", OPTION_BOUNCES, &o.bounces, "N|inf", "path: indirect bounces; default: as --field gives, else inf",
-       0, 1024},
-      {"--centered", OPTION_FLAG, &o.centered, NULL, "all samples through the pixel's centre", 0, 0},
       {"--mode", OPTION_CHOICE, &o.mode, "gather|denoised|prefiltered",
        "field: gather by rays; one ray a lobe, denoised; or irradiance and glossy rays; default prefiltered", 0, 0},
+      {"--diffuse", OPTION_CHOICE, &o.diffuse, "surface|irradiance|traced",
+       "field: diffuse light stored at surfaces, at irradiance probes, or from rays; default surface", 0, 0},
+      {"--glossy-samples", OPTION_COUNT, &o.glossy_samples, "N", "field: glossy rays a sample; default 4", 1, 4096},
+      {"--diffuse-samples", OPTION_COUNT, &o.diffuse_samples, "N", "field: rays a sample when traced; default 64", 1,
+       4096},
       {"--gather-samples", OPTION_COUNT, &o.gather_samples, "N", "gather: rays a lobe and pixel; default 64", 1, 4096},
+      {"--bounces", OPTION_BOUNCES, &o.bounces, "N|inf", "path: indirect bounces; default: as --field gives, else inf",
+       0, 1024},
+      {"--standard-error", OPTION_FLAG, &o.standard_error, NULL, "also a layer with beauty's standard error", 0, 0},
+      {"--seed", OPTION_COUNT, &o.seed, "N", "another one gives other noise; default 0", 0, UINT32_MAX},
+      GROUP_ROW("Frames as in real time"),
       {"--frames", OPTION_COUNT, &o.frames, "N",
        "denoised, prefiltered: make N frames as in real time, keep the last; denoised: 64", 1, 100000},
       {"--denoise", OPTION_CHOICE, &o.denoise, "none|published|adaptive", "how frames are filtered; default adaptive",
@@ -354,30 +369,19 @@ int command_render(int argc, char **argv) {
       {"--cut", OPTION_COUNT, &o.cut, "N", "frames: no glide, but a cut before the last N", 1, 100000},
       {"--relight", OPTION_COUNT, &o.relight, "N",
        "field of bake --relight: follow SCENE's lights for N frames first, fewer when all is settled", 1, 100000},
+      GROUP_ROW("Models"),
+      SCENE_OPTION_ROWS(o.loading),
+      RESEARCH_ROW,
+      {"--centered", OPTION_FLAG, &o.centered, NULL, "all samples through the pixel's centre", 0, 0},
       {"--emitters", OPTION_CHOICE, &o.emitters, "sampled|traced",
        "lamps with an area: sampled by direct light, or found by rays; default sampled", 0, 0},
       {"--dim-lobe", OPTION_REAL, &o.dim_lobe, "F", "do not trace rough lobes that reflect less than this share", 0, 0},
-      {"--diffuse", OPTION_CHOICE, &o.diffuse, "surface|irradiance|traced",
-       "field: diffuse light stored at surfaces, at irradiance probes, or from rays; default surface",
-       0, 0},
-      {"--diffuse-samples", OPTION_COUNT, &o.diffuse_samples, "N", "field: rays a sample when traced; default 64", 1,
-       4096},
-      {"--glossy-samples", OPTION_COUNT, &o.glossy_samples, "N", "field: glossy rays a sample; default 4", 1, 4096},
       SAMPLE_OPTION_ROWS(o.sample),
-      {"--seed", OPTION_COUNT, &o.seed, "N", "another one gives other noise; default 0", 0, UINT32_MAX},
-      {"--standard-error", OPTION_FLAG, &o.standard_error, NULL, "also a layer with beauty's standard error", 0, 0},
-      {"--show-probes", OPTION_FLAG, &o.show_probes, NULL, "draw the field's probes into a .png", 0, 0},
-      {"--exposure", OPTION_REAL, &o.exposure, "X", "multiply light before the tone map of a .png; default 1", 0, 0},
-      {"--threads", OPTION_COUNT, &o.threads, "N", "default 0: every processor; the image is the same", 0, 4096},
-      {"--device", OPTION_CHOICE, &o.device, "cpu|vulkan",
-       "where to compute indirect light; vulkan: camera samples through pixel centres; default cpu", 0, 0},
       {"--validate", OPTION_FLAG, &o.validate, NULL, "vulkan: check every call with the validation layers", 0, 0},
-      SCENE_OPTION_ROWS(o.loading),
-      {"--progress", OPTION_FLAG, &o.progress, NULL, "tell progress even when nobody watches", 0, 0},
-      {"--json", OPTION_FLAG, &o.json, NULL, "print one JSON object", 0, 0},
   };
   command_line line = {.name = "render",
                        .summary = "Render a picture of a scene, its indirect light from a field or path traced.",
+                       .example = "octalux render room.gltf --field room.olx -o room.exr --png room.png",
                        .arguments = {"SCENE"},
                        .options = options,
                        .option_count = sizeof options / sizeof options[0]};
@@ -392,7 +396,7 @@ int command_render(int argc, char **argv) {
   code = check_files("render", &files, o.json);
   if (code != EXIT_DONE) return code;
   if (o.method != OLX_METHOD_PATH && o.bounces != NOT_GIVEN) {
-    fputs("warning: --bounces changes nothing here; a field's bounces are chosen when it is baked\n", stderr);
+    warn("--bounces changes nothing here; a field's bounces are chosen when it is baked");
   }
   return render_scene(&o, &files);
 }

@@ -60,9 +60,8 @@ static void print_scene(const char *name, const olx_scene *scene) {
     const olx_camera camera = olx_scene_camera(scene, i);
     char printable[4 * sizeof camera.name];
     olx_printable(camera.name, printable, sizeof printable);
-    printf("  camera     %s: at (%.*g, %.*g, %.*g), %g degrees high\n", printable, digits,
-           o[0] + (double)camera.eye.x, digits, o[1] + (double)camera.eye.y, digits, o[2] + (double)camera.eye.z,
-           (double)camera.fov_y_degrees);
+    printf("  camera     %s: at (%.*g, %.*g, %.*g), %g degrees high\n", printable, digits, o[0] + (double)camera.eye.x,
+           digits, o[1] + (double)camera.eye.y, digits, o[2] + (double)camera.eye.z, (double)camera.fov_y_degrees);
   }
   for (uint32_t i = 0; i < info.warnings; ++i) printf("  warning    %s\n", olx_scene_warning(scene, i));
 }
@@ -103,6 +102,7 @@ int command_scene(int argc, char **argv) {
       {"--json", OPTION_FLAG, &json, NULL, "print one JSON object", 0, 0}};
   command_line line = {.name = "scene",
                        .summary = "What is in a scene: triangles, materials, lights, cameras, bounds, import warnings.",
+                       .example = "octalux scene room.gltf",
                        .arguments = {"SCENE"},
                        .options = options,
                        .option_count = sizeof options / sizeof options[0]};

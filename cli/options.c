@@ -1,5 +1,7 @@
-// Parses the arguments of a command by a table of its options, and prints --help and errors from the same table.
+// Parses the arguments of a command by a table of its options, and says what is wrong with them from the same table.
 #include "options.h"
+
+#include "help.h"
 
 #include <octalux/base.h>
 
@@ -9,6 +11,22 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { MOST_OPTIONS = 96 };
+
+static bool quiet;
+
+bool is_quiet(void) { return quiet; }
+
+static void log_errors(void *user, olx_log_level level, const char *message) {
+  (void)user;
+  if (level >= OLX_LOG_ERROR) fprintf(stderr, "error: %s\n", message);
+}
+
+static void be_quiet(void) {
+  quiet = true;
+  olx_set_hooks(&(olx_hooks){.log = log_errors});
+}
+
 const char *program_prefix(const char *command) { return strncmp(command, "octalux", 7) == 0 ? "" : "octalux "; }
 
 static void complain(const char *command, const char *format, va_list arguments) {
@@ -16,6 +34,17 @@ static void complain(const char *command, const char *format, va_list arguments)
   vsnprintf(message, sizeof message, format, arguments);
   olx_printable(message, printable, sizeof printable);
   fprintf(stderr, "%s%s: %s\n", command ? program_prefix(command) : "octalux", command ? command : "", printable);
+}
+
+void warn(const char *format, ...) {
+  char message[1536], printable[sizeof message];
+  if (quiet) return;
+  va_list arguments;
+  va_start(arguments, format);
+  vsnprintf(message, sizeof message, format, arguments);
+  va_end(arguments);
+  olx_printable(message, printable, sizeof printable);
+  fprintf(stderr, "warning: %s\n", printable);
 }
 
 int usage_error(const char *command, const char *format, ...) {
@@ -105,7 +134,8 @@ static bool parse_value(const option *o, const char *text) {
   uint32_t number;
   switch (o->kind) {
   case OPTION_FLAG:
-  case OPTION_FLAG_WORD: return false;
+  case OPTION_FLAG_WORD:
+  case OPTION_GROUP: return false;
   case OPTION_TEXT: *(const char **)o->value = text; return *text != 0;
   case OPTION_COUNT: return parse_counts(text, o, 1, o->value);
   case OPTION_POWER_OF_TWO:
@@ -137,33 +167,12 @@ static void describe_value(const option *o, char *text, size_t size) {
   case OPTION_CHOICES: snprintf(text, size, "one or several of %s, separated by commas", o->form); break;
   case OPTION_FLAG:
   case OPTION_FLAG_WORD:
+  case OPTION_GROUP:
   case OPTION_TEXT: snprintf(text, size, "a name"); break;
   }
 }
 
 static bool must_be_given(const option *o) { return o->kind == OPTION_TEXT && o->min == 1; }
-
-static void print_usage(const command_line *line) {
-  printf("usage: %s%s", program_prefix(line->name), line->name);
-  for (int i = 0; i < MAX_ARGUMENTS && line->arguments[i]; ++i) printf(" %s", line->arguments[i]);
-  for (size_t i = 0; i < line->option_count; ++i) {
-    if (must_be_given(&line->options[i])) printf(" %s %s", line->options[i].name, line->options[i].form);
-  }
-  printf(" [options]\n\n%s\n\n", line->summary);
-  for (size_t i = 0; i < line->option_count; ++i) {
-    const option *o = &line->options[i];
-    char left[160];
-    const bool word = o->kind == OPTION_FLAG_WORD;
-    const int length = snprintf(left, sizeof left, "%s%s%s%s", o->name,
-                                word      ? "[="
-                                : o->form ? " "
-                                          : "",
-                                o->form ? o->form : "", word ? "]" : "");
-    if (length > 34) printf("  %s\n  %-34s %s\n", left, "", o->help);
-    else printf("  %-34s %s\n", left, o->help);
-  }
-  printf("  %-34s %s\n", "--help", "this text");
-}
 
 // An argument without a dash.
 static bool take_argument(command_line *line, const char *text) {
@@ -177,6 +186,19 @@ static bool take_argument(command_line *line, const char *text) {
   return false;
 }
 
+// Says that the table does not have an option, and which one was meant where a letter or two are wrong.
+static void refuse_option(const command_line *line, const char *text, size_t length) {
+  const char *names[MOST_OPTIONS];
+  size_t count = 0;
+  for (size_t i = 0; i < line->option_count && count < MOST_OPTIONS; ++i) {
+    if (line->options[i].kind != OPTION_GROUP) names[count++] = line->options[i].name;
+  }
+  const char *meant = nearest_word(text, length, names, count);
+  usage_error(line->name, "unknown option '%.*s'%s%s%s (see %s%s --help)", (int)length, text,
+              meant ? "; did you mean " : "", meant ? meant : "", meant ? "?" : "", program_prefix(line->name),
+              line->name);
+}
+
 // "--name value", "--name=value" or a flag; *index moves past what was used.
 static bool take_option(command_line *line, int argc, char **argv, int *index) {
   const char *text = argv[*index];
@@ -184,7 +206,7 @@ static bool take_option(command_line *line, int argc, char **argv, int *index) {
   const size_t length = equals ? (size_t)(equals - text) : strlen(text);
   for (size_t i = 0; i < line->option_count; ++i) {
     const option *o = &line->options[i];
-    if (strlen(o->name) != length || strncmp(o->name, text, length) != 0) continue;
+    if (o->kind == OPTION_GROUP || strlen(o->name) != length || strncmp(o->name, text, length) != 0) continue;
     if (o->kind == OPTION_FLAG) {
       if (equals) return usage_error(line->name, "%s takes no value", o->name) == EXIT_DONE;
       *(bool *)o->value = true;
@@ -202,8 +224,15 @@ static bool take_option(command_line *line, int argc, char **argv, int *index) {
     describe_value(o, wanted, sizeof wanted);
     return usage_error(line->name, "%s: '%s' is not %s", o->name, value, wanted) == EXIT_DONE;
   }
-  return usage_error(line->name, "unknown option '%.*s' (see %s%s --help)", (int)length, text,
-                     program_prefix(line->name), line->name) == EXIT_DONE;
+  refuse_option(line, text, length);
+  return false;
+}
+
+// "--help", or "--help all" and the like.
+static void answer_help(const command_line *line, const char *word) {
+  help_form form = HELP_SHORT;
+  if (word) help_form_of(word, &form);
+  print_help(line, form);
 }
 
 bool parse_options(command_line *line, int argc, char **argv, int *exit_code) {
@@ -215,9 +244,11 @@ bool parse_options(command_line *line, int argc, char **argv, int *exit_code) {
     } else if (strcmp(argv[i], "--") == 0) {
       only_arguments = true;
     } else if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) {
-      print_usage(line);
+      answer_help(line, i + 1 < argc ? argv[i + 1] : NULL);
       *exit_code = EXIT_DONE;
       return false;
+    } else if (strcmp(argv[i], "--quiet") == 0) {
+      be_quiet();
     } else if (!take_option(line, argc, argv, &i)) {
       return false;
     }

@@ -83,7 +83,7 @@ size_text text_of_bytes(uint64_t bytes) {
 void progress_begin(progress_line *line, const char *command, bool force) {
   const bool terminal = isatty(STDERR_FILENO) == 1;
   *line = (progress_line){.command = command,
-                          .shown = force || terminal,
+                          .shown = (force || terminal) && !is_quiet(),
                           .terminal = terminal,
                           .start = clock_seconds(CLOCK_MONOTONIC),
                           .last_percent = -1};

@@ -26,6 +26,12 @@ expect_usage "--field FILE.olx is missing" audit builtin:cornell
 expect_usage "unknown option '--frobnicate'" bake builtin:cornell -o a.olx --frobnicate 3
 expect_usage "unknown option '--gri'" bake builtin:cornell -o a.olx --gri 4x4x4
 expect_usage "unknown option '-x'" info -x
+expect_usage "unknown option '--raidance-size'; did you mean --radiance-size?" bake builtin:cornell -o a.olx --raidance-size 64
+expect_usage "unknown command 'rendr'; did you mean render?" rendr builtin:cornell
+for far in --frobnicate --x; do
+  expect 2 bake builtin:cornell -o a.olx $far 3
+  grep -q "did you mean" stderr.txt && fail "$far is near to nothing"
+done
 expect_usage "--radiance-size needs a value" bake builtin:cornell -o a.olx --radiance-size
 expect_usage "-o needs a value" bake builtin:cornell -o
 expect_usage "--json takes no value" scene builtin:cornell --json=yes
@@ -68,13 +74,55 @@ expect_usage "goes with -o FILE.exr" render builtin:cornell -o a.png --png b.png
 expect_usage "goes with -o FILE.exr" render builtin:cornell -o a.exr --png b.jpg
 expect_files
 
+# Options of research are shown when all are asked for; `help` before a command is --help behind it.
+expect 0 bake --help
+grep -q -- "--noise" stdout.txt || fail "--help lacks what decides about quality"
+grep -q -- "--classic" stdout.txt && fail "--help shows what is for research"
+expect 0 bake --help all
+grep -q -- "--classic" stdout.txt || fail "--help all lacks what is for research"
+mv stdout.txt all.txt
+expect 0 help bake all
+cmp -s all.txt stdout.txt || fail "octalux help bake all is not octalux bake --help all"
+expect 0 help export exr
+grep -q "^usage: octalux export exr" stdout.txt || fail "octalux help export exr prints no usage"
+expect_usage "unknown command 'paint'" help paint
+
+# Manual pages and completion have every option, those of research as well.
+for command in scene place bake render compare audit info verify pack unpack "export exr" "export gltf" "export web"; do
+  # shellcheck disable=SC2086 # commands of two words
+  expect 0 help $command words
+  [ "$(grep -c -- '^-' stdout.txt)" -ge 3 ] || fail "no words for $command"
+  mv stdout.txt words.txt
+  # shellcheck disable=SC2086
+  expect 0 help $command man
+  sed 's/\\-/-/g; s/\\&//g' stdout.txt >page.txt
+  while read -r word; do
+    [ "$word" = --help ] || grep -q -- "^$word" page.txt || fail "the manual page of $command lacks $word"
+  done <words.txt
+done
+
+# --quiet drops warnings, and nothing else.
+cat >plain.obj <<'OBJ'
+v 0 0 0
+v 1 0 0
+v 0 1 0
+f 1 2 3
+OBJ
+expect 0 bake plain.obj --grid 1x1x1 --radiance-size 8 -o loud.olx
+grep -q "warning: .*no light" stderr.txt || fail "a scene without light is worth a warning"
+mv stdout.txt loud.txt
+expect 0 bake plain.obj --grid 1x1x1 --radiance-size 8 -o quiet.olx --quiet
+[ -s stderr.txt ] && fail "--quiet says something beside results"
+[ "$(grep -c . stdout.txt)" -eq "$(grep -c . loud.txt)" ] || fail "--quiet drops results"
+cmp -s loud.olx quiet.olx || fail "--quiet changes what is baked"
+
 help="$OCTALUX_SOURCE_DIR/tests/cli/help.txt"
 {
   "$OCTALUX" --help
   for command in scene place bake render compare audit info verify pack unpack export "export exr" "export gltf"; do
     echo
     echo "== octalux $command --help"
-    "$OCTALUX" $command --help
+    "$OCTALUX" $command --help all
   done
   echo
   echo "== octalux-bench --help"

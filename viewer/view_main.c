@@ -107,7 +107,7 @@ static bool load(viewer *v) {
   if (memcmp(origin, olx_scene_describe(v->scene).origin, sizeof origin) != 0)
     return failure("view", "%s and %s lie elsewhere: bake the field again", o->field, o->scene) == EXIT_DONE;
   if (olx_scene_describe(v->scene).hash != v->facts.field.scene_hash && !o->relight)
-    fprintf(stderr, "warning: %s was baked from another scene than %s\n", o->field, o->scene);
+    warn("%s was baked from another scene than %s", o->field, o->scene);
   if (!load_cameras(v)) return false;
   const olx_scene_content content = olx_scene_get_content(v->scene);
   v->state.lights = view_lights_of(&content);

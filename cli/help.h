@@ -3,7 +3,7 @@
 #ifndef OCTALUX_CLI_HELP_H
 #define OCTALUX_CLI_HELP_H
 
-#include "options.h"
+#include "option_table.h"
 
 typedef enum help_form {
   HELP_SHORT,  // what most people need

@@ -27,8 +27,6 @@ static void be_quiet(void) {
   olx_set_hooks(&(olx_hooks){.log = log_errors});
 }
 
-const char *program_prefix(const char *command) { return strncmp(command, "octalux", 7) == 0 ? "" : "octalux "; }
-
 static void complain(const char *command, const char *format, va_list arguments) {
   char message[1536], printable[sizeof message];
   vsnprintf(message, sizeof message, format, arguments);

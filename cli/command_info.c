@@ -150,8 +150,15 @@ static void print_info(const char *path, const description *d) {
   printf("  scene              %016" PRIx64 "\n", info->scene_hash);
   if (d->version != CURRENT_VERSION) return; // its chunks are not read
   block blocks[BLOCK_COUNT];
+  const double texels = (double)info->probe_count * info->radiance_size * info->radiance_size;
   list_blocks(info, blocks);
-  for (int i = 0; i < BLOCK_COUNT; ++i) printf("  %-18s %s\n", blocks[i].name, text_of_bytes(blocks[i].bytes).text);
+  printf("\n  its bytes, and bytes a texel\n");
+  for (int i = 0; i < BLOCK_COUNT; ++i) {
+    if (blocks[i].bytes == 0) continue;
+    printf("  %-18s %10s  %5.2f\n", blocks[i].name, text_of_bytes(blocks[i].bytes).text,
+           (double)blocks[i].bytes / texels);
+  }
+  printf("  %-18s %10s  %5.2f\n", "all", text_of_bytes(info->file_bytes).text, (double)info->file_bytes / texels);
 }
 
 static int print_packed_json(const olx_packed_info *info) {

@@ -9,6 +9,7 @@ import json
 import sys
 
 LIMITS = {"Spilled VGPRs": 0, "Scratch size": 0, "Spilled SGPRs": 32, "Code size": 32768}
+CHIPS = ("NAVI21", "POLARIS10")  # the order of the table's columns
 DEFAULT_FRAME = ("irradiance", "glossy", "dim", "accumulate", "filter", "composite")
 
 
@@ -38,9 +39,10 @@ def faults_of(chip, device, bounds, found):
 def main():
     bounds = read_bounds(sys.argv[1])
     faults = []
-    for chip, line in enumerate(open(sys.argv[2], encoding="utf-8")):
+    for line in open(sys.argv[2], encoding="utf-8"):
         report = json.loads(line)
         found = report["pipelines"]
+        chip = next(i for i, name in enumerate(CHIPS) if name in report["device"].upper())
         faults += faults_of(chip, report["device"], bounds, found)
         seconds = sum(found[name]["processor seconds"] for name in DEFAULT_FRAME if name in found)
         print(f"{report['device']}: {len(found)} pipelines; those of the default frame took {seconds:.2f} s")

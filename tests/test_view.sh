@@ -31,6 +31,13 @@ check 'p[0].width == 96 and p[0].height == 80 and not uniform(p[0]) and mean(p[0
 expect 0 render builtin:cornell-glossy --field cornell.olx --spp 1 --size 96x80 -o cpu.png
 check 'differing(p[0], p[1]) < 0.3 and abs(mean(p[0]) / mean(p[1]) - 1) < 0.1' one.png cpu.png
 
+# An exposure that follows the picture makes a dim one bright, and one that was given stays.
+expect 0 "${view[@]}" --offscreen --frames 2 --auto-exposure --screenshot followed.png
+expect 0 "${view[@]}" --offscreen --exposure 0.05 --screenshot dim.png
+expect 0 "${view[@]}" --offscreen --frames 2 --exposure 0.05 --auto-exposure --screenshot dim-followed.png
+check 'mean(p[0]) > 1.2 * mean(p[1]) and mean(p[1]) > 3 * mean(p[2])' followed.png one.png dim.png
+check 'abs(mean(p[0]) / mean(p[1]) - 1) < 0.02' followed.png dim-followed.png
+
 # A field without probe light: its picture, and what its texels hold in a map; what else is shown of probe light is refused, and
 # the key skips it.
 "$OCTALUX" bake builtin:cornell-glossy -o plain.olx --radiance-size 64 --bounces 1 --noise 0.3 >stdout.txt 2>stderr.txt
@@ -119,6 +126,9 @@ screenshot ball.png
 hold LEFT 6
 screenshot ball-left.png
 press X
+screenshot chrome-left.png
+press X
+screenshot no-ball.png
 press =
 press =
 press =
@@ -145,7 +155,7 @@ screenshot back.png
 quit
 SCRIPT
 expect 0 "${view[@]}" --offscreen --script all.txt --gather-samples 2 $validate
-shots=(probes radiance irradiance weights answer unresolved steps map met primary no-direct no-diffuse no-light ball bright coarse moved)
+shots=(probes radiance irradiance weights answer unresolved steps map met primary no-direct no-diffuse no-light ball chrome-left no-ball bright coarse moved)
 check 'not uniform(p[0]) and mean(p[0]) > 10' plain.png
 for shot in "${shots[@]}"; do
   [ $shot = no-light ] || check 'not uniform(p[0]) and mean(p[0]) > 1' $shot.png
@@ -158,6 +168,8 @@ for shot in denoised gathered; do
 done
 check 'mean(p[0]) < 0.5 * mean(p[1])' no-light.png plain.png
 check 'differing(p[0], p[1]) > 0.004' ball.png ball-left.png
+check 'differing(p[0], p[1]) > 0.001' ball-left.png chrome-left.png # another finish
+check 'differing(p[0], p[1]) > 0.004' chrome-left.png no-ball.png
 check 'mean(p[0]) > 1.2 * mean(p[1])' bright.png plain.png
 check 'p[0].width == 48 and p[0].height == 60 and not uniform(p[0])' small.png
 check 'differing(p[0], p[1]) < 0.2 and abs(mean(p[0]) / mean(p[1]) - 1) < 0.1' back.png plain.png

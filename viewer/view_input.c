@@ -60,6 +60,22 @@ static uint32_t next_light(const view_state *s, bool back) {
   return next == count ? VIEW_NO_LIGHT : next;
 }
 
+// No ball, a matte one, one of chrome, and none again.
+static void next_ball(view_state *s, bool back) {
+  const bool chrome = s->object_metallic > 0.5f;
+  const uint32_t next =
+      next_of(s->object ? (chrome ? VIEW_CHROME + 1u : VIEW_MATTE + 1u) : 0, VIEW_FINISH_COUNT + 1, back);
+  s->object = next > 0;
+  if (!s->object) return;
+  s->object_roughness = VIEW_FINISHES[next - 1].roughness;
+  s->object_metallic = VIEW_FINISHES[next - 1].metallic;
+}
+
+static void set_exposure(view_state *s, float exposure) {
+  s->exposure = exposure;
+  s->auto_exposure = false;
+}
+
 static void press(int key, bool back, const view_facts *facts, view_state *s, view_camera *camera) {
   if (key >= '1' && key < '1' + VIEW_MODES) s->mode = (uint32_t)(key - '1');
   switch (key) {
@@ -71,18 +87,19 @@ static void press(int key, bool back, const view_facts *facts, view_state *s, vi
     s->probe = next_probe(facts, s->probe, back);
     if (s->probe == facts->field.probe_count) s->probe = VIEW_ANSWERING;
     break;
+  case 'J': s->auto_exposure = !s->auto_exposure; break;
   case 'R': s->direct = !s->direct; break;
   case 'F': s->diffuse = !s->diffuse; break;
   case 'G': s->glossy = !s->glossy; break;
   case 'L': s->emitters = !s->emitters; break;
   case 'V': s->visibility = !s->visibility; break;
-  case 'X': s->object = !s->object; break;
+  case 'X': next_ball(s, back); break;
   case 'M': s->light = next_light(s, back); break;
   case 'K':
     if (s->light < s->lights.count) s->lights.strength[s->light] = s->lights.strength[s->light] > 0.0f ? 0.0f : 1.0f;
     break;
-  case '=': s->exposure = fminf(s->exposure * 1.25f, 1e4f); break;
-  case '-': s->exposure = fmaxf(s->exposure / 1.25f, 1e-4f); break;
+  case '=': set_exposure(s, fminf(s->exposure * 1.25f, 1e4f)); break;
+  case '-': set_exposure(s, fmaxf(s->exposure / 1.25f, 1e-4f)); break;
   case ']': s->scale = fminf(s->scale * 2.0f, 1.0f); break;
   case '[': s->scale = fmaxf(s->scale * 0.5f, 0.125f); break;
   case VIEW_KEY_TAB: s->panel = !s->panel; break;

@@ -222,6 +222,9 @@ static bool draw(viewer *v, const uint32_t size[2], float seconds, const char *s
   tell_compiling(v, &shown, false);
   if (hidden) shown.panel = v->state.panel;
   v->state = shown;
+  // The first picture says at once how bright it is; from then on the exposure gets used to what comes.
+  if (v->state.auto_exposure)
+    v->state.exposure = view_meter_follow(&v->renderer.meter, v->state.exposure, v->frame ? seconds : INFINITY);
   if (v->state.picked) v->pick = view_passes_read_pick(&v->renderer.passes);
   if (screenshot) fprintf(stderr, "%s\n", screenshot);
   return true;

@@ -23,7 +23,6 @@ static view_state default_state(void) {
                       .glossy = true,
                       .denoise = 2,
                       .gather_samples = 4,
-                      .exposure = 1.0f,
                       .scale = 1.0f,
                       .probe = VIEW_ANSWERING,
                       .light = VIEW_NO_LIGHT,
@@ -82,7 +81,9 @@ bool view_options_read(int argc, char **argv, view_options *o, int *exit_code) {
       {"--field", OPTION_TEXT, &o->field, "FILE.olx", "the field that gives indirect light", 1, 0},
       {"--size", OPTION_SIZE, o->size, "1280x720", "pixels; default 1280x720", 1, 16384},
       {"--camera", OPTION_TEXT, &o->camera, "NAME", "a camera of the scene to begin with; default: the first", 0, 0},
-      {"--exposure", OPTION_REAL, &s->exposure, "X", "multiply light before the tone map; default 1", 0, 0},
+      {"--exposure", OPTION_REAL, &s->exposure, "X",
+       "multiply light before the tone map; default: follows the picture in a window, else 1", 0, 0},
+      {"--auto-exposure", OPTION_FLAG, &s->auto_exposure, NULL, "let the exposure follow the picture", 0, 0},
       {"--scale", OPTION_COUNT, &scale_percent, "PERCENT", "pixels lit along a side, of those shown; default 100", 12,
        100},
       {"--relight", OPTION_FLAG, &o->relight, NULL,
@@ -131,6 +132,9 @@ bool view_options_read(int argc, char **argv, view_options *o, int *exit_code) {
   o->scene = line.given[0];
   s->scale = (float)scale_percent / 100.0f;
   s->emitters = emitters == 1;
+  // What is written or scripted does not depend on frames before it, unless that is asked for.
+  s->auto_exposure |= s->exposure <= 0.0f && !o->offscreen && !o->script && !o->screenshot;
+  if (s->exposure <= 0.0f) s->exposure = 1.0f;
   s->tracer = sample.tracer;
   s->select = sample.select;
   s->hits = sample.hits;

@@ -1,3 +1,4 @@
+#include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_vulkan.h>
 #include <imgui.h>
@@ -8,6 +9,7 @@
 #include <cmath>
 #include <cstdio>
 #include <new>
+#include <unistd.h>
 
 struct view_panel {
   VkDevice device;
@@ -18,7 +20,10 @@ struct view_panel {
 
 namespace {
 
-const float WIDTH = 330.0f;
+// In heights of a letter, and as a share of the window.
+const float WIDTH = 19.0f, MOST_OF_WINDOW = 0.36f;
+// Pixels, where the display shows them at their size.
+const float LETTER = 15.0f;
 
 // The backend would go on with what Vulkan did not give.
 void refuse(VkResult result) {
@@ -39,6 +44,16 @@ void set_style() {
   style.Colors[ImGuiCol_PlotLines] = ImVec4(1.0f, 0.72f, 0.35f, 1.0f);
 }
 
+// Says what the last widget is for while the mouse rests on it.
+void explain(const char *text) {
+  if (!ImGui::IsItemHovered()) return;
+  ImGui::BeginTooltip();
+  ImGui::PushTextWrapPos(22.0f * ImGui::GetFontSize());
+  ImGui::TextUnformatted(text);
+  ImGui::PopTextWrapPos();
+  ImGui::EndTooltip();
+}
+
 // A choice among the words of a list. `allowed` has a bit for each that can be chosen.
 bool choose(const char *label, const char *words, uint32_t allowed, uint32_t *value) {
   char word[64];
@@ -54,33 +69,57 @@ bool choose(const char *label, const char *words, uint32_t allowed, uint32_t *va
   return changed;
 }
 
-void build_light(const view_facts *facts, view_state *s) {
+void build_light(view_state *s) {
+  ImGui::Checkbox("direct", &s->direct);
+  explain("Light straight from lamps, the sun and the sky. The rasteriser computes it. Key R.");
+  ImGui::SameLine();
+  ImGui::Checkbox("diffuse", &s->diffuse);
+  explain("Light that surfaces reflected at least once and that matte surfaces receive, read from the field. Key F.");
+  ImGui::SameLine();
+  ImGui::Checkbox("glossy", &s->glossy);
+  explain("Reflections, traced through the probes. Key G.");
+  if (ImGui::SliderFloat("exposure", &s->exposure, 0.01f, 100.0f, "%.2f", ImGuiSliderFlags_Logarithmic))
+    s->auto_exposure = false;
+  explain("A factor of light before it is shown. Keys - and =.");
+  ImGui::Checkbox("follows the picture", &s->auto_exposure);
+  explain("The exposure follows how bright the picture is, as an eye does. Key J.");
+  ImGui::SliderFloat("resolution", &s->scale, 0.125f, 1.0f, "%.3f");
+  explain("Pixels that are lit, along a side, over those that are shown: less is faster. Keys [ and ].");
+}
+
+void build_research(const view_facts *facts, view_state *s) {
   choose("mode", VIEW_MODE_WORDS, ~0u, &s->mode);
+  explain("How indirect light is made: as it is stored, one ray a pixel denoised, rays that add up over frames, or eye "
+          "rays through the field alone. "
+          "Keys 1 to 4.");
   choose("tracer", VIEW_TRACER_WORDS, ~0u, &s->tracer);
+  explain("How rays march through a probe's map. Key T.");
   const uint32_t stored = facts->field.irradiance_probe_count ? 1u << OLX_HITS_STORED : 0u;
   choose("hits", VIEW_HITS_WORDS, 1u << OLX_HITS_SHADED | stored, &s->hits);
+  explain("Light where a ray ends: of the surface there, or as a probe saw it.");
   const uint32_t baked =
       facts->field.select_mask & (1u << OLX_SELECT_CAGE | 1u << OLX_SELECT_BRICKS | 1u << OLX_SELECT_VORONOI);
   choose("selector", VIEW_SELECT_WORDS, baked | 1u << OLX_SELECT_EXHAUSTIVE | 1u << OLX_SELECT_BEST, &s->select);
-  ImGui::Checkbox("direct", &s->direct);
-  ImGui::SameLine();
-  ImGui::Checkbox("diffuse", &s->diffuse);
-  ImGui::SameLine();
-  ImGui::Checkbox("glossy", &s->glossy);
+  explain("Which probes a ray queries. Key B.");
   if (s->mode == VIEW_GATHER) {
     int samples = static_cast<int>(s->gather_samples);
     if (ImGui::SliderInt("rays a frame", &samples, 1, 64))
       s->gather_samples = static_cast<uint32_t>(std::max(samples, 1));
   } else if (s->mode != VIEW_PROBES) {
     choose("denoiser", VIEW_DENOISE_WORDS, ~0u, &s->denoise);
+    explain("How rays are filtered over pixels and frames.");
   }
-  if (s->mode == VIEW_DENOISED || s->mode == VIEW_GATHER) ImGui::Checkbox("emitters met by rays", &s->emitters);
+  if (s->mode == VIEW_DENOISED || s->mode == VIEW_GATHER) {
+    ImGui::Checkbox("emitters met by rays", &s->emitters);
+    explain("Lamps with an area are found by rays instead of by direct light. Key L.");
+  }
   ImGui::Checkbox("visibility", &s->visibility);
+  explain("Irradiance probes that do not see a point are left out. Key V.");
   ImGui::SameLine();
   ImGui::Checkbox("buried probes", &s->keep_buried);
+  explain("Probes inside geometry are queried as well.");
   ImGui::SliderFloat("dim lobes", &s->dim_lobe, 0.0f, 0.5f, "%.2f");
-  ImGui::SliderFloat("exposure", &s->exposure, 0.01f, 100.0f, "%.2f", ImGuiSliderFlags_Logarithmic);
-  ImGui::SliderFloat("resolution", &s->scale, 0.125f, 1.0f, "%.3f");
+  explain("Rough lobes that reflect less than this share are not traced.");
 }
 
 // The position of the sun in the sky, in degrees, instead of the direction of its light.
@@ -111,6 +150,7 @@ void build_lights(const view_relight_times *relight, view_state *s) {
     ImGui::SliderFloat("strength", &lights->strength[i], 0.0f, 10.0f, "%.2f", ImGuiSliderFlags_Logarithmic);
     ImGui::PopID();
   }
+  if (lights->count) explain("Of what the scene gives this light.");
   if (lights->count) ImGui::TextDisabled("the arrows move what is chosen");
   ImGui::SliderFloat("surfaces", &lights->surfaces, 0.0f, 10.0f, "%.2f", ImGuiSliderFlags_Logarithmic);
   ImGui::SliderFloat("sky", &lights->sky, 0.0f, 10.0f, "%.2f", ImGuiSliderFlags_Logarithmic);
@@ -141,7 +181,9 @@ void build_camera(const view_facts *facts, view_state *s, view_camera *camera) {
     }
     ImGui::EndCombo();
   }
+  explain("A camera of the scene. Key C: the next one.");
   ImGui::SliderFloat("speed", &s->speed, 0.01f, 100.0f, "%.2f m/s", ImGuiSliderFlags_Logarithmic);
+  explain("How fast W, A, S, D, Q and E fly. The wheel changes it, too.");
   ImGui::TextDisabled("%.2f %.2f %.2f", static_cast<double>(camera->eye.x), static_cast<double>(camera->eye.y),
                       static_cast<double>(camera->eye.z));
 }
@@ -167,6 +209,8 @@ void build_overlay(const view_facts *facts, const view_pick *pick, view_state *s
   uint32_t overlays = 0;
   for (uint32_t i = 0; i < VIEW_OVERLAYS; i++) overlays |= view_has_overlay(&facts->field, i) ? 1u << i : 0u;
   choose("overlay", VIEW_OVERLAY_WORDS, overlays, &s->overlay);
+  explain("What is painted over the picture: probes, which of them answered, rays that none could answer, texels read. "
+          "Key O.");
   if (s->overlay >= VIEW_PROBE_INDEX && s->overlay <= VIEW_PROBE_IRRADIANCE) {
     ImGui::SliderFloat("radius", &s->probe_radius, 1e-3f, 10.0f, "%.3f m", ImGuiSliderFlags_Logarithmic);
   }
@@ -185,20 +229,32 @@ void build_overlay(const view_facts *facts, const view_pick *pick, view_state *s
 
 void build_object(view_state *s) {
   ImGui::Checkbox("a ball", &s->object);
+  explain("An object that the field does not know: light falls on it, it casts shadows, and the arrows move it. Key X: "
+          "matte, chrome, none.");
   if (!s->object) return;
+  for (const view_finish &finish : VIEW_FINISHES) {
+    ImGui::SameLine();
+    if (!ImGui::SmallButton(finish.name)) continue;
+    s->object_roughness = finish.roughness;
+    s->object_metallic = finish.metallic;
+  }
   ImGui::DragFloat3("place", &s->object_position.x, 0.01f);
   ImGui::SliderFloat("size", &s->object_radius, 0.01f, 5.0f, "%.2f m", ImGuiSliderFlags_Logarithmic);
   ImGui::SliderFloat("roughness", &s->object_roughness, 0.0f, 1.0f, "%.2f");
   ImGui::SliderFloat("metallic", &s->object_metallic, 0.0f, 1.0f, "%.2f");
 }
 
+float device_milliseconds(const view_timings *t) {
+  float sum = 0.0f;
+  for (uint32_t i = 0; i < t->pass_count; i++) sum += t->latest[i];
+  return sum;
+}
+
 void build_times(const view_timings *t) {
   const int shown = static_cast<int>(std::min<uint32_t>(t->frames, VIEW_HISTORY));
   const int first = static_cast<int>(t->frames > VIEW_HISTORY ? t->frames % VIEW_HISTORY : 0);
-  float most = 0.0f, sum = 0.0f;
+  float most = 0.0f;
   for (int i = 0; i < shown; i++) most = std::max(most, t->total[i]);
-  for (uint32_t i = 0; i < t->pass_count; i++) sum += t->latest[i];
-  ImGui::Text("device %.3f ms", static_cast<double>(sum));
   ImGui::PlotLines("##total", t->total, shown, first, nullptr, 0.0f, most * 1.1f, ImVec2(-1.0f, 40.0f));
   for (uint32_t i = 0; i < t->pass_count; i++) {
     float largest = 0.0f;
@@ -219,32 +275,59 @@ void build_keys() {
                       "O, shift O     overlay       B  selector\n"
                       "R F G          direct, diffuse, glossy\n"
                       "L V            emitters, visibility\n"
-                      "- =            exposure      [ ] resolution\n"
+                      "- = J          exposure; it follows\n"
+                      "[ ]            resolution\n"
                       "C              next camera   N  next map\n"
-                      "X, arrows      the ball      P  screenshot\n"
+                      "X, arrows      matte or chrome ball\n"
+                      "P              screenshot\n"
                       "M, arrows      the next light; K  it off and on\n"
                       "tab            this panel    escape  quit");
 }
 
+// Wide enough to read, and never so wide that the picture disappears behind it.
+float panel_width() { return std::min(WIDTH * ImGui::GetFontSize(), MOST_OF_WINDOW * ImGui::GetIO().DisplaySize.x); }
+
 void build_window(const view_facts *facts, const view_timings *timings, const view_pick *pick, view_state *s,
                   view_camera *camera) {
-  const float height = ImGui::GetIO().DisplaySize.y;
+  const float height = ImGui::GetIO().DisplaySize.y, width = panel_width();
   ImGui::SetNextWindowPos(ImVec2(12.0f, 12.0f), ImGuiCond_FirstUseEver);
-  ImGui::SetNextWindowSizeConstraints(ImVec2(WIDTH, 60.0f), ImVec2(2.0f * WIDTH, std::max(height - 24.0f, 61.0f)));
+  ImGui::SetNextWindowSizeConstraints(ImVec2(width, 60.0f), ImVec2(width, std::max(height - 24.0f, 61.0f)));
   ImGui::Begin("Octalux", &s->panel, ImGuiWindowFlags_AlwaysAutoResize);
-  ImGui::TextDisabled("%s\n%s\n%u probes of %u x %u", facts->scene_name, facts->device, facts->field.probe_count,
-                      facts->field.radiance_size, facts->field.radiance_size);
-  ImGui::PushItemWidth(170.0f);
-  if (ImGui::CollapsingHeader("Light", ImGuiTreeNodeFlags_DefaultOpen)) build_light(facts, s);
-  if (ImGui::CollapsingHeader("Lights", s->light == VIEW_NO_LIGHT ? 0 : ImGuiTreeNodeFlags_DefaultOpen))
-    build_lights(&timings->relight, s);
+  ImGui::TextDisabled("%s\n%u probes of %u x %u\n%s\n%.3f ms on it", facts->scene_name, facts->field.probe_count,
+                      facts->field.radiance_size, facts->field.radiance_size, facts->device,
+                      static_cast<double>(device_milliseconds(timings)));
+  ImGui::PushItemWidth(0.55f * width);
+  const bool overlaid = s->overlay != VIEW_NO_OVERLAY || s->picked;
+  if (ImGui::CollapsingHeader("Light", ImGuiTreeNodeFlags_DefaultOpen)) build_light(s);
   if (ImGui::CollapsingHeader("Camera", ImGuiTreeNodeFlags_DefaultOpen)) build_camera(facts, s, camera);
-  if (ImGui::CollapsingHeader("Overlay", ImGuiTreeNodeFlags_DefaultOpen)) build_overlay(facts, pick, s);
-  if (ImGui::CollapsingHeader("Object")) build_object(s);
-  if (ImGui::CollapsingHeader("Time", ImGuiTreeNodeFlags_DefaultOpen)) build_times(timings);
+  if (ImGui::CollapsingHeader("Ball", ImGuiTreeNodeFlags_DefaultOpen)) build_object(s);
+  if (ImGui::CollapsingHeader("Lamps, sun and sky", s->light == VIEW_NO_LIGHT ? 0 : ImGuiTreeNodeFlags_DefaultOpen))
+    build_lights(&timings->relight, s);
+  if (ImGui::CollapsingHeader("Overlays and rays", overlaid ? ImGuiTreeNodeFlags_DefaultOpen : 0))
+    build_overlay(facts, pick, s);
+  if (ImGui::CollapsingHeader("How light is made")) build_research(facts, s);
+  if (ImGui::CollapsingHeader("Time of each pass")) build_times(timings);
   if (ImGui::CollapsingHeader("Keys")) build_keys();
   ImGui::PopItemWidth();
   ImGui::End();
+}
+
+// Letters as large as the display wants them: of a font of the system where there is one, else the built-in one, larger.
+void load_letters(GLFWwindow *window) {
+  static const char *const files[] = {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
+                                      "/usr/share/fonts/truetype/liberation2/LiberationSans-Regular.ttf",
+                                      "/usr/share/fonts/truetype/noto/NotoSans-Regular.ttf"};
+  float scale = 1.0f, other = 1.0f;
+  if (window) glfwGetWindowContentScale(window, &scale, &other);
+  scale = std::clamp(scale, 1.0f, 4.0f);
+  ImGui::GetStyle().ScaleAllSizes(scale);
+  ImGuiIO &io = ImGui::GetIO();
+  for (const char *file : files) {
+    if (access(file, R_OK) == 0 && io.Fonts->AddFontFromFileTTF(file, LETTER * scale)) return;
+  }
+  ImFontConfig built_in;
+  built_in.SizePixels = std::floor(13.0f * scale);
+  io.Fonts->AddFontDefault(&built_in);
 }
 
 bool create_pool(VkDevice device, VkDescriptorPool *pool) {
@@ -268,6 +351,7 @@ view_panel *view_panel_create(const olx_vulkan_host *host, VkRenderPass render_p
   ImGuiIO &io = ImGui::GetIO();
   io.IniFilename = nullptr;
   set_style();
+  load_letters(window);
   if (window) panel->has_window = ImGui_ImplGlfw_InitForVulkan(window, true);
   ImGui_ImplVulkan_InitInfo info = {};
   if (create_pool(host->device, &panel->pool)) {

@@ -41,7 +41,7 @@ typedef struct view_frame {
   const raster_view *view;
   const frame_images *images;
   uint32_t width, height; // of the window
-  bool relit; // a relighter changes lights
+  bool relit;             // a relighter changes lights
 } view_frame;
 
 // Into FRAME_COLOR, in place of everything that draws triangles.

@@ -33,6 +33,7 @@ static bool attach(view_renderer *r, const view_state *s) {
       r->lit ? olx_vulkan_frame_resize(r->lit, &targets) : olx_vulkan_frame_create(r->field, &targets, &r->lit);
   if (!gpu_check_library(r->device, result)) return false;
   view_passes_attach(r->device, &r->passes, &r->raster.images);
+  view_meter_attach(r->device, &r->meter, &r->raster.images);
   return true;
 }
 
@@ -48,7 +49,8 @@ bool view_renderer_create(gpu_device *device, const olx_scene *scene, const olx_
   return upload_field(r, field) &&
          rasteriser_create(device, &r->content, &lamps, lit_size[0], lit_size[1], &r->raster) &&
          view_screen_create(device, &r->screen) &&
-         view_passes_create(device, r->field, r->screen.render_pass, &r->passes) && gpu_timer_create(device, &r->timer);
+         view_passes_create(device, r->field, r->screen.render_pass, &r->passes) &&
+         view_meter_create(device, &r->meter) && gpu_timer_create(device, &r->timer);
 }
 
 bool view_renderer_relight(view_renderer *r, const olx_scene *scene, const olx_field *field, bool in_step) {
@@ -65,6 +67,7 @@ void view_renderer_destroy(view_renderer *r) {
   d->DeviceWaitIdle(d->host.device);
   view_relight_destroy(r->relight);
   gpu_timer_destroy(d, &r->timer);
+  view_meter_destroy(d, &r->meter);
   view_passes_destroy(d, &r->passes);
   view_screen_destroy(d, &r->screen);
   olx_vulkan_frame_destroy(r->lit);
@@ -267,6 +270,7 @@ static bool record_picture(view_renderer *r, const view_state *s, VkCommandBuffe
 static bool record_screen(view_renderer *r, const view_state *s, VkCommandBuffer commands, const view_frame *frame,
                           view_panel *panel) {
   gpu_device *d = r->device;
+  if (s->auto_exposure) view_meter_record(d, &r->meter, commands);
   tone_pass_record(d, &r->raster.tone, commands, &r->raster.images, s->exposure);
   gpu_timer_mark(d, &r->timer, commands, "tone map");
   view_passes_record_overlay(d, &r->passes, commands, frame);
@@ -323,8 +327,8 @@ bool view_renderer_draw(view_renderer *r, const view_state *state, const view_ca
   if (!raster_view_make(&seen, r->raster.images.width, r->raster.images.height, r->near_metres, &view)) {
     return gpu_fail(d, "the camera has no view");
   }
-  const view_frame frame = {state, &r->field_info, &view, &r->raster.images, out->size[0], out->size[1],
-                            r->relight != NULL};
+  const view_frame frame = {state,        &r->field_info,    &view, &r->raster.images, out->size[0],
+                            out->size[1], r->relight != NULL};
   if (out->chain && !view_swapchain_acquire(d, out->chain, &image)) return false;
   if (!record(r, state, &frame, out, image, timings)) return false;
   read_times(r, timings);

@@ -6,6 +6,7 @@
 #include "rasteriser.h"
 #include "view_camera.h"
 #include "view_lights.h"
+#include "view_meter.h"
 #include "view_panel.h"
 #include "view_passes.h"
 #include "view_relight.h"
@@ -16,13 +17,14 @@ typedef struct view_renderer {
   gpu_device *device;
   olx_field_info field_info;
   olx_vulkan_field *field;
-  olx_vulkan_frame *lit; // the host's side of Octalux's passes; NULL before the first picture
-  uint32_t lit_passes;   // OLX_VULKAN_PASS_*: those that it has
+  olx_vulkan_frame *lit;                       // the host's side of Octalux's passes; NULL before the first picture
+  uint32_t lit_passes;                         // OLX_VULKAN_PASS_*: those that it has
   uint32_t lit_tracers, lit_selects, lit_hits; // that were chosen so far, as olx_vulkan_targets has them
   rasteriser raster;
   gpu_scene object;
   view_screen screen;
   view_passes passes;
+  view_meter meter;
   gpu_timer timer;
   float near_metres;
   uint32_t frame; // so far

@@ -65,6 +65,14 @@ typedef struct view_lights {
   float surfaces, sky;             // factors of what shines with an extent, and of the environment
 } view_lights;
 
+// What the ball may be made of.
+typedef struct view_finish {
+  const char *name;
+  float roughness, metallic;
+} view_finish;
+enum { VIEW_MATTE, VIEW_CHROME, VIEW_FINISH_COUNT };
+static const view_finish VIEW_FINISHES[VIEW_FINISH_COUNT] = {{"matte", 1.0f, 0.0f}, {"chrome", 0.05f, 1.0f}};
+
 #define VIEW_NO_LIGHT UINT32_MAX // as view_state.light: the arrows move the object
 
 #define VIEW_ANSWERING UINT32_MAX // as view_state.probe: the probe that answered the picked ray
@@ -79,6 +87,7 @@ typedef struct view_state {
   uint32_t gather_samples;      // rays a lobe, pixel and frame
   float dim_lobe;
   float exposure;
+  bool auto_exposure; // it follows the picture
   float scale;        // pixels that are lit, along a side, over those shown; 0.125 to 1
   float probe_radius; // of the balls, metres
   uint32_t probe;     // whose map is shown

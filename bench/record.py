@@ -4,8 +4,8 @@
     bench/record.py [FOUND.json ...]   take what was found over into docs/results.json, and write the tables anew
     bench/record.py --check            fail when a table of docs/results.md is not what docs/results.json says
 
-FOUND.json may be of `bench all` or of single experiments, which then take the place of the same ones found earlier. In
-docs/results.md a table lies between two comments:
+FOUND.json may be of `octalux-bench all` or of single experiments, which then take the place of the same ones found earlier. Of an experiment
+with `--only SCENE` the rows of that scene do, and the others stay. In docs/results.md a table lies between two comments:
 
     <!-- EXPERIMENT TABLE [columns: KEY KEY ...] [where: KEY=VALUE,VALUE ...] -->
     <!-- end -->
@@ -88,6 +88,24 @@ def written(record, text):
     return BLOCK.sub(lambda m: m.group(1) + "\n" + table_text(record, m.group(2), m.group(3), m.group(4)) + "\n" + m.group(6), text)
 
 
+def joined(old, new):
+    """The rows of one scene beside those of others, and what each scene took."""
+    scene = re.search(r"--only (\S+)", new["command"]).group(1)
+    parts = {**old.get("parts", {}), scene: {key: new[key] for key in ("seconds", "processor_seconds")}}
+    for table, fresh in zip(old["tables"], new["tables"]):
+        key = table["columns"][0]["key"]
+        names = {row[key] for row in fresh["rows"]}
+        table["rows"] = [row for row in table["rows"] if row[key] not in names] + fresh["rows"]
+    sums = {key: sum(part[key] for part in parts.values()) for key in ("seconds", "processor_seconds")}
+    return {**old, **sums, "parts": parts}
+
+
+def begun(new):
+    """An experiment of several scenes that has none of them yet."""
+    tables = [{**table, "rows": []} for table in new["tables"]]
+    return {**new, "command": "octalux-bench " + new["experiment"], "tables": tables, "skipped": []}
+
+
 def merged(record, paths):
     """In the order of the experiments' list, which `bench all` has."""
     for path in paths:
@@ -97,9 +115,13 @@ def merged(record, paths):
             record = record or {**found, "command": "octalux-bench all --json"}
         for experiment in found.get("experiments", [found]):
             at = [i for i, e in enumerate(record["experiments"]) if e["experiment"] == experiment["experiment"]]
-            if not at:
+            one_scene = "--only" in experiment["command"]
+            if not at and not one_scene:
                 sys.exit("record: %s: docs/results.json has no experiment %s" % (path, experiment["experiment"]))
-            record["experiments"][at[0]] = experiment
+            if not at:
+                record["experiments"].append(begun(experiment))
+                at = [len(record["experiments"]) - 1]
+            record["experiments"][at[0]] = joined(record["experiments"][at[0]], experiment) if one_scene else experiment
     return record
 
 

@@ -18,18 +18,22 @@
 #include <sys/resource.h>
 
 // Probes at `positions`, or on the grid where that is NULL.
-static olx_result place_probes(olx_bake_run *b, uint32_t set, const olx_grid *grid, const olx_vec3 *positions,
-                               uint32_t position_count) {
-  const uint32_t count = positions ? position_count : grid->count[0] * grid->count[1] * grid->count[2];
-  b->counts[set] = count;
-  b->positions[set] = olx_allocate(count, sizeof(olx_vec3));
-  b->flags[set] = olx_allocate_zero(count, 1);
-  if (!b->positions[set] || !b->flags[set])
-    return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for %u probes", count);
-  for (uint32_t i = 0; i < count; i++) {
-    b->positions[set][i] = positions ? positions[i] : olx_grid_position(grid, i);
+static olx_result place_probes(const olx_grid *grid, const olx_vec3 *positions, uint32_t position_count,
+                               olx_probe_list *probes) {
+  probes->count = positions ? position_count : grid->count[0] * grid->count[1] * grid->count[2];
+  probes->positions = olx_allocate(probes->count, sizeof *probes->positions);
+  probes->flags = olx_allocate_zero(probes->count, 1);
+  if (!probes->positions || !probes->flags)
+    return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for %u probes", probes->count);
+  for (uint32_t i = 0; i < probes->count; i++) {
+    probes->positions[i] = positions ? positions[i] : olx_grid_position(grid, i);
   }
   return OLX_OK;
+}
+
+static void free_probes(olx_probe_list *probes) {
+  olx_release(probes->positions);
+  olx_release(probes->flags);
 }
 
 // Spacing along an axis with one probe means nothing; a field says 0.
@@ -52,8 +56,8 @@ static float least_spacing(const olx_grid *grid, float otherwise) {
 olx_field_header olx_bake_header(const olx_bake_run *b) {
   const olx_bake_settings *s = b->settings;
   olx_field_header header = {
-      .info = {.probe_count = b->counts[0],
-               .irradiance_probe_count = b->counts[1],
+      .info = {.probe_count = b->probes.light_field.count,
+               .irradiance_probe_count = b->probes.irradiance.count,
                .has_grid = !s->probes,
                .grid = s->grid,
                .radiance_size = s->radiance_size,
@@ -67,8 +71,8 @@ olx_field_header olx_bake_header(const olx_bake_run *b) {
                .compressed = !s->uncompressed,
                .geometry_blocks = !s->uncompressed},
       .origin = {b->scene->origin[0], b->scene->origin[1], b->scene->origin[2]},
-      .probe_positions = b->positions[0],
-      .irradiance_positions = b->positions[1],
+      .probe_positions = b->probes.light_field.positions,
+      .irradiance_positions = b->probes.irradiance.positions,
       .lights = b->lights,
       .light_count = b->scene->light_count,
       .classic_table = b->classic_table,
@@ -77,7 +81,7 @@ olx_field_header olx_bake_header(const olx_bake_run *b) {
       .volume_positions = b->volume.cells.positions,
   };
   header.info.volume_probe_count = b->volume.cells.probe_count;
-  if (b->counts[1]) {
+  if (b->probes.irradiance.count) {
     header.info.irradiance_grid = s->irradiance_grid;
     header.info.irradiance_size = s->irradiance_size;
     header.info.irradiance_form = s->irradiance_form;
@@ -100,13 +104,18 @@ olx_result olx_bake_create_file(olx_bake_run *b, const char *path) {
   return olx_field_writer_create(path, &header, &b->writer);
 }
 
+static uint32_t count_buried(const olx_probe_list *probes) {
+  uint32_t count = 0;
+  for (uint32_t i = 0; i < probes->count; i++) count += probes->flags[i] & OLX_PROBE_BURIED;
+  return count;
+}
+
 static olx_result find_buried(olx_bake_run *b) {
-  const olx_vec3 *positions[2] = {b->positions[0], b->positions[1]};
   uint64_t rays = 0;
-  OLX_TRY(olx_find_buried(b->scene, positions, b->counts, b->flags, b->settings->threads, &rays));
+  OLX_TRY(olx_find_buried(b->scene, &b->probes, b->settings->threads, &rays));
   b->stats.rays += rays;
-  for (uint32_t i = 0; i < b->counts[0]; i++) b->stats.buried += b->flags[0][i] & OLX_PROBE_BURIED;
-  for (uint32_t i = 0; i < b->counts[1]; i++) b->stats.irradiance_buried += b->flags[1][i] & OLX_PROBE_BURIED;
+  b->stats.buried = count_buried(&b->probes.light_field);
+  b->stats.irradiance_buried = count_buried(&b->probes.irradiance);
   return OLX_OK;
 }
 
@@ -114,11 +123,12 @@ static olx_result build_selectors(olx_bake_run *b) {
   const olx_bake_settings *s = b->settings;
   const uint64_t side = s->radiance_size + 2;
   const olx_selector_input input = {.scene = b->scene,
-                                    .positions = b->positions[0],
-                                    .flags = b->flags[0],
-                                    .count = b->counts[0],
+                                    .positions = b->probes.light_field.positions,
+                                    .flags = b->probes.light_field.flags,
+                                    .count = b->probes.light_field.count,
                                     .radiance_size = s->radiance_size,
-                                    .map_bytes = b->counts[0] * side * side * OLX_LIGHT_FIELD_TEXEL_BYTES,
+                                    .map_bytes =
+                                        b->probes.light_field.count * side * side * OLX_LIGHT_FIELD_TEXEL_BYTES,
                                     .distance_scale = b->distance_scale,
                                     .threads = s->threads,
                                     .task = &b->task};
@@ -195,7 +205,8 @@ static olx_result solve_light(olx_bake_run *b) {
   settings.threads = s->threads;
   settings.task = &b->task;
   settings.store = b->store;
-  OLX_TRY(olx_scene_light_create(b->scene, &settings, b->positions[0], b->flags[0], b->counts[0], &b->light));
+  OLX_TRY(olx_scene_light_create(b->scene, &settings, b->probes.light_field.positions, b->probes.light_field.flags,
+                                 b->probes.light_field.count, &b->light));
   const olx_scene_light_report report = olx_scene_light_describe(b->light);
   b->stats.rays += report.rays;
   b->stats.surfels = report.surfels;
@@ -208,9 +219,9 @@ static olx_result solve_light(olx_bake_run *b) {
 static olx_result make_volume_cells(olx_bake_run *b) {
   b->volume = (olx_volume_bake){.scene = b->scene,
                                 .settings = b->settings,
-                                .positions = b->positions[0],
-                                .flags = b->flags[0],
-                                .probe_count = b->counts[0],
+                                .positions = b->probes.light_field.positions,
+                                .flags = b->probes.light_field.flags,
+                                .probe_count = b->probes.light_field.count,
                                 .seed = b->shade.seed,
                                 .task = &b->task};
   return olx_volume_bake_create(&b->volume, &b->stats);
@@ -219,9 +230,9 @@ static olx_result make_volume_cells(olx_bake_run *b) {
 void olx_bake_describe(olx_bake_run *b) {
   const olx_bake_settings *s = b->settings;
   b->gather = (olx_gather){.shade = &b->shade,
-                           .positions = b->positions[1],
-                           .flags = b->flags[1],
-                           .probe_count = b->counts[1],
+                           .positions = b->probes.irradiance.positions,
+                           .flags = b->probes.irradiance.flags,
+                           .probe_count = b->probes.irradiance.count,
                            .light_samples = s->light_samples,
                            .threads = s->threads,
                            .distance_scale = b->distance_scale,
@@ -239,17 +250,17 @@ void olx_bake_describe(olx_bake_run *b) {
   b->surfaces = (olx_surface_capture){.capture = &b->capture,
                                       .seed = s->seed,
                                       .reference_paths = s->reference_paths,
-                                      .has_radiance = b->counts[1] > 0,
+                                      .has_radiance = b->probes.irradiance.count > 0,
                                       .compressed = !s->uncompressed};
   if (s->classic) describe_classic(b);
 }
 
 uint64_t olx_bake_units(const olx_bake_run *b) {
   const olx_bake_settings *s = b->settings;
-  uint64_t units =
-      olx_gather_units(&b->gather, s->bounces, olx_bake_is_solved(s)) + b->counts[0] * olx_capture_units(&b->capture);
-  if (s->fit) units += olx_surface_fit_units(b->counts[1], olx_bake_is_solved(s));
-  if (s->classic) units += b->counts[1] * olx_classic_bake_units(&b->classic);
+  uint64_t units = olx_gather_units(&b->gather, s->bounces, olx_bake_is_solved(s)) +
+                   b->probes.light_field.count * olx_capture_units(&b->capture);
+  if (s->fit) units += olx_surface_fit_units(b->probes.irradiance.count, olx_bake_is_solved(s));
+  if (s->classic) units += b->probes.irradiance.count * olx_classic_bake_units(&b->classic);
   return units;
 }
 
@@ -294,7 +305,7 @@ static olx_result run(olx_bake_run *b, const char *path) {
   b->surfaces.light = b->light;
   b->bounces = s->bounces;
   OLX_TRY(olx_surface_capture_create(&b->surfaces));
-  b->stats.primary_rays = b->counts[0] * olx_capture_units(&b->capture);
+  b->stats.primary_rays = b->probes.light_field.count * olx_capture_units(&b->capture);
   b->gather.quadrature = olx_quadrature_shape(s->irradiance_size);
   b->task.total_units = olx_bake_units(b);
   return run_probes(b);
@@ -324,10 +335,8 @@ olx_result olx_bake_finish(olx_bake_run *b, olx_result result, double start) {
   olx_shade_context_end(&b->shade);
   olx_task_end(&b->task);
   struct rusage usage;
-  for (uint32_t set = 0; set < 2; set++) {
-    olx_release(b->positions[set]);
-    olx_release(b->flags[set]);
-  }
+  free_probes(&b->probes.light_field);
+  free_probes(&b->probes.irradiance);
   getrusage(RUSAGE_SELF, &usage);
   b->stats.peak_memory_bytes = (uint64_t)usage.ru_maxrss * 1024u;
   b->stats.seconds = olx_seconds() - start - b->stats.write_seconds - b->measure_seconds;
@@ -336,8 +345,9 @@ olx_result olx_bake_finish(olx_bake_run *b, olx_result result, double start) {
 
 static olx_result bake_scene(olx_bake_run *b, const char *path, const olx_progress *progress) {
   const double start = olx_seconds();
-  OLX_TRY(place_probes(b, 0, &b->settings->grid, b->settings->probes, b->settings->probe_count));
-  if (olx_bake_keeps_probe_light(b->settings)) OLX_TRY(place_probes(b, 1, &b->settings->irradiance_grid, NULL, 0));
+  OLX_TRY(place_probes(&b->settings->grid, b->settings->probes, b->settings->probe_count, &b->probes.light_field));
+  if (olx_bake_keeps_probe_light(b->settings))
+    OLX_TRY(place_probes(&b->settings->irradiance_grid, NULL, 0, &b->probes.irradiance));
   b->distance_scale = olx_length(olx_sub(b->scene->bounds_max, b->scene->bounds_min));
   olx_task_begin(&b->task, progress, "probes", 1);
   olx_shade_context_begin(&b->shade, b->scene, b->settings->seed);

@@ -8,6 +8,7 @@
 #include "bake/capture.h"
 #include "bake/classic_bake.h"
 #include "bake/gather.h"
+#include "bake/probe_sets.h"
 #include "bake/relight_bake.h"
 #include "bake/selectors.h"
 #include "bake/surface_capture.h"
@@ -24,9 +25,7 @@ typedef struct olx_joined_bake {
 typedef struct olx_bake_run {
   const olx_scene *scene;
   const olx_bake_settings *settings;
-  uint32_t counts[2]; // light field probes, irradiance probes
-  olx_vec3 *positions[2];
-  uint8_t *flags[2];
+  olx_probe_sets probes;
   uint32_t bounces; // that light between irradiance probes made
   float distance_scale;
   olx_task task;

@@ -15,8 +15,8 @@ static uint64_t memory_of(const olx_bake_run *b, const olx_field_layout *layout)
   const olx_bake_settings *s = b->settings;
   const uint32_t threads = s->threads ? s->threads : olx_processor_count();
   const uint64_t probe_bytes = 2 * (sizeof(olx_vec3) + 1); // here and in the writer
-  uint64_t bytes = ((uint64_t)b->counts[0] + b->counts[1]) * probe_bytes + threads * sizeof(olx_shade_scratch);
-  if (b->counts[1])
+  uint64_t bytes = ((uint64_t)b->probes.light_field.count + b->probes.irradiance.count) * probe_bytes + threads * sizeof(olx_shade_scratch);
+  if (b->probes.irradiance.count)
     bytes += olx_gather_bytes(&b->gather, s->irradiance_size, s->bounces, olx_bake_is_solved(s), s->fit);
   bytes += olx_capture_bytes(s->radiance_size);
   bytes += layout->shapes[OLX_CHUNK_RADIANCE].record_bytes + layout->shapes[OLX_CHUNK_LEAST].record_bytes +
@@ -33,12 +33,12 @@ static uint64_t links_of(const olx_bake_settings *settings) {
 // once; surfels and the steps of light that are stored several times take less than that again.
 static uint64_t work_of(const olx_bake_run *b, const olx_field_layout *layout) {
   const uint64_t size = b->settings->radiance_size;
-  return layout->file_bytes + b->counts[0] * size * size * sizeof(uint32_t) + 2 * links_of(b->settings);
+  return layout->file_bytes + b->probes.light_field.count * size * size * sizeof(uint32_t) + 2 * links_of(b->settings);
 }
 
 // Maps of texels take what the description says; only blocks have planes beside them.
 static uint64_t expected_of(const olx_bake_run *b, const olx_field_layout *layout) {
-  const uint64_t extra = olx_expected_extra_bytes(b->counts[0], b->settings->radiance_size);
+  const uint64_t extra = olx_expected_extra_bytes(b->probes.light_field.count, b->settings->radiance_size);
   return layout->file_bytes + (b->settings->uncompressed ? 0 : extra);
 }
 
@@ -81,16 +81,16 @@ olx_result olx_bake_measure(const olx_scene *scene, const olx_bake_settings *set
   OLX_TRY(olx_bake_check_settings(settings));
   if (scene->triangle_count == 0) return olx_fail(OLX_ERROR_EMPTY, "%s: the scene has no triangles", path);
   olx_bake_run b = {.scene = scene, .settings = settings, .distance_scale = 1.0f};
-  b.counts[0] = settings->probes ? settings->probe_count : (uint32_t)grid_count(&settings->grid);
-  if (olx_bake_keeps_probe_light(settings)) b.counts[1] = (uint32_t)grid_count(&settings->irradiance_grid);
+  b.probes.light_field.count = settings->probes ? settings->probe_count : (uint32_t)grid_count(&settings->grid);
+  if (olx_bake_keeps_probe_light(settings)) b.probes.irradiance.count = (uint32_t)grid_count(&settings->irradiance_grid);
   olx_bake_describe(&b);
   b.gather.quadrature = olx_quadrature_shape(settings->irradiance_size);
   b.gather.traces = b.gather.traces && settings->bounces > 0;
   const olx_field_header header = olx_bake_header(&b);
   olx_field_layout layout;
   olx_field_lay_out(&header, &layout);
-  *sizes = (olx_bake_sizes){.probes = b.counts[0],
-                            .irradiance_probes = b.counts[1],
+  *sizes = (olx_bake_sizes){.probes = b.probes.light_field.count,
+                            .irradiance_probes = b.probes.irradiance.count,
                             .file_bytes = layout.file_bytes,
                             .expected_bytes = expected_of(&b, &layout),
                             .device_bytes = layout.device_bytes,

@@ -20,7 +20,7 @@ typedef struct plan_record {
   olx_vec3 bounds_min, bounds_max;
   uint64_t hash;
   uint32_t light_count;
-  uint32_t buried[2];
+  uint32_t buried, irradiance_buried;
   uint32_t volume_probes, volume_cells;
   double volume_unserved;
 } plan_record;
@@ -35,8 +35,8 @@ static plan_record record_of(const olx_bake_run *b) {
   record.bounds_max = scene->bounds_max;
   record.hash = scene->hash;
   record.light_count = scene->light_count;
-  record.buried[0] = b->stats.buried;
-  record.buried[1] = b->stats.irradiance_buried;
+  record.buried = b->stats.buried;
+  record.irradiance_buried = b->stats.irradiance_buried;
   record.volume_probes = b->volume.cells.probe_count;
   record.volume_cells = b->volume.cells.cell_count;
   record.volume_unserved = b->stats.volume_unserved;
@@ -63,16 +63,30 @@ static void *take_blob(olx_byte_reader *from, size_t *size_bytes) {
   return size ? olx_bytes_take(from, size, 1) : NULL;
 }
 
+static void put_probes(olx_byte_writer *to, const olx_probe_list *probes) {
+  olx_bytes_put(to, &probes->count, 1, sizeof probes->count);
+  olx_bytes_put(to, probes->positions, probes->count, sizeof *probes->positions);
+  olx_bytes_put(to, probes->flags, probes->count, 1);
+}
+
+// Joining has no probes yet.
+static olx_result take_probes(olx_byte_reader *from, olx_probe_list *probes) {
+  olx_bytes_copy(from, &probes->count, 1, sizeof probes->count);
+  if (!probes->positions) probes->positions = olx_allocate(probes->count, sizeof *probes->positions);
+  if (!probes->flags) probes->flags = olx_allocate(probes->count, 1);
+  if (!probes->positions || !probes->flags) return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for probes");
+  olx_bytes_copy(from, probes->positions, probes->count, sizeof *probes->positions);
+  olx_bytes_copy(from, probes->flags, probes->count, 1);
+  return OLX_OK;
+}
+
 static void save_plan(void *user, uint32_t unit, olx_byte_writer *to) {
   (void)unit;
   const olx_bake_run *b = ((const plan_stage *)user)->run;
   const plan_record record = record_of(b);
   olx_bytes_put(to, &record, 1, sizeof record);
-  olx_bytes_put(to, b->counts, 2, sizeof *b->counts);
-  for (uint32_t set = 0; set < 2; set++) {
-    olx_bytes_put(to, b->positions[set], b->counts[set], sizeof *b->positions[set]);
-    olx_bytes_put(to, b->flags[set], b->counts[set], 1);
-  }
+  put_probes(to, &b->probes.light_field);
+  put_probes(to, &b->probes.irradiance);
   olx_bytes_put(to, b->lights, record.light_count, sizeof *b->lights);
   for (uint32_t i = 0; i < OLX_SELECT_STORED; i++) put_blob(to, b->selectors.data[i], b->selectors.size_bytes[i]);
   put_blob(to, b->volume.cells.data, b->volume.cells.size_bytes);
@@ -82,16 +96,16 @@ static void save_plan(void *user, uint32_t unit, olx_byte_writer *to) {
 
 // The shape of the scene that joining does without, and the settings.
 static void take_record(olx_bake_run *b, const plan_record *record) {
-  b->stats.buried = record->buried[0];
-  b->stats.irradiance_buried = record->buried[1];
+  b->stats.buried = record->buried;
+  b->stats.irradiance_buried = record->irradiance_buried;
   b->stats.volume_probes = record->volume_probes;
   b->stats.volume_cells = record->volume_cells;
   b->stats.volume_unserved = record->volume_unserved;
   b->volume.scene = b->scene;
   b->volume.settings = b->settings;
-  b->volume.positions = b->positions[0];
-  b->volume.flags = b->flags[0];
-  b->volume.probe_count = b->counts[0];
+  b->volume.positions = b->probes.light_field.positions;
+  b->volume.flags = b->probes.light_field.flags;
+  b->volume.probe_count = b->probes.light_field.count;
   b->volume.seed = b->shade.seed;
   b->volume.task = &b->task;
   b->volume.cells.probe_count = record->volume_probes;
@@ -101,7 +115,7 @@ static void take_record(olx_bake_run *b, const plan_record *record) {
   joined->settings = record->settings;
   joined->settings.work = (olx_bake_work){0};
   joined->settings.threads = 0;
-  if (joined->settings.probes) joined->settings.probes = b->positions[0];
+  if (joined->settings.probes) joined->settings.probes = b->probes.light_field.positions;
   joined->scene.bounds_min = record->bounds_min;
   joined->scene.bounds_max = record->bounds_max;
   joined->scene.hash = record->hash;
@@ -116,14 +130,8 @@ static olx_result load_plan(void *user, uint32_t unit, olx_byte_reader *from) {
   plan_record record = {.light_count = 0};
   size_t ignored;
   olx_bytes_copy(from, &record, 1, sizeof record);
-  olx_bytes_copy(from, b->counts, 2, sizeof *b->counts);
-  for (uint32_t set = 0; set < 2; set++) {
-    if (!b->positions[set]) b->positions[set] = olx_allocate(b->counts[set], sizeof *b->positions[set]);
-    if (!b->flags[set]) b->flags[set] = olx_allocate(b->counts[set], 1);
-    if (!b->positions[set] || !b->flags[set]) return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for probes");
-    olx_bytes_copy(from, b->positions[set], b->counts[set], sizeof *b->positions[set]);
-    olx_bytes_copy(from, b->flags[set], b->counts[set], 1);
-  }
+  OLX_TRY(take_probes(from, &b->probes.light_field));
+  OLX_TRY(take_probes(from, &b->probes.irradiance));
   b->lights = olx_bytes_take(from, record.light_count, sizeof *b->lights);
   for (uint32_t i = 0; i < OLX_SELECT_STORED; i++) {
     b->selectors.data[i] = take_blob(from, &b->selectors.size_bytes[i]);
@@ -190,7 +198,8 @@ static olx_result write_irradiance(const irradiance_stage *s, uint32_t probe, co
   olx_bake_run *b = s->run;
   if (!b->writer) return OLX_OK;
   const double start = olx_seconds();
-  OLX_TRY(olx_field_writer_irradiance(b->writer, probe, b->flags[1][probe], record, record + s->words / 2));
+  OLX_TRY(
+      olx_field_writer_irradiance(b->writer, probe, b->probes.irradiance.flags[probe], record, record + s->words / 2));
   b->stats.write_seconds += olx_seconds() - start;
   return OLX_OK;
 }
@@ -201,7 +210,7 @@ static olx_result make_irradiance(void *user, uint32_t unit) {
   olx_bake_run *b = s->run;
   OLX_TRY(s->make(b));
   OLX_TRY(olx_gather_finish(&b->gather));
-  for (uint32_t i = 0; b->writer && i < b->counts[1]; i++) {
+  for (uint32_t i = 0; b->writer && i < b->probes.irradiance.count; i++) {
     OLX_TRY(olx_gather_pack(&b->gather, i, s->record));
     OLX_TRY(write_irradiance(s, i, s->record));
   }
@@ -211,7 +220,7 @@ static olx_result make_irradiance(void *user, uint32_t unit) {
 static void save_irradiance(void *user, uint32_t unit, olx_byte_writer *to) {
   (void)unit;
   const irradiance_stage *s = user;
-  for (uint32_t i = 0; i < s->run->counts[1]; i++) {
+  for (uint32_t i = 0; i < s->run->probes.irradiance.count; i++) {
     to->failed |= olx_gather_pack(&s->run->gather, i, s->record) != OLX_OK;
     olx_bytes_put(to, s->record, s->words, sizeof *s->record);
   }
@@ -220,7 +229,7 @@ static void save_irradiance(void *user, uint32_t unit, olx_byte_writer *to) {
 static olx_result load_irradiance(void *user, uint32_t unit, olx_byte_reader *from) {
   (void)unit;
   const irradiance_stage *s = user;
-  for (uint32_t i = 0; i < s->run->counts[1]; i++) {
+  for (uint32_t i = 0; i < s->run->probes.irradiance.count; i++) {
     olx_bytes_copy(from, s->record, s->words, sizeof *s->record);
     if (!from->failed) OLX_TRY(write_irradiance(s, i, s->record));
   }
@@ -230,7 +239,7 @@ static olx_result load_irradiance(void *user, uint32_t unit, olx_byte_reader *fr
 olx_result olx_bake_irradiance(olx_bake_run *b, olx_result (*make)(olx_bake_run *run)) {
   irradiance_stage s = {.run = b, .make = make, .words = olx_gather_record_words(&b->gather)};
   const olx_unit_stage stage = {"irradiance", 0, 1, &s, make_irradiance, save_irradiance, load_irradiance};
-  if (!b->counts[1]) return OLX_OK;
+  if (!b->probes.irradiance.count) return OLX_OK;
   s.record = olx_allocate_zero(s.words, sizeof *s.record);
   if (!s.record) return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for an irradiance map");
   const olx_result result = olx_units_make(b->store, &stage);
@@ -262,7 +271,7 @@ static olx_result write_classic(const classic_stage *c, uint32_t probe, const ol
 static olx_result make_classic(void *user, uint32_t probe) {
   classic_stage *c = user;
   olx_bake_run *b = c->run;
-  OLX_TRY(olx_classic_bake_probe(&b->classic, probe, b->positions[1][probe], &c->record));
+  OLX_TRY(olx_classic_bake_probe(&b->classic, probe, b->probes.irradiance.positions[probe], &c->record));
   return write_classic(c, probe, &c->record);
 }
 
@@ -288,7 +297,7 @@ static olx_result load_classic(void *user, uint32_t probe, olx_byte_reader *from
 
 olx_result olx_bake_classic(olx_bake_run *b) {
   classic_stage c = {.run = b};
-  const olx_unit_stage stage = {"classic", 0, b->counts[1], &c, make_classic, save_classic, load_classic};
+  const olx_unit_stage stage = {"classic", 0, b->probes.irradiance.count, &c, make_classic, save_classic, load_classic};
   if (!b->settings->classic) return OLX_OK;
   olx_task_stage(&b->task, "classic maps");
   b->classic.bounces = b->bounces;
@@ -347,7 +356,7 @@ typedef struct probe_stage {
 } probe_stage;
 
 static olx_result write_geometry(olx_bake_run *b, uint32_t probe, const probe_maps *maps) {
-  const uint8_t flags = b->flags[0][probe];
+  const uint8_t flags = b->probes.light_field.flags[probe];
   if (b->settings->uncompressed) {
     return olx_field_writer_probe(b->writer, probe, flags, maps->radiance, maps->normal, maps->distance);
   }
@@ -383,8 +392,9 @@ static olx_result make_probe(void *user, uint32_t probe) {
   probe_stage *s = user;
   olx_bake_run *b = s->run;
   const double start = olx_seconds();
-  OLX_TRY(olx_capture_probe(&b->capture, probe, b->positions[0][probe]));
-  OLX_TRY(olx_surface_capture_probe(&b->surfaces, b->flags[0][probe] & OLX_PROBE_BURIED, &s->made.surfaces));
+  OLX_TRY(olx_capture_probe(&b->capture, probe, b->probes.light_field.positions[probe]));
+  OLX_TRY(olx_surface_capture_probe(&b->surfaces, b->probes.light_field.flags[probe] & OLX_PROBE_BURIED,
+                                    &s->made.surfaces));
   b->stats.capture_seconds += olx_seconds() - start;
   s->made.radiance = b->surfaces.radiance;
   s->made.normal = b->capture.normal;
@@ -467,7 +477,7 @@ static olx_result load_maps(const olx_bake_run *b, olx_byte_reader *from, uint32
   m->surfaces.direct = olx_bytes_get(from, shapes.count, shapes.light_bytes);
   m->surfaces.indirect = olx_bytes_get(from, shapes.count, shapes.light_bytes);
   m->surfaces.emission = emits ? olx_bytes_get(from, shapes.texels, sizeof *m->surfaces.emission) : dark;
-  if (b->counts[1]) m->radiance = olx_bytes_get(from, shapes.texels, sizeof *m->radiance);
+  if (b->probes.irradiance.count) m->radiance = olx_bytes_get(from, shapes.texels, sizeof *m->radiance);
   return b->settings->relight ? olx_relight_sites_load(&m->sites, from) : OLX_OK;
 }
 
@@ -486,7 +496,7 @@ static olx_result load_probe(void *user, uint32_t probe, olx_byte_reader *from) 
 
 olx_result olx_bake_probes(olx_bake_run *b) {
   probe_stage s = {.run = b};
-  const olx_unit_stage stage = {"probe", 0, b->counts[0], &s, make_probe, save_probe, load_probe};
+  const olx_unit_stage stage = {"probe", 0, b->probes.light_field.count, &s, make_probe, save_probe, load_probe};
   olx_task_stage(&b->task, "light field");
   const olx_result result = olx_units_make(b->store, &stage);
   olx_relight_sites_free(&s.made.sites);
@@ -498,7 +508,8 @@ bool olx_bake_is_stored(const olx_bake_run *b) {
   const olx_bake_settings *s = b->settings;
   return olx_units_have_all(b->store, "facts", s->light == OLX_LIGHT_CACHE) &&
          olx_units_have_all(b->store, "volume", olx_volume_bake_units(&b->volume)) &&
-         olx_units_have_all(b->store, "irradiance", b->counts[1] > 0) &&
-         olx_units_have_all(b->store, "classic", s->classic ? b->counts[1] : 0) &&
-         olx_units_have_all(b->store, "relight", s->relight) && olx_units_have_all(b->store, "probe", b->counts[0]);
+         olx_units_have_all(b->store, "irradiance", b->probes.irradiance.count > 0) &&
+         olx_units_have_all(b->store, "classic", s->classic ? b->probes.irradiance.count : 0) &&
+         olx_units_have_all(b->store, "relight", s->relight) &&
+         olx_units_have_all(b->store, "probe", b->probes.light_field.count);
 }

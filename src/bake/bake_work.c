@@ -161,7 +161,7 @@ static olx_result run_join(olx_bake_run *b, const char *path) {
   OLX_TRY(olx_bake_plan(b, NULL));
   olx_bake_describe(b);
   b->gather.quadrature = olx_quadrature_shape(b->settings->irradiance_size);
-  b->task.total_units = b->counts[0] * olx_capture_units(&b->capture);
+  b->task.total_units = b->probes.light_field.count * olx_capture_units(&b->capture);
   OLX_TRY(olx_bake_create_file(b, path));
   OLX_TRY(olx_bake_facts(b));
   OLX_TRY(olx_volume_bake_write(&b->volume, NULL, b->store, b->writer, &b->stats));

@@ -6,6 +6,8 @@
 #include "report.h"
 #include "studies.h"
 
+#include <octalux/limits.h>
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -248,12 +250,14 @@ int run_experiments(int argc, char **argv) {
       {"--images", OPTION_TEXT, &o.images, "FOLDER", "write the pictures that are compared there, as .png", 0, 0},
       {"--scenes", OPTION_TEXT, &o.folder, "FOLDER", "where descriptions of scenes are; default scenes", 0, 0},
       {"--only", OPTION_TEXT, &o.only, "NAME,...", "surfaces, wang...: these scenes alone", 0, 0},
-      {"--size", OPTION_SIZE, o.size, "320x240", "of all pictures; default: each experiment's own", 16, 16384},
+      {"--size", OPTION_SIZE, o.size, "320x240", "of all pictures; default: each experiment's own", 16,
+       OLX_PICTURE_SIZE_MOST},
       {"--spp", OPTION_COUNT, &o.spp, "N", "of each of two references, path traced; default: each experiment's own", 1,
-       1u << 20},
+       OLX_PICTURE_SPP_MOST},
       {"--texels", OPTION_POWER_OF_TWO, &o.texels, "N", "wang...: along a map of light; default: the experiment's own",
        16, 1024},
-      {"--field-spp", OPTION_COUNT, &o.field_spp, "N", "wang...: of each of two pictures from a field", 1, 4096},
+      {"--field-spp", OPTION_COUNT, &o.field_spp, "N", "wang...: of each of two pictures from a field", 1,
+       OLX_PICTURE_LOBE_SAMPLES_MOST},
       {"--rounds", OPTION_COUNT, &o.rounds, "N", "wang...: in which each row is timed once", 1, 1000},
       {"--probes", OPTION_TEXT, &o.sets, "4x2x4,A.json,B.json@1024", "wang-probes: only these sets, against the first",
        0, 0},

@@ -14,10 +14,18 @@ typedef struct bench_options {
   const char *folder, *images, *report; // of scenes, for pictures, for the report
   const char *only;                     // names of scenes with commas between, NULL: all
   uint32_t size[2], spp, threads;       // 0: the experiment's own
+  // Options of some experiments, for Wang's thesis.
+  uint32_t texels, field_spp, rounds; // TAKES_SIZES; 0: the experiment's own
+  const char *sets;                   // TAKES_SETS, names with commas between; NULL: the experiment's own
+  bool brief;                         // TAKES_SHORT
 } bench_options;
 
 typedef struct bench bench;
 
+// What an experiment takes besides the options of all.
+enum { TAKES_SIZES = 1, TAKES_SETS = 2, TAKES_SHORT = 4 };
+
+// To add one, write its function, declare it in experiment_list.h, and describe it in experiments.c.
 typedef struct experiment {
   const char *name;   // on the command line
   const char *source; // "McGuire et al. 2017, Table 1"
@@ -25,12 +33,14 @@ typedef struct experiment {
   const char *note;   // what there is to know before reading its numbers
   olx_result (*run)(bench *b);
   const char *(*scene)(uint32_t index); // names for --only, NULL after the last; NULL: it runs whole
+  uint32_t takes;                       // options
+  bool alone;                           // takes hours, and is no part of `all`
 } experiment;
 
 extern const experiment experiments[];
 extern const uint32_t experiment_count;
 
-enum { BENCH_SCENES = 8 };
+enum { BENCH_SCENES = 8, BENCH_SHARED = 4 };
 
 typedef struct bench_reference_entry bench_reference_entry;
 
@@ -49,7 +59,11 @@ struct bench {
     olx_scene *scene;
   } scenes[BENCH_SCENES]; // of this experiment
   uint32_t scene_count;
-  struct wang_study *wang; // of the whole run; NULL until an experiment asks
+  struct {
+    void *data;
+    void (*release)(void *data);
+  } shared[BENCH_SHARED]; // of the whole run
+  uint32_t shared_count;
 };
 
 // A run of one or more experiments. False when there is no place for temporary fields.
@@ -63,11 +77,17 @@ olx_result bench_run(bench *b, const experiment *e, cJSON *section);
 // Prints on standard error which step runs now.
 void bench_tell(const bench *b, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
+// What several experiments of a run share: zeroed when the first of them queries it, found again by its release function,
+// which runs when the run ends and frees what the data names, not the data itself. NULL when there is no memory.
+void *bench_shared(bench *b, size_t size_bytes, void (*release)(void *data));
+
 // "builtin:NAME", or NAME of a description in the folder of scenes. *scene is NULL when its files are not here, which the
 // findings then tell. It lives until the experiment ends.
 olx_result bench_scene(bench *b, const char *name, olx_scene **scene);
 // Whether --quick leaves the scene out; when it does, the findings say so.
 bool bench_leaves_out(bench *b, const char *name);
+// Whether --only names the scene, or is not given.
+bool bench_names(const bench_options *o, const char *title);
 // "pillars" for "builtin:pillars".
 const char *bench_scene_title(const char *name);
 

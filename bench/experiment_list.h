@@ -13,6 +13,8 @@ olx_result run_mcguire_count(bench *b);
 olx_result run_wang_table1(bench *b);
 olx_result run_wang_table2(bench *b);
 olx_result run_wang_quality(bench *b);
+olx_result run_wang(bench *b);
+olx_result run_wang_probes(bench *b);
 olx_result run_dissertation_rooms(bench *b);
 olx_result run_dissertation_table1(bench *b);
 olx_result run_bounces(bench *b);

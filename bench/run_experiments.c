@@ -5,7 +5,8 @@
 #include "options.h"
 #include "report.h"
 #include "studies.h"
-#include "wang/wang_study.h"
+
+#include <octalux/limits.h>
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -47,10 +48,27 @@ static int unknown_scene(const experiment *e, const char *name, size_t length) {
   return usage_error(BENCH_PROGRAM, "unknown scene '%.*s': %s has %s", (int)length, name, e->name, known);
 }
 
+static bool takes_scenes(const experiment *e) { return e->scene; }
+static bool takes_sizes(const experiment *e) { return e->takes & TAKES_SIZES; }
+static bool takes_sets(const experiment *e) { return e->takes & TAKES_SETS; }
+static bool takes_short(const experiment *e) { return e->takes & TAKES_SHORT; }
+
+// Says which experiments the option goes with.
+static int misplaced(const char *name, bool (*takes)(const experiment *)) {
+  char known[512];
+  size_t used = 0;
+  known[0] = 0;
+  for (uint32_t i = 0; i < experiment_count && used < sizeof known; ++i) {
+    if (!takes(&experiments[i])) continue;
+    used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", used ? ", " : "", experiments[i].name);
+  }
+  return usage_error(BENCH_PROGRAM, "%s goes with %s", name, known);
+}
+
 // Whether --only names scenes that the experiment has; when not, a line says which those are. `e` is NULL for all of them.
 static bool check_scenes(const experiment *e, const char *names, int *code) {
   if (!e || !e->scene) {
-    *code = usage_error(BENCH_PROGRAM, "--only goes with an experiment that takes scene after scene: surfaces");
+    *code = misplaced("--only", takes_scenes);
     return false;
   }
   for (const char *name = names, *comma; name; name = comma ? comma + 1 : NULL) {
@@ -63,11 +81,37 @@ static bool check_scenes(const experiment *e, const char *names, int *code) {
   return true;
 }
 
+// Whether the experiment takes the options that were given; when not, a line says which do. `e` is NULL for all of them.
+static bool check_options(const experiment *e, const bench_options *o, int *code) {
+  const struct {
+    const char *name;
+    bool given;
+    bool (*takes)(const experiment *);
+  } options[] = {{"--texels", o->texels, takes_sizes},
+                 {"--field-spp", o->field_spp, takes_sizes},
+                 {"--rounds", o->rounds, takes_sizes},
+                 {"--probes", o->sets, takes_sets},
+                 {"--short", o->brief, takes_short}};
+  for (size_t i = 0; i < sizeof options / sizeof *options; ++i) {
+    if (!options[i].given || (e && options[i].takes(e))) continue;
+    *code = misplaced(options[i].name, options[i].takes);
+    return false;
+  }
+  return !o->only || check_scenes(e, o->only, code);
+}
+
+static void list_experiments(FILE *out, bool alone) {
+  for (uint32_t i = 0; i < experiment_count; ++i) {
+    if (experiments[i].alone == alone) fprintf(out, "  %-21s %s\n", experiments[i].name, experiments[i].what);
+  }
+}
+
 static void put_summary(FILE *out) {
   fputs("Measure an experiment of the papers, or all of them:\n", out);
-  for (uint32_t i = 0; i < experiment_count; ++i)
-    fprintf(out, "  %-21s %s\n", experiments[i].name, experiments[i].what);
+  list_experiments(out, false);
   fprintf(out, "  %-21s %s\n", "all", "all of the above");
+  fputs("Experiments that take hours and are no part of all:\n", out);
+  list_experiments(out, true);
   fputs("Studies, which take no options below but their own (NAME --help), or these arguments:", out);
   for (uint32_t i = 0; i < study_count; ++i) {
     fprintf(out, "\n  %-21s %s", studies[i].name, studies[i].what);
@@ -75,12 +119,22 @@ static void put_summary(FILE *out) {
   }
 }
 
-// The command line that measures this experiment alone.
-static void make_command(const experiment *e, const bench_options *o, char command[256]) {
-  int used = snprintf(command, 256, "octalux-bench %s%s", e->name, o->quick ? " --quick" : "");
-  if (o->size[0]) used += snprintf(command + used, 256 - (size_t)used, " --size %ux%u", o->size[0], o->size[1]);
-  if (o->spp) used += snprintf(command + used, 256 - (size_t)used, " --spp %u", o->spp);
-  if (o->only) snprintf(command + used, 256 - (size_t)used, " --only %s", o->only);
+// The command line that measures this experiment alone, to be freed; NULL when there is no memory.
+static char *make_command(const experiment *e, const bench_options *o) {
+  char *command = NULL;
+  size_t size_bytes;
+  FILE *out = open_memstream(&command, &size_bytes);
+  if (!out) return NULL;
+  fprintf(out, BENCH_PROGRAM " %s%s", e->name, o->quick ? " --quick" : "");
+  if (o->size[0]) fprintf(out, " --size %ux%u", o->size[0], o->size[1]);
+  if (o->spp) fprintf(out, " --spp %u", o->spp);
+  if (o->texels) fprintf(out, " --texels %u", o->texels);
+  if (o->field_spp) fprintf(out, " --field-spp %u", o->field_spp);
+  if (o->rounds) fprintf(out, " --rounds %u", o->rounds);
+  if (o->sets) fprintf(out, " --probes %s", o->sets);
+  if (o->brief) fputs(" --short", out);
+  if (o->only) fprintf(out, " --only %s", o->only);
+  return fclose(out) == 0 ? command : NULL;
 }
 
 static cJSON *begin_section(cJSON *report, const experiment *e, const char *command) {
@@ -108,8 +162,8 @@ static void tell_findings(const bench *b, const experiment *e, const char *comma
 }
 
 static olx_result run_one(bench *b, const experiment *e, cJSON *report, cJSON *list) {
-  char command[256];
-  make_command(e, b->options, command);
+  char *command = make_command(e, b->options);
+  if (!command) return OLX_ERROR_MEMORY;
   cJSON *section = begin_section(report, e, command);
   const olx_result result = bench_run(b, e, section);
   if (result == OLX_OK) {
@@ -117,6 +171,7 @@ static olx_result run_one(bench *b, const experiment *e, cJSON *report, cJSON *l
     if (section) findings_add_report(&b->found, section);
   }
   findings_free(&b->found);
+  free(command);
   // An experiment that has not ended is not shown.
   if (result != OLX_OK && section) {
     cJSON_Delete(cJSON_DetachItemViaPointer(cJSON_GetObjectItem(report, "sections"), section));
@@ -164,12 +219,11 @@ static int run_named(const bench_options *o, const experiment *only, const char 
   olx_result result = OLX_OK;
   uint32_t ended = 0;
   for (uint32_t i = 0; i < experiment_count && result == OLX_OK; ++i) {
-    if (only && only != &experiments[i]) continue;
+    if (only ? only != &experiments[i] : experiments[i].alone) continue;
     result = run_one(&b, &experiments[i], report, list);
     ended += result == OLX_OK;
   }
   progress_end(&line);
-  wang_study_free(b.wang);
   bench_close(&b);
   int code = result == OLX_OK                ? EXIT_DONE
              : result == OLX_ERROR_CANCELLED ? failure(BENCH_PROGRAM, "interrupted")
@@ -195,10 +249,19 @@ int run_experiments(int argc, char **argv) {
        0, 0},
       {"--images", OPTION_TEXT, &o.images, "FOLDER", "write the pictures that are compared there, as .png", 0, 0},
       {"--scenes", OPTION_TEXT, &o.folder, "FOLDER", "where descriptions of scenes are; default scenes", 0, 0},
-      {"--only", OPTION_TEXT, &o.only, "NAME,...", "surfaces: these scenes alone", 0, 0},
-      {"--size", OPTION_SIZE, o.size, "320x240", "of all pictures; default: each experiment's own", 16, 16384},
+      {"--only", OPTION_TEXT, &o.only, "NAME,...", "surfaces, wang...: these scenes alone", 0, 0},
+      {"--size", OPTION_SIZE, o.size, "320x240", "of all pictures; default: each experiment's own", 16,
+       OLX_PICTURE_SIZE_MOST},
       {"--spp", OPTION_COUNT, &o.spp, "N", "of each of two references, path traced; default: each experiment's own", 1,
-       1u << 20},
+       OLX_PICTURE_SPP_MOST},
+      {"--texels", OPTION_POWER_OF_TWO, &o.texels, "N", "wang...: along a map of light; default: the experiment's own",
+       16, 1024},
+      {"--field-spp", OPTION_COUNT, &o.field_spp, "N", "wang...: of each of two pictures from a field", 1,
+       OLX_PICTURE_LOBE_SAMPLES_MOST},
+      {"--rounds", OPTION_COUNT, &o.rounds, "N", "wang...: in which each row is timed once", 1, 1000},
+      {"--probes", OPTION_TEXT, &o.sets, "4x2x4,A.json,B.json@1024", "wang-probes: only these sets, against the first",
+       0, 0},
+      {"--short", OPTION_FLAG, &o.brief, NULL, "wang: without the series of sets in appendix A", 0, 0},
       {"--threads", OPTION_COUNT, &o.threads, "N", "default 0: every processor; times are of one all the same", 0,
        4096},
       {"--progress", OPTION_FLAG, &o.progress, NULL, "tell progress even when nobody watches", 0, 0},
@@ -222,7 +285,7 @@ int run_experiments(int argc, char **argv) {
   const experiment *only = find(line.given[0]);
   if (!only && strcmp(line.given[0], "all") != 0) return unknown(line.given[0]);
   o.all = !only;
-  if (o.only && !check_scenes(only, o.only, &code)) return code;
+  if (!check_options(only, &o, &code)) return code;
   if (!ready_folder(o.report, "index.html") || !ready_folder(o.images, "image.png")) return EXIT_FAILED;
   char *command = command_text(argc, argv);
   code = command ? run_named(&o, only, command) : failure(BENCH_PROGRAM, "out of memory");

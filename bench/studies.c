@@ -7,8 +7,6 @@
 enum { ANY = 1 << 16 };
 
 const bench_study studies[] = {
-    {"wang", NULL, 0, ANY, "Wang's Tables 5.1 and 5.2 with sizes and sets to choose", study_wang},
-    {"wang-probes", NULL, 0, ANY, "how few probes do as well as a grid", study_wang},
     {"speed", NULL, 0, ANY, "a bake against Embree casting the rays from its probes alone", study_bake_speed},
     {"gpu", NULL, 0, ANY, "milliseconds of each pass on a Vulkan device (octalux-bench-gpu)", study_gpu},
     {"runtime-speed", "FIELD.olx [COUNT]", 1, 2, "nanoseconds of each query, on one thread", study_runtime_speed},

@@ -22,7 +22,6 @@ int run_study(const bench_study *s, int argc, char **argv);
 // Runs the experiments that the arguments name; argv[0] is the program's name.
 int run_experiments(int argc, char **argv);
 
-int study_wang(int argc, char **argv); // wang and wang-probes
 int study_bake_speed(int argc, char **argv);
 int study_gpu(int argc, char **argv);
 int study_runtime_speed(int argc, char **argv);

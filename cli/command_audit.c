@@ -5,6 +5,7 @@
 #include "sample_options.h"
 #include "scene_options.h"
 
+#include <octalux/limits.h>
 #include <octalux/render.h>
 
 #include <inttypes.h>
@@ -123,7 +124,8 @@ int command_audit(int argc, char **argv) {
       {"--points", OPTION_COUNT, &o.settings.points, "N", "points to light; default 2000", 0, UINT32_MAX},
       {"--space", OPTION_COUNT, &o.settings.space_points, "N",
        "places of free space to light, six normals each: the volume and irradiance probes; default 0", 0, 1u << 26},
-      {"--spp", OPTION_COUNT, &o.settings.spp, "N", "paths a point for its true light; default 1024", 1, 1u << 20},
+      {"--spp", OPTION_COUNT, &o.settings.spp, "N", "paths a point for its true light; default 1024", 1,
+       OLX_PICTURE_SPP_MOST},
       {"--camera", OPTION_TEXT, &o.settings.camera, "NAME", "judge what this camera sees; default: all of them", 0, 0},
       {"--seed", OPTION_COUNT, &o.settings.seed, "N", "another choice of rays and points; default 0", 0, UINT32_MAX},
       {"--threads", OPTION_COUNT, &o.settings.threads, "N", "default 0: every processor; the result is the same", 0,

@@ -6,6 +6,7 @@
 #include "report.h"
 #include "scene_options.h"
 
+#include <octalux/limits.h>
 #include <octalux/place.h>
 
 #include <inttypes.h>
@@ -149,34 +150,41 @@ int command_place(int argc, char **argv) {
   scene_options loading = {0};
   const option options[] = {
       {"-o", OPTION_TEXT, &output, "FILE.json", "the probes to write", 1, 0},
-      {"--count", OPTION_COUNT, &given.count, "N", "so many probes (grid: --grid)", 1, 65536},
+      {"--count", OPTION_COUNT, &given.count, "N", "so many probes (grid: --grid)", 1, OLX_PLACE_PROBES_MOST},
       {"--budget", OPTION_REAL, &given.budget_mb, "MB", "as many as fit, in 10^6 bytes at --resolution", 0, 0},
-      {"--resolution", OPTION_POWER_OF_TWO, &given.resolution, "N", "texels along a map of light; default 512", 8,
-       2048},
+      {"--resolution", OPTION_POWER_OF_TWO, &given.resolution, "N", "texels along a map of light; default 512",
+       OLX_RADIANCE_SIZE_LEAST, OLX_RADIANCE_SIZE_MOST},
       {"--picture", OPTION_TEXT, &picture.path, "FILE.png", "draw skeleton, probes and what is not covered", 0, 0},
       {"--camera", OPTION_TEXT, &picture.camera, "NAME", "--picture: seen from there; default: the first", 0, 0},
-      {"--size", OPTION_SIZE, picture.size, "1280x720", "--picture: pixels; default 1280x720", 1, 16384},
+      {"--size", OPTION_SIZE, picture.size, "1280x720", "--picture: pixels; default 1280x720", 1,
+       OLX_PICTURE_SIZE_MOST},
       {"--threads", OPTION_COUNT, &given.threads, "N", "default 0: every processor; the result is the same", 0, 4096},
       {"--json", OPTION_FLAG, &json, NULL, "print one JSON object", 0, 0},
       GROUP_ROW("Quality"),
       {"--coverage", OPTION_REAL, &given.coverage, "SHARE", "cover: of what can be covered; default 0.999", 0, 0},
-      {"--views", OPTION_COUNT, &given.views, "N", "cover: probes that see each surface; default 1", 1, 8},
+      {"--views", OPTION_COUNT, &given.views, "N", "cover: probes that see each surface; default 1",
+       OLX_PLACE_VIEWS_LEAST, OLX_PLACE_VIEWS_MOST},
       {"--max-footprint", OPTION_REAL, &given.max_footprint, "SHARE",
        "larger texels on a surface do not count, in diagonals of the scene; default 0.05", 0, 0},
       {"--min-cosine", OPTION_REAL, &given.min_cosine, "C", "flatter views do not count; default 0.02", 0, 0},
-      {"--voxels", OPTION_COUNT, &given.voxels, "N", "along the longest side of space; default 160", 8, 512},
+      {"--voxels", OPTION_COUNT, &given.voxels, "N", "along the longest side of space; default 160",
+       OLX_PLACE_VOXELS_LEAST, OLX_PLACE_VOXELS_MOST},
       {"--seed", OPTION_COUNT, &given.seed, "N", "of all random choices; default 0", 0, UINT32_MAX},
       GROUP_ROW("Models"),
       SCENE_OPTION_ROWS(loading),
       RESEARCH_ROW,
       {"--method", OPTION_CHOICE, &given.method, "grid|sdf|medial|cover", "default cover: where they see most", 0, 0},
       {"--grid", OPTION_GRID, given.grid, "4x4x4", "grid: probes along x, y, z; default: the scene's", 1, 1024},
-      {"--surfels", OPTION_COUNT, &given.surfels, "N", "cover: samples of surfaces; default 14000", 64, 1 << 20},
-      {"--candidates", OPTION_COUNT, &given.candidates, "N", "cover: positions tried; default 2000", 16, 1 << 14},
-      {"--refinements", OPTION_COUNT, &given.refinements, "N", "cover: rounds of moves and swaps; default 8", 0, 64},
+      {"--surfels", OPTION_COUNT, &given.surfels, "N", "cover: samples of surfaces; default 14000",
+       OLX_PLACE_SURFELS_LEAST, OLX_PLACE_SURFELS_MOST},
+      {"--candidates", OPTION_COUNT, &given.candidates, "N", "cover: positions tried; default 2000",
+       OLX_PLACE_CANDIDATES_LEAST, OLX_PLACE_CANDIDATES_MOST},
+      {"--refinements", OPTION_COUNT, &given.refinements, "N", "cover: rounds of moves and swaps; default 8", 0,
+       OLX_PLACE_REFINEMENTS_MOST},
       {"--optimize", OPTION_CHOICE, &given.optimize, "none|gradient|gibbs", "move the probes; default none", 0, 0},
       {"--reward", OPTION_CHOICE, &given.reward, "best|sum", "what --optimize raises; default best", 0, 0},
-      {"--rounds", OPTION_COUNT, &given.rounds, "N", "--optimize: at most so many; default 50", 1, 10000},
+      {"--rounds", OPTION_COUNT, &given.rounds, "N", "--optimize: at most so many; default 50", OLX_PLACE_ROUNDS_LEAST,
+       OLX_PLACE_ROUNDS_MOST},
   };
   command_line line = {.name = "place",
                        .summary = "Find positions for probes from which a scene's surfaces are seen.",

@@ -11,6 +11,7 @@
 #include "stop.h"
 #include "vulkan_render.h"
 
+#include <octalux/limits.h>
 #include <octalux/render.h>
 
 #include <inttypes.h>
@@ -336,8 +337,8 @@ int command_render(int argc, char **argv) {
       {"--png", OPTION_TEXT, &o.png, "FILE.png", "beside an .exr, the same picture tone-mapped", 0, 0},
       {"--field", OPTION_TEXT, &o.field, "FILE.olx", "the field that gives indirect light", 0, 0},
       {"--camera", OPTION_TEXT, &o.camera, "NAME", "a camera of the scene; default: the first", 0, 0},
-      {"--size", OPTION_SIZE, o.size, "1280x720", "pixels; default 1280x720", 1, 16384},
-      {"--spp", OPTION_COUNT, &o.spp, "N", "camera samples a pixel; default 64 for path, 4 for field", 1, 1u << 20},
+      {"--size", OPTION_SIZE, o.size, "1280x720", "pixels; default 1280x720", 1, OLX_PICTURE_SIZE_MOST},
+      {"--spp", OPTION_COUNT, &o.spp, "N", "camera samples a pixel; default 64 for path, 4 for field", 1, OLX_PICTURE_SPP_MOST},
       {"--exposure", OPTION_REAL, &o.exposure, "X", "multiply light before the tone map of a .png; default 1", 0, 0},
       {"--show-probes", OPTION_FLAG, &o.show_probes, NULL, "draw the field's probes into a .png", 0, 0},
       {"--device", OPTION_CHOICE, &o.device, "cpu|vulkan",
@@ -352,10 +353,10 @@ int command_render(int argc, char **argv) {
        "field: gather by rays; one ray a lobe, denoised; or irradiance and glossy rays; default prefiltered", 0, 0},
       {"--diffuse", OPTION_CHOICE, &o.diffuse, "surface|irradiance|traced",
        "field: diffuse light stored at surfaces, at irradiance probes, or from rays; default surface", 0, 0},
-      {"--glossy-samples", OPTION_COUNT, &o.glossy_samples, "N", "field: glossy rays a sample; default 4", 1, 4096},
+      {"--glossy-samples", OPTION_COUNT, &o.glossy_samples, "N", "field: glossy rays a sample; default 4", 1, OLX_PICTURE_LOBE_SAMPLES_MOST},
       {"--diffuse-samples", OPTION_COUNT, &o.diffuse_samples, "N", "field: rays a sample when traced; default 64", 1,
        4096},
-      {"--gather-samples", OPTION_COUNT, &o.gather_samples, "N", "gather: rays a lobe and pixel; default 64", 1, 4096},
+      {"--gather-samples", OPTION_COUNT, &o.gather_samples, "N", "gather: rays a lobe and pixel; default 64", 1, OLX_PICTURE_LOBE_SAMPLES_MOST},
       {"--bounces", OPTION_BOUNCES, &o.bounces, "N|inf", "path: indirect bounces; default: as --field gives, else inf",
        0, 1024},
       {"--standard-error", OPTION_FLAG, &o.standard_error, NULL, "also a layer with beauty's standard error", 0, 0},

@@ -30,4 +30,4 @@ for seconds in 0.5 2 4 8; do
   done
 done
 stopped INT 4 render "$scene" --method path --spp 10000 -o p.exr --threads 2
-OCTALUX=$OCTALUX_BENCH stopped TERM 4 wang --scene sponza --scenes "$OCTALUX_SOURCE_DIR/scenes" --threads 2
+OCTALUX=$OCTALUX_BENCH stopped TERM 4 wang --only sponza --scenes "$OCTALUX_SOURCE_DIR/scenes" --threads 2

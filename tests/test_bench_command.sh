@@ -10,8 +10,8 @@ expect_usage "unknown option '--grid'" mcguire-resolution --grid 2x2x2
 expect_usage "unknown scene 'atlantis': surfaces has two-rooms-sealed, .*sponza" surfaces --only furnace,atlantis
 expect_usage "unknown scene '': surfaces has" surfaces --only furnace,
 expect_usage "unknown scene 'fur': surfaces has" surfaces --only fur
-expect_usage "--only goes with .*: surfaces" mcguire-resolution --only furnace
-expect_usage "--only goes with .*: surfaces" all --only furnace
+expect_usage "--only goes with .*surfaces" mcguire-resolution --only furnace
+expect_usage "--only goes with .*surfaces" all --only furnace
 expect_usage "is not a size" mcguire-resolution --size 8
 expect_failure "nowhere/of/index.html: cannot write" mcguire-resolution --report nowhere/of
 expect_failure "nowhere/of/image.png: cannot write" mcguire-resolution --images nowhere/of

@@ -3,6 +3,8 @@
 #include "options.h"
 #include "sample_options.h"
 
+#include <octalux/limits.h>
+
 #include <stdio.h>
 #include <string.h>
 
@@ -79,7 +81,7 @@ bool view_options_read(int argc, char **argv, view_options *o, int *exit_code) {
   sample_options sample = SAMPLE_OPTIONS_DEFAULT;
   const option options[] = {
       {"--field", OPTION_TEXT, &o->field, "FILE.olx", "the field that gives indirect light", 1, 0},
-      {"--size", OPTION_SIZE, o->size, "1280x720", "pixels; default 1280x720", 1, 16384},
+      {"--size", OPTION_SIZE, o->size, "1280x720", "pixels; default 1280x720", 1, OLX_PICTURE_SIZE_MOST},
       {"--camera", OPTION_TEXT, &o->camera, "NAME", "a camera of the scene to begin with; default: the first", 0, 0},
       {"--exposure", OPTION_REAL, &s->exposure, "X",
        "multiply light before the tone map; default: follows the picture in a window, else 1", 0, 0},

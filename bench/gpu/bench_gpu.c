@@ -5,6 +5,8 @@
 
 #include "options.h"
 
+#include <octalux/limits.h>
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -153,7 +155,7 @@ int main(int argc, char **argv) {
       {"--scene", OPTION_TEXT, &a.scene, "FILE.olxs", "one cooked scene, in place of --data", 0, 0},
       {"--field", OPTION_TEXT, &a.field, "FILE.olx", "its field", 0, 0},
       {"--camera", OPTION_TEXT, &a.camera, "NAME", "default: the scene's first", 0, 0},
-      {"--size", OPTION_SIZE, a.size, "1920x1080", "of the picture", 1, 16384},
+      {"--size", OPTION_SIZE, a.size, "1920x1080", "of the picture", 1, OLX_PICTURE_SIZE_MOST},
       {"--frames", OPTION_COUNT, &a.frames, "N", "frames to take the median of; default 100", 1, 100000},
       {"--tracer", OPTION_CHOICE, &a.tracer, "texel|two-level|hiz", "default hiz", 0, 0},
       {"--select", OPTION_CHOICE, &a.select, "best|cage|bricks|exhaustive", "default best", 0, 0},

@@ -129,17 +129,6 @@ void surface_compare_blocks(const olx_image *image, const olx_image *reference, 
   }
 }
 
-// Whether --only names the scene, or is not given.
-static bool is_wanted(const bench_options *o, const char *title) {
-  const size_t length = strlen(title);
-  if (!o->only) return true;
-  for (const char *at = o->only; at; at = strchr(at, ',')) {
-    at += *at == ',';
-    if (strncmp(at, title, length) == 0 && (at[length] == ',' || !at[length])) return true;
-  }
-  return false;
-}
-
 static olx_result run_scene(surface_run *r, const surface_scene *scene) {
   r->name = scene->name;
   r->what = scene->what;
@@ -158,7 +147,7 @@ olx_result run_surfaces(bench *b) {
   surface_mode_table(&r);
   olx_result result = OLX_OK;
   for (uint32_t i = 0; i < SCENES && result == OLX_OK; ++i) {
-    if (!is_wanted(b->options, surfaces_scene(i))) continue;
+    if (!bench_names(b->options, surfaces_scene(i))) continue;
     if (!b->options->quick || scenes[i].quick) {
       result = run_scene(&r, &scenes[i]);
     } else if (b->options->only) {

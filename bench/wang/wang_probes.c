@@ -1,11 +1,49 @@
 // Compares placed sets of a half, a third and a quarter as many probes with grids, by pictures and by mirror rays, and
 // so finds how few do as well as a grid.
-#include "wang.h"
+#include "experiment_list.h"
+#include "wang_view.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+static const bench_column columns[] = {
+    {"scene", "scene", BENCH_NAME, NULL, NULL},
+    {"set", "set", BENCH_NAME, NULL, NULL},
+    {"probes", "probes", BENCH_COUNT, NULL, NULL},
+    {"texels", "texels", BENCH_COUNT, NULL, "along a map"},
+    {"mb", "size", BENCH_COUNT, "MB", NULL},
+    {"coverage", "covered", BENCH_QUALITY, "%", "by placed probes"},
+    {"glossy_mse", "glossy MSE", BENCH_QUALITY, NULL, "against one bounce path traced, mean over the cameras"},
+    {"noise", "\u00b1", BENCH_SPREAD, NULL, "what noise may be off in it: at least its standard error"},
+    {"glossy_relative_mse", "relative MSE", BENCH_QUALITY, NULL, NULL},
+    {"bias", "bias", BENCH_QUALITY, "%", "light too much or missing, over the reference's mean"},
+    {"over_grid", "over the best grid", BENCH_QUALITY, NULL,
+     "glossy MSE over that of the best grid, or of the first set"},
+    {"worst", "worst camera", BENCH_QUALITY, NULL, "the same of the camera that shows the set worst"},
+    {"final_mse", "final MSE", BENCH_QUALITY, NULL, "of all indirect light"},
+    {"unseen", "unseen", BENCH_QUALITY, "%", "mirror rays whose end no probe sees"},
+    {"unresolved", "unresolved", BENCH_QUALITY, "%", "mirror rays that no probe could answer"},
+    {"wrong", "wrong", BENCH_QUALITY, "%", "mirror rays that end elsewhere than on the triangles"},
+};
+static const bench_plot plots[] = {{.caption = "Glossy error over that of the best grid", .y = "over_grid"}};
+
+static const bench_column camera_columns[] = {
+    {"scene", "scene", BENCH_NAME, NULL, NULL},
+    {"set", "set", BENCH_NAME, NULL, NULL},
+    {"camera", "camera", BENCH_NAME, NULL, NULL},
+    {"glossy_mse", "glossy MSE", BENCH_QUALITY, NULL, NULL},
+    {"noise", "\u00b1", BENCH_SPREAD, NULL, "what noise may be off in it: at least its standard error"},
+    {"glossy_relative_mse", "relative MSE", BENCH_QUALITY, NULL, NULL},
+    {"bias", "bias", BENCH_QUALITY, "%", NULL},
+};
+
+// A scene, and where its sets are listed.
+typedef struct contest {
+  wang_view view;
+  bench_table *sets, *cameras;
+} contest;
 
 // A set of probes with its measurements: its picture, and mirror rays of the cameras against the true triangles.
 typedef struct finding {
@@ -16,76 +54,84 @@ typedef struct finding {
   double coverage, megabytes;
 } finding;
 
-static olx_result examine(wang_run *run, const bench_probes *wanted, finding *found) {
-  found->probes = wang_probes(run, wanted);
+static olx_result trace_mirrors(const wang_view *view, const olx_field *field, olx_audit_rays *mirror) {
+  const bench_options *o = view->b->options;
+  olx_audit_settings audit = olx_audit_settings_default();
+  audit.rays = o->quick ? 2000 : 20000;
+  audit.points = 0;
+  audit.threads = o->threads;
+  olx_audit judged;
+  const olx_result result = olx_audit_field(view->scene, field, &audit, &view->b->progress, &judged);
+  if (result == OLX_OK) *mirror = judged.mirror;
+  return result;
+}
+
+// Its picture, for the report and for --images.
+static olx_result show(const wang_view *view, const char *name, bench_images *pictures) {
+  for (uint32_t c = 0; c < pictures->cameras; ++c) {
+    const bench_shown shown = {.way = name, .images = pictures, .camera = c};
+    char title[192];
+    snprintf(title, sizeof title, "%s, %s, %s", view->plan->name, pictures->camera[c].name, name);
+    const olx_result result = bench_show(view->b, title, OLX_LAYER_INDIRECT_GLOSSY, &shown, 1, view->references, c);
+    if (result != OLX_OK) return result;
+  }
+  return OLX_OK;
+}
+
+static olx_result judge(const wang_view *view, const bench_field *made, finding *found) {
+  const olx_field_info *info = &made->info;
   const bench_name name = bench_probes_name(&found->probes);
-  wang_tell(run, "baking and rendering", name.text);
+  bench_images pictures;
+  found->count = info->probe_count;
+  found->coverage = made->coverage;
+  found->megabytes =
+      (double)(info->radiance_bytes + info->normal_bytes + info->distance_bytes + info->geometry_bytes) * 1e-6;
+  olx_result result =
+      wang_compare(view, made->field, OLX_TRACER_HIZ, OLX_SELECT_BEST, name.text, &found->quality, &pictures);
+  if (result == OLX_OK) result = show(view, name.text, &pictures);
+  bench_images_free(&pictures);
+  return result == OLX_OK ? trace_mirrors(view, made->field, &found->mirror) : result;
+}
+
+static olx_result examine(const wang_view *view, const bench_probes *wanted, finding *found) {
   bench_field made;
-  olx_result result = bench_field_make(run->scene, &found->probes, &run->bake, &run->folder, 0, &run->progress, &made);
-  if (result == OLX_OK) {
-    found->count = made.info.probe_count;
-    found->coverage = made.coverage;
-    found->megabytes = (double)(made.info.radiance_bytes + made.info.normal_bytes + made.info.distance_bytes +
-                                made.info.geometry_bytes) *
-                       1e-6;
-    result = wang_measure(run, made.field, OLX_TRACER_HIZ, OLX_SELECT_BEST, name.text, &found->quality, NULL);
-  }
-  if (result == OLX_OK) {
-    olx_audit_settings audit = olx_audit_settings_default();
-    audit.rays = run->options->quick ? 2000 : 20000;
-    audit.points = 0;
-    audit.threads = run->options->threads;
-    olx_audit judged;
-    result = olx_audit_field(run->scene, made.field, &audit, &run->progress, &judged);
-    if (result == OLX_OK) found->mirror = judged.mirror;
-  }
+  found->probes = wang_probes(view->b, wanted);
+  olx_result result = bench_bake_field(view->b, view->scene, &found->probes, &view->bake, &made);
+  if (result == OLX_OK) result = judge(view, &made, found);
   bench_field_close(&made);
   return result;
 }
 
-// The error of a set over that of the best grid, of all cameras and of the camera that shows the set worst.
-static double against(const finding *found, const finding *best) {
-  return found->quality.glossy.mse / best->quality.glossy.mse;
-}
-
-static double worst_camera(const wang_run *run, const finding *found, const finding *best) {
+// The error of a set over that of the best grid in the camera that shows the set worst.
+static double worst_camera(const wang_view *view, const finding *found, const finding *best) {
   double worst = 0.0;
-  for (uint32_t c = 0; c < run->references.cameras; ++c) {
+  for (uint32_t c = 0; c < view->references->cameras; ++c) {
     worst = fmax(worst, found->quality.glossy_camera[c].mse / best->quality.glossy_camera[c].mse);
   }
   return worst;
 }
 
-static void add_finding(const wang_run *run, cJSON *list, const finding *found, const finding *best) {
-  cJSON *entry = cJSON_CreateObject();
-  cJSON_AddItemToArray(list, entry);
-  add_text(entry, "name", bench_probes_name(&found->probes).text);
-  add_number(entry, "probes", found->count);
-  add_number(entry, "texels", found->probes.texels);
-  add_number(entry, "megabytes", found->megabytes);
-  add_number(entry, "coverage", found->coverage);
-  wang_add_error(entry, "glossy", &found->quality.glossy);
-  wang_add_error(entry, "final", &found->quality.beauty);
-  add_number(entry, "against_best_grid", against(found, best));
-  add_number(entry, "against_best_grid_worst_camera", worst_camera(run, found, best));
-  cJSON *cameras = cJSON_AddArrayToObject(entry, "cameras");
-  for (uint32_t c = 0; c < run->references.cameras; ++c) {
-    cJSON *camera = cJSON_CreateObject();
-    cJSON_AddItemToArray(cameras, camera);
-    wang_add_error(camera, run->references.camera[c].name, &found->quality.glossy_camera[c]);
+static void add_cameras(const contest *c, const finding *found) {
+  const wang_view *view = &c->view;
+  for (uint32_t i = 0; i < view->references->cameras; ++i) {
+    const bench_error *e = &found->quality.glossy_camera[i];
+    FINDINGS_ROW(&view->b->found, c->cameras, TEXT_CELL(view->plan->name),
+                 TEXT_CELL(bench_probes_name(&found->probes).text), TEXT_CELL(view->references->camera[i].name),
+                 NUMBER_CELL(e->mse), NUMBER_CELL(e->noise), NUMBER_CELL(e->relative_mse), NUMBER_CELL(e->bias));
   }
-  add_number(entry, "unresolved", found->mirror.unresolved);
-  add_number(entry, "wrong", found->mirror.wrong);
-  add_number(entry, "unseen", found->mirror.unseen);
 }
 
-static void print_finding(const wang_run *run, const finding *found, const finding *best) {
+static void add_finding(const contest *c, const finding *found, const finding *best) {
+  const wang_view *view = &c->view;
   const bench_error *glossy = &found->quality.glossy;
-  printf("| %s | %u | %.0f | %.3g ± %.1g | %.3g | %+.3f | %.2f | %.2f | %.3g | %.2f %% | %.2f %% | %.2f %% |\n",
-         bench_probes_name(&found->probes).text, found->count, found->megabytes, glossy->mse, glossy->noise,
-         glossy->relative_mse, glossy->bias, against(found, best), worst_camera(run, found, best),
-         found->quality.beauty.mse, 100.0 * found->mirror.unseen, 100.0 * found->mirror.unresolved,
-         100.0 * found->mirror.wrong);
+  FINDINGS_ROW(&view->b->found, c->sets, TEXT_CELL(view->plan->name), TEXT_CELL(bench_probes_name(&found->probes).text),
+               NUMBER_CELL(found->count), NUMBER_CELL(found->probes.texels), NUMBER_CELL(found->megabytes),
+               NUMBER_CELL(found->coverage > 0.0 ? found->coverage : NAN), NUMBER_CELL(glossy->mse),
+               NUMBER_CELL(glossy->noise), NUMBER_CELL(glossy->relative_mse), NUMBER_CELL(glossy->bias),
+               NUMBER_CELL(glossy->mse / best->quality.glossy.mse), NUMBER_CELL(worst_camera(view, found, best)),
+               NUMBER_CELL(found->quality.beauty.mse), NUMBER_CELL(found->mirror.unseen),
+               NUMBER_CELL(found->mirror.unresolved), NUMBER_CELL(found->mirror.wrong));
+  add_cameras(c, found);
 }
 
 enum { MOST_SHAPES = 8, CONTENDERS = 6 };
@@ -104,32 +150,31 @@ static void list_contenders(uint32_t n, bench_probes list[CONTENDERS]) {
   for (uint32_t i = 0; i < CONTENDERS; ++i) list[i] = all[i];
 }
 
-static void report(const wang_run *run, const finding *found, const finding *best, cJSON *list) {
-  add_finding(run, list, found, best);
-  if (!run->options->json) print_finding(run, found, best);
-  fflush(stdout);
+static olx_result run_contenders(const contest *c, uint32_t n, const finding *best) {
+  bench_probes contenders[CONTENDERS];
+  list_contenders(n, contenders);
+  for (uint32_t i = 0; i < CONTENDERS; ++i) {
+    finding found;
+    const olx_result result = examine(&c->view, &contenders[i], &found);
+    if (result != OLX_OK) return result;
+    add_finding(c, &found, best);
+  }
+  return OLX_OK;
 }
 
-static olx_result run_size(wang_run *run, const wang_size *size, cJSON *list) {
-  finding grids[MOST_SHAPES], contender;
-  const uint32_t shapes = run->options->quick ? 2 : size->shape_count;
+static olx_result run_size(const contest *c, const wang_size *size) {
+  finding grids[MOST_SHAPES];
+  const uint32_t shapes = c->view.b->options->quick ? 2 : size->shape_count;
   uint32_t best = 0;
   for (uint32_t i = 0; i < shapes; ++i) {
     bench_probes grid = {.texels = 512};
     for (int k = 0; k < 3; ++k) grid.grid[k] = size->shapes[i][k];
-    const olx_result result = examine(run, &grid, &grids[i]);
+    const olx_result result = examine(&c->view, &grid, &grids[i]);
     if (result != OLX_OK) return result;
     if (grids[i].quality.glossy.mse < grids[best].quality.glossy.mse) best = i;
   }
-  for (uint32_t i = 0; i < shapes; ++i) report(run, &grids[i], &grids[best], list);
-  bench_probes contenders[CONTENDERS];
-  list_contenders(size->probes, contenders);
-  for (uint32_t i = 0; i < CONTENDERS; ++i) {
-    const olx_result result = examine(run, &contenders[i], &contender);
-    if (result != OLX_OK) return result;
-    report(run, &contender, &grids[best], list);
-  }
-  return OLX_OK;
+  for (uint32_t i = 0; i < shapes; ++i) add_finding(c, &grids[i], &grids[best]);
+  return run_contenders(c, size->probes, &grids[best]);
 }
 
 // The next of names with commas between: a file of probes or a grid such as 4x2x4, each with @TEXELS behind it or with maps
@@ -150,33 +195,40 @@ static const char *next_set(const char *name, char path[4096], bench_probes *pro
   return name + length + (name[length] == ',');
 }
 
-static olx_result run_given(wang_run *run, cJSON *list) {
+static olx_result run_given(const contest *c) {
   finding first, found;
   bool any = false;
-  for (const char *name = run->options->sets; *name;) {
+  for (const char *name = c->view.b->options->sets; *name;) {
     char path[4096];
     bench_probes probes;
     name = next_set(name, path, &probes);
-    const olx_result result = examine(run, &probes, any ? &found : &first);
+    const olx_result result = examine(&c->view, &probes, any ? &found : &first);
     if (result != OLX_OK) return result;
-    report(run, any ? &found : &first, &first, list);
+    add_finding(c, any ? &found : &first, &first);
     any = true;
   }
   return OLX_OK;
 }
 
-olx_result wang_run_counts(wang_run *run, cJSON *object) {
-  cJSON *list = cJSON_AddArrayToObject(object, "sets");
-  if (!run->options->json) {
-    printf("\n%s\n\n", run->experiment->name);
-    printf("| set | probes | MB | glossy MSE | relative | bias | over best grid | worst camera | final MSE | unseen | "
-           "unresolved | wrong |\n");
-    printf("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
+static olx_result run_scene(contest *c, uint32_t scene) {
+  bench *b = c->view.b;
+  olx_result result = wang_open(b, scene, &c->view);
+  if (result != OLX_OK || !c->view.scene) return result;
+  if (b->options->sets) return run_given(c);
+  for (uint32_t i = 0; i < c->view.plan->size_count && result == OLX_OK; ++i) {
+    result = run_size(c, &c->view.plan->sizes[i]);
   }
-  if (run->options->sets) return run_given(run, list);
-  for (uint32_t i = 0; i < run->experiment->size_count; ++i) {
-    const olx_result result = run_size(run, &run->experiment->sizes[i], list);
-    if (result != OLX_OK) return result;
+  return result;
+}
+
+olx_result run_wang_probes(bench *b) {
+  contest c = {.view = {.b = b}};
+  c.sets = FINDINGS_TABLE(&b->found, "sets", "Sets of probes against the best of several grids", columns, plots);
+  c.cameras = findings_table(&b->found, "cameras", "The same, camera by camera", camera_columns,
+                             sizeof camera_columns / sizeof *camera_columns, NULL, 0);
+  olx_result result = OLX_OK;
+  for (uint32_t i = 0; i < WANG_SCENES && result == OLX_OK; ++i) {
+    if (!wang_leaves_out(b, i)) result = run_scene(&c, i);
   }
-  return OLX_OK;
+  return result;
 }

@@ -45,11 +45,11 @@ static const contest contests[] = {
 static double or_none(double value) { return value > 0.0 ? value : NAN; }
 
 // Finds the row of a set that the thesis shows: found by cage or by octree.
-static uint32_t find_row(const bench *b, const wang_measured *t, const char *set) {
+static uint32_t find_row(const wang_measured *t, const char *set) {
   for (uint32_t r = 0; r < t->row_count; ++r) {
     const olx_select select = t->rows[r].row->select;
     const bool theirs = select == OLX_SELECT_CAGE || select == OLX_SELECT_OCTREE;
-    if (theirs && strcmp(wang_study_name(b, &t->rows[r]).text, set) == 0) return r;
+    if (theirs && strcmp(wang_row_name(&t->rows[r]).text, set) == 0) return r;
   }
   return UINT32_MAX;
 }
@@ -59,7 +59,7 @@ static void add_row(bench *b, bench_table *table, const contest *c, const wang_m
   const bool first = row == grid;
   const bench_error *glossy = &row->quality.glossy;
   FINDINGS_ROW(&b->found, table, TEXT_CELL(c->name), TEXT_CELL(wang_scenes[c->scene].name),
-               TEXT_CELL(wang_study_name(b, row).text), TEXT_CELL(olx_select_name(row->row->select)),
+               TEXT_CELL(wang_row_name(row).text), TEXT_CELL(olx_select_name(row->row->select)),
                NUMBER_CELL(glossy->mse), NUMBER_CELL(glossy->noise), NUMBER_CELL(glossy->relative_mse),
                NUMBER_CELL(glossy->mse / grid->quality.glossy.mse), NUMBER_CELL(row->quality.beauty.mse),
                NUMBER_CELL(or_none(first ? c->grid_mse : c->placed_mse)),
@@ -78,21 +78,21 @@ olx_result run_wang_quality(bench *b) {
   bench_table *table =
       FINDINGS_TABLE(&b->found, "quality", "Grids by the cage against placed probes by the octree", columns, plots);
   for (uint32_t i = 0; i < WANG_SCENES; ++i) {
-    const wang_measured *t;
-    olx_result result = wang_study_scene(b, i, WANG_ERRORS | WANG_TIMES, &t);
+    wang_measured *t;
+    olx_result result = wang_study_scene(b, i, WANG_ERRORS | WANG_TIMES, false, &t);
     if (result != OLX_OK) return result;
     uint32_t shown[MOST_SHOWN], count = 0;
     for (size_t k = 0; t && k < sizeof contests / sizeof *contests; ++k) {
       const contest *c = &contests[k];
       if (c->scene != i) continue;
-      const uint32_t grid = find_row(b, t, c->grid), placed = find_row(b, t, c->placed);
+      const uint32_t grid = find_row(t, c->grid), placed = find_row(t, c->placed);
       if (grid == UINT32_MAX || placed == UINT32_MAX) continue;
       add_row(b, table, c, &t->rows[grid], &t->rows[grid]);
       add_row(b, table, c, &t->rows[placed], &t->rows[grid]);
       add_once(shown, &count, grid);
       add_once(shown, &count, placed);
     }
-    if (count > 0) result = wang_study_show(b, i, shown, count);
+    if (count > 0) result = wang_study_show(b, i, shown, count, OLX_LAYER_INDIRECT_GLOSSY);
     if (result != OLX_OK) return result;
   }
   return OLX_OK;

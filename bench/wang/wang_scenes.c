@@ -65,8 +65,10 @@ static const uint32_t sponza_128[][3] = {{8, 4, 4}, {16, 2, 4}, {8, 2, 8}, {10, 
 static const wang_size sponza_sizes[] = {{128, sponza_128, COUNT(sponza_128)}};
 
 const wang_scene wang_scenes[WANG_SCENES] = {
-    {"cornell-glossy", "cornell-wang.json", cornell_rows, COUNT(cornell_rows), cornell_sizes, COUNT(cornell_sizes)},
-    {"temple", "temple-wang.json", temple_rows, COUNT(temple_rows), temple_sizes, COUNT(temple_sizes)},
-    {"sponza", "sponza-wang.json", sponza_rows, COUNT(sponza_rows), sponza_sizes, COUNT(sponza_sizes)},
+    {"cornell-glossy", "cornell-wang", cornell_rows, COUNT(cornell_rows), cornell_sizes, COUNT(cornell_sizes)},
+    {"temple", "temple-wang", temple_rows, COUNT(temple_rows), temple_sizes, COUNT(temple_sizes)},
+    {"sponza", "sponza-wang", sponza_rows, COUNT(sponza_rows), sponza_sizes, COUNT(sponza_sizes)},
 };
 // clang-format on
+
+const char *wang_scene_name(uint32_t index) { return index < WANG_SCENES ? wang_scenes[index].name : NULL; }

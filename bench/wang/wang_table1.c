@@ -23,7 +23,7 @@ static void add_scene(bench *b, bench_table *table, uint32_t scene, const wang_m
   for (uint32_t i = 0; i < t->row_count; ++i) {
     const wang_measured_row *row = &t->rows[i];
     const double published = row->row->ms > 0.0 ? row->row->ms : NAN;
-    FINDINGS_ROW(&b->found, table, TEXT_CELL(wang_scenes[scene].name), TEXT_CELL(wang_study_name(b, row).text),
+    FINDINGS_ROW(&b->found, table, TEXT_CELL(wang_scenes[scene].name), TEXT_CELL(wang_row_name(row).text),
                  TEXT_CELL(wang_tracer_name(row->row->tracer)), TEXT_CELL(olx_select_name(row->row->select)),
                  NUMBER_CELL(row->median_ms), NUMBER_CELL(t->rows[0].median_ms / row->median_ms),
                  NUMBER_CELL(published), NUMBER_CELL(t->rows[0].row->ms / published), NUMBER_CELL(row->steps),
@@ -35,8 +35,8 @@ olx_result run_wang_table1(bench *b) {
   bench_table *table =
       FINDINGS_TABLE(&b->found, "times", "Glossy pass, all rows in turns, median of the rounds", columns, plots);
   for (uint32_t i = 0; i < WANG_SCENES; ++i) {
-    const wang_measured *t;
-    const olx_result result = wang_study_scene(b, i, WANG_TIMES, &t);
+    wang_measured *t;
+    const olx_result result = wang_study_scene(b, i, WANG_TIMES, false, &t);
     if (result != OLX_OK) return result;
     if (t) add_scene(b, table, i, t);
   }

@@ -60,12 +60,12 @@ olx_result run_wang_table2(bench *b) {
   bench_table *table = findings_table(&b->found, "memory", "Memory with maps of 512\u00b2 texels", columns,
                                       sizeof columns / sizeof *columns, NULL, 0);
   for (uint32_t i = 0; i < WANG_SCENES; ++i) {
-    const wang_measured *t;
-    const olx_result result = wang_study_scene(b, i, 0, &t);
+    wang_measured *t;
+    const olx_result result = wang_study_scene(b, i, 0, false, &t);
     if (result != OLX_OK) return result;
     for (size_t k = 0; t && k < sizeof published / sizeof *published; ++k) {
       uint32_t r = 0;
-      while (r < t->row_count && strcmp(wang_study_name(b, &t->rows[r]).text, published[k].set) != 0) ++r;
+      while (r < t->row_count && strcmp(wang_row_name(&t->rows[r]).text, published[k].set) != 0) ++r;
       if (published[k].scene == i && r < t->row_count) add_set(b, table, &published[k], &t->sets[t->rows[r].set]);
     }
   }

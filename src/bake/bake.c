@@ -18,18 +18,22 @@
 #include <sys/resource.h>
 
 // Probes at `positions`, or on the grid where that is NULL.
-static olx_result place_probes(olx_bake_run *b, uint32_t set, const olx_grid *grid, const olx_vec3 *positions,
-                               uint32_t position_count) {
-  const uint32_t count = positions ? position_count : grid->count[0] * grid->count[1] * grid->count[2];
-  b->counts[set] = count;
-  b->positions[set] = olx_allocate(count, sizeof(olx_vec3));
-  b->flags[set] = olx_allocate_zero(count, 1);
-  if (!b->positions[set] || !b->flags[set])
-    return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for %u probes", count);
-  for (uint32_t i = 0; i < count; i++) {
-    b->positions[set][i] = positions ? positions[i] : olx_grid_position(grid, i);
+static olx_result place_probes(const olx_grid *grid, const olx_vec3 *positions, uint32_t position_count,
+                               olx_probe_list *probes) {
+  probes->count = positions ? position_count : grid->count[0] * grid->count[1] * grid->count[2];
+  probes->positions = olx_allocate(probes->count, sizeof *probes->positions);
+  probes->flags = olx_allocate_zero(probes->count, 1);
+  if (!probes->positions || !probes->flags)
+    return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for %u probes", probes->count);
+  for (uint32_t i = 0; i < probes->count; i++) {
+    probes->positions[i] = positions ? positions[i] : olx_grid_position(grid, i);
   }
   return OLX_OK;
+}
+
+static void free_probes(olx_probe_list *probes) {
+  olx_release(probes->positions);
+  olx_release(probes->flags);
 }
 
 // Spacing along an axis with one probe means nothing; a field says 0.
@@ -50,34 +54,34 @@ static float least_spacing(const olx_grid *grid, float otherwise) {
 }
 
 olx_field_header olx_bake_header(const olx_bake_run *b) {
-  const olx_bake_settings *s = b->settings;
+  const olx_bake_settings *s = b->context.settings;
   olx_field_header header = {
-      .info = {.probe_count = b->counts[0],
-               .irradiance_probe_count = b->counts[1],
+      .info = {.probe_count = b->context.probes.light_field.count,
+               .irradiance_probe_count = b->context.probes.irradiance.count,
                .has_grid = !s->probes,
                .grid = s->grid,
                .radiance_size = s->radiance_size,
                .select_mask = olx_bake_select_mask(s),
-               .distance_scale_metres = b->distance_scale,
-               .scene_min = b->scene->bounds_min,
-               .scene_max = b->scene->bounds_max,
+               .distance_scale_metres = b->context.distance_scale,
+               .scene_min = b->context.scene->bounds_min,
+               .scene_max = b->context.scene->bounds_max,
                .bounces = s->bounces,
                .samples = s->samples,
-               .scene_hash = b->scene->hash,
+               .scene_hash = b->context.scene->hash,
                .compressed = !s->uncompressed,
                .geometry_blocks = !s->uncompressed},
-      .origin = {b->scene->origin[0], b->scene->origin[1], b->scene->origin[2]},
-      .probe_positions = b->positions[0],
-      .irradiance_positions = b->positions[1],
+      .origin = {b->context.scene->origin[0], b->context.scene->origin[1], b->context.scene->origin[2]},
+      .probe_positions = b->context.probes.light_field.positions,
+      .irradiance_positions = b->context.probes.irradiance.positions,
       .lights = b->lights,
-      .light_count = b->scene->light_count,
+      .light_count = b->context.scene->light_count,
       .classic_table = b->classic_table,
       .volume = b->volume.cells.data,
       .volume_bytes = b->volume.cells.size_bytes,
       .volume_positions = b->volume.cells.positions,
   };
   header.info.volume_probe_count = b->volume.cells.probe_count;
-  if (b->counts[1]) {
+  if (b->context.probes.irradiance.count) {
     header.info.irradiance_grid = s->irradiance_grid;
     header.info.irradiance_size = s->irradiance_size;
     header.info.irradiance_form = s->irradiance_form;
@@ -100,29 +104,35 @@ olx_result olx_bake_create_file(olx_bake_run *b, const char *path) {
   return olx_field_writer_create(path, &header, &b->writer);
 }
 
+static uint32_t count_buried(const olx_probe_list *probes) {
+  uint32_t count = 0;
+  for (uint32_t i = 0; i < probes->count; i++) count += probes->flags[i] & OLX_PROBE_BURIED;
+  return count;
+}
+
 static olx_result find_buried(olx_bake_run *b) {
-  const olx_vec3 *positions[2] = {b->positions[0], b->positions[1]};
   uint64_t rays = 0;
-  OLX_TRY(olx_find_buried(b->scene, positions, b->counts, b->flags, b->settings->threads, &rays));
+  OLX_TRY(olx_find_buried(b->context.scene, &b->context.probes, b->context.settings->threads, &rays));
   b->stats.rays += rays;
-  for (uint32_t i = 0; i < b->counts[0]; i++) b->stats.buried += b->flags[0][i] & OLX_PROBE_BURIED;
-  for (uint32_t i = 0; i < b->counts[1]; i++) b->stats.irradiance_buried += b->flags[1][i] & OLX_PROBE_BURIED;
+  b->stats.buried = count_buried(&b->context.probes.light_field);
+  b->stats.irradiance_buried = count_buried(&b->context.probes.irradiance);
   return OLX_OK;
 }
 
 static olx_result build_selectors(olx_bake_run *b) {
-  const olx_bake_settings *s = b->settings;
+  const olx_bake_settings *s = b->context.settings;
   const uint64_t side = s->radiance_size + 2;
-  const olx_selector_input input = {.scene = b->scene,
-                                    .positions = b->positions[0],
-                                    .flags = b->flags[0],
-                                    .count = b->counts[0],
+  const olx_selector_input input = {.scene = b->context.scene,
+                                    .positions = b->context.probes.light_field.positions,
+                                    .flags = b->context.probes.light_field.flags,
+                                    .count = b->context.probes.light_field.count,
                                     .radiance_size = s->radiance_size,
-                                    .map_bytes = b->counts[0] * side * side * OLX_LIGHT_FIELD_TEXEL_BYTES,
-                                    .distance_scale = b->distance_scale,
+                                    .map_bytes =
+                                        b->context.probes.light_field.count * side * side * OLX_LIGHT_FIELD_TEXEL_BYTES,
+                                    .distance_scale = b->context.distance_scale,
                                     .threads = s->threads,
-                                    .task = &b->task};
-  olx_task_stage(&b->task, "selectors");
+                                    .task = &b->context.task};
+  olx_task_stage(&b->context.task, "selectors");
   return olx_selectors_build(&input, olx_bake_select_mask(s), &b->selectors);
 }
 
@@ -130,21 +140,21 @@ static olx_result gather_solved(olx_bake_run *b) {
   OLX_TRY(olx_gather_look(&b->gather));
   OLX_TRY(olx_gather_solved(&b->gather));
   OLX_TRY(olx_gather_irradiance(&b->gather, 0));
-  return b->settings->fit ? olx_gather_fit(&b->gather, 0) : OLX_OK;
+  return b->context.settings->fit ? olx_gather_fit(&b->gather, 0) : OLX_OK;
 }
 
 // All bounces that are asked for, as long as they bring light.
 static olx_result gather_bounces(olx_bake_run *b) {
   OLX_TRY(olx_gather_look(&b->gather));
   OLX_TRY(olx_gather_link(&b->gather));
-  for (uint32_t bounce = 0; bounce <= b->settings->bounces; bounce++) {
+  for (uint32_t bounce = 0; bounce <= b->context.settings->bounces; bounce++) {
     if (bounce > 0) OLX_TRY(olx_gather_bounce(&b->gather, bounce));
     OLX_TRY(olx_gather_irradiance(&b->gather, bounce));
-    if (b->settings->fit) OLX_TRY(olx_gather_fit(&b->gather, bounce));
+    if (b->context.settings->fit) OLX_TRY(olx_gather_fit(&b->gather, bounce));
     b->bounces = bounce;
     if (bounce > 0 && !olx_gather_brought_light(&b->gather, bounce)) break;
   }
-  olx_gather_skip(&b->gather, b->settings->bounces - b->bounces);
+  olx_gather_skip(&b->gather, b->context.settings->bounces - b->bounces);
   if (b->gather.traces) {
     b->stats.unseen =
         (double)atomic_load(&b->gather.traced.unseen) / fmax(1.0, (double)atomic_load(&b->gather.traced.rays));
@@ -153,7 +163,7 @@ static olx_result gather_bounces(olx_bake_run *b) {
 }
 
 static olx_result gather_light(olx_bake_run *b) {
-  const olx_bake_settings *s = b->settings;
+  const olx_bake_settings *s = b->context.settings;
   const double start = olx_seconds();
   OLX_TRY(olx_gather_create(&b->gather, &s->irradiance_grid, s->irradiance_size, s->bounces));
   OLX_TRY(b->gather.light ? gather_solved(b) : gather_bounces(b));
@@ -162,40 +172,40 @@ static olx_result gather_light(olx_bake_run *b) {
 }
 
 static void describe_classic(olx_bake_run *b) {
-  const olx_bake_settings *s = b->settings;
+  const olx_bake_settings *s = b->context.settings;
   const uint32_t sharpness =
       s->classic_sharpness ? s->classic_sharpness : olx_classic_sharpness(s->classic_size, s->classic_cube_size);
   b->classic = (olx_classic_bake){
+      .context = &b->context,
       .shade = &b->shade,
       .filter = {.size = s->classic_size,
                  .cube_size = s->classic_cube_size,
                  .sharpness = sharpness,
                  .threads = s->threads},
-      .light_samples = s->light_samples,
-      .task = &b->task,
   };
 }
 
 static olx_result make_classic_table(olx_bake_run *b) {
-  if (!b->settings->classic) return OLX_OK;
+  if (!b->context.settings->classic) return OLX_OK;
   b->classic_table = olx_allocate(OLX_CLASSIC_TABLE_ENTRIES, sizeof *b->classic_table);
   if (!b->classic_table) return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for a table of reflectances");
-  return olx_classic_table_make(b->classic_table, b->settings->threads);
+  return olx_classic_table_make(b->classic_table, b->context.settings->threads);
 }
 
 static olx_result solve_light(olx_bake_run *b) {
-  const olx_bake_settings *s = b->settings;
+  const olx_bake_settings *s = b->context.settings;
   if (s->light == OLX_LIGHT_REFERENCE) return OLX_OK;
-  olx_task_stage(&b->task, "light");
+  olx_task_stage(&b->context.task, "light");
   olx_scene_light_settings settings = olx_scene_light_settings_default();
   settings.bounces = s->bounces + 1;
   settings.noise = s->noise;
   settings.map_size = s->radiance_size;
   settings.seed = b->shade.seed;
   settings.threads = s->threads;
-  settings.task = &b->task;
+  settings.task = &b->context.task;
   settings.store = b->store;
-  OLX_TRY(olx_scene_light_create(b->scene, &settings, b->positions[0], b->flags[0], b->counts[0], &b->light));
+  OLX_TRY(olx_scene_light_create(b->context.scene, &settings, b->context.probes.light_field.positions,
+                                 b->context.probes.light_field.flags, b->context.probes.light_field.count, &b->light));
   const olx_scene_light_report report = olx_scene_light_describe(b->light);
   b->stats.rays += report.rays;
   b->stats.surfels = report.surfels;
@@ -206,55 +216,29 @@ static olx_result solve_light(olx_bake_run *b) {
 }
 
 static olx_result make_volume_cells(olx_bake_run *b) {
-  b->volume = (olx_volume_bake){.scene = b->scene,
-                                .settings = b->settings,
-                                .positions = b->positions[0],
-                                .flags = b->flags[0],
-                                .probe_count = b->counts[0],
-                                .seed = b->shade.seed,
-                                .task = &b->task};
+  b->volume = (olx_volume_bake){.context = &b->context, .seed = b->shade.seed};
   return olx_volume_bake_create(&b->volume, &b->stats);
 }
 
 void olx_bake_describe(olx_bake_run *b) {
-  const olx_bake_settings *s = b->settings;
-  b->gather = (olx_gather){.shade = &b->shade,
-                           .positions = b->positions[1],
-                           .flags = b->flags[1],
-                           .probe_count = b->counts[1],
-                           .light_samples = s->light_samples,
-                           .threads = s->threads,
-                           .distance_scale = b->distance_scale,
-                           .task = &b->task,
-                           .form = s->irradiance_form,
-                           .traces = s->bounce_gather == OLX_GATHER_TRACED};
-  b->capture = (olx_capture){.scene = b->scene,
-                             .size = s->radiance_size,
-                             .samples = s->samples,
-                             .light_samples = s->light_samples,
-                             .bounces = s->bounces,
-                             .threads = s->threads,
-                             .distance_scale = b->distance_scale,
-                             .task = &b->task};
-  b->surfaces = (olx_surface_capture){.capture = &b->capture,
-                                      .seed = s->seed,
-                                      .reference_paths = s->reference_paths,
-                                      .has_radiance = b->counts[1] > 0,
-                                      .compressed = !s->uncompressed};
+  const olx_bake_settings *s = b->context.settings;
+  b->gather = (olx_gather){.context = &b->context, .shade = &b->shade, .traces = s->bounce_gather == OLX_GATHER_TRACED};
+  b->capture = (olx_capture){.context = &b->context, .size = s->radiance_size};
+  b->surfaces = (olx_surface_capture){.capture = &b->capture};
   if (s->classic) describe_classic(b);
 }
 
 uint64_t olx_bake_units(const olx_bake_run *b) {
-  const olx_bake_settings *s = b->settings;
-  uint64_t units =
-      olx_gather_units(&b->gather, s->bounces, olx_bake_is_solved(s)) + b->counts[0] * olx_capture_units(&b->capture);
-  if (s->fit) units += olx_surface_fit_units(b->counts[1], olx_bake_is_solved(s));
-  if (s->classic) units += b->counts[1] * olx_classic_bake_units(&b->classic);
+  const olx_bake_settings *s = b->context.settings;
+  uint64_t units = olx_gather_units(&b->gather, s->bounces, olx_bake_is_solved(s)) +
+                   b->context.probes.light_field.count * olx_capture_units(&b->capture);
+  if (s->fit) units += olx_surface_fit_units(b->context.probes.irradiance.count, olx_bake_is_solved(s));
+  if (s->classic) units += b->context.probes.irradiance.count * olx_classic_bake_units(&b->classic);
   return units;
 }
 
 static olx_result make_plan(olx_bake_run *b) {
-  OLX_TRY(olx_surface_lights(b->scene, &b->lights));
+  OLX_TRY(olx_surface_lights(b->context.scene, &b->lights));
   OLX_TRY(find_buried(b));
   OLX_TRY(build_selectors(b));
   OLX_TRY(make_classic_table(b));
@@ -281,7 +265,7 @@ static olx_result run_probes(olx_bake_run *b) {
 
 // Everything but committing the file. What was made is released by olx_bake_finish.
 static olx_result run(olx_bake_run *b, const char *path) {
-  const olx_bake_settings *s = b->settings;
+  const olx_bake_settings *s = b->context.settings;
   olx_bake_describe(b);
   OLX_TRY(olx_bake_plan(b, make_plan));
   const bool is_part = olx_unit_store_is_part(b->store);
@@ -294,9 +278,9 @@ static olx_result run(olx_bake_run *b, const char *path) {
   b->surfaces.light = b->light;
   b->bounces = s->bounces;
   OLX_TRY(olx_surface_capture_create(&b->surfaces));
-  b->stats.primary_rays = b->counts[0] * olx_capture_units(&b->capture);
+  b->stats.primary_rays = b->context.probes.light_field.count * olx_capture_units(&b->capture);
   b->gather.quadrature = olx_quadrature_shape(s->irradiance_size);
-  b->task.total_units = olx_bake_units(b);
+  b->context.task.total_units = olx_bake_units(b);
   return run_probes(b);
 }
 
@@ -322,12 +306,10 @@ olx_result olx_bake_finish(olx_bake_run *b, olx_result result, double start) {
   olx_gather_free(&b->gather);
   b->stats.rays += atomic_load(&b->shade.rays);
   olx_shade_context_end(&b->shade);
-  olx_task_end(&b->task);
+  olx_task_end(&b->context.task);
   struct rusage usage;
-  for (uint32_t set = 0; set < 2; set++) {
-    olx_release(b->positions[set]);
-    olx_release(b->flags[set]);
-  }
+  free_probes(&b->context.probes.light_field);
+  free_probes(&b->context.probes.irradiance);
   getrusage(RUSAGE_SELF, &usage);
   b->stats.peak_memory_bytes = (uint64_t)usage.ru_maxrss * 1024u;
   b->stats.seconds = olx_seconds() - start - b->stats.write_seconds - b->measure_seconds;
@@ -336,12 +318,14 @@ olx_result olx_bake_finish(olx_bake_run *b, olx_result result, double start) {
 
 static olx_result bake_scene(olx_bake_run *b, const char *path, const olx_progress *progress) {
   const double start = olx_seconds();
-  OLX_TRY(place_probes(b, 0, &b->settings->grid, b->settings->probes, b->settings->probe_count));
-  if (olx_bake_keeps_probe_light(b->settings)) OLX_TRY(place_probes(b, 1, &b->settings->irradiance_grid, NULL, 0));
-  b->distance_scale = olx_length(olx_sub(b->scene->bounds_max, b->scene->bounds_min));
-  olx_task_begin(&b->task, progress, "probes", 1);
-  olx_shade_context_begin(&b->shade, b->scene, b->settings->seed);
-  const float spacing = least_spacing(&b->settings->irradiance_grid, b->distance_scale);
+  OLX_TRY(place_probes(&b->context.settings->grid, b->context.settings->probes, b->context.settings->probe_count,
+                       &b->context.probes.light_field));
+  if (olx_bake_keeps_probe_light(b->context.settings))
+    OLX_TRY(place_probes(&b->context.settings->irradiance_grid, NULL, 0, &b->context.probes.irradiance));
+  b->context.distance_scale = olx_length(olx_sub(b->context.scene->bounds_max, b->context.scene->bounds_min));
+  olx_task_begin(&b->context.task, progress, "probes", 1);
+  olx_shade_context_begin(&b->shade, b->context.scene, b->context.settings->seed);
+  const float spacing = least_spacing(&b->context.settings->irradiance_grid, b->context.distance_scale);
   b->shade.share_distance = 0.01f * spacing;
   return olx_bake_finish(b, run(b, path), start);
 }
@@ -360,7 +344,7 @@ olx_result olx_bake(const olx_scene *scene, const olx_bake_settings *settings, c
   olx_bake_settings used = *settings;
   used.grid = without_idle_spacing(settings->grid);
   used.irradiance_grid = without_idle_spacing(settings->irradiance_grid);
-  olx_bake_run b = {.scene = scene, .settings = &used};
+  olx_bake_run b = {.context = {.scene = scene, .settings = &used}};
   OLX_TRY(olx_bake_work_open(scene, &used, &b.store));
   const olx_result result = bake_scene(&b, path, progress);
   olx_bake_work_close(b.store, &used.work, result);

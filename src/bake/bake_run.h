@@ -5,6 +5,7 @@
 #ifndef OLX_BAKE_BAKE_RUN_H
 #define OLX_BAKE_BAKE_RUN_H
 
+#include "bake/bake_context.h"
 #include "bake/capture.h"
 #include "bake/classic_bake.h"
 #include "bake/gather.h"
@@ -22,14 +23,8 @@ typedef struct olx_joined_bake {
 
 // One bake, from its settings to its file.
 typedef struct olx_bake_run {
-  const olx_scene *scene;
-  const olx_bake_settings *settings;
-  uint32_t counts[2]; // light field probes, irradiance probes
-  olx_vec3 *positions[2];
-  uint8_t *flags[2];
+  olx_bake_context context;
   uint32_t bounces; // that light between irradiance probes made
-  float distance_scale;
-  olx_task task;
   olx_shade_context shade;
   olx_gather gather;
   olx_capture capture;
@@ -43,7 +38,7 @@ typedef struct olx_bake_run {
   olx_selector_blobs selectors;
   olx_field_writer *writer; // NULL where no file is written
   olx_unit_store *store;    // NULL: every unit is made, none is kept
-  olx_joined_bake *joined;  // `scene` and `settings` are in it; NULL unless units are joined
+  olx_joined_bake *joined;  // the scene and the settings are in it; NULL unless units are joined
   bool incomplete;          // units of other parts are missing
   olx_bake_stats stats;
   double measure_seconds; // spent on timing Embree, in all

@@ -7,13 +7,12 @@
 #include "core/vec.h"
 #include "field/brick_data.h"
 
+#include <octalux/limits.h>
+
 #include <assert.h>
 #include <math.h>
 
-enum {
-  MAX_PROBES = 1 << 20,
-  CHEAP_PROBES = 64 // irradiance probes that cost too little to save on
-};
+enum { CHEAP_PROBES = 64 }; // irradiance probes that cost too little to save on
 
 olx_bake_settings olx_bake_settings_default(const olx_scene *scene) {
   olx_bake_settings settings = {.radiance_size = 512,
@@ -66,7 +65,8 @@ static olx_result check_grid(const olx_grid *grid, const char *name) {
   for (uint32_t axis = 0; axis < 3; axis++) {
     if (grid->count[axis] == 0) return olx_fail(OLX_ERROR_ARGUMENT, "bake: %s: a count of 0 probes", name);
     probes *= grid->count[axis];
-    if (probes > MAX_PROBES) return olx_fail(OLX_ERROR_ARGUMENT, "bake: %s: more than %d probes", name, MAX_PROBES);
+    if (probes > OLX_BAKE_PROBES_MOST)
+      return olx_fail(OLX_ERROR_ARGUMENT, "bake: %s: more than %d probes", name, OLX_BAKE_PROBES_MOST);
     if (!isfinite(spacing[axis]) || spacing[axis] < 0.0f || (grid->count[axis] > 1 && spacing[axis] <= 0.0f)) {
       return olx_fail(OLX_ERROR_ARGUMENT, "bake: %s: spacing %g along axis %u", name, (double)spacing[axis], axis);
     }
@@ -93,7 +93,7 @@ static olx_result check_range(uint32_t value, uint32_t least, uint32_t most, con
 
 static olx_result check_probes(const olx_bake_settings *settings) {
   if (!settings->probes) return check_grid(&settings->grid, "probe grid");
-  OLX_TRY(check_range(settings->probe_count, 1, MAX_PROBES, "probes"));
+  OLX_TRY(check_range(settings->probe_count, 1, OLX_BAKE_PROBES_MOST, "probes"));
   for (uint32_t i = 0; i < settings->probe_count; i++) {
     if (!olx_is_position(settings->probes[i])) {
       return olx_fail(OLX_ERROR_ARGUMENT, "bake: the position of probe %u is not within 2e7 m", i);
@@ -113,9 +113,11 @@ static olx_result check_select(const olx_bake_settings *settings) {
 
 static olx_result check_classic(const olx_bake_settings *settings) {
   if (!settings->classic) return OLX_OK;
-  OLX_TRY(check_size(settings->classic_size, 32, 256, "classic size"));
-  OLX_TRY(check_size(settings->classic_cube_size, 32, 1024, "cube size"));
-  return settings->classic_sharpness ? check_range(settings->classic_sharpness, 64, 65536, "sharpness") : OLX_OK;
+  OLX_TRY(check_size(settings->classic_size, OLX_CLASSIC_SIZE_LEAST, OLX_CLASSIC_SIZE_MOST, "classic size"));
+  OLX_TRY(
+      check_size(settings->classic_cube_size, OLX_CLASSIC_CUBE_SIZE_LEAST, OLX_CLASSIC_CUBE_SIZE_MOST, "cube size"));
+  if (!settings->classic_sharpness) return OLX_OK;
+  return check_range(settings->classic_sharpness, OLX_CLASSIC_SHARPNESS_LEAST, OLX_CLASSIC_SHARPNESS_MOST, "sharpness");
 }
 
 static olx_result check_relight(const olx_bake_settings *settings) {
@@ -125,7 +127,8 @@ static olx_result check_relight(const olx_bake_settings *settings) {
 
 static olx_result check_probe_light(const olx_bake_settings *settings) {
   OLX_TRY(check_grid(&settings->irradiance_grid, "irradiance grid"));
-  OLX_TRY(check_size(settings->irradiance_size, 8, 256, "irradiance size"));
+  OLX_TRY(
+      check_size(settings->irradiance_size, OLX_IRRADIANCE_SIZE_LEAST, OLX_IRRADIANCE_SIZE_MOST, "irradiance size"));
   OLX_TRY(check_range(settings->irradiance_form, OLX_IRRADIANCE_OCTAHEDRAL, OLX_IRRADIANCE_SH3, "form of irradiance"));
   return check_range(settings->bounce_gather, OLX_GATHER_SOLVED, OLX_GATHER_TRACED, "way to gather bounces");
 }
@@ -133,18 +136,20 @@ static olx_result check_probe_light(const olx_bake_settings *settings) {
 olx_result olx_bake_check_settings(const olx_bake_settings *settings) {
   OLX_TRY(check_probes(settings));
   OLX_TRY(check_select(settings));
-  OLX_TRY(check_size(settings->radiance_size, 8, 2048, "radiance size"));
+  OLX_TRY(check_size(settings->radiance_size, OLX_RADIANCE_SIZE_LEAST, OLX_RADIANCE_SIZE_MOST, "radiance size"));
   if (olx_bake_keeps_probe_light(settings)) OLX_TRY(check_probe_light(settings));
   OLX_TRY(check_relight(settings));
   OLX_TRY(check_classic(settings));
   OLX_TRY(check_range(settings->light, OLX_LIGHT_CACHE, OLX_LIGHT_REFERENCE, "kind of light"));
-  if (!(settings->noise >= 0.001f && settings->noise <= 1.0f))
-    return olx_fail(OLX_ERROR_ARGUMENT, "bake: noise must be 0.001 to 1, not %g", (double)settings->noise);
-  OLX_TRY(check_range(settings->reference_paths, 1, 65536, "reference paths"));
-  OLX_TRY(check_range(settings->volume_cells, 0, 256, "cells of the volume"));
-  OLX_TRY(check_range(settings->samples, 1, 8, "samples"));
-  OLX_TRY(check_range(settings->light_samples, 1, 64, "light samples"));
-  return check_range(settings->bounces, 0, 64, "bounces");
+  if (!(settings->noise >= OLX_NOISE_LEAST && settings->noise <= OLX_NOISE_MOST))
+    return olx_fail(OLX_ERROR_ARGUMENT, "bake: noise must be %g to %g, not %g", (double)OLX_NOISE_LEAST,
+                    (double)OLX_NOISE_MOST, (double)settings->noise);
+  OLX_TRY(
+      check_range(settings->reference_paths, OLX_REFERENCE_PATHS_LEAST, OLX_REFERENCE_PATHS_MOST, "reference paths"));
+  OLX_TRY(check_range(settings->volume_cells, 0, OLX_VOLUME_CELLS_MOST, "cells of the volume"));
+  OLX_TRY(check_range(settings->samples, OLX_SAMPLES_LEAST, OLX_SAMPLES_MOST, "samples"));
+  OLX_TRY(check_range(settings->light_samples, OLX_LIGHT_SAMPLES_LEAST, OLX_LIGHT_SAMPLES_MOST, "light samples"));
+  return check_range(settings->bounces, 0, OLX_BOUNCES_MOST, "bounces");
 }
 
 uint32_t olx_bake_select_mask(const olx_bake_settings *settings) {

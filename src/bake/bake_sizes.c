@@ -12,11 +12,12 @@ static uint64_t grid_count(const olx_grid *grid) { return (uint64_t)grid->count[
 
 // What a bake that is described and has not begun would hold at once.
 static uint64_t memory_of(const olx_bake_run *b, const olx_field_layout *layout) {
-  const olx_bake_settings *s = b->settings;
+  const olx_bake_settings *s = b->context.settings;
   const uint32_t threads = s->threads ? s->threads : olx_processor_count();
   const uint64_t probe_bytes = 2 * (sizeof(olx_vec3) + 1); // here and in the writer
-  uint64_t bytes = ((uint64_t)b->counts[0] + b->counts[1]) * probe_bytes + threads * sizeof(olx_shade_scratch);
-  if (b->counts[1])
+  uint64_t bytes = ((uint64_t)b->context.probes.light_field.count + b->context.probes.irradiance.count) * probe_bytes +
+                   threads * sizeof(olx_shade_scratch);
+  if (b->context.probes.irradiance.count)
     bytes += olx_gather_bytes(&b->gather, s->irradiance_size, s->bounces, olx_bake_is_solved(s), s->fit);
   bytes += olx_capture_bytes(s->radiance_size);
   bytes += layout->shapes[OLX_CHUNK_RADIANCE].record_bytes + layout->shapes[OLX_CHUNK_LEAST].record_bytes +
@@ -32,14 +33,16 @@ static uint64_t links_of(const olx_bake_settings *settings) {
 // A work folder holds what the file holds, with emission of every texel where the file has tiles of it. Links are stored
 // once; surfels and the steps of light that are stored several times take less than that again.
 static uint64_t work_of(const olx_bake_run *b, const olx_field_layout *layout) {
-  const uint64_t size = b->settings->radiance_size;
-  return layout->file_bytes + b->counts[0] * size * size * sizeof(uint32_t) + 2 * links_of(b->settings);
+  const uint64_t size = b->context.settings->radiance_size;
+  return layout->file_bytes + b->context.probes.light_field.count * size * size * sizeof(uint32_t) +
+         2 * links_of(b->context.settings);
 }
 
 // Maps of texels take what the description says; only blocks have planes beside them.
 static uint64_t expected_of(const olx_bake_run *b, const olx_field_layout *layout) {
-  const uint64_t extra = olx_expected_extra_bytes(b->counts[0], b->settings->radiance_size);
-  return layout->file_bytes + (b->settings->uncompressed ? 0 : extra);
+  const uint64_t extra =
+      olx_expected_extra_bytes(b->context.probes.light_field.count, b->context.settings->radiance_size);
+  return layout->file_bytes + (b->context.settings->uncompressed ? 0 : extra);
 }
 
 // "12 light field and 27 irradiance probes"
@@ -80,17 +83,18 @@ olx_result olx_bake_measure(const olx_scene *scene, const olx_bake_settings *set
   *sizes = (olx_bake_sizes){0};
   OLX_TRY(olx_bake_check_settings(settings));
   if (scene->triangle_count == 0) return olx_fail(OLX_ERROR_EMPTY, "%s: the scene has no triangles", path);
-  olx_bake_run b = {.scene = scene, .settings = settings, .distance_scale = 1.0f};
-  b.counts[0] = settings->probes ? settings->probe_count : (uint32_t)grid_count(&settings->grid);
-  if (olx_bake_keeps_probe_light(settings)) b.counts[1] = (uint32_t)grid_count(&settings->irradiance_grid);
+  olx_bake_run b = {.context = {.scene = scene, .settings = settings, .distance_scale = 1.0f}};
+  b.context.probes.light_field.count = settings->probes ? settings->probe_count : (uint32_t)grid_count(&settings->grid);
+  if (olx_bake_keeps_probe_light(settings))
+    b.context.probes.irradiance.count = (uint32_t)grid_count(&settings->irradiance_grid);
   olx_bake_describe(&b);
   b.gather.quadrature = olx_quadrature_shape(settings->irradiance_size);
   b.gather.traces = b.gather.traces && settings->bounces > 0;
   const olx_field_header header = olx_bake_header(&b);
   olx_field_layout layout;
   olx_field_lay_out(&header, &layout);
-  *sizes = (olx_bake_sizes){.probes = b.counts[0],
-                            .irradiance_probes = b.counts[1],
+  *sizes = (olx_bake_sizes){.probes = b.context.probes.light_field.count,
+                            .irradiance_probes = b.context.probes.irradiance.count,
                             .file_bytes = layout.file_bytes,
                             .expected_bytes = expected_of(&b, &layout),
                             .device_bytes = layout.device_bytes,

@@ -20,23 +20,23 @@ typedef struct plan_record {
   olx_vec3 bounds_min, bounds_max;
   uint64_t hash;
   uint32_t light_count;
-  uint32_t buried[2];
+  uint32_t buried, irradiance_buried;
   uint32_t volume_probes, volume_cells;
   double volume_unserved;
 } plan_record;
 
 static plan_record record_of(const olx_bake_run *b) {
-  const olx_scene *scene = b->scene;
+  const olx_scene *scene = b->context.scene;
   plan_record record;
   memset(&record, 0, sizeof record);
-  record.settings = *b->settings;
+  record.settings = *b->context.settings;
   memcpy(record.origin, scene->origin, sizeof record.origin);
   record.bounds_min = scene->bounds_min;
   record.bounds_max = scene->bounds_max;
   record.hash = scene->hash;
   record.light_count = scene->light_count;
-  record.buried[0] = b->stats.buried;
-  record.buried[1] = b->stats.irradiance_buried;
+  record.buried = b->stats.buried;
+  record.irradiance_buried = b->stats.irradiance_buried;
   record.volume_probes = b->volume.cells.probe_count;
   record.volume_cells = b->volume.cells.cell_count;
   record.volume_unserved = b->stats.volume_unserved;
@@ -63,16 +63,30 @@ static void *take_blob(olx_byte_reader *from, size_t *size_bytes) {
   return size ? olx_bytes_take(from, size, 1) : NULL;
 }
 
+static void put_probes(olx_byte_writer *to, const olx_probe_list *probes) {
+  olx_bytes_put(to, &probes->count, 1, sizeof probes->count);
+  olx_bytes_put(to, probes->positions, probes->count, sizeof *probes->positions);
+  olx_bytes_put(to, probes->flags, probes->count, 1);
+}
+
+// Joining has no probes yet.
+static olx_result take_probes(olx_byte_reader *from, olx_probe_list *probes) {
+  olx_bytes_copy(from, &probes->count, 1, sizeof probes->count);
+  if (!probes->positions) probes->positions = olx_allocate(probes->count, sizeof *probes->positions);
+  if (!probes->flags) probes->flags = olx_allocate(probes->count, 1);
+  if (!probes->positions || !probes->flags) return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for probes");
+  olx_bytes_copy(from, probes->positions, probes->count, sizeof *probes->positions);
+  olx_bytes_copy(from, probes->flags, probes->count, 1);
+  return OLX_OK;
+}
+
 static void save_plan(void *user, uint32_t unit, olx_byte_writer *to) {
   (void)unit;
   const olx_bake_run *b = ((const plan_stage *)user)->run;
   const plan_record record = record_of(b);
   olx_bytes_put(to, &record, 1, sizeof record);
-  olx_bytes_put(to, b->counts, 2, sizeof *b->counts);
-  for (uint32_t set = 0; set < 2; set++) {
-    olx_bytes_put(to, b->positions[set], b->counts[set], sizeof *b->positions[set]);
-    olx_bytes_put(to, b->flags[set], b->counts[set], 1);
-  }
+  put_probes(to, &b->context.probes.light_field);
+  put_probes(to, &b->context.probes.irradiance);
   olx_bytes_put(to, b->lights, record.light_count, sizeof *b->lights);
   for (uint32_t i = 0; i < OLX_SELECT_STORED; i++) put_blob(to, b->selectors.data[i], b->selectors.size_bytes[i]);
   put_blob(to, b->volume.cells.data, b->volume.cells.size_bytes);
@@ -82,18 +96,13 @@ static void save_plan(void *user, uint32_t unit, olx_byte_writer *to) {
 
 // The shape of the scene that joining does without, and the settings.
 static void take_record(olx_bake_run *b, const plan_record *record) {
-  b->stats.buried = record->buried[0];
-  b->stats.irradiance_buried = record->buried[1];
+  b->stats.buried = record->buried;
+  b->stats.irradiance_buried = record->irradiance_buried;
   b->stats.volume_probes = record->volume_probes;
   b->stats.volume_cells = record->volume_cells;
   b->stats.volume_unserved = record->volume_unserved;
-  b->volume.scene = b->scene;
-  b->volume.settings = b->settings;
-  b->volume.positions = b->positions[0];
-  b->volume.flags = b->flags[0];
-  b->volume.probe_count = b->counts[0];
+  b->volume.context = &b->context;
   b->volume.seed = b->shade.seed;
-  b->volume.task = &b->task;
   b->volume.cells.probe_count = record->volume_probes;
   b->volume.cells.cell_count = record->volume_cells;
   if (!b->joined) return;
@@ -101,13 +110,13 @@ static void take_record(olx_bake_run *b, const plan_record *record) {
   joined->settings = record->settings;
   joined->settings.work = (olx_bake_work){0};
   joined->settings.threads = 0;
-  if (joined->settings.probes) joined->settings.probes = b->positions[0];
+  if (joined->settings.probes) joined->settings.probes = b->context.probes.light_field.positions;
   joined->scene.bounds_min = record->bounds_min;
   joined->scene.bounds_max = record->bounds_max;
   joined->scene.hash = record->hash;
   joined->scene.light_count = record->light_count;
   memcpy(joined->scene.origin, record->origin, sizeof record->origin);
-  b->distance_scale = olx_length(olx_sub(record->bounds_max, record->bounds_min));
+  b->context.distance_scale = olx_length(olx_sub(record->bounds_max, record->bounds_min));
 }
 
 static olx_result load_plan(void *user, uint32_t unit, olx_byte_reader *from) {
@@ -116,14 +125,8 @@ static olx_result load_plan(void *user, uint32_t unit, olx_byte_reader *from) {
   plan_record record = {.light_count = 0};
   size_t ignored;
   olx_bytes_copy(from, &record, 1, sizeof record);
-  olx_bytes_copy(from, b->counts, 2, sizeof *b->counts);
-  for (uint32_t set = 0; set < 2; set++) {
-    if (!b->positions[set]) b->positions[set] = olx_allocate(b->counts[set], sizeof *b->positions[set]);
-    if (!b->flags[set]) b->flags[set] = olx_allocate(b->counts[set], 1);
-    if (!b->positions[set] || !b->flags[set]) return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for probes");
-    olx_bytes_copy(from, b->positions[set], b->counts[set], sizeof *b->positions[set]);
-    olx_bytes_copy(from, b->flags[set], b->counts[set], 1);
-  }
+  OLX_TRY(take_probes(from, &b->context.probes.light_field));
+  OLX_TRY(take_probes(from, &b->context.probes.irradiance));
   b->lights = olx_bytes_take(from, record.light_count, sizeof *b->lights);
   for (uint32_t i = 0; i < OLX_SELECT_STORED; i++) {
     b->selectors.data[i] = take_blob(from, &b->selectors.size_bytes[i]);
@@ -171,7 +174,7 @@ static olx_result load_facts(void *user, uint32_t unit, olx_byte_reader *from) {
 olx_result olx_bake_facts(olx_bake_run *b) {
   facts_stage f = {.run = b};
   const olx_unit_stage stage = {"facts", 0, 1, &f, make_facts, save_facts, load_facts};
-  if (b->settings->light == OLX_LIGHT_REFERENCE) return OLX_OK;
+  if (b->context.settings->light == OLX_LIGHT_REFERENCE) return OLX_OK;
   OLX_TRY(olx_units_make(b->store, &stage));
   if (b->writer) olx_field_writer_last_bounce(b->writer, f.last_bounce);
   return OLX_OK;
@@ -190,7 +193,8 @@ static olx_result write_irradiance(const irradiance_stage *s, uint32_t probe, co
   olx_bake_run *b = s->run;
   if (!b->writer) return OLX_OK;
   const double start = olx_seconds();
-  OLX_TRY(olx_field_writer_irradiance(b->writer, probe, b->flags[1][probe], record, record + s->words / 2));
+  OLX_TRY(olx_field_writer_irradiance(b->writer, probe, b->context.probes.irradiance.flags[probe], record,
+                                      record + s->words / 2));
   b->stats.write_seconds += olx_seconds() - start;
   return OLX_OK;
 }
@@ -201,7 +205,7 @@ static olx_result make_irradiance(void *user, uint32_t unit) {
   olx_bake_run *b = s->run;
   OLX_TRY(s->make(b));
   OLX_TRY(olx_gather_finish(&b->gather));
-  for (uint32_t i = 0; b->writer && i < b->counts[1]; i++) {
+  for (uint32_t i = 0; b->writer && i < b->context.probes.irradiance.count; i++) {
     OLX_TRY(olx_gather_pack(&b->gather, i, s->record));
     OLX_TRY(write_irradiance(s, i, s->record));
   }
@@ -211,7 +215,7 @@ static olx_result make_irradiance(void *user, uint32_t unit) {
 static void save_irradiance(void *user, uint32_t unit, olx_byte_writer *to) {
   (void)unit;
   const irradiance_stage *s = user;
-  for (uint32_t i = 0; i < s->run->counts[1]; i++) {
+  for (uint32_t i = 0; i < s->run->context.probes.irradiance.count; i++) {
     to->failed |= olx_gather_pack(&s->run->gather, i, s->record) != OLX_OK;
     olx_bytes_put(to, s->record, s->words, sizeof *s->record);
   }
@@ -220,7 +224,7 @@ static void save_irradiance(void *user, uint32_t unit, olx_byte_writer *to) {
 static olx_result load_irradiance(void *user, uint32_t unit, olx_byte_reader *from) {
   (void)unit;
   const irradiance_stage *s = user;
-  for (uint32_t i = 0; i < s->run->counts[1]; i++) {
+  for (uint32_t i = 0; i < s->run->context.probes.irradiance.count; i++) {
     olx_bytes_copy(from, s->record, s->words, sizeof *s->record);
     if (!from->failed) OLX_TRY(write_irradiance(s, i, s->record));
   }
@@ -230,7 +234,7 @@ static olx_result load_irradiance(void *user, uint32_t unit, olx_byte_reader *fr
 olx_result olx_bake_irradiance(olx_bake_run *b, olx_result (*make)(olx_bake_run *run)) {
   irradiance_stage s = {.run = b, .make = make, .words = olx_gather_record_words(&b->gather)};
   const olx_unit_stage stage = {"irradiance", 0, 1, &s, make_irradiance, save_irradiance, load_irradiance};
-  if (!b->counts[1]) return OLX_OK;
+  if (!b->context.probes.irradiance.count) return OLX_OK;
   s.record = olx_allocate_zero(s.words, sizeof *s.record);
   if (!s.record) return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for an irradiance map");
   const olx_result result = olx_units_make(b->store, &stage);
@@ -246,7 +250,7 @@ typedef struct classic_stage {
 } classic_stage;
 
 static size_t classic_texels(const olx_bake_run *b, uint32_t level) {
-  const size_t side = olx_classic_side(b->settings->classic_size, level);
+  const size_t side = olx_classic_side(b->context.settings->classic_size, level);
   return side * side;
 }
 
@@ -262,7 +266,7 @@ static olx_result write_classic(const classic_stage *c, uint32_t probe, const ol
 static olx_result make_classic(void *user, uint32_t probe) {
   classic_stage *c = user;
   olx_bake_run *b = c->run;
-  OLX_TRY(olx_classic_bake_probe(&b->classic, probe, b->positions[1][probe], &c->record));
+  OLX_TRY(olx_classic_bake_probe(&b->classic, probe, b->context.probes.irradiance.positions[probe], &c->record));
   return write_classic(c, probe, &c->record);
 }
 
@@ -288,9 +292,10 @@ static olx_result load_classic(void *user, uint32_t probe, olx_byte_reader *from
 
 olx_result olx_bake_classic(olx_bake_run *b) {
   classic_stage c = {.run = b};
-  const olx_unit_stage stage = {"classic", 0, b->counts[1], &c, make_classic, save_classic, load_classic};
-  if (!b->settings->classic) return OLX_OK;
-  olx_task_stage(&b->task, "classic maps");
+  const olx_unit_stage stage = {"classic",    0,           b->context.probes.irradiance.count, &c, make_classic,
+                                save_classic, load_classic};
+  if (!b->context.settings->classic) return OLX_OK;
+  olx_task_stage(&b->context.task, "classic maps");
   b->classic.bounces = b->bounces;
   const double start = olx_seconds();
   OLX_TRY(olx_units_make(b->store, &stage));
@@ -320,11 +325,10 @@ static olx_result load_relight(void *user, uint32_t unit, olx_byte_reader *from)
 
 olx_result olx_bake_relight(olx_bake_run *b) {
   const olx_unit_stage stage = {"relight", 0, 1, b, make_relight, save_relight, load_relight};
-  if (!b->settings->relight) return OLX_OK;
-  olx_task_stage(&b->task, "relighting");
+  if (!b->context.settings->relight) return OLX_OK;
+  olx_task_stage(&b->context.task, "relighting");
   const double start = olx_seconds();
-  b->relight = (olx_relight_bake){
-      .scene = b->scene, .light = b->light, .seed = b->shade.seed, .threads = b->settings->threads, .task = &b->task};
+  b->relight = (olx_relight_bake){.context = &b->context, .light = b->light, .seed = b->shade.seed};
   OLX_TRY(olx_units_make(b->store, &stage));
   b->stats.relight_seconds = olx_seconds() - start;
   return OLX_OK;
@@ -347,8 +351,8 @@ typedef struct probe_stage {
 } probe_stage;
 
 static olx_result write_geometry(olx_bake_run *b, uint32_t probe, const probe_maps *maps) {
-  const uint8_t flags = b->flags[0][probe];
-  if (b->settings->uncompressed) {
+  const uint8_t flags = b->context.probes.light_field.flags[probe];
+  if (b->context.settings->uncompressed) {
     return olx_field_writer_probe(b->writer, probe, flags, maps->radiance, maps->normal, maps->distance);
   }
   return olx_field_writer_probe_blocks(b->writer, probe, flags, maps->radiance, &maps->geometry);
@@ -360,13 +364,13 @@ static olx_result write_probe(olx_bake_run *b, uint32_t probe, const probe_maps 
   OLX_TRY(write_geometry(b, probe, maps));
   OLX_TRY(olx_field_writer_surface(b->writer, probe, &maps->surfaces));
   b->stats.write_seconds += olx_seconds() - start;
-  return b->settings->relight ? olx_relight_bake_probe(&b->relight, &maps->sites) : OLX_OK;
+  return b->context.settings->relight ? olx_relight_bake_probe(&b->relight, &maps->sites) : OLX_OK;
 }
 
 static olx_result find_sites(olx_bake_run *b, olx_relight_sites *sites) {
   const double start = olx_seconds();
   olx_relight_sites_free(sites);
-  if (!b->settings->relight) return OLX_OK;
+  if (!b->context.settings->relight) return OLX_OK;
   OLX_TRY(olx_relight_sites_add(sites, &b->capture, b->light));
   b->stats.relight_seconds += olx_seconds() - start;
   return OLX_OK;
@@ -374,7 +378,7 @@ static olx_result find_sites(olx_bake_run *b, olx_relight_sites *sites) {
 
 static olx_result measure_embree(olx_bake_run *b) {
   const double start = olx_seconds();
-  if (b->settings->measure_embree) OLX_TRY(olx_capture_measure(&b->capture, &b->stats.embree_seconds));
+  if (b->context.settings->measure_embree) OLX_TRY(olx_capture_measure(&b->capture, &b->stats.embree_seconds));
   b->measure_seconds += olx_seconds() - start;
   return OLX_OK;
 }
@@ -383,8 +387,9 @@ static olx_result make_probe(void *user, uint32_t probe) {
   probe_stage *s = user;
   olx_bake_run *b = s->run;
   const double start = olx_seconds();
-  OLX_TRY(olx_capture_probe(&b->capture, probe, b->positions[0][probe]));
-  OLX_TRY(olx_surface_capture_probe(&b->surfaces, b->flags[0][probe] & OLX_PROBE_BURIED, &s->made.surfaces));
+  OLX_TRY(olx_capture_probe(&b->capture, probe, b->context.probes.light_field.positions[probe]));
+  OLX_TRY(olx_surface_capture_probe(&b->surfaces, b->context.probes.light_field.flags[probe] & OLX_PROBE_BURIED,
+                                    &s->made.surfaces));
   b->stats.capture_seconds += olx_seconds() - start;
   s->made.radiance = b->surfaces.radiance;
   s->made.normal = b->capture.normal;
@@ -401,15 +406,15 @@ typedef struct map_shapes {
 } map_shapes;
 
 static map_shapes shapes_of(const olx_bake_run *b) {
-  const size_t size = b->settings->radiance_size, texels = size * size;
-  if (b->settings->uncompressed)
+  const size_t size = b->context.settings->radiance_size, texels = size * size;
+  if (b->context.settings->uncompressed)
     return (map_shapes){texels, texels, sizeof(uint32_t), sizeof(uint16_t), sizeof(uint32_t)};
   return (map_shapes){texels, texels / 16, sizeof(olx_bc1_block), sizeof(olx_bc5_block), sizeof(olx_bc6h_block)};
 }
 
 static void save_geometry(const olx_bake_run *b, const probe_maps *m, olx_byte_writer *to) {
   const map_shapes shapes = shapes_of(b);
-  if (b->settings->uncompressed) {
+  if (b->context.settings->uncompressed) {
     olx_bytes_put(to, m->normal, shapes.texels, sizeof *m->normal);
     olx_bytes_put(to, m->distance, shapes.texels, sizeof *m->distance);
     return;
@@ -422,7 +427,7 @@ static void save_geometry(const olx_bake_run *b, const probe_maps *m, olx_byte_w
 
 static void load_geometry(const olx_bake_run *b, olx_byte_reader *from, probe_maps *m) {
   const map_shapes shapes = shapes_of(b);
-  if (b->settings->uncompressed) {
+  if (b->context.settings->uncompressed) {
     m->normal = olx_bytes_get(from, shapes.texels, sizeof *m->normal);
     m->distance = olx_bytes_get(from, shapes.texels, sizeof *m->distance);
     return;
@@ -454,7 +459,7 @@ static void save_probe(void *user, uint32_t probe, olx_byte_writer *to) {
   olx_bytes_put(to, m->surfaces.indirect, shapes.count, shapes.light_bytes);
   if (emits) olx_bytes_put(to, m->surfaces.emission, shapes.texels, sizeof *m->surfaces.emission);
   if (m->radiance) olx_bytes_put(to, m->radiance, shapes.texels, sizeof *m->radiance);
-  if (s->run->settings->relight) olx_relight_sites_save(&m->sites, to);
+  if (s->run->context.settings->relight) olx_relight_sites_save(&m->sites, to);
 }
 
 static olx_result load_maps(const olx_bake_run *b, olx_byte_reader *from, uint32_t *dark, probe_maps *m) {
@@ -467,8 +472,8 @@ static olx_result load_maps(const olx_bake_run *b, olx_byte_reader *from, uint32
   m->surfaces.direct = olx_bytes_get(from, shapes.count, shapes.light_bytes);
   m->surfaces.indirect = olx_bytes_get(from, shapes.count, shapes.light_bytes);
   m->surfaces.emission = emits ? olx_bytes_get(from, shapes.texels, sizeof *m->surfaces.emission) : dark;
-  if (b->counts[1]) m->radiance = olx_bytes_get(from, shapes.texels, sizeof *m->radiance);
-  return b->settings->relight ? olx_relight_sites_load(&m->sites, from) : OLX_OK;
+  if (b->context.probes.irradiance.count) m->radiance = olx_bytes_get(from, shapes.texels, sizeof *m->radiance);
+  return b->context.settings->relight ? olx_relight_sites_load(&m->sites, from) : OLX_OK;
 }
 
 static olx_result load_probe(void *user, uint32_t probe, olx_byte_reader *from) {
@@ -480,25 +485,27 @@ static olx_result load_probe(void *user, uint32_t probe, olx_byte_reader *from) 
   if (result == OLX_OK && !from->failed) result = write_probe(s->run, probe, &maps);
   olx_relight_sites_free(&maps.sites);
   olx_release(dark);
-  olx_task_advance(&s->run->task, olx_capture_units(&s->run->capture));
+  olx_task_advance(&s->run->context.task, olx_capture_units(&s->run->capture));
   return result;
 }
 
 olx_result olx_bake_probes(olx_bake_run *b) {
   probe_stage s = {.run = b};
-  const olx_unit_stage stage = {"probe", 0, b->counts[0], &s, make_probe, save_probe, load_probe};
-  olx_task_stage(&b->task, "light field");
+  const olx_unit_stage stage = {"probe",    0,         b->context.probes.light_field.count, &s, make_probe,
+                                save_probe, load_probe};
+  olx_task_stage(&b->context.task, "light field");
   const olx_result result = olx_units_make(b->store, &stage);
   olx_relight_sites_free(&s.made.sites);
-  if (result != OLX_OK || !b->settings->relight || !b->writer) return result;
+  if (result != OLX_OK || !b->context.settings->relight || !b->writer) return result;
   return olx_relight_bake_write(&b->relight, b->writer);
 }
 
 bool olx_bake_is_stored(const olx_bake_run *b) {
-  const olx_bake_settings *s = b->settings;
+  const olx_bake_settings *s = b->context.settings;
   return olx_units_have_all(b->store, "facts", s->light == OLX_LIGHT_CACHE) &&
          olx_units_have_all(b->store, "volume", olx_volume_bake_units(&b->volume)) &&
-         olx_units_have_all(b->store, "irradiance", b->counts[1] > 0) &&
-         olx_units_have_all(b->store, "classic", s->classic ? b->counts[1] : 0) &&
-         olx_units_have_all(b->store, "relight", s->relight) && olx_units_have_all(b->store, "probe", b->counts[0]);
+         olx_units_have_all(b->store, "irradiance", b->context.probes.irradiance.count > 0) &&
+         olx_units_have_all(b->store, "classic", s->classic ? b->context.probes.irradiance.count : 0) &&
+         olx_units_have_all(b->store, "relight", s->relight) &&
+         olx_units_have_all(b->store, "probe", b->context.probes.light_field.count);
 }

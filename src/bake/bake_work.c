@@ -160,8 +160,8 @@ static olx_result check_build(const olx_unit_store *store, const char *folder) {
 static olx_result run_join(olx_bake_run *b, const char *path) {
   OLX_TRY(olx_bake_plan(b, NULL));
   olx_bake_describe(b);
-  b->gather.quadrature = olx_quadrature_shape(b->settings->irradiance_size);
-  b->task.total_units = b->counts[0] * olx_capture_units(&b->capture);
+  b->gather.quadrature = olx_quadrature_shape(b->context.settings->irradiance_size);
+  b->context.task.total_units = b->context.probes.light_field.count * olx_capture_units(&b->capture);
   OLX_TRY(olx_bake_create_file(b, path));
   OLX_TRY(olx_bake_facts(b));
   OLX_TRY(olx_volume_bake_write(&b->volume, NULL, b->store, b->writer, &b->stats));
@@ -173,7 +173,7 @@ static olx_result run_join(olx_bake_run *b, const char *path) {
 
 static olx_result join(olx_bake_run *b, const char *path, const olx_progress *progress) {
   const double start = olx_seconds();
-  olx_task_begin(&b->task, progress, "joining", 1);
+  olx_task_begin(&b->context.task, progress, "joining", 1);
   olx_scratch_pool_begin(&b->shade.pool, sizeof(olx_shade_scratch)); // that shading would take from, which is not done
   return olx_bake_finish(b, run_join(b, path), start);
 }
@@ -183,7 +183,7 @@ olx_result olx_bake_join(const char *folder, const char *path, bool keep, const 
   const olx_unit_store_settings opening = {.folder = folder};
   olx_joined_bake joined;
   memset(&joined, 0, sizeof joined);
-  olx_bake_run b = {.scene = &joined.scene, .settings = &joined.settings, .joined = &joined};
+  olx_bake_run b = {.context = {.scene = &joined.scene, .settings = &joined.settings}, .joined = &joined};
   OLX_TRY(olx_output_check(path, false));
   OLX_TRY(olx_unit_store_open(&opening, &b.store));
   olx_result result = check_build(b.store, folder);

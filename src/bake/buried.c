@@ -6,25 +6,22 @@
 #include "field/field_data.h"
 #include "place/inside.h"
 
-static olx_result judge(const olx_scene *scene, const olx_vec3 *positions, uint32_t count, int32_t outside,
-                        uint32_t threads, uint8_t *flags, uint64_t *rays) {
-  olx_depth *depths = olx_allocate(count, sizeof *depths);
-  if (!depths) return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for %u probes", count);
-  const olx_result result = olx_measure_depth(scene, positions, count, threads, depths);
-  for (uint32_t i = 0; result == OLX_OK && i < count; i++) {
-    flags[i] = olx_depth_is_inside(depths[i], outside) ? OLX_PROBE_BURIED : 0;
+static olx_result judge(const olx_scene *scene, olx_probe_list *probes, int32_t outside, uint32_t threads,
+                        uint64_t *rays) {
+  olx_depth *depths = olx_allocate(probes->count, sizeof *depths);
+  if (!depths) return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for %u probes", probes->count);
+  const olx_result result = olx_measure_depth(scene, probes->positions, probes->count, threads, depths);
+  for (uint32_t i = 0; result == OLX_OK && i < probes->count; i++) {
+    probes->flags[i] = olx_depth_is_inside(depths[i], outside) ? OLX_PROBE_BURIED : 0;
     *rays += depths[i].rays;
   }
   olx_release(depths);
   return result;
 }
 
-olx_result olx_find_buried(const olx_scene *scene, const olx_vec3 *positions[2], const uint32_t counts[2],
-                           uint8_t *flags[2], uint32_t threads, uint64_t *rays) {
+olx_result olx_find_buried(const olx_scene *scene, olx_probe_sets *probes, uint32_t threads, uint64_t *rays) {
   int32_t outside;
   OLX_TRY(olx_find_outside(scene, threads, &outside, rays));
-  for (uint32_t set = 0; set < 2; set++) {
-    OLX_TRY(judge(scene, positions[set], counts[set], outside, threads, flags[set], rays));
-  }
-  return OLX_OK;
+  OLX_TRY(judge(scene, &probes->light_field, outside, threads, rays));
+  return judge(scene, &probes->irradiance, outside, threads, rays);
 }

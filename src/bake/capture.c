@@ -23,7 +23,8 @@ olx_geometry_texel olx_capture_geometry(const void *capture, uint32_t x, uint32_
   const olx_capture *c = capture;
   const olx_ray_hit *hit = &c->hits[(size_t)y * c->size + x];
   if (hit->triangle == OLX_NO_HIT) return (olx_geometry_texel){.distance = INFINITY};
-  return (olx_geometry_texel){hit->t, facing_normal(c->scene, hit->triangle, olx_texel_direction(x, y, c->size))};
+  return (olx_geometry_texel){hit->t,
+                              facing_normal(c->context->scene, hit->triangle, olx_texel_direction(x, y, c->size))};
 }
 
 static bool emits_towards(const olx_scene *scene, const olx_ray_hit *hit, olx_vec3 direction) {
@@ -42,9 +43,9 @@ static void store_geometry(const olx_capture *c, uint32_t texel, const olx_ray_h
   // A probe sees one side of a triangle.
   const bool repeats = texel % c->size > 0 && c->hits[texel - 1].triangle == hit->triangle;
   c->normal[texel] =
-      repeats ? c->normal[texel - 1] : olx_normal_pack(facing_normal(c->scene, hit->triangle, direction));
-  const uint16_t mark = emits_towards(c->scene, hit, direction) ? 0x8000u : 0;
-  c->distance[texel] = (uint16_t)(olx_half_pack(hit->t / c->distance_scale) | mark);
+      repeats ? c->normal[texel - 1] : olx_normal_pack(facing_normal(c->context->scene, hit->triangle, direction));
+  const uint16_t mark = emits_towards(c->context->scene, hit, direction) ? 0x8000u : 0;
+  c->distance[texel] = (uint16_t)(olx_half_pack(hit->t / c->context->distance_scale) | mark);
 }
 
 static void capture_row(void *user, uint32_t y) {
@@ -56,7 +57,7 @@ static void capture_row(void *user, uint32_t y) {
     for (uint32_t i = 0; i < packet; i++) {
       rays[i] = (olx_ray){c->position, olx_texel_direction(first + i, y, c->size), 0.0f, INFINITY};
     }
-    olx_bvh_intersect_many(c->scene->bvh, rays, packet, true, hits);
+    olx_bvh_intersect_many(c->context->scene->bvh, rays, packet, true, hits);
     for (uint32_t i = 0; i < packet; i++) store_geometry(c, y * c->size + first + i, &hits[i], rays[i].direction);
   }
 }
@@ -65,7 +66,7 @@ olx_result olx_capture_probe(olx_capture *c, uint32_t probe, olx_vec3 position) 
   c->probe = probe;
   c->position = position;
   c->rays += (uint64_t)c->size * c->size;
-  return olx_parallel_for(c->size, c->threads, capture_row, c, c->task, 0);
+  return olx_bake_for(c->context, c->size, capture_row, c, 0);
 }
 
 // Off the middle, because from a probe that stands symmetrically in a room the middles' rays would meet edges of walls
@@ -73,7 +74,7 @@ olx_result olx_capture_probe(olx_capture *c, uint32_t probe, olx_vec3 position) 
 static const olx_vec2 sample_offset = {0.5078125f, 0.48828125f};
 
 static uint32_t make_samples(const olx_capture *c, uint32_t x, uint32_t y, olx_ray rays[OLX_CAPTURE_MOST_RAYS]) {
-  const uint32_t side = c->samples;
+  const uint32_t side = c->context->settings->samples;
   const float step = 1.0f / (float)(c->size * side);
   uint32_t count = 0;
   for (uint32_t i = 0; i < OLX_CAPTURE_CHUNK; i++) {
@@ -89,7 +90,7 @@ static uint32_t make_samples(const olx_capture *c, uint32_t x, uint32_t y, olx_r
 uint32_t olx_capture_cast_samples(const olx_capture *c, uint32_t x, uint32_t y, olx_ray rays[OLX_CAPTURE_MOST_RAYS],
                                   olx_ray_hit hits[OLX_CAPTURE_MOST_RAYS]) {
   const uint32_t count = make_samples(c, x, y, rays);
-  olx_bvh_intersect_many(c->scene->bvh, rays, count, true, hits);
+  olx_bvh_intersect_many(c->context->scene->bvh, rays, count, true, hits);
   return count;
 }
 
@@ -101,14 +102,14 @@ static void measure_row(void *user, uint32_t y) {
   for (uint32_t x = 0; x < c->size; x += OLX_CAPTURE_CHUNK) {
     const uint32_t count = make_samples(c, x, y, rays);
     const double start = olx_seconds();
-    olx_bvh_intersect_many(c->scene->bvh, rays, count, true, hits);
+    olx_bvh_intersect_many(c->context->scene->bvh, rays, count, true, hits);
     c->row_seconds[y] += olx_seconds() - start;
   }
 }
 
 olx_result olx_capture_measure(olx_capture *c, double *embree_seconds) {
-  OLX_TRY(olx_parallel_for(c->size, c->threads, measure_row, c, c->task, 0));
-  const uint32_t wanted = c->threads ? c->threads : olx_processor_count();
+  OLX_TRY(olx_bake_for(c->context, c->size, measure_row, c, 0));
+  const uint32_t threads = c->context->settings->threads, wanted = threads ? threads : olx_processor_count();
   double sum = 0.0;
   for (uint32_t y = 0; y < c->size; y++) sum += c->row_seconds[y];
   *embree_seconds += sum / (wanted < c->size ? wanted : c->size);
@@ -141,4 +142,7 @@ void olx_capture_free(olx_capture *c) {
   c->row_seconds = NULL;
 }
 
-uint64_t olx_capture_units(const olx_capture *c) { return (uint64_t)c->size * c->size * c->samples * c->samples; }
+uint64_t olx_capture_units(const olx_capture *c) {
+  const uint64_t samples = c->context->settings->samples;
+  return (uint64_t)c->size * c->size * samples * samples;
+}

@@ -2,8 +2,8 @@
 #ifndef OLX_BAKE_CAPTURE_H
 #define OLX_BAKE_CAPTURE_H
 
+#include "bake/bake_context.h"
 #include "block/geometry_encode.h"
-#include "core/parallel.h"
 #include "scene/surface.h"
 
 enum {
@@ -14,10 +14,8 @@ enum {
 
 // One probe at a time: the maps hold the probe that was captured last.
 typedef struct olx_capture {
-  const olx_scene *scene;
-  uint32_t size, samples, light_samples, bounces, threads;
-  float distance_scale;
-  olx_task *task;
+  olx_bake_context *context;
+  uint32_t size;  // texels along a side of the maps
   uint32_t probe; // the number enters the random numbers
   olx_vec3 position;
   uint16_t *normal, *distance; // as the file holds them, size^2
@@ -26,7 +24,7 @@ typedef struct olx_capture {
   uint64_t rays;               // cast so far
 } olx_capture;
 
-// The fields up to `task` are the caller's to fill.
+// The fields up to `size` are the caller's to fill.
 olx_result olx_capture_create(olx_capture *capture);
 // The memory that maps of `size` texels along a side take. They need not be created.
 uint64_t olx_capture_bytes(uint32_t size);

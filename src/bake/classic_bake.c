@@ -71,7 +71,7 @@ static uint32_t choose_paths(const olx_classic_bake *b, olx_shade_scratch *scrat
 // Emission is left out, because direct lighting samples it.
 static void light_tile(const olx_classic_bake *b, olx_shade_scratch *scratch, uint32_t tile) {
   olx_shade_batch *roots = &scratch->roots;
-  olx_shade_batch_begin(roots, b->light_samples);
+  olx_shade_batch_begin(roots, b->context->settings->light_samples);
   roots->sparing = true;
   roots->averages_lobes = true;
   for (uint32_t i = 0; i < OLX_BATCH_POINTS; i++) {
@@ -196,9 +196,9 @@ uint64_t olx_classic_bake_units(const olx_classic_bake *b) { return (uint64_t)ti
 olx_result olx_classic_bake_probe(olx_classic_bake *b, uint32_t probe, olx_vec3 position, olx_classic_record *record) {
   b->probe = probe;
   b->position = position;
-  OLX_TRY(olx_parallel_for(tile_count(b), b->filter.threads, cube_job, b, b->task, OLX_BATCH_POINTS));
+  OLX_TRY(olx_bake_for(b->context, tile_count(b), cube_job, b, OLX_BATCH_POINTS));
   OLX_TRY(olx_shade_check_memory(b->shade));
-  OLX_TRY(olx_classic_filter_run(&b->filter, b->task));
+  OLX_TRY(olx_classic_filter_run(&b->filter, &b->context->task));
   const uint32_t size = b->filter.size;
   pack_map(b->filter.irradiance, size, b->packed_irradiance);
   *record = (olx_classic_record){.irradiance = b->packed_irradiance, .box = find_box(b)};

@@ -24,7 +24,7 @@ static uint32_t key_of(const olx_gather *gather, uint32_t probe) { return olx_sh
 
 static void cast_tile(const olx_gather *gather, olx_shade_scratch *scratch, uint32_t tile) {
   const olx_quadrature *q = &gather->quadrature;
-  const olx_vec3 origin = gather->positions[gather->probe];
+  const olx_vec3 origin = olx_gather_probes(gather)->positions[gather->probe];
   for (uint32_t i = 0; i < OLX_BATCH_POINTS; i++) {
     const olx_sample_place p = olx_place_of(q, tile, i);
     scratch->directions[i] = olx_sample_direction(q, key_of(gather, gather->probe), p);
@@ -42,7 +42,7 @@ static void sum_distances(const olx_gather *gather, const olx_shade_scratch *scr
     const olx_sample_place p = olx_place_of(q, tile, i);
     const uint32_t c = p.y / per_cell * q->distance_cells + p.x / per_cell;
     const bool sky = scratch->hits[i].triangle == OLX_NO_HIT;
-    const float r = sky ? 1.0f : olx_min(scratch->hits[i].t / gather->distance_scale, 1.0f);
+    const float r = sky ? 1.0f : olx_min(scratch->hits[i].t / gather->context->distance_scale, 1.0f);
     const float share = scratch->weights[i] / q->distance_weight[c];
     gather->distances[c].x += share * r;
     gather->distances[c].y += share * r * r;
@@ -81,14 +81,13 @@ static void moments_job(void *user, uint32_t row) {
 
 olx_result olx_gather_look(olx_gather *gather) {
   const olx_quadrature *q = &gather->quadrature;
-  olx_task_stage(gather->task, gather->light ? "irradiance probes" : "direct light");
-  for (uint32_t probe = 0; probe < gather->probe_count; probe++) {
+  olx_task_stage(&gather->context->task, gather->light ? "irradiance probes" : "direct light");
+  for (uint32_t probe = 0; probe < olx_gather_probes(gather)->count; probe++) {
     gather->probe = probe;
     memset(gather->distances, 0, (size_t)q->distance_cells * q->distance_cells * sizeof(olx_vec2));
-    OLX_TRY(olx_parallel_for(olx_gather_tiles(q), gather->threads, look_job, gather, gather->task, OLX_BATCH_POINTS));
+    OLX_TRY(olx_bake_for(gather->context, olx_gather_tiles(q), look_job, gather, OLX_BATCH_POINTS));
     OLX_TRY(olx_shade_check_memory(gather->shade));
-    OLX_TRY(
-        olx_parallel_for(q->irradiance_size / OLX_BLOCK_ROWS, gather->threads, moments_job, gather, gather->task, 0));
+    OLX_TRY(olx_bake_for(gather->context, q->irradiance_size / OLX_BLOCK_ROWS, moments_job, gather, 0));
     olx_fill_border(gather->moments + probe * bordered(q->irradiance_size), q->irradiance_size, sizeof(olx_vec2));
   }
   return OLX_OK;
@@ -124,7 +123,8 @@ static void solved_job(void *user, uint32_t index) {
     if (point % 4 == 0) *cell = olx_splat(0.0f);
     const olx_ray_hit *hit = &gather->hits[(size_t)probe * points + point];
     if (hit->triangle == OLX_NO_HIT) continue;
-    const olx_ray ray = {gather->positions[probe], olx_sample_direction(q, key, p.sample), 0.0f, INFINITY};
+    const olx_ray ray = {olx_gather_probes(gather)->positions[probe], olx_sample_direction(q, key, p.sample), 0.0f,
+                         INFINITY};
     olx_sampler sampler = {.seed = olx_hash3(key, first, SALT_SOLVED), .index = point - first};
     const olx_vec3 light = olx_ray_light(gather->shade->scene, gather->light, bounces, &ray, hit, &sampler, &rays);
     *cell = olx_madd(*cell, light, p.share);
@@ -134,7 +134,7 @@ static void solved_job(void *user, uint32_t index) {
 
 olx_result olx_gather_solved(olx_gather *gather) {
   const uint32_t jobs = olx_gather_points(&gather->quadrature) / SOLVED_POINTS;
-  return olx_parallel_for(gather->probe_count * jobs, gather->threads, solved_job, gather, gather->task, SOLVED_POINTS);
+  return olx_bake_for(gather->context, olx_gather_probes(gather)->count * jobs, solved_job, gather, SOLVED_POINTS);
 }
 
 static const olx_vec3 *cells_of(const olx_gather *gather, uint32_t probe) {
@@ -143,22 +143,22 @@ static const olx_vec3 *cells_of(const olx_gather *gather, uint32_t probe) {
 }
 
 static olx_vec3 *bounce_maps(const olx_gather *gather, uint32_t bounce) {
-  return gather->maps[bounce % (OLX_KEPT_BOUNCES + 1)];
+  return gather->maps.irradiance[bounce % (OLX_KEPT_BOUNCES + 1)];
 }
 
 static void irradiance_job(void *user, uint32_t index) {
   const olx_gather *gather = user;
-  const uint32_t n = gather->map_size, rows = n / OLX_BLOCK_ROWS, probe = index / rows, stride = n + 2;
+  const uint32_t n = gather->maps.size, rows = n / OLX_BLOCK_ROWS, probe = index / rows, stride = n + 2;
   olx_vec3 *map = bounce_maps(gather, gather->bounce) + probe * bordered(n) + stride + 1;
   olx_quadrature_irradiance(&gather->quadrature, cells_of(gather, probe), n, index % rows, map, stride);
 }
 
 olx_result olx_gather_irradiance(olx_gather *gather, uint32_t bounce) {
   gather->bounce = bounce;
-  const uint32_t n = gather->map_size;
-  OLX_TRY(olx_parallel_for(gather->probe_count * (n / OLX_BLOCK_ROWS), gather->threads, irradiance_job, gather,
-                           gather->task, 0));
-  for (uint32_t probe = 0; probe < gather->probe_count; probe++) {
+  const uint32_t n = gather->maps.size;
+  OLX_TRY(olx_bake_for(gather->context, olx_gather_probes(gather)->count * (n / OLX_BLOCK_ROWS), irradiance_job, gather,
+                       0));
+  for (uint32_t probe = 0; probe < olx_gather_probes(gather)->count; probe++) {
     olx_fill_border(bounce_maps(gather, bounce) + probe * bordered(n), n, sizeof(olx_vec3));
   }
   return OLX_OK;
@@ -172,7 +172,7 @@ static olx_vec3 corrected(const olx_gather *gather, uint32_t probe, uint32_t x, 
 
 static void correct_job(void *user, uint32_t probe) {
   const olx_gather *gather = user;
-  const uint32_t n = gather->map_size, stride = n + 2;
+  const uint32_t n = gather->maps.size, stride = n + 2;
   olx_vec3 *map = bounce_maps(gather, gather->bounce) + probe * bordered(n);
   for (uint32_t y = 0; y < n; y++) {
     for (uint32_t x = 0; x < n; x++) {
@@ -183,27 +183,19 @@ static void correct_job(void *user, uint32_t probe) {
   olx_fill_border(map, n, sizeof(olx_vec3));
 }
 
-static const olx_irradiance_source *source_of(const olx_gather *gather, uint32_t bounce) {
-  return &gather->shade->irradiance[bounce % (OLX_KEPT_BOUNCES + 1)];
-}
-
 olx_result olx_gather_fit(olx_gather *gather, uint32_t bounce) {
   if (!gather->fit) {
-    olx_task_stage(gather->task, "surfaces");
-    const olx_surface_fit_input input = {.shade = gather->shade,
-                                         .positions = gather->positions,
-                                         .flags = gather->flags,
-                                         .probe_count = gather->probe_count,
-                                         .threads = gather->threads,
+    olx_task_stage(&gather->context->task, "surfaces");
+    const olx_surface_fit_input input = {.context = gather->context,
+                                         .shade = gather->shade,
                                          .hits = gather->hits,
                                          .hit_count = olx_gather_points(&gather->quadrature),
-                                         .light = gather->light,
-                                         .task = gather->task};
-    OLX_TRY(olx_surface_fit_create(&input, source_of(gather, bounce), &gather->fit));
+                                         .light = gather->light};
+    OLX_TRY(olx_surface_fit_create(&input, olx_bounce_source(&gather->maps, bounce), &gather->fit));
   }
   gather->bounce = bounce;
-  OLX_TRY(olx_surface_fit_solve(gather->fit, source_of(gather, bounce), bounce));
-  return olx_parallel_for(gather->probe_count, gather->threads, correct_job, gather, gather->task, 0);
+  OLX_TRY(olx_surface_fit_solve(gather->fit, olx_bounce_source(&gather->maps, bounce), bounce));
+  return olx_bake_for(gather->context, olx_gather_probes(gather)->count, correct_job, gather, 0);
 }
 
 static void final_job(void *user, uint32_t row) {
@@ -216,19 +208,20 @@ static void final_job(void *user, uint32_t row) {
 static olx_result make_final(olx_gather *gather, uint32_t probe) {
   gather->probe = probe;
   const uint32_t rows = gather->quadrature.irradiance_size / OLX_BLOCK_ROWS;
-  return olx_parallel_for(rows, gather->threads, final_job, gather, gather->task, 0);
+  return olx_bake_for(gather->context, rows, final_job, gather, 0);
 }
 
 // All probes' final irradiance, projected, then fitted.
 static olx_result make_harmonics(olx_gather *gather) {
   const uint32_t bands = gather->projection.bands, count = olx_harmonics_count(bands);
-  gather->harmonics = olx_allocate((size_t)gather->probe_count * count, sizeof *gather->harmonics);
+  gather->harmonics = olx_allocate((size_t)olx_gather_probes(gather)->count * count, sizeof *gather->harmonics);
   if (!gather->harmonics) return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for spherical harmonics");
-  for (uint32_t probe = 0; probe < gather->probe_count; probe++) {
+  for (uint32_t probe = 0; probe < olx_gather_probes(gather)->count; probe++) {
     OLX_TRY(make_final(gather, probe));
     olx_project(&gather->projection, gather->irradiance, gather->harmonics + (size_t)probe * count);
   }
-  return gather->fit ? olx_harmonics_fit(gather->fit, bands, gather->harmonics, gather->probe_count) : OLX_OK;
+  return gather->fit ? olx_harmonics_fit(gather->fit, bands, gather->harmonics, olx_gather_probes(gather)->count)
+                     : OLX_OK;
 }
 
 // One probe's final irradiance, as the file keeps it: at most a word a texel.
@@ -252,7 +245,9 @@ size_t olx_gather_record_words(const olx_gather *gather) {
 }
 
 olx_result olx_gather_finish(olx_gather *gather) {
-  return gather->form == OLX_IRRADIANCE_OCTAHEDRAL || gather->harmonics ? OLX_OK : make_harmonics(gather);
+  return gather->context->settings->irradiance_form == OLX_IRRADIANCE_OCTAHEDRAL || gather->harmonics
+             ? OLX_OK
+             : make_harmonics(gather);
 }
 
 olx_result olx_gather_pack(olx_gather *gather, uint32_t probe, uint32_t *record) {
@@ -277,7 +272,7 @@ static uint32_t kept_maps(bool solved, uint32_t bounces) {
 
 static uint32_t list_arrays(olx_gather *g, const olx_quadrature *q, bool solved, uint32_t bounces,
                             olx_array_row rows[GATHER_ARRAYS]) {
-  const uint64_t probes = g->probe_count, cells = (uint64_t)q->cells * q->cells, size = q->irradiance_size;
+  const uint64_t probes = olx_gather_probes(g)->count, cells = (uint64_t)q->cells * q->cells, size = q->irradiance_size;
   const uint64_t map = bordered(size < 64 ? q->irradiance_size : 64);
   uint32_t count = 0;
   rows[count++] = (olx_array_row){&g->hits, probes * olx_gather_points(q), sizeof *g->hits, false};
@@ -288,55 +283,63 @@ static uint32_t list_arrays(olx_gather *g, const olx_quadrature *q, bool solved,
   rows[count++] = (olx_array_row){&g->irradiance, size * size, sizeof *g->irradiance, false};
   if (solved || bounces > 0) rows[count++] = (olx_array_row){&g->total, probes * cells, sizeof *g->total, false};
   for (uint32_t k = 0; k < kept_maps(solved, bounces); k++) {
-    rows[count++] = (olx_array_row){&g->maps[k], probes * map, sizeof *g->maps[k], false};
+    rows[count++] = (olx_array_row){&g->maps.irradiance[k], probes * map, sizeof *g->maps.irradiance[k], false};
   }
   return count;
 }
 
-uint64_t olx_gather_bytes(const olx_gather *gather, uint32_t irradiance_size, uint32_t bounces, bool solved, bool fits) {
+uint64_t olx_gather_bytes(const olx_gather *gather, uint32_t irradiance_size, uint32_t bounces, bool solved,
+                          bool fits) {
   const olx_quadrature q = olx_quadrature_shape(irradiance_size);
   olx_gather unmade = *gather;
   olx_array_row rows[GATHER_ARRAYS];
-  const uint32_t bands = olx_irradiance_bands(gather->form), count = list_arrays(&unmade, &q, solved, bounces, rows);
+  const uint32_t bands = olx_irradiance_bands(gather->context->settings->irradiance_form),
+                 count = list_arrays(&unmade, &q, solved, bounces, rows);
   uint64_t bytes = olx_arrays_bytes(rows, count);
-  if (fits) bytes += olx_surface_fit_bytes(gather->probe_count, solved);
-  if (bands) bytes += (uint64_t)gather->probe_count * olx_harmonics_count(bands) * sizeof *gather->harmonics;
-  if (gather->traces && bounces > 0) bytes += olx_traced_bounce_bytes(gather->probe_count, olx_gather_points(&q));
+  if (fits) bytes += olx_surface_fit_bytes(olx_gather_probes(gather)->count, solved);
+  if (bands)
+    bytes += (uint64_t)olx_gather_probes(gather)->count * olx_harmonics_count(bands) * sizeof *gather->harmonics;
+  if (gather->traces && bounces > 0)
+    bytes += olx_traced_bounce_bytes(olx_gather_probes(gather)->count, olx_gather_points(&q));
   return bytes;
+}
+
+// For what reads the maps of bounces: once they are allocated.
+static void describe_maps(olx_gather *gather, const olx_grid *grid, uint32_t irradiance_size, uint32_t kept) {
+  olx_bounce_maps *maps = &gather->maps;
+  maps->size = irradiance_size < 64 ? irradiance_size : 64;
+  for (uint32_t k = 0; k < kept; k++) {
+    maps->sources[k] = (olx_irradiance_source){.grid = *grid,
+                                               .flags = olx_gather_probes(gather)->flags,
+                                               .distance_scale = gather->context->distance_scale,
+                                               .irradiance_n = maps->size,
+                                               .moments_n = irradiance_size,
+                                               .irradiance = maps->irradiance[k],
+                                               .moments = gather->moments};
+  }
+  gather->shade->bounces = maps;
 }
 
 olx_result olx_gather_create(olx_gather *gather, const olx_grid *grid, uint32_t irradiance_size, uint32_t bounces) {
   OLX_TRY(olx_quadrature_create(irradiance_size, &gather->quadrature));
-  const uint32_t bands = olx_irradiance_bands(gather->form);
+  const uint32_t bands = olx_irradiance_bands(gather->context->settings->irradiance_form);
   if (bands) OLX_TRY(olx_projection_create(bands, irradiance_size, &gather->projection));
-  const uint32_t probes = gather->probe_count;
+  const uint32_t probes = olx_gather_probes(gather)->count;
   olx_array_row rows[GATHER_ARRAYS];
-  const bool complete = olx_arrays_allocate(rows, list_arrays(gather, &gather->quadrature, gather->light, bounces, rows));
-  gather->map_size = irradiance_size < 64 ? irradiance_size : 64;
-  for (uint32_t k = 0; k < kept_maps(gather->light, bounces); k++) {
-    gather->shade->irradiance[k] = (olx_irradiance_source){.grid = *grid,
-                                                           .flags = gather->flags,
-                                                           .distance_scale = gather->distance_scale,
-                                                           .irradiance_n = gather->map_size,
-                                                           .moments_n = irradiance_size,
-                                                           .irradiance = gather->maps[k],
-                                                           .moments = gather->moments};
-  }
+  const bool complete =
+      olx_arrays_allocate(rows, list_arrays(gather, &gather->quadrature, gather->light, bounces, rows));
+  describe_maps(gather, grid, irradiance_size, kept_maps(gather->light, bounces));
   if (!complete) {
     olx_gather_free(gather); // which forgets how many probes there were
     return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for %u irradiance probes", probes);
   }
   gather->traces = gather->traces && bounces > 0;
   if (!gather->traces) return OLX_OK;
-  gather->traced = (olx_traced_bounce){.shade = gather->shade,
+  gather->traced = (olx_traced_bounce){.context = gather->context,
+                                       .shade = gather->shade,
                                        .quadrature = &gather->quadrature,
-                                       .grid = &gather->shade->irradiance[0].grid,
-                                       .positions = gather->positions,
-                                       .flags = gather->flags,
-                                       .hits = gather->hits,
-                                       .probe_count = gather->probe_count,
-                                       .threads = gather->threads,
-                                       .task = gather->task};
+                                       .grid = &gather->maps.sources[0].grid,
+                                       .hits = gather->hits};
   return olx_traced_bounce_create(&gather->traced);
 }
 
@@ -352,7 +355,7 @@ void olx_gather_free(olx_gather *gather) {
   olx_release(gather->moments);
   olx_release(gather->irradiance);
   olx_release(gather->harmonics);
-  for (uint32_t k = 0; k <= OLX_KEPT_BOUNCES; k++) olx_release(gather->maps[k]);
+  for (uint32_t k = 0; k <= OLX_KEPT_BOUNCES; k++) olx_release(gather->maps.irradiance[k]);
   *gather = (olx_gather){0};
 }
 
@@ -361,5 +364,5 @@ uint64_t olx_gather_units(const olx_gather *gather, uint32_t bounces, bool solve
   const uint64_t samples = (uint64_t)q->sample_size * q->sample_size;
   const uint64_t traced = gather->traces ? (uint64_t)OLX_BOUNCE_RAYS * olx_gather_points(q) : 0;
   const uint64_t passes = solved ? 1 : bounces;
-  return gather->probe_count * (samples + traced + passes * olx_gather_points(q));
+  return olx_gather_probes(gather)->count * (samples + traced + passes * olx_gather_points(q));
 }

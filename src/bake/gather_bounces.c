@@ -12,7 +12,7 @@ static void light_samples(const olx_gather *gather, olx_shade_scratch *scratch, 
   const olx_quadrature *q = &gather->quadrature;
   const uint32_t per_cell = olx_samples_per_cell(q), per_quarter = per_cell / 4, probe = gather->probe;
   uint32_t reflections = 0;
-  olx_shade_batch_begin(&scratch->roots, gather->light_samples);
+  olx_shade_batch_begin(&scratch->roots, gather->context->settings->light_samples);
   scratch->roots.sparing = true;
   for (uint32_t i = 0; i < OLX_BATCH_POINTS; i++) {
     const uint32_t quarter = i / per_quarter, point = tile * (OLX_BATCH_POINTS / per_quarter) + quarter;
@@ -122,23 +122,23 @@ static void bounce_job(void *user, uint32_t index) {
 }
 
 olx_result olx_gather_bounce(olx_gather *gather, uint32_t bounce) {
-  olx_task_stage(gather->task, "bounces");
+  olx_task_stage(&gather->context->task, "bounces");
   gather->bounce = bounce;
   const uint32_t batches = olx_gather_points(&gather->quadrature) / OLX_BATCH_POINTS;
-  OLX_TRY(olx_parallel_for(gather->probe_count * batches, gather->threads, bounce_job, gather, gather->task,
-                           OLX_BATCH_POINTS));
+  OLX_TRY(
+      olx_bake_for(gather->context, olx_gather_probes(gather)->count * batches, bounce_job, gather, OLX_BATCH_POINTS));
   return olx_shade_check_memory(gather->shade);
 }
 
 olx_result olx_gather_link(olx_gather *gather) {
   if (!gather->traces) return OLX_OK;
-  olx_task_stage(gather->task, "rays between surfaces");
+  olx_task_stage(&gather->context->task, "rays between surfaces");
   return olx_traced_bounce_link(&gather->traced);
 }
 
 static double total(const olx_gather *gather, uint32_t bounce) {
-  const olx_vec3 *maps = gather->maps[bounce % (OLX_KEPT_BOUNCES + 1)];
-  const size_t count = (size_t)gather->probe_count * (gather->map_size + 2) * (gather->map_size + 2);
+  const olx_vec3 *maps = gather->maps.irradiance[bounce % (OLX_KEPT_BOUNCES + 1)];
+  const size_t count = (size_t)olx_gather_probes(gather)->count * (gather->maps.size + 2) * (gather->maps.size + 2);
   double sum = 0.0;
   for (size_t i = 0; i < count; i++) sum += (double)olx_luminance(maps[i]);
   return sum;
@@ -150,6 +150,6 @@ bool olx_gather_brought_light(const olx_gather *gather, uint32_t bounce) {
 }
 
 void olx_gather_skip(olx_gather *gather, uint32_t bounces) {
-  const uint64_t points = (uint64_t)gather->probe_count * olx_gather_points(&gather->quadrature);
-  olx_task_advance(gather->task, bounces * points);
+  const uint64_t points = (uint64_t)olx_gather_probes(gather)->count * olx_gather_points(&gather->quadrature);
+  olx_task_advance(&gather->context->task, bounces * points);
 }

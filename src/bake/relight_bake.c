@@ -76,7 +76,7 @@ static uint32_t link_surfel(const link_job *j, olx_link_list *list, uint32_t sur
 static void add_end(const olx_relight_bake *b, olx_link_list *list, const olx_ray *ray, const olx_ray_hit *hit) {
   if (hit->triangle == OLX_NO_HIT) return;
   const olx_light_surfels *surfels = olx_scene_light_open(b->light).surfels;
-  const olx_surface surface = olx_surface_at(b->scene, hit, ray->direction);
+  const olx_surface surface = olx_surface_at(b->context->scene, hit, ray->direction);
   const uint64_t key = olx_cell_key(&surfels->grid, surface.position, surface.geometric_normal);
   const uint32_t end = olx_light_surfels_find(surfels, key, &surface, INFINITY).surfel;
   if (end == OLX_CELL_NONE) return;
@@ -96,7 +96,7 @@ static uint32_t link_volume_probe(const link_job *j, olx_link_list *list, uint32
       const olx_vec3 direction = olx_sample_sphere(olx_stratified2(first + i, olx_hash3(b->seed, probe, SALT_VOLUME)));
       rays[i] = (olx_ray){j->positions[probe], olx_normalize(direction), 0.0f, INFINITY};
     }
-    olx_bvh_intersect_many(b->scene->bvh, rays, PACKET, false, hits);
+    olx_bvh_intersect_many(b->context->scene->bvh, rays, PACKET, false, hits);
     for (uint32_t i = 0; i < PACKET; i++) add_end(b, list, &rays[i], &hits[i]);
   }
   return olx_link_list_take(list, MOST_LINKS, draw_of(probe), links);
@@ -165,7 +165,7 @@ static olx_result link_parts(link_job *j, uint32_t count, olx_relight_rows *rows
   for (j->first = 0; j->first < count; j->first += PLACES_AT_A_TIME) {
     j->count = count - j->first < PLACES_AT_A_TIME ? count - j->first : PLACES_AT_A_TIME;
     const uint32_t jobs = (j->count + PLACES_PER_JOB - 1) / PLACES_PER_JOB;
-    OLX_TRY(olx_parallel_for(jobs, j->bake->threads, link_some, j, j->bake->task, 0));
+    OLX_TRY(olx_bake_for(j->bake->context, jobs, link_some, j, 0));
     if (atomic_load(&j->out_of_memory)) return olx_fail(OLX_ERROR_MEMORY, "relight: out of memory for lists of links");
     OLX_TRY(append(j, rows));
   }
@@ -240,10 +240,10 @@ static olx_relight_surfel stored_surfel(const olx_relight_bake *b, uint32_t inde
   for (uint32_t i = 0, k = 0; i < OLX_RELIGHT_POINTS; i++) {
     const float wanted = area * ((float)i + 0.5f) / OLX_RELIGHT_POINTS;
     while (k + 1 < s->point_count && passed + area_of(&points[k]) < wanted) passed += area_of(&points[k++]);
-    const olx_surface surface = olx_surface_point_surface(b->scene, &points[k]);
+    const olx_surface surface = olx_surface_point_surface(b->context->scene, &points[k]);
     olx_store3(stored.points[i], olx_surface_ray(&surface, surface.geometric_normal, INFINITY).origin);
   }
-  const olx_surface middle = olx_surface_point_surface(b->scene, &s->point);
+  const olx_surface middle = olx_surface_point_surface(b->context->scene, &s->point);
   stored.normal = olx_normal_pack(middle.shading_normal);
   store_reflectance(&stored, &middle.bsdf);
   return stored;

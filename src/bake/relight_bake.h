@@ -15,10 +15,9 @@ typedef struct olx_relight_rows {
 } olx_relight_rows;
 
 typedef struct olx_relight_bake {
-  const olx_scene *scene;
+  olx_bake_context *context;
   const olx_scene_light *light;
-  uint32_t seed, threads;
-  olx_task *task;
+  uint32_t seed;
   uint64_t rays; // cast
   uint32_t surfel_count;
   olx_relight_surfel *stored; // as the file has them
@@ -27,7 +26,7 @@ typedef struct olx_relight_bake {
   olx_relight_sites sites;
 } olx_relight_bake;
 
-// The fields up to `task` are the caller's to fill. Makes the links of surfels few.
+// The fields up to `seed` are the caller's to fill. Makes the links of surfels few.
 olx_result olx_relight_bake_create(olx_relight_bake *bake);
 void olx_relight_bake_free(olx_relight_bake *bake);
 

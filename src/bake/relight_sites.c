@@ -220,7 +220,7 @@ olx_result olx_relight_sites_add(olx_relight_sites *sites, const olx_capture *ca
   const uint32_t rows = capture->size / OLX_BLOCK_SIDE;
   site_job j = {.capture = capture, .light = light, .blocks = olx_allocate((size_t)rows * rows, sizeof *j.blocks)};
   if (!j.blocks) return olx_fail(OLX_ERROR_MEMORY, "relight: out of memory for sites");
-  olx_result result = olx_parallel_for(rows, capture->threads, light_row, &j, capture->task, 0);
+  olx_result result = olx_bake_for(capture->context, rows, light_row, &j, 0);
   if (result == OLX_OK) result = append(sites, j.blocks, rows * rows);
   olx_release(j.blocks);
   return result;

@@ -252,7 +252,7 @@ void olx_shade_direct(olx_shade_context *context, olx_shade_scratch *scratch, ol
 }
 
 static const olx_irradiance_source *irradiance_of(const olx_shade_context *context, uint32_t bounce) {
-  return &context->irradiance[bounce % (OLX_KEPT_BOUNCES + 1)];
+  return olx_bounce_source(context->bounces, bounce);
 }
 
 static olx_vec3 irradiance_at(const olx_shade_context *context, const olx_shade_batch *batch, uint32_t point,

@@ -62,6 +62,17 @@ typedef struct olx_shade_scratch {
   float weights[OLX_BATCH_POINTS];               // their shares of solid angle
 } olx_shade_scratch;
 
+// Irradiance of bounces in maps of the irradiance probes, with border: that of bounce k is at k mod (OLX_KEPT_BOUNCES + 1).
+typedef struct olx_bounce_maps {
+  uint32_t size; // texels along a side
+  olx_vec3 *irradiance[OLX_KEPT_BOUNCES + 1];
+  olx_irradiance_source sources[OLX_KEPT_BOUNCES + 1]; // what reads them
+} olx_bounce_maps;
+
+static inline const olx_irradiance_source *olx_bounce_source(const olx_bounce_maps *maps, uint32_t bounce) {
+  return &maps->sources[bounce % (OLX_KEPT_BOUNCES + 1)];
+}
+
 // What lighting needs to know of the bake.
 typedef struct olx_shade_context {
   const olx_scene *scene;
@@ -72,8 +83,8 @@ typedef struct olx_shade_context {
   olx_vec3 lights_min, lights_max; // bounds of the emitters
   bool reflected_lights;           // some light has an area, so that a reflected ray can meet it
   float share_distance;            // points of a texel that lie this close together share one look-up of irradiance
-  const olx_scene_light *light;    // solved for the whole scene, where irradiance is looked up; NULL: in the maps that follow
-  olx_irradiance_source irradiance[OLX_KEPT_BOUNCES + 1]; // of bounce k at k mod (OLX_KEPT_BOUNCES + 1)
+  const olx_scene_light *light;   // solved for the whole scene, where irradiance is looked up; NULL: in maps of bounces
+  const olx_bounce_maps *bounces; // the gather's, once it has any
   olx_scratch_pool pool;
   atomic_uint_fast64_t rays;
   atomic_bool out_of_memory;

@@ -36,6 +36,12 @@ typedef struct surface_sums {
   float roughness, metallic, count;
 } surface_sums;
 
+static const olx_scene *scene_of(const olx_surface_capture *c) { return c->capture->context->scene; }
+
+static const olx_bake_settings *settings_of(const olx_surface_capture *c) { return c->capture->context->settings; }
+
+static bool has_radiance(const olx_surface_capture *c) { return c->capture->context->probes.irradiance.count > 0; }
+
 static uint32_t texel_index(const olx_surface_capture *c, const texel_samples *t) {
   return t->y * c->capture->size + t->x;
 }
@@ -64,29 +70,29 @@ static olx_surface smooth(const olx_scene *scene, const olx_ray_hit *hit, const 
 static olx_vec3 direct_light(const olx_surface_capture *c, const texel_samples *t, uint32_t k,
                              const olx_surface *surface, uint64_t *rays) {
   const olx_capture *capture = c->capture;
-  const uint32_t place = t->y % LIGHT_SIDE * LIGHT_SIDE + t->x % LIGHT_SIDE, lights = capture->light_samples,
+  const uint32_t place = t->y % LIGHT_SIDE * LIGHT_SIDE + t->x % LIGHT_SIDE, lights = settings_of(c)->light_samples,
                  block = t->y / LIGHT_SIDE * capture->size + t->x / LIGHT_SIDE;
-  const uint32_t seed = olx_hash3(capture->probe, block, SALT_DIRECT) ^ c->seed;
-  const uint32_t first = (place * capture->samples * capture->samples + k) * lights;
+  const uint32_t seed = olx_hash3(capture->probe, block, SALT_DIRECT) ^ settings_of(c)->seed;
+  const uint32_t first = (place * settings_of(c)->samples * settings_of(c)->samples + k) * lights;
   olx_vec3 sum = {0};
   for (uint32_t i = 0; i < lights; i++) {
     olx_sampler sampler = {.seed = seed, .index = first + i};
-    sum = olx_add(sum, olx_direct_irradiance(capture->scene, surface, &sampler, rays));
+    sum = olx_add(sum, olx_direct_irradiance(scene_of(c), surface, &sampler, rays));
   }
   return olx_scale(sum, 1.0f / (float)lights);
 }
 
 static void add_sample(const olx_surface_capture *c, const texel_samples *t, uint32_t k, const olx_ray_hit *hit,
                        const olx_surface *surface, surface_sums *sums, uint64_t *rays) {
-  const olx_surface s = smooth(c->capture->scene, hit, surface);
+  const olx_surface s = smooth(scene_of(c), hit, surface);
   sums->base_color = olx_add(sums->base_color, s.base_color);
   sums->roughness += s.roughness;
   sums->metallic += s.metallic;
   sums->direct = olx_add(sums->direct, direct_light(c, t, k, &s, rays));
   sums->count += 1.0f;
   if (!c->radiance || !olx_texel_is_mirror(&surface->bsdf)) return;
-  const uint32_t seed = olx_hash3(c->capture->probe, texel_index(c, t), SALT_LOBE) ^ c->seed;
-  const olx_lobe_source source = {c->capture->scene, c->light, c->capture->bounces};
+  const uint32_t seed = olx_hash3(c->capture->probe, texel_index(c, t), SALT_LOBE) ^ settings_of(c)->seed;
+  const olx_lobe_source source = {scene_of(c), c->light, settings_of(c)->bounces};
   olx_sampler sampler = {.seed = seed, .index = k};
   sums->mirrored = olx_add(sums->mirrored, olx_texel_mirrored(&source, surface, t->rays[k].direction, &sampler, rays));
 }
@@ -97,14 +103,15 @@ static olx_vec3 indirect_light(const olx_surface_capture *c, const texel_samples
   const olx_capture *capture = c->capture;
   const uint32_t texel = texel_index(c, t);
   if (c->light) return c->irradiance[texel];
-  const uint32_t seed = olx_hash3(capture->probe, texel, SALT_PATHS) ^ c->seed;
-  return olx_path_surface_irradiance(capture->scene, surface, capture->bounces + 1, c->reference_paths, seed, rays);
+  const uint32_t seed = olx_hash3(capture->probe, texel, SALT_PATHS) ^ settings_of(c)->seed;
+  return olx_path_surface_irradiance(scene_of(c), surface, settings_of(c)->bounces + 1, settings_of(c)->reference_paths,
+                                     seed, rays);
 }
 
 // Emission of the samples that emit, as the texel's middle does: a surface beside a lamp holds no share of it.
 static olx_vec3 mean_emission(const olx_surface_capture *c, const texel_samples *t, olx_vec3 middle, bool sky) {
-  const olx_scene *scene = c->capture->scene;
-  const uint32_t per_texel = c->capture->samples * c->capture->samples;
+  const olx_scene *scene = scene_of(c);
+  const uint32_t per_texel = settings_of(c)->samples * settings_of(c)->samples;
   olx_vec3 sum = {0};
   float count = 0.0f;
   for (uint32_t k = 0; k < per_texel; k++) {
@@ -121,7 +128,7 @@ static olx_vec3 mean_emission(const olx_surface_capture *c, const texel_samples 
 static void store_surface(const olx_surface_capture *c, uint32_t at, const olx_surface *middle,
                           const surface_sums *sums, olx_vec3 indirect) {
   const float share = 1.0f / sums->count;
-  const float weight = c->capture->scene->materials[middle->material].specular_weight;
+  const float weight = scene_of(c)->materials[middle->material].specular_weight;
   const olx_texel_material_codes codes =
       olx_material_pack(olx_scale(sums->base_color, share), sums->roughness * share, sums->metallic * share, weight);
   c->base[at] = codes.base;
@@ -149,8 +156,8 @@ static void store_emission(const olx_surface_capture *c, uint32_t at, olx_vec3 e
 
 static void capture_texel(olx_surface_capture *c, const texel_samples *t, uint64_t *rays) {
   const olx_capture *capture = c->capture;
-  const olx_scene *scene = capture->scene;
-  const uint32_t at = texel_index(c, t), per_texel = capture->samples * capture->samples;
+  const olx_scene *scene = scene_of(c);
+  const uint32_t at = texel_index(c, t), per_texel = settings_of(c)->samples * settings_of(c)->samples;
   const olx_vec3 direction = olx_texel_direction(t->x, t->y, capture->size);
   const olx_ray_hit *hit = &capture->hits[at];
   c->base[at] = c->direct[at] = c->indirect[at] = c->emission[at] = 0;
@@ -178,7 +185,7 @@ static void capture_texel(olx_surface_capture *c, const texel_samples *t, uint64
 
 static void capture_row(void *user, uint32_t y) {
   olx_surface_capture *c = user;
-  const uint32_t per_texel = c->capture->samples * c->capture->samples;
+  const uint32_t per_texel = settings_of(c)->samples * settings_of(c)->samples;
   olx_ray rays[OLX_CAPTURE_MOST_RAYS];
   olx_ray_hit hits[OLX_CAPTURE_MOST_RAYS];
   uint64_t cast = 0;
@@ -208,22 +215,22 @@ olx_result olx_surface_capture_probe(olx_surface_capture *c, bool buried, olx_su
   const uint32_t rows = capture->size;
   c->last_bounce = c->light ? (float)olx_scene_light_describe(c->light).last_bounce : 0.0f;
   OLX_TRY(find_irradiance(c, buried));
-  OLX_TRY(olx_parallel_for(rows, capture->threads, capture_row, c, capture->task, olx_surface_capture_units(c) / rows));
+  OLX_TRY(olx_bake_for(capture->context, rows, capture_row, c, olx_surface_capture_units(c) / rows));
   *maps = (olx_surface_maps){c->base, c->specular, c->direct, c->indirect, c->emission};
-  if (!c->compressed) return OLX_OK;
+  if (settings_of(c)->uncompressed) return OLX_OK;
   const olx_surface_texels texels = {c->base, c->specular, c->direct, c->indirect, capture->distance};
   *maps = (olx_surface_maps){c->blocks.base, c->blocks.specular, c->blocks.direct, c->blocks.indirect, c->emission};
-  OLX_TRY(olx_surface_encode(&texels, rows, capture->threads, &c->blocks));
-  return olx_geometry_maker_encode(&c->geometry, rows, capture->threads, olx_capture_geometry, capture);
+  OLX_TRY(olx_surface_encode(&texels, rows, settings_of(c)->threads, &c->blocks));
+  return olx_geometry_maker_encode(&c->geometry, rows, settings_of(c)->threads, olx_capture_geometry, capture);
 }
 
 uint64_t olx_surface_capture_bytes(const olx_surface_capture *c, bool solved) {
   const uint32_t size = c->capture->size;
   const uint64_t texel = sizeof *c->base + sizeof *c->direct + sizeof *c->indirect + sizeof *c->emission +
-                         sizeof *c->specular + (c->has_radiance ? sizeof *c->radiance : 0) +
+                         sizeof *c->specular + (has_radiance(c) ? sizeof *c->radiance : 0) +
                          (solved ? sizeof *c->irradiance : 0);
   return (uint64_t)size * size * texel +
-         (c->compressed ? olx_surface_blocks_bytes(size) + olx_geometry_maker_bytes(size) : 0);
+         (settings_of(c)->uncompressed ? 0 : olx_surface_blocks_bytes(size) + olx_geometry_maker_bytes(size));
 }
 
 olx_result olx_surface_capture_create(olx_surface_capture *c) {
@@ -232,12 +239,12 @@ olx_result olx_surface_capture_create(olx_surface_capture *c) {
   c->direct = olx_allocate(texels, sizeof *c->direct);
   c->indirect = olx_allocate(texels, sizeof *c->indirect);
   c->emission = olx_allocate(texels, sizeof *c->emission);
-  if (c->has_radiance) c->radiance = olx_allocate(texels, sizeof *c->radiance);
+  if (has_radiance(c)) c->radiance = olx_allocate(texels, sizeof *c->radiance);
   c->irradiance = olx_allocate(c->light ? texels : 0, sizeof *c->irradiance);
   c->specular = olx_allocate(texels, sizeof *c->specular);
   const bool complete = c->base && c->direct && c->indirect && c->emission && c->specular && c->irradiance;
-  if (complete && (c->radiance || !c->has_radiance)) {
-    if (!c->compressed) return OLX_OK;
+  if (complete && (c->radiance || !has_radiance(c))) {
+    if (settings_of(c)->uncompressed) return OLX_OK;
     OLX_TRY(olx_surface_blocks_create(c->capture->size, &c->blocks));
     return olx_geometry_maker_create(c->capture->size, &c->geometry);
   }

@@ -14,21 +14,17 @@
 // One probe at a time: the maps hold the surfaces of the probe that was captured last.
 typedef struct olx_surface_capture {
   const olx_capture *capture;   // of the same probe, done before
-  uint32_t seed;                // of the bake
   const olx_scene_light *light; // NULL: indirect light is the plain reference
-  uint32_t reference_paths;     // of a texel, for the reference
-  bool has_radiance;            // `radiance` is wanted
-  bool compressed;              // maps are wanted as blocks
   olx_vec3 *irradiance;         // indirect, where `light` gives it
   float last_bounce;            // share of that light that is one bounce more than radiance holds
-  uint32_t *base, *direct, *indirect, *emission, *radiance; // `radiance` is NULL where it is not wanted
+  uint32_t *base, *direct, *indirect, *emission, *radiance; // `radiance` is NULL without probe light
   uint16_t *specular;
   olx_surface_blocks blocks;   // made from them, where they are wanted
   olx_geometry_maker geometry; // the same for what `capture` holds of geometry
   atomic_uint_fast64_t rays;   // cast so far
 } olx_surface_capture;
 
-// The fields up to `compressed` are the caller's to fill.
+// The fields up to `light` are the caller's to fill.
 olx_result olx_surface_capture_create(olx_surface_capture *surfaces);
 // Bytes that the maps of a probe take, of what is described so far but for `light`; `solved`: there will be one.
 uint64_t olx_surface_capture_bytes(const olx_surface_capture *surfaces, bool solved);

@@ -60,7 +60,7 @@ static olx_ray scattered_ray(const olx_surface *surface, uint32_t index, uint32_
 static bool draw_point(const olx_surface_fit *fit, uint32_t index, olx_surface *surface) {
   const olx_surface_fit_input *in = &fit->input;
   const uint32_t probe = index / POINTS_PER_PROBE, i = index % POINTS_PER_PROBE;
-  if (in->flags[probe] & OLX_PROBE_BURIED) return false;
+  if (in->context->probes.irradiance.flags[probe] & OLX_PROBE_BURIED) return false;
   const uint32_t step = in->hit_count / POINTS_PER_PROBE;
   const uint32_t at = i * step + olx_hash3(olx_shade_key(in->shade, probe), i, SALT_POINT) % step;
   const olx_ray_hit *seen = &in->hits[(size_t)probe * in->hit_count + at];
@@ -69,7 +69,7 @@ static bool draw_point(const olx_surface_fit *fit, uint32_t index, olx_surface *
   {
     // The gather point's side is the one that faces the probe.
     const olx_surface any = olx_surface_at(in->shade->scene, seen, olx_v3(0.0f, 1.0f, 0.0f));
-    const olx_vec3 view = olx_normalize(olx_sub(any.position, in->positions[probe]));
+    const olx_vec3 view = olx_normalize(olx_sub(any.position, in->context->probes.irradiance.positions[probe]));
     first = olx_surface_at(in->shade->scene, seen, view);
   }
   const olx_ray ray = scattered_ray(&first, i, olx_hash2(olx_shade_key(in->shade, probe), SALT_POINT));
@@ -254,16 +254,17 @@ olx_result olx_surface_fit_create(const olx_surface_fit_input *input, const olx_
   if (!fit) return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory");
   fit->input = *input;
   fit->source = source;
-  fit->point_count = input->probe_count * POINTS_PER_PROBE;
+  fit->point_count = input->context->probes.irradiance.count * POINTS_PER_PROBE;
   olx_array_row rows[2];
   const bool solved = input->light;
   const bool listed = olx_arrays_allocate(rows, list_arrays(fit, solved, rows));
-  const size_t unknowns = (size_t)input->probe_count * OLX_CORRECTION_CELLS;
+  const size_t unknowns = (size_t)input->context->probes.irradiance.count * OLX_CORRECTION_CELLS;
   const bool allocated = olx_corrections_allocate(&fit->corrections, unknowns);
   if (!listed || !allocated) {
-    return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for fitting %u irradiance probes", input->probe_count);
+    return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for fitting %u irradiance probes",
+                    input->context->probes.irradiance.count);
   }
-  OLX_TRY(olx_parallel_for(jobs_of(fit), input->threads, cast_job, fit, input->task, POINTS_PER_JOB * units_of_point(solved)));
+  OLX_TRY(olx_bake_for(input->context, jobs_of(fit), cast_job, fit, POINTS_PER_JOB * units_of_point(solved)));
   return olx_shade_check_memory(fit->input.shade);
 }
 
@@ -278,7 +279,7 @@ void olx_surface_fit_free(olx_surface_fit *fit) {
 olx_result olx_surface_fit_solve(olx_surface_fit *fit, const olx_irradiance_source *source, uint32_t bounce) {
   fit->source = source;
   fit->bounce = bounce;
-  OLX_TRY(olx_parallel_for(jobs_of(fit), fit->input.threads, measure_job, fit, fit->input.task, 0));
+  OLX_TRY(olx_bake_for(fit->input.context, jobs_of(fit), measure_job, fit, 0));
   OLX_TRY(olx_shade_check_memory(fit->input.shade));
   solve(fit);
   return OLX_OK;

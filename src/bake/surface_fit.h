@@ -7,24 +7,21 @@
 #ifndef OLX_BAKE_SURFACE_FIT_H
 #define OLX_BAKE_SURFACE_FIT_H
 
-#include "bake/shade_batch.h"
-#include "core/parallel.h"
-#include "light/scene_light.h"
+#include "bake/bake_context.h"
 #include "bake/corrections.h"
+#include "bake/shade_batch.h"
+#include "light/scene_light.h"
 
 typedef struct olx_surface_fit olx_surface_fit;
 
 // Everything the fit needs of the gather: `hits` are `hit_count` surface points that each probe sees. Irradiance at the points
 // comes from `light`, or is measured by rays where that is NULL.
 typedef struct olx_surface_fit_input {
+  olx_bake_context *context;
   olx_shade_context *shade;
-  const olx_vec3 *positions;
-  const uint8_t *flags;
-  uint32_t probe_count, threads;
   const olx_ray_hit *hits;
   uint32_t hit_count;
   const olx_scene_light *light;
-  olx_task *task;
 } olx_surface_fit_input;
 
 // Draws points on surfaces and casts the rays that will measure irradiance there. `source` gives the weights of

@@ -10,8 +10,9 @@ static const float SHARED_FOOTPRINTS = 1.0f, SHARED_COSINE = 0.9f;
 
 static olx_surface surface_of(const olx_capture *c, uint32_t texel) {
   const olx_ray_hit *hit = &c->hits[texel];
-  olx_surface surface = olx_surface_at(c->scene, hit, olx_texel_direction(texel % c->size, texel / c->size, c->size));
-  surface.shading_normal = olx_surface_vertex_normal(c->scene, hit, &surface);
+  olx_surface surface =
+      olx_surface_at(c->context->scene, hit, olx_texel_direction(texel % c->size, texel / c->size, c->size));
+  surface.shading_normal = olx_surface_vertex_normal(c->context->scene, hit, &surface);
   return surface;
 }
 
@@ -42,7 +43,8 @@ bool olx_block_is_flat(const olx_capture *c, uint32_t block, const olx_block_sur
   return true;
 }
 
-bool olx_block_shares(const olx_capture *c, uint32_t block, const olx_block_surfaces *s, uint32_t texel, uint32_t other) {
+bool olx_block_shares(const olx_capture *c, uint32_t block, const olx_block_surfaces *s, uint32_t texel,
+                      uint32_t other) {
   const olx_surface *point = &s->surface[texel], *shared = &s->surface[other];
   const olx_vec3 way = olx_sub(shared->position, point->position);
   return olx_dot(shared->geometric_normal, point->geometric_normal) >= SHARED_COSINE &&

@@ -96,5 +96,5 @@ static void light_row(void *user, uint32_t row) {
 
 olx_result olx_texel_light(const olx_capture *capture, const olx_scene_light *light, olx_vec3 *irradiance) {
   texel_light t = {.capture = capture, .light = light, .irradiance = irradiance};
-  return olx_parallel_for(capture->size / OLX_BLOCK_SIDE, capture->threads, light_row, &t, capture->task, 0);
+  return olx_bake_for(capture->context, capture->size / OLX_BLOCK_SIDE, light_row, &t, 0);
 }

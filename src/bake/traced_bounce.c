@@ -17,6 +17,8 @@ enum { SALT_RAY = 0x54524143, NEARBY = 64 };
 // How far a place may lie off the surface that a probe stored, in distances from the probe; and how much normals may differ.
 static const float off_surface = 0.02f, least_normal = 0.5f;
 
+static const olx_probe_list *probes_of(const olx_traced_bounce *t) { return &t->context->probes.irradiance; }
+
 // The gather point that stands for a direction of the probe.
 static uint32_t point_towards(const olx_quadrature *q, uint32_t x, uint32_t y) {
   const uint32_t per_quarter = olx_samples_per_cell(q) / 4, tiles = q->sample_size / OLX_GATHER_TILE;
@@ -66,7 +68,7 @@ static bool stores(const olx_traced_bounce *t, uint32_t probe, uint32_t point, c
 // The gather point of the probe that stores the light at the ray's end: the one in its direction or one beside it.
 static bool find_point(const olx_traced_bounce *t, uint32_t probe, const ray_end *end, uint32_t *found) {
   const olx_quadrature *q = t->quadrature;
-  const olx_vec3 offset = olx_sub(end->position, t->positions[probe]);
+  const olx_vec3 offset = olx_sub(end->position, probes_of(t)->positions[probe]);
   const float distance = olx_length(offset);
   if (distance <= 0.0f || olx_dot(offset, end->normal) >= 0.0f) return false;
   const olx_vec3 towards = olx_scale(offset, 1.0f / distance);
@@ -102,8 +104,8 @@ static uint32_t probes_nearby(const olx_traced_bounce *t, olx_vec3 position, uin
     }
     if (!inside) continue;
     const uint32_t probe = at[0] + t->grid->count[0] * (at[1] + t->grid->count[1] * at[2]);
-    if (t->flags[probe] & OLX_PROBE_BURIED) continue;
-    const olx_vec3 away = olx_sub(position, t->positions[probe]);
+    if (probes_of(t)->flags[probe] & OLX_PROBE_BURIED) continue;
+    const olx_vec3 away = olx_sub(position, probes_of(t)->positions[probe]);
     const float squared = olx_dot(away, away);
     uint32_t k = count++;
     for (; k > 0 && distance[k - 1] > squared; k--) {
@@ -159,7 +161,7 @@ static void link_job(void *user, uint32_t index) {
   olx_shade_scratch *scratch = olx_shade_scratch_take(t->shade);
   if (!scratch) return;
   olx_shade_batch_begin(&scratch->roots, 1);
-  const bool buried = (t->flags[probe] & OLX_PROBE_BURIED) != 0; // its maps are never read
+  const bool buried = (probes_of(t)->flags[probe] & OLX_PROBE_BURIED) != 0; // its maps are never read
   for (uint32_t k = 0; k < OLX_BATCH_POINTS; k++) {
     const uint32_t point = index % batches * OLX_BATCH_POINTS + k;
     const size_t global = (size_t)probe * points + point;
@@ -176,8 +178,7 @@ static void link_job(void *user, uint32_t index) {
 
 olx_result olx_traced_bounce_link(olx_traced_bounce *t) {
   const uint32_t batches = olx_gather_points(t->quadrature) / OLX_BATCH_POINTS;
-  OLX_TRY(
-      olx_parallel_for(t->probe_count * batches, t->threads, link_job, t, t->task, OLX_BATCH_POINTS * OLX_BOUNCE_RAYS));
+  OLX_TRY(olx_bake_for(t->context, probes_of(t)->count * batches, link_job, t, OLX_BATCH_POINTS * OLX_BOUNCE_RAYS));
   return olx_shade_check_memory(t->shade);
 }
 
@@ -208,16 +209,17 @@ uint64_t olx_traced_bounce_bytes(uint32_t probe_count, uint32_t gather_points) {
 }
 
 olx_result olx_traced_bounce_create(olx_traced_bounce *t) {
-  const size_t points = (size_t)t->probe_count * olx_gather_points(t->quadrature);
+  const size_t points = (size_t)probes_of(t)->count * olx_gather_points(t->quadrature);
   if (points >= UNSEEN) {
-    return olx_fail(OLX_ERROR_ARGUMENT, "bake: bounces cannot be traced between %u irradiance probes", t->probe_count);
+    return olx_fail(OLX_ERROR_ARGUMENT, "bake: bounces cannot be traced between %u irradiance probes",
+                    probes_of(t)->count);
   }
   atomic_init(&t->rays, 0);
   atomic_init(&t->unseen, 0);
   olx_array_row rows[4];
   if (olx_arrays_allocate(rows, list_arrays(t, points, rows))) return OLX_OK;
   olx_traced_bounce_free(t);
-  return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for the bounces of %u irradiance probes", t->probe_count);
+  return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for the bounces of %u irradiance probes", probes_of(t)->count);
 }
 
 void olx_traced_bounce_free(olx_traced_bounce *t) {

@@ -6,22 +6,19 @@
 #ifndef OLX_BAKE_TRACED_BOUNCE_H
 #define OLX_BAKE_TRACED_BOUNCE_H
 
+#include "bake/bake_context.h"
 #include "bake/quadrature.h"
 #include "bake/shade_batch.h"
-#include "core/parallel.h"
 
 enum { OLX_BOUNCE_RAYS = 4 }; // from each gather point
 
 typedef struct olx_traced_bounce {
   // The caller's to fill.
+  olx_bake_context *context;
   olx_shade_context *shade;
   const olx_quadrature *quadrature;
   const olx_grid *grid;
-  const olx_vec3 *positions;
-  const uint8_t *flags;
   const olx_ray_hit *hits; // of the gather points, olx_gather_points of each probe
-  uint32_t probe_count, threads;
-  olx_task *task;
   // Each OLX_BOUNCE_RAYS of each gather point: the gather point, over all probes, that holds the light at the ray's end.
   uint32_t *links;
   // Light that leaves gather points towards their probes: direct, and of the bounces up to the last and the one before.

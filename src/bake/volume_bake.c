@@ -24,26 +24,30 @@ static uint32_t cells_along(const olx_bake_settings *s) {
 }
 
 static olx_result make_cells(olx_volume_bake *b) {
-  const uint32_t along = cells_along(b->settings), wanted = VOXELS_A_CELL * along, threads = b->settings->threads;
+  const olx_bake_settings *settings = b->context->settings;
+  const olx_probe_list *probes = &b->context->probes.light_field;
+  const uint32_t along = cells_along(settings), wanted = VOXELS_A_CELL * along, threads = settings->threads;
   const uint32_t voxels = wanted < LEAST_VOXELS ? LEAST_VOXELS : wanted > MOST_VOXELS ? MOST_VOXELS : wanted;
   olx_volume_space space;
-  OLX_TRY(olx_volume_space_create(b->scene, b->positions, b->flags, b->probe_count, voxels, threads, &space));
+  OLX_TRY(olx_volume_space_create(b->context->scene, probes->positions, probes->flags, probes->count, voxels, threads,
+                                  &space));
   const olx_result result = olx_volume_cells_create(&space, along, MOST_CELLS, threads, &b->cells);
   olx_volume_space_free(&space);
   return result;
 }
 
 static olx_result find_unserved(olx_volume_bake *b, double *share) {
+  const olx_probe_list *probes = &b->context->probes.light_field;
   *share = 1.0;
   if (!b->cells.data) return OLX_OK;
   olx_volume volume;
   OLX_TRY(olx_volume_open(b->cells.data, b->cells.size_bytes, "bake", &volume));
-  return olx_volume_unserved(b->scene, &volume, b->positions, b->flags, b->probe_count, share);
+  return olx_volume_unserved(b->context->scene, &volume, probes->positions, probes->flags, probes->count, share);
 }
 
 olx_result olx_volume_bake_create(olx_volume_bake *b, olx_bake_stats *stats) {
-  if (!olx_volume_is_baked(b->settings)) return OLX_OK;
-  olx_task_stage(b->task, "volume");
+  if (!olx_volume_is_baked(b->context->settings)) return OLX_OK;
+  olx_task_stage(&b->context->task, "volume");
   const double start = olx_seconds();
   OLX_TRY(make_cells(b));
   OLX_TRY(find_unserved(b, &stats->volume_unserved));
@@ -107,15 +111,15 @@ static olx_result light_probes(light_stage *v, olx_unit_store *store, olx_field_
 olx_result olx_volume_bake_write(olx_volume_bake *b, const olx_scene_light *light, olx_unit_store *store,
                                  olx_field_writer *writer, olx_bake_stats *stats) {
   if (!b->cells.data) return OLX_OK;
-  olx_task_stage(b->task, "volume");
+  olx_task_stage(&b->context->task, "volume");
   const double start = olx_seconds();
   light_stage v = {.bake = b,
-                   .light = {.scene = b->scene,
+                   .light = {.scene = b->context->scene,
                              .light = light,
                              .rays = RAYS,
                              .seed = b->seed,
-                             .threads = b->settings->threads,
-                             .task = b->task}};
+                             .threads = b->context->settings->threads,
+                             .task = &b->context->task}};
   const olx_result result = light_probes(&v, store, writer);
   olx_release(v.irradiance);
   stats->rays += v.light.rays_cast;

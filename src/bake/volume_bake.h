@@ -2,21 +2,15 @@
 #ifndef OLX_BAKE_VOLUME_BAKE_H
 #define OLX_BAKE_VOLUME_BAKE_H
 
+#include "bake/bake_context.h"
 #include "bake/volume_cells.h"
 #include "field/field_writer.h"
 #include "light/scene_light.h"
 #include "work/unit_store.h"
 
-#include <octalux/bake.h>
-
 typedef struct olx_volume_bake {
-  const olx_scene *scene;
-  const olx_bake_settings *settings;
-  const olx_vec3 *positions; // of light field probes
-  const uint8_t *flags;
-  uint32_t probe_count;
+  olx_bake_context *context;
   uint32_t seed;
-  olx_task *task;
   olx_volume_cells cells; // made first
 } olx_volume_bake;
 

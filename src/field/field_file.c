@@ -4,6 +4,8 @@
 
 #include "core/result.h"
 
+#include <octalux/limits.h>
+
 // A map of surfaces, as texels or as blocks.
 static olx_chunk_row surface_row(const olx_field_info *info, uint32_t texel_type, uint32_t texel_bytes,
                                  uint32_t block_type, uint32_t block_bytes) {
@@ -15,10 +17,10 @@ static olx_chunk_row surface_row(const olx_field_info *info, uint32_t texel_type
 // Distances of texels, or blocks in their place.
 static olx_chunk_row geometry_row(const olx_field_info *info) {
   const uint64_t stride = info->radiance_size + 2, side = info->radiance_size / OLX_BLOCK_SIDE;
-  return info->geometry_blocks ? (olx_chunk_row){OLX_FOUR_CC('G', 'E', 'O', 'M'), sizeof(olx_geometry_block),
-                                                 side * side, info->probe_count}
-                               : (olx_chunk_row){OLX_FOUR_CC('D', 'I', 'S', 'T'), 2, stride * stride,
-                                                 info->probe_count};
+  return info->geometry_blocks
+             ? (olx_chunk_row){OLX_FOUR_CC('G', 'E', 'O', 'M'), sizeof(olx_geometry_block), side * side,
+                               info->probe_count}
+             : (olx_chunk_row){OLX_FOUR_CC('D', 'I', 'S', 'T'), 2, stride * stride, info->probe_count};
 }
 
 void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHUNK_KINDS]) {
@@ -149,15 +151,18 @@ static bool is_place(olx_vec3 v) { return is_length(v.x) && is_length(v.y) && is
 
 olx_result olx_classic_info_check(const olx_field_info *info, const char *name, olx_result failure) {
   if (!info->irradiance_probe_count) return olx_fail(failure, "%s: classic maps, but no irradiance probes", name);
-  if (!is_power_of_two_in(info->classic_size, 32, 256)) {
-    return olx_fail(failure, "%s: classic size %u is not a power of two in 32..256", name, info->classic_size);
+  if (!is_power_of_two_in(info->classic_size, OLX_CLASSIC_SIZE_LEAST, OLX_CLASSIC_SIZE_MOST)) {
+    return olx_fail(failure, "%s: classic size %u is not a power of two in %d..%d", name, info->classic_size,
+                    OLX_CLASSIC_SIZE_LEAST, OLX_CLASSIC_SIZE_MOST);
   }
-  if (!is_power_of_two_in(info->classic_cube_size, 32, 1024)) {
-    return olx_fail(failure, "%s: cube maps of %u texels: not a power of two in 32..1024", name,
-                    info->classic_cube_size);
+  if (!is_power_of_two_in(info->classic_cube_size, OLX_CLASSIC_CUBE_SIZE_LEAST, OLX_CLASSIC_CUBE_SIZE_MOST)) {
+    return olx_fail(failure, "%s: cube maps of %u texels: not a power of two in %d..%d", name, info->classic_cube_size,
+                    OLX_CLASSIC_CUBE_SIZE_LEAST, OLX_CLASSIC_CUBE_SIZE_MOST);
   }
-  if (!(info->classic_sharpness >= 64.0f && info->classic_sharpness <= 65536.0f)) {
-    return olx_fail(failure, "%s: classic sharpness %g is not in 64..65536", name, (double)info->classic_sharpness);
+  if (!(info->classic_sharpness >= (float)OLX_CLASSIC_SHARPNESS_LEAST &&
+        info->classic_sharpness <= (float)OLX_CLASSIC_SHARPNESS_MOST)) {
+    return olx_fail(failure, "%s: classic sharpness %g is not in %d..%d", name, (double)info->classic_sharpness,
+                    OLX_CLASSIC_SHARPNESS_LEAST, OLX_CLASSIC_SHARPNESS_MOST);
   }
   return OLX_OK;
 }
@@ -188,8 +193,9 @@ static olx_result check_grid(const olx_grid *grid, uint32_t probe_count, const c
 }
 
 static olx_result check_sizes(const olx_field_info *info, const char *name, olx_result failure) {
-  if (!is_power_of_two_in(info->radiance_size, 8, 2048)) {
-    return olx_fail(failure, "%s: radiance size %u is not a power of two in 8..2048", name, info->radiance_size);
+  if (!is_power_of_two_in(info->radiance_size, OLX_RADIANCE_SIZE_LEAST, OLX_RADIANCE_SIZE_MOST)) {
+    return olx_fail(failure, "%s: radiance size %u is not a power of two in %d..%d", name, info->radiance_size,
+                    OLX_RADIANCE_SIZE_LEAST, OLX_RADIANCE_SIZE_MOST);
   }
   if (info->probe_count < 1) return olx_fail(failure, "%s: no light field probes", name);
   if (info->buried_count > info->probe_count || info->irradiance_buried_count > info->irradiance_probe_count) {
@@ -209,8 +215,9 @@ static olx_result check_no_irradiance_probes(const olx_field_info *info, const c
 
 static olx_result check_irradiance_probes(const olx_field_info *info, const char *name, olx_result failure) {
   if (!info->irradiance_probe_count) return check_no_irradiance_probes(info, name, failure);
-  if (!is_power_of_two_in(info->irradiance_size, 8, 256)) {
-    return olx_fail(failure, "%s: irradiance size %u is not a power of two in 8..256", name, info->irradiance_size);
+  if (!is_power_of_two_in(info->irradiance_size, OLX_IRRADIANCE_SIZE_LEAST, OLX_IRRADIANCE_SIZE_MOST)) {
+    return olx_fail(failure, "%s: irradiance size %u is not a power of two in %d..%d", name, info->irradiance_size,
+                    OLX_IRRADIANCE_SIZE_LEAST, OLX_IRRADIANCE_SIZE_MOST);
   }
   if ((uint32_t)info->irradiance_form > OLX_IRRADIANCE_SH3) {
     return olx_fail(failure, "%s: unknown form of irradiance %u", name, (uint32_t)info->irradiance_form);
@@ -257,7 +264,8 @@ olx_result olx_field_info_read(const olx_chunk_file *file, olx_field_info *info)
   // What the description holds must be what a writer makes of it: flags 0 or 1, what there is not 0.
   const olx_file_info again = olx_field_info_store(info);
   if (memcmp(&again, stored, sizeof again) == 0) return OLX_OK;
-  return olx_fail(OLX_ERROR_FORMAT, "%s: chunk INFO: a flag that is not 0 or 1, an unknown form, or an absent grid that is not 0",
+  return olx_fail(OLX_ERROR_FORMAT,
+                  "%s: chunk INFO: a flag that is not 0 or 1, an unknown form, or an absent grid that is not 0",
                   file->name);
 }
 

@@ -12,9 +12,9 @@
 #include "place/optimize.h"
 #include "place/skeleton.h"
 
+#include <octalux/limits.h>
 #include <octalux/place.h>
 
-#define MOST_PROBES 65536u
 #define OPTIMIZE_SURFELS 2048u
 #define OPTIMIZE_BYTES ((uint64_t)256 << 20) // of the fitness of all surfels for all probes
 
@@ -64,7 +64,7 @@ uint64_t olx_light_field_bytes(uint32_t count, uint32_t resolution) {
 
 // The most probes of that resolution whose field is expected to fit.
 static uint32_t affordable(double bytes, uint32_t resolution) {
-  uint32_t least = 0, most = MOST_PROBES;
+  uint32_t least = 0, most = OLX_PLACE_PROBES_MOST;
   while (least < most) {
     const uint32_t count = least + (most - least + 1) / 2;
     if ((double)olx_light_field_bytes(count, resolution) <= bytes) least = count;
@@ -93,12 +93,39 @@ static bool is_within(uint32_t value, uint32_t low, uint32_t high) { return valu
 
 static olx_result check_grid(const olx_grid *grid) {
   const uint64_t plane = (uint64_t)grid->count[0] * grid->count[1];
-  if (plane > 0 && plane <= MOST_PROBES && is_within(grid->count[2], 1, (uint32_t)(MOST_PROBES / plane)) &&
-      olx_is_position(grid->origin) && olx_is_position(olx_grid_position(grid, (uint32_t)plane * grid->count[2] - 1))) {
+  if (plane > 0 && plane <= OLX_PLACE_PROBES_MOST &&
+      is_within(grid->count[2], 1, (uint32_t)(OLX_PLACE_PROBES_MOST / plane)) && olx_is_position(grid->origin) &&
+      olx_is_position(olx_grid_position(grid, (uint32_t)plane * grid->count[2] - 1))) {
     return OLX_OK;
   }
   return olx_fail(OLX_ERROR_ARGUMENT, "place: a grid of %u x %u x %u: it must hold 1 to %u probes within 2e7 m",
-                  grid->count[0], grid->count[1], grid->count[2], MOST_PROBES);
+                  grid->count[0], grid->count[1], grid->count[2], OLX_PLACE_PROBES_MOST);
+}
+
+static olx_result check_ranges(const olx_place_settings *s) {
+  const struct {
+    uint32_t value, least, most;
+    const char *name;
+  } ranges[] = {{s->rounds, OLX_PLACE_ROUNDS_LEAST, OLX_PLACE_ROUNDS_MOST, "rounds"},
+                {s->count, 0, OLX_PLACE_PROBES_MOST, "count"},
+                {s->views, OLX_PLACE_VIEWS_LEAST, OLX_PLACE_VIEWS_MOST, "views"},
+                {s->surfels, OLX_PLACE_SURFELS_LEAST, OLX_PLACE_SURFELS_MOST, "surfels"},
+                {s->candidates, OLX_PLACE_CANDIDATES_LEAST, OLX_PLACE_CANDIDATES_MOST, "candidates"},
+                {s->voxels, OLX_PLACE_VOXELS_LEAST, OLX_PLACE_VOXELS_MOST, "voxels"},
+                {s->refinements, 0, OLX_PLACE_REFINEMENTS_MOST, "refinements"}};
+  for (size_t i = 0; i < sizeof ranges / sizeof *ranges; i++) {
+    if (is_within(ranges[i].value, ranges[i].least, ranges[i].most)) continue;
+    if (!ranges[i].least)
+      return olx_fail(OLX_ERROR_ARGUMENT, "place: %s must be at most %u", ranges[i].name, ranges[i].most);
+    return olx_fail(OLX_ERROR_ARGUMENT, "place: %s must be %u to %u", ranges[i].name, ranges[i].least, ranges[i].most);
+  }
+  return OLX_OK;
+}
+
+static olx_result check_resolution(uint32_t size) {
+  if (is_within(size, OLX_RADIANCE_SIZE_LEAST, OLX_RADIANCE_SIZE_MOST) && (size & (size - 1)) == 0) return OLX_OK;
+  return olx_fail(OLX_ERROR_ARGUMENT, "place: the resolution must be a power of two from %d to %d",
+                  OLX_RADIANCE_SIZE_LEAST, OLX_RADIANCE_SIZE_MOST);
 }
 
 static olx_result check_settings(const olx_place_settings *s) {
@@ -109,23 +136,16 @@ static olx_result check_settings(const olx_place_settings *s) {
       {(uint32_t)s->method <= OLX_PLACE_COVER, "there is no such method"},
       {(uint32_t)s->optimize <= OLX_OPTIMIZE_GIBBS, "there is no such optimizer"},
       {(uint32_t)s->reward <= OLX_REWARD_SUM, "there is no such reward"},
-      {is_within(s->rounds, 1, 10000), "rounds must be 1 to 10000"},
-      {s->count <= MOST_PROBES, "count must be at most 65536"},
       {s->coverage >= 0.0f && s->coverage <= 1.0f, "coverage must be within 0 to 1"},
       {s->budget_mb >= 0.0 && s->budget_mb < 1e12, "the budget must be a number of megabytes"},
-      {is_within(s->views, 1, 8), "views must be 1 to 8"},
-      {is_within(s->resolution, 8, 2048) && (s->resolution & (s->resolution - 1)) == 0,
-       "the resolution must be a power of two from 8 to 2048"},
       {s->min_cosine >= 0.0f && s->min_cosine < 1.0f, "min_cosine must be at least 0 and below 1"},
       {s->max_footprint > 0.0f && s->max_footprint <= 1e6f, "max_footprint must be above 0"},
-      {is_within(s->surfels, 64, 1u << 20), "surfels must be 64 to 1048576"},
-      {is_within(s->candidates, 16, 1u << 14), "candidates must be 16 to 16384"},
-      {is_within(s->voxels, 8, 512), "voxels must be 8 to 512"},
-      {s->refinements <= 64, "refinements must be at most 64"},
   };
   for (size_t i = 0; i < sizeof checks / sizeof *checks; i++) {
     if (!checks[i].good) return olx_fail(OLX_ERROR_ARGUMENT, "place: %s", checks[i].what);
   }
+  OLX_TRY(check_ranges(s));
+  OLX_TRY(check_resolution(s->resolution));
   return check_grid(&s->grid);
 }
 

@@ -171,8 +171,9 @@ static olx_result draw(drawing *d, const olx_diagram_settings *settings, const c
 olx_result olx_diagram_save(const olx_scene *scene, const olx_diagram_settings *settings, const char *path,
                             uint32_t *drawn) {
   const uint32_t width = settings->width, height = settings->height;
-  if (width < 1 || height < 1 || width > 16384 || height > 16384) {
-    return olx_fail(OLX_ERROR_ARGUMENT, "%s: %u x %u pixels: each must be 1 to 16384", path, width, height);
+  if (width < 1 || height < 1 || width > OLX_PICTURE_SIZE_MOST || height > OLX_PICTURE_SIZE_MOST) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "%s: %u x %u pixels: each must be 1 to %d", path, width, height,
+                    OLX_PICTURE_SIZE_MOST);
   }
   const olx_camera overview = three_quarter_view(scene);
   drawing d = {.scene = scene, .width = width, .height = height};

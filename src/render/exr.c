@@ -62,8 +62,8 @@ static exr_context_initializer_t initializer(exr_stream *stream) {
   exr_context_initializer_t settings = EXR_DEFAULT_CONTEXT_INITIALIZER;
   settings.error_handler_fn = on_error;
   settings.user_data = stream;
-  settings.max_image_width = OLX_IMAGE_MAX_SIZE;
-  settings.max_image_height = OLX_IMAGE_MAX_SIZE;
+  settings.max_image_width = OLX_PICTURE_SIZE_MOST;
+  settings.max_image_height = OLX_PICTURE_SIZE_MOST;
   settings.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
   return settings;
 }

@@ -34,9 +34,9 @@ bool olx_image_has(const olx_image *image, olx_layer layer) {
 
 olx_result olx_image_create(uint32_t width, uint32_t height, uint32_t layer_mask, olx_image *image) {
   *image = (olx_image){0};
-  if (width < 1 || height < 1 || width > OLX_IMAGE_MAX_SIZE || height > OLX_IMAGE_MAX_SIZE) {
+  if (width < 1 || height < 1 || width > OLX_PICTURE_SIZE_MOST || height > OLX_PICTURE_SIZE_MOST) {
     return olx_fail(OLX_ERROR_ARGUMENT, "image size %ux%u: width and height must be 1 to %d", width, height,
-                    OLX_IMAGE_MAX_SIZE);
+                    OLX_PICTURE_SIZE_MOST);
   }
   image->width = width;
   image->height = height;

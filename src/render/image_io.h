@@ -2,10 +2,8 @@
 #ifndef OLX_RENDER_IMAGE_IO_H
 #define OLX_RENDER_IMAGE_IO_H
 
+#include <octalux/limits.h>
 #include <octalux/render.h>
-
-// Largest width and height of any image.
-#define OLX_IMAGE_MAX_SIZE 16384
 
 // A channel of an EXR file. The value of pixel (x, y) is values[stride_floats * (x + width * y)].
 typedef struct olx_exr_channel {

@@ -8,9 +8,9 @@
 #include "scene/bvh.h"
 #include "scene/emitters.h"
 
-#include <string.h>
+#include <octalux/limits.h>
 
-enum { MAX_SIZE = 16384, MAX_SPP = 1 << 20, MAX_SAMPLES = 4096 };
+#include <string.h>
 
 olx_render_settings olx_render_settings_default(olx_method method) {
   return (olx_render_settings){
@@ -171,24 +171,28 @@ static void render_tile(void *user, uint32_t index) {
 }
 
 static olx_result check_settings(const olx_render_settings *s, const olx_field *field) {
-  if (s->width < 1 || s->width > MAX_SIZE || s->height < 1 || s->height > MAX_SIZE) {
-    return olx_fail(OLX_ERROR_ARGUMENT, "image size %u x %u is not within 1 to %d", s->width, s->height, MAX_SIZE);
+  if (s->width < 1 || s->width > OLX_PICTURE_SIZE_MOST || s->height < 1 || s->height > OLX_PICTURE_SIZE_MOST) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "image size %u x %u is not within 1 to %d", s->width, s->height,
+                    OLX_PICTURE_SIZE_MOST);
   }
-  if (s->spp < 1 || s->spp > MAX_SPP) {
-    return olx_fail(OLX_ERROR_ARGUMENT, "%u samples a pixel are not within 1 to %d", s->spp, MAX_SPP);
+  if (s->spp < 1 || s->spp > OLX_PICTURE_SPP_MOST) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "%u samples a pixel are not within 1 to %d", s->spp, OLX_PICTURE_SPP_MOST);
   }
   if (s->method == OLX_METHOD_PATH) return OLX_OK;
-  if (s->method != OLX_METHOD_FIELD && s->method != OLX_METHOD_CLASSIC) return olx_fail(OLX_ERROR_ARGUMENT, "there is no render method %d", s->method);
+  if (s->method != OLX_METHOD_FIELD && s->method != OLX_METHOD_CLASSIC)
+    return olx_fail(OLX_ERROR_ARGUMENT, "there is no render method %d", s->method);
   if (!field) return olx_fail(OLX_ERROR_ARGUMENT, "rendering with a field needs a field");
   if (s->method == OLX_METHOD_CLASSIC) return olx_classic_check(field);
   if (s->diffuse != OLX_DIFFUSE_SURFACE && s->diffuse != OLX_DIFFUSE_IRRADIANCE && s->diffuse != OLX_DIFFUSE_TRACED) {
     return olx_fail(OLX_ERROR_ARGUMENT, "there is no method %d for diffuse light", s->diffuse);
   }
-  if (s->diffuse_samples < 1 || s->diffuse_samples > MAX_SAMPLES) {
-    return olx_fail(OLX_ERROR_ARGUMENT, "%u diffuse rays are not within 1 to %d", s->diffuse_samples, MAX_SAMPLES);
+  if (s->diffuse_samples < 1 || s->diffuse_samples > OLX_PICTURE_LOBE_SAMPLES_MOST) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "%u diffuse rays are not within 1 to %d", s->diffuse_samples,
+                    OLX_PICTURE_LOBE_SAMPLES_MOST);
   }
-  if (s->glossy_samples < 1 || s->glossy_samples > MAX_SAMPLES) {
-    return olx_fail(OLX_ERROR_ARGUMENT, "%u glossy rays are not within 1 to %d", s->glossy_samples, MAX_SAMPLES);
+  if (s->glossy_samples < 1 || s->glossy_samples > OLX_PICTURE_LOBE_SAMPLES_MOST) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "%u glossy rays are not within 1 to %d", s->glossy_samples,
+                    OLX_PICTURE_LOBE_SAMPLES_MOST);
   }
   if (!(s->dim_lobe >= 0.0f && s->dim_lobe <= 1.0f)) {
     return olx_fail(OLX_ERROR_ARGUMENT, "a dim lobe's reflectance of %g is not within 0 to 1", (double)s->dim_lobe);

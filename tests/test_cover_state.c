@@ -1,6 +1,7 @@
 // Tests the matrix that a cover chooses from: its packed bits agree with its rows.
 #include "made_scenes.h"
 #include "place/cover_state.h"
+#include "place/space_find.h"
 #include "place_fixtures.h"
 #include "tiny_scenes.h"
 

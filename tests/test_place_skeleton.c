@@ -3,6 +3,7 @@
 #include "made_scenes.h"
 #include "place/optimize.h"
 #include "place/skeleton.h"
+#include "place/space_find.h"
 #include "place_fixtures.h"
 #include "scene/builtin_shapes.h"
 #include "scene/bvh.h"

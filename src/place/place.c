@@ -11,6 +11,7 @@
 #include "place/measure.h"
 #include "place/optimize.h"
 #include "place/skeleton.h"
+#include "place/space_find.h"
 
 #include <octalux/place.h>
 

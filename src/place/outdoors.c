@@ -10,8 +10,7 @@
 
 #include <string.h>
 
-#define INDOOR_SKY 0.25f // share of directions that leave the scene: an indoor place sees less,
-#define OUTDOOR_SKY 0.4f // an outdoor place more
+#define INDOOR_SKY 0.25f // share of directions that leave the scene, of an indoor place
 enum {
   EDGE = 4,       // voxels along a piece,
   TILES_EDGE = 8, // and where there are many tiles
@@ -164,7 +163,7 @@ static void judge_job(void *user, uint32_t index) {
   const judge *j = user;
   const olx_space *space = j->of->space;
   piece *one = &j->of->items[index];
-  one->outdoors = j->indoor && one->sky >= OUTDOOR_SKY;
+  one->outdoors = j->indoor && one->sky >= OLX_OUTDOOR_SKY;
   if (one->outdoors || one->back <= 0.5f * (1.0f - one->sky)) return;
   const olx_vec3 place = olx_voxel_centre(&space->voxels, one->voxel);
   olx_depth depth;

@@ -5,6 +5,8 @@
 
 #include "place/space_data.h"
 
+#define OLX_OUTDOOR_SKY 0.4f // share of directions that leave the scene, of an outdoor place
+
 // Whether the viewer stays where little sky is seen: each camera in the box sees little, or, in a scene without cameras, a
 // good part of the space does, in all tiles together: *pieces of it, of which *indoor are. Both are added to.
 bool olx_cameras_are_indoors(const olx_world *world);

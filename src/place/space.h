@@ -4,9 +4,6 @@
 
 #include "place/space_data.h"
 
-// Voxels around a tile that are opened with it, where there are several.
-enum { OLX_TILE_OVERLAP = 16 };
-
 // Open a tile of a world whose space is found, with `overlap` voxels around. The world has to outlive it. A tile that the viewer
 // does not reach has no starts and no places, and its distances are not filled.
 olx_result olx_space_open(olx_world *world, uint32_t tile, uint32_t overlap, uint32_t threads, olx_space *space);

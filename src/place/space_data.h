@@ -34,10 +34,15 @@ static inline bool olx_space_reaches(const olx_space *space, olx_vec3 p) {
 
 // Whether the surface at the point belongs to the tile, not to its neighbours.
 static inline bool olx_space_owns(const olx_space *space, olx_vec3 p) {
-  uint32_t voxel[3];
-  olx_world_nearest(space->world, p, voxel);
+  return olx_world_tile_of(space->world, p) == space->tile.index;
+}
+
+// Whether the place is in the tile or in one of those around it.
+static inline bool olx_space_is_near(const olx_space *space, olx_vec3 place) {
+  const olx_tile at = olx_world_tile(space->world, olx_world_tile_of(space->world, place), 0);
   for (int axis = 0; axis < 3; axis++) {
-    if (voxel[axis] < space->tile.core_from[axis] || voxel[axis] >= space->tile.core_to[axis]) return false;
+    const uint32_t own = space->tile.cell[axis];
+    if (at.cell[axis] + 1 < own || at.cell[axis] > own + 1) return false;
   }
   return true;
 }

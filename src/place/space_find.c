@@ -18,7 +18,11 @@ enum {
   CAMERA_RAYS = 48,    // along the height and width of the picture of a camera outside the box
   MAX_COMPONENTS = 64, // separate free spaces that are judged, the largest ones
   SAMPLES = 24,        // places of each, or of all the space that matters, that are judged
-  LIGHT_DRAWS = 4      // of each group of lights at such a place
+  LIGHT_DRAWS = 4,     // of each group of lights at such a place
+  CUT_OFF_SAMPLES = 8, // of a space that is cut off, of which
+  CRUMBS = 64,         // of the space that is reached: a smaller one is not judged, nor is one
+  MOST_CRUMBS = 512,   // of fewer voxels than this
+  MOST_VOXELS_ALONG = 1 << 20
 };
 
 static bool sees(const olx_scene *scene, olx_vec3 from, olx_vec3 to) {
@@ -261,10 +265,8 @@ static olx_result leave_tile(olx_world *w, uint32_t tile, bool indoors, uint32_t
 }
 
 // Without a playable box, what is behind the scenery does not matter, unless hardly anything else is left.
-static olx_result leave_outdoors(olx_world *w, uint32_t threads) {
+static olx_result leave_outdoors(olx_world *w, bool indoors, uint32_t threads) {
   const uint64_t before = w->reached_count;
-  bool indoors;
-  OLX_TRY(find_indoors(w, threads, &indoors));
   for (uint32_t i = 0; i < w->tile_total; i++) {
     OLX_TRY(olx_check_cancelled());
     OLX_TRY(leave_tile(w, i, indoors, threads));
@@ -275,15 +277,55 @@ static olx_result leave_outdoors(olx_world *w, uint32_t threads) {
   return flood(w, threads);
 }
 
-olx_result olx_world_find_space(olx_world *w, uint32_t threads) {
+typedef struct sifter {
+  bool indoors;
+  uint32_t threads;
+  uint64_t least; // voxels that are worth a judgement
+  olx_result result;
+} sifter;
+
+// Whether space that is cut off would matter if it was reached: not crumbs, nor what is inside geometry, behind the scenery or
+// outdoors, at most of a few places.
+static bool would_matter(void *user, const olx_world *w, uint64_t size) {
+  sifter *s = user;
+  olx_vec3 places[CUT_OFF_SAMPLES];
+  olx_depth depths[CUT_OFF_SAMPLES];
+  uint32_t against = 0;
+  if (size < s->least || s->result != OLX_OK) return false;
+  for (uint64_t i = 0; i < CUT_OFF_SAMPLES; i++) {
+    uint32_t voxel[3];
+    if (!olx_world_nth_reached(w, (2 * i + 1) * size / (2 * CUT_OFF_SAMPLES), voxel)) return false;
+    places[i] = olx_world_centre(w, voxel);
+  }
+  s->result = olx_measure_depth(w->scene, places, CUT_OFF_SAMPLES, s->threads, depths);
+  for (uint32_t i = 0; s->result == OLX_OK && i < CUT_OFF_SAMPLES; i++) {
+    against += olx_depth_is_behind(depths[i], w->outside) || (s->indoors && depths[i].sky_share >= OLX_OUTDOOR_SKY);
+  }
+  return 2 * against < CUT_OFF_SAMPLES;
+}
+
+static olx_result sift(olx_world *w, bool indoors, uint32_t threads) {
+  const uint64_t share = w->reached_count / CRUMBS;
+  sifter s = {.indoors = indoors, .threads = threads, .least = share};
+  if (share < CUT_OFF_SAMPLES) s.least = CUT_OFF_SAMPLES;
+  if (share > MOST_CRUMBS) s.least = MOST_CRUMBS;
+  OLX_TRY(olx_world_sift(w, would_matter, &s));
+  return s.result;
+}
+
+static olx_result flood_space(olx_world *w, uint32_t threads) {
   if (!olx_world_has_free(w)) {
     return olx_fail(OLX_ERROR_EMPTY, "nowhere to place probes: surfaces touch every voxel of %g m; try more voxels",
                     (double)w->lattice.size);
   }
   OLX_TRY(olx_find_outside(w->scene, threads, &w->outside, NULL));
   OLX_TRY(flood(w, threads));
-  if (!w->scene->probe_rules.has_playable) OLX_TRY(leave_outdoors(w, threads));
-  if (w->reached_count > 0) return OLX_OK;
+  bool indoors = false;
+  if (!w->scene->probe_rules.has_playable) {
+    OLX_TRY(find_indoors(w, threads, &indoors));
+    OLX_TRY(leave_outdoors(w, indoors, threads));
+  }
+  if (w->reached_count > 0) return sift(w, indoors, threads);
   return olx_fail(OLX_ERROR_EMPTY, "nowhere to place probes: every free place in %s is inside geometry",
                   w->scene->probe_rules.has_playable ? "the playable box" : "the scene's bounds");
 }
@@ -307,27 +349,66 @@ olx_result olx_space_box(const olx_scene *scene, olx_box *box) {
   return olx_fail(OLX_ERROR_EMPTY, "nowhere to place probes: the playable box holds no volume near the scene");
 }
 
-static olx_result find_and_open(olx_world *world, uint32_t threads, olx_space *space) {
-  OLX_TRY(olx_world_find_space(world, threads));
-  return olx_space_open(world, 0, 0, threads, space);
+static olx_result find_space(olx_world *world, uint32_t threads) {
+  const olx_result result = flood_space(world, threads);
+  if (result != OLX_OK) olx_world_free(world);
+  return result;
+}
+
+olx_result olx_world_create_small(const olx_scene *scene, uint32_t resolution, uint32_t threads, olx_world *world) {
+  olx_box box;
+  olx_voxels all = {0};
+  *world = (olx_world){0};
+  OLX_TRY(olx_space_box(scene, &box));
+  olx_voxels_fit(box, resolution, &all);
+  const olx_lattice lattice = {all.low, all.size, 1e-3f, {all.count[0], all.count[1], all.count[2]}};
+  OLX_TRY(olx_world_create(scene, box, &lattice, (const uint32_t[3]){0}, threads, world));
+  return find_space(world, threads);
+}
+
+// Voxels at multiples of their size over the box, from the corner of a brick on, whose number is `first`.
+static bool lay_lattice(olx_box box, float size, int32_t first[3], uint32_t begin[3], olx_lattice *lattice) {
+  const float low[3] = {box.min.x, box.min.y, box.min.z}, high[3] = {box.max.x, box.max.y, box.max.z};
+  *lattice = (olx_lattice){.size = size, .slack = 1e-3f};
+  for (int axis = 0; axis < 3; axis++) {
+    const double from = floor((double)low[axis] / (double)size), to = ceil((double)high[axis] / (double)size);
+    const double corner = floor(from / OLX_WORLD_SIDE) * OLX_WORLD_SIDE;
+    if (!(fabs(from) < MOST_VOXELS_ALONG && fabs(to) < MOST_VOXELS_ALONG)) return false;
+    first[axis] = (int32_t)corner;
+    begin[axis] = (uint32_t)(from - corner);
+    lattice->count[axis] = (uint32_t)(to - corner);
+  }
+  lattice->low = olx_scale(olx_v3((float)first[0], (float)first[1], (float)first[2]), size);
+  return olx_world_brick_count(lattice->count) <= OLX_WORLD_BRICKS;
+}
+
+olx_result olx_world_create_tiled(const olx_scene *scene, float size, uint32_t threads, olx_world *world) {
+  olx_box box;
+  *world = (olx_world){0};
+  OLX_TRY(olx_space_box(scene, &box));
+  for (;; size *= 2.0f) {
+    olx_lattice lattice;
+    int32_t first[3];
+    uint32_t begin[3];
+    if (!lay_lattice(box, size, first, begin, &lattice)) continue;
+    const olx_result result = olx_world_create(scene, box, &lattice, begin, threads, world);
+    if (result == OLX_ERROR_ARGUMENT) continue;
+    OLX_TRY(result);
+    olx_world_cut(world, OLX_TILE_EDGE, first);
+    return find_space(world, threads);
+  }
 }
 
 olx_result olx_space_create(const olx_scene *scene, uint32_t resolution, uint32_t threads, olx_space *space) {
   *space = (olx_space){.scene = scene};
-  olx_box box;
-  olx_voxels all = {0};
-  OLX_TRY(olx_space_box(scene, &box));
-  olx_voxels_fit(box, resolution, &all);
-  const olx_lattice lattice = {all.low, all.size, 1e-3f, {all.count[0], all.count[1], all.count[2]}};
   olx_world *world = olx_allocate(1, sizeof *world);
   if (!world) return olx_fail(OLX_ERROR_MEMORY, "place: out of memory");
-  olx_result result = olx_world_create(scene, box, &lattice, threads, world);
-  if (result == OLX_OK) result = find_and_open(world, threads, space);
-  if (result == OLX_OK) {
-    space->owns_world = true;
-    return OLX_OK;
-  }
+  olx_result result = olx_world_create_small(scene, resolution, threads, world);
+  if (result == OLX_OK) result = olx_space_open(world, 0, 0, threads, space);
+  space->owns_world = result == OLX_OK;
+  if (result == OLX_OK) return OLX_OK;
   olx_world_free(world);
   olx_release(world);
+  space->world = NULL;
   return result;
 }

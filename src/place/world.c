@@ -65,26 +65,32 @@ static void mark_voxel(void *user, const int32_t c[3]) {
   if (brick) __atomic_fetch_or(&brick->solid.z[voxel[2] % SIDE], voxel_bit(voxel), __ATOMIC_RELAXED);
 }
 
-// Whether the lattice ends inside the brick.
+// Whether the box ends inside the brick.
 static bool is_cut(const olx_world *w, const uint32_t corner[3]) {
   for (int axis = 0; axis < 3; axis++) {
-    if (corner[axis] + SIDE > w->lattice.count[axis]) return true;
+    if (corner[axis] < w->begin[axis] || corner[axis] + SIDE > w->lattice.count[axis]) return true;
   }
   return false;
 }
 
-// Voxels beyond the lattice count as solid.
+// Voxels beyond the box count as solid.
 static void close_beyond(const olx_world *w, const uint32_t corner[3], olx_world_brick *brick) {
-  const uint32_t *count = w->lattice.count;
   for (uint32_t i = 0; i < BRICK_VOXELS; i++) {
     const uint32_t voxel[3] = {corner[0] + i % SIDE, corner[1] + i / SIDE % SIDE, corner[2] + i / (SIDE * SIDE)};
-    const bool within = voxel[0] < count[0] && voxel[1] < count[1] && voxel[2] < count[2];
+    bool within = true;
+    for (int axis = 0; axis < 3; axis++) {
+      within = within && voxel[axis] >= w->begin[axis] && voxel[axis] < w->lattice.count[axis];
+    }
     if (!within) brick->solid.z[voxel[2] % SIDE] |= voxel_bit(voxel);
   }
 }
 
 static olx_result no_memory(const olx_world *w) {
   return olx_fail(OLX_ERROR_MEMORY, "place: no memory for %u bricks of voxels", w->brick_total);
+}
+
+static olx_result too_many(const olx_world *w) {
+  return olx_fail(OLX_ERROR_ARGUMENT, "place: too many voxels of %g m", (double)w->lattice.size);
 }
 
 static olx_result store_bricks(olx_world *w) {
@@ -95,6 +101,7 @@ static olx_result store_bricks(olx_world *w) {
     w->slots[i] = kept ? w->stored_count++ : OLX_OPEN_BRICK;
     w->flags[i] = 0;
   }
+  if (w->stored_count > OLX_WORLD_STORED) return too_many(w);
   w->stored_capacity = w->stored_count;
   w->stored = olx_allocate_zero(w->stored_count, sizeof *w->stored);
   if (!w->stored) return no_memory(w);
@@ -117,9 +124,9 @@ static olx_result mark_world(olx_world *w, uint32_t threads) {
   return olx_mark_cells(w->scene, &w->lattice, threads, mark_voxel, w);
 }
 
-olx_result olx_world_create(const olx_scene *scene, olx_box box, const olx_lattice *lattice, uint32_t threads,
-                            olx_world *w) {
-  *w = (olx_world){.scene = scene, .box = box, .lattice = *lattice};
+olx_result olx_world_create(const olx_scene *scene, olx_box box, const olx_lattice *lattice, const uint32_t begin[3],
+                            uint32_t threads, olx_world *w) {
+  *w = (olx_world){.scene = scene, .box = box, .lattice = *lattice, .begin = {begin[0], begin[1], begin[2]}};
   const uint64_t total = olx_world_brick_count(lattice->count);
   if (total > OLX_WORLD_BRICKS)
     return olx_fail(OLX_ERROR_ARGUMENT, "place: too many voxels of %g m", (double)lattice->size);
@@ -129,7 +136,7 @@ olx_result olx_world_create(const olx_scene *scene, olx_box box, const olx_latti
     w->bricks[axis] = (lattice->count[axis] + SIDE - 1) / SIDE;
     longest = w->bricks[axis] > longest ? w->bricks[axis] : longest;
   }
-  olx_world_cut(w, longest * SIDE, (const uint32_t[3]){0});
+  olx_world_cut(w, longest * SIDE, (const int32_t[3]){0});
   w->slots = olx_allocate(total, sizeof *w->slots);
   w->flags = olx_allocate_zero(total, 1);
   w->queue = olx_allocate(total, sizeof *w->queue);
@@ -152,12 +159,14 @@ void olx_world_free(olx_world *w) {
   w->stored = NULL;
 }
 
-void olx_world_cut(olx_world *w, uint32_t tile_edge, const uint32_t shift[3]) {
+void olx_world_cut(olx_world *w, uint32_t tile_edge, const int32_t first[3]) {
   w->tile_edge = tile_edge;
   w->tile_total = 1;
   for (int axis = 0; axis < 3; axis++) {
-    w->shift[axis] = shift[axis];
-    w->tiles[axis] = (w->lattice.count[axis] + shift[axis] + tile_edge - 1) / tile_edge;
+    const int32_t edge = (int32_t)tile_edge, within = (first[axis] % edge + edge) % edge;
+    w->shift[axis] = (uint32_t)within;
+    w->first_tile[axis] = (first[axis] - within) / edge;
+    w->tiles[axis] = (w->lattice.count[axis] + w->shift[axis] + tile_edge - 1) / tile_edge;
     w->tile_total *= w->tiles[axis];
   }
 }
@@ -174,6 +183,18 @@ olx_tile olx_world_tile(const olx_world *w, uint32_t index, uint32_t overlap) {
     tile.to[axis] = tile.core_to[axis] + overlap < count ? tile.core_to[axis] + overlap : count;
   }
   return tile;
+}
+
+float olx_world_diagonal(const olx_world *w) {
+  const float tile = sqrtf(3.0f) * (float)w->tile_edge * w->lattice.size;
+  return w->tile_total > 1 ? tile : olx_length(olx_sub(w->scene->bounds_max, w->scene->bounds_min));
+}
+
+uint32_t olx_world_tile_of(const olx_world *w, olx_vec3 p) {
+  uint32_t c[3];
+  olx_world_nearest(w, p, c);
+  for (int axis = 0; axis < 3; axis++) c[axis] = (c[axis] + w->shift[axis]) / w->tile_edge;
+  return c[0] + w->tiles[0] * (c[1] + w->tiles[1] * c[2]);
 }
 
 bool olx_world_at(const olx_world *w, olx_vec3 p, uint32_t voxel[3]) {
@@ -402,6 +423,62 @@ olx_result olx_world_leave_out(olx_world *w, const uint32_t voxel[3], const olx_
   if (w->slots[index] == OLX_OPEN_BRICK) OLX_TRY(store_brick(w, index));
   for (int z = 0; z < SIDE; z++) stored_brick(w, index)->out.z[z] |= bits->z[z];
   return OLX_OK;
+}
+
+// What is reached, to restore it.
+typedef struct reached_copy {
+  olx_world_bits *stored;
+  uint8_t *flags;
+} reached_copy;
+
+// Everything that is reached is seen instead.
+static void set_aside(olx_world *w, reached_copy *copy) {
+  memcpy(copy->flags, w->flags, w->brick_total);
+  for (uint32_t i = 0; i < w->brick_total; i++) {
+    if (w->flags[i] & OPEN_REACHED) w->flags[i] = (uint8_t)((w->flags[i] & ~OPEN_REACHED) | OPEN_SEEN);
+  }
+  for (uint32_t i = 0; i < w->stored_count; i++) {
+    copy->stored[i] = w->stored[i].seen = w->stored[i].reached;
+    w->stored[i].reached = (olx_world_bits){{0}};
+  }
+}
+
+static void restore(olx_world *w, const reached_copy *copy) {
+  for (uint32_t i = 0; i < w->brick_total; i++) {
+    w->flags[i] = (uint8_t)((w->flags[i] & OPEN_OUT) | (copy->flags[i] & OPEN_REACHED));
+  }
+  for (uint32_t i = 0; i < w->stored_count; i++) {
+    w->stored[i].reached = copy->stored[i];
+    w->stored[i].seen = (olx_world_bits){{0}};
+  }
+  w->touched_count = 0;
+}
+
+static void leave_flooded_out(olx_world *w) {
+  for (uint32_t i = 0; i < w->touched_count; i++) {
+    olx_world_brick *brick = stored_brick(w, w->touched[i]);
+    uint8_t *flags = &w->flags[w->touched[i]];
+    for (int z = 0; brick && z < SIDE; z++) {
+      brick->out.z[z] |= brick->reached.z[z];
+      brick->reached.z[z] = 0;
+    }
+    if (!brick) *flags = (uint8_t)((*flags & ~OPEN_REACHED) | OPEN_OUT);
+  }
+}
+
+olx_result olx_world_sift(olx_world *w, olx_world_keeps keeps, void *user) {
+  reached_copy copy = {olx_allocate(w->stored_count, sizeof *copy.stored), olx_allocate(w->brick_total, 1)};
+  uint32_t brick = 0, voxel[3];
+  olx_result result = copy.stored && copy.flags ? OLX_OK : no_memory(w);
+  if (result == OLX_OK) set_aside(w, &copy);
+  while (result == OLX_OK && olx_world_next_free(w, &brick, voxel)) {
+    if (keeps(user, w, olx_world_flood(w, voxel))) olx_world_put_aside(w);
+    else leave_flooded_out(w);
+  }
+  if (result == OLX_OK) restore(w, &copy);
+  olx_release(copy.stored);
+  olx_release(copy.flags);
+  return result;
 }
 
 void olx_world_take_back(olx_world *w) {

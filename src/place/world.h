@@ -21,6 +21,7 @@ typedef struct olx_world {
   const olx_scene *scene;
   olx_box box;         // that matters: voxels cover it, the last of them only in part
   olx_lattice lattice; // of voxels
+  uint32_t begin[3];   // those before it along each axis are beyond the box, and solid
   uint32_t bricks[3], brick_total;
   uint32_t *slots;         // a brick: its index in `stored`, or OLX_OPEN_BRICK
   uint8_t *flags;          // a brick: what its voxels have in common, where it is open
@@ -32,6 +33,7 @@ typedef struct olx_world {
   int32_t outside;        // for olx_depth_is_inside
   // Tiles are cubes of tile_edge voxels, the first of which begin `shift` voxels before the lattice does.
   uint32_t tile_edge, shift[3], tiles[3], tile_total;
+  int32_t first_tile[3]; // of all tiles of space, the number of the first one here along each axis
 } olx_world;
 
 // Voxels [from, to) of a tile, and of what lies around it.
@@ -42,11 +44,17 @@ typedef struct olx_tile {
 
 // The tile with so many voxels around it, as far as there are any.
 olx_tile olx_world_tile(const olx_world *world, uint32_t index, uint32_t overlap);
-// Cut the world into tiles of a multiple of OLX_WORLD_SIDE voxels, `shift` likewise. A new world is one tile.
-void olx_world_cut(olx_world *world, uint32_t tile_edge, const uint32_t shift[3]);
+// Diagonal of what belongs together, in metres: of the scene's bounds, or of a tile where there are many.
+float olx_world_diagonal(const olx_world *world);
+// The tile that holds the point, or the nearest to it.
+uint32_t olx_world_tile_of(const olx_world *world, olx_vec3 p);
+// Cut the world into tiles of `tile_edge` voxels, whose first voxel has the number `first` of all voxels of space; both are multiples
+// of OLX_WORLD_SIDE. A new world is one tile.
+void olx_world_cut(olx_world *world, uint32_t tile_edge, const int32_t first[3]);
 
 #define OLX_OPEN_BRICK UINT32_MAX
-#define OLX_WORLD_BRICKS (1u << 23) // at most
+#define OLX_WORLD_BRICKS (1u << 23) // at most,
+#define OLX_WORLD_STORED (1u << 21) // of which so many may be stored before any is left out in part
 
 typedef enum olx_voxel_state {
   OLX_VOXEL_NONE, // beyond the voxels
@@ -56,9 +64,10 @@ typedef enum olx_voxel_state {
   OLX_VOXEL_REACHED
 } olx_voxel_state;
 
-// The voxels of the lattice; those that a surface touches are solid. More than OLX_WORLD_BRICKS bricks are refused.
-olx_result olx_world_create(const olx_scene *scene, olx_box box, const olx_lattice *lattice, uint32_t threads,
-                            olx_world *world);
+// The voxels of the lattice, from `begin` on; those that a surface touches are solid. OLX_ERROR_ARGUMENT when there would be
+// more bricks than OLX_WORLD_BRICKS and OLX_WORLD_STORED allow.
+olx_result olx_world_create(const olx_scene *scene, olx_box box, const olx_lattice *lattice, const uint32_t begin[3],
+                            uint32_t threads, olx_world *world);
 void olx_world_free(olx_world *world);
 
 // Number of bricks over so many voxels.
@@ -88,6 +97,10 @@ bool olx_world_has_free(const olx_world *world);
 
 // Leave voxels out of later floods: bit by bit those of the brick that holds the voxel.
 olx_result olx_world_leave_out(olx_world *world, const uint32_t voxel[3], const olx_world_bits *bits);
+// Leave out the connected free spaces that are not reached, but those that `keeps` returns true for. It is called for each as if
+// it alone was reached, with its number of voxels.
+typedef bool (*olx_world_keeps)(void *user, const olx_world *world, uint64_t size);
+olx_result olx_world_sift(olx_world *world, olx_world_keeps keeps, void *user);
 // Leave nothing out.
 void olx_world_take_back(olx_world *world);
 

@@ -11,4 +11,4 @@ grep -q '^  unreached  .* m2  of surface.*no opening of 0.5 m' stdout.txt || fai
 # One room of sixteen: its floor, ceiling and walls, and both sides of what stands in it.
 python3 -c 'import json; report = json.load(open("probes.json"))["report"]; print(json.dumps(report))' |
   holds '250 < unreached_m2 < 350 and coverage >= 0.997' || fail "the report does not fit the sealed room"
-[ "$failures" = 0 ]
+finish

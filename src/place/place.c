@@ -298,9 +298,7 @@ static olx_result find_space(const olx_scene *scene, const olx_place_settings *s
   if (s->voxels) return olx_world_create_small(scene, s->voxels, s->threads, world);
   if (along > (float)SMALL_VOXELS && tiled) return olx_world_create_tiled(scene, size, s->threads, world);
   uint32_t resolution = SMALL_VOXELS;
-  if (s->voxel_size > 0.0f || along > (float)SMALL_VOXELS) {
-    resolution = (uint32_t)olx_clamp(ceilf(along), 1.0f, (float)MOST_VOXELS);
-  }
+  if (s->voxel_size > 0.0f) resolution = (uint32_t)olx_clamp(ceilf(along), 1.0f, (float)MOST_VOXELS);
   return olx_world_create_small(scene, resolution, s->threads, world);
 }
 

@@ -9,7 +9,11 @@
 
 #include <string.h>
 
-enum { THIN_SEED = 0x7417 };
+enum {
+  THIN_SEED = 0x7417,
+  MOST_RAYS = 1 << 24, // of all tiles, about
+  SEEN_BY = 4          // probes that are noted for a surfel at most, beside those that have to see it
+};
 #define DENSER 4.0     // rays, over the surfels that placement uses
 #define LEAST_LOSS 0.1 // of what may stay uncovered, that thinning out may add
 
@@ -46,25 +50,37 @@ static olx_result make_room(thinner *t, size_t more) {
   return OLX_OK;
 }
 
-static olx_result note_row(thinner *t, uint32_t probe, const uint8_t *row, uint32_t count) {
+// What a probe sees; noted[i] counts the probes for surfel i. What many see is hardly ever lost, so that some of them are enough.
+static olx_result note_row(thinner *t, uint32_t probe, const uint8_t *row, uint32_t count, uint8_t *noted) {
+  const uint32_t most = t->tiling->settings->views + SEEN_BY - 1;
   OLX_TRY(make_room(t, count));
   for (uint32_t i = 0; i < count; i++) {
-    if (row[i]) t->seen[t->seen_count++] = (sighting){probe, t->surfel_count + i};
+    if (!row[i] || noted[i] >= most) continue;
+    noted[i]++;
+    t->seen[t->seen_count++] = (sighting){probe, t->surfel_count + i};
   }
   return OLX_OK;
 }
 
 static olx_result look_in(thinner *t, const olx_space *space, const olx_surfels *surfels) {
-  uint8_t *row = olx_allocate(surfels->count, 1);
-  olx_result result = row ? OLX_OK : no_memory();
+  uint8_t *row = olx_allocate(surfels->count, 1), *noted = olx_allocate_zero(surfels->count, 1);
+  olx_result result = row && noted ? OLX_OK : no_memory();
   for (uint32_t i = 0; result == OLX_OK && i < t->probe_count; i++) {
     if (!olx_space_is_near(space, t->probes[i].place)) continue;
     olx_sight_row(space, t->tiling->sight, t->probes[i].place, surfels, row);
-    result = note_row(t, i, row, surfels->count);
+    result = note_row(t, i, row, surfels->count, noted);
   }
   t->surfel_count += surfels->count;
   olx_release(row);
+  olx_release(noted);
   return result;
+}
+
+// Rays for each voxel of a tile's space.
+static double ray_density(const olx_tiling *tiling) {
+  const double wanted = DENSER * (double)tiling->settings->surfels / OLX_SETTINGS_VOXELS;
+  const double affordable = MOST_RAYS / (double)tiling->world->reached_count;
+  return wanted < affordable ? wanted : affordable;
 }
 
 static olx_result look_at_tile(thinner *t, uint32_t tile) {
@@ -72,7 +88,7 @@ static olx_result look_at_tile(thinner *t, uint32_t tile) {
   olx_space space;
   olx_surfels surfels = {0};
   OLX_TRY(olx_space_open(t->tiling->world, tile, OLX_TILE_OVERLAP, s->threads, &space));
-  const uint32_t rays = (uint32_t)(DENSER * (double)s->surfels * (double)space.start_count / OLX_SETTINGS_VOXELS);
+  const uint32_t rays = (uint32_t)(ray_density(t->tiling) * (double)space.start_count);
   const uint32_t seed = olx_hash3(s->seed, THIN_SEED, tile);
   olx_result result = OLX_OK;
   if (rays > 0) {

@@ -16,7 +16,7 @@
 typedef struct place_options {
   uint32_t method, count, views, resolution, surfels, candidates, voxels, refinements, seed, threads, grid[3];
   uint32_t optimize, reward, rounds;
-  float coverage, budget_mb, min_cosine, max_footprint;
+  float coverage, budget_mb, min_cosine, max_footprint, voxel_size;
 } place_options;
 
 static olx_result resolve_place_options(const olx_scene *scene, const place_options *given, olx_place_settings *s) {
@@ -38,6 +38,7 @@ static olx_result resolve_place_options(const olx_scene *scene, const place_opti
   if (given->surfels) s->surfels = given->surfels;
   if (given->candidates) s->candidates = given->candidates;
   if (given->voxels) s->voxels = given->voxels;
+  s->voxel_size = given->voxel_size;
   if (given->refinements != UINT32_MAX) s->refinements = given->refinements;
   return given->grid[0] ? olx_scene_probe_grid(scene, given->grid, &s->grid) : OLX_OK;
 }
@@ -55,11 +56,14 @@ static int print_place_json(const olx_probe_set *set) {
   add_number(object, "restricted", report->restricted);
   add_number(object, "missed", report->missed);
   add_number(object, "unreachable", report->unreachable);
+  add_number(object, "reached_m2", report->reached_m2);
+  add_number(object, "unreached_m2", report->unreached_m2);
   add_number(object, "buried", report->buried);
   add_number(object, "rejected", report->rejected);
   add_number(object, "surfels", (double)report->surfels);
   add_number(object, "candidates", report->candidates);
   add_number(object, "space_voxels", (double)report->space_voxels);
+  add_number(object, "tiles", report->tiles);
   add_float(object, "voxel_metres", report->voxel_metres);
   add_number(object, "field_bytes", (double)olx_light_field_bytes(set->count, set->settings.resolution));
   add_number(object, "seconds", report->seconds);
@@ -87,6 +91,17 @@ static void print_share(const char *what, double share, const char *why) {
   if (share > 0.0) printf("  %-10s %.3f %%  %s\n", what, 100.0 * share, why);
 }
 
+#define LEAST_UNREACHED 1e-3 // as a share of what is reached
+
+// Voxels that a surface touches close openings narrower than two of them.
+static void print_unreached(const olx_place_report *report) {
+  if (report->unreached_m2 < LEAST_UNREACHED * report->reached_m2) return; // crumbs
+  printf("  unreached  %.1f m2  of surface, beside %.1f m2 that playable space sees: no opening of %g m, two voxels, "
+         "leads there\n"
+         "             from a camera. What matters of it wants a camera, a pinned probe, or a smaller --voxel-size\n",
+         report->unreached_m2, report->reached_m2, 2.0 * (double)report->voxel_metres);
+}
+
 static void print_place(const char *path, const olx_probe_set *set) {
   const olx_place_report *report = &set->report;
   printf("%s: %u probes by %s, a field of about %s at %u texels a side\n", path, set->count,
@@ -98,7 +113,8 @@ static void print_place(const char *path, const olx_probe_set *set) {
   print_share("grazing", report->grazing,
               "seen at grazing angles, or with too large a texel, from wherever a probe may be");
   print_share("restricted", report->restricted, "seen only from where no probe may stand");
-  print_share("unreached", report->unreachable, "of all surface: not seen from playable space");
+  print_unreached(report);
+  print_share("unseen", report->unreachable, "of all surface: no side of it is seen from playable space");
   if (report->buried) printf("  buried     %u probes are inside geometry\n", report->buried);
   if (report->rejected) printf("  rejected   %u points of the grid, by the description\n", report->rejected);
   if (set->settings.optimize != OLX_OPTIMIZE_NONE) {
@@ -167,7 +183,9 @@ int command_place(int argc, char **argv) {
       {"--max-footprint", OPTION_REAL, &given.max_footprint, "SHARE",
        "larger texels on a surface do not count, in diagonals of the scene; default 0.05", 0, 0},
       {"--min-cosine", OPTION_REAL, &given.min_cosine, "C", "flatter views do not count; default 0.02", 0, 0},
-      {"--voxels", OPTION_COUNT, &given.voxels, "N", "along the longest side of space; default 160",
+      {"--voxel-size", OPTION_REAL, &given.voxel_size, "METRES",
+       "of space longer than 160 of them, in tiles; default 0.25", 0, 0},
+      {"--voxels", OPTION_COUNT, &given.voxels, "N", "along the longest side of space, in one tile",
        OLX_PLACE_VOXELS_LEAST, OLX_PLACE_VOXELS_MOST},
       {"--seed", OPTION_COUNT, &given.seed, "N", "of all random choices; default 0", 0, UINT32_MAX},
       GROUP_ROW("Models"),

@@ -34,8 +34,8 @@ static olx_vec3 probe_color(const olx_placed_probe *probe) {
 }
 
 static olx_diagram_mark small_mark(const olx_place_mark *mark, float largest) {
-  const olx_vec3 red = {0.95f, 0.03f, 0.02f}, orange = {1.0f, 0.32f, 0.01f};
-  const olx_vec3 surface = mark->kind == OLX_MARK_MISSED ? red : orange;
+  const olx_vec3 red = {0.95f, 0.03f, 0.02f}, orange = {1.0f, 0.32f, 0.01f}, yellow = {0.95f, 0.85f, 0.03f};
+  const olx_vec3 surface = mark->kind == OLX_MARK_MISSED ? red : mark->kind == OLX_MARK_HOPELESS ? orange : yellow;
   const bool skeleton = mark->kind == OLX_MARK_SKELETON;
   return (olx_diagram_mark){.position = mark->position,
                             .color = skeleton ? skeleton_color(mark->radius, largest) : surface,

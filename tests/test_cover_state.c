@@ -1,6 +1,7 @@
 // Tests the matrix that a cover chooses from: its packed bits agree with its rows.
 #include "made_scenes.h"
 #include "place/cover_state.h"
+#include "place/space_find.h"
 #include "place_fixtures.h"
 #include "tiny_scenes.h"
 
@@ -31,7 +32,8 @@ static void bits_weigh_as_rows_do(void **state) {
   (void)state;
   olx_scene *scene = made_finish(start_divided_room());
   const olx_place_settings settings = quick_settings(scene, OLX_PLACE_COVER);
-  const olx_sight sight = olx_sight_create(scene, settings.min_cosine, settings.max_footprint, settings.resolution);
+  const olx_sight sight = olx_sight_create(olx_length(olx_sub(scene->bounds_max, scene->bounds_min)),
+                                           settings.min_cosine, settings.max_footprint, settings.resolution);
   olx_space space;
   ASSERT_OK(olx_space_create(scene, settings.voxels, 1, &space));
   olx_surfels atlas, sample;

@@ -3,6 +3,7 @@
 #include "core/sampling.h"
 #include "made_scenes.h"
 #include "place/measure.h"
+#include "place/space_find.h"
 #include "place/surfels.h"
 #include "place_fixtures.h"
 #include "scene/builtin_shapes.h"
@@ -64,8 +65,9 @@ static void distance_transform_is_exact(void **state) {
 static void voxels_are_conservative_and_tight(void **state) {
   (void)state;
   olx_scene *scene = load("builtin:pillars");
-  olx_voxels voxels;
-  ASSERT_OK(olx_voxels_create(scene, (olx_box){scene->bounds_min, scene->bounds_max}, 31, 2, &voxels));
+  olx_space space;
+  ASSERT_OK(olx_space_create(scene, 31, 2, &space));
+  const olx_voxels voxels = space.voxels;
   for (uint32_t t = 0; t < scene->triangle_count; t++) {
     const uint32_t *i = scene->indices + 3 * (size_t)t;
     for (uint32_t k = 0; k < 200; k++) {
@@ -83,7 +85,7 @@ static void voxels_are_conservative_and_tight(void **state) {
     assert_true(olx_bvh_distance(scene->bvh, olx_voxel_centre(&voxels, i), INFINITY) <= half_diagonal * 1.01f);
   }
   assert_true(solid > 0 && solid < voxels.total / 2);
-  olx_voxels_free(&voxels);
+  olx_space_free(&space);
   olx_scene_free(scene);
 }
 

@@ -3,6 +3,7 @@
 #include "made_scenes.h"
 #include "place/optimize.h"
 #include "place/skeleton.h"
+#include "place/space_find.h"
 #include "place_fixtures.h"
 #include "scene/builtin_shapes.h"
 #include "scene/bvh.h"
@@ -65,7 +66,8 @@ static void medial_balls_touch_two_surfaces(void **state) {
     olx_medial_ball *balls;
     uint32_t count;
     ASSERT_OK(olx_space_create(scene, 40, 1, &space));
-    const olx_sight sight = olx_sight_create(scene, 0.02f, 0.05f, 512);
+    const olx_sight sight =
+        olx_sight_create(olx_length(olx_sub(scene->bounds_max, scene->bounds_min)), 0.02f, 0.05f, 512);
     ASSERT_OK(olx_surfels_create(&space, &sight, OLX_SPREAD_AREA, 2000, 3, 1, &surfels));
     ASSERT_OK(olx_medial_balls(&space, &surfels, 1, &balls, &count));
     assert_true(count > surfels.count / 4);
@@ -192,7 +194,8 @@ typedef struct arena {
 static arena start_arena(olx_scene *scene) {
   arena a = {.scene = scene};
   ASSERT_OK(olx_space_create(scene, 36, 1, &a.space));
-  const olx_sight sight = olx_sight_create(scene, 0.02f, 0.05f, 512);
+  const olx_sight sight =
+      olx_sight_create(olx_length(olx_sub(scene->bounds_max, scene->bounds_min)), 0.02f, 0.05f, 512);
   ASSERT_OK(olx_surfels_create(&a.space, &sight, OLX_SPREAD_RAYS, 1000, 11, 1, &a.surfels));
   ASSERT_OK(olx_surfels_ask(&a.space, &sight, NULL, 0, 11, 1, &a.surfels));
   return a;

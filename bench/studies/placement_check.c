@@ -1,8 +1,8 @@
 // Checks whether placed probes are where they should be, without anything that placement itself uses.
 //
-//   placement-check SCENE RAYS PROBES.json...
+//   placement-check [--ball METRES] SCENE RAYS PROBES.json...
 //
-// A ball of radius 1/800 of the scene's diagonal is moved over a lattice in the box of playable space (without one, the
+// A ball of that radius, else of 1/800 of the scene's diagonal, is moved over a lattice in the box of playable space (without one, the
 // scene's bounds), from the cameras, or from what a camera outside the box sees of its inside, wherever it touches no surface: by
 // exact distances to triangles, no voxels. Steps are at most its diameter, so it cannot jump over anything. Printed as one
 // JSON object a file of probes, each on a line:
@@ -74,13 +74,13 @@ static bool box_holds(const olx_box *box, olx_vec3 p, float slack) {
 static uint32_t pick(uint32_t key, uint32_t count) { return (uint32_t)(((uint64_t)olx_hash(key) * count) >> 32); }
 
 // Within the box.
-static void start_lattice(const olx_scene *scene, const olx_box *box, lattice *l) {
+static void start_lattice(const olx_scene *scene, const olx_box *box, float ball, lattice *l) {
   const olx_vec3 extent = olx_sub(box->max, box->min);
   const float along[3] = {extent.x, extent.y, extent.z};
   size_t total = 1;
   l->scene = scene;
   l->diagonal = olx_length(olx_sub(scene->bounds_max, scene->bounds_min));
-  l->step = l->diagonal / NODES_ALONG_DIAGONAL;
+  l->step = ball > 0.0f ? 2.0f * ball : l->diagonal / NODES_ALONG_DIAGONAL;
   l->clearance = 0.5f * l->step;
   l->low = olx_add(box->min, olx_splat(0.25f * l->step));
   for (int i = 0; i < 3; i++) total *= l->count[i] = (uint32_t)(olx_max(along[i] / l->step - 0.25f, 0.0f)) + 1;
@@ -212,9 +212,26 @@ static bool sees_well(const olx_scene *scene, olx_vec3 place, olx_vec3 point, ol
 typedef struct coverage_job {
   const olx_scene *scene;
   const olx_probe_set *set;
+  const olx_vec3 *sorted; // the probes' places, by x
   spots from;
   uint8_t *outcome; // a ray: 0 none, 1 covered, 2 could be, 3 could not
 } coverage_job;
+
+// Probes are sorted by x. Those around the point come first, on either side in turn.
+static bool is_covered(const coverage_job *job, olx_vec3 point, olx_vec3 normal) {
+  const olx_vec3 *places = job->sorted;
+  uint32_t below = 0, above = job->set->count;
+  while (below < above) {
+    const uint32_t middle = (below + above) / 2;
+    if (places[middle].x < point.x) below = middle + 1;
+    else above = middle;
+  }
+  while (below > 0 || above < job->set->count) {
+    if (below > 0 && sees_well(job->scene, places[--below], point, normal)) return true;
+    if (above < job->set->count && sees_well(job->scene, places[above++], point, normal)) return true;
+  }
+  return false;
+}
 
 static void cover_job(void *user, uint32_t index) {
   const coverage_job *job = user;
@@ -229,8 +246,7 @@ static void cover_job(void *user, uint32_t index) {
   const olx_vec3 point =
       olx_madd(olx_madd(start, ray.direction, hit.t), normal, olx_surface_epsilon(scene, hit.triangle));
   job->outcome[index] = 3;
-  for (uint32_t i = 0; i < job->set->count; i++) {
-    if (!sees_well(scene, job->set->probes[i].position, point, normal)) continue;
+  if (is_covered(job, point, normal)) {
     job->outcome[index] = 1;
     return;
   }
@@ -241,33 +257,64 @@ static void cover_job(void *user, uint32_t index) {
   }
 }
 
+static int compare_x(const void *a, const void *b) {
+  const float x = ((const olx_vec3 *)a)->x, y = ((const olx_vec3 *)b)->x;
+  return (x > y) - (x < y);
+}
+
+static olx_vec3 *sort_places(const olx_probe_set *set) {
+  olx_vec3 *places = take(set->count, sizeof *places);
+  for (uint32_t i = 0; i < set->count; i++) places[i] = set->probes[i].position;
+  qsort(places, set->count, sizeof *places, compare_x);
+  return places;
+}
+
 static void check_coverage(const lattice *l, const olx_box *box, const olx_probe_set *set, uint32_t rays) {
-  coverage_job job = {.scene = l->scene, .set = set, .from = list_places(l, box), .outcome = take(rays, 1)};
+  olx_vec3 *sorted = sort_places(set);
+  coverage_job job = {
+      .scene = l->scene, .set = set, .sorted = sorted, .from = list_places(l, box), .outcome = take(rays, 1)};
   uint32_t counts[4] = {0};
   if (job.from.count > 0) must(olx_parallel_for(rays, 0, cover_job, &job, NULL, 0));
   for (uint32_t i = 0; i < rays; i++) counts[job.outcome[i]]++;
   const double all = counts[1] + counts[2] + counts[3];
   printf(", \"places\": %u, \"rays\": %.0f, \"covered\": %.6f, \"coverable\": %.6f", job.from.count, all,
          all > 0.0 ? counts[1] / all : 0.0, all > 0.0 ? 1.0 - counts[3] / all : 0.0);
+  olx_release(sorted);
   olx_release(job.from.places);
   olx_release(job.outcome);
+}
+
+typedef struct probe_look {
+  double back, sky;
+} probe_look;
+
+typedef struct look_job {
+  const olx_scene *scene;
+  const olx_probe_set *set;
+  probe_look *looks;
+} look_job;
+
+static void look_from_probe(void *user, uint32_t index) {
+  const look_job *job = user;
+  look_around(job->scene, job->set->probes[index].position, &job->looks[index].back, &job->looks[index].sky);
 }
 
 static void check_probes(const lattice *l, const olx_box *box, const olx_probe_set *set) {
   uint32_t reached = 0, outside = 0;
   double worst_back = 0.0, worst_sky = 0.0;
   float nearest = INFINITY, closest = INFINITY;
+  look_job job = {l->scene, set, take(set->count, sizeof *job.looks)};
+  must(olx_parallel_for(set->count, 0, look_from_probe, &job, NULL, 0));
   for (uint32_t i = 0; i < set->count; i++) {
     const olx_vec3 p = set->probes[i].position;
-    double back, sky;
-    look_around(l->scene, p, &back, &sky);
-    worst_back = back > worst_back ? back : worst_back;
-    worst_sky = sky > worst_sky ? sky : worst_sky;
+    worst_back = job.looks[i].back > worst_back ? job.looks[i].back : worst_back;
+    worst_sky = job.looks[i].sky > worst_sky ? job.looks[i].sky : worst_sky;
     reached += is_reached(l, p);
     outside += !box_holds(box, p, 1e-5f * l->diagonal);
     nearest = olx_min(nearest, olx_bvh_distance(l->scene->bvh, p, nearest));
     for (uint32_t k = 0; k < i; k++) closest = olx_min(closest, olx_length(olx_sub(p, set->probes[k].position)));
   }
+  olx_release(job.looks);
   printf("\"probes\": %u, \"reached\": %.6f, \"nearest\": %.6f, \"closest\": %.6f, \"back\": %.4f, \"sky\": %.4f, "
          "\"outside\": %u",
          set->count, (double)reached / set->count, (double)(nearest / l->diagonal),
@@ -297,20 +344,29 @@ static void check_file(const lattice *l, const olx_box *box, const char *path, u
   olx_probe_set_free(&set);
 }
 
-int study_placement_check(int argc, char **argv) {
-  const int rays = atoi(argv[2]);
-  if (rays < 1) return usage_error(NAME, "'%s' is not a number of rays", argv[2]);
+static int check(const char *name, int rays, float ball, int count, char **paths) {
   olx_scene *scene = NULL;
-  must(olx_scene_load(argv[1], &scene));
+  must(olx_scene_load(name, &scene));
   const olx_box bounds = {scene->bounds_min, scene->bounds_max};
   const olx_box *box = scene->probe_rules.has_playable ? &scene->probe_rules.playable : &bounds;
   lattice l = {0};
-  start_lattice(scene, box, &l);
-  explore(&l, box, argv[3]);
-  for (int i = 3; i < argc; i++) check_file(&l, box, argv[i], (uint32_t)rays);
+  start_lattice(scene, box, ball, &l);
+  explore(&l, box, paths[0]);
+  for (int i = 0; i < count; i++) check_file(&l, box, paths[i], (uint32_t)rays);
   olx_release(l.state);
   olx_release(l.front);
   olx_release(l.next);
   olx_scene_free(scene);
   return 0;
+}
+
+int study_placement_check(int argc, char **argv) {
+  const bool sized = strcmp(argv[1], "--ball") == 0;
+  if (sized && argc < 6) return usage_error(NAME, "--ball METRES is followed by SCENE RAYS PROBES.json...");
+  const float ball = sized ? strtof(argv[2], NULL) : 0.0f;
+  char **given = argv + (sized ? 3 : 1);
+  const int rays = atoi(given[1]);
+  if (sized && !(ball > 0.0f)) return usage_error(NAME, "'%s' is not a radius in metres", argv[2]);
+  if (rays < 1) return usage_error(NAME, "'%s' is not a number of rays", given[1]);
+  return check(given[0], rays, ball, argc - (sized ? 5 : 3), given + 2);
 }

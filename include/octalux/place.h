@@ -94,14 +94,22 @@ typedef struct olx_place_settings {
   float min_cosine;    // below this cosine between surface normal and line of sight a surfel is seen at grazing angle;
                        // within [0, 1); default 0.02
   float max_footprint; // largest side, on the surface, of a texel that covers it, as a share of the diagonal of the
-                       // scene's bounds; above 0; default 0.05
+                       // scene's bounds, or of a tile where there are several; above 0; default 0.05
   olx_place_optimizer optimize; // default OLX_OPTIMIZE_NONE
   olx_place_reward reward;      // default OLX_REWARD_BEST
   uint32_t rounds;              // at most, of the optimizer, 1 to 10,000; default 50; it ends when all is covered
-  uint32_t surfels;     // that positions are chosen by, 64 to 1,048,576, fewer where they would take more than 256 MB;
-                        // default 14,000
-  uint32_t candidates;  // 16 to 16,384; default 2,000
-  uint32_t voxels;      // along the longest side of space, 8 to 512, at most 2^23 together; default 160
+  uint32_t surfels;    // that positions are chosen by, 64 to 1,048,576, fewer where they would take more than 256 MB;
+                       // default 14,000; in tiles, where there are 2^20 voxels of space
+  uint32_t candidates; // 16 to 16,384; default 2,000; in tiles likewise
+  // Edge of a voxel in metres, within [0, 1e6]; 0 (the default): 0.25, so that a door of one metre is open wherever its
+  // frame lies. Space that is longer than 160 of them is covered in tiles of 128^3 voxels by OLX_PLACE_COVER, and
+  // measured in them for OLX_PLACE_GRID, both without an optimizer; the size is doubled until the voxels are few enough
+  // for memory (report.voxel_metres). Else space is one tile, which has 160 voxels along its longest side when this is
+  // 0, and otherwise as many as it takes, 512 at most.
+  float voxel_size;
+  // Along the longest side of space, which is one tile; 8 to 512, at most 2^23 together; 0 (the default): as voxel_size
+  // has it.
+  uint32_t voxels;
   uint32_t refinements; // rounds in which probes may move or be swapped, 0 to 64; default 8
   uint32_t seed;
   uint32_t threads; // 0: as many as the machine has; the result does not depend on it
@@ -130,14 +138,18 @@ typedef struct olx_place_report {
                            // overrides, or within a voxel of surfaces
   double missed;           // not covered, but could be: more probes, or a higher coverage, would do it
   double unreachable;      // of all surface, by area: no side of it is seen from the space that matters
-  uint32_t buried;         // probes inside geometry, which no lookup uses
-  uint32_t rejected;       // OLX_PLACE_GRID: grid points left out because of the description's overrides
-  uint32_t candidates;     // positions that were considered
-  double coverage_before;  // what the optimizer found; by OLX_REWARD_BEST it does not give up what only one probe sees
-  double reward_before;    // and the reward it found, and
-  double reward_after;     // what it left: never less; a mean over surfels, by settings.reward
-  uint32_t rounds;         // of the optimizer
-  uint64_t space_voxels;   // of the space that matters
+  double reached_m2;       // square metres of sides of surfaces that are seen from the space that matters,
+  double
+      unreached_m2; // and of those that are not and face free space that no opening of two voxels or more connects with it
+  uint32_t buried;        // probes inside geometry, which no lookup uses
+  uint32_t rejected;      // OLX_PLACE_GRID: grid points left out because of the description's overrides
+  uint32_t candidates;    // positions that were considered
+  double coverage_before; // what the optimizer found; by OLX_REWARD_BEST it does not give up what only one probe sees
+  double reward_before;   // and the reward it found, and
+  double reward_after;    // what it left: never less; a mean over surfels, by settings.reward
+  uint32_t rounds;        // of the optimizer
+  uint64_t space_voxels;  // of the space that matters
+  uint32_t tiles;         // in which space was covered
   float voxel_metres;
   double seconds;
 } olx_place_report;
@@ -146,7 +158,8 @@ typedef struct olx_place_report {
 typedef enum olx_place_mark_kind {
   OLX_MARK_SKELETON = 0, // a place of the skeleton of free space; radius: how far surfaces are
   OLX_MARK_MISSED,       // a surface that is not covered but could be
-  OLX_MARK_HOPELESS      // and one that cannot be: grazing or restricted (olx_place_report)
+  OLX_MARK_HOPELESS,     // and one that cannot be: grazing or restricted (olx_place_report)
+  OLX_MARK_UNREACHED     // a surface of free space that is not reached
 } olx_place_mark_kind;
 
 typedef struct olx_place_mark {
@@ -158,8 +171,9 @@ typedef struct olx_place_mark {
 typedef struct olx_probe_set {
   uint32_t count;
   olx_placed_probe *probes;
-  uint32_t mark_count;   // 0 unless settings.marks
-  olx_place_mark *marks; // the skeleton (of OLX_PLACE_MEDIAL its balls, else the far voxels), then held-out surfels
+  uint32_t mark_count; // 0 unless settings.marks
+  olx_place_mark
+      *marks; // the skeleton (of OLX_PLACE_MEDIAL its balls, else the far voxels; none in tiles), then held-out surfels
   olx_place_settings settings; // what made them
   olx_place_report report;
   double origin[3]; // that positions are relative to: the scene's

@@ -150,8 +150,8 @@ class PlaceSettings(Struct):
     _fields_ = [("method", c_uint32), ("count", c_uint32), ("coverage", c_float), ("budget_mb", c_double),
                 ("views", c_uint32), ("grid", Grid), ("resolution", c_uint32), ("min_cosine", c_float),
                 ("max_footprint", c_float), ("optimize", c_uint32), ("reward", c_uint32), ("rounds", c_uint32),
-                ("surfels", c_uint32), ("candidates", c_uint32), ("voxels", c_uint32), ("refinements", c_uint32),
-                ("seed", c_uint32), ("threads", c_uint32), ("marks", c_bool)]
+                ("surfels", c_uint32), ("candidates", c_uint32), ("voxel_size", c_float), ("voxels", c_uint32),
+                ("refinements", c_uint32), ("seed", c_uint32), ("threads", c_uint32), ("marks", c_bool)]
 
 
 class PlacedProbe(Struct):
@@ -161,9 +161,11 @@ class PlacedProbe(Struct):
 class PlaceReport(Struct):
     _fields_ = [("surfels", c_uint64), ("coverage", c_double), ("visible", c_double), ("coverage_by_area", c_double),
                 ("coverable", c_double), ("grazing", c_double), ("restricted", c_double), ("missed", c_double),
-                ("unreachable", c_double), ("buried", c_uint32), ("rejected", c_uint32), ("candidates", c_uint32),
+                ("unreachable", c_double), ("reached_m2", c_double), ("unreached_m2", c_double), ("buried", c_uint32),
+                ("rejected", c_uint32), ("candidates", c_uint32),
                 ("coverage_before", c_double), ("reward_before", c_double), ("reward_after", c_double),
-                ("rounds", c_uint32), ("space_voxels", c_uint64), ("voxel_metres", c_float), ("seconds", c_double)]
+                ("rounds", c_uint32), ("space_voxels", c_uint64), ("tiles", c_uint32), ("voxel_metres", c_float),
+                ("seconds", c_double)]
 
 
 class PlaceMark(Struct):

@@ -95,7 +95,7 @@ def place(scene: Scene, method: str = "cover", *, grid: Any = None, progress: Pr
 
     method: "grid", "sdf", "medial" or "cover". grid: three counts, for "grid"; default: the scene's. Further settings are the members
     of olx_place_settings (include/octalux/place.h): count, coverage, budget_mb, views, resolution=512, optimize="none" or "gradient"
-    or "gibbs", rounds, surfels, candidates, voxels, seed, threads, ... The same scene and settings give the same probes. Raises Error.
+    or "gibbs", rounds, surfels, candidates, voxel_size, voxels, seed, threads, ... The same scene and settings give the same probes. Raises Error.
     """
     chosen = library.olx_place_settings_default(scene.handle)
     native.fill(chosen, {"method": method, **settings})

@@ -2,7 +2,7 @@
 #ifndef OLX_BAKE_VOLUME_SPACE_H
 #define OLX_BAKE_VOLUME_SPACE_H
 
-#include "place/space.h"
+#include "place/space_find.h"
 
 typedef struct olx_volume_space {
   const olx_scene *scene;

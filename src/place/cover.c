@@ -38,6 +38,7 @@ typedef struct cover {
   const olx_space *space;
   const olx_sight *sight;
   const olx_place_settings *settings;
+  olx_fixed_probes fixed;
   olx_task *task;
   olx_cover_state state;
   uint32_t atlas_size, considered, limit; // limit of probes
@@ -209,7 +210,7 @@ static olx_result refine_probe(cover *c, refiner *r, uint32_t pick, uint32_t rou
   return OLX_OK;
 }
 
-static olx_result refine(cover *c, uint32_t round, uint32_t pinned) {
+static olx_result refine(cover *c, uint32_t round, uint32_t fixed) {
   olx_cover_state *s = &c->state;
   refiner r = {.state = s,
                .gains = olx_allocate(s->candidate_count, sizeof *r.gains),
@@ -217,7 +218,7 @@ static olx_result refine(cover *c, uint32_t round, uint32_t pinned) {
   olx_result result = OLX_ERROR_MEMORY;
   if (r.gains && r.move_rows) result = olx_cover_open_create(s, &r.open);
   else olx_fail(result, "place: out of memory");
-  for (uint32_t i = pinned; result == OLX_OK && i < s->pick_count; i++) result = refine_probe(c, &r, i, round);
+  for (uint32_t i = fixed; result == OLX_OK && i < s->pick_count; i++) result = refine_probe(c, &r, i, round);
   olx_cover_set_levels(s, s->pick_count, s->pick_count);
   olx_cover_open_free(&r.open);
   olx_release(r.gains);
@@ -280,15 +281,14 @@ static olx_result look_closer(cover *c, uint32_t seed, double *covered) {
   return result;
 }
 
-static olx_result pin_probes(cover *c) {
+static olx_result pick_fixed(cover *c) {
   olx_cover_state *s = &c->state;
-  const olx_probe_rules *rules = &c->space->scene->probe_rules;
   uint8_t *row = olx_allocate(s->columns.count, 1);
   olx_result result = row ? OLX_OK : olx_fail(OLX_ERROR_MEMORY, "place: out of memory");
-  for (uint32_t i = 0; result == OLX_OK && i < rules->pinned_count; i++) {
+  for (uint32_t i = 0; result == OLX_OK && i < c->fixed.count; i++) {
     OLX_TRY_GOTO(olx_check_cancelled(), done);
-    olx_sight_row(c->space, c->sight, rules->pinned[i], &s->columns, row);
-    result = olx_cover_pick(s, (olx_candidate){rules->pinned[i], OLX_ORIGIN_PINNED}, row);
+    olx_sight_row(c->space, c->sight, c->fixed.items[i].place, &s->columns, row);
+    result = olx_cover_pick(s, c->fixed.items[i], row);
   }
 done:
   olx_release(row);
@@ -309,10 +309,10 @@ static uint32_t next_limit(const cover *c, double allowed) {
 }
 
 static olx_result choose(cover *c) {
-  const uint32_t pinned = c->space->scene->probe_rules.pinned_count;
+  const uint32_t fixed = c->fixed.count;
   // With a count, probes that only see better are welcome when nothing is left to cover.
   const double allowed = c->settings->count && c->target >= 1.0 ? -1.0 : with_margin(c, AIM_DEVIATIONS);
-  OLX_TRY(pin_probes(c));
+  OLX_TRY(pick_fixed(c));
   bool exhausted = false;
   OLX_TRY(add_greedily(c, c->limit, 1.0 - FIRST_COVERAGE > allowed ? 1.0 - FIRST_COVERAGE : allowed, &exhausted));
   uint32_t refined = 0;
@@ -327,17 +327,17 @@ static olx_result choose(cover *c) {
     exhausted = false;
     OLX_TRY(add_greedily(c, next_limit(c, allowed), allowed, &exhausted));
     if (c->state.pick_count == 0) break; // nothing is seen well, and no further round would find more
-    refined += c->state.pick_count - pinned;
+    refined += c->state.pick_count - fixed;
     if (round >= c->settings->refinements || refined > REFINED_PROBES) continue;
-    OLX_TRY(olx_cover_exchange(&c->state, pinned, olx_hash2(c->settings->seed, 200u + round)));
-    OLX_TRY(refine(c, round, pinned));
+    OLX_TRY(olx_cover_exchange(&c->state, fixed, olx_hash2(c->settings->seed, 200u + round)));
+    OLX_TRY(refine(c, round, fixed));
   }
   return OLX_OK;
 }
 
 static olx_result prepare(cover *c) {
   const olx_place_settings *settings = c->settings;
-  // The pinned probes and what the search for uncovered surfels finds come on top of the candidates.
+  // The fixed probes and what the search for uncovered surfels finds come on top of the candidates.
   const uint32_t most = settings->candidates + MOST_ROUNDS * TARGETS * TARGET_PLACES;
   const uint64_t affordable = MATRIX_BYTES / most;
   c->atlas_size = settings->surfels < affordable ? settings->surfels : (uint32_t)affordable;
@@ -355,9 +355,9 @@ static olx_result prepare(cover *c) {
   return result;
 }
 
-olx_result olx_cover(const olx_space *space, const olx_sight *sight, const olx_place_settings *settings, olx_task *task,
-                     olx_cover_result *found) {
-  cover c = {.space = space, .sight = sight, .settings = settings, .task = task};
+olx_result olx_cover(const olx_space *space, const olx_sight *sight, olx_fixed_probes fixed,
+                     const olx_place_settings *settings, olx_task *task, olx_cover_result *found) {
+  cover c = {.space = space, .sight = sight, .settings = settings, .fixed = fixed, .task = task};
   c.limit = settings->count ? settings->count : 65536;
   c.target = (double)settings->coverage;
   *found = (olx_cover_result){0};

@@ -7,7 +7,11 @@
 
 #include <string.h>
 
-enum { MOST_MARKS = 8192 }; // of surfels, and of the skeleton
+enum {
+  MOST_MARKS = 8192,        // of surfels, and of the skeleton
+  MOST_TILED_MARKS = 65536, // of surfels where there are many tiles, of each the same part, but
+  LEAST_TILE_MARKS = 16
+};
 
 static olx_result make_room(olx_probe_set *set, uint32_t more) {
   olx_place_mark *marks = olx_allocate((size_t)set->mark_count + more, sizeof *marks);
@@ -21,10 +25,26 @@ static olx_result make_room(olx_probe_set *set, uint32_t more) {
 // Of `count` things every so many, MOST_MARKS at most.
 static uint32_t kept_of(uint32_t count) { return count < MOST_MARKS ? count : MOST_MARKS; }
 
-olx_result olx_mark_uncovered(const olx_surfels *surfels, const uint8_t *views, olx_probe_set *set) {
+static uint32_t kept_of_tile(uint32_t count, uint32_t tiles) {
+  if (tiles == 1) return kept_of(count);
+  const uint32_t most = MOST_TILED_MARKS / tiles > LEAST_TILE_MARKS ? MOST_TILED_MARKS / tiles : LEAST_TILE_MARKS;
+  return count < most ? count : most;
+}
+
+olx_result olx_mark_unreached(const olx_surfels *area, uint32_t tiles, olx_probe_set *set) {
+  const uint32_t kept = kept_of_tile(area->cut_off_count, tiles);
+  OLX_TRY(make_room(set, kept));
+  for (uint64_t i = 0; i < kept; i++) {
+    const olx_vec3 place = area->cut_off[i * area->cut_off_count / kept];
+    set->marks[set->mark_count++] = (olx_place_mark){.position = place, .kind = OLX_MARK_UNREACHED};
+  }
+  return OLX_OK;
+}
+
+olx_result olx_mark_uncovered(const olx_surfels *surfels, const uint8_t *views, uint32_t tiles, olx_probe_set *set) {
   uint32_t lacking = 0, nth = 0, taken = 0;
   for (uint32_t i = 0; i < surfels->count; i++) lacking += views[i] < set->settings.views;
-  const uint32_t kept = kept_of(lacking);
+  const uint32_t kept = kept_of_tile(lacking, tiles);
   OLX_TRY(make_room(set, kept));
   for (uint32_t i = 0; i < surfels->count && taken < kept; i++) {
     if (views[i] >= set->settings.views || (uint64_t)nth++ * kept / lacking < taken) continue;

@@ -10,10 +10,13 @@
 
 #include <string.h>
 
-#define INDOOR_SKY 0.25f    // share of directions that leave the scene: an indoor place sees less,
-#define OUTDOOR_SKY 0.4f    // an outdoor place more;
-#define INDOOR_PIECES 0.25f // of a scene without cameras that is indoors
-enum { EDGE = 4, LOOKS = 64, PIECES_A_JOB = 32 };
+#define INDOOR_SKY 0.25f // share of directions that leave the scene, of an indoor place
+enum {
+  EDGE = 4,       // voxels along a piece,
+  TILES_EDGE = 8, // and where there are many tiles
+  LOOKS = 64,
+  PIECES_A_JOB = 32
+};
 
 // Connected voxels of a cube of them, judged by the one that is farthest from surfaces.
 typedef struct piece {
@@ -26,7 +29,7 @@ typedef struct pieces {
   const olx_space *space;
   uint32_t *of; // a voxel: its piece, NONE
   piece *items;
-  uint32_t count, capacity;
+  uint32_t count, capacity, edge;
 } pieces;
 #define NONE UINT32_MAX
 
@@ -54,11 +57,25 @@ static void look_job(void *user, uint32_t index) {
   }
 }
 
+static bool is_core(const olx_space *space, const uint32_t c[3]) {
+  for (int axis = 0; axis < 3; axis++) {
+    const uint32_t at = c[axis] + space->tile.from[axis];
+    if (at < space->tile.core_from[axis] || at >= space->tile.core_to[axis]) return false;
+  }
+  return true;
+}
+
+// Whether a step along the axis stays in the piece's cube. Cubes lie alike in all tiles.
+static bool stays(const pieces *p, const uint32_t c[3], int axis, bool forwards) {
+  const uint32_t at = (c[axis] + p->space->tile.from[axis]) % p->edge;
+  return forwards ? at != p->edge - 1 && c[axis] + 1 < p->space->voxels.count[axis] : at != 0;
+}
+
 // All that is connected with the voxel within its cube becomes a piece.
 static void grow_piece(pieces *p, size_t seed) {
   const olx_voxels *v = &p->space->voxels;
   const size_t stride[3] = {1, v->count[0], (size_t)v->count[0] * v->count[1]};
-  size_t stack[EDGE * EDGE * EDGE], used = 0;
+  size_t stack[TILES_EDGE * TILES_EDGE * TILES_EDGE], used = 0;
   piece *one = &p->items[p->count];
   *one = (piece){.voxel = seed};
   p->of[seed] = p->count;
@@ -70,7 +87,7 @@ static void grow_piece(pieces *p, size_t seed) {
     if (v->distance[voxel] > v->distance[one->voxel]) one->voxel = voxel;
     for (int face = 0; face < 6; face++) {
       const int axis = face / 2;
-      if (face & 1 ? c[axis] % EDGE == EDGE - 1 || c[axis] + 1 == v->count[axis] : c[axis] % EDGE == 0) continue;
+      if (!stays(p, c, axis, face & 1)) continue;
       const size_t other = face & 1 ? voxel + stride[axis] : voxel - stride[axis];
       if (!(p->space->reachable[other] & OLX_REACHABLE) || p->of[other] != NONE) continue;
       p->of[other] = p->count;
@@ -94,11 +111,15 @@ static olx_result make_room(pieces *p) {
 
 static olx_result cut_pieces(pieces *p, uint32_t threads) {
   const size_t total = p->space->voxels.total;
+  p->edge = p->space->world->tile_total > 1 ? TILES_EDGE : EDGE;
   p->of = olx_allocate(total, sizeof *p->of);
   if (!p->of) return olx_fail(OLX_ERROR_MEMORY, "place: no memory for %zu voxels", total);
   for (size_t i = 0; i < total; i++) p->of[i] = NONE;
   for (size_t i = 0; i < total; i++) {
+    uint32_t c[3];
     if (!(p->space->reachable[i] & OLX_REACHABLE) || p->of[i] != NONE) continue;
+    olx_voxel_coordinates(&p->space->voxels, i, c);
+    if (!is_core(p->space, c)) continue;
     OLX_TRY(make_room(p));
     OLX_TRY(olx_check_cancelled());
     grow_piece(p, i);
@@ -106,20 +127,31 @@ static olx_result cut_pieces(pieces *p, uint32_t threads) {
   return olx_parallel_for((p->count + PIECES_A_JOB - 1) / PIECES_A_JOB, threads, look_job, p, NULL, 0);
 }
 
-// Whether the viewer stays where little sky is seen.
-static bool is_indoor(const pieces *p) {
-  const olx_scene *scene = p->space->scene;
-  uint32_t within = 0, indoor = 0;
+bool olx_cameras_are_indoors(const olx_world *world) {
+  const olx_scene *scene = world->scene;
+  uint32_t within = 0, indoor = 0, voxel[3];
   for (uint32_t i = 0; i < scene->camera_count; i++) {
     float sky, back;
-    if (olx_voxel_at(&p->space->voxels, scene->cameras[i].eye) == OLX_NO_VOXEL) continue;
+    if (!olx_world_at(world, scene->cameras[i].eye, voxel)) continue;
     look_from(scene, scene->cameras[i].eye, &sky, &back);
     within++;
     indoor += sky < INDOOR_SKY;
   }
-  if (scene->camera_count > 0) return within > 0 && indoor == within;
-  for (uint32_t i = 0; i < p->count; i++) indoor += p->items[i].sky < INDOOR_SKY;
-  return (float)indoor >= INDOOR_PIECES * (float)p->count;
+  return within > 0 && indoor == within;
+}
+
+static void free_pieces(pieces *p) {
+  olx_release(p->of);
+  olx_release(p->items);
+}
+
+olx_result olx_count_indoors(const olx_space *space, uint32_t threads, uint64_t *count, uint64_t *indoor) {
+  pieces p = {.space = space};
+  const olx_result result = cut_pieces(&p, threads);
+  *count += p.count;
+  for (uint32_t i = 0; result == OLX_OK && i < p.count; i++) *indoor += p.items[i].sky < INDOOR_SKY;
+  free_pieces(&p);
+  return result;
 }
 
 typedef struct judge {
@@ -131,7 +163,7 @@ static void judge_job(void *user, uint32_t index) {
   const judge *j = user;
   const olx_space *space = j->of->space;
   piece *one = &j->of->items[index];
-  one->outdoors = j->indoor && one->sky >= OUTDOOR_SKY;
+  one->outdoors = j->indoor && one->sky >= OLX_OUTDOOR_SKY;
   if (one->outdoors || one->back <= 0.5f * (1.0f - one->sky)) return;
   const olx_vec3 place = olx_voxel_centre(&space->voxels, one->voxel);
   olx_depth depth;
@@ -139,19 +171,16 @@ static void judge_job(void *user, uint32_t index) {
     one->outdoors = olx_depth_is_behind(depth, space->outside);
 }
 
-olx_result olx_find_outdoors(const olx_space *space, uint32_t threads, uint8_t *excluded, size_t *count) {
+olx_result olx_find_outdoors(const olx_space *space, bool indoors, uint32_t threads, uint8_t *excluded) {
   pieces p = {.space = space};
-  *count = 0;
   olx_result result = cut_pieces(&p, threads);
   if (result == OLX_OK) {
-    judge j = {&p, is_indoor(&p)};
+    judge j = {&p, indoors};
     result = olx_parallel_for(p.count, threads, judge_job, &j, NULL, 0);
   }
   for (size_t i = 0; result == OLX_OK && i < space->voxels.total; i++) {
     excluded[i] = p.of[i] != NONE && p.items[p.of[i]].outdoors;
-    *count += excluded[i];
   }
-  olx_release(p.of);
-  olx_release(p.items);
+  free_pieces(&p);
   return result;
 }

@@ -11,10 +11,14 @@
 #include "place/measure.h"
 #include "place/optimize.h"
 #include "place/skeleton.h"
+#include "place/space_find.h"
+#include "place/thin.h"
 
 #include <octalux/limits.h>
 #include <octalux/place.h>
 
+#define VOXEL_METRES 0.25f // of space in tiles, unless the settings say otherwise
+#define SMALL_VOXELS 160u  // along the longest side of space that is one tile, unless
 #define OPTIMIZE_SURFELS 2048u
 #define OPTIMIZE_BYTES ((uint64_t)256 << 20) // of the fitness of all surfels for all probes
 
@@ -82,7 +86,6 @@ olx_place_settings olx_place_settings_default(const olx_scene *scene) {
                                  .rounds = 50,
                                  .surfels = 14000,
                                  .candidates = 2000,
-                                 .voxels = 160,
                                  .refinements = 8};
   // The scene's own counts cannot be out of range.
   (void)olx_scene_probe_grid(scene, NULL, &settings.grid);
@@ -111,7 +114,6 @@ static olx_result check_ranges(const olx_place_settings *s) {
                 {s->views, OLX_PLACE_VIEWS_LEAST, OLX_PLACE_VIEWS_MOST, "views"},
                 {s->surfels, OLX_PLACE_SURFELS_LEAST, OLX_PLACE_SURFELS_MOST, "surfels"},
                 {s->candidates, OLX_PLACE_CANDIDATES_LEAST, OLX_PLACE_CANDIDATES_MOST, "candidates"},
-                {s->voxels, OLX_PLACE_VOXELS_LEAST, OLX_PLACE_VOXELS_MOST, "voxels"},
                 {s->refinements, 0, OLX_PLACE_REFINEMENTS_MOST, "refinements"}};
   for (size_t i = 0; i < sizeof ranges / sizeof *ranges; i++) {
     if (is_within(ranges[i].value, ranges[i].least, ranges[i].most)) continue;
@@ -140,6 +142,9 @@ static olx_result check_settings(const olx_place_settings *s) {
       {s->budget_mb >= 0.0 && s->budget_mb < 1e12, "the budget must be a number of megabytes"},
       {s->min_cosine >= 0.0f && s->min_cosine < 1.0f, "min_cosine must be at least 0 and below 1"},
       {s->max_footprint > 0.0f && s->max_footprint <= 1e6f, "max_footprint must be above 0"},
+      {s->voxels == 0 || is_within(s->voxels, OLX_PLACE_VOXELS_LEAST, OLX_PLACE_VOXELS_MOST),
+       "voxels must be 0, or 8 to 512"},
+      {s->voxel_size >= 0.0f && s->voxel_size <= 1e6f, "voxel_size must be within 0 to 1e6 m"},
   };
   for (size_t i = 0; i < sizeof checks / sizeof *checks; i++) {
     if (!checks[i].good) return olx_fail(OLX_ERROR_ARGUMENT, "place: %s", checks[i].what);
@@ -169,22 +174,40 @@ static olx_result resolve(const olx_scene *scene, olx_place_settings *s) {
   return OLX_OK;
 }
 
+static olx_result cover_tile(const olx_space *space, const olx_sight *sight, olx_task *task,
+                             const olx_place_settings *settings, olx_candidate **probes, olx_probe_set *set) {
+  const olx_probe_rules *rules = &space->scene->probe_rules;
+  olx_candidate *pinned = olx_allocate(rules->pinned_count, sizeof *pinned);
+  if (!pinned) return olx_fail(OLX_ERROR_MEMORY, "place: out of memory");
+  for (uint32_t i = 0; i < rules->pinned_count; i++) pinned[i] = (olx_candidate){rules->pinned[i], OLX_ORIGIN_PINNED};
+  olx_cover_result found = {0};
+  olx_task_stage(task, "looking from candidates");
+  const olx_fixed_probes fixed = {pinned, rules->pinned_count};
+  const olx_result result = olx_cover(space, sight, fixed, settings, task, &found);
+  *probes = found.probes;
+  set->count = found.count;
+  set->report.candidates = found.candidates;
+  olx_release(pinned);
+  return result;
+}
+
+static olx_result fail_without_places(const olx_scene *scene) {
+  const olx_probe_rules *rules = &scene->probe_rules;
+  if (rules->forbidden_count == 0 && rules->min_distance <= 0.0f) {
+    return olx_fail(OLX_ERROR_EMPTY,
+                    "nowhere to place probes: no free place lies within the scene's bounds; a playable "
+                    "box in its description can say where to look");
+  }
+  return olx_fail(OLX_ERROR_EMPTY, "nowhere to place probes: the forbidden boxes and the distance to surfaces that the "
+                                   "description asks for leave no place");
+}
+
 static olx_result choose_probes(const olx_space *space, const olx_sight *sight, olx_task *task,
                                 olx_place_settings *settings, olx_candidate **probes, olx_probe_set *set) {
   if (settings->method == OLX_PLACE_GRID) {
     return olx_place_grid(space->scene, &settings->grid, probes, &set->count, &set->report.rejected);
   }
-  const olx_probe_rules *rules = &space->scene->probe_rules;
-  if (space->place_count == 0 && rules->pinned_count == 0) {
-    if (rules->forbidden_count == 0 && rules->min_distance <= 0.0f) {
-      return olx_fail(OLX_ERROR_EMPTY,
-                      "nowhere to place probes: no free place lies within the scene's bounds; a playable "
-                      "box in its description can say where to look");
-    }
-    return olx_fail(OLX_ERROR_EMPTY,
-                    "nowhere to place probes: the forbidden boxes and the distance to surfaces that the "
-                    "description asks for leave no place");
-  }
+  if (space->place_count == 0 && space->scene->probe_rules.pinned_count == 0) return fail_without_places(space->scene);
   olx_place_report *report = &set->report;
   if (settings->method == OLX_PLACE_SDF) {
     return olx_place_sdf(space, settings->count, settings->threads, probes, &set->count, &report->candidates);
@@ -192,13 +215,7 @@ static olx_result choose_probes(const olx_space *space, const olx_sight *sight, 
   if (settings->method == OLX_PLACE_MEDIAL) {
     return olx_place_medial(space, sight, settings, probes, &set->count, &report->candidates);
   }
-  olx_cover_result found = {0};
-  olx_task_stage(task, "looking from candidates");
-  const olx_result result = olx_cover(space, sight, settings, task, &found);
-  *probes = found.probes;
-  set->count = found.count;
-  report->candidates = found.candidates;
-  return result;
+  return cover_tile(space, sight, task, settings, probes, set);
 }
 
 static olx_result optimize(const olx_space *space, const olx_sight *sight, olx_task *task,
@@ -241,31 +258,87 @@ static olx_result measure_before(const olx_space *space, const olx_sight *sight,
   return result;
 }
 
-static olx_result place_in(const olx_space *space, olx_task *task, olx_place_settings *settings, olx_probe_set *set) {
-  const olx_scene *scene = space->scene;
-  const olx_sight sight = olx_sight_create(scene, settings->min_cosine, settings->max_footprint, settings->resolution);
+static olx_result place_in(const olx_space *space, const olx_sight *sight, olx_task *task, olx_place_settings *settings,
+                           olx_probe_set *set) {
   const bool moves = settings->optimize != OLX_OPTIMIZE_NONE;
   olx_candidate *probes = NULL;
   olx_result result;
-  OLX_TRY_GOTO(choose_probes(space, &sight, task, settings, &probes, set), done);
-  if (moves) OLX_TRY_GOTO(measure_before(space, &sight, probes, set), done);
-  if (moves) OLX_TRY_GOTO(optimize(space, &sight, task, settings, probes, set), done);
+  OLX_TRY_GOTO(choose_probes(space, sight, task, settings, &probes, set), done);
+  if (moves) OLX_TRY_GOTO(measure_before(space, sight, probes, set), done);
+  if (moves) OLX_TRY_GOTO(optimize(space, sight, task, settings, probes, set), done);
   OLX_TRY_GOTO(list_probes(probes, set), done);
   olx_task_stage(task, "measuring coverage");
-  OLX_TRY_GOTO(olx_measure_probes(space, &sight, set), done);
-  if (settings->marks) OLX_TRY_GOTO(olx_mark_skeleton(space, &sight, set), done);
+  OLX_TRY_GOTO(olx_measure_probes(space->world, sight, set), done);
+  if (settings->marks) OLX_TRY_GOTO(olx_mark_skeleton(space, sight, set), done);
 done:
   olx_release(probes);
-  set->report.space_voxels = space->reachable_count;
-  set->report.voxel_metres = space->voxels.size;
   return result;
 }
 
-static olx_result find_space_and_place(const olx_scene *scene, olx_task *task, olx_probe_set *set) {
+static olx_result cover_tiles(olx_world *world, const olx_sight *sight, olx_task *task, olx_candidate **probes,
+                              olx_probe_set *set) {
+  const uint32_t limit = set->settings.count ? set->settings.count : OLX_PLACE_PROBES_MOST;
+  olx_tiling tiling;
+  OLX_TRY(olx_tiling_create(world, sight, &set->settings, &tiling));
+  olx_result result = olx_tiling_cover_all(&tiling, task);
+  if (result == OLX_OK) result = olx_tiling_join(&tiling, probes, &set->count);
+  if (result == OLX_OK) result = olx_tiling_thin(&tiling, limit, *probes, &set->count);
+  set->report.candidates = tiling.candidates;
+  olx_tiling_free(&tiling);
+  return result;
+}
+
+static olx_result place_in_tiles(olx_world *world, const olx_sight *sight, olx_task *task, olx_probe_set *set) {
+  const olx_place_settings *settings = &set->settings;
+  olx_candidate *probes = NULL;
+  olx_result result;
+  olx_task_stage(task, "covering tiles");
+  if (settings->method == OLX_PLACE_GRID) {
+    result = olx_place_grid(world->scene, &settings->grid, &probes, &set->count, &set->report.rejected);
+  } else {
+    result = cover_tiles(world, sight, task, &probes, set);
+  }
+  if (result == OLX_OK && set->count == 0) result = fail_without_places(world->scene);
+  if (result == OLX_OK) result = list_probes(probes, set);
+  olx_release(probes);
+  OLX_TRY(result);
+  olx_task_stage(task, "measuring coverage");
+  return olx_measure_probes(world, sight, set);
+}
+
+static olx_result place_in_world(olx_world *world, olx_task *task, olx_probe_set *set) {
+  olx_place_settings *s = &set->settings;
+  const olx_sight sight = olx_sight_create(olx_world_diagonal(world), s->min_cosine, s->max_footprint, s->resolution);
+  set->report.space_voxels = world->reached_count;
+  set->report.voxel_metres = world->lattice.size;
+  set->report.tiles = world->tile_total;
+  if (world->tile_total > 1) return place_in_tiles(world, &sight, task, set);
   olx_space space;
-  OLX_TRY(olx_space_create(scene, set->settings.voxels, set->settings.threads, &space));
-  const olx_result result = place_in(&space, task, &set->settings, set);
+  OLX_TRY(olx_space_open(world, 0, 0, s->threads, &space));
+  const olx_result result = place_in(&space, &sight, task, s, set);
   olx_space_free(&space);
+  return result;
+}
+
+// In one tile, or where that would make voxels too coarse for a method that can do with many, in those.
+static olx_result find_space(const olx_scene *scene, const olx_place_settings *s, olx_world *world) {
+  olx_box box;
+  OLX_TRY(olx_space_box(scene, &box));
+  const olx_vec3 extent = olx_sub(box.max, box.min);
+  const float size = s->voxel_size > 0.0f ? s->voxel_size : VOXEL_METRES, along = olx_max3(extent) / size;
+  const bool tiled = s->optimize == OLX_OPTIMIZE_NONE && (s->method == OLX_PLACE_COVER || s->method == OLX_PLACE_GRID);
+  if (s->voxels) return olx_world_create_small(scene, s->voxels, s->threads, world);
+  if (along > (float)SMALL_VOXELS && tiled) return olx_world_create_tiled(scene, size, s->threads, world);
+  uint32_t resolution = SMALL_VOXELS;
+  if (s->voxel_size > 0.0f) resolution = (uint32_t)olx_clamp(ceilf(along), 1.0f, (float)OLX_PLACE_VOXELS_MOST);
+  return olx_world_create_small(scene, resolution, s->threads, world);
+}
+
+static olx_result find_space_and_place(const olx_scene *scene, olx_task *task, olx_probe_set *set) {
+  olx_world world;
+  OLX_TRY(find_space(scene, &set->settings, &world));
+  const olx_result result = place_in_world(&world, task, set);
+  olx_world_free(&world);
   return result;
 }
 

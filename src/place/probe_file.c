@@ -33,7 +33,7 @@ typedef struct stored_number {
   float *real;
 } stored_number;
 
-enum { STORED_NUMBERS = 12 };
+enum { STORED_NUMBERS = 13 };
 
 static void list_numbers(olx_place_settings *s, stored_number numbers[STORED_NUMBERS]) {
   const stored_number all[STORED_NUMBERS] = {
@@ -46,6 +46,7 @@ static void list_numbers(olx_place_settings *s, stored_number numbers[STORED_NUM
       {.key = "rounds", .whole = &s->rounds},
       {.key = "surfels", .whole = &s->surfels},
       {.key = "candidates", .whole = &s->candidates},
+      {.key = "voxel_size", .real = &s->voxel_size},
       {.key = "voxels", .whole = &s->voxels},
       {.key = "refinements", .whole = &s->refinements},
       {.key = "seed", .whole = &s->seed},
@@ -99,6 +100,8 @@ static void write_report(cJSON *root, const olx_place_settings *settings, const 
   add_share(object, "restricted", report->restricted);
   add_share(object, "missed", report->missed);
   add_share(object, "unreachable", report->unreachable);
+  add_share(object, "reached_m2", report->reached_m2);
+  add_share(object, "unreached_m2", report->unreached_m2);
   cJSON_AddNumberToObject(object, "buried", report->buried);
   cJSON_AddNumberToObject(object, "rejected", report->rejected);
   if (settings->optimize == OLX_OPTIMIZE_NONE) return;

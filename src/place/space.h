@@ -4,11 +4,9 @@
 
 #include "place/space_data.h"
 
-// Find it. Over the box of playable space when the description has one, else over the scene's bounds, flooded from the
-// cameras (one outside the box enters it where it looks). Without a camera that can enter: all of the playable box that
-// is not inside geometry, or, without a box, the largest such space that light reaches. OLX_ERROR_EMPTY when there is
-// none. Without a playable box what lies behind the scenery (outdoors.h) is left out.
-olx_result olx_space_create(const olx_scene *scene, uint32_t resolution, uint32_t threads, olx_space *space);
+// Open a tile of a world whose space is found, with `overlap` voxels around. The world has to outlive it. A tile that the viewer
+// does not reach has no starts and no places, and its distances are not filled.
+olx_result olx_space_open(olx_world *world, uint32_t tile, uint32_t overlap, uint32_t threads, olx_space *space);
 void olx_space_free(olx_space *space);
 
 // A place drawn evenly from those that the viewer reaches: start `nth` of start_count, random numbers from `seed`.

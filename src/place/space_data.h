@@ -1,14 +1,18 @@
-// The space that matters, as voxels: which of them the viewer reaches, and which allow a probe.
+// The space that matters in a tile, as voxels: which of them the viewer reaches, and which allow a probe.
 #ifndef OLX_PLACE_SPACE_DATA_H
 #define OLX_PLACE_SPACE_DATA_H
 
 #include "place/inside.h"
 #include "place/voxels.h"
+#include "place/world.h"
 
 typedef struct olx_space {
   const olx_scene *scene;
+  olx_world *world; // whose tile this is
+  bool owns_world;
+  olx_tile tile; // its voxels are `voxels`; those around its core are there for what sees the core
   olx_voxels voxels;
-  olx_box box;        // that the voxels cover, the last of them only in part
+  olx_box box;        // that the world's voxels cover, the last of them only in part
   uint8_t *reachable; // a voxel: OLX_REACHABLE, OLX_ALLOWED, OLX_FRINGE
   size_t *starts;     // indices of the voxels that the viewer reaches, wholly or (fringe) in part, ascending
   size_t *places;     // and of those that allow a probe
@@ -26,6 +30,21 @@ enum {
 static inline bool olx_space_reaches(const olx_space *space, olx_vec3 p) {
   const size_t voxel = olx_voxel_at(&space->voxels, p);
   return voxel != OLX_NO_VOXEL && (space->reachable[voxel] & OLX_REACHABLE);
+}
+
+// Whether the surface at the point belongs to the tile, not to its neighbours.
+static inline bool olx_space_owns(const olx_space *space, olx_vec3 p) {
+  return olx_world_tile_of(space->world, p) == space->tile.index;
+}
+
+// Whether the place is in the tile or in one of those around it.
+static inline bool olx_space_is_near(const olx_space *space, olx_vec3 place) {
+  const olx_tile at = olx_world_tile(space->world, olx_world_tile_of(space->world, place), 0);
+  for (int axis = 0; axis < 3; axis++) {
+    const uint32_t own = space->tile.cell[axis];
+    if (at.cell[axis] + 1 < own || at.cell[axis] > own + 1) return false;
+  }
+  return true;
 }
 
 #endif

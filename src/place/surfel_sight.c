@@ -2,10 +2,10 @@
 // texel on it.
 #include "place/surfel_sight.h"
 
-olx_sight olx_sight_create(const olx_scene *scene, float min_cosine, float max_footprint, uint32_t resolution) {
+olx_sight olx_sight_create(float diagonal, float min_cosine, float max_footprint, uint32_t resolution) {
   return (olx_sight){
       .min_cosine = min_cosine,
-      .max_footprint = max_footprint * olx_length(olx_sub(scene->bounds_max, scene->bounds_min)),
+      .max_footprint = max_footprint * diagonal,
       .texel_radians = sqrtf(4.0f * OLX_PI) / (float)resolution,
   };
 }

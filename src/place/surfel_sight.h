@@ -11,7 +11,8 @@ typedef struct olx_sight {
   float texel_radians; // mean angle that a texel of the probe's map spans
 } olx_sight;
 
-olx_sight olx_sight_create(const olx_scene *scene, float min_cosine, float max_footprint, uint32_t resolution);
+// max_footprint: a share of `diagonal`, in metres.
+olx_sight olx_sight_create(float diagonal, float min_cosine, float max_footprint, uint32_t resolution);
 
 typedef enum olx_surfel_fate {
   OLX_SURFEL_FIT,        // seen well from a place that allows a probe

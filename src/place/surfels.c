@@ -58,10 +58,7 @@ static olx_vec3 doubled_area(const olx_scene *scene, uint32_t triangle) {
   return olx_cross(olx_sub(corner(scene, triangle, 1), a), olx_sub(corner(scene, triangle, 2), a));
 }
 
-// A point drawn on a triangle, the `nth` there.
-typedef struct drawn_point {
-  uint32_t triangle, nth;
-} drawn_point;
+typedef struct olx_area_point area_point;
 
 typedef struct asker {
   const olx_space *space;
@@ -73,9 +70,10 @@ typedef struct asker {
 
 typedef struct atlas_maker {
   asker ask;
-  drawn_point *points; // NULL for rays
-  olx_surfel *sides;   // two a point; of a ray the first alone
-  uint8_t *present;    // a point: not in a masked-out part; a ray: it hit
+  const area_point *points; // NULL for rays
+  olx_surfel *sides;        // two a point; of a ray the first alone
+  uint8_t *present;         // a point: not in a masked-out part; a ray: it hit the tile
+  uint8_t *cut_off;         // a side of a point
   uint32_t count, seed, threads;
 } atlas_maker;
 
@@ -91,31 +89,80 @@ static olx_result order_triangles(const olx_scene *scene, morton_entry **order) 
 }
 
 // Equal steps of area along the triangles, which lie in the order of the Morton curve.
-static olx_result draw_points(atlas_maker *m) {
-  const olx_scene *scene = m->ask.space->scene;
+static olx_result draw_points(const olx_scene *scene, olx_area_points *all) {
   morton_entry *order;
   OLX_TRY(order_triangles(scene, &order));
   double total = 0.0, reached = 0.0;
   for (uint32_t t = 0; t < scene->triangle_count; t++) total += 0.5 * (double)olx_length(doubled_area(scene, t));
-  const double step = total / m->count, offset = (double)olx_unit_float(olx_hash(m->seed));
+  const double step = total / all->count, offset = (double)olx_unit_float(olx_hash(all->seed));
   uint32_t drawn = 0;
   for (uint32_t i = 0; i < scene->triangle_count; i++) {
     const uint32_t triangle = order[i].index;
     reached += 0.5 * (double)olx_length(doubled_area(scene, triangle));
-    for (uint32_t nth = 0; drawn < m->count && (drawn + offset) * step < reached; nth++, drawn++) {
-      m->points[drawn] = (drawn_point){triangle, nth};
+    for (uint32_t nth = 0; drawn < all->count && (drawn + offset) * step < reached; nth++, drawn++) {
+      all->items[drawn] = (area_point){triangle, nth};
     }
   }
   olx_release(order);
-  m->count = drawn;
+  all->count = drawn;
+  all->metres2 = step;
   return total > 0.0 ? OLX_OK : olx_fail(OLX_ERROR_EMPTY, "nothing to see: the scene's triangles have no area");
+}
+
+static olx_vec2 point_uv(area_point at, uint32_t seed) {
+  return olx_sample_triangle(olx_stratified2(at.nth, olx_hash2(seed, at.triangle)));
+}
+
+static olx_vec3 point_on(const olx_scene *scene, uint32_t triangle, olx_vec2 uv) {
+  const olx_vec3 a = corner(scene, triangle, 0), b = corner(scene, triangle, 1), c = corner(scene, triangle, 2);
+  return olx_madd(olx_madd(a, olx_sub(b, a), uv.x), olx_sub(c, a), uv.y);
+}
+
+// Sort the points by tiles, in each of which they keep their order.
+static olx_result sort_points(const olx_world *world, olx_area_points *all) {
+  area_point *sorted = olx_allocate(all->count, sizeof *sorted);
+  uint32_t *tile_of = olx_allocate(all->count, sizeof *tile_of);
+  all->first = olx_allocate_zero((size_t)world->tile_total + 2, sizeof *all->first);
+  if (!sorted || !tile_of || !all->first) {
+    olx_release(sorted);
+    olx_release(tile_of);
+    return olx_fail(OLX_ERROR_MEMORY, "place: no memory for %u surfels", all->count);
+  }
+  for (uint32_t i = 0; i < all->count; i++) {
+    const olx_vec2 uv = point_uv(all->items[i], all->seed);
+    tile_of[i] = olx_world_tile_of(world, point_on(world->scene, all->items[i].triangle, uv));
+    all->first[tile_of[i] + 2]++;
+  }
+  for (uint32_t t = 2; t < world->tile_total + 2; t++) all->first[t] += all->first[t - 1];
+  for (uint32_t i = 0; i < all->count; i++) sorted[all->first[tile_of[i] + 1]++] = all->items[i];
+  olx_release(tile_of);
+  olx_release(all->items);
+  all->items = sorted;
+  return OLX_OK;
+}
+
+olx_result olx_area_points_create(const olx_world *world, uint32_t points, uint32_t seed, olx_area_points *all) {
+  *all = (olx_area_points){.items = olx_allocate(points, sizeof *all->items), .count = points, .seed = seed};
+  olx_result result = OLX_ERROR_MEMORY;
+  if (all->items) result = draw_points(world->scene, all);
+  else olx_fail(result, "place: no memory for %u surfels", points);
+  if (result == OLX_OK) result = sort_points(world, all);
+  if (result != OLX_OK) olx_area_points_free(all);
+  return result;
+}
+
+void olx_area_points_free(olx_area_points *all) {
+  olx_release(all->items);
+  olx_release(all->first);
+  all->items = NULL;
+  all->first = NULL;
 }
 
 // Both sides of a point of a triangle.
 static void set_up_sides(const atlas_maker *m, uint32_t index, uint32_t triangle, olx_vec2 uv) {
   const olx_scene *scene = m->ask.space->scene;
   const olx_vec3 a = corner(scene, triangle, 0), b = corner(scene, triangle, 1), c = corner(scene, triangle, 2);
-  const olx_vec3 p = olx_madd(olx_madd(a, olx_sub(b, a), uv.x), olx_sub(c, a), uv.y);
+  const olx_vec3 p = point_on(scene, triangle, uv);
   const float epsilon = olx_surface_epsilon(scene, triangle);
   // A step off the edges, where walls meet, as the renderer's rays take it.
   const olx_vec3 way = olx_sub(olx_scale(olx_add(a, olx_add(b, c)), 1.0f / 3.0f), p);
@@ -129,8 +176,8 @@ static void set_up_sides(const atlas_maker *m, uint32_t index, uint32_t triangle
 }
 
 static void set_up_point(const atlas_maker *m, uint32_t index) {
-  const drawn_point at = m->points[index];
-  const olx_vec2 uv = olx_sample_triangle(olx_stratified2(at.nth, olx_hash2(m->seed, at.triangle)));
+  const area_point at = m->points[index];
+  const olx_vec2 uv = point_uv(at, m->seed);
   m->present[index] = olx_surface_present(m->ask.space->scene, at.triangle, uv.x, uv.y);
   set_up_sides(m, index, at.triangle, uv);
 }
@@ -151,8 +198,9 @@ static void set_up_ray(const atlas_maker *m, uint32_t index) {
   const olx_vec3 direction = olx_sample_sphere(olx_stratified2(index, m->seed));
   const olx_ray ray = {start, direction, 0.0f, INFINITY};
   const olx_ray_hit hit = olx_bvh_intersect(m->ask.space->scene->bvh, &ray);
-  m->present[index] = hit.triangle != OLX_NO_HIT;
   if (hit.triangle == OLX_NO_HIT) return;
+  m->present[index] = olx_space_owns(m->ask.space, olx_madd(start, direction, hit.t));
+  if (!m->present[index]) return;
   set_up_sides(m, index, hit.triangle, (olx_vec2){hit.u, hit.v});
   if (olx_dot(m->sides[2 * index].normal, direction) > 0.0f) m->sides[2 * index] = m->sides[2 * index + 1];
   m->sides[2 * index].from = start;
@@ -242,7 +290,7 @@ static olx_surfel_fate find_fate(const asker *a, const olx_surfel *surfel, uint3
   olx_ray rays[MOST_RAYS];
   olx_ray_hit hits[MOST_RAYS];
   uint8_t found = 0;
-  bool near = true;
+  bool near = a->space->start_count > 0;
   for (uint32_t round = 0; round < FATE_ROUNDS && near; round++) {
     const uint32_t count = rounds[round + 1] - rounds[round];
     cast_around(a->space, surfel, seed, rounds[round], count, rays, hits);
@@ -283,6 +331,26 @@ olx_result olx_surfels_ask(const olx_space *space, const olx_sight *sight, const
   return olx_parallel_for((surfels->count + POINTS_A_JOB - 1) / POINTS_A_JOB, threads, ask_job, &a, NULL, 0);
 }
 
+// Whether an unseen side sees a voxel within two of it that is free, but cut off from the space that matters.
+static bool faces_cut_off(const olx_space *space, const olx_surfel *surfel) {
+  const olx_world *w = space->world;
+  for (int32_t i = 0; i < 125; i++) {
+    const olx_vec3 step = {(float)(i % 5 - 2), (float)(i / 5 % 5 - 2), (float)(i / 25 - 2)};
+    uint32_t voxel[3];
+    if (!olx_world_at(w, olx_madd(surfel->position, step, w->lattice.size), voxel)) continue;
+    if (olx_world_state(w, voxel) != OLX_VOXEL_CUT_OFF) continue;
+    const olx_ray ray = {surfel->position, olx_sub(olx_world_centre(w, voxel), surfel->position), 0.0f, 1.0f};
+    if (olx_dot(ray.direction, surfel->normal) > 0.0f && !olx_bvh_occluded(space->scene->bvh, &ray)) return true;
+  }
+  return false;
+}
+
+static void side_job(const atlas_maker *m, uint32_t index, uint32_t side) {
+  olx_surfel *surfel = &m->sides[2 * index + side];
+  surfel->fate = find_fate(&m->ask, surfel, olx_hash3(m->seed, index, side));
+  m->cut_off[2 * index + side] = surfel->fate == OLX_SURFEL_UNSEEN && faces_cut_off(m->ask.space, surfel);
+}
+
 static void point_job(void *user, uint32_t index) {
   const atlas_maker *m = user;
   const uint32_t first = index * POINTS_A_JOB;
@@ -292,26 +360,31 @@ static void point_job(void *user, uint32_t index) {
       continue;
     }
     set_up_point(m, i);
-    for (uint32_t side = 0; m->present[i] && side < 2; side++) {
-      olx_surfel *surfel = &m->sides[2 * i + side];
-      surfel->fate = find_fate(&m->ask, surfel, olx_hash3(m->seed, i, side));
-    }
+    for (uint32_t side = 0; m->present[i] && side < 2; side++) side_job(m, i, side);
   }
+}
+
+static olx_result collect_cut_off(const atlas_maker *m, olx_surfels *surfels) {
+  for (uint32_t i = 0; i < 2 * m->count; i++) surfels->cut_off_count += m->cut_off[i];
+  surfels->cut_off = olx_allocate(surfels->cut_off_count, sizeof *surfels->cut_off);
+  if (!surfels->cut_off) return olx_fail(OLX_ERROR_MEMORY, "place: no memory for %u surfels", surfels->cut_off_count);
+  for (uint32_t i = 0, used = 0; i < 2 * m->count; i++) {
+    if (m->cut_off[i]) surfels->cut_off[used++] = m->sides[i].position;
+  }
+  return OLX_OK;
 }
 
 // Keep the sides that are seen, along the Morton curve.
 static olx_result collect(const atlas_maker *m, olx_surfels *surfels) {
   const olx_scene *scene = m->ask.space->scene;
-  uint32_t present = 0, unseen = 0;
   for (uint32_t i = 0; i < m->count; i++) {
     const bool first = m->sides[2 * i].fate != OLX_SURFEL_UNSEEN,
                second = m->sides[2 * i + 1].fate != OLX_SURFEL_UNSEEN;
-    present += m->present[i];
-    unseen += m->present[i] && !first && !second;
+    surfels->present += m->present[i];
+    surfels->unseen += m->present[i] && !first && !second;
     surfels->count += (uint32_t)first + (uint32_t)second;
   }
   surfels->share = surfels->count ? 1.0 / surfels->count : 0.0;
-  surfels->unreachable = present ? (double)unseen / present : 0.0;
   surfels->items = olx_allocate(surfels->count, sizeof *surfels->items);
   morton_entry *order = olx_allocate(surfels->count, sizeof *order);
   if (!surfels->items || !order) {
@@ -326,38 +399,57 @@ static olx_result collect(const atlas_maker *m, olx_surfels *surfels) {
   qsort(order, used, sizeof *order, compare_entries);
   for (uint32_t i = 0; i < used; i++) surfels->items[i] = m->sides[order[i].index];
   olx_release(order);
-  return OLX_OK;
+  return m->points ? collect_cut_off(m, surfels) : OLX_OK;
 }
 
 static olx_result make_atlas(atlas_maker *m, olx_surfels *surfels) {
-  if (m->points) OLX_TRY(draw_points(m));
+  *surfels = (olx_surfels){0};
+  m->sides = olx_allocate(2 * (size_t)m->count, sizeof *m->sides);
+  m->present = olx_allocate(m->count, 1);
+  m->cut_off = olx_allocate_zero(2 * (size_t)m->count, 1);
   const uint32_t jobs = (m->count + POINTS_A_JOB - 1) / POINTS_A_JOB;
-  OLX_TRY(olx_parallel_for(jobs, m->threads, point_job, m, NULL, 0));
-  return collect(m, surfels);
+  olx_result result = OLX_ERROR_MEMORY;
+  if (m->sides && m->present && m->cut_off) result = olx_parallel_for(jobs, m->threads, point_job, m, NULL, 0);
+  else olx_fail(result, "place: no memory for %u surfels", m->count);
+  if (result == OLX_OK) result = collect(m, surfels);
+  olx_release(m->sides);
+  olx_release(m->present);
+  olx_release(m->cut_off);
+  if (result != OLX_OK) olx_surfels_free(surfels);
+  return result;
+}
+
+olx_result olx_area_surfels(const olx_space *space, const olx_sight *sight, const olx_area_points *all,
+                            uint32_t threads, olx_surfels *surfels) {
+  const uint32_t *first = &all->first[space->tile.index];
+  atlas_maker m = {.ask = {.space = space, .sight = sight},
+                   .points = all->items + first[0],
+                   .count = first[1] - first[0],
+                   .seed = all->seed,
+                   .threads = threads};
+  return make_atlas(&m, surfels);
 }
 
 olx_result olx_surfels_create(const olx_space *space, const olx_sight *sight, olx_spread spread, uint32_t points,
                               uint32_t seed, uint32_t threads, olx_surfels *surfels) {
+  if (spread == OLX_SPREAD_RAYS) {
+    atlas_maker m = {.ask = {.space = space, .sight = sight}, .count = points, .seed = seed, .threads = threads};
+    return make_atlas(&m, surfels);
+  }
+  olx_area_points all;
   *surfels = (olx_surfels){0};
-  atlas_maker m = {.ask = {.space = space, .sight = sight}, .count = points, .seed = seed, .threads = threads};
-  const bool area = spread == OLX_SPREAD_AREA;
-  m.points = area ? olx_allocate(points, sizeof *m.points) : NULL;
-  m.sides = olx_allocate(2 * (size_t)points, sizeof *m.sides);
-  m.present = olx_allocate(points, 1);
-  olx_result result = OLX_ERROR_MEMORY;
-  if ((m.points || !area) && m.sides && m.present) result = make_atlas(&m, surfels);
-  else olx_fail(result, "place: no memory for %u surfels", points);
-  olx_release(m.points);
-  olx_release(m.sides);
-  olx_release(m.present);
-  if (result != OLX_OK) olx_surfels_free(surfels);
+  OLX_TRY(olx_area_points_create(space->world, points, seed, &all));
+  const olx_result result = olx_area_surfels(space, sight, &all, threads, surfels);
+  olx_area_points_free(&all);
   return result;
 }
 
 void olx_surfels_free(olx_surfels *surfels) {
   olx_release(surfels->items);
+  olx_release(surfels->cut_off);
   surfels->items = NULL;
-  surfels->count = 0;
+  surfels->cut_off = NULL;
+  surfels->count = surfels->cut_off_count = 0;
 }
 
 // One of the fit places along the ray, each as likely.

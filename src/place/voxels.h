@@ -18,11 +18,9 @@ typedef struct olx_voxels {
   uint32_t *distance; // squared, in voxels, from centre to centre of the nearest solid one; exact. 0 in solid voxels
 } olx_voxels;
 
-// Voxels over the box, `resolution` along its longest side, fewer when there would be more than 2^23 of them. A
-// triangle makes every voxel solid that it touches (conservatively, so that nothing is flooded through a surface); an
-// alpha-masked one only where its surface is there. The box needs an extent above 0 along one axis at least.
-olx_result olx_voxels_create(const olx_scene *scene, olx_box box, uint32_t resolution, uint32_t threads,
-                             olx_voxels *voxels);
+// Lays voxels over the box, `resolution` along its longest side, fewer when there would be more than 2^23 of them, without
+// memory. The box needs an extent above 0 along one axis at least.
+void olx_voxels_fit(olx_box box, uint32_t resolution, olx_voxels *voxels);
 void olx_voxels_free(olx_voxels *voxels);
 
 // Exact Euclidean distance transform (Meijster et al. 2000): squared distances to the nearest cell with solid != 0.

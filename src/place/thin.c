@@ -1,0 +1,199 @@
+// Thins the probes of many tiles out, which were chosen without knowing of all the others: a lazy greedy cover over samples of all tiles, whose rows are short
+// lists.
+#include "place/thin.h"
+
+#include "core/hooks.h"
+#include "core/result.h"
+#include "core/sampling.h"
+#include "place/space_find.h"
+
+#include <string.h>
+
+enum {
+  THIN_SEED = 0x7417,
+  MOST_RAYS = 1 << 24, // of all tiles, about
+  SEEN_BY = 4          // probes that are noted for a surfel at most, beside those that have to see it
+};
+#define DENSER 4.0     // rays, over the surfels that placement uses
+#define LEAST_LOSS 0.1 // of what may stay uncovered, that thinning out may add
+
+// A probe sees a surfel well; surfels of all tiles are numbered.
+typedef struct sighting {
+  uint32_t probe, surfel;
+} sighting;
+
+typedef struct thinner {
+  const olx_tiling *tiling;
+  const olx_candidate *probes;
+  uint32_t probe_count, surfel_count, wanted; // wanted: probes that may still be kept
+  uint64_t uncovered, allowed;                // surfels that are covered by all probes, and not by those kept
+  sighting *seen;
+  size_t seen_count, seen_capacity;
+  size_t *first; // a probe: where its surfels begin in `surfels`
+  uint32_t *surfels;
+  uint8_t *views;  // a surfel: by probes that are kept
+  uint8_t *kept;   // a probe
+  uint32_t *gains; // a probe: surfels that it added when last counted
+} thinner;
+
+static olx_result no_memory(void) { return olx_fail(OLX_ERROR_MEMORY, "place: no memory for sightings of probes"); }
+
+static olx_result make_room(thinner *t, size_t more) {
+  if (t->seen_count + more <= t->seen_capacity) return OLX_OK;
+  const size_t capacity = (t->seen_count + more) * 3 / 2;
+  sighting *seen = olx_allocate(capacity, sizeof *seen);
+  if (!seen) return no_memory();
+  if (t->seen_count) memcpy(seen, t->seen, t->seen_count * sizeof *seen);
+  olx_release(t->seen);
+  t->seen = seen;
+  t->seen_capacity = capacity;
+  return OLX_OK;
+}
+
+// What a probe sees; noted[i] counts the probes for surfel i. What many see is hardly ever lost, so that some of them are enough.
+static olx_result note_row(thinner *t, uint32_t probe, const uint8_t *row, uint32_t count, uint8_t *noted) {
+  const uint32_t most = t->tiling->settings->views + SEEN_BY - 1;
+  OLX_TRY(make_room(t, count));
+  for (uint32_t i = 0; i < count; i++) {
+    if (!row[i] || noted[i] >= most) continue;
+    noted[i]++;
+    t->seen[t->seen_count++] = (sighting){probe, t->surfel_count + i};
+  }
+  return OLX_OK;
+}
+
+static olx_result look_in(thinner *t, const olx_space *space, const olx_surfels *surfels) {
+  uint8_t *row = olx_allocate(surfels->count, 1), *noted = olx_allocate_zero(surfels->count, 1);
+  olx_result result = row && noted ? OLX_OK : no_memory();
+  for (uint32_t i = 0; result == OLX_OK && i < t->probe_count; i++) {
+    if (!olx_space_is_near(space, t->probes[i].place)) continue;
+    olx_sight_row(space, t->tiling->sight, t->probes[i].place, surfels, row);
+    result = note_row(t, i, row, surfels->count, noted);
+  }
+  t->surfel_count += surfels->count;
+  olx_release(row);
+  olx_release(noted);
+  return result;
+}
+
+// Rays for each voxel of a tile's space.
+static double ray_density(const olx_tiling *tiling) {
+  const double wanted = DENSER * (double)tiling->settings->surfels / OLX_SETTINGS_VOXELS;
+  const double affordable = MOST_RAYS / (double)tiling->world->reached_count;
+  return wanted < affordable ? wanted : affordable;
+}
+
+static olx_result look_at_tile(thinner *t, uint32_t tile) {
+  const olx_place_settings *s = t->tiling->settings;
+  olx_space space;
+  olx_surfels surfels = {0};
+  OLX_TRY(olx_space_open(t->tiling->world, tile, OLX_TILE_OVERLAP, s->threads, &space));
+  const uint32_t rays = (uint32_t)(ray_density(t->tiling) * (double)space.start_count);
+  const uint32_t seed = olx_hash3(s->seed, THIN_SEED, tile);
+  olx_result result = OLX_OK;
+  if (rays > 0) {
+    result = olx_surfels_create(&space, t->tiling->sight, OLX_SPREAD_RAYS, rays, seed, s->threads, &surfels);
+  }
+  if (result == OLX_OK) result = look_in(t, &space, &surfels);
+  olx_surfels_free(&surfels);
+  olx_space_free(&space);
+  return result;
+}
+
+// List surfels by probes.
+static olx_result sort_sightings(thinner *t) {
+  t->first = olx_allocate_zero((size_t)t->probe_count + 2, sizeof *t->first);
+  t->surfels = olx_allocate(t->seen_count, sizeof *t->surfels);
+  t->views = olx_allocate_zero(t->surfel_count, 1);
+  t->kept = olx_allocate_zero(t->probe_count, 1);
+  t->gains = olx_allocate(t->probe_count, sizeof *t->gains);
+  if (!t->first || !t->surfels || !t->views || !t->kept || !t->gains) return no_memory();
+  for (size_t i = 0; i < t->seen_count; i++) t->first[t->seen[i].probe + 2]++;
+  for (uint32_t i = 2; i < t->probe_count + 2; i++) t->first[i] += t->first[i - 1];
+  for (size_t i = 0; i < t->seen_count; i++) t->surfels[t->first[t->seen[i].probe + 1]++] = t->seen[i].surfel;
+  olx_release(t->seen);
+  t->seen = NULL;
+  return OLX_OK;
+}
+
+static uint32_t gain_of(const thinner *t, uint32_t probe) {
+  uint32_t gain = 0;
+  for (size_t i = t->first[probe]; i < t->first[probe + 1]; i++) {
+    gain += t->views[t->surfels[i]] < t->tiling->settings->views;
+  }
+  return gain;
+}
+
+static void keep(thinner *t, uint32_t probe) {
+  const uint32_t least = t->tiling->settings->views;
+  t->kept[probe] = 1;
+  for (size_t i = t->first[probe]; i < t->first[probe + 1]; i++) {
+    uint8_t *views = &t->views[t->surfels[i]];
+    if (*views >= least) continue;
+    t->uncovered -= ++*views == least;
+  }
+}
+
+// What all probes cover.
+static void count_coverable(thinner *t) {
+  const uint32_t least = t->tiling->settings->views;
+  for (size_t i = 0; i < t->seen_count; i++) {
+    uint8_t *views = &t->views[t->surfels[i]];
+    if (*views < least) t->uncovered += ++*views == least;
+  }
+  memset(t->views, 0, t->surfel_count);
+}
+
+static bool is_done(const thinner *t) { return t->wanted == 0 || t->uncovered <= t->allowed; }
+
+// Gains only fall: a probe whose gain is still what it was when last counted, and that no other exceeds, adds most. Buckets by
+// gain, from the largest on.
+static olx_result choose(thinner *t) {
+  uint32_t most = 0;
+  for (uint32_t i = 0; i < t->probe_count; i++) {
+    t->gains[i] = gain_of(t, i);
+    if (!t->kept[i] && t->gains[i] > most) most = t->gains[i];
+  }
+  for (uint32_t level = most; level > 0 && !is_done(t); level--) {
+    OLX_TRY(olx_check_cancelled());
+    for (uint32_t i = 0; i < t->probe_count && !is_done(t); i++) {
+      if (t->kept[i] || t->gains[i] < level) continue;
+      t->gains[i] = gain_of(t, i);
+      if (t->gains[i] < level) continue;
+      keep(t, i);
+      t->wanted--;
+    }
+  }
+  return OLX_OK;
+}
+
+static olx_result thin(thinner *t, uint32_t limit, olx_candidate *probes, uint32_t *count) {
+  const uint32_t pinned = t->tiling->pinned.count;
+  for (uint32_t i = 0; i < t->tiling->world->tile_total; i++) OLX_TRY(look_at_tile(t, i));
+  OLX_TRY(sort_sightings(t));
+  count_coverable(t);
+  if (t->tiling->settings->count == 0) {
+    t->allowed = (uint64_t)(LEAST_LOSS * (1.0 - (double)t->tiling->settings->coverage) * (double)t->uncovered);
+  }
+  t->wanted = limit - pinned;
+  for (uint32_t i = 0; i < pinned; i++) keep(t, i);
+  OLX_TRY(choose(t));
+  uint32_t used = 0;
+  for (uint32_t i = 0; i < t->probe_count; i++) {
+    if (t->kept[i]) probes[used++] = probes[i];
+  }
+  *count = used;
+  return OLX_OK;
+}
+
+olx_result olx_tiling_thin(const olx_tiling *tiling, uint32_t limit, olx_candidate *probes, uint32_t *count) {
+  thinner t = {.tiling = tiling, .probes = probes, .probe_count = *count};
+  const olx_result result = thin(&t, limit, probes, count);
+  olx_release(t.seen);
+  olx_release(t.first);
+  olx_release(t.surfels);
+  olx_release(t.views);
+  olx_release(t.kept);
+  olx_release(t.gains);
+  return result;
+}

@@ -41,44 +41,33 @@ void release_bake_settings(olx_bake_settings *settings) {
   settings->probes = NULL;
 }
 
+bake_options bake_options_begin(void) { return (bake_options){.settings = olx_bake_settings_default(NULL)}; }
+
 // Options that say how probe light is made imply that it is wanted.
-static bool asks_for_probe_light(const bake_options *given) {
-  return given->probe_light || given->irradiance_grid[0] || given->irradiance_size || given->no_fit ||
-         given->irradiance_form != UINT32_MAX || given->bounce_gather != UINT32_MAX;
+static bool asks_for_probe_light(const command_line *line) {
+  static const char *const names[] = {"--probe-light", "--irradiance-grid", "--irradiance-size",
+                                      "--no-fit",      "--irradiance",      "--bounce-gather"};
+  for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
+    if (was_given(line, names[i])) return true;
+  }
+  return false;
 }
 
-olx_result resolve_bake_options(const olx_scene *scene, const bake_options *given, olx_bake_settings *settings) {
-  *settings = olx_bake_settings_default(scene);
-  if (given->grid[0]) {
-    const olx_result result = olx_scene_probe_grid(scene, given->grid, &settings->grid);
-    if (result != OLX_OK) return result;
-    settings->irradiance_grid = olx_bake_irradiance_grid(&settings->grid);
-  }
-  if (given->irradiance_grid[0]) {
-    const olx_result result = olx_scene_probe_grid(scene, given->irradiance_grid, &settings->irradiance_grid);
-    if (result != OLX_OK) return result;
-  }
-  if (given->radiance_size) settings->radiance_size = given->radiance_size;
-  if (given->irradiance_size) settings->irradiance_size = given->irradiance_size;
-  if (given->irradiance_form != UINT32_MAX) settings->irradiance_form = (olx_irradiance_form)given->irradiance_form;
-  if (given->bounces != UINT32_MAX) settings->bounces = given->bounces;
-  if (given->samples) settings->samples = given->samples;
-  if (given->light_samples) settings->light_samples = given->light_samples;
-  settings->select_mask = given->select_mask;
-  settings->fit = !given->no_fit;
-  if (given->bounce_gather != UINT32_MAX) settings->bounce_gather = (olx_bounce_gather)given->bounce_gather;
-  settings->probe_light = asks_for_probe_light(given);
-  settings->light = (olx_bake_light)given->light;
-  if (given->noise > 0.0f) settings->noise = given->noise;
-  if (given->reference_paths) settings->reference_paths = given->reference_paths;
-  if (given->volume_cells != UINT32_MAX) settings->volume_cells = given->volume_cells;
-  settings->classic = given->classic;
-  settings->relight = given->relight;
-  settings->uncompressed = given->uncompressed;
-  if (given->classic_size) settings->classic_size = given->classic_size;
-  if (given->classic_cube_size) settings->classic_cube_size = given->classic_cube_size;
-  settings->classic_sharpness = given->classic_sharpness;
-  settings->seed = given->seed;
-  settings->threads = given->threads;
+// The grid of as many probes as were given.
+static olx_result place_grid(const olx_scene *scene, olx_grid *grid) {
+  const uint32_t count[3] = {grid->count[0], grid->count[1], grid->count[2]};
+  return olx_scene_probe_grid(scene, count, grid);
+}
+
+olx_result resolve_bake_options(const olx_scene *scene, const command_line *line, bake_options *given) {
+  olx_bake_settings *settings = &given->settings;
+  olx_result result = OLX_OK;
+  if (was_given(line, "--grid")) result = place_grid(scene, &settings->grid);
+  else settings->grid = olx_bake_settings_default(scene).grid;
+  if (result != OLX_OK) return result;
+  if (was_given(line, "--irradiance-grid")) result = place_grid(scene, &settings->irradiance_grid);
+  else settings->irradiance_grid = olx_bake_irradiance_grid(&settings->grid);
+  if (result != OLX_OK) return result;
+  settings->probe_light = asks_for_probe_light(line);
   return given->probes ? load_probes(scene, given->probes, settings) : OLX_OK;
 }

@@ -201,47 +201,47 @@ static int bake_scene(const olx_scene *scene, const olx_bake_settings *settings,
   return EXIT_DONE;
 }
 
-static int check_given(const bake_options *given, const work_options *work, const char *output, bool dry_run) {
+static int check_given(const command_line *line, const bake_options *given, const work_options *work,
+                       const char *output, bool dry_run) {
+  const olx_bake_settings *s = &given->settings;
+  const bool shapes_classic =
+      was_given(line, "--classic-size") || was_given(line, "--cube-size") || was_given(line, "--sharpness");
   if (!output && (!work->part || dry_run)) {
     return usage_error("bake", "-o FILE.olx is missing (see octalux bake --help)");
   }
-  if (!given->classic && (given->classic_size || given->classic_cube_size || given->classic_sharpness)) {
+  if (!s->classic && shapes_classic) {
     return usage_error("bake", "--classic-size, --cube-size and --sharpness go with --classic");
   }
-  if (given->reference_paths && given->light != OLX_LIGHT_REFERENCE) {
+  if (was_given(line, "--reference-paths") && s->light != OLX_LIGHT_REFERENCE) {
     return usage_error("bake", "--reference-paths goes with --light reference");
   }
-  if (given->relight && given->light == OLX_LIGHT_REFERENCE) {
+  if (s->relight && s->light == OLX_LIGHT_REFERENCE) {
     return usage_error("bake", "--relight needs the light of the scene, not --light reference");
   }
-  if (given->probes && given->grid[0]) return usage_error("bake", "--grid and --probes exclude each other");
+  if (given->probes && was_given(line, "--grid")) {
+    return usage_error("bake", "--grid and --probes exclude each other");
+  }
   return EXIT_DONE;
 }
 
 // Bakes, or reckons, what the options say.
-static int run_bake(const olx_scene *scene, const bake_options *given, const work_options *work, const char *output,
-                    bool measure_embree, bool dry_run, bool progress, work_line *units, bool json) {
-  olx_bake_settings settings;
-  if (resolve_bake_options(scene, given, &settings) != OLX_OK) return library_failure("bake");
-  settings.measure_embree = measure_embree;
-  int code = resolve_work_options(scene, work, output, &settings, units);
+static int run_bake(const olx_scene *scene, olx_bake_settings *settings, const work_options *work, const char *output,
+                    bool dry_run, bool progress, work_line *units, bool json) {
+  const int code = resolve_work_options(scene, work, output, settings, units);
   const bake_manner manner = {progress, json, units};
-  const char *path = output ? output : settings.work.folder;
-  if (code == EXIT_DONE) {
-    code = dry_run ? plan_bake(scene, &settings, path, progress, json) : bake_scene(scene, &settings, path, &manner);
-  }
-  release_bake_settings(&settings);
-  return code;
+  const char *path = output ? output : settings->work.folder;
+  if (code != EXIT_DONE) return code;
+  return dry_run ? plan_bake(scene, settings, path, progress, json) : bake_scene(scene, settings, path, &manner);
 }
 
 int command_bake(int argc, char **argv) {
-  bake_options given = BAKE_OPTIONS_NONE;
+  bake_options given = bake_options_begin();
   work_options work = {0};
   work_line units = {0};
   const char *output = NULL;
   scene_options loading = {0};
   uint32_t progress = 0;
-  bool measure_embree = false, dry_run = false, json = false;
+  bool dry_run = false, json = false;
   const option options[] = {
       {"-o", OPTION_TEXT, &output, "FILE.olx", "the field to write; a part writes none", 0, 0},
       BAKE_BASIC_ROWS(given),
@@ -259,7 +259,8 @@ int command_bake(int argc, char **argv) {
       SCENE_OPTION_ROWS(loading),
       RESEARCH_ROW,
       BAKE_RESEARCH_ROWS(given),
-      {"--measure-embree", OPTION_FLAG, &measure_embree, NULL, "also time Embree alone on the rays from probes", 0, 0},
+      {"--measure-embree", OPTION_FLAG, &given.settings.measure_embree, NULL,
+       "also time Embree alone on the rays from probes", 0, 0},
   };
   command_line line = {.name = "bake",
                        .summary = "Bake a scene's light into a field: what its probes see, and their irradiance.",
@@ -269,7 +270,7 @@ int command_bake(int argc, char **argv) {
                        .option_count = sizeof options / sizeof options[0]};
   int code;
   if (!parse_options(&line, argc, argv, &code)) return code;
-  code = check_given(&given, &work, output, dry_run);
+  code = check_given(&line, &given, &work, output, dry_run);
   if (code != EXIT_DONE) return code;
   const command_files files = {.inputs = {line.given[0], given.probes}, .outputs = {{output, false}}};
   code = check_files("bake", &files, json);
@@ -279,9 +280,11 @@ int command_bake(int argc, char **argv) {
   if (code != EXIT_DONE) return code;
   units.json = progress == 2;
   code = check_scene_files("bake", &files, scene);
+  if (code == EXIT_DONE && resolve_bake_options(scene, &line, &given) != OLX_OK) code = library_failure("bake");
   if (code == EXIT_DONE) {
-    code = run_bake(scene, &given, &work, output, measure_embree, dry_run, progress == 1, &units, json);
+    code = run_bake(scene, &given.settings, &work, output, dry_run, progress == 1, &units, json);
   }
+  release_bake_settings(&given.settings);
   olx_scene_free(scene);
   return code;
 }

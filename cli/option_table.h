@@ -9,6 +9,7 @@
 
 typedef enum option_kind {
   OPTION_FLAG,         // bool: set when named
+  OPTION_FLAG_OFF,     // bool: cleared when named
   OPTION_FLAG_WORD,    // uint32_t: 1 when named alone, 2 when named as "--name=WORD", WORD being `form`
   OPTION_TEXT,         // const char *; must be given when min is 1
   OPTION_COUNT,        // uint32_t in min..max
@@ -38,14 +39,15 @@ typedef struct option {
 #define RESEARCH_ROW                                                                                                   \
   { NULL, OPTION_GROUP, NULL, NULL, "Research", 1, 0 }
 
-#define MAX_ARGUMENTS 2
+enum { MAX_ARGUMENTS = 2, MOST_OPTIONS = 96 };
 
 typedef struct command_line {
   const char *name, *summary, *example; // example: a command as it is typed; may be NULL
   const char *arguments[MAX_ARGUMENTS]; // names of arguments without a dash; NULL: none. In brackets: may be left out
   const char *given[MAX_ARGUMENTS];     // filled by parsing; NULL when left out
   const option *options;
-  size_t option_count;
+  size_t option_count;          // at most MOST_OPTIONS
+  bool was_given[MOST_OPTIONS]; // filled by parsing: which of them were
 } command_line;
 
 // What stands before a command's name in messages: "octalux ", or nothing when the name is that of a program of its own,

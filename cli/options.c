@@ -5,13 +5,12 @@
 
 #include <octalux/base.h>
 
+#include <assert.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum { MOST_OPTIONS = 96 };
 
 static bool quiet;
 
@@ -132,6 +131,7 @@ static bool parse_value(const option *o, const char *text) {
   uint32_t number;
   switch (o->kind) {
   case OPTION_FLAG:
+  case OPTION_FLAG_OFF:
   case OPTION_FLAG_WORD:
   case OPTION_GROUP: return false;
   case OPTION_TEXT: *(const char **)o->value = text; return *text != 0;
@@ -164,6 +164,7 @@ static void describe_value(const option *o, char *text, size_t size) {
   case OPTION_CHOICE: snprintf(text, size, "one of %s", o->form); break;
   case OPTION_CHOICES: snprintf(text, size, "one or several of %s, separated by commas", o->form); break;
   case OPTION_FLAG:
+  case OPTION_FLAG_OFF:
   case OPTION_FLAG_WORD:
   case OPTION_GROUP:
   case OPTION_TEXT: snprintf(text, size, "a name"); break;
@@ -205,9 +206,10 @@ static bool take_option(command_line *line, int argc, char **argv, int *index) {
   for (size_t i = 0; i < line->option_count; ++i) {
     const option *o = &line->options[i];
     if (o->kind == OPTION_GROUP || strlen(o->name) != length || strncmp(o->name, text, length) != 0) continue;
-    if (o->kind == OPTION_FLAG) {
+    line->was_given[i] = true;
+    if (o->kind == OPTION_FLAG || o->kind == OPTION_FLAG_OFF) {
       if (equals) return usage_error(line->name, "%s takes no value", o->name) == EXIT_DONE;
-      *(bool *)o->value = true;
+      *(bool *)o->value = o->kind == OPTION_FLAG;
       return true;
     }
     if (o->kind == OPTION_FLAG_WORD) {
@@ -233,8 +235,16 @@ static void answer_help(const command_line *line, const char *word) {
   print_help(line, form);
 }
 
+bool was_given(const command_line *line, const char *name) {
+  for (size_t i = 0; i < line->option_count; ++i) {
+    if (line->was_given[i] && strcmp(line->options[i].name, name) == 0) return true;
+  }
+  return false;
+}
+
 bool parse_options(command_line *line, int argc, char **argv, int *exit_code) {
   bool only_arguments = false;
+  assert(line->option_count <= MOST_OPTIONS);
   *exit_code = EXIT_USAGE;
   for (int i = 1; i < argc; ++i) {
     if (only_arguments || argv[i][0] != '-' || !argv[i][1]) {

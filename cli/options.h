@@ -15,6 +15,9 @@ enum {
 // said what is wrong). Every command also takes --help, with "all", "man" or "words" behind it, and --quiet.
 bool parse_options(command_line *line, int argc, char **argv, int *exit_code);
 
+// Whether the command line named the option of the table.
+bool was_given(const command_line *line, const char *name);
+
 // Whether --quiet was given: warnings are dropped then, and nobody is told of progress.
 bool is_quiet(void);
 

@@ -55,6 +55,20 @@ void made_room(olx_scene *scene, olx_vec3 center, float side, uint32_t material)
   assert_int_equal(olx_add_room(scene, "room", olx_sub(center, half), olx_add(center, half), materials), OLX_OK);
 }
 
+void made_box(olx_scene *scene, olx_vec3 low, olx_vec3 high, bool outward, uint32_t material) {
+  olx_vec3 p[8];
+  for (uint32_t i = 0; i < 8; i++) {
+    p[i] = olx_v3(i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z);
+  }
+  const uint32_t faces[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
+  uint32_t indices[36];
+  for (uint32_t f = 0; f < 6; f++) {
+    const uint32_t *q = faces[f], order[6] = {q[0], q[1], q[2], q[0], q[2], q[3]};
+    for (uint32_t i = 0; i < 6; i++) indices[6 * f + i] = order[outward ? i : 5 - i];
+  }
+  assert_int_equal(olx_scene_add_mesh(scene, "box", p, NULL, NULL, 8, indices, 12, material), OLX_OK);
+}
+
 olx_scene *made_finish(olx_scene *scene) {
   assert_int_equal(olx_scene_finish(scene), OLX_OK);
   return scene;

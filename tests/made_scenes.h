@@ -15,6 +15,8 @@ void made_quad(olx_scene *scene, olx_vec3 center, olx_vec3 edge_u, olx_vec3 edge
 void made_square(olx_scene *scene, float y, uint32_t material);
 // The inside of a cube around `center`.
 void made_room(olx_scene *scene, olx_vec3 center, float side, uint32_t material);
+// A box seen from inside, or from outside when `outward`.
+void made_box(olx_scene *scene, olx_vec3 low, olx_vec3 high, bool outward, uint32_t material);
 olx_scene *made_finish(olx_scene *scene);
 
 // Uniform numbers of a counter.

@@ -6,6 +6,7 @@
 #include "core/sampling.h"
 #include "field/field_file.h"
 #include "field/texels.h"
+#include "made_scenes.h"
 #include "scene/scene_build.h"
 
 #include <octalux/bake.h>
@@ -76,21 +77,6 @@ static uint32_t add_material(olx_scene *scene, olx_vec3 color, float metallic, f
   return index;
 }
 
-// A box seen from inside, or from outside when `outward`.
-static void add_box(olx_scene *scene, olx_vec3 low, olx_vec3 high, bool outward, uint32_t material) {
-  olx_vec3 p[8];
-  for (uint32_t i = 0; i < 8; i++) {
-    p[i] = olx_v3(i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z);
-  }
-  const uint32_t faces[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
-  uint32_t indices[36];
-  for (uint32_t f = 0; f < 6; f++) {
-    const uint32_t *q = faces[f], order[6] = {q[0], q[1], q[2], q[0], q[2], q[3]};
-    for (uint32_t i = 0; i < 6; i++) indices[6 * f + i] = order[outward ? i : 5 - i];
-  }
-  assert_int_equal(olx_scene_add_mesh(scene, "box", p, NULL, NULL, 8, indices, 12, material), OLX_OK);
-}
-
 enum { SPHERE_SIDE = 64 };
 
 // A sphere of radius 1 around the origin seen from inside, made from the octahedral map.
@@ -134,12 +120,6 @@ static void add_point_light(olx_scene *scene, olx_vec3 position, float intensity
 
 static olx_scene *finish_scene(olx_scene *scene) {
   assert_int_equal(olx_scene_finish(scene), OLX_OK);
-  return scene;
-}
-
-static olx_scene *load(const char *name) {
-  olx_scene *scene = NULL;
-  assert_int_equal(olx_scene_load(name, &scene), OLX_OK);
   return scene;
 }
 
@@ -225,7 +205,7 @@ static void glowing_box_follows_the_series(void **state) {
   const folder *f = *state;
   const float albedo = 0.5f, emission = 2.0f;
   olx_scene *scene = begin_scene();
-  add_box(scene, olx_splat(-1.0f), olx_splat(1.0f), false,
+  made_box(scene, olx_splat(-1.0f), olx_splat(1.0f), false,
           add_material(scene, olx_splat(albedo), 0.0f, 1.0f, olx_splat(emission)));
   finish_scene(scene);
   enum { PROBES = 2 };
@@ -322,7 +302,7 @@ static float distance_in_box(olx_vec3 position, olx_vec3 direction, float half) 
 static void distances_are_those_of_the_box(void **state) {
   const folder *f = *state;
   olx_scene *scene = begin_scene();
-  add_box(scene, olx_splat(-2.0f), olx_splat(2.0f), false,
+  made_box(scene, olx_splat(-2.0f), olx_splat(2.0f), false,
           add_material(scene, olx_splat(0.5f), 0.0f, 1.0f, olx_splat(0.0f)));
   finish_scene(scene);
   const olx_vec3 position = olx_v3(0.5f, -0.3f, 0.9f);
@@ -391,102 +371,6 @@ static void sky_is_infinitely_far(void **state) {
   olx_scene_free(scene);
 }
 
-// ---- probes inside geometry
-
-static uint32_t count_buried(const olx_scene *scene, olx_grid grid, const char *path, uint32_t *irradiance) {
-  olx_bake_settings settings = small_settings(scene, grid, 0);
-  settings.radiance_size = settings.irradiance_size = 8;
-  olx_bake_stats stats;
-  olx_field *field = bake_field(scene, &settings, path, &stats);
-  const olx_field_info info = olx_field_describe(field);
-  assert_int_equal(info.buried_count, stats.buried);
-  assert_int_equal(info.irradiance_buried_count, stats.irradiance_buried);
-  olx_field_close(field);
-  *irradiance = stats.irradiance_buried;
-  return stats.buried;
-}
-
-static void probes_in_pillars_are_found(void **state) {
-  const folder *f = *state;
-  uint32_t irradiance;
-  olx_grid grid;
-  olx_scene *scene = load("builtin:pillars");
-  assert_int_equal(olx_scene_probe_grid(scene, NULL, &grid), OLX_OK);
-  assert_int_equal(grid.count[0] * grid.count[1] * grid.count[2], 18);
-  assert_int_equal(count_buried(scene, grid, f->file, &irradiance), 3);
-  assert_int_equal(irradiance, 3);
-  olx_scene_free(scene);
-  scene = load("builtin:cornell");
-  assert_int_equal(olx_scene_probe_grid(scene, NULL, &grid), OLX_OK);
-  assert_int_equal(count_buried(scene, grid, f->file, &irradiance), 0);
-  assert_int_equal(irradiance, 0);
-  olx_scene_free(scene);
-}
-
-// Nobody asks for their maps, so no rays are spent on gathering light inside of a pillar.
-static void probes_in_pillars_hold_no_indirect_light(void **state) {
-  const folder *f = *state;
-  uint32_t irradiance;
-  olx_grid grid;
-  olx_scene *scene = load("builtin:pillars");
-  assert_int_equal(olx_scene_probe_grid(scene, NULL, &grid), OLX_OK);
-  count_buried(scene, grid, f->file, &irradiance);
-  olx_field *field = NULL;
-  assert_int_equal(olx_field_open(f->file, &field), OLX_OK);
-  for (uint32_t probe = 0; probe < field->info.probe_count; probe++) {
-    float most = 0.0f;
-    for (size_t i = 0; i < field->texels; i++) most = olx_max(most, olx_max3(olx_texel_indirect(field, probe, i)));
-    assert_true((most == 0.0f) == olx_field_probe_buried(field, probe));
-  }
-  olx_field_close(field);
-  olx_scene_free(scene);
-}
-
-// Back faces alone bury nobody: a room whose walls all face outwards, and a sheet seen from behind.
-static void odd_windings_bury_nobody(void **state) {
-  const folder *f = *state;
-  uint32_t irradiance;
-  const olx_grid grid = grid_of(olx_splat(-0.6f), olx_splat(1.2f), 2, 2, 2);
-  olx_scene *scene = begin_scene();
-  const uint32_t material = add_material(scene, olx_splat(0.5f), 0.0f, 1.0f, olx_splat(0.0f));
-  add_box(scene, olx_splat(-1.0f), olx_splat(1.0f), true, material);
-  finish_scene(scene);
-  assert_int_equal(count_buried(scene, grid, f->file, &irradiance), 0);
-  olx_scene_free(scene);
-
-  scene = begin_scene();
-  add_material(scene, olx_splat(0.5f), 0.0f, 1.0f, olx_splat(0.0f));
-  add_box(scene, olx_splat(-1.0f), olx_splat(1.0f), false, 0);
-  // A curtain close in front of half of the probes, its front towards the other half: they see mostly its back.
-  const olx_vec3 corners[4] = {{-1, -1, -0.5f}, {1, -1, -0.5f}, {1, 1, -0.5f}, {-1, 1, -0.5f}};
-  const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
-  assert_int_equal(olx_scene_add_mesh(scene, "curtain", corners, NULL, NULL, 4, indices, 2, 0), OLX_OK);
-  finish_scene(scene);
-  assert_int_equal(count_buried(scene, grid, f->file, &irradiance), 0);
-  olx_scene_free(scene);
-}
-
-// One block in such a room, and a probe in it.
-static void blocks_bury_in_any_room(void **state) {
-  const folder *f = *state;
-  for (uint32_t outward = 0; outward < 2; outward++) {
-    uint32_t irradiance;
-    olx_scene *scene = begin_scene();
-    add_material(scene, olx_splat(0.5f), 0.0f, 1.0f, olx_splat(0.0f));
-    add_box(scene, olx_splat(-1.0f), olx_splat(1.0f), outward, 0);
-    add_box(scene, olx_v3(0.4f, 0.3f, 0.2f), olx_v3(0.9f, 0.8f, 0.7f), true, 0);
-    finish_scene(scene);
-    const olx_grid grid = grid_of(olx_splat(-0.6f), olx_splat(1.2f), 2, 2, 2);
-    assert_int_equal(count_buried(scene, grid, f->file, &irradiance), 1);
-    assert_int_equal(irradiance, 1);
-    olx_field *field = NULL;
-    assert_int_equal(olx_field_open(f->file, &field), OLX_OK);
-    for (uint32_t i = 0; i < 8; i++) assert_int_equal(olx_field_probe_buried(field, i), i == 7);
-    olx_field_close(field);
-    olx_scene_free(scene);
-  }
-}
-
 // ---- the file
 
 static char *read_bytes(const char *path, size_t *size) {
@@ -511,9 +395,9 @@ static olx_scene *busy_scene(void) {
   uint32_t shiny;
   assert_int_equal(olx_scene_add_material(scene, &plastic, &shiny), OLX_OK);
   const uint32_t metal = add_material(scene, olx_splat(0.8f), 1.0f, 0.2f, olx_splat(0.0f));
-  add_box(scene, olx_splat(-1.0f), olx_splat(1.0f), false, matt);
-  add_box(scene, olx_v3(-0.8f, -1.0f, -0.7f), olx_v3(-0.2f, -0.1f, -0.1f), true, shiny);
-  add_box(scene, olx_v3(0.1f, -1.0f, 0.2f), olx_v3(0.7f, -0.3f, 0.9f), true, metal);
+  made_box(scene, olx_splat(-1.0f), olx_splat(1.0f), false, matt);
+  made_box(scene, olx_v3(-0.8f, -1.0f, -0.7f), olx_v3(-0.2f, -0.1f, -0.1f), true, shiny);
+  made_box(scene, olx_v3(0.1f, -1.0f, 0.2f), olx_v3(0.7f, -0.3f, 0.9f), true, metal);
   add_point_light(scene, olx_v3(0.3f, 0.6f, -0.4f), 1.5f);
   assert_int_equal(olx_scene_add_rect_light(scene, olx_v3(0.0f, 0.95f, 0.0f), olx_v3(0.4f, 0.0f, 0.0f),
                                             olx_v3(0.0f, 0.0f, 0.4f), olx_v3(9.0f, 8.0f, 7.0f)),
@@ -819,10 +703,6 @@ int main(void) {
       IN_FOLDER(metal_is_not_black),
       IN_FOLDER(distances_are_those_of_the_box),
       IN_FOLDER(sky_is_infinitely_far),
-      IN_FOLDER(probes_in_pillars_are_found),
-      IN_FOLDER(probes_in_pillars_hold_no_indirect_light),
-      IN_FOLDER(odd_windings_bury_nobody),
-      IN_FOLDER(blocks_bury_in_any_room),
       IN_FOLDER(bytes_do_not_depend_on_threads),
       IN_FOLDER(another_seed_draws_other_noise_alone),
       IN_FOLDER(sizes_and_samples_combine),

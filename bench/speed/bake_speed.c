@@ -47,24 +47,24 @@ static int report_speed(const speed_bench *bench, const olx_bake_settings *setti
   return EXIT_DONE;
 }
 
-static int bake_to(const speed_bench *bench, const olx_scene *scene, const char *path) {
-  olx_bake_settings settings;
-  if (resolve_bake_options(scene, &bench->given, &settings) != OLX_OK) return library_failure(NAME);
-  settings.measure_embree = true;
+static int bake_to(speed_bench *bench, const command_line *options, const olx_scene *scene, const char *path) {
+  olx_bake_settings *settings = &bench->given.settings;
+  if (resolve_bake_options(scene, options, &bench->given) != OLX_OK) return library_failure(NAME);
+  settings->measure_embree = true;
   progress_line line;
   progress_begin(&line, NAME, bench->progress);
   const olx_progress progress = progress_of(&line);
   olx_bake_stats stats;
-  const olx_result result = olx_bake(scene, &settings, path, &progress, &stats);
+  const olx_result result = olx_bake(scene, settings, path, &progress, &stats);
   progress_end(&line);
-  release_bake_settings(&settings);
+  release_bake_settings(settings);
   if (result == OLX_ERROR_CANCELLED) return failure(NAME, "interrupted");
   if (result != OLX_OK) return library_failure(NAME);
-  return report_speed(bench, &settings, &stats);
+  return report_speed(bench, settings, &stats);
 }
 
 // How long a bake takes against Embree casting the same rays from the probes and nothing else.
-static int run_speed(const speed_bench *bench) {
+static int run_speed(speed_bench *bench, const command_line *options) {
   olx_scene *scene = NULL;
   int code = load_scene(NAME, bench->scene_name, &bench->loading, &scene);
   if (code != EXIT_DONE) return code;
@@ -74,7 +74,7 @@ static int run_speed(const speed_bench *bench) {
     code = failure(NAME, "%s: cannot create a temporary folder", folder.path);
   } else {
     snprintf(path, sizeof path, "%s/field.olx", folder.path);
-    code = bake_to(bench, scene, path);
+    code = bake_to(bench, options, scene, path);
     unlink(path);
     bench_folder_remove(&folder);
   }
@@ -83,7 +83,7 @@ static int run_speed(const speed_bench *bench) {
 }
 
 int study_bake_speed(int argc, char **argv) {
-  speed_bench bench = {.scene_name = "builtin:cornell", .given = BAKE_OPTIONS_NONE};
+  speed_bench bench = {.scene_name = "builtin:cornell", .given = bake_options_begin()};
   const option options[] = {
       BAKE_OPTION_ROWS(bench.given),
       SCENE_OPTION_ROWS(bench.loading),
@@ -100,5 +100,5 @@ int study_bake_speed(int argc, char **argv) {
   int code;
   if (!parse_options(&line, argc, argv, &code)) return code;
   if (line.given[0]) bench.scene_name = line.given[0];
-  return run_speed(&bench);
+  return run_speed(&bench, &line);
 }

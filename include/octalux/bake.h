@@ -87,6 +87,8 @@ typedef struct olx_bake_settings {
   olx_bake_work work;  // default: nothing is kept
 } olx_bake_settings;
 
+// The settings of a bake where nothing else is said. `scene` may be NULL: both grids are left without probes then, and are to
+// be set by olx_scene_probe_grid and olx_bake_irradiance_grid.
 olx_bake_settings olx_bake_settings_default(const olx_scene *scene);
 
 // Whether a bake with these settings keeps probe light: because probe_light says so; because of `classic`, whose maps

@@ -26,6 +26,7 @@ olx_bake_settings olx_bake_settings_default(const olx_scene *scene) {
                                 .fit = true,
                                 .classic_size = 128,
                                 .classic_cube_size = 256};
+  if (!scene) return settings;
   if (olx_scene_probe_grid(scene, NULL, &settings.grid) != OLX_OK) settings.grid = (olx_grid){0};
   settings.irradiance_grid = olx_bake_irradiance_grid(&settings.grid);
   return settings;

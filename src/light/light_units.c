@@ -4,6 +4,7 @@
 
 #include "core/hooks.h"
 #include "core/result.h"
+#include "light/light_steps.h"
 
 #include <string.h>
 
@@ -11,9 +12,6 @@ enum {
   RAYS_A_UNIT = 1 << 19,  // about a second of one processor
   DIRECT_A_UNIT = 1 << 12 // surfels
 };
-
-// Shorter work is not worth a checkpoint.
-static const double BOUNCE_SECONDS = 1.0;
 
 // Units of the round that is cast, or that was.
 typedef struct cast_stage {
@@ -509,57 +507,6 @@ olx_result olx_light_units_look_up(olx_scene_light *l) {
   return olx_unit_keep(store, &stage);
 }
 
-// ---- Light between bounces
-
-static void put_state(void *user, uint32_t unit, olx_byte_writer *to) {
-  (void)unit;
-  const olx_bounce_state *s = &((const olx_light_checkpoint *)user)->state;
-  olx_bytes_put(to, &s->done, 1, sizeof s->done);
-  olx_bytes_put(to, s->light, (size_t)OLX_BOUNCES_KEPT * s->surfel_count, sizeof *s->light);
-  olx_bytes_put(to, s->irradiance, s->surfel_count, sizeof *s->irradiance);
-  olx_bytes_put(to, s->passed_on, s->surfel_count, sizeof *s->passed_on);
-}
-
-static olx_result take_state(void *user, uint32_t unit, olx_byte_reader *from) {
-  (void)unit;
-  olx_bounce_state *s = &((olx_light_checkpoint *)user)->state;
-  olx_bytes_copy(from, &s->done, 1, sizeof s->done);
-  olx_bytes_copy(from, s->light, (size_t)OLX_BOUNCES_KEPT * s->surfel_count, sizeof *s->light);
-  olx_bytes_copy(from, s->irradiance, s->surfel_count, sizeof *s->irradiance);
-  olx_bytes_copy(from, s->passed_on, s->surfel_count, sizeof *s->passed_on);
-  return OLX_OK;
-}
-
-static olx_unit_stage bounce_of(olx_light_checkpoint *c) {
-  return (olx_unit_stage){"bounce", c->round, 1, c, NULL, put_state, take_state};
-}
-
-// A damaged one counts as none.
-static void load_bounce(void *user, olx_bounce_state *state) {
-  olx_light_checkpoint *c = user;
-  olx_unit_store *store = c->light->settings.store;
-  const olx_unit_stage stage = bounce_of(c);
-  c->state = *state;
-  if (olx_units_have(store, "bounce", c->round) && olx_units_load(store, &stage) == OLX_OK) *state = c->state;
-}
-
-static olx_result save_bounce(void *user, const olx_bounce_state *state) {
-  olx_light_checkpoint *c = user;
-  const olx_unit_stage stage = bounce_of(c);
-  if (olx_seconds() - c->last < BOUNCE_SECONDS) return OLX_OK;
-  c->state = *state;
-  OLX_TRY(olx_unit_keep(c->light->settings.store, &stage));
-  c->last = olx_seconds();
-  return OLX_OK;
-}
-
-// Steps that end in the same round differ in how many bounces they take.
-olx_bounce_keeper olx_light_checkpoint_begin(olx_light_checkpoint *c, olx_scene_light *l, bool all) {
-  *c = (olx_light_checkpoint){
-      .light = l, .round = 4 * l->round + 2 * (l->phase == OLX_LIGHT_DIRECT) + all, .last = olx_seconds()};
-  return (olx_bounce_keeper){c, load_bounce, save_bounce};
-}
-
 // ---- Links that are not in memory
 
 static void apply_patch(olx_scene_light *l, uint32_t round) {
@@ -628,7 +575,7 @@ static olx_result load_for_settling(olx_scene_light *l) {
   return olx_unit_store_is_part(store) ? olx_units_load(store, &direct) : OLX_OK;
 }
 
-olx_result olx_scene_light_load_links(olx_scene_light *l) {
+olx_result olx_light_units_load_links(olx_scene_light *l) {
   OLX_TRY(need_points(l));
   for (uint32_t round = 0; round <= l->round; round++) OLX_TRY(load_round(l, round, true));
   return OLX_OK;

@@ -2,7 +2,7 @@
 #ifndef OLX_TRACE_MARCH_WIDE_H
 #define OLX_TRACE_MARCH_WIDE_H
 
-#include "trace/probe_trace.h"
+#include "trace/probe_ray.h"
 
 // Whether this machine and this field's maps allow it.
 bool olx_march_wide_available(const olx_field *field);

@@ -5,8 +5,7 @@
 #ifndef OLX_TRACE_RAY_IMAGE_H
 #define OLX_TRACE_RAY_IMAGE_H
 
-#include "field/maps.h"
-#include "trace/probe_trace.h"
+#include "trace/probe_ray.h"
 
 // Images that move by less than this over a piece stand still: below it rounding decides the direction.
 static const float OLX_STILL_TEXELS = 1e-3f;

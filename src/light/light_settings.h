@@ -1,0 +1,33 @@
+// How the light of a scene is solved, and what solving it took (scene_light.h).
+#ifndef OLX_LIGHT_LIGHT_SETTINGS_H
+#define OLX_LIGHT_LIGHT_SETTINGS_H
+
+#include "core/parallel.h"
+#include "light/light_bounces.h"
+#include "light/surfel_lookup.h"
+#include "work/unit_store.h"
+
+typedef struct olx_scene_light olx_scene_light;
+
+typedef struct olx_scene_light_settings {
+  uint32_t bounces;  // surfaces between emitter and lit surface; OLX_BOUNCES_INFINITE: until less than 2^-10 is missing
+  float noise;       // upper bound on the standard error of indirect irradiance, as a share of it; default 0.02
+  float spacing;     // of surfels, as a share of the geometric mean distance of what they see; default 0.2
+  uint32_t map_size; // texels along the side of the probes' maps: surfels are no denser than those, or than 64^2
+  uint32_t seed;     // other random numbers
+  uint32_t threads;  // 0: as many as the machine has
+  olx_task *task;    // may be NULL
+  olx_unit_store *store; // of the bake, which the light belongs to; NULL: nothing is stored
+} olx_scene_light_settings;
+
+// What solving took and reached.
+typedef struct olx_scene_light_report {
+  uint32_t surfels, hidden_surfels; // all, and those on surfaces that rays meet and no probe sees
+  uint32_t bounces;                 // light went so many times over the links
+  uint64_t rays, links, bytes;      // rays in all; links, and the memory of them and of surfels
+  double noise;       // standard error of interpolated irradiance over irradiance, RMS over visible surfels
+  double last_bounce; // share of visible surfels' indirect light that has `bounces` surfaces on its way
+  double seconds;     // by the clock
+} olx_scene_light_report;
+
+#endif

@@ -1,0 +1,15 @@
+// The steps by which a scene's light is solved; light_units.h runs them.
+#ifndef OLX_LIGHT_LIGHT_STEPS_H
+#define OLX_LIGHT_LIGHT_STEPS_H
+
+#include "light/light_solution.h"
+
+// The first step, which finds surfaces; direct light of some surfels; and what follows when the rays of
+// a round, or direct light, are there.
+olx_result olx_scene_light_begin(olx_scene_light *light);
+olx_result olx_scene_light_direct(olx_scene_light *light, uint32_t first, uint32_t count, uint64_t *rays);
+olx_result olx_scene_light_settle(olx_scene_light *light);
+// Releases what was made.
+void olx_scene_light_clear(olx_scene_light *light);
+
+#endif

@@ -71,7 +71,7 @@ export class Picture {
   draw(scenes, camera, field) {
     const { width, height } = this.frame, index = this.count;
     camera.setViewOffset(width, height, index ? halton(index, 2) - 0.5 : 0, index ? halton(index, 3) - 0.5 : 0, width, height);
-    field.setFrame(height, index);
+    field.setFrame(index);
     this.#render(scenes, camera, this.frame);
     camera.clearViewOffset();
     this.adding.uniforms.share.value = 1 / (index + 1);
@@ -107,7 +107,7 @@ export class Picture {
     const target = new WebGLRenderTarget(width, height, { type: this.type });
     const pixels = new Float32Array(4 * width * height), mean = new Float32Array(pixels.length);
     for (let index = 0; index < frames; index++) {
-      field.setFrame(height, index);
+      field.setFrame(index);
       this.#render(scenes, camera, target);
       this.renderer.readRenderTargetPixels(target, 0, 0, width, height, pixels);
       pixels.forEach((value, i) => { mean[i] += value / frames; });

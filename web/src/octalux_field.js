@@ -5,10 +5,10 @@ import { patchShader } from './shading.js';
 import { fieldUniforms } from './textures.js';
 
 const PARTS = ['all', 'diffuse', 'glossy'];
-// How glossy light alone is added to what is drawn.
+// How glossy light alone is added to what is drawn: once, not back and front in turn, for which there would be two shaders.
 const ADDED = {
-  transparent: true, blending: CustomBlending, blendEquation: AddEquation, blendSrc: OneFactor, blendDst: OneFactor, depthWrite: false,
-  depthFunc: EqualDepth,
+  transparent: true, forceSinglePass: true, blending: CustomBlending, blendEquation: AddEquation, blendSrc: OneFactor, blendDst: OneFactor,
+  depthWrite: false, depthFunc: EqualDepth,
 };
 const CAGE = 1, VORONOI = 2, BRICKS = 8; // bits of select_mask
 

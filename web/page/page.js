@@ -22,7 +22,8 @@ renderer.toneMapping = ACESFilmicToneMapping;
 renderer.shadowMap.enabled = true;
 renderer.shadowMap.type = PCFShadowMap;
 renderer.shadowMap.autoUpdate = false; // they change with the ball alone
-const depth = new Scene(), scene = new Scene(), shine = new Scene(), scenes = [depth, scene], shadowed = new Vector3(NaN), picture = new Picture(renderer);
+const depth = new Scene(), scene = new Scene(), shine = new Scene(), scenes = [depth, scene]; // drawn one after the other
+const picture = new Picture(renderer), shadowed = new Vector3(NaN); // where the ball was when shadows were drawn
 let room, field, camera, ball, walk, probes, carried = null, scale = LEAST_SCALE, share = LEAST_SHARE, lastChange = 0, lastFrame = 0;
 
 function changed() {

@@ -60,6 +60,19 @@ milliseconds() {
     'BEGIN { printf "%.0f ms", 1000 * (diffuse + glossy) / spp }'
 }
 
+# walk_through SCENE FIELD: a page beside ours that walks through the scene. Sets `walk` to what links to it, nothing where there is no such page.
+walk_through() {
+  walk=""
+  rm -rf "$out/walk"
+  say "flat: a page to walk through it"
+  if "$program" export web "$1" --field "$2" -o "$out/walk" >"$out/log.txt" 2>&1; then
+    walk='<p><a href="walk/index.html">Walk through this room</a>, once a server shows this folder: browsers load its parts from no other'
+    walk+=" place.</p><pre>python3 -m http.server --directory $out</pre>"
+  else
+    say "there is none: $(tail -n 1 "$out/log.txt")"
+  fi
+}
+
 # The room: sets `hero`.
 room() {
   local base=$out/flat size=480x300 spp=48 look baked field path
@@ -78,6 +91,7 @@ room() {
   say "flat: path trace, as many samples"
   path=$("$program" render builtin:flat -o "$base-path.exr" --png "$base-path.png" --method path --field "$base.olx" \
     "${look[@]}" --spp "$spp" --json)
+  walk_through builtin:flat "$base.olx"
   hero=$(
     slider "$base-direct.png" "Direct light" "$base-field.png" "With Octalux"
     printf '<ul class=facts><li><b>%s</b> for the indirect light of a frame of %s on one core<li><b>%s</b> probes, placed by themselves' \
@@ -91,6 +105,7 @@ room() {
     figure "$base-field.png" "From the field" "$spp samples a pixel for direct light and reflections; diffuse light is read where surfaces are."
     figure "$base-probes.png" "Where the probes are" "Chosen so that they see what can be seen from where a viewer can be."
     printf '</div>\n'
+    printf '%s\n' "$walk"
   )
 }
 

@@ -14,6 +14,13 @@ sed '/first picture/q' "$work/said.txt" | grep "path trace" && { echo "the first
 [ "$(grep -o '<img' "$work/demo/index.html" | wc -l)" -eq 11 ]
 grep -qE '(src|href)="?(https?:|//|/)' "$work/demo/index.html" && { echo "the page refers to something outside its folder"; exit 1; }
 
+# Where this build has a page to walk through a room, the room's is beside ours and linked.
+if [ -e "$(dirname "$OCTALUX")/web/index.html" ]; then
+  [ -s "$work/demo/walk/field.olx.gz" ] && grep -q 'href="walk/index.html"' "$work/demo/index.html" || { echo "no way to walk through"; exit 1; }
+else
+  grep -q "there is none: .*npm" "$work/said.txt" || { echo "nothing says why there is no way to walk through"; exit 1; }
+fi
+
 # Noise: another seed's picture with a quarter of the samples differs from the reference by five times what the reference is off,
 # in mean square, and that is less than 0.005 of the indirect light's.
 source "$OCTALUX_SOURCE_DIR/tests/cli/holds.sh"

@@ -7,7 +7,7 @@ command -v chromium >/dev/null || command -v chromium-browser >/dev/null || comm
 [ -e "$(dirname "$OCTALUX")/web/index.html" ] || { echo "skipped: this build has no page of export web"; exit 77; }
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-most_error=2e-3
+most_error=5e-4
 
 "$OCTALUX" bake builtin:cornell-glossy -o "$work/field.olx" --radiance-size 128 >/dev/null
 "$OCTALUX" export web builtin:cornell-glossy --field "$work/field.olx" -o "$work/room"

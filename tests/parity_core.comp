@@ -25,6 +25,7 @@ void core_rows() {
   case ROW_olx_owen_scramble: put(olx_owen_scramble(bits.x, bits.y)); break;
   case ROW_olx_sobol2: put(olx_sobol2(bits.x)); break;
   case ROW_olx_stratified2: put(olx_stratified2(bits.x, bits.y)); break;
+  case ROW_olx_turn: put(olx_turn(random.x)); break;
   case ROW_olx_sample_cosine: put(olx_sample_cosine(random.xy)); break;
   case ROW_olx_bsdf_make:
     put(bsdf.albedo), put(bsdf.f0), put(bsdf.f90), put(bsdf.dielectric_weight), put(bsdf.alpha);

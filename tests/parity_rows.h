@@ -282,5 +282,6 @@
 #define ROW_olx_plane_normal 250
 #define ROW_olx_plane_distance 251
 #define ROW_olx_block_texel_point 252
+#define ROW_olx_turn 253
 
 #endif

@@ -52,6 +52,7 @@ ROW(owen_scramble,
     put_u(r, olx_reverse_bits(olx_owen_scramble_reversed(olx_reverse_bits(s->bits[0]), s->bits[1])));)
 ROW(sobol2, put_u(r, olx_reverse_bits(olx_sobol2_reversed(s->bits[0])));)
 ROW(stratified2, put_2(r, olx_stratified2(s->bits[0], s->bits[1]));)
+ROW(turn, const float angle = 2.0f * OLX_PI * s->random[0]; put_f(r, cosf(angle)); put_f(r, sinf(angle));)
 ROW(sample_cosine, put_3(r, olx_sample_cosine(random_2(s)));)
 ROW(bsdf_make, put_3(r, s->bsdf.albedo); put_3(r, s->bsdf.f0); put_f(r, s->bsdf.f90);
     put_f(r, s->bsdf.dielectric_weight);
@@ -163,6 +164,7 @@ static const parity_row ROWS[] = {
     PARITY(owen_scramble, 2e-6f, 0),
     PARITY(sobol2, 2e-6f, 0),
     PARITY(stratified2, 2e-6f, 0),
+    PARITY(turn, 2e-6f, 0),
     PARITY(sample_cosine, 2e-6f, 0),
     PARITY(bsdf_make, 2e-6f, 0),
     PARITY(pow5, 2e-6f, 0),

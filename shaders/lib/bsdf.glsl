@@ -76,8 +76,9 @@ vec3 olx_ggx_sample_half(float alpha, vec3 view, vec2 random) {
   float lensq = v.x * v.x + v.y * v.y;
   vec3 t1 = lensq > 0.0 ? vec3(-v.y, v.x, 0.0) * (1.0 / sqrt(lensq)) : vec3(1.0, 0.0, 0.0);
   vec3 t2 = cross(v, t1);
-  float r = sqrt(random.x), phi = 2.0 * OLX_PI * random.y, p1 = r * cos(phi), s = 0.5 * (1.0 + v.z);
-  float p2 = (1.0 - s) * sqrt(max(0.0, 1.0 - p1 * p1)) + s * r * sin(phi);
+  vec2 disk = sqrt(random.x) * olx_turn(random.y);
+  float p1 = disk.x, s = 0.5 * (1.0 + v.z);
+  float p2 = (1.0 - s) * sqrt(max(0.0, 1.0 - p1 * p1)) + s * disk.y;
   float p3 = sqrt(max(0.0, 1.0 - p1 * p1 - p2 * p2));
   vec3 n = t1 * p1 + t2 * p2 + v * p3;
   return olx_normalize(vec3(alpha * n.x, alpha * n.y, max(1e-6, n.z)));

@@ -49,8 +49,7 @@ vec2 olx_stratified2(uint i, uint seed) {
 
 // Cosine-distributed direction around +z; pdf = cos / pi.
 vec3 olx_sample_cosine(vec2 random) {
-  float r = sqrt(random.x), phi = 2.0 * OLX_PI * random.y;
-  return vec3(r * cos(phi), r * sin(phi), sqrt(max(0.0, 1.0 - random.x)));
+  return vec3(sqrt(random.x) * olx_turn(random.y), sqrt(max(0.0, 1.0 - random.x)));
 }
 
 // Barycentric coordinates (of the second and third corner), uniform over a triangle.

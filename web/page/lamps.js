@@ -1,9 +1,9 @@
 // Direct light for the picture: a spot light with a shadow for each of the strongest lamps. A lamp is a connected set of triangles
 // that emit.
-import { Color, SpotLight, Vector3 } from 'three';
+import { Box3, Color, SpotLight, Vector3 } from 'three';
 
 const MOST_LAMPS = 3;
-const SHADOW_TEXELS = 1024;
+const SHADOW_TEXELS = 1024, SUN_SHADOW_TEXELS = 2048;
 
 // The representative of each vertex's set, when corners of triangles at one place are one vertex.
 function connect(geometry) {
@@ -54,9 +54,22 @@ function spotOf(lamp, size) {
   return light;
 }
 
-/** Adds lights for what emits below `room`, which is `size` metres across. Surfaces that emit cast no shadow. */
+// The sun's shadow over all of the room: as glTF has it, the light shines along its own -z.
+function shadeSun(light, bounds) {
+  const middle = bounds.getCenter(new Vector3()), radius = bounds.getSize(new Vector3()).length() / 2, { shadow } = light;
+  const back = new Vector3(0, 0, 1).applyQuaternion(light.quaternion);
+  light.position.copy(middle).addScaledVector(back, radius);
+  light.castShadow = true;
+  shadow.mapSize.set(SUN_SHADOW_TEXELS, SUN_SHADOW_TEXELS);
+  Object.assign(shadow.camera, { left: -radius, right: radius, top: radius, bottom: -radius, near: 0, far: 2 * radius });
+  shadow.bias = -0.0005;
+  shadow.normalBias = 2 * radius / SUN_SHADOW_TEXELS;
+}
+
+/** Adds lights for what emits below `room`, which is `size` metres across. Surfaces that emit cast no shadow; its suns do. */
 export function addLamps(room, scene, size) {
-  const lamps = [];
+  const lamps = [], bounds = new Box3().setFromObject(room);
+  room.traverse((light) => light.isDirectionalLight && shadeSun(light, bounds));
   room.traverse((mesh) => {
     if (!mesh.isMesh) return;
     const emits = mesh.material.emissive && luminance(mesh.material.emissive) > 0;

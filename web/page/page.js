@@ -1,7 +1,7 @@
 // The page that `octalux export web` writes: a room, its field, and things to do with both.
 import {
-  ACESFilmicToneMapping, Box3, Color, InstancedMesh, Matrix4, Mesh, MeshBasicMaterial, MeshStandardMaterial, PerspectiveCamera,
-  Scene, SphereGeometry, Vector3, WebGLRenderer, PCFShadowMap,
+  ACESFilmicToneMapping, Box3, Color, DataTexture, InstancedMesh, Matrix4, Mesh, MeshBasicMaterial, MeshStandardMaterial,
+  PerspectiveCamera, Scene, SphereGeometry, Vector3, WebGLRenderer, PCFShadowMap,
 } from 'three';
 import { OctaluxField } from 'octalux';
 import { GLTFLoader } from './GLTFLoader.js';
@@ -9,7 +9,7 @@ import { addLamps } from './lamps.js';
 import { Picture } from './picture.js';
 import { Walk } from './walk.js';
 
-const MOST_PIXEL_RATIO = 2, SLOWEST_FRAME = 1 / 20, LEAST_SCALE = 0.3, STILL_SECONDS = 0.25, KEY = 0.2;
+const MOST_PIXEL_RATIO = 2, SLOWEST_FRAME = 1 / 20, LEAST_SCALE = 0.3, LEAST_SHARE = 1 / 32, STILL_SECONDS = 0.25, KEY = 0.2;
 
 const byId = (id) => document.getElementById(id);
 const seconds = () => performance.now() / 1000;
@@ -21,8 +21,10 @@ const renderer = new WebGLRenderer({ canvas: byId('view'), antialias: false, pow
 renderer.toneMapping = ACESFilmicToneMapping;
 renderer.shadowMap.enabled = true;
 renderer.shadowMap.type = PCFShadowMap;
-const scene = new Scene(), shine = new Scene(), scenes = [scene], picture = new Picture(renderer);
-let room, field, camera, ball, walk, probes, carried = null, scale = 1, lastChange = 0, lastFrame = 0;
+renderer.shadowMap.autoUpdate = false; // they change with the ball alone
+const depth = new Scene(), scene = new Scene(), shine = new Scene(), scenes = [depth, scene]; // drawn one after the other
+const picture = new Picture(renderer), shadowed = new Vector3(NaN); // where the ball was when shadows were drawn
+let room, field, camera, ball, walk, probes, carried = null, scale = LEAST_SCALE, share = LEAST_SHARE, lastChange = 0, lastFrame = 0;
 
 function changed() {
   lastChange = seconds();
@@ -109,17 +111,26 @@ function resize() {
   changed();
 }
 
-// While things move, pictures are as large as frames of this length allow; they are whole once all is still.
-function chooseScale(frameSeconds) {
-  const moving = seconds() - lastChange < STILL_SECONDS;
-  if (moving) scale = Math.max(LEAST_SCALE, Math.min(1, scale * Math.sqrt(SLOWEST_FRAME / Math.max(frameSeconds, 1e-3))));
-  const shown = moving ? scale : 1, ratio = renderer.getPixelRatio();
-  picture.resize(Math.max(1, Math.round(innerWidth * ratio * shown)), Math.max(1, Math.round(innerHeight * ratio * shown)));
+function resizePicture(by) {
+  const ratio = renderer.getPixelRatio() * by;
+  picture.resize(Math.max(1, Math.round(innerWidth * ratio)), Math.max(1, Math.round(innerHeight * ratio)));
+}
+
+// While things move, pictures are as large as frames of this length allow. Once all is still they are whole, and as many rows at a time
+// are drawn as that length allows.
+function chooseSize(frameSeconds) {
+  const moving = seconds() - lastChange < STILL_SECONDS, more = SLOWEST_FRAME / Math.max(frameSeconds, 1e-3);
+  if (moving) scale = Math.max(LEAST_SCALE, Math.min(1, scale * Math.sqrt(more)));
+  else share = Math.max(LEAST_SHARE, Math.min(1, share * more));
+  resizePicture(moving ? scale : 1);
+  return moving ? 1 : share;
 }
 
 function place() {
   if (carried !== null) ball.position.copy(camera.position).addScaledVector(camera.getWorldDirection(new Vector3()), carried);
   ball.position.clamp(...ball.userData.bounds); // beyond, there is no light to take
+  if (!shadowed.equals(ball.position)) renderer.shadowMap.needsUpdate = true;
+  shadowed.copy(ball.position);
   const split = byId('split');
   field.uniforms.olx_left.value = split.hidden ? 0 : (split.value / 1000) * picture.frame.width;
   byId('line').style.left = `${split.value / 10}%`;
@@ -130,14 +141,54 @@ function draw() {
   const now = seconds(), passed = Math.min(now - lastFrame, 0.2);
   lastFrame = now;
   walk.advance(passed);
-  chooseScale(passed);
+  const rows = chooseSize(passed);
   if (picture.settled) return;
   place();
-  picture.draw(scenes, camera, field);
+  picture.draw(scenes, camera, field, rows);
   state.frames++;
 }
 
 // ---- Stages: diffuse light first; then glossy light, drawn over it by shaders of its own, which compile while one looks around.
+
+// A small picture first: frames tell how much a device can draw at a time.
+function drawFirst() {
+  place();
+  resizePicture(LEAST_SCALE);
+  picture.draw(scenes, camera, field);
+}
+
+// A shader for each set of textures would be as many to compile, and one takes long: so where one surface has a texture, all do.
+function fillTextures() {
+  const materials = new Set(), white = new DataTexture(new Uint8Array(4).fill(255), 1, 1);
+  white.needsUpdate = true;
+  room.traverse((mesh) => mesh.isMesh && materials.add(mesh.material));
+  for (const material of materials) if (!material.map && material.opacity >= material.alphaTest) material.alphaTest = 0;
+  for (const kind of ['map', 'roughnessMap', 'metalnessMap']) {
+    if ([...materials].some((material) => material[kind])) materials.forEach((material) => { material[kind] ??= white; });
+  }
+}
+
+// Depth before light, so that what is hidden is not lit. It lies a little behind the surfaces, which are drawn by other shaders.
+function addDepth() {
+  const made = new Map();
+  room.updateMatrixWorld();
+  room.traverse((mesh) => {
+    if (!mesh.isMesh || mesh.material.alphaTest > 0 || mesh.material.transparent) return;
+    const { side } = mesh.material;
+    if (!made.has(side)) {
+      made.set(side, new MeshBasicMaterial({ side, colorWrite: false, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 4 }));
+    }
+    addOver(depth, mesh, made.get(side));
+  });
+}
+
+// The same triangles at the same place, with another material.
+function addOver(target, mesh, material) {
+  const over = new Mesh(mesh.geometry, material);
+  over.matrixAutoUpdate = false;
+  over.matrix.copy(mesh.matrixWorld);
+  target.add(over);
+}
 
 // Lights cost a shader more than the field does, so glossy light has a scene without any.
 function addDiffuseLight() {
@@ -153,11 +204,11 @@ function addGlossyLight() {
   room.traverse((mesh) => {
     const reflects = mesh.isMesh && (mesh.material.metalness > 0 || (mesh.material.specularIntensity ?? 1) > 0);
     if (!reflects) return;
-    if (!made.has(mesh.material)) made.set(mesh.material, field.light(mesh.material.clone(), { part: 'glossy' }));
-    const over = new Mesh(mesh.geometry, made.get(mesh.material));
-    over.matrixAutoUpdate = false;
-    over.matrix.copy(mesh.matrixWorld);
-    shine.add(over);
+    if (!made.has(mesh.material)) {
+      const shiny = Object.assign(mesh.material.clone(), { alphaTest: 0, emissiveMap: null }); // depth has what both would say
+      made.set(mesh.material, field.light(shiny, { part: 'glossy' }));
+    }
+    addOver(shine, mesh, made.get(mesh.material));
   });
 }
 
@@ -220,17 +271,17 @@ async function start() {
   ball = makeBall();
   probes = makeProbes(size);
   scene.add(room, ball, probes);
-  scene.background = new Color(...(gltf.scene.userData.sky ?? [0, 0, 0]));
+  depth.background = new Color(...(gltf.scene.userData.sky ?? [0, 0, 0]));
   addLamps(room, scene, size);
   walk = new Walk(byId('view'), camera, 0.12 * size, ball, changed);
   addEventListener('resize', resize);
   resize();
   showProgress('Preparing diffuse light', null);
+  fillTextures();
+  addDepth();
   addDiffuseLight();
   await compile(scene);
-  place();
-  picture.resize(innerWidth, innerHeight);
-  picture.draw(scenes, camera, field);
+  drawFirst();
   renderer.toneMappingExposure = KEY / picture.meanLuminance();
   haveTools();
   draw();
@@ -244,8 +295,7 @@ async function start() {
   scenes.push(shine);
   field.uniforms.olx_emitters.value = !hasLights;
   changed();
-  place();
-  picture.draw(scenes, camera, field);
+  drawFirst();
   state.glossySeconds = seconds();
   state.stage = 'whole';
   byId('loading').hidden = true;

@@ -39,7 +39,7 @@ export class Picture {
     this.probe = new WebGLRenderTarget(PROBE_SIZE, PROBE_SIZE, { type: FloatType, depthBuffer: false });
     this.adding = pass(ADD, { image: { value: this.frame.texture }, share: { value: 1 } }, { transparent: true, toneMapped: false });
     this.showing = pass(SHOW, { image: { value: this.mean.texture } }, {});
-    this.count = 0;
+    this.count = this.rows = 0; // frames in the mean, and rows of the next one that are drawn
   }
 
   get settled() {
@@ -47,13 +47,12 @@ export class Picture {
   }
 
   restart() {
-    this.count = 0;
+    this.count = this.rows = 0;
   }
 
   resize(width, height) {
     if (this.frame.width === width && this.frame.height === height) return;
     this.frame.setSize(width, height);
-    this.mean.setSize(width, height);
     this.restart();
   }
 
@@ -67,13 +66,23 @@ export class Picture {
     this.renderer.autoClear = true;
   }
 
-  // One more frame, shifted by part of a pixel, joins the mean.
-  draw(scenes, camera, field) {
-    const { width, height } = this.frame, index = this.count;
+  // Draws a share of the next frame's rows. A whole frame, shifted by part of a pixel, joins the mean; until then the last one is shown.
+  draw(scenes, camera, field, share = 1) {
+    const { width, height } = this.frame, index = this.count, end = Math.min(this.rows + Math.ceil(share * height), height);
+    this.frame.scissorTest = true;
+    this.frame.scissor.set(0, this.rows, width, end - this.rows);
     camera.setViewOffset(width, height, index ? halton(index, 2) - 0.5 : 0, index ? halton(index, 3) - 0.5 : 0, width, height);
-    field.setFrame(height, index);
+    field.setFrame(index);
     this.#render(scenes, camera, this.frame);
     camera.clearViewOffset();
+    this.rows = end % height;
+    if (this.rows === 0) this.#show(index);
+    this.renderer.setRenderTarget(null);
+  }
+
+  // Adds the frame to those before it, and shows the mean.
+  #show(index) {
+    this.mean.setSize(this.frame.width, this.frame.height);
     this.adding.uniforms.share.value = 1 / (index + 1);
     this.renderer.autoClear = false;
     this.renderer.setRenderTarget(this.mean);
@@ -107,7 +116,7 @@ export class Picture {
     const target = new WebGLRenderTarget(width, height, { type: this.type });
     const pixels = new Float32Array(4 * width * height), mean = new Float32Array(pixels.length);
     for (let index = 0; index < frames; index++) {
-      field.setFrame(height, index);
+      field.setFrame(index);
       this.#render(scenes, camera, target);
       this.renderer.readRenderTargetPixels(target, 0, 0, width, height, pixels);
       pixels.forEach((value, i) => { mean[i] += value / frames; });

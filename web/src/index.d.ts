@@ -41,14 +41,14 @@ export class OctaluxField {
   /** Where the field's origin lies in the world. Default (0, 0, 0). */
   readonly offset: Vector3;
 
-  /** Lights a standard or physical material; returns it. Takes its onBeforeCompile. Throws a TypeError for another material. */
+  /** Lights a standard or physical material; returns it. Takes its onBeforeCompile and onBeforeRender. Throws a TypeError for another material. */
   light<M extends MeshStandardMaterial>(material: M, options?: LightOptions): M;
   /** Lights every standard and physical material below `root`; returns how many materials there are. */
   lightAll(root: Object3D, options?: LightOptions): number;
   /** How much of the light is added: 0 none, 1 (the default) as it is. */
   setIndirect(diffuse: number, glossy?: number): void;
-  /** Before each frame: the height of the picture in pixels, and the frame's number, by which rough surfaces draw other rays. */
-  setFrame(height: number, index?: number): void;
+  /** Before a frame: its number, by which rough surfaces draw other rays. */
+  setFrame(index: number): void;
   /** Frees the textures. */
   dispose(): void;
 }

@@ -1,14 +1,14 @@
 // A baked light field that lights materials of three.js.
-import { AddEquation, CustomBlending, EqualDepth, OneFactor, Vector2, Vector3 } from 'three';
+import { AddEquation, CustomBlending, EqualDepth, OneFactor, Vector2, Vector3, Vector4 } from 'three';
 import { FieldError, parseField } from './field_file.js';
 import { patchShader } from './shading.js';
 import { fieldUniforms } from './textures.js';
 
 const PARTS = ['all', 'diffuse', 'glossy'];
-// How glossy light alone is added to what is drawn.
+// How glossy light alone is added to what is drawn: once, not back and front in turn, for which there would be two shaders.
 const ADDED = {
-  transparent: true, blending: CustomBlending, blendEquation: AddEquation, blendSrc: OneFactor, blendDst: OneFactor, depthWrite: false,
-  depthFunc: EqualDepth,
+  transparent: true, forceSinglePass: true, blending: CustomBlending, blendEquation: AddEquation, blendSrc: OneFactor, blendDst: OneFactor,
+  depthWrite: false, depthFunc: EqualDepth,
 };
 const CAGE = 1, VORONOI = 2, BRICKS = 8; // bits of select_mask
 
@@ -60,7 +60,7 @@ export class OctaluxField {
       olx_offset: { value: new Vector3() },
       olx_strength: { value: new Vector2(1, 1) },
       olx_left: { value: 0 },
-      olx_height: { value: 1 },
+      olx_viewport: { value: new Vector4(0, 0, 1, 1) },
       olx_sample_index: { value: 0 },
       olx_emitters: { value: false },
       olx_layer: { value: 0 },
@@ -91,6 +91,7 @@ export class OctaluxField {
     if (!PARTS.includes(part)) throw new TypeError(`part is '${part}', not one of ${PARTS.join(', ')}`);
     const choice = { defines: this.defines, moving, part };
     material.onBeforeCompile = (shader) => patchShader(shader, this.uniforms, choice);
+    material.onBeforeRender = (renderer) => renderer.getCurrentViewport(this.uniforms.olx_viewport.value);
     material.customProgramCacheKey = () => `octalux ${this.defines} ${moving} ${part}`;
     if (part === 'glossy') Object.assign(material, ADDED);
     material.needsUpdate = true;
@@ -108,8 +109,7 @@ export class OctaluxField {
     this.uniforms.olx_strength.value.set(diffuse, glossy);
   }
 
-  setFrame(height, index = 0) {
-    this.uniforms.olx_height.value = height;
+  setFrame(index) {
     this.uniforms.olx_sample_index.value = index;
   }
 

@@ -23,23 +23,37 @@ varying vec3 olx_world_position;
 uniform vec3 olx_offset;       // of the field in the world
 uniform vec2 olx_strength;     // of diffuse and of glossy light
 uniform float olx_left;        // pixels left of this column have none
-uniform float olx_height;      // pixels of the picture, for random numbers
+uniform vec4 olx_viewport;     // where the picture begins, and its width and height: pixels
 uniform uint olx_sample_index; // of the frame: another draw of them
 uniform bool olx_emitters;     // rays find lamps, in place of highlights of lights
 uniform int olx_layer;         // what is shown: 0 the picture, 1 diffuse, 2 glossy indirect light alone
+uniform mat4 projectionMatrix;
 vec3 olx_shown = vec3(0.0);
 
 // The point of a sequence that a pixel draws, as \`octalux render\` draws it.
 vec2 olx_pixel_random() {
-  uvec2 pixel = uvec2(gl_FragCoord.x, olx_height - gl_FragCoord.y);
+  vec2 at = gl_FragCoord.xy - olx_viewport.xy;
+  uvec2 pixel = uvec2(at.x, olx_viewport.w - at.y);
   return olx_stratified2(olx_sample_index, olx_hash2(olx_hash2(pixel.x, pixel.y), 0x85EBCA6Bu + 3u));
+}
+
+// Where the ray through the middle of the pixel meets the plane of the triangle. What is interpolated lies on that plane, but beside
+// that point: devices first move corners to parts of a pixel, a sixteenth or less.
+vec3 olx_pixel_position() {
+  vec3 drawn = olx_world_position, x = dFdx(drawn), y = dFdy(drawn), plane = cross(x, y);
+  vec2 at = (gl_FragCoord.xy - olx_viewport.xy) / olx_viewport.zw * 2.0 - 1.0;
+  vec2 across = (at + projectionMatrix[2].xy) / vec2(projectionMatrix[0].x, projectionMatrix[1].y);
+  vec3 ray = vec3(across, -1.0) * mat3(viewMatrix);
+  vec3 moved = cameraPosition + ray * (olx_dot(drawn - cameraPosition, plane) / olx_dot(ray, plane)), by = moved - drawn;
+  bool near = olx_dot(by, by) <= olx_dot(x, x) + olx_dot(y, y); // false also where the plane is seen from its side
+  return near && !isOrthographic ? moved : drawn;
 }
 `;
 
 const FRAGMENT = `
 #include <lights_fragment_end>
 {
-  vec3 olx_position = olx_world_position - olx_offset, olx_view = normalize(cameraPosition - olx_world_position);
+  vec3 olx_place = olx_pixel_position(), olx_position = olx_place - olx_offset, olx_view = normalize(cameraPosition - olx_place);
   if (isOrthographic) olx_view = vec3(viewMatrix[0][2], viewMatrix[1][2], viewMatrix[2][2]);
   vec3 olx_normal = inverseTransformDirection(normal, viewMatrix);
   float olx_specular = 1.0;

@@ -1,5 +1,5 @@
-// What experiments share: fields that are baked for the occasion, references, errors without the noise of either side, and
-// times of several ways taken in turns.
+// What experiments share: fields that are baked for the occasion, references, errors without the noise of either side,
+// and times of several ways taken in turns.
 #ifndef OCTALUX_BENCH_MEASURE_H
 #define OCTALUX_BENCH_MEASURE_H
 
@@ -86,8 +86,8 @@ typedef struct bench_way {
   uint32_t frames;
 } bench_way;
 
-// Render with the way's settings, whose seed is replaced: images of different `stream` are independent. Free them in any
-// case.
+// Render with the way's settings, whose seed is replaced: images of different `stream` are independent. Free them in
+// any case.
 olx_result bench_images_render(const olx_scene *scene, const olx_camera *cameras, uint32_t count, const bench_way *way,
                                uint32_t stream, const olx_progress *progress, bench_images *images);
 void bench_images_free(bench_images *images);
@@ -98,9 +98,9 @@ const olx_image *bench_images_mean(bench_images *images, uint32_t camera);
 typedef enum bench_light { BENCH_DIFFUSE, BENCH_GLOSSY, BENCH_INDIRECT, BENCH_BEAUTY } bench_light;
 
 // Errors of pictures against references. With halves a0, a1 and b0, b1 the mean of (a0 - b0) (a1 - b1) over pixels and
-// channels estimates the mean square error of what both would converge to: noise adds nothing to it on average. Of frames it
-// is that of (a0 - b0) (a0 - b1), to which the frames' own noise belongs. `noise` is no less than the standard error that
-// noise leaves in it.
+// channels estimates the mean square error of what both would converge to: noise adds nothing to it on average. Of
+// frames it is that of (a0 - b0) (a0 - b1), to which the frames' own noise belongs. `noise` is no less than the
+// standard error that noise leaves in it.
 typedef struct bench_error {
   double mse, noise;
   double relative_mse; // over the reference's mean square, estimated alike
@@ -108,8 +108,8 @@ typedef struct bench_error {
   double mean, reference_mean;
 } bench_error;
 
-// Of one camera, or of all with camera = BENCH_CAMERAS. The error of all indirect light is that of the final picture where
-// both take direct light from the same estimator.
+// Of one camera, or of all with camera = BENCH_CAMERAS. The error of all indirect light is that of the final picture
+// where both take direct light from the same estimator.
 bench_error bench_error_of(const bench_images *images, const bench_images *references, bench_light light,
                            uint32_t camera);
 

@@ -77,12 +77,13 @@ olx_result bench_run(bench *b, const experiment *e, cJSON *section);
 // Prints on standard error which step runs now.
 void bench_tell(const bench *b, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-// What several experiments of a run share: zeroed when the first of them queries it, found again by its release function,
-// which runs when the run ends and frees what the data names, not the data itself. NULL when there is no memory.
+// What several experiments of a run share: zeroed when the first of them queries it, found again by its release
+// function, which runs when the run ends and frees what the data names, not the data itself. NULL when there is no
+// memory.
 void *bench_shared(bench *b, size_t size_bytes, void (*release)(void *data));
 
-// "builtin:NAME", or NAME of a description in the folder of scenes. *scene is NULL when its files are not here, which the
-// findings then tell. It lives until the experiment ends.
+// "builtin:NAME", or NAME of a description in the folder of scenes. *scene is NULL when its files are not here, which
+// the findings then tell. It lives until the experiment ends.
 olx_result bench_scene(bench *b, const char *name, olx_scene **scene);
 // Whether --quick leaves the scene out; when it does, the findings say so.
 bool bench_leaves_out(bench *b, const char *name);

@@ -17,8 +17,8 @@ static olx_layer layer_of(bench_light light) {
   return layers[light];
 }
 
-// Indirect light alone is dim: a power of two brings it to where it can be looked at. Bright places count more than dark
-// ones, since a layer may be black where nothing is glossy.
+// Indirect light alone is dim: a power of two brings it to where it can be looked at. Bright places count more than
+// dark ones, since a layer may be black where nothing is glossy.
 static float exposure_for(const olx_image *reference, olx_layer layer) {
   if (layer == OLX_LAYER_BEAUTY) return 1.0f;
   const size_t pixels = (size_t)reference->width * reference->height;

@@ -31,8 +31,8 @@ typedef struct bench_cell {
 #define NUMBER_CELL(n) ((bench_cell){.number = (n)})
 #define NO_CELL ((bench_cell){.number = NAN})
 
-// A plot of a table's columns. Lines: one series for each value of the column `series`, or all in one. Bars, with `x` NULL:
-// one for each row, called by the column `series`, or by all its names.
+// A plot of a table's columns. Lines: one series for each value of the column `series`, or all in one. Bars, with `x`
+// NULL: one for each row, called by the column `series`, or by all its names.
 typedef struct bench_plot {
   const char *caption, *x, *y, *series; // keys
   bool log_x, log_y;

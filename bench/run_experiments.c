@@ -65,7 +65,8 @@ static int misplaced(const char *name, bool (*takes)(const experiment *)) {
   return usage_error(BENCH_PROGRAM, "%s goes with %s", name, known);
 }
 
-// Whether --only names scenes that the experiment has; when not, a line says which those are. `e` is NULL for all of them.
+// Whether --only names scenes that the experiment has; when not, a line says which those are. `e` is NULL for all of
+// them.
 static bool check_scenes(const experiment *e, const char *names, int *code) {
   if (!e || !e->scene) {
     *code = misplaced("--only", takes_scenes);
@@ -81,7 +82,8 @@ static bool check_scenes(const experiment *e, const char *names, int *code) {
   return true;
 }
 
-// Whether the experiment takes the options that were given; when not, a line says which do. `e` is NULL for all of them.
+// Whether the experiment takes the options that were given; when not, a line says which do. `e` is NULL for all of
+// them.
 static bool check_options(const experiment *e, const bench_options *o, int *code) {
   const struct {
     const char *name;

@@ -200,8 +200,8 @@ def selectors(bench):
                         number(r["probes_mean"]), number(r["steps_mean"]), stored.get(way, 0), nanoseconds[way])
 
 
-# Parts of the living room as they look in a picture of 960x540 from the camera "sofa": 64x48 pixels around a point, given as shares
-# of the picture's width and height.
+# Parts of the living room as they look in a picture of 960x540 from the camera "sofa": 64x48 pixels around a point,
+# given as shares of the picture's width and height.
 PARTS = {"shelf": (0.783, 0.489), "cushion": (0.479, 0.589), "grate": (0.958, 0.672)}
 
 

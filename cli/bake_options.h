@@ -63,7 +63,8 @@ double grid_probe_count(const olx_grid *grid);
 double irradiance_probe_count(const olx_bake_settings *settings);
 double light_probe_count(const olx_bake_settings *settings);
 
-// Completes the settings by what depends on the scene: grids, and probes of a file. Release what they hold when the bake is done.
+// Completes the settings by what depends on the scene: grids, and probes of a file. Release what they hold when the
+// bake is done.
 olx_result resolve_bake_options(const olx_scene *scene, const command_line *line, bake_options *given);
 void release_bake_settings(olx_bake_settings *settings);
 

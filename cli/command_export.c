@@ -1,4 +1,5 @@
-// octalux export: writes maps of probes as pictures, parts of a field as a model, for other tools, and pages for browsers.
+// octalux export: writes maps of probes as pictures, parts of a field as a model, for other tools, and pages for
+// browsers.
 #include "commands.h"
 #include "files.h"
 #include "options.h"

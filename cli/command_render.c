@@ -199,8 +199,8 @@ static olx_vec3 between(olx_vec3 a, olx_vec3 b, float t) {
   return (olx_vec3){a.x + (b.x - a.x) * t, a.y + (b.y - a.y) * t, a.z + (b.z - a.z) * t};
 }
 
-// The camera of each frame: `to` all the time; or from `from` in equal steps to `to` in the last frame; or `from`, and `to`
-// after the cut.
+// The camera of each frame: `to` all the time; or from `from` in equal steps to `to` in the last frame; or `from`, and
+// `to` after the cut.
 static void move_camera(const render_options *o, const olx_camera *from, const olx_camera *to, olx_camera *cameras) {
   for (uint32_t i = 0; i < o->frames; i++) {
     const bool after_cut = o->cut && i >= o->frames - o->cut;

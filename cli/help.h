@@ -1,5 +1,5 @@
-// What a command says of itself: its help for a terminal, its manual page, and the words that a shell completes, all from
-// its table of options.
+// What a command says of itself: its help for a terminal, its manual page, and the words that a shell completes, all
+// from its table of options.
 #ifndef OCTALUX_CLI_HELP_H
 #define OCTALUX_CLI_HELP_H
 

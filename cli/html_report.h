@@ -1,5 +1,5 @@
-// A report for people: one HTML file that needs neither network nor other files. It is built as a JSON tree, which the page
-// (html/report.html, .css, .js) shows; see docs/comparing.md. Text is never interpreted as HTML.
+// A report for people: one HTML file that needs neither network nor other files. It is built as a JSON tree, which the
+// page (html/report.html, .css, .js) shows; see docs/comparing.md. Text is never interpreted as HTML.
 #ifndef OCTALUX_CLI_HTML_REPORT_H
 #define OCTALUX_CLI_HTML_REPORT_H
 
@@ -7,8 +7,8 @@
 
 #include <cjson/cJSON.h>
 
-// The command line as a shell takes it, "octalux compare 'a b.exr' ..."; to be freed. argv[0] is the command's name, or that of a
-// program of its own.
+// The command line as a shell takes it, "octalux compare 'a b.exr' ..."; to be freed. argv[0] is the command's name, or
+// that of a program of its own.
 char *command_text(int argc, char **argv);
 
 // A report made by `command`, and sections in it: a heading, what there is to know, and the command that made what the
@@ -27,8 +27,9 @@ void html_report_plot(cJSON *section, const char *caption, char *svg);
 
 // A frame holds pictures of one size that are laid over each other, and is one of a section's tabs. A picture keeps its
 // range of light, multiplied by `exposure`, in half floats of 7 bits of mantissa. Maps are FLIP of every pixel
-// (olx_compare_perceptual), and the squared error over the mean square of the reference, whose mean is the relative MSE.
-// The pictures of the first two names are those that the divider parts; any number of pictures and maps may follow.
+// (olx_compare_perceptual), and the squared error over the mean square of the reference, whose mean is the relative
+// MSE. The pictures of the first two names are those that the divider parts; any number of pictures and maps may
+// follow.
 cJSON *html_report_frame(cJSON *section, const char *name, const olx_image *image);
 olx_result html_report_picture(cJSON *frame, const char *name, const olx_image *image, olx_layer layer, float exposure);
 olx_result html_report_flip(cJSON *frame, const char *name, const float *flip_map);

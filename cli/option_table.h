@@ -32,8 +32,8 @@ typedef struct option {
   uint32_t min, max;
 } option;
 
-// A title over the rows that follow it. Those of research are shown by --help all alone. Tables begin, without a title, with
-// what most people need.
+// A title over the rows that follow it. Those of research are shown by --help all alone. Tables begin, without a title,
+// with what most people need.
 #define GROUP_ROW(title)                                                                                               \
   { NULL, OPTION_GROUP, NULL, NULL, (title), 0, 0 }
 #define RESEARCH_ROW                                                                                                   \
@@ -50,8 +50,8 @@ typedef struct command_line {
   bool was_given[MOST_OPTIONS]; // filled by parsing: which of them were
 } command_line;
 
-// What stands before a command's name in messages: "octalux ", or nothing when the name is that of a program of its own,
-// such as octalux-view, and what follows it.
+// What stands before a command's name in messages: "octalux ", or nothing when the name is that of a program of its
+// own, such as octalux-view, and what follows it.
 static inline const char *program_prefix(const char *command) {
   return strncmp(command, "octalux", 7) == 0 ? "" : "octalux ";
 }

@@ -11,8 +11,8 @@ enum {
   EXIT_AGAIN = 75 // what others are to make is not there yet
 };
 
-// Read argv[1..]. True when the command should go on; else *exit_code is what to leave with (help was printed, or one line
-// said what is wrong). Every command also takes --help, with "all", "man" or "words" behind it, and --quiet.
+// Read argv[1..]. True when the command should go on; else *exit_code is what to leave with (help was printed, or one
+// line said what is wrong). Every command also takes --help, with "all", "man" or "words" behind it, and --quiet.
 bool parse_options(command_line *line, int argc, char **argv, int *exit_code);
 
 // Whether the command line named the option of the table.

@@ -11,8 +11,9 @@ typedef struct relit_field {
   double seconds;
 } relit_field;
 
-// Light `field` by the scene's lights for at most `frames` frames, seen from `eye`; fewer when nothing changes any more. Shadows are
-// those of the scene's triangles. On success relit->relight is the caller's to free, on failure it is NULL.
+// Light `field` by the scene's lights for at most `frames` frames, seen from `eye`; fewer when nothing changes any
+// more. Shadows are those of the scene's triangles. On success relit->relight is the caller's to free, on failure it is
+// NULL.
 olx_result relit_field_make(const olx_scene *scene, const olx_field *field, olx_vec3 eye, uint32_t frames,
                             uint32_t threads, relit_field *relit);
 

@@ -15,8 +15,8 @@
 #include <time.h>
 #include <unistd.h>
 
-// How long work has to end by itself. On a busy machine, where it gets little of the processors' time, it has longer; but not
-// when it uses none, since it waits for something then.
+// How long work has to end by itself. On a busy machine, where it gets little of the processors' time, it has longer;
+// but not when it uses none, since it waits for something then.
 #define PATIENCE_SECONDS 0.7
 #define MOST_PATIENCE_SECONDS 5.0
 #define BUSY_SECONDS 0.35 // of processors

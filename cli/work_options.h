@@ -37,8 +37,8 @@ typedef struct work_line {
   char folder[4096];
 } work_line;
 
-// Sets settings->work as the options say; `output` is NULL for a part. EXIT_DONE, or what to leave with after a line that says
-// why. `line` must last as long as the settings.
+// Sets settings->work as the options say; `output` is NULL for a part. EXIT_DONE, or what to leave with after a line
+// that says why. `line` must last as long as the settings.
 int resolve_work_options(const olx_scene *scene, const work_options *given, const char *output,
                          olx_bake_settings *settings, work_line *line);
 

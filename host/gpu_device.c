@@ -236,7 +236,8 @@ static bool create_device(gpu_device *d, bool compile_only) {
   d->GetPhysicalDeviceFeatures(d->host.physical_device, &has);
   // Mesa's CPU device blurs magnified textures with it, and takes its time.
   d->anisotropy = has.samplerAnisotropy && d->properties.deviceType != VK_PHYSICAL_DEVICE_TYPE_CPU;
-  // It has textures of blocks, too, and takes minutes to compile long shaders that read them: fields are decoded for it.
+  // It has textures of blocks, too, and takes minutes to compile long shaders that read them: fields are decoded for
+  // it.
   d->block_textures = has.textureCompressionBC;
   d->host.texture_compression_bc = has.textureCompressionBC && d->properties.deviceType != VK_PHYSICAL_DEVICE_TYPE_CPU;
   const VkPhysicalDeviceFeatures features = {.samplerAnisotropy = d->anisotropy,

@@ -6,8 +6,9 @@
 #   bench_gpu.sh bake DIR [ROW...]           bake the fields that DIR lacks, with what is in DIR/bin
 #   bench_gpu.sh run DIR [OPTION...]         octalux-bench-gpu --data DIR OPTION...
 #
-# `cook` and `pack` run where Octalux was built (OCTALUX_SCENES names the scenes' folders); DIR then holds all that the other machine needs but
-# libc and Vulkan's loader and driver. Carry it there, and run DIR/bench_gpu.sh bake DIR && DIR/bench_gpu.sh run DIR --json.
+# `cook` and `pack` run where Octalux was built (OCTALUX_SCENES names the scenes' folders); DIR then holds all that the
+# other machine needs but libc and Vulkan's loader and driver. Carry it there, and run DIR/bench_gpu.sh bake DIR &&
+# DIR/bench_gpu.sh run DIR --json.
 #
 # MAP_DIVISOR=8 makes all maps smaller by that factor, for trying things out.
 set -euo pipefail

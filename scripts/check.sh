@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# What every change must pass: make check. At most 20 minutes of processor time. Ends with one line that counts everything.
+# What every change must pass: make check. At most 20 minutes of processor time. Ends with one line that counts
+# everything.
 set -uo pipefail
 source "$(dirname "$0")/steps.sh"
 

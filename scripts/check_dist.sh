@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The source as a file: check_dist.sh SOURCE-FOLDER. It holds what git tracks and nothing else, is the same twice, and belongs to nobody.
-# tests/soak_dist.sh builds it.
+# The source as a file: check_dist.sh SOURCE-FOLDER. It holds what git tracks and nothing else, is the same twice, and
+# belongs to nobody. tests/soak_dist.sh builds it.
 set -euo pipefail
 source=$(realpath "$1")
 [ -e "$source/.git" ] || { echo "skipped: this is no checkout"; exit 77; }

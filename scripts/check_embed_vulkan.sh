@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# examples/embed-vulkan as a host would build it, against an installed package: check_embed_vulkan.sh BUILD-FOLDER SOURCE-FOLDER.
-# Its light, layer by layer, against `octalux render` of the same view; its two ways against each other; and silent validation
-# layers. Exits with 77 without a Vulkan device, or without what the example needs to be built.
+# examples/embed-vulkan as a host would build it, against an installed package: check_embed_vulkan.sh BUILD-FOLDER
+# SOURCE-FOLDER. Its light, layer by layer, against `octalux render` of the same view; its two ways against each other;
+# and silent validation layers. Exits with 77 without a Vulkan device, or without what the example needs to be built.
 set -euo pipefail
 build=$1 source=$2
 work=$(mktemp -d)
@@ -44,8 +44,8 @@ PYTHON
 close_to recorded.exr render.exr indirect_diffuse 1e-3
 close_to recorded.exr render.exr indirect_glossy 1e-3
 close_to recorded.exr render.exr beauty 1e-3
-# Irradiance called in the host's shader is the recorded pass's, but for the half floats of that pass's image, and positions
-# that are interpolated there and found again from depth here.
+# Irradiance called in the host's shader is the recorded pass's, but for the half floats of that pass's image, and
+# positions that are interpolated there and found again from depth here.
 close_to own.exr recorded.exr beauty 1e-7
 close_to own.exr recorded.exr indirect_glossy 1e-12
 

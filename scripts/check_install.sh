@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Install a build, move it, and use it as others will: check_install.sh BUILD-FOLDER SOURCE-FOLDER. The examples are built
-# against the CMake package and against pkg-config, and run. The build's libraries may be static or shared.
+# Install a build, move it, and use it as others will: check_install.sh BUILD-FOLDER SOURCE-FOLDER. The examples are
+# built against the CMake package and against pkg-config, and run. The build's libraries may be static or shared.
 set -euo pipefail
 build=$(realpath "$1") source=$(realpath "$2")
 work=$(mktemp -d)
@@ -36,7 +36,8 @@ needs_only() {
 }
 needs_only "$libraries/liboctalux.so" '^$'
 
-# The program finds libraries of ours in the installation, whatever the environment says, and nothing refers to the build.
+# The program finds libraries of ours in the installation, whatever the environment says, and nothing refers to the
+# build.
 "$prefix/bin/octalux" scene builtin:cornell >/dev/null || fail "the installed program does not start"
 for file in "$prefix"/bin/* "$libraries"/*.so; do
   if readelf -d "$file" | grep -E 'R(UN)?PATH' | grep -vE '\[\$ORIGIN[^:]*\]'; then fail "$file looks for libraries elsewhere"; fi

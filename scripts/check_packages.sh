@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# What Debian packages of a build hold and ask for: check_packages.sh BUILD-FOLDER SOURCE-FOLDER. They are unpacked, not installed;
-# tests/soak_packages.sh installs them on a bare system.
+# What Debian packages of a build hold and ask for: check_packages.sh BUILD-FOLDER SOURCE-FOLDER. They are unpacked, not
+# installed; tests/soak_packages.sh installs them on a bare system.
 set -euo pipefail
 build=$(realpath "$1") source=$(realpath "$2")
 work=$(mktemp -d)
@@ -56,8 +56,8 @@ done
 [[ "$(field_of octalux-viewer Depends)," == "octalux (= $version),"* ]] || fail "the viewer takes any version of octalux"
 dpkg-deb --ctrl-tarfile "$(package_of liboctalux0)" | tar -xO ./shlibs | grep -q '^liboctalux 0 liboctalux0 (= ' || fail "who links the runtime is not told its package"
 
-# Notices: every library that a program names is in its package's notice, and none besides; what is contained has its licence's text.
-# third_party PACKAGE-COLUMN HOW FIELD: of cmake/third_party.tsv.
+# Notices: every library that a program names is in its package's notice, and none besides; what is contained has its
+# licence's text. third_party PACKAGE-COLUMN HOW FIELD: of cmake/third_party.tsv.
 third_party() { awk -F '\t' -v p="$1" -v h="$2" -v f="$3" '!/^#/ && index("," $1 ",", "," p ",") && $3 == h { print $f }' "$source/cmake/third_party.tsv"; }
 for pair in runtime:liboctalux0 tools:octalux viewer:octalux-viewer; do
   package=${pair#*:} column=${pair%:*}

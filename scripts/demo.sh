@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Bake a furnished room and two rooms that are hard to get right, render them from their fields and by path tracing, and put
-# pictures and numbers on one page that needs no other file: demo.sh PROGRAM FOLDER. Takes less than 150 seconds of
+# Bake a furnished room and two rooms that are hard to get right, render them from their fields and by path tracing, and
+# put pictures and numbers on one page that needs no other file: demo.sh PROGRAM FOLDER. Takes less than 150 seconds of
 # processor time; pictures are small, and the room is baked with more noise than by default, for its sake.
 set -euo pipefail
 export LC_ALL=C
@@ -44,7 +44,8 @@ figure() {
   printf '<figure><img alt="%s" src="%s"><figcaption><b>%s</b> %s</figcaption></figure>\n' "$2" "$(picture "$1")" "$2" "$3"
 }
 
-# slider LEFT-IMAGE LEFT-TITLE RIGHT-IMAGE RIGHT-TITLE: two pictures in one frame, with a line between them that can be moved.
+# slider LEFT-IMAGE LEFT-TITLE RIGHT-IMAGE RIGHT-TITLE: two pictures in one frame, with a line between them that can be
+# moved.
 slider() {
   printf '<div class=slider style="--at: 50%%"><img alt="%s" src="%s"><img class=over alt="%s" src="%s">' \
     "$4" "$(picture "$3")" "$2" "$(picture "$1")"
@@ -60,7 +61,8 @@ milliseconds() {
     'BEGIN { printf "%.0f ms", 1000 * (diffuse + glossy) / spp }'
 }
 
-# walk_through SCENE FIELD: a page beside ours that walks through the scene. Sets `walk` to what links to it, nothing where there is no such page.
+# walk_through SCENE FIELD: a page beside ours that walks through the scene. Sets `walk` to what links to it, nothing
+# where there is no such page.
 walk_through() {
   walk=""
   rm -rf "$out/walk"

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Coverage-guided fuzzing: fuzz.sh BUILD-FOLDER SECONDS [TARGET...] runs each target (all of them) for so many seconds, from the seeds that the build
-# makes, what was found before and is mended (tests/fuzz/found), and what earlier runs kept (BUILD-FOLDER/corpus). Prints a row for each, with
-# the edges of the code that were met; inputs that break a promise, take 5 seconds or gigabytes are kept in BUILD-FOLDER/broken.
+# Coverage-guided fuzzing: fuzz.sh BUILD-FOLDER SECONDS [TARGET...] runs each target (all of them) for so many seconds,
+# from the seeds that the build makes, what was found before and is mended (tests/fuzz/found), and what earlier runs
+# kept (BUILD-FOLDER/corpus). Prints a row for each, with the edges of the code that were met; inputs that break a
+# promise, take 5 seconds or gigabytes are kept in BUILD-FOLDER/broken.
 set -uo pipefail
 build=$(realpath "$1") seconds=$2
 source=$(realpath "$(dirname "$0")/..")

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Debian packages of a build: make_packages.sh BUILD-FOLDER OUTPUT-FOLDER. Their files are as old as the last commit, where git knows.
+# Debian packages of a build: make_packages.sh BUILD-FOLDER OUTPUT-FOLDER. Their files are as old as the last commit,
+# where git knows.
 set -euo pipefail
 build=$(realpath "$1")
 source=$(realpath "$(dirname "$0")/..")

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# What a real compiler makes of each compute pipeline, without a GPU: Mesa's RADV compiles for AMD chips that are not there.
+# What a real compiler makes of each compute pipeline, without a GPU: Mesa's RADV compiles for AMD chips that are not
+# there.
 #
 #   shader_stats.sh BENCH_GPU FIELD.olx [CHIP...]   octalux-bench-gpu --compile --json for each chip, one line each;
 #                                                   default chips: navi21 polaris10

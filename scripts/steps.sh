@@ -67,7 +67,8 @@ guided_fuzzing() {
   fi
 }
 
-# What this check and all it has run have used of the processors. `times` is called here because a subshell has used nothing.
+# What this check and all it has run have used of the processors. `times` is called here because a subshell has used
+# nothing.
 show_processor_time() {
   times >"$reports/times.txt"
   awk '{ for (i = 1; i <= 2; i++) { split($i, t, /[ms]/); sum += 60 * t[1] + t[2] } }

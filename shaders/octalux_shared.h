@@ -97,8 +97,8 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_BINDING_OUT_TARGET 6 // storage, rgba16f: the host's
 #define OLX_FILTER_BINDINGS 7
 
-// The descriptor set of a relighter's passes; the field's follows as set 1, as far as a pass reads it. A pass sees at most four
-// storage buffers.
+// The descriptor set of a relighter's passes; the field's follows as set 1, as far as a pass reads it. A pass sees at
+// most four storage buffers.
 #define OLX_BINDING_STATE 0        // storage buffers, of words: olx_gpu_relight, then lights, tiles, light
 #define OLX_BINDING_STRUCTURE 1    // surfels and their links; or sites of texels, and links of volume probes
 #define OLX_BINDING_VOLUME_LIGHT 2 // the field's words, whose irradiance of the volume is written
@@ -191,8 +191,8 @@ typedef struct olx_gpu_uvec4 {
 
 #define OLX_PASS_SIZE 8 // threads along a side of a pass's workgroup
 
-// Geometry blocks (src/block/geometry_block.h): texels along a side, the form of a block, in the two highest bits of its
-// last word, and what is added to the exponent of a coded plane to be that of a float.
+// Geometry blocks (src/block/geometry_block.h): texels along a side, the form of a block, in the two highest bits of
+// its last word, and what is added to the exponent of a coded plane to be that of a float.
 #define OLX_BLOCK_SIDE 4u
 #define OLX_GEOMETRY_ONE 0u  // one plane, three floats
 #define OLX_GEOMETRY_TWO 1u  // two coded planes, a bit a texel

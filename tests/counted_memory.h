@@ -1,4 +1,5 @@
-// Memory for fuzzers: how many blocks are held, how much has been asked for, and none larger than 1 GiB. Messages go nowhere.
+// Memory for fuzzers: how many blocks are held, how much has been asked for, and none larger than 1 GiB. Messages go
+// nowhere.
 #ifndef OLX_TESTS_COUNTED_MEMORY_H
 #define OLX_TESTS_COUNTED_MEMORY_H
 

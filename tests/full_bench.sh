@@ -1,5 +1,5 @@
-# Every experiment at its quick size: every number as in bench_quick.json, and the report of all of them in headless Chromium.
-# OCTALUX_SCREENSHOTS names a folder for pictures of it.
+# Every experiment at its quick size: every number as in bench_quick.json, and the report of all of them in headless
+# Chromium. OCTALUX_SCREENSHOTS names a folder for pictures of it.
 source "$(dirname "$0")/cli/expect.sh"
 OCTALUX=$OCTALUX_BENCH
 tests="$OCTALUX_SOURCE_DIR/tests"

@@ -1,4 +1,5 @@
-# octalux-bench-gpu: it needs nothing but a Vulkan loader, tells every pass of a tiny run, and says what is wrong with what it is given.
+# octalux-bench-gpu: it needs nothing but a Vulkan loader, tells every pass of a tiny run, and says what is wrong with
+# what it is given.
 source "$(dirname "$0")/cli/expect.sh"
 bench=$(dirname "$OCTALUX")/octalux-bench-gpu
 bake_cooked=$(dirname "$OCTALUX")/bench/bake_cooked
@@ -34,8 +35,8 @@ fi
 grep -q "^0  " stdout.txt || fail "no device in the list"
 expect_failure "there is no Vulkan device 15; there are" --data . --device 15
 
-# A run compiles every shader, which takes most of this test's time, so there are three. One row is there, the others are told to be
-# missing; under the validation layers where there are some.
+# A run compiles every shader, which takes most of this test's time, so there are three. One row is there, the others
+# are told to be missing; under the validation layers where there are some.
 "$octalux" scene builtin:cornell-glossy --cook glossy.olxs >/dev/null || fail "cook"
 "$bake_cooked" glossy.olxs glossy.olx 16 8 2x2x2 cage,bricks || fail "bake_cooked"
 mkdir data
@@ -66,7 +67,8 @@ expect_json "(lambda c: c['two-level+cage']['counts']['steps'] > c['hiz+bricks']
   o['rows'][0]['compare'])" --scene glossy.olxs --field glossy.olx "${tiny[@]}" --compare $validate
 grep -q "^validation" stderr.txt && fail "the validation layers found fault"
 
-# For people, in a scene that is all diffuse: the paper's number, the bandwidth that was stated, and what is unlike the paper.
+# For people, in a scene that is all diffuse: the paper's number, the bandwidth that was stated, and what is unlike the
+# paper.
 "$octalux" scene builtin:cornell --cook data/cornell.olxs >/dev/null || fail "cook"
 expect 0 --data data --rows cornell-256 "${tiny[@]}" --bandwidth 100
 grep -q "glossy light: no ray" stdout.txt || fail "rays where nothing is glossy"

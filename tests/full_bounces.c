@@ -89,7 +89,8 @@ static void no_bounce_goes_through_a_wall(void **state) {
   olx_scene_free(scene);
 }
 
-// --- Cornell box, 4 x 4 x 4 probes ----------------------------------------------------------------------------------------
+// --- Cornell box, 4 x 4 x 4 probes
+// ----------------------------------------------------------------------------------------
 
 enum { SIDE = 32, MANY = 8 };
 
@@ -134,7 +135,8 @@ static void both_ways_come_to_the_path_tracers_light(void **state) {
   olx_scene_free(scene);
 }
 
-// What a probe itself holds, unfitted, over what paths bring to its place: the bounces alone, without interpolation at the end.
+// What a probe itself holds, unfitted, over what paths bring to its place: the bounces alone, without interpolation at
+// the end.
 static void both_ways_fill_probes_as_paths_do(void **state) {
   (void)state;
   olx_scene *scene = load("builtin:cornell");

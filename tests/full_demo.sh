@@ -1,5 +1,5 @@
-# The demo: its first picture is named long before its end, all of it takes at most 150 seconds of processor time, its references
-# are smooth, and its page holds every picture and refers to nothing outside its folder.
+# The demo: its first picture is named long before its end, all of it takes at most 150 seconds of processor time, its
+# references are smooth, and its page holds every picture and refers to nothing outside its folder.
 set -euo pipefail
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -21,8 +21,8 @@ else
   grep -q "there is none: .*npm" "$work/said.txt" || { echo "nothing says why there is no way to walk through"; exit 1; }
 fi
 
-# Noise: another seed's picture with a quarter of the samples differs from the reference by five times what the reference is off,
-# in mean square, and that is less than 0.005 of the indirect light's.
+# Noise: another seed's picture with a quarter of the samples differs from the reference by five times what the
+# reference is off, in mean square, and that is less than 0.005 of the indirect light's.
 source "$OCTALUX_SOURCE_DIR/tests/cli/holds.sh"
 "$OCTALUX" render "$work/demo/cornell.json" -o "$work/other.exr" --method path --camera front --size 176x176 --spp 100 \
   --bounces 3 --seed 7 >/dev/null

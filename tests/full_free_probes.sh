@@ -1,5 +1,6 @@
 # Free probes, found by bricks, with maps of 512^2: rays that stay unresolved or end in the wrong place are as few as
-# docs/studies/rays.md says, on Sponza and in the temple. Models are looked for in OCTALUX_SCENES, or in ../shared/scenes.
+# docs/studies/rays.md says, on Sponza and in the temple. Models are looked for in OCTALUX_SCENES, or in
+# ../shared/scenes.
 set -euo pipefail
 export OCTALUX_SCENES=${OCTALUX_SCENES:-$OCTALUX_SOURCE_DIR/../shared/scenes}
 sponza=$OCTALUX_SOURCE_DIR/scenes/sponza.json
@@ -21,8 +22,8 @@ hold_rays() {
   "$OCTALUX" audit "$1" --field "$work/field.olx" --points 0 --json 2>/dev/null |
     holds "rays['count'] > 190000 and rays['unresolved'] <= $3 and rays['wrong'] <= $4 and rays['probes_mean'] < $5"
 }
-# More in the temple, 1.77: each of its sixteen probes sees a part only, and the list of where a ray begins cannot know who sees
-# its end.
+# More in the temple, 1.77: each of its sixteen probes sees a part only, and the list of where a ray begins cannot know
+# who sees its end.
 hold_rays builtin:temple 16 0.01 0.03 1.85
 hold_rays "$sponza" 32 0.02 0.04 1.5
 hold_rays "$sponza" 64 0.01 0.03 1.5

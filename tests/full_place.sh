@@ -1,6 +1,6 @@
 # Every method places probes in every scene where they may be, by a check that shares nothing with placement; cover sees
-# what docs/studies/placement.md says it sees. Models are looked for in OCTALUX_SCENES, or in ../shared/scenes beside the
-# checkout. Probes are moved by both optimizers in the scenes that OPTIMIZED names; soak_place.sh does so in all.
+# what docs/studies/placement.md says it sees. Models are looked for in OCTALUX_SCENES, or in ../shared/scenes beside
+# the checkout. Probes are moved by both optimizers in the scenes that OPTIMIZED names; soak_place.sh does so in all.
 set -euo pipefail
 export OCTALUX_SCENES=${OCTALUX_SCENES:-$OCTALUX_SOURCE_DIR/../shared/scenes}
 optimized=${OPTIMIZED:-cornell kitchen}
@@ -19,9 +19,10 @@ for name in cornell temple sponza white-room kitchen small-house pandora; do
   fi
   sets=() shares=() clearances=()
   for method in sdf medial cover; do
-    # What the report says is covered, and what the check finds. Covers see 99.9 % (docs/studies/placement.md). The skeletons' methods
-    # stop at their clusters, whatever those see: nine by sdf in Sponza 78 %, fourteen in pandora 91 %, elsewhere they see
-    # 98.6 % and more. The check's ball finds the way out of pandora, to where no probe has to see anything.
+    # What the report says is covered, and what the check finds. Covers see 99.9 % (docs/studies/placement.md). The
+    # skeletons' methods stop at their clusters, whatever those see: nine by sdf in Sponza 78 %, fourteen in pandora 91
+    # %, elsewhere they see 98.6 % and more. The check's ball finds the way out of pandora, to where no probe has to see
+    # anything.
     told=0.98
     [ $name = pandora ] && told=0.9
     [ $name = sponza ] && told=0.76
@@ -29,7 +30,8 @@ for name in cornell temple sponza white-room kitchen small-house pandora; do
     covered=$told
     [ $name = pandora ] && covered=0.38
     [ $name = pandora ] && [ $method = cover ] && covered=0.42
-    # Half a voxel: of a 160th of the longest side, and of 0.25 m in the tiles of pandora's cover, whose diagonal is 219 m.
+    # Half a voxel: of a 160th of the longest side, and of 0.25 m in the tiles of pandora's cover, whose diagonal is 219
+    # m.
     clearance=0.0009
     [ $name = pandora ] && [ $method = cover ] && clearance=0.0005
     ways=none
@@ -51,8 +53,8 @@ for name in cornell temple sponza white-room kitchen small-house pandora; do
   echo "$name: fine"
 done
 
-# Held-out rays of the program, and the check's own. Twenty seconds on two processors are told by processor time, which other
-# tests beside this one do not lengthen as they do the clock's.
+# Held-out rays of the program, and the check's own. Twenty seconds on two processors are told by processor time, which
+# other tests beside this one do not lengthen as they do the clock's.
 scene=$OCTALUX_SOURCE_DIR/scenes/sponza.json
 "$OCTALUX" scene "$scene" >/dev/null 2>&1 || { echo "no sponza in $OCTALUX_SCENES"; exit 77; }
 while read -r share options; do

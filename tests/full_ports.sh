@@ -1,5 +1,6 @@
-# The runtime alone, built for other machines and C libraries, answers as it does here: for 64-bit ARM under an emulator, with musl
-# linked statically, and of C17 without POSIX (OCTALUX_SYSTEM=plain), which calls nothing of threads or of POSIX files.
+# The runtime alone, built for other machines and C libraries, answers as it does here: for 64-bit ARM under an
+# emulator, with musl linked statically, and of C17 without POSIX (OCTALUX_SYSTEM=plain), which calls nothing of threads
+# or of POSIX files.
 set -euo pipefail
 for tool in aarch64-linux-gnu-gcc qemu-aarch64 musl-gcc; do
   command -v $tool >/dev/null || { echo "skipped: no $tool"; exit 77; }

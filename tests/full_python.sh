@@ -1,4 +1,5 @@
-# The Python example reproduces its figure: errors fall as maps grow, and a picture of them is drawn. Skipped without NumPy.
+# The Python example reproduces its figure: errors fall as maps grow, and a picture of them is drawn. Skipped without
+# NumPy.
 set -euo pipefail
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

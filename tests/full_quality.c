@@ -1,5 +1,5 @@
-// Holds the built-in scenes to the quality that they must show against ray casting and path tracing (docs/studies/light.md,
-// docs/studies/leaks.md).
+// Holds the built-in scenes to the quality that they must show against ray casting and path tracing
+// (docs/studies/light.md, docs/studies/leaks.md).
 #include "baked_field.h"
 #include "core/hooks.h"
 #include "core/sampling.h"

@@ -1,5 +1,5 @@
-# BUILD_SHARED_LIBS makes both libraries shared, and an installation of them works where it is moved to; cmocka is not needed
-# to build.
+# BUILD_SHARED_LIBS makes both libraries shared, and an installation of them works where it is moved to; cmocka is not
+# needed to build.
 set -euo pipefail
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

@@ -1,4 +1,5 @@
-# The viewer when things go wrong, and with lights that move: what cannot work says so and leaves nothing. On Mesa's CPU device.
+# The viewer when things go wrong, and with lights that move: what cannot work says so and leaves nothing. On Mesa's CPU
+# device.
 source "$(dirname "$0")/cli/viewer.sh"
 validate=
 "$OCTALUX" "${view[@]}" --offscreen --frames 1 --validate >stdout.txt 2>stderr.txt && validate=--validate

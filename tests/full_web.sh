@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# The exported page in headless Chromium, on its software renderer: it loads, its tools work, its light is that of `octalux render`.
+# The exported page in headless Chromium, on its software renderer: it loads, its tools work, its light is that of
+# `octalux render`.
 set -euo pipefail
 source_dir=${OCTALUX_SOURCE_DIR:?}
 command -v chromium >/dev/null || command -v chromium-browser >/dev/null || command -v google-chrome >/dev/null ||

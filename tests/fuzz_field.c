@@ -229,7 +229,8 @@ static void change_maps(dice *d, buffer *b) {
   }
 }
 
-// The words of a selector's structure, of classic maps or of what relighting needs, the first ones more often than the rest.
+// The words of a selector's structure, of classic maps or of what relighting needs, the first ones more often than the
+// rest.
 static void change_optional(dice *d, buffer *b) {
   const uint32_t count = chunks_inside(*b);
   if (count <= OLX_CHUNK_REQUIRED) return;

@@ -1,6 +1,7 @@
-// Hostile packed fields: fuzz_packed COUNT [SEED] unpacks COUNT mutated files. Each must be refused with a message, or give the very
-// field that was packed, or another that its own checksums agree to; no memory beyond what blocks have may be taken. Most files
-// have right checksums, so that what lies behind them is met. Files depend on (seed, round) alone.
+// Hostile packed fields: fuzz_packed COUNT [SEED] unpacks COUNT mutated files. Each must be refused with a message, or
+// give the very field that was packed, or another that its own checksums agree to; no memory beyond what blocks have
+// may be taken. Most files have right checksums, so that what lies behind them is met. Files depend on (seed, round)
+// alone.
 #include "packed_fields.h"
 
 #include "core/hooks.h"

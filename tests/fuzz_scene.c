@@ -1,8 +1,8 @@
-// Hostile scene files: fuzz_scene COUNT [SEED [PART]] loads COUNT mutated descriptions, OBJ, MTL, glTF, GLB and image files, or
-// those alone whose names contain PART, such as ".gl". Each must become a scene whose numbers are in order, or be refused with a
-// message, within seconds and without memory out of proportion. Files are made from (seed, round) alone, so a failure can
-// be had again; rounds run in a child, so that a crash inside Assimp is counted and the run goes on. Crashes, hangs and leaks of our
-// own code fail it.
+// Hostile scene files: fuzz_scene COUNT [SEED [PART]] loads COUNT mutated descriptions, OBJ, MTL, glTF, GLB and image
+// files, or those alone whose names contain PART, such as ".gl". Each must become a scene whose numbers are in order,
+// or be refused with a message, within seconds and without memory out of proportion. Files are made from (seed, round)
+// alone, so a failure can be had again; rounds run in a child, so that a crash inside Assimp is counted and the run
+// goes on. Crashes, hangs and leaks of our own code fail it.
 #include "core/hooks.h"
 #include "core/sampling.h"
 #include "counted_memory.h"
@@ -27,7 +27,8 @@
 
 #define BATCH 50u
 #define SECONDS_A_FILE 5u
-// Images of some 100 bytes may have 16384 texels a byte, an environment twelve bytes a texel and as much again to sample it.
+// Images of some 100 bytes may have 16384 texels a byte, an environment twelve bytes a texel and as much again to
+// sample it.
 #define MOST_BYTES_A_FILE ((size_t)64 << 20)
 #define MAX_FILE_BYTES 65536u
 typedef struct shared_state {

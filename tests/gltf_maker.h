@@ -34,18 +34,19 @@ uint32_t gltf_add_accessor(gltf_maker *m, const char *of, uint32_t count, int co
 uint32_t gltf_add(gltf_maker *m, const void *data, size_t size_bytes, uint32_t count, int component, const char *type,
                   bool normalized);
 
-// The number of a view of bytes that meshoptimizer compressed, by the extension `name`. Its plain form would lie in the fallback
-// buffer. `mode` is JSON: "\"mode\": \"TRIANGLES\"".
+// The number of a view of bytes that meshoptimizer compressed, by the extension `name`. Its plain form would lie in the
+// fallback buffer. `mode` is JSON: "\"mode\": \"TRIANGLES\"".
 uint32_t gltf_add_compressed(gltf_maker *m, const char *name, const uint8_t *code, size_t size_bytes, uint32_t count,
                              uint32_t stride, const char *mode);
-// Accessors of four vertices of three numbers, and of the corners of a square, compressed. `filter` is JSON after the mode, or empty.
+// Accessors of four vertices of three numbers, and of the corners of a square, compressed. `filter` is JSON after the
+// mode, or empty.
 void gltf_add_vertices(gltf_maker *m, const char *name, const void *vertices, uint32_t stride, const char *filter,
                        const char *of, int component);
 void gltf_add_indices(gltf_maker *m, const char *name, bool triangles);
 
-// The whole file, to be freed: one mesh of `primitive` (JSON, perhaps several), nodes, and a second buffer that is a meshopt fallback.
-// `more` is appended to the root object and starts with a comma unless it is empty. A `binary` text leaves its buffer to the .glb
-// around it.
+// The whole file, to be freed: one mesh of `primitive` (JSON, perhaps several), nodes, and a second buffer that is a
+// meshopt fallback. `more` is appended to the root object and starts with a comma unless it is empty. A `binary` text
+// leaves its buffer to the .glb around it.
 char *gltf_maker_text(const gltf_maker *m, const char *primitive, const char *nodes, const char *more, bool binary);
 
 // A .glb around a text and the bytes of its buffer, in *data, to be freed; returns its size.

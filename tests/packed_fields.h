@@ -18,7 +18,8 @@ typedef struct packed_image {
 
 // `room_bytes` more may be written behind the file.
 packed_image packed_image_load(const char *path, size_t room_bytes);
-// Make every checksum of the packed file right again, and those of the field's header and table; what lies outside the file is left.
+// Make every checksum of the packed file right again, and those of the field's header and table; what lies outside the
+// file is left.
 void packed_image_seal(const packed_image *i);
 // The first of the words of a chunk's blocks, `index` as in the field: 4 bytes that need not be aligned.
 unsigned char *packed_image_words(const packed_image *i, uint32_t index);

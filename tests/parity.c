@@ -169,8 +169,8 @@ static const olx_field_light LIGHTS[] = {
      .cosine_outer = 0.4f},
     {.type = OLX_FIELD_POINT, .position = {0.0f, 1.0f, 0.0f}, .emission = {INFINITY, 0.0f, 0.0f}}};
 
-// Materials of all kinds, direct light, and emission where texels are marked, at random but alike within blocks of 3 x 3
-// texels that do not end where the tiles of emission do.
+// Materials of all kinds, direct light, and emission where texels are marked, at random but alike within blocks of 3 x
+// 3 texels that do not end where the tiles of emission do.
 static void vary_surfaces(olx_field *field, uint32_t lights) {
   olx_field_surfaces *s = &field->surfaces;
   uint32_t *base = (uint32_t *)(uintptr_t)s->base, *direct = (uint32_t *)(uintptr_t)s->direct;
@@ -243,7 +243,8 @@ static void add_volume(olx_field *field, parity_volume *v) {
   field->volume.irradiance = v->irradiance;
 }
 
-// Surfaces as blocks. Materials take the ends of blocks' lines alone: how a device rounds what lies between them is its own.
+// Surfaces as blocks. Materials take the ends of blocks' lines alone: how a device rounds what lies between them is its
+// own.
 static void compress_surfaces(olx_field *field) {
   analytic_field_compress(field);
   const size_t count = (size_t)field->n * field->n / 16 * field->info.probe_count;

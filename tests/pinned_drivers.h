@@ -1,5 +1,5 @@
-// Vulkan's loader unloads drivers and layers when an instance goes, and a leak report can then no longer name them: tests keep
-// them loaded, and leaks.supp knows their names. Our own handles are counted by the validation layers.
+// Vulkan's loader unloads drivers and layers when an instance goes, and a leak report can then no longer name them:
+// tests keep them loaded, and leaks.supp knows their names. Our own handles are counted by the validation layers.
 #ifndef OLX_TESTS_PINNED_DRIVERS_H
 #define OLX_TESTS_PINNED_DRIVERS_H
 

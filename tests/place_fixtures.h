@@ -17,7 +17,8 @@ uint32_t matte(olx_scene *scene);
 olx_scene *start_room(void);
 // That room divided by a wall from floor to ceiling at x = 0 that leaves a gap at one side.
 olx_scene *start_divided_room(void);
-// The divided room, finished, with rules: two pinned probes, a forbidden box, a box that is playable, 0.4 m of distance.
+// The divided room, finished, with rules: two pinned probes, a forbidden box, a box that is playable, 0.4 m of
+// distance.
 olx_scene *load_ruled_room(void);
 // The pinned probes come first, and every other probe keeps to the rules.
 void expect_rules_kept(const olx_scene *scene, const olx_probe_set *set);

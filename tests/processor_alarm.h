@@ -1,5 +1,5 @@
-// A limit on what a piece of work may take: a signal after seconds of this process's processor time, which other work on the
-// machine does not use up.
+// A limit on what a piece of work may take: a signal after seconds of this process's processor time, which other work
+// on the machine does not use up.
 #pragma once
 
 #include <signal.h>

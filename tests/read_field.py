@@ -357,8 +357,8 @@ def check_light_field_probe(chunks, d, probe):
     return plausible / surfaces if surfaces else 1.0
 
 
-# BC6H. Modes with one region: precision, bits of difference; those with two: bits of the mode, precision, bits of difference of
-# each channel, and the runs of bits of their ends.
+# BC6H. Modes with one region: precision, bits of difference; those with two: bits of the mode, precision, bits of
+# difference of each channel, and the runs of bits of their ends.
 ONE_REGION = {3: (10, 10), 7: (11, 9), 11: (12, 8), 15: (16, 4)}
 TWO_REGIONS = {
     0: (2, 10, (5, 5, 5),

@@ -1,6 +1,6 @@
-# Writes a building of N x N rooms as OBJ, MTL and a description: rooms.py N FOLDER [SEALED]. Rooms are 10 m wide and 3 m high, with
-# walls 0.2 m thick, a screen, a cupboard and a lamp; doors are 1 m wide and 2 m high and lie somewhere along each wall. The last
-# SEALED rooms of the last row have no doors. The camera is in the first room.
+# Writes a building of N x N rooms as OBJ, MTL and a description: rooms.py N FOLDER [SEALED]. Rooms are 10 m wide and 3
+# m high, with walls 0.2 m thick, a screen, a cupboard and a lamp; doors are 1 m wide and 2 m high and lie somewhere
+# along each wall. The last SEALED rooms of the last row have no doors. The camera is in the first room.
 import json
 import os
 import random

@@ -59,8 +59,8 @@ typedef struct synthetic_classic {
 // Classic maps of at most 64 x 64 texels; what comes back points into `maps`.
 olx_classic_record synthetic_classic_maps(uint32_t size, uint32_t probe, olx_vec3 position, synthetic_classic *maps);
 
-// What relighting needs: a sound structure (field/relight_data.h) for a field of that shape, which has no volume. Numbers in it
-// mean nothing. Give it to olx_release; NULL: out of memory.
+// What relighting needs: a sound structure (field/relight_data.h) for a field of that shape, which has no volume.
+// Numbers in it mean nothing. Give it to olx_release; NULL: out of memory.
 void *synthetic_relight(const synthetic_shape *shape, size_t *size_bytes);
 
 // All probes and what relighting needs, but no commit.

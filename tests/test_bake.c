@@ -323,7 +323,8 @@ static void distances_are_those_of_the_box(void **state) {
     // The wall the normal belongs to is the one that was hit.
     assert_float_equal(olx_dot(n, hit), -2.0f, 2e-3f);
   }
-  // Straight at a wall the lobe sees r / cos; its mean over cos^e is r (e + 1) / e, that of the square r^2 (e + 1) / (e - 1).
+  // Straight at a wall the lobe sees r / cos; its mean over cos^e is r (e + 1) / e, that of the square r^2 (e + 1) / (e
+  // - 1).
   const float e = OLX_MOMENTS_EXPONENT, r = 2.0f - 0.9f;
   const size_t centre = texel_at(field->irradiance_stride, 64, 127); // towards +z, where v = 1
   const uint32_t packed = field->moments[centre];
@@ -517,8 +518,8 @@ static bool keeps(const olx_scene *scene, olx_bake_settings settings, const fold
   return sizes.irradiance_probes > 0;
 }
 
-// Probe light is kept when it is asked for, when something else stands at irradiance probes or says how they get their light, and
-// where no volume would answer in their place.
+// Probe light is kept when it is asked for, when something else stands at irradiance probes or says how they get their
+// light, and where no volume would answer in their place.
 static void probe_light_is_kept_where_something_needs_it(void **state) {
   const folder *f = *state;
   olx_scene *scene = busy_scene();

@@ -121,8 +121,8 @@ static void probe_light_has_its_size(void **state) {
   olx_scene_free(scene);
 }
 
-// Light and material take 56 bytes a block of 16 texels, geometry 16, in the file and on a device; as texels 18 bytes each, with a
-// border, and a level of the pyramid.
+// Light and material take 56 bytes a block of 16 texels, geometry 16, in the file and on a device; as texels 18 bytes
+// each, with a border, and a level of the pyramid.
 static void blocks_have_their_size(void **state) {
   const scene_folder *folder = *state;
   char path[512];
@@ -137,7 +137,8 @@ static void blocks_have_their_size(void **state) {
   const uint64_t saved = blocks.probes * (18ull * 66 * 66 + 2 * 16 * 16 - 72ull * 16 * 16);
   assert_in_range(texels.file_bytes - blocks.file_bytes, saved - 256, saved + 256); // chunks begin at multiples of 64
   assert_int_equal(texels.device_bytes - blocks.device_bytes, saved);
-  // A probe's blocks, beside its texels; those of geometry also with all the planes that each may need, but two bytes less of pyramid.
+  // A probe's blocks, beside its texels; those of geometry also with all the planes that each may need, but two bytes
+  // less of pyramid.
   assert_int_equal(blocks.memory_bytes - texels.memory_bytes, (56 + 16 + sizeof(olx_geometry_code) - 2) * 16 * 16);
   olx_scene_free(scene);
 }

@@ -88,8 +88,8 @@ static olx_vec3 neighbour(const made_bricks *made, olx_vec3 point, uint32_t i) {
   return olx_madd(origin, olx_add(corner, olx_v3(xy.x, xy.y, z.x)), side);
 }
 
-// Whether the line of sight clears the wall, or misses that by no more than a texel, which spans so many radians at most: in
-// height or in depth.
+// Whether the line of sight clears the wall, or misses that by no more than a texel, which spans so many radians at
+// most: in height or in depth.
 static bool nearly_sees(olx_vec3 probe, olx_vec3 point, float texel) {
   if ((probe.x < 1.7f) == (point.x < 1.7f)) return true;
   const olx_vec3 way = olx_sub(point, probe);

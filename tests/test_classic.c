@@ -18,7 +18,8 @@
 
 #include <cmocka.h>
 
-// --- The reflection model, integrated here on its own -------------------------------------------------------------------
+// --- The reflection model, integrated here on its own
+// -------------------------------------------------------------------
 
 typedef struct vector {
   double x, y, z;
@@ -40,8 +41,8 @@ static double reflection(double alpha, vector v, vector l, double f0) {
   return distribution * fresnel * masking(alpha, v.z) * masking(alpha, l.z) / (4.0 * v.z);
 }
 
-// The light reflected towards `v` in light that is 1 from everywhere: over half vectors (x = tan theta / alpha in steps that
-// grow, and azimuth), not over draws from the distribution.
+// The light reflected towards `v` in light that is 1 from everywhere: over half vectors (x = tan theta / alpha in steps
+// that grow, and azimuth), not over draws from the distribution.
 static double albedo(double alpha, double cosine, double f0) {
   enum { STEPS = 500, TURNS = 100 };
   const vector v = {sqrt(1.0 - cosine * cosine), 0.0, cosine};
@@ -92,7 +93,8 @@ static void the_table_holds_the_integrals_it_stands_for(void **state) {
   olx_release(table);
 }
 
-// --- Filtering a cube map -----------------------------------------------------------------------------------------------
+// --- Filtering a cube map
+// -----------------------------------------------------------------------------------------------
 
 typedef olx_vec3 (*environment)(olx_vec3 direction);
 
@@ -216,7 +218,8 @@ static void sharpness_narrows_the_filter(void **state) {
   olx_classic_filter_free(&f);
 }
 
-// --- Parallax -----------------------------------------------------------------------------------------------------------
+// --- Parallax
+// -----------------------------------------------------------------------------------------------------------
 
 static void a_box_room_is_seen_without_parallax(void **state) {
   (void)state;
@@ -245,7 +248,8 @@ static void a_box_room_is_seen_without_parallax(void **state) {
   assert_near(olx_classic_parallax(&(olx_classic_box){probe, probe}, probe, olx_splat(0.0f), d), d, 0.0f);
 }
 
-// --- Fields -------------------------------------------------------------------------------------------------------------
+// --- Fields
+// -------------------------------------------------------------------------------------------------------------
 
 static olx_scene *load(const char *name) {
   olx_scene *scene = NULL;
@@ -265,8 +269,8 @@ static olx_bake_settings small_bake(const olx_scene *scene) {
   return settings;
 }
 
-// Everything emits 1 and reflects one half: reflected light is 1 - 1/2^(bounces + 1) everywhere. Lamps are drawn at random, so
-// single texels are noisy and their mean is not.
+// Everything emits 1 and reflects one half: reflected light is 1 - 1/2^(bounces + 1) everywhere. Lamps are drawn at
+// random, so single texels are noisy and their mean is not.
 static void a_furnace_is_even(void **state) {
   (void)state;
   olx_scene *scene = load("builtin:furnace");

@@ -1,4 +1,5 @@
-# octalux export as a user types it: maps are what the field stores, in every projection; the model is sound and stands where probes do.
+# octalux export as a user types it: maps are what the field stores, in every projection; the model is sound and stands
+# where probes do.
 source "$(dirname "$0")/cli/expect.sh"
 read_export=$OCTALUX_SOURCE_DIR/tests/read_export.py
 check() { python3 "$read_export" "$@" >stdout.txt 2>stderr.txt || fail "read_export.py $*"; }
@@ -72,7 +73,8 @@ grep -q "^all.gltf: 8 light field probes, 27 irradiance probes, .* bricks whole 
 "$OCTALUX" export gltf all.olx -o - 2>stderr.txt | cmp - all.gltf || fail "standard output is another model"
 expect_json 'o["triangles"] >= 8 * (8 + 27)' scene all.gltf # an importer of ours reads it, octahedra and all
 
-# Pages: with the program's own page beside it the scene, the field and the page are written; a program that stands alone says what is missing.
+# Pages: with the program's own page beside it the scene, the field and the page are written; a program that stands
+# alone says what is missing.
 mkdir alone
 cp "$OCTALUX" alone/octalux
 if alone/octalux export web builtin:cornell --field plain.olx -o room >stdout.txt 2>stderr.txt; then fail "a page without a page"; fi

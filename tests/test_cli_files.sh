@@ -40,7 +40,8 @@ if [ -w /dev/full ]; then
   [ "$code" = 1 ] || fail "a full standard output: exit code $code, not 1"
 fi
 
-# A model reads nothing beyond its parent folder unless it is allowed to, and stays within limits unless they are raised.
+# A model reads nothing beyond its parent folder unless it is allowed to, and stays within limits unless they are
+# raised.
 mkdir -p scenes/models
 printf 'newmtl square\nKd 1 0 0\n' >outside.mtl
 printf 'mtllib ../../outside.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nusemtl square\nf 1 2 4 3\n' >scenes/models/square.obj

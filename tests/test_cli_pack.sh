@@ -1,4 +1,5 @@
-# octalux pack and unpack as a user types them: names that follow, the same bytes again, damage, limits, what other commands say.
+# octalux pack and unpack as a user types them: names that follow, the same bytes again, damage, limits, what other
+# commands say.
 source "$(dirname "$0")/cli/expect.sh"
 
 "$OCTALUX" bake builtin:cornell -o a.olx --radiance-size 128 --irradiance-size 16 --probe-light --select cage,voronoi,bricks \

@@ -1,5 +1,5 @@
-# `octalux place` in a building of 4 x 4 rooms with doors of one metre, of which one is sealed: all others are covered, by a check
-# that shares nothing with placement, and the sealed one is told apart.
+# `octalux place` in a building of 4 x 4 rooms with doors of one metre, of which one is sealed: all others are covered,
+# by a check that shares nothing with placement, and the sealed one is told apart.
 source "$(dirname "$0")/cli/expect.sh"
 source "$(dirname "$0")/cli/holds.sh"
 mkdir -p rooms

@@ -1,4 +1,5 @@
-# render --relight: a field follows the lights of a changed scene, on the CPU and on a Vulkan device (a CPU one will do).
+# render --relight: a field follows the lights of a changed scene, on the CPU and on a Vulkan device (a CPU one will
+# do).
 source "$(dirname "$0")/cli/expect.sh"
 export ASAN_OPTIONS="${ASAN_OPTIONS:-}:detect_leaks=0" # as in test_cli_vulkan.sh
 

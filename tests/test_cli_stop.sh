@@ -1,5 +1,5 @@
-# Every command stops within a second of a signal, says that it was interrupted, exits with 128 + the signal's number, and
-# leaves nothing behind: at several moments of each, on built-in scenes.
+# Every command stops within a second of a signal, says that it was interrupted, exits with 128 + the signal's number,
+# and leaves nothing behind: at several moments of each, on built-in scenes.
 set -euo pipefail
 cd "$(dirname "$0")"
 stop=$PWD/stop.py

@@ -1,8 +1,9 @@
-# Pictures whose indirect light comes from a Vulkan device (a CPU one will do) against the same from the CPU, layer by layer; what
-# cannot work. More of both is in full_cli_vulkan.sh.
+# Pictures whose indirect light comes from a Vulkan device (a CPU one will do) against the same from the CPU, layer by
+# layer; what cannot work. More of both is in full_cli_vulkan.sh.
 source "$(dirname "$0")/cli/devices.sh"
 
-# Diffuse light comes from what is stored at surfaces, and where all probes are ranked from the same texels but for rounding.
+# Diffuse light comes from what is stored at surfaces, and where all probes are ranked from the same texels but for
+# rounding.
 compare_devices builtin:cornell-glossy cornell.olx --spp 1 --glossy-samples 4 --select cage --tracer two-level --dim-lobe 0.06
 compare_devices builtin:cornell-glossy cornell.olx --spp 1 --select exhaustive
 compare_devices builtin:cornell-glossy cornell.olx --spp 1 --diffuse irradiance --hits stored
@@ -20,8 +21,8 @@ done
 expect_failure "harmonics.olx: irradiance as spherical harmonics .sh2. does not run on the GPU" render builtin:cornell-glossy \
   --field harmonics.olx -o none.exr --size 8x8 --device vulkan
 expect_failure "voronoi" render builtin:cornell-glossy --field cornell.olx -o none.exr --size 8x8 --select voronoi --device vulkan
-# Two of the three modes, with the same random numbers. Histories of half floats, and kernels that follow from them, leave a little more
-# than half floats alone do.
+# Two of the three modes, with the same random numbers. Histories of half floats, and kernels that follow from them,
+# leave a little more than half floats alone do.
 compare_devices builtin:cornell-glossy cornell.olx --mode gather --gather-samples 6 --spp 2 --emitters traced
 "$OCTALUX" bake builtin:two-rooms-gap -o two.olx --grid 2x2x2 --radiance-size 64 --irradiance-size 16 --bounces 1 --uncompressed 2>stderr.txt
 compare_devices builtin:two-rooms-gap two.olx --mode denoised --frames 5 --camera dark --from-camera lit --cut 2

@@ -1,5 +1,5 @@
-# What `bake` and `join` say and do where work folders are damaged, full, in use, or another's: one message, an exit code, and the old
-# field as it was.
+# What `bake` and `join` say and do where work folders are damaged, full, in use, or another's: one message, an exit
+# code, and the old field as it was.
 . "$OCTALUX_SOURCE_DIR/tests/cli/expect.sh"
 : "${OCTALUX_FULL_DISK:?the library that stands for a full disk}"
 scene=(builtin:cornell --grid 2x1x2 --radiance-size 16 --noise 0.3)
@@ -109,7 +109,8 @@ interrupted() {
   [ -e "$kept/plan-0-0.unit" ] || fail "nothing is kept"
 }
 
-# Long bakes have a folder beside their output without being asked, and short ones go on from it; it is another's for other settings.
+# Long bakes have a folder beside their output without being asked, and short ones go on from it; it is another's for
+# other settings.
 long=(builtin:cornell --grid 4x4x4 --radiance-size 512 --noise 0.3)
 interrupted old.olx.work "${long[@]}" -o old.olx
 [ "$(cat old.olx)" = 'the old field' ] || fail "an interrupted bake changed the old field"

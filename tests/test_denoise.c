@@ -234,7 +234,8 @@ static void test_what_comes_into_sight_starts_anew(void **state) {
   for (int i = 0; i < 5; i++) accumulate(light, &filter, before, before);
   fill(light, 2);
   const olx_history *history = accumulate(light, &filter, before, now);
-  // The wall moved by one pixel: what shows at 20..22 was behind the post at 21..23; at 23 and on it was seen from 24 on.
+  // The wall moved by one pixel: what shows at 20..22 was behind the post at 21..23; at 23 and on it was seen from 24
+  // on.
   for (uint32_t x = 20; x < 23; x++) {
     ASSERT_NEAR(history->count[at(x, 5)], 1.0f, 0);
     ASSERT_NEAR(history->incident[at(x, 5)].light.x, 2.0f, 0);
@@ -334,7 +335,8 @@ static void test_weights_that_are_hardly_there_count_for_nothing(void **state) {
   (void)state;
   const olx_lobe_filter filter = olx_denoise_settings_default().diffuse;
   view *v = make_wall(0, 2);
-  // Somewhere on the way to kernels that reach no neighbour, weights are so small that nothing can be divided by their sum.
+  // Somewhere on the way to kernels that reach no neighbour, weights are so small that nothing can be divided by their
+  // sum.
   for (float nearness = 50.0f; nearness < 1000.0f; nearness *= 1.02f) {
     light_buffers *light = make_light();
     for (uint32_t i = 0; i < PIXELS; i++) light->sample[i] = (olx_incident){olx_splat(1), nearness};

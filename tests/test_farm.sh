@@ -1,5 +1,5 @@
-# The templates of docs/farm.md make the field of a bake on one machine: the Slurm script as an array of tasks, one of which is killed and
-# requeued, and the shell function that GNU parallel calls.
+# The templates of docs/farm.md make the field of a bake on one machine: the Slurm script as an array of tasks, one of
+# which is killed and requeued, and the shell function that GNU parallel calls.
 set -euo pipefail
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

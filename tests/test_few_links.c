@@ -127,8 +127,8 @@ static void assert_drawn(const olx_few_link *all, const olx_few_link *drawn, uin
   assert_int_equal(next, count); // each once, in their order
 }
 
-// Those heavier than a threshold stay as they are, and each of the others that is drawn weighs as much as it. Since their weight is
-// a whole number of thresholds, so many are drawn, but for rounding one less.
+// Those heavier than a threshold stay as they are, and each of the others that is drawn weighs as much as it. Since
+// their weight is a whole number of thresholds, so many are drawn, but for rounding one less.
 static void too_many_are_drawn(void **state) {
   (void)state;
   olx_link_list list = begin(SURFELS);
@@ -148,8 +148,8 @@ static void too_many_are_drawn(void **state) {
   olx_link_list_free(&list);
 }
 
-// Over all draws a link weighs what it did, to within what DRAWS evenly spread numbers can tell: it is there for as many of them as
-// its share of the threshold says, but for one.
+// Over all draws a link weighs what it did, to within what DRAWS evenly spread numbers can tell: it is there for as
+// many of them as its share of the threshold says, but for one.
 static void no_link_gains_or_loses_weight_on_average(void **state) {
   (void)state;
   olx_link_list list = begin(SURFELS);

@@ -528,7 +528,8 @@ static olx_geometry_block *block_of_form(const field_image *i, uint32_t form) {
   return NULL;
 }
 
-// What geometry blocks may be, and what they must agree with: planes of the pool with how near they come, all with pyramids.
+// What geometry blocks may be, and what they must agree with: planes of the pool with how near they come, all with
+// pyramids.
 static void test_verify_reads_geometry(void **state) {
   const field_image i = field_image_load(*state, &of_planes);
   assert_field_sound(&i);

@@ -127,7 +127,8 @@ static uint16_t distance_code(const olx_field *field, uint32_t probe, uint32_t x
   return olx_half_pack(olx_texel_distance(field, probe, texel) / field->distance_scale);
 }
 
-// Points lie within a quarter of a footprint of their planes, whose normals are not far off; what is at no distance is sky.
+// Points lie within a quarter of a footprint of their planes, whose normals are not far off; what is at no distance is
+// sky.
 static void assert_geometry(const olx_field *field, uint32_t probe, const synthetic_geometry *geometry) {
   assert_true(!field->distance && !field->normal && field->planes.count > 0);
   for (uint32_t i = 0; i < geometry->n * geometry->n; i++) {

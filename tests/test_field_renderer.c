@@ -270,8 +270,8 @@ static olx_field *bake(const olx_scene *scene, uint32_t bounces, bool fit) {
   return baked_field(scene, &settings, NULL);
 }
 
-// Default pictures read nothing of probe light: with and without it they have the same bytes. What does read it is refused, but
-// for dim lobes beside traced light, which take the light of surfaces.
+// Default pictures read nothing of probe light: with and without it they have the same bytes. What does read it is
+// refused, but for dim lobes beside traced light, which take the light of surfaces.
 static void test_a_field_without_probe_light_gives_the_same_picture(void **state) {
   (void)state;
   olx_scene *scene = tiny_furnace(0.5f, 1.0f);

@@ -168,7 +168,8 @@ static void test_a_moving_camera_keeps_its_history(void **state) {
     error[moving] = relative_error(&image, &truth, OLX_LAYER_INDIRECT_DIFFUSE);
     olx_image_free(&image);
   }
-  // Reprojection mixes neighbours, which lowers noise and blurs a little; without it the error would be that of one ray.
+  // Reprojection mixes neighbours, which lowers noise and blurs a little; without it the error would be that of one
+  // ray.
   print_message("relative MSE without a filter over pixels: %.2g still, %.2g moving\n", error[0], error[1]);
   assert_true(error[1] < 2 * error[0]);
   olx_image_free(&truth);

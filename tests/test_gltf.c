@@ -320,7 +320,8 @@ static void two_sets_of_texture_coordinates(void **state) {
 
 #define TRANSFORM(what) ", \"extensions\": {\"KHR_texture_transform\": {" what "}}"
 
-// The example of the extension's specification: of the image, its lower left quarter alone, turned clockwise by 90 degrees.
+// The example of the extension's specification: of the image, its lower left quarter alone, turned clockwise by 90
+// degrees.
 static void texture_transforms_scale_turn_and_move(void **state) {
   gltf_maker m = {0};
   add_square(&m);

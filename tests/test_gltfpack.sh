@@ -1,7 +1,8 @@
-# What gltfpack makes of real models shows the same picture: quantised (KHR_mesh_quantization, KHR_texture_transform), and compressed
-# (-c: EXT_meshopt_compression), also beside its fallback for readers that cannot decompress (-cf). Albedo, normals and depth say so,
-# which have no noise: gltfpack keeps positions to 14 bits, texture coordinates to 12 and normals to 8, that is to 0.008, and
-# contours move by a part of a pixel. Skipped without gltfpack (Debian: gltfpack) or the models (OCTALUX_SCENES).
+# What gltfpack makes of real models shows the same picture: quantised (KHR_mesh_quantization, KHR_texture_transform),
+# and compressed (-c: EXT_meshopt_compression), also beside its fallback for readers that cannot decompress (-cf).
+# Albedo, normals and depth say so, which have no noise: gltfpack keeps positions to 14 bits, texture coordinates to 12
+# and normals to 8, that is to 0.008, and contours move by a part of a pixel. Skipped without gltfpack (Debian:
+# gltfpack) or the models (OCTALUX_SCENES).
 set -euo pipefail
 command -v gltfpack >/dev/null || { echo "skipped: gltfpack is not here"; exit 77; }
 export OCTALUX_SCENES=${OCTALUX_SCENES:-$OCTALUX_SOURCE_DIR/../shared/scenes}

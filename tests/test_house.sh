@@ -1,5 +1,5 @@
-# The checks of the house find what they are there to find: each fault, planted in a clean tree, is reported; and the counts
-# of a test report come out right.
+# The checks of the house find what they are there to find: each fault, planted in a clean tree, is reported; and the
+# counts of a test report come out right.
 set -euo pipefail
 check=$OCTALUX_SOURCE_DIR/scripts/check_layers.py
 count=$OCTALUX_SOURCE_DIR/scripts/count_tests.py

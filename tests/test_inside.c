@@ -86,7 +86,8 @@ static void probes_elsewhere_bury_none(void **state) {
   olx_scene_free(scene);
 }
 
-// A room whose wall has a hole, within a closed hull: the space between them is behind the scenery although it sees no sky.
+// A room whose wall has a hole, within a closed hull: the space between them is behind the scenery although it sees no
+// sky.
 static olx_scene *room_in_a_hull(const scene_folder *folder) {
   (void)scene_folder_write_text(
       folder, "hull.obj",

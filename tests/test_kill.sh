@@ -19,8 +19,9 @@ start=$(date +%s%N)
 bake_ms=$((($(date +%s%N) - start) / 1000000))
 sum=$(sha256sum <"$work/field.olx")
 
-# kill_bake SIGNAL MILLISECONDS PRELOADED: a bake gets the signal; its exit status is in $status. With a library preloaded
-# the time counts from when its temporary file has a name: one that an earlier bake left behind does not count.
+# kill_bake SIGNAL MILLISECONDS PRELOADED: a bake gets the signal; its exit status is in $status. With a library
+# preloaded the time counts from when its temporary file has a name: one that an earlier bake left behind does not
+# count.
 kill_bake() {
   local before
   before=$(ls -A "$work")

@@ -1,4 +1,5 @@
-// Light that goes over links, bounce after bounce: its sums, and that solving goes on from between any two bounces to the same bits.
+// Light that goes over links, bounce after bounce: its sums, and that solving goes on from between any two bounces to
+// the same bits.
 #include "core/hooks.h"
 #include "core/result.h"
 #include "light/light_bounces.h"

@@ -123,7 +123,8 @@ static void a_lost_device_is_reported(void **unused) {
   analytic_field_free(field);
 }
 
-// What a bake says beforehand is what the device holds, but for alignment, places of maps that are left free, and probes.
+// What a bake says beforehand is what the device holds, but for alignment, places of maps that are left free, and
+// probes.
 static void assert_planned(const olx_field *field, uint64_t device_bytes) {
   olx_field_header header = {.info = field->info};
   olx_field_layout layout;

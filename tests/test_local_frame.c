@@ -130,7 +130,8 @@ static void scenes_near_the_origin_keep_it(void **state) {
   olx_scene_free(scene);
 }
 
-// Floats are a metre apart there, and the translations of nodes must be finer. The three squares have one root, or three.
+// Floats are a metre apart there, and the translations of nodes must be finer. The three squares have one root, or
+// three.
 static void load_far_squares(const scene_folder *folder, const char *roots, const char *first_node) {
   char nodes[1024];
   snprintf(nodes, sizeof nodes,

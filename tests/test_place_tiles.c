@@ -1,4 +1,5 @@
-// Tests placement in space that is cut into tiles: floods by bricks, covers that depend on no order, and what is not reached.
+// Tests placement in space that is cut into tiles: floods by bricks, covers that depend on no order, and what is not
+// reached.
 #include "core/hooks.h"
 #include "core/sampling.h"
 #include "made_scenes.h"
@@ -22,7 +23,8 @@ static void divide(olx_scene *scene, float x, float from, float to) {
             matte(scene));
 }
 
-// Five rooms in a row with doors of one metre between them, but for the last one when that is sealed. The camera is in the first.
+// Five rooms in a row with doors of one metre between them, but for the last one when that is sealed. The camera is in
+// the first.
 static olx_scene *load_hall(bool sealed) {
   olx_scene *scene = made_scene();
   made_quad(scene, olx_v3(0.5f * HALL_LENGTH, 0, 0.5f * HALL_WIDTH), olx_v3(0, 0, HALL_WIDTH),

@@ -1,5 +1,5 @@
-# The Python package: its structures are those of the headers, and one that drifts is found; it does what it says; its arrays cost no
-# time; its wheel installs into a fresh environment. Skipped without NumPy.
+# The Python package: its structures are those of the headers, and one that drifts is found; it does what it says; its
+# arrays cost no time; its wheel installs into a fresh environment. Skipped without NumPy.
 set -euo pipefail
 build=$(dirname "$OCTALUX")
 source=$OCTALUX_SOURCE_DIR

@@ -441,7 +441,8 @@ static void every_lamp_casts_its_shadow(void **unused) {
   judge_lamp("wide spot", &wide, 0.02, 0.02);
 }
 
-// A sphere of sky around a small square: every direction is looked up as the path tracer does, and lights from all sides.
+// A sphere of sky around a small square: every direction is looked up as the path tracer does, and lights from all
+// sides.
 static void the_sky_is_where_rays_find_it(void **unused) {
   (void)unused;
   host_need_device(&device);

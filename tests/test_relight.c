@@ -134,7 +134,8 @@ static void test_furnace(void **state) {
   olx_scene_free(scene);
 }
 
-// ---- Cornell boxes whose lamp has a companion, which hangs clear of the blocks: beside them relit light is worse (below)
+// ---- Cornell boxes whose lamp has a companion, which hangs clear of the blocks: beside them relit light is worse
+// (below)
 
 static olx_scene *companion(const scene_folder *folder, const char *position) {
   char text[400];

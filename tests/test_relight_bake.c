@@ -105,8 +105,9 @@ static void settle(const olx_relight_data *d, const olx_vec3 *direct, olx_vec3 *
   olx_release(values);
 }
 
-// In a closed room all that a surface gets comes from walls, which reflect a share of what they get: links weigh that share.
-// A lamp in the middle lights the walls by hand; over the links its light becomes what the bake found, but for some of its noise.
+// In a closed room all that a surface gets comes from walls, which reflect a share of what they get: links weigh that
+// share. A lamp in the middle lights the walls by hand; over the links its light becomes what the bake found, but for
+// some of its noise.
 static void relighting_holds_the_light_of_a_closed_room(void **state) {
   const float albedo = 0.6f, intensity = 2.0f;
   olx_scene *scene = room(albedo, olx_splat(0.0f), intensity);

@@ -301,8 +301,8 @@ static void frames_are_those_of_the_cpu(void **unused) {
   assert_int_equal(device.validation_messages, before);
 }
 
-// Other settings: several frames in flight, more samples than a dispatch has rays, few rays a frame; and lights that change while
-// light is on its way.
+// Other settings: several frames in flight, more samples than a dispatch has rays, few rays a frame; and lights that
+// change while light is on its way.
 static void many_frames_in_flight_come_to_the_same_rest(void **unused) {
   (void)unused;
   host_need_device(&device);

@@ -28,8 +28,8 @@ typedef struct two_surfels {
 
 static const olx_vec3 LIGHT = {2.0f, 1.0f, 4.0f};
 
-// A floor at the origin that faces up, three quarters of whose link are straight; a place that it lights; a beam that comes from
-// `from`.
+// A floor at the origin that faces up, three quarters of whose link are straight; a place that it lights; a beam that
+// comes from `from`.
 static void make(two_surfels *t, olx_vec3 place, olx_vec3 from) {
   *t = (two_surfels){.link_starts = {0, 0, 1},
                      .link = {FLOOR | 191u << 24, olx_rgb9e5_pack(olx_splat(0.125f))},
@@ -99,7 +99,8 @@ static void test_none_without_direct_light_or_a_straight_way(void **state) {
 #undef DARK
 }
 
-// Light of lamps with an area comes from many sides, and is reflected to all: by the specular share where links count the diffuse.
+// Light of lamps with an area comes from many sides, and is reflected to all: by the specular share where links count
+// the diffuse.
 static void test_light_without_a_beam_is_reflected_to_all_sides(void **state) {
   (void)state;
   for (uint32_t i = 0; i < 2; i++) {

@@ -1,4 +1,5 @@
-# Bakes that are killed go on where they were, and their fields are those of bakes that were not. test_resume.sh [KILLS].
+# Bakes that are killed go on where they were, and their fields are those of bakes that were not. test_resume.sh
+# [KILLS].
 set -euo pipefail
 kills=${1:-4}
 work=$(mktemp -d)

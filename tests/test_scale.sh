@@ -1,8 +1,7 @@
 #!/bin/bash
 # The same room, 128 times smaller or larger, gives the same picture: nothing depends on absolute lengths. Powers of two
-# change no rounding, so that the pictures are the same to the last bit.
-# full_scale.sh runs it at scales that do round: SCALES, MAP and IRRADIANCE (texels), IRRADIANCE_GRID, SIZE, SPP and BOUND
-# (relative MSE) say how.
+# change no rounding, so that the pictures are the same to the last bit. full_scale.sh runs it at scales that do round:
+# SCALES, MAP and IRRADIANCE (texels), IRRADIANCE_GRID, SIZE, SPP and BOUND (relative MSE) say how.
 set -eu
 scales=${SCALES:-0.0078125 128} map=${MAP:-64} size=${SIZE:-96x72} spp=${SPP:-4} bound=${BOUND:-0}
 work=$(mktemp -d)

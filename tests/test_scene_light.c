@@ -203,7 +203,8 @@ static void the_bound_is_met_beside_surfaces_that_no_probe_sees(void **state) {
   free(s);
 }
 
-// A point that no surfel knows of casts rays of its own. Where no surfel serves their ends they find direct light and go on.
+// A point that no surfel knows of casts rays of its own. Where no surfel serves their ends they find direct light and
+// go on.
 static void without_surfels_rays_go_on_from_surface_to_surface(void **state) {
   (void)state;
   setting *s = malloc(sizeof *s);

@@ -1,6 +1,7 @@
-# Compilers of real GPUs get along with every pipeline: registers, spills, scratch memory and code on an AMD chip that RADV compiles for
-# though it is not there, within tests/shader_bounds.tsv. The bounds are of Debian 12's Mesa 22.3. The chip is navi21, or what OLX_CHIP says:
-# full_shader_stats.sh holds the other one, since either takes a tenth of the time that `make check` has.
+# Compilers of real GPUs get along with every pipeline: registers, spills, scratch memory and code on an AMD chip that
+# RADV compiles for though it is not there, within tests/shader_bounds.tsv. The bounds are of Debian 12's Mesa 22.3. The
+# chip is navi21, or what OLX_CHIP says: full_shader_stats.sh holds the other one, since either takes a tenth of the
+# time that `make check` has.
 source "$(dirname "$0")/cli/expect.sh"
 bench=$(dirname "$OCTALUX")/octalux-bench-gpu
 chip=${OLX_CHIP:-navi21}

@@ -210,8 +210,8 @@ static void alpha_alone_is_what_the_whole_texel_has(void **state) {
   assert_true(isfinite(olx_texture_alpha(&texture, (olx_vec2){NAN, INFINITY})));
 }
 
-// Light is linear: a textured wall reflects, on the whole, what its texels reflect, however near one looks. Filtering the
-// encoded texels would make it darker.
+// Light is linear: a textured wall reflects, on the whole, what its texels reflect, however near one looks. Filtering
+// the encoded texels would make it darker.
 static void filtering_keeps_what_srgb_texels_reflect(void **state) {
   (void)state;
   enum { TEXELS = 16, LOOK_UPS = 8 * TEXELS };

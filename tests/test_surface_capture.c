@@ -50,8 +50,8 @@ static float mean_of(const olx_field *field, texel_reader read) {
   return (float)(sum / (SIZE * SIZE));
 }
 
-// A closed room that glows by itself: its walls reflect what they get, whatever they emit. Shading them gives the series of all
-// bounces. A share of 2^-9 is what nine bits leave; the means of 1,024 texels carry noise of 0.2 %.
+// A closed room that glows by itself: its walls reflect what they get, whatever they emit. Shading them gives the
+// series of all bounces. A share of 2^-9 is what nine bits leave; the means of 1,024 texels carry noise of 0.2 %.
 static void furnace_keeps_its_light(olx_bake_light light) {
   const float albedo = 0.5f, emission = 2.0f;
   olx_scene *scene = made_scene();
@@ -122,7 +122,8 @@ static void add_light(olx_scene *scene, const olx_light *light) {
   assert_int_equal(olx_scene_add_light(scene, light), OLX_OK);
 }
 
-// A lamp in a room: its walls get E = I cos / r^2 whether they glow faintly or not, and no more light than before is in them.
+// A lamp in a room: its walls get E = I cos / r^2 whether they glow faintly or not, and no more light than before is in
+// them.
 static void faint_glow_hides_nothing(void **state) {
   (void)state;
   olx_field *field[2];
@@ -149,8 +150,8 @@ static void faint_glow_hides_nothing(void **state) {
                                 olx_texel_distance(field[1], 0, at));
     const float r = olx_length(p), cosine = -olx_dot(olx_texel_normal(field[1], 0, at), p) / r;
     const float lamp = 5.0f * cosine / (r * r);
-    // Samples lie up to a quarter of a texel off its middle each way, and light falls with the cube of the distance. What the
-    // walls send each other straight is pi times the glow.
+    // Samples lie up to a quarter of a texel off its middle each way, and light falls with the cube of the distance.
+    // What the walls send each other straight is pi times the glow.
     const float facing = -olx_dot(olx_texel_normal(field[1], 0, at), towards(i % SIZE, i / SIZE));
     const float footprint = olx_texel_distance(field[1], 0, at) * 3.545f / SIZE / facing;
     const float spread = lamp * 3.0f * 0.36f * footprint / r + 0.01f * lamp;

@@ -19,8 +19,8 @@ static const olx_grid single = {.origin = {1.9f, 1.4f, 2.7f}, .count = {1, 1, 1}
 typedef analytic_hit (*caster)(const analytic_scene *scene, olx_vec3 origin, olx_vec3 direction);
 typedef olx_vec3 (*lighting)(olx_vec3 position, olx_vec3 normal, uint32_t probe);
 
-// A field of what `cast` meets, with light of this kind stored at every texel. Irradiance probes hold 1, 2, 3, ... as analytic
-// fields do, so that light from the volume can be told apart.
+// A field of what `cast` meets, with light of this kind stored at every texel. Irradiance probes hold 1, 2, 3, ... as
+// analytic fields do, so that light from the volume can be told apart.
 static olx_field *field_of(const analytic_scene *scene, const olx_grid *grid, uint32_t n, caster cast, lighting light) {
   olx_field *f = analytic_field_make(scene, grid, n, 16);
   uint16_t *distance = (uint16_t *)(uintptr_t)f->distance, *normal = (uint16_t *)(uintptr_t)f->normal;
@@ -121,8 +121,8 @@ static olx_vec3 slope(olx_vec3 p, olx_vec3 n, uint32_t probe) {
   return olx_splat(1.0f + 0.25f * p.x + 0.125f * p.z);
 }
 
-// Below a probe the octahedral map is folded: along four lines on the floor the four texels lie on both sides of an edge of the
-// map. Light is as on other lines, and the same on both sides.
+// Below a probe the octahedral map is folded: along four lines on the floor the four texels lie on both sides of an
+// edge of the map. Light is as on other lines, and the same on both sides.
 static void texels_across_the_fold_are_the_neighbours(void **state) {
   (void)state;
   const olx_grid grid = {.origin = {2.0f, 1.0f, 2.5f}, .count = {1, 1, 1}};
@@ -193,8 +193,8 @@ static block_errors errors_of_blocks(void) {
   return (block_errors){off[1] / all[1], off[0] / all[0], worst};
 }
 
-// Blocks of 4 x 4 texels hold both surfaces, and each keeps its own light: to a few per cent, and of the brighter one's light
-// less than a hundredth comes across, which is what the encoder counts errors of darkness against.
+// Blocks of 4 x 4 texels hold both surfaces, and each keeps its own light: to a few per cent, and of the brighter one's
+// light less than a hundredth comes across, which is what the encoder counts errors of darkness against.
 static void blocks_do_not_bleed(void **state) {
   (void)state;
   const block_errors e = errors_of_blocks();

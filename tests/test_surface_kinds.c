@@ -163,8 +163,8 @@ static bool point_of(const olx_scene *scene, uint32_t material, uint32_t index, 
   return true;
 }
 
-// How far off the path tracer stored light is: relative mean square and bias. Both halves of the reference have noise of
-// their own, and so their products none on average.
+// How far off the path tracer stored light is: relative mean square and bias. Both halves of the reference have noise
+// of their own, and so their products none on average.
 typedef struct difference {
   double square, power, more, light;
 } difference;
@@ -244,9 +244,9 @@ static void both_sides_of_a_curved_cloth(void **state) {
 
 enum { WIDTH = 640, HEIGHT = 360, FRAMES = 2, MANY_PATHS = 1 << 10 };
 
-// What light that a pixel shows may change by between two frames, beyond the path tracer's, as a share of it. Beside edges
-// and on curved surfaces seen aslant stored light has steps from texel to texel: so many pixels may show one, and of no
-// more than that.
+// What light that a pixel shows may change by between two frames, beyond the path tracer's, as a share of it. Beside
+// edges and on curved surfaces seen aslant stored light has steps from texel to texel: so many pixels may show one, and
+// of no more than that.
 static const double STEADY = 0.02, STEPS_SHARE = 0.001, MOST_STEP = 0.2;
 
 // Two centimetres a frame, turning a little.
@@ -343,8 +343,8 @@ static double traced_around(const room_of_kinds *room, const frame_seen *seen, c
   return sum;
 }
 
-// Change of a point's light from one picture to the next, beyond that of the path tracer's, which is traced only where the
-// change is more than is allowed without it.
+// Change of a point's light from one picture to the next, beyond that of the path tracer's, which is traced only where
+// the change is more than is allowed without it.
 static double change_beyond(const room_of_kinds *room, const frame_seen *before, uint32_t i, const frame_seen *after,
                             const four_pixels *around) {
   const double one = shown(&before->image, i), two = shown_around(&after->image, around),

@@ -1,5 +1,5 @@
-# The viewer on Mesa's CPU device, with no window and under Xvfb: every mode and overlay, flying, resizing, screenshots. What may go
-# wrong, and lights that move, are full_view.sh.
+# The viewer on Mesa's CPU device, with no window and under Xvfb: every mode and overlay, flying, resizing, screenshots.
+# What may go wrong, and lights that move, are full_view.sh.
 source "$(dirname "$0")/cli/viewer.sh"
 
 help="$OCTALUX_SOURCE_DIR/tests/cli/view_help.txt"
@@ -38,8 +38,8 @@ expect 0 "${view[@]}" --offscreen --frames 2 --exposure 0.05 --auto-exposure --s
 check 'mean(p[0]) > 1.2 * mean(p[1]) and mean(p[1]) > 3 * mean(p[2])' followed.png one.png dim.png
 check 'abs(mean(p[0]) / mean(p[1]) - 1) < 0.02' followed.png dim-followed.png
 
-# A field without probe light: its picture, and what its texels hold in a map; what else is shown of probe light is refused, and
-# the key skips it.
+# A field without probe light: its picture, and what its texels hold in a map; what else is shown of probe light is
+# refused, and the key skips it.
 "$OCTALUX" bake builtin:cornell-glossy -o plain.olx --radiance-size 64 --bounces 1 --noise 0.3 >stdout.txt 2>stderr.txt
 plain=(view builtin:cornell-glossy --field plain.olx --size 96x80 --offscreen)
 expect 0 "${plain[@]}" --screenshot plain-one.png $validate

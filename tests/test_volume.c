@@ -214,8 +214,8 @@ static void space_that_nothing_reaches_is_dark(void **state) {
   olx_scene_free(scene);
 }
 
-// Whoever looks at a lit room from outside sees dark walls: texels hold nothing of them, and what does not know them guesses
-// nothing. A wall's two faces, and a sheet's.
+// Whoever looks at a lit room from outside sees dark walls: texels hold nothing of them, and what does not know them
+// guesses nothing. A wall's two faces, and a sheet's.
 static void a_room_does_not_glow_outside(void **state) {
   (void)state;
   static const olx_vec3 outwards[] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};

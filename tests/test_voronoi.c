@@ -283,8 +283,8 @@ static void test_nearest_is_the_nearest(void **state) {
   check_nearest(p, flags, 100, 8);
 }
 
-// Seen from the middle of a grid, the neighbour straight along an axis is the next probe on it, at any distance of others
-// behind it in the same direction; and at most four are named, by rising angle.
+// Seen from the middle of a grid, the neighbour straight along an axis is the next probe on it, at any distance of
+// others behind it in the same direction; and at most four are named, by rising angle.
 static void test_maps_point_at_neighbours(void **state) {
   (void)state;
   static olx_vec3 p[125];

@@ -247,8 +247,8 @@ static olx_vec3 masked_volume(const olx_field *field, const olx_vulkan_settings 
   return p->dynamic ? olx_volume_irradiance(field, p->position, p->normal) : surface_irradiance(field, settings, p);
 }
 
-// What moves takes the volume, and no light where that has no cell; in the other half of the room irradiance probes answer for
-// static surfaces whose light is not stored.
+// What moves takes the volume, and no light where that has no cell; in the other half of the room irradiance probes
+// answer for static surfaces whose light is not stored.
 static void dynamic_objects_take_the_irradiance_volume(void **unused) {
   (void)unused;
   host_need_device(&device);
@@ -341,8 +341,8 @@ static void without_any_source_places_are_dark(void **unused) {
   host_fixture_free(&f);
 }
 
-// The eye moves: at no place is irradiance other than on the CPU, where it hangs on places and normals alone, whether the
-// geometric normal is given or found from depth.
+// The eye moves: at no place is irradiance other than on the CPU, where it hangs on places and normals alone, whether
+// the geometric normal is given or found from depth.
 static void irradiance_stays_as_the_eye_moves(void **unused) {
   (void)unused;
   host_fixture f = make_fixture(128, 16);
@@ -530,7 +530,8 @@ static void only_the_passes_that_are_named_are_made(void **unused) {
   host_fixture_free(&f);
 }
 
-// A driver compiles each tracer with each selector and light of hits by itself, when the frame is made and not when it is recorded.
+// A driver compiles each tracer with each selector and light of hits by itself, when the frame is made and not when it
+// is recorded.
 static void each_tracer_and_selector_has_a_pipeline(void **unused) {
   (void)unused;
   host_fixture f = make_small_fixture();

@@ -1,5 +1,5 @@
-// Work folders: results that come back as they were stored or not at all, folders that are refused, what is removed and what never is,
-// and which units parts make.
+// Work folders: results that come back as they were stored or not at all, folders that are refused, what is removed and
+// what never is, and which units parts make.
 #include "core/hooks.h"
 #include "core/result.h"
 #include "work/unit_store.h"

@@ -1,5 +1,6 @@
-// Functions that take the place of the device's own in a context: of all calls that make something one fails, when a test wants it
-// to, and pipelines are empty. Those that are never run do not need their shaders, which take long to compile.
+// Functions that take the place of the device's own in a context: of all calls that make something one fails, when a
+// test wants it to, and pipelines are empty. Those that are never run do not need their shaders, which take long to
+// compile.
 #ifndef OLX_TESTS_VULKAN_FAULTS_H
 #define OLX_TESTS_VULKAN_FAULTS_H
 

@@ -1,23 +1,24 @@
-// A host that the recorded passes are tested with: a device, images of a room as a renderer would have drawn them, and what the
-// passes write, read back.
+// A host that the recorded passes are tested with: a device, images of a room as a renderer would have drawn them, and
+// what the passes write, read back.
 #ifndef OLX_TESTS_VULKAN_HOST_H
 #define OLX_TESTS_VULKAN_HOST_H
 
 #include "analytic_field.h"
 #include "gpu_memory.h"
 
-// The device that the tests of a program share: any will do, a CPU one too. Its driver stays loaded. False: there is none, and
-// tests that call host_need_device are skipped.
+// The device that the tests of a program share: any will do, a CPU one too. Its driver stays loaded. False: there is
+// none, and tests that call host_need_device are skipped.
 bool host_open_device(gpu_device *device, bool validate);
 void host_need_device(const gpu_device *device);
 // 0; 1 when the validation layers name something that was not destroyed.
 int host_close_device(gpu_device *device);
 
-// Inputs: depth, normal, albedo, roughness, and what a test may add to the targets: geometric normal, vertex normal, dynamic.
+// Inputs: depth, normal, albedo, roughness, and what a test may add to the targets: geometric normal, vertex normal,
+// dynamic.
 enum { HOST_GEOMETRIC_NORMAL = 4, HOST_VERTEX_NORMAL, HOST_DYNAMIC, HOST_INPUTS, HOST_OUTPUTS = 3 };
 
-// A view along -z with reversed, endless depth: HOST_NEAR / distance. Pixel (x, y) of width * height; `shift` moves the picture
-// over the image plane, in pixels, as a jittered projection does.
+// A view along -z with reversed, endless depth: HOST_NEAR / distance. Pixel (x, y) of width * height; `shift` moves the
+// picture over the image plane, in pixels, as a jittered projection does.
 #define HOST_NEAR 0.1f
 #define HOST_SPREAD 0.8f
 typedef struct host_view {
@@ -28,7 +29,8 @@ typedef struct host_view {
   float bend; // how far normals are bent: the vertex normal a little off the geometric one, the shading normal more
 } host_view;
 
-// What the host has rendered: every pixel of another roughness, metallic and weight; its four columns at the left show nothing.
+// What the host has rendered: every pixel of another roughness, metallic and weight; its four columns at the left show
+// nothing.
 typedef struct host_pixel {
   bool empty;
   float depth;  // as the depth image has it

@@ -1,4 +1,5 @@
-// Shadow maps: one layer of a depth array for each view of each lamp. Draw them once for a scene at rest, again when something moves.
+// Shadow maps: one layer of a depth array for each view of each lamp. Draw them once for a scene at rest, again when
+// something moves.
 #ifndef OCTALUX_VIEWER_SHADOW_PASS_H
 #define OCTALUX_VIEWER_SHADOW_PASS_H
 

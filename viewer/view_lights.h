@@ -14,7 +14,8 @@ void view_lights_place(view_lights *lights, uint32_t light, olx_vec3 to);
 // Suns go around the sky by `right` and up by `up` radians; other lights move by metres in the frame of a camera's yaw.
 void view_lights_move(view_lights *lights, uint32_t light, float right, float up, float away, float yaw);
 
-// The lamps of a scene whose lights have changed: as many of each kind as before, with as many views. False: out of memory.
+// The lamps of a scene whose lights have changed: as many of each kind as before, with as many views. False: out of
+// memory.
 bool view_lights_lamps(const olx_scene_content *content, const view_lights *lights, const lamp_settings *settings,
                        lamp_list *list);
 // Change what olx_scene_relight_lights gave in the same way; the scene's lights without area come first there.

@@ -18,8 +18,8 @@ void view_meter_attach(gpu_device *device, view_meter *meter, const frame_images
 // Waits for the picture, and is there for the host when the commands have run.
 void view_meter_record(const gpu_device *device, const view_meter *meter, VkCommandBuffer commands);
 
-// The exposure after `seconds` of getting used to the picture that was metered last; INFINITY: used to it at once. It is as
-// it was where the picture is black.
+// The exposure after `seconds` of getting used to the picture that was metered last; INFINITY: used to it at once. It
+// is as it was where the picture is black.
 float view_meter_follow(const view_meter *meter, float exposure, float seconds);
 
 #endif

@@ -312,7 +312,8 @@ void build_window(const view_facts *facts, const view_timings *timings, const vi
   ImGui::End();
 }
 
-// Letters as large as the display wants them: of a font of the system where there is one, else the built-in one, larger.
+// Letters as large as the display wants them: of a font of the system where there is one, else the built-in one,
+// larger.
 void load_letters(GLFWwindow *window) {
   static const char *const files[] = {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
                                       "/usr/share/fonts/truetype/liberation2/LiberationSans-Regular.ttf",

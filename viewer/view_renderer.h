@@ -44,11 +44,12 @@ typedef struct view_renderer {
   float object_radius, object_roughness, object_metallic;
 } view_renderer;
 
-// Upload scene and field, make pipelines and images of the size that is lit. False with a message in device->problem; destroy it
-// in either case. It must stay where it is, and what the scene lies in as long.
+// Upload scene and field, make pipelines and images of the size that is lit. False with a message in device->problem;
+// destroy it in either case. It must stay where it is, and what the scene lies in as long.
 bool view_renderer_create(gpu_device *device, const olx_scene *scene, const olx_field *field,
                           const uint32_t lit_size[2], view_renderer *renderer);
-// Let indirect light follow the lights, as view_relight_create does. `field` is the one that the renderer was made with.
+// Let indirect light follow the lights, as view_relight_create does. `field` is the one that the renderer was made
+// with.
 bool view_renderer_relight(view_renderer *renderer, const olx_scene *scene, const olx_field *field, bool in_step);
 void view_renderer_destroy(view_renderer *renderer);
 

@@ -22,8 +22,8 @@ typedef struct view_script_wishes {
   const char *screenshot; // NULL: none; lives as long as the script
 } view_script_wishes;
 
-// Read a whole script. NULL, with one line on standard error that names file and line, when it cannot be read or has a line
-// that means nothing. The caller's to free.
+// Read a whole script. NULL, with one line on standard error that names file and line, when it cannot be read or has a
+// line that means nothing. The caller's to free.
 view_script *view_script_open(const char *path);
 void view_script_free(view_script *script); // NULL is allowed
 

@@ -1,4 +1,5 @@
-// What the viewer shows and how: one struct that options, keys, scripts and the panel all change. The renderer reads it.
+// What the viewer shows and how: one struct that options, keys, scripts and the panel all change. The renderer reads
+// it.
 #ifndef OCTALUX_VIEW_STATE_H
 #define OCTALUX_VIEW_STATE_H
 

@@ -1,4 +1,5 @@
-// shaders/lib as one text of ESSL 3.00: includes resolved, each file once, without comments and without what C alone reads.
+// shaders/lib as one text of ESSL 3.00: includes resolved, each file once, without comments and without what C alone
+// reads.
 import { readFileSync } from 'node:fs';
 import { dirname, join, resolve } from 'node:path';
 

@@ -4,9 +4,10 @@
 
 #include "gpu_device.h"
 
-// Makes the pipelines for a field, those of relighting and of the baseline as far as the field holds what they need, and prints what
-// VK_KHR_pipeline_executable_properties reports of each (where the device has it), and the processor time that making it took.
-// Nothing is run, so that the device need not exist. The device was opened with `compile_only`. False: device->problem.
+// Makes the pipelines for a field, those of relighting and of the baseline as far as the field holds what they need,
+// and prints what VK_KHR_pipeline_executable_properties reports of each (where the device has it), and the processor
+// time that making it took. Nothing is run, so that the device need not exist. The device was opened with
+// `compile_only`. False: device->problem.
 bool bench_compile(gpu_device *device, const char *field_path, bool json);
 
 #endif

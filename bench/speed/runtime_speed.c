@@ -74,7 +74,8 @@ static uint32_t surface_rays(const olx_field *field, const olx_field_info *info,
   return made;
 }
 
-// Mirrored rays in the order of an image: from the first free probe of the middle as the eye, all around it, row by row.
+// Mirrored rays in the order of an image: from the first free probe of the middle as the eye, all around it, row by
+// row.
 static uint32_t mirrored_rays(const olx_field *field, const olx_field_info *info, ray *rays, uint32_t count) {
   const olx_sample_settings settings = olx_sample_settings_default();
   uint32_t probe = info->probe_count / 2;

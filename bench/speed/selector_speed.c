@@ -36,7 +36,8 @@ typedef struct query {
   olx_vec3 position, direction;
 } query;
 
-// From a point that some probe sees, a little off the surface, in a direction away from it. False when the probe sees the sky.
+// From a point that some probe sees, a little off the surface, in a direction away from it. False when the probe sees
+// the sky.
 static bool query_at(const olx_field *field, const olx_field_info *info, uint64_t i, query *q) {
   const uint32_t probe = (uint32_t)(unit(i, 0) * (float)info->probe_count);
   if (olx_field_probe_buried(field, probe)) return false;

@@ -3,8 +3,8 @@
 // these rays truly end. So the noise of rays, and most of that of lights, is the same for all fields, and their
 // differences show with few of either.
 //
-// Errors are products of two independent halves of a pixel's rays, so that noise adds nothing to them on average. What is
-// left of it in a ratio to the best grid is estimated by leaving out each twentieth of the pixels (jackknife).
+// Errors are products of two independent halves of a pixel's rays, so that noise adds nothing to them on average. What
+// is left of it in a ratio to the best grid is estimated by leaving out each twentieth of the pixels (jackknife).
 #include "light/direct_light.h"
 #include "options.h"
 #include "render/camera.h"

@@ -1,10 +1,11 @@
 // Judges whether a picture shows the borders of probes' cages: seams SCENE FIELD.olx IMAGE.exr [CAMERA]. IMAGE is a
 // picture of the scene from that camera (the first, unless named), its camera rays through pixel centres.
 //
-// Four pixels in a row or column, on one surface, whose middle lies on a border between two cages and whose ends lie in one each,
-// give the gradient across the border and, as the mean of the outer two, the gradient beside it. Four pixels in one cage
-// give the same for comparison. Diffuse light is taken before albedo, and in the irradiance probes' cages, glossy light in
-// those of the light field probes. Prints one JSON object, with the number of values in the picture that are not finite.
+// Four pixels in a row or column, on one surface, whose middle lies on a border between two cages and whose ends lie in
+// one each, give the gradient across the border and, as the mean of the outer two, the gradient beside it. Four pixels
+// in one cage give the same for comparison. Diffuse light is taken before albedo, and in the irradiance probes' cages,
+// glossy light in those of the light field probes. Prints one JSON object, with the number of values in the picture
+// that are not finite.
 #include "options.h"
 #include "studies.h"
 

@@ -177,8 +177,8 @@ static olx_result run_size(const contest *c, const wang_size *size) {
   return run_contenders(c, size->probes, &grids[best]);
 }
 
-// The next of names with commas between: a file of probes or a grid such as 4x2x4, each with @TEXELS behind it or with maps
-// of 512. `path` keeps the file's name.
+// The next of names with commas between: a file of probes or a grid such as 4x2x4, each with @TEXELS behind it or with
+// maps of 512. `path` keeps the file's name.
 static const char *next_set(const char *name, char path[4096], bench_probes *probes) {
   const size_t length = strcspn(name, ",");
   snprintf(path, 4096, "%.*s", (int)length, name);

@@ -22,8 +22,8 @@ typedef struct wang_measured {
   bench_images *references;
 } wang_measured;
 
-// A field for each different set of probes that the scene's rows name, with or without those of appendix A; then errors, and
-// times, of each row.
+// A field for each different set of probes that the scene's rows name, with or without those of appendix A; then
+// errors, and times, of each row.
 olx_result wang_bake_sets(const wang_view *view, bool series, wang_measured *t);
 olx_result wang_measure_errors(const wang_view *view, wang_measured *t, bool keep_pictures);
 olx_result wang_time_rows(const wang_view *view, wang_measured *t);

@@ -1,5 +1,5 @@
-// Measures all sets of probes of Wang's thesis, those of its appendix among them, with the thesis's maps: times, errors and
-// memory.
+// Measures all sets of probes of Wang's thesis, those of its appendix among them, with the thesis's maps: times, errors
+// and memory.
 #include "experiment_list.h"
 #include "wang_study.h"
 

@@ -8,8 +8,8 @@ typedef struct wang_sizes {
   uint32_t size[2], spp, field_spp, rounds, texels;
 } wang_sizes;
 
-// Those of tables are small, because there are some fifty sets of up to 128 probes; experiments that do not belong to `all`
-// have the thesis's.
+// Those of tables are small, because there are some fifty sets of up to 128 probes; experiments that do not belong to
+// `all` have the thesis's.
 static const wang_sizes quick_sizes = {{64, 36}, 16, 2, 2, 64};
 static const wang_sizes table_sizes = {{96, 54}, 32, 2, 3, 128};
 static const wang_sizes thesis_sizes = {{320, 180}, 128, 8, 5, 512};

@@ -14,8 +14,8 @@ typedef struct wang_view {
   bench_images *references;
 } wang_view;
 olx_result wang_open(bench *b, uint32_t scene, wang_view *view);
-// Whether the experiment leaves the scene out, because --only does not name it or because of --quick, which the findings
-// tell.
+// Whether the experiment leaves the scene out, because --only does not name it or because of --quick, which the
+// findings tell.
 bool wang_leaves_out(bench *b, uint32_t scene);
 
 // Settings of pictures with the size and the samples of the run.
@@ -28,7 +28,8 @@ uint32_t wang_rounds(const bench *b);
 typedef struct wang_quality {
   bench_error glossy, beauty, glossy_camera[BENCH_CAMERAS];
 } wang_quality;
-// Renders the scene's cameras from a field and compares. `pictures` receives what was rendered, to be freed in any case.
+// Renders the scene's cameras from a field and compares. `pictures` receives what was rendered, to be freed in any
+// case.
 olx_result wang_compare(const wang_view *view, const olx_field *field, olx_tracer tracer, olx_select select,
                         const char *name, wang_quality *quality, bench_images *pictures);
 

@@ -6,8 +6,8 @@
 // remove_octalux. FIELD comes from
 //   octalux bake builtin:cornell-glossy -o FIELD
 // and PICTURE is a .png, tone-mapped, or an .exr with the indirect layers beside. With --own-shader the diffuse light
-// comes from olx_surface_irradiance, called in surface.frag, instead of the recorded pass. --validate fails on any message of
-// the validation layers. Exits with 77 where there is no Vulkan 1.2 device.
+// comes from olx_surface_irradiance, called in surface.frag, instead of the recorded pass. --validate fails on any
+// message of the validation layers. Exits with 77 where there is no Vulkan 1.2 device.
 #include "surface_pass.h"
 
 #include <octalux/octalux.h>

@@ -1,4 +1,6 @@
 // Baking: a scene and probe positions become a field file. Part of liboctalux-bake.
+//
+// SPDX-License-Identifier: MIT
 #ifndef OCTALUX_BAKE_H
 #define OCTALUX_BAKE_H
 
@@ -34,8 +36,8 @@ typedef struct olx_bake_unit {
   double seconds;              // by the clock, to make or to read it
 } olx_bake_unit;
 
-// Where a bake keeps the results of its units, so that it can go on after it was stopped or killed, or be shared out over machines
-// (docs/baking.md, "Bakes that resume"). Bytes of the field do not depend on it.
+// Where a bake keeps the results of its units, so that it can go on after it was stopped or killed, or be shared out
+// over machines (docs/baking.md, "Bakes that resume"). Bytes of the field do not depend on it.
 typedef struct olx_bake_work {
   const char *folder;   // the caller's; NULL, the default: nothing is kept. Made unless it is there; it must be this user's, with mode
                         // 0700, no link, and empty or a work folder of the same bake
@@ -57,10 +59,10 @@ typedef struct olx_bake_settings {
                             // cage for a grid, bricks for `probes`. Bricks are there whatever is said, with up to 65535
                             // probes. The cage needs the grid. Default 0
   uint32_t radiance_size;   // texels along a side: a power of two, 8 to 2048; default 512
-  // Also keep light as probes have it (McGuire et al. 2017): radiance as each light field probe saw it (section 3), and irradiance
-  // probes with filtered visibility (section 5.2). OLX_HITS_STORED, OLX_DIFFUSE_IRRADIANCE and olx_irradiance read it, and no
-  // default picture does (docs/baking.md). Default false, and implied where olx_bake_keeps_probe_light says so. The four settings
-  // after it, and `fit`, shape it alone.
+  // Also keep light as probes have it (McGuire et al. 2017): radiance as each light field probe saw it (section 3), and
+  // irradiance probes with filtered visibility (section 5.2). OLX_HITS_STORED, OLX_DIFFUSE_IRRADIANCE and
+  // olx_irradiance read it, and no default picture does (docs/baking.md). Default false, and implied where
+  // olx_bake_keeps_probe_light says so. The four settings after it, and `fit`, shape it alone.
   bool probe_light;
   olx_grid irradiance_grid; // irradiance probes; set to olx_bake_irradiance_grid of `grid`
   uint32_t irradiance_size; // a power of two, 8 to 256; default 128
@@ -87,8 +89,8 @@ typedef struct olx_bake_settings {
   olx_bake_work work;  // default: nothing is kept
 } olx_bake_settings;
 
-// The settings of a bake where nothing else is said. `scene` may be NULL: both grids are left without probes then, and are to
-// be set by olx_scene_probe_grid and olx_bake_irradiance_grid.
+// The settings of a bake where nothing else is said. `scene` may be NULL: both grids are left without probes then, and
+// are to be set by olx_scene_probe_grid and olx_bake_irradiance_grid.
 olx_bake_settings olx_bake_settings_default(const olx_scene *scene);
 
 // Whether a bake with these settings keeps probe light: because probe_light says so; because of `classic`, whose maps
@@ -129,8 +131,8 @@ typedef struct olx_bake_stats {
 typedef struct olx_bake_sizes {
   uint64_t probes, irradiance_probes; // 0 of irradiance without probe light
   uint64_t file_bytes; // what the description makes certain. On top come structures of other selectors than the cage, the
-                       // irradiance volume, up to 4 bytes a texel where probes see emitters or the sky, and planes of fine
-                       // surfaces, up to a third of a byte a texel in the scenes that were measured and 8 at most
+                       // irradiance volume, up to 4 bytes a texel where probes see emitters or the sky, and planes of
+                       // fine surfaces, up to a third of a byte a texel in the scenes that were measured and 8 at most
   uint64_t expected_bytes; // file_bytes with what furnished rooms have on top, as olx_light_field_bytes reckons it
   uint64_t device_bytes; // that a Vulkan device holds of it, before alignment; 0 for irradiance as spherical harmonics
   uint64_t memory_bytes; // that the bake takes at most at once, beside the scene, structures of selectors, and surfels with
@@ -153,21 +155,22 @@ olx_result olx_bake_measure(const olx_scene *scene, const olx_bake_settings *set
 olx_result olx_bake_estimate_seconds(const olx_scene *scene, const olx_bake_settings *settings,
                                      const olx_progress *progress, double *seconds);
 
-// Bake and write `path`: beside, synced, renamed, so that a failure or a kill at any moment leaves the old file or the new
-// one. The bytes depend on the scene and the settings alone, not on threads or runs. stats may be NULL.
+// Bake and write `path`: beside, synced, renamed, so that a failure or a kill at any moment leaves the old file or the
+// new one. The bytes depend on the scene and the settings alone, not on threads or runs. stats may be NULL.
 //
-// With a work folder a bake goes on where another one of the same scene, settings, build and machine left off. OLX_ERROR_ARGUMENT when
-// the folder is another bake's, and OLX_ERROR_FILE when it is no work folder, or in use. A damaged result is named in a warning and made
-// again. A part writes no field (`path` is not looked at) and never waits: OLX_OK when there is nothing left to make,
-// OLX_ERROR_INCOMPLETE when units of others are missing; call it again then. Any number of parts may run at once, of any `parts`, more
-// than once; while they do a whole bake is refused where the file system has locks. OLX_ERROR_UNSUPPORTED for classic maps with
-// bounces between irradiance probes, which cannot be kept.
+// With a work folder a bake goes on where another one of the same scene, settings, build and machine left off.
+// OLX_ERROR_ARGUMENT when the folder is another bake's, and OLX_ERROR_FILE when it is no work folder, or in use. A
+// damaged result is named in a warning and made again. A part writes no field (`path` is not looked at) and never
+// waits: OLX_OK when there is nothing left to make, OLX_ERROR_INCOMPLETE when units of others are missing; call it
+// again then. Any number of parts may run at once, of any `parts`, more than once; while they do a whole bake is
+// refused where the file system has locks. OLX_ERROR_UNSUPPORTED for classic maps with bounces between irradiance
+// probes, which cannot be kept.
 olx_result olx_bake(const olx_scene *scene, const olx_bake_settings *settings, const char *path,
                     const olx_progress *progress, olx_bake_stats *stats);
 
 // Write the field of a work folder whose units are all there, without the scene. The folder goes away unless `keep`.
-// OLX_ERROR_INCOMPLETE when units are missing, OLX_ERROR_CHECKSUM when one is damaged, OLX_ERROR_ARGUMENT when another build of Octalux made
-// them. Of *stats, which may be NULL, only what is known without baking is set.
+// OLX_ERROR_INCOMPLETE when units are missing, OLX_ERROR_CHECKSUM when one is damaged, OLX_ERROR_ARGUMENT when another
+// build of Octalux made them. Of *stats, which may be NULL, only what is known without baking is set.
 olx_result olx_bake_join(const char *folder, const char *path, bool keep, const olx_progress *progress,
                          olx_bake_stats *stats);
 

@@ -2,6 +2,8 @@
 //
 // Threads: every function of Octalux may be called from any thread. A handle (olx_field, olx_scene, ...) that is not
 // being created or destroyed may be read by any number of threads at once. The last message is kept per thread.
+//
+// SPDX-License-Identifier: MIT
 #ifndef OCTALUX_BASE_H
 #define OCTALUX_BASE_H
 
@@ -23,8 +25,8 @@ const char *olx_version(void);
 
 // What every fallible call returns. Anything that comes from outside (files, memory, settings) is answered with one of
 // these. An index or enumerator out of range is answered with the value that its function documents, and a name with
-// "unknown"; nothing is read out of bounds. NULL handles are programming mistakes: they assert in debug builds, and release
-// builds hold no assertion that could end the host.
+// "unknown"; nothing is read out of bounds. NULL handles are programming mistakes: they assert in debug builds, and
+// release builds hold no assertion that could end the host.
 typedef enum olx_result {
   OLX_OK = 0,
   OLX_ERROR_ARGUMENT = 1,    // a setting outside its documented range
@@ -43,8 +45,8 @@ typedef enum olx_result {
 // A short English name of the result ("out of memory"). Never NULL; static storage.
 const char *olx_result_name(olx_result result);
 
-// The message of the last failed call on this thread, saying what failed and where; "" when none failed yet. Valid until
-// the next failing call on the same thread.
+// The message of the last failed call on this thread, saying what failed and where; "" when none failed yet. Valid
+// until the next failing call on the same thread.
 const char *olx_last_error(void);
 
 typedef struct olx_vec2 {
@@ -59,8 +61,8 @@ typedef struct olx_vec3 {
   float x, y, z;
 } olx_vec3;
 
-// No position may have a coordinate farther than this from 0: what lies beyond is refused, or left out of a scene with a
-// warning. Scenes far from 0 keep their positions relative to an origin of their own (octalux/scene.h).
+// No position may have a coordinate farther than this from 0: what lies beyond is refused, or left out of a scene with
+// a warning. Scenes far from 0 keep their positions relative to an origin of their own (octalux/scene.h).
 #define OLX_POSITION_LIMIT_METRES 2e7
 
 typedef enum olx_log_level { OLX_LOG_INFO = 0, OLX_LOG_WARNING = 1, OLX_LOG_ERROR = 2 } olx_log_level;
@@ -94,15 +96,15 @@ typedef struct olx_progress {
   void *user;
 } olx_progress;
 
-// A copy of `text`, which may come from a file, that does nothing to a terminal: control characters and bytes that are no
-// UTF-8 become \xNN. Cut to fit into size_bytes, at least 1, with the end of the string; 4 bytes for every byte always fit.
-// Messages of olx_last_error, of the log and of olx_scene_warning are printable already.
+// A copy of `text`, which may come from a file, that does nothing to a terminal: control characters and bytes that are
+// no UTF-8 become \xNN. Cut to fit into size_bytes, at least 1, with the end of the string; 4 bytes for every byte
+// always fit. Messages of olx_last_error, of the log and of olx_scene_warning are printable already.
 void olx_printable(const char *text, char *printable, size_t size_bytes);
 
-// Run work(user) on the calling thread, with `progress` for whatever it calls of Octalux on this thread: calls that take
-// no progress themselves (loading and cooking a scene, comparing images) then end with OLX_ERROR_CANCELLED soon after
-// report returned false. `stage` is the name that is reported. Returns what `work` returns. Importers' libraries are not
-// interrupted.
+// Run work(user) on the calling thread, with `progress` for whatever it calls of Octalux on this thread: calls that
+// take no progress themselves (loading and cooking a scene, comparing images) then end with OLX_ERROR_CANCELLED soon
+// after report returned false. `stage` is the name that is reported. Returns what `work` returns. Importers' libraries
+// are not interrupted.
 olx_result olx_watch(const olx_progress *progress, const char *stage, olx_result (*work)(void *user), void *user);
 
 // Outputs. A regular file is written beside its place and put there when it is whole, so that no reader ever sees half

@@ -1,5 +1,7 @@
-// Settings of the separated spatial-temporal denoiser of McGuire et al. 2017, section 5.1 (docs/denoising.md): a mean over
-// frames, then a filter over pixels. olx_render_frames runs it on the CPU, olx_vulkan_record_denoise on a GPU.
+// Settings of the separated spatial-temporal denoiser of McGuire et al. 2017, section 5.1 (docs/denoising.md): a mean
+// over frames, then a filter over pixels. olx_render_frames runs it on the CPU, olx_vulkan_record_denoise on a GPU.
+//
+// SPDX-License-Identifier: MIT
 #ifndef OCTALUX_DENOISER_H
 #define OCTALUX_DENOISER_H
 

@@ -1,6 +1,8 @@
-// Fields on their way elsewhere: packed for shipping, and unpacked; their maps as pictures; what they consist of as a model to look at;
-// and scenes as models to draw beside them.
-// Part of liboctalux-bake. A program that calls nothing of it but packing links zstd, and neither Embree nor any importer's library.
+// Fields on their way elsewhere: packed for shipping, and unpacked; their maps as pictures; what they consist of as a
+// model to look at; and scenes as models to draw beside them. Part of liboctalux-bake. A program that calls nothing of
+// it but packing links zstd, and neither Embree nor any importer's library.
+//
+// SPDX-License-Identifier: MIT
 #ifndef OCTALUX_EXPORT_H
 #define OCTALUX_EXPORT_H
 
@@ -12,8 +14,8 @@ extern "C" {
 #endif
 #pragma GCC visibility push(default)
 
-// ---- Packing: a field (.olx) is stored smaller (.olxz) and comes back to the last byte (docs/format.md, "Packed fields"). A packed
-// field cannot be sampled; the runtime refuses it with a message.
+// ---- Packing: a field (.olx) is stored smaller (.olxz) and comes back to the last byte (docs/format.md, "Packed
+// fields"). A packed field cannot be sampled; the runtime refuses it with a message.
 
 typedef struct olx_pack_settings {
   uint32_t level;   // of zstd, 1 (fast) to 22 (small); default 19
@@ -37,10 +39,11 @@ typedef struct olx_packed_info {
   olx_packed_chunk chunks[OLX_PACKED_MOST_CHUNKS];
 } olx_packed_info;
 
-// Pack the field at `field_path` into `path`: beside, synced, renamed. Every checksum of the field is checked before. The bytes depend on
-// the field, the level and the version of zstd alone. Takes some 20 MiB of memory a thread, whatever the field's size. OLX_ERROR_ARGUMENT
-// for settings out of range, OLX_ERROR_UNSUPPORTED for a field of more chunks than OLX_PACKED_MOST_CHUNKS, and what olx_field_open and
-// olx_field_verify say of a damaged field. `info` may be NULL.
+// Pack the field at `field_path` into `path`: beside, synced, renamed. Every checksum of the field is checked before.
+// The bytes depend on the field, the level and the version of zstd alone. Takes some 20 MiB of memory a thread,
+// whatever the field's size. OLX_ERROR_ARGUMENT for settings out of range, OLX_ERROR_UNSUPPORTED for a field of more
+// chunks than OLX_PACKED_MOST_CHUNKS, and what olx_field_open and olx_field_verify say of a damaged field. `info` may
+// be NULL.
 olx_result olx_field_pack(const char *field_path, const olx_pack_settings *settings, const char *path,
                           const olx_progress *progress, olx_packed_info *info);
 
@@ -51,9 +54,10 @@ typedef struct olx_unpack_settings {
 
 olx_unpack_settings olx_unpack_settings_default(void);
 
-// Unpack `packed_path` into the field file that it was made from: beside, synced, renamed. `path` may be NULL: then everything is checked
-// and nothing written. Takes some 3 MiB of memory a thread, whatever the file says. OLX_ERROR_FORMAT or OLX_ERROR_CHECKSUM for a damaged
-// file, OLX_ERROR_UNSUPPORTED for a field larger than settings->most_bytes. `info` may be NULL.
+// Unpack `packed_path` into the field file that it was made from: beside, synced, renamed. `path` may be NULL: then
+// everything is checked and nothing written. Takes some 3 MiB of memory a thread, whatever the file says.
+// OLX_ERROR_FORMAT or OLX_ERROR_CHECKSUM for a damaged file, OLX_ERROR_UNSUPPORTED for a field larger than
+// settings->most_bytes. `info` may be NULL.
 olx_result olx_field_unpack(const char *packed_path, const olx_unpack_settings *settings, const char *path,
                             const olx_progress *progress, olx_packed_info *info);
 
@@ -65,7 +69,8 @@ olx_result olx_packed_describe(const char *path, olx_packed_info *info);
 
 // ---- Maps as pictures.
 
-// What a map holds, linear and as 32-bit floats. A texel of a light field probe is the surface that the ray through its middle meets.
+// What a map holds, linear and as 32-bit floats. A texel of a light field probe is the surface that the ray through its
+// middle meets.
 typedef enum olx_map {
   // Of light field probes.
   OLX_MAP_DISTANCE = 0,    // metres, infinite for the sky
@@ -97,7 +102,8 @@ typedef enum olx_map {
 // "distance", "emitter", ... as the enumerators; "unknown" for what is none.
 const char *olx_map_name(olx_map map);
 
-// How directions lie in a picture, row 0 at the top. Each pixel holds the texel of the map that its middle's direction falls into.
+// How directions lie in a picture, row 0 at the top. Each pixel holds the texel of the map that its middle's direction
+// falls into.
 typedef enum olx_map_projection {
   OLX_PROJECTION_OCTAHEDRAL = 0, // the map as it is stored, n x n texels without border (docs/format.md, "Maps")
   OLX_PROJECTION_LATLONG,        // 2 n x n: +y at the top, -x at the left edge, +x in the middle, +z three quarters across, as
@@ -115,9 +121,9 @@ typedef struct olx_map_picture {
   uint32_t size;  // n of latlong and cube, 1 to 2048; 0, the default: the map's own for latlong, half of it for cube. Octahedral: 0
 } olx_map_picture;
 
-// Write a map as an .exr: channels R, G, B (of normals x, y, z), or Y of a single number. Beside, synced, renamed. *width and *height
-// receive the size in pixels; either may be NULL. OLX_ERROR_ARGUMENT for a map that the field does not have, a probe that it does not
-// have, and a size out of range.
+// Write a map as an .exr: channels R, G, B (of normals x, y, z), or Y of a single number. Beside, synced, renamed.
+// *width and *height receive the size in pixels; either may be NULL. OLX_ERROR_ARGUMENT for a map that the field does
+// not have, a probe that it does not have, and a size out of range.
 olx_result olx_export_map(const olx_field *field, const olx_map_picture *picture, const char *path, uint32_t *width,
                           uint32_t *height);
 
@@ -141,14 +147,15 @@ olx_result olx_export_gltf(const olx_field *field, const char *path, olx_gltf_co
 
 // ---- For renderers in other places, such as browsers (docs/web.md).
 
-// Write what a scene consists of as a .glb (glTF 2.0): triangles by material, with textures within; emission, specular weight and lights
-// without area by KHR_materials_emissive_strength, KHR_materials_specular and KHR_lights_punctual; cameras. In metres relative to the
-// scene's origin, so that it lies over the scene's field. The scene's "extras" have its hash, its origin and the radiance of its sky.
-// Height maps, alpha of a texture of its own, and environments' images are left out. Beside, synced, renamed. file_bytes may be NULL.
+// Write what a scene consists of as a .glb (glTF 2.0): triangles by material, with textures within; emission, specular
+// weight and lights without area by KHR_materials_emissive_strength, KHR_materials_specular and KHR_lights_punctual;
+// cameras. In metres relative to the scene's origin, so that it lies over the scene's field. The scene's "extras" have
+// its hash, its origin and the radiance of its sky. Height maps, alpha of a texture of its own, and environments'
+// images are left out. Beside, synced, renamed. file_bytes may be NULL.
 olx_result olx_export_scene(const olx_scene *scene, const char *path, uint64_t *file_bytes);
 
-// Write a file once more, compressed by gzip, which browsers unpack: beside, synced, renamed. file_bytes, which may be NULL, receives the
-// size of what was written. The bytes depend on the file and the version of zlib alone.
+// Write a file once more, compressed by gzip, which browsers unpack: beside, synced, renamed. file_bytes, which may be
+// NULL, receives the size of what was written. The bytes depend on the file and the version of zlib alone.
 olx_result olx_export_gzip(const char *from, const char *path, uint64_t *file_bytes);
 
 #pragma GCC visibility pop

@@ -1,11 +1,13 @@
 // A baked light field: opening, describing and checking the .olx file (docs/format.md).
 //
-// A field holds light field probes (distance, normal, and the surface with its light for every direction) that rays are traced
-// through and light of surfaces is read from, and an irradiance volume for free space. It may also hold probe light: radiance as
-// each light field probe saw it (McGuire et al. 2017, section 3), and irradiance probes (prefiltered irradiance and distance
-// moments; section 5.2). With that it may hold classic maps, those of the baseline that light field probes replace:
-// irradiance probes without visibility (docs/baking.md). It may hold what relighting needs (octalux/relight.h). It is
-// immutable.
+// A field holds light field probes (distance, normal, and the surface with its light for every direction) that rays are
+// traced through and light of surfaces is read from, and an irradiance volume for free space. It may also hold probe
+// light: radiance as each light field probe saw it (McGuire et al. 2017, section 3), and irradiance probes (prefiltered
+// irradiance and distance moments; section 5.2). With that it may hold classic maps, those of the baseline that light
+// field probes replace: irradiance probes without visibility (docs/baking.md). It may hold what relighting needs
+// (octalux/relight.h). It is immutable.
+//
+// SPDX-License-Identifier: MIT
 #ifndef OCTALUX_FIELD_H
 #define OCTALUX_FIELD_H
 
@@ -88,9 +90,9 @@ typedef struct olx_field_info {
   uint64_t select_bytes[OLX_SELECT_EXHAUSTIVE]; // of each selector in the file; their sum is selector_bytes
 } olx_field_info;
 
-// Map a field file into memory and check its structure: every offset and size, and the checksums of header, chunk table and
-// description, but not the maps (olx_field_verify).
-// On success *field is the caller's to close; on failure it is NULL. Takes milliseconds for any size.
+// Map a field file into memory and check its structure: every offset and size, and the checksums of header, chunk table
+// and description, but not the maps (olx_field_verify). On success *field is the caller's to close; on failure it is
+// NULL. Takes milliseconds for any size.
 olx_result olx_field_open(const char *path, olx_field **field);
 
 // Opens a field file that is in memory already, 64-byte aligned, as olx_field_open does; `data` must outlive the field.
@@ -106,9 +108,9 @@ void olx_field_close(olx_field *field);
 
 olx_field_info olx_field_describe(const olx_field *field);
 
-// The origin, in metres of scene coordinates, that all positions of the field are relative to, and those that the functions of the
-// runtime take and give. It is 0 unless the scene lies far from 0. A host subtracts it, in double precision, from the eye and
-// from what it passes in floats; nothing else differs.
+// The origin, in metres of scene coordinates, that all positions of the field are relative to, and those that the
+// functions of the runtime take and give. It is 0 unless the scene lies far from 0. A host subtracts it, in double
+// precision, from the eye and from what it passes in floats; nothing else differs.
 void olx_field_origin(const olx_field *field, double origin[3]);
 
 // Position in metres of a light field probe, index < probe_count; NaN for another index.

@@ -1,5 +1,7 @@
-// The least and the greatest values of settings. Whatever takes a setting checks it by these, and says so by OLX_ERROR_ARGUMENT; the
-// command line's options have the same limits, and files are held to those that concern them.
+// The least and the greatest values of settings. Whatever takes a setting checks it by these, and says so by
+// OLX_ERROR_ARGUMENT; the command line's options have the same limits, and files are held to those that concern them.
+//
+// SPDX-License-Identifier: MIT
 #ifndef OCTALUX_LIMITS_H
 #define OCTALUX_LIMITS_H
 

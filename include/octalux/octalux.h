@@ -1,4 +1,6 @@
 // The runtime of Octalux: everything that a program needs to light itself from a baked field on the CPU.
+//
+// SPDX-License-Identifier: MIT
 #ifndef OCTALUX_OCTALUX_H
 #define OCTALUX_OCTALUX_H
 

@@ -23,6 +23,8 @@
 // Afterwards probes may be moved to where they see better (section 3.2): `optimize`.
 //
 // Everything is deterministic: the same scene and settings give the same probes, with any number of threads.
+//
+// SPDX-License-Identifier: MIT
 #ifndef OCTALUX_PLACE_H
 #define OCTALUX_PLACE_H
 
@@ -188,16 +190,16 @@ olx_result olx_place(const olx_scene *scene, const olx_place_settings *settings,
 // Releases probes and marks; the struct itself is the caller's.
 void olx_probe_set_free(olx_probe_set *set);
 
-// Write the set as JSON (docs/placement.md): beside, synced, renamed. The bytes depend on the set alone. Positions are written in
-// scene coordinates, in double precision.
+// Write the set as JSON (docs/placement.md): beside, synced, renamed. The bytes depend on the set alone. Positions are
+// written in scene coordinates, in double precision.
 olx_result olx_probe_set_save(const olx_probe_set *set, const char *path);
 // Read what olx_probe_set_save wrote, or any JSON object whose "probes" is a list of objects with a "position": what
-// else is missing stays at its default. Positions become relative to `origin`, the scene's (NULL: 0). Errors name the file and the
-// element; a position beyond OLX_POSITION_LIMIT_METRES is one. On success the set is the caller's to free.
+// else is missing stays at its default. Positions become relative to `origin`, the scene's (NULL: 0). Errors name the
+// file and the element; a position beyond OLX_POSITION_LIMIT_METRES is one. On success the set is the caller's to free.
 olx_result olx_probe_set_load(const char *path, const double origin[3], olx_probe_set *set);
 
-// Bytes that a field of that many light field probes of resolution^2 texels is expected to take, baked with default settings
-// (olx_bake_sizes.expected_bytes).
+// Bytes that a field of that many light field probes of resolution^2 texels is expected to take, baked with default
+// settings (olx_bake_sizes.expected_bytes).
 uint64_t olx_light_field_bytes(uint32_t count, uint32_t resolution);
 
 #pragma GCC visibility pop

@@ -1,15 +1,18 @@
-// Changing lights while a program runs: a field's light is renewed a little every frame, from what was stored when it was baked
-// (`olx_bake_settings.relight`, `octalux bake --relight`). Per-frame updates as the dissertation of 2022, section 6.2, proposes them,
-// on the links between surfaces that the bake found.
+// Changing lights while a program runs: a field's light is renewed a little every frame, from what was stored when it
+// was baked (`olx_bake_settings.relight`, `octalux bake --relight`). Per-frame updates as the dissertation of 2022,
+// section 6.2, proposes them, on the links between surfaces that the bake found.
 //
-// A relighter keeps light of its own beside a field that stays as it is: that of surfels, points of the scene's surfaces, and with
-// it the light that texels of light field probes and the irradiance volume hold. In a frame, surfels get the direct light of the
-// lights given last, with shadows, and light goes over the links between them, one surface further. Then the texels nearest
-// to the eye take theirs from the surfels. Geometry does not change, and neither does what is seen of emitters and of the sky
-// themselves. Radiance and irradiance probes of the paper stay as they were baked (docs/relighting.md).
+// A relighter keeps light of its own beside a field that stays as it is: that of surfels, points of the scene's
+// surfaces, and with it the light that texels of light field probes and the irradiance volume hold. In a frame, surfels
+// get the direct light of the lights given last, with shadows, and light goes over the links between them, one surface
+// further. Then the texels nearest to the eye take theirs from the surfels. Geometry does not change, and neither does
+// what is seen of emitters and of the sky themselves. Radiance and irradiance probes of the paper stay as they were
+// baked (docs/relighting.md).
 //
-// Threads: calls on one relighter must not overlap, and nobody may sample its field during olx_relight_frame; frames use
-// several threads themselves. Results do not depend on how many.
+// Threads: calls on one relighter must not overlap, and nobody may sample its field during olx_relight_frame; frames
+// use several threads themselves. Results do not depend on how many.
+//
+// SPDX-License-Identifier: MIT
 #ifndef OCTALUX_RELIGHT_H
 #define OCTALUX_RELIGHT_H
 
@@ -49,8 +52,8 @@ typedef struct olx_shadow_ray {
   float length_metres; // infinite for sun and sky
 } olx_shadow_ray;
 
-// Whether anything lies on each of `count` rays: occluded[i] becomes 1 or 0. Called from several threads at once. A host answers
-// from its shadow maps or its ray caster; olx_scene_occlusion (octalux/scene.h) is one.
+// Whether anything lies on each of `count` rays: occluded[i] becomes 1 or 0. Called from several threads at once. A
+// host answers from its shadow maps or its ray caster; olx_scene_occlusion (octalux/scene.h) is one.
 typedef void (*olx_occlusion)(void *user, const olx_shadow_ray *rays, uint32_t count, uint8_t *occluded);
 
 // Budgets of a frame. Work that is left waits for the next frame, and none waits for ever.
@@ -70,9 +73,9 @@ typedef struct olx_relight_settings {
 
 olx_relight_settings olx_relight_settings_default(void);
 
-// OLX_ERROR_ARGUMENT, with a message, for settings out of range and for a field that was baked without what relighting needs. The
-// field must outlive the relighter. On success *relight is the caller's to free, on failure it is NULL. It takes 8 bytes a texel
-// of light field maps and 56 a surfel.
+// OLX_ERROR_ARGUMENT, with a message, for settings out of range and for a field that was baked without what relighting
+// needs. The field must outlive the relighter. On success *relight is the caller's to free, on failure it is NULL. It
+// takes 8 bytes a texel of light field maps and 56 a surfel.
 olx_result olx_relight_create(const olx_field *field, const olx_relight_settings *settings, olx_relight **relight);
 // NULL is allowed.
 void olx_relight_free(olx_relight *relight);

@@ -1,5 +1,7 @@
 // Whole images on the CPU, and measuring them: the field renderer, the path tracer that judges it, image files, metrics
 // and the audit of a field. Part of liboctalux-bake.
+//
+// SPDX-License-Identifier: MIT
 #ifndef OCTALUX_RENDER_H
 #define OCTALUX_RENDER_H
 
@@ -35,8 +37,9 @@ const char *olx_layer_name(olx_layer layer);
 typedef struct olx_image {
   uint32_t width, height;
   olx_vec3 *layers[OLX_LAYER_COUNT];
-  // How often its indirect light has left a surface before the one that is seen: OLX_BOUNCES_INFINITE or a count, when known. From
-  // a field it is one more than the field's, since the picture reflects once more. EXR files keep it ("octaluxBounces").
+  // How often its indirect light has left a surface before the one that is seen: OLX_BOUNCES_INFINITE or a count, when
+  // known. From a field it is one more than the field's, since the picture reflects once more. EXR files keep it
+  // ("octaluxBounces").
   bool bounces_known;
   uint32_t bounces;
 } olx_image;
@@ -75,8 +78,8 @@ typedef struct olx_diagram_settings {
   uint32_t threads; // 0: as many as the machine has; the picture does not depend on it
 } olx_diagram_settings;
 
-// Write a .png of the scene's triangles, dim and flat, with the marks over them; those that a surface hides are fainter.
-// *drawn: how many marks fall on the picture. Beside, synced, renamed.
+// Write a .png of the scene's triangles, dim and flat, with the marks over them; those that a surface hides are
+// fainter. *drawn: how many marks fall on the picture. Beside, synced, renamed.
 olx_result olx_diagram_save(const olx_scene *scene, const olx_diagram_settings *settings, const char *path,
                             uint32_t *drawn);
 
@@ -102,8 +105,8 @@ typedef struct olx_render_settings {
   uint32_t glossy_samples;   // field: rays a camera sample on glossy surfaces, 1 to 4096; default 4 (1 when smooth)
   uint32_t seed;             // another one gives other samples, so that two images have independent noise; default 0
   float dim_lobe;            // field: rough specular lobes that reflect less than this share towards the eye are not traced
-                             // but take irradiance: that of surfaces with OLX_DIFFUSE_SURFACE and in fields without probe light, else
-                             // that of irradiance probes; default 0 (section 6)
+                             // but take irradiance: that of surfaces with OLX_DIFFUSE_SURFACE and in fields without
+                             // probe light, else that of irradiance probes; default 0 (section 6)
   bool centered;             // all camera samples of a pixel go through its centre
   olx_denoise_settings denoise; // olx_render_frames
   bool standard_error;       // also fill OLX_LAYER_STANDARD_ERROR
@@ -123,24 +126,24 @@ typedef struct olx_render_stats {
   uint64_t field_steps, field_probes; // texels whose distance those rays read, and probes they were traced through
 } olx_render_stats;
 
-// Render `scene` from `camera`. `field` is needed by all but OLX_METHOD_PATH, where it may be NULL; one baked from another scene
-// is warned about. On success the image is the caller's to free. stats may be NULL.
+// Render `scene` from `camera`. `field` is needed by all but OLX_METHOD_PATH, where it may be NULL; one baked from
+// another scene is warned about. On success the image is the caller's to free. stats may be NULL.
 olx_result olx_render(const olx_scene *scene, const olx_field *field, const olx_camera *camera,
                       const olx_render_settings *settings, const olx_progress *progress, olx_image *image,
                       olx_render_stats *stats);
 
-// Render as a real-time renderer does: `count` frames, seen from cameras[0..count), each with one camera ray a pixel (through
-// its centre) and one ray a lobe through the field, denoised over pixels and over frames; the image is the last one.
-// settings->diffuse chooses between a Lambertian ray (the paper's denoised mode) and light stored at surfaces or at irradiance probes;
-// settings->spp is the number of samples of direct light in the last frame. Other counts of samples, and bounces, say
-// nothing here; the method must be OLX_METHOD_FIELD. The rest is as olx_render.
+// Render as a real-time renderer does: `count` frames, seen from cameras[0..count), each with one camera ray a pixel
+// (through its centre) and one ray a lobe through the field, denoised over pixels and over frames; the image is the
+// last one. settings->diffuse chooses between a Lambertian ray (the paper's denoised mode) and light stored at surfaces
+// or at irradiance probes; settings->spp is the number of samples of direct light in the last frame. Other counts of
+// samples, and bounces, say nothing here; the method must be OLX_METHOD_FIELD. The rest is as olx_render.
 olx_result olx_render_frames(const olx_scene *scene, const olx_field *field, const olx_camera *cameras, uint32_t count,
                              const olx_render_settings *settings, const olx_progress *progress, olx_image *image,
                              olx_render_stats *stats);
 
-// The surfaces that a picture shows, for a renderer elsewhere (octalux/vulkan.h) to light: pixel (x, y) at x + width * y. The
-// surface of a pixel is at clip_to_world * (cx, cy, inverse_depth, 1), divided by w, where cx and cy run from -1 at the left
-// and top edge of the picture to 1.
+// The surfaces that a picture shows, for a renderer elsewhere (octalux/vulkan.h) to light: pixel (x, y) at x + width *
+// y. The surface of a pixel is at clip_to_world * (cx, cy, inverse_depth, 1), divided by w, where cx and cy run from -1
+// at the left and top edge of the picture to 1.
 typedef struct olx_gbuffer {
   uint32_t width, height;
   float *inverse_depth; // 1 / distance along the viewing axis in metres; 0 where nothing is seen
@@ -153,27 +156,27 @@ typedef struct olx_gbuffer {
   float clip_to_world[16]; // columns
 } olx_gbuffer;
 
-// Render what needs no field: every layer but the indirect ones, which are 0 here and in beauty, and the surfaces. Camera rays
-// go through pixel centres; settings->spp is the number of samples of direct light. The field is only checked to fit the scene.
-// On success the image and *gbuffer are the caller's to free. stats may be NULL.
+// Render what needs no field: every layer but the indirect ones, which are 0 here and in beauty, and the surfaces.
+// Camera rays go through pixel centres; settings->spp is the number of samples of direct light. The field is only
+// checked to fit the scene. On success the image and *gbuffer are the caller's to free. stats may be NULL.
 olx_result olx_render_surfaces(const olx_scene *scene, const olx_field *field, const olx_camera *camera,
                                const olx_render_settings *settings, const olx_progress *progress, olx_image *image,
                                olx_gbuffer *gbuffer, olx_render_stats *stats);
 // Release the planes; the struct itself is the caller's.
 void olx_gbuffer_free(olx_gbuffer *gbuffer);
 
-// Error of `a` against the reference `b` over one layer (MATH: relative MSE is sum (a-b)^2 / sum b^2, bias is
-// sum (a-b) / sum b, over pixels and channels). PSNR is in dB over the reference's maximum, infinite for equal images; the
-// shares are infinite when only the reference is black. `max` is the largest absolute difference.
+// Error of `a` against the reference `b` over one layer (MATH: relative MSE is sum (a-b)^2 / sum b^2, bias is sum (a-b)
+// / sum b, over pixels and channels). PSNR is in dB over the reference's maximum, infinite for equal images; the shares
+// are infinite when only the reference is black. `max` is the largest absolute difference.
 typedef struct olx_metrics {
   double mse, relative_mse, psnr, bias, max;
 } olx_metrics;
 
-// OLX_ERROR_ARGUMENT when sizes differ or either image lacks the layer (as every image lacks one that does not exist); OLX_ERROR_FORMAT, naming the pixel, when a value is
-// not finite. Depth that is infinite in both images is left out.
+// OLX_ERROR_ARGUMENT when sizes differ or either image lacks the layer (as every image lacks one that does not exist);
+// OLX_ERROR_FORMAT, naming the pixel, when a value is not finite. Depth that is infinite in both images is left out.
 olx_result olx_compare(const olx_image *a, const olx_image *b, olx_layer layer, olx_metrics *metrics);
-// Write a picture of |a - b| over the reference's mean (both averaged over channels), black to yellow over its square root,
-// with the scale from 0 to 100 % drawn at the right. Fails as olx_compare does.
+// Write a picture of |a - b| over the reference's mean (both averaged over channels), black to yellow over its square
+// root, with the scale from 0 to 100 % drawn at the right. Fails as olx_compare does.
 olx_result olx_compare_heatmap(const olx_image *a, const olx_image *b, olx_layer layer, const char *path);
 
 // Whether a layer shows colours that can be looked at: every layer that exists but normal and depth.
@@ -193,8 +196,8 @@ typedef struct olx_perceptual {
   double flip; // mean LDR-FLIP (Andersson et al. 2020), 0 for equal pictures to 1
 } olx_perceptual;
 
-// Compare a layer of color of `a` with the reference `b`. flip_map may be NULL; else FLIP of every pixel is put into its
-// width * height numbers. Fails as olx_compare does, and with OLX_ERROR_ARGUMENT for settings out of range.
+// Compare a layer of color of `a` with the reference `b`. flip_map may be NULL; else FLIP of every pixel is put into
+// its width * height numbers. Fails as olx_compare does, and with OLX_ERROR_ARGUMENT for settings out of range.
 olx_result olx_compare_perceptual(const olx_image *a, const olx_image *b, olx_layer layer,
                                   const olx_perceptual_settings *settings, float *flip_map, olx_perceptual *perceptual);
 // The palette of error maps: "magma" of matplotlib, from black (0) to a pale yellow (1).
@@ -237,8 +240,8 @@ typedef struct olx_audit {
   olx_audit_points stored;       // where light is stored for the point's surface: its share is stored.count / points.count
   olx_audit_points fallen_back;  // where nothing is, and the irradiance volume answers
   olx_audit_points irradiance;   // of olx_irradiance, at all points; 0 without probe light
-  // At settings->space_points places of the space that the viewer reaches, noise of the reference removed; count is that of places
-  // times normals.
+  // At settings->space_points places of the space that the viewer reaches, noise of the reference removed; count is
+  // that of places times normals.
   olx_audit_points space_volume; // of olx_volume_irradiance
   olx_audit_points space_probes; // of olx_irradiance; 0 without probe light
   double space_served;           // share of the places at which the irradiance volume has a cell

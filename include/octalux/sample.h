@@ -1,5 +1,7 @@
 // Sampling a baked field on the CPU: rays, irradiance and glossy light. No call allocates or fails; any number of
 // threads may sample one field.
+//
+// SPDX-License-Identifier: MIT
 #ifndef OCTALUX_SAMPLE_H
 #define OCTALUX_SAMPLE_H
 
@@ -39,17 +41,17 @@ typedef struct olx_sample_settings {
   olx_hits hits;             // what light a ray finds where it ends; default OLX_HITS_SHADED. In a field whose lights have
                              // changed since it was baked it is always OLX_HITS_STORED
   float surface_tolerance;   // how far a surface may lie off where it was when the field was baked and still get its stored
-                             // light, in footprints of texels (their side where the surface is): for hosts that draw levels
-                             // of detail or displaced surfaces; 0 to OLX_MOST_SURFACE_TOLERANCE, default 0
+                             // light, in footprints of texels (their side where the surface is): for hosts that draw
+                             // levels of detail or displaced surfaces; 0 to OLX_MOST_SURFACE_TOLERANCE, default 0
 } olx_sample_settings;
 
 #define OLX_MOST_SURFACE_TOLERANCE 16.0f
 
 olx_sample_settings olx_sample_settings_default(void);
 
-// OLX_ERROR_ARGUMENT, with a message, when `settings` name a selector or a light of hits that the field was baked without, an
-// enumerator that does not exist, or a surface tolerance out of range. Sampling with such settings is safe: it takes OLX_SELECT_EXHAUSTIVE and
-// the defaults in their place.
+// OLX_ERROR_ARGUMENT, with a message, when `settings` name a selector or a light of hits that the field was baked
+// without, an enumerator that does not exist, or a surface tolerance out of range. Sampling with such settings is safe:
+// it takes OLX_SELECT_EXHAUSTIVE and the defaults in their place.
 olx_result olx_sample_settings_check(const olx_field *field, const olx_sample_settings *settings);
 
 typedef enum olx_trace_status {
@@ -102,10 +104,9 @@ olx_vec3 olx_irradiance(const olx_field *field, const olx_sample_settings *setti
 //   the two differ, stored light is multiplied in each channel by olx_volume_irradiance for this one, less its share from below
 //   the surface, over that for the geometric normal, at most 4; 0 / 0 is 1.
 // - `view`: unit, from the surface to the eye; pass the geometric normal where there is no eye.
-// Numbers that are not finite give 0.
-// The probes of the point's brick answer (of its cage in a field without bricks); where none of them sees the surface, or when
-// settings->select is OLX_SELECT_EXHAUSTIVE, the best max_probes of all. Of settings surface_tolerance, keep_buried and, for
-// olx_irradiance, visibility count as well.
+// Numbers that are not finite give 0. The probes of the point's brick answer (of its cage in a field without bricks);
+// where none of them sees the surface, or when settings->select is OLX_SELECT_EXHAUSTIVE, the best max_probes of all.
+// Of settings surface_tolerance, keep_buried and, for olx_irradiance, visibility count as well.
 olx_vec3 olx_surface_irradiance(const olx_field *field, const olx_sample_settings *settings, olx_vec3 position,
                                 olx_vec3 geometric_normal, olx_vec3 shading_normal, olx_vec3 view);
 
@@ -118,17 +119,19 @@ void olx_surface_irradiance_points(const olx_field *field, const olx_sample_sett
 // Indirect irradiance in W/m^2 anywhere in free space, for what moves and for volumes, from the field's irradiance volume
 // (docs/maths.md, "The irradiance volume"). It lets no light through surfaces that were there when the field was baked.
 // - `position`: metres. `normal`: unit, of the surface of the object there; a place is looked up 1/4096 of the smallest cell before it.
-// Where the volume has no cell, because neither cameras nor light field probes reach that space, this is 0: light of another room
-// would be a leak. In a field without a volume (olx_field_info.volume_probe_count is 0), and in one whose lights have changed since
-// it was baked, it is olx_irradiance with default settings: 0 without probe light. Numbers that are not finite give 0.
+// Where the volume has no cell, because neither cameras nor light field probes reach that space, this is 0: light of
+// another room would be a leak. In a field without a volume (olx_field_info.volume_probe_count is 0), and in one whose
+// lights have changed since it was baked, it is olx_irradiance with default settings: 0 without probe light. Numbers
+// that are not finite give 0.
 olx_vec3 olx_volume_irradiance(const olx_field *field, olx_vec3 position, olx_vec3 normal);
 
-// OLX_ERROR_ARGUMENT, with a message, when the field was baked without probe light (octalux/bake.h): OLX_HITS_STORED then takes
-// OLX_HITS_SHADED in its place, and olx_irradiance and olx_probe_irradiance are 0.
+// OLX_ERROR_ARGUMENT, with a message, when the field was baked without probe light (octalux/bake.h): OLX_HITS_STORED
+// then takes OLX_HITS_SHADED in its place, and olx_irradiance and olx_probe_irradiance are 0.
 olx_result olx_probe_light_check(const olx_field *field);
 
-// Irradiance in W/m^2 that irradiance probe `index` (< irradiance_probe_count) holds for surfaces of unit normal `normal`: not
-// interpolated, and with spherical harmonics as they ring, that is also below 0, where olx_irradiance says 0. 0 for another index.
+// Irradiance in W/m^2 that irradiance probe `index` (< irradiance_probe_count) holds for surfaces of unit normal
+// `normal`: not interpolated, and with spherical harmonics as they ring, that is also below 0, where olx_irradiance
+// says 0. 0 for another index.
 olx_vec3 olx_probe_irradiance(const olx_field *field, uint32_t index, olx_vec3 normal);
 
 // Estimates by one ray the light that a GGX lobe of the given roughness (perceptual, 0..1; 0 is a mirror) gathers:
@@ -139,8 +142,8 @@ olx_vec3 olx_glossy(const olx_field *field, const olx_sample_settings *settings,
                     olx_vec3 view, float roughness, olx_vec2 random, float *weight, float *half_cosine,
                     olx_trace_hit *hit);
 
-// olx_glossy at `count` points: radiance[i], weights[i] and half_cosines[i] are to the last bit its answers to positions[i],
-// normals[i], views[i], roughness[i] and random[i]; half_cosines[i] means nothing where weights[i] is 0.
+// olx_glossy at `count` points: radiance[i], weights[i] and half_cosines[i] are to the last bit its answers to
+// positions[i], normals[i], views[i], roughness[i] and random[i]; half_cosines[i] means nothing where weights[i] is 0.
 void olx_glossy_rays(const olx_field *field, const olx_sample_settings *settings, uint32_t count,
                      const olx_vec3 *positions, const olx_vec3 *normals, const olx_vec3 *views, const float *roughness,
                      const olx_vec2 *random, olx_vec3 *radiance, float *weights, float *half_cosines);
@@ -156,9 +159,9 @@ olx_result olx_classic_check(const olx_field *field);
 olx_vec3 olx_classic_irradiance(const olx_field *field, const olx_sample_settings *settings, olx_vec3 position,
                                 olx_vec3 normal);
 
-// Light that a GGX lobe of the given roughness (perceptual, 0..1) with Fresnel reflectance `f0` straight on and `f90` at
-// grazing angles reflects towards `view` (unit, from the surface to the eye): prefiltered radiance, looked up where the mirror
-// ray leaves each probe's box, times the lobe's reflectance from a table (split sum).
+// Light that a GGX lobe of the given roughness (perceptual, 0..1) with Fresnel reflectance `f0` straight on and `f90`
+// at grazing angles reflects towards `view` (unit, from the surface to the eye): prefiltered radiance, looked up where
+// the mirror ray leaves each probe's box, times the lobe's reflectance from a table (split sum).
 olx_vec3 olx_classic_glossy(const olx_field *field, const olx_sample_settings *settings, olx_vec3 position,
                             olx_vec3 normal, olx_vec3 view, float roughness, olx_vec3 f0, float f90);
 

@@ -1,10 +1,12 @@
 // Scenes: triangles, materials, lights, environment and cameras, from glTF, OBJ, JSON descriptions (docs/scenes.md) or
 // built in. Right-handed, Y up, metres. Part of liboctalux-bake.
 //
-// Positions are relative to the scene's origin (olx_scene_info.origin) wherever this and the other headers give or take them: of
-// triangles, lights, cameras, probes, bounds. It is 0 in scenes that hold the origin of coordinates or lie near it, within 16 of
-// their diagonals; else near the middle of the bounds. Only files have scene coordinates. So a scene 10^7 m away is baked and
-// drawn as exactly as one at 0.
+// Positions are relative to the scene's origin (olx_scene_info.origin) wherever this and the other headers give or take
+// them: of triangles, lights, cameras, probes, bounds. It is 0 in scenes that hold the origin of coordinates or lie
+// near it, within 16 of their diagonals; else near the middle of the bounds. Only files have scene coordinates. So a
+// scene 10^7 m away is baked and drawn as exactly as one at 0.
+//
+// SPDX-License-Identifier: MIT
 #ifndef OCTALUX_SCENE_H
 #define OCTALUX_SCENE_H
 
@@ -50,8 +52,8 @@ typedef struct olx_scene_limits {
                        // which each takes some 3 KiB while it is read; default 32768
 } olx_scene_limits;
 
-// Instructions by which rays are cast. What they find differs a little between these sets, so that machines which are to make the same
-// bytes have to use the same one.
+// Instructions by which rays are cast. What they find differs a little between these sets, so that machines which are
+// to make the same bytes have to use the same one.
 typedef enum olx_instructions {
   OLX_INSTRUCTIONS_BEST = 0, // the widest that this machine has
   OLX_INSTRUCTIONS_SSE2,
@@ -64,22 +66,24 @@ typedef enum olx_instructions {
 typedef struct olx_scene_load_settings {
   olx_scene_limits limits;
   // Read files that a model names (buffers, material files, images) wherever they lie. Without it they must lie in the
-  // folder that the model's folder is in, or below that; links are followed first. Default false. What a description names,
-  // and a description itself, is read from anywhere.
+  // folder that the model's folder is in, or below that; links are followed first. Default false. What a description
+  // names, and a description itself, is read from anywhere.
   bool allow_outside;
   olx_instructions instructions; // default OLX_INSTRUCTIONS_BEST; OLX_ERROR_UNSUPPORTED where the processor does not have them
 } olx_scene_load_settings;
 
 olx_scene_load_settings olx_scene_load_settings_default(void);
 
-// Load `name`: "builtin:NAME", or the path of a .gltf, .glb, .obj, .json or .olxs file. A model named by a description is looked
-// for beside it and in each folder of the environment variable OCTALUX_SCENES. On success *scene is the caller's.
+// Load `name`: "builtin:NAME", or the path of a .gltf, .glb, .obj, .json or .olxs file. A model named by a description
+// is looked for beside it and in each folder of the environment variable OCTALUX_SCENES. On success *scene is the
+// caller's.
 olx_result olx_scene_load(const char *name, olx_scene **scene);
-// Loads a scene by `settings`; NULL stands for the defaults. OLX_ERROR_UNSUPPORTED: a limit was exceeded, or a file lies outside.
+// Loads a scene by `settings`; NULL stands for the defaults. OLX_ERROR_UNSUPPORTED: a limit was exceeded, or a file
+// lies outside.
 olx_result olx_scene_load_with(const char *name, const olx_scene_load_settings *settings, olx_scene **scene);
 
-// Write everything in a scene as one .olxs file (docs/cooked.md): beside, synced, renamed. It loads fast, has the same hash,
-// and gives the same bakes and pictures to the last bit. file_bytes may be NULL.
+// Write everything in a scene as one .olxs file (docs/cooked.md): beside, synced, renamed. It loads fast, has the same
+// hash, and gives the same bakes and pictures to the last bit. file_bytes may be NULL.
 olx_result olx_scene_cook(const olx_scene *scene, const char *path, uint64_t *file_bytes);
 // Load an .olxs file. A program that loads scenes by this call alone needs Embree, but no importer's library.
 olx_result olx_scene_load_cooked(const char *path, olx_scene **scene);
@@ -113,8 +117,9 @@ const char *olx_builtin_name(uint32_t index);
 
 // ---- Relighting (octalux/relight.h) by a scene's lights and triangles.
 
-// Lights as a relighter takes them: at most `most` of them, rectangles and other surfaces that shine as triangles, the environment as
-// a sky. *count receives how many there are. OLX_ERROR_UNSUPPORTED when there are more, or an image for an environment.
+// Lights as a relighter takes them: at most `most` of them, rectangles and other surfaces that shine as triangles, the
+// environment as a sky. *count receives how many there are. OLX_ERROR_UNSUPPORTED when there are more, or an image for
+// an environment.
 olx_result olx_scene_relight_lights(const olx_scene *scene, olx_relight_light *lights, uint32_t most, uint32_t *count);
 
 // An olx_occlusion; `scene` is the olx_scene whose triangles lie on the rays.
@@ -183,7 +188,8 @@ typedef struct olx_environment {
   float rotation_radians;
 } olx_environment;
 
-// Every triangle is seen, and blocks light, from both sides; the order of its corners says which is in front, and decides who emits.
+// Every triangle is seen, and blocks light, from both sides; the order of its corners says which is in front, and
+// decides who emits.
 typedef struct olx_scene_content {
   uint32_t vertex_count, triangle_count, material_count, texture_count, light_count, camera_count;
   const olx_vec3 *positions, *normals; // a vertex; normals unit where a triangle uses them
@@ -208,8 +214,8 @@ typedef struct olx_scene_content {
 // Everything lies in the scene, and lives as long as it.
 olx_scene_content olx_scene_get_content(const olx_scene *scene);
 
-// The content of an .olxs file alone, without what casts rays: the program needs neither Embree nor any importer's library. On success
-// *content is the caller's to free.
+// The content of an .olxs file alone, without what casts rays: the program needs neither Embree nor any importer's
+// library. On success *content is the caller's to free.
 olx_result olx_scene_content_load(const char *path, olx_scene_content **content);
 // NULL is allowed. Only for what olx_scene_content_load gave.
 void olx_scene_content_free(olx_scene_content *content);

@@ -1,24 +1,27 @@
-// Octalux on a Vulkan device: a baked field in the GPU's memory, and passes that add its indirect light to the host's picture.
+// Octalux on a Vulkan device: a baked field in the GPU's memory, and passes that add its indirect light to the host's
+// picture.
 //
-// The host owns instance, device, queue, command buffers and images; Octalux creates only what it names here, reaches Vulkan
-// through the host's vkGetInstanceProcAddr and links no Vulkan library. It needs Vulkan 1.2, one queue with compute, and no feature,
-// extension or limit beyond what every device has. The selectors cage, bricks, voronoi and exhaustive run there; naming octree is
-// OLX_ERROR_UNSUPPORTED.
+// The host owns instance, device, queue, command buffers and images; Octalux creates only what it names here, reaches
+// Vulkan through the host's vkGetInstanceProcAddr and links no Vulkan library. It needs Vulkan 1.2, one queue with
+// compute, and no feature, extension or limit beyond what every device has. The selectors cage, bricks, voronoi and
+// exhaustive run there; naming octree is OLX_ERROR_UNSUPPORTED.
 //
 // Two ways to use a field:
 //   1. Record the passes below into the host's command buffers.
 //   2. Include shaders/lib/octalux.glsl in the host's own shaders, bind olx_vulkan_field_set, and call
 //      olx_surface_irradiance, olx_irradiance, olx_trace and olx_glossy there. The GLSL is installed in share/octalux/shaders.
 //
-// Threads: calls on one handle must not overlap, but for recording into different command buffers. Creating a field submits to
-// the queue and waits: the host keeps other threads off the queue meanwhile. Nothing may be destroyed or resized while a
-// command buffer that uses it is pending. Descriptor sets and pipelines do not change between frames, so any number of
-// frames may be in flight. Those that are denoised hand their history on: they are submitted to one queue, in the order of
-// their numbers, and the passes' own barriers let each wait for the one before.
+// Threads: calls on one handle must not overlap, but for recording into different command buffers. Creating a field
+// submits to the queue and waits: the host keeps other threads off the queue meanwhile. Nothing may be destroyed or
+// resized while a command buffer that uses it is pending. Descriptor sets and pipelines do not change between frames,
+// so any number of frames may be in flight. Those that are denoised hand their history on: they are submitted to one
+// queue, in the order of their numbers, and the passes' own barriers let each wait for the one before.
 //
 // Errors: OLX_ERROR_MEMORY when host or device memory is short, OLX_ERROR_UNSUPPORTED when the device cannot do it,
-// OLX_ERROR_ARGUMENT for a wrong format, layout or size, OLX_ERROR_GPU when the device is lost or refuses. olx_last_error says
-// which call failed and on what. A failed create leaves nothing behind.
+// OLX_ERROR_ARGUMENT for a wrong format, layout or size, OLX_ERROR_GPU when the device is lost or refuses.
+// olx_last_error says which call failed and on what. A failed create leaves nothing behind.
+//
+// SPDX-License-Identifier: MIT
 #ifndef OCTALUX_VULKAN_H
 #define OCTALUX_VULKAN_H
 
@@ -34,8 +37,8 @@ extern "C" {
 #endif
 #pragma GCC visibility push(default)
 
-// The host's Vulkan. Everything must outlive what is created with it. The device must have been created for Vulkan 1.2 or
-// later, the queue's family must do compute.
+// The host's Vulkan. Everything must outlive what is created with it. The device must have been created for Vulkan 1.2
+// or later, the queue's family must do compute.
 typedef struct olx_vulkan_host {
   PFN_vkGetInstanceProcAddr get_instance_proc_addr;
   VkInstance instance;
@@ -45,8 +48,8 @@ typedef struct olx_vulkan_host {
   uint32_t queue_family;
   // Every pipeline is created with it; it must not have been created externally synchronized. VK_NULL_HANDLE: none.
   VkPipelineCache pipeline_cache;
-  // The device was created with the feature textureCompressionBC: it holds light and material as a field has them, 3.5 bytes a
-  // texel, which else are decoded to 14 (octalux/field.h, olx_field_info.compressed).
+  // The device was created with the feature textureCompressionBC: it holds light and material as a field has them, 3.5
+  // bytes a texel, which else are decoded to 14 (octalux/field.h, olx_field_info.compressed).
   bool texture_compression_bc;
 } olx_vulkan_host;
 
@@ -60,30 +63,32 @@ typedef struct olx_vulkan_sizes {
   uint32_t allocations;   // of device memory
 } olx_vulkan_sizes;
 
-// What olx_vulkan_field_create would allocate, and olx_vulkan_classic_create after it (one more allocation, and as much staging
-// memory again). Allocates no memory itself.
+// What olx_vulkan_field_create would allocate, and olx_vulkan_classic_create after it (one more allocation, and as much
+// staging memory again). Allocates no memory itself.
 olx_result olx_vulkan_field_measure(const olx_vulkan_host *host, const olx_field *field, olx_vulkan_sizes *sizes);
 
-// Copy a field to the device, as it lies in its file but for blocks that the device cannot read, through a small ring of staging
-// memory. Returns when the copy is complete; `field` may then be closed. On success *uploaded is the caller's to destroy, on
-// failure it is NULL.
+// Copy a field to the device, as it lies in its file but for blocks that the device cannot read, through a small ring
+// of staging memory. Returns when the copy is complete; `field` may then be closed. On success *uploaded is the
+// caller's to destroy, on failure it is NULL.
 olx_result olx_vulkan_field_create(const olx_vulkan_host *host, const olx_field *field, olx_vulkan_field **uploaded);
 
 // NULL is allowed. Frames made from it must be destroyed before.
 void olx_vulkan_field_destroy(olx_vulkan_field *field);
 
-// The descriptor set that shaders/lib reads, and its layout: for pipelines of the host that include the library. Both belong
-// to the field. Visible to vertex, fragment and compute shaders.
+// The descriptor set that shaders/lib reads, and its layout: for pipelines of the host that include the library. Both
+// belong to the field. Visible to vertex, fragment and compute shaders.
 VkDescriptorSetLayout olx_vulkan_field_set_layout(const olx_vulkan_field *field);
 VkDescriptorSet olx_vulkan_field_set(const olx_vulkan_field *field);
 
-// The selector that answers for `asked` on the device: of OLX_SELECT_BEST the best of those that the field has and that run there, of
-// one that it has not OLX_SELECT_EXHAUSTIVE. Pipelines of the host that trace rays take it as the specialisation constant
-// OLX_CONSTANT_SELECT of shaders/octalux_shared.h, unless it is OLX_SELECT_BRICKS, the constant's default.
+// The selector that answers for `asked` on the device: of OLX_SELECT_BEST the best of those that the field has and that
+// run there, of one that it has not OLX_SELECT_EXHAUSTIVE. Pipelines of the host that trace rays take it as the
+// specialisation constant OLX_CONSTANT_SELECT of shaders/octalux_shared.h, unless it is OLX_SELECT_BRICKS, the
+// constant's default.
 olx_select olx_vulkan_field_select(const olx_vulkan_field *field, olx_select asked);
 
-// An image that passes sample. `layout` is the one it will have while the passes run: VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
-// GENERAL, or a read-only depth layout. The view shows one 2D layer and mip; its components may be swizzled.
+// An image that passes sample. `layout` is the one it will have while the passes run:
+// VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, GENERAL, or a read-only depth layout. The view shows one 2D layer and mip;
+// its components may be swizzled.
 typedef struct olx_vulkan_image {
   VkImageView view;
   VkFormat format;
@@ -123,19 +128,19 @@ typedef struct olx_vulkan_targets {
   VkImageView color;      // in and out: the host's picture in linear radiance
   uint32_t denoise;       // OLX_VULKAN_LOBE_*: lobes to keep a history for; 0: none, and no memory
   uint32_t passes;        // OLX_VULKAN_PASS_*: those that will be recorded; 0: all
-  // Tracers, selectors and kinds of light at the end of rays that settings will name, as bits 1 << olx_tracer, 1 << olx_select and
-  // 1 << olx_hits. Each three have a pipeline of their own, made here, so that recording makes none. 0: OLX_TRACER_HIZ;
-  // OLX_SELECT_BEST; OLX_HITS_SHADED. Naming OLX_HITS_STORED needs a field with probe light; once a relighter changes the field's
-  // lights, that is still the light of the bake.
+  // Tracers, selectors and kinds of light at the end of rays that settings will name, as bits 1 << olx_tracer, 1 <<
+  // olx_select and 1 << olx_hits. Each three have a pipeline of their own, made here, so that recording makes none. 0:
+  // OLX_TRACER_HIZ; OLX_SELECT_BEST; OLX_HITS_SHADED. Naming OLX_HITS_STORED needs a field with probe light; once a
+  // relighter changes the field's lights, that is still the light of the bake.
   uint32_t tracers, selects, hits;
 } olx_vulkan_targets;
 
-// Pipelines, descriptor sets for one set of the host's images, and the denoiser's history, which is ours: 32 bytes a pixel and
-// 16 for each lobe in device-local memory.
+// Pipelines, descriptor sets for one set of the host's images, and the denoiser's history, which is ours: 32 bytes a
+// pixel and 16 for each lobe in device-local memory.
 typedef struct olx_vulkan_frame olx_vulkan_frame;
 
-// What olx_vulkan_frame_create would allocate; staging_bytes is 0. Allocates no memory itself. olx_vulkan_frame_resize needs as
-// much beside what the frame holds, until it returns.
+// What olx_vulkan_frame_create would allocate; staging_bytes is 0. Allocates no memory itself. olx_vulkan_frame_resize
+// needs as much beside what the frame holds, until it returns.
 olx_result olx_vulkan_frame_measure(const olx_vulkan_field *field, const olx_vulkan_targets *targets,
                                     olx_vulkan_sizes *sizes);
 
@@ -143,16 +148,16 @@ olx_result olx_vulkan_frame_measure(const olx_vulkan_field *field, const olx_vul
 olx_result olx_vulkan_frame_create(olx_vulkan_field *field, const olx_vulkan_targets *targets,
                                    olx_vulkan_frame **frame);
 
-// Take other images, of this or another size, with a history or without. The history begins anew: the next denoised frame has
-// the number 0. Passes, tracers, selectors and kinds of light that targets name and the frame lacks are added to
-// those that it has. On failure the frame keeps what it had.
+// Take other images, of this or another size, with a history or without. The history begins anew: the next denoised
+// frame has the number 0. Passes, tracers, selectors and kinds of light that targets name and the frame lacks are added
+// to those that it has. On failure the frame keeps what it had.
 olx_result olx_vulkan_frame_resize(olx_vulkan_frame *frame, const olx_vulkan_targets *targets);
 
 // NULL is allowed. The host's images are not touched.
 void olx_vulkan_frame_destroy(olx_vulkan_frame *frame);
 
-// Where the eye is. A pixel's surface is clip_to_world * (x, y, depth, 1), divided by w, with x and y from -1 at the left and
-// top edge of the image to 1: the inverse of the host's projection times view, as Vulkan's clip space has it.
+// Where the eye is. A pixel's surface is clip_to_world * (x, y, depth, 1), divided by w, with x and y from -1 at the
+// left and top edge of the image to 1: the inverse of the host's projection times view, as Vulkan's clip space has it.
 typedef struct olx_vulkan_view {
   float clip_to_world[16]; // columns
   olx_vec3 eye;            // metres, world space
@@ -163,9 +168,9 @@ typedef struct olx_vulkan_view {
 typedef struct olx_vulkan_denoise {
   uint32_t lobes;               // OLX_VULKAN_LOBE_*, of those in targets.denoise: what this frame denoises; default 0
   olx_denoise_settings filters; // default olx_denoise_settings_default()
-  // Counts frames that are denoised. 0 forgets everything and makes the images of the history ready: the first frame after
-  // creation or resizing is 0, and so is one that denoises other lobes than the frame before. The number is the same for all
-  // passes of a frame, and then one more.
+  // Counts frames that are denoised. 0 forgets everything and makes the images of the history ready: the first frame
+  // after creation or resizing is 0, and so is one that denoises other lobes than the frame before. The number is the
+  // same for all passes of a frame, and then one more.
   uint32_t frame;
   olx_vulkan_view previous; // the view of the frame before; not read in frame 0
 } olx_vulkan_denoise;
@@ -184,14 +189,15 @@ typedef struct olx_vulkan_settings {
 
 olx_vulkan_settings olx_vulkan_settings_default(void);
 
-// Recording. Call outside a render pass, in a command buffer of the field's queue family. Each call binds a compute pipeline,
-// descriptor sets 0 and 1, and push constants. A pass, a tracer, a selector or light of hits that the frame was made without is
-// OLX_ERROR_ARGUMENT.
+// Recording. Call outside a render pass, in a command buffer of the field's queue family. Each call binds a compute
+// pipeline, descriptor sets 0 and 1, and push constants. A pass, a tracer, a selector or light of hits that the frame
+// was made without is OLX_ERROR_ARGUMENT.
 //
-// Barriers are the host's at both ends and ours between: before the first pass, the inputs' writes and earlier uses of the
-// outputs must be ordered before VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT with shader read and write; olx_vulkan_record_composite
-// and olx_vulkan_record_denoise begin with a barrier that waits for the passes recorded before them; after the last pass,
-// outputs have been written by VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT.
+// Barriers are the host's at both ends and ours between: before the first pass, the inputs' writes and earlier uses of
+// the outputs must be ordered before VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT with shader read and write;
+// olx_vulkan_record_composite and olx_vulkan_record_denoise begin with a barrier that waits for the passes recorded
+// before them; after the last pass, outputs have been written by VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
+// VK_ACCESS_SHADER_WRITE_BIT.
 //
 // The paper's three ways to light a picture (section 5):
 //   gathered     olx_vulkan_record_diffuse, _glossy, _composite, with many samples: the reference
@@ -199,8 +205,8 @@ olx_vulkan_settings olx_vulkan_settings_default(void);
 //   prefiltered  olx_vulkan_record_irradiance, _glossy, _denoise, _composite, denoise.lobes OLX_VULKAN_LOBE_GLOSSY
 
 // Diffuse: targets.irradiance from the light that the field stores where surfaces are (octalux/sample.h,
-// olx_surface_irradiance), and where nothing is stored and on dynamic objects from the irradiance volume (olx_volume_irradiance).
-// With settings->irradiance_probes, from irradiance probes (McGuire et al. 2017, section 5.2).
+// olx_surface_irradiance), and where nothing is stored and on dynamic objects from the irradiance volume
+// (olx_volume_irradiance). With settings->irradiance_probes, from irradiance probes (McGuire et al. 2017, section 5.2).
 olx_result olx_vulkan_record_irradiance(const olx_vulkan_frame *frame, VkCommandBuffer commands,
                                         const olx_vulkan_view *view, const olx_vulkan_settings *settings);
 
@@ -212,10 +218,10 @@ olx_result olx_vulkan_record_diffuse(const olx_vulkan_frame *frame, VkCommandBuf
 olx_result olx_vulkan_record_glossy(const olx_vulkan_frame *frame, VkCommandBuffer commands,
                                     const olx_vulkan_view *view, const olx_vulkan_settings *settings);
 
-// Denoise the lobes of settings->denoise.lobes, whose rays olx_vulkan_record_diffuse and olx_vulkan_record_glossy have traced
-// before with the same view and settings: targets.irradiance and targets.glossy are replaced, alpha stays. View and previous
-// view are perspective projections from their eye; they may be jittered. Light that moves with a surface is lost: history is
-// found where a surface was in the world.
+// Denoise the lobes of settings->denoise.lobes, whose rays olx_vulkan_record_diffuse and olx_vulkan_record_glossy have
+// traced before with the same view and settings: targets.irradiance and targets.glossy are replaced, alpha stays. View
+// and previous view are perspective projections from their eye; they may be jittered. Light that moves with a surface
+// is lost: history is found where a surface was in the world.
 olx_result olx_vulkan_record_denoise(const olx_vulkan_frame *frame, VkCommandBuffer commands,
                                      const olx_vulkan_view *view, const olx_vulkan_settings *settings);
 
@@ -224,11 +230,13 @@ enum { OLX_VULKAN_ADD_DIFFUSE = 1, OLX_VULKAN_ADD_GLOSSY = 2 };
 olx_result olx_vulkan_record_composite(const olx_vulkan_frame *frame, VkCommandBuffer commands,
                                        const olx_vulkan_view *view, const olx_vulkan_settings *settings, uint32_t add);
 
-// The baseline that light field probes replace (octalux/sample.h, olx_classic_irradiance): a field's classic maps on the device.
+// The baseline that light field probes replace (octalux/sample.h, olx_classic_irradiance): a field's classic maps on
+// the device.
 typedef struct olx_vulkan_classic olx_vulkan_classic;
 
-// Copy the classic maps of `field` beside `uploaded`, which was made from it, and make the pass. OLX_ERROR_ARGUMENT when the field
-// was baked without. On success *classic is the caller's to destroy, before the field; on failure it is NULL.
+// Copy the classic maps of `field` beside `uploaded`, which was made from it, and make the pass. OLX_ERROR_ARGUMENT
+// when the field was baked without. On success *classic is the caller's to destroy, before the field; on failure it is
+// NULL.
 olx_result olx_vulkan_classic_create(olx_vulkan_field *uploaded, const olx_field *field, olx_vulkan_classic **classic);
 // NULL is allowed.
 void olx_vulkan_classic_destroy(olx_vulkan_classic *classic);
@@ -237,18 +245,19 @@ void olx_vulkan_classic_destroy(olx_vulkan_classic *classic);
 VkDescriptorSetLayout olx_vulkan_classic_set_layout(const olx_vulkan_classic *classic);
 VkDescriptorSet olx_vulkan_classic_set(const olx_vulkan_classic *classic);
 
-// Diffuse and glossy: targets.irradiance and targets.glossy from classic maps, instead of the passes above. Binds descriptor set
-// 3, too. The frame must be of the same uploaded field.
+// Diffuse and glossy: targets.irradiance and targets.glossy from classic maps, instead of the passes above. Binds
+// descriptor set 3, too. The frame must be of the same uploaded field.
 olx_result olx_vulkan_record_classic(const olx_vulkan_frame *frame, const olx_vulkan_classic *classic,
                                      VkCommandBuffer commands, const olx_vulkan_view *view,
                                      const olx_vulkan_settings *settings);
 
-// ---- Lights that change: a field on the device that follows a relighter (octalux/relight.h) by copies of the maps that it changed.
+// ---- Lights that change: a field on the device that follows a relighter (octalux/relight.h) by copies of the maps
+// that it changed.
 typedef struct olx_vulkan_update olx_vulkan_update;
 
 typedef struct olx_vulkan_update_settings {
-  // Copied by one call at most, 1 to 2^28; default 8 MiB. A call can copy a part in any case. What is left waits for the next
-  // call, and nothing waits for ever.
+  // Copied by one call at most, 1 to 2^28; default 8 MiB. A call can copy a part in any case. What is left waits for
+  // the next call, and nothing waits for ever.
   uint32_t bytes;
   uint32_t in_flight; // calls whose commands may be pending together, 1 to 8; default 2
 } olx_vulkan_update_settings;
@@ -262,23 +271,24 @@ typedef struct olx_vulkan_update_stats {
   uint32_t volume_probes;        // of the irradiance volume
 } olx_vulkan_update_stats;
 
-// Host-visible memory for in_flight times the bytes of a call. `uploaded` was made from the relighter's field or from the one
-// that it was made from; both must outlive the update. OLX_ERROR_ARGUMENT for settings out of range and another field. On
-// success *update is the caller's to destroy, on failure it is NULL.
+// Host-visible memory for in_flight times the bytes of a call. `uploaded` was made from the relighter's field or from
+// the one that it was made from; both must outlive the update. OLX_ERROR_ARGUMENT for settings out of range and another
+// field. On success *update is the caller's to destroy, on failure it is NULL.
 olx_result olx_vulkan_update_create(olx_vulkan_field *uploaded, const olx_relight *relight,
                                     const olx_vulkan_update_settings *settings, olx_vulkan_update **update);
 // NULL is allowed. Nothing that was recorded with it may be pending.
 void olx_vulkan_update_destroy(olx_vulkan_update *update);
 
-// Copy what olx_relight_frame has changed since. Call outside a render pass and not during olx_relight_frame, in a command buffer
-// for the queue on which the field is used; the one that was recorded in_flight calls ago must have finished. The copies wait for
-// all commands before and all commands after wait for them; they are not copied a second time, so the commands have to be
-// submitted. Nothing is recorded when nothing has changed. stats may be NULL.
+// Copy what olx_relight_frame has changed since. Call outside a render pass and not during olx_relight_frame, in a
+// command buffer for the queue on which the field is used; the one that was recorded in_flight calls ago must have
+// finished. The copies wait for all commands before and all commands after wait for them; they are not copied a second
+// time, so the commands have to be submitted. Nothing is recorded when nothing has changed. stats may be NULL.
 olx_result olx_vulkan_record_update(olx_vulkan_update *update, VkCommandBuffer commands,
                                     olx_vulkan_update_stats *stats);
 
-// ---- Lights that change: frames of a relighter made on the device, as compute passes. The host of a relighter (octalux/relight.h)
-// goes on as before, and calls olx_vulkan_record_relight in the place of olx_relight_frame and olx_vulkan_record_update.
+// ---- Lights that change: frames of a relighter made on the device, as compute passes. The host of a relighter
+// (octalux/relight.h) goes on as before, and calls olx_vulkan_record_relight in the place of olx_relight_frame and
+// olx_vulkan_record_update.
 typedef struct olx_vulkan_relight olx_vulkan_relight;
 
 typedef struct olx_vulkan_relight_settings {
@@ -287,18 +297,19 @@ typedef struct olx_vulkan_relight_settings {
 
 olx_vulkan_relight_settings olx_vulkan_relight_settings_default(void);
 
-// What olx_vulkan_relight_create would allocate; staging_bytes counts 8 bytes for 64 surfels and frame in flight that stay.
-// Allocates no memory itself. Fails like olx_vulkan_relight_create.
+// What olx_vulkan_relight_create would allocate; staging_bytes counts 8 bytes for 64 surfels and frame in flight that
+// stay. Allocates no memory itself. Fails like olx_vulkan_relight_create.
 olx_result olx_vulkan_relight_measure(olx_vulkan_field *uploaded, olx_relight *relight,
                                       const olx_vulkan_relight_settings *settings, olx_vulkan_sizes *sizes);
 
-// Take over the frames of a relighter that has made none yet: its light goes to the device, and olx_relight_frame is an error from
-// then on. Lights and settings stay the relighter's: budgets, samples, what sleeps. `uploaded` was made from the relighter's field
-// or from the one that it was made from; both must outlive this. OLX_ERROR_ARGUMENT, with a message, for settings out of range,
-// another field, a relighter with frames or with an occlusion function (shadow rays are traced through the field);
-// OLX_ERROR_UNSUPPORTED where surfels and their links, or sites, or 20 bytes for each texel that a frame lights would not fit into a
-// storage buffer of the device. Submits to the queue and waits, as creating a field does. On success *created is the caller's to
-// destroy, on failure it is NULL and the relighter as before.
+// Take over the frames of a relighter that has made none yet: its light goes to the device, and olx_relight_frame is an
+// error from then on. Lights and settings stay the relighter's: budgets, samples, what sleeps. `uploaded` was made from
+// the relighter's field or from the one that it was made from; both must outlive this. OLX_ERROR_ARGUMENT, with a
+// message, for settings out of range, another field, a relighter with frames or with an occlusion function (shadow rays
+// are traced through the field); OLX_ERROR_UNSUPPORTED where surfels and their links, or sites, or 20 bytes for each
+// texel that a frame lights would not fit into a storage buffer of the device. Submits to the queue and waits, as
+// creating a field does. On success *created is the caller's to destroy, on failure it is NULL and the relighter as
+// before.
 olx_result olx_vulkan_relight_create(olx_vulkan_field *uploaded, olx_relight *relight,
                                      const olx_vulkan_relight_settings *settings, olx_vulkan_relight **created);
 // NULL is allowed. Nothing that was recorded with it may be pending. The relighter makes no more frames.
@@ -312,13 +323,13 @@ typedef struct olx_vulkan_relight_stats {
   uint32_t awake; // tiles, surfels and volume probes that wait, as far as is known; 0: everything has arrived
 } olx_vulkan_relight_stats;
 
-// Record one frame, seen from `eye` (metres): schedule here, light there, and the field's light is that of this frame for all
-// commands after. Call outside a render pass, in a command buffer for the queue on which the field is used; the one that was
-// recorded in_flight calls ago must have finished, because how much light it changed is read now. Waits for nothing. The
-// frame waits for all commands before; it has to be submitted, in the order of the calls. Binds compute pipelines, sets 0 and 1,
-// and push constants. Nothing is recorded when nothing is awake. stats may be NULL. It differs from olx_relight_frame in that tiles
-// and volume probes are woken by a round of bounces in_flight frames later, and in that the budget counts shadow rays that no light
-// needs, being behind its surface.
+// Record one frame, seen from `eye` (metres): schedule here, light there, and the field's light is that of this frame
+// for all commands after. Call outside a render pass, in a command buffer for the queue on which the field is used; the
+// one that was recorded in_flight calls ago must have finished, because how much light it changed is read now. Waits
+// for nothing. The frame waits for all commands before; it has to be submitted, in the order of the calls. Binds
+// compute pipelines, sets 0 and 1, and push constants. Nothing is recorded when nothing is awake. stats may be NULL. It
+// differs from olx_relight_frame in that tiles and volume probes are woken by a round of bounces in_flight frames
+// later, and in that the budget counts shadow rays that no light needs, being behind its surface.
 olx_result olx_vulkan_record_relight(olx_vulkan_relight *relight, VkCommandBuffer commands, olx_vec3 eye,
                                      olx_vulkan_relight_stats *stats);
 

@@ -1,4 +1,6 @@
 // Twin of olx_bilinear_at in src/field/maps.h: which texels of a map a bilinear filter reads.
+//
+// SPDX-License-Identifier: MIT
 #ifndef OLX_BILINEAR_GLSL
 #define OLX_BILINEAR_GLSL
 

@@ -1,4 +1,6 @@
 // Twin of src/select/bricks.h: the probes that see a place, from the bricks as they lie in the file (docs/format.md).
+//
+// SPDX-License-Identifier: MIT
 #ifndef OLX_BRICKS_GLSL
 #define OLX_BRICKS_GLSL
 

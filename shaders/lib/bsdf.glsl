@@ -1,4 +1,6 @@
 // Twin of src/core/bsdf.h: Lambert and GGX with one energy split. Directions are in the shading frame (normal = +z).
+//
+// SPDX-License-Identifier: MIT
 #ifndef OLX_BSDF_GLSL
 #define OLX_BSDF_GLSL
 
@@ -43,8 +45,8 @@ vec3 olx_bsdf_diffuse(olx_bsdf b, float cosine_view) {
 
 bool olx_bsdf_has_specular(olx_bsdf b) { return b.f90 > 0.0; }
 
-// What the specular lobe reflects of light that comes from all directions alike, towards an eye at normal . view. For a mirror
-// it is Fresnel's factor; rough lobes reflect less, at grazing angles far less.
+// What the specular lobe reflects of light that comes from all directions alike, towards an eye at normal . view. For a
+// mirror it is Fresnel's factor; rough lobes reflect less, at grazing angles far less.
 vec3 olx_bsdf_specular_albedo(olx_bsdf b, float cosine_view) {
   float m = clamp(cosine_view, 0.0, 1.0), m2 = m * m, a = b.alpha, r = sqrt(a);
   float lost = a * (0.469 + 1.058 * m - 1.429 * m2 + r * (-0.389 + 0.254 * m + 0.754 * m2));

@@ -1,4 +1,6 @@
 // Twin of src/select/cage.h: the probes at the corners of a grid cell (McGuire et al. 2017, section 4.1, Figure 3).
+//
+// SPDX-License-Identifier: MIT
 #ifndef OLX_CAGE_GLSL
 #define OLX_CAGE_GLSL
 

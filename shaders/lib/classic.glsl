@@ -1,5 +1,7 @@
 // Twin of src/shade/classic.c: the baseline, irradiance probes without visibility (docs/maths.md, "The baseline"). Not
 // part of octalux.glsl: it needs a descriptor set of its own, with the classic maps as one buffer of words.
+//
+// SPDX-License-Identifier: MIT
 #ifndef OLX_CLASSIC_GLSL
 #define OLX_CLASSIC_GLSL
 

@@ -1,6 +1,8 @@
-// Where a field's data lies, for both languages that the library is compiled as: GLSL for Vulkan, with storage buffers and
-// the descriptor set of a field, and ESSL 3.00 for WebGL2, which has textures alone. Everything else reads words, probes
-// and probe light through the names defined here; maps of texels are arrays of images in both.
+// Where a field's data lies, for both languages that the library is compiled as: GLSL for Vulkan, with storage buffers
+// and the descriptor set of a field, and ESSL 3.00 for WebGL2, which has textures alone. Everything else reads words,
+// probes and probe light through the names defined here; maps of texels are arrays of images in both.
+//
+// SPDX-License-Identifier: MIT
 #ifndef OLX_DATA_GLSL
 #define OLX_DATA_GLSL
 

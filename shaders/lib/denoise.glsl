@@ -1,5 +1,7 @@
 // Twin of src/render/denoise.c: the separated denoiser of McGuire et al. 2017, section 5.1, as far as it does not read
 // images. shaders/pass has the loops over pixels.
+//
+// SPDX-License-Identifier: MIT
 #ifndef OLX_DENOISE_GLSL
 #define OLX_DENOISE_GLSL
 

@@ -1,4 +1,6 @@
 // Twin of src/shade/emission.h: what a ray that met an emitter contributes, and how far light came.
+//
+// SPDX-License-Identifier: MIT
 #ifndef OLX_EMISSION_GLSL
 #define OLX_EMISSION_GLSL
 

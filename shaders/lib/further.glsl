@@ -1,5 +1,7 @@
-// Twin of src/shade/further.c: the one further ray with which glossy light follows the specular lobe of the surface that
-// a ray found, where that surface is smooth and reflects much (docs/maths.md, "Light at the end of a ray").
+// Twin of src/shade/further.c: the one further ray with which glossy light follows the specular lobe of the surface
+// that a ray found, where that surface is smooth and reflects much (docs/maths.md, "Light at the end of a ray").
+//
+// SPDX-License-Identifier: MIT
 #ifndef OLX_FURTHER_GLSL
 #define OLX_FURTHER_GLSL
 
@@ -49,8 +51,8 @@ bool olx_further_draw(olx_trace_hit hit, vec3 direction, vec2 random, out olx_fu
   return drawn;
 }
 
-// What takes the place of the first hit's `lobe` once the further ray has found something. What emits counts here, since
-// the surface's direct light from there is what the lobe reflects.
+// What takes the place of the first hit's `lobe` once the further ray has found something. What emits counts here,
+// since the surface's direct light from there is what the lobe reflects.
 vec3 olx_further_light(vec3 lobe, olx_further_ray ray, olx_trace_hit found) {
   vec3 light = found.radiance + (olx_emission_faces(found, ray.origin) ? found.emission : vec3(0.0));
   return found.status == OLX_TRACE_UNKNOWN && found.probe == OLX_NO_PROBE ? lobe : ray.weight * light;

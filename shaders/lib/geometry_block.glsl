@@ -1,5 +1,7 @@
-// Twin of src/block/geometry_block.h: planes of 4 x 4 texels in 16 bytes. A plane is the points p, relative to the probe,
-// with m . p = 1; zeros are the sky.
+// Twin of src/block/geometry_block.h: planes of 4 x 4 texels in 16 bytes. A plane is the points p, relative to the
+// probe, with m . p = 1; zeros are the sky.
+//
+// SPDX-License-Identifier: MIT
 #ifndef OLX_GEOMETRY_BLOCK_GLSL
 #define OLX_GEOMETRY_BLOCK_GLSL
 
@@ -21,7 +23,8 @@ vec3 olx_plane_decode(uvec2 code, uint n, uvec2 place) {
   return plane;
 }
 
-// Where the plane of a texel is in the pool, for a block that names it there; else OLX_NO_PLANE. Texels count row by row.
+// Where the plane of a texel is in the pool, for a block that names it there; else OLX_NO_PLANE. Texels count row by
+// row.
 uint olx_geometry_pooled(uvec4 block, uint texel) {
   bool pooled = block.w >> 30 == OLX_GEOMETRY_POOL;
   return pooled ? block.x + ((texel < 8u ? block.y : block.z) >> 4u * (texel & 7u) & 15u) : OLX_NO_PLANE;

@@ -1,4 +1,6 @@
 // Twin of src/shade/glossy.c: one ray's estimate of the light that a GGX lobe gathers.
+//
+// SPDX-License-Identifier: MIT
 #ifndef OLX_GLOSSY_GLSL
 #define OLX_GLOSSY_GLSL
 
@@ -6,9 +8,9 @@
 #include "further.glsl"
 #include "trace.glsl"
 
-// Draws a reflection by `random` (two numbers in [0, 1)). `weight` receives the BRDF times cosine over the pdf for Fresnel
-// reflectance 1, `half_cosine` the angle for Fresnel (view . half). False, and a weight of 0, when the reflection lies
-// below the surface.
+// Draws a reflection by `random` (two numbers in [0, 1)). `weight` receives the BRDF times cosine over the pdf for
+// Fresnel reflectance 1, `half_cosine` the angle for Fresnel (view . half). False, and a weight of 0, when the
+// reflection lies below the surface.
 bool olx_glossy_draw(vec3 normal, vec3 view, float roughness, vec2 random, out vec3 direction, out float weight,
                      out float half_cosine) {
   vec3 tangent, bitangent;

@@ -1,4 +1,6 @@
 // Twin of src/core/harmonics.h: spherical harmonics of the bands 0, 1 and 2 as polynomials of a unit direction.
+//
+// SPDX-License-Identifier: MIT
 #ifndef OLX_HARMONICS_GLSL
 #define OLX_HARMONICS_GLSL
 

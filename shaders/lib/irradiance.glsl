@@ -1,6 +1,8 @@
 // Twin of src/shade/irradiance.c: irradiance interpolated from probes with prefiltered visibility (McGuire et al. 2017,
 // section 5.2). The C lists probes and weights first and reads irradiance after; here each probe is added as it is
 // found.
+//
+// SPDX-License-Identifier: MIT
 #ifndef OLX_IRRADIANCE_GLSL
 #define OLX_IRRADIANCE_GLSL
 

@@ -1,5 +1,7 @@
-// What ESSL 3.00, the language of WebGL2, lacks of GLSL 4.60, so that the library is the same text in both. WebGL has no
-// `precise`: there, what decides may come out differently by the last bit from place to place.
+// What ESSL 3.00, the language of WebGL2, lacks of GLSL 4.60, so that the library is the same text in both. WebGL has
+// no `precise`: there, what decides may come out differently by the last bit from place to place.
+//
+// SPDX-License-Identifier: MIT
 #ifndef OLX_LANGUAGE_GLSL
 #define OLX_LANGUAGE_GLSL
 

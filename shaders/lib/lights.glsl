@@ -1,5 +1,7 @@
 // Twin of src/field/lights.h: the lights without area that a field keeps, as they would light a surface if nothing
 // stood between.
+//
+// SPDX-License-Identifier: MIT
 #ifndef OLX_LIGHTS_GLSL
 #define OLX_LIGHTS_GLSL
 

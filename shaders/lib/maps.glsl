@@ -1,4 +1,6 @@
 // Twin of src/field/maps.h: reading the maps of a field. Texels are counted without the border.
+//
+// SPDX-License-Identifier: MIT
 #ifndef OLX_MAPS_GLSL
 #define OLX_MAPS_GLSL
 
@@ -46,8 +48,8 @@ uvec4 olx_geometry_block(ivec3 origin, ivec2 place) {
   return texelFetch(olx_distance_maps, ivec3(corner + place, origin.z), 0);
 }
 
-// The plane that a texel, none of the border, sees according to its block, over all of its extent; 0 for the sky. A damaged
-// file may name planes that there are not.
+// The plane that a texel, none of the border, sees according to its block, over all of its extent; 0 for the sky. A
+// damaged file may name planes that there are not.
 vec3 olx_plane_in_block(uvec4 block, ivec2 at_texel) {
   uvec2 place = uvec2(at_texel) / OLX_BLOCK_SIDE, within = uvec2(at_texel) % OLX_BLOCK_SIDE;
   uint texel = within.y * OLX_BLOCK_SIDE + within.x;

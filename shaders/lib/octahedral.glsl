@@ -1,4 +1,6 @@
 // Twin of src/core/octahedral.h: the octahedral map of the sphere onto the unit square.
+//
+// SPDX-License-Identifier: MIT
 #ifndef OLX_OCTAHEDRAL_GLSL
 #define OLX_OCTAHEDRAL_GLSL
 

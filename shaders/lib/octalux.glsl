@@ -8,6 +8,8 @@
 //   olx_glossy(settings, position, normal, view, roughness, random, weight, half_cosine, hit)   light along a lobe
 //
 // with settings from olx_sample_settings_default(). The scalar C in src is the specification of all of it.
+//
+// SPDX-License-Identifier: MIT
 #ifndef OLX_OCTALUX_GLSL
 #define OLX_OCTALUX_GLSL
 

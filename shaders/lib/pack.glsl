@@ -1,4 +1,6 @@
 // Twin of src/core/pack.h: the packed formats of a field, where texture units do not unpack them.
+//
+// SPDX-License-Identifier: MIT
 #ifndef OLX_PACK_GLSL
 #define OLX_PACK_GLSL
 

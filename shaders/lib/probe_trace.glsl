@@ -1,6 +1,8 @@
 // Twin of src/trace/probe_trace.c, ray_image.h, surfel.c and the three marches: a ray against what one probe sees
 // (McGuire et al. 2017, section 4.1; Wang 2018, section 4.3). What decides is `precise`: each crossing must come out
 // the same wherever it is computed.
+//
+// SPDX-License-Identifier: MIT
 #ifndef OLX_PROBE_TRACE_GLSL
 #define OLX_PROBE_TRACE_GLSL
 
@@ -290,8 +292,8 @@ float olx_octahedral_depth(olx_march m, olx_piece p, float t) {
   return depth;
 }
 
-// Whether the ray is nowhere behind any plane of the block that was read last over any part of [t0, t1], whatever rounding
-// does to the part's ends. Planes of the pool are not read for that.
+// Whether the ray is nowhere behind any plane of the block that was read last over any part of [t0, t1], whatever
+// rounding does to the part's ends. Planes of the pool are not read for that.
 bool olx_block_clears(olx_march m, olx_piece p, float t0, float t1) {
   precise float slack = p.t_end < OLX_INFINITY ? OLX_PARAMETER_ROUNDING * p.t_end : 0.0;
   precise float begin = t0 - slack, end = t1 + slack;
@@ -311,7 +313,8 @@ bool olx_block_clears(olx_march m, olx_piece p, float t0, float t1) {
   return clears;
 }
 
-// Whether the ray reaches the plane of a texel of a field of geometry blocks, over [t0, t1]; `stored`: the texel's distance.
+// Whether the ray reaches the plane of a texel of a field of geometry blocks, over [t0, t1]; `stored`: the texel's
+// distance.
 bool olx_reaches_plane(inout olx_march m, ivec2 at, float t0, float t1, out float stored) {
   stored = OLX_INFINITY;
   olx_read_block(m, at >> OLX_PYRAMID_FINEST);

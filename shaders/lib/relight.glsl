@@ -1,5 +1,7 @@
-// Twin of what relighting computes from numbers alone (src/shade/relighter*.c): rays to lights, and how texels and probes of the
-// volume take light from surfels. Not part of octalux.glsl: passes of Octalux's own have its buffers.
+// Twin of what relighting computes from numbers alone (src/shade/relighter*.c): rays to lights, and how texels and
+// probes of the volume take light from surfels. Not part of octalux.glsl: passes of Octalux's own have its buffers.
+//
+// SPDX-License-Identifier: MIT
 #ifndef OLX_RELIGHT_GLSL
 #define OLX_RELIGHT_GLSL
 

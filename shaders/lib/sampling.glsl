@@ -1,4 +1,6 @@
 // Twin of src/core/sampling.h: deterministic random numbers.
+//
+// SPDX-License-Identifier: MIT
 #ifndef OLX_SAMPLING_GLSL
 #define OLX_SAMPLING_GLSL
 

@@ -1,4 +1,6 @@
 // Twin of src/select/select.c: which selector answers for a field.
+//
+// SPDX-License-Identifier: MIT
 #ifndef OLX_SELECT_GLSL
 #define OLX_SELECT_GLSL
 

@@ -1,4 +1,6 @@
 // Twin of src/shade/settings.c.
+//
+// SPDX-License-Identifier: MIT
 #ifndef OLX_SETTINGS_GLSL
 #define OLX_SETTINGS_GLSL
 

@@ -1,4 +1,6 @@
 // Twin of src/select/sight.h: whether a probe sees a place, by the surface that it stores in that direction.
+//
+// SPDX-License-Identifier: MIT
 #ifndef OLX_SIGHT_GLSL
 #define OLX_SIGHT_GLSL
 

@@ -1,6 +1,8 @@
-// Twin of src/shade/surface_irradiance.c: diffuse light of static surfaces, of whose nearby probes those that see the very
-// surface answer. The C sorts the probes first and reads them after; here each turn looks for the best probe below the one
-// before, because a list that is sorted would lie in memory.
+// Twin of src/shade/surface_irradiance.c: diffuse light of static surfaces, of whose nearby probes those that see the
+// very surface answer. The C sorts the probes first and reads them after; here each turn looks for the best probe below
+// the one before, because a list that is sorted would lie in memory.
+//
+// SPDX-License-Identifier: MIT
 #ifndef OLX_SURFACE_IRRADIANCE_GLSL
 #define OLX_SURFACE_IRRADIANCE_GLSL
 
@@ -149,8 +151,8 @@ float olx_passes(olx_seen_texel texel, olx_seen_texel other) {
   return before ? 1.0 : max(2.0 + height / allowed, 0.0);
 }
 
-// How much of the light of `texel` reaches over to the point, where those of four texels a to d that are marked in `others`
-// see another surface.
+// How much of the light of `texel` reaches over to the point, where those of four texels a to d that are marked in
+// `others` see another surface.
 float olx_passes_all(olx_seen_texel texel, olx_seen_texel a, olx_seen_texel b, olx_seen_texel c, olx_seen_texel d,
                      bvec4 others) {
   float share = others.x ? olx_passes(texel, a) : 1.0;
@@ -167,7 +169,8 @@ olx_texel_light olx_read_texels(olx_sample_settings settings, uint probe, vec3 p
   int n = int(olx_field.n);
   ivec2 at = ivec2(around.texel.x % stride, around.texel.x / stride) - 1;
 #ifdef GL_ES
-  // In loops: a browser that draws without a GPU takes ten times as long to compile the text written out for each texel.
+  // In loops: a browser that draws without a GPU takes ten times as long to compile the text written out for each
+  // texel.
   olx_seen_texel around_point[4];
   vec4 weight = around.weight;
   bvec4 others = bvec4(false);
@@ -251,8 +254,8 @@ olx_surface_light olx_mix(olx_blend b) {
                            counts.x + counts.y + counts.z + counts.w);
 }
 
-// Irradiance for two normals where nothing is stored, of those sources that are named: the irradiance volume, for the second
-// less what would come from below a surface of the first, and where it has no cell irradiance probes.
+// Irradiance for two normals where nothing is stored, of those sources that are named: the irradiance volume, for the
+// second less what would come from below a surface of the first, and where it has no cell irradiance probes.
 mat2x3 olx_fallen_back(olx_sample_settings settings, uint sources, vec3 position, vec3 geometric_normal, vec3 from,
                        vec3 to, vec3 view) {
   mat2x3 irradiance = mat2x3(0.0);
@@ -312,8 +315,8 @@ vec3 olx_volume_irradiance(vec3 position, vec3 normal) {
 }
 
 // Indirect irradiance in W/m^2 on a static surface, from the light that the field stores where surfaces are: what
-// olx_surface_irradiance in octalux/sample.h says. For what moves use olx_volume_irradiance, and in a field whose lights
-// have changed since it was baked olx_irradiance.
+// olx_surface_irradiance in octalux/sample.h says. For what moves use olx_volume_irradiance, and in a field whose
+// lights have changed since it was baked olx_irradiance.
 vec3 olx_surface_irradiance(olx_sample_settings settings, vec3 position, vec3 geometric_normal, vec3 shading_normal,
                             vec3 view) {
   return olx_surface_light_at(settings, position, geometric_normal, geometric_normal, shading_normal, view).irradiance;

@@ -1,5 +1,7 @@
 // Twin of src/trace/texel_shade.c: light that leaves the surface of a texel towards an eye of the caller's, not that of
 // the probe (docs/maths.md, "Light at the end of a ray").
+//
+// SPDX-License-Identifier: MIT
 #ifndef OLX_TEXEL_SHADE_GLSL
 #define OLX_TEXEL_SHADE_GLSL
 
@@ -64,8 +66,8 @@ float olx_lit_share(vec3 stored, vec3 most) {
   return share;
 }
 
-// `position`: metres, on the texel's surface; `direction`: of the ray that found it, unit. The texel is not sky, nor one
-// of the border.
+// `position`: metres, on the texel's surface; `direction`: of the ray that found it, unit. The texel is not sky, nor
+// one of the border.
 olx_reflection olx_texel_shade(ivec3 origin, ivec2 texel, vec3 position, vec3 direction) {
   vec3 normal = olx_texel_normal(origin, texel);
   olx_texel_surface s =

@@ -1,5 +1,7 @@
 // Twin of src/field/texels.h: reads what a texel of a light field probe holds of the surface that it sees. Its distance
 // and its normal are read by maps.glsl. What it says of the sky, but for emission, means nothing.
+//
+// SPDX-License-Identifier: MIT
 #ifndef OLX_TEXELS_GLSL
 #define OLX_TEXELS_GLSL
 
@@ -9,8 +11,8 @@
 const uint OLX_EMISSION_TILE = 8u; // texels along a side of a tile of emission
 const float OLX_REFLECTANCE_FULL = 128.0; // a specular weight of 1
 
-// Where images of surfaces hold a texel of the probe whose maps begin at `origin`. Images of blocks have no border, so here
-// and in what follows a texel is none of the border.
+// Where images of surfaces hold a texel of the probe whose maps begin at `origin`. Images of blocks have no border, so
+// here and in what follows a texel is none of the border.
 ivec3 olx_surface_at(ivec3 origin, ivec2 texel) {
   ivec2 corner = ivec2(vec2(origin.xy - 1) * olx_field.surface_scale + 0.5);
   return ivec3(corner + int(olx_field.surface_border) + texel, origin.z);
@@ -59,8 +61,8 @@ bool olx_texel_emits(uint probe, ivec2 texel) {
   return olx_texel_emission_code(probe, texel) != 0u && !olx_texel_is_sky(origin, texel);
 }
 
-// Radiance in W/(sr m^2) that an emitter sends towards the probe, or that of the sky; 0 for a surface that does not emit.
-// The texel is none of the border.
+// Radiance in W/(sr m^2) that an emitter sends towards the probe, or that of the sky; 0 for a surface that does not
+// emit. The texel is none of the border.
 vec3 olx_texel_emission(uint probe, ivec2 texel) {
   bool may = olx_geometry_in_blocks() || olx_texel_distance_bits(olx_map_origin(probe), texel) >= 0x7C00u;
   return may ? olx_rgb9e5_unpack(olx_texel_emission_code(probe, texel)) : vec3(0.0);

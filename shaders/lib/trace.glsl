@@ -1,5 +1,7 @@
 // Twin of src/trace/trace.c: a ray against the whole field, probe after probe until one knows (McGuire et al. 2017,
 // Listing 1).
+//
+// SPDX-License-Identifier: MIT
 #ifndef OLX_TRACE_GLSL
 #define OLX_TRACE_GLSL
 
@@ -123,8 +125,8 @@ uint olx_first_corner(olx_search s, olx_cage cage) {
   return best;
 }
 
-// The next probe of the cage around the place to which the ray is followed. Corners are taken in steps of three, so that
-// each is far from the one before.
+// The next probe of the cage around the place to which the ray is followed. Corners are taken in steps of three, so
+// that each is far from the one before.
 uint olx_next_corner(olx_search s) {
   olx_cage cage = olx_cage_at(olx_field.grid, olx_ray_point(s, s.lost));
   uint corner = olx_first_corner(s, cage);

@@ -1,4 +1,6 @@
 // Twin of src/core/vec.h: what GLSL lacks, or leaves open.
+//
+// SPDX-License-Identifier: MIT
 #ifndef OLX_VEC_GLSL
 #define OLX_VEC_GLSL
 
@@ -29,8 +31,9 @@ vec3 olx_normalize(vec3 a) {
   return length > 0.0 ? a * (1.0 / length) : a;
 }
 
-// Cosine and sine of so many turns, from 0 to 1. Languages allow their own to be off by 2^-11. Those of software that draws for
-// browsers are, about, and the rim of a lobe magnifies that a thousandfold; there they are made here, to 10^-7.
+// Cosine and sine of so many turns, from 0 to 1. Languages allow their own to be off by 2^-11. Those of software that
+// draws for browsers are, about, and the rim of a lobe magnifies that a thousandfold; there they are made here, to
+// 10^-7.
 vec2 olx_turn(float turns) {
 #ifdef GL_ES
   float quarters = floor(4.0 * turns + 0.5), a = (4.0 * turns - quarters) * (0.5 * OLX_PI), z = a * a;

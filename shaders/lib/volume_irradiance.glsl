@@ -2,6 +2,8 @@
 // (docs/maths.md). A look-up reads at most three entries, some splits, eight numbers of probes and fourteen words of
 // each. The C adds up coefficients of harmonics first and evaluates their sum; here each probe is evaluated for the
 // normals that are wanted, and light is added up: no array lies in memory.
+//
+// SPDX-License-Identifier: MIT
 #ifndef OLX_VOLUME_IRRADIANCE_GLSL
 #define OLX_VOLUME_IRRADIANCE_GLSL
 
@@ -82,8 +84,8 @@ vec3 olx_volume_coefficient(uint light, uint k) {
               olx_half_unpack(odd ? high >> 16 : high & 0xFFFFu));
 }
 
-// What a probe holds for two unit normals, for the second less what would come from below a surface of the first (twin of
-// olx_volume_bent); ringing may take it below 0.
+// What a probe holds for two unit normals, for the second less what would come from below a surface of the first (twin
+// of olx_volume_bent); ringing may take it below 0.
 mat2x3 olx_volume_probe(uint probe, vec3 from, vec3 to) {
   float values_from[9], values_to[9], below = 0.5 - 0.5 * olx_dot(from, to);
   olx_harmonics_at(from, values_from);
@@ -100,8 +102,8 @@ mat2x3 olx_volume_probe(uint probe, vec3 from, vec3 to) {
   return sum;
 }
 
-// Irradiance at a place for two unit normals as olx_volume_probe has them, not below 0; false where the volume has no cell. `normal` is that of the
-// surface there.
+// Irradiance at a place for two unit normals as olx_volume_probe has them, not below 0; false where the volume has no
+// cell. `normal` is that of the surface there.
 bool olx_volume_both(vec3 position, vec3 normal, vec3 from, vec3 to, out mat2x3 irradiance) {
   uint cell;
   vec3 fraction;

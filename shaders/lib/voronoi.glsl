@@ -1,6 +1,8 @@
 // Twin of src/select/voronoi.c: the nearest probe, then the Delaunay neighbours in the direction where a ray is stuck
 // (Wang 2018, section 4.1), from the maps and the tree as they lie in the file (docs/format.md,
 // src/field/selector_data.h).
+//
+// SPDX-License-Identifier: MIT
 #ifndef OLX_VORONOI_GLSL
 #define OLX_VORONOI_GLSL
 
@@ -44,9 +46,9 @@ void olx_consider(inout olx_nearest n, uint probe) {
   n.probe = probe;
 }
 
-// Down to the point, leaving the other halves for later; then those that may hold a nearer one, the deepest first. C keeps
-// their ranges; here a bit for each depth says that the other half waits, and another which half was taken, because an
-// array would lie in memory: the range is found again from the root.
+// Down to the point, leaving the other halves for later; then those that may hold a nearer one, the deepest first. C
+// keeps their ranges; here a bit for each depth says that the other half waits, and another which half was taken,
+// because an array would lie in memory: the range is found again from the root.
 void olx_search_tree(inout olx_nearest n) {
   uint tree = olx_voronoi_tree(), count = olx_field.probe_count, code_bytes = olx_probe_code_bytes(count);
   uint begin = 0u, end = count, depth = 0u, waiting = 0u, upper = 0u;

@@ -4,8 +4,8 @@
 
 #include "frame.glsl"
 
-// A derived normal that is farther than this cosine from the shading normal is not believed, nor are steps from pixel to
-// pixel that turn by more than the other.
+// A derived normal that is farther than this cosine from the shading normal is not believed, nor are steps from pixel
+// to pixel that turn by more than the other.
 const float LEAST_DERIVED_COSINE = 0.5, LEAST_STRAIGHTNESS = 0.98;
 
 // The step from a pixel's position to that of the next one along an axis, before or behind it. A step counts when it

@@ -5,7 +5,8 @@
 
 shared vec2 lanes[OLX_RELIGHT_GROUP];
 
-// Luminance of light that a surfel's specular lobe sends to a place, as irradiance of a white matte surface in its stead.
+// Luminance of light that a surfel's specular lobe sends to a place, as irradiance of a white matte surface in its
+// stead.
 float specular_light(uint surfel, float light, vec3 place) {
   vec4 reflectance = surfel_reflectance(surfel);
   vec3 beam = state_vector(relight.beams + 3u * surfel), away = place - surfel_point(surfel, 0u);

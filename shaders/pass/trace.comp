@@ -1,6 +1,7 @@
-// Glossy indirect light that leaves the surface of each pixel towards the eye, by rays traced through the field, and by one
-// more from what each has found where that is smooth. One place traces both, because compilers put the whole search there. Alpha
-// is the share of rays that found an answer, 1 where none was needed. Pixels whose lobe is dim are left to dim.comp.
+// Glossy indirect light that leaves the surface of each pixel towards the eye, by rays traced through the field, and by
+// one more from what each has found where that is smooth. One place traces both, because compilers put the whole search
+// there. Alpha is the share of rays that found an answer, 1 where none was needed. Pixels whose lobe is dim are left to
+// dim.comp.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "frame.glsl"
@@ -22,7 +23,8 @@ struct waiting_ray {
   vec3 lobe; // what it takes the place of
 };
 
-// Adds what one ray finds: the one that waits, or else one that the pixel's surface draws, which may leave another waiting.
+// Adds what one ray finds: the one that waits, or else one that the pixel's surface draws, which may leave another
+// waiting.
 void trace_ray(frame_surface surface, vec2 random, inout waiting_ray next, inout gathered sum) {
   olx_sample_settings settings = frame_settings();
   bool further = next.waits;

@@ -1,7 +1,7 @@
 // A bake that runs, from its settings to its file, and its stages as units (work/unit_store.h).
 //
-// Each stage makes its results, or takes them from the store, and hands them to the writer of the file. Parts have no writer, joining
-// has nothing but the store.
+// Each stage makes its results, or takes them from the store, and hands them to the writer of the file. Parts have no
+// writer, joining has nothing but the store.
 #ifndef OLX_BAKE_BAKE_RUN_H
 #define OLX_BAKE_BAKE_RUN_H
 
@@ -44,8 +44,8 @@ typedef struct olx_bake_run {
   double measure_seconds; // spent on timing Embree, in all
 } olx_bake_run;
 
-// What the file says of the whole before the first probe: which probes are buried, how probes are found, the cells of the volume, the
-// scene's lights. `make` makes them.
+// What the file says of the whole before the first probe: which probes are buried, how probes are found, the cells of
+// the volume, the scene's lights. `make` makes them.
 olx_result olx_bake_plan(olx_bake_run *run, olx_result (*make)(olx_bake_run *run));
 // Whether everything that the file is made of is stored.
 bool olx_bake_is_stored(const olx_bake_run *run);
@@ -59,7 +59,8 @@ olx_result olx_bake_relight(olx_bake_run *run);
 // Light field probes, and what relighting needs of them.
 olx_result olx_bake_probes(olx_bake_run *run);
 
-// Everything that is released when a bake ends, with its file or without; `result` or what committing the file said comes back.
+// Everything that is released when a bake ends, with its file or without; `result` or what committing the file said
+// comes back.
 olx_result olx_bake_finish(olx_bake_run *run, olx_result result, double start);
 // What the field will be: for the file, and to know its size before anything is made.
 olx_field_header olx_bake_header(const olx_bake_run *run);

@@ -1,5 +1,5 @@
-// Says what a bake's settings are by default, refuses those that no bake can follow, and answers what follows from them.
-// Nothing here looks at the scene but for the grid that its description asks for.
+// Says what a bake's settings are by default, refuses those that no bake can follow, and answers what follows from
+// them. Nothing here looks at the scene but for the grid that its description asks for.
 #include "bake/bake_settings.h"
 
 #include "bake/selectors.h"

@@ -1,5 +1,5 @@
-// Computes what a bake takes in files and memory before it begins, by the code that lays out and allocates, and refuses one that
-// does not fit the machine.
+// Computes what a bake takes in files and memory before it begins, by the code that lays out and allocates, and refuses
+// one that does not fit the machine.
 #include "bake/available.h"
 #include "bake/bake_run.h"
 #include "bake/bake_settings.h"
@@ -30,8 +30,8 @@ static uint64_t links_of(const olx_bake_settings *settings) {
   return settings->light == OLX_LIGHT_CACHE ? olx_scene_light_most_link_bytes() : 0;
 }
 
-// A work folder holds what the file holds, with emission of every texel where the file has tiles of it. Links are stored
-// once; surfels and the steps of light that are stored several times take less than that again.
+// A work folder holds what the file holds, with emission of every texel where the file has tiles of it. Links are
+// stored once; surfels and the steps of light that are stored several times take less than that again.
 static uint64_t work_of(const olx_bake_run *b, const olx_field_layout *layout) {
   const uint64_t size = b->context.settings->radiance_size;
   return layout->file_bytes + b->context.probes.light_field.count * size * size * sizeof(uint32_t) +

@@ -1,4 +1,5 @@
-// Describes a bake by everything that its results depend on, opens its work folder, and joins a folder's units into a field.
+// Describes a bake by everything that its results depend on, opens its work folder, and joins a folder's units into a
+// field.
 #include "bake/bake_work.h"
 
 #include "bake/bake_run.h"
@@ -21,7 +22,8 @@ static void put_grid(olx_byte_writer *to, const olx_grid *grid) {
   olx_bytes_put(to, grid->count, 3, sizeof *grid->count);
 }
 
-// A setting that is added has to be added here as well, unless results do not depend on it, as on threads and the work folder.
+// A setting that is added has to be added here as well, unless results do not depend on it, as on threads and the work
+// folder.
 _Static_assert(sizeof(olx_bake_settings) == 224, "does a new setting change results?");
 
 static void put_settings(olx_byte_writer *to, const olx_bake_settings *s) {

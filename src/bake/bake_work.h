@@ -11,7 +11,8 @@ olx_result olx_bake_work_open(const olx_scene *scene, const olx_bake_settings *s
 // Closes the store; the folder goes away when the field is written, unless it is to be kept.
 void olx_bake_work_close(olx_unit_store *store, const olx_bake_work *work, olx_result result);
 
-// Everything that results depend on: the scene, the settings, the format, this build, Embree, and the machine's arithmetic.
+// Everything that results depend on: the scene, the settings, the format, this build, Embree, and the machine's
+// arithmetic.
 olx_manifest olx_bake_manifest(const olx_scene *scene, const olx_bake_settings *settings);
 
 // A name of this build of the library, by which no other build goes.

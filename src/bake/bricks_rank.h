@@ -18,8 +18,8 @@ enum { OLX_BRICK_SAMPLES = 64, OLX_BRICK_CANDIDATES = 128 };
 uint32_t olx_brick_candidates(const olx_selector_input *input, olx_vec3 middle,
                               uint32_t candidates[OLX_BRICK_CANDIDATES]);
 
-// Fill a list with the candidates that see most of the samples best, each further one counting less where those before it
-// see well already. OLX_BRICK_NO_PROBE fills the rest. At most OLX_BRICK_SAMPLES samples.
+// Fill a list with the candidates that see most of the samples best, each further one counting less where those before
+// it see well already. OLX_BRICK_NO_PROBE fills the rest. At most OLX_BRICK_SAMPLES samples.
 void olx_brick_rank(const olx_probe_views *views, const uint32_t *candidates, uint32_t candidate_count,
                     const olx_brick_sample *samples, uint32_t sample_count, uint16_t list[OLX_BRICK_PROBES]);
 

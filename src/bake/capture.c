@@ -1,5 +1,5 @@
-// Captures the geometry that a light field probe sees, by a ray through the middle of each texel, and casts the rays through
-// the parts of texels by which their surfaces are sampled.
+// Captures the geometry that a light field probe sees, by a ray through the middle of each texel, and casts the rays
+// through the parts of texels by which their surfaces are sampled.
 #include "bake/capture.h"
 
 #include "core/hooks.h"

@@ -1,4 +1,5 @@
-// What light field probes see in every direction: the triangle that a ray meets, and that surface's distance and normal.
+// What light field probes see in every direction: the triangle that a ray meets, and that surface's distance and
+// normal.
 #ifndef OLX_BAKE_CAPTURE_H
 #define OLX_BAKE_CAPTURE_H
 
@@ -38,13 +39,13 @@ olx_result olx_capture_probe(olx_capture *capture, uint32_t probe, olx_vec3 posi
 // The exact surface that the ray through a texel's middle met; `capture` is an olx_capture.
 olx_geometry_texel olx_capture_geometry(const void *capture, uint32_t x, uint32_t y);
 
-// Casts rays through the samples^2 parts of each of OLX_CAPTURE_CHUNK texels of row `y` from column `x` on, one texel's after
-// another's. Returns how many they are.
+// Casts rays through the samples^2 parts of each of OLX_CAPTURE_CHUNK texels of row `y` from column `x` on, one texel's
+// after another's. Returns how many they are.
 uint32_t olx_capture_cast_samples(const olx_capture *capture, uint32_t x, uint32_t y,
                                   olx_ray rays[OLX_CAPTURE_MOST_RAYS], olx_ray_hit hits[OLX_CAPTURE_MOST_RAYS]);
 
-// Casts the rays of all samples of the probe and does nothing with what they hit: adds the ray caster's time on `threads`
-// threads to *embree_seconds.
+// Casts the rays of all samples of the probe and does nothing with what they hit: adds the ray caster's time on
+// `threads` threads to *embree_seconds.
 olx_result olx_capture_measure(olx_capture *capture, double *embree_seconds);
 
 #endif

@@ -138,8 +138,8 @@ static float seen_beyond(const olx_classic_bake *b, uint32_t side, float place, 
   return sum;
 }
 
-// How far out the surfaces are that could be side `side`. Not where most of them are: things in a room hide its walls. False
-// when too much is seen beyond it, so that it closes nothing.
+// How far out the surfaces are that could be side `side`. Not where most of them are: things in a room hide its walls.
+// False when too much is seen beyond it, so that it closes nothing.
 static bool outer_side(const olx_classic_bake *b, uint32_t side, float extent, float *place) {
   const uint32_t face = b->filter.cube_size * b->filter.cube_size;
   float weight[BINS] = {0}, moment[BINS] = {0}, total = 0.0f;

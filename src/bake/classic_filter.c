@@ -36,8 +36,8 @@ static float power(float base, uint32_t exponent) {
   return result;
 }
 
-// The texels along one axis of a face that a cone may reach: `along` and `across` are its direction's coordinates along the
-// face's axis and this one.
+// The texels along one axis of a face that a cone may reach: `along` and `across` are its direction's coordinates along
+// the face's axis and this one.
 static bool reach(float along, float across, float angle, uint32_t size, uint32_t *first, uint32_t *end) {
   const float length = sqrtf(along * along + across * across), sine = sinf(angle);
   float low = -0.25f * OLX_PI, high = 0.25f * OLX_PI;
@@ -253,8 +253,8 @@ void olx_classic_filter_free(olx_classic_filter *f) {
   *f = (olx_classic_filter){0};
 }
 
-// Half vectors are those that the distribution draws at the middles of ROWS x COLUMNS strata; those on one side of the eye's
-// plane say all. Rows are crowded towards the horizon, where few are drawn and each counts for much.
+// Half vectors are those that the distribution draws at the middles of ROWS x COLUMNS strata; those on one side of the
+// eye's plane say all. Rows are crowded towards the horizon, where few are drawn and each counts for much.
 enum { ROWS = 64, COLUMNS = 16 };
 static const float least_cosine = 1e-4f, least_roughness = 1e-2f; // smaller ones count as these
 

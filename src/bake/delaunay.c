@@ -15,7 +15,8 @@ enum {
   MAX_ALL_NEIGHBOURS = 4096, // probes that may all be neighbours
   EDGES = 12                 // of a tetrahedron, both ways
 };
-// Height over a plane, as a share of the longest side, below which sites lie in it: the lattice may tilt planes a little.
+// Height over a plane, as a share of the longest side, below which sites lie in it: the lattice may tilt planes a
+// little.
 static const double FLAT = 1e-4;
 // Six times a tetrahedron's volume over its longest side cubed below which it is flat, too.
 static const double SLIVER = 1e-4;

@@ -1,5 +1,5 @@
-// Looks around from irradiance probes, integrates the light that they see and the distances, fits irradiance to surfaces, and
-// writes the maps. Light comes from the solution for the whole scene, or from bounces between the probes.
+// Looks around from irradiance probes, integrates the light that they see and the distances, fits irradiance to
+// surfaces, and writes the maps. Light comes from the solution for the whole scene, or from bounces between the probes.
 #include "bake/gather.h"
 
 #include "bake/arrays.h"

@@ -1,5 +1,5 @@
-// Bounces of light between irradiance probes, instead of the solution for the whole scene: from the irradiance of the bounce
-// before (McGuire et al. 2017, section 5.2), or by rays that find what probes stored of it.
+// Bounces of light between irradiance probes, instead of the solution for the whole scene: from the irradiance of the
+// bounce before (McGuire et al. 2017, section 5.2), or by rays that find what probes stored of it.
 #ifndef OLX_BAKE_GATHER_BOUNCES_H
 #define OLX_BAKE_GATHER_BOUNCES_H
 

@@ -37,8 +37,9 @@ static inline olx_sample_place olx_place_of(const olx_quadrature *q, uint32_t ti
   return (olx_sample_place){x, y, y / per_cell * q->cells + x / per_cell};
 }
 
-// A direction within the sample's texel, drawn by a probe's key, because a regular one would meet edges of walls exactly,
-// where neither wall is certain, from a probe that lies as symmetrically in a room as probes of grids often do.
+// A direction within the sample's texel, drawn by a probe's key, because a regular one would meet edges of walls
+// exactly, where neither wall is certain, from a probe that lies as symmetrically in a room as probes of grids often
+// do.
 static inline olx_vec3 olx_sample_direction(const olx_quadrature *q, uint32_t key, olx_sample_place p) {
   const uint32_t hash = olx_hash3(key, p.y * q->sample_size + p.x, OLX_SALT_JITTER);
   const float scale = 1.0f / (float)q->sample_size, u = ((float)(hash & 0xFFFFu) + 0.5f) * 0x1p-16f;

@@ -9,8 +9,8 @@
 
 enum { STEPS = 48 }; // of conjugate gradients
 
-// Weights of the penalties on a correction's mean square over directions and on that of its slope, relative to the points a probe
-// answers for: what the penalties on the cells of a map's correction sum up to over the sphere.
+// Weights of the penalties on a correction's mean square over directions and on that of its slope, relative to the
+// points a probe answers for: what the penalties on the cells of a map's correction sum up to over the sphere.
 static const float SIZE_PENALTY = 1e-4f * OLX_CORRECTION_CELLS;
 static const float SMOOTHNESS_PENALTY = 3e-4f * 4.0f * OLX_PI;
 

@@ -284,7 +284,8 @@ static void free_level(tree_level *level) {
 
 // ---- The whole tree
 
-// A level of the tree as it goes into the file: the masks of its nodes, and the codes of their children that are leaves.
+// A level of the tree as it goes into the file: the masks of its nodes, and the codes of their children that are
+// leaves.
 typedef struct finished_level {
   uint32_t node_count, leaf_count;
   uint8_t *inner_mask;

@@ -1,5 +1,6 @@
-// From octahedral maps to spherical harmonics: the coefficients that come closest to a map's texels in the least-squares sense,
-// each texel weighing what its solid angle is. What is in the bands itself comes back exactly, on maps of any size.
+// From octahedral maps to spherical harmonics: the coefficients that come closest to a map's texels in the
+// least-squares sense, each texel weighing what its solid angle is. What is in the bands itself comes back exactly, on
+// maps of any size.
 #ifndef OLX_BAKE_PROJECTION_H
 #define OLX_BAKE_PROJECTION_H
 

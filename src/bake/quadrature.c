@@ -180,7 +180,8 @@ static cone cone_of(uint32_t x, uint32_t y, uint32_t width, uint32_t height, uin
   return c;
 }
 
-// Which tiles of distance cells the lobes of each block reach; returns how many, and stores them when `tiles` is not NULL.
+// Which tiles of distance cells the lobes of each block reach; returns how many, and stores them when `tiles` is not
+// NULL.
 static uint32_t reach_tiles(const olx_quadrature *q, uint32_t *starts, uint16_t *tiles, const cone *cones) {
   const uint32_t side = q->distance_cells / TILE, blocks = q->irradiance_size / OLX_BLOCK_COLUMNS;
   const uint32_t rows = q->irradiance_size / OLX_BLOCK_ROWS;

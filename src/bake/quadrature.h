@@ -4,9 +4,9 @@
 
 #include "core/octahedral.h"
 
-// The exponent of the cosine-power lobe that filters distances (a deviation of 0.17, ten degrees). Visibility needs a width
-// in angle, so finer maps keep it. Maps of less than OLX_MOMENTS_FULL_SIZE texels a side cannot hold it: theirs goes down with
-// the number of texels.
+// The exponent of the cosine-power lobe that filters distances (a deviation of 0.17, ten degrees). Visibility needs a
+// width in angle, so finer maps keep it. Maps of less than OLX_MOMENTS_FULL_SIZE texels a side cannot hold it: theirs
+// goes down with the number of texels.
 #define OLX_MOMENTS_EXPONENT 35
 #define OLX_MOMENTS_FULL_SIZE 32
 #define OLX_MOMENTS_EXPONENT_LEAST 4
@@ -30,8 +30,8 @@ olx_quadrature olx_quadrature_shape(uint32_t irradiance_size);
 olx_result olx_quadrature_create(uint32_t irradiance_size, olx_quadrature *quadrature);
 void olx_quadrature_free(olx_quadrature *quadrature);
 
-// Irradiance for every direction of a map of `size`^2 texels, row `row` of blocks (OLX_BLOCK_ROWS rows of texels), from the
-// radiance of the cells. The map lies `stride` texels a row.
+// Irradiance for every direction of a map of `size`^2 texels, row `row` of blocks (OLX_BLOCK_ROWS rows of texels), from
+// the radiance of the cells. The map lies `stride` texels a row.
 enum { OLX_BLOCK_COLUMNS = 8, OLX_BLOCK_ROWS = 2 };
 void olx_quadrature_irradiance(const olx_quadrature *quadrature, const olx_vec3 *radiance, uint32_t size, uint32_t row,
                                olx_vec3 *map, uint32_t stride);

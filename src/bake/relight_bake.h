@@ -1,5 +1,6 @@
-// What a field keeps so that its light can change (field/relight_data.h): the surfels of the solved light, few links between them,
-// and the surfels from which the light of every texel and of the irradiance volume's probes is interpolated.
+// What a field keeps so that its light can change (field/relight_data.h): the surfels of the solved light, few links
+// between them, and the surfels from which the light of every texel and of the irradiance volume's probes is
+// interpolated.
 #ifndef OLX_BAKE_RELIGHT_BAKE_H
 #define OLX_BAKE_RELIGHT_BAKE_H
 

@@ -43,7 +43,8 @@ static void add_weight(site_draft *d, uint32_t surfel, uint32_t corner, float we
   d->weight[at][corner] += weight;
 }
 
-// Surfels around a surface, or the one that serves it where none are; negative weights, which extrapolate, are left out.
+// Surfels around a surface, or the one that serves it where none are; negative weights, which extrapolate, are left
+// out.
 static void weigh(const olx_scene_light *light, const olx_surface *surface, uint32_t corner, site_draft *d) {
   const olx_scene_light_parts parts = olx_scene_light_open(light);
   const olx_surfel_weights weights = olx_surfel_weigh(parts.lookup, surface);
@@ -115,7 +116,8 @@ static void light_at(const site_job *j, const olx_surface *surface, site *s) {
   finish_site(&draft, s);
 }
 
-// A site for every surface among the texels; where there are more than places, the rest take that of the nearest normal.
+// A site for every surface among the texels; where there are more than places, the rest take that of the nearest
+// normal.
 static void light_parts(const site_job *j, uint32_t block, const olx_block_surfaces *s, block_sites *b) {
   uint32_t first[OLX_RELIGHT_BLOCK_SITES];
   for (uint32_t i = 0; i < OLX_BLOCK_TEXELS; i++) {

@@ -1,5 +1,5 @@
-// Working memory that jobs of a parallel loop take and give back, so that no more is made than jobs run at once, whatever
-// runs them.
+// Working memory that jobs of a parallel loop take and give back, so that no more is made than jobs run at once,
+// whatever runs them.
 #ifndef OLX_BAKE_SCRATCH_POOL_H
 #define OLX_BAKE_SCRATCH_POOL_H
 

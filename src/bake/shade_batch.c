@@ -22,8 +22,8 @@ enum {
 enum { SCOUT_SHARE = 4, DARK_SHARE = 8 };
 #define NO_RAY UINT32_MAX
 
-// A light's density over solid angle, in units of the most that the diffuse lobe has, beyond which rays of that lobe need not
-// look for it, and beyond which few do.
+// A light's density over solid angle, in units of the most that the diffuse lobe has, beyond which rays of that lobe
+// need not look for it, and beyond which few do.
 static const float small_light = 8.0f, large_light = 1.0f;
 static const float few_scattered = 0.25f;
 
@@ -93,8 +93,8 @@ void olx_shade_batch_begin(olx_shade_batch *batch, uint32_t light_samples) {
 }
 
 // Texels of radiance are looked at from other directions than the probe's. In maps of radiance lobes wider than this
-// (roughness 0.1) are therefore what they reflect on average over views; narrower ones are as the probe sees them, because
-// a mirror that is only seen blurred would look wrong. Irradiance sums light that really arrives at its probe.
+// (roughness 0.1) are therefore what they reflect on average over views; narrower ones are as the probe sees them,
+// because a mirror that is only seen blurred would look wrong. Irradiance sums light that really arrives at its probe.
 static const float matte_alpha = 0.01f;
 
 void olx_shade_refresh(olx_shade_batch *batch, uint32_t i) {
@@ -339,8 +339,8 @@ static olx_vec3 light_at_end(const olx_shade_context *context, const olx_shade_b
   return olx_scale(end->emission, light_share(from, path, pdf));
 }
 
-// Light of emitters and the sky at the ends of paths, when `lights` is set. When `surfaces` is set, what reflections met
-// goes to `to`, and their paths to `next`. Returns their count.
+// Light of emitters and the sky at the ends of paths, when `lights` is set. When `surfaces` is set, what reflections
+// met goes to `to`, and their paths to `next`. Returns their count.
 static uint32_t end_paths(olx_shade_context *context, olx_shade_scratch *scratch, const olx_shade_batch *from,
                           const olx_shade_path *paths, uint32_t count, bool lights, bool surfaces, olx_shade_batch *to,
                           olx_shade_path *next) {

@@ -1,8 +1,8 @@
 // Lighting many surface points at once, so that rays go to the ray caster in packets: direct light through both lobes,
 // diffuse light of earlier bounces from irradiance maps, and reflections cast as rays.
 //
-// The last replaces the trace through the field by which a renderer finds glossy light: the baker has the triangles, so its
-// reflections are exact. They still end at light that is biased towards no viewpoint but their own.
+// The last replaces the trace through the field by which a renderer finds glossy light: the baker has the triangles, so
+// its reflections are exact. They still end at light that is biased towards no viewpoint but their own.
 #ifndef OLX_BAKE_SHADE_BATCH_H
 #define OLX_BAKE_SHADE_BATCH_H
 
@@ -33,7 +33,8 @@ typedef struct olx_shade_batch {
   bool reflects[OLX_BATCH_POINTS];     // has a specular lobe of its own
   olx_vec3 radiance[OLX_BATCH_POINTS]; // without the surface's own emission
   uint32_t lit_like[OLX_BATCH_POINTS]; // the point, not after it, whose shadow rays to lights that vary count for it
-  // How many rays of the diffuse lobe look for lights at the point on average: shadow rays count for the rest. At first 0.
+  // How many rays of the diffuse lobe look for lights at the point on average: shadow rays count for the rest. At first
+  // 0.
   float scattered[OLX_BATCH_POINTS];
 } olx_shade_batch;
 
@@ -62,7 +63,8 @@ typedef struct olx_shade_scratch {
   float weights[OLX_BATCH_POINTS];               // their shares of solid angle
 } olx_shade_scratch;
 
-// Irradiance of bounces in maps of the irradiance probes, with border: that of bounce k is at k mod (OLX_KEPT_BOUNCES + 1).
+// Irradiance of bounces in maps of the irradiance probes, with border: that of bounce k is at k mod (OLX_KEPT_BOUNCES +
+// 1).
 typedef struct olx_bounce_maps {
   uint32_t size; // texels along a side
   olx_vec3 *irradiance[OLX_KEPT_BOUNCES + 1];
@@ -112,8 +114,8 @@ uint32_t olx_shade_append(olx_shade_context *context, olx_shade_batch *batch, co
 // To be called when a point's albedo was changed.
 void olx_shade_refresh(olx_shade_batch *batch, uint32_t point);
 
-// How many rays of the diffuse lobe should look for lights at a point, at most 1: none where every light is so small that
-// shadow rays find it far better.
+// How many rays of the diffuse lobe should look for lights at a point, at most 1: none where every light is so small
+// that shadow rays find it far better.
 float olx_shade_scattering(const olx_shade_context *context, const olx_surface *surface);
 
 // Add what the lights send, through both lobes, except what only a reflected ray can find.
@@ -128,8 +130,8 @@ enum {
   OLX_REFLECT_BOUNCES = 2, // of surfaces
 };
 
-// Cast rays from `count` points of scratch->roots (paths[0]: all but direction and pdf set) and add what they bring when
-// surfaces carry direct light and `bounces` - 1 further bounces.
+// Cast rays from `count` points of scratch->roots (paths[0]: all but direction and pdf set) and add what they bring
+// when surfaces carry direct light and `bounces` - 1 further bounces.
 void olx_shade_reflections(olx_shade_context *context, olx_shade_scratch *scratch, uint32_t count, uint32_t bounces,
                            uint32_t what);
 

@@ -1,6 +1,6 @@
-// Fills the texels of a light field probe with the surfaces that they see: material and emission by what rays meet, direct light
-// by shadow rays, indirect light by the baker's solution or by the plain reference, paths from every texel. Radiance as the
-// probe sees it is what that surface sends to the probe.
+// Fills the texels of a light field probe with the surfaces that they see: material and emission by what rays meet,
+// direct light by shadow rays, indirect light by the baker's solution or by the plain reference, paths from every
+// texel. Radiance as the probe sees it is what that surface sends to the probe.
 #include "bake/surface_capture.h"
 
 #include "bake/texel_light.h"
@@ -29,8 +29,8 @@ typedef struct texel_samples {
   const olx_ray_hit *hits;
 } texel_samples;
 
-// The material's numbers, summed over the samples that lie on the texel's surface, direct light, and what narrow specular lobes
-// reflect to the probe.
+// The material's numbers, summed over the samples that lie on the texel's surface, direct light, and what narrow
+// specular lobes reflect to the probe.
 typedef struct surface_sums {
   olx_vec3 base_color, direct, mirrored;
   float roughness, metallic, count;

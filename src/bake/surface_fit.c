@@ -1,5 +1,5 @@
-// Measures irradiance at points on surfaces, and finds the corrections of probes' maps with which interpolation comes closest
-// to it, by conjugate gradients.
+// Measures irradiance at points on surfaces, and finds the corrections of probes' maps with which interpolation comes
+// closest to it, by conjugate gradients.
 #include "bake/surface_fit.h"
 
 #include "bake/arrays.h"
@@ -55,8 +55,8 @@ static olx_ray scattered_ray(const olx_surface *surface, uint32_t index, uint32_
   return olx_surface_ray(surface, olx_normalize(olx_from_basis(local, surface->geometric_normal)), INFINITY);
 }
 
-// Draws a surface point: what a ray scattered from a surface that the probe sees meets. Surfaces are met about evenly by
-// area, also those that no probe sees.
+// Draws a surface point: what a ray scattered from a surface that the probe sees meets. Surfaces are met about evenly
+// by area, also those that no probe sees.
 static bool draw_point(const olx_surface_fit *fit, uint32_t index, olx_surface *surface) {
   const olx_surface_fit_input *in = &fit->input;
   const uint32_t probe = index / POINTS_PER_PROBE, i = index % POINTS_PER_PROBE;

@@ -1,9 +1,10 @@
 // Fitting irradiance maps to the surfaces they will light.
 //
-// Irradiance that is interpolated between probes misses what happens between them: a wall near a corner gets less light than
-// the probes in front of it. The baker has the surfaces, so it measures irradiance at points on them and adds to each
-// probe's map the correction, smooth in direction, with which interpolation by the runtime's own weights comes closest in
-// the least-squares sense. Reading costs the same; in directions that no surface faces the correction fades out.
+// Irradiance that is interpolated between probes misses what happens between them: a wall near a corner gets less light
+// than the probes in front of it. The baker has the surfaces, so it measures irradiance at points on them and adds to
+// each probe's map the correction, smooth in direction, with which interpolation by the runtime's own weights comes
+// closest in the least-squares sense. Reading costs the same; in directions that no surface faces the correction fades
+// out.
 #ifndef OLX_BAKE_SURFACE_FIT_H
 #define OLX_BAKE_SURFACE_FIT_H
 
@@ -14,8 +15,8 @@
 
 typedef struct olx_surface_fit olx_surface_fit;
 
-// Everything the fit needs of the gather: `hits` are `hit_count` surface points that each probe sees. Irradiance at the points
-// comes from `light`, or is measured by rays where that is NULL.
+// Everything the fit needs of the gather: `hits` are `hit_count` surface points that each probe sees. Irradiance at the
+// points comes from `light`, or is measured by rays where that is NULL.
 typedef struct olx_surface_fit_input {
   olx_bake_context *context;
   olx_shade_context *shade;
@@ -36,8 +37,8 @@ uint64_t olx_surface_fit_units(uint32_t probe_count, bool solved);
 // The memory that a fit holds.
 uint64_t olx_surface_fit_bytes(uint32_t probe_count, bool solved);
 
-// The corrections of `source`, float irradiance maps of bounce `bounce` (0: direct light alone), measured with the light of
-// the bounces before; of `light`, all of it, whatever the bounce.
+// The corrections of `source`, float irradiance maps of bounce `bounce` (0: direct light alone), measured with the
+// light of the bounces before; of `light`, all of it, whatever the bounce.
 olx_result olx_surface_fit_solve(olx_surface_fit *fit, const olx_irradiance_source *source, uint32_t bounce);
 
 // Point `index`, OLX_FIT_POINTS_PER_PROBE of them a probe: where it is, and what OLX_FIT_RAYS rays
@@ -46,8 +47,8 @@ enum { OLX_FIT_POINTS_PER_PROBE = 512, OLX_FIT_RAYS = 64 };
 bool olx_surface_fit_point(const olx_surface_fit *fit, uint32_t index, olx_vec3 *position, olx_vec3 *normal,
                            const olx_ray_hit **hits);
 
-// What the last olx_surface_fit_solve measured at the point of that index, and the probes that it is interpolated from; false
-// when there is none.
+// What the last olx_surface_fit_solve measured at the point of that index, and the probes that it is interpolated from;
+// false when there is none.
 typedef struct olx_surface_measurement {
   olx_vec3 normal, irradiance;
   const olx_irradiance_weights *weights;

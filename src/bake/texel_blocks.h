@@ -25,7 +25,8 @@ void olx_block_look(const olx_capture *capture, uint32_t block, olx_block_surfac
 // Whether all texels see one plane.
 bool olx_block_is_flat(const olx_capture *capture, uint32_t block, const olx_block_surfaces *surfaces);
 
-// Whether texel `other` of a block lies on the surface of texel `texel`, near enough for both to share what is found for one.
+// Whether texel `other` of a block lies on the surface of texel `texel`, near enough for both to share what is found
+// for one.
 bool olx_block_shares(const olx_capture *capture, uint32_t block, const olx_block_surfaces *surfaces, uint32_t texel,
                       uint32_t other);
 

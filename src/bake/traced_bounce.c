@@ -14,7 +14,8 @@
 
 enum { SALT_RAY = 0x54524143, NEARBY = 64 };
 
-// How far a place may lie off the surface that a probe stored, in distances from the probe; and how much normals may differ.
+// How far a place may lie off the surface that a probe stored, in distances from the probe; and how much normals may
+// differ.
 static const float off_surface = 0.02f, least_normal = 0.5f;
 
 static const olx_probe_list *probes_of(const olx_traced_bounce *t) { return &t->context->probes.irradiance; }
@@ -49,8 +50,8 @@ typedef struct ray_end {
   uint32_t triangle;
 } ray_end;
 
-// Whether the probe stored, at that gather point, the surface at the ray's end: at the end's distance from the probe, measured
-// along the stored surface.
+// Whether the probe stored, at that gather point, the surface at the ray's end: at the end's distance from the probe,
+// measured along the stored surface.
 static bool stores(const olx_traced_bounce *t, uint32_t probe, uint32_t point, const ray_end *end, olx_vec3 towards,
                    float distance) {
   const olx_ray_hit *hit = &t->hits[(size_t)probe * olx_gather_points(t->quadrature) + point];

@@ -1,6 +1,6 @@
-// Bounces by rays (the dissertation's section 4.3.3): diffuse light at what a probe sees is looked up where rays from there meet
-// surfaces, in what the probes stored there of the bounce before. A probe answers only for what it sees: the place must
-// lie at the distance that it stored in that direction. The other way interpolates irradiance maps.
+// Bounces by rays (the dissertation's section 4.3.3): diffuse light at what a probe sees is looked up where rays from
+// there meet surfaces, in what the probes stored there of the bounce before. A probe answers only for what it sees: the
+// place must lie at the distance that it stored in that direction. The other way interpolates irradiance maps.
 //
 // Geometry does not move, so rays are cast and probes found once; each bounce follows the same links.
 #ifndef OLX_BAKE_TRACED_BOUNCE_H
@@ -19,7 +19,8 @@ typedef struct olx_traced_bounce {
   const olx_quadrature *quadrature;
   const olx_grid *grid;
   const olx_ray_hit *hits; // of the gather points, olx_gather_points of each probe
-  // Each OLX_BOUNCE_RAYS of each gather point: the gather point, over all probes, that holds the light at the ray's end.
+  // Each OLX_BOUNCE_RAYS of each gather point: the gather point, over all probes, that holds the light at the ray's
+  // end.
   uint32_t *links;
   // Light that leaves gather points towards their probes: direct, and of the bounces up to the last and the one before.
   olx_vec3 *direct, *light[2];

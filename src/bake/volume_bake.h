@@ -19,7 +19,8 @@ bool olx_volume_is_baked(const olx_bake_settings *settings);
 
 // The cells, and the share of surfaces in sight of probes at which there is none.
 olx_result olx_volume_bake_create(olx_volume_bake *bake, olx_bake_stats *stats);
-// The light of the probes, by units of the store, to the file; `writer` is NULL where there is none. `light` is not needed to join.
+// The light of the probes, by units of the store, to the file; `writer` is NULL where there is none. `light` is not
+// needed to join.
 olx_result olx_volume_bake_write(olx_volume_bake *bake, const olx_scene_light *light, olx_unit_store *store,
                                  olx_field_writer *writer, olx_bake_stats *stats);
 // Units of the stage "volume".

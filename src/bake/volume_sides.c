@@ -1,6 +1,6 @@
 // Separates the sides of a cell: places spread over the cell are connected where they see each other, and what is not
-// connected is divided by the planes of the triangles between, until each part is one. What is outside all rooms is divided
-// off as well.
+// connected is divided by the planes of the triangles between, until each part is one. What is outside all rooms is
+// divided off as well.
 #include "bake/volume_sides.h"
 
 #include "core/sampling.h"
@@ -218,8 +218,8 @@ static uint32_t make_side(cell_places *c, uint64_t part) {
   return OLX_VOLUME_CELL | number;
 }
 
-// The plane of an outer face that has all places of the space in a region before it and most of those that are shut out behind it,
-// or the other way about.
+// The plane of an outer face that has all places of the space in a region before it and most of those that are shut out
+// behind it, or the other way about.
 static bool shut_out(const cell_places *c, uint64_t region, uint64_t part, olx_volume_split *split,
                      bool *inside_before) {
   const uint64_t inside = region & c->free, outside = region & c->shut_out;
@@ -244,7 +244,8 @@ static bool shut_out(const cell_places *c, uint64_t region, uint64_t part, olx_v
   return most > 0;
 }
 
-// The side of a part, and outer faces around it, one after the other: what they shut out has no cell, and no light from within.
+// The side of a part, and outer faces around it, one after the other: what they shut out has no cell, and no light from
+// within.
 static uint32_t make_shell(cell_places *c, uint64_t part, uint64_t region, uint32_t faces) {
   olx_volume_split split;
   bool inside_before;

@@ -22,8 +22,8 @@ bool olx_volume_space_touches(const olx_volume_space *space, olx_vec3 low, olx_v
 // Whether a place is in that space: in such a voxel, or where a surface is near, in sight of the middle of one beside
 // it.
 bool olx_volume_space_holds(const olx_volume_space *space, olx_vec3 place);
-// Whether a place is not, but beyond all voxels, or in the same way in voxels outside. What is shut in, such as the inside of a
-// table's leg, is not shut out.
+// Whether a place is not, but beyond all voxels, or in the same way in voxels outside. What is shut in, such as the
+// inside of a table's leg, is not shut out.
 bool olx_volume_space_shuts_out(const olx_volume_space *space, olx_vec3 place);
 
 #endif

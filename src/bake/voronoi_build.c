@@ -11,7 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Neighbours in directions closer than about this cosine's last step count as one direction; the nearer one comes first.
+// Neighbours in directions closer than about this cosine's last step count as one direction; the nearer one comes
+// first.
 static const float COSINE_STEPS = 65536.0f;
 
 typedef struct voronoi_build {

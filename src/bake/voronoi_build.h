@@ -1,4 +1,5 @@
-// Maps of Delaunay neighbours (Wang 2018, section 4.1.2): for each direction from a probe, the neighbours nearest in angle.
+// Maps of Delaunay neighbours (Wang 2018, section 4.1.2): for each direction from a probe, the neighbours nearest in
+// angle.
 #ifndef OLX_BAKE_VORONOI_BUILD_H
 #define OLX_BAKE_VORONOI_BUILD_H
 

@@ -106,8 +106,8 @@ static inline olx_vec3 olx_block_texel_point(olx_block_place place, uint32_t tex
 olx_block_bounds olx_geometry_bounds(const olx_geometry_block *block, const olx_plane_pool *pool,
                                      olx_block_place place);
 
-// A block that names planes of the pool holds how near they come in its last word: no point that its texels see has a greater
-// inverse depth. A shorter float, rounded up.
+// A block that names planes of the pool holds how near they come in its last word: no point that its texels see has a
+// greater inverse depth. A shorter float, rounded up.
 static inline float olx_geometry_nearest(const olx_geometry_block *block) {
   return olx_bits_float(block->words[3] << 2 >> 1);
 }

@@ -1,8 +1,8 @@
 // The one reflection model: Lambert and GGX with one energy split, used by the path tracer, the baker and the runtime.
 //
-// Specular: GGX, alpha = roughness^2, height-correlated Smith, Schlick's Fresnel with F0 and F90. Diffuse: Lambert, scaled
-// by (1 - metallic) and by 1 - F(normal . view) of the dielectric, a factor of the view alone, so that diffuse light is
-// albedo * irradiance / pi whether the irradiance is interpolated, traced or path traced.
+// Specular: GGX, alpha = roughness^2, height-correlated Smith, Schlick's Fresnel with F0 and F90. Diffuse: Lambert,
+// scaled by (1 - metallic) and by 1 - F(normal . view) of the dielectric, a factor of the view alone, so that diffuse
+// light is albedo * irradiance / pi whether the irradiance is interpolated, traced or path traced.
 //
 // Directions are in the shading frame (normal = +z), unit, pointing away from the surface.
 #ifndef OLX_CORE_BSDF_H
@@ -49,9 +49,9 @@ static inline olx_vec3 olx_bsdf_diffuse(const olx_bsdf *b, float cosine_view) {
 
 static inline bool olx_bsdf_has_specular(const olx_bsdf *b) { return b->f90 > 0.0f; }
 
-// What the specular lobe reflects of light that comes from all directions alike, towards an eye at normal . view. For a mirror it
-// is Fresnel's factor; rough lobes reflect less, at grazing angles far less. The lobe's integral is fitted by polynomials in
-// roughness and cosine: off by 0.005 (RMS) where F0 is small, 0.03 where it is 1.
+// What the specular lobe reflects of light that comes from all directions alike, towards an eye at normal . view. For a
+// mirror it is Fresnel's factor; rough lobes reflect less, at grazing angles far less. The lobe's integral is fitted by
+// polynomials in roughness and cosine: off by 0.005 (RMS) where F0 is small, 0.03 where it is 1.
 static inline olx_vec3 olx_bsdf_specular_albedo(const olx_bsdf *b, float cosine_view) {
   const float m = olx_clamp(cosine_view, 0.0f, 1.0f), m2 = m * m, a = b->alpha, r = sqrtf(a);
   const float lost = a * (0.469f + 1.058f * m - 1.429f * m2 + r * (-0.389f + 0.254f * m + 0.754f * m2));
@@ -60,8 +60,8 @@ static inline olx_vec3 olx_bsdf_specular_albedo(const olx_bsdf *b, float cosine_
   return olx_add(olx_scale(b->f0, olx_max(1.0f - lost - grazing, 0.0f)), olx_splat(b->f90 * grazing));
 }
 
-// Whether the specular lobe is rough and reflects less than `share` towards an eye at normal . view; and its light then: that
-// of all directions alike.
+// Whether the specular lobe is rough and reflects less than `share` towards an eye at normal . view; and its light
+// then: that of all directions alike.
 static inline bool olx_lobe_is_dim(const olx_bsdf *b, float cosine_view, float share) {
   return b->alpha > 0.0f && olx_max3(olx_fresnel(b, cosine_view)) < share;
 }
@@ -110,8 +110,8 @@ static inline olx_vec3 olx_ggx_sample_half(float alpha, olx_vec3 view, olx_vec2 
   return olx_normalize(olx_v3(alpha * n.x, alpha * n.y, olx_max(1e-6f, n.z)));
 }
 
-// Draw a direction from the specular lobe. *weight is BRDF times cosine over pdf for Fresnel reflectance 1 (0: below the
-// surface), *half_cosine the cosine for the Fresnel term.
+// Draw a direction from the specular lobe. *weight is BRDF times cosine over pdf for Fresnel reflectance 1 (0: below
+// the surface), *half_cosine the cosine for the Fresnel term.
 static inline olx_vec3 olx_ggx_sample(float alpha, olx_vec3 view, olx_vec2 random, float *weight, float *half_cosine) {
   if (alpha <= 0.0f) {
     *weight = view.z > 0.0f ? 1.0f : 0.0f;

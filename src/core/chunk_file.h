@@ -1,5 +1,5 @@
-// The frame that Octalux's binary files share: a header, a table of chunks, the chunks, every byte under a hash or required to
-// be zero. docs/format.md, "Layout", is the specification.
+// The frame that Octalux's binary files share: a header, a table of chunks, the chunks, every byte under a hash or
+// required to be zero. docs/format.md, "Layout", is the specification.
 #ifndef OLX_CORE_CHUNK_FILE_H
 #define OLX_CORE_CHUNK_FILE_H
 
@@ -103,8 +103,8 @@ static inline bool olx_checksum_holds(uint64_t computed, uint64_t stored) {
 #endif
 }
 
-// Header and chunk table: magic, version, checksums, and chunks that follow each other to the file's end. Magic and version
-// come first, because only they mean the same in every version. The chunks themselves are not read.
+// Header and chunk table: magic, version, checksums, and chunks that follow each other to the file's end. Magic and
+// version come first, because only they mean the same in every version. The chunks themselves are not read.
 olx_result olx_chunk_file_check(const olx_chunk_file *file, const olx_file_kind *kind);
 
 // The only chunk of a type; *found is NULL when there is none.
@@ -122,8 +122,8 @@ olx_result olx_chunk_find_header(const olx_chunk_file *file, const olx_chunk_sha
 // A chunk that is there when the chunk of type `header` says so (`wanted`), and only then.
 olx_result olx_chunk_find_wanted(const olx_chunk_file *file, const olx_chunk_shape *shape, uint32_t header, bool wanted,
                                  const void **data);
-// The origin that positions in a file are relative to: chunk ORIG, three doubles, which a file has when it is not 0. Readers must
-// know it, so it is not flagged optional.
+// The origin that positions in a file are relative to: chunk ORIG, three doubles, which a file has when it is not 0.
+// Readers must know it, so it is not flagged optional.
 #define OLX_CHUNK_ORIGIN_ROW ((olx_chunk_row){OLX_FOUR_CC('O', 'R', 'I', 'G'), 8, 3, 1})
 bool olx_origin_is_stored(const double origin[3]);
 olx_result olx_chunk_find_origin(const olx_chunk_file *file, double origin[3]);

@@ -1,5 +1,5 @@
-// Spherical harmonics of the bands 0, 1 and 2 as plain polynomials of a unit direction (docs/maths.md, "Spherical harmonics"):
-// 1; y, z, x; xy, yz, 3 z^2 - 1, xz, x^2 - y^2. Constant factors are left to the coefficients.
+// Spherical harmonics of the bands 0, 1 and 2 as plain polynomials of a unit direction (docs/maths.md, "Spherical
+// harmonics"): 1; y, z, x; xy, yz, 3 z^2 - 1, xz, x^2 - y^2. Constant factors are left to the coefficients.
 #ifndef OLX_CORE_HARMONICS_H
 #define OLX_CORE_HARMONICS_H
 

@@ -6,7 +6,8 @@
 
 const olx_hooks *olx_get_hooks(void);
 
-// Memory aligned to 64 bytes, uninitialised; NULL when there is none or when count * size overflows. 0 bytes are allowed.
+// Memory aligned to 64 bytes, uninitialised; NULL when there is none or when count * size overflows. 0 bytes are
+// allowed.
 void *olx_allocate(size_t count, size_t size_bytes);
 // Allocates as olx_allocate does, and fills the memory with zero.
 void *olx_allocate_zero(size_t count, size_t size_bytes);

@@ -26,8 +26,8 @@ static double triangle_solid_angle(point a, point b, point c) {
 }
 
 double olx_texel_solid_angle(uint32_t x, uint32_t y, uint32_t n) {
-  // On the outer boundary several corners share a direction but not a sign of zero; mirroring into the quadrant u, v >= 0
-  // keeps every corner on one side.
+  // On the outer boundary several corners share a direction but not a sign of zero; mirroring into the quadrant u, v >=
+  // 0 keeps every corner on one side.
   const uint32_t h = n / 2, i = x >= h ? x - h : h - 1 - x, j = y >= h ? y - h : h - 1 - y;
   const point a = corner(h + i, h + j, n), b = corner(h + i + 1, h + j, n), c = corner(h + i, h + j + 1, n),
               d = corner(h + i + 1, h + j + 1, n);

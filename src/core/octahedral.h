@@ -36,8 +36,8 @@ static inline olx_vec3 olx_texel_direction(uint32_t x, uint32_t y, uint32_t n) {
   return olx_octahedral_decode((olx_vec2){((float)x + 0.5f) / (float)n, ((float)y + 0.5f) / (float)n});
 }
 
-// Exact solid angle of texel (x, y) of a map with n texels a side, n even; a texel cut by a fold is split there. All texels
-// sum to 4 pi.
+// Exact solid angle of texel (x, y) of a map with n texels a side, n even; a texel cut by a fold is split there. All
+// texels sum to 4 pi.
 double olx_texel_solid_angle(uint32_t x, uint32_t y, uint32_t n);
 
 // Solid angle of a texel at the point of the map, to first order: 4 / (n^2 |q|^3).

@@ -1,4 +1,5 @@
-// The packed formats of a field: R11G11B10F, RGB9E5, half floats, and unit vectors in two bytes. Packing rounds to nearest.
+// The packed formats of a field: R11G11B10F, RGB9E5, half floats, and unit vectors in two bytes. Packing rounds to
+// nearest.
 #ifndef OLX_CORE_PACK_H
 #define OLX_CORE_PACK_H
 
@@ -39,8 +40,8 @@ static inline float olx_half_unpack(uint16_t h) {
   return olx_bits_float(sign | olx_float_bits(magnitude));
 }
 
-// Unsigned small floats with 5 exponent bits and `mantissa` mantissa bits. Negative numbers and NaN become 0; what is too
-// large becomes the largest finite value.
+// Unsigned small floats with 5 exponent bits and `mantissa` mantissa bits. Negative numbers and NaN become 0; what is
+// too large becomes the largest finite value.
 static inline uint32_t olx_small_float_pack(float f, uint32_t mantissa) {
   if (!(f > 0.0f)) return 0;
   const uint32_t shift = 23 - mantissa, largest = (31u << mantissa) - 1;

@@ -38,8 +38,8 @@ static inline uint32_t olx_owen_scramble_reversed(uint32_t x, uint32_t seed) {
   return x;
 }
 
-// The second dimension of Sobol's sequence, its bits reversed. Its matrix is Pascal's triangle modulo 2, so bit j of the
-// number is the parity of those index bits whose position contains j: five steps, one for each bit of a position.
+// The second dimension of Sobol's sequence, its bits reversed. Its matrix is Pascal's triangle modulo 2, so bit j of
+// the number is the parity of those index bits whose position contains j: five steps, one for each bit of a position.
 static inline uint32_t olx_sobol2_reversed(uint32_t index) {
   uint32_t x = index;
   x ^= (x >> 16) & 0x0000FFFFu;
@@ -50,9 +50,9 @@ static inline uint32_t olx_sobol2_reversed(uint32_t index) {
   return x;
 }
 
-// Point i of an Owen-scrambled, shuffled (0, 2)-sequence: stratified over every power of two of points, and independent of
-// other seeds. One seed for each pair of dimensions of a pixel or texel. The first dimension is the index with its bits
-// reversed.
+// Point i of an Owen-scrambled, shuffled (0, 2)-sequence: stratified over every power of two of points, and independent
+// of other seeds. One seed for each pair of dimensions of a pixel or texel. The first dimension is the index with its
+// bits reversed.
 static inline olx_vec2 olx_stratified2(uint32_t i, uint32_t seed) {
   const uint32_t index = olx_reverse_bits(olx_owen_scramble_reversed(olx_reverse_bits(i), olx_hash(seed)));
   const uint32_t x = olx_owen_scramble_reversed(index, olx_hash(seed + 1u)),

@@ -1,5 +1,5 @@
-// Before a function that is written for any machine: it is compiled for wider ones too, and chosen when the program starts.
-// Without contraction all of them round alike.
+// Before a function that is written for any machine: it is compiled for wider ones too, and chosen when the program
+// starts. Without contraction all of them round alike.
 #ifndef OLX_CORE_WIDEST_H
 #define OLX_CORE_WIDEST_H
 

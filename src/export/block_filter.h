@@ -1,5 +1,5 @@
-// Filters that put the bytes of a block in another order, or their differences in their place, so that they pack smaller. Each can
-// be undone to the last byte.
+// Filters that put the bytes of a block in another order, or their differences in their place, so that they pack
+// smaller. Each can be undone to the last byte.
 #ifndef OLX_EXPORT_BLOCK_FILTER_H
 #define OLX_EXPORT_BLOCK_FILTER_H
 
@@ -19,8 +19,8 @@ enum {
 // Whether there is such a filter for elements of that many bytes: 1, 2, 4 or 8.
 bool olx_filter_exists(uint32_t filter, uint32_t element_bytes);
 
-// `room` is as large as the data. Bytes after the last whole element stay where they are. What comes back is `data` or `room`,
-// whichever holds the result; the other one is overwritten.
+// `room` is as large as the data. Bytes after the last whole element stay where they are. What comes back is `data` or
+// `room`, whichever holds the result; the other one is overwritten.
 uint8_t *olx_filter_apply(uint32_t filter, uint32_t element_bytes, uint8_t *data, uint8_t *room, size_t size_bytes);
 uint8_t *olx_filter_undo(uint32_t filter, uint32_t element_bytes, uint8_t *data, uint8_t *room, size_t size_bytes);
 

@@ -25,7 +25,8 @@ typedef struct volume_part {
   uint32_t place[3], parts;
 } volume_part;
 
-// How often the cube of the cell behind an entry was halved; OLX_VOLUME_LEVELS + 1 where both sides of all splits are empty.
+// How often the cube of the cell behind an entry was halved; OLX_VOLUME_LEVELS + 1 where both sides of all splits are
+// empty.
 static uint32_t cell_level(const olx_volume *v, uint32_t entry, uint32_t depth) {
   if ((entry & OLX_VOLUME_KIND) == OLX_VOLUME_CELL) return entry >> OLX_VOLUME_LEVEL_SHIFT & 7u;
   if ((entry & OLX_VOLUME_KIND) != OLX_VOLUME_SPLIT || depth == OLX_VOLUME_MOST_SPLITS) return OLX_VOLUME_LEVELS + 1;

@@ -147,7 +147,8 @@ static const olx_vec3 corners[CORNERS] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, 
 static const uint32_t faces[FACES][3] = {{0, 2, 4}, {4, 2, 1}, {1, 2, 5}, {5, 2, 0},
                                          {0, 4, 3}, {4, 1, 3}, {1, 5, 3}, {5, 0, 3}};
 
-// Positions and indices of octahedra at these places; returns the accessor of positions, *indices receives that of indices.
+// Positions and indices of octahedra at these places; returns the accessor of positions, *indices receives that of
+// indices.
 static uint32_t add_octahedra(gltf_model *m, const olx_vec3 *places, uint32_t count, float radius, uint32_t *indices) {
   olx_vec3 *positions = extend(m, (size_t)count * sizeof corners);
   if (!positions) return 0;

@@ -1,4 +1,5 @@
-// The bytes of a packed field, shared by what packs and what unpacks. docs/format.md, "Packed fields", is the specification.
+// The bytes of a packed field, shared by what packs and what unpacks. docs/format.md, "Packed fields", is the
+// specification.
 #ifndef OLX_EXPORT_PACKED_FORMAT_H
 #define OLX_EXPORT_PACKED_FORMAT_H
 

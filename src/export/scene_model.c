@@ -1,5 +1,5 @@
-// A scene as a binary glTF model (.glb), for renderers that draw it beside its field: triangles by material, textures, lights without
-// area, cameras. Positions are relative to the scene's origin, as those of its field.
+// A scene as a binary glTF model (.glb), for renderers that draw it beside its field: triangles by material, textures,
+// lights without area, cameras. Positions are relative to the scene's origin, as those of its field.
 #include "core/hooks.h"
 #include "core/result.h"
 #include "core/vec.h"

@@ -1,5 +1,5 @@
-// Classic maps: what original irradiance probes, the method that light field probes replace, keep at each irradiance probe
-// (docs/format.md, "Classic maps").
+// Classic maps: what original irradiance probes, the method that light field probes replace, keep at each irradiance
+// probe (docs/format.md, "Classic maps").
 #ifndef OLX_FIELD_CLASSIC_DATA_H
 #define OLX_FIELD_CLASSIC_DATA_H
 
@@ -19,8 +19,8 @@ typedef struct olx_classic_header {
   uint32_t levels, table_side; // OLX_CLASSIC_LEVELS, OLX_CLASSIC_TABLE_SIDE
   float sharpness;
   uint32_t zero[11];
-  // Scale (low 16 bits) and bias of F0, halves: row by row, roughness along y, the root of the cosine along x, each from 0 in
-  // the first to 1 in the last entry.
+  // Scale (low 16 bits) and bias of F0, halves: row by row, roughness along y, the root of the cosine along x, each
+  // from 0 in the first to 1 in the last entry.
   uint32_t table[OLX_CLASSIC_TABLE_ENTRIES];
 } olx_classic_header;
 

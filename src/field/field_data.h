@@ -1,4 +1,5 @@
-// A field in memory: pointers into the mapped file, ready for the runtime's inner loops. docs/format.md describes the file.
+// A field in memory: pointers into the mapped file, ready for the runtime's inner loops. docs/format.md describes the
+// file.
 #ifndef OLX_FIELD_FIELD_DATA_H
 #define OLX_FIELD_FIELD_DATA_H
 
@@ -17,8 +18,8 @@
 
 #define OLX_SELECT_STORED OLX_SELECT_EXHAUSTIVE // how many selectors may be baked in
 
-// Light field maps carry a one-texel border, so that filtering across the map's edges is exact: texel (x, y) of a probe,
-// x and y from -1 to n, lies at (y + 1) * (n + 2) + x + 1.
+// Light field maps carry a one-texel border, so that filtering across the map's edges is exact: texel (x, y) of a
+// probe, x and y from -1 to n, lies at (y + 1) * (n + 2) + x + 1.
 //
 // Distances are divided by distance_scale. The sign bit marks texels that see an emitter; +infinity is the sky.
 struct olx_field {

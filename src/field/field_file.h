@@ -90,8 +90,8 @@ typedef enum olx_chunk_kind {
   OLX_CHUNK_VOLUME_POSITIONS,
   OLX_CHUNK_VOLUME_IRRADIANCE,
   OLX_CHUNK_ORIGIN, // where the origin is not 0
-  // Last in the file are those whose sizes a writer knows when all probes are written: emission, which is required, the planes
-  // that geometry blocks name, and what relighting needs.
+  // Last in the file are those whose sizes a writer knows when all probes are written: emission, which is required, the
+  // planes that geometry blocks name, and what relighting needs.
   OLX_CHUNK_EMISSION_TILES,
   OLX_CHUNK_PLANES,
   OLX_CHUNK_RELIGHT,
@@ -116,13 +116,14 @@ static inline olx_chunk_kind olx_select_chunk(olx_select select) {
   return select == OLX_SELECT_CAGE ? OLX_CHUNK_KINDS : OLX_CHUNK_VORONOI + (uint32_t)select - OLX_SELECT_VORONOI;
 }
 
-// What each chunk must be, given the description of the field. Those of selectors are single records of any size: 0 bytes
-// here; so are classic maps where there are none. The description does not say how many lights and tiles of emission there
-// are, how many planes, nor what relighting needs: the sizes of these chunks are 0 here.
+// What each chunk must be, given the description of the field. Those of selectors are single records of any size: 0
+// bytes here; so are classic maps where there are none. The description does not say how many lights and tiles of
+// emission there are, how many planes, nor what relighting needs: the sizes of these chunks are 0 here.
 void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHUNK_KINDS]);
 
-// Bytes that no description foresees, as they are expected in a field with maps of radiance_size^2 texels: planes of fine surfaces, tiles of
-// emission and bricks in proportion to the texels, and the irradiance volume (docs/studies/storage.md).
+// Bytes that no description foresees, as they are expected in a field with maps of radiance_size^2 texels: planes of
+// fine surfaces, tiles of emission and bricks in proportion to the texels, and the irradiance volume
+// (docs/studies/storage.md).
 uint64_t olx_expected_extra_bytes(uint64_t probes, uint32_t radiance_size);
 
 // Whether a Vulkan device holds a chunk of that kind as it is (src/vulkan/gpu_field.c).
@@ -136,8 +137,8 @@ static inline olx_chunk_file olx_field_file(const olx_field *field) {
 olx_file_info olx_field_info_store(const olx_field_info *info);
 olx_field_info olx_field_info_load(const olx_file_info *stored);
 
-// Whether a description is one a field may have: sizes, counts, grids, finite numbers. `failure` is the result when it is
-// not; `name` begins the message.
+// Whether a description is one a field may have: sizes, counts, grids, finite numbers. `failure` is the result when it
+// is not; `name` begins the message.
 olx_result olx_field_info_check(const olx_field_info *info, const char *name, olx_result failure);
 // Whether what a description says of classic maps can be.
 olx_result olx_classic_info_check(const olx_field_info *info, const char *name, olx_result failure);
@@ -148,8 +149,8 @@ olx_result olx_field_info_read(const olx_chunk_file *file, olx_field_info *info)
 olx_result olx_field_light_check(const olx_field_light *light, uint32_t index, const char *name, olx_result failure);
 // Finds the surfaces and the lights of an open field and checks all that readers rely on.
 olx_result olx_surfaces_open(olx_field *field);
-// A row of a map of blocks as texels, border included, for those who cannot read blocks. Light is RGB9E5; base colours are the
-// bytes of their roots, red lowest; of specular the low byte is roughness, the high byte olx_reflectance_pack.
+// A row of a map of blocks as texels, border included, for those who cannot read blocks. Light is RGB9E5; base colours
+// are the bytes of their roots, red lowest; of specular the low byte is roughness, the high byte olx_reflectance_pack.
 void olx_surface_row(const olx_field *field, olx_surface_map map, uint32_t probe, uint32_t row, void *texels);
 // Whether the surfaces of a probe, and all tiles of emission, hold what a writer makes of them.
 olx_result olx_surfaces_verify(const olx_field *field, uint32_t probe);

@@ -212,7 +212,8 @@ static olx_result check_classic(const olx_field *field, uint32_t probe) {
   return OLX_OK;
 }
 
-// Scale and bias together are at most the light that a lobe without absorption could reflect; its form lets it gain a little.
+// Scale and bias together are at most the light that a lobe without absorption could reflect; its form lets it gain a
+// little.
 static olx_result check_classic_table(const olx_field *field) {
   for (uint32_t i = 0; i < OLX_CLASSIC_TABLE_ENTRIES; i++) {
     const uint32_t code = field->classic.table[i];

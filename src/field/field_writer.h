@@ -23,9 +23,9 @@ typedef struct olx_field_header {
   const uint32_t *classic_table; // of classic maps, OLX_CLASSIC_TABLE_ENTRIES; NULL, and info.classic_size 0, without them
 } olx_field_header;
 
-// The surfaces that a light field probe sees, row by row, without border, as field/texels.h reads them. As info.compressed says,
-// the first four are maps of n * n texels that are 0 for the sky, or of blocks that are 0 where all of it is sky
-// (field/surface_encode.h).
+// The surfaces that a light field probe sees, row by row, without border, as field/texels.h reads them. As
+// info.compressed says, the first four are maps of n * n texels that are 0 for the sky, or of blocks that are 0 where
+// all of it is sky (field/surface_encode.h).
 typedef struct olx_surface_maps {
   const void *base, *specular, *direct, *indirect;
   const uint32_t *emission; // n * n texels, 0 where the distance marks no emitter
@@ -49,7 +49,8 @@ typedef struct olx_field_layout {
       device_bytes; // of the chunks that a Vulkan device holds as they are; 0 for a field that runs on the CPU alone
 } olx_field_layout;
 
-// The writer's own reckoning, for who must know sizes before there is anything to write: needs header->info without positions.
+// The writer's own reckoning, for who must know sizes before there is anything to write: needs header->info without
+// positions.
 void olx_field_lay_out(const olx_field_header *header, olx_field_layout *layout);
 
 // Lays the file out and creates it beside `path`. Positions are copied; what the selectors
@@ -81,7 +82,8 @@ olx_result olx_field_writer_relight(olx_field_writer *writer, const void *data, 
 
 // The irradiance of all probes of the volume, OLX_VOLUME_HALVES each, where the header has one.
 olx_result olx_field_writer_volume(olx_field_writer *writer, const uint16_t *irradiance);
-// Share of the indirect light at texels that has bounces + 1 surfaces on its way, once it is known; else that of the header.
+// Share of the indirect light at texels that has bounces + 1 surfaces on its way, once it is known; else that of the
+// header.
 void olx_field_writer_last_bounce(olx_field_writer *writer, float share);
 
 // Checksums, sync, rename. Frees the writer whatever comes back. All probes must have been written.

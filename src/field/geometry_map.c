@@ -1,5 +1,5 @@
-// Bounds of the distances that geometry blocks hold, from those of inverse depths: a point q of the octahedron at inverse depth w
-// is |q| / w away.
+// Bounds of the distances that geometry blocks hold, from those of inverse depths: a point q of the octahedron at
+// inverse depth w is |q| / w away.
 #include "field/geometry_map.h"
 
 // The relative error that rounding may bring into a bound on distances.

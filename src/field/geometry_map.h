@@ -11,8 +11,8 @@ typedef struct olx_geometry_map {
   olx_plane_pool pool;
 } olx_geometry_map;
 
-// Bounds of the distances of all that a block's texels see, at any point of them: halves, in units of `scale` metres, rounded
-// outwards; infinite for the sky.
+// Bounds of the distances of all that a block's texels see, at any point of them: halves, in units of `scale` metres,
+// rounded outwards; infinite for the sky.
 typedef struct olx_distance_bounds {
   uint16_t least, greatest;
 } olx_distance_bounds;

@@ -23,7 +23,8 @@ void olx_geometry_maker_free(olx_geometry_maker *maker);
 // What texel (x, y) of a map sees.
 typedef olx_geometry_texel (*olx_geometry_look)(const void *user, uint32_t x, uint32_t y);
 
-// Encodes the n x n texels that `look` tells of, on up to `threads` threads, into maker->map. Planes are in the order of blocks.
+// Encodes the n x n texels that `look` tells of, on up to `threads` threads, into maker->map. Planes are in the order
+// of blocks.
 olx_result olx_geometry_maker_encode(olx_geometry_maker *maker, uint32_t n, uint32_t threads, olx_geometry_look look,
                                      const void *user);
 

@@ -1,5 +1,5 @@
-// Irradiance of a probe as spherical harmonics (docs/format.md, "IRSH"): the coefficients of core/harmonics.h one after the other,
-// red, green and blue of each, as halves, in whole words.
+// Irradiance of a probe as spherical harmonics (docs/format.md, "IRSH"): the coefficients of core/harmonics.h one after
+// the other, red, green and blue of each, as halves, in whole words.
 #ifndef OLX_FIELD_HARMONIC_DATA_H
 #define OLX_FIELD_HARMONIC_DATA_H
 
@@ -28,8 +28,8 @@ static inline olx_vec3 olx_harmonics_coefficient(const uint16_t *halves, uint32_
 // Irradiance in the direction whose values olx_harmonics_at gave. What the bands cut off rings: it may be below 0.
 olx_vec3 olx_harmonics_irradiance(const uint16_t *halves, uint32_t bands, const float values[OLX_HARMONICS_MOST]);
 
-// The first code of a record that cannot be: a number that is not finite, a mean below 0, a filling that is not 0. The number of
-// halves when there is none.
+// The first code of a record that cannot be: a number that is not finite, a mean below 0, a filling that is not 0. The
+// number of halves when there is none.
 uint32_t olx_harmonics_first_bad(const uint16_t *halves, uint32_t bands);
 
 #endif

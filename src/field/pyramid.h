@@ -1,5 +1,5 @@
-// The pyramids over a probe's distances (Wang 2018, section 4.3): the smallest one in squares of 4, 16, 64, 256 texels a
-// side, and the largest in those from 16 on. docs/format.md gives their layout in the file, which is that in memory.
+// The pyramids over a probe's distances (Wang 2018, section 4.3): the smallest one in squares of 4, 16, 64, 256 texels
+// a side, and the largest in those from 16 on. docs/format.md gives their layout in the file, which is that in memory.
 #ifndef OLX_FIELD_PYRAMID_H
 #define OLX_FIELD_PYRAMID_H
 
@@ -36,8 +36,9 @@ static inline uint32_t olx_pyramid_index(uint32_t side, uint32_t x, uint32_t y) 
   return ((y >> 2) * (side >> 2) + (x >> 2)) * 16 + (y & 3u) * 4 + (x & 3u);
 }
 
-// What a pyramid is made over, in the bits of halves: squares of 2^shift texels a side, row by row from texel (0, 0) on, rows
-// `stride` apart. Texels have shift 0 and one array for both, perhaps within a border; the sign is not looked at.
+// What a pyramid is made over, in the bits of halves: squares of 2^shift texels a side, row by row from texel (0, 0)
+// on, rows `stride` apart. Texels have shift 0 and one array for both, perhaps within a border; the sign is not looked
+// at.
 typedef struct olx_pyramid_base {
   const uint16_t *least, *greatest;
   uint32_t stride, shift;

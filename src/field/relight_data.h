@@ -1,6 +1,7 @@
-// What a field holds so that its light can change: surfels, points of the scene's surfaces that are lit and light each other;
-// links, which say whose light arrives at each; and by which of them the texels of light field probes, and the probes of the
-// irradiance volume, are lit (docs/format.md, "Relighting"). The structure lies in the file as it is read; src/bake builds it.
+// What a field holds so that its light can change: surfels, points of the scene's surfaces that are lit and light each
+// other; links, which say whose light arrives at each; and by which of them the texels of light field probes, and the
+// probes of the irradiance volume, are lit (docs/format.md, "Relighting"). The structure lies in the file as it is
+// read; src/bake builds it.
 #ifndef OLX_FIELD_RELIGHT_DATA_H
 #define OLX_FIELD_RELIGHT_DATA_H
 
@@ -31,8 +32,8 @@ typedef struct olx_relight_surfel {
   float points[OLX_RELIGHT_POINTS][3]; // metres, a little off the surface
   uint32_t normal;                     // olx_normal_pack
   uint32_t irradiance;                 // RGB9E5, W/m^2: indirect, as baked
-  // What its surface reflects, 255 is 1: luminance of the diffuse lobe's and of the specular lobe's light, averaged over views, of
-  // F0, and alpha, the square of roughness.
+  // What its surface reflects, 255 is 1: luminance of the diffuse lobe's and of the specular lobe's light, averaged
+  // over views, of F0, and alpha, the square of roughness.
   uint8_t diffuse, specular, f0, alpha;
 } olx_relight_surfel;
 
@@ -53,14 +54,15 @@ typedef struct olx_relight_block {
   uint32_t which;
 } olx_relight_block;
 
-// A surfel whose indirect light counts for a site: at the first and the last texel of the block's first row, then of its last row.
-// The weights of a site's entries sum to 255 at each; texels between interpolate.
+// A surfel whose indirect light counts for a site: at the first and the last texel of the block's first row, then of
+// its last row. The weights of a site's entries sum to 255 at each; texels between interpolate.
 typedef struct olx_relight_entry {
   uint32_t surfel;
   uint8_t weights[4];
 } olx_relight_entry;
 
-// Radiance that arrives at a probe of the irradiance volume is irradiance at `from` times the weight, which counts its solid angle.
+// Radiance that arrives at a probe of the irradiance volume is irradiance at `from` times the weight, which counts its
+// solid angle.
 typedef struct olx_relight_volume_link {
   uint32_t from;
   uint32_t weight;       // RGB9E5

@@ -1,4 +1,5 @@
-// Checks what a field holds for relighting when it is opened, so that relighting needs no checks: every number is in range.
+// Checks what a field holds for relighting when it is opened, so that relighting needs no checks: every number is in
+// range.
 #include "field/relight_data.h"
 
 #include "core/octahedral.h"

@@ -34,9 +34,9 @@ typedef struct olx_voronoi_header {
 
 _Static_assert(sizeof(olx_voronoi_header) == 16, "docs/format.md");
 
-// OCTR: this, then the nodes, level by level from the root: a u32 each. An inner node holds the index of the first of its
-// eight children, which follow each other (bit 0 of a child is the upper half in x, 1 in y, 2 in z): the nth inner node
-// holds 1 + 8 n. A leaf holds OLX_OCTREE_LEAF and how many leaves come before it. Then OLX_CHOICES codes a leaf.
+// OCTR: this, then the nodes, level by level from the root: a u32 each. An inner node holds the index of the first of
+// its eight children, which follow each other (bit 0 of a child is the upper half in x, 1 in y, 2 in z): the nth inner
+// node holds 1 + 8 n. A leaf holds OLX_OCTREE_LEAF and how many leaves come before it. Then OLX_CHOICES codes a leaf.
 typedef struct olx_octree_header {
   uint32_t levels;      // of subdivision at most, 1 to 10: the smallest leaves are 1 / 2^levels of the root
   uint32_t inner_nodes; // so there are 1 + 8 inner_nodes nodes, 1 + 7 inner_nodes of them leaves

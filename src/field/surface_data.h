@@ -1,5 +1,5 @@
-// What the texels of light field probes hold of the surfaces that they see: material, light, emission, and the lights of the
-// scene that have no area (docs/format.md, "Surfaces"). field/texels.h reads them.
+// What the texels of light field probes hold of the surfaces that they see: material, light, emission, and the lights
+// of the scene that have no area (docs/format.md, "Surfaces"). field/texels.h reads them.
 #ifndef OLX_FIELD_SURFACE_DATA_H
 #define OLX_FIELD_SURFACE_DATA_H
 

@@ -1,5 +1,5 @@
-// Encodes the surfaces of a probe a row of blocks at a time. A block depends on its own texels alone, so that the result is
-// the same on any number of threads.
+// Encodes the surfaces of a probe a row of blocks at a time. A block depends on its own texels alone, so that the
+// result is the same on any number of threads.
 #include "field/surface_encode.h"
 
 #include "block/bc1_encode.h"

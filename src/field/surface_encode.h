@@ -24,8 +24,8 @@ olx_result olx_surface_blocks_create(uint32_t n, olx_surface_blocks *blocks);
 uint64_t olx_surface_blocks_bytes(uint32_t n);
 void olx_surface_blocks_free(olx_surface_blocks *blocks);
 
-// Errors of direct light count relative to all light that its texel gets, so that darkness has to be dark only beside what
-// else lights it.
+// Errors of direct light count relative to all light that its texel gets, so that darkness has to be dark only beside
+// what else lights it.
 olx_result olx_surface_encode(const olx_surface_texels *texels, uint32_t n, uint32_t threads,
                               const olx_surface_blocks *blocks);
 

@@ -1,6 +1,6 @@
 // Reads what a texel of a light field probe holds of the surface that it sees. `texel` is an index into a bordered map
-// (olx_map_index, olx_texel_towards), whether the field holds texels or blocks. This header is the only place that decodes
-// these chunks. What it says of the sky, but for emission, means nothing.
+// (olx_map_index, olx_texel_towards), whether the field holds texels or blocks. This header is the only place that
+// decodes these chunks. What it says of the sky, but for emission, means nothing.
 #ifndef OLX_FIELD_TEXELS_H
 #define OLX_FIELD_TEXELS_H
 
@@ -112,7 +112,8 @@ static inline bool olx_texel_emits(const olx_field *field, uint32_t probe, size_
   return olx_texel_emission_code(field, probe, texel) != 0 && !olx_texel_is_sky(field, probe, texel);
 }
 
-// Radiance in W/(sr m^2) that an emitter sends towards the probe, or that of the sky; 0 for a surface that does not emit.
+// Radiance in W/(sr m^2) that an emitter sends towards the probe, or that of the sky; 0 for a surface that does not
+// emit.
 static inline olx_vec3 olx_texel_emission(const olx_field *field, uint32_t probe, size_t texel) {
   if (!field->geometry && field->distance[field->texels * probe + texel] < 0x7C00u) return olx_splat(0.0f);
   return olx_rgb9e5_unpack(olx_texel_emission_code(field, probe, texel));

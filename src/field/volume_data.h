@@ -108,8 +108,8 @@ static inline bool olx_volume_find(const olx_volume *v, olx_vec3 position, olx_v
   return true;
 }
 
-// The cell of a place on a surface, or on an object, with that unit normal; false when there is none. The place is looked up a
-// little before the surface, because a sheet without thickness may divide the cell right there.
+// The cell of a place on a surface, or on an object, with that unit normal; false when there is none. The place is
+// looked up a little before the surface, because a sheet without thickness may divide the cell right there.
 static inline bool olx_volume_find_at(const olx_volume *v, olx_vec3 position, olx_vec3 normal,
                                       olx_volume_place *place) {
   return olx_volume_find(v, olx_madd(position, normal, v->header->cube_metres * OLX_VOLUME_LIFT), place);

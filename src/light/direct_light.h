@@ -1,6 +1,6 @@
-// Light that reaches a surface straight from emitters, by next-event estimation with multiple importance sampling (Veach's
-// power heuristic): lights are sampled here, lobes by the caller that follows the sampled ray (the path tracer goes on
-// with it, olx_direct_light only looks whether it finds an emitter).
+// Light that reaches a surface straight from emitters, by next-event estimation with multiple importance sampling
+// (Veach's power heuristic): lights are sampled here, lobes by the caller that follows the sampled ray (the path tracer
+// goes on with it, olx_direct_light only looks whether it finds an emitter).
 #ifndef OLX_LIGHT_DIRECT_LIGHT_H
 #define OLX_LIGHT_DIRECT_LIGHT_H
 
@@ -61,8 +61,8 @@ olx_vec3 olx_sky_found(const olx_scene *scene, const olx_lobe_ray *ray);
 // All of the direct light: light samples and one ray a lobe.
 olx_lobes olx_direct_light(const olx_scene *scene, const olx_shading *shading, olx_sampler *sampler, uint64_t *rays);
 
-// Irradiance in W/m^2 that comes straight from emitters and the sky, about surface->shading_normal, whatever the surface
-// reflects and wherever the eye is: one light sample a group, and one ray.
+// Irradiance in W/m^2 that comes straight from emitters and the sky, about surface->shading_normal, whatever the
+// surface reflects and wherever the eye is: one light sample a group, and one ray.
 olx_vec3 olx_direct_irradiance(const olx_scene *scene, const olx_surface *surface, olx_sampler *sampler,
                                uint64_t *rays);
 

@@ -1,5 +1,5 @@
-// Makes many links few: those to the same surfel become one, and of more than there is room for the heaviest stay as they are while
-// of the others some are drawn, which then stand for all of them. No light is lost or gained on average.
+// Makes many links few: those to the same surfel become one, and of more than there is room for the heaviest stay as
+// they are while of the others some are drawn, which then stand for all of them. No light is lost or gained on average.
 #ifndef OLX_LIGHT_FEW_LINKS_H
 #define OLX_LIGHT_FEW_LINKS_H
 

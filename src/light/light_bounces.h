@@ -29,9 +29,9 @@ typedef struct olx_bounce_keeper {
   olx_result (*save)(void *user, const olx_bounce_state *state); // after each bounce but the last
 } olx_bounce_keeper;
 
-// Irradiance of surfels in W/m^2, without emitters and sky seen directly, for `direct` irradiance from these. Stops before
-// `bounces` when a further one would add less than 2^-10 of the light. `passed_on` becomes what surfaces reflect for others:
-// direct light and all bounces but the last. *done: how many there were. `keeper` may be NULL.
+// Irradiance of surfels in W/m^2, without emitters and sky seen directly, for `direct` irradiance from these. Stops
+// before `bounces` when a further one would add less than 2^-10 of the light. `passed_on` becomes what surfaces reflect
+// for others: direct light and all bounces but the last. *done: how many there were. `keeper` may be NULL.
 olx_result olx_bounces_solve(const olx_light_links *links, uint32_t surfel_count, uint32_t threads,
                              const olx_vec3 *direct, uint32_t bounces, const olx_bounce_keeper *keeper,
                              olx_vec3 *irradiance, olx_vec3 *passed_on, uint32_t *done);

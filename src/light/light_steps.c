@@ -1,5 +1,5 @@
-// The steps of solving a scene's light: finds the surfaces that probes see, spreads surfels over them, casts their rays where
-// light varies most, and sends light over the links until it has bounced often enough. light_units.c runs them.
+// The steps of solving a scene's light: finds the surfaces that probes see, spreads surfels over them, casts their rays
+// where light varies most, and sends light over the links until it has bounced often enough. light_units.c runs them.
 #include "light/light_steps.h"
 
 #include "core/hooks.h"
@@ -122,7 +122,8 @@ static void add_batch(olx_scene_light *l, const olx_link_batch *batch) {
   l->report.links += (size_t)batch->count * batch->rays;
 }
 
-// Links of the last batch that ended without a surfel may have one now; the rays of the others go on. What they become is kept.
+// Links of the last batch that ended without a surfel may have one now; the rays of the others go on. What they become
+// is kept.
 static void link_to_new(olx_scene_light *l, olx_link_patch *patch) {
   olx_link_batch *batch = &l->batches[l->links.batch_count - 1];
   for (size_t i = 0; i < (size_t)batch->count * batch->rays; i++) {
@@ -274,8 +275,9 @@ typedef struct noise_sum {
   uint32_t count;
 } noise_sum;
 
-// A surfel's few first rays may all miss a small bright place, and then seem to agree. Surfels of the same size around it, which
-// see about the same, show how much its rays really vary. (Hidden surfels never get more than their first rays.)
+// A surfel's few first rays may all miss a small bright place, and then seem to agree. Surfels of the same size around
+// it, which see about the same, show how much its rays really vary. (Hidden surfels never get more than their first
+// rays.)
 static olx_result smooth_noise(const olx_scene_light *l, float *variance, float *light) {
   const uint32_t count = l->surfels.count;
   noise_sum *sums = olx_allocate_zero(l->guide.pool_count, sizeof *sums);

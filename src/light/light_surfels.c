@@ -1,6 +1,6 @@
-// Divides the surfaces that probes and rays meet into cells and chooses a surfel in each: cells are halved until they are
-// small beside the distance to what they see, or no larger than the points that found them are apart. Points of a cell that
-// do not see each other, such as floors on two sides of a thin wall, get surfels of their own.
+// Divides the surfaces that probes and rays meet into cells and chooses a surfel in each: cells are halved until they
+// are small beside the distance to what they see, or no larger than the points that found them are apart. Points of a
+// cell that do not see each other, such as floors on two sides of a thin wall, get surfels of their own.
 #include "light/light_surfels.h"
 
 #include "core/hooks.h"
@@ -14,8 +14,8 @@ enum { EXPLORED_POINTS = 4, EXPLORING_RAYS = 32, CELLS_PER_JOB = 16, SALT_EXPLOR
 
 // Cells are not divided below this many footprints of the points in them.
 static const float LEAST_FOOTPRINTS = 2.0f;
-// Cells with fewer points than this are not divided: surfaces that so few rays meet send little light. The second is for
-// surfaces that only rays meet, whose light no probe sees.
+// Cells with fewer points than this are not divided: surfaces that so few rays meet send little light. The second is
+// for surfaces that only rays meet, whose light no probe sees.
 enum { LEAST_POINTS = 8, LEAST_HIDDEN_POINTS = 64 };
 // Points of a cell that are tried before all are, and surfels that a cell gets at most at once.
 enum { TRIED_POINTS = 16, MOST_GROUPS = 4 };
@@ -172,8 +172,9 @@ static float least_footprint(const cell_round *r, const cell_work *cell) {
   return least;
 }
 
-// Geometric mean distance of what a surface sees, in units of `side`, and the least distance in metres. The sky is as far as
-// the farthest of the rest. (Logarithms are of shares of a power of two, so that they do not depend on the unit of length.)
+// Geometric mean distance of what a surface sees, in units of `side`, and the least distance in metres. The sky is as
+// far as the farthest of the rest. (Logarithms are of shares of a power of two, so that they do not depend on the unit
+// of length.)
 static float explore(const olx_light_surfels *s, const olx_surface *surface, uint64_t cell, float side,
                      float *nearest) {
   olx_ray rays[EXPLORING_RAYS];

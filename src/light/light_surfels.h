@@ -1,6 +1,6 @@
-// Surfels: the points of the scene's surfaces at which its light is gathered, one in each cell of surface, dense where other
-// surfaces are near: spaced by the geometric mean distance of what each sees. Ward's harmonic mean spends most surfels where
-// walls meet, though light there is as smooth as elsewhere.
+// Surfels: the points of the scene's surfaces at which its light is gathered, one in each cell of surface, dense where
+// other surfaces are near: spaced by the geometric mean distance of what each sees. Ward's harmonic mean spends most
+// surfels where walls meet, though light there is as smooth as elsewhere.
 #ifndef OLX_LIGHT_LIGHT_SURFELS_H
 #define OLX_LIGHT_LIGHT_SURFELS_H
 
@@ -70,9 +70,9 @@ typedef struct olx_surfel_found {
   float side;      // of the smallest cell that holds both, metres; 0 when it is the surfel's own
 } olx_surfel_found;
 
-// The surfel whose cell holds a point with that finest key and that sees the surface there; where that part of a divided
-// cell has none, the surfel that stands for the smallest cell around it, when it sees the surface and that cell's side is
-// at most `most_side` metres.
+// The surfel whose cell holds a point with that finest key and that sees the surface there; where that part of a
+// divided cell has none, the surfel that stands for the smallest cell around it, when it sees the surface and that
+// cell's side is at most `most_side` metres.
 olx_surfel_found olx_light_surfels_find(const olx_light_surfels *surfels, uint64_t finest_key,
                                         const olx_surface *surface, float most_side);
 

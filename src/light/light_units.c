@@ -1,5 +1,5 @@
-// Runs the steps of solving a scene's light. Rays are cast by groups of surfels and direct light by more of them, as units; what a
-// round's rays lead to is a unit of its own, from which another run, or another part, goes on.
+// Runs the steps of solving a scene's light. Rays are cast by groups of surfels and direct light by more of them, as
+// units; what a round's rays lead to is a unit of its own, from which another run, or another part, goes on.
 #include "light/light_units.h"
 
 #include "core/hooks.h"

@@ -1,7 +1,7 @@
 // The steps of solving a scene's light as units that a store can hold.
 //
-// Steps follow each other: rays of a round are cast, then one job settles what they found and decides on the next round. Casting is
-// many units, settling one, whose result is all that is known but links.
+// Steps follow each other: rays of a round are cast, then one job settles what they found and decides on the next
+// round. Casting is many units, settling one, whose result is all that is known but links.
 #ifndef OLX_LIGHT_LIGHT_UNITS_H
 #define OLX_LIGHT_LIGHT_UNITS_H
 

@@ -46,7 +46,8 @@ static void add_point(cast_job *c, olx_point_list *list, const olx_surface_point
 // Rays of a surfel are about this share of their length apart where they end.
 static const float RAY_FOOTPRINT = 0.3f;
 
-// A surfel that stands for a larger cell serves a ray when that cell looks no larger than this share of the ray's length.
+// A surfel that stands for a larger cell serves a ray when that cell looks no larger than this share of the ray's
+// length.
 static const float MOST_SERVED = 0.5f;
 
 // A surfel whose cell looks larger than this is too coarse for the direct light at a ray's end: shadows' edges cross
@@ -127,7 +128,8 @@ static bool pass_diffuse(const cast_job *c, way *w, const olx_surface *surface, 
   return true;
 }
 
-// Ends the way at a diffuse lobe when a surfel serves it, or when surfels will be sought for it; false when it must go on.
+// Ends the way at a diffuse lobe when a surfel serves it, or when surfels will be sought for it; false when it must go
+// on.
 static bool end_way(const cast_job *c, way *w, const olx_surface *surface, olx_vec3 weight, ray_end *end,
                     uint64_t *rays) {
   end->link = link_to(c, surface, &w->hit, weight, w->chain, w->distance, end);
@@ -138,8 +140,8 @@ static bool end_way(const cast_job *c, way *w, const olx_surface *surface, olx_v
   return true;
 }
 
-// Follows a way from a surface that it has met until it ends at a surfel, at the sky, or nowhere. At a surface with both lobes it
-// takes one by chance.
+// Follows a way from a surface that it has met until it ends at a surfel, at the sky, or nowhere. At a surface with
+// both lobes it takes one by chance.
 static void follow(const cast_job *c, way *w, ray_end *end, uint64_t *rays) {
   const olx_scene *scene = c->surfels->scene;
   while (w->chain < OLX_CHAIN_MOST) {
@@ -169,8 +171,8 @@ typedef struct ray_plan {
   uint32_t seed;
 } ray_plan;
 
-// A ray about the shading normal, cosine-distributed or by the plan's density, and the factor of what it brings; false when it
-// lies below the surface and brings nothing.
+// A ray about the shading normal, cosine-distributed or by the plan's density, and the factor of what it brings; false
+// when it lies below the surface and brings nothing.
 static bool make_ray(const olx_surface *surface, const ray_plan *plan, uint32_t index, olx_ray *ray, float *factor) {
   olx_vec2 point = olx_stratified2(index, plan->seed);
   float density = 1.0f;

@@ -1,6 +1,6 @@
 // Links: what the rays of surfels meet. Each ends at the surfel that serves the surface there, with the share of that
-// surface's light that comes back along the ray; on the way it may have been passed on by specular surfaces, and by surfaces
-// that no surfel serves.
+// surface's light that comes back along the ray; on the way it may have been passed on by specular surfaces, and by
+// surfaces that no surfel serves.
 //
 // Rays are cast once. Light then goes over links as often as it bounces.
 #ifndef OLX_LIGHT_LINKS_H
@@ -22,8 +22,8 @@ enum {
   ((1u << OLX_LINK_CHAIN_SHIFT) - 1)             // the ray brings nothing: sky, an emitter's own light, black
 #define OLX_LINK_UNSERVED (OLX_LINK_NOWHERE - 1) // it meets a surface for which surfels are sought
 
-// Irradiance at the end times the weight is pi times the radiance that arrives, times what the ray is worth, over the density
-// of rays there.
+// Irradiance at the end times the weight is pi times the radiance that arrives, times what the ray is worth, over the
+// density of rays there.
 typedef struct olx_link {
   uint32_t end;    // the surfel's number, the surfaces on the way, and OLX_LINK_LIT
   uint32_t weight; // RGB9E5
@@ -38,16 +38,16 @@ typedef struct olx_link_batch {
   float *fixed;               // luminance that each ray brings without its link, times pi; NULL: not wanted
 } olx_link_batch;
 
-// Light that rays bring without a link, by the number of surfaces between its emitter and the surfel, less one: what surfaces
-// that pass a ray on reflect of emitters and the sky, and direct light at its end where the link is OLX_LINK_LIT. Sums over rays,
-// of radiance times pi.
+// Light that rays bring without a link, by the number of surfaces between its emitter and the surfel, less one: what
+// surfaces that pass a ray on reflect of emitters and the sky, and direct light at its end where the link is
+// OLX_LINK_LIT. Sums over rays, of radiance times pi.
 typedef struct olx_fixed_light {
   olx_vec3 sum[OLX_CHAIN_MOST];
   float square; // sum over rays of the squared luminance
 } olx_fixed_light;
 
-// Casts the rays of a batch. With `unserved` not NULL, ends at surfaces without a surfel are marked OLX_LINK_UNSERVED and their
-// points appended to it, in the order of the links; else their rays go on from there.
+// Casts the rays of a batch. With `unserved` not NULL, ends at surfaces without a surfel are marked OLX_LINK_UNSERVED
+// and their points appended to it, in the order of the links; else their rays go on from there.
 typedef struct olx_point_list {
   olx_surface_point *points;
   uint32_t count, capacity;
@@ -71,8 +71,8 @@ typedef struct olx_passed_light {
   float most; // luminance times pi that a gathered ray may bring: what one in hundreds finds by luck makes a blotch
 } olx_passed_light;
 
-// Indirect irradiance in W/m^2 of any surface, about its shading normal, from `rays` rays of its own. They are drawn by what a
-// pool has learnt; NULL: evenly.
+// Indirect irradiance in W/m^2 of any surface, about its shading normal, from `rays` rays of its own. They are drawn by
+// what a pool has learnt; NULL: evenly.
 olx_vec3 olx_links_gather(const olx_light_surfels *surfels, const olx_surface *surface, const olx_ray_pool *pool,
                           uint32_t seed, uint32_t rays, const olx_passed_light *light);
 

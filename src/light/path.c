@@ -1,11 +1,11 @@
-// Follows paths of light from a surface on through the scene: next-event estimation with multiple importance sampling and
-// Russian roulette. The path tracer's pictures and the plain reference of baked light are made of these paths.
+// Follows paths of light from a surface on through the scene: next-event estimation with multiple importance sampling
+// and Russian roulette. The path tracer's pictures and the plain reference of baked light are made of these paths.
 #include "light/path.h"
 
 #include "scene/bvh.h"
 
-// Paths that carry less than this share of the light are cut by chance. Measured on furnaces and rooms from albedo 0.3 to
-// 0.9: up to nine times less variance per time than the usual roulette on the whole throughput.
+// Paths that carry less than this share of the light are cut by chance. Measured on furnaces and rooms from albedo 0.3
+// to 0.9: up to nine times less variance per time than the usual roulette on the whole throughput.
 #define ROULETTE_THROUGHPUT 0.2f
 // After so many surfaces every path may end: between two loss-free mirrors it never would.
 enum { LONG_PATH = 64 };

@@ -1,4 +1,5 @@
-// Learns from the first rays of neighbouring surfels which directions bring their light, and draws further rays from these.
+// Learns from the first rays of neighbouring surfels which directions bring their light, and draws further rays from
+// these.
 #include "light/ray_guide.h"
 
 #include "core/hooks.h"
@@ -65,7 +66,8 @@ static void mean_squares(const olx_guide_sums *sums, float squares[OLX_GUIDE_BIN
   }
 }
 
-// Half of a bin's own root mean square and half of those around it: neighbouring surfels see what one saw a little elsewhere.
+// Half of a bin's own root mean square and half of those around it: neighbouring surfels see what one saw a little
+// elsewhere.
 static float blurred_root(const float squares[OLX_GUIDE_BINS], uint32_t bin) {
   float sum = 0.0f, count = 0.0f;
   for (uint32_t k = 0; k < 9; k++) {

@@ -1,8 +1,9 @@
 // Guides rays towards light: the distribution of later rays follows what the first rays of surfels brought.
 //
-// Surfels of a larger cell learn together. A ray is made from a point of the unit square (olx_sample_cosine); the square is cut
-// into bins, and the density of further rays in each is in proportion to the root mean square of what rays there brought, which
-// is the density of least variance (Vorba et al. 2014 learn a finer one). No bin gets less than a quarter of its share.
+// Surfels of a larger cell learn together. A ray is made from a point of the unit square (olx_sample_cosine); the
+// square is cut into bins, and the density of further rays in each is in proportion to the root mean square of what
+// rays there brought, which is the density of least variance (Vorba et al. 2014 learn a finer one). No bin gets less
+// than a quarter of its share.
 #ifndef OLX_LIGHT_RAY_GUIDE_H
 #define OLX_LIGHT_RAY_GUIDE_H
 
@@ -42,7 +43,8 @@ void olx_guide_add(olx_guide_sums *sums, olx_vec2 point, float light);
 // even.
 void olx_guide_learn(olx_ray_pool *pool, const olx_guide_sums *sums);
 
-// Takes evenly spread points of the square to points of a pool's density. *density is how many times denser they lie there.
+// Takes evenly spread points of the square to points of a pool's density. *density is how many times denser they lie
+// there.
 olx_vec2 olx_guide_warp(const olx_ray_pool *pool, olx_vec2 even, float *density);
 
 #endif

@@ -1,4 +1,5 @@
-// The random numbers of one camera sample or path: each pair of dimensions its own Owen-scrambled sequence over the samples.
+// The random numbers of one camera sample or path: each pair of dimensions its own Owen-scrambled sequence over the
+// samples.
 #ifndef OLX_LIGHT_SAMPLER_H
 #define OLX_LIGHT_SAMPLER_H
 

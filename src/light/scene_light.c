@@ -1,5 +1,5 @@
-// Solves the light of a scene by its steps (light_steps.c), and answers what light falls on a surface: interpolated between
-// surfels, or gathered by rays of the point's own where these say too little.
+// Solves the light of a scene by its steps (light_steps.c), and answers what light falls on a surface: interpolated
+// between surfels, or gathered by rays of the point's own where these say too little.
 #include "light/scene_light.h"
 
 #include "core/hooks.h"

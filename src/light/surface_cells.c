@@ -1,5 +1,5 @@
-// Names the cells of surface that light is gathered for, and finds them again: Morton codes of cubes that are fixed in the
-// world, bins of normals, and a hash table over both.
+// Names the cells of surface that light is gathered for, and finds them again: Morton codes of cubes that are fixed in
+// the world, bins of normals, and a hash table over both.
 #include "light/surface_cells.h"
 
 #include "core/hooks.h"

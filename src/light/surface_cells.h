@@ -29,8 +29,8 @@ static inline uint64_t olx_cell_at_level(uint64_t key, uint32_t levels) {
   return ((key >> OLX_CELL_BIN_BITS) >> (3 * levels)) << OLX_CELL_BIN_BITS | bin;
 }
 
-// Cells of one size that lie in a larger cell follow each other in this order of their keys; in that of the keys themselves surfaces
-// that face other ways come between them.
+// Cells of one size that lie in a larger cell follow each other in this order of their keys; in that of the keys
+// themselves surfaces that face other ways come between them.
 static inline uint64_t olx_cell_order(uint64_t key) { return key << (64 - OLX_CELL_BIN_BITS) | key >> OLX_CELL_BIN_BITS; }
 
 static inline float olx_cell_side(const olx_cell_grid *grid, uint32_t level) {

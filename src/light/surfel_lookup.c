@@ -1,5 +1,5 @@
-// Finds the surfels around a point of a surface and fits a plane to their light, so that neither their spacing nor their
-// noise is seen: a moving least squares fit of first order, with a small penalty on slopes.
+// Finds the surfels around a point of a surface and fits a plane to their light, so that neither their spacing nor
+// their noise is seen: a moving least squares fit of first order, with a small penalty on slopes.
 #include "light/surfel_lookup.h"
 
 #include "core/hooks.h"

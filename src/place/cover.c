@@ -106,8 +106,8 @@ static double uncovered_share(const cover *c) {
   return all ? (double)olx_cover_uncovered(&c->state) / (double)all : 0.0;
 }
 
-// What a candidate is worth beside the picks. Where coverage decides how many probes there are, one that covers nothing more
-// is worth nothing.
+// What a candidate is worth beside the picks. Where coverage decides how many probes there are, one that covers nothing
+// more is worth nothing.
 static uint64_t worth(const cover *c, uint32_t candidate, double allowed) {
   if (c->state.unfit[candidate]) return 0;
   const olx_gain gain = olx_cover_gain(&c->state, olx_cover_row(&c->state, candidate));

@@ -19,10 +19,10 @@ bool olx_faces_away(const olx_scene *scene, uint32_t triangle, olx_vec3 directio
 olx_result olx_measure_depth(const olx_scene *scene, const olx_vec3 *positions, uint32_t count, uint32_t threads,
                              olx_depth *depths);
 
-// The depth of a place that is inside nothing: the least among what is known to be free. That is what the scene's cameras see and
-// where they are; without cameras it is the box where probes go. It depends on the scene alone, so that placing and baking mean
-// the same by a place inside geometry. A room whose walls all face outwards shifts the depth of every place in it alike. Adds
-// the rays cast to *rays, which may be NULL.
+// The depth of a place that is inside nothing: the least among what is known to be free. That is what the scene's
+// cameras see and where they are; without cameras it is the box where probes go. It depends on the scene alone, so that
+// placing and baking mean the same by a place inside geometry. A room whose walls all face outwards shifts the depth of
+// every place in it alike. Adds the rays cast to *rays, which may be NULL.
 olx_result olx_find_outside(const olx_scene *scene, uint32_t threads, int32_t *outside, uint64_t *rays);
 
 // A place is inside when it sees mostly back faces *and* lies deeper than `outside` (olx_find_outside).

@@ -4,7 +4,8 @@
 
 #include "place/skeleton.h"
 
-// Append marks for up to a few thousand of the surfels of one of `tiles` that views[i] < settings.views probes see well.
+// Append marks for up to a few thousand of the surfels of one of `tiles` that views[i] < settings.views probes see
+// well.
 olx_result olx_mark_uncovered(const olx_surfels *surfels, const uint8_t *views, uint32_t tiles, olx_probe_set *set);
 // Append marks for up to a few thousand of the surfaces of one of `tiles` that face space which is cut off.
 olx_result olx_mark_unreached(const olx_surfels *area, uint32_t tiles, olx_probe_set *set);

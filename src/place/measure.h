@@ -6,8 +6,9 @@
 
 #include <octalux/place.h>
 
-// Fills gains and buried flags of the probes, marks of surfaces when the settings want some, and the report but for what only the
-// placement knows. In worlds of many tiles probes count for surfaces of their own tile and of those around it.
+// Fills gains and buried flags of the probes, marks of surfaces when the settings want some, and the report but for
+// what only the placement knows. In worlds of many tiles probes count for surfaces of their own tile and of those
+// around it.
 olx_result olx_measure_probes(olx_world *world, const olx_sight *sight, olx_probe_set *set);
 
 // The coverage alone of the set's probes, by the same surfels. Fills their buried flags.

@@ -7,8 +7,9 @@
 
 #define OLX_OUTDOOR_SKY 0.4f // share of directions that leave the scene, of an outdoor place
 
-// Whether the viewer stays where little sky is seen: each camera in the box sees little, or, in a scene without cameras, a
-// good part of the space does, in all tiles together: *pieces of it, of which *indoor are. Both are added to.
+// Whether the viewer stays where little sky is seen: each camera in the box sees little, or, in a scene without
+// cameras, a good part of the space does, in all tiles together: *pieces of it, of which *indoor are. Both are added
+// to.
 bool olx_cameras_are_indoors(const olx_world *world);
 olx_result olx_count_indoors(const olx_space *space, uint32_t threads, uint64_t *pieces, uint64_t *indoor);
 static inline bool olx_pieces_are_indoors(uint64_t pieces, uint64_t indoor) { return 4 * indoor >= pieces; }

@@ -4,8 +4,8 @@
 
 #include "place/space_data.h"
 
-// Open a tile of a world whose space is found, with `overlap` voxels around. The world has to outlive it. A tile that the viewer
-// does not reach has no starts and no places, and its distances are not filled.
+// Open a tile of a world whose space is found, with `overlap` voxels around. The world has to outlive it. A tile that
+// the viewer does not reach has no starts and no places, and its distances are not filled.
 olx_result olx_space_open(olx_world *world, uint32_t tile, uint32_t overlap, uint32_t threads, olx_space *space);
 void olx_space_free(olx_space *space);
 

@@ -176,8 +176,8 @@ static olx_result judge_components(const olx_world *w, component *list, uint32_t
   return result;
 }
 
-// What becomes the space that matters, when no camera says which: with a playable box every component that is not inside
-// geometry, else the largest of them that light reaches, or the largest when light reaches none.
+// What becomes the space that matters, when no camera says which: with a playable box every component that is not
+// inside geometry, else the largest of them that light reaches, or the largest when light reaches none.
 static void choose_components(olx_world *w, const component *list, uint32_t count) {
   const component *best = NULL;
   for (const component *c = list; c < list + count; c++) {
@@ -284,8 +284,8 @@ typedef struct sifter {
   olx_result result;
 } sifter;
 
-// Whether space that is cut off would matter if it was reached: not crumbs, nor what is inside geometry, behind the scenery or
-// outdoors, at most of a few places.
+// Whether space that is cut off would matter if it was reached: not crumbs, nor what is inside geometry, behind the
+// scenery or outdoors, at most of a few places.
 static bool would_matter(void *user, const olx_world *w, uint64_t size) {
   sifter *s = user;
   olx_vec3 places[CUT_OFF_SAMPLES];

@@ -15,8 +15,8 @@ typedef struct olx_surfels {
   uint32_t count;
   olx_surfel *items; // along the Morton curve, so that neighbours in the array are neighbours in space; none is UNSEEN
   double share;      // of the whole atlas that a surfel stands for: 1 / count
-  // OLX_SPREAD_AREA: points where there is surface, of which so many have no side that is seen; and places of sides that are
-  // unseen and face free space that is cut off from the space that matters.
+  // OLX_SPREAD_AREA: points where there is surface, of which so many have no side that is seen; and places of sides
+  // that are unseen and face free space that is cut off from the space that matters.
   uint32_t present, unseen, cut_off_count;
   olx_vec3 *cut_off;
 } olx_surfels;
@@ -37,8 +37,8 @@ void olx_area_points_free(olx_area_points *all);
 olx_result olx_area_surfels(const olx_space *space, const olx_sight *sight, const olx_area_points *all,
                             uint32_t threads, olx_surfels *surfels);
 
-// Lay `points` points and keep the surfels of the tile that are seen. Of OLX_SPREAD_RAYS those are all but the rays that leave
-// the tile's core or the scene, and their fates are not looked for.
+// Lay `points` points and keep the surfels of the tile that are seen. Of OLX_SPREAD_RAYS those are all but the rays
+// that leave the tile's core or the scene, and their fates are not looked for.
 olx_result olx_surfels_create(const olx_space *space, const olx_sight *sight, olx_spread spread, uint32_t points,
                               uint32_t seed, uint32_t threads, olx_surfels *surfels);
 // Find the fates that are not known. With `views`, surfels that are seen well by `least` probes are left out.

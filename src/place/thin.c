@@ -1,5 +1,5 @@
-// Thins the probes of many tiles out, which were chosen without knowing of all the others: a lazy greedy cover over samples of all tiles, whose rows are short
-// lists.
+// Thins the probes of many tiles out, which were chosen without knowing of all the others: a lazy greedy cover over
+// samples of all tiles, whose rows are short lists.
 #include "place/thin.h"
 
 #include "core/hooks.h"
@@ -50,7 +50,8 @@ static olx_result make_room(thinner *t, size_t more) {
   return OLX_OK;
 }
 
-// What a probe sees; noted[i] counts the probes for surfel i. What many see is hardly ever lost, so that some of them are enough.
+// What a probe sees; noted[i] counts the probes for surfel i. What many see is hardly ever lost, so that some of them
+// are enough.
 static olx_result note_row(thinner *t, uint32_t probe, const uint8_t *row, uint32_t count, uint8_t *noted) {
   const uint32_t most = t->tiling->settings->views + SEEN_BY - 1;
   OLX_TRY(make_room(t, count));
@@ -146,8 +147,8 @@ static void count_coverable(thinner *t) {
 
 static bool is_done(const thinner *t) { return t->wanted == 0 || t->uncovered <= t->allowed; }
 
-// Gains only fall: a probe whose gain is still what it was when last counted, and that no other exceeds, adds most. Buckets by
-// gain, from the largest on.
+// Gains only fall: a probe whose gain is still what it was when last counted, and that no other exceeds, adds most.
+// Buckets by gain, from the largest on.
 static olx_result choose(thinner *t) {
   uint32_t most = 0;
   for (uint32_t i = 0; i < t->probe_count; i++) {

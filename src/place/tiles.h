@@ -1,7 +1,8 @@
-// Probes for worlds of many tiles: each tile is covered on its own, beside what its neighbours have, and all are joined.
+// Probes for worlds of many tiles: each tile is covered on its own, beside what its neighbours have, and all are
+// joined.
 //
-// Tiles have eight colours, by whether their numbers along each axis are even or odd. Tiles of one colour do not touch, and each
-// knows of probes in tiles of earlier colours alone: so those of one colour may be covered in any order.
+// Tiles have eight colours, by whether their numbers along each axis are even or odd. Tiles of one colour do not touch,
+// and each knows of probes in tiles of earlier colours alone: so those of one colour may be covered in any order.
 #ifndef OLX_PLACE_TILES_H
 #define OLX_PLACE_TILES_H
 

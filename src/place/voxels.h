@@ -18,8 +18,8 @@ typedef struct olx_voxels {
   uint32_t *distance; // squared, in voxels, from centre to centre of the nearest solid one; exact. 0 in solid voxels
 } olx_voxels;
 
-// Lays voxels over the box, `resolution` along its longest side, fewer when there would be more than 2^23 of them, without
-// memory. The box needs an extent above 0 along one axis at least.
+// Lays voxels over the box, `resolution` along its longest side, fewer when there would be more than 2^23 of them,
+// without memory. The box needs an extent above 0 along one axis at least.
 void olx_voxels_fit(olx_box box, uint32_t resolution, olx_voxels *voxels);
 void olx_voxels_free(olx_voxels *voxels);
 

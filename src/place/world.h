@@ -1,5 +1,5 @@
-// All voxels of a scene, however many: bricks that a surface touches are stored, open ones are not. Space is flooded here as a
-// whole; what needs voxels one by one looks at a window of them (space.h).
+// All voxels of a scene, however many: bricks that a surface touches are stored, open ones are not. Space is flooded
+// here as a whole; what needs voxels one by one looks at a window of them (space.h).
 #ifndef OLX_PLACE_WORLD_H
 #define OLX_PLACE_WORLD_H
 
@@ -48,8 +48,8 @@ olx_tile olx_world_tile(const olx_world *world, uint32_t index, uint32_t overlap
 float olx_world_diagonal(const olx_world *world);
 // The tile that holds the point, or the nearest to it.
 uint32_t olx_world_tile_of(const olx_world *world, olx_vec3 p);
-// Cut the world into tiles of `tile_edge` voxels, whose first voxel has the number `first` of all voxels of space; both are multiples
-// of OLX_WORLD_SIDE. A new world is one tile.
+// Cut the world into tiles of `tile_edge` voxels, whose first voxel has the number `first` of all voxels of space; both
+// are multiples of OLX_WORLD_SIDE. A new world is one tile.
 void olx_world_cut(olx_world *world, uint32_t tile_edge, const int32_t first[3]);
 
 #define OLX_OPEN_BRICK UINT32_MAX
@@ -64,8 +64,8 @@ typedef enum olx_voxel_state {
   OLX_VOXEL_REACHED
 } olx_voxel_state;
 
-// The voxels of the lattice, from `begin` on; those that a surface touches are solid. OLX_ERROR_ARGUMENT when there would be
-// more bricks than OLX_WORLD_BRICKS and OLX_WORLD_STORED allow.
+// The voxels of the lattice, from `begin` on; those that a surface touches are solid. OLX_ERROR_ARGUMENT when there
+// would be more bricks than OLX_WORLD_BRICKS and OLX_WORLD_STORED allow.
 olx_result olx_world_create(const olx_scene *scene, olx_box box, const olx_lattice *lattice, const uint32_t begin[3],
                             uint32_t threads, olx_world *world);
 void olx_world_free(olx_world *world);
@@ -80,14 +80,15 @@ void olx_world_nearest(const olx_world *world, olx_vec3 p, uint32_t voxel[3]);
 olx_vec3 olx_world_centre(const olx_world *world, const uint32_t voxel[3]);
 olx_voxel_state olx_world_state(const olx_world *world, const uint32_t voxel[3]);
 
-// Reach what is connected with the voxel through faces of voxels that are neither solid nor left out. Returns how many voxels
-// of the bricks that it met are reached then; 0 when the voxel itself cannot be or is already.
+// Reach what is connected with the voxel through faces of voxels that are neither solid nor left out. Returns how many
+// voxels of the bricks that it met are reached then; 0 when the voxel itself cannot be or is already.
 uint64_t olx_world_flood(olx_world *world, const uint32_t voxel[3]);
 // Nothing is reached or seen any more.
 void olx_world_forget(olx_world *world);
 // What the last flood reached is seen, but not reached.
 void olx_world_put_aside(olx_world *world);
-// The next free voxel, in the order of bricks from *brick on, that is neither seen, reached nor left out. False when there is none.
+// The next free voxel, in the order of bricks from *brick on, that is neither seen, reached nor left out. False when
+// there is none.
 bool olx_world_next_free(const olx_world *world, uint32_t *brick, uint32_t voxel[3]);
 // The `nth` voxel that the last flood reached, in the order of its bricks.
 bool olx_world_nth_reached(const olx_world *world, uint64_t nth, uint32_t voxel[3]);
@@ -97,8 +98,8 @@ bool olx_world_has_free(const olx_world *world);
 
 // Leave voxels out of later floods: bit by bit those of the brick that holds the voxel.
 olx_result olx_world_leave_out(olx_world *world, const uint32_t voxel[3], const olx_world_bits *bits);
-// Leave out the connected free spaces that are not reached, but those that `keeps` returns true for. It is called for each as if
-// it alone was reached, with its number of voxels.
+// Leave out the connected free spaces that are not reached, but those that `keeps` returns true for. It is called for
+// each as if it alone was reached, with its number of voxels.
 typedef bool (*olx_world_keeps)(void *user, const olx_world *world, uint64_t size);
 olx_result olx_world_sift(olx_world *world, olx_world_keeps keeps, void *user);
 // Leave nothing out.

@@ -46,8 +46,8 @@ olx_audit_settings olx_audit_settings_default(void) {
   return (olx_audit_settings){.rays = 200000, .points = 2000, .spp = 1024, .sample = olx_sample_settings_default()};
 }
 
-// A ray that looks for a surface: through a random pixel of one of the cameras, or, without cameras, from anywhere in the
-// scene's bounds in any direction.
+// A ray that looks for a surface: through a random pixel of one of the cameras, or, without cameras, from anywhere in
+// the scene's bounds in any direction.
 static olx_ray view_ray(const audit *a, uint32_t index, uint32_t seed) {
   const olx_vec2 random = olx_stratified2(index, seed);
   olx_ray ray = {.t_max = INFINITY};

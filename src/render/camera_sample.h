@@ -47,7 +47,8 @@ typedef struct olx_tile_rays {
 typedef void (*olx_tile_renderer)(const olx_render_context *context, olx_tile_rays *rays, olx_camera_sample *samples,
                                   olx_render_stats *stats);
 
-// Camera rays of sample `index` through the tile (rays->count of them), what they hit, and the samples as far as rays alone determine them.
+// Camera rays of sample `index` through the tile (rays->count of them), what they hit, and the samples as far as rays
+// alone determine them.
 void olx_tile_cast(const olx_render_context *context, const olx_tile *tile, uint32_t index, bool through_centers,
                    olx_tile_rays *rays, olx_camera_sample *samples);
 

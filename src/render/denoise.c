@@ -8,8 +8,8 @@
 
 #include <string.h>
 
-// Two pixels show one surface when the second lies off the first one's plane by at most so many pixels' width, or by this
-// share of their distance, since normal maps tilt planes.
+// Two pixels show one surface when the second lies off the first one's plane by at most so many pixels' width, or by
+// this share of their distance, since normal maps tilt planes.
 static const float PLANE_PIXELS = 2.0f, PLANE_SLOPE = 0.1f;
 // For history two pixels show one surface only when their normals agree to this cosine, too.
 static const float SAME_NORMAL = 0.9f;
@@ -260,8 +260,8 @@ typedef struct filter_job {
   olx_vec3 *light;
 } filter_job;
 
-// The weighted sum over pixels along a line: of the history, or of what the rows gave. Kernels are separated: a column weighs its
-// pixels by what their rows hold.
+// The weighted sum over pixels along a line: of the history, or of what the rows gave. Kernels are separated: a column
+// weighs its pixels by what their rows hold.
 static known sum_along(const filter_job *job, uint32_t x, uint32_t y, bool columns) {
   const olx_guide *guide = job->guide;
   const olx_history *from = columns ? job->rows : job->history;

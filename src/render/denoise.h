@@ -1,7 +1,9 @@
-// The separated denoiser of McGuire et al. 2017, section 5.1, on incident light: what one ray a pixel finds is mixed into the
-// history of the surface that the pixel shows, and a cross-bilateral filter reads that history around each pixel.
+// The separated denoiser of McGuire et al. 2017, section 5.1, on incident light: what one ray a pixel finds is mixed
+// into the history of the surface that the pixel shows, and a cross-bilateral filter reads that history around each
+// pixel.
 //
-// Every pass is a function of its buffers, pixel by pixel; the histories are all there is of state. Two of them take turns.
+// Every pass is a function of its buffers, pixel by pixel; the histories are all there is of state. Two of them take
+// turns.
 #ifndef OLX_RENDER_DENOISE_H
 #define OLX_RENDER_DENOISE_H
 
@@ -35,22 +37,22 @@ void olx_history_free(olx_history *history);
 // Forget everything.
 void olx_history_clear(uint32_t width, uint32_t height, olx_history *history);
 
-// Mix a frame's samples into the history: `to` becomes the mean of `sample` and of what `from` knew of the same surface, found
-// through the camera of the frame before. Surfaces that were not in sight then, by depth or normal, start anew; a sample
-// that is not finite is left out. `from` and `to` differ.
+// Mix a frame's samples into the history: `to` becomes the mean of `sample` and of what `from` knew of the same
+// surface, found through the camera of the frame before. Surfaces that were not in sight then, by depth or normal,
+// start anew; a sample that is not finite is left out. `from` and `to` differ.
 olx_result olx_denoise_accumulate(const olx_lobe_filter *filter, const olx_guide *now, const olx_incident *sample,
                                   const olx_guide *before, const olx_history *from, const olx_history *to,
                                   uint32_t threads);
 
 typedef enum olx_lobe { OLX_LOBE_DIFFUSE, OLX_LOBE_GLOSSY } olx_lobe;
 
-// Filter a history over pixels into `light`, which is black where no surface is: along rows, then along columns. `rows` is
-// another history that may be overwritten.
+// Filter a history over pixels into `light`, which is black where no surface is: along rows, then along columns. `rows`
+// is another history that may be overwritten.
 olx_result olx_denoise_filter(const olx_lobe_filter *filter, olx_lobe lobe, const olx_guide *guide,
                               const olx_history *history, const olx_history *rows, olx_vec3 *light, uint32_t threads);
 
-// The surface point that a pixel shows, and where in a frame a point is seen (pixel centres at whole numbers; false behind
-// the camera).
+// The surface point that a pixel shows, and where in a frame a point is seen (pixel centres at whole numbers; false
+// behind the camera).
 olx_vec3 olx_guide_position(const olx_guide *guide, uint32_t x, uint32_t y);
 bool olx_guide_project(const olx_guide *guide, olx_vec3 position, olx_vec2 *pixel);
 

@@ -28,8 +28,8 @@ olx_ray_light olx_field_diffuse_ray(const olx_render_context *context, const olx
 olx_ray_light olx_field_glossy_ray(const olx_render_context *context, const olx_shading *shading, olx_vec3 view,
                                      olx_vec2 random, olx_render_stats *stats);
 
-// Irradiance without rays on the surface that `hit` met: from classic maps with that method; as it is stored at surfaces where
-// settings choose that for diffuse light and in fields without probe light; else from irradiance probes.
+// Irradiance without rays on the surface that `hit` met: from classic maps with that method; as it is stored at
+// surfaces where settings choose that for diffuse light and in fields without probe light; else from irradiance probes.
 olx_vec3 olx_field_irradiance(const olx_render_context *context, const olx_ray_hit *hit, const olx_shading *shading,
                               olx_vec3 view);
 

@@ -29,8 +29,9 @@ olx_result olx_exr_load(const char *path, olx_image *image);
 // 8-bit RGB, rows from the top, 3 * width bytes a row. Beside, synced, renamed.
 olx_result olx_png_write(const char *path, uint32_t width, uint32_t height, const uint8_t *rgb);
 
-// Linear radiance to sRGB bytes. Each channel is kept up to 0.6 and then eased into 1 by an exponential shoulder with the
-// same slope, 0.6 + 0.4 (1 - exp(-(x - 0.6) / 0.4)), and encoded by the sRGB transfer function. Not a number is magenta.
+// Linear radiance to sRGB bytes. Each channel is kept up to 0.6 and then eased into 1 by an exponential shoulder with
+// the same slope, 0.6 + 0.4 (1 - exp(-(x - 0.6) / 0.4)), and encoded by the sRGB transfer function. Not a number is
+// magenta.
 void olx_tone_map(olx_vec3 radiance, float exposure, uint8_t rgb[3]);
 
 // Whether an image has that layer. No image has a layer that the enumeration does not name.

@@ -1,5 +1,5 @@
-// A furnished flat: a living room with sun through a wide window and a floor of polished boards, and a corridor that gets
-// light through an open door alone.
+// A furnished flat: a living room with sun through a wide window and a floor of polished boards, and a corridor that
+// gets light through an open door alone.
 #include "core/result.h"
 #include "scene/builtin_furniture.h"
 #include "scene/builtin_scenes.h"

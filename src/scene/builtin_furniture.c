@@ -1,4 +1,5 @@
-// Furniture of the built-in flat: boxes, cushions and turned shapes put together, each piece placed and turned as a whole.
+// Furniture of the built-in flat: boxes, cushions and turned shapes put together, each piece placed and turned as a
+// whole.
 #include "scene/builtin_furniture.h"
 
 #include "core/hooks.h"

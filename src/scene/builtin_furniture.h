@@ -1,5 +1,5 @@
-// Furniture from which the built-in flat is made. A piece stands somewhere on the floor, turned about the vertical; its own
-// coordinates have +y up and its front towards +z.
+// Furniture from which the built-in flat is made. A piece stands somewhere on the floor, turned about the vertical; its
+// own coordinates have +y up and its front towards +z.
 #ifndef OLX_SCENE_BUILTIN_FURNITURE_H
 #define OLX_SCENE_BUILTIN_FURNITURE_H
 

@@ -110,8 +110,8 @@ static olx_instructions best_instructions(void) {
   return __builtin_cpu_supports("sse4.2") ? OLX_INSTRUCTIONS_SSE42 : OLX_INSTRUCTIONS_SSE2;
 }
 
-// One thread builds: the order of triangles in a leaf, which decides between coincident hits, must not depend on how many
-// processors there are.
+// One thread builds: the order of triangles in a leaf, which decides between coincident hits, must not depend on how
+// many processors there are.
 static olx_result create_device(olx_bvh *bvh) {
   const olx_instructions wanted = bvh->scene->load.instructions;
   char settings[64] = "threads=1,set_affinity=0";

@@ -210,12 +210,12 @@ static bool sample_light(const olx_scene *scene, uint32_t index, olx_vec3 positi
   return olx_max3(sample->emission) > 0.0f;
 }
 
-// Triangles that are seen under a larger solid angle than this are drawn from evenly over it. Smaller ones are drawn from
-// evenly over their area, which is about the same there, takes less time, and does not suffer from rounding.
+// Triangles that are seen under a larger solid angle than this are drawn from evenly over it. Smaller ones are drawn
+// from evenly over their area, which is about the same there, takes less time, and does not suffer from rounding.
 static const float large_solid_angle = 0.03f;
 
-// About the solid angle under which a place sees a triangle, 0 from its dark side. Never less than from its rim, nor more than
-// from straight in front of it.
+// About the solid angle under which a place sees a triangle, 0 from its dark side. Never less than from its rim, nor
+// more than from straight in front of it.
 static float rough_solid_angle(const panel *p, olx_vec3 position) {
   const olx_vec3 way = olx_sub(position, p->center);
   const float height = olx_dot(way, p->normal);
@@ -224,7 +224,8 @@ static float rough_solid_angle(const panel *p, olx_vec3 position) {
   return p->area * olx_min(fabsf(height) + sqrtf(p->area), distance) / (distance_squared * distance);
 }
 
-// A triangle that a place sees under a large solid angle: that angle, and unit vectors to the corners. 0 when it is not.
+// A triangle that a place sees under a large solid angle: that angle, and unit vectors to the corners. 0 when it is
+// not.
 static float view_large(const panel *p, olx_vec3 position, olx_vec3 corners[3]) {
   if (rough_solid_angle(p, position) < large_solid_angle) return 0.0f;
   for (uint32_t i = 0; i < 3; i++) corners[i] = olx_normalize(olx_sub(p->corners[i], position));
@@ -261,8 +262,8 @@ static float draw_triangle(const olx_emitters *emitters, olx_vec3 position, floa
   return weights[*drawn] / sum;
 }
 
-// The density over solid angle with which a point on an emissive triangle is drawn for a place; `per_area` turns a density
-// over area into one over solid angle there.
+// The density over solid angle with which a point on an emissive triangle is drawn for a place; `per_area` turns a
+// density over area into one over solid angle there.
 static float triangle_density(const olx_scene *scene, uint32_t triangle, olx_vec3 position, float per_area) {
   const olx_emitters *emitters = scene->emitters;
   if (!emitters->panels) return emitters->area_pdf[triangle] * per_area;

@@ -4,10 +4,10 @@
 
 #include "scene/surface.h"
 
-// A way in which light can reach a surface. Groups are summed over; within a group one emitter is drawn by its power, or,
-// when at most 32 triangles emit, by about what each sends to the place that it is drawn for. Of those, triangles that are
-// seen under a large solid angle are drawn from evenly over that angle, others evenly over their area.
-// Each light without area is a group, the emissive triangles are one, the environment is one. When there are more than
+// A way in which light can reach a surface. Groups are summed over; within a group one emitter is drawn by its power,
+// or, when at most 32 triangles emit, by about what each sends to the place that it is drawn for. Of those, triangles
+// that are seen under a large solid angle are drawn from evenly over that angle, others evenly over their area. Each
+// light without area is a group, the emissive triangles are one, the environment is one. When there are more than
 // OLX_MAX_LIGHT_GROUPS lights without area, they share one group from which one is drawn by power.
 #define OLX_MAX_LIGHT_GROUPS 16
 
@@ -32,8 +32,8 @@ bool olx_emitters_group_varies(const olx_scene *scene, uint32_t group);
 bool olx_emitters_sample(const olx_scene *scene, uint32_t group, olx_vec3 position, olx_vec2 random,
                          float random_pick, olx_light_sample *sample);
 
-// Density over solid angle at `position` with which olx_emitters_sample would have drawn the emitting `surface` seen from
-// there along `direction`.
+// Density over solid angle at `position` with which olx_emitters_sample would have drawn the emitting `surface` seen
+// from there along `direction`.
 float olx_emitters_surface_pdf(const olx_scene *scene, const olx_surface *surface, olx_vec3 position,
                                olx_vec3 direction);
 

@@ -4,8 +4,8 @@
 
 #include "scene/scene_data.h"
 
-// Read channels R, G and B of an OpenEXR image into width, height and texels of `environment`. An image beyond the scene's limit of
-// texels is refused.
+// Read channels R, G and B of an OpenEXR image into width, height and texels of `environment`. An image beyond the
+// scene's limit of texels is refused.
 olx_result olx_environment_read_exr(const char *path, const olx_scene *scene, olx_environment *environment);
 
 #endif

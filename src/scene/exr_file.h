@@ -20,8 +20,8 @@ typedef struct olx_exr_file {
 
 bool olx_is_exr(const void *data, size_t size_bytes);
 
-// Open a file and read its header. Every chunk lies inside the file, so that a short one cannot claim gigabytes. Whatever comes
-// back, olx_exr_close closes; `file` must stay where it is.
+// Open a file and read its header. Every chunk lies inside the file, so that a short one cannot claim gigabytes.
+// Whatever comes back, olx_exr_close closes; `file` must stay where it is.
 olx_result olx_exr_open(const char *path, olx_exr_file *file);
 void olx_exr_close(olx_exr_file *file);
 

@@ -39,8 +39,8 @@ static uint64_t view_size(const olx_gltf *gltf, uint32_t view) {
   return found->compressed && !found->decoded ? olx_gltf_meshopt_size(found->compressed) : found->bytes.size_bytes;
 }
 
-// Where `count` packed elements of `element_bytes` begin that an object's bufferView and byteOffset name; false when they are not
-// all there.
+// Where `count` packed elements of `element_bytes` begin that an object's bufferView and byteOffset name; false when
+// they are not all there.
 static bool find_packed(const olx_gltf *gltf, const cJSON *object, uint64_t count, uint64_t element_bytes,
                         uint32_t *view, uint64_t *offset) {
   return olx_gltf_index(object, "bufferView", gltf->views.count, view) && *view != OLX_GLTF_NONE &&

@@ -33,8 +33,8 @@ struct olx_gltf_accessor {
 // Read and check all accessors: their types, and that they end within their views.
 olx_result olx_gltf_open_accessors(olx_gltf *gltf);
 
-// The first `components` numbers of every element, `components` apart in `numbers`; where an element has fewer, what is there
-// stays. The caller has room for all.
+// The first `components` numbers of every element, `components` apart in `numbers`; where an element has fewer, what is
+// there stays. The caller has room for all.
 olx_result olx_gltf_read_floats(const olx_gltf *gltf, uint32_t accessor, uint32_t components, float *numbers);
 // An accessor of unsigned integers.
 olx_result olx_gltf_read_indices(const olx_gltf *gltf, uint32_t accessor, uint32_t *indices);

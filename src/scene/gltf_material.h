@@ -12,8 +12,8 @@ typedef struct olx_gltf_surface {
   olx_gltf_placements placements;
 } olx_gltf_surface;
 
-// Append the materials that are used, and their textures, to the scene. `surfaces` has one for each material and a last one for
-// primitives without.
+// Append the materials that are used, and their textures, to the scene. `surfaces` has one for each material and a last
+// one for primitives without.
 olx_result olx_gltf_import_materials(olx_gltf *gltf, olx_gltf_surface *surfaces);
 
 #endif

@@ -8,7 +8,8 @@
 // Refuse primitives whose accessors do not exist or have elements of another kind than their attribute.
 olx_result olx_gltf_check_meshes(const olx_gltf *gltf);
 
-// What a mesh costs to read, in triangles: those of each primitive, or as many as its vertices would make, and one at least.
+// What a mesh costs to read, in triangles: those of each primitive, or as many as its vertices would make, and one at
+// least.
 uint64_t olx_gltf_mesh_triangles(const olx_gltf *gltf, uint32_t mesh);
 
 // What is noted while meshes are added, for one warning of each kind.

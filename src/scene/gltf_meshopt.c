@@ -9,7 +9,8 @@
 
 #include <meshoptimizer.h>
 
-// A vertex stream says of 16 equal bytes that they are equal by two bits; the other modes take a byte an index at least.
+// A vertex stream says of 16 equal bytes that they are equal by two bits; the other modes take a byte an index at
+// least.
 #define MOST_EXPANSION 64u
 
 typedef enum meshopt_mode { MODE_ATTRIBUTES, MODE_TRIANGLES, MODE_INDICES, MODE_UNKNOWN } meshopt_mode;

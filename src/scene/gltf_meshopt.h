@@ -1,4 +1,5 @@
-// Views that meshoptimizer compressed: EXT_meshopt_compression, also as KHR_meshopt_compression and MESHOPT_compression.
+// Views that meshoptimizer compressed: EXT_meshopt_compression, also as KHR_meshopt_compression and
+// MESHOPT_compression.
 #ifndef OLX_SCENE_GLTF_MESHOPT_H
 #define OLX_SCENE_GLTF_MESHOPT_H
 

@@ -15,11 +15,12 @@ typedef struct olx_gltf_roots {
 // roots->nodes, whatever comes back.
 olx_result olx_gltf_find_roots(const olx_gltf *gltf, olx_gltf_roots *roots);
 
-// Where a node puts things in its parent's space. Translations are as exact as the file has them where the scene is far from the
-// origin.
+// Where a node puts things in its parent's space. Translations are as exact as the file has them where the scene is far
+// from the origin.
 olx_affine olx_gltf_node_transform(const olx_gltf *gltf, uint32_t node);
 
-// Calls `visit` for every node below the roots, parents before children, with what places it. Stops at the first failure.
+// Calls `visit` for every node below the roots, parents before children, with what places it. Stops at the first
+// failure.
 olx_result olx_gltf_walk(const olx_gltf *gltf, const olx_gltf_roots *roots, const olx_affine *placement,
                          olx_result (*visit)(void *user, uint32_t node, const olx_affine *transform), void *user);
 

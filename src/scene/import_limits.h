@@ -15,7 +15,8 @@ typedef enum olx_import_limit {
   OLX_LIMIT_NODES
 } olx_import_limit;
 
-// Refuse `found` when it is above the scene's limit. `path` is the file and `element` the place in it, such as "meshes[3]".
+// Refuse `found` when it is above the scene's limit. `path` is the file and `element` the place in it, such as
+// "meshes[3]".
 olx_result olx_import_check_limit(const olx_scene *scene, olx_import_limit limit, uint64_t found, const char *path,
                                   const char *element);
 

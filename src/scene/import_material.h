@@ -28,7 +28,8 @@ olx_result olx_import_texture_file(olx_material_import *import, const char *name
 // Bring the numbers of a material into their ranges.
 void olx_import_repair_material(olx_material_import *import, olx_material *material);
 
-// Load the textures, and give the scene's materials from `first` on their indices in place of the numbers of import->textures.
+// Load the textures, and give the scene's materials from `first` on their indices in place of the numbers of
+// import->textures.
 olx_result olx_import_load_textures(olx_material_import *import, uint32_t first);
 
 void olx_import_warn_about_materials(const olx_material_import *import);

@@ -6,9 +6,9 @@
 
 #include <cjson/cJSON.h>
 
-// Parse `size_bytes` of JSON text, with nothing but white space after it. Errors name the file and the line. A NUL inside a
-// string, which would cut it off, and two members of one name, of which one would be ignored, are refused. The caller frees
-// *root with cJSON_Delete.
+// Parse `size_bytes` of JSON text, with nothing but white space after it. Errors name the file and the line. A NUL
+// inside a string, which would cut it off, and two members of one name, of which one would be ignored, are refused. The
+// caller frees *root with cJSON_Delete.
 olx_result olx_json_parse(const char *path, const char *text, size_t size_bytes, cJSON **root);
 
 // A member of an object; NULL when there is none, or no object.

@@ -1,5 +1,5 @@
-// The frame in which a scene keeps its positions: relative to an origin in double precision, so that floats are as fine far
-// from the origin of coordinates as they are near it (docs/maths.md, "Local frame").
+// The frame in which a scene keeps its positions: relative to an origin in double precision, so that floats are as fine
+// far from the origin of coordinates as they are near it (docs/maths.md, "Local frame").
 #ifndef OLX_SCENE_LOCAL_FRAME_H
 #define OLX_SCENE_LOCAL_FRAME_H
 

@@ -4,8 +4,8 @@
 
 #include <octalux/base.h>
 
-// OLX_ERROR_FORMAT for a PNG with a chunk that is longer than the file: stb_image would ask for as much memory as the chunk
-// claims, up to 2 GiB. Whatever is no PNG passes.
+// OLX_ERROR_FORMAT for a PNG with a chunk that is longer than the file: stb_image would ask for as much memory as the
+// chunk claims, up to 2 GiB. Whatever is no PNG passes.
 olx_result olx_png_check(const char *path, const uint8_t *data, size_t size_bytes);
 
 #endif

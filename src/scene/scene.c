@@ -16,8 +16,8 @@ olx_result olx_scene_finish(olx_scene *scene) {
   return olx_emitters_create(scene, &scene->emitters);
 }
 
-// Fill an empty scene, and again where what it is made of turns out to lie far from the origin. The first time positions are
-// known to a float only, which may be too coarse for the origin that the second time asks for.
+// Fill an empty scene, and again where what it is made of turns out to lie far from the origin. The first time
+// positions are known to a float only, which may be too coarse for the origin that the second time asks for.
 static olx_result fill_in_local_frame(olx_result (*fill)(const char *name, olx_scene *scene), const char *name,
                                       olx_scene *scene) {
   enum { MOST_TIMES = 4 };

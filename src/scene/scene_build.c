@@ -36,8 +36,8 @@ void *olx_scene_array(uint32_t count, size_t element_bytes) {
   return olx_allocate((size_t)capacity_for(count), element_bytes);
 }
 
-// Makes room for an attribute that few meshes have: `array` is NULL until one of them comes, and the vertices before it get
-// `otherwise`.
+// Makes room for an attribute that few meshes have: `array` is NULL until one of them comes, and the vertices before it
+// get `otherwise`.
 static olx_result reserve_rare(void **array, bool wanted, uint32_t count, uint32_t added, size_t element_bytes,
                                const void *otherwise) {
   if (!*array && !wanted) return OLX_OK;

@@ -23,8 +23,8 @@ olx_result olx_scene_add_camera(olx_scene *scene, const olx_camera *camera);
 // A rectangle light: an absorbing, one-sided emitter that shines along cross(edge_u, edge_v).
 olx_result olx_scene_add_rect_light(olx_scene *scene, olx_vec3 center, olx_vec3 edge_u, olx_vec3 edge_v,
                                     olx_vec3 radiance);
-// Vertices and triangles of one material. All of a vertex but its position may be NULL: normals are flat then, uvs 0, colours
-// white, and tangents follow from uvs.
+// Vertices and triangles of one material. All of a vertex but its position may be NULL: normals are flat then, uvs 0,
+// colours white, and tangents follow from uvs.
 typedef struct olx_mesh {
   const olx_vec3 *positions, *normals;
   const olx_vec2 *uvs, *second_uvs;
@@ -33,8 +33,8 @@ typedef struct olx_mesh {
   uint32_t vertex_count, triangle_count, material;
 } olx_mesh;
 
-// Append a mesh. Degenerate triangles, positions that are NaN or absurdly far away, and indices out of range are skipped and
-// counted in one warning that names `name`.
+// Append a mesh. Degenerate triangles, positions that are NaN or absurdly far away, and indices out of range are
+// skipped and counted in one warning that names `name`.
 olx_result olx_scene_append_mesh(olx_scene *scene, const char *name, const olx_mesh *mesh);
 // Append a mesh that has no more than normals and uvs, which may be NULL.
 olx_result olx_scene_add_mesh(olx_scene *scene, const char *name, const olx_vec3 *positions, const olx_vec3 *normals,

@@ -56,7 +56,8 @@ struct olx_scene {
   olx_emitters *emitters; // emitters.h
 };
 
-// Record a warning (printf-style), to be logged when the scene is loaded. After 32 of one kind of trouble importers count instead of repeating.
+// Record a warning (printf-style), to be logged when the scene is loaded. After 32 of one kind of trouble importers
+// count instead of repeating.
 void olx_scene_warn(olx_scene *scene, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 #endif

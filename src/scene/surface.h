@@ -29,7 +29,8 @@ olx_surface olx_surface_at(const olx_scene *scene, const olx_ray_hit *hit, olx_v
 olx_surface olx_surface_near(const olx_scene *scene, const olx_ray_hit *hit, olx_vec3 direction,
                              const olx_surface *previous);
 
-// The normal between those of the triangle's corners, without a normal map, at the hit that `surface` is of; on its side.
+// The normal between those of the triangle's corners, without a normal map, at the hit that `surface` is of; on its
+// side.
 olx_vec3 olx_surface_vertex_normal(const olx_scene *scene, const olx_ray_hit *hit, const olx_surface *surface);
 
 // The albedo at another hit on the material of `surface`, when its colour alone varies; false when other things do.

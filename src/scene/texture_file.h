@@ -18,8 +18,9 @@ olx_result olx_texture_load(const char *path, const void *data, size_t size_byte
 // How many texels an image has, by its header alone. Where olx_texture_load would fail for the header, so does this.
 olx_result olx_texture_measure(const char *path, const void *data, size_t size_bytes, uint64_t *texels);
 
-// Decode a latitude-longitude .hdr or .exr image, told apart by their content, into width, height and texels of `environment`. Texels that are negative or
-// not finite become 0 and are counted in *repaired. An image beyond the scene's limit of texels is refused.
+// Decode a latitude-longitude .hdr or .exr image, told apart by their content, into width, height and texels of
+// `environment`. Texels that are negative or not finite become 0 and are counted in *repaired. An image beyond the
+// scene's limit of texels is refused.
 olx_result olx_environment_load(const char *path, const olx_scene *scene, olx_environment *environment,
                                 uint64_t *repaired);
 

@@ -4,8 +4,8 @@
 
 #include "field/field_data.h"
 
-// Corner i of a cell: bit 0 of i is x, bit 1 is y, bit 2 is z. An axis with one probe contributes one corner, so some of
-// the eight may be missing.
+// Corner i of a cell: bit 0 of i is x, bit 1 is y, bit 2 is z. An axis with one probe contributes one corner, so some
+// of the eight may be missing.
 typedef struct olx_cage {
   uint32_t base[3];
   uint32_t corner_mask; // bits of i that name a distinct probe: 7 when every axis has two probes or more

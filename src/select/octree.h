@@ -9,8 +9,8 @@
 // The leaf that a point lies in, the nearest one for points outside the root. OLX_NO_LEAF when the nodes make no sense.
 uint32_t olx_octree_leaf(const olx_field *field, olx_vec3 point);
 
-// The probes of a leaf, best first; OLX_NO_PROBE fills the rest, and is all there is in OLX_NO_LEAF. Names no probe beyond
-// the field's, whatever the file holds.
+// The probes of a leaf, best first; OLX_NO_PROBE fills the rest, and is all there is in OLX_NO_LEAF. Names no probe
+// beyond the field's, whatever the file holds.
 void olx_octree_choices(const olx_field *field, uint32_t leaf, uint32_t choices[OLX_CHOICES]);
 
 #endif

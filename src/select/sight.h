@@ -14,7 +14,8 @@ static const float OLX_SIGHT_LEAST_COSINE = 0.1f;
 // Side of a texel of an n x n map at distance 1: the root of its mean solid angle.
 static inline float olx_mean_texel_angle(uint32_t n) { return 3.5449077f / (float)n; }
 
-// As olx_probe_sees in a field of geometry blocks: `offset` from the probe falls into texel (x, y) at uv, whose plane decides.
+// As olx_probe_sees in a field of geometry blocks: `offset` from the probe falls into texel (x, y) at uv, whose plane
+// decides.
 static inline bool olx_plane_sees(const olx_field *field, uint32_t probe, olx_vec3 offset, olx_vec2 uv, uint32_t x,
                                   uint32_t y, float slack, const olx_vec3 *leaving) {
   const olx_vec3 plane = olx_block_plane(field, probe, x, y);
@@ -24,10 +25,10 @@ static inline bool olx_plane_sees(const olx_field *field, uint32_t probe, olx_ve
   return !leaving || behind <= -footprint || !(olx_dot(plane, *leaving) > 0.0f);
 }
 
-// Whether `point` lies in front of the plane of the surfel that the probe stores there, or no more than `slack` footprints
-// behind it, or nearer to the probe than the texel's surface can reach. With `leaving`, the direction of a ray that begins
-// there: a point on the surface counts only when the ray leaves it towards the probe, because one that goes into it has
-// begun on the other side of something thin.
+// Whether `point` lies in front of the plane of the surfel that the probe stores there, or no more than `slack`
+// footprints behind it, or nearer to the probe than the texel's surface can reach. With `leaving`, the direction of a
+// ray that begins there: a point on the surface counts only when the ray leaves it towards the probe, because one that
+// goes into it has begun on the other side of something thin.
 static inline bool olx_probe_sees(const olx_field *field, uint32_t probe, olx_vec3 point, float slack,
                                   const olx_vec3 *leaving) {
   const olx_vec3 offset = olx_sub(point, field->probe_positions[probe]);

@@ -30,8 +30,8 @@ typedef struct tree_range {
   float beyond;
 } tree_range;
 
-// Down to the point, leaving the other halves for later; then those that may hold a nearer one. Rounding is monotone, so
-// no probe beyond a plane comes out nearer than the plane.
+// Down to the point, leaving the other halves for later; then those that may hold a nearer one. Rounding is monotone,
+// so no probe beyond a plane comes out nearer than the plane.
 static void search_tree(nearest *n) {
   const void *codes = olx_voronoi_codes(n->field);
   const size_t tree = olx_voronoi_tree(n->field);

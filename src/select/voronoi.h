@@ -7,8 +7,8 @@
 // The probe nearest to a point, the first of several; buried ones only when `buried`. OLX_NO_PROBE when there is none.
 uint32_t olx_voronoi_nearest(const olx_field *field, olx_vec3 point, bool buried);
 
-// The neighbours of a probe that are nearest in angle to a direction (any length) from it, best first; OLX_NO_PROBE fills
-// the rest. Names no probe beyond the field's, whatever the file holds.
+// The neighbours of a probe that are nearest in angle to a direction (any length) from it, best first; OLX_NO_PROBE
+// fills the rest. Names no probe beyond the field's, whatever the file holds.
 void olx_voronoi_neighbours(const olx_field *field, uint32_t probe, olx_vec3 direction, uint32_t choices[OLX_CHOICES]);
 
 #endif

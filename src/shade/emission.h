@@ -6,8 +6,8 @@
 
 #include <octalux/sample.h>
 
-// Whether a ray from `origin` found the shining side of what emits. A probe that saw an emitter's front says nothing about its
-// back, which rays meet when they come from behind.
+// Whether a ray from `origin` found the shining side of what emits. A probe that saw an emitter's front says nothing
+// about its back, which rays meet when they come from behind.
 static inline bool olx_emission_faces(const olx_trace_hit *hit, olx_vec3 origin) {
   return hit->status == OLX_TRACE_MISS || olx_dot(olx_sub(hit->position, origin), hit->normal) < 0.0f;
 }

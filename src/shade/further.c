@@ -4,7 +4,8 @@
 #include "core/sampling.h"
 #include "shade/emission.h"
 
-// Lobes that reflect less than this towards the eye, and those of rougher surfaces, take light from all directions alike.
+// Lobes that reflect less than this towards the eye, and those of rougher surfaces, take light from all directions
+// alike.
 static const float LEAST_REFLECTANCE = 0.15f;
 static const float MOST_ROUGHNESS = 0.5f;
 // How far off the surface the ray starts, in footprints.

@@ -1,5 +1,5 @@
-// The one further ray with which glossy light follows the specular lobe of the surface that a ray found, where that surface is
-// smooth and reflects much (docs/maths.md, "Light at the end of a ray").
+// The one further ray with which glossy light follows the specular lobe of the surface that a ray found, where that
+// surface is smooth and reflects much (docs/maths.md, "Light at the end of a ray").
 #ifndef OLX_SHADE_FURTHER_H
 #define OLX_SHADE_FURTHER_H
 

@@ -8,8 +8,8 @@
 static const float VARIANCE_FLOOR = 1e-3f;
 // Weights below this are pressed down by the square of their share of it (after Majercik et al. 2019).
 static const float CRUSH_BELOW = 0.2f;
-// How far off the surface visibility is tested, as an angle seen from the probe: a texel of a map of this size, two thirds of
-// the deviation of the filter on distances (bake/quadrature.h), or of the map where that is coarser.
+// How far off the surface visibility is tested, as an angle seen from the probe: a texel of a map of this size, two
+// thirds of the deviation of the filter on distances (bake/quadrature.h), or of the map where that is coarser.
 static const float BIAS_MAP_SIZE = 32.0f;
 // When the weights of a cage sum to less than this, a probe from farther away fills the rest.
 static const float TRUSTED_WEIGHT = 0.01f;
@@ -122,8 +122,8 @@ static bool nearest_visible(const olx_irradiance_source *s, uint32_t terms, bool
   return nearest_distance < INFINITY;
 }
 
-// Fills the rest of the weight where the cage sees too little of the point: by the nearest visible probe, or, with none, by
-// all of the cage alike.
+// Fills the rest of the weight where the cage sees too little of the point: by the nearest visible probe, or, with
+// none, by all of the cage alike.
 static void add_from_afar(const olx_irradiance_source *s, uint32_t terms, bool keep_buried, const surface_point *p,
                           const olx_cage *cage, float rest, olx_irradiance_weights *weights) {
   uint32_t nearest = 0;

@@ -37,7 +37,8 @@ enum {
 olx_vec3 olx_irradiance_from(const olx_irradiance_source *source, const olx_sample_settings *settings,
                              olx_vec3 position, olx_vec3 normal, olx_vec3 view);
 
-// The probes that answer for a point, and their weights, which sum to 1 (to 0 when every probe there is buried, or there is none).
+// The probes that answer for a point, and their weights, which sum to 1 (to 0 when every probe there is buried, or
+// there is none).
 typedef struct olx_irradiance_weights {
   uint32_t count;
   uint32_t probe[16];
@@ -50,8 +51,8 @@ olx_irradiance_weights olx_irradiance_weigh(const olx_irradiance_source *source,
 // By what factor light changes in each channel. 0 / 0 is 1, and light from darkness an infinite factor.
 olx_vec3 olx_light_change(olx_vec3 before, olx_vec3 after);
 
-// By what factor irradiance changes in each channel when a surface's normal turns from one to the other: the probes around
-// the point keep the weights that they have for `from`. 0 / 0 is 1, and light from darkness an infinite factor.
+// By what factor irradiance changes in each channel when a surface's normal turns from one to the other: the probes
+// around the point keep the weights that they have for `from`. 0 / 0 is 1, and light from darkness an infinite factor.
 olx_vec3 olx_irradiance_change(const olx_irradiance_source *source, const olx_sample_settings *settings,
                                olx_vec3 position, olx_vec3 from, olx_vec3 to, olx_vec3 view);
 

@@ -27,7 +27,8 @@ static float brightness(const olx_relight_surfel *s, olx_vec3 view, olx_vec3 lig
   return olx_min(OLX_PI * fresnel * lobe * seen / (4.0f * to_view * to_light), MOST_BRIGHT);
 }
 
-// Luminance of light that a surfel's specular lobe sends to a place, as irradiance of a white matte surface in its stead.
+// Luminance of light that a surfel's specular lobe sends to a place, as irradiance of a white matte surface in its
+// stead.
 static float specular_light(const olx_relight *r, uint32_t surfel, olx_vec3 place) {
   const olx_relight_surfel *s = &r->source->relight.surfels[surfel];
   const float beam = olx_length(r->beams[surfel]), rest = olx_max(olx_luminance(r->direct[surfel]) - beam, 0.0f);

@@ -1,5 +1,6 @@
-// The parts of a relighter (octalux/relight.h): what it keeps, and the steps of a frame. Surfels get direct light, light goes over
-// links between them, and by surfels the texels of light field probes and the irradiance volume are lit.
+// The parts of a relighter (octalux/relight.h): what it keeps, and the steps of a frame. Surfels get direct light,
+// light goes over links between them, and by surfels the texels of light field probes and the irradiance volume are
+// lit.
 #ifndef OLX_SHADE_RELIGHTER_PARTS_H
 #define OLX_SHADE_RELIGHTER_PARTS_H
 
@@ -69,7 +70,8 @@ struct olx_relight {
   uint32_t *scheduled, scheduled_count; // tiles of this frame
   bool *lit;                            // of each of them: direct light, too
   olx_relit_due *due;
-  // Frames in which parts of `field` were last written, 0: as baked: each tile of a map, then its border, probe after probe.
+  // Frames in which parts of `field` were last written, 0: as baked: each tile of a map, then its border, probe after
+  // probe.
   uint32_t *part_frames;
 
   // The irradiance volume

@@ -1,5 +1,5 @@
-// What a frame of a relighter lights, apart from its light itself: frames on the CPU and on a device take the same parts in the
-// same order. What is taken counts as lit from then on.
+// What a frame of a relighter lights, apart from its light itself: frames on the CPU and on a device take the same
+// parts in the same order. What is taken counts as lit from then on.
 #ifndef OLX_SHADE_RELIGHTER_SCHEDULE_H
 #define OLX_SHADE_RELIGHTER_SCHEDULE_H
 

@@ -13,7 +13,8 @@
 
 enum { SALT_TEXEL = 0x5445584C, LIGHT_SIDE = 4, TILE_SAMPLES = 4 };
 
-// Surfaces are known to within half a unit in the last place of their distance's half float: rays start this share of it off them.
+// Surfaces are known to within half a unit in the last place of their distance's half float: rays start this share of
+// it off them.
 static const float OFF_SURFACE = 0x1p-10f;
 
 // How much a site's weights at the corners of its block count for a texel.
@@ -135,7 +136,8 @@ void olx_relit_texels_free(olx_relight *r) {
 
 // ---- A tile
 
-// Texel i of a tile when its blocks of LIGHT_SIDE x LIGHT_SIDE, which share out samples of lights, come one after the other.
+// Texel i of a tile when its blocks of LIGHT_SIDE x LIGHT_SIDE, which share out samples of lights, come one after the
+// other.
 static void tile_texel(const olx_relight *r, const olx_relit_tile *tile, uint32_t i, uint32_t *x, uint32_t *y) {
   const uint32_t in_block = i % (LIGHT_SIDE * LIGHT_SIDE), block = i / (LIGHT_SIDE * LIGHT_SIDE),
                  blocks = r->tile_side / LIGHT_SIDE;

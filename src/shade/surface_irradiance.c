@@ -129,12 +129,12 @@ static float packing_error(const seen_texel *t) {
   return DISTANCE_ERROR * t->distance * fabsf(t->facing) + NORMAL_ERROR * t->away;
 }
 
-// 1 where the texel holds the surface that the point lies on, 0 where it does not, and between where that is doubtful, so that
-// light changes smoothly as the point moves.
+// 1 where the texel holds the surface that the point lies on, 0 where it does not, and between where that is doubtful,
+// so that light changes smoothly as the point moves.
 //
-// On an arc the chord between two points is perpendicular to the mean of their normals, so the height that is judged is over
-// that mean: it is 0 on planes and on curved surfaces alike. Where normals differ, the surface may turn from one to the other
-// anywhere between, as facets do, so the chord may run along either.
+// On an arc the chord between two points is perpendicular to the mean of their normals, so the height that is judged is
+// over that mean: it is 0 on planes and on curved surfaces alike. Where normals differ, the surface may turn from one
+// to the other anywhere between, as facets do, so the chord may run along either.
 static float texel_agrees(const probe_view *v, const seen_texel *t) {
   const float agreement = olx_dot(t->normal, v->normal), footprint = t->distance * v->angle;
   if (!(t->facing > LEAST_FACING && agreement > LEAST_AGREEMENT)) return 0.0f;
@@ -150,8 +150,8 @@ static float texel_agrees(const probe_view *v, const seen_texel *t) {
   return olx_clamp(2.0f - 2.0f * height / allowed, 0.0f, 1.0f) * alike;
 }
 
-// How much of the light of `texel` reaches over to the point where a neighbouring texel sees `other`, another surface: nothing
-// when the one lies before and the other behind it, as floors do on both sides of a wall that stands on them.
+// How much of the light of `texel` reaches over to the point where a neighbouring texel sees `other`, another surface:
+// nothing when the one lies before and the other behind it, as floors do on both sides of a wall that stands on them.
 static float passes(const seen_texel *texel, const seen_texel *other) {
   const float height = olx_dot(other->normal, other->step), allowed = packing_error(other);
   if (!(height < -allowed) || height - olx_dot(other->normal, texel->step) <= allowed) return 1.0f;
@@ -216,8 +216,8 @@ static void add_light(blend *b, const texel_light *light, float weight_of_rank) 
   b->best = olx_max(b->best, weight);
 }
 
-// A probe weighs cosine / r^2 times the share of its texels that hold the surface, less what a weight must exceed: so it
-// comes and goes at weight 0, and where another becomes the best both are alike.
+// A probe weighs cosine / r^2 times the share of its texels that hold the surface, less what a weight must exceed: so
+// it comes and goes at weight 0, and where another becomes the best both are alike.
 static void read_ranked(const olx_field *field, const olx_sample_settings *settings, const olx_surface_point *point,
                         const ranking *r, blend *b) {
   for (uint32_t i = 0; i < r->count && b->count < MOST_BLENDED; i++) {

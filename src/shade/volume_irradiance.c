@@ -27,8 +27,8 @@ olx_vec3 olx_volume_towards(const olx_volume_light_at *light, olx_vec3 normal) {
 }
 
 olx_vec3 olx_volume_bent(const olx_volume_light_at *light, olx_vec3 smooth, olx_vec3 bent) {
-  // That share of a cosine lobe about `bent` lies below the surface. There light is taken to be even, as it falls on what
-  // faces the surface.
+  // That share of a cosine lobe about `bent` lies below the surface. There light is taken to be even, as it falls on
+  // what faces the surface.
   const float below = 0.5f - 0.5f * olx_dot(smooth, bent);
   float values[OLX_HARMONICS_MOST], behind[OLX_HARMONICS_MOST];
   olx_harmonics_at(bent, values);

@@ -22,8 +22,8 @@ static inline void leave(const olx_march *m, stand *at, int32_t x, int32_t y, fl
                 .by_v = by_v};
 }
 
-// The texels of a node of level 0 from the one on in which the march stands. The ray is in front of those that it passes
-// nearer than the node's smallest distance, so they are not read.
+// The texels of a node of level 0 from the one on in which the march stands. The ray is in front of those that it
+// passes nearer than the node's smallest distance, so they are not read.
 static olx_verdict march_node(olx_march *m, const olx_piece *p, stand *at, float least_squared,
                               olx_probe_answer *answer) {
   olx_cell c = {olx_texel_at(&p->u, at->s, true), olx_texel_at(&p->v, at->s, at->by_v), at->t};

@@ -1,6 +1,6 @@
-// The arithmetic is that of ray_image.h, march_hiz.c and probe_trace.c, operation by operation, on vectors of eight lanes. A
-// lane holds one ray; when that is done, it takes the next. All lanes take their step together, whatever it is: over a clear
-// node or texel, up, or down. What a texel's surfel says is asked lane by lane.
+// The arithmetic is that of ray_image.h, march_hiz.c and probe_trace.c, operation by operation, on vectors of eight
+// lanes. A lane holds one ray; when that is done, it takes the next. All lanes take their step together, whatever it
+// is: over a clear node or texel, up, or down. What a texel's surfel says is asked lane by lane.
 #include "trace/march_wide.h"
 
 #include "core/wide.h"
@@ -8,8 +8,8 @@
 
 #if OLX_WIDE
 
-// Two groups of lanes take turns, so that one computes while the other waits for memory. Lanes that are done wait until they
-// are so many.
+// Two groups of lanes take turns, so that one computes while the other waits for memory. Lanes that are done wait until
+// they are so many.
 enum { LANES = OLX_WIDE_LANES, GROUPS = 2, WORTH_RENEWING = 2 };
 #define NO_JOB UINT32_MAX
 
@@ -284,8 +284,8 @@ WIDE wide_look look(lanes *l) {
                      .at_texel = bits(texel) & l->walking};
 }
 
-// Reads the geometry blocks in which lanes stand. Lanes that are clear of their planes go on; the others visit their texels, and
-// where that ends their ray they are finished.
+// Reads the geometry blocks in which lanes stand. Lanes that are clear of their planes go on; the others visit their
+// texels, and where that ends their ray they are finished.
 WIDE void visit_blocks(work *w, lanes *l, wide_look *seen) {
   const uint32_t which = bits(l->level == 1) & l->walking;
   if (!which) return;
@@ -342,8 +342,8 @@ WIDE void fetch_ahead(const lanes *l, uint32_t lane) {
   __builtin_prefetch(m->field->normal + m->field->texels * m->probe + olx_map_index(m->field->stride, x, y));
 }
 
-// Lanes whose node is clear go on to the next, and up where that has another parent, or wait at the end of the piece; the
-// others go down.
+// Lanes whose node is clear go on to the next, and up where that has another parent, or wait at the end of the piece;
+// the others go down.
 WIDE void move(lanes *l, const wide_look *seen) {
   const uint32_t ended = seen->clear & seen->at_end;
   l->waiting |= ended;

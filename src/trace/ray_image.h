@@ -1,7 +1,7 @@
-// A ray's image in a probe's map (docs/maths.md, "Marching"): what every tracer shares. The ray is cut where it crosses the
-// probe's coordinate planes; the image of each piece is a straight line on one face of the octahedron, walked by the share s
-// of its length that is done, 0 to 1. All tracers compare the same values of the same few functions, so that skipping ahead
-// lands on the very texel that stepping would.
+// A ray's image in a probe's map (docs/maths.md, "Marching"): what every tracer shares. The ray is cut where it crosses
+// the probe's coordinate planes; the image of each piece is a straight line on one face of the octahedron, walked by
+// the share s of its length that is done, 0 to 1. All tracers compare the same values of the same few functions, so
+// that skipping ahead lands on the very texel that stepping would.
 #ifndef OLX_TRACE_RAY_IMAGE_H
 #define OLX_TRACE_RAY_IMAGE_H
 
@@ -9,7 +9,8 @@
 
 // Images that move by less than this over a piece stand still: below it rounding decides the direction.
 static const float OLX_STILL_TEXELS = 1e-3f;
-// Closer to the probe than this share of the way there, rounding decides the image; the ray is in front of everything then.
+// Closer to the probe than this share of the way there, rounding decides the image; the ray is in front of everything
+// then.
 static const float OLX_CENTRE_SHARE = 1e-4f;
 // Rounding of s and of t(s), in units of the piece's largest parameter.
 static const float OLX_PARAMETER_ROUNDING = 0x1p-20f;
@@ -32,8 +33,8 @@ typedef struct olx_march {
   uint32_t steps;
 } olx_march;
 
-// One coordinate of the image, in texels: begin + travel s. Line k is crossed at s = (k - begin) * inverse. Where the image stands
-// still, `begin` is the middle of a texel and no line is ever reached.
+// One coordinate of the image, in texels: begin + travel s. Line k is crossed at s = (k - begin) * inverse. Where the
+// image stands still, `begin` is the middle of a texel and no line is ever reached.
 typedef struct olx_image_axis {
   float begin, travel, inverse;
   int32_t step;          // -1, 0, 1: the direction of travel
@@ -154,7 +155,8 @@ static inline olx_ray_plane olx_plane_along(const olx_probe_ray *ray, olx_vec3 p
   return (olx_ray_plane){olx_dot(plane, ray->origin), olx_dot(plane, ray->direction)};
 }
 
-// Whether the ray is nowhere behind a plane over [t0, t1]. Rounding keeps the order of t, so the ends decide. The sky is clear.
+// Whether the ray is nowhere behind a plane over [t0, t1]. Rounding keeps the order of t, so the ends decide. The sky
+// is clear.
 static inline bool olx_plane_clears(olx_ray_plane plane, float t0, float t1) {
   const bool ends_behind = t1 < INFINITY ? plane.base + plane.slope * t1 > 1.0f : plane.slope > 0.0f;
   return !ends_behind && !(plane.base + plane.slope * t0 > 1.0f);

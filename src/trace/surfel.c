@@ -64,8 +64,8 @@ static bool beyond_reach(olx_march *m, olx_cell c, const surfel *s, float radius
   return radius_squared > olx_square(farthest_around(m, c) + s->slack);
 }
 
-// Whether the ray's image at t lies within the neighbourhood of a texel, and the texel there sees a surface about there too.
-// When it sees far past that point, the plane ends before it: an edge lies between the two texels.
+// Whether the ray's image at t lies within the neighbourhood of a texel, and the texel there sees a surface about there
+// too. When it sees far past that point, the plane ends before it: an edge lies between the two texels.
 static bool supported(olx_march *m, const olx_piece *p, olx_cell c, const surfel *s, float t) {
   olx_vec2 image;
   if (!olx_image_at(m, p, t, &image)) return false;
@@ -92,8 +92,8 @@ static olx_verdict judge_height(olx_march *m, const olx_piece *p, olx_cell c, fl
     return OLX_VERDICT_HIT;
   }
   if (s->f1 >= 0.0f) {
-    // Below, but rising: a ray that just left this surface is still within what rounding and curvature explain. One that began
-    // farther below comes through the surface from behind.
+    // Below, but rising: a ray that just left this surface is still within what rounding and curvature explain. One
+    // that began farther below comes through the surface from behind.
     return -olx_min(height0, s->f0) <= 0.5f * s->footprint ? OLX_VERDICT_CLEAR : OLX_VERDICT_HIDDEN;
   }
   const float t = -s->f0 / s->f1;
@@ -133,8 +133,8 @@ static olx_ray_plane texel_plane(olx_march *m, int32_t x, int32_t y) {
   return olx_plane_along(m->ray, olx_block_plane(m->field, m->probe, (uint32_t)x, (uint32_t)y));
 }
 
-// Whether the ray reaches the plane of texel c, which it leaves at t1. A plane that comes nearer in a part of the texel than in its
-// middle may end before, at the edge of a thing: the next texel tells.
+// Whether the ray reaches the plane of texel c, which it leaves at t1. A plane that comes nearer in a part of the texel
+// than in its middle may end before, at the edge of a thing: the next texel tells.
 static bool reaches_plane(olx_march *m, olx_cell c, float t1, float *stored) {
   olx_read_block(m, c.x >> OLX_PYRAMID_FINEST, c.y >> OLX_PYRAMID_FINEST);
   if (olx_plane_clears(texel_plane(m, c.x, c.y), c.t, t1)) return false;

@@ -13,8 +13,8 @@ static inline float olx_octahedral_depth(const olx_march *m, const olx_piece *p,
   return olx_dot(sign, m->ray->origin) + olx_dot(sign, m->ray->direction) * t;
 }
 
-// Whether the ray is nowhere behind any plane of the block that was read last over any part of [t0, t1], whatever rounding does to
-// the part's ends. Planes of the pool are not read for that.
+// Whether the ray is nowhere behind any plane of the block that was read last over any part of [t0, t1], whatever
+// rounding does to the part's ends. Planes of the pool are not read for that.
 static inline bool olx_block_clears(const olx_march *m, const olx_piece *p, float t0, float t1) {
   const uint32_t form = m->block->words[3] >> 30;
   const float begin = t0 - p->slack, end = t1 + p->slack;
@@ -26,7 +26,8 @@ static inline bool olx_block_clears(const olx_march *m, const olx_piece *p, floa
          (form == OLX_GEOMETRY_ONE || olx_plane_clears(m->planes[1], begin, end));
 }
 
-// The texels of block (x, y) from the one on in which the ray is at s, t: by_v as in march_hiz.c. The ray leaves it at t1.
+// The texels of block (x, y) from the one on in which the ray is at s, t: by_v as in march_hiz.c. The ray leaves it at
+// t1.
 olx_verdict olx_visit_block(olx_march *m, const olx_piece *p, int32_t x, int32_t y, float s, float t, bool by_v,
                             float t1, olx_probe_answer *answer);
 

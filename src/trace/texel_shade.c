@@ -1,5 +1,5 @@
-// Shades the surface that a texel holds for the direction of a ray: both lobes, direct and indirect light, and the highlights
-// of lights without area, whose shadows are inferred from stored direct light.
+// Shades the surface that a texel holds for the direction of a ray: both lobes, direct and indirect light, and the
+// highlights of lights without area, whose shadows are inferred from stored direct light.
 #include "trace/texel_shade.h"
 
 #include "field/lights.h"
@@ -22,7 +22,8 @@ typedef struct unshadowed {
   olx_vec3 specular; // radiance towards the eye
 } unshadowed;
 
-// Specular light towards the eye per irradiance on a surface that faces the light; the cosine at the surface is included.
+// Specular light towards the eye per irradiance on a surface that faces the light; the cosine at the surface is
+// included.
 static olx_vec3 highlight(const texel_surface *s, olx_vec3 to_light, float cosine_light) {
   const float alpha = sqrtf(olx_square(s->bsdf.alpha) + olx_square(NORMAL_ERROR));
   const olx_vec3 half = olx_normalize(olx_add(s->view, to_light)), off = olx_cross(half, s->normal);

@@ -1,11 +1,12 @@
-// Light that leaves the surface of a texel towards an eye of the caller's, not that of the probe (docs/maths.md, "Light at
-// the end of a ray").
+// Light that leaves the surface of a texel towards an eye of the caller's, not that of the probe (docs/maths.md, "Light
+// at the end of a ray").
 #ifndef OLX_TRACE_TEXEL_SHADE_H
 #define OLX_TRACE_TEXEL_SHADE_H
 
 #include "field/texels.h"
 
-// Fields with more lights without area have no highlights of single lights; their specular lobes get that light as matte ones do.
+// Fields with more lights without area have no highlights of single lights; their specular lobes get that light as
+// matte ones do.
 enum { OLX_MOST_HIGHLIGHTS = 16 };
 
 // Light in W/(sr m^2) that a surface reflects towards an eye.

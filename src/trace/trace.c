@@ -10,16 +10,17 @@
 
 #include <string.h>
 
-// Probes are remembered as asked by their numbers modulo this, a bit each: exact in fields of no more probes. In larger ones a probe
-// may count as asked in the place of another. A prime, so that the strides of grids do not meet.
+// Probes are remembered as asked by their numbers modulo this, a bit each: exact in fields of no more probes. In larger
+// ones a probe may count as asked in the place of another. A prime, so that the strides of grids do not meet.
 enum { REMEMBERED = 127 };
 // Rays that olx_trace_rays follows side by side.
 enum { TOGETHER = 64 };
 
-// A probe that loses a ray knows where only to within its texels. The next one takes over by this many footprints before
-// that, so that the ray does not slip through what it was about to hit.
+// A probe that loses a ray knows where only to within its texels. The next one takes over by this many footprints
+// before that, so that the ray does not slip through what it was about to hit.
 static const float HAND_OVER_FOOTPRINTS = 0.5f;
-// A ray that went out of every probe's sight by no more than this many footprints behind a surface is taken to end there.
+// A ray that went out of every probe's sight by no more than this many footprints behind a surface is taken to end
+// there.
 static const float VANISHED_FOOTPRINTS = 1.5f;
 // How much worse a probe to begin with is for standing off the ray's line than for standing off its origin.
 static const float OFF_LINE = 4.0f;
@@ -123,8 +124,8 @@ static uint32_t first_corner(const search *s, const olx_grid *grid, const olx_ca
   return best;
 }
 
-// The next probe of the cage around the place to which the ray is followed. Corners are taken in steps of three, so that each is
-// far from the one before.
+// The next probe of the cage around the place to which the ray is followed. Corners are taken in steps of three, so
+// that each is far from the one before.
 static uint32_t next_corner(const search *s) {
   const olx_grid *grid = &s->field->info.grid;
   const olx_cage cage = olx_cage_at(grid, ray_point(s, s->lost));
@@ -163,8 +164,8 @@ static uint32_t next_in_leaf(const search *s) {
 // Where the ray begins or, once others have lost it, where that was.
 static olx_vec3 sought(const search *s) { return s->attempts == 0 ? s->origin : ray_point(s, s->lost); }
 
-// The probes that the bricks list for where the ray stands, and what speaks against each: to begin with the distance from the
-// origin and from the ray's line, later that from the place.
+// The probes that the bricks list for where the ray stands, and what speaks against each: to begin with the distance
+// from the origin and from the ray's line, later that from the place.
 typedef struct listed {
   const uint32_t *list;
   float cost[OLX_BRICK_PROBES];
@@ -235,7 +236,8 @@ static uint32_t nearest_that_sees(const search *s) {
   return best;
 }
 
-// The next probe that the selector names; `last` was asked before. OLX_NO_PROBE when there is none, as of all these functions.
+// The next probe that the selector names; `last` was asked before. OLX_NO_PROBE when there is none, as of all these
+// functions.
 static uint32_t next_selected(const search *s, uint32_t last) {
   switch (olx_select_resolve(s->field, s->settings->select)) {
   case OLX_SELECT_CAGE: return next_corner(s);
@@ -246,8 +248,8 @@ static uint32_t next_selected(const search *s, uint32_t last) {
   }
 }
 
-// Ask the probes that the selector names or, everywhere, whichever see the place where the ray is stuck, nearest first. True when
-// one settles the ray.
+// Ask the probes that the selector names or, everywhere, whichever see the place where the ray is stuck, nearest first.
+// True when one settles the ray.
 static bool search_probes(search *s, bool everywhere, uint32_t *probe, olx_probe_answer *answer) {
   while (s->attempts < s->limit) {
     const uint32_t next = everywhere ? nearest_that_sees(s) : next_selected(s, *probe);
@@ -307,8 +309,8 @@ static olx_trace_hit describe(const search *s, uint32_t probe, const olx_probe_a
   return hit;
 }
 
-// Where the ray leaves the scene's bounds for good, widened by what two texels on the far side of the scene span, so that
-// walls which are the bounds are met before; 0 when the bounds lie behind the ray.
+// Where the ray leaves the scene's bounds for good, widened by what two texels on the far side of the scene span, so
+// that walls which are the bounds are met before; 0 when the bounds lie behind the ray.
 static float leave_bounds(const olx_field *field, olx_vec3 origin, olx_vec3 direction) {
   const olx_vec3 room = olx_splat(field->distance_scale * 2.0f * olx_mean_texel_angle(field->n));
   const olx_vec3 low = olx_sub(field->info.scene_min, room), high = olx_add(field->info.scene_max, room);

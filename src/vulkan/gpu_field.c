@@ -80,8 +80,8 @@ static VkDeviceSize volume_bytes(const olx_volume *v) {
   return (VkDeviceSize)((const char *)(v->index + cubes) - (const char *)v->header);
 }
 
-// Pyramids, selectors, emission, lights and the volume one after the other from `first` on: shaders have them as one array of
-// words.
+// Pyramids, selectors, emission, lights and the volume one after the other from `first` on: shaders have them as one
+// array of words.
 static olx_result lay_out_words(olx_vulkan_field *gpu, const olx_field *field, VkDeviceSize first) {
   const olx_field_surfaces *s = &field->surfaces;
   const VkDeviceSize probes = field->info.probe_count,

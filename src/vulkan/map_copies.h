@@ -21,7 +21,8 @@ typedef struct olx_map_part {
   uint32_t width, height;
 } olx_map_part;
 
-// Barriers around all copies of a command buffer, to words too: they wait for all commands before, and all after wait for them.
+// Barriers around all copies of a command buffer, to words too: they wait for all commands before, and all after wait
+// for them.
 void olx_map_copies_begin(const olx_vulkan_field *gpu, VkCommandBuffer commands);
 void olx_map_copies_end(const olx_vulkan_field *gpu, VkCommandBuffer commands);
 

@@ -38,8 +38,8 @@ typedef struct frame_plan {
   uint32_t volume_probes;
 } frame_plan;
 
-// Chooses surfels for direct light. Their numbers are consecutive, and surfel 0 comes after the last. The first `before` of them
-// have call->round samples and the others one more, so that one dispatch can light all.
+// Chooses surfels for direct light. Their numbers are consecutive, and surfel 0 comes after the last. The first
+// `before` of them have call->round samples and the others one more, so that one dispatch can light all.
 static void plan_surfels(olx_relight *r, uint64_t rays, olx_gpu_relight_call *call) {
   const uint32_t count = olx_relit_take_surfels(r, rays);
   *call = (olx_gpu_relight_call){.count = count};

@@ -9,8 +9,8 @@ static const char WHAT[] = "updates of a field on the device";
 
 enum { MOST_IN_FLIGHT = 8, COPY_ALIGNMENT = 16, TEXEL_BYTES = 4, UPDATED_MAPS = 2, VOLUME_PART = 1024 };
 
-// What changes by itself is a unit: for each light field probe its tiles and its border, then parts of the volume's probes, then
-// all lights.
+// What changes by itself is a unit: for each light field probe its tiles and its border, then parts of the volume's
+// probes, then all lights.
 struct olx_vulkan_update {
   olx_vulkan_field *gpu;
   const olx_relight *relight;

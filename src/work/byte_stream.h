@@ -27,7 +27,8 @@ typedef struct olx_byte_reader {
 const void *olx_bytes_get(olx_byte_reader *from, size_t count, size_t element_bytes);
 // Copies the next elements to `elements`, which is left alone where the bytes end before.
 void olx_bytes_copy(olx_byte_reader *from, void *elements, size_t count, size_t element_bytes);
-// The next elements as an array that is the caller's, to be given to olx_release; NULL, and `failed`, where bytes or memory end.
+// The next elements as an array that is the caller's, to be given to olx_release; NULL, and `failed`, where bytes or
+// memory end.
 void *olx_bytes_take(olx_byte_reader *from, size_t count, size_t element_bytes);
 // OLX_ERROR_FORMAT unless all bytes were read and none was missing.
 olx_result olx_bytes_end(const olx_byte_reader *from, const char *name);

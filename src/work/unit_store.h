@@ -1,8 +1,9 @@
-// Work as stages of units. A unit is a pure function of the bake and of the stages before: it makes a result, which a work folder
-// can hold, so that another run, or another machine, does not make it again.
+// Work as stages of units. A unit is a pure function of the bake and of the stages before: it makes a result, which a
+// work folder can hold, so that another run, or another machine, does not make it again.
 //
-// A whole bake goes through all stages: what is in the folder is loaded, the rest is made and stored. A part makes its share of
-// each stage whose inputs are there. Joining loads everything and makes nothing. Without a store every unit is made.
+// A whole bake goes through all stages: what is in the folder is loaded, the rest is made and stored. A part makes its
+// share of each stage whose inputs are there. Joining loads everything and makes nothing. Without a store every unit is
+// made.
 #ifndef OLX_WORK_UNIT_STORE_H
 #define OLX_WORK_UNIT_STORE_H
 
@@ -58,12 +59,13 @@ bool olx_units_have_all(const olx_unit_store *store, const char *stage, uint32_t
 void olx_units_forget(olx_unit_store *store, const char *stage, uint32_t first_round, uint32_t rounds);
 
 // A whole bake loads or makes every unit, in order. A part makes those of its own that are missing, and loads none:
-// OLX_ERROR_INCOMPLETE when others are missing. A damaged file is named in a warning, and its unit made again, but OLX_ERROR_CHECKSUM
-// when joining. store may be NULL.
+// OLX_ERROR_INCOMPLETE when others are missing. A damaged file is named in a warning, and its unit made again, but
+// OLX_ERROR_CHECKSUM when joining. store may be NULL.
 olx_result olx_units_make(olx_unit_store *store, const olx_unit_stage *stage);
 // Loads every unit of a stage that is complete; a part needs that before it reads what olx_units_make left to others.
 olx_result olx_units_load(olx_unit_store *store, const olx_unit_stage *stage);
-// Stores unit 0 of a stage, which came to be as a part of another unit that is being made; it is not reported. store may be NULL.
+// Stores unit 0 of a stage, which came to be as a part of another unit that is being made; it is not reported. store
+// may be NULL.
 olx_result olx_unit_keep(olx_unit_store *store, const olx_unit_stage *stage);
 // A stage of one unit, whose result is in memory afterwards, whoever makes it.
 olx_result olx_unit_once(olx_unit_store *store, const olx_unit_stage *stage);

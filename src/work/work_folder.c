@@ -1,5 +1,5 @@
-// Files of units in a folder: found by name, written beside and renamed, checked by hashes. The folder is held open from the
-// first look at it, so that nobody can put another in its place.
+// Files of units in a folder: found by name, written beside and renamed, checked by hashes. The folder is held open
+// from the first look at it, so that nobody can put another in its place.
 #include "work/work_folder.h"
 
 #include "core/chunk_file.h"

@@ -1,7 +1,8 @@
 // A work folder: results of units, each in a file that is there whole or not at all and is checked when it is read.
 //
-// The folder belongs to one bake, which its manifest describes line by line, and to one user (mode 0700). No links are followed,
-// and no file is removed but units of stages that the manifest lists, the manifest, and temporary files of programs that are dead.
+// The folder belongs to one bake, which its manifest describes line by line, and to one user (mode 0700). No links are
+// followed, and no file is removed but units of stages that the manifest lists, the manifest, and temporary files of
+// programs that are dead.
 #ifndef OLX_WORK_WORK_FOLDER_H
 #define OLX_WORK_WORK_FOLDER_H
 
@@ -13,8 +14,8 @@ typedef struct olx_work_folder olx_work_folder;
 
 enum { OLX_UNIT_HEADER_BYTES = 64 }; // of a file, before the result
 
-// What a bake depends on, one line a thing: its name, a space, its value. Two bakes may share a folder when all lines are equal.
-// The line "stages" lists the stages whose units the folder may hold.
+// What a bake depends on, one line a thing: its name, a space, its value. Two bakes may share a folder when all lines
+// are equal. The line "stages" lists the stages whose units the folder may hold.
 typedef struct olx_manifest {
   char text[4096];
 } olx_manifest;
@@ -44,13 +45,14 @@ typedef struct olx_work_folder_settings {
   bool fresh;                   // remove units that are there, also those of another bake
 } olx_work_folder_settings;
 
-// Opens a folder, which is made unless it is there. OLX_ERROR_FILE when it is a link, another user's, open to others, in use, or
-// holds files without a manifest; OLX_ERROR_ARGUMENT when it is another bake's, with the first line that differs in the message.
+// Opens a folder, which is made unless it is there. OLX_ERROR_FILE when it is a link, another user's, open to others,
+// in use, or holds files without a manifest; OLX_ERROR_ARGUMENT when it is another bake's, with the first line that
+// differs in the message.
 olx_result olx_work_folder_open(const char *path, const olx_work_folder_settings *settings, olx_work_folder **folder);
 // NULL is allowed. Files stay.
 void olx_work_folder_close(olx_work_folder *folder);
-// Removes all units, the manifest and, when nothing else is left in it, the folder; and closes it. A folder that stays because it
-// holds something else is named in a warning.
+// Removes all units, the manifest and, when nothing else is left in it, the folder; and closes it. A folder that stays
+// because it holds something else is named in a warning.
 void olx_work_folder_remove(olx_work_folder *folder);
 
 const olx_manifest *olx_work_folder_manifest(const olx_work_folder *folder);

@@ -1,4 +1,5 @@
-# Sourced by tests of pictures whose indirect light comes from a Vulkan device (a CPU one will do): the same from the CPU.
+# Sourced by tests of pictures whose indirect light comes from a Vulkan device (a CPU one will do): the same from the
+# CPU.
 source "$(dirname "${BASH_SOURCE[0]}")/expect.sh"
 
 # What drivers keep cannot be told by name once the loader has unloaded them; test_vulkan looks for leaks.
@@ -9,8 +10,8 @@ export ASAN_OPTIONS="${ASAN_OPTIONS:-}:detect_leaks=0"
   --uncompressed 2>stderr.txt
 most_error=1e-5
 
-# compare_devices SCENE FIELD OPTIONS...: every layer agrees, under the validation layers. A run compiles every shader, which takes
-# most of this test's time: so each shows several options at once.
+# compare_devices SCENE FIELD OPTIONS...: every layer agrees, under the validation layers. A run compiles every shader,
+# which takes most of this test's time: so each shows several options at once.
 compared=0
 compare_devices() {
   local scene=$1 field=$2

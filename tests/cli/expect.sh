@@ -41,7 +41,8 @@ expect_failure() {
   tail -n 1 stderr.txt | grep -q -- "$pattern" || fail "octalux $*: no '$pattern' in the last line on standard error"
 }
 
-# expect_json EXPRESSION ARGUMENTS...: one JSON object on standard output, of which the Python expression on `o` is true.
+# expect_json EXPRESSION ARGUMENTS...: one JSON object on standard output, of which the Python expression on `o` is
+# true.
 expect_json() {
   local expression=$1
   shift

@@ -1,5 +1,5 @@
-# Sourced by tests of the viewer: a field, pictures to be judged, calls of Vulkan that fail. A display of its own is used, never the
-# user's.
+# Sourced by tests of the viewer: a field, pictures to be judged, calls of Vulkan that fail. A display of its own is
+# used, never the user's.
 source "$(dirname "${BASH_SOURCE[0]}")/expect.sh"
 unset DISPLAY WAYLAND_DISPLAY
 [ -x "$(dirname "$OCTALUX")/octalux-view" ] || { echo "this build has no viewer"; exit 77; }

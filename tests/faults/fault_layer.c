@@ -1,6 +1,6 @@
 // A Vulkan layer that makes one call fail: FAULT=submit:7:-4 lets the 7th vkQueueSubmit of the process return -4
-// (VK_ERROR_DEVICE_LOST). Calls are submit, memory (vkAllocateMemory), acquire and present; FAULT=version:1:0 makes every device
-// one of Vulkan 1.1. It counts for one device at a time.
+// (VK_ERROR_DEVICE_LOST). Calls are submit, memory (vkAllocateMemory), acquire and present; FAULT=version:1:0 makes
+// every device one of Vulkan 1.1. It counts for one device at a time.
 #include <vulkan/vk_layer.h>
 
 #include <stdatomic.h>

@@ -1,5 +1,5 @@
-// Preloaded, it stands for a disk that becomes full: after OCTALUX_DISK_BYTES bytes no regular file takes any more. Space cannot be claimed
-// beforehand.
+// Preloaded, it stands for a disk that becomes full: after OCTALUX_DISK_BYTES bytes no regular file takes any more.
+// Space cannot be claimed beforehand.
 #include <errno.h>
 #include <stdatomic.h>
 #include <stdlib.h>

@@ -1,4 +1,5 @@
-# replay.sh PROGRAMS-FOLDER TARGET: the seeds of a target of coverage-guided fuzzing, and what it found before, run once.
+# replay.sh PROGRAMS-FOLDER TARGET: the seeds of a target of coverage-guided fuzzing, and what it found before, run
+# once.
 set -euo pipefail
 shopt -s nullglob
 TMPDIR=$(mktemp -d)

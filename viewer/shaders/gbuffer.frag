@@ -35,7 +35,8 @@ vec3 mapped_normal(raster_material m) {
   return vec3(-rise_u * m.normal_scale, rise_v * m.normal_scale, 1.0);
 }
 
-// The directions of a normal map's x and y at a normal, by the vertices' tangents or, where there are none, by texture coordinates.
+// The directions of a normal map's x and y at a normal, by the vertices' tangents or, where there are none, by texture
+// coordinates.
 bool find_frame(vec3 n, out vec3 x, out vec3 y) {
   vec3 given = tangent.xyz - n * dot(tangent.xyz, n);
   if (tangent.w != 0.0 && length(given) > 1e-3) {

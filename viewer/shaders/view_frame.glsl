@@ -26,7 +26,8 @@ vec3 tone(vec3 radiance) {
   return srgb(mix(x, knee + rest * (1.0 - exp((knee - x) / rest)), greaterThan(x, vec3(knee))));
 }
 
-// What a texel of a light field probe sends to it: as the probe saw it, or its surface shaded in a field without probe light.
+// What a texel of a light field probe sends to it: as the probe saw it, or its surface shaded in a field without probe
+// light.
 vec3 seen_light(uint probe, ivec2 texel) {
   ivec3 map = olx_map_origin(probe);
   if (olx_field.irradiance_grid.count.w != 0u) return olx_texel_radiance(map, texel);

@@ -1,6 +1,6 @@
-// What the texels of a probe send to it, the faces of its octahedron, the blocks of texels that a march skips, and in it the
-// image of the picked ray: orange where whole blocks were skipped, green where texels were looked at (McGuire et al.
-// 2017, Figure 4).
+// What the texels of a probe send to it, the faces of its octahedron, the blocks of texels that a march skips, and in
+// it the image of the picked ray: orange where whole blocks were skipped, green where texels were looked at (McGuire et
+// al. 2017, Figure 4).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "view_frame.glsl"

@@ -1,6 +1,6 @@
 #version 460
-// How bright the picture is: the mean of the logarithm of its luminance, over places in a regular lattice of it. Places that are black, as
-// where nothing is seen, do not count.
+// How bright the picture is: the mean of the logarithm of its luminance, over places in a regular lattice of it. Places
+// that are black, as where nothing is seen, do not count.
 
 #define SIDE 16
 #define PLACES 4 // a thread, along each axis

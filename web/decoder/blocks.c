@@ -1,5 +1,5 @@
-// Blocks to texels in browsers whose devices do not decode them: src/block, compiled to WebAssembly (web/build.mjs). Texels
-// are those that texture units would make, but for rounding.
+// Blocks to texels in browsers whose devices do not decode them: src/block, compiled to WebAssembly (web/build.mjs).
+// Texels are those that texture units would make, but for rounding.
 #include "block/bc1.h"
 #include "block/bc4.h"
 #include "block/bc6h.h"

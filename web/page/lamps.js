@@ -1,5 +1,5 @@
-// Direct light for the picture: a spot light with a shadow for each of the strongest lamps. A lamp is a connected set of triangles
-// that emit.
+// Direct light for the picture: a spot light with a shadow for each of the strongest lamps. A lamp is a connected set
+// of triangles that emit.
 import { Box3, Color, SpotLight, Vector3 } from 'three';
 
 const MOST_LAMPS = 3;

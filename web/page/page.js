@@ -116,8 +116,8 @@ function resizePicture(by) {
   picture.resize(Math.max(1, Math.round(innerWidth * ratio)), Math.max(1, Math.round(innerHeight * ratio)));
 }
 
-// While things move, pictures are as large as frames of this length allow. Once all is still they are whole, and as many rows at a time
-// are drawn as that length allows.
+// While things move, pictures are as large as frames of this length allow. Once all is still they are whole, and as
+// many rows at a time are drawn as that length allows.
 function chooseSize(frameSeconds) {
   const moving = seconds() - lastChange < STILL_SECONDS, more = SLOWEST_FRAME / Math.max(frameSeconds, 1e-3);
   if (moving) scale = Math.max(LEAST_SCALE, Math.min(1, scale * Math.sqrt(more)));
@@ -148,7 +148,8 @@ function draw() {
   state.frames++;
 }
 
-// ---- Stages: diffuse light first; then glossy light, drawn over it by shaders of its own, which compile while one looks around.
+// ---- Stages: diffuse light first; then glossy light, drawn over it by shaders of its own, which compile while one
+// looks around.
 
 // A small picture first: frames tell how much a device can draw at a time.
 function drawFirst() {
@@ -157,7 +158,8 @@ function drawFirst() {
   picture.draw(scenes, camera, field);
 }
 
-// A shader for each set of textures would be as many to compile, and one takes long: so where one surface has a texture, all do.
+// A shader for each set of textures would be as many to compile, and one takes long: so where one surface has a
+// texture, all do.
 function fillTextures() {
   const materials = new Set(), white = new DataTexture(new Uint8Array(4).fill(255), 1, 1);
   white.needsUpdate = true;
@@ -168,7 +170,8 @@ function fillTextures() {
   }
 }
 
-// Depth before light, so that what is hidden is not lit. It lies a little behind the surfaces, which are drawn by other shaders.
+// Depth before light, so that what is hidden is not lit. It lies a little behind the surfaces, which are drawn by other
+// shaders.
 function addDepth() {
   const made = new Map();
   room.updateMatrixWorld();
@@ -301,7 +304,8 @@ async function start() {
   byId('loading').hidden = true;
 }
 
-// A layer of indirect light alone as `octalux render --centered` has it with so many glossy samples: RGBA floats in base64.
+// A layer of indirect light alone as `octalux render --centered` has it with so many glossy samples: RGBA floats in
+// base64.
 function readLayer(layer, width, height, samples) {
   const { uniforms } = field, before = { emitters: uniforms.olx_emitters.value, left: uniforms.olx_left.value };
   const shot = camera.clone();

@@ -66,7 +66,8 @@ export class Picture {
     this.renderer.autoClear = true;
   }
 
-  // Draws a share of the next frame's rows. A whole frame, shifted by part of a pixel, joins the mean; until then the last one is shown.
+  // Draws a share of the next frame's rows. A whole frame, shifted by part of a pixel, joins the mean; until then the
+  // last one is shown.
   draw(scenes, camera, field, share = 1) {
     const { width, height } = this.frame, index = this.count, end = Math.min(this.rows + Math.ceil(share * height), height);
     this.frame.scissorTest = true;

@@ -1,4 +1,6 @@
 // Blocks of 4 x 4 texels to texels, by the runtime's own C compiled to WebAssembly.
+//
+// SPDX-License-Identifier: MIT
 import { DECODER } from './decoder_wasm.js';
 
 const KINDS = {

@@ -1,5 +1,7 @@
-// Reads field files (.olx, version 2) as docs/format.md describes them. What is not wanted for drawing, such as hashes and
-// classic maps, is not looked at. Arrays are views of the given buffer.
+// Reads field files (.olx, version 2) as docs/format.md describes them. What is not wanted for drawing, such as hashes
+// and classic maps, is not looked at. Arrays are views of the given buffer.
+//
+// SPDX-License-Identifier: MIT
 
 const MAGIC = [0x89, 0x4f, 0x4c, 0x58, 0x0d, 0x0a, 0x1a, 0x0a];
 const PACKED_MAGIC = [0x89, 0x4f, 0x4c, 0x5a];
@@ -88,8 +90,8 @@ function checkInfo(info) {
   need(!info.grid || info.grid.count.reduce((a, b) => a * b) === probes, 'a grid of another number of probes');
 }
 
-// Where the levels of a probe's pyramid of smallest distances begin, the finest first, and its nodes. Geometry blocks take
-// the place of the finest level where there is another.
+// Where the levels of a probe's pyramid of smallest distances begin, the finest first, and its nodes. Geometry blocks
+// take the place of the finest level where there is another.
 function pyramidOf(n, overBlocks) {
   const sides = NODE_SIDES.filter((side) => side === 4 || n >= 4 * side), first = [];
   let nodes = 0;

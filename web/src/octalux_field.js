@@ -1,11 +1,14 @@
 // A baked light field that lights materials of three.js.
+//
+// SPDX-License-Identifier: MIT
 import { AddEquation, CustomBlending, EqualDepth, OneFactor, Vector2, Vector3, Vector4 } from 'three';
 import { FieldError, parseField } from './field_file.js';
 import { patchShader } from './shading.js';
 import { fieldUniforms } from './textures.js';
 
 const PARTS = ['all', 'diffuse', 'glossy'];
-// How glossy light alone is added to what is drawn: once, not back and front in turn, for which there would be two shaders.
+// How glossy light alone is added to what is drawn: once, not back and front in turn, for which there would be two
+// shaders.
 const ADDED = {
   transparent: true, forceSinglePass: true, blending: CustomBlending, blendEquation: AddEquation, blendSrc: OneFactor, blendDst: OneFactor,
   depthWrite: false, depthFunc: EqualDepth,

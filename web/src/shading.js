@@ -1,4 +1,6 @@
 // How a field's light enters the shaders of three.js's standard and physical materials.
+//
+// SPDX-License-Identifier: MIT
 import { LIBRARY } from './library.js';
 
 // Glossy light is added where depths are equal, by another shader than drew them.
@@ -37,8 +39,8 @@ vec2 olx_pixel_random() {
   return olx_stratified2(olx_sample_index, olx_hash2(olx_hash2(pixel.x, pixel.y), 0x85EBCA6Bu + 3u));
 }
 
-// Where the ray through the middle of the pixel meets the plane of the triangle. What is interpolated lies on that plane, but beside
-// that point: devices first move corners to parts of a pixel, a sixteenth or less.
+// Where the ray through the middle of the pixel meets the plane of the triangle. What is interpolated lies on that
+// plane, but beside that point: devices first move corners to parts of a pixel, a sixteenth or less.
 vec3 olx_pixel_position() {
   vec3 drawn = olx_world_position, x = dFdx(drawn), y = dFdy(drawn), plane = cross(x, y);
   vec2 at = (gl_FragCoord.xy - olx_viewport.xy) / olx_viewport.zw * 2.0 - 1.0;

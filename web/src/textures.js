@@ -1,4 +1,6 @@
 // A parsed field as textures and uniforms, as shaders/lib/data.glsl reads them.
+//
+// SPDX-License-Identifier: MIT
 import {
   CompressedArrayTexture, DataArrayTexture, DataTexture, HalfFloatType, NearestFilter, RED_GREEN_RGTC2_Format, RGBAFormat,
   RGBAIntegerFormat, RGB_BPTC_UNSIGNED_Format, RGB_S3TC_DXT1_Format, RGBFormat, RGFormat, RedIntegerFormat, UnsignedByteType,
@@ -30,7 +32,8 @@ const TEXELS = {
   indirect: { format: RGBFormat, type: UnsignedInt5999Type, channels: 1 },
 };
 
-// How many maps lie beside each other in a layer, so that layers are not too many and not too large; one where that will do.
+// How many maps lie beside each other in a layer, so that layers are not too many and not too large; one where that
+// will do.
 export function mapsASide(maps, stride, limits) {
   for (let side = 1; side * stride <= limits.size; side++) {
     if (Math.ceil(maps / side ** 2) <= limits.layers) return side;

@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// What the passes read for a pixel: the diffuse light's filtered reads and texels, the glossy ray's fetches, steps and probes.
+// What the passes read for a pixel: the diffuse light's filtered reads and texels, the glossy ray's fetches, steps and
+// probes.
 #include "bench_surface.glsl"
 
 float depth_at(ivec2 pixel) { return texelFetch(depths, pixel, 0).r; }

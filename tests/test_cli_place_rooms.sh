@@ -11,4 +11,11 @@ grep -q '^  unreached  .* m2  of surface.*no opening of 0.5 m' stdout.txt || fai
 # One room of sixteen: its floor, ceiling and walls, and both sides of what stands in it.
 python3 -c 'import json; report = json.load(open("probes.json"))["report"]; print(json.dumps(report))' |
   holds '250 < unreached_m2 < 350 and coverage >= 0.997' || fail "the report does not fit the sealed room"
+# A room of another unit is as large to its voxels as in metres: a hundred times the size is one tile, too.
+echo '{"model": "builtin:pillars", "scale": 100}' >centimetres.json
+expect 0 place centimetres.json -o large.json
+python3 -c 'import json; report = json.load(open("large.json"))["report"]; print(json.dumps(report))' |
+  holds 'coverage >= 0.998' || fail "a room in centimetres is not covered"
+expect 0 place centimetres.json -o large.json --json
+holds 'tiles == 1 and voxel_metres > 2' <stdout.txt || fail "a room in centimetres is cut into tiles"
 finish

@@ -31,12 +31,9 @@ check 'p[0].width == 96 and p[0].height == 80 and not uniform(p[0]) and mean(p[0
 expect 0 render builtin:cornell-glossy --field cornell.olx --spp 1 --size 96x80 -o cpu.png
 check 'differing(p[0], p[1]) < 0.3 and abs(mean(p[0]) / mean(p[1]) - 1) < 0.1' one.png cpu.png
 
-# An exposure that follows the picture makes a dim one bright, and one that was given stays.
-expect 0 "${view[@]}" --offscreen --frames 2 --auto-exposure --screenshot followed.png
-expect 0 "${view[@]}" --offscreen --exposure 0.05 --screenshot dim.png
-expect 0 "${view[@]}" --offscreen --frames 2 --exposure 0.05 --auto-exposure --screenshot dim-followed.png
-check 'mean(p[0]) > 1.2 * mean(p[1]) and mean(p[1]) > 3 * mean(p[2])' followed.png one.png dim.png
-check 'abs(mean(p[0]) / mean(p[1]) - 1) < 0.02' followed.png dim-followed.png
+# An exposure that follows the picture makes one bright that a twentieth of the light would leave dark.
+expect 0 "${view[@]}" --offscreen --frames 2 --exposure 0.05 --auto-exposure --screenshot followed.png
+check 'mean(p[0]) > 1.2 * mean(p[1])' followed.png one.png
 
 # A field without probe light: its picture, and what its texels hold in a map; what else is shown of probe light is
 # refused, and the key skips it.

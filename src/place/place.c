@@ -7,6 +7,7 @@
 #include "field/field_file.h"
 #include "place/cover.h"
 #include "place/grid.h"
+#include "place/headroom.h"
 #include "place/marks.h"
 #include "place/measure.h"
 #include "place/optimize.h"
@@ -18,7 +19,10 @@
 #include <octalux/place.h>
 
 #define VOXEL_METRES 0.25f // of space in tiles, unless the settings say otherwise
-#define SMALL_VOXELS 160u  // along the longest side of space that is one tile, unless
+// Voxels between a floor and what is above it, at most: a door is a third as wide, and models in other units than metres
+// get voxels of their own.
+#define VOXELS_OVERHEAD 12.0f
+#define SMALL_VOXELS 160u // along the longest side of space that is one tile, unless
 #define OPTIMIZE_SURFELS 2048u
 #define OPTIMIZE_BYTES ((uint64_t)256 << 20) // of the fitness of all surfels for all probes
 
@@ -325,12 +329,14 @@ static olx_result find_space(const olx_scene *scene, const olx_place_settings *s
   olx_box box;
   OLX_TRY(olx_space_box(scene, &box));
   const olx_vec3 extent = olx_sub(box.max, box.min);
-  const float size = s->voxel_size > 0.0f ? s->voxel_size : VOXEL_METRES, along = olx_max3(extent) / size;
+  const bool sized = s->voxel_size > 0.0f;
+  const float size = sized ? s->voxel_size : olx_max(VOXEL_METRES, olx_headroom(scene) / VOXELS_OVERHEAD),
+              along = olx_max3(extent) / size;
   const bool tiled = s->optimize == OLX_OPTIMIZE_NONE && (s->method == OLX_PLACE_COVER || s->method == OLX_PLACE_GRID);
   if (s->voxels) return olx_world_create_small(scene, s->voxels, s->threads, world);
   if (along > (float)SMALL_VOXELS && tiled) return olx_world_create_tiled(scene, size, s->threads, world);
   uint32_t resolution = SMALL_VOXELS;
-  if (s->voxel_size > 0.0f) resolution = (uint32_t)olx_clamp(ceilf(along), 1.0f, (float)OLX_PLACE_VOXELS_MOST);
+  if (sized) resolution = (uint32_t)olx_clamp(ceilf(along), 1.0f, (float)OLX_PLACE_VOXELS_MOST);
   return olx_world_create_small(scene, resolution, s->threads, world);
 }
 

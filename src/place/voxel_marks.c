@@ -10,6 +10,7 @@ enum { TRIANGLES_A_JOB = 1024 };
 typedef struct mark_job {
   const olx_scene *scene;
   const olx_lattice *lattice;
+  bool whole; // alpha masks are ignored
   olx_mark_cell mark;
   void *user;
 } mark_job;
@@ -118,14 +119,14 @@ static void triangles_job(void *user, uint32_t index) {
   const olx_scene *scene = job->scene;
   const uint32_t first = index * TRIANGLES_A_JOB;
   for (uint32_t t = first; t < first + TRIANGLES_A_JOB && t < scene->triangle_count; t++) {
-    if (scene->materials[scene->material_index[t]].alpha_cutoff > 0.0f) mark_masked(job, t);
+    if (!job->whole && scene->materials[scene->material_index[t]].alpha_cutoff > 0.0f) mark_masked(job, t);
     else mark_triangle(job, t);
   }
 }
 
-olx_result olx_mark_cells(const olx_scene *scene, const olx_lattice *lattice, uint32_t threads, olx_mark_cell mark,
-                          void *user) {
-  mark_job job = {scene, lattice, mark, user};
+olx_result olx_mark_cells(const olx_scene *scene, const olx_lattice *lattice, bool whole, uint32_t threads,
+                          olx_mark_cell mark, void *user) {
+  mark_job job = {scene, lattice, whole, mark, user};
   const uint32_t jobs = (scene->triangle_count + TRIANGLES_A_JOB - 1) / TRIANGLES_A_JOB;
   return olx_parallel_for(jobs, threads, triangles_job, &job, NULL, 0);
 }

@@ -14,9 +14,10 @@ typedef struct olx_lattice {
 // Called for a cube that a surface touches, from any thread, several times or several at once for one cube.
 typedef void (*olx_mark_cell)(void *user, const int32_t cell[3]);
 
-// Mark every cube that a triangle touches, conservatively; of an alpha-masked one those alone where its surface is
-// there.
-olx_result olx_mark_cells(const olx_scene *scene, const olx_lattice *lattice, uint32_t threads, olx_mark_cell mark,
-                          void *user);
+// Mark every cube that a triangle touches, conservatively. Of an alpha-masked one only those cubes are marked in which
+// samples find its surface present, or with `whole` all of them: samples that are too far apart for large cubes would
+// miss some.
+olx_result olx_mark_cells(const olx_scene *scene, const olx_lattice *lattice, bool whole, uint32_t threads,
+                          olx_mark_cell mark, void *user);
 
 #endif

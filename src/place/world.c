@@ -119,9 +119,9 @@ static olx_result mark_world(olx_world *w, uint32_t threads) {
   // So that no voxel is marked whose brick is not.
   coarse.slack = 0.01f + w->lattice.slack;
   for (int axis = 0; axis < 3; axis++) coarse.count[axis] = w->bricks[axis];
-  OLX_TRY(olx_mark_cells(w->scene, &coarse, threads, mark_brick, w));
+  OLX_TRY(olx_mark_cells(w->scene, &coarse, true, threads, mark_brick, w));
   OLX_TRY(store_bricks(w));
-  return olx_mark_cells(w->scene, &w->lattice, threads, mark_voxel, w);
+  return olx_mark_cells(w->scene, &w->lattice, false, threads, mark_voxel, w);
 }
 
 olx_result olx_world_create(const olx_scene *scene, olx_box box, const olx_lattice *lattice, const uint32_t begin[3],

@@ -25,6 +25,7 @@ renderer.shadowMap.autoUpdate = false; // they change with the ball alone
 const depth = new Scene(), scene = new Scene(), shine = new Scene(), scenes = [depth, scene]; // drawn one after the other
 const picture = new Picture(renderer), shadowed = new Vector3(NaN); // where the ball was when shadows were drawn
 let room, field, camera, ball, walk, probes, carried = null, scale = LEAST_SCALE, share = LEAST_SHARE, lastChange = 0, lastFrame = 0;
+let pending = null, begun = 0; // what the device still draws, and since when
 
 function changed() {
   lastChange = seconds();
@@ -136,15 +137,35 @@ function place() {
   byId('line').style.left = `${split.value / 10}%`;
 }
 
+// Whether the device is still at what it was given last. Calls return long before it is done, so that nothing else tells
+// how long a frame takes, and more would pile up behind it.
+function isBusy() {
+  const gl = renderer.getContext();
+  if (!pending || gl.getSyncParameter(pending, gl.SYNC_STATUS) !== gl.SIGNALED) return pending !== null;
+  gl.deleteSync(pending);
+  pending = null;
+  return false;
+}
+
+function submit() {
+  const gl = renderer.getContext();
+  pending = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+  gl.flush();
+  begun = seconds();
+}
+
 function draw() {
   requestAnimationFrame(draw);
-  const now = seconds(), passed = Math.min(now - lastFrame, 0.2);
+  const now = seconds();
+  walk.advance(Math.min(now - lastFrame, 0.2));
   lastFrame = now;
-  walk.advance(passed);
-  const rows = chooseSize(passed);
+  if (isBusy()) return;
+  const rows = chooseSize(begun ? now - begun : SLOWEST_FRAME);
+  begun = 0;
   if (picture.settled) return;
   place();
   picture.draw(scenes, camera, field, rows);
+  submit();
   state.frames++;
 }
 

@@ -1,0 +1,11 @@
+// How high the rooms of a scene are, by which voxels are as fine as doors in whatever unit a model was made.
+#ifndef OLX_PLACE_HEADROOM_H
+#define OLX_PLACE_HEADROOM_H
+
+#include "scene/scene_data.h"
+
+// The median distance in metres from floors to what is above them, over floors by area; 0 where less than a tenth of them
+// have anything above.
+float olx_headroom(const olx_scene *scene);
+
+#endif

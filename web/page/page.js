@@ -9,7 +9,7 @@ import { addLamps } from './lamps.js';
 import { Picture } from './picture.js';
 import { Walk } from './walk.js';
 
-const MOST_PIXEL_RATIO = 2, SLOWEST_FRAME = 1 / 20, LEAST_SCALE = 0.3, LEAST_SHARE = 1 / 32, STILL_SECONDS = 0.25, KEY = 0.2;
+const MOST_PIXEL_RATIO = 2, SLOWEST_FRAME = 1 / 20, LEAST_SCALE = 0.3, LEAST_SHARE = 1 / 32, TOO_SLOW = 0.25, STILL_SECONDS = 0.25, KEY = 0.2;
 
 const byId = (id) => document.getElementById(id);
 const seconds = () => performance.now() / 1000;
@@ -25,6 +25,7 @@ renderer.shadowMap.autoUpdate = false; // they change with the ball alone
 const depth = new Scene(), scene = new Scene(), shine = new Scene(), scenes = [depth, scene]; // drawn one after the other
 const picture = new Picture(renderer), shadowed = new Vector3(NaN); // where the ball was when shadows were drawn
 let room, field, camera, ball, walk, probes, carried = null, scale = LEAST_SCALE, share = LEAST_SHARE, lastChange = 0, lastFrame = 0;
+let glossyMoves = true; // whether reflections are drawn while things move
 let pending = null, begun = 0; // what the device still draws, and since when
 
 function changed() {
@@ -117,10 +118,13 @@ function resizePicture(by) {
   picture.resize(Math.max(1, Math.round(innerWidth * ratio)), Math.max(1, Math.round(innerHeight * ratio)));
 }
 
-// While things move, pictures are as large as frames of this length allow. Once all is still they are whole, and as
-// many rows at a time are drawn as that length allows.
-function chooseSize(frameSeconds) {
-  const moving = seconds() - lastChange < STILL_SECONDS, more = SLOWEST_FRAME / Math.max(frameSeconds, 1e-3);
+const isMoving = () => seconds() - lastChange < STILL_SECONDS;
+
+// While things move, pictures are as large as frames of this length allow, and have no reflections where the smallest
+// ones are too slow. Once all is still they are whole, and as many rows at a time are drawn as that length allows.
+function chooseSize(frameSeconds, moving) {
+  const more = SLOWEST_FRAME / Math.max(frameSeconds, 1e-3);
+  if (moving && scale === LEAST_SCALE && frameSeconds > TOO_SLOW) glossyMoves = false;
   if (moving) scale = Math.max(LEAST_SCALE, Math.min(1, scale * Math.sqrt(more)));
   else share = Math.max(LEAST_SHARE, Math.min(1, share * more));
   resizePicture(moving ? scale : 1);
@@ -160,11 +164,11 @@ function draw() {
   walk.advance(Math.min(now - lastFrame, 0.2));
   lastFrame = now;
   if (isBusy()) return;
-  const rows = chooseSize(begun ? now - begun : SLOWEST_FRAME);
+  const moving = isMoving(), rows = chooseSize(begun ? now - begun : SLOWEST_FRAME, moving);
   begun = 0;
   if (picture.settled) return;
   place();
-  picture.draw(scenes, camera, field, rows);
+  picture.draw(moving && !glossyMoves ? [depth, scene] : scenes, camera, field, rows);
   submit();
   state.frames++;
 }

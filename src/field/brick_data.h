@@ -33,9 +33,9 @@ _Static_assert(sizeof(olx_bricks_header) == 64, "docs/format.md");
 // Pointers into the structure. Lists hold probes, best first; every number is in range once olx_bricks_open has passed.
 typedef struct olx_bricks {
   const olx_bricks_header *header; // NULL: the field has none
-  const uint32_t *index;           // a brick: its list, or OLX_BRICK_DIVIDED and which of the divided ones it is
-  const uint32_t *cells;           // a divided brick: OLX_BRICK_CELL_WORDS, two lists a word, the first in the low half
-  const uint32_t *lists;           // of a list: OLX_BRICK_LIST_WORDS, two probes a word, the first in the low half
+  const uint32_t *index;           // number of a brick's list, or OLX_BRICK_DIVIDED and its number among the divided
+  const uint32_t *cells;           // of a divided brick: OLX_BRICK_CELL_WORDS, two list numbers a word, low half first
+  const uint32_t *lists;           // of a list: OLX_BRICK_LIST_WORDS, two probes a word, low half first
 } olx_bricks;
 
 // Checks all of a structure and points into it. `name` begins the message.

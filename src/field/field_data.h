@@ -51,7 +51,7 @@ struct olx_field {
 
   uint32_t irradiance_n, irradiance_stride;
   size_t irradiance_texels;
-  const uint32_t *irradiance; // R11G11B10F, W/m^2, indirect light only: emitters and sky left out; or, where this is NULL:
+  const uint32_t *irradiance; // R11G11B10F, W/m^2, indirect light only, no emitters and sky; where NULL, see harmonics
   const uint16_t *harmonics;  // half floats, `harmonic_halves` a probe
   uint32_t bands, harmonic_halves; // 0 for maps
   const uint32_t *moments;    // half floats: mean distance (low 16 bits), mean squared distance; the sky counts as 1

@@ -20,7 +20,7 @@ typedef struct olx_field_header {
   size_t volume_bytes; // of the structure; 0 without a volume
   const olx_vec3 *volume_positions;
   bool relight; // the data for relighting will be written last; its size is not known before
-  const uint32_t *classic_table; // of classic maps, OLX_CLASSIC_TABLE_ENTRIES; NULL, and info.classic_size 0, without them
+  const uint32_t *classic_table; // of classic maps, OLX_CLASSIC_TABLE_ENTRIES; NULL where info.classic_size is 0
 } olx_field_header;
 
 // The surfaces that a light field probe sees, row by row, without border, in the codes that field/texels.h reads.

@@ -1,11 +1,12 @@
-// One more sample of direct light for surfels whose turn it is, each at another of its points, into a running mean.
+// Adds one sample of direct light to the mean of each surfel whose turn it is; each sample is at another of the
+// surfel's points.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "relight_rays.glsl"
 
 const uint SALT_SURFEL = 0x53464C52u;
 
-// A sample into the running mean of `round` of them.
+// Adds a sample to the running mean of `round` samples, and stores it.
 void add_sample(uint at, vec3 found, uint round) {
   vec3 before = state_vector(at);
   set_state(at, before + (found - before) * (1.0 / float(round + 1u)));

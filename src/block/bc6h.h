@@ -17,7 +17,7 @@ enum {
   OLX_BC6H_SHAPES = 32,
   OLX_BC6H_TWO_REGION_MODES = 10,
   OLX_BC6H_MOST_RUNS = 23,
-  OLX_BC6H_BLACK = 3 // first word of the block that the encoder makes of nothing; the others are 0
+  OLX_BC6H_BLACK = 3 // first word of the encoder's black block, in which no texel counts; its other words are 0
 };
 
 // A run of bits of a block: it belongs to the number `of` (channel + 3 end), from that number's bit `first` on.

@@ -181,7 +181,7 @@ static olx_vec3 weighted_irradiance(const olx_irradiance_source *s, const olx_ir
   for (uint32_t i = 0; i < weights->count; i++) {
     sum = olx_madd(sum, probe_irradiance(s, weights->probe[i], &taps), weights->weight[i]);
   }
-  return s->bands ? olx_max_each(sum, olx_splat(0.0f)) : sum; // probes' ringing may cancel before it is cut off
+  return s->bands ? olx_max_each(sum, olx_splat(0.0f)) : sum; // the ringing of probes may cancel: only the sum is cut
 }
 
 olx_vec3 olx_irradiance_terms(const olx_irradiance_source *s, uint32_t terms, bool keep_buried, olx_vec3 position,

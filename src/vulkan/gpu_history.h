@@ -18,8 +18,8 @@ typedef struct olx_gpu_history {
   VkDeviceMemory memory;
 } olx_gpu_history;
 
-// Creates images without memory; olx_gpu_history_bind adds memory and views. After a failure olx_gpu_history_destroy
-// must still be called.
+// Creates images without memory; olx_gpu_history_allocate adds memory and views. After a failure
+// olx_gpu_history_destroy must still be called.
 olx_result olx_gpu_history_begin(const olx_vulkan_context *context, uint32_t width, uint32_t height, uint32_t lobes,
                                  olx_gpu_history *history);
 olx_result olx_gpu_history_allocate(const olx_vulkan_context *context, olx_gpu_history *history);

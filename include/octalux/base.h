@@ -20,13 +20,13 @@ extern "C" {
 #define OLX_VERSION_MINOR 1
 #define OLX_VERSION_PATCH 0
 
-// Version of the library that is linked, as "major.minor.patch". Never NULL; static storage.
+// Returns the version of the linked library as "major.minor.patch". Never NULL; static storage.
 const char *olx_version(void);
 
-// What every fallible call returns. Anything that comes from outside (files, memory, settings) is answered with one of
-// these. An index or enumerator out of range is answered with the value that its function documents, and a name with
-// "unknown"; nothing is read out of bounds. NULL handles are programming mistakes: they assert in debug builds, and
-// release builds hold no assertion that could end the host.
+// The result of every fallible call. Anything from outside (files, memory, settings) leads to one of these. An index or
+// enumerator out of range leads to the value that the function documents, and to the name "unknown"; nothing is read
+// out of bounds. NULL handles are programming errors: they assert in debug builds, and release builds hold no assertion
+// that could end the host.
 typedef enum olx_result {
   OLX_OK = 0,
   OLX_ERROR_ARGUMENT = 1,    // a setting outside its documented range
@@ -35,18 +35,18 @@ typedef enum olx_result {
   OLX_ERROR_FORMAT = 4,      // a file is not what its name or header says, or contradicts itself
   OLX_ERROR_VERSION = 5,     // a file was written by another, incompatible version
   OLX_ERROR_CHECKSUM = 6,    // stored and computed checksum differ
-  OLX_ERROR_UNSUPPORTED = 7, // well formed, but not something this build can do
-  OLX_ERROR_EMPTY = 8,       // a scene or field without anything to work on
+  OLX_ERROR_UNSUPPORTED = 7, // well formed, but not supported by this build
+  OLX_ERROR_EMPTY = 8,       // a scene or field with nothing to work on
   OLX_ERROR_CANCELLED = 9,   // the progress callback asked to stop
   OLX_ERROR_GPU = 10,        // the graphics device refused or was lost
-  OLX_ERROR_INCOMPLETE = 11  // results that others are to make are not there yet: try again later (octalux/bake.h)
+  OLX_ERROR_INCOMPLETE = 11  // results of other bakes are not there yet: try again later (octalux/bake.h)
 } olx_result;
 
-// A short English name of the result ("out of memory"). Never NULL; static storage.
+// Returns a short English name of the result ("out of memory"). Never NULL; static storage.
 const char *olx_result_name(olx_result result);
 
-// The message of the last failed call on this thread, saying what failed and where; "" when none failed yet. Valid
-// until the next failing call on the same thread.
+// Returns the message of the last failed call on this thread, saying what failed and where; "" when none has failed.
+// Valid until the next failing call on the same thread.
 const char *olx_last_error(void);
 
 typedef struct olx_vec2 {
@@ -61,8 +61,8 @@ typedef struct olx_vec3 {
   float x, y, z;
 } olx_vec3;
 
-// No position may have a coordinate farther than this from 0: what lies beyond is refused, or left out of a scene with
-// a warning. Scenes far from 0 keep their positions relative to an origin of their own (octalux/scene.h).
+// No position may have a coordinate farther than this from 0: positions beyond are refused, or left out of a scene with
+// a warning. Scenes far from 0 store their positions relative to an origin of their own (octalux/scene.h).
 #define OLX_POSITION_LIMIT_METRES 2e7
 
 typedef enum olx_log_level { OLX_LOG_INFO = 0, OLX_LOG_WARNING = 1, OLX_LOG_ERROR = 2 } olx_log_level;

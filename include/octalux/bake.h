@@ -15,7 +15,7 @@ extern "C" {
 // Sources of the indirect light of irradiance probes (docs/baking.md).
 typedef enum olx_bounce_gather {
   OLX_GATHER_SOLVED = 0, // the light of the scene, solved once; with OLX_LIGHT_REFERENCE, OLX_GATHER_IRRADIANCE
-  OLX_GATHER_IRRADIANCE, // bounces between them: the irradiance maps of the bounce before (McGuire et al. 2017, section 5.2)
+  OLX_GATHER_IRRADIANCE, // bounces between irradiance probes: maps of the last bounce (McGuire et al. 2017, sec. 5.2)
   OLX_GATHER_TRACED      // bounces between irradiance probes: rays, which read what probes stored of the last bounce
 } olx_bounce_gather;
 
@@ -80,7 +80,7 @@ typedef struct olx_bake_settings {
   bool classic;             // also make classic maps, those of the baseline (docs/baking.md); default false
   uint32_t classic_size;    // texels along a side of classic maps: a power of two, 32 to 256; default 128
   uint32_t classic_cube_size; // along a face of their source cube maps: a power of two, 32 to 1024; default 256
-  uint32_t classic_sharpness; // exponent of the filter between the two, 64 to 65536; 0, the default: as wide as a texel
+  uint32_t classic_sharpness; // exponent of the filter from cube maps, 64 to 65536; 0, the default: as wide as a texel
   bool relight;                    // also keep what it takes to change lights later (octalux/relight.h); needs OLX_LIGHT_CACHE; default false
   bool fit;                        // fit irradiance maps to the surfaces they light (docs/baking.md); default true
   uint32_t seed;                   // of the random numbers; a second seed gives an idea of a bake's noise; default 0

@@ -39,14 +39,14 @@ typedef struct olx_bake_unit {
 // Where a bake stores the results of its units, so that it can continue after it was stopped or killed, or be divided
 // between machines (docs/baking.md, "Bakes that resume"). The bytes of the field do not depend on it.
 typedef struct olx_bake_work {
-  const char *folder;   // the caller's; NULL, the default: nothing is kept. Made unless it is there; it must be this user's, with mode
-                        // 0700, no link, and empty or a work folder of the same bake
+  const char *folder;   // the caller's; NULL, the default: nothing is stored. Created if missing; must belong to this
+                        // user with mode 0700, must not be a link, and must be empty or a work folder of the same bake
   bool fresh;           // discard what the folder holds, even of another bake; default false
   bool keep;            // leave the folder as it is when the field is written; default false: it is removed
-  uint64_t limit_bytes; // that results take at most: beyond it a whole bake keeps no more, with a warning, and a part fails with
-                        // OLX_ERROR_FILE; 0, the default: no bound
-  uint32_t part, parts; // make the share `part`, from 1 to `parts`, of the units whose inputs are there, and write no field;
-                        // 0, the default: a whole bake
+  uint64_t limit_bytes; // the most for all results: beyond it a whole bake stores no more, with a warning, and a part
+                        // fails with OLX_ERROR_FILE; 0, the default: no limit
+  uint32_t part, parts; // compute the share `part`, from 1 to `parts`, of the units whose inputs exist, and write no
+                        // field; 0, the default: a whole bake
   void (*done)(void *user, const olx_bake_unit *unit); // called after each unit, on the thread that bakes; NULL, the default: not wanted
   void *user;                                          // passed to `done`
 } olx_bake_work;
@@ -55,9 +55,9 @@ typedef struct olx_bake_settings {
   olx_grid grid;            // grid of light field probes; olx_bake_settings_default sets it to the scene's grid
   const olx_vec3 *probes;   // light field probes anywhere instead of on `grid`, metres; the caller's; default NULL
   uint32_t probe_count;     // of `probes`, 1 to 2^20
-  uint32_t select_mask;     // bit (1 << olx_select) for each structure to bake in (octalux/field.h), 0 for what fits best:
-                            // cage for a grid, bricks for `probes`. Bricks are there whatever is said, with up to 65535
-                            // probes. The cage needs the grid. Default 0
+  uint32_t select_mask;     // bit (1 << olx_select) for each structure to bake in (octalux/field.h); 0 for the best:
+                            // cage for a grid, bricks for `probes`. Bricks are always baked with up to 65535 probes.
+                            // The cage needs the grid. Default 0
   uint32_t radiance_size;   // texels along a side: a power of two, 8 to 2048; default 512
   // Also store light as probes see it (McGuire et al. 2017): the radiance that each light field probe saw (section 3),
   // and irradiance probes with filtered visibility (section 5.2). OLX_HITS_STORED, OLX_DIFFUSE_IRRADIANCE and
@@ -77,11 +77,11 @@ typedef struct olx_bake_settings {
   uint32_t reference_paths; // paths a texel, with OLX_LIGHT_REFERENCE, 1 to 65536; default 64
   uint32_t volume_cells;    // smallest cells of the irradiance volume along the longest side of free space, 0 to 256, and
                             // at most radiance_size / 16; 0, or OLX_LIGHT_REFERENCE: no volume. Default 32
-  bool classic;             // also make classic maps, those of the baseline (docs/baking.md); default false
+  bool classic;             // also bake classic maps: irradiance probes without visibility (docs/baking.md); default no
   uint32_t classic_size;    // texels along a side of classic maps: a power of two, 32 to 256; default 128
   uint32_t classic_cube_size; // along a face of their source cube maps: a power of two, 32 to 1024; default 256
   uint32_t classic_sharpness; // exponent of the filter from cube maps, 64 to 65536; 0, the default: as wide as a texel
-  bool relight;                    // also keep what it takes to change lights later (octalux/relight.h); needs OLX_LIGHT_CACHE; default false
+  bool relight;                    // also store the data for relighting (octalux/relight.h); needs OLX_LIGHT_CACHE; off
   bool fit;                        // fit irradiance maps to the surfaces they light (docs/baking.md); default true
   uint32_t seed;                   // of the random numbers; a second seed gives an idea of a bake's noise; default 0
   uint32_t threads;                // 0: as many as the machine has; the result does not depend on it
@@ -131,13 +131,13 @@ typedef struct olx_bake_stats {
 // The sizes of a bake, computed by the code that allocates and lays out, without casting a ray.
 typedef struct olx_bake_sizes {
   uint64_t probes, irradiance_probes; // irradiance_probes is 0 without probe light
-  uint64_t file_bytes; // what the description makes certain. On top come structures of other selectors than the cage, the
-                       // irradiance volume, up to 4 bytes a texel where probes see emitters or the sky, and planes of
-                       // fine surfaces, up to a third of a byte a texel in the scenes that were measured and 8 at most
+  uint64_t file_bytes; // what the description determines. Not included are structures of selectors other than the cage,
+                       // the irradiance volume, up to 4 bytes a texel where probes see emitters or the sky, and planes
+                       // of fine surfaces, up to a third of a byte a texel in the measured scenes and 8 at most
   uint64_t expected_bytes; // file_bytes plus what furnished rooms add, as in olx_light_field_bytes
   uint64_t device_bytes; // of the file on a Vulkan device, before alignment; 0 for irradiance as spherical harmonics
-  uint64_t memory_bytes; // that the bake takes at most at once, beside the scene, structures of selectors, and surfels with
-                         // their links (olx_bake_stats.light_bytes)
+  uint64_t memory_bytes; // the bake's most at once, without the scene, structures of selectors, and surfels with their
+                         // links (olx_bake_stats.light_bytes)
   uint64_t link_bytes;   // the most for links between surfels; most scenes need less. 0 with OLX_LIGHT_REFERENCE
   uint64_t work_bytes;   // the most in a work folder: the light of the scene, and maps in addition to those of the file
   uint64_t rays;         // of all probes, without shadows and reflections

@@ -136,13 +136,14 @@ typedef struct olx_gltf_counts {
   uint32_t bricks, divided_bricks;
 } olx_gltf_counts;
 
-// Write probes, irradiance volume and bricks as a .gltf (2.0, buffers within) to look at: in metres of scene coordinates, so that it lies
-// over the scene. Below one node are
+// Writes probes, irradiance volume and bricks as a .gltf (2.0, embedded buffers) to look at, in metres of scene
+// coordinates, so that it lies over the scene. Below one node are
 // - "light field probes" and "irradiance probes": a node for each, an octahedron at its position, red inside geometry
 // - "irradiance volume": the octahedra of its probes in one mesh, coloured by their mean irradiance over pi, cut at 1; and the edges of
 //   its cells
-// - "bricks": the edges of those that list a probe, whole ones and divided ones apart
-// and what a field does not have is left out. Beside, synced, renamed; or to a stream. `counts` may be NULL.
+// - "bricks": the edges of bricks that list a probe, whole and divided bricks apart
+// What a field does not have is left out. Written through a temporary file that is synced and renamed, or to a stream.
+// `counts` may be NULL.
 olx_result olx_export_gltf(const olx_field *field, const char *path, olx_gltf_counts *counts);
 
 // ---- Scenes and files for other renderers, such as browsers (docs/web.md).

@@ -83,10 +83,10 @@ const char *olx_probe_origin_name(olx_probe_origin origin);
 
 typedef struct olx_place_settings {
   olx_place_method method; // default OLX_PLACE_COVER
-  // How many probes to set, the pinned ones included (but by OLX_PLACE_GRID). OLX_PLACE_COVER ends at whichever limit
-  // is met first; with neither count nor budget it goes on until `coverage` is reached. OLX_PLACE_SDF and
-  // OLX_PLACE_MEDIAL make so many clusters, fewer where the skeleton has no more; without a count as many as make them
-  // 0.15 diagonals wide.
+  // The number of probes, including pinned ones (except with OLX_PLACE_GRID). OLX_PLACE_COVER ends at the first limit
+  // that it meets; with neither count nor budget it continues until `coverage` is reached. OLX_PLACE_SDF and
+  // OLX_PLACE_MEDIAL form this many clusters, or fewer where the skeleton has no more; without a count, as many as make
+  // clusters 0.15 diagonals wide.
   uint32_t count;   // 1 to 65,536; 0 (the default): not limited
   float coverage;   // share of what can be covered, within [0, 1]; 0 (the default): 0.999, and 1 with a count or budget
   double budget_mb; // megabytes (10^6 bytes) that the field may take at `resolution` (olx_light_field_bytes); 0 (the default): not limited
@@ -99,18 +99,18 @@ typedef struct olx_place_settings {
                        // scene's bounds, or of a tile where there are several; above 0; default 0.05
   olx_place_optimizer optimize; // default OLX_OPTIMIZE_NONE
   olx_place_reward reward;      // default OLX_REWARD_BEST
-  uint32_t rounds;              // at most, of the optimizer, 1 to 10,000; default 50; it ends when all is covered
+  uint32_t rounds;              // most rounds of the optimizer, 1 to 10,000; default 50; it ends when all is covered
   uint32_t surfels;    // that positions are chosen by, 64 to 1,048,576, fewer where they would take more than 256 MB;
                        // default 14,000; in tiles, where there are 2^20 voxels of space
   uint32_t candidates; // 16 to 16,384; default 2,000; in tiles likewise
-  // Edge of a voxel in metres, within [0, 1e6]; 0 (the default): 0.25, so that a door of one metre is open wherever its
-  // frame lies. Space that is longer than 160 of them is covered in tiles of 128^3 voxels by OLX_PLACE_COVER, and
-  // measured in them for OLX_PLACE_GRID, both without an optimizer; the size is doubled until the voxels are few enough
-  // for memory (report.voxel_metres). Else space is one tile, which has 160 voxels along its longest side when this is
-  // 0, and otherwise as many as it takes, 512 at most.
+  // The edge of a voxel in metres, within [0, 1e6]; 0 (the default): 0.25, so that a door of one metre is open wherever
+  // its frame lies. Space longer than 160 voxels is covered in tiles of 128^3 voxels by OLX_PLACE_COVER, and measured
+  // in such tiles for OLX_PLACE_GRID, both without an optimizer; the edge is doubled until the voxels fit into memory
+  // (report.voxel_metres). Otherwise space is one tile, which has 160 voxels along its longest side when this is 0, and
+  // otherwise as many as it takes, 512 at most.
   float voxel_size;
-  // Along the longest side of space, which is one tile; 8 to 512, at most 2^23 together; 0 (the default): as voxel_size
-  // has it.
+  // The number of voxels along the longest side of space, which then is one tile; 8 to 512, at most 2^23 in all; 0 (the
+  // default): determined by voxel_size.
   uint32_t voxels;
   uint32_t refinements; // rounds in which probes may move or be swapped, 0 to 64; default 8
   uint32_t seed;

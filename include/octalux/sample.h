@@ -17,7 +17,7 @@ typedef enum olx_tracer {
   OLX_TRACER_TEXEL = 0,    // visits every texel on the ray's path: slow, the reference
   // These give the same answers as OLX_TRACER_TEXEL to the last bit.
   OLX_TRACER_TWO_LEVEL = 1, // McGuire et al. section 4.1: skips blocks of 16 x 16 texels by their smallest distance
-  OLX_TRACER_HIZ = 2        // Wang section 4.3: down and up a pyramid of smallest and largest distances; the fastest
+  OLX_TRACER_HIZ = 2        // Wang section 4.3: marches a pyramid of smallest and largest distances; the fastest
 } olx_tracer;
 
 typedef enum olx_visibility {
@@ -35,14 +35,14 @@ typedef struct olx_sample_settings {
   olx_select select;         // default OLX_SELECT_BEST; OLX_SELECT_EXHAUSTIVE replaces one that the field does not have
   olx_visibility visibility; // default OLX_VISIBILITY_CHEBYSHEV
   uint32_t max_probes;       // the most probes through which a ray is traced; default 16
-  bool keep_buried;          // also use probes inside geometry (the published failure, Fig. 10); default false
+  bool keep_buried;          // also use buried probes (inside geometry; the published failure, Fig. 10); default false
   bool emitters;             // count light that comes straight from an emitter or the sky; default false, because
                              // direct lighting samples those already (docs/maths.md, "layers")
-  olx_hits hits;             // what light a ray finds where it ends; default OLX_HITS_SHADED. In a field whose lights have
+  olx_hits hits;             // the kind of light at a hit; default OLX_HITS_SHADED. In a field whose lights have
                              // changed since it was baked it is always OLX_HITS_STORED
-  float surface_tolerance;   // how far a surface may lie off where it was when the field was baked and still get its stored
-                             // light, in footprints of texels (their side where the surface is): for hosts that draw
-                             // levels of detail or displaced surfaces; 0 to OLX_MOST_SURFACE_TOLERANCE, default 0
+  float surface_tolerance;   // how far a surface may lie from its place in the bake and still get its stored light, in
+                             // footprints of texels (their side on the surface): for hosts that draw levels of
+                             // detail or displaced surfaces; 0 to OLX_MOST_SURFACE_TOLERANCE, default 0
 } olx_sample_settings;
 
 #define OLX_MOST_SURFACE_TOLERANCE 16.0f
@@ -66,9 +66,9 @@ typedef struct olx_trace_hit {
   olx_vec3 position;
   olx_vec3 normal;    // of the surface, on the side of the probe that saw it
   olx_vec3 radiance;  // reflected by the surface along the ray: linear Rec.709, W/(sr m^2); 0 for a miss
-  olx_vec3 lobe;      // the part of `radiance` that stands for the surface's specular lobe, highlights of lights without area
-                      // left out, where all light is taken to come from all directions alike; 0 with OLX_HITS_STORED
-  olx_vec3 emission;  // that an emitter sends towards the probe, or the sky along the ray; add it to `radiance` where that counts
+  olx_vec3 lobe;      // the specular lobe's part of `radiance`, without highlights of lights without area, as if light
+                      // came from all directions alike; 0 with OLX_HITS_STORED
+  olx_vec3 emission;  // sent by an emitter towards the probe, or by the sky along the ray; not part of `radiance`
   bool emitter;       // the ray ends at an emitter or in the sky
   uint32_t probe;     // the probe that resolved the ray, or UINT32_MAX
   uint32_t texel;     // of the probe's maps, border included: (y + 1) * (n + 2) + x + 1; 0 for a miss
@@ -94,20 +94,22 @@ void olx_trace_rays(const olx_field *field, const olx_sample_settings *settings,
 olx_vec3 olx_irradiance(const olx_field *field, const olx_sample_settings *settings, olx_vec3 position, olx_vec3 normal,
                         olx_vec3 view);
 
-// Indirect irradiance in W/m^2 on a static surface, one that was in the scene when the field was baked, from the light that
-// the field stores where surfaces are (docs/maths.md, "Light on surfaces"). It is more accurate than olx_irradiance and
-// lets no light through walls; where nothing is stored it is olx_volume_irradiance for the shading normal. Use olx_irradiance for
-// what moves. Diffuse light leaving the surface is albedo * irradiance / pi.
+// Returns the indirect irradiance in W/m^2 on a static surface, one that was in the scene when the field was baked,
+// from the light that the field stores for surfaces (docs/maths.md, "Light on surfaces"). It is more accurate than
+// olx_irradiance and lets no light through walls; where nothing is stored, it is olx_volume_irradiance for the shading
+// normal. Use olx_volume_irradiance for moving objects. Diffuse light leaving the surface is albedo * irradiance / pi.
 // - `position`: metres, on the surface to within a small share of a texel's footprint (settings->surface_tolerance).
-// - `geometric_normal`: unit, of the triangle, on the side that is looked at. It decides which stored surfaces are this one.
-// - `shading_normal`: unit. Light is stored for the normal between a triangle's corners, so smooth surfaces without a normal
-//   map pass the geometric normal here as well, and others the normal that the map makes of the geometric normal. Where
-//   the two differ, stored light is multiplied in each channel by olx_volume_irradiance for this one, less its share from below
-//   the surface, over that for the geometric normal, at most 4; 0 / 0 is 1.
+// - `geometric_normal`: unit, of the triangle, on the side towards the eye. It decides which stored surfaces are this
+//   one.
+// - `shading_normal`: unit. Light is stored for the normal interpolated over the triangle, so smooth surfaces without a
+//   normal map pass the geometric normal here too, and others the normal that the map makes of the geometric normal.
+//   Where the two differ, stored light is multiplied in each channel by a factor of at most 4: olx_volume_irradiance
+//   for the shading normal, without its share from below the surface, over that for the geometric normal; 0 / 0 is 1.
 // - `view`: unit, from the surface to the eye; pass the geometric normal where there is no eye.
-// Numbers that are not finite give 0. The probes of the point's brick answer (of its cage in a field without bricks);
-// where none of them sees the surface, or when settings->select is OLX_SELECT_EXHAUSTIVE, the best max_probes of all.
-// Of settings surface_tolerance, keep_buried and, for olx_irradiance, visibility count as well.
+// Numbers that are not finite give 0. Light is read from the probes of the point's brick (of its cage in a field
+// without bricks); where none of them sees the surface, or when settings->select is OLX_SELECT_EXHAUSTIVE, from the
+// best max_probes of all. The settings surface_tolerance, keep_buried and, for olx_irradiance, visibility have an
+// effect too.
 olx_vec3 olx_surface_irradiance(const olx_field *field, const olx_sample_settings *settings, olx_vec3 position,
                                 olx_vec3 geometric_normal, olx_vec3 shading_normal, olx_vec3 view);
 
@@ -117,9 +119,11 @@ void olx_surface_irradiance_points(const olx_field *field, const olx_sample_sett
                                    const olx_vec3 *positions, const olx_vec3 *geometric_normals,
                                    const olx_vec3 *shading_normals, const olx_vec3 *views, olx_vec3 *irradiance);
 
-// Indirect irradiance in W/m^2 anywhere in free space, for what moves and for volumes, from the field's irradiance volume
-// (docs/maths.md, "The irradiance volume"). It lets no light through surfaces that were there when the field was baked.
-// - `position`: metres. `normal`: unit, of the surface of the object there; a place is looked up 1/4096 of the smallest cell before it.
+// Returns the indirect irradiance in W/m^2 anywhere in free space, for moving objects and for volumes, from the field's
+// irradiance volume (docs/maths.md, "The irradiance volume"). It lets no light through surfaces that were there when
+// the field was baked.
+// - `position`: metres.
+// - `normal`: unit, of the object's surface; a place is looked up 1/4096 of the smallest cell in front of it.
 // Where the volume has no cell, because neither cameras nor light field probes reach that space, this is 0: light of
 // another room would be a leak. In a field without a volume (olx_field_info.volume_probe_count is 0), and in one whose
 // lights have changed since it was baked, it is olx_irradiance with default settings: 0 without probe light. Numbers

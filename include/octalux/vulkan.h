@@ -121,7 +121,7 @@ typedef struct olx_vulkan_targets {
   // a pixel shows (octalux/sample.h, olx_surface_irradiance). Normals are in world space, .xyz, as in `normal`.
   olx_vulkan_image geometric_normal; // of the triangle, of either side. None: it is derived from depth, which wants 24 bits or more
   olx_vulkan_image vertex_normal; // between the triangle's corners, on the side that is looked at, and `normal` is this one bent by
-      // normal maps. None: `normal` stands for it, and normal maps do not show in light that is stored
+      // normal maps. None: `normal` replaces it, and normal maps do not show in stored light
   olx_vulkan_image dynamic; // .r above 0.5 where a pixel shows what was not there when the field was baked, or has moved since: it
       // takes the irradiance volume. None: nothing has
   VkImageView irradiance; // out: W/m^2; alpha 1 where there is a surface

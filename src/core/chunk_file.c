@@ -12,7 +12,7 @@
 
 #define XXH_INLINE_ALL
 #define XXH_FORCE_MEMORY_ACCESS                                                                                        \
-  0 // by memcpy: other ways read structures as numbers, which breaks strict aliasing
+  0 // by memcpy: its other ways read structures as numbers, which breaks the rules of strict aliasing
 #include <xxhash.h>
 
 uint64_t olx_content_hash(const void *data, size_t size_bytes) { return XXH3_64bits(data, size_bytes); }

@@ -9,7 +9,7 @@
 
 #include <assert.h>
 
-// Means are of distances up to the scene's diagonal, 1, and of the sky, 1; probes may stand a little outside the scene.
+// Means are of distances up to the scene's diagonal, 1, and of the sky, 1; probes may lie slightly outside the scene.
 #define MAX_MEAN 1.01f
 // How far rounding to half precision may raise mean^2 over the second moment: three half units in the last place, plus
 // what the smallest half floats lose.

@@ -43,7 +43,7 @@ _Static_assert(sizeof(olx_relight_surfel) == 108, "docs/format.md");
 typedef struct olx_relight_link {
   uint32_t
       from_straight; // bits 0 to 23: the surfel; above: the weight's share that met no specular surface, 255 is all
-  uint32_t weight; // RGB9E5
+  uint32_t weight;   // RGB9E5
 } olx_relight_link;
 
 static inline uint32_t olx_relight_link_from(const olx_relight_link *link) { return link->from_straight & 0xFFFFFFu; }

@@ -113,7 +113,7 @@ typedef struct olx_bake_stats {
   uint32_t surfels;      // number of surfels at which light was gathered
   double noise;          // standard error of indirect light that the bake reached, as a share of it
   uint64_t light_bytes;  // memory for surfels and their links
-  uint32_t volume_probes, volume_cells; // of the irradiance volume: probes, and cells with probes along its sides
+  uint32_t volume_probes, volume_cells; // of the irradiance volume; each side of a divided cell counts as one
   uint64_t volume_bytes;                // in the file
   double volume_unserved; // share of surfaces in sight of light field probes, by solid angle, where it has no cell
   double volume_seconds;  // of `seconds`, for the volume

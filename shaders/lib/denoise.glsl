@@ -7,8 +7,8 @@
 
 #include "vec.glsl"
 
-// The greatest distance of a second pixel from a first one's plane at which both show one surface: in widths of a
-// pixel, or as a share of the pixels' distance from each other (normal maps tilt planes).
+// The greatest distance of a second pixel from a first one's plane at which both show one surface: so many widths of a
+// pixel, plus this share of the pixels' distance from each other (normal maps tilt planes).
 const float OLX_PLANE_PIXELS = 2.0, OLX_PLANE_SLOPE = 0.1;
 // The least cosine between two normals at which history counts as of the same surface.
 const float OLX_SAME_NORMAL = 0.9;

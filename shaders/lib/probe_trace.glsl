@@ -11,7 +11,7 @@
 const float OLX_DISTANCE_PRECISION = 1.0 / 2048.0;     // largest relative error of a half float
 const float OLX_NEIGHBOURHOOD_TEXELS = 1.5;            // how far from a texel's centre its surfel may be hit
 const float OLX_STILL_TEXELS = 1e-3;                   // an image that moves by less counts as a point
-const float OLX_CENTRE_SHARE = 1e-4;                   // for a ray nearer to the probe, rounding decides the image
+const float OLX_CENTRE_SHARE = 1e-4;                   // a share of |origin|: nearer to the probe, rounding decides
 const float OLX_PARAMETER_ROUNDING = 1.0 / 1048576.0;  // of s and t(s), in units of the piece's largest parameter
 const float OLX_NEVER = 1.2676506002282294e30;         // 2^100
 const int OLX_PYRAMID_FINEST = 2;                      // log2 of the texels along a side of a node of level 0

@@ -25,7 +25,7 @@ static const float BITS_SCALE = 64.0f / 31.0f;
 static const float LEAST_SHARE = 1.0f / 128.0f;
 // The least reference light, as a share of the block's brightest light; a tenth of this where reference light is given.
 static const float DARKNESS = 1.0f / 100.0f;
-// The least weight of an error in a dark channel.
+// A channel is weighted as if it were at least this share of its texel's reference light.
 static const float LEAST_WEIGHT = 1.0f / 32.0f;
 // Lines longer than this, 2.5 factors of 2, are also fitted from brighter starts.
 static const float LONG_LINE = 2.5f * 1024.0f * 64.0f / 31.0f;
@@ -180,8 +180,7 @@ static one_region code_line(const colours *s, const olx_line *l) {
   return r;
 }
 
-// Returns the line from a share of its length on. Its darker end then moves to the texels beyond, for which a larger
-// relative error counts less.
+// Returns the line without its darker part, which is `share` of its length.
 static olx_line brighter_part(const olx_line *l, float share) {
   const bool rising = l->to[0] + l->to[1] + l->to[2] > l->from[0] + l->from[1] + l->from[2];
   olx_line part = *l;

@@ -9,8 +9,8 @@
 
 // An image that moves by less than this over a piece counts as a point: below it, rounding decides the direction.
 static const float OLX_STILL_TEXELS = 1e-3f;
-// At distances from the probe below this share of the ray's farthest, rounding decides the image. The ray then counts
-// as in front of everything.
+// The share of the distance of the ray's origin from the probe below which rounding decides the image of a point. The
+// ray then counts as in front of everything.
 static const float OLX_CENTRE_SHARE = 1e-4f;
 // The rounding error of s and of t(s), in units of the piece's largest parameter.
 static const float OLX_PARAMETER_ROUNDING = 0x1p-20f;

@@ -1,5 +1,4 @@
-// What C and GLSL share: bindings, constants, and the structs that lie in the GPU's memory. Both compilers read this
-// file.
+// Bindings, constants, and the structs in the GPU's memory, shared by C and GLSL. Both compilers read this file.
 //
 // Structs hold 32-bit scalars and vectors of four with explicit padding, so that std140, std430 and C lay them out
 // alike; src/vulkan/gpu_structs.h asserts every offset.
@@ -44,8 +43,8 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_FIELD_BINDINGS 13
 #define OLX_FIELD_STORAGE_BUFFERS 3
 
-// The buffer of classic maps: a header of words, which say at which word each part begins, and then all of it as it
-// lies in the file.
+// The buffer of classic maps (irradiance probes without visibility): a header of words with the offset of each part in
+// words, then the parts as they lie in the file.
 #define OLX_CLASSIC_SIZE 0 // texels along a side
 #define OLX_CLASSIC_TABLE 1
 #define OLX_CLASSIC_BOXES 2
@@ -70,12 +69,13 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_BINDING_OUT_COLOR 9
 #define OLX_FRAME_BINDINGS 10
 
-// The descriptor set of what a lobe's rays find, for the denoiser. Without it, the lobe's output is bound in its place.
-// Storage, rgba16f: light before albedo and Fresnel; alpha: 1 / distance, negative for none.
+// The descriptor set of a lobe's samples, for the denoiser. Without a denoiser, the lobe's output is bound instead.
+// Storage, rgba16f: light before albedo and Fresnel; alpha: 1 / distance, negative without light.
 #define OLX_BINDING_SAMPLE 0
 #define OLX_SAMPLE_BINDINGS 1
 
-// The descriptor set of the denoiser's mean over frames. "Now" is what it writes, "before" what the frame before wrote.
+// The descriptor set of the denoiser's mean over frames. "Now" marks what it writes, "before" what the previous frame
+// wrote.
 #define OLX_BINDING_DENOISE_DEPTH 0 // sampled
 #define OLX_BINDING_DENOISE_NORMAL 1
 #define OLX_BINDING_DENOISE_ROUGHNESS 2
@@ -87,18 +87,18 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_BINDING_GLOSSY_NOW 8
 #define OLX_ACCUMULATE_BINDINGS 9
 
-// The descriptor set of its filter over pixels.
+// The descriptor set of the denoiser's filter over pixels.
 #define OLX_BINDING_GUIDE 0 // sampled
 #define OLX_BINDING_LIGHT 1 // the mean over frames
-#define OLX_BINDING_ROWS 2  // what filtering rows gave
+#define OLX_BINDING_ROWS 2  // the result of filtering along rows
 #define OLX_BINDING_FILTER_ALBEDO 3
 #define OLX_BINDING_FILTER_ROUGHNESS 4
 #define OLX_BINDING_OUT_ROWS 5   // storage, rgba16f
 #define OLX_BINDING_OUT_TARGET 6 // storage, rgba16f: the host's
 #define OLX_FILTER_BINDINGS 7
 
-// The descriptor set of a relighter's passes; the field's follows as set 1, as far as a pass reads it. A pass sees at
-// most four storage buffers.
+// The descriptor set of a relighter's passes; the field's set, restricted to what a pass reads, is set 1. A pass uses
+// at most four storage buffers.
 #define OLX_BINDING_STATE 0        // storage buffers, of words: olx_gpu_relight, then lights, tiles, light
 #define OLX_BINDING_STRUCTURE 1    // surfels and their links; or sites of texels, and links of volume probes
 #define OLX_BINDING_VOLUME_LIGHT 2 // the field's words, whose irradiance of the volume is written
@@ -121,13 +121,13 @@ typedef struct olx_gpu_uvec4 {
 // Bits of olx_gpu_relight_call.flags: the dispatch is the first, or the last, for its places.
 #define OLX_CALL_BEGINS 1u
 #define OLX_CALL_ENDS 2u
-#define OLX_CALL_SHINES 4u // of a dispatch that follows links: highlights are found anew
+#define OLX_CALL_SHINES 4u // of a dispatch that follows links: highlights are recomputed
 
 #define OLX_SELECT_GPU_MASK 0xBu // bits (1 << olx_select) of the stored selectors that have a twin
 
-// Specialisation constants of pipelines whose shaders sample a field: what a driver compiles for them is one tracer,
-// one selector and one kind of light at the end of rays. A host that has constants of its own by these numbers defines
-// others before.
+// Specialisation constants of pipelines whose shaders sample a field, so that a driver compiles one tracer, one
+// selector and one kind of light at the end of rays. A host that uses these numbers for constants of its own defines
+// others before this file.
 #ifndef OLX_CONSTANT_TRACER
 #define OLX_CONSTANT_TRACER 0 // OLX_TRACER_*; default OLX_TRACER_HIZ
 #endif
@@ -140,12 +140,12 @@ typedef struct olx_gpu_uvec4 {
 #ifndef OLX_CONSTANT_GEOMETRY
 #define OLX_CONSTANT_GEOMETRY 3 // OLX_GEOMETRY_IN_*; default OLX_GEOMETRY_IN_EITHER
 #endif
-// How the geometry of the field lies on the device; a shader for either asks the field.
+// How the field's geometry is stored on the device; a shader for either form reads it from the field.
 #define OLX_GEOMETRY_IN_TEXELS 0
 #define OLX_GEOMETRY_IN_BLOCKS 1
 #define OLX_GEOMETRY_IN_EITHER 2
 
-// C has these as enumerations, in octalux/sample.h, octalux/field.h and field/field_data.h.
+// In C these are enumerations, in octalux/sample.h, octalux/field.h and field/field_data.h.
 #if defined(GL_core_profile) || defined(GL_ES)
 #define OLX_TRACER_TEXEL 0u
 #define OLX_TRACER_TWO_LEVEL 1u
@@ -169,7 +169,7 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_FRAME_EMITTERS 2
 #define OLX_FRAME_VISIBILITY 4
 #define OLX_FRAME_NORMAL_UNORM 8 // normals are stored as 0..1
-#define OLX_FRAME_DIFFUSE 16     // what the composite pass adds
+#define OLX_FRAME_DIFFUSE 16     // the composite pass adds this lobe
 #define OLX_FRAME_GLOSSY 32
 #define OLX_FRAME_SAMPLE 64 // the lobe is denoised: write samples
 #define OLX_FRAME_IRRADIANCE_PROBES 128 // irradiance comes from irradiance probes alone
@@ -192,7 +192,7 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_PASS_SIZE 8 // threads along a side of a pass's workgroup
 
 // Geometry blocks (src/block/geometry_block.h): texels along a side, the form of a block, in the two highest bits of
-// its last word, and what is added to the exponent of a coded plane to be that of a float.
+// its last word, and the number that turns the exponent of a coded plane into that of a float.
 #define OLX_BLOCK_SIDE 4u
 #define OLX_GEOMETRY_ONE 0u  // one plane, three floats
 #define OLX_GEOMETRY_TWO 1u  // two coded planes, a bit a texel
@@ -250,7 +250,7 @@ OLX_GPU_STRUCT(olx_gpu_light) {
   olx_gpu_float cosine_inner, cosine_outer;
 };
 
-// A relighter: where its parts begin, in words. Vectors are three words.
+// A relighter: the offsets of its parts, in words. A vector takes three words.
 OLX_GPU_STRUCT(olx_gpu_relight) {
   olx_gpu_uint surfels;
   olx_gpu_uint light_samples;
@@ -311,10 +311,10 @@ OLX_GPU_STRUCT(olx_gpu_accumulate) {
   olx_gpu_uint padding;
 };
 
-// Push constants of its filter over pixels.
+// Push constants of the denoiser's filter over pixels.
 OLX_GPU_STRUCT(olx_gpu_filter) {
   olx_gpu_camera camera;
-  olx_gpu_uint size, flags; // as above
+  olx_gpu_uint size, flags; // as in olx_gpu_accumulate
   olx_gpu_uint radius_pixels, stride_pixels;
   olx_gpu_float reach;
   olx_gpu_float dim_lobe;

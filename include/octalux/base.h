@@ -20,13 +20,13 @@ extern "C" {
 #define OLX_VERSION_MINOR 1
 #define OLX_VERSION_PATCH 0
 
-// Version of the library that is linked, as "major.minor.patch". Never NULL; static storage.
+// Returns the version of the linked library as "major.minor.patch". Never NULL; static storage.
 const char *olx_version(void);
 
-// What every fallible call returns. Anything that comes from outside (files, memory, settings) is answered with one of
-// these. An index or enumerator out of range is answered with the value that its function documents, and a name with
-// "unknown"; nothing is read out of bounds. NULL handles are programming mistakes: they assert in debug builds, and
-// release builds hold no assertion that could end the host.
+// The result of every fallible call. Anything from outside (files, memory, settings) leads to one of these. An index or
+// enumerator out of range leads to the value that the function documents, and to the name "unknown"; nothing is read
+// out of bounds. NULL handles are programming errors: they assert in debug builds, and release builds hold no assertion
+// that could end the host.
 typedef enum olx_result {
   OLX_OK = 0,
   OLX_ERROR_ARGUMENT = 1,    // a setting outside its documented range
@@ -35,18 +35,18 @@ typedef enum olx_result {
   OLX_ERROR_FORMAT = 4,      // a file is not what its name or header says, or contradicts itself
   OLX_ERROR_VERSION = 5,     // a file was written by another, incompatible version
   OLX_ERROR_CHECKSUM = 6,    // stored and computed checksum differ
-  OLX_ERROR_UNSUPPORTED = 7, // well formed, but not something this build can do
-  OLX_ERROR_EMPTY = 8,       // a scene or field without anything to work on
+  OLX_ERROR_UNSUPPORTED = 7, // well formed, but not supported by this build
+  OLX_ERROR_EMPTY = 8,       // a scene or field with nothing to work on
   OLX_ERROR_CANCELLED = 9,   // the progress callback asked to stop
   OLX_ERROR_GPU = 10,        // the graphics device refused or was lost
-  OLX_ERROR_INCOMPLETE = 11  // results that others are to make are not there yet: try again later (octalux/bake.h)
+  OLX_ERROR_INCOMPLETE = 11  // results of other bakes are not there yet: try again later (octalux/bake.h)
 } olx_result;
 
-// A short English name of the result ("out of memory"). Never NULL; static storage.
+// Returns a short English name of the result ("out of memory"). Never NULL; static storage.
 const char *olx_result_name(olx_result result);
 
-// The message of the last failed call on this thread, saying what failed and where; "" when none failed yet. Valid
-// until the next failing call on the same thread.
+// Returns the message of the last failed call on this thread, saying what failed and where; "" when none has failed.
+// Valid until the next failing call on the same thread.
 const char *olx_last_error(void);
 
 typedef struct olx_vec2 {
@@ -61,15 +61,15 @@ typedef struct olx_vec3 {
   float x, y, z;
 } olx_vec3;
 
-// No position may have a coordinate farther than this from 0: what lies beyond is refused, or left out of a scene with
-// a warning. Scenes far from 0 keep their positions relative to an origin of their own (octalux/scene.h).
+// No position may have a coordinate farther than this from 0: positions beyond are refused, or left out of a scene with
+// a warning. Scenes far from 0 store their positions relative to an origin of their own (octalux/scene.h).
 #define OLX_POSITION_LIMIT_METRES 2e7
 
 typedef enum olx_log_level { OLX_LOG_INFO = 0, OLX_LOG_WARNING = 1, OLX_LOG_ERROR = 2 } olx_log_level;
 
-// Hooks by which a host takes over what a library otherwise takes from the system. A NULL member keeps the default.
+// Hooks by which a host replaces what the library takes from the system. A NULL member keeps the default.
 typedef struct olx_hooks {
-  void *user; // handed to every hook
+  void *user; // passed to every hook
 
   // Memory, aligned to 64 bytes. `allocate` returns NULL when there is none. Default: aligned_alloc and free.
   void *(*allocate)(void *user, size_t size_bytes);
@@ -79,13 +79,13 @@ typedef struct olx_hooks {
   void (*log)(void *user, olx_log_level level, const char *message);
 
   // Run job(job_user, i) for every i in [0, count), in any order and on any threads, and return when all have finished.
-  // Default: POSIX threads. `threads` is the caller's wish (0: as many as the machine has).
+  // Default: POSIX threads. `threads` is the number that the caller requests (0: as many as the machine has).
   void (*parallel_for)(void *user, uint32_t count, uint32_t threads, void (*job)(void *job_user, uint32_t index),
                        void *job_user);
 } olx_hooks;
 
-// Install hooks for the whole process; NULL restores the defaults. Call it before anything else, never while another
-// call is running.
+// Installs hooks for the whole process; NULL restores the defaults. Call it before any other function, never while
+// another call is running.
 void olx_set_hooks(const olx_hooks *hooks);
 
 // Progress of long work. `report` may be NULL. It is called from one thread at a time, at most some ten times a second,
@@ -96,31 +96,31 @@ typedef struct olx_progress {
   void *user;
 } olx_progress;
 
-// A copy of `text`, which may come from a file, that does nothing to a terminal: control characters and bytes that are
-// no UTF-8 become \xNN. Cut to fit into size_bytes, at least 1, with the end of the string; 4 bytes for every byte
-// always fit. Messages of olx_last_error, of the log and of olx_scene_warning are printable already.
+// Copies `text`, which may come from a file, in a form that is safe for a terminal: control characters and bytes that
+// are not UTF-8 become \xNN. The copy is cut to size_bytes, at least 1, including the terminator; 4 bytes for every
+// byte always suffice. Messages of olx_last_error, of the log and of olx_scene_warning are printable already.
 void olx_printable(const char *text, char *printable, size_t size_bytes);
 
-// Run work(user) on the calling thread, with `progress` for whatever it calls of Octalux on this thread: calls that
-// take no progress themselves (loading and cooking a scene, comparing images) then end with OLX_ERROR_CANCELLED soon
-// after report returned false. `stage` is the name that is reported. Returns what `work` returns. Importers' libraries
-// are not interrupted.
+// Runs work(user) on the calling thread, with `progress` for all calls of Octalux in it on this thread: calls that take
+// no progress themselves (loading and cooking a scene, comparing images) then end with OLX_ERROR_CANCELLED soon after
+// `report` has returned false. `stage` is the reported name. Returns the result of `work`. Importers' libraries are not
+// interrupted.
 olx_result olx_watch(const olx_progress *progress, const char *stage, olx_result (*work)(void *user), void *user);
 
-// Outputs. A regular file is written beside its place and put there when it is whole, so that no reader ever sees half
-// of it and a killed program leaves the old one. Links are followed: the file that they lead to is replaced, with its
-// owner and mode where that is permitted. Formats that are written in order (JSON, PNG, HTML, .olxs) may also go to
-// character devices, to pipes, and, by the name "-", to standard output; folders, block devices and sockets are
-// refused.
+// Outputs. A regular file is written to a temporary file in its folder, which is synced and renamed when it is
+// complete, so that no reader ever sees a part of it and a killed program leaves the old one. Links are followed: the
+// file to which they lead is replaced, with its owner and mode where that is permitted. Formats that are written in
+// order (JSON, PNG, HTML, .olxs) may also go to character devices, to pipes, and, by the name "-", to standard output;
+// folders, block devices and sockets are refused.
 
-// Whether an output could be written at `path`: OLX_OK, or OLX_ERROR_FILE and why not in olx_last_error. For a look
-// before long work.
+// Checks before long work whether an output could be written at `path`: returns OLX_OK, or OLX_ERROR_FILE with the
+// reason in olx_last_error.
 olx_result olx_output_check(const char *path, bool in_order);
 
-// Whether both paths lead to the same regular file, by device and inode.
+// Returns whether both paths lead to the same regular file, by device and inode.
 bool olx_same_file(const char *a, const char *b);
 
-// Write a whole output in order.
+// Writes a whole output in order.
 olx_result olx_write_file(const char *path, const void *data, size_t size_bytes);
 
 #pragma GCC visibility pop

@@ -13,8 +13,8 @@ extern "C" {
 #pragma GCC visibility push(default)
 
 typedef struct olx_lobe_filter {
-  uint32_t radius_pixels; // of the filter over pixels, 0 to 64; 0: none
-  uint32_t stride_pixels; // between the pixels it reads, 1 to 64
+  uint32_t radius_pixels; // of the filter over pixels, 0 to 64; 0: no filter
+  uint32_t stride_pixels; // between the pixels that the filter reads, 1 to 64
   float history;          // largest share of earlier frames in a pixel, 0 to 0.999
   float still_history;    // largest share of earlier frames where the surface has not moved in the picture, 0 to 0.999
   float reach;            // 0: the radius is all. Else kernels narrow to this share of the distance over which light changes
@@ -25,12 +25,12 @@ typedef struct olx_denoise_settings {
 } olx_denoise_settings;
 
 olx_denoise_settings olx_denoise_settings_default(void);
-// The paper's settings: 12 pixels, stride 2, 98 % for diffuse light; 3 pixels and 75 % for glossy light.
+// Returns the paper's settings: 12 pixels, stride 2, 98 % for diffuse light; 3 pixels and 75 % for glossy light.
 olx_denoise_settings olx_denoise_settings_published(void);
-// Settings that filter nothing, so that every frame is shown as its rays found it.
+// Returns settings that filter nothing, so that every frame shows its rays as they are.
 olx_denoise_settings olx_denoise_settings_none(void);
 
-// OLX_ERROR_ARGUMENT, with a message, when a number is out of its range.
+// Returns OLX_ERROR_ARGUMENT, with a message, when a number is out of range.
 olx_result olx_denoise_settings_check(const olx_denoise_settings *settings);
 
 #pragma GCC visibility pop

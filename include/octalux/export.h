@@ -1,6 +1,6 @@
-// Fields on their way elsewhere: packed for shipping, and unpacked; their maps as pictures; what they consist of as a
-// model to look at; and scenes as models to draw beside them. Part of liboctalux-bake. A program that calls nothing of
-// it but packing links zstd, and neither Embree nor any importer's library.
+// Exports: fields packed for shipping, their maps as pictures, and their contents as models to look at; and scenes as
+// models to draw beside them. Part of liboctalux-bake. A program that only packs links zstd, and neither Embree nor an
+// importer's library.
 //
 // SPDX-License-Identifier: MIT
 #ifndef OCTALUX_EXPORT_H
@@ -14,8 +14,8 @@ extern "C" {
 #endif
 #pragma GCC visibility push(default)
 
-// ---- Packing: a field (.olx) is stored smaller (.olxz) and comes back to the last byte (docs/format.md, "Packed
-// fields"). A packed field cannot be sampled; the runtime refuses it with a message.
+// ---- Packing: a field (.olx) is compressed (.olxz) and restored to the last byte (docs/format.md, "Packed fields"). A
+// packed field cannot be sampled; the runtime refuses it with a message.
 
 typedef struct olx_pack_settings {
   uint32_t level;   // of zstd, 1 (fast) to 22 (small); default 19
@@ -26,84 +26,84 @@ olx_pack_settings olx_pack_settings_default(void);
 
 #define OLX_PACKED_MOST_CHUNKS 255
 
-// What is in a packed field.
+// A chunk of a packed field.
 typedef struct olx_packed_chunk {
-  char type[5]; // its four characters, those that are not printable as '?'
+  char type[5]; // its four characters; non-printable ones become '?'
   uint64_t field_bytes, packed_bytes;
 } olx_packed_chunk;
 
 typedef struct olx_packed_info {
-  uint64_t field_bytes;  // of the field file that comes back
+  uint64_t field_bytes;  // of the restored field file
   uint64_t packed_bytes; // of the packed file
   uint32_t chunk_count;  // 1 to OLX_PACKED_MOST_CHUNKS
   olx_packed_chunk chunks[OLX_PACKED_MOST_CHUNKS];
 } olx_packed_info;
 
-// Pack the field at `field_path` into `path`: beside, synced, renamed. Every checksum of the field is checked before.
-// The bytes depend on the field, the level and the version of zstd alone. Takes some 20 MiB of memory a thread,
-// whatever the field's size. OLX_ERROR_ARGUMENT for settings out of range, OLX_ERROR_UNSUPPORTED for a field of more
-// chunks than OLX_PACKED_MOST_CHUNKS, and what olx_field_open and olx_field_verify say of a damaged field. `info` may
-// be NULL.
+// Packs the field at `field_path` into `path`, through a temporary file that is synced and renamed. Checks every
+// checksum of the field first. The bytes depend only on the field, the level and the version of zstd. Takes some 20 MiB
+// of memory a thread, whatever the field's size. OLX_ERROR_ARGUMENT for settings out of range, OLX_ERROR_UNSUPPORTED
+// for a field with more chunks than OLX_PACKED_MOST_CHUNKS, and the errors of olx_field_open and olx_field_verify for a
+// damaged field. `info` may be NULL.
 olx_result olx_field_pack(const char *field_path, const olx_pack_settings *settings, const char *path,
                           const olx_progress *progress, olx_packed_info *info);
 
 typedef struct olx_unpack_settings {
-  uint64_t most_bytes; // a field file larger than this is refused before space is taken for it; default 2^35
+  uint64_t most_bytes; // a larger field file is refused before space is reserved for it; default 2^35
   uint32_t threads;    // 0, the default: as many as the machine has
 } olx_unpack_settings;
 
 olx_unpack_settings olx_unpack_settings_default(void);
 
-// Unpack `packed_path` into the field file that it was made from: beside, synced, renamed. `path` may be NULL: then
-// everything is checked and nothing written. Takes some 3 MiB of memory a thread, whatever the file says.
-// OLX_ERROR_FORMAT or OLX_ERROR_CHECKSUM for a damaged file, OLX_ERROR_UNSUPPORTED for a field larger than
+// Restores the field file that was packed into `packed_path`, through a temporary file that is synced and renamed.
+// `path` may be NULL: then everything is checked and nothing written. Takes some 3 MiB of memory a thread, whatever the
+// file says. OLX_ERROR_FORMAT or OLX_ERROR_CHECKSUM for a damaged file, OLX_ERROR_UNSUPPORTED for a field larger than
 // settings->most_bytes. `info` may be NULL.
 olx_result olx_field_unpack(const char *packed_path, const olx_unpack_settings *settings, const char *path,
                             const olx_progress *progress, olx_packed_info *info);
 
-// Whether a file begins as packed fields do; false when it cannot be read.
+// Returns whether a file begins like a packed field; false when it cannot be read.
 bool olx_is_packed_field(const char *path);
 
-// What a packed file says of itself, once its header and its tables are found to be sound. The chunks are not read.
+// Reads the description of a packed file and checks its header and its tables. Does not read the chunks.
 olx_result olx_packed_describe(const char *path, olx_packed_info *info);
 
 // ---- Maps as pictures.
 
-// What a map holds, linear and as 32-bit floats. A texel of a light field probe is the surface that the ray through its
-// middle meets.
+// The values of a map, linear, as 32-bit floats. A texel of a light field probe holds the surface that the ray through
+// its middle meets.
 typedef enum olx_map {
-  // Of light field probes.
+  // Maps of light field probes.
   OLX_MAP_DISTANCE = 0,    // metres, infinite for the sky
   OLX_MAP_EMITTER,         // 1 where the texel sees an emitter or the sky, else 0
-  OLX_MAP_NORMAL,          // unit vector on the probe's side; any one for the sky
+  OLX_MAP_NORMAL,          // unit vector on the probe's side; arbitrary for the sky
   OLX_MAP_BASE_COLOR,      // 0 to 1
   OLX_MAP_ROUGHNESS,       // perceptual, 0 to 1
   OLX_MAP_METALLIC,        // 0 to 1
   OLX_MAP_SPECULAR_WEIGHT, // 0 to 1
-  OLX_MAP_DIRECT,          // irradiance straight from emitters, W/m^2
+  OLX_MAP_DIRECT,          // irradiance directly from emitters, W/m^2
   OLX_MAP_INDIRECT,        // irradiance from surfaces, W/m^2
   OLX_MAP_EMISSION,        // radiance of emitters and of the sky, W/(sr m^2)
   OLX_MAP_RADIANCE,        // as the probe saw it, W/(sr m^2); needs probe light
-  // Of irradiance probes, which a field with probe light has.
-  OLX_MAP_IRRADIANCE,           // for surfaces that face in that direction, W/m^2; of spherical harmonics their values
+  // Maps of irradiance probes, in a field with probe light.
+  OLX_MAP_IRRADIANCE,           // of a surface that faces in that direction, W/m^2; spherical harmonics are evaluated
   OLX_MAP_MEAN_DISTANCE,        // metres; the sky counts as the distance scale
   OLX_MAP_MEAN_SQUARE_DISTANCE, // square metres
-  OLX_MAP_CLASSIC_IRRADIANCE,   // W/m^2; these six need classic maps
+  OLX_MAP_CLASSIC_IRRADIANCE,   // W/m^2; these six need classic maps (irradiance probes without visibility)
   OLX_MAP_CLASSIC_RADIANCE_0,   // prefiltered for a roughness of 0, W/(sr m^2)
-  OLX_MAP_CLASSIC_RADIANCE_1,   // of 1/4
-  OLX_MAP_CLASSIC_RADIANCE_2,   // of 1/2
-  OLX_MAP_CLASSIC_RADIANCE_3,   // of 3/4
-  OLX_MAP_CLASSIC_RADIANCE_4,   // of 1
-  // The spherical harmonics of the irradiance volume's probes, evaluated at 32 x 32 directions.
+  OLX_MAP_CLASSIC_RADIANCE_1,   // for 1/4
+  OLX_MAP_CLASSIC_RADIANCE_2,   // for 1/2
+  OLX_MAP_CLASSIC_RADIANCE_3,   // for 3/4
+  OLX_MAP_CLASSIC_RADIANCE_4,   // for 1
+  // Map of the irradiance volume's probes: their spherical harmonics, evaluated in 32 x 32 directions.
   OLX_MAP_VOLUME_IRRADIANCE, // W/m^2
   OLX_MAP_COUNT
 } olx_map;
 
-// "distance", "emitter", ... as the enumerators; "unknown" for what is none.
+// Returns a map's name, "distance", "emitter", ... like the enumerators; "unknown" for any other value.
 const char *olx_map_name(olx_map map);
 
-// How directions lie in a picture, row 0 at the top. Each pixel holds the texel of the map that its middle's direction
-// falls into.
+// The arrangement of directions in a picture, row 0 at the top. Each pixel holds the texel of the map into which the
+// direction of the pixel's middle falls.
 typedef enum olx_map_projection {
   OLX_PROJECTION_OCTAHEDRAL = 0, // the map as it is stored, n x n texels without border (docs/format.md, "Maps")
   OLX_PROJECTION_LATLONG,        // 2 n x n: +y at the top, -x at the left edge, +x in the middle, +z three quarters across, as
@@ -111,51 +111,54 @@ typedef enum olx_map_projection {
   OLX_PROJECTION_CUBE            // n x 6 n: the faces +x, -x, +y, -y, +z, -z below one another, each as OpenGL's cube maps have it
 } olx_map_projection;
 
-// "octahedral", "latlong", "cube".
+// Returns a projection's name: "octahedral", "latlong" or "cube".
 const char *olx_map_projection_name(olx_map_projection projection);
 
 typedef struct olx_map_picture {
   olx_map map;
   olx_map_projection projection;
-  uint32_t probe; // of the map's kind of probes
+  uint32_t probe; // index among the map's kind of probes
   uint32_t size;  // n of latlong and cube, 1 to 2048; 0, the default: the map's own for latlong, half of it for cube. Octahedral: 0
 } olx_map_picture;
 
-// Write a map as an .exr: channels R, G, B (of normals x, y, z), or Y of a single number. Beside, synced, renamed.
-// *width and *height receive the size in pixels; either may be NULL. OLX_ERROR_ARGUMENT for a map that the field does
-// not have, a probe that it does not have, and a size out of range.
+// Writes a map as an .exr with channels R, G, B (of normals x, y, z), or Y for a single number, through a temporary
+// file that is synced and renamed. *width and *height receive the size in pixels; either may be NULL.
+// OLX_ERROR_ARGUMENT for a map or a probe that the field does not have, and for a size out of range.
 olx_result olx_export_map(const olx_field *field, const olx_map_picture *picture, const char *path, uint32_t *width,
                           uint32_t *height);
 
-// ---- A model of what a field consists of.
+// ---- A model of a field's contents.
 
-// Counts of what was written.
+// The numbers of written nodes and elements.
 typedef struct olx_gltf_counts {
   uint32_t probes, irradiance_probes; // nodes
   uint32_t volume_probes, volume_cells;
   uint32_t bricks, divided_bricks;
 } olx_gltf_counts;
 
-// Write probes, irradiance volume and bricks as a .gltf (2.0, buffers within) to look at: in metres of scene coordinates, so that it lies
-// over the scene. Below one node are
+// Writes probes, irradiance volume and bricks as a .gltf (2.0, embedded buffers) to look at, in metres of scene
+// coordinates, so that it lies over the scene. Below one node are
 // - "light field probes" and "irradiance probes": a node for each, an octahedron at its position, red inside geometry
 // - "irradiance volume": the octahedra of its probes in one mesh, coloured by their mean irradiance over pi, cut at 1; and the edges of
 //   its cells
-// - "bricks": the edges of those that list a probe, whole ones and divided ones apart
-// and what a field does not have is left out. Beside, synced, renamed; or to a stream. `counts` may be NULL.
+// - "bricks": the edges of bricks that list a probe, whole and divided bricks apart
+// What a field does not have is left out. Written through a temporary file that is synced and renamed, or to a stream.
+// `counts` may be NULL.
 olx_result olx_export_gltf(const olx_field *field, const char *path, olx_gltf_counts *counts);
 
-// ---- For renderers in other places, such as browsers (docs/web.md).
+// ---- Scenes and files for other renderers, such as browsers (docs/web.md).
 
-// Write what a scene consists of as a .glb (glTF 2.0): triangles by material, with textures within; emission, specular
-// weight and lights without area by KHR_materials_emissive_strength, KHR_materials_specular and KHR_lights_punctual;
-// cameras. In metres relative to the scene's origin, so that it lies over the scene's field. The scene's "extras" have
-// its hash, its origin and the radiance of its sky. Height maps, alpha of a texture of its own, and environments'
-// images are left out. Beside, synced, renamed. file_bytes may be NULL.
+// Writes the contents of a scene as a .glb (glTF 2.0): triangles by material, with embedded textures; emission,
+// specular weight and lights without area by KHR_materials_emissive_strength, KHR_materials_specular and
+// KHR_lights_punctual; cameras. Positions are in metres relative to the scene's origin, so that the model lies over the
+// scene's field. The scene's "extras" have its hash, its origin and the radiance of its sky. Height maps, alpha
+// textures of their own and images of environments are left out. Written through a temporary file that is synced and
+// renamed. file_bytes may be NULL.
 olx_result olx_export_scene(const olx_scene *scene, const char *path, uint64_t *file_bytes);
 
-// Write a file once more, compressed by gzip, which browsers unpack: beside, synced, renamed. file_bytes, which may be
-// NULL, receives the size of what was written. The bytes depend on the file and the version of zlib alone.
+// Writes a copy of a file compressed by gzip, which browsers unpack, through a temporary file that is synced and
+// renamed. file_bytes, which may be NULL, receives the size of the copy. The bytes depend only on the file and the
+// version of zlib.
 olx_result olx_export_gzip(const char *from, const char *path, uint64_t *file_bytes);
 
 #pragma GCC visibility pop

@@ -1,11 +1,11 @@
 // A baked light field: opening, describing and checking the .olx file (docs/format.md).
 //
-// A field holds light field probes (distance, normal, and the surface with its light for every direction) that rays are
-// traced through and light of surfaces is read from, and an irradiance volume for free space. It may also hold probe
-// light: radiance as each light field probe saw it (McGuire et al. 2017, section 3), and irradiance probes (prefiltered
-// irradiance and distance moments; section 5.2). With that it may hold classic maps, those of the baseline that light
-// field probes replace: irradiance probes without visibility (docs/baking.md). It may hold what relighting needs
-// (octalux/relight.h). It is immutable.
+// A field holds light field probes (distance, normal, and the surface with its light for every direction), through
+// which rays are traced and from which light of surfaces is read, and an irradiance volume for free space. It may also
+// hold probe light: the radiance that each light field probe saw (McGuire et al. 2017, section 3), and irradiance
+// probes (prefiltered irradiance and distance moments; section 5.2). With probe light it may hold classic maps:
+// irradiance probes without visibility, the method that light field probes replace (docs/baking.md). It may hold the
+// data for relighting (octalux/relight.h). It is immutable.
 //
 // SPDX-License-Identifier: MIT
 #ifndef OCTALUX_FIELD_H
@@ -20,28 +20,28 @@ extern "C" {
 
 typedef struct olx_field olx_field;
 
-// Ways to find the probes that light a point, or the next probe that a ray is traced through. Those before
-// OLX_SELECT_EXHAUSTIVE are baked into a field, one or several; the others need nothing baked.
+// Ways to find the probes that light a point, or the next probe through which a ray is traced. Those before
+// OLX_SELECT_EXHAUSTIVE are baked into a field, one or several; the others need no data.
 typedef enum olx_select {
   OLX_SELECT_CAGE = 0,   // McGuire et al. 2017, section 4.1: the corners of the grid cell, in the order (i + 3) mod 8
   OLX_SELECT_VORONOI,    // Wang 2018, section 4.1: the nearest probe, then its Delaunay neighbours
   OLX_SELECT_OCTREE,     // Wang 2018, section 4.2: a sparse voxel octree, up to four probes a leaf
   OLX_SELECT_BRICKS,     // cells of space that list the probes which see them (docs/maths.md)
-  OLX_SELECT_EXHAUSTIVE, // every probe that sees where the ray has come to, nearest first: slow, the reference
+  OLX_SELECT_EXHAUSTIVE, // every probe that sees the place that the ray has reached, nearest first: slow, the reference
   OLX_SELECT_BEST        // the first of cage, bricks, voronoi, octree that the field has, else exhaustive
 } olx_select;
 
-// "cage", "voronoi", "octree", "bricks", "exhaustive", "best".
+// Returns a selector's name: "cage", "voronoi", "octree", "bricks", "exhaustive" or "best".
 const char *olx_select_name(olx_select select);
 
-// How irradiance probes keep their irradiance. Their distance moments are octahedral maps in any case.
+// How irradiance probes store irradiance. Their distance moments are always octahedral maps.
 typedef enum olx_irradiance_form {
   OLX_IRRADIANCE_OCTAHEDRAL = 0, // an octahedral map (McGuire et al. 2017, section 5.2)
   OLX_IRRADIANCE_SH2,            // spherical harmonics of 2nd order: bands 0 and 1, four coefficients a channel
   OLX_IRRADIANCE_SH3             // of 3rd order: bands 0 to 2, nine coefficients (McGuire et al. 2017, section 7)
 } olx_irradiance_form;
 
-// "octahedral", "sh2", "sh3".
+// Returns a form's name: "octahedral", "sh2" or "sh3".
 const char *olx_irradiance_form_name(olx_irradiance_form form);
 
 // A regular grid of probes. Probe (x, y, z) has index x + count[0] * (y + count[1] * z) and the position
@@ -55,15 +55,15 @@ typedef struct olx_grid {
 // The contents of a field. Sizes in texels are those of the square octahedral maps without their one-texel border.
 typedef struct olx_field_info {
   uint32_t probe_count;            // light field probes, at least 1
-  uint32_t irradiance_probe_count; // irradiance probes; 0: baked without probe light, and all that is said of them is 0
-  uint32_t buried_count;           // light field probes found inside geometry, which no lookup uses
+  uint32_t irradiance_probe_count; // irradiance probes; 0: baked without probe light, and all members about them are 0
+  uint32_t buried_count;           // light field probes that are buried (inside geometry), which no lookup uses
   uint32_t irradiance_buried_count;
   bool has_grid;               // light field probes lie on `grid`
   olx_grid grid;               // valid when has_grid
   olx_grid irradiance_grid;    // positions of the irradiance probes
   uint32_t radiance_size;      // texels along a side of a light field map: a power of two, 8 to 2048
   uint32_t irradiance_size;    // texels along a side of an irradiance probe's maps: a power of two, 8 to 256; 0 without probes
-  olx_irradiance_form irradiance_form; // of irradiance; with spherical harmonics the maps hold moments alone
+  olx_irradiance_form irradiance_form; // with spherical harmonics, the maps hold moments alone
   uint32_t select_mask;        // bit (1 << olx_select) for each structure that is baked in; may be 0
   float distance_scale_metres; // stored distances times this are metres
   olx_vec3 scene_min, scene_max;
@@ -72,56 +72,58 @@ typedef struct olx_field_info {
                        // rays leave it out where they end, since surfaces that they light add one; 0 when not known
   uint32_t samples;    // radiance samples along a texel's side (2: four samples a texel)
   bool compressed;     // material and light of surfaces lie in blocks of 4 x 4 texels that graphics hardware decodes
-  bool geometry_blocks; // what light field probes see lies in blocks of 4 x 4 texels, too: planes, not distances and normals
-  uint64_t scene_hash; // of geometry, materials, textures, lights and environment; 0 of a field that is relit
+  bool geometry_blocks; // what light field probes see is stored in 4 x 4 blocks: planes, not distances and normals
+  uint64_t scene_hash; // of geometry, materials, textures, lights and environment; 0 of a relit field
   uint32_t classic_size;      // texels along a side of the classic maps: a power of two, 32 to 256; 0: baked without them
-  uint32_t classic_cube_size; // along a face of the cube maps that they were made from
-  float classic_sharpness;    // of the filter between the two
-  uint32_t relight_surfels, relight_links; // what relighting sends light between, and over how many links; 0: baked without
+  uint32_t classic_cube_size; // along a face of their source cube maps
+  float classic_sharpness;    // exponent of the filter from cube maps to classic maps
+  uint32_t relight_surfels, relight_links; // surfels for relighting, and the links between them; 0: baked without
   uint32_t volume_probe_count; // probes of the irradiance volume; 0: baked without
   uint32_t light_count;    // lights of the scene that have no area
   uint64_t file_bytes;
-  // Bytes of what is stored of the surfaces that light field probes see: material (base colour and reflectance),
-  // irradiance straight from emitters, irradiance from surfaces, and emission with the sky.
+  // Bytes stored for the surfaces that light field probes see: material (base colour and reflectance), irradiance
+  // directly from emitters, irradiance from surfaces, and emission with the sky.
   uint64_t material_bytes, direct_bytes, indirect_bytes, emission_bytes;
   uint64_t geometry_bytes; // of geometry blocks and their planes; 0 without, and normal_bytes and distance_bytes 0 with them
   uint64_t radiance_bytes, normal_bytes, distance_bytes, pyramid_bytes, irradiance_bytes, moments_bytes,
-      selector_bytes, classic_bytes, relight_bytes, volume_bytes; // of the volume with its cells
+      selector_bytes, classic_bytes, relight_bytes, volume_bytes; // volume_bytes: of the volume with its cells
   uint64_t select_bytes[OLX_SELECT_EXHAUSTIVE]; // of each selector in the file; their sum is selector_bytes
 } olx_field_info;
 
-// Map a field file into memory and check its structure: every offset and size, and the checksums of header, chunk table
-// and description, but not the maps (olx_field_verify). On success *field is the caller's to close; on failure it is
+// Maps a field file into memory and checks its structure: every offset and size, and the checksums of header, chunk
+// table and description, but not the maps (olx_field_verify). On success the caller must close *field; on failure it is
 // NULL. Takes milliseconds for any size.
 olx_result olx_field_open(const char *path, olx_field **field);
 
-// Opens a field file that is in memory already, 64-byte aligned, as olx_field_open does; `data` must outlive the field.
+// Opens a field file that is already in memory, 64-byte aligned, like olx_field_open; `data` must outlive the field.
 olx_result olx_field_open_memory(const void *data, size_t size_bytes, olx_field **field);
 
 // Reads the description of a field file of format version 1. Such a file cannot be opened, because its texels hold no
-// surfaces: the scene has to be baked again. Counts of bytes but file_bytes are 0, as are the members that optional
-// chunks describe. OLX_ERROR_VERSION for a file of another version.
+// surfaces: the scene must be baked again. All counts of bytes except file_bytes are 0, as are the members that
+// optional chunks describe. OLX_ERROR_VERSION for a file of another version.
 olx_result olx_field_describe_version_1(const char *path, olx_field_info *info);
 
-// NULL is allowed.
+// Closes a field. NULL is allowed.
 void olx_field_close(olx_field *field);
 
 olx_field_info olx_field_describe(const olx_field *field);
 
-// The origin, in metres of scene coordinates, that all positions of the field are relative to, and those that the
-// functions of the runtime take and give. It is 0 unless the scene lies far from 0. A host subtracts it, in double
-// precision, from the eye and from what it passes in floats; nothing else differs.
+// Returns the origin in metres of scene coordinates to which all positions of the field are relative, and all positions
+// that the runtime's functions take and return. It is 0 unless the scene lies far from 0. A host subtracts it, in
+// double precision, from the eye and from positions that it passes as floats; nothing else differs.
 void olx_field_origin(const olx_field *field, double origin[3]);
 
-// Position in metres of a light field probe, index < probe_count; NaN for another index.
+// Returns the position in metres of a light field probe, index < probe_count; NaN for any other index.
 olx_vec3 olx_field_probe_position(const olx_field *field, uint32_t index);
-// Whether that probe was found inside geometry at bake time; true for an index that no probe has.
+// Returns whether a light field probe was found buried (inside geometry) by the bake; true for an index without a
+// probe.
 bool olx_field_probe_buried(const olx_field *field, uint32_t index);
-// Whether an irradiance probe was found inside geometry, index < irradiance_probe_count; true for another index.
+// Returns whether an irradiance probe was found buried (inside geometry), index < irradiance_probe_count; true for any
+// other index.
 bool olx_field_irradiance_probe_buried(const olx_field *field, uint32_t index);
 
-// Read every byte: checksums, zero padding, and the content of the maps (no NaN, distances not negative, moments
-// possible). OLX_OK, or what is wrong and where in olx_last_error.
+// Reads every byte: checksums, zero padding, and the contents of the maps (no NaN, no negative distance, only possible
+// moments). Returns OLX_OK, or the first failure, with its place in olx_last_error.
 olx_result olx_field_verify(const olx_field *field);
 
 #pragma GCC visibility pop

@@ -1,5 +1,6 @@
-// The least and the greatest values of settings. Whatever takes a setting checks it by these, and says so by
-// OLX_ERROR_ARGUMENT; the command line's options have the same limits, and files are held to those that concern them.
+// The least and the greatest values of settings. Every function that takes a setting checks it against these and
+// returns OLX_ERROR_ARGUMENT beyond them. The command line's options have the same limits, and so have the values in
+// files.
 //
 // SPDX-License-Identifier: MIT
 #ifndef OCTALUX_LIMITS_H
@@ -19,7 +20,7 @@ enum {
   OLX_CLASSIC_SHARPNESS_MOST = 65536
 };
 
-// Bakes (octalux/bake.h). What has no least value here may be 0.
+// Bakes (octalux/bake.h). Settings without a least value here may be 0.
 enum {
   OLX_BAKE_PROBES_MOST = 1 << 20, // of each kind
   OLX_SAMPLES_LEAST = 1,
@@ -50,7 +51,7 @@ enum {
   OLX_PLACE_ROUNDS_MOST = 10000
 };
 
-// Pictures (octalux/render.h): at least 1 of each.
+// Pictures (octalux/render.h); the least value of each is 1.
 enum {
   OLX_PICTURE_SIZE_MOST = 16384, // pixels along each side
   OLX_PICTURE_SPP_MOST = 1 << 20,

@@ -1,4 +1,4 @@
-// The runtime of Octalux: everything that a program needs to light itself from a baked field on the CPU.
+// The runtime of Octalux: everything with which a program lights its pictures from a baked field on the CPU.
 //
 // SPDX-License-Identifier: MIT
 #ifndef OCTALUX_OCTALUX_H

@@ -1,26 +1,26 @@
-// Placing probes: a scene becomes a set of positions from which its surfaces are seen. Part of liboctalux-bake.
+// Placing probes: finds a set of positions from which a scene's surfaces are seen. Part of liboctalux-bake.
 //
 // Placement works on any soup of triangles: open, two-sided, intersecting. It answers three questions.
 //
-// Which space matters? The bounds (or the description's box of playable space) are cut into voxels; those that touch a
-// surface are solid. From the cameras the rest is flooded; without cameras the largest space that light reaches counts.
-// A place is never inside geometry: that is judged by the share of back faces seen from there *and* by how many
-// surfaces lie around it in several directions, by neither alone.
+// Which space matters? The bounds (or the description's box of playable space) are divided into voxels; voxels that
+// touch a surface are solid. The rest is flooded from the cameras; without cameras, the largest space that light
+// reaches counts. Whether a place is inside geometry is decided by the share of back faces seen from there *and* by the
+// number of surfaces around it in several directions, never by one of them alone.
 //
-// Which surfaces matter? Surfels stand for what that space sees: those by which positions are chosen, and those by
-// which they are judged afterwards, lie where rays arrive that leave it from everywhere in all directions, so that a
-// surface counts as much as it is seen. They take the part of Wang's visibility atlas (section 3.2.1) without
-// unwrapping anything. Both sides of a triangle are surfaces of their own.
+// Which surfaces matter? Surfels represent what that space sees. Positions are chosen by one set of surfels and judged
+// by another. Surfels lie where rays arrive that leave the space from everywhere in all directions, so a surface counts
+// as much as it is seen. They replace Wang's visibility atlas (section 3.2.1) without unwrapping anything. Both sides
+// of a triangle are surfaces of their own.
 //
 // Where do probes go? OLX_PLACE_GRID puts them on a regular grid and reports which of them are inside geometry.
 // OLX_PLACE_COVER picks from many candidates, always the one that adds most, until the wanted coverage, count or memory
 // is reached, and then moves and swaps probes as long as that covers more. A surfel is *covered* when a probe sees it
 // *well*: in line of sight, not at a grazing angle, and with a texel small enough on the surface; better angles and
-// smaller texels are preferred where they cost no coverage. OLX_PLACE_SDF and OLX_PLACE_MEDIAL are those of Wang's
-// thesis (section 3.1): one probe for each cluster of the skeleton of free space, the member nearest to the cluster's
-// mean. Small clusters are dropped.
+// smaller texels are preferred where they cost no coverage. OLX_PLACE_SDF and OLX_PLACE_MEDIAL are the methods of
+// Wang's thesis (section 3.1): one probe for each cluster of the skeleton of free space, at the member nearest to the
+// cluster's mean. Small clusters are dropped.
 //
-// Afterwards probes may be moved to where they see better (section 3.2): `optimize`.
+// Probes may then be moved to where they see better (section 3.2): `optimize`.
 //
 // Everything is deterministic: the same scene and settings give the same probes, with any number of threads.
 //
@@ -43,11 +43,11 @@ typedef enum olx_place_method {
   OLX_PLACE_COVER
 } olx_place_method;
 
-// "grid", "sdf", "medial", "cover".
+// Returns a method's name: "grid", "sdf", "medial" or "cover".
 const char *olx_place_method_name(olx_place_method method);
 
-// How probes are moved once they are placed. Each round looks at every probe in turn: at a cube of eight support probes
-// around it and at the reward with each of these in its place.
+// How probes are moved after placement. Each round visits every probe: it computes the reward with the probe at each of
+// eight support probes, the corners of a cube around it.
 typedef enum olx_place_optimizer {
   OLX_OPTIMIZE_NONE = 0,
   OLX_OPTIMIZE_GRADIENT, // to the best support probe when that is better (section 3.2.2), else the cube is halved
@@ -55,42 +55,42 @@ typedef enum olx_place_optimizer {
                          // 3.2.3, 3.2.4)
 } olx_place_optimizer;
 
-// "none", "gradient", "gibbs".
+// Returns an optimizer's name: "none", "gradient" or "gibbs".
 const char *olx_place_optimizer_name(olx_place_optimizer optimizer);
 
 // The reward of a set of probes for each surfel. A probe that sees the surfel has a fitness: the mean of the cosine at
 // the surfel and of the distance in diagonals of the scene.
 typedef enum olx_place_reward {
   OLX_REWARD_BEST = 0, // the best probe's fitness
-  OLX_REWARD_SUM       // the sum of all probes' (equations 3.1, 3.2): none gains by seeing what the others miss
+  OLX_REWARD_SUM       // the sum over all probes (equations 3.1, 3.2); seeing what others miss earns nothing extra
 } olx_place_reward;
 
-// "best", "sum".
+// Returns a reward's name: "best" or "sum".
 const char *olx_place_reward_name(olx_place_reward reward);
 
-// Where a probe's position came from.
+// The origin of a probe's position.
 typedef enum olx_probe_origin {
   OLX_ORIGIN_PINNED = 0, // the description pins it
   OLX_ORIGIN_GRID,       // a point of a regular grid
-  OLX_ORIGIN_SKELETON,   // of the skeleton of free space, where surfaces are far
+  OLX_ORIGIN_SKELETON,   // a point of the skeleton of free space, where surfaces are far
   OLX_ORIGIN_SPACE,      // spread over the free space
   OLX_ORIGIN_TARGET,     // chosen to see a surfel that no other candidate saw
-  OLX_ORIGIN_MOVED       // any of these, moved to where it covers more
+  OLX_ORIGIN_MOVED       // any other, moved to where it covers more
 } olx_probe_origin;
 
-// "pinned", "grid", "skeleton", "space", "target", "moved".
+// Returns an origin's name: "pinned", "grid", "skeleton", "space", "target" or "moved".
 const char *olx_probe_origin_name(olx_probe_origin origin);
 
 typedef struct olx_place_settings {
   olx_place_method method; // default OLX_PLACE_COVER
-  // How many probes to set, the pinned ones included (but by OLX_PLACE_GRID). OLX_PLACE_COVER ends at whichever limit
-  // is met first; with neither count nor budget it goes on until `coverage` is reached. OLX_PLACE_SDF and
-  // OLX_PLACE_MEDIAL make so many clusters, fewer where the skeleton has no more; without a count as many as make them
-  // 0.15 diagonals wide.
+  // The number of probes, including pinned ones (except with OLX_PLACE_GRID). OLX_PLACE_COVER ends at the first limit
+  // that it meets; with neither count nor budget it continues until `coverage` is reached. OLX_PLACE_SDF and
+  // OLX_PLACE_MEDIAL form this many clusters, or fewer where the skeleton has no more; without a count, as many as make
+  // clusters 0.15 diagonals wide.
   uint32_t count;   // 1 to 65,536; 0 (the default): not limited
   float coverage;   // share of what can be covered, within [0, 1]; 0 (the default): 0.999, and 1 with a count or budget
   double budget_mb; // megabytes (10^6 bytes) that the field may take at `resolution` (olx_light_field_bytes); 0 (the default): not limited
-  uint32_t views;   // probes that shall see each surfel, 1 to 8; default 1
+  uint32_t views;   // probes that must see each surfel, 1 to 8; default 1
   olx_grid grid;    // OLX_PLACE_GRID: positions of its probes; default: the scene's
   uint32_t resolution; // texels along a light field map, a power of two, 8 to 2048; default 512
   float min_cosine;    // below this cosine between surface normal and line of sight a surfel is seen at grazing angle;
@@ -99,18 +99,19 @@ typedef struct olx_place_settings {
                        // scene's bounds, or of a tile where there are several; above 0; default 0.05
   olx_place_optimizer optimize; // default OLX_OPTIMIZE_NONE
   olx_place_reward reward;      // default OLX_REWARD_BEST
-  uint32_t rounds;              // at most, of the optimizer, 1 to 10,000; default 50; it ends when all is covered
+  uint32_t rounds;              // most rounds of the optimizer, 1 to 10,000; default 50; it ends when all is covered
   uint32_t surfels;    // that positions are chosen by, 64 to 1,048,576, fewer where they would take more than 256 MB;
                        // default 14,000; in tiles, where there are 2^20 voxels of space
   uint32_t candidates; // 16 to 16,384; default 2,000; in tiles likewise
-  // Edge of a voxel in metres, within [0, 1e6]; 0 (the default): 0.25, so that a door of one metre is open wherever its
-  // frame lies, or a twelfth of the median height from floors to what is above them where that is more. Space that is longer than 160 of them is covered in tiles of 128^3 voxels by OLX_PLACE_COVER, and
-  // measured in them for OLX_PLACE_GRID, both without an optimizer; the size is doubled until the voxels are few enough
-  // for memory (report.voxel_metres). Else space is one tile, which has 160 voxels along its longest side when this is
-  // 0, and otherwise as many as it takes, 512 at most.
+  // The edge of a voxel in metres, within [0, 1e6]; 0 (the default): 0.25, so that a door of one metre is open wherever
+  // its frame lies, or a twelfth of the median height from floors to what is above them where that is more. Space longer
+  // than 160 voxels is covered in tiles of 128^3 voxels by OLX_PLACE_COVER, and measured in such tiles for
+  // OLX_PLACE_GRID, both without an optimizer; the edge is doubled until the voxels fit into memory
+  // (report.voxel_metres). Otherwise space is one tile, which has 160 voxels along its longest side when this is 0, and
+  // otherwise as many as it takes, 512 at most.
   float voxel_size;
-  // Along the longest side of space, which is one tile; 8 to 512, at most 2^23 together; 0 (the default): as voxel_size
-  // has it.
+  // The number of voxels along the longest side of space, which then is one tile; 8 to 512, at most 2^23 in all; 0 (the
+  // default): determined by voxel_size.
   uint32_t voxels;
   uint32_t refinements; // rounds in which probes may move or be swapped, 0 to 64; default 8
   uint32_t seed;
@@ -123,44 +124,44 @@ olx_place_settings olx_place_settings_default(const olx_scene *scene);
 typedef struct olx_placed_probe {
   olx_vec3 position;
   olx_probe_origin origin;
-  float gain;  // share that this probe covers and none before it in the list does (olx_place_report)
-  bool buried; // inside geometry: a grid's or a pinned probe
+  float gain;  // share that this probe covers and no earlier probe of the list does (olx_place_report)
+  bool buried; // inside geometry: a probe of a grid or a pinned one
 } olx_placed_probe;
 
-// How well the probes do, by surfels that the placement never used. Shares are of what the space that matters sees,
-// each surface as often as it is seen, except where area is named.
+// How well the probes cover the scene, judged by surfels that the placement did not use. Shares are of what the space
+// that matters sees, each surface weighted by how often it is seen, unless area is named.
 typedef struct olx_place_report {
-  uint64_t surfels;        // held out
+  uint64_t surfels;        // held out from placement
   double coverage;         // seen well by at least `views` probes
-  double visible;          // in line of sight of at least one probe, at whatever angle and distance
-  double coverage_by_area; // as coverage, but each surface counts by the area that is seen from somewhere
+  double visible;          // in line of sight of at least one probe, at any angle and distance
+  double coverage_by_area; // like coverage, but each surface is weighted by its area that is seen from anywhere
   double coverable;        // 1 - grazing - restricted
   double grazing;          // not covered: at grazing angles or with too large a texel from wherever a probe may stand
   double restricted;       // not covered: seen only from where no probe may stand: because of the description's
                            // overrides, or within a voxel of surfaces
-  double missed;           // not covered, but could be: more probes, or a higher coverage, would do it
+  double missed;           // not covered but coverable: by more probes, or with a higher wanted coverage
   double unreachable;      // of all surface, by area: no side of it is seen from the space that matters
   double reached_m2;       // square metres of sides of surfaces that are seen from the space that matters,
   double
       unreached_m2; // and of those that are not and face free space that no opening of two voxels or more connects with it
-  uint32_t buried;        // probes inside geometry, which no lookup uses
+  uint32_t buried;        // probes inside geometry (buried), which no lookup uses
   uint32_t rejected;      // OLX_PLACE_GRID: grid points left out because of the description's overrides
-  uint32_t candidates;    // positions that were considered
+  uint32_t candidates;    // number of positions that were considered
   double coverage_before; // what the optimizer found; by OLX_REWARD_BEST it does not give up what only one probe sees
-  double reward_before;   // and the reward it found, and
-  double reward_after;    // what it left: never less; a mean over surfels, by settings.reward
+  double reward_before;   // the mean reward of surfels before the optimizer, by settings.reward
+  double reward_after;    // and after it, never less
   uint32_t rounds;        // of the optimizer
   uint64_t space_voxels;  // of the space that matters
-  uint32_t tiles;         // in which space was covered
+  uint32_t tiles;         // the number of tiles in which space was covered
   float voxel_metres;
   double seconds;
 } olx_place_report;
 
-// Kinds of marks that a picture shows beside the probes.
+// Kinds of marks in a picture beside the probes.
 typedef enum olx_place_mark_kind {
   OLX_MARK_SKELETON = 0, // a place of the skeleton of free space; radius: how far surfaces are
   OLX_MARK_MISSED,       // a surface that is not covered but could be
-  OLX_MARK_HOPELESS,     // and one that cannot be: grazing or restricted (olx_place_report)
+  OLX_MARK_HOPELESS,     // a surface that cannot be covered: grazing or restricted (olx_place_report)
   OLX_MARK_UNREACHED     // a surface of free space that is not reached
 } olx_place_mark_kind;
 
@@ -176,30 +177,31 @@ typedef struct olx_probe_set {
   uint32_t mark_count; // 0 unless settings.marks
   olx_place_mark
       *marks; // the skeleton (of OLX_PLACE_MEDIAL its balls, else the far voxels; none in tiles), then held-out surfels
-  olx_place_settings settings; // what made them
+  olx_place_settings settings; // the settings of the placement
   olx_place_report report;
-  double origin[3]; // that positions are relative to: the scene's
+  double origin[3]; // positions are relative to it: the scene's origin
   uint64_t scene_hash;
 } olx_probe_set;
 
-// Place probes in `scene`. The overrides of its description (docs/scenes.md: pinned, forbidden, playable, min_distance)
-// hold for every method. OLX_ERROR_EMPTY, with a message that says why, when there is nothing to place in: no volume,
-// no free space that is not inside geometry, no surface that space sees. On success the set is the caller's to free.
+// Places probes in `scene`. The overrides of its description (docs/scenes.md: pinned, forbidden, playable,
+// min_distance) apply to every method. OLX_ERROR_EMPTY, with a message that says why, when there is nothing to place
+// in: no volume, no free space outside geometry, no surface that space sees. On success the caller must free the set.
 olx_result olx_place(const olx_scene *scene, const olx_place_settings *settings, const olx_progress *progress,
                      olx_probe_set *set);
 // Releases probes and marks; the struct itself is the caller's.
 void olx_probe_set_free(olx_probe_set *set);
 
-// Write the set as JSON (docs/placement.md): beside, synced, renamed. The bytes depend on the set alone. Positions are
-// written in scene coordinates, in double precision.
+// Writes the set as JSON (docs/placement.md), through a temporary file that is synced and renamed. The bytes depend on
+// the set alone. Positions are written in scene coordinates, in double precision.
 olx_result olx_probe_set_save(const olx_probe_set *set, const char *path);
-// Read what olx_probe_set_save wrote, or any JSON object whose "probes" is a list of objects with a "position": what
-// else is missing stays at its default. Positions become relative to `origin`, the scene's (NULL: 0). Errors name the
-// file and the element; a position beyond OLX_POSITION_LIMIT_METRES is one. On success the set is the caller's to free.
+// Reads a file of olx_probe_set_save, or any JSON object whose "probes" is a list of objects with a "position";
+// anything else that is missing gets its default. Positions become relative to `origin`, the scene's (NULL: 0). Errors
+// name the file and the element; a position beyond OLX_POSITION_LIMIT_METRES is an error. On success the caller must
+// free the set.
 olx_result olx_probe_set_load(const char *path, const double origin[3], olx_probe_set *set);
 
-// Bytes that a field of that many light field probes of resolution^2 texels is expected to take, baked with default
-// settings (olx_bake_sizes.expected_bytes).
+// Returns the bytes that a field of `count` light field probes of resolution^2 texels is expected to take, baked with
+// default settings (olx_bake_sizes.expected_bytes).
 uint64_t olx_light_field_bytes(uint32_t count, uint32_t resolution);
 
 #pragma GCC visibility pop

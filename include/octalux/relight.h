@@ -1,16 +1,15 @@
-// Changing lights while a program runs: a field's light is renewed a little every frame, from what was stored when it
-// was baked (`olx_bake_settings.relight`, `octalux bake --relight`). Per-frame updates as the dissertation of 2022,
-// section 6.2, proposes them, on the links between surfaces that the bake found.
+// Changing lights while a program runs: every frame renews a part of a field's light, from data stored by the bake
+// (`olx_bake_settings.relight`, `octalux bake --relight`). These are the per-frame updates that the dissertation of
+// 2022 proposes in section 6.2, on the links between surfaces that the bake found.
 //
-// A relighter keeps light of its own beside a field that stays as it is: that of surfels, points of the scene's
-// surfaces, and with it the light that texels of light field probes and the irradiance volume hold. In a frame, surfels
-// get the direct light of the lights given last, with shadows, and light goes over the links between them, one surface
-// further. Then the texels nearest to the eye take theirs from the surfels. Geometry does not change, and neither does
-// what is seen of emitters and of the sky themselves. Radiance and irradiance probes of the paper stay as they were
-// baked (docs/relighting.md).
+// A relighter keeps light of its own beside a field that does not change: the light of surfels, which are points on the
+// scene's surfaces, and of the texels and the irradiance volume that surfels light. In a frame, surfels get the direct
+// light of the current lights, with shadows, and links between surfels carry light one surface further. Then the texels
+// nearest to the eye receive light from the surfels. Geometry does not change, and neither does the visible emission of
+// emitters and of the sky. Radiance and irradiance probes of the paper keep the light of the bake (docs/relighting.md).
 //
-// Threads: calls on one relighter must not overlap, and nobody may sample its field during olx_relight_frame; frames
-// use several threads themselves. Results do not depend on how many.
+// Threads: calls on one relighter must not overlap, and no other thread may sample its field during olx_relight_frame.
+// Frames use several threads; results do not depend on how many.
 //
 // SPDX-License-Identifier: MIT
 #ifndef OCTALUX_RELIGHT_H
@@ -31,57 +30,57 @@ typedef enum olx_relight_light_type {
   OLX_RELIGHT_POINT,
   OLX_RELIGHT_SPOT,
   OLX_RELIGHT_RECT,     // a parallelogram
-  OLX_RELIGHT_TRIANGLE, // half of one
+  OLX_RELIGHT_TRIANGLE, // half of a parallelogram
   OLX_RELIGHT_SKY       // the same radiance from wherever a ray meets nothing
 } olx_relight_light_type;
 
 typedef struct olx_relight_light {
   olx_relight_light_type type;
   olx_vec3 emission;  // sun: irradiance on a surface facing it; point, spot: radiant intensity; others: radiance
-  olx_vec3 position;  // metres; point, spot; a corner of rect and triangle
-  olx_vec3 direction; // of travel, unit: sun, spot
-  float cosine_inner, cosine_outer; // spot: full light inside, none outside, smooth between
-  olx_vec3 edge_u, edge_v;          // rect, triangle: from the corner; they shine on the side of edge_u x edge_v
-  bool both_sides;                  // rect, triangle: and on the other
+  olx_vec3 position;  // metres; of point and spot; a corner of rect and triangle
+  olx_vec3 direction; // of travel, unit; of sun and spot
+  float cosine_inner, cosine_outer; // of a spot: full light inside, none outside, a smooth step between
+  olx_vec3 edge_u, edge_v;          // of rect and triangle: from the corner; they emit on the side of edge_u x edge_v
+  bool both_sides;                  // of rect and triangle: they emit on the other side too
 } olx_relight_light;
 
 // A ray from a surface towards a light.
 typedef struct olx_shadow_ray {
-  olx_vec3 origin;     // metres, a little off the surface
+  olx_vec3 origin;     // metres, slightly off the surface
   olx_vec3 direction;  // unit
   float length_metres; // infinite for sun and sky
 } olx_shadow_ray;
 
-// Whether anything lies on each of `count` rays: occluded[i] becomes 1 or 0. Called from several threads at once. A
-// host answers from its shadow maps or its ray caster; olx_scene_occlusion (octalux/scene.h) is one.
+// Tests whether anything lies on each of `count` rays: occluded[i] becomes 1 or 0. Called from several threads at once.
+// A host implements it by its shadow maps or its ray caster; olx_scene_occlusion (octalux/scene.h) is an example.
 typedef void (*olx_occlusion)(void *user, const olx_shadow_ray *rays, uint32_t count, uint8_t *occluded);
 
-// Budgets of a frame. Work that is left waits for the next frame, and none waits for ever.
+// The budgets of a frame. Remaining work waits for later frames, and none waits forever.
 typedef struct olx_relight_settings {
-  uint32_t shadow_rays;   // at least 1; a whole tile of texels may go beyond; default 262144
-  uint32_t surfels;       // that gather light from others, at least 1; default 131072
+  uint32_t shadow_rays;   // at least 1; a whole tile of texels may exceed it; default 262144
+  uint32_t surfels;       // surfels that gather light from others, at least 1; default 131072
   uint32_t texels;        // of light field probes whose light is renewed, rounded up to tiles of 32 x 32, at least 1; default 524288
-  uint32_t volume_probes; // of the irradiance volume, at least 1; default 4096
-  uint32_t light_samples; // shadow rays a place to each light with an area and to the sky, 1 to 64; default 1
-  float sleep;            // when light changes by less than this share, it has arrived, 0 to 1; default 0.002
+  uint32_t volume_probes; // probes of the irradiance volume, at least 1; default 4096
+  uint32_t light_samples; // shadow rays from a place to each light with an area and to the sky, 1 to 64; default 1
+  float sleep;            // light that changes by less than this share has settled, 0 to 1; default 0.002
   float near_metres; // what is nearer to the eye is renewed most often; at each doubling of the distance half as often, at least
                      // an eighth; 0, the default: an eighth of the scene's diagonal
   olx_occlusion occlusion; // NULL, the default: shadow rays are traced through the field
-  void *user;              // handed to it
+  void *user;              // passed to it
   uint32_t threads;        // 0: as many as the machine has
 } olx_relight_settings;
 
 olx_relight_settings olx_relight_settings_default(void);
 
-// OLX_ERROR_ARGUMENT, with a message, for settings out of range and for a field that was baked without what relighting
-// needs. The field must outlive the relighter. On success *relight is the caller's to free, on failure it is NULL. It
-// takes 8 bytes a texel of light field maps and 56 a surfel.
+// Creates a relighter. OLX_ERROR_ARGUMENT, with a message, for settings out of range and for a field baked without the
+// data for relighting. The field must outlive the relighter. On success the caller must free *relight, on failure it is
+// NULL. It takes 8 bytes a texel of light field maps and 56 a surfel.
 olx_result olx_relight_create(const olx_field *field, const olx_relight_settings *settings, olx_relight **relight);
-// NULL is allowed.
+// Frees a relighter. NULL is allowed.
 void olx_relight_free(olx_relight *relight);
 
-// Sets all lights that there are from now on, at most 256, which are copied. They replace those of the bake and those
-// given before. What was lit stays so until its turn has come.
+// Sets all lights from now on, at most 256, which are copied. They replace the lights of the bake and those of earlier
+// calls. Previous light stays until it is replaced.
 olx_result olx_relight_set_lights(olx_relight *relight, const olx_relight_light *lights, uint32_t count);
 
 // The work that a frame did.
@@ -90,27 +89,26 @@ typedef struct olx_relight_stats {
   uint64_t texels;                        // of light field probes
   uint32_t volume_probes;
   uint64_t shadow_rays;
-  uint32_t awake; // tiles, surfels and volume probes that wait, after the frame; 0: everything has arrived
+  uint32_t awake; // tiles, surfels and volume probes that wait after the frame; 0: all light has settled
   double seconds; // of the clock
 } olx_relight_stats;
 
-// Runs one frame, seen from `eye` (metres). stats may be NULL. When nothing is awake nothing is done.
-// OLX_ERROR_ARGUMENT once frames are made on a device (octalux/vulkan.h, olx_vulkan_relight_create); the field below
-// then stays as it was.
+// Runs one frame, seen from `eye` (metres). stats may be NULL. Does nothing when nothing is awake. OLX_ERROR_ARGUMENT
+// once frames run on a device (octalux/vulkan.h, olx_vulkan_relight_create); the field below then stays as it was.
 olx_result olx_relight_frame(olx_relight *relight, olx_vec3 eye, olx_relight_stats *stats);
 
-// The field with its light as it is now: for octalux/sample.h and octalux/render.h. It belongs to the
-// relighter, must not be closed, and changes with olx_relight_frame.
+// Returns the field with its present light, for octalux/sample.h and octalux/render.h. It belongs to the relighter,
+// must not be closed, and changes with olx_relight_frame.
 const olx_field *olx_relight_field(const olx_relight *relight);
 
 // The state of a light field probe in the schedule.
 typedef struct olx_relight_state {
-  uint32_t last_frame;    // that changed a part of its map, counted from 1; 0: none yet
-  uint32_t tiles_waiting; // parts of its map
-  uint32_t waited;        // frames that one of them has waited, at most
+  uint32_t last_frame;    // the last one that changed a part of its map, counted from 1; 0: none yet
+  uint32_t tiles_waiting; // parts of its map that wait
+  uint32_t waited;        // the most frames that one of them has waited
 } olx_relight_state;
 
-// All 0 for an index that no probe has.
+// Returns the state of a light field probe; all 0 for an index without a probe.
 olx_relight_state olx_relight_probe_state(const olx_relight *relight, uint32_t probe);
 
 #pragma GCC visibility pop

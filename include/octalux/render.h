@@ -1,5 +1,5 @@
-// Whole images on the CPU, and measuring them: the field renderer, the path tracer that judges it, image files, metrics
-// and the audit of a field. Part of liboctalux-bake.
+// Whole images on the CPU, and their measurement: the field renderer, the path tracer as reference, image files,
+// metrics and the audit of a field. Part of liboctalux-bake.
 //
 // SPDX-License-Identifier: MIT
 #ifndef OCTALUX_RENDER_H
@@ -24,11 +24,11 @@ typedef enum olx_layer {
   OLX_LAYER_ALBEDO,           // diffuse reflectance: base colour * (1 - metallic)
   OLX_LAYER_NORMAL,           // shading normal, world space; 0 where nothing is seen
   OLX_LAYER_DEPTH,            // distance along the viewing axis in metres, one channel (others 0); infinite for the sky
-  OLX_LAYER_STANDARD_ERROR,   // of beauty's mean; only when asked for
+  OLX_LAYER_STANDARD_ERROR,   // of beauty's mean; only on request
   OLX_LAYER_COUNT
 } olx_layer;
 
-// The layer's name in files and reports ("beauty", "indirect_diffuse", ...).
+// Returns the layer's name in files and reports ("beauty", "indirect_diffuse", ...).
 const char *olx_layer_name(olx_layer layer);
 
 // An image of float layers. Pixel (x, y) of a layer, y down, is layers[layer][x + width * y]; absent layers are NULL.
@@ -37,27 +37,28 @@ const char *olx_layer_name(olx_layer layer);
 typedef struct olx_image {
   uint32_t width, height;
   olx_vec3 *layers[OLX_LAYER_COUNT];
-  // How often its indirect light has left a surface before the one that is seen: OLX_BOUNCES_INFINITE or a count, when
-  // known. From a field it is one more than the field's, since the picture reflects once more. EXR files keep it
+  // How often the indirect light has left surfaces before the visible one: OLX_BOUNCES_INFINITE or a count, when known.
+  // For a field it is one more than the field's, because the picture adds a reflection. EXR files store it
   // ("octaluxBounces").
   bool bounces_known;
   uint32_t bounces;
 } olx_image;
 
-// Allocate an image with the layers whose bits (1 << olx_layer) are set, filled with zero.
+// Allocates an image with the layers whose bits (1 << olx_layer) are set, filled with zero.
 olx_result olx_image_create(uint32_t width, uint32_t height, uint32_t layer_mask, olx_image *image);
-// Release the layers; the struct itself is the caller's.
+// Releases the layers; the caller owns the struct itself.
 void olx_image_free(olx_image *image);
 
-// Write `path`, by its ending: .exr (all layers, linear float) or .png (beauty, tone-mapped). Beside, synced, renamed.
+// Writes `path` by its extension, .exr (all layers, linear float) or .png (beauty, tone-mapped), through a temporary
+// file that is synced and renamed.
 olx_result olx_image_save(const olx_image *image, const char *path);
-// Write one layer, tone-mapped with `exposure` (1 keeps it), as .png.
+// Writes one layer as .png, tone-mapped with `exposure` (1: unchanged).
 olx_result olx_image_save_layer_png(const olx_image *image, olx_layer layer, float exposure, const char *path);
-// Read an .exr that olx_image_save wrote, or any scanline EXR with channels R G B. *image is the caller's to free.
+// Reads an .exr of olx_image_save, or any scanline EXR with channels R G B. The caller must free *image.
 olx_result olx_image_load(const char *path, olx_image *image);
 
-// Compress 8-bit pixels of 1 (gray) or 3 (RGB) channels, rows from the top, as a PNG in memory. *png is the caller's to
-// give to olx_png_free.
+// Compresses 8-bit pixels of 1 (gray) or 3 (RGB) channels, rows from the top, to a PNG in memory. The caller must
+// release *png with olx_png_free.
 olx_result olx_png_encode(uint32_t width, uint32_t height, uint32_t channels, const uint8_t *pixels, uint8_t **png,
                           size_t *size_bytes);
 void olx_png_free(uint8_t *png);
@@ -65,32 +66,32 @@ void olx_png_free(uint8_t *png);
 // A ball in a diagram.
 typedef struct olx_diagram_mark {
   olx_vec3 position, color;         // color: linear, 0 to 1
-  float radius;                     // metres; in the picture between
-  float least_pixels, most_pixels;  // these
-  uint32_t order;                   // marks of a higher one are drawn over those of a lower one
+  float radius;                     // metres; limited in the picture by
+  float least_pixels, most_pixels;  // these sizes
+  uint32_t order;                   // marks of higher order are drawn over those of lower order
 } olx_diagram_mark;
 
 typedef struct olx_diagram_settings {
-  const olx_camera *camera; // NULL: from above a corner, the upper or the nearer half of the scene cut away
+  const olx_camera *camera; // NULL: from above a corner, without the upper or the nearer half of the scene
   uint32_t width, height;   // 1 to 16384
   const olx_diagram_mark *marks;
   uint32_t mark_count;
   uint32_t threads; // 0: as many as the machine has; the picture does not depend on it
 } olx_diagram_settings;
 
-// Write a .png of the scene's triangles, dim and flat, with the marks over them; those that a surface hides are
-// fainter. *drawn: how many marks fall on the picture. Beside, synced, renamed.
+// Writes a .png of the scene's triangles, dim and flat, with the marks over them; marks behind a surface are fainter.
+// *drawn receives the number of marks within the picture. Written through a temporary file that is synced and renamed.
 olx_result olx_diagram_save(const olx_scene *scene, const olx_diagram_settings *settings, const char *path,
                             uint32_t *drawn);
 
 typedef enum olx_method {
   OLX_METHOD_FIELD = 0, // indirect light from a field
   OLX_METHOD_PATH = 1,  // path tracing, the reference
-  OLX_METHOD_CLASSIC = 2 // indirect light from a field's classic maps, the baseline
+  OLX_METHOD_CLASSIC = 2 // indirect light from a field's classic maps, irradiance probes without visibility
 } olx_method;
 
 typedef enum olx_diffuse {
-  OLX_DIFFUSE_SURFACE = 0,    // from the light that the field stores at surfaces (olx_surface_irradiance)
+  OLX_DIFFUSE_SURFACE = 0,    // from the light stored at surfaces (olx_surface_irradiance)
   OLX_DIFFUSE_IRRADIANCE = 1, // from irradiance probes (McGuire et al. section 5.2); needs a field with probe light
   OLX_DIFFUSE_TRACED = 2      // by cosine rays traced through the field (section 5, naive renderer)
 } olx_diffuse;
@@ -103,12 +104,12 @@ typedef struct olx_render_settings {
   olx_diffuse diffuse;       // field; default OLX_DIFFUSE_SURFACE
   uint32_t diffuse_samples;  // field, traced: rays a camera sample, 1 to 4096; default 64
   uint32_t glossy_samples;   // field: rays a camera sample on glossy surfaces, 1 to 4096; default 4 (1 when smooth)
-  uint32_t seed;             // another one gives other samples, so that two images have independent noise; default 0
+  uint32_t seed;             // a second seed gives other samples, so that two images have independent noise; default 0
   float dim_lobe;            // field: rough specular lobes that reflect less than this share towards the eye are not traced
                              // but take irradiance: that of surfaces with OLX_DIFFUSE_SURFACE and in fields without
                              // probe light, else that of irradiance probes; default 0 (section 6)
   bool centered;             // all camera samples of a pixel go through its centre
-  olx_denoise_settings denoise; // olx_render_frames
+  olx_denoise_settings denoise; // for olx_render_frames
   bool standard_error;       // also fill OLX_LAYER_STANDARD_ERROR
   uint32_t threads;          // 0: as many as the machine has; the image does not depend on it
   olx_sample_settings sample; // field: tracer, selector, visibility
@@ -118,7 +119,7 @@ olx_render_settings olx_render_settings_default(olx_method method);
 
 typedef struct olx_render_stats {
   double seconds;
-  // Processor time of the workers, summed over threads; a path tracer reports the first alone.
+  // Processor time of the workers, summed over threads; a path tracer sets only the first.
   double primary_seconds, direct_seconds, diffuse_seconds, glossy_seconds, denoise_seconds;
   uint64_t rays;            // cast with Embree
   uint64_t field_rays;      // traced through the field
@@ -126,60 +127,61 @@ typedef struct olx_render_stats {
   uint64_t field_steps, field_probes; // texels whose distance those rays read, and probes they were traced through
 } olx_render_stats;
 
-// Render `scene` from `camera`. `field` is needed by all but OLX_METHOD_PATH, where it may be NULL; one baked from
-// another scene is warned about. On success the image is the caller's to free. stats may be NULL.
+// Renders `scene` from `camera`. `field` is needed for all methods except OLX_METHOD_PATH, where it may be NULL; a
+// field baked from another scene causes a warning. On success the caller must free the image. stats may be NULL.
 olx_result olx_render(const olx_scene *scene, const olx_field *field, const olx_camera *camera,
                       const olx_render_settings *settings, const olx_progress *progress, olx_image *image,
                       olx_render_stats *stats);
 
-// Render as a real-time renderer does: `count` frames, seen from cameras[0..count), each with one camera ray a pixel
+// Renders as a real-time renderer does: `count` frames, seen from cameras[0..count), each with one camera ray a pixel
 // (through its centre) and one ray a lobe through the field, denoised over pixels and over frames; the image is the
-// last one. settings->diffuse chooses between a Lambertian ray (the paper's denoised mode) and light stored at surfaces
-// or at irradiance probes; settings->spp is the number of samples of direct light in the last frame. Other counts of
-// samples, and bounces, say nothing here; the method must be OLX_METHOD_FIELD. The rest is as olx_render.
+// last frame. settings->diffuse chooses between a Lambertian ray (the paper's denoised mode) and light stored at
+// surfaces or at irradiance probes; settings->spp is the number of samples of direct light in the last frame. Other
+// numbers of samples and `bounces` have no effect; the method must be OLX_METHOD_FIELD. All else is as in olx_render.
 olx_result olx_render_frames(const olx_scene *scene, const olx_field *field, const olx_camera *cameras, uint32_t count,
                              const olx_render_settings *settings, const olx_progress *progress, olx_image *image,
                              olx_render_stats *stats);
 
-// The surfaces that a picture shows, for a renderer elsewhere (octalux/vulkan.h) to light: pixel (x, y) at x + width *
-// y. The surface of a pixel is at clip_to_world * (cx, cy, inverse_depth, 1), divided by w, where cx and cy run from -1
-// at the left and top edge of the picture to 1.
+// The surfaces in a picture, for another renderer (octalux/vulkan.h) to light: pixel (x, y) at x + width * y. The
+// surface of a pixel is at clip_to_world * (cx, cy, inverse_depth, 1), divided by w, where cx and cy run from -1 at the
+// left and top edge of the picture to 1.
 typedef struct olx_gbuffer {
   uint32_t width, height;
   float *inverse_depth; // 1 / distance along the viewing axis in metres; 0 where nothing is seen
-  olx_vec3 *normal;     // shading normal, bent towards the eye where it faces away from it
+  olx_vec3 *normal;     // shading normal, bent towards the eye where it faces away
   olx_vec3 *geometric_normal; // of the triangle, on the side of the eye
-  olx_vec3 *vertex_normal;    // between the triangle's corners, without a normal map, on that side
+  olx_vec3 *vertex_normal;    // interpolated over the triangle, without a normal map, on the side of the eye
   olx_vec3 *base_color;
   olx_vec3 *material; // roughness, metallic, specular weight
   olx_vec3 eye;
   float clip_to_world[16]; // columns
 } olx_gbuffer;
 
-// Render what needs no field: every layer but the indirect ones, which are 0 here and in beauty, and the surfaces.
+// Renders what needs no field: the surfaces, and every layer except the indirect ones, which are 0 here and in beauty.
 // Camera rays go through pixel centres; settings->spp is the number of samples of direct light. The field is only
-// checked to fit the scene. On success the image and *gbuffer are the caller's to free. stats may be NULL.
+// checked to fit the scene. On success the caller must free the image and *gbuffer. stats may be NULL.
 olx_result olx_render_surfaces(const olx_scene *scene, const olx_field *field, const olx_camera *camera,
                                const olx_render_settings *settings, const olx_progress *progress, olx_image *image,
                                olx_gbuffer *gbuffer, olx_render_stats *stats);
-// Release the planes; the struct itself is the caller's.
+// Releases the planes; the caller owns the struct itself.
 void olx_gbuffer_free(olx_gbuffer *gbuffer);
 
-// Error of `a` against the reference `b` over one layer (MATH: relative MSE is sum (a-b)^2 / sum b^2, bias is sum (a-b)
-// / sum b, over pixels and channels). PSNR is in dB over the reference's maximum, infinite for equal images; the shares
-// are infinite when only the reference is black. `max` is the largest absolute difference.
+// The error of `a` against the reference `b` over one layer. Relative MSE is sum (a-b)^2 / sum b^2 and bias is sum
+// (a-b) / sum b, over pixels and channels. PSNR is in dB over the reference's maximum, infinite for equal images; the
+// shares are infinite when only the reference is black. `max` is the largest absolute difference.
 typedef struct olx_metrics {
   double mse, relative_mse, psnr, bias, max;
 } olx_metrics;
 
-// OLX_ERROR_ARGUMENT when sizes differ or either image lacks the layer (as every image lacks one that does not exist);
-// OLX_ERROR_FORMAT, naming the pixel, when a value is not finite. Depth that is infinite in both images is left out.
+// Compares a layer of `a` with the reference `b`. OLX_ERROR_ARGUMENT when sizes differ or an image lacks the layer, as
+// every image does for one that does not exist; OLX_ERROR_FORMAT, naming the pixel, when a value is not finite. Depth
+// that is infinite in both images is left out.
 olx_result olx_compare(const olx_image *a, const olx_image *b, olx_layer layer, olx_metrics *metrics);
-// Write a picture of |a - b| over the reference's mean (both averaged over channels), black to yellow over its square
-// root, with the scale from 0 to 100 % drawn at the right. Fails as olx_compare does.
+// Writes a picture of |a - b| over the reference's mean (both averaged over channels), from black to yellow by its
+// square root, with the scale from 0 to 100 % at the right. Fails as olx_compare does.
 olx_result olx_compare_heatmap(const olx_image *a, const olx_image *b, olx_layer layer, const char *path);
 
-// Whether a layer shows colours that can be looked at: every layer that exists but normal and depth.
+// Returns whether a layer shows colours: every existing layer except normal and depth.
 bool olx_layer_is_color(olx_layer layer);
 
 typedef struct olx_perceptual_settings {
@@ -190,19 +192,19 @@ typedef struct olx_perceptual_settings {
 
 olx_perceptual_settings olx_perceptual_settings_default(void);
 
-// How alike two layers look as pictures: both are tone mapped to the 8-bit sRGB that olx_image_save_layer_png writes.
+// How similar two layers look as pictures, after tone mapping to the 8-bit sRGB of olx_image_save_layer_png.
 typedef struct olx_perceptual {
   double ssim; // mean structural similarity of luma (Wang et al. 2004), 1 for equal pictures; NaN below 11 pixels a side
   double flip; // mean LDR-FLIP (Andersson et al. 2020), 0 for equal pictures to 1
 } olx_perceptual;
 
-// Compare a layer of color of `a` with the reference `b`. flip_map may be NULL; else FLIP of every pixel is put into
-// its width * height numbers. Fails as olx_compare does, and with OLX_ERROR_ARGUMENT for settings out of range.
+// Compares a colour layer of `a` with the reference `b`. flip_map may be NULL; else its width * height numbers receive
+// the FLIP of every pixel. Fails as olx_compare does, and with OLX_ERROR_ARGUMENT for settings out of range.
 olx_result olx_compare_perceptual(const olx_image *a, const olx_image *b, olx_layer layer,
                                   const olx_perceptual_settings *settings, float *flip_map, olx_perceptual *perceptual);
-// The palette of error maps: "magma" of matplotlib, from black (0) to a pale yellow (1).
+// Returns a colour of the palette of error maps: "magma" of matplotlib, from black (0) to a pale yellow (1).
 void olx_magma(float value, uint8_t rgb[3]);
-// Write a FLIP map as .png, coloured by olx_magma. Beside, synced, renamed.
+// Writes a FLIP map as .png, coloured by olx_magma, through a temporary file that is synced and renamed.
 olx_result olx_flip_map_save(const float *flip_map, uint32_t width, uint32_t height, const char *path);
 
 typedef struct olx_audit_settings {
@@ -212,18 +214,18 @@ typedef struct olx_audit_settings {
   uint32_t spp;    // paths a point for the reference irradiance; default 1024
   uint32_t seed;
   uint32_t threads;
-  const char *camera; // name of the camera whose surfaces are judged; NULL: all of them
+  const char *camera; // name of the camera whose surfaces are judged; NULL: all cameras
   olx_sample_settings sample;
 } olx_audit_settings;
 
 olx_audit_settings olx_audit_settings_default(void);
 
-// The field judged against ray casting and path tracing; see docs/studies/rays.md for what each number means.
+// The field compared with ray casting and path tracing; docs/studies/rays.md explains each number.
 typedef struct olx_audit_rays {
   uint64_t count;
   double unresolved, wrong, unseen;           // shares of all rays
   double unresolved_seen, wrong_seen;         // shares of the rays whose true hit at least one probe sees
-  double distance_error_median, distance_error_p99; // relative to the ray's length, over rays that were resolved
+  double distance_error_median, distance_error_p99; // relative to the ray's length, over resolved rays
   double steps_mean, probes_mean;
 } olx_audit_rays;
 
@@ -237,11 +239,11 @@ typedef struct olx_audit {
   olx_audit_rays rays;        // both kinds
   olx_audit_rays cosine, mirror; // each kind alone
   olx_audit_points points;       // of olx_surface_irradiance, at all points
-  olx_audit_points stored;       // where light is stored for the point's surface: its share is stored.count / points.count
-  olx_audit_points fallen_back;  // where nothing is, and the irradiance volume answers
+  olx_audit_points stored;       // where light is stored for the surface: a share of stored.count / points.count
+  olx_audit_points fallen_back;  // where none is stored and the irradiance volume is used
   olx_audit_points irradiance;   // of olx_irradiance, at all points; 0 without probe light
-  // At settings->space_points places of the space that the viewer reaches, noise of the reference removed; count is
-  // that of places times normals.
+  // At settings->space_points places of the space that the viewer reaches, with the noise of the reference removed;
+  // count is the number of places times normals.
   olx_audit_points space_volume; // of olx_volume_irradiance
   olx_audit_points space_probes; // of olx_irradiance; 0 without probe light
   double space_served;           // share of the places at which the irradiance volume has a cell

@@ -1,4 +1,5 @@
-// Twin of src/select/bricks.h: the probes that see a place, from the bricks as they lie in the file (docs/format.md).
+// Twin of src/select/bricks.h: finds the probes that see a place, from the bricks as they lie in the file
+// (docs/format.md).
 //
 // SPDX-License-Identifier: MIT
 #ifndef OLX_BRICKS_GLSL
@@ -8,13 +9,13 @@
 
 const uint OLX_BRICK_SIDE = 4u; // cells along the side of a brick
 const uint OLX_BRICK_CELL_WORDS = OLX_BRICK_SIDE * OLX_BRICK_SIDE * OLX_BRICK_SIDE / 2u;
-const uint OLX_BRICK_PROBES = 8u; // in a list
+const uint OLX_BRICK_PROBES = 8u; // the most in a list
 const uint OLX_BRICK_LIST_WORDS = OLX_BRICK_PROBES / 2u;
 const uint OLX_BRICK_NO_PROBE = 0xFFFFu;
 const uint OLX_BRICK_DIVIDED = 0x80000000u;
-const uint OLX_BRICK_HEADER_WORDS = 16u; // origin, side of a cell, size in bricks, how many are divided, lists
+const uint OLX_BRICK_HEADER_WORDS = 16u; // origin, side of a cell, size in bricks, numbers of divided bricks and lists
 
-// Where the list of the cell that a point lies in begins; points outside count to the nearest cell.
+// Returns where the list of the cell around a point begins; a point outside all cells gets the list of the nearest one.
 uint olx_bricks_list(vec3 point) {
   uint first = olx_field.bricks_first;
   vec3 origin = uintBitsToFloat(uvec3(olx_word(first), olx_word(first + 1u), olx_word(first + 2u)));
@@ -33,7 +34,7 @@ uint olx_bricks_list(vec3 point) {
   return cells + olx_word(first + 7u) * OLX_BRICK_CELL_WORDS + list * OLX_BRICK_LIST_WORDS;
 }
 
-// The i-th probe of a list, OLX_BRICK_NO_PROBE from its end on.
+// Returns the i-th probe of a list, OLX_BRICK_NO_PROBE beyond its end.
 uint olx_bricks_probe(uint list, uint i) {
   return olx_word(olx_field.bricks_first + list + i / 2u) >> (i % 2u * 16u) & 0xFFFFu;
 }

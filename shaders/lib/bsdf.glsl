@@ -1,4 +1,4 @@
-// Twin of src/core/bsdf.h: Lambert and GGX with one energy split. Directions are in the shading frame (normal = +z).
+// Twin of src/core/bsdf.h: Lambert and GGX with one split of energy. Directions are in the shading frame (normal = +z).
 //
 // SPDX-License-Identifier: MIT
 #ifndef OLX_BSDF_GLSL
@@ -14,7 +14,7 @@ struct olx_bsdf {
   vec3 f0;
   float f90;
   float dielectric_weight;
-  float alpha; // GGX; 0 is a mirror
+  float alpha; // of GGX; 0 is a mirror
 };
 
 olx_bsdf olx_bsdf_make(vec3 base_color, float metallic, float roughness, float specular_weight) {
@@ -37,7 +37,7 @@ vec3 olx_fresnel(olx_bsdf b, float cosine) {
   return b.f0 * (1.0 - p) + vec3(b.f90 * p);
 }
 
-// The diffuse lobe's reflectance for an eye at normal . view: outgoing radiance is this times irradiance / pi.
+// Returns the diffuse lobe's reflectance for an eye at normal . view: outgoing radiance is this times irradiance / pi.
 vec3 olx_bsdf_diffuse(olx_bsdf b, float cosine_view) {
   float p = olx_pow5(clamp(1.0 - cosine_view, 0.0, 1.0));
   return b.albedo * (1.0 - b.dielectric_weight * (0.04 + 0.96 * p));
@@ -45,8 +45,8 @@ vec3 olx_bsdf_diffuse(olx_bsdf b, float cosine_view) {
 
 bool olx_bsdf_has_specular(olx_bsdf b) { return b.f90 > 0.0; }
 
-// What the specular lobe reflects of light that comes from all directions alike, towards an eye at normal . view. For a
-// mirror it is Fresnel's factor; rough lobes reflect less, at grazing angles far less.
+// Returns the specular lobe's reflectance in uniform light towards an eye at normal . view. For a mirror it is
+// Fresnel's factor; rough lobes reflect less, at grazing angles far less.
 vec3 olx_bsdf_specular_albedo(olx_bsdf b, float cosine_view) {
   float m = clamp(cosine_view, 0.0, 1.0), m2 = m * m, a = b.alpha, r = sqrt(a);
   float lost = a * (0.469 + 1.058 * m - 1.429 * m2 + r * (-0.389 + 0.254 * m + 0.754 * m2));
@@ -55,8 +55,8 @@ vec3 olx_bsdf_specular_albedo(olx_bsdf b, float cosine_view) {
   return b.f0 * max(1.0 - lost - grazing, 0.0) + vec3(b.f90 * grazing);
 }
 
-// Whether the specular lobe is rough and reflects less than `share` towards an eye at normal . view; and its light
-// then: that of all directions alike.
+// Returns whether the specular lobe is rough and reflects less than `share` towards an eye at normal . view. Such a
+// lobe receives the mean light of all directions.
 bool olx_lobe_is_dim(olx_bsdf b, float cosine_view, float share) {
   vec3 f = olx_fresnel(b, cosine_view);
   return b.alpha > 0.0 && max(f.x, max(f.y, f.z)) < share;
@@ -66,13 +66,13 @@ vec3 olx_dim_light(olx_bsdf b, float cosine_view, vec3 irradiance) {
   return olx_bsdf_specular_albedo(b, cosine_view) * irradiance * (1.0 / OLX_PI);
 }
 
-// Smith's lambda.
+// Returns Smith's lambda.
 float olx_ggx_lambda(float alpha, float cosine) {
   float c2 = cosine * cosine, a2 = alpha * alpha;
   return 0.5 * (sqrt(1.0 + a2 * max(1.0 - c2, 0.0) / max(c2, 1e-12)) - 1.0);
 }
 
-// A half vector drawn from the visible normals (Heitz 2018).
+// Draws a half vector from the distribution of visible normals (Heitz 2018).
 vec3 olx_ggx_sample_half(float alpha, vec3 view, vec2 random) {
   vec3 v = olx_normalize(vec3(alpha * view.x, alpha * view.y, view.z));
   float lensq = v.x * v.x + v.y * v.y;
@@ -86,8 +86,8 @@ vec3 olx_ggx_sample_half(float alpha, vec3 view, vec2 random) {
   return olx_normalize(vec3(alpha * n.x, alpha * n.y, max(1e-6, n.z)));
 }
 
-// Draw a direction from the specular lobe. weight is BRDF times cosine over pdf for Fresnel reflectance 1 (0: below the
-// surface), half_cosine the cosine for the Fresnel term.
+// Draws a direction from the specular lobe. weight is BRDF times cosine over pdf for Fresnel reflectance 1, or 0 below
+// the surface; half_cosine is the cosine for the Fresnel term.
 vec3 olx_ggx_sample(float alpha, vec3 view, vec2 random, out float weight, out float half_cosine) {
   if (alpha <= 0.0) {
     weight = view.z > 0.0 ? 1.0 : 0.0;

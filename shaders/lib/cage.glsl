@@ -4,14 +4,14 @@
 #ifndef OLX_CAGE_GLSL
 #define OLX_CAGE_GLSL
 
-#include "language.glsl" // first: it sets precisions
+#include "language.glsl" // comes first, because it sets precisions
 #include "../octalux_shared.h"
 
 // Corner i of a cell: bit 0 of i is x, bit 1 is y, bit 2 is z. An axis with one probe contributes one corner.
 struct olx_cage {
   uvec3 base;
-  uint corner_mask; // bits of i that name a distinct probe
-  vec3 alpha;       // where the point stands in the cell, 0..1
+  uint corner_mask; // bits of i that distinguish probes
+  vec3 alpha;       // the point's position in the cell along each axis, 0..1
 };
 
 olx_cage olx_cage_at(olx_gpu_grid grid, vec3 position) {
@@ -34,7 +34,7 @@ uint olx_cage_probe(olx_gpu_grid grid, olx_cage cage, uint corner) {
   return at.x + grid.count.x * (at.y + grid.count.y * at.z);
 }
 
-// Trilinear weight of a corner.
+// Returns the trilinear weight of a corner.
 float olx_cage_weight(olx_cage cage, uint corner) {
   float weight = 1.0;
   for (int axis = 0; axis < 3; axis++) {

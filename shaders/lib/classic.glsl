@@ -1,5 +1,6 @@
-// Twin of src/shade/classic.c: the baseline, irradiance probes without visibility (docs/maths.md, "The baseline"). Not
-// part of octalux.glsl: it needs a descriptor set of its own, with the classic maps as one buffer of words.
+// Twin of src/shade/classic.c: the classic method, irradiance probes without visibility, which light field probes
+// replace (docs/maths.md, "The baseline"). It is not part of octalux.glsl, because it needs a descriptor set of its
+// own, with the classic maps as one buffer of words.
 //
 // SPDX-License-Identifier: MIT
 #ifndef OLX_CLASSIC_GLSL
@@ -11,7 +12,7 @@
 #define OLX_CLASSIC_SET 3
 #endif
 
-// src/vulkan/classic_pass.c says what lies where: words of the header, then the parts at the words that it names.
+// The buffer begins with the words of the header, which hold the offsets of the parts (src/vulkan/classic_pass.c).
 layout(set = OLX_CLASSIC_SET, binding = 0, std430) readonly buffer olx_classic_block { uint olx_classic[]; };
 
 struct olx_classic_weights {
@@ -20,7 +21,7 @@ struct olx_classic_weights {
   float weight[9];
 };
 
-// Bilinear look-up in a bordered map of n x n texels that begins at a word.
+// Interpolates bilinearly in a bordered map of n x n texels that begins at a word.
 vec3 olx_classic_color(uint map, uint n, vec2 uv) {
   precise vec2 at = uv * float(n) - 0.5;
   vec2 first = clamp(floor(at), vec2(-1.0), vec2(float(n) - 1.0)), part = clamp(at - first, vec2(0.0), vec2(1.0));
@@ -36,8 +37,8 @@ vec3 olx_classic_vector(uint word) {
               uintBitsToFloat(olx_classic[word + 2u]));
 }
 
-// The direction in which the probe sees what the ray from `position` along `direction` meets, when its surroundings are
-// its box.
+// Returns the direction in which the probe sees what the ray from `position` along `direction` meets, if the probe's
+// surroundings are its box.
 vec3 olx_classic_parallax(uint probe, vec3 position, vec3 direction) {
   uint box = olx_classic[OLX_CLASSIC_BOXES] + 6u * probe;
   vec3 low = olx_classic_vector(box), high = olx_classic_vector(box + 3u), from = clamp(position, low, high);
@@ -51,7 +52,7 @@ vec3 olx_classic_parallax(uint probe, vec3 position, vec3 direction) {
   return distance > 0.0 && distance < OLX_INFINITY ? seen / distance : direction;
 }
 
-// Scale and bias of F0, for the cosine between normal and eye.
+// Returns scale and bias of F0, for the cosine between normal and eye.
 vec2 olx_classic_reflectance(float cosine, float roughness) {
   const float last = float(OLX_CLASSIC_TABLE_WIDTH - 1u);
   vec2 at = vec2(sqrt(clamp(cosine, 0.0, 1.0)), clamp(roughness, 0.0, 1.0)) * last;
@@ -65,10 +66,10 @@ vec2 olx_classic_reflectance(float cosine, float roughness) {
   return sum;
 }
 
-// Texels along a side of a level of radiance.
+// Returns the number of texels along a side of a level of radiance.
 uint olx_classic_side(uint level) { return max(olx_classic[OLX_CLASSIC_SIZE] >> level, OLX_CLASSIC_LEAST); }
 
-// Radiance of a probe, filtered for the roughness, around a unit direction.
+// Returns a probe's radiance, filtered for the roughness, around a unit direction.
 vec3 olx_classic_radiance(uint probe, vec3 direction, float roughness) {
   vec2 uv = olx_octahedral_encode(direction);
   float level = clamp(roughness, 0.0, 1.0) * float(OLX_CLASSIC_LEVEL_COUNT - 1u);
@@ -81,8 +82,8 @@ vec3 olx_classic_radiance(uint probe, vec3 direction, float roughness) {
   return mix(fine, coarse, level - float(below));
 }
 
-// Trilinear interpolation alone, but for probes inside geometry. Where the cage has none to ask, the nearest of the 4 x
-// 4 x 4.
+// Weighs probes trilinearly, without buried ones (inside geometry). Where all of the cage are buried, the nearest of
+// the 4 x 4 x 4 probes around the point is used.
 olx_classic_weights olx_classic_weigh(olx_sample_settings settings, vec3 position) {
   olx_cage cage = olx_cage_at(olx_field.irradiance_grid, position);
   olx_classic_weights weights;
@@ -108,7 +109,7 @@ olx_classic_weights olx_classic_weigh(olx_sample_settings settings, vec3 positio
   return weights;
 }
 
-// Indirect irradiance in W/m^2 on a surface.
+// Returns the indirect irradiance in W/m^2 on a surface.
 vec3 olx_classic_irradiance(olx_sample_settings settings, vec3 position, vec3 normal) {
   olx_classic_weights weights = olx_classic_weigh(settings, position);
   vec2 uv = olx_octahedral_encode(normal);
@@ -121,7 +122,8 @@ vec3 olx_classic_irradiance(olx_sample_settings settings, vec3 position, vec3 no
   return sum;
 }
 
-// Light that a GGX lobe with Fresnel reflectance f0 straight on and f90 at grazing angles reflects towards the eye.
+// Returns the light that a GGX lobe reflects towards the eye, with Fresnel reflectance f0 at normal incidence and f90
+// at grazing angles.
 vec3 olx_classic_glossy(olx_sample_settings settings, vec3 position, vec3 normal, vec3 view, float roughness, vec3 f0,
                         float f90) {
   olx_classic_weights weights = olx_classic_weigh(settings, position);

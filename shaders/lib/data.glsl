@@ -1,17 +1,17 @@
-// Where a field's data lies, for both languages that the library is compiled as: GLSL for Vulkan, with storage buffers
-// and the descriptor set of a field, and ESSL 3.00 for WebGL2, which has textures alone. Everything else reads words,
-// probes and probe light through the names defined here; maps of texels are arrays of images in both.
+// Access to a field's data in both languages for which the library is compiled: GLSL for Vulkan, with storage buffers
+// and the descriptor set of a field, and ESSL 3.00 for WebGL2, which has textures alone. All other files read words,
+// probes and probe light through the names defined here; maps of texels are arrays of images in both languages.
 //
 // SPDX-License-Identifier: MIT
 #ifndef OLX_DATA_GLSL
 #define OLX_DATA_GLSL
 
-#include "language.glsl" // first: it sets precisions
+#include "language.glsl" // comes first, because it sets precisions
 #include "../octalux_shared.h"
 
 #ifdef GL_ES
-// The host sets these uniforms by their names (web/src/textures.js). Words and probes lie row by row in images that are
-// OLX_DATA_ROW texels wide. Probe light is not uploaded: a field has no irradiance probes here, and hits are shaded.
+// The host sets these uniforms by name (web/src/textures.js). Words and probes lie row by row in images that are
+// OLX_DATA_ROW texels wide. Probe light is not uploaded: here a field has no irradiance probes, and hits are shaded.
 const uint OLX_DATA_ROW_BITS = 11u, OLX_DATA_ROW = 1u << OLX_DATA_ROW_BITS;
 
 uniform olx_gpu_field olx_field;
@@ -48,7 +48,7 @@ layout(set = OLX_FIELD_SET, binding = OLX_BINDING_IRRADIANCE_PROBES, std430) rea
     olx_irradiance_probe_block {
   olx_gpu_probe olx_irradiance_probes[];
 };
-// One buffer for all that lies there as words, since a shader of some devices has no more than four.
+// One buffer holds all words of a field, because shaders of some devices have no more than four buffers.
 layout(set = OLX_FIELD_SET, binding = OLX_BINDING_WORDS, std430) readonly buffer olx_word_block { uint olx_words[]; };
 layout(set = OLX_FIELD_SET, binding = OLX_BINDING_RADIANCE) uniform sampler2DArray olx_radiance_maps;
 layout(set = OLX_FIELD_SET, binding = OLX_BINDING_NORMAL) uniform usampler2DArray olx_normal_maps;
@@ -60,7 +60,7 @@ layout(set = OLX_FIELD_SET, binding = OLX_BINDING_DIRECT) uniform sampler2DArray
 layout(set = OLX_FIELD_SET, binding = OLX_BINDING_BASE) uniform sampler2DArray olx_base_maps;
 layout(set = OLX_FIELD_SET, binding = OLX_BINDING_SPECULAR) uniform sampler2DArray olx_specular_maps;
 
-// Macros where a function would lie between compilers and the buffers.
+// These are macros, because a function would keep compilers from seeing the buffers.
 #define olx_word(index) olx_words[index]
 #define olx_probe_flags(probe) olx_probes[probe].flags
 #define olx_irradiance_probe_flags(probe) olx_irradiance_probes[probe].flags

@@ -1,4 +1,4 @@
-// Twin of src/render/denoise.c: the separated denoiser of McGuire et al. 2017, section 5.1, as far as it does not read
+// Twin of src/render/denoise.c: the parts of the separated denoiser of McGuire et al. 2017, section 5.1, that read no
 // images. shaders/pass has the loops over pixels.
 //
 // SPDX-License-Identifier: MIT
@@ -7,63 +7,63 @@
 
 #include "vec.glsl"
 
-// Two pixels show one surface when the second lies off the first one's plane by at most so many pixels' width, or by
-// this share of their distance (normal maps tilt planes), ...
+// The greatest distance of a second pixel from a first one's plane at which both show one surface: so many widths of a
+// pixel, plus this share of the pixels' distance from each other (normal maps tilt planes).
 const float OLX_PLANE_PIXELS = 2.0, OLX_PLANE_SLOPE = 0.1;
-// ... and, for history, when their normals agree to this cosine.
+// The least cosine between two normals at which history counts as of the same surface.
 const float OLX_SAME_NORMAL = 0.9;
-// A point seen this near to a pixel's centre, in pixels, has not moved.
+// A point seen within this distance of a pixel's centre, in pixels, counts as unmoved.
 const float OLX_STILL_PIXELS = 1e-2;
-// Glossy light is not mixed between surfaces whose roughness differs by more.
+// The greatest difference of roughness between surfaces whose glossy light is mixed.
 const float OLX_ROUGHNESS_RANGE = 0.1;
 
-// Below this sum of weights nothing is known of a pixel.
+// The sum of weights below which a pixel has no light.
 const float OLX_LEAST_WEIGHT = 1e-6;
-// Below this share of the four pixels around a point, its history is not read.
+// The share of the four pixels around a point below which its history is not read.
 const float OLX_LEAST_SHARE = 0.01;
 
-// right and up lead from the middle of the image plane at distance 1 to its edges.
+// The axes of a camera: right and up lead from the middle of the image plane at distance 1 to its edges.
 struct olx_camera_frame {
   vec3 eye, forward, right, up;
 };
 
-// Light that arrives at a surface, and 1 / distance to where it came from; negative: the pixel has no light of this
+// The light that arrives at a surface, and 1 / distance to its source; negative where the pixel has no light of this
 // kind.
 struct olx_incident {
   vec3 light;
   float inverse_distance;
 };
 
-// What is known of a surface point: the mean of `count` frames.
+// The accumulated light of a surface point: the mean of `count` frames.
 struct olx_known {
   olx_incident incident;
   float count;
 };
 
-// What a pixel shows.
+// The surface that a pixel shows.
 struct olx_shown {
   vec3 position, normal;
   float depth, roughness;
   float pixel_angle; // width of a pixel at depth 1
 };
 
-// What is known at a pixel, as the weights of its neighbours follow from it.
+// The quantities at a pixel from which the weights of its neighbours follow.
 struct olx_scales {
-  float inverse_distance; // 0 when nothing is known
-  float narrowing;        // kernels shrink with the noise, which falls with the root of the number of frames
+  float inverse_distance; // 0 where the pixel has no light
+  float narrowing;        // scales kernels like the noise, which falls with the square root of the number of frames
 };
 
 olx_known olx_nothing_known() { return olx_known(olx_incident(vec3(0.0), -1.0), 0.0); }
 
-// ---- where pixels are
+// ---- Positions of pixels
 
-// The surface point that a pixel shows at a depth along the viewing axis. `size` is the picture's, in pixels.
+// Returns the surface point that a pixel shows at a depth along the viewing axis. `size` is the picture's, in pixels.
 vec3 olx_guide_position(olx_camera_frame c, vec2 size, vec2 pixel, float depth) {
   float across = 2.0 * (pixel.x + 0.5) / size.x - 1.0, up = 1.0 - 2.0 * (pixel.y + 0.5) / size.y;
   return c.eye + (c.forward + c.right * across + c.up * up) * depth;
 }
 
-// Where a point is seen: pixel centres at whole numbers; false behind the camera.
+// Finds the pixel at which a point is seen, with pixel centres at whole numbers; false behind the camera.
 bool olx_guide_project(olx_camera_frame c, vec2 size, vec3 position, out vec2 pixel) {
   vec3 offset = position - c.eye;
   float depth = olx_dot(offset, c.forward);
@@ -77,7 +77,7 @@ bool olx_guide_project(olx_camera_frame c, vec2 size, vec3 position, out vec2 pi
 
 float olx_pixel_angle(olx_camera_frame c, vec2 size) { return 2.0 * sqrt(olx_dot(c.up, c.up)) / size.y; }
 
-// How well a point fits the plane through another: 1 on it, 0 where it belongs to another surface.
+// Returns how well a point fits the plane through another: 1 on it, 0 where it belongs to another surface.
 float olx_plane_fit(vec3 offset, vec3 normal, float pixel_metres) {
   float tolerance = OLX_PLANE_PIXELS * pixel_metres + OLX_PLANE_SLOPE * sqrt(olx_dot(offset, offset));
   return max(0.0, 1.0 - abs(olx_dot(offset, normal)) / tolerance);
@@ -87,15 +87,15 @@ bool olx_is_sample(olx_incident incident) {
   return incident.inverse_distance >= 0.0 && olx_finite(vec3(incident.inverse_distance)) && olx_finite(incident.light);
 }
 
-// ---- history
+// ---- History
 
-// Whether a pixel of the frame before showed the surface that `now` shows.
+// Returns whether a pixel of the previous frame showed the surface that `now` shows.
 bool olx_same_surface(olx_shown now, olx_shown before) {
   if (!(olx_dot(before.normal, now.normal) > OLX_SAME_NORMAL)) return false;
   return olx_plane_fit(before.position - now.position, now.normal, now.depth * now.pixel_angle) > 0.0;
 }
 
-// A place in the frame before, put on a pixel's centre when it is as good as there.
+// Moves a place in the previous frame to a pixel's centre when it is nearly there.
 float olx_settle(float at) {
   float nearest = floor(at + 0.5);
   return abs(at - nearest) < OLX_STILL_PIXELS ? nearest : at;
@@ -105,13 +105,14 @@ bool olx_stands_still(vec2 at, vec2 pixel) {
   return abs(at.x - pixel.x) < OLX_STILL_PIXELS && abs(at.y - pixel.y) < OLX_STILL_PIXELS;
 }
 
-// The bilinear weight of one of the four pixels around a place, `corner` 0 to 3 from the top left.
+// Returns the bilinear weight of one of the four pixels around a place, `corner` 0 to 3 from the top left.
 float olx_bilinear_weight(vec2 at, uint corner) {
   float right = at.x - floor(at.x), bottom = at.y - floor(at.y);
   return ((corner & 1u) != 0u ? right : 1.0 - right) * ((corner >> 1) != 0u ? bottom : 1.0 - bottom);
 }
 
-// Mix a frame's sample into what was known. History weighs 1 - 1/n, and n stops growing where that reaches `largest`.
+// Mixes a frame's sample into the accumulated light. History has the weight 1 - 1/n, and n stops growing where that
+// reaches `largest`.
 olx_known olx_mix_sample(olx_known past, olx_incident incident, float largest) {
   if (!olx_is_sample(incident)) return past;
   float n = min(past.count + 1.0, 1.0 / (1.0 - largest)), share = 1.0 / n;
@@ -123,7 +124,7 @@ olx_known olx_mix_sample(olx_known past, olx_incident incident, float largest) {
   return result;
 }
 
-// ---- space
+// ---- Spatial filter
 
 olx_scales olx_scales_of(olx_incident incident, float count) {
   if (!olx_is_sample(incident) || !(count > 0.0)) return olx_scales(0.0, 1.0);
@@ -132,8 +133,9 @@ olx_scales olx_scales_of(olx_incident incident, float count) {
 
 float olx_gaussian(float squared_over_variance) { return exp(-0.5 * squared_over_variance); }
 
-// Diffuse light changes over the distance to what it comes from, glossy light over the width of the lobe where it ends.
-// `nearness`: the mean inverse distance of the two pixels, which are so many metres and pixels apart.
+// Returns the weight of a neighbouring pixel by distance. Diffuse light varies over the distance to its source, glossy
+// light over the width of the lobe there. `nearness` is the mean inverse distance of the two pixels, and `metres` and
+// `pixels` are the distances between them.
 float olx_reach_weight(bool glossy, float reach, olx_shown middle, float nearness, float metres, float pixels) {
   if (!glossy) return olx_gaussian(olx_square(metres * nearness / reach));
   float alpha = olx_square(middle.roughness);
@@ -141,8 +143,8 @@ float olx_reach_weight(bool glossy, float reach, olx_shown middle, float nearnes
   return pixels > 0.0 ? olx_gaussian(olx_square(pixels / max(sigma_pixels, 1e-3))) : 1.0;
 }
 
-// How much of the light at `tap`, so many pixels away, the pixel in the middle takes. `reach`: 0 where the radius is
-// all.
+// Returns the weight that the middle pixel gives to the light at `tap`. With `reach` 0, the radius alone limits the
+// filter.
 float olx_tap_weight(bool glossy, float radius_pixels, float reach, olx_shown middle, olx_scales here, olx_shown tap,
                      float tap_inverse_distance, float pixels) {
   float cosine = max(0.0, olx_dot(tap.normal, middle.normal));

@@ -1,5 +1,5 @@
-// Twin of src/shade/further.c: the one further ray with which glossy light follows the specular lobe of the surface
-// that a ray found, where that surface is smooth and reflects much (docs/maths.md, "Light at the end of a ray").
+// Twin of src/shade/further.c: the further ray of glossy light, a single ray that follows the specular lobe of the
+// surface that a ray hit, where that surface is smooth and reflects much (docs/maths.md, "Light at the end of a ray").
 //
 // SPDX-License-Identifier: MIT
 #ifndef OLX_FURTHER_GLSL
@@ -9,21 +9,21 @@
 #include "sampling.glsl"
 #include "texels.glsl"
 
-// Lobes that reflect less than this towards the eye, and those of rougher surfaces, take light from all directions
-// alike.
+// Lobes that reflect less than this towards the eye, and lobes of rougher surfaces, receive the mean light of all
+// directions.
 const float OLX_LEAST_REFLECTANCE = 0.15;
 const float OLX_MOST_ROUGHNESS = 0.5;
-// How far off the surface the ray starts, in footprints.
+// How far from the surface the ray starts, in footprints.
 const float OLX_START_FOOTPRINTS = 0.1;
 const uint OLX_SALT_FURTHER = 0x46555254u;
 
 struct olx_further_ray {
   vec3 origin, direction;
-  vec3 weight; // of the light that it finds
+  vec3 weight; // factor for the light that it finds
 };
 
-// Whether what a ray along `direction` found is worth a further ray, and that ray. `random`: the numbers that drew the
-// first.
+// Draws the further ray from the surface that a ray along `direction` hit; false where that surface is not worth one.
+// `random` is the pair of numbers from which the first ray was drawn.
 bool olx_further_draw(olx_trace_hit hit, vec3 direction, vec2 random, out olx_further_ray ray) {
   ray = olx_further_ray(vec3(0.0), vec3(0.0), vec3(0.0));
   bool drawn = hit.lobe.x + hit.lobe.y + hit.lobe.z > 0.0;
@@ -51,8 +51,8 @@ bool olx_further_draw(olx_trace_hit hit, vec3 direction, vec2 random, out olx_fu
   return drawn;
 }
 
-// What takes the place of the first hit's `lobe` once the further ray has found something. What emits counts here,
-// since the surface's direct light from there is what the lobe reflects.
+// Returns the light that replaces the first hit's `lobe` once the further ray has found something. Emission counts
+// here, because the first hit's `lobe` included direct light.
 vec3 olx_further_light(vec3 lobe, olx_further_ray ray, olx_trace_hit found) {
   vec3 light = found.radiance + (olx_emission_faces(found, ray.origin) ? found.emission : vec3(0.0));
   return found.status == OLX_TRACE_UNKNOWN && found.probe == OLX_NO_PROBE ? lobe : ray.weight * light;

@@ -1,5 +1,5 @@
-// Twin of src/block/geometry_block.h: planes of 4 x 4 texels in 16 bytes. A plane is the points p, relative to the
-// probe, with m . p = 1; zeros are the sky.
+// Twin of src/block/geometry_block.h: the planes that 4 x 4 texels see, in 16 bytes. A plane is the set of points p,
+// relative to the probe, with m . p = 1; zeros are the sky.
 //
 // SPDX-License-Identifier: MIT
 #ifndef OLX_GEOMETRY_BLOCK_GLSL
@@ -8,12 +8,12 @@
 #include "../octalux_shared.h"
 #include "octahedral.glsl"
 
-// A coded plane of the block at `place`, in blocks of a map with n texels a side.
+// Decodes a coded plane of the block at `place`, in blocks of a map with n texels a side.
 vec3 olx_plane_decode(uvec2 code, uint n, uvec2 place) {
   int a = int(code.x << 15) >> 15, b = int(code.x) >> 17, c = int(code.y << 17) >> 17;
   int side = int(n), x = 8 * int(place.x) + 4 - side, z = 8 * int(place.y) + 4 - side;
   int sign_x = x < 0 ? -1 : 1, sign_z = z < 0 ? -1 : 1;
-  // m on the face of the octahedron where x, y and z are positive, or x and z are and y is not.
+  // This is m on the face of the octahedron where x, y and z are positive, or where x and z are positive and y is not.
   int middle = 4 * a - b * x - c * z, along_x = sign_x * b * side, along_z = sign_z * c * side;
   bool upper = sign_x * x + sign_z * z <= side;
   float scale = uintBitsToFloat((code.y >> 15 & 127u) + OLX_PLANE_EXPONENT << 23);
@@ -23,14 +23,14 @@ vec3 olx_plane_decode(uvec2 code, uint n, uvec2 place) {
   return plane;
 }
 
-// Where the plane of a texel is in the pool, for a block that names it there; else OLX_NO_PLANE. Texels count row by
-// row.
+// Returns the number of a texel's plane in the pool, for a block that refers to the pool; else OLX_NO_PLANE. Texels
+// count row by row.
 uint olx_geometry_pooled(uvec4 block, uint texel) {
   bool pooled = block.w >> 30 == OLX_GEOMETRY_POOL;
   return pooled ? block.x + ((texel < 8u ? block.y : block.z) >> 4u * (texel & 7u) & 15u) : OLX_NO_PLANE;
 }
 
-// The plane that a texel sees; `pooled` is that of olx_geometry_pooled, or zeros.
+// Returns the plane that a texel sees; `pooled` is the plane numbered by olx_geometry_pooled, or zeros.
 vec3 olx_geometry_plane_of(uvec4 block, uvec2 pooled, uint n, uvec2 place, uint texel) {
   uint mode = block.w >> 30;
   if (mode == OLX_GEOMETRY_ONE) return uintBitsToFloat(block.xyz);
@@ -39,22 +39,22 @@ vec3 olx_geometry_plane_of(uvec4 block, uvec2 pooled, uint n, uvec2 place, uint 
   return olx_plane_decode(pooled, n, place);
 }
 
-// The greatest inverse depth of what a block sees that names planes of the pool.
+// Returns a bound of a block with planes in the pool: no point that its texels see has a greater inverse depth.
 float olx_geometry_nearest(uvec4 block) { return uintBitsToFloat(block.w << 2 >> 1); }
 
-// Below 1 in front of the plane, 1 on it, above 1 behind it.
+// Returns a value below 1 in front of the plane, 1 on it, and above 1 behind it.
 float olx_plane_depth(vec3 plane, vec3 point) { return olx_dot(plane, point); }
 
-// The unit normal on the probe's side; 0 for the sky.
+// Returns the unit normal on the probe's side; 0 for the sky.
 vec3 olx_plane_normal(vec3 plane) { return olx_normalize(-plane); }
 
-// The distance to the plane along a unit direction; infinite where it is not met.
+// Returns the distance to the plane along a unit direction; infinite where the plane is not met.
 float olx_plane_distance(vec3 plane, vec3 direction) {
   float inverse = olx_dot(plane, direction);
   return inverse > 0.0 ? 1.0 / inverse : OLX_INFINITY;
 }
 
-// The point of the octahedron in the middle of a block's texel.
+// Returns the point of the octahedron in the middle of a block's texel.
 vec3 olx_block_texel_point(uint n, uvec2 place, uint texel) {
   uvec2 at = OLX_BLOCK_SIDE * place + uvec2(texel % OLX_BLOCK_SIDE, texel / OLX_BLOCK_SIDE);
   precise vec2 uv = (vec2(at) + 0.5) * (1.0 / float(n));

@@ -1,4 +1,4 @@
-// Twin of src/shade/glossy.c: one ray's estimate of the light that a GGX lobe gathers.
+// Twin of src/shade/glossy.c: estimates by one ray the light that a GGX lobe gathers.
 //
 // SPDX-License-Identifier: MIT
 #ifndef OLX_GLOSSY_GLSL
@@ -9,7 +9,7 @@
 #include "trace.glsl"
 
 // Draws a reflection by `random` (two numbers in [0, 1)). `weight` receives the BRDF times cosine over the pdf for
-// Fresnel reflectance 1, `half_cosine` the angle for Fresnel (view . half). False, and a weight of 0, when the
+// Fresnel reflectance 1, and `half_cosine` the cosine for Fresnel (view . half). False, with a weight of 0, when the
 // reflection lies below the surface.
 bool olx_glossy_draw(vec3 normal, vec3 view, float roughness, vec2 random, out vec3 direction, out float weight,
                      out float half_cosine) {
@@ -22,8 +22,8 @@ bool olx_glossy_draw(vec3 normal, vec3 view, float roughness, vec2 random, out v
   return weight > 0.0;
 }
 
-// Traces the reflection that olx_glossy_draw draws and returns its light. `hit` receives what the ray found; no ray is
-// traced below the surface. There is one place that traces, because compilers put the whole search there.
+// Traces the reflection drawn by olx_glossy_draw and returns its light. `hit` receives what the ray found; no ray is
+// traced below the surface. Rays are traced at one place in the code, because compilers inline the whole search there.
 vec3 olx_glossy(olx_sample_settings settings, vec3 position, vec3 normal, vec3 view, float roughness, vec2 random,
                 out float weight, out float half_cosine, out olx_trace_hit hit) {
   hit = olx_unknown_hit(OLX_TRACE_MISS, OLX_INFINITY);

@@ -1,5 +1,5 @@
 // Twin of src/shade/irradiance.c: irradiance interpolated from probes with prefiltered visibility (McGuire et al. 2017,
-// section 5.2). The C lists probes and weights first and reads irradiance after; here each probe is added as it is
+// section 5.2). The C code lists probes and weights before it reads irradiance; here each probe is added as it is
 // found.
 //
 // SPDX-License-Identifier: MIT
@@ -10,34 +10,35 @@
 #include "maps.glsl"
 #include "settings.glsl"
 
-const float OLX_VARIANCE_FLOOR = 1e-3;  // half float moments do not know the variance better than this share of r^2
-const float OLX_CRUSH_BELOW = 0.2;      // weights below are pressed down by the square of their share of it
+const float OLX_VARIANCE_FLOOR = 1e-3;  // least variance as a share of r^2, the rounding of half float moments
+const float OLX_CRUSH_BELOW = 0.2;      // smaller weights are multiplied by the square of their ratio to it
 const float OLX_BIAS_MAP_SIZE = 32.0;   // visibility is tested off the surface by the angle of such a map's texel
-const float OLX_TRUSTED_WEIGHT = 0.01;  // when a cage's weights sum to less, a probe from farther away fills the rest
+const float OLX_TRUSTED_WEIGHT = 0.01;  // when a cage's weights sum to less, a more distant probe supplies the rest
 
 struct olx_surface_point {
   vec3 position, normal, view;
 };
 
-#ifndef OLX_OWN_MAPS // else a function of this name, for maps that are not the field's, stands before this file
+#ifndef OLX_OWN_MAPS // a host with maps of its own defines a function of this name before this file
 vec3 olx_map_irradiance(uint probe, vec2 uv) {
   return olx_irradiance_filtered(olx_irradiance_coordinate(probe, uv));
 }
 #endif
 
-// Irradiance for two normals, whose coordinates are uv.xy and uv.zw.
+// Returns the irradiance for two normals, whose coordinates are uv.xy and uv.zw.
 mat2x3 olx_map_irradiance_both(uint probe, vec4 uv) {
   return mat2x3(olx_map_irradiance(probe, uv.xy), olx_map_irradiance(probe, uv.zw));
 }
 
-// Mean and mean square of the distance, in metres.
+// Returns the mean distance in metres and the mean squared distance in square metres.
 vec2 olx_map_moments(uint probe, vec3 direction) {
   vec2 uv = olx_octahedral_encode(direction);
   vec2 moments = olx_moments_filtered(olx_irradiance_coordinate(probe, uv));
   return vec2(moments.x * olx_field.distance_scale, moments.y * olx_field.distance_scale * olx_field.distance_scale);
 }
 
-// An upper bound on the share of a probe's view around `offset` (from the probe) that is at least as far away.
+// Returns an upper bound on the share of a probe's view around `offset` (from the probe) that is at least as far away
+// as that.
 float olx_chebyshev(uint probe, vec3 offset) {
   vec2 moments = olx_map_moments(probe, offset);
   float beyond = length(offset) - moments.x;
@@ -67,13 +68,13 @@ bool olx_irradiance_usable(olx_sample_settings settings, uint probe) {
   return settings.keep_buried || (olx_irradiance_probe_flags(probe) & OLX_PROBE_BURIED) == 0u;
 }
 
-// When the cage hardly sees the point: the nearest visible probe of the 4 x 4 x 4 around it, that is of the cage and
-// its neighbours. False when none of them sees it either.
+// Finds the nearest probe that sees a point, among the 4 x 4 x 4 around it, for a point that its cage hardly sees.
+// False when none of them sees it.
 bool olx_nearest_visible(olx_sample_settings settings, olx_surface_point p, olx_cage cage, out uint nearest) {
   float nearest_distance = OLX_INFINITY;
   nearest = 0u;
   for (uint i = 0u; i < 64u; i++) {
-    uvec3 at = cage.base + uvec3(i & 3u, i >> 2 & 3u, i >> 4) - 1u; // wraps to a huge number below 0
+    uvec3 at = cage.base + uvec3(i & 3u, i >> 2 & 3u, i >> 4) - 1u; // a negative index wraps to a huge number
     if (any(greaterThanEqual(at, olx_field.irradiance_grid.count.xyz))) continue;
     uint probe = at.x + olx_field.irradiance_grid.count.x * (at.y + olx_field.irradiance_grid.count.y * at.z);
     if (!olx_irradiance_usable(settings, probe)) continue;
@@ -86,8 +87,8 @@ bool olx_nearest_visible(olx_sample_settings settings, olx_surface_point p, olx_
   return nearest_distance < OLX_INFINITY;
 }
 
-// Irradiance where the cage sees too little of the point: of the nearest visible probe, or, with none, of all of the
-// cage alike.
+// Returns irradiance where the cage sees too little of the point: that of the nearest visible probe, or, if there is
+// none, the mean of all probes of the cage.
 mat2x3 olx_add_from_afar(olx_sample_settings settings, olx_surface_point p, olx_cage cage, vec4 uv) {
   uint nearest;
   if (olx_nearest_visible(settings, p, cage, nearest)) return olx_map_irradiance_both(nearest, uv);
@@ -103,8 +104,8 @@ mat2x3 olx_add_from_afar(olx_sample_settings settings, olx_surface_point p, olx_
   return sum / max(count, 1.0);
 }
 
-// Irradiance for the normals `from` and `to`, by the weights that the probes around the point have for `from`; 0 in a
-// field without irradiance probes.
+// Returns irradiance for the normals `from` and `to`, with the weights that the probes around the point have for
+// `from`; 0 in a field without irradiance probes.
 mat2x3 olx_irradiance_both(olx_sample_settings settings, vec3 position, vec3 from, vec3 to, vec3 view) {
   olx_surface_point p = olx_surface_point(position, from, view);
   olx_cage cage = olx_cage_at(olx_field.irradiance_grid, position);
@@ -131,13 +132,13 @@ mat2x3 olx_irradiance_both(olx_sample_settings settings, vec3 position, vec3 fro
   return irradiance;
 }
 
-// Indirect irradiance in W/m^2 on a surface at `position` with unit normal `normal`, seen from the direction `view`
-// (unit, from the surface to the eye). Diffuse light leaving the surface is albedo * irradiance / pi.
+// Returns the indirect irradiance in W/m^2 on a surface at `position` with unit normal `normal`, seen from the
+// direction `view` (unit, from the surface to the eye). Diffuse light leaving the surface is albedo * irradiance / pi.
 vec3 olx_irradiance(olx_sample_settings settings, vec3 position, vec3 normal, vec3 view) {
   return olx_irradiance_both(settings, position, normal, normal, view)[0];
 }
 
-// By what factor a channel changes: 0 / 0 is 1, and light from darkness an infinite factor.
+// Returns the factor by which a channel changes: 0 / 0 is 1, and light from darkness an infinite factor.
 float olx_factor(float from, float to) { return from > 0.0 ? to / from : to > 0.0 ? OLX_INFINITY : 1.0; }
 
 #endif

@@ -1,5 +1,5 @@
-// What ESSL 3.00, the language of WebGL2, lacks of GLSL 4.60, so that the library is the same text in both. WebGL has
-// no `precise`: there, what decides may come out differently by the last bit from place to place.
+// Defines what ESSL 3.00, the language of WebGL2, lacks of GLSL 4.60, so that the library is the same text in both.
+// WebGL has no `precise`, so values that decide may there differ by the last bit from place to place.
 //
 // SPDX-License-Identifier: MIT
 #ifndef OLX_LANGUAGE_GLSL
@@ -22,7 +22,7 @@ uint bitfieldReverse(uint x) {
   return x >> 16 | x << 16;
 }
 
-// The highest bit that is 1, or -1.
+// Returns the index of the highest bit that is 1, or -1.
 int findMSB(uint x) {
   int bit = -1;
   for (int step = 16; step > 0; step >>= 1) {

@@ -1,5 +1,4 @@
-// Twin of src/field/lights.h: the lights without area that a field keeps, as they would light a surface if nothing
-// stood between.
+// Twin of src/field/lights.h: evaluates the lights without area that a field stores, without shadows.
 //
 // SPDX-License-Identifier: MIT
 #ifndef OLX_LIGHTS_GLSL
@@ -12,16 +11,16 @@ const uint OLX_FIELD_SUN = 0u, OLX_FIELD_SPOT = 2u;
 
 struct olx_field_light {
   uint type;
-  vec3 position;  // metres: point, spot
-  vec3 direction; // of travel, unit: sun, spot
+  vec3 position;  // metres; of point and spot
+  vec3 direction; // of travel, unit; of sun and spot
   vec3 emission;  // sun: irradiance on a surface facing it; point, spot: radiant intensity
   float cosine_inner, cosine_outer;
 };
 
-// What arrives from one light.
+// What a surface receives from one light.
 struct olx_light_arrival {
   vec3 direction;  // unit, from the surface to the light
-  vec3 irradiance; // W/m^2 on a surface that faces the light, shadows left out
+  vec3 irradiance; // W/m^2 on a surface that faces the light, without shadows
 };
 
 vec3 olx_word_vector(uint word) {
@@ -35,7 +34,7 @@ olx_field_light olx_field_light_at(uint index) {
                          uintBitsToFloat(olx_word(first + 11u)));
 }
 
-// The share of a spot's light at an angle of this cosine off its axis (docs/maths.md, "Lights").
+// Returns the share of a spot's light at an angle of this cosine off its axis (docs/maths.md, "Lights").
 float olx_field_light_cone(olx_field_light light, float cosine) {
   float share = olx_square((cosine - light.cosine_outer) / (light.cosine_inner - light.cosine_outer));
   share = cosine <= light.cosine_outer ? 0.0 : share;

@@ -6,10 +6,10 @@
 
 #include "vec.glsl"
 
-// A texel of an n x n map is about this over n wide: sqrt(4 pi).
+// sqrt(4 pi): a texel of an n x n map is about this over n wide.
 const float OLX_TEXEL_ANGLE = 3.5449077;
 
-// Unit (or any non-zero) direction to [0, 1]^2.
+// Maps a direction of any non-zero length to [0, 1]^2.
 vec2 olx_octahedral_encode(vec3 d) {
   precise float inverse = 1.0 / (abs(d.x) + abs(d.y) + abs(d.z));
   precise float x = d.x * inverse, z = d.z * inverse;
@@ -21,7 +21,7 @@ vec2 olx_octahedral_encode(vec3 d) {
   return vec2(x * 0.5 + 0.5, z * 0.5 + 0.5);
 }
 
-// The point on the octahedron |x| + |y| + |z| = 1.
+// Returns the point on the octahedron |x| + |y| + |z| = 1.
 vec3 olx_octahedral_point(vec2 uv) {
   precise vec3 q = vec3(uv.x * 2.0 - 1.0, 0.0, uv.y * 2.0 - 1.0);
   q.y = 1.0 - abs(q.x) - abs(q.z);
@@ -35,17 +35,17 @@ vec3 olx_octahedral_point(vec2 uv) {
 
 vec3 olx_octahedral_decode(vec2 uv) { return olx_normalize(olx_octahedral_point(uv)); }
 
-// Solid angle of a texel at the point of the map, to first order: 4 / (n^2 |q|^3).
+// Returns the solid angle of a texel at a point of the map, to first order: 4 / (n^2 |q|^3).
 float olx_texel_solid_angle_near(vec2 uv, uint n) {
   vec3 q = olx_octahedral_point(uv);
   float length = sqrt(olx_dot(q, q));
   return 4.0 / (float(n) * float(n) * length * length * length);
 }
 
-// Direction through the centre of a texel of a map with n texels a side.
+// Returns the direction through the centre of a texel of a map with n texels a side.
 vec3 olx_texel_direction(uvec2 texel, uint n) { return olx_octahedral_decode((vec2(texel) + 0.5) / float(n)); }
 
-// The texel inside the map that a texel of the one-texel border repeats: x, y from -1 to n.
+// Finds the texel inside the map that a texel of the one-texel border repeats; x and y are from -1 to n.
 ivec2 olx_border_source(ivec2 at, int n) {
   if (at.x < 0 || at.x >= n) at = ivec2(at.x < 0 ? -1 - at.x : 2 * n - 1 - at.x, n - 1 - at.y);
   if (at.y < 0 || at.y >= n) at = ivec2(n - 1 - at.x, at.y < 0 ? -1 - at.y : 2 * n - 1 - at.y);

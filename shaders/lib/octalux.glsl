@@ -1,5 +1,5 @@
 // Octalux for shaders: a host includes this file, binds the descriptor set of a field as set OLX_FIELD_SET (0 unless
-// defined before), and calls
+// defined before), and calls these functions:
 //
 //   olx_surface_irradiance(settings, position, geometric_normal, shading_normal, view)   irradiance on a static surface
 //   olx_volume_irradiance(position, normal)                    irradiance in free space
@@ -7,7 +7,7 @@
 //   olx_trace(settings, origin, direction, t_max)              what a ray sees
 //   olx_glossy(settings, position, normal, view, roughness, random, weight, half_cosine, hit)   light along a lobe
 //
-// with settings from olx_sample_settings_default(). The scalar C in src is the specification of all of it.
+// The settings come from olx_sample_settings_default(). The scalar C code in src is the specification of all of them.
 //
 // SPDX-License-Identifier: MIT
 #ifndef OLX_OCTALUX_GLSL

@@ -1,6 +1,6 @@
-// Twin of src/trace/probe_trace.c, ray_image.h, surfel.c and the three marches: a ray against what one probe sees
-// (McGuire et al. 2017, section 4.1; Wang 2018, section 4.3). What decides is `precise`: each crossing must come out
-// the same wherever it is computed.
+// Twin of src/trace/probe_trace.c, ray_image.h, surfel.c and the three tracers: traces a ray against what one probe
+// sees (McGuire et al. 2017, section 4.1; Wang 2018, section 4.3). Values that decide are `precise`, because each
+// crossing must be the same wherever it is computed.
 //
 // SPDX-License-Identifier: MIT
 #ifndef OLX_PROBE_TRACE_GLSL
@@ -8,10 +8,10 @@
 
 #include "maps.glsl"
 
-const float OLX_DISTANCE_PRECISION = 1.0 / 2048.0;     // of half floats
+const float OLX_DISTANCE_PRECISION = 1.0 / 2048.0;     // largest relative error of a half float
 const float OLX_NEIGHBOURHOOD_TEXELS = 1.5;            // how far from a texel's centre its surfel may be hit
-const float OLX_STILL_TEXELS = 1e-3;                   // images that move by less stand still
-const float OLX_CENTRE_SHARE = 1e-4;                   // closer to the probe, rounding decides the image
+const float OLX_STILL_TEXELS = 1e-3;                   // an image that moves by less counts as a point
+const float OLX_CENTRE_SHARE = 1e-4;                   // a share of |origin|: nearer to the probe, rounding decides
 const float OLX_PARAMETER_ROUNDING = 1.0 / 1048576.0;  // of s and t(s), in units of the piece's largest parameter
 const float OLX_NEVER = 1.2676506002282294e30;         // 2^100
 const int OLX_PYRAMID_FINEST = 2;                      // log2 of the texels along a side of a node of level 0
@@ -26,25 +26,25 @@ struct olx_probe_ray {
 
 struct olx_probe_answer {
   uint status;
-  float t;     // HIT: of the hit; UNKNOWN: where the ray went out of sight; MISS: t_max
-  ivec2 texel; // HIT: that was hit; UNKNOWN: that hides the ray; MISS: in the ray's direction
-  float gap;   // UNKNOWN: how far behind the hiding texel's surface the ray was, in footprints
-  uint steps;  // distances read, of texels and of blocks
+  float t;     // HIT: of the hit; UNKNOWN: where the ray became hidden; MISS: t_max
+  ivec2 texel; // HIT: the one hit; UNKNOWN: the one that hides the ray; MISS: the one in the ray's direction
+  float gap;   // UNKNOWN: how far the ray was behind the hiding texel's surface, in footprints
+  uint steps;  // number of distances read, of texels and of blocks
 };
 
-// What is fixed for one ray and one probe. r^2(t) = miss^2 + (t - closest)^2.
+// What is constant for one ray and one probe. The squared distance is r^2(t) = miss^2 + (t - closest)^2.
 struct olx_march {
   olx_probe_ray ray;
   ivec3 map;  // where the probe's map begins
-  uint least; // and its pyramid
+  uint least; // where the probe's pyramid begins
   float closest, miss_squared;
   uint steps;
-  ivec2 place; // of the geometry block that was read last; negative: none
+  ivec2 place; // of the geometry block read last; negative: none
   uvec4 block;
 };
 
-// One coordinate of the image, in texels: begin + travel s. Line k is crossed at s = (k - begin) * inverse. Where the
-// image stands still, `begin` is the middle of a texel and no line is ever reached.
+// One coordinate of the image, in texels: begin + travel s. Line k is crossed at s = (k - begin) * inverse. For an
+// image that counts as a point, `begin` is the middle of a texel and no line is ever reached.
 struct olx_image_axis {
   float begin, travel, inverse;
   int first; // texel where the image begins
@@ -57,7 +57,7 @@ struct olx_piece {
   vec3 sign;                               // of the octant
 };
 
-// The texel in which the march stands, and the ray's parameter where it entered it.
+// The texel that the march has reached, and the ray's parameter where it entered it.
 struct olx_cell {
   ivec2 at;
   float t;
@@ -67,10 +67,10 @@ struct olx_cell {
 #define OLX_VERDICT_HIT 1
 #define OLX_VERDICT_HIDDEN 2
 
-// The direction of travel along an axis: -1, 0, 1.
+// Returns the direction of travel along an axis: -1, 0, 1.
 int olx_axis_step(olx_image_axis a) { return int(a.travel > 0.0) - int(a.travel < 0.0); }
 
-// The line ahead of texel x is x + this.
+// Returns the number of the line ahead of texel x, minus x.
 int olx_axis_ahead(olx_image_axis a) { return int(a.travel >= 0.0); }
 
 float olx_radius_squared(olx_march m, float t) {
@@ -79,15 +79,16 @@ float olx_radius_squared(olx_march m, float t) {
   return squared;
 }
 
-// The ray's greatest squared distance from the probe over [t0, t1]: it is convex in t, so one of the ends.
+// Returns the ray's greatest squared distance from the probe over [t0, t1]. It is convex in t, so it is at one of the
+// ends.
 float olx_farthest_squared(olx_march m, float t0, float t1) {
   return max(olx_radius_squared(m, t0), olx_radius_squared(m, t1));
 }
 
-// The greatest squared distance from the probe over [t0, t1], no less than that over any part of it, whatever rounding
-// does to the part's ends.
+// Bounds the squared distance from the probe over [t0, t1] from above. The bound holds for any part of the interval,
+// even when rounding moves the part's ends.
 float olx_reach_squared(olx_march m, olx_piece p, float t0, float t1) {
-  // By how much rounding may move t(s), metres.
+  // This is how far rounding may move t(s), in metres.
   precise float slack = p.t_end < OLX_INFINITY ? OLX_PARAMETER_ROUNDING * p.t_end : 0.0;
   precise float along = max(m.closest - t0, t1 - m.closest) + slack;
   precise float squared = (m.miss_squared + along * along) * (1.0 + 1.0 / 65536.0);
@@ -98,13 +99,13 @@ float olx_nearest_squared(olx_march m, float t0, float t1) {
   return olx_radius_squared(m, clamp(m.closest, t0, t1));
 }
 
-// The texel at an image coordinate, within the half of the map on the side of the sign.
+// Returns the texel at an image coordinate, within the half of the map on the side of the sign.
 int olx_clamp_texel(float sign, float image, int n) {
   int first = sign > 0.0 ? n / 2 : 0, last = first + n / 2 - 1;
   return image > float(last) ? last : image > float(first) ? int(image) : first;
 }
 
-// The image of the ray at any parameter, on the face of the piece, in texels; false where the face has none.
+// Computes the image of the ray at any parameter, on the face of the piece, in texels; false where the face has none.
 bool olx_image_at(olx_march m, olx_piece p, float t, out vec2 image) {
   precise vec3 at = p.sign * (m.ray.origin + m.ray.direction * t);
   precise float sum = at.x + at.y + at.z;
@@ -117,20 +118,21 @@ bool olx_image_at(olx_march m, olx_piece p, float t, out vec2 image) {
   return true;
 }
 
-// The ray's parameter at s; from 1 on, the end of the piece.
+// Returns the ray's parameter at s; for s of 1 and more, the end of the piece.
 float olx_parameter_at(olx_piece p, float s) {
   precise float t = p.t_begin + p.rise * s / (p.near + p.slope * s);
   return s >= 1.0 ? p.t_end : t;
 }
 
-// Where the image crosses the line between texels k - 1 and k. Lines behind the end of the piece give 1 or more.
+// Returns the s at which the image crosses the line between texels k - 1 and k. Lines beyond the end of the piece give
+// 1 or more.
 float olx_crossing(olx_image_axis a, int k) {
   precise float s = (float(k) - a.begin) * a.inverse;
   return s;
 }
 
-// The texel along one axis that stepping has reached at s; a line crossed at exactly s counts as passed when
-// `inclusive`. The image gives a guess, at most one off; the crossings that steps compare decide.
+// Returns the texel along one axis that stepping has reached at s; a line crossed exactly at s counts as passed when
+// `inclusive`. A guess from the image is off by one texel at most; the crossings that steps compare then decide.
 int olx_texel_at(olx_image_axis a, float s, bool inclusive) {
   precise float image = a.begin + a.travel * s;
   int x = int(image), step = olx_axis_step(a), ahead = olx_axis_ahead(a);
@@ -146,29 +148,29 @@ int olx_texel_at(olx_image_axis a, float s, bool inclusive) {
 
 int olx_pyramid_shift(int level) { return OLX_PYRAMID_FINEST + OLX_PYRAMID_STEP * level; }
 
-// Where a node lies within its level: tiles of 4 x 4 nodes, so that those under one parent lie together.
+// Returns the index of a node within its level. Tiles of 4 x 4 nodes keep the children of one parent together.
 uint olx_pyramid_index(uint side, uvec2 node) {
   if (side < 4u) return node.y * side + node.x;
   return ((node.y >> 2) * (side >> 2) + (node.x >> 2)) * 16u + (node.y & 3u) * 4u + (node.x & 3u);
 }
 
-// The smallest squared distance in a node of the pyramid.
+// Returns the smallest squared distance in a node of the pyramid.
 float olx_least_squared(inout olx_march m, int level, ivec2 node) {
   m.steps++;
   uint at = m.least + olx_field.pyramid_first[level] +
             olx_pyramid_index(olx_field.n >> uint(olx_pyramid_shift(level)), uvec2(node));
   uint code = olx_word(at >> 1) >> (at & 1u) * 16u & 0x7FFFu;
-  precise float distance = min(olx_half_unpack(code), 65536.0) * olx_field.distance_scale; // the sky, as in C
+  precise float distance = min(olx_half_unpack(code), 65536.0) * olx_field.distance_scale; // the limit is for the sky
   precise float squared = distance * distance;
   return squared;
 }
 
-// The surfel of a texel against the ray: f(t) = f0 + f1 t is the ray's height over its plane.
+// The surfel of a texel in relation to the ray: f(t) = f0 + f1 t is the ray's height above its plane.
 struct olx_surfel {
   float distance;  // stored, metres
-  float footprint; // metres: distance times the root of the texel's solid angle
-  float slack;     // metres by which its depth is uncertain
-  float cosine;    // of the angle under which the probe sees it
+  float footprint; // metres: distance times the square root of the texel's solid angle
+  float slack;     // uncertainty of its depth, metres
+  float cosine;    // of the angle at which the probe sees it
   float f0, f1;
 };
 
@@ -185,14 +187,15 @@ olx_surfel olx_read_surfel(olx_march m, ivec2 at, float distance) {
   return olx_surfel(distance, footprint, slack, cosine, f0, olx_dot(normal, m.ray.direction));
 }
 
-// How far the ray may be below a surfel's plane and still count as on it.
+// Returns how far below a surfel's plane the ray may be and still count as on it, in metres.
 float olx_plane_tolerance(olx_surfel s) {
   precise float tolerance = s.distance * OLX_DISTANCE_PRECISION * max(s.cosine, 0.0) + 0.005 * s.footprint;
   return tolerance;
 }
 
-// Whether a squared distance from the probe is deeper than the surface of a texel can reach inside it: its plane tilted
-// away by a texel, but no farther than the neighbours, which are read only when the tilted plane leaves it open.
+// Returns whether a squared distance from the probe is beyond the surface inside a texel. The surface reaches as far as
+// its plane tilted away by a texel, but no farther than its neighbours, which are read only when the tilted plane does
+// not decide.
 bool olx_beyond_reach(inout olx_march m, ivec2 at, olx_surfel s, float radius_squared) {
   precise float own = s.distance + s.slack;
   precise float own_squared = own * own;
@@ -210,8 +213,8 @@ bool olx_beyond_reach(inout olx_march m, ivec2 at, olx_surfel s, float radius_sq
   return radius_squared > limit_squared;
 }
 
-// Whether the ray's image at t lies within the neighbourhood of a texel, and the texel there sees a surface about there
-// too. When it sees far past that point, the plane ends before it: an edge lies between the two texels.
+// Returns whether the ray's image at t lies within the neighbourhood of a texel, and the texel at that image sees a
+// surface about as far away. If that texel sees far beyond the point, the plane ends at an edge between the two texels.
 bool olx_supported(inout olx_march m, olx_piece p, ivec2 at, olx_surfel s, float t) {
   vec2 image;
   if (!olx_image_at(m, p, t, image)) return false;
@@ -226,7 +229,7 @@ bool olx_supported(inout olx_march m, olx_piece p, ivec2 at, olx_surfel s, float
   return stored <= reach;
 }
 
-// What the surfel of texel c says about a ray that is above it, on it or below it there, up to t1.
+// Judges a ray above, on or below the surfel's plane in texel c, which it leaves at t1.
 int olx_judge_height(inout olx_march m, olx_piece p, olx_cell c, float t1, olx_surfel s,
                      inout olx_probe_answer answer) {
   float tolerance = olx_plane_tolerance(s);
@@ -235,19 +238,19 @@ int olx_judge_height(inout olx_march m, olx_piece p, olx_cell c, float t1, olx_s
   if (height0 >= -tolerance) {
     precise float height1 = s.f0 + s.f1 * t1;
     if (t1 >= OLX_INFINITY) height1 = s.f1 < 0.0 ? -OLX_INFINITY : OLX_INFINITY;
-    if (height1 >= -tolerance) return OLX_VERDICT_CLEAR; // above the plane all through the texel
+    if (height1 >= -tolerance) return OLX_VERDICT_CLEAR; // above the plane throughout the texel
     float t = clamp(plane, c.t, t1);
     if (olx_beyond_reach(m, c.at, s, olx_radius_squared(m, t))) return OLX_VERDICT_HIDDEN;
     answer.t = t;
     return OLX_VERDICT_HIT;
   }
   if (s.f1 >= 0.0) {
-    // Below, but rising: a ray that just left this surface is still within what rounding and curvature explain. One
-    // that began farther below comes through the surface from behind.
+    // Below, but rising: a ray that has just left this surface is still within the error of rounding and curvature. One
+    // that began farther below passes through the surface from behind.
     return -min(height0, s.f0) <= 0.5 * s.footprint ? OLX_VERDICT_CLEAR : OLX_VERDICT_HIDDEN;
   }
-  // A ray handed on by another probe may have slipped through this surface by that probe's tolerance, but no ray starts
-  // behind what it is about to hit.
+  // A ray taken over from another probe may have slipped through this surface by that probe's tolerance, but no ray
+  // starts behind the surface that it is about to hit.
   float slip = m.ray.t_min > 0.0 ? s.footprint : 0.0;
   precise float height_min = s.f0 + s.f1 * m.ray.t_min;
   if (plane < m.ray.t_min && height_min < -slip) return OLX_VERDICT_HIDDEN;
@@ -256,7 +259,8 @@ int olx_judge_height(inout olx_march m, olx_piece p, olx_cell c, float t1, olx_s
   return OLX_VERDICT_HIT;
 }
 
-// The ray reaches the stored distance (metres) inside texel c, which it leaves at t1: what does the texel's surfel say?
+// Judges by the surfel of texel c a ray that reaches the stored distance (metres) inside the texel, which it leaves at
+// t1.
 int olx_judge_surfel(inout olx_march m, olx_piece p, olx_cell c, float t1, float stored,
                      inout olx_probe_answer answer) {
   olx_surfel s = olx_read_surfel(m, c.at, stored);
@@ -278,7 +282,7 @@ void olx_read_block(inout olx_march m, ivec2 place) {
   m.steps++;
 }
 
-// Whether the ray is nowhere behind a plane over [t0, t1]. The sky is clear.
+// Returns whether the ray is in front of or on a plane all over [t0, t1]. The sky is clear.
 bool olx_plane_clears(olx_march m, vec3 plane, float t0, float t1) {
   float base = olx_dot(plane, m.ray.origin), slope = olx_dot(plane, m.ray.direction);
   precise float begin = base + slope * t0, end = base + slope * t1;
@@ -286,14 +290,15 @@ bool olx_plane_clears(olx_march m, vec3 plane, float t0, float t1) {
   return !ends_behind && !(begin > 1.0);
 }
 
-// |x| + |y| + |z| of a point of the ray.
+// Returns |x| + |y| + |z| of the ray's point at t, relative to the probe.
 float olx_octahedral_depth(olx_march m, olx_piece p, float t) {
   precise float depth = olx_dot(p.sign, m.ray.origin) + olx_dot(p.sign, m.ray.direction) * t;
   return depth;
 }
 
-// Whether the ray is nowhere behind any plane of the block that was read last over any part of [t0, t1], whatever
-// rounding does to the part's ends. Planes of the pool are not read for that.
+// Returns whether the ray is in front of or on every plane of the block read last, over [t0, t1] and any part of it,
+// even when rounding moves the part's ends. Planes in the pool are not read: the block's greatest inverse depth stands
+// in for them.
 bool olx_block_clears(olx_march m, olx_piece p, float t0, float t1) {
   precise float slack = p.t_end < OLX_INFINITY ? OLX_PARAMETER_ROUNDING * p.t_end : 0.0;
   precise float begin = t0 - slack, end = t1 + slack;
@@ -313,8 +318,8 @@ bool olx_block_clears(olx_march m, olx_piece p, float t0, float t1) {
   return clears;
 }
 
-// Whether the ray reaches the plane of a texel of a field of geometry blocks, over [t0, t1]; `stored`: the texel's
-// distance.
+// Returns whether the ray reaches the plane of a texel of a field of geometry blocks, over [t0, t1]; `stored` receives
+// the texel's distance.
 bool olx_reaches_plane(inout olx_march m, ivec2 at, float t0, float t1, out float stored) {
   stored = OLX_INFINITY;
   olx_read_block(m, at >> OLX_PYRAMID_FINEST);
@@ -326,8 +331,8 @@ bool olx_reaches_plane(inout olx_march m, ivec2 at, float t0, float t1, out floa
   return !(olx_farthest_squared(m, t0, t1) < stored_squared || stored >= OLX_INFINITY);
 }
 
-// Reads the texel and judges its surfel if the ray reaches it; `far_squared` is the ray's greatest squared distance
-// from the probe over the texel.
+// Reads a texel and judges the ray by its surfel if the ray reaches it; `far_squared` is the ray's greatest squared
+// distance from the probe over the texel.
 int olx_visit_texel(inout olx_march m, olx_piece p, olx_cell c, float t1, float far_squared,
                     inout olx_probe_answer answer) {
   float stored;
@@ -342,18 +347,19 @@ int olx_visit_texel(inout olx_march m, olx_piece p, olx_cell c, float t1, float 
   return olx_judge_surfel(m, p, c, t1, stored, answer);
 }
 
-// The texel after c, which the image leaves at the crossings s of the lines ahead; t1 is the ray's parameter there.
+// Returns the texel after c, where s holds the crossings of the lines ahead and t1 is the ray's parameter at the nearer
+// one.
 olx_cell olx_next_cell(olx_piece p, olx_cell c, vec2 s, float t1) {
   return olx_cell(c.at + (s.x <= s.y ? ivec2(olx_axis_step(p.u), 0) : ivec2(0, olx_axis_step(p.v))), t1);
 }
 
-// Where the image crosses the lines ahead of a node of 2^shift texels along both axes.
+// Returns where the image crosses the lines ahead of a node of 2^shift texels, along both axes.
 vec2 olx_crossings_ahead(olx_piece p, ivec2 node, int shift) {
   return vec2(olx_crossing(p.u, (node.x + olx_axis_ahead(p.u)) << shift),
               olx_crossing(p.v, (node.y + olx_axis_ahead(p.v)) << shift));
 }
 
-// Every texel, with no pyramid: the referee.
+// Visits every texel, without a pyramid: the reference.
 int olx_march_texels(inout olx_march m, olx_piece p, inout olx_probe_answer answer) {
   olx_cell c = olx_cell(ivec2(p.u.first, p.v.first), p.t_begin);
   for (;;) {
@@ -365,7 +371,7 @@ int olx_march_texels(inout olx_march m, olx_piece p, inout olx_probe_answer answ
   }
 }
 
-// Blocks whose smallest distance is beyond the ray are skipped.
+// Skips blocks whose smallest distance is beyond the ray.
 int olx_march_two_level(inout olx_march m, olx_piece p, inout olx_probe_answer answer) {
   int level = olx_field.pyramid_levels > 1u ? 1 : 0, shift = olx_pyramid_shift(level);
   olx_cell c = olx_cell(ivec2(p.u.first, p.v.first), p.t_begin);
@@ -390,7 +396,7 @@ int olx_march_two_level(inout olx_march m, olx_piece p, inout olx_probe_answer a
   }
 }
 
-// Every texel or every block, face after face.
+// Marches one piece by every texel or by blocks.
 int olx_march_piece(inout olx_march m, olx_piece p, uint tracer, inout olx_probe_answer answer) {
   if (tracer == OLX_TRACER_TEXEL) return olx_march_texels(m, p, answer);
   return olx_march_two_level(m, p, answer);
@@ -420,26 +426,26 @@ olx_piece_end olx_end_at(olx_march m, vec3 sign, float t) {
 olx_image_axis olx_make_axis(float begin, float end, float sign, int n) {
   precise float travel = end - begin;
   int first = olx_clamp_texel(sign, begin, n);
-  // Standing still, lines ahead are never crossed, and those behind always have been.
+  // Lines ahead of a point are never crossed, and those behind always have been.
   if (!(abs(travel) > OLX_STILL_TEXELS)) return olx_image_axis(float(first) + 0.5, 0.0, OLX_NEVER, first);
-  // A little more than 1 / travel, so that rounding never puts a line from `end` on before the end.
+  // Slightly more than 1 / travel, so that rounding never puts a line from `end` on before the end.
   precise float inverse = (1.0 + 1.0 / 2097152.0) / travel;
   return olx_image_axis(begin, travel, inverse, first);
 }
 
-// Where the ray crosses the plane through the probe across one axis; -infinity when it runs along it.
+// Returns where the ray crosses the plane through the probe across one axis; -infinity when it is parallel to it.
 float olx_plane_at(float o, float d) {
   precise float t = -o / d;
   return d == 0.0 ? -OLX_INFINITY : t;
 }
 
-// The ray's parameters at the three coordinate planes through the probe.
+// Returns the ray's parameters at the three coordinate planes through the probe.
 vec3 olx_planes_of(olx_probe_ray ray) {
   return vec3(olx_plane_at(ray.origin.x, ray.direction.x), olx_plane_at(ray.origin.y, ray.direction.y),
               olx_plane_at(ray.origin.z, ray.direction.z));
 }
 
-// Sign of a coordinate o + d t just after t; `plane` is where it is zero.
+// Returns the sign of a coordinate o + d t just after t; `plane` is where it is zero.
 float olx_sign_after(float o, float d, float plane, float t) {
   if (d == 0.0) return olx_sign_not_zero(o);
   return t >= plane ? olx_sign_not_zero(d) : -olx_sign_not_zero(d);
@@ -454,7 +460,7 @@ olx_piece olx_make_piece(olx_march m, vec3 planes, float t_begin, float t_end) {
   p.sign = vec3(olx_sign_after(o.x, d.x, planes.x, t_begin), olx_sign_after(o.y, d.y, planes.y, t_begin),
                 olx_sign_after(o.z, d.z, planes.z, t_begin));
   olx_piece_end begin = olx_end_at(m, p.sign, t_begin), end = olx_end_at(m, p.sign, t_end);
-  // The image of the other end stands for all.
+  // The image of the other end represents the whole piece.
   if (begin.centre) begin.image = end.image;
   if (begin.centre || end.centre) end.image = begin.image;
   int n = int(olx_field.n);
@@ -468,7 +474,7 @@ olx_piece olx_make_piece(olx_march m, vec3 planes, float t_begin, float t_end) {
   return p;
 }
 
-// The next place after t at which the ray crosses one of these planes, or its end.
+// Returns the next parameter after t at which the ray crosses one of these planes, or t_max.
 float olx_next_cut(vec3 planes, float t, float t_max) {
   float next = t_max;
   if (planes.x > t) next = min(next, planes.x);
@@ -477,23 +483,24 @@ float olx_next_cut(vec3 planes, float t, float t_max) {
   return next;
 }
 
-// The node in which the march down and up the pyramid stands, and where it entered it. Texels are nodes of level -1.
+// The node that the march through the pyramid has reached, and where the ray entered it. Texels are nodes of level -1.
 struct olx_stand {
   ivec2 at;
   int level;
   float s, t;
-  // Across a line of v: with it every line of both axes up to s is passed, else those of v at s itself are not.
+  // Entered across a line of v: lines of both axes up to s are passed, else not those of v at s.
   bool by_v;
   float least_squared; // of the node of level 0 around a texel: texels that the ray passes nearer are not read
   bool first;          // a texel that is read before anything else
-  bool judged;         // a texel whose surfel is clear
+  bool judged;         // a texel whose surfel has been judged clear
 };
 
-// The finest level of smallest distances.
+// Returns the finest level of smallest distances.
 int olx_finest_level() { return olx_geometry_in_blocks() && olx_field.pyramid_levels > 1u ? 1 : 0; }
 
-// Where the march over a piece begins: at a surface, where only small nodes are clear, and on further faces in the
-// open. The texel in which a ray begins that another probe has handed on often hides it, and comes first.
+// Returns where the march over a piece begins: at a small node for the first piece, because a ray begins at a surface,
+// and at a large one in the open space of later pieces. A ray taken over from another probe begins at its first texel,
+// which often hides it.
 olx_stand olx_begin_stand(olx_march m, olx_piece p) {
   bool first_piece = p.t_begin <= m.ray.t_min, first = first_piece && p.t_begin > 0.0;
   int level = first ? -1 : first_piece ? olx_finest_level() : int(olx_field.pyramid_levels) - 1;
@@ -501,14 +508,14 @@ olx_stand olx_begin_stand(olx_march m, olx_piece p) {
   return olx_stand(texel >> olx_pyramid_shift(level), level, -1.0, p.t_begin, false, 0.0, first, false);
 }
 
-// Into the node below in which the march stands.
+// Descends to the child node that the march has reached.
 void olx_enter(olx_piece p, inout olx_stand at) {
   at.level--;
   at.at = ivec2(olx_texel_at(p.u, at.s, true), olx_texel_at(p.v, at.s, at.by_v)) >> olx_pyramid_shift(at.level);
 }
 
-// Steps over the line ahead that comes first, and up a level where that left the parent as well; out of a texel and the
-// node around it two.
+// Steps over the nearest line ahead, and ascends a level if that leaves the parent node too; from a texel whose level 0
+// node is left as well, it ascends two.
 void olx_leave(inout olx_stand at, ivec2 next, float s, float t, bool by_v) {
   ivec2 sides = next ^ at.at;
   int left = (sides.x | sides.y) >> OLX_PYRAMID_STEP, highest = int(olx_field.pyramid_levels) - 1;
@@ -517,8 +524,8 @@ void olx_leave(inout olx_stand at, ivec2 next, float s, float t, bool by_v) {
   at = olx_stand(next >> OLX_PYRAMID_STEP * up, at.level + up, s, t, by_v, at.least_squared, false, false);
 }
 
-// On to the texel whose stored distance the ray reaches next. Nodes and texels take turns in one loop, and no surfel is
-// judged in it, so that rays side by side wait little for each other. False at the end of the piece.
+// Moves on to the next texel whose stored distance the ray reaches. Nodes and texels take turns in one loop that judges
+// no surfel, so that rays side by side wait little for each other. False at the end of the piece.
 bool olx_find_texel(inout olx_march m, olx_piece p, inout olx_stand at, out float stored) {
   bool found = false, blocks = olx_geometry_in_blocks();
   stored = OLX_INFINITY;
@@ -557,10 +564,11 @@ bool olx_find_texel(inout olx_march m, olx_piece p, inout olx_stand at, out floa
   return found;
 }
 
-// Down and up the whole pyramid, along all pieces of a ray. A ray that has come to the next face and one that has a
-// surfel to judge do so in the same turn. Planes are found anew for each piece: less is kept in between.
+// Descends and ascends the whole pyramid along all pieces of a ray. A ray that reaches the next face and one that has a
+// surfel to judge do so in the same iteration. Coordinate planes are recomputed for each piece, so that less is kept
+// between.
 int olx_march_hiz(inout olx_march m, inout olx_probe_answer answer) {
-  // Values to begin with, though nothing reads them: without, compilers keep those of the ray's last probe.
+  // These initial values are never read; without them, compilers keep those of the ray's last probe.
   olx_image_axis axis = olx_image_axis(0.0, 0.0, 0.0, 0);
   olx_piece p = olx_piece(axis, axis, 0.0, 0.0, 0.0, 0.0, 0.0, vec3(0.0));
   olx_stand at = olx_stand(ivec2(0), 0, 0.0, 0.0, false, 0.0, false, false);
@@ -586,7 +594,7 @@ int olx_march_hiz(inout olx_march m, inout olx_probe_answer answer) {
   return verdict;
 }
 
-// Face after face by the plain tracers.
+// Marches face after face with the tracers that use no full pyramid.
 int olx_march_pieces(inout olx_march m, uint tracer, inout olx_probe_answer answer) {
   vec3 planes = olx_planes_of(m.ray);
   for (float t = m.ray.t_min; t < m.ray.t_max;) {
@@ -598,7 +606,7 @@ int olx_march_pieces(inout olx_march m, uint tracer, inout olx_probe_answer answ
   return OLX_VERDICT_CLEAR;
 }
 
-// What is fixed for the march of a ray through a probe's map.
+// Computes what is constant for the march of a ray through a probe's map.
 olx_march olx_begin_march(uint probe, olx_probe_ray ray) {
   olx_march m;
   precise float closest = -olx_dot(ray.origin, ray.direction);

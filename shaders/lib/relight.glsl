@@ -1,5 +1,6 @@
-// Twin of what relighting computes from numbers alone (src/shade/relighter*.c): rays to lights, and how texels and
-// probes of the volume take light from surfels. Not part of octalux.glsl: passes of Octalux's own have its buffers.
+// Twin of the parts of relighting that use numbers alone (src/shade/relighter*.c): rays to lights, and how texels and
+// probes of the volume receive light from surfels. It is not part of octalux.glsl, because only Octalux's own passes
+// have its buffers.
 //
 // SPDX-License-Identifier: MIT
 #ifndef OLX_RELIGHT_GLSL
@@ -12,12 +13,12 @@
 #include "sampling.glsl"
 
 const float OLX_OFF_SURFACE = 1.0 / 1024.0; // rays start this share of the distance off a surface
-const float OLX_END_SHARE = 1e-3;           // how far from its end a ray to a light may stop
+const float OLX_END_SHARE = 1e-3;           // the share of its length by which a ray to a light ends early
 
 struct olx_light_ray {
   vec3 direction;
   float length_metres;
-  vec3 irradiance; // that arrives when nothing is between
+  vec3 irradiance; // if nothing shadows the light
 };
 
 // ---- Rays to lights
@@ -50,13 +51,13 @@ bool olx_area_light(olx_gpu_light light, vec3 position, vec3 normal, vec2 random
   vec3 direction = away * (1.0 / distance);
   float facing = -olx_dot(area, direction);
   if (light.both_sides != 0u) facing = abs(facing);
-  // However near, a light sends no more than it would from all around.
+  // A light contributes at most as much as one that surrounds the place, however near it is.
   ray = olx_light_ray(direction, distance * (1.0 - OLX_END_SHARE),
                       light.emission.xyz * min(cosine * facing / (distance * distance), OLX_PI));
   return cosine > 0.0 && facing > 0.0;
 }
 
-// A ray from a place towards a light; false when the light cannot reach it.
+// Draws a ray from a place towards a light; false when the light cannot reach it.
 bool olx_aim(olx_gpu_light light, vec3 position, vec3 normal, vec2 random, out olx_light_ray ray) {
   if (light.type == OLX_LIGHT_POINT || light.type == OLX_LIGHT_SPOT) {
     return olx_point_light(light, position, normal, ray);
@@ -74,12 +75,12 @@ bool olx_aim(olx_gpu_light light, vec3 position, vec3 normal, vec2 random, out o
   return cosine > 0.0;
 }
 
-// ---- Highlights on the way from surfel to surfel (relighter_highlights.c)
+// ---- Highlights between surfels (relighter_highlights.c)
 
-const float OLX_LINK_ALPHA = 0.2;  // surfels stand for surfaces of some size: their lobes are wider by it
-const float OLX_MOST_BRIGHT = 2.0; // beside a white matte surface
+const float OLX_LINK_ALPHA = 0.2;  // surfels represent surfaces of some size, so their lobes are widened by it
+const float OLX_MOST_BRIGHT = 2.0; // relative to a white matte surface
 
-// How bright a specular lobe in light from one direction is seen, beside a white matte surface.
+// Returns the brightness of a specular lobe in light from one direction, relative to a white matte surface.
 float olx_specular_brightness(vec3 normal, float f0, float roughness_alpha, vec3 view, vec3 light) {
   float to_view = olx_dot(view, normal), to_light = olx_dot(light, normal);
   if (to_view <= 0.0 || to_light <= 0.0) return 0.0;
@@ -94,32 +95,32 @@ float olx_specular_brightness(vec3 normal, float f0, float roughness_alpha, vec3
 
 // ---- Texels and the volume
 
-// Texel i of a tile, whose blocks of 4 x 4 come one after the other: those share out samples of lights.
+// Returns texel i of a tile in the order of its blocks of 4 x 4 texels, which share samples of lights.
 uvec2 olx_tile_texel(uint i, uint tile_side) {
   uint in_block = i % 16u, block = i / 16u, blocks = tile_side / 4u;
   return uvec2(block % blocks * 4u + in_block % 4u, block / blocks * 4u + in_block / 4u);
 }
 
-// How much a site's weights at the corners of its block count for a texel.
+// Computes the weights of a block's corners for a texel.
 vec4 olx_site_corners(uvec2 in_block) {
   vec2 at = vec2(in_block) / float(OLX_RELIGHT_BLOCK - 1u);
   return vec4((1.0 - at.x) * (1.0 - at.y), at.x * (1.0 - at.y), (1.0 - at.x) * at.y, at.x * at.y);
 }
 
-// The share of a surfel in a texel's indirect light; `weights` are an entry's, a byte each.
+// Returns the share of a surfel in a texel's indirect light; `weights` are an entry's, a byte each.
 float olx_site_weight(uint weights, vec4 corners) {
   vec4 bytes = vec4(weights & 0xFFu, weights >> 8 & 0xFFu, weights >> 16 & 0xFFu, weights >> 24);
   return dot(corners, bytes) * (1.0 / 255.0);
 }
 
-// What makes coefficients of irradiance of sums over directions (Ramamoorthi and Hanrahan 2001).
+// Returns the factor that turns a sum over directions into a coefficient of irradiance (Ramamoorthi and Hanrahan 2001).
 float olx_irradiance_scale(uint k) {
   float band = k == 0u ? OLX_PI : k < 4u ? 2.0 / 3.0 * OLX_PI : 0.25 * OLX_PI;
   float mean_square = k == 0u ? 1.0 : k < 4u ? 1.0 / 3.0 : k == 6u ? 4.0 / 5.0 : k == 8u ? 4.0 / 15.0 : 1.0 / 15.0;
   return band / mean_square;
 }
 
-// A number of a coefficient as a half; what does not fit stays finite.
+// Packs a value as a half float; values beyond its range are clamped so that they stay finite.
 uint olx_half_pack_finite(float value) { return olx_half_pack(clamp(value, -65504.0, 65504.0)); }
 
 #endif

@@ -1,4 +1,4 @@
-// Twin of src/shade/settings.c.
+// Twin of src/shade/settings.c: the settings for sampling a field, and their defaults.
 //
 // SPDX-License-Identifier: MIT
 #ifndef OLX_SETTINGS_GLSL
@@ -6,7 +6,7 @@
 
 #include "../octalux_shared.h"
 
-// ESSL has no specialisation constants: there a host defines what differs before.
+// ESSL has no specialisation constants; a host defines what differs before this file.
 #ifndef GL_ES
 layout(constant_id = OLX_CONSTANT_TRACER) const uint olx_constant_tracer = 2u; // OLX_TRACER_HIZ
 layout(constant_id = OLX_CONSTANT_SELECT) const uint olx_constant_select = 3u; // OLX_SELECT_BRICKS
@@ -20,8 +20,9 @@ const uint olx_constant_select = OLX_WEB_SELECT;
 const uint olx_constant_hits = OLX_HITS_SHADED;
 #endif
 
-// See olx_sample_settings in octalux/sample.h. Tracer, selector and light of hits that are no constants make a shader
-// that holds all of them: several times the code, which takes drivers several times as long to compile.
+// The settings for sampling a field (olx_sample_settings in octalux/sample.h). If tracer, selector or kind of hit light
+// is not a constant, the shader contains all of them: several times the code, which drivers compile for several times
+// as long.
 struct olx_sample_settings {
   uint tracer; // OLX_TRACER_*
   uint select; // OLX_SELECT_*

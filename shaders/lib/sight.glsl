@@ -1,4 +1,4 @@
-// Twin of src/select/sight.h: whether a probe sees a place, by the surface that it stores in that direction.
+// Twin of src/select/sight.h: decides whether a probe sees a place, by the surface that it stores in that direction.
 //
 // SPDX-License-Identifier: MIT
 #ifndef OLX_SIGHT_GLSL
@@ -10,9 +10,9 @@ const float OLX_SIGHT_START = 0.5;
 const float OLX_SIGHT_STUCK = 1.0;
 const float OLX_SIGHT_LEAST_COSINE = 0.1;
 
-// Whether `point` lies in front of the plane of the surfel that the probe stores there, or no more than `slack`
-// footprints behind it, or nearer to the probe than the texel's surface can reach. `leaving`: a ray in this direction
-// begins there; 0 for none.
+// Returns whether the probe sees `point`: whether it lies in front of the plane of the surfel stored in its direction,
+// at most `slack` footprints behind it, or nearer to the probe than the texel's surface can reach. `leaving` is the
+// direction of a ray that begins at the point, or 0 without one.
 bool olx_probe_sees(uint probe, vec3 point, float slack, vec3 leaving) {
   precise vec3 offset = point - olx_probe_position(probe);
   float n = float(olx_field.n);
@@ -21,7 +21,7 @@ bool olx_probe_sees(uint probe, vec3 point, float slack, vec3 leaving) {
   ivec3 map = olx_map_origin(probe);
   if (olx_geometry_in_blocks()) {
     vec3 plane = olx_block_plane(map, ivec2(texel));
-    precise float behind = olx_plane_depth(plane, offset) - 1.0; // in distances of the plane from the probe
+    precise float behind = olx_plane_depth(plane, offset) - 1.0; // in units of the plane's distance from the probe
     precise float reach = sqrt(olx_dot(offset, offset)) * sqrt(olx_texel_solid_angle_near(uv, olx_field.n)) *
                           sqrt(olx_dot(plane, plane));
     if (behind > slack * reach) return false;

@@ -1,6 +1,6 @@
-// Twin of src/shade/surface_irradiance.c: diffuse light of static surfaces, of whose nearby probes those that see the
-// very surface answer. The C sorts the probes first and reads them after; here each turn looks for the best probe below
-// the one before, because a list that is sorted would lie in memory.
+// Twin of src/shade/surface_irradiance.c: interpolates diffuse light of static surfaces from those probes near a point
+// that see its own surface. The C code sorts the probes before it reads them; here each iteration finds the best probe
+// below the last one, because a sorted list would lie in memory.
 //
 // SPDX-License-Identifier: MIT
 #ifndef OLX_SURFACE_IRRADIANCE_GLSL
@@ -22,39 +22,39 @@ const float OLX_LEAST_AGREEMENT = 0.7, OLX_FULL_AGREEMENT = 0.8;
 const float OLX_BLEND_ABOVE = 0.8;
 const float OLX_LEAST_TEXEL_SHARE = 1e-5;
 const float OLX_MOST_CHANGE = 4.0;
-// Where light is looked for, as bits.
+// Sources of light, as bits.
 const uint OLX_SOURCE_TEXELS = 1u, OLX_SOURCE_VOLUME = 2u, OLX_SOURCE_PROBES = 4u;
 
 struct olx_ranked_probe {
-  uint place; // among those that are ranked
+  uint place; // among the ranked probes
   uint probe;
-  float weight; // cosine / r^2; 0: there is none
+  float weight; // cosine / r^2; 0: no probe
 };
 
-// A point as a probe sees it.
+// A point relative to a probe.
 struct olx_probe_view {
   ivec3 map;
   vec3 offset; // from the probe
   vec3 normal; // geometric
   float angle; // side of a texel there, in radians
-  float miss;  // footprints
+  float miss;  // how far the point may miss a texel's surface, in footprints
 };
 
-// A texel beside the direction in which a probe sees the point; four of them are blended.
+// One of the four texels around the direction in which a probe sees the point.
 struct olx_seen_texel {
-  bool seen; // not the sky
+  bool seen; // false for the sky
   float distance, facing;
   vec3 normal, step;
   float away;
 };
 
-// Irradiance from the texels of one probe that hold the point's surface, times their share.
+// Irradiance from those texels of one probe that see the point's surface, times their share.
 struct olx_texel_light {
   vec3 sum;
   float share;
 };
 
-// What is blended: irradiance of some probes, and their weights.
+// The blended irradiance of some probes, and their weights.
 struct olx_blend {
   uint count;
   float best;
@@ -63,10 +63,10 @@ struct olx_blend {
 
 struct olx_surface_light {
   vec3 irradiance; // W/m^2
-  uint probes;     // whose texels were blended; 0: nothing is stored for the point, and the irradiance volume answered
+  uint probes;     // number of probes that were blended; 0: nothing is stored here, and the volume was used
 };
 
-// 0 for a probe that cannot answer.
+// Returns how well a probe sees a point; 0 when it cannot.
 float olx_rank_weight(olx_sample_settings settings, vec3 position, vec3 normal, uint probe) {
   bool usable = settings.keep_buried || (olx_probe_flags(probe) & OLX_PROBE_BURIED) == 0u;
   precise vec3 way = olx_probe_position(probe) - position;
@@ -77,13 +77,13 @@ float olx_rank_weight(olx_sample_settings settings, vec3 position, vec3 normal, 
 
 bool olx_has_bricks() { return (olx_field.select_mask & 1u << OLX_SELECT_BRICKS) != 0u; }
 
-// How many probes are ranked: all, those of the point's brick, or of its cage in a field without bricks.
+// Returns the number of ranked probes: all, or those of the point's brick, or of its cage in a field without bricks.
 uint olx_ranked_count(bool all) {
   if (all) return olx_field.probe_count;
   return olx_has_bricks() || olx_field.grid.count.w > 0u ? OLX_BRICK_PROBES : 0u;
 }
 
-// The best of the probes that come after `last`: of equal ones the first. `list` is that of the point's brick.
+// Returns the best of the probes ranked after `last`; of equal probes, the first. `list` is that of the point's brick.
 olx_ranked_probe olx_next_ranked(olx_sample_settings settings, vec3 position, vec3 normal, bool all, uint list,
                                  olx_ranked_probe last) {
   bool bricks = olx_has_bricks();
@@ -109,7 +109,7 @@ olx_probe_view olx_view_from(olx_sample_settings settings, uint probe, vec3 posi
   return olx_probe_view(olx_map_origin(probe), offset, normal, angle, OLX_SURFACE_MISS + settings.surface_tolerance);
 }
 
-// A texel, the border's among them.
+// Reads a texel, which may be of the border.
 olx_seen_texel olx_see_texel(olx_probe_view v, ivec2 texel) {
   olx_seen_texel t;
   olx_texel_geometry seen = olx_texel_geometry_of(v.map, texel);
@@ -125,12 +125,13 @@ olx_seen_texel olx_see_texel(olx_probe_view v, ivec2 texel) {
   return t;
 }
 
-// How far the point may seem off the texel's surface because of how it is packed.
+// Returns how far packing may move the point off the texel's surface, in metres.
 float olx_packing_error(olx_seen_texel t) {
   return OLX_DISTANCE_ERROR * t.distance * abs(t.facing) + OLX_NORMAL_ERROR * t.away;
 }
 
-// 1 where the texel holds the surface that the point lies on, 0 where it does not, and between where that is doubtful.
+// Returns 1 where the texel sees the surface on which the point lies, 0 where it does not, and values between where
+// that is uncertain, so that light changes smoothly as the point moves.
 float olx_texel_agrees(olx_probe_view v, olx_seen_texel t) {
   float agreement = olx_dot(t.normal, v.normal), footprint = t.distance * v.angle;
   float height = abs(olx_dot(t.normal + v.normal, t.step)) * (1.0 / (1.5 + 0.5 * agreement));
@@ -144,15 +145,15 @@ float olx_texel_agrees(olx_probe_view v, olx_seen_texel t) {
   return t.seen && near && t.facing > OLX_LEAST_FACING && agreement > OLX_LEAST_AGREEMENT ? fits * alike : 0.0;
 }
 
-// How much of the light of `texel` reaches over to the point where a neighbouring texel sees `other`, another surface.
+// Returns how much light of `texel` reaches the point past a neighbouring texel that sees `other`, a different surface.
 float olx_passes(olx_seen_texel texel, olx_seen_texel other) {
   float height = olx_dot(other.normal, other.step), allowed = olx_packing_error(other);
   bool before = !(height < -allowed) || height - olx_dot(other.normal, texel.step) <= allowed;
   return before ? 1.0 : max(2.0 + height / allowed, 0.0);
 }
 
-// How much of the light of `texel` reaches over to the point, where those of four texels a to d that are marked in
-// `others` see another surface.
+// Returns how much light of `texel` reaches the point past those of four texels a to d that see other surfaces, as
+// marked in `others`.
 float olx_passes_all(olx_seen_texel texel, olx_seen_texel a, olx_seen_texel b, olx_seen_texel c, olx_seen_texel d,
                      bvec4 others) {
   float share = others.x ? olx_passes(texel, a) : 1.0;
@@ -169,8 +170,8 @@ olx_texel_light olx_read_texels(olx_sample_settings settings, uint probe, vec3 p
   int n = int(olx_field.n);
   ivec2 at = ivec2(around.texel.x % stride, around.texel.x / stride) - 1;
 #ifdef GL_ES
-  // In loops: a browser that draws without a GPU takes ten times as long to compile the text written out for each
-  // texel.
+  // These are loops, because a browser that draws without a GPU takes ten times as long to compile the text written out
+  // for each texel.
   olx_seen_texel around_point[4];
   vec4 weight = around.weight;
   bvec4 others = bvec4(false);
@@ -207,7 +208,7 @@ olx_texel_light olx_read_texels(olx_sample_settings settings, uint probe, vec3 p
   return olx_texel_light(sum, weight.x + weight.y + weight.z + weight.w);
 }
 
-// Adds the light of a probe; of texels whose share is but rounding, nothing.
+// Adds the light of a probe, unless its share is no more than rounding.
 void olx_blend_add(inout olx_blend b, olx_texel_light light, float rank_weight) {
   if (light.share >= OLX_LEAST_TEXEL_SHARE) {
     vec4 added = vec4(light.sum / light.share, rank_weight * light.share);
@@ -235,7 +236,7 @@ olx_blend olx_gather(olx_sample_settings settings, vec3 position, vec3 normal) {
       tried++;
       more = tried < most && b.count < OLX_MOST_BLENDED;
     }
-    if (!more) { // once more among all probes, where none of those nearby holds the surface
+    if (!more) { // search all probes where none nearby sees the surface
       searching = !all && b.count == 0u;
       all = true;
       tried = 0u;
@@ -254,8 +255,9 @@ olx_surface_light olx_mix(olx_blend b) {
                            counts.x + counts.y + counts.z + counts.w);
 }
 
-// Irradiance for two normals where nothing is stored, of those sources that are named: the irradiance volume, for the
-// second less what would come from below a surface of the first, and where it has no cell irradiance probes.
+// Returns irradiance for two normals where nothing is stored, from the given sources: the irradiance volume, and
+// irradiance probes where the volume has no cell. For the second normal, the volume's light omits the share from below
+// a surface with the first normal.
 mat2x3 olx_fallen_back(olx_sample_settings settings, uint sources, vec3 position, vec3 geometric_normal, vec3 from,
                        vec3 to, vec3 view) {
   mat2x3 irradiance = mat2x3(0.0);
@@ -269,8 +271,9 @@ mat2x3 olx_fallen_back(olx_sample_settings settings, uint sources, vec3 position
   return irradiance;
 }
 
-// Irradiance in W/m^2 at a point of a surface, of OLX_SOURCE_*. Directions are unit; normals are on the side that is
-// looked at: that of the triangle, that between its corners, and that as a normal map bends it.
+// Returns irradiance in W/m^2 at a point of a surface, from the given OLX_SOURCE_*. Directions are unit vectors;
+// normals are on the side towards the eye: that of the triangle, that interpolated over it, and that bent by a normal
+// map.
 olx_surface_light olx_surface_light_from(olx_sample_settings settings, uint sources, vec3 position,
                                          vec3 geometric_normal, vec3 vertex_normal, vec3 shading_normal, vec3 view) {
   olx_surface_light light = olx_surface_light(vec3(0.0), 0u);
@@ -292,18 +295,19 @@ olx_surface_light olx_surface_light_from(olx_sample_settings settings, uint sour
   return light;
 }
 
-// The irradiance volume, or irradiance probes where the field has none.
+// Returns the source for places without stored light: the irradiance volume, or irradiance probes where the field has
+// none.
 uint olx_volume_source() { return olx_has_volume() ? OLX_SOURCE_VOLUME : OLX_SOURCE_PROBES; }
 
-// Irradiance of texels, and where they hold none of the volume.
+// Returns the irradiance of texels, or of the volume where no texel sees the surface.
 olx_surface_light olx_surface_light_at(olx_sample_settings settings, vec3 position, vec3 geometric_normal,
                                        vec3 vertex_normal, vec3 shading_normal, vec3 view) {
   return olx_surface_light_from(settings, OLX_SOURCE_TEXELS | olx_volume_source(), position, geometric_normal,
                                 vertex_normal, shading_normal, view);
 }
 
-// Indirect irradiance in W/m^2 anywhere in free space, for what moves: what olx_volume_irradiance in octalux/sample.h
-// says. In a field whose lights have changed since it was baked, use olx_irradiance.
+// Returns the indirect irradiance in W/m^2 anywhere in free space, for moving objects, as olx_volume_irradiance in
+// octalux/sample.h describes. In a field whose lights have changed since it was baked, use olx_irradiance.
 vec3 olx_volume_irradiance(vec3 position, vec3 normal) {
   bool finite = olx_finite(position) && olx_finite(normal);
   vec3 irradiance = vec3(0.0);
@@ -314,9 +318,9 @@ vec3 olx_volume_irradiance(vec3 position, vec3 normal) {
   return irradiance;
 }
 
-// Indirect irradiance in W/m^2 on a static surface, from the light that the field stores where surfaces are: what
-// olx_surface_irradiance in octalux/sample.h says. For what moves use olx_volume_irradiance, and in a field whose
-// lights have changed since it was baked olx_irradiance.
+// Returns the indirect irradiance in W/m^2 on a static surface, from the light that the field stores for surfaces, as
+// olx_surface_irradiance in octalux/sample.h describes. For moving objects use olx_volume_irradiance, and in a field
+// whose lights have changed since it was baked olx_irradiance.
 vec3 olx_surface_irradiance(olx_sample_settings settings, vec3 position, vec3 geometric_normal, vec3 shading_normal,
                             vec3 view) {
   return olx_surface_light_at(settings, position, geometric_normal, geometric_normal, shading_normal, view).irradiance;

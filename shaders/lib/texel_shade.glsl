@@ -1,5 +1,5 @@
-// Twin of src/trace/texel_shade.c: light that leaves the surface of a texel towards an eye of the caller's, not that of
-// the probe (docs/maths.md, "Light at the end of a ray").
+// Twin of src/trace/texel_shade.c: computes the light that a texel's surface sends towards any eye, not only the probe
+// (docs/maths.md, "Light at the end of a ray").
 //
 // SPDX-License-Identifier: MIT
 #ifndef OLX_TEXEL_SHADE_GLSL
@@ -10,29 +10,29 @@
 
 const float OLX_STORED_NORMAL_ERROR = 0.0111; // radians
 
-// A texel's surface, made ready for shading.
+// A texel's surface, prepared for shading.
 struct olx_texel_surface {
   olx_bsdf bsdf;
   vec3 position, normal;
-  vec3 view;    // to the eye
-  float cosine; // of normal and view
-  vec3 direct;  // irradiance
+  vec3 view;    // unit, to the eye
+  float cosine; // of the angle between normal and view
+  vec3 direct;  // irradiance, W/m^2
 };
 
-// What the lights without area would do if nothing stood between them and the surface.
+// The light of all lights without area, as if nothing shadowed the surface.
 struct olx_unshadowed {
   vec3 irradiance;
   vec3 specular; // radiance towards the eye
 };
 
-// Light in W/(sr m^2) that a surface reflects towards an eye.
+// Radiance in W/(sr m^2) that a surface reflects towards an eye.
 struct olx_reflection {
-  vec3 reflected; // through the diffuse lobe, and the highlights of lights without area
-  vec3 lobe;      // what the specular lobe makes of all other light, as if it came from all directions alike
+  vec3 reflected; // of the diffuse lobe, and the highlights of lights without area
+  vec3 lobe;      // of the specular lobe in all other light, as if it came from all directions alike
 };
 
-// Specular light towards the eye per irradiance on a surface that faces the light; the cosine at the surface is
-// included.
+// Returns specular radiance towards the eye per irradiance on a surface that faces the light; the cosine at the surface
+// is included.
 vec3 olx_highlight(olx_texel_surface s, vec3 to_light, float cosine_light) {
   float alpha = sqrt(olx_square(s.bsdf.alpha) + olx_square(OLX_STORED_NORMAL_ERROR));
   vec3 half_vector = olx_normalize(s.view + to_light), off = cross(half_vector, s.normal);
@@ -52,12 +52,12 @@ olx_unshadowed olx_light_without_shadows(olx_texel_surface s) {
     sum.irradiance += light.irradiance * cosine;
     if (shines) sum.specular += light.irradiance * olx_highlight(s, light.direction, cosine);
   }
-  // A damaged file may hold a light that no number can.
+  // A damaged file may hold a light whose sum is not finite.
   bool finite = olx_finite(sum.irradiance) && olx_finite(sum.specular);
   return olx_unshadowed(finite ? sum.irradiance : vec3(0.0), finite ? sum.specular : vec3(0.0));
 }
 
-// The share of that light which arrives: no more of any colour than is stored.
+// Returns the share of unshadowed light that arrives: in each colour channel at most what is stored.
 float olx_lit_share(vec3 stored, vec3 most) {
   float share = 1.0;
   if (most.x > 0.0) share = min(share, stored.x / most.x);
@@ -66,14 +66,14 @@ float olx_lit_share(vec3 stored, vec3 most) {
   return share;
 }
 
-// `position`: metres, on the texel's surface; `direction`: of the ray that found it, unit. The texel is not sky, nor
-// one of the border.
+// Shades a texel's surface. `position` is on that surface, in metres; `direction` is the unit direction of the ray that
+// found it. The texel must neither see the sky nor be of the border.
 olx_reflection olx_texel_shade(ivec3 origin, ivec2 texel, vec3 position, vec3 direction) {
   vec3 normal = olx_texel_normal(origin, texel);
   olx_texel_surface s =
       olx_texel_surface(olx_texel_material(origin, texel), position, normal, -direction,
                         max(abs(olx_dot(normal, direction)), 1e-3), olx_texel_direct(origin, texel));
-  // This surface is one more on the light's way, so the last of the bounces that are stored is left out.
+  // The ray's origin adds one more surface to the light's way, so the last stored bounce is left out.
   vec3 all_light = s.direct + olx_texel_indirect(origin, texel) * (1.0 - olx_field.last_bounce);
   olx_reflection light =
       olx_reflection(olx_bsdf_diffuse(s.bsdf, s.cosine) * all_light * (1.0 / OLX_PI), vec3(0.0));

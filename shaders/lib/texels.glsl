@@ -1,5 +1,5 @@
-// Twin of src/field/texels.h: reads what a texel of a light field probe holds of the surface that it sees. Its distance
-// and its normal are read by maps.glsl. What it says of the sky, but for emission, means nothing.
+// Twin of src/field/texels.h: reads what a texel of a light field probe stores of the surface that it sees. maps.glsl
+// reads its distance and normal. For the sky, only emission is defined.
 //
 // SPDX-License-Identifier: MIT
 #ifndef OLX_TEXELS_GLSL
@@ -11,15 +11,15 @@
 const uint OLX_EMISSION_TILE = 8u; // texels along a side of a tile of emission
 const float OLX_REFLECTANCE_FULL = 128.0; // a specular weight of 1
 
-// Where images of surfaces hold a texel of the probe whose maps begin at `origin`. Images of blocks have no border, so
-// here and in what follows a texel is none of the border.
+// Returns the place of a texel in images of surfaces, for the probe whose maps begin at `origin`. Images of blocks have
+// no border, so the texel must not be of the border, here and in the functions below.
 ivec3 olx_surface_at(ivec3 origin, ivec2 texel) {
   ivec2 corner = ivec2(vec2(origin.xy - 1) * olx_field.surface_scale + 0.5);
   return ivec3(corner + int(olx_field.surface_border) + texel, origin.z);
 }
 
-// How the surface reflects. Texture units make shares of the bytes; a field of blocks has reflectance in one byte, as
-// src/block/reflectance.h packs it, and roughness beside that.
+// Returns the reflectance of the texel's surface. Texture units convert bytes to shares. A field of blocks has
+// reflectance in one byte, as src/block/reflectance.h packs it, and roughness in another.
 olx_bsdf olx_texel_material(ivec3 origin, ivec2 texel) {
   ivec3 at = olx_surface_at(origin, texel);
   vec4 base = texelFetch(olx_base_maps, at, 0);
@@ -33,36 +33,36 @@ olx_bsdf olx_texel_material(ivec3 origin, ivec2 texel) {
   return olx_bsdf_make(base.rgb * base.rgb, metallic, roughness, weight);
 }
 
-// Irradiance in W/m^2 that reaches the surface straight from emitters and the sky.
+// Returns the irradiance in W/m^2 that reaches the surface directly from emitters and the sky.
 vec3 olx_texel_direct(ivec3 origin, ivec2 texel) {
   return texelFetch(olx_direct_maps, olx_surface_at(origin, texel), 0).rgb;
 }
 
-// Irradiance in W/m^2 of light that has at least one surface between emitter and texel.
+// Returns the irradiance in W/m^2 of light that met at least one surface between emitter and texel.
 vec3 olx_texel_indirect(ivec3 origin, ivec2 texel) {
   return texelFetch(olx_indirect_maps, olx_surface_at(origin, texel), 0).rgb;
 }
 
-// What a tile of emission holds for a texel, none of the border: RGB9E5; 0 where nothing emits.
+// Returns the emission stored for a texel, not of the border, RGB9E5; 0 where nothing emits.
 uint olx_texel_emission_code(uint probe, ivec2 texel) {
   uvec2 at = uvec2(texel), tile = at / OLX_EMISSION_TILE, inside = at % OLX_EMISSION_TILE;
   uint side = olx_field.tile_side;
   uint entry = olx_word(olx_field.emission_first + side * side * probe + tile.y * side + tile.x);
   uint first = olx_field.tiles_first + (entry - 1u) * OLX_EMISSION_TILE * OLX_EMISSION_TILE, code = 0u;
-  // A damaged file may name what there is not.
+  // A damaged file may name a tile that does not exist.
   if (entry != 0u && entry <= olx_field.tile_count) code = olx_word(first + inside.y * OLX_EMISSION_TILE + inside.x);
   return code;
 }
 
-// Whether the texel, none of the border, sees an emitter. The sky is none.
+// Returns whether the texel, not of the border, sees an emitter. The sky does not count as one.
 bool olx_texel_emits(uint probe, ivec2 texel) {
   ivec3 origin = olx_map_origin(probe);
   if (!olx_geometry_in_blocks()) return (olx_texel_distance_bits(origin, texel) & 0x8000u) != 0u;
   return olx_texel_emission_code(probe, texel) != 0u && !olx_texel_is_sky(origin, texel);
 }
 
-// Radiance in W/(sr m^2) that an emitter sends towards the probe, or that of the sky; 0 for a surface that does not
-// emit. The texel is none of the border.
+// Returns the radiance in W/(sr m^2) that an emitter sends towards the probe, or that of the sky; 0 for a surface that
+// does not emit. The texel must not be of the border.
 vec3 olx_texel_emission(uint probe, ivec2 texel) {
   bool may = olx_geometry_in_blocks() || olx_texel_distance_bits(olx_map_origin(probe), texel) >= 0x7C00u;
   return may ? olx_rgb9e5_unpack(olx_texel_emission_code(probe, texel)) : vec3(0.0);

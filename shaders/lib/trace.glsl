@@ -1,5 +1,5 @@
-// Twin of src/trace/trace.c: a ray against the whole field, probe after probe until one knows (McGuire et al. 2017,
-// Listing 1).
+// Twin of src/trace/trace.c: traces a ray against the whole field, probe after probe until one resolves it (McGuire et
+// al. 2017, Listing 1).
 //
 // SPDX-License-Identifier: MIT
 #ifndef OLX_TRACE_GLSL
@@ -17,18 +17,18 @@
 const float OLX_HAND_OVER_FOOTPRINTS = 0.5;
 const float OLX_VANISHED_FOOTPRINTS = 1.5;
 const float OLX_OFF_LINE = 4.0;
-const uint OLX_REMEMBERED = 127u; // as in C
+const uint OLX_REMEMBERED = 127u; // as in src/trace/trace.c
 
 struct olx_trace_hit {
   uint status;           // OLX_TRACE_*
   float distance_metres; // along the ray; infinite for a miss to the sky
   vec3 position;
-  vec3 normal;   // of the surface, towards the probe that saw it
-  vec3 radiance; // that the surface reflects along the ray; 0 for a miss
-  vec3 lobe;     // the part of it that stands for the specular lobe, as in octalux/sample.h
-  vec3 emission; // that an emitter sends towards the probe, or the sky along the ray
+  vec3 normal;   // of the surface, on the side of the probe that saw it
+  vec3 radiance; // reflected by the surface along the ray; 0 for a miss
+  vec3 lobe;     // the part of it from the specular lobe (octalux/sample.h)
+  vec3 emission; // sent by an emitter towards the probe, or by the sky along the ray
   bool emitter;  // the ray ends at an emitter or in the sky
-  uint probe;    // that answered, or OLX_NO_PROBE
+  uint probe;    // the probe that resolved the ray, or OLX_NO_PROBE
   ivec2 texel;   // of the probe's maps
   float footprint_metres;
   uint texel_steps, probes_tried;
@@ -37,21 +37,22 @@ struct olx_trace_hit {
 struct olx_search {
   olx_sample_settings settings;
   vec3 origin, direction;
-  float t, t_max; // the ray is known to be free up to t
+  float t, t_max; // the ray is known to be clear up to t
   float lost;     // where the probe that followed it farthest lost it
   uint attempts;
-  uvec4 asked; // a bit for each probe that was asked, by its number modulo OLX_REMEMBERED
+  uvec4 asked; // a bit for each tried probe, by its number modulo OLX_REMEMBERED
   uint steps;
-  // What settled the ray, and until then the best guess: the occluder behind which it vanished by the smallest gap.
+  // The answer that resolved the ray; until then, the best guess: the surface behind which it vanished by the smallest
+  // gap.
   olx_probe_answer answer;
-  uint answered; // the probe that said so, or OLX_NO_PROBE
+  uint answered; // the probe of that answer, or OLX_NO_PROBE
 };
 
 bool olx_usable(olx_search s, uint probe) {
   return s.settings.keep_buried || (olx_probe_flags(probe) & OLX_PROBE_BURIED) == 0u;
 }
 
-// Whether the march can follow a ray at all: a unit direction, and numbers whose squares are finite.
+// Returns whether a ray can be marched: its direction is a unit vector, and the squares of its numbers are finite.
 bool olx_is_ray(vec3 origin, vec3 direction, float t_max) {
   float length = olx_dot(direction, direction);
   return olx_dot(origin, origin) < OLX_INFINITY && length > 0.9 && length < 1.1 && t_max > 0.0;
@@ -74,27 +75,27 @@ vec3 olx_ray_point(olx_search s, float t) {
   return point;
 }
 
-// Squared distance of a probe from the ray's line.
+// Returns the squared distance of a probe from the ray's line.
 float olx_line_distance_squared(olx_search s, uint probe) {
   precise vec3 offset = olx_probe_position(probe) - s.origin;
   precise vec3 foot = offset + s.direction * -olx_dot(offset, s.direction);
   return olx_dot(foot, foot);
 }
 
-// Whether a probe sees where the ray begins or, once others have lost it, where that was.
+// Returns whether a probe sees the ray's origin or, once other probes have lost the ray, the place where they did.
 bool olx_sees(olx_search s, uint probe) {
   if (s.attempts == 0u) return olx_probe_sees(probe, s.origin, OLX_SIGHT_START, s.direction);
   return olx_probe_sees(probe, olx_ray_point(s, s.lost), OLX_SIGHT_STUCK, vec3(0.0));
 }
 
-// Ask one probe. True when it settles the ray.
+// Traces the ray through one probe's map. Returns true when that resolves it.
 bool olx_ask(inout olx_search s, uint probe) {
   olx_remember(s, probe);
   precise vec3 origin = s.origin - olx_probe_position(probe);
   olx_probe_answer answer =
       olx_trace_probe(probe, olx_probe_ray(origin, s.direction, s.t, s.t_max), s.settings.tracer);
   s.steps += answer.steps;
-  // Lost in front of what the probe stores there, the ray has gone behind nothing: it ends.
+  // A ray lost in front of the stored surface has gone behind nothing, so it ends there.
   if (answer.status == OLX_TRACE_UNKNOWN && answer.gap < 0.0) answer.status = OLX_TRACE_HIT;
   bool settled = answer.status != OLX_TRACE_UNKNOWN;
   if (settled || s.answered == OLX_NO_PROBE || answer.gap < s.answer.gap) {
@@ -110,7 +111,7 @@ bool olx_ask(inout olx_search s, uint probe) {
   return false;
 }
 
-// The corner to begin with: the probe nearest to the ray's line.
+// Returns the corner to begin with: the probe nearest to the ray's line.
 uint olx_first_corner(olx_search s, olx_cage cage) {
   uint best = 0u;
   float best_distance = OLX_INFINITY;
@@ -125,8 +126,8 @@ uint olx_first_corner(olx_search s, olx_cage cage) {
   return best;
 }
 
-// The next probe of the cage around the place to which the ray is followed. Corners are taken in steps of three, so
-// that each is far from the one before.
+// Returns the next probe of the cage around the place to which the ray is followed. Corners are taken in steps of
+// three, so that each is far from the last.
 uint olx_next_corner(olx_search s) {
   olx_cage cage = olx_cage_at(olx_field.grid, olx_ray_point(s, s.lost));
   uint corner = olx_first_corner(s, cage);
@@ -138,7 +139,8 @@ uint olx_next_corner(olx_search s) {
   return OLX_NO_PROBE;
 }
 
-// The nearest probe, and from the probe that was asked last its neighbour in whose direction the ray went out of sight.
+// Returns the nearest probe at first; later, that neighbour of the last tried probe in whose direction the ray was
+// lost.
 uint olx_next_neighbour(olx_search s, uint last) {
   if (s.attempts == 0u) return olx_voronoi_nearest(s.origin, s.settings.keep_buried);
   precise vec3 stuck = olx_ray_point(s, s.t) - olx_probe_position(last);
@@ -149,8 +151,9 @@ uint olx_next_neighbour(olx_search s, uint last) {
   return OLX_NO_PROBE;
 }
 
-// The best probe that sees where the ray stands: of those that the bricks list there, to begin with one near the origin
-// and the ray's line; of all, or later, the nearest. Costs are computed for each probe anew and none is kept.
+// Returns the best probe that sees the sought place. From the probes that the bricks list there, the first is one near
+// the origin and the ray's line, and later ones are the nearest; from all probes, it is the nearest. Costs are
+// recomputed for each probe and not stored.
 uint olx_best_that_sees(olx_search s, bool everywhere) {
   vec3 place = s.origin;
   if (s.attempts > 0u) place = olx_ray_point(s, s.lost);
@@ -172,8 +175,8 @@ uint olx_best_that_sees(olx_search s, bool everywhere) {
   return best;
 }
 
-// The next probe to ask: one that the selector names or, everywhere, whichever sees the place where the ray is stuck.
-// OLX_NO_PROBE when there is none, as of all these functions.
+// Returns the next probe to try: the selector's or, with `everywhere`, any that sees the place where the ray was lost.
+// This function and those that it calls return OLX_NO_PROBE when there is none.
 uint olx_next_probe(olx_search s, bool everywhere, uint last) {
   uint select = olx_select_resolve(s.settings.select);
   if (everywhere || select == OLX_SELECT_BRICKS) return olx_best_that_sees(s, everywhere);
@@ -182,9 +185,9 @@ uint olx_next_probe(olx_search s, bool everywhere, uint last) {
   return OLX_NO_PROBE;
 }
 
-// Ask probe after probe, at first those that the selector names, then others. True when one settles the ray. There is
-// one place that asks, because compilers put the whole march there; rays for which the selector names no more probes
-// wait until all that run beside them have come as far.
+// Tries probe after probe, first those of the selector, then others. Returns true when one resolves the ray. Rays are
+// traced at one place in the code, because compilers inline the whole march there; rays for which the selector has no
+// more probes wait until all rays beside them are as far.
 bool olx_search_probes(inout olx_search s) {
   bool settled = false;
   uint last = OLX_NO_PROBE;
@@ -199,7 +202,7 @@ bool olx_search_probes(inout olx_search s) {
   return settled;
 }
 
-// The sky's radiance in the ray's direction, from the first probe that sees it there; 0 when none does.
+// Returns the sky's radiance in the ray's direction, from the first probe that sees it there; 0 when none does.
 vec3 olx_sky_radiance(vec3 direction) {
   ivec2 texel = olx_texel_towards(direction);
   vec3 radiance = vec3(0.0);
@@ -212,21 +215,21 @@ vec3 olx_sky_radiance(vec3 direction) {
   return radiance;
 }
 
-// What no probe knows anything of.
+// Returns the hit of a ray for which no probe has any data.
 olx_trace_hit olx_unknown_hit(uint status, float distance_metres) {
   vec3 none = vec3(0.0);
   return olx_trace_hit(status, distance_metres, none, none, none, none, none, false, OLX_NO_PROBE, ivec2(0), 0.0,
                        0u, 0u);
 }
 
-// Light that the hit's texel holds.
+// Reads the light stored in the hit's texel.
 void olx_read_light(olx_search s, inout olx_trace_hit hit) {
   ivec3 map = olx_map_origin(hit.probe);
   hit.emitter = olx_texel_emits(hit.probe, hit.texel);
   if (hit.emitter) hit.emission = olx_texel_emission(hit.probe, hit.texel);
   bool stored = s.settings.hits != OLX_HITS_SHADED;
   if (stored && !hit.emitter) hit.radiance = olx_texel_radiance(map, hit.texel);
-  // Stored radiance of a texel that emits is the sum of both.
+  // For a texel that emits, stored radiance is the sum of emitted and reflected light.
   if (!stored || hit.emitter) {
     olx_reflection light = olx_texel_shade(map, hit.texel, hit.position, s.direction);
     hit.radiance = light.reflected + light.lobe;
@@ -234,7 +237,7 @@ void olx_read_light(olx_search s, inout olx_trace_hit hit) {
   }
 }
 
-// What the search's answer says of a ray that was to end at t_max.
+// Describes the search's answer for a ray with the limit t_max.
 olx_trace_hit olx_describe(olx_search s, float t_max) {
   olx_probe_answer answer = s.answer;
   olx_trace_hit hit = olx_unknown_hit(answer.status, answer.t);
@@ -245,13 +248,13 @@ olx_trace_hit olx_describe(olx_search s, float t_max) {
   if (answer.status != OLX_TRACE_MISS) {
     ivec3 map = olx_map_origin(s.answered);
     hit.texel = answer.texel;
-    // Read first, so that compilers find again in what follows what has been decoded here.
+    // This is read first, so that compilers reuse in the following lines what is decoded here.
     olx_texel_geometry seen = olx_texel_geometry_of(map, answer.texel);
     hit.normal = seen.normal;
     olx_read_light(s, hit);
     vec2 uv = olx_octahedral_encode(hit.position - olx_probe_position(s.answered));
     hit.footprint_metres = seen.distance * sqrt(olx_texel_solid_angle_near(uv, olx_field.n));
-  } else if (s.t_max < t_max) { // else it ends in free space
+  } else if (s.t_max < t_max) { // otherwise it ends in free space
     hit.distance_metres = OLX_INFINITY;
     hit.emitter = true;
     hit.emission = olx_sky_radiance(s.direction);
@@ -259,8 +262,8 @@ olx_trace_hit olx_describe(olx_search s, float t_max) {
   return hit;
 }
 
-// Where the ray leaves the scene's bounds for good, widened by what two texels on the far side of the scene span, so
-// that walls which are the bounds are met before; 0 when the bounds lie behind the ray.
+// Returns where the ray leaves the scene's bounds for good; 0 when they lie behind it. The bounds are widened by the
+// width of two texels on the far side of the scene, so that walls that coincide with the bounds are hit first.
 float olx_leave_bounds(vec3 origin, vec3 direction) {
   precise float room = olx_field.distance_scale * 2.0 * OLX_TEXEL_ANGLE / float(olx_field.n);
   float t = OLX_INFINITY;
@@ -274,8 +277,8 @@ float olx_leave_bounds(vec3 origin, vec3 direction) {
   return max(t, 0.0);
 }
 
-// What does the ray from `origin` (metres) along the unit vector `direction` see first, within t_max_metres
-// (OLX_INFINITY for no limit)?
+// Traces the ray from `origin` (metres) along the unit vector `direction` to its first hit within t_max_metres
+// (OLX_INFINITY for no limit).
 olx_trace_hit olx_trace(olx_sample_settings settings, vec3 origin, vec3 direction, float t_max_metres) {
   olx_trace_hit hit = olx_unknown_hit(OLX_TRACE_UNKNOWN, 0.0);
   if (olx_is_ray(origin, direction, t_max_metres)) {

@@ -1,7 +1,7 @@
-// Twin of src/shade/volume_irradiance.c and olx_volume_find: irradiance in free space from the irradiance volume
+// Twin of src/shade/volume_irradiance.c and olx_volume_find: looks up irradiance in free space in the irradiance volume
 // (docs/maths.md). A look-up reads at most three entries, some splits, eight numbers of probes and fourteen words of
-// each. The C adds up coefficients of harmonics first and evaluates their sum; here each probe is evaluated for the
-// normals that are wanted, and light is added up: no array lies in memory.
+// each. The C code sums coefficients of harmonics and evaluates the sum; here each probe is evaluated for the wanted
+// normals and light is summed, so that no array lies in memory.
 //
 // SPDX-License-Identifier: MIT
 #ifndef OLX_VOLUME_IRRADIANCE_GLSL
@@ -10,13 +10,13 @@
 #include "harmonics.glsl"
 #include "pack.glsl"
 
-#ifndef OLX_OWN_VOLUME // else a function of this name, for words that are not the field's, stands before this file
+#ifndef OLX_OWN_VOLUME // a host with words of its own defines a function of this name before this file
 #include "maps.glsl"
 
-// The words of chunk VOLU, and behind them those of VIRR, as they lie in the file (docs/format.md).
+// The words of chunk VOLU, followed by those of VIRR, as they lie in the file (docs/format.md).
 uint olx_volume_word(uint index) { return olx_word(olx_field.volume_first + index); }
 
-// Whether the field has a volume; pyramids stand before it.
+// Returns whether the field has a volume; its first word is not 0, because pyramids lie before it.
 bool olx_has_volume() { return olx_field.volume_first != 0u; }
 #endif
 
@@ -24,12 +24,12 @@ const uint OLX_VOLUME_HEADER_WORDS = 16u;
 const uint OLX_VOLUME_SPLIT_WORDS = 8u;
 const uint OLX_VOLUME_CELL_WORDS = 8u;
 const uint OLX_VOLUME_BLOCK_ENTRIES = 64u;
-const uint OLX_VOLUME_PROBE_WORDS = 14u; // halves, two a word
-const uint OLX_VOLUME_CELL = 1u, OLX_VOLUME_BLOCK = 2u, OLX_VOLUME_SPLIT = 3u; // what an entry's two high bits say
+const uint OLX_VOLUME_PROBE_WORDS = 14u; // half floats, two a word
+const uint OLX_VOLUME_CELL = 1u, OLX_VOLUME_BLOCK = 2u, OLX_VOLUME_SPLIT = 3u; // the two high bits of an entry
 const uint OLX_VOLUME_NUMBER = 0x07FFFFFFu;
-const float OLX_VOLUME_LIFT = 1.0 / 65536.0; // before a surface, in sides of a cube
+const float OLX_VOLUME_LIFT = 1.0 / 65536.0; // in front of a surface, in sides of a cube
 
-// Where the probes of a place's cell are listed, and where in the cell the place is; false where there is no cell.
+// Finds the list of the probes of a place's cell, and the place's position in the cell; false where there is no cell.
 bool olx_volume_find(vec3 position, out uint cell, out vec3 fraction) {
   vec3 origin = vec3(uintBitsToFloat(olx_volume_word(0u)), uintBitsToFloat(olx_volume_word(1u)),
                      uintBitsToFloat(olx_volume_word(2u)));
@@ -62,13 +62,13 @@ bool olx_volume_find(vec3 position, out uint cell, out vec3 fraction) {
   return true;
 }
 
-// How much corner i of a cell counts, i from 0 to 7.
+// Returns the weight of corner i of a cell, i from 0 to 7.
 float olx_volume_weight(vec3 f, uint i) {
   return ((i & 1u) != 0u ? f.x : 1.0 - f.x) * ((i & 2u) != 0u ? f.y : 1.0 - f.y) *
          ((i & 4u) != 0u ? f.z : 1.0 - f.z);
 }
 
-// Where the coefficients of a probe begin.
+// Returns where the coefficients of a probe begin.
 uint olx_volume_light(uint probe) {
   uint splits = olx_volume_word(8u), cells = olx_volume_word(9u), blocks = olx_volume_word(7u);
   uint cubes = olx_volume_word(4u) * olx_volume_word(5u) * olx_volume_word(6u);
@@ -76,7 +76,7 @@ uint olx_volume_light(uint probe) {
          blocks * OLX_VOLUME_BLOCK_ENTRIES + cubes + probe * OLX_VOLUME_PROBE_WORDS;
 }
 
-// The k-th coefficient of those that begin at a word, k from 0 to 8.
+// Returns the k-th of the coefficients that begin at a word, k from 0 to 8.
 vec3 olx_volume_coefficient(uint light, uint k) {
   uint low = olx_volume_word(light + 3u * k / 2u), high = olx_volume_word(light + 3u * k / 2u + 1u);
   bool odd = k % 2u != 0u;
@@ -84,13 +84,13 @@ vec3 olx_volume_coefficient(uint light, uint k) {
               olx_half_unpack(odd ? high >> 16 : high & 0xFFFFu));
 }
 
-// What a probe holds for two unit normals, for the second less what would come from below a surface of the first (twin
-// of olx_volume_bent); ringing may take it below 0.
+// Returns a probe's irradiance for two unit normals; for the second, without the share from below a surface with the
+// first normal (twin of olx_volume_bent). Ringing may make it negative.
 mat2x3 olx_volume_probe(uint probe, vec3 from, vec3 to) {
   float values_from[9], values_to[9], below = 0.5 - 0.5 * olx_dot(from, to);
   olx_harmonics_at(from, values_from);
   olx_harmonics_at(to, values_to);
-  for (uint k = 0u; k < 9u; k++) { // odd ones change their sign behind
+  for (uint k = 0u; k < 9u; k++) { // odd harmonics change their sign for the opposite direction
     values_to[k] -= (k >= 1u && k <= 3u ? -below : below) * values_from[k];
   }
   uint light = olx_volume_light(probe);
@@ -102,7 +102,7 @@ mat2x3 olx_volume_probe(uint probe, vec3 from, vec3 to) {
   return sum;
 }
 
-// Irradiance at a place for two unit normals as olx_volume_probe has them, not below 0; false where the volume has no
+// Returns irradiance at a place for the two unit normals of olx_volume_probe, at least 0; false where the volume has no
 // cell. `normal` is that of the surface there.
 bool olx_volume_both(vec3 position, vec3 normal, vec3 from, vec3 to, out mat2x3 irradiance) {
   uint cell;

@@ -1,5 +1,5 @@
-// Twin of src/select/voronoi.c: the nearest probe, then the Delaunay neighbours in the direction where a ray is stuck
-// (Wang 2018, section 4.1), from the maps and the tree as they lie in the file (docs/format.md,
+// Twin of src/select/voronoi.c: finds the nearest probe, and the Delaunay neighbours towards the place where a ray was
+// lost (Wang 2018, section 4.1), from the maps and the tree as they lie in the file (docs/format.md,
 // src/field/selector_data.h).
 //
 // SPDX-License-Identifier: MIT
@@ -8,8 +8,8 @@
 
 #include "maps.glsl"
 
-const uint OLX_VORONOI_HEADER_WORDS = 4u; // texels along the side of a map, three of nothing
-const uint OLX_CHOICES = 4u;              // probes that a texel names, best first
+const uint OLX_VORONOI_HEADER_WORDS = 4u; // texels along the side of a map, and three unused words
+const uint OLX_CHOICES = 4u;              // the most probes that a texel lists, best first
 const uint OLX_FEW_PROBES = 64u;
 
 struct olx_nearest {
@@ -19,7 +19,8 @@ struct olx_nearest {
   float distance; // squared
 };
 
-// Probes are named by a byte each where 255 probes are the most, else by two; all bits set name none.
+// Returns the bytes of a probe's code: one in fields of up to 255 probes, else two. A code with all bits set means no
+// probe.
 uint olx_probe_code_bytes(uint probe_count) { return probe_count <= 255u ? 1u : 2u; }
 
 uint olx_probe_code(uint code_bytes, uint index) {
@@ -28,13 +29,13 @@ uint olx_probe_code(uint code_bytes, uint index) {
   return code == none ? OLX_NO_PROBE : code;
 }
 
-// Where the k-d tree begins among the codes.
+// Returns the offset of the k-d tree among the codes.
 uint olx_voronoi_tree() {
   uint size = olx_word(olx_field.voronoi_first);
   return olx_field.probe_count * size * size * OLX_CHOICES;
 }
 
-// The middle of the probes from begin to end - 1.
+// Returns the middle of the probes from begin to end - 1.
 uint olx_middle(uint begin, uint end) { return begin + (end - begin) / 2u; }
 
 void olx_consider(inout olx_nearest n, uint probe) {
@@ -46,9 +47,9 @@ void olx_consider(inout olx_nearest n, uint probe) {
   n.probe = probe;
 }
 
-// Down to the point, leaving the other halves for later; then those that may hold a nearer one, the deepest first. C
-// keeps their ranges; here a bit for each depth says that the other half waits, and another which half was taken,
-// because an array would lie in memory: the range is found again from the root.
+// Searches the tree: descends to the point, then visits those of the other halves that may hold a nearer probe, the
+// deepest first. The C code keeps their ranges. Here, because an array would lie in memory, one bit for each depth says
+// that the other half waits, another says which half was taken, and the range is found again from the root.
 void olx_search_tree(inout olx_nearest n) {
   uint tree = olx_voronoi_tree(), count = olx_field.probe_count, code_bytes = olx_probe_code_bytes(count);
   uint begin = 0u, end = count, depth = 0u, waiting = 0u, upper = 0u;
@@ -86,7 +87,8 @@ void olx_search_tree(inout olx_nearest n) {
   }
 }
 
-// The probe nearest to a point, the first of several; buried ones only when `buried`. OLX_NO_PROBE when there is none.
+// Returns the probe nearest to a point, the first of several. Buried probes (inside geometry) count only when `buried`
+// is set. OLX_NO_PROBE when there is none.
 uint olx_voronoi_nearest(vec3 point, bool buried) {
   olx_nearest n = olx_nearest(point, buried, OLX_NO_PROBE, OLX_INFINITY);
   if (olx_field.probe_count > OLX_FEW_PROBES) {
@@ -97,14 +99,14 @@ uint olx_voronoi_nearest(vec3 point, bool buried) {
   return n.probe;
 }
 
-// Column or row of a coordinate in 0..1. Never beyond the map, whatever a compiler makes of NaN.
+// Returns the column or row of a coordinate in 0..1, which lies within the map even for NaN.
 uint olx_choice_texel(float coordinate, uint size) {
   precise float x = coordinate * float(size);
   return x > 0.0 ? min(uint(x), size - 1u) : 0u;
 }
 
-// The neighbours of a probe that are nearest in angle to a direction (any length) from it, best first; OLX_NO_PROBE
-// fills the rest. Names no probe beyond the field's, whatever the file holds.
+// Returns the neighbours of a probe whose directions are nearest in angle to a direction (of any length), best first;
+// OLX_NO_PROBE fills the free places. Every other value is a probe of the field, whatever the file holds.
 uvec4 olx_voronoi_neighbours(uint probe, vec3 direction) {
   uint size = olx_word(olx_field.voronoi_first), probes = olx_field.probe_count;
   vec2 uv = olx_octahedral_encode(direction);

@@ -1,5 +1,5 @@
-// The denoiser's mean over frames: each pixel's samples are mixed into the history of the surface that it shows, found
-// through the camera of the frame before.
+// Computes the denoiser's mean over frames: mixes each pixel's samples into the history of the surface that it shows,
+// which is found through the camera of the previous frame.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "guide.glsl"
@@ -18,7 +18,7 @@ layout(set = 0, binding = OLX_BINDING_GLOSSY_NOW, rgba16f) uniform image2D gloss
 bool has_flag(uint flag) { return (job.flags & flag) != 0u; }
 vec2 frame_size() { return vec2(size_of(job.size)); }
 
-// What is known of both lobes, and of how they are found in the frame before.
+// The accumulated light of both lobes, and the data by which the next frame finds it.
 struct memory {
   olx_known diffuse, glossy;
   bool still;
@@ -38,7 +38,7 @@ olx_known mean_of(olx_known sum, float weight_sum) {
                    sum.count / weight_sum);
 }
 
-// What the four pixels around a place in the frame before knew of the surface that `now` shows.
+// Gathers what the four pixels around a place in the previous frame knew of the surface that `now` shows.
 memory look_back(olx_shown now, olx_camera_frame camera, vec2 at) {
   olx_known none = olx_known(olx_incident(vec3(0.0), 0.0), 0.0), sums[2] = olx_known[2](none, none);
   vec2 weight_sums = vec2(0.0);
@@ -73,7 +73,7 @@ memory remember(ivec2 pixel, olx_shown now) {
   return past;
 }
 
-// Depth along the viewing axis; infinite where the pixel shows nothing.
+// Returns the depth along the viewing axis; infinite where the pixel shows nothing.
 float read_depth(ivec2 pixel) {
   float depth = texelFetch(depth_image, pixel, 0).r;
   return depth == job.empty_depth ? OLX_INFINITY : job.now.up.w / (depth - job.before.up.w);

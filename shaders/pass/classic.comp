@@ -1,4 +1,4 @@
-// Indirect light of the baseline, irradiance probes without visibility: both lobes in one pass.
+// Lights both lobes of each pixel by classic maps, irradiance probes without visibility, for comparison.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "frame.glsl"

@@ -1,4 +1,4 @@
-// Add indirect light to the host's picture: irradiance times the diffuse reflectance, and glossy light.
+// Adds indirect light to the host's picture: irradiance times the diffuse reflectance, and glossy light.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "frame.glsl"

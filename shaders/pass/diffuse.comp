@@ -1,5 +1,5 @@
-// Indirect irradiance at the surface of each pixel, by cosine-distributed rays traced through the field. Alpha is 1
-// where there is a surface.
+// Computes the indirect irradiance at the surface of each pixel, by cosine-distributed rays traced through the field.
+// Alpha is 1 where there is a surface.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "frame.glsl"

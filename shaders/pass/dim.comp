@@ -1,5 +1,5 @@
-// Glossy indirect light of rough lobes that reflect so little towards the eye that they take irradiance in place of
-// rays: the pixels that trace.comp leaves out.
+// Computes glossy indirect light of rough lobes that reflect so little towards the eye that irradiance replaces rays:
+// the pixels that trace.comp leaves out.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "frame_irradiance.glsl"

@@ -1,5 +1,5 @@
-// The denoiser's cross-bilateral filter over pixels, along rows or along columns. Columns end in the host's image:
-// irradiance, or glossy light times the Fresnel reflectance that it was divided by.
+// Runs the denoiser's cross-bilateral filter along rows or along columns of pixels. Columns write the host's image:
+// irradiance, or glossy light times the Fresnel reflectance by which it was divided.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "guide.glsl"
@@ -22,8 +22,8 @@ bool glossy() { return has_flag(OLX_DENOISE_GLOSSY); }
 bool columns() { return has_flag(OLX_DENOISE_COLUMNS); }
 float count_of(uvec4 guide) { return glossy() ? guide_counts(guide).y : guide_counts(guide).x; }
 
-// The weighted mean over pixels along a line, and in alpha the sum of the weights: of the history, or of what the rows
-// gave. A column weighs its pixels by what their rows hold.
+// Returns the weighted mean over pixels along a line, and in alpha the sum of the weights. Rows read the history and
+// columns the result of the rows, whose sums are the weights of a column's pixels.
 vec4 mean_along(ivec2 pixel, uvec4 guide, olx_camera_frame camera, olx_shown middle) {
   vec2 size = vec2(size_of(job.size)), shift = shift_of(job.camera);
   olx_scales here = olx_scales_of(incident_of(texelFetch(light_image, pixel, 0)), count_of(guide));
@@ -49,7 +49,8 @@ vec4 mean_along(ivec2 pixel, uvec4 guide, olx_camera_frame camera, olx_shown mid
   return weight_sum > OLX_LEAST_WEIGHT ? vec4(sum / weight_sum, weight_sum) : vec4(0.0);
 }
 
-// Incident light to reflected light; light of all directions alike stays as it is.
+// Converts incident light to reflected light and writes it; pixels without a specular lobe and those lit by dim.comp
+// stay unchanged.
 void write_glossy(ivec2 pixel, olx_shown middle, vec3 light) {
   vec3 material = texelFetch(roughness_image, pixel, 0).rgb; // roughness, metallic, specular weight
   olx_bsdf bsdf = olx_bsdf_make(texelFetch(albedo_image, pixel, 0).rgb, material.y, material.x, material.z);

@@ -1,4 +1,4 @@
-// What the passes share: the host's images and the surface that a pixel shows.
+// The host's images and the surface that a pixel shows, shared by the passes.
 #ifndef OLX_FRAME_GLSL
 #define OLX_FRAME_GLSL
 
@@ -20,7 +20,7 @@ layout(set = 1, binding = OLX_BINDING_OUT_COLOR, rgba16f) uniform image2D color_
 
 layout(set = 2, binding = OLX_BINDING_SAMPLE, rgba16f) uniform writeonly image2D sample_image;
 
-// The renderer's seeds of the passes' random numbers.
+// The renderer's seeds for the random numbers of each pass.
 const uint DIFFUSE_BRANCH = 0x85EBCA6Bu + 2u, GLOSSY_BRANCH = 0x85EBCA6Bu + 3u;
 const float LARGEST_HALF = 65504.0;
 
@@ -52,7 +52,7 @@ vec3 read_normal(sampler2D image, ivec2 pixel, uint unorm) {
   return olx_normalize(has_flag(unorm) ? normal * 2.0 - 1.0 : normal);
 }
 
-// False where the pixel shows no surface.
+// Reads the surface of a pixel; false where the pixel shows none.
 bool read_surface(ivec2 pixel, out frame_surface surface) {
   surface = frame_surface(vec3(0.0), vec3(0.0), vec3(0.0), olx_bsdf_make(vec3(0.0), 0.0, 0.0, 0.0), 0.0);
   float depth = texelFetch(depth_image, pixel, 0).r;
@@ -69,14 +69,14 @@ bool read_surface(ivec2 pixel, out frame_surface surface) {
 
 vec4 storable(vec3 light, float alpha) { return vec4(clamp(light, vec3(0.0), vec3(LARGEST_HALF)), alpha); }
 
-// Where a pixel's random numbers begin.
+// Returns the seed of a pixel's random numbers.
 uint pixel_seed(uvec2 pixel, uint branch) {
   uint seed = olx_hash2(pixel.x, pixel.y);
   return olx_hash2(frame.seed != 0u ? olx_hash2(seed, frame.seed) : seed, branch);
 }
 
-// What the denoiser is to know of a pixel's rays, if the lobe is denoised; a negative nearness: that it has no such
-// light.
+// Stores the light of a pixel's rays for the denoiser, if the lobe is denoised; a negative nearness means that the
+// pixel has no such light.
 void write_sample(ivec2 pixel, vec3 light, float nearness) {
   if (has_flag(OLX_FRAME_SAMPLE)) imageStore(sample_image, pixel, storable(light, min(nearness, LARGEST_HALF)));
 }

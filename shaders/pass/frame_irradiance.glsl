@@ -1,16 +1,16 @@
-// Irradiance at the surface that a pixel shows, and which of its normals is which.
+// Computes irradiance at the surface that a pixel shows, and finds that surface's normals.
 #ifndef OLX_FRAME_IRRADIANCE_GLSL
 #define OLX_FRAME_IRRADIANCE_GLSL
 
 #include "frame.glsl"
 
-// A derived normal that is farther than this cosine from the shading normal is not believed, nor are steps from pixel
-// to pixel that turn by more than the other.
+// The least cosine between a derived normal and the shading normal, and between successive steps from pixel to pixel,
+// with which they are trusted.
 const float LEAST_DERIVED_COSINE = 0.5, LEAST_STRAIGHTNESS = 0.98;
 
-// The step from a pixel's position to that of the next one along an axis, before or behind it. A step counts when it
-// goes on straight to the pixel after the next, so that it stays on one surface; of two such steps the one nearer to
-// perpendicular to the shading normal is on the pixel's own surface. 0 where neither counts.
+// Returns the step from a pixel's position to that of the next one along an axis, before or behind it. A step is valid
+// when it continues straight to the pixel after the next, so that it stays on one surface; of two valid steps, the one
+// nearer to perpendicular to the shading normal is on the pixel's own surface. 0 where neither is valid.
 vec3 step_along(ivec2 pixel, ivec2 axis, frame_surface surface) {
   float least = 1.0;
   vec3 way = vec3(0.0);
@@ -29,21 +29,22 @@ vec3 step_along(ivec2 pixel, ivec2 axis, frame_surface surface) {
   return way;
 }
 
-// The geometric normal from the depths around a pixel, or the shading normal where these give none.
+// Returns the geometric normal derived from the depths around a pixel, or the shading normal where they do not give
+// one.
 vec3 derived_normal(ivec2 pixel, frame_surface surface) {
   vec3 across = cross(step_along(pixel, ivec2(1, 0), surface), step_along(pixel, ivec2(0, 1), surface));
   float size = sqrt(olx_dot(across, across)), cosine = olx_dot(across, surface.normal);
   return abs(cosine) > LEAST_DERIVED_COSINE * size ? across * (sign(cosine) / size) : surface.normal;
 }
 
-// The geometric normal of the pixel's surface, on the side that is looked at.
+// Returns the geometric normal of the pixel's surface, on the side towards the eye.
 vec3 geometric_normal(ivec2 pixel, frame_surface surface) {
   if (!has_flag(OLX_FRAME_GEOMETRIC_NORMAL)) return derived_normal(pixel, surface);
   vec3 normal = read_normal(geometric_normal_image, pixel, OLX_FRAME_GEOMETRIC_UNORM);
   return olx_dot(normal, surface.view) < 0.0 ? -normal : normal;
 }
 
-// What the pixel's light may come from: OLX_SOURCE_*.
+// Returns the sources of the pixel's light: OLX_SOURCE_*.
 uint sources_of(ivec2 pixel) {
   bool dynamic = has_flag(OLX_FRAME_DYNAMIC) && texelFetch(dynamic_image, pixel, 0).r > 0.5;
   uint sources = olx_volume_source() | (dynamic ? 0u : OLX_SOURCE_TEXELS);

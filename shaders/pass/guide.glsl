@@ -1,4 +1,4 @@
-// What the denoiser's passes share: cameras, and the guide, which is what they remember of a frame's surfaces.
+// Cameras and the guide, a picture of a frame's surfaces, shared by the denoiser's passes.
 #ifndef OLX_GUIDE_GLSL
 #define OLX_GUIDE_GLSL
 
@@ -20,7 +20,7 @@ olx_camera_frame camera_of(olx_gpu_camera c, bool mirrored) {
 
 vec2 shift_of(olx_gpu_camera c) { return vec2(c.eye.w, c.right.w); }
 
-// A guide's pixel: depth, normal, the number of frames in each lobe's history, roughness.
+// Packs a guide's pixel: depth, normal, the number of frames in each lobe's history, roughness.
 uvec4 pack_guide(float depth, vec3 normal, vec2 counts, float roughness) {
   return uvec4(floatBitsToUint(depth), packUnorm2x16(olx_octahedral_encode(normal)), packHalf2x16(counts),
                packHalf2x16(vec2(roughness, 0.0)));

@@ -1,5 +1,5 @@
-// Indirect irradiance at the surface of each pixel: of static surfaces as texels store it, else from the irradiance
-// volume. Alpha is 1 where there is a surface.
+// Computes the indirect irradiance at the surface of each pixel: for static surfaces from texels, else from the
+// irradiance volume. Alpha is 1 where there is a surface.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "frame_irradiance.glsl"

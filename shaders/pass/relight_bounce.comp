@@ -1,12 +1,12 @@
-// Light over links to surfels whose turn it is, and how much of it changed: a sum for each workgroup.
+// Carries light over links to the surfels whose turn it is, and sums for each workgroup how much it changed.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "relight_set.glsl"
 
 shared vec2 lanes[OLX_RELIGHT_GROUP];
 
-// Luminance of light that a surfel's specular lobe sends to a place, as irradiance of a white matte surface in its
-// stead.
+// Returns the luminance of light that a surfel's specular lobe sends to a place, as the irradiance that would make a
+// white matte surface in its stead as bright.
 float specular_light(uint surfel, float light, vec3 place) {
   vec4 reflectance = surfel_reflectance(surfel);
   vec3 beam = state_vector(relight.beams + 3u * surfel), away = place - surfel_point(surfel, 0u);
@@ -43,7 +43,7 @@ vec3 gather(uint surfel) {
   return sum;
 }
 
-// Luminance of the change, and of all light.
+// Follows the links of a surfel; returns the luminance of the change, and of all light.
 vec2 follow_links(uint surfel) {
   uint at = relight.irradiance + 3u * surfel;
   vec3 before = state_vector(at), now = gather(surfel), direct = state_vector(relight.direct + 3u * surfel);
@@ -51,7 +51,7 @@ vec2 follow_links(uint surfel) {
   return vec2(olx_luminance(abs(now - before)), olx_luminance(now + direct));
 }
 
-// The sum over the workgroup, in an order that depends on threads alone, so that every run gives the same bits.
+// Returns the sum over the workgroup, in a fixed order of threads, so that every run gives the same bits.
 vec2 sum_of_group(vec2 own) {
   lanes[gl_LocalInvocationIndex] = own;
   for (uint count = OLX_RELIGHT_GROUP / 2u; count > 0u; count /= 2u) {

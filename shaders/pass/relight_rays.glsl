@@ -1,5 +1,5 @@
-// Direct light with shadows: a few rays of each place a dispatch, since some devices bound the time of one. Their sum
-// waits in the state from dispatch to dispatch.
+// Computes direct light with shadows, by a few rays of each place in one dispatch, because some devices limit a
+// dispatch's time. The sum of rays is stored in the state between dispatches.
 #ifndef RELIGHT_RAYS_GLSL
 #define RELIGHT_RAYS_GLSL
 
@@ -8,7 +8,7 @@
 
 const uint SALT_LIGHT = 0x524C4954u;
 
-// A place to be lit, a little off its surface, and what its random numbers come from.
+// A place to be lit, slightly off its surface, and the seeds of its random numbers.
 struct lit_place {
   vec3 position, normal;
   uint seed, sequence;
@@ -21,12 +21,12 @@ olx_gpu_light read_light(uint index) {
                        uintBitsToFloat(state[at + 18u]), uintBitsToFloat(state[at + 19u]));
 }
 
-// What arrives at a place: irradiance, and the luminance of that from lights without area, along the way to them.
+// The direct light at a place: irradiance, and its luminance by lights without area, along the way to them.
 struct lit_sum {
   vec3 irradiance, beam;
 };
 
-// Light that one ray finds. A ray that no probe can follow to its end counts as occluded.
+// Returns the light of one ray. An unresolved ray counts as shadowed.
 lit_sum light_along(lit_place p, olx_gpu_light light, uint index, uint light_sample, uint samples) {
   vec2 random = vec2(0.0);
   if (samples > 0u) random = olx_stratified2(p.sequence * samples + light_sample, olx_hash3(p.seed, index, SALT_LIGHT));
@@ -42,7 +42,7 @@ lit_sum light_along(lit_place p, olx_gpu_light light, uint index, uint light_sam
   return found;
 }
 
-// Light that the rays of this dispatch find. Lights without an area take one ray.
+// Returns the light of this dispatch's rays. Lights without an area take one ray.
 lit_sum light_place(lit_place p) {
   uint index = call.light, light_sample = call.light_sample;
   lit_sum sum = lit_sum(vec3(0.0), vec3(0.0));
@@ -60,7 +60,7 @@ lit_sum light_place(lit_place p) {
 
 bool ends() { return (call.flags & OLX_CALL_ENDS) != 0u; }
 
-// The sum with that of the dispatches before, which is kept for the next one.
+// Adds the sum of earlier dispatches, and stores the result for the next one.
 vec3 add_up(uint at, vec3 found) {
   if ((call.flags & OLX_CALL_BEGINS) == 0u) found += state_vector(at);
   if (!ends()) set_state(at, found);

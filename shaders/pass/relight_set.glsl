@@ -1,5 +1,5 @@
-// What the passes of a relighter share: its buffers, and vectors in them. docs/relighting.md, "Frames on the device",
-// tells their order.
+// The buffers of a relighter and vectors in them, shared by its passes, whose order is in docs/relighting.md, "Frames
+// on the device".
 #ifndef RELIGHT_SET_GLSL
 #define RELIGHT_SET_GLSL
 
@@ -14,7 +14,7 @@ layout(set = 0, binding = OLX_BINDING_STATE, std430) buffer state_block {
 };
 layout(set = 0, binding = OLX_BINDING_STRUCTURE, std430) readonly buffer structure_block { uint structure[]; };
 
-// Workgroups lie in two dimensions, since devices bound how many there may be along one.
+// Returns the number of the workgroup. Workgroups lie in two dimensions, because devices limit their number along one.
 uint group_index() { return gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x; }
 uint thread_index() { return group_index() * OLX_RELIGHT_GROUP + gl_LocalInvocationIndex; }
 
@@ -26,10 +26,10 @@ void set_state(uint at, vec3 v) {
   state[at + 2u] = floatBitsToUint(v.z);
 }
 
-// The surfel of a thread, of those that follow each other from call.first on.
+// Returns the surfel of a thread; surfels follow each other cyclically from call.first on.
 uint surfel_of(uint thread) { return (call.first + thread) % relight.surfels; }
 
-// ---- Surfels in the structure
+// ---- Surfels of the structure
 
 const uint SURFEL_WORDS = 27u;
 
@@ -42,7 +42,7 @@ vec3 surfel_normal(uint surfel) {
   return olx_normal_unpack(structure[SURFEL_WORDS * surfel + 3u * OLX_RELIGHT_POINTS] & 0xFFFFu);
 }
 
-// What its surface reflects: diffuse, specular, F0 and alpha.
+// Returns the reflectance of a surfel's surface: diffuse, specular, F0 and alpha.
 vec4 surfel_reflectance(uint surfel) {
   uint bytes = structure[SURFEL_WORDS * surfel + 3u * OLX_RELIGHT_POINTS + 2u];
   return vec4(bytes & 0xFFu, bytes >> 8 & 0xFFu, bytes >> 16 & 0xFFu, bytes >> 24) * (1.0 / 255.0);

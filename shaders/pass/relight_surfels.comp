@@ -1,11 +1,12 @@
-// One more sample of direct light for surfels whose turn it is, each at another of its points, into a running mean.
+// Adds one sample of direct light to the mean of each surfel whose turn it is; each sample is at another of the
+// surfel's points.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "relight_rays.glsl"
 
 const uint SALT_SURFEL = 0x53464C52u;
 
-// A sample into the running mean of `round` of them.
+// Adds a sample to the stored mean of `round` earlier samples.
 void add_sample(uint at, vec3 found, uint round) {
   vec3 before = state_vector(at);
   set_state(at, before + (found - before) * (1.0 / float(round + 1u)));
@@ -18,7 +19,7 @@ void main() {
   lit_place p = lit_place(surfel_point(surfel, round % OLX_RELIGHT_POINTS), surfel_normal(surfel),
                           olx_hash2(surfel, SALT_SURFEL), round);
   lit_sum found = light_place(p);
-  vec3 irradiance = add_up(relight.values + 3u * surfel, found.irradiance); // values are found again before they are read
+  vec3 irradiance = add_up(relight.values + 3u * surfel, found.irradiance); // values are recomputed before being read
   vec3 beam = add_up(relight.beam_sums + 3u * surfel, found.beam);
   if (!ends()) return;
   add_sample(relight.direct + 3u * surfel, irradiance, round);

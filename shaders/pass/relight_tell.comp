@@ -1,9 +1,9 @@
-// Interpolates the indirect light of texels of scheduled tiles from the surfels that the sites of their blocks name.
+// Interpolates the indirect light of texels of scheduled tiles from the surfels of their blocks' sites.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "relight_tile.glsl"
 
-// The site of a texel, or OLX_RELIGHT_NO_SITE.
+// Returns the site of a texel, or OLX_RELIGHT_NO_SITE.
 uint site_of(uint probe, uvec2 texel) {
   uint side = olx_field.n / OLX_RELIGHT_BLOCK;
   uvec2 block = texel / OLX_RELIGHT_BLOCK, within = texel % OLX_RELIGHT_BLOCK;
@@ -29,7 +29,7 @@ void main() {
   relight_tile tile = read_tile(slot);
   uvec2 texel = tile.first + olx_tile_texel(thread % texels_a_tile(), relight.tile_side);
   uint site = site_of(tile.probe, texel);
-  vec3 light = vec3(0.0); // of the sky, too
+  vec3 light = vec3(0.0); // also for the sky
   if (site != OLX_RELIGHT_NO_SITE && !olx_texel_is_sky(olx_map_origin(tile.probe), ivec2(texel))) {
     light = told(site, texel);
   }

@@ -1,4 +1,4 @@
-// One more sample of direct light for the texels of scheduled tiles, into a running mean.
+// Adds one sample of direct light to the running mean of each texel of scheduled tiles.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "relight_rays.glsl"
@@ -6,7 +6,7 @@
 
 const uint SALT_TEXEL = 0x5445584Cu;
 
-// Texel i of a tile. Random numbers are stratified over sixteen neighbours.
+// Returns the place of texel i of a tile. Random numbers are stratified over sixteen neighbours.
 lit_place texel_place(relight_tile tile, uvec2 texel, uint i) {
   ivec3 map = olx_map_origin(tile.probe);
   olx_texel_geometry seen = olx_texel_geometry_of(map, ivec2(texel));

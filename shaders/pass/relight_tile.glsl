@@ -1,4 +1,4 @@
-// Tiles of light field maps that a frame lights, and their words on the way to the field's images.
+// The tiles of light field maps that a frame lights, and their words before they are copied to the field's images.
 #ifndef RELIGHT_TILE_GLSL
 #define RELIGHT_TILE_GLSL
 
@@ -8,7 +8,7 @@
 struct relight_tile {
   uint probe;
   uvec2 first;
-  uint rounds; // samples that its direct light is the mean of
+  uint rounds; // number of samples of its direct light
 };
 
 uint texels_a_tile() { return relight.tile_side * relight.tile_side; }
@@ -18,8 +18,8 @@ relight_tile read_tile(uint slot) {
   return relight_tile(state[at], uvec2(state[at + 1u], state[at + 2u]), state[at + 3u]);
 }
 
-// Words of a tile: its texels, then what it determines of the map's border: a strip for each edge that repeats the top,
-// bottom, left and right, and the corners. The border repeats an edge backwards.
+// Writes a texel into the words of a tile: its texels, then the texels of the map's border that repeat it, a strip for
+// each of the top, bottom, left and right edges, and the corners. The border repeats an edge backwards.
 void write_texel(uint maps, uint slot, uvec2 texel, uint code) {
   uint side = relight.tile_side, first = maps + relight.tile_words * slot, strips = first + side * side,
        last = olx_field.n - 1u;

@@ -1,4 +1,4 @@
-// What each surfel sends on: direct and indirect irradiance.
+// Computes what each surfel sends over its links: its direct plus indirect irradiance.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "relight_set.glsl"

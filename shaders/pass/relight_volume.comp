@@ -1,4 +1,4 @@
-// Irradiance of scheduled probes of the volume, from the surfels that their links name.
+// Computes the irradiance of scheduled probes of the volume, from the surfels of their links.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "relight_set.glsl"
@@ -20,7 +20,7 @@ void write_probe(uint probe, vec3 sums[OLX_HARMONICS_MOST]) {
   halves[HALVES - 1u] = 0u;
   for (uint k = 0u; k < OLX_HARMONICS_MOST; k++) {
     vec3 c = sums[k] * olx_irradiance_scale(k);
-    if (k == 0u) c = max(c, vec3(0.0)); // ringing may leave the mean of no light at all a little below 0
+    if (k == 0u) c = max(c, vec3(0.0)); // ringing may make the mean of zero light slightly negative
     for (uint i = 0u; i < 3u; i++) halves[3u * k + i] = olx_half_pack_finite(c[i]);
   }
   uint first = relight.volume_light + HALVES / 2u * probe;

@@ -1,29 +1,29 @@
-// Glossy indirect light that leaves the surface of each pixel towards the eye, by rays traced through the field, and by
-// one more from what each has found where that is smooth. One place traces both, because compilers put the whole search
-// there. Alpha is the share of rays that found an answer, 1 where none was needed. Pixels whose lobe is dim are left to
-// dim.comp.
+// Computes glossy indirect light that leaves the surface of each pixel towards the eye, by rays traced through the
+// field, and by one further ray from each smooth surface that a ray hit. Both are traced at one place in the code,
+// because compilers inline the whole search there. Alpha is the share of rays that were resolved, 1 where none was
+// needed. Pixels whose lobe is dim are left to dim.comp.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "frame.glsl"
 
-// No factor between incident and reflected light is below this, so that dividing by it is harmless.
+// The least factor between incident and reflected light, so that dividing by it is harmless.
 const float LEAST_FRESNEL = 0.01;
 
-// What a pixel's rays have found.
+// The sums over a pixel's rays.
 struct gathered {
   vec3 light;
   float nearness;
   uint unknown;
 };
 
-// The ray that a surface which a pixel's ray found sends further, and how its light counts in the pixel's.
+// The further ray that waits to be traced, from a surface that a pixel's ray hit, and its weight for the pixel.
 struct waiting_ray {
   bool waits;
   olx_further_ray ray;
-  vec3 lobe; // what it takes the place of
+  vec3 lobe; // the light that it replaces
 };
 
-// Adds what one ray finds: the one that waits, or else one that the pixel's surface draws, which may leave another
+// Traces one ray and adds its light: the waiting one, or else one drawn by the pixel's surface, which may leave another
 // waiting.
 void trace_ray(frame_surface surface, vec2 random, inout waiting_ray next, inout gathered sum) {
   olx_sample_settings settings = frame_settings();
@@ -62,7 +62,7 @@ void main() {
   gathered sum = gathered(vec3(0.0), 0.0, 0u);
   vec3 none = vec3(0.0);
   waiting_ray next = waiting_ray(false, olx_further_ray(none, none, none), none);
-  // The surface is read again for each ray, and once more after the last: less is kept while rays are traced.
+  // The surface is read again for each ray, and once more after the last, so that less is kept while rays are traced.
   for (uint j = 0u;; j += uint(!next.waits)) {
     frame_surface surface;
     if (!read_surface(pixel, surface) || !olx_bsdf_has_specular(surface.bsdf)) {

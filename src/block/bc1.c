@@ -1,5 +1,5 @@
-// Decodes BC1: two colours of 5, 6 and 5 bits, and two bits a texel. Where the first colour is not the larger number,
-// there is one colour between them, and black.
+// Decodes BC1: two colours of 5, 6 and 5 bits, and two bits a texel. Where the first colour's number is not larger than
+// the second's, a texel takes one of the two, their mean, or black.
 #include "block/bc1.h"
 
 static uint32_t channel(uint32_t color, uint32_t c) {

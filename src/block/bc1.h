@@ -1,4 +1,4 @@
-// Three bytes a texel in 8 bytes a 4 x 4 texels: BC1 without transparency, VK_FORMAT_BC1_RGB_UNORM_BLOCK.
+// BC1 without transparency: three bytes a texel in blocks of 4 x 4 texels with 8 bytes, VK_FORMAT_BC1_RGB_UNORM_BLOCK.
 #ifndef OLX_BLOCK_BC1_H
 #define OLX_BLOCK_BC1_H
 
@@ -8,7 +8,7 @@ typedef struct olx_bc1_block {
   uint32_t words[2];
 } olx_bc1_block;
 
-// A texel, row by row from 0 to 15: red in the low byte, then green and blue, rounded to whole numbers.
+// Decodes a texel, row by row from 0 to 15: red in the low byte, then green and blue, rounded to whole numbers.
 uint32_t olx_bc1_texel(const olx_bc1_block *block, uint32_t texel);
 
 #endif

@@ -1,5 +1,5 @@
-// Encodes BC1: the line through the texels' colours by least squares; a single colour as the pair that gives it best in
-// thirds. Blocks have four colours, never black for transparency.
+// Encodes BC1: fits a line through the texels' colours by least squares; encodes a single colour as the pair that is
+// nearest to it in thirds. Blocks have four colours, never black for transparency.
 #include "block/bc1_encode.h"
 
 #include "block/line_encode.h"
@@ -30,7 +30,8 @@ static uint32_t quantize(float value, uint32_t k) {
   return (uint32_t)(olx_clamp(value, 0.0f, 255.0f) * (1.0f / 255.0f) * (float)MOST[k] + 0.5f);
 }
 
-// Two codes near to a value of which a third of one and two thirds of the other come nearest to it.
+// Finds two codes near a value for which two thirds of the first plus one third of the second come nearest to the
+// value.
 static void single(float value, uint32_t k, uint32_t codes[2]) {
   const int32_t near = (int32_t)quantize(value, k);
   float least = INFINITY;
@@ -51,7 +52,7 @@ static olx_bc1_block write_block(uint32_t first, uint32_t second, const int32_t 
   static const uint8_t CODES[4] = {0, 2, 3, 1};
   const bool turned = first < second;
   olx_bc1_block block = {{turned ? second | first << 16 : first | second << 16, 0}};
-  if (first == second) return block; // of three colours, and the first is what is wanted
+  if (first == second) return block; // the block has three colours, of which the first is the wanted one
   for (uint32_t i = 0; i < TEXELS; i++) {
     block.words[1] |= (uint32_t)CODES[turned ? 3 - index[i] : index[i]] << 2 * i;
   }

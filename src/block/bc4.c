@@ -1,5 +1,5 @@
-// Decodes BC4: two bytes and three bits a texel. Where the first byte is larger there are six numbers between the two,
-// else four, and 0 and 255.
+// Decodes BC4: two bytes and three bits a texel. Where the first byte is larger, there are six values between the two;
+// otherwise there are four, and 0 and 255.
 #include "block/bc4.h"
 
 uint32_t olx_bc4_texel(const olx_bc4_block *block, uint32_t texel) {

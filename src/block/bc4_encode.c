@@ -1,5 +1,5 @@
-// Encodes BC4 between the least and the largest number of a block, or moved inwards by least squares where that is
-// better. Zeros that are exact stay exact, since the ends are.
+// Encodes BC4 between the least and the largest number of a block, moved inwards by least squares where that is better.
+// An exact zero stays exact, because the ends are exact.
 #include "block/bc4_encode.h"
 
 #include "block/line_encode.h"
@@ -10,7 +10,7 @@ enum { TEXELS = 16 };
 
 static const olx_line_steps STEPS = {1, 7.0f, 7.0f};
 
-// The block with these ends, of which the first is the larger, and the sum of its squared errors.
+// Codes the block with these ends, of which the first is the larger, and returns the sum of its squared errors.
 static uint32_t code(const uint8_t *texels, uint32_t counted, uint32_t first, uint32_t second, olx_bc4_block *block) {
   const int32_t range = (int32_t)first - (int32_t)second;
   uint64_t bits = first | second << 8;

@@ -1,5 +1,5 @@
-// Decodes all fourteen modes of BC6H. Those with one region, which have their numbers in regular places, are read
-// directly; those with two by the runs of bits that the format scatters theirs into.
+// Decodes all fourteen modes of BC6H. Modes with one region store their numbers in regular places and are read
+// directly; modes with two regions scatter theirs, and are read by a table of runs of bits.
 #include "block/bc6h.h"
 
 const uint16_t olx_bc6h_shapes[OLX_BC6H_SHAPES] = {0xCCCC, 0x8888, 0xEEEE, 0xECC8, 0xC880, 0xFEEC, 0xFEC8, 0xEC80,
@@ -11,10 +11,10 @@ const uint8_t olx_bc6h_anchors[OLX_BC6H_SHAPES] = {15, 15, 15, 15, 15, 15, 15, 1
 
 enum { CHANNELS = OLX_BC6H_CHANNELS, ENDS = OLX_BC6H_ENDS, TWO_REGION_INDICES = 82, SHAPE_AT = 77, SHAPE_BITS = 5 };
 
-// Into each mode's case, where its numbers of bits are known.
+// Inlines a function into each mode's case, where the numbers of bits are constants.
 #define INLINE __attribute__((always_inline)) static inline
 
-// The channels of a colour.
+// The three channels of a colour, in four lanes.
 typedef float four __attribute__((vector_size(16)));
 typedef int32_t four_words __attribute__((vector_size(16)));
 
@@ -39,18 +39,18 @@ INLINE uint32_t reversed(uint32_t value, uint32_t count) {
   return result;
 }
 
-// The share of a line's second end in 64ths, by the index among 16 or 8.
+// Returns the share of a line's second end in 64ths, for an index from 0 to 15.
 INLINE uint32_t share_of_16(uint32_t index) { return (64 * index + 7) / 15; }
 INLINE uint32_t share_of_8(uint32_t index) { return (64 * index + 3) / 7; }
 
-// A difference of so many bits with sign.
+// Adds a signed difference of `difference_bits` bits.
 INLINE uint32_t add_signed(uint32_t base, uint32_t difference, uint32_t difference_bits, uint32_t precision) {
   const uint32_t sign = 1u << (difference_bits - 1);
   return (base + (difference ^ sign) - sign) & ((1u << precision) - 1);
 }
 
-// The modes with one region. Each channel has ten bits of its first end, and ten that share a difference and what more
-// the first end has, the highest bit first.
+// Returns the first end of a mode with one region. Each channel has ten bits of its first end, and ten more that hold a
+// difference and the remaining bits of the first end, the highest bit first.
 INLINE int32_t first_end(bits b, uint32_t c, uint32_t precision, uint32_t difference_bits) {
   const uint32_t more = reversed(read(b, 35 + 10 * c, 10) >> difference_bits, precision - 10);
   return (int32_t)(read(b, 5 + 10 * c, 10) | more << 10);
@@ -107,7 +107,7 @@ const olx_bc6h_mode olx_bc6h_two_region_modes[OLX_BC6H_TWO_REGION_MODES] = {
 };
 // clang-format on
 
-// The ends of one of the two regions of a block.
+// Reads the ends of one of the two regions of a block.
 static void read_region(bits b, const olx_bc6h_mode *m, uint32_t region, four_words *from, four_words *to) {
   uint32_t ends[CHANNELS * ENDS] = {0}, at = m->code_bits;
   for (const olx_bc6h_run *r = m->runs; r->count; r++) {
@@ -123,7 +123,8 @@ static void read_region(bits b, const olx_bc6h_mode *m, uint32_t region, four_wo
   }
 }
 
-// Whole numbers up to 2^22 are exact in floats, and those multiply at once on any machine.
+// Interpolates between two ends. Whole numbers up to 2^22 are exact in floats, whose vectors multiply fast on any
+// machine.
 INLINE olx_vec3 mix_line(four_words from, four_words to, uint32_t share) {
   const float part = (float)share;
   const four mixed =
@@ -133,7 +134,7 @@ INLINE olx_vec3 mix_line(four_words from, four_words to, uint32_t share) {
   return olx_v3(light[0], light[1], light[2]);
 }
 
-// olx_bc6h_unquantize of each channel.
+// Applies olx_bc6h_unquantize to each channel.
 INLINE four_words unquantize(four_words code, uint32_t precision) {
   if (precision >= 15) return code;
   const int32_t half = 0x8000 >> precision, most = (1 << precision) - 1;
@@ -150,7 +151,8 @@ INLINE olx_vec3 one_region_texel(bits b, uint32_t texel, uint32_t precision, uin
   return mix_line(unquantize(from, precision), unquantize(to, precision), share_of_16(index));
 }
 
-// Apart, because it needs more registers than the modes that the encoder writes.
+// Decodes a texel of a mode with two regions. It is not inlined, because it needs more registers than the modes with
+// one region.
 __attribute__((noinline)) static olx_vec3 two_region_texel(bits b, uint32_t texel, const olx_bc6h_mode *m) {
   const uint32_t shape = read(b, SHAPE_AT, SHAPE_BITS), anchor = olx_bc6h_anchors[shape];
   const uint32_t at = TWO_REGION_INDICES + 3 * texel - (texel > 0) - (texel > anchor);

@@ -1,6 +1,6 @@
-// Encodes BC6H blocks: lines between two colours by weighted least squares on the bits of half floats, which are nearly
-// logarithms, in the mode whose numbers hold them best. Blocks that one line does not serve get two where that is
-// better.
+// Encodes BC6H blocks: fits lines between two colours by weighted least squares on the bits of half floats, which are
+// nearly logarithms, and chooses the mode whose numbers hold them best. Blocks that one line does not fit get two lines
+// where that is better.
 #include "block/bc6h_encode.h"
 
 #include "block/line_encode.h"
@@ -18,31 +18,31 @@ enum {
   SHAPES_TRIED = 3
 };
 
-// Interpolated numbers are 64/31 of the bits of a half float.
+// The range of interpolated numbers is 64/31 of that of the bits of a half float.
 static const float BITS_SCALE = 64.0f / 31.0f;
-// Light below this share of what errors are relative to may as well have it, where the channel is as bright elsewhere
-// in the block: zeros would take half of a line's range.
+// A channel darker than this share of its texel's reference light is raised to it where the channel is as bright
+// elsewhere in the block, because zeros would take half of a line's range.
 static const float LEAST_SHARE = 1.0f / 128.0f;
-// What errors are relative to is at least this share of the brightest light of the block, or a tenth of that where it
-// is given.
+// The least reference light, as a share of the block's brightest light; a tenth of this where reference light is given.
 static const float DARKNESS = 1.0f / 100.0f;
-// A change of a dark channel counts as if it were at least this share.
+// A channel is weighted as if it were at least this share of its texel's reference light.
 static const float LEAST_WEIGHT = 1.0f / 32.0f;
-// Lines over more than this, 2.5 factors of 2, are also begun from brighter ends.
+// Lines longer than this, 2.5 factors of 2, are also fitted from brighter starts.
 static const float LONG_LINE = 2.5f * 1024.0f * 64.0f / 31.0f;
-// A mean squared relative error of texels above which two lines are tried.
+// The mean squared relative error of texels above which two lines are tried.
 static const float ENOUGH = 2e-4f;
 static const olx_line_steps SIXTEEN = {CHANNELS, 15.0f, 64.0f}, EIGHT = {CHANNELS, 7.0f, 64.0f};
 // The largest half float.
 static const float MOST_LIGHT = 65504.0f;
 
-// Places are interpolated numbers; values are light relative to what errors are relative to, and unit is 1 / that.
+// Colours as interpolated numbers (places), and as values divided by the reference light of their texel; unit is 1 /
+// that light.
 typedef struct colours {
   olx_line_colours line;
   olx_row value[CHANNELS][GROUPS], unit[GROUPS];
 } colours;
 
-// A coded line, the index of each texel on it, and the sum of the squared relative errors of those that count.
+// A coded line, the index of each texel on it, and the sum of the squared relative errors of the texels that count.
 typedef struct coded_line {
   uint32_t from[CHANNELS], to[CHANNELS];
   int32_t index[TEXELS];
@@ -63,21 +63,21 @@ typedef struct two_regions {
 
 static inline olx_row square(olx_row a) { return a * a; }
 
-// Bits of half floats, with a fraction, in interpolated numbers; of light from 0 to MOST_LIGHT. Decoding drops
-// fractions, so a half more is rounding.
+// Converts light from 0 to MOST_LIGHT to the bits of half floats, with a fraction, in the range of interpolated
+// numbers. Decoding drops fractions, so half a unit is added for rounding.
 static inline olx_row places_of(olx_row light) {
   const olx_row normal = __builtin_convertvector((olx_row_words)light - 0x38000000, olx_row) * 0x1p-13f;
   return (olx_row_pick(light < 0x1p-14f, light * 0x1p24f, normal) + 0.5f) * BITS_SCALE;
 }
 
-// The light at places on average: the inverse, without rounding to a half float.
+// Converts places to light: the inverse of places_of on average, without rounding to a half float.
 static inline olx_row light_at(olx_row place) {
   const olx_row bits = olx_row_most(place * (1.0f / BITS_SCALE) - 0.5f, olx_row_splat(0.0f));
   const olx_row normal = (olx_row)(__builtin_convertvector(bits * 0x1p13f, olx_row_words) + 0x38000000);
   return olx_row_pick(bits < 1024.0f, bits * 0x1p-24f, normal);
 }
 
-// From colours to rows of channels, black where a texel does not count.
+// Converts colours to rows of channels, black where a texel does not count.
 static void load(const olx_vec3 *texels, const olx_row on[GROUPS], olx_row light[CHANNELS][GROUPS]) {
   for (uint32_t g = 0; g < GROUPS; g++) {
     const olx_vec3 *t = texels + LANES * g;
@@ -94,7 +94,7 @@ static float brightest(const olx_row channel[GROUPS]) {
   return olx_row_highest(highest);
 }
 
-// What the errors of a row are relative to.
+// Returns the reference light of a row of texels, relative to which errors are measured.
 static olx_row unit_of(const olx_row own, const float *given, float least) {
   const olx_row wanted = given ? (olx_row){given[0], given[1], given[2], given[3]} : own;
   return olx_row_least(olx_row_most(wanted, olx_row_splat(least)), olx_row_splat(0x1p30f));
@@ -119,7 +119,7 @@ static void set_colours(colours *s, const olx_vec3 *texels, const float *relativ
   }
 }
 
-// The code of so many bits that unquantises nearest.
+// Returns the code of `bits` bits that unquantises nearest to a place.
 static uint32_t quantize(float place, uint32_t bits) {
   const float clamped = olx_clamp(place, 0.0f, 65535.0f);
   const uint32_t code =
@@ -135,7 +135,7 @@ static void quantize_line(const olx_line *l, uint32_t precision, coded_line *c) 
   }
 }
 
-// Whether so many bits hold the difference of two codes, whichever comes first.
+// Returns whether the mode's bits hold the difference of two codes in either direction.
 static bool reaches(const uint32_t a[CHANNELS], const uint32_t b[CHANNELS], const uint8_t difference_bits[CHANNELS]) {
   for (uint32_t k = 0; k < CHANNELS; k++) {
     if (abs((int32_t)a[k] - (int32_t)b[k]) >= 1 << (difference_bits[k] - 1)) return false;
@@ -143,7 +143,7 @@ static bool reaches(const uint32_t a[CHANNELS], const uint32_t b[CHANNELS], cons
   return true;
 }
 
-// Chooses indices for what the codes decode to, and sums the errors.
+// Chooses indices from what the codes decode to, and sums the errors.
 static void choose_indices(const colours *s, olx_line_steps steps, uint32_t precision, coded_line *c) {
   olx_line l;
   olx_row share[GROUPS], error[GROUPS];
@@ -164,7 +164,7 @@ static void choose_indices(const colours *s, olx_line_steps steps, uint32_t prec
   memcpy(c->index, index, sizeof index);
 }
 
-// The modes with one region, the finest first. The last one has no differences.
+// Codes a line in the modes with one region, the finest first. The last mode stores no differences.
 static one_region code_line(const colours *s, const olx_line *l) {
   static const struct {
     uint8_t code, precision, difference_bits;
@@ -180,7 +180,7 @@ static one_region code_line(const colours *s, const olx_line *l) {
   return r;
 }
 
-// The line from a share of its length on, which leaves its darker end to texels for which a larger share will do.
+// Returns the line without its darker part, which is `share` of its length.
 static olx_line brighter_part(const olx_line *l, float share) {
   const bool rising = l->to[0] + l->to[1] + l->to[2] > l->from[0] + l->from[1] + l->from[2];
   olx_line part = *l;
@@ -209,7 +209,7 @@ static one_region best_line(const colours *s) {
   return best;
 }
 
-// The texels on the side of the second end, where the line's texels fall apart most clearly.
+// Returns the texels on the side of the second end, divided where the line's texels separate most clearly.
 static uint32_t second_side(const coded_line *line, uint32_t counted) {
   int32_t count[17] = {0}, sum[17] = {0}; // of the texels with lower indices
   for (uint32_t i = 0; i < TEXELS; i++) {
@@ -232,7 +232,7 @@ static uint32_t second_side(const coded_line *line, uint32_t counted) {
   return side & counted;
 }
 
-// The shapes that divide the counted texels most as `side` does, the best first.
+// Finds the shapes that divide the counted texels most as `side` does, the best first.
 static void nearest_shapes(uint32_t side, uint32_t counted, uint32_t nearest[SHAPES_TRIED]) {
   int distances[SHAPES_TRIED];
   for (uint32_t k = 0; k < SHAPES_TRIED; k++) distances[k] = TEXELS + 1;
@@ -261,8 +261,8 @@ static void keep_texels(colours *s, uint32_t texels) {
   }
 }
 
-// Whether the mode holds the differences of all ends from either end of the first line, whichever its indices put
-// first.
+// Returns whether the mode holds the differences of all ends from either end of the first line, because the indices
+// decide which of these comes first.
 static bool mode_reaches(const olx_bc6h_mode *m, const coded_line lines[REGIONS]) {
   if (!m->difference_bits[0]) return true;
   const coded_line *first = &lines[0], *second = &lines[1];
@@ -272,7 +272,7 @@ static bool mode_reaches(const olx_bc6h_mode *m, const coded_line lines[REGIONS]
          reaches(first->to, second->to, bits);
 }
 
-// The modes with two regions, the finest first.
+// Codes two lines in the modes with two regions, the finest first.
 static void code_lines(const colours parts[REGIONS], const olx_line lines[REGIONS], two_regions *r) {
   static const uint8_t FINEST_FIRST[OLX_BC6H_TWO_REGION_MODES] = {2, 3, 4, 0, 5, 6, 7, 8, 1, 9};
   for (uint32_t i = 0; i < OLX_BC6H_TWO_REGION_MODES; i++) {
@@ -312,7 +312,8 @@ static uint32_t reversed(uint32_t value, uint32_t count) {
   return result;
 }
 
-// The index of a line's first texel has one bit less: where its highest one is set, the ends change places.
+// Swaps the ends where the index of the line's first texel has its highest bit set, because that index is stored with
+// one bit less.
 static void turn(coded_line *c, uint32_t first_texel, int32_t last_index) {
   if (2 * c->index[first_texel] < last_index) return;
   for (uint32_t k = 0; k < CHANNELS; k++) {
@@ -367,7 +368,7 @@ static olx_bc6h_block write_two(two_regions *r) {
 
 olx_bc6h_block olx_bc6h_encode(const olx_vec3 texels[16], const float relative_to[16], uint32_t counted) {
   counted &= 0xFFFFu;
-  if (!counted) return (olx_bc6h_block){{OLX_BC6H_BLACK}}; // of one region, since that is decoded fastest
+  if (!counted) return (olx_bc6h_block){{OLX_BC6H_BLACK}}; // a mode with one region, because those decode fastest
   colours s;
   set_colours(&s, texels, relative_to, counted);
   one_region one = best_line(&s);

@@ -1,8 +1,8 @@
-// Bounds the distances in geometry blocks, from which pyramids follow, and checks the blocks of a file. The header
+// Bounds the distances in geometry blocks, from which pyramids are built, and checks the blocks of a file. The header
 // decodes single planes.
 #include "block/geometry_block.h"
 
-// Rounding of m . q, in units of |m|_1.
+// The rounding error of m . q, in units of |m|_1.
 static const float ROUNDING = 0x1p-20f;
 
 static void include(olx_block_bounds *bounds, olx_vec3 plane, olx_vec2 uv) {
@@ -12,7 +12,8 @@ static void include(olx_block_bounds *bounds, olx_vec3 plane, olx_vec2 uv) {
   bounds->greatest = olx_max(bounds->greatest, inverse + slack);
 }
 
-// A plane is affine on each of the two triangles that a fold leaves of a square, and a fold goes from corner to corner.
+// Extends bounds by a plane over a square of texels. A plane is affine on each of the two triangles into which a fold
+// divides a square, and a fold goes from corner to corner, so the corners decide.
 static void include_square(olx_block_bounds *bounds, olx_vec3 plane, uint32_t x, uint32_t y, uint32_t side,
                            uint32_t n) {
   for (uint32_t corner = 0; corner < 4; corner++) {
@@ -40,7 +41,7 @@ uint32_t olx_geometry_nearest_code(const olx_geometry_block *block, const olx_pl
   return (olx_float_bits(olx_geometry_bounds(block, pool, place).greatest) + 1) >> 1 & 0x3FFFFFFFu;
 }
 
-// Neither infinite nor a number that devices may take for 0.
+// Returns whether a float is finite and not subnormal, since devices may flush subnormal floats to 0.
 static bool is_plain(uint32_t word) {
   const uint32_t exponent = word >> 23 & 255u;
   return exponent != 255 && (exponent != 0 || (word & 0x7FFFFFFFu) == 0);

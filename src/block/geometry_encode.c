@@ -1,53 +1,52 @@
-// Finds the planes of geometry blocks: one for all texels where it serves, else planes by the texels they hold, most
-// first. Inverse depths are affine over a block, so a plane is fitted by plain least squares.
+// Finds the planes of geometry blocks: one for all texels where that fits, else several, those with most texels first.
+// Inverse depths are affine over a block, so a plane is fitted by linear least squares.
 #include "block/geometry_encode.h"
 
 #include <stdlib.h>
 
 enum { NUMBERS = 3, SKY = OLX_BLOCK_TEXELS };
 
-// How much the slope of a texel's own surface counts against the position of its point, when a plane is fitted to
-// several.
+// The weight of the slope of a texel's surface, relative to the position of its point, when a plane is fitted to
+// several texels.
 static const double SLOPE_WEIGHT = 0.05;
-// How much an error of the plane's depth counts in the middle of the block, where texels beyond a fold may not
-// determine it.
+// The weight of an error of the plane's depth in the middle of the block, which texels beyond a fold may not determine.
 static const double MIDDLE_WEIGHT = 1e-6;
-// Planes are looked for with so much of the tolerance; the rest is for rounding their codes.
+// The share of the tolerance with which planes are searched; the rest is for rounding their codes.
 static const float SEARCH_SHARE = 0.9f;
-// Surfaces under a flatter angle are tilted to this one: no plane may pass through the probe.
+// Surfaces at a smaller cosine than this are tilted to it, because no plane may pass through the probe.
 static const float LEAST_FACING = 1e-3f;
-// A texel's decoded inverse depth lies between these shares of its own: seen under flat angles a plane may be near, but
-// its point far away.
+// A texel's decoded inverse depth lies between these multiples of its own: at grazing angles a plane may be near
+// although its point is far away.
 static const float LEAST_DEPTH_SHARE = 0.5f, MOST_DEPTH_SHARE = 2.0f;
-// Inverse depths that numbers hold well.
+// The range of inverse depths in which numbers are accurate.
 static const float MOST_INVERSE = 0x1p56f, LEAST_INVERSE = 0x1p-56f;
 
-// A plane as a code has it, before rounding: inverse depth in the middle of the block, and what it grows by in half a
-// texel along the map's axes.
+// A plane in the form of a code, before rounding: its inverse depth in the middle of the block, and the increase in
+// half a texel along the map's axes.
 typedef struct fit {
   double a, b, c;
 } fit;
 
-// Where a block lies: its middle from that of the map, in half texels.
+// The place of a block: its middle relative to that of the map, in half texels.
 typedef struct frame {
   olx_block_place place;
   double x, z, sign_x, sign_z;
   bool upper, folded;
 } frame;
 
-// What the texels see, an array for each number, so that a plane is held against all of them at once.
+// What the texels see, an array for each number, so that a plane is tested against all of them at once.
 typedef struct views {
   frame frame;
   uint32_t seen;                        // a bit for each texel that is not sky
   float inverse[OLX_BLOCK_TEXELS];      // 1 / |p|_1 of the point
-  float row[NUMBERS][OLX_BLOCK_TEXELS]; // of a fit, its inverse depth at the texel is the product with this
-  float scale[OLX_BLOCK_TEXELS];        // footprints, for one of inverse depth and of a plane's distance
+  float row[NUMBERS][OLX_BLOCK_TEXELS]; // the inverse depth of a fit at the texel is its product with this
+  float scale[OLX_BLOCK_TEXELS];        // footprints per unit of inverse depth and of a plane's distance
   float normal[NUMBERS][OLX_BLOCK_TEXELS];
   fit own[OLX_BLOCK_TEXELS]; // the plane of the texel alone
   float tolerance, least_cosine;
 } views;
 
-// Which texel lies on which plane.
+// The planes of a block, and the plane of each texel.
 typedef struct solution {
   uint32_t count;
   olx_plane_code codes[OLX_BLOCK_TEXELS];
@@ -71,7 +70,7 @@ static frame make_frame(olx_block_place place) {
                  .folded = sum == n};
 }
 
-// The plane m of a fit, as olx_plane_decode finds it.
+// Returns the plane m of a fit, as olx_plane_decode computes it.
 static olx_vec3 plane_of_fit(const frame *f, fit k) {
   const double n = f->place.n, middle = k.a - k.b * f->x - k.c * f->z;
   const double along_x = f->sign_x * k.b * n, along_z = f->sign_z * k.c * n;
@@ -79,7 +78,7 @@ static olx_vec3 plane_of_fit(const frame *f, fit k) {
                 (float)(f->sign_z * (middle + along_z)));
 }
 
-// The inverse of plane_of_fit.
+// Returns the fit of a plane, the inverse of plane_of_fit.
 static fit fit_of_plane(const frame *f, olx_vec3 plane) {
   const double x = f->sign_x * plane.x, y = plane.y, z = f->sign_z * plane.z;
   const double middle = f->upper ? y : x + y + z;
@@ -90,17 +89,17 @@ static fit fit_of_plane(const frame *f, olx_vec3 plane) {
 static void set_row(views *v, uint32_t texel, olx_vec3 point) {
   float row[NUMBERS] = {1.0f, (float)(2 * (int32_t)(texel % OLX_BLOCK_SIDE) - 3),
                         (float)(2 * (int32_t)(texel / OLX_BLOCK_SIDE) - 3)};
-  if (v->frame.folded) { // beyond the fold the map's coordinates have another meaning
+  if (v->frame.folded) { // beyond the fold, the map's coordinates mean something else
     const fit unit[NUMBERS] = {{.a = 1.0}, {.b = 1.0}, {.c = 1.0}};
     for (uint32_t k = 0; k < NUMBERS; k++) row[k] = olx_dot(plane_of_fit(&v->frame, unit[k]), point);
   }
   for (uint32_t k = 0; k < NUMBERS; k++) v->row[k][texel] = row[k];
 }
 
-// The normal, made to face the probe.
+// Returns the normal, turned to face the probe.
 static olx_vec3 facing_normal(olx_vec3 normal, olx_vec3 direction) {
   const float length = olx_length(normal);
-  if (!(length > 0.5f && length < 2.0f)) return olx_negate(direction); // not one of unit length
+  if (!(length > 0.5f && length < 2.0f)) return olx_negate(direction); // not a unit vector
   const olx_vec3 unit = olx_scale(normal, 1.0f / length);
   const float facing = -olx_dot(unit, direction);
   return facing >= LEAST_FACING ? unit : olx_normalize(olx_madd(unit, direction, facing - LEAST_FACING));
@@ -121,7 +120,8 @@ static void set_texel(views *v, uint32_t i, olx_geometry_texel texel) {
   for (uint32_t k = 0; k < NUMBERS; k++) v->normal[k][i] = components[k];
 }
 
-// The texels among `wanted` that lie on the plane m, with depths by the fit or, exactly as decoded, by m itself.
+// Returns the texels among `wanted` that lie on the plane m, with depths by the fit or, exactly as decoded, by m
+// itself.
 static uint32_t texels_on(const views *v, olx_vec3 plane, fit k, float tolerance, uint32_t wanted) {
   const float height = 1.0f / olx_length(plane), a = (float)k.a, b = (float)k.b, c = (float)k.c;
   const olx_vec3 normal = olx_scale(plane, -height);
@@ -143,7 +143,8 @@ static uint32_t texels_on_fit(const views *v, fit k, uint32_t wanted) {
   return texels_on(v, plane_of_fit(&v->frame, k), k, SEARCH_SHARE * v->tolerance, wanted);
 }
 
-// The footprints by which a texel's point lies off a decoded plane; infinite when the plane does not hold it at all.
+// Returns the distance of a texel's point from a decoded plane in footprints; infinite when the texel does not lie on
+// it at all.
 static float miss(const views *v, olx_vec3 plane, uint32_t i) {
   const float inverse = olx_dot(plane, olx_block_texel_point(v->frame.place, i)), height = 1.0f / olx_length(plane);
   const float cosine = -height * (v->normal[0][i] * plane.x + v->normal[1][i] * plane.y + v->normal[2][i] * plane.z);
@@ -160,7 +161,7 @@ static fit solve(const double m[6], const double r[NUMBERS]) {
                (c02 * r[0] + c12 * r[1] + c22 * r[2]) * inverse};
 }
 
-// The plane that fits texels best: the points, and a little the slopes of their surfaces.
+// Returns the plane that fits texels best: their points and, with a small weight, the slopes of their surfaces.
 static fit fit_texels(const views *v, uint32_t mask) {
   double m[6] = {0}, r[NUMBERS] = {0};
   for (uint32_t left = mask; left; left &= left - 1) {
@@ -180,11 +181,11 @@ static fit fit_texels(const views *v, uint32_t mask) {
 }
 
 static int32_t round_within(double value, int32_t least, int32_t most) {
-  if (!(value > least)) return least; // nor what is not a number
+  if (!(value > least)) return least; // also for NaN
   return value >= most ? most : (int32_t)floor(value + 0.5);
 }
 
-// Codes a plane; once its slopes are rounded, what that shifts at the texels it is for is taken out of `a`.
+// Codes a plane. The shift that rounding its slopes causes at its texels is subtracted from `a`.
 static olx_plane_code code_fit(const views *v, fit k, uint32_t mask) {
   const double most = fmax(fabs(k.a) / (4.0 * 65535.0), fmax(fabs(k.b), fabs(k.c)) / 16383.0);
   int exponent;
@@ -198,7 +199,7 @@ static olx_plane_code code_fit(const views *v, fit k, uint32_t mask) {
     shift += v->row[1][i] * (k.b - b * unit) + v->row[2][i] * (k.c - c * unit);
     share += v->row[0][i];
   }
-  const double middle = k.a + (share >= 0.5 ? shift / share : 0.0); // beyond a fold shares may cancel
+  const double middle = k.a + (share >= 0.5 ? shift / share : 0.0); // beyond a fold, shares may cancel
   const int32_t a = round_within(middle / (4.0 * unit), -65536, 65535);
   return (olx_plane_code){{((uint32_t)a & 0x1FFFFu) | (uint32_t)b << 17, ((uint32_t)c & 0x7FFFu) | (uint32_t)e << 15}};
 }
@@ -210,7 +211,7 @@ static void add_plane(solution *s, const views *v, fit k, uint32_t mask) {
   s->count++;
 }
 
-// The texels on the plane of one of them that holds the most; one that holds half of what is left will do.
+// Returns the largest group of texels on the plane of one of them; the search ends at a group of half of `left`.
 static uint32_t largest_group(const views *v, uint32_t left) {
   uint32_t best = 0;
   int most = 0;
@@ -227,7 +228,7 @@ static uint32_t largest_group(const views *v, uint32_t left) {
   return best;
 }
 
-// Fits a plane to a group and grows the group by what lies on the plane, as long as that makes it larger.
+// Fits a plane to a group and adds the texels that lie on the plane, as long as the group grows.
 static fit grow(const views *v, uint32_t *group, uint32_t left) {
   fit k = fit_texels(v, *group);
   uint32_t on = texels_on_fit(v, k, left);
@@ -240,7 +241,7 @@ static fit grow(const views *v, uint32_t *group, uint32_t left) {
   return k;
 }
 
-// Texels that lie off their plane once that is coded get planes of their own, and planes without texels go.
+// Gives texels that lie off their coded plane planes of their own, and removes planes without texels.
 static void settle(solution *s, const views *v) {
   solution settled = {.count = 0};
   uint8_t number[OLX_BLOCK_TEXELS];
@@ -281,14 +282,14 @@ static bool all_on(const views *v, olx_vec3 plane) {
   return true;
 }
 
-// Subnormal numbers, which devices may take for 0, become 0.
+// Returns the bits of a float with subnormal numbers, which devices may flush to 0, replaced by 0.
 static uint32_t plain_bits(float f) { return fabsf(f) < 0x1p-126f ? 0 : olx_float_bits(f); }
 
 static olx_geometry_block one_plane(olx_vec3 plane) {
   return (olx_geometry_block){{plain_bits(plane.x), plain_bits(plane.y), plain_bits(plane.z), 0}};
 }
 
-// The sky is a plane of zeros.
+// Writes a block of two planes; the sky is a plane of zeros.
 static olx_geometry_block two_planes(const solution *s) {
   const olx_plane_code first = s->codes[0], second = s->count > 1 ? s->codes[1] : (olx_plane_code){{0, 0}};
   uint32_t mask = 0;

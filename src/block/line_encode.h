@@ -1,5 +1,5 @@
-// What encoders of texture blocks share: the line on which 16 colours lie best. Each texel's colour becomes a step of
-// the line, so only its ends and the steps are stored.
+// Fits a line to 16 colours, for the encoders of texture blocks. Each texel's colour becomes a step of the line, so
+// only its ends and the steps are stored.
 #ifndef OLX_BLOCK_LINE_ENCODE_H
 #define OLX_BLOCK_LINE_ENCODE_H
 
@@ -9,14 +9,14 @@
 
 enum { OLX_LINE_TEXELS = 16, OLX_LINE_LANES = 4, OLX_LINE_ROWS = 4, OLX_LINE_CHANNELS = 4 };
 
-// A row of a block. Written so that four texels are one instruction on any machine.
+// A row of a block: four texels in one vector of any machine.
 typedef float olx_row __attribute__((vector_size(16)));
 typedef int32_t olx_row_words __attribute__((vector_size(16)));
 
-// Colours in the numbers that the format interpolates, of as many channels as the functions are called for.
+// Colours in the numbers that the format interpolates, with as many channels as a function is called for.
 typedef struct olx_line_colours {
   olx_row place[OLX_LINE_CHANNELS][OLX_LINE_ROWS];
-  olx_row weight[OLX_LINE_CHANNELS][OLX_LINE_ROWS]; // of the square of an error; 0 for texels that do not count
+  olx_row weight[OLX_LINE_CHANNELS][OLX_LINE_ROWS]; // of a squared error; 0 for texels that do not count
   olx_row on[OLX_LINE_ROWS];                        // 1 for texels that count, else 0
 } olx_line_colours;
 
@@ -24,7 +24,7 @@ typedef struct olx_line {
   float from[OLX_LINE_CHANNELS], to[OLX_LINE_CHANNELS];
 } olx_line;
 
-// How a format divides a line: into so many steps, whose shares are rounded to `parts` parts.
+// How a format divides a line: the number of steps, whose shares are rounded to multiples of 1 / `parts`.
 typedef struct olx_line_steps {
   uint32_t channels;
   float steps, parts;
@@ -33,7 +33,7 @@ typedef struct olx_line_steps {
 static inline olx_row olx_row_pick(olx_row_words mask, olx_row a, olx_row b) {
   return (olx_row)((mask & (olx_row_words)a) | (~mask & (olx_row_words)b));
 }
-// The second where one is not a number.
+// Returns the larger numbers; the second where one is NaN.
 static inline olx_row olx_row_most(olx_row a, olx_row b) { return olx_row_pick(a > b, a, b); }
 static inline olx_row olx_row_least(olx_row a, olx_row b) { return olx_row_pick(a < b, a, b); }
 static inline olx_row olx_row_splat(float f) { return (olx_row){f, f, f, f}; }
@@ -50,8 +50,8 @@ static inline float olx_line_product(const olx_row a[OLX_LINE_ROWS], const olx_r
   return olx_line_sum(part);
 }
 
-// The mean place, and the direction in which places spread most by a few steps of power iteration; false where they do
-// not.
+// Computes the mean place, and the direction in which places spread most, by a few steps of power iteration; false
+// where they do not spread.
 static inline bool olx_line_spread(const olx_line_colours *s, uint32_t channels, float middle[OLX_LINE_CHANNELS],
                                    float axis[OLX_LINE_CHANNELS]) {
   float scale[OLX_LINE_CHANNELS], covariance[OLX_LINE_CHANNELS][OLX_LINE_CHANNELS];
@@ -79,7 +79,7 @@ static inline bool olx_line_spread(const olx_line_colours *s, uint32_t channels,
   return true;
 }
 
-// How many times `step` each texel lies beyond `from`, by what suits it best.
+// Computes each texel's best position on a line, as a multiple of `step` from `from`.
 static inline void olx_line_project(const olx_line_colours *s, uint32_t channels, const float from[OLX_LINE_CHANNELS],
                                     const float step[OLX_LINE_CHANNELS], olx_row share[OLX_LINE_ROWS]) {
   for (uint32_t g = 0; g < OLX_LINE_ROWS; g++) {
@@ -93,7 +93,7 @@ static inline void olx_line_project(const olx_line_colours *s, uint32_t channels
   }
 }
 
-// The line through all texels, from end to end.
+// Returns the line through all texels, from end to end.
 static inline olx_line olx_line_through(const olx_line_colours *s, uint32_t channels) {
   olx_line l = {.from = {0.0f}};
   float axis[OLX_LINE_CHANNELS];
@@ -116,7 +116,7 @@ static inline olx_line olx_line_through(const olx_line_colours *s, uint32_t chan
   return l;
 }
 
-// The step of each texel on a line, and the share of `to` that it stands for.
+// Chooses the step of each texel on a line, and the share of `to` to which that step corresponds.
 static inline void olx_line_choose(const olx_line_colours *s, const olx_line *l, olx_line_steps steps,
                                    olx_row_words index[OLX_LINE_ROWS], olx_row share[OLX_LINE_ROWS]) {
   float step[OLX_LINE_CHANNELS];
@@ -130,7 +130,7 @@ static inline void olx_line_choose(const olx_line_colours *s, const olx_line *l,
   }
 }
 
-// Moves the ends to where they are best for the steps that texels take.
+// Moves the ends to where they are best for the texels' steps.
 static inline void olx_line_refine(const olx_line_colours *s, olx_line_steps steps, olx_line *l) {
   olx_row_words index[OLX_LINE_ROWS];
   olx_row share[OLX_LINE_ROWS], p[5][OLX_LINE_ROWS];
@@ -153,7 +153,7 @@ static inline void olx_line_refine(const olx_line_colours *s, olx_line_steps ste
   }
 }
 
-// Bits of a block, the first bit lowest.
+// The bits of a block, the first bit lowest.
 typedef struct olx_block_writer {
   uint64_t low, high;
   uint32_t at;

@@ -1,17 +1,17 @@
-// How metallic a surface is and its specular weight in one byte, so that four channels of a texture hold a material
-// with base colour and roughness left: surfaces are either metallic or have a weight other than 1.
+// Metalness and specular weight in one byte, so that base colour, roughness and this byte fill a texel: surfaces are
+// either metallic or have a weight other than 1, never both.
 #ifndef OLX_BLOCK_REFLECTANCE_H
 #define OLX_BLOCK_REFLECTANCE_H
 
 #include "core/vec.h"
 
-enum { OLX_REFLECTANCE_FULL = 128 }; // a weight of 1; above it how metallic, and below it the weight
+enum { OLX_REFLECTANCE_FULL = 128 }; // a weight of 1; metalness above it, weights below it
 
 typedef struct olx_reflectance {
   float metallic, specular_weight;
 } olx_reflectance;
 
-// Both from 0 to 1. What is metallic gets a weight of 1.
+// Packs both values, each from 0 to 1. A metallic surface gets a weight of 1.
 static inline uint8_t olx_reflectance_pack(olx_reflectance r) {
   const float full = (float)OLX_REFLECTANCE_FULL;
   return (uint8_t)(r.metallic * (255.0f - full) >= 0.5f ? full + rintf(r.metallic * (255.0f - full))

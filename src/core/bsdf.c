@@ -1,9 +1,9 @@
-// Tabulates the share of light that a specular lobe reflects on average over views, by which it becomes part of a
-// diffuse albedo where light is stored for all directions alike.
+// Tabulates the share of light that a specular lobe reflects, averaged over views. It becomes part of a diffuse albedo
+// where light is stored independently of direction.
 #include "core/bsdf.h"
 
-// Specular light that leaves a surface in uniform light, averaged over the hemisphere of views, at roughness 0, 0.1 ..
-// 1: for Fresnel reflectance 1, and weighted with Schlick's (1 - cos)^5.
+// The specular light that leaves a surface in uniform light, averaged over the hemisphere of views, at roughness 0, 0.1
+// .. 1: first for Fresnel reflectance 1, then weighted with Schlick's (1 - cos)^5.
 static const float FULL_ALBEDO[] = {1.0f,     0.99952f, 0.99405f, 0.97674f, 0.94045f, 0.88244f,
                                     0.80303f, 0.70738f, 0.60400f, 0.50215f, 0.40868f};
 static const float GRAZING_ALBEDO[] = {0.04762f, 0.04703f, 0.04302f, 0.03534f, 0.02643f, 0.01857f,

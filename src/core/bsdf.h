@@ -1,4 +1,5 @@
-// The one reflection model: Lambert and GGX with one energy split, used by the path tracer, the baker and the runtime.
+// The only reflection model: Lambert and GGX with one split of energy, used by the path tracer, the baker and the
+// runtime.
 //
 // Specular: GGX, alpha = roughness^2, height-correlated Smith, Schlick's Fresnel with F0 and F90. Diffuse: Lambert,
 // scaled by (1 - metallic) and by 1 - F(normal . view) of the dielectric, a factor of the view alone, so that diffuse
@@ -17,8 +18,8 @@ typedef struct olx_bsdf {
   olx_vec3 albedo; // base colour * (1 - metallic)
   olx_vec3 f0;
   float f90;
-  float dielectric_weight; // specular weight, of the split; see olx_bsdf_diffuse
-  float alpha;             // GGX; 0 is a mirror
+  float dielectric_weight; // specular weight, as in olx_bsdf_diffuse
+  float alpha;             // of GGX; 0 is a mirror
 } olx_bsdf;
 
 static inline olx_bsdf olx_bsdf_make(olx_vec3 base_color, float metallic, float roughness, float specular_weight) {
@@ -41,7 +42,7 @@ static inline olx_vec3 olx_fresnel(const olx_bsdf *b, float cosine) {
   return olx_add(olx_scale(b->f0, 1.0f - p), olx_splat(b->f90 * p));
 }
 
-// The diffuse lobe's reflectance for an eye at normal . view: outgoing radiance is this times irradiance / pi.
+// Returns the diffuse lobe's reflectance for an eye at normal . view: outgoing radiance is this times irradiance / pi.
 static inline olx_vec3 olx_bsdf_diffuse(const olx_bsdf *b, float cosine_view) {
   const float p = olx_pow5(olx_clamp(1.0f - cosine_view, 0.0f, 1.0f));
   return olx_scale(b->albedo, 1.0f - b->dielectric_weight * (0.04f + 0.96f * p));
@@ -49,9 +50,9 @@ static inline olx_vec3 olx_bsdf_diffuse(const olx_bsdf *b, float cosine_view) {
 
 static inline bool olx_bsdf_has_specular(const olx_bsdf *b) { return b->f90 > 0.0f; }
 
-// What the specular lobe reflects of light that comes from all directions alike, towards an eye at normal . view. For a
-// mirror it is Fresnel's factor; rough lobes reflect less, at grazing angles far less. The lobe's integral is fitted by
-// polynomials in roughness and cosine: off by 0.005 (RMS) where F0 is small, 0.03 where it is 1.
+// Returns the specular lobe's reflectance in uniform light towards an eye at normal . view. For a mirror it is
+// Fresnel's factor; rough lobes reflect less, at grazing angles far less. The lobe's integral is fitted by polynomials
+// in roughness and cosine, with an error of 0.005 (RMS) where F0 is small and 0.03 where it is 1.
 static inline olx_vec3 olx_bsdf_specular_albedo(const olx_bsdf *b, float cosine_view) {
   const float m = olx_clamp(cosine_view, 0.0f, 1.0f), m2 = m * m, a = b->alpha, r = sqrtf(a);
   const float lost = a * (0.469f + 1.058f * m - 1.429f * m2 + r * (-0.389f + 0.254f * m + 0.754f * m2));
@@ -60,8 +61,8 @@ static inline olx_vec3 olx_bsdf_specular_albedo(const olx_bsdf *b, float cosine_
   return olx_add(olx_scale(b->f0, olx_max(1.0f - lost - grazing, 0.0f)), olx_splat(b->f90 * grazing));
 }
 
-// Whether the specular lobe is rough and reflects less than `share` towards an eye at normal . view; and its light
-// then: that of all directions alike.
+// Returns whether the specular lobe is rough and reflects less than `share` towards an eye at normal . view. Such a
+// lobe receives the mean light of all directions.
 static inline bool olx_lobe_is_dim(const olx_bsdf *b, float cosine_view, float share) {
   return b->alpha > 0.0f && olx_max3(olx_fresnel(b, cosine_view)) < share;
 }
@@ -71,18 +72,18 @@ static inline olx_vec3 olx_dim_light(const olx_bsdf *b, float cosine_view, olx_v
 }
 
 static inline float olx_ggx_distribution(float alpha, olx_vec3 half) {
-  // Not 1 - cos^2: that cancels near the normal, where smooth surfaces have all of their lobe.
+  // The form 1 - cos^2 would cancel near the normal, where smooth surfaces have their whole lobe.
   const float sine2 = half.x * half.x + half.y * half.y, a2 = alpha * alpha, d = sine2 + half.z * half.z * a2;
   return a2 / (OLX_PI * d * d);
 }
 
-// Smith's lambda.
+// Returns Smith's lambda.
 static inline float olx_ggx_lambda(float alpha, float cosine) {
   const float c2 = cosine * cosine, a2 = alpha * alpha;
   return 0.5f * (sqrtf(1.0f + a2 * olx_max(1.0f - c2, 0.0f) / olx_max(c2, 1e-12f)) - 1.0f);
 }
 
-// Specular BRDF times the cosine at `light`. alpha > 0.
+// Returns the specular BRDF times the cosine at `light`, for alpha > 0.
 static inline olx_vec3 olx_bsdf_specular(const olx_bsdf *b, olx_vec3 view, olx_vec3 light) {
   if (view.z <= 0.0f || light.z <= 0.0f) return olx_splat(0.0f);
   const olx_vec3 half = olx_normalize(olx_add(view, light));
@@ -90,14 +91,14 @@ static inline olx_vec3 olx_bsdf_specular(const olx_bsdf *b, olx_vec3 view, olx_v
   return olx_scale(olx_fresnel(b, olx_dot(view, half)), olx_ggx_distribution(b->alpha, half) * g / (4.0f * view.z));
 }
 
-// Density over solid angle with which olx_ggx_sample_half and reflection draw `light`.
+// Returns the density over solid angle with which olx_ggx_sample_half and a reflection draw `light`.
 static inline float olx_ggx_pdf(float alpha, olx_vec3 view, olx_vec3 light) {
   if (view.z <= 0.0f || light.z <= 0.0f) return 0.0f;
   const olx_vec3 half = olx_normalize(olx_add(view, light));
   return olx_ggx_distribution(alpha, half) / ((1.0f + olx_ggx_lambda(alpha, view.z)) * 4.0f * view.z);
 }
 
-// A half vector drawn from the visible normals (Heitz 2018).
+// Draws a half vector from the distribution of visible normals (Heitz 2018).
 static inline olx_vec3 olx_ggx_sample_half(float alpha, olx_vec3 view, olx_vec2 random) {
   const olx_vec3 v = olx_normalize(olx_v3(alpha * view.x, alpha * view.y, view.z));
   const float lensq = v.x * v.x + v.y * v.y;
@@ -110,8 +111,8 @@ static inline olx_vec3 olx_ggx_sample_half(float alpha, olx_vec3 view, olx_vec2 
   return olx_normalize(olx_v3(alpha * n.x, alpha * n.y, olx_max(1e-6f, n.z)));
 }
 
-// Draw a direction from the specular lobe. *weight is BRDF times cosine over pdf for Fresnel reflectance 1 (0: below
-// the surface), *half_cosine the cosine for the Fresnel term.
+// Draws a direction from the specular lobe. *weight is BRDF times cosine over pdf for Fresnel reflectance 1, or 0 below
+// the surface; *half_cosine is the cosine for the Fresnel term.
 static inline olx_vec3 olx_ggx_sample(float alpha, olx_vec3 view, olx_vec2 random, float *weight, float *half_cosine) {
   if (alpha <= 0.0f) {
     *weight = view.z > 0.0f ? 1.0f : 0.0f;
@@ -129,8 +130,8 @@ static inline olx_vec3 olx_ggx_sample(float alpha, olx_vec3 view, olx_vec2 rando
   return light;
 }
 
-// The Lambertian surface that reflects as much of uniform light, averaged over views: what a surface looks like from a
-// direction that is not known. It has no specular lobe; applied twice it changes nothing.
+// Returns the Lambertian surface that reflects the same share of uniform light, averaged over views: the best model of
+// a surface when the view is unknown. The result has no specular lobe, and applying the function to it changes nothing.
 olx_bsdf olx_bsdf_matte(const olx_bsdf *bsdf);
 
 #endif

@@ -1,5 +1,5 @@
 // Reads, checks and writes the frame that Octalux's binary files share: a header and a table of chunks, in which every
-// byte is under a checksum or required to be zero.
+// byte is covered by a checksum or required to be zero.
 #include "core/chunk_file.h"
 
 #include "core/file.h"
@@ -12,7 +12,7 @@
 
 #define XXH_INLINE_ALL
 #define XXH_FORCE_MEMORY_ACCESS                                                                                        \
-  0 // by memcpy: its other ways read our structures as numbers, which compilers may not expect
+  0 // by memcpy: its other ways read structures as numbers, which breaks the rules of strict aliasing
 #include <xxhash.h>
 
 uint64_t olx_content_hash(const void *data, size_t size_bytes) { return XXH3_64bits(data, size_bytes); }
@@ -64,7 +64,7 @@ static olx_result check_header(const olx_chunk_file *file, const olx_file_kind *
   return OLX_OK;
 }
 
-// Chunks follow each other without gaps but for alignment, so none can overlap or hide bytes.
+// Checks the table. Chunks follow each other without gaps except for alignment, so none can overlap or hide bytes.
 static olx_result check_table(const olx_chunk_file *file) {
   const olx_file_header *header = file->data;
   const olx_file_chunk *table = olx_chunk_table(file);

@@ -1,5 +1,5 @@
-// Reads files whole into memory where nothing but C17 is known. It writes none, for C17 cannot put a file into place
-// all at once.
+// Reads whole files into memory with nothing but C17. It writes none, because C17 cannot put a file into place
+// atomically.
 #include "core/file.h"
 
 #include "core/hooks.h"
@@ -47,7 +47,7 @@ olx_result olx_write_file(const char *path, const void *data, size_t size_bytes)
   return refuse(path);
 }
 
-// What C17 can know: one path is one file.
+// Compares paths, because C17 cannot tell whether two of them are the same file.
 bool olx_same_file(const char *a, const char *b) { return strcmp(a, b) == 0; }
 
 static olx_result read_whole(const char *path, FILE *stream, olx_mapped_file *file) {

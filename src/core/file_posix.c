@@ -1,5 +1,5 @@
-// Writes files that are whole or not there at all, by a temporary file that is synced and renamed, and maps files into
-// memory for reading.
+// Writes files that are complete or absent, by a temporary file that is synced and renamed, and maps files into memory
+// for reading.
 #include "core/file.h"
 
 #include "core/hooks.h"
@@ -15,12 +15,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-// Where an output goes.
+// The place to which an output is written.
 typedef struct output_place {
-  bool stream;   // a node that exists, and is written itself; else a file, which is put into place
-  bool replaces; // there is a file, with `status`
+  bool stream;   // an existing node that is written directly; false for a file that is put into place
+  bool replaces; // a file with `status` exists
   struct stat status;
-  char target[PATH_MAX]; // the file, after links
+  char target[PATH_MAX]; // the file to which links lead
 } output_place;
 
 static bool is_standard_output(const char *path) { return strcmp(path, "-") == 0; }
@@ -37,13 +37,13 @@ static const char *describe_node(mode_t mode) {
                           : "it is a pipe, and this format is not written in order";
 }
 
-// The folder of a path with its last slash; empty without one.
+// Returns the length of a path's folder with its last slash; 0 without one.
 static int folder_length(const char *path) {
   const char *slash = strrchr(path, '/');
   return slash ? (int)(slash - path) + 1 : 0;
 }
 
-// Follow links in place->target to what they lead to, which need not exist.
+// Follows the links in place->target to the file to which they lead, which need not exist.
 static olx_result follow_links(const char *path, output_place *place) {
   enum { MOST_LINKS = 40 };
   char link[PATH_MAX], next[PATH_MAX];
@@ -81,7 +81,7 @@ static olx_result find_place(const char *path, bool in_order, output_place *plac
   return same ? OLX_OK : refuse(path, "its link does not lead to a file with a name");
 }
 
-// The folder that a file lies in.
+// Returns the folder of a file.
 static void folder_of(const char *target, char folder[PATH_MAX]) {
   const int length = folder_length(target);
   snprintf(folder, PATH_MAX, "%.*s", length ? length : 1, length ? target : ".");
@@ -128,7 +128,7 @@ static olx_result open_file(const output_place *place, olx_output_file *file) {
   folder_of(place->target, folder);
   file->name = olx_copy_string(place->target + folder_length(place->target));
   if (!file->name) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", file->path);
-  // A user who may not read the file that is replaced must not be able to read its successor.
+  // A user who may not read the replaced file must not be able to read its successor.
   const int error = olx_temporary_create(folder, place->replaces ? 0600 : 0666, &file->temporary);
   if (error) return olx_fail(OLX_ERROR_FILE, "%s: cannot create: %s", file->path, strerror(error));
   file->descriptor = file->temporary.descriptor;
@@ -154,7 +154,7 @@ olx_result olx_output_open(const char *path, olx_output_file *file) { return ope
 
 olx_result olx_output_open_in_order(const char *path, olx_output_file *file) { return open_output(path, true, file); }
 
-// Wait until a stream that does not block takes more.
+// Waits until a non-blocking stream accepts more bytes.
 static bool wait_for_room(const olx_output_file *file) {
   struct pollfd poller = {.fd = file->descriptor, .events = POLLOUT};
   return errno == EINTR || (errno == EAGAIN && poll(&poller, 1, -1) >= 0);
@@ -193,10 +193,10 @@ olx_result olx_output_reserve(olx_output_file *file, uint64_t size_bytes) {
   return OLX_OK;
 }
 
-// The owner and the rights of the file that is replaced, as far as they may be given.
+// Gives the file the owner and the permissions of the file that it replaces, as far as the system permits.
 static void keep_owner_and_mode(const olx_output_file *file) {
   const bool owned = fchown(file->descriptor, file->owner, file->group) == 0;
-  // Set-user-ID rights of another owner are not passed on.
+  // Set-user-ID permissions of another owner are not kept.
   if (!owned) (void)!fchown(file->descriptor, (uid_t)-1, file->group);
   (void)fchmod(file->descriptor, owned ? file->mode : file->mode & 0777);
 }

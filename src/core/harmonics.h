@@ -9,7 +9,7 @@ enum { OLX_HARMONICS_MOST_BANDS = 3, OLX_HARMONICS_MOST = OLX_HARMONICS_MOST_BAN
 
 static inline uint32_t olx_harmonics_count(uint32_t bands) { return bands * bands; }
 
-// The values of all of them in a direction.
+// Evaluates all harmonics in a direction.
 static inline void olx_harmonics_at(olx_vec3 d, float values[OLX_HARMONICS_MOST]) {
   values[0] = 1.0f;
   values[1] = d.y;
@@ -22,7 +22,7 @@ static inline void olx_harmonics_at(olx_vec3 d, float values[OLX_HARMONICS_MOST]
   values[8] = d.x * d.x - d.y * d.y;
 }
 
-// The mean of a function's square over the sphere.
+// Returns the mean of a harmonic's square over the sphere.
 static inline float olx_harmonics_mean_square(uint32_t index) {
   return index == 0   ? 1.0f
          : index < 4  ? 1.0f / 3.0f

@@ -1,5 +1,5 @@
-// Holds the host's hooks for memory, messages and the parallel loop, with defaults by the C library, and allocates and
-// logs through them.
+// Holds the host's hooks for memory, messages and the parallel loop, with defaults from the C library, and allocates
+// and logs through them.
 #include "core/hooks.h"
 
 #include <stdarg.h>
@@ -26,7 +26,7 @@ static olx_hooks hooks = {.allocate = default_allocate, .release = default_relea
 
 void olx_set_hooks(const olx_hooks *replacement) {
   hooks = replacement ? *replacement : (olx_hooks){0};
-  // A host's allocator comes whole or not at all: memory of one must not go to the other's release.
+  // A host sets both functions of its allocator or neither, because memory must return to the allocator that gave it.
   if (!hooks.allocate || !hooks.release) {
     hooks.allocate = default_allocate;
     hooks.release = default_release;

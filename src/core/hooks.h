@@ -1,4 +1,4 @@
-// The host's hooks, and what uses them: memory and log messages.
+// Memory and log messages through the host's hooks.
 #ifndef OLX_CORE_HOOKS_H
 #define OLX_CORE_HOOKS_H
 
@@ -6,15 +6,15 @@
 
 const olx_hooks *olx_get_hooks(void);
 
-// Memory aligned to 64 bytes, uninitialised; NULL when there is none or when count * size overflows. 0 bytes are
-// allowed.
+// Allocates uninitialised memory aligned to 64 bytes; NULL when there is none or when count * size overflows. 0 bytes
+// are allowed.
 void *olx_allocate(size_t count, size_t size_bytes);
-// Allocates as olx_allocate does, and fills the memory with zero.
+// Allocates memory as olx_allocate does, and fills it with zero.
 void *olx_allocate_zero(size_t count, size_t size_bytes);
-// NULL is allowed.
+// Releases memory of olx_allocate. NULL is allowed.
 void olx_release(void *memory);
 
-// A copy of a string, or NULL when there is no memory.
+// Returns a copy of a string, or NULL when there is no memory.
 char *olx_copy_string(const char *text);
 
 void olx_log(olx_log_level level, const char *format, ...) __attribute__((format(printf, 2, 3)));

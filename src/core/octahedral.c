@@ -15,7 +15,7 @@ static point corner(uint32_t x, uint32_t y, uint32_t n) {
   return q;
 }
 
-// Van Oosterom and Strackee 1983.
+// Returns the solid angle of a spherical triangle (Van Oosterom and Strackee 1983).
 static double triangle_solid_angle(point a, point b, point c) {
   const double la = sqrt(a.x * a.x + a.y * a.y + a.z * a.z), lb = sqrt(b.x * b.x + b.y * b.y + b.z * b.z),
                lc = sqrt(c.x * c.x + c.y * c.y + c.z * c.z);
@@ -26,8 +26,8 @@ static double triangle_solid_angle(point a, point b, point c) {
 }
 
 double olx_texel_solid_angle(uint32_t x, uint32_t y, uint32_t n) {
-  // On the outer boundary several corners share a direction but not a sign of zero; mirroring into the quadrant u, v >=
-  // 0 keeps every corner on one side.
+  // On the outer boundary, several corners have the same direction but differ in the sign of zero; mirroring into the
+  // quadrant u, v >= 0 keeps all corners on one side.
   const uint32_t h = n / 2, i = x >= h ? x - h : h - 1 - x, j = y >= h ? y - h : h - 1 - y;
   const point a = corner(h + i, h + j, n), b = corner(h + i + 1, h + j, n), c = corner(h + i, h + j + 1, n),
               d = corner(h + i + 1, h + j + 1, n);

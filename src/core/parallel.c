@@ -1,5 +1,5 @@
-// Runs the parallel loop on POSIX threads or on the host's hook, and keeps the progress and the cancellation of the
-// task that each thread works on.
+// Runs the parallel loop on POSIX threads or through the host's hook, and keeps the progress and the cancellation of
+// each thread's task.
 #include "core/parallel.h"
 
 #include "core/hooks.h"
@@ -7,7 +7,7 @@
 
 enum { REPORT_INTERVAL_MS = 100 };
 
-// The innermost task that this thread has begun and not ended.
+// The innermost task that this thread has begun and not yet ended.
 static _Thread_local olx_task *current_task;
 
 void olx_task_begin(olx_task *task, const olx_progress *progress, const char *stage, uint64_t total_units) {
@@ -39,7 +39,8 @@ void olx_task_advance(olx_task *task, uint64_t units) {
   if (!task->progress || !task->progress->report) return;
   if (last) olx_lock_take(&task->report_lock);
   else if (!report_due(task) || !olx_lock_try(&task->report_lock)) return;
-  // Another thread may have reported, or been told to stop, since; read under the lock, what is done never goes back.
+  // Another thread may have reported or cancelled in the meantime; reading progress under the lock keeps it from going
+  // back.
   if (!atomic_load(&task->cancelled) && (last || report_due(task))) {
     atomic_store(&task->last_report_ms, (uint64_t)(olx_seconds() * 1e3));
     const float share = (float)((double)atomic_load(&task->done_units) / (double)task->total_units);

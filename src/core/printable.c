@@ -1,11 +1,11 @@
-// Makes text from files fit for terminals and logs. This is the one place that escapes it.
+// Makes text from files safe for terminals and logs. No other code escapes such text.
 #include <octalux/base.h>
 
 #include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
-// How many bytes the UTF-8 character at `text` has; 0 when it is none, or a control character.
+// Returns the number of bytes of the UTF-8 character at `text`; 0 when it is invalid or a control character.
 static size_t character_bytes(const unsigned char *text) {
   if (text[0] < 0x80) return text[0] >= 0x20 && text[0] != 0x7F ? 1 : 0;
   const size_t count = text[0] >= 0xC2 && text[0] <= 0xDF   ? 2

@@ -7,7 +7,7 @@
 static _Thread_local char last_error[1024];
 
 olx_result olx_fail(olx_result result, const char *format, ...) {
-  // A message may quote the previous one, so build it aside first.
+  // A message may quote the previous one, so the new one is built in a separate buffer.
   char message[sizeof last_error];
   va_list arguments;
   va_start(arguments, format);

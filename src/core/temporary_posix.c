@@ -1,5 +1,5 @@
-// Makes temporary files: unnamed where the file system has such files (O_TMPFILE), else named and locked, so that files
-// that a program still writes can be told from files that a dead one left.
+// Creates temporary files: unnamed where the file system supports them (O_TMPFILE), else named and locked, so that
+// files still being written can be told from files that a dead program left.
 #include "core/temporary.h"
 
 #include "core/sampling.h"
@@ -31,7 +31,7 @@ bool olx_is_temporary_name(const char *name) {
          strspn(tag, "0123456789abcdef") == TAG_DIGITS && strcmp(tag + TAG_DIGITS, SUFFIX) == 0;
 }
 
-// Remove a temporary file unless its program holds the lock.
+// Removes a temporary file unless its program holds the lock.
 static void reclaim_file(int folder, const char *name) {
   const int descriptor = openat(folder, name, O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
   struct stat opened, named;
@@ -59,7 +59,7 @@ void olx_temporary_reclaim(int folder) {
 
 static void own_path(int descriptor, char path[64]) { snprintf(path, 64, "/proc/self/fd/%d", descriptor); }
 
-// A file without a name that can be given one; -1 where there are none.
+// Creates an unnamed file that can be named later; -1 where that is not supported.
 static int create_unnamed(int folder, mode_t mode) {
   const int descriptor = openat(folder, ".", O_TMPFILE | O_RDWR | O_CLOEXEC, mode);
   char path[64];
@@ -73,7 +73,7 @@ static int create_unnamed(int folder, mode_t mode) {
   return -1;
 }
 
-// Lock a file that was just created. False when another program took it for a dead one's and removes it.
+// Locks a file that was just created. False when another program took it for a dead program's and removes it.
 static bool lock_named(int descriptor) {
   struct stat status;
   if (flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return false;
@@ -92,7 +92,7 @@ static int create_named(int folder, mode_t mode, char name[32]) {
   return -1;
 }
 
-// Create the file in file->folder, which is closed when that fails.
+// Creates the file in file->folder, and closes the folder on failure.
 static int create_in_folder(mode_t mode, olx_temporary *file) {
   file->descriptor = create_unnamed(file->folder, mode);
   if (file->descriptor < 0) file->descriptor = create_named(file->folder, mode, file->name);
@@ -107,7 +107,7 @@ static int create_in_folder(mode_t mode, olx_temporary *file) {
 
 int olx_temporary_create(const char *folder, uint32_t mode, olx_temporary *file) {
   *file = (olx_temporary){.open = false};
-  // A folder that may be written but not read can neither be searched for what was left behind nor synced.
+  // A folder that may be written but not read can be neither searched for leftover files nor synced.
   file->folder = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (file->folder < 0 && errno == EACCES) file->folder = open(folder, O_PATH | O_DIRECTORY | O_CLOEXEC);
   if (file->folder < 0) return errno;
@@ -120,7 +120,7 @@ int olx_temporary_create_at(int folder, uint32_t mode, olx_temporary *file) {
   return file->folder < 0 ? errno : create_in_folder(mode, file);
 }
 
-// Give a file without a name a temporary one.
+// Gives an unnamed file a temporary name.
 static int link_unnamed(olx_temporary *file) {
   char path[64];
   own_path(file->descriptor, path);
@@ -139,8 +139,9 @@ static void close_both(olx_temporary *file) {
   file->open = false;
 }
 
-// The order matters when the power fails: content before a name, the temporary name before the final one, and that
-// before success is reported. A folder that cannot be synced is left to its file system.
+// Orders the steps for a power failure: the content is durable before the file has a name, the temporary name before
+// the final one, and the final one before success is reported. A folder that cannot be synced is left to its file
+// system.
 int olx_temporary_put(olx_temporary *file, const char *name) {
   int error = 0;
   if (fsync(file->descriptor) != 0 || (!file->name[0] && link_unnamed(file) != 0)) {

@@ -1,6 +1,5 @@
-// Implements threads, locks and clocks where nothing but C17 is known: loops run on the calling thread, or as the
-// host's hook runs them. Threads of a hook try again until a lock is free, which is held for the time of one report of
-// progress.
+// Implements threads, locks and clocks with nothing but C17: loops run on the calling thread, or on the threads of the
+// host's hook. Those threads spin on a lock, which is held only for one report of progress.
 #include "core/threads.h"
 
 #include <stdatomic.h>
@@ -29,7 +28,7 @@ bool olx_lock_try(olx_lock *lock) { return !atomic_flag_test_and_set(flag_of(loc
 
 void olx_lock_give(olx_lock *lock) { atomic_flag_clear(flag_of(lock)); }
 
-// The calendar's clock, which C17 has: it is monotonic unless somebody sets it.
+// Returns the time of C17's calendar clock, which is monotonic unless somebody sets it.
 double olx_seconds(void) {
   struct timespec now;
   timespec_get(&now, TIME_UTC);

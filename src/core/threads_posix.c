@@ -1,4 +1,4 @@
-// Implements the runtime's threads, locks and clocks by those of POSIX.
+// Implements the runtime's threads, locks and clocks with those of POSIX.
 #include "core/threads.h"
 
 #include <pthread.h>
@@ -23,7 +23,7 @@ void olx_run_threads(uint32_t threads, void (*body)(void *user), void *user) {
   pthread_t handles[MAX_THREADS];
   uint32_t started = 0;
   const uint32_t wanted = threads < MAX_THREADS ? threads : MAX_THREADS;
-  // A thread that cannot be started is no failure: this one does its share.
+  // A thread that cannot be started is not a failure, because this thread does its share.
   while (started + 1 < wanted && pthread_create(&handles[started], NULL, run_body, &b) == 0) started++;
   body(user);
   for (uint32_t i = 0; i < started; i++) pthread_join(handles[i], NULL);

@@ -1,5 +1,5 @@
-// Vectors of eight floats or integers, for code that does the same to eight things at once. Functions that use them are
-// compiled for AVX2 whatever the rest is compiled for, and must be called only where olx_wide_available.
+// Vectors of eight floats or integers, for code that computes eight results at once. Functions that use them are
+// compiled for AVX2 even if all else is not, and must be called only where olx_wide_available returns true.
 #ifndef OLX_CORE_WIDE_H
 #define OLX_CORE_WIDE_H
 

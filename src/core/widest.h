@@ -1,5 +1,5 @@
-// Before a function that is written for any machine: it is compiled for wider ones too, and chosen when the program
-// starts. Without contraction all of them round alike.
+// Marks a function that is also compiled for wider instruction sets; the widest one that the machine has is chosen when
+// the program starts. Without contraction, all versions round alike.
 #ifndef OLX_CORE_WIDEST_H
 #define OLX_CORE_WIDEST_H
 

@@ -1,4 +1,4 @@
-// Checks the chunk that holds bricks, and points into it; once it has passed, every index and every probe in it is in
+// Checks the chunk that holds bricks and points into it. Once it has passed, every index and every probe in it is in
 // range.
 #include "field/brick_data.h"
 

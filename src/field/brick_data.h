@@ -1,5 +1,5 @@
 // Bricks: cells of space that list the probes which see them. The structure lies in the file as it is read
-// (docs/format.md); src/bake builds it, src/select looks it up.
+// (docs/format.md). src/bake builds it, and src/select looks it up.
 #ifndef OLX_FIELD_BRICK_DATA_H
 #define OLX_FIELD_BRICK_DATA_H
 
@@ -9,10 +9,10 @@ enum {
   OLX_BRICK_SIDE = 4, // cells along the side of a brick
   OLX_BRICK_CELLS = OLX_BRICK_SIDE * OLX_BRICK_SIDE * OLX_BRICK_SIDE,
   OLX_BRICK_CELL_WORDS = OLX_BRICK_CELLS / 2,  // two cells a word
-  OLX_BRICK_PROBES = 8,                        // in a list
+  OLX_BRICK_PROBES = 8,                        // the most in a list
   OLX_BRICK_LIST_WORDS = OLX_BRICK_PROBES / 2, // two probes a word
   OLX_BRICK_MOST_LISTS = 1 << 16,
-  OLX_BRICK_NO_PROBE = 0xFFFF, // fills what a list leaves free
+  OLX_BRICK_NO_PROBE = 0xFFFF, // fills the free places of a list
   OLX_BRICK_MOST_PROBES = OLX_BRICK_NO_PROBE
 };
 
@@ -23,7 +23,7 @@ typedef struct olx_bricks_header {
   float origin[3];
   float cell_metres; // side of a cell
   uint32_t size[3];  // bricks along each axis
-  uint32_t divided;  // how many of them have cells of their own
+  uint32_t divided;  // number of bricks that have cells of their own
   uint32_t lists;
   uint32_t zero[7];
 } olx_bricks_header;
@@ -33,12 +33,12 @@ _Static_assert(sizeof(olx_bricks_header) == 64, "docs/format.md");
 // Pointers into the structure. Lists hold probes, best first; every number is in range once olx_bricks_open has passed.
 typedef struct olx_bricks {
   const olx_bricks_header *header; // NULL: the field has none
-  const uint32_t *index;           // a brick: its list, or OLX_BRICK_DIVIDED and which of the divided ones it is
-  const uint32_t *cells;           // a divided brick: OLX_BRICK_CELL_WORDS, two lists a word, the first in the low half
-  const uint32_t *lists;           // a list: OLX_BRICK_LIST_WORDS, two probes a word, the first in the low half
+  const uint32_t *index;           // number of a brick's list, or OLX_BRICK_DIVIDED and its number among the divided
+  const uint32_t *cells;           // of a divided brick: OLX_BRICK_CELL_WORDS, two list numbers a word, low half first
+  const uint32_t *lists;           // of a list: OLX_BRICK_LIST_WORDS, two probes a word, low half first
 } olx_bricks;
 
-// Check all of a structure and point into it. `name` begins the message.
+// Checks all of a structure and points into it. `name` begins the message.
 olx_result olx_bricks_open(const void *data, size_t size_bytes, uint32_t probe_count, const char *name,
                            olx_bricks *bricks);
 

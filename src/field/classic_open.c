@@ -1,5 +1,5 @@
-// Checks the chunks that hold the baseline's maps, and takes from them the description of the maps and, for every
-// probe, the box by which reflections are looked up.
+// Checks the chunks that hold classic maps, irradiance probes without visibility, and reads from them the description
+// of the maps and each probe's box for reflections.
 #include "core/result.h"
 #include "field/field_file.h"
 
@@ -11,7 +11,7 @@ static olx_result check_header(const olx_field *field, const olx_classic_header 
                   field->name, header->levels, header->table_side);
 }
 
-// What the header says becomes part of the field's description.
+// Copies what the header says into the field's description.
 static olx_result read_header(olx_field *field, const olx_chunk_file *file, const olx_chunk_shape *shape) {
   const void *data;
   OLX_TRY(olx_chunk_find_header(file, shape, &data));
@@ -27,12 +27,12 @@ static olx_result read_header(olx_field *field, const olx_chunk_file *file, cons
   return OLX_OK;
 }
 
-// False for NaN too.
+// Returns whether `middle` lies within a finite range; false for NaN too.
 static bool is_around(float low, float middle, float high) {
   return low >= -OLX_FIELD_MAX_LENGTH && low <= middle && middle <= high && high <= OLX_FIELD_MAX_LENGTH;
 }
 
-// Boxes are finite and hold their probes: the runtime relies on it.
+// Checks that boxes are finite and contain their probes, because the runtime relies on it.
 static olx_result check_boxes(const olx_field *field) {
   for (uint32_t i = 0; i < field->info.irradiance_probe_count; i++) {
     const olx_vec3 low = field->classic.boxes[i].low, p = field->irradiance_positions[i],
@@ -52,7 +52,7 @@ olx_result olx_classic_open(olx_field *field) {
   olx_chunk_shapes(&field->info, shapes);
   OLX_TRY(read_header(field, &file, &shapes[OLX_CHUNK_CLASSIC]));
   olx_chunk_shapes(&field->info, shapes);
-  // Classic maps come whole or not at all.
+  // A file holds all chunks of classic maps or none.
   for (uint32_t k = OLX_CHUNK_CLASSIC_IRRADIANCE; k <= OLX_CHUNK_CLASSIC_BOXES; k++) {
     OLX_TRY(
         olx_chunk_find_wanted(&file, &shapes[k], shapes[OLX_CHUNK_CLASSIC].type, field->classic.size > 0, &data[k]));

@@ -9,7 +9,7 @@
 #include <assert.h>
 #include <string.h>
 
-// The structures of the selectors that the description names, and no others.
+// Finds the structures of the selectors that the description names, and of no others.
 static olx_result find_selectors(olx_field *field, const olx_chunk_shape shapes[OLX_CHUNK_KINDS]) {
   const olx_chunk_file file = olx_field_file(field);
   for (olx_select select = OLX_SELECT_VORONOI; select < OLX_SELECT_STORED; select++) {
@@ -50,7 +50,7 @@ static olx_result refuse_unknown(const olx_chunk_file *file, const olx_field_inf
   return olx_chunk_refuse_unknown(file, required, count);
 }
 
-// Probe light in a field whose description has no irradiance probes, or normals beside geometry blocks.
+// Refuses probe light in a field whose description has no irradiance probes, and normals in one with geometry blocks.
 static olx_result refuse_undescribed(const olx_chunk_file *file, olx_chunk_kind kind, uint32_t type) {
   const olx_file_chunk *chunk;
   OLX_TRY(olx_chunk_find_any(file, type, &chunk));
@@ -60,7 +60,7 @@ static olx_result refuse_undescribed(const olx_chunk_file *file, olx_chunk_kind 
                   kind == OLX_CHUNK_NORMAL ? "geometry in blocks" : "no irradiance probes");
 }
 
-// The chunks whose sizes follow from the description; NULL for those that it does not ask for.
+// Finds the chunks whose sizes follow from the description; NULL for those that it does not call for.
 static olx_result find_described(const olx_chunk_file *file, const olx_field_info *info,
                                  const olx_chunk_shape shapes[OLX_CHUNK_KINDS], const void *data[OLX_CHUNK_KINDS]) {
   for (uint32_t k = 0; k < OLX_CHUNK_LIGHTS; k++) {
@@ -165,7 +165,7 @@ static olx_result check_structure(olx_field *field) {
                      "irradiance");
 }
 
-// Takes over the mapping, also when it fails.
+// Opens a field from a mapped file and takes ownership of the mapping, even when it fails.
 static olx_result open_data(const char *name, olx_mapped_file file, bool mapped, olx_field **opened) {
   olx_field *field = olx_allocate_zero(1, sizeof *field);
   char *copy = olx_copy_string(name);
@@ -205,7 +205,7 @@ olx_result olx_field_open_memory(const void *data, size_t size_bytes, olx_field 
   return open_data("field in memory", (olx_mapped_file){.data = data, .size_bytes = size_bytes}, false, field);
 }
 
-// The description has been the same since version 1.
+// Reads the description, whose layout has not changed since version 1.
 static olx_result describe_version_1(const olx_chunk_file *file, olx_field_info *info) {
   olx_file_kind kind = OLX_FIELD_KIND;
   kind.version = 1;

@@ -16,18 +16,18 @@
 
 #include <octalux/field.h>
 
-#define OLX_SELECT_STORED OLX_SELECT_EXHAUSTIVE // how many selectors may be baked in
+#define OLX_SELECT_STORED OLX_SELECT_EXHAUSTIVE // the number of selectors that may be baked in
 
-// Light field maps carry a one-texel border, so that filtering across the map's edges is exact: texel (x, y) of a
-// probe, x and y from -1 to n, lies at (y + 1) * (n + 2) + x + 1.
+// Light field maps carry a one-texel border, so that filtering across its edges is exact: texel (x, y) of a probe, x
+// and y from -1 to n, lies at (y + 1) * (n + 2) + x + 1.
 //
-// Distances are divided by distance_scale. The sign bit marks texels that see an emitter; +infinity is the sky.
+// Distances are divided by distance_scale. The sign bit marks texels that see an emitter; +infinity marks the sky.
 struct olx_field {
   const void *data; // the file
   size_t size_bytes;
-  bool mapped; // by us, to be unmapped
+  bool mapped; // whether the runtime mapped the file and must unmap it
   olx_field_info info;
-  double origin[3]; // that positions are relative to
+  double origin[3]; // positions are relative to this point
 
   const olx_vec3 *probe_positions;
   const uint8_t *probe_flags; // OLX_PROBE_*
@@ -35,30 +35,31 @@ struct olx_field {
   const uint8_t *irradiance_flags;
 
   uint32_t n, stride;       // radiance_size and n + 2
-  size_t texels;            // a light field map: stride * stride
-  const uint32_t *radiance; // R11G11B10F, `texels` a probe; NULL without probe light, as is all of irradiance probes
-  // The geometry of light field maps as texels, or as blocks, (n / 4)^2 a probe without border; NULL what it is not.
-  const uint16_t *normal;   // olx_normal_pack, the surface's normal on the probe's side
-  const uint16_t *distance; // half
+  size_t texels;            // of a light field map with its border: stride * stride
+  const uint32_t *radiance; // R11G11B10F, `texels` a probe; NULL without probe light, like every irradiance map
+  // The geometry of light field maps, either as texels or as blocks; what the field does not hold is NULL. There are (n
+  // / 4)^2 blocks a probe, without border.
+  const uint16_t *normal;   // olx_normal_pack of the surface's normal, on the probe's side
+  const uint16_t *distance; // half float
   const olx_geometry_block *geometry;
   olx_plane_pool planes; // of all probes
   olx_field_surfaces surfaces;
-  bool relit; // surfaces and volume hold the light of other lights than the bake's; `radiance` and `irradiance` that of the bake
+  bool relit; // surfaces and volume hold the light of changed lights; `radiance` and `irradiance` hold the bake's
 
   olx_pyramid_shape pyramid;
-  const uint16_t *least, *greatest; // halves: the pyramids over |distance|
+  const uint16_t *least, *greatest; // half floats: the pyramids over |distance|
 
   uint32_t irradiance_n, irradiance_stride;
   size_t irradiance_texels;
-  const uint32_t *irradiance; // R11G11B10F, W/m^2, indirect light only: emitters and sky left out; or, where this is NULL:
-  const uint16_t *harmonics;  // `harmonic_halves` a probe
+  const uint32_t *irradiance; // R11G11B10F, W/m^2, indirect light only, no emitters and sky; where NULL, see harmonics
+  const uint16_t *harmonics;  // half floats, `harmonic_halves` a probe
   uint32_t bands, harmonic_halves; // 0 for maps
-  const uint32_t *moments;    // two halves: mean distance (low 16 bits), mean squared distance; sky counts as 1
+  const uint32_t *moments;    // half floats: mean distance (low 16 bits), mean squared distance; the sky counts as 1
 
-  // What the selectors in info.select_mask were baked into, by olx_select; NULL and 0 where there is nothing.
+  // What olx_select baked for each selector in info.select_mask; NULL and 0 where it needs no data.
   const void *select_data[OLX_SELECT_STORED];
   size_t select_bytes[OLX_SELECT_STORED];
-  olx_bricks bricks; // into select_data
+  olx_bricks bricks; // points into select_data
 
   olx_classic_maps classic;
   olx_relight_data relight;
@@ -66,7 +67,7 @@ struct olx_field {
 
   float distance_scale;
 
-  char *name; // of the file, for messages
+  char *name; // name of the file, for messages
 };
 
 enum { OLX_PROBE_BURIED = 1 };

@@ -1,12 +1,12 @@
-// Lays down what the chunks of a field file are: their order, the shape of each that follows from the description, and
-// the description's own bytes and checks.
+// Defines the chunks of a field file: their order, the shape of each as it follows from the description, and the bytes
+// and checks of the description itself.
 #include "field/field_file.h"
 
 #include "core/result.h"
 
 #include <octalux/limits.h>
 
-// A map of surfaces, as texels or as blocks.
+// Returns the row of a map of surfaces, stored as texels or as blocks.
 static olx_chunk_row surface_row(const olx_field_info *info, uint32_t texel_type, uint32_t texel_bytes,
                                  uint32_t block_type, uint32_t block_bytes) {
   const uint64_t stride = info->radiance_size + 2, side = info->radiance_size / OLX_BLOCK_SIDE;
@@ -14,7 +14,7 @@ static olx_chunk_row surface_row(const olx_field_info *info, uint32_t texel_type
                           : (olx_chunk_row){texel_type, texel_bytes, stride * stride, info->probe_count};
 }
 
-// Distances of texels, or blocks in their place.
+// Returns the row of the geometry chunk: distances of texels, or blocks.
 static olx_chunk_row geometry_row(const olx_field_info *info) {
   const uint64_t stride = info->radiance_size + 2, side = info->radiance_size / OLX_BLOCK_SIDE;
   return info->geometry_blocks
@@ -74,7 +74,7 @@ void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHU
   for (uint32_t i = 0; i < OLX_CHUNK_KINDS; i++) shapes[i] = olx_chunk_shape_of(&table[i]);
 }
 
-// As measured in furnished rooms.
+// Expected sizes of what no description determines, measured in furnished rooms.
 enum { EXTRA_BYTES_A_TEXEL_INVERSE = 5, VOLUME_BYTES = 700000 };
 
 uint64_t olx_expected_extra_bytes(uint64_t probes, uint32_t radiance_size) {
@@ -145,7 +145,7 @@ static bool is_power_of_two_in(uint32_t size, uint32_t low, uint32_t high) {
   return size >= low && size <= high && (size & (size - 1)) == 0;
 }
 
-// False for NaN too.
+// Returns whether a length is within bounds; false for NaN too.
 static bool is_length(float f) { return fabsf(f) <= OLX_FIELD_MAX_LENGTH; }
 static bool is_place(olx_vec3 v) { return is_length(v.x) && is_length(v.y) && is_length(v.z); }
 
@@ -205,7 +205,7 @@ static olx_result check_sizes(const olx_field_info *info, const char *name, olx_
   return OLX_OK;
 }
 
-// Without irradiance probes nothing is said of them.
+// Checks that the fields for irradiance probes are 0 in a description without them.
 static olx_result check_no_irradiance_probes(const olx_field_info *info, const char *name, olx_result failure) {
   static const olx_grid none = {0};
   const bool silent = info->irradiance_size == 0 && info->irradiance_form == 0 &&
@@ -261,7 +261,7 @@ olx_result olx_field_info_read(const olx_chunk_file *file, olx_field_info *info)
   }
   *info = olx_field_info_load(stored);
   OLX_TRY(olx_field_info_check(info, file->name, OLX_ERROR_FORMAT));
-  // What the description holds must be what a writer makes of it: flags 0 or 1, what there is not 0.
+  // Writing the description again must give the same bytes: flags are 0 or 1, and unused values are 0.
   const olx_file_info again = olx_field_info_store(info);
   if (memcmp(&again, stored, sizeof again) == 0) return OLX_OK;
   return olx_fail(OLX_ERROR_FORMAT,
@@ -269,7 +269,7 @@ olx_result olx_field_info_read(const olx_chunk_file *file, olx_field_info *info)
                   file->name);
 }
 
-// Rounding of origin + index * spacing apart, probes stand where the grid says.
+// Returns whether a position lies on the grid, up to the rounding of origin + index * spacing.
 static bool stands_on(float position, float expected, float spacing) {
   return fabsf(position - expected) <= 1e-4f * spacing + 1e-6f * fabsf(expected);
 }

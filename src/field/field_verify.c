@@ -9,22 +9,22 @@
 
 #include <assert.h>
 
-// Means are of distances up to the scene's diagonal, 1, and of the sky, 1; probes may stand a little outside the scene.
+// Means are of distances up to the scene's diagonal, 1, and of the sky, 1; probes may lie slightly outside the scene.
 #define MAX_MEAN 1.01f
-// How far rounding to half precision moves mean^2 against the second moment: three half units in the last place, and
-// what the smallest halves lose.
+// How far rounding to half precision may raise mean^2 over the second moment: three half units in the last place, plus
+// what the smallest half floats lose.
 #define MOMENT_ROUNDING 0x1p-9f
 #define MOMENT_SMALLEST 0x1p-24f
 #define MAX_REFLECTANCE 2.0f
 
-// An exponent of 31 would be infinity or NaN.
+// Returns whether a colour has an exponent of 31, which would be infinity or NaN.
 static inline bool is_bad_color(uint32_t code) {
   return (code & 0x7C0u) == 0x7C0u || (code & 0x3E0000u) == 0x3E0000u || (code & 0xF8000000u) == 0xF8000000u;
 }
 
 static inline bool is_bad_normal(uint16_t code) { return (code & 0xFFu) > 254 || code >> 8 > 254; }
 
-// NaN, or a sky with the mark of an emitter.
+// Returns whether a distance is NaN, or the sky marked as an emitter.
 static inline bool is_bad_distance(uint16_t code) { return (code & 0x7FFFu) > 0x7C00u || code == 0xFC00u; }
 
 static inline bool is_bad_moments(uint32_t code) {
@@ -35,7 +35,8 @@ static inline bool is_bad_moments(uint32_t code) {
   return !possible || (code & 0x80008000u);
 }
 
-// Index of the first bad code, or count. The plain loop over all is what compilers make fast.
+// Defines a function that returns the index of the first bad code, or count. Compilers vectorise the plain loop over
+// all codes.
 #define FIRST_BAD(name, type, is_bad)                                                                                  \
   static size_t name(const type *codes, size_t count) {                                                                \
     uint32_t bad = 0;                                                                                                  \
@@ -212,8 +213,8 @@ static olx_result check_classic(const olx_field *field, uint32_t probe) {
   return OLX_OK;
 }
 
-// Scale and bias together are at most the light that a lobe without absorption could reflect; its form lets it gain a
-// little.
+// Checks the table of classic maps, irradiance probes without visibility. Scale plus bias is at most the light that a
+// lobe without absorption reflects; the fit may exceed it a little.
 static olx_result check_classic_table(const olx_field *field) {
   for (uint32_t i = 0; i < OLX_CLASSIC_TABLE_ENTRIES; i++) {
     const uint32_t code = field->classic.table[i];
@@ -245,13 +246,13 @@ static void run_check(void *user, uint32_t index) {
   while (index < first && !atomic_compare_exchange_weak(&c->first_bad, &first, index)) continue;
 }
 
-// Whatever the threads do, the first failure by index is the one that is reported.
+// Reports the first failure by index, in whatever order the threads run.
 static olx_result check_all(const olx_field *field, check_function check, uint32_t count) {
   checks c = {.field = field, .check = check};
   atomic_init(&c.first_bad, count);
   OLX_TRY(olx_parallel_for(count, 0, run_check, &c, NULL, 0));
   const uint32_t first = atomic_load(&c.first_bad);
-  // Once more, for the message: the last one is kept per thread.
+  // The last message is kept per thread, so the check runs again on this one.
   return first < count ? check(field, first) : OLX_OK;
 }
 

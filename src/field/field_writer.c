@@ -1,5 +1,5 @@
 // Writes a field file piece by piece in the order of its probes: adds borders and pyramids to maps, deduplicates tiles
-// of emission, and commits the file when all of it is there.
+// of emission, and commits the file when it is complete.
 #include "field/field_writer.h"
 
 #include "core/file.h"
@@ -21,14 +21,14 @@ struct olx_field_writer {
 
   olx_vec3 *probe_positions, *irradiance_positions;
   uint8_t *probe_flags, *irradiance_flags;
-  void *map;                  // one map with its border
-  uint16_t *least, *greatest; // one pyramid
-  uint16_t *block_least, *block_greatest; // what it is made over, where geometry is in blocks
-  olx_geometry_block *blocks;             // of one map, as the file has them
-  olx_plane_code *planes;                 // of all probes so far, since where they lie is known at the end
+  void *map;                  // a map with its border
+  uint16_t *least, *greatest; // a pyramid
+  uint16_t *block_least, *block_greatest; // the bounds of blocks from which the pyramid is built
+  olx_geometry_block *blocks;             // of one map, as the file stores them
+  olx_plane_code *planes;                 // of all probes so far; their offset is known only at the end
   uint32_t plane_count, most_planes;
   uint32_t *tile_index;       // of one map of emission
-  uint32_t tile[OLX_EMISSION_TILE_TEXELS], tile_count; // the tile of emission written last, and how many there are
+  uint32_t tile[OLX_EMISSION_TILE_TEXELS], tile_count; // the tile of emission written last, and the number of tiles
 };
 
 static void find_present(const olx_field_header *header, olx_field_layout *layout) {
@@ -146,7 +146,7 @@ static olx_result put_classic_header(olx_field_writer *writer, const olx_field_h
   return put_whole(writer, OLX_CHUNK_CLASSIC, &classic);
 }
 
-// The structure as readers check it, and what it says of the probes.
+// Checks the structure of the volume as readers do, and what it says of the probes.
 static olx_result check_volume(const olx_field_header *header, const char *path) {
   olx_volume volume;
   if (header->volume_bytes == 0) return OLX_OK;
@@ -201,14 +201,14 @@ failed:
   return result;
 }
 
-// Write the next record of a chunk.
+// Writes the next record of a chunk.
 static olx_result put(olx_field_writer *writer, olx_chunk_kind kind, uint32_t index, const void *data) {
   const uint64_t size_bytes = writer->layout.shapes[kind].record_bytes;
   XXH3_64bits_update(&writer->hashes[kind], data, size_bytes);
   return olx_output_write_at(&writer->file, writer->layout.offsets[kind] + index * size_bytes, data, size_bytes);
 }
 
-// A map of n x n texels with its border.
+// Adds a border to a map of n x n texels.
 static const void *add_border(olx_field_writer *writer, const void *source, uint32_t n, size_t texel_bytes) {
   const char *map = source;
   char *bordered = writer->map;
@@ -270,7 +270,7 @@ static olx_result append_planes(olx_field_writer *writer, const olx_plane_pool *
   return OLX_OK;
 }
 
-// Blocks name planes of the file, not of their own map.
+// Writes the blocks of a map with plane numbers that count from the start of the file's pool instead of the map's.
 static olx_result put_blocks(olx_field_writer *writer, uint32_t index, const olx_geometry_map *geometry) {
   const uint32_t n = writer->info.radiance_size, side = n / OLX_BLOCK_SIDE;
   for (uint32_t i = 0; i < side * side; i++) {
@@ -325,7 +325,7 @@ olx_result olx_field_writer_probe_blocks(olx_field_writer *writer, uint32_t inde
   return end_probe(writer, index, flags, result);
 }
 
-// Appends a tile to those of the file, unless it is the one before once more: one of an even sky is written once.
+// Appends a tile to the file unless it equals the one written before, so that the tiles of an even sky are stored once.
 static olx_result put_tile(olx_field_writer *writer, const uint32_t tile[OLX_EMISSION_TILE_TEXELS], uint32_t *entry) {
   static const uint32_t dark[OLX_EMISSION_TILE_TEXELS] = {0};
   *entry = 0;
@@ -399,7 +399,7 @@ olx_result olx_field_writer_irradiance(olx_field_writer *writer, uint32_t index,
   return result;
 }
 
-// The levels of radiance lie in one record.
+// Writes the levels of radiance of a probe as one record.
 static olx_result put_levels(olx_field_writer *writer, uint32_t index, const uint32_t *const *levels) {
   const uint64_t record = writer->layout.shapes[OLX_CHUNK_CLASSIC_RADIANCE].record_bytes;
   uint64_t offset = writer->layout.offsets[OLX_CHUNK_CLASSIC_RADIANCE] + index * record;
@@ -441,7 +441,7 @@ olx_result olx_field_writer_volume(olx_field_writer *writer, const uint16_t *irr
   return result;
 }
 
-// All probes are written, and where the chunks of unknown sizes lie is known.
+// Sets the offsets of the chunks whose sizes are known only once all probes are written.
 static void end_probes(olx_field_writer *writer) {
   olx_field_layout *layout = &writer->layout;
   olx_chunk_shape *shapes = layout->shapes;
@@ -472,7 +472,7 @@ olx_result olx_field_writer_relight(olx_field_writer *writer, const void *data, 
   return result;
 }
 
-// The description, the padding after every chunk, the chunk table and the header.
+// Writes the description, the padding after each chunk, the chunk table and the header.
 static olx_result write_frame(olx_field_writer *writer) {
   const olx_file_info info = olx_field_info_store(&writer->info);
   OLX_TRY(put_whole(writer, OLX_CHUNK_INFO, &info));

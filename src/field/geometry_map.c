@@ -1,8 +1,8 @@
-// Bounds of the distances that geometry blocks hold, from those of inverse depths: a point q of the octahedron at
+// Bounds the distances that geometry blocks hold, from bounds on their inverse depths: a point q of the octahedron at
 // inverse depth w is |q| / w away.
 #include "field/geometry_map.h"
 
-// The relative error that rounding may bring into a bound on distances.
+// The relative error that rounding may add to a bound on distances.
 static const float ROUNDING = 0x1p-20f;
 
 // Bounds on the length |q| of the unnormalised octahedral directions over a block. A fold goes from corner to corner,
@@ -26,7 +26,7 @@ static lengths lengths_of(olx_block_place place) {
   return l;
 }
 
-// Magnitudes, rounded down and up. What is finite stays finite below.
+// Rounds a magnitude down to a half float. What is finite stays finite.
 static uint16_t half_below(float f) {
   const uint16_t code = olx_half_pack(olx_min(f, 65504.0f));
   return (uint16_t)(code - (olx_half_unpack(code) > f));

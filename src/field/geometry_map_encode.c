@@ -1,4 +1,4 @@
-// Encodes maps of geometry, a row of blocks at a time, and gathers the planes that blocks name in one pool.
+// Encodes maps of geometry, a row of blocks at a time, and gathers the planes to which blocks refer in one pool.
 #include "field/geometry_map_encode.h"
 
 #include "core/hooks.h"

@@ -2,13 +2,13 @@
 // no writer stores.
 #include "field/harmonic_data.h"
 
-// What does not fit into a half stays finite.
+// Packs a value as a half float; values beyond its range are clamped so that they stay finite.
 static uint16_t pack_finite(float value) { return olx_half_pack(olx_clamp(value, -65504.0f, 65504.0f)); }
 
 void olx_harmonics_pack(const olx_vec3 *coefficients, uint32_t bands, uint16_t halves[OLX_HARMONICS_MOST_HALVES]) {
   const uint32_t count = olx_harmonics_count(bands);
   for (uint32_t i = 0; i < count; i++) {
-    // Ringing may leave the mean of no light at all a little below 0.
+    // Ringing may make the mean of zero light slightly negative.
     const olx_vec3 c = i == 0 ? olx_max_each(coefficients[0], olx_splat(0.0f)) : coefficients[i];
     halves[3 * i] = pack_finite(c.x);
     halves[3 * i + 1] = pack_finite(c.y);

@@ -1,16 +1,16 @@
-// The lights without area that a field keeps (LITE), as they would light a surface if nothing stood between.
+// Evaluates the lights without area that a field stores (LITE), without shadows.
 #ifndef OLX_FIELD_LIGHTS_H
 #define OLX_FIELD_LIGHTS_H
 
 #include "field/field_data.h"
 
-// What arrives from one light.
+// What a surface receives from one light.
 typedef struct olx_light_arrival {
   olx_vec3 direction;  // unit, from the surface to the light
-  olx_vec3 irradiance; // W/m^2 on a surface that faces the light, shadows left out
+  olx_vec3 irradiance; // W/m^2 on a surface that faces the light, without shadows
 } olx_light_arrival;
 
-// The share of a spot's light at an angle of this cosine off its axis (docs/maths.md, "Lights").
+// Returns the share of a spot's light at an angle of this cosine off its axis (docs/maths.md, "Lights").
 static inline float olx_field_light_cone(const olx_field_light *light, float cosine) {
   if (light->type != OLX_FIELD_SPOT || cosine >= light->cosine_inner) return 1.0f;
   if (cosine <= light->cosine_outer) return 0.0f;

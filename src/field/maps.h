@@ -1,4 +1,4 @@
-// Reading the maps of a field. Coordinates are in texels of the map without border.
+// Reads the maps of a field. Coordinates are in texels of the map without border.
 #ifndef OLX_FIELD_MAPS_H
 #define OLX_FIELD_MAPS_H
 
@@ -26,14 +26,14 @@ static inline olx_bilinear olx_bilinear_at(olx_vec2 uv, uint32_t n) {
   };
 }
 
-// The texel of a light field map that a direction falls into.
+// Returns the texel of a light field map into which a direction falls.
 static inline size_t olx_texel_towards(const olx_field *field, olx_vec3 direction) {
   const olx_vec2 uv = olx_octahedral_encode(direction);
   const float n = (float)field->n;
   return olx_map_index(field->stride, (int32_t)olx_min(uv.x * n, n - 1.0f), (int32_t)olx_min(uv.y * n, n - 1.0f));
 }
 
-// The texel inside the map that a texel stands for, which may be one of the border.
+// Finds the texel (x, y) inside the map of which a texel, perhaps of the border, is a copy.
 static inline void olx_texel_source(const olx_field *field, size_t texel, uint32_t *x, uint32_t *y) {
   const uint32_t at = (uint32_t)texel, stride = field->stride;
   int32_t source_x, source_y;
@@ -42,10 +42,10 @@ static inline void olx_texel_source(const olx_field *field, size_t texel, uint32
   *y = (uint32_t)source_y;
 }
 
-// Where texel (x, y), none of the border, lies in a field's maps of blocks.
+// The place of texel (x, y), not of the border, in a field's maps of blocks.
 typedef struct olx_texel_block {
   size_t block;
-  uint32_t texel; // of the block, row by row
+  uint32_t texel; // in the block, row by row
 } olx_texel_block;
 
 static inline olx_texel_block olx_block_at(const olx_field *field, uint32_t probe, uint32_t x, uint32_t y) {
@@ -60,17 +60,17 @@ static inline olx_texel_block olx_texel_block_of(const olx_field *field, uint32_
   return olx_block_at(field, probe, x, y);
 }
 
-// The plane that texel (x, y) of a field of geometry blocks sees, over all of its extent; 0 for the sky.
+// Returns the plane that texel (x, y) of a field of geometry blocks sees over its whole extent; 0 for the sky.
 static inline olx_vec3 olx_block_plane(const olx_field *field, uint32_t probe, uint32_t x, uint32_t y) {
   const olx_texel_block at = olx_block_at(field, probe, x, y);
   const olx_block_place place = {field->n, x / OLX_BLOCK_SIDE, y / OLX_BLOCK_SIDE};
   return olx_geometry_plane(&field->geometry[at.block], &field->planes, place, at.texel);
 }
 
-// What a texel sees along its direction.
+// What a texel sees in its direction.
 typedef struct olx_texel_geometry {
   float distance;  // metres; infinite for the sky
-  olx_vec3 normal; // of the surface, on the probe's side; means nothing for the sky
+  olx_vec3 normal; // of the surface, on the probe's side; undefined for the sky
 } olx_texel_geometry;
 
 static inline olx_texel_geometry olx_block_geometry(const olx_field *field, uint32_t probe, size_t texel) {
@@ -80,7 +80,7 @@ static inline olx_texel_geometry olx_block_geometry(const olx_field *field, uint
   return (olx_texel_geometry){olx_plane_distance(plane, olx_texel_direction(x, y, field->n)), olx_plane_normal(plane)};
 }
 
-// Distance of a texel's surface in metres; infinite for the sky.
+// Returns the distance of a texel's surface in metres; infinite for the sky.
 static inline float olx_texel_distance(const olx_field *field, uint32_t probe, size_t texel) {
   if (field->geometry) return olx_block_geometry(field, probe, texel).distance;
   return olx_half_unpack(field->distance[field->texels * probe + texel] & 0x7FFFu) * field->distance_scale;
@@ -91,7 +91,7 @@ static inline olx_vec3 olx_texel_normal(const olx_field *field, uint32_t probe, 
   return olx_normal_unpack(field->normal[field->texels * probe + texel]);
 }
 
-// The distance and the normal of a texel, decoded together.
+// Decodes the distance and the normal of a texel together.
 static inline olx_texel_geometry olx_texel_geometry_of(const olx_field *field, uint32_t probe, size_t texel) {
   if (field->geometry) return olx_block_geometry(field, probe, texel);
   return (olx_texel_geometry){olx_texel_distance(field, probe, texel), olx_texel_normal(field, probe, texel)};

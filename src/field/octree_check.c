@@ -25,8 +25,8 @@ olx_result olx_octree_check(const olx_field *field) {
   return OLX_OK;
 }
 
-// Nodes come level by level, so each can hold one value alone: inner nodes claim the blocks of children in turn, leaves
-// count up. A tree that passes has no cycle, no node that is reached twice and none that is not reached.
+// Checks the nodes. They are stored level by level, so each has exactly one valid value: inner nodes take the blocks of
+// children in order, and leaves count up. A tree that passes has no cycle, and every node is reached exactly once.
 static olx_result verify_nodes(const olx_field *field, const olx_octree_header *header) {
   const uint32_t *nodes = (const uint32_t *)(header + 1);
   uint32_t inner = 0, leaves = 0, level = 0, level_end = 1;

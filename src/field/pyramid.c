@@ -1,4 +1,4 @@
-// Makes the pyramids over a probe's distances: the smallest and the largest distance in squares of texels, level above
+// Builds the pyramids over a probe's distances: the smallest and the largest distance in squares of texels, level above
 // level, in tiles that keep the children of a node together.
 #include "field/pyramid.h"
 
@@ -16,7 +16,7 @@ olx_pyramid_shape olx_pyramid_shape_of(uint32_t n, bool over_blocks) {
   return shape;
 }
 
-// Without their sign, halves are ordered as integers are.
+// Returns the smaller or the larger of two half floats. Without their sign, half floats are ordered as integers are.
 typedef uint16_t (*choice)(uint16_t a, uint16_t b);
 static uint16_t smaller(uint16_t a, uint16_t b) { return a < b ? a : b; }
 static uint16_t larger(uint16_t a, uint16_t b) { return a > b ? a : b; }
@@ -33,7 +33,7 @@ static inline uint16_t of_squares(const uint16_t *squares, uint32_t stride, uint
 
 static inline uint16_t of_nodes(const olx_pyramid_shape *shape, const uint16_t *nodes, uint32_t level, uint32_t x,
                                 uint32_t y, choice choose) {
-  // The nodes below one lie together, in tiles; the level below has four a side and more.
+  // The children of a node lie together in one tile, because the level below has at least four nodes a side.
   const uint16_t *below =
       nodes + shape->first[level - 1] + olx_pyramid_index(shape->side[level - 1], x << OLX_PYRAMID_STEP, y << OLX_PYRAMID_STEP);
   uint16_t chosen = below[0];

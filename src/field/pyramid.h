@@ -1,5 +1,6 @@
-// The pyramids over a probe's distances (Wang 2018, section 4.3): the smallest one in squares of 4, 16, 64, 256 texels
-// a side, and the largest in those from 16 on. docs/format.md gives their layout in the file, which is that in memory.
+// The pyramids over a probe's distances (Wang 2018, section 4.3): the smallest distance in squares of 4, 16, 64, 256
+// texels a side, and the largest in squares from 16 on. docs/format.md gives their layout, which is the same in the
+// file and in memory.
 #ifndef OLX_FIELD_PYRAMID_H
 #define OLX_FIELD_PYRAMID_H
 
@@ -10,35 +11,36 @@
 enum {
   OLX_PYRAMID_MAX_LEVELS = 4,
   OLX_PYRAMID_FINEST = 2, // log2 of the texels along a side of a node of level 0
-  OLX_PYRAMID_STEP = 2    // log2 of a node's sides in nodes of the level below
+  OLX_PYRAMID_STEP = 2    // log2 of the side of a node, in nodes of the level below
 };
 
 // Level 0 is the finest; every level above it has at least four nodes a side.
 typedef struct olx_pyramid_shape {
   uint32_t levels;
-  uint32_t side[OLX_PYRAMID_MAX_LEVELS];  // nodes along the map
+  uint32_t side[OLX_PYRAMID_MAX_LEVELS];  // index of a level's first node in a probe's record, the coarsest level first
   uint32_t first[OLX_PYRAMID_MAX_LEVELS]; // where the level begins in the record of a probe: the coarsest comes first
   uint32_t least_level;                   // the finest level of smallest distances
-  uint32_t least_nodes;                   // in a record of these
-  uint32_t greatest_level;                // the finest level of largest distances: 1, or 0 when there is no other
-  uint32_t greatest_nodes;                // in a record of these
+  uint32_t least_nodes;                   // in a probe's record of smallest distances
+  uint32_t greatest_level;                // the finest level of largest distances: 1, or 0 when there is only one level
+  uint32_t greatest_nodes;                // in a probe's record of largest distances
 } olx_pyramid_shape;
 
-// Over geometry blocks, which are nodes of level 0 themselves, both begin with the level of largest distances.
+// Returns the shape of the pyramids for maps of n x n texels. Geometry blocks are nodes of level 0 themselves, so over
+// them both pyramids begin with the level of largest distances.
 olx_pyramid_shape olx_pyramid_shape_of(uint32_t n, bool over_blocks);
 
-// log2 of the texels along the side of a node.
+// Returns log2 of the texels along the side of a node.
 static inline uint32_t olx_pyramid_shift(uint32_t level) { return OLX_PYRAMID_FINEST + OLX_PYRAMID_STEP * level; }
 
-// Where a node lies within its level: tiles of 4 x 4 nodes, so that those under one parent lie together.
+// Returns the index of a node within its level. Tiles of 4 x 4 nodes keep the children of one parent together.
 static inline uint32_t olx_pyramid_index(uint32_t side, uint32_t x, uint32_t y) {
   if (side < 4) return y * side + x;
   return ((y >> 2) * (side >> 2) + (x >> 2)) * 16 + (y & 3u) * 4 + (x & 3u);
 }
 
-// What a pyramid is made over, in the bits of halves: squares of 2^shift texels a side, row by row from texel (0, 0)
-// on, rows `stride` apart. Texels have shift 0 and one array for both, perhaps within a border; the sign is not looked
-// at.
+// The distances from which a pyramid is built, as bits of half floats: squares of 2^shift texels a side, row by row
+// from texel (0, 0) on, rows `stride` apart. Texels have shift 0 and one array for both bounds, perhaps within a
+// border; their sign is ignored.
 typedef struct olx_pyramid_base {
   const uint16_t *least, *greatest;
   uint32_t stride, shift;
@@ -48,13 +50,13 @@ static inline olx_pyramid_base olx_pyramid_over_texels(const uint16_t *distance,
   return (olx_pyramid_base){distance, distance, stride, 0};
 }
 
-// What a node must hold. Above its pyramid's finest level it is made of those below it in `nodes`.
+// Returns the value of a node. Above its pyramid's finest level it is computed from its children in `nodes`.
 uint16_t olx_pyramid_least(const olx_pyramid_shape *shape, const olx_pyramid_base *base, const uint16_t *nodes,
                            uint32_t level, uint32_t x, uint32_t y);
 uint16_t olx_pyramid_greatest(const olx_pyramid_shape *shape, const olx_pyramid_base *base, const uint16_t *nodes,
                               uint32_t level, uint32_t x, uint32_t y);
 
-// Both records of a probe.
+// Writes the pyramids of smallest and of largest distances of a probe.
 void olx_pyramid_make(const olx_pyramid_shape *shape, const olx_pyramid_base *base, uint16_t *least,
                       uint16_t *greatest);
 

@@ -1,7 +1,7 @@
-// What a field holds so that its light can change: surfels, points of the scene's surfaces that are lit and light each
-// other; links, which say whose light arrives at each; and by which of them the texels of light field probes, and the
-// probes of the irradiance volume, are lit (docs/format.md, "Relighting"). The structure lies in the file as it is
-// read; src/bake builds it.
+// What a field stores so that its light can change (docs/format.md, "Relighting"): surfels, which are points on the
+// scene's surfaces that receive light and reflect it; links, which say from which surfels light arrives at each; and
+// the surfels that light the texels of light field probes and the probes of the irradiance volume. The structure lies
+// in the file as it is read; src/bake builds it.
 #ifndef OLX_FIELD_RELIGHT_DATA_H
 #define OLX_FIELD_RELIGHT_DATA_H
 
@@ -10,19 +10,19 @@
 #include <octalux/base.h>
 
 enum {
-  OLX_RELIGHT_POINTS = 8,      // of a surfel, at which its direct light is taken
+  OLX_RELIGHT_POINTS = 8,      // of a surfel, at which its direct light is sampled
   OLX_RELIGHT_BLOCK = 4,       // texels along a side of a block
   OLX_RELIGHT_BLOCK_SITES = 4, // of a block, at most
   OLX_RELIGHT_MOST_SURFELS = 1u << 24,
-  OLX_RELIGHT_MOST = 1u << 28, // of anything else that the structure counts
+  OLX_RELIGHT_MOST = 1u << 28, // the most of anything else that the structure counts
 };
 
 #define OLX_RELIGHT_NO_SITE UINT32_MAX // of a block that sees the sky alone
 
-// RLIT begins with it; the arrays of olx_relight_data follow in their order.
+// The header with which RLIT begins; the arrays of olx_relight_data follow in their order.
 typedef struct olx_relight_header {
   uint32_t surfels, links, sites, entries, volume_links;
-  uint32_t blocks, volume_probes; // of the whole field
+  uint32_t blocks, volume_probes; // in the whole field
   uint32_t zero[9];
 } olx_relight_header;
 
@@ -31,42 +31,43 @@ _Static_assert(sizeof(olx_relight_header) == 64, "docs/format.md");
 typedef struct olx_relight_surfel {
   float points[OLX_RELIGHT_POINTS][3]; // metres, a little off the surface
   uint32_t normal;                     // olx_normal_pack
-  uint32_t irradiance;                 // RGB9E5, W/m^2: indirect, as baked
-  // What its surface reflects, 255 is 1: luminance of the diffuse lobe's and of the specular lobe's light, averaged
-  // over views, of F0, and alpha, the square of roughness.
+  uint32_t irradiance;                 // RGB9E5, W/m^2: indirect light, as baked
+  // What its surface reflects, where 255 is 1: the luminance of the diffuse and of the specular reflectance, averaged
+  // over views, the luminance of F0, and alpha, the square of roughness.
   uint8_t diffuse, specular, f0, alpha;
 } olx_relight_surfel;
 
 _Static_assert(sizeof(olx_relight_surfel) == 108, "docs/format.md");
 
-// Irradiance at a surfel, direct and indirect, times the weight arrives by this link.
+// A link carries light from one surfel to another: the irradiance at its source, direct and indirect, times the weight.
 typedef struct olx_relight_link {
   uint32_t
-      from_straight; // bits 0 to 23: the surfel; above: the share of the weight, 255 is all, that no specular surface passed on
-  uint32_t weight; // RGB9E5
+      from_straight; // bits 0 to 23: the surfel; above: the weight's share that met no specular surface, 255 is all
+  uint32_t weight;   // RGB9E5
 } olx_relight_link;
 
 static inline uint32_t olx_relight_link_from(const olx_relight_link *link) { return link->from_straight & 0xFFFFFFu; }
 
-// 4 x 4 texels of a light field map. Texel i, rows one after the other, has the site first_site + (which >> 2 i & 3).
+// A block of 4 x 4 texels of a light field map. Texel i, row by row, has the site first_site + (which >> 2 i & 3).
 typedef struct olx_relight_block {
   uint32_t first_site; // or OLX_RELIGHT_NO_SITE
   uint32_t which;
 } olx_relight_block;
 
-// A surfel whose indirect light counts for a site: at the first and the last texel of the block's first row, then of
-// its last row. The weights of a site's entries sum to 255 at each; texels between interpolate.
+// A surfel whose indirect light counts for a site, with a weight at each corner of the block: the first and the last
+// texel of its first row, then of its last row. At each corner, the weights of a site's entries sum to 255; between
+// corners, weights are interpolated.
 typedef struct olx_relight_entry {
   uint32_t surfel;
   uint8_t weights[4];
 } olx_relight_entry;
 
-// Radiance that arrives at a probe of the irradiance volume is irradiance at `from` times the weight, which counts its
-// solid angle.
+// A link to a probe of the irradiance volume: the radiance that arrives is the irradiance at `from` times the weight,
+// which includes the solid angle.
 typedef struct olx_relight_volume_link {
   uint32_t from;
   uint32_t weight;       // RGB9E5
-  uint16_t direction[2]; // towards it: octahedral, 65535 is 1
+  uint16_t direction[2]; // towards the surfel: octahedral, 65535 is 1
 } olx_relight_volume_link;
 
 _Static_assert(sizeof(olx_relight_volume_link) == 12, "docs/format.md");
@@ -75,19 +76,19 @@ _Static_assert(sizeof(olx_relight_volume_link) == 12, "docs/format.md");
 typedef struct olx_relight_data {
   const olx_relight_header *header; // NULL: the field cannot be relit
   const olx_relight_surfel *surfels;
-  const uint32_t *link_starts; // of each surfel's links, and the end
+  const uint32_t *link_starts; // where each surfel's links begin, and the end
   const olx_relight_link *links;
-  const olx_relight_block *blocks; // rows of a map, probe after probe
-  const uint32_t *entry_starts;    // of each site's entries, and the end
+  const olx_relight_block *blocks; // row by row, probe after probe
+  const uint32_t *entry_starts;    // where each site's entries begin, and the end
   const olx_relight_entry *entries;
-  const uint32_t *volume_starts; // of each volume probe's links, and the end
+  const uint32_t *volume_starts; // where each volume probe's links begin, and the end
   const olx_relight_volume_link *volume_links;
 } olx_relight_data;
 
-// Bytes of the structure that a header describes.
+// Returns the size in bytes of the structure that a header describes.
 uint64_t olx_relight_structure_bytes(const olx_relight_header *header);
 
-// Point into a structure and check all of it. `name` begins the message.
+// Points into a structure and checks all of it. `name` begins the message.
 olx_result olx_relight_structure_open(const void *data, size_t size_bytes, const char *name, olx_relight_data *relight);
 
 #endif

@@ -1,4 +1,4 @@
-// Checks what a field holds for relighting when it is opened, so that relighting needs no checks: every number is in
+// Checks the data for relighting when a field is opened, so that relighting itself needs no checks: every number is in
 // range.
 #include "field/relight_data.h"
 
@@ -49,7 +49,7 @@ static olx_result check_header(const olx_relight_header *h, const char *name) {
   return OLX_OK;
 }
 
-// Whether `count` ranges follow each other from 0 to `end`.
+// Checks that `count` ranges follow each other without gaps from 0 to `end`.
 static olx_result check_starts(const uint32_t *starts, uint32_t count, uint32_t end, const char *what,
                                const char *name) {
   bool sound = starts[0] == 0 && starts[count] == end;
@@ -141,7 +141,7 @@ olx_result olx_relight_structure_open(const void *data, size_t size_bytes, const
   return OLX_OK;
 }
 
-// Light field maps and the volume must be those that the structure was made for.
+// Checks that light field maps and the volume are those for which the structure was built.
 static olx_result check_fit(const olx_field *field) {
   const olx_relight_header *h = field->relight.header;
   const uint64_t side = field->n / OLX_RELIGHT_BLOCK, blocks = side * side * field->info.probe_count;

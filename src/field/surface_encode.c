@@ -13,9 +13,9 @@
 
 enum { TEXELS = OLX_BLOCK_SIDE * OLX_BLOCK_SIDE };
 
-// What a block is made from.
+// The texels from which a block is encoded.
 typedef struct block_texels {
-  uint32_t base[TEXELS], counted; // a bit for each texel that is not sky
+  uint32_t base[TEXELS], counted; // counted: a bit for each texel that is not sky
   uint8_t roughness[TEXELS], reflectance[TEXELS];
   olx_vec3 direct[TEXELS], indirect[TEXELS];
   float brightness[TEXELS];

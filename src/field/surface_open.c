@@ -1,9 +1,9 @@
-// Finds the chunks of surfaces and lights in a field file, and judges what they hold.
+// Finds the chunks of surfaces and lights in a field file and checks what they hold.
 #include "core/result.h"
 #include "field/field_file.h"
 #include "field/texels.h"
 
-// The chunk of one kind when it is whole records of its shape, of any number.
+// Finds the chunk of one kind, which holds any number of whole records of its shape.
 static olx_result find_records(const olx_field *field, olx_chunk_kind kind, uint64_t most, const void **data,
                                uint32_t *count) {
   const olx_chunk_file file = olx_field_file(field);
@@ -70,7 +70,7 @@ static olx_result fail_at(const olx_field *field, const char *what, uint32_t pro
   return olx_fail(OLX_ERROR_FORMAT, "%s: %s of probe %u, texel (%u, %u): %s", field->name, what, probe, x, y, problem);
 }
 
-// The sky has neither material nor irradiance.
+// Checks that a sky texel has neither material nor irradiance.
 static olx_result check_sky(const olx_field *field, uint32_t probe, uint32_t x, uint32_t y) {
   const olx_field_surfaces *s = &field->surfaces;
   const size_t at = field->texels * probe + olx_map_index(field->stride, (int32_t)x, (int32_t)y);
@@ -98,7 +98,7 @@ static const char *check_light_block(const olx_bc6h_block *block, bool sky) {
   return sky && (w[0] != OLX_BC6H_BLACK || w[1] || w[2] || w[3]) ? "a block of sky that is not black" : NULL;
 }
 
-// The block whose first texel is (x, y).
+// Checks the blocks whose first texel is (x, y).
 static olx_result check_blocks(const olx_field *field, uint32_t probe, uint32_t x, uint32_t y) {
   static const olx_bc1_block no_base = {0};
   static const olx_bc5_block no_specular = {0};
@@ -115,7 +115,7 @@ static olx_result check_blocks(const olx_field *field, uint32_t probe, uint32_t 
   return sky && what ? fail_at(field, what, probe, x, y, "a block of sky that is not 0") : OLX_OK;
 }
 
-// Where distances have no mark, what has emission is an emitter or the sky.
+// Returns whether a texel may have emission: it is marked as an emitter or sees the sky, or distances have no mark.
 static bool may_emit(const olx_field *field, uint32_t probe, uint32_t x, uint32_t y) {
   if (field->geometry) return true;
   return field->distance[field->texels * probe + olx_map_index(field->stride, (int32_t)x, (int32_t)y)] >= 0x7C00u;

@@ -1,6 +1,6 @@
-// Reads what a texel of a light field probe holds of the surface that it sees. `texel` is an index into a bordered map
+// Reads what a texel of a light field probe stores of the surface that it sees. `texel` is an index into a bordered map
 // (olx_map_index, olx_texel_towards), whether the field holds texels or blocks. This header is the only place that
-// decodes these chunks. What it says of the sky, but for emission, means nothing.
+// decodes these chunks. For the sky, only emission is defined.
 #ifndef OLX_FIELD_TEXELS_H
 #define OLX_FIELD_TEXELS_H
 
@@ -8,7 +8,7 @@
 #include "core/bsdf.h"
 #include "field/maps.h"
 
-// What a texel's material is made of.
+// The stored codes of a texel's material.
 typedef struct olx_texel_material_codes {
   uint32_t base;
   uint16_t specular;
@@ -39,7 +39,7 @@ static inline olx_bsdf olx_material_unpack(olx_texel_material_codes codes) {
                        olx_byte_unpack_unit(codes.base >> 24), olx_byte_unpack_unit((uint32_t)codes.specular >> 8));
 }
 
-// What makes the surface's reflectance: base colour, and shares.
+// The parameters of a texel's reflectance: base colour, roughness, and the weights of its lobes.
 typedef struct olx_texel_parameters {
   olx_vec3 base_color;
   float roughness, metallic, specular_weight;
@@ -60,13 +60,13 @@ static inline olx_texel_parameters olx_texel_parameters_of(const olx_field *fiel
                                 olx_byte_unpack_unit(specular), r.metallic, r.specular_weight};
 }
 
-// How the surface reflects.
+// Returns the reflectance of the texel's surface.
 static inline olx_bsdf olx_texel_material(const olx_field *field, uint32_t probe, size_t texel) {
   const olx_texel_parameters p = olx_texel_parameters_of(field, probe, texel);
   return olx_bsdf_make(p.base_color, p.metallic, p.roughness, p.specular_weight);
 }
 
-// One of two maps, whichever there is.
+// Reads irradiance from a map of texels or a map of blocks, whichever the field has.
 static inline olx_vec3 olx_texel_irradiance(const olx_field *field, const uint32_t *texels,
                                             const olx_bc6h_block *blocks, uint32_t probe, size_t texel) {
   if (texels) return olx_rgb9e5_unpack(texels[field->texels * probe + texel]);
@@ -74,17 +74,17 @@ static inline olx_vec3 olx_texel_irradiance(const olx_field *field, const uint32
   return olx_bc6h_texel(&blocks[at.block], at.texel);
 }
 
-// Irradiance in W/m^2 that reaches the surface straight from emitters and the sky.
+// Returns the irradiance in W/m^2 that reaches the surface directly from emitters and the sky.
 static inline olx_vec3 olx_texel_direct(const olx_field *field, uint32_t probe, size_t texel) {
   return olx_texel_irradiance(field, field->surfaces.direct, field->surfaces.direct_blocks, probe, texel);
 }
 
-// Irradiance in W/m^2 of light that has at least one surface between emitter and texel.
+// Returns the irradiance in W/m^2 of light that met at least one surface between emitter and texel.
 static inline olx_vec3 olx_texel_indirect(const olx_field *field, uint32_t probe, size_t texel) {
   return olx_texel_irradiance(field, field->surfaces.indirect, field->surfaces.indirect_blocks, probe, texel);
 }
 
-// Fetches ahead what the functions above read.
+// Prefetches what the functions above read.
 static inline void olx_texel_prefetch(const olx_field *field, uint32_t probe, size_t texel) {
   const olx_field_surfaces *s = &field->surfaces;
   const size_t plain = field->texels * probe + texel, block = olx_texel_block_of(field, probe, texel).block;
@@ -94,26 +94,26 @@ static inline void olx_texel_prefetch(const olx_field *field, uint32_t probe, si
   __builtin_prefetch(s->indirect ? (const void *)&s->indirect[plain] : &s->indirect_blocks[block]);
 }
 
-// What a tile of emission holds for a texel, RGB9E5; 0 where nothing emits.
+// Returns the emission stored for a texel, RGB9E5; 0 where nothing emits.
 static inline uint32_t olx_texel_emission_code(const olx_field *field, uint32_t probe, size_t texel) {
   const olx_field_surfaces *s = &field->surfaces;
   uint32_t column, row;
   olx_texel_source(field, texel, &column, &row);
   const size_t tile = (size_t)(row / OLX_EMISSION_TILE) * s->tile_side + column / OLX_EMISSION_TILE;
   const uint32_t entry = s->emission[(size_t)s->tile_side * s->tile_side * probe + tile];
-  if (entry == 0 || entry > s->tile_count) return 0; // a damaged file may name what there is not
+  if (entry == 0 || entry > s->tile_count) return 0; // a damaged file may name a tile that does not exist
   const uint32_t inside = row % OLX_EMISSION_TILE * OLX_EMISSION_TILE + column % OLX_EMISSION_TILE;
   return s->tiles[(size_t)(entry - 1) * OLX_EMISSION_TILE_TEXELS + inside];
 }
 
-// Whether the texel sees an emitter. The sky is none.
+// Returns whether the texel sees an emitter. The sky does not count as one.
 static inline bool olx_texel_emits(const olx_field *field, uint32_t probe, size_t texel) {
   if (!field->geometry) return (field->distance[field->texels * probe + texel] & 0x8000u) != 0;
   return olx_texel_emission_code(field, probe, texel) != 0 && !olx_texel_is_sky(field, probe, texel);
 }
 
-// Radiance in W/(sr m^2) that an emitter sends towards the probe, or that of the sky; 0 for a surface that does not
-// emit.
+// Returns the radiance in W/(sr m^2) that an emitter sends towards the probe, or that of the sky; 0 for a surface that
+// does not emit.
 static inline olx_vec3 olx_texel_emission(const olx_field *field, uint32_t probe, size_t texel) {
   if (!field->geometry && field->distance[field->texels * probe + texel] < 0x7C00u) return olx_splat(0.0f);
   return olx_rgb9e5_unpack(olx_texel_emission_code(field, probe, texel));

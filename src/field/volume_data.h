@@ -1,5 +1,5 @@
-// The irradiance volume: probes in the corners of cells of free space, for what moves and for surfaces whose light is
-// stored nowhere. The structure lies in the file as it is read (docs/format.md, "Volume"); src/bake builds it,
+// The irradiance volume: probes at the corners of cells of free space. It lights moving objects, and surfaces whose
+// light is not stored. The structure lies in the file as it is read (docs/format.md, "Volume"). src/bake builds it, and
 // src/shade looks it up.
 #ifndef OLX_FIELD_VOLUME_DATA_H
 #define OLX_FIELD_VOLUME_DATA_H
@@ -15,14 +15,14 @@ enum {
   OLX_VOLUME_CORNERS = 8,
   OLX_VOLUME_BANDS = 3, // of spherical harmonics
   OLX_VOLUME_HALVES = 28,
-  OLX_VOLUME_MOST_SPLITS = 6, // one after the other
+  OLX_VOLUME_MOST_SPLITS = 6, // the most in succession
   OLX_VOLUME_LEVEL_SHIFT = 27
 };
 
-// Places are looked up so far before their surface, in sides of a cube: 1 / 4096 of the smallest cell.
+// How far in front of its surface a place is looked up, in sides of a cube: 1 / 4096 of the smallest cell.
 #define OLX_VOLUME_LIFT 0x1p-16f
 
-// What an entry names, in its two highest bits. An entry of 0 names nothing: no free space was found there.
+// What an entry refers to, in its two highest bits. An entry of 0 is empty: no free space was found there.
 #define OLX_VOLUME_KIND 0xC0000000u
 #define OLX_VOLUME_CELL 0x40000000u   // a cell; bits 27 to 29: how often its cube was halved
 #define OLX_VOLUME_BLOCK 0x80000000u  // 64 entries for the parts
@@ -39,7 +39,7 @@ typedef struct olx_volume_header {
 
 _Static_assert(sizeof(olx_volume_header) == 64, "docs/format.md");
 
-// A surface through a cell: places in front of it and behind it have probes of their own.
+// A plane that divides a cell where a surface passes through it: either side has probes of its own.
 typedef struct olx_volume_split {
   float normal[3], offset; // in front: dot(normal, position) > offset, metres
   uint32_t behind, front;  // entries
@@ -48,7 +48,7 @@ typedef struct olx_volume_split {
 
 _Static_assert(sizeof(olx_volume_split) == 32, "docs/format.md");
 
-// The probes of a cell's corners: bit 0 of the place among the eight is x, bit 1 y, bit 2 z.
+// The probes at a cell's corners: bit 0 of a corner is x, bit 1 is y, bit 2 is z.
 typedef struct olx_volume_cell {
   uint32_t probes[OLX_VOLUME_CORNERS];
 } olx_volume_cell;
@@ -60,29 +60,28 @@ typedef struct olx_volume {
   const uint32_t *blocks;          // OLX_VOLUME_BLOCK_ENTRIES each
   const olx_volume_split *splits;
   const olx_volume_cell *cells;
-  const olx_vec3 *positions;  // of probes
-  const uint16_t *irradiance; // OLX_VOLUME_HALVES a probe, as olx_harmonics_pack makes them
+  const olx_vec3 *positions;  // of the probes, metres
+  const uint16_t *irradiance; // OLX_VOLUME_HALVES a probe, as olx_harmonics_pack stores them
 } olx_volume;
 
-// Check all of a structure and point into it; positions and irradiance are the caller's to set. `name` begins the
-// message.
+// Checks all of a structure and points into it; the caller sets positions and irradiance. `name` begins the message.
 olx_result olx_volume_open(const void *data, size_t size_bytes, const char *name, olx_volume *volume);
 
-// The cell of a place, and how much each of its corners counts there.
+// The cell around a place, and the weight of each of its corners there.
 typedef struct olx_volume_place {
   const uint32_t *probes;
-  float weights[OLX_VOLUME_CORNERS]; // their sum is 1
+  float weights[OLX_VOLUME_CORNERS]; // they sum to 1
 } olx_volume_place;
 
 static inline uint32_t olx_volume_part(float coordinate, float parts) { return (uint32_t)(coordinate * parts); }
 
-// False where the volume has no cell.
+// Finds the cell around a place; false where the volume has none.
 static inline bool olx_volume_find(const olx_volume *v, olx_vec3 position, olx_volume_place *place) {
   const olx_volume_header *h = v->header;
   const float scale = 1.0f / h->cube_metres;
   const float x = (position.x - h->origin[0]) * scale, y = (position.y - h->origin[1]) * scale,
               z = (position.z - h->origin[2]) * scale;
-  // Written so that NaN is outside.
+  // This is written so that NaN is outside.
   if (!(x >= 0.0f && x < (float)h->size[0] && y >= 0.0f && y < (float)h->size[1] && z >= 0.0f &&
         z < (float)h->size[2])) {
     return false;
@@ -108,8 +107,8 @@ static inline bool olx_volume_find(const olx_volume *v, olx_vec3 position, olx_v
   return true;
 }
 
-// The cell of a place on a surface, or on an object, with that unit normal; false when there is none. The place is
-// looked up a little before the surface, because a sheet without thickness may divide the cell right there.
+// Finds the cell of a place on a surface or an object with that unit normal; false when there is none. The place is
+// looked up slightly in front of the surface, because a thin sheet may divide the cell exactly there.
 static inline bool olx_volume_find_at(const olx_volume *v, olx_vec3 position, olx_vec3 normal,
                                       olx_volume_place *place) {
   return olx_volume_find(v, olx_madd(position, normal, v->header->cube_metres * OLX_VOLUME_LIFT), place);

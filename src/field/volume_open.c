@@ -1,5 +1,5 @@
-// Checks an irradiance volume when a field is opened, so that looking it up needs no checks: every number is in range,
-// and no entry leads back to where it came from.
+// Checks an irradiance volume when a field is opened, so that lookups need no checks: every number is in range, and no
+// entry leads back to an earlier one.
 #include "core/result.h"
 #include "field/field_file.h"
 
@@ -28,9 +28,9 @@ static olx_result check_header(const olx_volume_header *h, const char *name) {
   return OLX_OK;
 }
 
-// Where an entry stands decides what it may name: blocks and splits with higher numbers than its own alone.
+// The blocks and splits to which an entry at some place may refer: only those with higher numbers than its own.
 typedef struct entry_place {
-  uint32_t first_block, first_split; // the lowest that it may name
+  uint32_t first_block, first_split; // the lowest to which it may refer
   bool blocks;
 } entry_place;
 
@@ -107,7 +107,7 @@ olx_result olx_volume_open(const void *data, size_t size_bytes, const char *name
   return OLX_OK;
 }
 
-// The chunks of a field: all three or none.
+// Opens the irradiance volume. A field has all three of its chunks or none.
 olx_result olx_field_volume_open(olx_field *field) {
   const olx_chunk_file file = olx_field_file(field);
   olx_chunk_shape shapes[OLX_CHUNK_KINDS];

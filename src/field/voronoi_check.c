@@ -36,7 +36,7 @@ bool olx_choices_are_sound(const uint32_t choices[OLX_CHOICES], uint32_t probe_c
   return true;
 }
 
-// Whether the probes from begin to end - 1 of the tree are split by the middle one.
+// Checks that the probes from begin to end - 1 of the tree are split by the middle one.
 static bool is_split(const olx_field *field, const uint32_t *order, uint32_t begin, uint32_t end, uint32_t axis) {
   if (end - begin < 2) return true;
   const uint32_t middle = olx_middle(begin, end), next = (axis + 1) % 3;

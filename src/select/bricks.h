@@ -1,11 +1,11 @@
-// The probes that see a place, from the bricks (docs/maths.md, "Choosing probes").
+// Finds the probes that see a place, from the bricks (docs/maths.md, "Choosing probes").
 #ifndef OLX_SELECT_BRICKS_H
 #define OLX_SELECT_BRICKS_H
 
 #include "core/vec.h"
 #include "field/brick_data.h"
 
-// The list of the cell that a point lies in; points outside count to the nearest cell.
+// Returns the list of the cell around a point; a point outside all cells gets the list of the nearest one.
 static inline const uint32_t *olx_bricks_list(const olx_bricks *bricks, olx_vec3 point) {
   const olx_bricks_header *h = bricks->header;
   const float place[3] = {point.x - h->origin[0], point.y - h->origin[1], point.z - h->origin[2]};
@@ -27,7 +27,7 @@ static inline const uint32_t *olx_bricks_list(const olx_bricks *bricks, olx_vec3
   return bricks->lists + (size_t)list * OLX_BRICK_LIST_WORDS;
 }
 
-// The i-th probe of a list, OLX_BRICK_NO_PROBE from its end on.
+// Returns the i-th probe of a list, OLX_BRICK_NO_PROBE beyond its end.
 static inline uint32_t olx_bricks_probe(const uint32_t *list, uint32_t i) {
   return list[i / 2] >> (i % 2 * 16) & 0xFFFFu;
 }

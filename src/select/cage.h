@@ -8,8 +8,8 @@
 // of the eight may be missing.
 typedef struct olx_cage {
   uint32_t base[3];
-  uint32_t corner_mask; // bits of i that name a distinct probe: 7 when every axis has two probes or more
-  float alpha[3];       // where the point stands in the cell, 0..1
+  uint32_t corner_mask; // bits of i that distinguish probes: 7 when every axis has two probes or more
+  float alpha[3];       // the point's position in the cell along each axis, 0..1
 } olx_cage;
 
 static inline float olx_axis(olx_vec3 v, uint32_t axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
@@ -36,7 +36,7 @@ static inline uint32_t olx_cage_probe(const olx_grid *grid, const olx_cage *cage
   return x + grid->count[0] * (y + grid->count[1] * z);
 }
 
-// Trilinear weight of a corner.
+// Returns the trilinear weight of a corner.
 static inline float olx_cage_weight(const olx_cage *cage, uint32_t corner) {
   float weight = 1.0f;
   for (uint32_t axis = 0; axis < 3; axis++) {

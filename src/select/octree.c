@@ -1,7 +1,7 @@
 // Descends the octree to the leaf that holds a point, and reads the probes that were baked into it.
 #include "select/octree.h"
 
-// The voxel of the finest level along one axis; the first one for NaN.
+// Returns the voxel of the finest level along one axis; the first one for NaN.
 static uint32_t voxel_at(float position, float low, float scale, uint32_t count) {
   const float x = (position - low) * scale;
   return x >= (float)count ? count - 1 : x > 0.0f ? (uint32_t)x : 0;

@@ -1,5 +1,4 @@
-// Decides which selector answers for a field: the one that was named where the field has it, otherwise the best there
-// is.
+// Chooses the selector for a field: the requested one where the field has it, else the best that the field has.
 #include "select/select.h"
 
 bool olx_select_available(const olx_field *field, olx_select select) {

@@ -1,34 +1,35 @@
-// Whether a probe sees a place, by the surface that it stores in that direction.
+// Decides whether a probe sees a place, by the surface that it stores in that direction.
 #ifndef OLX_SELECT_SIGHT_H
 #define OLX_SELECT_SIGHT_H
 
 #include "field/maps.h"
 
-// How far behind a stored surface a place may lie and still count as on it, in footprints of the texel.
-#define OLX_SIGHT_START 0.5f // of a ray
-#define OLX_SIGHT_STUCK 1.0f // where a ray went out of another probe's sight
+// How far behind a stored surface a place may lie and still count as on it, in footprints of the texel: at a ray's
+// start, and where another probe lost a ray.
+#define OLX_SIGHT_START 0.5f // at the start
+#define OLX_SIGHT_STUCK 1.0f // where another probe lost it
 
-// Surfels under flatter angles than this cosine count as under this one.
+// Surfels seen at flatter angles than this cosine are treated as if seen at this one.
 static const float OLX_SIGHT_LEAST_COSINE = 0.1f;
 
-// Side of a texel of an n x n map at distance 1: the root of its mean solid angle.
+// Returns the side of a texel of an n x n map at distance 1: the square root of its mean solid angle.
 static inline float olx_mean_texel_angle(uint32_t n) { return 3.5449077f / (float)n; }
 
-// As olx_probe_sees in a field of geometry blocks: `offset` from the probe falls into texel (x, y) at uv, whose plane
-// decides.
+// Implements olx_probe_sees for a field of geometry blocks: `offset` from the probe falls into texel (x, y) at uv, and
+// the texel's plane decides.
 static inline bool olx_plane_sees(const olx_field *field, uint32_t probe, olx_vec3 offset, olx_vec2 uv, uint32_t x,
                                   uint32_t y, float slack, const olx_vec3 *leaving) {
   const olx_vec3 plane = olx_block_plane(field, probe, x, y);
-  const float behind = olx_plane_depth(plane, offset) - 1.0f; // in distances of the plane from the probe
+  const float behind = olx_plane_depth(plane, offset) - 1.0f; // in units of the plane's distance from the probe
   const float footprint = olx_length(offset) * sqrtf(olx_texel_solid_angle_near(uv, field->n)) * olx_length(plane);
   if (behind > slack * footprint) return false;
   return !leaving || behind <= -footprint || !(olx_dot(plane, *leaving) > 0.0f);
 }
 
-// Whether `point` lies in front of the plane of the surfel that the probe stores there, or no more than `slack`
-// footprints behind it, or nearer to the probe than the texel's surface can reach. With `leaving`, the direction of a
-// ray that begins there: a point on the surface counts only when the ray leaves it towards the probe, because one that
-// goes into it has begun on the other side of something thin.
+// Returns whether the probe sees `point`: whether it lies in front of the plane of the surfel stored in its direction,
+// at most `slack` footprints behind it, or nearer to the probe than the texel's surface can reach. `leaving` is NULL or
+// the direction of a ray that begins at the point. Then a point on the surface counts only when the ray leaves towards
+// the probe, because a ray into the surface has begun on the other side of something thin.
 static inline bool olx_probe_sees(const olx_field *field, uint32_t probe, olx_vec3 point, float slack,
                                   const olx_vec3 *leaving) {
   const olx_vec3 offset = olx_sub(point, field->probe_positions[probe]);
@@ -50,8 +51,8 @@ static inline bool olx_probe_sees(const olx_field *field, uint32_t probe, olx_ve
   return !leaving || height >= footprint || olx_dot(normal, *leaving) >= 0.0f;
 }
 
-// Decides for several pairs of a probe and a place at once, as olx_probe_sees does; `leaving` is NULL or has a
-// direction for each.
+// Decides for several pairs of a probe and a place whether the probe sees the place, by olx_probe_sees; `leaving` is
+// NULL or has a direction for each pair.
 void olx_probes_see(const olx_field *field, uint32_t count, const uint32_t *probes, const olx_vec3 *points, float slack,
                     const olx_vec3 *leaving, bool *sees);
 

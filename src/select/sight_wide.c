@@ -1,5 +1,5 @@
-// Decides for eight probes at a time whether they see places, by AVX2, with the same result as the test of a single
-// probe to the last bit; machines without AVX2 take the probes one by one.
+// Decides for eight probes at a time whether they see places, using AVX2, with the same result to the last bit as the
+// test of a single probe. Machines without AVX2 test the probes one by one.
 #include "core/wide.h"
 #include "select/sight.h"
 
@@ -25,7 +25,7 @@ WIDE reals floor_of(reals a) { return __builtin_ia32_roundps256(a, 1); }
 WIDE reals root(reals a) { return __builtin_ia32_sqrtps256(a); }
 WIDE reals length(wide_vec3 a) { return root(dot(a, a)); }
 
-// As olx_octahedral_encode, olx_octahedral_point and olx_octahedral_decode.
+// These are olx_octahedral_encode, olx_octahedral_point and olx_octahedral_decode, eight lanes wide.
 WIDE wide_uv encode(wide_vec3 d) {
   const reals inverse = 1.0f / (magnitude(d.x) + magnitude(d.y) + magnitude(d.z)), x = d.x * inverse, z = d.z * inverse;
   const words folded = d.y < 0.0f;
@@ -46,7 +46,7 @@ WIDE wide_vec3 decode(wide_uv uv) {
   return (wide_vec3){q.x * inverse, q.y * inverse, q.z * inverse};
 }
 
-// As olx_plane_sees.
+// This is olx_plane_sees, eight lanes wide.
 WIDE uint32_t see_planes(const olx_field *field, const uint32_t *probes, wide_vec3 offset, wide_uv uv, reals x, reals y,
                          float slack, const olx_vec3 *leaving) {
   wide_vec3 plane;
@@ -64,7 +64,7 @@ WIDE uint32_t see_planes(const olx_field *field, const uint32_t *probes, wide_ve
   return bits(sees);
 }
 
-// As olx_probe_sees.
+// This is olx_probe_sees, eight lanes wide.
 WIDE uint32_t see(const olx_field *field, const uint32_t *probes, const olx_vec3 *points, float slack,
                   const olx_vec3 *leaving) {
   wide_vec3 offset;

@@ -1,10 +1,10 @@
-// Finds the nearest probe by a k-d tree, and the Delaunay neighbours nearest in angle to the direction in which a ray
-// is stuck.
+// Finds the nearest probe by a k-d tree, and the Delaunay neighbours whose directions are nearest in angle to the place
+// where a ray was lost.
 #include "select/voronoi.h"
 
 #include "core/octahedral.h"
 
-// Up to so many probes are looked at one by one: about where the tree begins to pay (docs/studies.md).
+// Up to this many probes are searched one by one; about here the tree begins to pay off (docs/studies.md).
 enum { FEW_PROBES = 64, MAX_DEPTH = 17 };
 
 typedef struct nearest {
@@ -30,8 +30,8 @@ typedef struct tree_range {
   float beyond;
 } tree_range;
 
-// Down to the point, leaving the other halves for later; then those that may hold a nearer one. Rounding is monotone,
-// so no probe beyond a plane comes out nearer than the plane.
+// Searches the tree: descends to the point, keeping the other halves for later, then visits those that may hold a
+// nearer probe. Rounding is monotone, so no probe beyond a plane has a smaller distance than the plane.
 static void search_tree(nearest *n) {
   const void *codes = olx_voronoi_codes(n->field);
   const size_t tree = olx_voronoi_tree(n->field);
@@ -66,7 +66,7 @@ uint32_t olx_voronoi_nearest(const olx_field *field, olx_vec3 point, bool buried
   return n.probe;
 }
 
-// Column or row of a coordinate in 0..1; 0 for NaN.
+// Returns the column or row of a coordinate in 0..1; 0 for NaN.
 static uint32_t choice_texel(float coordinate, uint32_t size) {
   const float x = coordinate * (float)size;
   return x >= (float)size ? size - 1 : x > 0.0f ? (uint32_t)x : 0;

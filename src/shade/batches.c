@@ -1,4 +1,4 @@
-// Evaluates many points at once, for callers to whom a call is dear, such as bindings of other languages.
+// Evaluates many points in one call, for callers to whom each call is expensive, such as bindings of other languages.
 #include <octalux/sample.h>
 
 void olx_surface_irradiance_points(const olx_field *field, const olx_sample_settings *settings, uint32_t count,

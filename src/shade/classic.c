@@ -1,4 +1,4 @@
-// Evaluates the baseline, irradiance probes without visibility: trilinear irradiance, and prefiltered radiance with
+// Evaluates classic maps, irradiance probes without visibility: trilinear irradiance, and prefiltered radiance with
 // parallax corrected by a box, times a tabulated reflectance.
 #include "shade/classic.h"
 
@@ -10,7 +10,7 @@ olx_result olx_classic_check(const olx_field *field) {
   return olx_fail(OLX_ERROR_ARGUMENT, "%s: baked without classic maps (octalux bake --classic adds them)", field->name);
 }
 
-// How far a ray goes along an axis until it leaves [low, high].
+// Returns the length of a ray along one axis until it leaves [low, high].
 static float way_out(float low, float high, float from, float direction) {
   if (direction == 0.0f) return INFINITY;
   return ((direction > 0.0f ? high : low) - from) / direction;
@@ -59,7 +59,7 @@ olx_vec3 olx_classic_radiance(const olx_classic_maps *maps, uint32_t probe, olx_
                   map_color(record + maps->level_first[below + 1], &coarse), level - (float)below);
 }
 
-// The baseline interpolates trilinearly and leaves out buried probes alone.
+// Weighs probes trilinearly; of the tests of visibility it keeps only that of buried probes (inside geometry).
 static olx_irradiance_weights weigh(const olx_field *field, const olx_sample_settings *settings, olx_vec3 position,
                                     olx_vec3 normal) {
   const olx_irradiance_source source = olx_irradiance_source_of(field);

@@ -1,14 +1,14 @@
-// Draws the further ray of glossy light, and adds up what it finds.
+// Draws the further ray of glossy light and computes its contribution.
 #include "shade/further.h"
 
 #include "core/sampling.h"
 #include "shade/emission.h"
 
-// Lobes that reflect less than this towards the eye, and those of rougher surfaces, take light from all directions
-// alike.
+// Lobes that reflect less than this towards the eye, and lobes of rougher surfaces, receive the mean light of all
+// directions.
 static const float LEAST_REFLECTANCE = 0.15f;
 static const float MOST_ROUGHNESS = 0.5f;
-// How far off the surface the ray starts, in footprints.
+// How far from the surface the ray starts, in footprints.
 static const float START_FOOTPRINTS = 0.1f;
 
 enum { SALT_FURTHER = 0x46555254 };

@@ -1,4 +1,4 @@
-// Draws rays from the specular lobe of a surface, traces them through the field, and weighs the light that they find.
+// Draws rays from the specular lobe of a surface, traces them through the field, and weights the light that they find.
 #include "shade/glossy.h"
 
 #include "shade/emission.h"

@@ -1,4 +1,4 @@
-// The rays that glossy light is gathered by.
+// The rays that gather glossy light.
 #ifndef OLX_SHADE_GLOSSY_H
 #define OLX_SHADE_GLOSSY_H
 
@@ -6,7 +6,8 @@
 
 #include <octalux/sample.h>
 
-// The ray that olx_glossy traces for these arguments; false when it lies below the surface, where *weight is 0.
+// Draws the ray that olx_glossy traces for these arguments; false when it lies below the surface, and then *weight is
+// 0.
 bool olx_glossy_draw(olx_vec3 normal, olx_vec3 view, float roughness, olx_vec2 random, olx_vec3 *direction,
                      float *weight, float *half_cosine);
 

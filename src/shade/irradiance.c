@@ -1,17 +1,19 @@
 // Interpolates irradiance between the probes of a cage, each weighted by Chebyshev's bound on its visibility, and falls
-// back on farther probes where the cage hardly sees the point.
+// back on more distant probes where the cage hardly sees the point.
 #include "shade/irradiance.h"
 
 #include <assert.h>
 
-// Half float moments are off by up to 2^-11 each, so the variance cannot be known better than about this share of r^2.
+// The least variance, as a share of r^2: moments are half floats with relative errors up to 2^-11, so smaller variances
+// are rounding.
 static const float VARIANCE_FLOOR = 1e-3f;
-// Weights below this are pressed down by the square of their share of it (after Majercik et al. 2019).
+// Weights below this are multiplied by the square of their ratio to it (after Majercik et al. 2019).
 static const float CRUSH_BELOW = 0.2f;
-// How far off the surface visibility is tested, as an angle seen from the probe: a texel of a map of this size, two
-// thirds of the deviation of the filter on distances (bake/quadrature.h), or of the map where that is coarser.
+// How far from the surface visibility is tested, as an angle seen from the probe: a texel of a map of this size, which
+// is two thirds of the standard deviation of the filter on distances (bake/quadrature.h), or a texel of the moments'
+// own map where that is coarser.
 static const float BIAS_MAP_SIZE = 32.0f;
-// When the weights of a cage sum to less than this, a probe from farther away fills the rest.
+// When the weights of a cage sum to less than this, a more distant probe supplies the rest.
 static const float TRUSTED_WEIGHT = 0.01f;
 
 typedef struct surface_point {
@@ -29,7 +31,7 @@ static olx_vec3 map_irradiance(const olx_irradiance_source *s, uint32_t probe, c
   return sum;
 }
 
-// Where irradiance for a normal lies in every probe's map, or the harmonics there.
+// Where irradiance for a normal lies in every probe's map, or the values of the harmonics for it.
 typedef struct normal_taps {
   olx_bilinear texels;
   float harmonics[OLX_HARMONICS_MOST];
@@ -47,7 +49,7 @@ static olx_vec3 probe_irradiance(const olx_irradiance_source *s, uint32_t probe,
   return olx_harmonics_irradiance(s->harmonics + (size_t)s->harmonic_halves * probe, s->bands, taps->harmonics);
 }
 
-// Mean and mean square of the distance, in metres.
+// Returns the mean distance in metres and the mean squared distance in square metres.
 static olx_vec2 map_moments(const olx_irradiance_source *s, uint32_t probe, olx_vec3 direction) {
   const olx_bilinear b = olx_bilinear_at(olx_octahedral_encode(direction), s->moments_n);
   const size_t offset = (size_t)(s->moments_n + 2) * (s->moments_n + 2) * probe;
@@ -66,7 +68,8 @@ static olx_vec2 map_moments(const olx_irradiance_source *s, uint32_t probe, olx_
   return (olx_vec2){sum.x * s->distance_scale, sum.y * s->distance_scale * s->distance_scale};
 }
 
-// An upper bound on the share of a probe's view around `offset` (from the probe) that is at least as far away.
+// Returns an upper bound on the share of a probe's view around `offset` (from the probe) that is at least as far away
+// as that.
 static float chebyshev(const olx_irradiance_source *s, uint32_t probe, olx_vec3 offset) {
   const olx_vec2 moments = map_moments(s, probe, offset);
   const float r = olx_length(offset), beyond = r - moments.x;
@@ -97,8 +100,8 @@ static float probe_weight(const olx_irradiance_source *s, uint32_t terms, uint32
   return weight;
 }
 
-// Finds the nearest visible probe of the 4 x 4 x 4 around a point that its cage hardly sees. False when none of them
-// sees it either.
+// Finds the nearest probe that sees a point, among the 4 x 4 x 4 around it, for a point that its cage hardly sees.
+// False when none of them sees it.
 static bool nearest_visible(const olx_irradiance_source *s, uint32_t terms, bool keep_buried, const surface_point *p,
                             const olx_cage *cage, uint32_t *nearest) {
   float nearest_distance = INFINITY;
@@ -107,7 +110,7 @@ static bool nearest_visible(const olx_irradiance_source *s, uint32_t terms, bool
     uint32_t at[3];
     bool inside = true;
     for (uint32_t axis = 0; axis < 3; axis++) {
-      at[axis] = cage->base[axis] + offset[axis] - 1u; // wraps to a huge number below 0
+      at[axis] = cage->base[axis] + offset[axis] - 1u; // a negative index wraps to a huge number
       inside = inside && at[axis] < s->grid.count[axis];
     }
     if (!inside) continue;
@@ -122,8 +125,8 @@ static bool nearest_visible(const olx_irradiance_source *s, uint32_t terms, bool
   return nearest_distance < INFINITY;
 }
 
-// Fills the rest of the weight where the cage sees too little of the point: by the nearest visible probe, or, with
-// none, by all of the cage alike.
+// Completes the weights where the cage sees too little of the point: with the nearest visible probe, or, if there is
+// none, with all probes of the cage equally.
 static void add_from_afar(const olx_irradiance_source *s, uint32_t terms, bool keep_buried, const surface_point *p,
                           const olx_cage *cage, float rest, olx_irradiance_weights *weights) {
   uint32_t nearest = 0;
@@ -148,7 +151,7 @@ olx_irradiance_weights olx_irradiance_weigh(const olx_irradiance_source *s, uint
   const surface_point p = {position, normal, view};
   const olx_cage cage = olx_cage_at(&s->grid, position);
   olx_irradiance_weights weights = {.count = 0};
-  if (!s->flags) return weights; // of a field without irradiance probes
+  if (!s->flags) return weights; // the field has no irradiance probes
   float sum = 0.0f;
   for (uint32_t corner = 0; corner < 8; corner++) {
     if (!olx_cage_has(&cage, corner)) continue;
@@ -178,7 +181,7 @@ static olx_vec3 weighted_irradiance(const olx_irradiance_source *s, const olx_ir
   for (uint32_t i = 0; i < weights->count; i++) {
     sum = olx_madd(sum, probe_irradiance(s, weights->probe[i], &taps), weights->weight[i]);
   }
-  return s->bands ? olx_max_each(sum, olx_splat(0.0f)) : sum; // probes' ringing may cancel before it is cut off
+  return s->bands ? olx_max_each(sum, olx_splat(0.0f)) : sum; // the ringing of probes may cancel: only the sum is cut
 }
 
 olx_vec3 olx_irradiance_terms(const olx_irradiance_source *s, uint32_t terms, bool keep_buried, olx_vec3 position,

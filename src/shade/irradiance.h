@@ -1,4 +1,4 @@
-// Irradiance interpolated from probes with prefiltered visibility (McGuire et al. 2017, section 5.2).
+// Interpolates irradiance from probes with prefiltered visibility (McGuire et al. 2017, section 5.2).
 #ifndef OLX_SHADE_IRRADIANCE_H
 #define OLX_SHADE_IRRADIANCE_H
 
@@ -7,29 +7,29 @@
 
 #include <octalux/sample.h>
 
-// Where irradiance comes from: the packed maps or spherical harmonics of a field, or a baker's float maps. Maps carry a
-// one-texel border, as field_data.h says; sizes are without it.
+// The source of irradiance: the packed maps or spherical harmonics of a field, or a baker's float maps. Maps carry a
+// one-texel border (field/field_data.h); sizes are without it.
 typedef struct olx_irradiance_source {
   olx_grid grid;
-  const uint8_t *flags; // OLX_PROBE_*, one a probe; NULL when there are no probes
-  float distance_scale; // moments times this are metres (and metres squared)
+  const uint8_t *flags; // OLX_PROBE_*, one a probe; NULL where there are no probes
+  float distance_scale; // moments times this are metres (and square metres, times its square)
   uint32_t irradiance_n, moments_n;
-  const uint32_t *packed_irradiance, *packed_moments; // or, where these are NULL:
+  const uint32_t *packed_irradiance, *packed_moments; // where NULL, the float maps below
   const olx_vec3 *irradiance;
   const olx_vec2 *moments; // mean distance, mean squared distance
-  const uint16_t *harmonics; // in place of irradiance maps where `bands` is not 0; `harmonic_halves` a probe
+  const uint16_t *harmonics; // replace irradiance maps where `bands` is not 0; `harmonic_halves` a probe
   uint32_t bands, harmonic_halves;
 } olx_irradiance_source;
 
 olx_irradiance_source olx_irradiance_source_of(const olx_field *field);
 
-// The terms of a probe's weight, so that bench and audit can leave each out.
+// The terms of a probe's weight, each of which bench and audit can leave out.
 enum {
   OLX_WEIGHT_TRILINEAR = 1,
-  OLX_WEIGHT_BACK_FACE = 2, // smooth test of the side on which the probe lies
+  OLX_WEIGHT_BACK_FACE = 2, // a smooth test of the side of the surface on which the probe lies
   OLX_WEIGHT_CHEBYSHEV = 4, // variance test on the filtered distance
   OLX_WEIGHT_SHARPEN = 8,   // the cube of the Chebyshev bound
-  OLX_WEIGHT_BIAS = 16,     // test visibility off the surface
+  OLX_WEIGHT_BIAS = 16,     // small weights are reduced further
   OLX_WEIGHT_CRUSH = 32,    // press small weights down further
   OLX_WEIGHT_ALL = 63
 };
@@ -37,8 +37,8 @@ enum {
 olx_vec3 olx_irradiance_from(const olx_irradiance_source *source, const olx_sample_settings *settings,
                              olx_vec3 position, olx_vec3 normal, olx_vec3 view);
 
-// The probes that answer for a point, and their weights, which sum to 1 (to 0 when every probe there is buried, or
-// there is none).
+// The probes from which a point's irradiance comes, and their weights, which sum to 1, or to 0 where no probe is
+// usable: every probe there is buried (inside geometry), or there is none.
 typedef struct olx_irradiance_weights {
   uint32_t count;
   uint32_t probe[16];
@@ -48,11 +48,12 @@ typedef struct olx_irradiance_weights {
 olx_irradiance_weights olx_irradiance_weigh(const olx_irradiance_source *source, uint32_t terms, bool keep_buried,
                                             olx_vec3 position, olx_vec3 normal, olx_vec3 view);
 
-// By what factor light changes in each channel. 0 / 0 is 1, and light from darkness an infinite factor.
+// Returns the factor by which light changes in each channel. 0 / 0 is 1, and light from darkness an infinite factor.
 olx_vec3 olx_light_change(olx_vec3 before, olx_vec3 after);
 
-// By what factor irradiance changes in each channel when a surface's normal turns from one to the other: the probes
-// around the point keep the weights that they have for `from`. 0 / 0 is 1, and light from darkness an infinite factor.
+// Returns the factor by which irradiance changes in each channel when a surface's normal turns from one to the other.
+// The probes around the point keep the weights that they have for `from`. 0 / 0 is 1, and light from darkness an
+// infinite factor.
 olx_vec3 olx_irradiance_change(const olx_irradiance_source *source, const olx_sample_settings *settings,
                                olx_vec3 position, olx_vec3 from, olx_vec3 to, olx_vec3 view);
 

@@ -1,4 +1,4 @@
-// Makes a relighter, takes its lights, and runs its frames.
+// Creates a relighter, takes its lights, and runs its frames.
 #include "shade/relighter_schedule.h"
 
 #include "core/hooks.h"
@@ -90,7 +90,7 @@ static bool is_light(const olx_relight_light *l) {
   return l->type != OLX_RELIGHT_SPOT || (l->cosine_outer >= -1.0f && l->cosine_outer <= l->cosine_inner);
 }
 
-// What a type does not use stays 0.
+// Converts a light without area to the form that fields store. Values that its type does not use stay 0.
 static olx_field_light field_light(const olx_relight_light *light) {
   olx_field_light stored = {.type = OLX_FIELD_POINT, .emission = light->emission};
   if (light->type == OLX_RELIGHT_SUN) stored.type = OLX_FIELD_SUN;
@@ -104,7 +104,7 @@ static olx_field_light field_light(const olx_relight_light *light) {
   return stored;
 }
 
-// Everything is to be lit anew. What it was lit with stays until then.
+// Marks everything as out of date after new lights. Previous light stays until it is replaced.
 static void wake(olx_relight *r) {
   r->settled = false;
   r->stale = true;
@@ -160,7 +160,7 @@ olx_result olx_relight_frame(olx_relight *r, olx_vec3 eye, olx_relight_stats *st
   const uint64_t rays = r->settings.shadow_rays;
   r->frame++;
   atomic_store(&r->shadow_rays, 0);
-  // Texels have a half of the rays at least, while surfels need the others.
+  // At least half of the rays are for texels while surfels still need some.
   const uint32_t lit = olx_relit_light_surfels(r, rays / 2);
   const uint32_t bounced = olx_relit_bounce(r);
   const uint64_t spent = atomic_load(&r->shadow_rays);

@@ -1,19 +1,19 @@
-// Adds specular reflections of direct light on the way from surfel to surfel. Links carry what surfaces reflect alike
-// to all sides, but a floor in the sun lights the wall behind it more than the one before it.
+// Adds specular reflections of direct light between surfels. Links carry what surfaces reflect equally in all
+// directions, but a sunlit floor lights the wall beyond it more than the wall on the sun's side.
 #include "core/bsdf.h"
 #include "core/pack.h"
 #include "shade/relighter_parts.h"
 
-// Surfels stand for surfaces of some size, and their rays for some solid angle: their lobes are wider by this alpha.
+// Surfels represent surfaces of some size, and their rays some solid angle, so their lobes are widened by this alpha.
 static const float LINK_ALPHA = 0.2f;
 
-// A surface seems at most so many times as bright as a white matte one: beyond that, single links would be too bright
+// The greatest brightness of a lobe relative to a white matte surface: beyond that, single links would be too bright
 // for the solid angle that they represent.
 static const float MOST_BRIGHT = 2.0f;
 
 static float share_of(uint8_t byte) { return (float)byte * (1.0f / 255.0f); }
 
-// How bright a specular lobe in light from one direction is seen, beside a white matte surface.
+// Returns the brightness of a specular lobe in light from one direction, relative to a white matte surface.
 static float brightness(const olx_relight_surfel *s, olx_vec3 view, olx_vec3 light) {
   const olx_vec3 normal = olx_normal_unpack((uint16_t)s->normal);
   const float to_view = olx_dot(view, normal), to_light = olx_dot(light, normal);
@@ -27,8 +27,8 @@ static float brightness(const olx_relight_surfel *s, olx_vec3 view, olx_vec3 lig
   return olx_min(OLX_PI * fresnel * lobe * seen / (4.0f * to_view * to_light), MOST_BRIGHT);
 }
 
-// Luminance of light that a surfel's specular lobe sends to a place, as irradiance of a white matte surface in its
-// stead.
+// Returns the luminance of light that a surfel's specular lobe sends to a place, as the irradiance that would make a
+// white matte surface in its stead as bright.
 static float specular_light(const olx_relight *r, uint32_t surfel, olx_vec3 place) {
   const olx_relight_surfel *s = &r->source->relight.surfels[surfel];
   const float beam = olx_length(r->beams[surfel]), rest = olx_max(olx_luminance(r->direct[surfel]) - beam, 0.0f);

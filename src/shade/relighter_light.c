@@ -1,9 +1,9 @@
-// Computes light that reaches places straight from the lights of a relighter, with shadows by the host's rays or
+// Computes the light that reaches places directly from the lights of a relighter, with shadow rays of the host or
 // through the field.
 #include "core/sampling.h"
 #include "shade/relighter_parts.h"
 
-// How far from its end a ray to a light may stop, so that it does not meet the lamp itself.
+// The share of its length by which a ray to a light ends early, so that it does not hit the lamp itself.
 static const float END_SHARE = 1e-3f;
 
 enum { SALT_LIGHT = 0x524C4954 };
@@ -12,7 +12,7 @@ enum { SALT_LIGHT = 0x524C4954 };
 typedef struct light_rays {
   uint32_t count;
   olx_shadow_ray ray[OLX_RELIT_BATCH];
-  olx_vec3 irradiance[OLX_RELIT_BATCH]; // that arrives when nothing is between
+  olx_vec3 irradiance[OLX_RELIT_BATCH]; // at each place if nothing shadows the light
   uint32_t point[OLX_RELIT_BATCH];
   uint8_t occluded[OLX_RELIT_BATCH];
 } light_rays;
@@ -49,7 +49,7 @@ static bool area_light(const olx_relight_light *light, olx_vec3 position, olx_ve
   if (light->both_sides) facing = fabsf(facing);
   if (!(cosine > 0.0f && facing > 0.0f)) return false;
   *ray = (olx_shadow_ray){position, direction, length * (1.0f - END_SHARE)};
-  // A light sends no more than it would from all around, however near it is.
+  // A light contributes at most as much as one that surrounds the place, however near it is.
   *irradiance = olx_scale(light->emission, olx_min(cosine * facing / (length * length), OLX_PI));
   return true;
 }
@@ -74,7 +74,7 @@ static bool aim(const olx_relight_light *light, olx_vec3 position, olx_vec3 norm
   }
 }
 
-// A ray that no probe can follow to its end has gone behind something.
+// Traces shadow rays through the field. An unresolved ray counts as shadowed.
 static void trace_occlusion(const olx_relight *relight, light_rays *rays) {
   for (uint32_t i = 0; i < rays->count; i++) {
     const olx_shadow_ray *ray = &rays->ray[i];

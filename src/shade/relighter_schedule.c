@@ -1,4 +1,5 @@
-// Chooses the tiles of light field maps that a frame lights: those that have waited longest for how near they are.
+// Chooses the tiles of light field maps that a frame lights: those that have waited longest in relation to their
+// distance.
 #include "shade/relighter_schedule.h"
 
 #include <stdlib.h>
@@ -19,7 +20,7 @@ uint32_t olx_relit_tiles_waiting(const olx_relight *r) {
   return count;
 }
 
-// How often a tile is lit against the nearest ones.
+// Returns how often a tile is lit, relative to the nearest tiles.
 static float rate_of(const olx_relight *r, const olx_relit_tile *tile, olx_vec3 eye) {
   const olx_vec3 place = olx_madd(r->source->probe_positions[tile->probe], tile->direction, tile->distance);
   const float distance = olx_length(olx_sub(place, eye));
@@ -41,7 +42,7 @@ void olx_relit_schedule(olx_relight *r, olx_vec3 eye, uint64_t rays) {
   for (uint32_t i = 0; i < r->tile_count; i++) {
     const olx_relit_tile *tile = &r->tiles[i];
     if (!olx_relit_tile_waits(r, tile)) continue;
-    // Waiting adds up without limit, so that every tile has its turn.
+    // Urgency grows without limit while a tile waits, so that every tile gets its turn.
     const float waited = (float)(r->frame - tile->last_frame);
     r->due[waiting++] = (olx_relit_due){waited * rate_of(r, tile, eye), i};
   }

@@ -1,4 +1,4 @@
-// Lights surfels, and sends light over the links between them: every frame carries it one surface further.
+// Lights surfels, and carries light over the links between them: every frame adds one reflection.
 #include "core/hooks.h"
 #include "core/octahedral.h"
 #include "core/pack.h"
@@ -50,7 +50,7 @@ void olx_relit_surfels_free(olx_relight *r) {
 
 typedef struct direct_job {
   olx_relight *relight;
-  uint32_t count; // of its queue
+  uint32_t count; // of the queue
 } direct_job;
 
 static void light_batch(void *user, uint32_t job) {
@@ -138,7 +138,7 @@ void olx_relit_links_followed(olx_relight *r, const olx_relit_sweep_part *part, 
 
 typedef struct bounce_job {
   olx_relight *relight;
-  uint32_t first, count; // surfels, from `first` on and from the beginning again
+  uint32_t first, count; // surfels, from `first` on, cyclically
   bool shines;
 } bounce_job;
 

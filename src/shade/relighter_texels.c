@@ -1,5 +1,5 @@
-// Lights the texels of light field maps, tile by tile: direct light at each, indirect light from the surfels that the
-// bake linked to it.
+// Lights the texels of light field maps, tile by tile: samples direct light at each, and interpolates indirect light
+// from the surfels to which the bake linked it.
 #include "core/hooks.h"
 #include "core/octahedral.h"
 #include "core/pack.h"
@@ -13,11 +13,11 @@
 
 enum { SALT_TEXEL = 0x5445584C, LIGHT_SIDE = 4, TILE_SAMPLES = 4 };
 
-// Surfaces are known to within half a unit in the last place of their distance's half float: rays start this share of
-// it off them.
+// How far rays start from a surface, as a share of its distance: that distance is a half float with an error of up to
+// half a unit in the last place.
 static const float OFF_SURFACE = 0x1p-10f;
 
-// How much a site's weights at the corners of its block count for a texel.
+// Computes the weights of a block's corners for a texel.
 static void site_corners(uint32_t column, uint32_t row, float corner[4]) {
   enum { LAST = OLX_RELIGHT_BLOCK - 1 };
   const float x = (float)column / (float)LAST, y = (float)row / (float)LAST;
@@ -54,9 +54,9 @@ static bool is_surface(const olx_field *f, uint32_t probe, size_t texel) {
   return !olx_texel_is_sky(f, probe, texel);
 }
 
-// ---- Making it
+// ---- Creation
 
-// What a few texels of a tile see, on average.
+// Computes the mean distance and direction of what a few texels of a tile see.
 static void look(const olx_relight *r, olx_relit_tile *tile) {
   const olx_field *f = r->source;
   olx_vec3 sum = {0};
@@ -72,7 +72,7 @@ static void look(const olx_relight *r, olx_relit_tile *tile) {
     count += 1.0f;
   }
   tile->direction = olx_length(sum) > 0.0f ? olx_normalize(sum) : olx_v3(0.0f, 1.0f, 0.0f);
-  tile->distance = count > 0.0f ? distance / count : r->near_metres; // what no sample saw may still be there
+  tile->distance = count > 0.0f ? distance / count : r->near_metres; // other texels may still see a surface
 }
 
 static void make_tiles(olx_relight *r) {
@@ -88,7 +88,7 @@ static void make_tiles(olx_relight *r) {
   }
 }
 
-// Light as it was baked, out of texels or of blocks: what is relit is texels.
+// Copies baked light into a map of texels, from texels or blocks, because relit maps are always texels.
 static void keep_map(const olx_field *f, olx_surface_map map, const uint32_t *texels, uint32_t *kept) {
   const size_t count = f->texels * f->info.probe_count;
   if (texels) {
@@ -136,8 +136,8 @@ void olx_relit_texels_free(olx_relight *r) {
 
 // ---- A tile
 
-// Texel i of a tile when its blocks of LIGHT_SIDE x LIGHT_SIDE, which share out samples of lights, come one after the
-// other.
+// Returns texel i of a tile in the order of its blocks of LIGHT_SIDE x LIGHT_SIDE texels, which share samples of
+// lights.
 static void tile_texel(const olx_relight *r, const olx_relit_tile *tile, uint32_t i, uint32_t *x, uint32_t *y) {
   const uint32_t in_block = i % (LIGHT_SIDE * LIGHT_SIDE), block = i / (LIGHT_SIDE * LIGHT_SIDE),
                  blocks = r->tile_side / LIGHT_SIDE;
@@ -193,7 +193,7 @@ static void light_tile(void *user, uint32_t job) {
   tell_texels(r, tile);
 }
 
-// The border repeats texels of the map's edges: those that lie in this tile.
+// Copies the map's edge texels in this tile to the border texels that repeat them.
 static void copy_border(olx_relight *r, const olx_relit_tile *tile) {
   const olx_field *f = r->source;
   const int32_t n = (int32_t)f->n;

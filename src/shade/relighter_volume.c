@@ -1,4 +1,4 @@
-// Lights the probes of the irradiance volume from surfels, over links of their own.
+// Lights the probes of the irradiance volume from surfels, over the volume's own links.
 #include "core/harmonics.h"
 #include "core/hooks.h"
 #include "core/octahedral.h"
@@ -11,7 +11,7 @@
 
 enum { PROBES_JOB = 64 };
 
-// What the cosine makes of each band of radiance (Ramamoorthi and Hanrahan 2001).
+// The factor of each band when radiance is convolved with the cosine (Ramamoorthi and Hanrahan 2001).
 static const float cosine_band[OLX_VOLUME_BANDS] = {OLX_PI, 2.0f / 3.0f * OLX_PI, 0.25f * OLX_PI};
 
 static uint32_t probe_count(const olx_relight *r) { return r->source->relight.header->volume_probes; }
@@ -54,7 +54,7 @@ static void light_probe(olx_relight *r, uint32_t probe) {
 
 typedef struct volume_job {
   olx_relight *relight;
-  uint32_t count; // of its queue
+  uint32_t count; // of the queue
 } volume_job;
 
 static void light_some(void *user, uint32_t job) {

@@ -1,4 +1,4 @@
-// Holds the defaults of the settings by which a field is sampled, and refuses settings that a field cannot answer.
+// Holds the defaults of the settings for sampling a field, and refuses settings that a field does not support.
 #include "core/result.h"
 #include "select/select.h"
 

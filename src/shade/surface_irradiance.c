@@ -1,5 +1,5 @@
-// Interpolates diffuse light of static surfaces: of the probes near a point those that see its own surface answer, each
-// by the four texels around the point's direction, as far as they hold that surface.
+// Interpolates diffuse light of static surfaces from those probes near a point that see its own surface, each by the
+// four texels around the point's direction, as far as they see that surface.
 #include "shade/surface_irradiance.h"
 
 #include "field/texels.h"
@@ -11,22 +11,23 @@
 
 enum { MOST_RANKED = 128, MOST_BLENDED = 4 };
 
-// What packing does: a half float is off by this share, a normal of two bytes by this angle in radians.
+// The errors of packing: the relative error of a half float, and the angular error of a normal in two bytes, in
+// radians.
 static const float DISTANCE_ERROR = 0x1p-11f;
 static const float NORMAL_ERROR = 0.0111f;
-// How far a texel's surface may miss the point beyond that, in footprints.
+// How far a texel's surface may miss the point beyond the errors of packing, in footprints.
 static const float SURFACE_MISS = 0.05f;
-// How far away along its surface a texel may be, in footprints over the cosine at which its probe looks at it.
+// How far away along the surface a texel may be, in footprints divided by the cosine at which its probe sees it.
 static const float SURFACE_REACH = 2.0f;
-// Surfaces whose cosine to the probe is smaller than this are not resolved by its texels.
+// Surfaces that face a probe with a smaller cosine than this are too grazing for its texels.
 static const float LEAST_FACING = 0.02f;
 // Normals agree fully above the second of these cosines, and not at all below the first.
 static const float LEAST_AGREEMENT = 0.7f, FULL_AGREEMENT = 0.8f;
-// A probe is blended in where it weighs more than this share of the best.
+// A probe contributes where its weight exceeds this share of the best probe's.
 static const float BLEND_ABOVE = 0.8f;
-// Less than this share of texels is no answer, but rounding.
+// A smaller share of texels than this is rounding.
 static const float LEAST_SHARE = 1e-5f;
-// The most by which a normal map brightens.
+// The greatest factor by which a normal map brightens a surface.
 static const float MOST_CHANGE = 4.0f;
 
 typedef struct ranked_probe {
@@ -39,7 +40,7 @@ typedef struct ranking {
   ranked_probe probes[MOST_RANKED];
 } ranking;
 
-// How well a probe can answer for a point; 0 when it cannot.
+// Returns how well a probe sees a point; 0 when it cannot.
 static float rank_weight(const olx_field *field, const olx_sample_settings *settings, const olx_surface_point *point,
                          uint32_t probe) {
   if (field->probe_flags[probe] & OLX_PROBE_BURIED && !settings->keep_buried) return 0.0f;
@@ -64,7 +65,7 @@ static uint32_t most_ranked(const olx_sample_settings *settings) {
   return settings->max_probes < MOST_RANKED ? settings->max_probes : MOST_RANKED;
 }
 
-// The probes of the point's brick, or of its cage in a field without bricks, best first.
+// Ranks the probes of the point's brick, or of its cage in a field without bricks, best first.
 static void rank_near(const olx_field *field, const olx_sample_settings *settings, const olx_surface_point *point,
                       ranking *r) {
   r->count = 0;
@@ -92,24 +93,24 @@ static void rank_all(const olx_field *field, const olx_sample_settings *settings
   for (uint32_t probe = 0; probe < field->info.probe_count; probe++) rank(field, settings, point, probe, r);
 }
 
-// A point as a probe sees it.
+// A point relative to a probe.
 typedef struct probe_view {
   uint32_t probe;
   olx_vec3 offset; // from the probe
   olx_vec3 normal; // geometric
   float angle;     // side of a texel there, in radians
-  float miss;      // footprints
+  float miss;      // how far the point may miss a texel's surface, in footprints
 } probe_view;
 
-// A texel beside the direction in which a probe sees the point; four of them are blended.
+// One of the four texels around the direction in which a probe sees the point.
 typedef struct seen_texel {
-  float distance, facing; // facing: cosine of its surface to the probe
+  float distance, facing; // facing: cosine at which the probe sees its surface
   olx_vec3 normal;
-  olx_vec3 step; // from its surface, along the ray through its centre, to the point
+  olx_vec3 step; // from its surface to the point, along the ray through the texel's centre
   float away;    // length of the step
 } seen_texel;
 
-// Texel (x, y), the border's among them; false for the sky.
+// Reads texel (x, y), which may be of the border; false for the sky.
 static bool see_texel(const olx_field *field, const probe_view *v, size_t texel, int32_t x, int32_t y, seen_texel *t) {
   const olx_texel_geometry seen = olx_texel_geometry_of(field, v->probe, texel);
   t->distance = seen.distance;
@@ -124,21 +125,21 @@ static bool see_texel(const olx_field *field, const probe_view *v, size_t texel,
   return true;
 }
 
-// How far the point may seem off the texel's surface because of how it is packed.
+// Returns how far packing may move the point off the texel's surface, in metres.
 static float packing_error(const seen_texel *t) {
   return DISTANCE_ERROR * t->distance * fabsf(t->facing) + NORMAL_ERROR * t->away;
 }
 
-// 1 where the texel holds the surface that the point lies on, 0 where it does not, and between where that is doubtful,
-// so that light changes smoothly as the point moves.
+// Returns 1 where the texel sees the surface on which the point lies, 0 where it does not, and values between where
+// that is uncertain, so that light changes smoothly as the point moves.
 //
-// On an arc the chord between two points is perpendicular to the mean of their normals, so the height that is judged is
-// over that mean: it is 0 on planes and on curved surfaces alike. Where normals differ, the surface may turn from one
-// to the other anywhere between, as facets do, so the chord may run along either.
+// On an arc, the chord between two points is perpendicular to the mean of their normals. The height of the point over
+// that mean is therefore 0 on planes and curved surfaces alike. Where normals differ, the surface may turn from one to
+// the other anywhere between the points, as facets do, so the chord may be perpendicular to either normal.
 static float texel_agrees(const probe_view *v, const seen_texel *t) {
   const float agreement = olx_dot(t->normal, v->normal), footprint = t->distance * v->angle;
   if (!(t->facing > LEAST_FACING && agreement > LEAST_AGREEMENT)) return 0.0f;
-  // The sum of the normals is 2 cos(angle / 2) long, that is 1.5 + 0.5 cos(angle) within 0.4 % here.
+  // The sum of the normals has the length 2 cos(angle / 2), which is 1.5 + 0.5 cos(angle) to within 0.4 % here.
   const float height = fabsf(olx_dot(olx_add(t->normal, v->normal), t->step)) * (1.0f / (1.5f + 0.5f * agreement));
   const float along = t->away * t->away - height * height;
   if (along * olx_square(t->facing) > olx_square(SURFACE_REACH * footprint)) return 0.0f;
@@ -150,15 +151,16 @@ static float texel_agrees(const probe_view *v, const seen_texel *t) {
   return olx_clamp(2.0f - 2.0f * height / allowed, 0.0f, 1.0f) * alike;
 }
 
-// How much of the light of `texel` reaches over to the point where a neighbouring texel sees `other`, another surface:
-// nothing when the one lies before and the other behind it, as floors do on both sides of a wall that stands on them.
+// Returns how much light of `texel` reaches the point past a neighbouring texel that sees `other`, a different surface.
+// It is 0 when texel and point lie on opposite sides of that surface, like floors on both sides of a wall that stands
+// on them.
 static float passes(const seen_texel *texel, const seen_texel *other) {
   const float height = olx_dot(other->normal, other->step), allowed = packing_error(other);
   if (!(height < -allowed) || height - olx_dot(other->normal, texel->step) <= allowed) return 1.0f;
   return olx_max(2.0f + height / allowed, 0.0f);
 }
 
-// Irradiance from the texels of one probe that hold the point's surface, times their share.
+// Irradiance from those texels of one probe that see the point's surface, times their share.
 typedef struct texel_light {
   olx_vec3 sum;
   float share; // 0..1
@@ -200,14 +202,14 @@ static texel_light read_texels(const olx_field *field, const olx_sample_settings
   return light;
 }
 
-// What is blended: irradiance of some probes, best first by what they could weigh.
+// The blended irradiance of some probes, in the order of their greatest possible weights.
 typedef struct blend {
   uint32_t count;
   float weight[MOST_BLENDED], best;
   olx_vec3 irradiance[MOST_BLENDED];
 } blend;
 
-// Adds the light of a probe; of texels whose share is but rounding, nothing.
+// Adds the light of a probe, unless its share is no more than rounding.
 static void add_light(blend *b, const texel_light *light, float weight_of_rank) {
   if (light->share < LEAST_SHARE) return;
   const float weight = weight_of_rank * light->share;
@@ -216,8 +218,9 @@ static void add_light(blend *b, const texel_light *light, float weight_of_rank) 
   b->best = olx_max(b->best, weight);
 }
 
-// A probe weighs cosine / r^2 times the share of its texels that hold the surface, less what a weight must exceed: so
-// it comes and goes at weight 0, and where another becomes the best both are alike.
+// Blends the ranked probes. A probe's weight is cosine / r^2 times the share of its texels that see the surface, minus
+// the threshold that a weight must exceed. It therefore appears and disappears at weight 0, and where another probe
+// becomes the best, both weights are equal.
 static void read_ranked(const olx_field *field, const olx_sample_settings *settings, const olx_surface_point *point,
                         const ranking *r, blend *b) {
   for (uint32_t i = 0; i < r->count && b->count < MOST_BLENDED; i++) {
@@ -257,7 +260,7 @@ static bool is_finite(const olx_surface_point *p) {
          olx_finite(p->shading_normal) && olx_finite(p->view);
 }
 
-// Irradiance where nothing is stored at the surface: from the irradiance volume, which has no light where it has no
+// Returns irradiance where nothing is stored for the surface: from the irradiance volume, which is dark where it has no
 // cell, or, in a field without a volume, from irradiance probes.
 static olx_vec3 fallen_back(const olx_field *field, const olx_sample_settings *settings,
                             const olx_surface_point *point) {
@@ -269,7 +272,7 @@ static olx_vec3 fallen_back(const olx_field *field, const olx_sample_settings *s
   return olx_irradiance(field, settings, point->position, point->shading_normal, point->view);
 }
 
-// The factor by which the light changes where a normal map bends the normal.
+// Returns the factor by which light changes where a normal map bends the normal.
 static olx_vec3 normal_map_change(const olx_field *field, const olx_sample_settings *settings,
                                   const olx_surface_point *point) {
   olx_volume_light_at volume;

@@ -1,5 +1,5 @@
-// Looks irradiance up in the volume: the cell of the place, on its side of the surfaces that divide it, has eight
-// probes, whose spherical harmonics are interpolated as they are and evaluated once.
+// Looks up irradiance in the volume. The cell around a place, on the place's side of the surfaces that divide it, has
+// eight probes; their spherical harmonics are interpolated linearly and evaluated once.
 #include "shade/volume_irradiance.h"
 
 #include <assert.h>
@@ -27,8 +27,8 @@ olx_vec3 olx_volume_towards(const olx_volume_light_at *light, olx_vec3 normal) {
 }
 
 olx_vec3 olx_volume_bent(const olx_volume_light_at *light, olx_vec3 smooth, olx_vec3 bent) {
-  // That share of a cosine lobe about `bent` lies below the surface. There light is taken to be even, as it falls on
-  // what faces the surface.
+  // This share of a cosine lobe about `bent` lies below the surface. Light from there is taken to be uniform, equal to
+  // what arrives at a surface facing this one.
   const float below = 0.5f - 0.5f * olx_dot(smooth, bent);
   float values[OLX_HARMONICS_MOST], behind[OLX_HARMONICS_MOST];
   olx_harmonics_at(bent, values);

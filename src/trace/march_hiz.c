@@ -1,16 +1,16 @@
-// Marches a ray through one probe's map by a pyramid of smallest distances: goes up a level where the ray stays in
-// front of a whole node, and down where it may reach what is stored.
+// Marches a ray through one probe's map by a pyramid of smallest distances: ascends a level where the ray stays in
+// front of a whole node, and descends where it may reach a stored surface.
 #include "trace/march.h"
 
-// The node in which the march stands, and where it entered it.
+// The node that the march has reached, and where the ray entered it.
 typedef struct stand {
   int32_t x, y;
   uint32_t level;
   float s, t;
-  bool by_v; // across a line of v: with it every line of both axes up to s is passed, else those of v at s itself are not
+  bool by_v; // entered across a line of v: lines of both axes up to s are passed, else not those of v at s
 } stand;
 
-// Steps over the line ahead that comes first, and up a level where that left the parent as well.
+// Steps over the nearest line ahead, and ascends a level if that leaves the parent node too.
 static inline void leave(const olx_march *m, stand *at, int32_t x, int32_t y, float s, float t, bool by_v) {
   const bool left_parent = ((x ^ at->x) | (y ^ at->y)) >> OLX_PYRAMID_STEP;
   const uint32_t up = left_parent && at->level + 1 < m->field->pyramid.levels;
@@ -22,13 +22,13 @@ static inline void leave(const olx_march *m, stand *at, int32_t x, int32_t y, fl
                 .by_v = by_v};
 }
 
-// The texels of a node of level 0 from the one on in which the march stands. The ray is in front of those that it
-// passes nearer than the node's smallest distance, so they are not read.
+// Visits the texels of a level 0 node, from the one that the march has reached. Texels that the ray passes nearer than
+// the node's smallest distance are not read, because the ray is in front of them.
 static olx_verdict march_node(olx_march *m, const olx_piece *p, stand *at, float least_squared,
                               olx_probe_answer *answer) {
   olx_cell c = {olx_texel_at(&p->u, at->s, true), olx_texel_at(&p->v, at->s, at->by_v), at->t};
   const size_t begin = m->field->texels * m->probe + olx_map_index(m->field->stride, c.x, c.y);
-  __builtin_prefetch(m->field->normal + begin); // what a hit hereabouts will read
+  __builtin_prefetch(m->field->normal + begin); // a hit nearby will read this
   for (;;) {
     const olx_vec2 s = olx_crossings_ahead(p, c.x, c.y, 0);
     const float s1 = olx_min(s.x, s.y), t1 = olx_parameter_at(p, s1);
@@ -53,7 +53,7 @@ olx_verdict olx_march_hiz(olx_march *m, const olx_piece *p, olx_probe_answer *an
     const olx_verdict verdict = olx_visit_first(m, p, answer);
     if (verdict != OLX_VERDICT_CLEAR) return verdict;
   }
-  // A ray begins at a surface, where only small nodes are clear, and enters other faces in the open.
+  // A ray begins at a surface, where only small nodes are clear, and enters later faces in open space.
   const olx_pyramid_shape *pyramid = &m->field->pyramid;
   const uint32_t begin_level = first_piece ? pyramid->least_level : pyramid->levels - 1,
                  begin_shift = olx_pyramid_shift(begin_level);
@@ -65,7 +65,7 @@ olx_verdict olx_march_hiz(olx_march *m, const olx_piece *p, olx_probe_answer *an
   for (;;) {
     const olx_vec2 s = olx_crossings_ahead(p, at.x, at.y, olx_pyramid_shift(at.level));
     const float s1 = olx_min(s.x, s.y), t1 = olx_parameter_at(p, s1);
-    const bool block = at.level == 0 && m->geometry; // which is clear unless it ends the ray
+    const bool block = at.level == 0 && m->geometry; // a block, which is clear unless it ends the ray
     const float least_squared = block ? INFINITY : olx_least_squared(m, at.level, at.x, at.y);
     if (block) {
       const olx_verdict verdict = olx_visit_block(m, p, at.x, at.y, at.s, at.t, at.by_v, t1, answer);

@@ -1,6 +1,6 @@
-// The arithmetic is that of ray_image.h, march_hiz.c and probe_trace.c, operation by operation, on vectors of eight
-// lanes. A lane holds one ray; when that is done, it takes the next. All lanes take their step together, whatever it
-// is: over a clear node or texel, up, or down. What a texel's surfel says is asked lane by lane.
+// Marches eight rays at once, with the arithmetic of ray_image.h, march_hiz.c and probe_trace.c, operation by
+// operation, on vectors of eight lanes. A lane holds one ray and takes the next when that is finished. In each step,
+// every lane passes a clear node or texel, ascends or descends. Surfels are judged lane by lane.
 #include "trace/march_wide.h"
 
 #include "core/wide.h"
@@ -8,8 +8,8 @@
 
 #if OLX_WIDE
 
-// Two groups of lanes take turns, so that one computes while the other waits for memory. Lanes that are done wait until
-// they are so many.
+// Two groups of lanes take turns, so that one computes while the other waits for memory. Finished lanes are renewed
+// only once there are WORTH_RENEWING of them.
 enum { LANES = OLX_WIDE_LANES, GROUPS = 2, WORTH_RENEWING = 2 };
 #define NO_JOB UINT32_MAX
 
@@ -18,7 +18,7 @@ typedef struct wide_axis {
   words step, ahead, first;
 } wide_axis;
 
-// What is to be done.
+// The jobs to trace, and their answers.
 typedef struct work {
   const olx_field *field;
   const olx_probe_job *jobs;
@@ -26,31 +26,32 @@ typedef struct work {
   uint32_t next, count;
 } work;
 
-// A lane's level is 0 at texels and one more than that of the pyramid at nodes: a node is 4^level texels wide.
+// The state of eight rays. A lane's level is 0 at texels and one more than the pyramid's level at nodes: a node is
+// 4^level texels wide.
 typedef struct lanes {
   const olx_field *field;
-  // What holds for each level.
+  // Values for each level.
   words first_node, tiles_across;
 
   // Rays.
   uint32_t job[LANES]; // NO_JOB: none
   olx_march march[LANES];
-  addresses distances[2], nodes[2]; // four lanes each
+  addresses distances[2], nodes[2]; // of four lanes each
   reals ox, oy, oz, dx, dy, dz, t_min, t_max, closest, miss_squared;
-  // Bits of lanes: those that march, and those that are done with a piece. The others have no ray.
+  // Bits of lanes: those that march, and those that have finished a piece. All other lanes have no ray.
   uint32_t walking, waiting;
 
   // Pieces.
   wide_axis u, v;
   reals t_begin, t_end, rise, near, slope, sign_x, sign_y, sign_z, slack;
 
-  // Where the march stands.
+  // The place that the march has reached.
   words x, y, level, by_v;
   reals s, t, node_least_squared;
   words steps;
 } lanes;
 
-// As plane_at, next_cut and sign_after in probe_trace.c.
+// These are plane_at, next_cut and sign_after of probe_trace.c, eight lanes wide.
 WIDE reals plane_at(reals o, reals d) { return pick(d == 0.0f, splat(-INFINITY), -o / d); }
 
 WIDE reals cut_at(reals plane, reals t, reals next) { return pick(plane > t, least(next, plane), next); }
@@ -95,7 +96,7 @@ WIDE void set_axis(wide_axis *a, words which, reals begin, reals end, reals sign
   a->first = pick_word(which, first, a->first);
 }
 
-// The piece that begins where the one before it ended, in some of the lanes.
+// Sets the next piece of the lanes in `which`; it begins where the last one ended.
 WIDE void set_pieces(lanes *l, words which) {
   const reals t_begin = l->t_end;
   const reals plane_x = plane_at(l->ox, l->dx), plane_y = plane_at(l->oy, l->dy), plane_z = plane_at(l->oz, l->dz);
@@ -169,11 +170,11 @@ WIDE bool take_job(work *w, lanes *l, uint32_t lane) {
   olx_march *m = &l->march[lane];
   *m = olx_begin_march(w->field, job->probe, &job->ray);
   l->job[lane] = w->next++;
-  l->distances[lane / 4][lane % 4] = (int64_t)(m->geometry ? m->least : m->distance); // of blocks it is not read
+  l->distances[lane / 4][lane % 4] = (int64_t)(m->geometry ? m->least : m->distance); // blocks are not read through it
   l->nodes[lane / 4][lane % 4] = (int64_t)m->least;
   l->ox[lane] = job->ray.origin.x, l->oy[lane] = job->ray.origin.y, l->oz[lane] = job->ray.origin.z;
   l->dx[lane] = job->ray.direction.x, l->dy[lane] = job->ray.direction.y, l->dz[lane] = job->ray.direction.z;
-  l->t_min[lane] = l->t_end[lane] = job->ray.t_min; // the first piece begins where one before it would end
+  l->t_min[lane] = l->t_end[lane] = job->ray.t_min; // the first piece begins here
   l->t_max[lane] = job->ray.t_max;
   l->closest[lane] = m->closest;
   l->miss_squared[lane] = m->miss_squared;
@@ -192,7 +193,7 @@ WIDE void finish(work *w, lanes *l, uint32_t lane, olx_verdict verdict, olx_prob
   l->waiting |= 1u << lane;
 }
 
-// Waiting lanes go on to the next piece of their ray, or to another ray.
+// Moves waiting lanes to the next piece of their ray, or to another ray.
 WIDE void renew(work *w, lanes *l) {
   while (l->waiting) {
     uint32_t handed_on = 0;
@@ -219,7 +220,7 @@ WIDE void renew(work *w, lanes *l) {
   }
 }
 
-// The 16 bits that each lane's node or texel holds; of geometry blocks any.
+// Reads the 16 bits of each lane's node or texel; the result is undefined for lanes at geometry blocks.
 WIDE words codes_at(const lanes *l, words texel, words block) {
   const words x = l->x, y = l->y, first = __builtin_ia32_permvarsi256(l->first_node, l->level),
               tiles = __builtin_ia32_permvarsi256(l->tiles_across, l->level);
@@ -241,7 +242,7 @@ WIDE words codes_at(const lanes *l, words texel, words block) {
 
 WIDE reals crossing(const wide_axis *a, words line) { return (real(line) - a->begin) * a->inverse; }
 
-// As olx_texel_at.
+// This is olx_texel_at, eight lanes wide.
 WIDE words texel_at(const wide_axis *a, reals s, words inclusive) {
   const words guess = truncated(a->begin + a->travel * s), before = (guess - a->first) * a->step <= 0;
   const words x = pick_word(before, a->first, guess);
@@ -250,11 +251,11 @@ WIDE words texel_at(const wide_axis *a, reals s, words inclusive) {
   return x + (a->step & out) - (a->step & ~(in | out));
 }
 
-// What lanes find at their node or texel. They leave it at s1, t1.
+// What lanes find at their node or texel, which they leave at s1, t1.
 typedef struct wide_look {
   reals s1, t1, stored, least_squared;
   words by_v;
-  uint32_t clear, at_end, at_texel; // bits of lanes; clear: in front of all of it
+  uint32_t clear, at_end, at_texel; // bits of lanes; clear: in front of the whole node or texel
 } wide_look;
 
 WIDE wide_look look(lanes *l) {
@@ -270,7 +271,7 @@ WIDE wide_look look(lanes *l) {
   const words block = (l->level <= 1) & (l->field->geometry ? -1 : 0); // of geometry, which visit_blocks reads
   const words code = codes_at(l, texel, block);
   const reals stored = (reals)(code << 13) * 0x1p112f * l->field->distance_scale, least_squared = stored * stored;
-  const words passed = texel & (far_squared < l->node_least_squared); // unread
+  const words passed = texel & (far_squared < l->node_least_squared); // passed without a read
   l->steps += mask_of(l->walking) & (1 + passed) & ~block;
   const words clear =
       passed | (texel & (code == 0x7C00)) | ((pick(texel, far_squared, reach_squared) < least_squared) & ~block);
@@ -284,8 +285,8 @@ WIDE wide_look look(lanes *l) {
                      .at_texel = bits(texel) & l->walking};
 }
 
-// Reads the geometry blocks in which lanes stand. Lanes that are clear of their planes go on; the others visit their
-// texels, and where that ends their ray they are finished.
+// Reads the geometry blocks that lanes have reached. Lanes in front of all planes of their block continue; the others
+// visit its texels, and are finished where that ends their ray.
 WIDE void visit_blocks(work *w, lanes *l, wide_look *seen) {
   const uint32_t which = bits(l->level == 1) & l->walking;
   if (!which) return;
@@ -302,11 +303,11 @@ WIDE void visit_blocks(work *w, lanes *l, wide_look *seen) {
   }
   const reals begin = l->t - l->slack, end = seen->t1 + l->slack;
   words behind = splat_word(0);
-  for (uint32_t k = 0; k < 2; k++) { // as olx_plane_clears; 0 times infinity is nowhere behind
+  for (uint32_t k = 0; k < 2; k++) { // as in olx_plane_clears; 0 times infinity is never behind
     behind |= (base[k] + slope[k] * begin > 1.0f) | (base[k] + slope[k] * end > 1.0f);
   }
   seen->clear |= which & ~(bits(behind) | pooled);
-  // Blocks with planes in the pool are judged as a whole by olx_visit_block.
+  // olx_visit_block also judges blocks whose planes lie in the pool.
   for (uint32_t left = which & ~seen->clear; left; left &= left - 1) {
     const uint32_t lane = (uint32_t)__builtin_ctz(left);
     const olx_piece p = piece_of(l, lane);
@@ -318,7 +319,7 @@ WIDE void visit_blocks(work *w, lanes *l, wide_look *seen) {
   }
 }
 
-// Asks the surfels of the texels that are not clear. Lanes whose ray they end are finished.
+// Judges the surfels of texels that are not clear, and finishes lanes whose ray they end.
 WIDE void judge(work *w, lanes *l, wide_look *seen) {
   for (uint32_t which = seen->at_texel & ~seen->clear; which; which &= which - 1) {
     const uint32_t lane = (uint32_t)__builtin_ctz(which);
@@ -332,7 +333,7 @@ WIDE void judge(work *w, lanes *l, wide_look *seen) {
   }
 }
 
-// What the texels of a node, and a surfel among them, will read: four rows, and a normal.
+// Prefetches what the texels of a node and a surfel among them will read: four rows and a normal.
 WIDE void fetch_ahead(const lanes *l, uint32_t lane) {
   const olx_march *m = &l->march[lane];
   const int32_t x = l->x[lane], y = l->y[lane], first_row = y & ~3;
@@ -342,8 +343,8 @@ WIDE void fetch_ahead(const lanes *l, uint32_t lane) {
   __builtin_prefetch(m->field->normal + m->field->texels * m->probe + olx_map_index(m->field->stride, x, y));
 }
 
-// Lanes whose node is clear go on to the next, and up where that has another parent, or wait at the end of the piece;
-// the others go down.
+// Moves lanes. Those whose node is clear go on to the next node, ascend where that has another parent, or wait at the
+// end of the piece. All others descend.
 WIDE void move(lanes *l, const wide_look *seen) {
   const uint32_t ended = seen->clear & seen->at_end;
   l->waiting |= ended;

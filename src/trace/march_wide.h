@@ -1,10 +1,10 @@
-// Hi-Z marching of many rays at once, eight abreast: the same answers as ray by ray, to the last bit and step.
+// Hi-Z marching of eight rays at once. Answers equal those of single rays to the last bit and step.
 #ifndef OLX_TRACE_MARCH_WIDE_H
 #define OLX_TRACE_MARCH_WIDE_H
 
 #include "trace/probe_ray.h"
 
-// Whether this machine and this field's maps allow it.
+// Returns whether this machine and this field's maps allow marching eight rays at once.
 bool olx_march_wide_available(const olx_field *field);
 
 void olx_march_wide(const olx_field *field, const olx_probe_job *jobs, uint32_t count, olx_probe_answer *answers);

@@ -1,4 +1,4 @@
-// A ray as a probe sees it, and the probe's answer.
+// A ray relative to a probe, and the probe's answer to it.
 #ifndef OLX_TRACE_PROBE_RAY_H
 #define OLX_TRACE_PROBE_RAY_H
 
@@ -15,13 +15,13 @@ typedef struct olx_probe_ray {
 
 typedef struct olx_probe_answer {
   olx_trace_status status;
-  float t;        // HIT: of the hit; UNKNOWN: where the ray went out of sight; MISS: t_max
-  size_t texel;   // HIT: that was hit; UNKNOWN: that hides the ray; MISS: in the ray's direction
-  float gap;      // UNKNOWN: how far behind the hiding texel's surface the ray was, in footprints
-  uint32_t steps; // distances read, of texels and of blocks
+  float t;        // HIT: of the hit; UNKNOWN: where the ray became hidden; MISS: t_max
+  size_t texel;   // HIT: the one hit; UNKNOWN: the one that hides the ray; MISS: the one in the ray's direction
+  float gap;      // UNKNOWN: how far the ray was behind the hiding texel's surface, in footprints
+  uint32_t steps; // number of distances read, of texels and of blocks
 } olx_probe_answer;
 
-// A ray for a probe to answer.
+// A ray to trace through one probe's map.
 typedef struct olx_probe_job {
   uint32_t probe;
   olx_probe_ray ray;

@@ -1,5 +1,5 @@
-// Traces a ray through one probe's map: divides it into pieces that are straight in the octahedral square, and marches
-// along each in turn.
+// Traces a ray through one probe's map: divides it into pieces whose images in the octahedral square are straight, and
+// marches along each in turn.
 #include "trace/probe_trace.h"
 
 #include "trace/march.h"
@@ -7,7 +7,7 @@
 
 // One end of a piece.
 typedef struct piece_end {
-  float u, v;    // the image
+  float u, v;    // its image
   float inverse; // 1 / |P|_1; 0 at infinity
   bool centre;   // too close to the probe's centre to have an image
 } piece_end;
@@ -31,7 +31,7 @@ static piece_end end_at(const olx_march *m, const olx_piece *p, float t) {
 static olx_image_axis make_axis(float begin, float end, float sign, uint32_t n) {
   const float travel = end - begin;
   const int32_t first = olx_clamp_texel(sign, begin, n);
-  if (!(fabsf(travel) > OLX_STILL_TEXELS)) { // lines ahead are never crossed, those behind always have been
+  if (!(fabsf(travel) > OLX_STILL_TEXELS)) { // lines ahead are never crossed; those behind always have been
     return (olx_image_axis){.begin = (float)first + 0.5f, .inverse = 0x1p100f, .ahead = 1, .first = first};
   }
   return (olx_image_axis){
@@ -44,7 +44,7 @@ static olx_image_axis make_axis(float begin, float end, float sign, uint32_t n) 
   };
 }
 
-// Sign of a coordinate o + d t just after t; `plane` is where it is zero.
+// Returns the sign of a coordinate o + d t just after t; `plane` is where it is zero.
 static float sign_after(float o, float d, float plane, float t) {
   if (d == 0.0f) return olx_sign_not_zero(o);
   return t >= plane ? olx_sign_not_zero(d) : -olx_sign_not_zero(d);
@@ -60,7 +60,7 @@ static olx_piece make_piece(const olx_march *m, olx_vec3 planes, float t_begin, 
       .sign_z = sign_after(o.z, d.z, planes.z, t_begin),
   };
   piece_end begin = end_at(m, &p, t_begin), end = end_at(m, &p, t_end);
-  if (begin.centre || end.centre) { // the image of the other end stands for all
+  if (begin.centre || end.centre) { // the image of the other end represents the whole piece
     if (begin.centre) begin.u = end.u, begin.v = end.v;
     end.u = begin.u, end.v = begin.v;
   }
@@ -74,7 +74,7 @@ static olx_piece make_piece(const olx_march *m, olx_vec3 planes, float t_begin, 
   return p;
 }
 
-// Where the ray crosses the plane through the probe across one axis; -infinity when it runs along it.
+// Returns where the ray crosses the plane through the probe across one axis; -infinity when it is parallel to it.
 static float plane_at(float o, float d) { return d == 0.0f ? -INFINITY : -o / d; }
 
 static olx_verdict march_piece(olx_march *m, const olx_piece *p, olx_tracer tracer, olx_probe_answer *answer) {
@@ -85,7 +85,7 @@ static olx_verdict march_piece(olx_march *m, const olx_piece *p, olx_tracer trac
   }
 }
 
-// The next place after t at which the ray crosses one of these planes, or its end.
+// Returns the next parameter after t at which the ray crosses one of these planes, or t_max.
 static float next_cut(olx_vec3 planes, float t, float t_max) {
   float next = t_max;
   if (planes.x > t) next = olx_min(next, planes.x);

@@ -1,4 +1,5 @@
-// A ray against what one probe sees (McGuire et al. 2017, section 4.1, singleProbeTrace; docs/maths.md "Marching").
+// Traces a ray against what one probe sees (McGuire et al. 2017, section 4.1, singleProbeTrace; docs/maths.md
+// "Marching").
 #ifndef OLX_TRACE_PROBE_TRACE_H
 #define OLX_TRACE_PROBE_TRACE_H
 
@@ -6,7 +7,7 @@
 
 olx_probe_answer olx_trace_probe(const olx_field *field, uint32_t probe, const olx_probe_ray *ray, olx_tracer tracer);
 
-// Marches many rays at once, each through the probe that its job names; answers[i] is that of jobs[i].
+// Marches many rays at once, each through the map of its job's probe; answers[i] belongs to jobs[i].
 void olx_trace_probes(const olx_field *field, const olx_probe_job *jobs, uint32_t count, olx_tracer tracer,
                       olx_probe_answer *answers);
 

@@ -1,18 +1,18 @@
-// Judges what the surface element in a texel says about a ray that reaches its distance: a hit, a pass in front of it,
-// or unresolved because the probe cannot see behind it.
+// Judges a ray that reaches the distance stored in a texel by the texel's surface element: the ray hits it, passes in
+// front of it, or is unresolved because the probe cannot see behind it.
 #include "trace/surfel.h"
 
-// Half floats are off by up to 2^-11 of their value.
+// The largest relative error of a half float.
 static const float DISTANCE_PRECISION = 0x1p-11f;
-// How far from a texel's centre its surfel may be hit, in texels.
+// How far from its texel's centre a surfel may be hit, in texels.
 static const float NEIGHBOURHOOD_TEXELS = 1.5f;
 
-// The surfel of a texel against the ray: f(t) = f0 + f1 t is the ray's height over its plane.
+// The surfel of a texel in relation to the ray: f(t) = f0 + f1 t is the ray's height above its plane.
 typedef struct surfel {
   float distance;  // stored, metres
-  float footprint; // metres: distance times the root of the texel's solid angle
-  float slack;     // metres by which its depth is uncertain
-  float cosine;    // of the angle under which the probe sees it
+  float footprint; // metres: distance times the square root of the texel's solid angle
+  float slack;     // uncertainty of its depth, metres
+  float cosine;    // of the angle at which the probe sees it
   float f0, f1;
 } surfel;
 
@@ -36,12 +36,12 @@ static surfel read_surfel(const olx_march *m, int32_t x, int32_t y, float distan
   };
 }
 
-// How far the ray may be below a surfel's plane and still count as on it.
+// Returns how far below a surfel's plane the ray may be and still count as on it, in metres.
 static float plane_tolerance(const surfel *s) {
   return s->distance * DISTANCE_PRECISION * olx_max(s->cosine, 0.0f) + 0.005f * s->footprint;
 }
 
-// The largest distance of a texel and those around it.
+// Returns the largest distance of a texel and its neighbours.
 static float farthest_around(const olx_march *m, olx_cell c) {
   float farthest = 0.0f;
   for (int32_t dy = -1; dy <= 1; dy++) {
@@ -52,8 +52,9 @@ static float farthest_around(const olx_march *m, olx_cell c) {
   return farthest;
 }
 
-// Whether a squared distance from the probe is deeper than the surface of a texel can reach inside it: its plane tilted
-// away by a texel, but no farther than the neighbours, which are read only when the tilted plane leaves it open.
+// Returns whether a squared distance from the probe is beyond the surface inside a texel. The surface reaches as far as
+// its plane tilted away by a texel, but no farther than its neighbours, which are read only when the tilted plane does
+// not decide.
 static bool beyond_reach(olx_march *m, olx_cell c, const surfel *s, float radius_squared) {
   if (radius_squared <= olx_square(s->distance + s->slack)) return false;
   const float sine = sqrtf(olx_max(0.0f, 1.0f - s->cosine * s->cosine));
@@ -64,8 +65,8 @@ static bool beyond_reach(olx_march *m, olx_cell c, const surfel *s, float radius
   return radius_squared > olx_square(farthest_around(m, c) + s->slack);
 }
 
-// Whether the ray's image at t lies within the neighbourhood of a texel, and the texel there sees a surface about there
-// too. When it sees far past that point, the plane ends before it: an edge lies between the two texels.
+// Returns whether the ray's image at t lies within the neighbourhood of a texel, and the texel at that image sees a
+// surface about as far away. If that texel sees far beyond the point, the plane ends at an edge between the two texels.
 static bool supported(olx_march *m, const olx_piece *p, olx_cell c, const surfel *s, float t) {
   olx_vec2 image;
   if (!olx_image_at(m, p, t, &image)) return false;
@@ -79,26 +80,26 @@ static bool supported(olx_march *m, const olx_piece *p, olx_cell c, const surfel
   return stored <= sqrtf(olx_radius_squared(m, t)) + s->footprint * slope;
 }
 
-// What the surfel of texel c says about a ray that is above it, on it or below it there, up to t1.
+// Judges a ray above, on or below the surfel's plane in texel c, which it leaves at t1.
 static olx_verdict judge_height(olx_march *m, const olx_piece *p, olx_cell c, float t1, const surfel *s,
                                 olx_probe_answer *answer) {
   const float tolerance = plane_tolerance(s), height0 = s->f0 + s->f1 * c.t;
   if (height0 >= -tolerance) {
     const float height1 = isfinite(t1) ? s->f0 + s->f1 * t1 : s->f1 < 0.0f ? -INFINITY : INFINITY;
-    if (height1 >= -tolerance) return OLX_VERDICT_CLEAR; // above the plane all through the texel
+    if (height1 >= -tolerance) return OLX_VERDICT_CLEAR; // above the plane throughout the texel
     const float t = olx_clamp(-s->f0 / s->f1, c.t, t1);
     if (beyond_reach(m, c, s, olx_radius_squared(m, t))) return OLX_VERDICT_HIDDEN;
     answer->t = t;
     return OLX_VERDICT_HIT;
   }
   if (s->f1 >= 0.0f) {
-    // Below, but rising: a ray that just left this surface is still within what rounding and curvature explain. One
-    // that began farther below comes through the surface from behind.
+    // Below, but rising: a ray that has just left this surface is still within the error of rounding and curvature. One
+    // that began farther below passes through the surface from behind.
     return -olx_min(height0, s->f0) <= 0.5f * s->footprint ? OLX_VERDICT_CLEAR : OLX_VERDICT_HIDDEN;
   }
   const float t = -s->f0 / s->f1;
-  // A ray handed on by another probe may have slipped through this surface by that probe's tolerance, but no ray starts
-  // behind what it is about to hit.
+  // A ray taken over from another probe may have slipped through this surface by that probe's tolerance, but no ray
+  // starts behind the surface that it is about to hit.
   const float slip = m->ray->t_min > 0.0f ? s->footprint : 0.0f;
   if (t < m->ray->t_min && s->f0 + s->f1 * m->ray->t_min < -slip) return OLX_VERDICT_HIDDEN;
   if (!supported(m, p, c, s, t)) return OLX_VERDICT_HIDDEN;
@@ -123,7 +124,7 @@ void olx_read_block(olx_march *m, int32_t x, int32_t y) {
   }
 }
 
-// The plane of a texel of the block that was read last.
+// Returns the plane of a texel of the block read last.
 static olx_ray_plane texel_plane(olx_march *m, int32_t x, int32_t y) {
   const uint32_t texel = (uint32_t)y % OLX_BLOCK_SIDE * OLX_BLOCK_SIDE + (uint32_t)x % OLX_BLOCK_SIDE;
   const uint32_t *w = m->block->words, form = w[3] >> 30;
@@ -133,8 +134,8 @@ static olx_ray_plane texel_plane(olx_march *m, int32_t x, int32_t y) {
   return olx_plane_along(m->ray, olx_block_plane(m->field, m->probe, (uint32_t)x, (uint32_t)y));
 }
 
-// Whether the ray reaches the plane of texel c, which it leaves at t1. A plane that comes nearer in a part of the texel
-// than in its middle may end before, at the edge of a thing: the next texel tells.
+// Returns whether the ray reaches the plane of texel c, which it leaves at t1. A plane that comes nearer in a part of
+// the texel than in its middle may end before that part, at an object's edge; the next texel then decides.
 static bool reaches_plane(olx_march *m, olx_cell c, float t1, float *stored) {
   olx_read_block(m, c.x >> OLX_PYRAMID_FINEST, c.y >> OLX_PYRAMID_FINEST);
   if (olx_plane_clears(texel_plane(m, c.x, c.y), c.t, t1)) return false;

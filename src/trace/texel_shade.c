@@ -1,29 +1,29 @@
-// Shades the surface that a texel holds for the direction of a ray: both lobes, direct and indirect light, and the
-// highlights of lights without area, whose shadows are inferred from stored direct light.
+// Shades the surface that a texel stores for a ray's direction: the diffuse and the specular lobe in direct and
+// indirect light, and the highlights of lights without area, whose shadows are inferred from stored direct light.
 #include "trace/texel_shade.h"
 
 #include "field/lights.h"
 
-// Stored normals are off by up to this angle in radians, so no highlight is narrower.
+// The largest angular error of stored normals in radians; no highlight is narrower.
 static const float NORMAL_ERROR = 0.0111f;
 
-// A texel's surface, made ready for shading.
+// A texel's surface, prepared for shading.
 typedef struct texel_surface {
   olx_bsdf bsdf;
   olx_vec3 position, normal;
-  olx_vec3 view;       // to the eye
-  float cosine;        // of normal and view
-  olx_vec3 direct;     // irradiance
+  olx_vec3 view;       // unit, to the eye
+  float cosine;        // of the angle between normal and view
+  olx_vec3 direct;     // irradiance, W/m^2
 } texel_surface;
 
-// What the lights without area would do if nothing stood between them and the surface.
+// The light of all lights without area, as if nothing shadowed the surface.
 typedef struct unshadowed {
   olx_vec3 irradiance;
   olx_vec3 specular; // radiance towards the eye
 } unshadowed;
 
-// Specular light towards the eye per irradiance on a surface that faces the light; the cosine at the surface is
-// included.
+// Returns specular radiance towards the eye per irradiance on a surface that faces the light; the cosine at the surface
+// is included.
 static olx_vec3 highlight(const texel_surface *s, olx_vec3 to_light, float cosine_light) {
   const float alpha = sqrtf(olx_square(s->bsdf.alpha) + olx_square(NORMAL_ERROR));
   const olx_vec3 half = olx_normalize(olx_add(s->view, to_light)), off = olx_cross(half, s->normal);
@@ -44,11 +44,11 @@ static unshadowed light_without_shadows(const olx_field *field, const texel_surf
     sum.irradiance = olx_madd(sum.irradiance, light.irradiance, cosine);
     if (shines) sum.specular = olx_add(sum.specular, olx_mul(light.irradiance, highlight(s, light.direction, cosine)));
   }
-  // A damaged file may hold a light that no number can.
+  // A damaged file may hold a light whose sum is not finite.
   return olx_finite(sum.irradiance) && olx_finite(sum.specular) ? sum : (unshadowed){.irradiance = olx_splat(0.0f)};
 }
 
-// The share of that light which arrives: no more of any colour than is stored.
+// Returns the share of unshadowed light that arrives: in each colour channel at most what is stored.
 static float lit_share(olx_vec3 stored, olx_vec3 most) {
   float share = 1.0f;
   if (most.x > 0.0f) share = olx_min(share, stored.x / most.x);
@@ -65,7 +65,7 @@ olx_texel_light olx_texel_shade(const olx_field *field, uint32_t probe, size_t t
                      .view = olx_negate(direction),
                      .direct = olx_texel_direct(field, probe, texel)};
   s.cosine = olx_max(fabsf(olx_dot(s.normal, s.view)), 1e-3f);
-  // This surface is one more on the light's way, so the last of the bounces that are stored is left out.
+  // The ray's origin adds one more surface to the light's way, so the last stored bounce is left out.
   const olx_vec3 all = olx_madd(s.direct, olx_texel_indirect(field, probe, texel), 1.0f - field->info.last_bounce);
   olx_texel_light light = {
       .reflected = olx_scale(olx_mul(olx_bsdf_diffuse(&s.bsdf, s.cosine), all), 1.0f / OLX_PI)};

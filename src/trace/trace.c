@@ -10,31 +10,31 @@
 
 #include <string.h>
 
-// Probes are remembered as asked by their numbers modulo this, a bit each: exact in fields of no more probes. In larger
-// ones a probe may count as asked in the place of another. A prime, so that the strides of grids do not meet.
+// A ray remembers tried probes by their numbers modulo this, a bit each. That is exact in fields of no more probes; in
+// larger ones a probe may be taken for tried because another was. A prime, so that it does not align with the strides
+// of grids.
 enum { REMEMBERED = 127 };
-// Rays that olx_trace_rays follows side by side.
+// The number of rays that olx_trace_rays follows side by side.
 enum { TOGETHER = 64 };
 
-// A probe that loses a ray knows where only to within its texels. The next one takes over by this many footprints
-// before that, so that the ray does not slip through what it was about to hit.
+// How many footprints before the place where one probe lost a ray the next one takes over. The place is known only to
+// within a texel, and the ray must not slip through the surface that it was about to hit.
 static const float HAND_OVER_FOOTPRINTS = 0.5f;
-// A ray that went out of every probe's sight by no more than this many footprints behind a surface is taken to end
-// there.
+// An unresolved ray that vanished behind a surface by at most this many footprints is taken to end there.
 static const float VANISHED_FOOTPRINTS = 1.5f;
-// How much worse a probe to begin with is for standing off the ray's line than for standing off its origin.
+// The cost of a first probe's squared distance from the ray's line, relative to its squared distance from the origin.
 static const float OFF_LINE = 4.0f;
 
 typedef struct search {
   const olx_field *field;
   const olx_sample_settings *settings;
   olx_vec3 origin, direction;
-  float t, t_max; // the ray is known to be free up to t
+  float t, t_max; // the ray is known to be clear up to t
   float lost;     // where the probe that followed it farthest lost it
   uint32_t attempts, limit;
   uint32_t asked[(REMEMBERED + 31) / 32];
   uint32_t steps;
-  // The best guess should no probe know: the occluder behind which the ray vanished by the smallest gap.
+  // The best guess if no probe resolves the ray: the surface behind which it vanished by the smallest gap.
   olx_probe_answer fallback;
   uint32_t fallback_probe;
 } search;
@@ -43,7 +43,7 @@ static bool usable(const search *s, uint32_t probe) {
   return s->settings->keep_buried || !(s->field->probe_flags[probe] & OLX_PROBE_BURIED);
 }
 
-// Whether the march can follow a ray at all: a unit direction, and numbers whose squares are finite.
+// Returns whether a ray can be marched: its direction is a unit vector, and the squares of its numbers are finite.
 static bool is_ray(olx_vec3 origin, olx_vec3 direction, float t_max) {
   const float length = olx_dot(direction, direction);
   return olx_dot(origin, origin) < INFINITY && length > 0.9f && length < 1.1f && t_max > 0.0f;
@@ -62,20 +62,20 @@ static void remember(search *s, uint32_t probe) {
 
 static olx_vec3 ray_point(const search *s, float t) { return olx_madd(s->origin, s->direction, t); }
 
-// Squared distance of a probe from the ray's line.
+// Returns the squared distance of a probe from the ray's line.
 static float line_distance_squared(const search *s, uint32_t probe) {
   const olx_vec3 offset = olx_sub(s->field->probe_positions[probe], s->origin);
   const olx_vec3 foot = olx_madd(offset, s->direction, -olx_dot(offset, s->direction));
   return olx_dot(foot, foot);
 }
 
-// Whether a probe sees where the ray begins or, once others have lost it, where that was.
+// Returns whether a probe sees the ray's origin or, once other probes have lost the ray, the place where they did.
 static bool sees(const search *s, uint32_t probe) {
   if (s->attempts == 0) return olx_probe_sees(s->field, probe, s->origin, OLX_SIGHT_START, &s->direction);
   return olx_probe_sees(s->field, probe, ray_point(s, s->lost), OLX_SIGHT_STUCK, NULL);
 }
 
-// What to ask a probe.
+// Makes the job for tracing the ray through a probe's map, and remembers the probe as tried.
 static olx_probe_job question(search *s, uint32_t probe) {
   remember(s, probe);
   return (olx_probe_job){.probe = probe,
@@ -85,10 +85,10 @@ static olx_probe_job question(search *s, uint32_t probe) {
                                  .t_max = s->t_max}};
 }
 
-// What it says. True when that settles the ray.
+// Takes a probe's answer. Returns true when it resolves the ray.
 static bool settles(search *s, const olx_probe_job *job, olx_probe_answer *answer) {
   s->steps += answer->steps;
-  // Lost in front of what the probe stores there, the ray has gone behind nothing: it ends.
+  // A ray lost in front of the stored surface has gone behind nothing, so it ends there.
   if (answer->status == OLX_TRACE_UNKNOWN && answer->gap < 0.0f) answer->status = OLX_TRACE_HIT;
   if (answer->status != OLX_TRACE_UNKNOWN) return true;
   if (s->fallback_probe == UINT32_MAX || answer->gap < s->fallback.gap) {
@@ -102,14 +102,14 @@ static bool settles(search *s, const olx_probe_job *job, olx_probe_answer *answe
   return false;
 }
 
-// Ask one probe. True when it settles the ray.
+// Traces the ray through one probe's map. Returns true when that resolves it.
 static bool ask(search *s, uint32_t probe, olx_probe_answer *answer) {
   const olx_probe_job job = question(s, probe);
   *answer = olx_trace_probe(s->field, probe, &job.ray, s->settings->tracer);
   return settles(s, &job, answer);
 }
 
-// The corner to begin with: the probe nearest to the ray's line.
+// Returns the corner to begin with: the probe nearest to the ray's line.
 static uint32_t first_corner(const search *s, const olx_grid *grid, const olx_cage *cage) {
   uint32_t best = 0;
   float best_distance = INFINITY;
@@ -124,8 +124,8 @@ static uint32_t first_corner(const search *s, const olx_grid *grid, const olx_ca
   return best;
 }
 
-// The next probe of the cage around the place to which the ray is followed. Corners are taken in steps of three, so
-// that each is far from the one before.
+// Returns the next probe of the cage around the place to which the ray is followed. Corners are taken in steps of
+// three, so that each is far from the last.
 static uint32_t next_corner(const search *s) {
   const olx_grid *grid = &s->field->info.grid;
   const olx_cage cage = olx_cage_at(grid, ray_point(s, s->lost));
@@ -138,7 +138,7 @@ static uint32_t next_corner(const search *s) {
   return OLX_NO_PROBE;
 }
 
-// The first of some choices that may be asked.
+// Returns the first of these choices that is usable and not yet tried.
 static uint32_t first_choice(const search *s, const uint32_t choices[OLX_CHOICES]) {
   for (uint32_t i = 0; i < OLX_CHOICES; i++) {
     if (choices[i] != OLX_NO_PROBE && usable(s, choices[i]) && !was_asked(s, choices[i])) return choices[i];
@@ -146,7 +146,8 @@ static uint32_t first_choice(const search *s, const uint32_t choices[OLX_CHOICES
   return OLX_NO_PROBE;
 }
 
-// The nearest probe, and from the probe that was asked last its neighbour in whose direction the ray went out of sight.
+// Returns the nearest probe at first; later, that neighbour of the last tried probe in whose direction the ray was
+// lost.
 static uint32_t next_neighbour(const search *s, uint32_t last) {
   if (s->attempts == 0) return olx_voronoi_nearest(s->field, s->origin, s->settings->keep_buried);
   uint32_t choices[OLX_CHOICES];
@@ -154,18 +155,18 @@ static uint32_t next_neighbour(const search *s, uint32_t last) {
   return first_choice(s, choices);
 }
 
-// The next probe of the octree's leaf around the place to which the ray is followed.
+// Returns the next probe of the octree's leaf around the place to which the ray is followed.
 static uint32_t next_in_leaf(const search *s) {
   uint32_t choices[OLX_CHOICES];
   olx_octree_choices(s->field, olx_octree_leaf(s->field, ray_point(s, s->lost)), choices);
   return first_choice(s, choices);
 }
 
-// Where the ray begins or, once others have lost it, where that was.
+// Returns the ray's origin or, once probes have lost the ray, the place where they did.
 static olx_vec3 sought(const search *s) { return s->attempts == 0 ? s->origin : ray_point(s, s->lost); }
 
-// The probes that the bricks list for where the ray stands, and what speaks against each: to begin with the distance
-// from the origin and from the ray's line, later that from the place.
+// The probes that the bricks list for the sought place, and the cost of each: at first its squared distance from the
+// origin and from the ray's line, later its squared distance from the place.
 typedef struct listed {
   const uint32_t *list;
   float cost[OLX_BRICK_PROBES];
@@ -186,7 +187,7 @@ static listed look_up(const search *s) {
   return l;
 }
 
-// The best of them that was not taken before; OLX_BRICK_NO_PROBE when there is none.
+// Takes the cheapest probe not taken before; OLX_BRICK_NO_PROBE when there is none.
 static uint32_t take_best(listed *l) {
   uint32_t best = 0;
   for (uint32_t i = 1; i < OLX_BRICK_PROBES; i++) best = l->cost[i] < l->cost[best] ? i : best;
@@ -195,7 +196,7 @@ static uint32_t take_best(listed *l) {
   return olx_bricks_probe(l->list, best);
 }
 
-// The best of the probes that the bricks list and that see where the ray stands, or OLX_NO_PROBE.
+// Returns the cheapest probe that the bricks list and that sees the sought place, or OLX_NO_PROBE.
 static uint32_t next_listed(const search *s) {
   listed l = look_up(s);
   for (;;) {
@@ -205,7 +206,7 @@ static uint32_t next_listed(const search *s) {
   }
 }
 
-// The nearest of all probes not yet asked that sees the place.
+// Returns the nearest probe, of all those not yet tried, that sees the sought place.
 static uint32_t nearest_that_sees(const search *s) {
   enum { SOME = 16 };
   const olx_vec3 place = sought(s);
@@ -236,8 +237,8 @@ static uint32_t nearest_that_sees(const search *s) {
   return best;
 }
 
-// The next probe that the selector names; `last` was asked before. OLX_NO_PROBE when there is none, as of all these
-// functions.
+// Returns the selector's next probe after `last`, the one tried before. This function and those that it calls return
+// OLX_NO_PROBE when there is none.
 static uint32_t next_selected(const search *s, uint32_t last) {
   switch (olx_select_resolve(s->field, s->settings->select)) {
   case OLX_SELECT_CAGE: return next_corner(s);
@@ -248,8 +249,8 @@ static uint32_t next_selected(const search *s, uint32_t last) {
   }
 }
 
-// Ask the probes that the selector names or, everywhere, whichever see the place where the ray is stuck, nearest first.
-// True when one settles the ray.
+// Tries the probes of the selector or, with `everywhere`, all probes that see the place where the ray was lost, nearest
+// first. Returns true when one resolves the ray.
 static bool search_probes(search *s, bool everywhere, uint32_t *probe, olx_probe_answer *answer) {
   while (s->attempts < s->limit) {
     const uint32_t next = everywhere ? nearest_that_sees(s) : next_selected(s, *probe);
@@ -260,7 +261,7 @@ static bool search_probes(search *s, bool everywhere, uint32_t *probe, olx_probe
   return false;
 }
 
-// The sky's radiance in the ray's direction, from the first probe that sees it there; 0 when none does.
+// Returns the sky's radiance in the ray's direction, from the first probe that sees it there; 0 when none does.
 static olx_vec3 sky_radiance(const search *s) {
   for (uint32_t probe = 0; probe < s->field->info.probe_count; probe++) {
     const size_t texel = olx_texel_towards(s->field, s->direction);
@@ -269,7 +270,7 @@ static olx_vec3 sky_radiance(const search *s) {
   return olx_splat(0.0f);
 }
 
-// Light that the hit's texel holds. The radiance of a field whose lights have changed is that of before.
+// Reads the light stored in the hit's texel. After lights have changed, a field's stored radiance is out of date.
 static void read_light(const search *s, uint32_t probe, size_t texel, olx_trace_hit *hit) {
   const olx_field *field = s->field;
   hit->emitter = olx_texel_emits(field, probe, texel);
@@ -277,7 +278,7 @@ static void read_light(const search *s, uint32_t probe, size_t texel, olx_trace_
   const bool stored = field->radiance && s->settings->hits == OLX_HITS_STORED && !field->relit;
   if (stored && !hit->emitter) hit->radiance = olx_texel_radiance(field, probe, texel);
   if (stored && !hit->emitter) return;
-  // Stored radiance of a texel that emits is the sum of both.
+  // For a texel that emits, stored radiance is the sum of emitted and reflected light.
   const olx_texel_light light = olx_texel_shade(field, probe, texel, hit->position, s->direction);
   hit->radiance = olx_add(light.reflected, light.lobe);
   if (!stored) hit->lobe = light.lobe;
@@ -294,7 +295,7 @@ static olx_trace_hit describe(const search *s, uint32_t probe, const olx_probe_a
       .probes_tried = s->attempts,
   };
   if (answer->status == OLX_TRACE_MISS) {
-    if (s->t_max >= t_max) return hit; // ends in free space
+    if (s->t_max >= t_max) return hit; // it ends in free space
     hit.distance_metres = INFINITY;
     hit.emitter = true;
     hit.emission = sky_radiance(s);
@@ -309,8 +310,8 @@ static olx_trace_hit describe(const search *s, uint32_t probe, const olx_probe_a
   return hit;
 }
 
-// Where the ray leaves the scene's bounds for good, widened by what two texels on the far side of the scene span, so
-// that walls which are the bounds are met before; 0 when the bounds lie behind the ray.
+// Returns where the ray leaves the scene's bounds for good; 0 when they lie behind it. The bounds are widened by the
+// width of two texels on the far side of the scene, so that walls that coincide with the bounds are hit first.
 static float leave_bounds(const olx_field *field, olx_vec3 origin, olx_vec3 direction) {
   const olx_vec3 room = olx_splat(field->distance_scale * 2.0f * olx_mean_texel_angle(field->n));
   const olx_vec3 low = olx_sub(field->info.scene_min, room), high = olx_add(field->info.scene_max, room);
@@ -325,7 +326,7 @@ static float leave_bounds(const olx_field *field, olx_vec3 origin, olx_vec3 dire
 
 static const olx_trace_hit NOTHING_KNOWN = {.status = OLX_TRACE_UNKNOWN, .probe = UINT32_MAX};
 
-// False for what is no ray.
+// Prepares a search; false when the ray is not a valid one.
 static bool begin_search(search *s, const olx_field *field, const olx_sample_settings *settings, olx_vec3 origin,
                          olx_vec3 direction, float t_max) {
   if (!is_ray(origin, direction, t_max)) return false;
@@ -342,7 +343,7 @@ static bool begin_search(search *s, const olx_field *field, const olx_sample_set
   return true;
 }
 
-// When no probe that the selector names has settled the ray.
+// Resolves a ray that no probe of the selector resolved.
 static olx_trace_hit search_rest(search *s, float t_max) {
   uint32_t probe = OLX_NO_PROBE;
   olx_probe_answer answer;
@@ -366,20 +367,20 @@ olx_trace_hit olx_trace(const olx_field *field, const olx_sample_settings *setti
   return search_rest(&s, t_max_metres);
 }
 
-// Rays that go through the field together.
+// Rays that are traced together.
 typedef struct bundle {
-  uint32_t open[TOGETHER], open_count; // still without an answer
-  uint32_t asking;                     // of these, the first so many have a job
+  uint32_t open[TOGETHER], open_count; // rays without an answer
+  uint32_t asking;                     // the first so many of them have a job
   search searches[TOGETHER];
   listed lists[TOGETHER];
   olx_probe_job jobs[TOGETHER];
   olx_probe_answer answers[TOGETHER];
 } bundle;
 
-// For each open ray the job for the next probe that the bricks name. Those without one come last.
+// Makes for each open ray the job for its next probe from the bricks. Rays without one are moved to the end.
 static void choose_by_bricks(bundle *b, const olx_field *field) {
   uint32_t trying[TOGETHER], candidates[TOGETHER], rest[TOGETHER], try_count = b->open_count, rest_count = 0;
-  const bool first = b->open_count && b->searches[b->open[0]].attempts == 0; // all have asked as many
+  const bool first = b->open_count && b->searches[b->open[0]].attempts == 0; // all rays have tried equally many
   for (uint32_t k = 0; k < try_count; k++) {
     trying[k] = b->open[k];
     b->lists[trying[k]] = look_up(&b->searches[trying[k]]);
@@ -421,7 +422,8 @@ static void prefetch_light(const olx_field *field, const olx_sample_settings *se
   else olx_texel_prefetch(field, probe, texel);
 }
 
-// All rays ask the first probe that they are to ask, then those that are not settled the second, and so on.
+// Traces all rays together: first each through its first probe's map, then the unresolved ones through their second,
+// and so on.
 static void trace_by_bricks(const olx_field *field, const olx_sample_settings *settings, uint32_t count,
                             const olx_vec3 *origins, const olx_vec3 *directions, float t_max, olx_trace_hit *hits) {
   bundle b;

@@ -1,4 +1,5 @@
-// Uploads the baseline's maps to a device, and records the pass that lights a frame by them, to compare with.
+// Uploads classic maps, irradiance probes without visibility, to a device, and records the pass that lights a frame
+// with them for comparison.
 #include "core/hooks.h"
 #include "vulkan/gpu_frame.h"
 #include "vulkan/uploader.h"
@@ -20,14 +21,14 @@ struct olx_vulkan_classic {
   VkDeviceSize bytes;
   VkBuffer buffer;
   VkDeviceMemory memory;
-  VkDescriptorSetLayout set_layout, frame_set_layout, sample_set_layout; // the latter like those of every frame
+  VkDescriptorSetLayout set_layout, frame_set_layout, sample_set_layout; // the last one is like that of every frame
   VkDescriptorPool pool;
   VkDescriptorSet set;
   VkPipelineLayout layout;
   VkPipeline pipeline;
 };
 
-// A part of the buffer, and the word of the header that says where it begins.
+// A part of the buffer, and the word of the header that holds its offset.
 typedef struct classic_part {
   const void *data;
   uint64_t words;
@@ -65,7 +66,7 @@ static olx_result check_range(const olx_vulkan_context *c, const olx_vulkan_clas
                   field->info.irradiance_probe_count);
 }
 
-// Creates the buffer, as yet without memory.
+// Creates the buffer, without memory yet.
 static olx_result make_buffer(const olx_vulkan_context *c, olx_vulkan_classic *classic,
                               VkMemoryRequirements *requirements) {
   const VkBufferCreateInfo info = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,

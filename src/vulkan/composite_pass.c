@@ -1,5 +1,5 @@
 // Records the pass that adds indirect light to the host's image: irradiance times the diffuse reflectance of the
-// surface, and glossy light as it is.
+// surface, and glossy light unchanged.
 #include "vulkan/gpu_frame.h"
 
 static const uint32_t WORDS[] = {

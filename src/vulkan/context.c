@@ -1,4 +1,4 @@
-// Takes what the runtime needs of the host's device (functions, limits, memory types), and turns results of Vulkan into
+// Takes what the runtime needs from the host's device (functions, limits, memory types), and turns Vulkan results into
 // errors with messages.
 #include "vulkan/context.h"
 

@@ -1,4 +1,4 @@
-// Records the denoiser's passes: mixes a frame's rays into the histories of both lobes, and filters these along rows
+// Records the denoiser's passes: they mix a frame's rays into the histories of both lobes, and filter these along rows
 // and columns.
 #include "core/vec.h"
 #include "vulkan/gpu_frame.h"
@@ -15,7 +15,7 @@ static const uint32_t FILTER_WORDS[] = {
 };
 const olx_pass_code olx_filter_pass = {"filter", FILTER_WORDS, sizeof FILTER_WORDS};
 
-// A view as the denoiser sees it: pixels by their depth along an axis, which is scale / (depth image - offset).
+// A view for the denoiser: the depth of a pixel along the viewing axis is scale / (depth image - offset).
 typedef struct camera {
   olx_gpu_camera constants;
   bool mirrored;
@@ -34,7 +34,7 @@ static vec3d cross(vec3d a, vec3d b) {
   return (vec3d){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-// The point at a place of the clip volume, seen from the eye.
+// Returns a point of the clip volume in world space, relative to the eye.
 static vec3d from_eye(const olx_vulkan_view *view, double x, double y, double depth) {
   const float *m = view->clip_to_world;
   double p[4];
@@ -44,7 +44,7 @@ static vec3d from_eye(const olx_vulkan_view *view, double x, double y, double de
   return sub((vec3d){p[0] / p[3], p[1] / p[3], p[2] / p[3]}, eye);
 }
 
-// Whether the camera finds a point where the view has it.
+// Returns whether the camera puts a point where the view does.
 static bool agrees(const olx_vulkan_view *view, const camera *c, vec3d forward, vec3d right, vec3d up, double shift_x,
                    double shift_y, double depth) {
   const double metres = (double)c->depth_scale / (depth - (double)c->depth_offset);
@@ -54,7 +54,7 @@ static bool agrees(const olx_vulkan_view *view, const camera *c, vec3d forward, 
 }
 
 static olx_result find_camera(const olx_vulkan_frame *f, const olx_vulkan_view *view, const char *name, camera *c) {
-  // Far from the eye, where single precision of a position says more.
+  // These depths are far from the eye, where a position in single precision is more accurate.
   const double step = view->empty_depth > 0.5f ? -0.01 : 0.01, far_depth = (double)view->empty_depth + step,
                near_depth = far_depth + step;
   const vec3d middle = from_eye(view, 0, 0, near_depth);
@@ -113,7 +113,7 @@ static void record_accumulate(const olx_vulkan_frame *f, VkCommandBuffer command
          &constants);
 }
 
-// Rows or columns of all lobes, which need no barrier between them.
+// Records the filters of all lobes along rows or columns; they need no barrier between them.
 static void record_filters(const olx_vulkan_frame *f, VkCommandBuffer commands, const olx_vulkan_settings *s,
                            const camera *now, bool columns) {
   for (uint32_t lobe = 0; lobe < 2; lobe++) {
@@ -135,7 +135,7 @@ static void record_filters(const olx_vulkan_frame *f, VkCommandBuffer commands, 
   }
 }
 
-// The history of lobes that are not denoised is bound all the same; nothing has made it ready.
+// Prepares the histories of lobes that are not denoised, which are bound although nothing has written to them.
 static void prepare_bystanders(const olx_vulkan_frame *f, const olx_vulkan_denoise *denoise, VkCommandBuffer commands) {
   static const uint32_t kinds[] = {OLX_HISTORY_DIFFUSE, OLX_HISTORY_GLOSSY},
                         lobes[] = {OLX_VULKAN_LOBE_DIFFUSE, OLX_VULKAN_LOBE_GLOSSY};

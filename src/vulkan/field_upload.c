@@ -1,5 +1,5 @@
-// Uploads a field to the buffer and the images that gpu_field.c made for it, rows of maps at a time, through the
-// uploader's staging memory.
+// Uploads a field to the buffer and the images of gpu_field.c, some rows of maps at a time, through the uploader's
+// staging memory.
 #include "field/field_file.h"
 #include "vulkan/gpu_field.h"
 #include "vulkan/uploader.h"
@@ -29,7 +29,7 @@ static void transition(const olx_vulkan_field *gpu, VkCommandBuffer commands, Vk
                                      first ? 0 : 1, &buffer, 0, NULL, OLX_GPU_MAPS, barriers);
 }
 
-// Rows of texels or of blocks, from the file or decoded.
+// Fills memory with rows of texels or of blocks, copied from the file or decoded.
 static void fill_rows(const olx_field *field, const olx_gpu_maps *maps, uint32_t map, uint32_t row, uint32_t rows,
                       uint32_t row_bytes, unsigned char *memory) {
   const size_t rows_a_map = maps->blocks ? maps->stride / OLX_BLOCK_SIDE : maps->stride;
@@ -42,10 +42,10 @@ static void fill_rows(const olx_field *field, const olx_gpu_maps *maps, uint32_t
   }
 }
 
-// Rows of one map, as many at a time as fit into the staging slot.
+// Uploads the rows of one map, as many at a time as fit into the staging slot.
 static olx_result upload_map(olx_vulkan_field *gpu, const olx_field *field, olx_uploader *uploader,
                              const olx_gpu_maps *maps, uint32_t map) {
-  const uint32_t unit = maps->blocks ? OLX_BLOCK_SIDE : 1; // texels along a side of what has texel_bytes
+  const uint32_t unit = maps->blocks ? OLX_BLOCK_SIDE : 1; // texels along a side of the unit of texel_bytes
   const uint32_t all = maps->stride / unit, row_bytes = all * maps->texel_bytes,
                  most = OLX_STAGING_SLOT_BYTES / row_bytes;
   const uint32_t maps_a_layer = maps->maps_a_side * maps->maps_a_side, in_layer = map % maps_a_layer;

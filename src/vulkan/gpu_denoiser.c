@@ -1,5 +1,4 @@
-// Makes the pipelines and descriptor sets of the denoiser of a frame, and points them at the history and the host's
-// images.
+// Creates the pipelines and descriptor sets of a frame's denoiser, and binds the history and the host's images to them.
 #include "vulkan/gpu_frame.h"
 
 enum {
@@ -46,7 +45,7 @@ static VkDescriptorImageInfo host_image(const olx_vulkan_frame *f, const olx_vul
   return (VkDescriptorImageInfo){f->field->nearest, image->view, image->layout};
 }
 
-// An image of the history; of a lobe that has none, the other lobe's, which is bound but not read.
+// Returns an image of the history. A lobe without images gets the other lobe's, which are bound but not read.
 static VkDescriptorImageInfo history_image(const olx_vulkan_frame *f, uint32_t kind, uint32_t i) {
   const uint32_t other = kind == OLX_HISTORY_DIFFUSE ? OLX_HISTORY_GLOSSY : OLX_HISTORY_DIFFUSE;
   const VkImageView view = f->history.views[olx_gpu_history_has(&f->history, kind) ? kind : other][i];
@@ -75,7 +74,7 @@ static void write_filter_set(olx_vulkan_frame *f, const olx_vulkan_targets *t, u
   const VkDescriptorImageInfo images[OLX_FILTER_BINDINGS] = {
       [OLX_BINDING_GUIDE] = history_image(f, OLX_HISTORY_GUIDE, now),
       [OLX_BINDING_LIGHT] = history_image(f, kind, now),
-      // The history of the frame before is no longer needed.
+      // The history of the previous frame is no longer needed.
       [OLX_BINDING_ROWS] = history_image(f, kind, before),
       [OLX_BINDING_FILTER_ALBEDO] = host_image(f, &t->albedo),
       [OLX_BINDING_FILTER_ROUGHNESS] = host_image(f, &t->roughness),

@@ -1,5 +1,5 @@
-// Lays out a field on a device: an image for each kind of map, one buffer for all else, and the descriptor set by which
-// every pass reads them.
+// Lays out a field on a device: an image for each kind of map, one buffer for all else, and the descriptor set through
+// which every pass reads them.
 #include "vulkan/gpu_field.h"
 
 #include "core/hooks.h"
@@ -10,8 +10,8 @@ static const char WHAT[] = "a field on the device";
 
 enum { ALL_BINDINGS = (1 << OLX_FIELD_BINDINGS) - 1 };
 
-// How many maps share a layer, so that the image has no more layers, and the layers no more texels, than the device
-// allows.
+// Computes how many maps share a layer, so that the image has no more layers, and layers no more texels, than the
+// device allows.
 static olx_result lay_out_maps(const olx_vulkan_context *c, olx_gpu_maps *maps) {
   const uint32_t most_layers = c->limits.maxImageArrayLayers, most_texels = c->limits.maxImageDimension2D;
   for (maps->maps_a_side = 1; maps->maps_a_side * maps->stride <= most_texels; maps->maps_a_side++) {
@@ -59,7 +59,7 @@ static VkDeviceSize align_buffer(const olx_vulkan_context *c, VkDeviceSize offse
   return (offset + alignment - 1) / alignment * alignment;
 }
 
-// Shaders read words, and codes of one byte may end within one.
+// Rounds up to whole words, because shaders read words and codes of one byte may end within one.
 static VkDeviceSize whole_words(VkDeviceSize bytes) { return (bytes + 3) / 4 * 4; }
 
 static olx_result check_range(const olx_vulkan_context *c, VkDeviceSize bytes, const char *what) {
@@ -68,20 +68,21 @@ static olx_result check_range(const olx_vulkan_context *c, VkDeviceSize bytes, c
                   (unsigned long long)bytes, what);
 }
 
-// With more lights than can have highlights none has. Lights that change may be more than those of the bake.
+// Returns the number of lights with highlights, 0 where there are more than can have them. Changed lights may be more
+// than those of the bake.
 static uint32_t highlight_count(const olx_field *field) {
   return field->surfaces.light_count > OLX_MOST_HIGHLIGHTS ? 0 : field->surfaces.light_count;
 }
 
-// Bytes of the volume's chunk, which ends with the entries of cubes; 0 for a field without a volume.
+// Returns the bytes of the volume's chunk, which ends with the entries of cubes; 0 for a field without a volume.
 static VkDeviceSize volume_bytes(const olx_volume *v) {
   if (!v->header) return 0;
   const size_t cubes = (size_t)v->header->size[0] * v->header->size[1] * v->header->size[2];
   return (VkDeviceSize)((const char *)(v->index + cubes) - (const char *)v->header);
 }
 
-// Pyramids, selectors, emission, lights and the volume one after the other from `first` on: shaders have them as one
-// array of words.
+// Lays out pyramids, selectors, emission, lights and the volume one after the other from `first` on: shaders read them
+// as one array of words.
 static olx_result lay_out_words(olx_vulkan_field *gpu, const olx_field *field, VkDeviceSize first) {
   const olx_field_surfaces *s = &field->surfaces;
   const VkDeviceSize probes = field->info.probe_count,
@@ -108,7 +109,7 @@ static olx_result lay_out_words(olx_vulkan_field *gpu, const olx_field *field, V
   return check_range(&gpu->context, gpu->buffer_bytes - first, "pyramids, selectors, emission, planes, lights and volume");
 }
 
-// Where a part begins, in words of the array.
+// Returns the offset of a part, in words of the array.
 static uint32_t first_word(const olx_vulkan_field *gpu, olx_gpu_words_part part) {
   return (uint32_t)((gpu->words[part].offset - gpu->words[0].offset) / 4);
 }
@@ -116,7 +117,7 @@ static uint32_t first_word(const olx_vulkan_field *gpu, olx_gpu_words_part part)
 static olx_result create_buffer(olx_vulkan_field *gpu, const olx_field *field) {
   const olx_vulkan_context *c = &gpu->context;
   const olx_field_info *info = &field->info;
-  // A buffer is never empty, so that descriptors are valid without irradiance probes, too.
+  // A buffer is never empty, so that descriptors are valid without irradiance probes too.
   const VkDeviceSize count = info->irradiance_probe_count ? info->irradiance_probe_count : 1;
   const VkDeviceSize probes = sizeof(olx_gpu_probe) * (VkDeviceSize)info->probe_count,
                      irradiance_probes = sizeof(olx_gpu_probe) * count;
@@ -155,7 +156,7 @@ static olx_gpu_field field_constants(const olx_vulkan_field *gpu, const olx_fiel
       .probe_count = info->probe_count,
       .n = field->n,
       .least_nodes = field->pyramid.least_nodes,
-      .maps_a_side = distance->maps_a_side, // as of all maps of light field probes
+      .maps_a_side = distance->maps_a_side, // the same for all maps of light field probes
       .irradiance_n = field->irradiance_n,
       .irradiance_maps_a_side = irradiance->maps_a_side,
       .irradiance_texel = 1.0f / (float)(irradiance->maps_a_side * irradiance->stride),
@@ -183,7 +184,7 @@ static olx_gpu_field field_constants(const olx_vulkan_field *gpu, const olx_fiel
   };
 }
 
-// Maps of surfaces, as blocks where both field and device have them, else as texels. Relighting writes texels.
+// Describes maps of surfaces: blocks where both field and device support them, else texels. Relighting writes texels.
 static olx_gpu_maps surface_maps(const olx_vulkan_context *c, const olx_field *field, olx_surface_map kind) {
   static const VkFormat TEXELS[OLX_SURFACE_MAPS] = {VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_R8G8_UNORM,
                                                     VK_FORMAT_E5B9G9R9_UFLOAT_PACK32, VK_FORMAT_E5B9G9R9_UFLOAT_PACK32},
@@ -204,14 +205,14 @@ static olx_gpu_maps surface_maps(const olx_vulkan_context *c, const olx_field *f
                         .texels = stored ? blocks[kind] : texels[kind]};
 }
 
-// Distances, or geometry blocks: any device samples images of four words, a block a texel.
+// Describes distances or geometry blocks. Every device samples images of four words, so a block is a texel.
 static olx_gpu_maps geometry_maps(const olx_field *field) {
   const uint32_t probes = field->info.probe_count, side = field->n / OLX_BLOCK_SIDE;
   return field->geometry ? (olx_gpu_maps){VK_FORMAT_R32G32B32A32_UINT, 16, side, probes, .texels = field->geometry}
                          : (olx_gpu_maps){VK_FORMAT_R16_UINT, 2, field->stride, probes, .texels = field->distance};
 }
 
-// Binds an image of a single black texel for maps of a kind that the field lacks.
+// Describes an image of a single black texel for each kind of map that the field lacks.
 static void fill_missing(olx_gpu_maps maps[OLX_GPU_MAPS]) {
   static const uint32_t black = 0;
   for (uint32_t i = 0; i < OLX_GPU_MAPS; i++) {
@@ -228,7 +229,7 @@ static olx_result check_irradiance_form(const olx_field *field) {
                   field->name, olx_irradiance_form_name(field->info.irradiance_form));
 }
 
-// Images and buffers, as yet without memory.
+// Creates images and buffers, without memory yet.
 static olx_result create_resources(const olx_vulkan_host *host, const olx_field *field, olx_vulkan_field *gpu) {
   OLX_TRY(check_irradiance_form(field));
   OLX_TRY(olx_vulkan_context_make(host, &gpu->context));
@@ -415,7 +416,7 @@ void olx_vulkan_field_destroy(olx_vulkan_field *gpu) {
   if (!gpu) return;
   const olx_vulkan_functions *vk = &gpu->context.vk;
   const VkDevice device = gpu->context.host.device;
-  if (vk->DestroyImage) { // else the host's functions were never found, and nothing was made
+  if (vk->DestroyImage) { // otherwise the host's functions were never found, and nothing was created
     vk->DestroyDescriptorPool(device, gpu->pool, NULL);
     vk->DestroyDescriptorSetLayout(device, gpu->set_layout, NULL);
     vk->DestroySampler(device, gpu->nearest, NULL);

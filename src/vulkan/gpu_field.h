@@ -1,5 +1,4 @@
-// A field on the device: one image for each kind of map, one buffer for everything else, and the descriptor set of
-// both.
+// A field on the device: one image for each kind of map, one buffer for all else, and the descriptor set of both.
 #ifndef OLX_VULKAN_GPU_FIELD_H
 #define OLX_VULKAN_GPU_FIELD_H
 
@@ -12,20 +11,20 @@ enum { OLX_GPU_MAPS = OLX_FIELD_BINDINGS - OLX_BINDING_RADIANCE };
 // The maps of one kind: map i lies in layer i / maps_a_side^2 of an image, maps_a_side of them along each side.
 typedef struct olx_gpu_maps {
   VkFormat format;
-  uint32_t texel_bytes; // or bytes of a block
-  uint32_t stride;      // of a map, in texels, border included; there is none in images of blocks
+  uint32_t texel_bytes; // bytes of a texel or of a block
+  uint32_t stride;      // of a map, in texels, border included; images of blocks have no border
   uint32_t count, maps_a_side, layers;
   bool filtered, blocks;
-  bool decoded;         // the field has blocks, and the image texels
-  olx_surface_map kind; // of these
-  const void *texels;   // in the file; blocks of a format of blocks, and where they are decoded
+  bool decoded;         // the field has blocks, but the image has texels
+  olx_surface_map kind; // the map from which they are decoded
+  const void *texels;   // in the file: texels, or blocks where the image has blocks or they are decoded
   VkImage image;
   VkImageView view;
   VkDeviceMemory memory;
   VkMemoryRequirements requirements;
 } olx_gpu_maps;
 
-// Parts of a field that shaders read as words of one buffer, in their order there.
+// The parts of a field that shaders read as words of one buffer, in this order.
 typedef enum olx_gpu_words_part {
   OLX_WORDS_LEAST = 0,
   OLX_WORDS_BRICKS,
@@ -35,13 +34,13 @@ typedef enum olx_gpu_words_part {
   OLX_WORDS_PLANES,
   OLX_WORDS_LIGHTS,
   OLX_WORDS_VOLUME,
-  OLX_WORDS_VOLUME_LIGHT, // right behind
+  OLX_WORDS_VOLUME_LIGHT, // directly after it
   OLX_GPU_WORDS
 } olx_gpu_words_part;
 
 typedef struct olx_gpu_words {
   const void *data;    // in the file
-  VkDeviceSize bytes;  // 0 for what the field lacks
+  VkDeviceSize bytes;  // 0 for a part that the field lacks
   VkDeviceSize offset; // in the buffer
 } olx_gpu_words;
 
@@ -49,34 +48,36 @@ struct olx_vulkan_field {
   olx_vulkan_context context;
   olx_gpu_field constants;
   olx_gpu_maps maps[OLX_GPU_MAPS]; // in the order of the bindings
-  VkBuffer buffer;                 // constants, probes, irradiance probes, words
+  VkBuffer buffer;                 // constants, probes, irradiance probes, and words
   VkDeviceMemory buffer_memory;
   VkMemoryRequirements buffer_requirements;
   VkDeviceSize probes_offset, irradiance_probes_offset, buffer_bytes;
-  olx_gpu_words words[OLX_GPU_WORDS]; // one after the other to the end
-  uint32_t light_room;                // lights that have room among the words
+  olx_gpu_words words[OLX_GPU_WORDS]; // one after the other, up to the end
+  uint32_t light_room;                // number of lights for which the words have room
   VkSampler nearest, linear;
   VkDescriptorSetLayout set_layout;
   VkDescriptorPool pool;
   VkDescriptorSet set;
 };
 
-// The device memory that olx_vulkan_classic_create would take; 0 for a field without classic maps.
+// Computes the device memory that olx_vulkan_classic_create would take; 0 for a field without classic maps (irradiance
+// probes without visibility).
 olx_result olx_vulkan_classic_measure(const olx_vulkan_context *context, const olx_field *field, uint64_t *bytes);
 
-// OLX_GEOMETRY_IN_TEXELS or OLX_GEOMETRY_IN_BLOCKS.
+// Returns OLX_GEOMETRY_IN_TEXELS or OLX_GEOMETRY_IN_BLOCKS.
 static inline uint32_t olx_gpu_field_geometry(const olx_vulkan_field *gpu) {
   return gpu->constants.geometry_scale > 0.0f ? OLX_GEOMETRY_IN_BLOCKS : OLX_GEOMETRY_IN_TEXELS;
 }
 
-// Whether what relighting changes lies on the device in the field's number and size.
+// Returns whether the data that relighting changes has the same number and size on the device as in the field.
 bool olx_gpu_field_relights(const olx_vulkan_field *gpu, const olx_field *field);
 
-// Sets of pipelines that read a part of the field: the bindings in `mask`, bit (1 << OLX_BINDING_*).
+// Creates the layout of sets for pipelines that read a part of the field: the bindings in `mask`, bit (1 <<
+// OLX_BINDING_*).
 olx_result olx_gpu_field_set_layout(const olx_vulkan_context *context, uint32_t mask, VkDescriptorSetLayout *layout);
 void olx_gpu_field_write_set(const olx_vulkan_field *gpu, uint32_t mask, VkDescriptorSet set);
 
-// Fill a device's buffer and images. gpu_field.c makes them, field_upload.c fills them.
+// Fills a device's buffer and images, which gpu_field.c has created.
 olx_result olx_vulkan_field_upload(olx_vulkan_field *gpu, const olx_field *field);
 
 #endif

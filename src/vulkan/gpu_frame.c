@@ -1,5 +1,5 @@
-// Makes what a frame needs on a device: pipelines for the passes that the host's images name, the sets that bind these
-// images, and the constants of a dispatch.
+// Creates what a frame needs on a device: pipelines for the passes that the host's images call for, the sets that bind
+// these images, and the constants of a dispatch.
 #include "vulkan/gpu_frame.h"
 
 #include "core/hooks.h"
@@ -29,7 +29,7 @@ olx_vulkan_settings olx_vulkan_settings_default(void) {
                                .denoise = {.filters = olx_denoise_settings_default()}};
 }
 
-// Formats that a surface's images may have; `unorm` marks those that hold 0 to 1 instead of signed numbers.
+// Formats that a surface's images may have; `unorm` marks formats that hold 0 to 1 instead of signed numbers.
 typedef struct input_format {
   VkFormat format;
   bool unorm;
@@ -102,7 +102,7 @@ static olx_result check_input(const olx_vulkan_context *c, const olx_vulkan_imag
   return OLX_OK;
 }
 
-// Refuses settings that need probe light: a field without it has no grid of irradiance probes on the device.
+// Refuses settings that need probe light on a field without it, which has no grid of irradiance probes on the device.
 static olx_result check_probe_light(const olx_vulkan_field *field, const char *what) {
   if (field->constants.irradiance_grid.count.w) return OLX_OK;
   return olx_fail(OLX_ERROR_ARGUMENT,
@@ -142,7 +142,7 @@ static olx_result check_targets(const olx_vulkan_field *field, const olx_vulkan_
   return OLX_OK;
 }
 
-// Sets 0 to 2: the field, the host's images, the samples of a lobe.
+// Creates the layouts of sets 0 to 2: the field, the host's images, and the samples of a lobe.
 static olx_result create_layouts(olx_vulkan_frame *f) {
   const olx_vulkan_context *c = &f->field->context;
   OLX_TRY(olx_gpu_set_layout_create(c, OLX_FRAME_BINDINGS, OLX_BINDING_OUT_IRRADIANCE, &f->set_layout));
@@ -168,7 +168,8 @@ static olx_result create_pipeline(olx_vulkan_frame *f, uint32_t pass, const olx_
   return OLX_OK;
 }
 
-// Creates the pipelines of a pass that traces: one for each tracer, selector and light of hits that the targets name.
+// Creates the pipelines of a pass that traces: one for each tracer, selector and kind of hit light that the targets
+// call for.
 static olx_result create_variants(olx_vulkan_frame *f, uint32_t pass, const olx_vulkan_targets *t) {
   const uint32_t tracers = t->tracers ? t->tracers : 1u << OLX_TRACER_HIZ;
   const uint32_t selects = t->selects ? t->selects : 1u << OLX_SELECT_BEST;
@@ -186,7 +187,7 @@ static olx_result create_variants(olx_vulkan_frame *f, uint32_t pass, const olx_
   return OLX_OK;
 }
 
-// Makes the pipelines that the targets name and that do not exist yet.
+// Creates the pipelines that the targets call for and that do not exist yet.
 static olx_result create_pipelines(olx_vulkan_frame *f, const olx_vulkan_targets *t) {
   const olx_pass_constants usual = {OLX_TRACER_HIZ, OLX_SELECT_BRICKS, OLX_HITS_SHADED,
                                     olx_gpu_field_geometry(f->field)};

@@ -5,17 +5,17 @@
 #include "vulkan/gpu_field.h"
 #include "vulkan/gpu_history.h"
 
-// In the order of OLX_VULKAN_PASS_*.
+// The passes, in the order of OLX_VULKAN_PASS_*.
 typedef enum olx_pass {
   OLX_PASS_IRRADIANCE = 0,
   OLX_PASS_DIFFUSE,
   OLX_PASS_TRACE,
   OLX_PASS_COMPOSITE,
-  OLX_PASS_DIM, // goes with OLX_PASS_TRACE: the pixels whose lobe is dim
+  OLX_PASS_DIM, // follows OLX_PASS_TRACE: the pixels whose lobe is dim
   OLX_PASS_COUNT
 } olx_pass;
 
-// SPIR-V of a pass, built from shaders/pass.
+// The SPIR-V of a pass, built from shaders/pass.
 typedef struct olx_pass_code {
   const char *name;
   const uint32_t *words;
@@ -25,52 +25,51 @@ typedef struct olx_pass_code {
 extern const olx_pass_code olx_irradiance_pass, olx_diffuse_pass, olx_trace_pass, olx_composite_pass, olx_dim_pass,
     olx_accumulate_pass, olx_filter_pass;
 
-// What a pipeline is specialised for.
+// The specialisation constants of a pipeline.
 typedef struct olx_pass_constants {
   olx_tracer tracer;
-  olx_select select; // one that olx_vulkan_field_select gives
+  olx_select select; // one that olx_vulkan_field_select returns
   uint32_t hits;     // olx_hits
   uint32_t geometry; // OLX_GEOMETRY_IN_*
 } olx_pass_constants;
 
-// Tracers, selectors that olx_vulkan_field_select may give, and kinds of light at the end of rays.
+// Numbers of tracers, of selectors that olx_vulkan_field_select may return, and of kinds of light at the end of rays.
 enum {
   OLX_GPU_TRACERS = OLX_TRACER_HIZ + 1,
   OLX_GPU_SELECTS = OLX_SELECT_EXHAUSTIVE + 1,
   OLX_GPU_HITS = OLX_HITS_STORED + 1
 };
 
-// The denoiser of a frame that has a history. Members of which there are two take turns from frame to frame.
+// The denoiser of a frame that has a history. Members in pairs alternate from frame to frame.
 typedef struct olx_gpu_denoiser {
   VkDescriptorSetLayout accumulate_set_layout, filter_set_layout;
   VkPipelineLayout accumulate_layout, filter_layout;
   VkPipeline accumulate, filter;
   VkDescriptorPool pool;
-  VkDescriptorSet accumulate_sets[2], filter_sets[2][2]; // of the diffuse lobe, of the glossy one
+  VkDescriptorSet accumulate_sets[2], filter_sets[2][2]; // first of the diffuse lobe, then of the glossy one
 } olx_gpu_denoiser;
 
 struct olx_vulkan_frame {
   olx_vulkan_field *field;
   uint32_t width, height;
-  uint32_t image_flags; // OLX_FRAME_*: which images the host gives, and which of them hold normals as 0..1
+  uint32_t image_flags; // OLX_FRAME_*: the images that the host provides, and those that hold normals as 0..1
   VkDescriptorSetLayout set_layout, sample_set_layout;
   VkPipelineLayout layout;
-  // VK_NULL_HANDLE where the host wants none. Passes that trace no rays have one, by 0, 0 and 0.
+  // VK_NULL_HANDLE where the host wants no pipeline. Passes that trace no rays have one, at 0, 0 and 0.
   VkPipeline pipelines[OLX_PASS_COUNT][OLX_GPU_TRACERS][OLX_GPU_SELECTS][OLX_GPU_HITS];
-  uint32_t passes; // that have any: 1 << olx_pass
+  uint32_t passes; // bits 1 << olx_pass of the passes with a pipeline
   VkDescriptorPool pool;
-  VkDescriptorSet set, sample_sets[2][2]; // as above
+  VkDescriptorSet set, sample_sets[2][2]; // by lobe and by alternate frame
   olx_gpu_history history;
   olx_gpu_denoiser denoiser;
 };
 
-// The pieces of a pipeline. Types of a set's bindings: sampled images before `first_storage`, storage images from there
-// on.
+// Creates the layout of a set: sampled images at bindings before `first_storage`, storage images from there on.
 olx_result olx_gpu_set_layout_create(const olx_vulkan_context *context, uint32_t bindings, uint32_t first_storage,
                                      VkDescriptorSetLayout *layout);
 olx_result olx_gpu_layout_create(const olx_vulkan_context *context, uint32_t set_count,
                                  const VkDescriptorSetLayout *sets, uint32_t constant_bytes, VkPipelineLayout *layout);
-// Constants of NULL are the shader's defaults.
+// Creates a pipeline; where `constants` is NULL, it has the shader's defaults.
 olx_result olx_gpu_pipeline_create(const olx_vulkan_context *context, const olx_pass_code *code,
                                    const olx_pass_constants *constants, VkPipelineLayout layout, VkPipeline *pipeline);
 olx_result olx_gpu_pool_create(const olx_vulkan_context *context, uint32_t sets, uint32_t sampled, uint32_t stored,
@@ -80,22 +79,22 @@ olx_result olx_gpu_set_allocate(const olx_vulkan_context *context, VkDescriptorP
 void olx_gpu_set_write(const olx_vulkan_context *context, VkDescriptorSet set, uint32_t bindings,
                        uint32_t first_storage, const VkDescriptorImageInfo *images);
 
-// After a failure olx_gpu_denoiser_destroy still has to be called.
+// Creates the denoiser. After a failure olx_gpu_denoiser_destroy must still be called.
 olx_result olx_gpu_denoiser_create(olx_vulkan_frame *frame);
 void olx_gpu_denoiser_destroy(olx_vulkan_frame *frame);
-// Point the sets at the frame's history and the host's images.
+// Binds the frame's history and the host's images to the sets.
 void olx_gpu_denoiser_write(olx_vulkan_frame *frame, const olx_vulkan_targets *targets);
 
-// Whether all settings are in their ranges and the frame has the histories that they want.
+// Checks that all settings are in range and that the frame has the histories that they need.
 olx_result olx_vulkan_check_settings(const olx_vulkan_frame *frame, const olx_vulkan_settings *settings);
-// Checks the settings as olx_vulkan_check_settings does, and that the frame has the pass.
+// Checks the settings by olx_vulkan_check_settings, and that the frame has the pass.
 olx_result olx_vulkan_check_pass(const olx_vulkan_frame *frame, olx_pass pass, const olx_vulkan_settings *settings);
 
 olx_gpu_frame olx_gpu_frame_constants(const olx_vulkan_frame *frame, const olx_vulkan_view *view,
                                       const olx_vulkan_settings *settings, uint32_t flags);
 olx_result olx_vulkan_record_pass(const olx_vulkan_frame *frame, olx_pass pass, VkCommandBuffer commands,
                                   const olx_vulkan_view *view, const olx_vulkan_settings *settings, uint32_t flags);
-// Records a pass that traces rays of a lobe, and keeps their samples for the denoiser if the settings say so.
+// Records a pass that traces rays of a lobe, and stores their samples for the denoiser if the settings say so.
 olx_result olx_vulkan_record_rays(const olx_vulkan_frame *frame, olx_pass pass, uint32_t lobe, VkCommandBuffer commands,
                                   const olx_vulkan_view *view, const olx_vulkan_settings *settings);
 void olx_vulkan_dispatch(const olx_vulkan_frame *frame, VkCommandBuffer commands);

@@ -1,10 +1,10 @@
-// Makes the images in which the denoiser keeps surfaces and light from frame to frame, and orders their uses by
+// Creates the images in which the denoiser stores surfaces and light from frame to frame, and orders their uses by
 // barriers.
 #include "vulkan/gpu_history.h"
 
 static const char WHAT[] = "a frame's history";
 
-// Formats that every device can sample and store.
+// Returns a format that every device can sample and store.
 static VkFormat format_of(uint32_t kind) {
   return kind == OLX_HISTORY_GUIDE ? VK_FORMAT_R32G32B32A32_UINT : VK_FORMAT_R16G16B16A16_SFLOAT;
 }

@@ -1,5 +1,5 @@
-// Makes a relighter's buffers, descriptor sets and pipelines on a device, in groups of passes that stay within the
-// storage buffers a device must offer.
+// Creates a relighter's buffers, descriptor sets and pipelines on a device. Passes are grouped so that each group stays
+// within the number of storage buffers that every device supports.
 #include "vulkan/gpu_relight.h"
 
 #include "core/hooks.h"
@@ -35,7 +35,7 @@ static const olx_pass_code CODES[OLX_RELIGHT_PASSES] = {
     [OLX_RELIGHT_VOLUME] = {"relight_volume", VOLUME, sizeof VOLUME},
 };
 
-// What a group's passes see: at most four storage buffers in all.
+// The buffers that a group's passes use: at most four storage buffers in all.
 #define BIT(binding) (1u << (binding))
 static const uint32_t OWN_MASKS[OLX_RELIGHT_GROUPS] = {
     [OLX_GROUP_SURFELS] = BIT(OLX_BINDING_STATE) | BIT(OLX_BINDING_STRUCTURE),
@@ -62,7 +62,7 @@ static VkBufferUsageFlags usage_of(uint32_t buffer) {
 
 static const char *const NAMES[OLX_RELIGHT_BUFFERS] = {"light", "surfels and links", "sites", "results"};
 
-// Creates the buffers, as yet without memory.
+// Creates the buffers, without memory yet.
 static olx_result make_buffers(olx_vulkan_relight *r) {
   const olx_vulkan_context *c = &r->gpu->context;
   for (uint32_t i = 0; i < OLX_RELIGHT_BUFFERS; i++) {
@@ -179,7 +179,7 @@ static olx_result make_pipelines(olx_vulkan_relight *r) {
   return OLX_OK;
 }
 
-// ---- The whole
+// ---- The whole relighter
 
 static olx_result check(const olx_vulkan_field *gpu, const olx_relight *relight, const olx_vulkan_relight_settings *s) {
   if (!olx_gpu_field_relights(gpu, &relight->field)) {

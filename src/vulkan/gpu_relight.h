@@ -1,5 +1,5 @@
-// A relighter on the device: its buffers, sets and pipelines. gpu_relight.c makes them, relight_fill.c lays out and
-// fills the buffers, relight_frame.c records frames. docs/relighting.md, "Frames on the device".
+// A relighter on the device: its buffers, sets and pipelines (docs/relighting.md, "Frames on the device").
+// gpu_relight.c creates them, relight_fill.c lays out and fills the buffers, and relight_frame.c records frames.
 #ifndef OLX_VULKAN_GPU_RELIGHT_H
 #define OLX_VULKAN_GPU_RELIGHT_H
 
@@ -18,7 +18,7 @@ typedef enum olx_relight_pass {
   OLX_RELIGHT_PASSES
 } olx_relight_pass;
 
-// Passes that see the same buffers and the same part of the field.
+// Groups of passes that use the same buffers and the same part of the field.
 typedef enum olx_relight_group { OLX_GROUP_SURFELS = 0, OLX_GROUP_SITES, OLX_RELIGHT_GROUPS } olx_relight_group;
 
 static inline olx_relight_group olx_relight_group_of(uint32_t pass) {
@@ -33,9 +33,9 @@ typedef struct olx_gpu_group {
 
 typedef enum olx_relight_buffer {
   OLX_BUFFER_STATE = 0,
-  OLX_BUFFER_SURFELS, // with their links
-  OLX_BUFFER_SITES,   // and links of volume probes
-  OLX_BUFFER_RESULTS, // host-visible: sums of change and light, `in_flight` times
+  OLX_BUFFER_SURFELS, // and their links
+  OLX_BUFFER_SITES,   // and the links of volume probes
+  OLX_BUFFER_RESULTS, // host-visible: sums of change and light, for each of `in_flight` frames
   OLX_RELIGHT_BUFFERS
 } olx_relight_buffer;
 
@@ -46,14 +46,14 @@ typedef struct olx_relight_storage {
   VkMemoryRequirements requirements;
 } olx_relight_storage;
 
-// Words of the state before what its offsets count.
+// The number of words of the state before the first word to which its offsets refer.
 #define OLX_RELIGHT_HEADER_WORDS ((uint32_t)(sizeof(olx_gpu_relight) / sizeof(uint32_t)))
 
 // The frame whose results a slot holds.
 typedef struct olx_relight_reading {
   bool written;
   olx_relit_sweep_part part;
-  uint32_t light_changes; // of the relighter
+  uint32_t light_changes; // of the relighter, in that frame
 } olx_relight_reading;
 
 struct olx_vulkan_relight {
@@ -62,24 +62,24 @@ struct olx_vulkan_relight {
   olx_vulkan_relight_settings settings;
   olx_gpu_relight constants;
   olx_relight_storage buffers[OLX_RELIGHT_BUFFERS];
-  const float *results;  // mapped
-  uint32_t result_words; // of a slot
+  const float *results;  // mapped memory
+  uint32_t result_words; // of one slot
   olx_gpu_group groups[OLX_RELIGHT_GROUPS];
   VkDescriptorPool pool;
   VkPipeline pipelines[OLX_RELIGHT_PASSES];
-  uint32_t *tiles;        // words of a frame's tiles, OLX_TILE_WORDS each
-  uint32_t light_changes; // of the relighter, that the device knows of
-  uint32_t slot;          // of the results
+  uint32_t *tiles;        // the tiles of a frame, OLX_TILE_WORDS words each
+  uint32_t light_changes; // the relighter's count up to which the device has its lights
+  uint32_t slot;          // the current slot of the results
   olx_relight_reading readings[OLX_RELIGHT_MOST_IN_FLIGHT];
 };
 
-// Tiles and volume probes that a frame has at most.
+// Returns the most tiles and volume probes that a frame has.
 uint32_t olx_relight_most_tiles(const olx_relight *relight);
 uint32_t olx_relight_most_volume_probes(const olx_relight *relight);
 
-// What lies where, and how many words each buffer has.
+// Computes the offsets in the buffers and the number of words of each.
 void olx_relight_lay_out(olx_vulkan_relight *relight);
-// The buffers' contents, from the relighter.
+// Fills the buffers from the relighter.
 olx_result olx_relight_fill(olx_vulkan_relight *relight);
 
 #endif

@@ -1,5 +1,5 @@
-// The structs of shaders/octalux_shared.h lie in C where std140 and std430 put them, and its numbers are those of the
-// headers.
+// Checks that the structs of shaders/octalux_shared.h have the layout of std140 and std430 in C, and that its numbers
+// equal those of the headers.
 #ifndef OLX_VULKAN_GPU_STRUCTS_H
 #define OLX_VULKAN_GPU_STRUCTS_H
 

@@ -1,5 +1,4 @@
-// Records copies of changed texels from a buffer into a field's maps of light, gathered into batches between two
-// barriers.
+// Records copies of changed texels from a buffer to a field's maps of light, in batches between two barriers.
 #include "vulkan/map_copies.h"
 
 static void barrier(const olx_vulkan_field *gpu, VkCommandBuffer commands, bool before) {

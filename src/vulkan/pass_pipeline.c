@@ -1,4 +1,4 @@
-// Makes the pieces of compute passes: layouts, specialised pipelines, pools and sets of descriptors.
+// Creates the parts of compute passes: layouts, specialised pipelines, descriptor pools and descriptor sets.
 #include "vulkan/gpu_frame.h"
 
 enum { MAX_BINDINGS = 16 };

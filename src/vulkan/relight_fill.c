@@ -1,11 +1,11 @@
-// Lays out the buffers of a relighter on a device, and fills them when it is made.
+// Lays out the buffers of a relighter on a device, and fills them when it is created.
 #include "core/hooks.h"
 #include "vulkan/gpu_relight.h"
 #include "vulkan/uploader.h"
 
 enum { VECTOR = 3, STRIPS = 4, CORNERS = 4 };
 
-// ---- What lies where
+// ---- Layout
 
 uint32_t olx_relight_most_tiles(const olx_relight *r) {
   const uint64_t texels = (uint64_t)r->tile_side * r->tile_side, most = (r->settings.texels + texels - 1) / texels;
@@ -17,11 +17,11 @@ uint32_t olx_relight_most_volume_probes(const olx_relight *r) {
   return r->settings.volume_probes < all ? r->settings.volume_probes : all;
 }
 
-// The next `words` of a buffer that has had `used`.
+// Takes the next `words` of a buffer of which `used` are taken, and returns the first.
 static uint32_t take(uint64_t *used, uint64_t words) {
   const uint64_t first = *used;
   *used += words;
-  return (uint32_t)first; // whole as long as the buffer can be bound
+  return (uint32_t)first; // exact as long as the buffer can be bound
 }
 
 static void lay_out_state(olx_gpu_relight *c, const olx_relight *r, olx_vulkan_relight *v) {
@@ -50,7 +50,7 @@ static uint32_t words_between(const void *first, const void *later) {
   return (uint32_t)((size_t)((const char *)later - (const char *)first) / sizeof(uint32_t));
 }
 
-// The structure's arrays, as they lie in the file.
+// Lays out the structure's arrays in the order of the file.
 static void lay_out_structure(olx_gpu_relight *c, const olx_relight_data *d, olx_vulkan_relight *v) {
   c->link_starts = words_between(d->surfels, d->link_starts);
   c->links = words_between(d->surfels, d->links);
@@ -85,7 +85,7 @@ static olx_result copy_words(olx_vulkan_relight *v, olx_uploader *uploader, olx_
                            (VkDeviceSize)at * sizeof(uint32_t));
 }
 
-// Values of surfels are not uploaded, since they are computed before they are read.
+// Copies the state. Values of surfels are not uploaded, because they are computed before they are read.
 static olx_result copy_state(olx_vulkan_relight *v, olx_uploader *uploader) {
   const olx_relight *r = v->relight;
   const olx_gpu_relight *c = &v->constants;

@@ -5,14 +5,14 @@
 enum {
   WORD = sizeof(uint32_t),
   MOST_UPDATE_BYTES = 65536,
-  MOST_GROUPS = 65535, // workgroups along an axis that every device can do
-  PLACE_RAYS = 4       // of a place in one dispatch: some devices bound the time or the loops of one
+  MOST_GROUPS = 65535, // the most workgroups along an axis that every device supports
+  PLACE_RAYS = 4       // of a place in one dispatch: some devices limit a dispatch's time or its loops
 };
 
-// ---- What is known of the frames before
+// ---- Results of earlier frames
 
-// Reads the results of a frame that has run. They mean what they would have meant on the CPU, only later; once light
-// has arrived, or the lights are others, they mean nothing.
+// Reads the results of a completed frame. They have the meaning that they would have on the CPU, only later. They are
+// ignored once light has settled or the lights have changed.
 static void read_results(olx_vulkan_relight *v) {
   olx_relight *r = v->relight;
   olx_relight_reading *reading = &v->readings[v->slot];
@@ -28,18 +28,18 @@ static void read_results(olx_vulkan_relight *v) {
   olx_relit_links_followed(r, &reading->part, change, sum);
 }
 
-// ---- What a frame does
+// ---- Contents of a frame
 
 typedef struct frame_plan {
-  olx_gpu_relight_call surfels; // that get direct light
+  olx_gpu_relight_call surfels; // the surfels that get direct light
   bool bounces;
   olx_relit_sweep_part part;
   uint32_t tiles, lit_tiles; // lit ones come first
   uint32_t volume_probes;
 } frame_plan;
 
-// Chooses surfels for direct light. Their numbers are consecutive, and surfel 0 comes after the last. The first
-// `before` of them have call->round samples and the others one more, so that one dispatch can light all.
+// Chooses surfels for direct light. Their numbers are consecutive, with surfel 0 after the last. The first `before` of
+// them have call->round samples and the others one more, so that one dispatch can light them all.
 static void plan_surfels(olx_relight *r, uint64_t rays, olx_gpu_relight_call *call) {
   const uint32_t count = olx_relit_take_surfels(r, rays);
   *call = (olx_gpu_relight_call){.count = count};
@@ -80,7 +80,7 @@ static frame_plan plan_frame(olx_vulkan_relight *v, olx_vec3 eye) {
   return plan;
 }
 
-// ---- What a frame needs from the host
+// ---- Transfers from the host
 
 static void order(const olx_vulkan_relight *v, VkCommandBuffer commands, VkPipelineStageFlags before,
                   VkPipelineStageFlags after) {
@@ -125,7 +125,7 @@ static olx_gpu_light gpu_light(const olx_relight_light *l) {
                          .cosine_outer = l->cosine_outer};
 }
 
-// Copies the lights of the relighter, and those of the field.
+// Copies the lights of the relighter and those of the field.
 static void update_lights(olx_vulkan_relight *v, VkCommandBuffer commands) {
   const olx_relight *r = v->relight;
   const olx_vulkan_field *gpu = v->gpu;
@@ -167,8 +167,7 @@ static void skip_rays(const olx_relight *r, olx_gpu_relight_call *call) {
   }
 }
 
-// Records dispatches one after the other, each with a few rays of every place. Without lights one dispatch finds
-// darkness.
+// Records successive dispatches, each with a few rays of every place. Without lights, one dispatch writes darkness.
 static void record_rays(const olx_vulkan_relight *v, VkCommandBuffer commands, olx_relight_pass pass,
                         olx_gpu_relight_call call) {
   uint32_t left = olx_relit_rays(v->relight);
@@ -204,9 +203,9 @@ static void record_bounce(olx_vulkan_relight *v, VkCommandBuffer commands, const
   record_values(v, commands);
 }
 
-// ---- Into the field
+// ---- Copies into the field
 
-// Copies a tile, whose words lie from `first` on, and what the map's border repeats of it.
+// Copies a tile, whose words begin at `first`, and the texels of the map's border that repeat it.
 static void copy_tile(const olx_vulkan_relight *v, olx_map_copies *copies, const uint32_t *tile, uint32_t first) {
   const olx_relight *r = v->relight;
   const uint32_t n = r->field.n, side = r->tile_side, strips = first + side * side, corners = strips + 4 * side;
@@ -223,7 +222,7 @@ static void copy_tile(const olx_vulkan_relight *v, olx_map_copies *copies, const
       {bottom, {back_x, end, side, 1}, strips + side},
       {left, {-1, back_y, 1, side}, strips + 2 * side},
       {right, {end, back_y, 1, side}, strips + 3 * side},
-      {top && left, {end, end, 1, 1}, corners}, // which repeat the corners across
+      {top && left, {end, end, 1, 1}, corners}, // repeated at the opposite corners
       {top && right, {-1, end, 1, 1}, corners + 1},
       {bottom && left, {end, -1, 1, 1}, corners + 2},
       {bottom && right, {-1, -1, 1, 1}, corners + 3},

@@ -9,19 +9,19 @@ static const char WHAT[] = "updates of a field on the device";
 
 enum { MOST_IN_FLIGHT = 8, COPY_ALIGNMENT = 16, TEXEL_BYTES = 4, UPDATED_MAPS = 2, VOLUME_PART = 1024 };
 
-// What changes by itself is a unit: for each light field probe its tiles and its border, then parts of the volume's
-// probes, then all lights.
+// Updates a field in units that change independently: for each light field probe its tiles and its border, then parts
+// of the volume's probes, then all lights.
 struct olx_vulkan_update {
   olx_vulkan_field *gpu;
   const olx_relight *relight;
   olx_vulkan_update_settings settings;
-  uint32_t units, parts;     // parts: of a light field map
-  uint32_t maps_end, lights; // the first unit of the volume, and that of lights
-  uint32_t *copied;          // the frame of the relighter from which the device has a unit; of lights, which lights
-  uint32_t next;             // unit to begin with, so that none starves
-  bool scanned;              // of frame `scanned_frame` and lights nothing waits
+  uint32_t units, parts;     // parts: units of a light field map
+  uint32_t maps_end, lights; // the first unit of the volume, and the unit of lights
+  uint32_t *copied;          // of each unit: the frame that the device has; of lights: their count of changes
+  uint32_t next;             // the unit with which the next call begins, so that none starves
+  bool scanned;              // nothing of frame `scanned_frame` waits, nor do lights
   uint32_t scanned_frame;
-  olx_staging staging; // a slot for each frame in flight
+  olx_staging staging; // one slot for each frame in flight
   uint32_t slot_bytes, slot, used;
 };
 
@@ -42,7 +42,7 @@ static uint32_t changed_frame(const olx_vulkan_update *u, uint32_t unit) {
 
 static bool is_border(const olx_vulkan_update *u, uint32_t unit) { return unit % u->parts == u->parts - 1; }
 
-// The rectangles of which a unit of a map consists.
+// Returns the rectangles of which a unit of a map consists.
 static uint32_t map_parts(const olx_vulkan_update *u, uint32_t unit, olx_map_part parts[4]) {
   const olx_relight *r = u->relight;
   const uint32_t part = unit % u->parts, n = r->field.n, side = r->tile_side, tiles = n / side;
@@ -61,7 +61,7 @@ static uint32_t aligned(uint32_t bytes) { return (bytes + COPY_ALIGNMENT - 1) / 
 
 static uint32_t part_bytes(const olx_map_part *part) { return aligned(TEXEL_BYTES * part->width * part->height); }
 
-// Probes of the volume in a unit.
+// Returns the number of volume probes in a unit.
 static uint32_t volume_probes(const olx_vulkan_update *u, uint32_t unit) {
   const uint32_t first = (unit - u->maps_end) * VOLUME_PART, all = u->relight->field.info.volume_probe_count;
   return all - first < VOLUME_PART ? all - first : VOLUME_PART;
@@ -82,7 +82,7 @@ static uint32_t unit_bytes(const olx_vulkan_update *u, uint32_t unit) {
   return bytes;
 }
 
-// ---- Making it
+// ---- Creation
 
 static olx_result check(const olx_vulkan_field *gpu, const olx_relight *relight, const olx_vulkan_update_settings *s) {
   if (!olx_gpu_field_relights(gpu, &relight->field)) {
@@ -104,7 +104,7 @@ static olx_result build(olx_vulkan_update *u) {
   u->units = u->lights + 1;
   u->copied = olx_allocate_zero(u->units, sizeof *u->copied);
   if (!u->copied) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", WHAT);
-  // The largest of each kind.
+  // The largest unit of each kind decides.
   const uint32_t kinds[] = {0, u->parts - 1, u->maps_end},
                  lights = u->gpu->light_room * (uint32_t)sizeof(olx_field_light);
   u->slot_bytes = aligned(u->settings.bytes);
@@ -206,8 +206,8 @@ static void copy_unit(update_call *call, uint32_t unit, olx_vulkan_update_stats 
   u->copied[unit] = changed_frame(u, unit);
 }
 
-// Visits all units once, from the one where the last call left off, and copies what has changed; what does not fit
-// waits.
+// Visits every unit once, from the one where the last call stopped, and copies what has changed; what does not fit
+// waits for the next call.
 static void copy_changes(update_call *call, olx_vulkan_update_stats *stats) {
   olx_vulkan_update *u = call->update;
   uint32_t first_left = UINT32_MAX;

@@ -1,5 +1,4 @@
-// Records the pass that traces glossy rays through the field, and the one that gives dim lobes their light by
-// irradiance instead.
+// Records the pass that traces glossy rays through the field, and the pass that lights dim lobes by irradiance instead.
 #include "vulkan/gpu_frame.h"
 
 static const uint32_t WORDS[] = {
@@ -12,7 +11,7 @@ static const uint32_t DIM_WORDS[] = {
 };
 const olx_pass_code olx_dim_pass = {"dim", DIM_WORDS, sizeof DIM_WORDS};
 
-// The two dispatches write different pixels, and no barrier separates them.
+// Records both dispatches without a barrier between them, because they write different pixels.
 olx_result olx_vulkan_record_glossy(const olx_vulkan_frame *frame, VkCommandBuffer commands,
                                     const olx_vulkan_view *view, const olx_vulkan_settings *settings) {
   OLX_TRY(olx_vulkan_record_rays(frame, OLX_PASS_TRACE, OLX_VULKAN_LOBE_GLOSSY, commands, view, settings));

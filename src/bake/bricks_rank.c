@@ -2,7 +2,7 @@
 // probes in a list cover what the earlier ones do not see.
 #include "bake/bricks_rank.h"
 
-// Factor on a sample's weight for further probes once a probe that sees it is listed.
+// Factor on a sample's weight for further probes once a probe that sees it perfectly (quality 1) is listed.
 static const float COVERED = 0.4f;
 static const float LEAST_COSINE = 0.1f;
 

@@ -122,8 +122,8 @@ static void link_some(void *user, uint32_t job) {
 // Quantizes a share from 0 to 1 to a byte.
 static uint8_t byte_of(float share) { return (uint8_t)(olx_clamp(share, 0.0f, 1.0f) * 255.0f + 0.5f); }
 
-// Packs a link of either kind: links of surfels store no direction, links of volume probes set no flag for straight
-// rays.
+// Packs a link of either kind: links of surfels have no direction, and links of volume probes have a straight share of
+// 0.
 static olx_relight_volume_link packed(const olx_few_link *link) {
   const float weight = olx_luminance(link->weight), length = olx_length(link->direction);
   const uint32_t straight = weight > 0.0f ? byte_of(link->straight / weight) : 0;

@@ -116,8 +116,7 @@ static olx_result cast_unit(void *user, uint32_t unit) {
   const batch_part p = part_of(c, unit);
   OLX_TRY(begin_part(c, &p));
   OLX_TRY(olx_links_cast(&l->surfels, &c->part, l->links.fixed, lists_unserved(c->round) ? &c->found : NULL, &c->rays));
-  if (olx_unit_store_is_part(l->settings.store)) return OLX_OK; // the part that settles the round loads every unit of
-                                                                // it
+  if (olx_unit_store_is_part(l->settings.store)) return OLX_OK; // whoever settles the round loads all of its units
   l->report.rays += c->rays;
   return append_points(&l->unserved, c->found.points, c->found.count);
 }

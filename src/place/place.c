@@ -356,7 +356,7 @@ olx_result olx_place(const olx_scene *scene, const olx_place_settings *settings,
   olx_task task;
   olx_task_begin(&task, progress, "finding space", covering + moving);
   olx_result result = find_space_and_place(scene, &task, set);
-  // An interrupted search may not report an empty result.
+  // An interrupted search reports its cancellation rather than an empty result.
   if (atomic_load(&task.cancelled)) result = olx_fail(OLX_ERROR_CANCELLED, "cancelled during %s", task.stage);
   olx_task_end(&task);
   if (result != OLX_OK) olx_probe_set_free(set);

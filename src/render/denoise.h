@@ -44,13 +44,13 @@ olx_result olx_denoise_accumulate(const olx_lobe_filter *filter, const olx_guide
 
 typedef enum olx_lobe { OLX_LOBE_DIFFUSE, OLX_LOBE_GLOSSY } olx_lobe;
 
-// Filter a history over pixels into `light`, which is black where no surface is: along rows, then along columns. `rows`
-// is another history that may be overwritten.
+// Filters a history over pixels into `light`, which is black where no surface is visible: along rows, then along
+// columns. `rows` is another history, which is overwritten.
 olx_result olx_denoise_filter(const olx_lobe_filter *filter, olx_lobe lobe, const olx_guide *guide,
                               const olx_history *history, const olx_history *rows, olx_vec3 *light, uint32_t threads);
 
-// The surface point that a pixel shows, and where in a frame a point is seen (pixel centres at whole numbers; false
-// behind the camera).
+// The position of the surface that a pixel shows, and the pixel position at which a point appears in a frame (pixel
+// centres at whole numbers; false behind the camera).
 olx_vec3 olx_guide_position(const olx_guide *guide, uint32_t x, uint32_t y);
 bool olx_guide_project(const olx_guide *guide, olx_vec3 position, olx_vec2 *pixel);
 

@@ -1,5 +1,5 @@
 // Lists the positions that placement chooses from: voxels farthest from surfaces, points of the scene's grid, and
-// positions spread evenly over the relevant space.
+// positions spread evenly over the space that matters.
 #include "place/candidates.h"
 
 #include "core/hooks.h"

@@ -1,5 +1,5 @@
-// Places the probes of a scene: checks the settings, finds the relevant space, runs the chosen method and optimizer,
-// and measures the result.
+// Places the probes of a scene: checks the settings, finds the space that matters, runs the chosen method and
+// optimizer, and measures the result.
 #include "core/hooks.h"
 #include "core/parallel.h"
 #include "core/result.h"
@@ -320,7 +320,7 @@ static olx_result place_in_world(olx_world *world, olx_task *task, olx_probe_set
   return result;
 }
 
-// Finds the relevant space: in one tile, or in many where one would make voxels too coarse and the method supports
+// Finds the space that matters: in one tile, or in many where one would make voxels too coarse and the method supports
 // tiles.
 static olx_result find_space(const olx_scene *scene, const olx_place_settings *s, olx_world *world) {
   olx_box box;

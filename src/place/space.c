@@ -1,4 +1,4 @@
-// Opens tiles of the relevant space as windows of single voxels, and determines where in them probes are allowed.
+// Opens tiles of the space that matters as windows of single voxels, and determines where in them probes are allowed.
 #include "place/space.h"
 
 #include "core/hooks.h"

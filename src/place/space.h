@@ -1,4 +1,4 @@
-// The relevant space: where the viewer can be, and where in it probes are allowed.
+// The space that matters: where the viewer can be, and where in it probes are allowed.
 #ifndef OLX_PLACE_SPACE_H
 #define OLX_PLACE_SPACE_H
 
@@ -14,8 +14,8 @@ void olx_space_free(olx_space *space);
 // voxel.
 bool olx_space_draw(const olx_space *space, size_t nth, uint32_t seed, olx_vec3 *place);
 
-// Whether a probe is allowed at a position: in relevant space, outside forbidden boxes, at least min_distance and half
-// a voxel from surfaces. Whether it is buried (inside geometry) is a separate query, because that takes many rays.
+// Whether a probe is allowed at a position: in space that matters, outside forbidden boxes, at least min_distance and
+// half a voxel from surfaces. Whether it is buried (inside geometry) is a separate query, because that takes many rays.
 bool olx_space_allows(const olx_space *space, olx_vec3 p);
 bool olx_space_is_inside_geometry(const olx_space *space, olx_vec3 p);
 

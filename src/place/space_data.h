@@ -1,4 +1,4 @@
-// The relevant space of a tile, as voxels: which of them the viewer can reach, and which allow a probe.
+// The space that matters of a tile, as voxels: which of them the viewer can reach, and which allow a probe.
 #ifndef OLX_PLACE_SPACE_DATA_H
 #define OLX_PLACE_SPACE_DATA_H
 

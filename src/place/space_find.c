@@ -1,5 +1,5 @@
-// Finds the relevant space of a viewer: by flooding free voxels from the cameras, or by depth and light where no camera
-// can enter.
+// Finds the space that matters of a viewer: by flooding free voxels from the cameras, or by depth and light where no
+// camera can enter.
 #include "place/space_find.h"
 
 #include "core/hooks.h"
@@ -17,7 +17,7 @@
 enum {
   CAMERA_RAYS = 48,    // rays along the height and the width of the image of a camera outside the box
   MAX_COMPONENTS = 64, // most connected components that are classified, the largest ones
-  SAMPLES = 24,        // sample positions in each component, or in all of the relevant space
+  SAMPLES = 24,        // sample positions in each component, or in all of the space that matters
   LIGHT_DRAWS = 4,     // samples of each group of lights at such a position
   CUT_OFF_SAMPLES = 8, // sample positions in a space that is cut off
   CRUMBS = 64,         // share of the reached space, as a divisor: smaller spaces are ignored
@@ -176,7 +176,7 @@ static olx_result judge_components(const olx_world *w, component *list, uint32_t
   return result;
 }
 
-// Chooses the relevant space where no camera determines it: with a playable box, every component that is not inside
+// Chooses the space that matters where no camera determines it: with a playable box, every component that is not inside
 // geometry; otherwise the largest such component that light reaches, or the largest when light reaches none.
 static void choose_components(olx_world *w, const component *list, uint32_t count) {
   const component *best = NULL;

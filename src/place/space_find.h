@@ -11,7 +11,7 @@ enum {
 // With several tiles, numbers of samples in the settings of a placement are per this many voxels of space.
 #define OLX_SETTINGS_VOXELS ((double)(1u << 20))
 
-// The relevant space is flooded from the cameras (a camera outside the box enters where it looks) and from pinned
+// The space that matters is flooded from the cameras (a camera outside the box enters where it looks) and from pinned
 // probes. Without a camera that can enter, it is all of the playable box that is not inside geometry or, without a box,
 // the largest such space that light reaches. Without a playable box, space behind the scenery (outdoors.h) is excluded.
 //

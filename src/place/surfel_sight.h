@@ -17,7 +17,7 @@ olx_sight olx_sight_create(float diagonal, float min_cosine, float max_footprint
 typedef enum olx_surfel_fate {
   OLX_SURFEL_FIT,        // seen well from a position that allows a probe
   OLX_SURFEL_GRAZING,    // seen from such positions, but never well
-  OLX_SURFEL_RESTRICTED, // seen from the relevant space, but from no position that allows a probe
+  OLX_SURFEL_RESTRICTED, // seen from the space that matters, but from no position that allows a probe
   OLX_SURFEL_UNSEEN,
   OLX_SURFEL_UNASKED // not determined yet
 } olx_surfel_fate;

@@ -1,4 +1,4 @@
-// Spreads surfels over the surfaces of a scene by area and keeps those that are visible from the relevant space, as
+// Spreads surfels over the surfaces of a scene by area and keeps those that are visible from the space that matters, as
 // rays and lines of sight determine for each.
 #include "place/surfels.h"
 
@@ -255,7 +255,7 @@ static uint8_t along_ray(const olx_space *space, const olx_sight *sight, const o
   return found;
 }
 
-// Whether relevant space is within two voxels.
+// Whether space that matters is within two voxels.
 static bool is_near_space(const olx_space *space, olx_vec3 p) {
   for (int32_t i = 0; i < 125; i++) {
     const olx_vec3 step = {(float)(i % 5 - 2), (float)(i / 5 % 5 - 2), (float)(i / 25 - 2)};
@@ -264,7 +264,7 @@ static bool is_near_space(const olx_space *space, olx_vec3 p) {
   return false;
 }
 
-// Finds from where the surfel is seen, along lines of sight to positions spread over the relevant space.
+// Finds from where the surfel is seen, along lines of sight to positions spread over the space that matters.
 static uint8_t look_from_space(const asker *a, const olx_surfel *surfel, uint32_t seed) {
   const olx_space *space = a->space;
   olx_ray rays[MOST_RAYS];
@@ -332,7 +332,7 @@ olx_result olx_surfels_ask(const olx_space *space, const olx_sight *sight, const
   return olx_parallel_for((surfels->count + POINTS_A_JOB - 1) / POINTS_A_JOB, threads, ask_job, &a, NULL, 0);
 }
 
-// Whether an unseen side sees a voxel within two of it that is free, but cut off from the relevant space.
+// Whether an unseen side sees a voxel within two of it that is free, but cut off from the space that matters.
 static bool faces_cut_off(const olx_space *space, const olx_surfel *surfel) {
   const olx_world *w = space->world;
   for (int32_t i = 0; i < 125; i++) {

@@ -1,4 +1,4 @@
-// The visibility atlas: surfels spread over every surface that is visible from the relevant space.
+// The visibility atlas: surfels spread over every surface that is visible from the space that matters.
 #ifndef OLX_PLACE_SURFELS_H
 #define OLX_PLACE_SURFELS_H
 
@@ -17,7 +17,7 @@ typedef struct olx_surfels {
   olx_surfel *items; // along the Morton curve, so that neighbours in the array are neighbours in space; none is UNSEEN
   double share;      // share of the whole atlas that a surfel represents: 1 / count
   // OLX_SPREAD_AREA: number of points on a surface, number of those with no side that is seen; and positions of unseen
-  // sides that face free space which is cut off from the relevant space.
+  // sides that face free space which is cut off from the space that matters.
   uint32_t present, unseen, cut_off_count;
   olx_vec3 *cut_off;
 } olx_surfels;

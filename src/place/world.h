@@ -29,7 +29,7 @@ typedef struct olx_world {
   uint32_t stored_count, stored_capacity;
   uint32_t *queue, *touched; // bricks from which to flood, and those that the last flood reached
   uint32_t queue_count, touched_count;
-  uint64_t reached_count; // number of voxels of the relevant space, once it is found
+  uint64_t reached_count; // number of voxels of the space that matters, once it is found
   int32_t outside;        // depth for olx_depth_is_inside
   // Tiles are cubes of tile_edge voxels, the first of which begin `shift` voxels before the lattice.
   uint32_t tile_edge, shift[3], tiles[3], tile_total;

@@ -18,7 +18,7 @@ typedef struct gpu_device_options {
   bool compute_only; // a queue without graphics suffices
   // Only compiles pipelines: no commands can be run, so that a driver without real hardware suffices.
   bool compile_only;
-  uint32_t device; // index of the device, as gpu_device_list prints it; UINT32_MAX: the best
+  uint32_t device;                        // index of the device, as gpu_device_list prints it; UINT32_MAX: the best
   const char *const *instance_extensions; // extensions that the window system requires
   uint32_t instance_extension_count;
   // Creates the window's surface; NULL: no window. The device then has VK_KHR_swapchain, and its queue presents to the

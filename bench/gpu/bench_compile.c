@@ -268,8 +268,7 @@ static bool compile_frame(olx_vulkan_field *field, bool has_probe_light, olx_vul
   targets.tracers = 1u << OLX_TRACER_HIZ;
   for (uint32_t i = 0; fine && i < sizeof selectors / sizeof selectors[0]; i++) {
     const olx_select select = selectors[i].select;
-    if (select == best || olx_vulkan_field_select(field, select) != select) continue; // already compiled, or not in the
-                                                                                      // field
+    if (select == best || olx_vulkan_field_select(field, select) != select) continue; // already compiled, or absent
     targets.selects = 1u << select;
     fine = begin_step(&again, selectors[i].name) && end_step(olx_vulkan_frame_resize(frame, &targets));
   }

@@ -1,11 +1,11 @@
 // Finds where the error of a field's glossy layer comes from: glossy-oracle SCENE FIELD.olx [PIXELS]. For pixels of the
-// scene's first cameras, whose glossy light is averaged over rays, it compares ways to answer a ray with light of one
-// bounce:
-//   field      what the field answers;
-//   exact, ... a probe that truly sees what the ray meets, by its texel: the nearest, the one that looks from the most similar
-//              direction, or the one whose texel is smallest there;
-//   shaded     the surface in the texel of the finest such probe, shaded for the ray: what hits in the right place would give;
-//   light, ... light computed anew where the ray meets a surface, as seen from such a probe: a perfect texel.
+// scene's first cameras, whose glossy light is averaged over rays, it compares methods of computing the light of a ray
+// with one bounce:
+//   field      the field itself;
+//   exact, ... the texel of a probe that truly sees the ray's hit: the nearest probe, the one that sees it from the most
+//              similar direction, or the one whose texel is smallest there;
+//   shaded     the surface in the texel of the finest such probe, shaded for the ray: the result of exact hits;
+//   light, ... light computed at the ray's hit, as seen from such a probe: a perfect texel.
 // Errors are products of two independent halves, so noise adds nothing to them on average.
 #include "core/bsdf.h"
 #include "light/direct_light.h"

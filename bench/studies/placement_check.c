@@ -2,10 +2,10 @@
 //
 //   placement-check [--ball METRES] SCENE RAYS PROBES.json...
 //
-// A ball of that radius, else of 1/800 of the scene's diagonal, is moved over a lattice in the box of playable space (without one, the
-// scene's bounds), from the cameras, or from what a camera outside the box sees of its inside, wherever it touches no surface: by
-// exact distances to triangles, no voxels. Steps are at most its diameter, so it cannot jump over anything. Printed as one
-// JSON object a file of probes, each on a line:
+// A ball of that radius, by default 1/800 of the scene's diagonal, is moved over a lattice in the box of playable space
+// (without one, the scene's bounds) wherever it touches no surface, by exact distances to triangles. It starts at the
+// cameras, or at what a camera outside the box sees of its inside. Steps are at most its diameter, so that it cannot
+// jump over a surface. The result is printed as one JSON object per file of probes, each on a line:
 //   reached       share of probes next to which the ball can stand, with nothing between
 //   nearest       the least distance of a probe to a surface, in diagonals
 //   closest       the least distance of two probes, in diagonals

@@ -8,8 +8,7 @@
 
 // Bits of a filter, applied in this order and inverted in the reverse order.
 enum {
-  OLX_FILTER_COLORS =
-      1, // of RGB9E5, in 4-byte elements: one byte for the high bits of each channel, one for the rest
+  OLX_FILTER_COLORS = 1, // of RGB9E5, in 4-byte elements: one byte for the high bits of each channel, one for the rest
   OLX_FILTER_DIFFERENCES = 2, // each byte minus the byte at the same position in the element before
   OLX_FILTER_PLANES = 4,      // the first bytes of all elements, then the second bytes, and so on
   OLX_FILTERS = 8

@@ -25,9 +25,9 @@ olx_surface olx_surface_point_surface(const olx_scene *scene, const olx_surface_
 typedef struct olx_light_surfel {
   uint64_t cell;
   olx_surface_point point;
-  olx_vec3 position, normal; // position, and geometric normal on the surfel's side
-  float side;                // side of its cell, metres
-  float nearest;             // metres to the nearest surface that its exploring rays hit; INFINITY for none
+  olx_vec3 position, normal;         // position, and geometric normal on the surfel's side
+  float side;                        // side of its cell, metres
+  float nearest;                     // metres to the nearest surface that its exploring rays hit; INFINITY for none
   uint32_t first_point, point_count; // range of its points in olx_light_surfels.points
   uint32_t next;                     // the next surfel of the same cell, which this one does not see; OLX_CELL_NONE:
                                      // none

@@ -9,8 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define LEAST_ANGLE_COSINE 0.5f // cosine of the least angle, 60 degrees, between the directions from the centre to both
-                                // surfels
+#define LEAST_ANGLE_COSINE 0.5f // of 60 degrees, between the directions from the centre to both surfels
 #define DEEPEST 0.03f           // share of the radius by which a surface may enter a ball
 enum { MOST_SHRINKS = 64, BALLS_A_JOB = 64, TREE_DEPTH = 64 };
 

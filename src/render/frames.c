@@ -164,8 +164,7 @@ static olx_result render_frame(frame_job *job, const olx_camera *camera, olx_tas
   const uint32_t now = job->frame & 1;
   OLX_TRY(olx_camera_frame_make(camera, settings->width, settings->height, &job->context.camera));
   job->guides[now].camera = job->context.camera;
-  if (job->frame == 0) job->guides[1].camera = job->context.camera; // the first frame has no predecessor and an empty
-                                                                    // history
+  if (job->frame == 0) job->guides[1].camera = job->context.camera; // the history is empty then
   OLX_TRY(olx_parallel_for(olx_tile_count(settings->width, settings->height), settings->threads, sample_tile, job, task,
                            1));
   const double start = olx_seconds();

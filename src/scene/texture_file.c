@@ -34,8 +34,7 @@ static void *resize_memory(void *memory, size_t old_bytes, size_t new_bytes) {
 #define STBI_ONLY_HDR
 #define STBI_NO_STDIO
 #define STBI_MAX_DIMENSIONS (1 << 24) // images with sides above LONGEST_SIDE are rejected here, with a clearer message
-#define STBI_MALLOC(size_bytes) olx_allocate_zero((size_bytes), 1) // zeroed, because some texels of damaged images are
-                                                                   // never set
+#define STBI_MALLOC(size_bytes) olx_allocate_zero((size_bytes), 1) // zeroed: damaged images leave texels unset
 #define STBI_REALLOC_SIZED(memory, old_bytes, new_bytes) resize_memory((memory), (old_bytes), (new_bytes))
 #define STBI_FREE(memory) olx_release(memory)
 #pragma GCC diagnostic ignored "-Wunused-function" // reported at the end of the file, so that it cannot be popped

@@ -1,4 +1,4 @@
-// octalux-bench: runs what its first argument names, an experiment of the papers, all of them, or a study.
+// octalux-bench: runs the experiment of the papers, all experiments, or the study that its first argument names.
 #include "options.h"
 #include "stop.h"
 #include "studies.h"

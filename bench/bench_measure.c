@@ -1,5 +1,4 @@
-// Bakes fields for experiments, renders pictures in independent halves, and estimates errors from which noise has been
-// taken out.
+// Bakes fields for experiments, renders images in independent halves, and estimates errors from which noise is removed.
 #include "bench_measure.h"
 
 #include "clock.h"
@@ -65,7 +64,7 @@ static olx_result place(const olx_scene *scene, const bench_probes *probes, cons
   return olx_place(scene, &settings, progress, set);
 }
 
-// Positions that are the caller's to release.
+// Finds the positions of probes; the caller releases them.
 static olx_result find_positions(const olx_scene *scene, const bench_probes *probes, const bench_bake *bake,
                                  const olx_progress *progress, olx_vec3 **positions, bench_field *made) {
   olx_probe_set set;
@@ -220,7 +219,7 @@ static olx_vec3 light_of(const olx_image *image, size_t pixel, bench_light light
   return (olx_vec3){glossy.x + diffuse.x, glossy.y + diffuse.y, glossy.z + diffuse.z};
 }
 
-// The squared error of one pixel, over its channels.
+// Adds the squared error of one pixel, over its channels.
 static double add_pixel(error_sum *sum, const float *a0, const float *a1, const float *b0, const float *b1,
                         bool frames) {
   double square = 0.0;
@@ -237,7 +236,7 @@ static double add_pixel(error_sum *sum, const float *a0, const float *a1, const 
   return square;
 }
 
-// The difference of two neighbours estimates the noise of both. As their errors differ, too, it is an upper bound.
+// The difference of two neighbours estimates the noise of both. As their errors also differ, it is an upper bound.
 static void add_image(error_sum *sum, const olx_image a[2], const olx_image b[2], bench_light light, bool frames) {
   const size_t pixels = (size_t)a->width * a->height;
   double before = 0.0;

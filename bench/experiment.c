@@ -1,5 +1,5 @@
-// Runs experiments, and lends them what they share: scenes that may be absent, references that are path traced once in
-// a run, and fields.
+// Runs experiments, and provides what they share: scenes that may be absent, references that are path traced once per
+// run, and fields.
 #include "experiment.h"
 
 #include "clock.h"
@@ -70,7 +70,7 @@ bool bench_names(const bench_options *o, const char *title) {
 static olx_render_settings sized(const bench *b, olx_method method) {
   const bench_options *o = b->options;
   olx_render_settings settings = olx_render_settings_default(method);
-  settings.diffuse = OLX_DIFFUSE_IRRADIANCE; // as the papers have it
+  settings.diffuse = OLX_DIFFUSE_IRRADIANCE; // as in the papers
   settings.width = o->size[0] ? o->size[0] : o->quick ? 96 : 240;
   settings.height = o->size[0] ? o->size[1] : o->quick ? 72 : 180;
   settings.threads = o->threads;
@@ -93,7 +93,7 @@ olx_render_settings bench_field_settings(const bench *b) {
   return settings;
 }
 
-// What a reference depends on; compared as bytes, so every byte of it is set.
+// The parameters of a reference; compared as bytes, so that every byte must be set.
 typedef struct reference_key {
   uint64_t scene_hash;
   olx_camera cameras[BENCH_CAMERAS];

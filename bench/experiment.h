@@ -1,5 +1,5 @@
-// What every experiment of octalux-bench is built on: scenes that may be absent, references that are path traced
-// once, fields, and findings: tables and pictures that become text, JSON and a report.
+// The basis of all experiments of octalux-bench: scenes that may be absent, references that are path traced once,
+// fields, and findings: tables and images that are written as text, JSON and a report.
 #ifndef OCTALUX_BENCH_EXPERIMENT_H
 #define OCTALUX_BENCH_EXPERIMENT_H
 
@@ -9,32 +9,32 @@
 
 // The options of the command line that every experiment takes.
 typedef struct bench_options {
-  bool all; // experiments in one run: they share what they can
+  bool all; // several experiments in one run: shared data is computed once
   bool quick, progress, json;
-  const char *folder, *images, *report; // of scenes, for pictures, for the report
-  const char *only;                     // names of scenes with commas between, NULL: all
-  uint32_t size[2], spp, threads;       // 0: the experiment's own
+  const char *folder, *images, *report; // folders of scenes and of images, file of the report
+  const char *only;                     // names of scenes, separated by commas; NULL: all
+  uint32_t size[2], spp, threads;       // 0: the experiment's default
   // Options of some experiments, for Wang's thesis.
-  uint32_t texels, field_spp, rounds; // TAKES_SIZES; 0: the experiment's own
-  const char *sets;                   // TAKES_SETS, names with commas between; NULL: the experiment's own
+  uint32_t texels, field_spp, rounds; // TAKES_SIZES; 0: the experiment's default
+  const char *sets;                   // TAKES_SETS, names separated by commas; NULL: the experiment's default
   bool brief;                         // TAKES_SHORT
 } bench_options;
 
 typedef struct bench bench;
 
-// What an experiment takes besides the options of all.
+// Options that an experiment takes besides the common ones.
 enum { TAKES_SIZES = 1, TAKES_SETS = 2, TAKES_SHORT = 4 };
 
-// To add one, write its function, declare it in experiment_list.h, and describe it in experiments.c.
+// An experiment. To add one, write its function, declare it in experiment_list.h, and describe it in experiments.c.
 typedef struct experiment {
   const char *name;   // on the command line
   const char *source; // "McGuire et al. 2017, Table 1"
   const char *what;   // one line, for lists
-  const char *note;   // what there is to know before reading its numbers
+  const char *note;   // explanation to read before its numbers
   olx_result (*run)(bench *b);
-  const char *(*scene)(uint32_t index); // names for --only, NULL after the last; NULL: it runs whole
-  uint32_t takes;                       // options
-  bool alone;                           // takes hours, and is no part of `all`
+  const char *(*scene)(uint32_t index); // names for --only, NULL after the last; NULL: the experiment has no parts
+  uint32_t takes;                       // options that it takes
+  bool alone;                           // takes hours, and is not part of `all`
 } experiment;
 
 extern const experiment experiments[];
@@ -46,13 +46,13 @@ typedef struct bench_reference_entry bench_reference_entry;
 
 struct bench {
   const bench_options *options;
-  const experiment *experiment; // that runs
-  findings found;               // by it
-  cJSON *section;               // of the report, NULL without one
+  const experiment *experiment; // the running one
+  findings found;               // its results
+  cJSON *section;               // its section of the report, or NULL
   olx_progress progress;
-  bool told; // progress is shown
+  bool told; // show progress
   bench_folder folder;
-  uint32_t fields;                   // baked so far
+  uint32_t fields;                   // number of fields baked so far
   bench_reference_entry *references; // of the whole run
   struct {
     const char *name;
@@ -66,62 +66,61 @@ struct bench {
   uint32_t shared_count;
 };
 
-// A run of one or more experiments. False when there is no place for temporary fields.
+// Begins a run of one or more experiments. Returns false when a folder for temporary fields cannot be created.
 bool bench_open(bench *b, const bench_options *options, progress_line *line);
 void bench_close(bench *b);
-// Run an experiment into b->found, which is to be freed, and into a section of a report, which may be NULL.
+// Runs an experiment into b->found, which the caller frees, and into a section of a report, which may be NULL.
 olx_result bench_run(bench *b, const experiment *e, cJSON *section);
 
-// ---- for experiments
+// ---- For experiments
 
-// Prints on standard error which step runs now.
+// Prints the current step on standard error.
 void bench_tell(const bench *b, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-// What several experiments of a run share: zeroed when the first of them queries it, found again by its release
-// function, which runs when the run ends and frees what the data names, not the data itself. NULL when there is no
-// memory.
+// Data that several experiments of a run share, identified by its release function: zeroed on first use. When the run
+// ends, `release` frees what the data refers to, but not the data itself. NULL when memory runs out.
 void *bench_shared(bench *b, size_t size_bytes, void (*release)(void *data));
 
-// "builtin:NAME", or NAME of a description in the folder of scenes. *scene is NULL when its files are not here, which
-// the findings then tell. It lives until the experiment ends.
+// Loads "builtin:NAME", or the description NAME in the folder of scenes. *scene is NULL when its files are missing,
+// which the findings then report. The scene lives until the experiment ends.
 olx_result bench_scene(bench *b, const char *name, olx_scene **scene);
-// Whether --quick leaves the scene out; when it does, the findings say so.
+// Whether --quick skips the scene; the findings then report it.
 bool bench_leaves_out(bench *b, const char *name);
 // Whether --only names the scene, or is not given.
 bool bench_names(const bench_options *o, const char *title);
-// "pillars" for "builtin:pillars".
+// The title of a scene, such as "pillars" for "builtin:pillars".
 const char *bench_scene_title(const char *name);
 
-// Sizes and samples as the command line or --quick want them; references and pictures from fields. All of one run share
-// them unless an experiment says otherwise, so that references are shared too.
+// Settings of references and of images from fields, with sizes and samples by the command line or --quick. All
+// experiments of a run use these by default, so that references are shared.
 olx_render_settings bench_path_settings(const bench *b);
 olx_render_settings bench_field_settings(const bench *b);
-uint32_t bench_bounces(const bench *b); // after direct light, of fields; references have one more
-uint32_t bench_spp(const bench *b);     // camera samples a pixel of pictures from fields
+uint32_t bench_bounces(const bench *b); // bounces after direct light, of fields; references have one more
+uint32_t bench_spp(const bench *b);     // camera samples per pixel of images from fields
 
-// Path traced from these cameras with so many bounces; made once in a run. The run's, not the caller's.
+// A reference path traced from these cameras with this many bounces; computed once per run, which owns it.
 olx_result bench_reference(bench *b, const olx_scene *scene, const olx_camera *cameras, uint32_t count,
                            const olx_render_settings *settings, uint32_t bounces, bench_images **references);
 
-// What a field is baked with unless the experiment says otherwise: fine, or rough with --quick.
+// Default settings for baking a field: fine, or rough with --quick.
 bench_bake bench_bake_settings(const bench *b, bool classic);
-// Place, bake and open. Close it in any case (bench_field_close).
+// Places, bakes and opens a field. Must be closed by bench_field_close, also after a failure.
 olx_result bench_bake_field(bench *b, const olx_scene *scene, const bench_probes *probes, const bench_bake *bake,
                             bench_field *made);
-// Pictures from it, their noise independent of the references'.
+// Renders images from a field, with noise independent of the references'.
 olx_result bench_pictures(bench *b, const olx_scene *scene, const olx_camera *cameras, uint32_t count,
                           const bench_way *way, bench_images *images);
 
-// How a picture differs from its reference: light, and what a viewer would see of it.
+// The difference of an image from its reference: errors of light, and perceptual metrics.
 typedef struct bench_quality {
   bench_error error;
-  double ssim, flip; // not numbers for the sum of both indirect layers
-  float exposure;    // of the pictures that were compared
+  double ssim, flip; // NaN for the sum of both indirect layers
+  float exposure;    // exposure of the compared images
 } bench_quality;
 olx_result bench_compare(bench *b, bench_images *images, bench_images *references, bench_light light, uint32_t camera,
                          bench_quality *quality);
 
-// Columns and cells of a bench_quality.
+// Columns and cells for a bench_quality.
 #define QUALITY_COLUMNS                                                                                                \
   {"mse", "MSE", BENCH_QUALITY, NULL, "mean squared error of light, free of noise on average"},                        \
       {"noise", "\u00b1", BENCH_SPREAD, NULL, "what noise may be off in it: at least its standard error"},             \
@@ -134,11 +133,11 @@ olx_result bench_compare(bench *b, bench_images *images, bench_images *reference
   NUMBER_CELL((q).error.mse), NUMBER_CELL((q).error.noise), NUMBER_CELL((q).error.relative_mse),                       \
       NUMBER_CELL((q).error.bias), NUMBER_CELL((q).ssim), NUMBER_CELL((q).flip)
 
-// Pictures of one view for the report and for --images: several ways, then the reference, of one layer.
+// Images of one view for the report and for --images: several methods, then the reference, of one layer.
 typedef struct bench_shown {
   const char *way;
   bench_images *images;
-  uint32_t camera; // of the images
+  uint32_t camera; // index of the camera in the images
 } bench_shown;
 olx_result bench_show(bench *b, const char *view, olx_layer layer, const bench_shown *ways, uint32_t count,
                       bench_images *references, uint32_t reference_camera);

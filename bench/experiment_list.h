@@ -1,4 +1,4 @@
-// Every experiment, each in a file of its own.
+// Declares every experiment; each has its own file.
 #ifndef OCTALUX_BENCH_EXPERIMENT_LIST_H
 #define OCTALUX_BENCH_EXPERIMENT_LIST_H
 

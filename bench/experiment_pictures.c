@@ -1,4 +1,4 @@
-// Compares pictures with their references, and shows them in the report and as files.
+// Compares images with their references, and writes them to the report and to files.
 #include "experiment.h"
 #include "html_report.h"
 
@@ -17,8 +17,8 @@ static olx_layer layer_of(bench_light light) {
   return layers[light];
 }
 
-// Indirect light alone is dim: a power of two brings it to where it can be looked at. Bright places count more than
-// dark ones, since a layer may be black where nothing is glossy.
+// The exposure, a power of two, at which a dim layer of indirect light is visible. Bright pixels count more than dark
+// ones, because a layer may be black where nothing is glossy.
 static float exposure_for(const olx_image *reference, olx_layer layer) {
   if (layer == OLX_LAYER_BEAUTY) return 1.0f;
   const size_t pixels = (size_t)reference->width * reference->height;
@@ -53,7 +53,7 @@ olx_result bench_compare(bench *b, bench_images *images, bench_images *reference
   return result;
 }
 
-// "mcguire-leaks-fig-10-field-indirect_diffuse.png", with nothing in it that a file name should not have.
+// Saves an image under a name such as "mcguire-leaks-fig-10-field-indirect_diffuse.png", with safe characters only.
 static olx_result save_picture(const bench *b, const char *view, const char *way, const olx_image *image,
                                olx_layer layer, float exposure) {
   char path[PATH_TEXT];
@@ -84,7 +84,7 @@ static olx_result report_view(bench *b, const char *view, olx_layer layer, const
                               const olx_image *reference) {
   cJSON *frame = html_report_frame(b->section, view, reference);
   olx_result result = add_way(b, frame, &ways[0], reference, layer);
-  // The first two pictures are those that the divider parts.
+  // The divider separates the first two images.
   if (result == OLX_OK) {
     result = html_report_picture(frame, "path traced", reference, layer, exposure_for(reference, layer));
   }

@@ -1,4 +1,4 @@
-// Keeps what an experiment found as tables and plots, and writes them as text, as JSON, and into a report.
+// Stores the results of an experiment as tables and plots, and writes them as text, as JSON, and into a report.
 #include "findings.h"
 
 #include "html_report.h"
@@ -92,7 +92,7 @@ static const bench_cell *cell_at(const bench_table *table, uint32_t row, uint32_
   return &table->cells[(size_t)table->column_count * row + column];
 }
 
-// Characters, not bytes, of UTF-8.
+// The width of UTF-8 text in characters, not bytes.
 static int width_of(const char *text) {
   int width = 0;
   for (; *text; ++text) width += (*text & 0xc0) != 0x80;
@@ -194,7 +194,7 @@ void findings_add_json(const findings *f, cJSON *object) {
 
 static uint32_t column_of(const bench_table *table, const char *key) {
   uint32_t c = 0;
-  while (strcmp(table->columns[c].key, key) != 0) ++c; // plots name columns that are there
+  while (strcmp(table->columns[c].key, key) != 0) ++c; // plots refer only to existing columns
   return c;
 }
 
@@ -210,7 +210,7 @@ static cell_text axis_of(const bench_column *column) {
   return out;
 }
 
-// Rows in their order; each new name of the column begins a series.
+// Draws rows in their order; each new name in the column begins a series.
 static char *draw_lines(const bench_table *table, const bench_plot *plot) {
   plot_series series[MOST_SERIES];
   uint32_t count = 0;
@@ -240,7 +240,7 @@ static char *draw_lines(const bench_table *table, const bench_plot *plot) {
   return svg;
 }
 
-// The names of a row, with commas between.
+// The names of a row, separated by commas.
 static cell_text row_name(const bench_table *table, uint32_t row, const char *key) {
   cell_text out = {""};
   size_t used = 0;

@@ -1,4 +1,5 @@
-// What an experiment found: tables of named rows, and plots of their columns; as text, as JSON, and in a report.
+// The results of an experiment: tables of named rows, and plots of their columns, written as text, as JSON, and into a
+// report.
 #ifndef OCTALUX_BENCH_FINDINGS_H
 #define OCTALUX_BENCH_FINDINGS_H
 
@@ -9,32 +10,32 @@
 
 typedef enum bench_kind {
   BENCH_NAME,     // text; all names of a row together identify it
-  BENCH_COUNT,    // a setting, or what follows from settings alone
-  BENCH_QUALITY,  // measured, and the same in every run of a program
-  BENCH_SPREAD,   // how far a quality may be off by chance
-  BENCH_TIME,     // measured, and of this machine at this moment
+  BENCH_COUNT,    // a setting, or a value derived from settings alone
+  BENCH_QUALITY,  // measured, and the same in every run
+  BENCH_SPREAD,   // uncertainty of a quality
+  BENCH_TIME,     // measured, and specific to this machine and run
   BENCH_PUBLISHED // from the paper
 } bench_kind;
 
 typedef struct bench_column {
   const char *key, *name;
   bench_kind kind;
-  const char *unit; // "ms", or NULL; with "%" numbers are shares, shown in percent
-  const char *note; // what it means, or NULL
+  const char *unit; // such as "ms", or NULL; with "%" values are shares, shown in percent
+  const char *note; // its meaning, or NULL
 } bench_column;
 
 typedef struct bench_cell {
-  const char *text; // of a name; copied
-  double number;    // NAN leaves it empty
+  const char *text; // for names; copied
+  double number;    // NaN leaves the cell empty
 } bench_cell;
 #define TEXT_CELL(t) ((bench_cell){.text = (t)})
 #define NUMBER_CELL(n) ((bench_cell){.number = (n)})
 #define NO_CELL ((bench_cell){.number = NAN})
 
-// A plot of a table's columns. Lines: one series for each value of the column `series`, or all in one. Bars, with `x`
-// NULL: one for each row, called by the column `series`, or by all its names.
+// A plot of a table's columns. Lines: one series for each value of the column `series`, or a single one. Bars, with `x`
+// NULL: one for each row, labelled by the column `series`, or by all its names.
 typedef struct bench_plot {
-  const char *caption, *x, *y, *series; // keys
+  const char *caption, *x, *y, *series; // keys of columns
   bool log_x, log_y;
 } bench_plot;
 
@@ -55,11 +56,11 @@ typedef struct findings {
   struct {
     char what[64], why[320];
   } skipped[FINDINGS_SKIPPED];
-  bool exhausted;                    // memory
-  double seconds, processor_seconds; // processor: of all threads, however busy the machine is
+  bool exhausted;                    // out of memory
+  double seconds, processor_seconds; // seconds: elapsed; processor_seconds: of all threads
 } findings;
 
-// A new table; columns and strings are static. It stays valid until findings_free.
+// Adds a table; columns and strings are static. It is valid until findings_free.
 bench_table *findings_table(findings *f, const char *name, const char *caption, const bench_column *columns,
                             uint32_t column_count, const bench_plot *plots, uint32_t plot_count);
 #define FINDINGS_TABLE(f, name, caption, columns, plots)                                                               \
@@ -70,7 +71,7 @@ void findings_row(findings *f, bench_table *table, const bench_cell *cells, uint
   findings_row(f, table, (const bench_cell[]){__VA_ARGS__},                                                            \
                sizeof((const bench_cell[]){__VA_ARGS__}) / sizeof(bench_cell))
 
-// Something that was left out, and why.
+// Records something that was skipped, and the reason.
 void findings_skip(findings *f, const char *what, const char *why);
 void findings_free(findings *f);
 

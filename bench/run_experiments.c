@@ -53,7 +53,7 @@ static bool takes_sizes(const experiment *e) { return e->takes & TAKES_SIZES; }
 static bool takes_sets(const experiment *e) { return e->takes & TAKES_SETS; }
 static bool takes_short(const experiment *e) { return e->takes & TAKES_SHORT; }
 
-// Says which experiments the option goes with.
+// Reports which experiments take the option.
 static int misplaced(const char *name, bool (*takes)(const experiment *)) {
   char known[512];
   size_t used = 0;
@@ -65,8 +65,7 @@ static int misplaced(const char *name, bool (*takes)(const experiment *)) {
   return usage_error(BENCH_PROGRAM, "%s goes with %s", name, known);
 }
 
-// Whether --only names scenes that the experiment has; when not, a line says which those are. `e` is NULL for all of
-// them.
+// Checks that --only names scenes of the experiment; otherwise lists them. `e` is NULL for all experiments.
 static bool check_scenes(const experiment *e, const char *names, int *code) {
   if (!e || !e->scene) {
     *code = misplaced("--only", takes_scenes);
@@ -82,8 +81,8 @@ static bool check_scenes(const experiment *e, const char *names, int *code) {
   return true;
 }
 
-// Whether the experiment takes the options that were given; when not, a line says which do. `e` is NULL for all of
-// them.
+// Checks that the experiment takes the given options; otherwise reports which one does. `e` is NULL for all
+// experiments.
 static bool check_options(const experiment *e, const bench_options *o, int *code) {
   const struct {
     const char *name;
@@ -121,7 +120,7 @@ static void put_summary(FILE *out) {
   }
 }
 
-// The command line that measures this experiment alone, to be freed; NULL when there is no memory.
+// The command line that measures this experiment alone, which the caller frees; NULL when memory runs out.
 static char *make_command(const experiment *e, const bench_options *o) {
   char *command = NULL;
   size_t size_bytes;
@@ -174,7 +173,7 @@ static olx_result run_one(bench *b, const experiment *e, cJSON *report, cJSON *l
   }
   findings_free(&b->found);
   free(command);
-  // An experiment that has not ended is not shown.
+  // Unfinished experiments are not shown.
   if (result != OLX_OK && section) {
     cJSON_Delete(cJSON_DetachItemViaPointer(cJSON_GetObjectItem(report, "sections"), section));
   }
@@ -195,7 +194,8 @@ static int finish_json(const char *command, cJSON *list, bool all) {
   return print_json(BENCH_PROGRAM, object);
 }
 
-// Experiments that have ended are kept when a later one fails or is interrupted. Takes report and list.
+// Writes the findings. Finished experiments are kept when a later one fails or is interrupted. Takes ownership of
+// report and list.
 static int write_findings(const bench_options *o, bool all, const char *command, uint32_t ended, cJSON *report,
                           cJSON *list) {
   int code = EXIT_DONE;
@@ -234,7 +234,7 @@ static int run_named(const bench_options *o, const experiment *only, const char 
   return code == EXIT_DONE ? written : code;
 }
 
-// A folder that is there, or that can be made.
+// Checks that a folder exists or can be created.
 static bool ready_folder(const char *path, const char *file) {
   char name[4096];
   if (!path) return true;

@@ -1,4 +1,4 @@
-// What octalux-bench measures besides experiments: studies, which take arguments of their own and print what they find.
+// The studies of octalux-bench, which take their own arguments and print their results.
 #ifndef OCTALUX_BENCH_STUDIES_H
 #define OCTALUX_BENCH_STUDIES_H
 
@@ -7,17 +7,17 @@
 #define BENCH_PROGRAM "octalux-bench" // as messages name it
 
 typedef struct bench_study {
-  const char *name;      // on the command line
-  const char *arguments; // how they look in the help; NULL: options of its own, which it reads and explains itself
-  uint32_t least, most;  // of arguments
-  const char *what;      // one line, for lists
+  const char *name;                  // on the command line
+  const char *arguments;             // their form in the help; NULL: the study parses and documents its own options
+  uint32_t least, most;              // least and most number of arguments
+  const char *what;                  // one line, for lists
   int (*run)(int argc, char **argv); // argv[0] is its name; returns the program's exit code
 } bench_study;
 
 extern const bench_study studies[];
 extern const uint32_t study_count;
 
-// Runs a study with arguments that are as many as it takes; else a line says what it takes.
+// Runs a study when the number of arguments is valid; otherwise prints what it takes.
 int run_study(const bench_study *s, int argc, char **argv);
 // Runs the experiments that the arguments name; argv[0] is the program's name.
 int run_experiments(int argc, char **argv);

@@ -1,5 +1,4 @@
-// Reads the options of baking that `bake` and `bench` share, and turns them into settings, with the scene's own where
-// nothing was given.
+// Reads the baking options that `bake` and `bench` share, and turns them into settings, with defaults from the scene.
 #include "bake_options.h"
 
 #include <octalux/place.h>
@@ -19,7 +18,7 @@ double light_probe_count(const olx_bake_settings *settings) {
   return settings->probes ? (double)settings->probe_count : grid_probe_count(&settings->grid);
 }
 
-// The positions of a file that `octalux place` wrote.
+// Loads the positions from a file that `octalux place` wrote.
 static olx_result load_probes(const olx_scene *scene, const char *path, olx_bake_settings *settings) {
   olx_probe_set set;
   const olx_scene_info info = olx_scene_describe(scene);
@@ -43,7 +42,7 @@ void release_bake_settings(olx_bake_settings *settings) {
 
 bake_options bake_options_begin(void) { return (bake_options){.settings = olx_bake_settings_default(NULL)}; }
 
-// Options that say how probe light is made imply that it is wanted.
+// Whether the command line requests probe light; options for how it is computed imply it.
 static bool asks_for_probe_light(const command_line *line) {
   static const char *const names[] = {"--probe-light", "--irradiance-grid", "--irradiance-size",
                                       "--no-fit",      "--irradiance",      "--bounce-gather"};
@@ -53,7 +52,7 @@ static bool asks_for_probe_light(const command_line *line) {
   return false;
 }
 
-// The grid of as many probes as were given.
+// Creates the grid with the requested number of probes.
 static olx_result place_grid(const olx_scene *scene, olx_grid *grid) {
   const uint32_t count[3] = {grid->count[0], grid->count[1], grid->count[2]};
   return olx_scene_probe_grid(scene, count, grid);

@@ -1,4 +1,4 @@
-// The options of baking that `bake` and `bench` share.
+// The baking options that `bake` and `bench` share.
 #ifndef OCTALUX_CLI_BAKE_OPTIONS_H
 #define OCTALUX_CLI_BAKE_OPTIONS_H
 
@@ -8,14 +8,14 @@
 #include <octalux/limits.h>
 
 typedef struct bake_options {
-  olx_bake_settings settings; // the defaults, with what was given in their place
-  const char *probes;         // where they stand, or NULL
+  olx_bake_settings settings; // the defaults, replaced where options were given
+  const char *probes;         // file of probe positions, or NULL
 } bake_options;
 
-// Before options are read. Grids are without probes until the scene is there.
+// The defaults before options are read. Grids have no probes until the scene is loaded.
 bake_options bake_options_begin(void);
 
-// Rows of an option table that fill `b`.
+// Rows of an option table, which fill `b`.
 #define BAKE_OPTION_ROWS(b) BAKE_BASIC_ROWS(b), GROUP_ROW("Quality"), BAKE_QUALITY_ROWS(b), RESEARCH_ROW, BAKE_RESEARCH_ROWS(b)
 
 // clang-format off
@@ -59,12 +59,12 @@ bake_options bake_options_begin(void);
 // clang-format on
 
 double grid_probe_count(const olx_grid *grid);
-// 0 without probe light.
+// Number of irradiance probes; 0 without probe light.
 double irradiance_probe_count(const olx_bake_settings *settings);
 double light_probe_count(const olx_bake_settings *settings);
 
-// Completes the settings by what depends on the scene: grids, and probes of a file. Release what they hold when the
-// bake is done.
+// Completes the settings by what depends on the scene: grids, and probes from a file. The caller releases what they
+// hold after the bake.
 olx_result resolve_bake_options(const olx_scene *scene, const command_line *line, bake_options *given);
 void release_bake_settings(olx_bake_settings *settings);
 

@@ -1,4 +1,4 @@
-// octalux audit: prints how often and how far a field's answers differ from those of real rays and of path tracing.
+// octalux audit: prints how often and by how much a field's results differ from real rays and from path tracing.
 #include "commands.h"
 #include "options.h"
 #include "report.h"

@@ -1,4 +1,4 @@
-// octalux bake: bakes a scene into a field file, or prints what the bake would take without making it.
+// octalux bake: bakes a scene into a field file, or prints the cost of the bake without running it.
 #include "bake_options.h"
 #include "commands.h"
 #include "files.h"
@@ -124,7 +124,7 @@ static void print_plan(const char *path, const olx_bake_sizes *sizes, double sec
   printf("  seconds  about %.3g, from a few probes; half and twice as long are possible\n", seconds);
 }
 
-// Sizes and time of a bake that is not made. What does not fit is told by the exit code and a last line.
+// Prints sizes and time of a bake without running it. The exit code and the last line report a bake that does not fit.
 static int plan_bake(const olx_scene *scene, const olx_bake_settings *settings, const char *path, bool force_progress,
                      bool json) {
   olx_bake_sizes sizes;
@@ -146,7 +146,7 @@ static int plan_bake(const olx_scene *scene, const olx_bake_settings *settings, 
   return fits == OLX_OK ? code : failure("bake", "%s", why);
 }
 
-// What is told before a bake that keeps results.
+// Prints where a bake stores its results, before it begins.
 static void announce_work(const olx_scene *scene, const olx_bake_settings *settings, const char *path) {
   olx_bake_sizes sizes;
   if (!settings->work.folder || olx_bake_measure(scene, settings, path, &sizes) != OLX_OK) return;
@@ -188,7 +188,7 @@ static int bake_scene(const olx_scene *scene, const olx_bake_settings *settings,
                       const bake_manner *manner) {
   progress_line line;
   progress_begin(&line, "bake", manner->progress);
-  if (manner->units->json) line.shown = false; // lines of units take the place of its lines
+  if (manner->units->json) line.shown = false; // lines for units replace the progress line
   if (line.shown) announce_work(scene, settings, path);
   const olx_progress progress = progress_of(&line);
   olx_bake_stats stats;
@@ -224,7 +224,7 @@ static int check_given(const command_line *line, const bake_options *given, cons
   return EXIT_DONE;
 }
 
-// Bakes, or reckons, what the options say.
+// Runs or estimates the bake that the options describe.
 static int run_bake(const olx_scene *scene, olx_bake_settings *settings, const work_options *work, const char *output,
                     bool dry_run, bool progress, work_line *units, bool json) {
   const int code = resolve_work_options(scene, work, output, settings, units);

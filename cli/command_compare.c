@@ -23,7 +23,7 @@ static bool wanted(const comparison *c, uint32_t layer) {
   return layer <= OLX_LAYER_INDIRECT_GLOSSY && c->images[0].layers[layer] && c->images[1].layers[layer];
 }
 
-// The layer whose pictures are drawn.
+// The layer whose images are drawn.
 static olx_layer drawn_layer(const comparison *c) {
   return c->layer == OLX_LAYER_COUNT ? OLX_LAYER_BEAUTY : (olx_layer)c->layer;
 }
@@ -90,7 +90,7 @@ static int print_compare_json(const comparison *c) {
   return print_json("compare", object);
 }
 
-// Prints a perceptual metric, which layers without colours do not have.
+// Prints a perceptual metric; layers without colour have none.
 static void print_perceptual(double value) {
   if (isnan(value)) printf(" %8s", "-");
   else printf(" %8.5f", value);
@@ -116,7 +116,7 @@ static const char *bounces_text(const olx_image *image, char text[16]) {
   return text;
 }
 
-// Warns of pictures with different bounces, which differ by light that one of them cannot have.
+// Warns about images with different numbers of bounces, which differ by light that one of them cannot have.
 static void warn_of_other_bounces(const comparison *c) {
   const olx_image *a = &c->images[0], *b = &c->images[1];
   char texts[2][16];

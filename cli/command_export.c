@@ -1,5 +1,4 @@
-// octalux export: writes maps of probes as pictures, parts of a field as a model, for other tools, and pages for
-// browsers.
+// octalux export: writes maps of probes as images, parts of a field as models for other tools, and web pages.
 #include "commands.h"
 #include "files.h"
 #include "options.h"
@@ -15,7 +14,7 @@
   "irradiance|mean_distance|mean_square_distance|classic_irradiance|classic_radiance_0|classic_radiance_1|"            \
   "classic_radiance_2|classic_radiance_3|classic_radiance_4|volume_irradiance"
 
-// The output, checked, and the field, which is the caller's to close.
+// Checks the output and opens the field, which the caller closes.
 static int open_export(const char *command, const char *input, const char *output, const char *ending, bool in_order,
                        bool json, olx_field **field) {
   const command_files files = {.inputs = {input}, .outputs = {{output, in_order}}};

@@ -1,4 +1,5 @@
-// octalux export web: a folder that any static server shows, a room to walk through in a browser (docs/web.md).
+// octalux export web: writes a folder for any static web server, with a room to walk through in a browser
+// (docs/web.md).
 #include "commands.h"
 #include "files.h"
 #include "options.h"
@@ -18,10 +19,10 @@
 
 static const char COMMAND[] = "export web";
 
-// What the page's folder consists of.
+// The content of the page's folder.
 typedef struct web_export {
   const char *scene, *field, *folder;
-  char page[PATH_MAX]; // where the page's own files lie
+  char page[PATH_MAX]; // folder of the page's own files
   scene_options loading;
   bool json;
   uint64_t scene_bytes, field_bytes, page_bytes;
@@ -42,7 +43,7 @@ static bool is_file(const char *path) {
   return stat(path, &status) == 0 && S_ISREG(status.st_mode);
 }
 
-// The page lies beside the program in a build, in share/octalux/web where that is installed.
+// Finds the page: beside the program in a build, in share/octalux/web when installed.
 static int find_page(web_export *e) {
   static const char *const places[] = {"web", "../share/octalux/web"};
   char program[PATH_MAX] = "";
@@ -61,7 +62,7 @@ static int find_page(web_export *e) {
       program, program);
 }
 
-// The field must be of this scene, as render wants it.
+// Checks that the field belongs to the scene, like render.
 static int check_field(const web_export *e, const olx_scene *scene) {
   olx_field *field = NULL;
   if (olx_field_open(e->field, &field) != OLX_OK) return library_failure(COMMAND);
@@ -76,7 +77,7 @@ static int make_folder(const char *folder) {
   return failure(COMMAND, "%s: cannot make the folder: %s", folder, strerror(errno));
 }
 
-// A file of the page, which is small, as it is.
+// Copies a file of the page, which is small, unchanged.
 static olx_result copy_file(const char *from, const char *to, uint64_t *bytes) {
   FILE *file = fopen(from, "rb");
   struct stat status;

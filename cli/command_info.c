@@ -1,4 +1,4 @@
-// octalux info and octalux verify: print what a field file holds, packed or not, and check every byte of it.
+// octalux info and octalux verify: print the content of a field file, packed or not, and verify every byte of it.
 #include "commands.h"
 #include "options.h"
 #include "report.h"
@@ -49,11 +49,11 @@ static select_list select_names(uint32_t mask) {
   return list;
 }
 
-// The description that a file holds.
+// The description stored in a file.
 typedef struct description {
   olx_field_info info;
   double origin[3]; // metres: positions in `info` are relative to it
-  uint32_t version; // of the format
+  uint32_t version; // version of the format
 } description;
 
 static int print_info_json(const description *d) {
@@ -148,7 +148,7 @@ static void print_info(const char *path, const description *d) {
     printf("  light, material    %s\n", info->compressed ? "in blocks of 4x4 texels" : "as texels, uncompressed");
   }
   printf("  scene              %016" PRIx64 "\n", info->scene_hash);
-  if (d->version != CURRENT_VERSION) return; // its chunks are not read
+  if (d->version != CURRENT_VERSION) return; // chunks of other versions are not read
   block blocks[BLOCK_COUNT];
   const double texels = (double)info->probe_count * info->radiance_size * info->radiance_size;
   list_blocks(info, blocks);
@@ -198,7 +198,7 @@ static olx_result describe(const char *path, description *d) {
     d->version = 1;
     return olx_field_describe_version_1(path, &d->info);
   }
-  if (result == OLX_ERROR_VERSION) result = olx_field_open(path, &field); // for its message
+  if (result == OLX_ERROR_VERSION) result = olx_field_open(path, &field); // to get its message
   if (result == OLX_OK) {
     d->info = olx_field_describe(field);
     olx_field_origin(field, d->origin);

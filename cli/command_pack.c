@@ -1,4 +1,4 @@
-// octalux pack and octalux unpack: make a field small for shipping, and restore the same field from it.
+// octalux pack and octalux unpack: compress a field for distribution, and restore the same field.
 #include "commands.h"
 #include "files.h"
 #include "options.h"
@@ -12,15 +12,15 @@
 
 #define MILLION 1000000u
 
-// What both commands do: a file becomes another one, under a name that follows from the first unless one is given.
+// What both commands share: a file is converted to another, whose name is derived from the first unless it is given.
 typedef struct packing {
-  const char *name, *from, *to; // the command, and the endings of its files
+  const char *name, *from, *to; // name of the command, and the endings of its files
   const char *input, *output;
-  char named[PATH_MAX]; // room for the name that follows
+  char named[PATH_MAX]; // buffer for the derived name
   bool json;
 } packing;
 
-// "scene.olx" packs to "scene.olxz", and back.
+// Derives the output's name: "scene.olx" packs to "scene.olxz", and back.
 static int name_output(packing *p) {
   if (p->output) {
     return ends_with(p->output, p->to) ? EXIT_DONE

@@ -1,4 +1,4 @@
-// octalux place: places the probes of a scene, prints what they cover, and saves them as JSON and as a picture.
+// octalux place: places the probes of a scene, prints what they cover, and saves them as JSON and as an image.
 #include "commands.h"
 #include "files.h"
 #include "options.h"
@@ -12,7 +12,7 @@
 #include <inttypes.h>
 #include <stdio.h>
 
-// The options of the command; 0 means that one is not given.
+// The options of the command; 0 means not given.
 typedef struct place_options {
   uint32_t method, count, views, resolution, surfels, candidates, voxels, refinements, seed, threads, grid[3];
   uint32_t optimize, reward, rounds;
@@ -21,7 +21,7 @@ typedef struct place_options {
 
 static olx_result resolve_place_options(const olx_scene *scene, const place_options *given, olx_place_settings *s) {
   *s = olx_place_settings_default(scene);
-  // The words of the option have the order of the library's enumeration.
+  // The words of the option are in the order of the library's enumeration.
   s->method = (olx_place_method)given->method;
   s->optimize = (olx_place_optimizer)given->optimize;
   s->reward = (olx_place_reward)given->reward;
@@ -91,11 +91,12 @@ static void print_share(const char *what, double share, const char *why) {
   if (share > 0.0) printf("  %-10s %.3f %%  %s\n", what, 100.0 * share, why);
 }
 
-#define LEAST_UNREACHED 1e-3 // as a share of what is reached
+#define LEAST_UNREACHED 1e-3 // as a share of the reached area
 
-// Voxels that a surface touches close openings narrower than two of them.
+// Prints the surfaces that are not reached: openings narrower than two voxels are closed by the voxels that surfaces
+// touch.
 static void print_unreached(const olx_place_report *report) {
-  if (report->unreached_m2 < LEAST_UNREACHED * report->reached_m2) return; // crumbs
+  if (report->unreached_m2 < LEAST_UNREACHED * report->reached_m2) return; // negligible
   printf("  unreached  %.1f m2  of surface, beside %.1f m2 that playable space sees: no opening of %g m, two voxels, "
          "leads there\n"
          "             from a camera. What matters of it wants a camera, a pinned probe, or a smaller --voxel-size\n",

@@ -1,4 +1,4 @@
-// octalux render: renders pictures of a scene by path tracing or from a field, on the CPU or with indirect light from a
+// octalux render: renders images of a scene by path tracing or from a field, on the CPU or with indirect light from a
 // Vulkan device.
 #include "commands.h"
 #include "files.h"
@@ -20,7 +20,7 @@
 
 #define NOT_GIVEN (UINT32_MAX - 1)
 
-// 0 is "not given" where 0 is no value; NOT_GIVEN elsewhere.
+// The options of the command. 0 means not given where 0 is invalid; NOT_GIVEN elsewhere.
 typedef struct render_options {
   const char *scene, *output, *png, *field, *camera, *from_camera;
   uint32_t method, size[2], spp, bounces, diffuse, diffuse_samples, glossy_samples, seed, threads, device;
@@ -33,7 +33,7 @@ typedef struct render_options {
 
 enum { DEVICE_CPU, DEVICE_VULKAN };
 
-// The three ways of the paper's section 5 to light a picture from a field, in the order of --mode's words.
+// The three ways to light an image from a field (section 5 of the paper), in the order of --mode's words.
 enum { MODE_GATHER, MODE_DENOISED, MODE_PREFILTERED };
 
 enum { DEFAULT_FRAMES = 64, DEFAULT_GATHER_SAMPLES = 64 };
@@ -52,7 +52,7 @@ static void apply_mode(const render_options *o, olx_render_settings *settings) {
     settings->diffuse_samples = settings->glossy_samples = count;
   }
   if (o->mode == MODE_GATHER || o->mode == MODE_DENOISED) settings->diffuse = OLX_DIFFUSE_TRACED;
-  // Irradiance holds no light that comes straight from emitters, so rays have to find it.
+  // Irradiance excludes direct light of emitters, so that rays have to find it.
   if (o->emitters) settings->diffuse = OLX_DIFFUSE_TRACED;
 }
 
@@ -65,7 +65,7 @@ static olx_render_settings resolve(const render_options *o, const olx_field *fie
   apply_mode(o, &settings);
   if (o->spp) settings.spp = o->spp;
   if (o->bounces != NOT_GIVEN) settings.bounces = o->bounces;
-  // What a picture from the field shows: its bounces, and the one at the surface that is seen.
+  // An image from the field has the field's bounces plus the one at the visible surface.
   else if (o->method == OLX_METHOD_PATH && field) settings.bounces = olx_field_describe(field).bounces + 1;
   if (o->diffuse != NOT_GIVEN) settings.diffuse = (olx_diffuse)o->diffuse;
   if (o->diffuse_samples) settings.diffuse_samples = o->diffuse_samples;
@@ -106,7 +106,7 @@ static int check_device(const render_options *o) {
   return EXIT_DONE;
 }
 
-// Refuses options that contradict each other; 0 when all is well.
+// Rejects contradictory options; returns 0 when there are none.
 static int check_options(render_options *o) {
   const bool exr = ends_with(o->output, ".exr");
   if (!exr && !is_output_named(o->output, ".png")) {
@@ -199,8 +199,8 @@ static olx_vec3 between(olx_vec3 a, olx_vec3 b, float t) {
   return (olx_vec3){a.x + (b.x - a.x) * t, a.y + (b.y - a.y) * t, a.z + (b.z - a.z) * t};
 }
 
-// The camera of each frame: `to` all the time; or from `from` in equal steps to `to` in the last frame; or `from`, and
-// `to` after the cut.
+// Sets the camera of each frame: constantly `to`; or in equal steps from `from` to `to` in the last frame; or `from`,
+// and `to` after the cut.
 static void move_camera(const render_options *o, const olx_camera *from, const olx_camera *to, olx_camera *cameras) {
   for (uint32_t i = 0; i < o->frames; i++) {
     const bool after_cut = o->cut && i >= o->frames - o->cut;
@@ -213,7 +213,7 @@ static void move_camera(const render_options *o, const olx_camera *from, const o
   }
 }
 
-// The camera of each frame, or the one camera; NULL, with *result, when there are none. The caller frees them.
+// Creates the camera of each frame, or the only camera; NULL, with *result, on failure. The caller frees them.
 static olx_camera *make_cameras(const render_options *o, const olx_scene *scene, const olx_camera *camera,
                                 olx_result *result) {
   olx_camera from = *camera;
@@ -226,18 +226,18 @@ static olx_camera *make_cameras(const render_options *o, const olx_scene *scene,
   return cameras;
 }
 
-// The inputs of a picture, and its results.
+// The inputs and the results of rendering an image.
 typedef struct render_job {
   const render_options *options;
   const olx_scene *scene;
-  const olx_field *field; // as it was baked
-  relit_field relit;      // without a relighter the field is to stay so
+  const olx_field *field; // as baked
+  relit_field relit;      // without a relighter the field is unchanged
   const olx_camera *cameras;
   const olx_progress *progress;
   olx_image image;
   olx_render_stats stats;
   vulkan_timing timing;
-  char problem[VULKAN_PROBLEM_BYTES]; // on the Vulkan device; empty: none
+  char problem[VULKAN_PROBLEM_BYTES]; // error of the Vulkan device; empty: none
 } render_job;
 
 static olx_result render_on_cpu(render_job *job) {
@@ -250,7 +250,7 @@ static olx_result render_on_cpu(render_job *job) {
                            &job->stats);
 }
 
-// Surfaces and direct light on the CPU, indirect light on the GPU.
+// Renders surfaces and direct light on the CPU, indirect light on the GPU.
 static olx_result render_on_vulkan(render_job *job) {
 #ifdef OLX_HAS_VULKAN
   const olx_render_settings settings = resolve(job->options, job->field);

@@ -1,4 +1,4 @@
-// octalux scene: loads a scene, prints what it consists of, and writes it as a cooked file.
+// octalux scene: loads a scene, prints its content, and writes it as a cooked file.
 #include "commands.h"
 #include "files.h"
 #include "options.h"

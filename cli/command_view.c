@@ -1,5 +1,5 @@
-// octalux view: hands over to octalux-view, the program beside this one, so that the command line links neither a
-// window system nor C++.
+// octalux view: starts octalux-view, the program beside this one, so that the command line links neither a window
+// system nor C++.
 #include "commands.h"
 #include "companion.h"
 

@@ -1,4 +1,4 @@
-// Hands over to another program of ours, so that this one need not link what the other does.
+// Starts another program of the project, so that this one need not link the other's libraries.
 #include "companion.h"
 
 #include "options.h"

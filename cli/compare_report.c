@@ -1,4 +1,4 @@
-// Writes the report of a comparison: pictures laid over each other, metrics as tables and bars, and curves of FLIP.
+// Writes the report of a comparison: images in a slider, metrics as tables and bars, and curves of FLIP.
 #include "comparison.h"
 #include "html_report.h"
 #include "options.h"
@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define STEPS 100 // of the curve of FLIP
+#define STEPS 100 // points of the curve of FLIP
 
 static const char *file_name(const char *path) {
   const char *slash = strrchr(path, '/');
@@ -21,7 +21,7 @@ typedef struct layer_title {
   char text[32];
 } layer_title;
 
-// "indirect diffuse".
+// The title of a layer, such as "indirect diffuse".
 static layer_title title_of(uint32_t layer) {
   layer_title title;
   snprintf(title.text, sizeof title.text, "%s", olx_layer_name((olx_layer)layer));
@@ -96,7 +96,7 @@ static void add_bars(cJSON *section, const comparison *c) {
   html_report_plot(section, "Light too much or missing", plot_bars(&plot));
 }
 
-// Percent of pixels whose FLIP is at least x.
+// Adds curves of the percentage of pixels whose FLIP is at least x.
 static void add_flip_curves(cJSON *section, const comparison *c) {
   const size_t pixels = (size_t)c->images[0].width * c->images[0].height;
   double x[STEPS + 1], y[OLX_LAYER_COUNT][STEPS + 1];

@@ -9,24 +9,24 @@
 typedef struct layer_errors {
   bool compared;
   olx_metrics metrics;
-  olx_perceptual perceptual; // not numbers for layers that are no colours
-  float *flip_map;           // NULL when nothing draws it
+  olx_perceptual perceptual; // NaN for layers without colour
+  float *flip_map;           // NULL when it is not drawn
 } layer_errors;
 
 typedef struct comparison {
   const char *paths[2];
   olx_image images[2];
-  uint32_t layer; // or OLX_LAYER_COUNT for every layer of light that both have
+  uint32_t layer; // OLX_LAYER_COUNT means every layer of light that both images have
   olx_perceptual_settings perceptual;
   const char *heatmap, *flip_map, *report;
   bool json;
   layer_errors layers[OLX_LAYER_COUNT];
 } comparison;
 
-// The object `layers` of --json: for each layer that was compared, its metrics.
+// Builds the object `layers` of --json: the metrics of each compared layer.
 cJSON *comparison_layers(const comparison *c);
 
-// Write the HTML report; `command` is the command line that asked for it. EXIT_DONE or EXIT_FAILED.
+// Writes the HTML report; `command` is the command line of the comparison. Returns EXIT_DONE or EXIT_FAILED.
 int write_comparison_report(const comparison *c, const char *command);
 
 #endif

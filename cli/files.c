@@ -1,5 +1,5 @@
-// Checks those inputs and outputs of a command that depend on each other; whether a single output can be written is
-// checked by the library.
+// Checks inputs and outputs of a command that depend on each other; the library checks whether a single output can be
+// written.
 #include "files.h"
 
 #include "options.h"

@@ -1,5 +1,5 @@
-// Prints the help of a command in tiers, its manual page, and the words of a shell's completion from its table of
-// options, and finds the word that was meant where one is misspelt.
+// Prints a command's help, its manual page, and the words for shell completion from its table of options, and suggests
+// corrections for misspelt words.
 #include "help.h"
 
 #include <octalux/base.h>
@@ -20,7 +20,7 @@ bool help_form_of(const char *word, help_form *form) {
   return false;
 }
 
-// An option and its value as they are typed, "--spp N".
+// Formats an option and its value as typed, "--spp N".
 static void write_left(const option *o, char *text, size_t size) {
   const bool word = o->kind == OPTION_FLAG_WORD;
   snprintf(text, size, "%s%s%s%s", o->name, word ? "[=" : o->form ? " " : "", o->form ? o->form : "", word ? "]" : "");
@@ -41,7 +41,7 @@ static void print_synopsis(const command_line *line) {
   printf(" [options]");
 }
 
-// Returns how many options of research were left out.
+// Prints the options; returns how many options for research were left out.
 static uint32_t print_options(const command_line *line, bool all) {
   bool shown = true;
   uint32_t left_out = 0;
@@ -76,7 +76,7 @@ static void print_terminal(const command_line *line, bool all) {
            left_out);
 }
 
-// Dashes and backslashes have meanings in troff, and so has a dot at the beginning of a line.
+// Escapes dashes and backslashes, which have meanings in troff, like a dot at the beginning of a line.
 static void print_escaped(const char *text) {
   if (*text == '.' || *text == '\'') printf("\\&");
   for (; *text; ++text) {
@@ -86,7 +86,7 @@ static void print_escaped(const char *text) {
   }
 }
 
-// The name of a page has dashes where a command has blanks.
+// Prints the name of a manual page, which has dashes where the command has spaces.
 static void print_page_name(const command_line *line) {
   const char *const parts[] = {program_prefix(line->name), line->name};
   for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i) {
@@ -139,7 +139,7 @@ void print_help(const command_line *line, help_form form) {
   else print_terminal(line, form == HELP_ALL);
 }
 
-// The least number of letters to insert, delete, replace or swap with a neighbour that make one word the other.
+// The edit distance between two words: the least number of insertions, deletions, replacements and swaps of neighbours.
 static size_t distance_between(const char *a, size_t a_length, const char *b, size_t b_length) {
   size_t rows[3][LONGEST_WORD + 1];
   size_t *before = rows[0], *last = rows[1], *now = rows[2];

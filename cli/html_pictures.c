@@ -1,4 +1,4 @@
-// Encodes the pictures and maps of a report in the form that the page's script decodes.
+// Encodes the images and maps of a report for the page's script.
 #include "html_report.h"
 
 #include "report.h"
@@ -25,7 +25,8 @@ void html_report_fact(cJSON *frame, const char *name, double value) {
   add_number(fact, "value", value);
 }
 
-// A half float with the last three bits of its mantissa zero: a step is below 1 %, and the file is two thirds as large.
+// Rounds to a half float with the last three bits of its mantissa zero: the error is below 1 %, and the file is two
+// thirds as large.
 static uint16_t short_half(float value) {
   const uint16_t sign = value < 0.0f ? 0x8000 : 0;
   const float magnitude = fabsf(value);
@@ -54,7 +55,7 @@ static void put_half(uint8_t *high, uint8_t *low, float value) {
   *low = (uint8_t)half;
 }
 
-// A PNG of twice the height: the high bytes above, the low bytes below.
+// Encodes an image as a PNG of twice the height: the high bytes above, the low bytes below.
 olx_result html_report_picture(cJSON *frame, const char *name, const olx_image *image, olx_layer layer,
                                float exposure) {
   cJSON *picture = html_report_append(frame, "pictures");
@@ -74,7 +75,7 @@ olx_result html_report_picture(cJSON *frame, const char *name, const olx_image *
   return result;
 }
 
-// Numbers from 0 to 1 that stand for low to high, in equal steps or in equal ratios.
+// Adds a map of values, quantized from `low` to `high` in equal steps or in equal ratios.
 static olx_result add_map(cJSON *frame, const char *name, const float *values, map_scale scale) {
   cJSON *map = html_report_append(frame, "maps");
   add_text(map, "name", name);
@@ -115,7 +116,7 @@ olx_result html_report_squares(cJSON *frame, const char *name, const olx_image *
   float *map = malloc(pixels * sizeof *map);
   if (!map) return OLX_ERROR_MEMORY;
   for (size_t i = 0; i < pixels; ++i) {
-    const double error = square_of_difference(a[i], b[i], gray) / mean_square; // not a number where depth is infinite
+    const double error = square_of_difference(a[i], b[i], gray) / mean_square; // NaN where depth is infinite
     map[i] = error > 0.0 ? (float)(log10(error / scale.low) / log10(scale.high / scale.low)) : 0.0f;
   }
   const olx_result result = add_map(frame, name, map, scale);

@@ -69,7 +69,7 @@ static int run_command(const char *name, int argc, char **argv) {
   return refuse_command(name);
 }
 
-// "octalux help export exr all" is "octalux export exr --help all".
+// Handles "octalux help export exr all" as "octalux export exr --help all".
 static int help_with(int argc, char **argv) {
   enum { MOST_WORDS = 4 };
   help_form form;
@@ -84,7 +84,7 @@ static int help_with(int argc, char **argv) {
   return run_command(argv[0], argc + 1, words);
 }
 
-// The list of commands, as a manual page or as words for a shell.
+// Prints the list of commands, as a manual page or as words for a shell.
 static void print_overview(help_form form) {
   if (form == HELP_WORDS) {
     for (size_t i = 0; i < COMMANDS; ++i) printf("%s\n", commands[i].name);

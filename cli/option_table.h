@@ -1,4 +1,4 @@
-// The table that says what a command takes: parsing, checking, --help, manual pages and completion follow from it.
+// The table of a command's options, from which parsing, checking, --help, manual pages and completion are derived.
 #ifndef OCTALUX_CLI_OPTION_TABLE_H
 #define OCTALUX_CLI_OPTION_TABLE_H
 
@@ -20,20 +20,20 @@ typedef enum option_kind {
   OPTION_GRID,         // uint32_t[3], "4x4x4", each in min..max
   OPTION_CHOICE,       // uint32_t: which of the words in `form`, "field|path"
   OPTION_CHOICES,      // uint32_t: a bit for each of the words in `form`; given as "field,path"
-  OPTION_GROUP         // no option, but the title of those that follow it in the table (GROUP_ROW)
+  OPTION_GROUP         // not an option, but the title of those that follow in the table (GROUP_ROW)
 } option_kind;
 
 typedef struct option {
   const char *name; // "--spp", or "-o"
   option_kind kind;
-  void *value;      // of the kind's type; left alone unless the option is given
-  const char *form; // how its value looks in the help
+  void *value;      // of the kind's type; unchanged unless the option is given
+  const char *form; // how its value is shown in the help
   const char *help;
   uint32_t min, max;
 } option;
 
-// A title over the rows that follow it. Those of research are shown by --help all alone. Tables begin, without a title,
-// with what most people need.
+// A title over the rows that follow it. Options for research are only shown by --help all. Tables begin, without a
+// title, with the most common options.
 #define GROUP_ROW(title)                                                                                               \
   { NULL, OPTION_GROUP, NULL, NULL, (title), 0, 0 }
 #define RESEARCH_ROW                                                                                                   \
@@ -42,16 +42,16 @@ typedef struct option {
 enum { MAX_ARGUMENTS = 2, MOST_OPTIONS = 96 };
 
 typedef struct command_line {
-  const char *name, *summary, *example; // example: a command as it is typed; may be NULL
-  const char *arguments[MAX_ARGUMENTS]; // names of arguments without a dash; NULL: none. In brackets: may be left out
-  const char *given[MAX_ARGUMENTS];     // filled by parsing; NULL when left out
+  const char *name, *summary, *example; // example: a typical command line; may be NULL
+  const char *arguments[MAX_ARGUMENTS]; // names of positional arguments; NULL: none. Brackets mark optional ones
+  const char *given[MAX_ARGUMENTS];     // filled by parsing; NULL when omitted
   const option *options;
   size_t option_count;          // at most MOST_OPTIONS
-  bool was_given[MOST_OPTIONS]; // filled by parsing: which of them were
+  bool was_given[MOST_OPTIONS]; // filled by parsing: whether each option was given
 } command_line;
 
-// What stands before a command's name in messages: "octalux ", or nothing when the name is that of a program of its
-// own, such as octalux-view, and what follows it.
+// The prefix of a command's name in messages: "octalux ", or nothing for a separate program, such as octalux-view, whose
+// name begins with "octalux" itself.
 static inline const char *program_prefix(const char *command) {
   return strncmp(command, "octalux", 7) == 0 ? "" : "octalux ";
 }

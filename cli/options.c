@@ -1,4 +1,4 @@
-// Parses the arguments of a command by a table of its options, and says what is wrong with them from the same table.
+// Parses the arguments of a command by its table of options, and reports errors by the same table.
 #include "options.h"
 
 #include "help.h"
@@ -71,7 +71,7 @@ bool check_output(const char *command, const char *path, bool in_order) {
   return olx_output_check(path, in_order) == OLX_OK || library_failure(command) == EXIT_DONE;
 }
 
-// Digits up to the end of the text or `stop`; *next is where they ended.
+// Parses digits up to the end of the text or `stop`; *next is where they ended.
 static bool parse_digits(const char *text, char stop, uint32_t min, uint32_t max, uint32_t *value, const char **next) {
   uint64_t number = 0;
   const char *end = text;
@@ -173,7 +173,7 @@ static void describe_value(const option *o, char *text, size_t size) {
 
 static bool must_be_given(const option *o) { return o->kind == OPTION_TEXT && o->min == 1; }
 
-// An argument without a dash.
+// Takes a positional argument.
 static bool take_argument(command_line *line, const char *text) {
   for (int i = 0; i < MAX_ARGUMENTS; ++i) {
     if (!line->arguments[i] || line->given[i]) continue;
@@ -185,7 +185,7 @@ static bool take_argument(command_line *line, const char *text) {
   return false;
 }
 
-// Says that the table does not have an option, and which one was meant where a letter or two are wrong.
+// Reports an unknown option, with a suggestion where it is similar to a known one.
 static void refuse_option(const command_line *line, const char *text, size_t length) {
   const char *names[MOST_OPTIONS];
   size_t count = 0;
@@ -198,7 +198,7 @@ static void refuse_option(const command_line *line, const char *text, size_t len
               line->name);
 }
 
-// "--name value", "--name=value" or a flag; *index moves past what was used.
+// Takes "--name value", "--name=value" or a flag; *index moves past what was used.
 static bool take_option(command_line *line, int argc, char **argv, int *index) {
   const char *text = argv[*index];
   const char *equals = strncmp(text, "--", 2) == 0 ? strchr(text, '=') : NULL;
@@ -228,7 +228,7 @@ static bool take_option(command_line *line, int argc, char **argv, int *index) {
   return false;
 }
 
-// "--help", or "--help all" and the like.
+// Handles "--help", with an optional word such as "all".
 static void answer_help(const command_line *line, const char *word) {
   help_form form = HELP_SHORT;
   if (word) help_form_of(word, &form);

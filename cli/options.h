@@ -1,4 +1,4 @@
-// Reads the arguments of a command by its table of options, and says what is wrong with them.
+// Parses the arguments of a command by its table of options, and reports errors.
 #ifndef OCTALUX_CLI_OPTIONS_H
 #define OCTALUX_CLI_OPTIONS_H
 
@@ -8,20 +8,21 @@ enum {
   EXIT_DONE = 0,
   EXIT_FAILED = 1,
   EXIT_USAGE = 2,
-  EXIT_AGAIN = 75 // what others are to make is not there yet
+  EXIT_AGAIN = 75 // results of other processes are missing; run again later
 };
 
-// Read argv[1..]. True when the command should go on; else *exit_code is what to leave with (help was printed, or one
-// line said what is wrong). Every command also takes --help, with "all", "man" or "words" behind it, and --quiet.
+// Parses argv[1..]. Returns true when the command should continue; otherwise *exit_code is the exit code (help was
+// printed, or one line reported an error). Every command also takes --help, optionally followed by "all", "man" or
+// "words", and --quiet.
 bool parse_options(command_line *line, int argc, char **argv, int *exit_code);
 
-// Whether the command line named the option of the table.
+// Whether the option was given on the command line.
 bool was_given(const command_line *line, const char *name);
 
-// Whether --quiet was given: warnings are dropped then, and nobody is told of progress.
+// Whether --quiet was given, which suppresses warnings and progress.
 bool is_quiet(void);
 
-// Prints "warning: message", unless warnings are dropped.
+// Prints "warning: message", unless warnings are suppressed.
 void warn(const char *format, ...) __attribute__((format(printf, 1, 2)));
 // Print "octalux NAME: message" and return EXIT_USAGE or EXIT_FAILED.
 int usage_error(const char *command, const char *format, ...) __attribute__((format(printf, 2, 3)));
@@ -31,8 +32,8 @@ int library_failure(const char *command);
 
 bool ends_with(const char *text, const char *ending);
 
-// Whether an output could be written at `path`, for a look before long work; when not, a line says why. in_order: the
-// format is written from its begin to its end. Commands that read files, too, check both by files.h.
+// Checks before long work that an output can be written at `path`; otherwise prints the reason. in_order: the format is
+// written sequentially. Commands with input files use files.h instead.
 bool check_output(const char *command, const char *path, bool in_order);
 
 #endif

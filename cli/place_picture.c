@@ -1,4 +1,4 @@
-// Draws a picture of a placement: the scene with the skeleton of free space, the probes, and surfaces that stay
+// Draws an image of a placement: the scene with the skeleton of free space, the probes, and surfaces that stay
 // uncovered.
 #include "place_picture.h"
 
@@ -13,7 +13,7 @@ static olx_vec3 mix(olx_vec3 a, olx_vec3 b, float t) {
   return (olx_vec3){a.x + (b.x - a.x) * t, a.y + (b.y - a.y) * t, a.z + (b.z - a.z) * t};
 }
 
-// From violet in narrow places to pale yellow in wide ones.
+// A colour from violet in narrow places to pale yellow in wide ones.
 static olx_vec3 skeleton_color(float radius, float largest) {
   const olx_vec3 narrow = {0.10f, 0.03f, 0.30f}, middle = {0.03f, 0.30f, 0.30f}, wide = {0.85f, 0.80f, 0.25f};
   const float t = largest > 0.0f ? sqrtf(radius / largest) : 0.0f;
@@ -50,7 +50,7 @@ static uint32_t list_marks(const olx_probe_set *set, float diagonal, olx_diagram
   for (uint32_t i = 0; i < set->mark_count; ++i) largest = fmaxf(largest, set->marks[i].radius);
   for (uint32_t i = 0; i < set->mark_count; ++i) {
     marks[count] = small_mark(&set->marks[i], largest);
-    marks[count++].radius = 1e-3f * diagonal; // so that dots on surfaces are not hidden by them
+    marks[count++].radius = 1e-3f * diagonal; // so that they do not occlude dots on surfaces
   }
   for (uint32_t i = 0; i < set->count; ++i) {
     marks[count++] = (olx_diagram_mark){.position = set->probes[i].position,
@@ -63,7 +63,7 @@ static uint32_t list_marks(const olx_probe_set *set, float diagonal, olx_diagram
   return count;
 }
 
-// NULL: an overview.
+// Chooses the camera; NULL means an overview.
 static olx_result choose_camera(const olx_scene *scene, const place_picture *picture, olx_camera *storage,
                                 const olx_camera **camera) {
   *camera = NULL;

@@ -8,7 +8,7 @@
 
 #define WIDTH 440.0
 #define COLORS 6      // classes c0 to c5
-#define CHARACTER 6.1 // about the width of one
+#define CHARACTER 6.1 // approximate width of a character
 
 typedef struct axis {
   double low, high; // logarithms on a logarithmic axis
@@ -45,13 +45,13 @@ static double place(const axis *a, double value) {
   return a->first_pixel + (position - a->low) / (a->high - a->low) * (a->last_pixel - a->first_pixel);
 }
 
-// 1, 2 or 5 times a power of ten, so that `count` steps are about the range.
+// The tick distance, 1, 2 or 5 times a power of ten, such that about `count` steps cover the range.
 static double tick_step(double range, int count) {
   const double raw = range / count, power = pow(10.0, floor(log10(raw))), share = raw / power;
   return power * (share < 1.5 ? 1.0 : share < 3.5 ? 2.0 : share < 7.5 ? 5.0 : 10.0);
 }
 
-// Widens the axis to hold the values, then to whole ticks.
+// Extends the axis to include the values, then to whole ticks.
 static void include_values(axis *a, const double *values, uint32_t count) {
   for (uint32_t i = 0; i < count; ++i) {
     if (!drawable(values[i], a->logarithmic)) continue;
@@ -67,7 +67,7 @@ static double axis_step(const axis *a) {
 }
 
 static void round_axis(axis *a) {
-  if (!(a->low <= a->high)) a->low = a->high = 0.0; // no values at all
+  if (!(a->low <= a->high)) a->low = a->high = 0.0; // there are no values
   if (a->high - a->low < 1e-12 * fmax(1.0, fabs(a->low))) a->high = a->low + 1.0;
   const double step = axis_step(a);
   a->low = floor(a->low / step + 1e-9) * step;
@@ -76,7 +76,7 @@ static void round_axis(axis *a) {
 
 static uint32_t tick_count(const axis *a) { return (uint32_t)lround((a->high - a->low) / axis_step(a)) + 1; }
 
-// A power of ten, with the exponent's digits raised.
+// Formats a power of ten with a superscript exponent.
 static void power_label(int exponent, char text[32]) {
   static const char *const digits[10] = {"\u2070", "\u00b9", "\u00b2", "\u00b3", "\u2074",
                                          "\u2075", "\u2076", "\u2077", "\u2078", "\u2079"};
@@ -198,7 +198,7 @@ char *plot_bars(const bar_plot *plot) {
   for (uint32_t i = 0; i < plot->name_count; ++i) longest = fmax(longest, (double)strlen(plot->names[i]));
   for (uint32_t i = 0; i < plot->series_count; ++i) include_values(&x, plot->series[i].y, plot->name_count);
   const double labels = fmin(CHARACTER * longest + 14.0, 0.65 * WIDTH);
-  x.first_pixel = labels + (x.low < 0.0 ? 56.0 : 0.0); // room for the numbers of bars to the left
+  x.first_pixel = labels + (x.low < 0.0 ? 56.0 : 0.0); // space for the labels of bars to the left
   round_axis(&x);
   const double top = plot->series_count > 1 ? 26.0 : 8.0, row = 16.0 * plot->series_count + 14.0;
   const double bottom = top + row * plot->name_count;

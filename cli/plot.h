@@ -1,4 +1,4 @@
-// Plots as SVG text, coloured by the style sheet of the page that holds them (html/report.css).
+// Plots as SVG text, coloured by the style sheet of the page that contains them (html/report.css).
 #ifndef OCTALUX_CLI_PLOT_H
 #define OCTALUX_CLI_PLOT_H
 
@@ -14,21 +14,21 @@ typedef struct plot_series {
 typedef struct line_plot {
   const char *x_label, *y_label;
   bool log_x, log_y;
-  bool markers; // a dot at every value
+  bool markers; // draw a dot at every value
   const plot_series *series;
   uint32_t series_count;
 } line_plot;
 
-// Horizontal bars: one row a name, one bar a series in it.
+// Horizontal bars: one row per name, with one bar per series.
 typedef struct bar_plot {
-  const char *label; // what the bars measure
+  const char *label; // quantity that the bars show
   const char *const *names;
   uint32_t name_count;
   const plot_series *series; // y holds name_count values; x is not used
   uint32_t series_count;
 } bar_plot;
 
-// The text of an <svg>, to be freed; NULL when there is no memory.
+// The text of an <svg>, which the caller frees; NULL when memory runs out.
 char *plot_lines(const line_plot *plot);
 char *plot_bars(const bar_plot *plot);
 

@@ -1,4 +1,4 @@
-// Draws a field's probes into a picture as small spheres, which surfaces in front of them hide.
+// Draws a field's probes into an image as small spheres, which surfaces in front of them occlude.
 #include "probe_markers.h"
 
 #include <math.h>
@@ -27,7 +27,7 @@ static view view_of(const olx_camera *camera, const olx_image *image) {
   return v;
 }
 
-// Small beside the distance between probes and beside the scene.
+// Radius of markers: small relative to the distance between probes and to the scene.
 static float marker_radius(const olx_field_info *info) {
   const olx_vec3 diagonal = subtract(info->scene_max, info->scene_min);
   float radius = 0.015f * sqrtf(dot(diagonal, diagonal));

@@ -1,4 +1,4 @@
-// Runs frames of a relighter until the light of a field agrees with the lights that a scene has now.
+// Runs frames of a relighter until the light of a field matches the current lights of a scene.
 #include "relit_field.h"
 
 #include "stop.h"
@@ -21,7 +21,7 @@ olx_result relit_field_make(const olx_scene *scene, const olx_field *field, olx_
   *relit = (relit_field){.frames = 0};
   olx_relight_settings settings = olx_relight_settings_default();
   settings.occlusion = olx_scene_occlusion;
-  settings.user = (void *)(uintptr_t)scene; // which is only read
+  settings.user = (void *)(uintptr_t)scene; // the scene is only read
   settings.threads = threads;
   olx_relight_light lights[MOST_LIGHTS];
   uint32_t count;

@@ -1,4 +1,4 @@
-// Prints what a command found, as JSON or as lines for people, and shows progress on standard error while it works.
+// Prints the results of a command, as JSON or as text, and shows progress on standard error while it works.
 #include "report.h"
 
 #include "clock.h"
@@ -11,7 +11,8 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-// cJSON escapes control characters of ASCII alone; the others, which UTF-8 writes as C2 and 80 to 9F, and DEL are left.
+// Prints JSON, and escapes the control characters that cJSON leaves: DEL, and those that UTF-8 encodes as C2 and 80 to
+// 9F.
 static void put_json(const char *text) {
   for (const unsigned char *c = (const unsigned char *)text; *c; c++) {
     if (*c == 0x7F || (*c == 0xC2 && c[1] >= 0x80 && c[1] < 0xA0)) printf("\\u00%02x", *c == 0x7F ? *c : *++c);

@@ -1,4 +1,4 @@
-// The output of a command, one JSON object or lines for people, and its progress while it works.
+// The output of a command, one JSON object or lines of text, and its progress while it works.
 #ifndef OCTALUX_CLI_REPORT_H
 #define OCTALUX_CLI_REPORT_H
 
@@ -6,25 +6,26 @@
 
 #include <cjson/cJSON.h>
 
-// Print the object on one line and release it. EXIT_DONE, or EXIT_FAILED when there was no memory to build it.
+// Prints the object on one line and releases it. Returns EXIT_DONE, or EXIT_FAILED when memory ran out while it was
+// built.
 int print_json(const char *command, cJSON *object);
 
 void add_number(cJSON *object, const char *key, double value); // null when it is not finite
-void add_float(cJSON *object, const char *key, float value);   // with no more digits than a float has
+void add_float(cJSON *object, const char *key, float value);   // with only the digits of a float
 void add_text(cJSON *object, const char *key, const char *value);
 void add_vec3(cJSON *object, const char *key, olx_vec3 value);
-// A position that is relative to `origin`, in scene coordinates.
+// Adds a position relative to `origin`, converted to scene coordinates.
 void add_position(cJSON *object, const char *key, const double origin[3], olx_vec3 value);
 void add_counts(cJSON *object, const char *key, const uint32_t counts[3]);
 void add_hash(cJSON *object, const char *key, uint64_t hash);
 
-// "12.3 MiB".
+// A formatted size, such as "12.3 MiB".
 typedef struct size_text {
   char text[32];
 } size_text;
 size_text text_of_bytes(uint64_t bytes);
 
-// A line on standard error with stage, percentage and time left, for work that a signal cancels (stop.h).
+// A line on standard error with stage, percentage and remaining time, for work that a signal cancels (stop.h).
 typedef struct progress_line {
   const char *command;
   bool shown, terminal, drawn;
@@ -32,10 +33,10 @@ typedef struct progress_line {
   int last_percent;
 } progress_line;
 
-// The work begins. The line is shown when standard error is a terminal, or always with `force`.
+// Shows the line when standard error is a terminal, or always with `force`. To be called when the work begins.
 void progress_begin(progress_line *line, const char *command, bool force);
 olx_progress progress_of(progress_line *line);
-// The work has ended: wipe the line.
+// Removes the line. To be called when the work has ended.
 void progress_end(progress_line *line);
 
 #endif

@@ -1,4 +1,4 @@
-// The options of sampling a field that `render` and `audit` share.
+// The options for sampling a field that `render` and `audit` share.
 #ifndef OCTALUX_CLI_SAMPLE_OPTIONS_H
 #define OCTALUX_CLI_SAMPLE_OPTIONS_H
 
@@ -6,7 +6,7 @@
 
 #include <octalux/sample.h>
 
-// The words of the options have the order of the library's enumerations.
+// The words of the options are in the order of the library's enumerations.
 typedef struct sample_options {
   uint32_t tracer, select, visibility, hits;
   bool keep_buried;

@@ -1,4 +1,5 @@
-// Loads a scene as the command line has it: with its limits of imports, and whether models may name files outside.
+// Loads a scene by the command line's options: limits of imports, and whether models may refer to files outside their
+// folder.
 #include "scene_options.h"
 
 #include <stdlib.h>
@@ -23,7 +24,7 @@ static bool set_limit(olx_scene_limits *limits, const char *name, size_t length,
   return false;
 }
 
-// "NAME=N,NAME=N".
+// Parses limits of the form "NAME=N,NAME=N".
 static bool parse_limits(const char *text, olx_scene_limits *limits) {
   for (;;) {
     const size_t length = strcspn(text, "=");

@@ -1,4 +1,4 @@
-// The options of loading a scene, which every command that loads one takes.
+// The options for loading a scene, common to every command that loads one.
 #ifndef OCTALUX_CLI_SCENE_OPTIONS_H
 #define OCTALUX_CLI_SCENE_OPTIONS_H
 
@@ -26,7 +26,7 @@ typedef struct scene_options {
         "raise a limit of imports: triangles, texels, polygon_corners, materials, nodes", 0, 0                         \
   }
 
-// Load a scene. EXIT_DONE, or what to leave with after a line that says why.
+// Loads a scene. Returns EXIT_DONE, or the exit code after a line with the reason.
 int load_scene(const char *command, const char *name, const scene_options *options, olx_scene **scene);
 
 #endif

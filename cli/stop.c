@@ -1,5 +1,5 @@
-// One thread takes the signals that end the program, so that what it does about them is ordinary code, not a signal
-// handler's.
+// Handles the signals that end the program on a thread, so that the reaction is ordinary code rather than a signal
+// handler.
 #include "stop.h"
 
 #include "clock.h"
@@ -15,14 +15,14 @@
 #include <time.h>
 #include <unistd.h>
 
-// How long work has to end by itself. On a busy machine, where it gets little of the processors' time, it has longer;
-// but not when it uses none, since it waits for something then.
+// Time that work has to end by itself. It is extended on a busy machine, where the work gets little processor time, but
+// not when the work uses none, because then it waits for something.
 #define PATIENCE_SECONDS 0.7
 #define MOST_PATIENCE_SECONDS 5.0
-#define BUSY_SECONDS 0.35 // of processors
+#define BUSY_SECONDS 0.35 // seconds of processor time
 #define WAITING_SECONDS 0.01
 
-// The process has one set of signals, so this is the process's.
+// The state of signals, which exists once per process.
 static struct {
   const char *command;
   sigset_t signals, usual;
@@ -46,13 +46,13 @@ static void remove_folder(void) {
 _Noreturn static void leave_at_once(void) {
   char line[128];
   remove_folder();
-  // The line is written without the streams, since another thread may hold their locks.
+  // Written without stdio streams, because another thread may hold their locks.
   const int length = snprintf(line, sizeof line, "%s%.64s: interrupted\n", program_prefix(stop.command), stop.command);
   (void)!write(STDERR_FILENO, line, (size_t)length);
   _exit(128 + stop.signal);
 }
 
-// Wait as long as the work, while `working`, may go on; false when another signal came.
+// Waits as long as the work, while `working`, may continue; returns false when another signal arrives.
 static bool wait_while(bool working) {
   const struct timespec slice = {.tv_nsec = 20000000L};
   const double start = clock_seconds(CLOCK_MONOTONIC), spent = clock_seconds(CLOCK_PROCESS_CPUTIME_ID);
@@ -71,7 +71,7 @@ static void *wait_for_signal(void *user) {
   int number = 0;
   while (sigwait(&stop.signals, &number) != 0) {}
   stop.signal = number;
-  // Work that has ended by itself has as long again to leave in good order.
+  // Work that has ended by itself gets the same time again to exit.
   if (stop.working && wait_while(true)) wait_while(false);
   leave_at_once();
 }
@@ -83,12 +83,12 @@ void stop_watch(const char *command) {
   sigemptyset(&stop.signals);
   sigaddset(&stop.signals, SIGINT);
   sigaddset(&stop.signals, SIGTERM);
-  // Under nohup the end of the terminal's session is to be ignored.
+  // Under nohup, SIGHUP stays ignored.
   if (sigaction(SIGHUP, NULL, &before) == 0 && before.sa_handler != SIG_IGN) sigaddset(&stop.signals, SIGHUP);
-  // Shells let programs in the background ignore SIGINT, and an ignored signal would never be waited for.
+  // Shells ignore SIGINT for background programs, and an ignored signal would never be received.
   signal(SIGINT, SIG_DFL);
   signal(SIGTERM, SIG_DFL);
-  signal(SIGXFSZ, SIG_IGN); // a file that may not grow is an error of writing, with a message
+  signal(SIGXFSZ, SIG_IGN); // exceeding the limit of a file's size becomes a write error with a message
   pthread_sigmask(SIG_BLOCK, &stop.signals, &stop.usual);
   if (pthread_create(&thread, NULL, wait_for_signal, NULL) == 0) pthread_detach(thread);
   else pthread_sigmask(SIG_SETMASK, &stop.usual, NULL);

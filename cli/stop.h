@@ -1,30 +1,30 @@
-// Stopping on a signal: SIGINT, SIGTERM and SIGHUP end every command within a second, with exit code 128 + the signal's
+// Stops on signals: SIGINT, SIGTERM and SIGHUP end every command within a second, with exit code 128 + the signal's
 // number.
 //
-// A thread waits for them. Work that can be cancelled is, and ends in good order; what cannot, or takes too long, is
-// left at once, after tidying. A second signal leaves at once, too.
+// A thread waits for signals. Work that can be cancelled is cancelled and ends in order; work that cannot, or that
+// takes too long, is ended at once, after clean-up. A second signal ends the program at once as well.
 #ifndef OCTALUX_CLI_STOP_H
 #define OCTALUX_CLI_STOP_H
 
 #include <stdbool.h>
 
-// Begin to wait for signals, in the name of a command. Before any other thread is started.
+// Begins to wait for signals, in the name of a command. To be called before any other thread is started.
 void stop_watch(const char *command);
 
-// Give signals their usual meaning back, before another program takes over.
+// Restores the default handling of signals, before another program replaces this one.
 void stop_hand_over(void);
 
-// Between these two the work queries stop_requested often enough to end by itself.
+// Mark the beginning and the end of work that queries stop_requested often enough to end by itself.
 void stop_work_begin(void);
 void stop_work_end(void);
 
-// Whether a signal came.
+// Whether a signal was received.
 bool stop_requested(void);
 
-// The exit code: 128 + the signal's number when one came, else `code`.
+// The exit code: 128 + the signal's number when one was received, otherwise `code`.
 int stop_exit_code(int code);
 
-// A temporary folder that goes, with the files in it, when the program is left at once. NULL: none any more. The path
+// Registers a temporary folder, which is removed with its files when the program is ended at once. NULL: none. The path
 // is copied.
 void stop_remove_folder(const char *path);
 

@@ -1,4 +1,4 @@
-// Renders pictures whose surfaces and direct light come from the CPU, and whose indirect light comes from a field on a
+// Renders images whose surfaces and direct light come from the CPU, and whose indirect light comes from a field on a
 // Vulkan device.
 #include "vulkan_render.h"
 
@@ -9,14 +9,14 @@
 #include <stdio.h>
 #include <string.h>
 
-// Images of the G-buffer, in the order of olx_vulkan_targets, and what the passes write.
+// Images of the G-buffer, in the order of olx_vulkan_targets, followed by outputs of the passes.
 enum { DEPTH, NORMAL, ALBEDO, MATERIAL, GEOMETRIC_NORMAL, VERTEX_NORMAL, INPUTS, IRRADIANCE = INPUTS, GLOSSY, COLOR, IMAGES };
 
 typedef struct vulkan_job {
   gpu_device device;
   olx_vulkan_field *field;
   olx_vulkan_frame *frame;
-  olx_vulkan_classic *classic; // NULL unless its maps give the light
+  olx_vulkan_classic *classic; // NULL unless classic maps give the light
   gpu_buffer staging;
   gpu_image images[IMAGES];
   olx_gbuffer gbuffer;
@@ -141,7 +141,7 @@ static float half_float(uint16_t h) {
 typedef olx_result (*record_pass)(const olx_vulkan_frame *frame, VkCommandBuffer commands, const olx_vulkan_view *view,
                                   const olx_vulkan_settings *settings);
 
-// Run one pass; the time it takes is added to *taken.
+// Runs one pass, and adds its time to *taken.
 static bool run_pass(vulkan_job *job, record_pass record, double *taken) {
   gpu_device *d = &job->device;
   const double start = clock_seconds(CLOCK_MONOTONIC);
@@ -152,7 +152,7 @@ static bool run_pass(vulkan_job *job, record_pass record, double *taken) {
   return fine;
 }
 
-// Copy an image to the staging buffer and add `share` of it to a layer.
+// Copies an image to the staging buffer and adds `share` of it to a layer.
 static bool add_image(vulkan_job *job, uint32_t image, float share, olx_vec3 *layer) {
   if (!gpu_image_read(&job->device, &job->images[image], VK_IMAGE_LAYOUT_GENERAL, &job->staging)) return false;
   const uint16_t *from = job->staging.mapped;
@@ -169,7 +169,7 @@ static olx_result record_composite(const olx_vulkan_frame *frame, VkCommandBuffe
   return olx_vulkan_record_composite(frame, commands, view, settings, OLX_VULKAN_ADD_DIFFUSE);
 }
 
-// Add `share` of the diffuse light, which irradiance gives, to its layer.
+// Adds `share` of the diffuse light, shaded from irradiance, to its layer.
 static bool add_diffuse(vulkan_job *job, float share, const olx_image *image) {
   if (!gpu_commands_begin(&job->device)) return false;
   clear_image(job, COLOR, VK_IMAGE_LAYOUT_GENERAL);
@@ -181,7 +181,7 @@ static bool add_glossy(vulkan_job *job, float share, const olx_image *image) {
   return add_image(job, GLOSSY, share, image->layers[OLX_LAYER_INDIRECT_GLOSSY]);
 }
 
-// The baseline's light, which is the same for all samples of a picture.
+// Renders light from classic maps, which is the same for all samples of an image.
 static bool light_classically(vulkan_job *job, const olx_image *image) {
   gpu_device *d = &job->device;
   const double start = clock_seconds(CLOCK_MONOTONIC);
@@ -193,8 +193,8 @@ static bool light_classically(vulkan_job *job, const olx_image *image) {
   return fine && add_diffuse(job, 1.0f, image) && add_glossy(job, 1.0f, image);
 }
 
-// How many of a sample's rays one dispatch traces: a divisor of them. A dispatch of many is long, and llvmpipe allows
-// all loops of a thread 65535 turns together.
+// Number of a sample's rays that one dispatch traces, a divisor of their number. Long dispatches are avoided because
+// llvmpipe limits all loops of a thread to 65535 iterations in total.
 static uint32_t rays_at_once(uint32_t rays) {
   uint32_t some = 4;
   while (rays % some) some--;
@@ -203,7 +203,7 @@ static uint32_t rays_at_once(uint32_t rays) {
 
 typedef bool (*add_light)(vulkan_job *job, float share, const olx_image *image);
 
-// One lobe by rays, of settings.spp samples of so many rays each.
+// Traces one lobe: settings.spp samples with this many rays each.
 static bool trace_lobe(vulkan_job *job, uint32_t spp, uint32_t *rays, record_pass record, double *taken, add_light add,
                        const olx_image *image) {
   const uint32_t at_once = rays_at_once(*rays), dispatches = spp * (*rays / at_once);
@@ -216,7 +216,7 @@ static bool trace_lobe(vulkan_job *job, uint32_t spp, uint32_t *rays, record_pas
   return fine;
 }
 
-// One picture. Irradiance from probes is the same for all samples.
+// Renders one image. Irradiance from probes is the same for all samples.
 static bool light_picture(vulkan_job *job, const olx_render_settings *settings, const olx_image *image) {
   double *taken = &job->timing->diffuse_seconds;
   const bool fine = settings->diffuse == OLX_DIFFUSE_TRACED
@@ -231,7 +231,7 @@ static bool traces_diffuse(const vulkan_job *job) {
   return (job->settings.denoise.lobes & OLX_VULKAN_LOBE_DIFFUSE) != 0;
 }
 
-// One frame of those that are denoised; its number is in the settings.
+// Renders one frame of a denoised sequence; its index is in the settings.
 static bool light_frame(vulkan_job *job) {
   vulkan_timing *t = job->timing;
   const bool fine = (!traces_diffuse(job) || run_pass(job, olx_vulkan_record_diffuse, &t->diffuse_seconds)) &&
@@ -252,7 +252,7 @@ static bool same_camera(const olx_camera *a, const olx_camera *b) {
          memcmp(&a->up, &b->up, sizeof a->up) == 0 && a->fov_y_degrees == b->fov_y_degrees;
 }
 
-// The surfaces of a frame, in the place of those of the frame before. Only the last picture needs all samples of direct
+// Renders the surfaces of a frame, in place of the previous frame's. Only the last image needs all samples of direct
 // light.
 static olx_result render_surfaces(vulkan_job *job, const vulkan_request *r, uint32_t frame, olx_image *image,
                                   olx_render_stats *stats) {
@@ -289,7 +289,7 @@ static olx_result light_frames(vulkan_job *job, const vulkan_request *r, olx_ima
   return OLX_OK;
 }
 
-// Copy all that the relighter has changed since the field was baked.
+// Uploads everything that the relighter has changed since the field was baked.
 static bool update_field(vulkan_job *job, const olx_relight *relight) {
   gpu_device *d = &job->device;
   const double start = clock_seconds(CLOCK_MONOTONIC);

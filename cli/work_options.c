@@ -1,4 +1,4 @@
-// Decides where a bake keeps its results, and prints a line for each unit where that is wanted.
+// Decides where a bake stores its results, and prints a line for each unit on request.
 #include "work_options.h"
 
 #include <stdio.h>
@@ -7,7 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-// Rays from probes that make a bake long enough, about a minute of one processor, to be worth going on with.
+// Rays from probes, about one minute of one processor, beyond which a bake is worth resuming.
 #define LONG_BAKE_RAYS UINT64_C(50000000)
 
 static bool parse_number(const char *text, char end, uint32_t *number, const char **next) {
@@ -33,7 +33,7 @@ static void count_unit(void *user, const olx_bake_unit *unit) {
           unit->stage, unit->round, unit->unit, unit->count, unit->found ? "true" : "false", unit->seconds);
 }
 
-// Whether a folder that only its owner looks into can be made there: some file systems have none.
+// Whether a folder that only its owner can access can be created there: some file systems do not support this.
 static bool can_be_private(const char *folder) {
   struct stat status;
   if (mkdir(folder, 0700) != 0) return false;
@@ -42,7 +42,7 @@ static bool can_be_private(const char *folder) {
   return private;
 }
 
-// Bakes whose folder is there, from before, go on from it however short they are.
+// Whether a bake uses a work folder: when it is long, or when its folder already exists.
 static bool wants_folder(const olx_scene *scene, const olx_bake_settings *settings, const char *output,
                          const char *folder) {
   olx_bake_sizes sizes;

@@ -1,4 +1,4 @@
-// What `bake` may be told about keeping results while it works, and how it tells of its units.
+// The options of `bake` for storing results while it works, and its reports of units.
 #ifndef OCTALUX_CLI_WORK_OPTIONS_H
 #define OCTALUX_CLI_WORK_OPTIONS_H
 
@@ -30,15 +30,15 @@ typedef struct work_options {
         0                                                                                                               \
   }
 
-// What a bake did with its units, for its report.
+// Counts of the units of a bake, for its report.
 typedef struct work_line {
-  bool json; // a line of JSON for each unit, on standard error
+  bool json; // print a line of JSON for each unit on standard error
   uint32_t made, found;
   char folder[4096];
 } work_line;
 
-// Sets settings->work as the options say; `output` is NULL for a part. EXIT_DONE, or what to leave with after a line
-// that says why. `line` must last as long as the settings.
+// Sets settings->work from the options; `output` is NULL for a part. Returns EXIT_DONE, or the exit code after a line
+// with the reason. `line` must live as long as the settings.
 int resolve_work_options(const olx_scene *scene, const work_options *given, const char *output,
                          olx_bake_settings *settings, work_line *line);
 

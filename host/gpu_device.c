@@ -1,5 +1,5 @@
-// Opens a Vulkan device through the loader that the system has, with or without a window and validation layers, and
-// runs commands on its one queue.
+// Opens a Vulkan device through the system's loader, with or without a window and validation layers, and runs commands
+// on its single queue.
 #include "gpu_device.h"
 
 #include <dlfcn.h>
@@ -135,7 +135,8 @@ static int rank(VkPhysicalDeviceType type) {
   }
 }
 
-// The first family that does all that is wanted, and presents when there is a surface; UINT32_MAX without.
+// The first queue family with all requested capabilities, including presentation when there is a surface; UINT32_MAX
+// when there is none.
 static uint32_t find_family(const gpu_device *d, VkPhysicalDevice physical, VkQueueFlags wanted,
                             VkQueueFamilyProperties *found) {
   VkQueueFamilyProperties families[MAX_FAMILIES];
@@ -202,7 +203,7 @@ static bool choose_device(gpu_device *d, const gpu_device_options *options) {
   return true;
 }
 
-// Whether the device reports what its compiler makes of pipelines.
+// Whether the device reports statistics of compiled pipelines.
 static bool has_statistics(const gpu_device *d) {
   enum { MOST = 512 };
   const PFN_vkEnumerateDeviceExtensionProperties list =
@@ -234,10 +235,10 @@ static bool create_device(gpu_device *d, bool compile_only) {
       .pipelineExecutableInfo = VK_TRUE};
   VkPhysicalDeviceFeatures has;
   d->GetPhysicalDeviceFeatures(d->host.physical_device, &has);
-  // Mesa's CPU device blurs magnified textures with it, and takes its time.
+  // Mesa's CPU device blurs magnified textures with anisotropic filtering, and is slow at it.
   d->anisotropy = has.samplerAnisotropy && d->properties.deviceType != VK_PHYSICAL_DEVICE_TYPE_CPU;
-  // It has textures of blocks, too, and takes minutes to compile long shaders that read them: fields are decoded for
-  // it.
+  // Mesa's CPU device supports block-compressed textures, but takes minutes to compile long shaders that read them:
+  // fields are decoded for it.
   d->block_textures = has.textureCompressionBC;
   d->host.texture_compression_bc = has.textureCompressionBC && d->properties.deviceType != VK_PHYSICAL_DEVICE_TYPE_CPU;
   const VkPhysicalDeviceFeatures features = {.samplerAnisotropy = d->anisotropy,

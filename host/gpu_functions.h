@@ -1,8 +1,8 @@
-// The functions of Vulkan that programs call, for tables of their pointers.
+// The Vulkan functions that programs call, as lists for tables of pointers.
 #ifndef OCTALUX_HOST_GPU_FUNCTIONS_H
 #define OCTALUX_HOST_GPU_FUNCTIONS_H
 
-// Of the instance.
+// Functions of the instance.
 #define GPU_INSTANCE_FUNCTIONS(X)                                                                                      \
   X(CreateDevice)                                                                                                      \
   X(DestroyInstance)                                                                                                   \
@@ -16,7 +16,7 @@
   X(GetPhysicalDeviceProperties2)                                                                                      \
   X(GetPhysicalDeviceQueueFamilyProperties)
 
-// Of the instance, when there is a window.
+// Functions of the instance that a window needs.
 #define GPU_SURFACE_FUNCTIONS(X)                                                                                       \
   X(DestroySurfaceKHR)                                                                                                 \
   X(GetPhysicalDeviceSurfaceCapabilitiesKHR)                                                                           \
@@ -24,7 +24,7 @@
   X(GetPhysicalDeviceSurfacePresentModesKHR)                                                                           \
   X(GetPhysicalDeviceSurfaceSupportKHR)
 
-// Of the device.
+// Functions of the device.
 #define GPU_DEVICE_FUNCTIONS(X)                                                                                        \
   X(AllocateCommandBuffers)                                                                                            \
   X(AllocateDescriptorSets)                                                                                            \
@@ -107,7 +107,7 @@
   X(UpdateDescriptorSets)                                                                                              \
   X(WaitForFences)
 
-// Of the device, when there is a window.
+// Functions of the device that a window needs.
 #define GPU_SWAPCHAIN_FUNCTIONS(X)                                                                                     \
   X(AcquireNextImageKHR)                                                                                               \
   X(CreateSwapchainKHR)                                                                                                \

@@ -1,4 +1,4 @@
-// Makes buffers and images with memory of their own, copies data to and from them, and records barriers.
+// Creates buffers and images, each with its own memory, copies data to and from them, and records barriers.
 #include "gpu_memory.h"
 
 #include <string.h>

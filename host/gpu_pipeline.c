@@ -1,4 +1,4 @@
-// Makes descriptor sets, and graphics and compute pipelines from SPIR-V that is embedded in the program.
+// Creates descriptor sets, and graphics and compute pipelines from embedded SPIR-V.
 #include "gpu_pipeline.h"
 
 bool gpu_set_create(gpu_device *d, const char *what, const VkDescriptorType *types, uint32_t count,
@@ -71,7 +71,7 @@ bool gpu_layout_create(gpu_device *d, const char *what, const VkDescriptorSetLay
   return gpu_check(d, d->CreatePipelineLayout(d->host.device, &info, NULL, layout), what);
 }
 
-// The module is the caller's to destroy; it may be null.
+// Creates a shader stage. The caller destroys the module, which may be null.
 static bool create_stage(gpu_device *d, const char *what, gpu_code code, VkShaderStageFlagBits stage,
                          VkPipelineShaderStageCreateInfo *info) {
   *info = (VkPipelineShaderStageCreateInfo){
@@ -88,7 +88,7 @@ static void destroy_stages(gpu_device *d, const VkPipelineShaderStageCreateInfo 
   }
 }
 
-// ---- drawing
+// ---- Graphics pipelines
 
 static VkResult create_graphics(gpu_device *d, const gpu_graphics_info *info,
                                 const VkPipelineShaderStageCreateInfo stages[2], VkPipeline *pipeline) {
@@ -159,7 +159,7 @@ void gpu_viewport_record(const gpu_device *d, VkCommandBuffer commands, uint32_t
   d->CmdSetScissor(commands, 0, 1, &scissor);
 }
 
-// ---- computing
+// ---- Compute pipelines
 
 bool gpu_compute_pipeline_create(gpu_device *d, const char *what, gpu_code code, VkPipelineLayout layout,
                                  VkPipeline *pipeline) {

@@ -1,5 +1,5 @@
-// Makes the images of a frame and keeps them in the layouts that passes expect: the G-buffer, what Octalux writes, and
-// the picture that is shown.
+// Creates the images of a frame and keeps them in the layouts that passes expect: the G-buffer, Octalux's outputs, and
+// the displayed image.
 #include "frame_images.h"
 
 static const struct {

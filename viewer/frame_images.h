@@ -1,8 +1,8 @@
-// The images of a frame: the G-buffer that Octalux reads, what it writes, and the picture to show.
+// The images of a frame: the G-buffer that Octalux reads, its outputs, and the displayed image.
 //
-// Between passes depth is in VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL, normal, albedo and material are in
-// VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL (the G-buffer pass leaves them so), all others in VK_IMAGE_LAYOUT_GENERAL,
-// always.
+// Between passes, depth is in VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL; normal, albedo and material are in
+// VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL (in which the G-buffer pass leaves them); all others are always in
+// VK_IMAGE_LAYOUT_GENERAL.
 #ifndef OCTALUX_VIEWER_FRAME_IMAGES_H
 #define OCTALUX_VIEWER_FRAME_IMAGES_H
 
@@ -16,7 +16,7 @@ typedef enum frame_image {
   FRAME_COLOR,      // R16G16B16A16_SFLOAT: linear radiance
   FRAME_DEPTH,      // D32_SFLOAT, reversed
   FRAME_IRRADIANCE, // R16G16B16A16_SFLOAT, written by Octalux
-  FRAME_GLOSSY,     // the same
+  FRAME_GLOSSY,     // R16G16B16A16_SFLOAT, written by Octalux
   FRAME_DISPLAY,    // R8G8B8A8_UNORM, holding sRGB: storage, color attachment, source of copies and blits, sampled
   FRAME_IMAGES
 } frame_image;
@@ -29,7 +29,7 @@ enum {
 typedef struct frame_images {
   uint32_t width, height;
   gpu_image images[FRAME_IMAGES];
-  VkImageView moved; // the alpha of FRAME_MATERIAL, as red
+  VkImageView moved; // the alpha of FRAME_MATERIAL, swizzled to red
 } frame_images;
 
 // Creates the images and waits for the device, which sets their layouts.
@@ -38,7 +38,7 @@ void frame_images_destroy(gpu_device *device, frame_images *images);
 
 VkFormat frame_image_format(frame_image image);
 
-// What olx_vulkan_frame_create takes.
+// The targets that olx_vulkan_frame_create takes.
 olx_vulkan_targets frame_images_targets(const frame_images *images);
 
 #endif

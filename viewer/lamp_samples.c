@@ -1,5 +1,5 @@
-// Turns a scene's light into a list of lamps: emissive surfaces and the environment become points and directions drawn
-// by their power, each with views for its shadows.
+// Converts a scene's light to a list of lamps: emissive surfaces and the environment become points and directions
+// sampled by power, each with views for its shadows.
 #include "lamp_samples.h"
 
 #include <math.h>
@@ -31,13 +31,13 @@ lamp_settings lamp_settings_default(void) {
   return (lamp_settings){.map_size = 512, .sun_tiles = 4, .surface_samples = 8, .sky_samples = 12};
 }
 
-// Numbers that fill the unit square evenly (the additive sequence of the plastic number).
+// Point i of a low-discrepancy sequence in the unit square (the additive recurrence of the plastic number).
 static olx_vec2 even_pair(uint32_t i) {
   const float x = 0.5f + 0.7548776662f * (float)i, y = 0.5f + 0.5698402910f * (float)i;
   return (olx_vec2){x - floorf(x), y - floorf(y)};
 }
 
-// ---- views
+// ---- Views
 
 // A view of the half space around `forward`: rows of x and y are in units of clip space per metre (at distance 1).
 static lamp_view make_view(olx_vec3 x, olx_vec3 y, olx_vec3 forward, olx_vec3 eye, float near) {
@@ -64,7 +64,7 @@ static bool has_room(const lamp_list *list, uint32_t views) {
   return list->lamp_count < LAMP_MAX && list->view_count + views <= LAMP_MAX_VIEWS;
 }
 
-// Six views of a right angle and a bit, so that filtering at a view's edge stays within it.
+// Adds six views slightly wider than 90 degrees, so that filtering at a view's edge stays within it.
 static void add_cube(const lamp_settings *settings, olx_vec3 eye, float near, lamp_list *list) {
   for (uint32_t face = 0; face < 6; face++) {
     const float sign = face & 1u ? -1.0f : 1.0f;
@@ -93,13 +93,13 @@ static extent box_extent(const olx_scene_content *content, const olx_vec3 axes[3
   return e;
 }
 
-// Parallel views along `direction` that together cover the scene's box.
+// Adds parallel views along `direction` that together cover the scene's box.
 static void add_parallel(const olx_scene_content *content, uint32_t map_size, olx_vec3 direction, uint32_t tiles,
                          lamp_list *list) {
   const olx_vec3 right = normalize(cross(direction, any_up(direction))), down = cross(direction, right);
   const olx_vec3 axes[3] = {right, down, direction};
   const extent e = box_extent(content, axes);
-  // A texel and a half more than the box on each side, and the same between tiles, for filtering.
+  // A margin of one and a half texels around the box, and as much overlap between tiles, for filtering.
   const float width = fmaxf(e.high[0] - e.low[0], e.high[1] - e.low[1]) / (float)tiles;
   const float half_width = 0.5f * width * (1.0f + 4.0f / (float)map_size), depth = e.high[2] - e.low[2];
   const float center_x = 0.5f * (e.low[0] + e.high[0]), center_y = 0.5f * (e.low[1] + e.high[1]);
@@ -130,7 +130,7 @@ static void add_parallel(const olx_scene_content *content, uint32_t map_size, ol
   }
 }
 
-// ---- lights without area
+// ---- Lights without area
 
 static void add_light(const olx_scene_content *content, const lamp_settings *settings, const olx_light *light,
                       float near, lamp_list *list) {
@@ -164,7 +164,7 @@ static void add_light(const olx_scene_content *content, const lamp_settings *set
   }
 }
 
-// ---- emissive surfaces
+// ---- Emissive surfaces
 
 static float decoded(uint8_t byte, bool srgb) {
   const float x = (float)byte / 255.0f;
@@ -178,7 +178,7 @@ static uint32_t texel_index(float coordinate, uint32_t size) {
   return i < size ? i : size - 1;
 }
 
-// Mean radiance of a triangle: of sixteen texels when it is textured.
+// Mean radiance of a triangle, over sixteen texels when it is textured.
 static olx_vec3 mean_emission(const olx_scene_content *content, uint32_t triangle) {
   const olx_material *m = &content->materials[content->material_index[triangle]];
   if (m->emission_texture == OLX_NO_TEXTURE || !(luminance(m->emission) > 0.0f)) return m->emission;
@@ -211,7 +211,7 @@ static void add_surface(const olx_scene_content *content, const lamp_settings *s
   const olx_vec3 normal = normalize(cross(e1, e2));
   const olx_vec2 w = random.x + random.y > 1.0f ? (olx_vec2){1.0f - random.x, 1.0f - random.y} : random;
   const bool both = content->materials[content->material_index[triangle]].emits_both_sides;
-  // Before the surface, so that its own plane casts no shadow.
+  // Slightly in front of the surface, so that its own plane casts no shadow.
   const olx_vec3 position = add(add(a, add(scale(e1, w.x), scale(e2, w.y))), scale(normal, both ? 0.0f : near));
   lamp *l = &list->lamps[list->lamp_count++];
   *l = (lamp){
@@ -222,7 +222,7 @@ static void add_surface(const olx_scene_content *content, const lamp_settings *s
   add_cube(settings, position, near, list);
 }
 
-// Adds points on surfaces, drawn by power, each of which represents the same share of it.
+// Adds points on surfaces, sampled by power, so that each represents an equal share of it.
 static bool add_surfaces(const olx_scene_content *content, const lamp_settings *settings, float near, lamp_list *list) {
   float *sums = calloc((size_t)content->triangle_count + 1, sizeof *sums);
   if (!sums) return false;
@@ -245,9 +245,9 @@ static bool add_surfaces(const olx_scene_content *content, const lamp_settings *
   return true;
 }
 
-// ---- the environment
+// ---- The environment
 
-// A distant lamp that brings `irradiance` and fills `solid_angle`.
+// Adds a distant lamp of the given irradiance that fills `solid_angle`.
 static void add_distant(const olx_scene_content *content, const lamp_settings *settings, olx_vec3 towards,
                         olx_vec3 irradiance, float solid_angle, lamp_list *list) {
   if (!has_room(list, 1)) {
@@ -291,7 +291,7 @@ static olx_vec3 texel_direction(const olx_environment *e, size_t i) {
   return (olx_vec3){sinf(theta) * cosf(phi), cosf(theta), sinf(theta) * sinf(phi)};
 }
 
-// Adds texels of the sky, drawn by the irradiance that they bring, each of which represents the same share of it.
+// Adds texels of the sky, sampled by irradiance, so that each represents an equal share of it.
 static void add_image_sky(const olx_scene_content *content, const lamp_settings *settings, lamp_list *list) {
   const olx_environment *e = content->environment;
   const size_t count = (size_t)e->width * e->height;

@@ -1,9 +1,10 @@
-// A scene's light as the direct pass samples it: a list of lamps, each with the views from which its shadows are drawn.
+// A scene's light as the direct pass samples it: a list of lamps, each with the views from which its shadow maps are
+// drawn.
 //
 // Suns, points and spots are one lamp each. Light with an extent becomes several: emissive surfaces are points on them
-// with a hemisphere of shadow views each, the environment is distant lamps drawn by its radiance. Every such lamp is as
-// broad as its share of the whole, so that its highlight and its shadows' edges have a width. The light that they cast
-// is what the path tracer calls direct, approximately: shadows of wide lamps are made of overlapping steps.
+// with a hemisphere of shadow views each, the environment is distant lamps sampled by radiance. Each of these lamps is
+// as wide as its share of the whole, so that its highlight and the edges of its shadows have a width. Their light
+// approximates what the path tracer calls direct: shadows of wide lamps consist of overlapping steps.
 #ifndef OCTALUX_VIEWER_LAMP_SAMPLES_H
 #define OCTALUX_VIEWER_LAMP_SAMPLES_H
 
@@ -22,35 +23,36 @@ lamp_settings lamp_settings_default(void);
 
 typedef enum lamp_kind { LAMP_DISTANT = 0, LAMP_POINT = 1, LAMP_SPOT = 2, LAMP_SURFACE = 3 } lamp_kind;
 
-// A lamp, laid out as shaders/direct_light.comp declares it.
+// A lamp, with the layout of shaders/direct_light.comp.
 typedef struct lamp {
   float position[3];
   uint32_t kind;
-  float direction[3]; // of travel; of a surface: its normal
-  float extent;       // radius in metres of a surface, sine of the half angle of a distant lamp, else 0
+  float direction[3]; // direction of travel of the light; for surfaces the normal
+  float extent;       // radius in metres of a surface, sine of the half angle of a distant lamp, otherwise 0
   float emission
-      [3]; // irradiance facing it (distant), radiant intensity (point, spot), intensity along the normal (surface)
+      [3]; // irradiance at normal incidence (distant), radiant intensity (point, spot), intensity along the normal
+           // (surface)
   uint32_t first_view;
   float cosine_inner, cosine_outer;
   uint32_t
       tiles; // distant: tiles x tiles views, by rows; else 1. Points and surfaces have six views: +x -x +y -y +z -z
-  uint32_t both_sides; // of a surface: the other side shines as well
+  uint32_t both_sides; // for surfaces: the other side emits as well
 } lamp;
 
 typedef struct lamp_view {
   float world_to_clip[16]; // columns; depth is 1 near and 0 far
-  float texel;             // width of a texel of the map: in metres (distant), else for each metre of distance
+  float texel;             // width of a shadow map's texel: in metres (distant), otherwise per metre of distance
   float unused[3];
 } lamp_view;
 
 typedef struct lamp_list {
   uint32_t lamp_count, view_count;
-  uint32_t left_out; // lights of the scene beyond what a list can hold
+  uint32_t left_out; // number of the scene's lights that exceed a list's capacity
   lamp lamps[LAMP_MAX];
   lamp_view views[LAMP_MAX_VIEWS];
 } lamp_list;
 
-// False: out of memory.
+// Creates the list; returns false when memory runs out.
 bool lamp_list_make(const olx_scene_content *content, const lamp_settings *settings, lamp_list *list);
 
 #endif

@@ -1,4 +1,4 @@
-// Makes the matrices of a camera's view with reversed depth that reaches to infinity.
+// Computes the matrices of a camera's view with reversed infinite depth.
 #include "raster_view.h"
 
 #include <math.h>
@@ -14,7 +14,7 @@ static olx_vec3 cross(olx_vec3 a, olx_vec3 b) {
 
 static olx_vec3 normalize(olx_vec3 v) { return scale(v, 1.0f / sqrtf(dot(v, v))); }
 
-// What is farthest from the direction, so that a camera that looks along its up has a right all the same.
+// The axis farthest from the direction, so that a camera that looks along its up vector still has a right vector.
 static olx_vec3 any_up(olx_vec3 forward) {
   return fabsf(forward.y) < 0.7f ? (olx_vec3){0.0f, 1.0f, 0.0f} : (olx_vec3){0.0f, 0.0f, 1.0f};
 }

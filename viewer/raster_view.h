@@ -1,5 +1,5 @@
-// Where the eye is, as shaders and Octalux's passes need it. Depth is reversed and reaches to infinity: near / distance
-// along the viewing axis, 0 where nothing is.
+// The view of a camera, as shaders and Octalux's passes need it. Depth is reversed and infinite: near / distance along
+// the viewing axis, 0 where no surface is.
 #ifndef OCTALUX_VIEWER_RASTER_VIEW_H
 #define OCTALUX_VIEWER_RASTER_VIEW_H
 
@@ -13,10 +13,10 @@ typedef struct raster_view {
   olx_vec3 right, up, forward; // unit
 } raster_view;
 
-// False when the camera's eye, target and angle define no view.
+// Computes the view. Returns false when the camera's eye, target and angle define none.
 bool raster_view_make(const olx_camera *camera, uint32_t width, uint32_t height, float near_metres, raster_view *view);
 
-// A near plane that fits a scene: a share of the diagonal of its bounds.
+// A near plane suitable for a scene: a share of the diagonal of its bounds.
 float raster_view_near(olx_vec3 bounds_min, olx_vec3 bounds_max);
 
 #endif

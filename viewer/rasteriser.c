@@ -1,4 +1,4 @@
-// Makes and destroys, together, the scene on the device and all passes that draw it.
+// Creates and destroys the scene on the device together with all passes that draw it.
 #include "rasteriser.h"
 
 bool rasteriser_create(gpu_device *d, const olx_scene_content *content, const lamp_settings *lamps, uint32_t width,

@@ -1,7 +1,7 @@
-// A scene and all passes that draw it, together: what the viewer and the benchmark begin with.
+// A scene and all passes that draw it, for the viewer and the benchmark.
 //
-// A frame: shadow_pass_record (once, or when something moved), gbuffer_pass_record, direct_pass_record, then Octalux's
-// passes, then tone_pass_record.
+// A frame consists of shadow_pass_record (once, or when something moved), gbuffer_pass_record, direct_pass_record, then
+// Octalux's passes, then tone_pass_record.
 #ifndef OCTALUX_VIEWER_RASTERISER_H
 #define OCTALUX_VIEWER_RASTERISER_H
 
@@ -19,13 +19,13 @@ typedef struct rasteriser {
   tone_pass tone;
 } rasteriser;
 
-// It points into itself: it must not be moved or copied.
+// Creates the rasteriser. It points into itself, so that it must not be moved or copied.
 bool rasteriser_create(gpu_device *device, const olx_scene_content *content, const lamp_settings *lamps, uint32_t width,
                        uint32_t height, rasteriser *raster);
 void rasteriser_destroy(gpu_device *device, rasteriser *raster);
 
-// Other images, of another size; nothing that uses them may be pending. On failure there are none, and it may be tried
-// again.
+// Replaces the images by others of another size; no pending work may use them. On failure there are none, and the call
+// may be repeated.
 bool rasteriser_resize(gpu_device *device, rasteriser *raster, uint32_t width, uint32_t height);
 
 #endif

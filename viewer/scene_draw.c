@@ -1,4 +1,4 @@
-// Records the drawing of a scene's batches of triangles, without those that lie outside the view.
+// Records the drawing of a scene's batches of triangles, except those outside the view.
 #include "scene_draw.h"
 
 #include "gpu_pipeline.h"

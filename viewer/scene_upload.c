@@ -1,5 +1,4 @@
-// Uploads a scene's triangles, materials and textures with their mip levels to a device, in batches of one material
-// each.
+// Uploads a scene's triangles, materials and textures with mip levels to a device, in batches of one material each.
 #include "scene_upload.h"
 
 #include <stdlib.h>
@@ -11,12 +10,12 @@ typedef struct raster_vertex {
   float position[3], u, normal[3], v;
 } raster_vertex;
 
-// What few vertices have.
+// Attributes that few vertices have.
 typedef struct raster_rare {
   float color[4], tangent[4], second_uv[2], unused[2];
 } raster_rare;
 
-// Laid out as shaders/raster_shared.glsl declares it.
+// A material, with the layout of shaders/raster_shared.glsl.
 typedef struct raster_material {
   float base_color[3], alpha;
   float emission[3], alpha_cutoff;
@@ -36,7 +35,7 @@ enum {
 
 static const VkShaderStageFlags STAGES = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
 
-// ---- geometry
+// ---- Geometry
 
 static bool upload_vertices(gpu_device *d, const olx_scene_content *content, gpu_scene *scene) {
   raster_vertex *vertices = malloc((size_t)content->vertex_count * sizeof *vertices);
@@ -75,7 +74,7 @@ static bool upload_rare(gpu_device *d, const olx_scene_content *content, gpu_sce
   return fine;
 }
 
-// One batch for each material that has triangles; starts[m] becomes the first of material m.
+// Creates one batch for each material that has triangles; starts[m] becomes the first triangle of material m.
 static void make_batches(const olx_scene_content *content, uint32_t *starts, gpu_scene *scene) {
   for (uint32_t t = 0; t < content->triangle_count; t++) starts[content->material_index[t]]++;
   uint32_t first = 0;
@@ -129,7 +128,7 @@ static bool upload_indices(gpu_device *d, const olx_scene_content *content, gpu_
   return fine;
 }
 
-// ---- materials and textures
+// ---- Materials and textures
 
 static raster_material material_of(const olx_material *m, bool rare) {
   return (raster_material){
@@ -161,7 +160,7 @@ static bool upload_materials(gpu_device *d, const olx_scene_content *content, gp
 
 static uint32_t half(uint32_t size) { return size > 1 ? size / 2 : 1; }
 
-// Each level is the one before, filtered in linear light.
+// Records the mip levels, each filtered from the previous one in linear light.
 static void record_levels(const gpu_device *d, const gpu_image *image) {
   const VkImageLayout source = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, target = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
   uint32_t width = image->width, height = image->height;
@@ -220,7 +219,7 @@ static bool upload_textures(gpu_device *d, const olx_scene_content *content, gpu
   for (scene->texture_count = 0; scene->texture_count < count; scene->texture_count++) {
     const uint32_t i = scene->texture_count;
     if (!upload_texture(d, i < content->texture_count ? &content->textures[i] : &white, &scene->textures[i])) {
-      scene->texture_count++; // what there is of it is released with the others
+      scene->texture_count++; // counted first, so that a partly created texture is released with the others
       return false;
     }
   }
@@ -234,7 +233,7 @@ static bool upload_textures(gpu_device *d, const olx_scene_content *content, gpu
   return gpu_check(d, d->CreateSampler(d->host.device, &sampler, NULL, &scene->sampler), "a sampler for textures");
 }
 
-// ---- descriptors
+// ---- Descriptors
 
 static bool create_set_layout(gpu_device *d, gpu_scene *scene) {
   VkDescriptorSetLayoutBinding bindings[BUFFERS + TEXTURE_SLOTS];

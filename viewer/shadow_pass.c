@@ -14,14 +14,14 @@ static const uint32_t MASK_SHADER[] = {
 #include "occluder_mask.spv.inc"
 };
 
-static const float SLOPE_BIAS = -2.0f; // away from the lamp: depth is reversed
+static const float SLOPE_BIAS = -2.0f; // away from the lamp, because depth is reversed
 
 static const VkPipelineStageFlags TESTS =
     VK_PIPELINE_STAGE_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_LATE_FRAGMENT_TESTS_BIT;
 
 static const VkImageLayout READ = VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL;
 
-// Buffers and images must not be empty: without lamps there is one that is not looked at.
+// Buffers and images must not be empty: without lamps they have one unused element.
 static uint32_t at_least_one(uint32_t count) { return count ? count : 1; }
 
 static bool upload_lamps(gpu_device *d, const lamp_list *list, shadow_pass *pass) {

@@ -1,4 +1,4 @@
-// Records the pass that turns linear radiance into the picture that is shown.
+// Records the pass that tone-maps linear radiance to the displayed image.
 #include "tone_pass.h"
 
 static const uint32_t SHADER[] = {
@@ -9,7 +9,7 @@ enum { LIGHT, DISPLAY, BINDINGS };
 
 static const VkDescriptorType TYPES[BINDINGS] = {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE};
 
-// Laid out as shaders/tone_map.comp declares it.
+// Push constants, with the layout of shaders/tone_map.comp.
 typedef struct tone_constants {
   float exposure;
   uint32_t width, height;

@@ -1,9 +1,9 @@
-// Turns and moves the camera that the viewer flies through a scene.
+// Turns and moves the camera with which the viewer flies through a scene.
 #include "view_camera.h"
 
 #include <math.h>
 
-static const float STEEPEST = 1.55f; // just short of straight up
+static const float STEEPEST = 1.55f; // slightly less than straight up
 
 static olx_vec3 forward_of(const view_camera *c) {
   return (olx_vec3){sinf(c->yaw) * cosf(c->pitch), sinf(c->pitch), -cosf(c->yaw) * cosf(c->pitch)};

@@ -1,4 +1,4 @@
-// A camera that flies: a place, and two angles.
+// A flying camera: a position and two angles.
 #ifndef OCTALUX_VIEW_CAMERA_H
 #define OCTALUX_VIEW_CAMERA_H
 
@@ -17,9 +17,9 @@ typedef struct view_camera {
 view_camera view_camera_of(const olx_camera *camera);
 olx_camera view_camera_get(const view_camera *camera);
 
-// Turn by radians; looking straight up or down is as far as it goes.
+// Turns the camera by radians; the pitch stops just before straight up or down.
 void view_camera_turn(view_camera *camera, float yaw, float pitch);
-// Move by metres: to the right, along the world's up, and where it looks.
+// Moves the camera by metres: to the right, along the world's up, and in its viewing direction.
 void view_camera_move(view_camera *camera, float right, float up, float forward);
 
 #ifdef __cplusplus

@@ -1,4 +1,4 @@
-// Turns events and keys that are held into changes of the viewer's state: its camera, its modes, and the lights.
+// Applies events and held keys to the viewer's state: its camera, its modes, and the lights.
 #include "view_input.h"
 #include "view_lights.h"
 
@@ -27,7 +27,8 @@ void view_input_push(view_input *input, view_event event) {
 
 static uint32_t next_of(uint32_t value, uint32_t count, bool back) { return (value + (back ? count - 1 : 1)) % count; }
 
-// The next selector that the field was baked with and the device knows; the search over all probes and the best follow.
+// The next selector that the field contains and the device supports; the search over all probes and the best selector
+// follow.
 static uint32_t next_select(const view_facts *facts, uint32_t select, bool back) {
   for (;;) {
     select = next_of(select, OLX_SELECT_BEST + 1, back);
@@ -48,19 +49,19 @@ static void choose_camera(const view_facts *facts, uint32_t index, view_state *s
   *camera = view_camera_of(&facts->cameras[index]);
 }
 
-// The next map to look at, from the one that answers through all of them.
+// The next map to show, from the one of the probe that resolves the ray through those of all probes.
 static uint32_t next_probe(const view_facts *facts, uint32_t probe, bool back) {
   const uint32_t count = facts->field.probe_count;
   return next_of(probe == VIEW_ANSWERING ? count : probe, count + 1, back);
 }
 
-// The next light for the arrows; after the last one none.
+// The next light that the arrow keys move; after the last one none.
 static uint32_t next_light(const view_state *s, bool back) {
   const uint32_t count = s->lights.count, next = next_of(s->light == VIEW_NO_LIGHT ? count : s->light, count + 1, back);
   return next == count ? VIEW_NO_LIGHT : next;
 }
 
-// No ball, a matte one, one of chrome, and none again.
+// Cycles through no ball, a matte one, and a chrome one.
 static void next_ball(view_state *s, bool back) {
   const bool chrome = s->object_metallic > 0.5f;
   const uint32_t next =
@@ -126,7 +127,8 @@ static void fly(const view_input *input, float seconds, view_state *s, view_came
   if (input->held[VIEW_KEY_CONTROL]) metres *= SLOW;
   view_camera_move(camera, held_way(input, 'D', 'A') * metres, held_way(input, 'E', 'Q') * metres,
                    held_way(input, 'W', 'S') * metres);
-  // A light, or else the object, goes where the arrows point in the picture, along the floor. Suns go across the sky.
+  // The arrow keys move a light, or else the object, in their direction in the image, along the floor. Suns move across
+  // the sky.
   const float right = held_way(input, VIEW_KEY_RIGHT, VIEW_KEY_LEFT) * metres,
               away = held_way(input, VIEW_KEY_UP, VIEW_KEY_DOWN) * metres;
   if (s->light < s->lights.count) {

@@ -1,4 +1,4 @@
-// Moves and dims the lights of a scene, and carries such changes over to the rasteriser's lamps and to a relighter.
+// Moves and dims the lights of a scene, and applies such changes to the rasteriser's lamps and to a relighter.
 #include "view_lights.h"
 
 #include <math.h>

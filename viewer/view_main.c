@@ -1,4 +1,4 @@
-// Runs octalux-view: a window on a scene that a field lights. `octalux view` starts it.
+// Runs octalux-view: a window with a scene that a field lights. `octalux view` starts it.
 #include "clock.h"
 #include "options.h"
 #include "view_lights.h"
@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const float SCRIPT_SECONDS = 1.0f / 60.0f; // of a frame, so that scripts always do the same
+static const float SCRIPT_SECONDS = 1.0f / 60.0f; // time step of a frame, so that scripts are reproducible
 
 typedef struct viewer {
   view_options options;
@@ -21,7 +21,7 @@ typedef struct viewer {
   olx_camera *cameras;
   view_script *script;
   view_window window;
-  bool compiling; // the window says so
+  bool compiling; // the window's title reports it
   view_input input;
   gpu_device device;
   view_renderer renderer;
@@ -32,9 +32,9 @@ typedef struct viewer {
   view_camera camera;
   view_timings timings;
   view_pick pick;
-  uint32_t size[2]; // of the picture when there is no window
+  uint32_t size[2]; // of the image when there is no window
   uint32_t frame;
-  uint32_t screenshots; // by the key
+  uint32_t screenshots; // number taken with the key
 } viewer;
 
 static bool gpu_failure(const viewer *v) {
@@ -59,7 +59,7 @@ static bool load_cameras(viewer *v) {
   return true;
 }
 
-// Balls that leave most of the space between probes free.
+// A radius of balls that leaves most of the space between probes free.
 static float fit_ball(const olx_field_info *field, float diagonal) {
   if (!field->has_grid) return 0.012f * diagonal;
   const float spacing[3] = {field->grid.spacing.x, field->grid.spacing.y, field->grid.spacing.z};
@@ -70,7 +70,7 @@ static float fit_ball(const olx_field_info *field, float diagonal) {
   return 0.07f * least;
 }
 
-// What starts at a size that fits the scene.
+// Initializes the values that depend on the scene's size.
 static void fit_state(viewer *v) {
   const olx_scene_info info = olx_scene_describe(v->scene);
   const olx_vec3 low = info.bounds_min, high = info.bounds_max;
@@ -139,13 +139,13 @@ static bool open_device(viewer *v) {
   view_renderer_lit_size(&v->state, o->size, lit_size);
   if (!view_renderer_create(&v->device, v->scene, v->field, lit_size, &v->renderer) || !open_panel(v))
     return gpu_failure(v);
-  // A script can wait, and its pictures have to be the same each time.
+  // Scripts can wait, and their images must be reproducible.
   const bool in_step = o->offscreen || o->script;
   if (o->relight && !view_renderer_relight(&v->renderer, v->scene, v->field, in_step)) return gpu_failure(v);
   return true;
 }
 
-// Release everything, in any state of readiness. False when the validation layers had something to say.
+// Releases everything, however much was initialized. Returns false when the validation layers reported something.
 static bool close_viewer(viewer *v) {
   if (v->device.host.device) v->device.DeviceWaitIdle(v->device.host.device);
   view_panel_destroy(v->panel);
@@ -170,7 +170,8 @@ static void set_size(viewer *v, const uint32_t size[2]) {
   else memcpy(v->size, size, sizeof v->size);
 }
 
-// Events of hands and of the script. *screenshot: what to write this frame, or NULL. False when it is time to leave.
+// Handles events of the user and the script. *screenshot: the file to write this frame, or NULL. Returns false when the
+// program should end.
 static bool take_input(viewer *v, float seconds, const char **screenshot) {
   bool go_on = !v->window.glfw || view_window_poll(&v->window);
   if (v->script) {
@@ -194,7 +195,7 @@ static bool refresh_swapchain(viewer *v, const uint32_t size[2]) {
   return fits || view_swapchain_create(&v->device, size[0], size[1], !v->options.no_wait, &v->chain);
 }
 
-// The window's title says what the viewer waits for.
+// Shows in the window's title that shaders are being compiled.
 static void tell_compiling(viewer *v, const view_state *shown, bool begins) {
   static const char message[] = "compiling shaders ...";
   if (!v->window.glfw || (begins && view_renderer_is_ready(&v->renderer, shown))) return;
@@ -222,7 +223,7 @@ static bool draw(viewer *v, const uint32_t size[2], float seconds, const char *s
   tell_compiling(v, &shown, false);
   if (hidden) shown.panel = v->state.panel;
   v->state = shown;
-  // The first picture says at once how bright it is; from then on the exposure gets used to what comes.
+  // The first image sets the exposure at once; later it adapts gradually.
   if (v->state.auto_exposure)
     v->state.exposure = view_meter_follow(&v->renderer.meter, v->state.exposure, v->frame ? seconds : INFINITY);
   if (v->state.picked) v->pick = view_passes_read_pick(&v->renderer.passes);

@@ -1,4 +1,4 @@
-// Meters how bright the picture is, on the device, and makes the exposure follow as an eye does: within half a second.
+// Meters the brightness of the image on the device, and adapts the exposure within half a second, like an eye.
 #include "view_meter.h"
 
 #include <math.h>
@@ -8,12 +8,12 @@ static const uint32_t SHADER[] = {
 };
 
 enum { LIGHT, METERED, BINDINGS };
-// The mean is shown as a grey card would be.
+// The mean is exposed like a grey card.
 static const float GREY = 0.18f, SECONDS = 0.5f, LEAST = 1e-3f, MOST = 1e3f;
 
 static const VkDescriptorType TYPES[BINDINGS] = {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
 
-// Laid out as shaders/view_meter.comp declares it.
+// The result, with the layout of shaders/view_meter.comp.
 typedef struct metered {
   float log_sum, count;
 } metered;

@@ -1,4 +1,4 @@
-// How bright the picture is, and the exposure that follows from it.
+// The brightness of the image, and the exposure derived from it.
 #ifndef OCTALUX_VIEW_METER_H
 #define OCTALUX_VIEW_METER_H
 
@@ -13,13 +13,13 @@ typedef struct view_meter {
 
 bool view_meter_create(gpu_device *device, view_meter *meter);
 void view_meter_destroy(gpu_device *device, view_meter *meter);
-// Use these images from now on; nothing that uses the ones before may be pending.
+// Sets the images to use from now on; no pending work may use the previous ones.
 void view_meter_attach(gpu_device *device, view_meter *meter, const frame_images *images);
-// Waits for the picture, and is there for the host when the commands have run.
+// Records the measurement. Waits for the image; the host can read the result when the commands have run.
 void view_meter_record(const gpu_device *device, const view_meter *meter, VkCommandBuffer commands);
 
-// The exposure after `seconds` of getting used to the picture that was metered last; INFINITY: used to it at once. It
-// is as it was where the picture is black.
+// The exposure after `seconds` of adaptation to the image that was metered last; INFINITY: full adaptation. Unchanged
+// where the image is black.
 float view_meter_follow(const view_meter *meter, float exposure, float seconds);
 
 #endif

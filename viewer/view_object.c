@@ -1,4 +1,4 @@
-// Makes a ball that is not part of the scene, which casts shadows and receives indirect light from the field.
+// Creates a ball that is not part of the scene, but casts shadows and receives indirect light from the field.
 #include "view_object.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-// Reads the command line of octalux view into the state that the viewer begins with.
+// Parses the command line of octalux view into the viewer's initial state.
 #include "view_options.h"
 #include "options.h"
 #include "sample_options.h"
@@ -33,7 +33,7 @@ static view_state default_state(void) {
                       .panel = true};
 }
 
-// Numbers with commas between them, and nothing else.
+// Parses numbers separated by commas, and nothing else.
 static bool parse_numbers(const char *text, int count, float *numbers) {
   char rest;
   if (count == 2) return sscanf(text, "%f,%f%c", &numbers[0], &numbers[1], &rest) == 2;
@@ -134,7 +134,7 @@ bool view_options_read(int argc, char **argv, view_options *o, int *exit_code) {
   o->scene = line.given[0];
   s->scale = (float)scale_percent / 100.0f;
   s->emitters = emitters == 1;
-  // What is written or scripted does not depend on frames before it, unless that is asked for.
+  // Offscreen and scripted images must not depend on earlier frames, unless the options request it.
   s->auto_exposure |= s->exposure <= 0.0f && !o->offscreen && !o->script && !o->screenshot;
   if (s->exposure <= 0.0f) s->exposure = 1.0f;
   s->tracer = sample.tracer;

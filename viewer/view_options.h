@@ -11,11 +11,11 @@ typedef struct view_options {
   uint32_t size[2];
   uint32_t frames; // 0: until the window is closed
   bool offscreen, validate, panel, no_wait, relight;
-  view_state state;    // to begin with; what depends on the scene is filled later
-  float pick_pixel[2]; // when pick is given
+  view_state state;    // initial state; values that depend on the scene are set later
+  float pick_pixel[2]; // valid when pick is given
 } view_options;
 
-// True when the program should go on; else *exit_code is what to leave with.
+// Parses the command line. Returns true when the program should continue; otherwise *exit_code is the exit code.
 bool view_options_read(int argc, char **argv, view_options *options, int *exit_code);
 
 #endif

@@ -20,12 +20,12 @@ struct view_panel {
 
 namespace {
 
-// In heights of a letter, and as a share of the window.
+// Width in heights of a letter, and its bound as a share of the window.
 const float WIDTH = 19.0f, MOST_OF_WINDOW = 0.36f;
-// Pixels, where the display shows them at their size.
+// Height of letters in pixels, on displays without scaling.
 const float LETTER = 15.0f;
 
-// The backend would go on with what Vulkan did not give.
+// Reports errors of Vulkan, which the backend would otherwise ignore.
 void refuse(VkResult result) {
   if (result < 0) throw result;
 }
@@ -44,7 +44,7 @@ void set_style() {
   style.Colors[ImGuiCol_PlotLines] = ImVec4(1.0f, 0.72f, 0.35f, 1.0f);
 }
 
-// Says what the last widget is for while the mouse rests on it.
+// Shows an explanation of the last widget while the mouse is over it.
 void explain(const char *text) {
   if (!ImGui::IsItemHovered()) return;
   ImGui::BeginTooltip();
@@ -54,7 +54,7 @@ void explain(const char *text) {
   ImGui::EndTooltip();
 }
 
-// A choice among the words of a list. `allowed` has a bit for each that can be chosen.
+// A choice among the words of a list. `allowed` has a bit for each word that can be chosen.
 bool choose(const char *label, const char *words, uint32_t allowed, uint32_t *value) {
   char word[64];
   bool changed = false;
@@ -122,7 +122,7 @@ void build_research(const view_facts *facts, view_state *s) {
   explain("Rough lobes that reflect less than this share are not traced.");
 }
 
-// The position of the sun in the sky, in degrees, instead of the direction of its light.
+// Edits the position of the sun in the sky, in degrees, instead of the direction of its light.
 void build_sun(olx_light *light) {
   const float degree = 57.2957795f;
   const olx_vec3 d = light->direction;
@@ -284,7 +284,7 @@ void build_keys() {
                       "tab            this panel    escape  quit");
 }
 
-// Wide enough to read, and never so wide that the picture disappears behind it.
+// The panel's width: readable, but bounded so that it does not hide the image.
 float panel_width() { return std::min(WIDTH * ImGui::GetFontSize(), MOST_OF_WINDOW * ImGui::GetIO().DisplaySize.x); }
 
 void build_window(const view_facts *facts, const view_timings *timings, const view_pick *pick, view_state *s,
@@ -312,8 +312,8 @@ void build_window(const view_facts *facts, const view_timings *timings, const vi
   ImGui::End();
 }
 
-// Letters as large as the display wants them: of a font of the system where there is one, else the built-in one,
-// larger.
+// Loads letters at the display's scale: from a font of the system where there is one, otherwise the built-in one,
+// enlarged.
 void load_letters(GLFWwindow *window) {
   static const char *const files[] = {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
                                       "/usr/share/fonts/truetype/liberation2/LiberationSans-Regular.ttf",
@@ -366,7 +366,7 @@ view_panel *view_panel_create(const olx_vulkan_host *host, VkRenderPass render_p
     info.MSAASamples = VK_SAMPLE_COUNT_1_BIT;
     info.CheckVkResultFn = refuse;
     try {
-      panel->has_backend = true; // as soon as it has begun
+      panel->has_backend = true; // set as soon as the backend is initialized
       ImGui_ImplVulkan_Init(&info, render_pass);
       return panel;
     } catch (VkResult) {}
@@ -402,7 +402,7 @@ void view_panel_takes(const view_panel *, bool *mouse, bool *keys) {
 void view_panel_build(view_panel *panel, const uint32_t size[2], float seconds, const view_facts *facts,
                       const view_timings *timings, const view_pick *pick, view_state *s, view_camera *camera) {
   ImGuiIO &io = ImGui::GetIO();
-  // A window that fits itself to its content is there from the second layout on.
+  // A window that fits its content exists only from the second layout on.
   for (const int needed = ImGui::GetFrameCount() + (ImGui::GetFrameCount() == 0 ? 2 : 1);
        ImGui::GetFrameCount() < needed;) {
     if (panel->has_window) ImGui_ImplGlfw_NewFrame();

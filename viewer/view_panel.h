@@ -1,5 +1,4 @@
-// The panel over the picture: what the state holds, to be changed by hand, and what passes took. Dear ImGui behind a C
-// face.
+// The panel over the image: controls for the state, and the times of passes. A C interface to Dear ImGui.
 #ifndef OCTALUX_VIEW_PANEL_H
 #define OCTALUX_VIEW_PANEL_H
 
@@ -15,22 +14,23 @@ extern "C" {
 typedef struct view_panel view_panel;
 typedef struct GLFWwindow GLFWwindow;
 
-// `window` may be NULL: then there is no input. NULL when there is no memory or Vulkan refuses.
+// Creates the panel. `window` may be NULL for no input. Returns NULL when memory runs out or Vulkan fails.
 view_panel *view_panel_create(const olx_vulkan_host *host, VkRenderPass render_pass, GLFWwindow *window);
-// Nothing that draws it may be pending. NULL is allowed.
+// Destroys the panel, which no pending work may draw. NULL is allowed.
 void view_panel_destroy(view_panel *panel);
 
-// Once, before the first frame: record the upload of its letters; then, when the commands have run, drop what it took.
+// Called twice before the first frame: first records the upload of its letters; then, when the commands have run, frees
+// the staging memory.
 bool view_panel_upload(view_panel *panel, VkCommandBuffer commands);
 void view_panel_uploaded(view_panel *panel);
 
-// Whether the mouse or the keyboard is the panel's now.
+// Whether the panel currently captures the mouse or the keyboard.
 void view_panel_takes(const view_panel *panel, bool *mouse, bool *keys);
 
-// Lay out the panel of a frame; the state and the camera may change.
+// Lays out the panel of a frame; the state and the camera may change.
 void view_panel_build(view_panel *panel, const uint32_t size[2], float seconds, const view_facts *facts,
                       const view_timings *timings, const view_pick *pick, view_state *state, view_camera *camera);
-// Draw what was laid out, inside a render pass. False when Vulkan refused something.
+// Draws the layout, inside a render pass. Returns false when Vulkan failed.
 bool view_panel_record(view_panel *panel, VkCommandBuffer commands);
 
 #ifdef __cplusplus

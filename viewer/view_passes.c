@@ -1,4 +1,4 @@
-// Records the viewer's own passes over a lit frame: the picture from the field alone, the pick, overlays, balls and the
+// Records the viewer's own passes over a lit frame: the image from the field alone, the pick, overlays, balls and the
 // map.
 #include "view_passes.h"
 #include "shaders/view_shared.h"
@@ -63,7 +63,7 @@ static bool create_compute(gpu_device *d, view_passes *p, view_pipeline which, g
   return gpu_compute_pipeline_create(d, "an overlay's pipeline", code, p->layout, &p->pipelines[which]);
 }
 
-// Squares of four corners each, blended over what is there; nearer ones hide others.
+// Creates a pipeline for squares of four corners each, blended over the image; nearer ones occlude others.
 static bool create_squares(gpu_device *d, view_passes *p, view_pipeline which, gpu_code vertex, gpu_code fragment) {
   const gpu_graphics_info info = {.what = "an overlay's pipeline",
                                   .layout = p->layout,
@@ -226,7 +226,7 @@ void view_passes_record_balls(const gpu_device *d, const view_passes *p, VkComma
 
 void view_passes_record_map(const gpu_device *d, const view_passes *p, VkCommandBuffer commands,
                             const view_frame *frame) {
-  static const float share = 0.55f, margin = 12.0f; // of the window's shorter side; pixels
+  static const float share = 0.55f, margin = 12.0f; // share of the window's shorter side; margin in pixels
   view_gpu_push push = make_push(frame, frame->view->world_to_clip);
   const float side = floorf(share * fminf((float)frame->width, (float)frame->height));
   push.width = frame->width;

@@ -1,5 +1,5 @@
-// Runs a relighter beside the viewer's pictures, on a thread of its own or in step with them, and copies what it
-// changed to the device.
+// Runs a relighter beside the viewer's images, on a separate thread or in step with them, and uploads its changes to
+// the device.
 #include "view_relight.h"
 #include "view_lights.h"
 
@@ -17,15 +17,15 @@ struct view_relight {
   bool lights_changed;
   olx_relight_stats stats; // of the last frame
   olx_result result;
-  char message[256]; // of a frame that failed: messages stay with their thread
+  char message[256]; // message of a failed frame, because messages are local to their thread
   olx_vec3 eye;
-  // The thread; what is above is its own while `running`, what is below is not.
+  // The thread. Members above belong to it while `running`; members below do not.
   pthread_t thread;
   bool has_thread;
   pthread_mutex_t lock;
   pthread_cond_t wake;
-  bool running, leave; // under the lock
-  view_lights wanted;  // by the pictures
+  bool running, leave; // protected by the lock
+  view_lights wanted;  // set by the images' thread
   bool lights_wanted;
 };
 
@@ -70,7 +70,7 @@ static void set_running(view_relight *r) {
 static olx_result make(const olx_scene *scene, const olx_field *field, olx_vulkan_field *uploaded, view_relight *r) {
   olx_relight_settings settings = olx_relight_settings_default();
   settings.occlusion = olx_scene_occlusion;
-  settings.user = (void *)(uintptr_t)scene; // which is only read
+  settings.user = (void *)(uintptr_t)scene; // the scene is only read
   const olx_vulkan_update_settings copies = olx_vulkan_update_settings_default();
   olx_result result = olx_scene_relight_lights(scene, r->scene_lights, MOST_LIGHTS, &r->light_count);
   if (result == OLX_OK) result = olx_relight_create(field, &settings, &r->relight);
@@ -113,7 +113,7 @@ void view_relight_destroy(view_relight *r) {
   free(r);
 }
 
-// What only the thread of the pictures touches; a frame of the relighter takes it over when it begins.
+// Sets the lights. Only the images' thread uses this copy; a frame of the relighter takes it over when it begins.
 void view_relight_lights(view_relight *r, const view_lights *lights) {
   r->wanted = *lights;
   r->lights_wanted = true;

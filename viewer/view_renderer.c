@@ -1,5 +1,5 @@
 // Renders a frame of the viewer: surfaces and direct light, indirect light from the field, overlays, and the panel, as
-// far as the state wants them.
+// the state requests.
 #include "view_renderer.h"
 #include "view_object.h"
 
@@ -12,7 +12,7 @@ static bool upload_field(view_renderer *r, const olx_field *field) {
   return gpu_check_library(r->device, olx_vulkan_field_create(&r->device->host, field, &r->field));
 }
 
-// Of Octalux's, those that a state wants; each is made when it is first wanted.
+// The passes of Octalux that a state needs; each is created on first use.
 static uint32_t wanted_passes(const view_state *s) {
   uint32_t passes = OLX_VULKAN_PASS_COMPOSITE;
   if (s->mode == VIEW_PROBES) return passes;
@@ -20,7 +20,7 @@ static uint32_t wanted_passes(const view_state *s) {
   return passes | (s->glossy ? OLX_VULKAN_PASS_GLOSSY : 0u);
 }
 
-// The images or the passes have changed: attach them to those passes that are not the rasteriser's.
+// Attaches new images or passes to those passes that are not the rasteriser's.
 static bool attach(view_renderer *r, const view_state *s) {
   olx_vulkan_targets targets = frame_images_targets(&r->raster.images);
   targets.denoise = OLX_VULKAN_LOBE_DIFFUSE | OLX_VULKAN_LOBE_GLOSSY;
@@ -80,7 +80,7 @@ void view_renderer_lit_size(const view_state *state, const uint32_t size[2], uin
   for (int i = 0; i < 2; i++) lit_size[i] = (uint32_t)fmaxf(1.0f, roundf((float)size[i] * state->scale));
 }
 
-// Whether the frame has the pipelines that a state wants.
+// Whether the frame has the pipelines that a state needs.
 static bool has_pipelines(const view_renderer *r, const view_state *s) {
   return r->lit && !(wanted_passes(s) & ~r->lit_passes) && r->lit_tracers >> s->tracer & 1u &&
          r->lit_selects >> s->select & 1u && r->lit_hits >> s->hits & 1u;
@@ -102,7 +102,7 @@ static bool resize(view_renderer *r, const view_state *state, const uint32_t siz
   return view_screen_resize(r->device, size[0], size[1], &r->screen);
 }
 
-// The object is made when it is first wanted, and anew when it looks different.
+// Creates the object on first use, and recreates it when its appearance changes.
 static bool make_object(view_renderer *r, const view_state *s) {
   if (!s->object) return true;
   const bool same = r->object_roughness == s->object_roughness && r->object_metallic == s->object_metallic;
@@ -142,7 +142,7 @@ static uint32_t denoised_lobes(const view_state *s) {
   return diffuse | (s->glossy ? OLX_VULKAN_LOBE_GLOSSY : 0u);
 }
 
-// Lamps that have moved since the last picture.
+// Moves the lamps that have changed since the last image.
 static bool move_lights(view_renderer *r, const view_state *s) {
   r->light_moves = !view_lights_same(&r->lights, &s->lights);
   if (!r->light_moves) return true;
@@ -162,14 +162,14 @@ static bool record_relight(view_renderer *r, olx_vec3 eye, VkCommandBuffer comma
   return true;
 }
 
-// Whether the light of the frames before is that of this one.
+// Whether the history of earlier frames is valid for the light of this frame.
 static bool history_holds(const view_state *a, const view_state *b) {
   return a->mode == b->mode && denoised_lobes(a) == denoised_lobes(b) && a->select == b->select && a->hits == b->hits &&
          a->visibility == b->visibility && a->keep_buried == b->keep_buried && a->emitters == b->emitters &&
          a->dim_lobe == b->dim_lobe && a->denoise == b->denoise;
 }
 
-// Gathered frames add up for as long as nothing moves.
+// Whether anything has moved; gathered frames accumulate until then.
 static bool has_moved(const view_renderer *r, const view_state *s, const olx_vulkan_view *view) {
   const view_state *before = &r->history_of;
   return !same_view(&r->previous, view) || s->object != before->object ||
@@ -177,7 +177,7 @@ static bool has_moved(const view_renderer *r, const view_state *s, const olx_vul
          s->object_roughness != before->object_roughness || s->object_metallic != before->object_metallic;
 }
 
-// While light moves, memory is as short as the paper's of glossy light.
+// Shortens the history while light moves, to the paper's length for glossy light.
 static void shorten_memory(olx_lobe_filter *filter) {
   static const float most = 0.75f;
   filter->history = fminf(filter->history, most);
@@ -244,7 +244,7 @@ static bool record_light(view_renderer *r, const view_state *s, VkCommandBuffer 
   return gpu_check_library(r->device, result);
 }
 
-// The picture that is lit, in linear light.
+// Records the lit image, in linear light.
 static bool record_picture(view_renderer *r, const view_state *s, VkCommandBuffer commands, const view_frame *frame) {
   gpu_device *d = r->device;
   const draw_item items[] = {draw_item_in_place(&r->raster.scene), view_object_place(&r->object, s)};
@@ -266,7 +266,7 @@ static bool record_picture(view_renderer *r, const view_state *s, VkCommandBuffe
   return record_light(r, s, commands, frame->view);
 }
 
-// What people see: tone-mapped, painted over, at the window's size.
+// Records the displayed image: tone-mapped, with overlays, at the window's size.
 static bool record_screen(view_renderer *r, const view_state *s, VkCommandBuffer commands, const view_frame *frame,
                           view_panel *panel) {
   gpu_device *d = r->device;

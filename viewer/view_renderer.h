@@ -1,4 +1,4 @@
-// A frame of the viewer: surfaces and direct light, Octalux's passes, the viewer's own, the window.
+// Renders a frame of the viewer: surfaces and direct light, Octalux's passes, the viewer's own, the window.
 #ifndef OCTALUX_VIEW_RENDERER_H
 #define OCTALUX_VIEW_RENDERER_H
 
@@ -17,9 +17,9 @@ typedef struct view_renderer {
   gpu_device *device;
   olx_field_info field_info;
   olx_vulkan_field *field;
-  olx_vulkan_frame *lit;                       // the host's side of Octalux's passes; NULL before the first picture
-  uint32_t lit_passes;                         // OLX_VULKAN_PASS_*: those that it has
-  uint32_t lit_tracers, lit_selects, lit_hits; // that were chosen so far, as olx_vulkan_targets has them
+  olx_vulkan_frame *lit;                       // the host's side of Octalux's passes; NULL before the first image
+  uint32_t lit_passes;                         // OLX_VULKAN_PASS_* of `lit`
+  uint32_t lit_tracers, lit_selects, lit_hits; // all that were chosen so far, as in olx_vulkan_targets
   rasteriser raster;
   gpu_scene object;
   view_screen screen;
@@ -27,47 +27,47 @@ typedef struct view_renderer {
   view_meter meter;
   gpu_timer timer;
   float near_metres;
-  uint32_t frame; // so far
-  // The lights that the lamps and the relighter have.
+  uint32_t frame; // number of frames so far
+  // The current lights of the lamps and the relighter.
   olx_scene_content content;
   view_lights lights;
   lamp_list *lamps;
-  view_relight *relight; // NULL: indirect light stays as it was baked
-  bool light_moves;      // in this picture
-  // What the denoiser's history knows.
-  uint32_t history; // frames
+  view_relight *relight; // NULL: indirect light stays as baked
+  bool light_moves;      // in this image
+  // The state that the denoiser's history is valid for.
+  uint32_t history; // length in frames
   view_state history_of;
   olx_vulkan_view previous;
-  // What the shadow maps and the object were made for.
+  // The state for which the shadow maps and the object were created.
   bool shadowed, shadow_of_object;
   olx_vec3 object_position;
   float object_radius, object_roughness, object_metallic;
 } view_renderer;
 
-// Upload scene and field, make pipelines and images of the size that is lit. False with a message in device->problem;
-// destroy it in either case. It must stay where it is, and what the scene lies in as long.
+// Uploads scene and field, and creates pipelines and images of the lit size. Returns false with a message in
+// device->problem; must be destroyed in either case. It must not be moved, and the scene's memory must outlive it.
 bool view_renderer_create(gpu_device *device, const olx_scene *scene, const olx_field *field,
                           const uint32_t lit_size[2], view_renderer *renderer);
-// Let indirect light follow the lights, as view_relight_create does. `field` is the one that the renderer was made
-// with.
+// Starts relighting, like view_relight_create. `field` is the one that the renderer was created with.
 bool view_renderer_relight(view_renderer *renderer, const olx_scene *scene, const olx_field *field, bool in_step);
 void view_renderer_destroy(view_renderer *renderer);
 
-// How many pixels are lit for a picture of a size.
+// Number of pixels that are lit for an image of a size.
 void view_renderer_lit_size(const view_state *state, const uint32_t size[2], uint32_t lit_size[2]);
 
-// Where a frame goes.
+// The destination of a frame.
 typedef struct view_output {
   uint32_t size[2];       // pixels, each above 0
-  view_panel *panel;      // NULL: none is drawn
+  view_panel *panel;      // NULL: no panel
   view_swapchain *chain;  // NULL: no window
   const char *screenshot; // NULL: none
 } view_output;
 
-// Whether all shaders of a state are compiled; else view_renderer_draw compiles them first, which may take seconds.
+// Whether all shaders of a state are compiled; otherwise view_renderer_draw compiles them first, which may take
+// seconds.
 bool view_renderer_is_ready(const view_renderer *renderer, const view_state *state);
 
-// Draw, show and save a frame, and wait until it is done.
+// Draws, shows and saves a frame, and waits until it is done.
 bool view_renderer_draw(view_renderer *renderer, const view_state *state, const view_camera *camera,
                         const view_output *output, view_timings *timings);
 

@@ -1,4 +1,4 @@
-// Brings the lit picture to the window's size, with what is drawn over it, and saves it as PNG.
+// Scales the lit image to the window's size, with everything that is drawn over it, and saves it as PNG.
 #include "view_screen.h"
 
 #include <octalux/render.h>

@@ -1,4 +1,4 @@
-// Plays scripts that take the place of hands: reads them line by line, and pushes the events of each frame.
+// Plays scripts in place of a user: parses them line by line, and pushes the events of each frame.
 #include "view_script.h"
 
 #include <stdio.h>
@@ -34,7 +34,7 @@ struct view_script {
   script_line *lines;
   size_t count, next;
   uint32_t wait;
-  int held; // key to let go when the wait is over
+  int held; // key to release when the wait ends
 };
 
 static const char *const word_names[WORDS] = {"press",  "hold",       "look",  "pick", "wheel", "frames",
@@ -98,7 +98,7 @@ static bool parse_words(char **words, int count, script_line *line) {
   return false;
 }
 
-// The words of a line; a comment has none.
+// Splits a line into words; a comment has none.
 static int split(char *text, char **words, int most) {
   int count = 0;
   text[strcspn(text, "#\r\n")] = 0;
@@ -189,7 +189,7 @@ bool view_script_step(view_script *script, const uint32_t size[2], view_input *i
   while (script->wait == 0) {
     if (script->held) push(input, VIEW_EVENT_RELEASE, script->held, 0, 0);
     script->held = 0;
-    // One frame has one size and gives one picture.
+    // One frame has one size and yields one image.
     if (wishes->resize || wishes->screenshot || wishes->quit) return true;
     if (script->next == script->count) return false;
     play(script, &script->lines[script->next++], size, input, wishes);

@@ -15,19 +15,19 @@
 
 typedef struct view_script view_script;
 
-// What a script asks of the program itself.
+// Requests of a script to the program.
 typedef struct view_script_wishes {
   bool resize, quit;
   uint32_t size[2];
-  const char *screenshot; // NULL: none; lives as long as the script
+  const char *screenshot; // NULL: none; owned by the script
 } view_script_wishes;
 
-// Read a whole script. NULL, with one line on standard error that names file and line, when it cannot be read or has a
-// line that means nothing. The caller's to free.
+// Reads a whole script. Returns NULL, with one line on standard error that names file and line, when it cannot be read
+// or has an invalid line. The caller frees it.
 view_script *view_script_open(const char *path);
 void view_script_free(view_script *script); // NULL is allowed
 
-// Push what happens before the next frame of a picture of width x height pixels. False once the script is over.
+// Pushes the events before the next frame of an image of width x height pixels. Returns false once the script is over.
 bool view_script_step(view_script *script, const uint32_t size[2], view_input *input, view_script_wishes *wishes);
 
 #endif

@@ -1,9 +1,9 @@
-// Keeps the window's swapchain, which becomes stale when the window changes, and shows finished pictures on it.
+// Maintains the window's swapchain, which becomes stale when the window changes, and presents images.
 #include "view_swapchain.h"
 
 static uint32_t between(uint32_t x, uint32_t least, uint32_t most) { return x < least ? least : x > most ? most : x; }
 
-// Pictures are encoded already, so the format must not encode them again.
+// Images are already sRGB-encoded, so that the format must not encode them again.
 static bool choose_format(gpu_device *d, VkSurfaceFormatKHR *chosen) {
   VkSurfaceFormatKHR formats[64];
   uint32_t count = 64;
@@ -21,7 +21,7 @@ static bool choose_format(gpu_device *d, VkSurfaceFormatKHR *chosen) {
   return gpu_fail(d, "the window takes no picture of 8-bit RGBA");
 }
 
-// What waits for the display is always there; what does not may tear.
+// The mode that waits for the display is always available; those that do not wait may tear.
 static VkPresentModeKHR choose_mode(gpu_device *d, bool wait_for_display) {
   VkPresentModeKHR modes[16], chosen = VK_PRESENT_MODE_FIFO_KHR;
   uint32_t count = 16;

@@ -1,4 +1,4 @@
-// The window's images: a finished picture is copied into one and shown.
+// The window's images: a finished image is copied into one and presented.
 #ifndef OCTALUX_VIEW_SWAPCHAIN_H
 #define OCTALUX_VIEW_SWAPCHAIN_H
 
@@ -13,22 +13,23 @@ typedef struct view_swapchain {
   uint32_t image_count;
   VkImage images[VIEW_SWAPCHAIN_IMAGES];
   VkFence acquired;
-  bool stale; // the window has changed: make it anew
+  bool stale; // the window has changed: recreate the swapchain
 } view_swapchain;
 
-// Make it for the surface as it is now, or anew. Where the window has no pixels it is empty, which is no failure.
+// Creates or recreates the swapchain for the current surface. Where the window has no pixels it is empty, which is no
+// failure.
 bool view_swapchain_create(gpu_device *device, uint32_t width, uint32_t height, bool wait_for_display,
                            view_swapchain *chain);
 void view_swapchain_destroy(gpu_device *device, view_swapchain *chain);
 
-// Wait for an image to draw into. True with *index UINT32_MAX: there is none now, as the swapchain is stale.
+// Waits for an image. Returns true with *index UINT32_MAX when there is none because the swapchain is stale.
 bool view_swapchain_acquire(gpu_device *device, view_swapchain *chain, uint32_t *index);
 
-// Record: scale the picture, which lies in VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, into that image; then it can be shown.
+// Records scaling the source, in VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, into that image, which can then be presented.
 void view_swapchain_record(const gpu_device *device, const view_swapchain *chain, uint32_t index,
                            VkCommandBuffer commands, const gpu_image *picture);
 
-// Once the commands have run. An image that was acquired must be shown, however late.
+// Presents an image, once the commands have run. An acquired image must be presented, however late.
 bool view_swapchain_show(gpu_device *device, view_swapchain *chain, uint32_t index);
 
 #endif

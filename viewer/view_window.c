@@ -1,4 +1,4 @@
-// Opens a window, turns what happens to it into the viewer's events, and lets Vulkan draw on it.
+// Opens a window, converts its events to the viewer's, and provides a surface for Vulkan.
 #include "view_window.h"
 
 #define GLFW_INCLUDE_NONE

@@ -1,5 +1,5 @@
-// Compares frames of relighting, in which a light moves and a few probes a frame follow, with a fresh bake of the
-// changed scene.
+// Compares frames of relighting, in which a light moves and a few probes per frame are updated, with a fresh bake of
+// the changed scene.
 #include "clock.h"
 #include "experiment_list.h"
 
@@ -16,7 +16,7 @@ enum { FRAMES = 30, MOST_LIGHTS = 64, MOST_FILE = 1 << 20 };
 
 static const double arrived = 0.05;
 
-// What changes of a description: its first light, added where the description is a built-in scene's.
+// The change to a description: its first light, added where the description is a built-in scene's.
 typedef struct relit_case {
   const char *scene, *camera, *what;
   const char *light, *moved; // JSON of the first light
@@ -102,10 +102,10 @@ typedef struct relit_run {
   uint32_t count;
 } relit_run;
 
-// The work of all frames.
+// The total work of all frames.
 typedef struct relit_total {
   double seconds, most_seconds, texels, most_texels, rays;
-  uint32_t frames, last_apart; // the last frame that was not within 5 %
+  uint32_t frames, last_apart; // number of frames; the last one whose error was above 5 %
   double before_rms, bakes_rms, mean_off, rms;
 } relit_total;
 
@@ -127,7 +127,7 @@ static cJSON *read_description(const relit_run *r) {
   return object;
 }
 
-// The scene of the case with its first light replaced, or as it is where `light` is NULL.
+// Loads the scene of the case with its first light replaced, or unchanged where `light` is NULL.
 static olx_result load_with(const relit_run *r, const char *light, olx_scene **scene) {
   char path[4096];
   cJSON *object = read_description(r), *lights = cJSON_GetObjectItem(object, "lights");
@@ -165,7 +165,7 @@ static olx_result bake(relit_run *r, const olx_scene *scene, bool relight, uint3
   r->bake_seconds = clock_seconds(CLOCK_PROCESS_CPUTIME_ID) - start;
   r->bake_rays = stats.rays;
   if (result == OLX_OK) result = olx_field_open(path, field);
-  unlink(path); // the mapping stays
+  unlink(path); // the file stays mapped
   return result;
 }
 
@@ -191,7 +191,7 @@ static seen_point point_of_pixel(const olx_gbuffer *g, uint32_t x, uint32_t y) {
   return p;
 }
 
-// Places that the camera sees, and their irradiance by the fresh bake.
+// Finds points that the camera sees, and their irradiance in the fresh bake.
 static olx_result find_points(relit_run *r) {
   olx_render_settings settings = olx_render_settings_default(OLX_METHOD_FIELD);
   settings.width = r->b->options->quick ? 48 : 96;

@@ -1,4 +1,4 @@
-// Repeats Figures 5.1 to 5.5 of the dissertation: two rooms, and a wall between them that is whole or open at one end.
+// Repeats Figures 5.1 to 5.5 of the dissertation: two rooms separated by a wall that is complete or open at one end.
 #include "experiment_list.h"
 
 #include <math.h>
@@ -25,7 +25,7 @@ static const bench_plot plots[] = {
 typedef struct rooms {
   bench *b;
   olx_scene *scene;
-  olx_camera cameras[2]; // lit and dark
+  olx_camera cameras[2]; // of the lit and of the dark room
   bench_images *reference;
   bench_table *table;
   double width; // of the opening
@@ -82,7 +82,7 @@ static olx_result run_rooms(rooms *r) {
   const olx_render_settings settings = bench_path_settings(r->b);
   const bench_probes probes = {.grid = {4, 2, 2}, .texels = 128};
   bench_bake bake = bench_bake_settings(r->b, true);
-  bake.bounces = 2 * bench_bounces(r->b); // light that reaches the far room has been reflected often
+  bake.bounces = 2 * bench_bounces(r->b); // light reaches the far room only after many reflections
   char opening[32];
   if (r->width > 0.0) snprintf(opening, sizeof opening, "%.1f m", r->width);
   else snprintf(opening, sizeof opening, "none");

@@ -1,4 +1,4 @@
-// Repeats Table 6.1 of the dissertation: the memory and the time that light field probes and the baseline take.
+// Repeats Table 6.1 of the dissertation: the memory and the time of light field probes and of the baseline.
 #include "experiment_list.h"
 
 #include <math.h>

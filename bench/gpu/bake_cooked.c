@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// A mask of the selectors named in `text`; 0 for one that is unknown.
+// Parses a mask of the selectors named in `text`; 0 when one is unknown.
 static uint32_t parse_selectors(const char *text) {
   uint32_t mask = 0;
   while (*text) {

@@ -11,18 +11,18 @@
 
 enum { MOST_STATISTICS = 32, MOST_NAMES = 12, SIDE = 8 };
 
-// Pipelines that one call of the library makes, in this order.
+// The pipelines that one call of the library creates, in this order.
 typedef struct compile_step {
   const char *names[MOST_NAMES];
   uint32_t count;
 } compile_step;
 
-// Vulkan's functions take no pointer of the caller's, so there is one of these.
+// Global, because Vulkan's functions take no pointer of the caller's.
 static struct {
   gpu_device *device;
   const compile_step *step;
   uint32_t made;
-  const char *suffix; // of the names: tracer and selector
+  const char *suffix; // appended to names: tracer and selector
   bool json;
   uint32_t printed;
   PFN_vkGetDeviceProcAddr get;
@@ -36,7 +36,7 @@ static double processor_seconds(void) {
   return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-// ---- Printing
+// ---- Output
 
 static void print_value(const VkPipelineExecutableStatisticKHR *s) {
   switch (s->format) {
@@ -75,7 +75,7 @@ static void report(VkPipeline pipeline, double seconds) {
   job.made++;
 }
 
-// ---- A device that makes pipelines and nothing else
+// ---- A device that only creates pipelines
 
 static VKAPI_ATTR VkResult VKAPI_CALL create_pipelines(VkDevice device, VkPipelineCache cache, uint32_t count,
                                                        const VkComputePipelineCreateInfo *infos,
@@ -91,8 +91,7 @@ static VKAPI_ATTR VkResult VKAPI_CALL create_pipelines(VkDevice device, VkPipeli
   return VK_SUCCESS;
 }
 
-// Memory is all that exists of what the library fills and reads: a handle of memory is its address, a handle of a
-// buffer its size.
+// The library only fills and reads memory: a memory handle is its address, a buffer handle its size.
 static VKAPI_ATTR VkResult VKAPI_CALL create_buffer(VkDevice device, const VkBufferCreateInfo *info,
                                                     const VkAllocationCallbacks *allocator, VkBuffer *buffer) {
   (void)device, (void)allocator;
@@ -144,7 +143,7 @@ static VKAPI_ATTR VkResult VKAPI_CALL allocate_sets(VkDevice device, const VkDes
   return VK_SUCCESS;
 }
 
-// Makes anything else of which the library sees no more than a handle.
+// Creates any other object, of which the library uses only the handle.
 static VKAPI_ATTR VkResult VKAPI_CALL create_other(VkDevice device, const void *info,
                                                    const VkAllocationCallbacks *allocator, void **handle) {
   (void)device, (void)info, (void)allocator;
@@ -152,12 +151,12 @@ static VKAPI_ATTR VkResult VKAPI_CALL create_other(VkDevice device, const void *
   return VK_SUCCESS;
 }
 
-// Stands for all functions that only act on what was made: their arguments do not matter, and they succeed.
+// Replaces all functions that only use created objects: it ignores its arguments and succeeds.
 static VKAPI_ATTR VkResult VKAPI_CALL do_nothing(void) { return VK_SUCCESS; }
 
 static bool begins_with(const char *name, const char *word) { return strncmp(name, word, strlen(word)) == 0; }
 
-// Passes on those of the driver's functions alone that make and destroy layouts and pipelines.
+// Forwards only the driver's functions that create and destroy layouts and pipelines.
 static VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL get_device_function(VkDevice device, const char *name) {
   static const char *const real[] = {"vkCreateDescriptorSetLayout",
                                      "vkDestroyDescriptorSetLayout",
@@ -187,7 +186,7 @@ static VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL get_device_function(VkDevice dev
   return begins_with(name, "vkCreate") ? (PFN_vkVoidFunction)create_other : (PFN_vkVoidFunction)do_nothing;
 }
 
-// One kind of memory that does for everything: devices that do not exist have none.
+// A single memory type for everything, because devices that do not exist have none.
 static VKAPI_ATTR void VKAPI_CALL memory_properties(VkPhysicalDevice device, VkPhysicalDeviceMemoryProperties *memory) {
   (void)device;
   *memory = (VkPhysicalDeviceMemoryProperties){
@@ -200,7 +199,7 @@ static VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL get_function(VkInstance instance
   return job.device->host.get_instance_proc_addr(instance, name);
 }
 
-// ---- What is compiled
+// ---- Compilation
 
 static bool begin_step(const compile_step *step, const char *suffix) {
   job.step = step;
@@ -209,7 +208,7 @@ static bool begin_step(const compile_step *step, const char *suffix) {
   return true;
 }
 
-// Ends a step, and checks that the library made the pipelines that it should.
+// Ends a step, and checks that the library created the expected pipelines.
 static bool end_step(olx_result result) {
   if (!gpu_check_library(job.device, result)) return false;
   if (job.made == job.step->count) return true;
@@ -217,7 +216,7 @@ static bool end_step(olx_result result) {
                   job.step->count);
 }
 
-// Makes targets of images that are never read.
+// Creates targets of images that are never read.
 static olx_vulkan_targets make_targets(void) {
   const VkImageView view = (VkImageView)(uintptr_t)1;
   const olx_vulkan_image input = {view, VK_FORMAT_R16G16B16A16_SFLOAT, VK_IMAGE_LAYOUT_GENERAL};
@@ -233,7 +232,8 @@ static olx_vulkan_targets make_targets(void) {
                               .denoise = OLX_VULKAN_LOBE_DIFFUSE | OLX_VULKAN_LOBE_GLOSSY};
 }
 
-// The passes of a frame, first as most games record them, then with other light of hits, tracers and selectors.
+// Compiles the passes of a frame, first as most games record them, then with other tracers, selectors and light at
+// hits.
 static bool compile_frame(olx_vulkan_field *field, bool has_probe_light, olx_vulkan_targets targets) {
   static const compile_step plain = {{"irradiance", "composite", "accumulate", "filter"}, 4};
   static const compile_step glossy = {{"glossy", "dim"}, 2}, diffuse = {{"diffuse"}, 1}, again = {{"glossy"}, 1};
@@ -246,7 +246,7 @@ static bool compile_frame(olx_vulkan_field *field, bool has_probe_light, olx_vul
                    {OLX_SELECT_BRICKS, ", bricks"},
                    {OLX_SELECT_VORONOI, ", voronoi"},
                    {OLX_SELECT_EXHAUSTIVE, ", exhaustive"}};
-  const olx_select best = olx_vulkan_field_select(field, OLX_SELECT_BEST); // compiled already
+  const olx_select best = olx_vulkan_field_select(field, OLX_SELECT_BEST); // already compiled
   olx_vulkan_frame *frame = NULL;
   targets.passes = OLX_VULKAN_PASS_IRRADIANCE | OLX_VULKAN_PASS_COMPOSITE;
   bool fine = begin_step(&plain, "") && end_step(olx_vulkan_frame_create(field, &targets, &frame));
@@ -268,7 +268,7 @@ static bool compile_frame(olx_vulkan_field *field, bool has_probe_light, olx_vul
   targets.tracers = 1u << OLX_TRACER_HIZ;
   for (uint32_t i = 0; fine && i < sizeof selectors / sizeof selectors[0]; i++) {
     const olx_select select = selectors[i].select;
-    if (select == best || olx_vulkan_field_select(field, select) != select) continue; // compiled, or not in the field
+    if (select == best || olx_vulkan_field_select(field, select) != select) continue; // already compiled, or absent
     targets.selects = 1u << select;
     fine = begin_step(&again, selectors[i].name) && end_step(olx_vulkan_frame_resize(frame, &targets));
   }

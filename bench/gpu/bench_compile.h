@@ -1,4 +1,4 @@
-// octalux-bench-gpu --compile: what a device's compiler makes of each of Octalux's pipelines.
+// octalux-bench-gpu --compile: statistics of a device's compiler for each of Octalux's pipelines.
 #ifndef OCTALUX_BENCH_COMPILE_H
 #define OCTALUX_BENCH_COMPILE_H
 

@@ -1,5 +1,5 @@
-// Measures the milliseconds of each pass on a Vulkan device (octalux-bench-gpu), beside the paper's. It needs a Vulkan
-// loader and nothing else.
+// octalux-bench-gpu: measures each pass on a Vulkan device in milliseconds, beside the paper's times. It needs only a
+// Vulkan loader.
 #include "bench_compile.h"
 #include "bench_report.h"
 
@@ -93,7 +93,7 @@ static bench_settings settings_of(const arguments *a) {
 }
 
 // Prints the rows. Files named by --scene and --field must exist, at least one of --data's rows must, and none may
-// fail. Rows that are skipped are reported.
+// fail. Skipped rows are reported.
 static int report_results(const arguments *a, const bench_report *report) {
   uint32_t done = 0, failed = 0;
   for (uint32_t i = 0; i < report->count; i++) {

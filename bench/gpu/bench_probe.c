@@ -1,5 +1,5 @@
-// Runs what the benchmark's passes are held against: a pass that counts what they read, a pass that does the least that
-// they could, and plain copies.
+// Runs the passes and copies that the benchmark compares with: a pass that counts reads, a pass with the least possible
+// work, and plain copies.
 #include "bench_probe.h"
 
 #include <string.h>
@@ -13,7 +13,7 @@ static const uint32_t FLOOR_SHADER[] = {
 
 enum { DEPTH, NORMAL, ALBEDO, MATERIAL, INPUTS, RESULT = INPUTS, BINDINGS };
 
-// Laid out as shaders/bench_surface.glsl declares it.
+// Push constants, with the layout of shaders/bench_surface.glsl.
 typedef struct probe_constants {
   float clip_to_world[16];
   float eye[3];
@@ -21,7 +21,7 @@ typedef struct probe_constants {
   uint32_t tracer, select, kind;
 } probe_constants;
 
-// Laid out as shaders/bench_counts.comp declares it.
+// Counts per pixel, with the layout of shaders/bench_counts.comp.
 typedef struct pixel_counts {
   uint32_t filtered, fetched, steps, probes;
   uint32_t surface, ray, unknown, texels;

@@ -1,4 +1,4 @@
-// Prints what the benchmark measured, as lines for people beside the paper's figures or as one JSON object.
+// Prints the results of the benchmark, as text beside the paper's times or as one JSON object.
 #include "bench_report.h"
 
 #include <math.h>
@@ -8,7 +8,7 @@ static const char PAPER[] = "McGuire et al. 2017, Table 1: GeForce GTX 1080, 192
 
 static double over(double a, double b) { return b > 0.0 ? a / b : 0.0; }
 
-// Milliseconds that a pass would take if it only streamed its images at the bandwidth.
+// Milliseconds in which a pass could stream its images at the bandwidth.
 static double stream_floor(const bench_report *r, bench_part part) {
   const double bytes = (double)r->settings->width * r->settings->height * bench_part_bytes(part);
   return over(1e-6 * bytes, r->settings->gigabytes);
@@ -20,7 +20,7 @@ static bool unlike_paper(const bench_row *row, const bench_result *result) {
   return row->probes && (row->probes != result->probes || row->radiance_size != result->radiance_size);
 }
 
-// ---- for people
+// ---- Text
 
 static void print_pass(const bench_report *r, const bench_result *result, bench_part part, double paper) {
   const double ms = result->milliseconds[part], stream = stream_floor(r, part);
@@ -97,12 +97,12 @@ void bench_report_text(const bench_report *r) {
 
 // ---- JSON
 
-// What is written; between members and elements there are commas.
+// A JSON line under construction, with commas between members and elements.
 typedef struct json_line {
-  bool more; // of what is open, something has been written
+  bool more; // the open object or array is not empty
 } json_line;
 
-// key: NULL for an element of an array, or the whole.
+// Writes a key; NULL for an element of an array, or for the root.
 static void json_key(json_line *j, const char *key) {
   if (j->more) putchar(',');
   if (key) printf("\"%s\":", key);

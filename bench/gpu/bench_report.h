@@ -1,4 +1,4 @@
-// The output of the benchmark: lines for people, or one JSON object.
+// The output of the benchmark: text, or one JSON object.
 #ifndef OCTALUX_BENCH_REPORT_H
 #define OCTALUX_BENCH_REPORT_H
 
@@ -7,7 +7,7 @@
 typedef struct bench_report {
   const gpu_device *device;
   const bench_settings *settings;
-  double copy_gigabytes; // a second, measured
+  double copy_gigabytes; // per second, measured
   bool stated;           // settings->gigabytes comes from the command line
   uint32_t count;
   const bench_row **rows;

@@ -22,8 +22,8 @@ const bench_row *bench_row_at(uint32_t index) { return index < sizeof ROWS / siz
 
 static const struct {
   const char *name;
-  // Bytes a pixel: depth 4, normal 8, albedo 4, material 4, vertex normal 8, color 8, irradiance 8, glossy 8, display
-  // 4; in the denoiser's three passes also of the guide 16, light of a lobe 8, its rows 8.
+  // Bytes per pixel: depth 4, normal 8, albedo 4, material 4, vertex normal 8, color 8, irradiance 8, glossy 8, display
+  // 4; the denoiser's three passes also have the guide 16, light of a lobe 8, and its rows 8.
   uint32_t bytes;
 } PARTS[BENCH_PARTS] = {
     [BENCH_SHADOW] = {"shadow", 0},
@@ -46,7 +46,7 @@ const char *bench_part_name(bench_part part) { return PARTS[part].name; }
 
 uint32_t bench_part_bytes(bench_part part) { return PARTS[part].bytes; }
 
-// Everything that a row needs; it points into itself.
+// The state of measuring a row; it points into itself.
 typedef struct bench_job {
   gpu_device *device;
   const bench_settings *settings;
@@ -60,7 +60,7 @@ typedef struct bench_job {
   gpu_timer timer;
   raster_view view;
   olx_vulkan_settings lit;
-  double *times; // a part and frame
+  double *times; // per part and frame
 } bench_job;
 
 static bool fail_job(bench_job *job, const char *message) {
@@ -114,13 +114,13 @@ static bool find_view(bench_job *job) {
   return fail_job(job, message);
 }
 
-// The two ways that are compared.
+// The two methods that are compared.
 static const struct {
   olx_tracer tracer;
   olx_select select;
 } PAIR[BENCH_PAIR] = {{OLX_TRACER_TWO_LEVEL, OLX_SELECT_CAGE}, {OLX_TRACER_HIZ, OLX_SELECT_BRICKS}};
 
-// The tracers, selectors and light of hits that will be recorded.
+// Sets the tracers, selectors and light at hits that will be recorded.
 static void name_ways(const bench_settings *s, olx_vulkan_targets *targets) {
   targets->tracers = 1u << s->sample.tracer;
   targets->selects = 1u << s->sample.select;
@@ -157,9 +157,9 @@ static bool prepare(bench_job *job) {
   return true;
 }
 
-// ---- frames
+// ---- Frames
 
-// Each part ends with a barrier, so that its time is its own.
+// Ends a part with a barrier, so that its time is separate.
 static void end_part(const bench_job *job, bench_part part, gpu_timer *timer) {
   const gpu_device *d = job->device;
   const VkAccessFlags both = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT;
@@ -203,7 +203,7 @@ static bool record_light(bench_job *job) {
   return true;
 }
 
-// The number of the next denoised frame of those lobes; each way begins anew.
+// Advances the index of the next denoised frame of those lobes; each method starts at 0.
 static void number_frame(bench_job *job, uint32_t lobes) {
   olx_vulkan_denoise *denoise = &job->lit.denoise;
   denoise->frame = denoise->lobes == lobes ? denoise->frame + 1 : 0;
@@ -233,7 +233,7 @@ static double median(double *values, uint32_t count) {
   return 0.5 * (values[(count - 1) / 2] + values[count / 2]);
 }
 
-// A frame of the paper's denoised way, on the G-buffer of the last frame.
+// Runs a frame of the paper's denoised method, on the G-buffer of the last frame.
 static bool run_denoised_frame(bench_job *job, double milliseconds[GPU_TIMER_MARKS]) {
   const gpu_device *d = job->device;
   const char *names[GPU_TIMER_MARKS];
@@ -253,7 +253,7 @@ static bool run_denoised_frame(bench_job *job, double milliseconds[GPU_TIMER_MAR
 
 typedef bool run_frame_function(bench_job *job, double milliseconds[GPU_TIMER_MARKS]);
 
-// Clocks rise under load: frames are thrown away until half a second has passed, and two at the least.
+// Runs frames that are not counted, because clocks rise under load: for half a second, and at least two.
 static bool warm_up(bench_job *job, run_frame_function *run) {
   double milliseconds[GPU_TIMER_MARKS];
   const double start = clock_seconds(CLOCK_MONOTONIC);
@@ -264,7 +264,7 @@ static bool warm_up(bench_job *job, run_frame_function *run) {
   return true;
 }
 
-// Frames whose parts are `first` and those that follow.
+// Runs frames whose parts begin with `first`.
 static bool run_frames(bench_job *job, run_frame_function *run, uint32_t first, uint32_t parts) {
   const uint32_t frames = job->settings->frames;
   double milliseconds[GPU_TIMER_MARKS];
@@ -275,7 +275,7 @@ static bool run_frames(bench_job *job, run_frame_function *run, uint32_t first, 
   }
   for (uint32_t p = 0; p < parts; p++) {
     job->result->milliseconds[first + p] = median(job->times + (size_t)p * frames, frames);
-    job->result->least[first + p] = job->times[(size_t)p * frames]; // the median has sorted them
+    job->result->least[first + p] = job->times[(size_t)p * frames]; // sorted by the median
   }
   return true;
 }
@@ -290,7 +290,7 @@ static bool run_all_frames(bench_job *job) {
          run_frames(job, run_denoised_frame, BENCH_FRAME_PARTS, BENCH_PARTS - BENCH_FRAME_PARTS);
 }
 
-// ---- the comparison
+// ---- The comparison
 
 static bool run_glossy(bench_job *job, uint32_t index, double *milliseconds) {
   const gpu_device *d = job->device;
@@ -307,7 +307,7 @@ static bool run_glossy(bench_job *job, uint32_t index, double *milliseconds) {
   return true;
 }
 
-// Runs frames of the two ways in turns, on the G-buffer of the last frame.
+// Runs frames of the two methods in turns, on the G-buffer of the last frame.
 static bool run_pair(bench_job *job) {
   job->lit.denoise.lobes = 0;
   const uint32_t frames = job->settings->frames;
@@ -317,7 +317,7 @@ static bool run_pair(bench_job *job) {
       job->lit.sample.select = PAIR[k].select;
       double milliseconds = 0;
       if (!run_glossy(job, f, &milliseconds)) return false;
-      if (f > 0) job->times[k * frames + f - 1] = milliseconds; // the first warms up
+      if (f > 0) job->times[k * frames + f - 1] = milliseconds; // the first frame is a warm-up
     }
   }
   for (uint32_t k = 0; k < BENCH_PAIR; k++) {
@@ -329,7 +329,7 @@ static bool run_pair(bench_job *job) {
   return true;
 }
 
-// The picture is drawn once, for its surfaces.
+// Compares the methods on surfaces that are drawn once.
 static bool compare_ways(bench_job *job) {
   double milliseconds[GPU_TIMER_MARKS];
   return run_frame(job, milliseconds) && run_pair(job);

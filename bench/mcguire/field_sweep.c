@@ -82,7 +82,7 @@ static olx_result run_scene(sweep *s, olx_layer layer) {
     const sweep_step *step = &s->wanted->steps[i];
     snprintf(names[i], sizeof names[i], "%ux%ux%u, %u\u00b2", step->grid[0], step->grid[1], step->grid[2],
              step->texels);
-    // The finest comes first, beside the reference.
+    // The finest comes first, next to the reference.
     shown[count - 1 - i] = (bench_shown){.way = names[i], .images = &images[i]};
     result = run_step(s, step, names[i], &images[i]);
   }

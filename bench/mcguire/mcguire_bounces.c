@@ -1,4 +1,4 @@
-// Measures how much light further bounces bring, with either way to gather them.
+// Measures how much light further bounces add, by both methods of gathering them.
 #include "experiment_list.h"
 
 #include <stdio.h>
@@ -24,7 +24,7 @@ static const bench_plot plots[] = {
 static const olx_bounce_gather ways[] = {OLX_GATHER_IRRADIANCE, OLX_GATHER_TRACED};
 static const char *const gather_names[] = {[OLX_GATHER_IRRADIANCE] = "irradiance maps", [OLX_GATHER_TRACED] = "rays"};
 
-// A field whose maps hold `bounces` - 1 of them, so that the picture holds `bounces`.
+// Measures an image with `bounces`, from a field whose maps hold one less.
 static olx_result measure(bench *b, const olx_scene *scene, const olx_camera *camera, uint32_t bounces,
                           olx_bounce_gather gather, bench_images *reference, bench_images *images, bench_table *table) {
   const uint32_t side = b->options->quick ? 2 : 4;

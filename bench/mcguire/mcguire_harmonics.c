@@ -62,12 +62,12 @@ typedef struct study {
   bench_table *table;
 } study;
 
-// The irradiance below 0 that probes hold, before anything is interpolated or cut off.
+// The negative irradiance of probes, before interpolation and clamping.
 typedef struct ringing {
   double negative, undershoot;
 } ringing;
 
-// Directions spread evenly, along a spiral.
+// Directions spread evenly along a spiral.
 static olx_vec3 spread_direction(uint32_t i) {
   const double y = 1.0 - (2.0 * i + 1.0) / DIRECTIONS, around = 2.399963229728653 * i, r = sqrt(1.0 - y * y);
   return (olx_vec3){(float)(r * cos(around)), (float)y, (float)(r * sin(around))};
@@ -117,7 +117,7 @@ static olx_result add_row(const study *s, olx_irradiance_form form, const bench_
 static olx_result run_way(const study *s, olx_irradiance_form form, uint32_t size, const char *name,
                           bench_images *images) {
   const uint32_t *grid = s->wanted->grid;
-  const bench_probes probes = {.grid = {grid[0], grid[1], grid[2]}, .texels = 8}; // light field maps are not asked
+  const bench_probes probes = {.grid = {grid[0], grid[1], grid[2]}, .texels = 8}; // light field maps are not read
   bench_bake bake = bench_bake_settings(s->b, false);
   bake.irradiance_size = size;
   bake.form = form;

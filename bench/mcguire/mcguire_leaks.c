@@ -37,7 +37,7 @@ static const bench_plot plots[] = {
     {.caption = "Error of the indirect light", .y = "relative_mse"},
 };
 
-// The ways of a figure, the one that is to be replaced last.
+// Lists the methods of a figure, with the one to be replaced last.
 static uint32_t list_ways(const bench *b, const figure *f, const olx_field *field, bench_way ways[MOST_WAYS]) {
   uint32_t count = 0;
   olx_render_settings settings = bench_field_settings(b);

@@ -65,7 +65,7 @@ static olx_result add_way(hall *h, const char *grid, const struct way *way, cons
   wanted.settings.diffuse_samples = GATHERED;
   olx_result result = bench_pictures(h->b, h->scene, &h->camera, 1, &wanted, images);
   if (result == OLX_OK) result = add_layer(h, grid, way, images, BENCH_DIFFUSE);
-  // Gathering differs in diffuse light alone.
+  // Gathering differs only in diffuse light.
   if (result == OLX_OK && way->diffuse == OLX_DIFFUSE_IRRADIANCE)
     result = add_layer(h, grid, way, images, BENCH_GLOSSY);
   return result;
@@ -87,7 +87,7 @@ static olx_result add_rays(hall *h, const char *grid, const bench_field *made) {
   return OLX_OK;
 }
 
-// In the middles of as many cells along each side of the scene's bounds.
+// A grid at the centres of as many cells along each side of the scene's bounds.
 static olx_grid grid_in(const olx_scene *scene, uint32_t side) {
   const olx_scene_info info = olx_scene_describe(scene);
   const float n = (float)side;

@@ -1,4 +1,4 @@
-// Measures how long a bake takes against Embree casting the same rays from the probes and nothing else.
+// Measures the time of a bake relative to Embree casting only the same rays from the probes.
 #include "bake_options.h"
 #include "bench_measure.h"
 #include "options.h"
@@ -63,7 +63,7 @@ static int bake_to(speed_bench *bench, const command_line *options, const olx_sc
   return report_speed(bench, settings, &stats);
 }
 
-// How long a bake takes against Embree casting the same rays from the probes and nothing else.
+// Measures the time of a bake relative to Embree casting only the same rays from the probes.
 static int run_speed(speed_bench *bench, const command_line *options) {
   olx_scene *scene = NULL;
   int code = load_scene(NAME, bench->scene_name, &bench->loading, &scene);

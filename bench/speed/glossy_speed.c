@@ -19,11 +19,11 @@ typedef struct way {
   const char *name;
   olx_field *field;
   olx_sample_settings sample;
-  double ns[MOST_ROUNDS]; // a ray
+  double ns[MOST_ROUNDS]; // per ray
   olx_render_stats stats; // of one round
 } way;
 
-// "file.olx:hiz:bricks"; cuts the text into its parts.
+// Parses "file.olx:hiz:bricks", and splits the text in place.
 static bool open_way(char *text, way *w) {
   static const char *const tracers[] = {"texel", "two-level", "hiz"};
   char *selector = strrchr(text, ':');
@@ -106,7 +106,7 @@ int study_glossy_speed(int argc, char **argv) {
   olx_scene *scene;
   if (olx_scene_load(argv[1], &scene) != OLX_OK) return library_failure(NAME);
   const uint32_t cameras = olx_scene_describe(scene).cameras;
-  for (long round = -1; round < rounds && fine; round++) { // the first is not counted: files come into memory
+  for (long round = -1; round < rounds && fine; round++) { // the first round loads files into memory and is not counted
     for (uint32_t i = 0; i < count; i++) ways[i].stats = (olx_render_stats){0};
     for (uint32_t c = 0; c < cameras && fine; c++) {
       const olx_camera camera = olx_scene_camera(scene, c);

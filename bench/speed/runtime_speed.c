@@ -14,14 +14,14 @@
 
 static const char NAME[] = BENCH_PROGRAM " runtime-speed";
 
-// Of this thread alone, so that other work on the machine counts as little as it can.
+// Time of this thread alone, to reduce the influence of other work on the machine.
 static double seconds(void) {
   struct timespec now;
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-// A number in [0, 1) for each i and salt (splitmix64).
+// A pseudorandom number in [0, 1) for each i and salt (splitmix64).
 static float unit(uint64_t i, uint64_t salt) {
   uint64_t x = (i * 16 + salt) * 0x9E3779B97F4A7C15u;
   x = (x ^ x >> 30) * 0xBF58476D1CE4E5B9u;
@@ -33,7 +33,7 @@ typedef struct query {
   olx_vec3 position, direction;
 } query;
 
-// Points in the middle nine tenths of the scene, directions all around.
+// A query at a point in the middle nine tenths of the scene, in any direction.
 static query query_at(const olx_field_info *info, uint64_t i) {
   const olx_vec3 low = info->scene_min, high = info->scene_max;
   const float z = 1.0f - 2.0f * unit(i, 3), r = sqrtf(fmaxf(0.0f, 1.0f - z * z)), phi = 6.2831853f * unit(i, 4);
@@ -49,7 +49,8 @@ typedef struct ray {
   olx_vec3 origin, direction;
 } ray;
 
-// A unit vector drawn from the cosine around n, or anywhere where n is zero: the sum of n and a point on the sphere.
+// A unit vector, cosine-distributed around n, or uniform where n is zero: the normalized sum of n and a point on the
+// sphere.
 static olx_vec3 around(olx_vec3 n, uint64_t i) {
   const olx_vec3 s = query_at(&(olx_field_info){0}, i).direction;
   const olx_vec3 d = {n.x + s.x, n.y + s.y, n.z + s.z};
@@ -57,7 +58,7 @@ static olx_vec3 around(olx_vec3 n, uint64_t i) {
   return length > 1e-3f ? (olx_vec3){d.x / length, d.y / length, d.z / length} : s;
 }
 
-// Rays that leave surfaces which probes see, cosine-distributed: what gathering and glossy light ask for.
+// Generates cosine-distributed rays from surfaces that probes see, like those of gathering and of glossy light.
 static uint32_t surface_rays(const olx_field *field, const olx_field_info *info, ray *rays, uint32_t count) {
   const olx_sample_settings settings = olx_sample_settings_default();
   uint32_t made = 0;
@@ -74,8 +75,7 @@ static uint32_t surface_rays(const olx_field *field, const olx_field_info *info,
   return made;
 }
 
-// Mirrored rays in the order of an image: from the first free probe of the middle as the eye, all around it, row by
-// row.
+// Generates mirror rays in image order: the eye is the first free probe of the middle, looking all around, row by row.
 static uint32_t mirrored_rays(const olx_field *field, const olx_field_info *info, ray *rays, uint32_t count) {
   const olx_sample_settings settings = olx_sample_settings_default();
   uint32_t probe = info->probe_count / 2;
@@ -127,7 +127,7 @@ static void trace_batch(const olx_field *field, tracer_row *row, const ray *rays
   row->seconds += seconds() - start;
 }
 
-// Tracers take turns on batches of rays, so that what else the machine does slows all of them alike.
+// Tracers take turns on batches of rays, so that other work on the machine affects all alike.
 static void measure_rays(const olx_field *field, const char *kind, const ray *rays, uint32_t count) {
   tracer_row rows[] = {{.tracer = OLX_TRACER_TEXEL, .name = "every texel"},
                        {.tracer = OLX_TRACER_TWO_LEVEL, .name = "two-level"},
@@ -168,11 +168,11 @@ static void measure_irradiance(const olx_field *field, const olx_field_info *inf
     sum += olx_irradiance(field, &settings, q.position, q.direction, q.direction).y;
   }
   const double nanoseconds = 1e9 * (seconds() - start) / count;
-  // Using the sum keeps the calls from being optimised away.
+  // Using the sum prevents the calls from being optimized away.
   printf("| irradiance, %s | %.0f | | | %s | |\n", name, nanoseconds, isfinite(sum) ? "" : "not finite");
 }
 
-// Places on surfaces that probes see, and the normals there.
+// Finds points on surfaces that probes see, and their normals.
 static uint32_t surface_points(const olx_field *field, const olx_field_info *info, ray *points, uint32_t count) {
   const olx_sample_settings settings = olx_sample_settings_default();
   uint32_t made = 0;
@@ -196,7 +196,7 @@ static olx_vec3 from_surfaces(const olx_field *field, const olx_sample_settings 
   return olx_surface_irradiance(field, settings, p->origin, p->direction, p->direction, p->direction);
 }
 
-// Both ways to diffuse light take turns on batches of the same points.
+// Measures both methods for diffuse light in turns on batches of the same points.
 static void measure_diffuse(const olx_field *field, const ray *points, uint32_t count) {
   static const struct {
     irradiance_call call;

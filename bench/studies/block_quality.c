@@ -24,17 +24,17 @@ static const char NAME[] = BENCH_PROGRAM " block-quality";
 
 enum { TEXELS = OLX_BLOCK_TEXELS };
 
-// Errors are relative to a texel's light, or this share of the brightest in its block where that is more.
+// Errors are relative to a texel's light, or to this share of the brightest light in its block where that is greater.
 static const float LEAST_BRIGHTNESS = 0.01f;
 
-// The blocks of one probe: what goes in, and what comes out.
+// The blocks of one probe: input and decoded output.
 typedef struct probe_blocks {
   uint32_t count;
   olx_block_place *places;
   uint32_t *seen; // a bit for each texel that is not sky
   olx_geometry_texel *surfaces;
   olx_vec3 *direct, *indirect;
-  float *brightness; // of all light, a texel
+  float *brightness; // of all light, per texel
   uint32_t *base;    // base colour and roughness
   uint8_t *roughness, *reflectance;
   olx_geometry_code *codes;
@@ -42,7 +42,7 @@ typedef struct probe_blocks {
   olx_vec3 *decoded;
 } probe_blocks;
 
-// Sorted for shares of all.
+// Values that are sorted to compute quantiles.
 typedef struct samples {
   float *values;
   size_t count, capacity;
@@ -54,7 +54,7 @@ typedef struct light_report {
   double encode_seconds, decode_seconds;
 } light_report;
 
-// Bytes of a material after a way of coding them.
+// The cost and the errors of a method of coding materials.
 typedef struct material_report {
   double error, square; // of base colour
   samples color, bytes; // relative errors of base colours; errors of roughness or reflectance, of 255
@@ -312,7 +312,7 @@ static void print_geometry(report *r) {
   print_quantiles("degrees between normals", &r->angle);
 }
 
-// Distances and normals of a probe become those of the planes in its codes; which texels are marked or sky stays.
+// Replaces a probe's distances and normals by those of the decoded planes; marks and sky are unchanged.
 static void replace_geometry(olx_field *field, uint32_t probe, const probe_blocks *b) {
   const size_t first = field->texels * probe;
   uint16_t *distance = (uint16_t *)(uintptr_t)field->distance + first,
@@ -354,7 +354,7 @@ static void print_rays(const char *when, const olx_scene *scene, const olx_field
          100.0 * audit.rays.wrong, audit.rays.distance_error_median, audit.rays.distance_error_p99);
 }
 
-// A file in memory that may be written.
+// Reads a file into writable memory.
 static void *read_file(const char *path, size_t *bytes) {
   FILE *file = fopen(path, "rb");
   if (!file || fseek(file, 0, SEEK_END) != 0) exit(failure(NAME, "cannot read %s", path));

@@ -1,11 +1,11 @@
 // Finds where the error of a field's glossy layer comes from: glossy-oracle SCENE FIELD.olx [PIXELS]. For pixels of the
-// scene's first cameras, whose glossy light is averaged over rays, it compares ways to answer a ray with light of one
-// bounce:
-//   field      what the field answers;
-//   exact, ... a probe that truly sees what the ray meets, by its texel: the nearest, the one that looks from the most similar
-//              direction, or the one whose texel is smallest there;
-//   shaded     the surface in the texel of the finest such probe, shaded for the ray: what hits in the right place would give;
-//   light, ... light computed anew where the ray meets a surface, as seen from such a probe: a perfect texel.
+// scene's first cameras, whose glossy light is averaged over rays, it compares methods of computing the light of a ray
+// with one bounce:
+//   field      the field itself;
+//   exact, ... the texel of a probe that truly sees the ray's hit: the nearest probe, the one that sees it from the most
+//              similar direction, or the one whose texel is smallest there;
+//   shaded     the surface in the texel of the finest such probe, shaded for the ray: the result of exact hits;
+//   light, ... light computed at the ray's hit, as seen from such a probe: a perfect texel.
 // Errors are products of two independent halves, so noise adds nothing to them on average.
 #include "core/bsdf.h"
 #include "light/direct_light.h"
@@ -57,7 +57,8 @@ static olx_vec3 shaded_light(const olx_field *field, uint32_t probe, olx_vec3 po
   return olx_add(light.reflected, light.lobe);
 }
 
-// The probes that truly see the surface: nearest, in the most similar direction, finest. False when none does.
+// Chooses among the probes that truly see the surface: nearest, most similar direction, finest. Returns false when none
+// sees it.
 static bool choose(const oracle *o, const olx_surface *surface, olx_vec3 towards_eye, uint32_t chosen[3]) {
   float least[3] = {INFINITY, INFINITY, INFINITY};
   for (uint32_t p = 0; p < o->field->info.probe_count; p++) {
@@ -74,7 +75,7 @@ static bool choose(const oracle *o, const olx_surface *surface, olx_vec3 towards
   return least[0] < INFINITY;
 }
 
-// What each way answers one ray that leaves `origin`.
+// Computes the result of each method for one ray that leaves `origin`.
 static void answer(oracle *o, olx_vec3 origin, olx_vec3 direction, const olx_ray *cast, olx_sampler *sampler,
                    olx_vec3 light[WAYS]) {
   const olx_trace_hit found = olx_trace(o->field, &o->settings, origin, direction, INFINITY);
@@ -102,7 +103,7 @@ static void answer(oracle *o, olx_vec3 origin, olx_vec3 direction, const olx_ray
   }
 }
 
-// Glossy light of one pixel by every way; `half` draws other rays.
+// Computes the glossy light of one pixel by every method; `half` selects independent rays.
 static bool shade_pixel(oracle *o, const olx_camera_frame *frame, uint32_t pixel, uint32_t half, olx_vec3 sum[WAYS]) {
   const olx_vec3 eye_direction =
       olx_camera_direction(frame, ((float)(pixel % WIDTH) + 0.5f) / WIDTH, ((float)(pixel / WIDTH) + 0.5f) / HEIGHT);

@@ -2,10 +2,10 @@
 //
 //   placement-check [--ball METRES] SCENE RAYS PROBES.json...
 //
-// A ball of that radius, else of 1/800 of the scene's diagonal, is moved over a lattice in the box of playable space (without one, the
-// scene's bounds), from the cameras, or from what a camera outside the box sees of its inside, wherever it touches no surface: by
-// exact distances to triangles, no voxels. Steps are at most its diameter, so it cannot jump over anything. Printed as one
-// JSON object a file of probes, each on a line:
+// A ball of that radius, by default 1/800 of the scene's diagonal, is moved over a lattice in the box of playable space
+// (without one, the scene's bounds) wherever it touches no surface, by exact distances to triangles. It starts at the
+// cameras, or at what a camera outside the box sees of its inside. Steps are at most its diameter, so that it cannot
+// jump over a surface. The result is printed as one JSON object per file of probes, each on a line:
 //   reached       share of probes next to which the ball can stand, with nothing between
 //   nearest       the least distance of a probe to a surface, in diagonals
 //   closest       the least distance of two probes, in diagonals
@@ -73,7 +73,7 @@ static bool box_holds(const olx_box *box, olx_vec3 p, float slack) {
 
 static uint32_t pick(uint32_t key, uint32_t count) { return (uint32_t)(((uint64_t)olx_hash(key) * count) >> 32); }
 
-// Within the box.
+// Lays the lattice within the box.
 static void start_lattice(const olx_scene *scene, const olx_box *box, float ball, lattice *l) {
   const olx_vec3 extent = olx_sub(box->max, box->min);
   const float along[3] = {extent.x, extent.y, extent.z};
@@ -89,7 +89,7 @@ static void start_lattice(const olx_scene *scene, const olx_box *box, float ball
   l->next = take(total, sizeof *l->next);
 }
 
-// The nodes around a place, up to `reach` steps away along each axis, that lie within the lattice.
+// The nodes around a position, up to `reach` steps away along each axis, that lie within the lattice.
 static uint32_t nodes_around(const lattice *l, olx_vec3 place, int32_t reach, uint32_t *nodes) {
   const olx_vec3 q = olx_scale(olx_sub(place, l->low), 1.0f / l->step);
   const int32_t at[3] = {(int32_t)floorf(q.x + 0.5f), (int32_t)floorf(q.y + 0.5f), (int32_t)floorf(q.z + 0.5f)};
@@ -112,11 +112,11 @@ enum { REACH = 3, AROUND = (2 * REACH + 1) * (2 * REACH + 1) * (2 * REACH + 1) }
 
 static void enter_node(lattice *l, olx_vec3 from, uint32_t node) {
   if (l->state[node] != UNKNOWN || !sees(l->scene, from, node_place(l, node))) return;
-  l->state[node] = BLOCKED; // until looked at, once
+  l->state[node] = BLOCKED; // until tested, which happens once
   l->next[l->next_count++] = node;
 }
 
-// From what a place sees close by, or, from outside the box, anywhere.
+// Starts from what a position sees nearby or, from outside the box, anywhere.
 static void enter_at(lattice *l, const olx_box *box, olx_vec3 place) {
   uint32_t nodes[AROUND];
   const uint32_t count = box_holds(box, place, 0.0f) ? nodes_around(l, place, REACH, nodes) : 0;
@@ -142,13 +142,13 @@ static void add_neighbours(lattice *l, uint32_t node) {
                               c[axis] + 1 < l->count[axis] ? node + stride[axis] : node};
     for (int k = 0; k < 2; k++) {
       if (l->state[both[k]] != UNKNOWN) continue;
-      l->state[both[k]] = BLOCKED; // until looked at, once
+      l->state[both[k]] = BLOCKED; // until tested, which happens once
       l->next[l->next_count++] = both[k];
     }
   }
 }
 
-// In waves: the new nodes of each are looked at together.
+// Floods in waves, whose new nodes are tested together.
 static void flood(lattice *l) {
   while (l->next_count > 0) {
     must(olx_parallel_for((l->next_count + NODES_A_JOB - 1) / NODES_A_JOB, 0, free_job, l, NULL, 0));
@@ -193,7 +193,7 @@ typedef struct spots {
   uint32_t count;
 } spots;
 
-// The ball's places that count: within playable space, or the bounds.
+// The ball's positions that count: within playable space, or the bounds.
 static spots list_places(const lattice *l, const olx_box *box) {
   const size_t total = (size_t)l->count[0] * l->count[1] * l->count[2];
   spots s = {.places = take(total, sizeof *s.places)};
@@ -214,10 +214,10 @@ typedef struct coverage_job {
   const olx_probe_set *set;
   const olx_vec3 *sorted; // the probes' places, by x
   spots from;
-  uint8_t *outcome; // a ray: 0 none, 1 covered, 2 could be, 3 could not
+  uint8_t *outcome; // per ray: 0 none, 1 covered, 2 could be covered, 3 could not
 } coverage_job;
 
-// Probes are sorted by x. Those around the point come first, on either side in turn.
+// Tests probes sorted by x, from the nearest to the point outwards on alternating sides.
 static bool is_covered(const coverage_job *job, olx_vec3 point, olx_vec3 normal) {
   const olx_vec3 *places = job->sorted;
   uint32_t below = 0, above = job->set->count;
@@ -321,7 +321,7 @@ static void check_probes(const lattice *l, const olx_box *box, const olx_probe_s
          set->count > 1 ? (double)(closest / l->diagonal) : 1.0, worst_back, worst_sky, outside);
 }
 
-// Moves the ball to wherever it can be.
+// Moves the ball everywhere it can reach.
 static void explore(lattice *l, const olx_box *box, const char *first_path) {
   const olx_scene *scene = l->scene;
   for (uint32_t i = 0; i < scene->camera_count; i++) enter_at(l, box, scene->cameras[i].eye);

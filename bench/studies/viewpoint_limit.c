@@ -27,7 +27,7 @@ static olx_vec3 cross(olx_vec3 a, olx_vec3 b) {
   return (olx_vec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-// Light that leaves `target` towards `eye`, with the bounces that a baked texel holds.
+// Light that leaves `target` towards `eye`, with the number of bounces of a baked texel.
 static olx_vec3 light_towards(const olx_scene *scene, olx_vec3 eye, olx_vec3 target) {
   const olx_vec3 way = unit(minus(target, eye));
   olx_camera camera = {.eye = eye, .target = target, .fov_y_degrees = 0.01f};

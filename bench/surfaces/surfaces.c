@@ -1,5 +1,5 @@
-// Judges light stored at surfaces with default settings: runs the parts of the experiment over its scenes, and holds
-// what these parts share.
+// Evaluates light stored at surfaces with default settings: runs the parts of the experiment over its scenes, and
+// provides what they share.
 #include "surfaces.h"
 
 #include "experiment_list.h"
@@ -10,7 +10,7 @@
 
 enum { QUICK_TEXELS = 64, TEXELS = 512, BLOCK = 8 };
 
-// Blocks of pixels darker than this share of the picture's mean do not count: noise rules there.
+// Blocks of pixels darker than this share of the image's mean are ignored, because noise dominates there.
 static const double DARK = 0.01;
 
 typedef struct surface_scene {
@@ -53,7 +53,7 @@ const char *surfaces_scene(uint32_t index) { return index < SCENES ? bench_scene
 
 uint32_t surface_ways(const surface_run *r) { return r->b->options->quick ? 1 : 2; }
 
-// As many as a bake makes by default, or one in a quick look.
+// The number of bounces: the default of bakes, or one with --quick.
 static uint32_t bounces(const surface_run *r) {
   return r->b->options->quick ? bench_bounces(r->b) : olx_bake_settings_default(r->scene).bounces;
 }

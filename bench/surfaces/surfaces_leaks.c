@@ -52,7 +52,7 @@ static olx_result leak_of_way(surface_run *r) {
 
 olx_result surface_leak(surface_run *r) {
   olx_result result = surface_keep_cameras(r, 2, rooms);
-  if (result == OLX_OK) result = surface_reference(r, 4, false); // little light comes through
+  if (result == OLX_OK) result = surface_reference(r, 4, false); // more paths, because little light comes through
   for (uint32_t way = 0; way < surface_ways(r) && result == OLX_OK; ++way) {
     r->placed = way == 0;
     result = leak_of_way(r);
@@ -72,7 +72,7 @@ static olx_result add_thin(const surface_run *r, const olx_field *field, uint32_
   return result;
 }
 
-// Mean of the volume's light over a lattice of places in a box and six normals.
+// Mean of the volume's light over a lattice of points in a box and six normals.
 static double volume_light(const olx_field *field, olx_vec3 low, olx_vec3 high) {
   enum { SIDE = 12 };
   double sum = 0.0;
@@ -88,7 +88,7 @@ static double volume_light(const olx_field *field, olx_vec3 low, olx_vec3 high) 
   return sum / (6 * SIDE * SIDE * SIDE);
 }
 
-// The dark room ends at the thickest wall that is measured; the lit one at the thinnest.
+// The dark room extends to the thickest wall that is measured, the lit one to the thinnest.
 static double volume_leak(const surface_run *r, const olx_field *field) {
   const olx_scene_info info = olx_scene_describe(r->scene);
   olx_vec3 lit_high = info.bounds_max, dark_low = info.bounds_min;

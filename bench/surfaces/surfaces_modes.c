@@ -1,5 +1,5 @@
-// Compares indirect light in every mode that a renderer can choose, where modes differ most: at surfaces that emit,
-// thin things before others, and dark corners.
+// Compares indirect light in every mode of a renderer where modes differ most: at surfaces that emit, thin objects
+// before others, and dark corners.
 #include "surfaces.h"
 
 #include <math.h>
@@ -7,7 +7,7 @@
 
 enum { FRAMES = 64, QUICK_FRAMES = 4, CORNER = 4, PATHS = 4, QUICK_PATHS = 1 };
 
-// Blocks of pixels darker than this share of the picture's mean are its dark corners.
+// Blocks of pixels darker than this share of the image's mean count as dark corners.
 static const double CORNER_SHARE = 0.5;
 
 static const bench_column columns[] = {
@@ -45,7 +45,8 @@ bench_way surface_mode(const surface_run *r, const olx_field *field, uint32_t mo
   return way;
 }
 
-// The most by which a dark corner is too bright, over the mean light of the reference; NAN where nothing is dark.
+// The greatest excess of light in a dark corner, relative to the mean light of the reference; NaN where nothing is
+// dark.
 static double find_slit(const olx_image *image, const olx_image *reference) {
   const double mean = surface_mean_light(reference);
   double most = NAN;
@@ -104,7 +105,7 @@ olx_result surface_add_modes(const surface_run *run, const olx_field *field, con
   return result;
 }
 
-// The irradiance volume has no pictures: it is judged at places of free space.
+// Evaluates the irradiance volume at points of free space, because it has no images.
 static olx_result add_volume(const surface_run *r, const olx_field *field) {
   const bool quick = r->b->options->quick;
   olx_audit_settings settings = olx_audit_settings_default();

@@ -56,7 +56,7 @@ static olx_result render(const surface_run *r, const olx_field *field, bench_ima
   return bench_pictures(r->b, r->scene, r->cameras, r->camera_count, &way, images);
 }
 
-// Two bakes: sums of squared differences of pixels, and of light.
+// Sums of squared differences of two bakes' pixels, and of light.
 typedef struct bakes_sum {
   double squares, light, pixels;
 } bakes_sum;
@@ -74,8 +74,8 @@ static bakes_sum compare_two(const olx_image *a, const olx_image *b) {
   return sum;
 }
 
-// RMS difference of the pictures of two fields over their mean, of each camera and last of all. What is reported of the
-// other field, a bake with default settings and another seed, stays in *other.
+// RMS difference of the images of two fields relative to their mean, for each camera and finally for all. The report of
+// the other field, a bake with default settings and another seed, stays in *other.
 static olx_result compare_bakes(const surface_run *r, bench_images *images, bench_field *other,
                                 double rms[BENCH_CAMERAS + 1]) {
   bench_images again = {0};
@@ -126,10 +126,11 @@ static double share_or_none(const olx_audit *audit) {
   return audit->points.count ? (double)audit->stored.count / (double)audit->points.count : NAN;
 }
 
-// What is measured on a field beside its pictures. `audit` has no points, and the times are NAN, where nobody measures.
+// Measurements of a field besides its images. `audit` has no points, and the times are NaN, where they are not
+// measured.
 typedef struct field_measures {
   olx_audit audit;
-  double bakes_rms[BENCH_CAMERAS + 1]; // of each camera, and last of all
+  double bakes_rms[BENCH_CAMERAS + 1]; // for each camera, and finally for all
   double surface_ns, irradiance_ns;
 } field_measures;
 
@@ -151,7 +152,7 @@ static olx_result audit_points(const surface_run *r, const olx_field *field, olx
   return olx_audit_field(r->scene, field, &settings, &r->b->progress, audit);
 }
 
-// `plain`: the field whose size and time are reported.
+// Adds the rows of a field. `plain`: the field whose size and time are reported.
 static void add_field(const surface_run *r, const bench_field *plain, const bench_images *images,
                       const field_measures *m) {
   const olx_render_stats *stats = &images->stats;
@@ -165,7 +166,7 @@ static void add_field(const surface_run *r, const bench_field *plain, const benc
                NUMBER_CELL(r->placed ? plain->place_seconds : NAN), NUMBER_CELL(plain->bake_seconds));
 }
 
-// A grid is there to be compared with: its pictures, its size and its time from one bake.
+// Measures a grid for comparison: its images, its size and its time from one bake.
 static olx_result run_grid(const surface_run *r) {
   const field_measures none = no_measures();
   bench_images images = {0};

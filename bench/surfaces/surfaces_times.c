@@ -12,7 +12,7 @@ static double count_points(const olx_image *image) {
   return count;
 }
 
-// Adds up the processor time of the diffuse pass and its points, over all cameras.
+// Sums the processor time of the diffuse pass and its points, over all cameras.
 static olx_result time_turn(const surface_run *r, const olx_field *field, olx_diffuse diffuse, double *ns) {
   olx_render_settings settings = bench_field_settings(r->b);
   settings.diffuse = diffuse;

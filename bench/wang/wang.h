@@ -1,19 +1,19 @@
-// What Wang's thesis compares, chapter 5 and appendix A (docs/results.md): sets of probes on three scenes.
+// The comparison of Wang's thesis, chapter 5 and appendix A (docs/results.md): sets of probes on three scenes.
 #ifndef OCTALUX_BENCH_WANG_H
 #define OCTALUX_BENCH_WANG_H
 
 #include "bench_measure.h"
 
-// One way to trace one set of probes.
+// A set of probes and a method of tracing it.
 typedef struct wang_row {
   bench_probes probes;
   olx_tracer tracer;
   olx_select select;
-  const char *shown; // where in the thesis; NULL: ours
-  double ms, mse;    // as published; 0: not
+  const char *shown; // where the thesis shows it; NULL: an addition
+  double ms, mse;    // as published; 0: not published
 } wang_row;
 
-// A size of grid, the shapes it may have, and what is to do as well with fewer probes.
+// A size of grid, its possible shapes, and the sets that should match it with fewer probes.
 typedef struct wang_size {
   uint32_t probes;
   const uint32_t (*shapes)[3];
@@ -32,7 +32,7 @@ typedef struct wang_scene {
 enum { WANG_SCENES = 3, WANG_ROWS = 48, WANG_ROUNDS = 1000 };
 extern const wang_scene wang_scenes[WANG_SCENES];
 
-// Its names for --only, NULL after the last.
+// Names of scenes for --only, NULL after the last.
 const char *wang_scene_name(uint32_t index);
 
 #endif

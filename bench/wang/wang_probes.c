@@ -1,5 +1,5 @@
-// Compares placed sets of a half, a third and a quarter as many probes with grids, by pictures and by mirror rays, and
-// so finds how few do as well as a grid.
+// Compares placed sets of a half, a third and a quarter as many probes with grids, by images and by mirror rays, to
+// find how few probes match a grid.
 #include "experiment_list.h"
 #include "wang_view.h"
 
@@ -39,13 +39,13 @@ static const bench_column camera_columns[] = {
     {"bias", "bias", BENCH_QUALITY, "%", NULL},
 };
 
-// A scene, and where its sets are listed.
+// A scene, and the list of its sets.
 typedef struct contest {
   wang_view view;
   bench_table *sets, *cameras;
 } contest;
 
-// A set of probes with its measurements: its picture, and mirror rays of the cameras against the true triangles.
+// The measurements of a set of probes: its image, and mirror rays of the cameras against the true triangles.
 typedef struct finding {
   bench_probes probes;
   uint32_t count;
@@ -66,7 +66,7 @@ static olx_result trace_mirrors(const wang_view *view, const olx_field *field, o
   return result;
 }
 
-// Its picture, for the report and for --images.
+// Shows a set's image in the report and writes it for --images.
 static olx_result show(const wang_view *view, const char *name, bench_images *pictures) {
   for (uint32_t c = 0; c < pictures->cameras; ++c) {
     const bench_shown shown = {.way = name, .images = pictures, .camera = c};
@@ -102,7 +102,7 @@ static olx_result examine(const wang_view *view, const bench_probes *wanted, fin
   return result;
 }
 
-// The error of a set over that of the best grid in the camera that shows the set worst.
+// The ratio of a set's error to that of the best grid, for the camera with the greatest ratio.
 static double worst_camera(const wang_view *view, const finding *found, const finding *best) {
   double worst = 0.0;
   for (uint32_t c = 0; c < view->references->cameras; ++c) {
@@ -136,8 +136,8 @@ static void add_finding(const contest *c, const finding *found, const finding *b
 
 enum { MOST_SHAPES = 8, CONTENDERS = 6 };
 
-// Lists the sets that are compared with grids of n probes: Wang's pipeline with half as many, cover with as many as
-// that, with a third, and with a quarter whose maps are twice as wide, which are as many texels.
+// Lists the sets that are compared with grids of n probes: Wang's pipeline with half as many; cover with as many as
+// that, with a third, and with a quarter whose maps are twice as wide, which have as many texels.
 static void list_contenders(uint32_t n, bench_probes list[CONTENDERS]) {
   const bench_probes all[CONTENDERS] = {
       {.method = OLX_PLACE_SDF, .count = n / 2, .optimize = OLX_OPTIMIZE_GIBBS, .texels = 512},
@@ -177,8 +177,8 @@ static olx_result run_size(const contest *c, const wang_size *size) {
   return run_contenders(c, size->probes, &grids[best]);
 }
 
-// The next of names with commas between: a file of probes or a grid such as 4x2x4, each with @TEXELS behind it or with
-// maps of 512. `path` keeps the file's name.
+// Parses the next of several names separated by commas: a file of probes or a grid such as 4x2x4, each followed by
+// @TEXELS or with maps of 512. `path` receives the file's name.
 static const char *next_set(const char *name, char path[4096], bench_probes *probes) {
   const size_t length = strcspn(name, ",");
   snprintf(path, 4096, "%.*s", (int)length, name);

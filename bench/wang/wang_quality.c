@@ -29,7 +29,7 @@ typedef struct contest {
   const char *name;
   uint32_t scene;
   const char *grid, *placed;
-  double grid_mse, placed_mse, grid_ms, placed_ms; // published; 0: not
+  double grid_mse, placed_mse, grid_ms, placed_ms; // as published; 0: not published
 } contest;
 
 static const contest contests[] = {
@@ -44,7 +44,7 @@ static const contest contests[] = {
 
 static double or_none(double value) { return value > 0.0 ? value : NAN; }
 
-// Finds the row of a set that the thesis shows: found by cage or by octree.
+// Finds the row of a set that the thesis shows: with the selector cage or octree.
 static uint32_t find_row(const wang_measured *t, const char *set) {
   for (uint32_t r = 0; r < t->row_count; ++r) {
     const olx_select select = t->rows[r].row->select;

@@ -1,4 +1,4 @@
-// Measures the rows of Wang's tables: bakes a field for each set of probes that they name, and finds errors and times.
+// Measures the rows of Wang's tables: bakes a field for each of their sets of probes, and measures errors and times.
 #include "wang_rows.h"
 
 #include <string.h>
@@ -8,7 +8,7 @@ static bool same_probes(const bench_probes *a, const bench_probes *b) {
          a->optimize == b->optimize && a->texels == b->texels;
 }
 
-// Whether the thesis shows the row in its appendix alone.
+// Whether the thesis shows the row only in its appendix.
 static bool is_series(const wang_row *row) {
   return row->shown && (strncmp(row->shown, "Fig. A", 6) == 0 || strncmp(row->shown, "Figs. A", 7) == 0);
 }
@@ -29,7 +29,7 @@ olx_result wang_bake_sets(const wang_view *view, bool series, wang_measured *t) 
   return OLX_OK;
 }
 
-// Those of a set are the same for every tracer, so each selector of a set is rendered once.
+// Measures errors. The errors of a set do not depend on the tracer, so that each selector of a set is rendered once.
 olx_result wang_measure_errors(const wang_view *view, wang_measured *t, bool keep_pictures) {
   for (uint32_t i = 0; i < t->row_count; ++i) {
     wang_measured_row *row = &t->rows[i];
@@ -45,7 +45,7 @@ olx_result wang_measure_errors(const wang_view *view, wang_measured *t, bool kee
   return OLX_OK;
 }
 
-// One round of one row: the glossy pass of every camera, on one processor, in milliseconds of its time.
+// Times one round of one row: the glossy pass of every camera, in milliseconds of processor time.
 static olx_result time_row(const wang_view *view, const wang_measured *t, wang_measured_row *row, uint32_t round) {
   olx_render_settings settings = wang_picture(view->b, OLX_METHOD_FIELD);
   settings.spp = settings.glossy_samples = settings.threads = 1;
@@ -73,7 +73,7 @@ static olx_result time_row(const wang_view *view, const wang_measured *t, wang_m
   return OLX_OK;
 }
 
-// Rows take turns, so that what else the machine does affects all of them alike.
+// Rows take turns, so that other work on the machine affects all alike.
 olx_result wang_time_rows(const wang_view *view, wang_measured *t) {
   bench_tell(view->b, "timing");
   const uint32_t rounds = wang_rounds(view->b);

@@ -1,17 +1,17 @@
-// The rows of one scene of Wang's thesis, measured step by step (wang_study_scene does all that an experiment needs).
+// The rows of one scene of Wang's thesis, measured in steps (wang_study_scene runs all steps of an experiment).
 #ifndef OCTALUX_BENCH_WANG_ROWS_H
 #define OCTALUX_BENCH_WANG_ROWS_H
 
 #include "wang_view.h"
 
-// A row, and what was found.
+// A row and its measurements.
 typedef struct wang_measured_row {
   const wang_row *row;
-  uint32_t set; // of the fields
+  uint32_t set; // index of its field
   wang_quality quality;
-  double steps, probes_tried, unresolved; // a ray
+  double steps, probes_tried, unresolved; // per ray
   double ms[WANG_ROUNDS], median_ms;
-  bench_images pictures; // of the first row of its set and selector, when there is someone to show them to
+  bench_images pictures; // of the first row of its set and selector, when they are shown
 } wang_measured_row;
 
 // The rows of one scene, and the fields of their sets.
@@ -22,15 +22,15 @@ typedef struct wang_measured {
   bench_images *references;
 } wang_measured;
 
-// A field for each different set of probes that the scene's rows name, with or without those of appendix A; then
+// Bakes a field for each distinct set of probes of the scene's rows, with or without those of appendix A; then measures
 // errors, and times, of each row.
 olx_result wang_bake_sets(const wang_view *view, bool series, wang_measured *t);
 olx_result wang_measure_errors(const wang_view *view, wang_measured *t, bool keep_pictures);
 olx_result wang_time_rows(const wang_view *view, wang_measured *t);
-// What is known of the fields stays.
+// Closes the fields; what was measured of them is kept.
 void wang_close_sets(wang_measured *t);
 
-// A row's set of probes: "16 sdf + gibbs".
+// The name of a row's set of probes, such as "16 sdf + gibbs".
 bench_name wang_row_name(const wang_measured_row *row);
 
 #endif

@@ -1,5 +1,5 @@
-// Measures the sets of probes of Wang's thesis once in a run, and hands rows and pictures to the experiments that draw
-// on them.
+// Measures the sets of probes of Wang's thesis once per run, and provides rows and images to the experiments that need
+// them.
 #include "wang_study.h"
 
 #include <stdio.h>

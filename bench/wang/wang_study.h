@@ -1,4 +1,4 @@
-// What the experiments of Wang's thesis share: the rows of its scenes with errors and times, measured once in a run.
+// Shared by the experiments of Wang's thesis: the rows of its scenes with errors and times, measured once per run.
 #ifndef OCTALUX_BENCH_WANG_STUDY_H
 #define OCTALUX_BENCH_WANG_STUDY_H
 
@@ -9,10 +9,10 @@ enum { WANG_ERRORS = 1, WANG_TIMES = 2 };
 // One scene with what the experiment needs of it (all of it when all experiments run); `series`: with the sets of
 // appendix A. *measured is NULL when the scene is left out, which the findings then tell. Its fields are closed.
 olx_result wang_study_scene(bench *b, uint32_t scene, uint32_t parts, bool series, wang_measured **measured);
-// Pictures of some rows of a scene, from its cameras, beside the references.
+// Shows images of some rows of a scene, from its cameras, beside the references.
 olx_result wang_study_show(bench *b, uint32_t scene, const uint32_t *rows, uint32_t count, olx_layer layer);
 
-// "texel", "two-level", "hiz".
+// The name of a tracer: "texel", "two-level", "hiz".
 const char *wang_tracer_name(olx_tracer tracer);
 
 #endif

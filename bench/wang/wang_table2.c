@@ -22,7 +22,7 @@ static const bench_column columns[] = {
     {"bake_s", "bake", BENCH_TIME, "s", "with all selectors"},
 };
 
-// What the thesis prints. Its grids' rows contradict each other (docs/experiments.md).
+// The published values. The thesis's rows of grids contradict each other (docs/experiments.md).
 static const struct published {
   uint32_t scene;
   const char *set;
@@ -35,7 +35,7 @@ static const struct published {
 
 static const double MIB = 1048576.0;
 
-// Maps as they would be at 512 texels along a side: with their borders of one texel.
+// Size of maps scaled to 512 texels along a side, with their borders of one texel.
 static double at_512(double bytes, uint32_t texels) {
   const double side = (double)texels + 2.0;
   return bytes / MIB * 514.0 * 514.0 / (side * side);

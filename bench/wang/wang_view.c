@@ -1,15 +1,15 @@
-// Opens a scene of Wang's thesis with its references, and compares pictures from fields with them.
+// Opens a scene of Wang's thesis with its references, and compares images from fields with them.
 #include "wang_view.h"
 
 enum { COARSE_IRRADIANCE = 16 }; // diffuse light is the same for all sets and is not compared here
 
-// What pictures and times are made with where the command line says nothing.
+// Default sizes of images and times, where the command line gives none.
 typedef struct wang_sizes {
   uint32_t size[2], spp, field_spp, rounds, texels;
 } wang_sizes;
 
-// Those of tables are small, because there are some fifty sets of up to 128 probes; experiments that do not belong to
-// `all` have the thesis's.
+// Sizes for tables are small, because there are about fifty sets of up to 128 probes; experiments outside `all` use the
+// thesis's.
 static const wang_sizes quick_sizes = {{64, 36}, 16, 2, 2, 64};
 static const wang_sizes table_sizes = {{96, 54}, 32, 2, 3, 128};
 static const wang_sizes thesis_sizes = {{320, 180}, 128, 8, 5, 512};
@@ -37,7 +37,7 @@ bench_probes wang_probes(const bench *b, const bench_probes *probes) {
 olx_render_settings wang_picture(const bench *b, olx_method method) {
   const wang_sizes sizes = sizes_of(b);
   olx_render_settings settings = olx_render_settings_default(method);
-  settings.diffuse = OLX_DIFFUSE_IRRADIANCE; // as the papers have it
+  settings.diffuse = OLX_DIFFUSE_IRRADIANCE; // as in the papers
   settings.width = sizes.size[0];
   settings.height = sizes.size[1];
   settings.spp = method == OLX_METHOD_PATH ? sizes.spp : sizes.field_spp;

@@ -1,5 +1,5 @@
-// Arrays whose size is known before they are allocated: one list of them serves both, so that a bake takes the memory
-// that it says it needs.
+// Arrays whose sizes are known before they are allocated. One list describes them both for allocation and for the
+// memory estimate, so that a bake takes the memory that it says it needs.
 #ifndef OLX_BAKE_ARRAYS_H
 #define OLX_BAKE_ARRAYS_H
 
@@ -8,7 +8,7 @@
 #include <string.h>
 
 typedef struct olx_array_row {
-  void *at; // the address of the pointer to the array, of whatever type
+  void *at; // address of the pointer to the array, whatever its type
   uint64_t count;
   size_t element_bytes;
   bool zeroed;
@@ -20,7 +20,7 @@ static inline uint64_t olx_arrays_bytes(const olx_array_row *rows, uint32_t coun
   return bytes;
 }
 
-// Every array, or NULL in its place; false when one is missing.
+// Allocates every array of the list; a failed allocation leaves NULL. Returns false when one failed.
 static inline bool olx_arrays_allocate(const olx_array_row *rows, uint32_t count) {
   bool complete = true;
   for (uint32_t i = 0; i < count; i++) {

@@ -6,7 +6,7 @@
 #include <sys/stat.h>
 #include <sys/statvfs.h>
 
-// The one number in a file; UINT64_MAX when it holds none ("max").
+// Reads the number that a file holds; UINT64_MAX when it holds none ("max").
 static uint64_t number_in(const char *path) {
   FILE *file = fopen(path, "r");
   unsigned long long number = 0;

@@ -1,5 +1,5 @@
 // Runs one bake from its settings to its file: places the probes, solves the light of the scene, captures every probe,
-// and hands what is done to the writer, so that memory never holds the whole field.
+// and hands each result to the writer, so that memory never holds the whole field.
 #include <octalux/bake.h>
 
 #include "bake/available.h"
@@ -17,7 +17,7 @@
 #include <string.h>
 #include <sys/resource.h>
 
-// Probes at `positions`, or on the grid where that is NULL.
+// Places probes at `positions`, or on the grid where `positions` is NULL.
 static olx_result place_probes(const olx_grid *grid, const olx_vec3 *positions, uint32_t position_count,
                                olx_probe_list *probes) {
   probes->count = positions ? position_count : grid->count[0] * grid->count[1] * grid->count[2];
@@ -36,7 +36,7 @@ static void free_probes(olx_probe_list *probes) {
   olx_release(probes->flags);
 }
 
-// Spacing along an axis with one probe means nothing; a field says 0.
+// Sets the spacing to 0 along axes with a single probe, where a spacing has no meaning.
 static olx_grid without_idle_spacing(olx_grid grid) {
   if (grid.count[0] == 1) grid.spacing.x = 0.0f;
   if (grid.count[1] == 1) grid.spacing.y = 0.0f;
@@ -143,7 +143,7 @@ static olx_result gather_solved(olx_bake_run *b) {
   return b->context.settings->fit ? olx_gather_fit(&b->gather, 0) : OLX_OK;
 }
 
-// All bounces that are asked for, as long as they bring light.
+// Gathers the bounces that the settings request, and stops when a bounce no longer adds light.
 static olx_result gather_bounces(olx_bake_run *b) {
   OLX_TRY(olx_gather_look(&b->gather));
   OLX_TRY(olx_gather_link(&b->gather));
@@ -245,14 +245,14 @@ static olx_result make_plan(olx_bake_run *b) {
   return make_volume_cells(b);
 }
 
-// A part goes on to what does not need what is missing.
+// Ignores missing units in a partial bake, which continues with the stages that do not need them.
 static olx_result go_on(olx_bake_run *b, olx_result result) {
   if (result != OLX_ERROR_INCOMPLETE || !olx_unit_store_is_part(b->store)) return result;
   b->incomplete = true;
   return OLX_OK;
 }
 
-// All that is read from the solved light.
+// Runs the stages that read the solved light.
 static olx_result run_probes(olx_bake_run *b) {
   OLX_TRY(go_on(b, olx_bake_facts(b)));
   OLX_TRY(go_on(b, olx_volume_bake_write(&b->volume, b->light, b->store, b->writer, &b->stats)));
@@ -263,7 +263,7 @@ static olx_result run_probes(olx_bake_run *b) {
   return b->incomplete ? OLX_ERROR_INCOMPLETE : OLX_OK;
 }
 
-// Everything but committing the file. What was made is released by olx_bake_finish.
+// Runs every stage except committing the file. olx_bake_finish releases what the stages allocated.
 static olx_result run(olx_bake_run *b, const char *path) {
   const olx_bake_settings *s = b->context.settings;
   olx_bake_describe(b);

@@ -1,5 +1,5 @@
-// Says what a bake's settings are by default, refuses those that no bake can follow, and answers what follows from
-// them. Nothing here looks at the scene but for the grid that its description asks for.
+// Sets the defaults of a bake's settings, rejects invalid ones, and derives values from them. Nothing here reads the
+// scene except for the grid that its description requests.
 #include "bake/bake_settings.h"
 
 #include "bake/selectors.h"
@@ -12,7 +12,7 @@
 #include <assert.h>
 #include <math.h>
 
-enum { CHEAP_PROBES = 64 }; // irradiance probes that cost too little to save on
+enum { CHEAP_PROBES = 64 }; // this many irradiance probes or fewer cost too little to economize on
 
 olx_bake_settings olx_bake_settings_default(const olx_scene *scene) {
   olx_bake_settings settings = {.radiance_size = 512,

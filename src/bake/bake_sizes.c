@@ -1,5 +1,5 @@
-// Computes what a bake takes in files and memory before it begins, by the code that lays out and allocates, and refuses
-// one that does not fit the machine.
+// Computes the size of a bake's files and memory before it begins, from the code that lays out and allocates them, and
+// refuses a bake that does not fit the machine.
 #include "bake/available.h"
 #include "bake/bake_run.h"
 #include "bake/bake_settings.h"
@@ -10,11 +10,11 @@
 
 static uint64_t grid_count(const olx_grid *grid) { return (uint64_t)grid->count[0] * grid->count[1] * grid->count[2]; }
 
-// What a bake that is described and has not begun would hold at once.
+// Peak memory of a bake that is described and has not begun, in bytes.
 static uint64_t memory_of(const olx_bake_run *b, const olx_field_layout *layout) {
   const olx_bake_settings *s = b->context.settings;
   const uint32_t threads = s->threads ? s->threads : olx_processor_count();
-  const uint64_t probe_bytes = 2 * (sizeof(olx_vec3) + 1); // here and in the writer
+  const uint64_t probe_bytes = 2 * (sizeof(olx_vec3) + 1); // once here and once in the writer
   uint64_t bytes = ((uint64_t)b->context.probes.light_field.count + b->context.probes.irradiance.count) * probe_bytes +
                    threads * sizeof(olx_shade_scratch);
   if (b->context.probes.irradiance.count)
@@ -30,15 +30,16 @@ static uint64_t links_of(const olx_bake_settings *settings) {
   return settings->light == OLX_LIGHT_CACHE ? olx_scene_light_most_link_bytes() : 0;
 }
 
-// A work folder holds what the file holds, with emission of every texel where the file has tiles of it. Links are
-// stored once; surfels and the steps of light that are stored several times take less than that again.
+// Upper bound of a work folder's size: the size of the file, with emission of every texel where the file stores it only
+// for some tiles. Links are stored once; surfels and the repeated checkpoints of light take less than the difference.
 static uint64_t work_of(const olx_bake_run *b, const olx_field_layout *layout) {
   const uint64_t size = b->context.settings->radiance_size;
   return layout->file_bytes + b->context.probes.light_field.count * size * size * sizeof(uint32_t) +
          2 * links_of(b->context.settings);
 }
 
-// Maps of texels take what the description says; only blocks have planes beside them.
+// Expected size of the file. Maps of texels take exactly what the header says; blocks also have planes, whose number is
+// estimated.
 static uint64_t expected_of(const olx_bake_run *b, const olx_field_layout *layout) {
   const uint64_t extra =
       olx_expected_extra_bytes(b->context.probes.light_field.count, b->context.settings->radiance_size);

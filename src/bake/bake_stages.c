@@ -1,4 +1,4 @@
-// The stages of a bake: what each makes, how its results are stored and read again, and how they go to the file.
+// The stages of a bake: how each computes its results, stores and reloads them, and writes them to the file.
 #include "bake/bake_run.h"
 
 #include "core/hooks.h"
@@ -13,9 +13,9 @@ typedef struct plan_stage {
   olx_result (*make)(olx_bake_run *run);
 } plan_stage;
 
-// What the file says of the scene, and what the bake said of itself.
+// What the file stores about the scene, and the messages of the bake.
 typedef struct plan_record {
-  olx_bake_settings settings; // pointers mean nothing
+  olx_bake_settings settings; // its pointers are not valid
   double origin[3];
   olx_vec3 bounds_min, bounds_max;
   uint64_t hash;
@@ -49,7 +49,7 @@ static olx_result make_plan(void *user, uint32_t unit) {
   return p->make(p->run);
 }
 
-// A block of bytes that there may not be.
+// Writes a block of bytes that may be absent.
 static void put_blob(olx_byte_writer *to, const void *data, size_t size_bytes) {
   const uint64_t size = data ? size_bytes : 0;
   olx_bytes_put(to, &size, 1, sizeof size);
@@ -69,7 +69,7 @@ static void put_probes(olx_byte_writer *to, const olx_probe_list *probes) {
   olx_bytes_put(to, probes->flags, probes->count, 1);
 }
 
-// Joining has no probes yet.
+// Reads the probes of the plan; joining allocates them first, because it has none yet.
 static olx_result take_probes(olx_byte_reader *from, olx_probe_list *probes) {
   olx_bytes_copy(from, &probes->count, 1, sizeof probes->count);
   if (!probes->positions) probes->positions = olx_allocate(probes->count, sizeof *probes->positions);
@@ -94,7 +94,7 @@ static void save_plan(void *user, uint32_t unit, olx_byte_writer *to) {
   put_blob(to, b->classic_table, b->classic_table ? OLX_CLASSIC_TABLE_ENTRIES * sizeof *b->classic_table : 0);
 }
 
-// The shape of the scene that joining does without, and the settings.
+// Sets the scene's properties and the settings from the plan, for joining, which has neither.
 static void take_record(olx_bake_run *b, const plan_record *record) {
   b->stats.buried = record->buried;
   b->stats.irradiance_buried = record->irradiance_buried;
@@ -144,7 +144,7 @@ olx_result olx_bake_plan(olx_bake_run *b, olx_result (*make)(olx_bake_run *run))
   return olx_unit_once(b->store, &stage);
 }
 
-// ---- What the file says of the solved light
+// ---- Statistics of the solved light
 
 typedef struct facts_stage {
   olx_bake_run *run;
@@ -180,12 +180,12 @@ olx_result olx_bake_facts(olx_bake_run *b) {
   return OLX_OK;
 }
 
-// ---- Irradiance probes: their fit to surfaces ties them together, so that all are one unit
+// ---- Irradiance probes: their fit to surfaces couples them, so that all are one unit
 
 typedef struct irradiance_stage {
   olx_bake_run *run;
   olx_result (*make)(olx_bake_run *run);
-  uint32_t *record; // of a probe
+  uint32_t *record; // record of one probe
   size_t words;
 } irradiance_stage;
 
@@ -246,7 +246,7 @@ olx_result olx_bake_irradiance(olx_bake_run *b, olx_result (*make)(olx_bake_run 
 
 typedef struct classic_stage {
   olx_bake_run *run;
-  olx_classic_record record; // of the probe that was made last
+  olx_classic_record record; // record of the latest probe
 } classic_stage;
 
 static size_t classic_texels(const olx_bake_run *b, uint32_t level) {
@@ -336,18 +336,18 @@ olx_result olx_bake_relight(olx_bake_run *b) {
 
 // ---- Light field probes
 
-// What is written of a probe.
+// What a light field probe writes to the file.
 typedef struct probe_maps {
   olx_surface_maps surfaces;
   const uint32_t *radiance;          // NULL without probe light
-  const uint16_t *normal, *distance; // of texels, where the field is not of blocks
-  olx_geometry_map geometry;         // else
-  olx_relight_sites sites;           // empty unless relighting is wanted
+  const uint16_t *normal, *distance; // NULL where the field stores blocks
+  olx_geometry_map geometry;         // where the field stores blocks
+  olx_relight_sites sites;           // empty without relighting
 } probe_maps;
 
 typedef struct probe_stage {
   olx_bake_run *run;
-  probe_maps made; // of the probe that was made last
+  probe_maps made; // maps of the latest probe
 } probe_stage;
 
 static olx_result write_geometry(olx_bake_run *b, uint32_t probe, const probe_maps *maps) {
@@ -400,7 +400,7 @@ static olx_result make_probe(void *user, uint32_t probe) {
   return write_probe(b, probe, &s->made);
 }
 
-// How many elements each map of a probe has, and how large they are.
+// Number of elements in each map of a probe, and the size of an element.
 typedef struct map_shapes {
   size_t texels, count, base_bytes, specular_bytes, light_bytes;
 } map_shapes;

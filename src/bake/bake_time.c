@@ -1,5 +1,5 @@
-// Estimates how long a bake would take: bakes a few of its probes twice, with and without light field maps worth the
-// name, and multiplies the time that a probe of each kind took.
+// Estimates how long a bake will take: bakes a few of its probes twice, with light field maps of useful size and
+// without, and extrapolates the time per probe of each kind.
 #include <octalux/bake.h>
 
 #include "core/file.h"
@@ -13,8 +13,8 @@
 
 enum { SAMPLE_SIDE = 2, LEAST_SIZE = 8, SAMPLE_SIZE = 256 };
 
-// At most SAMPLE_SIDE probes along each axis, in the middles of equal parts of the box: the ends of a grid are often
-// outside or in a wall, where rays are cheap.
+// A grid of at most SAMPLE_SIDE probes along each axis, at the middles of equal parts of the box. The ends of a grid
+// are often outside the scene or in a wall, where rays cost little.
 static olx_grid sample_box(olx_vec3 low, olx_vec3 high, const uint32_t count[3]) {
   olx_grid grid;
   float origin[3], spacing[3];
@@ -70,7 +70,7 @@ olx_result olx_bake_estimate_seconds(const olx_scene *scene, const olx_bake_sett
   olx_bake_sizes sizes;
   *seconds = 0.0;
   const olx_result checked = olx_bake_measure(scene, settings, "", &sizes);
-  if (checked != OLX_OK && !sizes.probes) return checked; // a bake that does not fit has a time, too
+  if (checked != OLX_OK && !sizes.probes) return checked; // a bake that does not fit the machine still has an estimate
   sample.probes = NULL;
   sample.select_mask = 1u << OLX_SELECT_CAGE;
   sample.measure_embree = false;

@@ -12,9 +12,9 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { UNIT_FORMAT = 1 }; // of what units hold; another one whenever that changes
+enum { UNIT_FORMAT = 1 }; // format of stored units; to be raised whenever it changes
 
-// ---- What names a bake
+// ---- The identity of a bake
 
 static void put_grid(olx_byte_writer *to, const olx_grid *grid) {
   olx_bytes_put(to, &grid->origin, 1, sizeof grid->origin);
@@ -22,8 +22,8 @@ static void put_grid(olx_byte_writer *to, const olx_grid *grid) {
   olx_bytes_put(to, grid->count, 3, sizeof *grid->count);
 }
 
-// A setting that is added has to be added here as well, unless results do not depend on it, as on threads and the work
-// folder.
+// A new setting has to be added to the manifest as well, unless results do not depend on it, like the number of threads
+// and the work folder.
 _Static_assert(sizeof(olx_bake_settings) == 224, "does a new setting change results?");
 
 static void put_settings(olx_byte_writer *to, const olx_bake_settings *s) {
@@ -55,7 +55,7 @@ static void put_settings(olx_byte_writer *to, const olx_bake_settings *s) {
   if (s->probes) olx_bytes_put(to, s->probes, s->probe_count, sizeof *s->probes);
 }
 
-// What a scene's hash leaves out and a bake looks at: where the viewer can be.
+// Adds the views that limit where the viewer can be: results depend on them, but a scene's hash does not include them.
 static void put_views(olx_byte_writer *to, const olx_scene *scene) {
   const olx_probe_rules *rules = &scene->probe_rules;
   const uint32_t flags[] = {scene->camera_count, scene->has_probe_volume, rules->has_playable};
@@ -176,7 +176,8 @@ static olx_result run_join(olx_bake_run *b, const char *path) {
 static olx_result join(olx_bake_run *b, const char *path, const olx_progress *progress) {
   const double start = olx_seconds();
   olx_task_begin(&b->context.task, progress, "joining", 1);
-  olx_scratch_pool_begin(&b->shade.pool, sizeof(olx_shade_scratch)); // that shading would take from, which is not done
+  olx_scratch_pool_begin(&b->shade.pool, sizeof(olx_shade_scratch)); // scratch memory for shading, which joining never
+                                                                     // does
   return olx_bake_finish(b, run_join(b, path), start);
 }
 

@@ -1,4 +1,4 @@
-// The work folder of a bake: what names the bake in it, and when it is opened and goes away.
+// The work folder of a bake: the manifest that identifies the bake, and when the folder is opened and removed.
 #ifndef OLX_BAKE_BAKE_WORK_H
 #define OLX_BAKE_BAKE_WORK_H
 
@@ -6,16 +6,16 @@
 
 #include <octalux/bake.h>
 
-// *store is NULL where the settings name no folder.
+// Opens the store of the bake's units; *store is NULL where the settings name no folder.
 olx_result olx_bake_work_open(const olx_scene *scene, const olx_bake_settings *settings, olx_unit_store **store);
-// Closes the store; the folder goes away when the field is written, unless it is to be kept.
+// Closes the store. The folder is removed once the field is written, unless the settings keep it.
 void olx_bake_work_close(olx_unit_store *store, const olx_bake_work *work, olx_result result);
 
-// Everything that results depend on: the scene, the settings, the format, this build, Embree, and the machine's
-// arithmetic.
+// Describes everything that results depend on: the scene, the settings, the format, this build, Embree, and the
+// machine's arithmetic.
 olx_manifest olx_bake_manifest(const olx_scene *scene, const olx_bake_settings *settings);
 
-// A name of this build of the library, by which no other build goes.
+// A name that identifies this build of the library.
 typedef struct olx_build_name {
   char text[64];
 } olx_build_name;

@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-// Copies the texels that a map's border repeats. Texels are `size_bytes` long.
+// Fills a map's border with the texels that it repeats. A texel has `size_bytes` bytes.
 static inline void olx_fill_border(void *map, uint32_t n, size_t size_bytes) {
   const int32_t side = (int32_t)n, stride = side + 2;
   char *texels = map;

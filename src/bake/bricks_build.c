@@ -1,4 +1,4 @@
-// Builds bricks: fills space with cells, ranks the probes that see each cell's points, and stores every different list
+// Builds bricks: divides space into cells, ranks the probes that see each cell's points, and stores each distinct list
 // once; cells grow until the structure fits its budget of bytes.
 #include "bake/bricks_build.h"
 
@@ -11,16 +11,16 @@
 #include <string.h>
 
 enum {
-  MOST_POINTS = 1 << 20,  // on surfaces, to find out where those are
-  MOST_DIVIDED = 1 << 10, // bricks with cells of their own: bounds the time to build
+  MOST_POINTS = 1 << 20,  // surface points that are sampled to locate surfaces
+  MOST_DIVIDED = 1 << 10, // most bricks with cells of their own: bounds the build time
   MOST_BRICKS = 1 << 16,
-  SURFACE_SAMPLES = 8,      // in a cell
-  SPACE_SAMPLES = 4,        // in a cell
-  BRICK_SPACE_SAMPLES = 32, // in a brick without surfaces
-  FINEST = 256              // cells along the longest side of space, to begin with
+  SURFACE_SAMPLES = 8,      // per cell
+  SPACE_SAMPLES = 4,        // per cell
+  BRICK_SPACE_SAMPLES = 32, // per brick without surfaces
+  FINEST = 256              // initial number of cells along the longest side of space
 };
 
-// The side of a cell grows by this until everything fits.
+// Factor by which the side of a cell grows until the structure fits its budget.
 static const float COARSER = 1.15f;
 static const float SPACE_WEIGHT = 0.5f;
 
@@ -43,13 +43,14 @@ typedef struct grid {
 typedef struct site {
   const olx_selector_input *input;
   olx_probe_views views;
-  olx_vec3 min, max; // of everything that probes see
+  olx_vec3 min, max; // bounds of all that probes see
   point *points;
   uint32_t point_count;
   grid grid;
   sorted_point *sorted;
-  uint32_t *first_point; // of each brick, and one more
-  uint32_t *first_list;  // of each brick, and one more: OLX_BRICK_CELLS lists where there are surfaces, else one
+  uint32_t *first_point; // index of each brick's first point, and the end
+  uint32_t *first_list;  // index of each brick's first list, and the end: OLX_BRICK_CELLS lists per brick with
+                         // surfaces, otherwise one
   uint16_t (*lists)[OLX_BRICK_PROBES];
 } site;
 
@@ -60,11 +61,12 @@ uint64_t olx_bricks_budget(uint64_t map_bytes) {
 
 static olx_result out_of_memory(void) { return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for bricks"); }
 
-// Every texel of the views stands for a point, thinned to MOST_POINTS.
+// Turns every texel of the views into a surface point, thinned to MOST_POINTS.
 static olx_result find_points(site *s) {
   const olx_selector_input *input = s->input;
   const uint64_t texels = (uint64_t)s->views.n * s->views.n, all = texels * input->count;
-  const uint64_t stride = (all + MOST_POINTS - 1) / MOST_POINTS | 1u; // odd, so that no column of the maps is left out
+  const uint64_t stride = (all + MOST_POINTS - 1) / MOST_POINTS | 1u; // odd, so that every column of the maps is
+                                                                      // sampled
   s->points = olx_allocate(all / stride + 1, sizeof *s->points);
   if (!s->points) return out_of_memory();
   s->min = s->max = input->positions[0];
@@ -97,7 +99,8 @@ static grid grid_of(const site *s, float cell) {
 
 static uint64_t brick_count(const grid *g) { return (uint64_t)g->size[0] * g->size[1] * g->size[2]; }
 
-// The cell of a position: OLX_BRICK_CELLS times its brick, and the place in that.
+// Index of the cell that holds a position: OLX_BRICK_CELLS times the index of its brick, plus its index within the
+// brick.
 static uint64_t cell_of(const grid *g, olx_vec3 position) {
   const olx_vec3 offset = olx_sub(position, g->origin);
   const float along[3] = {offset.x, offset.y, offset.z}, per_metre = 1.0f / g->cell;
@@ -116,7 +119,8 @@ static uint64_t bytes_of(uint64_t bricks, uint64_t divided, uint64_t lists) {
   return sizeof(olx_bricks_header) + 4 * (bricks + divided * OLX_BRICK_CELL_WORDS + lists * OLX_BRICK_LIST_WORDS);
 }
 
-// Whether bricks of this size can be expected to fit, with a list of its own for every third cell.
+// Whether bricks of this size are likely to fit the budget, on the assumption that every third cell has a distinct
+// list.
 static olx_result may_fit(const site *s, const grid *g, bool *fits) {
   const uint64_t bricks = brick_count(g), budget = olx_bricks_budget(s->input->map_bytes);
   *fits = bricks <= MOST_BRICKS && bytes_of(bricks, 0, 1) <= budget;
@@ -140,7 +144,7 @@ static int compare_points(const void *a, const void *b) {
   return (x->index > y->index) - (x->index < y->index);
 }
 
-// Points by brick and cell, at random within a cell, and how many lists the bricks before each have.
+// Sorts points by brick and cell, at random within a cell, and counts the lists before each brick.
 static olx_result sort_points(site *s) {
   const uint32_t bricks = (uint32_t)brick_count(&s->grid);
   s->sorted = olx_allocate(s->point_count, sizeof *s->sorted);
@@ -174,7 +178,7 @@ static void leave_site(site *s) {
   s->lists = NULL;
 }
 
-// Points spread through a box of space.
+// Adds sample points spread through a box of space.
 static uint32_t add_space(olx_vec3 corner, float side, uint32_t wanted, uint32_t seed, olx_brick_sample *samples) {
   for (uint32_t i = 0; i < wanted; i++) {
     const olx_vec2 plane = olx_stratified2(i, seed);
@@ -186,7 +190,7 @@ static uint32_t add_space(olx_vec3 corner, float side, uint32_t wanted, uint32_t
 
 static bool is_empty(const uint16_t *list) { return list[0] == OLX_BRICK_NO_PROBE; }
 
-// The lists of a brick's cells. Cells that no probe sees take over the brick's.
+// Ranks the probes for the cells of a brick. Cells that no probe sees inherit the brick's list.
 static void rank_cells(const site *s, uint32_t brick, olx_vec3 corner, const uint32_t *candidates, uint32_t count,
                        const uint16_t *whole) {
   uint32_t at = s->first_point[brick];
@@ -228,15 +232,15 @@ static void rank_brick(void *user, uint32_t brick) {
   }
 }
 
-// The different lists, found again by hashing.
+// The distinct lists, in a hash table.
 typedef struct palette {
   uint16_t (*lists)[OLX_BRICK_PROBES];
   uint32_t count, limit;
-  uint32_t *slots; // 1 + number of the list, 0 where there is none
+  uint32_t *slots; // 1 + index of the list, 0 where there is none
   uint32_t slot_mask;
 } palette;
 
-// The number of a list, added when it is new; `limit` when there is no room.
+// Index of a list, which is added when it is new; `limit` when there is no room.
 static uint32_t number_of(palette *p, const uint16_t *list) {
   uint32_t hash = 0;
   for (uint32_t i = 0; i < OLX_BRICK_PROBES; i++) hash = olx_hash2(hash, list[i]);
@@ -258,7 +262,7 @@ static bool is_uniform(const site *s, uint32_t brick) {
   return true;
 }
 
-// Number every list. False when there are too many.
+// Assigns an index to every list. Returns false when there are too many distinct ones.
 static bool number_lists(const site *s, palette *p, uint32_t *numbers) {
   const uint32_t count = s->first_list[brick_count(&s->grid)];
   for (uint32_t i = 0; i < count; i++) {
@@ -299,7 +303,7 @@ static olx_result write_bricks(const site *s, const palette *p, const uint32_t *
   return OLX_OK;
 }
 
-// The structure in a file's form; NULL when it takes more than the budget.
+// Packs the structure as the file stores it; NULL when it takes more than the budget.
 static olx_result pack(const site *s, void **data, size_t *size) {
   enum { SLOTS = OLX_BRICK_MOST_LISTS * 2 };
   palette p = {.lists = olx_allocate(OLX_BRICK_MOST_LISTS, sizeof *p.lists),
@@ -319,7 +323,7 @@ static olx_result pack(const site *s, void **data, size_t *size) {
   return result;
 }
 
-// Build with cells of one size.
+// Builds the structure with cells of one size.
 static olx_result build_at(site *s, float cell, void **data, size_t *size) {
   bool fits;
   s->grid = grid_of(s, cell);

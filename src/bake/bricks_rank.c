@@ -2,7 +2,7 @@
 // probes in a list cover what the earlier ones do not see.
 #include "bake/bricks_rank.h"
 
-// What is left of a sample's weight for further probes once the best of them is listed.
+// Factor on a sample's weight for further probes once a probe that sees it perfectly (quality 1) is listed.
 static const float COVERED = 0.4f;
 static const float LEAST_COSINE = 0.1f;
 
@@ -26,7 +26,7 @@ uint32_t olx_brick_candidates(const olx_selector_input *input, olx_vec3 middle,
   return count;
 }
 
-// How finely a probe sees a sample, as the inverse of a texel's area on it; 0 when it does not.
+// How finely a probe samples a surface point: the inverse of a texel's area there, or 0 when the probe does not see it.
 static float quality(const olx_probe_views *views, uint32_t probe, const olx_brick_sample *sample) {
   const olx_vec3 towards = olx_sub(views->input->positions[probe], sample->position);
   const float squared = olx_max(olx_dot(towards, towards), 1e-12f * olx_square(views->input->distance_scale));

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { MOST_ID = 24 }; // bytes of an identifier that are named
+enum { MOST_ID = 24 }; // most bytes of an identifier that the name includes
 
 static uintptr_t aligned_word(uintptr_t size) { return (size + 3) & ~(uintptr_t)3; }
 
@@ -13,7 +13,7 @@ static void name_id(const uint8_t *id, uint32_t size, olx_build_name *name) {
   for (uint32_t i = 0; i < size && i < MOST_ID; i++) snprintf(name->text + 2 * i, 3, "%02x", id[i]);
 }
 
-// A segment of notes, each a header, a name and a description.
+// Reads a segment of ELF notes, each a header, a name and a description.
 static void read_notes(const uint8_t *notes, size_t size, olx_build_name *name) {
   while (size > sizeof(ElfW(Nhdr))) {
     ElfW(Nhdr) header;
@@ -49,7 +49,7 @@ static int look_at(struct dl_phdr_info *object, size_t size, void *user) {
   return 1;
 }
 
-// Without an identifier the compiler's version, and the library's, have to do.
+// Names the build by the linker's identifier, or by the compiler's and the library's versions where there is none.
 olx_build_name olx_name_build(void) {
   olx_build_name name = {""};
   dl_iterate_phdr(look_at, &name);

@@ -11,7 +11,7 @@
 
 enum { PACKET = 64 };
 
-// The normal of a triangle on the side that a ray comes from.
+// The normal of a triangle, on the side that a ray comes from.
 static olx_vec3 facing_normal(const olx_scene *scene, uint32_t triangle, olx_vec3 direction) {
   const uint32_t *corner = scene->indices + 3 * (size_t)triangle;
   const olx_vec3 a = scene->positions[corner[0]], b = scene->positions[corner[1]], p = scene->positions[corner[2]];
@@ -32,7 +32,7 @@ static bool emits_towards(const olx_scene *scene, const olx_ray_hit *hit, olx_ve
   return olx_max3(olx_surface_at(scene, hit, direction).emission) > 0.0f;
 }
 
-// Distance, with the mark of emitters, and normal.
+// Stores the distance, with the flag of emitters, and the normal of a texel.
 static void store_geometry(const olx_capture *c, uint32_t texel, const olx_ray_hit *hit, olx_vec3 direction) {
   c->hits[texel] = *hit;
   if (hit->triangle == OLX_NO_HIT) {
@@ -40,7 +40,7 @@ static void store_geometry(const olx_capture *c, uint32_t texel, const olx_ray_h
     c->normal[texel] = olx_normal_pack(olx_negate(direction));
     return;
   }
-  // A probe sees one side of a triangle.
+  // A probe sees only one side of a triangle.
   const bool repeats = texel % c->size > 0 && c->hits[texel - 1].triangle == hit->triangle;
   c->normal[texel] =
       repeats ? c->normal[texel - 1] : olx_normal_pack(facing_normal(c->context->scene, hit->triangle, direction));
@@ -69,8 +69,8 @@ olx_result olx_capture_probe(olx_capture *c, uint32_t probe, olx_vec3 position) 
   return olx_bake_for(c->context, c->size, capture_row, c, 0);
 }
 
-// Off the middle, because from a probe that stands symmetrically in a room the middles' rays would meet edges of walls
-// exactly, where neither wall is certain.
+// Offset of samples from texel centres: from a probe placed symmetrically in a room, rays through the centres would hit
+// edges of walls exactly, where it is undetermined which wall they hit.
 static const olx_vec2 sample_offset = {0.5078125f, 0.48828125f};
 
 static uint32_t make_samples(const olx_capture *c, uint32_t x, uint32_t y, olx_ray rays[OLX_CAPTURE_MOST_RAYS]) {

@@ -1,5 +1,5 @@
-// Bakes the maps of one irradiance probe of the baseline: casts and lights a cube map around the probe, filters it, and
-// fits the box by which parallax is corrected.
+// Bakes the classic maps of one irradiance probe: renders a cube map around the probe, filters it, and fits the box for
+// parallax correction. "Classic" maps are prefiltered radiance and irradiance without visibility, the baseline.
 #include "bake/classic_bake.h"
 
 #include "bake/morton.h"
@@ -12,19 +12,19 @@
 #include <string.h>
 
 enum {
-  TILE_SIDE = 32,   // cube texels along the side of a tile; a tile is one batch
-  LIGHT_BLOCK = 16, // texels over which samples of lights are stratified
+  TILE_SIDE = 32,   // cube texels along the side of a tile, which is one batch
+  LIGHT_BLOCK = 16, // texels across which light samples are stratified
   SALT_BLOCK = 0x434C4153,
   SALT_SCATTER = 0x43534341
 };
 
-// Off the middle, because from a probe that stands symmetrically in a room the middles' rays would meet edges of walls
-// exactly, where neither wall is certain.
+// Offset of samples from texel centres: from a probe placed symmetrically in a room, rays through the centres would hit
+// edges of walls exactly, where it is undetermined which wall they hit.
 static const olx_vec2 sample_offset = {0.5078125f, 0.48828125f};
 
 enum { NO_SIDE = 6 };
 
-// Where the sky is, along the axis of its cube face.
+// Distance that stands for the sky, along the axis of its cube face.
 static const float far_away = 1e30f;
 
 static uint32_t cube_texel(const olx_classic_bake *b, uint32_t tile, uint32_t i) {
@@ -49,7 +49,7 @@ static void cast_tile(const olx_classic_bake *b, olx_shade_scratch *scratch, uin
   atomic_fetch_add_explicit(&b->shade->rays, OLX_BATCH_POINTS, memory_order_relaxed);
 }
 
-// Rays through both lobes: those of the diffuse one look for lights, where they can find any.
+// Draws rays through both lobes. A ray of the diffuse lobe samples lights only where it can hit one.
 static uint32_t choose_paths(const olx_classic_bake *b, olx_shade_scratch *scratch) {
   olx_shade_batch *roots = &scratch->roots;
   uint32_t paths = 0;
@@ -67,7 +67,7 @@ static uint32_t choose_paths(const olx_classic_bake *b, olx_shade_scratch *scrat
   return paths;
 }
 
-// Lights a tile as light field probes are lit, so that the methods differ in what they make of the light alone.
+// Lights a tile by the same method as light field probes, so that the methods differ only in how they use the light.
 // Emission is left out, because direct lighting samples it.
 static void light_tile(const olx_classic_bake *b, olx_shade_scratch *scratch, uint32_t tile) {
   olx_shade_batch *roots = &scratch->roots;
@@ -87,12 +87,12 @@ static void light_tile(const olx_classic_bake *b, olx_shade_scratch *scratch, ui
   olx_shade_reflections(b->shade, scratch, paths, b->bounces, OLX_REFLECT_LIGHTS | OLX_REFLECT_BOUNCES);
 }
 
-// Which side of a box around the probe the surface could be, if it faces along an axis.
+// Records which side of a box around the probe the surface could belong to, if it faces along an axis.
 static void note_side(const olx_classic_bake *b, uint32_t texel, const olx_surface *surface) {
   const float normal[3] = {surface->geometric_normal.x, surface->geometric_normal.y, surface->geometric_normal.z};
   b->place[texel] = olx_sub(surface->position, b->shade->scene->bounds_min);
   for (uint32_t axis = 0; axis < 3; axis++) {
-    // One coordinate of a unit vector can exceed this bound, or two of them by next to nothing.
+    // At most one coordinate of a unit vector exceeds this bound, up to rounding.
     if (fabsf(normal[axis]) >= 0.7f) b->side[texel] = (uint8_t)(2 * axis + (normal[axis] < 0.0f));
   }
 }
@@ -117,17 +117,17 @@ static void cube_job(void *user, uint32_t tile) {
   olx_shade_scratch_give(b->shade, scratch);
 }
 
-// A side of less than this share of the sphere says nothing.
+// A side that covers less than this share of the sphere is ignored.
 static const float least_share = 0.01f;
-// This share of the surfaces that could be a side may lie farther out, and twice this share of all that is seen may lie
-// beyond the side, as a view through a door does.
+// Share of the surfaces of a side that may lie farther out than the side; twice this share of all that is seen may lie
+// beyond it, as in a view through a door.
 static const float share_outside = 0.1f;
 
 enum { BINS = 4096 };
 
 static float axis_of(olx_vec3 v, uint32_t axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 
-// The solid angle of all that is seen beyond a side at `place`.
+// The solid angle of everything that is seen beyond a side at `place`.
 static float seen_beyond(const olx_classic_bake *b, uint32_t side, float place, float tolerance) {
   const uint32_t face = b->filter.cube_size * b->filter.cube_size;
   float sum = 0.0f;
@@ -138,8 +138,9 @@ static float seen_beyond(const olx_classic_bake *b, uint32_t side, float place, 
   return sum;
 }
 
-// How far out the surfaces are that could be side `side`. Not where most of them are: things in a room hide its walls.
-// False when too much is seen beyond it, so that it closes nothing.
+// Distance of the outer surfaces that could belong to side `side`. The outer ones count rather than most of them,
+// because objects in a room hide its walls. Returns false when too much is seen beyond the side for it to enclose the
+// room.
 static bool outer_side(const olx_classic_bake *b, uint32_t side, float extent, float *place) {
   const uint32_t face = b->filter.cube_size * b->filter.cube_size;
   float weight[BINS] = {0}, moment[BINS] = {0}, total = 0.0f;
@@ -155,7 +156,7 @@ static bool outer_side(const olx_classic_bake *b, uint32_t side, float extent, f
   const bool high = side & 1u;
   float sum = 0.0f;
   uint32_t bin = high ? BINS - 1 : 0;
-  // From the outermost bin inwards; the one that is found holds something, because the sum grew there.
+  // Searches from the outermost bin inwards; the bin that is found is not empty, because the sum grew there.
   while (sum + weight[bin] < share_outside * total) {
     sum += weight[bin];
     bin = high ? bin - 1 : bin + 1;

@@ -1,5 +1,5 @@
-// Filters a cube map of radiance into the baseline's maps: an octahedral map, its irradiance, and levels prefiltered
-// for rough lobes. The table of reflectances is integrated here, too.
+// Filters a cube map of radiance into classic maps: an octahedral map, its irradiance, and levels prefiltered for rough
+// lobes. The table of reflectances is also integrated here.
 #include "bake/classic_filter.h"
 
 #include "bake/border.h"
@@ -25,7 +25,7 @@ uint32_t olx_classic_sharpness(uint32_t size, uint32_t cube_size) {
   return sharpness < 65536 ? sharpness : 65536;
 }
 
-// Beyond the angle where the lobe falls below this share of its peak nothing is summed.
+// Lobes are cut off where they fall below this share of their peak.
 static const float lobe_floor = 0.0025f;
 
 static float power(float base, uint32_t exponent) {
@@ -36,8 +36,8 @@ static float power(float base, uint32_t exponent) {
   return result;
 }
 
-// The texels along one axis of a face that a cone may reach: `along` and `across` are its direction's coordinates along
-// the face's axis and this one.
+// The range of texels along one axis of a face that a cone may reach. `along` and `across` are the coordinates of the
+// cone's direction along the face's axis and along this one.
 static bool reach(float along, float across, float angle, uint32_t size, uint32_t *first, uint32_t *end) {
   const float length = sqrtf(along * along + across * across), sine = sinf(angle);
   float low = -0.25f * OLX_PI, high = 0.25f * OLX_PI;
@@ -53,7 +53,8 @@ static bool reach(float along, float across, float angle, uint32_t size, uint32_
   return true;
 }
 
-// Equation 4.9 of the dissertation: cube texels weighted by a power of the cosine, and by their solid angle.
+// Filters cube texels in a direction, weighted by a power of the cosine and by solid angle (equation 4.9 of the
+// dissertation).
 static olx_vec3 resample(const olx_classic_filter *f, olx_vec3 direction) {
   const uint32_t n = f->cube_size;
   const float angle = acosf(powf(lobe_floor, 1.0f / (float)f->sharpness));
@@ -93,7 +94,7 @@ static void resample_job(void *user, uint32_t y) {
   }
 }
 
-// The mean of four texels by solid angle.
+// Averages four texels, weighted by solid angle.
 static void average(const olx_vec3 *finer, uint32_t finer_side, olx_vec3 *coarser) {
   const uint32_t side = finer_side / 2, stride = side + 2, finer_stride = finer_side + 2;
   for (uint32_t y = 0; y < side; y++) {
@@ -127,7 +128,7 @@ static olx_vec3 chain_look_up(const olx_classic_filter *f, olx_vec3 direction, f
   return olx_mix3(fine, chain_texel(f, below + 1, uv), level - (float)below);
 }
 
-// The lobe of an eye and a mirror direction along the normal.
+// Draws samples of the lobe for a view direction along the normal.
 static void draw_lobe(olx_classic_filter *f, uint32_t level) {
   const float roughness = olx_classic_level_roughness(level), alpha = roughness * roughness;
   const float texel = 4.0f * OLX_PI / ((float)f->size * (float)f->size);
@@ -172,7 +173,7 @@ static void prefilter_job(void *user, uint32_t y) {
   }
 }
 
-// The hemisphere's directions alike, weighted by the cosine: cells of the octahedral map, integrated exactly.
+// Integrates irradiance over the hemisphere, weighted by the cosine, exactly over each cell of the octahedral map.
 static void irradiance_job(void *user, uint32_t row) {
   const olx_classic_filter *f = user;
   olx_quadrature_irradiance(&f->quadrature, f->cells, f->size, row, f->irradiance, f->size);
@@ -253,10 +254,11 @@ void olx_classic_filter_free(olx_classic_filter *f) {
   *f = (olx_classic_filter){0};
 }
 
-// Half vectors are those that the distribution draws at the middles of ROWS x COLUMNS strata; those on one side of the
-// eye's plane say all. Rows are crowded towards the horizon, where few are drawn and each counts for much.
+// Half vectors are the distribution's at the midpoints of ROWS x COLUMNS strata; by symmetry, those on one side of the
+// view plane suffice. Rows are denser towards the horizon, where few half vectors are drawn and each has a large
+// weight.
 enum { ROWS = 64, COLUMNS = 16 };
-static const float least_cosine = 1e-4f, least_roughness = 1e-2f; // smaller ones count as these
+static const float least_cosine = 1e-4f, least_roughness = 1e-2f; // smaller values are clamped to these
 
 olx_vec2 olx_classic_integrate(float cosine, float roughness) {
   cosine = olx_max(cosine, least_cosine);
@@ -272,7 +274,7 @@ olx_vec2 olx_classic_integrate(float cosine, float roughness) {
       const float phi = OLX_PI * ((float)column + 0.5f) / COLUMNS;
       const float vh = sine * cosf(phi) * view.x + nh * view.z, light = 2.0f * vh * nh - view.z;
       if (light <= 0.0f || vh <= 0.0f) continue;
-      // BRDF times cosine over the density of the light's direction, without Fresnel: G vh / (nh nv).
+      // The BRDF times the cosine over the density of the light's direction, without Fresnel: G vh / (nh nv).
       const float weight = crowding * olx_classic_masking(alpha, light) * vh / (nh * (cosine * (1.0f - k) + k));
       const float fresnel = olx_pow5(olx_clamp(1.0f - vh, 0.0f, 1.0f));
       scale += (double)(weight * (1.0f - fresnel));

@@ -7,7 +7,7 @@
 #include <string.h>
 
 // Weights of the penalties on a correction's size and on its differences between neighbouring directions, relative to
-// the surface points a probe answers for on average.
+// the mean number of surface points that a probe contributes to.
 static const float SIZE_PENALTY = 1e-4f;
 static const float SMOOTHNESS_PENALTY = 3e-4f;
 

@@ -1,5 +1,5 @@
-// Finds which probes are neighbours by a Delaunay triangulation of their positions (Qhull), with answers of its own for
-// positions that coincide and for sets that are flat.
+// Finds which probes are neighbours by a Delaunay triangulation of their positions (Qhull), with special cases for
+// coincident positions and for sets that lie in one plane.
 #include "bake/delaunay.h"
 
 #include "core/hooks.h"
@@ -11,30 +11,30 @@
 #include <string.h>
 
 enum {
-  LATTICE = 1 << 20,         // places a site can have along the longest side of all
-  MAX_ALL_NEIGHBOURS = 4096, // probes that may all be neighbours
-  EDGES = 12                 // of a tetrahedron, both ways
+  LATTICE = 1 << 20,         // lattice points along the longest side of the bounds
+  MAX_ALL_NEIGHBOURS = 4096, // most probes that may all be neighbours of each other
+  EDGES = 12                 // directed edges of a tetrahedron
 };
-// Height over a plane, as a share of the longest side, below which sites lie in it: the lattice may tilt planes a
-// little.
+// Height over a plane, as a share of the longest side, below which sites count as lying in it: rounding to the lattice
+// may tilt planes slightly.
 static const double FLAT = 1e-4;
-// Six times a tetrahedron's volume over its longest side cubed below which it is flat, too.
+// Tetrahedra are also flat below this value of six times the volume over the cube of the longest edge.
 static const double SLIVER = 1e-4;
 
 // The position of one probe, or of several that coincide.
 typedef struct site {
-  int32_t place[3]; // on the lattice
+  int32_t place[3]; // lattice coordinates
   uint32_t probe;
 } site;
 
 typedef struct delaunay {
   uint32_t probe_count, place_count;
-  site *sites;         // one a probe, ordered by place
-  uint32_t *place_of;  // the place of each probe
+  site *sites;         // one per probe, ordered by place
+  uint32_t *place_of;  // index of each probe's place
   uint32_t *begin;     // place_count + 1: where each place begins in `sites`
-  double (*points)[3]; // of the places
-  uint64_t *edges;     // between places: from << 32 | to, both ways, in ascending order
-  size_t *edge_begin;  // place_count + 1: where those of each place begin
+  double (*points)[3]; // coordinates of the places
+  uint64_t *edges;     // edges between places: from << 32 | to, in both directions, in ascending order
+  size_t *edge_begin;  // place_count + 1: where the edges of each place begin
   size_t edge_count;
 } delaunay;
 
@@ -55,7 +55,7 @@ static int32_t on_lattice(float x, float low, double extent) {
   return extent > 0.0 ? (int32_t)lround(((double)x - (double)low) / extent * LATTICE) : 0;
 }
 
-// Positions become places, ordered; equal ones become one.
+// Rounds positions to places, sorts them, and merges equal ones.
 static void find_places(delaunay *d, const olx_vec3 *positions) {
   const uint32_t count = d->probe_count;
   olx_vec3 low = positions[0], high = positions[0];
@@ -91,8 +91,9 @@ static void cross(const double a[3], const double b[3], double out[3]) {
   for (int i = 0; i < 3; i++) out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
 }
 
-// The site farthest from the first, then that farthest from the line through both, then that farthest from the plane of
-// the three: flat when any of these is near.
+// Whether all sites lie in one plane: takes the site farthest from the first, then the one farthest from the line
+// through both, then the one farthest from the plane of the three. The set is flat when any of these distances is
+// small.
 static bool all_in_one_plane(const delaunay *d) {
   double edge[3] = {0}, normal[3] = {0}, farthest = 0.0;
   for (uint32_t i = 1; i < d->place_count; i++) {
@@ -122,7 +123,7 @@ static bool all_in_one_plane(const delaunay *d) {
   return highest <= FLAT;
 }
 
-// Whether four places lie in a plane but for the joggle and the lattice: on the hull of a grid such tetrahedra join
+// Whether four places lie in a plane up to the joggle and the lattice. On the hull of a grid, such tetrahedra connect
 // places that have others between them.
 static bool is_sliver(const delaunay *d, const uint32_t corners[4]) {
   double sides[3][3], normal[3], longest = 0.0;
@@ -134,7 +135,7 @@ static bool is_sliver(const delaunay *d, const uint32_t corners[4]) {
   return fabs(dot(normal, sides[2])) <= SLIVER * longest * sqrt(longest);
 }
 
-// The edges of all tetrahedra but slivers, both ways, each once.
+// Collects the edges of all tetrahedra except slivers, in both directions, each once.
 static olx_result find_edges(delaunay *d, qhT *qh) {
   facetT *facet;
   size_t tetrahedra = 0, count = 0;
@@ -172,7 +173,8 @@ static void index_edges(delaunay *d) {
   }
 }
 
-// Qhull, its input joggled by random numbers of a fixed seed (QJ, QR-n), its output and warnings kept to itself.
+// Runs Qhull, with its input joggled by random numbers of a fixed seed (QJ, QR-n) and its output and warnings
+// suppressed.
 static olx_result triangulate(delaunay *d) {
   char *message = NULL, command[] = "qhull d QJ QR-12345 Pp";
   size_t message_bytes = 0;
@@ -194,7 +196,7 @@ static olx_result triangulate(delaunay *d) {
   return result;
 }
 
-// Every place neighbours every other.
+// Makes every place a neighbour of every other.
 static olx_result connect_all(delaunay *d) {
   const uint32_t count = d->place_count;
   if (d->probe_count > MAX_ALL_NEIGHBOURS) {
@@ -216,7 +218,7 @@ static int compare_probes(const void *left, const void *right) {
   return a < b ? -1 : a > b;
 }
 
-// The other probes on a place, put into `list` unless that is NULL. Returns how many.
+// Appends the other probes of a place to `list` unless that is NULL. Returns their number.
 static size_t list_place(const delaunay *d, uint32_t place, uint32_t probe, uint32_t *list) {
   size_t count = 0;
   for (uint32_t i = d->begin[place]; i < d->begin[place + 1]; i++) {
@@ -227,7 +229,7 @@ static size_t list_place(const delaunay *d, uint32_t place, uint32_t probe, uint
   return count;
 }
 
-// The neighbours of a probe: on its own place, and on neighbouring ones.
+// Lists the neighbours of a probe: those at its own place and at neighbouring ones. Returns their number.
 static size_t list_neighbours(const delaunay *d, uint32_t probe, uint32_t *list) {
   const uint32_t place = d->place_of[probe];
   size_t count = list_place(d, place, probe, list);

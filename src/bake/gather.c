@@ -1,5 +1,5 @@
-// Looks around from irradiance probes, integrates the light that they see and the distances, fits irradiance to
-// surfaces, and writes the maps. Light comes from the solution for the whole scene, or from bounces between the probes.
+// Casts rays from irradiance probes, integrates the radiance and the distances they find, fits irradiance to surfaces,
+// and writes the maps. Light comes from the solution for the whole scene, or from bounces between the probes.
 #include "bake/gather.h"
 
 #include "bake/arrays.h"
@@ -16,7 +16,7 @@
 #include <string.h>
 
 enum {
-  SOLVED_POINTS = 64, // gather points over which samples of lights are stratified
+  SOLVED_POINTS = 64, // gather points across which light samples are stratified
   SALT_SOLVED = 0x534F4C56
 };
 
@@ -93,7 +93,7 @@ olx_result olx_gather_look(olx_gather *gather) {
   return OLX_OK;
 }
 
-// Which cell a gather point lies in, and its share of that.
+// The cell that holds a gather point, and the point's share of it.
 typedef struct point_place {
   olx_sample_place sample;
   float share;
@@ -108,7 +108,7 @@ static point_place place_of_point(const olx_gather *gather, uint32_t probe, uint
   return (point_place){p, olx_quarter_solid_angle(q, tile, quarter, per_quarter) / q->cell_solid_angle[p.cell]};
 }
 
-// Light that SOLVED_POINTS gather points of a probe, which fill whole cells, get from the solution.
+// Looks up the solved light of SOLVED_POINTS gather points of a probe, which fill whole cells.
 static void solved_job(void *user, uint32_t index) {
   const olx_gather *gather = user;
   const olx_quadrature *q = &gather->quadrature;
@@ -204,14 +204,14 @@ static void final_job(void *user, uint32_t row) {
   olx_quadrature_irradiance(&gather->quadrature, cells_of(gather, gather->probe), n, row, gather->irradiance, n);
 }
 
-// One probe's final map, not corrected.
+// Computes one probe's final map, without correction.
 static olx_result make_final(olx_gather *gather, uint32_t probe) {
   gather->probe = probe;
   const uint32_t rows = gather->quadrature.irradiance_size / OLX_BLOCK_ROWS;
   return olx_bake_for(gather->context, rows, final_job, gather, 0);
 }
 
-// All probes' final irradiance, projected, then fitted.
+// Projects all probes' final irradiance onto spherical harmonics and fits it to surfaces.
 static olx_result make_harmonics(olx_gather *gather) {
   const uint32_t bands = gather->projection.bands, count = olx_harmonics_count(bands);
   gather->harmonics = olx_allocate((size_t)olx_gather_probes(gather)->count * count, sizeof *gather->harmonics);
@@ -224,7 +224,7 @@ static olx_result make_harmonics(olx_gather *gather) {
                      : OLX_OK;
 }
 
-// One probe's final irradiance, as the file keeps it: at most a word a texel.
+// Packs one probe's final irradiance as the file stores it: at most a word per texel.
 static olx_result pack_irradiance(olx_gather *gather, uint32_t probe, uint32_t *packed) {
   const uint32_t n = gather->quadrature.irradiance_size, bands = gather->projection.bands;
   if (gather->harmonics) {
@@ -264,7 +264,7 @@ olx_result olx_gather_pack(olx_gather *gather, uint32_t probe, uint32_t *record)
 
 enum { GATHER_ARRAYS = 6 + OLX_KEPT_BOUNCES + 1 };
 
-// Bounces between probes each have maps of their own, as far as later ones look back.
+// Number of maps that are stored: one for each bounce, up to as many as later bounces read.
 static uint32_t kept_maps(bool solved, uint32_t bounces) {
   if (solved) return 1;
   return bounces < OLX_KEPT_BOUNCES ? bounces + 1 : OLX_KEPT_BOUNCES + 1;
@@ -304,7 +304,7 @@ uint64_t olx_gather_bytes(const olx_gather *gather, uint32_t irradiance_size, ui
   return bytes;
 }
 
-// For what reads the maps of bounces: once they are allocated.
+// Describes the maps of bounces to their readers, once they are allocated.
 static void describe_maps(olx_gather *gather, const olx_grid *grid, uint32_t irradiance_size, uint32_t kept) {
   olx_bounce_maps *maps = &gather->maps;
   maps->size = irradiance_size < 64 ? irradiance_size : 64;
@@ -330,7 +330,7 @@ olx_result olx_gather_create(olx_gather *gather, const olx_grid *grid, uint32_t 
       olx_arrays_allocate(rows, list_arrays(gather, &gather->quadrature, gather->light, bounces, rows));
   describe_maps(gather, grid, irradiance_size, kept_maps(gather->light, bounces));
   if (!complete) {
-    olx_gather_free(gather); // which forgets how many probes there were
+    olx_gather_free(gather); // olx_gather_free resets the number of probes
     return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for %u irradiance probes", probes);
   }
   gather->traces = gather->traces && bounces > 0;

@@ -34,7 +34,7 @@ static void light_samples(const olx_gather *gather, olx_shade_scratch *scratch, 
   olx_shade_reflections(gather->shade, scratch, reflections, 0, OLX_REFLECT_LIGHTS);
 }
 
-// The direct light of gather points, each the mean of what its quarter of a cell shows.
+// Stores the direct light of gather points, each the mean over its quarter of a cell.
 static void keep_direct(const olx_gather *gather, const olx_shade_scratch *scratch, uint32_t tile) {
   const olx_quadrature *q = &gather->quadrature;
   const uint32_t per_quarter = olx_samples_per_cell(q) / 4, per_tile = OLX_BATCH_POINTS / per_quarter;
@@ -62,7 +62,7 @@ void olx_gather_light_tile(const olx_gather *gather, olx_shade_scratch *scratch,
   if (gather->traces) keep_direct(gather, scratch, tile);
 }
 
-// Adds the diffuse reflection of the light that rays find of the bounce before.
+// Adds the diffuse reflection of the previous bounce's light, which rays gather.
 static void add_traced(const olx_gather *gather, olx_shade_scratch *scratch, uint32_t probe) {
   olx_shade_batch *roots = &scratch->roots;
   const size_t first = (size_t)probe * olx_gather_points(&gather->quadrature);
@@ -72,7 +72,7 @@ static void add_traced(const olx_gather *gather, olx_shade_scratch *scratch, uin
   }
 }
 
-// Stores the light that the rays of the next bounce will find.
+// Stores the light that rays of the next bounce will gather.
 static void keep_traced(const olx_gather *gather, const olx_shade_scratch *scratch, uint32_t probe) {
   const size_t first = (size_t)probe * olx_gather_points(&gather->quadrature);
   olx_vec3 *light = olx_traced_light(&gather->traced, gather->bounce);
@@ -82,7 +82,7 @@ static void keep_traced(const olx_gather *gather, const olx_shade_scratch *scrat
   }
 }
 
-// Light of one batch of a probe's gather points.
+// Computes the light of one batch of a probe's gather points.
 static void bounce_job(void *user, uint32_t index) {
   const olx_gather *gather = user;
   const olx_quadrature *q = &gather->quadrature;

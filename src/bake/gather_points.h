@@ -1,4 +1,5 @@
-// Where irradiance probes look: samples of their spheres, and the gather points that stand for four of a cell each.
+// Directions in which irradiance probes cast rays: samples of the sphere, and gather points, each of which represents a
+// quarter of a cell.
 #ifndef OLX_BAKE_GATHER_POINTS_H
 #define OLX_BAKE_GATHER_POINTS_H
 
@@ -7,7 +8,7 @@
 #include "core/sampling.h"
 
 enum {
-  OLX_GATHER_TILE = 32, // samples along the side of a tile; a tile is one batch
+  OLX_GATHER_TILE = 32, // samples along the side of a tile, which is one batch
   OLX_SALT_PICK = 0x47415448,
   OLX_SALT_CELL = 0x43454C4C,
   OLX_SALT_JITTER = 0x4A495454
@@ -25,7 +26,7 @@ static inline uint32_t olx_samples_per_cell(const olx_quadrature *q) {
 
 static inline uint32_t olx_gather_points(const olx_quadrature *q) { return 4 * q->cells * q->cells; }
 
-// Where sample `i` of a tile, in Morton order, lies in the map of samples.
+// Position of sample `i` of a tile, in Morton order, in the map of samples.
 typedef struct olx_sample_place {
   uint32_t x, y, cell;
 } olx_sample_place;
@@ -37,9 +38,9 @@ static inline olx_sample_place olx_place_of(const olx_quadrature *q, uint32_t ti
   return (olx_sample_place){x, y, y / per_cell * q->cells + x / per_cell};
 }
 
-// A direction within the sample's texel, drawn by a probe's key, because a regular one would meet edges of walls
-// exactly, where neither wall is certain, from a probe that lies as symmetrically in a room as probes of grids often
-// do.
+// A direction within the sample's texel, jittered by a probe's key. From a probe placed symmetrically in a room, as
+// probes of grids often are, regular directions would hit edges of walls exactly, where it is undetermined which wall
+// they hit.
 static inline olx_vec3 olx_sample_direction(const olx_quadrature *q, uint32_t key, olx_sample_place p) {
   const uint32_t hash = olx_hash3(key, p.y * q->sample_size + p.x, OLX_SALT_JITTER);
   const float scale = 1.0f / (float)q->sample_size, u = ((float)(hash & 0xFFFFu) + 0.5f) * 0x1p-16f;
@@ -47,7 +48,8 @@ static inline olx_vec3 olx_sample_direction(const olx_quadrature *q, uint32_t ke
   return olx_octahedral_decode((olx_vec2){((float)p.x + u) * scale, ((float)p.y + v) * scale});
 }
 
-// A quarter of a cell holds consecutive samples; one of them, drawn by hash, is the gather point that stands for it.
+// Index of the sample that represents a gather point: one of the consecutive samples in its quarter of a cell, drawn by
+// hash.
 static inline uint32_t olx_picked_sample(uint32_t key, uint32_t point, uint32_t per_quarter) {
   return olx_hash3(key, point, OLX_SALT_PICK) & (per_quarter - 1);
 }

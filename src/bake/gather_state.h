@@ -1,4 +1,4 @@
-// What gathering keeps from step to step: the probes, what each sees, and the light of bounces.
+// The state of gathering: the probes, what each sees, and the light of bounces.
 #ifndef OLX_BAKE_GATHER_STATE_H
 #define OLX_BAKE_GATHER_STATE_H
 
@@ -15,19 +15,19 @@ typedef struct olx_gather {
   olx_shade_context *shade;
   const olx_scene_light *light; // solved for the whole scene, or NULL: bounces between the probes (gather_bounces.h)
   olx_quadrature quadrature;
-  olx_ray_hit *hits;         // of each probe's gather points, four a cell
+  olx_ray_hit *hits;         // hits of each probe's gather points, four per cell
   olx_vec3 *total;           // radiance of each probe's cells
-  olx_vec3 *direct;          // direct light in it; NULL with `light`
-  olx_vec2 *distances;       // of one probe's distance cells: mean and mean square
+  olx_vec3 *direct;          // direct light in `total`; NULL with `light`
+  olx_vec2 *distances;       // mean and mean square of one probe's distance cells
   olx_vec2 *moments;         // maps with border
-  olx_bounce_maps maps;      // with `light`, of one bounce alone, which is all light
-  uint32_t probe;            // that is worked on, in loops over the parts of one
-  uint32_t bounce;           // that is gathered
+  olx_bounce_maps maps;      // with `light`, of a single bounce that is all light
+  uint32_t probe;            // probe in work, for loops over the parts of one probe
+  uint32_t bounce;           // bounce in work
   olx_vec3 *irradiance;      // one probe's final map
   olx_surface_fit *fit;      // NULL until the first olx_gather_fit
-  olx_projection projection; // where the file's irradiance is spherical harmonics
-  olx_vec3 *harmonics;       // and the coefficients of all probes, once they are made
-  bool traces;               // bounces are gathered by rays: the caller's to set
+  olx_projection projection; // used where the file stores irradiance as spherical harmonics
+  olx_vec3 *harmonics;       // coefficients of all probes, once computed
+  bool traces;               // whether bounces are gathered by rays; set by the caller
   olx_traced_bounce traced;
 } olx_gather;
 

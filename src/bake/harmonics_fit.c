@@ -10,13 +10,13 @@
 enum { STEPS = 48 }; // of conjugate gradients
 
 // Weights of the penalties on a correction's mean square over directions and on that of its slope, relative to the
-// points a probe answers for: what the penalties on the cells of a map's correction sum up to over the sphere.
+// points that a probe contributes to: the sums over the sphere of the penalties on the cells of a map's correction.
 static const float SIZE_PENALTY = 1e-4f * OLX_CORRECTION_CELLS;
 static const float SMOOTHNESS_PENALTY = 3e-4f * 4.0f * OLX_PI;
 
 typedef struct harmonics_fit {
   const olx_surface_fit *fit;
-  uint32_t count, point_count; // of coefficients a probe, of points
+  uint32_t count, point_count; // number of coefficients per probe, and of points
   olx_corrections corrections;
 } harmonics_fit;
 
@@ -38,7 +38,7 @@ static void scatter(const harmonics_fit *h, olx_vec3 *x, const olx_irradiance_we
   }
 }
 
-// Scatters the prediction of `x` at every point, or its difference to the measurements, back to the unknowns that it
+// Scatters the prediction of `x` at every point, or its difference from the measurements, back to the unknowns that it
 // depends on.
 static void accumulate(const harmonics_fit *h, const olx_vec3 *x, bool residual, olx_vec3 *unknowns) {
   memset(unknowns, 0, h->corrections.unknowns * sizeof *unknowns);
@@ -55,7 +55,8 @@ static void accumulate(const harmonics_fit *h, const olx_vec3 *x, bool residual,
 static void penalize(const harmonics_fit *h, const olx_vec3 *x, olx_vec3 *product) {
   for (size_t u = 0; u < h->corrections.unknowns; u++) {
     const uint32_t index = (uint32_t)(u % h->count), band = index == 0 ? 0 : index < 4 ? 1 : 2;
-    const float penalty = SIZE_PENALTY + SMOOTHNESS_PENALTY * (float)(band * (band + 1)); // -l (l + 1): the Laplacian's
+    const float penalty = SIZE_PENALTY + SMOOTHNESS_PENALTY * (float)(band * (band + 1)); // -l (l + 1) is the
+                                                                                          // eigenvalue of the Laplacian
     product[u] = olx_madd(product[u], x[u], penalty * OLX_FIT_POINTS_PER_PROBE * olx_harmonics_mean_square(index));
   }
 }

@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-// Every second bit of `index`, packed: the column of a position on the curve; the row is that of index >> 1.
+// Extracts every second bit of `index`: the column of a position on the curve; the row is that of index >> 1.
 static inline uint32_t olx_morton_coordinate(uint32_t index) {
   index &= 0x55555555u;
   index = (index | index >> 1) & 0x33333333u;

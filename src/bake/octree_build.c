@@ -13,12 +13,12 @@
 
 enum {
   NODES_A_JOB = 64,
-  EMPTY_SAMPLES = 8 // rays by which a probe may see an empty leaf above the finest level
+  EMPTY_SAMPLES = 8 // sample rays that decide whether a probe sees an empty leaf above the finest level
 };
-// By how much voxels are grown against rounding, in sides of the finest.
+// Margin by which voxels are grown against rounding, in sides of the finest voxel.
 static const float SLACK = 1e-3f;
 
-// A voxel among the 2^level along each axis.
+// The coordinates of a voxel among 2^level along each axis.
 typedef struct voxel {
   uint16_t x, y, z;
 } voxel;
@@ -31,22 +31,22 @@ typedef struct tree_level {
   uint32_t *triangles;
 } tree_level;
 
-// What one job makes of its nodes: which of their children are inner nodes, and the choices of those that are leaves.
+// The output of one job: which children of its nodes are inner nodes, and the probes chosen for those that are leaves.
 typedef struct batch {
-  uint8_t *inner_mask; // of each node, a bit a child
+  uint8_t *inner_mask; // one bit per child of each node
   void *codes;
   uint32_t leaf_count;
-  tree_level children; // those that are inner nodes
+  tree_level children; // children that are inner nodes
   olx_result result;
 } batch;
 
 typedef struct octree_build {
   const olx_selector_input *input;
   olx_vec3 low;
-  float side;      // of the root, metres
-  uint32_t levels; // of subdivision
+  float side;      // side of the root, metres
+  uint32_t levels; // levels of subdivision
   uint32_t code_bytes;
-  uint32_t level; // of the nodes that are being subdivided
+  uint32_t level; // level of the nodes that are being subdivided
   const tree_level *nodes;
   batch *batches;
 } octree_build;
@@ -91,7 +91,7 @@ static olx_vec3 voxel_centre(const octree_build *b, voxel v, uint32_t level) {
   return olx_v3(((float)v.x + 0.5f) * side, ((float)v.y + 0.5f) * side, ((float)v.z + 0.5f) * side);
 }
 
-// A bit for each child of a node on the level being subdivided that the triangle touches.
+// A mask of the node's children, on the level being subdivided, that the triangle touches.
 static uint8_t children_touched(const octree_build *b, voxel v, uint32_t triangle) {
   olx_vec3 corners[3];
   place_triangle(b, triangle, corners);
@@ -106,8 +106,8 @@ static uint8_t children_touched(const octree_build *b, voxel v, uint32_t triangl
   return (uint8_t)mask;
 }
 
-// The mean normal of those triangles whose masks name the child, each as long as 1 and turned to the side of the sum
-// before it: the probes' visibility decides which side counts. 0 when there are none.
+// The mean normal of the triangles whose masks include the child. Each unit normal is flipped to the side of the sum so
+// far: the probes' visibility decides which side counts. Returns 0 when no triangle touches the child.
 static olx_vec3 mean_normal(const octree_build *b, const uint32_t *triangles, const uint8_t *masks, size_t count,
                             uint32_t child) {
   olx_vec3 sum = olx_splat(0.0f);
@@ -131,13 +131,13 @@ typedef struct leaf_box {
   uint32_t seed;
 } leaf_box;
 
-// Whether nothing is between a probe and a point, up to where their line enters the box when `to_box`.
+// Whether a probe sees a point, or with `to_box`, whether it sees where the line to the point enters the box.
 static bool sees(const octree_build *b, uint32_t probe, olx_vec3 point, const leaf_box *box, bool to_box) {
   const olx_vec3 origin = b->input->positions[probe], direction = olx_sub(point, origin);
   float t_max = 1.0f;
   if (to_box) {
     const float length = olx_max(fabsf(direction.x), olx_max(fabsf(direction.y), fabsf(direction.z)));
-    // The point is the centre, so the line enters by the face across the axis of its largest component.
+    // The point is the centre, so the line enters through the face across its largest component.
     if (length <= box->half) return true;
     t_max = 1.0f - box->half * (1.0f + 2.0f * SLACK) / length;
   }
@@ -158,7 +158,7 @@ static bool sees_leaf(const octree_build *b, uint32_t probe, const leaf_box *box
   return false;
 }
 
-// n . p / d for a leaf with a surface, 1 / d for an empty one.
+// The score of a probe: n . p / d for a leaf with a surface, 1 / d for an empty leaf.
 static float score(const octree_build *b, uint32_t probe, const leaf_box *box) {
   const olx_vec3 offset = olx_sub(b->input->positions[probe], box->centre);
   const float squared = olx_dot(offset, offset);
@@ -166,7 +166,7 @@ static float score(const octree_build *b, uint32_t probe, const leaf_box *box) {
   return box->empty ? 1.0f / sqrtf(squared) : fabsf(olx_dot(box->normal, offset)) / squared;
 }
 
-// The best probes that see the leaf: in the order of their scores, until there are enough.
+// Chooses the probes that see the leaf, in descending order of score, until there are enough.
 static void choose(const octree_build *b, const leaf_box *box, candidate *heap, uint32_t choices[OLX_CHOICES]) {
   uint32_t count = 0, known = 0;
   for (uint32_t i = 0; i < b->input->count; i++) {
@@ -185,7 +185,7 @@ static void choose(const octree_build *b, const leaf_box *box, candidate *heap, 
 // ---- One level
 
 typedef struct job_scratch {
-  uint8_t *masks; // of each triangle of the job's nodes
+  uint8_t *masks; // a mask for each triangle of the job's nodes
   candidate *heap;
 } job_scratch;
 
@@ -223,7 +223,7 @@ static void fill_inner(const octree_build *b, batch *out, const job_scratch *scr
   children->first[children->count] = used;
 }
 
-// Which children each node has, and room for them.
+// Finds which children each node has, and allocates room for them.
 static bool prepare(const octree_build *b, batch *out, job_scratch *scratch, uint32_t begin, uint32_t end) {
   const tree_level *nodes = b->nodes;
   const bool finest = b->level + 1 == b->levels;
@@ -284,15 +284,14 @@ static void free_level(tree_level *level) {
 
 // ---- The whole tree
 
-// A level of the tree as it goes into the file: the masks of its nodes, and the codes of their children that are
-// leaves.
+// A level of the tree as the file stores it: the masks of its nodes, and the codes of the children that are leaves.
 typedef struct finished_level {
   uint32_t node_count, leaf_count;
   uint8_t *inner_mask;
   void *codes;
 } finished_level;
 
-// Put the batches together, in order.
+// Concatenates the batches in order.
 static bool gather(const octree_build *b, uint32_t batch_count, finished_level *done, tree_level *next) {
   size_t triangles = 0;
   *done = (finished_level){.node_count = b->nodes->count};
@@ -356,7 +355,7 @@ static olx_result start_root(const octree_build *b, tree_level *root) {
   return OLX_OK;
 }
 
-// The nodes and choices of all levels, one after the other.
+// Concatenates the nodes and the choices of all levels.
 static olx_result assemble(const octree_build *b, const finished_level *done, void **data, size_t *size_bytes) {
   uint64_t inner_nodes = 0;
   for (uint32_t level = 0; level < b->levels; level++) inner_nodes += done[level].node_count;

@@ -1,4 +1,4 @@
-// The two sets of probes of a bake.
+// The two sets of probes of a bake: light field probes and irradiance probes.
 #ifndef OLX_BAKE_PROBE_SETS_H
 #define OLX_BAKE_PROBE_SETS_H
 
@@ -10,7 +10,7 @@ typedef struct olx_probe_list {
   uint8_t *flags; // OLX_PROBE_*
 } olx_probe_list;
 
-// Irradiance probes are a finer grid of their own; a field without probe light has none.
+// Irradiance probes have a finer grid of their own; a field without probe light has none.
 typedef struct olx_probe_sets {
   olx_probe_list light_field, irradiance;
 } olx_probe_sets;

@@ -1,5 +1,5 @@
-// Casts coarse maps of distance and normal around every probe, by which builders of selectors decide quickly which
-// probe sees which point.
+// Casts coarse maps of distance and normal around every probe, from which the builders of selectors quickly determine
+// which probe sees which point.
 #include "bake/probe_views.h"
 
 #include "bake/morton.h"
@@ -10,7 +10,7 @@
 
 enum { TILE_SIDE = 8, TILE_TEXELS = TILE_SIDE * TILE_SIDE, LARGEST_MAP = 128, MOST_TEXELS = 1 << 25 };
 
-// Surfaces under flatter angles than this cosine count as under this one.
+// Cosines of incidence are clamped to at least this.
 static const float LEAST_COSINE = 0.1f;
 
 static uint32_t map_size(const olx_selector_input *input) {

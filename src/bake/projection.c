@@ -1,5 +1,5 @@
-// Projects octahedral maps onto spherical harmonics by least squares: inverts the functions' products over the texels
-// once, and applies the inverse to every map.
+// Projects octahedral maps onto spherical harmonics by least squares: inverts the Gram matrix of the functions over the
+// texels once, and applies the inverse to every map.
 #include "bake/projection.h"
 
 #include "core/hooks.h"
@@ -11,7 +11,7 @@ typedef struct gram {
   double entry[OLX_HARMONICS_MOST][OLX_HARMONICS_MOST];
 } gram;
 
-// Products of the functions, integrated over the sphere: a sum over the texels.
+// The Gram matrix of the functions over the sphere, summed over the texels.
 static gram gram_of(uint32_t count, uint32_t size) {
   gram g = {.count = count};
   for (uint32_t t = 0; t < size * size; t++) {
@@ -25,7 +25,7 @@ static gram gram_of(uint32_t count, uint32_t size) {
   return g;
 }
 
-// Cholesky's factorization, in place: the lower half.
+// Cholesky factorization in place, in the lower half.
 static void factorize(gram *g) {
   for (uint32_t j = 0; j < g->count; j++) {
     for (uint32_t k = 0; k < j; k++) g->entry[j][j] -= g->entry[j][k] * g->entry[j][k];

@@ -9,7 +9,8 @@
 #include <stdint.h>
 #include <string.h>
 
-// Eight texels of the output at a time. Every texel sums its cells in the same order whatever the width of the machine.
+// Eight texels of the output at a time. Every texel sums its cells in the same order, independent of the machine's
+// vector width.
 typedef float lanes __attribute__((vector_size(32)));
 typedef int32_t mask __attribute__((vector_size(32)));
 
@@ -18,10 +19,10 @@ enum {
   TILE = 8 // distance cells along the side of a tile
 };
 
-// Lobes end where they have fallen to this share of their peak.
+// Lobes are cut off where they fall to this share of their peak.
 static const float lobe_floor = 1e-4f;
 
-// Lanes go by address: by value the call would differ between machines.
+// Passed by address: by value, the calling convention would differ between machines.
 static inline void keep_positive(lanes *x) { *x = (lanes)((mask)*x & (*x > 0.0f)); }
 
 static inline void raise_to(lanes *x, uint32_t exponent) {
@@ -72,7 +73,7 @@ OLX_WIDEST void olx_quadrature_irradiance(const olx_quadrature *quadrature, cons
       bb += wb * l;
     }
     olx_vec3 *first = map + (size_t)row * OLX_BLOCK_ROWS * stride + x, *second = first + stride;
-    // Cells that the horizon cuts count a little too low; the weights must come to pi.
+    // Cells that the horizon cuts have a slightly low weight; the weights must sum to pi.
     for (uint32_t i = 0; i < LANES; i++) {
       first[i] = olx_scale(olx_v3(ar[i], ag[i], ab[i]), OLX_PI / weight_a[i]);
       second[i] = olx_scale(olx_v3(br[i], bg[i], bb[i]), OLX_PI / weight_b[i]);
@@ -129,7 +130,7 @@ OLX_WIDEST void olx_quadrature_moments(const olx_quadrature *q, const olx_vec2 *
 
 static void fill_cells(olx_quadrature *q) {
   const uint32_t n = q->sample_size, half = n / 2, per_cell = n / q->cells, per_distance = n / q->distance_cells;
-  // The map is the same in its four quadrants.
+  // The map is symmetric in its four quadrants.
   for (uint32_t y = 0; y < half; y++) {
     for (uint32_t x = 0; x < half; x++) {
       const float angle = (float)olx_texel_solid_angle(x, y, n);
@@ -161,7 +162,7 @@ static void fill_cells(olx_quadrature *q) {
   }
 }
 
-// A cone around everything between the corners of a rectangle of the map.
+// A cone that encloses all directions between the corners of a rectangle of the map.
 typedef struct cone {
   olx_vec3 axis;
   float angle;
@@ -180,8 +181,8 @@ static cone cone_of(uint32_t x, uint32_t y, uint32_t width, uint32_t height, uin
   return c;
 }
 
-// Which tiles of distance cells the lobes of each block reach; returns how many, and stores them when `tiles` is not
-// NULL.
+// Finds which tiles of distance cells the lobes of each block reach; returns their number, and stores them when `tiles`
+// is not NULL.
 static uint32_t reach_tiles(const olx_quadrature *q, uint32_t *starts, uint16_t *tiles, const cone *cones) {
   const uint32_t side = q->distance_cells / TILE, blocks = q->irradiance_size / OLX_BLOCK_COLUMNS;
   const uint32_t rows = q->irradiance_size / OLX_BLOCK_ROWS;

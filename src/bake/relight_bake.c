@@ -1,5 +1,5 @@
-// Turns the solved light of a scene into what relighting needs: reduces the links of surfels and of volume probes to
-// few, and packs all of it into one structure.
+// Packs the solved light of a scene for relighting: reduces the links of surfels and of volume probes to a few each,
+// and writes them into one structure.
 #include "bake/relight_bake.h"
 
 #include "core/hooks.h"
@@ -12,26 +12,26 @@
 #include <string.h>
 
 enum {
-  MOST_LINKS = 256, // of a place
+  MOST_LINKS = 256, // per place
   PLACES_PER_JOB = 256,
   PLACES_AT_A_TIME = 64 * PLACES_PER_JOB,
-  VOLUME_RAYS = 256, // of a volume probe
+  VOLUME_RAYS = 256, // per volume probe
   PACKET = 64,
   SALT_VOLUME = 0x524C564F,
   SALT_DRAW = 0x524C4452
 };
 
-// The links of some places, PLACES_PER_JOB a job.
+// The links of PLACES_PER_JOB places, found by one job.
 typedef struct link_job {
   const olx_relight_bake *bake;
-  const olx_vec3 *positions; // of volume probes; NULL for surfels
+  const olx_vec3 *positions; // positions of volume probes; NULL for surfels
   uint32_t first, count;
-  olx_few_link *links; // MOST_LINKS a place
-  uint32_t *counts;    // a place
+  olx_few_link *links; // MOST_LINKS per place
+  uint32_t *counts;    // one per place
   atomic_bool out_of_memory;
 } link_job;
 
-// The links of a batch that start at a surfel; NULL when there are none.
+// Finds the links of a batch that start at a surfel; NULL when there are none.
 static const olx_link *links_of(const olx_link_batch *batch, uint32_t surfel) {
   uint32_t low = 0, high = batch->count;
   if (!batch->surfels) {
@@ -46,7 +46,7 @@ static const olx_link *links_of(const olx_link_batch *batch, uint32_t surfel) {
   return low < batch->count && batch->surfels[low] == surfel ? batch->links + (size_t)low * batch->rays : NULL;
 }
 
-// Which links of a place are drawn depends on the place alone.
+// The random number that selects the links of a place, a function of the place alone.
 static float draw_of(uint64_t place) {
   return olx_unit_float(olx_hash3((uint32_t)place, (uint32_t)(place >> 32), SALT_DRAW));
 }
@@ -72,7 +72,7 @@ static uint32_t link_surfel(const link_job *j, olx_link_list *list, uint32_t sur
   return olx_link_list_take(list, MOST_LINKS, draw_of(parts.surfels->surfels[surfel].cell), links);
 }
 
-// The links of a ray's end, which reflects as it does on average over views.
+// Adds the links of a ray's end, with its albedo averaged over views.
 static void add_end(const olx_relight_bake *b, olx_link_list *list, const olx_ray *ray, const olx_ray_hit *hit) {
   if (hit->triangle == OLX_NO_HIT) return;
   const olx_light_surfels *surfels = olx_scene_light_open(b->light).surfels;
@@ -81,7 +81,7 @@ static void add_end(const olx_relight_bake *b, olx_link_list *list, const olx_ra
   const uint32_t end = olx_light_surfels_find(surfels, key, &surface, INFINITY).surfel;
   if (end == OLX_CELL_NONE) return;
   const olx_vec3 albedo = olx_min_each(olx_bsdf_matte(&surface.bsdf).albedo, olx_splat(1.0f));
-  if (olx_max3(albedo) <= 0.0f) return; // nothing ever comes from there
+  if (olx_max3(albedo) <= 0.0f) return; // the surface reflects no light
   olx_link_list_add(list, &(olx_few_link){.from = end,
                                           .weight = olx_scale(albedo, 1.0f / (OLX_PI * VOLUME_RAYS)),
                                           .direction = ray->direction});
@@ -119,10 +119,11 @@ static void link_some(void *user, uint32_t job) {
   olx_link_list_free(&list);
 }
 
-// A byte that says a share, 255 for all.
+// Quantizes a share from 0 to 1 to a byte.
 static uint8_t byte_of(float share) { return (uint8_t)(olx_clamp(share, 0.0f, 1.0f) * 255.0f + 0.5f); }
 
-// Packs a link of either kind: those of surfels have no direction, those of volume probes are not straight.
+// Packs a link of either kind: links of surfels have no direction, and links of volume probes have a straight share of
+// 0.
 static olx_relight_volume_link packed(const olx_few_link *link) {
   const float weight = olx_luminance(link->weight), length = olx_length(link->direction);
   const uint32_t straight = weight > 0.0f ? byte_of(link->straight / weight) : 0;
@@ -132,7 +133,7 @@ static olx_relight_volume_link packed(const olx_few_link *link) {
                                    {(uint16_t)(at.x * 65535.0f + 0.5f), (uint16_t)(at.y * 65535.0f + 0.5f)}};
 }
 
-// Room for `more` links beyond `count`.
+// Reserves room for `more` links beyond `count`.
 static olx_result grow(olx_relight_rows *rows, uint64_t count, uint64_t more) {
   if (count + more <= rows->most) return OLX_OK;
   if (count + more > OLX_RELIGHT_MOST)
@@ -147,7 +148,7 @@ static olx_result grow(olx_relight_rows *rows, uint64_t count, uint64_t more) {
   return OLX_OK;
 }
 
-// Appends the links that a job has found to those of the jobs before.
+// Appends the links of a job to those of the jobs before.
 static olx_result append(const link_job *j, olx_relight_rows *rows) {
   uint64_t more = 0;
   for (uint32_t i = 0; i < j->count; i++) more += j->counts[i];
@@ -207,7 +208,7 @@ void olx_relight_bake_free(olx_relight_bake *b) {
 
 // ---- The structure
 
-// Bytes that are written one after the other.
+// A buffer of bytes that is written front to back.
 typedef struct output {
   char *next;
 } output;
@@ -217,7 +218,7 @@ static void put(output *o, const void *data, size_t size_bytes) {
   o->next += size_bytes;
 }
 
-// Area that a point of a cell stands for, but for a factor: points were found by rays that spread out.
+// Relative area that a point of a cell represents: points were sampled by rays that spread out.
 static float area_of(const olx_surface_point *point) { return point->footprint * point->footprint; }
 
 static void store_reflectance(olx_relight_surfel *stored, const olx_bsdf *bsdf) {
@@ -229,7 +230,7 @@ static void store_reflectance(olx_relight_surfel *stored, const olx_bsdf *bsdf) 
   stored->alpha = byte_of(bsdf->alpha);
 }
 
-// Points spread over the area that the surfel stands for, a little off the surface.
+// Packs a surfel, with sample points spread over the area that it represents, slightly off the surface.
 static olx_relight_surfel stored_surfel(const olx_relight_bake *b, uint32_t index) {
   const olx_scene_light_parts parts = olx_scene_light_open(b->light);
   const olx_light_surfel *s = &parts.surfels->surfels[index];

@@ -1,4 +1,4 @@
-// Finds the surfels from which the indirect light of a probe's texels follows, and their weights.
+// Finds the surfels from which the indirect light of a probe's texels is interpolated, and their weights.
 #include "bake/relight_sites.h"
 
 #include "bake/texel_blocks.h"
@@ -9,7 +9,7 @@
 
 enum { CORNERS = 4, MOST_ENTRIES = 8, WHOLE = 255 };
 
-// The surfels of a site and their weights at the corners of its block, as they are found.
+// The surfels of a site and their weights at the corners of its block, before quantization.
 typedef struct site_draft {
   uint32_t count;
   uint32_t surfel[CORNERS * OLX_NEIGHBOURS_MOST];
@@ -43,8 +43,8 @@ static void add_weight(site_draft *d, uint32_t surfel, uint32_t corner, float we
   d->weight[at][corner] += weight;
 }
 
-// Surfels around a surface, or the one that serves it where none are; negative weights, which extrapolate, are left
-// out.
+// Collects the weights of the surfels around a surface, or of the one that serves it where there are none. Negative
+// weights, which extrapolate, are left out.
 static void weigh(const olx_scene_light *light, const olx_surface *surface, uint32_t corner, site_draft *d) {
   const olx_scene_light_parts parts = olx_scene_light_open(light);
   const olx_surfel_weights weights = olx_surfel_weigh(parts.lookup, surface);
@@ -59,7 +59,7 @@ static void weigh(const olx_scene_light *light, const olx_surface *surface, uint
 
 static float sum_of(const float weight[CORNERS]) { return weight[0] + weight[1] + weight[2] + weight[3]; }
 
-// Moves the heaviest surfels to the front; returns how many are kept.
+// Moves the heaviest surfels to the front; returns the number that is kept.
 static uint32_t keep_heaviest(site_draft *d) {
   const uint32_t kept = d->count < MOST_ENTRIES ? d->count : MOST_ENTRIES;
   for (uint32_t i = 0; i < kept; i++) {
@@ -78,7 +78,7 @@ static uint32_t keep_heaviest(site_draft *d) {
   return kept;
 }
 
-// Weights at a corner as bytes whose sum is WHOLE: rounding falls on the first, the heaviest.
+// Quantizes the weights at a corner to bytes whose sum is WHOLE: the rounding error goes to the first, the heaviest.
 static void round_corner(const site_draft *d, uint32_t corner, site *s) {
   float sum = 0.0f;
   for (uint32_t i = 0; i < s->count; i++) sum += d->weight[i][corner];
@@ -116,8 +116,8 @@ static void light_at(const site_job *j, const olx_surface *surface, site *s) {
   finish_site(&draft, s);
 }
 
-// A site for every surface among the texels; where there are more than places, the rest take that of the nearest
-// normal.
+// Creates a site for every surface among the texels. Where a block has more surfaces than sites, the rest share the
+// site with the nearest normal.
 static void light_parts(const site_job *j, uint32_t block, const olx_block_surfaces *s, block_sites *b) {
   uint32_t first[OLX_RELIGHT_BLOCK_SITES];
   for (uint32_t i = 0; i < OLX_BLOCK_TEXELS; i++) {
@@ -128,7 +128,7 @@ static void light_parts(const site_job *j, uint32_t block, const olx_block_surfa
       first[at] = i;
       light_at(j, &s->surface[i], &b->sites[b->count++]);
     } else if (at < b->count && b->sites[at].count == 0) {
-      light_at(j, &s->surface[i], &b->sites[at]); // the texels before it lie in a fold, where no surfel is seen
+      light_at(j, &s->surface[i], &b->sites[at]); // the texels before it lie in a fold, from which no surfel is visible
     }
     if (at == OLX_RELIGHT_BLOCK_SITES) {
       at = 0;
@@ -143,11 +143,11 @@ static void light_parts(const site_job *j, uint32_t block, const olx_block_surfa
   }
 }
 
-// Texels in a fold, whose site nothing is known of, take that of the nearest normal which has surfels.
+// Gives texels in a fold, whose site has no surfels, the site with surfels whose normal is nearest.
 static void light_folds(const olx_block_surfaces *s, block_sites *b) {
   uint32_t of[OLX_RELIGHT_BLOCK_SITES] = {0};
   for (uint32_t i = OLX_BLOCK_TEXELS; i-- > 0;) {
-    if (s->seen >> i & 1u) of[b->block.which >> 2 * i & 3u] = i; // the first texel of each
+    if (s->seen >> i & 1u) of[b->block.which >> 2 * i & 3u] = i; // first texel of each site
   }
   for (uint32_t empty = 0; empty < b->count; empty++) {
     if (b->sites[empty].count > 0) continue;
@@ -180,7 +180,7 @@ static void light_row(void *user, uint32_t row) {
   for (uint32_t x = 0; x < blocks; x++) light_block(j, row * blocks + x);
 }
 
-// Room for `more` elements of an array beyond `count`.
+// Reserves room for `more` elements of an array beyond `count`.
 static olx_result grow(void *array, uint32_t count, uint32_t *most, uint64_t more, size_t size_bytes) {
   void **data = array;
   if (count + more <= *most) return OLX_OK;
@@ -228,7 +228,7 @@ olx_result olx_relight_sites_add(olx_relight_sites *sites, const olx_capture *ca
   return result;
 }
 
-// Numbers of sites and entries go on from those that are there.
+// Indices of appended sites and entries continue those of the existing ones.
 olx_result olx_relight_sites_append(olx_relight_sites *s, const olx_relight_sites *more) {
   OLX_TRY(grow(&s->blocks, s->block_count, &s->block_most, more->block_count, sizeof *s->blocks));
   OLX_TRY(grow(&s->starts, s->site_count, &s->site_most, more->site_count + UINT64_C(1), sizeof *s->starts));

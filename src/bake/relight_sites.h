@@ -8,19 +8,20 @@
 #include "light/scene_light.h"
 #include "work/byte_stream.h"
 
-// The sites of all probes that were captured so far. The arrays grow as probes are added.
+// The sites of all probes captured so far. The arrays grow as probes are added.
 typedef struct olx_relight_sites {
   olx_relight_block *blocks;
-  uint32_t *starts; // of each site's entries, and the end
+  uint32_t *starts; // start of each site's entries, and the end
   olx_relight_entry *entries;
   uint32_t block_count, block_most, site_count, site_most, entry_count, entry_most;
 } olx_relight_sites;
 
-// Appends those of the probe that was captured last. Fails when memory is out or when there are more than a file holds.
+// Appends the sites of the latest captured probe. Fails when memory runs out or when there are more sites than a file
+// can hold.
 olx_result olx_relight_sites_add(olx_relight_sites *sites, const olx_capture *capture, const olx_scene_light *light);
-// Appends those of another, which were added or loaded by themselves.
+// Appends the sites of another list.
 olx_result olx_relight_sites_append(olx_relight_sites *sites, const olx_relight_sites *more);
-// As bytes, and back: `sites` is empty before.
+// Serializes sites, and loads them into an empty list.
 void olx_relight_sites_save(const olx_relight_sites *sites, olx_byte_writer *to);
 olx_result olx_relight_sites_load(olx_relight_sites *sites, olx_byte_reader *from);
 void olx_relight_sites_free(olx_relight_sites *sites);

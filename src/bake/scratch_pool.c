@@ -1,5 +1,4 @@
-// Lends blocks of working memory to the jobs of a parallel loop, and keeps those that come back for the jobs that
-// follow.
+// Lends blocks of scratch memory to the jobs of a parallel loop, and reuses returned blocks for later jobs.
 #include "bake/scratch_pool.h"
 
 #include "core/hooks.h"

@@ -1,5 +1,5 @@
-// Working memory that jobs of a parallel loop take and give back, so that no more is made than jobs run at once,
-// whatever runs them.
+// Scratch memory that jobs of a parallel loop take and return, so that there are never more blocks than concurrent
+// jobs.
 #ifndef OLX_BAKE_SCRATCH_POOL_H
 #define OLX_BAKE_SCRATCH_POOL_H
 
@@ -13,10 +13,10 @@ typedef struct olx_scratch_pool {
 } olx_scratch_pool;
 
 void olx_scratch_pool_begin(olx_scratch_pool *pool, size_t size_bytes);
-// All blocks must have been given back.
+// Frees the pool. All blocks must have been returned.
 void olx_scratch_pool_end(olx_scratch_pool *pool);
 
-// A block of the pool's size, uninitialised, aligned to 64 bytes, or NULL when there is no memory.
+// Takes a block of the pool's size, uninitialized and aligned to 64 bytes; NULL when memory runs out.
 void *olx_scratch_take(olx_scratch_pool *pool);
 void olx_scratch_give(olx_scratch_pool *pool, void *memory);
 

@@ -9,8 +9,8 @@ bool olx_filter_exists(uint32_t filter, uint32_t element_bytes) {
   return size && filter < OLX_FILTERS && (!(filter & OLX_FILTER_COLORS) || element_bytes == 4);
 }
 
-// Bits 0 to 8 are red, 9 to 17 green, 18 to 26 blue, 27 to 31 the exponent. The lowest bit of each channel goes to the
-// exponent.
+// Bits 0 to 8 are red, 9 to 17 green, 18 to 26 blue, 27 to 31 the exponent. The lowest bit of each channel moves to the
+// exponent's byte.
 static uint32_t gather_color(uint32_t c) {
   return (c >> 1 & 0xFFu) | (c >> 10 & 0xFFu) << 8 | (c >> 19 & 0xFFu) << 16 | (c >> 27) << 24 | (c & 1u) << 31 |
          (c >> 9 & 1u) << 30 | (c >> 18 & 1u) << 29;

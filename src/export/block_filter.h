@@ -1,5 +1,4 @@
-// Filters that put the bytes of a block in another order, or their differences in their place, so that they pack
-// smaller. Each can be undone to the last byte.
+// Reversible filters that reorder the bytes of a block, or replace them by differences, so that they compress better.
 #ifndef OLX_EXPORT_BLOCK_FILTER_H
 #define OLX_EXPORT_BLOCK_FILTER_H
 
@@ -7,19 +6,18 @@
 #include <stddef.h>
 #include <stdint.h>
 
-// Bits of a filter, applied in this order and undone in the other.
+// Bits of a filter, applied in this order and inverted in the reverse order.
 enum {
-  OLX_FILTER_COLORS =
-      1, // of RGB9E5, in elements of 4 bytes: one byte for the high bits of each channel, one for the rest
-  OLX_FILTER_DIFFERENCES = 2, // each byte less the byte of the same place in the element before
-  OLX_FILTER_PLANES = 4,      // the first bytes of all elements, then the second ones, and so on
+  OLX_FILTER_COLORS = 1, // of RGB9E5, in 4-byte elements: one byte for the high bits of each channel, one for the rest
+  OLX_FILTER_DIFFERENCES = 2, // each byte minus the byte at the same position in the element before
+  OLX_FILTER_PLANES = 4,      // the first bytes of all elements, then the second bytes, and so on
   OLX_FILTERS = 8
 };
 
-// Whether there is such a filter for elements of that many bytes: 1, 2, 4 or 8.
+// Whether a filter exists for elements of that many bytes: 1, 2, 4 or 8.
 bool olx_filter_exists(uint32_t filter, uint32_t element_bytes);
 
-// `room` is as large as the data. Bytes after the last whole element stay where they are. What comes back is `data` or
+// Applies a filter. `room` is as large as the data. Bytes after the last whole element are unchanged. Returns `data` or
 // `room`, whichever holds the result; the other one is overwritten.
 uint8_t *olx_filter_apply(uint32_t filter, uint32_t element_bytes, uint8_t *data, uint8_t *room, size_t size_bytes);
 uint8_t *olx_filter_undo(uint32_t filter, uint32_t element_bytes, uint8_t *data, uint8_t *room, size_t size_bytes);

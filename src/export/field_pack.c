@@ -1,5 +1,5 @@
-// Packs a field: each block of each chunk by the filter after which zstd makes it smallest. Blocks are independent of
-// each other, so any number of threads packs them to the same bytes.
+// Packs a field: each block of each chunk with the filter after which zstd compresses it best. Blocks are independent,
+// so that the result is the same for any number of threads.
 #include "core/hooks.h"
 #include "core/parallel.h"
 #include "core/result.h"
@@ -12,11 +12,11 @@
 
 enum { MOST_LEVEL = 22, TRIAL_LEVEL = 3 };
 
-// What one thread packs a block with.
+// The working state of one thread that packs blocks.
 typedef struct block_packer {
   ZSTD_CCtx *context;
   uint8_t *data, *room; // a block, and its filtered form
-  uint8_t *packed;      // the smallest yet
+  uint8_t *packed;      // the smallest result so far
   uint8_t *trial;
   size_t packed_bytes;
   uint32_t filter;
@@ -31,13 +31,13 @@ typedef struct field_packer {
   olx_task task;
   uint32_t chunk_count;
   olx_file_chunk table[OLX_CHUNK_MAX_COUNT];
-  uint64_t end; // of what is written
+  uint64_t end; // end of the data written
 
   // The chunk being packed.
   const uint8_t *source;
-  uint64_t source_bytes, first_block; // the block that packers[0] packs
+  uint64_t source_bytes, first_block; // size of the chunk, and the index of the block that packers[0] packs
   uint32_t element_bytes;
-  uint32_t *words; // of its blocks
+  uint32_t *words; // one per block of the chunk
   olx_running_hash hash;
 } field_packer;
 
@@ -45,7 +45,7 @@ olx_pack_settings olx_pack_settings_default(void) { return (olx_pack_settings){.
 
 // ---- A block
 
-// Bytes that the block takes at that level, in b->trial; 0 when zstd fails.
+// Compresses the block into b->trial at that level; returns its size in bytes, 0 when zstd fails.
 static size_t pack_by(block_packer *b, const uint8_t *source, size_t size_bytes, uint32_t filter,
                       uint32_t element_bytes, uint32_t level) {
   memcpy(b->data, source, size_bytes);
@@ -59,7 +59,8 @@ static size_t pack_by(block_packer *b, const uint8_t *source, size_t size_bytes,
   return 0;
 }
 
-// The filters worth a trial. Color bits alone, and with differences alone, lose to what they are followed by here.
+// The filters that are tried. Colour bits alone, and with differences alone, always lose to the combinations listed
+// here.
 static const uint32_t filters[] = {0,
                                    OLX_FILTER_PLANES,
                                    OLX_FILTER_DIFFERENCES,
@@ -68,7 +69,7 @@ static const uint32_t filters[] = {0,
                                    OLX_FILTER_COLORS | OLX_FILTER_DIFFERENCES | OLX_FILTER_PLANES};
 enum { FILTER_COUNT = sizeof filters / sizeof *filters, FINALISTS = 2 };
 
-// The filters after which the block is smallest at a quick level, best first; UINT32_MAX where there are fewer.
+// The filters after which the block is smallest at a fast level, best first; UINT32_MAX where there are fewer.
 static void find_finalists(block_packer *b, const uint8_t *source, size_t size_bytes, uint32_t element_bytes,
                            uint32_t finalists[FINALISTS]) {
   size_t sizes[FINALISTS];
@@ -133,7 +134,7 @@ static olx_result pack_blocks(field_packer *p, uint64_t blocks) {
   return append(p, p->words, blocks * sizeof *p->words);
 }
 
-// Pads what is written, and begins what comes next.
+// Pads the chunk that was written, and begins the next.
 static olx_result finish_chunk(field_packer *p, uint32_t index, olx_file_chunk chunk) {
   static const char padding[OLX_CHUNK_ALIGNMENT];
   chunk.size_bytes = p->end - chunk.offset;
@@ -144,7 +145,7 @@ static olx_result finish_chunk(field_packer *p, uint32_t index, olx_file_chunk c
   return OLX_OK;
 }
 
-// The unit that filters work on: a texel, a number.
+// The unit that filters work on in bytes: a texel or a number.
 static uint32_t filter_element(uint32_t element_bytes) {
   return element_bytes == 1 || element_bytes == 2 || element_bytes == 4 || element_bytes == 8 ? element_bytes
          : element_bytes % 4 == 0                                                             ? 4
@@ -169,7 +170,7 @@ static olx_result pack_chunk(field_packer *p, uint32_t index) {
   return result == OLX_OK ? finish_chunk(p, index + 1, chunk) : result;
 }
 
-// Header and chunk table of the field, as they are.
+// Stores the header and the chunk table of the field unchanged.
 static olx_result pack_table(field_packer *p) {
   const size_t size_bytes = sizeof(olx_file_header) + p->chunk_count * sizeof(olx_file_chunk);
   const olx_file_chunk chunk = {

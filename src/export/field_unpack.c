@@ -1,4 +1,4 @@
-// Unpacks a field: every block into no more memory than a block has, whatever the file says, and every chunk checked
+// Unpacks a field: each block into a buffer of a block's size, whatever the file claims, and verifies each chunk
 // against the field's checksum.
 #include "core/hooks.h"
 #include "core/parallel.h"
@@ -9,14 +9,14 @@
 
 #include <zstd.h>
 
-// What one thread unpacks a block with.
+// The working state of one thread that unpacks blocks.
 typedef struct block_unpacker {
   ZSTD_DCtx *context;
   uint8_t *data, *room;
   const uint8_t *packed;
   uint32_t word;     // its size and filter
-  size_t size_bytes; // that come out
-  uint8_t *result;   // data or room; NULL: the bytes are no such block
+  size_t size_bytes; // size after unpacking
+  uint8_t *result;   // either of `data` and `room`; NULL: the block is malformed
 } block_unpacker;
 
 typedef struct field_unpacker {
@@ -29,7 +29,7 @@ typedef struct field_unpacker {
 
   // The chunk being unpacked.
   const olx_file_chunk *field, *chunk;
-  const uint8_t *words; // of its blocks, u32 each
+  const uint8_t *words; // one u32 per block of the chunk
   olx_running_hash hash;
 } field_unpacker;
 
@@ -47,10 +47,11 @@ static uint32_t read_word(const field_unpacker *u, uint64_t block) {
   return word;
 }
 
-// The words lie behind the blocks; all blocks together fill what is before them.
+// Locates the blocks. Their words follow them, and all blocks together fill the space before the words.
 static olx_result find_blocks(field_unpacker *u) {
   const uint64_t blocks = olx_packed_blocks(u->field->size_bytes), word_bytes = blocks * sizeof(uint32_t);
-  const uint64_t packed_bytes = u->chunk->size_bytes - word_bytes; // olx_packed_open has seen that there are so many
+  const uint64_t packed_bytes = u->chunk->size_bytes - word_bytes; // olx_packed_open has checked that the chunk is
+                                                                   // large enough
   const uint8_t *data = (const uint8_t *)u->packed.file.data + u->chunk->offset;
   uint64_t total = 0;
   u->words = data + packed_bytes;

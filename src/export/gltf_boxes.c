@@ -1,4 +1,4 @@
-// Walks over the volume's entries and the bricks' index, and notes the cubes that hold something.
+// Traverses the volume's entries and the bricks' index, and collects the cubes that hold something.
 #include "export/gltf_boxes.h"
 
 #include "core/hooks.h"
@@ -20,13 +20,13 @@ static bool add_box(olx_export_boxes *list, olx_vec3 low, float side) {
   return true;
 }
 
-// A part of the volume: which one along each axis, of `parts` for each cube.
+// A part of the volume: its position along each axis, in parts of which there are `parts` for each cube.
 typedef struct volume_part {
   uint32_t place[3], parts;
 } volume_part;
 
-// How often the cube of the cell behind an entry was halved; OLX_VOLUME_LEVELS + 1 where both sides of all splits are
-// empty.
+// Number of halvings of the cube that led to the cell behind an entry; OLX_VOLUME_LEVELS + 1 where both sides of all
+// splits are empty.
 static uint32_t cell_level(const olx_volume *v, uint32_t entry, uint32_t depth) {
   if ((entry & OLX_VOLUME_KIND) == OLX_VOLUME_CELL) return entry >> OLX_VOLUME_LEVEL_SHIFT & 7u;
   if ((entry & OLX_VOLUME_KIND) != OLX_VOLUME_SPLIT || depth == OLX_VOLUME_MOST_SPLITS) return OLX_VOLUME_LEVELS + 1;
@@ -35,7 +35,7 @@ static uint32_t cell_level(const olx_volume *v, uint32_t entry, uint32_t depth) 
   return front <= OLX_VOLUME_LEVELS ? front : cell_level(v, split->behind, depth + 1);
 }
 
-// A cell that fills several parts is added at the first of them.
+// Adds a cell. One that fills several parts is added at the first of them.
 static bool add_cell(const olx_volume *v, const volume_part *part, uint32_t level, olx_export_boxes *boxes) {
   const olx_volume_header *h = v->header;
   const uint32_t cells = 1u << level, span = part->parts > cells ? part->parts / cells : 1;

@@ -1,4 +1,4 @@
-// The boxes that a field divides space into: cells of the irradiance volume, and bricks.
+// The boxes into which a field divides space: cells of the irradiance volume, and bricks.
 #ifndef OLX_EXPORT_GLTF_BOXES_H
 #define OLX_EXPORT_GLTF_BOXES_H
 
@@ -11,15 +11,15 @@ typedef struct olx_export_box {
 } olx_export_box;
 
 typedef struct olx_export_boxes {
-  olx_export_box *boxes; // to be given to olx_release
+  olx_export_box *boxes; // release with olx_release
   uint32_t count, most;
 } olx_export_boxes;
 
-// Every function adds to what is there; false when there is no memory.
+// Every function appends to the list; false when memory runs out.
 
-// Each cell of the irradiance volume once, whatever sides it has; none in a field without one.
+// Appends each cell of the irradiance volume once, whatever sides it has; none in a field without one.
 bool olx_export_volume_cells(const olx_field *field, olx_export_boxes *boxes);
-// The bricks in which some cell lists a probe: those that are divided, or those that are not.
+// Appends the bricks in which some cell lists a probe: those that are divided into cells, or those that are not.
 bool olx_export_bricks(const olx_field *field, bool divided, olx_export_boxes *boxes);
 
 #endif

@@ -1,4 +1,4 @@
-// Writes a field as a glTF model: octahedra where probes are, and the edges of the boxes that space is divided into.
+// Writes a field as a glTF model: octahedra at the probes, and the edges of the boxes into which space is divided.
 #include "core/file.h"
 #include "core/hooks.h"
 #include "core/result.h"
@@ -11,7 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
-// Numbers that glTF takes from OpenGL.
+// glTF's constants, which are OpenGL's.
 enum {
   FLOAT = 5126,
   UNSIGNED_INT = 5125,
@@ -42,7 +42,7 @@ typedef struct gltf_model {
   cJSON *root, *nodes, *meshes, *accessors, *views;
   uint8_t *bytes; // of the buffer
   size_t size_bytes, most_bytes;
-  bool failed; // for want of memory
+  bool failed; // out of memory
   olx_gltf_counts counts;
 } gltf_model;
 
@@ -61,7 +61,7 @@ static void add_vector(cJSON *object, const char *key, olx_vec3 v) {
 
 static uint32_t size_of(const cJSON *list) { return (uint32_t)cJSON_GetArraySize(list); }
 
-// A node below `parent`, which is a node with children.
+// Adds a node to the children of a parent.
 static cJSON *add_node(gltf_model *m, cJSON *children, const char *name) {
   cJSON_AddItemToArray(children, cJSON_CreateNumber(size_of(m->nodes)));
   cJSON *node = new_object(m, m->nodes);
@@ -69,14 +69,14 @@ static cJSON *add_node(gltf_model *m, cJSON *children, const char *name) {
   return node;
 }
 
-// A node that holds others; what comes back is the list of them.
+// Adds a node that groups others; returns the list of its children.
 static cJSON *add_group(gltf_model *m, cJSON *children, const char *name) {
   return cJSON_AddArrayToObject(add_node(m, children, name), "children");
 }
 
 // ---- Buffer
 
-// Room for so many bytes at the end of the buffer, or NULL.
+// Reserves bytes at the end of the buffer; NULL when memory runs out.
 static void *extend(gltf_model *m, size_t size_bytes) {
   if (m->size_bytes + size_bytes > m->most_bytes) {
     const size_t most = 2 * (m->size_bytes + size_bytes);
@@ -95,7 +95,7 @@ static void *extend(gltf_model *m, size_t size_bytes) {
   return end;
 }
 
-// An accessor, with a view of its own, over the last `count` elements of the buffer; returns its number.
+// Adds an accessor, with its own view, over the last `count` elements of the buffer; returns its index.
 static uint32_t add_accessor(gltf_model *m, uint32_t count, const char *type, int component, int target,
                              size_t element_bytes) {
   const size_t bytes = count * element_bytes;
@@ -112,7 +112,7 @@ static uint32_t add_accessor(gltf_model *m, uint32_t count, const char *type, in
   return size_of(m->accessors) - 1;
 }
 
-// Positions, which have bounds, as glTF demands.
+// Adds an accessor of positions with bounds, which glTF requires.
 static uint32_t add_positions(gltf_model *m, const olx_vec3 *positions, uint32_t count) {
   olx_vec3 low = positions[0], high = positions[0];
   for (uint32_t i = 1; i < count; i++) {
@@ -126,7 +126,7 @@ static uint32_t add_positions(gltf_model *m, const olx_vec3 *positions, uint32_t
   return index;
 }
 
-// A mesh of one primitive; returns its number. `colors` is an accessor's number, or UINT32_MAX.
+// Adds a mesh of one primitive; returns its index. `colors` is an accessor's index, or UINT32_MAX.
 static uint32_t add_mesh(gltf_model *m, const char *name, uint32_t positions, uint32_t colors, uint32_t indices,
                          int mode, model_material material) {
   cJSON *mesh = new_object(m, m->meshes);
@@ -147,8 +147,8 @@ static const olx_vec3 corners[CORNERS] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, 
 static const uint32_t faces[FACES][3] = {{0, 2, 4}, {4, 2, 1}, {1, 2, 5}, {5, 2, 0},
                                          {0, 4, 3}, {4, 1, 3}, {1, 5, 3}, {5, 0, 3}};
 
-// Positions and indices of octahedra at these places; returns the accessor of positions, *indices receives that of
-// indices.
+// Adds positions and indices of octahedra at these positions; returns the accessor of positions, and *indices receives
+// that of the indices.
 static uint32_t add_octahedra(gltf_model *m, const olx_vec3 *places, uint32_t count, float radius, uint32_t *indices) {
   olx_vec3 *positions = extend(m, (size_t)count * sizeof corners);
   if (!positions) return 0;
@@ -165,7 +165,8 @@ static uint32_t add_octahedra(gltf_model *m, const olx_vec3 *places, uint32_t co
   return accessor;
 }
 
-// A mesh that all probes of a kind share, in both colours: the second one is of those inside geometry.
+// Adds the two meshes that the probes of a kind share, one in each colour: the second is for buried probes (inside
+// geometry).
 static uint32_t add_probe_meshes(gltf_model *m, const char *name, float radius, model_material material) {
   static const olx_vec3 middle = {0, 0, 0};
   uint32_t indices = 0;
@@ -278,7 +279,7 @@ static void add_bricks(gltf_model *m, cJSON *children) {
 
 // ---- The file
 
-// Adds materials of flat colours, which tools that do not know the extension show as rough surfaces.
+// Adds unlit materials; tools without the extension show them as rough surfaces.
 static void add_materials(gltf_model *m) {
   static const struct {
     const char *name;
@@ -329,7 +330,7 @@ static void add_root(gltf_model *m) {
   add_bricks(m, children);
 }
 
-// Bytes as text, four characters for three of them.
+// Encodes bytes as Base64, four characters for three bytes.
 static void encode_base64(const uint8_t *bytes, size_t size_bytes, char *text) {
   static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   for (size_t i = 0; i < size_bytes; i += 3) {

@@ -1,4 +1,4 @@
-// A file compressed by gzip, as browsers unpack it.
+// Writes files compressed by gzip, which browsers unpack.
 #include "core/file.h"
 #include "core/hooks.h"
 #include "core/result.h"
@@ -10,7 +10,7 @@
 
 enum { PIECE = 1 << 18, GZIP_WINDOW = 15 + 16, MEMORY_LEVEL = 9 };
 
-// What the compressor has made of the input so far goes to the file.
+// Writes the compressor's output so far to the file.
 static olx_result write_pieces(z_stream *stream, int flush, olx_output_file *file, uint8_t *piece) {
   do {
     stream->next_out = piece;

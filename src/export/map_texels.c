@@ -1,4 +1,4 @@
-// Names each kind of map, and finds where it is stored and how a texel of it is read.
+// Names each kind of map, and finds where it is stored and how its texels are decoded.
 #include "export/map_texels.h"
 
 #include "core/result.h"
@@ -9,7 +9,7 @@ enum { VOLUME_SIDE = 32 };
 typedef enum probe_kind { LIGHT_FIELD, IRRADIANCE, VOLUME } probe_kind;
 typedef enum map_need { NOTHING, PROBE_LIGHT, CLASSIC_MAPS, A_VOLUME } map_need;
 
-// A place in a field's maps: texel (x, y), and its index in bordered light field maps.
+// A position in a field's maps: texel (x, y), and its index in light field maps with border.
 typedef struct texel_place {
   olx_map map;
   uint32_t probe, x, y;
@@ -53,7 +53,7 @@ static olx_vec3 read_radiance(const olx_field *f, const texel_place *p) {
   return olx_texel_radiance(f, p->probe, p->index);
 }
 
-// The value of spherical harmonics in the direction of a texel's middle.
+// Evaluates spherical harmonics in the direction of a texel's centre.
 static olx_vec3 read_harmonics(const uint16_t *halves, uint32_t bands, const texel_place *p, uint32_t side) {
   float values[OLX_HARMONICS_MOST];
   olx_harmonics_at(olx_texel_direction(p->x, p->y, side), values);

@@ -1,4 +1,4 @@
-// Texels of any map of any probe, by the map's name.
+// Reads texels of any map of any probe, by the map's name.
 #ifndef OLX_EXPORT_MAP_TEXELS_H
 #define OLX_EXPORT_MAP_TEXELS_H
 
@@ -6,13 +6,13 @@
 
 #include <octalux/export.h>
 
-// Channels that carry data: 1 or 3.
+// Number of channels with data: 1 or 3.
 uint32_t olx_map_channels(olx_map map);
 // Texels along a side of a map, without border.
 uint32_t olx_map_side(const olx_field *field, olx_map map);
-// OLX_ERROR_ARGUMENT when the field has no such map, or no such probe.
+// Returns OLX_ERROR_ARGUMENT when the field has no such map, or no such probe.
 olx_result olx_map_check(const olx_field *field, olx_map map, uint32_t probe);
-// Texel (x, y), below olx_map_side; a single number is in x.
+// The value of texel (x, y), below olx_map_side; scalars are in x.
 olx_vec3 olx_map_texel(const olx_field *field, olx_map map, uint32_t probe, uint32_t x, uint32_t y);
 
 #endif

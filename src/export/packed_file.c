@@ -13,7 +13,7 @@ static olx_result check_kind(const olx_chunk_file *file) {
   return olx_fail(OLX_ERROR_FORMAT, "%s: a field that is not packed", file->name);
 }
 
-// The field's header and chunk table, which the first chunk holds as they are.
+// Locates the field's header and chunk table, which the first chunk holds unchanged.
 static olx_result find_field_table(olx_packed_file *packed) {
   const olx_file_chunk *chunk = olx_chunk_table(&packed->file);
   const olx_file_header *header = (const void *)((const char *)packed->file.data + chunk->offset);
@@ -32,7 +32,7 @@ static olx_result find_field_table(olx_packed_file *packed) {
                   packed->chunk_count);
 }
 
-// Every block takes some packed bytes, so a packed file cannot claim more than so many times its size.
+// Checks a chunk. Every block takes some packed bytes, which bounds the unpacked size that a packed file can claim.
 static olx_result check_chunk(const olx_packed_file *packed, uint32_t index) {
   const olx_file_chunk *field = olx_packed_field_chunk(packed, index), *chunk = olx_packed_chunk_of(packed, index);
   const olx_chunk_name type = olx_chunk_type_name(field->type);

@@ -1,4 +1,4 @@
-// The hash of olx_content_hash over bytes that come piece by piece.
+// Computes olx_content_hash over bytes that arrive in pieces.
 #ifndef OLX_EXPORT_RUNNING_HASH_H
 #define OLX_EXPORT_RUNNING_HASH_H
 

@@ -1,5 +1,5 @@
-// A scene as a binary glTF model (.glb), for renderers that draw it beside its field: triangles by material, textures,
-// lights without area, cameras. Positions are relative to the scene's origin, as those of its field.
+// Writes a scene as a binary glTF model (.glb), for renderers that draw it beside its field: triangles by material,
+// textures, lights without area, cameras. Positions are relative to the scene's origin, like the field's.
 #include "core/hooks.h"
 #include "core/result.h"
 #include "core/vec.h"
@@ -12,7 +12,7 @@
 #include <stdio.h>
 #include <string.h>
 
-// Numbers that glTF takes from OpenGL.
+// glTF's constants, which are OpenGL's.
 enum { FLOAT = 5126, UNSIGNED_INT = 5125, ARRAY_BUFFER = 34962, ELEMENT_ARRAY_BUFFER = 34963 };
 
 enum { GLB_MAGIC = 0x46546C67, GLB_JSON = 0x4E4F534A, GLB_BINARY = 0x004E4942, GLB_HEADER = 12, GLB_CHUNK = 8 };
@@ -20,15 +20,15 @@ enum { GLB_MAGIC = 0x46546C67, GLB_JSON = 0x4E4F534A, GLB_BINARY = 0x004E4942, G
 typedef struct scene_model {
   olx_scene_content content;
   cJSON *root, *nodes, *accessors, *views;
-  uint32_t positions, normals, uvs, second_uvs, colors; // accessors; UINT32_MAX: there are none
+  uint32_t positions, normals, uvs, second_uvs, colors; // indices of accessors; UINT32_MAX: none
   uint8_t *bytes;                                       // of the buffer
   size_t size_bytes, most_bytes;
-  bool failed; // for want of memory
+  bool failed; // out of memory
 } scene_model;
 
 // ---- Buffer
 
-// Room for so many bytes at the end of the buffer, which is a multiple of four, or NULL.
+// Reserves bytes at the end of the buffer, whose size is a multiple of four; NULL when memory runs out.
 static void *extend(scene_model *m, size_t size_bytes) {
   const size_t begin = (m->size_bytes + 3) / 4 * 4, end = begin + size_bytes;
   if (end > m->most_bytes) {
@@ -55,7 +55,7 @@ static cJSON *new_object(scene_model *m, cJSON *list) {
 
 static uint32_t size_of(const cJSON *list) { return (uint32_t)cJSON_GetArraySize(list); }
 
-// A view of the last bytes of the buffer; target 0: of an image.
+// Adds a view of the last bytes of the buffer; target 0 is for images.
 static uint32_t add_view(scene_model *m, size_t bytes, int target) {
   cJSON *view = new_object(m, m->views);
   cJSON_AddNumberToObject(view, "buffer", 0);
@@ -98,12 +98,12 @@ static void add_all_vertices(scene_model *m) {
   m->uvs = add_vertices(m, c->uvs, "VEC2", sizeof *c->uvs);
   m->second_uvs = add_vertices(m, c->second_uvs, "VEC2", sizeof *c->second_uvs);
   m->colors = add_vertices(m, c->colors, "VEC4", sizeof *c->colors);
-  cJSON *accessor = cJSON_GetArrayItem(m->accessors, (int)m->positions); // has bounds, as glTF demands
+  cJSON *accessor = cJSON_GetArrayItem(m->accessors, (int)m->positions); // bounds, which glTF requires
   add_vector(accessor, "min", c->bounds_min);
   add_vector(accessor, "max", c->bounds_max);
 }
 
-// The corners of a material's triangles; UINT32_MAX where it has none.
+// Adds the indices of a material's triangles; UINT32_MAX where it has none.
 static uint32_t add_indices(scene_model *m, uint32_t material) {
   const olx_scene_content *c = &m->content;
   uint32_t count = 0;
@@ -139,7 +139,7 @@ static void add_surface(cJSON *parent, const olx_material *material) {
               OLX_SLOT_METALLIC_ROUGHNESS);
 }
 
-// The factor is at most 1; what is more is the strength.
+// Splits emission: the factor is at most 1, and the strength is what exceeds it.
 static void add_emission(cJSON *parent, cJSON *extensions, const olx_material *material) {
   const olx_vec3 e = material->emission;
   const float most = fmaxf(e.x, fmaxf(e.y, e.z));
@@ -158,7 +158,7 @@ static void add_material(scene_model *m, cJSON *list, const olx_material *materi
   cJSON_AddNumberToObject(cJSON_AddObjectToObject(extensions, "KHR_materials_specular"), "specularFactor",
                           material->specular_weight);
   add_emission(object, extensions, material);
-  cJSON_AddBoolToObject(object, "doubleSided", true); // every triangle is seen from both sides
+  cJSON_AddBoolToObject(object, "doubleSided", true); // every triangle is visible from both sides
   if (material->alpha_cutoff > 0.0f) {
     cJSON_AddStringToObject(object, "alphaMode", "MASK");
     cJSON_AddNumberToObject(object, "alphaCutoff", material->alpha_cutoff);
@@ -187,7 +187,7 @@ static olx_result add_image(scene_model *m, cJSON *images, const olx_texture *te
   void *to = extend(m, png_bytes);
   if (to) memcpy(to, png, png_bytes);
   olx_png_free(png);
-  if (!to) return OLX_OK; // noted in m->failed
+  if (!to) return OLX_OK; // m->failed records it
   cJSON *image = new_object(m, images);
   cJSON_AddStringToObject(image, "mimeType", "image/png");
   cJSON_AddNumberToObject(image, "bufferView", add_view(m, png_bytes, 0));
@@ -228,7 +228,8 @@ static void add_primitive(scene_model *m, cJSON *meshes, uint32_t material) {
   cJSON_AddNumberToObject(add_node(m, of->name), "mesh", size_of(meshes) - 1);
 }
 
-// From the place `at`, with -z along `forward`, as glTF's cameras and lights look.
+// Sets a node's transform: at the position `at`, with -z along `forward`, the viewing direction of glTF's cameras and
+// lights.
 static void place_node(cJSON *node, olx_vec3 at, olx_vec3 forward, olx_vec3 up) {
   const olx_vec3 z = olx_negate(olx_normalize(forward)), x = olx_normalize(olx_cross(up, z)), y = olx_cross(z, x);
   const float matrix[16] = {x.x, x.y, x.z, 0, y.x, y.y, y.z, 0, z.x, z.y, z.z, 0, at.x, at.y, at.z, 1};
@@ -250,7 +251,7 @@ static void add_cameras(scene_model *m) {
   }
 }
 
-// Intensities are radiant ones, which readers take for candela and lux alike.
+// Adds a light. Intensities are radiometric; readers take them for candela and lux alike.
 static void add_light(scene_model *m, cJSON *list, const olx_light *light) {
   static const char *const types[] = {"directional", "point", "spot"};
   const olx_vec3 e = light->emission;
@@ -319,7 +320,7 @@ static uint8_t *put_word(uint8_t *to, size_t word) {
   return to;
 }
 
-// Chunks end at multiples of four: text with spaces, the buffer with zeros.
+// Writes both chunks, padded to multiples of four: the text with spaces, the buffer with zeros.
 static olx_result write_binary(const scene_model *m, const char *text, const char *path, uint64_t *file_bytes) {
   const size_t length = strlen(text), text_bytes = (length + 3) / 4 * 4, data_bytes = (m->size_bytes + 3) / 4 * 4;
   const size_t bytes = GLB_HEADER + 2 * GLB_CHUNK + text_bytes + data_bytes;

@@ -4,8 +4,8 @@
 
 #include "scene/bvh.h"
 
-// Smallest cosine between shading normal and eye: below it interpolated normals face away from the eye that sees the
-// surface.
+// Smallest cosine between the shading normal and the view direction. Interpolated normals below it are bent towards the
+// viewer, which sees the surface's front.
 #define MIN_VIEW_COSINE 1e-3f
 
 static olx_vec3 to_local(const olx_shading *s, olx_vec3 world) {
@@ -28,7 +28,8 @@ olx_shading olx_shading_make(const olx_surface *surface, olx_vec3 direction) {
   s.has_diffuse = diffuse > 0.0f;
   s.has_specular = olx_bsdf_has_specular(&surface->bsdf);
   if (s.has_specular) {
-    // Never quite 0 or 1 while both lobes exist: the cosine of the half vector may be far from the normal's.
+    // Clamped away from 0 and 1 while both lobes exist, because the cosine to the half vector may differ greatly from
+    // that to the normal.
     const float specular = olx_luminance(olx_fresnel(&surface->bsdf, s.view.z));
     s.specular_share = s.has_diffuse ? olx_clamp(specular / (specular + diffuse), 0.1f, 0.9f) : 1.0f;
   }
@@ -36,7 +37,7 @@ olx_shading olx_shading_make(const olx_surface *surface, olx_vec3 direction) {
 }
 
 static float power_heuristic(float mine, float other) {
-  const float ratio = other / mine; // divided first: the squares could overflow
+  const float ratio = other / mine; // divided first, because the squares could overflow
   return 1.0f / (1.0f + ratio * ratio);
 }
 
@@ -47,7 +48,7 @@ static float either_pdf(const olx_shading *s, olx_vec3 light) {
   return cosine + s->specular_share * olx_ggx_pdf(alpha, s->view, light);
 }
 
-// Both lobes' answer to one light sample, without visibility.
+// Reflects one light sample through both lobes, without visibility.
 static olx_lobes reflect_sample(const olx_shading *s, olx_mis mis, const olx_light_sample *sample) {
   olx_lobes lobes = {0};
   const olx_vec3 light = to_local(s, sample->direction);
@@ -127,7 +128,7 @@ olx_lobe_ray olx_lobe_ray_either(const olx_shading *shading, float choice, olx_v
   olx_lobe_ray ray = specular ? olx_lobe_ray_specular(shading, random) : olx_lobe_ray_diffuse(shading, random);
   if (olx_max3(ray.weight) <= 0.0f) return ray;
   if (bsdf->alpha <= 0.0f) {
-    // A mirror under a diffuse lobe: the two share no direction, each ray stands for its own lobe.
+    // A mirror under a diffuse lobe: no direction belongs to both, so each ray contributes to its own lobe alone.
     const float share = specular ? shading->specular_share : 1.0f - shading->specular_share;
     ray.weight = olx_scale(ray.weight, 1.0f / share);
     ray.pdf *= share;
@@ -164,7 +165,7 @@ olx_vec3 olx_sky_found(const olx_scene *scene, const olx_lobe_ray *ray) {
   return olx_scale(radiance, power_heuristic(ray->pdf, olx_environment_pdf(scene, ray->direction)));
 }
 
-// What a ray drawn from a lobe finds if it finds an emitter.
+// The emission that a ray drawn from a lobe finds, weighted by multiple importance sampling.
 static olx_vec3 follow(const olx_scene *scene, const olx_surface *surface, const olx_lobe_ray *lobe, uint64_t *rays) {
   if (olx_max3(lobe->weight) <= 0.0f) return olx_splat(0.0f);
   const olx_ray ray = olx_surface_ray(surface, lobe->direction, INFINITY);

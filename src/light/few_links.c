@@ -1,4 +1,4 @@
-// Sums links by the surfels that they come from, and draws some of the light ones where there are too many.
+// Merges links from the same surfel, and keeps a random sample of the light ones where there are too many.
 #include "light/few_links.h"
 
 #include "core/hooks.h"
@@ -43,7 +43,8 @@ static int heavier_first(const void *a, const void *b) {
   return p < q ? 1 : p > q ? -1 : 0;
 }
 
-// The weight up to which links are drawn, each with the probability weight / threshold, so that `most` remain.
+// The threshold of sampling, such that `most` links remain when each lighter link is drawn with the probability weight
+// / threshold.
 static float threshold(olx_link_list *l, uint32_t most) {
   double rest = 0.0;
   for (uint32_t i = 0; i < l->count; i++) rest += (double)(l->order[i] = olx_luminance(l->links[i].weight));
@@ -58,7 +59,7 @@ static olx_few_link scaled(const olx_few_link *link, float scale) {
                         link->straight * scale};
 }
 
-// `limit`: of links that are kept as they are.
+// Draws the links lighter than `limit` at random and keeps the others unchanged.
 static uint32_t draw(const olx_link_list *l, float limit, uint32_t most, float random, olx_few_link *links) {
   uint32_t count = 0;
   double passed = 0.0, next = (double)random * (double)limit;

@@ -1,4 +1,5 @@
-// Sums up by pool and by direction what the links of surfels bring, and has each pool learn from that.
+// Sums the light that the links of surfels bring, by pool and by direction, and has each pool learn its density from
+// the sums.
 #include "light/learn_rays.h"
 
 #include "core/hooks.h"
@@ -8,10 +9,10 @@ typedef struct lesson {
   const olx_ray_guide *guide;
   const olx_light_surfels *surfels;
   const olx_vec3 *direct, *irradiance;
-  olx_guide_sums *sums; // a pool
+  olx_guide_sums *sums; // one per pool
 } lesson;
 
-// What a ray brings with its link, and without.
+// Luminance that a ray brings, through its link and without it.
 static float brought(const lesson *l, const olx_link *link, float fixed) {
   return fixed + olx_luminance(olx_link_light(link, l->direct, l->irradiance));
 }

@@ -1,11 +1,11 @@
-// Teaches a guide by the rays that surfels have cast without one.
+// Trains a ray guide on the rays that surfels have cast without one.
 #ifndef OLX_LIGHT_LEARN_RAYS_H
 #define OLX_LIGHT_LEARN_RAYS_H
 
 #include "light/light_bounces.h"
 #include "light/ray_guide.h"
 
-// Every pool learns from the links of its surfels when surfaces carry `direct` + `irradiance`.
+// Each pool learns from the links of its surfels, for surfaces that carry `direct` + `irradiance`.
 olx_result olx_rays_learn(olx_ray_guide *guide, const olx_light_surfels *surfels, const olx_light_links *links,
                           const olx_vec3 *direct, const olx_vec3 *irradiance);
 

@@ -1,4 +1,4 @@
-// Sends light over links, bounce after bounce, and measures how much the rays of a surfel differ in what they bring.
+// Propagates light over links, bounce after bounce, and measures the variance of each surfel over its rays.
 #include "light/light_bounces.h"
 
 #include "core/hooks.h"
@@ -7,11 +7,11 @@
 
 enum { SURFELS_PER_JOB = 256, KEPT = OLX_BOUNCES_KEPT };
 
-// Light of one bounce, and of those before it that chains of specular surfaces pass on.
+// The light of one bounce, with the earlier bounces that chains of specular surfaces need.
 typedef struct bounce {
   const olx_light_links *links;
   const olx_link_batch *batch;
-  olx_vec3 *kept[KEPT]; // light after n surfaces, at n mod KEPT
+  olx_vec3 *kept[KEPT]; // light after n surfaces, at index n mod KEPT
   uint32_t number, surfel_count;
   olx_vec3 *sum;
 } bounce;
@@ -35,7 +35,7 @@ static void add_links(void *user, uint32_t job) {
   }
 }
 
-// Computes the light with exactly `number` surfaces on its way, in the place of the oldest.
+// Computes the light after exactly `number` surfaces, in place of the oldest bounce.
 static olx_result add_bounce(bounce *b, uint32_t threads) {
   olx_vec3 *sum = b->sum;
   for (uint32_t i = 0; i < b->surfel_count; i++) {
@@ -60,7 +60,7 @@ static olx_result solve(bounce *b, uint32_t threads, uint32_t bounces, const olx
                         olx_bounce_state *state) {
   while (state->done < bounces) {
     b->number = ++state->done;
-    // No link needs the oldest light any more: chains are shorter than the ring.
+    // No link reads the oldest light any more, because chains are shorter than the ring buffer.
     olx_vec3 *const oldest = b->sum = b->kept[b->number % KEPT];
     OLX_TRY(add_bounce(b, threads));
     const olx_vec3 *previous = b->kept[(b->number - 1) % KEPT];
@@ -97,7 +97,7 @@ typedef struct spread {
   const olx_light_links *links;
   const olx_link_batch *batch;
   const olx_vec3 *direct, *irradiance;
-  double *squares; // a surfel: sum of its luminances' squared distances from the mean of their batch
+  double *squares; // for each surfel, the sum of its luminances' squared deviations from the mean of their batch
 } spread;
 
 static void add_spread(void *user, uint32_t job) {
@@ -116,7 +116,7 @@ static void add_spread(void *user, uint32_t job) {
   }
 }
 
-// Batches differ in what their rays count for, so that each has a mean of its own.
+// Batches differ in the weight of their rays, so that each batch has its own mean.
 static float variance_of_mean(const olx_light_links *links, uint32_t i, double squares) {
   const double n = (double)links->worth[i];
   double fixed = 0.0;

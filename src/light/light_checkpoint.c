@@ -1,10 +1,10 @@
-// Keeps the light between two bounces as units of the store, when the last time was a second ago.
+// Stores the light between two bounces as units of the store, at most once a second.
 #include "light/light_checkpoint.h"
 
 #include "core/hooks.h"
 #include "core/result.h"
 
-// Shorter work is not worth a checkpoint.
+// Least time between checkpoints: shorter work is cheaper to repeat.
 static const double BOUNCE_SECONDS = 1.0;
 
 static void put_state(void *user, uint32_t unit, olx_byte_writer *to) {
@@ -30,7 +30,7 @@ static olx_unit_stage bounce_of(olx_light_checkpoint *c) {
   return (olx_unit_stage){"bounce", c->round, 1, c, NULL, put_state, take_state};
 }
 
-// A damaged one counts as none.
+// Loads a checkpoint; a damaged one is ignored.
 static void load_bounce(void *user, olx_bounce_state *state) {
   olx_light_checkpoint *c = user;
   olx_unit_store *store = c->light->settings.store;
@@ -49,7 +49,7 @@ static olx_result save_bounce(void *user, const olx_bounce_state *state) {
   return OLX_OK;
 }
 
-// Steps that end in the same round differ in how many bounces they take.
+// Steps that end in the same round differ in their number of bounces, so that checkpoints are told apart by it.
 olx_bounce_keeper olx_light_checkpoint_begin(olx_light_checkpoint *c, olx_scene_light *l, bool all) {
   *c = (olx_light_checkpoint){
       .light = l, .round = 4 * l->round + 2 * (l->phase == OLX_LIGHT_DIRECT) + all, .last = olx_seconds()};

@@ -1,4 +1,4 @@
-// How the light of a scene is solved, and what solving it took (scene_light.h).
+// Settings for solving the light of a scene, and the statistics of a solution (scene_light.h).
 #ifndef OLX_LIGHT_LIGHT_SETTINGS_H
 #define OLX_LIGHT_LIGHT_SETTINGS_H
 
@@ -12,22 +12,23 @@ typedef struct olx_scene_light olx_scene_light;
 typedef struct olx_scene_light_settings {
   uint32_t bounces;  // surfaces between emitter and lit surface; OLX_BOUNCES_INFINITE: until less than 2^-10 is missing
   float noise;       // upper bound on the standard error of indirect irradiance, as a share of it; default 0.02
-  float spacing;     // of surfels, as a share of the geometric mean distance of what they see; default 0.2
-  uint32_t map_size; // texels along the side of the probes' maps: surfels are no denser than those, or than 64^2
-  uint32_t seed;     // other random numbers
-  uint32_t threads;  // 0: as many as the machine has
+  float spacing;     // spacing of surfels, as a share of the geometric mean distance to what they see; default 0.2
+  uint32_t map_size; // texels along the side of the probes' maps: surfels are no denser than these texels, or than
+                     // those of 64^2 maps
+  uint32_t seed;     // seed of random numbers
+  uint32_t threads;  // 0: one per processor
   olx_task *task;    // may be NULL
-  olx_unit_store *store; // of the bake, which the light belongs to; NULL: nothing is stored
+  olx_unit_store *store; // store of the bake that the light belongs to; NULL: nothing is stored
 } olx_scene_light_settings;
 
-// What solving took and reached.
+// Statistics of a solution.
 typedef struct olx_scene_light_report {
-  uint32_t surfels, hidden_surfels; // all, and those on surfaces that rays meet and no probe sees
-  uint32_t bounces;                 // light went so many times over the links
-  uint64_t rays, links, bytes;      // rays in all; links, and the memory of them and of surfels
+  uint32_t surfels, hidden_surfels; // all surfels, and those on surfaces that rays hit and no probe sees
+  uint32_t bounces;                 // number of times that light was propagated over the links
+  uint64_t rays, links, bytes;      // all rays; links; memory of links and surfels
   double noise;       // standard error of interpolated irradiance over irradiance, RMS over visible surfels
   double last_bounce; // share of visible surfels' indirect light that has `bounces` surfaces on its way
-  double seconds;     // by the clock
+  double seconds;     // elapsed time
 } olx_scene_light_report;
 
 #endif

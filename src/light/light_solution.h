@@ -1,17 +1,17 @@
-// The solution of a scene's light while it is made: what it consists of.
+// The state of a solution of a scene's light while it is computed.
 #ifndef OLX_LIGHT_LIGHT_SOLUTION_H
 #define OLX_LIGHT_LIGHT_SOLUTION_H
 
 #include "light/light_settings.h"
 
 enum {
-  OLX_LIGHT_HIDDEN_ROUNDS = 2, // how often surfels are added where rays end without one
-  OLX_LIGHT_REFINEMENTS = 3,   // how often rays are added where noise is high
+  OLX_LIGHT_HIDDEN_ROUNDS = 2, // rounds in which surfels are added where rays end without one
+  OLX_LIGHT_REFINEMENTS = 3,   // rounds in which rays are added where noise is high
   OLX_LIGHT_MOST_BATCHES = 1 + OLX_LIGHT_HIDDEN_ROUNDS + OLX_LIGHT_REFINEMENTS * 11,
   OLX_LIGHT_MOST_STEPS = 3 + OLX_LIGHT_HIDDEN_ROUNDS + OLX_LIGHT_REFINEMENTS
 };
 
-// What comes next.
+// The next phase of the solution.
 typedef enum olx_scene_light_phase {
   OLX_LIGHT_EXPLORING = 0, // first rays of new surfels
   OLX_LIGHT_DIRECT,        // direct light of all surfels
@@ -19,7 +19,7 @@ typedef enum olx_scene_light_phase {
   OLX_LIGHT_FINISHED
 } olx_scene_light_phase;
 
-// What links that ended without a surfel became, in their order.
+// The replacements, in order, of links that ended without a surfel.
 typedef struct olx_link_patch {
   olx_link *links;
   float *fixed;
@@ -29,30 +29,32 @@ typedef struct olx_link_patch {
 struct olx_scene_light {
   const olx_scene *scene;
   olx_scene_light_settings settings;
-  const olx_vec3 *positions; // of probes, while the light is solved
+  const olx_vec3 *positions; // positions of probes, while the light is solved
   const uint8_t *flags;
   uint32_t probe_count;
   olx_scene_light_phase phase;
-  uint32_t round;                                   // of casting: that comes next, or was the last
-  olx_light_surfels surfels;                        // without points where they were not loaded
-  uint32_t point_ends[OLX_LIGHT_HIDDEN_ROUNDS + 1]; // points there were after surfaces were found, and after each round
-  olx_link_batch batches[OLX_LIGHT_MOST_BATCHES];   // without links where they were not loaded
-  uint32_t rounds_of[OLX_LIGHT_MOST_BATCHES];       // round in which a batch is cast
+  uint32_t round;                                   // round of casting: the next one, or the last
+  olx_light_surfels surfels;                        // without points unless they were loaded
+  uint32_t point_ends[OLX_LIGHT_HIDDEN_ROUNDS + 1]; // number of points after the first surfaces were found, and after
+                                                    // each round
+  olx_link_batch batches[OLX_LIGHT_MOST_BATCHES];   // without links unless they were loaded
+  uint32_t rounds_of[OLX_LIGHT_MOST_BATCHES];       // round in which each batch is cast
   olx_link_patch patches[OLX_LIGHT_HIDDEN_ROUNDS];
   olx_point_list unserved; // ends of the round's rays without a surfel
   olx_light_links links;
   olx_ray_guide guide;
-  olx_vec3 *direct, *irradiance; // of surfels
-  olx_vec3 *passed_on;           // direct light and all bounces but the last: what the surfels' surfaces reflect
-  float *noise;                  // of surfels
-  uint32_t visible;    // surfels on surfaces that probes see; the others, which only pass light on, come after them
-  uint32_t served;     // surfels that have rays, or get them next
-  uint32_t first_rays; // of every surfel
+  olx_vec3 *direct, *irradiance; // per surfel
+  olx_vec3 *passed_on;           // direct light and all bounces but the last, which surfels reflect to others
+  float *noise;                  // per surfel
+  uint32_t visible;    // number of surfels on surfaces that probes see; the others, which only pass light on, come
+                       // after them
+  uint32_t served;     // number of surfels that have rays or get them next
+  uint32_t first_rays; // rays of each surfel in the first round
   olx_surfel_lookup lookup;
   olx_scene_light_report report;
 };
 
-// The memory of links: where it does not suffice, surfels get fewer rays.
+// Most links in memory; beyond it, surfels get fewer rays.
 static const uint64_t OLX_LIGHT_MOST_LINKS = (1ull << 30) / sizeof(olx_link);
 
 static inline const olx_ray_pool *olx_light_pool(const olx_scene_light *l, uint32_t surfel) {

@@ -1,5 +1,5 @@
-// The steps of solving a scene's light: finds the surfaces that probes see, spreads surfels over them, casts their rays
-// where light varies most, and sends light over the links until it has bounced often enough. light_units.c runs them.
+// The steps that solve a scene's light: find the surfaces that probes see, distribute surfels over them, cast more rays
+// where light varies more, and propagate light over the links until it converges. light_units.c runs them.
 #include "light/light_steps.h"
 
 #include "core/hooks.h"
@@ -12,34 +12,34 @@
 #include "scene/bvh.h"
 
 enum {
-  FIRST_RAYS = 64,          // of every surfel at first
-  LEAST_RAYS = 16,          // of every surfel where memory is short
-  MOST_RAYS = 16384,        // that a surfel whose light varies much gets at a time
-  LEAST_DIRECT = 16,        // points at which the direct light of a cell is taken, at least
-  MOST_DIRECT = 256,        // points at which the direct light of a cell is taken, at most
-  ALL_DIRECT = 1 << 18,     // points at which direct light is taken in all, as far as the two bounds for a cell allow
-  FEW_BOUNCES = 4,          // by which noise is estimated
-  MOST_VIEW_SIDE = 1024,    // rays along the side of the map by which a probe looks around, at most
-  LEAST_VIEW_SIDE = 32,     // rays along the side of that map, at least
-  MOST_VIEW_RAYS = 1 << 24, // by which all probes look around, as far as the least side allows
+  FIRST_RAYS = 64,          // per surfel in the first round
+  LEAST_RAYS = 16,          // per surfel where memory is short
+  MOST_RAYS = 16384,        // most rays of a surfel with high variance per round
+  LEAST_DIRECT = 16,        // least points per cell at which direct light is sampled
+  MOST_DIRECT = 256,        // most points per cell at which direct light is sampled
+  ALL_DIRECT = 1 << 18,     // points at which direct light is sampled in all, within the bounds per cell
+  FEW_BOUNCES = 4,          // bounces from which noise is estimated
+  MOST_VIEW_SIDE = 1024,    // most rays along the side of a probe's view map
+  LEAST_VIEW_SIDE = 32,     // least rays along the side of that map
+  MOST_VIEW_RAYS = 1 << 24, // rays of all views, as far as the least side allows
   SURFELS_PER_JOB = 16,
   SALT_DIRECT = 0x44495245
 };
 
-// Fewer further rays than this share of the first are not worth a batch.
+// A batch of further rays is cast only when it has at least this share of the first rays.
 static const float ENOUGH_RAYS = 0.25f;
-// Interpolation averages the noise of several surfels: the variance of the result is about this share of a surfel's.
+// Interpolation averages the noise of several surfels: the variance of the result is about this share of one surfel's.
 static const float INTERPOLATED_VARIANCE = 0.2f;
-// Noise matters beside the light of a place, or beside this share of the mean light where there is less.
+// Noise is measured relative to the light of a place, or to this share of the mean light where the place is darker.
 static const float DARK_SHARE = 0.02f;
 
-// What probes see, a ray for each 2 x 2 texels.
+// The surfaces that probes see, one ray for each 2 x 2 texels.
 typedef struct view_job {
   const olx_scene_light *light;
   const olx_vec3 *positions;
   uint32_t size;             // rays along the side of a probe's map
-  olx_surface_point *points; // size^2 a probe
-  uint32_t *counts;          // points of each row of rays
+  olx_surface_point *points; // size^2 per probe
+  uint32_t *counts;          // number of points in each row of rays
 } view_job;
 
 static void view_row(void *user, uint32_t row) {
@@ -63,7 +63,7 @@ static void view_row(void *user, uint32_t row) {
   v->counts[row] = count;
 }
 
-// Many probes see the same surfaces, so each looks less closely.
+// Rays along the side of a probe's view: fewer for many probes, because they see the same surfaces.
 static uint32_t view_side(uint32_t map_size, uint32_t probes) {
   uint32_t side = map_size / 2 < MOST_VIEW_SIDE ? map_size / 2 : MOST_VIEW_SIDE;
   while (side > LEAST_VIEW_SIDE && (uint64_t)side * side * probes > MOST_VIEW_RAYS) side /= 2;
@@ -102,7 +102,7 @@ static olx_result find_surfaces(olx_scene_light *l, const olx_vec3 *positions, c
   return result;
 }
 
-// Makes room for what is kept of each surfel.
+// Grows the arrays that hold data for each surfel.
 static olx_result grow_links(olx_scene_light *l, uint32_t from) {
   const uint32_t count = l->surfels.count;
   olx_fixed_light *fixed = olx_allocate_zero(count, sizeof *fixed);
@@ -115,15 +115,15 @@ static olx_result grow_links(olx_scene_light *l, uint32_t from) {
   return fixed && worth ? OLX_OK : olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", count);
 }
 
-// Adds a batch whose rays are to be cast next, with others of the same round.
+// Adds a batch whose rays are cast next, with others of the same round.
 static void add_batch(olx_scene_light *l, const olx_link_batch *batch) {
   l->rounds_of[l->links.batch_count] = l->round;
   l->batches[l->links.batch_count++] = *batch;
   l->report.links += (size_t)batch->count * batch->rays;
 }
 
-// Links of the last batch that ended without a surfel may have one now; the rays of the others go on. What they become
-// is kept.
+// Relinks rays of the last batch that ended without a surfel: to the surfel that is there now, or by continuing the
+// ray. The patch records the results.
 static void link_to_new(olx_scene_light *l, olx_link_patch *patch) {
   olx_link_batch *batch = &l->batches[l->links.batch_count - 1];
   for (size_t i = 0; i < (size_t)batch->count * batch->rays; i++) {
@@ -139,7 +139,7 @@ static void link_to_new(olx_scene_light *l, olx_link_patch *patch) {
   }
 }
 
-// The first rays of the surfels from `from` on.
+// Prepares the first rays of the surfels from index `from` on.
 static olx_result begin_first_rays(olx_scene_light *l, uint32_t from) {
   const olx_link_batch batch = {.first_surfel = from, .count = l->surfels.count - from, .rays = l->first_rays};
   OLX_TRY(grow_links(l, from));
@@ -148,7 +148,7 @@ static olx_result begin_first_rays(olx_scene_light *l, uint32_t from) {
   return OLX_OK;
 }
 
-// Surfels on surfaces that rays of the last round met and no probe sees.
+// Adds surfels on surfaces that rays of the last round hit and no probe sees.
 static olx_result add_hidden(olx_scene_light *l) {
   olx_link_patch *patch = &l->patches[l->round];
   if (l->unserved.count == 0) return OLX_OK;
@@ -173,12 +173,12 @@ static void count_rays(olx_scene_light *l) {
 
 typedef struct direct_job {
   olx_scene_light *light;
-  uint32_t points;     // of a cell
-  uint32_t first, end; // surfels
-  uint64_t *rays;      // a job
+  uint32_t points;     // points per cell
+  uint32_t first, end; // range of surfels
+  uint64_t *rays;      // one per job
 } direct_job;
 
-// Area that a point of a cell stands for, but for a factor: points were found by rays that spread out.
+// Relative area that a point of a cell represents: points were sampled by rays that spread out.
 static float area_of(const olx_surface_point *point) { return point->footprint * point->footprint; }
 
 static olx_vec3 light_point(const direct_job *d, const olx_light_surfel *surfel, const olx_surface_point *point,
@@ -190,7 +190,7 @@ static olx_vec3 light_point(const direct_job *d, const olx_light_surfel *surfel,
   return olx_direct_irradiance(s->scene, &surface, &sampler, rays);
 }
 
-// The mean over points that are spread over the area of the cell: most of its points lie where probes are near.
+// The mean over points that are spread over the area of the cell, because most of its points lie near probes.
 static olx_vec3 light_cell(const direct_job *d, const olx_light_surfel *surfel, uint64_t *rays) {
   const olx_surface_point *points = d->light->surfels.points + surfel->first_point;
   float area = 0.0f, passed = 0.0f;
@@ -239,7 +239,8 @@ static olx_result begin_direct(olx_scene_light *l) {
   return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", count);
 }
 
-// What surfels get beyond what they pass on is light of the last bounce. Each counts for its share of the surface.
+// The share of the last bounce: the light that surfels receive beyond what they pass on, weighted by their share of the
+// surface.
 static double last_bounce(const olx_scene_light *l) {
   double last = 0.0, all = 0.0;
   for (uint32_t i = 0; i < l->visible; i++) {
@@ -250,7 +251,7 @@ static double last_bounce(const olx_scene_light *l) {
   return all > 0.0 ? fmin(fmax(last / all, 0.0), 1.0) : 0.0;
 }
 
-// Solves at most `bounces` of the bounces that the settings name.
+// Solves at most `bounces` of the bounces that the settings request.
 static olx_result solve(olx_scene_light *l, uint32_t bounces) {
   const uint32_t asked = l->settings.bounces;
   count_rays(l);
@@ -269,15 +270,14 @@ static float mean_luminance(const olx_vec3 *light, uint32_t count) {
   return count ? (float)(sum / count) : 0.0f;
 }
 
-// Light and variance of the surfels of a pool, summed.
+// Sums of light and variance over the surfels of a pool.
 typedef struct noise_sum {
   double light, variance;
   uint32_t count;
 } noise_sum;
 
-// A surfel's few first rays may all miss a small bright place, and then seem to agree. Surfels of the same size around
-// it, which see about the same, show how much its rays really vary. (Hidden surfels never get more than their first
-// rays.)
+// Averages the variance with surfels of the same size nearby, which see about the same: the few first rays of a surfel
+// may all miss a small bright source and then seem to agree. (Hidden surfels never get more than their first rays.)
 static olx_result smooth_noise(const olx_scene_light *l, float *variance, float *light) {
   const uint32_t count = l->surfels.count;
   noise_sum *sums = olx_allocate_zero(l->guide.pool_count, sizeof *sums);
@@ -297,7 +297,7 @@ static olx_result smooth_noise(const olx_scene_light *l, float *variance, float 
   return OLX_OK;
 }
 
-// Standard error of interpolated light around each surfel over the light there.
+// Standard error of interpolated light around each surfel, relative to the light there.
 static olx_result measure_noise(olx_scene_light *l, float *noise) {
   const uint32_t count = l->surfels.count;
   float *light = olx_allocate(count, sizeof *light);
@@ -316,7 +316,7 @@ static olx_result measure_noise(olx_scene_light *l, float *noise) {
   return result;
 }
 
-// Guided rays that bring a surfel's noise down to the bound: none, or first_rays times a power of two.
+// Number of guided rays that reduce a surfel's noise to the bound: 0, or first_rays times a power of two.
 static uint32_t rays_wanted(const olx_scene_light *l, uint32_t surfel, float noise, uint32_t most) {
   const float ratio = noise / l->settings.noise;
   const float wanted = olx_light_pool(l, surfel)->spread * l->links.worth[surfel] * (ratio * ratio - 1.0f);
@@ -326,7 +326,7 @@ static uint32_t rays_wanted(const olx_scene_light *l, uint32_t surfel, float noi
   return rays;
 }
 
-// The most rays of a surfel for which there is memory; 0 when there is none.
+// The most rays per surfel for which there is memory; 0 when there is none.
 static uint32_t most_rays(const olx_scene_light *l, const float *noise) {
   for (uint32_t most = MOST_RAYS; most >= l->first_rays; most /= 2) {
     uint64_t links = l->report.links;
@@ -336,7 +336,7 @@ static uint32_t most_rays(const olx_scene_light *l, const float *noise) {
   return 0;
 }
 
-// One batch for the surfels that want the same number of rays. Each round takes another part of the sequence of rays.
+// Adds one batch for each number of rays that surfels need. Each round takes another part of the sequence of rays.
 static olx_result add_guided_batches(olx_scene_light *l, uint32_t round) {
   const float *noise = l->noise;
   const uint32_t most = most_rays(l, noise);
@@ -378,7 +378,7 @@ static olx_result finish(olx_scene_light *l) {
   return OLX_OK;
 }
 
-// Rays are added until the noise that they show is low enough: few rays do not tell well how many it takes.
+// Adds rays until the measured noise is below the bound: the required number cannot be predicted well from few rays.
 static olx_result refine(olx_scene_light *l, uint32_t refinement) {
   const uint32_t batches = l->links.batch_count;
   l->phase = OLX_LIGHT_REFINING;

@@ -1,6 +1,6 @@
-// Divides the surfaces that probes and rays meet into cells and chooses a surfel in each: cells are halved until they
-// are small beside the distance to what they see, or no larger than the points that found them are apart. Points of a
-// cell that do not see each other, such as floors on two sides of a thin wall, get surfels of their own.
+// Divides the surfaces that probes and rays hit into cells with a surfel each: cells are halved until they are small
+// relative to the distance to what they see, or to the spacing of their points. Points of a cell that do not see each
+// other, as on the two sides of a thin wall, get separate surfels.
 #include "light/light_surfels.h"
 
 #include "core/hooks.h"
@@ -12,18 +12,20 @@
 
 enum { EXPLORED_POINTS = 4, EXPLORING_RAYS = 32, CELLS_PER_JOB = 16, SALT_EXPLORE = 0x4558504C };
 
-// Cells are not divided below this many footprints of the points in them.
+// Cells are not divided below this many footprints of their points.
 static const float LEAST_FOOTPRINTS = 2.0f;
-// Cells with fewer points than this are not divided: surfaces that so few rays meet send little light. The second is
-// for surfaces that only rays meet, whose light no probe sees.
+// Cells with fewer points than this are not divided, because surfaces that so few rays hit reflect little light. The
+// second bound is for hidden surfaces, which rays hit and no probe sees.
 enum { LEAST_POINTS = 8, LEAST_HIDDEN_POINTS = 64 };
-// Points of a cell that are tried before all are, and surfels that a cell gets at most at once.
+// Points of a cell that are tested before all are, and the most surfels that a cell gets at a time.
 enum { TRIED_POINTS = 16, MOST_GROUPS = 4 };
-// Within this share of the distance to the nearest thing that a surfel sees, nothing hides a point from it.
+// Within this share of the distance to the nearest surface that a surfel sees, no point is assumed to be occluded from
+// it.
 static const float CLEAR_SHARE = 0.7f;
-// Rays between surfels and points run this share of their distance above the surface, and this share of the world.
+// Offset above the surface of rays between surfels and points: this share of their length plus this share of the
+// world's extent.
 static const float LIFT_OF_DISTANCE = 0.03f, LIFT_OF_WORLD = 0x1p-21f;
-// Cells begin at this many halvings of the largest.
+// The level of the initial cells, in halvings below the largest.
 enum { FIRST_LEVEL = OLX_CELL_LEVELS - 3 };
 
 olx_surface_point olx_surface_point_make(const olx_cell_grid *grid, const olx_surface *surface, const olx_ray_hit *hit,
@@ -73,7 +75,7 @@ void olx_light_surfels_free(olx_light_surfels *s) {
   *s = (olx_light_surfels){0};
 }
 
-// A place on a side of a surface.
+// A position on one side of a surface.
 typedef struct place {
   olx_vec3 position, normal;
 } place;
@@ -85,7 +87,7 @@ static place place_of(const olx_scene *scene, const olx_surface_point *p) {
   return (place){position_of(scene, p), p->back_face ? olx_negate(outward) : outward};
 }
 
-// Whether nothing lies between two places side by side.
+// Whether nothing lies between two neighbouring places.
 static bool is_clear(const olx_light_surfels *s, place from, place to) {
   const float lift =
       LIFT_OF_DISTANCE * olx_length(olx_sub(to.position, from.position)) + LIFT_OF_WORLD * s->grid.coarsest;
@@ -105,7 +107,7 @@ bool olx_light_surfels_beside(const olx_light_surfels *s, const olx_light_surfel
   return is_clear(s, (place){one->position, one->normal}, (place){other->position, other->normal});
 }
 
-// The first of the surfels of a cell, from `head` on, that sees the surface; OLX_CELL_NONE when none does.
+// The first of a cell's surfels, from `head` on, that sees the surface; OLX_CELL_NONE when none does.
 static uint32_t seeing(const olx_light_surfels *s, uint32_t head, const olx_surface *surface) {
   while (head != OLX_CELL_NONE && !olx_light_surfels_see(s, &s->surfels[head], surface)) head = s->surfels[head].next;
   return head;
@@ -127,16 +129,16 @@ olx_surfel_found olx_light_surfels_find(const olx_light_surfels *s, uint64_t fin
   return found;
 }
 
-// Points of a cell that one of them sees, and that one, where the surfel will be.
+// A group of points of a cell that are all visible from one of them, the position of the surfel.
 typedef struct point_group {
-  uint32_t chosen, end; // up to which they lie in the batch
+  uint32_t chosen, end; // the chosen point, and the end of the group in the batch
   float nearest;
 } point_group;
 
-// A cell that is to be divided or to get surfels, and what is found out about it.
+// A cell that is to be divided or to get surfels, and the results of examining it.
 typedef struct cell_work {
-  uint32_t first, end, level; // points of the batch
-  uint32_t group_count;       // 0: it is to be divided
+  uint32_t first, end, level; // range of points in the batch, and level
+  uint32_t group_count;       // 0: the cell is divided
   point_group groups[MOST_GROUPS];
 } cell_work;
 
@@ -148,8 +150,8 @@ typedef struct cell_round {
   uint32_t least_points; // cells with fewer are not divided
 } cell_round;
 
-// Chooses, of the points from `first` on, the one nearest to the middle of the cell, so that surfels of neighbouring
-// cells are evenly spaced.
+// Chooses the point from `first` on that is nearest to the centre of the cell, so that surfels of neighbouring cells
+// are evenly spaced.
 static uint32_t choose_point(const cell_round *r, const cell_work *cell, uint32_t first) {
   const olx_scene *scene = r->surfels->scene;
   const olx_vec3 middle = olx_cell_middle(&r->surfels->grid, position_of(scene, &r->points[cell->first]), cell->level);
@@ -172,9 +174,9 @@ static float least_footprint(const cell_round *r, const cell_work *cell) {
   return least;
 }
 
-// Geometric mean distance of what a surface sees, in units of `side`, and the least distance in metres. The sky is as
-// far as the farthest of the rest. (Logarithms are of shares of a power of two, so that they do not depend on the unit
-// of length.)
+// Geometric mean distance to what a surface sees, in units of `side`, and the least distance in metres. The sky counts
+// as the farthest of the other distances. (Logarithms are of ratios to a power of two, so that they do not depend on
+// the unit of length.)
 static float explore(const olx_light_surfels *s, const olx_surface *surface, uint64_t cell, float side,
                      float *nearest) {
   olx_ray rays[EXPLORING_RAYS];
@@ -200,7 +202,7 @@ static float explore(const olx_light_surfels *s, const olx_surface *surface, uin
   return expf((sum + (float)(EXPLORING_RAYS - found) * logf(farthest)) / EXPLORING_RAYS);
 }
 
-// Whether all points from `first` on seem to see the chosen one: some of them are tried.
+// Whether all points from `first` on are likely to see the chosen one, by a test of some of them.
 static bool seem_clear(const cell_round *r, uint32_t first, uint32_t end, place chosen) {
   const uint32_t count = end - first, tried = count < TRIED_POINTS ? count : TRIED_POINTS;
   for (uint32_t i = 0; i < tried; i++) {
@@ -210,7 +212,7 @@ static bool seem_clear(const cell_round *r, uint32_t first, uint32_t end, place 
   return true;
 }
 
-// Moves the points from `first` on that see the chosen one to the front; returns where the others begin.
+// Moves the points from `first` on that see the chosen one to the front; returns the end of that range.
 static uint32_t part(const cell_round *r, uint32_t first, uint32_t end, place chosen) {
   for (uint32_t i = first; i < end; i++) {
     const olx_surface_point point = r->points[i];
@@ -221,7 +223,7 @@ static uint32_t part(const cell_round *r, uint32_t first, uint32_t end, place ch
   return first;
 }
 
-// Parts the points of a cell that is not divided into groups, the first of which has been begun.
+// Divides the points of a cell that is not subdivided into groups, the first of which is given.
 static void make_groups(const cell_round *r, cell_work *cell) {
   const olx_light_surfels *s = r->surfels;
   for (uint32_t first = cell->first; first < cell->end;) {
@@ -243,7 +245,7 @@ static void make_groups(const cell_round *r, cell_work *cell) {
   }
 }
 
-// Geometric mean distance, in sides of the cell, of what point i of those that are spread over it sees.
+// Geometric mean distance, in sides of the cell, to what point i sees, of a set of points spread over the cell.
 static float explore_point(const cell_round *r, const cell_work *cell, uint32_t i) {
   const uint32_t count = cell->end - cell->first;
   const uint32_t offset = (uint32_t)((uint64_t)count * (2 * i + 1) / (2 * EXPLORED_POINTS));
@@ -275,7 +277,7 @@ static void examine_cells(void *user, uint32_t job) {
   for (uint32_t i = job * CELLS_PER_JOB; i < end; i++) examine_cell(r, &r->cells[i]);
 }
 
-// The end of the points from `first` on that lie in one cell of `level`.
+// The end of the range of points from `first` on that lie in one cell of `level`.
 static uint32_t end_of_cell(const olx_surface_point *points, uint32_t first, uint32_t end, uint32_t level) {
   const uint64_t key = olx_cell_at_level(points[first].key, level);
   uint32_t low = first + 1, high = end;
@@ -290,7 +292,7 @@ static uint32_t end_of_cell(const olx_surface_point *points, uint32_t first, uin
   return low;
 }
 
-// The cells of `level` that points from `first` to `end` lie in; returns their count.
+// Finds the cells of `level` that hold points from `first` to `end`; returns their number.
 static uint32_t split(const olx_surface_point *points, uint32_t first, uint32_t end, uint32_t level, cell_work *cells) {
   uint32_t count = 0;
   while (first < end) {
@@ -301,7 +303,7 @@ static uint32_t split(const olx_surface_point *points, uint32_t first, uint32_t 
   return count;
 }
 
-// One surfel for the points first to group->end of a cell.
+// Appends one surfel for the points from first to group->end of a cell.
 static olx_result append_surfel(olx_light_surfels *s, const cell_round *r, const cell_work *cell,
                                 const point_group *group, uint32_t first, uint32_t base) {
   if (s->count == s->capacity) {
@@ -327,7 +329,7 @@ static olx_result append_surfel(olx_light_surfels *s, const cell_round *r, const
   return OLX_OK;
 }
 
-// Adds a surfel for each group of a cell. A cell that had surfels before keeps them, ahead of the new ones.
+// Appends a surfel for each group of a cell. Existing surfels of the cell stay ahead of the new ones.
 static olx_result append_cell(olx_light_surfels *s, const cell_round *r, const cell_work *cell, uint32_t base) {
   const uint64_t key = olx_cell_at_level(r->points[cell->first].key, cell->level);
   const uint32_t old = olx_cell_table_get(&s->table, key);
@@ -343,7 +345,7 @@ static olx_result append_cell(olx_light_surfels *s, const cell_round *r, const c
   return OLX_OK;
 }
 
-// Lets a new surfel stand for the divided cells around it that have none yet.
+// Assigns a new surfel to the divided cells around it that have none yet.
 static olx_result stand_for_divided(olx_light_surfels *s, uint32_t surfel, uint32_t level) {
   const uint64_t finest = s->surfels[surfel].point.key;
   while (++level <= FIRST_LEVEL) {
@@ -354,7 +356,7 @@ static olx_result stand_for_divided(olx_light_surfels *s, uint32_t surfel, uint3
   return OLX_OK;
 }
 
-// Turns the cells that were examined into surfels, or into smaller cells in `next`; returns how many of the latter.
+// Turns the examined cells into surfels, or into smaller cells in `next`; returns the number of smaller cells.
 static olx_result settle_round(cell_round *r, uint32_t base, cell_work *next, uint32_t *next_count) {
   olx_light_surfels *s = r->surfels;
   *next_count = 0;
@@ -389,7 +391,7 @@ static olx_result divide_cells(olx_light_surfels *s, olx_surface_point *points, 
   return OLX_OK;
 }
 
-// Orders points by face first, since only then do the points of a cell follow each other on every level.
+// Sorts points by cube face first, so that the points of a cell are consecutive on every level.
 static int by_cell(const void *a, const void *b) {
   const olx_surface_point *p = a, *q = b;
   const uint64_t first = olx_cell_order(p->key), second = olx_cell_order(q->key);
@@ -399,7 +401,7 @@ static int by_cell(const void *a, const void *b) {
   return p->v < q->v ? -1 : p->v > q->v;
 }
 
-// Appends the points, cell by cell.
+// Appends the points of the surfels, cell by cell.
 static olx_result keep_points(olx_light_surfels *s, const olx_surface_point *points, uint32_t count) {
   olx_surface_point *all = olx_allocate((size_t)s->point_count + count, sizeof *all);
   if (!all) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u points of surfaces", count);

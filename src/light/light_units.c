@@ -1,5 +1,5 @@
-// Runs the steps of solving a scene's light. Rays are cast by groups of surfels and direct light by more of them, as
-// units; what a round's rays lead to is a unit of its own, from which another run, or another part, goes on.
+// Runs the steps that solve a scene's light as units: rays by groups of surfels, direct light by larger groups, and one
+// unit for the result of each round, from which another run, or another partial bake, continues.
 #include "light/light_units.h"
 
 #include "core/hooks.h"
@@ -9,19 +9,19 @@
 #include <string.h>
 
 enum {
-  RAYS_A_UNIT = 1 << 19,  // about a second of one processor
+  RAYS_A_UNIT = 1 << 19,  // about one second of one processor
   DIRECT_A_UNIT = 1 << 12 // surfels
 };
 
-// Units of the round that is cast, or that was.
+// The units of one round of casting.
 typedef struct cast_stage {
   olx_scene_light *light;
   uint32_t round;
-  bool settled;         // later steps hold what its rays found, but for links
-  olx_link_batch part;  // surfels of the unit that was made last, with their links
-  uint64_t rays;        // that it cast
-  olx_point_list found; // ends without a surfel
-  bool owns_links;      // of `part`
+  bool settled;         // later steps hold everything that its rays found, except links
+  olx_link_batch part;  // surfels of the latest unit, with their links
+  uint64_t rays;        // rays that it cast
+  olx_point_list found; // its ray ends without a surfel
+  bool owns_links;      // whether `part` owns its links
 } cast_stage;
 
 // A part of a batch.
@@ -78,7 +78,7 @@ static void release_part(cast_stage *c) {
   c->found = (olx_point_list){0};
 }
 
-// Where the batch has room for its links the unit's go there, else to memory of their own.
+// Writes the unit's links to the batch where it has room for them, otherwise to separate memory.
 static olx_result begin_part(cast_stage *c, const batch_part *p) {
   const size_t offset = (size_t)p->first * p->batch->rays;
   release_part(c);
@@ -116,7 +116,7 @@ static olx_result cast_unit(void *user, uint32_t unit) {
   const batch_part p = part_of(c, unit);
   OLX_TRY(begin_part(c, &p));
   OLX_TRY(olx_links_cast(&l->surfels, &c->part, l->links.fixed, lists_unserved(c->round) ? &c->found : NULL, &c->rays));
-  if (olx_unit_store_is_part(l->settings.store)) return OLX_OK; // who settles the round loads every unit of it
+  if (olx_unit_store_is_part(l->settings.store)) return OLX_OK; // whoever settles the round loads all of its units
   l->report.rays += c->rays;
   return append_points(&l->unserved, c->found.points, c->found.count);
 }
@@ -135,7 +135,7 @@ static void save_cast(void *user, uint32_t unit, olx_byte_writer *to) {
   olx_bytes_put(to, c->found.points, c->found.count, sizeof *c->found.points);
 }
 
-// What a unit's rays brought besides links.
+// Loads what the rays of a unit found besides links.
 static olx_result load_found(cast_stage *c, const batch_part *p, uint64_t rays, olx_byte_reader *from) {
   olx_scene_light *l = c->light;
   uint32_t count = 0;
@@ -171,7 +171,7 @@ static olx_unit_stage stage_of(cast_stage *c) {
   return stage;
 }
 
-// Room for all links of a round, for who needs them all.
+// Allocates room for all links of a round, for callers that need them all.
 static olx_result make_room(olx_scene_light *l, uint32_t round) {
   for (uint32_t k = 0; k < l->links.batch_count; k++) {
     if (l->rounds_of[k] == round && !l->batches[k].links) OLX_TRY(allocate_links(&l->batches[k]));
@@ -179,7 +179,7 @@ static olx_result make_room(olx_scene_light *l, uint32_t round) {
   return OLX_OK;
 }
 
-// Without a store a batch is one piece.
+// Casts a batch as one piece, without a store.
 static olx_result cast_whole(olx_scene_light *l) {
   for (uint32_t k = 0; k < l->links.batch_count; k++) {
     if (l->rounds_of[k] != l->round) continue;
@@ -200,7 +200,7 @@ static olx_result cast_round(olx_scene_light *l) {
   return result;
 }
 
-// ---- Points: most of what is known, and seldom read
+// ---- Points: most of the data, and rarely read
 
 typedef struct point_stage {
   olx_scene_light *light;
@@ -230,7 +230,7 @@ static olx_unit_stage points_of(point_stage *p) {
   return (olx_unit_stage){"points", p->round, 1, p, NULL, save_points, load_points};
 }
 
-// Keeps the surface points that the last exploring step added.
+// Stores the surface points that the last exploring step added.
 static olx_result keep_points(olx_scene_light *l) {
   point_stage p = {l, l->round};
   const olx_unit_stage stage = points_of(&p);
@@ -247,7 +247,7 @@ static olx_result load_all_points(olx_scene_light *l) {
   return OLX_OK;
 }
 
-// Without points there is nothing to go on from: all steps are forgotten.
+// Loads the points. Without them the solution cannot continue, so that all steps are discarded.
 static olx_result need_points(olx_scene_light *l) {
   olx_light_surfels *s = &l->surfels;
   if (s->points || s->point_count == 0) return OLX_OK;
@@ -265,7 +265,7 @@ static olx_result need_points(olx_scene_light *l) {
 
 typedef struct direct_stage {
   olx_scene_light *light;
-  uint64_t rays; // that the last unit cast
+  uint64_t rays; // rays that the last unit cast
 } direct_stage;
 
 static uint32_t direct_count(const olx_scene_light *l, uint32_t unit) {
@@ -310,7 +310,7 @@ static olx_result make_direct(olx_scene_light *l) {
   return olx_units_make(l->settings.store, &stage);
 }
 
-// ---- What is known after a step, but for links
+// ---- The state after a step, except links
 
 static void save_table(const olx_cell_table *t, olx_byte_writer *to) {
   const uint32_t counts[] = {t->capacity, t->count};
@@ -319,7 +319,7 @@ static void save_table(const olx_cell_table *t, olx_byte_writer *to) {
   olx_bytes_put(to, t->values, t->capacity, sizeof *t->values);
 }
 
-// In place of what is there.
+// Loads a table, in place of the existing one.
 static void load_table(olx_cell_table *t, olx_byte_reader *from) {
   uint32_t counts[2] = {0};
   olx_cell_table_free(t);
@@ -347,7 +347,7 @@ static void load_surfels(olx_light_surfels *s, olx_byte_reader *from) {
   load_table(&s->table, from);
 }
 
-// How a batch is stored: its links are units.
+// A stored batch, without its links, which are units.
 typedef struct batch_record {
   uint32_t first_surfel, count, first_ray, rays, round;
   bool has_numbers, is_guided;
@@ -399,7 +399,7 @@ static void load_patches(olx_scene_light *l, olx_byte_reader *from) {
   }
 }
 
-// An array of each surfel, which there may not be yet.
+// Saves an array with one element per surfel, which may not exist yet.
 static void save_array(const void *array, uint32_t count, size_t element_bytes, olx_byte_writer *to) {
   const uint32_t there = array ? count : 0;
   olx_bytes_put(to, &there, 1, sizeof there);
@@ -450,7 +450,7 @@ static void save_step(void *user, uint32_t unit, olx_byte_writer *to) {
   save_lit(l, to);
 }
 
-// In place of what is there.
+// Loads a step, in place of the current state.
 static olx_result load_step(void *user, uint32_t unit, olx_byte_reader *from) {
   (void)unit;
   olx_scene_light *l = user;
@@ -473,7 +473,7 @@ static olx_result load_step(void *user, uint32_t unit, olx_byte_reader *from) {
   return OLX_OK;
 }
 
-// ---- The table by which surfels are found
+// ---- The lookup of surfels
 
 static void save_lookup(void *user, uint32_t unit, olx_byte_writer *to) {
   (void)unit;
@@ -495,7 +495,7 @@ static olx_result load_lookup(void *user, uint32_t unit, olx_byte_reader *from) 
   return OLX_OK;
 }
 
-// A damaged one counts as none.
+// Builds the lookup, or loads it; a damaged one is rebuilt.
 olx_result olx_light_units_look_up(olx_scene_light *l) {
   olx_unit_store *store = l->settings.store;
   const olx_unit_stage stage = {"lookup", 0, 1, l, NULL, save_lookup, load_lookup};
@@ -507,7 +507,7 @@ olx_result olx_light_units_look_up(olx_scene_light *l) {
   return olx_unit_keep(store, &stage);
 }
 
-// ---- Links that are not in memory
+// ---- Loading links
 
 static void apply_patch(olx_scene_light *l, uint32_t round) {
   const olx_link_patch *patch = &l->patches[round];
@@ -523,7 +523,7 @@ static void apply_patch(olx_scene_light *l, uint32_t round) {
   }
 }
 
-// What rays brought without their links is not needed once a guide has learnt from it.
+// Frees the light that rays brought without links, which is not needed once a guide has learnt from it.
 static void drop_fixed(olx_scene_light *l, uint32_t round) {
   for (uint32_t k = 0; l->guide.pools && k < l->links.batch_count; k++) {
     if (l->rounds_of[k] != round) continue;
@@ -549,7 +549,8 @@ static void drop_links(olx_scene_light *l, uint32_t round) {
   }
 }
 
-// Units of a round that was settled cannot be made again from what is known now: the steps after them are forgotten.
+// Loads the links of a round. Units of a settled round cannot be recomputed from the current state: when one is
+// damaged, the steps after the round are discarded.
 static olx_result load_round(olx_scene_light *l, uint32_t round, bool settled) {
   cast_stage c = {.light = l, .round = round, .settled = settled};
   if (has_links(l, round)) return OLX_OK;
@@ -563,7 +564,8 @@ static olx_result load_round(olx_scene_light *l, uint32_t round, bool settled) {
   return result;
 }
 
-// Shading and settling need every round's links, exploring the last one's alone.
+// Loads the links that the next step needs: shading and settling need those of every round, exploring only those of the
+// last.
 static olx_result load_for_settling(olx_scene_light *l) {
   olx_unit_store *store = l->settings.store;
   direct_stage d = {.light = l};
@@ -607,14 +609,14 @@ static olx_unit_stage step_of(olx_scene_light *l, uint32_t step) {
   return (olx_unit_stage){"light", step, 1, l, step == 0 ? make_first : make_next, save_step, load_step};
 }
 
-// The last step that is stored; 0 when none is.
+// The last stored step; 0 when there is none.
 static uint32_t last_stored(const olx_unit_store *store) {
   uint32_t step = OLX_LIGHT_MOST_STEPS;
   while (step > 0 && !olx_units_have(store, "light", step)) step--;
   return step;
 }
 
-// Loads the last step that is stored and whole, or makes the first.
+// Loads the last stored step that is undamaged, or computes the first.
 static olx_result resume(olx_scene_light *l, uint32_t *step) {
   olx_unit_store *store = l->settings.store;
   for (*step = last_stored(store); *step > 0; *step = last_stored(store)) {
@@ -641,7 +643,7 @@ static olx_result run_steps(olx_scene_light *l) {
 olx_result olx_light_units_run(olx_scene_light *l) {
   const olx_result result = run_steps(l);
   if (result != OLX_ERROR_INCOMPLETE || olx_unit_store_is_part(l->settings.store)) return result;
-  // Damaged links were forgotten with the steps after them: a whole bake makes these again at once.
+  // Damaged links were discarded with the steps after them; a whole bake recomputes these at once.
   olx_scene_light_clear(l);
   return run_steps(l);
 }

@@ -1,19 +1,19 @@
-// The steps of solving a scene's light as units that a store can hold.
+// Solves a scene's light by steps whose results are units that a store can hold.
 //
-// Steps follow each other: rays of a round are cast, then one job settles what they found and decides on the next
-// round. Casting is many units, settling one, whose result is all that is known but links.
+// Steps follow each other: the rays of a round are cast, then one job settles what they found and decides on the next
+// round. Casting consists of many units, settling of one, whose result is the whole state except links.
 #ifndef OLX_LIGHT_LIGHT_UNITS_H
 #define OLX_LIGHT_LIGHT_UNITS_H
 
 #include "light/light_solution.h"
 
-// Makes the table by which surfels are found, or loads it.
+// Builds the lookup of surfels, or loads it.
 olx_result olx_light_units_look_up(olx_scene_light *light);
 
-// Runs all steps, or loads what the store has of them.
+// Runs all steps, or loads those that are stored.
 olx_result olx_light_units_run(olx_scene_light *light);
 
-// Brings links and points into memory, where the solution was loaded without them (scene_light.h).
+// Loads links and points into memory, where the solution was loaded without them (scene_light.h).
 olx_result olx_light_units_load_links(olx_scene_light *light);
 
 #endif

@@ -1,4 +1,4 @@
-// Casts the rays of surfels and follows each to the surfel whose light it brings, on through specular surfaces.
+// Casts the rays of surfels and follows each, through specular reflections, to the surfel whose light it brings.
 #include "light/links.h"
 
 #include "core/hooks.h"
@@ -12,7 +12,7 @@ enum { SURFELS_PER_JOB = 8, PACKET = 64, SALT_RAY = 0x52415953, SALT_CHAIN = 0x4
 // What one ray brings.
 typedef struct ray_end {
   olx_link link;
-  olx_surface_point point; // where the link is unserved
+  olx_surface_point point; // valid where the link is unserved
   olx_vec3 fixed[OLX_CHAIN_MOST];
 } ray_end;
 
@@ -20,8 +20,8 @@ typedef struct cast_job {
   const olx_light_surfels *surfels;
   olx_link_batch *batch;
   olx_fixed_light *fixed;
-  olx_point_list *lists; // a job, or NULL
-  uint64_t *rays;        // a job
+  olx_point_list *lists; // one per job, or NULL
+  uint64_t *rays;        // one per job
   atomic_bool out_of_memory;
 } cast_job;
 
@@ -43,19 +43,18 @@ static void add_point(cast_job *c, olx_point_list *list, const olx_surface_point
   list->points[list->count++] = *point;
 }
 
-// Rays of a surfel are about this share of their length apart where they end.
+// The spacing of a surfel's rays where they end, as a share of their length.
 static const float RAY_FOOTPRINT = 0.3f;
 
-// A surfel that stands for a larger cell serves a ray when that cell looks no larger than this share of the ray's
-// length.
+// A surfel of a larger cell serves a ray when the side of that cell is at most this share of the ray's length.
 static const float MOST_SERVED = 0.5f;
 
-// A surfel whose cell looks larger than this is too coarse for the direct light at a ray's end: shadows' edges cross
-// it.
+// A surfel whose cell is larger than this share of the ray's length is too coarse for the direct light at the ray's
+// end, because edges of shadows cross the cell.
 static const float MOST_LIT_SIDE = 0.3f;
 
-// Links a ray that ends at the diffuse lobe of a surface to the surfel there, which knows how much light the surface
-// gets. A surfel farther away serves where no others will be added.
+// Links a ray that ends at the diffuse lobe of a surface to the surfel there, which stores the light of the surface. A
+// surfel farther away is used where no surfels will be added.
 static olx_link link_to(const cast_job *c, const olx_surface *surface, const olx_ray_hit *hit, olx_vec3 weight,
                         uint32_t chain, float distance, ray_end *end) {
   const olx_light_surfels *s = c->surfels;
@@ -74,16 +73,16 @@ static bool is_unserved(const ray_end *end) { return olx_link_end(&end->link) ==
 
 // A ray on its way from surface to surface.
 typedef struct way {
-  olx_lobe_ray lobe; // that it was drawn from
+  olx_lobe_ray lobe; // the lobe from which it was drawn
   olx_vec3 origin, throughput;
   olx_ray_hit hit;
-  uint32_t chain; // surfaces that have passed it on
-  bool lit;       // direct light of the last of them has counted what emits
-  float distance; // metres, from which follows how fine the surfels at its end should be
+  uint32_t chain; // number of surfaces that have passed it on
+  bool lit;       // direct light at the last surface already includes emitters
+  float distance; // metres; determines how fine the surfels at its end should be
   olx_sampler sampler;
 } way;
 
-// Adds light with `surfaces` surfaces between its emitter and the start of the way.
+// Adds light after `surfaces` surfaces between its emitter and the start of the path.
 static void add_light(ray_end *end, uint32_t surfaces, olx_vec3 light) {
   if (surfaces > 0) end->fixed[surfaces - 1] = olx_add(end->fixed[surfaces - 1], light);
 }
@@ -96,8 +95,8 @@ static void cast_on(const cast_job *c, way *w, const olx_surface *surface, uint6
   w->hit = olx_bvh_intersect(c->surfels->scene->bvh, &ray);
 }
 
-// Adds what the specular lobe, chosen with probability `share`, reflects of emitters, and continues the way; false when
-// the ray brings nothing.
+// Adds the emission that the specular lobe, chosen with probability `share`, reflects, and continues the path; returns
+// false when the ray brings nothing.
 static bool pass_specular(const cast_job *c, way *w, const olx_shading *shading, float share, ray_end *end,
                           uint64_t *rays) {
   const olx_scene *scene = c->surfels->scene;
@@ -112,7 +111,8 @@ static bool pass_specular(const cast_job *c, way *w, const olx_shading *shading,
   return true;
 }
 
-// A surface that no surfel serves reflects its direct light, `weight` of it over pi, and a ray goes on for the rest.
+// Adds the direct light of a surface that no surfel serves, times `weight` over pi, and continues with a ray for the
+// indirect light.
 static bool pass_diffuse(const cast_job *c, way *w, const olx_surface *surface, olx_vec3 weight, ray_end *end,
                          uint64_t *rays) {
   const olx_vec3 irradiance = olx_direct_irradiance(c->surfels->scene, surface, &w->sampler, rays);
@@ -128,8 +128,8 @@ static bool pass_diffuse(const cast_job *c, way *w, const olx_surface *surface, 
   return true;
 }
 
-// Ends the way at a diffuse lobe when a surfel serves it, or when surfels will be sought for it; false when it must go
-// on.
+// Ends the path at a diffuse lobe when a surfel serves it, or when surfels will be added for it; returns false when the
+// path must continue.
 static bool end_way(const cast_job *c, way *w, const olx_surface *surface, olx_vec3 weight, ray_end *end,
                     uint64_t *rays) {
   end->link = link_to(c, surface, &w->hit, weight, w->chain, w->distance, end);
@@ -140,8 +140,8 @@ static bool end_way(const cast_job *c, way *w, const olx_surface *surface, olx_v
   return true;
 }
 
-// Follows a way from a surface that it has met until it ends at a surfel, at the sky, or nowhere. At a surface with
-// both lobes it takes one by chance.
+// Follows a path from a surface until it ends at a surfel, at the sky, or brings nothing. At a surface with both lobes
+// it chooses one at random.
 static void follow(const cast_job *c, way *w, ray_end *end, uint64_t *rays) {
   const olx_scene *scene = c->surfels->scene;
   while (w->chain < OLX_CHAIN_MOST) {
@@ -164,15 +164,15 @@ static void follow(const cast_job *c, way *w, ray_end *end, uint64_t *rays) {
   }
 }
 
-// How the rays of a surface are drawn: by a pool's density, or evenly when there is none.
+// How the rays of a surface are drawn: by a pool's density, or evenly without one.
 typedef struct ray_plan {
   const olx_ray_pool *pool;
-  float factor; // of what all rays bring
+  float factor; // factor on what all rays bring
   uint32_t seed;
 } ray_plan;
 
-// A ray about the shading normal, cosine-distributed or by the plan's density, and the factor of what it brings; false
-// when it lies below the surface and brings nothing.
+// Draws a ray about the shading normal, cosine-distributed or by the plan's density, and the factor of what it brings;
+// returns false when the ray lies below the surface and brings nothing.
 static bool make_ray(const olx_surface *surface, const ray_plan *plan, uint32_t index, olx_ray *ray, float *factor) {
   olx_vec2 point = olx_stratified2(index, plan->seed);
   float density = 1.0f;
@@ -186,7 +186,7 @@ static bool make_ray(const olx_surface *surface, const ray_plan *plan, uint32_t 
   return false;
 }
 
-// Luminance that the ray brings without its link, times pi.
+// Adds the light that a ray brings without its link, and returns its luminance times pi.
 static float add_fixed(olx_fixed_light *fixed, const ray_end *end) {
   float luminance = 0.0f;
   for (uint32_t i = 0; i < OLX_CHAIN_MOST; i++) {
@@ -197,7 +197,7 @@ static float add_fixed(olx_fixed_light *fixed, const ray_end *end) {
   return luminance;
 }
 
-// Casts up to PACKET rays of a surface, from number `first` on, and says what each brings.
+// Casts up to PACKET rays of a surface, from index `first` on, and records what each brings.
 static void cast_packet(cast_job *c, const olx_surface *surface, const ray_plan *plan, uint32_t first, uint32_t count,
                         ray_end *ends, uint64_t *cast) {
   olx_ray rays[PACKET] = {0};
@@ -305,7 +305,7 @@ static void cast_some(void *user, uint32_t job) {
   for (uint32_t n = first; n < end; n++) cast_surfel(c, n, job);
 }
 
-// Joins the lists of jobs, in the order of jobs.
+// Concatenates the lists of jobs, in the order of jobs.
 static olx_result join_lists(const olx_point_list *lists, uint32_t jobs, olx_point_list *all) {
   uint32_t count = 0;
   for (uint32_t i = 0; i < jobs; i++) count += lists[i].count;

@@ -1,17 +1,17 @@
-// Follows paths of light from a surface on through the scene: next-event estimation with multiple importance sampling
-// and Russian roulette. The path tracer's pictures and the plain reference of baked light are made of these paths.
+// Follows paths of light from a surface through the scene: next-event estimation with multiple importance sampling and
+// Russian roulette. The path tracer's images and the reference for baked light consist of these paths.
 #include "light/path.h"
 
 #include "scene/bvh.h"
 
-// Paths that carry less than this share of the light are cut by chance. Measured on furnaces and rooms from albedo 0.3
-// to 0.9: up to nine times less variance per time than the usual roulette on the whole throughput.
+// Russian roulette applies to paths whose throughput is below this share. Measured on furnaces and rooms of albedo 0.3
+// to 0.9: up to nine times less variance per time than roulette on the whole throughput.
 #define ROULETTE_THROUGHPUT 0.2f
-// After so many surfaces every path may end: between two loss-free mirrors it never would.
+// From this many surfaces on, every path may end: between two lossless mirrors it never would.
 enum { LONG_PATH = 64 };
 #define LONG_PATH_SURVIVAL 0.95f
 
-// Russian roulette: false ends the path, and a path that survives is weighted for those that did not.
+// Russian roulette: returns false to end the path, and otherwise reweights the throughput.
 static bool roulette(olx_vec3 *throughput, uint32_t depth, float random) {
   const float survival =
       olx_min(olx_max3(*throughput) / ROULETTE_THROUGHPUT, depth < LONG_PATH ? 1.0f : LONG_PATH_SURVIVAL);
@@ -21,7 +21,8 @@ static bool roulette(olx_vec3 *throughput, uint32_t depth, float random) {
   return true;
 }
 
-// Follow `ray` and what comes after it; emitters count with multiple importance sampling against the vertex they left.
+// Follows `ray` to the end of the path; emitters are weighted by multiple importance sampling against the previous
+// vertex.
 static olx_path_light gather(olx_path *p, olx_ray ray, olx_vec3 origin, olx_lobe_ray lobe, uint32_t bounces) {
   olx_path_light sum = {0};
   olx_vec3 throughput = lobe.weight;
@@ -59,7 +60,7 @@ olx_path_light olx_path_lobe(olx_path *p, const olx_surface *surface, const olx_
   return gather(p, olx_surface_ray(surface, lobe->direction, INFINITY), surface->position, *lobe, p->bounces);
 }
 
-// The lobe along the cosine-distributed direction with which path `index` of a point begins.
+// Draws the cosine-distributed direction with which path `index` of a point begins.
 static olx_lobe_ray begin(olx_path *p, olx_vec3 normal, uint32_t seed, uint32_t index) {
   p->sampler = (olx_sampler){.seed = seed, .index = index};
   const olx_vec3 local = olx_sample_cosine(olx_sampler_next2(&p->sampler));

@@ -1,7 +1,7 @@
-// Paths of light through the scene, from a surface on: the reference that every other estimate is held against.
+// Paths of light through the scene, starting at a surface: the reference for every other estimate.
 //
 // `bounces` counts surfaces between the emitter and the shaded surface: 0 leaves no indirect light, 1 is the light of
-// surfaces that are lit directly, OLX_BOUNCES_INFINITE all of it.
+// surfaces that are lit directly, OLX_BOUNCES_INFINITE is all light.
 #ifndef OLX_LIGHT_PATH_H
 #define OLX_LIGHT_PATH_H
 
@@ -10,9 +10,9 @@
 typedef struct olx_path {
   const olx_scene *scene;
   uint32_t bounces;
-  bool emitters_can_be_hit; // olx_emitters_can_be_hit(scene)
-  olx_sampler sampler;      // of this path; to be set anew for another path
-  uint64_t rays;            // cast so far
+  bool emitters_can_be_hit; // result of olx_emitters_can_be_hit(scene)
+  olx_sampler sampler;      // sampler of this path; to be reset for another path
+  uint64_t rays;            // rays cast
 } olx_path;
 
 typedef struct olx_path_light {
@@ -20,7 +20,7 @@ typedef struct olx_path_light {
   olx_vec3 indirect; // by way of at least one surface
 } olx_path_light;
 
-// Light that reaches the eye through one lobe of a surface, along `lobe`, which was drawn from it.
+// Light that reaches the viewer through one lobe of a surface, along `lobe`, a ray drawn from it.
 olx_path_light olx_path_lobe(olx_path *path, const olx_surface *surface, const olx_lobe_ray *lobe);
 
 // Indirect irradiance in W/m^2 (emitters and sky excluded) at `position` with geometric normal `normal`, from `paths`
@@ -29,8 +29,8 @@ olx_vec3 olx_path_irradiance(const olx_scene *scene, olx_vec3 position, olx_vec3
                              uint32_t bounces, uint32_t paths, uint32_t seed);
 
 // Indirect irradiance in W/m^2 (emitters and sky excluded) of a surface about its shading normal, from `paths`
-// cosine-distributed paths; those that would leave it below its geometric normal count as nothing. Adds the rays that
-// it casts to *rays. Depends on the arguments alone.
+// cosine-distributed paths; paths below its geometric normal contribute 0. Adds the rays that it casts to *rays.
+// Depends on the arguments alone.
 olx_vec3 olx_path_surface_irradiance(const olx_scene *scene, const olx_surface *surface, uint32_t bounces,
                                      uint32_t paths, uint32_t seed, uint64_t *rays);
 

@@ -1,15 +1,15 @@
-// Learns from the first rays of neighbouring surfels which directions bring their light, and draws further rays from
-// these.
+// Learns from the first rays of neighbouring surfels which directions bring light, and draws further rays from the
+// learnt density.
 #include "light/ray_guide.h"
 
 #include "core/hooks.h"
 #include "core/result.h"
 
-enum { POOL_LEVELS = 3 }; // surfels learn together over cells of this many levels above their own
+enum { POOL_LEVELS = 3 }; // surfels learn together in cells this many levels above their own
 
-// No direction gets less than this share of the rays that it would get without a guide.
+// Least density of any direction, as a share of the density without a guide.
 static const float LEAST_DENSITY = 0.25f;
-// The least share of a ray's variance that a guide is assumed to leave.
+// Least ratio of variance that a guide is assumed to reach.
 static const float LEAST_SPREAD = 1.0f / 32.0f;
 
 static olx_result make_pools(olx_ray_guide *g, const olx_light_surfels *surfels) {
@@ -57,7 +57,7 @@ void olx_guide_add(olx_guide_sums *sums, olx_vec2 point, float light) {
   sums->count++;
 }
 
-// Mean squares of the bins; a bin without a ray has the mean of all.
+// Mean squares of the bins; a bin without a ray gets the mean of all.
 static void mean_squares(const olx_guide_sums *sums, float squares[OLX_GUIDE_BINS]) {
   double all = 0.0;
   for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) all += sums->squares[i];
@@ -66,13 +66,13 @@ static void mean_squares(const olx_guide_sums *sums, float squares[OLX_GUIDE_BIN
   }
 }
 
-// Half of a bin's own root mean square and half of those around it: neighbouring surfels see what one saw a little
-// elsewhere.
+// Half of a bin's own root mean square plus half of its neighbours' mean, because neighbouring surfels see the same
+// source in slightly different directions.
 static float blurred_root(const float squares[OLX_GUIDE_BINS], uint32_t bin) {
   float sum = 0.0f, count = 0.0f;
   for (uint32_t k = 0; k < 9; k++) {
     const uint32_t x = bin % OLX_GUIDE_SIDE + k % 3 - 1,
-                   y = bin / OLX_GUIDE_SIDE + k / 3 - 1; // beyond the side when negative
+                   y = bin / OLX_GUIDE_SIDE + k / 3 - 1; // outside the square when negative
     if (k == 4 || x >= OLX_GUIDE_SIDE || y >= OLX_GUIDE_SIDE) continue;
     sum += sqrtf(squares[y * OLX_GUIDE_SIDE + x]);
     count += 1.0f;
@@ -80,7 +80,7 @@ static float blurred_root(const float squares[OLX_GUIDE_BINS], uint32_t bin) {
   return 0.5f * sqrtf(squares[bin]) + 0.5f * sum / count;
 }
 
-// What the density leaves of the variance of a ray, if each bin goes on to bring what it brought.
+// The ratio by which the density reduces the variance of a ray, if each bin continues to bring what it brought.
 static float spread_of(const olx_ray_pool *pool, const float squares[OLX_GUIDE_BINS], float mean) {
   float even = 0.0f, guided = 0.0f;
   for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) {
@@ -106,7 +106,7 @@ void olx_guide_learn(olx_ray_pool *pool, const olx_guide_sums *sums) {
   pool->spread = spread_of(pool, squares, (float)(sums->light / sums->count));
 }
 
-// Where a share of the sum of `values` is reached: the index, and how far into it.
+// Finds where the running sum of `values` reaches a share of the total: the index, and the position within it.
 static uint32_t invert(const float values[OLX_GUIDE_SIDE], float sum, float share, float *within) {
   float left = share * sum;
   uint32_t i = 0;

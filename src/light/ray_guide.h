@@ -1,9 +1,9 @@
 // Guides rays towards light: the distribution of later rays follows what the first rays of surfels brought.
 //
-// Surfels of a larger cell learn together. A ray is made from a point of the unit square (olx_sample_cosine); the
-// square is cut into bins, and the density of further rays in each is in proportion to the root mean square of what
-// rays there brought, which is the density of least variance (Vorba et al. 2014 learn a finer one). No bin gets less
-// than a quarter of its share.
+// The surfels of a larger cell learn together. A ray is generated from a point of the unit square (olx_sample_cosine).
+// The square is divided into bins, and the density of further rays in each bin is proportional to the root mean square
+// of what rays there brought, which minimizes variance (Vorba et al. 2014 learn a finer density). No bin gets less than
+// a quarter of its share.
 #ifndef OLX_LIGHT_RAY_GUIDE_H
 #define OLX_LIGHT_RAY_GUIDE_H
 
@@ -17,12 +17,12 @@ enum {
 
 // What the surfels of one cell have learnt.
 typedef struct olx_ray_pool {
-  float density[OLX_GUIDE_BINS]; // of rays, 1 in the mean
-  float spread;                  // variance of a ray by this density over that of a ray by none, at most 1
+  float density[OLX_GUIDE_BINS]; // of rays; the mean is 1
+  float spread;                  // ratio of a ray's variance with this density to that without, at most 1
 } olx_ray_pool;
 
 typedef struct olx_ray_guide {
-  uint32_t *pool_of; // a surfel's
+  uint32_t *pool_of; // one per surfel
   olx_ray_pool *pools;
   uint32_t pool_count;
 } olx_ray_guide;
@@ -31,20 +31,19 @@ typedef struct olx_ray_guide {
 olx_result olx_ray_guide_create(olx_ray_guide *guide, const olx_light_surfels *surfels);
 void olx_ray_guide_free(olx_ray_guide *guide);
 
-// What rays of even density brought, in sums of luminance and its square.
+// What rays of even density brought, as sums of luminance and its square.
 typedef struct olx_guide_sums {
   double light, squares[OLX_GUIDE_BINS];
   uint32_t count, counts[OLX_GUIDE_BINS];
 } olx_guide_sums;
 
-// Adds the light that a ray brought which was made from a point of the square.
+// Adds the light of a ray that was generated from a point of the square.
 void olx_guide_add(olx_guide_sums *sums, olx_vec2 point, float light);
-// Learns the density of least variance for rays that bring as much as these sums say. Where they brought nothing it is
-// even.
+// Learns the density of least variance from the sums. Without any light it is even.
 void olx_guide_learn(olx_ray_pool *pool, const olx_guide_sums *sums);
 
-// Takes evenly spread points of the square to points of a pool's density. *density is how many times denser they lie
-// there.
+// Maps evenly distributed points of the square to points with a pool's density. *density is the relative density at the
+// result.
 olx_vec2 olx_guide_warp(const olx_ray_pool *pool, olx_vec2 even, float *density);
 
 #endif

@@ -1,12 +1,12 @@
-// Follows a ray to the first diffuse lobe that it chooses, by way of specular surfaces, and shades that from the solved
-// light.
+// Follows a ray through specular reflections to the first diffuse lobe that it chooses, and shades that lobe from the
+// solved light.
 #include "light/ray_light.h"
 
 #include "scene/bvh.h"
 
-enum { MOST_SPECULAR = 4 }; // surfaces that pass a ray on before it is given up
+enum { MOST_SPECULAR = 4 }; // surfaces that may pass a ray on before it is dropped
 
-// What the diffuse lobe sends back.
+// The light that the diffuse lobe reflects.
 static olx_vec3 diffuse_light(const olx_scene *scene, const olx_scene_light *light, float indirect,
                               const olx_ray_hit *hit, const olx_surface *surface, olx_vec3 reflectance,
                               olx_sampler *sampler, uint64_t *rays) {

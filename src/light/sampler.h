@@ -1,4 +1,4 @@
-// The random numbers of one camera sample or path: each pair of dimensions its own Owen-scrambled sequence over the
+// The random numbers of one camera sample or path: each pair of dimensions has its own Owen-scrambled sequence over the
 // samples.
 #ifndef OLX_LIGHT_SAMPLER_H
 #define OLX_LIGHT_SAMPLER_H
@@ -6,12 +6,12 @@
 #include "core/sampling.h"
 
 typedef struct olx_sampler {
-  uint32_t seed;  // of the pixel
-  uint32_t index; // of the sample in the pixel
+  uint32_t seed;  // seed of the pixel
+  uint32_t index; // index of the sample in the pixel
   uint32_t dimension;
 } olx_sampler;
 
-// Behind these dimensions stratification no longer lowers the error, and independent numbers are cheaper.
+// Beyond this many dimensions stratification no longer lowers the error, and independent numbers are cheaper.
 #define OLX_STRATIFIED_DIMENSIONS 24
 
 static inline olx_vec2 olx_sampler_next2(olx_sampler *s) {

@@ -1,5 +1,5 @@
-// Solves the light of a scene by its steps (light_steps.c), and answers what light falls on a surface: interpolated
-// between surfels, or gathered by rays of the point's own where these say too little.
+// Solves the light of a scene by its steps (light_steps.c), and evaluates the irradiance of a surface: interpolated
+// between surfels, or gathered by rays where interpolation is unreliable.
 #include "light/scene_light.h"
 
 #include "core/hooks.h"
@@ -9,15 +9,15 @@
 #include "light/light_units.h"
 
 enum {
-  LEAST_MAP_SIZE = 64,  // smaller maps get surfels as dense as these: light that is sampled too coarsely is biased
-  LEAST_NEIGHBOURS = 3, // with fewer surfels around it a point casts rays of its own
-  GATHERED_RAYS = 256,  // of a point that casts rays of its own
+  LEAST_MAP_SIZE = 64,  // smaller maps still get surfels this dense: light sampled more coarsely is biased
+  LEAST_NEIGHBOURS = 3, // with fewer surfels around it, a point casts rays of its own
+  GATHERED_RAYS = 256,  // rays of such a point
   SALT_GATHER = 0x47415448
 };
 
-// Neighbours whose light has a standard deviation above this share of its mean are not interpolated between.
+// Light is not interpolated where the standard deviation over the neighbours is above this share of the mean.
 static const float ROUGH_SPREAD = 0.3f;
-// The share of the light around it that one ray of a point that casts rays of its own may bring.
+// Bound on the light of one gathered ray, as a share of the light around the point.
 static const float MOST_OF_A_RAY = 0.25f;
 
 uint64_t olx_scene_light_most_link_bytes(void) { return OLX_LIGHT_MOST_LINKS * sizeof(olx_link); }
@@ -89,7 +89,7 @@ olx_vec3 olx_scene_light_gather(const olx_scene_light *l, const olx_surface *sur
   return olx_links_gather(&l->surfels, surface, pool, seed, GATHERED_RAYS, &light);
 }
 
-// Whether light changes so much between the neighbours that it cannot be interpolated between them.
+// Whether light varies too much between the neighbours to be interpolated.
 static bool is_rough(const olx_scene_light *l, const olx_surfel_weights *weights) {
   float sum = 0.0f, mean = 0.0f, square = 0.0f;
   for (uint32_t i = 0; i < weights->count; i++) {
@@ -102,7 +102,7 @@ static bool is_rough(const olx_scene_light *l, const olx_surfel_weights *weights
   return square / sum - mean * mean > ROUGH_SPREAD * ROUGH_SPREAD * mean * mean;
 }
 
-// Interpolates `light`, which is that of the neighbours in their order.
+// Interpolates `light`, one value per neighbour in their order.
 static olx_vec3 interpolate(const olx_surfel_weights *weights, const olx_vec3 light[OLX_NEIGHBOURS_MOST]) {
   olx_vec3 sum = {0}, least = olx_splat(INFINITY), most = olx_splat(0.0f);
   for (uint32_t i = 0; i < weights->count; i++) {
@@ -110,7 +110,7 @@ static olx_vec3 interpolate(const olx_surfel_weights *weights, const olx_vec3 li
     least = olx_min_each(least, light[i]);
     most = olx_max_each(most, light[i]);
   }
-  // Slopes go on a little beyond the surfels that they were found between, and no farther.
+  // Slopes extrapolate slightly beyond the values that they were fitted to, and no farther.
   const olx_vec3 margin = olx_scale(olx_sub(most, least), 0.25f);
   return olx_max_each(olx_min_each(sum, olx_add(most, margin)), olx_max_each(olx_sub(least, margin), olx_splat(0.0f)));
 }

@@ -1,5 +1,5 @@
-// Names the cells of surface that light is gathered for, and finds them again: Morton codes of cubes that are fixed in
-// the world, bins of normals, and a hash table over both.
+// Assigns keys to the cells of surface for which light is gathered, and looks them up: Morton codes of cubes that are
+// fixed in the world, bins of normals, and a hash table over both.
 #include "light/surface_cells.h"
 
 #include "core/hooks.h"
@@ -38,7 +38,8 @@ static uint32_t cell_coordinate(float from_corner, float finest) {
 
 static uint32_t third(float x) { return x < -1.0f / 3.0f ? 0 : x > 1.0f / 3.0f ? 2 : 1; }
 
-// The face of the cube that the normal points through, and which ninth of it: normals along the axes lie in the middle.
+// The bin of a normal: the face of the cube that it points through, and which ninth of that face; normals along the
+// axes lie in the middle.
 static uint32_t normal_bin(olx_vec3 n) {
   const float x = fabsf(n.x), y = fabsf(n.y), z = fabsf(n.z);
   if (x >= y && x >= z) return (n.x < 0.0f) * 9 + third(n.y / x) * 3 + third(n.z / x);

@@ -1,5 +1,5 @@
-// Finds the surfels around a point of a surface and fits a plane to their light, so that neither their spacing nor
-// their noise is seen: a moving least squares fit of first order, with a small penalty on slopes.
+// Finds the surfels around a surface point and fits a plane to their light, which hides their spacing and their noise:
+// a first-order moving least squares fit, with a small penalty on slopes.
 #include "light/surfel_lookup.h"
 
 #include "core/hooks.h"
@@ -7,9 +7,10 @@
 
 #include <stdlib.h>
 
-// How far a surfel reaches, in sides of its cell.
+// Radius of a surfel's influence, in sides of its cell.
 static const float REACH = 1.2f;
-// How far from a surfel's plane a point may lie: a share of the cell's side, and of the distance between them.
+// Most distance of a point from a surfel's plane: this share of the cell's side plus this share of the distance between
+// them.
 static const float PLANE_OF_SIDE = 0.04f, PLANE_OF_DISTANCE = 0.2f;
 static const float LEAST_NORMAL_COSINE = 0.85f;
 static const float SLOPE_PENALTY = 0.01f;
@@ -38,7 +39,7 @@ static olx_result add_entry(entry_list *list, uint64_t cube, uint32_t surfel) {
   return OLX_OK;
 }
 
-// The key of a cube, made as a cell's, without a normal.
+// The key of a cube, like that of a cell but without a normal.
 static uint64_t cube_key(const olx_cell_grid *grid, olx_vec3 position, uint32_t level) {
   return olx_cell_at_level(olx_cell_key(grid, position, olx_v3(0.0f, 1.0f, 0.0f)), level);
 }
@@ -49,7 +50,7 @@ static uint32_t level_of(const olx_cell_grid *grid, float side) {
   return (uint32_t)(exponent - 1);
 }
 
-// All cubes of the surfel's level that its reach touches near its plane.
+// Adds all cubes of the surfel's level that its influence touches near its plane.
 static olx_result add_cubes(const olx_light_surfels *s, uint32_t number, entry_list *list) {
   const olx_light_surfel *surfel = &s->surfels[number];
   const uint32_t level = level_of(&s->grid, surfel->side);
@@ -118,10 +119,10 @@ void olx_surfel_lookup_free(olx_surfel_lookup *l) {
   *l = (olx_surfel_lookup){0};
 }
 
-// A surfel that may count for a point.
+// A surfel that may contribute to a point.
 typedef struct neighbour {
   uint32_t surfel;
-  float weight, x, y; // the step to it in the point's tangent plane, metres
+  float weight, x, y; // weight, and offset in the point's tangent plane, metres
 } neighbour;
 
 typedef struct neighbourhood {
@@ -129,7 +130,7 @@ typedef struct neighbourhood {
   neighbour members[OLX_NEIGHBOURS_MOST];
 } neighbourhood;
 
-// Keeps the neighbours that weigh most.
+// Keeps the neighbours with the largest weights.
 static void add_neighbour(neighbourhood *n, neighbour found) {
   if (n->count < OLX_NEIGHBOURS_MOST) {
     n->members[n->count++] = found;
@@ -142,8 +143,8 @@ static void add_neighbour(neighbourhood *n, neighbour found) {
   if (found.weight > n->members[least].weight) n->members[least] = found;
 }
 
-// Surfels count for the area that they stand for no less than for their nearness: weights are inverse to the squares of
-// their cells' sides, so that the small ones count where large cells meet small ones.
+// Adds a surfel to the neighbourhood. Weights are inverse to the square of the cell's side, so that surfels count by
+// density as well as by distance, and small ones dominate where large cells meet small ones.
 static void consider(const olx_light_surfels *s, uint32_t number, const olx_surface *surface, olx_vec3 tangent,
                      olx_vec3 bitangent, neighbourhood *n) {
   const olx_light_surfel *surfel = &s->surfels[number];
@@ -213,8 +214,8 @@ static moments sum_moments(neighbourhood *n) {
   return sums;
 }
 
-// The value at the origin of the plane that fits best is sum of w_i (a + b x_i + c y_i) E_i: a, b, c solve the normal
-// equations for the unit vector of the constant term.
+// The value at the origin of the best-fitting plane is the sum of w_i (a + b x_i + c y_i) E_i, where a, b, c solve the
+// normal equations for the unit vector of the constant term.
 static void fit(neighbourhood *n, olx_surfel_weights *weights) {
   const moments s = sum_moments(n);
   const float a = s.xx * s.yy - s.xy * s.xy, b = s.xy * s.y - s.x * s.yy, c = s.x * s.xy - s.xx * s.y;

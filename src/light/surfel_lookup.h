@@ -1,4 +1,4 @@
-// The surfels around a point of a surface, and how much each counts for it.
+// Finds the surfels around a surface point, and their weights.
 #ifndef OLX_LIGHT_SURFEL_LOOKUP_H
 #define OLX_LIGHT_SURFEL_LOOKUP_H
 
@@ -7,9 +7,9 @@
 typedef struct olx_surfel_lookup {
   const olx_light_surfels *surfels;
   uint32_t levels;      // bit n: there are cells of that level
-  olx_cell_table cubes; // cubes of each level to places in `lists`
-  uint32_t *lists;      // the surfels of a cube: how many, then their numbers
-  uint32_t list_words;  // of all lists
+  olx_cell_table cubes; // from cubes of each level to positions in `lists`
+  uint32_t *lists;      // the surfels of each cube: their number, then their indices
+  uint32_t list_words;  // total length of all lists
 } olx_surfel_lookup;
 
 // Builds a lookup of the first `count` surfels.
@@ -18,7 +18,7 @@ void olx_surfel_lookup_free(olx_surfel_lookup *lookup);
 
 enum { OLX_NEIGHBOURS_MOST = 24 };
 
-// Weights, which sum to 1, of the surfels whose light gives that of a point.
+// Weights, which sum to 1, of the surfels from whose light a point's is interpolated.
 typedef struct olx_surfel_weights {
   uint32_t count;
   uint32_t surfel[OLX_NEIGHBOURS_MOST];

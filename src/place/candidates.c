@@ -1,5 +1,5 @@
 // Lists the positions that placement chooses from: voxels farthest from surfaces, points of the scene's grid, and
-// places spread evenly over the space that matters.
+// positions spread evenly over the space that matters.
 #include "place/candidates.h"
 
 #include "core/hooks.h"
@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Maxima nearer to each other than this share of their distance to surfaces are one.
+// Maxima closer to each other than this share of their distance to surfaces are merged.
 #define SKELETON_SPACING 0.6f
 
 typedef struct far_voxel {
@@ -24,7 +24,7 @@ static int compare_far(const void *a, const void *b) {
   return x->voxel < y->voxel ? -1 : x->voxel > y->voxel;
 }
 
-// No neighbour is farther from surfaces.
+// Whether no neighbour is farther from surfaces.
 static bool is_maximum(const olx_voxels *v, size_t voxel) {
   uint32_t c[3];
   olx_voxel_coordinates(v, voxel, c);
@@ -38,7 +38,7 @@ static bool is_maximum(const olx_voxels *v, size_t voxel) {
   return true;
 }
 
-// The farthest first, each some way from those before it.
+// Thins the maxima: takes the farthest from surfaces first, each at some distance from those taken before.
 static uint32_t thin_out(const olx_voxels *v, const far_voxel *maxima, size_t maxima_count, uint32_t most,
                          olx_candidate *list) {
   uint32_t count = 0;
@@ -80,7 +80,7 @@ static void add_grid(const olx_space *space, const olx_grid *grid, uint32_t most
   }
 }
 
-// Cells of `edge` voxels a side over the space.
+// A division of space into cells of `edge` voxels along a side.
 typedef struct cells {
   uint32_t edge, count[3];
   size_t total;
@@ -101,7 +101,7 @@ static size_t cell_of(const olx_voxels *v, const cells *c, size_t voxel) {
   return xyz[0] / c->edge + c->count[0] * (xyz[1] / c->edge + c->count[1] * (size_t)(xyz[2] / c->edge));
 }
 
-// The voxel chosen in each cell that holds a place: that with the largest hash. Returns how many cells do.
+// Chooses one voxel in each cell that allows a probe: the one with the largest hash. Returns the number of such cells.
 static size_t choose_in_cells(const olx_space *space, const cells *c, uint32_t seed, size_t *chosen) {
   size_t used = 0;
   for (size_t i = 0; i < c->total; i++) chosen[i] = OLX_NO_VOXEL;
@@ -118,7 +118,7 @@ static olx_result add_spread(const olx_space *space, uint32_t most, uint32_t see
                              uint32_t *count) {
   size_t *chosen = olx_allocate(space->voxels.total, sizeof *chosen);
   if (!chosen) return olx_fail(OLX_ERROR_MEMORY, "place: out of memory");
-  // The smallest cells that are few enough, by halving: from one voxel a cell to all voxels in one.
+  // Bisects for the smallest cells that are few enough: from one voxel per cell to all voxels in one cell.
   uint32_t low = 1, high = 1;
   for (int i = 0; i < 3; i++) high = space->voxels.count[i] > high ? space->voxels.count[i] : high;
   olx_result result = OLX_OK;

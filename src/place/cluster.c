@@ -1,5 +1,5 @@
-// Groups places by likeness (farthest seeds, then k-means) and takes one probe from each group, which keeps its
-// distance from the other probes and lies outside geometry.
+// Groups positions by similarity (farthest seeds, then k-means) and takes one probe from each group, which keeps its
+// distance from the other probes and is not buried (inside geometry).
 #include "place/cluster.h"
 
 #include "core/hooks.h"
@@ -10,10 +10,10 @@
 #include <string.h>
 
 enum {
-  ROUNDS = 12,         // of Lloyd's iteration
-  MOST_UNASKED = 1024, // clusters without a count
-  GRANULARITIES = 4,   // tried until enough clusters are large enough
-  MEMBERS_TRIED = 16,  // of a cluster
+  ROUNDS = 12,         // most iterations of Lloyd's algorithm
+  MOST_UNASKED = 1024, // most clusters when no count is requested
+  GRANULARITIES = 4,   // granularities tried until enough clusters are large enough
+  MEMBERS_TRIED = 16,  // members of a cluster that are tried
   ITEMS_A_JOB = 256
 };
 
@@ -48,7 +48,7 @@ static olx_result assign(clustering *c) {
   return olx_parallel_for((c->count + ITEMS_A_JOB - 1) / ITEMS_A_JOB, c->threads, assign_job, c, NULL, 0);
 }
 
-// The item nearest to the mean of all, then always the item farthest from the seeds so far.
+// Seeds with the item nearest to the mean of all, then repeatedly with the item farthest from all seeds.
 static olx_result seed_clusters(clustering *c, uint32_t most, float reach, float *nearest) {
   double mean[OLX_FEATURES] = {0};
   float centre[OLX_FEATURES];
@@ -74,7 +74,7 @@ static olx_result seed_clusters(clustering *c, uint32_t most, float reach, float
   return OLX_OK;
 }
 
-// Centres to the means of their members; without members a centre goes.
+// Moves centres to the means of their members; a centre without members is removed.
 static void move_centres(clustering *c, double (*sums)[OLX_FEATURES], uint32_t *sizes) {
   memset(sums, 0, c->clusters * sizeof *sums);
   memset(sizes, 0, c->clusters * sizeof *sizes);
@@ -91,7 +91,7 @@ static void move_centres(clustering *c, double (*sums)[OLX_FEATURES], uint32_t *
   c->clusters = kept;
 }
 
-// Number the clusters that have members from 0, in their order.
+// Renumbers the clusters that have members from 0, in order.
 static void drop_empty(clustering *c, uint32_t *sizes) {
   memset(sizes, 0, c->clusters * sizeof *sizes);
   for (uint32_t i = 0; i < c->count; i++) sizes[c->cluster_of[i]] = 1;
@@ -134,7 +134,7 @@ olx_result olx_cluster(const olx_cluster_item *items, uint32_t count, uint32_t w
   return result;
 }
 
-// A member and its distance to its cluster's mean; sorted, clusters are runs with the nearest first.
+// A member and its distance to its cluster's mean. When sorted, each cluster is a run that starts with the nearest.
 typedef struct member {
   uint32_t cluster, item;
   float distance2;
@@ -200,7 +200,7 @@ static bool keeps_distance(const picker *p, olx_vec3 place) {
   return true;
 }
 
-// The member nearest to the mean that may be a probe, if any.
+// Picks the member nearest to the mean that may be a probe, if any.
 static void pick_member(picker *p, const group *g) {
   for (uint32_t i = g->first, tried = 0; i < g->first + g->size && tried < MEMBERS_TRIED; i++) {
     const olx_vec3 place = p->items[p->members[i].item].place;

@@ -1,5 +1,5 @@
 // Chooses probes that cover what can be seen: a greedy weighted set cover over surfels, then moves and swaps, with
-// denser samples of surfels as less and less stays uncovered.
+// denser samples of surfels as the uncovered share shrinks.
 #include "place/cover.h"
 
 #include "core/hooks.h"
@@ -10,12 +10,13 @@
 
 #include <string.h>
 
-// Below this share of uncovered surface a denser sample finds what is missing.
+// Below this share of uncovered surface, a denser sample is drawn to find what is missing.
 #define SPARSE_UNCOVERED 0.05
-// The greedy cover first goes so far on the common columns alone.
+// Coverage up to which the first greedy cover uses the common columns alone.
 #define FIRST_COVERAGE 0.985
-// Another sample will judge: a cover aims so many standard deviations of a dense sample's estimate beyond what is
-// asked, and is done when the sample shows so many; but at no less than a share of what may stay uncovered.
+// Another sample decides whether the target is met. A cover therefore aims this many standard deviations of a dense
+// sample's estimate above the target, and is finished when the sample shows this many, bounded below by a share of what
+// may stay uncovered.
 #define AIM_DEVIATIONS 2.2
 #define DONE_DEVIATIONS 1.3
 #define LEAST_AIM 0.3
@@ -24,14 +25,15 @@
 enum {
   PILOT_POINTS = 4096,
   RARE_COLUMNS = 8192,
-  TARGETS = 96,      // surfels a round that nothing covers, for which places are sought
-  TARGET_PLACES = 2, // for each, of so many that are tried:
+  TARGETS = 96,      // most uncovered surfels per round for which positions are sought
+  TARGET_PLACES = 2, // positions for each of them, of the number tried that follows
   TARGET_TRIES = 8,
-  DENSER = 8, // size of the sample that finds what is missing, over that of the common columns
-  MOVES = 10, // places tried around a probe
+  DENSER = 8, // size of the sample that finds what is missing, relative to the common columns
+  MOVES = 10, // positions tried around a probe
   MOST_ROUNDS = 20,
-  LEAST_STEP = 8, // probes that a round may add before another dense sample judges, or a quarter of those placed so far
-  REFINED_PROBES = 512 // probes times rounds that may move
+  LEAST_STEP = 8, // probes that a round may add before another dense sample is drawn, or a quarter of those placed so
+                  // far
+  REFINED_PROBES = 512 // bound on probes times rounds of moves
 };
 
 typedef struct cover {
@@ -41,11 +43,11 @@ typedef struct cover {
   olx_fixed_probes fixed;
   olx_task *task;
   olx_cover_state state;
-  uint32_t atlas_size, considered, limit; // limit of probes
-  double target;                          // coverage of what can be covered
+  uint32_t atlas_size, considered, limit; // limit of the number of probes
+  double target;                          // target share of the surfels that can be covered
 } cover;
 
-// Spreads surfels so that about `wanted` are seen, by the share that is seen of a small first sample.
+// Spreads surfels so that about `wanted` are visible, judged by the visible share of a small first sample.
 static olx_result sample_seen(const cover *c, uint32_t wanted, uint32_t seed, olx_surfels *surfels) {
   const uint32_t threads = c->settings->threads;
   OLX_TRY(olx_surfels_create(c->space, c->sight, OLX_SPREAD_RAYS, PILOT_POINTS, seed, threads, surfels));
@@ -56,7 +58,7 @@ static olx_result sample_seen(const cover *c, uint32_t wanted, uint32_t seed, ol
                             olx_hash(seed), threads, surfels);
 }
 
-// A max-heap of candidates by gain, which may be stale: gains only fall while probes are added.
+// A max-heap of candidates by gain. Entries may be stale, because gains only fall while probes are added.
 typedef struct heap {
   uint64_t *gains;
   uint32_t *order, count;
@@ -106,16 +108,16 @@ static double uncovered_share(const cover *c) {
   return all ? (double)olx_cover_uncovered(&c->state) / (double)all : 0.0;
 }
 
-// What a candidate is worth beside the picks. Where coverage decides how many probes there are, one that covers nothing
-// more is worth nothing.
+// The value of a candidate beside the picks. Where coverage determines the number of probes, a candidate that covers
+// nothing more has no value.
 static uint64_t worth(const cover *c, uint32_t candidate, double allowed) {
   if (c->state.unfit[candidate]) return 0;
   const olx_gain gain = olx_cover_gain(&c->state, olx_cover_row(&c->state, candidate));
   return allowed >= 0.0 && gain.covered == 0 ? 0 : olx_gain_value(gain);
 }
 
-// Adds the best candidate again and again, until there are `limit` probes, no more than `allowed` of the surface is
-// uncovered, or none is worth a probe. *exhausted, which may be NULL, becomes true in the last case.
+// Adds the best candidate repeatedly, until there are `limit` probes, at most `allowed` of the surface is uncovered, or
+// no candidate has value. *exhausted, which may be NULL, becomes true in the last case.
 static olx_result add_greedily(cover *c, uint32_t limit, double allowed, bool *exhausted) {
   olx_cover_state *s = &c->state;
   heap h;
@@ -143,7 +145,7 @@ done:
   return result;
 }
 
-// Places around a probe, nearer in later rounds.
+// Proposes positions around a probe, closer in later rounds.
 static uint32_t propose_moves(const cover *c, uint32_t pick, uint32_t round, olx_candidate *moves) {
   const olx_vec3 from = c->state.picks[pick].place;
   const size_t voxel = olx_voxel_at(&c->space->voxels, from);
@@ -164,7 +166,7 @@ static uint32_t propose_moves(const cover *c, uint32_t pick, uint32_t round, olx
 typedef struct refiner {
   const olx_cover_state *state;
   olx_cover_open open;
-  uint64_t least; // that another place has to cover
+  uint64_t least; // weight that another position must cover
   olx_gain *gains;
   olx_candidate moves[MOVES];
   olx_gain move_gains[MOVES];
@@ -178,8 +180,8 @@ static void look_job(void *user, uint32_t index) {
   r->move_gains[index] = olx_cover_look(r->state, &r->open, r->moves[index].place, r->least, move_row(r, index));
 }
 
-// Put a probe where it adds most to what the others cover: at another candidate or at a place near by. It stays unless
-// another place covers no less.
+// Moves a probe to the candidate or nearby position that adds most to the coverage of the others. It stays unless the
+// new position covers no less.
 static olx_result refine_probe(cover *c, refiner *r, uint32_t pick, uint32_t round) {
   olx_cover_state *s = &c->state;
   olx_cover_set_levels(s, pick, pick);
@@ -226,7 +228,7 @@ static olx_result refine(cover *c, uint32_t round, uint32_t fixed) {
   return result;
 }
 
-// Places that see surfels which no probe covers.
+// Adds positions that see surfels which no probe covers.
 static olx_result add_targets(cover *c, const olx_surfels *sample, const uint8_t *views, uint32_t seed) {
   olx_candidate *list = olx_allocate(TARGETS * TARGET_PLACES, sizeof *list);
   if (!list) return olx_fail(OLX_ERROR_MEMORY, "place: out of memory");
@@ -252,7 +254,7 @@ static olx_result add_targets(cover *c, const olx_surfels *sample, const uint8_t
   return result;
 }
 
-// Ask a denser sample what is missing. *covered is its share of what can be covered.
+// Adds the uncovered part of a denser sample. *covered is the sample's share of what can be covered.
 static olx_result look_closer(cover *c, uint32_t seed, double *covered) {
   olx_surfels sample;
   olx_cover_state *s = &c->state;
@@ -295,14 +297,15 @@ done:
   return result;
 }
 
-// What may stay uncovered so that another sample shows the target as well.
+// The weight that may stay uncovered so that another sample also meets the target.
 static double with_margin(const cover *c, double deviations) {
   const double allowed = 1.0 - c->target, deviation = sqrt(allowed / ((double)c->atlas_size * DENSER));
   const double least = LEAST_AIM * allowed, aim = allowed - deviations * deviation;
   return aim > least ? aim : least;
 }
 
-// The last surfels of a sample would each want a probe of their own: so a few at a time, when coverage says how many.
+// Limits the probes of a round when coverage determines their number: otherwise each of a sample's last surfels would
+// get a probe of its own.
 static uint32_t next_limit(const cover *c, double allowed) {
   const uint32_t now = c->state.pick_count, step = now / 4 > LEAST_STEP ? now / 4 : LEAST_STEP;
   return allowed < 0.0 || c->limit - now < step ? c->limit : now + step;
@@ -310,7 +313,7 @@ static uint32_t next_limit(const cover *c, double allowed) {
 
 static olx_result choose(cover *c) {
   const uint32_t fixed = c->fixed.count;
-  // With a count, probes that only see better are welcome when nothing is left to cover.
+  // With a requested count, probes that only improve quality are added once nothing is left to cover.
   const double allowed = c->settings->count && c->target >= 1.0 ? -1.0 : with_margin(c, AIM_DEVIATIONS);
   OLX_TRY(pick_fixed(c));
   bool exhausted = false;
@@ -326,7 +329,7 @@ static olx_result choose(cover *c) {
     }
     exhausted = false;
     OLX_TRY(add_greedily(c, next_limit(c, allowed), allowed, &exhausted));
-    if (c->state.pick_count == 0) break; // nothing is seen well, and no further round would find more
+    if (c->state.pick_count == 0) break; // nothing is seen well, and further rounds would not change that
     refined += c->state.pick_count - fixed;
     if (round >= c->settings->refinements || refined > REFINED_PROBES) continue;
     OLX_TRY(olx_cover_exchange(&c->state, fixed, olx_hash2(c->settings->seed, 200u + round)));
@@ -337,7 +340,7 @@ static olx_result choose(cover *c) {
 
 static olx_result prepare(cover *c) {
   const olx_place_settings *settings = c->settings;
-  // The fixed probes and what the search for uncovered surfels finds come on top of the candidates.
+  // The fixed probes and the positions found for uncovered surfels are added to the candidates.
   const uint32_t most = settings->candidates + MOST_ROUNDS * TARGETS * TARGET_PLACES;
   const uint64_t affordable = MATRIX_BYTES / most;
   c->atlas_size = settings->surfels < affordable ? settings->surfels : (uint32_t)affordable;

@@ -1,5 +1,5 @@
-// Keeps the matrix of candidates by surfels that a cover is chosen from, the levels at which surfels are covered so
-// far, and the gain of every candidate, counted in parallel.
+// Maintains the matrix of candidates by surfels from which a cover is chosen, the levels at which surfels are covered
+// so far, and the gain of every candidate, counted in parallel.
 #include "place/cover_state.h"
 
 #include "core/hooks.h"
@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-// The weight of a common column; a rare column has a share of it.
+// The weight of a common column; a rare column has a share of this weight.
 #define COMMON_WEIGHT 64u
 enum { ROWS_A_JOB = 16, PIECE = 240 };
 
@@ -59,14 +59,14 @@ void olx_cover_state_free(olx_cover_state *s) {
   *s = (olx_cover_state){0};
 }
 
-// Seeing columns [first, count) from candidates and then picks.
+// Fills columns [first, count) for candidates and then picks.
 typedef struct column_job {
   const olx_cover_state *state;
   olx_surfels part;
   uint32_t first_column, first_candidate, candidates;
 } column_job;
 
-// The bits of a candidate's columns from `first` on.
+// Sets the bits of a candidate's columns from `first` on.
 static void note_seen(const olx_cover_state *s, uint32_t candidate, uint32_t first) {
   const uint8_t *row = olx_cover_row(s, candidate);
   uint64_t *seen = s->seen + (size_t)olx_cover_words(s) * candidate;
@@ -105,7 +105,7 @@ olx_result olx_cover_renew(olx_cover_state *s, const olx_surfels *sample, const 
   for (uint32_t i = 0; i < sample->count; i++) {
     lacking += views[i] < s->views && sample->items[i].fate == OLX_SURFEL_FIT;
   }
-  // When there is no room for all, every so many of them, each for more area.
+  // Where there is no room for all, an evenly spaced subset is kept, each with a larger weight.
   const uint32_t kept = lacking < room ? lacking : room;
   for (uint32_t i = 0, nth = 0; i < sample->count && taken < kept; i++) {
     if (views[i] >= s->views || sample->items[i].fate != OLX_SURFEL_FIT) continue;
@@ -143,7 +143,7 @@ static olx_result make_room_for_pick(olx_cover_state *s) {
   return OLX_OK;
 }
 
-// Sort a row into the levels: each pushes down what it displaces.
+// Inserts a row into the levels: each value pushes down the value that it displaces.
 static void raise_levels(olx_cover_state *s, const uint8_t *row) {
   for (uint32_t i = 0; i < s->columns.count; i++) {
     uint8_t q = row[i];
@@ -173,7 +173,7 @@ void olx_cover_set_levels(olx_cover_state *s, uint32_t without, uint32_t without
   }
 }
 
-// In pieces whose sums fit narrow numbers, of which a vector register holds many.
+// Adds gains in blocks whose sums fit narrow integers, of which a vector register holds many.
 static void add_gain(const uint8_t *row, const uint8_t *level, uint32_t count, uint64_t weight, olx_gain *gain) {
   uint64_t covered = 0, quality = 0;
   for (uint32_t first = 0; first < count; first += PIECE) {

@@ -7,14 +7,14 @@
 
 enum { BUNDLES = 64 };
 
-// One pass a dimension. Its lines are independent of each other; every 64th makes a bundle, which shares scratch
-// memory.
+// One pass along an axis. Lines are independent of each other; every 64th forms a bundle, which shares scratch memory.
 typedef struct pass {
   const uint8_t *solid;
   uint32_t *distance;
   uint32_t count[3], lines;
   int axis;
-  // A bundle's line: its values, and the lower envelope of their parabolas: whose each is and where it begins.
+  // Scratch for a line of a bundle: its values, and the lower envelope of their parabolas: the owner of each segment
+  // and where it begins.
   uint32_t *values, *owners, *begins;
 } pass;
 
@@ -25,7 +25,7 @@ static size_t line_start(const pass *p, uint32_t line) {
   return line;
 }
 
-// Along x: squared steps to the nearest solid voxel of the row.
+// Along x: squared distance to the nearest solid voxel of the row.
 static void measure_row(const pass *p, size_t start) {
   const uint32_t n = p->count[0];
   uint32_t steps = OLX_FAR_VOXELS;
@@ -48,12 +48,12 @@ static int64_t floor_divide(int64_t a, int64_t b) {
   return a % b != 0 && (a < 0) != (b < 0) ? q - 1 : q;
 }
 
-// The last place where the parabola of i is no farther than that of j > i.
+// The last position where the parabola of i is no farther than that of j > i.
 static int64_t last_of(const uint32_t *values, int64_t i, int64_t j) {
   return floor_divide((int64_t)values[j] - values[i] + j * j - i * i, 2 * (j - i));
 }
 
-// Along y or z: the least of value[j] + (i - j)^2 over the line, by the lower envelope of those parabolas.
+// Along y or z: the minimum of value[j] + (i - j)^2 over the line, by the lower envelope of those parabolas.
 static void measure_line(const pass *p, size_t start, size_t stride, uint32_t *values, uint32_t *owners,
                          uint32_t *begins) {
   const uint32_t n = p->count[p->axis];

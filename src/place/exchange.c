@@ -12,9 +12,9 @@ enum { PAIRS = 32, POLISH = 3, ROWS_A_JOB = 64 };
 
 typedef struct exchanger {
   olx_cover_state *state;
-  olx_cover_open open; // what the other picks leave
-  olx_cover_open left; // of it, what the other one of the pair leaves
-  uint64_t *weights;   // of `left` that each candidate covers
+  olx_cover_open open; // columns that the other picks leave open
+  olx_cover_open left; // columns of `open` that the other one of the pair leaves open
+  uint64_t *weights;   // weight of `left` that each candidate covers
   uint32_t first, second;
 } exchanger;
 
@@ -26,7 +26,7 @@ static void weigh_job(void *user, uint32_t index) {
   }
 }
 
-// The open columns that a row leaves.
+// Finds the open columns that a row does not cover.
 static void leave(exchanger *e, const uint8_t *row) {
   e->left.columns.count = e->left.common = 0;
   for (uint32_t k = 0; k < e->open.columns.count; k++) {
@@ -49,7 +49,8 @@ static bool keeps_distance(const exchanger *e, uint32_t candidate, const olx_vec
   return true;
 }
 
-// The candidate that covers most of what `other` leaves and may stand beside it; candidate_count when none covers any.
+// Finds the candidate that covers most of what `other` leaves open and keeps its distance from it; candidate_count when
+// none covers any.
 static olx_result find_best(exchanger *e, uint32_t other, uint32_t *best) {
   olx_cover_state *s = e->state;
   const bool alone = other == s->candidate_count;
@@ -81,7 +82,8 @@ static void replace(olx_cover_state *s, uint32_t pick, uint32_t candidate) {
   memcpy(olx_cover_pick_row(s, pick), olx_cover_row(s, candidate), s->columns.count);
 }
 
-// The best alone, then the best beside it, then in turn each the best beside the other.
+// Exchanges a pair: starts with the best candidate alone and the best beside it, then alternately improves each beside
+// the other.
 static olx_result exchange_pair(exchanger *e) {
   olx_cover_state *s = e->state;
   const uint32_t none = s->candidate_count;

@@ -1,4 +1,4 @@
-// Places probes on a regular grid, without the points that the scene's rules forbid.
+// Places probes on a regular grid, except at points that the scene's rules forbid.
 #include "place/grid.h"
 
 #include "core/hooks.h"

@@ -1,4 +1,4 @@
-// Measures how deep places are inside surfaces by counting front and back faces along rays, and finds the depth that
+// Measures how deep positions are inside surfaces by counting front and back faces along rays, and finds the depth that
 // counts as outside in a scene.
 #include "place/inside.h"
 
@@ -9,11 +9,11 @@
 #include "scene/bvh.h"
 
 enum {
-  MAP_SIZE = 16,   // rays a side by which a place looks for back faces
-  DIRECTIONS = 33, // in which crossings are counted; odd, for the median
-  CROSSINGS = 512, // after which a direction is given up
-  LOOK_SIDE = 4,   // rays along the height and width of a camera's picture by which it finds places that are free
-  LATTICE_SIDE = 6 // places along each axis of the box where probes go, where no camera says what is free
+  MAP_SIZE = 16,   // rays along a side of the map by which back faces are found
+  DIRECTIONS = 33, // directions in which crossings are counted; odd, for the median
+  CROSSINGS = 512, // most crossings that are counted in a direction
+  LOOK_SIDE = 4,   // rays along the height and the width of a camera's image that find free positions
+  LATTICE_SIDE = 6 // positions along each axis of the box for probes, where no camera shows what is free
 };
 
 typedef struct depth_search {
@@ -47,7 +47,7 @@ static void look_around(const olx_scene *scene, olx_vec3 position, olx_depth *de
   depth->sky_share = (float)(sky / (4.0 * (double)OLX_PI));
 }
 
-// The number of back faces minus that of front faces that a ray passes on its way out.
+// The number of back faces minus that of front faces that a ray crosses until it leaves the scene.
 static int32_t crossing_balance(const olx_scene *scene, olx_vec3 position, olx_vec3 direction, uint32_t *rays) {
   olx_ray ray = {position, direction, 0.0f, INFINITY};
   int32_t balance = 0;
@@ -89,7 +89,7 @@ olx_result olx_measure_depth(const olx_scene *scene, const olx_vec3 *positions, 
   return olx_parallel_for(count, threads, depth_job, &s, NULL, 0);
 }
 
-// Places that are known to be free, as far as a scene can say.
+// Positions that are known to be free, as far as the scene determines it.
 typedef struct free_places {
   olx_vec3 *positions;
   uint32_t count;
@@ -100,7 +100,7 @@ static bool is_within(const olx_box *box, olx_vec3 p) {
          p.z <= box->max.z;
 }
 
-// The eye, and places half way and near the end of what it sees, within the scene's bounds.
+// Adds the eye, and positions half way and near the end of view rays, within the scene's bounds.
 static void look_from(const olx_scene *scene, const olx_camera *camera, free_places *found) {
   const olx_box bounds = {scene->bounds_min, scene->bounds_max};
   const olx_vec3 forward = olx_normalize(olx_sub(camera->target, camera->eye));
@@ -121,7 +121,8 @@ static void look_from(const olx_scene *scene, const olx_camera *camera, free_pla
   }
 }
 
-// Evenly spread over the box where probes go: the playable one, else the volume of probes, else the bounds.
+// Adds positions evenly spread over the box for probes: the playable one, otherwise the volume of probes, otherwise the
+// bounds.
 static void spread_over_box(const olx_scene *scene, free_places *found) {
   olx_box box = {scene->bounds_min, scene->bounds_max};
   if (scene->has_probe_volume) box = (olx_box){scene->probes_min, scene->probes_max};

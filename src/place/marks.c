@@ -1,4 +1,4 @@
-// Collects what a picture of a placement shows beside its probes: surfels that stay uncovered, and the skeleton of free
+// Collects what an image of a placement shows besides its probes: surfels that stay uncovered, and the skeleton of free
 // space.
 #include "place/marks.h"
 
@@ -8,8 +8,8 @@
 #include <string.h>
 
 enum {
-  MOST_MARKS = 8192,        // of surfels, and of the skeleton
-  MOST_TILED_MARKS = 65536, // of surfels where there are many tiles, of each the same part, but
+  MOST_MARKS = 8192,        // most marks of surfels, and of the skeleton
+  MOST_TILED_MARKS = 65536, // most marks of surfels where there are many tiles, shared evenly between the tiles, but
   LEAST_TILE_MARKS = 16
 };
 
@@ -22,7 +22,7 @@ static olx_result make_room(olx_probe_set *set, uint32_t more) {
   return OLX_OK;
 }
 
-// Of `count` things every so many, MOST_MARKS at most.
+// The number of marks for `count` things, at most MOST_MARKS, evenly thinned.
 static uint32_t kept_of(uint32_t count) { return count < MOST_MARKS ? count : MOST_MARKS; }
 
 static uint32_t kept_of_tile(uint32_t count, uint32_t tiles) {

@@ -1,4 +1,4 @@
-// Measures how much of a scene a set of probes covers, by surfels that the placement never used.
+// Measures how much of a scene a set of probes covers, by held-out surfels, which the placement never used.
 #include "place/measure.h"
 
 #include "core/hooks.h"
@@ -8,11 +8,11 @@
 #include "place/space_find.h"
 
 enum {
-  HELD_OUT = 4, // times the surfels that placement uses, within these:
+  HELD_OUT = 4, // number of held-out surfels relative to those of placement, within these bounds:
   LEAST_HELD_OUT = 16000,
   MOST_HELD_OUT = 200000,
-  TILE_POINTS = 256,        // of area, a tile, where there are many
-  HELD_OUT_SEED = 0x0DDBA11 // apart from all that placement draws
+  TILE_POINTS = 256,        // area points per tile, where there are many
+  HELD_OUT_SEED = 0x0DDBA11 // distinct from all seeds of placement
 };
 #define MOST_AREA ((uint64_t)1 << 21)
 
@@ -21,7 +21,7 @@ static uint32_t held_out_count(const olx_place_settings *settings) {
   return wanted < LEAST_HELD_OUT ? LEAST_HELD_OUT : wanted > MOST_HELD_OUT ? MOST_HELD_OUT : wanted;
 }
 
-// Rays that are cast from a tile's space: the same number from each voxel of all tiles.
+// Number of rays cast from a tile's space, proportional to its voxels.
 static uint32_t ray_count(const olx_space *space, const olx_place_settings *settings) {
   if (space->world->tile_total == 1) return held_out_count(settings);
   return (uint32_t)((double)HELD_OUT * settings->surfels * (double)space->start_count / OLX_SETTINGS_VOXELS);
@@ -34,21 +34,21 @@ static uint32_t area_count(const olx_world *world, const olx_place_settings *set
 
 static uint32_t held_out_seed(const olx_place_settings *settings) { return olx_hash2(settings->seed, HELD_OUT_SEED); }
 
-// What surfels say, added up over tiles.
+// Results of surfels, summed over tiles.
 typedef struct tally {
   uint64_t rays, covered, visible, grazing, missed, restricted;
   uint64_t sides, sides_covered, points, points_unseen, sides_cut_off;
-  uint32_t *gains; // a probe: surfels that it covers and none before it
+  uint32_t *gains; // per probe: surfels that it covers and no earlier probe does
 } tally;
 
-// The probes that are judged by a tile's surfels.
+// The probes that a tile's surfels are tested against.
 typedef struct judged {
-  olx_vec3 *places;   // of those that are not buried
+  olx_vec3 *places;   // positions of those that are not buried
   uint32_t *probe_of; // their indices in the set
   uint32_t count;
   olx_surfels rays, area;
-  uint8_t *views;   // that see a surfel well
-  uint8_t *visible; // whether any sees it at all
+  uint8_t *views;   // number of probes that see each surfel well
+  uint8_t *visible; // whether any probe sees a surfel at all
   uint32_t *first;
 } judged;
 
@@ -149,7 +149,8 @@ static olx_result judge(const olx_space *space, const olx_sight *sight, const ol
   add_area(j, least, t);
   OLX_TRY(olx_count_views(space, sight, j->places, j->count, &j->rays, least, threads, j->views, j->first));
   OLX_TRY(olx_count_views(space, NULL, j->places, j->count, &j->rays, 1, threads, j->visible, NULL));
-  // A ray along an edge may meet it or not, as it is packed with others: what is seen well is visible.
+  // A ray along an edge may hit it or not, depending on the rays it is packed with: whatever is seen well counts as
+  // visible.
   for (uint32_t i = 0; i < j->rays.count; i++) j->visible[i] |= j->views[i] > 0;
   OLX_TRY(olx_surfels_ask(space, sight, j->views, least, seed, threads, &j->rays));
   add_rays(j, least, t);

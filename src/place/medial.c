@@ -1,5 +1,5 @@
 // Finds the medial axis of free space by shrinking balls (Ma et al. 2012): for each surfel the largest ball that
-// touches it and that no other surfel enters.
+// touches it and contains no other surfel.
 #include "core/hooks.h"
 #include "core/parallel.h"
 #include "core/result.h"
@@ -9,11 +9,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define LEAST_ANGLE_COSINE 0.5f // of 60 degrees between the ways from the centre to both surfels
-#define DEEPEST 0.03f           // of a radius that a surface may enter a ball
+#define LEAST_ANGLE_COSINE 0.5f // of 60 degrees, between the directions from the centre to both surfels
+#define DEEPEST 0.03f           // share of the radius by which a surface may enter a ball
 enum { MOST_SHRINKS = 64, BALLS_A_JOB = 64, TREE_DEPTH = 64 };
 
-// A balanced k-d tree in an array: the middle of each range divides it, along x, y, z in turn.
+// A node of a balanced k-d tree in an array: the middle of each range divides it, along x, y, z in turn.
 typedef struct tree_node {
   float at[3];
   uint32_t index;
@@ -39,10 +39,10 @@ static void build_tree(tree_node *nodes, uint32_t count, int axis) {
 typedef struct range {
   uint32_t first, count;
   int axis;
-  float gap2; // to the range's side of the dividing plane
+  float gap2; // squared distance to the range's side of the dividing plane
 } range;
 
-// The node nearest to `point` within the distance, but not `own`; OLX_NO_HIT when there is none.
+// The node nearest to `point` within the distance, except `own`; OLX_NO_HIT when there is none.
 static uint32_t find_nearest(const tree_node *nodes, uint32_t count, olx_vec3 point, float within, uint32_t own) {
   const float p[3] = {point.x, point.y, point.z};
   range stack[TREE_DEPTH] = {{0, count, 0, 0.0f}};
@@ -72,7 +72,7 @@ typedef struct shrinker {
   const olx_space *space;
   const olx_surfels *surfels;
   tree_node *nodes;
-  olx_medial_ball *balls; // radius 0: none
+  olx_medial_ball *balls; // radius 0: no ball
   float largest;
 } shrinker;
 

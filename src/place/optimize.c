@@ -1,5 +1,5 @@
-// Moves probes to where they see more (Wang 2018, section 3.2), by steps towards the best support probe or by Gibbs
-// sampling, as long as the reward over the atlas grows.
+// Moves probes to positions that see more (Wang 2018, section 3.2), by steps towards the best support probe or by Gibbs
+// sampling, while the reward over the atlas grows.
 #include "place/optimize.h"
 
 #include "core/hooks.h"
@@ -18,7 +18,7 @@ float olx_fitness(const olx_surfel *surfel, olx_vec3 place, float diagonal) {
   return 0.5f * (olx_min(along / length, 1.0f) + olx_min(length / diagonal, 1.0f));
 }
 
-// The fitness of every surfel, 0 where something is between.
+// The fitness of every surfel, 0 where something occludes it.
 static void fitness_row(const olx_space *space, const olx_surfels *surfels, olx_vec3 place, float *row) {
   const olx_scene *scene = space->scene;
   const float diagonal = olx_length(olx_sub(scene->bounds_max, scene->bounds_min));
@@ -58,7 +58,7 @@ static inline double join(olx_place_reward kind, double others, float own) {
   return kind == OLX_REWARD_SUM ? others + (double)own : others > (double)own ? others : (double)own;
 }
 
-// Per surfel, what all rows but `without` reward (`count`: all).
+// The reward of each surfel from all rows except `without` (`count`: all).
 static void join_rows(const float *rows, uint32_t count, uint32_t surfels, uint32_t without, olx_place_reward kind,
                       double *joined) {
   memset(joined, 0, surfels * sizeof *joined);
@@ -109,7 +109,8 @@ olx_vec3 olx_sample_support(olx_vec3 centre, float half, const double fitness[8]
     places[i] = support_corner(centre, half, i);
     values[i] = (float)fitness[i];
   }
-  // Each stage leaves one place on each edge between two of the last: four along x, two along y, one along z.
+  // Each stage keeps one point on each edge between two points of the last stage: four along x, two along y, one along
+  // z.
   for (uint32_t left = 4; left > 0; left /= 2, random += 2 * left) {
     for (uint32_t i = 0; i < left; i++) {
       const float x = olx_sample_linear(values[2 * i], values[2 * i + 1], random[i]);
@@ -127,16 +128,16 @@ typedef struct optimizer {
   olx_task *task; // may be NULL
   olx_candidate *probes;
   uint32_t count, free_count;
-  float *rows;         // a probe's fitness of each surfel
-  float *support_rows; // SUPPORTS
-  double *others;      // a surfel's reward without the probe in question
+  float *rows;         // fitness of each surfel, per probe
+  float *support_rows; // fitness of each surfel, per support probe: SUPPORTS rows
+  double *others;      // reward of each surfel without the probe that moves
   olx_candidate *best; // the best set so far
-  uint8_t *halvings;   // a probe: how often its cube was halved
-  uint32_t seen;       // surfels, before the probe in question moves
+  uint8_t *halvings;   // per probe: number of halvings of its cube
+  uint32_t seen;       // surfels that are seen before the probe moves
   double best_reward;
 } optimizer;
 
-// Surfels that can be seen well and are seen, by the others or along the row.
+// The number of surfels that can be seen well and are seen, by the other probes or by `row`.
 static uint32_t count_seen(const optimizer *o, const float *row) {
   uint32_t seen = 0;
   for (uint32_t i = 0; i < o->surfels->count; i++) {
@@ -160,7 +161,8 @@ static bool may_stand(const optimizer *o, olx_vec3 place, uint32_t probe) {
   return olx_space_allows(o->space, place) && keeps_distance(o, place, probe);
 }
 
-// Half the room around the probe, at least two voxels; halved as often as the probe could not get on.
+// Half the distance to the nearest surface, at least two voxels, halved once for each time that the probe could not
+// move.
 static float cube_size(const optimizer *o, uint32_t probe) {
   const olx_voxels *v = &o->space->voxels;
   const size_t voxel = olx_voxel_at(v, o->probes[probe].place);
@@ -168,13 +170,14 @@ static float cube_size(const optimizer *o, uint32_t probe) {
   return olx_max(isfinite(room) ? 0.5f * room : 0.0f, 2.0f * v->size) / (float)(1u << o->halvings[probe]);
 }
 
-// Whether a probe may move so that `row` is what it sees. As published it may give up surfels that only it sees; by the
+// Whether a probe may move to a position that sees `row`. As published, it may lose surfels that only it sees; with the
 // reward `best` it may not.
 static bool keeps_seen(const optimizer *o, const float *row) {
   return o->settings->reward == OLX_REWARD_SUM || count_seen(o, row) >= o->seen;
 }
 
-// Finds the rows of the support probes at places that allow a probe, and the reward of each set; 0 at other places.
+// Computes the rows of the support probes at positions that allow a probe, and the reward of each resulting set; 0
+// elsewhere.
 static olx_result try_supports(optimizer *o, uint32_t probe, float half, olx_vec3 places[SUPPORTS],
                                double rewards[SUPPORTS]) {
   uint8_t wanted[SUPPORTS];
@@ -198,7 +201,7 @@ static void move_probe(optimizer *o, uint32_t probe, olx_vec3 place, const float
   memcpy(o->best, o->probes, o->count * sizeof *o->best);
 }
 
-// Moves a probe to its best support probe when that is better than to stay; else halves the cube.
+// Moves a probe to its best support probe when that increases the reward; otherwise halves the cube.
 static olx_result step_gradient(optimizer *o, uint32_t probe, double now, bool *moved) {
   olx_vec3 places[SUPPORTS];
   double rewards[SUPPORTS];
@@ -219,7 +222,8 @@ static olx_result step_gradient(optimizer *o, uint32_t probe, double now, bool *
   return OLX_OK;
 }
 
-// Moves a probe to a place drawn by what the support probes add to the others, accepted with the ratio of the rewards.
+// Moves a probe to a position drawn by what the support probes add to the others, accepted with the ratio of the
+// rewards.
 static olx_result step_gibbs(optimizer *o, uint32_t probe, uint32_t round, double now) {
   olx_vec3 places[SUPPORTS];
   double rewards[SUPPORTS];
@@ -280,7 +284,7 @@ static olx_result run(optimizer *o, const olx_vec3 *places, olx_optimization *ou
     if (o->task) olx_task_advance(o->task, OLX_ROUND_UNITS);
     covered = covers_everything(o);
   }
-  // A set that covers everything ends the search, unless it is rewarded less than the first.
+  // A set that covers everything ends the search, unless its reward is less than the first one's.
   join_rows(o->rows, o->count, surfels, o->count, o->settings->reward, o->others);
   const double last = mean(o->others, surfels);
   const bool keep_last = covered && last >= outcome->reward_before;

@@ -1,5 +1,5 @@
-// Finds free space that lies behind the scenery, such as between a building's outer walls and the bounds of its model:
-// cuts space into pieces and judges each by what rays from its middle meet.
+// Finds free space behind the scenery, such as between a building's outer walls and the bounds of its model: divides
+// space into pieces and classifies each by what rays from its middle hit.
 #include "place/outdoors.h"
 
 #include "core/hooks.h"
@@ -10,15 +10,15 @@
 
 #include <string.h>
 
-#define INDOOR_SKY 0.25f // share of directions that leave the scene, of an indoor place
+#define INDOOR_SKY 0.25f // most sky visible from an indoor position, as a share of directions
 enum {
-  EDGE = 4,       // voxels along a piece,
-  TILES_EDGE = 8, // and where there are many tiles
+  EDGE = 4,       // voxels along a piece
+  TILES_EDGE = 8, // voxels along a piece in worlds of many tiles
   LOOKS = 64,
   PIECES_A_JOB = 32
 };
 
-// Connected voxels of a cube of them, judged by the one that is farthest from surfaces.
+// A connected set of voxels in a cube of them, classified by the voxel that is farthest from surfaces.
 typedef struct piece {
   size_t voxel;
   float sky, back; // shares of directions
@@ -27,7 +27,7 @@ typedef struct piece {
 
 typedef struct pieces {
   const olx_space *space;
-  uint32_t *of; // a voxel: its piece, NONE
+  uint32_t *of; // per voxel: its piece, or NONE
   piece *items;
   uint32_t count, capacity, edge;
 } pieces;
@@ -65,13 +65,13 @@ static bool is_core(const olx_space *space, const uint32_t c[3]) {
   return true;
 }
 
-// Whether a step along the axis stays in the piece's cube. Cubes lie alike in all tiles.
+// Whether a step along the axis stays in the piece's cube. Cubes are aligned across tiles.
 static bool stays(const pieces *p, const uint32_t c[3], int axis, bool forwards) {
   const uint32_t at = (c[axis] + p->space->tile.from[axis]) % p->edge;
   return forwards ? at != p->edge - 1 && c[axis] + 1 < p->space->voxels.count[axis] : at != 0;
 }
 
-// All that is connected with the voxel within its cube becomes a piece.
+// Makes a piece of everything that is connected with the voxel within its cube.
 static void grow_piece(pieces *p, size_t seed) {
   const olx_voxels *v = &p->space->voxels;
   const size_t stride[3] = {1, v->count[0], (size_t)v->count[0] * v->count[1]};

@@ -18,13 +18,13 @@
 #include <octalux/limits.h>
 #include <octalux/place.h>
 
-#define VOXEL_METRES 0.25f // of space in tiles, unless the settings say otherwise
-// Voxels between a floor and what is above it, at most: a door is a third as wide, and models in other units than metres
-// get voxels of their own.
+#define VOXEL_METRES 0.25f // default size of voxels for space in tiles
+// Most voxels between a floor and what is above it: a door is a third as wide as rooms are high, and models in other
+// units than metres get voxels in proportion.
 #define VOXELS_OVERHEAD 12.0f
-#define SMALL_VOXELS 160u // along the longest side of space that is one tile, unless
+#define SMALL_VOXELS 160u // default number of voxels along the longest side of space that is one tile
 #define OPTIMIZE_SURFELS 2048u
-#define OPTIMIZE_BYTES ((uint64_t)256 << 20) // of the fitness of all surfels for all probes
+#define OPTIMIZE_BYTES ((uint64_t)256 << 20) // memory for the fitness of all surfels for all probes
 
 const char *olx_place_method_name(olx_place_method method) {
   switch (method) {
@@ -70,7 +70,7 @@ uint64_t olx_light_field_bytes(uint32_t count, uint32_t resolution) {
   return bytes;
 }
 
-// The most probes of that resolution whose field is expected to fit.
+// The most probes of that resolution whose field is expected to fit the budget.
 static uint32_t affordable(double bytes, uint32_t resolution) {
   uint32_t least = 0, most = OLX_PLACE_PROBES_MOST;
   while (least < most) {
@@ -91,7 +91,7 @@ olx_place_settings olx_place_settings_default(const olx_scene *scene) {
                                  .surfels = 14000,
                                  .candidates = 2000,
                                  .refinements = 8};
-  // The scene's own counts cannot be out of range.
+  // The scene's own counts are always in range.
   (void)olx_scene_probe_grid(scene, NULL, &settings.grid);
   return settings;
 }
@@ -158,7 +158,7 @@ static olx_result check_settings(const olx_place_settings *s) {
   return check_grid(&s->grid);
 }
 
-// Turns the budget into a count, and replaces a coverage of 0 by its default.
+// Converts the budget to a count, and replaces a coverage of 0 by its default.
 static olx_result resolve(const olx_scene *scene, olx_place_settings *s) {
   const uint32_t pinned = scene->probe_rules.pinned_count;
   if (s->budget_mb > 0.0) {
@@ -252,7 +252,7 @@ static olx_result list_probes(const olx_candidate *probes, olx_probe_set *set) {
   return OLX_OK;
 }
 
-// What the probes cover before they move, by the same rays as afterwards.
+// Measures what the probes cover before they move, by the same rays as afterwards.
 static olx_result measure_before(const olx_space *space, const olx_sight *sight, const olx_candidate *probes,
                                  olx_probe_set *set) {
   olx_probe_set before = {.count = set->count, .settings = set->settings};
@@ -324,7 +324,8 @@ static olx_result place_in_world(olx_world *world, olx_task *task, olx_probe_set
   return result;
 }
 
-// In one tile, or where that would make voxels too coarse for a method that can do with many, in those.
+// Finds the space that matters: in one tile, or in many where one would make voxels too coarse and the method supports
+// tiles.
 static olx_result find_space(const olx_scene *scene, const olx_place_settings *s, olx_world *world) {
   olx_box box;
   OLX_TRY(olx_space_box(scene, &box));
@@ -355,13 +356,13 @@ olx_result olx_place(const olx_scene *scene, const olx_place_settings *settings,
   memcpy(set->origin, scene->origin, sizeof set->origin);
   OLX_TRY(check_settings(settings));
   OLX_TRY(resolve(scene, &set->settings));
-  // Units of progress: a cover's candidate is one.
+  // Units of progress: one per candidate of a cover.
   const uint64_t covering = settings->method == OLX_PLACE_COVER ? settings->candidates : 0;
   const uint64_t moving = settings->optimize == OLX_OPTIMIZE_NONE ? 0 : (uint64_t)settings->rounds * OLX_ROUND_UNITS;
   olx_task task;
   olx_task_begin(&task, progress, "finding space", covering + moving);
   olx_result result = find_space_and_place(scene, &task, set);
-  // What an interrupted search did not find may yet be there.
+  // An interrupted search reports its cancellation rather than an empty result.
   if (atomic_load(&task.cancelled)) result = olx_fail(OLX_ERROR_CANCELLED, "cancelled during %s", task.stage);
   olx_task_end(&task);
   if (result != OLX_OK) olx_probe_set_free(set);

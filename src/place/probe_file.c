@@ -1,5 +1,5 @@
-// Saves sets of probes with their settings and their report as JSON, and loads them again, with messages that name what
-// is wrong in a file.
+// Saves sets of probes with their settings and their report as JSON, and loads them with messages that name the error
+// in a file.
 #include "core/file.h"
 #include "core/hooks.h"
 #include "core/result.h"
@@ -26,7 +26,7 @@ static double shortest(float value) {
   return strtod(text, NULL);
 }
 
-// Numbers of the settings that are stored under their own names.
+// Numeric settings that are stored under their own names.
 typedef struct stored_number {
   const char *key;
   uint32_t *whole;
@@ -59,7 +59,7 @@ static void add_vec3(cJSON *object, const char *key, olx_vec3 v) {
   cJSON_AddItemToObject(object, key, cJSON_CreateDoubleArray(numbers, 3));
 }
 
-// A position in scene coordinates.
+// Adds a position in scene coordinates.
 static void add_position(cJSON *object, const char *key, const double origin[3], olx_vec3 p) {
   const double numbers[3] = {origin[0] + shortest(p.x), origin[1] + shortest(p.y), origin[2] + shortest(p.z)};
   cJSON_AddItemToObject(object, key, cJSON_CreateDoubleArray(numbers, 3));
@@ -85,7 +85,7 @@ static void write_settings(cJSON *root, const double origin[3], const olx_place_
   cJSON_AddItemToObject(grid, "count", cJSON_CreateDoubleArray(counts, 3));
 }
 
-// Shares to six digits: they are estimates.
+// Adds a share rounded to six digits, because it is an estimate.
 static void add_share(cJSON *object, const char *key, double share) {
   cJSON_AddNumberToObject(object, key, (double)(int64_t)(share * 1e6 + 0.5) * 1e-6);
 }
@@ -140,13 +140,13 @@ olx_result olx_probe_set_save(const olx_probe_set *set, const char *path) {
   cJSON_Delete(root);
   if (!text) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", path);
   const size_t length = strlen(text);
-  text[length] = '\n'; // in place of the terminator
+  text[length] = '\n'; // replaces the terminator
   const olx_result result = olx_write_file(path, text, length + 1);
   cJSON_free(text);
   return result;
 }
 
-// Which of the names the text is; false when it is none.
+// Finds which of the names the text is; false when it is none of them.
 static bool find_name(const cJSON *item, const char *(*name)(uint32_t), uint32_t last, uint32_t *value) {
   if (!cJSON_IsString(item)) return false;
   for (uint32_t i = 0; i <= last; i++) {

@@ -1,16 +1,16 @@
 // Places probes on the skeleton of free space, found by the distance transform or by medial balls (Wang 2018, section
-// 3.1) and clustered to the number of probes that is wanted.
+// 3.1) and clustered to the requested number of probes.
 #include "place/skeleton.h"
 
 #include "core/hooks.h"
 #include "core/parallel.h"
 #include "core/result.h"
 
-// Above this growth of the distance, for each voxel of the way, a voxel is no skeleton.
+// A voxel is not on the skeleton when the distance grows by more than this per voxel towards a neighbour.
 #define FAR_GROWTH 0.5
 #define FAR_LEAST 2.0 // voxels
 #define MOST_ITEMS 16384u
-#define PLACES_A_LOOK 4096u // at whether to stop
+#define PLACES_A_LOOK 4096u // positions between checks for cancellation
 
 static bool is_far(const olx_voxels *v, size_t voxel, double least) {
   uint32_t c[3];
@@ -98,14 +98,14 @@ olx_result olx_place_sdf(const olx_space *space, uint32_t wanted, uint32_t threa
                        "no voxel that may hold one is far from surfaces; try more voxels");
 }
 
-// Weights of the distance in clusters, where a position counts one for a diagonal: for a right angle between normals,
-// and for the radius.
+// Weights of features in clusters, where a position has weight 1 per diagonal: for a right angle between normals, and
+// for the radius.
 #define NORMAL_WEIGHT 0.05f
 #define RADIUS_WEIGHT 1.0f
 
 static void set_item(olx_cluster_item *item, const olx_medial_ball *ball, float scale) {
   const olx_vec3 n = ball->normal;
-  // Outer product: a ball between two walls is the same from either.
+  // The outer product of the normal, so that a ball between two walls is the same from either side.
   const float tensor[6] = {
       n.x * n.x, n.y * n.y, n.z * n.z, 1.4142136f * n.x * n.y, 1.4142136f * n.y * n.z, 1.4142136f * n.z * n.x};
   set_position(item, ball->centre, scale);

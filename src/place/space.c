@@ -1,4 +1,4 @@
-// Opens tiles of the space that matters as windows of single voxels, and says where in them probes are allowed.
+// Opens tiles of the space that matters as windows of single voxels, and determines where in them probes are allowed.
 #include "place/space.h"
 
 #include "core/hooks.h"
@@ -7,9 +7,9 @@
 #include "core/sampling.h"
 #include "scene/bvh.h"
 
-enum { PLACES_A_JOB = 1 << 14 }; // voxels
+enum { PLACES_A_JOB = 1 << 14 }; // in voxels
 
-// A probe keeps so many voxels from surfaces; the centres of free voxels always do.
+// Least distance of a probe from surfaces, in voxels; the centres of free voxels always keep it.
 #define LEAST_CLEARANCE 0.499f
 
 static bool box_contains(const olx_box *box, olx_vec3 p) {
@@ -42,7 +42,7 @@ static bool sees(const olx_scene *scene, olx_vec3 from, olx_vec3 to) {
   return !olx_bvh_occluded(scene->bvh, &ray);
 }
 
-// Which voxels allow a probe at their centre.
+// Finds the voxels that allow a probe at their centre.
 static void allow_job(void *user, uint32_t index) {
   olx_space *space = user;
   const olx_voxels *v = &space->voxels;
@@ -55,7 +55,7 @@ static void allow_job(void *user, uint32_t index) {
   }
 }
 
-// The voxel beyond a face: along axis face / 2, back when face is even. OLX_NO_VOXEL at the border.
+// The voxel beyond a face: along axis face / 2, backwards when face is even. OLX_NO_VOXEL at the border.
 static size_t beyond_face(const olx_voxels *v, size_t voxel, uint32_t face) {
   const size_t stride[3] = {1, v->count[0], (size_t)v->count[0] * v->count[1]};
   const uint32_t axis = face / 2;

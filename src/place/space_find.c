@@ -1,5 +1,5 @@
-// Finds the space that matters to a viewer: flooded through free voxels from the cameras, or judged by depth and light
-// where no camera can enter.
+// Finds the space that matters of a viewer: by flooding free voxels from the cameras, or by depth and light where no
+// camera can enter.
 #include "place/space_find.h"
 
 #include "core/hooks.h"
@@ -13,15 +13,15 @@
 
 #include <string.h>
 
-#define LEAST_INDOORS 0.05f // of all space that is reached
+#define LEAST_INDOORS 0.05f // least share of all reached space that may remain
 enum {
-  CAMERA_RAYS = 48,    // along the height and width of the picture of a camera outside the box
-  MAX_COMPONENTS = 64, // separate free spaces that are judged, the largest ones
-  SAMPLES = 24,        // places of each, or of all the space that matters, that are judged
-  LIGHT_DRAWS = 4,     // of each group of lights at such a place
-  CUT_OFF_SAMPLES = 8, // of a space that is cut off, of which
-  CRUMBS = 64,         // of the space that is reached: a smaller one is not judged, nor is one
-  MOST_CRUMBS = 512,   // of fewer voxels than this
+  CAMERA_RAYS = 48,    // rays along the height and the width of the image of a camera outside the box
+  MAX_COMPONENTS = 64, // most connected components that are classified, the largest ones
+  SAMPLES = 24,        // sample positions in each component, or in all of the space that matters
+  LIGHT_DRAWS = 4,     // samples of each group of lights at such a position
+  CUT_OFF_SAMPLES = 8, // sample positions in a space that is cut off
+  CRUMBS = 64,         // share of the reached space, as a divisor: smaller spaces are ignored
+  MOST_CRUMBS = 512,   // spaces of fewer voxels than this are ignored
   MOST_VOXELS_ALONG = 1 << 20
 };
 
@@ -35,7 +35,7 @@ static bool is_free(const olx_world *w, const uint32_t voxel[3]) {
   return state == OLX_VOXEL_CUT_OFF || state == OLX_VOXEL_REACHED;
 }
 
-// Flood from the free voxel nearest to the eye, among those around it that it sees.
+// Floods from the free voxel nearest to the eye, among those around it that it sees.
 static uint64_t enter_here(olx_world *w, olx_vec3 eye) {
   uint32_t nearest[3];
   float nearest_distance = INFINITY;
@@ -52,14 +52,14 @@ static uint64_t enter_here(olx_world *w, olx_vec3 eye) {
   return isfinite(nearest_distance) ? olx_world_flood(w, nearest) : 0;
 }
 
-// Narrows [enter, leave], in lengths of the direction, to where the ray is within the voxels.
+// Clips [enter, leave], in lengths of the direction, to where the ray is within the voxels.
 static bool clip(const olx_world *w, olx_vec3 origin, olx_vec3 direction, float *enter, float *leave) {
   const uint32_t *count = w->lattice.count;
   const olx_voxels all = {.low = w->lattice.low, .size = w->lattice.size, .count = {count[0], count[1], count[2]}};
   return olx_voxels_clip(&all, origin, direction, enter, leave);
 }
 
-// Flood from every free voxel that a camera outside the box sees.
+// Floods from every free voxel that a camera outside the box sees.
 static uint64_t enter_by_looking(olx_world *w, const olx_camera *camera) {
   const olx_vec3 forward = olx_normalize(olx_sub(camera->target, camera->eye));
   const olx_vec3 right = olx_normalize(olx_cross(forward, camera->up)), up = olx_cross(right, forward);
@@ -92,9 +92,9 @@ static uint64_t flood_from_cameras(olx_world *w) {
   return flooded;
 }
 
-// A connected free space.
+// A connected component of free space.
 typedef struct component {
-  uint32_t voxel[3], sampled; // voxel: one of it
+  uint32_t voxel[3], sampled; // voxel: one voxel of the component
   uint64_t size;
   bool inside, lit;
   olx_vec3 samples[SAMPLES];
@@ -108,7 +108,7 @@ static uint32_t add_component(component *list, uint32_t count, const uint32_t vo
   return count;
 }
 
-// The largest of them.
+// Lists the largest components.
 static uint32_t list_components(olx_world *w, component *list) {
   uint32_t count = 0, brick = 0, voxel[3];
   while (olx_world_next_free(w, &brick, voxel)) {
@@ -119,7 +119,7 @@ static uint32_t list_components(olx_world *w, component *list) {
   return count;
 }
 
-// Evenly spread voxels of each component.
+// Samples voxels of each component evenly.
 static void sample_components(olx_world *w, component *list, uint32_t count) {
   for (component *c = list; c < list + count; c++) {
     olx_world_flood(w, c->voxel);
@@ -176,8 +176,8 @@ static olx_result judge_components(const olx_world *w, component *list, uint32_t
   return result;
 }
 
-// What becomes the space that matters, when no camera says which: with a playable box every component that is not
-// inside geometry, else the largest of them that light reaches, or the largest when light reaches none.
+// Chooses the space that matters where no camera determines it: with a playable box, every component that is not inside
+// geometry; otherwise the largest such component that light reaches, or the largest when light reaches none.
 static void choose_components(olx_world *w, const component *list, uint32_t count) {
   const component *best = NULL;
   for (const component *c = list; c < list + count; c++) {
@@ -200,7 +200,7 @@ static olx_result flood_everything(olx_world *w, uint32_t threads) {
   return result;
 }
 
-// Flood from the cameras, else everything, and in any case from the pinned probes.
+// Floods from the cameras, or everything without cameras, and always from the pinned probes.
 static olx_result flood(olx_world *w, uint32_t threads) {
   const olx_probe_rules *rules = &w->scene->probe_rules;
   olx_world_forget(w);
@@ -212,7 +212,7 @@ static olx_result flood(olx_world *w, uint32_t threads) {
   return olx_check_cancelled();
 }
 
-// Leave a tile's voxels out of the world, brick by brick.
+// Excludes a tile's voxels from the world, brick by brick.
 static olx_result leave_out(const olx_space *space, const uint8_t *excluded) {
   const olx_tile *t = &space->tile;
   const uint32_t *count = space->voxels.count;
@@ -236,7 +236,7 @@ static olx_result leave_out(const olx_space *space, const uint8_t *excluded) {
   return OLX_OK;
 }
 
-// Whether the viewer is indoors, as the space tells where there are no cameras.
+// Whether the viewer is indoors, by the space where there are no cameras.
 static olx_result find_indoors(olx_world *w, uint32_t threads, bool *indoors) {
   uint64_t pieces = 0, indoor = 0;
   *indoors = olx_cameras_are_indoors(w);
@@ -264,7 +264,7 @@ static olx_result leave_tile(olx_world *w, uint32_t tile, bool indoors, uint32_t
   return result;
 }
 
-// Without a playable box, what is behind the scenery does not matter, unless hardly anything else is left.
+// Excludes what is behind the scenery, without a playable box, unless hardly anything else is left.
 static olx_result leave_outdoors(olx_world *w, bool indoors, uint32_t threads) {
   const uint64_t before = w->reached_count;
   for (uint32_t i = 0; i < w->tile_total; i++) {
@@ -280,12 +280,12 @@ static olx_result leave_outdoors(olx_world *w, bool indoors, uint32_t threads) {
 typedef struct sifter {
   bool indoors;
   uint32_t threads;
-  uint64_t least; // voxels that are worth a judgement
+  uint64_t least; // least number of voxels that a space must have to be classified
   olx_result result;
 } sifter;
 
-// Whether space that is cut off would matter if it was reached: not crumbs, nor what is inside geometry, behind the
-// scenery or outdoors, at most of a few places.
+// Whether space that is cut off would be relevant if it were reached: whether it is not too small, nor inside geometry,
+// behind the scenery or outdoors. Only a few such spaces are sampled.
 static bool would_matter(void *user, const olx_world *w, uint64_t size) {
   sifter *s = user;
   olx_vec3 places[CUT_OFF_SAMPLES];
@@ -330,7 +330,7 @@ static olx_result flood_space(olx_world *w, uint32_t threads) {
                   w->scene->probe_rules.has_playable ? "the playable box" : "the scene's bounds");
 }
 
-// The box to look at: the playable one, as far as it is near the scene, or the scene's bounds.
+// The box of interest: the playable one, as far as it is near the scene, or the scene's bounds.
 olx_result olx_space_box(const olx_scene *scene, olx_box *box) {
   const olx_probe_rules *rules = &scene->probe_rules;
   *box = (olx_box){scene->bounds_min, scene->bounds_max};
@@ -366,7 +366,7 @@ olx_result olx_world_create_small(const olx_scene *scene, uint32_t resolution, u
   return find_space(world, threads);
 }
 
-// Voxels at multiples of their size over the box, from the corner of a brick on, whose number is `first`.
+// Lays voxels at multiples of their size over the box, beginning at the corner of a brick, whose index is `first`.
 static bool lay_lattice(olx_box box, float size, int32_t first[3], uint32_t begin[3], olx_lattice *lattice) {
   const float low[3] = {box.min.x, box.min.y, box.min.z}, high[3] = {box.max.x, box.max.y, box.max.z};
   *lattice = (olx_lattice){.size = size, .slack = 1e-3f};

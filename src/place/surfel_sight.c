@@ -1,5 +1,5 @@
-// Decides how well a probe sees a surfel when nothing is between them, by the angle at the surfel and by the size of a
-// texel on it.
+// Rates how well a probe sees a surfel without occlusion, by the angle at the surfel and by the size of a texel's
+// footprint on it.
 #include "place/surfel_sight.h"
 
 olx_sight olx_sight_create(float diagonal, float min_cosine, float max_footprint, uint32_t resolution) {

@@ -1,5 +1,5 @@
-// Spreads surfels over the surfaces of a scene by area and keeps those that the space that matters sees, as rays and
-// lines of sight decide for each.
+// Spreads surfels over the surfaces of a scene by area and keeps those that are visible from the space that matters, as
+// rays and lines of sight determine for each.
 #include "place/surfels.h"
 
 #include "core/hooks.h"
@@ -15,11 +15,11 @@
 enum {
   POINTS_A_JOB = 64,
   FATE_ROUNDS = 3,
-  MOST_RAYS = 64, // of a round
+  MOST_RAYS = 64, // most rays of a round
   VANTAGE_RAYS = 64
 };
 
-// Every third bit, from bit 0.
+// Spreads bits so that they occupy every third bit, from bit 0.
 static uint64_t spread_bits(uint64_t x) {
   x &= 0x1FFFFF;
   x = (x | x << 32) & 0x1F00000000FFFF;
@@ -52,7 +52,7 @@ static olx_vec3 corner(const olx_scene *scene, uint32_t triangle, uint32_t i) {
   return scene->positions[scene->indices[3 * (size_t)triangle + i]];
 }
 
-// Cross product of two edges: along the winding's normal, twice the area long.
+// Cross product of two edges: along the winding's normal, with a length of twice the area.
 static olx_vec3 doubled_area(const olx_scene *scene, uint32_t triangle) {
   const olx_vec3 a = corner(scene, triangle, 0);
   return olx_cross(olx_sub(corner(scene, triangle, 1), a), olx_sub(corner(scene, triangle, 2), a));
@@ -71,9 +71,9 @@ typedef struct asker {
 typedef struct atlas_maker {
   asker ask;
   const area_point *points; // NULL for rays
-  olx_surfel *sides;        // two a point; of a ray the first alone
-  uint8_t *present;         // a point: not in a masked-out part; a ray: it hit the tile
-  uint8_t *cut_off;         // a side of a point
+  olx_surfel *sides;        // two per point; a ray uses the first alone
+  uint8_t *present;         // per point: not in a masked-out part; per ray: it hit the tile
+  uint8_t *cut_off;         // per side of a point
   uint32_t count, seed, threads;
 } atlas_maker;
 
@@ -88,7 +88,7 @@ static olx_result order_triangles(const olx_scene *scene, morton_entry **order) 
   return OLX_OK;
 }
 
-// Equal steps of area along the triangles, which lie in the order of the Morton curve.
+// Draws points at equal steps of area along the triangles in the order of the Morton curve.
 static olx_result draw_points(const olx_scene *scene, olx_area_points *all) {
   morton_entry *order;
   OLX_TRY(order_triangles(scene, &order));
@@ -118,7 +118,7 @@ static olx_vec3 point_on(const olx_scene *scene, uint32_t triangle, olx_vec2 uv)
   return olx_madd(olx_madd(a, olx_sub(b, a), uv.x), olx_sub(c, a), uv.y);
 }
 
-// Sort the points by tiles, in each of which they keep their order.
+// Sorts the points by tiles; within a tile they keep their order.
 static olx_result sort_points(const olx_world *world, olx_area_points *all) {
   area_point *sorted = olx_allocate(all->count, sizeof *sorted);
   uint32_t *tile_of = olx_allocate(all->count, sizeof *tile_of);
@@ -158,13 +158,13 @@ void olx_area_points_free(olx_area_points *all) {
   all->first = NULL;
 }
 
-// Both sides of a point of a triangle.
+// Sets up both sides of a point of a triangle.
 static void set_up_sides(const atlas_maker *m, uint32_t index, uint32_t triangle, olx_vec2 uv) {
   const olx_scene *scene = m->ask.space->scene;
   const olx_vec3 a = corner(scene, triangle, 0), b = corner(scene, triangle, 1), c = corner(scene, triangle, 2);
   const olx_vec3 p = point_on(scene, triangle, uv);
   const float epsilon = olx_surface_epsilon(scene, triangle);
-  // A step off the edges, where walls meet, as the renderer's rays take it.
+  // An offset away from edges, where walls meet, like that of the renderer's rays.
   const olx_vec3 way = olx_sub(olx_scale(olx_add(a, olx_add(b, c)), 1.0f / 3.0f), p);
   const olx_vec3 moved = olx_madd(p, way, olx_min(1.0f, epsilon / olx_max(olx_length(way), 1e-30f)));
   const olx_vec3 normal = olx_normalize(doubled_area(scene, triangle));
@@ -182,14 +182,14 @@ static void set_up_point(const atlas_maker *m, uint32_t index) {
   set_up_sides(m, index, at.triangle, uv);
 }
 
-// Drawn from the voxels in their order, so that starts are spread evenly.
+// Draws an origin from the voxels in their order, so that origins are spread evenly.
 static bool draw_start(const atlas_maker *m, uint32_t index, olx_vec3 *start) {
   const uint32_t key = olx_hash2(m->seed, index);
   const double nth = ((double)index + (double)olx_unit_float(key)) / m->count;
   return olx_space_draw(m->ask.space, (size_t)(nth * (double)m->ask.space->start_count), olx_hash(key), start);
 }
 
-// A ray from there in a direction of a stratified sequence.
+// Sets up a ray from there, in a direction of a stratified sequence.
 static void set_up_ray(const atlas_maker *m, uint32_t index) {
   olx_vec3 start;
   m->sides[2 * index].fate = m->sides[2 * index + 1].fate = OLX_SURFEL_UNSEEN;
@@ -213,12 +213,12 @@ static olx_vec3 hemisphere_direction(olx_vec3 normal, olx_vec2 random) {
   return olx_from_basis(olx_v3(r * cosf(phi), r * sinf(phi), random.x), normal);
 }
 
-// The farthest from which a surfel is seen well under that cosine; 0 when it is grazing.
+// The largest distance from which a surfel is seen well at that cosine; 0 when it is grazing.
 static float sight_limit(const olx_sight *sight, float cosine) {
   return cosine < sight->min_cosine ? 0.0f : sight->max_footprint * cosine / sight->texel_radians;
 }
 
-// Rays over the hemisphere, with what stops them.
+// Casts rays over the hemisphere, and stores what stops them.
 static void cast_around(const olx_space *space, const olx_surfel *surfel, uint32_t seed, uint32_t first, uint32_t count,
                         olx_ray *rays, olx_ray_hit *hits) {
   for (uint32_t i = 0; i < count; i++) {
@@ -239,7 +239,8 @@ static reach reach_of(const olx_space *space, const olx_ray *ray, const olx_ray_
   return r;
 }
 
-// Bits of what lies along the ray: OLX_REACHABLE, OLX_ALLOWED, and FIT for a place that allows a probe and sees well.
+// The union of the bits of voxels along the ray: OLX_REACHABLE, OLX_ALLOWED, and FIT where a voxel allows a probe and
+// sees well.
 enum { FIT = 8 };
 static uint8_t along_ray(const olx_space *space, const olx_sight *sight, const olx_surfel *surfel, const olx_ray *ray,
                          reach r) {
@@ -263,7 +264,7 @@ static bool is_near_space(const olx_space *space, olx_vec3 p) {
   return false;
 }
 
-// Finds from where the surfel is seen, along straight lines to places spread over the space that matters.
+// Finds from where the surfel is seen, along lines of sight to positions spread over the space that matters.
 static uint8_t look_from_space(const asker *a, const olx_surfel *surfel, uint32_t seed) {
   const olx_space *space = a->space;
   olx_ray rays[MOST_RAYS];
@@ -283,8 +284,8 @@ static uint8_t look_from_space(const asker *a, const olx_surfel *surfel, uint32_
   return found;
 }
 
-// A few rays mostly suffice. The many of the last round are for surfels with space close by that hardly see it; a
-// playable box may be far from what is seen from it.
+// Determines the fate of a surfel. A few rays usually suffice. The many rays of the last round are for surfels close to
+// space that hardly sees them; a playable box may be far from what is seen from it.
 static olx_surfel_fate find_fate(const asker *a, const olx_surfel *surfel, uint32_t seed) {
   static const uint32_t rounds[FATE_ROUNDS + 1] = {0, 8, 16, 16 + MOST_RAYS};
   olx_ray rays[MOST_RAYS];
@@ -305,7 +306,7 @@ static olx_surfel_fate find_fate(const asker *a, const olx_surfel *surfel, uint3
   return found & OLX_ALLOWED ? OLX_SURFEL_GRAZING : found & OLX_REACHABLE ? OLX_SURFEL_RESTRICTED : OLX_SURFEL_UNSEEN;
 }
 
-// The fate of a surfel as far as the ray that found it decides it.
+// Determines the fate of a surfel as far as the ray that found it decides it.
 static void ask_ray(const asker *a, olx_surfel *surfel) {
   const bool allowed = olx_space_allows(a->space, surfel->from);
   if (allowed && olx_sight_quality(a->sight, surfel->from, surfel)) surfel->fate = OLX_SURFEL_FIT;
@@ -374,7 +375,7 @@ static olx_result collect_cut_off(const atlas_maker *m, olx_surfels *surfels) {
   return OLX_OK;
 }
 
-// Keep the sides that are seen, along the Morton curve.
+// Collects the sides that are seen, along the Morton curve.
 static olx_result collect(const atlas_maker *m, olx_surfels *surfels) {
   const olx_scene *scene = m->ask.space->scene;
   for (uint32_t i = 0; i < m->count; i++) {
@@ -452,7 +453,7 @@ void olx_surfels_free(olx_surfels *surfels) {
   surfels->count = surfels->cut_off_count = 0;
 }
 
-// One of the fit places along the ray, each as likely.
+// Picks one of the fit positions along the ray, each with equal probability.
 static bool pick_place(const olx_space *space, const olx_sight *sight, const olx_surfel *surfel, const olx_ray *ray,
                        reach r, uint32_t seed, olx_vec3 *place) {
   const float limit = olx_min(r.end, sight_limit(sight, olx_dot(ray->direction, surfel->normal)));

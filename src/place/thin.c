@@ -1,5 +1,5 @@
-// Thins the probes of many tiles out, which were chosen without knowing of all the others: a lazy greedy cover over
-// samples of all tiles, whose rows are short lists.
+// Thins out the probes of many tiles, which were chosen independently: a lazy greedy cover over samples of all tiles,
+// whose rows are sparse.
 #include "place/thin.h"
 
 #include "core/hooks.h"
@@ -11,13 +11,13 @@
 
 enum {
   THIN_SEED = 0x7417,
-  MOST_RAYS = 1 << 24, // of all tiles, about
-  SEEN_BY = 4          // probes that are noted for a surfel at most, beside those that have to see it
+  MOST_RAYS = 1 << 24, // approximate rays of all tiles
+  SEEN_BY = 4          // most probes recorded for a surfel, in addition to the required views
 };
-#define DENSER 4.0     // rays, over the surfels that placement uses
-#define LEAST_LOSS 0.1 // of what may stay uncovered, that thinning out may add
+#define DENSER 4.0     // density of rays relative to the surfels of placement
+#define LEAST_LOSS 0.1 // share, of what may stay uncovered, that thinning may add
 
-// A probe sees a surfel well; surfels of all tiles are numbered.
+// A pair of a probe and a surfel that it sees well; surfels of all tiles are numbered.
 typedef struct sighting {
   uint32_t probe, surfel;
 } sighting;
@@ -25,15 +25,15 @@ typedef struct sighting {
 typedef struct thinner {
   const olx_tiling *tiling;
   const olx_candidate *probes;
-  uint32_t probe_count, surfel_count, wanted; // wanted: probes that may still be kept
-  uint64_t uncovered, allowed;                // surfels that are covered by all probes, and not by those kept
+  uint32_t probe_count, surfel_count, wanted; // wanted: number of probes that may still be kept
+  uint64_t uncovered, allowed;                // surfels that all probes cover and the kept ones do not
   sighting *seen;
   size_t seen_count, seen_capacity;
-  size_t *first; // a probe: where its surfels begin in `surfels`
+  size_t *first; // index of each probe's first surfel in `surfels`
   uint32_t *surfels;
-  uint8_t *views;  // a surfel: by probes that are kept
-  uint8_t *kept;   // a probe
-  uint32_t *gains; // a probe: surfels that it added when last counted
+  uint8_t *views;  // per surfel: views by probes that are kept
+  uint8_t *kept;   // one per probe
+  uint32_t *gains; // per probe: surfels that it added when last counted
 } thinner;
 
 static olx_result no_memory(void) { return olx_fail(OLX_ERROR_MEMORY, "place: no memory for sightings of probes"); }
@@ -50,8 +50,8 @@ static olx_result make_room(thinner *t, size_t more) {
   return OLX_OK;
 }
 
-// What a probe sees; noted[i] counts the probes for surfel i. What many see is hardly ever lost, so that some of them
-// are enough.
+// Records what a probe sees; noted[i] counts the probes recorded for surfel i. A surfel that many probes see is hardly
+// ever lost, so that some of them suffice.
 static olx_result note_row(thinner *t, uint32_t probe, const uint8_t *row, uint32_t count, uint8_t *noted) {
   const uint32_t most = t->tiling->settings->views + SEEN_BY - 1;
   OLX_TRY(make_room(t, count));
@@ -77,7 +77,7 @@ static olx_result look_in(thinner *t, const olx_space *space, const olx_surfels 
   return result;
 }
 
-// Rays for each voxel of a tile's space.
+// Rays per voxel of a tile's space.
 static double ray_density(const olx_tiling *tiling) {
   const double wanted = DENSER * (double)tiling->settings->surfels / OLX_SETTINGS_VOXELS;
   const double affordable = MOST_RAYS / (double)tiling->world->reached_count;
@@ -101,7 +101,7 @@ static olx_result look_at_tile(thinner *t, uint32_t tile) {
   return result;
 }
 
-// List surfels by probes.
+// Sorts the surfels by probes.
 static olx_result sort_sightings(thinner *t) {
   t->first = olx_allocate_zero((size_t)t->probe_count + 2, sizeof *t->first);
   t->surfels = olx_allocate(t->seen_count, sizeof *t->surfels);
@@ -135,7 +135,7 @@ static void keep(thinner *t, uint32_t probe) {
   }
 }
 
-// What all probes cover.
+// Counts what all probes cover.
 static void count_coverable(thinner *t) {
   const uint32_t least = t->tiling->settings->views;
   for (size_t i = 0; i < t->seen_count; i++) {
@@ -147,8 +147,8 @@ static void count_coverable(thinner *t) {
 
 static bool is_done(const thinner *t) { return t->wanted == 0 || t->uncovered <= t->allowed; }
 
-// Gains only fall: a probe whose gain is still what it was when last counted, and that no other exceeds, adds most.
-// Buckets by gain, from the largest on.
+// Chooses probes greedily. Gains only fall: a probe whose gain is unchanged since it was last counted, and that no
+// other exceeds, adds most. Buckets hold the probes by gain and are visited from the largest gain on.
 static olx_result choose(thinner *t) {
   uint32_t most = 0;
   for (uint32_t i = 0; i < t->probe_count; i++) {

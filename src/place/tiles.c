@@ -1,4 +1,4 @@
-// Covers worlds of many tiles, tile by tile, each beside the probes that the tiles around it already have.
+// Covers worlds of many tiles tile by tile, each given the probes that the tiles around it already have.
 #include "place/tiles.h"
 
 #include "core/hooks.h"
@@ -46,7 +46,7 @@ uint32_t olx_tile_colour(const olx_world *world, uint32_t tile) {
   return colour;
 }
 
-// Lists the tiles around one.
+// Lists the neighbours of a tile.
 static uint32_t tiles_around(const olx_world *w, uint32_t tile, uint32_t around[26]) {
   const olx_tile at = olx_world_tile(w, tile, 0);
   uint32_t count = 0;
@@ -68,7 +68,7 @@ static void append(olx_tile_probes *list, const olx_tile_probes *more) {
   list->count += more->count;
 }
 
-// The pinned probes and those of the tiles around.
+// Lists the pinned probes and those of neighbouring tiles.
 static olx_result list_fixed(const olx_tiling *t, uint32_t tile, olx_tile_probes *fixed) {
   uint32_t around[26];
   const uint32_t count = tiles_around(t->world, tile, around);
@@ -81,7 +81,7 @@ static olx_result list_fixed(const olx_tiling *t, uint32_t tile, olx_tile_probes
   return OLX_OK;
 }
 
-// Places of the tile itself, without those around it.
+// Counts the positions of the tile itself, without those around it.
 static size_t count_core(const olx_space *space) {
   const olx_tile *tile = &space->tile;
   size_t count = 0;
@@ -113,7 +113,7 @@ static olx_place_settings settings_of(const olx_tiling *t, const olx_space *spac
   s.seed = key;
   s.candidates = share_of(s.candidates, space->place_count, LEAST_CANDIDATES);
   s.surfels = share_of(s.surfels, count_core(space), LEAST_SURFELS);
-  // A number of probes is met by thinning out what covers so much.
+  // A requested number of probes is met by thinning out a cover of this coverage.
   if (s.count) s.coverage = olx_min(s.coverage, THINNED_COVERAGE);
   s.count = 0;
   return s;
@@ -135,7 +135,7 @@ static olx_result cover_space(olx_tiling *t, const olx_space *space) {
   const olx_fixed_probes given = {fixed.items, fixed.count};
   olx_result result = olx_cover(space, t->sight, given, &settings, NULL, &found);
   if (result == OLX_OK) result = keep(&t->tiles[space->tile.index], &found, fixed.count);
-  else if (result == OLX_ERROR_EMPTY) result = OLX_OK; // space without surfaces in the tile
+  else if (result == OLX_ERROR_EMPTY) result = OLX_OK; // the tile has space without surfaces
   t->candidates += found.candidates;
   olx_release(found.probes);
   olx_release(fixed.items);
@@ -162,7 +162,7 @@ olx_result olx_tiling_join(const olx_tiling *t, olx_candidate **probes, uint32_t
   return OLX_OK;
 }
 
-// Colour by colour.
+// Covers all tiles, colour by colour.
 olx_result olx_tiling_cover_all(olx_tiling *t, olx_task *task) {
   const uint64_t units = t->settings->candidates, total = t->world->tile_total;
   uint64_t done = 0;

@@ -1,4 +1,4 @@
-// Finds which surfels are seen from which places, and how well, by casting rays for whole batches of places and
+// Computes which surfels are seen from which positions, and how well, by casting rays for batches of positions and
 // surfels.
 #include "place/visibility.h"
 
@@ -66,7 +66,7 @@ static bool may_see(const view_counter *c, olx_vec3 place, const olx_surfel *sur
   return olx_dot(olx_sub(place, surfel->position), surfel->normal) > 0.0f;
 }
 
-// A batch of surfels, by one place after the other until each is seen often enough.
+// Counts the views of a batch of surfels, position by position until each surfel is seen often enough.
 static void count_job(void *user, uint32_t index) {
   const view_counter *c = user;
   olx_ray rays[BATCH];

@@ -26,12 +26,12 @@ static void to_array(olx_vec3 v, float a[3]) {
   a[2] = v.z;
 }
 
-// Where a triangle may be: corners in voxels from the low corner, the cells around it, its plane.
+// A triangle in cells: its corners in voxels from the low corner, the cells around it, its plane.
 typedef struct cell_triangle {
   olx_vec3 corners[3];
   int32_t low[3], high[3];
   float normal[3], offset;
-  int axis; // along which the plane is most nearly flat
+  int axis; // axis nearest to the plane's normal
 } cell_triangle;
 
 static bool set_up_triangle(const mark_job *job, uint32_t triangle, cell_triangle *t) {
@@ -56,7 +56,7 @@ static bool set_up_triangle(const mark_job *job, uint32_t triangle, cell_triangl
   return true;
 }
 
-// In the column of cells through `cell` along the triangle's axis, those that the plane passes.
+// Marks the cells that the plane passes, in the column through `cell` along the triangle's axis.
 static void mark_column(const mark_job *job, const cell_triangle *t, int32_t cell[3]) {
   const int k = t->axis, i = (k + 1) % 3, j = (k + 2) % 3;
   const float half = 0.5f + job->lattice->slack, steep = t->normal[k];
@@ -92,7 +92,7 @@ static void mark_triangle(const mark_job *job, uint32_t triangle) {
   }
 }
 
-// Points of a masked triangle, three to a voxel's edge, where the surface is there.
+// Marks the cells of sample points of a masked triangle, three per voxel's edge, where the surface is opaque.
 static void mark_masked(const mark_job *job, uint32_t triangle) {
   cell_triangle t;
   if (!set_up_triangle(job, triangle, &t)) return;

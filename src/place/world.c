@@ -50,14 +50,14 @@ static olx_world_brick *stored_brick(const olx_world *w, uint32_t brick) {
   return w->slots[brick] == OLX_OPEN_BRICK ? NULL : &w->stored[w->slots[brick]];
 }
 
-// Pass one: which bricks surfaces touch. Several threads may mark one, all with the same.
+// Pass one: marks the bricks that surfaces touch. Threads may mark the same brick concurrently with the same value.
 static void mark_brick(void *user, const int32_t c[3]) {
   const olx_world *w = user;
   uint8_t *flags = &w->flags[(uint32_t)c[0] + w->bricks[0] * ((uint32_t)c[1] + w->bricks[1] * (uint32_t)c[2])];
   __atomic_store_n(flags, MARKED, __ATOMIC_RELAXED);
 }
 
-// Pass two: which of their voxels.
+// Pass two: marks the voxels of those bricks.
 static void mark_voxel(void *user, const int32_t c[3]) {
   const olx_world *w = user;
   const uint32_t voxel[3] = {(uint32_t)c[0], (uint32_t)c[1], (uint32_t)c[2]};
@@ -73,7 +73,7 @@ static bool is_cut(const olx_world *w, const uint32_t corner[3]) {
   return false;
 }
 
-// Voxels beyond the box count as solid.
+// Marks voxels beyond the box as solid.
 static void close_beyond(const olx_world *w, const uint32_t corner[3], olx_world_brick *brick) {
   for (uint32_t i = 0; i < BRICK_VOXELS; i++) {
     const uint32_t voxel[3] = {corner[0] + i % SIDE, corner[1] + i / SIDE % SIDE, corner[2] + i / (SIDE * SIDE)};
@@ -116,7 +116,7 @@ static olx_result store_bricks(olx_world *w) {
 static olx_result mark_world(olx_world *w, uint32_t threads) {
   olx_lattice coarse = w->lattice;
   coarse.size *= SIDE;
-  // So that no voxel is marked whose brick is not.
+  // Grown so that no voxel is marked whose brick is not.
   coarse.slack = 0.01f + w->lattice.slack;
   for (int axis = 0; axis < 3; axis++) coarse.count[axis] = w->bricks[axis];
   OLX_TRY(olx_mark_cells(w->scene, &coarse, true, threads, mark_brick, w));
@@ -240,7 +240,7 @@ static void queue_brick(olx_world *w, uint32_t index) {
   w->flags[index] |= TOUCHED | QUEUED;
 }
 
-// Reach those of the voxels that can be.
+// Marks as reached those of the voxels that can be.
 static void enter(olx_world *w, uint32_t index, const olx_world_bits *by) {
   olx_world_brick *brick = stored_brick(w, index);
   if (!brick) {
@@ -258,7 +258,7 @@ static void enter(olx_world *w, uint32_t index, const olx_world_bits *by) {
   if (any) queue_brick(w, index);
 }
 
-// Reach what is connected within the brick.
+// Marks as reached what is connected within the brick.
 static void grow(olx_world_brick *brick) {
   uint64_t *r = brick->reached.z;
   for (bool grown = true; grown;) {
@@ -274,7 +274,7 @@ static void grow(olx_world_brick *brick) {
   }
 }
 
-// Through a face: along axis face / 2, back when face is even.
+// Passes the flood on through a face: along axis face / 2, backwards when face is even.
 static void pass(olx_world *w, uint32_t index, uint32_t face, const olx_world_bits *from) {
   const uint32_t stride[3] = {1, w->bricks[0], w->bricks[0] * w->bricks[1]}, axis = face / 2;
   uint32_t corner[3];
@@ -333,7 +333,7 @@ void olx_world_put_aside(olx_world *w) {
   }
 }
 
-// The first voxel of the bits, from the brick's corner.
+// The first set voxel, relative to the brick's corner.
 static bool first_of(const olx_world_bits *bits, uint32_t voxel[3]) {
   for (uint32_t z = 0; z < SIDE; z++) {
     if (!bits->z[z]) continue;
@@ -396,7 +396,7 @@ bool olx_world_has_free(const olx_world *w) {
   return false;
 }
 
-// Give an open brick bits of its own.
+// Gives an open brick its own bits.
 static olx_result store_brick(olx_world *w, uint32_t index) {
   if (w->stored_count == w->stored_capacity) {
     const uint32_t capacity = w->stored_capacity + w->stored_capacity / 4 + 64;
@@ -425,13 +425,13 @@ olx_result olx_world_leave_out(olx_world *w, const uint32_t voxel[3], const olx_
   return OLX_OK;
 }
 
-// What is reached, to restore it.
+// A copy of the reached voxels, to restore them.
 typedef struct reached_copy {
   olx_world_bits *stored;
   uint8_t *flags;
 } reached_copy;
 
-// Everything that is reached is seen instead.
+// Turns everything that is reached into seen.
 static void set_aside(olx_world *w, reached_copy *copy) {
   memcpy(copy->flags, w->flags, w->brick_total);
   for (uint32_t i = 0; i < w->brick_total; i++) {

@@ -1,4 +1,5 @@
-// Judges a field without a picture: its rays against the real triangles, its diffuse light against path tracing.
+// Measures the errors of a field without an image: its rays against the real triangles, its diffuse light against path
+// tracing.
 #include "core/hooks.h"
 #include "core/parallel.h"
 #include "core/result.h"
@@ -17,18 +18,18 @@
 
 enum { BATCH = 256, AUDIT_ASPECT_X = 16, AUDIT_ASPECT_Y = 9, MAX_ATTEMPTS = 64 };
 
-// What is found about one ray.
+// The result of one ray.
 typedef struct ray_verdict {
   bool valid, mirror, seen, unresolved, wrong;
-  float distance_error; // relative; negative when there is none
+  float distance_error; // relative; negative when the ray has none
   uint32_t steps, probes;
 } ray_verdict;
 
-// Irradiance at one point.
+// The irradiance at one point, by each method.
 typedef struct point_verdict {
   bool valid, stored;
-  olx_vec3 surface; // as olx_surface_irradiance has it: stored, or where nothing is, that of the irradiance volume
-  olx_vec3 probes;  // that of irradiance probes alone
+  olx_vec3 surface; // as olx_surface_irradiance returns it: stored, or of the irradiance volume where none is stored
+  olx_vec3 probes;  // of irradiance probes alone
   olx_vec3 truth;
 } point_verdict;
 
@@ -46,8 +47,8 @@ olx_audit_settings olx_audit_settings_default(void) {
   return (olx_audit_settings){.rays = 200000, .points = 2000, .spp = 1024, .sample = olx_sample_settings_default()};
 }
 
-// A ray that looks for a surface: through a random pixel of one of the cameras, or, without cameras, from anywhere in
-// the scene's bounds in any direction.
+// A ray to find a surface with: through a random pixel of one of the cameras, or without cameras from a random point of
+// the scene's bounds in a random direction.
 static olx_ray view_ray(const audit *a, uint32_t index, uint32_t seed) {
   const olx_vec2 random = olx_stratified2(index, seed);
   olx_ray ray = {.t_max = INFINITY};
@@ -65,7 +66,7 @@ static olx_ray view_ray(const audit *a, uint32_t index, uint32_t seed) {
   return ray;
 }
 
-// A random surface point that a camera sees; false when there is none in the random directions tried.
+// Draws a random surface point that a camera sees; returns false when none of the directions tried hits one.
 static bool random_surface(const audit *a, uint32_t index, olx_ray_hit *hit, olx_surface *surface,
                            olx_vec3 *towards) {
   for (uint32_t attempt = 0; attempt < MAX_ATTEMPTS; attempt++) {
@@ -79,7 +80,7 @@ static bool random_surface(const audit *a, uint32_t index, olx_ray_hit *hit, olx
   return false;
 }
 
-// Whether a probe has an unblocked view of a surface point, from the side on which the ray met it.
+// Whether a probe has an unblocked view of a surface point, from the side on which the ray hit it.
 static bool probe_sees(const audit *a, uint32_t probe, const olx_surface *hit) {
   const olx_vec3 position = a->field->probe_positions[probe];
   if (olx_dot(olx_sub(position, hit->position), hit->geometric_normal) <= 0.0f) return false;
@@ -148,7 +149,7 @@ static void judge_point(void *user, uint32_t index) {
   olx_vec3 towards;
   point_verdict *verdict = &a->points[index];
   if (!random_surface(a, index, &hit, &s, &towards)) return;
-  s.shading_normal = olx_surface_vertex_normal(a->scene, &hit, &s); // light falls on the smooth surface
+  s.shading_normal = olx_surface_vertex_normal(a->scene, &hit, &s); // irradiance is about the vertex normal
   const olx_surface_point point = {.position = olx_madd(s.position, s.geometric_normal, s.epsilon),
                                    .geometric_normal = s.geometric_normal,
                                    .vertex_normal = s.shading_normal,
@@ -209,7 +210,7 @@ static olx_audit_rays sum_rays(const audit *a, uint32_t kinds, float *errors) {
 
 enum { POINTS_STORED = 1, POINTS_FALLEN_BACK = 2 };
 
-// Errors at points of these kinds, of irradiance probes alone with `probes`.
+// Sums the errors at points of the given kinds; with `probes`, those of irradiance probes alone.
 static olx_audit_points sum_points(const audit *a, uint32_t kinds, bool probes) {
   double squared = 0.0, reference_squared = 0.0, difference = 0.0, reference = 0.0, dark_estimate = 0.0;
   uint64_t count = 0, dark = 0;

@@ -1,5 +1,5 @@
-// Lights random places of free space for six normals each, by the volume, by irradiance probes and by paths. The paths
-// come in two halves, so that their noise cancels out of the errors.
+// Evaluates random points of free space for six normals each, by the volume, by irradiance probes and by paths. Paths
+// form two independent halves, so that their noise cancels out of the errors.
 #include "render/audit_space.h"
 
 #include "core/hooks.h"
@@ -14,7 +14,7 @@ enum { NORMALS = 6, VOXELS = 160, ATTEMPTS = 64, PATHS_SHARE = 16, SALT_PLACE = 
 static const olx_vec3 normals[NORMALS] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
 
 typedef struct place_verdict {
-  bool valid, served; // served: the volume has a cell there
+  bool valid, served; // served: whether the volume has a cell there
   olx_vec3 volume[NORMALS], probes[NORMALS], truth[2][NORMALS];
 } place_verdict;
 
@@ -26,7 +26,7 @@ typedef struct space_audit {
   place_verdict *places;
 } space_audit;
 
-// Draws places in free voxels and in the free parts of voxels beside them, each equally likely.
+// Draws points uniformly from free voxels and from the free parts of the voxels beside them.
 static bool draw_place(const space_audit *a, uint32_t index, olx_vec3 *place) {
   for (uint32_t attempt = 0; attempt < ATTEMPTS; attempt++) {
     const uint32_t seed = olx_hash3(a->settings->seed ^ SALT_PLACE, index, attempt);

@@ -1,4 +1,5 @@
-// Judging irradiance in free space: that of the irradiance volume and of irradiance probes against path tracing.
+// Measures the errors of irradiance in free space: of the irradiance volume and of irradiance probes, against path
+// tracing.
 #ifndef OLX_RENDER_AUDIT_SPACE_H
 #define OLX_RENDER_AUDIT_SPACE_H
 
@@ -8,7 +9,7 @@
 
 #include <octalux/render.h>
 
-// Places of the space that the viewer reaches, settings->space_points of them with six normals each.
+// Evaluates settings->space_points points of the space that the viewer can reach, with six normals each.
 olx_result olx_audit_space(const olx_scene *scene, const olx_field *field, const olx_audit_settings *settings,
                            olx_task *task, olx_audit *audit);
 

@@ -1,4 +1,4 @@
-// Makes a pinhole camera's frame from eye, target and field of view, and directions through points of its image.
+// Computes a pinhole camera's frame from eye, target and field of view, and directions through points of its image.
 #include "render/camera.h"
 
 #include "core/result.h"

@@ -11,7 +11,8 @@ typedef struct olx_camera_frame {
   olx_vec3 right, up; // from the middle of the image plane at distance 1 to its right and top edge
 } olx_camera_frame;
 
-// OLX_ERROR_ARGUMENT for a camera that looks nowhere, or whose field of view is not between 0 and 180 degrees.
+// Computes a camera's frame. Returns OLX_ERROR_ARGUMENT when eye and target coincide, or when the field of view is not
+// between 0 and 180 degrees.
 olx_result olx_camera_frame_make(const olx_camera *camera, uint32_t width, uint32_t height, olx_camera_frame *frame);
 
 // Unit direction through the point (x, y) of the image, 0..1 from left to right and from top to bottom.

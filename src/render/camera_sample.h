@@ -1,4 +1,4 @@
-// What a renderer hands to the image: the light and surface that one camera sample found.
+// What a renderer returns for each camera sample: the light and the surface that it found.
 #ifndef OLX_RENDER_CAMERA_SAMPLE_H
 #define OLX_RENDER_CAMERA_SAMPLE_H
 
@@ -11,7 +11,7 @@
 enum { OLX_TILE_SIZE = 8, OLX_TILE_PIXELS = OLX_TILE_SIZE * OLX_TILE_SIZE };
 
 typedef struct olx_camera_sample {
-  olx_vec3 emission; // seen directly: of the surface or the sky
+  olx_vec3 emission; // emission of the visible surface or the sky
   olx_vec3 direct, indirect_diffuse, indirect_glossy;
   olx_vec3 albedo, normal;
   float depth; // along the viewing axis; infinite when nothing was hit
@@ -43,21 +43,21 @@ typedef struct olx_tile_rays {
   olx_ray_hit hits[OLX_TILE_PIXELS];
 } olx_tile_rays;
 
-// Fill samples[0..count) of a tile. The samples come zeroed, with depth, and emission where the sky was hit.
+// Fills samples[0..count) of a tile. They are zero on entry, except depth, and emission where the ray left the scene.
 typedef void (*olx_tile_renderer)(const olx_render_context *context, olx_tile_rays *rays, olx_camera_sample *samples,
                                   olx_render_stats *stats);
 
-// Camera rays of sample `index` through the tile (rays->count of them), what they hit, and the samples as far as rays
-// alone determine them.
+// Casts the camera rays of sample `index` through the tile (rays->count of them), stores what they hit, and fills the
+// samples as far as rays alone determine them.
 void olx_tile_cast(const olx_render_context *context, const olx_tile *tile, uint32_t index, bool through_centers,
                    olx_tile_rays *rays, olx_camera_sample *samples);
 
-// A field lies in the scene when both have positions relative to the same origin.
+// Checks that a field belongs to a scene: that their positions are relative to the same origin.
 olx_result olx_render_check_origin(const olx_scene *scene, const olx_field *field);
-// Whether the settings that all renderers share are in their ranges, and the field is there and fits.
+// Checks that the settings shared by all renderers are in range, and that the field exists and fits the scene.
 olx_result olx_render_check(const olx_scene *scene, const olx_field *field, const olx_render_settings *settings);
 
-// Keep in the image how many bounces its light has.
+// Records in the image how many bounces its light has.
 void olx_render_note_bounces(const olx_field *field, const olx_render_settings *settings, olx_image *image);
 
 void olx_render_stats_add(olx_render_stats *sum, const olx_render_stats *more);

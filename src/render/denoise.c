@@ -1,4 +1,4 @@
-// Denoises one ray a pixel (McGuire et al. 2017, section 5.1): mixes it into the history of its surface, found by
+// Denoises one ray per pixel (McGuire et al. 2017, section 5.1): blends it into the history of its surface, found by
 // reprojection, and filters along rows and columns across pixels of that surface.
 #include "render/denoise.h"
 
@@ -8,22 +8,22 @@
 
 #include <string.h>
 
-// Two pixels show one surface when the second lies off the first one's plane by at most so many pixels' width, or by
-// this share of their distance, since normal maps tilt planes.
+// Two pixels show the same surface when the second lies off the first one's plane by at most this many pixel widths, or
+// by this share of their distance, since normal maps tilt planes.
 static const float PLANE_PIXELS = 2.0f, PLANE_SLOPE = 0.1f;
-// For history two pixels show one surface only when their normals agree to this cosine, too.
+// Least cosine between two pixels' normals for history to be reused between them.
 static const float SAME_NORMAL = 0.9f;
-// A point seen this near to a pixel's centre, in pixels, has not moved.
+// A point that reprojects this close to a pixel's centre, in pixels, counts as not moved.
 static const float STILL_PIXELS = 1e-2f;
-// Glossy light is not mixed between surfaces whose roughness differs by more.
+// Glossy light is not shared between surfaces whose roughness differs by more than this.
 static const float ROUGHNESS_RANGE = 0.1f;
 
-// Below this sum of weights nothing is known of a pixel.
+// A pixel whose weights sum to less than this has no value.
 static const float LEAST_WEIGHT = 1e-6f;
-// Below this share of the four pixels around a point, its history is not read.
+// History is not read when less than this share of the four pixels around a point is valid.
 static const float LEAST_SHARE = 0.01f;
 
-// What is known of a surface point: the mean of `count` frames.
+// The accumulated value at a surface point: the mean over `count` frames.
 typedef struct known {
   olx_incident incident;
   float count;
@@ -55,7 +55,7 @@ void olx_history_clear(uint32_t width, uint32_t height, olx_history *history) {
   memset(history->count, 0, pixels * sizeof *history->count);
 }
 
-// ---- where pixels are
+// ---- Positions of pixels
 
 olx_vec3 olx_guide_position(const olx_guide *guide, uint32_t x, uint32_t y) {
   const float across = 2.0f * ((float)x + 0.5f) / (float)guide->width - 1.0f;
@@ -77,7 +77,7 @@ bool olx_guide_project(const olx_guide *guide, olx_vec3 position, olx_vec2 *pixe
   return true;
 }
 
-// What a pixel shows.
+// The surface that a pixel shows.
 typedef struct shown {
   olx_vec3 position, normal;
   float depth, roughness;
@@ -96,7 +96,7 @@ static shown show(const olx_guide *guide, uint32_t x, uint32_t y) {
                  .pixel_angle = pixel_angle(guide)};
 }
 
-// How well a point fits the plane through another: 1 on it, 0 where it belongs to another surface.
+// How well a point fits the plane through another: from 1 on the plane to 0 on another surface.
 static float plane_fit(olx_vec3 offset, olx_vec3 normal, float pixel_metres) {
   const float tolerance = PLANE_PIXELS * pixel_metres + PLANE_SLOPE * olx_length(offset);
   return olx_max(0.0f, 1.0f - fabsf(olx_dot(offset, normal)) / tolerance);
@@ -106,15 +106,15 @@ static bool is_sample(olx_incident incident) {
   return incident.inverse_distance >= 0.0f && isfinite(incident.inverse_distance) && olx_finite(incident.light);
 }
 
-// ---- history
+// ---- History
 
-// Whether a pixel of the frame before showed the surface that `now` shows.
+// Whether a pixel of the previous frame showed the surface that `now` shows.
 static bool same_surface(const shown *now, const shown *before) {
   if (!(olx_dot(before->normal, now->normal) > SAME_NORMAL)) return false;
   return plane_fit(olx_sub(before->position, now->position), now->normal, now->depth * now->pixel_angle) > 0.0f;
 }
 
-// Moves a place in the frame before to a pixel's centre when it is very near to it.
+// Rounds a position in the previous frame to a pixel's centre when it is very close.
 static float settle(float at) {
   const float nearest = floorf(at + 0.5f);
   return fabsf(at - nearest) < STILL_PIXELS ? nearest : at;
@@ -124,13 +124,14 @@ static bool stands_still(olx_vec2 at, olx_vec2 pixel) {
   return fabsf(at.x - pixel.x) < STILL_PIXELS && fabsf(at.y - pixel.y) < STILL_PIXELS;
 }
 
-// The bilinear weight of one of the four pixels around a place, `corner` 0 to 3 from the top left.
+// The bilinear weight of one of the four pixels around a position, `corner` 0 to 3 from the top left.
 static float bilinear_weight(olx_vec2 at, uint32_t corner) {
   const float right = at.x - floorf(at.x), bottom = at.y - floorf(at.y);
   return (corner & 1 ? right : 1.0f - right) * (corner >> 1 ? bottom : 1.0f - bottom);
 }
 
-// Mix a frame's sample into what was known. History weighs 1 - 1/n, and n stops growing where that reaches `largest`.
+// Blends a frame's sample into the history. History has the weight 1 - 1/n, and n stops growing where that reaches
+// `largest`.
 static known mix_sample(known past, olx_incident incident, float largest) {
   if (!is_sample(incident)) return past;
   const float n = olx_min(past.count + 1.0f, 1.0f / (1.0f - largest)), share = 1.0f / n;
@@ -148,7 +149,7 @@ typedef struct accumulate_job {
   const olx_history *from, *to;
 } accumulate_job;
 
-// What the four pixels around a place in the frame before knew of the surface that `s` shows now.
+// Reads the history of the surface that `s` shows, from the four pixels around its position in the previous frame.
 static known look_back(const accumulate_job *job, const shown *s, olx_vec2 at) {
   const olx_guide *before = job->before;
   known sum = {.count = 0.0f};
@@ -207,12 +208,12 @@ olx_result olx_denoise_accumulate(const olx_lobe_filter *filter, const olx_guide
   return olx_parallel_for(now->height, threads, accumulate_row, &job, NULL, 0);
 }
 
-// ---- space
+// ---- Spatial filter
 
-// The properties of a pixel from which the weights of its neighbours follow.
+// The properties of a pixel that determine the weights of its neighbours.
 typedef struct scales {
-  float inverse_distance; // 0 when nothing is known
-  float narrowing;        // kernels shrink with the noise, which falls with the root of the number of frames
+  float inverse_distance; // 0 when the pixel has no history
+  float narrowing;        // kernels shrink with the noise, which falls with the square root of the number of frames
 } scales;
 
 static scales scales_of(olx_incident incident, float count) {
@@ -222,8 +223,8 @@ static scales scales_of(olx_incident incident, float count) {
 
 static float gaussian(float squared_over_variance) { return expf(-0.5f * squared_over_variance); }
 
-// Diffuse light changes over the distance to what it comes from, glossy light over the width of the lobe where it ends.
-// `nearness`: the mean inverse distance of the two pixels, which are so many metres and pixels apart.
+// Weight by distance. Diffuse light varies with the distance to its sources, glossy light with the lobe's width where
+// its rays end. `nearness`: the mean inverse distance of the two pixels, which are this many metres and pixels apart.
 static float reach_weight(olx_lobe lobe, float reach, const shown *middle, float nearness, float metres, float pixels) {
   if (lobe == OLX_LOBE_DIFFUSE) return gaussian(olx_square(metres * nearness / reach));
   const float alpha = olx_square(middle->roughness);
@@ -231,7 +232,7 @@ static float reach_weight(olx_lobe lobe, float reach, const shown *middle, float
   return pixels > 0.0f ? gaussian(olx_square(pixels / olx_max(sigma_pixels, 1e-3f))) : 1.0f;
 }
 
-// How much of the light at `tap`, so many pixels away, the pixel in the middle takes.
+// The weight of the pixel `tap`, at this many pixels from the centre pixel.
 static float tap_weight(const olx_lobe_filter *filter, olx_lobe lobe, const shown *middle, scales here,
                         const shown *tap, float tap_inverse_distance, float pixels) {
   const float cosine = olx_max(0.0f, olx_dot(tap->normal, middle->normal));
@@ -256,12 +257,12 @@ typedef struct filter_job {
   olx_lobe lobe;
   const olx_guide *guide;
   const olx_history *history;
-  const olx_history *rows; // of each pixel's row: the light, and the sum of the weights
+  const olx_history *rows; // results of the row pass: the light, and the sum of the weights
   olx_vec3 *light;
 } filter_job;
 
-// The weighted sum over pixels along a line: of the history, or of what the rows gave. Kernels are separated: a column
-// weighs its pixels by what their rows hold.
+// The weighted sum over pixels along a line, of the history or of the row pass. The kernel is separated: the column
+// pass weighs each pixel by the sum of weights of its row.
 static known sum_along(const filter_job *job, uint32_t x, uint32_t y, bool columns) {
   const olx_guide *guide = job->guide;
   const olx_history *from = columns ? job->rows : job->history;

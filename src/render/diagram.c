@@ -1,5 +1,5 @@
-// Draws a scene as a diagram: shaded flatly, cut open towards the eye, with marks such as probes and skeletons as lit
-// balls.
+// Draws a scene as a diagram: with flat shading, cut open towards the viewer, with marks such as probes and skeletons
+// as shaded balls.
 #include "core/hooks.h"
 #include "core/parallel.h"
 #include "core/result.h"
@@ -13,19 +13,19 @@
 
 #define HIDDEN_OPACITY 0.3f
 #define FLAT 0.5f  // a scene lower than this share of its longer side is cut along the floor, others across the view
-enum { SIDE = 2 }; // rays a pixel along each axis
+enum { SIDE = 2 }; // rays per pixel along each axis
 
 typedef struct drawing {
   const olx_scene *scene;
   olx_camera_frame frame;
-  bool cut; // what lies on the side of `facing` of the plane through `middle` is not drawn
+  bool cut; // the half space in front of `facing` from the plane through `middle` is cut away
   olx_vec3 middle, facing;
   uint32_t width, height;
-  olx_vec3 *colors; // a pixel, linear
-  float *depths;    // along the viewing axis, of the nearest surface
+  olx_vec3 *colors; // one per pixel, linear
+  float *depths;    // depth of the nearest surface along the viewing axis
 } drawing;
 
-// A camera above a corner of the scene, with all of it in view.
+// A camera above a corner of the scene, with the whole scene in view.
 static olx_camera three_quarter_view(const olx_scene *scene) {
   const olx_vec3 centre = olx_scale(olx_add(scene->bounds_min, scene->bounds_max), 0.5f);
   const float diagonal = olx_length(olx_sub(scene->bounds_max, scene->bounds_min));
@@ -45,15 +45,15 @@ static void choose_cut(drawing *d) {
   d->facing = flat ? olx_v3(0.0f, 1.0f, 0.0f) : olx_negate(d->frame.forward);
 }
 
-// Where a view ray comes out behind the cut.
+// The distance at which a view ray leaves the part that is cut away.
 static float find_start(const drawing *d, olx_vec3 direction) {
   const float above = olx_dot(olx_sub(d->frame.eye, d->middle), d->facing), down = -olx_dot(direction, d->facing);
   if (!d->cut || above <= 0.0f) return 0.0f;
   return down > 0.0f ? above / down : INFINITY;
 }
 
-// Flat grey with a little of the surface's own colour, lit from the eye and from above, dark enough for marks to stand
-// out.
+// Flat grey with a little of the surface's own colour, lit from the viewer and from above, dark enough for marks to be
+// distinct.
 static olx_vec3 flat_shade(const olx_scene *scene, const olx_ray_hit *hit, olx_vec3 direction) {
   const uint32_t *corner = scene->indices + 3 * (size_t)hit->triangle;
   const olx_vec3 a = scene->positions[corner[0]];
@@ -89,10 +89,10 @@ static void row_job(void *user, uint32_t y) {
   for (uint32_t x = 0; x < d->width; x++) draw_pixel(d, x, y);
 }
 
-// A mark as it falls on the picture.
+// A mark projected to the image.
 typedef struct disc {
   const olx_diagram_mark *mark;
-  float x, y, radius, depth; // pixels; metres
+  float x, y, radius, depth; // position and radius in pixels; depth in metres
 } disc;
 
 static bool project(const drawing *d, const olx_diagram_mark *mark, disc *out) {
@@ -119,7 +119,7 @@ static int compare_discs(const void *a, const void *b) {
   return x->mark < y->mark ? -1 : x->mark > y->mark;
 }
 
-// A lit ball with a soft edge; fainter where a surface hides it.
+// Draws a shaded ball with a soft edge; fainter where a surface occludes it.
 static void draw_disc(const drawing *d, const disc *c) {
   const float reach = c->radius + 1.0f;
   const uint32_t left = (uint32_t)olx_max(c->x - reach, 0.0f), top = (uint32_t)olx_max(c->y - reach, 0.0f);

@@ -1,4 +1,4 @@
-// Reads and writes images of layers of floats by OpenEXR's C core.
+// Reads and writes multi-layer images of floats with OpenEXR's C core.
 #include "render/image_io.h"
 
 #include "core/file.h"
@@ -10,11 +10,11 @@
 
 #include <OpenEXR/openexr.h>
 
-// What the stream callbacks of one file that is written work on, and the first complaint OpenEXR had.
+// The stream of a file that is being written, and the first error that OpenEXR reported.
 typedef struct exr_stream {
   const char *path;
   olx_output_file *output;
-  bool write_failed; // olx_last_error holds why
+  bool write_failed; // the reason is in olx_last_error
   char message[256];
 } exr_stream;
 
@@ -26,7 +26,7 @@ static void channel_name(olx_layer layer, uint32_t component, char name[64]) {
   else snprintf(name, 64, "%s.%c", olx_layer_name(layer), components[component]);
 }
 
-// Which layer and component a channel holds; false for channels of other programs.
+// Finds the layer and the component of a channel; false for channels of other programs.
 static bool find_channel(const char *name, olx_layer *layer, uint32_t *component) {
   for (uint32_t l = 0; l < OLX_LAYER_COUNT; ++l) {
     for (uint32_t c = 0; c < olx_layer_channels((olx_layer)l); ++c) {
@@ -93,7 +93,7 @@ static exr_result_t write_header(exr_context_t context, const olx_exr_picture *p
   return exr_write_header(context);
 }
 
-// Where a channel lies in its layer from `row` on; nowhere when the image has no place for it.
+// The position of a channel in its layer from `row` on; NULL values when the image has no such layer.
 static olx_exr_target find_target(void *user, const char *channel, uint32_t row) {
   const olx_image *image = user;
   olx_layer layer;
@@ -104,7 +104,7 @@ static olx_exr_target find_target(void *user, const char *channel, uint32_t row)
                           .line_bytes = (int32_t)(image->width * sizeof(olx_vec3))};
 }
 
-// Point a channel of a chunk at its values from `row` on.
+// Points a channel of a chunk at its values from `row` on.
 static void take_channel(exr_coding_channel_info_t *channel, const olx_exr_picture *picture, uint32_t row) {
   for (uint32_t i = 0; i < picture->channel_count; ++i) {
     const olx_exr_channel *c = &picture->channels[i];
@@ -169,7 +169,7 @@ olx_result olx_exr_save(const olx_image *image, const char *path) {
       channels[count++].stride_floats = 3;
     }
   }
-  // Infinite bounces, and numbers that the attribute cannot hold, are stored as -1.
+  // Infinite bounces, and numbers too large for the attribute, are stored as -1.
   const int32_t bounces = image->bounces <= INT32_MAX ? (int32_t)image->bounces : -1;
   const olx_exr_picture picture = {.width = image->width,
                                    .height = image->height,
@@ -179,7 +179,7 @@ olx_result olx_exr_save(const olx_image *image, const char *path) {
   return olx_exr_write(&picture, path);
 }
 
-// The channels that are there, as bits of their layer's components.
+// The channels found, as a mask of components for each layer.
 typedef struct found_layers {
   uint32_t components[OLX_LAYER_COUNT];
 } found_layers;
@@ -192,7 +192,7 @@ static bool note_channel(void *user, const char *channel) {
   return true;
 }
 
-// The layers whose every channel is there.
+// The layers all of whose channels were found.
 static olx_result find_layers(const olx_exr_file *file, uint32_t *layer_mask) {
   found_layers found = {{0}};
   OLX_TRY(olx_exr_find_channels(file, note_channel, &found));

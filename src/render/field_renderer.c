@@ -1,5 +1,5 @@
-// Renders tiles of a picture from a field: surfaces and direct light by real rays, indirect light from the field, whose
-// rays are traced many at a time.
+// Renders tiles of an image with a field: surfaces and direct light by real rays, indirect light from the field, whose
+// rays are traced in bundles.
 #include "render/field_renderer.h"
 
 #include "core/parallel.h"
@@ -14,7 +14,7 @@ typedef struct shaded_tile {
   olx_camera_sample *samples;
   olx_render_stats *stats;
   uint32_t count;
-  uint32_t pixel[OLX_TILE_PIXELS]; // in the tile, of those that hit something
+  uint32_t pixel[OLX_TILE_PIXELS]; // index in the tile of each pixel that hit a surface
   olx_surface surfaces[OLX_TILE_PIXELS];
   olx_shading shadings[OLX_TILE_PIXELS];
 } shaded_tile;
@@ -54,11 +54,11 @@ static void count_ray(olx_render_stats *stats, const olx_trace_hit *hit) {
   stats->field_probes += hit->probes_tried;
 }
 
-// A ray drawn from a lobe. What it finds counts by `reflectance` times `weight`.
+// A ray drawn from a lobe. The radiance that it finds is scaled by `reflectance` times `weight`.
 typedef struct field_ray {
   olx_vec3 origin, direction, reflectance;
   float weight;
-  olx_vec2 random; // that drew it
+  olx_vec2 random; // random numbers that it was drawn by
 } field_ray;
 
 static bool draw_diffuse(const olx_shading *shading, olx_vec2 random, field_ray *ray) {
@@ -149,11 +149,11 @@ static void light_directly(shaded_tile *tile) {
   }
 }
 
-// Rays of a tile that wait to be traced together, and the light that all have found so far.
+// Rays of a tile that are collected to be traced together, and the light that all rays have found so far.
 enum { BUNDLE = 256 };
 
 typedef struct ray_bundle {
-  bool glossy; // else of diffuse lobes
+  bool glossy; // of glossy lobes; otherwise of diffuse lobes
   uint32_t count;
   uint32_t owner[BUNDLE]; // index of the surface
   field_ray rays[BUNDLE];
@@ -172,7 +172,7 @@ static void trace_together(const shaded_tile *tile, uint32_t count, const olx_ve
   for (uint32_t i = 0; i < count; i++) count_ray(tile->stats, &hits[i]);
 }
 
-// Further rays from what glossy rays have found.
+// Traces further rays from the hits of glossy rays.
 static void follow_further(const shaded_tile *tile, const ray_bundle *bundle, olx_trace_hit *hits) {
   olx_further_ray rays[BUNDLE];
   olx_vec3 origins[BUNDLE] = {{0}}, directions[BUNDLE] = {{0}};
@@ -209,14 +209,14 @@ static void follow_bundle(const shaded_tile *tile, ray_bundle *bundle) {
   bundle->count = 0;
 }
 
-// Room for one more ray of a surface.
+// Reserves one more ray of a surface; traces the bundle first when it is full.
 static field_ray *next_ray(const shaded_tile *tile, ray_bundle *bundle, uint32_t k) {
   if (bundle->count == BUNDLE) follow_bundle(tile, bundle);
   bundle->owner[bundle->count] = k;
   return &bundle->rays[bundle->count];
 }
 
-// Irradiance by cosine rays through the field.
+// Computes irradiance by cosine-distributed rays through the field.
 static void trace_diffuse(const shaded_tile *tile, ray_bundle *bundle) {
   const uint32_t count = tile->context->settings->diffuse_samples;
   for (uint32_t k = 0; k < tile->count; k++) {

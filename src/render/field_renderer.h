@@ -1,4 +1,4 @@
-// The field renderer: camera rays and direct light with real rays, indirect light from a baked field.
+// The field renderer: camera rays and direct light by real rays, indirect light from a baked field.
 #ifndef OLX_RENDER_FIELD_RENDERER_H
 #define OLX_RENDER_FIELD_RENDERER_H
 
@@ -8,32 +8,32 @@
 void olx_field_render_tile(const olx_render_context *context, olx_tile_rays *rays, olx_camera_sample *samples,
                            olx_render_stats *stats);
 
-// Seeds of the rays' random numbers, apart from those of direct light: arguments of olx_sampler_split.
+// Seeds of the random numbers of field rays, distinct from those of direct light: arguments of olx_sampler_split.
 enum { OLX_DIFFUSE_BRANCH = 2, OLX_GLOSSY_BRANCH = 3 };
 
-// Light of all kinds of emitters, or, where rays through the field find those that have an area, of the others alone.
+// Direct light of all emitters or, where rays through the field find area lights, of lights without area alone.
 olx_vec3 olx_field_direct(const olx_render_context *context, const olx_shading *shading, olx_sampler *sampler,
                           olx_render_stats *stats);
 
-// What one ray through the field found.
+// The result of one ray through the field.
 typedef struct olx_ray_light {
   olx_vec3 light;
-  float nearness; // 1 / distance to what was hit, 0 when nothing was
+  float nearness; // 1 / distance to the hit, 0 without a hit
 } olx_ray_light;
 
 // Radiance along a cosine-distributed direction: its mean is irradiance / pi.
 olx_ray_light olx_field_diffuse_ray(const olx_render_context *context, const olx_shading *shading, olx_vec2 random,
                                       olx_render_stats *stats);
-// Light reflected towards `view` by the specular lobe.
+// Light that the specular lobe reflects towards `view`.
 olx_ray_light olx_field_glossy_ray(const olx_render_context *context, const olx_shading *shading, olx_vec3 view,
                                      olx_vec2 random, olx_render_stats *stats);
 
-// Irradiance without rays on the surface that `hit` met: from classic maps with that method; as it is stored at
-// surfaces where settings choose that for diffuse light and in fields without probe light; else from irradiance probes.
+// Irradiance, without rays, of the surface that `hit` is on: from classic maps with that method; stored at surfaces
+// where settings choose that for diffuse light and in fields without probe light; otherwise from irradiance probes.
 olx_vec3 olx_field_irradiance(const olx_render_context *context, const olx_ray_hit *hit, const olx_shading *shading,
                               olx_vec3 view);
 
-// Whether the specular lobe is left to irradiance (settings.dim_lobe).
+// Whether the specular lobe is shaded from irradiance (settings.dim_lobe).
 bool olx_field_lobe_is_dim(const olx_render_context *context, const olx_shading *shading);
 
 #endif

@@ -12,9 +12,9 @@
 #include <math.h>
 #include <string.h>
 
-// The largest kernel reaches 3 standard deviations of sqrt(0.04 / 2) / pi degrees.
+// Radius in pixels of the largest kernel, 3 standard deviations of sqrt(0.04 / 2) / pi degrees.
 #define MAX_RADIUS 136
-#define PLANES 5 // of one picture: three of colour, edges, points
+#define PLANES 5 // planes per image: three of colour, one of edges, one of points
 
 typedef struct kernel {
   int radius;
@@ -36,7 +36,7 @@ typedef struct flip {
   float *map;
 } flip;
 
-// Linear Rec.709 to CIE XYZ over the white point's (D65: 0.3127, 0.3290), so that white is (1, 1, 1); and back.
+// Converts linear Rec.709 to CIE XYZ relative to the white point (D65: 0.3127, 0.3290), so that white is (1, 1, 1).
 static olx_vec3 to_xyz(olx_vec3 c) {
   return olx_v3(0.433887346f * c.x + 0.376224009f * c.y + 0.189888645f * c.z,
                 0.212639006f * c.x + 0.715168679f * c.y + 0.072192315f * c.z,
@@ -63,7 +63,7 @@ static float lab_curve(float t) {
   return t > delta * delta * delta ? cbrtf(t) : t / (3.0f * delta * delta) + 4.0f / 29.0f;
 }
 
-// CIE L*a*b*, its a* and b* scaled by lightness: the less light, the less is seen of colour (the Hunt effect).
+// CIE L*a*b* with a* and b* scaled by lightness: colour is less visible in the dark (the Hunt effect).
 static olx_vec3 hunt_lab(olx_vec3 linear) {
   const olx_vec3 xyz = to_xyz(linear);
   const float x = lab_curve(xyz.x), y = lab_curve(xyz.y), z = lab_curve(xyz.z), lightness = 116.0f * y - 16.0f;
@@ -74,8 +74,8 @@ static float hyab(olx_vec3 a, olx_vec3 b) {
   return fabsf(a.x - b.x) + sqrtf(olx_square(a.y - b.y) + olx_square(a.z - b.z));
 }
 
-// A Gaussian, or its first or second derivative, whose positive weights sum to 1 and its negative ones to -1. In two
-// dimensions, times a Gaussian across, they still do.
+// A Gaussian, or its first or second derivative, normalized so that positive weights sum to 1 and negative ones to -1.
+// The product with a Gaussian across keeps these sums in two dimensions.
 static kernel gaussian(double sigma, int radius, int derivative) {
   kernel k = {.radius = radius};
   double values[2 * MAX_RADIUS + 1] = {0.0}, positive = 0.0, negative = 0.0;
@@ -100,7 +100,7 @@ typedef struct filter_job {
   float *out;
 } filter_job;
 
-// Pixels beyond the border repeat it.
+// Filters a row; pixels beyond the border repeat the border.
 static void filter_along_row(void *user, uint32_t y) {
   const filter_job *job = user;
   const int width = (int)job->f->width, radius = job->k->radius;
@@ -136,14 +136,14 @@ static olx_result filter(const flip *f, const kernel *across, const kernel *down
 
 static size_t pixel_count(const flip *f) { return (size_t)f->width * f->height; }
 
-// How far a kernel given in degrees reaches, in pixels.
+// The radius of a kernel in pixels.
 static int radius_of(double sigma_pixels) { return (int)ceil(3.0 * sigma_pixels); }
 
-// The contrast sensitivity of one channel (section 4.1.1, table 1), as a sum of at most two Gaussians
-// a sqrt(pi / b) exp(-(pi x)^2 / b) of x in degrees.
+// Filters one channel by its contrast sensitivity function (section 4.1.1, table 1), a sum of at most two Gaussians a
+// sqrt(pi / b) exp(-(pi x)^2 / b) of x in degrees.
 static olx_result filter_contrast(const flip *f, float *channel, const double a[2], const double b[2]) {
   const double degree = (double)f->pixels_per_degree;
-  const int radius = radius_of(sqrt(0.04 / 2.0) / (double)OLX_PI * degree); // the widest one's, for all
+  const int radius = radius_of(sqrt(0.04 / 2.0) / (double)OLX_PI * degree); // the widest kernel's, for all channels
   double volumes[2] = {0.0, 0.0};
   for (int i = 0; i < 2; ++i) {
     if (a[i] == 0.0) continue;
@@ -169,7 +169,7 @@ static void set_color(const picture *p, size_t i, olx_vec3 color) {
   p->color[2][i] = color.z;
 }
 
-// Strength of the features that a derivative of the Gaussian finds in lightness (section 4.2).
+// The strength of the features that a derivative of the Gaussian detects in lightness (section 4.2).
 static olx_result find_features(const flip *f, const picture *p, int derivative, float *strength) {
   const double sigma = 0.5 * 0.082 * (double)f->pixels_per_degree;
   const kernel bell = gaussian(sigma, radius_of(sigma), 0), slope = gaussian(sigma, radius_of(sigma), derivative);
@@ -205,7 +205,7 @@ static olx_result prepare(const flip *f, const picture *p) {
   return OLX_OK;
 }
 
-// Differences of colour up to 0.4 of the largest one take up 0.95 of the range (section 4.1.3).
+// Redistributes differences of colour: those up to 0.4 of the largest one use 0.95 of the range (section 4.1.3).
 static float redistribute(float difference, float largest) {
   const float knee = 0.4f * largest, knee_value = 0.95f;
   if (difference < knee) return difference * knee_value / knee;

@@ -1,15 +1,15 @@
-// Renders frames as a real-time renderer makes them (McGuire et al. 2017, section 5): one camera ray a pixel, one ray a
-// lobe, and the denoiser over pixels and frames. Passes follow each other, each a function of buffers.
+// Renders frames as a real-time renderer does (McGuire et al. 2017, section 5): one camera ray per pixel, one ray per
+// lobe, and the denoiser over pixels and frames. Each pass is a function of its buffers.
 #include "core/hooks.h"
 #include "core/parallel.h"
 #include "core/result.h"
 #include "render/denoise.h"
 #include "render/field_renderer.h"
 
-// No factor between incident and reflected glossy light is below this, so that dividing by it is harmless.
+// Lower bound of the factor from incident to reflected glossy light, so that dividing by it is safe.
 #define LEAST_FRESNEL 0.01f
 
-// A frame's surfaces, behind a guide.
+// The surfaces of a frame, which a guide points to.
 typedef struct surface_buffers {
   float *depth, *roughness;
   olx_vec3 *normal;
@@ -24,18 +24,18 @@ typedef struct frame_job {
   olx_guide guides[2];
   olx_history diffuse[2], glossy[2];
 
-  olx_incident *diffuse_sample, *glossy_sample; // what this frame's rays found
-  olx_vec3 *diffuse_factor, *glossy_factor;     // incident light times these is reflected light
-  olx_vec3 *expected;                           // irradiance found without rays
+  olx_incident *diffuse_sample, *glossy_sample; // incident light that this frame's rays found
+  olx_vec3 *diffuse_factor, *glossy_factor;     // factors from incident to reflected light
+  olx_vec3 *expected;                           // irradiance evaluated without rays
   olx_vec3 *filtered;
   olx_image *image;
   olx_lock stats_lock;
   olx_render_stats stats;
 } frame_job;
 
-// ---- one frame's samples
+// ---- Samples of one frame
 
-// A pixel that shows a surface, and where it is in the buffers.
+// A pixel that shows a surface, and its index in the buffers.
 typedef struct shaded_pixel {
   size_t pixel;
   const olx_ray_hit *hit;
@@ -64,7 +64,7 @@ static void sample_glossy(frame_job *job, const shaded_pixel *p, olx_render_stat
   *sample = (olx_incident){light, found.nearness};
 }
 
-// Adds to the last frame what the image needs beside the traced light.
+// Adds to the last frame the layers of the image besides traced light.
 static void light_last_frame(frame_job *job, const shaded_pixel *p, olx_render_stats *stats) {
   const uint32_t spp = job->context.settings->spp;
   olx_vec3 sum = {0};
@@ -146,7 +146,7 @@ static void sample_tile(void *user, uint32_t index) {
   olx_lock_give(&job->stats_lock);
 }
 
-// ---- frames
+// ---- Frames
 
 static olx_result accumulate(frame_job *job) {
   const olx_render_settings *settings = job->context.settings;
@@ -164,7 +164,7 @@ static olx_result render_frame(frame_job *job, const olx_camera *camera, olx_tas
   const uint32_t now = job->frame & 1;
   OLX_TRY(olx_camera_frame_make(camera, settings->width, settings->height, &job->context.camera));
   job->guides[now].camera = job->context.camera;
-  if (job->frame == 0) job->guides[1].camera = job->context.camera; // of no frame, with an empty history
+  if (job->frame == 0) job->guides[1].camera = job->context.camera; // the history is empty then
   OLX_TRY(olx_parallel_for(olx_tile_count(settings->width, settings->height), settings->threads, sample_tile, job, task,
                            1));
   const double start = olx_seconds();
@@ -173,8 +173,8 @@ static olx_result render_frame(frame_job *job, const olx_camera *camera, olx_tas
   return OLX_OK;
 }
 
-// Puts reflected light into the image: `layer` becomes filtered times factor where there is a history, and is added to
-// beauty.
+// Writes reflected light to the image: `layer` becomes the filtered light times the factor where there is a history,
+// and is added to beauty.
 static void reflect(frame_job *job, olx_layer layer, const olx_vec3 *filtered, const olx_vec3 *factor) {
   const size_t pixels = (size_t)job->image->width * job->image->height;
   for (size_t i = 0; i < pixels; i++) {
@@ -210,7 +210,7 @@ static olx_result compose(frame_job *job) {
   return OLX_OK;
 }
 
-// ---- all of them
+// ---- The sequence of frames
 
 static olx_result allocate_buffers(frame_job *job) {
   const uint32_t width = job->context.settings->width, height = job->context.settings->height;

@@ -1,5 +1,5 @@
-// Renders what a renderer elsewhere needs to add a field's light: the surfaces in view, and the layers that rays and
-// lights give.
+// Renders the input of an external renderer that adds a field's light: a G-buffer of the visible surfaces, and the
+// layers that real rays and lights give.
 #include "core/hooks.h"
 #include "core/parallel.h"
 #include "core/result.h"
@@ -26,7 +26,7 @@ void olx_gbuffer_free(olx_gbuffer *g) {
 static olx_result gbuffer_create(uint32_t width, uint32_t height, const olx_camera_frame *camera, olx_gbuffer *g) {
   const size_t count = (size_t)width * height;
   const olx_vec3 f = camera->forward, r = camera->right, u = camera->up, e = camera->eye;
-  // (x, y, inverse depth, 1) to forward + x right - y up + inverse depth * eye; w is the inverse depth.
+  // Maps (x, y, inverse depth, 1) to forward + x right - y up + inverse depth * eye; w is the inverse depth.
   *g = (olx_gbuffer){.width = width,
                      .height = height,
                      .inverse_depth = olx_allocate_zero(count, sizeof(float)),

@@ -1,4 +1,4 @@
-// Draws where an image differs from its reference: |a - b| over the reference's mean, with a scale beside it.
+// Draws the differences between an image and its reference, |a - b| over the reference's mean, with a colour scale.
 #include "render/image_io.h"
 
 #include "core/hooks.h"
@@ -50,7 +50,7 @@ static void draw_percent(const picture *target, uint32_t x, uint32_t y, uint32_t
   draw_glyph(target, x + 3 * DIGIT_PITCH, y, 10);
 }
 
-// Black, violet, red, orange, yellow over the root of the error, so that small errors are seen too.
+// Black, violet, red, orange, yellow over the square root of the error, so that small errors are visible.
 static void error_color(double error, uint8_t color[3]) {
   static const double stops[5][3] = {{0, 0, 0}, {80, 18, 123}, {200, 40, 60}, {250, 140, 20}, {255, 245, 120}};
   const double position = 4.0 * fmin(sqrt(error), 1.0);
@@ -71,7 +71,7 @@ static void draw_scale(const picture *target, uint32_t x) {
     for (uint32_t i = 0; i < BAR_WIDTH; ++i) put(target, x + i, y, color);
   }
   if (target->height < DIGIT_HEIGHT) return;
-  uint32_t free_above = target->height; // labels must not overlap on a low picture
+  uint32_t free_above = target->height; // labels must not overlap in a low image
   for (size_t i = 0; i < sizeof marks / sizeof marks[0]; ++i) {
     const uint32_t middle = bottom - (uint32_t)(sqrt(marks[i] / 100.0) * bottom);
     const uint32_t centred = middle > DIGIT_HEIGHT / 2 ? middle - DIGIT_HEIGHT / 2 : 0;
@@ -87,7 +87,7 @@ static double magnitude(olx_vec3 v, uint32_t channels) {
   return channels == 1 ? x : (x + y + z) / 3.0;
 }
 
-// Mean of the reference over its finite pixels; 1 for a black one, so that errors show as they are.
+// Mean of the reference over its finite pixels; 1 for a black reference, so that errors are shown unscaled.
 static double mean_of(const olx_image *image, olx_layer layer) {
   const size_t count = (size_t)image->width * image->height;
   double sum = 0.0;
@@ -109,7 +109,7 @@ static void draw_errors(const picture *target, const olx_image *a, const olx_ima
       const size_t i = (size_t)y * a->width + x;
       const double difference = magnitude(olx_sub(a->layers[layer][i], b->layers[layer][i]), channels);
       uint8_t color[3];
-      error_color(isnan(difference) ? 0.0 : difference / mean, color); // NaN: infinitely far in both
+      error_color(isnan(difference) ? 0.0 : difference / mean, color); // NaN: both are infinite
       put(target, x, y, color);
     }
   }

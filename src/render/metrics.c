@@ -1,5 +1,5 @@
-// Compares a layer of two images: refuses values that are not finite, and sums up mean squared error, bias and the
-// largest difference relative to the reference.
+// Compares a layer of two images: rejects values that are not finite, and computes mean squared error, bias and the
+// largest difference, relative to the reference.
 #include "render/image_io.h"
 
 #include "core/result.h"
@@ -35,7 +35,7 @@ olx_result olx_compare_check(const olx_image *a, const olx_image *b, olx_layer l
   return OLX_OK;
 }
 
-// A share of the reference; two silent images are equal, anything over nothing is infinite.
+// The difference relative to the reference: 0 when both are 0, infinite when only the reference is.
 static double share(double difference, double reference) {
   return difference == 0.0 ? 0.0 : reference == 0.0 ? copysign(INFINITY, difference) : difference / reference;
 }

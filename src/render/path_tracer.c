@@ -1,5 +1,5 @@
-// Renders the tiles of a path-traced picture, in layers: what each lobe of the surface that a camera ray meets sends
-// back.
+// Renders the tiles of a path-traced image in layers: the light that each lobe of the surface hit by a camera ray
+// reflects.
 #include "render/path_tracer.h"
 
 #include "light/path.h"

@@ -1,4 +1,4 @@
-// Path tracing: the judge of everything else (light/path.h).
+// The path tracer: the reference for every other renderer (light/path.h).
 #ifndef OLX_RENDER_PATH_TRACER_H
 #define OLX_RENDER_PATH_TRACER_H
 

@@ -1,4 +1,4 @@
-// Compares two pictures as people see them, by SSIM and FLIP of their tone-mapped pixels, and draws maps of FLIP.
+// Compares two images perceptually, by SSIM and FLIP of their tone-mapped pixels, and draws maps of FLIP.
 #include "render/perceptual.h"
 
 #include "core/hooks.h"
@@ -62,13 +62,14 @@ olx_result olx_compare_perceptual(const olx_image *a, const olx_image *b, olx_la
   return result;
 }
 
-// matplotlib's magma, at every sixteenth of its length; between them lines differ from it by less than 3 / 255.
+// The magma colour map of matplotlib at 17 evenly spaced positions; linear interpolation differs from it by less than 3
+// / 255.
 void olx_magma(float value, uint8_t rgb[3]) {
   static const uint8_t stops[17][3] = {
       {0, 0, 4},      {10, 8, 34},     {29, 17, 70},    {54, 16, 106},   {80, 18, 124},  {105, 28, 129},
       {130, 38, 129}, {156, 46, 127},  {182, 55, 121},  {207, 65, 112},  {230, 81, 99},  {245, 105, 92},
       {251, 135, 97}, {254, 165, 113}, {254, 195, 135}, {253, 224, 162}, {252, 253, 191}};
-  const float position = value > 0.0f ? fminf(value, 1.0f) * 16.0f : 0.0f; // 0 also for NaN
+  const float position = value > 0.0f ? fminf(value, 1.0f) * 16.0f : 0.0f; // also 0 for NaN
   const int stop = position < 15.0f ? (int)position : 15;
   for (int i = 0; i < 3; ++i) {
     const float low = stops[stop][i], high = stops[stop + 1][i];

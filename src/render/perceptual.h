@@ -1,11 +1,11 @@
-// Metrics of how alike two pictures look. Both take 8-bit sRGB, 3 bytes a pixel, rows from the top.
+// Perceptual metrics of the similarity of two images. Both take 8-bit sRGB, 3 bytes per pixel, rows from the top.
 #ifndef OLX_RENDER_PERCEPTUAL_H
 #define OLX_RENDER_PERCEPTUAL_H
 
 #include <octalux/render.h>
 
-// Mean structural similarity (Wang et al. 2004) of Rec.709 luma of the sRGB values, range 1: 11 x 11 Gaussian windows
-// of sigma 1.5 that lie inside the picture, K1 = 0.01, K2 = 0.03. NaN when no window fits.
+// Mean structural similarity (Wang et al. 2004) of Rec.709 luma of the sRGB values, with a dynamic range of 1: 11 x 11
+// Gaussian windows of sigma 1.5 that lie inside the image, K1 = 0.01, K2 = 0.03. NaN when no window fits.
 olx_result olx_ssim(const uint8_t *a, const uint8_t *b, uint32_t width, uint32_t height, double *ssim);
 
 // LDR-FLIP (Andersson et al. 2020) of every pixel, 0 to 1, into map[width * height]. pixels_per_degree at most

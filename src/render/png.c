@@ -1,4 +1,4 @@
-// Encodes pictures as PNG, with dynamic Huffman codes, which halve the size of noisy pictures.
+// Encodes images as PNG with dynamic Huffman codes, which halve the size of noisy images.
 #include "render/image_io.h"
 
 #include "core/file.h"
@@ -9,7 +9,7 @@
 
 #include <zlib.h>
 
-// stb's own compressor knows fixed Huffman codes only, which make noisy pictures twice as large.
+// A compressor with dynamic Huffman codes: stb's own has fixed codes only, which make noisy images twice as large.
 static unsigned char *compress_bytes(unsigned char *data, int size_bytes, int *compressed_bytes, int quality) {
   uLongf length = compressBound((uLong)size_bytes);
   unsigned char *compressed = olx_allocate(length, 1);
@@ -24,7 +24,7 @@ static unsigned char *compress_bytes(unsigned char *data, int size_bytes, int *c
 
 #define STBIW_ZLIB_COMPRESS compress_bytes
 #define STBIW_MALLOC(size) olx_allocate((size_t)(size), 1)
-#define STBIW_REALLOC(memory, size) NULL // asked for, but only stb's compressor would use it
+#define STBIW_REALLOC(memory, size) NULL // stb requires the macro, but only its own compressor would use it
 #define STBIW_FREE(memory) olx_release(memory)
 #define STB_IMAGE_WRITE_STATIC
 #define STB_IMAGE_WRITE_IMPLEMENTATION

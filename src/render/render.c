@@ -1,5 +1,5 @@
-// Renders pictures tile by tile in parallel with any of the renderers: casts camera rays, sums samples into layers, and
-// warns where field and scene do not belong together.
+// Renders images tile by tile in parallel with any of the renderers: casts camera rays, sums samples into layers, and
+// warns where field and scene do not match.
 #include "core/hooks.h"
 #include "core/parallel.h"
 #include "core/result.h"
@@ -35,7 +35,7 @@ typedef struct render_job {
   olx_render_stats stats;
 } render_job;
 
-// Sums over the samples of a pixel. In double: a million samples in float would stop adding up.
+// Sums over the samples of a pixel, in double because float sums stagnate after about a million samples.
 typedef struct pixel_sum {
   double light[4][3]; // emission, direct, indirect diffuse, indirect glossy
   double albedo[3], normal[3];

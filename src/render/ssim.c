@@ -1,5 +1,5 @@
-// Computes the mean structural similarity of two pictures (Wang et al. 2004) over Gaussian windows, whose rows and
-// columns are summed one after the other.
+// Computes the mean structural similarity of two images (Wang et al. 2004) over Gaussian windows, separated into rows
+// and columns.
 #include "render/perceptual.h"
 
 #include "core/hooks.h"
@@ -11,7 +11,7 @@
 #define RADIUS 5
 #define WINDOW (2 * RADIUS + 1)
 
-// Weighted sums over a window: of both pictures, their squares and their product.
+// Weighted sums over a window: of both images, their squares and their product.
 typedef struct moments {
   double a, b, aa, bb, ab;
 } moments;
@@ -32,7 +32,7 @@ static void window_weights(double weights[WINDOW]) {
 
 static double luma(const uint8_t *rgb) { return (0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]) / 255.0; }
 
-// Equation 13.
+// The similarity of a window, equation 13.
 static double similarity(const moments *m) {
   const double c1 = 0.01 * 0.01, c2 = 0.03 * 0.03;
   const double variance_a = m->aa - m->a * m->a, variance_b = m->bb - m->b * m->b, covariance = m->ab - m->a * m->b;
@@ -40,7 +40,7 @@ static double similarity(const moments *m) {
          ((m->a * m->a + m->b * m->b + c1) * (variance_a + variance_b + c2));
 }
 
-// Windows whose first row is `top`: down the columns into `columns`, then along them.
+// Sums the windows whose first row is `top`: along the columns into `columns`, then along the row.
 static double sum_row(const uint8_t *a, const uint8_t *b, uint32_t width, uint32_t top, const double weights[WINDOW],
                       moments *columns) {
   memset(columns, 0, width * sizeof *columns);

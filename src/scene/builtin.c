@@ -34,7 +34,7 @@ static const builtin_entry entries[] = {
 
 const char *olx_builtin_name(uint32_t index) { return index < ENTRY_COUNT ? entries[index].name : NULL; }
 
-// "PREFIX:METRES"; false for any other name.
+// Parses a name of the form "PREFIX:METRES"; false for any other name.
 static bool names_metres(const char *name, const char *prefix, float *metres) {
   const size_t length = strlen(prefix);
   if (strncmp(name, prefix, length) != 0 || name[length] != ':') return false;

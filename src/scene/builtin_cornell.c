@@ -49,7 +49,7 @@ static olx_result build_box(olx_scene *scene, const uint32_t materials[PART_COUN
     }
     OLX_TRY(olx_add_quad(scene, "Cornell box", corners, materials[quads[i].part]));
   }
-  // As measured, but 0.8 mm below the ceiling instead of in its plane.
+  // As measured, except that it is 0.8 mm below the ceiling instead of in its plane.
   const olx_vec3 center = {0.278f, 0.548f, 0.2795f};
   OLX_TRY(olx_scene_add_rect_light(scene, center, olx_v3(0.130f, 0.0f, 0.0f), olx_v3(0.0f, 0.0f, 0.105f),
                                    olx_v3(17.0f, 12.0f, 4.0f)));

@@ -15,8 +15,8 @@ static float signed_area(const olx_vec2 *outline, uint32_t points) {
   return 0.5f * twice;
 }
 
-// How good it is to cut off the corner at left[i] of what is left of an outline that turns left: the least height of
-// the triangle, 0 when it is no ear.
+// The quality of cutting off the corner at left[i] of the rest of an outline that turns left: the least height of the
+// triangle, 0 when it is no ear.
 static float ear_height(const olx_vec2 *outline, const uint32_t *left, uint32_t count, uint32_t i) {
   const olx_vec2 a = outline[left[(i + count - 1) % count]], b = outline[left[i]], c = outline[left[(i + 1) % count]];
   const float twice = turn(a, b, c);
@@ -28,8 +28,8 @@ static float ear_height(const olx_vec2 *outline, const uint32_t *left, uint32_t 
   return twice / olx_max(distance(a, b), olx_max(distance(b, c), distance(c, a)));
 }
 
-// Triangles of an outline that turns left, three indices each. Cuts off the thickest ear first, so that none is a
-// sliver that need not be.
+// Triangulates an outline that turns left, three indices per triangle. Cuts off the thickest ear first, to avoid
+// slivers.
 static olx_result triangulate(const char *name, const olx_vec2 *outline, uint32_t points, uint32_t *indices) {
   uint32_t left[MOST_POINTS], count = points;
   for (uint32_t i = 0; i < points; i++) left[i] = i;
@@ -78,7 +78,7 @@ olx_result olx_add_extrusion(olx_scene *scene, const char *name, const olx_extru
   const bool clockwise = signed_area(e->outline, n) < 0.0f, along_x = e->axis == OLX_ALONG_X;
   for (uint32_t i = 0; i < n; i++) outline[i] = e->outline[clockwise ? n - 1 - i : i];
   for (uint32_t i = 0; i < n; i++) {
-    // Turned round, the side from point i to the next is the given one from point n - 2 - i.
+    // In a reversed outline, the side from point i to the next is the given side from point n - 2 - i.
     const uint32_t given = clockwise ? (2 * n - 2 - i) % n : i, next = (i + 1) % n;
     if (e->open_sides >> given & 1) continue;
     const olx_vec2 a = outline[along_x ? next : i], b = outline[along_x ? i : next];
@@ -90,7 +90,7 @@ olx_result olx_add_extrusion(olx_scene *scene, const char *name, const olx_extru
   return OLX_OK;
 }
 
-// Point i of the arch, widened by `breadth`, from its left spring to the right one.
+// Point i of the arch, widened by `breadth`, from its left spring to its right spring.
 static olx_vec2 arch_point(const olx_arch *arch, float breadth, uint32_t i) {
   const float half = 0.5f * arch->width + breadth, angle = OLX_PI * (1.0f - (float)i / OLX_ARCH_STEPS);
   if (i == 0) return (olx_vec2){arch->center - half, arch->spring};

@@ -1,11 +1,11 @@
 // A furnished flat: a living room with sun through a wide window and a floor of polished boards, and a corridor that
-// gets light through an open door alone.
+// receives light only through an open door.
 #include "core/result.h"
 #include "scene/builtin_furniture.h"
 #include "scene/builtin_scenes.h"
 #include "scene/builtin_shapes.h"
 
-// The living room inside its walls, the corridor behind the wall with the door, and how high both are.
+// The interior of the living room, the corridor behind the wall with the door, and the height of both.
 static const float room_left = -3.0f, room_right = 3.0f, room_back = -2.3f, room_front = 2.3f, height = 2.6f;
 static const float corridor_near = 2.42f, corridor_far = 3.72f, corridor_end = 4.2f;
 static const float outside = 0.3f; // thickness of outer walls
@@ -64,7 +64,7 @@ static olx_result mix_palette(olx_scene *s, palette *p) {
   return olx_add_glossy(s, "mirror", olx_splat(0.9f), 1.0f, 0.03f, &p->mirror);
 }
 
-// Boards along x, 16 cm wide, each row cut at other places.
+// Adds boards along x, 16 cm wide, with joints at different positions in each row.
 static olx_result add_boards(olx_scene *scene, const palette *p) {
   const float left = room_left - outside, right = corridor_end + outside, back = room_back - outside, broad = 0.16f;
   const float front = corridor_far + outside;
@@ -86,7 +86,7 @@ static olx_result add_wall(olx_scene *scene, olx_vec3 low, olx_vec3 high, uint32
   return olx_add_block(scene, "wall", low, high, OLX_OPEN_Y0 | OLX_OPEN_Y1, material);
 }
 
-// Floor slab, ceiling and the walls without openings. Walls end in the ceiling slab and below the boards.
+// Adds the floor slab, the ceiling and the walls without openings. Walls end in the ceiling slab and below the boards.
 static olx_result add_shell(olx_scene *scene, const palette *p) {
   const float left = room_left - outside, right = corridor_end + outside, back = room_back - outside;
   const float front = corridor_far + outside, foot = -0.05f, head = height + 0.05f;
@@ -100,7 +100,7 @@ static olx_result add_shell(olx_scene *scene, const palette *p) {
   return add_wall(scene, olx_v3(corridor_end, foot, corridor_near), olx_v3(right, head, corridor_far), p->plaster);
 }
 
-// The left wall around the window, and the wall with the door to the corridor.
+// Adds the left wall around the window, and the wall with the door to the corridor.
 static olx_result add_openings(olx_scene *scene, const palette *p) {
   const float left = room_left - outside, foot = -0.05f, head = height + 0.05f;
   OLX_TRY(add_wall(scene, olx_v3(left, foot, room_back), olx_v3(room_left, head, window_far), p->plaster));
@@ -115,7 +115,7 @@ static olx_result add_openings(olx_scene *scene, const palette *p) {
                        olx_v3(door_right, head, corridor_near), OLX_OPEN_Y1 | OLX_OPEN_X0 | OLX_OPEN_X1, p->plaster);
 }
 
-// Sill, frame and bars of the window, and the curtains beside it.
+// Adds sill, frame and bars of the window, and the curtains beside it.
 static olx_result add_window(olx_scene *scene, const palette *p) {
   const float x0 = room_left - 0.16f, x1 = room_left - 0.1f, bar = 0.06f;
   OLX_TRY(olx_add_box(scene, "sill", olx_v3(room_left - 0.22f, sill, window_far),
@@ -142,7 +142,7 @@ static olx_result add_window(olx_scene *scene, const palette *p) {
                      olx_v3(room_left + 0.12f, 2.44f, window_near + 0.5f), p->brass);
 }
 
-// The door stands open into the corridor; doors of other rooms are shut.
+// Adds the doors: the living room's is open into the corridor, those of other rooms are closed.
 static olx_result add_doors(olx_scene *scene, const palette *p) {
   const float jamb = 0.06f, near = room_front - 0.015f, far = corridor_near + 0.015f;
   OLX_TRY(olx_add_box(scene, "jamb", olx_v3(door_left - 0.01f, 0.0f, near), olx_v3(door_left + jamb, door_height, far),
@@ -170,7 +170,7 @@ static olx_result add_rug(const olx_stand *stand, olx_vec2 half, const palette *
                        olx_v3(half.x - border, thick + 0.003f, half.y - border), p->rug);
 }
 
-// Things on the coffee table: a bowl, and two books.
+// Adds a bowl and two books on the coffee table.
 static olx_result lay_table(olx_scene *scene, const palette *p, olx_vec3 top) {
   const olx_vec2 bowl[] = {{0.05f, 0.0f}, {0.06f, 0.012f}, {0.13f, 0.07f}, {0.15f, 0.1f},
                            {0.14f, 0.1f}, {0.12f, 0.07f},  {0.05f, 0.02f}, {0.0f, 0.018f}};
@@ -201,7 +201,7 @@ static olx_result furnish_room(olx_scene *scene, const palette *p) {
   return OLX_OK;
 }
 
-// Against the right wall: a small table with two chairs.
+// Adds a small table with two chairs against the right wall.
 static olx_result furnish_corner(olx_scene *scene, const palette *p) {
   const olx_stand table = {scene, olx_v3(2.45f, 0.0f, -0.2f), 0.0f},
                   left = {scene, olx_v3(2.4f, 0.0f, 0.55f), OLX_PI + 0.15f},
@@ -214,7 +214,7 @@ static olx_result furnish_corner(olx_scene *scene, const palette *p) {
   return olx_add_lathe(scene, "vase", olx_v3(2.5f, 0.74f, -0.25f), vase, 9, 32, p->ceramic);
 }
 
-// A console with a lamp that is off, below a mirror, and a runner.
+// Adds a console with a lamp that is off, below a mirror, and a runner.
 static olx_result furnish_corridor(olx_scene *scene, const palette *p) {
   const olx_stand console = {scene, olx_v3(-0.2f, 0.0f, corridor_far - 0.17f), OLX_PI},
                   runner = {scene, olx_v3(0.2f, 0.0f, 0.5f * (corridor_near + corridor_far)), 0.0f},

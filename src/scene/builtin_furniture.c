@@ -1,4 +1,4 @@
-// Furniture of the built-in flat: boxes, cushions and turned shapes put together, each piece placed and turned as a
+// Furniture of the built-in flat: pieces assembled from boxes, cushions and turned shapes, each placed and rotated as a
 // whole.
 #include "scene/builtin_furniture.h"
 
@@ -15,7 +15,7 @@ static olx_vec3 turned(const olx_stand *stand, olx_vec3 v) {
 static olx_vec3 placed(const olx_stand *stand, olx_vec3 p) { return olx_add(stand->at, turned(stand, p)); }
 
 olx_result olx_add_solid(const olx_stand *stand, const char *name, olx_vec3 low, olx_vec3 high, uint32_t material) {
-  // Corners: bit 0 is x, bit 1 is y, bit 2 is z. Faces as seen from outside.
+  // Bits 0, 1 and 2 of a corner's index are x, y and z. Faces are seen from outside.
   static const uint8_t faces[6][4] = {{6, 2, 0, 4}, {3, 7, 5, 1}, {1, 5, 4, 0},
                                       {6, 7, 3, 2}, {2, 3, 1, 0}, {7, 6, 4, 5}};
   for (uint32_t f = 0; f < 6; f++) {
@@ -29,7 +29,7 @@ olx_result olx_add_solid(const olx_stand *stand, const char *name, olx_vec3 low,
   return OLX_OK;
 }
 
-// A cushion's mesh is that of a ball, cut into eight parts that are moved to the corners of the box.
+// A cushion's mesh is that of a ball, divided into eight parts that are moved to the corners of the box.
 enum { AROUND = 16, RINGS = 8, CUSHION_POINTS = AROUND * RINGS + 2, CUSHION_TRIANGLES = 2 * AROUND * RINGS };
 
 typedef struct cushion_mesh {
@@ -111,7 +111,7 @@ olx_result olx_add_sofa(const olx_stand *stand, float width, uint32_t places, ui
   return OLX_OK;
 }
 
-// Four legs under the corners of a rectangle.
+// Adds four legs under the corners of a rectangle.
 static olx_result add_legs(const olx_stand *stand, const char *name, olx_vec2 half, float height, float thick,
                            uint32_t material) {
   for (uint32_t i = 0; i < 4; i++) {
@@ -146,7 +146,7 @@ olx_result olx_add_chair(const olx_stand *stand, uint32_t wood) {
   return OLX_OK;
 }
 
-// A row of books from x = left to x = right that stand on y = floor, none higher than `most`.
+// Adds a row of books from x = left to x = right on y = floor, none higher than `most`.
 static olx_result add_books(const olx_stand *stand, float left, float right, float floor, float most, float depth,
                             const uint32_t *covers, uint32_t cover_count, uint32_t seed) {
   float x = left;
@@ -155,7 +155,7 @@ static olx_result add_books(const olx_stand *stand, float left, float right, flo
     const float thick = 0.018f + 0.03f * olx_unit_float(bits),
                 high = most * (0.68f + 0.3f * olx_unit_float(olx_hash(bits)));
     if (x + thick > right) return OLX_OK;
-    // Now and then there is room for a book more.
+    // Gaps are left at random.
     if (bits % 9 != 0) {
       OLX_TRY(olx_add_solid(stand, "book", olx_v3(x, floor, -0.5f * depth + 0.02f),
                             olx_v3(x + thick - 0.002f, floor + high, -0.5f * depth + 0.02f + 0.75f * depth),
@@ -202,7 +202,7 @@ olx_result olx_add_picture(const olx_stand *stand, olx_vec2 size, uint32_t frame
 
 olx_result olx_add_floor_lamp(const olx_stand *stand, uint32_t metal, uint32_t shade, olx_vec3 intensity) {
   const olx_vec2 pole[] = {{0.15f, 0.0f}, {0.15f, 0.02f}, {0.012f, 0.035f}, {0.012f, 1.4f}, {0.0f, 1.4f}};
-  // The shade is a sheet that is seen from both sides.
+  // The shade is a sheet that is visible from both sides.
   const olx_vec2 cone[] = {{0.2f, 1.3f}, {0.13f, 1.6f}};
   OLX_TRY(olx_add_lathe(stand->scene, "floor lamp", stand->at, pole, 5, 24, metal));
   OLX_TRY(olx_add_lathe(stand->scene, "lamp shade", stand->at, cone, 2, 32, shade));
@@ -211,7 +211,7 @@ olx_result olx_add_floor_lamp(const olx_stand *stand, uint32_t metal, uint32_t s
   return olx_scene_add_light(stand->scene, &light);
 }
 
-// A leaf is a strip that bends outwards and down, broad in the middle.
+// Adds a leaf, a strip that bends outwards and down and is broad in the middle.
 static olx_result add_leaf(const olx_stand *stand, float base, float height, float reach, float angle,
                            uint32_t material) {
   enum { STEPS = 8 };
@@ -236,7 +236,8 @@ olx_result olx_add_plant(const olx_stand *stand, float height, uint32_t pot, uin
   const olx_vec2 profile[] = {{0.11f, 0.0f}, {0.17f, 0.32f}, {0.15f, 0.32f}, {0.14f, 0.27f}, {0.0f, 0.27f}};
   OLX_TRY(olx_add_lathe(stand->scene, "pot", stand->at, profile, 5, 32, pot));
   for (uint32_t i = 0; i < LEAVES; i++) {
-    const float angle = 2.4f * (float)i, share = (float)(i + 1) / LEAVES; // a golden angle apart, the outer ones lower
+    const float angle = 2.4f * (float)i, share = (float)(i + 1) / LEAVES; // a golden angle apart, the outer leaves
+                                                                          // lower
     OLX_TRY(add_leaf(stand, 0.27f, (height - 0.27f) * (1.1f - 0.55f * share), 0.08f + 0.45f * share, angle, leaf));
   }
   return OLX_OK;

@@ -1,10 +1,10 @@
-// Builds two halls of McGuire et al. 2017: a star-shaped hall that one probe sees all of, and a hall with an area
+// Builds two halls of McGuire et al. 2017: a star-shaped hall, all of which one probe sees, and a hall with an area
 // light, a statue and a glossy floor.
 #include "core/result.h"
 #include "scene/builtin_scenes.h"
 #include "scene/builtin_shapes.h"
 
-// One probe sees all of a star-shaped hall (McGuire et al. Fig. 17).
+// Builds a star-shaped hall, all of which one probe sees (McGuire et al. Fig. 17).
 olx_result olx_build_holodeck(olx_scene *scene) {
   enum { POINTS = 16 };
   uint32_t floor, ceiling, panels[2], walls[POINTS];
@@ -33,7 +33,7 @@ olx_result olx_build_holodeck(olx_scene *scene) {
   return olx_add_view(scene, "entrance", olx_v3(-2.4f, 1.7f, 1.2f), olx_v3(1.2f, 1.2f, -0.6f), 70.0f);
 }
 
-// Pedestal, robe, shoulders and head.
+// Adds pedestal, robe, shoulders and head of a statue.
 static olx_result add_statue(olx_scene *scene, olx_vec3 base, uint32_t material) {
   olx_vec2 profile[24] = {{0.42f, 0.0f}, {0.42f, 0.12f}, {0.34f, 0.12f}, {0.34f, 0.45f}, {0.4f, 0.45f},
                           {0.4f, 0.52f}, {0.3f, 0.52f},  {0.24f, 0.9f},  {0.2f, 1.15f},  {0.27f, 1.4f},
@@ -41,14 +41,15 @@ static olx_result add_statue(olx_scene *scene, olx_vec3 base, uint32_t material)
   uint32_t points = 13;
   const float radius = 0.16f, center = 1.75f;
   for (uint32_t i = 0; i <= 8; i++) {
-    // From where the neck meets the sphere of the head up to its top.
+    // The profile of the head, from where the neck meets its sphere up to its top.
     const float from = -0.97f, angle = from + (0.5f * OLX_PI - from) * (float)i / 8.0f;
     profile[points++] = (olx_vec2){i == 8 ? 0.0f : radius * cosf(angle), center + radius * sinf(angle)};
   }
   return olx_add_lathe(scene, "statue", base, profile, points, 40, material);
 }
 
-// The only light is an emissive square; a statue before it, banners beside it, a glossy floor (McGuire et al. Fig. 14).
+// Builds a hall whose only light is an emissive square, with a statue before it, banners beside it and a glossy floor
+// (McGuire et al. Fig. 14).
 olx_result olx_build_area_light(olx_scene *scene) {
   uint32_t floor, wall, statue, banners[2];
   OLX_TRY(olx_add_glossy(scene, "polished floor", olx_v3(0.35f, 0.33f, 0.3f), 0.0f, 0.2f, &floor));

@@ -1,5 +1,5 @@
-// Builds rooms in which light leaks where probes are interpolated carelessly: rooms with a wall between, thin things
-// before walls, pillars that bury probes, and a labyrinth.
+// Builds rooms in which light leaks when probes are interpolated without visibility: rooms separated by a wall, thin
+// objects before walls, pillars that bury probes, and a labyrinth.
 #include "core/result.h"
 #include "scene/builtin_scenes.h"
 #include "scene/builtin_shapes.h"
@@ -10,9 +10,9 @@ static olx_result add_room_materials(olx_scene *scene, olx_plan *plan) {
   return olx_add_matte(scene, "wall", olx_splat(0.7f), &plan->wall_material);
 }
 
-// Two rooms of 4 m x 4 m, 3 m high, a wall between them from wall[0] to wall[1] and a light in the left one alone. 16
-// probes as in the dissertation's experiment, two columns on either side of the wall. Where the plan leaves it open the
-// gap is `gap` wide.
+// Builds two rooms of 4 m x 4 m, 3 m high, separated by a wall from wall[0] to wall[1], with a light in the left one
+// only. 16 probes as in the dissertation's experiment, two columns on either side of the wall. Where the plan leaves
+// the wall open, the gap is `gap` metres wide.
 static olx_result build_two_rooms(olx_scene *scene, const char *const cells[2], const float wall[2], float gap) {
   const float x[4] = {-4.1f, wall[0], wall[1], 4.1f};
   const float z[3] = {-2.0f, 2.0f - gap, 2.0f};
@@ -25,7 +25,7 @@ static olx_result build_two_rooms(olx_scene *scene, const char *const cells[2], 
   return olx_add_view(scene, "dark", olx_v3(3.8f, 1.6f, -1.6f), olx_v3(0.3f, 1.2f, 1.3f), 60.0f);
 }
 
-// A wall of 0.2 m, in the middle.
+// A wall 0.2 m thick, in the middle.
 static const float middle_wall[2] = {-0.1f, 0.1f};
 static const char *const sealed_cells[2] = {".#.", ".#."};
 
@@ -33,7 +33,7 @@ olx_result olx_build_two_rooms_sealed(olx_scene *scene) {
   return build_two_rooms(scene, sealed_cells, middle_wall, OLX_ROOMS_GAP);
 }
 
-// The wall is where no plane of a grid is likely to be.
+// The wall is offset so that no plane of a probe grid is likely to coincide with it.
 olx_result olx_build_two_rooms_sealed_of(olx_scene *scene, float thickness) {
   if (!(thickness >= 0.01f && thickness <= 1.0f)) {
     return olx_fail(OLX_ERROR_ARGUMENT, "builtin:two-rooms-sealed: a wall of %g metres is not within 0.01 to 1",
@@ -52,11 +52,12 @@ olx_result olx_build_two_rooms_gap_of(olx_scene *scene, float gap) {
                     (double)gap);
   }
   OLX_TRY(build_two_rooms(scene, cells, middle_wall, gap));
-  // Along the wall's end, past which the light falls.
+  // A view along the end of the wall, past which the light falls.
   return olx_add_view(scene, "both", olx_v3(2.4f, 1.5f, 1.7f), olx_v3(-1.2f, 1.2f, 0.6f), 70.0f);
 }
 
-// A room with thin things before others: a picture that hangs a centimetre before a wall, and a rug a centimetre thick.
+// Builds a room with thin objects before surfaces: a picture one centimetre before a wall, and a rug one centimetre
+// thick.
 olx_result olx_build_parlour(olx_scene *scene) {
   uint32_t white, floor, green, frame, rug;
   OLX_TRY(olx_add_matte(scene, "white", olx_splat(0.75f), &white));
@@ -74,8 +75,8 @@ olx_result olx_build_parlour(olx_scene *scene) {
   return olx_add_view(scene, "rug", olx_v3(-1.6f, 1.3f, 1.7f), olx_v3(-0.1f, 0.0f, -0.25f), 55.0f);
 }
 
-// A box with four cylinders. The centre one is tall enough to bury both probes of its column, the right one buries the
-// lower probe of its own (McGuire et al. Fig. 10).
+// Builds a box with four cylinders. The centre one is tall enough to bury both probes of its column, the right one
+// buries the lower probe of its own (McGuire et al. Fig. 10).
 olx_result olx_build_pillars(olx_scene *scene) {
   uint32_t white, floor, red, blue, pillar;
   OLX_TRY(olx_add_matte(scene, "white", olx_splat(0.75f), &white));
@@ -95,8 +96,8 @@ olx_result olx_build_pillars(olx_scene *scene) {
   return olx_add_view(scene, "side", olx_v3(2.7f, 1.6f, 2.7f), olx_v3(-0.6f, 0.9f, -0.8f), 65.0f);
 }
 
-// A chamber inside a ring of corridors, its door away from the lights, so that what reaches it has been reflected. The
-// middle probes stand in the chamber, the others in the ring (McGuire et al. Figs. 11 and 13).
+// Builds a chamber inside a ring of corridors, with its door away from the lights, so that only reflected light reaches
+// it. The middle probes are in the chamber, the others in the ring (McGuire et al. Figs. 11 and 13).
 olx_result olx_build_labyrinth(olx_scene *scene) {
   static const char *const cells[7] = {
       ".......", //

@@ -1,4 +1,4 @@
-// What builtin.c chooses from: each fills an empty scene.
+// The functions that builtin.c selects from; each fills an empty scene.
 #ifndef OLX_SCENE_BUILTIN_SCENES_H
 #define OLX_SCENE_BUILTIN_SCENES_H
 
@@ -8,10 +8,10 @@ olx_result olx_build_cornell(olx_scene *scene);
 olx_result olx_build_cornell_glossy(olx_scene *scene);
 olx_result olx_build_furnace(olx_scene *scene);
 olx_result olx_build_two_rooms_sealed(olx_scene *scene);
-// Builds the two rooms with a wall of so many metres, off the middle.
+// Builds the two rooms with a wall of this thickness in metres, off the middle.
 olx_result olx_build_two_rooms_sealed_of(olx_scene *scene, float thickness);
 olx_result olx_build_two_rooms_gap(olx_scene *scene);
-// Builds the two rooms with a gap of so many metres in the wall.
+// Builds the two rooms with a gap of this width in metres in the wall.
 #define OLX_ROOMS_GAP 0.8f
 olx_result olx_build_two_rooms_gap_of(olx_scene *scene, float gap);
 olx_result olx_build_parlour(olx_scene *scene);

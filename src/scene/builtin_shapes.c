@@ -1,5 +1,5 @@
-// Adds the simple meshes that built-in scenes are made of, such as blocks, surfaces of revolution, prisms and cloth,
-// with their materials, lights and cameras.
+// Adds the simple meshes of built-in scenes, such as blocks, surfaces of revolution, prisms and cloth, with their
+// materials, lights and cameras.
 #include "scene/builtin_shapes.h"
 
 #include "core/hooks.h"
@@ -50,7 +50,7 @@ olx_result olx_add_quad(olx_scene *scene, const char *name, const olx_vec3 corne
   return olx_scene_add_mesh(scene, name, corners, NULL, NULL, 4, indices, 2, material);
 }
 
-// Corners of a box: bit 0 is x, bit 1 is y, bit 2 is z. Faces as seen from inside.
+// Bits 0, 1 and 2 of a corner's index are x, y and z. Faces are seen from inside.
 static const uint8_t box_faces[6][4] = {{4, 0, 2, 6}, {1, 5, 7, 3}, {0, 4, 5, 1},
                                         {2, 3, 7, 6}, {0, 1, 3, 2}, {5, 4, 6, 7}};
 
@@ -83,14 +83,14 @@ olx_result olx_add_room(olx_scene *scene, const char *name, olx_vec3 low, olx_ve
   return add_faces(scene, name, low, high, true, materials);
 }
 
-// Unit normal, in (radius, height), of the profile's segment i.
+// Unit normal, in (radius, height), of segment i of the profile.
 static olx_vec2 segment_normal(const olx_vec2 *profile, uint32_t i) {
   const float dr = profile[i + 1].x - profile[i].x, dy = profile[i + 1].y - profile[i].y;
   const float inverse = 1.0f / sqrtf(dr * dr + dy * dy);
   return (olx_vec2){dy * inverse, -dr * inverse};
 }
 
-// Normal of segment i at one of its ends, shared with the neighbour unless the corner is sharp.
+// Normal of segment i at one of its ends, averaged with the neighbour's unless the corner is sharp.
 static olx_vec2 end_normal(const olx_vec2 *profile, uint32_t points, uint32_t i, bool upper) {
   const olx_vec2 own = segment_normal(profile, i);
   if (upper ? i + 2 >= points : i == 0) return own;
@@ -99,7 +99,7 @@ static olx_vec2 end_normal(const olx_vec2 *profile, uint32_t points, uint32_t i,
   return (olx_vec2){own.x + other.x, own.y + other.y};
 }
 
-// The band of one segment, two vertices (lower, upper) a spoke.
+// Adds the band of one segment, with two vertices (lower, upper) per spoke.
 static olx_result add_band(olx_scene *scene, const char *name, olx_vec3 base, const olx_vec2 *profile, uint32_t points,
                            uint32_t i, uint32_t segments, uint32_t material) {
   olx_vec3 *positions = olx_allocate(2 * (size_t)segments, sizeof *positions);
@@ -118,7 +118,7 @@ static olx_result add_band(olx_scene *scene, const char *name, olx_vec3 base, co
       positions[low + end] = olx_add(base, olx_v3(p.x * c, p.y, p.x * w));
       normals[low + end] = olx_normalize(olx_v3(n.x * c, n.y, n.x * w));
     }
-    // A ring of radius 0 is a point: one triangle of two is left.
+    // A ring of radius 0 is a point, where one of the two triangles vanishes.
     if (profile[i].x > 0.0f) {
       indices[count++] = low;
       indices[count++] = high;
@@ -174,7 +174,7 @@ olx_result olx_add_prism(olx_scene *scene, const char *name, const olx_prism *pr
 
 enum { CLOTH_COLUMNS = 28, CLOTH_ROWS = 10, CLOTH_POINTS = (CLOTH_COLUMNS + 1) * (CLOTH_ROWS + 1) };
 
-// Where the sheet is at (u, v), and its normal.
+// The position of the sheet at (u, v), and its normal.
 static void cloth_point(const olx_cloth *cloth, float u, float v, olx_vec3 *position, olx_vec3 *normal) {
   const float turns = 2.0f * OLX_PI * cloth->waves, lag = 1.5f, least = 0.4f;
   const float phase = turns * u + lag * v, depth = cloth->depth * (least + (1.0f - least) * v);

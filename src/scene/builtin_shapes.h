@@ -1,12 +1,12 @@
-// Simple meshes from which the built-in scenes are made. Faces wind counter-clockwise seen from the side that shows.
+// Simple meshes of the built-in scenes. Faces wind counter-clockwise seen from their visible side.
 #ifndef OLX_SCENE_BUILTIN_SHAPES_H
 #define OLX_SCENE_BUILTIN_SHAPES_H
 
 #include "scene/scene_build.h"
 
-// A Lambertian material.
+// Adds a Lambertian material.
 olx_result olx_add_matte(olx_scene *scene, const char *name, olx_vec3 base_color, uint32_t *material);
-// A material with a GGX lobe.
+// Adds a material with a GGX lobe.
 olx_result olx_add_glossy(olx_scene *scene, const char *name, olx_vec3 base_color, float metallic, float roughness,
                           uint32_t *material);
 
@@ -14,13 +14,13 @@ olx_result olx_add_view(olx_scene *scene, const char *name, olx_vec3 eye, olx_ve
 
 void olx_set_probes(olx_scene *scene, olx_vec3 first, olx_vec3 last, uint32_t nx, uint32_t ny, uint32_t nz);
 
-// A square light `side` long under a ceiling, shining down.
+// Adds a square light with sides `side` long under a ceiling, facing down.
 olx_result olx_add_ceiling_light(olx_scene *scene, olx_vec3 center, float side, olx_vec3 radiance);
 
 olx_result olx_add_quad(olx_scene *scene, const char *name, const olx_vec3 corners[4], uint32_t material);
 
-// The six faces of a box, seen from outside or, as a room, from inside. Materials in the order -x, +x, -y, +y, -z, +z;
-// OLX_NO_FACE leaves a face out. A block is a box without the faces in `open`, where it touches something.
+// Adds the six faces of a box, visible from outside or, as a room, from inside. Materials are in the order -x, +x, -y,
+// +y, -z, +z; OLX_NO_FACE omits a face. A block is a box without the faces in `open`, where it touches something.
 #define OLX_NO_FACE UINT32_MAX
 enum { OLX_OPEN_X0 = 1, OLX_OPEN_X1 = 2, OLX_OPEN_Y0 = 4, OLX_OPEN_Y1 = 8, OLX_OPEN_Z0 = 16, OLX_OPEN_Z1 = 32 };
 olx_result olx_add_box(olx_scene *scene, const char *name, olx_vec3 low, olx_vec3 high, uint32_t material);
@@ -28,17 +28,18 @@ olx_result olx_add_block(olx_scene *scene, const char *name, olx_vec3 low, olx_v
                          uint32_t material);
 olx_result olx_add_room(olx_scene *scene, const char *name, olx_vec3 low, olx_vec3 high, const uint32_t materials[6]);
 
-// A surface of revolution about the vertical through `base`: the profile holds (radius, height), rising along the side
-// seen from outside. Corners sharper than a half right angle stay sharp.
+// Adds a surface of revolution about the vertical through `base`: the profile holds (radius, height), rising along the
+// side visible from outside. Corners sharper than 45 degrees stay sharp.
 olx_result olx_add_lathe(olx_scene *scene, const char *name, olx_vec3 base, const olx_vec2 *profile, uint32_t points,
                          uint32_t segments, uint32_t material);
 
-// A round pillar with a flat top.
+// Adds a round pillar with a flat top.
 olx_result olx_add_cylinder(olx_scene *scene, const char *name, olx_vec3 base, float radius, float height,
                             uint32_t material);
 
-// A hall on an outline all of which is seen from `center`, shown from inside. In the plane xz the outline turns from +x
-// to +z and the prism reaches from `low` to `high` along y; in the plane xy it turns from +y to +x, along z.
+// Adds a hall on an outline that is wholly visible from `center`, shown from inside. In the plane xz the outline turns
+// from +x to +z and the prism extends from `low` to `high` along y; in the plane xy it turns from +y to +x, and the
+// prism along z.
 typedef enum olx_plane { OLX_PLANE_XZ, OLX_PLANE_XY } olx_plane;
 
 typedef struct olx_prism {
@@ -48,21 +49,21 @@ typedef struct olx_prism {
   olx_plane plane;
   float low, high;
   uint32_t low_material, high_material;
-  const uint32_t *side_materials; // of the side from point i to the next
+  const uint32_t *side_materials; // material of the side from point i to the next
 } olx_prism;
 
 olx_result olx_add_prism(olx_scene *scene, const char *name, const olx_prism *prism);
 
-// A sheet without thickness from the edge at `top` (as long as `across`) down, gently waved, more so below.
+// A sheet without thickness that hangs down from the edge at `top` (along `across`), with waves that grow downwards.
 typedef struct olx_cloth {
   olx_vec3 top, across, down;
-  float waves, depth; // waves across, and how far they reach to each side at the lower edge
+  float waves, depth; // number of waves across, and their amplitude at the lower edge
 } olx_cloth;
 
 olx_result olx_add_cloth(olx_scene *scene, const char *name, const olx_cloth *cloth, uint32_t material);
 
-// A solid with a constant section, seen from outside. The outline is simple, convex or not, and turns either way; its
-// points are (x, y) of a solid along z, (z, y) of one along x. What touches something else can be left out.
+// A solid with a constant section, visible from outside. The outline is simple, convex or not, in either orientation;
+// its points are (x, y) of a solid along z, (z, y) of one along x. Faces that touch something can be omitted.
 typedef enum olx_axis { OLX_ALONG_X, OLX_ALONG_Z } olx_axis;
 
 typedef struct olx_extrusion {
@@ -70,13 +71,14 @@ typedef struct olx_extrusion {
   uint32_t points; // at most 64
   olx_axis axis;
   float low, high;
-  bool low_open, high_open; // without that end
-  uint64_t open_sides;      // bit i: without the side from point i to the next
+  bool low_open, high_open; // omits that end
+  uint64_t open_sides;      // bit i: omits the side from point i to the next
 } olx_extrusion;
 
 olx_result olx_add_extrusion(olx_scene *scene, const char *name, const olx_extrusion *extrusion, uint32_t material);
 
-// Outlines with an opening `width` wide that has straight sides up to `spring` and an elliptic arch `rise` high above.
+// Outlines with an opening `width` wide, which has straight sides up to `spring` and an elliptic arch `rise` high
+// above.
 typedef struct olx_arch {
   float center, base, width, spring, rise; // base and spring are heights
 } olx_arch;
@@ -86,21 +88,21 @@ enum {
   OLX_ARCHED_WALL_POINTS = OLX_ARCH_STEPS + 7,
   OLX_ARCH_BAND_POINTS = 2 * OLX_ARCH_STEPS + 6
 };
-// Sides of an arched wall, for open_sides.
+// Sides at the base of an arched wall, for open_sides.
 #define OLX_WALL_BASE (1ull | 1ull << (OLX_ARCH_STEPS + 3))
 #define OLX_WALL_ENDS (1ull << (OLX_ARCH_STEPS + 4) | 1ull << (OLX_ARCH_STEPS + 6))
 #define OLX_WALL_TOP (1ull << (OLX_ARCH_STEPS + 5))
-// Sides of an arch band on which it stands.
+// Sides at the base of an arch band.
 #define OLX_BAND_BASE (1ull << (OLX_ARCH_STEPS + 2) | 1ull << (2 * OLX_ARCH_STEPS + 5))
 
-// A wall from `left` to `right`, from the arch's base up to `top`, with the arch open in it.
+// The outline of a wall from `left` to `right`, from the arch's base up to `top`, with the arch as its opening.
 void olx_arched_wall(const olx_arch *arch, float left, float right, float top,
                      olx_vec2 outline[OLX_ARCHED_WALL_POINTS]);
-// A band of that breadth around the arch, on both sides down to its base.
+// The outline of a band of that breadth around the arch, on both sides down to its base.
 void olx_arch_band(const olx_arch *arch, float breadth, olx_vec2 outline[OLX_ARCH_BAND_POINTS]);
 
 // Rooms cut out of solid matter, seen from above: cell (column, row) lies between x[column], x[column + 1] and z[row],
-// z[row + 1], and is open where the plan has a dot. Neighbouring faces share their corners, so nothing slips through.
+// z[row + 1], and is open where the plan has a dot. Neighbouring faces share their corners, so that there are no gaps.
 typedef struct olx_plan {
   const char *const *cells; // `rows` strings of `columns` characters
   uint32_t columns, rows;

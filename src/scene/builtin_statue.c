@@ -4,7 +4,8 @@
 #include "scene/builtin_scenes.h"
 #include "scene/builtin_shapes.h"
 
-// A round limb that tapers from `a` to `b`, open at both ends, which lie inside other parts or are rounded by a hand.
+// Adds a round limb that tapers from `a` to `b`, open at both ends, which lie inside other parts or are rounded by a
+// hand.
 static olx_result add_limb(olx_scene *scene, olx_vec3 a, olx_vec3 b, float radius_a, float radius_b,
                            uint32_t material) {
   enum { SIDES = 16 };
@@ -54,8 +55,8 @@ static olx_result add_figure(olx_scene *scene, uint32_t material) {
   return OLX_OK;
 }
 
-// A figure on a pedestal with a staff in its raised hand, and behind it a square lamp that shines towards it: what Wang
-// adds to Sponza (section 5.1.1), whose far sides probes in one line do not see.
+// Builds a figure on a pedestal with a staff in its raised hand, and a square lamp behind it that faces it, as Wang
+// adds to Sponza (section 5.1.1).
 olx_result olx_build_statue(olx_scene *scene) {
   uint32_t marble, bronze;
   OLX_TRY(olx_add_glossy(scene, "statue", olx_v3(0.7f, 0.68f, 0.63f), 0.0f, 0.3f, &marble));

@@ -6,12 +6,12 @@
 #include "scene/builtin_scenes.h"
 #include "scene/builtin_shapes.h"
 
-// Half of the hall across and along; storeys.
+// Half the width and half the length of the hall; heights of its storeys.
 static const float half_width = 10.0f, half_length = 10.0f, height = 8.4f, beam = 8.0f;
 static const float gallery = 3.0f, soffit = 2.75f, edge = 7.4f;
-// Rows of pillars; a bay is 5 m long, those at the ends less.
+// Positions of the rows of pillars; a bay is 5 m long, except shorter ones at the ends.
 static const float inner_row = 2.7f, outer_row = 7.75f, pillar_z[2] = {2.5f, 7.5f}, bay_middle = 5.0f;
-// The flights, between their parapets.
+// Dimensions of the flights of stairs, between their parapets.
 static const float flight_foot = 3.5f, flight_begin = 2.4f, flight_end = 8.4f;
 
 typedef struct palette {
@@ -36,7 +36,7 @@ static olx_result mix_palette(olx_scene *s, palette *p) {
   return olx_add_matte(s, "blue cloth", olx_v3(0.1f, 0.2f, 0.58f), &p->blue_cloth);
 }
 
-// A quarter of the hall. Each is described as the quarter of x > 0 and z > 0 would be, and mirrored.
+// A quarter of the hall. Each is described as the quarter of x > 0 and z > 0 and mirrored.
 typedef struct quarter {
   olx_scene *scene;
   const palette *materials;
@@ -78,7 +78,7 @@ static olx_result extrusion(const quarter *q, const char *name, const olx_extrus
   return olx_add_extrusion(q->scene, name, &mirrored, material);
 }
 
-// Walls and ceiling, and a chequered floor of tiles a metre wide.
+// Adds walls and ceiling, and a chequered floor of tiles one metre wide.
 static olx_result add_shell(olx_scene *scene, const palette *p) {
   const uint32_t walls[6] = {p->plaster, p->plaster, OLX_NO_FACE, p->ceiling, p->plaster, p->plaster};
   OLX_TRY(olx_add_room(scene, "hall", olx_v3(-half_width, 0.0f, -half_length), olx_v3(half_width, height, half_length),
@@ -93,7 +93,7 @@ static olx_result add_shell(olx_scene *scene, const palette *p) {
   return OLX_OK;
 }
 
-// A pillar with plinth, base, a shaft that swells, capital and abacus, which is sunk a little into what it carries.
+// Adds a pillar with plinth, base, a swelling shaft, capital and abacus, which is sunk slightly into what it carries.
 static olx_result add_pillar(const quarter *q, float x, float z, float low, float high, float r, uint32_t material) {
   const float foot = low + 0.13f, head = high - 0.13f, half = 1.46f * r, sunk = 0.02f;
   const olx_vec2 profile[] = {{1.34f * r, foot},         {1.4f * r, foot + 0.05f},  {1.34f * r, foot + 0.11f},
@@ -117,7 +117,7 @@ static olx_result add_pillars(const quarter *q) {
   return OLX_OK;
 }
 
-// Steps of 26 x 20 cm on a slab; the space under it is open at both sides.
+// Adds steps of 26 x 20 cm on a slab; the space under it is open at both sides.
 static olx_result add_flight(const quarter *q) {
   enum { STEPS = 15, POINTS = 2 * STEPS + 3 };
   const float tread = (edge - flight_foot) / STEPS, rise = gallery / STEPS;
@@ -138,7 +138,7 @@ static olx_result add_flight(const quarter *q) {
   return extrusion(q, "stairs", &stairs, q->materials->stair);
 }
 
-// Beside a flight: a sloping parapet and a pedestal with a gilded ball at its foot.
+// Adds the parts beside a flight: a sloping parapet, and at its foot a pedestal with a gilded ball.
 static olx_result add_flight_side(const quarter *q, float z) {
   const float thick = 0.09f, x = flight_foot + 0.05f, half = 0.2f;
   const olx_vec2 outline[] = {{3.56f, 0.0f}, {3.7f, 0.0f}, {7.5f, 2.85f}, {7.5f, 3.4f}, {3.56f, 0.45f}};
@@ -156,7 +156,7 @@ static olx_result add_flight_side(const quarter *q, float z) {
   return olx_add_lathe(q->scene, "ball", put(q, x, 0.0f, z), ball, RINGS + 1, 24, q->materials->gilding);
 }
 
-// The gallery's slab, in three parts so that it joins the flight in the middle without a face between.
+// Adds the gallery's slab, in three parts so that it joins the flight in the middle without a face between.
 static olx_result add_gallery(const quarter *q) {
   const float z[4] = {0.0f, flight_begin, flight_end, half_length};
   const uint32_t around = OLX_OPEN_X1 | OLX_OPEN_Z0 | OLX_OPEN_Z1;
@@ -167,7 +167,7 @@ static olx_result add_gallery(const quarter *q) {
   return OLX_OK;
 }
 
-// A parapet on the gallery's edge, with a coping and a gilded panel on both sides.
+// Adds a parapet on the gallery's edge, with a coping and a gilded panel on both sides.
 static olx_result add_parapet(const quarter *q, float z0, float z1, uint32_t open) {
   const float x = edge + 0.1f, panel = 0.24f;
   OLX_TRY(block(q, "parapet", olx_v3(x - 0.08f, gallery - 0.02f, z0), olx_v3(x + 0.08f, gallery + 0.9f, z1), open,
@@ -178,8 +178,8 @@ static olx_result add_parapet(const quarter *q, float z0, float z1, uint32_t ope
                0, q->materials->gilding);
 }
 
-// A decorated wall between two upper pillars: an arch through which one steps from the stairs onto the gallery, a band
-// around it, a cornice, and gilded and enamelled reliefs on both sides.
+// Adds a decorated wall between two upper pillars: an arch from the stairs onto the gallery, a band around it, a
+// cornice, and gilded and enamelled reliefs on both sides.
 static olx_result add_arcade(const quarter *q) {
   const float top = beam + 0.02f, shelf = 6.8f, x = outer_row, z = bay_middle, begin = pillar_z[0], end = pillar_z[1];
   const olx_arch arch = {.center = z, .base = gallery - 0.02f, .width = 3.5f, .spring = 4.6f, .rise = 1.3f};
@@ -205,7 +205,8 @@ static olx_result add_arcade(const quarter *q) {
                q->materials->gilding);
 }
 
-// One storey of one bay of the outer wall: a lining with a blind arch as deep as it is thick, and a panel in it.
+// Adds one storey of one bay of the outer wall: a lining with a blind arch through its whole depth, and a panel in the
+// arch.
 static olx_result add_blind_arch(const quarter *q, const olx_arch *arch, float z0, float z1, float top, uint64_t open,
                                  uint32_t panel) {
   const float depth = 0.1f, half = 0.3f * arch->width;
@@ -223,7 +224,7 @@ static olx_result add_blind_arch(const quarter *q, const olx_arch *arch, float z
                olx_v3(half_width, arch->spring, arch->center + half), OLX_OPEN_X1, panel);
 }
 
-// The outer wall on both storeys: an arch a bay and pilasters between them.
+// Adds the outer wall on both storeys: one arch per bay and pilasters between them.
 static olx_result add_outer_wall(const quarter *q) {
   const float upper_top = 6.3f, ends[4] = {-pillar_z[0], pillar_z[0], pillar_z[1], half_length};
   for (uint32_t bay = 0; bay < 3; bay++) {
@@ -245,7 +246,7 @@ static olx_result add_outer_wall(const quarter *q) {
   return OLX_OK;
 }
 
-// The end of the hall: at the corridor an arch with an urn, beside it panels on both storeys.
+// Adds the end of the hall: an arch with an urn at the corridor, and panels beside it on both storeys.
 static olx_result add_end_wall(const quarter *q) {
   const olx_arch arch = {.center = 0.0f, .base = 0.0f, .width = 2.8f, .spring = 3.6f, .rise = 1.4f};
   const float z = half_length;
@@ -276,7 +277,7 @@ static olx_result add_end_wall(const quarter *q) {
   return OLX_OK;
 }
 
-// Beams under the ceiling from wall to wall.
+// Adds beams under the ceiling from wall to wall.
 static olx_result add_beams(const quarter *q) {
   for (uint32_t i = 0; i < 2; i++) {
     OLX_TRY(block(q, "beam", olx_v3(-half_width, height - 0.15f, pillar_z[i] - 0.2f),
@@ -286,7 +287,7 @@ static olx_result add_beams(const quarter *q) {
   return OLX_OK;
 }
 
-// What a row of pillars carries, from end to end.
+// Adds the architraves of a row of pillars, from end to end.
 static olx_result add_architraves(const quarter *q) {
   const float rows[2] = {inner_row, outer_row};
   for (uint32_t i = 0; i < 2; i++) {
@@ -297,7 +298,7 @@ static olx_result add_architraves(const quarter *q) {
   return OLX_OK;
 }
 
-// A banner high between two inner pillars, and a curtain half drawn below the gallery's edge.
+// Adds a banner high between two inner pillars, and a half-drawn curtain below the gallery's edge.
 static olx_result add_cloths(const quarter *q) {
   const olx_cloth banner = {.top = put(q, inner_row, 7.1f, 4.1f),
                             .across = put(q, 0.0f, 0.0f, 1.8f),
@@ -318,7 +319,7 @@ static olx_result add_cloths(const quarter *q) {
   return olx_add_cloth(q->scene, "curtain", &curtain, red ? q->materials->blue_cloth : q->materials->red_cloth);
 }
 
-// A lamp below a ceiling: a housing whose whole underside shines.
+// Adds a lamp below a ceiling: a housing whose whole underside emits.
 static olx_result add_lamp(const quarter *q, olx_vec3 low, olx_vec3 high, olx_vec3 radiance) {
   const olx_vec3 a = put(q, low.x, low.y, low.z), b = put(q, high.x, low.y, high.z), size = olx_sub(high, low);
   OLX_TRY(block(q, "lamp", low, high, OLX_OPEN_Y0 | OLX_OPEN_Y1, q->materials->bronze));

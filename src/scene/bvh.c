@@ -17,11 +17,12 @@ struct olx_bvh {
   const olx_scene *scene;
   RTCDevice device;
   RTCScene accelerator;
-  // Embree numbers triangles within a geometry. Geometry 0 holds the opaque ones, geometry 1 the alpha-masked ones;
-  // triangle_of[first[geometry] + primitive] is the scene's triangle. NULL in a scene without masks: the same numbers.
+  // Maps Embree's triangles, which are numbered within a geometry, to the scene's: triangle_of[first[geometry] +
+  // primitive]. Geometry 0 holds the opaque triangles, geometry 1 the alpha-masked ones. NULL in a scene without masks,
+  // where the numbers are the same.
   uint32_t *triangle_of;
   uint32_t first[2];
-  char message[256]; // Embree's last complaint while the device is set up
+  char message[256]; // the last error that Embree reported while the device was set up
 };
 
 static uint32_t scene_triangle(const olx_bvh *bvh, uint32_t geometry, uint32_t primitive) {
@@ -37,8 +38,8 @@ static bool is_masked(const olx_scene *scene, uint32_t triangle) {
   return scene->materials[scene->material_index[triangle]].alpha_cutoff > 0.0f;
 }
 
-// Embree's filter: rays pass through the masked-out parts. A packet's hits are arrays of N: Ng_x, Ng_y, Ng_z, u, v,
-// primID, in that order.
+// Embree's filter, by which rays pass through masked-out parts. A packet's hits are arrays of N: Ng_x, Ng_y, Ng_z, u,
+// v, primID, in that order.
 static void filter_masked(const struct RTCFilterFunctionNArguments *arguments) {
   const olx_bvh *bvh = arguments->geometryUserPtr;
   const size_t n = arguments->N;
@@ -64,13 +65,13 @@ static olx_result split_by_mask(olx_bvh *bvh) {
   return OLX_OK;
 }
 
-// Embree queries this while it builds, from whatever thread it works on.
+// Embree calls this while it builds, on any thread.
 static bool may_go_on(void *user, double done) {
   (void)done;
   return !olx_task_cancelled(user);
 }
 
-// Attach geometry 0 or 1. Returns false when Embree has no memory.
+// Attaches geometry 0 or 1. Returns false when Embree is out of memory.
 static bool attach_geometry(olx_bvh *bvh, uint32_t geometry_id, uint32_t triangle_count, RTCBuffer vertices) {
   if (triangle_count == 0) return true;
   const olx_scene *scene = bvh->scene;
@@ -99,7 +100,7 @@ static bool attach_geometry(olx_bvh *bvh, uint32_t geometry_id, uint32_t triangl
 
 static const char *const instruction_names[] = {"best", "sse2", "sse4.2", "avx", "avx2", "avx512"};
 
-// The most that the processor has of what Embree asks for.
+// The widest of the instruction sets that Embree can use which the processor supports.
 static olx_instructions best_instructions(void) {
   __builtin_cpu_init();
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512cd") &&
@@ -110,8 +111,8 @@ static olx_instructions best_instructions(void) {
   return __builtin_cpu_supports("sse4.2") ? OLX_INSTRUCTIONS_SSE42 : OLX_INSTRUCTIONS_SSE2;
 }
 
-// One thread builds: the order of triangles in a leaf, which decides between coincident hits, must not depend on how
-// many processors there are.
+// Builds on one thread: the order of triangles in a leaf, which decides between coincident hits, must not depend on the
+// number of processors.
 static olx_result create_device(olx_bvh *bvh) {
   const olx_instructions wanted = bvh->scene->load.instructions;
   char settings[64] = "threads=1,set_affinity=0";
@@ -124,7 +125,7 @@ static olx_result create_device(olx_bvh *bvh) {
   return OLX_OK;
 }
 
-// Embree may be built without the widest instructions that the processor has.
+// Reports the instructions in use; Embree may be built without the widest that the processor has.
 olx_bvh_engine olx_bvh_describe(const olx_bvh *bvh) {
   const olx_instructions wanted = bvh->scene->load.instructions;
   uint32_t used = wanted ? wanted : best_instructions();
@@ -145,7 +146,7 @@ static olx_result build(olx_bvh *bvh) {
   }
   rtcSetDeviceErrorFunction(bvh->device, remember_message, bvh);
   bvh->accelerator = rtcNewScene(bvh->device);
-  // Embree reads vertices 16 bytes at a time, so the last one needs room after it.
+  // Embree reads vertices 16 bytes at a time, so the last one needs padding.
   const size_t vertices_bytes = (size_t)scene->vertex_count * sizeof(olx_vec3);
   RTCBuffer vertices = rtcNewBuffer(bvh->device, vertices_bytes + 16);
   if (bvh->accelerator && vertices) {
@@ -238,7 +239,7 @@ static float segment_distance(olx_vec3 p, olx_vec3 a, olx_vec3 b) {
   return olx_length(olx_sub(p, olx_madd(a, along, t)));
 }
 
-// To the plane where the point's foot is on the triangle, else to the nearest edge.
+// The distance to the triangle's plane where the point projects into the triangle, otherwise to the nearest edge.
 static float triangle_distance(olx_vec3 p, olx_vec3 a, olx_vec3 b, olx_vec3 c) {
   const olx_vec3 n = olx_normalize(olx_cross(olx_sub(b, a), olx_sub(c, a)));
   if (olx_dot(olx_cross(olx_sub(b, a), olx_sub(p, a)), n) >= 0.0f &&
@@ -269,7 +270,7 @@ float olx_bvh_distance(const olx_bvh *bvh, olx_vec3 point, float limit) {
   return query.radius;
 }
 
-// Members of a packet that rays neither set nor change.
+// Initializes the members of a packet that do not vary with its rays.
 static void init_packet(struct RTCRay16 *packet) {
   for (uint32_t i = 0; i < OLX_PACKET; i++) {
     packet->time[i] = 0.0f;
@@ -279,7 +280,7 @@ static void init_packet(struct RTCRay16 *packet) {
   }
 }
 
-// Turn 16 rays into one packet. A ray that ends before it starts is not traced.
+// Packs 16 rays. A ray that ends before it starts is not traced.
 static void pack_rays(const olx_ray *rays, struct RTCRay16 *packet, int *valid) {
   for (uint32_t i = 0; i < OLX_PACKET; i++) {
     packet->org_x[i] = rays[i].origin.x;
@@ -294,7 +295,7 @@ static void pack_rays(const olx_ray *rays, struct RTCRay16 *packet, int *valid) 
   for (uint32_t i = 0; i < OLX_PACKET; i++) valid[i] = packet->tfar[i] >= packet->tnear[i] ? -1 : 0;
 }
 
-// Rays at the end of the array that do not fill a packet, filled up with rays that are not traced.
+// Pads the last rays of an array, which do not fill a packet, with rays that are not traced.
 static const olx_ray *fill_up(const olx_ray *rays, uint32_t count, olx_ray padded[OLX_PACKET]) {
   if (count >= OLX_PACKET) return rays;
   for (uint32_t i = 0; i < OLX_PACKET; i++) {

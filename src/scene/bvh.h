@@ -1,31 +1,32 @@
-// Casting rays against the scene's triangles (Embree). Masked-out parts of alpha-masked surfaces are passed through.
+// Casts rays against the scene's triangles (Embree). Rays pass through masked-out parts of alpha-masked surfaces.
 #ifndef OLX_SCENE_BVH_H
 #define OLX_SCENE_BVH_H
 
 #include "scene/ray.h"
 #include "scene/scene_data.h"
 
-// The Embree that casts rays: results differ between versions and between instruction sets.
+// The Embree version and instruction set in use: results differ between them.
 typedef struct olx_bvh_engine {
   uint32_t version;         // 31305 is 3.13.5
-  const char *instructions; // "sse2", "sse4.2", "avx", "avx2", "avx512": those that it uses here
+  const char *instructions; // "sse2", "sse4.2", "avx", "avx2", "avx512": the instruction set in use
 } olx_bvh_engine;
 
 olx_bvh_engine olx_bvh_describe(const olx_bvh *bvh);
 
-// Builds with the instructions that scene->load names. OLX_ERROR_UNSUPPORTED where the processor does not have them.
+// Builds with the instructions that scene->load names. Returns OLX_ERROR_UNSUPPORTED where the processor lacks them.
 olx_result olx_bvh_create(const olx_scene *scene, olx_bvh **bvh);
 void olx_bvh_free(olx_bvh *bvh);
 
 olx_ray_hit olx_bvh_intersect(const olx_bvh *bvh, const olx_ray *ray);
 bool olx_bvh_occluded(const olx_bvh *bvh, const olx_ray *ray);
 
-// Metres from the point to the nearest triangle (masked parts included), `limit` when none is nearer.
+// Metres from the point to the nearest triangle (masked parts included); `limit` when none is nearer.
 float olx_bvh_distance(const olx_bvh *bvh, olx_vec3 point, float limit);
 
-// Many rays at once, in packets of 16. `coherent` promises that neighbours in the array start and go much alike.
+// Intersects many rays in packets of 16. `coherent` promises that neighbours in the array have similar origins and
+// directions.
 void olx_bvh_intersect_many(const olx_bvh *bvh, const olx_ray *rays, uint32_t count, bool coherent, olx_ray_hit *hits);
-// occluded[i] becomes 1 or 0. Rays with t_max < t_min are skipped and come back as 1.
+// Tests many rays for occlusion: occluded[i] becomes 1 or 0. Rays with t_max < t_min are skipped and yield 1.
 void olx_bvh_occluded_many(const olx_bvh *bvh, const olx_ray *rays, uint32_t count, bool coherent, uint8_t *occluded);
 
 #endif

@@ -1,4 +1,4 @@
-// The bytes of a cooked scene, shared by its writer and its reader. docs/cooked.md is the specification.
+// The layout of a cooked scene, shared by its writer and its reader. docs/cooked.md is the specification.
 #ifndef OLX_SCENE_COOKED_FORMAT_H
 #define OLX_SCENE_COOKED_FORMAT_H
 
@@ -33,7 +33,7 @@ typedef struct olx_cooked_info {
 } olx_cooked_info;
 
 typedef struct olx_cooked_material {
-  char name[128]; // filled up with zeros
+  char name[128]; // padded with zeros
   float base_color[3];
   float metallic, roughness, specular_weight;
   float emission[3];
@@ -42,7 +42,7 @@ typedef struct olx_cooked_material {
   uint32_t flags;
 } olx_cooked_material;
 
-// The code of its texels (texel_code.h) lies in its own chunk, texture after texture.
+// A texture. The code of its texels (texel_code.h) is stored in a separate chunk, texture after texture.
 typedef struct olx_cooked_texture {
   uint32_t width, height;
   uint32_t channels; // 1 grey, 3 RGB, 4 RGBA
@@ -57,7 +57,7 @@ typedef struct olx_cooked_light {
 } olx_cooked_light;
 
 typedef struct olx_cooked_camera {
-  char name[64]; // filled up with zeros
+  char name[64]; // padded with zeros
   float eye[3], target[3], up[3];
   float fov_y_degrees;
 } olx_cooked_camera;
@@ -87,9 +87,9 @@ typedef enum olx_cooked_chunk {
   OLX_COOKED_PINNED,
   OLX_COOKED_FORBIDDEN,
   OLX_COOKED_WARNINGS,
-  OLX_COOKED_REQUIRED,                     // how many every cooked scene has
-  OLX_COOKED_ORIGIN = OLX_COOKED_REQUIRED, // where the origin is not 0
-  OLX_COOKED_SECOND_UVS_CHUNK,             // these where vertices have them
+  OLX_COOKED_REQUIRED,                     // number of chunks that every cooked scene has
+  OLX_COOKED_ORIGIN = OLX_COOKED_REQUIRED, // present where the origin is not 0
+  OLX_COOKED_SECOND_UVS_CHUNK,             // present where vertices have these attributes
   OLX_COOKED_COLORS,
   OLX_COOKED_TANGENTS,
   OLX_COOKED_CHUNKS

@@ -1,5 +1,4 @@
-// Reads cooked scenes: checks each chunk before anything relies on it, then copies arrays and decodes textures in
-// parallel.
+// Reads cooked scenes: validates each chunk before its use, then copies arrays and decodes textures in parallel.
 #include "core/file.h"
 #include "core/hooks.h"
 #include "core/parallel.h"
@@ -10,7 +9,7 @@
 
 #include <string.h>
 
-// A file being read: its chunks, all of them checked against their checksums and sizes.
+// A file being read: its chunks, whose checksums and sizes have been verified.
 typedef struct cooked_file {
   const char *name;
   const olx_cooked_info *info;
@@ -30,7 +29,7 @@ static bool is_box(const olx_scene *scene, olx_vec3 low, olx_vec3 high) {
          high.z >= low.z;
 }
 
-// A name ends within its bytes, and zeros follow.
+// Whether a name is terminated within its bytes and padded with zeros.
 static bool is_name(const char *name, size_t size_bytes) {
   const size_t length = strnlen(name, size_bytes);
   if (length == size_bytes) return false;
@@ -44,7 +43,7 @@ static olx_result refuse(const cooked_file *file, const char *what, uint32_t ind
   return olx_fail(OLX_ERROR_FORMAT, "%s: %s %u: %s", file->name, what, index, problem);
 }
 
-// ---- the description
+// ---- The description
 
 static olx_result check_info(const cooked_file *file) {
   const olx_cooked_info *i = file->info;
@@ -84,9 +83,9 @@ static olx_result find_chunks(const olx_chunk_file *chunks, cooked_file *file) {
   return olx_chunk_refuse_unknown(chunks, shapes, OLX_COOKED_CHUNKS);
 }
 
-// ---- its parts, each checked and copied into the scene
+// ---- The parts of a scene, each validated and copied
 
-// A copy of `count` elements with the room that appending to a scene counts on.
+// Copies `count` elements to an array with the capacity that appending to a scene expects.
 static olx_result copy_array(const cooked_file *file, olx_cooked_chunk chunk, uint32_t count, size_t element_bytes,
                              void **copy) {
   *copy = olx_scene_array(count, element_bytes);
@@ -119,7 +118,7 @@ static const char *find_rare_problem(const olx_scene *scene, uint32_t v) {
   return NULL;
 }
 
-// Attributes that few scenes have.
+// Reads the attributes that few scenes have.
 static olx_result read_rare(const cooked_file *file, olx_scene *scene) {
   const uint32_t vertices = file->info->vertices;
   if (file->data[OLX_COOKED_SECOND_UVS_CHUNK]) {
@@ -212,12 +211,12 @@ static olx_result read_materials(const cooked_file *file, olx_scene *scene) {
   return OLX_OK;
 }
 
-// The textures of a scene, being decoded one a job.
+// The textures of a scene, each decoded by one job.
 typedef struct texture_jobs {
   const cooked_file *file;
   olx_texture *textures;
-  const uint64_t *offsets; // of their code
-  atomic_uint bad;         // the lowest index of a texture whose code is broken, or their number
+  const uint64_t *offsets; // where the code of each texture begins
+  atomic_uint bad;         // the lowest index of a texture whose code is invalid, or the number of textures
 } texture_jobs;
 
 static void decode_texture(void *user, uint32_t index) {
@@ -235,14 +234,14 @@ static olx_result check_texture(const cooked_file *file, const olx_cooked_textur
       (t->flags & ~(uint32_t)OLX_COOKED_SRGB)) {
     return refuse(file, "texture", index, "an impossible size, channel count or flag");
   }
-  // A number takes at least one bit: more texels than that would be a small file's way to huge memory.
+  // A value takes at least one bit: a bound without which a small file could claim huge memory.
   if (t->code_bytes > left || (uint64_t)t->width * t->height * t->channels > 8 * t->code_bytes) {
     return refuse(file, "texture", index, "its texels are not there");
   }
   return OLX_OK;
 }
 
-// Room for all textures, and where their code begins.
+// Allocates all textures, and locates their code.
 static olx_result allocate_textures(const cooked_file *file, olx_scene *scene, uint64_t *offsets) {
   const olx_cooked_texture *stored = file->data[OLX_COOKED_TEXTURES];
   uint64_t offset = 0;

@@ -1,5 +1,5 @@
-// Writes a scene as a cooked file: arrays as they lie in memory, materials and lights in the file's own form, textures
-// compressed without loss.
+// Writes a scene as a cooked file: arrays as in memory, materials and lights in the file's own form, textures
+// compressed losslessly.
 #include "core/hooks.h"
 #include "core/parallel.h"
 #include "core/result.h"
@@ -106,7 +106,7 @@ static olx_cooked_info store_info(const olx_scene *scene) {
   return info;
 }
 
-// What has to be converted before it is written; the rest goes out as it lies in the scene.
+// The data that is converted before it is written; the rest is written as it is in the scene.
 typedef struct stored_scene {
   olx_cooked_info info;
   olx_cooked_material *materials;
@@ -173,7 +173,7 @@ static olx_result store_scene(const olx_scene *scene, stored_scene *s) {
   return store_warnings(scene, s);
 }
 
-// Moves what is there to the front; returns how much there is.
+// Moves the chunks that are present to the front; returns their number.
 static uint32_t keep_present(olx_chunk_shape shapes[OLX_COOKED_CHUNKS], const void *data[OLX_COOKED_CHUNKS]) {
   uint32_t count = OLX_COOKED_REQUIRED;
   for (uint32_t i = OLX_COOKED_REQUIRED; i < OLX_COOKED_CHUNKS; i++) {

@@ -1,5 +1,5 @@
-// Decodes base64 as models have it in data: URIs: digits of both alphabets, with or without padding. Text with anything
-// else in it is refused.
+// Decodes Base64 in data: URIs: digits of both alphabets, with or without padding. Text with any other character is
+// rejected.
 #include "scene/data_uri.h"
 
 #include "core/hooks.h"
@@ -8,7 +8,7 @@
 
 bool olx_is_data_uri(const char *uri) { return strncmp(uri, "data:", 5) == 0; }
 
-// The value of a digit of base64, in both of its alphabets; -1 for other characters.
+// The value of a Base64 digit, in both alphabets; -1 for other characters.
 static int digit_value(char c) {
   if (c >= 'A' && c <= 'Z') return c - 'A';
   if (c >= 'a' && c <= 'z') return c - 'a' + 26;

@@ -1,4 +1,4 @@
-// Bytes that are written into a text: data: URIs.
+// Decodes bytes that are embedded in text as data: URIs.
 #ifndef OLX_SCENE_DATA_URI_H
 #define OLX_SCENE_DATA_URI_H
 
@@ -6,8 +6,8 @@
 
 bool olx_is_data_uri(const char *uri);
 
-// Decode a data: URI in base64 into memory that is the caller's. False when it is none, with *bytes NULL; or when there
-// is no memory, with *size_bytes SIZE_MAX.
+// Decodes a Base64 data: URI into memory that the caller owns. Returns false when it is none, with *bytes NULL; or when
+// memory runs out, with *size_bytes SIZE_MAX.
 bool olx_data_uri_decode(const char *uri, uint8_t **bytes, size_t *size_bytes);
 
 #endif

@@ -24,8 +24,9 @@ typedef struct description {
   const char *path;
   olx_scene *scene;
   uint32_t unknown_keys;
-  olx_name_index names; // of the models' materials, which the entries of "materials" look for
-  uint32_t *masks;      // of a texture of the models: the one that keeps its alpha; OLX_NO_TEXTURE: not made yet
+  olx_name_index names; // names of the models' materials, which the entries of "materials" refer to
+  uint32_t *masks;      // for each texture of the models, the texture that keeps its alpha; OLX_NO_TEXTURE: not created
+                        // yet
   uint32_t mask_count;
 } description;
 
@@ -50,7 +51,7 @@ static bool is_known(const char *key, const char *const *known) {
   return false;
 }
 
-// Every object is opened through this: it must be one, and unknown keys (known ends with NULL) are warned about.
+// Opens an object of the description: fails when it is none, and warns about unknown keys (known ends with NULL).
 static olx_result open_object(description *d, const place *at, const char *const *known) {
   if (!cJSON_IsObject(at->object)) return fail(d, at, "", "expected an object { ... }");
   const cJSON *item = NULL;
@@ -83,7 +84,7 @@ static olx_result read_vec3(const description *d, const place *at, const char *k
   return OLX_OK;
 }
 
-// A vector of metres.
+// Reads a vector in metres.
 static olx_result read_lengths(const description *d, const place *at, const char *key, bool required, double value[3]) {
   const cJSON *item = member(at, key);
   if (!item && !required) return OLX_OK;
@@ -95,7 +96,7 @@ static olx_result read_lengths(const description *d, const place *at, const char
   return OLX_OK;
 }
 
-// An edge, which no origin moves.
+// Reads an edge vector, which the origin does not affect.
 static olx_result read_edge(const description *d, const place *at, const char *key, olx_vec3 *value) {
   double lengths[3] = {0.0};
   OLX_TRY(read_lengths(d, at, key, true, lengths));
@@ -110,7 +111,8 @@ static olx_result read_position(const description *d, const place *at, const cha
   return OLX_OK;
 }
 
-// Two positions, and the way from the first to the second, which their local floats would not show far from the origin.
+// Reads two positions, and computes the vector from the first to the second in double precision, because local floats
+// would be too coarse far from the origin.
 static olx_result read_two_positions(const description *d, const place *at, const char *const keys[2], olx_vec3 *first,
                                      olx_vec3 *second, olx_vec3 *way) {
   double positions[2][3] = {{0.0}};
@@ -147,7 +149,7 @@ static olx_result read_string(const description *d, const place *at, const char 
   return OLX_OK;
 }
 
-// Call `read` for each element of an optional array.
+// Calls `read` for each element of an optional array.
 static olx_result read_list(description *d, const place *root, const char *key,
                             olx_result (*read)(description *d, const place *at, uint32_t index)) {
   const cJSON *list = member(root, key), *element = NULL;
@@ -168,7 +170,7 @@ static bool readable(char *found, size_t size_bytes, const char *folder, size_t 
   return length > 0 && (size_t)length < size_bytes && access(found, R_OK) == 0;
 }
 
-// Finds a file by its absolute path, else beside the description, else in each folder of OCTALUX_SCENES.
+// Finds a file by its absolute path, otherwise beside the description, otherwise in each folder of OCTALUX_SCENES.
 static olx_result find_file(const description *d, const place *at, const char *key, const char *name, char *found,
                             size_t size_bytes) {
   const char *slash = strrchr(d->path, '/'), *folders = getenv("OCTALUX_SCENES");
@@ -324,7 +326,7 @@ static olx_result read_environment(description *d, const place *root) {
   return OLX_OK;
 }
 
-// What an entry of "materials" replaces.
+// The properties that an entry of "materials" replaces.
 typedef struct material_change {
   bool base_color, roughness, metallic, specular, emission;
   olx_vec3 base_color_value, emission_value;
@@ -355,7 +357,7 @@ static olx_result read_material_change(description *d, const place *at, material
   return OLX_OK;
 }
 
-// A texture of nothing but the alpha of texture `of`.
+// Creates a texture that holds only the alpha of texture `of`.
 static olx_result make_mask(olx_scene *scene, uint32_t of, uint32_t *index) {
   olx_texture mask = scene->textures[of];
   const size_t count = (size_t)mask.width * mask.height;
@@ -367,7 +369,7 @@ static olx_result make_mask(olx_scene *scene, uint32_t of, uint32_t *index) {
   return olx_scene_add_texture(scene, &mask, index);
 }
 
-// Alpha keeps coming from the texture whose colour is replaced. Materials of one texture share what is made of it.
+// Keeps the alpha of the texture whose colour is replaced. Materials with the same texture share the result.
 static olx_result keep_mask(description *d, olx_material *m) {
   olx_scene *scene = d->scene;
   if (m->base_color_texture == OLX_NO_TEXTURE || m->alpha_cutoff <= 0.0f || m->alpha_texture != OLX_NO_TEXTURE) {
@@ -395,7 +397,7 @@ static olx_result apply_change(description *d, const material_change *change, ol
   if (change->roughness || change->metallic) m->metallic_roughness_texture = OLX_NO_TEXTURE;
   if (change->metallic) m->metallic = change->metallic_value;
   if (change->roughness) m->roughness = change->roughness_value;
-  // A roughness shows in a specular lobe alone, so the material gets one.
+  // Roughness affects only the specular lobe, so that the material gets one.
   if (change->roughness && !change->specular) m->specular_weight = 1.0f;
   if (change->specular) m->specular_weight = change->specular_value;
   if (change->emission) {
@@ -424,7 +426,7 @@ static olx_result apply_to_named(description *d, const char *name, const materia
   return OLX_OK;
 }
 
-// "*" first, so that a material's own entry wins over it wherever it stands.
+// Reads "*" first, so that a material's own entry takes precedence wherever it is in the file.
 static olx_result read_materials(description *d, const place *root, bool everyone) {
   const cJSON *materials = member(root, "materials"), *item = NULL;
   if (materials && !cJSON_IsObject(materials)) return fail(d, root, "materials", "expected an object { ... }");
@@ -491,7 +493,7 @@ static olx_result read_pinned(const description *d, const place *at, const cJSON
   return OLX_OK;
 }
 
-// Reads the rules that the placement of probes keeps to.
+// Reads the rules for the placement of probes.
 static olx_result read_probe_rules(description *d, const place *at) {
   olx_probe_rules *rules = &d->scene->probe_rules;
   const place playable = {.object = member(at, "playable"), .name = "probes.playable"};
@@ -538,7 +540,7 @@ static olx_result read_description(description *d, const place *root) {
   if (!member(root, "model") && (!models || (cJSON_IsArray(models) && !models->child))) {
     return fail(d, root, "model", "missing, and there are no \"models\"");
   }
-  // Cheap checks before slow models; the description's cameras come before the models' own.
+  // Cheap checks precede slow models; the description's cameras precede the models' own.
   OLX_TRY(read_list(d, root, "cameras", read_camera));
   OLX_TRY(read_probes(d, root));
   OLX_TRY(read_environment(d, root));

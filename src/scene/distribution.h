@@ -1,11 +1,11 @@
-// Drawing from a discrete distribution by inverting its sums, which keeps stratified numbers stratified.
+// Draws from a discrete distribution by inverting its cumulative sums, which preserves stratification.
 #ifndef OLX_SCENE_DISTRIBUTION_H
 #define OLX_SCENE_DISTRIBUTION_H
 
 #include "core/vec.h"
 
-// Turn `count` weights (not negative) into count + 1 rising sums from 0 to 1. False when all weights are 0. The weights
-// may be the first `count` elements of `sums`.
+// Converts `count` weights (not negative) to count + 1 rising sums from 0 to 1. Returns false when all weights are 0.
+// The weights may be the first `count` elements of `sums`.
 static inline bool olx_distribution_build(const float *weights, uint32_t count, float *sums) {
   double total = 0.0, running = 0.0;
   for (uint32_t i = 0; i < count; i++) total += (double)weights[i];
@@ -19,11 +19,11 @@ static inline bool olx_distribution_build(const float *weights, uint32_t count, 
   return true;
 }
 
-// Probability of element i: exactly the share of numbers that draw it.
+// Probability of element i: exactly the share of numbers in [0, 1) that draw it.
 static inline float olx_distribution_probability(const float *sums, uint32_t i) { return sums[i + 1] - sums[i]; }
 
 // The element drawn by a number in [0, 1), never one of probability 0. *rest (may be NULL) receives a number in [0, 1)
-// to go on with.
+// for further draws.
 static inline uint32_t olx_distribution_draw(const float *sums, uint32_t count, float random, float *rest) {
   uint32_t low = 0, high = count;
   while (high - low > 1) {

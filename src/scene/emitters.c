@@ -9,10 +9,10 @@
 #include "scene/environment.h"
 #include "scene/spherical_triangle.h"
 
-// Up to this many emissive triangles are weighed for each place that they are drawn for, more are drawn by power alone.
+// Most emissive triangles that are weighted for each shaded point; more are drawn by power alone.
 enum { MOST_WEIGHED = 32 };
 
-// An emissive triangle, as far as it takes to weigh it.
+// The properties of an emissive triangle that determine its weight.
 typedef struct panel {
   olx_vec3 corners[3], center, normal;
   float area, power_per_area;
@@ -21,14 +21,14 @@ typedef struct panel {
 
 struct olx_emitters {
   uint32_t light_groups; // lights without area
-  float *light_sums;     // when they share one group
+  float *light_sums;     // used when they share one group
   uint32_t triangle_count;
   uint32_t *triangles; // the emissive ones
   float *triangle_sums;
-  float *area_pdf; // by power, one a triangle of the scene; NULL when none emits
-  panel *panels;   // one an emissive triangle when they are few, else NULL
+  float *area_pdf; // by power, one per triangle of the scene; NULL when none emits
+  panel *panels;   // one per emissive triangle when they are few, otherwise NULL
   olx_environment_sampler environment;
-  float reach; // farther away than anything in the scene
+  float reach; // a distance beyond everything in the scene
 };
 
 static olx_vec3 corner(const olx_scene *scene, uint32_t triangle, uint32_t i) {
@@ -40,7 +40,7 @@ static float triangle_area(const olx_scene *scene, uint32_t triangle) {
   return 0.5f * olx_length(olx_cross(olx_sub(b, a), olx_sub(c, a)));
 }
 
-// Texels that the triangle covers in its emission texture.
+// Number of texels that the triangle covers in its emission texture.
 static float covered_texels(const olx_scene *scene, uint32_t triangle, const olx_material *material) {
   const olx_texture *texture = &scene->textures[material->emission_texture];
   const olx_vec2 *uvs = material->second_uvs & OLX_SLOT_EMISSION ? scene->second_uvs : scene->uvs;
@@ -50,7 +50,7 @@ static float covered_texels(const olx_scene *scene, uint32_t triangle, const olx
   return area * (float)texture->width * (float)texture->height;
 }
 
-// Mean luminance of what the triangle emits: some samples a texel, between 16 and 1024 when it is textured.
+// Mean luminance of the triangle's emission: a few samples per texel, between 16 and 1024 in all, when it is textured.
 static float mean_luminance(const olx_scene *scene, uint32_t triangle) {
   const olx_material *material = &scene->materials[scene->material_index[triangle]];
   if (!(olx_max3(material->emission) > 0.0f)) return 0.0f;
@@ -119,7 +119,7 @@ no_memory:
   return olx_fail(OLX_ERROR_MEMORY, "lights: no memory for the emission of %u triangles", scene->triangle_count);
 }
 
-// Luminous power that a light without area sends into a scene of the given radius.
+// Luminous power that a light without area emits into a scene of the given radius.
 static float light_power(const olx_light *light, float radius) {
   const float luminance = olx_luminance(light->emission);
   switch (light->type) {
@@ -169,7 +169,7 @@ void olx_emitters_free(olx_emitters *emitters) {
   olx_release(emitters);
 }
 
-// The order of groups is: lights without area, emissive triangles, environment.
+// Groups are ordered: lights without area, emissive triangles, environment.
 uint32_t olx_emitters_group_count(const olx_scene *scene) {
   const olx_emitters *emitters = scene->emitters;
   return emitters->light_groups + (emitters->triangle_count > 0) + emitters->environment.lit;
@@ -182,7 +182,7 @@ bool olx_emitters_group_varies(const olx_scene *scene, uint32_t group) {
 static float spot_falloff(const olx_light *light, float cosine) {
   if (cosine <= light->cosine_outer) return 0.0f;
   if (cosine >= light->cosine_inner) return 1.0f;
-  // As KHR_lights_punctual recommends.
+  // The falloff that KHR_lights_punctual recommends.
   return olx_square((cosine - light->cosine_outer) / (light->cosine_inner - light->cosine_outer));
 }
 
@@ -210,12 +210,12 @@ static bool sample_light(const olx_scene *scene, uint32_t index, olx_vec3 positi
   return olx_max3(sample->emission) > 0.0f;
 }
 
-// Triangles that are seen under a larger solid angle than this are drawn from evenly over it. Smaller ones are drawn
-// from evenly over their area, which is about the same there, takes less time, and does not suffer from rounding.
+// Triangles with a larger solid angle than this are sampled evenly over it. Smaller ones are sampled evenly over their
+// area, which is nearly equivalent, faster, and less sensitive to rounding.
 static const float large_solid_angle = 0.03f;
 
-// About the solid angle under which a place sees a triangle, 0 from its dark side. Never less than from its rim, nor
-// more than from straight in front of it.
+// Approximate solid angle of a triangle seen from a position; 0 from its dark side. Clamped between the values at its
+// rim and straight in front of it.
 static float rough_solid_angle(const panel *p, olx_vec3 position) {
   const olx_vec3 way = olx_sub(position, p->center);
   const float height = olx_dot(way, p->normal);
@@ -224,8 +224,7 @@ static float rough_solid_angle(const panel *p, olx_vec3 position) {
   return p->area * olx_min(fabsf(height) + sqrtf(p->area), distance) / (distance_squared * distance);
 }
 
-// A triangle that a place sees under a large solid angle: that angle, and unit vectors to the corners. 0 when it is
-// not.
+// The solid angle of a triangle seen under a large one, with unit vectors to its corners; 0 when the angle is small.
 static float view_large(const panel *p, olx_vec3 position, olx_vec3 corners[3]) {
   if (rough_solid_angle(p, position) < large_solid_angle) return 0.0f;
   for (uint32_t i = 0; i < 3; i++) corners[i] = olx_normalize(olx_sub(p->corners[i], position));
@@ -233,7 +232,7 @@ static float view_large(const panel *p, olx_vec3 position, olx_vec3 corners[3]) 
   return angle < large_solid_angle ? 0.0f : angle;
 }
 
-// What triangles send to a place if nothing is between, about; returns the sum.
+// Weighs triangles by the approximate light that they send to a position without occlusion; returns the sum.
 static float weigh_panels(const olx_emitters *emitters, olx_vec3 position, float weights[MOST_WEIGHED]) {
   float sum = 0.0f;
   for (uint32_t i = 0; i < emitters->triangle_count; i++) {
@@ -243,7 +242,7 @@ static float weigh_panels(const olx_emitters *emitters, olx_vec3 position, float
   return sum;
 }
 
-// Draw one of the emissive triangles for a place; returns the probability, 0 when none sends light there.
+// Draws one of the emissive triangles for a position; returns its probability, 0 when none sends light there.
 static float draw_triangle(const olx_emitters *emitters, olx_vec3 position, float random, uint32_t *drawn) {
   if (!emitters->panels) {
     *drawn = olx_distribution_draw(emitters->triangle_sums, emitters->triangle_count, random, NULL);
@@ -262,8 +261,8 @@ static float draw_triangle(const olx_emitters *emitters, olx_vec3 position, floa
   return weights[*drawn] / sum;
 }
 
-// The density over solid angle with which a point on an emissive triangle is drawn for a place; `per_area` turns a
-// density over area into one over solid angle there.
+// The density over solid angle with which a point on an emissive triangle is sampled for a position; `per_area`
+// converts a density over area to one over solid angle there.
 static float triangle_density(const olx_scene *scene, uint32_t triangle, olx_vec3 position, float per_area) {
   const olx_emitters *emitters = scene->emitters;
   if (!emitters->panels) return emitters->area_pdf[triangle] * per_area;
@@ -276,7 +275,8 @@ static float triangle_density(const olx_scene *scene, uint32_t triangle, olx_vec
   return sum > 0.0f ? weights[i] / sum * (angle > 0.0f ? 1.0f / angle : per_area / emitters->panels[i].area) : 0.0f;
 }
 
-// Barycentric coordinates of where a direction from `position` meets the triangle's plane, brought into the triangle.
+// Barycentric coordinates of the intersection of a direction from `position` with the triangle's plane, clamped to the
+// triangle.
 static olx_vec2 barycentric(const panel *p, olx_vec3 position, olx_vec3 direction) {
   const olx_vec3 ab = olx_sub(p->corners[1], p->corners[0]), ac = olx_sub(p->corners[2], p->corners[0]);
   const olx_vec3 h = olx_cross(direction, ac), from = olx_sub(position, p->corners[0]);
@@ -316,7 +316,7 @@ static bool sample_triangle(const olx_scene *scene, olx_vec3 position, olx_vec2 
   const float epsilon = olx_surface_epsilon(scene, triangle);
   *sample = (olx_light_sample){
       .direction = direction,
-      // Off the emitter towards the surface, so that a shadow ray that grazes the emitter does not meet it.
+      // Offset from the emitter towards the surface, so that a shadow ray at a grazing angle does not hit the emitter.
       .target = olx_madd(point, normal, cosine > 0.0f ? epsilon : -epsilon),
       .epsilon_end = epsilon,
       .emission = olx_scale(radiance, 1.0f / pdf),

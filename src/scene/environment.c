@@ -1,4 +1,4 @@
-// Looks up the radiance of an environment, and draws directions in proportion to the luminance of its image.
+// Evaluates the radiance of an environment, and samples directions in proportion to the luminance of its image.
 #include "scene/environment.h"
 
 #include "core/hooks.h"
@@ -39,7 +39,7 @@ static float texel_solid_angle(const olx_environment *e, uint32_t y) {
   return 4.0f * OLX_PI / (float)e->width * sinf(half_step * (float)(2 * y + 1)) * sinf(half_step);
 }
 
-// Mean luminance that bilinear lookups return over the texel.
+// Mean luminance of bilinear samples over the texel.
 static float texel_luminance(const olx_environment *e, int32_t x, int32_t y) {
   static const float tent[3] = {0.125f, 0.75f, 0.125f};
   float sum = 0.0f;

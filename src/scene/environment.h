@@ -1,23 +1,23 @@
-// Light from infinitely far away: its radiance and how to draw directions by it.
+// Light from infinitely far away: its radiance, and importance sampling of directions.
 #ifndef OLX_SCENE_ENVIRONMENT_H
 #define OLX_SCENE_ENVIRONMENT_H
 
 #include "scene/scene_data.h"
 
-// Sums for drawing texels of the environment's image; without an image directions are uniform and there are none.
+// Cumulative sums for sampling texels of the environment's image; empty without an image, where directions are uniform.
 typedef struct olx_environment_sampler {
   bool lit;
   float *row_sums;    // height + 1
-  float *column_sums; // width + 1 a row
+  float *column_sums; // width + 1 per row
 } olx_environment_sampler;
 
 olx_result olx_environment_sampler_create(const olx_environment *environment, olx_environment_sampler *sampler);
 void olx_environment_sampler_free(olx_environment_sampler *sampler);
 
-// Bilinear; column 0 begins at -x, the middle of the image is +x, +z lies at three quarters.
+// Samples the image bilinearly; column 0 begins at -x, the middle of the image is +x, +z lies at three quarters.
 olx_vec3 olx_environment_lookup(const olx_environment *environment, olx_vec3 direction);
 
-// Draw a direction; *pdf is its density over solid angle.
+// Samples a direction; *pdf is its density over solid angle.
 olx_vec3 olx_environment_draw(const olx_environment *environment, const olx_environment_sampler *sampler,
                               olx_vec2 random, float *pdf);
 float olx_environment_density(const olx_environment *environment, const olx_environment_sampler *sampler,

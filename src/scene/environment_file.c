@@ -1,5 +1,5 @@
-// Reads an environment from the plain channels R, G and B of an OpenEXR image, whichever other channels and layers it
-// has; half floats become floats.
+// Reads an environment from the channels R, G and B of an OpenEXR image, and ignores other channels and layers; half
+// floats are converted to floats.
 #include "scene/environment_file.h"
 
 #include "core/hooks.h"
@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-// Which of R, G and B a channel is; 3 for others.
+// The index of channel R, G or B; 3 for others.
 static uint32_t component_of(const char *channel) {
   static const char *const names[] = {"R", "G", "B"};
   uint32_t i = 0;
@@ -32,7 +32,7 @@ static olx_exr_target find_target(void *user, const char *channel, uint32_t row)
                           .line_bytes = (int32_t)(e->width * 3 * sizeof(float))};
 }
 
-// A few hundred bytes can announce gigabytes, as texture_file.c says of other images.
+// Limits the size, because a few hundred bytes can claim gigabytes (texture_file.c).
 static olx_result check_size(const olx_exr_file *file, const olx_scene *scene) {
   const uint64_t texels = (uint64_t)file->width * file->height;
   OLX_TRY(olx_import_check_limit(scene, OLX_LIMIT_TEXELS, olx_scene_texels(scene) + texels, file->path, "environment"));

@@ -1,5 +1,5 @@
-// Reads OpenEXR images from a mapping of the file, through callbacks of OpenEXR's C core, and turns its complaints into
-// errors with messages. Sizes and chunks are checked before pixels are decoded.
+// Reads OpenEXR images from a mapping of the file, through callbacks of OpenEXR's C core, and converts its errors to
+// messages. Sizes and chunks are checked before pixels are decoded.
 #include "scene/exr_file.h"
 
 #include "core/result.h"
@@ -39,7 +39,7 @@ static int64_t on_size(exr_const_context_t context, void *user) {
   return (int64_t)((const olx_exr_file *)user)->mapped.size_bytes;
 }
 
-// OpenEXR's own words for a file of another kind are about its bytes.
+// Rejects files of other formats with a clear message, because OpenEXR's own describes only their bytes.
 static olx_result check_kind(const char *path, const olx_mapped_file *mapped) {
   const unsigned char *data = mapped->data;
   if (mapped->size_bytes == 0) return olx_fail(OLX_ERROR_FORMAT, "%s: the file is empty", path);
@@ -65,7 +65,7 @@ static olx_result fail(const olx_exr_file *file, exr_result_t code) {
     if (exr_try_code_ != EXR_ERR_SUCCESS) return exr_try_code_;                                                        \
   } while (0)
 
-// The size of the image, after the kinds of file that are not read have been turned away.
+// Reads the size of the image, after unsupported kinds of OpenEXR files have been rejected.
 static olx_result read_header(olx_exr_file *file) {
   exr_storage_t storage;
   exr_attr_box2i_t window;
@@ -173,7 +173,7 @@ static exr_result_t read_chunks(const olx_exr_file *file,
 olx_result olx_exr_read(olx_exr_file *file, olx_exr_target (*target)(void *user, const char *channel, uint32_t row),
                         void *user) {
   exr_decode_pipeline_t pipeline = EXR_DECODE_PIPELINE_INITIALIZER;
-  file->message[0] = 0; // that another program's file lacks an attribute is no complaint
+  file->message[0] = 0; // a missing attribute in another program's file is no error
   const exr_result_t code = read_chunks(file, target, user, &pipeline);
   exr_decoding_destroy(file->context, &pipeline);
   return code == EXR_ERR_SUCCESS ? OLX_OK : fail(file, code);

@@ -1,4 +1,4 @@
-// Reads glTF accessors. Each is checked against its view once, so that reading needs no checks but of the indices of
+// Reads glTF accessors. Each is checked against its view once, so that reading needs no checks except of the indices of
 // sparse elements.
 #include "scene/gltf_accessor.h"
 
@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-// ---- checks
+// ---- Checks
 
 static uint64_t component_bytes(uint64_t type) {
   switch (type) {
@@ -33,14 +33,14 @@ static uint32_t component_count(const char *type) {
   return 0;
 }
 
-// Bytes that the elements of a view have room in.
+// Size of the range that the elements of a view may occupy, in bytes.
 static uint64_t view_size(const olx_gltf *gltf, uint32_t view) {
   const olx_gltf_view *found = &gltf->view_data[view];
   return found->compressed && !found->decoded ? olx_gltf_meshopt_size(found->compressed) : found->bytes.size_bytes;
 }
 
-// Where `count` packed elements of `element_bytes` begin that an object's bufferView and byteOffset name; false when
-// they are not all there.
+// Finds `count` packed elements of `element_bytes` that an object's bufferView and byteOffset refer to; false when some
+// lie outside the view.
 static bool find_packed(const olx_gltf *gltf, const cJSON *object, uint64_t count, uint64_t element_bytes,
                         uint32_t *view, uint64_t *offset) {
   return olx_gltf_index(object, "bufferView", gltf->views.count, view) && *view != OLX_GLTF_NONE &&
@@ -69,7 +69,7 @@ static olx_result read_sparse(const olx_gltf *gltf, uint32_t i, const cJSON *ele
   return OLX_OK;
 }
 
-// Zeros take memory that no byte of the file pays for.
+// Limits accessors without a view, whose zeros take memory without any bytes in the file.
 static olx_result check_zeros(const olx_gltf *gltf, uint32_t i, const olx_gltf_accessor *a) {
   uint64_t size_bytes = gltf->file.size_bytes;
   if (!a->sparse.count)
@@ -119,7 +119,7 @@ olx_result olx_gltf_open_accessors(olx_gltf *gltf) {
   return OLX_OK;
 }
 
-// ---- reading
+// ---- Reading
 
 static uint32_t integer_at(const uint8_t *bytes, olx_gltf_component type) {
   uint16_t two;
@@ -131,7 +131,7 @@ static uint32_t integer_at(const uint8_t *bytes, olx_gltf_component type) {
   }
 }
 
-// The largest value of a type, which stands for 1 where it is normalised.
+// The largest value of an integer type, which represents 1 when normalized.
 static float largest(olx_gltf_component type) {
   switch (type) {
   case OLX_GLTF_INT8: return 127.0f;
@@ -153,7 +153,7 @@ static float number_at(const uint8_t *bytes, olx_gltf_component type) {
   }
 }
 
-// One element's numbers.
+// Reads the components of one element.
 static void read_element(const olx_gltf_accessor *a, const uint8_t *bytes, uint32_t components, float *numbers) {
   const uint64_t size_bytes = component_bytes(a->type);
   const bool scaled = a->normalized && a->type != OLX_GLTF_FLOAT;

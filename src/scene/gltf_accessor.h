@@ -1,4 +1,4 @@
-// Accessors: arrays of numbers in the views of a glTF file, packed, interleaved, normalised or sparse.
+// Accessors: arrays of numbers in the views of a glTF file, packed, interleaved, normalized or sparse.
 #ifndef OLX_SCENE_GLTF_ACCESSOR_H
 #define OLX_SCENE_GLTF_ACCESSOR_H
 
@@ -13,7 +13,7 @@ typedef enum olx_gltf_component {
   OLX_GLTF_FLOAT = 5126
 } olx_gltf_component;
 
-// Elements that replace some of an accessor's own.
+// Sparse elements, which replace some of an accessor's own.
 typedef struct olx_gltf_sparse {
   uint64_t count; // 0: none
   uint32_t index_view, value_view;
@@ -22,21 +22,21 @@ typedef struct olx_gltf_sparse {
 } olx_gltf_sparse;
 
 struct olx_gltf_accessor {
-  uint32_t view; // OLX_GLTF_NONE: every element is 0 unless it is replaced
+  uint32_t view; // OLX_GLTF_NONE: all elements are 0 unless replaced
   olx_gltf_component type;
-  uint32_t components; // of an element
-  bool normalized;     // integers stand for 0 to 1, or -1 to 1
+  uint32_t components; // components of an element
+  bool normalized;     // integers represent 0 to 1, or -1 to 1
   uint64_t offset, stride, count;
   olx_gltf_sparse sparse;
 };
 
-// Read and check all accessors: their types, and that they end within their views.
+// Reads and checks all accessors: their types, and that they lie within their views.
 olx_result olx_gltf_open_accessors(olx_gltf *gltf);
 
-// The first `components` numbers of every element, `components` apart in `numbers`; where an element has fewer, what is
-// there stays. The caller has room for all.
+// Reads the first `components` numbers of every element, `components` apart in `numbers`; where an element has fewer,
+// the others are unchanged. The caller provides room for all.
 olx_result olx_gltf_read_floats(const olx_gltf *gltf, uint32_t accessor, uint32_t components, float *numbers);
-// An accessor of unsigned integers.
+// Reads an accessor of unsigned integers.
 olx_result olx_gltf_read_indices(const olx_gltf *gltf, uint32_t accessor, uint32_t *indices);
 
 #endif

@@ -1,5 +1,5 @@
-// Maps the buffers of a glTF file, or decodes them from data: URIs, and finds the views in them. Nothing is copied but
-// what is compressed.
+// Maps the buffers of a glTF file, or decodes them from data: URIs, and locates the views in them. Only compressed data
+// is copied.
 #include "scene/gltf_buffer.h"
 
 #include "core/hooks.h"
@@ -11,7 +11,7 @@
 
 #include <string.h>
 
-// ---- buffers
+// ---- Buffers
 
 static olx_result open_file(const olx_gltf *gltf, const char *uri, olx_gltf_buffer *buffer) {
   char path[8192];
@@ -63,9 +63,9 @@ static olx_result open_buffer(const olx_gltf *gltf, uint32_t index) {
   return OLX_OK;
 }
 
-// ---- views
+// ---- Views
 
-// The part of a buffer that an object with buffer, byteOffset and byteLength names.
+// Finds the part of a buffer that an object with buffer, byteOffset and byteLength refers to.
 static olx_result find_part(const olx_gltf *gltf, const cJSON *object, uint32_t view, olx_gltf_bytes *bytes) {
   uint32_t buffer;
   uint64_t offset, size_bytes;
@@ -96,7 +96,7 @@ static olx_result open_view(const olx_gltf *gltf, uint32_t index) {
   return olx_gltf_meshopt_check(gltf, index, view->compressed, view->bytes.size_bytes, &view->stride);
 }
 
-// Every compressed view is decoded into memory of its own.
+// Checks compressed views, each of which is decoded into separate memory.
 static olx_result check_compressed(const olx_gltf *gltf) {
   uint64_t available = 0, taken = 0;
   for (uint32_t i = 0; i < gltf->buffers.count; ++i) available += gltf->buffer_data[i].bytes.size_bytes;

@@ -22,7 +22,7 @@ const cJSON *olx_gltf_extension(const cJSON *element, const char *name) {
   return olx_json_member(olx_json_member(element, "extensions"), name);
 }
 
-// ---- containers
+// ---- Containers
 
 enum { GLB_MAGIC = 0x46546C67, GLB_JSON = 0x4E4F534A, GLB_BINARY = 0x004E4942 };
 
@@ -32,7 +32,7 @@ static uint32_t word_at(const uint8_t *bytes) {
   return word;
 }
 
-// The binary chunk is the second one, if any; `rest` is what lies behind the JSON.
+// Finds the binary chunk, which is the second one, if any; `rest` is what follows the JSON.
 static olx_result find_binary(olx_gltf *gltf, olx_gltf_bytes rest) {
   if (rest.size_bytes < 8 || word_at(rest.data + 4) != GLB_BINARY) return OLX_OK;
   const uint32_t size_bytes = word_at(rest.data);
@@ -61,12 +61,12 @@ static olx_result parse_json(olx_gltf *gltf) {
   return olx_json_parse(gltf->path, (const char *)json.data, json.size_bytes, &gltf->root);
 }
 
-// ---- version and extensions
+// ---- Version and extensions
 
 static const char *const supported_extensions[] = {
     "EXT_meshopt_compression", "KHR_lights_punctual",     "KHR_materials_emissive_strength", "KHR_materials_specular",
     "KHR_mesh_quantization",   "KHR_meshopt_compression", "KHR_texture_transform",           "MESHOPT_compression"};
-// They change the look of a material, or nothing, so a scene can do without them.
+// Extensions that change at most the look of a material, so that a scene can be used without them.
 static const char *const ignored_extensions[] = {"KHR_materials_anisotropy",
                                                  "KHR_materials_clearcoat",
                                                  "KHR_materials_dispersion",
@@ -123,7 +123,7 @@ static olx_result check_asset(const olx_gltf *gltf) {
   return OLX_OK;
 }
 
-// ---- elements
+// ---- Elements
 
 static olx_result collect(const olx_gltf *gltf, const cJSON *parent, const char *key, olx_gltf_list *list) {
   const cJSON *array = olx_json_member(parent, key), *element = NULL;

@@ -1,4 +1,4 @@
-// A glTF file that is being read: its JSON as arrays of elements, and what the other gltf_*.h files keep beside them.
+// An open glTF file: its JSON as arrays of elements, and the data that the other gltf_*.h files keep beside it.
 #ifndef OLX_SCENE_GLTF_DOCUMENT_H
 #define OLX_SCENE_GLTF_DOCUMENT_H
 
@@ -26,27 +26,27 @@ typedef struct olx_gltf_image olx_gltf_image;       // gltf_texture.c
 
 typedef struct olx_gltf {
   const char *path;
-  olx_scene *scene; // that the file is read into
+  olx_scene *scene; // the scene that the file is read into
   olx_mapped_file file;
-  olx_gltf_bytes binary; // what a .glb has after its JSON
+  olx_gltf_bytes binary; // the part of a .glb after its JSON
   cJSON *root;
   olx_gltf_list buffers, views, accessors, materials, meshes, nodes, scenes, images, textures, cameras, lights;
-  olx_gltf_buffer *buffer_data;     // one a buffer
-  olx_gltf_view *view_data;         // one a view
-  olx_gltf_accessor *accessor_data; // one an accessor
-  olx_gltf_image *image_data;       // one an image, once a texture has asked for one
+  olx_gltf_buffer *buffer_data;     // one per buffer
+  olx_gltf_view *view_data;         // one per view
+  olx_gltf_accessor *accessor_data; // one per accessor
+  olx_gltf_image *image_data;       // one per image, allocated when the first texture requests one
 } olx_gltf;
 
-// Map a .gltf or .glb file and parse its JSON. Versions other than 2 and required extensions that are not supported are
-// refused; extensions that are ignored become warnings of the scene. Whatever comes back,
-// olx_gltf_close releases what this has made, and leaves what other files keep in the document to them.
+// Maps a .gltf or .glb file and parses its JSON. Versions other than 2 and unsupported required extensions are
+// rejected; ignored extensions become warnings of the scene. olx_gltf_close must be called, also after a failure; it
+// releases what this function allocates, and leaves data that other files keep in the document to them.
 olx_result olx_gltf_open(const char *path, olx_scene *scene, olx_gltf *gltf);
 void olx_gltf_close(olx_gltf *gltf);
 
-// OLX_ERROR_FORMAT with a message such as "room.gltf: accessors[3]: WHAT".
+// Fails with OLX_ERROR_FORMAT and a message such as "room.gltf: accessors[3]: WHAT".
 olx_result olx_gltf_fail(const olx_gltf *gltf, const char *list, uint32_t element, const char *what);
 
-// An optional member that must be an index below `count` when it is there. *index is OLX_GLTF_NONE when it is absent.
+// Reads an optional member that must be an index below `count` when present. *index is OLX_GLTF_NONE when it is absent.
 bool olx_gltf_index(const cJSON *object, const char *key, uint32_t count, uint32_t *index);
 
 // An extension of an element, or NULL.

@@ -1,5 +1,5 @@
-// Imports cameras and lights of glTF nodes, which look along their -z, up along their y. Photometric numbers of lights
-// are taken for radiometric ones, one to one.
+// Imports cameras and lights of glTF nodes, which look along their -z with their y up. Photometric values of lights are
+// used as radiometric ones, one to one.
 #include "scene/gltf_light.h"
 
 #include "core/result.h"
@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-// The node's name, else that of what it carries, else another.
+// The node's name, otherwise that of its camera or light, otherwise a default.
 static const char *name_of(const cJSON *node, const cJSON *item, const char *otherwise) {
   const char *names[] = {olx_json_text(node, "name"), olx_json_text(item, "name")};
   return names[0][0] ? names[0] : names[1][0] ? names[1] : otherwise;
@@ -44,7 +44,7 @@ olx_result olx_gltf_add_camera(const olx_gltf *gltf, uint32_t node, const olx_af
   return olx_scene_add_camera(scene, &camera);
 }
 
-// The light of an item of KHR_lights_punctual; false when its numbers are not usable.
+// Reads a light from an item of KHR_lights_punctual; false when its values are invalid.
 static bool read_light(const cJSON *item, const olx_affine *transform, olx_light *light) {
   float color[3] = {1.0f, 1.0f, 1.0f}, intensity = 1.0f, inner = 0.0f, outer = OLX_PI / 4.0f;
   const cJSON *spot = olx_json_member(item, "spot");

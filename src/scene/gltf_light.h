@@ -1,11 +1,11 @@
-// Cameras and KHR_lights_punctual of glTF nodes.
+// Imports cameras and KHR_lights_punctual of glTF nodes.
 #ifndef OLX_SCENE_GLTF_LIGHT_H
 #define OLX_SCENE_GLTF_LIGHT_H
 
 #include "scene/affine.h"
 #include "scene/gltf_document.h"
 
-// Append what a node carries of either to the scene. What cannot be used is left out with a warning.
+// Append the camera, or the light, of a node to the scene. Invalid ones are left out with a warning.
 olx_result olx_gltf_add_camera(const olx_gltf *gltf, uint32_t node, const olx_affine *transform);
 void olx_gltf_add_light(const olx_gltf *gltf, uint32_t node, const olx_affine *transform);
 

@@ -1,5 +1,5 @@
-// Imports glTF materials. The metallic-roughness model is that of Octalux; extensions are taken as far as Octalux's
-// materials have what they add, and otherwise named in a warning.
+// Imports glTF materials. The metallic-roughness model is Octalux's own; extensions are used as far as Octalux's
+// materials support them, and otherwise named in a warning.
 #include "scene/gltf_material.h"
 
 #include "core/result.h"
@@ -8,14 +8,14 @@
 #include <stdio.h>
 #include <string.h>
 
-// One material being read. `index` is OLX_GLTF_NONE for the one that primitives without have.
+// The material that is being read. `index` is OLX_GLTF_NONE for the default material of primitives without one.
 typedef struct material_reader {
   olx_gltf *gltf;
   olx_material_import *import;
   uint32_t index;
   olx_material *material;
   olx_gltf_placements *placements;
-  bool crowded; // a texture needs a third placement
+  bool crowded; // a texture would need a third placement
 } material_reader;
 
 static float number_of(const cJSON *object, const char *key, float otherwise) {
@@ -40,7 +40,7 @@ static olx_result request(material_reader *r, const cJSON *info, const char *key
                   key);
 }
 
-// The texture of a material's member, and which coordinates it is looked up by.
+// Reads the texture of a material's member, and which texture coordinates it uses.
 static olx_result read_texture(material_reader *r, const cJSON *parent, const char *key, olx_texture_use use,
                                olx_texture_slot slot, uint32_t *number) {
   const cJSON *info = olx_json_member(parent, key);
@@ -113,7 +113,7 @@ static olx_result import_material(olx_gltf *gltf, olx_material_import *import, u
       .gltf = gltf, .import = import, .index = index, .material = &material, .placements = &surface->placements};
   OLX_TRY(read_material(&reader, index < gltf->materials.count ? gltf->materials.elements[index] : NULL));
   olx_import_repair_material(import, &material);
-  // Texture coordinates that no texture uses stay as they are in the file.
+  // Texture coordinates that no texture uses are unchanged.
   if (!surface->placements.count) {
     const olx_gltf_placement plain = olx_gltf_read_placement(NULL);
     surface->placements = (olx_gltf_placements){.count = 1, .places = {plain}};

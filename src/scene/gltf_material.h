@@ -1,19 +1,19 @@
-// glTF's materials as the scene has them.
+// Imports glTF materials into a scene.
 #ifndef OLX_SCENE_GLTF_MATERIAL_H
 #define OLX_SCENE_GLTF_MATERIAL_H
 
 #include "scene/gltf_texture.h"
 
-// What a primitive has to know of its material.
+// The properties of a material that its primitives depend on.
 typedef struct olx_gltf_surface {
-  uint32_t material; // of the scene
-  bool used;         // a node of the file's scene leads to it
-  bool absent;       // nothing of it is there
+  uint32_t material; // index in the scene
+  bool used;         // a node of the file's scene uses it
+  bool absent;       // fully transparent
   olx_gltf_placements placements;
 } olx_gltf_surface;
 
-// Append the materials that are used, and their textures, to the scene. `surfaces` has one for each material and a last
-// one for primitives without.
+// Appends the materials in use, and their textures, to the scene. `surfaces` has one element for each material, and a
+// last one for primitives without a material.
 olx_result olx_gltf_import_materials(olx_gltf *gltf, olx_gltf_surface *surfaces);
 
 #endif

@@ -1,5 +1,5 @@
-// Imports the primitives of glTF meshes, once for each node that refers to them, straight into arrays in the scene's
-// space. The material says which attributes are wanted.
+// Imports the primitives of glTF meshes, once for each node that refers to them, directly into arrays in scene space.
+// The material determines which attributes are read.
 #include "scene/gltf_mesh.h"
 
 #include "core/hooks.h"
@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-// Every instance of a primitive looks through its attributes.
+// Bound on the attributes of a primitive, which every instance searches.
 #define MOST_ATTRIBUTES 256
 
 enum { MODE_POINTS, MODE_LINES, MODE_LOOP, MODE_LINE_STRIP, MODE_TRIANGLES, MODE_STRIP, MODE_FAN, MODES };
@@ -19,14 +19,14 @@ static const olx_gltf_accessor *accessor_at(const olx_gltf *gltf, uint32_t index
   return index == OLX_GLTF_NONE ? NULL : &gltf->accessor_data[index];
 }
 
-// The accessor of an attribute, OLX_GLTF_NONE when the primitive has none of that name.
+// The accessor of an attribute; OLX_GLTF_NONE when the primitive has no attribute of that name.
 static uint32_t find_attribute(const olx_gltf *gltf, const cJSON *primitive, const char *name) {
   uint32_t index;
   olx_gltf_index(olx_json_member(primitive, "attributes"), name, gltf->accessors.count, &index);
   return index;
 }
 
-// ---- checks
+// ---- Checks
 
 static bool fits_vector(const olx_gltf_accessor *a, uint32_t fewest, uint32_t most) {
   return a->components >= fewest && a->components <= most && a->type != OLX_GLTF_UINT32;
@@ -75,7 +75,7 @@ static olx_result check_indices(const olx_gltf *gltf, uint32_t mesh, const cJSON
   return olx_gltf_fail(gltf, "meshes", mesh, "its indices are not unsigned numbers");
 }
 
-// Corners of a primitive, of its indices where it has them.
+// Number of corners of a primitive, by its indices where it has them.
 static uint64_t corner_count(const olx_gltf *gltf, const cJSON *primitive) {
   uint32_t index;
   olx_gltf_index(primitive, "indices", gltf->accessors.count, &index);
@@ -137,9 +137,9 @@ uint64_t olx_gltf_mesh_triangles(const olx_gltf *gltf, uint32_t mesh) {
   return all;
 }
 
-// ---- triangles
+// ---- Triangles
 
-// One primitive being read, in the form that olx_scene_append_mesh takes.
+// The primitive that is being read, in the form that olx_scene_append_mesh takes.
 typedef struct primitive_reader {
   const olx_gltf *gltf;
   const cJSON *primitive;
@@ -147,7 +147,7 @@ typedef struct primitive_reader {
   const olx_affine *transform;
   olx_gltf_mesh_notes *notes;
   uint32_t vertices, corners;
-  uint32_t *corner; // a vertex a corner
+  uint32_t *corner; // vertex of each corner
   olx_vec3 *positions, *normals;
   olx_vec2 *uvs, *second_uvs;
   olx_vec4 *colors, *tangents;
@@ -165,7 +165,7 @@ static olx_result no_memory(const primitive_reader *r) {
   return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory for a mesh of %u vertices", r->gltf->path, r->vertices);
 }
 
-// An attribute's accessor; OLX_GLTF_NONE when the primitive has none that goes with its positions.
+// The accessor of an attribute; OLX_GLTF_NONE when the primitive has none that matches its positions.
 static uint32_t usable_attribute(const primitive_reader *r, const char *name) {
   const uint32_t index = find_attribute(r->gltf, r->primitive, name);
   if (index == OLX_GLTF_NONE || r->gltf->accessor_data[index].count == r->vertices) return index;
@@ -206,7 +206,7 @@ static olx_result read_normals(primitive_reader *r) {
   return OLX_OK;
 }
 
-// Tangents matter only where there are a normal map and normals.
+// Reads tangents, which are used only with a normal map and normals.
 static olx_result read_tangents(primitive_reader *r) {
   const olx_material *m = &r->gltf->scene->materials[r->surface->material];
   const uint32_t index =
@@ -242,7 +242,7 @@ static olx_result read_uvs(primitive_reader *r, uint32_t place, olx_vec2 **uvs) 
 
 static float clamp_share(float x) { return x >= 0.0f && x <= 1.0f ? x : x > 1.0f ? 1.0f : 0.0f; }
 
-// White vertices are as good as none.
+// Reads colours; vertices that are all white are treated as having none.
 static olx_result read_colors(primitive_reader *r) {
   const uint32_t index = usable_attribute(r, "COLOR_0");
   if (index == OLX_GLTF_NONE) return OLX_OK;
@@ -273,7 +273,8 @@ static olx_result read_corners(primitive_reader *r) {
   return OLX_OK;
 }
 
-// The corners of triangle t: every other one of a strip is turned round, all of a fan share the first corner.
+// Finds the corners of triangle t: every other triangle of a strip is reversed, and all triangles of a fan share the
+// first corner.
 static void find_corners(uint64_t mode, uint32_t t, uint32_t places[3]) {
   const uint32_t first = mode == MODE_TRIANGLES ? 3 * t : mode == MODE_STRIP ? t : 0;
   const uint32_t odd = mode == MODE_STRIP ? t & 1 : 0, step = mode == MODE_FAN ? t : 0;
@@ -282,7 +283,7 @@ static void find_corners(uint64_t mode, uint32_t t, uint32_t places[3]) {
   places[2] = first + 2 + step - odd;
 }
 
-// A mirroring transform turns triangles round so that fronts stay fronts.
+// Builds the triangles. A mirroring transform reverses them, so that front faces stay front faces.
 static olx_result make_triangles(primitive_reader *r) {
   uint64_t mode;
   olx_json_size(r->primitive, "mode", MODE_TRIANGLES, &mode);
@@ -333,7 +334,7 @@ static olx_result append_primitive(const primitive_reader *r, uint32_t mesh) {
   return olx_scene_append_mesh(r->gltf->scene, name, &appended);
 }
 
-// Whether a primitive has triangles that are there; those that are not are counted.
+// Whether a primitive has visible triangles; fully transparent ones are counted.
 static bool has_triangles(const olx_gltf *gltf, const cJSON *primitive, const olx_gltf_surface *surface,
                           olx_model_notes *notes) {
   const uint64_t corners = corner_count(gltf, primitive);

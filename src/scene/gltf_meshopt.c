@@ -1,5 +1,5 @@
-// Decodes compressed views by meshoptimizer, which is safe on hostile streams, after what they promise has been checked
-// and before memory is spent on them.
+// Decompresses views with meshoptimizer, which is safe on hostile streams, after their declared sizes have been checked
+// and before memory is allocated for them.
 #include "scene/gltf_meshopt.h"
 
 #include "core/hooks.h"
@@ -9,8 +9,8 @@
 
 #include <meshoptimizer.h>
 
-// A vertex stream says of 16 equal bytes that they are equal by two bits; the other modes take a byte an index at
-// least.
+// Bound on the expansion: a vertex stream encodes 16 equal bytes by two bits; the other modes take at least one byte
+// per index.
 #define MOST_EXPANSION 64u
 
 typedef enum meshopt_mode { MODE_ATTRIBUTES, MODE_TRIANGLES, MODE_INDICES, MODE_UNKNOWN } meshopt_mode;

@@ -1,5 +1,5 @@
-// Walks over the nodes of a glTF file. That they form trees of bounded depth is checked from the children up, before
-// anything descends by recursion.
+// Traverses the nodes of a glTF file. Before any recursion, it checks from the children up that they form trees of
+// bounded depth.
 #include "scene/gltf_node.h"
 
 #include "core/hooks.h"
@@ -8,12 +8,12 @@
 
 #include <string.h>
 
-// Deeper trees would be walked by deep recursion.
+// Bound on the depth of trees, and so of recursion.
 #define MAX_NODE_DEPTH 256u
-// In place of a parent: a root that the file's scene has named.
+// Value in place of a parent, for roots named by the file's scene.
 #define NAMED_ROOT (OLX_GLTF_NONE - 1)
 
-// ---- the forest
+// ---- The forest
 
 static olx_result note_children(const olx_gltf *gltf, uint32_t node, uint32_t *parents) {
   const cJSON *child = NULL;
@@ -31,7 +31,7 @@ static olx_result note_children(const olx_gltf *gltf, uint32_t node, uint32_t *p
   return OLX_OK;
 }
 
-// Every node has one parent at most, so walking up ends at a root or never.
+// Every node has at most one parent, so that following parents either reaches a root or never ends.
 static olx_result check_depth(const olx_gltf *gltf, uint32_t node, const uint32_t *parents) {
   uint32_t depth = 0;
   for (uint32_t at = node; parents[at] < NAMED_ROOT && depth <= MAX_NODE_DEPTH; at = parents[at]) ++depth;
@@ -56,7 +56,7 @@ static olx_result find_parents(const olx_gltf *gltf, uint32_t *parents) {
   return OLX_OK;
 }
 
-// The roots that scene `index` names, which go to `kept` unless that is NULL.
+// Reads the roots that scene `index` names into `kept` unless that is NULL.
 static olx_result read_scene(const olx_gltf *gltf, uint32_t index, uint32_t *parents, olx_gltf_roots *kept) {
   const cJSON *root = NULL;
   cJSON_ArrayForEach(root, olx_json_member(gltf->scenes.elements[index], "nodes")) {
@@ -106,7 +106,7 @@ olx_result olx_gltf_find_roots(const olx_gltf *gltf, olx_gltf_roots *roots) {
   return result;
 }
 
-// ---- transforms
+// ---- Transforms
 
 static olx_affine from_matrix(const double m[16]) {
   olx_affine a;
@@ -136,7 +136,7 @@ olx_affine olx_gltf_node_transform(const olx_gltf *gltf, uint32_t node) {
   return transform;
 }
 
-// ---- walking
+// ---- Traversal
 
 typedef struct walker {
   const olx_gltf *gltf;
@@ -144,7 +144,7 @@ typedef struct walker {
   void *user;
 } walker;
 
-// olx_gltf_find_roots has bounded the depth.
+// The recursion is bounded by olx_gltf_find_roots.
 static olx_result walk_node(const walker *w, uint32_t node, const olx_affine *parent) {
   const olx_affine local = olx_gltf_node_transform(w->gltf, node), transform = olx_affine_multiply(parent, &local);
   const cJSON *child = NULL;

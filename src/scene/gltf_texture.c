@@ -10,9 +10,9 @@
 #include <stdio.h>
 #include <string.h>
 
-// ---- coordinates
+// ---- Coordinates
 
-// T R S of the extension, v counted downwards: turned counter-clockwise as it is looked at.
+// Reads the transform T R S of the extension: v is downwards, and rotation is counter-clockwise as displayed.
 static void read_transform(const cJSON *transform, olx_gltf_placement *place) {
   float offset[2] = {0.0f, 0.0f}, scale[2] = {1.0f, 1.0f}, rotation = 0.0f;
   olx_json_floats(olx_json_member(transform, "offset"), offset, 2);
@@ -58,10 +58,10 @@ olx_vec2 olx_gltf_place_uv(const olx_gltf_placement *place, olx_vec2 uv) {
   return (olx_vec2){m[0][0] * uv.x + m[0][1] * uv.y + m[0][2], m[1][0] * uv.x + m[1][1] * uv.y + m[1][2]};
 }
 
-// ---- images
+// ---- Images
 
 struct olx_gltf_image {
-  uint8_t *decoded; // a data: URI
+  uint8_t *decoded; // decoded data: URI
   size_t size_bytes;
 };
 
@@ -93,7 +93,7 @@ static olx_result request_image(olx_gltf *gltf, olx_material_import *import, uin
   if (uri[0]) {
     OLX_TRY(decode_image(gltf, image, uri, &bytes));
   } else {
-    // olx_gltf_check_images has seen whether the view exists.
+    // olx_gltf_check_images has checked that the view exists.
     olx_gltf_index(element, "bufferView", gltf->views.count, &view);
     if (view == OLX_GLTF_NONE) return olx_gltf_fail(gltf, "images", image, "it has neither a uri nor a bufferView");
     OLX_TRY(olx_gltf_view_bytes(gltf, view, &bytes));
@@ -101,7 +101,7 @@ static olx_result request_image(olx_gltf *gltf, olx_material_import *import, uin
   return request_embedded(gltf, import, image, bytes, use, number);
 }
 
-// Kinds of images that we do not read.
+// Rejects kinds of images that are not supported.
 static olx_result refuse_kind(const olx_gltf *gltf, uint32_t texture) {
   static const char *const kinds[] = {"KHR_texture_basisu", "EXT_texture_webp", "EXT_texture_avif", "MSFT_texture_dds"};
   for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i) {

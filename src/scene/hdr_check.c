@@ -1,5 +1,5 @@
-// Checks the rows of a Radiance image before stb_image decodes them, by its own rules: four bytes a texel, or runs of
-// each of the four where a row begins with 2, 2 and its width.
+// Checks the rows of a Radiance image by stb_image's rules before it decodes them: four bytes per texel, or runs of
+// each of the four channels where a row begins with 2, 2 and its width.
 #include "scene/hdr_check.h"
 
 #include "core/result.h"
@@ -14,7 +14,7 @@ typedef struct hdr_reader {
   const uint8_t *at, *end;
 } hdr_reader;
 
-// Pass over a line; false when it is empty, which a byte of 0 at its begin makes it as well.
+// Reads a line; false when it is empty, or begins with a zero byte.
 static bool next_line(hdr_reader *r) {
   const uint8_t *line = r->at, *stop = memchr(line, '\n', (size_t)(r->end - line));
   r->at = stop ? stop + 1 : r->end;
@@ -40,7 +40,7 @@ static bool check_rows(hdr_reader *r, uint32_t width, uint32_t height) {
   for (uint32_t y = 0; y < height; y++) {
     if (!has(r, 4)) return false;
     const uint8_t *row = r->at;
-    // A row that is not of runs begins the image anew, without any.
+    // A row without runs restarts the image, without any.
     const bool runs = width >= LEAST_WIDTH_OF_RUNS && row[0] == 2 && row[1] == 2 && !(row[2] & 0x80);
     if (!runs) return has(r, (uint64_t)width * height * 4);
     if (((uint32_t)row[2] << 8 | row[3]) != width) return false;
@@ -52,7 +52,7 @@ static bool check_rows(hdr_reader *r, uint32_t width, uint32_t height) {
   return true;
 }
 
-// The line "-Y HEIGHT +X WIDTH", in no other way than writers have it. False when it is another.
+// Parses the line "-Y HEIGHT +X WIDTH", only in the usual form; false for any other line.
 static bool read_size(hdr_reader *r, uint32_t *width, uint32_t *height) {
   char line[64] = {0};
   const hdr_reader begin = *r;

@@ -1,24 +1,24 @@
-// Filling a scene from files.
+// Fills a scene from files.
 #ifndef OLX_SCENE_IMPORT_H
 #define OLX_SCENE_IMPORT_H
 
 #include "scene/scene_data.h"
 
-// Placement of a model in the scene: scaled, then rotated about x, y, z in that order, then moved.
+// The placement of a model in the scene: scaled, then rotated about x, y, z in that order, then translated.
 typedef struct olx_placement {
   float scale;
-  double translate[3]; // scene coordinates
+  double translate[3]; // in scene coordinates
   olx_vec3 rotate_degrees;
 } olx_placement;
 
-// Append a glTF, GLB or OBJ model: triangles, materials, textures, lights and cameras.
+// Appends a glTF, GLB or OBJ model: triangles, materials, textures, lights and cameras.
 olx_result olx_import_model(const char *path, const olx_placement *placement, olx_scene *scene);
 
-// Append a built-in scene, named without "builtin:": its triangles, materials and cameras. All its light comes from
-// triangles; its probe volume is left behind.
+// Appends a built-in scene, named without "builtin:": its triangles, materials and cameras. All its light comes from
+// triangles; its probe volume is not imported.
 olx_result olx_import_builtin(const char *name, const olx_placement *placement, olx_scene *scene);
 
-// Fill an empty scene from a JSON description (docs/scenes.md).
+// Fills an empty scene from a JSON description (docs/scenes.md).
 olx_result olx_import_description(const char *path, olx_scene *scene);
 
 #endif

@@ -1,4 +1,4 @@
-// Imports a built-in scene as a part of another one, at the place where the description puts it.
+// Imports a built-in scene as a part of another scene, placed as the description says.
 #include "scene/affine.h"
 #include "scene/builtin.h"
 #include "scene/import.h"
@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-// Where the volume of probes is, which a scene built in as a part of another must not change.
+// The probe volume of a scene, which a built-in scene imported into it must not change.
 typedef struct probe_volume {
   bool has_volume, has_count;
   olx_vec3 min, max;
@@ -29,7 +29,7 @@ static void restore_volume(olx_scene *scene, const probe_volume *kept) {
   for (int i = 0; i < 3; ++i) scene->probes_count[i] = kept->count[i];
 }
 
-// Built-in scenes are made around 0, wherever they are placed then.
+// Builds a built-in scene around 0, before it is placed.
 static olx_result build_at_zero(const char *name, olx_scene *scene) {
   const olx_scene before = *scene;
   memset(scene->origin, 0, sizeof scene->origin);

@@ -1,4 +1,4 @@
-// Imports a glTF model from the file to the scene: everything is checked and counted before memory is spent on it.
+// Imports a glTF model into a scene: everything is checked and counted before memory is allocated for it.
 #include "core/hooks.h"
 #include "core/result.h"
 #include "scene/gltf_accessor.h"
@@ -13,20 +13,20 @@
 typedef struct gltf_import {
   olx_gltf *gltf;
   olx_gltf_roots roots;
-  olx_gltf_surface *surfaces; // one a material, and one for primitives without
-  bool *seen;                 // a mesh of the file's scene
+  olx_gltf_surface *surfaces; // one per material, and one for primitives without a material
+  bool *seen;                 // one per mesh of the file's scene
   olx_gltf_mesh_notes notes;
   uint32_t skinned;
 } gltf_import;
 
-// The mesh of a node, or OLX_GLTF_NONE.
+// The mesh of a node; OLX_GLTF_NONE without one.
 static uint32_t mesh_of(const olx_gltf *gltf, uint32_t node) {
   uint32_t mesh;
   olx_gltf_index(gltf->nodes.elements[node], "mesh", gltf->meshes.count, &mesh);
   return mesh;
 }
 
-// ---- limits
+// ---- Limits
 
 static olx_result check_triangles(const olx_gltf *gltf, const char *list, uint32_t element, uint64_t triangles) {
   char name[32];
@@ -34,7 +34,7 @@ static olx_result check_triangles(const olx_gltf *gltf, const char *list, uint32
   return olx_import_check_limit(gltf->scene, OLX_LIMIT_TRIANGLES, triangles, gltf->path, name);
 }
 
-// A mesh is made once for every node that has it.
+// Counts the triangles of all instances: a mesh is imported once for every node that refers to it.
 static olx_result check_instances(const olx_gltf *gltf, uint64_t *triangles) {
   uint64_t all = gltf->scene->triangle_count;
   for (uint32_t i = 0; i < gltf->meshes.count; ++i) {
@@ -73,9 +73,9 @@ static olx_result check_amounts(const olx_gltf *gltf) {
   return result;
 }
 
-// ---- the file's scene
+// ---- The file's scene
 
-// Notes which materials the meshes of the scene's nodes use.
+// Marks the materials that the meshes of the scene's nodes use.
 static olx_result mark_used(void *user, uint32_t node, const olx_affine *transform) {
   gltf_import *import = user;
   const olx_gltf *gltf = import->gltf;

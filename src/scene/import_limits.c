@@ -1,5 +1,5 @@
-// Bounds what files may ask for while a scene is loaded: the defaults of olx_scene_limits, and the one message that
-// refuses what goes beyond a limit.
+// Limits what files may request while a scene is loaded: the defaults of olx_scene_limits, and the error message for
+// exceeding a limit.
 #include "scene/import_limits.h"
 
 #include "core/result.h"
@@ -17,7 +17,7 @@ olx_scene_limits olx_import_limits(const olx_scene_limits *given) {
   return limits;
 }
 
-// A limit's number, its name in olx_scene_limits, and what it counts.
+// The value of a limit, its name in olx_scene_limits, and what it counts.
 typedef struct limit_row {
   uint64_t most;
   const char *name, *what;

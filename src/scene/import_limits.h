@@ -1,10 +1,10 @@
-// Counting what a file asks for before it is given: the limits of olx_scene_limits and the message that refuses.
+// Checks counts in a file against olx_scene_limits before anything is allocated.
 #ifndef OLX_SCENE_IMPORT_LIMITS_H
 #define OLX_SCENE_IMPORT_LIMITS_H
 
 #include "scene/scene_data.h"
 
-// The limits with a default in place of every 0.
+// The limits, with a default in place of every 0.
 olx_scene_limits olx_import_limits(const olx_scene_limits *given);
 
 typedef enum olx_import_limit {
@@ -15,12 +15,12 @@ typedef enum olx_import_limit {
   OLX_LIMIT_NODES
 } olx_import_limit;
 
-// Refuse `found` when it is above the scene's limit. `path` is the file and `element` the place in it, such as
+// Fails when `found` is above the scene's limit. `path` is the file and `element` the position in it, such as
 // "meshes[3]".
 olx_result olx_import_check_limit(const olx_scene *scene, olx_import_limit limit, uint64_t found, const char *path,
                                   const char *element);
 
-// Texels of the scene's images.
+// Total number of texels of the scene's images.
 uint64_t olx_scene_texels(const olx_scene *scene);
 
 #endif

@@ -1,4 +1,4 @@
-// Brings the numbers of imported materials into their ranges, finds and loads their images, and turns oddities into one
+// Clamps the values of imported materials to their ranges, finds and loads their images, and collects problems into one
 // warning of each kind.
 #include "scene/import_material.h"
 
@@ -50,7 +50,7 @@ void olx_import_repair_material(olx_material_import *import, olx_material *m) {
   repaired |= repair_number(&m->alpha_cutoff, 0.0f, 1e20f, 0.5f);
   repaired |= repair_number(&m->normal_scale, -1e4f, 1e4f, 1.0f);
   if (repaired) olx_name_list_add(&import->repaired, m->name);
-  // With a texture, the product is clamped where it is looked up.
+  // With a texture, the product is clamped when it is sampled.
   if (m->base_color_texture == OLX_NO_TEXTURE && olx_max3(m->base_color) > LARGEST_ALBEDO) {
     m->base_color = olx_min_each(m->base_color, olx_splat(LARGEST_ALBEDO));
     olx_name_list_add(&import->clamped, m->name);

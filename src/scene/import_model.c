@@ -1,5 +1,4 @@
-// Chooses the importer of a model by the name of its file, and turns what importers note about vertices and triangles
-// into warnings.
+// Selects the importer of a model by its file name, and turns problems with vertices and triangles into warnings.
 #include "scene/import_model.h"
 
 #include "core/result.h"
@@ -12,7 +11,7 @@ static bool has_extension(const char *path, const char *extension) {
   return length >= tail && strcasecmp(path + length - tail, extension) == 0;
 }
 
-// The most that a transform stretches along an axis.
+// The largest factor by which a transform stretches an axis.
 static double largest_scale(const olx_affine *a) {
   double largest = 0.0;
   for (int c = 0; c < 3; ++c) {
@@ -28,7 +27,7 @@ void olx_note_farthest(olx_model_notes *notes, float farthest, const olx_affine 
   notes->farthest = farthest;
 }
 
-// Far from the model's own zero floats are coarse.
+// Warns about vertices far from the model's own origin, where floats are coarse.
 static void warn_about_coarse_vertices(const char *path, const olx_model_notes *notes, olx_scene *scene) {
   const float diagonal = olx_length(olx_sub(scene->made_of.max, scene->made_of.min));
   if (!(notes->apart > 0x1p-18f * diagonal)) return;

@@ -1,4 +1,4 @@
-// Imports OBJ models, which Assimp reads after the file has been measured.
+// Imports OBJ models, which Assimp reads after the file has been checked.
 #include "core/hooks.h"
 #include "core/result.h"
 #include "scene/import_model.h"
@@ -17,13 +17,13 @@ typedef struct obj_import {
   const char *path;
   olx_scene *scene;
   const struct aiScene *source;
-  uint32_t *material_index; // in the scene, a material of the source; UINT32_MAX when no mesh uses it
-  bool *absent;             // a material of the source
+  uint32_t *material_index; // scene index of each source material; UINT32_MAX when no mesh uses it
+  bool *absent;             // one per source material
   olx_model_notes notes;
   uint32_t colored_meshes;
 } obj_import;
 
-// Leaves 0 in material_index for the materials that a mesh uses, UINT32_MAX for the others.
+// Sets material_index to 0 for materials that a mesh uses, and to UINT32_MAX for the others.
 static void mark_used_materials(obj_import *import) {
   const struct aiScene *source = import->source;
   for (uint32_t i = 0; i < source->mNumMaterials; ++i) import->material_index[i] = UINT32_MAX;
@@ -56,7 +56,7 @@ static olx_result import_materials(obj_import *import) {
   return result;
 }
 
-// One mesh's arrays in the form olx_scene_add_mesh takes.
+// The arrays of one mesh, in the form that olx_scene_add_mesh takes.
 typedef struct mesh_arrays {
   olx_vec3 *positions, *normals;
   olx_vec2 *uvs;
@@ -78,13 +78,13 @@ static void fill_vertices(obj_import *import, const struct aiMesh *mesh, const o
       const olx_vec3 turned = olx_affine_vector(&normals, olx_normalize(olx_v3(n.x, n.y, n.z)));
       out->normals[i] = olx_scale(turned, (float)mirrored);
     }
-    // Assimp counts v upwards from the bottom of the image, the scene downwards from its top.
+    // Assimp's v increases upwards from the bottom of the image, the scene's downwards from its top.
     if (out->uvs) out->uvs[i] = (olx_vec2){mesh->mTextureCoords[0][i].x, 1.0f - mesh->mTextureCoords[0][i].y};
   }
   olx_note_farthest(&import->notes, farthest, transform);
 }
 
-// Triangles only; a mirroring transform turns them round so that fronts stay fronts.
+// Fills the indices of triangles; a mirroring transform reverses them, so that front faces stay front faces.
 static void fill_indices(obj_import *import, const struct aiMesh *mesh, bool mirrored, mesh_arrays *out) {
   uint32_t *index = out->indices;
   for (uint32_t i = 0; i < mesh->mNumFaces; ++i) {
@@ -147,7 +147,7 @@ static olx_result add_node(obj_import *import, const struct aiNode *node, const 
   for (uint32_t i = 0; i < node->mNumMeshes; ++i) {
     OLX_TRY(add_mesh(import, import->source->mMeshes[node->mMeshes[i]], &transform));
   }
-  // The nodes of an OBJ file are flat.
+  // The nodes of an OBJ file are not nested.
   for (uint32_t i = 0; i < node->mNumChildren; ++i) OLX_TRY(add_node(import, node->mChildren[i], &transform));
   return OLX_OK;
 }

@@ -1,6 +1,5 @@
-// Checks the segments of a JPEG before stb_image decodes it, by its own rules: bytes between two segments are passed
-// over, up to the next byte FF. Coded data follows the segment of a scan in the same way, in which FF 00 encodes a byte
-// FF, and FF D0 to FF D7 restart.
+// Checks the segments of a JPEG by stb_image's rules before it decodes them: bytes between two segments are skipped up
+// to the next byte FF. So is coded data after a scan's segment, where FF 00 encodes FF and FF D0 to FF D7 restart.
 #include "scene/jpeg_check.h"
 
 #include "core/result.h"
@@ -20,7 +19,7 @@ typedef struct jpeg_reader {
   size_t size_bytes, at;
 } jpeg_reader;
 
-// The marker after the next bytes FF; END where there is none.
+// The next marker, after any bytes FF; END where there is none.
 static uint32_t next_marker(jpeg_reader *r) {
   while (r->at < r->size_bytes && r->data[r->at] != 0xFF) r->at++;
   while (r->at < r->size_bytes && r->data[r->at] == 0xFF) r->at++;
@@ -31,8 +30,8 @@ static bool stands_alone(uint32_t marker) {
   return marker == 0 || marker == TEMPORARY || marker == START || (marker >= RESTART_FIRST && marker <= RESTART_LAST);
 }
 
-// A segment's tables: a byte of kind, sixteen counts of codes by their lengths, and the codes. What is cut off,
-// stb_image refuses.
+// Checks a segment's tables: a byte of kind, sixteen counts of codes by length, and the codes. stb_image itself rejects
+// truncated tables.
 static bool check_tables(const uint8_t *tables, size_t size_bytes) {
   while (size_bytes >= 17) {
     size_t codes = 0;

@@ -1,5 +1,5 @@
-// Parses JSON strictly and reads checked values from it: members that occur twice, NULs in strings, and numbers that a
-// float cannot hold are refused.
+// Parses JSON strictly and reads validated values from it: duplicate members, NULs in strings, and numbers that a float
+// cannot hold are rejected.
 #include "scene/json_value.h"
 
 #include "core/hooks.h"
@@ -17,7 +17,7 @@ static unsigned line_of(const char *text, const char *end) {
   return line;
 }
 
-// Strings of C end at the first NUL, whether it is a byte or the escape \u0000.
+// Rejects NULs, at which C strings end, both as bytes and as the escape \u0000.
 static olx_result refuse_nul(const char *path, const char *text, size_t size_bytes) {
   bool inside = false;
   for (size_t i = 0; i < size_bytes; ++i) {
@@ -37,7 +37,7 @@ static int compare_names(const void *a, const void *b) {
   return strcmp((*first)->string, (*second)->string);
 }
 
-// Where an element is: "nodes[3].mesh".
+// The path of an element, such as "nodes[3].mesh".
 typedef struct json_place {
   char text[200];
 } json_place;
@@ -66,7 +66,7 @@ static olx_result refuse_twins(const char *path, const json_place *at, const cJS
   return result;
 }
 
-// cJSON has bounded how deep values are nested.
+// The recursion is bounded, because cJSON limits the nesting of values.
 static olx_result check_members(const char *path, const json_place *at, const cJSON *value) {
   const cJSON *item = NULL;
   uint32_t count = 0;

@@ -1,9 +1,9 @@
-// Chooses the origin of a scene's local frame, and moves positions into that frame.
+// Chooses the origin of a scene's local frame, and converts positions to that frame.
 #include "scene/local_frame.h"
 
 #include "core/chunk_file.h"
 
-#define NEAR_DIAGONALS 16.0 // a scene within so many of its own diagonals keeps the origin of coordinates
+#define NEAR_DIAGONALS 16.0 // a scene within this many of its own diagonals of 0 keeps the origin 0
 
 bool olx_scene_is_far(const olx_scene *scene) { return olx_origin_is_stored(scene->origin); }
 
@@ -48,7 +48,7 @@ bool olx_scene_wants_origin(const olx_scene *scene, double origin[3]) {
   for (int axis = 0; axis < 3; axis++) {
     const double centre = scene->origin[axis] + 0.5 * (lows[axis] + highs[axis]);
     const bool far = diagonal > 0.0 && farthest > NEAR_DIAGONALS * diagonal;
-    origin[axis] = far ? round(centre / step) * step + 0.0 : 0.0; // + 0.0: never minus 0
+    origin[axis] = far ? round(centre / step) * step + 0.0 : 0.0; // + 0.0 avoids -0
     differs = differs || origin[axis] != scene->origin[axis];
   }
   return differs;

@@ -1,5 +1,5 @@
-// The frame in which a scene keeps its positions: relative to an origin in double precision, so that floats are as fine
-// far from the origin of coordinates as they are near it (docs/maths.md, "Local frame").
+// The local frame of a scene's positions: relative to an origin in double precision, so that floats are as precise far
+// from the origin of coordinates as near it (docs/maths.md, "Local frame").
 #ifndef OLX_SCENE_LOCAL_FRAME_H
 #define OLX_SCENE_LOCAL_FRAME_H
 
@@ -8,19 +8,19 @@
 // Whether the origin is not 0.
 bool olx_scene_is_far(const olx_scene *scene);
 
-// A position of scene coordinates in the local frame.
+// Converts a position from scene coordinates to the local frame.
 olx_vec3 olx_scene_local(const olx_scene *scene, const double position[3]);
 
 // Whether a local position lies within OLX_POSITION_LIMIT_METRES of the origin of coordinates; false for NaN.
 bool olx_scene_holds(const olx_scene *scene, olx_vec3 position);
 
-// A length as files give it: in a scene whose origin is 0 a float, as all of its positions are.
+// Converts a length read from a file: rounded to float in a scene whose origin is 0, like all of its positions.
 double olx_scene_length(const olx_scene *scene, double length);
 
-// Extend the box around what the scene is made of by a position.
+// Extends the bounds of the scene's content by a position.
 void olx_scene_include(olx_scene *scene, olx_vec3 position);
 
-// Whether what the scene is made of asks for another origin than the scene has, and which.
+// Whether the bounds of the scene's content require another origin than the scene has, and which.
 bool olx_scene_wants_origin(const olx_scene *scene, double origin[3]);
 
 #endif

@@ -1,5 +1,5 @@
-// Judges every file that a model names, whoever reads it: a model is not trusted to name any file of the machine it is
-// loaded on. Assimp reads all of its files through this, each material file once.
+// Decides which files a model may read, for every importer: a model is not trusted to name arbitrary files of the
+// machine. Assimp opens all of its files through this, each material file once.
 #include "scene/model_files.h"
 
 #include "core/file.h"
@@ -21,7 +21,7 @@
 
 enum { MOST_PATH = 4096 };
 
-// The folder that contains `path`, links resolved; false when it cannot be found.
+// The folder that contains `path`, with links resolved; false when it cannot be found.
 static bool folder_of(const char *path, char folder[static MOST_PATH]) {
   char named[MOST_PATH];
   const char *slash = strrchr(path, '/');
@@ -43,7 +43,7 @@ olx_result olx_model_file_check(const olx_scene *scene, const char *model_path, 
   if (!folder_of(model_path, folder)) {
     result = olx_fail(OLX_ERROR_FILE, "%s: its folder cannot be found", model_path);
   } else {
-    const size_t length = (size_t)(strrchr(folder, '/') - folder); // of the parent; 0 when that is the root
+    const size_t length = (size_t)(strrchr(folder, '/') - folder); // length of the parent's path; 0 for the root
     if (strncmp(resolved, folder, length) != 0 || resolved[length] != '/') {
       folder[length] = 0;
       result = olx_fail(OLX_ERROR_UNSUPPORTED,
@@ -79,18 +79,18 @@ typedef struct file_identity {
   ino_t inode;
 } file_identity;
 
-// One model being read.
+// The state of reading one model.
 typedef struct model_reader {
   struct aiFileIO io;
   const char *path;
   olx_scene *scene;
-  file_identity *seen; // the files read so far, but the model's own
+  file_identity *seen; // files read so far, except the model's own
   uint32_t seen_count;
-  uint64_t materials; // begun in material files
-  olx_result result;  // the first refusal; its message is the last error
+  uint64_t materials; // number of materials that material files define
+  olx_result result;  // the first error; its message is the last error
 } model_reader;
 
-// A file that Assimp has open.
+// A file that Assimp has opened.
 typedef struct open_file {
   struct aiFile file;
   olx_mapped_file mapped;
@@ -121,13 +121,14 @@ static void flush_nothing(struct aiFile *file) { (void)file; }
 static enum aiReturn seek_to(struct aiFile *file, size_t offset, enum aiOrigin origin) {
   open_file *open = (open_file *)(void *)file->UserData;
   const size_t base = origin == aiOrigin_SET ? 0 : origin == aiOrigin_CUR ? open->position : open->size_bytes;
-  const size_t position = base + offset; // a negative offset wraps around to what it means
+  const size_t position = base + offset; // a negative offset wraps around to the intended position
   if (position > open->size_bytes) return aiReturn_FAILURE;
   open->position = position;
   return aiReturn_SUCCESS;
 }
 
-// Properties before the first material crash Assimp, and every material costs it tens of kilobytes.
+// Checks a material file: properties before the first material crash Assimp, and every material costs it tens of
+// kilobytes.
 static olx_result check_material_file(model_reader *reader, const char *path, const open_file *file) {
   const char *line = file->data, *const end = line + file->size_bytes;
   bool begun = false;
@@ -147,7 +148,7 @@ static olx_result check_material_file(model_reader *reader, const char *path, co
                                 path, "newmtl");
 }
 
-// Whether a file has been read before; it counts as read from now on.
+// Whether a file has been read before; marks it as read.
 static olx_result note_file(model_reader *reader, const char *path, bool *before) {
   struct stat status;
   *before = false;
@@ -157,7 +158,7 @@ static olx_result note_file(model_reader *reader, const char *path, bool *before
   }
   if (*before) return OLX_OK;
   const uint32_t count = reader->seen_count;
-  if ((count & (count - 1)) == 0) { // room for the next power of two
+  if ((count & (count - 1)) == 0) { // grows the capacity to the next power of two
     file_identity *grown = olx_allocate(count ? (size_t)count * 2 : 1, sizeof *grown);
     if (!grown) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", path);
     if (count) memcpy(grown, reader->seen, count * sizeof *grown);
@@ -173,7 +174,8 @@ static olx_result check_opened(model_reader *reader, const char *path, open_file
   bool before;
   OLX_TRY(note_file(reader, path, &before));
   if (!before) return check_material_file(reader, path, file);
-  // Its materials are known, and Assimp refuses a file of a few bytes.
+  // A file that was read before is replaced by a comment: its materials are known, and Assimp rejects files of a few
+  // bytes.
   static const char nothing[] = "# its materials have been read before\n";
   file->data = nothing;
   file->size_bytes = sizeof nothing - 1;
@@ -214,7 +216,7 @@ static void close_for_assimp(struct aiFileIO *io, struct aiFile *file) {
 }
 
 olx_result olx_model_read(const char *path, unsigned steps, olx_scene *scene, const struct aiScene **source) {
-  // Assimp keeps the message of a failed import in one global string.
+  // Guards Assimp's global error string.
   static pthread_mutex_t assimp_lock = PTHREAD_MUTEX_INITIALIZER;
   char error[512] = "";
   model_reader reader = {.path = path, .scene = scene};

@@ -1,4 +1,4 @@
-// The files that a model is made of: which may be read, and how Assimp reads them.
+// The files of a model: which may be read, and how Assimp reads them.
 #ifndef OLX_SCENE_MODEL_FILES_H
 #define OLX_SCENE_MODEL_FILES_H
 
@@ -6,16 +6,16 @@
 
 struct aiScene;
 
-// Refuse a file that a model names and that lies neither in the folder that the model's folder is in nor below it,
-// unless the scene is loaded with allow_outside. Links are followed first. A file that does not exist passes.
+// Rejects a file that a model names and that lies neither in the parent of the model's folder nor below it, unless the
+// scene is loaded with allow_outside. Links are resolved first. A file that does not exist passes.
 olx_result olx_model_file_check(const olx_scene *scene, const char *model_path, const char *path);
 
-// Where a file lies that a model names, relative to the model. MTL files from Windows use backslashes, glTF escapes
-// characters with %.
+// Locates a file that a model names relative to itself. MTL files from Windows use backslashes; glTF escapes characters
+// with %.
 void olx_model_file_locate(const char *model_path, const char *name, char *path, size_t size_bytes);
 
-// Let Assimp read an OBJ model, file by file through the check above; material files must begin with a material, are
-// read once, and their materials are counted. `steps` are Assimp's. The caller releases *source with aiReleaseImport.
+// Reads an OBJ model with Assimp; each file passes the check above. Material files must begin with a material, are read
+// once, and their materials are counted. `steps` are Assimp's. The caller releases *source with aiReleaseImport.
 olx_result olx_model_read(const char *path, unsigned steps, olx_scene *scene, const struct aiScene **source);
 
 #endif

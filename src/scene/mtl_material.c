@@ -1,4 +1,4 @@
-// Turns the materials of MTL files, as Assimp reads them, into those of a scene.
+// Converts the materials of MTL files, as Assimp reads them, to a scene's.
 #include "scene/mtl_material.h"
 
 #include "core/result.h"
@@ -50,7 +50,7 @@ static olx_result read_mtl(olx_material_import *import, const source_material *s
   m->metallic = get_float(source, AI_MATKEY_METALLIC_FACTOR, 0.0f);
   const olx_vec3 ks = get_color(source, AI_MATKEY_COLOR_SPECULAR, olx_splat(0.0f));
   m->specular_weight = olx_max3(ks) > 0.0f ? 1.0f : 0.0f;
-  // Blinn-Phong's exponent as GGX: alpha = sqrt(2 / (Ns + 2)) = roughness^2. An explicit Pr goes first.
+  // Converts Blinn-Phong's exponent to GGX: alpha = sqrt(2 / (Ns + 2)) = roughness^2. An explicit Pr takes precedence.
   const float exponent = olx_max(get_float(source, AI_MATKEY_SHININESS, 0.0f), 0.0f);
   m->roughness = m->specular_weight > 0.0f ? sqrtf(sqrtf(2.0f / (exponent + 2.0f))) : 1.0f;
   if (has_float(source, AI_MATKEY_ROUGHNESS_FACTOR)) m->roughness = get_float(source, AI_MATKEY_ROUGHNESS_FACTOR, 1.0f);

@@ -1,4 +1,4 @@
-// Materials of OBJ models.
+// Converts the materials of OBJ models.
 #ifndef OLX_SCENE_MTL_MATERIAL_H
 #define OLX_SCENE_MTL_MATERIAL_H
 
@@ -6,7 +6,7 @@
 
 struct aiMaterial;
 
-// One of Assimp's materials; its texture members are numbers of import->textures.
+// Converts one of Assimp's materials; its texture members are indices of import->textures.
 olx_result olx_import_mtl(olx_material_import *import, const struct aiMaterial *source, olx_material *material);
 
 #endif

@@ -1,5 +1,5 @@
-// Counts in one pass over an OBJ file what Assimp would make of it. Assimp cuts a polygon into triangles in the square
-// of its corners, and makes a mesh or a node of every object, group and change of material.
+// Counts in one pass over an OBJ file what Assimp would create from it. Assimp triangulates a polygon in time quadratic
+// in its corners, and creates a mesh or a node for every object, group and change of material.
 #include "scene/obj_check.h"
 
 #include "core/file.h"
@@ -17,11 +17,11 @@
 typedef struct obj_checker {
   const char *path;
   olx_scene *scene;
-  uint32_t missing; // material files
+  uint32_t missing; // number of missing material files
   uint64_t triangles, nodes;
-  olx_name_index materials; // that faces use: Assimp makes one up for every name that it does not know
-  bool polygon;             // whether the line belongs to one
-  uint64_t corners;         // of that polygon so far
+  olx_name_index materials; // materials that faces use: Assimp creates one for every name that it does not know
+  bool polygon;             // whether the line belongs to a polygon
+  uint64_t corners;         // corners of that polygon so far
 } obj_checker;
 
 static void check_material_library(obj_checker *c, const char *name, size_t length) {
@@ -47,14 +47,14 @@ static olx_result check_usemtl(obj_checker *c, const char *line, const char *sto
   char name[1024];
   if (stop - line <= 7 || memcmp(line, "usemtl", 6) != 0) return OLX_OK;
   snprintf(name, sizeof name, "%.*s", (int)(stop - line - 7 < 1000 ? stop - line - 7 : 1000), line + 7);
-  // Two names of one hash are counted once, which no honest file notices.
+  // Two names with the same hash are counted once, which no benign file will notice.
   if (olx_name_index_find(&c->materials, name, OLX_NO_ELEMENT) != OLX_NO_ELEMENT) return OLX_OK;
   OLX_TRY(olx_name_index_add(&c->materials, name));
   return olx_import_check_limit(c->scene, OLX_LIMIT_MATERIALS, c->scene->material_count + c->materials.count, c->path,
                                 element);
 }
 
-// Every run of digits begins a corner, but those after a slash, which continue one.
+// Counts runs of digits as corners, except those after a slash, which continue one.
 static uint64_t count_corners(const char *text, const char *stop) {
   uint64_t corners = 0;
   char before = ' ', last = ' ';
@@ -75,7 +75,7 @@ static olx_result check_limits(const obj_checker *c, const char *element) {
                                 element);
 }
 
-// `continued`: the line before ends with a backslash, or, as Assimp reads it, contains one.
+// Checks a line. `continued`: the line before ends with a backslash or, as Assimp reads it, contains one.
 static olx_result check_line(obj_checker *c, const char *line, const char *stop, bool continued, unsigned number) {
   if (!continued) c->polygon = false;
   if (line == stop) return OLX_OK;

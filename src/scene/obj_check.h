@@ -4,8 +4,8 @@
 
 #include "scene/scene_data.h"
 
-// Refuse polygons, triangles and objects beyond the scene's limits. Material files that are missing become warnings of
-// the scene, because Assimp passes over them in silence.
+// Rejects polygons, triangles and objects beyond the scene's limits. Missing material files, which Assimp silently
+// ignores, become warnings of the scene.
 olx_result olx_obj_check(const char *path, olx_scene *scene);
 
 #endif

@@ -1,4 +1,4 @@
-// Checks the chunks of a PNG before stb_image decodes it: a length, a type, so many bytes, and a checksum.
+// Checks the chunks of a PNG before stb_image decodes it: each is a length, a type, that many bytes, and a checksum.
 #include "scene/png_check.h"
 
 #include "core/result.h"

@@ -1,4 +1,4 @@
-// A ray through the scene, and where it meets a triangle.
+// A ray through the scene, and its hit on a triangle.
 #ifndef OLX_SCENE_RAY_H
 #define OLX_SCENE_RAY_H
 
@@ -7,7 +7,7 @@
 #define OLX_NO_HIT UINT32_MAX
 
 typedef struct olx_ray {
-  olx_vec3 origin, direction; // direction need not be unit; distances are in its length
+  olx_vec3 origin, direction; // direction need not be unit; distances are in units of its length
   float t_min, t_max;
 } olx_ray;
 

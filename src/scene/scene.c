@@ -1,5 +1,5 @@
-// Loads scenes from files, descriptions and code, moves those far from the origin into a frame of their own, and
-// answers queries about cameras and the grid of probes.
+// Loads scenes from files, descriptions and code, moves those far from the origin into a local frame, and answers
+// queries about cameras and the grid of probes.
 #include "core/hooks.h"
 #include "core/result.h"
 #include "scene/bvh.h"
@@ -16,8 +16,8 @@ olx_result olx_scene_finish(olx_scene *scene) {
   return olx_emitters_create(scene, &scene->emitters);
 }
 
-// Fill an empty scene, and again where what it is made of turns out to lie far from the origin. The first time
-// positions are known to a float only, which may be too coarse for the origin that the second time asks for.
+// Fills an empty scene, and fills it again when its content turns out to lie far from the origin. In the first pass
+// positions are known only to a float, which may be too coarse for the origin that the second pass requires.
 static olx_result fill_in_local_frame(olx_result (*fill)(const char *name, olx_scene *scene), const char *name,
                                       olx_scene *scene) {
   enum { MOST_TIMES = 4 };
@@ -88,7 +88,7 @@ olx_camera olx_scene_camera(const olx_scene *scene, uint32_t index) {
   return index < scene->camera_count ? scene->cameras[index] : (olx_camera){.name = ""};
 }
 
-// From a corner above and in front, far enough that the sphere around the bounds fits the field of view.
+// A camera at a corner above and in front, far enough that the sphere around the bounds fits the field of view.
 static olx_camera overview_camera(const olx_scene *scene) {
   const olx_vec3 center = olx_scale(olx_add(scene->bounds_min, scene->bounds_max), 0.5f);
   const float radius = 0.5f * olx_length(olx_sub(scene->bounds_max, scene->bounds_min));
@@ -126,7 +126,8 @@ olx_result olx_scene_find_camera(const olx_scene *scene, const char *name, olx_c
   return olx_fail(OLX_ERROR_ARGUMENT, "no camera named \"%s\"; the scene has %s", name, names[0] ? names : "none");
 }
 
-// Probes along one axis: the first and last at the volume's ends, or in the middles of equal cells of the bounds.
+// Places probes along one axis: the first and last at the volume's ends, or at the midpoints of equal cells of the
+// bounds.
 static void place_on_axis(bool volume, float low, float high, uint32_t count, float *origin, float *spacing) {
   if (count == 1) {
     *origin = 0.5f * (low + high);

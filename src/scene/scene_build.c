@@ -1,5 +1,5 @@
-// Grows a scene while it is made: appends meshes, materials, textures and lights, skips what is degenerate with a
-// warning, and sums up bounds and hash at the end.
+// Builds a scene: appends meshes, materials, textures and lights, skips what is degenerate with a warning, and computes
+// bounds and hash at the end.
 #include "scene/scene_build.h"
 
 #include "core/hooks.h"
@@ -13,15 +13,14 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-// Arrays have room for the next power of two of their count, so that no capacities need to be kept.
+// Capacity of an array: the next power of two of its count, so that capacities need not be stored.
 static uint64_t capacity_for(uint64_t count) {
   uint64_t capacity = 16;
   while (capacity < count) capacity *= 2;
   return capacity;
 }
 
-// An array with the `count` elements of `array` and room for `added` more, in place of it; NULL when there is no
-// memory.
+// Replaces an array by one with its `count` elements and room for `added` more; NULL when memory runs out.
 static void *grow(void *array, uint32_t count, uint32_t added, size_t element_bytes) {
   const uint64_t wanted = (uint64_t)count + added;
   if (array && capacity_for(count) >= wanted) return array;
@@ -36,8 +35,8 @@ void *olx_scene_array(uint32_t count, size_t element_bytes) {
   return olx_allocate((size_t)capacity_for(count), element_bytes);
 }
 
-// Makes room for an attribute that few meshes have: `array` is NULL until one of them comes, and the vertices before it
-// get `otherwise`.
+// Reserves room for an attribute that few meshes have: `array` is NULL until a mesh has it, and earlier vertices get
+// `otherwise`.
 static olx_result reserve_rare(void **array, bool wanted, uint32_t count, uint32_t added, size_t element_bytes,
                                const void *otherwise) {
   if (!*array && !wanted) return OLX_OK;
@@ -151,7 +150,7 @@ olx_result olx_scene_add_rect_light(olx_scene *scene, olx_vec3 center, olx_vec3 
   return olx_scene_add_mesh(scene, material.name, positions, NULL, NULL, 4, indices, 2, index);
 }
 
-// Why a triangle is left out.
+// The reason why a triangle is skipped.
 typedef enum triangle_fault { FAULT_NONE, FAULT_INDEX, FAULT_POSITION, FAULT_AREA, FAULT_COUNT } triangle_fault;
 
 static triangle_fault judge_triangle(const olx_scene *scene, const olx_vec3 *positions, uint32_t vertex_count,
@@ -159,7 +158,7 @@ static triangle_fault judge_triangle(const olx_scene *scene, const olx_vec3 *pos
   if (corner[0] >= vertex_count || corner[1] >= vertex_count || corner[2] >= vertex_count) return FAULT_INDEX;
   const olx_vec3 a = positions[corner[0]], b = positions[corner[1]], c = positions[corner[2]];
   if (!olx_scene_holds(scene, a) || !olx_scene_holds(scene, b) || !olx_scene_holds(scene, c)) return FAULT_POSITION;
-  // In floats, as everything downstream computes its normal.
+  // Computed in floats, like normals everywhere.
   const float area = olx_length(olx_cross(olx_sub(b, a), olx_sub(c, a)));
   return area > 0.0f && isfinite(area) ? FAULT_NONE : FAULT_AREA;
 }
@@ -208,7 +207,7 @@ static olx_vec2 uv_of(const olx_vec2 *uvs, uint32_t vertex) {
   return uvs && isfinite(uvs[vertex].x) && isfinite(uvs[vertex].y) ? uvs[vertex] : no_uv;
 }
 
-// Vertex `from` of a mesh, at that position and with that normal.
+// Appends vertex `from` of a mesh, with the given position and normal.
 static void append_vertex(olx_scene *scene, const olx_mesh *mesh, uint32_t from, olx_vec3 position, olx_vec3 normal) {
   const uint32_t v = scene->vertex_count++;
   scene->positions[v] = position;
@@ -225,7 +224,7 @@ static void append_triangle(olx_scene *scene, const uint32_t corner[3], uint32_t
   scene->material_index[t] = material;
 }
 
-// Without normals every triangle gets three vertices of its own.
+// Appends triangles without normals, each with three separate vertices.
 static void append_flat(olx_scene *scene, const olx_mesh *mesh, const uint32_t corner[3]) {
   const uint32_t first = scene->vertex_count;
   const olx_vec3 normal = triangle_normal(mesh->positions, corner);
@@ -233,7 +232,7 @@ static void append_flat(olx_scene *scene, const olx_mesh *mesh, const uint32_t c
   append_triangle(scene, (const uint32_t[3]){first, first + 1, first + 2}, mesh->material);
 }
 
-// A vertex whose normal is not usable takes that of the first triangle that uses it.
+// Gives a vertex whose normal is invalid that of the first triangle that uses it.
 static void append_shared(olx_scene *scene, uint32_t first, const uint32_t corner[3], uint32_t material) {
   const uint32_t moved[3] = {first + corner[0], first + corner[1], first + corner[2]};
   for (uint32_t k = 0; k < 3; ++k) {
@@ -351,7 +350,7 @@ static void hash_environment(XXH3_state_t *state, const olx_environment *e) {
   if (e->texels) XXH3_64bits_update(state, e->texels, (size_t)e->width * e->height * 3 * sizeof(float));
 }
 
-// Attributes that few scenes have.
+// Hashes attributes that few scenes have.
 static void hash_rare(XXH3_state_t *state, const olx_scene *scene) {
   const size_t count = scene->vertex_count;
   if (scene->second_uvs) XXH3_64bits_update(state, scene->second_uvs, count * sizeof *scene->second_uvs);
@@ -359,7 +358,7 @@ static void hash_rare(XXH3_state_t *state, const olx_scene *scene) {
   if (scene->tangents) XXH3_64bits_update(state, scene->tangents, count * sizeof *scene->tangents);
 }
 
-// Names, cameras and probes stay out: they do not change the light in the scene.
+// Computes the hash of everything that affects light in the scene; names, cameras and probes do not.
 static void compute_hash(olx_scene *scene) {
   XXH3_state_t state;
   XXH3_64bits_reset(&state);

@@ -1,10 +1,10 @@
-// Gives access to what a scene consists of. It is separate from the ray caster, so that a program which only draws
-// needs no Embree.
+// Gives access to the content of a scene. It is separate from the ray caster, so that a program which only draws needs
+// no Embree.
 #include "core/hooks.h"
 #include "core/result.h"
 #include "scene/scene_build.h"
 
-// The content comes first: its address is the whole's.
+// The content is the first member, so that its address is also that of the whole.
 typedef struct loaded_content {
   olx_scene_content content;
   olx_scene scene;

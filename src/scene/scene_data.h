@@ -10,13 +10,13 @@ typedef struct olx_box {
   olx_vec3 min, max;
 } olx_box;
 
-// The rules of the description for probes, however they are placed.
+// The description's rules for probes, for every placement method.
 typedef struct olx_probe_rules {
-  olx_vec3 *pinned;   // probes that are always there
-  olx_box *forbidden; // boxes that no other probe may stand in
+  olx_vec3 *pinned;   // probes that are always placed
+  olx_box *forbidden; // boxes in which no other probe may be placed
   uint32_t pinned_count, forbidden_count;
   bool has_playable;
-  olx_box playable;   // the box that matters
+  olx_box playable;   // box of interest
   float min_distance; // metres from other probes and from surfaces
 } olx_probe_rules;
 
@@ -24,24 +24,24 @@ typedef struct olx_bvh olx_bvh;
 typedef struct olx_emitters olx_emitters;
 
 struct olx_scene {
-  olx_scene_load_settings load; // by which the scene is loaded: limits of 0 are their defaults
-  // Positions everywhere below are relative to this one: local_frame.h.
+  olx_scene_load_settings load; // settings that the scene is loaded by; limits of 0 mean their defaults
+  // All positions below are relative to this origin: local_frame.h.
   double origin[3];
-  olx_box made_of; // around the corners of all triangles that were added, when is_made
+  olx_box made_of; // bounds of all triangles that were added, when is_made
   bool is_made;
   uint32_t vertex_count, triangle_count;
-  olx_vec3 *positions, *normals; // a vertex; normals unit
+  olx_vec3 *positions, *normals; // one per vertex; normals are unit
   olx_vec2 *uvs, *second_uvs;    // second_uvs, colors and tangents are NULL until a mesh has them
   olx_vec4 *colors, *tangents;
-  uint32_t *indices;        // three a triangle
-  uint32_t *material_index; // one a triangle
+  uint32_t *indices;        // three per triangle
+  uint32_t *material_index; // one per triangle
   uint32_t material_count, texture_count, light_count, camera_count;
   olx_material *materials;
   olx_texture *textures;
   olx_light *lights;
   olx_camera *cameras;
   olx_environment environment;
-  uint32_t area_light_count; // rectangles of the description and emissive materials in use, for the count of lights
+  uint32_t area_light_count; // rectangle lights of the description plus emissive materials in use
   bool has_probe_volume, has_probe_count;
   olx_vec3 probes_min, probes_max;
   uint32_t probes_count[3];
@@ -56,8 +56,8 @@ struct olx_scene {
   olx_emitters *emitters; // emitters.h
 };
 
-// Record a warning (printf-style), to be logged when the scene is loaded. After 32 of one kind of trouble importers
-// count instead of repeating.
+// Records a warning (printf-style), to be logged when the scene is loaded. After 32 of one kind, importers count
+// warnings instead of repeating them.
 void olx_scene_warn(olx_scene *scene, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 #endif

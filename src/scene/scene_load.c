@@ -1,5 +1,5 @@
 // Loads a scene by its name. It is separate from everything else, so that a program which only loads cooked scenes
-// needs no importer.
+// needs no importers.
 #include "core/result.h"
 #include "scene/builtin.h"
 #include "scene/import.h"

@@ -1,5 +1,5 @@
-// Remembers the files that a scene was read from by device and inode, so that an output of any name, or through any
-// link, is recognised as one of them.
+// Records the files that a scene was read from by device and inode, so that an output under any name, or through any
+// link, is recognized as one of them.
 #include "scene/sources.h"
 
 #include "core/hooks.h"
@@ -19,7 +19,7 @@ olx_result olx_scene_note_source(olx_scene *scene, const char *path) {
   struct stat status;
   if (stat(path, &status) != 0 || !S_ISREG(status.st_mode)) return OLX_OK;
   const uint32_t count = scene->source_count;
-  if ((count & (count - 1)) == 0) { // room for the next power of two
+  if ((count & (count - 1)) == 0) { // grows the capacity to the next power of two
     struct olx_scene_source *grown = olx_allocate(count ? 2 * (size_t)count : 1, sizeof *grown);
     if (!grown) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", path);
     if (count) memcpy(grown, scene->sources, count * sizeof *grown);
@@ -35,7 +35,7 @@ olx_result olx_scene_note_named(olx_scene *scene, const char *by, const char *na
   const char *slash = strrchr(by, '/');
   const int folder = slash && length && name[0] != '/' ? (int)(slash - by) + 1 : 0;
   const int used = snprintf(path, sizeof path, "%.*s%.*s", folder, by, (int)length, name);
-  return used < (int)sizeof path ? olx_scene_note_source(scene, path) : OLX_OK; // no file has a longer path
+  return used < (int)sizeof path ? olx_scene_note_source(scene, path) : OLX_OK; // longer paths do not exist
 }
 
 bool olx_scene_was_read_from(const olx_scene *scene, const char *path) {

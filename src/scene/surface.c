@@ -1,10 +1,10 @@
-// Finds what a ray sees where it hits: position, normals, textures and emission of the surface, and origins for further
-// rays that do not meet the same surface again.
+// Evaluates the surface that a ray hits: position, normals, textures and emission, and origins of further rays that do
+// not hit the same surface again.
 #include "scene/surface.h"
 
 #include "scene/texture.h"
 
-// Reflecting surfaces never return more than this, so that light dies out.
+// Upper bound on albedo, so that light converges.
 #define OLX_MAX_ALBEDO 0.95f
 // Smallest cosine between shading and geometric normal.
 #define OLX_MIN_NORMAL_COSINE 0.01f
@@ -29,7 +29,7 @@ static olx_vec2 interpolate_uv(const olx_vec2 *uvs, const olx_corners *corners, 
   return (olx_vec2){a.x * w + b.x * u + c.x * v, a.y * w + b.y * u + c.y * v};
 }
 
-// Texture coordinates at a place: those of most textures, and those of the others.
+// Texture coordinates at a hit: those of most textures, and the second set of the others.
 typedef struct olx_place_uvs {
   olx_vec2 first, second;
 } olx_place_uvs;
@@ -39,7 +39,7 @@ static inline olx_place_uvs uvs_at(const olx_scene *scene, const olx_material *m
   const uint32_t textures = material->base_color_texture & material->alpha_texture & material->emission_texture &
                             material->metallic_roughness_texture & material->normal_texture;
   olx_place_uvs uvs = {{0.0f, 0.0f}, {0.0f, 0.0f}};
-  if (textures == OLX_NO_TEXTURE) return uvs; // all of them are none
+  if (textures == OLX_NO_TEXTURE) return uvs; // the material has no textures
   uvs.first = interpolate_uv(scene->uvs, corners, u, v);
   if (material->second_uvs) uvs.second = interpolate_uv(scene->second_uvs, corners, u, v);
   return uvs;
@@ -54,7 +54,7 @@ static olx_texel look_up(const olx_scene *scene, const olx_material *material, u
   return olx_texture_sample(&scene->textures[texture], uv_for(material, slot, uvs));
 }
 
-// A number of the vertices, between the corners.
+// Interpolates an attribute of the vertices at a hit.
 static olx_vec4 interpolate_four(const olx_vec4 *numbers, const olx_corners *corners, float u, float v) {
   const olx_vec4 a = numbers[corners->i0], b = numbers[corners->i1], c = numbers[corners->i2];
   const float w = 1.0f - u - v;
@@ -62,7 +62,7 @@ static olx_vec4 interpolate_four(const olx_vec4 *numbers, const olx_corners *cor
                     a.w * w + b.w * u + c.w * v};
 }
 
-// What multiplies a base colour between the corners.
+// The interpolated vertex colour, which multiplies the base colour.
 static olx_vec3 tint_at(const olx_scene *scene, const olx_material *material, const olx_corners *corners, float u,
                         float v) {
   if (!material->vertex_colors) return olx_splat(1.0f);
@@ -77,8 +77,8 @@ float olx_surface_epsilon(const olx_scene *scene, uint32_t triangle) {
   const float of_triangle =
       olx_max(largest_coordinate(c.p0), olx_max(largest_coordinate(c.p1), largest_coordinate(c.p2)));
   const float of_scene = olx_max(largest_coordinate(scene->bounds_min), largest_coordinate(scene->bounds_max));
-  // 2^-18 is some sixty roundings. A small triangle near the origin may have large neighbours, whose planes are known
-  // to the rounding of their own coordinates only: hence the share of the scene's.
+  // 2^-18 is about sixty rounding errors. A small triangle near the origin may have large neighbours, whose planes are
+  // only as precise as their own coordinates: hence the share of the scene's.
   return 0x1p-18f * olx_max(of_triangle, of_scene * 0x1p-4f);
 }
 
@@ -128,12 +128,12 @@ static olx_vec3 mapped_normal(const olx_material *material, const olx_texture *t
   return olx_v3(-along_u * material->normal_scale, along_v * material->normal_scale, 1.0f);
 }
 
-// The directions of a normal map's x and y, square to a normal.
+// The directions of a normal map's x and y, perpendicular to a normal.
 typedef struct tangent_frame {
   olx_vec3 tangent, bitangent;
 } tangent_frame;
 
-// The frame of a normal map from the triangle's texture coordinates; false where they span none.
+// The frame of a normal map from the triangle's texture coordinates; false where they are degenerate.
 static bool frame_by_uvs(const olx_scene *scene, const olx_material *material, const olx_corners *c, olx_vec3 normal,
                          tangent_frame *frame) {
   const olx_vec2 *uvs = material->second_uvs & OLX_SLOT_NORMAL ? scene->second_uvs : scene->uvs;
@@ -151,8 +151,8 @@ static bool frame_by_uvs(const olx_scene *scene, const olx_material *material, c
   return true;
 }
 
-// The frame of a normal map from the vertices' tangents; false where they have none. Their sides are those of normals
-// that are not turned round.
+// The frame of a normal map from the vertices' tangents; false where they have none. Their handedness is for normals
+// that are not flipped.
 static bool frame_by_tangents(const olx_scene *scene, const olx_corners *c, float u, float v, olx_vec3 normal,
                               tangent_frame *frame) {
   if (!scene->tangents) return false;
@@ -166,7 +166,7 @@ static bool frame_by_tangents(const olx_scene *scene, const olx_corners *c, floa
   return true;
 }
 
-// Bend `normal` by the normal map. Where neither tangents nor texture coordinates give a frame it stays as it is.
+// Perturbs `normal` by the normal map. Where neither tangents nor texture coordinates give a frame, it is unchanged.
 static olx_vec3 bend_normal(const olx_scene *scene, const olx_material *material, const olx_corners *c, float u,
                             float v, olx_place_uvs uvs, olx_vec3 normal) {
   tangent_frame frame;
@@ -181,7 +181,7 @@ static olx_vec3 bend_normal(const olx_scene *scene, const olx_material *material
   return length > 0.0f ? olx_scale(bent, 1.0f / length) : normal;
 }
 
-// The normal between those of the corners, on the side of `outward`, the unit normal of the triangle's winding.
+// The interpolated vertex normal, on the side of `outward`, the unit normal of the triangle's winding.
 static olx_vec3 vertex_normal(const olx_scene *scene, const olx_corners *c, float u, float v, olx_vec3 outward) {
   const olx_vec3 n =
       olx_normalize(interpolate(scene->normals[c->i0], scene->normals[c->i1], scene->normals[c->i2], u, v));
@@ -190,7 +190,7 @@ static olx_vec3 vertex_normal(const olx_scene *scene, const olx_corners *c, floa
   return agreement < 0.0f ? olx_negate(n) : n;
 }
 
-// A normal that shades: never quite across the triangle, and on the side that is looked at.
+// A shading normal: never quite perpendicular to the triangle's normal, and on the side that the ray came from.
 static olx_vec3 face(olx_vec3 n, olx_vec3 outward, bool back_face) {
   const float cosine = olx_dot(n, outward);
   if (cosine < OLX_MIN_NORMAL_COSINE) n = olx_normalize(olx_madd(n, outward, OLX_MIN_NORMAL_COSINE - cosine));
@@ -211,7 +211,7 @@ olx_vec3 olx_surface_vertex_normal(const olx_scene *scene, const olx_ray_hit *hi
   return face(vertex_normal(scene, &c, hit->u, hit->v, outward), outward, surface->back_face);
 }
 
-// The base colour at a place whose vertices multiply it by `tint`, clamped.
+// The base colour at a hit, multiplied by the vertex colour `tint` and clamped.
 static inline olx_vec3 base_color_at(const olx_scene *scene, const olx_material *material, olx_place_uvs uvs,
                                      olx_vec3 tint) {
   olx_vec3 base_color = olx_mul(material->base_color, tint);
@@ -240,7 +240,7 @@ static void look_up_material(const olx_scene *scene, const olx_material *materia
       surface->back_face && !material->emits_both_sides ? olx_splat(0.0f) : emission_at_uvs(scene, material, uvs);
 }
 
-// The step from `position` to the middle of the triangle, no longer than `length`.
+// The offset from `position` towards the triangle's centre, no longer than `length`.
 static olx_vec3 step_inward(const olx_corners *c, olx_vec3 position, float length) {
   const olx_vec3 middle = interpolate(c->p0, c->p1, c->p2, 1.0f / 3.0f, 1.0f / 3.0f);
   const olx_vec3 way = olx_sub(middle, position);
@@ -307,7 +307,7 @@ olx_surface olx_surface_at(const olx_scene *scene, const olx_ray_hit *hit, olx_v
   return olx_surface_near(scene, hit, direction, NULL);
 }
 
-// The point just off the surface, on the side that `direction` points to.
+// The point slightly off the surface, on the side that `direction` points to.
 static olx_vec3 offset_origin(const olx_surface *surface, olx_vec3 direction) {
   const float side = olx_dot(direction, surface->geometric_normal) >= 0.0f ? 1.0f : -1.0f;
   return olx_madd(olx_add(surface->position, surface->inward), surface->geometric_normal, side * surface->epsilon);

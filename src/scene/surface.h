@@ -1,4 +1,4 @@
-// What a ray finds: the surface at a hit with its textures looked up.
+// The surface at a ray's hit, with its textures evaluated.
 #ifndef OLX_SCENE_SURFACE_H
 #define OLX_SCENE_SURFACE_H
 
@@ -7,52 +7,53 @@
 #include "scene/scene_data.h"
 
 typedef struct olx_surface {
-  olx_vec3 position;         // computed from the triangle's corners, not from the ray, and so exact to rounding
-  olx_vec3 geometric_normal; // unit, towards where the ray came from: all tests of sides use it
-  olx_vec3 shading_normal;   // unit, interpolated or mapped, on the same side; only shades
-  bool back_face;            // the ray came from the side away from the triangle's winding
+  olx_vec3 position;         // computed from the triangle's corners rather than the ray, so that it is exact up to
+                             // rounding
+  olx_vec3 geometric_normal; // unit, towards the ray's origin: all tests of sides use it
+  olx_vec3 shading_normal;   // unit, interpolated or mapped, on the same side; used only for shading
+  bool back_face;            // the ray hit the back of the triangle, by its winding
   olx_vec3 base_color;
   float metallic;
   olx_bsdf bsdf;
-  olx_vec3 emission; // towards where the ray came from: 0 on the dark side of a one-sided emitter
+  olx_vec3 emission; // towards the ray's origin: 0 on the dark side of a one-sided emitter
   float roughness;
-  float epsilon;   // length by which to move off the surface along the geometric normal, from the rounding of position
-  olx_vec3 inward; // at most epsilon long, to the triangle's middle: rays start so far from its edges, where walls meet
+  float epsilon;   // distance by which to move off the surface along the geometric normal, from the rounding of
+                   // position
+  olx_vec3 inward; // offset of at most epsilon towards the triangle's centre: rays start this far from its edges, where
+                   // walls meet
   uint32_t triangle, material;
 } olx_surface;
 
-// Everything at the hit of a ray with direction `direction` (unit).
+// Evaluates the surface at the hit of a ray with unit direction `direction`.
 olx_surface olx_surface_at(const olx_scene *scene, const olx_ray_hit *hit, olx_vec3 direction);
 
-// Finds the surface as olx_surface_at does, faster when `previous` (may be NULL) lies on the same triangle: what does
-// not vary over the triangle is taken from there.
+// Evaluates the surface like olx_surface_at, faster when `previous` (may be NULL) lies on the same triangle: values
+// that are constant over the triangle are copied.
 olx_surface olx_surface_near(const olx_scene *scene, const olx_ray_hit *hit, olx_vec3 direction,
                              const olx_surface *previous);
 
-// The normal between those of the triangle's corners, without a normal map, at the hit that `surface` is of; on its
-// side.
+// The interpolated vertex normal, without a normal map, at the hit of `surface`, on the same side.
 olx_vec3 olx_surface_vertex_normal(const olx_scene *scene, const olx_ray_hit *hit, const olx_surface *surface);
 
-// The albedo at another hit on the material of `surface`, when its colour alone varies; false when other things do.
+// The albedo at another hit on the material of `surface`, when only its colour varies; false when other properties do.
 bool olx_surface_albedo(const olx_scene *scene, const olx_ray_hit *hit, const olx_surface *surface, olx_vec3 *albedo);
 
-// Whether the triangle's surface is there at those barycentric coordinates (alpha mask).
+// Whether the triangle's surface is opaque at those barycentric coordinates (alpha mask).
 bool olx_surface_present(const olx_scene *scene, uint32_t triangle, float u, float v);
 
-// Radiance that leaves the triangle on a side that shines.
+// Radiance that leaves the triangle on an emitting side.
 olx_vec3 olx_surface_emission(const olx_scene *scene, uint32_t triangle, float u, float v);
 
-// Length by which points computed on the triangle may be off: a share of its largest coordinate, never an absolute
-// length.
+// Error bound of points computed on the triangle: a share of its largest coordinate, never an absolute length.
 float olx_surface_epsilon(const olx_scene *scene, uint32_t triangle);
 
-// A ray that leaves `position` on the side of the geometric normal that `direction` points to, without meeting its own
+// A ray that leaves `position` on the side of the geometric normal that `direction` points to, without hitting its own
 // surface.
 olx_ray olx_surface_ray(const olx_surface *surface, olx_vec3 direction, float t_max);
-// A ray from the surface to another point, stopping short of it by `epsilon_end`; direction is unit.
+// A ray from the surface to another point, which ends `epsilon_end` before it; its direction is unit.
 olx_ray olx_surface_ray_to(const olx_surface *surface, olx_vec3 point, float epsilon_end);
 
-// Whether the triangle's material emits at all, somewhere on it: cheaper to know than the emission of a place.
+// Whether the triangle's material emits anywhere on it: cheaper than its emission at a point.
 static inline bool olx_triangle_may_emit(const olx_scene *scene, uint32_t triangle) {
   return olx_max3(scene->materials[scene->material_index[triangle]].emission) > 0.0f;
 }

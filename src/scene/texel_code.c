@@ -1,5 +1,5 @@
-// Codes 8-bit texels without loss: predicts each from its neighbours, and stores the differences in Rice codes whose
-// parameter follows their size.
+// Codes 8-bit texels losslessly: predicts each from its neighbours, and stores the differences in Rice codes with an
+// adaptive parameter.
 #include "scene/texel_code.h"
 
 #include "core/hooks.h"
@@ -9,7 +9,7 @@
 // A unary part of this many ones is followed by the plain difference in 8 bits.
 enum { ESCAPE = 15, HALVE_AT = 64, START_SUM = 8, START_COUNT = 2 };
 
-// How large recent differences of a channel were.
+// The size of recent differences of a channel.
 typedef struct rice_state {
   uint32_t sum, count;
 } rice_state;
@@ -27,9 +27,9 @@ static void rice_update(rice_state *state, uint32_t value) {
   state->count /= 2;
 }
 
-// ---- prediction
+// ---- Prediction
 
-// Channels are coded as differences to green, so that what is grey costs once.
+// The value of a channel relative to green, so that grey texels cost little.
 static inline uint8_t plane_value(const uint8_t *texel, uint32_t channel) {
   return channel == 0 || channel == 2 ? (uint8_t)(texel[channel] - texel[1]) : texel[channel];
 }
@@ -50,14 +50,14 @@ static inline uint8_t predict(const uint8_t *rgba, uint32_t width, uint32_t x, u
 // The order of channels: green first, because red and blue are predicted from it.
 static const uint32_t channel_order[4] = {1, 0, 2, 3};
 
-// 0, -1, 1, -2, 2 ... as 0, 1, 2, 3, 4 ...
+// Maps 0, -1, 1, -2, 2 ... to 0, 1, 2, 3, 4 ...
 static uint32_t fold_difference(uint8_t difference) {
   return difference < 128 ? 2u * difference : 2u * (255u - difference) + 1u;
 }
 
 static uint8_t unfold_difference(uint32_t value) { return (uint8_t)(value & 1 ? 255u - value / 2 : value / 2); }
 
-// ---- bits, the first in the highest place of a byte
+// ---- Bits, most significant first
 
 typedef struct bit_writer {
   olx_byte_buffer *buffer;
@@ -100,7 +100,7 @@ static void put_value(bit_writer *w, rice_state *state, uint32_t value) {
 
 typedef struct bit_reader {
   const uint8_t *next, *end;
-  uint64_t bits; // the next ones, from the highest place; zeros behind the end
+  uint64_t bits; // the next bits, left-aligned; zeros after the end
   uint32_t count;
   bool overrun;
 } bit_reader;
@@ -141,7 +141,7 @@ static uint32_t get_value(bit_reader *r, rice_state *state) {
   return value;
 }
 
-// ---- textures
+// ---- Textures
 
 uint32_t olx_texel_channels(const olx_texture *texture) {
   const size_t count = (size_t)texture->width * texture->height;

@@ -1,4 +1,4 @@
-// Looks up textures with wrap-around and bilinear filtering in linear light.
+// Samples textures with wrap-around and bilinear filtering in linear light.
 #include "scene/texture.h"
 
 // The sRGB decoding function of i / 255 (IEC 61966-2-1).

@@ -1,5 +1,5 @@
-// Decodes image files into textures and environments, and finds an image's size from its header alone, so that limits
-// hold before anything is decoded.
+// Decodes image files into textures and environments, and reads an image's size from its header alone, so that limits
+// apply before anything is decoded.
 #include "scene/texture_file.h"
 
 #include "core/file.h"
@@ -33,11 +33,11 @@ static void *resize_memory(void *memory, size_t old_bytes, size_t new_bytes) {
 #define STBI_ONLY_BMP
 #define STBI_ONLY_HDR
 #define STBI_NO_STDIO
-#define STBI_MAX_DIMENSIONS (1 << 24) // images with sides above LONGEST_SIDE are refused here, in words of our own
-#define STBI_MALLOC(size_bytes) olx_allocate_zero((size_bytes), 1) // of damaged images some texels are never set
+#define STBI_MAX_DIMENSIONS (1 << 24) // images with sides above LONGEST_SIDE are rejected here, with a clearer message
+#define STBI_MALLOC(size_bytes) olx_allocate_zero((size_bytes), 1) // zeroed: damaged images leave texels unset
 #define STBI_REALLOC_SIZED(memory, old_bytes, new_bytes) resize_memory((memory), (old_bytes), (new_bytes))
 #define STBI_FREE(memory) olx_release(memory)
-#pragma GCC diagnostic ignored "-Wunused-function" // reported at the end of the file, so it cannot be popped
+#pragma GCC diagnostic ignored "-Wunused-function" // reported at the end of the file, so that it cannot be popped
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wconversion"
 #pragma GCC diagnostic ignored "-Wshadow"
@@ -46,7 +46,7 @@ static void *resize_memory(void *memory, size_t old_bytes, size_t new_bytes) {
 #include <stb/stb_image.h>
 #pragma GCC diagnostic pop
 
-// The size in a PNG's header, where stb_image gives none for images that it cannot decode.
+// Reads the size from a PNG's header, where stb_image returns none for images that it cannot decode.
 static void read_png_size(const void *data, size_t size_bytes, int *width, int *height) {
   const uint8_t *b = data;
   if (size_bytes < 24 || memcmp(b, "\x89PNG\r\n\x1a\n", 8) != 0 || memcmp(b + 12, "IHDR", 4) != 0) return;
@@ -56,7 +56,7 @@ static void read_png_size(const void *data, size_t size_bytes, int *width, int *
   *height = sides[1] < INT_MAX ? (int)sides[1] : INT_MAX;
 }
 
-// A few hundred bytes can announce gigabytes; a compressed image cannot hold so many texels a byte.
+// Rejects headers that claim more texels per byte than a compressed image can hold.
 static olx_result check_header(const char *path, const void *data, size_t size_bytes, uint64_t *texels) {
   int width = 0, height = 0, channels = 0;
   if (size_bytes > INT_MAX) return olx_fail(OLX_ERROR_UNSUPPORTED, "%s: an image of more than 2 GiB", path);

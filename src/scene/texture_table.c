@@ -1,5 +1,5 @@
-// Collects the textures that a model refers to, decodes each of them once and all in parallel, and counts their texels
-// against the scene's limit first.
+// Collects the textures that a model refers to, decodes each once and all in parallel, and first checks their texels
+// against the scene's limit.
 #include "scene/texture_table.h"
 
 #include "core/hooks.h"
@@ -53,12 +53,12 @@ olx_result olx_texture_table_request(olx_texture_table *table, const char *path,
 static void load_one(void *user, uint32_t index) {
   olx_texture_request *request = &((olx_texture_table *)user)->requests[index];
   if (olx_texture_load(request->path, request->data, request->size_bytes, request->use, &request->texture) != OLX_OK) {
-    // The message belongs to the thread that runs this job.
+    // The last error is local to the thread that runs this job.
     snprintf(request->error, sizeof request->error, "%s", olx_last_error());
   }
 }
 
-// An image that cannot be measured is reported when it is decoded.
+// Checks the total of texels. Images whose header cannot be read are reported when they are decoded.
 static olx_result check_texels(const olx_texture_table *table, const olx_scene *scene) {
   uint64_t texels = olx_scene_texels(scene);
   for (uint32_t i = 0; i < table->count; ++i) {

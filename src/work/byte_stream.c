@@ -1,4 +1,4 @@
-// Growing memory for results on their way to a file, and bounds for those that come from one.
+// A growing buffer for results that are written to a file, and bounds checks for results that are read from one.
 #include "work/byte_stream.h"
 
 #include "core/hooks.h"

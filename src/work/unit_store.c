@@ -1,4 +1,4 @@
-// Decides of each unit whether it is loaded, made, or left to others, and stores what was made.
+// Decides whether each unit is loaded, computed, or left to other parts, and stores computed results.
 #include "work/unit_store.h"
 
 #include "core/hooks.h"
@@ -12,7 +12,7 @@ struct olx_unit_store {
   olx_unit_store_settings settings;
   char path[PATH_MAX];
   olx_manifest manifest;
-  bool joins, full; // `full`: the limit was reached, and nothing more is stored
+  bool joins, full; // `full`: the limit was reached, so that nothing more is stored
   olx_work_folder *folder;
 };
 
@@ -78,7 +78,7 @@ static void report(const olx_unit_store *s, const olx_unit_stage *stage, uint32_
   s->settings.done(s->settings.user, &done);
 }
 
-// Units go round the parts, each stage beginning with another.
+// Whether a unit belongs to this part. Units are dealt to the parts in turn; each stage begins with another part.
 static bool is_mine(const olx_unit_store *s, const olx_unit_name *name) {
   uint32_t first = name->round;
   for (const char *c = name->stage; *c; c++) first = 31 * first + (uint32_t)*c;
@@ -91,7 +91,7 @@ static olx_result load_bytes(const olx_unit_stage *stage, uint32_t unit, const v
   return olx_bytes_end(&reader, stage->name);
 }
 
-// *missing: the file is damaged, or gone meanwhile; then it is removed.
+// Loads a unit. *missing is set when its file is damaged or gone; the file is then removed.
 static olx_result load_unit(olx_unit_store *s, const olx_unit_stage *stage, uint32_t unit, bool *missing) {
   const double start = olx_seconds();
   const olx_unit_name name = {stage->name, stage->round, unit};
@@ -164,7 +164,7 @@ static olx_result make_share(olx_unit_store *s, const olx_unit_stage *stage) {
     if (is_stored(s, &name)) continue;
     if (is_mine(s, &name)) OLX_TRY(make_unit(s, stage, unit));
   }
-  // Others may have made theirs since.
+  // Other parts may have stored theirs since.
   for (uint32_t unit = 0; unit < stage->count; unit++) {
     missing += !is_stored(s, &(olx_unit_name){stage->name, stage->round, unit});
   }

@@ -1,5 +1,5 @@
-// Files of units in a folder: found by name, written beside and renamed, checked by hashes. The folder is held open
-// from the first look at it, so that nobody can put another in its place.
+// Files of units in a folder: found by name, written under temporary names and renamed, verified by hashes. The folder
+// is held open from the first access, so that nobody can replace it.
 #include "work/work_folder.h"
 
 #include "core/chunk_file.h"
@@ -27,17 +27,17 @@ struct olx_work_folder {
   int descriptor;
   char path[PATH_MAX];
   olx_manifest manifest;
-  uint64_t key; // of the manifest
+  uint64_t key; // hash of the manifest
   uint64_t bytes;
 };
 
-// Before the bytes of a unit.
+// The header of a unit's file.
 typedef struct unit_header {
   char magic[8];
   uint64_t key, size_bytes, hash;
   char stage[MOST_STAGE + 1];
   uint32_t round, unit;
-  uint64_t header_hash; // of all before it
+  uint64_t header_hash; // hash of everything before it
 } unit_header;
 
 _Static_assert(sizeof(unit_header) == OLX_UNIT_HEADER_BYTES && offsetof(unit_header, header_hash) == 56,
@@ -103,7 +103,7 @@ static bool is_unit_name(const char *name) {
   return skip_number(&rest) && *rest++ == '-' && skip_number(&rest) && strcmp(rest, SUFFIX) == 0;
 }
 
-// Whether the manifest names a file: it lists the stages whose units the folder has.
+// Whether the manifest accounts for a file: it lists the stages whose units the folder may hold.
 static bool is_named(const olx_work_folder *f, const char *file) {
   char stage[MOST_STAGE + 1] = "";
   if (!is_unit_name(file)) return false;
@@ -203,7 +203,7 @@ static bool is_header(const olx_work_folder *f, const olx_unit_name *name, const
          h->header_hash == olx_content_hash(h, offsetof(unit_header, header_hash));
 }
 
-// The bytes after a header that was read and is right.
+// Reads the bytes after a header that is valid.
 static olx_result read_content(int descriptor, const unit_header *h, const char *path, void **data) {
   *data = olx_allocate(h->size_bytes, 1);
   if (!*data)
@@ -243,13 +243,13 @@ olx_result olx_work_folder_get(const olx_work_folder *f, const olx_unit_name *na
 
 // ---- The folder
 
-// What a folder holds.
+// The content of a folder.
 typedef struct folder_content {
-  uint64_t bytes; // of units
-  bool foreign;   // there is something that is neither a unit that the manifest names nor a temporary file
+  uint64_t bytes; // total size of units
+  bool foreign;   // it holds something that is neither a unit of the manifest's stages nor a temporary file
 } folder_content;
 
-// Looks at every entry, and removes units where that is wanted.
+// Visits every entry, and removes units with `remove`.
 static olx_result go_through(const olx_work_folder *f, bool remove, folder_content *content) {
   *content = (folder_content){0};
   const int descriptor = openat(f->descriptor, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -275,7 +275,7 @@ static void set_manifest(olx_work_folder *f, const olx_manifest *manifest) {
   f->key = olx_content_hash(manifest->text, strlen(manifest->text));
 }
 
-// The manifest's own key is that of none.
+// Reads the manifest. Its own file is stored with key 0, because no manifest is known yet.
 static olx_result read_manifest(olx_work_folder *f) {
   void *data;
   size_t size_bytes;
@@ -300,7 +300,8 @@ static olx_result write_manifest(olx_work_folder *f, const olx_manifest *manifes
   return OLX_OK;
 }
 
-// The manifest goes last, so that what a kill leaves is still named by it.
+// Clears the folder. The manifest is removed last, so that a killed program leaves no file that it does not account
+// for.
 static olx_result begin_again(olx_work_folder *f, const olx_manifest *manifest) {
   folder_content content;
   OLX_TRY(go_through(f, true, &content));
@@ -319,7 +320,8 @@ static olx_result use_manifest(olx_work_folder *f, const olx_work_folder_setting
   return OLX_OK;
 }
 
-// Others may write the same manifest at the same time.
+// Writes the manifest or compares it with the existing one; other programs may write the same manifest at the same
+// time.
 static olx_result settle_manifest(olx_work_folder *f, const olx_work_folder_settings *settings) {
   folder_content content;
   if (olx_work_folder_has(f, &manifest_name)) return use_manifest(f, settings);
@@ -356,7 +358,7 @@ static olx_result lock_folder(const olx_work_folder *f, olx_work_lock lock) {
   return olx_fail(OLX_ERROR_FILE, "%s: another bake works in this folder", f->path);
 }
 
-// Whether the folder still has its name: whoever had it locked may have removed it.
+// Whether the folder still has its name; the program that had locked it may have removed it.
 static bool still_there(const olx_work_folder *f) {
   struct stat opened, named;
   return fstat(f->descriptor, &opened) == 0 && lstat(f->path, &named) == 0 && opened.st_dev == named.st_dev &&
@@ -368,7 +370,8 @@ static olx_result open_locked(olx_work_folder *f, const olx_work_folder_settings
     OLX_TRY(open_folder(f, settings->manifest != NULL));
     OLX_TRY(lock_folder(f, settings->lock));
     if (still_there(f)) {
-      // Where files are not locked between machines, those of others must not be taken for dead ones'.
+      // Where files are not locked across machines, another machine's temporary files must not be taken for those of
+      // dead programs.
       if (settings->lock == OLX_WORK_ALONE) olx_temporary_reclaim(f->descriptor);
       return settle_manifest(f, settings);
     }
@@ -378,7 +381,7 @@ static olx_result open_locked(olx_work_folder *f, const olx_work_folder_settings
   return refuse_folder(f, "others keep removing it");
 }
 
-// Without slashes at the end, which would follow a link.
+// Copies the path without trailing slashes, which would follow a link.
 static olx_result copy_path(olx_work_folder *f, const char *path) {
   size_t length = strlen(path);
   while (length > 1 && path[length - 1] == '/') length--;

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include <shaders/lib/bsdf.glsl>
-// The lamps' light with shadows, added to the picture; the environment where nothing is.
+// Adds the lamps' light with shadows to the image, and the environment where no surface is.
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -13,7 +13,7 @@ struct lamp {
   vec3 emission;
   uint first_view;
   float cosine_inner, cosine_outer;
-  uint tiles; // a side; 0: one perspective view
+  uint tiles; // per side; 0: one perspective view
   uint both_sides;
 };
 
@@ -48,7 +48,7 @@ layout(push_constant) uniform constants {
   uint width, height;
 };
 
-// ---- the sky
+// ---- The sky
 
 vec3 sky_texel(ivec2 p, ivec2 size) {
   return texelFetch(sky, ivec2((p.x + size.x) % size.x, clamp(p.y, 0, size.y - 1)), 0).rgb;
@@ -66,7 +66,7 @@ vec3 environment(vec3 direction) {
   return sky_radiance * mix(upper, lower, t.y);
 }
 
-// ---- shadows
+// ---- Shadows
 
 uint cube_face(vec3 v) {
   vec3 a = abs(v);
@@ -98,8 +98,8 @@ uint view_of(lamp l, vec3 point) {
 
 float read_map(uint view, vec2 uv, float depth) { return texture(shadow_maps, vec4(uv, float(view), depth)); }
 
-// The share of a lamp that a point sees. The point is moved off its surface by about a texel; lamps without width are
-// filtered over 3 x 3.
+// The visible share of a lamp from a point. The point is offset from its surface by about a texel; lamps without width
+// are filtered over 3 x 3 texels.
 float visible(lamp l, vec3 point, vec3 normal, vec3 to_lamp, float distance) {
   uint view = view_of(l, point);
   float texel = views[view].texel * (l.kind == LAMP_DISTANT ? 1.0 : distance);
@@ -119,13 +119,13 @@ float visible(lamp l, vec3 point, vec3 normal, vec3 to_lamp, float distance) {
   return sum / 9.0;
 }
 
-// ---- light
+// ---- Light
 
 struct arrival {
-  vec3 direction; // to the lamp
-  vec3 irradiance; // on a surface facing it
+  vec3 direction; // towards the lamp
+  vec3 irradiance; // on a surface that faces the lamp
   float distance;
-  float sine; // of the half angle that the lamp fills
+  float sine; // of the half angle that the lamp subtends
 };
 
 float cone(lamp l, vec3 to_lamp) {
@@ -140,7 +140,7 @@ arrival arrive(lamp l, vec3 point) {
   arrival a = arrival(way / distance, l.emission / square, distance, 0.0);
   if (l.kind == LAMP_SPOT) a.irradiance *= cone(l, a.direction);
   if (l.kind == LAMP_SURFACE) {
-    // A disc's light falls off like this on its axis, and stays finite where it is touched.
+    // The falloff of a disc's light along its axis, which stays finite at the disc.
     float cosine = -dot(a.direction, l.direction), spread = square + l.extent * l.extent;
     a.irradiance = l.emission * (l.both_sides != 0u ? abs(cosine) : max(cosine, 0.0)) / spread;
     a.sine = l.extent * inversesqrt(spread);
@@ -148,7 +148,7 @@ arrival arrive(lamp l, vec3 point) {
   return a;
 }
 
-// GGX times the cosine at the light, as src/core/bsdf.h has it; view and light in the shading frame.
+// GGX times the cosine at the light, like src/core/bsdf.h; view and light in the shading frame.
 vec3 specular(olx_bsdf b, float alpha, vec3 view, vec3 light) {
   if (view.z <= 0.0 || light.z <= 0.0) return vec3(0.0);
   vec3 half_way = normalize(view + light);
@@ -158,7 +158,7 @@ vec3 specular(olx_bsdf b, float alpha, vec3 view, vec3 light) {
 }
 
 vec3 reflect_light(olx_bsdf bsdf, vec3 normal, vec3 view, arrival a) {
-  // A highlight is as wide as the lobe and the lamp together.
+  // A highlight has the combined width of the lobe and the lamp.
   float alpha = min(bsdf.alpha + 0.5 * a.sine, 1.0);
   vec3 tangent = normalize(abs(normal.z) < 0.9 ? cross(normal, vec3(0, 0, 1)) : cross(normal, vec3(1, 0, 0)));
   mat3 frame = mat3(tangent, cross(normal, tangent), normal);

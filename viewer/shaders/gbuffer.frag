@@ -10,8 +10,8 @@ layout(location = 4) flat in vec3 along_u;
 layout(location = 5) flat in vec3 along_v;
 layout(location = 6) in vec4 color;
 layout(location = 7) in vec4 tangent;
-// Flags of the material. They come from the vertex shader because all pixels of a quad need them to choose coordinates,
-// and pixels beside the triangle read no buffers.
+// Flags of the material. The vertex shader passes them on because all pixels of a quad need them to choose coordinates,
+// and helper pixels outside the triangle read no buffers.
 layout(location = 8) flat in uint flags;
 
 layout(location = 0) out vec4 out_normal;
@@ -22,7 +22,7 @@ layout(location = 4) out vec4 out_color;
 
 const float MAX_ALBEDO = 0.95, MIN_NORMAL_COSINE = 0.01, MIN_VIEW_COSINE = 1e-3, LARGEST_HALF = 65504.0;
 
-// The normal that the map holds, in the tangent frame: x along increasing u, y along decreasing v.
+// The normal in the map, in the tangent frame: x along increasing u, y along decreasing v.
 vec3 mapped_normal(raster_material m) {
   vec2 uv = uv_for(flags, SECOND_NORMAL, uvs);
   if ((m.flags & NORMAL_IS_HEIGHT) == 0u) {
@@ -35,8 +35,8 @@ vec3 mapped_normal(raster_material m) {
   return vec3(-rise_u * m.normal_scale, rise_v * m.normal_scale, 1.0);
 }
 
-// The directions of a normal map's x and y at a normal, by the vertices' tangents or, where there are none, by texture
-// coordinates.
+// The directions of a normal map's x and y at a normal, from the vertices' tangents or, where there are none, from
+// texture coordinates.
 bool find_frame(vec3 n, out vec3 x, out vec3 y) {
   vec3 given = tangent.xyz - n * dot(tangent.xyz, n);
   if (tangent.w != 0.0 && length(given) > 1e-3) {
@@ -59,20 +59,20 @@ vec3 bend(raster_material m, vec3 n) {
   return size > 0.0 ? bent / size : n;
 }
 
-// Whether the object lies elsewhere than in the scene.
+// Whether the object has been moved from its place in the scene.
 bool is_moved() {
   return to_world[0] != vec4(1.0, 0.0, 0.0, 0.0) || to_world[1] != vec4(0.0, 1.0, 0.0, 0.0) ||
          to_world[2] != vec4(0.0, 0.0, 1.0, 0.0);
 }
 
-// The normal between the triangle's corners, on the side of its winding.
+// The interpolated vertex normal, on the side of the triangle's winding.
 vec3 vertex_normal() {
   vec3 n = normalize(normal);
   float agreement = dot(n, outward);
   return agreement < 0.0 ? -n : agreement > 0.0 ? n : outward;
 }
 
-// The shading normal on the side that the eye sees, as the ray caster's surfaces have it.
+// The shading normal on the visible side, like that of the ray caster's surfaces.
 vec3 shading_normal(raster_material m, vec3 to_eye, bool back) {
   vec3 n = vertex_normal();
   if ((m.flags & NORMAL_MAP) != 0u) n = bend(m, n);
@@ -85,7 +85,7 @@ vec3 shading_normal(raster_material m, vec3 to_eye, bool back) {
 
 void main() {
   raster_material m = materials[material];
-  // Looked up before the mask discards pixels: levels of detail need their neighbours.
+  // Sampled before the mask discards pixels, because mip selection needs neighbouring pixels.
   vec3 base_color = m.base_color_alpha.rgb * texture(base_color_texture, uv_for(flags, SECOND_BASE_COLOR, uvs)).rgb;
   if ((m.flags & VERTEX_COLORS) != 0u) base_color *= color.rgb;
   vec3 emission = m.emission_cutoff.rgb * texture(emission_texture, uv_for(flags, SECOND_EMISSION, uvs)).rgb;

@@ -14,13 +14,13 @@ layout(location = 8) flat out uint flags; // of the material
 
 vec2 uv_of(raster_vertex v) { return vec2(v.position_u.w, v.normal_v.w); }
 
-// The coordinates by which the normal map is looked up.
+// The texture coordinates of the normal map.
 vec2 normal_uv(raster_material m, int corner) {
   uint vertex = indices[corner];
   return (m.flags & SECOND_NORMAL) != 0u ? rare[vertex].second_uv.xy : uv_of(vertices[vertex]);
 }
 
-// The directions in which u and v grow; their lengths say nothing.
+// The directions of increasing u and v; their lengths are arbitrary.
 void span_texture(vec3 e1, vec3 e2, vec2 d1, vec2 d2) {
   float determinant = d1.x * d2.y - d2.x * d1.y;
   float orientation = determinant > 0.0 ? 1.0 : determinant < 0.0 ? -1.0 : 0.0;

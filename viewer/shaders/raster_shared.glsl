@@ -1,5 +1,5 @@
-// What the passes that draw a scene share: its buffers and textures as viewer/scene_upload.c binds them, and where it
-// is drawn.
+// Shared by the passes that draw a scene: its buffers and textures as viewer/scene_upload.c binds them, and its
+// transform.
 #ifndef RASTER_SHARED_GLSL
 #define RASTER_SHARED_GLSL
 
@@ -8,10 +8,10 @@ struct raster_vertex {
   vec4 normal_v;
 };
 
-// What few vertices have; read where the material's flags have RARE.
+// Attributes that few vertices have; read where the material's flags include RARE.
 struct raster_rare {
   vec4 color;
-  vec4 tangent; // w: side of the bitangent, 0: it follows from texture coordinates
+  vec4 tangent; // w: handedness of the bitangent; 0: derived from texture coordinates
   vec4 second_uv;
 };
 
@@ -23,7 +23,7 @@ struct raster_material {
 };
 
 const uint EMITS_BOTH_SIDES = 1u, NORMAL_MAP = 2u, NORMAL_IS_HEIGHT = 4u, ALPHA_MAP = 8u, VERTEX_COLORS = 16u, RARE = 32u;
-// Textures that are looked up by second_uv.
+// Flags of textures that use second_uv.
 const uint SECOND_BASE_COLOR = 256u, SECOND_ALPHA = 512u, SECOND_METALLIC_ROUGHNESS = 1024u, SECOND_EMISSION = 2048u,
            SECOND_NORMAL = 4096u;
 
@@ -56,10 +56,11 @@ raster_rare rare_of(raster_material m, uint vertex, vec2 uv) {
   return raster_rare(vec4(1.0), vec4(0.0), vec4(uv, 0.0, 0.0));
 }
 
-// xy: the coordinates of most textures, zw: those of the others.
+// The coordinates of a texture: xy are those of most textures, zw the second set.
 vec2 uv_for(uint flags, uint second, vec4 uvs) { return (flags & second) != 0u ? uvs.zw : uvs.xy; }
 
-// Whether the surface is there. The mask is read at its finest level: coarser ones would thin out leaves with distance.
+// Whether the surface is opaque. The mask is read at its finest level, because coarser ones would thin out leaves with
+// distance.
 bool mask_present(raster_material m, vec4 uvs, float vertex_alpha) {
   float cutoff = m.emission_cutoff.a;
   if (cutoff <= 0.0) return true;

@@ -1,6 +1,5 @@
 #version 460
-// Linear radiance to sRGB, as `octalux render` writes .png files: a shoulder above 0.6; pixels that are no number are
-// magenta.
+// Converts linear radiance to sRGB, like the .png files of `octalux render`: a shoulder above 0.6; NaN is magenta.
 
 layout(local_size_x = 8, local_size_y = 8) in;
 

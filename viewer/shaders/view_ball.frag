@@ -1,4 +1,4 @@
-// A probe's ball: its number's colour, or what its map holds in every direction. Behind a surface it is faint.
+// Shades a probe's ball: in the colour of its index, or with its map in every direction. Behind a surface it is faint.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "view_frame.glsl"
@@ -36,5 +36,5 @@ void main() {
   ivec2 pixel = min(ivec2(gl_FragCoord.xy * view.scale), ivec2(view.width, view.height) - 1);
   bool hidden = texelFetch(depth_image, pixel, 0).r > depth;
   color = vec4(look(normal, -direction), cover * (hidden ? FAINT : 1.0));
-  gl_FragDepth = hidden ? 0.5 * depth : depth; // what is faint covers nothing that is not
+  gl_FragDepth = hidden ? 0.5 * depth : depth; // faint balls must not cover opaque ones
 }

@@ -1,4 +1,4 @@
-// A square around each probe's ball.
+// The corners of a square around each probe's ball.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "view_frame.glsl"
@@ -22,7 +22,7 @@ void main() {
     float reach = 1.05 * radius * distance / sqrt(distance * distance - radius * radius);
     world = centre + (u * corner.x + v * corner.y) * reach;
     gl_Position = mat4(view.matrix[0], view.matrix[1], view.matrix[2], view.matrix[3]) * vec4(world, 1.0);
-  } else { // the eye is in it
+  } else { // the eye is inside the ball
     world = centre;
     gl_Position = vec4(0.0, 0.0, 0.0, 1.0);
   }

@@ -1,6 +1,6 @@
-// What the texels of a probe send to it, the faces of its octahedron, the blocks of texels that a march skips, and in
-// it the image of the picked ray: orange where whole blocks were skipped, green where texels were looked at (McGuire et
-// al. 2017, Figure 4).
+// Draws a probe's map: the light of its texels, the faces of its octahedron, the blocks of texels that a march skips,
+// and the image of the picked ray: orange where whole blocks were skipped, green where texels were read (McGuire et al.
+// 2017, Figure 4).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "view_frame.glsl"
@@ -14,10 +14,10 @@ const vec3 SKIPPED = vec3(1.0, 0.55, 0.05), READ = vec3(0.2, 0.95, 0.3), BEGIN =
 
 float line(float pixels, float width) { return clamp(width - abs(pixels) + 0.5, 0.0, 1.0); }
 
-// Pixels from the nearest of the lines at whole numbers of x, which counts `a_line` pixels from one to the next.
+// Distance in pixels from the nearest grid line; lines are at integers of x, and one unit of x is `a_line` pixels.
 float from_grid(float x, float a_line) { return abs(fract(x + 0.5) - 0.5) * a_line; }
 
-// Whether the march leaves a block unread: the ray is nearer than all that is in it.
+// Whether the march skips a block, because the ray is nearer than everything in it.
 bool skips(inout olx_march m, olx_piece p, float s) {
   int level = olx_field.pyramid_levels > 1u ? 1 : 0, shift = olx_pyramid_shift(level);
   ivec2 block = ivec2(olx_texel_at(p.u, s, true), olx_texel_at(p.v, s, true)) >> shift;

@@ -1,12 +1,12 @@
-// What is painted over surfaces: which probes light them, which answer their rays, and at what cost.
+// Draws overlays on surfaces: which probes light them, which probes resolve their rays, and at what cost.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "view_pixels.glsl"
 
 layout(local_size_x = OLX_PASS_SIZE, local_size_y = OLX_PASS_SIZE) in;
 
-// The colours of the irradiance probes around, each as strong as its share of the light's weights. Black where none
-// sees the place.
+// The colours of the surrounding irradiance probes, weighted by their interpolation weights. Black where no probe sees
+// the point.
 vec3 weights(vec3 position, vec3 normal) {
   olx_sample_settings settings = view_settings(false);
   vec3 to_eye = olx_normalize(view.eye.xyz - position);

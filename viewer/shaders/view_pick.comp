@@ -1,4 +1,4 @@
-// What the ray of the picked pixel finds.
+// Traces the ray of the picked pixel.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "view_pixels.glsl"

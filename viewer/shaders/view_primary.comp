@@ -1,4 +1,4 @@
-// The picture from the field alone: what the ray of each pixel sees (McGuire et al. 2017, Figure 20).
+// Renders the image from the field alone: what the ray of each pixel finds (McGuire et al. 2017, Figure 20).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "view_pixels.glsl"

@@ -1,4 +1,4 @@
-// What the viewer's C and GLSL share. Both compilers read this file; view_passes.c asserts the offsets.
+// Shared by the viewer's C and GLSL. Both compilers read this file; view_passes.c asserts the offsets.
 #ifndef OCTALUX_VIEW_SHARED_H
 #define OCTALUX_VIEW_SHARED_H
 
@@ -23,7 +23,7 @@ typedef struct view_gpu_vec4 {
 } view_gpu_vec4;
 #endif
 
-// Set 1 of the passes; set 0 is the field's.
+// Bindings of set 1 of the passes; set 0 is the field's.
 #define VIEW_BINDING_DEPTH 0   // sampled, reversed
 #define VIEW_BINDING_NORMAL 1  // sampled
 #define VIEW_BINDING_COLOR 2   // storage, rgba16f
@@ -31,7 +31,7 @@ typedef struct view_gpu_vec4 {
 #define VIEW_BINDING_PICK 4    // storage buffer, view_gpu_pick
 #define VIEW_BINDINGS 5
 
-// view_overlay of view_state.h.
+// Values of view_overlay in view_state.h.
 #define VIEW_SHADE_BALL_INDEX 1
 #define VIEW_SHADE_BALL_RADIANCE 2
 #define VIEW_SHADE_BALL_IRRADIANCE 3
@@ -50,21 +50,21 @@ typedef struct view_gpu_vec4 {
 // Push constants of all of the viewer's passes.
 VIEW_GPU_STRUCT(view_gpu_push) {
   view_gpu_vec4 matrix[4];    // columns; balls: world to clip; others: clip to world
-  view_gpu_vec4 eye;          // w: the depth of pixels that show no surface
-  view_gpu_uint width, height; // of the pictures that are lit; of the map: of the window
+  view_gpu_vec4 eye;          // w: depth of pixels without a surface
+  view_gpu_uint width, height; // size of the lit images; for the map, of the window
   view_gpu_uint overlay, flags;
   view_gpu_uint tracer, select;
-  view_gpu_uint probe; // whose map is shown, or ~0
+  view_gpu_uint probe; // probe whose map is shown, or ~0
   view_gpu_float exposure;
-  view_gpu_vec2 pick;    // pixel of the lit pictures; of the map: its corner in the window's pixels
-  view_gpu_float radius; // of balls, metres; of the map: pixels along a side
-  view_gpu_float scale;  // pixels that are lit over those of the window
+  view_gpu_vec2 pick;    // pixel of the lit images; for the map, its corner in pixels of the window
+  view_gpu_float radius; // of balls, metres; for the map, pixels along a side
+  view_gpu_float scale;  // lit pixels per pixel of the window
 };
 
 VIEW_GPU_STRUCT(view_gpu_pick) {
-  view_gpu_vec4 position;  // where the ray begins; w: 1 when there is one
-  view_gpu_vec4 normal;    // of the surface there
-  view_gpu_vec4 direction; // w: distance to its end, infinite for the sky
+  view_gpu_vec4 position;  // origin of the ray; w: 1 when there is one
+  view_gpu_vec4 normal;    // normal of the surface there
+  view_gpu_vec4 direction; // w: distance to the hit, infinite for the sky
   view_gpu_uint status, probe, steps, tried;
 };
 

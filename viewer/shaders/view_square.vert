@@ -1,4 +1,4 @@
-// The square of the window in which a map is shown.
+// The corners of the square in the window in which a map is shown.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "view_frame.glsl"

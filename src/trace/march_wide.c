@@ -3,7 +3,6 @@
 // every lane passes a clear node or texel, ascends or descends. Surfels are judged lane by lane.
 #include "trace/march_wide.h"
 
-#include "core/wide.h"
 #include "trace/march.h"
 
 #if OLX_WIDE
@@ -414,16 +413,5 @@ WIDE_CODE void olx_march_wide(const olx_field *field, const olx_probe_job *jobs,
 }
 
 bool olx_march_wide_available(const olx_field *field) { return olx_wide_available() && field->pyramid.side[0] >= 4; }
-
-#else
-
-bool olx_march_wide_available(const olx_field *field) {
-  (void)field;
-  return false;
-}
-
-void olx_march_wide(const olx_field *field, const olx_probe_job *jobs, uint32_t count, olx_probe_answer *answers) {
-  for (uint32_t i = 0; i < count; i++) answers[i] = olx_trace_probe(field, jobs[i].probe, &jobs[i].ray, OLX_TRACER_HIZ);
-}
 
 #endif

@@ -115,9 +115,11 @@ olx_probe_answer olx_trace_probe(const olx_field *field, uint32_t probe, const o
 
 void olx_trace_probes(const olx_field *field, const olx_probe_job *jobs, uint32_t count, olx_tracer tracer,
                       olx_probe_answer *answers) {
+#if OLX_WIDE
   if (tracer == OLX_TRACER_HIZ && olx_march_wide_available(field)) {
     olx_march_wide(field, jobs, count, answers);
     return;
   }
+#endif
   for (uint32_t i = 0; i < count; i++) answers[i] = olx_trace_probe(field, jobs[i].probe, &jobs[i].ray, tracer);
 }

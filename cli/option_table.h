@@ -50,8 +50,8 @@ typedef struct command_line {
   bool was_given[MOST_OPTIONS]; // filled by parsing: whether each option was given
 } command_line;
 
-// The prefix of a command's name in messages: "octalux ", or nothing for a separate program, such as octalux-view, whose
-// name begins with "octalux" itself.
+// The prefix of a command's name in messages: "octalux ", or nothing for a separate program, such as octalux-view,
+// whose name begins with "octalux" itself.
 static inline const char *program_prefix(const char *command) {
   return strncmp(command, "octalux", 7) == 0 ? "" : "octalux ";
 }

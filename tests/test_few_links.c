@@ -127,8 +127,9 @@ static void assert_drawn(const olx_few_link *all, const olx_few_link *drawn, uin
   assert_int_equal(next, count); // each once, in their order
 }
 
-// Those heavier than a threshold stay as they are, and each of the others that is drawn weighs as much as it. Since
-// their weight is a whole number of thresholds, so many are drawn, but for rounding one less.
+// Links heavier than a threshold are kept unchanged, and each lighter link that is drawn gets the threshold as its
+// weight. The lighter links weigh a whole number of thresholds together, and as many of them are drawn, or one fewer by
+// rounding.
 static void too_many_are_drawn(void **state) {
   (void)state;
   olx_link_list list = begin(SURFELS);

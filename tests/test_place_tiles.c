@@ -68,7 +68,7 @@ static olx_scene *load_caves(uint32_t seed) {
   return made_finish(scene);
 }
 
-// The same voxels one by one, free ones 0.
+// Labels every voxel by its state in the world of bricks, free ones with 0, for comparison with a flood voxel by voxel.
 static void label_voxels(const olx_world *world, const olx_voxels *v, uint32_t *labels) {
   for (size_t i = 0; i < v->total; i++) {
     uint32_t voxel[3];

@@ -58,16 +58,22 @@ static olx_vec3 around(olx_vec3 n, uint64_t i) {
   return length > 1e-3f ? (olx_vec3){d.x / length, d.y / length, d.z / length} : s;
 }
 
+// Traces ray i of an endless sequence from a probe that is not buried; false where it has none or meets no surface.
+static bool meet_surface(const olx_field *field, const olx_field_info *info, uint64_t i, olx_trace_hit *hit) {
+  const olx_sample_settings settings = olx_sample_settings_default();
+  const uint32_t probe = (uint32_t)(unit(i, 5) * (float)info->probe_count);
+  if (olx_field_probe_buried(field, probe)) return false;
+  const olx_vec3 eye = olx_field_probe_position(field, probe);
+  *hit = olx_trace(field, &settings, eye, query_at(info, i).direction, INFINITY);
+  return hit->status == OLX_TRACE_HIT;
+}
+
 // Generates cosine-distributed rays from surfaces that probes see, like those of gathering and of glossy light.
 static uint32_t surface_rays(const olx_field *field, const olx_field_info *info, ray *rays, uint32_t count) {
-  const olx_sample_settings settings = olx_sample_settings_default();
   uint32_t made = 0;
   for (uint64_t i = 0; made < count && i < (uint64_t)count * 64; i++) {
-    const uint32_t probe = (uint32_t)(unit(i, 5) * (float)info->probe_count);
-    if (olx_field_probe_buried(field, probe)) continue;
-    const olx_vec3 eye = olx_field_probe_position(field, probe);
-    const olx_trace_hit hit = olx_trace(field, &settings, eye, query_at(info, i).direction, INFINITY);
-    if (hit.status != OLX_TRACE_HIT) continue;
+    olx_trace_hit hit;
+    if (!meet_surface(field, info, i, &hit)) continue;
     const olx_vec3 p = hit.position, n = hit.normal;
     const float off = 0.05f * hit.footprint_metres;
     rays[made++] = (ray){{p.x + off * n.x, p.y + off * n.y, p.z + off * n.z}, around(n, i + count)};
@@ -174,14 +180,10 @@ static void measure_irradiance(const olx_field *field, const olx_field_info *inf
 
 // Finds points on surfaces that probes see, and their normals.
 static uint32_t surface_points(const olx_field *field, const olx_field_info *info, ray *points, uint32_t count) {
-  const olx_sample_settings settings = olx_sample_settings_default();
   uint32_t made = 0;
   for (uint64_t i = 0; made < count && i < (uint64_t)count * 64; i++) {
-    const uint32_t probe = (uint32_t)(unit(i, 5) * (float)info->probe_count);
-    if (olx_field_probe_buried(field, probe)) continue;
-    const olx_vec3 eye = olx_field_probe_position(field, probe);
-    const olx_trace_hit hit = olx_trace(field, &settings, eye, query_at(info, i).direction, INFINITY);
-    if (hit.status == OLX_TRACE_HIT) points[made++] = (ray){hit.position, hit.normal};
+    olx_trace_hit hit;
+    if (meet_surface(field, info, i, &hit)) points[made++] = (ray){hit.position, hit.normal};
   }
   return made;
 }

@@ -104,8 +104,8 @@ typedef struct olx_place_settings {
                        // default 14,000; in tiles, where there are 2^20 voxels of space
   uint32_t candidates; // 16 to 16,384; default 2,000; in tiles likewise
   // The edge of a voxel in metres, within [0, 1e6]; 0 (the default): 0.25, so that a door of one metre is open wherever
-  // its frame lies, or a twelfth of the median height from floors to what is above them where that is more. Space longer
-  // than 160 voxels is covered in tiles of 128^3 voxels by OLX_PLACE_COVER, and measured in such tiles for
+  // its frame lies, or a twelfth of the median height from floors to what is above them where that is more. Space
+  // longer than 160 voxels is covered in tiles of 128^3 voxels by OLX_PLACE_COVER, and measured in such tiles for
   // OLX_PLACE_GRID, both without an optimizer; the edge is doubled until the voxels fit into memory
   // (report.voxel_metres). Otherwise space is one tile, which has 160 voxels along its longest side when this is 0, and
   // otherwise as many as it takes, 512 at most.

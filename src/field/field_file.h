@@ -124,7 +124,7 @@ void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHU
 
 // Estimates the bytes that the description does not determine, for a field with maps of radiance_size^2 texels: planes
 // of fine surfaces, tiles of emission and bricks in proportion to the texels, and the irradiance volume
-// (docs/studies/storage.md).
+// (docs/baking.md, "What a bake takes").
 uint64_t olx_expected_extra_bytes(uint64_t probes, uint32_t radiance_size);
 
 // Returns whether a Vulkan device holds chunks of that kind as they are in the file (src/vulkan/gpu_field.c).

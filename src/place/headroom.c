@@ -1,5 +1,5 @@
-// Measures how high the rooms of a scene are: casts rays upwards from points of all surfaces that face up, and takes the
-// median of the distances to what they hit.
+// Measures how high the rooms of a scene are: casts rays upwards from points of all surfaces that face up, and takes
+// the median of the distances to what they hit.
 #include "place/headroom.h"
 
 #include "core/hooks.h"

@@ -14,8 +14,8 @@ typedef struct olx_lattice {
 // Called for a cube that a surface touches, from any thread, possibly several times or concurrently for the same cube.
 typedef void (*olx_mark_cell)(void *user, const int32_t cell[3]);
 
-// Marks every cube that a triangle touches, conservatively. For an alpha-masked triangle only cubes in which samples find
-// its surface opaque are marked, or with `whole` all that it touches: samples are too far apart for large cubes.
+// Marks every cube that a triangle touches, conservatively. For an alpha-masked triangle only cubes in which samples
+// find its surface opaque are marked, or with `whole` all that it touches: samples are too far apart for large cubes.
 olx_result olx_mark_cells(const olx_scene *scene, const olx_lattice *lattice, bool whole, uint32_t threads,
                           olx_mark_cell mark, void *user);
 

@@ -141,8 +141,8 @@ function place() {
   byId('line').style.left = `${split.value / 10}%`;
 }
 
-// Whether the device is still at what it was given last. Calls return long before it is done, so that nothing else tells
-// how long a frame takes, and more would pile up behind it.
+// Whether the device is still at what it was given last. Calls return long before it is done, so that nothing else
+// tells how long a frame takes, and more would pile up behind it.
 function isBusy() {
   const gl = renderer.getContext();
   if (!pending || gl.getSyncParameter(pending, gl.SYNC_STATUS) !== gl.SIGNALED) return pending !== null;
@@ -210,7 +210,7 @@ function addDepth() {
   });
 }
 
-// The same triangles at the same place, with another material.
+// Adds a mesh to `target` with the triangles and the place of `mesh`, and another material.
 function addOver(target, mesh, material) {
   const over = new Mesh(mesh.geometry, material);
   over.matrixAutoUpdate = false;
